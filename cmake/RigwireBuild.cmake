@@ -1,0 +1,62 @@
+# Compiler settings and the two functions with which every folder declares itself.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()
+
+set(RIGWIRE_SANITIZE "" CACHE STRING "Sanitizers to build with, for example address,undefined")
+if(RIGWIRE_SANITIZE)
+  add_compile_options(-fsanitize=${RIGWIRE_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${RIGWIRE_SANITIZE})
+endif()
+
+set(RIGWIRE_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
+
+# rigwire_library(<folder> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>])
+#
+# Declares one folder of the house as the static library rigwire_<folder> with the alias
+# rigwire::<folder>. Its headers are reachable as "<folder>/name.h", and only by targets that link
+# it: the include directory is a link of its own per folder, so that an include against the design
+# (docs/architecture.md, "One way through the house") does not compile.
+function(rigwire_library folder)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  string(REPLACE "/" "_" name ${folder})
+  set(include_root ${PROJECT_BINARY_DIR}/include/${name})
+  get_filename_component(parent ${include_root}/${folder} DIRECTORY)
+  file(MAKE_DIRECTORY ${parent})
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${include_root}/${folder} SYMBOLIC)
+
+  add_library(rigwire_${name} STATIC ${ARG_SOURCES})
+  get_filename_component(leaf ${folder} NAME)
+  add_library(rigwire::${leaf} ALIAS rigwire_${name})
+  target_include_directories(rigwire_${name} PUBLIC ${include_root})
+  target_compile_options(rigwire_${name} PRIVATE ${RIGWIRE_WARNINGS})
+  target_link_libraries(rigwire_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+endfunction()
+
+# rigwire_test(<folder> [LINK <targets>])
+#
+# One GoogleTest program per folder of the house, <folder>_tests, from every tests/<folder>/**_test.cpp.
+function(rigwire_test folder)
+  cmake_parse_arguments(ARG "" "" "LINK" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  if(NOT sources)
+    return()
+  endif()
+  add_executable(${folder}_tests ${sources})
+  target_compile_options(${folder}_tests PRIVATE ${RIGWIRE_WARNINGS})
+  target_include_directories(${folder}_tests PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_compile_definitions(${folder}_tests PRIVATE
+    RIGWIRE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" RIGWIRE_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  target_link_libraries(${folder}_tests PRIVATE ${ARG_LINK} GTest::gmock_main)
+  gtest_discover_tests(${folder}_tests DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300 LABELS ${folder})
+endfunction()

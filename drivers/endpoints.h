@@ -1,0 +1,86 @@
+// The endpoints that a device or a field program holds: byte streams, datagrams, CAN buses, stream
+// servers. Each has an implementation on the operating system and an in-memory twin with the same
+// behaviour, so that deterministic tests need no system.
+//
+// All endpoints belong to one Asio io_context and are used from the thread that runs it. Received data
+// is handed to the receiver given to start(), from within io_context::poll()/run(). Writing never
+// blocks: what the system does not take at once is refused and reported, and the caller counts it.
+// Opening throws EndpointError with the address, what was tried and how to mend it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+#include "protocols/can/frame.h"
+
+namespace rigwire::drivers {
+
+/// Opening an endpoint failed. what() names the address, the system's reason and the mend.
+class EndpointError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What a status table shows of an endpoint.
+struct EndpointStatus {
+  std::string address;          ///< What a client opens: "/tmp/rigwire/gnss", "udp 127.0.0.1:2368".
+  bool client_present = false;  ///< Somebody has it open, is connected, or has answered.
+};
+
+/// A serial line or an equivalent stream of bytes.
+class ByteStream {
+ public:
+  using Receiver = std::function<void(std::span<const std::uint8_t>)>;
+  virtual ~ByteStream() = default;
+  virtual void start(Receiver receiver) = 0;
+  /// Returns how many of the bytes were taken. Bytes offered while no client has the stream open are
+  /// taken and forgotten, as on a line with nothing plugged in.
+  virtual std::size_t write(std::span<const std::uint8_t> bytes) = 0;
+  [[nodiscard]] virtual EndpointStatus status() const = 0;
+};
+
+/// One UDP socket with a fixed destination, or a bound one that receives.
+class DatagramSocket {
+ public:
+  using Receiver = std::function<void(std::span<const std::uint8_t>)>;
+  virtual ~DatagramSocket() = default;
+  virtual void start(Receiver receiver) = 0;
+  /// False when the system refused the datagram (buffer full).
+  virtual bool send(std::span<const std::uint8_t> datagram) = 0;
+  [[nodiscard]] virtual EndpointStatus status() const = 0;
+};
+
+/// A CAN bus as one node sees it.
+class CanBus {
+ public:
+  using Receiver = std::function<void(const protocols::can::Frame&)>;
+  virtual ~CanBus() = default;
+  virtual void start(Receiver receiver) = 0;
+  /// False when the frame could not be queued (ENOBUFS, line full, bus closed by the client).
+  virtual bool send(const protocols::can::Frame& frame) = 0;
+  [[nodiscard]] virtual EndpointStatus status() const = 0;
+};
+
+/// A listening stream socket with its clients, numbered from 1 and never reused.
+class StreamServer {
+ public:
+  using ConnectionId = std::uint64_t;
+  struct Handler {
+    std::function<void(ConnectionId)> connected;
+    std::function<void(ConnectionId, std::span<const std::uint8_t>)> received;
+    std::function<void(ConnectionId)> disconnected;
+  };
+  virtual ~StreamServer() = default;
+  virtual void start(Handler handler) = 0;
+  /// False when the connection is gone or its client has not read for so long that its bounded
+  /// backlog is full; the connection is then closed.
+  virtual bool send(ConnectionId connection, std::span<const std::uint8_t> bytes) = 0;
+  virtual void close(ConnectionId connection) = 0;
+  [[nodiscard]] virtual EndpointStatus status() const = 0;
+};
+
+}  // namespace rigwire::drivers

@@ -1,0 +1,44 @@
+// The backend face of each device class: SI samples in, actuator commands out. One class of device,
+// one interface, whatever the make; a test that drives a backend works on every emulator of the class.
+//
+// update() first lets the device live up to sample.time (as advance() does), then takes the sample.
+#pragma once
+
+#include "sim/samples/gnss_sample.h"
+#include "sim/samples/imu_sample.h"
+#include "sim/samples/lidar_sample.h"
+#include "sim/samples/valve_sample.h"
+
+namespace rigwire::emulators {
+
+class GnssBackend {
+ public:
+  virtual ~GnssBackend() = default;
+  virtual void update(const GnssSample& sample) = 0;
+};
+
+class ImuBackend {
+ public:
+  virtual ~ImuBackend() = default;
+  virtual void update(const ImuSample& sample) = 0;
+};
+
+class LidarBackend {
+ public:
+  virtual ~LidarBackend() = default;
+  /// The firing pattern that the caster must follow.
+  [[nodiscard]] virtual const LidarPattern& pattern() const = 0;
+  /// The rotor speed that the device asks of its motor, rad/s, clockwise positive.
+  [[nodiscard]] virtual double rotor_rate_radps() const = 0;
+  virtual void update(const LidarFiring& firing) = 0;
+};
+
+class ValveBackend {
+ public:
+  virtual ~ValveBackend() = default;
+  virtual void update(const ValveSample& sample) = 0;
+  /// The set points that the driver's output stage holds at present.
+  [[nodiscard]] virtual const ValveCommand& command() const = 0;
+};
+
+}  // namespace rigwire::emulators

@@ -1,0 +1,118 @@
+// What every emulated device has: a life in simulated time, a wire face and a backend face.
+//
+// Wire face: bytes or frames arrive by receive(), and leave through an output object given at
+// construction, each with the instant at which it is due on the wire. Backend face: SI samples arrive
+// by update(), actuator commands are read by the executive. An emulator is a state machine over
+// simulated time: no sockets, no threads, no wall time, no hidden randomness (a named random stream
+// seed is a constructor argument where a device needs one). Calls come from one thread, with times
+// that never decrease.
+//
+// Steady state never throws and does not allocate per message.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "protocols/can/frame.h"
+#include "sim/samples/time.h"
+
+namespace rigwire::emulators {
+
+/// What reached a device over its wire.
+struct ReceiveCounters {
+  std::uint64_t bytes = 0;      ///< Everything that arrived.
+  std::uint64_t accepted = 0;   ///< Messages understood and meant for this device.
+  std::uint64_t ignored = 0;    ///< Well formed, but not for this device, or not supported by it.
+  std::uint64_t malformed = 0;  ///< Bad checksum, bad length, garbage runs.
+};
+
+/// One physical quantity of a backend: what the wire format can carry of it. Tests compare what a
+/// client reads with the truth to within `resolution`.
+struct Quantity {
+  std::string_view name;  ///< Field term, for example "latitude".
+  std::string_view unit;  ///< SI or accepted unit, for example "deg".
+  double lower = 0.0;     ///< Least value that the format can carry.
+  double upper = 0.0;     ///< Greatest value that the format can carry.
+  double resolution = 0.0;  ///< One count.
+};
+
+class Device {
+ public:
+  virtual ~Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  /// Lets the device live up to and including `now`: everything it does by itself until then is done
+  /// and sent. Calling it earlier than next_event() is harmless.
+  virtual void advance(SimTime now) = 0;
+
+  /// The instant at which the device wants to be advanced next; kNever when it only reacts.
+  [[nodiscard]] virtual SimTime next_event() const = 0;
+
+  /// When the device wants its sensor sampled. May change when a client reconfigures it. Devices
+  /// without a sensor return a plan whose first is kNever.
+  [[nodiscard]] virtual SamplePlan sample_plan() const = 0;
+
+  [[nodiscard]] virtual ReceiveCounters received() const = 0;
+
+  /// What the wire format carries, for `rigwire describe` and for tests.
+  [[nodiscard]] virtual std::span<const Quantity> quantities() const = 0;
+
+ protected:
+  Device() = default;
+};
+
+/// Where a device sends bytes: a serial line, or one UDP port. Each call is one unit that the wire
+/// keeps together (a datagram; for a serial line the bytes that leave the UART by `due`). `due` never
+/// decreases from call to call on one output. The bytes are copied before the call returns.
+class ByteOutput {
+ public:
+  virtual ~ByteOutput() = default;
+  virtual void send(SimTime due, std::span<const std::uint8_t> bytes) = 0;
+};
+
+/// Where a device sends CAN frames. `due` is when the controller wants to start transmitting.
+class FrameOutput {
+ public:
+  virtual ~FrameOutput() = default;
+  virtual void send(SimTime due, const protocols::can::Frame& frame) = 0;
+};
+
+/// Number of one client connection of a stream server; never reused within a run.
+using ConnectionId = std::uint64_t;
+
+/// Where a server device answers its clients.
+class StreamOutput {
+ public:
+  virtual ~StreamOutput() = default;
+  virtual void send(ConnectionId connection, SimTime due, std::span<const std::uint8_t> bytes) = 0;
+  /// Ends the connection after everything sent so far has left.
+  virtual void close(ConnectionId connection, SimTime due) = 0;
+};
+
+/// A device on a serial line.
+class SerialDevice : public Device {
+ public:
+  /// Bytes from the client, in arrival order, at `now`.
+  virtual void receive(SimTime now, std::span<const std::uint8_t> bytes) = 0;
+  /// Line speed that the device uses at present, bits per second.
+  [[nodiscard]] virtual std::uint32_t baud() const = 0;
+};
+
+/// A device on a CAN bus.
+class CanDevice : public Device {
+ public:
+  /// A frame that another node sent, complete at `now`.
+  virtual void receive(SimTime now, const protocols::can::Frame& frame) = 0;
+};
+
+/// A device that serves byte streams (Modbus TCP).
+class StreamDevice : public Device {
+ public:
+  virtual void connected(SimTime now, ConnectionId connection) = 0;
+  virtual void receive(SimTime now, ConnectionId connection, std::span<const std::uint8_t> bytes) = 0;
+  virtual void disconnected(SimTime now, ConnectionId connection) = 0;
+};
+
+}  // namespace rigwire::emulators

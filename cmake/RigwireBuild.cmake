@@ -54,7 +54,7 @@ function(rigwire_test folder)
   endif()
   add_executable(${folder}_tests ${sources})
   target_compile_options(${folder}_tests PRIVATE ${RIGWIRE_WARNINGS})
-  target_include_directories(${folder}_tests PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_include_directories(${folder}_tests PRIVATE ${PROJECT_SOURCE_DIR}/tests/support)
   target_compile_definitions(${folder}_tests PRIVATE
     RIGWIRE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" RIGWIRE_BINARY_DIR="${PROJECT_BINARY_DIR}")
   target_link_libraries(${folder}_tests PRIVATE ${ARG_LINK} GTest::gmock_main)

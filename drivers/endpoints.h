@@ -2,10 +2,10 @@
 // servers. Each has an implementation on the operating system and an in-memory twin with the same
 // behaviour, so that deterministic tests need no system.
 //
-// All endpoints belong to one Asio io_context and are used from the thread that runs it. Received data
-// is handed to the receiver given to start(), from within io_context::poll()/run(). Writing never
-// blocks: what the system does not take at once is refused and reported, and the caller counts it.
-// Opening throws EndpointError with the address, what was tried and how to mend it.
+// All endpoints belong to one Asio io_context and are used from the thread that runs it. Received
+// data is handed to the receiver given to start(), from within io_context::poll()/run(). Writing
+// never blocks: what the system does not take at once is refused and reported, and the caller
+// counts it. Opening throws EndpointError with the address, what was tried and how to mend it.
 #pragma once
 
 #include <cstddef>
@@ -37,8 +37,8 @@ class ByteStream {
   using Receiver = std::function<void(std::span<const std::uint8_t>)>;
   virtual ~ByteStream() = default;
   virtual void start(Receiver receiver) = 0;
-  /// Returns how many of the bytes were taken. Bytes offered while no client has the stream open are
-  /// taken and forgotten, as on a line with nothing plugged in.
+  /// Returns how many of the bytes were taken. Bytes offered while no client has the stream open
+  /// are taken and forgotten, as on a line with nothing plugged in.
   virtual std::size_t write(std::span<const std::uint8_t> bytes) = 0;
   [[nodiscard]] virtual EndpointStatus status() const = 0;
 };

@@ -1,5 +1,6 @@
 // The backend face of each device class: SI samples in, actuator commands out. One class of device,
-// one interface, whatever the make; a test that drives a backend works on every emulator of the class.
+// one interface, whatever the make; a test that drives a backend works on every emulator of the
+// class.
 //
 // update() first lets the device live up to sample.time (as advance() does), then takes the sample.
 #pragma once

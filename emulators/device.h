@@ -1,11 +1,11 @@
 // What every emulated device has: a life in simulated time, a wire face and a backend face.
 //
 // Wire face: bytes or frames arrive by receive(), and leave through an output object given at
-// construction, each with the instant at which it is due on the wire. Backend face: SI samples arrive
-// by update(), actuator commands are read by the executive. An emulator is a state machine over
-// simulated time: no sockets, no threads, no wall time, no hidden randomness (a named random stream
-// seed is a constructor argument where a device needs one). Calls come from one thread, with times
-// that never decrease.
+// construction, each with the instant at which it is due on the wire. Backend face: SI samples
+// arrive by update(), actuator commands are read by the executive. An emulator is a state machine
+// over simulated time: no sockets, no threads, no wall time, no hidden randomness (a named random
+// stream seed is a constructor argument where a device needs one). Calls come from one thread, with
+// times that never decrease.
 //
 // Steady state never throws and does not allocate per message.
 #pragma once
@@ -30,10 +30,10 @@ struct ReceiveCounters {
 /// One physical quantity of a backend: what the wire format can carry of it. Tests compare what a
 /// client reads with the truth to within `resolution`.
 struct Quantity {
-  std::string_view name;  ///< Field term, for example "latitude".
-  std::string_view unit;  ///< SI or accepted unit, for example "deg".
-  double lower = 0.0;     ///< Least value that the format can carry.
-  double upper = 0.0;     ///< Greatest value that the format can carry.
+  std::string_view name;    ///< Field term, for example "latitude".
+  std::string_view unit;    ///< SI or accepted unit, for example "deg".
+  double lower = 0.0;       ///< Least value that the format can carry.
+  double upper = 0.0;       ///< Greatest value that the format can carry.
   double resolution = 0.0;  ///< One count.
 };
 
@@ -43,8 +43,8 @@ class Device {
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
-  /// Lets the device live up to and including `now`: everything it does by itself until then is done
-  /// and sent. Calling it earlier than next_event() is harmless.
+  /// Lets the device live up to and including `now`: everything it does by itself until then is
+  /// done and sent. Calling it earlier than next_event() is harmless.
   virtual void advance(SimTime now) = 0;
 
   /// The instant at which the device wants to be advanced next; kNever when it only reacts.
@@ -64,8 +64,8 @@ class Device {
 };
 
 /// Where a device sends bytes: a serial line, or one UDP port. Each call is one unit that the wire
-/// keeps together (a datagram; for a serial line the bytes that leave the UART by `due`). `due` never
-/// decreases from call to call on one output. The bytes are copied before the call returns.
+/// keeps together (a datagram; for a serial line the bytes that leave the UART by `due`). `due`
+/// never decreases from call to call on one output. The bytes are copied before the call returns.
 class ByteOutput {
  public:
   virtual ~ByteOutput() = default;
@@ -111,7 +111,8 @@ class CanDevice : public Device {
 class StreamDevice : public Device {
  public:
   virtual void connected(SimTime now, ConnectionId connection) = 0;
-  virtual void receive(SimTime now, ConnectionId connection, std::span<const std::uint8_t> bytes) = 0;
+  virtual void receive(SimTime now, ConnectionId connection,
+                       std::span<const std::uint8_t> bytes) = 0;
   virtual void disconnected(SimTime now, ConnectionId connection) = 0;
 };
 

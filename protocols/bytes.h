@@ -12,9 +12,11 @@
 
 namespace rigwire::protocols {
 
-/// The unsigned or signed integer of sizeof(Integer) bytes at `offset`, least significant byte first.
+/// The unsigned or signed integer of sizeof(Integer) bytes at `offset`, least significant byte
+/// first.
 template <std::integral Integer>
-[[nodiscard]] constexpr Integer load_little(std::span<const std::uint8_t> bytes, std::size_t offset) {
+[[nodiscard]] constexpr Integer load_little(std::span<const std::uint8_t> bytes,
+                                            std::size_t offset) {
   assert(offset + sizeof(Integer) <= bytes.size());
   using Unsigned = std::make_unsigned_t<Integer>;
   Unsigned value = 0;

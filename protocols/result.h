@@ -1,6 +1,6 @@
-// How decoders answer. Steady state never throws: a decoder returns a Decoded<T>, which either holds
-// the value and the number of bytes it took, or says whether more bytes could help (incomplete) or
-// not (malformed), and why.
+// How decoders answer. Steady state never throws: a decoder returns a Decoded<T>, which either
+// holds the value and the number of bytes it took, or says whether more bytes could help
+// (incomplete) or not (malformed), and why.
 #pragma once
 
 #include <cassert>

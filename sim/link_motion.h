@@ -1,8 +1,8 @@
 // Where one rigid link of a machine is and how it moves, for the sensors mounted on it.
 //
 // Frames: W world, east-north-up at the scene's map origin, double metres; L the link, x forward,
-// y left, z up. Names as docs/glossary.md says: X_WL pose of L in W, v_WL_W velocity of L's origin in W
-// expressed in W.
+// y left, z up. Names as docs/glossary.md says: X_WL pose of L in W, v_WL_W velocity of L's origin
+// in W expressed in W.
 #pragma once
 
 #include <Eigen/Geometry>

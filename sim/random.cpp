@@ -44,7 +44,9 @@ std::uint64_t RandomStream::bits() {
   return result;
 }
 
-double RandomStream::uniform() { return static_cast<double>(bits() >> 11U) * 0x1.0p-53; }
+double RandomStream::uniform() {
+  return static_cast<double>(bits() >> 11U) * 0x1.0p-53;
+}
 
 double RandomStream::uniform(double lower, double upper) {
   return lower + (upper - lower) * uniform();

@@ -2,9 +2,9 @@
 //
 // A stream is seeded by the run's seed and a name ("imu_boom/gyro"), so that adding a device or a
 // thread never shifts another device's numbers. Generator: xoshiro256++ (Blackman and Vigna,
-// "Scrambled linear pseudorandom number generators", ACM TOMS 47(4), 2021), seeded through SplitMix64;
-// the name enters by FNV-1a. The distributions are our own because those of the standard library may
-// differ between implementations: same seed, same numbers, on every machine.
+// "Scrambled linear pseudorandom number generators", ACM TOMS 47(4), 2021), seeded through
+// SplitMix64; the name enters by FNV-1a. The distributions are our own because those of the
+// standard library may differ between implementations: same seed, same numbers, on every machine.
 #pragma once
 
 #include <array>

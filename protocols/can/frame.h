@@ -9,10 +9,10 @@ namespace rigwire::protocols::can {
 
 /// ISO 11898-1 classic data or remote frame. CAN FD is not modelled.
 struct Frame {
-  std::uint32_t id = 0;       ///< 11 bits, or 29 bits when `extended`.
-  bool extended = false;      ///< 29-bit identifier.
-  bool remote = false;        ///< Remote request: no data, `length` is the requested length.
-  std::uint8_t length = 0;    ///< 0..8.
+  std::uint32_t id = 0;     ///< 11 bits, or 29 bits when `extended`.
+  bool extended = false;    ///< 29-bit identifier.
+  bool remote = false;      ///< Remote request: no data, `length` is the requested length.
+  std::uint8_t length = 0;  ///< 0..8.
   std::array<std::uint8_t, 8> data{};
 
   [[nodiscard]] std::span<const std::uint8_t> payload() const {

@@ -71,7 +71,9 @@ bool leap_second_follows(std::int64_t day_start_ns) {
   return false;
 }
 
-[[noreturn]] void reject(const std::string& what) { throw std::invalid_argument(what); }
+[[noreturn]] void reject(const std::string& what) {
+  throw std::invalid_argument(what);
+}
 
 }  // namespace
 
@@ -94,9 +96,9 @@ Calendar::Calendar(const UtcTime& start) : start_gps_ns_(0) {
       !(start.hour == 23 && start.minute == 59 && leap_second_follows(day_ns))) {
     reject("no leap second was inserted at " + format_utc(start));
   }
-  const std::int64_t utc_ns =
-      day_ns + ((start.hour * 60LL + start.minute) * 60 + start.second) * kSecond +
-      start.nanosecond;
+  const std::int64_t utc_ns = day_ns +
+                              ((start.hour * 60LL + start.minute) * 60 + start.second) * kSecond +
+                              start.nanosecond;
   // Leap seconds in force on that day: the last step whose date is not later than the day.
   std::int32_t leap = 0;
   for (const auto& step : kLeapSteps) {

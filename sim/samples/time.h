@@ -1,8 +1,8 @@
 // Simulation time: a strong type, integer nanoseconds since the start of the run.
 //
-// SimTime counts from the start of the simulation and knows nothing of calendars; calendar.h derives
-// GPS time and UTC from it, in that one place. No double ever accumulates time: a double of seconds is
-// only made at the edge, for formulas and for printing.
+// SimTime counts from the start of the simulation and knows nothing of calendars; calendar.h
+// derives GPS time and UTC from it, in that one place. No double ever accumulates time: a double of
+// seconds is only made at the edge, for formulas and for printing.
 #pragma once
 
 #include <chrono>

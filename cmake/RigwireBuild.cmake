@@ -20,6 +20,9 @@ if(RIGWIRE_SANITIZE)
 endif()
 
 set(RIGWIRE_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
+if(RIGWIRE_SANITIZE MATCHES thread)
+  list(APPEND RIGWIRE_WARNINGS -Wno-tsan)  # Asio's thread fences, which the sanitizer cannot see
+endif()
 
 # rigwire_library(<folder> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>])
 #

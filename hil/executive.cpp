@@ -191,7 +191,11 @@ void Executive::route(const SampleBatch& batch) {
   };
   deliver(batch.gnss, gnss_);
   deliver(batch.imu, imu_);
-  deliver(batch.lidar, lidar_);
+  for (const auto& block : batch.lidar) {
+    for (const auto& firing : block.firings) {
+      lidar_[block.device]->put(firing);
+    }
+  }
   deliver(batch.valves, valves_);
   machine_state_ = batch.state;
   frontier_ = batch.until;

@@ -5,7 +5,9 @@ namespace rigwire::hil {
 void SampleBatch::clear() {
   gnss.clear();
   imu.clear();
-  lidar.clear();
+  for (auto& block : lidar) {
+    block.firings.clear();
+  }
   valves.clear();
   state.clear();
 }

@@ -25,6 +25,12 @@ struct Addressed {
   Content content;
 };
 
+/// The firings of one lidar.
+struct LidarBlock {
+  DeviceIndex device = 0;
+  std::vector<LidarFiring> firings;
+};
+
 /// All samples of one slice of simulated time, each kind in order of time. Reused from slice to
 /// slice so that its memory is taken once.
 struct SampleBatch {
@@ -33,7 +39,7 @@ struct SampleBatch {
       until{};  ///< Samples lie in (from, until]; those of the very first slice in [from, until].
   std::vector<Addressed<GnssSample>> gnss;
   std::vector<Addressed<ImuSample>> imu;
-  std::vector<Addressed<LidarFiring>> lidar;
+  std::vector<LidarBlock> lidar;  ///< One per lidar of the rig; kept by clear(), emptied.
   std::vector<Addressed<ValveSample>> valves;
   std::vector<double> state;  ///< At `until`, in the order of TruthSource::state_quantities().
 

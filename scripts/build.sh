@@ -31,4 +31,9 @@ jobs=$(nproc)
 memory_gb=$(awk '/MemAvailable/ {print int($2 / 1000000)}' /proc/meminfo)
 if [ $((memory_gb * 2 / 3)) -lt "$jobs" ]; then jobs=$((memory_gb * 2 / 3)); fi
 if [ "$jobs" -lt 1 ]; then jobs=1; fi
-ninja --quiet -C "$directory" -j "$jobs" "$@"
+# Progress for a person at a terminal; only warnings and errors in a log.
+if [ -t 1 ]; then
+  NINJA_STATUS='building %f of %t  ' ninja -C "$directory" -j "$jobs" "$@"
+else
+  ninja --quiet -C "$directory" -j "$jobs" "$@" | { grep -v '^ninja: no work to do' || true; }
+fi

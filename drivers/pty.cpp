@@ -67,7 +67,7 @@ int take_ownership(const fs::path& link) {
 void require_replaceable(const fs::path& link) {
   struct stat own {};
   if (::lstat(link.c_str(), &own) != 0) {
-    if (errno == ENOENT) {
+    if (errno == ENOENT || errno == ENOTDIR) {
       return;
     }
     fail(link, "cannot look at it: " + reason(errno), "choose a path that this user can reach");

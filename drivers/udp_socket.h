@@ -31,10 +31,10 @@ struct UdpEndpoint {
 };
 
 struct UdpSettings {
-  std::optional<UdpEndpoint> destination;  ///< Set: the socket is connected and can send.
-  std::optional<UdpEndpoint> bind;         ///< Source of what is sent, and where it receives.
-  bool broadcast = false;                  ///< Allows a broadcast address as the destination.
-  int receive_buffer_bytes = 1 << 20;      ///< Asked of the system, which may give less.
+  std::optional<UdpEndpoint> destination = {};  ///< Set: the socket is connected and can send.
+  std::optional<UdpEndpoint> bind = {};         ///< Source of what is sent, and where it receives.
+  bool broadcast = false;                       ///< Allows a broadcast address as the destination.
+  int receive_buffer_bytes = 1 << 20;           ///< Asked of the system, which may give less.
 };
 
 class UdpSocket final : public DatagramSocket {

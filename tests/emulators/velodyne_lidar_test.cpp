@@ -122,7 +122,7 @@ TEST_F(VelodyneLidarTest, RangesAreRoundedToTwoMillimetresAndNoneIsZero) {
     lidar.update(shot);
   }
   ASSERT_EQ(data.sent.size(), 1U);
-  const auto& channels = packet(data.sent[0]).blocks[3].channels;
+  const auto channels = packet(data.sent[0]).blocks[3].channels;
   EXPECT_EQ(channels[0], (velodyne::Channel{6172, 50}));
   EXPECT_EQ(channels[1], (velodyne::Channel{6173, 100}));
   EXPECT_EQ(channels[2], velodyne::Channel{});

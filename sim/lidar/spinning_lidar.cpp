@@ -223,8 +223,9 @@ void SpinningLidar::prepare(const Scene& scene, SimTime t0, SimTime t1,
     const std::size_t lane = block.count++;
     const LinkMotion mount = interpolate(t0, mount_at_t0, t1, mount_at_t1, time);
     const Eigen::Vector3d p = mount.X_WL.translation() - origin_W;
+    const Eigen::Matrix3d R = mount.X_WL.linear();
     for (std::size_t i = 0; i < 9; ++i) {
-      block.R[i][lane] = static_cast<float>(mount.X_WL.linear().data()[i]);
+      block.R[i][lane] = static_cast<float>(R.data()[i]);
     }
     for (std::size_t i = 0; i < 3; ++i) {
       const auto row = static_cast<Eigen::Index>(i);

@@ -212,8 +212,12 @@ TEST(Excavator, StiffDriveTowardsTheDeadCentreAt20MillisecondsNeverFlipsTheBucke
     reference.step(milliseconds(20));
     ASSERT_GT(machine.joint_angles_rad()[3], range.q_min_rad() - 0.12) << i;
     ASSERT_LT(machine.joint_angles_rad()[3], range.q_max_rad() + 0.12) << i;
-    ASSERT_LT((machine.tip_W() - reference.tip_W()).norm(), 0.2)
-        << "more than a step's lag at step " << i;
+    // In motion a step's lag at a tip speed of 14 m/s; the mirrored pose is 4.8 m away.
+    ASSERT_LT((machine.tip_W() - reference.tip_W()).norm(), 0.5) << i;
+    if (i == 199) {
+      EXPECT_NEAR(machine.joint_angles_rad()[3], reference.joint_angles_rad()[3], 1e-3)
+          << "at the curled end";
+    }
   }
 }
 

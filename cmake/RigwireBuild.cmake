@@ -20,6 +20,10 @@ if(RIGWIRE_SANITIZE)
 endif()
 
 set(RIGWIRE_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # GCC 12 sees overlapping copies in std::string's operator+ (GCC bug 105651).
+  list(APPEND RIGWIRE_WARNINGS -Wno-restrict)
+endif()
 
 # rigwire_library(<folder> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>])
 #

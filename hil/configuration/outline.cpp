@@ -127,6 +127,16 @@ void Outliner::text(std::string_view key, const std::string& value, std::string_
   name(key, "text", value, "", text);
 }
 
+void Outliner::texts(std::string_view key, const std::vector<std::string>& values,
+                     std::string_view text) {
+  OutlineNode& node = add(OutlineNode::Kind::flow_list, key, "list of words", text);
+  for (const std::string& value : values) {
+    node.value += (node.value.empty() ? "" : ", ") + yaml_text(value);
+    node.canonical += yaml_text(value) + ",";
+  }
+  node.value = fmt::format("[{}]", node.value);
+}
+
 void Outliner::file(std::string_view key, const std::string& value, std::string_view text) {
   name(key, "file", value, "", text);
   stack_.back()->children.back().canonical = value.empty() ? "" : content_hash(value);

@@ -60,6 +60,7 @@ class Outliner {
   }
   void boolean(std::string_view key, bool value, std::string_view text);
   void text(std::string_view key, const std::string& value, std::string_view text);
+  void texts(std::string_view key, const std::vector<std::string>& values, std::string_view text);
   void file(std::string_view key, const std::string& value, std::string_view text);
   void duration(std::string_view key, Duration value, const DurationRule& rule,
                 std::string_view text);

@@ -237,6 +237,20 @@ void Reader::text(std::string_view key, std::string& value, std::string_view) {
   }
 }
 
+void Reader::texts(std::string_view key, std::vector<std::string>& values, std::string_view) {
+  const Value* written = find_list(key);
+  if (written == nullptr) {
+    return;
+  }
+  values.clear();
+  for (std::size_t i = 0; i < written->items.size(); ++i) {
+    const Value& item = written->items[i];
+    if (is_scalar(item, path_of(key) + "." + std::to_string(i))) {
+      values.push_back(item.scalar);
+    }
+  }
+}
+
 void Reader::file(std::string_view key, std::string& value, std::string_view) {
   const Value* written = find_scalar(key);
   if (written == nullptr) {

@@ -56,6 +56,8 @@ class Reader {
   /// true or false.
   void boolean(std::string_view key, bool& value, std::string_view text);
   void text(std::string_view key, std::string& value, std::string_view text);
+  /// A list of words.
+  void texts(std::string_view key, std::vector<std::string>& values, std::string_view text);
   /// A file name, relative to the file that wrote it; must exist unless it is empty. The member
   /// receives the full path.
   void file(std::string_view key, std::string& value, std::string_view text);

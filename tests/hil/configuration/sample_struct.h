@@ -79,6 +79,7 @@ struct Sample {
   Duration step = std::chrono::milliseconds(1);
   UtcTime start{2026, 6, 1, 8, 0, 0, 0};
   std::vector<double> weights{1.0, 2.5};
+  std::vector<std::string> words{"one", "two, three"};
   std::vector<Stone> stones{Stone{}};
   Pump main;
   std::map<std::string, Gadget> gadgets;
@@ -93,6 +94,7 @@ void visit(Visitor& v, Sample& sample) {
   v.duration("step", sample.step, {1000, 1'000'000'000}, "A span.");
   v.utc("start", sample.start, "A date.");
   v.number_list("weights", sample.weights, plain().at_least(0), "Some numbers.");
+  v.texts("words", sample.words, "Some words.");
   v.list("stones", sample.stones, "Rocks.");
   v.section("main", sample.main, "The main pump.");
   v.named("gadgets", sample.gadgets, "gadget", "By name.");

@@ -1,0 +1,137 @@
+// CAN frames as lines of ASCII on a serial line: the LAWICEL CANUSB protocol in the dialects of the
+// Linux kernel's slcan driver and of python-can.
+//
+// Sources: LAWICEL AB, "CANUSB manual" 1.0D (commands and replies); Linux 6.1,
+// drivers/net/can/slcan (what the kernel sends and reads).
+//
+//   host to adapter                          adapter to host
+//   O L C       open, listen only, close     CR        done
+//   S0..S8      bit rate                     BEL       refused
+//   sxxyy       bit-timing registers         z CR, Z CR  frame taken (auto-poll)
+//   tiiildd..   11-bit data frame            tiiildd.. received frame [+ 4 digits of time stamp]
+//   Tiiiiiiiildd..  29-bit                   T.. r.. R.. likewise
+//   riiil Riiiiiiiil  remote frames          Fxx       status flags
+//   F V v N     status, versions, serial     Vxxxx vxxxx Nxxxx
+//   Z0 Z1       time stamps off, on          saaarrrttt  bus state and counters
+//   X0 X1       auto-poll off, on            enc..     n bus errors by letter
+//
+// Worked example: T0CF0298080000007D00007DCC00 CR is identifier 0CF02980, eight bytes 00 .. 00.
+// Numbers are hexadecimal, sent in upper case, read in either. A line ends with CR; LF is skipped.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "protocols/can/frame.h"
+#include "protocols/result.h"
+
+namespace rigwire::protocols::slcan {
+
+inline constexpr std::uint8_t kEnd = '\r';
+inline constexpr std::uint8_t kBell = 0x07;
+
+/// Longest line without its CR: type, identifier, length digit, data, time stamp.
+inline constexpr std::size_t kLongestLine = 1 + 8 + 1 + 2 * 8 + 4;
+static_assert(kLongestLine == 30);
+
+/// Bit rates of S0..S8, bit/s.
+inline constexpr std::array<std::uint32_t, 9> kBitRates_bps{
+    10'000, 20'000, 50'000, 100'000, 125'000, 250'000, 500'000, 800'000, 1'000'000};
+/// The digit for a bit rate; nothing when the protocol has none.
+[[nodiscard]] std::optional<unsigned> rate_code(std::uint32_t bit_rate_bps);
+
+/// Time stamps count milliseconds modulo this.
+inline constexpr unsigned kTimeStampModulus = 60'000;
+
+enum class Verb : std::uint8_t {
+  open,
+  listen_only,
+  close,
+  bit_rate,    ///< number: 0..8.
+  bit_timing,  ///< number: the two register bytes.
+  frame,       ///< frame.
+  status_flags,
+  version,
+  detailed_version,
+  serial_number,
+  time_stamps,  ///< number: 0 or 1.
+  auto_poll,    ///< number: 0 or 1.
+};
+
+/// What a host asks for.
+struct Command {
+  Verb verb = Verb::close;
+  std::uint16_t number = 0;
+  can::Frame frame;
+
+  friend bool operator==(const Command&, const Command&) = default;
+};
+
+enum class ReplyKind : std::uint8_t {
+  done,          ///< CR.
+  refused,       ///< BEL.
+  frame_taken,   ///< z or Z.
+  frame,         ///< frame, time_stamp_ms.
+  status_flags,  ///< number: the flags.
+  information,   ///< V, v or N with their text, not looked at.
+  bus_state,     ///< state, receive_errors, transmit_errors.
+  bus_errors,    ///< number: how many.
+};
+
+enum class BusState : std::uint8_t { active, warning, passive, off };
+
+/// What an adapter says.
+struct Reply {
+  ReplyKind kind = ReplyKind::done;
+  std::uint16_t number = 0;
+  can::Frame frame;
+  std::optional<std::uint16_t> time_stamp_ms;
+  BusState state = BusState::active;
+  std::uint16_t receive_errors = 0;
+  std::uint16_t transmit_errors = 0;
+
+  friend bool operator==(const Reply&, const Reply&) = default;
+};
+
+/// One command, without its CR. Never incomplete: the line is all there is.
+[[nodiscard]] Decoded<Command> parse_command(std::span<const std::uint8_t> line);
+/// One reply, without its CR; a lone BEL is a reply of its own.
+[[nodiscard]] Decoded<Reply> parse_reply(std::span<const std::uint8_t> line);
+
+/// A line with its end, ready to be written.
+struct Text {
+  std::array<std::uint8_t, kLongestLine + 1> bytes{};
+  std::size_t size = 0;
+
+  [[nodiscard]] std::span<const std::uint8_t> span() const { return std::span(bytes).first(size); }
+  void push(std::uint8_t byte) { bytes[size++] = byte; }
+};
+
+/// Precondition: the frame's length is 0..8 and its identifier fits its format.
+[[nodiscard]] Text write_frame(const can::Frame& frame,
+                               std::optional<std::uint16_t> time_stamp_ms = std::nullopt);
+[[nodiscard]] Text write_command(const Command& command);
+[[nodiscard]] Text write_reply(const Reply& reply);
+
+/// Cuts a byte stream into lines. Over-long lines are dropped whole, whatever their length, and
+/// reported once; memory stays bounded by kLongestLine.
+class LineSplitter {
+ public:
+  struct Line {
+    std::span<const std::uint8_t> text;  ///< Valid until the next push.
+    bool too_long = false;               ///< The text was dropped.
+  };
+  /// The line that `byte` completes: at CR, or at BEL (then the text is the BEL itself, and what
+  /// stood before it is dropped, as it cannot be a line).
+  [[nodiscard]] std::optional<Line> push(std::uint8_t byte);
+
+ private:
+  std::array<std::uint8_t, kLongestLine> buffer_{};
+  std::size_t size_ = 0;
+  bool too_long_ = false;
+};
+
+}  // namespace rigwire::protocols::slcan

@@ -1,0 +1,78 @@
+#include "dig_cycle/log.h"
+
+#include <cerrno>
+#include <cmath>
+#include <stdexcept>
+#include <system_error>
+
+namespace rigwire::dig_cycle {
+namespace {
+
+std::string text(double value, int decimals) {
+  if (!std::isfinite(value)) {
+    return "null";
+  }
+  char buffer[64];
+  (void)std::snprintf(buffer, sizeof(buffer), "%.*f", decimals, value);
+  return buffer;
+}
+
+std::string text(const std::optional<double>& value, int decimals) {
+  return value ? text(*value, decimals) : "null";
+}
+
+std::string text(const PerJoint& values, double scale, int decimals) {
+  std::string list = "[";
+  for (const double value : values) {
+    list += (list.size() > 1 ? "," : "") + text(value * scale, decimals);
+  }
+  return list + "]";
+}
+
+}  // namespace
+
+std::string to_json(const LogEntry& entry) {
+  constexpr double kPerDegree = 1.0 / kDegree;
+  std::string line = "{\"uptime_s\":" + text(entry.uptime_s, 3);
+  line += ",\"time_of_hour_us\":" +
+          (entry.time_of_hour_us ? std::to_string(*entry.time_of_hour_us) : "null");
+  line += ",\"state\":\"" + std::string(entry.state) + "\",\"phase\":\"" +
+          std::string(entry.phase) + "\",\"cycles\":" + std::to_string(entry.cycles);
+  line += ",\"joints_deg\":" + text(entry.belief.angles_rad, kPerDegree, 4);
+  line += ",\"joint_rates_dps\":" + text(entry.belief.rates_radps, kPerDegree, 3);
+  line += ",\"chassis_pitch_deg\":" + text(entry.belief.chassis_pitch_rad * kPerDegree, 4);
+  line += ",\"targets_deg\":" + text(entry.output.target_rad, kPerDegree, 3);
+  line += ",\"openings\":" + text(entry.output.openings, 1.0, 4);
+  line += ",\"spools\":" + text(entry.spool, 1.0, 3);
+  line += ",\"held_by_obstacle\":" + std::string(entry.output.held_by_obstacle ? "true" : "false");
+  line += ",\"gnss\":{\"quality\":" + std::to_string(entry.gnss.quality) +
+          ",\"latitude_deg\":" + text(entry.gnss.latitude_deg, 8) +
+          ",\"longitude_deg\":" + text(entry.gnss.longitude_deg, 8) +
+          ",\"altitude_m\":" + text(entry.gnss.altitude_m, 2) +
+          ",\"satellites\":" + std::to_string(entry.gnss.satellites) + "}";
+  line += ",\"lidar_nearest_m\":" + text(entry.nearest_range_m, 3);
+  line += ",\"ground_z_m\":" + text(entry.ground_z_m, 3) + "}";
+  return line;
+}
+
+Log::Log(const std::string& path) {
+  if (path.empty()) {
+    return;
+  }
+  file_.reset(std::fopen(path.c_str(), "w"));
+  if (!file_) {
+    throw std::runtime_error("log " + path +
+                             ": cannot be written: " + std::generic_category().message(errno));
+  }
+}
+
+void Log::write(const LogEntry& entry) {
+  if (!file_) {
+    return;
+  }
+  const std::string line = to_json(entry) + "\n";
+  (void)std::fwrite(line.data(), 1, line.size(), file_.get());
+  (void)std::fflush(file_.get());
+}
+
+}  // namespace rigwire::dig_cycle

@@ -24,34 +24,51 @@ std::string text(const std::optional<double>& value, int decimals) {
 std::string text(const PerJoint& values, double scale, int decimals) {
   std::string list = "[";
   for (const double value : values) {
-    list += (list.size() > 1 ? "," : "") + text(value * scale, decimals);
+    list += list.size() > 1 ? "," : "";
+    list += text(value * scale, decimals);
   }
-  return list + "]";
+  list += "]";
+  return list;
 }
 
 }  // namespace
 
 std::string to_json(const LogEntry& entry) {
   constexpr double kPerDegree = 1.0 / kDegree;
-  std::string line = "{\"uptime_s\":" + text(entry.uptime_s, 3);
-  line += ",\"time_of_hour_us\":" +
-          (entry.time_of_hour_us ? std::to_string(*entry.time_of_hour_us) : "null");
-  line += ",\"state\":\"" + std::string(entry.state) + "\",\"phase\":\"" +
-          std::string(entry.phase) + "\",\"cycles\":" + std::to_string(entry.cycles);
-  line += ",\"joints_deg\":" + text(entry.belief.angles_rad, kPerDegree, 4);
-  line += ",\"joint_rates_dps\":" + text(entry.belief.rates_radps, kPerDegree, 3);
-  line += ",\"chassis_pitch_deg\":" + text(entry.belief.chassis_pitch_rad * kPerDegree, 4);
-  line += ",\"targets_deg\":" + text(entry.output.target_rad, kPerDegree, 3);
-  line += ",\"openings\":" + text(entry.output.openings, 1.0, 4);
-  line += ",\"spools\":" + text(entry.spool, 1.0, 3);
-  line += ",\"held_by_obstacle\":" + std::string(entry.output.held_by_obstacle ? "true" : "false");
-  line += ",\"gnss\":{\"quality\":" + std::to_string(entry.gnss.quality) +
-          ",\"latitude_deg\":" + text(entry.gnss.latitude_deg, 8) +
-          ",\"longitude_deg\":" + text(entry.gnss.longitude_deg, 8) +
-          ",\"altitude_m\":" + text(entry.gnss.altitude_m, 2) +
-          ",\"satellites\":" + std::to_string(entry.gnss.satellites) + "}";
-  line += ",\"lidar_nearest_m\":" + text(entry.nearest_range_m, 3);
-  line += ",\"ground_z_m\":" + text(entry.ground_z_m, 3) + "}";
+  std::string line = "{";
+  const auto add = [&line](std::string_view key, std::string_view value) {
+    line += line.back() == '{' ? "\"" : ",\"";
+    line += key;
+    line += "\":";
+    line += value;
+  };
+  const auto add_name = [&line, &add](std::string_view key, std::string_view value) {
+    add(key, "\"");
+    line += value;
+    line += '"';
+  };
+  add("uptime_s", text(entry.uptime_s, 3));
+  add("time_of_hour_us", entry.time_of_hour_us ? std::to_string(*entry.time_of_hour_us) : "null");
+  add_name("state", entry.state);
+  add_name("phase", entry.phase);
+  add("cycles", std::to_string(entry.cycles));
+  add("joints_deg", text(entry.belief.angles_rad, kPerDegree, 4));
+  add("joint_rates_dps", text(entry.belief.rates_radps, kPerDegree, 3));
+  add("chassis_pitch_deg", text(entry.belief.chassis_pitch_rad * kPerDegree, 4));
+  add("targets_deg", text(entry.output.target_rad, kPerDegree, 3));
+  add("openings", text(entry.output.openings, 1.0, 4));
+  add("spools", text(entry.spool, 1.0, 3));
+  add("held_by_obstacle", entry.output.held_by_obstacle ? "true" : "false");
+  add("gnss", "{");
+  add("quality", std::to_string(entry.gnss.quality));
+  add("latitude_deg", text(entry.gnss.latitude_deg, 8));
+  add("longitude_deg", text(entry.gnss.longitude_deg, 8));
+  add("altitude_m", text(entry.gnss.altitude_m, 2));
+  add("satellites", std::to_string(entry.gnss.satellites));
+  line += '}';
+  add("lidar_nearest_m", text(entry.nearest_range_m, 3));
+  add("ground_z_m", text(entry.ground_z_m, 3));
+  line += '}';
   return line;
 }
 

@@ -56,6 +56,10 @@ class Device {
 
   [[nodiscard]] virtual ReceiveCounters received() const = 0;
 
+  /// Messages per simulated second (sentences, packets, frames) that the device sends by itself in
+  /// its present configuration; 0 when it only answers.
+  [[nodiscard]] virtual double nominal_rate_hz() const = 0;
+
   /// What the wire format carries, for `rigwire describe` and for tests.
   [[nodiscard]] virtual std::span<const Quantity> quantities() const = 0;
 
@@ -96,6 +100,8 @@ class SerialDevice : public Device {
  public:
   /// Bytes from the client, in arrival order, at `now`.
   virtual void receive(SimTime now, std::span<const std::uint8_t> bytes) = 0;
+  /// Whole messages handed to the line so far; what leaves through the output are parts of them.
+  [[nodiscard]] virtual std::uint64_t messages_sent() const = 0;
   /// Line speed that the device uses at present, bits per second.
   [[nodiscard]] virtual std::uint32_t baud() const = 0;
 };

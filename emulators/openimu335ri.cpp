@@ -1,6 +1,7 @@
 #include "emulators/openimu335ri.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -221,6 +222,15 @@ double OpenImu::latency_ms() const {
 
 void OpenImu::send(SimTime now, const Frame& frame) {
   output_.send(now + settings_.processing_delay, frame);
+}
+
+double OpenImu::nominal_rate_hz() const {
+  if (configuration_.rate_divider == 0) {
+    return 0.0;
+  }
+  const int messages = std::popcount(configuration_.packet_mask);
+  return static_cast<double>(openimu::kTicksPerSecond) / 2.0 / configuration_.rate_divider *
+         messages;
 }
 
 void OpenImu::send_packets(SimTime now, std::uint16_t mask) {

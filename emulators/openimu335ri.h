@@ -72,6 +72,7 @@ class OpenImu final : public CanDevice, public ImuBackend {
   [[nodiscard]] SimTime next_event() const override { return address_.next_event(); }
   [[nodiscard]] SamplePlan sample_plan() const override;
   [[nodiscard]] ReceiveCounters received() const override { return received_; }
+  [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::span<const Quantity> quantities() const override;
 
   void receive(SimTime now, const protocols::can::Frame& frame) override;

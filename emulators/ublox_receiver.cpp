@@ -327,6 +327,19 @@ std::span<const Quantity> UbloxReceiver::quantities() const {
   return kQuantities;
 }
 
+double UbloxReceiver::nominal_rate_hz() const {
+  double per_epoch = 0.0;
+  const auto messages = ublox_messages();
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    if (const std::uint8_t rate = configuration_.message_rate(i); rate > 0) {
+      const std::size_t sentences =
+          messages[i].name == "GSV" ? std::max<std::size_t>(1, (in_view_.size() + 3) / 4) : 1;
+      per_epoch += static_cast<double>(sentences) / rate;
+    }
+  }
+  return plan_.first == kNever ? 0.0 : per_epoch / to_seconds(plan_.period);
+}
+
 UbloxCounters UbloxReceiver::counters() const {
   UbloxCounters counters = counters_;
   counters.messages_sent = transmitter_.messages_sent();

@@ -46,6 +46,11 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   [[nodiscard]] SimTime next_event() const override;
   /// Aligned to GPS time; follows CFG-RATE, resets, and stopping and starting by CFG-RST.
   [[nodiscard]] SamplePlan sample_plan() const override { return plan_; }
+  /// NMEA sentences and UBX messages per second; GSV counts with its present number of sentences.
+  [[nodiscard]] double nominal_rate_hz() const override;
+  [[nodiscard]] std::uint64_t messages_sent() const override {
+    return transmitter_.messages_sent();
+  }
   [[nodiscard]] std::uint32_t baud() const override { return transmitter_.baud(); }
   [[nodiscard]] ReceiveCounters received() const override { return received_; }
   [[nodiscard]] std::span<const Quantity> quantities() const override;

@@ -66,6 +66,7 @@ class ValveDriver final : public StreamDevice, public ValveBackend {
   [[nodiscard]] SimTime next_event() const override;
   [[nodiscard]] SamplePlan sample_plan() const override;
   [[nodiscard]] ReceiveCounters received() const override { return server_.received(); }
+  [[nodiscard]] double nominal_rate_hz() const override { return 0.0; }
   [[nodiscard]] std::span<const Quantity> quantities() const override { return quantities_; }
 
   /// A spool position that is not a number latches fault 6; other quantities that are not numbers

@@ -137,11 +137,21 @@ void VelodyneLidar::update(const LidarFiring& firing) {
     begin_packet(firing);
   }
   add_firing(firing);
-  if (firings_in_packet_ ==
-      static_cast<int>(velodyne::kBlocksPerPacket) * model_.firings_per_block) {
+  const int firings_per_packet =
+      static_cast<int>(velodyne::kBlocksPerPacket) * model_.firings_per_block;
+  if (firings_in_packet_ == firings_per_packet) {
     send_data();
     firings_in_packet_ = 0;
   }
+  packet_complete_at_ =
+      firing.time + (firings_per_packet - firings_in_packet_) * pattern_.firing_period;
+}
+
+double VelodyneLidar::nominal_rate_hz() const {
+  const double firings_per_packet =
+      static_cast<double>(velodyne::kBlocksPerPacket) * model_.firings_per_block;
+  return 1.0 / (firings_per_packet * to_seconds(pattern_.firing_period)) +
+         1.0 / to_seconds(position_period_);
 }
 
 void VelodyneLidar::begin_packet(const LidarFiring& firing) {

@@ -58,6 +58,8 @@ class VelodyneLidar final : public Device, public LidarBackend {
   /// One sample per firing, from one firing period after the start.
   [[nodiscard]] SamplePlan sample_plan() const override;
   [[nodiscard]] ReceiveCounters received() const override { return {}; }
+  /// Data and position packets.
+  [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::span<const Quantity> quantities() const override { return quantities_; }
 
   [[nodiscard]] const LidarPattern& pattern() const override { return pattern_; }
@@ -65,6 +67,7 @@ class VelodyneLidar final : public Device, public LidarBackend {
   /// A firing that does not continue the running packet's clock (a gap, a restart) drops the
   /// unfinished packet and begins a new one.
   void update(const LidarFiring& firing) override;
+  [[nodiscard]] SimTime packet_complete_at() const override { return packet_complete_at_; }
 
   /// What the receiver behind the sensor knows; without it, sentences say "no fix".
   void observe_fix(const GnssSample& sample);
@@ -97,6 +100,7 @@ class VelodyneLidar final : public Device, public LidarBackend {
   protocols::velodyne::DataPacket packet_;
   int firings_in_packet_ = 0;
   SimTime packet_start_{};
+  SimTime packet_complete_at_ = kNever;
   std::array<std::uint8_t, protocols::velodyne::kDataPacketSize> data_bytes_{};
 
   Fix fix_;

@@ -18,7 +18,7 @@ class CanLine::NodeExit final : public emulators::FrameOutput {
 };
 
 CanLine::CanLine(const emulators::CanBusSettings& settings, drivers::CanBus& endpoint)
-    : outlet_(endpoint), bus_(settings) {}
+    : endpoint_(endpoint), outlet_(endpoint), bus_(settings) {}
 
 CanLine::~CanLine() = default;
 

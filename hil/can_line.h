@@ -30,6 +30,7 @@ class CanLine final : public EventSource {
   void receive(SimTime now, const protocols::can::Frame& frame) { bus_.receive(now, frame); }
 
   [[nodiscard]] Outlet& outlet() { return outlet_; }
+  [[nodiscard]] drivers::EndpointStatus endpoint() const { return endpoint_.status(); }
   [[nodiscard]] const emulators::CanBusModel& bus() const { return bus_; }
 
   [[nodiscard]] SimTime next_event() const override { return bus_.next_event(); }
@@ -38,6 +39,7 @@ class CanLine final : public EventSource {
 
  private:
   class NodeExit;
+  drivers::CanBus& endpoint_;
   FrameOutlet outlet_;
   std::vector<std::unique_ptr<NodeExit>> exits_;
   emulators::CanBusModel bus_;

@@ -363,8 +363,8 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
     // At the frontier only the next batch can help, and it wakes this thread; the deadline then
     // only makes sure that a stalled truth thread is noticed.
     const SimTime wakeup = std::min(next_wakeup(), end);
-    timer.arm(clock.wall_of(now_ < frontier_ ? std::min(wakeup, frontier_)
-                                             : now_ + settings.slip_limit));
+    timer.arm(
+        clock.wall_of(now_ < frontier_ ? std::min(wakeup, frontier_) : now_ + settings.slip_limit));
     woken_ = false;
     while (!woken_ && !stopped_) {
       io_.run_one();

@@ -81,8 +81,8 @@ class SampledStation : public Station {
 using GnssStation = SampledStation<GnssSample, emulators::GnssBackend>;
 using ImuStation = SampledStation<ImuSample, emulators::ImuBackend>;
 
-/// Also carries the rotor speed that the device asks for. Firings come too often to wake up for each:
-/// they are taken when the packet that they belong to is complete.
+/// Also carries the rotor speed that the device asks for. Firings come too often to wake up for
+/// each: they are taken when the packet that they belong to is complete.
 class LidarStation : public SampledStation<LidarFiring, emulators::LidarBackend> {
  public:
   using SampledStation::SampledStation;

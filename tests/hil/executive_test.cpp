@@ -74,6 +74,7 @@ class Echo final : public emulators::Device, public emulators::ImuBackend {
   [[nodiscard]] SimTime next_event() const override { return stuck ? time_ : kNever; }
   [[nodiscard]] SamplePlan sample_plan() const override { return {kStart, period_}; }
   [[nodiscard]] emulators::ReceiveCounters received() const override { return {}; }
+  [[nodiscard]] double nominal_rate_hz() const override { return 1.0 / to_seconds(period_); }
   [[nodiscard]] std::span<const emulators::Quantity> quantities() const override { return {}; }
   void update(const ImuSample& sample) override {
     ASSERT_GE(sample.time, time_);

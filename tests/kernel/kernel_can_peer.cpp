@@ -77,8 +77,8 @@ void run(const std::string& address, std::uint32_t serial, std::chrono::seconds 
   boost::asio::io_context io;
   Wire wire = open_wire(io, address);
   ToKernel outside(*wire.bus);
-  emulators::CanBusModel bus({}, outside);
-  emulators::FrameOutput& node = bus.add_node();
+  emulators::CanBusModel bus({});
+  emulators::FrameOutput& node = bus.add_node(outside);
   emulators::OpenImuSettings settings;
   settings.serial = serial;
   emulators::OpenImu imu(settings, node);

@@ -1,0 +1,219 @@
+#include "hil/device_line.h"
+
+#include <vector>
+
+#include "drivers/pty.h"
+#include "drivers/tcp_server.h"
+#include "drivers/udp_socket.h"
+#include "hil/outlet.h"
+#include "hil/station.h"
+
+namespace rigwire::hil {
+namespace {
+
+class SerialGnssLine final : public GnssLine {
+ public:
+  SerialGnssLine(const UbloxConfiguration& configuration, const LineContext& context)
+      : pty_(context.io, configuration.path),
+        outlet_(pty_, statistics()),
+        receiver_(configuration.receiver, context.calendar, outlet_),
+        backend_(receiver_),
+        station_(receiver_, backend_) {}
+
+  DeviceIndex enlist(Executive& executive) override {
+    const DeviceIndex index = executive.add(station_);
+    executive.add(outlet_);
+    pty_.start([this, &executive](std::span<const std::uint8_t> bytes) {
+      receiver_.receive(client_arrived(executive), bytes);
+    });
+    return index;
+  }
+
+  void inform(LidarLine& lidar) override { backend_.lidars.push_back(&lidar); }
+
+  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return pty_.status(); }
+  [[nodiscard]] std::uint64_t frames() const override { return receiver_.messages_sent(); }
+  [[nodiscard]] std::uint64_t dropped() const override {
+    return statistics().dropped + receiver_.counters().messages_lost;
+  }
+  [[nodiscard]] const emulators::Device& device() const override { return receiver_; }
+
+ private:
+  /// The receiver's backend, with the lidars that hear of its fixes.
+  struct Backend final : emulators::GnssBackend {
+    explicit Backend(emulators::UbloxReceiver& of) : receiver(of) {}
+    void update(const GnssSample& sample) override {
+      receiver.update(sample);
+      for (LidarLine* lidar : lidars) {
+        lidar->observe_fix(sample);
+      }
+    }
+    emulators::UbloxReceiver& receiver;
+    std::vector<LidarLine*> lidars;
+  };
+
+  drivers::Pty pty_;
+  StreamOutlet outlet_;
+  emulators::UbloxReceiver receiver_;
+  Backend backend_;
+  GnssStation station_;
+};
+
+class UdpLidarLine final : public LidarLine {
+ public:
+  UdpLidarLine(const VelodyneConfiguration& configuration, const LineContext& context)
+      : data_(context.io, destination(configuration, configuration.port)),
+        position_(context.io, destination(configuration, configuration.position_port)),
+        data_outlet_(data_, statistics()),
+        position_outlet_(position_, statistics()),
+        lidar_(configuration.lidar, context.calendar, data_outlet_, position_outlet_),
+        station_(lidar_, lidar_) {}
+
+  DeviceIndex enlist(Executive& executive) override {
+    const DeviceIndex index = executive.add(station_);
+    executive.add(data_outlet_);
+    executive.add(position_outlet_);
+    return index;
+  }
+
+  [[nodiscard]] const emulators::LidarBackend& backend() const override { return lidar_; }
+  void observe_fix(const GnssSample& sample) override { lidar_.observe_fix(sample); }
+  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return data_.status(); }
+  [[nodiscard]] const emulators::Device& device() const override { return lidar_; }
+
+ private:
+  static drivers::UdpSettings destination(const VelodyneConfiguration& configuration,
+                                          std::uint16_t port) {
+    drivers::UdpSettings settings;
+    settings.destination = drivers::UdpEndpoint{configuration.address, port};
+    return settings;
+  }
+
+  drivers::UdpSocket data_;
+  drivers::UdpSocket position_;
+  DatagramOutlet data_outlet_;
+  DatagramOutlet position_outlet_;
+  emulators::VelodyneLidar lidar_;
+  LidarStation station_;
+};
+
+class BusImuLine final : public DeviceLine {
+ public:
+  BusImuLine(const OpenImuDeviceConfiguration& configuration, CanLine& bus)
+      : bus_(bus),
+        node_(bus.add_node(statistics())),
+        imu_(configuration.imu, node_),
+        station_(imu_, imu_) {
+    bus_.attach(node_, imu_);
+  }
+
+  DeviceIndex enlist(Executive& executive) override { return executive.add(station_); }
+
+  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return bus_.endpoint(); }
+  [[nodiscard]] std::uint64_t dropped() const override {
+    return statistics().dropped + bus_.bus().counters(node_).overflowed;
+  }
+  [[nodiscard]] const emulators::Device& device() const override { return imu_; }
+
+ private:
+  CanLine& bus_;
+  emulators::FrameOutput& node_;
+  emulators::OpenImu imu_;
+  ImuStation station_;
+};
+
+class TcpValveLine final : public DeviceLine {
+ public:
+  TcpValveLine(const ValveDriverConfiguration& configuration, const LineContext& context)
+      : server_(context.io, server_settings(configuration)),
+        outlet_(server_, statistics()),
+        driver_(configuration.driver, outlet_),
+        station_(driver_, driver_) {}
+
+  DeviceIndex enlist(Executive& executive) override {
+    const DeviceIndex index = executive.add(station_);
+    executive.add(outlet_);
+    server_.start({
+        .connected =
+            [this, &executive](emulators::ConnectionId connection) {
+              driver_.connected(executive.arrive(), connection);
+            },
+        .received =
+            [this, &executive](emulators::ConnectionId connection,
+                               std::span<const std::uint8_t> bytes) {
+              driver_.receive(client_arrived(executive), connection, bytes);
+            },
+        .disconnected =
+            [this, &executive](emulators::ConnectionId connection) {
+              driver_.disconnected(executive.arrive(), connection);
+            },
+    });
+    return index;
+  }
+
+  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return server_.status(); }
+  [[nodiscard]] const emulators::Device& device() const override { return driver_; }
+
+ private:
+  static drivers::TcpServerSettings server_settings(const ValveDriverConfiguration& configuration) {
+    drivers::TcpServerSettings settings;
+    settings.address = configuration.address;
+    settings.port = configuration.port;
+    settings.allow_remote = configuration.allow_remote;
+    return settings;
+  }
+
+  drivers::TcpServer server_;
+  ServerOutlet outlet_;
+  emulators::ValveDriver driver_;
+  ValveStation station_;
+};
+
+}  // namespace
+
+SimTime DeviceLine::client_arrived(Executive& executive) {
+  const SimTime now = executive.arrive();
+  statistics_.last_client_activity = now;
+  return now;
+}
+
+DeviceStatus DeviceLine::status(const std::string& name, SimTime now) const {
+  const drivers::EndpointStatus wire = endpoint();
+  DeviceStatus status;
+  status.name = name;
+  status.wire = wire.address;
+  status.client_present = wire.client_present;
+  status.frames = frames();
+  status.bytes = statistics_.bytes;
+  status.dropped = dropped();
+  status.nominal_rate_hz = device().nominal_rate_hz();
+  status.lateness_p50 = statistics_.lateness.percentile(0.5);
+  status.lateness_p99 = statistics_.lateness.percentile(0.99);
+  status.lateness_max = statistics_.lateness.max();
+  if (statistics_.last_client_activity) {
+    status.since_client_activity = now - *statistics_.last_client_activity;
+  }
+  return status;
+}
+
+std::unique_ptr<GnssLine> make_line(const UbloxConfiguration& configuration,
+                                    const LineContext& context) {
+  return std::make_unique<SerialGnssLine>(configuration, context);
+}
+
+std::unique_ptr<LidarLine> make_line(const VelodyneConfiguration& configuration,
+                                     const LineContext& context) {
+  return std::make_unique<UdpLidarLine>(configuration, context);
+}
+
+std::unique_ptr<DeviceLine> make_line(const OpenImuDeviceConfiguration& configuration,
+                                      CanLine& bus) {
+  return std::make_unique<BusImuLine>(configuration, bus);
+}
+
+std::unique_ptr<DeviceLine> make_line(const ValveDriverConfiguration& configuration,
+                                      const LineContext& context) {
+  return std::make_unique<TcpValveLine>(configuration, context);
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,228 @@
+#include "hil/rig.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "drivers/slcan_adapter.h"
+#include "drivers/socketcan.h"
+#include "hil/mesh_file.h"
+#include "sim/scene/triangle_mesh.h"
+
+namespace rigwire::hil {
+namespace {
+
+Eigen::Vector3d eigen(const Vector3& v) {
+  return {v.x, v.y, v.z};
+}
+
+Eigen::Isometry3d pose(const Vector3& position_m, const RollPitchYaw& rotation) {
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.linear() = (Eigen::AngleAxisd(rotation.yaw_rad, Eigen::Vector3d::UnitZ()) *
+                Eigen::AngleAxisd(rotation.pitch_rad, Eigen::Vector3d::UnitY()) *
+                Eigen::AngleAxisd(rotation.roll_rad, Eigen::Vector3d::UnitX()))
+                   .toRotationMatrix();
+  X.translation() = eigen(position_m);
+  return X;
+}
+
+std::size_t link_index(const std::string& link) {
+  const auto* found = std::find(kExcavatorLinks.begin(), kExcavatorLinks.end(), link);
+  if (found == kExcavatorLinks.end()) {
+    throw std::invalid_argument(fmt::format("the machine has no link '{}'", link));
+  }
+  return static_cast<std::size_t>(found - kExcavatorLinks.begin());
+}
+
+SensorMount sensor_mount(const MountConfiguration& mount) {
+  return {static_cast<sim::Link>(link_index(mount.link)), pose(mount.position_m, mount.rotation)};
+}
+
+sim::LocalFrameParameters local_frame(const OriginConfiguration& origin) {
+  return {origin.latitude_deg, origin.longitude_deg, origin.height_m, origin.geoid_separation_m};
+}
+
+std::vector<sim::TriangleMesh> load_meshes(const sim::SceneDescription& description) {
+  std::vector<sim::TriangleMesh> meshes;
+  for (const auto& object : description.objects) {
+    const bool known = std::any_of(meshes.begin(), meshes.end(),
+                                   [&](const auto& mesh) { return mesh.name == object.mesh; });
+    if (!known) {
+      meshes.push_back(load_mesh(object.mesh, object.mesh));
+    }
+  }
+  return meshes;
+}
+
+sim::Scene::MeshId add_shape(sim::Scene& scene, const Shape& shape) {
+  if (const auto* box = std::get_if<BoxShape>(&shape)) {
+    return scene.add_mesh(sim::make_box("box", eigen(box->size_m)));
+  }
+  const auto& mesh = std::get<MeshShape>(shape);
+  sim::TriangleMesh loaded = load_mesh(mesh.file, mesh.file);
+  for (auto& vertex : loaded.vertices) {
+    vertex *= static_cast<float>(mesh.scale);
+  }
+  return scene.add_mesh(loaded);
+}
+
+SimulatedWorld make_world(const RigConfiguration& configuration, const sim::LocalFrame& frame) {
+  MachineInScene built = build_machine_in_scene(configuration);
+  WorldSettings settings;
+  settings.step = configuration.step;
+  settings.slice = configuration.slice;
+  settings.gravity_mps2 = configuration.machine.excavator.gravity_mps2;
+  return {settings, std::move(built.machine), std::move(built.scene), frame};
+}
+
+}  // namespace
+
+MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
+  const sim::SceneDescription description = configuration.scene.description();
+  sim::BuiltScene built =
+      sim::build_scene(description, load_meshes(description), configuration.seed);
+
+  const MachineConfiguration& machine = configuration.machine;
+  Eigen::Isometry3d X_WC = pose(machine.position_m, {0.0, 0.0, machine.yaw_rad});
+  if (machine.on_ground) {
+    X_WC.translation().z() += built.ground.height_m(X_WC.translation().x(), X_WC.translation().y());
+  }
+  MachineInScene result{std::make_unique<sim::Excavator>(machine.excavator, X_WC),
+                        std::move(built.scene)};
+  for (const std::string_view link : kExcavatorLinks) {
+    const sim::Scene::BodyId body = result.scene->add_body(link);
+    for (const LinkShape& shape : machine.shapes) {
+      if (shape.link == link) {
+        result.scene->add_body_part(body, add_shape(*result.scene, shape.placed.shape),
+                                    pose(shape.placed.position_m, shape.placed.rotation),
+                                    {shape.placed.reflectance, shape.placed.label});
+      }
+    }
+  }
+  return result;
+}
+
+/// Either the kernel's interface or slcan on a pty.
+struct Rig::Bus {
+  Bus(const BusConfiguration& configuration, boost::asio::io_context& io)
+      : pty(uses_socketcan(configuration) ? nullptr
+                                          : std::make_unique<drivers::Pty>(io, configuration.path)),
+        endpoint(open(configuration, io)),
+        line(configuration.bus, *endpoint) {}
+
+  static bool uses_socketcan(const BusConfiguration& configuration) {
+    return configuration.wire == CanWire::socketcan ||
+           (configuration.wire == CanWire::automatic &&
+            drivers::socketcan_available(configuration.interface));
+  }
+
+  [[nodiscard]] std::unique_ptr<drivers::CanBus> open(const BusConfiguration& configuration,
+                                                      boost::asio::io_context& io) const {
+    if (pty == nullptr) {
+      return std::make_unique<drivers::SocketCanBus>(io, configuration.interface);
+    }
+    return std::make_unique<drivers::SlcanAdapter>(*pty, configuration.bus.bit_rate_bps);
+  }
+
+  std::unique_ptr<drivers::Pty> pty;  ///< Only with slcan.
+  std::unique_ptr<drivers::CanBus> endpoint;
+  CanLine line;
+};
+
+Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
+         const std::filesystem::path& truth_path)
+    : configuration_(configuration),
+      io_(io),
+      calendar_(configuration.start),
+      frame_(local_frame(configuration.origin)),
+      world_(make_world(configuration, frame_)),
+      executive_(io, world_) {
+  for (const auto& [name, bus] : configuration_.buses) {
+    open_bus(name, bus);
+  }
+  for (const auto& [name, device] : configuration_.devices) {
+    add_device(name, device);
+  }
+  connect_time_source();
+  if (!truth_path.empty()) {
+    world_.set_truth_tap(std::make_unique<TruthTap>(truth_path, calendar_),
+                         configuration_.truth.period);
+  }
+}
+
+Rig::~Rig() = default;
+
+void Rig::open_bus(const std::string& name, const BusConfiguration& configuration) {
+  auto bus = std::make_unique<Bus>(configuration, io_);
+  executive_.add(bus->line);
+  executive_.add(bus->line.outlet());
+  bus->endpoint->start([this, &line = bus->line](const protocols::can::Frame& frame) {
+    line.receive(executive_.arrive(), frame);
+  });
+  buses_.emplace(name, std::move(bus));
+}
+
+void Rig::add_device(const std::string& name, const DeviceConfiguration& configuration) {
+  const LineContext context{io_, calendar_};
+  const std::uint64_t seed = configuration_.seed;
+  if (const auto* gnss = std::get_if<UbloxConfiguration>(&configuration.settings)) {
+    auto line = make_line(*gnss, context);
+    world_.add_gnss(line->enlist(executive_), sensor_mount(gnss->mount),
+                    sim::GnssSensor(gnss->sensor, calendar_, frame_, seed, name));
+    devices_.push_back({name, std::move(line)});
+  } else if (const auto* lidar = std::get_if<VelodyneConfiguration>(&configuration.settings)) {
+    auto line = make_line(*lidar, context);
+    const emulators::LidarBackend& backend = line->backend();
+    auto sensor = std::make_unique<sim::SpinningLidar>(lidar->sensor, backend.pattern(),
+                                                       line->device().sample_plan(),
+                                                       backend.rotor_rate_radps(), seed, name);
+    world_.add_lidar(line->enlist(executive_), sensor_mount(lidar->mount), std::move(sensor));
+    devices_.push_back({name, std::move(line)});
+  } else if (const auto* imu = std::get_if<OpenImuDeviceConfiguration>(&configuration.settings)) {
+    auto line = make_line(*imu, buses_.at(imu->bus)->line);
+    world_.add_imu(line->enlist(executive_), sensor_mount(imu->mount),
+                   sim::ImuSensor(imu->sensor, seed, name));
+    devices_.push_back({name, std::move(line)});
+  } else {
+    auto line = make_line(std::get<ValveDriverConfiguration>(configuration.settings), context);
+    world_.add_valves(line->enlist(executive_));
+    devices_.push_back({name, std::move(line)});
+  }
+}
+
+void Rig::connect_time_source() {
+  for (const Device& source : devices_) {
+    if (auto* gnss = dynamic_cast<GnssLine*>(source.line.get())) {
+      for (const Device& device : devices_) {
+        if (auto* lidar = dynamic_cast<LidarLine*>(device.line.get())) {
+          gnss->inform(*lidar);
+        }
+      }
+      return;
+    }
+  }
+}
+
+RigStatus Rig::status() const {
+  RigStatus status;
+  status.now = executive_.now();
+  status.machine = executive_.machine_state();
+  for (const Device& device : devices_) {
+    status.devices.push_back(device.line->status(device.name, status.now));
+  }
+  return status;
+}
+
+std::vector<DeviceReport> Rig::device_reports() const {
+  std::vector<DeviceReport> reports;
+  for (const Device& device : devices_) {
+    DeviceReport report{device.name, device.line->endpoint().address, device.line->frames(),
+                        device.line->statistics()};
+    report.statistics.dropped = device.line->dropped();
+    reports.push_back(std::move(report));
+  }
+  return reports;
+}
+
+}  // namespace rigwire::hil

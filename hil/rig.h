@@ -1,0 +1,70 @@
+// A rig ready to run: truth source, devices and wires, built from its configuration.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/pty.h"
+#include "hil/can_line.h"
+#include "hil/configuration/rig.h"
+#include "hil/device_line.h"
+#include "hil/executive.h"
+#include "hil/report.h"
+#include "hil/rig_status.h"
+#include "hil/simulated_world.h"
+
+namespace rigwire::hil {
+
+/// The machine in its scene, without devices: what every rig and every benchmark starts from.
+/// Throws std::invalid_argument or std::runtime_error naming what is wrong.
+struct MachineInScene {
+  std::unique_ptr<sim::Excavator> machine;
+  std::unique_ptr<sim::Scene> scene;  ///< With the machine's links as its bodies.
+};
+[[nodiscard]] MachineInScene build_machine_in_scene(const RigConfiguration& configuration);
+
+class Rig {
+ public:
+  /// Opens every wire. Throws drivers::EndpointError (environment), std::invalid_argument or
+  /// std::runtime_error (configuration); nothing stays open then. `truth_path` empty: no truth tap.
+  Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
+      const std::filesystem::path& truth_path);
+  ~Rig();
+  Rig(const Rig&) = delete;
+  Rig& operator=(const Rig&) = delete;
+
+  [[nodiscard]] Executive& executive() { return executive_; }
+  [[nodiscard]] const TruthSource& truth() const { return world_; }
+
+  /// On the thread that runs the executive; `wall_s` is filled by the caller.
+  [[nodiscard]] RigStatus status() const;
+  /// After the run.
+  [[nodiscard]] std::vector<DeviceReport> device_reports() const;
+
+ private:
+  /// A CAN bus of the rig with its way to the system.
+  struct Bus;
+  struct Device {
+    std::string name;
+    std::unique_ptr<DeviceLine> line;
+  };
+
+  void open_bus(const std::string& name, const BusConfiguration& configuration);
+  void add_device(const std::string& name, const DeviceConfiguration& configuration);
+  void connect_time_source();
+
+  RigConfiguration configuration_;
+  boost::asio::io_context& io_;
+  Calendar calendar_;
+  sim::LocalFrame frame_;
+  SimulatedWorld world_;
+  Executive executive_;
+  std::map<std::string, std::unique_ptr<Bus>> buses_;
+  std::vector<Device> devices_;
+};
+
+}  // namespace rigwire::hil

@@ -1,0 +1,139 @@
+#include "hil/run.h"
+
+#include <fmt/format.h>
+
+#include <boost/asio/signal_set.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+
+#include "drivers/endpoints.h"
+#include "hil/report.h"
+#include "hil/rig.h"
+#include "hil/status_reporter.h"
+
+namespace rigwire::hil {
+namespace {
+
+constexpr int kSignalExit = 128;
+
+void complain(const std::string& what) {
+  fmt::print(stderr, "rigwire: {}\n", what);
+}
+
+int exit_code(ExitCode code) {
+  return static_cast<int>(code);
+}
+
+/// First signal: ends the run cleanly. Second: ends the process at once.
+class Interrupts {
+ public:
+  Interrupts(boost::asio::io_context& io, Executive& executive)
+      : signals_(io, SIGINT, SIGTERM, SIGHUP), executive_(executive) {
+    wait();
+  }
+  [[nodiscard]] int received() const { return received_; }
+
+ private:
+  void wait() {
+    signals_.async_wait([this](const boost::system::error_code& error, int number) {
+      if (error) {
+        return;
+      }
+      if (received_ != 0) {
+        std::_Exit(kSignalExit + number);
+      }
+      received_ = number;
+      fmt::print(stderr, "\nrigwire: stopping, closing wires (again to stop at once)\n");
+      executive_.stop();
+      // While the run winds down nobody runs the io_context: the second signal then does its
+      // default.
+      std::signal(number, SIG_DFL);
+      wait();
+    });
+  }
+
+  boost::asio::signal_set signals_;
+  Executive& executive_;
+  int received_ = 0;
+};
+
+RunOutcome execute(Rig& rig, const RigConfiguration& configuration, const RunOptions& options) {
+  const SimTime end = options.duration ? kStart + *options.duration : kNever;
+  if (options.clock.kind == ClockMode::Kind::free) {
+    return rig.executive().run_free(end);
+  }
+  PacedSettings settings;
+  settings.factor = options.clock.factor;
+  settings.lead = configuration.lead;
+  return rig.executive().run_paced(settings, end);
+}
+
+int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
+  boost::asio::io_context io;
+  Rig rig(configuration, io, options.truth_path);
+  const Interrupts interrupts(io, rig.executive());
+
+  if (options.status != StatusStyle::none) {
+    fmt::print("{}: seed {}, configuration {}, clock {}\n", configuration.name, configuration.seed,
+               config_hash(configuration), to_string(options.clock));
+    std::fflush(stdout);
+  }
+  RunOutcome outcome;
+  {
+    const auto start = std::chrono::steady_clock::now();
+    const StatusReporter reporter(
+        io,
+        [&rig, start] {
+          RigStatus status = rig.status();
+          status.wall_s =
+              std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+          return status;
+        },
+        rig.truth().state_quantities(), options.status, options.colour,
+        configuration.status.period);
+    outcome = execute(rig, configuration, options);
+  }
+
+  if (!options.report_path.empty()) {
+    RunReport report;
+    report.rig = configuration.name;
+    report.seed = configuration.seed;
+    report.config_hash = config_hash(configuration);
+    report.clock = options.clock;
+    report.outcome = outcome;
+    report.cpu_s = process_cpu_seconds();
+    report.peak_rss_mb = peak_resident_megabytes();
+    report.truth = rig.truth().stages();
+    report.wire = rig.executive().wire_stages();
+    report.devices = rig.device_reports();
+    write_report(report, options.report_path);
+  }
+  if (outcome.fault) {
+    complain(
+        fmt::format("the run ended at {:.3f} s: {}", to_seconds(outcome.reached), *outcome.fault));
+    return exit_code(ExitCode::failure);
+  }
+  return interrupts.received() != 0 ? kSignalExit + interrupts.received()
+                                    : exit_code(ExitCode::done);
+}
+
+}  // namespace
+
+int run(const RigConfiguration& configuration, const RunOptions& options) {
+  try {
+    return run_rig(configuration, options);
+  } catch (const drivers::EndpointError& error) {
+    complain(error.what());
+    return exit_code(ExitCode::environment);
+  } catch (const std::invalid_argument& error) {
+    complain(error.what());
+    return exit_code(ExitCode::usage);
+  } catch (const std::exception& error) {
+    complain(error.what());
+    return exit_code(ExitCode::failure);
+  }
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,52 @@
+// Shows the status of a running rig from a thread of its own, so that a slow terminal never holds
+// up a wire. It asks the wire thread for a snapshot and draws it itself.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "hil/rig_status.h"
+#include "hil/run.h"
+#include "hil/truth_source.h"
+
+namespace rigwire::hil {
+
+class StatusReporter {
+ public:
+  /// `snapshot` is called on the thread that runs `io`. Writes to standard output.
+  StatusReporter(boost::asio::io_context& io, std::function<RigStatus()> snapshot,
+                 std::vector<StateQuantity> machine, StatusStyle style, bool colour,
+                 Duration period);
+  /// Stops the thread; it never waits for the wire thread for longer than one period.
+  ~StatusReporter();
+  StatusReporter(const StatusReporter&) = delete;
+  StatusReporter& operator=(const StatusReporter&) = delete;
+
+ private:
+  struct Mailbox {
+    std::mutex mutex;
+    std::condition_variable arrived;
+    std::optional<RigStatus> status;
+    bool ended = false;
+  };
+
+  void loop();
+  void show(const RigStatus& status);
+
+  boost::asio::io_context& io_;
+  std::function<RigStatus()> snapshot_;
+  std::vector<StateQuantity> machine_;
+  StatusStyle style_;
+  bool colour_;
+  Duration period_;
+  std::shared_ptr<Mailbox> mailbox_ = std::make_shared<Mailbox>();
+  RigStatus before_;
+  bool drawn_ = false;
+  std::thread thread_;
+};
+
+}  // namespace rigwire::hil

@@ -689,6 +689,33 @@ TEST_F(UbloxReceiverTest, OnlyOneRadioPath) {
   EXPECT_THAT(ids(), ElementsAre(AckNak::kId, AckAck::kId));
 }
 
+TEST_F(UbloxReceiverTest, NoMessageIsLongerThanTheTableSays) {
+  // validate() refuses rates by this table, so it must hold for the most extreme epoch.
+  for (const UbloxMessage& message : ublox_messages()) {
+    if (message.greatest_bytes == 0 || message.name == "MON-HW") {
+      continue;
+    }
+    UbloxSettings settings = quiet();
+    (message.sentence ? settings.nmea_sentences
+                      : settings.ubx_messages) = {std::string(message.name)};
+    line_ = Line{};
+    now_ = kStart;
+    UbloxReceiver receiver(settings, calendar_, line_);
+    run(receiver, kStart + 1900ms, [](GnssSample& s) {
+      s.latitude_deg = -89.99;
+      s.longitude_deg = -179.99;
+      s.ellipsoid_height_m = -9999.9;
+      s.geoid_separation_m = -99.9;
+      s.velocity_ned_mps = {400.0, -300.0, 0.0};
+      s.horizontal_dilution = s.vertical_dilution = 99.0;
+      s.position_dilution = 24.0;
+      s.satellites.assign(16, {32, 6.0, 1.5, 50.0, true, true});
+    });
+    EXPECT_LE(line_.all.size(), message.greatest_bytes) << message.name;
+    EXPECT_GE(line_.all.size() + 20, message.greatest_bytes) << message.name;
+  }
+}
+
 TEST(UbloxSettings, RefuseMoreThanTheLineCarries) {
   UbloxSettings settings;
   settings.measurement_period = 200ms;

@@ -294,6 +294,47 @@ TEST_F(UbloxReceiverTest, TwoSatellitesGiveNoFixInNmea) {
                                      StartsWith("$GPGLL,,,,,080001.00,V,N*")}));
 }
 
+TEST_F(UbloxReceiverTest, ThreeSatellitesGiveA2dFix) {
+  UbloxSettings settings = quiet();
+  settings.nmea_sentences = {"GSA", "GGA"};
+  settings.ubx_messages = {"NAV-SOL"};
+  UbloxReceiver receiver(settings, calendar_, line_);
+  run(receiver, kStart + 1900ms, [](GnssSample& sample) {
+    sample.fix = GnssFix::two_d;
+    sample.satellites.resize(3);
+    sample.position_dilution = 0.0;  // the paper's rule
+  });
+  EXPECT_THAT(line_.sentences(),
+              ElementsAre(HasSubstr(",1,03,1.59,"),
+                          StartsWith("$GPGSA,A,2,01,02,03,,,,,,,,,,0.00,1.59,3.04*")));
+  EXPECT_EQ(decoded<NavSol>().at(0).fix_type, 2);
+}
+
+TEST_F(UbloxReceiverTest, FixOutsideTheLimitsIsNoFix) {
+  UbloxSettings settings = quiet();
+  settings.ubx_messages = {"NAV-SOL"};
+  UbloxReceiver receiver(settings, calendar_, line_);
+  run(receiver, kStart + 1500ms, [](GnssSample& s) { s.position_dilution = 25.5; });
+  run(receiver, kStart + 2500ms, [](GnssSample& s) { s.horizontal_accuracy_m = 101.0; });
+  run(receiver, kStart + 3500ms);
+  const auto sol = decoded<NavSol>();
+  ASSERT_EQ(sol.size(), 3U);
+  EXPECT_EQ(sol[0].fix_type, 0);
+  EXPECT_EQ(sol[0].position_accuracy_cm, 0xFFFFFFFFU);
+  EXPECT_EQ(sol[1].fix_type, 0);
+  EXPECT_EQ(sol[2].fix_type, 3);
+}
+
+TEST_F(UbloxReceiverTest, PollBeforeTheFirstEpochKnowsTheTime) {
+  UbloxReceiver receiver(quiet(), calendar_, line_);
+  run(receiver, kStart + 500ms);
+  say(receiver, NavTimegps::kId, {});
+  run(receiver, now_ + 100ms);
+  ASSERT_EQ(ids().size(), 1U);
+  EXPECT_EQ(decoded<NavTimegps>().at(0).week, 2421);
+  EXPECT_EQ(decoded<NavTimegps>().at(0).leap_seconds, 18);
+}
+
 TEST_F(UbloxReceiverTest, SecondsRoundIntoTheNextDay) {
   calendar_ = Calendar(UtcTime{2026, 6, 1, 23, 59, 58, 0});
   UbloxSettings settings = quiet();

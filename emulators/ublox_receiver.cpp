@@ -104,6 +104,7 @@ void UbloxReceiver::begin_navigation(SimTime now, Duration time_to_first_fix) {
   solution_.time_known = hot;
   solution_.date_known = hot;
   solution_.orbits_known = hot;
+  set_time(solution_, calendar_, now);
 }
 
 void UbloxReceiver::plan_from(SimTime now) {

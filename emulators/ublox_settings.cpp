@@ -19,7 +19,7 @@ constexpr std::array<std::uint32_t, 8> kBauds{4800,  9600,   19200,  38400,
 // Longest forms: three digits of knots, five of altitude; GSV of 16 satellites.
 constexpr std::size_t kRmc = 76;
 constexpr std::size_t kVtg = 46;
-constexpr std::size_t kGga = 82;
+constexpr std::size_t kGga = 84;
 constexpr std::size_t kGsa = 69;
 constexpr std::size_t kGsv = 4 /*pages*/ * 70;
 constexpr std::size_t kGll = 53;

@@ -58,9 +58,11 @@ SimTime UbloxTransmitter::next_event() const {
 }
 
 void UbloxTransmitter::set_baud(std::uint32_t baud) {
-  burst_start_ = after(burst_bytes_);
-  burst_bytes_ = 0;
-  baud_ = baud;
+  if (baud != baud_) {
+    burst_start_ = after(burst_bytes_);
+    burst_bytes_ = 0;
+    baud_ = baud;
+  }
 }
 
 void UbloxTransmitter::clear() {

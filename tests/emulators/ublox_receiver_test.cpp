@@ -294,6 +294,47 @@ TEST_F(UbloxReceiverTest, TwoSatellitesGiveNoFixInNmea) {
                                      StartsWith("$GPGLL,,,,,080001.00,V,N*")}));
 }
 
+TEST_F(UbloxReceiverTest, ThreeSatellitesGiveA2dFix) {
+  UbloxSettings settings = quiet();
+  settings.nmea_sentences = {"GSA", "GGA"};
+  settings.ubx_messages = {"NAV-SOL"};
+  UbloxReceiver receiver(settings, calendar_, line_);
+  run(receiver, kStart + 1900ms, [](GnssSample& sample) {
+    sample.fix = GnssFix::two_d;
+    sample.satellites.resize(3);
+    sample.position_dilution = 0.0;  // the paper's rule
+  });
+  EXPECT_THAT(line_.sentences(),
+              ElementsAre(HasSubstr(",1,03,1.59,"),
+                          StartsWith("$GPGSA,A,2,01,02,03,,,,,,,,,,0.00,1.59,3.04*")));
+  EXPECT_EQ(decoded<NavSol>().at(0).fix_type, 2);
+}
+
+TEST_F(UbloxReceiverTest, FixOutsideTheLimitsIsNoFix) {
+  UbloxSettings settings = quiet();
+  settings.ubx_messages = {"NAV-SOL"};
+  UbloxReceiver receiver(settings, calendar_, line_);
+  run(receiver, kStart + 1500ms, [](GnssSample& s) { s.position_dilution = 25.5; });
+  run(receiver, kStart + 2500ms, [](GnssSample& s) { s.horizontal_accuracy_m = 101.0; });
+  run(receiver, kStart + 3500ms);
+  const auto sol = decoded<NavSol>();
+  ASSERT_EQ(sol.size(), 3U);
+  EXPECT_EQ(sol[0].fix_type, 0);
+  EXPECT_EQ(sol[0].position_accuracy_cm, 0xFFFFFFFFU);
+  EXPECT_EQ(sol[1].fix_type, 0);
+  EXPECT_EQ(sol[2].fix_type, 3);
+}
+
+TEST_F(UbloxReceiverTest, PollBeforeTheFirstEpochKnowsTheTime) {
+  UbloxReceiver receiver(quiet(), calendar_, line_);
+  run(receiver, kStart + 500ms);
+  say(receiver, NavTimegps::kId, {});
+  run(receiver, now_ + 100ms);
+  ASSERT_EQ(ids().size(), 1U);
+  EXPECT_EQ(decoded<NavTimegps>().at(0).week, 2421);
+  EXPECT_EQ(decoded<NavTimegps>().at(0).leap_seconds, 18);
+}
+
 TEST_F(UbloxReceiverTest, SecondsRoundIntoTheNextDay) {
   calendar_ = Calendar(UtcTime{2026, 6, 1, 23, 59, 58, 0});
   UbloxSettings settings = quiet();
@@ -687,6 +728,33 @@ TEST_F(UbloxReceiverTest, OnlyOneRadioPath) {
        0, 0, 5,  0, 3, 0, 0,   0, 0, 0, 6, 8, 255, 0, 1, 0, 0, 0});  // alone
   run(receiver, now_ + 50ms);
   EXPECT_THAT(ids(), ElementsAre(AckNak::kId, AckAck::kId));
+}
+
+TEST_F(UbloxReceiverTest, NoMessageIsLongerThanTheTableSays) {
+  // validate() refuses rates by this table, so it must hold for the most extreme epoch.
+  for (const UbloxMessage& message : ublox_messages()) {
+    if (message.greatest_bytes == 0 || message.name == "MON-HW") {
+      continue;
+    }
+    UbloxSettings settings = quiet();
+    (message.sentence ? settings.nmea_sentences
+                      : settings.ubx_messages) = {std::string(message.name)};
+    line_ = Line{};
+    now_ = kStart;
+    UbloxReceiver receiver(settings, calendar_, line_);
+    run(receiver, kStart + 1900ms, [](GnssSample& s) {
+      s.latitude_deg = -89.99;
+      s.longitude_deg = -179.99;
+      s.ellipsoid_height_m = -9999.9;
+      s.geoid_separation_m = -99.9;
+      s.velocity_ned_mps = {400.0, -300.0, 0.0};
+      s.horizontal_dilution = s.vertical_dilution = 99.0;
+      s.position_dilution = 24.0;
+      s.satellites.assign(16, {32, 6.0, 1.5, 50.0, true, true});
+    });
+    EXPECT_LE(line_.all.size(), message.greatest_bytes) << message.name;
+    EXPECT_GE(line_.all.size() + 20, message.greatest_bytes) << message.name;
+  }
 }
 
 TEST(UbloxSettings, RefuseMoreThanTheLineCarries) {

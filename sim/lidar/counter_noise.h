@@ -7,15 +7,13 @@
 
 namespace rigwire::sim {
 
-/// 64 mixed bits of (key, counter): two rounds of the SplitMix64 finaliser.
+/// 64 mixed bits: the output of SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom
+/// number generators", OOPSLA 2014) started at `key`, after `counter` + 1 steps.
 [[nodiscard]] inline std::uint64_t counter_bits(std::uint64_t key, std::uint64_t counter) {
-  std::uint64_t z = key ^ (counter * 0x9E3779B97F4A7C15ULL);
-  for (int round = 0; round < 2; ++round) {
-    z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9ULL;
-    z = (z ^ (z >> 27U)) * 0x94D049BB133111EBULL;
-    z ^= z >> 31U;
-  }
-  return z;
+  std::uint64_t z = key + (counter + 1) * 0x9E3779B97F4A7C15ULL;
+  z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9ULL;
+  z = (z ^ (z >> 27U)) * 0x94D049BB133111EBULL;
+  return z ^ (z >> 31U);
 }
 
 /// The value below which a standard normal variable stays with probability p, 0 < p < 1. Wichura,

@@ -94,6 +94,23 @@ void fill_rays(const FiringLanes& firing, const LaserLanes& laser, RTCRay8& ray)
   LanesOut{ray.time} = (firing.time + laser.delay_share).min(1.0F);
 }
 
+/// A standard normal number for each shot.
+Lanes gaussian_lanes(std::uint64_t key, const std::array<std::uint64_t, kLanes>& shots) {
+  std::array<double, kLanes> p{};
+  Lanes q;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    p[lane] = counter_uniform(key, shots[lane]);
+    q(static_cast<Eigen::Index>(lane)) = static_cast<float>(p[lane] - 0.5);
+  }
+  Lanes value = central_normal_quantile<float>(q);
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    if (std::abs(p[lane] - 0.5) > kCentralHalfWidth) {
+      value(static_cast<Eigen::Index>(lane)) = static_cast<float>(normal_quantile(p[lane]));
+    }
+  }
+  return value;
+}
+
 }  // namespace
 
 struct SpinningLidar::Slice {
@@ -327,6 +344,15 @@ void SpinningLidar::cast_block(const Scene& scene, std::size_t block_index,
     const Lanes length = (normal[0].square() + normal[1].square() + normal[2].square()).sqrt();
     const Lanes apparent = reflectance * along.abs() / length;
     const Lanes excess = echo_limit * apparent - range.square();
+    Lanes noise = Lanes::Zero();
+    if (sigma > 0.0F) {
+      std::array<std::uint64_t, kLanes> shots{};
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        shots[lane] =
+            (slice.first_number + block.first + map.firing[lane]) * kMaxLasers + map.laser[lane];
+      }
+      noise = sigma * gaussian_lanes(noise_key_, shots);
+    }
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const auto i = static_cast<Eigen::Index>(lane);
       const std::size_t f = block.first + map.firing[lane];
@@ -335,11 +361,7 @@ void SpinningLidar::cast_block(const Scene& scene, std::size_t block_index,
       if (!(excess(i) >= 0.0F) || range(i) < minimum) {
         continue;  // nothing, too faint, or within the minimum range
       }
-      float measured = range(i);
-      if (sigma > 0.0F) {
-        measured += sigma * static_cast<float>(counter_gaussian(
-                                noise_key_, (slice.first_number + f) * kMaxLasers + laser));
-      }
+      const float measured = range(i) + noise(i);
       if (measured >= minimum && measured <= maximum) {
         echo = {measured, apparent(i)};
       }

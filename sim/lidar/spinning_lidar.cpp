@@ -8,36 +8,18 @@
 #include <stdexcept>
 #include <string>
 
-#include "sim/lidar/counter_noise.h"
+#include "sim/lidar/ray_lanes.h"
 #include "sim/lidar/worker_pool.h"
 #include "sim/scene/scene_internals.h"
 
 namespace rigwire::sim {
 namespace {
 
-constexpr std::size_t kLanes = 8;
 constexpr double kTurn = 2.0 * std::numbers::pi;
 /// Reflectance of the target that the maximum range is stated for.
 constexpr float kReferenceReflectance = 0.9F;
 /// Beyond the maximum range a hit may still come into it by its noise.
 constexpr double kNoiseReach_sigma = 6.0;
-
-/// One value per lane; Eigen does the arithmetic in the processor's vector registers.
-using Lanes = Eigen::Array<float, kLanes, 1>;
-using LanesIn = Eigen::Map<const Lanes, Eigen::Aligned32>;
-using LanesOut = Eigen::Map<Lanes, Eigen::Aligned32>;
-
-/// Eight consecutive firings side by side, at the instant of their first laser, in Embree's
-/// coordinates.
-struct FiringLanes {
-  std::array<Lanes, 9> R;  ///< Columns of R_WS one after the other.
-  std::array<Lanes, 3> p;  ///< m
-  std::array<Lanes, 3> v;  ///< m/s
-  std::array<Lanes, 3> w;  ///< rad/s
-  Lanes cos_azimuth;
-  Lanes sin_azimuth;
-  Lanes time;  ///< Share of the slice.
-};
 
 struct FiringBlock {
   std::size_t first = 0;  ///< Index into the firings of this cast.
@@ -45,71 +27,11 @@ struct FiringBlock {
   FiringLanes lanes;
 };
 
-struct LaserLanes {
-  Lanes cos_elevation;
-  Lanes sin_elevation;
-  Lanes offset_m;
-  Lanes delay_s;
-  Lanes cos_turn;  ///< Of the rotor during the delay.
-  Lanes sin_turn;
-  Lanes delay_share;  ///< Of the slice.
-};
-
 /// Which firing of the block and which laser a lane carries.
 struct LaneMap {
   std::array<std::uint8_t, kLanes> firing{};
   std::array<std::uint8_t, kLanes> laser{};
 };
-
-/// Copies lane `from` of every member of `source` to lane `to` of `target`; both structs hold
-/// nothing but Lanes.
-template <class Struct>
-void copy_lane(const Struct& source, std::size_t from, Struct& target, std::size_t to) {
-  static_assert(sizeof(Struct) % sizeof(Lanes) == 0);
-  const auto* in = reinterpret_cast<const float*>(&source);
-  auto* out = reinterpret_cast<float*>(&target);
-  for (std::size_t i = 0; i < sizeof(Struct) / sizeof(float); i += kLanes) {
-    out[i + to] = in[i + from];
-  }
-}
-
-void fill_rays(const FiringLanes& firing, const LaserLanes& laser, RTCRay8& ray) {
-  const Lanes cosine = firing.cos_azimuth * laser.cos_turn - firing.sin_azimuth * laser.sin_turn;
-  const Lanes sine = firing.sin_azimuth * laser.cos_turn + firing.cos_azimuth * laser.sin_turn;
-  const Lanes x_S = laser.cos_elevation * cosine;
-  const Lanes y_S = -laser.cos_elevation * sine;
-  const Lanes& z_S = laser.sin_elevation;
-  const Lanes& dt = laser.delay_s;
-  const auto& R = firing.R;
-  const auto& w = firing.w;
-  const Lanes x = R[0] * x_S + R[3] * y_S + R[6] * z_S;
-  const Lanes y = R[1] * x_S + R[4] * y_S + R[7] * z_S;
-  const Lanes z = R[2] * x_S + R[5] * y_S + R[8] * z_S;
-  LanesOut{ray.dir_x} = x + dt * (w[1] * z - w[2] * y);
-  LanesOut{ray.dir_y} = y + dt * (w[2] * x - w[0] * z);
-  LanesOut{ray.dir_z} = z + dt * (w[0] * y - w[1] * x);
-  LanesOut{ray.org_x} = firing.p[0] + dt * firing.v[0] + laser.offset_m * R[6];
-  LanesOut{ray.org_y} = firing.p[1] + dt * firing.v[1] + laser.offset_m * R[7];
-  LanesOut{ray.org_z} = firing.p[2] + dt * firing.v[2] + laser.offset_m * R[8];
-  LanesOut{ray.time} = (firing.time + laser.delay_share).min(1.0F);
-}
-
-/// A standard normal number for each shot.
-Lanes gaussian_lanes(std::uint64_t key, const std::array<std::uint64_t, kLanes>& shots) {
-  std::array<double, kLanes> p{};
-  Lanes q;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    p[lane] = counter_uniform(key, shots[lane]);
-    q(static_cast<Eigen::Index>(lane)) = static_cast<float>(p[lane] - 0.5);
-  }
-  Lanes value = central_normal_quantile<float>(q);
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    if (std::abs(p[lane] - 0.5) > kCentralHalfWidth) {
-      value(static_cast<Eigen::Index>(lane)) = static_cast<float>(normal_quantile(p[lane]));
-    }
-  }
-  return value;
-}
 
 }  // namespace
 
@@ -155,8 +77,8 @@ void SpinningLidar::Slice::fill(const FiringBlock& block, const LaneMap& map, st
     FiringLanes firing;
     LaserLanes laser;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      copy_lane(block.lanes, map.firing[lane], firing, lane);
-      copy_lane(lasers[map.laser[lane]], lane, laser, lane);
+      firing.copy_lane(block.lanes, map.firing[lane], lane);
+      laser.copy_lane(lasers[map.laser[lane]], lane, lane);
     }
     fill_rays(firing, laser, ray);
   }
@@ -215,10 +137,10 @@ SpinningLidar::SpinningLidar(const SpinningLidarParameters& parameters, const Li
   for (std::size_t i = 0; i < slice.laser_count; ++i) {
     const LaserGeometry& laser = pattern.lasers[i];
     LaserLanes& lanes = slice.lasers[i];
-    lanes.cos_elevation.setConstant(static_cast<float>(std::cos(laser.elevation_rad)));
-    lanes.sin_elevation.setConstant(static_cast<float>(std::sin(laser.elevation_rad)));
-    lanes.offset_m.setConstant(static_cast<float>(laser.vertical_offset_m));
-    lanes.delay_s.setConstant(static_cast<float>(to_seconds(laser.time_offset)));
+    lanes.cos_elevation().setConstant(static_cast<float>(std::cos(laser.elevation_rad)));
+    lanes.sin_elevation().setConstant(static_cast<float>(std::sin(laser.elevation_rad)));
+    lanes.offset_m().setConstant(static_cast<float>(laser.vertical_offset_m));
+    lanes.delay_s().setConstant(static_cast<float>(to_seconds(laser.time_offset)));
   }
   const auto used = std::span(slice.by_elevation).first(slice.laser_count);
   std::iota(used.begin(), used.end(), std::uint8_t{0});
@@ -249,9 +171,9 @@ void SpinningLidar::prepare(const Scene& scene, SimTime t0, SimTime t1,
   for (std::size_t i = 0; i < slice.laser_count; ++i) {
     LaserLanes& laser = slice.lasers[i];
     const double delay_s = to_seconds(pattern_.lasers[i].time_offset);
-    laser.cos_turn.setConstant(static_cast<float>(std::cos(rotor_rate_radps_ * delay_s)));
-    laser.sin_turn.setConstant(static_cast<float>(std::sin(rotor_rate_radps_ * delay_s)));
-    laser.delay_share.setConstant(static_cast<float>(delay_s / length_s));
+    laser.cos_turn().setConstant(static_cast<float>(std::cos(rotor_rate_radps_ * delay_s)));
+    laser.sin_turn().setConstant(static_cast<float>(std::sin(rotor_rate_radps_ * delay_s)));
+    laser.delay_share().setConstant(static_cast<float>(delay_s / length_s));
   }
   SimTime time = plan_.next_after(t0);
   if (time <= t1) {
@@ -274,17 +196,17 @@ void SpinningLidar::prepare(const Scene& scene, SimTime t0, SimTime t1,
     const Eigen::Vector3d p = mount.X_WL.translation() - origin_W;
     const Eigen::Matrix3d R = mount.X_WL.linear();
     for (std::size_t i = 0; i < 9; ++i) {
-      lanes.R[i](lane) = static_cast<float>(R.data()[i]);
+      lanes.R(i)(lane) = static_cast<float>(R.data()[i]);
     }
     for (std::size_t i = 0; i < 3; ++i) {
       const auto row = static_cast<Eigen::Index>(i);
-      lanes.p[i](lane) = static_cast<float>(p(row));
-      lanes.v[i](lane) = static_cast<float>(mount.v_WL_W(row));
-      lanes.w[i](lane) = static_cast<float>(mount.w_WL_W(row));
+      lanes.p(i)(lane) = static_cast<float>(p(row));
+      lanes.v(i)(lane) = static_cast<float>(mount.v_WL_W(row));
+      lanes.w(i)(lane) = static_cast<float>(mount.w_WL_W(row));
     }
-    lanes.cos_azimuth(lane) = static_cast<float>(std::cos(firing.rotor_azimuth_rad));
-    lanes.sin_azimuth(lane) = static_cast<float>(std::sin(firing.rotor_azimuth_rad));
-    lanes.time(lane) = static_cast<float>(to_seconds(time - t0) / length_s);
+    lanes.cos_azimuth()(lane) = static_cast<float>(std::cos(firing.rotor_azimuth_rad));
+    lanes.sin_azimuth()(lane) = static_cast<float>(std::sin(firing.rotor_azimuth_rad));
+    lanes.time()(lane) = static_cast<float>(to_seconds(time - t0) / length_s);
   }
 }
 

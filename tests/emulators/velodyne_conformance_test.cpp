@@ -136,7 +136,7 @@ TEST(VelodyneConformance, IndependentDissectorReadsTheTruth) {
   fix.latitude_deg = -33.25;
   fix.longitude_deg = 151.125;
   lidar.observe_fix(fix);
-  constexpr std::int64_t kPackets = 200;
+  constexpr std::int64_t kPackets = 120;
   const double rate_degps = 1200.0 / 60.0 * 360.0;
   for (std::int64_t i = 0; i < 12 * kPackets; ++i) {
     LidarFiring firing;

@@ -19,7 +19,24 @@ if(RIGWIRE_SANITIZE)
   add_link_options(-fsanitize=${RIGWIRE_SANITIZE})
 endif()
 
-set(RIGWIRE_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
+# The fuzzers see into the libraries, and assertions are what they look for.
+if(RIGWIRE_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
+    -fno-omit-frame-pointer -UNDEBUG)
+  add_link_options(-fsanitize=address,undefined)
+endif()
+
+# GCC decides what is a warning; clang, which only builds the fuzz targets, may show its own.
+set(RIGWIRE_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  list(APPEND RIGWIRE_WARNINGS -Werror)
+  if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    list(APPEND RIGWIRE_WARNINGS -Wno-restrict)  # false alarms in std::string (GCC bug 105651)
+  endif()
+endif()
+if(RIGWIRE_SANITIZE MATCHES thread)
+  list(APPEND RIGWIRE_WARNINGS -Wno-tsan)  # Asio's thread fences, which the sanitizer cannot see
+endif()
 
 # rigwire_library(<folder> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>])
 #

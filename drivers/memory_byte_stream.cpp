@@ -1,0 +1,142 @@
+#include "drivers/memory_byte_stream.h"
+
+#include <algorithm>
+#include <boost/asio/post.hpp>
+#include <utility>
+#include <vector>
+
+namespace rigwire::drivers {
+
+/// What both ends and the posted deliveries share.
+struct MemorySerialLine::State : std::enable_shared_from_this<MemorySerialLine::State> {
+  State(boost::asio::io_context& the_context, std::string the_name)
+      : context(the_context), name(std::move(the_name)) {}
+
+  struct Client {
+    ByteStream::Receiver receiver;
+  };
+
+  boost::asio::io_context& context;
+  std::string name;
+  bool alive = true;  ///< The line still exists.
+  ByteStream::Receiver device_receiver;
+  std::vector<std::shared_ptr<Client>> clients;  ///< In order of opening.
+  std::vector<std::uint8_t> to_device;
+  std::vector<std::uint8_t> to_client;
+  bool delivery_posted = false;
+
+  static std::size_t append(std::vector<std::uint8_t>& queue, std::span<const std::uint8_t> bytes) {
+    const std::size_t count = std::min(bytes.size(), kCapacity - queue.size());
+    queue.insert(queue.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count));
+    return count;
+  }
+
+  void post_delivery() {
+    if (delivery_posted || (to_device.empty() && to_client.empty())) {
+      return;
+    }
+    delivery_posted = true;
+    boost::asio::post(context, [self = shared_from_this()] { self->deliver(); });
+  }
+
+  void deliver() {
+    delivery_posted = false;
+    if (alive && device_receiver && !to_device.empty()) {
+      const auto bytes = std::exchange(to_device, {});
+      const auto receiver = device_receiver;
+      receiver(bytes);
+    }
+    if (!clients.empty() && clients.front()->receiver && !to_client.empty()) {
+      const auto bytes = std::exchange(to_client, {});
+      const auto receiver = clients.front()->receiver;
+      receiver(bytes);
+    }
+    // What nobody has asked for yet waits for start(); what the receivers wrote goes on its way.
+    const bool device_waits = !to_device.empty() && device_receiver;
+    const bool client_waits = !to_client.empty() && !clients.empty() && clients.front()->receiver;
+    if (device_waits || client_waits) {
+      post_delivery();
+    }
+  }
+};
+
+namespace {
+
+class DeviceEnd final : public ByteStream {
+ public:
+  explicit DeviceEnd(std::shared_ptr<MemorySerialLine::State> state) : state_(std::move(state)) {}
+
+  void start(Receiver receiver) override {
+    state_->device_receiver = std::move(receiver);
+    state_->post_delivery();
+  }
+  std::size_t write(std::span<const std::uint8_t> bytes) override {
+    if (state_->clients.empty()) {
+      return bytes.size();
+    }
+    const std::size_t taken = MemorySerialLine::State::append(state_->to_client, bytes);
+    state_->post_delivery();
+    return taken;
+  }
+  [[nodiscard]] EndpointStatus status() const override {
+    return {state_->name, !state_->clients.empty()};
+  }
+
+ private:
+  std::shared_ptr<MemorySerialLine::State> state_;
+};
+
+class ClientEnd final : public ByteStream {
+ public:
+  explicit ClientEnd(std::shared_ptr<MemorySerialLine::State> state)
+      : state_(std::move(state)), self_(std::make_shared<MemorySerialLine::State::Client>()) {
+    state_->clients.push_back(self_);
+  }
+  ~ClientEnd() override {
+    std::erase(state_->clients, self_);
+    if (state_->clients.empty()) {
+      state_->to_client.clear();
+    }
+  }
+  ClientEnd(const ClientEnd&) = delete;
+  ClientEnd& operator=(const ClientEnd&) = delete;
+
+  void start(Receiver receiver) override {
+    self_->receiver = std::move(receiver);
+    state_->post_delivery();
+  }
+  std::size_t write(std::span<const std::uint8_t> bytes) override {
+    if (!state_->alive) {
+      return bytes.size();
+    }
+    const std::size_t taken = MemorySerialLine::State::append(state_->to_device, bytes);
+    state_->post_delivery();
+    return taken;
+  }
+  [[nodiscard]] EndpointStatus status() const override { return {state_->name, state_->alive}; }
+
+ private:
+  std::shared_ptr<MemorySerialLine::State> state_;
+  std::shared_ptr<MemorySerialLine::State::Client> self_;
+};
+
+}  // namespace
+
+MemorySerialLine::MemorySerialLine(boost::asio::io_context& context, std::string name)
+    : state_(std::make_shared<State>(context, std::move(name))),
+      device_(std::make_unique<DeviceEnd>(state_)) {}
+
+MemorySerialLine::~MemorySerialLine() {
+  state_->alive = false;
+  state_->device_receiver = nullptr;
+}
+
+ByteStream& MemorySerialLine::device() {
+  return *device_;
+}
+
+std::unique_ptr<ByteStream> MemorySerialLine::open_client() {
+  return std::make_unique<ClientEnd>(state_);
+}
+
+}  // namespace rigwire::drivers

@@ -1,0 +1,293 @@
+#include "drivers/pty.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <functional>
+#include <system_error>
+#include <utility>
+
+#include "drivers/terminal.h"
+
+namespace rigwire::drivers {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kReadSize = 4096;
+/// Reads per wake-up, so that a client that floods cannot keep the loop.
+constexpr int kReadsPerTurn = 8;
+
+[[noreturn]] void fail(const fs::path& link, const std::string& what, const std::string& mend) {
+  throw EndpointError("pty " + link.string() + ": " + what + "; " + mend);
+}
+
+std::string reason(int error) {
+  return std::generic_category().message(error);
+}
+
+/// Takes the name for this process; the kernel gives it back however the process ends.
+int take_ownership(const fs::path& link) {
+  const int descriptor = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (descriptor < 0) {
+    fail(link, "cannot create a socket: " + reason(errno), "raise the limit of open files");
+  }
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  // A path longer than the address holds is told apart by its hash.
+  const std::string full = fs::absolute(link).lexically_normal().string();
+  std::string name = "rigwire/pty/" + full;
+  constexpr std::size_t kRoom = sizeof(address.sun_path) - 1;  // after the leading NUL
+  if (name.size() > kRoom) {
+    name = "rigwire/pty#" + std::to_string(std::hash<std::string>{}(full));
+  }
+  std::memcpy(address.sun_path + 1, name.data(), name.size());
+  const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+  if (::bind(descriptor, reinterpret_cast<const sockaddr*>(&address), length) != 0) {
+    const int error = errno;
+    ::close(descriptor);
+    if (error == EADDRINUSE) {
+      fail(link, "another running rigwire publishes this path",
+           "stop that one or choose another path");
+    }
+    fail(link, "cannot take the path's name: " + reason(error), "choose another path");
+  }
+  return descriptor;
+}
+
+/// Throws unless `link` is free or a leftover.
+void require_replaceable(const fs::path& link) {
+  struct stat own {};
+  if (::lstat(link.c_str(), &own) != 0) {
+    if (errno == ENOENT || errno == ENOTDIR) {
+      return;
+    }
+    fail(link, "cannot look at it: " + reason(errno), "choose a path that this user can reach");
+  }
+  if (!S_ISLNK(own.st_mode)) {
+    fail(link, S_ISDIR(own.st_mode) ? "a directory is there" : "a file is there",
+         "remove it or choose another path");
+  }
+  std::error_code error;
+  const fs::path target = fs::read_symlink(link, error);
+  struct stat terminal {};
+  if (::stat(link.c_str(), &terminal) != 0) {
+    return;  // dangling
+  }
+  if (target.parent_path() != "/dev/pts") {
+    fail(link, "a link to " + target.string() + " is there, which is no pseudo-terminal",
+         "remove it or choose another path");
+  }
+  // The numbers of pseudo-terminals are used again. A terminal younger than the link is somebody
+  // else's, and the link a leftover.
+  const auto earlier = [](const timespec& a, const timespec& b) {
+    return std::pair(a.tv_sec, a.tv_nsec) < std::pair(b.tv_sec, b.tv_nsec);
+  };
+  if (!earlier(own.st_mtim, terminal.st_ctim)) {
+    fail(link, "a running program publishes " + target.string() + " there",
+         "stop that program or choose another path");
+  }
+}
+
+int open_master(const fs::path& link) {
+  const int master = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (master < 0) {
+    fail(link, "cannot open a pseudo-terminal: " + reason(errno),
+         "mount devpts on /dev/pts and raise /proc/sys/kernel/pty/max");
+  }
+  if (::grantpt(master) != 0 || ::unlockpt(master) != 0) {
+    const int error = errno;
+    ::close(master);
+    fail(link, "cannot unlock the pseudo-terminal: " + reason(error), "check /dev/pts");
+  }
+  return master;
+}
+
+std::string name_of_slave(int master) {
+  char name[128] = {};
+  return ::ptsname_r(master, name, sizeof(name)) == 0 ? name : "";
+}
+
+/// Opens the slave for a moment, empties it and makes it raw.
+bool clean_slave(const std::string& name) {
+  const int slave = ::open(name.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (slave < 0) {
+    return false;
+  }
+  const bool raw = make_terminal_raw(slave);
+  std::uint8_t waste[kReadSize];
+  // Bounded: nobody writes meanwhile, and the kernel holds less than this.
+  for (int i = 0; i < 64 && ::read(slave, waste, sizeof(waste)) > 0; ++i) {
+  }
+  ::close(slave);
+  return raw;
+}
+
+}  // namespace
+
+Pty::Pty(boost::asio::io_context& context, fs::path link)
+    : link_(std::move(link)),
+      master_(context),
+      ownership_(context),
+      presence_timer_(context),
+      buffer_(kReadSize) {
+  if (!link_.empty()) {
+    ownership_.assign(take_ownership(link_));
+    require_replaceable(link_);
+  }
+  descriptor_ = open_master(link_);
+  master_.assign(descriptor_);
+  slave_name_ = name_of_slave(descriptor_);
+  // Opening and closing it once also makes the kernel report that nobody has it open.
+  if (slave_name_.empty() || !clean_slave(slave_name_)) {
+    fail(link_, "cannot open the slave " + slave_name_ + ": " + reason(errno),
+         "check the permissions of /dev/pts");
+  }
+  if (!link_.empty()) {
+    publish();
+  }
+}
+
+Pty::~Pty() {
+  if (published_) {
+    std::error_code error;
+    if (fs::read_symlink(link_, error) == slave_name_ && !error) {
+      fs::remove(link_, error);
+    }
+  }
+}
+
+void Pty::publish() {
+  std::error_code error;
+  const fs::path parent = link_.has_parent_path() ? link_.parent_path() : fs::path(".");
+  fs::create_directories(parent, error);
+  if (error) {
+    fail(link_, "cannot create the directory " + parent.string() + ": " + error.message(),
+         "choose a path in a directory that this user can write, such as /tmp/rigwire");
+  }
+  // A rename puts the link in place at once, whether or not a leftover is there.
+  fs::path temporary = link_;
+  temporary += ".new-" + std::to_string(::getpid());
+  fs::remove(temporary, error);
+  fs::create_symlink(slave_name_, temporary, error);
+  if (!error) {
+    fs::rename(temporary, link_, error);
+    if (error) {
+      std::error_code ignored;
+      fs::remove(temporary, ignored);
+    }
+  }
+  if (error) {
+    fail(link_, "cannot create the link: " + error.message(),
+         "choose a path in a directory that this user can write, such as /tmp/rigwire");
+  }
+  published_ = true;
+}
+
+void Pty::start(Receiver receiver) {
+  receiver_ = std::move(receiver);
+  wait_presence();
+}
+
+std::size_t Pty::write(std::span<const std::uint8_t> bytes) {
+  note_presence(!hung_up());
+  if (!present_) {
+    return bytes.size();
+  }
+  std::size_t taken = 0;
+  while (taken < bytes.size()) {
+    const ssize_t count = ::write(descriptor_, bytes.data() + taken, bytes.size() - taken);
+    if (count > 0) {
+      taken += static_cast<std::size_t>(count);
+    } else if (count == 0 || errno != EINTR) {
+      break;
+    }
+  }
+  return taken;
+}
+
+EndpointStatus Pty::status() const {
+  return {link_.empty() ? slave_name_ : link_.string(), !hung_up()};
+}
+
+std::uint32_t Pty::client_baud() const {
+  return terminal_baud(descriptor_).value_or(0);
+}
+
+bool Pty::hung_up() const {
+  pollfd state{descriptor_, 0, 0};
+  return ::poll(&state, 1, 0) == 1 && (state.revents & POLLHUP) != 0;
+}
+
+void Pty::note_presence(bool present) {
+  if (present_ && !present) {
+    // What the client left unread would be the next one's first bytes.
+    (void)clean_slave(slave_name_);
+  }
+  present_ = present;
+  if (present_ && receiver_ && !reading_) {
+    wait_readable();
+  }
+}
+
+void Pty::drain_master() {
+  for (int turn = 0; turn < kReadsPerTurn; ++turn) {
+    const ssize_t count = ::read(descriptor_, buffer_.data(), buffer_.size());
+    if (count > 0) {
+      const std::weak_ptr<char> alive = alive_;
+      receiver_(std::span(buffer_).first(static_cast<std::size_t>(count)));
+      if (alive.expired()) {
+        return;  // the receiver has destroyed this object
+      }
+      continue;
+    }
+    if (count < 0 && errno == EINTR) {
+      continue;
+    }
+    // EIO: everything is read and nobody has the slave open.
+    note_presence(!(count < 0 && errno == EIO));
+    return;
+  }
+  note_presence(true);
+}
+
+void Pty::wait_readable() {
+  reading_ = true;
+  master_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
+                     [this, alive = std::weak_ptr<char>(alive_)](boost::system::error_code error) {
+                       if (error || alive.expired()) {
+                         return;
+                       }
+                       reading_ = false;
+                       drain_master();
+                     });
+}
+
+void Pty::wait_presence() {
+  presence_timer_.expires_after(kPresencePeriod);
+  presence_timer_.async_wait(
+      [this, alive = std::weak_ptr<char>(alive_)](boost::system::error_code error) {
+        if (error || alive.expired()) {
+          return;
+        }
+        // The kernel reports the departure of a client as something to read, its arrival not at
+        // all.
+        if (!reading_) {
+          drain_master();
+          if (alive.expired()) {
+            return;
+          }
+        }
+        wait_presence();
+      });
+}
+
+}  // namespace rigwire::drivers

@@ -1,0 +1,299 @@
+#include "drivers/tcp_server.h"
+
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+#include <chrono>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+namespace rigwire::drivers {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+namespace {
+
+void check(const char* setting, std::size_t value, std::size_t lower, std::size_t upper) {
+  if (value < lower || value > upper) {
+    throw std::invalid_argument(std::string("tcp server ") + setting + ": found " +
+                                std::to_string(value) + ", allowed " + std::to_string(lower) +
+                                " .. " + std::to_string(upper));
+  }
+}
+
+std::string describe(const std::string& address, std::uint16_t port) {
+  const bool v6 = address.find(':') != std::string::npos;
+  return "tcp " + (v6 ? "[" + address + "]" : address) + ":" + std::to_string(port);
+}
+
+std::string mend(const error_code& error, std::uint16_t port) {
+  if (error == asio::error::address_in_use) {
+    return "another program has the port (ss -ltnp 'sport = :" + std::to_string(port) +
+           "' names it); stop it or choose another port";
+  }
+  if (error == asio::error::access_denied) {
+    return "ports below 1024 need CAP_NET_BIND_SERVICE; choose a port from 1024 up, for example "
+           "1502";
+  }
+  if (error == boost::system::errc::address_not_available) {
+    return "no interface of this machine has the address (ip addr lists them); use 127.0.0.1";
+  }
+  return "check address and port";
+}
+
+/// A vanished peer is found out after 10 s + 4 * 5 s.
+void set_keep_alive(tcp::socket& socket) {
+  error_code ignored;
+  socket.set_option(asio::socket_base::keep_alive(true), ignored);
+  const auto set = [&](int option, int value) {
+    ::setsockopt(socket.native_handle(), IPPROTO_TCP, option, &value, sizeof value);
+  };
+  set(TCP_KEEPIDLE, 10);
+  set(TCP_KEEPINTVL, 5);
+  set(TCP_KEEPCNT, 4);
+}
+
+}  // namespace
+
+/// Shared with the handlers that the io_context still holds when the server is destroyed.
+struct TcpServer::State : std::enable_shared_from_this<State> {
+  struct Client {
+    Client(ConnectionId number, tcp::socket accepted) : id(number), socket(std::move(accepted)) {}
+    ConnectionId id;
+    tcp::socket socket;
+    std::array<std::uint8_t, 4096> incoming{};
+    std::vector<std::uint8_t> waiting;  ///< Not yet given to the system.
+    std::vector<std::uint8_t> leaving;  ///< Being written.
+    bool closing = false;               ///< Ends when everything has left.
+    bool ended = false;
+    std::chrono::steady_clock::time_point heard = std::chrono::steady_clock::now();
+  };
+  using ClientPointer = std::shared_ptr<Client>;
+
+  State(asio::io_context& context, TcpServerSettings wanted)
+      : settings(std::move(wanted)), acceptor(context), retry(context) {}
+
+  TcpServerSettings settings;
+  tcp::acceptor acceptor;
+  asio::steady_timer retry;
+  Handler handler;
+  std::vector<ClientPointer> clients;
+  ConnectionId next_id = 1;
+  bool stopped = false;
+
+  ClientPointer find(ConnectionId id) const {
+    const auto found = std::ranges::find(clients, id, [](const auto& c) { return c->id; });
+    return found == clients.end() ? nullptr : *found;
+  }
+
+  void accept() {
+    acceptor.async_accept([self = shared_from_this()](const error_code& error, tcp::socket socket) {
+      if (self->stopped || error == asio::error::operation_aborted) {
+        return;
+      }
+      if (error) {  // out of descriptors, or the client gave up: go on later
+        self->retry.expires_after(std::chrono::milliseconds(100));
+        self->retry.async_wait([self](const error_code&) {
+          if (!self->stopped) {
+            self->accept();
+          }
+        });
+        return;
+      }
+      self->admit(std::move(socket));
+      self->accept();
+    });
+  }
+
+  void admit(tcp::socket socket) {
+    if (clients.size() >= settings.clients_max) {
+      end(*std::ranges::min_element(clients, {}, [](const auto& c) { return c->heard; }));
+    }
+    error_code ignored;
+    socket.set_option(tcp::no_delay(true), ignored);
+    socket.non_blocking(true, ignored);
+    set_keep_alive(socket);
+    auto client = std::make_shared<Client>(next_id++, std::move(socket));
+    clients.push_back(client);
+    if (handler.connected) {
+      handler.connected(client->id);
+    }
+    read(client);
+  }
+
+  void read(const ClientPointer& client) {
+    if (client->ended) {
+      return;
+    }
+    client->socket.async_read_some(
+        asio::buffer(client->incoming),
+        [self = shared_from_this(), client](const error_code& error, std::size_t size) {
+          if (client->ended || self->stopped) {
+            return;
+          }
+          if (error) {
+            self->end(client);
+            return;
+          }
+          client->heard = std::chrono::steady_clock::now();
+          if (!client->closing && self->handler.received) {
+            self->handler.received(client->id, std::span(client->incoming).first(size));
+          }
+          self->read(client);
+        });
+  }
+
+  bool send(const ClientPointer& client, std::span<const std::uint8_t> bytes) {
+    if (client->closing || client->ended) {
+      return false;
+    }
+    if (client->leaving.empty()) {
+      error_code error;
+      const std::size_t size =
+          client->socket.write_some(asio::buffer(bytes.data(), bytes.size()), error);
+      if (error && error != asio::error::would_block) {
+        end(client);
+        return false;
+      }
+      bytes = bytes.subspan(size);
+    }
+    if (bytes.empty()) {
+      return true;
+    }
+    if (client->waiting.size() + client->leaving.size() + bytes.size() > settings.backlog_bytes) {
+      end(client);
+      return false;
+    }
+    client->waiting.insert(client->waiting.end(), bytes.begin(), bytes.end());
+    write(client);
+    return true;
+  }
+
+  void write(const ClientPointer& client) {
+    if (!client->leaving.empty() || client->waiting.empty()) {
+      return;
+    }
+    std::swap(client->leaving, client->waiting);
+    asio::async_write(client->socket, asio::buffer(client->leaving),
+                      [self = shared_from_this(), client](const error_code& error, std::size_t) {
+                        if (client->ended || self->stopped) {
+                          return;
+                        }
+                        client->leaving.clear();
+                        if (error || (client->closing && client->waiting.empty())) {
+                          self->end(client);
+                          return;
+                        }
+                        self->write(client);
+                      });
+  }
+
+  /// Ends a connection now; tells the handler later, from the io_context.
+  void end(ClientPointer client) {
+    if (client->ended) {
+      return;
+    }
+    client->ended = true;
+    error_code ignored;
+    client->socket.shutdown(tcp::socket::shutdown_both, ignored);
+    client->socket.close(ignored);
+    std::erase(clients, client);
+    asio::post(acceptor.get_executor(), [self = shared_from_this(), id = client->id] {
+      if (!self->stopped && self->handler.disconnected) {
+        self->handler.disconnected(id);
+      }
+    });
+  }
+};
+
+TcpServer::TcpServer(asio::io_context& context, const TcpServerSettings& settings) {
+  check("clients_max", settings.clients_max, 1, 1024);
+  check("backlog_bytes", settings.backlog_bytes, 1024, std::size_t{16} << 20U);
+  const std::string where = describe(settings.address, settings.port);
+  error_code error;
+  const auto address = asio::ip::make_address(settings.address, error);
+  if (error) {
+    throw EndpointError(where + ": not a numeric IP address; use for example 127.0.0.1");
+  }
+  if (!address.is_loopback() && !settings.allow_remote) {
+    throw EndpointError(where +
+                        ": not a loopback address, and others could move the machine; use "
+                        "127.0.0.1, or opt in with allow_remote");
+  }
+  state_ = std::make_shared<State>(context, settings);
+  const tcp::endpoint endpoint(address, settings.port);
+  auto& acceptor = state_->acceptor;
+  acceptor.open(endpoint.protocol(), error);
+  if (!error) {
+    acceptor.set_option(asio::socket_base::reuse_address(true), error);
+  }
+  if (!error) {
+    acceptor.bind(endpoint, error);
+  }
+  if (!error) {
+    acceptor.listen(asio::socket_base::max_listen_connections, error);
+  }
+  if (error) {
+    throw EndpointError(where + ": " + error.message() + "; " + mend(error, settings.port));
+  }
+  state_->settings.port = acceptor.local_endpoint().port();
+}
+
+TcpServer::~TcpServer() {
+  state_->stopped = true;
+  state_->handler = {};
+  error_code ignored;
+  state_->acceptor.close(ignored);
+  state_->retry.cancel();
+  for (const auto& client : state_->clients) {
+    client->ended = true;
+    client->socket.shutdown(tcp::socket::shutdown_both, ignored);
+    client->socket.close(ignored);
+  }
+  state_->clients.clear();
+}
+
+void TcpServer::start(Handler handler) {
+  state_->handler = std::move(handler);
+  state_->accept();
+}
+
+bool TcpServer::send(ConnectionId connection, std::span<const std::uint8_t> bytes) {
+  const auto client = state_->find(connection);
+  return client != nullptr && state_->send(client, bytes);
+}
+
+void TcpServer::close(ConnectionId connection) {
+  const auto client = state_->find(connection);
+  if (client == nullptr) {
+    return;
+  }
+  client->closing = true;
+  if (client->leaving.empty()) {
+    state_->end(client);
+  }
+}
+
+EndpointStatus TcpServer::status() const {
+  return {describe(state_->settings.address, state_->settings.port), !state_->clients.empty()};
+}
+
+std::uint16_t TcpServer::port() const {
+  return state_->settings.port;
+}
+
+std::size_t TcpServer::clients() const {
+  return state_->clients.size();
+}
+
+}  // namespace rigwire::drivers

@@ -1,0 +1,164 @@
+#include "drivers/udp_socket.h"
+
+#include <sys/socket.h>
+
+#include <boost/asio/ip/address_v4.hpp>
+#include <boost/asio/socket_base.hpp>
+#include <cerrno>
+#include <string_view>
+#include <utility>
+
+namespace rigwire::drivers {
+namespace {
+
+using boost::asio::ip::udp;
+
+/// The largest UDP payload over IPv4.
+constexpr std::size_t kLargestDatagram = 65507;
+constexpr int kDatagramsPerTurn = 64;
+constexpr std::chrono::seconds kPresenceMemory{1};
+
+std::string text(const UdpEndpoint& endpoint) {
+  return endpoint.address + ":" + std::to_string(endpoint.port);
+}
+
+udp::endpoint resolve(const UdpEndpoint& endpoint, std::string_view role) {
+  boost::system::error_code error;
+  const auto address = boost::asio::ip::make_address_v4(endpoint.address, error);
+  if (error) {
+    throw EndpointError("udp " + text(endpoint) + ": the " + std::string(role) +
+                        " is not an IPv4 address; write it as 127.0.0.1");
+  }
+  return {address, endpoint.port};
+}
+
+}  // namespace
+
+UdpSocket::UdpSocket(boost::asio::io_context& context, UdpSettings settings)
+    : settings_(std::move(settings)), socket_(context), buffer_(kLargestDatagram) {
+  if (!settings_.destination && !settings_.bind) {
+    throw EndpointError("udp: neither a destination nor an address to bind is given; give one");
+  }
+  const std::string name = text(settings_.destination ? *settings_.destination : *settings_.bind);
+  boost::system::error_code error;
+  const auto require = [&](const std::string& what, const std::string& mend) {
+    if (error) {
+      throw EndpointError("udp " + name + ": " + what + ": " + error.message() + "; " + mend);
+    }
+  };
+  socket_.open(udp::v4(), error);
+  require("cannot open a socket", "raise the limit of open files");
+  socket_.non_blocking(true, error);
+  require("cannot make the socket non-blocking", "report this");
+  boost::system::error_code ignored;
+  socket_.set_option(boost::asio::socket_base::receive_buffer_size(settings_.receive_buffer_bytes),
+                     ignored);
+  if (settings_.broadcast) {
+    socket_.set_option(boost::asio::socket_base::broadcast(true), error);
+    require("cannot allow broadcast", "use a unicast destination");
+  }
+  if (settings_.bind) {
+    socket_.bind(resolve(*settings_.bind, "address to bind"), error);
+    require("cannot bind " + text(*settings_.bind),
+            "stop the program that has the port, or choose another port or an address of this "
+            "machine");
+  }
+  if (settings_.destination) {
+    const udp::endpoint destination = resolve(*settings_.destination, "destination");
+    if (destination.port() == 0) {
+      throw EndpointError("udp " + name + ": the destination's port is 0; allowed 1..65535");
+    }
+    socket_.connect(destination, error);
+    require("cannot use the destination",
+            settings_.broadcast ? "check the route to it"
+                                : "check the route to it; a broadcast address must be asked for");
+  }
+}
+
+void UdpSocket::start(Receiver receiver) {
+  receiver_ = std::move(receiver);
+  wait_readable();
+}
+
+void UdpSocket::wait_readable() {
+  socket_.async_wait(udp::socket::wait_read,
+                     [this, alive = std::weak_ptr<char>(alive_)](boost::system::error_code error) {
+                       if (alive.expired() || error == boost::asio::error::operation_aborted) {
+                         return;
+                       }
+                       receive_all();
+                     });
+}
+
+void UdpSocket::receive_all() {
+  const std::weak_ptr<char> alive = alive_;
+  for (int turn = 0; turn < kDatagramsPerTurn; ++turn) {
+    const ssize_t count = ::recv(socket_.native_handle(), buffer_.data(), buffer_.size(), 0);
+    if (count >= 0) {
+      last_received_ = Clock::now();
+      receiver_(std::span(buffer_).first(static_cast<std::size_t>(count)));
+      if (alive.expired()) {
+        return;  // the receiver has destroyed this object
+      }
+      continue;
+    }
+    if (errno == ECONNREFUSED) {
+      note_refusal();
+    } else if (errno != EINTR) {
+      break;
+    }
+  }
+  wait_readable();
+}
+
+void UdpSocket::note_refusal() const {
+  last_refused_ = Clock::now();
+}
+
+bool UdpSocket::send(std::span<const std::uint8_t> datagram) {
+  if (!settings_.destination) {
+    return false;
+  }
+  // Each pending refusal costs one attempt; there is at most one per earlier datagram.
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    if (::send(socket_.native_handle(), datagram.data(), datagram.size(), MSG_NOSIGNAL) >= 0) {
+      last_sent_ = Clock::now();
+      return true;
+    }
+    if (errno == ECONNREFUSED) {
+      note_refusal();
+    } else if (errno != EINTR) {
+      return false;
+    }
+  }
+  return false;
+}
+
+EndpointStatus UdpSocket::status() const {
+  EndpointStatus status;
+  const auto now = Clock::now();
+  if (!settings_.destination) {
+    status.address = "udp " + settings_.bind->address + ":" + std::to_string(local_port());
+    status.client_present = last_received_ && now - *last_received_ < kPresenceMemory;
+    return status;
+  }
+  int pending = 0;
+  socklen_t size = sizeof(pending);
+  if (::getsockopt(socket_.native_handle(), SOL_SOCKET, SO_ERROR, &pending, &size) == 0 &&
+      pending == ECONNREFUSED) {
+    note_refusal();
+  }
+  status.address = "udp " + text(*settings_.destination);
+  status.client_present =
+      last_sent_ &&
+      (!last_refused_ || (*last_sent_ > *last_refused_ && now - *last_refused_ > kPresenceMemory));
+  return status;
+}
+
+std::uint16_t UdpSocket::local_port() const {
+  boost::system::error_code error;
+  const udp::endpoint local = socket_.local_endpoint(error);
+  return error ? std::uint16_t{0} : local.port();
+}
+
+}  // namespace rigwire::drivers

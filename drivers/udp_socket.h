@@ -1,0 +1,71 @@
+// One UDP socket over IPv4: a sender with a fixed destination, a receiver bound to a port, or both.
+//
+// - Sending to a port where nobody listens is not an error and not a loss of ours: the system's
+//   "connection refused" belongs to an earlier datagram, is noted for the status, and the datagram
+//   at hand is sent all the same.
+// - A full send buffer refuses the datagram (send() returns false); so does a route that is gone.
+// - What a slow reader loses in its own receive buffer is invisible here, as on a real network.
+// - client_present of a sender: something was sent, and the system has not reported a refusal
+// within
+//   the last second nor since the last datagram. Only local and reachable hosts refuse; a datagram
+//   into the void counts as listened to. Of a receiver: a datagram came within the last second.
+#pragma once
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/endpoints.h"
+
+namespace rigwire::drivers {
+
+struct UdpEndpoint {
+  std::string address = "127.0.0.1";  ///< IPv4, dotted.
+  std::uint16_t port = 0;
+};
+
+struct UdpSettings {
+  std::optional<UdpEndpoint> destination = {};  ///< Set: the socket is connected and can send.
+  std::optional<UdpEndpoint> bind = {};         ///< Source of what is sent, and where it receives.
+  bool broadcast = false;                       ///< Allows a broadcast address as the destination.
+  int receive_buffer_bytes = 1 << 20;           ///< Asked of the system, which may give less.
+};
+
+class UdpSocket final : public DatagramSocket {
+ public:
+  /// Throws EndpointError naming the address: not an IPv4 address, port taken, not of this machine.
+  UdpSocket(boost::asio::io_context& context, UdpSettings settings);
+  UdpSocket(const UdpSocket&) = delete;
+  UdpSocket& operator=(const UdpSocket&) = delete;
+
+  void start(Receiver receiver) override;
+  bool send(std::span<const std::uint8_t> datagram) override;
+  [[nodiscard]] EndpointStatus status() const override;
+
+  /// The port it is bound to; useful when port 0 asked for any.
+  [[nodiscard]] std::uint16_t local_port() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void wait_readable();
+  void receive_all();
+  void note_refusal() const;
+
+  UdpSettings settings_;
+  mutable boost::asio::ip::udp::socket socket_;
+  Receiver receiver_;
+  std::vector<std::uint8_t> buffer_;
+  std::optional<Clock::time_point> last_sent_;
+  std::optional<Clock::time_point> last_received_;
+  mutable std::optional<Clock::time_point> last_refused_;
+  std::shared_ptr<char> alive_ = std::make_shared<char>();
+};
+
+}  // namespace rigwire::drivers

@@ -1,0 +1,197 @@
+// The devices of a rig: wire, mount, what the device does (its emulator's settings) and how well it
+// measures (its sensor's parameters). The `type` key chooses which.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "emulators/openimu335ri.h"
+#include "emulators/ublox_settings.h"
+#include "emulators/valve_driver.h"
+#include "emulators/velodyne_lidar.h"
+#include "hil/configuration/fields.h"
+#include "hil/configuration/shapes.h"
+#include "sim/gnss/gnss_sensor.h"
+#include "sim/imu/imu_sensor.h"
+#include "sim/lidar/spinning_lidar.h"
+#include "sim/samples/vector3.h"
+
+namespace rigwire::hil {
+
+/// Where a sensor sits: pose of its frame S in the frame of a link L of the machine (X_LS).
+struct MountConfiguration {
+  std::string link = "upper";
+  Vector3 position_m;
+  RollPitchYaw rotation;
+};
+
+/// u-blox NEO-7P on a serial line.
+struct UbloxConfiguration {
+  std::string path = "/tmp/rigwire/gnss";  ///< Symbolic link to the pty that a client opens.
+  MountConfiguration mount;                ///< Of the antenna.
+  emulators::UbloxSettings receiver;
+  sim::GnssParameters sensor;
+};
+
+/// Velodyne HDL-32E on UDP.
+struct VelodyneConfiguration {
+  std::string address = "127.0.0.1";  ///< Destination of the packets.
+  std::uint16_t port = 2368;
+  std::uint16_t position_port = 8308;
+  bool allow_remote = false;  ///< Needed for a destination outside this machine.
+  MountConfiguration mount;   ///< Frame S: x forward, y left, z up, on the spin axis.
+  emulators::VelodyneSettings lidar;
+  sim::SpinningLidarParameters sensor;
+};
+
+/// ACEINNA OpenIMU on a J1939 bus.
+struct OpenImuDeviceConfiguration {
+  std::string bus = "can";  ///< One of the rig's buses.
+  MountConfiguration mount;
+  emulators::OpenImuSettings imu;
+  sim::ImuParameters sensor;
+};
+
+/// Hydraulic valve driver as a Modbus TCP server.
+struct ValveDriverConfiguration {
+  std::string address = "127.0.0.1";  ///< Where it listens.
+  std::uint16_t port = 1502;
+  bool allow_remote = false;  ///< Needed to listen where other machines reach it.
+  emulators::ValveDriverSettings driver;
+};
+
+using DeviceSettings = std::variant<UbloxConfiguration, VelodyneConfiguration,
+                                    OpenImuDeviceConfiguration, ValveDriverConfiguration>;
+
+/// The names of the `type` key, in the order of DeviceSettings.
+inline constexpr std::array<Alternative, 4> kDeviceTypes{
+    {{"ublox-neo-7p", "u-blox NEO-7P satellite receiver on a serial line (NMEA, UBX)."},
+     {"velodyne-hdl-32e", "Velodyne HDL-32E spinning lidar on UDP."},
+     {"openimu335ri", "ACEINNA OpenIMU335RI inertial unit on CAN (J1939)."},
+     {"valve-driver", "Eight-section hydraulic valve driver, Modbus TCP server."}}};
+
+struct DeviceConfiguration {
+  DeviceSettings settings;
+
+  [[nodiscard]] std::string_view type() const { return kDeviceTypes[settings.index()].name; }
+};
+
+enum class CanWire { automatic, socketcan, slcan };
+inline constexpr std::array<Choice<CanWire>, 3> kCanWires{
+    {{CanWire::automatic, "auto", "SocketCAN where the interface exists, else slcan."},
+     {CanWire::socketcan, "socketcan", "The kernel's CAN interface."},
+     {CanWire::slcan, "slcan", "The slcan text protocol on a pty."}}};
+
+/// One CAN bus that devices share.
+struct BusConfiguration {
+  CanWire wire = CanWire::automatic;
+  std::string interface = "vcan0";       ///< SocketCAN.
+  std::string path = "/tmp/rigwire/can";  ///< slcan: symbolic link to the pty.
+  emulators::CanBusSettings bus;
+};
+
+template <class Visitor>
+void visit(Visitor& v, MountConfiguration& p) {
+  v.text("link", p.link, "Link of the machine that carries it.");
+  v.vector3("position", p.position_m, in("m"), "In the link's frame: x forward, y left, z up.");
+  v.section("rotation", p.rotation, "Of the sensor's axes against the link's.");
+}
+
+inline constexpr std::array<Choice<sim::DilutionKind>, 2> kDilutionKinds{
+    {{sim::DilutionKind::regression, "regression", "The paper's Eq. 1 over the satellite count."},
+     {sim::DilutionKind::geometric, "geometric", "From the directions of the satellites."}}};
+inline constexpr std::array<Choice<sim::QuadrantRule>, 3> kQuadrantRules{
+    {{sim::QuadrantRule::off, "off", "Eq. 3 by count alone."},
+     {sim::QuadrantRule::cardinal, "cardinal", "2D when a sector around N, E, S or W is empty."},
+     {sim::QuadrantRule::diagonal, "diagonal", "2D when a sector between them is empty."}}};
+
+template <class Visitor>
+void visit(Visitor& v, sim::GnssParameters& p) {
+  v.choice("dilution", p.dilution, kDilutionKinds, "How dilution of precision is found.");
+  v.choice("quadrant_rule", p.quadrant_rule, kQuadrantRules, "The paper's rule on empty sectors.");
+  v.number("elevation_mask", p.elevation_mask_deg, in("deg").stored_as("deg").between(0, 89.9),
+           "Satellites below it are not used.");
+  v.number("antenna_clearance", p.antenna_clearance_m, in("mm").at_least(0),
+           "Things nearer do not block the sky.");
+  v.number("circular_error", p.circular_error_m, in("m").at_least(0),
+           "CEP under open sky, as in the data sheet.");
+  v.number("correlation_time", p.correlation_time_s, in("s").at_least(0),
+           "Of the position error; 0 = white noise.");
+  v.number("speed_sigma", p.speed_sigma_mps, in("m/s").at_least(0), "White, per axis.");
+  v.number("cn0_zenith", p.cn0_zenith_dbhz, in("dBHz").between(0, 63), "Signal from above.");
+  v.number("cn0_horizon", p.cn0_horizon_dbhz, in("dBHz").between(0, 63), "Signal from the horizon.");
+  v.number("cn0_threshold", p.cn0_threshold_dbhz, in("dBHz").between(0, 63), "Weakest tracked.");
+  v.integer("maximum_channels", p.maximum_channels, IntegerRule{1, 24}, "Satellites at once.");
+  v.number("clock_drift", p.clock_drift, in("ppm").between(-100, 100), "Of the receiver, mean.");
+  v.number("clock_drift_sigma", p.clock_drift_sigma, in("ppm").at_least(0), "Its slow wander.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, UbloxConfiguration& p) {
+  v.text("path", p.path, "Symbolic link to the pty; what a client opens.");
+  v.rate("rate", p.receiver.measurement_period, in("Hz").above(0).at_most(20),
+         "Navigation epochs; a client may change it by CFG-RATE.");
+  v.integer("baud", p.receiver.baud, IntegerRule{4800, 460800}, "Of the line, 8N1, at power-on.");
+  v.texts("nmea_sentences", p.receiver.nmea_sentences, "On at power-on: RMC VTG GGA GSA GSV GLL ZDA.");
+  v.texts("ubx_messages", p.receiver.ubx_messages, "On at power-on: NAV-PVT, NAV-SOL and others.");
+  v.duration("time_to_first_fix", p.receiver.time_to_first_fix, {0, 3'600'000'000'000},
+             "From power-on; 0 = a fix in the first epoch.");
+  v.duration("solution_latency", p.receiver.solution_latency, {0, 200'000'000},
+             "From the epoch to the first byte.");
+  v.duration("start_up", p.receiver.start_up, {0, 10'000'000'000}, "From power-on to the first byte.");
+  v.boolean("start_banner", p.receiver.start_banner, "TXT sentences after power-on.");
+  v.integer("transmit_buffer", p.receiver.transmit_buffer_bytes, IntegerRule{1024, 65536},
+            "Bytes that may wait for the line.");
+  v.section("mount", p.mount, "Of the antenna.");
+  v.section("sensor", p.sensor, "How well it knows where it is.");
+}
+
+inline constexpr std::array<Choice<protocols::velodyne::ReturnMode>, 2> kReturnModes{
+    {{protocols::velodyne::ReturnMode::strongest, "strongest", "The strongest echo of a shot."},
+     {protocols::velodyne::ReturnMode::last, "last", "The last echo of a shot."}}};
+
+template <class Visitor>
+void visit(Visitor& v, sim::SpinningLidarParameters& p) {
+  v.number("range_sigma", p.range_sigma_m, in("mm").between(0, 1000), "Gaussian, per shot.");
+  v.number("housing_radius", p.housing_radius_m, in("mm").between(0, 1000), "Where rays begin.");
+  v.integer("threads", p.threads, IntegerRule{1, 256}, "That cast rays; results do not change.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, VelodyneConfiguration& p) {
+  v.text("address", p.address, "Where the packets go, an IPv4 address.");
+  v.integer("port", p.port, IntegerRule{1, 65535}, "Of the data packets.");
+  v.integer("position_port", p.position_port, IntegerRule{1, 65535}, "Of the position packets.");
+  v.boolean("allow_remote", p.allow_remote, "Permits an address outside this machine.");
+  v.number("rate", p.lidar.rotor_rpm, in("rpm").stored_as("rpm").above(0).at_most(1200),
+           "Of the rotor; 10 Hz is 600 rpm.");
+  v.choice("return_mode", p.lidar.return_mode, kReturnModes, "Which echo is sent.");
+  v.boolean("legacy_factory_bytes", p.lidar.legacy_factory_bytes, "As firmware before 2.2.20.");
+  v.boolean("vertical_offsets", p.lidar.vertical_offsets, "Each beam leaves from its own height.");
+  v.number("minimum_range", p.lidar.minimum_range_m, in("m").between(0, 1000), "0 = the model's.");
+  v.number("maximum_range", p.lidar.maximum_range_m, in("m").between(0, 1000), "0 = the model's.");
+  v.duration("send_delay", p.lidar.send_delay, {0, 100'000'000}, "From the last shot to the wire.");
+  v.duration("position_period", p.lidar.position_period, {0, 10'000'000'000},
+             "Between position packets; 0 = as long as 14 data packets.");
+  v.section("mount", p.mount, "Of the spin axis.");
+  v.section("sensor", p.sensor, "How well it measures.");
+}
+
+inline constexpr std::array<Choice<emulators::OpenImuVariant>, 2> kOpenImuVariants{
+    {{emulators::OpenImuVariant::openimu335ri, "openimu335ri", "Figures of merit by state."},
+     {emulators::OpenImuVariant::openimu300ri, "openimu300ri", "Figures of merit not available."}}};
+
+/// Rates that the device's divider can give, Hz; 0 = silent until a client asks.
+inline constexpr std::array<Choice<std::uint8_t>, 8> kOpenImuRates{{{0, "0", "Silent."},
+                                                                    {1, "100", ""},
+                                                                    {2, "50", ""},
+                                                                    {4, "25", ""},
+                                                                    {5, "20", ""},
+                                                                    {10, "10", ""},
+                                                                    {20, "5", ""},
+                                                                    {25, "4", ""}}};
+}  // namespace rigwire::hil

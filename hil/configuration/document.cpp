@@ -1,0 +1,364 @@
+#include "hil/configuration/document.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "hil/configuration/suggest.h"
+
+namespace rigwire::hil {
+
+namespace fs = std::filesystem;
+
+const Value* Value::find(std::string_view key) const {
+  const auto it = std::find_if(entries.begin(), entries.end(),
+                               [&](const Entry& entry) { return entry.key == key; });
+  return it == entries.end() ? nullptr : &it->value;
+}
+
+Value* Value::find(std::string_view key) {
+  return const_cast<Value*>(static_cast<const Value&>(*this).find(key));
+}
+
+std::string Value::description() const {
+  switch (kind) {
+    case Kind::null:
+      return "nothing";
+    case Kind::list:
+      return "a list";
+    case Kind::map:
+      return "a map";
+    case Kind::scalar:
+      break;
+  }
+  constexpr std::size_t kLongest = 60;
+  return scalar.size() <= kLongest ? "\"" + scalar + "\""
+                                   : "\"" + scalar.substr(0, kLongest) + "...\"";
+}
+
+namespace {
+
+struct Parser {
+  std::shared_ptr<const std::string> source;
+  std::string folder;
+  Problems& problems;
+  std::vector<std::string> including;  // canonical files on the way here
+  std::size_t nodes = 0;
+  bool too_big = false;
+
+  [[nodiscard]] Location at(const YAML::Mark& mark) const {
+    return mark.is_null() ? Location{source, 0, 0}
+                          : Location{source, mark.line + 1, mark.column + 1};
+  }
+
+  void report(const Location& where, const std::string& path, const std::string& what,
+              const std::string& found = {}, const std::string& allowed = {}) {
+    problems.add({where, path, what, found, allowed, {}});
+  }
+
+  Value convert(const YAML::Node& node, const std::string& path, int depth);
+  Value convert_map(const YAML::Node& node, const std::string& path, int depth);
+  void include(Value& map, const std::string& path);
+};
+
+std::string child(const std::string& path, const std::string& key) {
+  return path.empty() ? key : path + "." + key;
+}
+
+Value load_file(const std::string& file, const std::string& shown, Problems& problems,
+                std::vector<std::string> including);
+
+Value parse_text(const std::string& text, const std::string& name, const std::string& folder,
+                 Problems& problems, std::vector<std::string> including) {
+  Parser parser{std::make_shared<const std::string>(name), folder, problems, std::move(including)};
+  Value result;
+  try {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) {
+      parser.report(parser.at(documents[1].Mark()), "", "more than one document in the file");
+    }
+    if (!documents.empty()) {
+      result = parser.convert(documents.front(), "", 0);
+    }
+  } catch (const YAML::Exception& error) {
+    parser.report(parser.at(error.mark), "", "not valid YAML: " + error.msg);
+  }
+  if (result.kind == Value::Kind::null) {
+    result.kind = Value::Kind::map;  // an empty file says nothing, and that is allowed
+  }
+  if (result.where.is_default()) {
+    result.where = Location{parser.source, 1, 1};
+    result.folder = folder;
+  }
+  return result;
+}
+
+Value Parser::convert(const YAML::Node& node, const std::string& path, int depth) {
+  Value value;
+  value.where = at(node.Mark());
+  value.folder = folder;
+  if (++nodes > kMaximumNodes || depth > kMaximumDepth) {
+    if (!too_big) {
+      report(value.where, path,
+             fmt::format("nested deeper than {} levels, or more than {} values", kMaximumDepth,
+                         kMaximumNodes));
+    }
+    too_big = true;
+    return value;
+  }
+  switch (node.Type()) {
+    case YAML::NodeType::Scalar:
+      value.kind = Value::Kind::scalar;
+      value.scalar = node.Scalar();
+      break;
+    case YAML::NodeType::Sequence: {
+      value.kind = Value::Kind::list;
+      std::size_t index = 0;
+      for (const YAML::Node& item : node) {
+        if (too_big) {
+          break;
+        }
+        value.items.push_back(convert(item, child(path, std::to_string(index++)), depth + 1));
+      }
+      break;
+    }
+    case YAML::NodeType::Map: {
+      Value map = convert_map(node, path, depth);
+      map.where = value.where;
+      return map;
+    }
+    case YAML::NodeType::Null:
+    case YAML::NodeType::Undefined:
+      break;
+  }
+  return value;
+}
+
+Value Parser::convert_map(const YAML::Node& node, const std::string& path, int depth) {
+  Value map;
+  map.kind = Value::Kind::map;
+  map.folder = folder;
+  for (const auto& pair : node) {
+    if (too_big) {
+      break;
+    }
+    const Location where = at(pair.first.Mark());
+    if (!pair.first.IsScalar()) {
+      report(where, path, "a key must be a word", pair.first.IsMap() ? "a map" : "a list");
+      continue;
+    }
+    const std::string key = pair.first.Scalar();
+    const auto same = std::find_if(map.entries.begin(), map.entries.end(),
+                                   [&](const Value::Entry& entry) { return entry.key == key; });
+    if (same != map.entries.end()) {
+      report(where, child(path, key),
+             fmt::format("the key is given twice, first in line {}", same->where.line));
+      continue;
+    }
+    map.entries.push_back({key, where, convert(pair.second, child(path, key), depth + 1)});
+  }
+  include(map, path);
+  return map;
+}
+
+void Parser::include(Value& map, const std::string& path) {
+  const auto it = std::find_if(map.entries.begin(), map.entries.end(),
+                               [](const Value::Entry& entry) { return entry.key == "include"; });
+  if (it == map.entries.end()) {
+    return;
+  }
+  const Value named = std::move(it->value);
+  map.entries.erase(it);
+  std::vector<const Value*> files;
+  if (named.kind == Value::Kind::scalar) {
+    files.push_back(&named);
+  } else if (named.kind == Value::Kind::list) {
+    for (const Value& item : named.items) {
+      files.push_back(&item);
+    }
+  } else {
+    report(named.where, child(path, "include"), "wrong kind of value", named.description(),
+           "a file name or a list of file names");
+  }
+  Value base;
+  base.kind = Value::Kind::map;
+  for (const Value* file : files) {
+    const std::string key = child(path, "include");
+    if (file->kind != Value::Kind::scalar) {
+      report(file->where, key, "wrong kind of value", file->description(), "a file name");
+      continue;
+    }
+    const fs::path full = (fs::path(folder) / file->scalar).lexically_normal();
+    std::error_code error;
+    if (!fs::is_regular_file(full, error)) {
+      problems.add({file->where, key, "no such file: tried " + full.string(), file->description(),
+                    "", nearest_file(full.string())});
+      continue;
+    }
+    const std::string canonical = fs::weakly_canonical(full, error).string();
+    if (std::find(including.begin(), including.end(), canonical) != including.end() ||
+        including.size() > kMaximumIncludeDepth) {
+      report(file->where, key, "the file includes itself, directly or through others",
+             file->description());
+      continue;
+    }
+    overlay(base, load_file(full.string(), full.string(), problems, including));
+  }
+  Value over = std::move(map);
+  map = std::move(base);
+  map.where = over.where;
+  map.folder = over.folder;
+  overlay(map, std::move(over));
+}
+
+Value load_file(const std::string& file, const std::string& shown, Problems& problems,
+                std::vector<std::string> including) {
+  const Location whole_file{std::make_shared<const std::string>(shown), 0, 0};
+  const auto refuse = [&](const std::string& what) {
+    Problem problem;
+    problem.where = whole_file;
+    problem.what = what;
+    problem.suggestion = nearest_file(file);
+    problems.add(std::move(problem));
+    Value empty;
+    empty.kind = Value::Kind::map;
+    empty.where = whole_file;
+    return empty;
+  };
+  std::error_code error;
+  if (!fs::exists(file, error)) {
+    return refuse("no such file");
+  }
+  if (!fs::is_regular_file(file, error)) {
+    return refuse("not a file");
+  }
+  if (fs::file_size(file, error) > kMaximumFileBytes) {
+    return refuse(fmt::format("larger than {} bytes", kMaximumFileBytes));
+  }
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) {
+    return refuse("cannot be read (permission?)");
+  }
+  std::ostringstream text;
+  text << stream.rdbuf();
+  including.push_back(fs::weakly_canonical(file, error).string());
+  return parse_text(text.str(), shown, fs::path(file).parent_path().string(), problems,
+                    std::move(including));
+}
+
+}  // namespace
+
+Value load_document(const std::string& file, Problems& problems) {
+  return load_file(file, file, problems, {});
+}
+
+Value parse_document(const std::string& text, const std::string& name, const std::string& folder,
+                     Problems& problems) {
+  return parse_text(text, name, folder, problems, {});
+}
+
+void overlay(Value& base, Value over) {
+  if (base.kind != Value::Kind::map || over.kind != Value::Kind::map) {
+    base = std::move(over);
+    return;
+  }
+  for (Value::Entry& entry : over.entries) {
+    if (Value* existing = base.find(entry.key)) {
+      overlay(*existing, std::move(entry.value));
+    } else {
+      base.entries.push_back(std::move(entry));
+    }
+  }
+}
+
+void apply_set(Value& document, const std::string& argument, Problems& problems) {
+  const auto source = std::make_shared<const std::string>("--set " + argument);
+  const Location where{source, 0, 0};
+  const std::size_t equals = argument.find('=');
+  const std::string path = argument.substr(0, equals);
+  if (equals == std::string::npos || path.empty() || path.front() == '.' || path.back() == '.' ||
+      path.find("..") != std::string::npos) {
+    problems.add({where, "", "not an assignment", argument, "key.path=value", ""});
+    return;
+  }
+  Problems own;
+  Value value = parse_document("value: " + argument.substr(equals + 1) + "\n", *source,
+                               fs::current_path().string(), own);
+  const Value* parsed = value.find("value");
+  if (!own.empty() || parsed == nullptr || value.entries.size() != 1) {
+    problems.add({where, path, "the value is not valid YAML", argument.substr(equals + 1), "", ""});
+    return;
+  }
+  const auto relocate = [&](auto&& self, Value& node) -> void {
+    node.where = where;
+    for (Value& item : node.items) {
+      self(self, item);
+    }
+    for (Value::Entry& entry : node.entries) {
+      entry.where = where;
+      self(self, entry.value);
+    }
+  };
+  Value leaf = *parsed;
+  relocate(relocate, leaf);
+
+  Value* node = &document;
+  std::istringstream segments(path);
+  std::string segment;
+  while (std::getline(segments, segment, '.')) {
+    if (node->kind == Value::Kind::list) {
+      std::size_t index = 0;
+      const auto [end, error] =
+          std::from_chars(segment.data(), segment.data() + segment.size(), index);
+      if (error != std::errc{} || end != segment.data() + segment.size() ||
+          index >= node->items.size()) {
+        problems.add({where, path, "no such list element", segment,
+                      fmt::format("0 .. {}", node->items.empty() ? 0 : node->items.size() - 1),
+                      ""});
+        return;
+      }
+      node = &node->items[index];
+      continue;
+    }
+    if (node->kind == Value::Kind::scalar) {
+      problems.add({where, path, "there is nothing below this key: \"" + segment + "\" not found",
+                    "the value " + node->description(), "", ""});
+      return;
+    }
+    if (node->kind == Value::Kind::null) {
+      node->kind = Value::Kind::map;
+      node->where = where;
+    }
+    if (Value* existing = node->find(segment)) {
+      node = existing;
+    } else {
+      Value fresh;
+      fresh.where = where;
+      node->entries.push_back({segment, where, fresh});
+      node = &node->entries.back().value;
+    }
+  }
+  overlay(*node, std::move(leaf));
+}
+
+std::string nearest_file(const std::string& path) {
+  const fs::path wanted(path);
+  std::vector<std::string> names;
+  std::error_code error;
+  const fs::path folder = wanted.has_parent_path() ? wanted.parent_path() : fs::path(".");
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().filename() != wanted.filename()) {
+      names.push_back(it->path().filename().string());
+    }
+  }
+  std::sort(names.begin(), names.end());
+  const std::string name = nearest_word(wanted.filename().string(), names);
+  return name.empty() ? name : (wanted.parent_path() / name).string();
+}
+
+}  // namespace rigwire::hil

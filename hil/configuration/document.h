@@ -1,0 +1,70 @@
+// A YAML document with the place of every value kept, and the layers of a configuration.
+//
+// Layers, later ones winning: defaults of the structs < files named by `include:` < the map that
+// includes them < --set arguments. Maps merge key by key; lists and scalars are replaced whole.
+//
+//   machine:
+//     include: ../machines/excavator_ref18t.yaml   # or a list of files; relative to this file
+//     position: [0 m, 0 m, 0 m]                    # beats what the file says
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hil/configuration/problems.h"
+
+namespace rigwire::hil {
+
+/// One node. Values are plain and owned; a document is a tree without sharing (aliases are copied).
+struct Value {
+  enum class Kind { null, scalar, list, map };
+  struct Entry;
+
+  Kind kind = Kind::null;
+  std::string scalar;
+  std::vector<Value> items;
+  std::vector<Entry> entries;  ///< In the order written; keys are unique.
+  Location where;
+  std::string folder;  ///< Folder of the file that wrote it; relative file names start here.
+
+  [[nodiscard]] const Value* find(std::string_view key) const;
+  [[nodiscard]] Value* find(std::string_view key);
+  /// "a map", "a list", "nothing" or the scalar itself, shortened, for messages.
+  [[nodiscard]] std::string description() const;
+};
+
+struct Value::Entry {
+  std::string key;
+  Location where;  ///< Of the key.
+  Value value;
+};
+
+/// Bounds that keep a hostile or mistaken file from eating the machine.
+inline constexpr std::size_t kMaximumFileBytes = 16u << 20;
+inline constexpr std::size_t kMaximumNodes = 1'000'000;
+inline constexpr int kMaximumDepth = 64;
+inline constexpr int kMaximumIncludeDepth = 8;
+
+/// Reads a file and everything it includes. Syntax errors, duplicate keys, keys that are no
+/// scalars, missing or circular includes go to `problems`; what could be read is returned.
+[[nodiscard]] Value load_document(const std::string& file, Problems& problems);
+
+/// The same from text; `name` stands for the file in messages, `folder` is where relative names
+/// start.
+[[nodiscard]] Value parse_document(const std::string& text, const std::string& name,
+                                   const std::string& folder, Problems& problems);
+
+/// Lays `over` on `base`: maps merge, everything else is replaced.
+void overlay(Value& base, Value over);
+
+/// Applies one `--set key.path=value`; the value is YAML ("5", "5 Hz", "[1, 2, 3]"). List elements
+/// are addressed by number: "scene.rocks.0.size=1 m". A malformed argument, or a path through a
+/// scalar, goes to `problems`; unknown keys are found by the reader, as in a file.
+void apply_set(Value& document, const std::string& argument, Problems& problems);
+
+/// A file that is not there: what is, with the nearest name. Empty when nothing is near.
+[[nodiscard]] std::string nearest_file(const std::string& path);
+
+}  // namespace rigwire::hil

@@ -1,0 +1,291 @@
+#include "hil/configuration/outline.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace rigwire::hil {
+
+namespace {
+
+/// YAML that reads back as exactly this text.
+std::string yaml_text(const std::string& text) {
+  const bool safe = !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '/' || c == '.' || c == '-';
+  });
+  const bool word = safe && text != "true" && text != "false" && text != "null" && text != "-" &&
+                    text.front() != '.' && !(text.front() == '-' && text.size() == 1);
+  if (word) {
+    return text;
+  }
+  std::string result = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      result += '\\';
+      result += c;
+    } else if (byte < 0x20 || byte == 0x7f) {
+      result += fmt::format("\\x{:02x}", byte);
+    } else {
+      result += c;
+    }
+  }
+  return result + "\"";
+}
+
+std::string canonical_number(double value) {
+  return fmt::format("{}", value == 0.0 ? 0.0 : value);
+}
+
+std::string content_hash(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) {
+    return std::filesystem::path(file).filename().string();
+  }
+  std::ostringstream bytes;
+  bytes << stream.rdbuf();
+  return fmt::format("{:016x}", fnv1a(bytes.str()));
+}
+
+}  // namespace
+
+std::uint64_t fnv1a(std::string_view bytes, std::uint64_t basis) {
+  for (const char c : bytes) {
+    basis = (basis ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  }
+  return basis;
+}
+
+OutlineNode& Outliner::add(OutlineNode::Kind kind, std::string_view key, std::string_view type,
+                           std::string_view text) {
+  OutlineNode& node = stack_.back()->children.emplace_back();
+  node.kind = kind;
+  node.key = key;
+  node.type = type;
+  node.text = text;
+  node.required = required_ == key;
+  required_.clear();
+  return node;
+}
+
+void Outliner::number(std::string_view key, double value, const NumberRule& rule,
+                      std::string_view text) {
+  OutlineNode& node = add(OutlineNode::Kind::scalar, key, "number", text);
+  node.unit = rule.written().symbol;
+  node.allowed = rule.range_text();
+  node.value = rule.print(value);
+  node.canonical = canonical_number(value);
+}
+
+void Outliner::numbers(std::string_view key, std::span<const double> values, const NumberRule& rule,
+                       std::string_view text) {
+  OutlineNode& node =
+      add(OutlineNode::Kind::flow_list, key, values.size() == 3 ? "[x, y, z]" : "numbers", text);
+  node.unit = rule.written().symbol;
+  node.allowed = rule.range_text();
+  for (const double value : values) {
+    node.value += (node.value.empty() ? "" : ", ") + rule.print(value);
+    node.canonical += (node.canonical.empty() ? "" : ",") + canonical_number(value);
+  }
+  node.value = fmt::format("[{}]", node.value);
+}
+
+void Outliner::number_list(std::string_view key, const std::vector<double>& values,
+                           const NumberRule& rule, std::string_view text) {
+  numbers(key, values, rule, text);
+  stack_.back()->children.back().type = "numbers";
+}
+
+void Outliner::whole_number(std::string_view key, std::string value, const IntegerRule& rule,
+                            std::string_view text) {
+  OutlineNode& node = add(OutlineNode::Kind::scalar, key, "whole number", text);
+  node.allowed = rule.range_text();
+  node.canonical = value;
+  node.value = std::move(value);
+}
+
+void Outliner::name(std::string_view key, std::string_view type, std::string value,
+                    std::string allowed, std::string_view text) {
+  OutlineNode& node = add(OutlineNode::Kind::scalar, key, type, text);
+  node.allowed = std::move(allowed);
+  node.canonical = value;
+  node.value = yaml_text(value);
+}
+
+void Outliner::boolean(std::string_view key, bool value, std::string_view text) {
+  OutlineNode& node = add(OutlineNode::Kind::scalar, key, "yes or no", text);
+  node.allowed = "true, false";
+  node.value = node.canonical = value ? "true" : "false";
+}
+
+void Outliner::text(std::string_view key, const std::string& value, std::string_view text) {
+  name(key, "text", value, "", text);
+}
+
+void Outliner::texts(std::string_view key, const std::vector<std::string>& values,
+                     std::string_view text) {
+  OutlineNode& node = add(OutlineNode::Kind::flow_list, key, "list of words", text);
+  for (const std::string& value : values) {
+    node.value += (node.value.empty() ? "" : ", ") + yaml_text(value);
+    node.canonical += yaml_text(value) + ",";
+  }
+  node.value = fmt::format("[{}]", node.value);
+}
+
+void Outliner::file(std::string_view key, const std::string& value, std::string_view text) {
+  name(key, "file", value, "", text);
+  stack_.back()->children.back().canonical = value.empty() ? "" : content_hash(value);
+}
+
+void Outliner::duration(std::string_view key, Duration value, const DurationRule& rule,
+                        std::string_view text) {
+  OutlineNode& node = add(OutlineNode::Kind::scalar, key, "duration", text);
+  node.unit = "s";
+  node.allowed = rule.range_text();
+  node.value = print_duration(value.count());
+  node.canonical = std::to_string(value.count());
+}
+
+void Outliner::rate(std::string_view key, Duration period, const NumberRule& rule,
+                    std::string_view text) {
+  const double hertz = period.count() > 0 ? 1e9 / static_cast<double>(period.count()) : 0.0;
+  // The shortest number of hertz that still means this period.
+  std::string shown = rule.print(hertz);
+  for (int digits = 3; digits < 17 && hertz > 0.0; ++digits) {
+    const double rounded = std::stod(fmt::format("{:.{}g}", hertz, digits));
+    if (rounded > 0.0 && from_seconds(1.0 / rounded) == period) {
+      shown = rule.print(rounded);
+      break;
+    }
+  }
+  OutlineNode& node = add(OutlineNode::Kind::scalar, key, "rate", text);
+  node.unit = rule.written().symbol;
+  node.allowed = rule.range_text();
+  node.value = shown;
+  node.canonical = std::to_string(period.count());
+}
+
+void Outliner::utc(std::string_view key, const UtcTime& value, std::string_view text) {
+  OutlineNode& node = add(OutlineNode::Kind::scalar, key, "UTC", text);
+  node.value = node.canonical = format_utc(value);
+}
+
+namespace {
+
+std::string child_path(const std::string& path, const std::string& key) {
+  return path.empty() ? key : path + "." + key;
+}
+
+class YamlPrinter {
+ public:
+  explicit YamlPrinter(const Origins& origins) : origins_(origins) {}
+
+  void map(const OutlineNode& node, const std::string& path, std::size_t indent,
+           std::string first_prefix) {
+    for (const OutlineNode& child : node.children) {
+      const std::string prefix =
+          first_prefix.empty() ? std::string(indent, ' ') : std::exchange(first_prefix, "");
+      entry(child, child_path(path, child.key), indent, prefix + child.key + ":");
+    }
+  }
+
+  std::string take() && { return std::move(text_); }
+
+ private:
+  void entry(const OutlineNode& node, const std::string& path, std::size_t indent,
+             const std::string& head) {
+    switch (node.kind) {
+      case OutlineNode::Kind::scalar:
+      case OutlineNode::Kind::flow_list:
+        line(head + " " + node.value, path);
+        return;
+      case OutlineNode::Kind::section:
+      case OutlineNode::Kind::named:
+        if (node.children.empty()) {
+          line(head + " {}", path);
+          return;
+        }
+        text_ += head + "\n";
+        map(node, path, indent + 2, "");
+        return;
+      case OutlineNode::Kind::list:
+        if (node.children.empty()) {
+          line(head + " []", path);
+          return;
+        }
+        text_ += head + "\n";
+        for (const OutlineNode& item : node.children) {
+          map(item, child_path(path, item.key), indent + 4, std::string(indent + 2, ' ') + "- ");
+        }
+        return;
+    }
+  }
+
+  void line(std::string content, const std::string& path) {
+    constexpr std::size_t kCommentColumn = 52;
+    if (content.size() < kCommentColumn) {
+      content.append(kCommentColumn - content.size(), ' ');
+    }
+    text_ += content + "  # " + origins_.of(path).line_text() + "\n";
+  }
+
+  const Origins& origins_;
+  std::string text_;
+};
+
+void collect(const OutlineNode& node, const std::string& path, std::vector<std::string>& lines) {
+  for (const OutlineNode& child : node.children) {
+    const std::string below = child_path(path, child.key);
+    if (child.kind == OutlineNode::Kind::scalar || child.kind == OutlineNode::Kind::flow_list) {
+      lines.push_back(below + "=" + child.canonical);
+    } else {
+      lines.push_back(below + ":");
+      collect(child, below, lines);
+    }
+  }
+}
+
+void refer(const OutlineNode& node, std::size_t indent, std::string& text) {
+  for (const OutlineNode& child : node.children) {
+    std::string line = std::string(indent, ' ') + child.key + ": " + child.type;
+    line += child.unit.empty() ? "" : " in " + child.unit;
+    line += child.allowed.empty() ? "" : ", " + child.allowed;
+    line += child.value.empty() ? "" : ", default " + child.value;
+    line += child.required ? ", required" : "";
+    text += line + "\n";
+    text += child.text.empty() ? "" : std::string(indent + 4, ' ') + child.text + "\n";
+    refer(child, indent + 2, text);
+  }
+}
+
+}  // namespace
+
+std::string print_yaml(const OutlineNode& tree, const Origins& origins) {
+  YamlPrinter printer(origins);
+  printer.map(tree, "", 0, "");
+  return std::move(printer).take();
+}
+
+std::string hash_text(const OutlineNode& tree) {
+  std::vector<std::string> lines;
+  collect(tree, "", lines);
+  std::sort(lines.begin(), lines.end());
+  std::uint64_t hash = fnv1a("");
+  for (const std::string& line : lines) {
+    hash = fnv1a(line + "\n", hash);
+  }
+  return fmt::format("{:016x}", hash);
+}
+
+std::string reference_text(const OutlineNode& tree) {
+  std::string text;
+  refer(tree, 0, text);
+  return text;
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,78 @@
+#include "hil/configuration/problems.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+namespace rigwire::hil {
+
+std::string Location::text() const {
+  if (is_default()) {
+    return "default";
+  }
+  return line == 0 ? *source : fmt::format("{}:{}:{}", *source, line, column);
+}
+
+std::string Location::line_text() const {
+  if (is_default()) {
+    return "default";
+  }
+  return line == 0 ? *source : fmt::format("{}:{}", *source, line);
+}
+
+std::string Problem::line() const {
+  std::string text = where.text() + ": ";
+  if (!path.empty()) {
+    text += path + ": ";
+  }
+  text += what;
+  if (!found.empty()) {
+    text += ", found " + found;
+  }
+  if (!allowed.empty()) {
+    text += ", allowed " + allowed;
+  }
+  if (!suggestion.empty()) {
+    text += ", did you mean " + suggestion + "?";
+  }
+  return text;
+}
+
+std::vector<Problem> Problems::sorted() const {
+  std::map<std::string, std::size_t> order;
+  for (const Problem& problem : list_) {
+    order.emplace(problem.where.source ? *problem.where.source : "", order.size());
+  }
+  std::vector<Problem> result = list_;
+  const auto rank = [&](const Problem& problem) {
+    return std::tuple(order.at(problem.where.source ? *problem.where.source : ""),
+                      problem.where.line, problem.where.column);
+  };
+  std::stable_sort(result.begin(), result.end(),
+                   [&](const Problem& a, const Problem& b) { return rank(a) < rank(b); });
+  return result;
+}
+
+void Problems::throw_if_any() const {
+  if (!list_.empty()) {
+    throw ConfigurationError(sorted());
+  }
+}
+
+namespace {
+
+std::string joined(const std::vector<Problem>& problems) {
+  std::string text;
+  for (const Problem& problem : problems) {
+    text += (text.empty() ? "" : "\n") + problem.line();
+  }
+  return text;
+}
+
+}  // namespace
+
+ConfigurationError::ConfigurationError(std::vector<Problem> problems)
+    : std::runtime_error(joined(problems)), problems_(std::move(problems)) {}
+
+}  // namespace rigwire::hil

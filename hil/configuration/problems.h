@@ -1,0 +1,69 @@
+// What is wrong with a configuration: every finding of one pass, each with its place.
+//
+// Line of a finding, stable and greppable:
+//
+//   rigs/pit.yaml:12:7: devices.gnss.rate: wrong unit, found 5 MPa, allowed Hz, kHz, MHz
+//   --set devices.gnss.ratte=5: devices.gnss.ratte: unknown key, did you mean rate?
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rigwire::hil {
+
+/// Where a value was written. Line and column count from 1; 0 means "the file as a whole", or a
+/// source without lines (a --set argument). Without a source: nobody wrote it, it is a default.
+struct Location {
+  std::shared_ptr<const std::string> source;  ///< File as the user named it, or "--set KEY=VALUE".
+  int line = 0;
+  int column = 0;
+
+  [[nodiscard]] bool is_default() const { return source == nullptr; }
+  /// "file:12:7", "file", "--set a.b=1" or "default".
+  [[nodiscard]] std::string text() const;
+  /// The same without the column, for the origin comments of `rigwire check --print`.
+  [[nodiscard]] std::string line_text() const;
+};
+
+/// One finding. Empty parts are left out of the line.
+struct Problem {
+  Location where;
+  std::string path;        ///< Key path from the top of the document: "devices.gnss.rate".
+  std::string what;        ///< What is wrong: "wrong unit".
+  std::string found;       ///< The value as it was written.
+  std::string allowed;     ///< What would be right.
+  std::string suggestion;  ///< The nearest thing the user may have meant.
+
+  [[nodiscard]] std::string line() const;
+};
+
+/// The findings of one pass, in the order of the places they point to.
+class Problems {
+ public:
+  void add(Problem problem) { list_.push_back(std::move(problem)); }
+  [[nodiscard]] bool empty() const { return list_.empty(); }
+  [[nodiscard]] std::size_t size() const { return list_.size(); }
+  /// Sorted by source (files in the order they were first complained about), line and column.
+  [[nodiscard]] std::vector<Problem> sorted() const;
+  /// Throws ConfigurationError when there are any.
+  void throw_if_any() const;
+
+ private:
+  std::vector<Problem> list_;
+};
+
+/// Set-up refused: what() holds every problem, one per line.
+class ConfigurationError : public std::runtime_error {
+ public:
+  explicit ConfigurationError(std::vector<Problem> problems);
+  [[nodiscard]] const std::vector<Problem>& problems() const { return problems_; }
+
+ private:
+  std::vector<Problem> problems_;
+};
+
+}  // namespace rigwire::hil

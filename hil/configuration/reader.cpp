@@ -1,0 +1,365 @@
+#include "hil/configuration/reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include "hil/configuration/suggest.h"
+
+namespace rigwire::hil {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view kWrongKind = "wrong kind of value";
+
+bool is_name(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  });
+}
+
+std::string and_range(const std::string& units, const std::string& range) {
+  return range.empty() ? units : units + " (" + range + ")";
+}
+
+}  // namespace
+
+Reader::Reader(const Value& document, Problems& problems, Origins& origins)
+    : document_(document), problems_(problems), origins_(origins) {
+  nothing_.kind = Value::Kind::map;
+}
+
+void Reader::required(std::string_view key) {
+  required_ = key;
+}
+
+std::string Reader::path_of(std::string_view key) const {
+  const std::string& above = frames_.back().path;
+  return above.empty() ? std::string(key) : above + "." + std::string(key);
+}
+
+void Reader::report(const Value& at, const std::string& path, std::string what, std::string found,
+                    std::string allowed, std::string suggestion) {
+  problems_.add({at.where, path, std::move(what), std::move(found), std::move(allowed),
+                 std::move(suggestion)});
+}
+
+void Reader::push(const Value& map, std::string path) {
+  origins_.set(path, map.where);
+  frames_.push_back({&map, std::move(path), {}});
+}
+
+void Reader::pop() {
+  const Frame frame = std::move(frames_.back());
+  frames_.pop_back();
+  if (!frame.report_unknown) {
+    return;
+  }
+  for (const Value::Entry& entry : frame.map->entries) {
+    if (std::find(frame.known.begin(), frame.known.end(), entry.key) != frame.known.end()) {
+      continue;
+    }
+    const std::string path = frame.path.empty() ? entry.key : frame.path + "." + entry.key;
+    const std::string suggestion = nearest_word(entry.key, frame.known);
+    problems_.add({entry.where, path, "unknown key", "",
+                   suggestion.empty() ? join_words(frame.known) : "", suggestion});
+  }
+}
+
+const Value* Reader::find(std::string_view key) {
+  const bool is_required = required_ == key;
+  required_.clear();
+  Frame& frame = frames_.back();
+  frame.known.emplace_back(key);
+  const Value* value = frame.map->find(key);
+  if (value == nullptr) {
+    if (is_required) {
+      report(*frame.map, path_of(key), "missing key");
+    }
+    return nullptr;
+  }
+  origins_.set(path_of(key), value->where);
+  if (value->kind == Value::Kind::null) {
+    report(*value, path_of(key), "the key has no value");
+    return nullptr;
+  }
+  return value;
+}
+
+bool Reader::is_scalar(const Value& value, const std::string& path) {
+  if (value.kind != Value::Kind::scalar) {
+    report(value, path, std::string(kWrongKind), value.description(), "a single value");
+  }
+  return value.kind == Value::Kind::scalar;
+}
+
+const Value* Reader::find_scalar(std::string_view key) {
+  const Value* value = find(key);
+  return value != nullptr && is_scalar(*value, path_of(key)) ? value : nullptr;
+}
+
+const Value* Reader::find_map(std::string_view key) {
+  const Value* value = find(key);
+  if (value != nullptr && value->kind != Value::Kind::map) {
+    report(*value, path_of(key), std::string(kWrongKind), value->description(), "a map of keys");
+    return nullptr;
+  }
+  return value;
+}
+
+const Value* Reader::find_list(std::string_view key) {
+  const Value* value = find(key);
+  if (value != nullptr && value->kind != Value::Kind::list) {
+    report(*value, path_of(key), std::string(kWrongKind), value->description(), "a list");
+    return nullptr;
+  }
+  return value;
+}
+
+bool Reader::read_number(const Value& value, const std::string& path, const NumberRule& rule,
+                         double& result) {
+  if (!is_scalar(value, path)) {
+    return false;
+  }
+  const Dimension dimension = rule.written().dimension;
+  const std::string units = allowed_units(dimension);
+  const auto quantity = split_quantity(value.scalar);
+  if (!quantity) {
+    report(value, path, "not a number", value.description(), and_range(units, rule.range_text()));
+    return false;
+  }
+  if (!std::isfinite(quantity->value)) {
+    report(value, path, "not a finite number", value.description(),
+           and_range(units, rule.range_text()));
+    return false;
+  }
+  const Unit* unit =
+      quantity->unit.empty() ? &rule.written() : find_unit(quantity->unit, dimension);
+  if (unit == nullptr) {
+    std::vector<std::string> symbols;
+    for (const Unit& known : all_units()) {
+      if (known.dimension == dimension) {
+        symbols.emplace_back(known.symbol);
+      }
+    }
+    const std::string near = nearest_word(quantity->unit, symbols);
+    const bool same_length = near.size() == quantity->unit.size();
+    report(value, path, "wrong unit", value.description(), units,
+           same_length && edit_distance(near, quantity->unit) == 0 ? near : "");
+    return false;
+  }
+  const double stored = rule.to_stored(quantity->value, *unit);
+  const double written = unit == &rule.written() ? quantity->value : rule.to_written(stored);
+  if (!std::isfinite(stored) || !rule.contains(written)) {
+    report(value, path, "out of range", value.description(), rule.range_text());
+    return false;
+  }
+  result = stored == 0.0 ? 0.0 : stored;  // no negative zero
+  return true;
+}
+
+void Reader::number(std::string_view key, double& value, const NumberRule& rule, std::string_view) {
+  if (const Value* written = find(key)) {
+    read_number(*written, path_of(key), rule, value);
+  }
+}
+
+void Reader::numbers(std::string_view key, std::span<double> values, const NumberRule& rule,
+                     std::string_view) {
+  const Value* written = find_list(key);
+  if (written == nullptr) {
+    return;
+  }
+  if (written->items.size() != values.size()) {
+    report(*written, path_of(key), "wrong number of elements",
+           std::to_string(written->items.size()), std::to_string(values.size()));
+    return;
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    read_number(written->items[i], path_of(key) + "." + std::to_string(i), rule, values[i]);
+  }
+}
+
+void Reader::number_list(std::string_view key, std::vector<double>& values, const NumberRule& rule,
+                         std::string_view text) {
+  const Value* written = frames_.back().map->find(key);
+  if (written != nullptr && written->kind == Value::Kind::list) {
+    values.assign(written->items.size(), 0.0);
+  }
+  numbers(key, values, rule, text);
+}
+
+bool Reader::read_integer(const Value& value, const std::string& path, const IntegerRule& rule,
+                          std::int64_t& result) {
+  if (!is_scalar(value, path)) {
+    return false;
+  }
+  std::string_view text = value.scalar;
+  const bool hexadecimal = text.starts_with("0x") || text.starts_with("0X");
+  if (hexadecimal) {
+    text.remove_prefix(2);
+  }
+  std::int64_t number = 0;
+  const auto [end, error] =
+      std::from_chars(text.data(), text.data() + text.size(), number, hexadecimal ? 16 : 10);
+  if (error == std::errc::invalid_argument || end != text.data() + text.size()) {
+    report(value, path, "not a whole number", value.description(), rule.range_text());
+    return false;
+  }
+  if (error != std::errc{} || number < rule.lower || number > rule.upper) {
+    report(value, path, "out of range", value.description(), rule.range_text());
+    return false;
+  }
+  result = number;
+  return true;
+}
+
+void Reader::boolean(std::string_view key, bool& value, std::string_view) {
+  const Value* written = find_scalar(key);
+  if (written == nullptr) {
+    return;
+  }
+  if (written->scalar == "true" || written->scalar == "false") {
+    value = written->scalar == "true";
+    return;
+  }
+  report(*written, path_of(key), "not a yes-or-no value", written->description(), "true, false");
+}
+
+void Reader::text(std::string_view key, std::string& value, std::string_view) {
+  if (const Value* written = find_scalar(key)) {
+    value = written->scalar;
+  }
+}
+
+void Reader::texts(std::string_view key, std::vector<std::string>& values, std::string_view) {
+  const Value* written = find_list(key);
+  if (written == nullptr) {
+    return;
+  }
+  values.clear();
+  for (std::size_t i = 0; i < written->items.size(); ++i) {
+    const Value& item = written->items[i];
+    if (is_scalar(item, path_of(key) + "." + std::to_string(i))) {
+      values.push_back(item.scalar);
+    }
+  }
+}
+
+void Reader::file(std::string_view key, std::string& value, std::string_view) {
+  const Value* written = find_scalar(key);
+  if (written == nullptr) {
+    return;
+  }
+  if (written->scalar.empty()) {
+    value.clear();
+    return;
+  }
+  const fs::path full = (fs::path(written->folder) / written->scalar).lexically_normal();
+  std::error_code error;
+  if (!fs::is_regular_file(full, error)) {
+    report(*written, path_of(key), "no such file: tried " + full.string(), written->description(),
+           "", nearest_file(full.string()));
+    return;
+  }
+  value = fs::weakly_canonical(full, error).string();
+}
+
+void Reader::duration(std::string_view key, Duration& value, const DurationRule& rule,
+                      std::string_view) {
+  const Value* written = find(key);
+  double nanoseconds = 0.0;
+  const std::string path = path_of(key);
+  if (written == nullptr || !read_number(*written, path, in("s").stored_as("ns"), nanoseconds)) {
+    return;
+  }
+  // 2^63 as a double; beyond it the count has no int64.
+  constexpr double kLimit = 9.2e18;
+  const bool fits = std::fabs(nanoseconds) < kLimit;
+  const std::int64_t count = fits ? std::llround(nanoseconds) : 0;
+  if (!fits || count < rule.lower_ns || count > rule.upper_ns) {
+    report(*written, path, "out of range", written->description(), rule.range_text());
+    return;
+  }
+  value = Duration{count};
+}
+
+void Reader::rate(std::string_view key, Duration& period, const NumberRule& rule,
+                  std::string_view) {
+  const Value* written = find(key);
+  double hertz = 0.0;
+  if (written != nullptr && read_number(*written, path_of(key), rule, hertz) && hertz > 0.0) {
+    period = from_seconds(1.0 / hertz);
+  }
+}
+
+void Reader::utc(std::string_view key, UtcTime& value, std::string_view) {
+  const Value* written = find_scalar(key);
+  if (written == nullptr) {
+    return;
+  }
+  try {
+    const UtcTime time = parse_utc(written->scalar);
+    (void)Calendar(time);
+    value = time;
+  } catch (const std::invalid_argument& error) {
+    report(*written, path_of(key), error.what(), written->description(),
+           "UTC like 2026-06-01T08:00:00Z");
+  }
+}
+
+int Reader::read_choice(const Value& value, const std::string& path,
+                        const std::vector<std::string>& names, std::string_view what) {
+  if (!is_scalar(value, path)) {
+    return -1;
+  }
+  const auto it = std::find(names.begin(), names.end(), value.scalar);
+  if (it != names.end()) {
+    return static_cast<int>(it - names.begin());
+  }
+  report(value, path, std::string(what), value.description(), join_words(names),
+         nearest_word(value.scalar, names));
+  return -1;
+}
+
+bool Reader::keep_entry(const Value::Entry& entry, const std::string& path, const Value& map,
+                        std::string_view noun) {
+  if (!is_name(entry.key)) {
+    problems_.add({entry.where, path, "not a name", "\"" + entry.key + "\"",
+                   "lower-case letters, digits, _ and -", ""});
+    return false;
+  }
+  if (entry.value.kind != Value::Kind::map) {
+    report(entry.value, path, std::string(kWrongKind), entry.value.description(), "a map of keys");
+    return false;
+  }
+  // A --set that names something the files do not have is a slip, not a new thing.
+  if (!entry.where.is_default() && entry.where.line == 0 && entry.value.find("type") == nullptr) {
+    std::vector<std::string> names;
+    for (const Value::Entry& other : map.entries) {
+      if (other.where.line != 0) {
+        names.push_back(other.key);
+      }
+    }
+    problems_.add({entry.where, path, fmt::format("no such {}", noun), "\"" + entry.key + "\"",
+                   join_words(names), nearest_word(entry.key, names)});
+    return false;
+  }
+  return true;
+}
+
+void Reader::check(bool holds, std::string_view key, const std::string& what,
+                   const std::string& found, const std::string& allowed) {
+  if (holds) {
+    return;
+  }
+  const Value* value = frames_.back().map->find(key);
+  report(value != nullptr ? *value : *frames_.back().map, path_of(key), what, found, allowed);
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,115 @@
+// A rig: one machine in one scene with its devices and their wires. What `rigwire run` runs.
+//
+//   configs/rigs/excavator_pit.yaml is the commented example; docs/configuration.md the reference.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "hil/configuration/device.h"
+#include "hil/configuration/fields.h"
+#include "hil/configuration/machine.h"
+#include "hil/configuration/outline.h"
+#include "hil/configuration/scene.h"
+#include "sim/samples/calendar.h"
+#include "sim/samples/time.h"
+
+namespace rigwire::hil {
+
+/// Where the origin of the world frame W lies on Earth (WGS 84).
+struct OriginConfiguration {
+  double latitude_deg = 49.4247;
+  double longitude_deg = 7.7517;
+  double height_m = 240.0;           ///< Above the ellipsoid.
+  double geoid_separation_m = 48.0;  ///< Geoid above the ellipsoid there.
+};
+
+/// Ground truth leaves here and nowhere else (run --truth FILE).
+struct TruthConfiguration {
+  Duration period = std::chrono::milliseconds(10);
+};
+
+struct StatusConfiguration {
+  Duration period = std::chrono::milliseconds(500);
+};
+
+struct RigConfiguration {
+  std::string name = "rig";
+  std::string text;        ///< One line for `rigwire list rigs`.
+  std::uint64_t seed = 1;  ///< Of every random stream.
+  UtcTime start{2026, 6, 1, 8, 0, 0, 0};
+  Duration step = std::chrono::milliseconds(1);  ///< Of the physics.
+  Duration lead = std::chrono::milliseconds(4);  ///< How far truth is computed ahead of the clock.
+  OriginConfiguration origin;
+  SceneDescription scene;
+  MachineConfiguration machine;
+  std::map<std::string, BusConfiguration> buses;
+  std::map<std::string, DeviceConfiguration> devices;
+  TruthConfiguration truth;
+  StatusConfiguration status;
+};
+
+template <class Visitor>
+void visit(Visitor& v, OriginConfiguration& p) {
+  v.number("latitude", p.latitude_deg, in("deg").stored_as("deg").between(-90, 90),
+           "WGS 84, north positive.");
+  v.number("longitude", p.longitude_deg, in("deg").stored_as("deg").between(-180, 180),
+           "WGS 84, east positive.");
+  v.number("height", p.height_m, in("m").between(-1000, 10000), "Above the ellipsoid.");
+  v.number("geoid_separation", p.geoid_separation_m, in("m").between(-120, 120),
+           "Geoid above the ellipsoid; receivers report heights above the geoid.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, TruthConfiguration& p) {
+  v.rate("rate", p.period, in("Hz").above(0).at_most(1000), "Lines per second of run --truth.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, StatusConfiguration& p) {
+  v.duration("period", p.period, {50'000'000, 60'000'000'000}, "Between two pictures of the table.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, RigConfiguration& p) {
+  v.text("name", p.name, "For people.");
+  v.text("text", p.text, "One line for `rigwire list rigs`.");
+  v.integer("seed", p.seed, IntegerRule{0}, "Of every random stream: same seed, same bytes.");
+  v.utc("start", p.start, "UTC at the start of the run.");
+  v.duration("step", p.step, {10'000, 20'000'000}, "Of the physics; divides `lead`.");
+  v.duration("lead", p.lead, {1'000'000, 100'000'000},
+             "How far truth is computed ahead of the clock.");
+  v.section("origin", p.origin, "Of the world frame (x east, y north, z up) on Earth.");
+  v.section("scene", p.scene, "Terrain, rocks, objects.");
+  v.required("machine");
+  v.section("machine", p.machine, "The machine.");
+  v.named("buses", p.buses, "bus", "CAN buses, by name.");
+  v.named("devices", p.devices, "device", "Devices, by name.");
+  v.section("truth", p.truth, "The tap for ground truth.");
+  v.section("status", p.status, "The table.");
+}
+
+/// A rig read from its files.
+struct LoadedRig {
+  RigConfiguration configuration;
+  Origins origins;
+};
+
+/// Reads, lays the `--set` arguments over, checks every field and how the fields go together.
+/// Throws ConfigurationError with all findings.
+[[nodiscard]] LoadedRig load_rig(const std::string& file, const std::vector<std::string>& sets);
+
+/// Of the effective configuration; see hash_text().
+[[nodiscard]] std::string config_hash(const RigConfiguration& configuration);
+
+/// The effective configuration as YAML with the origin of each value; loads to the same hash.
+[[nodiscard]] std::string print_rig(const LoadedRig& rig);
+
+/// What a single field cannot know: mounts on links that exist, buses that exist, addresses and
+/// ports taken twice, wires that cannot carry what their devices send, remote addresses without
+/// opt-in, step and lead.
+void check_rig(const RigConfiguration& configuration, const Origins& origins, Problems& problems);
+
+}  // namespace rigwire::hil

@@ -1,0 +1,384 @@
+#include "hil/executive.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <cassert>
+#include <condition_variable>
+#include <thread>
+
+#include "hil/cpu_time.h"
+
+namespace rigwire::hil {
+namespace {
+
+/// One absolute deadline that sets a flag. Arming it again for the same instant costs nothing.
+class DeadlineTimer {
+ public:
+  /// The flag must live as long as `io`.
+  DeadlineTimer(boost::asio::io_context& io, bool& flag)
+      : timer_(io), flag_(flag), armed_(std::make_shared<bool>(false)) {}
+
+  void arm(WallTime deadline) {
+    if (*armed_ && deadline == timer_.expiry()) {
+      return;
+    }
+    timer_.expires_at(deadline);
+    *armed_ = true;
+    timer_.async_wait([armed = armed_, &flag = flag_](const boost::system::error_code& error) {
+      if (!error) {
+        *armed = false;
+        flag = true;
+      }
+    });
+  }
+
+ private:
+  boost::asio::steady_timer timer_;
+  bool& flag_;
+  std::shared_ptr<bool> armed_;  ///< Shared with handlers that may run after this object is gone.
+};
+
+}  // namespace
+
+/// Computes slices ahead of the clock on a thread of its own.
+class Executive::TruthThread {
+ public:
+  TruthThread(boost::asio::io_context& io, TruthSource& truth, const PacedSettings& settings,
+              bool& woken)
+      : io_(io),
+        truth_(truth),
+        woken_(woken),
+        lead_(settings.lead),
+        ring_(static_cast<std::size_t>(settings.lead / truth.slice()) + 2) {}
+
+  ~TruthThread() { join(); }
+  TruthThread(const TruthThread&) = delete;
+  TruthThread& operator=(const TruthThread&) = delete;
+
+  /// Computes the first `lead` of simulated time before the clock runs.
+  void preroll() {
+    while (frontier_ < kStart + lead_ && !fault()) {
+      compute_slice();
+    }
+  }
+
+  void start(const PacedClock& clock) {
+    thread_ = std::thread([this, &clock] { loop(clock); });
+  }
+
+  /// Gives the requests over and leaves `requests` empty.
+  void post(TruthRequests& requests) {
+    const std::scoped_lock lock(mutex_);
+    const auto move_all = [](auto& from, auto& to) {
+      to.insert(to.end(), from.begin(), from.end());
+    };
+    move_all(requests.commands, posted_.commands);
+    move_all(requests.plans, posted_.plans);
+    move_all(requests.rotor_rates, posted_.rotor_rates);
+    requests.clear();
+  }
+
+  [[nodiscard]] BatchRing& ring() { return ring_; }
+
+  [[nodiscard]] std::optional<std::string> fault() {
+    const std::scoped_lock lock(mutex_);
+    return fault_;
+  }
+
+  void join() {
+    {
+      const std::scoped_lock lock(mutex_);
+      ended_ = true;
+    }
+    wake_.notify_one();
+    ring_.close();
+    if (thread_.joinable()) {
+      thread_.join();
+    }
+  }
+
+ private:
+  void loop(const PacedClock& clock) {
+    while (true) {
+      const WallTime due = clock.wall_of(frontier_ + truth_.slice() - lead_);
+      {
+        std::unique_lock lock(mutex_);
+        if (wake_.wait_until(lock, due, [this] { return ended_; }) || fault_) {
+          return;
+        }
+      }
+      if (!compute_slice()) {
+        return;
+      }
+      boost::asio::post(io_, [&woken = woken_] { woken = true; });
+    }
+  }
+
+  bool compute_slice() {
+    SampleBatch* batch = ring_.acquire();
+    if (batch == nullptr) {
+      return false;
+    }
+    {
+      const std::scoped_lock lock(mutex_);
+      std::swap(posted_, taken_);
+    }
+    const auto fault = truth_.advance(taken_, *batch);
+    taken_.clear();
+    if (fault) {
+      const std::scoped_lock lock(mutex_);
+      fault_ = fault;
+      return true;
+    }
+    frontier_ = batch->until;
+    ring_.publish();
+    return true;
+  }
+
+  boost::asio::io_context& io_;
+  TruthSource& truth_;
+  bool& woken_;  ///< Of the wire thread; written on it only.
+  Duration lead_;
+  BatchRing ring_;
+  SimTime frontier_ = kStart;
+  TruthRequests taken_;
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  TruthRequests posted_;
+  std::optional<std::string> fault_;
+  bool ended_ = false;
+  std::thread thread_;
+};
+
+Executive::Executive(boost::asio::io_context& io, TruthSource& truth) : io_(io), truth_(truth) {}
+
+Executive::~Executive() = default;
+
+template <class StationType>
+DeviceIndex Executive::enlist(StationType& station, std::vector<StationType*>& of_kind) {
+  const DeviceIndex index = stations_.size();
+  stations_.push_back(&station);
+  sources_.push_back(&station);
+  of_kind.resize(index + 1, nullptr);
+  of_kind[index] = &station;
+  return index;
+}
+
+DeviceIndex Executive::add(GnssStation& station) {
+  return enlist(station, gnss_);
+}
+DeviceIndex Executive::add(ImuStation& station) {
+  return enlist(station, imu_);
+}
+DeviceIndex Executive::add(LidarStation& station) {
+  return enlist(station, lidar_);
+}
+DeviceIndex Executive::add(ValveStation& station) {
+  return enlist(station, valves_);
+}
+
+void Executive::route(const SampleBatch& batch) {
+  const auto deliver = [](const auto& samples, const auto& stations) {
+    for (const auto& addressed : samples) {
+      assert(addressed.device < stations.size() && stations[addressed.device] != nullptr);
+      stations[addressed.device]->put(addressed.content);
+    }
+  };
+  deliver(batch.gnss, gnss_);
+  deliver(batch.imu, imu_);
+  for (const auto& block : batch.lidar) {
+    for (const auto& firing : block.firings) {
+      lidar_[block.device]->put(firing);
+    }
+  }
+  deliver(batch.valves, valves_);
+  machine_state_ = batch.state;
+  frontier_ = batch.until;
+}
+
+void Executive::fail(const std::string& what) {
+  if (!fault_) {
+    fault_ = what;
+  }
+  stop();
+}
+
+void Executive::run_events(SimTime until) {
+  const StageTimer timer(wire_stages_.encoding_s);
+  while (!stopped_) {
+    EventSource* first = nullptr;
+    SimTime at = kNever;
+    for (EventSource* source : sources_) {
+      const SimTime next = source->next_event();
+      if (next < at) {
+        at = next;
+        first = source;
+      }
+    }
+    if (first == nullptr || at > until) {
+      break;
+    }
+    now_ = std::max(now_, at);
+    first->advance(now_);
+    if (first->next_event() <= now_) {
+      fail(fmt::format("a device does not move on from {:.9f} s", to_seconds(now_)));
+    }
+  }
+  now_ = std::max(now_, until);
+}
+
+void Executive::transmit_due(SimTime until) {
+  const StageTimer timer(wire_stages_.writing_s);
+  while (true) {
+    Outlet* first = nullptr;
+    SimTime due = kNever;
+    for (Outlet* outlet : outlets_) {
+      const SimTime next = outlet->next_due();
+      if (next < due) {
+        due = next;
+        first = outlet;
+      }
+    }
+    if (first == nullptr || due > until) {
+      return;
+    }
+    std::optional<Duration> lateness;
+    if (clock_ != nullptr) {
+      lateness = std::chrono::steady_clock::now() - clock_->wall_of(due);
+    }
+    first->transmit_front(lateness);
+  }
+}
+
+void Executive::collect_requests(TruthRequests& requests) {
+  for (DeviceIndex i = 0; i < stations_.size(); ++i) {
+    stations_[i]->collect(i, requests);
+  }
+}
+
+SimTime Executive::next_wakeup() const {
+  SimTime wakeup = kNever;
+  // What is not later than now_ waits for samples beyond the frontier.
+  const auto consider = [&](SimTime instant) {
+    if (instant > now_) {
+      wakeup = std::min(wakeup, instant);
+    }
+  };
+  for (const EventSource* source : sources_) {
+    consider(source->next_wakeup());
+  }
+  for (const Outlet* outlet : outlets_) {
+    consider(outlet->next_due());
+  }
+  return wakeup;
+}
+
+SimTime Executive::present() const {
+  return clock_ == nullptr ? now_
+                           : std::min(frontier_, clock_->at(std::chrono::steady_clock::now()));
+}
+
+void Executive::stop() {
+  stopped_ = true;
+  boost::asio::post(io_, [] {});
+}
+
+SimTime Executive::arrive() {
+  woken_ = true;
+  run_events(std::max(now_, present()));
+  return now_;
+}
+
+RunOutcome Executive::run_free(SimTime end) {
+  io_.restart();
+  const auto keep_waiting = boost::asio::make_work_guard(io_);
+  const WallTime start = std::chrono::steady_clock::now();
+  SampleBatch batch;
+  TruthRequests requests;
+  while (!stopped_ && now_ < end) {
+    requests.clear();
+    collect_requests(requests);
+    if (const auto fault = truth_.advance(requests, batch)) {
+      fail(*fault);
+      break;
+    }
+    route(batch);
+    const SimTime until = std::min(frontier_, end);
+    run_events(until);
+    transmit_due(until);
+    io_.poll();
+  }
+  RunOutcome outcome;
+  outcome.reached = now_;
+  outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  outcome.fault = fault_;
+  return outcome;
+}
+
+RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
+  TruthThread truth(io_, truth_, settings, woken_);
+  TruthRequests requests;
+  collect_requests(requests);
+  truth.post(requests);
+  truth.preroll();
+
+  PacedClock clock(std::chrono::steady_clock::now(), settings.factor);
+  clock_ = &clock;
+  truth.start(clock);
+  const WallTime start = clock.wall_of(kStart);
+  RunOutcome outcome;
+  DeadlineTimer timer(io_, woken_);
+  io_.restart();
+  const auto keep_waiting = boost::asio::make_work_guard(io_);
+
+  while (!stopped_ && now_ < end) {
+    while (const SampleBatch* batch = truth.ring().front()) {
+      route(*batch);
+      truth.ring().release();
+    }
+    if (const auto fault = truth.fault()) {
+      fail(*fault);
+      break;
+    }
+    const SimTime wanted = clock.at(std::chrono::steady_clock::now());
+    if (const Duration lag = wanted - frontier_; lag > settings.slip_limit) {
+      clock.slip(lag);
+      ++outcome.slips;
+    }
+    const SimTime until = std::min({frontier_, wanted, end});
+    run_events(until);
+    transmit_due(until);
+    collect_requests(requests);
+    if (!requests.empty()) {
+      truth.post(requests);
+    }
+    if (now_ >= end) {
+      break;
+    }
+    // At the frontier only the next batch can help, and it wakes this thread; the deadline then
+    // only makes sure that a stalled truth thread is noticed.
+    const SimTime wakeup = std::min(next_wakeup(), end);
+    timer.arm(clock.wall_of(now_ < frontier_ ? std::min(wakeup, frontier_)
+                                             : now_ + settings.slip_limit));
+    woken_ = false;
+    while (!woken_ && !stopped_) {
+      io_.run_one();
+    }
+    io_.poll();
+  }
+
+  truth.join();
+  clock_ = nullptr;
+  outcome.reached = now_;
+  outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  outcome.slipped = clock.slipped();
+  outcome.fault = fault_;
+  return outcome;
+}
+
+}  // namespace rigwire::hil

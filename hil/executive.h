@@ -1,0 +1,124 @@
+// The executive: runs truth, devices and wires against one clock.
+//
+// Two threads when paced. The truth thread computes slices of simulated time ahead of the clock by
+// `lead` and hands their samples over. The wire thread (the caller's) owns devices, outlets and
+// endpoints: it takes samples as simulated time reaches them, runs what the devices have due in
+// order of time, and hands every unit to its wire at its absolute deadline. What clients send is
+// given to the device at once, on the wire thread; commands and changed sample plans travel back
+// and act from the truth's frontier on, that is up to `lead` later.
+//
+// Free-running, one thread does both, slice by slice, and what is sent does not depend on wall
+// time.
+#pragma once
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/batch_ring.h"
+#include "hil/clock.h"
+#include "hil/event_source.h"
+#include "hil/outlet.h"
+#include "hil/station.h"
+#include "hil/truth_source.h"
+
+namespace rigwire::hil {
+
+/// How a run ended and what it cost.
+struct RunOutcome {
+  SimTime reached{};                 ///< Simulated time up to which devices were run.
+  double wall_s = 0.0;               ///< From the first slice's deadline to the end.
+  Duration slipped{0};               ///< Given up against wall time because the host stalled.
+  std::uint64_t slips = 0;           ///< How often.
+  std::optional<std::string> fault;  ///< Why it ended early, if it did.
+};
+
+/// CPU seconds of the wire side, by stage.
+struct WireStages {
+  double encoding_s = 0.0;  ///< Devices: taking samples, encoding, answering.
+  double writing_s = 0.0;   ///< Handing units to the system.
+};
+
+struct PacedSettings {
+  double factor = 1.0;  ///< Simulated seconds per wall second.
+  Duration lead =
+      std::chrono::milliseconds{6};  ///< How far truth is computed ahead; at least one slice.
+  Duration slip_limit = std::chrono::milliseconds{100};  ///< Lag at which the clock gives way.
+};
+
+class Executive {
+ public:
+  /// Devices, outlets and endpoints given to add() must outlive the executive.
+  Executive(boost::asio::io_context& io, TruthSource& truth);
+  ~Executive();
+  Executive(const Executive&) = delete;
+  Executive& operator=(const Executive&) = delete;
+
+  /// Adds a device; its index counts up from 0 in order of the calls.
+  DeviceIndex add(GnssStation& station);
+  DeviceIndex add(ImuStation& station);
+  DeviceIndex add(LidarStation& station);
+  DeviceIndex add(ValveStation& station);
+  /// Adds something else that happens in simulated time: a bus.
+  void add(EventSource& source) { sources_.push_back(&source); }
+  void add(Outlet& outlet) { outlets_.push_back(&outlet); }
+
+  /// For a handler that got bytes from a client: runs all devices up to the present and returns it.
+  SimTime arrive();
+
+  /// Ends the run after the present event. From any thread.
+  void stop();
+  [[nodiscard]] bool stopped() const { return stopped_; }
+
+  /// Runs as fast as possible until `end` (kNever: until stop()).
+  RunOutcome run_free(SimTime end);
+  /// Runs against wall time until `end` (kNever: until stop()).
+  RunOutcome run_paced(const PacedSettings& settings, SimTime end);
+
+  /// Present simulated time: of the wire side.
+  [[nodiscard]] SimTime now() const { return now_; }
+  /// The machine's state at the newest sample batch; empty before the first.
+  [[nodiscard]] const std::vector<double>& machine_state() const { return machine_state_; }
+  [[nodiscard]] const WireStages& wire_stages() const { return wire_stages_; }
+  [[nodiscard]] const std::vector<Station*>& stations() const { return stations_; }
+
+ private:
+  class TruthThread;
+
+  template <class StationType>
+  DeviceIndex enlist(StationType& station, std::vector<StationType*>& of_kind);
+  void route(const SampleBatch& batch);
+  void run_events(SimTime until);
+  void transmit_due(SimTime until);
+  void collect_requests(TruthRequests& requests);
+  [[nodiscard]] SimTime next_wakeup() const;
+  [[nodiscard]] SimTime present() const;
+  void fail(const std::string& what);
+
+  boost::asio::io_context& io_;
+  TruthSource& truth_;
+  std::vector<Station*> stations_;
+  std::vector<GnssStation*> gnss_;  ///< By device index; nullptr where of another kind.
+  std::vector<ImuStation*> imu_;
+  std::vector<LidarStation*> lidar_;
+  std::vector<ValveStation*> valves_;
+  std::vector<EventSource*> sources_;
+  std::vector<Outlet*> outlets_;
+
+  SimTime now_ = kStart;         ///< Devices have been run up to here.
+  SimTime frontier_ = kStart;    ///< Samples are known up to here.
+  PacedClock* clock_ = nullptr;  ///< Set while paced.
+  WireStages wire_stages_;
+  std::vector<double> machine_state_;
+  std::optional<std::string> fault_;
+  bool woken_ = false;  ///< Something happened that the paced loop must look at. Wire thread only.
+  std::atomic<bool> stopped_{false};
+};
+
+}  // namespace rigwire::hil

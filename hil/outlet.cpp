@@ -1,0 +1,106 @@
+#include "hil/outlet.h"
+
+#include <algorithm>
+#include <array>
+
+#include "protocols/bytes.h"
+
+namespace rigwire::hil {
+namespace {
+
+// Room for more than one configured lead of the busiest rig, so that only a wire that stands still
+// fills a queue.
+constexpr std::size_t kSerialUnits = 16'384;
+constexpr std::size_t kSerialBytes = 128 * 1024;
+constexpr std::size_t kDatagramUnits = 128;
+constexpr std::size_t kDatagramBytes = kDatagramUnits * 1472;
+constexpr std::size_t kServerUnits = 1024;
+constexpr std::size_t kServerBytes = kServerUnits * 260;
+constexpr std::size_t kFrameHeader = 4 /* identifier */ + 1 /* flags */ + 1 /* length */;
+constexpr std::size_t kFrameUnits = 1024;
+
+}  // namespace
+
+void Outlet::transmit_front(std::optional<Duration> lateness) {
+  const EmissionQueue::Unit unit = queue_.front();
+  WireStatistics& statistics = *unit.statistics;
+  statistics.hash.add(unit.due, unit.bytes);
+  if (transmit(unit.tag, unit.bytes)) {
+    ++statistics.units;
+    statistics.bytes += unit.bytes.size();
+  } else {
+    ++statistics.dropped;
+  }
+  if (lateness) {
+    statistics.lateness.record(*lateness);
+  }
+  queue_.pop();
+}
+
+StreamOutlet::StreamOutlet(drivers::ByteStream& stream, WireStatistics& statistics)
+    : Outlet(kSerialUnits, kSerialBytes), stream_(stream), statistics_(statistics) {}
+
+void StreamOutlet::send(SimTime due, std::span<const std::uint8_t> bytes) {
+  queue().push(due, 0, statistics_, bytes);
+}
+
+bool StreamOutlet::transmit(std::uint64_t /*tag*/, std::span<const std::uint8_t> bytes) {
+  return stream_.write(bytes) == bytes.size();
+}
+
+DatagramOutlet::DatagramOutlet(drivers::DatagramSocket& socket, WireStatistics& statistics)
+    : Outlet(kDatagramUnits, kDatagramBytes), socket_(socket), statistics_(statistics) {}
+
+void DatagramOutlet::send(SimTime due, std::span<const std::uint8_t> bytes) {
+  queue().push(due, 0, statistics_, bytes);
+}
+
+bool DatagramOutlet::transmit(std::uint64_t /*tag*/, std::span<const std::uint8_t> bytes) {
+  return socket_.send(bytes);
+}
+
+ServerOutlet::ServerOutlet(drivers::StreamServer& server, WireStatistics& statistics)
+    : Outlet(kServerUnits, kServerBytes), server_(server), statistics_(statistics) {}
+
+void ServerOutlet::send(emulators::ConnectionId connection, SimTime due,
+                        std::span<const std::uint8_t> bytes) {
+  queue().push(due, connection, statistics_, bytes);
+}
+
+void ServerOutlet::close(emulators::ConnectionId connection, SimTime due) {
+  queue().push(due, connection, statistics_, {});
+}
+
+bool ServerOutlet::transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) {
+  if (bytes.empty()) {  // close() queued it
+    server_.close(tag);
+    return true;
+  }
+  return server_.send(tag, bytes);
+}
+
+FrameOutlet::FrameOutlet(drivers::CanBus& bus)
+    : Outlet(kFrameUnits, kFrameUnits * (kFrameHeader + 8)), bus_(bus) {}
+
+void FrameOutlet::send(SimTime due, WireStatistics& statistics,
+                       const protocols::can::Frame& frame) {
+  std::array<std::uint8_t, kFrameHeader + 8> bytes{};
+  protocols::store_big<std::uint32_t>(bytes, 0, frame.id);
+  bytes[4] = static_cast<std::uint8_t>((frame.extended ? 1U : 0U) | (frame.remote ? 2U : 0U));
+  bytes[5] = frame.length;
+  const auto payload = frame.payload();
+  std::copy(payload.begin(), payload.end(), bytes.begin() + kFrameHeader);
+  queue().push(due, 0, statistics, std::span(bytes).first(kFrameHeader + payload.size()));
+}
+
+bool FrameOutlet::transmit(std::uint64_t /*tag*/, std::span<const std::uint8_t> bytes) {
+  protocols::can::Frame frame;
+  frame.id = protocols::load_big<std::uint32_t>(bytes, 0);
+  frame.extended = (bytes[4] & 1U) != 0;
+  frame.remote = (bytes[4] & 2U) != 0;
+  frame.length = bytes[5];
+  std::copy(bytes.begin() + kFrameHeader, bytes.end(), frame.data.begin());
+  return bus_.send(frame);
+}
+
+}  // namespace rigwire::hil

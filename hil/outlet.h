@@ -1,0 +1,89 @@
+// The last step to a wire: a bounded queue of due units in front of one endpoint.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "drivers/endpoints.h"
+#include "emulators/device.h"
+#include "hil/clock.h"
+#include "hil/emission_queue.h"
+#include "hil/wire_statistics.h"
+
+namespace rigwire::hil {
+
+/// Hands units to the endpoint when they are due and keeps the statistics. Subclasses know the kind
+/// of endpoint. Whatever the endpoint does not take at once is lost, as on the real wire, and
+/// counted.
+class Outlet {
+ public:
+  virtual ~Outlet() = default;
+
+  [[nodiscard]] SimTime next_due() const { return queue_.next_due(); }
+
+  /// Hands over the unit in front. `lateness` is how long after its due time; nullopt when
+  /// free-running. Precondition: next_due() != kNever.
+  void transmit_front(std::optional<Duration> lateness);
+
+ protected:
+  Outlet(std::size_t units, std::size_t bytes) : queue_(units, bytes) {}
+  [[nodiscard]] EmissionQueue& queue() { return queue_; }
+
+ private:
+  /// False when any part of the unit was refused.
+  virtual bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) = 0;
+  EmissionQueue queue_;
+};
+
+/// A serial line: what the line does not take is lost.
+class StreamOutlet final : public Outlet, public emulators::ByteOutput {
+ public:
+  StreamOutlet(drivers::ByteStream& stream, WireStatistics& statistics);
+  void send(SimTime due, std::span<const std::uint8_t> bytes) override;
+
+ private:
+  bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
+  drivers::ByteStream& stream_;
+  WireStatistics& statistics_;
+};
+
+/// One UDP port.
+class DatagramOutlet final : public Outlet, public emulators::ByteOutput {
+ public:
+  DatagramOutlet(drivers::DatagramSocket& socket, WireStatistics& statistics);
+  void send(SimTime due, std::span<const std::uint8_t> bytes) override;
+
+ private:
+  bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
+  drivers::DatagramSocket& socket_;
+  WireStatistics& statistics_;
+};
+
+/// The clients of a stream server.
+class ServerOutlet final : public Outlet, public emulators::StreamOutput {
+ public:
+  ServerOutlet(drivers::StreamServer& server, WireStatistics& statistics);
+  void send(emulators::ConnectionId connection, SimTime due,
+            std::span<const std::uint8_t> bytes) override;
+  void close(emulators::ConnectionId connection, SimTime due) override;
+
+ private:
+  bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
+  drivers::StreamServer& server_;
+  WireStatistics& statistics_;
+};
+
+/// A CAN bus; every frame brings the statistics of the device that sent it. A frame's bytes, as
+/// they are counted and hashed: identifier (4, big endian), flags (1: bit 0 extended, bit 1
+/// remote), length (1), data.
+class FrameOutlet final : public Outlet {
+ public:
+  explicit FrameOutlet(drivers::CanBus& bus);
+  void send(SimTime due, WireStatistics& statistics, const protocols::can::Frame& frame);
+
+ private:
+  bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
+  drivers::CanBus& bus_;
+};
+
+}  // namespace rigwire::hil

@@ -1,0 +1,48 @@
+// The report of a run: what --report writes.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "hil/clock.h"
+#include "hil/executive.h"
+#include "hil/truth_source.h"
+#include "hil/wire_statistics.h"
+
+namespace rigwire::hil {
+
+struct DeviceReport {
+  std::string name;
+  std::string wire;
+  std::uint64_t frames = 0;
+  WireStatistics statistics;
+};
+
+struct RunReport {
+  std::string rig;
+  std::uint64_t seed = 0;
+  std::string config_hash;
+  ClockMode clock;
+  RunOutcome outcome;
+  double cpu_s = 0.0;        ///< User and system time of the whole process.
+  double peak_rss_mb = 0.0;  ///< Of the whole process, 1e6 bytes.
+  TruthStages truth;
+  WireStages wire;
+  std::vector<DeviceReport> devices;
+};
+
+/// The report as JSON text, keys as docs/command-line.md lists them. Lateness is 0 when
+/// free-running: simulated time waits for the write there.
+[[nodiscard]] std::string to_json(const RunReport& report);
+
+/// Writes to a temporary file beside `path` and renames it, so that a reader never sees half a
+/// report. Throws std::runtime_error with path and reason.
+void write_report(const RunReport& report, const std::filesystem::path& path);
+
+/// User and system CPU time of this process so far, and its peak resident memory.
+[[nodiscard]] double process_cpu_seconds();
+[[nodiscard]] double peak_resident_megabytes();
+
+}  // namespace rigwire::hil

@@ -1,0 +1,36 @@
+#include "hil/station.h"
+
+namespace rigwire::hil {
+
+void Station::collect(DeviceIndex self, TruthRequests& requests) {
+  const SamplePlan plan = device_.sample_plan();
+  if (plan != announced_plan_) {
+    announced_plan_ = plan;
+    requests.plans.push_back({self, plan});
+  }
+}
+
+SimTime LidarStation::next_wakeup() const {
+  return std::min(device().next_event(), backend().packet_complete_at());
+}
+
+void LidarStation::collect(DeviceIndex self, TruthRequests& requests) {
+  Station::collect(self, requests);
+  const double rate_radps = backend().rotor_rate_radps();
+  if (rate_radps != announced_rate_radps_) {
+    announced_rate_radps_ = rate_radps;
+    requests.rotor_rates.push_back({self, rate_radps});
+  }
+}
+
+void ValveStation::collect(DeviceIndex self, TruthRequests& requests) {
+  Station::collect(self, requests);
+  const ValveCommand& command = backend().command();
+  if (command.opening != announced_command_.opening ||
+      command.floating != announced_command_.floating) {
+    announced_command_ = command;
+    requests.commands.push_back({self, command});
+  }
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,82 @@
+#include "protocols/velodyne/data_packet.h"
+
+#include <cassert>
+
+#include "protocols/bytes.h"
+
+namespace rigwire::protocols::velodyne {
+namespace {
+
+constexpr std::size_t kFlagAt = 0;
+constexpr std::size_t kAzimuthAt = kFlagAt + 2;
+constexpr std::size_t kChannelsAt = kAzimuthAt + 2;
+constexpr std::size_t kDistanceAt = 0;
+constexpr std::size_t kReflectivityAt = kDistanceAt + 2;
+constexpr std::size_t kTimestampAt = kBlocksPerPacket * kBlockSize;
+constexpr std::size_t kReturnModeAt = kTimestampAt + 4;
+constexpr std::size_t kProductIdAt = kReturnModeAt + 1;
+static_assert(kChannelsAt + kChannelsPerBlock * kChannelSize == kBlockSize);
+static_assert(kReflectivityAt + 1 == kChannelSize);
+static_assert(kProductIdAt + 1 == kDataPacketSize);
+
+constexpr std::size_t block_at(std::size_t block) {
+  return block * kBlockSize;
+}
+constexpr std::size_t channel_at(std::size_t block, std::size_t channel) {
+  return block_at(block) + kChannelsAt + channel * kChannelSize;
+}
+
+bool known_flag(std::uint16_t flag) {
+  return flag == kFlagLasers0To31 || flag == kFlagLasers32To63 || flag == kFlagLasers64To95 ||
+         flag == kFlagLasers96To127;
+}
+
+}  // namespace
+
+void encode(const DataPacket& packet, std::span<std::uint8_t, kDataPacketSize> bytes) {
+  for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
+    const Block& block = packet.blocks[b];
+    assert(block.azimuth_counts < kAzimuthCounts);
+    store_little(bytes, block_at(b) + kFlagAt, block.flag);
+    store_little(bytes, block_at(b) + kAzimuthAt, block.azimuth_counts);
+    for (std::size_t c = 0; c < kChannelsPerBlock; ++c) {
+      store_little(bytes, channel_at(b, c) + kDistanceAt, block.channels[c].distance_counts);
+      bytes[channel_at(b, c) + kReflectivityAt] = block.channels[c].reflectivity;
+    }
+  }
+  store_little(bytes, kTimestampAt, packet.timestamp_us);
+  bytes[kReturnModeAt] = packet.return_mode_byte;
+  bytes[kProductIdAt] = packet.product_id;
+}
+
+Decoded<DataPacket> decode_data_packet(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < kDataPacketSize) {
+    return Incomplete{kDataPacketSize, bytes.size()};
+  }
+  if (bytes.size() > kDataPacketSize) {
+    return Malformed{"a data packet has 1206 bytes, this datagram has more", kDataPacketSize};
+  }
+  DataPacket packet;
+  for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
+    Block& block = packet.blocks[b];
+    block.flag = load_little<std::uint16_t>(bytes, block_at(b) + kFlagAt);
+    if (!known_flag(block.flag)) {
+      return Malformed{"unknown block flag", block_at(b) + kFlagAt};
+    }
+    block.azimuth_counts = load_little<std::uint16_t>(bytes, block_at(b) + kAzimuthAt);
+    if (block.azimuth_counts >= kAzimuthCounts) {
+      return Malformed{"azimuth of 36000 or above", block_at(b) + kAzimuthAt};
+    }
+    for (std::size_t c = 0; c < kChannelsPerBlock; ++c) {
+      block.channels[c].distance_counts =
+          load_little<std::uint16_t>(bytes, channel_at(b, c) + kDistanceAt);
+      block.channels[c].reflectivity = bytes[channel_at(b, c) + kReflectivityAt];
+    }
+  }
+  packet.timestamp_us = load_little<std::uint32_t>(bytes, kTimestampAt);
+  packet.return_mode_byte = bytes[kReturnModeAt];
+  packet.product_id = bytes[kProductIdAt];
+  return {packet, kDataPacketSize};
+}
+
+}  // namespace rigwire::protocols::velodyne

@@ -1,0 +1,81 @@
+// The Velodyne data packet: 1206 bytes of UDP payload, default port 2368, all fields little-endian.
+//
+//   offset 0 + 100 b   block b = 0..11: flag u16, azimuth u16, then 32 channels of
+//                      distance u16 and reflectivity u8
+//   offset 1200        timestamp u32: microseconds past the hour at the first firing
+//   offset 1204, 1205  factory bytes: return mode, product id
+//
+// Sources: HDL-32E user's manual 63-9113 Rev. H, "Packet format"; VLP-16 user's manual 63-9243
+// Rev. D, section 9.3 (factory bytes). Units older than firmware 2.2.20.0 send both factory bytes
+// as zero. The format page with a worked example is docs/devices/velodyne-hdl-32e.md.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "protocols/result.h"
+
+namespace rigwire::protocols::velodyne {
+
+inline constexpr std::size_t kBlocksPerPacket = 12;
+inline constexpr std::size_t kChannelsPerBlock = 32;
+
+/// Sizes of the parts, in bytes.
+inline constexpr std::size_t kChannelSize = 2     // distance
+                                            + 1;  // reflectivity
+inline constexpr std::size_t kBlockSize = 2       // flag
+                                          + 2     // azimuth
+                                          + kChannelsPerBlock * kChannelSize;
+inline constexpr std::size_t kDataPacketSize = kBlocksPerPacket * kBlockSize  //
+                                               + 4                            // timestamp
+                                               + 1                            // return mode
+                                               + 1;                           // product id
+static_assert(kBlockSize == 100);
+static_assert(kDataPacketSize == 1206);
+
+/// Flags say which bank of 32 lasers a block belongs to; on the wire low byte first (FF EE).
+inline constexpr std::uint16_t kFlagLasers0To31 = 0xEEFF;
+inline constexpr std::uint16_t kFlagLasers32To63 = 0xDDFF;
+inline constexpr std::uint16_t kFlagLasers64To95 = 0xCCFF;
+inline constexpr std::uint16_t kFlagLasers96To127 = 0xBBFF;
+
+/// Azimuth counts of a full turn, 0.01 degree each. 36000 itself is never sent.
+inline constexpr std::uint16_t kAzimuthCounts = 36000;
+
+enum class ReturnMode : std::uint8_t { strongest = 0x37, last = 0x38, dual = 0x39 };
+
+struct Channel {
+  std::uint16_t distance_counts = 0;  ///< Times the model's unit; 0 = nothing came back.
+  std::uint8_t reflectivity = 0;      ///< 0..100 diffuse per cent, 101..255 retro-reflector. 0 is
+                                      ///< legal with a distance, so ask the distance.
+  friend bool operator==(const Channel&, const Channel&) = default;
+};
+
+struct Block {
+  std::uint16_t flag = kFlagLasers0To31;
+  std::uint16_t azimuth_counts = 0;  ///< 0 .. 35999, of the block's first firing; clockwise.
+  std::array<Channel, kChannelsPerBlock> channels{};
+
+  friend bool operator==(const Block&, const Block&) = default;
+};
+
+struct DataPacket {
+  std::array<Block, kBlocksPerPacket> blocks{};
+  std::uint32_t timestamp_us = 0;     ///< Past the hour, of the first firing.
+  std::uint8_t return_mode_byte = 0;  ///< A ReturnMode, or 0 from old units.
+  std::uint8_t product_id = 0;        ///< See model.h; 0 from old units.
+
+  friend bool operator==(const DataPacket&, const DataPacket&) = default;
+};
+
+/// Writes the packet. Azimuths must be below kAzimuthCounts (asserted).
+void encode(const DataPacket& packet, std::span<std::uint8_t, kDataPacketSize> bytes);
+
+/// Reads one datagram. Fewer bytes than a packet are incomplete; more, an unknown flag or an
+/// azimuth of 36000 and above are malformed. Timestamps past 3600 s are passed on: real units send
+/// them for some tens of milliseconds around the hour.
+Decoded<DataPacket> decode_data_packet(std::span<const std::uint8_t> bytes);
+
+}  // namespace rigwire::protocols::velodyne

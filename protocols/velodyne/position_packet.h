@@ -1,0 +1,80 @@
+// The Velodyne position packet: 512 bytes of UDP payload, default port 8308, little-endian.
+//
+//   offset 0         14 zero bytes (decoders check them)
+//   offset 14 + 8 g  inertial group g = 0..2: gyro, temperature, accelerometer x, accelerometer y,
+//                    each u16 of which the low 12 bits count, two's complement
+//   offset 198       timestamp u32, microseconds past the hour
+//   offset 202       state of the pulse-per-second input, then 3 zero bytes
+//   offset 206       the last $GPRMC sentence with CR LF, zeros up to 512
+//
+// Source: HDL-32E user's manual 63-9113 Rev. H, "Position packet"; pulse state: VLP-16 user's
+// manual 63-9243 Rev. D, section 9.4.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "protocols/result.h"
+
+namespace rigwire::protocols::velodyne {
+
+inline constexpr std::size_t kInertialGroups = 3;
+inline constexpr std::size_t kInertialGroupSize = 2     // gyro
+                                                  + 2   // temperature
+                                                  + 2   // accelerometer x
+                                                  + 2;  // accelerometer y
+inline constexpr std::size_t kPositionHeadSize = 14;
+inline constexpr std::size_t kPositionGapSize = 160;
+inline constexpr std::size_t kNmeaSize = 306;
+inline constexpr std::size_t kPositionPacketSize = kPositionHeadSize                       //
+                                                   + kInertialGroups * kInertialGroupSize  //
+                                                   + kPositionGapSize                      //
+                                                   + 4  // timestamp
+                                                   + 1  // pulse state
+                                                   + 3  // zero
+                                                   + kNmeaSize;
+static_assert(kPositionPacketSize == 512);
+
+/// Scales of the inertial counts (manual, "Position packet").
+inline constexpr double kGyroUnit_degps = 0.09766;
+inline constexpr double kTemperatureUnit_c = 0.1453;
+inline constexpr double kTemperatureOrigin_c = 25.0;
+inline constexpr double kAccelerationUnit_g = 0.001221;
+
+/// Counts of one inertial group, -2048 .. 2047.
+struct InertialGroup {
+  std::int16_t gyro = 0;
+  std::int16_t temperature = 0;
+  std::int16_t acceleration_x = 0;
+  std::int16_t acceleration_y = 0;
+
+  friend bool operator==(const InertialGroup&, const InertialGroup&) = default;
+};
+
+enum class PulseState : std::uint8_t { absent = 0, synchronizing = 1, locked = 2, error = 3 };
+
+struct PositionPacket {
+  std::array<InertialGroup, kInertialGroups> inertial{};
+  std::uint32_t timestamp_us = 0;  ///< Past the hour.
+  PulseState pulse_state = PulseState::absent;
+  std::array<char, kNmeaSize> nmea{};  ///< Zero-padded.
+
+  /// The sentence with its CR LF; empty when the sensor hears no receiver.
+  [[nodiscard]] std::string_view sentence() const;
+  /// Precondition: at most kNmeaSize characters, no NUL (asserted).
+  void set_sentence(std::string_view text);
+
+  friend bool operator==(const PositionPacket&, const PositionPacket&) = default;
+};
+
+/// Inertial counts must be within 12 bits (asserted).
+void encode(const PositionPacket& packet, std::span<std::uint8_t, kPositionPacketSize> bytes);
+
+/// Reads one datagram. Fewer bytes than a packet are incomplete; more, a non-zero head, an unknown
+/// pulse state, or anything behind the end of the sentence are malformed.
+Decoded<PositionPacket> decode_position_packet(std::span<const std::uint8_t> bytes);
+
+}  // namespace rigwire::protocols::velodyne

@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# Installs what of packages.txt is missing. Says nothing and takes no rights when nothing is.
+#
+# Some packages bring a daemon (gpsd). Whether it starts on installation is decided by the
+# machine's own policy; so that this script starts none, it installs with a policy of its own that
+# forbids it where the machine has no policy, and takes it away again afterwards. A gpsd that was
+# not there before is also left disabled: the tests start their own on their own ports.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+mapfile -t wanted < <(sed 's/#.*//; s/[[:space:]]//g; /^$/d' "$root/packages.txt")
+# One line per installed package; dpkg-query complains about (and fails for) those it never saw.
+installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' "${wanted[@]}" 2>/dev/null |
+  awk '$1 == "installed" {print $2}') || true
+missing=()
+for package in "${wanted[@]}"; do
+  grep -qxF "$package" <<<"$installed" || missing+=("$package")
+done
+if [ ${#missing[@]} = 0 ]; then exit 0; fi
+
+# shellcheck disable=SC1091  # a file of the system
+system=$(. /etc/os-release 2>/dev/null && echo "${ID:-unknown} ${VERSION_ID:-}") || system=unknown
+if [ "$system" != "debian 12" ]; then
+  echo "This is ${system}; the package list is made for Debian 12 (bookworm)." >&2
+  echo "Install the equivalents of these yourself, or run in a debian:12 container:" >&2
+  echo "  ${missing[*]}" >&2
+  exit 3
+fi
+
+as_root=()
+if [ "$(id -u)" != 0 ]; then
+  if ! command -v sudo >/dev/null; then
+    echo "These packages are missing, and there is neither root nor sudo to install them:" >&2
+    echo "  ${missing[*]}" >&2
+    echo "As root: apt-get install --no-install-recommends ${missing[*]}" >&2
+    exit 3
+  fi
+  as_root=(sudo)
+fi
+
+echo "Installing ${#missing[@]} packages: ${missing[*]}"
+policy=/usr/sbin/policy-rc.d
+policy_is_ours=no
+remove_policy() {
+  if [ $policy_is_ours = yes ]; then "${as_root[@]}" rm -f "$policy"; fi
+}
+trap remove_policy EXIT
+if [ ! -e "$policy" ]; then
+  policy_is_ours=yes
+  # 101: action forbidden by policy (invoke-rc.d).
+  printf '#!/bin/sh\nexit 101\n' | "${as_root[@]}" tee "$policy" >/dev/null
+  "${as_root[@]}" chmod 755 "$policy"
+fi
+apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o Dpkg::Use-Pty=0
+  -o DPkg::Lock::Timeout=300)
+"${apt[@]}" update
+"${apt[@]}" install --no-install-recommends "${missing[@]}"
+
+if [[ " ${missing[*]} " == *" gpsd "* ]] && [ -d /run/systemd/system ]; then
+  "${as_root[@]}" systemctl disable --now gpsd.socket gpsd.service >/dev/null 2>&1 || true
+fi

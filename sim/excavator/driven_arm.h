@@ -1,0 +1,115 @@
+// The arm with its four drives, and the schemes that step it.
+//
+// A drive is the paper's Eq. 5, F = k (x_t - x) + d (v_t - dx/dt), between a moving target x_t and
+// the drive's coordinate x: the joint angle for swing, the cylinder length for boom, stick and
+// bucket. One-sided stiff end stops bound the cylinders, relief valves bound F.
+//
+// Schemes (h step, J = dx/dq, diagonal):
+//   linearly_implicit_euler  (M + h d J^2 + h^2 k J^2) a = rest + J (k (x_t(t+h) - x - h J v)
+//                            + d (v_t - J v)); v += h a; q += h v. Order 1, one solve per active
+//                            set. Forces that leave their limits are set to the limit and the step
+//                            is solved again (clamp last); end stops enter the same way.
+//   rosenbrock2              two stages, gamma = 1 - 1/sqrt(2), L-stable, order 2 for any
+//                            approximation of the Jacobian (Verwer et al., SIAM J. Sci. Comput. 20,
+//                            1999, ROS2); here M, J and the drives' k and d at the step's start.
+//   runge_kutta4             the classical explicit one, order 4.
+// Limits make the right-hand side non-smooth: every scheme falls to order 1 at their switches.
+#pragma once
+
+#include "sim/excavator/arm_dynamics.h"
+#include "sim/excavator/linkage.h"
+
+namespace rigwire::sim {
+
+/// Joint angles and rates.
+struct ArmState {
+  JointVector q_rad = JointVector::Zero();
+  JointVector v_radps = JointVector::Zero();
+};
+
+/// Where the drives' targets are. Cylinders in metres, swing in radians.
+class TargetMotion {
+ public:
+  virtual ~TargetMotion() = default;
+  virtual void at(double time_s, JointVector& target, JointVector& rate) const = 0;
+};
+
+/// Targets that move at constant rates from where they are at `start_s`.
+class LinearTargets final : public TargetMotion {
+ public:
+  void at(double time_s, JointVector& target, JointVector& rate) const override {
+    target = start + (time_s - start_s) * rates;
+    rate = rates;
+  }
+  double start_s = 0.0;
+  JointVector start = JointVector::Zero();
+  JointVector rates = JointVector::Zero();
+};
+
+/// The drives' gains and limits; units per drive as its coordinate has them.
+struct DriveGains {
+  JointVector stiffness = JointVector::Zero();
+  JointVector damping = JointVector::Zero();
+  JointVector force_least = JointVector::Constant(-1e300);
+  JointVector force_greatest = JointVector::Constant(1e300);
+  bool end_stops = false;
+};
+
+class DrivenArm {
+ public:
+  DrivenArm(const ExcavatorParameters& parameters, const Eigen::Vector3d& gravity_C_mps2);
+
+  [[nodiscard]] const ArmDynamics& dynamics() const { return dynamics_; }
+  [[nodiscard]] ArmDynamics& dynamics() { return dynamics_; }
+  [[nodiscard]] const Linkages& linkages() const { return linkages_; }
+
+  DriveGains gains;
+
+  /// d = 2 ratio sqrt(k m), m the mass each drive feels at q with the other joints free.
+  [[nodiscard]] JointVector damping_for(const JointVector& q_rad, const JointVector& stiffness,
+                                        double ratio) const;
+  /// Mass (inertia for swing) that each drive feels at q, the other joints free.
+  [[nodiscard]] JointVector free_mass(const JointVector& q_rad) const;
+  /// The highest natural frequency of arm and stiffness at q, rad/s.
+  [[nodiscard]] double highest_frequency_radps(const JointVector& q_rad,
+                                               const JointVector& stiffness) const;
+
+  /// Drive coordinates x and levers J = dx/dq at q.
+  void coordinates(const JointVector& q_rad, JointVector& x, JointVector& lever) const;
+
+  /// Drive forces, clamped to their limits, without end stops.
+  [[nodiscard]] JointVector forces(const ArmState& state, const JointVector& target,
+                                   const JointVector& rate) const;
+  /// Forces of the end stops, zero while off them or when gains.end_stops is false.
+  [[nodiscard]] JointVector stop_forces(const ArmState& state) const;
+
+  [[nodiscard]] JointVector acceleration(const ArmState& state, const JointVector& target,
+                                         const JointVector& rate) const;
+
+  /// Steps the state from time_s to time_s + h and returns the joint accelerations at its end: the
+  /// solver's own unknown for linearly_implicit_euler, the right-hand side at the end for the
+  /// others. h <= 0 leaves the state as it is.
+  JointVector step(IntegrationScheme scheme, double time_s, double h, const TargetMotion& targets,
+                   ArmState& state) const;
+
+ private:
+  JointVector step_linearly_implicit(double time_s, double h, const TargetMotion& targets,
+                                     ArmState& state) const;
+  JointVector step_rosenbrock2(double time_s, double h, const TargetMotion& targets,
+                               ArmState& state) const;
+  JointVector step_runge_kutta4(double time_s, double h, const TargetMotion& targets,
+                                ArmState& state) const;
+  /// Generalised force -bias + J F + J F_stop, with M, and the gains that act at this state.
+  void right_hand_side(const ArmState& state, const JointVector& target, const JointVector& rate,
+                       JointMatrix& mass_matrix, JointVector& force, JointVector& stiffness_q,
+                       JointVector& damping_q) const;
+
+  ArmDynamics dynamics_;
+  Linkages linkages_;
+  JointVector length_least_;     ///< -1e300 for swing.
+  JointVector length_greatest_;  ///< 1e300 for swing.
+  double stop_stiffness_;
+  JointVector stop_damping_;
+};
+
+}  // namespace rigwire::sim

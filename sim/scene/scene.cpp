@@ -1,0 +1,317 @@
+#include "sim/scene/scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <stdexcept>
+
+#include "sim/scene/scene_internals.h"
+
+namespace rigwire::sim {
+namespace {
+
+void remember_error(void* user, RTCError /*code*/, const char* text) {
+  auto& first_error = *static_cast<std::string*>(user);
+  if (first_error.empty()) {
+    first_error = text != nullptr ? text : "unknown error";
+  }
+}
+
+/// Column-major 3x4, the form that Embree takes.
+using Transform = std::array<float, 12>;
+
+Transform to_transform(const Eigen::Isometry3d& X_WM, double scale,
+                       const Eigen::Vector3d& origin_W) {
+  const Eigen::Matrix3d linear = scale * X_WM.linear();
+  const Eigen::Vector3d translation = X_WM.translation() - origin_W;
+  Transform transform{};
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      transform[static_cast<std::size_t>(column * 3 + row)] =
+          static_cast<float>(linear(row, column));
+    }
+  }
+  for (int row = 0; row < 3; ++row) {
+    transform[static_cast<std::size_t>(9 + row)] = static_cast<float>(translation(row));
+  }
+  return transform;
+}
+
+bool finite(const Eigen::Isometry3d& X) {
+  return X.matrix().allFinite();
+}
+
+void validate_instance(const Eigen::Isometry3d& X, double scale, const Material& material) {
+  const std::string who = "object with label '" + material.label + "': ";
+  if (!finite(X)) {
+    throw std::invalid_argument(who + "its pose is not finite");
+  }
+  if (!(scale > 0.0) || !std::isfinite(scale)) {
+    throw std::invalid_argument(who + "scale is " + std::to_string(scale) + ", must be positive");
+  }
+  if (!(material.reflectance >= 0.0 && material.reflectance <= 1.0)) {
+    throw std::invalid_argument(who + "reflectance is " + std::to_string(material.reflectance) +
+                                ", allowed: 0 to 1");
+  }
+}
+
+RTCRay make_ray(const Eigen::Vector3d& p, const Eigen::Vector3d& direction, double near_m,
+                double far_m, float time, std::uint32_t mask) {
+  RTCRay ray{};
+  ray.org_x = static_cast<float>(p.x());
+  ray.org_y = static_cast<float>(p.y());
+  ray.org_z = static_cast<float>(p.z());
+  ray.tnear = static_cast<float>(near_m);
+  ray.dir_x = static_cast<float>(direction.x());
+  ray.dir_y = static_cast<float>(direction.y());
+  ray.dir_z = static_cast<float>(direction.z());
+  ray.time = time;
+  ray.tfar = static_cast<float>(far_m);
+  ray.mask = mask;
+  return ray;
+}
+
+}  // namespace
+
+void Scene::Internals::check(const char* doing) {
+  if (!first_error.empty()) {
+    const std::string text = "scene: " + std::string(doing) + ": " + first_error;
+    first_error.clear();
+    throw std::runtime_error(text);
+  }
+}
+
+Scene::InstanceId Scene::Internals::add_instance(RTCScene inner, std::uint32_t body,
+                                                 const Eigen::Isometry3d& X_PM, double scale,
+                                                 const Material& material) {
+  validate_instance(X_PM, scale, material);
+  const auto id = static_cast<InstanceId>(instances.size());
+  GeometryHandle geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+  rtcSetGeometryInstancedScene(geometry.get(), inner);
+  rtcSetGeometryMask(geometry.get(), body == kFixed ? 1U : body_mask(body));
+  if (body != kFixed) {
+    rtcSetGeometryTimeStepCount(geometry.get(), 2);
+  }
+  rtcAttachGeometryByID(top.get(), geometry.get(), id);
+  check("adding an object");
+  shading.push_back({X_PM.linear().cast<float>(), static_cast<float>(material.reflectance)});
+  instances.push_back({std::move(geometry), X_PM, scale, body, material});
+  fixed_placed = false;
+  return id;
+}
+
+void Scene::Internals::place_fixed() {
+  for (const Instance& instance : instances) {
+    if (instance.body != kFixed) {
+      continue;
+    }
+    const Transform transform = to_transform(instance.X_PM, instance.scale, origin_W);
+    rtcSetGeometryTransform(instance.geometry.get(), 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
+                            transform.data());
+    rtcCommitGeometry(instance.geometry.get());
+  }
+  fixed_placed = true;
+}
+
+void Scene::Internals::place_bodies(std::span<const BodyMotion> motions) {
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    const Instance& instance = instances[i];
+    if (instance.body == kFixed) {
+      continue;
+    }
+    const BodyMotion& motion = motions[instance.body];
+    const Transform start =
+        to_transform(motion.X_WB_start * instance.X_PM, instance.scale, origin_W);
+    const Transform end = to_transform(motion.X_WB_end * instance.X_PM, instance.scale, origin_W);
+    RTCGeometry geometry = instance.geometry.get();
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, start.data());
+    rtcSetGeometryTransform(geometry, 1, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, end.data());
+    rtcCommitGeometry(geometry);
+    shading[i].R_WM = (motion.X_WB_end.linear() * instance.X_PM.linear()).cast<float>();
+  }
+}
+
+Scene::Scene() : internals_(std::make_unique<Internals>()) {
+  // One thread builds: the scene is small, and the executive owns the machine's other cores.
+  internals_->device.reset(rtcNewDevice("threads=1"));
+  if (!internals_->device) {
+    throw std::runtime_error("scene: the ray caster (Embree) cannot start on this machine");
+  }
+  rtcSetDeviceErrorFunction(internals_->device.get(), remember_error, &internals_->first_error);
+  if (rtcGetDeviceProperty(internals_->device.get(), RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) == 0) {
+    throw std::runtime_error("scene: this build of Embree has no ray masks");
+  }
+  internals_->top.reset(rtcNewScene(internals_->device.get()));
+  rtcSetSceneFlags(internals_->top.get(),
+                   static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
+  internals_->check("setting up");
+}
+
+Scene::~Scene() = default;
+
+Scene::MeshId Scene::add_mesh(const TriangleMesh& mesh) {
+  validate(mesh);
+  Internals& in = *internals_;
+  GeometryHandle geometry(rtcNewGeometry(in.device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+  auto* vertices = static_cast<float*>(
+      rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                              3 * sizeof(float), mesh.vertices.size()));
+  auto* indices = static_cast<std::uint32_t*>(
+      rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              3 * sizeof(std::uint32_t), mesh.triangles.size()));
+  in.check(("mesh '" + mesh.name + "'").c_str());
+  for (const auto& vertex : mesh.vertices) {
+    vertices = std::copy_n(vertex.data(), 3, vertices);
+  }
+  for (const auto& triangle : mesh.triangles) {
+    indices = std::ranges::copy(triangle, indices).out;
+  }
+  rtcCommitGeometry(geometry.get());
+  SceneHandle inner(rtcNewScene(in.device.get()));
+  rtcSetSceneFlags(inner.get(), RTC_SCENE_FLAG_ROBUST);
+  rtcAttachGeometry(inner.get(), geometry.get());
+  rtcCommitScene(inner.get());
+  in.check(("mesh '" + mesh.name + "'").c_str());
+  in.meshes.push_back(std::move(inner));
+  return static_cast<MeshId>(in.meshes.size() - 1);
+}
+
+Scene::InstanceId Scene::add_terrain(const HeightField& field, const Material& material) {
+  validate(field);
+  Internals& in = *internals_;
+  GeometryHandle geometry(rtcNewGeometry(in.device.get(), RTC_GEOMETRY_TYPE_GRID));
+  auto* vertices = static_cast<float*>(
+      rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                              3 * sizeof(float), field.heights_m.size()));
+  auto* grid = static_cast<RTCGrid*>(rtcSetNewGeometryBuffer(
+      geometry.get(), RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid), 1));
+  in.check("terrain");
+  const Eigen::Vector3d centre = field.centre_m();
+  for (std::size_t r = 0; r < field.rows; ++r) {
+    for (std::size_t c = 0; c < field.columns; ++c) {
+      *vertices++ = static_cast<float>(field.origin_m.x() - centre.x() +
+                                       field.cell_m * static_cast<double>(c));
+      *vertices++ = static_cast<float>(field.origin_m.y() - centre.y() +
+                                       field.cell_m * static_cast<double>(r));
+      *vertices++ = static_cast<float>(field.node(c, r) - centre.z());
+    }
+  }
+  *grid = {.startVertexID = 0,
+           .stride = static_cast<unsigned>(field.columns),
+           .width = static_cast<unsigned short>(field.columns),
+           .height = static_cast<unsigned short>(field.rows)};
+  rtcCommitGeometry(geometry.get());
+  SceneHandle inner(rtcNewScene(in.device.get()));
+  rtcSetSceneFlags(inner.get(), RTC_SCENE_FLAG_ROBUST);
+  rtcAttachGeometry(inner.get(), geometry.get());
+  rtcCommitScene(inner.get());
+  in.check("terrain");
+  in.meshes.push_back(std::move(inner));
+  Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
+  X_WM.translation() = centre;
+  return in.add_instance(in.meshes.back().get(), Internals::kFixed, X_WM, 1.0, material);
+}
+
+Scene::InstanceId Scene::add_object(MeshId mesh, const Eigen::Isometry3d& X_WM, double scale,
+                                    const Material& material) {
+  return internals_->add_instance(internals_->meshes.at(mesh).get(), Internals::kFixed, X_WM, scale,
+                                  material);
+}
+
+Scene::BodyId Scene::add_body(std::string_view name) {
+  internals_->bodies.emplace_back(name);
+  return static_cast<BodyId>(internals_->bodies.size() - 1);
+}
+
+Scene::InstanceId Scene::add_body_part(BodyId body, MeshId mesh, const Eigen::Isometry3d& X_BM,
+                                       const Material& material) {
+  if (body >= internals_->bodies.size()) {
+    throw std::invalid_argument("scene: there is no body " + std::to_string(body));
+  }
+  return internals_->add_instance(internals_->meshes.at(mesh).get(), body, X_BM, 1.0, material);
+}
+
+void Scene::begin_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W,
+                        std::span<const BodyMotion> motions) {
+  Internals& in = *internals_;
+  if (motions.size() != in.bodies.size()) {
+    throw std::invalid_argument("scene: " + std::to_string(motions.size()) + " motions for " +
+                                std::to_string(in.bodies.size()) + " bodies");
+  }
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    if (!finite(motions[i].X_WB_start) || !finite(motions[i].X_WB_end)) {
+      throw std::invalid_argument("scene: the pose of body '" + in.bodies[i] + "' is not finite");
+    }
+  }
+  if (t1 <= t0 || !focus_W.allFinite()) {
+    throw std::invalid_argument("scene: a slice needs t0 < t1 and a finite focus");
+  }
+  in.t0 = t0;
+  in.t1 = t1;
+  if ((focus_W - in.origin_W).norm() > kRebaseDistance_m) {
+    in.origin_W = focus_W.array().round();
+    in.fixed_placed = false;
+  }
+  if (!in.fixed_placed) {
+    in.place_fixed();
+  }
+  in.place_bodies(motions);
+  rtcCommitScene(in.top.get());
+  in.check("placing the bodies");
+}
+
+std::size_t Scene::instance_count() const {
+  return internals_->instances.size();
+}
+std::size_t Scene::body_count() const {
+  return internals_->bodies.size();
+}
+const Material& Scene::material(InstanceId instance) const {
+  return internals_->instances.at(instance).material;
+}
+
+std::uint32_t Scene::body_mask(BodyId body) {
+  return 1U << (1U + body % 31U);
+}
+
+std::optional<SceneHit> Scene::cast(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
+                                    double near_m, double far_m, SimTime time,
+                                    std::uint32_t mask) const {
+  const Internals& in = *internals_;
+  const FlushDenormals flush;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit query{};
+  query.ray =
+      make_ray(p_W - in.origin_W, direction_W, near_m, far_m, in.slice_fraction(time), mask);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(in.top.get(), &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+    return std::nullopt;
+  }
+  SceneHit hit;
+  hit.range_m = query.ray.tfar;
+  hit.instance = query.hit.instID[0];
+  const Eigen::Vector3f normal_M(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z);
+  hit.normal_W = (in.shading[hit.instance].R_WM * normal_M).cast<double>().normalized();
+  if (hit.normal_W.dot(direction_W) > 0.0) {
+    hit.normal_W = -hit.normal_W;
+  }
+  return hit;
+}
+
+bool Scene::blocked(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
+                    double clearance_m) const {
+  const Internals& in = *internals_;
+  const FlushDenormals flush;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay ray = make_ray(p_W - in.origin_W, direction_W, clearance_m,
+                        std::numeric_limits<double>::infinity(), 1.0F, kSeeEverything);
+  rtcOccluded1(in.top.get(), &context, &ray);
+  return ray.tfar < 0.0F;
+}
+
+}  // namespace rigwire::sim

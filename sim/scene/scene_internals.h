@@ -1,0 +1,87 @@
+// What the casters of sim/ share with the scene: Embree's handles. Not for other folders.
+#pragma once
+
+#include <embree3/rtcore.h>
+#include <pmmintrin.h>
+#include <xmmintrin.h>
+
+#include <string>
+#include <vector>
+
+#include "sim/scene/scene.h"
+
+namespace rigwire::sim {
+
+/// Flushes denormal floats to zero on this thread while it lives, as Embree asks of every thread
+/// that traces, and restores the thread's setting afterwards.
+class FlushDenormals {
+ public:
+  FlushDenormals() : saved_(_mm_getcsr()) {
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+  }
+  ~FlushDenormals() { _mm_setcsr(saved_); }
+  FlushDenormals(const FlushDenormals&) = delete;
+  FlushDenormals& operator=(const FlushDenormals&) = delete;
+
+ private:
+  unsigned saved_;
+};
+
+/// Owners of Embree's reference-counted objects.
+struct ReleaseDevice {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
+struct ReleaseScene {
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+struct ReleaseGeometry {
+  void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+using DeviceHandle = std::unique_ptr<RTCDeviceTy, ReleaseDevice>;
+using SceneHandle = std::unique_ptr<RTCSceneTy, ReleaseScene>;
+using GeometryHandle = std::unique_ptr<RTCGeometryTy, ReleaseGeometry>;
+
+struct Scene::Internals {
+  static constexpr std::uint32_t kFixed = 0xFFFFFFFFU;
+
+  struct Instance {
+    GeometryHandle geometry;
+    Eigen::Isometry3d X_PM = Eigen::Isometry3d::Identity();  ///< In the world, or in its body.
+    double scale = 1.0;
+    std::uint32_t body = kFixed;
+    Material material;
+  };
+  /// What a hit needs to know of the instance, side by side in memory.
+  struct Shading {
+    Eigen::Matrix3f R_WM = Eigen::Matrix3f::Identity();  ///< Turns normals into the world.
+    float reflectance = 0.0F;
+  };
+
+  std::string first_error;  ///< Written by Embree's error callback.
+  DeviceHandle device;
+  SceneHandle top;
+  std::vector<SceneHandle> meshes;
+  std::vector<Instance> instances;
+  std::vector<Shading> shading;
+  std::vector<std::string> bodies;
+  Eigen::Vector3d origin_W = Eigen::Vector3d::Zero();  ///< Of Embree's float coordinates.
+  bool fixed_placed = false;
+  SimTime t0{};
+  SimTime t1{};
+
+  /// Throws std::runtime_error with Embree's message when it has reported an error since.
+  void check(const char* doing);
+  InstanceId add_instance(RTCScene inner, std::uint32_t body, const Eigen::Isometry3d& X_PM,
+                          double scale, const Material& material);
+  void place_fixed();
+  void place_bodies(std::span<const BodyMotion> motions);
+
+  /// Share of the slice that has passed at `time`, 0 .. 1.
+  [[nodiscard]] float slice_fraction(SimTime time) const {
+    const double fraction = to_seconds(time - t0) / to_seconds(t1 - t0);
+    return static_cast<float>(fraction < 0.0 ? 0.0 : (fraction > 1.0 ? 1.0 : fraction));
+  }
+};
+
+}  // namespace rigwire::sim

@@ -1,0 +1,34 @@
+// Triangle meshes: what rocks, trucks and machine links are made of.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sim/random.h"
+
+namespace rigwire::sim {
+
+/// Metres in the mesh's own frame M, which should have its origin near the body: vertices are
+/// floats, good for 0.01 mm within 100 m.
+struct TriangleMesh {
+  std::string name;  ///< For messages.
+  std::vector<Eigen::Vector3f> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+/// Throws std::invalid_argument naming the mesh when it has no triangle, a vertex that is not a
+/// finite number, an index past the last vertex, or triangles of which not one has an area.
+void validate(const TriangleMesh& mesh);
+
+/// A box of the given full lengths, centred on the origin, 12 triangles facing outwards. Throws
+/// std::invalid_argument unless all lengths are positive and finite.
+[[nodiscard]] TriangleMesh make_box(std::string name, const Eigen::Vector3d& lengths_m);
+
+/// A boulder of 162 vertices within 0.55 to 1 m of the origin: a sphere cut by random planes, as
+/// broken rock is, and slightly rough. Scale it by instancing.
+[[nodiscard]] TriangleMesh make_rock(std::string name, RandomStream& random);
+
+}  // namespace rigwire::sim

@@ -1,0 +1,254 @@
+#include "drivers/pty.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/serial_port.h"
+#include "run_until.h"
+
+namespace rigwire::drivers {
+namespace {
+
+namespace fs = std::filesystem;
+using Bytes = std::vector<std::uint8_t>;
+using ::testing::HasSubstr;
+
+class PtyTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    directory = fs::temp_directory_path() / ("rigwire-pty-test-" + std::to_string(::getpid()));
+    fs::remove_all(directory);
+    link = directory / "nested" / "gnss";
+  }
+  void TearDown() override { fs::remove_all(directory); }
+
+  std::string refusal() {
+    try {
+      const Pty pty(context, link);
+    } catch (const EndpointError& error) {
+      return error.what();
+    }
+    return "no EndpointError";
+  }
+
+  boost::asio::io_context context;
+  fs::path directory;
+  fs::path link;
+};
+
+TEST_F(PtyTest, PublishesALinkInANewDirectoryAndRemovesIt) {
+  {
+    const Pty pty(context, link);
+    EXPECT_TRUE(fs::is_symlink(fs::symlink_status(link)));
+    EXPECT_EQ(fs::read_symlink(link), pty.slave_name());
+    EXPECT_EQ(pty.status().address, link.string());
+  }
+  EXPECT_FALSE(fs::exists(fs::symlink_status(link)));
+  EXPECT_TRUE(fs::is_empty(link.parent_path())) << "a temporary link stayed behind";
+}
+
+TEST_F(PtyTest, SlaveIsRawBeforeAnyClientConfiguresIt) {
+  Pty pty(context, link);
+  const int slave = ::open(link.c_str(), O_RDWR | O_NOCTTY);
+  ASSERT_GE(slave, 0);
+  termios settings{};
+  ASSERT_EQ(::tcgetattr(slave, &settings), 0);
+  EXPECT_EQ(settings.c_lflag & static_cast<tcflag_t>(ECHO | ICANON | ISIG), 0U);
+  EXPECT_EQ(settings.c_oflag & static_cast<tcflag_t>(OPOST), 0U);
+  ::close(slave);
+}
+
+TEST_F(PtyTest, BecomesRawAgainWhenAClientThatSetEchoHasLeft) {
+  Pty pty(context, link);
+  pty.start([](std::span<const std::uint8_t>) {});
+  const int cooked = ::open(link.c_str(), O_RDWR | O_NOCTTY);
+  ASSERT_GE(cooked, 0);
+  ASSERT_TRUE(
+      run_until(context, [&] { return pty.write({}) == 0 && pty.status().client_present; }));
+  termios settings{};
+  ASSERT_EQ(::tcgetattr(cooked, &settings), 0);
+  settings.c_lflag |= static_cast<tcflag_t>(ECHO | ICANON);
+  ASSERT_EQ(::tcsetattr(cooked, TCSANOW, &settings), 0);
+  ::close(cooked);
+  run_for(context, std::chrono::milliseconds(50));
+  const int next = ::open(link.c_str(), O_RDWR | O_NOCTTY);
+  ASSERT_EQ(::tcgetattr(next, &settings), 0);
+  EXPECT_EQ(settings.c_lflag & static_cast<tcflag_t>(ECHO | ICANON), 0U);
+  ::close(next);
+}
+
+TEST_F(PtyTest, TellsTheSpeedThatTheClientSet) {
+  Pty pty(context, link);
+  EXPECT_EQ(pty.client_baud(), 38400U);
+  {
+    const SerialPort client(context, {.path = link.string(), .baud = 115200});
+    EXPECT_EQ(pty.client_baud(), 115200U);
+  }
+  // 250000 is none of POSIX's speeds.
+  const SerialPort odd(context, {.path = link.string(), .baud = 250000});
+  EXPECT_EQ(pty.client_baud(), 250000U);
+}
+
+TEST_F(PtyTest, ReplacesADanglingLink) {
+  fs::create_directories(link.parent_path());
+  fs::create_symlink("/dev/pts/99999", link);
+  const Pty pty(context, link);
+  EXPECT_EQ(fs::read_symlink(link), pty.slave_name());
+}
+
+TEST_F(PtyTest, ReplacesALinkToATerminalThatGotItsNumberLater) {
+  // What a killed run leaves when its number was given to a new terminal: the link is older.
+  fs::create_directories(link.parent_path());
+  std::string number;
+  {
+    const Pty probe(context, {});
+    number = probe.slave_name();
+  }
+  fs::create_symlink(number, link);
+  ASSERT_TRUE(run_until(
+                  context, [] { return false; }, std::chrono::milliseconds(50)) == false);
+  const Pty stranger(context, {});
+  if (stranger.slave_name() != number) {
+    GTEST_SKIP() << "another program took " << number;
+  }
+  const Pty pty(context, link);
+  EXPECT_EQ(fs::read_symlink(link), pty.slave_name());
+}
+
+TEST_F(PtyTest, RefusesALinkThatAnotherProgramKeeps) {
+  const Pty foreign(context, {});  // stands for socat: a terminal, then a link to it
+  fs::create_directories(link.parent_path());
+  fs::create_symlink(foreign.slave_name(), link);
+  EXPECT_THAT(refusal(), HasSubstr("a running program publishes " + foreign.slave_name()));
+  EXPECT_EQ(fs::read_symlink(link), foreign.slave_name());
+}
+
+TEST_F(PtyTest, RefusesARegularFileAndLeavesItAlone) {
+  fs::create_directories(link.parent_path());
+  std::ofstream(link) << "precious";
+  EXPECT_THAT(refusal(), HasSubstr(link.string() + ": a file is there; remove it"));
+  std::string content;
+  std::ifstream(link) >> content;
+  EXPECT_EQ(content, "precious");
+}
+
+TEST_F(PtyTest, RefusesALinkToAFile) {
+  fs::create_directories(link.parent_path());
+  std::ofstream(directory / "file") << "precious";
+  fs::create_symlink(directory / "file", link);
+  EXPECT_THAT(refusal(), HasSubstr("which is no pseudo-terminal"));
+}
+
+TEST_F(PtyTest, RefusesADirectory) {
+  fs::create_directories(link);
+  EXPECT_THAT(refusal(), HasSubstr("a directory is there"));
+}
+
+TEST_F(PtyTest, RefusesADirectoryThatCannotBeMadeAndSaysWhatHelps) {
+  fs::create_directories(directory);
+  std::ofstream(directory / "nested") << "a file where a directory should be";
+  EXPECT_THAT(refusal(), HasSubstr("such as /tmp/rigwire"));
+}
+
+TEST_F(PtyTest, RefusesADirectoryWithoutWritePermission) {
+  link = "/proc/rigwire/gnss";  // not even root may create there
+  EXPECT_THAT(refusal(), HasSubstr("cannot create the directory /proc/rigwire"));
+}
+
+TEST_F(PtyTest, RefusesASecondOwnerOfThePath) {
+  const Pty first(context, link);
+  EXPECT_THAT(refusal(), HasSubstr("another running rigwire publishes this path"));
+  EXPECT_EQ(fs::read_symlink(link), first.slave_name());
+}
+
+TEST_F(PtyTest, RefusalLeavesThePathFreeForAnother) {
+  fs::create_directories(link.parent_path());
+  std::ofstream(link) << "in the way";
+  EXPECT_THAT(refusal(), HasSubstr("a file is there"));
+  fs::remove(link);
+  EXPECT_EQ(refusal(), "no EndpointError");
+}
+
+TEST_F(PtyTest, LeavesALinkAloneThatSomebodyElsePutInItsPlace) {
+  {
+    const Pty pty(context, link);
+    fs::remove(link);
+    fs::create_symlink("/dev/null", link);
+  }
+  EXPECT_EQ(fs::read_symlink(link), "/dev/null");
+}
+
+TEST_F(PtyTest, KilledOwnerDoesNotBlockARestart) {
+  int ready[2];
+  ASSERT_EQ(::pipe(ready), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    boost::asio::io_context own;
+    const Pty pty(own, link);
+    (void)!::write(ready[1], "x", 1);
+    ::pause();
+    ::_exit(0);
+  }
+  char byte = 0;
+  ASSERT_EQ(::read(ready[0], &byte, 1), 1);
+  EXPECT_THAT(refusal(), HasSubstr("another running rigwire"));
+  ::kill(child, SIGKILL);
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(fs::is_symlink(fs::symlink_status(link))) << "the kill should leave the link";
+  EXPECT_EQ(refusal(), "no EndpointError");
+  ::close(ready[0]);
+  ::close(ready[1]);
+}
+
+TEST_F(PtyTest, KilledClientIsNoticed) {
+  Pty pty(context, link);
+  pty.start([](std::span<const std::uint8_t>) {});
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const int slave = ::open(link.c_str(), O_RDWR | O_NOCTTY);
+    (void)slave;
+    ::pause();
+    ::_exit(0);
+  }
+  EXPECT_TRUE(run_until(context, [&] { return pty.status().client_present; }));
+  ::kill(child, SIGKILL);
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(run_until(context, [&] { return !pty.status().client_present; }));
+}
+
+TEST_F(PtyTest, MayBeDestroyedByItsOwnReceiver) {
+  auto pty = std::make_unique<Pty>(context, link);
+  pty->start([&pty](std::span<const std::uint8_t>) { pty.reset(); });
+  SerialPort client(context, {.path = link.string()});
+  const Bytes bytes{1, 2, 3};
+  client.write(bytes);
+  EXPECT_TRUE(run_until(context, [&] { return pty == nullptr; }));
+  run_for(context, std::chrono::milliseconds(20));
+}
+
+TEST_F(PtyTest, UnusedLineCostsAboutAHundredLooksPerSecond) {
+  Pty pty(context, link);
+  pty.start([](std::span<const std::uint8_t>) {});
+  std::size_t handlers = 0;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(200);
+  while (std::chrono::steady_clock::now() < end) {
+    handlers += context.run_one_until(end);
+  }
+  EXPECT_LE(handlers, 45U);  // a loop that spins on the hang-up runs thousands
+}
+
+}  // namespace
+}  // namespace rigwire::drivers

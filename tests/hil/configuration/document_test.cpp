@@ -1,0 +1,162 @@
+#include "hil/configuration/document.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "sample_struct.h"
+
+namespace rigwire::hil {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+std::string complaints(const Problems& problems) {
+  std::string text;
+  for (const Problem& problem : problems.sorted()) {
+    text += (text.empty() ? "" : "\n") + problem.line();
+  }
+  return text;
+}
+
+class Files : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ =
+        fs::temp_directory_path() / ("rigwire_document_" + std::to_string(::getpid()) + "_" +
+                                     testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& text) {
+    const fs::path path = folder_ / name;
+    fs::create_directories(path.parent_path());
+    std::ofstream(path) << text;
+    return path.string();
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(Files, included_file_lies_below_the_map_that_includes_it) {
+  write("parts/pump.yaml", "pressure: 10 MPa\nport: 7\n");
+  const std::string rig = write("rig.yaml", "main:\n  port: 8\n  include: parts/pump.yaml\n");
+  Problems problems;
+  const Value document = load_document(rig, problems);
+  Sample sample;
+  Origins origins;
+  read(document, sample, problems, origins);
+  ASSERT_EQ(complaints(problems), "");
+  EXPECT_EQ(sample.main.pressure_pa, 10e6);
+  EXPECT_EQ(sample.main.port, 8);
+  EXPECT_EQ(origins.of("main.port").line_text(), rig + ":2");
+  EXPECT_EQ(origins.of("main.pressure").line_text(), (folder_ / "parts/pump.yaml").string() + ":1");
+}
+
+TEST_F(Files, fault_in_an_included_file_is_placed_there) {
+  write("pump.yaml", "pressure: 10 mm\n");
+  const std::string rig = write("rig.yaml", "main: {include: pump.yaml}\n");
+  Problems problems;
+  const Value document = load_document(rig, problems);
+  Sample sample;
+  Origins origins;
+  read(document, sample, problems, origins);
+  EXPECT_THAT(complaints(problems), HasSubstr("pump.yaml:1:11: main.pressure: wrong unit"));
+}
+
+TEST_F(Files, missing_include_names_the_path_tried_and_the_near_name) {
+  write("pump.yaml", "");
+  const std::string rig = write("rig.yaml", "main: {include: pmup.yaml}\n");
+  Problems problems;
+  (void)load_document(rig, problems);
+  EXPECT_EQ(complaints(problems),
+            rig + ":1:17: main.include: no such file: tried " + (folder_ / "pmup.yaml").string() +
+                ", found \"pmup.yaml\", did you mean " + (folder_ / "pump.yaml").string() + "?");
+}
+
+TEST_F(Files, circular_include_is_refused) {
+  write("b.yaml", "main: {include: a.yaml}\n");
+  const std::string a = write("a.yaml", "main: {include: b.yaml}\n");
+  Problems problems;
+  (void)load_document(a, problems);
+  EXPECT_THAT(complaints(problems), HasSubstr("the file includes itself"));
+}
+
+TEST_F(Files, missing_file_and_folder_in_place_of_a_file_are_told_apart) {
+  write("rig.yaml", "");
+  Problems problems;
+  (void)load_document((folder_ / "rgi.yaml").string(), problems);
+  (void)load_document(folder_.string(), problems);
+  EXPECT_EQ(complaints(problems),
+            (folder_ / "rgi.yaml").string() + ": no such file, did you mean " +
+                (folder_ / "rig.yaml").string() + "?\n" + folder_.string() + ": not a file");
+}
+
+TEST(Document, duplicate_key_names_both_lines) {
+  Problems problems;
+  (void)parse_document("a: 1\nb: 2\na: 3\n", "a.yaml", ".", problems);
+  EXPECT_EQ(complaints(problems), "a.yaml:3:1: a: the key is given twice, first in line 1");
+}
+
+TEST(Document, syntax_error_has_its_place) {
+  Problems problems;
+  (void)parse_document("a: [1, 2\nb: 3\n", "a.yaml", ".", problems);
+  EXPECT_THAT(complaints(problems), HasSubstr("a.yaml:"));
+  EXPECT_THAT(complaints(problems), HasSubstr("not valid YAML: "));
+}
+
+TEST(Document, key_that_is_a_list_is_refused) {
+  Problems problems;
+  (void)parse_document("[1, 2]: 3\n", "a.yaml", ".", problems);
+  EXPECT_THAT(complaints(problems), HasSubstr("a key must be a word, found a list"));
+}
+
+TEST(Document, second_document_is_refused) {
+  Problems problems;
+  (void)parse_document("a: 1\n---\nb: 2\n", "a.yaml", ".", problems);
+  EXPECT_THAT(complaints(problems), HasSubstr("more than one document"));
+}
+
+TEST(Document, top_that_is_a_list_is_refused) {
+  EXPECT_THAT(findings("- 1\n"), HasSubstr("wrong kind of value, found a list"));
+}
+
+TEST(Document, aliases_that_multiply_are_bounded) {
+  std::string text = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n";
+  for (int i = 1; i < 9; ++i) {
+    const std::string below = "*a" + std::to_string(i - 1);
+    text += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [";
+    for (int k = 0; k < 10; ++k) {
+      text += (k == 0 ? "" : ", ") + below;
+    }
+    text += "]\n";
+  }
+  Problems problems;
+  (void)parse_document(text, "a.yaml", ".", problems);
+  EXPECT_THAT(complaints(problems), HasSubstr("nested deeper than 64 levels, or more than"));
+}
+
+TEST(Document, deep_nesting_and_self_reference_are_bounded) {
+  Problems problems;
+  (void)parse_document(std::string(3000, '['), "a.yaml", ".", problems);
+  EXPECT_FALSE(problems.empty());
+  Problems loop;
+  (void)parse_document("a: &a [*a]\n", "a.yaml", ".", loop);
+  EXPECT_FALSE(loop.empty());
+}
+
+TEST(Document, bytes_that_are_no_text_are_refused_without_a_crash) {
+  for (const char* text :
+       {"\xff\xfe\x00z", "\x00\x01", "{{{", "a: \"\\q\"", "? : :", "%YAML 9\n"}) {
+    Problems problems;
+    (void)parse_document(text, "a.yaml", ".", problems);
+  }
+}
+
+}  // namespace
+}  // namespace rigwire::hil

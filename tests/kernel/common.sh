@@ -1,0 +1,70 @@
+# shellcheck shell=bash
+# Helpers of the test cases; sourced, after `set -euo pipefail`.
+
+# wait_until SECONDS DESCRIPTION COMMAND...: polls until the command succeeds; fails with the
+# description when it has not within the time.
+wait_until() {
+  local deadline=$((SECONDS + $1)) what=$2
+  shift 2
+  until "$@" >/dev/null 2>&1; do
+    if [ $SECONDS -gt "$deadline" ]; then
+      echo "FAILED: waited in vain for: $what" >&2
+      return 1
+    fi
+    sleep 0.05
+  done
+}
+
+# record FILE [FILTER...]: starts candump on $CAN into FILE in log format and returns when it
+# listens. Its process id is in $recorder.
+record() {
+  local file=$1 before
+  shift
+  before=$(listeners)
+  stdbuf -oL candump -L "$CAN${1:+,$1}" >"$file" &
+  # shellcheck disable=SC2034  # for the caller
+  recorder=$!
+  wait_until 10 "candump to listen on $CAN" more_listeners_than "$before"
+}
+# Raw sockets that the kernel has for $CAN, over all its receive lists.
+listeners() { cat /proc/net/can/rcvlist_* | grep -c " *$CAN .*raw" || true; }
+more_listeners_than() { [ "$(listeners)" -gt "$1" ]; }
+
+# expect_line FILE PATTERN SECONDS: FILE has or will have a line that matches.
+expect_line() {
+  if wait_until "$3" "a line like '$2' in $1" grep -Eq "$2" "$1"; then
+    echo "seen: $(grep -Em1 "$2" "$1")"
+  else
+    echo "$1 holds:"
+    tail -n 20 "$1"
+    return 1
+  fi
+}
+
+# start_peer ADDRESS [SERIAL]: runs an emulated OpenIMU335RI (kernel_can_peer) and waits until it
+# has claimed its address in FILE dump, which `record dump` fills. Its process id is in $peer.
+start_peer() {
+  "$BINARY_DIR/tests/kernel/kernel_can_peer" "$@" >peer.log 2>&1 &
+  # shellcheck disable=SC2034  # for the caller
+  peer=$!
+  wait_until 20 "the address claim" grep -q ' 18EEFF8[0-9A-F]#' dump
+}
+
+# count FILE PATTERN
+count() { grep -Ec "$2" "$1" || true; }
+
+# field FRAME_LINE FIRST_BYTE BYTES: little-endian unsigned number out of a candump log line.
+field() {
+  local data=${1##*#} hex='' byte
+  for ((byte = $2 + $3 - 1; byte >= $2; byte--)); do hex+=${data:byte*2:2}; done
+  echo $((16#$hex))
+}
+
+# check_range DESCRIPTION VALUE LOWER UPPER
+check_range() {
+  echo "$1: $2 (allowed $3 to $4)"
+  if [ "$2" -lt "$3" ] || [ "$2" -gt "$4" ]; then
+    echo "FAILED: $1 is out of range"
+    return 1
+  fi
+}

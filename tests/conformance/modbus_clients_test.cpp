@@ -293,7 +293,7 @@ TEST_F(ModbusClients, TsharkWouldComplain) {
   ASSERT_TRUE(m.read_input_registers(0, in));
   auto segments = rig_.segments();
   ASSERT_EQ(segments.size(), 2U);
-  segments[1].bytes[8] = 60;  // byte count beyond the end
+  segments[1].bytes[3] = 5;  // protocol identifier: no longer Modbus
   EXPECT_THAT(Capture(segments).complaints(), ::testing::ElementsAre(2));
 }
 

@@ -105,6 +105,9 @@ std::vector<WorkPrecisionRow> measure_work_precision(const WorkPrecisionSettings
     throw std::invalid_argument(
         fmt::format("work precision: repetitions: found {}, allowed >= 1", settings.repetitions));
   }
+  for (const double step_s : settings.steps_s) {
+    (void)steps_per_point(step_s);  // Refuses before anything runs.
+  }
   std::vector<WorkPrecisionRow> rows;
   for (const double factor : settings.stiffness_factors) {
     const DrivenArm arm = arm_with_stiffness(factor);

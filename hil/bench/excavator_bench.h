@@ -38,7 +38,8 @@ struct WorkPrecisionSettings {
   double reference_step_s = 5e-5;
 };
 
-/// All schemes at all stiffnesses and steps. Takes about 2 s per stiffness with the defaults.
+/// All schemes at all stiffnesses and steps. Takes two to four seconds per stiffness with the
+/// defaults.
 /// Throws std::invalid_argument for a step that does not divide 20 ms or repetitions < 1.
 [[nodiscard]] std::vector<WorkPrecisionRow> measure_work_precision(
     const WorkPrecisionSettings& settings = {});

@@ -158,13 +158,24 @@ JointVector DrivenArm::acceleration(const ArmState& state, const JointVector& ta
   return solve(mass_matrix, force);
 }
 
-JointVector DrivenArm::step(IntegrationScheme scheme, double time_s, double h,
-                            const TargetMotion& targets, ArmState& state) const {
+ArmStep DrivenArm::at_end(const ArmState& state, const JointVector& target,
+                          const JointVector& rate) const {
+  ArmStep result{.acceleration_radps2 = acceleration(state, target, rate),
+                 .force = forces(state, target, rate)};
+  for (int i = 0; i < kArmJoints; ++i) {
+    result.relieved[static_cast<std::size_t>(i)] =
+        result.force[i] >= gains.force_greatest[i] || result.force[i] <= gains.force_least[i];
+  }
+  return result;
+}
+
+ArmStep DrivenArm::step(IntegrationScheme scheme, double time_s, double h,
+                        const TargetMotion& targets, ArmState& state) const {
   if (!(h > 0.0)) {
     JointVector target;
     JointVector rate;
     targets.at(time_s, target, rate);
-    return acceleration(state, target, rate);
+    return at_end(state, target, rate);
   }
   switch (scheme) {
     case IntegrationScheme::rosenbrock2:
@@ -177,8 +188,8 @@ JointVector DrivenArm::step(IntegrationScheme scheme, double time_s, double h,
   return step_linearly_implicit(time_s, h, targets, state);
 }
 
-JointVector DrivenArm::step_linearly_implicit(double time_s, double h, const TargetMotion& targets,
-                                              ArmState& state) const {
+ArmStep DrivenArm::step_linearly_implicit(double time_s, double h, const TargetMotion& targets,
+                                          ArmState& state) const {
   JointVector target;
   JointVector rate;
   targets.at(time_s + h, target, rate);
@@ -250,11 +261,19 @@ JointVector DrivenArm::step_linearly_implicit(double time_s, double h, const Tar
   }
   state.v_radps += h * a;
   state.q_rad += h * state.v_radps;
-  return a;
+  ArmStep result{.acceleration_radps2 = a};
+  for (int i = 0; i < kArmJoints; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    result.relieved[at] = clamped[at] != 0;
+    result.force[i] = clamped[at] > 0   ? gains.force_greatest[i]
+                      : clamped[at] < 0 ? gains.force_least[i]
+                                        : free[i] - gain[i] * lever[i] * a[i];
+  }
+  return result;
 }
 
-JointVector DrivenArm::step_rosenbrock2(double time_s, double h, const TargetMotion& targets,
-                                        ArmState& state) const {
+ArmStep DrivenArm::step_rosenbrock2(double time_s, double h, const TargetMotion& targets,
+                                    ArmState& state) const {
   const double gamma = 1.0 - std::sqrt(0.5);
   const double gh = gamma * h;
   JointVector target;
@@ -301,11 +320,11 @@ JointVector DrivenArm::step_rosenbrock2(double time_s, double h, const TargetMot
 
   state.q_rad += h * (1.5 * k1_q + 0.5 * k2_q);
   state.v_radps += h * (1.5 * k1_v + 0.5 * k2_v);
-  return acceleration(state, target, rate);
+  return at_end(state, target, rate);
 }
 
-JointVector DrivenArm::step_runge_kutta4(double time_s, double h, const TargetMotion& targets,
-                                         ArmState& state) const {
+ArmStep DrivenArm::step_runge_kutta4(double time_s, double h, const TargetMotion& targets,
+                                     ArmState& state) const {
   JointVector target;
   JointVector rate;
   targets.at(time_s, target, rate);
@@ -321,7 +340,7 @@ JointVector DrivenArm::step_runge_kutta4(double time_s, double h, const TargetMo
   const JointVector a4 = acceleration({state.q_rad + h * v3, v4}, target, rate);
   state.q_rad += h / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4);
   state.v_radps += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
-  return acceleration(state, target, rate);
+  return at_end(state, target, rate);
 }
 
 }  // namespace rigwire::sim

@@ -55,6 +55,13 @@ struct DriveGains {
   bool end_stops = false;
 };
 
+/// What one step found.
+struct ArmStep {
+  JointVector acceleration_radps2 = JointVector::Zero();  ///< At the step's end.
+  JointVector force = JointVector::Zero();                ///< Of the drives, within their limits.
+  std::array<bool, kArmJoints> relieved{};  ///< The limit held the force; the target has to give.
+};
+
 class DrivenArm {
  public:
   DrivenArm(const ExcavatorParameters& parameters, const Eigen::Vector3d& gravity_C_mps2);
@@ -86,19 +93,22 @@ class DrivenArm {
   [[nodiscard]] JointVector acceleration(const ArmState& state, const JointVector& target,
                                          const JointVector& rate) const;
 
-  /// Steps the state from time_s to time_s + h and returns the joint accelerations at its end: the
-  /// solver's own unknown for linearly_implicit_euler, the right-hand side at the end for the
-  /// others. h <= 0 leaves the state as it is.
-  JointVector step(IntegrationScheme scheme, double time_s, double h, const TargetMotion& targets,
-                   ArmState& state) const;
+  /// Steps the state from time_s to time_s + h; h <= 0 leaves it as it is. Accelerations and forces
+  /// are the solver's own unknowns for linearly_implicit_euler, the right-hand side at the end for
+  /// the others. The distinction matters for stiff drives: the spring evaluated at the new state
+  /// also sees the linkage's curvature over the step, which times k is no force that ever acted.
+  ArmStep step(IntegrationScheme scheme, double time_s, double h, const TargetMotion& targets,
+               ArmState& state) const;
 
  private:
-  JointVector step_linearly_implicit(double time_s, double h, const TargetMotion& targets,
-                                     ArmState& state) const;
-  JointVector step_rosenbrock2(double time_s, double h, const TargetMotion& targets,
-                               ArmState& state) const;
-  JointVector step_runge_kutta4(double time_s, double h, const TargetMotion& targets,
-                                ArmState& state) const;
+  ArmStep step_linearly_implicit(double time_s, double h, const TargetMotion& targets,
+                                 ArmState& state) const;
+  ArmStep step_rosenbrock2(double time_s, double h, const TargetMotion& targets,
+                           ArmState& state) const;
+  ArmStep step_runge_kutta4(double time_s, double h, const TargetMotion& targets,
+                            ArmState& state) const;
+  [[nodiscard]] ArmStep at_end(const ArmState& state, const JointVector& target,
+                               const JointVector& rate) const;
   /// Generalised force -bias + J F + J F_stop, with M, and the gains that act at this state.
   void right_hand_side(const ArmState& state, const JointVector& target, const JointVector& rate,
                        JointMatrix& mass_matrix, JointVector& force, JointVector& stiffness_q,

@@ -80,8 +80,8 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
   JointVector lever;
   arm_.coordinates(state_.q_rad, position_, lever);
   const JointVector load = arm_.dynamics().gravity_load(state_.q_rad).cwiseQuotient(lever);
-  target_ = position_ + load.cwiseQuotient(arm_.gains.stiffness);
-  pull_targets_back(target_, JointVector::Zero());
+  force_ = load.cwiseMax(arm_.gains.force_least).cwiseMin(arm_.gains.force_greatest);
+  target_ = position_ + force_.cwiseQuotient(arm_.gains.stiffness);
   update_pressures();
   update_links();
 }
@@ -132,14 +132,15 @@ void Excavator::inner_step(double h) {
   targets.start = target_;
 
   ArmState next = state_;
-  const JointVector acceleration = arm_.step(parameters_.scheme, 0.0, h, targets, next);
-  if (record_non_finite(next, acceleration)) {
+  const ArmStep step = arm_.step(parameters_.scheme, 0.0, h, targets, next);
+  if (record_non_finite(next, step.acceleration_radps2)) {
     return;
   }
   state_ = next;
-  acceleration_ = acceleration;
+  acceleration_ = step.acceleration_radps2;
+  force_ = step.force;
   hold_strokes();
-  pull_targets_back(target_ + h * targets.rates, targets.rates);
+  move_targets(h * targets.rates, targets.rates, step.relieved);
   update_pressures();
 }
 
@@ -182,19 +183,18 @@ void Excavator::hold_strokes() {
   }
 }
 
-void Excavator::pull_targets_back(const JointVector& target, const JointVector& rate) {
+void Excavator::move_targets(const JointVector& way, const JointVector& rate,
+                             const std::array<bool, kArmJoints>& relieved) {
   JointVector lever;
   arm_.coordinates(state_.q_rad, position_, lever);
   position_rate_ = lever.cwiseProduct(state_.v_radps);
   const DriveGains& gains = arm_.gains;
   for (Eigen::Index i = 0; i < kArmJoints; ++i) {
-    target_[i] = target[i];
-    const double damper = gains.damping[i] * (rate[i] - position_rate_[i]);
-    const double force = gains.stiffness[i] * (target[i] - position_[i]) + damper;
-    force_[i] = std::clamp(force, gains.force_least[i], gains.force_greatest[i]);
+    target_[i] += way[i];
     if (gains.stiffness[i] == 0.0) {
       target_[i] = position_[i];
-    } else if (force_[i] != force) {
+    } else if (relieved[static_cast<std::size_t>(i)]) {
+      const double damper = gains.damping[i] * (rate[i] - position_rate_[i]);
       target_[i] = position_[i] + (force_[i] - damper) / gains.stiffness[i];
     }
   }

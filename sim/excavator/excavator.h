@@ -105,7 +105,9 @@ class Excavator {
   /// Target speed that the cushion and the stroke's end allow.
   [[nodiscard]] double limited_flow(std::size_t section, double flow_m3ps) const;
   void hold_strokes();
-  void pull_targets_back(const JointVector& target, const JointVector& rate);
+  /// Moves the targets by `way`; those behind an open relief valve go where their force is held.
+  void move_targets(const JointVector& way, const JointVector& rate,
+                    const std::array<bool, kArmJoints>& relieved);
   [[nodiscard]] bool record_non_finite(const ArmState& state, const JointVector& acceleration);
   [[nodiscard]] bool at_stroke_end(std::size_t section, double direction) const;
   void update_pressures();

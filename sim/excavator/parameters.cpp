@@ -106,7 +106,15 @@ double stiffest_radps(const ExcavatorParameters& p, const DrivenArm& arm) {
 }  // namespace
 
 double drive_step_limit(IntegrationScheme scheme) {
-  return scheme == IntegrationScheme::runge_kutta4 ? 1.4 : 30.0;
+  switch (scheme) {
+    case IntegrationScheme::rosenbrock2:
+      return 2.0;
+    case IntegrationScheme::runge_kutta4:
+      return 1.4;
+    case IntegrationScheme::linearly_implicit_euler:
+      break;
+  }
+  return 30.0;
 }
 
 void validate(const ExcavatorParameters& p) {

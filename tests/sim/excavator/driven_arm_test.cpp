@@ -145,10 +145,10 @@ TEST(DrivenArm, ZeroStepLeavesEveryBitOfTheState) {
   const CosineTargets targets(arm);
   for (const IntegrationScheme scheme : kSchemes) {
     ArmState state{kPose, JointVector(0.1, 0.2, 0.3, 0.4)};
-    const JointVector a = arm.step(scheme, 1.0, 0.0, targets, state);
+    const ArmStep step = arm.step(scheme, 1.0, 0.0, targets, state);
     EXPECT_EQ(state.q_rad, kPose);
     EXPECT_EQ(state.v_radps, JointVector(0.1, 0.2, 0.3, 0.4));
-    EXPECT_TRUE(a.allFinite());
+    EXPECT_TRUE(step.acceleration_radps2.allFinite() && step.force.allFinite());
   }
 }
 

@@ -1,6 +1,10 @@
 # shellcheck shell=bash
 # Helpers of the test cases; sourced, after `set -euo pipefail`.
 
+# Whatever a case has started in the background ends with it, failed or not.
+# shellcheck disable=SC2046  # one word per process
+trap 'kill $(jobs -p) 2>/dev/null || true' EXIT
+
 # wait_until SECONDS DESCRIPTION COMMAND...: polls until the command succeeds; fails with the
 # description when it has not within the time.
 wait_until() {

@@ -69,7 +69,8 @@ void visit(Visitor& v, TruthConfiguration& p) {
 
 template <class Visitor>
 void visit(Visitor& v, StatusConfiguration& p) {
-  v.duration("period", p.period, {50'000'000, 60'000'000'000}, "Between two pictures of the table.");
+  v.duration("period", p.period, {50'000'000, 60'000'000'000},
+             "Between two pictures of the table.");
 }
 
 template <class Visitor>

@@ -23,8 +23,8 @@ struct PitDescription {
   double width_m = 20.0;   ///< Floor along its own y.
   double yaw_rad = 0.0;    ///< Of its x from east, left positive.
   double depth_m = 4.0;
-  double slope_rad = 0.7;      ///< Of the walls against the horizontal.
-  double ramp_width_m = 0.0;   ///< Ramp out of the +x end; 0 = none.
+  double slope_rad = 0.7;     ///< Of the walls against the horizontal.
+  double ramp_width_m = 0.0;  ///< Ramp out of the +x end; 0 = none.
   double ramp_slope_rad = 0.15;
 };
 
@@ -131,7 +131,8 @@ void visit(Visitor& v, TerrainDescription& p) {
   v.number("size_north", p.size_north_m, in("m").above(0), "Whole length from south to north.");
   v.number("cell", p.cell_m, in("m").above(0), "Distance between two heights.");
   v.number("base_height", p.base_height_m, in("m"), "Of the level ground, in the world frame.");
-  v.number("roughness", p.roughness_m, in("mm").between(0, 10000), "Standard deviation of the unevenness.");
+  v.number("roughness", p.roughness_m, in("mm").between(0, 10000),
+           "Standard deviation of the unevenness.");
   v.number("roughness_length", p.roughness_length_m, in("m").above(0), "Over which it changes.");
   v.number("reflectance", p.reflectance, plain().between(0, 1), "Diffuse, at 905 nm.");
   v.list("pits", p.pits, "Pits, cut one after another.");

@@ -1,0 +1,61 @@
+// Settings of an emulated u-blox NEO-7P, and the table of messages that it knows.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocols/ubx/frame.h"
+#include "sim/samples/time.h"
+
+namespace rigwire::emulators {
+
+struct UbloxSettings {
+  std::uint32_t baud = 9600;                              ///< One of ublox_bauds(), 8N1.
+  Duration measurement_period = std::chrono::seconds{1};  ///< 50 ms .. 60 s, whole ms.
+  /// Sentences switched on at start: RMC VTG GGA GSA GSV GLL ZDA.
+  std::vector<std::string> nmea_sentences{"RMC", "VTG", "GGA", "GSA", "GSV", "GLL"};
+  /// UBX messages switched on at start: NAV-POSECEF, NAV-SOL, ... (see ublox_messages()).
+  std::vector<std::string> ubx_messages;
+  /// From power-on to the first fix; 0 = hot start, with a fix in the first epoch. A cold restart
+  /// by CFG-RST takes this time again, or 30 s when it is 0. At most 1 h.
+  Duration time_to_first_fix{0};
+  /// From the navigation epoch to the first byte; 0 .. 200 ms. Not documented by u-blox; clients
+  /// allow for 60 .. 120 ms.
+  Duration solution_latency = std::chrono::milliseconds{80};
+  /// From power-on or reset to the first byte; 0 .. 10 s. Not documented.
+  Duration start_up = std::chrono::milliseconds{200};
+  bool start_banner = true;  ///< The TXT sentences after power-on and reset.
+  /// Bytes that wait for the line at most, 1024 .. 65536; a message that does not fit is lost
+  /// whole.
+  std::size_t transmit_buffer_bytes = 4096;
+};
+
+/// Throws std::invalid_argument naming the setting, the value found and what is allowed; also when
+/// the messages switched on do not fit through the line: bytes per second needed and available.
+void validate(const UbloxSettings& settings);
+
+/// Line speeds that CFG-PRT and the settings accept.
+[[nodiscard]] std::span<const std::uint32_t> ublox_bauds();
+
+/// A message that CFG-MSG knows.
+struct UbloxMessage {
+  protocols::ubx::MessageId id;
+  std::string_view name;           ///< "RMC", "NAV-SOL"; empty when it is known but not produced.
+  std::size_t greatest_bytes = 0;  ///< On the line; 0 when it is not produced.
+  bool sentence = false;           ///< NMEA.
+};
+
+/// In the order in which one epoch puts them out. Messages that the real device knows but this
+/// emulator does not produce come last: a client may poll their rate (0), switching them on is
+/// refused.
+[[nodiscard]] std::span<const UbloxMessage> ublox_messages();
+
+/// Index in ublox_messages(); its size when unknown.
+[[nodiscard]] std::size_t ublox_message_index(protocols::ubx::MessageId id);
+[[nodiscard]] std::size_t ublox_message_index(std::string_view name);
+
+}  // namespace rigwire::emulators

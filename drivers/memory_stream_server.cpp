@@ -13,7 +13,9 @@ MemoryStreamServer::MemoryStreamServer(const MemoryStreamServerSettings& setting
   }
 }
 
-void MemoryStreamServer::start(Handler handler) { handler_ = std::move(handler); }
+void MemoryStreamServer::start(Handler handler) {
+  handler_ = std::move(handler);
+}
 
 bool MemoryStreamServer::send(ConnectionId connection, std::span<const std::uint8_t> bytes) {
   Client* client = find(connection);
@@ -57,8 +59,7 @@ StreamServer::ConnectionId MemoryStreamServer::client_connect() {
   return id;
 }
 
-bool MemoryStreamServer::client_send(ConnectionId connection,
-                                     std::span<const std::uint8_t> bytes) {
+bool MemoryStreamServer::client_send(ConnectionId connection, std::span<const std::uint8_t> bytes) {
   Client* client = find(connection);
   if (client == nullptr || !client->open) {
     return false;
@@ -75,7 +76,9 @@ std::vector<std::uint8_t> MemoryStreamServer::client_take(ConnectionId connectio
   return client == nullptr ? std::vector<std::uint8_t>{} : std::exchange(client->unread, {});
 }
 
-void MemoryStreamServer::client_close(ConnectionId connection) { close(connection); }
+void MemoryStreamServer::client_close(ConnectionId connection) {
+  close(connection);
+}
 
 bool MemoryStreamServer::open(ConnectionId connection) const {
   return connection >= 1 && connection <= clients_.size() && clients_[connection - 1].open;

@@ -1,11 +1,16 @@
 #include "drivers/modbus_master.h"
 
 #include <modbus.h>
+#include <poll.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <stdexcept>
+#include <string_view>
+
+#include "protocols/modbus/mbap.h"
 
 namespace rigwire::drivers {
 
@@ -63,6 +68,44 @@ struct ModbusMaster::Connection {
     return {std::string(what) + ", " + where() + ": not connected", {}};
   }
 
+  /// One data unit by the length field: libmodbus guesses lengths from the function code, and knows
+  /// only some of them.
+  ModbusOutcome receive(const char* what, std::span<std::uint8_t> answer, std::size_t& size) {
+    using Clock = std::chrono::steady_clock;
+    const auto deadline = Clock::now() + settings.response_timeout;
+    std::array<std::uint8_t, protocols::modbus::kTcpAduMaximum> stream{};
+    std::size_t had = 0;
+    const auto fail = [&](std::string_view reason) {
+      close();
+      return ModbusOutcome{std::string(what) + ", " + where() + ": " + std::string(reason), {}};
+    };
+    for (;;) {
+      const auto adu = protocols::modbus::decode_adu(std::span(stream).first(had));
+      if (adu.malformed()) {
+        return fail(adu.fault().reason);
+      }
+      if (adu.ok()) {
+        if (adu->pdu.size() > answer.size()) {
+          return fail("answer larger than its buffer");
+        }
+        std::ranges::copy(adu->pdu, answer.begin());
+        size = adu->pdu.size();
+        return {};
+      }
+      const auto left =
+          std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
+      pollfd waiting{modbus_get_socket(context.get()), POLLIN, 0};
+      if (left <= 0 || ::poll(&waiting, 1, static_cast<int>(left)) == 0) {
+        return fail("no answer in time");
+      }
+      const auto got = ::recv(waiting.fd, &stream[had], stream.size() - had, 0);
+      if (got <= 0) {
+        return fail(got == 0 ? "connection closed by the device" : modbus_strerror(errno));
+      }
+      had += static_cast<std::size_t>(got);
+    }
+  }
+
   void close() {
     modbus_close(context.get());
     open = false;
@@ -100,9 +143,13 @@ ModbusOutcome ModbusMaster::connect() {
   return {};
 }
 
-void ModbusMaster::close() { connection_->close(); }
+void ModbusMaster::close() {
+  connection_->close();
+}
 
-bool ModbusMaster::connected() const { return connection_->open; }
+bool ModbusMaster::connected() const {
+  return connection_->open;
+}
 
 ModbusOutcome ModbusMaster::read_input_registers(std::uint16_t address,
                                                  std::span<std::uint16_t> values) {
@@ -112,8 +159,7 @@ ModbusOutcome ModbusMaster::read_input_registers(std::uint16_t address,
     return c.not_connected(kWhat);
   }
   const int count = static_cast<int>(values.size());
-  return c.judge(kWhat,
-                 modbus_read_input_registers(c.context.get(), address, count, values.data()),
+  return c.judge(kWhat, modbus_read_input_registers(c.context.get(), address, count, values.data()),
                  count);
 }
 

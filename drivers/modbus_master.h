@@ -19,9 +19,9 @@ namespace rigwire::drivers {
 struct ModbusMasterSettings {
   std::string host = "127.0.0.1";  ///< Numeric IPv4.
   std::uint16_t port = 1502;
-  std::uint8_t unit = 1;                             ///< 0 .. 255.
-  std::chrono::milliseconds connect_timeout{1000};   ///< 1 ms .. 1 min.
-  std::chrono::milliseconds response_timeout{500};   ///< 1 ms .. 1 min.
+  std::uint8_t unit = 1;                            ///< 0 .. 255.
+  std::chrono::milliseconds connect_timeout{1000};  ///< 1 ms .. 1 min.
+  std::chrono::milliseconds response_timeout{500};  ///< 1 ms .. 1 min.
 };
 
 /// How a call ended; true in a condition when it did what it was asked.

@@ -159,8 +159,8 @@ struct TcpServer::State : std::enable_shared_from_this<State> {
     }
     if (client->leaving.empty()) {
       error_code error;
-      const std::size_t size = client->socket.write_some(asio::buffer(bytes.data(), bytes.size()),
-                                                         error);
+      const std::size_t size =
+          client->socket.write_some(asio::buffer(bytes.data(), bytes.size()), error);
       if (error && error != asio::error::would_block) {
         end(client);
         return false;
@@ -288,8 +288,12 @@ EndpointStatus TcpServer::status() const {
   return {describe(state_->settings.address, state_->settings.port), !state_->clients.empty()};
 }
 
-std::uint16_t TcpServer::port() const { return state_->settings.port; }
+std::uint16_t TcpServer::port() const {
+  return state_->settings.port;
+}
 
-std::size_t TcpServer::clients() const { return state_->clients.size(); }
+std::size_t TcpServer::clients() const {
+  return state_->clients.size();
+}
 
 }  // namespace rigwire::drivers

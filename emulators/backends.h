@@ -32,6 +32,9 @@ class LidarBackend {
   /// The rotor speed that the device asks of its motor, rad/s, clockwise positive.
   [[nodiscard]] virtual double rotor_rate_radps() const = 0;
   virtual void update(const LidarFiring& firing) = 0;
+  /// The instant of the firing that completes the packet in work, or the next one; kNever before the
+  /// first firing. The executive takes firings at that instant, not one by one.
+  [[nodiscard]] virtual SimTime packet_complete_at() const = 0;
 };
 
 class ValveBackend {

@@ -26,7 +26,8 @@ void validate(const CanBusSettings& settings) {
 /// A node's transmit queue, a ring of fixed size.
 class CanBusModel::Node final : public FrameOutput {
  public:
-  explicit Node(std::size_t capacity) : ring_(capacity) {}
+  /// `exit` is nullptr for the outside itself.
+  Node(std::size_t capacity, FrameOutput* exit_output) : exit(exit_output), ring_(capacity) {}
 
   void send(SimTime due, const Frame& frame) override {
     if (count_ == ring_.size()) {
@@ -44,6 +45,7 @@ class CanBusModel::Node final : public FrameOutput {
     --count_;
   }
 
+  FrameOutput* const exit;
   CanDevice* device = nullptr;
   CanNodeCounters counters;
 
@@ -57,16 +59,15 @@ class CanBusModel::Node final : public FrameOutput {
   std::size_t count_ = 0;
 };
 
-CanBusModel::CanBusModel(const CanBusSettings& settings, FrameOutput& outside)
-    : settings_(settings), outside_(outside) {
+CanBusModel::CanBusModel(const CanBusSettings& settings) : settings_(settings) {
   validate(settings);
-  nodes_.push_back(std::make_unique<Node>(settings.queue_frames));
+  nodes_.push_back(std::make_unique<Node>(settings.queue_frames, nullptr));
 }
 
 CanBusModel::~CanBusModel() = default;
 
-FrameOutput& CanBusModel::add_node() {
-  nodes_.push_back(std::make_unique<Node>(settings_.queue_frames));
+FrameOutput& CanBusModel::add_node(FrameOutput& exit) {
+  nodes_.push_back(std::make_unique<Node>(settings_.queue_frames, &exit));
   return *nodes_.back();
 }
 
@@ -169,8 +170,8 @@ void CanBusModel::complete() {
       node->device->receive(instant, frame);
     }
   }
-  if (sender != nodes_.front().get()) {
-    outside_.send(instant, frame);
+  if (sender->exit != nullptr) {
+    sender->exit->send(instant, frame);
   }
 }
 

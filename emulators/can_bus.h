@@ -9,8 +9,8 @@
 // - A frame occupies its exact number of bits, stuff bits and interframe space included. It is
 //   complete, and delivered, at the end of its end-of-frame field; the bus is free again three bits
 //   later.
-// - Delivery goes to every other device on the bus, in the order of their attachment, and, when the
-//   sender was a device, to the outside. Frames from outside enter as a node of their own.
+// - Delivery goes to every other device on the bus, in the order of their attachment, and to the
+//   sender's own exit, the way to the outside. Frames from outside enter as a node of their own.
 //
 // Not modelled: acknowledge and error frames, error counters, bus-off, bit errors between equal
 // identifiers (two nodes with equal arbitration fields: the one attached first sends first and the
@@ -48,14 +48,14 @@ struct CanNodeCounters {
 
 class CanBusModel {
  public:
-  /// `outside` receives every frame that a device has sent, with the instant of its end of frame.
-  CanBusModel(const CanBusSettings& settings, FrameOutput& outside);
+  explicit CanBusModel(const CanBusSettings& settings);
   ~CanBusModel();
   CanBusModel(const CanBusModel&) = delete;
   CanBusModel& operator=(const CanBusModel&) = delete;
 
-  /// A new node, and the output to construct its device with. Valid as long as the bus.
-  [[nodiscard]] FrameOutput& add_node();
+  /// A new node, and the output to construct its device with. Valid as long as the bus. `exit`
+  /// receives every frame that the node has sent, with the instant of its end of frame.
+  [[nodiscard]] FrameOutput& add_node(FrameOutput& exit);
   /// Names the device that hears what the others send. `output` is one of add_node()'s; the device
   /// must outlive the bus's last advance().
   void attach(FrameOutput& output, CanDevice& device);
@@ -93,7 +93,6 @@ class CanBusModel {
   [[nodiscard]] Node& node_of(const FrameOutput& output) const;
 
   CanBusSettings settings_;
-  FrameOutput& outside_;
   std::vector<std::unique_ptr<Node>> nodes_;  ///< The first one is the outside.
   Node* sender_ = nullptr;                    ///< Of the frame on the wire.
   protocols::can::Frame on_wire_;

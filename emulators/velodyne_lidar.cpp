@@ -36,7 +36,9 @@ const velodyne::Model& checked_model(const VelodyneSettings& settings) {
   return *velodyne::find_model(std::string_view(settings.model));
 }
 
-double or_default(double value, double fallback) { return value > 0.0 ? value : fallback; }
+double or_default(double value, double fallback) {
+  return value > 0.0 ? value : fallback;
+}
 
 std::uint8_t reflectivity_byte(float reflectance) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(reflectance, 0.0F, 1.0F) * 100.0F));
@@ -51,8 +53,8 @@ void validate(const VelodyneSettings& settings) {
   }
   if (!(settings.rotor_rpm >= model->minimum_rotor_rpm &&
         settings.rotor_rpm <= model->maximum_rotor_rpm)) {
-    refuse("rotor_rpm is " + std::to_string(settings.rotor_rpm) + ", allowed: " +
-           std::to_string(model->minimum_rotor_rpm) + " to " +
+    refuse("rotor_rpm is " + std::to_string(settings.rotor_rpm) +
+           ", allowed: " + std::to_string(model->minimum_rotor_rpm) + " to " +
            std::to_string(model->maximum_rotor_rpm));
   }
   if (settings.return_mode != velodyne::ReturnMode::strongest) {

@@ -4,9 +4,10 @@
 // `send_delay`; 512-byte position packets at a rate of their own. The sensor takes nothing in over
 // these ports. Backend face: one LidarFiring per firing of the pattern, in order.
 //
-// The firing clock is integer nanoseconds (HDL-32E: 46 080) and independent of the rotor, so packets
-// straddle 0 degrees as real ones do; the timestamp is microseconds past the UTC hour at the first
-// firing, because the sensor is taken to be synchronised to a receiver's pulse and sentence.
+// The firing clock is integer nanoseconds (HDL-32E: 46 080) and independent of the rotor, so
+// packets straddle 0 degrees as real ones do; the timestamp is microseconds past the UTC hour at
+// the first firing, because the sensor is taken to be synchronised to a receiver's pulse and
+// sentence.
 //
 // Sources and deviations: docs/devices/velodyne-hdl-32e.md.
 #pragma once

@@ -263,11 +263,17 @@ void Executive::collect_requests(TruthRequests& requests) {
 
 SimTime Executive::next_wakeup() const {
   SimTime wakeup = kNever;
+  // What is not later than now_ waits for samples beyond the frontier.
+  const auto consider = [&](SimTime instant) {
+    if (instant > now_) {
+      wakeup = std::min(wakeup, instant);
+    }
+  };
   for (const EventSource* source : sources_) {
-    wakeup = std::min(wakeup, source->next_wakeup());
+    consider(source->next_wakeup());
   }
   for (const Outlet* outlet : outlets_) {
-    wakeup = std::min(wakeup, outlet->next_due());
+    consider(outlet->next_due());
   }
   return wakeup;
 }
@@ -356,8 +362,9 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
     }
     // At the frontier only the next batch can help, and it wakes this thread; the deadline then
     // only makes sure that a stalled truth thread is noticed.
-    const SimTime wakeup = std::min({next_wakeup(), frontier_, end});
-    timer.arm(clock.wall_of(wakeup > now_ ? wakeup : now_ + settings.slip_limit));
+    const SimTime wakeup = std::min(next_wakeup(), end);
+    timer.arm(clock.wall_of(now_ < frontier_ ? std::min(wakeup, frontier_)
+                                             : now_ + settings.slip_limit));
     woken_ = false;
     while (!woken_ && !stopped_) {
       io_.run_one();

@@ -10,6 +10,10 @@ void Station::collect(DeviceIndex self, TruthRequests& requests) {
   }
 }
 
+SimTime LidarStation::next_wakeup() const {
+  return std::min(device().next_event(), backend().packet_complete_at());
+}
+
 void LidarStation::collect(DeviceIndex self, TruthRequests& requests) {
   Station::collect(self, requests);
   const double rate_radps = backend().rotor_rate_radps();

@@ -1,16 +1,13 @@
-// One device of the rig at run time: the emulator, the samples on their way to it, its statistics.
+// One device of the rig as the executive runs it: the emulator and the samples on their way to it.
 #pragma once
 
-#include <functional>
-#include <memory>
-#include <string>
+#include <algorithm>
 #include <vector>
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
 #include "hil/event_source.h"
 #include "hil/truth_source.h"
-#include "hil/wire_statistics.h"
 
 namespace rigwire::hil {
 
@@ -39,26 +36,15 @@ class SampleInbox {
 /// Common part of all stations; one subclass per class of backend gives it its samples.
 class Station : public EventSource {
  public:
-  Station(std::string name, std::string type, emulators::Device& device)
-      : name_(std::move(name)), type_(std::move(type)), device_(device) {}
+  explicit Station(emulators::Device& device) : device_(device) {}
 
-  [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] const std::string& type() const { return type_; }
   [[nodiscard]] emulators::Device& device() { return device_; }
   [[nodiscard]] const emulators::Device& device() const { return device_; }
-  [[nodiscard]] WireStatistics& statistics() { return statistics_; }
-  [[nodiscard]] const WireStatistics& statistics() const { return statistics_; }
-
-  [[nodiscard]] SimTime next_wakeup() const override { return device_.next_event(); }
-
   /// Adds to `requests` what the device wants of the truth and has not asked for yet.
   virtual void collect(DeviceIndex self, TruthRequests& requests);
 
  private:
-  std::string name_;
-  std::string type_;
   emulators::Device& device_;
-  WireStatistics statistics_;
   SamplePlan announced_plan_;
 };
 
@@ -66,14 +52,15 @@ class Station : public EventSource {
 template <class Sample, class Backend>
 class SampledStation : public Station {
  public:
-  SampledStation(std::string name, std::string type, emulators::Device& device, Backend& backend)
-      : Station(std::move(name), std::move(type), device), backend_(backend) {}
+  SampledStation(emulators::Device& device, Backend& backend)
+      : Station(device), backend_(backend) {}
 
   void put(const Sample& sample) { inbox_.put(sample); }
 
   [[nodiscard]] SimTime next_event() const override {
     return std::min(device().next_event(), inbox_.next());
   }
+  [[nodiscard]] SimTime next_wakeup() const override { return next_event(); }
 
   void advance(SimTime now) override {
     while (inbox_.next() <= now) {
@@ -84,6 +71,7 @@ class SampledStation : public Station {
 
  protected:
   [[nodiscard]] Backend& backend() { return backend_; }
+  [[nodiscard]] const Backend& backend() const { return backend_; }
 
  private:
   Backend& backend_;
@@ -93,10 +81,12 @@ class SampledStation : public Station {
 using GnssStation = SampledStation<GnssSample, emulators::GnssBackend>;
 using ImuStation = SampledStation<ImuSample, emulators::ImuBackend>;
 
-/// Also carries the rotor speed that the device asks for.
+/// Also carries the rotor speed that the device asks for. Firings come too often to wake up for each:
+/// they are taken when the packet that they belong to is complete.
 class LidarStation : public SampledStation<LidarFiring, emulators::LidarBackend> {
  public:
   using SampledStation::SampledStation;
+  [[nodiscard]] SimTime next_wakeup() const override;
   void collect(DeviceIndex self, TruthRequests& requests) override;
 
  private:

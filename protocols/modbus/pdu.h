@@ -171,6 +171,7 @@ struct ServerIdResponse {
   std::array<std::uint8_t, kPduMaximum - 2> data{};
   std::size_t size = 0;
   [[nodiscard]] std::span<const std::uint8_t> view() const { return std::span(data).first(size); }
+  friend bool operator==(const ServerIdResponse&, const ServerIdResponse&) = default;
 };
 /// Function 43/14. `objects` holds `count` times (identifier, length, text).
 struct DeviceIdentificationResponse {
@@ -194,6 +195,8 @@ struct DeviceIdentificationResponse {
   [[nodiscard]] bool append(std::uint8_t object, std::string_view text);
   /// The text of one object, if present. Lives as long as this response.
   [[nodiscard]] std::optional<std::string_view> find(std::uint8_t object) const;
+  friend bool operator==(const DeviceIdentificationResponse&,
+                         const DeviceIdentificationResponse&) = default;
 };
 struct ExceptionResponse {
   std::uint8_t function = 0;  ///< Of the request, without the exception flag.

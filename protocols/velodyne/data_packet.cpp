@@ -19,7 +19,9 @@ static_assert(kChannelsAt + kChannelsPerBlock * kChannelSize == kBlockSize);
 static_assert(kReflectivityAt + 1 == kChannelSize);
 static_assert(kProductIdAt + 1 == kDataPacketSize);
 
-constexpr std::size_t block_at(std::size_t block) { return block * kBlockSize; }
+constexpr std::size_t block_at(std::size_t block) {
+  return block * kBlockSize;
+}
 constexpr std::size_t channel_at(std::size_t block, std::size_t channel) {
   return block_at(block) + kChannelsAt + channel * kChannelSize;
 }

@@ -23,15 +23,15 @@ inline constexpr std::size_t kBlocksPerPacket = 12;
 inline constexpr std::size_t kChannelsPerBlock = 32;
 
 /// Sizes of the parts, in bytes.
-inline constexpr std::size_t kChannelSize = 2    // distance
-                                            + 1; // reflectivity
-inline constexpr std::size_t kBlockSize = 2      // flag
-                                          + 2    // azimuth
+inline constexpr std::size_t kChannelSize = 2     // distance
+                                            + 1;  // reflectivity
+inline constexpr std::size_t kBlockSize = 2       // flag
+                                          + 2     // azimuth
                                           + kChannelsPerBlock * kChannelSize;
 inline constexpr std::size_t kDataPacketSize = kBlocksPerPacket * kBlockSize  //
-                                               + 4   // timestamp
-                                               + 1   // return mode
-                                               + 1;  // product id
+                                               + 4                            // timestamp
+                                               + 1                            // return mode
+                                               + 1;                           // product id
 static_assert(kBlockSize == 100);
 static_assert(kDataPacketSize == 1206);
 

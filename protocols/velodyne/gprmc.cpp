@@ -38,8 +38,8 @@ GprmcText::GprmcText(const RecommendedMinimum& values) {
   if (values.valid) {
     const DegreesMinutes latitude = split(std::clamp(values.latitude_deg, -90.0, 90.0));
     const DegreesMinutes longitude = split(std::clamp(values.longitude_deg, -180.0, 180.0));
-    const auto speed_tenths = std::min(
-        9999L, std::max(0L, std::lround(values.speed_mps / kKnot_mps * 10.0)));
+    const auto speed_tenths =
+        std::min(9999L, std::max(0L, std::lround(values.speed_mps / kKnot_mps * 10.0)));
     const auto course_tenths = std::lround(values.course_deg * 10.0) % 3600;
     append("A,%02d%02d.%04d,%c,%03d%02d.%04d,%c,%03ld.%ld,%03ld.%ld,", latitude.degrees,
            latitude.minutes, latitude.ten_thousandths, values.latitude_deg < 0.0 ? 'S' : 'N',
@@ -53,8 +53,8 @@ GprmcText::GprmcText(const RecommendedMinimum& values) {
          values.valid ? 'A' : 'N');
   std::uint8_t checksum = 0;
   for (int i = 1; i < length; ++i) {
-    checksum = static_cast<std::uint8_t>(checksum ^ static_cast<std::uint8_t>(
-                                                        text_[static_cast<std::size_t>(i)]));
+    checksum = static_cast<std::uint8_t>(
+        checksum ^ static_cast<std::uint8_t>(text_[static_cast<std::size_t>(i)]));
   }
   append("*%02X\r\n", static_cast<unsigned>(checksum));
   size_ = static_cast<std::size_t>(length);

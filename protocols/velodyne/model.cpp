@@ -20,14 +20,14 @@ struct Optics {
 };
 
 constexpr std::array<Optics, kHdl32eLasers> kHdl32eOptics{{
-    {-30.67, 17.17}, {-9.33, 4.76},  {-29.33, 16.27}, {-8.00, 4.07},   //
-    {-28.00, 15.40}, {-6.67, 3.38},  {-26.67, 14.54}, {-5.33, 2.70},   //
-    {-25.33, 13.71}, {-4.00, 2.02},  {-24.00, 12.89}, {-2.67, 1.35},   //
-    {-22.67, 12.09}, {-1.33, 0.67},  {-21.33, 11.31}, {0.00, 0.00},    //
-    {-20.00, 10.54}, {1.33, -0.67},  {-18.67, 9.78},  {2.67, -1.35},   //
-    {-17.33, 9.04},  {4.00, -2.02},  {-16.00, 8.30},  {5.33, -2.70},   //
-    {-14.67, 7.58},  {6.67, -3.38},  {-13.33, 6.86},  {8.00, -4.07},   //
-    {-12.00, 6.15},  {9.33, -4.76},  {-10.67, 5.45},  {10.67, -5.45},  //
+    {-30.67, 17.17}, {-9.33, 4.76}, {-29.33, 16.27}, {-8.00, 4.07},   //
+    {-28.00, 15.40}, {-6.67, 3.38}, {-26.67, 14.54}, {-5.33, 2.70},   //
+    {-25.33, 13.71}, {-4.00, 2.02}, {-24.00, 12.89}, {-2.67, 1.35},   //
+    {-22.67, 12.09}, {-1.33, 0.67}, {-21.33, 11.31}, {0.00, 0.00},    //
+    {-20.00, 10.54}, {1.33, -0.67}, {-18.67, 9.78},  {2.67, -1.35},   //
+    {-17.33, 9.04},  {4.00, -2.02}, {-16.00, 8.30},  {5.33, -2.70},   //
+    {-14.67, 7.58},  {6.67, -3.38}, {-13.33, 6.86},  {8.00, -4.07},   //
+    {-12.00, 6.15},  {9.33, -4.76}, {-10.67, 5.45},  {10.67, -5.45},  //
 }};
 
 constexpr std::array<Laser, kHdl32eLasers> kHdl32eTable = [] {
@@ -54,7 +54,9 @@ constexpr std::array<Model, 1> kModels{{
 
 }  // namespace
 
-std::span<const Model> models() { return kModels; }
+std::span<const Model> models() {
+  return kModels;
+}
 
 const Model* find_model(std::string_view name) {
   const auto* found = std::ranges::find(kModels, name, &Model::name);
@@ -74,9 +76,9 @@ Shot shot(const Model& model, std::size_t block, std::size_t channel) {
   result.laser = channel % count;
   result.block_offset_ns = static_cast<std::int32_t>(firing) * model.firing_period_ns +
                            model.lasers[result.laser].time_offset_ns;
-  result.packet_offset_ns = static_cast<std::int32_t>(block) * model.firings_per_block *
-                                model.firing_period_ns +
-                            result.block_offset_ns;
+  result.packet_offset_ns =
+      static_cast<std::int32_t>(block) * model.firings_per_block * model.firing_period_ns +
+      result.block_offset_ns;
   return result;
 }
 

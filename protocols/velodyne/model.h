@@ -16,22 +16,23 @@ namespace rigwire::protocols::velodyne {
 
 /// One laser, in firing order, which is also its order inside a block.
 struct Laser {
-  double elevation_deg = 0.0;       ///< Above the horizontal plane of the sensor.
-  double vertical_offset_mm = 0.0;  ///< Of the beam's exit on the spin axis; lower beams exit higher.
+  double elevation_deg = 0.0;  ///< Above the horizontal plane of the sensor.
+  double vertical_offset_mm =
+      0.0;  ///< Of the beam's exit on the spin axis; lower beams exit higher.
   std::int32_t time_offset_ns = 0;  ///< After the first laser of the same firing.
 };
 
 struct Model {
-  std::string_view name;             ///< "HDL-32E"
-  std::uint8_t product_id = 0;       ///< Second factory byte.
-  std::int32_t distance_unit_mm = 0; ///< One count of the distance field.
-  std::int32_t firing_period_ns = 0; ///< From one firing of all lasers to the next.
-  std::int32_t firings_per_block = 0;///< 1 where a block holds all lasers once, 2 for 16 lasers.
+  std::string_view name;               ///< "HDL-32E"
+  std::uint8_t product_id = 0;         ///< Second factory byte.
+  std::int32_t distance_unit_mm = 0;   ///< One count of the distance field.
+  std::int32_t firing_period_ns = 0;   ///< From one firing of all lasers to the next.
+  std::int32_t firings_per_block = 0;  ///< 1 where a block holds all lasers once, 2 for 16 lasers.
   double minimum_rotor_rpm = 0.0;
   double maximum_rotor_rpm = 0.0;
-  double minimum_range_m = 0.0;      ///< Default window of what the sensor reports.
+  double minimum_range_m = 0.0;  ///< Default window of what the sensor reports.
   double maximum_range_m = 0.0;
-  std::span<const Laser> lasers;     ///< In firing order.
+  std::span<const Laser> lasers;  ///< In firing order.
 };
 
 /// Every known model.

@@ -13,9 +13,9 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 
 /// Counts turned from one block to the next, 0 when that cannot be a rotor's motion.
 double step_counts(const DataPacket& packet, std::size_t from) {
-  const int difference =
-      (packet.blocks[from + 1].azimuth_counts + kAzimuthCounts - packet.blocks[from].azimuth_counts) %
-      kAzimuthCounts;
+  const int difference = (packet.blocks[from + 1].azimuth_counts + kAzimuthCounts -
+                          packet.blocks[from].azimuth_counts) %
+                         kAzimuthCounts;
   return difference < kAzimuthCounts / 2 ? difference : 0;
 }
 
@@ -24,9 +24,8 @@ double step_counts(const DataPacket& packet, std::size_t from) {
 void append_points(const DataPacket& packet, const Model& model, std::vector<Point>& points) {
   const double block_period_ns =
       static_cast<double>(model.firings_per_block) * model.firing_period_ns;
-  const std::size_t channels =
-      std::min(kChannelsPerBlock,
-               model.lasers.size() * static_cast<std::size_t>(model.firings_per_block));
+  const std::size_t channels = std::min(
+      kChannelsPerBlock, model.lasers.size() * static_cast<std::size_t>(model.firings_per_block));
   for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
     const Block& block = packet.blocks[b];
     const double counts_per_ns =
@@ -48,8 +47,7 @@ void append_points(const DataPacket& packet, const Model& model, std::vector<Poi
       Point& point = points.emplace_back();
       point.x_m = static_cast<float>(horizontal * std::cos(azimuth));
       point.y_m = static_cast<float>(-horizontal * std::sin(azimuth));
-      point.z_m =
-          static_cast<float>(range * std::sin(elevation) + laser.vertical_offset_mm * 1e-3);
+      point.z_m = static_cast<float>(range * std::sin(elevation) + laser.vertical_offset_mm * 1e-3);
       point.range_m = static_cast<float>(range);
       point.azimuth_rad = static_cast<float>(azimuth);
       point.elevation_rad = static_cast<float>(elevation);

@@ -7,8 +7,8 @@
 //   offset 202       state of the pulse-per-second input, then 3 zero bytes
 //   offset 206       the last $GPRMC sentence with CR LF, zeros up to 512
 //
-// Source: HDL-32E user's manual 63-9113 Rev. H, "Position packet"; pulse state: VLP-16 user's manual
-// 63-9243 Rev. D, section 9.4.
+// Source: HDL-32E user's manual 63-9113 Rev. H, "Position packet"; pulse state: VLP-16 user's
+// manual 63-9243 Rev. D, section 9.4.
 #pragma once
 
 #include <array>
@@ -29,12 +29,12 @@ inline constexpr std::size_t kInertialGroupSize = 2     // gyro
 inline constexpr std::size_t kPositionHeadSize = 14;
 inline constexpr std::size_t kPositionGapSize = 160;
 inline constexpr std::size_t kNmeaSize = 306;
-inline constexpr std::size_t kPositionPacketSize = kPositionHeadSize                         //
+inline constexpr std::size_t kPositionPacketSize = kPositionHeadSize                       //
                                                    + kInertialGroups * kInertialGroupSize  //
                                                    + kPositionGapSize                      //
-                                                   + 4   // timestamp
-                                                   + 1   // pulse state
-                                                   + 3   // zero
+                                                   + 4  // timestamp
+                                                   + 1  // pulse state
+                                                   + 3  // zero
                                                    + kNmeaSize;
 static_assert(kPositionPacketSize == 512);
 

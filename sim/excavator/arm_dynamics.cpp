@@ -44,9 +44,9 @@ void ArmDynamics::set_payload_kg(double mass_kg) {
   payload_kg_ = mass_kg > 0.0 ? std::min(mass_kg, payload_max_kg_) : 0.0;
   Body& bucket = bodies_[3];
   bucket.mass_kg = empty_bucket_.mass_kg + payload_kg_;
-  bucket.center_m = (empty_bucket_.mass_kg * empty_bucket_.center_m +
-                     payload_kg_ * payload_center_m_) /
-                    bucket.mass_kg;
+  bucket.center_m =
+      (empty_bucket_.mass_kg * empty_bucket_.center_m + payload_kg_ * payload_center_m_) /
+      bucket.mass_kg;
   bucket.inertia_kgm2 =
       empty_bucket_.inertia_kgm2 +
       point_inertia(empty_bucket_.mass_kg, empty_bucket_.center_m - bucket.center_m) +
@@ -65,10 +65,9 @@ ArmDynamics::Placement ArmDynamics::place(const JointVector& q_rad) const {
     angle += q_rad[static_cast<Eigen::Index>(i)];
     Eigen::Matrix3d& R = placement.R_UB[i];
     R = raised(std::cos(angle), std::sin(angle));
-    placement.origin_U[i] =
-        i == 1 ? boom_foot_m_
-               : Eigen::Vector3d(placement.origin_U[i - 1] +
-                                 lengths[i - 2] * placement.R_UB[i - 1].col(0));
+    placement.origin_U[i] = i == 1 ? boom_foot_m_
+                                   : Eigen::Vector3d(placement.origin_U[i - 1] +
+                                                     lengths[i - 2] * placement.R_UB[i - 1].col(0));
     placement.center_U[i] = placement.origin_U[i] + R * bodies_[i].center_m;
     placement.inertia_U[i].noalias() = R * bodies_[i].inertia_kgm2 * R.transpose();
   }

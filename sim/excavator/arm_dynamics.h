@@ -2,9 +2,9 @@
 //
 //     M(q) a + bias(q, v) = tau
 //
-// M by composite rigid bodies, bias (Coriolis, centrifugal, gravity) by recursive Newton-Euler, both
-// in the upper structure's frame; Featherstone, Rigid Body Dynamics Algorithms, 2008, chapters 5
-// and 6. Cylinders are massless force elements (linkage.h); the undercarriage stands still.
+// M by composite rigid bodies, bias (Coriolis, centrifugal, gravity) by recursive Newton-Euler,
+// both in the upper structure's frame; Featherstone, Rigid Body Dynamics Algorithms, 2008, chapters
+// 5 and 6. Cylinders are massless force elements (linkage.h); the undercarriage stands still.
 //
 // Fixed sizes, no allocation. Joint order: 0 swing, 1 boom, 2 stick, 3 bucket; angles as in
 // parameters.h. Vectors named _U are expressed in the upper structure's frame.

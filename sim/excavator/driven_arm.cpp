@@ -90,9 +90,8 @@ JointVector DrivenArm::forces(const ArmState& state, const JointVector& target,
   JointVector x;
   JointVector lever;
   coordinates(state.q_rad, x, lever);
-  const JointVector free =
-      gains.stiffness.cwiseProduct(target - x) +
-      gains.damping.cwiseProduct(rate - lever.cwiseProduct(state.v_radps));
+  const JointVector free = gains.stiffness.cwiseProduct(target - x) +
+                           gains.damping.cwiseProduct(rate - lever.cwiseProduct(state.v_radps));
   return free.cwiseMax(gains.force_least).cwiseMin(gains.force_greatest);
 }
 
@@ -191,8 +190,8 @@ JointVector DrivenArm::step_linearly_implicit(double time_s, double h, const Tar
   coordinates(state.q_rad, x, lever);
   const JointVector x_rate = lever.cwiseProduct(state.v_radps);
   const JointVector drift = x + h * x_rate;  // Where x goes without acceleration.
-  const JointVector free = gains.stiffness.cwiseProduct(target - drift) +
-                           gains.damping.cwiseProduct(rate - x_rate);
+  const JointVector free =
+      gains.stiffness.cwiseProduct(target - drift) + gains.damping.cwiseProduct(rate - x_rate);
   const JointVector gain = h * gains.damping + h * h * gains.stiffness;
 
   std::array<int, kArmJoints> clamped{};  // -1 at the least force, 1 at the greatest, 0 free.
@@ -274,10 +273,11 @@ JointVector DrivenArm::step_rosenbrock2(double time_s, double h, const TargetMot
   targets.at(time_s + h, target, rate);
   JointVector force_rate;
   for (int i = 0; i < kArmJoints; ++i) {
-    force_rate[i] = lever[i] == 0.0 ? 0.0
-                                    : (stiffness_q[i] * start_rate[i] +
-                                       damping_q[i] * (rate[i] - start_rate[i]) / h) /
-                                          lever[i];
+    force_rate[i] =
+        lever[i] == 0.0
+            ? 0.0
+            : (stiffness_q[i] * start_rate[i] + damping_q[i] * (rate[i] - start_rate[i]) / h) /
+                  lever[i];
   }
   JointMatrix left = mass_matrix;
   left.diagonal() += gh * damping_q + gh * gh * stiffness_q;

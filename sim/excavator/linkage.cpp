@@ -12,15 +12,20 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kScanStep_rad = 0.25 * kPi / 180.0;
 constexpr double kDeadCentreMargin_m = 0.010;
 
-Eigen::Vector2d perpendicular(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
+Eigen::Vector2d perpendicular(const Eigen::Vector2d& v) {
+  return {-v.y(), v.x()};
+}
 
-double wrap(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
+double wrap(double angle_rad) {
+  return std::remainder(angle_rad, 2.0 * kPi);
+}
 
 [[noreturn]] void refuse(const char* cylinder, const char* end, double found_m, double from_m,
                          double to_m) {
   std::ostringstream text;
-  text << cylinder << "." << end << ": " << found_m << " m is not reachable with these pins; allowed "
-       << from_m << " .. " << to_m << " m (" << kDeadCentreMargin_m << " m from the dead centres)";
+  text << cylinder << "." << end << ": " << found_m
+       << " m is not reachable with these pins; allowed " << from_m << " .. " << to_m << " m ("
+       << kDeadCentreMargin_m << " m from the dead centres)";
   throw std::invalid_argument(text.str());
 }
 
@@ -60,9 +65,10 @@ Interval growing_interval(const BucketLinkage& linkage) {
   const auto close = [&](double q_rad) {
     current.lower_rad = q_rad;
     current.longest_m = linkage.at(q_rad).length_m;
-    const double gain = (current.longest_m - current.shortest_m) - (best.longest_m - best.shortest_m);
-    const bool nearer = std::abs(current.upper_rad + current.lower_rad) <
-                        std::abs(best.upper_rad + best.lower_rad);
+    const double gain =
+        (current.longest_m - current.shortest_m) - (best.longest_m - best.shortest_m);
+    const bool nearer =
+        std::abs(current.upper_rad + current.lower_rad) < std::abs(best.upper_rad + best.lower_rad);
     if (gain > 1e-6 || (gain > -1e-6 && nearer)) {
       best = current;
     }
@@ -84,8 +90,12 @@ Interval growing_interval(const BucketLinkage& linkage) {
 
 }  // namespace
 
-double WorkingRange::q_min_rad() const { return std::min(q_retracted_rad, q_extended_rad); }
-double WorkingRange::q_max_rad() const { return std::max(q_retracted_rad, q_extended_rad); }
+double WorkingRange::q_min_rad() const {
+  return std::min(q_retracted_rad, q_extended_rad);
+}
+double WorkingRange::q_max_rad() const {
+  return std::max(q_retracted_rad, q_extended_rad);
+}
 
 DirectLinkage::DirectLinkage(const Eigen::Vector2d& base_pin_m, const Eigen::Vector2d& rod_pin_m)
     : base_radius_m_(base_pin_m.norm()),
@@ -99,20 +109,23 @@ CylinderGeometry DirectLinkage::at(double q_rad) const {
   // (a - b)^2 + 4 a b sin^2(theta / 2) keeps its digits where a^2 + b^2 - 2 a b cos loses them.
   const double half_sine = std::sin(0.5 * theta);
   const double difference = base_radius_m_ - rod_radius_m_;
-  const double length =
-      std::sqrt(difference * difference + 4.0 * product * half_sine * half_sine);
+  const double length = std::sqrt(difference * difference + 4.0 * product * half_sine * half_sine);
   return {length, length > 0.0 ? product * std::sin(theta) / length : 0.0};
 }
 
 double DirectLinkage::angle_at(double length_m, int lever_sign) const {
-  const double cosine = (base_radius_m_ * base_radius_m_ + rod_radius_m_ * rod_radius_m_ -
-                         length_m * length_m) /
-                        (2.0 * base_radius_m_ * rod_radius_m_);
+  const double cosine =
+      (base_radius_m_ * base_radius_m_ + rod_radius_m_ * rod_radius_m_ - length_m * length_m) /
+      (2.0 * base_radius_m_ * rod_radius_m_);
   return wrap(lever_sign * std::acos(std::clamp(cosine, -1.0, 1.0)) - offset_rad_);
 }
 
-double DirectLinkage::shortest_m() const { return std::abs(base_radius_m_ - rod_radius_m_); }
-double DirectLinkage::longest_m() const { return base_radius_m_ + rod_radius_m_; }
+double DirectLinkage::shortest_m() const {
+  return std::abs(base_radius_m_ - rod_radius_m_);
+}
+double DirectLinkage::longest_m() const {
+  return base_radius_m_ + rod_radius_m_;
+}
 
 BucketLinkage::BucketLinkage(const BucketLinkageParameters& parameters, double stick_length_m)
     : base_pin_m_(parameters.base_pin_m),
@@ -151,8 +164,7 @@ Eigen::Vector2d BucketLinkage::idler_joint_m(double q_rad) const {
 
 CylinderGeometry BucketLinkage::at(double q_rad) const {
   const double psi = q_rad + lug_angle_rad_;
-  const Eigen::Vector2d lug_arm =
-      lug_radius_m_ * Eigen::Vector2d(std::cos(psi), std::sin(psi));
+  const Eigen::Vector2d lug_arm = lug_radius_m_ * Eigen::Vector2d(std::cos(psi), std::sin(psi));
   const Eigen::Vector2d joint = idler_joint_m(q_rad);
   const Eigen::Vector2d link = joint - (bucket_pin_m_ + lug_arm);
   const Eigen::Vector2d swing = perpendicular(joint - idler_pivot_m_);

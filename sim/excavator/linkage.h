@@ -4,9 +4,9 @@
 // of a cylinder, q the angle of the joint that it moves, dL/dq its lever about the joint: a force F
 // that extends the cylinder gives the joint torque F dL/dq.
 //
-// A linkage has a dead centre where dL/dq passes zero; beyond it the same length belongs to a second
-// pose. Each class therefore knows its working range, the interval of q that its stroke covers on
-// one side of the dead centre, and solves L -> q inside it only.
+// A linkage has a dead centre where dL/dq passes zero; beyond it the same length belongs to a
+// second pose. Each class therefore knows its working range, the interval of q that its stroke
+// covers on one side of the dead centre, and solves L -> q inside it only.
 #pragma once
 
 #include "sim/excavator/parameters.h"
@@ -52,8 +52,9 @@ class DirectLinkage {
   double offset_rad_;  ///< Angle from the base pin to the rod pin at q = 0.
 };
 
-/// The bucket's four-bar. J, where cylinder, idler and link meet, is the intersection of two circles
-/// on the side that `branch` fixes for good, so that a length cannot flip the mechanism over.
+/// The bucket's four-bar. J, where cylinder, idler and link meet, is the intersection of two
+/// circles on the side that `branch` fixes for good, so that a length cannot flip the mechanism
+/// over.
 class BucketLinkage {
  public:
   BucketLinkage(const BucketLinkageParameters& parameters, double stick_length_m);

@@ -18,8 +18,12 @@ void require(bool allowed_value, const char* where, const char* name, double fou
   throw std::invalid_argument(text.str());
 }
 
-bool positive(double value) { return std::isfinite(value) && value > 0.0; }
-bool non_negative(double value) { return std::isfinite(value) && value >= 0.0; }
+bool positive(double value) {
+  return std::isfinite(value) && value > 0.0;
+}
+bool non_negative(double value) {
+  return std::isfinite(value) && value >= 0.0;
+}
 
 }  // namespace
 

@@ -16,8 +16,8 @@ double flow_share(const SupplyParameters& parameters, std::span<const double> re
   }
   double share = std::min(1.0, parameters.pump_flow_m3ps / sum);
   if (supply_pressure_pa > 0.0) {
-    share = std::min(
-        share, parameters.power_limit_w * parameters.efficiency / (supply_pressure_pa * sum));
+    share = std::min(share,
+                     parameters.power_limit_w * parameters.efficiency / (supply_pressure_pa * sum));
   }
   return share;
 }

@@ -8,8 +8,8 @@
 namespace rigwire::sim {
 
 /// The factor 0 .. 1 by which every requested flow (signed, m3/s) is reduced so that their sum
-/// exceeds neither the pump's flow nor its power at `supply_pressure_pa` (flow sharing: all sections
-/// slow down in the same ratio). 1 without requests.
+/// exceeds neither the pump's flow nor its power at `supply_pressure_pa` (flow sharing: all
+/// sections slow down in the same ratio). 1 without requests.
 [[nodiscard]] double flow_share(const SupplyParameters& parameters,
                                 std::span<const double> requests_m3ps, double supply_pressure_pa);
 
@@ -19,9 +19,10 @@ struct PortPressures {
   double b_pa = 0.0;  ///< Rod side; on the swing motor the side that turns right.
 };
 
-/// Ports of an actuator that exerts `force` (N, positive extends; N m on a motor), its other side at
-/// tank pressure: F = a_pa A - b_pa B with areas in m2 (m3/rad on a motor). This is the quasi-static
-/// estimate of a model without chamber states: it has the loads, not the oil's oscillation.
+/// Ports of an actuator that exerts `force` (N, positive extends; N m on a motor), its other side
+/// at tank pressure: F = a_pa A - b_pa B with areas in m2 (m3/rad on a motor). This is the
+/// quasi-static estimate of a model without chamber states: it has the loads, not the oil's
+/// oscillation.
 [[nodiscard]] PortPressures port_pressures(double force, double bottom_area, double rod_side_area,
                                            double tank_pressure_pa);
 

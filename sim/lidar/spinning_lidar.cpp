@@ -27,8 +27,8 @@ using Lanes = std::array<float, kLanes>;
 /// Eight consecutive firings side by side, at the instant of their first laser, in Embree's
 /// coordinates.
 struct FiringBlock {
-  std::size_t first = 0;  ///< Index into the firings of this cast.
-  std::size_t count = 0;  ///< 1 .. 8.
+  std::size_t first = 0;     ///< Index into the firings of this cast.
+  std::size_t count = 0;     ///< 1 .. 8.
   std::array<Lanes, 9> R{};  ///< Columns of R_WS one after the other.
   std::array<Lanes, 3> p{};  ///< m
   std::array<Lanes, 3> v{};  ///< m/s
@@ -72,8 +72,8 @@ struct SpinningLidar::Slice {
     return (block.count * laser_count + kLanes - 1) / kLanes;
   }
 
-  /// Rays in order of elevation, then of firing: neighbours in a packet are neighbours in space. The
-  /// last packet repeats its last ray in lanes left over.
+  /// Rays in order of elevation, then of firing: neighbours in a packet are neighbours in space.
+  /// The last packet repeats its last ray in lanes left over.
   [[nodiscard]] LaneMap lanes(const FiringBlock& block, std::size_t packet) const {
     LaneMap map;
     const std::size_t last = block.count * laser_count - 1;
@@ -95,8 +95,10 @@ void SpinningLidar::Slice::fill(const FiringBlock& block, const LaneMap& map, st
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     const std::size_t f = map.firing[lane];
     const LaserConstants& laser = lasers[map.laser[lane]];
-    const float cosine = block.cos_azimuth[f] * laser.cos_turn - block.sin_azimuth[f] * laser.sin_turn;
-    const float sine = block.sin_azimuth[f] * laser.cos_turn + block.cos_azimuth[f] * laser.sin_turn;
+    const float cosine =
+        block.cos_azimuth[f] * laser.cos_turn - block.sin_azimuth[f] * laser.sin_turn;
+    const float sine =
+        block.sin_azimuth[f] * laser.cos_turn + block.cos_azimuth[f] * laser.sin_turn;
     const float x_S = laser.cos_elevation * cosine;
     const float y_S = -laser.cos_elevation * sine;
     const float z_S = laser.sin_elevation;
@@ -138,9 +140,9 @@ void validate(const SpinningLidarParameters& parameters) {
   }
 }
 
-SpinningLidar::SpinningLidar(const SpinningLidarParameters& parameters,
-                             const LidarPattern& pattern, const SamplePlan& plan,
-                             double rotor_rate_radps, std::uint64_t seed, std::string_view name)
+SpinningLidar::SpinningLidar(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
+                             const SamplePlan& plan, double rotor_rate_radps, std::uint64_t seed,
+                             std::string_view name)
     : parameters_(parameters),
       pattern_(pattern),
       plan_(plan),
@@ -149,8 +151,8 @@ SpinningLidar::SpinningLidar(const SpinningLidarParameters& parameters,
   validate(parameters);
   if (pattern.lasers.empty() || pattern.lasers.size() > kMaxLasers) {
     throw std::invalid_argument("spinning lidar: the pattern has " +
-                                std::to_string(pattern.lasers.size()) +
-                                " lasers, allowed: 1 to " + std::to_string(kMaxLasers));
+                                std::to_string(pattern.lasers.size()) + " lasers, allowed: 1 to " +
+                                std::to_string(kMaxLasers));
   }
   if (plan.first == kNever || plan.period <= Duration::zero() || !std::isfinite(rotor_rate_radps) ||
       !(pattern.maximum_range_m > pattern.minimum_range_m)) {
@@ -221,8 +223,9 @@ void SpinningLidar::prepare(const Scene& scene, SimTime t0, SimTime t1,
     const std::size_t lane = block.count++;
     const LinkMotion mount = interpolate(t0, mount_at_t0, t1, mount_at_t1, time);
     const Eigen::Vector3d p = mount.X_WL.translation() - origin_W;
+    const Eigen::Matrix3d R = mount.X_WL.linear();
     for (std::size_t i = 0; i < 9; ++i) {
-      block.R[i][lane] = static_cast<float>(mount.X_WL.linear().data()[i]);
+      block.R[i][lane] = static_cast<float>(R.data()[i]);
     }
     for (std::size_t i = 0; i < 3; ++i) {
       const auto row = static_cast<Eigen::Index>(i);
@@ -240,9 +243,8 @@ void SpinningLidar::cast(const Scene& scene, SimTime t0, SimTime t1, const LinkM
                          const LinkMotion& mount_at_t1, std::vector<LidarFiring>& firings,
                          std::uint32_t mask) {
   prepare(scene, t0, t1, mount_at_t0, mount_at_t1, firings);
-  slice_->workers.run(slice_->blocks.size(), [&](std::size_t block) {
-    cast_block(scene, block, firings, mask);
-  });
+  slice_->workers.run(slice_->blocks.size(),
+                      [&](std::size_t block) { cast_block(scene, block, firings, mask); });
   rays_ += firings.size() * slice_->laser_count;
 }
 
@@ -277,8 +279,8 @@ void SpinningLidar::cast_block(const Scene& scene, std::size_t block_index,
       }
       const Scene::Internals::Shading& surface = in.shading[packet.hit.instID[0][lane]];
       const Eigen::Vector3f normal =
-          surface.R_WM * Eigen::Vector3f(packet.hit.Ng_x[lane], packet.hit.Ng_y[lane],
-                                         packet.hit.Ng_z[lane]);
+          surface.R_WM *
+          Eigen::Vector3f(packet.hit.Ng_x[lane], packet.hit.Ng_y[lane], packet.hit.Ng_z[lane]);
       const float along = normal.x() * packet.ray.dir_x[lane] +
                           normal.y() * packet.ray.dir_y[lane] + normal.z() * packet.ray.dir_z[lane];
       const float apparent =
@@ -309,9 +311,13 @@ RecordedRays::~RecordedRays() = default;
 RecordedRays::RecordedRays(RecordedRays&&) noexcept = default;
 RecordedRays& RecordedRays::operator=(RecordedRays&&) noexcept = default;
 
-std::size_t RecordedRays::size() const { return packets_->pristine.size() * kLanes; }
+std::size_t RecordedRays::size() const {
+  return packets_->pristine.size() * kLanes;
+}
 
-void RecordedRays::reset() { packets_->working = packets_->pristine; }
+void RecordedRays::reset() {
+  packets_->working = packets_->pristine;
+}
 
 void RecordedRays::cast_bare(const Scene& scene) {
   const FlushDenormals flush;

@@ -22,9 +22,9 @@ class WorkerPool {
   /// are done. Does not allocate. The task must not throw. One run() at a time.
   template <class Task>
   void run(std::size_t count, const Task& task) {
-    run_erased(count, [](const void* erased, std::size_t i) {
-      (*static_cast<const Task*>(erased))(i);
-    }, &task);
+    run_erased(
+        count, [](const void* erased, std::size_t i) { (*static_cast<const Task*>(erased))(i); },
+        &task);
   }
 
  private:

@@ -38,7 +38,9 @@ Transform to_transform(const Eigen::Isometry3d& X_WM, double scale,
   return transform;
 }
 
-bool finite(const Eigen::Isometry3d& X) { return X.matrix().allFinite(); }
+bool finite(const Eigen::Isometry3d& X) {
+  return X.matrix().allFinite();
+}
 
 void validate_instance(const Eigen::Isometry3d& X, double scale, const Material& material) {
   const std::string who = "object with label '" + material.label + "': ";
@@ -137,8 +139,7 @@ Scene::Scene() : internals_(std::make_unique<Internals>()) {
     throw std::runtime_error("scene: the ray caster (Embree) cannot start on this machine");
   }
   rtcSetDeviceErrorFunction(internals_->device.get(), remember_error, &internals_->first_error);
-  if (rtcGetDeviceProperty(internals_->device.get(), RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) ==
-      0) {
+  if (rtcGetDeviceProperty(internals_->device.get(), RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) == 0) {
     throw std::runtime_error("scene: this build of Embree has no ray masks");
   }
   internals_->top.reset(rtcNewScene(internals_->device.get()));
@@ -260,13 +261,19 @@ void Scene::begin_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W,
   in.check("placing the bodies");
 }
 
-std::size_t Scene::instance_count() const { return internals_->instances.size(); }
-std::size_t Scene::body_count() const { return internals_->bodies.size(); }
+std::size_t Scene::instance_count() const {
+  return internals_->instances.size();
+}
+std::size_t Scene::body_count() const {
+  return internals_->bodies.size();
+}
 const Material& Scene::material(InstanceId instance) const {
   return internals_->instances.at(instance).material;
 }
 
-std::uint32_t Scene::body_mask(BodyId body) { return 1U << (1U + body % 31U); }
+std::uint32_t Scene::body_mask(BodyId body) {
+  return 1U << (1U + body % 31U);
+}
 
 std::optional<SceneHit> Scene::cast(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
                                     double near_m, double far_m, SimTime time,
@@ -276,7 +283,8 @@ std::optional<SceneHit> Scene::cast(const Eigen::Vector3d& p_W, const Eigen::Vec
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit query{};
-  query.ray = make_ray(p_W - in.origin_W, direction_W, near_m, far_m, in.slice_fraction(time), mask);
+  query.ray =
+      make_ray(p_W - in.origin_W, direction_W, near_m, far_m, in.slice_fraction(time), mask);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(in.top.get(), &context, &query);

@@ -2,15 +2,15 @@
 //
 // Built on Embree 3 (Wald et al., "Embree: a kernel framework for efficient CPU ray tracing", ACM
 // TOG 33(4), 2014). Embree works in floats; so the scene keeps every pose in double in the world
-// (east-north-up at the map origin), gives Embree poses relative to a local origin near the machine,
-// and moves that origin when the machine has left it by more than kRebaseDistance_m. Range error
-// against closed forms in double: below 0.1 mm within 100 m, wherever the map origin is (measured by
-// `rigwire bench lidar`).
+// (east-north-up at the map origin), gives Embree poses relative to a local origin near the
+// machine, and moves that origin when the machine has left it by more than kRebaseDistance_m. Range
+// error against closed forms in double: below 0.1 mm within 100 m, wherever the map origin is
+// (measured by `rigwire bench lidar`).
 //
-// Moving bodies are given by their poses at both ends of a slice of time; a ray at a time within the
-// slice meets them where they are then, poses blended linearly: the error of the blend is at most
-// (w h)^2 / 8 times the distance from the body's origin (w rad/s turned over h seconds), 0.01 mm at
-// 8 m for 1 rad/s and slices of 3 ms.
+// Moving bodies are given by their poses at both ends of a slice of time; a ray at a time within
+// the slice meets them where they are then, poses blended linearly: the error of the blend is at
+// most (w h)^2 / 8 times the distance from the body's origin (w rad/s turned over h seconds), 0.01
+// mm at 8 m for 1 rad/s and slices of 3 ms.
 //
 // Thread use: casting is const and may run on many threads; building and begin_slice() may not run
 // beside it.

@@ -36,8 +36,7 @@ TriangleMesh make_sphere(std::string name) {
           continue;
         }
         const Eigen::Vector3f& a = mesh.vertices[i];
-        const bool outward =
-            (mesh.vertices[j] - a).cross(mesh.vertices[k] - a).dot(a) > 0.0F;
+        const bool outward = (mesh.vertices[j] - a).cross(mesh.vertices[k] - a).dot(a) > 0.0F;
         mesh.triangles.push_back(outward ? std::array{i, j, k} : std::array{i, k, j});
       }
     }
@@ -45,8 +44,8 @@ TriangleMesh make_sphere(std::string name) {
   for (int level = 0; level < 2; ++level) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
     const auto middle = [&](std::uint32_t i, std::uint32_t j) {
-      const auto [entry, is_new] = middles.try_emplace(
-          std::minmax(i, j), static_cast<std::uint32_t>(mesh.vertices.size()));
+      const auto [entry, is_new] =
+          middles.try_emplace(std::minmax(i, j), static_cast<std::uint32_t>(mesh.vertices.size()));
       if (is_new) {
         const Eigen::Vector3f centre = 0.5F * (mesh.vertices[i] + mesh.vertices[j]);
         mesh.vertices.push_back(centre);
@@ -118,10 +117,10 @@ TriangleMesh make_rock(std::string name, RandomStream& random) {
   TriangleMesh mesh = make_sphere(std::move(name));
   constexpr int kCuts = 14;
   for (int cut = 0; cut < kCuts; ++cut) {
-    const Eigen::Vector3f normal = Eigen::Vector3d(random.gaussian(), random.gaussian(),
-                                                   random.gaussian())
-                                       .normalized()
-                                       .cast<float>();
+    const Eigen::Vector3f normal =
+        Eigen::Vector3d(random.gaussian(), random.gaussian(), random.gaussian())
+            .normalized()
+            .cast<float>();
     const auto distance = static_cast<float>(random.uniform(0.6, 0.9));
     for (auto& vertex : mesh.vertices) {
       const float height = vertex.dot(normal);

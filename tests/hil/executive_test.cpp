@@ -112,7 +112,7 @@ struct Rig {
   explicit Rig(Duration period = 10ms)
       : outlet(stream, statistics),
         echo(period, outlet),
-        station("echo", "echo", echo, echo),
+        station(echo, echo),
         executive(io, truth) {
     executive.add(station);
     executive.add(outlet);

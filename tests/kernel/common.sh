@@ -40,3 +40,31 @@ expect_line() {
     return 1
   fi
 }
+
+# start_peer ADDRESS [SERIAL]: runs an emulated OpenIMU335RI (kernel_can_peer) and waits until it
+# has claimed its address in FILE dump, which `record dump` fills. Its process id is in $peer.
+start_peer() {
+  "$BINARY_DIR/tests/kernel/kernel_can_peer" "$@" >peer.log 2>&1 &
+  # shellcheck disable=SC2034  # for the caller
+  peer=$!
+  wait_until 20 "the address claim" grep -q ' 18EEFF8[0-9A-F]#' dump
+}
+
+# count FILE PATTERN
+count() { grep -Ec "$2" "$1" || true; }
+
+# field FRAME_LINE FIRST_BYTE BYTES: little-endian unsigned number out of a candump log line.
+field() {
+  local data=${1##*#} hex='' byte
+  for ((byte = $2 + $3 - 1; byte >= $2; byte--)); do hex+=${data:byte*2:2}; done
+  echo $((16#$hex))
+}
+
+# check_range DESCRIPTION VALUE LOWER UPPER
+check_range() {
+  echo "$1: $2 (allowed $3 to $4)"
+  if [ "$2" -lt "$3" ] || [ "$2" -gt "$4" ]; then
+    echo "FAILED: $1 is out of range"
+    return 1
+  fi
+}

@@ -1,0 +1,36 @@
+// A CAN bus without a system: two ends, what one sends the other receives. The in-memory twin of
+// SocketCanBus and of slcan, for deterministic tests.
+//
+// Frames are handed over through the io_context, in order. Each direction holds `queue_frames`
+// frames; beyond that send() is false, as ENOBUFS is. Frames sent to an end that has not started
+// are lost, as on a bus that nobody listens to.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <cstddef>
+#include <memory>
+#include <string>
+
+#include "drivers/endpoints.h"
+
+namespace rigwire::drivers {
+
+class MemoryCan {
+ public:
+  explicit MemoryCan(boost::asio::io_context& context, std::size_t queue_frames = 64,
+                     std::string name = "memory CAN");
+  ~MemoryCan();
+  MemoryCan(const MemoryCan&) = delete;
+  MemoryCan& operator=(const MemoryCan&) = delete;
+
+  /// The emulated devices' end and the field program's end; they live as long as the bus.
+  [[nodiscard]] CanBus& device();
+  [[nodiscard]] CanBus& field();
+
+ private:
+  class End;
+  std::shared_ptr<End> device_;
+  std::shared_ptr<End> field_;
+};
+
+}  // namespace rigwire::drivers

@@ -1,0 +1,60 @@
+#include "dig_cycle/estimator.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rigwire::dig_cycle {
+namespace {
+
+/// Slower than this is standing, whatever the rate's offset.
+constexpr double kStill_radps = 0.03;
+constexpr int kStillSamples = 20;
+
+}  // namespace
+
+Estimator::Estimator(double imu_period_s, const InclinationSettings& settings)
+    : imu_period_s_(imu_period_s),
+      links_{Inclination(settings), Inclination(settings), Inclination(settings),
+             Inclination(settings)} {}
+
+void Estimator::imu_rate(Link link, double pitch_rate_radps) {
+  links_[link].rate(pitch_rate_radps, imu_period_s_);
+  const bool still = std::abs(links_[link].pitch_rate_radps()) < kStill_radps;
+  still_samples_[link] = still ? std::min(still_samples_[link] + 1, kStillSamples) : 0;
+}
+
+void Estimator::imu_specific_force(Link link, double along_mps2, double up_mps2) {
+  links_[link].specific_force(along_mps2, up_mps2, quiet(), imu_period_s_);
+}
+
+void Estimator::swing(double angle_rad, double rate_radps) {
+  swing_rad_ = angle_rad;
+  swing_rate_radps_ = rate_radps;
+  swing_known_ = true;
+}
+
+bool Estimator::quiet() const {
+  return std::abs(swing_rate_radps_) < kStill_radps &&
+         std::all_of(still_samples_.begin(), still_samples_.end(),
+                     [](int samples) { return samples >= kStillSamples; });
+}
+
+Belief Estimator::belief() const {
+  Belief belief;
+  belief.ready = swing_known_ && std::all_of(links_.begin(), links_.end(),
+                                             [](const Inclination& link) { return link.ready(); });
+  belief.chassis_pitch_rad = links_[chassis_link].pitch_rad();
+  belief.angles_rad[dig_cycle::swing] = swing_rad_;
+  belief.rates_radps[dig_cycle::swing] = swing_rate_radps_;
+  const std::array<std::pair<Joint, Link>, 3> chain{
+      {{boom, boom_link}, {stick, stick_link}, {bucket, bucket_link}}};
+  for (const auto& [joint, link] : chain) {
+    const Inclination& outer = links_[link];
+    const Inclination& inner = links_[link - 1];
+    belief.angles_rad[joint] = wrapped(outer.pitch_rad() - inner.pitch_rad());
+    belief.rates_radps[joint] = outer.pitch_rate_radps() - inner.pitch_rate_radps();
+  }
+  return belief;
+}
+
+}  // namespace rigwire::dig_cycle

@@ -1,0 +1,57 @@
+#include "dig_cycle/gnss_wire.h"
+
+#include <utility>
+
+namespace rigwire::dig_cycle {
+
+namespace nmea = protocols::nmea;
+
+GnssWire::GnssWire(std::function<void()> heard) : heard_(std::move(heard)) {}
+
+void GnssWire::receive(std::span<const std::uint8_t> bytes) {
+  pending_.insert(pending_.end(), bytes.begin(), bytes.end());
+  const std::span<const std::uint8_t> all(pending_);
+  std::size_t at = nmea::find_start(all, 0);
+  while (at < all.size()) {
+    const auto sentence = nmea::decode_sentence(all.subspan(at));
+    if (sentence.incomplete()) {
+      break;
+    }
+    if (sentence.ok()) {
+      take(*sentence);
+      at = nmea::find_start(all, at + sentence.consumed());
+    } else {
+      ++rejected_;
+      at = nmea::find_start(all, at + 1);
+    }
+  }
+  pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(at));
+}
+
+void GnssWire::take(const nmea::SentenceView& sentence) {
+  if (sentence.type() == "GGA") {
+    const auto gga = nmea::read_gga(sentence);
+    if (!gga.ok()) {
+      ++rejected_;
+      return;
+    }
+    fix_.quality = gga->quality;
+    fix_.satellites = gga->satellites_used;
+    if (gga->quality != 0) {
+      fix_.latitude_deg = gga->latitude_deg;
+      fix_.longitude_deg = gga->longitude_deg;
+      fix_.altitude_m = gga->altitude_m;
+    }
+    heard_();
+  } else if (sentence.type() == "RMC") {
+    const auto rmc = nmea::read_rmc(sentence);
+    if (!rmc.ok()) {
+      ++rejected_;
+      return;
+    }
+    fix_.ground_speed_mps = rmc->valid ? rmc->ground_speed_mps : 0.0;
+    heard_();
+  }
+}
+
+}  // namespace rigwire::dig_cycle

@@ -1,0 +1,43 @@
+// The GNSS receiver's serial line: NMEA sentences in, the last position out.
+//
+// Everything between sentences (binary UBX messages, noise, halves of lines after a late start) is
+// skipped.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "protocols/nmea/position_sentences.h"
+
+namespace rigwire::dig_cycle {
+
+struct GnssFixBelief {
+  int quality = 0;  ///< GGA: 0 no fix, 1 GNSS, 2 differential.
+  double latitude_deg = 0.0;
+  double longitude_deg = 0.0;
+  double altitude_m = 0.0;  ///< Above mean sea level.
+  int satellites = 0;
+  double ground_speed_mps = 0.0;  ///< From RMC.
+};
+
+class GnssWire {
+ public:
+  /// `heard` is called for every sound RMC or GGA, with or without a fix.
+  explicit GnssWire(std::function<void()> heard);
+
+  void receive(std::span<const std::uint8_t> bytes);
+  [[nodiscard]] const GnssFixBelief& fix() const { return fix_; }
+  [[nodiscard]] std::uint64_t rejected() const { return rejected_; }
+
+ private:
+  void take(const protocols::nmea::SentenceView& sentence);
+
+  std::function<void()> heard_;
+  std::vector<std::uint8_t> pending_;
+  GnssFixBelief fix_;
+  std::uint64_t rejected_ = 0;  ///< Starts of sentences that were none.
+};
+
+}  // namespace rigwire::dig_cycle

@@ -1,0 +1,211 @@
+#include "dig_cycle/program.h"
+
+#include <cstdio>
+
+namespace rigwire::dig_cycle {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint64_t kTicksPerSecond = 1000ms / Program::kControlPeriod;
+constexpr std::uint64_t kTicksPerLogLine = 2;
+/// A control step is never taken for longer than this, whatever held the program up.
+constexpr double kLongestStep_s = 0.1;
+
+drivers::ModbusMasterSettings modbus_settings(const Options& options) {
+  drivers::ModbusMasterSettings settings;
+  settings.host = options.modbus_host;
+  settings.port = options.modbus_port;
+  settings.response_timeout = 200ms;
+  return settings;
+}
+
+SurroundingsSettings surroundings_settings(const Options& options) {
+  SurroundingsSettings settings;
+  settings.mount = options.lidar_mount;
+  return settings;
+}
+
+}  // namespace
+
+Program::Program(boost::asio::io_context& context, const Options& options)
+    : context_(context),
+      options_(options),
+      surroundings_(surroundings_settings(options)),
+      cycle_(machine_, options.cycle),
+      log_(options.log),
+      gnss_([this] { watch_.heard(Sensor::gnss, now()); }),
+      lidar_(
+          surroundings_, [this] { return arm_shape(machine_, estimator_.belief().angles_rad); },
+          [this] { watch_.heard(Sensor::lidar, now()); }),
+      imu_(estimator_, options.imu, [this](Link link) { watch_.heard(imu_of(link), now()); }),
+      gnss_line_(context,
+                 {.path = options.gnss, .baud = options.gnss_baud, .wait_for_device = true}),
+      lidar_socket_(context,
+                    {.bind = drivers::UdpEndpoint{options.lidar_address, options.lidar_port}}),
+      can_(context, options.can),
+      valves_(modbus_settings(options), kControlPeriod),
+      signals_(context, SIGINT, SIGTERM),
+      control_timer_(context) {}
+
+std::string_view Program::name(State state) {
+  switch (state) {
+    case State::waiting:
+      return "waiting";
+    case State::working:
+      return "working";
+    case State::holding:
+      return "holding";
+  }
+  return "";
+}
+
+int Program::run() {
+  gnss_line_.start([this](std::span<const std::uint8_t> bytes) { gnss_.receive(bytes); });
+  lidar_socket_.start([this](std::span<const std::uint8_t> bytes) { lidar_.receive(bytes); });
+  can_.bus().start([this](const protocols::can::Frame& frame) {
+    last_frame_ = now();
+    imu_.receive(frame);
+  });
+  signals_.async_wait([this](boost::system::error_code error, int /*signal*/) {
+    if (!error) {
+      stop(exit_done, "interrupted");
+    }
+  });
+  next_control_ = Clock::now();
+  control();
+  while (!status_) {
+    context_.run_one();
+  }
+  return *status_;
+}
+
+void Program::control() {
+  ++ticks_;
+  const auto time = now();
+  const double step_s =
+      std::min(kLongestStep_s, std::chrono::duration<double>(time - last_control_).count());
+  last_control_ = time;
+  take_valves();
+  if (ticks_ % kTicksPerSecond == 1) {
+    tend_wires();
+  }
+  if (options_.duration > 0ns && time > options_.duration) {
+    return stop(exit_done, "time is over");
+  }
+
+  if (state_ == State::working) {
+    if (const auto silent = watch_.silent(time)) {
+      const std::string what = std::string(dig_cycle::name(*silent)) + " is silent";
+      if (!options_.wait) {
+        return stop(exit_silent_sensor, what + "; valves neutral and disabled");
+      }
+      say(what + "; holding");
+      state_ = State::holding;
+    }
+  } else if (watch_.all_alive(time) && estimator_.belief().ready) {
+    say("all sensors alive; working");
+    cycle_.hold();
+    state_ = State::working;
+  } else if (ticks_ % (2 * kTicksPerSecond) == 0) {
+    say("waiting for " + watch_.absent(time) +
+        (valves_.error().empty() ? "" : " (valves: " + valves_.error() + ")"));
+  }
+  work(step_s);
+  if (status_) {
+    return;
+  }
+  // Absolute deadlines; what was missed is not made up for.
+  next_control_ = std::max(next_control_ + kControlPeriod, Clock::now());
+  control_timer_.expires_at(next_control_);
+  control_timer_.async_wait([this](boost::system::error_code error) {
+    if (!error && !status_) {
+      control();
+    }
+  });
+}
+
+void Program::take_valves() {
+  valve_state_ = valves_.state();
+  if (!valve_state_ || Clock::now() - valve_state_->received > SensorWatch::limit(Sensor::valves)) {
+    return;
+  }
+  // A driver that answers while its transducers stand still is as silent as one that does not.
+  if (measurement_count_ != valve_state_->measurement_count) {
+    measurement_count_ = valve_state_->measurement_count;
+    watch_.heard(Sensor::valves, now());
+    estimator_.swing(valve_state_->swing_rad, valve_state_->swing_rate_radps);
+  }
+}
+
+void Program::tend_wires() {
+  can_.tend(now() - last_frame_ > 1s);
+  if (const auto question = imu_.question()) {
+    (void)can_.bus().send(*question);
+  }
+}
+
+void Program::work(double step_s) {
+  CycleOutput output;
+  if (state_ == State::working) {
+    output = cycle_.update(estimator_.belief(), surroundings_.view(), step_s);
+    valves_.command(output.openings, true);
+    if (cycle_.phase() != said_phase_) {
+      said_phase_ = cycle_.phase();
+      say("cycle " + std::to_string(cycle_.completed() + 1) + ": " +
+          std::string(dig_cycle::name(said_phase_)));
+    }
+    if (valve_state_ && valve_state_->faulted && valve_state_->fault_code != kWatchdogFault) {
+      return stop(exit_machine,
+                  "the valve driver reports fault " + std::to_string(valve_state_->fault_code));
+    }
+    if (cycle_.fault()) {
+      return stop(exit_machine, std::string(*cycle_.fault()));
+    }
+    if (cycle_.done()) {
+      return stop(exit_done, std::to_string(cycle_.completed()) + " cycles done");
+    }
+  } else {
+    valves_.command({}, false);
+  }
+  if (ticks_ % kTicksPerLogLine == 0) {
+    log(output);
+  }
+}
+
+void Program::log(const CycleOutput& output) {
+  LogEntry entry;
+  entry.uptime_s = std::chrono::duration<double>(now()).count();
+  entry.time_of_hour_us = lidar_.time_of_hour_us();
+  entry.state = name(state_);
+  entry.phase = dig_cycle::name(cycle_.phase());
+  entry.cycles = cycle_.completed();
+  entry.belief = estimator_.belief();
+  entry.output = output;
+  entry.spool = valve_state_ ? valve_state_->spool : PerJoint{};
+  entry.gnss = gnss_.fix();
+  entry.nearest_range_m = surroundings_.nearest_range_m();
+  entry.ground_z_m = surroundings_.view().ground_z_m;
+  log_.write(entry);
+}
+
+void Program::stop(int status, const std::string& why) {
+  if (status_) {
+    return;
+  }
+  status_ = status;
+  valves_.command({}, false);  // and ValveWire's end writes it once more
+  if (status == exit_done) {
+    say(why);
+  } else {
+    (void)std::fprintf(stderr, "dig_cycle: %s\n", why.c_str());
+  }
+}
+
+void Program::say(const std::string& text) const {
+  if (!options_.quiet) {
+    (void)std::fprintf(stderr, "dig_cycle: %s\n", text.c_str());
+  }
+}
+
+}  // namespace rigwire::dig_cycle

@@ -1,0 +1,52 @@
+// When each sensor was last heard, and which one is silent.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace rigwire::dig_cycle {
+
+enum class Sensor : std::size_t {
+  gnss,
+  lidar,
+  imu_chassis,
+  imu_boom,
+  imu_stick,
+  imu_bucket,
+  valves,
+};
+inline constexpr std::size_t kSensors = 7;
+[[nodiscard]] std::string_view name(Sensor sensor);
+
+/// The four inertial sensors follow each other in the order of Link.
+[[nodiscard]] constexpr Sensor imu_of(std::size_t link) {
+  return static_cast<Sensor>(static_cast<std::size_t>(Sensor::imu_chassis) + link);
+}
+
+class SensorWatch {
+ public:
+  /// A monotonic time; only differences matter.
+  using Instant = std::chrono::nanoseconds;
+
+  /// Silence allowed: GNSS 3 s, lidar 0.5 s, IMU 0.25 s, valve driver 0.5 s.
+  static std::chrono::milliseconds limit(Sensor sensor);
+
+  void heard(Sensor sensor, Instant now);
+  /// The first sensor that has spoken and has been silent for longer than its limit.
+  [[nodiscard]] std::optional<Sensor> silent(Instant now) const;
+  /// Every sensor has spoken and none is silent.
+  [[nodiscard]] bool all_alive(Instant now) const;
+  /// Names of those that have never spoken or are silent, comma-separated.
+  [[nodiscard]] std::string absent(Instant now) const;
+
+ private:
+  [[nodiscard]] bool alive(std::size_t sensor, Instant now) const;
+
+  std::array<std::optional<Instant>, kSensors> last_{};
+};
+
+}  // namespace rigwire::dig_cycle

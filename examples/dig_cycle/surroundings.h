@@ -1,0 +1,76 @@
+// What the lidar shows of the place: the ground in front of the bucket, the nearest thing in the
+// dig sector, and whether something stands in the way of a swing.
+//
+// Works per revolution of the sensor: points are collected, and finish_revolution() draws the
+// conclusions. The own arm (as it is believed to be) and the own body are taken out first.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "dig_cycle/cycle.h"
+#include "dig_cycle/machine.h"
+
+namespace rigwire::dig_cycle {
+
+/// Where the lidar sits: its frame in the upper structure's.
+struct LidarMount {
+  double x_m = 0.5;
+  double y_m = 0.0;
+  double z_m = 3.4;        ///< Cab roof.
+  double yaw_rad = 0.0;    ///< Left positive.
+  double pitch_rad = 0.0;  ///< Nose up positive, after the yaw.
+};
+
+/// One return, in the sensor's frame.
+struct LidarPoint {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double z_m = 0.0;
+};
+
+struct SurroundingsSettings {
+  LidarMount mount;
+  /// Half width of the sector in which the ground ahead and the nearest range are taken.
+  double sector_rad = 12.0 * kDegree;
+  double ground_inner_m = 5.5;  ///< From the swing axis.
+  double ground_outer_m = 9.0;
+  std::size_t least_ground_points = 30;
+  /// Of the points' heights, the share that lies below what counts as ground.
+  double ground_quantile = 0.3;
+  /// Everything so near to the line of the own arm is the own arm.
+  double arm_half_width_m = 0.9;
+  double arm_half_height_m = 1.0;
+  /// The swing is looked at from here to there, to either side.
+  double obstacle_inner_rad = 8.0 * kDegree;
+  double obstacle_outer_rad = 35.0 * kDegree;
+  double obstacle_clearance_m = 0.3;  ///< Below the bucket and beyond its tip.
+  std::size_t least_obstacle_points = 8;
+};
+
+class Surroundings {
+ public:
+  explicit Surroundings(const SurroundingsSettings& settings = {});
+
+  void add(const LidarPoint& point, const ArmShape& arm);
+  /// Everything since the last call was one revolution.
+  void finish_revolution();
+
+  [[nodiscard]] const View& view() const { return view_; }
+  /// From the sensor to the nearest thing in the dig sector that is not the machine.
+  [[nodiscard]] std::optional<double> nearest_range_m() const { return nearest_range_m_; }
+  [[nodiscard]] std::uint64_t revolutions() const { return revolutions_; }
+
+ private:
+  SurroundingsSettings settings_;
+  std::vector<double> ground_z_m_;
+  std::optional<double> nearest_so_far_m_;
+  std::size_t points_left_ = 0;
+  std::size_t points_right_ = 0;
+  View view_;
+  std::optional<double> nearest_range_m_;
+  std::uint64_t revolutions_ = 0;
+};
+
+}  // namespace rigwire::dig_cycle

@@ -1,0 +1,78 @@
+// One device of the rig with everything between its emulator and its client: endpoint, outlets,
+// statistics. One class per device type; docs/add-a-device.md walks through one.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <memory>
+#include <string>
+
+#include "hil/can_line.h"
+#include "hil/configuration/device.h"
+#include "hil/executive.h"
+#include "hil/rig_status.h"
+#include "hil/wire_statistics.h"
+#include "sim/samples/calendar.h"
+
+namespace rigwire::hil {
+
+class DeviceLine {
+ public:
+  virtual ~DeviceLine() = default;
+  DeviceLine(const DeviceLine&) = delete;
+  DeviceLine& operator=(const DeviceLine&) = delete;
+
+  /// Adds station and outlets to the executive and starts the endpoint. Once.
+  virtual DeviceIndex enlist(Executive& executive) = 0;
+
+  [[nodiscard]] virtual drivers::EndpointStatus endpoint() const = 0;
+  /// Messages on the wire so far.
+  [[nodiscard]] virtual std::uint64_t frames() const { return statistics_.units; }
+  /// Units lost before and at the endpoint.
+  [[nodiscard]] virtual std::uint64_t dropped() const { return statistics_.dropped; }
+  [[nodiscard]] virtual const emulators::Device& device() const = 0;
+
+  [[nodiscard]] const WireStatistics& statistics() const { return statistics_; }
+  [[nodiscard]] DeviceStatus status(const std::string& name, SimTime now) const;
+
+ protected:
+  DeviceLine() = default;
+  [[nodiscard]] WireStatistics& statistics() { return statistics_; }
+  /// To be called when a client has sent something; brings the devices up to the present.
+  SimTime client_arrived(Executive& executive);
+
+ private:
+  WireStatistics statistics_;
+};
+
+/// What every line needs to be made.
+struct LineContext {
+  boost::asio::io_context& io;
+  const Calendar& calendar;
+};
+
+/// These open their endpoints and throw drivers::EndpointError when that fails.
+[[nodiscard]] std::unique_ptr<DeviceLine> make_line(const ValveDriverConfiguration& configuration,
+                                                    const LineContext& context);
+
+class LidarLine : public DeviceLine {
+ public:
+  /// For the firing pattern that the caster needs.
+  [[nodiscard]] virtual const emulators::LidarBackend& backend() const = 0;
+  /// The fix that the position packets carry.
+  virtual void observe_fix(const GnssSample& sample) = 0;
+};
+[[nodiscard]] std::unique_ptr<LidarLine> make_line(const VelodyneConfiguration& configuration,
+                                                   const LineContext& context);
+
+class GnssLine : public DeviceLine {
+ public:
+  /// The lidar's time source is this receiver: it hears of every fix. Must outlive the line.
+  virtual void inform(LidarLine& lidar) = 0;
+};
+[[nodiscard]] std::unique_ptr<GnssLine> make_line(const UbloxConfiguration& configuration,
+                                                  const LineContext& context);
+/// `bus` must outlive the line.
+[[nodiscard]] std::unique_ptr<DeviceLine> make_line(const OpenImuDeviceConfiguration& configuration,
+                                                    CanLine& bus);
+
+}  // namespace rigwire::hil

@@ -1,0 +1,114 @@
+// The truth source that simulates: machine, scene and sensors of sim/, stepped in slices.
+//
+// One slice is a whole number of physics steps. Sensors that sample within a step see the motion
+// interpolated between the step's ends (sim/link_motion.h); the lidar casts the slice as a whole,
+// every laser at its own time; satellites are looked for in the scene as it stands at the end of
+// the slice.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/truth_source.h"
+#include "hil/truth_tap.h"
+#include "sim/excavator/excavator.h"
+#include "sim/gnss/gnss_sensor.h"
+#include "sim/imu/imu_sensor.h"
+#include "sim/lidar/spinning_lidar.h"
+#include "sim/local_frame.h"
+#include "sim/scene/scene.h"
+
+namespace rigwire::hil {
+
+/// Where on the machine a sensor sits.
+struct SensorMount {
+  sim::Link link = sim::Link::upper;
+  Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();  ///< Pose of the sensor in its link.
+};
+
+struct WorldSettings {
+  Duration step = std::chrono::milliseconds{1};   ///< Of the physics.
+  Duration slice = std::chrono::milliseconds{2};  ///< A whole multiple of `step`.
+  double gravity_mps2 = 9.80665;                  ///< Along world -z, for the inertial units.
+};
+
+class SimulatedWorld final : public TruthSource {
+ public:
+  /// The scene's bodies must be the machine's links in the order of sim::Link. Throws
+  /// std::invalid_argument when slice is not a whole multiple of step.
+  SimulatedWorld(const WorldSettings& settings, std::unique_ptr<sim::Excavator> machine,
+                 std::unique_ptr<sim::Scene> scene, const sim::LocalFrame& frame);
+
+  /// Sensors, by the device whose samples they make.
+  void add_gnss(DeviceIndex device, const SensorMount& mount, sim::GnssSensor sensor);
+  void add_imu(DeviceIndex device, const SensorMount& mount, sim::ImuSensor sensor);
+  void add_lidar(DeviceIndex device, const SensorMount& mount,
+                 std::unique_ptr<sim::SpinningLidar> sensor);
+  void add_valves(DeviceIndex device);
+  /// Records truth every `period`, a whole multiple of the step, to `tap`.
+  void set_truth_tap(std::unique_ptr<TruthTap> tap, Duration period);
+
+  [[nodiscard]] Duration slice() const override { return settings_.slice; }
+  std::optional<std::string> advance(const TruthRequests& requests, SampleBatch& batch) override;
+  [[nodiscard]] const std::vector<StateQuantity>& state_quantities() const override {
+    return state_quantities_;
+  }
+  [[nodiscard]] TruthStages stages() const override { return stages_; }
+
+ private:
+  using Motions = std::array<sim::LinkMotion, sim::kLinks>;
+
+  template <class Sensor>
+  struct Mounted {
+    DeviceIndex device;
+    SensorMount mount;
+    Sensor sensor;
+    SamplePlan plan;
+    SimTime next = kNever;  ///< Next instant to sample.
+
+    void replan(const SamplePlan& changed, SimTime frontier);
+  };
+  struct Unmounted {};
+  /// A navigation epoch that waits until the scene stands as it is at the end of the slice.
+  struct DueEpoch {
+    Mounted<sim::GnssSensor>* gnss;
+    SimTime time;
+    sim::LinkMotion motion;
+  };
+
+  void apply(const TruthRequests& requests);
+  std::optional<std::string> step_machine();
+  void sample_step(SimTime t0, SimTime t1, SampleBatch& batch);
+  void cast_slice(SampleBatch& batch);
+  void read_state(SampleBatch& batch) const;
+  void record_truth(SimTime t0, SimTime t1, SimTime time);
+  [[nodiscard]] Motions motions() const;
+  [[nodiscard]] sim::LinkMotion motion_at(const SensorMount& mount, SimTime t0, SimTime t1,
+                                          SimTime time) const;
+
+  WorldSettings settings_;
+  std::unique_ptr<sim::Excavator> machine_;
+  std::unique_ptr<sim::Scene> scene_;
+  sim::LocalFrame frame_;
+  std::vector<Mounted<sim::GnssSensor>> gnss_;
+  std::vector<Mounted<sim::ImuSensor>> imu_;
+  std::vector<Mounted<std::unique_ptr<sim::SpinningLidar>>> lidars_;
+  std::vector<Mounted<Unmounted>> valves_;
+  std::unique_ptr<TruthTap> tap_;
+  Duration tap_period_{0};
+  SimTime next_tap_ = kNever;
+
+  SimTime frontier_ = kStart;
+  Motions slice_start_;  ///< At the start of the slice.
+  Motions before_;       ///< At the start of the step.
+  Motions after_;        ///< At the end of the step.
+  std::vector<DueEpoch> due_epochs_;
+  std::vector<sim::BodyMotion> bodies_;
+  std::vector<StateQuantity> state_quantities_;
+  TruthStages stages_;
+};
+
+}  // namespace rigwire::hil

@@ -1,0 +1,139 @@
+// The excavator as its sensors and its valve driver meet it: spool commands in, motion of every
+// link and the readings of the valve block out.
+//
+// Chain per inner step: spool lag and dead band -> requested flows -> pump's share -> target speeds
+// -> target positions -> Eq. 5 drives with relief and end stops -> joint motion (driven_arm.h).
+// Valve sections, everywhere in this class: 0 swing, 1 boom, 2 stick, 3 bucket; sections 4 .. 7 are
+// empty. A positive opening turns left, lifts the boom, and draws in stick and bucket: it sends oil
+// to port A and extends the cylinder.
+//
+// The undercarriage stands still where it is put; there is no ground contact of the bucket.
+// Deterministic: the same parameters, commands and calls give the same bits on one compiler.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "sim/excavator/driven_arm.h"
+#include "sim/excavator/parameters.h"
+#include "sim/hydraulics/spool.h"
+#include "sim/hydraulics/supply.h"
+#include "sim/link_motion.h"
+#include "sim/samples/valve_sample.h"
+
+namespace rigwire::sim {
+
+/// The machine's rigid links, frames as in parameters.h.
+enum class Link { undercarriage, upper, boom, stick, bucket };
+inline constexpr std::size_t kLinks = 5;
+
+/// The first quantity that stopped being a finite number.
+struct NonFinite {
+  const char* quantity = "";  ///< For example "joint acceleration".
+  int joint = 0;              ///< 0 swing, 1 boom, 2 stick, 3 bucket.
+  SimTime time{};             ///< Machine time of the inner step that failed.
+};
+
+class Excavator {
+ public:
+  /// X_WC: the undercarriage's pose in the world. The machine starts at rest in parameters.initial,
+  /// valves closed, drives carrying the load. Throws std::invalid_argument as validate does, and
+  /// when X_WC is not a finite rigid pose.
+  Excavator(const ExcavatorParameters& parameters, const Eigen::Isometry3d& X_WC);
+
+  /// New spool set points, valid until the next. A section whose opening is not a number keeps its
+  /// old set point and is counted; openings outside -1 .. 1 are clamped.
+  void command(const ValveCommand& command);
+
+  /// Advances the machine, dividing `span` into inner steps of parameters.step_s and a remainder:
+  /// one call with N steps gives the same bits as N calls. span <= 0 changes nothing, not one bit.
+  /// Never throws, never allocates. After a non-finite result the machine stands still in its last
+  /// finite state, see non_finite().
+  void step(Duration span);
+
+  /// Time advanced so far.
+  [[nodiscard]] SimTime time() const { return time_; }
+
+  /// Motion at the end of the last step in the world frame; accelerations are the solver's own.
+  [[nodiscard]] const LinkMotion& link(Link which) const {
+    return links_[static_cast<std::size_t>(which)];
+  }
+
+  /// What the transducers read, stamped with `time`. Pressures are the drives' forces over the
+  /// areas (supply.h); a section that pushes against its end stop reads the supply's relief.
+  [[nodiscard]] ValveSample valve_sample(SimTime time) const;
+
+  [[nodiscard]] const JointVector& joint_angles_rad() const { return state_.q_rad; }
+  [[nodiscard]] const JointVector& joint_rates_radps() const { return state_.v_radps; }
+  [[nodiscard]] const JointVector& joint_accelerations_radps2() const { return acceleration_; }
+
+  /// Drive coordinates: swing angle in rad, cylinder lengths in m.
+  [[nodiscard]] const JointVector& drive_positions() const { return position_; }
+  [[nodiscard]] const JointVector& drive_rates() const { return position_rate_; }
+  /// Where Eq. 5's spring pulls to.
+  [[nodiscard]] const JointVector& drive_targets() const { return target_; }
+  /// N, extension positive; N m for swing. Without the end stops' share.
+  [[nodiscard]] const JointVector& drive_forces() const { return force_; }
+  /// Flows granted to the sections in the last inner step, m3/s, signed.
+  [[nodiscard]] const std::array<double, kArmJoints>& flows_m3ps() const { return flow_; }
+  [[nodiscard]] double supply_pressure_pa() const { return supply_pressure_pa_; }
+
+  /// The teeth's tip in the world.
+  [[nodiscard]] Eigen::Vector3d tip_W() const;
+
+  void set_payload_kg(double mass_kg);
+  [[nodiscard]] double payload_kg() const { return arm_.dynamics().payload_kg(); }
+
+  [[nodiscard]] bool finite() const { return !non_finite_.has_value(); }
+  [[nodiscard]] const std::optional<NonFinite>& non_finite() const { return non_finite_; }
+  /// Sections whose command was refused because it was not a number.
+  [[nodiscard]] std::uint64_t refused_commands() const { return refused_commands_; }
+
+  [[nodiscard]] const DrivenArm& arm() const { return arm_; }
+  [[nodiscard]] const Linkages& linkages() const { return arm_.linkages(); }
+
+ private:
+  struct Areas {
+    double bottom = 0.0;  ///< m2 (m3/rad for swing): pushes left, up, in.
+    double rod_side = 0.0;
+  };
+
+  void inner_step(double h);
+  void share_flow();
+  /// Target speed that the cushion and the stroke's end allow.
+  [[nodiscard]] double limited_flow(std::size_t section, double flow_m3ps) const;
+  void hold_strokes();
+  void pull_targets_back(const JointVector& target, const JointVector& rate);
+  [[nodiscard]] bool record_non_finite(const ArmState& state, const JointVector& acceleration);
+  [[nodiscard]] bool at_stroke_end(std::size_t section, double direction) const;
+  void update_pressures();
+  void update_links();
+
+  ExcavatorParameters parameters_;
+  Eigen::Isometry3d X_WC_;
+  DrivenArm arm_;
+  DriveGains closed_gains_;  ///< Gains with no section floating.
+  std::array<Spool, kArmJoints> spools_;
+  std::array<Areas, kArmJoints> areas_;
+  std::array<bool, kArmJoints> floating_{};
+  std::array<double, 2 * kArmJoints> hard_limits_rad_{};  ///< q_min, q_max per joint.
+  Duration inner_span_{};
+
+  SimTime time_{};
+  ArmState state_;
+  JointVector acceleration_ = JointVector::Zero();
+  JointVector position_ = JointVector::Zero();
+  JointVector position_rate_ = JointVector::Zero();
+  JointVector target_ = JointVector::Zero();
+  JointVector force_ = JointVector::Zero();
+  std::array<double, kArmJoints> flow_{};
+  std::array<PortPressures, kArmJoints> ports_{};
+  double supply_pressure_pa_ = 0.0;
+  std::array<LinkMotion, kLinks> links_;
+  std::optional<NonFinite> non_finite_;
+  std::uint64_t refused_commands_ = 0;
+};
+
+}  // namespace rigwire::sim

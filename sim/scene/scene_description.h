@@ -1,0 +1,115 @@
+// A scene as data: what configs/scenes/*.yaml fills. World frame: x east, y north, z up, metres
+// from the scene's map origin; the machine works at (0, 0).
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sim/scene/scene.h"
+
+namespace rigwire::sim {
+
+/// A cone of loose material.
+struct Heap {
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
+  double height_m = 1.5;
+  double repose_deg = 37.0;  ///< Slope of the cone.
+};
+
+/// The lowest level of an open pit, made by formula and noise: a flat floor bounded by a working
+/// face, above it benches with flat berms and safety windrows, and an access ramp cut to the west.
+struct PitTerrain {
+  double size_m = 120.0;  ///< Edge of the square area, its middle at (0, 0).
+  double cell_m = 0.4;    ///< Distance of the nodes.
+  double floor_height_m = 0.0;
+  Eigen::Vector2d floor_centre_m{-20.0, 0.0};
+  Eigen::Vector2d floor_half_lengths_m{27.0, 26.0};  ///< East reach: the working face's toe.
+  int benches = 3;
+  double bench_height_m = 4.0;
+  double face_angle_deg = 70.0;
+  double berm_width_m = 6.0;
+  double windrow_height_m = 0.8;  ///< Ridge along the outer edge of each berm.
+  double ramp_width_m = 9.0;
+  double ramp_slope = 0.12;         ///< Rise over run.
+  double ramp_start_x_m = -30.0;    ///< The ramp rises from here to the west.
+  double ramp_y_m = -6.0;           ///< Its centre line.
+  double floor_roughness_m = 0.03;  ///< Standard deviation of the noise on floor and ramp.
+  double face_roughness_m = 0.25;   ///< On faces and berms.
+  std::vector<Heap> heaps{{{6.2, 0.0}, 1.6, 37.0}};
+  Material material{.reflectance = 0.35, .label = "ground"};
+};
+
+/// A disc in which no rock is put.
+struct KeepOut {
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
+  double radius_m = 5.0;
+};
+
+/// Boulders strewn over a disc, diameters by a power law: the number above d falls as
+/// d^(1 - exponent).
+struct RockField {
+  int count = 80;
+  Eigen::Vector2d centre_m{0.0, 0.0};
+  double radius_m = 35.0;
+  double smallest_m = 0.2;
+  double largest_m = 1.8;
+  double exponent = 2.7;
+  Material material{.reflectance = 0.45, .label = "rock"};
+  std::vector<KeepOut> keep_out{{{0.0, 0.0}, 5.0}, {{-1.0, 7.0}, 6.0}};
+};
+
+/// A mesh that stands in the scene.
+struct FixedObject {
+  std::string name;
+  std::string mesh;  ///< Name of a mesh in the library given to build_scene().
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< Of the mesh's origin.
+  double yaw_rad = 0.0;                                  ///< Left from east.
+  bool on_ground = true;  ///< Then position_m.z() counts from the terrain's height.
+  Material material{.reflectance = 0.6, .label = "object"};
+};
+
+struct SceneDescription {
+  PitTerrain terrain;
+  std::vector<RockField> rocks;
+  std::vector<FixedObject> objects;
+};
+
+/// Throw std::invalid_argument naming member, value and what is allowed.
+void validate(const PitTerrain& terrain);
+void validate(const RockField& rocks);
+void validate(const SceneDescription& description);
+
+/// The terrain as heights; the same seed gives the same heights. Validates.
+[[nodiscard]] HeightField make_pit(const PitTerrain& terrain, std::uint64_t seed);
+
+/// One boulder, ready to be instanced.
+struct PlacedRock {
+  std::size_t shape = 0;  ///< 0 .. kRockShapes-1.
+  Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
+  double radius_m = 0.5;
+};
+inline constexpr std::size_t kRockShapes = 8;
+
+/// Rocks on the terrain, about a third sunk in. A field whose keep-outs leave no room has fewer
+/// rocks than asked for. Validates.
+[[nodiscard]] std::vector<PlacedRock> place_rocks(const RockField& rocks, const HeightField& ground,
+                                                  RandomStream& random);
+
+/// Where an object stands in the world.
+[[nodiscard]] Eigen::Isometry3d object_pose(const FixedObject& object, const HeightField& ground);
+
+/// A scene and the terrain under it (for the machine's contact with the ground).
+struct BuiltScene {
+  std::unique_ptr<Scene> scene;
+  HeightField ground;
+};
+
+/// Builds everything fixed. `meshes` holds the meshes that the objects name; a missing one throws
+/// std::invalid_argument naming the object and what there is. Machine links are added afterwards
+/// with Scene::add_body().
+[[nodiscard]] BuiltScene build_scene(const SceneDescription& description,
+                                     const std::vector<TriangleMesh>& meshes, std::uint64_t seed);
+
+}  // namespace rigwire::sim

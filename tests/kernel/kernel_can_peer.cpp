@@ -1,0 +1,159 @@
+// One emulated inertial measurement unit on a real kernel's CAN, for the cases of tests/kernel: the
+// OpenIMU335RI emulator behind the bus model, in real time, on a SocketCAN interface or on a
+// serial-line adapter (slcan) at the end of a pty.
+//
+//   kernel_can_peer socketcan:INTERFACE|slcan:LINK [SERIAL [SECONDS]]
+//
+// The unit stands still, nose up by 5 degrees. Ends after SECONDS (20) or on SIGTERM, then prints
+// what it sent and received.
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <memory>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "drivers/pty.h"
+#include "drivers/slcan_adapter.h"
+#include "drivers/socketcan.h"
+#include "emulators/can_bus.h"
+#include "emulators/openimu335ri.h"
+
+namespace {
+
+using namespace rigwire;
+using WallClock = std::chrono::steady_clock;
+
+constexpr double kNoseUp_rad = 5.0 * std::numbers::pi / 180.0;
+constexpr double kGravity_mps2 = 9.80665;
+constexpr auto kStep = std::chrono::milliseconds{1};
+
+/// The bus model's outside: frames go to the kernel as they end on the modelled bus.
+class ToKernel final : public emulators::FrameOutput {
+ public:
+  explicit ToKernel(drivers::CanBus& wire) : wire_(wire) {}
+  void send(SimTime /*due*/, const protocols::can::Frame& frame) override {
+    if (wire_.send(frame)) {
+      ++sent;
+    } else {
+      ++refused;
+    }
+  }
+  unsigned long sent = 0;
+  unsigned long refused = 0;
+
+ private:
+  drivers::CanBus& wire_;
+};
+
+struct Wire {
+  std::unique_ptr<drivers::ByteStream> line;  ///< Below the adapter; null for SocketCAN.
+  std::unique_ptr<drivers::CanBus> bus;
+};
+
+Wire open_wire(boost::asio::io_context& io, const std::string& address) {
+  const std::string name = address.substr(address.find(':') + 1);
+  Wire wire;
+  if (address.starts_with("socketcan:")) {
+    wire.bus = std::make_unique<drivers::SocketCanBus>(io, name);
+  } else if (address.starts_with("slcan:")) {
+    wire.line = std::make_unique<drivers::Pty>(io, name);
+    wire.bus = std::make_unique<drivers::SlcanAdapter>(*wire.line, 250'000);
+  } else {
+    throw std::invalid_argument("address '" + address + "': socketcan:NAME or slcan:LINK expected");
+  }
+  return wire;
+}
+
+void run(const std::string& address, std::uint32_t serial, std::chrono::seconds limit) {
+  boost::asio::io_context io;
+  Wire wire = open_wire(io, address);
+  ToKernel outside(*wire.bus);
+  emulators::CanBusModel bus({}, outside);
+  emulators::FrameOutput& node = bus.add_node();
+  emulators::OpenImuSettings settings;
+  settings.serial = serial;
+  emulators::OpenImu imu(settings, node);
+  bus.attach(node, imu);
+
+  const auto start = WallClock::now();
+  const auto now = [start] { return kStart + Duration{WallClock::now() - start}; };
+  wire.bus->start([&](const protocols::can::Frame& frame) {
+    std::printf("heard %08X#", static_cast<unsigned>(frame.id));
+    for (const auto byte : frame.payload()) {
+      std::printf("%02X", static_cast<unsigned>(byte));
+    }
+    std::printf("\n");
+    bus.receive(std::max(now(), kStart), frame);
+  });
+
+  bool stop = false;
+  boost::asio::signal_set signals(io, SIGTERM, SIGINT);
+  signals.async_wait([&](const boost::system::error_code&, int) { stop = true; });
+
+  ImuSample sample;
+  sample.specific_force_mps2 = {kGravity_mps2 * std::sin(kNoseUp_rad), 0.0,
+                                kGravity_mps2 * std::cos(kNoseUp_rad)};
+  SimTime next_sample = imu.sample_plan().first;
+  boost::asio::steady_timer timer(io);
+  for (auto deadline = start; !stop && deadline < start + limit; deadline += kStep) {
+    timer.expires_at(deadline);
+    bool due = false;
+    timer.async_wait([&](const boost::system::error_code&) { due = true; });
+    while (!due && !stop) {
+      io.run_one();
+    }
+    // Events in order of time, none later than now.
+    for (const SimTime until = now();;) {
+      const SimTime next = std::min({next_sample, imu.next_event(), bus.next_event()});
+      if (next > until) {
+        break;
+      }
+      if (next == next_sample) {
+        sample.time = next;
+        imu.update(sample);
+        next_sample = imu.sample_plan().next_after(next);
+      } else if (next == imu.next_event()) {
+        imu.advance(next);
+      } else {
+        bus.advance(next);
+      }
+    }
+    std::fflush(stdout);
+  }
+  std::printf(
+      "address %02X name %016llX sent %lu refused %lu accepted %llu ignored %llu bad %llu\n",
+      static_cast<unsigned>(imu.address()), static_cast<unsigned long long>(imu.name()),
+      outside.sent, outside.refused, static_cast<unsigned long long>(imu.received().accepted),
+      static_cast<unsigned long long>(imu.received().ignored),
+      static_cast<unsigned long long>(imu.received().malformed));
+}
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+  if (argument_count < 2 || argument_count > 4) {
+    std::fprintf(stderr, "usage: %s socketcan:INTERFACE|slcan:LINK [SERIAL [SECONDS]]\n",
+                 arguments[0]);
+    return 2;
+  }
+  try {
+    const auto number = [&](int index, long fallback) {
+      return argument_count > index ? std::strtol(arguments[index], nullptr, 0) : fallback;
+    };
+    run(arguments[1], static_cast<std::uint32_t>(number(2, 0x12345)),
+        std::chrono::seconds{number(3, 20)});
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "kernel_can_peer: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

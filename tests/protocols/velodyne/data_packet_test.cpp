@@ -1,0 +1,122 @@
+#include "protocols/velodyne/data_packet.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "protocols/velodyne/model.h"
+#include "protocols/velodyne/points.h"
+
+namespace rigwire::protocols::velodyne {
+namespace {
+
+using Bytes = std::array<std::uint8_t, kDataPacketSize>;
+
+DataPacket sample() {
+  DataPacket packet;
+  for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
+    packet.blocks[b].azimuth_counts = static_cast<std::uint16_t>((35950 + 17 * b) % kAzimuthCounts);
+    for (std::size_t c = 0; c < kChannelsPerBlock; ++c) {
+      packet.blocks[b].channels[c] = {static_cast<std::uint16_t>(500 * b + c),
+                                      static_cast<std::uint8_t>(c)};
+    }
+  }
+  packet.timestamp_us = 3599999999U;
+  packet.return_mode_byte = static_cast<std::uint8_t>(ReturnMode::strongest);
+  packet.product_id = 0x21;
+  return packet;
+}
+
+TEST(VelodyneDataPacket, DecodesWhatItEncoded) {
+  Bytes bytes{};
+  encode(sample(), bytes);
+  const auto decoded = decode_data_packet(bytes);
+  ASSERT_TRUE(decoded.ok());
+  EXPECT_EQ(*decoded, sample());
+  EXPECT_EQ(decoded.consumed(), kDataPacketSize);
+}
+
+TEST(VelodyneDataPacket, BytesStandWhereTheManualPutsThem) {
+  DataPacket packet = sample();
+  packet.blocks[1].azimuth_counts = 0x1234;
+  packet.blocks[1].channels[31] = {0xABCD, 0x5A};
+  packet.timestamp_us = 0x01020304;
+  Bytes bytes{};
+  encode(packet, bytes);
+  EXPECT_EQ(bytes[0], 0xFF);
+  EXPECT_EQ(bytes[1], 0xEE);
+  EXPECT_EQ(bytes[102], 0x34);
+  EXPECT_EQ(bytes[103], 0x12);
+  EXPECT_EQ(bytes[100 + 4 + 31 * 3], 0xCD);
+  EXPECT_EQ(bytes[100 + 4 + 31 * 3 + 1], 0xAB);
+  EXPECT_EQ(bytes[199], 0x5A);
+  EXPECT_EQ(bytes[1200], 0x04);
+  EXPECT_EQ(bytes[1203], 0x01);
+  EXPECT_EQ(bytes[1204], 0x37);
+  EXPECT_EQ(bytes[1205], 0x21);
+}
+
+TEST(VelodyneDataPacket, TellsIncompleteFromMalformed) {
+  Bytes bytes{};
+  encode(sample(), bytes);
+  const auto cut = decode_data_packet(std::span(bytes).first(1205));
+  ASSERT_TRUE(cut.incomplete());
+  EXPECT_EQ(cut.shortage().needed, 1206U);
+  EXPECT_EQ(cut.shortage().had, 1205U);
+  std::vector<std::uint8_t> longer(bytes.begin(), bytes.end());
+  longer.push_back(0);
+  EXPECT_TRUE(decode_data_packet(longer).malformed());
+  Bytes flag = bytes;
+  flag[300] = 0;
+  ASSERT_TRUE(decode_data_packet(flag).malformed());
+  EXPECT_EQ(decode_data_packet(flag).fault().offset, 300U);
+  Bytes azimuth = bytes;
+  azimuth[2] = 0xA0;  // 36000 = 0x8CA0
+  azimuth[3] = 0x8C;
+  ASSERT_TRUE(decode_data_packet(azimuth).malformed());
+  EXPECT_EQ(decode_data_packet(azimuth).fault().offset, 2U);
+  EXPECT_TRUE(decode_data_packet({}).incomplete());
+}
+
+TEST(VelodyneModel, Hdl32eTableObeysItsOptics) {
+  const Model* model = find_model("HDL-32E");
+  ASSERT_NE(model, nullptr);
+  EXPECT_EQ(find_model(std::uint8_t{0x21}), model);
+  EXPECT_EQ(find_model("HDL-33"), nullptr);
+  ASSERT_EQ(model->lasers.size(), 32U);
+  for (const Laser& laser : model->lasers) {
+    EXPECT_NEAR(laser.vertical_offset_mm,
+                -28.83 * std::tan(laser.elevation_deg * std::numbers::pi / 180.0), 0.08);
+  }
+  EXPECT_EQ(model->lasers[15].elevation_deg, 0.0);
+  EXPECT_EQ(model->firing_period_ns, 46080);
+  EXPECT_EQ(shot(*model, 11, 31).packet_offset_ns, 11 * 46080 + 31 * 1152);
+}
+
+TEST(VelodynePoints, AzimuthIsInterpolatedAcrossTheWrap) {
+  const Model& model = *find_model("HDL-32E");
+  DataPacket packet;
+  for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
+    packet.blocks[b].azimuth_counts = static_cast<std::uint16_t>((35990 + 16 * b) % kAzimuthCounts);
+  }
+  packet.blocks[0].channels[31] = {5000, 42};
+  packet.blocks[11].channels[15] = {5000, 43};
+  std::vector<Point> points;
+  append_points(packet, model, points);
+  ASSERT_EQ(points.size(), 2U);
+  const double count = 0.01 * std::numbers::pi / 180.0;
+  EXPECT_NEAR(points[0].azimuth_rad, (35990 + 16 * 31 * 1152.0 / 46080.0 - 36000) * count, 1e-6);
+  EXPECT_NEAR(points[0].range_m, 10.0, 1e-6);
+  EXPECT_EQ(points[0].reflectivity, 42);
+  EXPECT_EQ(points[0].laser, 31);
+  const double last = (35990 + 16 * 11 - 36000 + 16 * 15 * 1152.0 / 46080.0) * count;
+  EXPECT_NEAR(points[1].azimuth_rad, last, 1e-6);
+  EXPECT_NEAR(points[1].x_m, 10.0 * std::cos(last), 1e-5);
+  EXPECT_NEAR(points[1].y_m, -10.0 * std::sin(last), 1e-5);
+  EXPECT_NEAR(points[1].z_m, 0.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace rigwire::protocols::velodyne

@@ -1,0 +1,332 @@
+#include "sim/lidar/spinning_lidar.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "sim/lidar/counter_noise.h"
+#include "sim/scene/scene_description.h"
+
+namespace rigwire::sim {
+namespace {
+
+using Eigen::Vector3d;
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kRate = 10.0 * kTurn;
+
+LidarPattern pattern() {
+  LidarPattern result;
+  for (int i = 0; i < 32; ++i) {
+    result.lasers.push_back({.elevation_rad = (-30.67 + 4.0 / 3.0 * ((i * 7) % 32)) * kTurn / 360.0,
+                             .vertical_offset_m = 0.017 - 0.0007 * ((i * 7) % 32),
+                             .time_offset = nanoseconds{1152 * i}});
+  }
+  result.firing_period = nanoseconds{46080};
+  result.minimum_range_m = 1.0;
+  result.maximum_range_m = 100.0;
+  return result;
+}
+
+SamplePlan plan() {
+  return {kStart + nanoseconds{46080}, nanoseconds{46080}};
+}
+
+SpinningLidarParameters exact() {
+  SpinningLidarParameters parameters;
+  parameters.range_sigma_m = 0.0;
+  return parameters;
+}
+
+LinkMotion still(double x, double y, double z) {
+  LinkMotion motion;
+  motion.X_WL.translation() << x, y, z;
+  return motion;
+}
+
+HeightField flat(double height) {
+  HeightField field;
+  field.cell_m = 1.0;
+  field.columns = 401;
+  field.rows = 401;
+  field.origin_m = {-200.0, -200.0};
+  field.heights_m.assign(field.columns * field.rows, height);
+  return field;
+}
+
+/// The ray of one shot by the definition, in double.
+struct Shot {
+  Vector3d start_S;
+  Vector3d direction_S;
+};
+Shot shot(const LidarPattern& head, std::size_t laser, SimTime firing) {
+  const double time = to_seconds(firing + head.lasers[laser].time_offset);
+  const double a = kRate * time;
+  const double w = head.lasers[laser].elevation_rad;
+  return {{0.0, 0.0, head.lasers[laser].vertical_offset_m},
+          {std::cos(w) * std::cos(a), -std::cos(w) * std::sin(a), std::sin(w)}};
+}
+
+Material white() {
+  return {.reflectance = 0.9, .label = "white"};
+}
+
+TEST(SpinningLidar, FiringsFollowThePlanWhateverTheSlices) {
+  Scene scene;
+  scene.add_terrain(flat(0.0), white());
+  SpinningLidar whole(exact(), pattern(), plan(), kRate, 1, "lidar");
+  SpinningLidar sliced(exact(), pattern(), plan(), kRate, 1, "lidar");
+  const LinkMotion mount = still(0.0, 0.0, 3.0);
+  const SimTime end = kStart + milliseconds{20};
+  std::vector<LidarFiring> expected;
+  scene.begin_slice(kStart, end, Vector3d::Zero(), {});
+  whole.cast(scene, kStart, end, mount, mount, expected);
+  ASSERT_EQ(expected.size(), 434U);  // floor(20 ms / 46.08 us)
+  std::vector<LidarFiring> all;
+  std::vector<LidarFiring> part;
+  for (int ms = 0; ms < 20; ++ms) {
+    const SimTime t0 = kStart + milliseconds{ms};
+    scene.begin_slice(t0, t0 + milliseconds{1}, Vector3d::Zero(), {});
+    sliced.cast(scene, t0, t0 + milliseconds{1}, mount, mount, part);
+    all.insert(all.end(), part.begin(), part.end());
+  }
+  ASSERT_EQ(all.size(), expected.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(all[i].time, kStart + nanoseconds{46080} * (static_cast<int>(i) + 1));
+    EXPECT_EQ(all[i].time, expected[i].time);
+    EXPECT_EQ(all[i].rotor_azimuth_rad, expected[i].rotor_azimuth_rad);
+    for (std::size_t j = 0; j < 32; ++j) {
+      EXPECT_NEAR(all[i].returns[j].range_m, expected[i].returns[j].range_m, 1e-4F);
+    }
+  }
+}
+
+TEST(SpinningLidar, EveryLaserMeetsThePlaneOfItsOwnInstantFromAMovingTurningSensor) {
+  Scene scene;
+  scene.add_terrain(flat(0.0), white());
+  const auto wall = scene.add_mesh(make_box("wall", {0.2, 400.0, 40.0}));
+  Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
+  X_WM.translation() << 20.1, 0.0, 0.0;
+  scene.add_object(wall, X_WM, 1.0, white());
+  const SimTime t0 = kStart + milliseconds{100};
+  const SimTime t1 = kStart + milliseconds{110};
+  const Vector3d velocity(3.0, -5.0, 0.4);
+  const double yaw_rate = 1.05;
+  LinkMotion a = still(0.0, 0.0, 3.0);
+  a.v_WL_W = velocity;
+  a.w_WL_W = {0.0, 0.0, yaw_rate};
+  LinkMotion b = a;
+  b.X_WL.translation() += 0.01 * velocity;
+  b.X_WL.linear() = Eigen::AngleAxisd(0.01 * yaw_rate, Vector3d::UnitZ()).toRotationMatrix();
+  scene.begin_slice(t0, t1, Vector3d::Zero(), {});
+  const LidarPattern head = pattern();
+  SpinningLidar lidar(exact(), head, plan(), kRate, 1, "lidar");
+  std::vector<LidarFiring> firings;
+  lidar.cast(scene, t0, t1, a, b, firings);
+  ASSERT_GT(firings.size(), 200U);
+  double worst = 0.0;
+  std::size_t compared = 0;
+  for (const LidarFiring& firing : firings) {
+    for (std::size_t j = 0; j < head.lasers.size(); ++j) {
+      const double age = to_seconds(firing.time + head.lasers[j].time_offset - t0);
+      const Eigen::Matrix3d R_WS =
+          Eigen::AngleAxisd(yaw_rate * age, Vector3d::UnitZ()).toRotationMatrix();
+      const Shot ray = shot(head, j, firing.time);
+      const Vector3d p = Vector3d(0.0, 0.0, 3.0) + age * velocity + R_WS * ray.start_S;
+      const Vector3d d = R_WS * ray.direction_S;
+      double truth = std::numeric_limits<double>::infinity();
+      if (d.z() < 0.0) {
+        truth = -p.z() / d.z();
+      }
+      if (d.x() > 0.0) {
+        const double to_wall = (20.0 - p.x()) / d.x();
+        if (p.z() + to_wall * d.z() < 20.0) {
+          truth = std::min(truth, to_wall);
+        }
+      }
+      if (truth > 60.0) {
+        continue;  // too faint at grazing incidence, or sky
+      }
+      ASSERT_GT(firing.returns[j].range_m, 0.0F) << "laser " << j << " expected " << truth;
+      if (std::abs(firing.returns[j].range_m - truth) > 0.01)
+        printf("%zu t %g d %g %g %g p %g %g %g truth %g got %g\n", j, age, d.x(), d.y(), d.z(),
+               p.x(), p.y(), p.z(), truth, firing.returns[j].range_m);
+      worst = std::max(worst, std::abs(firing.returns[j].range_m - truth));
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 5000U);
+  EXPECT_LT(worst, 0.5e-3);
+}
+
+TEST(SpinningLidar, SeesTheMachinesOwnLinkWhereItIsAtTheShot) {
+  Scene scene;
+  const auto mesh = scene.add_mesh(make_box("boom", {1.0, 40.0, 40.0}));
+  const auto body = scene.add_body("boom");
+  scene.add_body_part(body, mesh, Eigen::Isometry3d::Identity(), white());
+  const SimTime t0 = kStart;
+  const SimTime t1 = kStart + milliseconds{5};
+  BodyMotion motion;
+  motion.X_WB_start.translation() << 4.5, 0.0, 0.0;
+  motion.X_WB_end.translation() << 5.5, 0.0, 0.0;
+  scene.begin_slice(t0, t1, Vector3d::Zero(), std::vector{motion});
+  const LidarPattern head = pattern();
+  SpinningLidar lidar(exact(), head, plan(), kRate, 1, "lidar");
+  std::vector<LidarFiring> firings;
+  const LinkMotion mount = still(0.0, 0.0, 0.0);
+  lidar.cast(scene, t0, t1, mount, mount, firings);
+  for (const LidarFiring& firing : firings) {
+    for (std::size_t j = 0; j < head.lasers.size(); ++j) {
+      const double share = to_seconds(firing.time + head.lasers[j].time_offset - t0) / 5e-3;
+      const Shot ray = shot(head, j, firing.time);
+      const double truth = (4.0 + std::min(share, 1.0)) / ray.direction_S.x();
+      ASSERT_NEAR(firing.returns[j].range_m, truth, 1e-3) << "laser " << j;
+    }
+  }
+  lidar.cast(scene, t0, t1, mount, mount, firings, ~Scene::body_mask(body));
+  EXPECT_EQ(firings.front().returns[0].range_m, 0.0F);
+}
+
+TEST(SpinningLidar, FaintSurfacesVanishAtTheirOwnRange) {
+  const auto range_of = [](double reflectance, double distance) {
+    Scene scene;
+    const auto wall = scene.add_mesh(make_box("wall", {1.0, 60.0, 60.0}));
+    Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
+    X_WM.translation() << distance + 0.5, 0.0, 0.0;
+    scene.add_object(wall, X_WM, 1.0, {.reflectance = reflectance, .label = "wall"});
+    const SimTime t1 = kStart + milliseconds{1};
+    scene.begin_slice(kStart, t1, Vector3d::Zero(), {});
+    LidarPattern head = pattern();
+    head.lasers.resize(1);
+    head.lasers[0] = {.elevation_rad = 0.0, .vertical_offset_m = 0.0, .time_offset = {}};
+    SpinningLidar lidar(exact(), head, plan(), 0.0, 1, "lidar");
+    std::vector<LidarFiring> firings;
+    lidar.cast(scene, kStart, t1, still(0, 0, 0), still(0, 0, 0), firings);
+    return firings.front().returns[0];
+  };
+  EXPECT_NEAR(range_of(0.9, 99.0).range_m, 99.0, 1e-3);
+  EXPECT_EQ(range_of(0.9, 101.0).range_m, 0.0F);
+  const double limit = 100.0 * std::sqrt(0.1 / 0.9);
+  EXPECT_NEAR(range_of(0.1, limit - 0.1).range_m, limit - 0.1, 1e-3);
+  EXPECT_EQ(range_of(0.1, limit + 0.1).range_m, 0.0F);
+  EXPECT_NEAR(range_of(0.4, 20.0).reflectivity, 0.4, 1e-6);
+  EXPECT_EQ(range_of(0.9, 0.6).range_m, 0.0F) << "nearer than the minimum blocks the ray";
+}
+
+TEST(SpinningLidar, ReflectivityFallsWithTheIncidence) {
+  Scene scene;
+  scene.add_terrain(flat(0.0), {.reflectance = 0.5, .label = "ground"});
+  const SimTime t1 = kStart + milliseconds{1};
+  scene.begin_slice(kStart, t1, Vector3d::Zero(), {});
+  const LidarPattern head = pattern();
+  SpinningLidar lidar(exact(), head, plan(), kRate, 1, "lidar");
+  std::vector<LidarFiring> firings;
+  lidar.cast(scene, kStart, t1, still(0, 0, 2), still(0, 0, 2), firings);
+  std::size_t echoes = 0;
+  for (std::size_t j = 0; j < head.lasers.size(); ++j) {
+    if (firings[0].returns[j].range_m > 0.0F) {
+      ++echoes;
+      EXPECT_NEAR(firings[0].returns[j].reflectivity, 0.5 * std::sin(-head.lasers[j].elevation_rad),
+                  1e-5);
+    }
+  }
+  EXPECT_GE(echoes, 20U);
+}
+
+TEST(SpinningLidar, ThreadsDoNotChangeAnything) {
+  SceneDescription description;
+  description.rocks.emplace_back();
+  BuiltScene built = build_scene(description, {}, 7);
+  std::vector<std::vector<LidarFiring>> results;
+  for (const int threads : {1, 2, 5}) {
+    SpinningLidarParameters parameters;
+    parameters.threads = threads;
+    SpinningLidar lidar(parameters, pattern(), plan(), kRate, 7, "lidar");
+    std::vector<LidarFiring> all;
+    std::vector<LidarFiring> part;
+    for (int ms = 0; ms < 100; ms += 5) {
+      const SimTime t0 = kStart + milliseconds{ms};
+      const SimTime t1 = t0 + milliseconds{5};
+      built.scene->begin_slice(t0, t1, Vector3d::Zero(), {});
+      lidar.cast(*built.scene, t0, t1, still(0, 0, 3), still(0, 0, 3), part);
+      all.insert(all.end(), part.begin(), part.end());
+    }
+    results.push_back(std::move(all));
+  }
+  for (const std::size_t other : {1U, 2U}) {
+    ASSERT_EQ(results[0].size(), results[other].size());
+    for (std::size_t i = 0; i < results[0].size(); ++i) {
+      ASSERT_EQ(results[0][i].returns, results[other][i].returns) << "firing " << i;
+    }
+  }
+}
+
+TEST(SpinningLidar, RangeNoiseHasItsDeviationAndIsReproducible) {
+  Scene scene;
+  scene.add_terrain(flat(0.0), white());
+  SpinningLidarParameters noisy;
+  noisy.range_sigma_m = 0.02;
+  const LidarPattern head = pattern();
+  const SimTime t1 = kStart + milliseconds{200};
+  scene.begin_slice(kStart, t1, Vector3d::Zero(), {});
+  std::vector<LidarFiring> truth;
+  std::vector<LidarFiring> measured;
+  SpinningLidar(exact(), head, plan(), kRate, 3, "a")
+      .cast(scene, kStart, t1, still(0, 0, 3), still(0, 0, 3), truth);
+  SpinningLidar(noisy, head, plan(), kRate, 3, "a")
+      .cast(scene, kStart, t1, still(0, 0, 3), still(0, 0, 3), measured);
+  double sum = 0.0;
+  double squares = 0.0;
+  double count = 0.0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    for (std::size_t j = 0; j < head.lasers.size(); ++j) {
+      const float range = truth[i].returns[j].range_m;
+      if (range > 2.0F && range < 90.0F) {
+        const double error = measured[i].returns[j].range_m - range;
+        sum += error;
+        squares += error * error;
+        count += 1.0;
+      }
+    }
+  }
+  ASSERT_GT(count, 50000.0);
+  EXPECT_NEAR(sum / count, 0.0, 4.0 * 0.02 / std::sqrt(count));
+  EXPECT_NEAR(std::sqrt(squares / count), 0.02, 4.0 * 0.02 / std::sqrt(2.0 * count));
+}
+
+TEST(SpinningLidar, RotorTurnsOnThroughAChangeOfRate) {
+  SpinningLidar lidar(exact(), pattern(), plan(), kRate, 1, "lidar");
+  EXPECT_EQ(lidar.rotor_azimuth_rad(kStart), 0.0);
+  EXPECT_NEAR(lidar.rotor_azimuth_rad(kStart + milliseconds{25}), 0.25 * kTurn, 1e-12);
+  lidar.set_rotor_rate(kStart + milliseconds{50}, 2.0 * kRate);
+  EXPECT_NEAR(lidar.rotor_azimuth_rad(kStart + milliseconds{60}), 0.7 * kTurn, 1e-12);
+  const double after_a_day = lidar.rotor_azimuth_rad(kStart + std::chrono::hours{24});
+  EXPECT_GE(after_a_day, 0.0);
+  EXPECT_LT(after_a_day, kTurn);
+}
+
+TEST(CounterNoise, QuantileInvertsTheNormalDistribution) {
+  for (const double p : {1e-14, 1e-9, 1e-4, 0.01, 0.07, 0.08, 0.3, 0.5, 0.7, 0.93, 0.999}) {
+    const double back = 0.5 * std::erfc(-normal_quantile(p) / std::numbers::sqrt2);
+    EXPECT_NEAR(back / p, 1.0, 1e-5) << p;
+  }
+}
+
+TEST(SpinningLidar, RefusesNonsense) {
+  SpinningLidarParameters parameters;
+  parameters.threads = 0;
+  EXPECT_THROW(SpinningLidar(parameters, pattern(), plan(), kRate, 1, "x"), std::invalid_argument);
+  parameters = {};
+  parameters.range_sigma_m = std::nan("");
+  EXPECT_THROW(SpinningLidar(parameters, pattern(), plan(), kRate, 1, "x"), std::invalid_argument);
+  EXPECT_THROW(SpinningLidar(exact(), LidarPattern{}, plan(), kRate, 1, "x"),
+               std::invalid_argument);
+  EXPECT_THROW(SpinningLidar(exact(), pattern(), SamplePlan{}, kRate, 1, "x"),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace rigwire::sim

@@ -31,6 +31,11 @@ enum class OpenImuVariant : std::uint8_t {
   openimu335ri,  ///< Figures of merit by state, latency sent, negative acknowledgements.
 };
 
+/// Behaviour bits that change something in this device; the others keep their default.
+inline constexpr std::uint16_t kChangeableBehaviour =
+    protocols::openimu::Behaviour::kSwapPitchRoll | protocols::openimu::Behaviour::kNorthWestUp |
+    protocols::openimu::Behaviour::kSwapRequestPgn;
+
 /// What a client can change over the bus.
 struct OpenImuConfiguration {
   std::uint16_t packet_mask = protocols::openimu::PacketBit::kAll;

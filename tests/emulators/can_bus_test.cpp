@@ -44,9 +44,9 @@ Frame extended(std::uint32_t id) {
 class CanBus : public testing::Test {
  protected:
   Recorder outside_;
-  CanBusModel bus_{CanBusSettings{250'000, 4}, outside_};
-  FrameOutput& a_ = bus_.add_node();
-  FrameOutput& b_ = bus_.add_node();
+  CanBusModel bus_{CanBusSettings{250'000, 4}};
+  FrameOutput& a_ = bus_.add_node(outside_);
+  FrameOutput& b_ = bus_.add_node(outside_);
   Listener device_a_;
   Listener device_b_;
   void SetUp() override {
@@ -140,9 +140,9 @@ TEST_F(CanBus, EqualIdentifiersAreCounted) {
 
 TEST_F(CanBus, SteppingByEventsOrAtOnceGivesTheSame) {
   Recorder other_outside;
-  CanBusModel other(CanBusSettings{250'000, 4}, other_outside);
-  FrameOutput& x = other.add_node();
-  FrameOutput& y = other.add_node();
+  CanBusModel other(CanBusSettings{250'000, 4});
+  FrameOutput& x = other.add_node(other_outside);
+  FrameOutput& y = other.add_node(other_outside);
   for (int i = 0; i < 4; ++i) {
     a_.send(kStart + i * 300us, standard(0x200));
     x.send(kStart + i * 300us, standard(0x200));
@@ -194,9 +194,9 @@ TEST_F(CanBus, LoadCountsExactBitsOverTheLastSecond) {
 
 TEST(CanBusSettings, AreChecked) {
   Recorder outside;
-  EXPECT_THROW(CanBusModel(CanBusSettings{0, 4}, outside), std::invalid_argument);
-  EXPECT_THROW(CanBusModel(CanBusSettings{250'000, 0}, outside), std::invalid_argument);
-  CanBusModel bus(CanBusSettings{}, outside);
+  EXPECT_THROW(CanBusModel(CanBusSettings{0, 4}), std::invalid_argument);
+  EXPECT_THROW(CanBusModel(CanBusSettings{250'000, 0}), std::invalid_argument);
+  CanBusModel bus(CanBusSettings{});
   EXPECT_THROW((void)bus.counters(outside), std::invalid_argument);
 }
 

@@ -317,9 +317,9 @@ TEST(OpenImuAddress, FallsSilentWhenThePoolIsFull) {
 
 TEST(OpenImuAddress, TwoDevicesOnOneBusSortThemselvesOut) {
   Recorder outside;
-  CanBusModel bus(CanBusSettings{}, outside);
-  FrameOutput& first_output = bus.add_node();
-  FrameOutput& second_output = bus.add_node();
+  CanBusModel bus(CanBusSettings{});
+  FrameOutput& first_output = bus.add_node(outside);
+  FrameOutput& second_output = bus.add_node(outside);
   OpenImu first(settings_with(0x20), first_output);
   OpenImu second(settings_with(0x40), second_output);  // both claim 0x80 at once
   bus.attach(first_output, first);
@@ -512,8 +512,8 @@ TEST(OpenImuSettings, RefusedWithTheValueFound) {
 
 TEST(OpenImuBusLoad, DefaultMessagesAtRestTake17Percent) {
   Recorder outside;
-  CanBusModel bus(CanBusSettings{}, outside);
-  FrameOutput& output = bus.add_node();
+  CanBusModel bus(CanBusSettings{});
+  FrameOutput& output = bus.add_node(outside);
   OpenImu imu(settings_with(0x12345, OpenImuVariant::openimu300ri), output);
   bus.attach(output, imu);
   SimTime now = kStart;

@@ -47,7 +47,7 @@ GprmcText::GprmcText(const RecommendedMinimum& values) {
            values.longitude_deg < 0.0 ? 'W' : 'E', speed_tenths / 10, speed_tenths % 10,
            course_tenths / 10, course_tenths % 10);
   } else {
-    append("V,,,,,,,");
+    append("%s", "V,,,,,,,");
   }
   append("%02d%02d%02d,,,%c", values.day, values.month, values.year % 100,
          values.valid ? 'A' : 'N');

@@ -22,30 +22,37 @@ constexpr float kReferenceReflectance = 0.9F;
 /// Beyond the maximum range a hit may still come into it by its noise.
 constexpr double kNoiseReach_sigma = 6.0;
 
-using Lanes = std::array<float, kLanes>;
+/// One value per lane; Eigen does the arithmetic in the processor's vector registers.
+using Lanes = Eigen::Array<float, kLanes, 1>;
+using LanesIn = Eigen::Map<const Lanes, Eigen::Aligned32>;
+using LanesOut = Eigen::Map<Lanes, Eigen::Aligned32>;
 
 /// Eight consecutive firings side by side, at the instant of their first laser, in Embree's
 /// coordinates.
-struct FiringBlock {
-  std::size_t first = 0;     ///< Index into the firings of this cast.
-  std::size_t count = 0;     ///< 1 .. 8.
-  std::array<Lanes, 9> R{};  ///< Columns of R_WS one after the other.
-  std::array<Lanes, 3> p{};  ///< m
-  std::array<Lanes, 3> v{};  ///< m/s
-  std::array<Lanes, 3> w{};  ///< rad/s
-  Lanes cos_azimuth{};
-  Lanes sin_azimuth{};
-  Lanes time{};  ///< Share of the slice.
+struct FiringLanes {
+  std::array<Lanes, 9> R;  ///< Columns of R_WS one after the other.
+  std::array<Lanes, 3> p;  ///< m
+  std::array<Lanes, 3> v;  ///< m/s
+  std::array<Lanes, 3> w;  ///< rad/s
+  Lanes cos_azimuth;
+  Lanes sin_azimuth;
+  Lanes time;  ///< Share of the slice.
 };
 
-struct LaserConstants {
-  float cos_elevation = 0.0F;
-  float sin_elevation = 0.0F;
-  float offset_m = 0.0F;
-  float delay_s = 0.0F;
-  float cos_turn = 0.0F;  ///< Of the rotor during the delay.
-  float sin_turn = 0.0F;
-  float delay_share = 0.0F;  ///< Of the slice.
+struct FiringBlock {
+  std::size_t first = 0;  ///< Index into the firings of this cast.
+  std::size_t count = 0;  ///< 1 .. 8.
+  FiringLanes lanes;
+};
+
+struct LaserLanes {
+  Lanes cos_elevation;
+  Lanes sin_elevation;
+  Lanes offset_m;
+  Lanes delay_s;
+  Lanes cos_turn;  ///< Of the rotor during the delay.
+  Lanes sin_turn;
+  Lanes delay_share;  ///< Of the slice.
 };
 
 /// Which firing of the block and which laser a lane carries.
@@ -54,12 +61,62 @@ struct LaneMap {
   std::array<std::uint8_t, kLanes> laser{};
 };
 
+/// Copies lane `from` of every member of `source` to lane `to` of `target`; both structs hold
+/// nothing but Lanes.
+template <class Struct>
+void copy_lane(const Struct& source, std::size_t from, Struct& target, std::size_t to) {
+  static_assert(sizeof(Struct) % sizeof(Lanes) == 0);
+  const auto* in = reinterpret_cast<const float*>(&source);
+  auto* out = reinterpret_cast<float*>(&target);
+  for (std::size_t i = 0; i < sizeof(Struct) / sizeof(float); i += kLanes) {
+    out[i + to] = in[i + from];
+  }
+}
+
+void fill_rays(const FiringLanes& firing, const LaserLanes& laser, RTCRay8& ray) {
+  const Lanes cosine = firing.cos_azimuth * laser.cos_turn - firing.sin_azimuth * laser.sin_turn;
+  const Lanes sine = firing.sin_azimuth * laser.cos_turn + firing.cos_azimuth * laser.sin_turn;
+  const Lanes x_S = laser.cos_elevation * cosine;
+  const Lanes y_S = -laser.cos_elevation * sine;
+  const Lanes& z_S = laser.sin_elevation;
+  const Lanes& dt = laser.delay_s;
+  const auto& R = firing.R;
+  const auto& w = firing.w;
+  const Lanes x = R[0] * x_S + R[3] * y_S + R[6] * z_S;
+  const Lanes y = R[1] * x_S + R[4] * y_S + R[7] * z_S;
+  const Lanes z = R[2] * x_S + R[5] * y_S + R[8] * z_S;
+  LanesOut{ray.dir_x} = x + dt * (w[1] * z - w[2] * y);
+  LanesOut{ray.dir_y} = y + dt * (w[2] * x - w[0] * z);
+  LanesOut{ray.dir_z} = z + dt * (w[0] * y - w[1] * x);
+  LanesOut{ray.org_x} = firing.p[0] + dt * firing.v[0] + laser.offset_m * R[6];
+  LanesOut{ray.org_y} = firing.p[1] + dt * firing.v[1] + laser.offset_m * R[7];
+  LanesOut{ray.org_z} = firing.p[2] + dt * firing.v[2] + laser.offset_m * R[8];
+  LanesOut{ray.time} = (firing.time + laser.delay_share).min(1.0F);
+}
+
+/// A standard normal number for each shot.
+Lanes gaussian_lanes(std::uint64_t key, const std::array<std::uint64_t, kLanes>& shots) {
+  std::array<double, kLanes> p{};
+  Lanes q;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    p[lane] = counter_uniform(key, shots[lane]);
+    q(static_cast<Eigen::Index>(lane)) = static_cast<float>(p[lane] - 0.5);
+  }
+  Lanes value = central_normal_quantile<float>(q);
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    if (std::abs(p[lane] - 0.5) > kCentralHalfWidth) {
+      value(static_cast<Eigen::Index>(lane)) = static_cast<float>(normal_quantile(p[lane]));
+    }
+  }
+  return value;
+}
+
 }  // namespace
 
 struct SpinningLidar::Slice {
   explicit Slice(int threads) : workers(threads) {}
 
-  std::array<LaserConstants, kMaxLasers> lasers{};
+  std::array<LaserLanes, kMaxLasers> lasers{};
   std::array<std::uint8_t, kMaxLasers> by_elevation{};
   std::size_t laser_count = 0;
   std::vector<FiringBlock> blocks;
@@ -92,28 +149,18 @@ struct SpinningLidar::Slice {
 void SpinningLidar::Slice::fill(const FiringBlock& block, const LaneMap& map, std::uint32_t mask,
                                 RTCRayHit8& packet) const {
   RTCRay8& ray = packet.ray;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const std::size_t f = map.firing[lane];
-    const LaserConstants& laser = lasers[map.laser[lane]];
-    const float cosine =
-        block.cos_azimuth[f] * laser.cos_turn - block.sin_azimuth[f] * laser.sin_turn;
-    const float sine =
-        block.sin_azimuth[f] * laser.cos_turn + block.cos_azimuth[f] * laser.sin_turn;
-    const float x_S = laser.cos_elevation * cosine;
-    const float y_S = -laser.cos_elevation * sine;
-    const float z_S = laser.sin_elevation;
-    const float dt = laser.delay_s;
-    std::array<float, 3> d{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      d[i] = block.R[i][f] * x_S + block.R[3 + i][f] * y_S + block.R[6 + i][f] * z_S;
+  if (block.count == kLanes) {
+    fill_rays(block.lanes, lasers[map.laser[0]], ray);
+  } else {
+    FiringLanes firing;
+    LaserLanes laser;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      copy_lane(block.lanes, map.firing[lane], firing, lane);
+      copy_lane(lasers[map.laser[lane]], lane, laser, lane);
     }
-    ray.dir_x[lane] = d[0] + dt * (block.w[1][f] * d[2] - block.w[2][f] * d[1]);
-    ray.dir_y[lane] = d[1] + dt * (block.w[2][f] * d[0] - block.w[0][f] * d[2]);
-    ray.dir_z[lane] = d[2] + dt * (block.w[0][f] * d[1] - block.w[1][f] * d[0]);
-    ray.org_x[lane] = block.p[0][f] + dt * block.v[0][f] + laser.offset_m * block.R[6][f];
-    ray.org_y[lane] = block.p[1][f] + dt * block.v[1][f] + laser.offset_m * block.R[7][f];
-    ray.org_z[lane] = block.p[2][f] + dt * block.v[2][f] + laser.offset_m * block.R[8][f];
-    ray.time[lane] = std::min(block.time[f] + laser.delay_share, 1.0F);
+    fill_rays(firing, laser, ray);
+  }
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
     ray.tnear[lane] = near_m;
     ray.tfar[lane] = far_m;
     ray.mask[lane] = mask;
@@ -167,10 +214,11 @@ SpinningLidar::SpinningLidar(const SpinningLidarParameters& parameters, const Li
       static_cast<float>(pattern.maximum_range_m + kNoiseReach_sigma * parameters.range_sigma_m);
   for (std::size_t i = 0; i < slice.laser_count; ++i) {
     const LaserGeometry& laser = pattern.lasers[i];
-    slice.lasers[i].cos_elevation = static_cast<float>(std::cos(laser.elevation_rad));
-    slice.lasers[i].sin_elevation = static_cast<float>(std::sin(laser.elevation_rad));
-    slice.lasers[i].offset_m = static_cast<float>(laser.vertical_offset_m);
-    slice.lasers[i].delay_s = static_cast<float>(to_seconds(laser.time_offset));
+    LaserLanes& lanes = slice.lasers[i];
+    lanes.cos_elevation.setConstant(static_cast<float>(std::cos(laser.elevation_rad)));
+    lanes.sin_elevation.setConstant(static_cast<float>(std::sin(laser.elevation_rad)));
+    lanes.offset_m.setConstant(static_cast<float>(laser.vertical_offset_m));
+    lanes.delay_s.setConstant(static_cast<float>(to_seconds(laser.time_offset)));
   }
   const auto used = std::span(slice.by_elevation).first(slice.laser_count);
   std::iota(used.begin(), used.end(), std::uint8_t{0});
@@ -199,11 +247,11 @@ void SpinningLidar::prepare(const Scene& scene, SimTime t0, SimTime t1,
   firings.clear();
   const double length_s = to_seconds(t1 - t0);
   for (std::size_t i = 0; i < slice.laser_count; ++i) {
-    LaserConstants& laser = slice.lasers[i];
-    const double turn = rotor_rate_radps_ * to_seconds(pattern_.lasers[i].time_offset);
-    laser.cos_turn = static_cast<float>(std::cos(turn));
-    laser.sin_turn = static_cast<float>(std::sin(turn));
-    laser.delay_share = static_cast<float>(laser.delay_s / length_s);
+    LaserLanes& laser = slice.lasers[i];
+    const double delay_s = to_seconds(pattern_.lasers[i].time_offset);
+    laser.cos_turn.setConstant(static_cast<float>(std::cos(rotor_rate_radps_ * delay_s)));
+    laser.sin_turn.setConstant(static_cast<float>(std::sin(rotor_rate_radps_ * delay_s)));
+    laser.delay_share.setConstant(static_cast<float>(delay_s / length_s));
   }
   SimTime time = plan_.next_after(t0);
   if (time <= t1) {
@@ -220,22 +268,23 @@ void SpinningLidar::prepare(const Scene& scene, SimTime t0, SimTime t1,
       slice.blocks.emplace_back().first = firings.size() - 1;
     }
     FiringBlock& block = slice.blocks.back();
-    const std::size_t lane = block.count++;
+    const auto lane = static_cast<Eigen::Index>(block.count++);
+    FiringLanes& lanes = block.lanes;
     const LinkMotion mount = interpolate(t0, mount_at_t0, t1, mount_at_t1, time);
     const Eigen::Vector3d p = mount.X_WL.translation() - origin_W;
     const Eigen::Matrix3d R = mount.X_WL.linear();
     for (std::size_t i = 0; i < 9; ++i) {
-      block.R[i][lane] = static_cast<float>(R.data()[i]);
+      lanes.R[i](lane) = static_cast<float>(R.data()[i]);
     }
     for (std::size_t i = 0; i < 3; ++i) {
       const auto row = static_cast<Eigen::Index>(i);
-      block.p[i][lane] = static_cast<float>(p(row));
-      block.v[i][lane] = static_cast<float>(mount.v_WL_W(row));
-      block.w[i][lane] = static_cast<float>(mount.w_WL_W(row));
+      lanes.p[i](lane) = static_cast<float>(p(row));
+      lanes.v[i](lane) = static_cast<float>(mount.v_WL_W(row));
+      lanes.w[i](lane) = static_cast<float>(mount.w_WL_W(row));
     }
-    block.cos_azimuth[lane] = static_cast<float>(std::cos(firing.rotor_azimuth_rad));
-    block.sin_azimuth[lane] = static_cast<float>(std::sin(firing.rotor_azimuth_rad));
-    block.time[lane] = static_cast<float>(to_seconds(time - t0) / length_s);
+    lanes.cos_azimuth(lane) = static_cast<float>(std::cos(firing.rotor_azimuth_rad));
+    lanes.sin_azimuth(lane) = static_cast<float>(std::sin(firing.rotor_azimuth_rad));
+    lanes.time(lane) = static_cast<float>(to_seconds(time - t0) / length_s);
   }
 }
 
@@ -269,33 +318,52 @@ void SpinningLidar::cast_block(const Scene& scene, std::size_t block_index,
     const LaneMap map = slice.lanes(block, k);
     slice.fill(block, map, mask, packet);
     rtcIntersect8(valid.data(), in.top.get(), &context, &packet);
+    // Normals into the world; where nothing was hit, one that lets no echo through.
+    std::array<Lanes, 3> normal;
+    Lanes reflectance;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const std::size_t f = block.first + map.firing[lane];
-      const std::size_t laser = map.laser[lane];
-      LidarReturn& echo = firings[f].returns[laser];
-      echo = {};
+      const auto i = static_cast<Eigen::Index>(lane);
       if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) {
+        normal[0](i) = normal[1](i) = normal[2](i) = 1.0F;
+        reflectance(i) = 0.0F;
         continue;
       }
       const Scene::Internals::Shading& surface = in.shading[packet.hit.instID[0][lane]];
-      const Eigen::Vector3f normal =
+      const Eigen::Vector3f n_W =
           surface.R_WM *
           Eigen::Vector3f(packet.hit.Ng_x[lane], packet.hit.Ng_y[lane], packet.hit.Ng_z[lane]);
-      const float along = normal.x() * packet.ray.dir_x[lane] +
-                          normal.y() * packet.ray.dir_y[lane] + normal.z() * packet.ray.dir_z[lane];
-      const float apparent =
-          surface.reflectance * std::abs(along) / std::sqrt(normal.squaredNorm());
-      const float range = packet.ray.tfar[lane];
-      if (!(range * range <= echo_limit * apparent)) {
-        continue;
+      normal[0](i) = n_W.x();
+      normal[1](i) = n_W.y();
+      normal[2](i) = n_W.z();
+      reflectance(i) = surface.reflectance;
+    }
+    const LanesIn range(packet.ray.tfar);
+    const Lanes along = normal[0] * LanesIn{packet.ray.dir_x} +
+                        normal[1] * LanesIn{packet.ray.dir_y} +
+                        normal[2] * LanesIn{packet.ray.dir_z};
+    const Lanes length = (normal[0].square() + normal[1].square() + normal[2].square()).sqrt();
+    const Lanes apparent = reflectance * along.abs() / length;
+    const Lanes excess = echo_limit * apparent - range.square();
+    Lanes noise = Lanes::Zero();
+    if (sigma > 0.0F) {
+      std::array<std::uint64_t, kLanes> shots{};
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        shots[lane] =
+            (slice.first_number + block.first + map.firing[lane]) * kMaxLasers + map.laser[lane];
       }
-      float measured = range;
-      if (sigma > 0.0F) {
-        measured += sigma * static_cast<float>(counter_gaussian(
-                                noise_key_, (slice.first_number + f) * kMaxLasers + laser));
+      noise = sigma * gaussian_lanes(noise_key_, shots);
+    }
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const auto i = static_cast<Eigen::Index>(lane);
+      const std::size_t f = block.first + map.firing[lane];
+      const std::size_t laser = map.laser[lane];
+      LidarReturn& echo = firings[f].returns[laser];
+      if (!(excess(i) >= 0.0F) || range(i) < minimum) {
+        continue;  // nothing, too faint, or within the minimum range
       }
-      if (range >= minimum && measured >= minimum && measured <= maximum) {
-        echo = {measured, apparent};
+      const float measured = range(i) + noise(i);
+      if (measured >= minimum && measured <= maximum) {
+        echo = {measured, apparent(i)};
       }
     }
   }

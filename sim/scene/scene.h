@@ -60,7 +60,7 @@ class Scene final : public Visibility {
 
   /// Rays with this mask see everything.
   static constexpr std::uint32_t kSeeEverything = 0xFFFFFFFFU;
-  static constexpr double kRebaseDistance_m = 256.0;
+  static constexpr double kRebaseDistance_m = 64.0;
 
   Scene();
   ~Scene() override;

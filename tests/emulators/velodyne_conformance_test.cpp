@@ -1,0 +1,232 @@
+// tshark, with a dissector that shares no table with us, reads from our packets what was put in.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "emulators/velodyne_lidar.h"
+
+namespace rigwire::emulators {
+namespace {
+
+using testing::HasSubstr;
+
+/// A classic pcap file of Ethernet, IPv4 and UDP, as a network card would have seen the packets.
+class Capture {
+ public:
+  explicit Capture(const std::filesystem::path& file) : out_(file, std::ios::binary) {
+    put32(0xA1B2C3D4U);
+    put16(2);
+    put16(4);
+    for (const std::uint32_t word : {0U, 0U, 65535U, 1U}) {
+      put32(word);
+    }
+  }
+
+  void add(SimTime time, std::uint16_t port, std::span<const std::uint8_t> payload) {
+    const auto us = time.time_since_epoch().count() / 1000;
+    const auto length = static_cast<std::uint32_t>(14 + 20 + 8 + payload.size());
+    put32(static_cast<std::uint32_t>(us / 1000000));
+    put32(static_cast<std::uint32_t>(us % 1000000));
+    put32(length);
+    put32(length);
+    std::vector<std::uint8_t> head(42);
+    head[12] = 0x08;  // IPv4
+    head[14] = 0x45;
+    big16(head, 16, static_cast<std::uint16_t>(20 + 8 + payload.size()));
+    head[22] = 64;  // time to live
+    head[23] = 17;  // UDP
+    const std::array<std::uint8_t, 8> addresses{192, 168, 1, 201, 255, 255, 255, 255};
+    std::ranges::copy(addresses, head.begin() + 26);
+    std::uint32_t sum = 0;
+    for (std::size_t i = 14; i < 34; i += 2) {
+      sum += static_cast<std::uint32_t>(head[i] << 8U) + head[i + 1];
+    }
+    sum = (sum & 0xFFFFU) + (sum >> 16U);
+    sum = (sum & 0xFFFFU) + (sum >> 16U);
+    big16(head, 24, static_cast<std::uint16_t>(~sum));
+    big16(head, 34, port);
+    big16(head, 36, port);
+    big16(head, 38, static_cast<std::uint16_t>(8 + payload.size()));
+    write(head);
+    write(payload);
+  }
+
+  void close() { out_.close(); }
+
+ private:
+  static void big16(std::vector<std::uint8_t>& bytes, std::size_t at, std::uint16_t value) {
+    bytes[at] = static_cast<std::uint8_t>(value >> 8U);
+    bytes[at + 1] = static_cast<std::uint8_t>(value & 0xFFU);
+  }
+  void put32(std::uint32_t value) {
+    for (int shift = 0; shift < 32; shift += 8) {
+      out_.put(static_cast<char>((value >> shift) & 0xFFU));
+    }
+  }
+  void put16(std::uint16_t value) {
+    out_.put(static_cast<char>(value & 0xFFU));
+    out_.put(static_cast<char>(value >> 8U));
+  }
+  void write(std::span<const std::uint8_t> bytes) {
+    for (const std::uint8_t byte : bytes) {
+      out_.put(static_cast<char>(byte));
+    }
+  }
+  std::ofstream out_;
+};
+
+class CaptureOutput : public ByteOutput {
+ public:
+  CaptureOutput(Capture& capture, std::uint16_t port) : capture_(capture), port_(port) {}
+  void send(SimTime due, std::span<const std::uint8_t> bytes) override {
+    capture_.add(due, port_, bytes);
+    ++sent;
+  }
+  int sent = 0;
+
+ private:
+  Capture& capture_;
+  std::uint16_t port_;
+};
+
+std::string output_of(const std::string& command) {
+  std::string text;
+  FILE* pipe = popen(command.c_str(), "r");  // NOLINT(cert-env33-c)
+  if (pipe == nullptr) {
+    return "cannot run " + command;
+  }
+  std::array<char, 4096> piece{};
+  while (std::fgets(piece.data(), static_cast<int>(piece.size()), pipe) != nullptr) {
+    text += piece.data();
+  }
+  const int status = pclose(pipe);
+  return status == 0 ? text : "exit status " + std::to_string(status) + "\n" + text;
+}
+
+/// A range that tells firing and laser apart; some shots have no echo.
+float range_of(std::int64_t firing, std::size_t laser) {
+  return (firing + static_cast<std::int64_t>(laser)) % 7 == 0
+             ? 0.0F
+             : 2.0F + 0.0531F * static_cast<float>(firing % 900) +
+                   1.37F * static_cast<float>(laser);
+}
+
+TEST(VelodyneConformance, IndependentDissectorReadsTheTruth) {
+  const auto file = std::filesystem::temp_directory_path() /
+                    ("rigwire_velodyne_" + std::to_string(getpid()) + ".pcap");
+  const Calendar calendar(parse_utc("2026-06-01T08:59:59.95Z"));
+  Capture capture(file);
+  CaptureOutput data(capture, 2368);
+  CaptureOutput position(capture, 8308);
+  VelodyneSettings settings;
+  settings.rotor_rpm = 1200.0;
+  VelodyneLidar lidar(settings, calendar, data, position);
+  GnssSample fix;
+  fix.fix = GnssFix::three_d;
+  fix.latitude_deg = -33.25;
+  fix.longitude_deg = 151.125;
+  lidar.observe_fix(fix);
+  constexpr std::int64_t kPackets = 200;
+  const double rate_degps = 1200.0 / 60.0 * 360.0;
+  for (std::int64_t i = 0; i < 12 * kPackets; ++i) {
+    LidarFiring firing;
+    firing.time = lidar.sample_plan().first + i * lidar.sample_plan().period;
+    firing.rotor_azimuth_rad =
+        std::fmod(rate_degps * to_seconds(firing.time), 360.0) * std::numbers::pi / 180.0;
+    for (std::size_t j = 0; j < 32; ++j) {
+      firing.returns[j] = {range_of(i, j), 0.01F * static_cast<float>(j * 3)};
+    }
+    lidar.update(firing);
+  }
+  capture.close();
+  ASSERT_EQ(data.sent, kPackets);
+  ASSERT_GT(position.sent, 10);
+
+  const std::string script = std::string(RIGWIRE_SOURCE_DIR) + "/tests/conformance/velodyne.lua";
+  const std::string tshark = "tshark -n -X lua_script:" + script + " -r " + file.string();
+  const std::string complaints =
+      output_of(tshark +
+                " -Y 'velodyne.complaint or velodyne_position.complaint or _ws.malformed or "
+                "_ws.lua.error' 2>&1 | grep -v 'Running as user' || true");
+  EXPECT_EQ(complaints, "");
+  std::istringstream points(
+      output_of(tshark + " -Y velodyne -T fields -E aggregator=';' -e velodyne.timestamp -e "
+                         "velodyne.mode -e velodyne.product -e velodyne.point 2>/dev/null"));
+  std::string line;
+  std::int64_t packet = 0;
+  std::int64_t compared = 0;
+  double worst_range = 0.0;
+  double worst_azimuth = 0.0;
+  while (std::getline(points, line)) {
+    std::istringstream columns(line);
+    long long stamp_us = 0;
+    std::string mode;
+    std::string product;
+    columns >> stamp_us >> mode >> product;
+    EXPECT_EQ(mode, "0x37");
+    EXPECT_EQ(product, "0x21");
+    const std::int64_t first_ns = 46080 + packet * 552960;
+    EXPECT_EQ(stamp_us, (3599950000000 + first_ns) % 3600000000000 / 1000);
+    std::string point;
+    std::int64_t in_packet = 0;
+    while (std::getline(columns >> std::ws, point, ';')) {
+      std::istringstream values(point);
+      std::int64_t block = 0;
+      std::size_t laser = 0;
+      double range = 0.0;
+      double azimuth = 0.0;
+      double elevation = 0.0;
+      double offset_us = 0.0;
+      unsigned reflectivity = 0;
+      values >> block >> laser >> range >> azimuth >> elevation >> offset_us >> reflectivity;
+      ASSERT_FALSE(values.fail()) << point;
+      const double time_s = 1e-9 * static_cast<double>(first_ns) + 1e-6 * offset_us;
+      double azimuth_error = azimuth - std::fmod(rate_degps * time_s, 360.0);
+      azimuth_error -= 360.0 * std::round(azimuth_error / 360.0);
+      worst_range = std::max(worst_range, std::abs(range - range_of(packet * 12 + block, laser)));
+      worst_azimuth = std::max(worst_azimuth, std::abs(azimuth_error));
+      ASSERT_NEAR(elevation, lidar.pattern().lasers[laser].elevation_rad * 180.0 / std::numbers::pi,
+                  0.004);
+      ASSERT_NEAR(offset_us * 1e3,
+                  static_cast<double>((block * lidar.pattern().firing_period +
+                                       lidar.pattern().lasers[laser].time_offset)
+                                          .count()),
+                  0.5);
+      ASSERT_EQ(reflectivity, laser * 3);
+      ++in_packet;
+    }
+    compared += in_packet;
+    ++packet;
+  }
+  std::int64_t expected = 0;
+  for (std::int64_t i = 0; i < 12 * kPackets; ++i) {
+    for (std::size_t j = 0; j < 32; ++j) {
+      expected += range_of(i, j) >= 1.0F ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(packet, kPackets);
+  EXPECT_EQ(compared, expected);
+  EXPECT_LE(worst_range, 0.001 + 1e-4) << "half a distance unit";
+  EXPECT_LE(worst_azimuth, 0.0151) << "rounding of the field, and of both ends of the step";
+
+  const std::string sentences =
+      output_of(tshark +
+                " -Y velodyne_position -T fields -e velodyne_position.pulse -e "
+                "velodyne_position.sentence 2>/dev/null");
+  EXPECT_THAT(sentences,
+              HasSubstr("2\tGPRMC,085959,A,3315.0000,S,15107.5000,E,000.0,000.0,010626,,,A"));
+  std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace rigwire::emulators

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "emulators/ublox_receiver.h"
 #include "hil/configuration/device.h"
 #include "hil/configuration/outline.h"
 #include "sim/samples/calendar.h"
@@ -34,7 +35,11 @@ std::vector<DescribedQuantity> quantities_of(const emulators::Device& device) {
   return result;
 }
 
-void describe(const UbloxConfiguration&, DeviceDescription& description) {
+void describe(const UbloxConfiguration& configuration, DeviceDescription& description) {
+  NoBytes output;
+  const Calendar calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0});
+  description.quantities =
+      quantities_of(emulators::UbloxReceiver(configuration.receiver, calendar, output));
   description.wire = "serial line on a pty, 8N1";
   description.document =
       "u-blox 7 Receiver Description Including Protocol Specification V14 (GPS.G7-SW-12001-B)";
@@ -43,7 +48,7 @@ void describe(const UbloxConfiguration&, DeviceDescription& description) {
       description.messages.push_back(
           {(message.sentence ? "NMEA " : "UBX ") + std::string(message.name), "each epoch",
            fmt::format("class {:#04x} id {:#04x}, at most {} bytes", message.id.message_class,
-                       message.id.id, message.greatest_bytes)});
+                       message.id.message_id, message.greatest_bytes)});
     }
   }
 }

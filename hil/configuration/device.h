@@ -17,6 +17,7 @@
 #include "hil/configuration/fields.h"
 #include "hil/configuration/shapes.h"
 #include "sim/gnss/gnss_sensor.h"
+#include "sim/imu/imu_sensor.h"
 #include "sim/lidar/spinning_lidar.h"
 #include "sim/samples/vector3.h"
 
@@ -53,6 +54,7 @@ struct OpenImuDeviceConfiguration {
   std::string bus = "can";  ///< One of the rig's buses.
   MountConfiguration mount;
   emulators::OpenImuSettings imu;
+  sim::ImuParameters sensor;
 };
 
 /// Hydraulic valve driver as a Modbus TCP server.
@@ -187,6 +189,63 @@ inline constexpr std::array<Choice<emulators::OpenImuVariant>, 2> kOpenImuVarian
     {{emulators::OpenImuVariant::openimu335ri, "openimu335ri", "Figures of merit by state."},
      {emulators::OpenImuVariant::openimu300ri, "openimu300ri", "Figures of merit not available."}}};
 
+/// The same parameters in the units of a gyroscope and of an accelerometer.
+struct GyroscopeParameters {
+  sim::InertialTriadParameters* triad;
+};
+struct AccelerometerParameters {
+  sim::InertialTriadParameters* triad;
+};
+
+template <class Visitor>
+void visit_errors(Visitor& v, sim::InertialTriadParameters& p) {
+  v.number("scale_error", p.scale_error, in("%").at_least(0), "Standard deviation, per axis.");
+  v.number("misalignment", p.misalignment_rad, in("deg").at_least(0), "Standard deviation.");
+  v.number("scale_temperature", p.scale_temperature, plain(), "Per kelvin from 25 degC.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, GyroscopeParameters& gyroscope) {
+  sim::InertialTriadParameters& p = *gyroscope.triad;
+  v.number("range", p.range, in("deg/s").at_least(0), "Clamped beyond; 0 = unlimited.");
+  v.number("resolution", p.resolution, in("deg/s").at_least(0), "One count; 0 = continuous.");
+  v.number("noise_density", p.random.noise_density, in("deg/s/sqrt(Hz)").at_least(0), "White.");
+  v.number("bias_instability", p.random.bias_instability, in("deg/h").at_least(0),
+           "Floor of the Allan deviation.");
+  v.number("random_walk", p.random.random_walk, plain().at_least(0), "Of the bias, rad/s/sqrt(s).");
+  v.number("turn_on_bias", p.turn_on_bias, in("deg/s").at_least(0), "Standard deviation.");
+  v.number("bias_temperature", p.bias_temperature, in("deg/s"), "Per kelvin from 25 degC.");
+  visit_errors(v, p);
+}
+
+template <class Visitor>
+void visit(Visitor& v, AccelerometerParameters& accelerometer) {
+  sim::InertialTriadParameters& p = *accelerometer.triad;
+  v.number("range", p.range, in("m/s2").at_least(0), "Clamped beyond; 0 = unlimited.");
+  v.number("resolution", p.resolution, in("m/s2").at_least(0), "One count; 0 = continuous.");
+  v.number("noise_density", p.random.noise_density, in("ug/sqrt(Hz)").at_least(0), "White.");
+  v.number("bias_instability", p.random.bias_instability, in("ug").at_least(0),
+           "Floor of the Allan deviation.");
+  v.number("random_walk", p.random.random_walk, plain().at_least(0), "Of the bias, m/s2/sqrt(s).");
+  v.number("turn_on_bias", p.turn_on_bias, in("mg").at_least(0), "Standard deviation.");
+  v.number("bias_temperature", p.bias_temperature, in("mg"), "Per kelvin from 25 degC.");
+  visit_errors(v, p);
+}
+
+template <class Visitor>
+void visit(Visitor& v, sim::ImuParameters& p) {
+  GyroscopeParameters gyroscope{&p.gyroscope};
+  AccelerometerParameters accelerometer{&p.accelerometer};
+  v.section("gyroscope", gyroscope, "Errors of the angular rates.");
+  v.section("accelerometer", accelerometer, "Errors of the specific forces.");
+  v.number("g_sensitivity", p.g_sensitivity_radps_per_mps2, plain(), "rad/s per m/s2, same axis.");
+  v.number("ambient_temperature", p.ambient_temperature_c, in("degC").between(-60, 150),
+           "Around the device.");
+  v.number("self_heating", p.self_heating_k, plain().between(0, 100), "K, when warm.");
+  v.number("warm_up", p.warm_up_s, in("s").above(0), "Time constant of the case.");
+  v.boolean("earth_rate", p.earth_rate, "Whether it feels the Earth turn.");
+}
+
 /// Rates that the device's divider can give.
 inline constexpr std::array<Choice<std::uint8_t>, 9> kOpenImuRates{{{0, "0 Hz", "Silent."},
                                                                     {50, "2 Hz", ""},
@@ -232,6 +291,7 @@ void visit(Visitor& v, OpenImuDeviceConfiguration& p) {
   v.duration("processing_delay", p.imu.processing_delay, {0, 4'000'000},
              "From a sample or request to the frame.");
   v.section("mount", p.mount, "Of the sensor's axes.");
+  v.section("sensor", p.sensor, "How well it measures.");
 }
 
 inline constexpr std::array<Choice<emulators::valve_registers::Reaction>, 3> kValveReactions{

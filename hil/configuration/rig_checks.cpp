@@ -61,13 +61,16 @@ class Checker {
   }
 
   void check_time() {
-    if (faulty("lead") || faulty("step")) {
+    if (faulty("lead") || faulty("step") || faulty("slice")) {
       return;
     }
-    if (rig_.lead < rig_.step || rig_.lead % rig_.step != Duration{0}) {
-      report("lead", "must be a whole number of steps, at least one",
-             print_duration(rig_.lead.count()),
+    if (rig_.slice % rig_.step != Duration{0}) {
+      report("slice", "must be a whole number of steps", print_duration(rig_.slice.count()),
              "multiples of step = " + print_duration(rig_.step.count()));
+    }
+    if (rig_.lead < rig_.slice) {
+      report("lead", "must not be less than a slice", print_duration(rig_.lead.count()),
+             ">= " + print_duration(rig_.slice.count()));
     }
   }
 

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <variant>
 
+#include "emulators/can_bus.h"
 #include "emulators/openimu335ri.h"
 #include "emulators/ublox_settings.h"
 #include "emulators/valve_driver.h"
@@ -89,7 +90,7 @@ inline constexpr std::array<Choice<CanWire>, 3> kCanWires{
 /// One CAN bus that devices share.
 struct BusConfiguration {
   CanWire wire = CanWire::automatic;
-  std::string interface = "vcan0";       ///< SocketCAN.
+  std::string interface = "vcan0";        ///< SocketCAN.
   std::string path = "/tmp/rigwire/can";  ///< slcan: symbolic link to the pty.
   emulators::CanBusSettings bus;
 };
@@ -123,7 +124,8 @@ void visit(Visitor& v, sim::GnssParameters& p) {
            "Of the position error; 0 = white noise.");
   v.number("speed_sigma", p.speed_sigma_mps, in("m/s").at_least(0), "White, per axis.");
   v.number("cn0_zenith", p.cn0_zenith_dbhz, in("dBHz").between(0, 63), "Signal from above.");
-  v.number("cn0_horizon", p.cn0_horizon_dbhz, in("dBHz").between(0, 63), "Signal from the horizon.");
+  v.number("cn0_horizon", p.cn0_horizon_dbhz, in("dBHz").between(0, 63),
+           "Signal from the horizon.");
   v.number("cn0_threshold", p.cn0_threshold_dbhz, in("dBHz").between(0, 63), "Weakest tracked.");
   v.integer("maximum_channels", p.maximum_channels, IntegerRule{1, 24}, "Satellites at once.");
   v.number("clock_drift", p.clock_drift, in("ppm").between(-100, 100), "Of the receiver, mean.");
@@ -136,13 +138,15 @@ void visit(Visitor& v, UbloxConfiguration& p) {
   v.rate("rate", p.receiver.measurement_period, in("Hz").above(0).at_most(20),
          "Navigation epochs; a client may change it by CFG-RATE.");
   v.integer("baud", p.receiver.baud, IntegerRule{4800, 460800}, "Of the line, 8N1, at power-on.");
-  v.texts("nmea_sentences", p.receiver.nmea_sentences, "On at power-on: RMC VTG GGA GSA GSV GLL ZDA.");
+  v.texts("nmea_sentences", p.receiver.nmea_sentences,
+          "On at power-on: RMC VTG GGA GSA GSV GLL ZDA.");
   v.texts("ubx_messages", p.receiver.ubx_messages, "On at power-on: NAV-PVT, NAV-SOL and others.");
   v.duration("time_to_first_fix", p.receiver.time_to_first_fix, {0, 3'600'000'000'000},
              "From power-on; 0 = a fix in the first epoch.");
   v.duration("solution_latency", p.receiver.solution_latency, {0, 200'000'000},
              "From the epoch to the first byte.");
-  v.duration("start_up", p.receiver.start_up, {0, 10'000'000'000}, "From power-on to the first byte.");
+  v.duration("start_up", p.receiver.start_up, {0, 10'000'000'000},
+             "From power-on to the first byte.");
   v.boolean("start_banner", p.receiver.start_banner, "TXT sentences after power-on.");
   v.integer("transmit_buffer", p.receiver.transmit_buffer_bytes, IntegerRule{1024, 65536},
             "Bytes that may wait for the line.");
@@ -185,13 +189,179 @@ inline constexpr std::array<Choice<emulators::OpenImuVariant>, 2> kOpenImuVarian
     {{emulators::OpenImuVariant::openimu335ri, "openimu335ri", "Figures of merit by state."},
      {emulators::OpenImuVariant::openimu300ri, "openimu300ri", "Figures of merit not available."}}};
 
-/// Rates that the device's divider can give, Hz; 0 = silent until a client asks.
-inline constexpr std::array<Choice<std::uint8_t>, 8> kOpenImuRates{{{0, "0", "Silent."},
-                                                                    {1, "100", ""},
-                                                                    {2, "50", ""},
-                                                                    {4, "25", ""},
-                                                                    {5, "20", ""},
-                                                                    {10, "10", ""},
-                                                                    {20, "5", ""},
-                                                                    {25, "4", ""}}};
+/// The same parameters in the units of a gyroscope and of an accelerometer.
+struct GyroscopeParameters {
+  sim::InertialTriadParameters* triad;
+};
+struct AccelerometerParameters {
+  sim::InertialTriadParameters* triad;
+};
+
+template <class Visitor>
+void visit_errors(Visitor& v, sim::InertialTriadParameters& p) {
+  v.number("scale_error", p.scale_error, in("%").at_least(0), "Standard deviation, per axis.");
+  v.number("misalignment", p.misalignment_rad, in("deg").at_least(0), "Standard deviation.");
+  v.number("scale_temperature", p.scale_temperature, plain(), "Per kelvin from 25 degC.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, GyroscopeParameters& gyroscope) {
+  sim::InertialTriadParameters& p = *gyroscope.triad;
+  v.number("range", p.range, in("deg/s").at_least(0), "Clamped beyond; 0 = unlimited.");
+  v.number("resolution", p.resolution, in("deg/s").at_least(0), "One count; 0 = continuous.");
+  v.number("noise_density", p.random.noise_density, in("deg/s/sqrt(Hz)").at_least(0), "White.");
+  v.number("bias_instability", p.random.bias_instability, in("deg/h").at_least(0),
+           "Floor of the Allan deviation.");
+  v.number("random_walk", p.random.random_walk, plain().at_least(0), "Of the bias, rad/s/sqrt(s).");
+  v.number("turn_on_bias", p.turn_on_bias, in("deg/s").at_least(0), "Standard deviation.");
+  v.number("bias_temperature", p.bias_temperature, in("deg/s"), "Per kelvin from 25 degC.");
+  visit_errors(v, p);
+}
+
+template <class Visitor>
+void visit(Visitor& v, AccelerometerParameters& accelerometer) {
+  sim::InertialTriadParameters& p = *accelerometer.triad;
+  v.number("range", p.range, in("m/s2").at_least(0), "Clamped beyond; 0 = unlimited.");
+  v.number("resolution", p.resolution, in("m/s2").at_least(0), "One count; 0 = continuous.");
+  v.number("noise_density", p.random.noise_density, in("ug/sqrt(Hz)").at_least(0), "White.");
+  v.number("bias_instability", p.random.bias_instability, in("ug").at_least(0),
+           "Floor of the Allan deviation.");
+  v.number("random_walk", p.random.random_walk, plain().at_least(0), "Of the bias, m/s2/sqrt(s).");
+  v.number("turn_on_bias", p.turn_on_bias, in("mg").at_least(0), "Standard deviation.");
+  v.number("bias_temperature", p.bias_temperature, in("mg"), "Per kelvin from 25 degC.");
+  visit_errors(v, p);
+}
+
+template <class Visitor>
+void visit(Visitor& v, sim::ImuParameters& p) {
+  GyroscopeParameters gyroscope{&p.gyroscope};
+  AccelerometerParameters accelerometer{&p.accelerometer};
+  v.section("gyroscope", gyroscope, "Errors of the angular rates.");
+  v.section("accelerometer", accelerometer, "Errors of the specific forces.");
+  v.number("g_sensitivity", p.g_sensitivity_radps_per_mps2, plain(), "rad/s per m/s2, same axis.");
+  v.number("ambient_temperature", p.ambient_temperature_c, in("degC").between(-60, 150),
+           "Around the device.");
+  v.number("self_heating", p.self_heating_k, plain().between(0, 100), "K, when warm.");
+  v.number("warm_up", p.warm_up_s, in("s").above(0), "Time constant of the case.");
+  v.boolean("earth_rate", p.earth_rate, "Whether it feels the Earth turn.");
+}
+
+/// Rates that the device's divider can give.
+inline constexpr std::array<Choice<std::uint8_t>, 9> kOpenImuRates{{{0, "0 Hz", "Silent."},
+                                                                    {50, "2 Hz", ""},
+                                                                    {25, "4 Hz", ""},
+                                                                    {20, "5 Hz", ""},
+                                                                    {10, "10 Hz", ""},
+                                                                    {5, "20 Hz", ""},
+                                                                    {4, "25 Hz", ""},
+                                                                    {2, "50 Hz", ""},
+                                                                    {1, "100 Hz", ""}}};
+
+/// Low-pass filters of the device.
+inline constexpr std::array<Choice<std::uint8_t>, 7> kOpenImuCutOffs{{{0, "off", "No filter."},
+                                                                      {2, "2 Hz", ""},
+                                                                      {5, "5 Hz", ""},
+                                                                      {10, "10 Hz", ""},
+                                                                      {25, "25 Hz", ""},
+                                                                      {40, "40 Hz", ""},
+                                                                      {50, "50 Hz", ""}}};
+
+template <class Visitor>
+void visit(Visitor& v, OpenImuDeviceConfiguration& p) {
+  v.text("bus", p.bus, "One of the rig's buses.");
+  v.integer("source_address", p.imu.source_address, IntegerRule{128, 247},
+            "Preferred J1939 address; another one is claimed when it is lost.");
+  v.integer("serial", p.imu.serial, IntegerRule{0, (1 << 21) - 1}, "In the NAME; unique on a bus.");
+  v.choice("rate", p.imu.configuration.rate_divider, kOpenImuRates,
+           "Of the data messages at power-on.");
+  v.integer("packets", p.imu.configuration.packet_mask, IntegerRule{0, 7},
+            "Messages sent: 1 slope, 2 angular rate, 4 acceleration, summed.");
+  v.choice("rate_filter", p.imu.configuration.rate_cut_off_hz, kOpenImuCutOffs,
+           "Low pass of the angular rates.");
+  v.choice("acceleration_filter", p.imu.configuration.acceleration_cut_off_hz, kOpenImuCutOffs,
+           "Low pass of the accelerations.");
+  v.integer("orientation", p.imu.configuration.orientation, IntegerRule{0, 65535},
+            "Axes code of the device, one of 24.");
+  v.choice("variant", p.imu.variant, kOpenImuVariants, "Which firmware it follows.");
+  v.number("rate_range", p.imu.rate_range_radps, in("deg/s").above(0).at_most(2000),
+           "Beyond it the rate is clamped and marked.");
+  v.number("acceleration_range", p.imu.acceleration_range_mps2, in("m/s2").above(0).at_most(1000),
+           "Beyond it the acceleration is clamped and marked.");
+  v.duration("power_on", p.imu.power_on, {0, 3'600'000'000'000}, "From the start of the run.");
+  v.duration("processing_delay", p.imu.processing_delay, {0, 4'000'000},
+             "From a sample or request to the frame.");
+  v.section("mount", p.mount, "Of the sensor's axes.");
+  v.section("sensor", p.sensor, "How well it measures.");
+}
+
+inline constexpr std::array<Choice<emulators::valve_registers::Reaction>, 3> kValveReactions{
+    {{emulators::valve_registers::Reaction::neutral, "neutral", "Spools to neutral."},
+     {emulators::valve_registers::Reaction::hold, "hold", "Spools stay where they are."},
+     {emulators::valve_registers::Reaction::floating, "floating", "Ports to tank."}}};
+
+template <class Visitor>
+void visit(Visitor& v, ValveDriverConfiguration& p) {
+  v.text("address", p.address, "Where it listens.");
+  v.integer("port", p.port, IntegerRule{1, 65535}, "TCP; the standard port 502 needs privileges.");
+  v.boolean("allow_remote", p.allow_remote, "Permits listening where other machines reach it.");
+  v.texts("sections", p.driver.sections, "Functions of the valve sections, from section 1.");
+  v.integer("unit", p.driver.unit, IntegerRule{1, 247}, "Modbus unit.");
+  v.duration("processing_delay", p.driver.processing_delay, {0, 1'000'000'000},
+             "From a request to its answer.");
+  v.duration("watchdog", p.driver.watchdog, {0, 5'000'000'000},
+             "Without a request for this long the reaction follows; 0 = off.");
+  v.choice("reaction", p.driver.reaction, kValveReactions, "When the watchdog runs out.");
+  v.rate("rate", p.driver.sample_period, in("Hz").between(1, 1000), "Of the transducers.");
+  v.duration("ramp_cycle", p.driver.ramp_cycle, {100'000, 100'000'000}, "Of the output steps.");
+  v.number("coil_current_start", p.driver.coil_current_start_ma, plain().between(0, 65535),
+           "mA at the least opening.");
+  v.number("coil_current_full", p.driver.coil_current_full_ma, plain().above(0).at_most(65535),
+           "mA at full opening.");
+  v.number("supply_voltage", p.driver.supply_voltage_v, plain().between(9, 32), "V, reported.");
+  v.number("driver_temperature", p.driver.driver_temperature_c, in("degC").between(-40, 150),
+           "Reported.");
+  v.number("spool_tolerance", p.driver.spool_tolerance, plain().between(0.01, 2),
+           "Set point to measured position.");
+  v.duration("spool_fault_delay", p.driver.spool_fault_delay, {0, 3'600'000'000'000},
+             "Outside the tolerance for this long is a fault; 0 = never.");
+  v.text("vendor", p.driver.vendor, "Identification.");
+  v.text("product_code", p.driver.product_code, "Identification.");
+  v.text("revision", p.driver.revision, "Identification.");
+  v.text("product_name", p.driver.product_name, "Identification.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, DeviceConfiguration& p) {
+  v.required("type");
+  v.variant("type", p.settings, kDeviceTypes, "Which device it is.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, BusConfiguration& p) {
+  v.choice("wire", p.wire, kCanWires, "What carries the frames.");
+  v.text("interface", p.interface, "SocketCAN interface.");
+  v.text("path", p.path, "slcan: symbolic link to the pty.");
+  v.integer("bitrate", p.bus.bit_rate_bps, IntegerRule{10'000, 1'000'000}, "bit/s.");
+  v.integer("queue", p.bus.queue_frames, IntegerRule{1, 65536}, "Frames that a node may hold.");
+}
+
+// Settings of the emulators and sensors validate themselves; these pass the wish on.
+inline void validate(const UbloxConfiguration& p) {
+  validate(p.receiver);
+  validate(p.sensor);
+}
+inline void validate(const VelodyneConfiguration& p) {
+  validate(p.lidar);
+  validate(p.sensor);
+}
+inline void validate(const OpenImuDeviceConfiguration& p) {
+  validate(p.imu);
+}
+inline void validate(const ValveDriverConfiguration& p) {
+  validate(p.driver);
+}
+inline void validate(const BusConfiguration& p) {
+  validate(p.bus);
+}
+
 }  // namespace rigwire::hil

@@ -97,7 +97,8 @@ void visit(Visitor& v, sim::SupplyParameters& p) {
   v.number("power_limit", p.power_limit_w, in("kW").above(0), "What the engine leaves for them.");
   v.number("efficiency", p.efficiency, plain().above(0).at_most(1), "Shaft to hydraulic power.");
   v.number("relief_pressure", p.relief_pressure_pa, in("MPa").above(0), "Of the implement.");
-  v.number("swing_relief_pressure", p.swing_relief_pressure_pa, in("MPa").above(0), "Of the swing.");
+  v.number("swing_relief_pressure", p.swing_relief_pressure_pa, in("MPa").above(0),
+           "Of the swing.");
   v.number("load_sensing_margin", p.load_sensing_margin_pa, in("MPa").at_least(0),
            "Supply above the highest load.");
   v.number("tank_pressure", p.tank_pressure_pa, in("MPa").at_least(0), "Return line.");
@@ -136,7 +137,8 @@ void visit(Visitor& v, sim::ExcavatorParameters& p) {
   v.section("boom", p.boom, "Link.");
   v.section("stick", p.stick, "Link.");
   v.section("bucket", p.bucket, "Link, empty.");
-  v.vector3("payload_center_of_mass", p.payload_center_of_mass_m, in("m"), "In the bucket's frame.");
+  v.vector3("payload_center_of_mass", p.payload_center_of_mass_m, in("m"),
+            "In the bucket's frame.");
   v.number("payload_max", p.payload_max_kg, in("kg").at_least(0), "Full bucket.");
   v.number("swing_axis_height", p.swing_axis_height_m, in("m").above(0), "Slew ring above ground.");
   v.vector3("boom_foot", p.boom_foot_m, in("m"), "Pin, in the upper's frame.");

@@ -322,6 +322,16 @@ int Reader::read_choice(const Value& value, const std::string& path,
   if (it != names.end()) {
     return static_cast<int>(it - names.begin());
   }
+  // Names that are quantities ("100 Hz") are also met by "100Hz" and by the bare number.
+  if (const auto quantity = split_quantity(value.scalar)) {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto named = split_quantity(names[i]);
+      if (named && named->value == quantity->value &&
+          (quantity->unit.empty() || quantity->unit == named->unit)) {
+        return static_cast<int>(i);
+      }
+    }
+  }
   report(value, path, std::string(what), value.description(), join_words(names),
          nearest_word(value.scalar, names));
   return -1;

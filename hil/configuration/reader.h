@@ -221,16 +221,16 @@ void Reader::list(std::string_view key, std::vector<Struct>& values, std::string
     return;
   }
   values.clear();
+  values.reserve(written->items.size());
   for (std::size_t index = 0; index < written->items.size(); ++index) {
     const Value& item = written->items[index];
     const std::string path = path_of(key) + "." + std::to_string(index);
-    Struct value{};
+    Struct& value = values.emplace_back();
     if (item.kind != Value::Kind::map) {
       report(item, path, "wrong kind of value", item.description(), "a map of keys");
     } else {
       read_map(item, path, value);
     }
-    values.push_back(std::move(value));
   }
 }
 

@@ -26,8 +26,9 @@ struct OriginConfiguration {
   double geoid_separation_m = 48.0;  ///< Geoid above the ellipsoid there.
 };
 
-/// Ground truth leaves here and nowhere else (run --truth FILE).
+/// Ground truth leaves here and nowhere else.
 struct TruthConfiguration {
+  std::string path;  ///< File; empty = none. `run --truth FILE` beats it.
   Duration period = std::chrono::milliseconds(10);
 };
 
@@ -40,10 +41,11 @@ struct RigConfiguration {
   std::string text;        ///< One line for `rigwire list rigs`.
   std::uint64_t seed = 1;  ///< Of every random stream.
   UtcTime start{2026, 6, 1, 8, 0, 0, 0};
-  Duration step = std::chrono::milliseconds(1);  ///< Of the physics.
-  Duration lead = std::chrono::milliseconds(4);  ///< How far truth is computed ahead of the clock.
+  Duration step = std::chrono::milliseconds(1);   ///< Of the physics.
+  Duration slice = std::chrono::milliseconds(2);  ///< Steps computed at once; whole steps.
+  Duration lead = std::chrono::milliseconds(6);   ///< How far truth is computed ahead of the clock.
   OriginConfiguration origin;
-  SceneDescription scene;
+  SceneConfiguration scene;
   MachineConfiguration machine;
   std::map<std::string, BusConfiguration> buses;
   std::map<std::string, DeviceConfiguration> devices;
@@ -64,12 +66,14 @@ void visit(Visitor& v, OriginConfiguration& p) {
 
 template <class Visitor>
 void visit(Visitor& v, TruthConfiguration& p) {
+  v.text("path", p.path, "File; empty = none. `run --truth FILE` beats it.");
   v.rate("rate", p.period, in("Hz").above(0).at_most(1000), "Lines per second of run --truth.");
 }
 
 template <class Visitor>
 void visit(Visitor& v, StatusConfiguration& p) {
-  v.duration("period", p.period, {50'000'000, 60'000'000'000}, "Between two pictures of the table.");
+  v.duration("period", p.period, {50'000'000, 60'000'000'000},
+             "Between two pictures of the table.");
 }
 
 template <class Visitor>
@@ -78,9 +82,10 @@ void visit(Visitor& v, RigConfiguration& p) {
   v.text("text", p.text, "One line for `rigwire list rigs`.");
   v.integer("seed", p.seed, IntegerRule{0}, "Of every random stream: same seed, same bytes.");
   v.utc("start", p.start, "UTC at the start of the run.");
-  v.duration("step", p.step, {10'000, 20'000'000}, "Of the physics; divides `lead`.");
-  v.duration("lead", p.lead, {1'000'000, 100'000'000},
-             "How far truth is computed ahead of the clock.");
+  v.duration("step", p.step, {10'000, 20'000'000}, "Of the physics.");
+  v.duration("slice", p.slice, {10'000, 100'000'000}, "Computed at once; whole steps.");
+  v.duration("lead", p.lead, {10'000, 1'000'000'000},
+             "How far truth is computed ahead of the clock; at least a slice.");
   v.section("origin", p.origin, "Of the world frame (x east, y north, z up) on Earth.");
   v.section("scene", p.scene, "Terrain, rocks, objects.");
   v.required("machine");

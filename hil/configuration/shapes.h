@@ -48,7 +48,8 @@ struct PlacedShape {
 template <class Visitor>
 void visit(Visitor& v, RollPitchYaw& p) {
   v.number("roll", p.roll_rad, in("deg").between(-360, 360), "About x, applied first.");
-  v.number("pitch", p.pitch_rad, in("deg").between(-360, 360), "About y, second; nose down positive.");
+  v.number("pitch", p.pitch_rad, in("deg").between(-360, 360),
+           "About y, second; nose down positive.");
   v.number("yaw", p.yaw_rad, in("deg").between(-360, 360), "About z, last; left positive.");
 }
 

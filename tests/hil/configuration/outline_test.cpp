@@ -64,10 +64,10 @@ TEST(Outline, hash_ignores_order_comments_units_and_layer) {
 
 TEST(Outline, hash_changes_with_any_value) {
   const std::string hash = hash_of(kFull);
-  for (const char* set :
-       {"name=x", "mesh=README.md", "angle=31", "flavour=sweet", "step=2 ms", "weights=[1]", "words=[]", "words=[\"one\", two, three]",
-        "stones=[]", "stones.1.position=[0, 0, 0]", "main.port=7", "gadgets.b.rate=4",
-        "gadgets.a.enabled=true", "start=2027-01-01T00:00:00Z"}) {
+  for (const char* set : {"name=x", "mesh=README.md", "angle=31", "flavour=sweet", "step=2 ms",
+                          "weights=[1]", "words=[]", "words=[\"one\", two, three]", "stones=[]",
+                          "stones.1.position=[0, 0, 0]", "main.port=7", "gadgets.b.rate=4",
+                          "gadgets.a.enabled=true", "start=2027-01-01T00:00:00Z"}) {
     if (std::string(set).starts_with("mesh")) {
       EXPECT_NE(hash_of(kFull, {"mesh=\"\""}), hash) << set;
     } else {

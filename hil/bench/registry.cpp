@@ -1,0 +1,9 @@
+#include "hil/bench/registry.h"
+
+namespace rigwire::hil {
+
+std::span<const BenchSuite> bench_suites() {
+  return {};
+}
+
+}  // namespace rigwire::hil

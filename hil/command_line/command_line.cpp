@@ -1,0 +1,276 @@
+#include "hil/command_line/command_line.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+
+#include "drivers/endpoints.h"
+#include "hil/command_line/verbs.h"
+#include "hil/configuration/suggest.h"
+#include "hil/configuration/units.h"
+
+#ifndef RIGWIRE_VERSION
+#define RIGWIRE_VERSION "unknown"
+#endif
+
+namespace rigwire::hil {
+
+namespace {
+
+constexpr const char* kFooter = R"(
+Examples:
+  rigwire run excavator_pit                         run a rig by name, or by path
+  rigwire run excavator_pit --duration 20s --clock free --report report.json
+  rigwire run excavator_pit --set devices.gnss.rate=5 --seed 7
+  rigwire check my_rig.yaml --print                 every value and where it came from
+  rigwire describe velodyne-hdl-32e                 messages, units, ranges, keys
+  rigwire doctor                                    what this machine can offer
+
+Exit codes: 0 done, 1 run-time failure, 2 usage or configuration, 3 environment or permission,
+128 + n after signal n.)";
+
+constexpr std::array kVerbs{"run", "check", "list", "describe", "doctor", "bench", "completion"};
+
+int usage(const std::string& message, std::ostream& err, const std::string& help = "") {
+  err << "rigwire: " << message << "\n"
+      << "Try: rigwire " << (help.empty() ? "" : help + " ") << "--help\n";
+  return static_cast<int>(ExitCode::usage);
+}
+
+/// A mistyped verb or option, with the one that was probably meant.
+std::optional<std::string> find_typo(const CLI::App& app,
+                                     const std::vector<std::string>& arguments) {
+  std::vector<std::string> verbs(kVerbs.begin(), kVerbs.end());
+  if (arguments.empty()) {
+    return "no verb, allowed " + join_words(verbs);
+  }
+  const std::string& verb = arguments.front();
+  const CLI::App* used = &app;
+  if (!verb.starts_with("-")) {
+    if (std::find(verbs.begin(), verbs.end(), verb) == verbs.end()) {
+      const std::string near = nearest_word(verb, verbs);
+      return fmt::format("unknown verb, found \"{}\", allowed {}{}", verb, join_words(verbs),
+                         near.empty() ? "" : ", did you mean " + near + "?");
+    }
+    used = app.get_subcommand(verb);
+  }
+  std::vector<std::string> options;
+  for (const CLI::Option* option : used->get_options()) {
+    for (const std::string& name : option->get_lnames()) {
+      options.push_back("--" + name);
+    }
+  }
+  for (const std::string& argument : arguments) {
+    if (argument == "--") {
+      break;
+    }
+    const std::string name = argument.substr(0, argument.find('='));
+    if (name.starts_with("--") &&
+        std::find(options.begin(), options.end(), name) == options.end()) {
+      const std::string near = nearest_word(name, options);
+      return fmt::format("unknown option, found \"{}\", allowed {}{}", name, join_words(options),
+                         near.empty() ? "" : ", did you mean " + near + "?");
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Duration> parse_duration(const std::string& text) {
+  const auto quantity = split_quantity(text);
+  if (!quantity) {
+    return std::nullopt;
+  }
+  const Unit* unit = find_unit(quantity->unit.empty() ? "s" : quantity->unit, Dimension::time);
+  if (unit == nullptr) {
+    return std::nullopt;
+  }
+  const double seconds = quantity->value * unit->numerator / unit->denominator;
+  constexpr double kLongest_s = 9.0e9;
+  if (!(seconds > 0.0) || seconds > kLongest_s) {
+    return std::nullopt;
+  }
+  return from_seconds(seconds);
+}
+
+/// Everything that options write into.
+struct Parsed {
+  RigArguments rig;
+  std::string clock = "real";
+  std::string duration;
+  std::string seed;
+  std::string report;
+  std::string truth;
+  std::string status;
+  bool dry_run = false;
+  bool print = false;
+  bool json = false;
+  std::string word;  ///< Kind, device, suite or shell.
+  std::string json_file;
+  bool list = false;
+};
+
+void declare(CLI::App& app, Parsed& parsed) {
+  app.set_version_flag("--version", "rigwire " RIGWIRE_VERSION, "Print the version");
+  app.set_help_flag("-h,--help", "Print this help");
+  app.footer(kFooter);
+  const auto rig = [&](CLI::App* verb) {
+    verb->add_option("rig", parsed.rig.rig, "Rig file, or the name of one of `rigwire list rigs`")
+        ->required();
+    verb->add_option("--set", parsed.rig.sets, "KEY.PATH=VALUE: change a value; may be repeated")
+        ->allow_extra_args(false);
+  };
+
+  CLI::App* run_app = app.add_subcommand("run", "Run a rig until Ctrl-C or --duration");
+  rig(run_app);
+  run_app->add_option("--clock", parsed.clock, "real, free (as fast as possible) or scaled:X");
+  run_app->add_option("--duration", parsed.duration, "Simulated time, for example 20s or 5min");
+  run_app->add_option("--seed", parsed.seed, "Of every random stream; same as --set seed=N");
+  run_app->add_option("--report", parsed.report, "Write figures of the run as JSON");
+  run_app->add_option("--truth", parsed.truth, "Write the ground truth to a file");
+  run_app->add_option("--status", parsed.status, "live, plain or none");
+  run_app->add_flag("--dry-run", parsed.dry_run, "Check and print the plan; open nothing");
+  run_app->footer(
+      "\nExamples:\n  rigwire run excavator_pit --duration 20s --report report.json\n"
+      "  rigwire run excavator_pit --clock scaled:2 --set devices.gnss.rate=5");
+
+  CLI::App* check_app = app.add_subcommand("check", "Check a rig; every finding in one pass");
+  rig(check_app);
+  check_app->add_flag("--print", parsed.print, "Print the effective configuration with origins");
+  check_app->add_flag("--json", parsed.json, "Findings as JSON");
+  check_app->footer("\nExample:\n  rigwire check excavator_pit --set devices.gnss.rate=5 --print");
+
+  CLI::App* list_app = app.add_subcommand("list", "List devices, machines, scenes or rigs");
+  list_app->add_option("kind", parsed.word, "devices, machines, scenes or rigs")->required();
+  list_app->add_flag("--json", parsed.json, "As JSON");
+
+  CLI::App* describe_app = app.add_subcommand("describe", "Messages, rates, units, ranges, keys");
+  describe_app->add_option("device", parsed.word, "One of `rigwire list devices`")->required();
+  describe_app->add_flag("--json", parsed.json, "As JSON");
+
+  CLI::App* doctor_app = app.add_subcommand("doctor", "What this machine can offer, and the fixes");
+  doctor_app->add_flag("--json", parsed.json, "As JSON");
+
+  CLI::App* bench_app = app.add_subcommand("bench", "Measure speed and error");
+  bench_app->add_option("suite", parsed.word, "One suite; all without it");
+  bench_app->add_option("--json", parsed.json_file, "Write the figures to a file");
+  bench_app->add_flag("--list", parsed.list, "List the suites");
+
+  CLI::App* completion_app = app.add_subcommand("completion", "Print a completion script");
+  completion_app->add_option("shell", parsed.word, "bash, zsh or fish")->required();
+  completion_app->footer("\nExample:\n  source <(rigwire completion bash)");
+}
+
+int dispatch_run(Parsed& parsed, Terminal terminal) {
+  RunOptions options;
+  const auto clock = parse_clock_mode(parsed.clock);
+  if (!clock) {
+    return usage(fmt::format("--clock: unknown clock, found \"{}\", allowed real, free, scaled:X "
+                             "with X = 0.01 .. 1000",
+                             parsed.clock),
+                 terminal.err, "run");
+  }
+  options.clock = *clock;
+  if (!parsed.duration.empty()) {
+    options.duration = parse_duration(parsed.duration);
+    if (!options.duration) {
+      return usage(fmt::format("--duration: not a time above 0, found \"{}\", allowed for example "
+                               "20s, 500 ms, 5min",
+                               parsed.duration),
+                   terminal.err, "run");
+    }
+  }
+  const bool terminal_out = ::isatty(STDOUT_FILENO) == 1;
+  const char* no_colour = std::getenv("NO_COLOR");
+  options.colour = terminal_out && (no_colour == nullptr || *no_colour == '\0');
+  const std::vector<std::string> styles{"live", "plain", "none"};
+  const std::string style =
+      parsed.status.empty() ? (terminal_out ? "live" : "plain") : parsed.status;
+  const auto it = std::find(styles.begin(), styles.end(), style);
+  if (it == styles.end()) {
+    const std::string near = nearest_word(style, styles);
+    return usage(fmt::format("--status: unknown style, found \"{}\", allowed live, plain, none{}",
+                             style, near.empty() ? "" : ", did you mean " + near + "?"),
+                 terminal.err, "run");
+  }
+  options.status = static_cast<StatusStyle>(it - styles.begin());
+  options.report_path = parsed.report;
+  options.truth_path = parsed.truth;
+  if (!parsed.seed.empty()) {
+    parsed.rig.sets.push_back("seed=" + parsed.seed);
+  }
+  return run_verb(parsed.rig, options, parsed.dry_run, terminal);
+}
+
+int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
+  if (app.got_subcommand("run")) {
+    return dispatch_run(parsed, terminal);
+  }
+  if (app.got_subcommand("check")) {
+    return check_verb(parsed.rig, parsed.print, parsed.json, terminal);
+  }
+  if (app.got_subcommand("list")) {
+    return list_verb(parsed.word, parsed.json, terminal);
+  }
+  if (app.got_subcommand("describe")) {
+    return describe_verb(parsed.word, parsed.json, terminal);
+  }
+  if (app.got_subcommand("doctor")) {
+    return doctor_verb(parsed.json, terminal);
+  }
+  if (app.got_subcommand("bench")) {
+    return bench_verb(parsed.word, parsed.json_file, parsed.list, terminal);
+  }
+  return completion_verb(parsed.word, terminal);
+}
+
+}  // namespace
+
+int run_command_line(const std::vector<std::string>& arguments, std::ostream& out,
+                     std::ostream& err) {
+  CLI::App app("Rigwire makes simulated field machines speak the wire protocols of real devices.",
+               "rigwire");
+  Parsed parsed;
+  declare(app, parsed);
+  app.require_subcommand(1);
+  try {
+    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
+    app.parse(reversed);
+  } catch (const CLI::CallForVersion& version) {
+    out << version.what() << "\n";
+    return static_cast<int>(ExitCode::done);
+  } catch (const CLI::CallForHelp&) {
+    const auto used = app.get_subcommands();
+    out << (used.empty() ? app.help() : used.front()->help());
+    return static_cast<int>(ExitCode::done);
+  } catch (const CLI::ParseError& error) {
+    const auto used = app.get_subcommands();
+    const std::string verb = used.empty() ? "" : used.front()->get_name();
+    return usage(find_typo(app, arguments).value_or(error.what()), err, verb);
+  }
+  try {
+    return dispatch(app, parsed, {out, err});
+  } catch (const ConfigurationError& error) {
+    err << error.what() << "\n";
+    const std::size_t count = error.problems().size();
+    err << fmt::format("rigwire: {} {} in the configuration\n", count,
+                       count == 1 ? "problem" : "problems");
+    return static_cast<int>(ExitCode::usage);
+  } catch (const drivers::EndpointError& error) {
+    err << "rigwire: " << error.what() << "\n";
+    return static_cast<int>(ExitCode::environment);
+  } catch (const std::invalid_argument& error) {
+    err << "rigwire: " << error.what() << "\n";
+    return static_cast<int>(ExitCode::usage);
+  } catch (const std::exception& error) {
+    err << "rigwire: " << error.what() << "\n";
+    return static_cast<int>(ExitCode::failure);
+  }
+}
+
+}  // namespace rigwire::hil

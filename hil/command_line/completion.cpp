@@ -1,0 +1,121 @@
+// Shell completion: verbs, options, rigs, device types. The scripts ask `rigwire list` for names,
+// so that they need no renewal when rigs are added.
+#include <algorithm>
+
+#include "hil/command_line/verbs.h"
+#include "hil/configuration/suggest.h"
+
+namespace rigwire::hil {
+
+namespace {
+
+constexpr const char* kBash = R"sh(# rigwire completion for bash:  source <(rigwire completion bash)
+_rigwire() {
+  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=${COMP_WORDS[1]}
+  COMPREPLY=()
+  if [ "$COMP_CWORD" -eq 1 ]; then
+    COMPREPLY=($(compgen -W "run check list describe doctor bench completion --help --version" -- "$word"))
+    return
+  fi
+  case $before in
+    --clock) COMPREPLY=($(compgen -W "real free scaled:" -- "$word")); return ;;
+    --status) COMPREPLY=($(compgen -W "live plain none" -- "$word")); return ;;
+    --report|--json|--truth)
+      if [ "$verb" = run ] || [ "$verb" = bench ]; then
+        COMPREPLY=($(compgen -f -- "$word")); return
+      fi ;;
+  esac
+  case $verb in
+    run) local options="--clock --duration --seed --set --report --truth --status --dry-run --help" ;;
+    check) local options="--set --print --json --help" ;;
+    list) local options="devices machines scenes rigs --json --help" ;;
+    describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --help" ;;
+    bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
+    completion) local options="bash zsh fish" ;;
+    *) local options="--json --help" ;;
+  esac
+  COMPREPLY=($(compgen -W "$options" -- "$word"))
+  if [ "$verb" = run ] || [ "$verb" = check ]; then
+    COMPREPLY+=($(compgen -W "$(rigwire list rigs 2>/dev/null | cut -d' ' -f1)" -- "$word"))
+    COMPREPLY+=($(compgen -f -X '!*.yaml' -- "$word") $(compgen -d -S / -- "$word"))
+  fi
+}
+complete -o nospace -F _rigwire rigwire 2>/dev/null
+)sh";
+
+constexpr const char* kZsh = R"sh(#compdef rigwire
+# rigwire completion for zsh:  rigwire completion zsh > ~/.zfunc/_rigwire
+_rigwire() {
+  local -a verbs
+  verbs=(run check list describe doctor bench completion)
+  if (( CURRENT == 2 )); then
+    compadd -- $verbs --help --version
+    return
+  fi
+  case $words[CURRENT-1] in
+    --clock) compadd -- real free scaled:; return ;;
+    --status) compadd -- live plain none; return ;;
+    --report|--truth) _files; return ;;
+  esac
+  case $words[2] in
+    run) compadd -- --clock --duration --seed --set --report --truth --status --dry-run --help ;;
+    check) compadd -- --set --print --json --help ;;
+    list) compadd -- devices machines scenes rigs --json --help ;;
+    describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json ;;
+    bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
+    completion) compadd -- bash zsh fish ;;
+    doctor) compadd -- --json --help ;;
+  esac
+  case $words[2] in
+    run|check)
+      compadd -- ${(f)"$(rigwire list rigs 2>/dev/null | cut -d' ' -f1)"}
+      _files -g '*.yaml' ;;
+  esac
+}
+if [ "$funcstack[1]" = "_rigwire" ]; then _rigwire "$@"; else compdef _rigwire rigwire; fi
+)sh";
+
+constexpr const char* kFish = R"sh(# rigwire completion for fish:  rigwire completion fish | source
+complete -c rigwire -f
+complete -c rigwire -n __fish_use_subcommand -a "run check list describe doctor bench completion"
+complete -c rigwire -n __fish_use_subcommand -l help -d "Help"
+complete -c rigwire -n __fish_use_subcommand -l version -d "Version"
+complete -c rigwire -n "__fish_seen_subcommand_from run check" -a "(rigwire list rigs | string replace -r ' .*' '')"
+complete -c rigwire -n "__fish_seen_subcommand_from run check" -k -a "(__fish_complete_suffix .yaml)"
+complete -c rigwire -n "__fish_seen_subcommand_from run check" -l set -x -d "key.path=value"
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l clock -x -a "real free scaled:"
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l duration -x
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l seed -x
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l report -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l truth -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l status -x -a "live plain none"
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l dry-run
+complete -c rigwire -n "__fish_seen_subcommand_from check" -l print
+complete -c rigwire -n "__fish_seen_subcommand_from check list describe doctor" -l json
+complete -c rigwire -n "__fish_seen_subcommand_from list" -a "devices machines scenes rigs"
+complete -c rigwire -n "__fish_seen_subcommand_from describe" -a "(rigwire list devices | string replace -r ' .*' '')"
+complete -c rigwire -n "__fish_seen_subcommand_from bench" -a "(rigwire bench --list | string replace -r ' .*' '')"
+complete -c rigwire -n "__fish_seen_subcommand_from bench" -l json -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from completion" -a "bash zsh fish"
+)sh";
+
+}  // namespace
+
+int completion_verb(const std::string& shell, Terminal terminal) {
+  if (shell == "bash") {
+    terminal.out << kBash;
+  } else if (shell == "zsh") {
+    terminal.out << kZsh;
+  } else if (shell == "fish") {
+    terminal.out << kFish;
+  } else {
+    const std::vector<std::string> shells{"bash", "zsh", "fish"};
+    const std::string near = nearest_word(shell, shells);
+    terminal.err << "rigwire: unknown shell, found \"" << shell << "\", allowed bash, zsh, fish"
+                 << (near.empty() ? "" : ", did you mean " + near + "?") << "\n";
+    return static_cast<int>(ExitCode::usage);
+  }
+  return static_cast<int>(ExitCode::done);
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,85 @@
+#include "hil/command_line/config_files.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+#include <set>
+#include <system_error>
+
+#include "hil/configuration/document.h"
+#include "hil/configuration/problems.h"
+#include "hil/configuration/suggest.h"
+
+namespace rigwire::hil {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> config_folders() {
+  std::vector<fs::path> candidates;
+  if (const char* folder = std::getenv("RIGWIRE_CONFIGS"); folder != nullptr && *folder != '\0') {
+    candidates.emplace_back(folder);
+  }
+#ifdef RIGWIRE_CONFIG_DIR
+  candidates.emplace_back(RIGWIRE_CONFIG_DIR);
+#endif
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (!error) {
+    candidates.push_back(program.parent_path().parent_path() / "share/rigwire/configs");
+  }
+  std::erase_if(candidates, [](const fs::path& path) {
+    std::error_code ignored;
+    return !fs::is_directory(path, ignored);
+  });
+  return candidates;
+}
+
+std::vector<ConfigFile> config_files(const std::string& kind) {
+  std::vector<ConfigFile> files;
+  std::set<std::string> seen;
+  for (const fs::path& folder : config_folders()) {
+    std::error_code error;
+    for (fs::directory_iterator it(folder / kind, error), end; !error && it != end;
+         it.increment(error)) {
+      const fs::path& path = it->path();
+      if (path.extension() != ".yaml" || !seen.insert(path.stem().string()).second) {
+        continue;
+      }
+      Problems problems;
+      const Value document = load_document(path.string(), problems);
+      const Value* text = document.find("text");
+      files.push_back({path.stem().string(), text == nullptr ? "" : text->scalar, path.string()});
+    }
+  }
+  std::sort(files.begin(), files.end(),
+            [](const ConfigFile& a, const ConfigFile& b) { return a.name < b.name; });
+  return files;
+}
+
+std::string find_rig(const std::string& rig) {
+  std::error_code error;
+  if (fs::exists(rig, error)) {
+    return rig;
+  }
+  std::vector<std::string> names;
+  for (const ConfigFile& file : config_files("rigs")) {
+    if (file.name == rig || file.name + ".yaml" == rig) {
+      return file.path;
+    }
+    names.push_back(file.name);
+  }
+  Problem problem;
+  problem.where.source = std::make_shared<const std::string>(rig);
+  problem.what = "no such file";
+  if (rig.find('/') == std::string::npos) {
+    problem.what += ", and no rig of that name";
+    problem.allowed = join_words(names);
+  }
+  problem.suggestion = nearest_file(rig);
+  if (problem.suggestion.empty()) {
+    problem.suggestion = nearest_word(fs::path(rig).stem().string(), names);
+  }
+  throw ConfigurationError({problem});
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,29 @@
+// Where rigs, machines and scenes are found: by path, or by name in the folders of configurations.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace rigwire::hil {
+
+/// One file of a kind ("rigs", "machines", "scenes").
+struct ConfigFile {
+  std::string name;  ///< Without folder and ending: "excavator_pit".
+  std::string text;  ///< Its `text` key; empty when it has none.
+  std::string path;
+};
+
+/// Folders that hold rigs/, machines/ and scenes/, the first match winning: that of the environment
+/// variable RIGWIRE_CONFIGS, the source tree that the program was built from, ../share/rigwire/
+/// configs beside the program.
+[[nodiscard]] std::vector<std::filesystem::path> config_folders();
+
+/// All files of the kind, sorted by name; a name that two folders have counts once.
+[[nodiscard]] std::vector<ConfigFile> config_files(const std::string& kind);
+
+/// The file that `rig` means: a path relative to the working folder, else a name in the folders.
+/// Throws ConfigurationError with what was tried and the nearest names.
+[[nodiscard]] std::string find_rig(const std::string& rig);
+
+}  // namespace rigwire::hil

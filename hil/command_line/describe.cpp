@@ -1,0 +1,77 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "hil/command_line/device_catalogue.h"
+#include "hil/command_line/verbs.h"
+#include "hil/configuration/suggest.h"
+#include "hil/configuration/units.h"
+
+namespace rigwire::hil {
+
+namespace {
+
+std::string text_of(const DeviceDescription& description) {
+  std::string text =
+      fmt::format("{}: {}\n\nwire      {}\nfollows   {}\npage      {}\n", description.type,
+                  description.text, description.wire, description.document, description.page);
+  std::vector<std::vector<std::string>> rows{{"message", "rate", "content"}};
+  for (const DeviceMessage& message : description.messages) {
+    rows.push_back({message.name, message.rate, message.content});
+  }
+  text += "\n" + table_text(rows);
+  if (!description.quantities.empty()) {
+    rows = {{"quantity", "unit", "from", "to", "resolution"}};
+    for (const DescribedQuantity& quantity : description.quantities) {
+      rows.push_back({quantity.name, quantity.unit, fmt::format("{:.6g}", quantity.lower),
+                      fmt::format("{:.6g}", quantity.upper),
+                      fmt::format("{:.6g}", quantity.resolution)});
+    }
+    text += "\n" + table_text(rows);
+  }
+  return text + "\nkeys in a rig (docs/configuration.md)\n" + description.keys;
+}
+
+nlohmann::ordered_json json_of(const DeviceDescription& description) {
+  nlohmann::ordered_json json{{"type", description.type},
+                              {"text", description.text},
+                              {"wire", description.wire},
+                              {"document", description.document},
+                              {"page", description.page},
+                              {"messages", {}},
+                              {"quantities", nlohmann::ordered_json::array()}};
+  json["messages"] = nlohmann::ordered_json::array();
+  for (const DeviceMessage& message : description.messages) {
+    json["messages"].push_back(
+        {{"name", message.name}, {"rate", message.rate}, {"content", message.content}});
+  }
+  for (const DescribedQuantity& quantity : description.quantities) {
+    json["quantities"].push_back({{"name", quantity.name},
+                                  {"unit", quantity.unit},
+                                  {"lower", quantity.lower},
+                                  {"upper", quantity.upper},
+                                  {"resolution", quantity.resolution}});
+  }
+  return json;
+}
+
+}  // namespace
+
+int describe_verb(const std::string& device, bool json, Terminal terminal) {
+  std::vector<std::string> names;
+  for (const DeviceDescription& description : device_catalogue()) {
+    if (description.type == device) {
+      terminal.out << (json ? json_of(description).dump(2) + "\n" : text_of(description));
+      return static_cast<int>(ExitCode::done);
+    }
+    names.push_back(description.type);
+  }
+  const std::string near = nearest_word(device, names);
+  terminal.err << fmt::format("rigwire: unknown device, found \"{}\", allowed {}{}\n", device,
+                              join_words(names),
+                              near.empty() ? "" : ", did you mean " + near + "?");
+  return static_cast<int>(ExitCode::usage);
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,125 @@
+#include "hil/command_line/device_catalogue.h"
+
+#include <fmt/format.h>
+
+#include "emulators/ublox_receiver.h"
+#include "hil/configuration/device.h"
+#include "hil/configuration/outline.h"
+#include "sim/samples/calendar.h"
+
+namespace rigwire::hil {
+
+namespace {
+
+/// Outputs that lead nowhere: devices are only built to be asked what they can carry.
+class NoBytes final : public emulators::ByteOutput {
+ public:
+  void send(SimTime, std::span<const std::uint8_t>) override {}
+};
+class NoFrames final : public emulators::FrameOutput {
+ public:
+  void send(SimTime, const protocols::can::Frame&) override {}
+};
+class NoStream final : public emulators::StreamOutput {
+ public:
+  void send(emulators::ConnectionId, SimTime, std::span<const std::uint8_t>) override {}
+  void close(emulators::ConnectionId, SimTime) override {}
+};
+
+std::vector<DescribedQuantity> quantities_of(const emulators::Device& device) {
+  std::vector<DescribedQuantity> result;
+  for (const emulators::Quantity& quantity : device.quantities()) {
+    result.push_back({std::string(quantity.name), std::string(quantity.unit), quantity.lower,
+                      quantity.upper, quantity.resolution});
+  }
+  return result;
+}
+
+void describe(const UbloxConfiguration& configuration, DeviceDescription& description) {
+  NoBytes output;
+  const Calendar calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0});
+  description.quantities =
+      quantities_of(emulators::UbloxReceiver(configuration.receiver, calendar, output));
+  description.wire = "serial line on a pty, 8N1";
+  description.document =
+      "u-blox 7 Receiver Description Including Protocol Specification V14 (GPS.G7-SW-12001-B)";
+  for (const emulators::UbloxMessage& message : emulators::ublox_messages()) {
+    if (!message.name.empty() && message.greatest_bytes > 0) {
+      description.messages.push_back(
+          {(message.sentence ? "NMEA " : "UBX ") + std::string(message.name), "each epoch",
+           fmt::format("class {:#04x} id {:#04x}, at most {} bytes", message.id.message_class,
+                       message.id.message_id, message.greatest_bytes)});
+    }
+  }
+}
+
+void describe(const VelodyneConfiguration& configuration, DeviceDescription& description) {
+  NoBytes output;
+  const Calendar calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0});
+  description.quantities =
+      quantities_of(emulators::VelodyneLidar(configuration.lidar, calendar, output, output));
+  description.wire = "UDP: data packets to port 2368, position packets to port 8308";
+  description.document = "Velodyne HDL-32E User's Manual 63-9113 Rev. M";
+  description.messages = {
+      {"data packet", "1808.4 /s", "1206 bytes: 12 firings of 32 lasers, azimuth, time of hour"},
+      {"position packet", "129.2 /s", "512 bytes: time of hour, PPS state, $GPRMC sentence"}};
+}
+
+void describe(const OpenImuDeviceConfiguration& configuration, DeviceDescription& description) {
+  NoFrames output;
+  description.quantities = quantities_of(emulators::OpenImu(configuration.imu, output));
+  description.wire = "CAN 2.0B at 250 kbit/s, J1939: SocketCAN or slcan on a pty";
+  description.document = "SAE J1939-21, -81; ACEINNA openIMU335RI firmware and J1939 documentation";
+  description.messages = {
+      {"61481 F029 slope sensor information 2", "100 Hz", "pitch, roll, merit, latency"},
+      {"61482 F02A angular rate information", "100 Hz", "pitch, roll, yaw rate, merit, latency"},
+      {"61485 F02D acceleration sensor", "100 Hz", "lateral, longitudinal, vertical, merit"},
+      {"60928 EE00 address claimed", "at start, on request", "NAME"},
+      {"65242 FEDA software version", "on request", "5 bytes"},
+      {"64965 FDC5 ECU identification", "on request", "NAME"},
+      {"FF50 .. FF59 settings", "received", "rate, messages, filters, orientation, save"}};
+}
+
+void describe(const ValveDriverConfiguration& configuration, DeviceDescription& description) {
+  NoStream output;
+  description.quantities = quantities_of(emulators::ValveDriver(configuration.driver, output));
+  description.wire = "Modbus TCP server, default 127.0.0.1:1502";
+  description.document =
+      "MODBUS Application Protocol Specification V1.1b3; Messaging on TCP/IP Implementation Guide "
+      "V1.0b; register map in docs/devices/valve-driver.md";
+  description.messages = {
+      {"03 read holding registers", "on request", "set points, ramps, watchdog"},
+      {"04 read input registers", "on request", "spools, pressures, swing encoder, faults"},
+      {"06, 16, 22, 23 write registers", "on request", "control word, set points, parameters"},
+      {"17, 43/14 identification", "on request", "vendor, product, revision"}};
+}
+
+}  // namespace
+
+namespace {
+
+template <std::size_t kIndex>
+void append(std::vector<DeviceDescription>& list) {
+  DeviceConfiguration configuration;
+  configuration.settings.emplace<kIndex>();
+  DeviceDescription description;
+  description.type = kDeviceTypes[kIndex].name;
+  description.text = kDeviceTypes[kIndex].text;
+  description.page = "docs/devices/" + description.type + ".md";
+  describe(std::get<kIndex>(configuration.settings), description);
+  description.keys = reference_text(outline(configuration));
+  list.push_back(std::move(description));
+}
+
+}  // namespace
+
+std::vector<DeviceDescription> device_catalogue() {
+  std::vector<DeviceDescription> list;
+  [&]<std::size_t... kIndices>(std::index_sequence<kIndices...>) {
+    (append<kIndices>(list), ...);
+  }
+  (std::make_index_sequence<std::variant_size_v<DeviceSettings>>{});
+  return list;
+}
+
+}  // namespace rigwire::hil

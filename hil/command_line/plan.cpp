@@ -1,0 +1,77 @@
+// What a rig will do, from its configuration alone.
+#include <fmt/format.h>
+
+#include "hil/command_line/verbs.h"
+#include "protocols/velodyne/data_packet.h"
+#include "protocols/velodyne/model.h"
+
+namespace rigwire::hil {
+
+namespace {
+
+using Row = std::vector<std::string>;
+
+Row plan(const RigConfiguration&, const UbloxConfiguration& device) {
+  double bytes = 0.0;
+  const double rate_hz = 1.0 / to_seconds(device.receiver.measurement_period);
+  for (const auto& names : {device.receiver.nmea_sentences, device.receiver.ubx_messages}) {
+    for (const std::string& name : names) {
+      const std::size_t index = emulators::ublox_message_index(name);
+      if (index < emulators::ublox_messages().size()) {
+        bytes += static_cast<double>(emulators::ublox_messages()[index].greatest_bytes) * rate_hz;
+      }
+    }
+  }
+  constexpr double kBitsPerByte = 10.0;  // 8N1
+  return {fmt::format("pty {} at {} baud", device.path, device.receiver.baud),
+          fmt::format("{:.3g} epochs/s", rate_hz), fmt::format("<= {:.0f} B/s", bytes),
+          fmt::format("{:.0f} % of the line", 100.0 * bytes * kBitsPerByte / device.receiver.baud)};
+}
+
+Row plan(const RigConfiguration&, const VelodyneConfiguration& device) {
+  const protocols::velodyne::Model* model = protocols::velodyne::find_model(device.lidar.model);
+  const double firings_hz = model == nullptr ? 0.0 : 1e9 / model->firing_period_ns;
+  const double packets_hz = firings_hz / protocols::velodyne::kBlocksPerPacket;
+  return {fmt::format("udp {}:{} and {}", device.address, device.port, device.position_port),
+          fmt::format("{:.1f} packets/s", packets_hz),
+          fmt::format("{:.0f} B/s", packets_hz * protocols::velodyne::kDataPacketSize),
+          fmt::format("{:.0f} rpm", device.lidar.rotor_rpm)};
+}
+
+Row plan(const RigConfiguration& rig, const OpenImuDeviceConfiguration& device) {
+  const unsigned mask = device.imu.configuration.packet_mask;
+  const unsigned messages = (mask & 1u) + ((mask >> 1) & 1u) + ((mask >> 2) & 1u);
+  const unsigned divider = device.imu.configuration.rate_divider;
+  const double rate_hz = divider == 0 ? 0.0 : 100.0 / divider;
+  const auto bus = rig.buses.find(device.bus);
+  return {bus == rig.buses.end()
+              ? device.bus
+              : fmt::format("can {} at {} bit/s, address 0x{:02X}", device.bus,
+                            bus->second.bus.bit_rate_bps, device.imu.source_address),
+          fmt::format("{:.0f} frames/s", rate_hz * messages),
+          fmt::format("{:.0f} B/s", rate_hz * messages * 8),
+          fmt::format("{} messages at {:.0f} Hz", messages, rate_hz)};
+}
+
+Row plan(const RigConfiguration&, const ValveDriverConfiguration& device) {
+  return {
+      fmt::format("modbus tcp {}:{}", device.address, device.port), "on request", "",
+      fmt::format("unit {}, {} sections, watchdog {}", device.driver.unit,
+                  device.driver.sections.size(), print_duration(device.driver.watchdog.count()))};
+}
+
+}  // namespace
+
+std::string plan_text(const RigConfiguration& configuration) {
+  std::vector<Row> rows{{"device", "type", "wire", "sends", "bytes", "with"}};
+  for (const auto& [name, device] : configuration.devices) {
+    Row row{name, std::string(device.type())};
+    const Row rest = std::visit([&](const auto& settings) { return plan(configuration, settings); },
+                                device.settings);
+    row.insert(row.end(), rest.begin(), rest.end());
+    rows.push_back(std::move(row));
+  }
+  return table_text(rows);
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,193 @@
+#include "hil/command_line/verbs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "hil/bench/registry.h"
+#include "hil/command_line/config_files.h"
+#include "hil/configuration/suggest.h"
+#include "hil/doctor.h"
+
+namespace rigwire::hil {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+int code(ExitCode exit_code) {
+  return static_cast<int>(exit_code);
+}
+
+int refuse_word(const std::string& what, const std::string& word,
+                const std::vector<std::string>& known, Terminal terminal) {
+  const std::string near = nearest_word(word, known);
+  terminal.err << fmt::format("rigwire: unknown {}, found \"{}\", allowed {}{}\n", what, word,
+                              join_words(known),
+                              near.empty() ? "" : ", did you mean " + near + "?");
+  return code(ExitCode::usage);
+}
+
+Json problems_json(const std::vector<Problem>& problems) {
+  Json list = Json::array();
+  for (const Problem& problem : problems) {
+    list.push_back({{"file", problem.where.source ? *problem.where.source : ""},
+                    {"line", problem.where.line},
+                    {"column", problem.where.column},
+                    {"path", problem.path},
+                    {"what", problem.what},
+                    {"found", problem.found},
+                    {"allowed", problem.allowed},
+                    {"suggestion", problem.suggestion}});
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string table_text(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      widths[i] = std::max(widths[i], row[i].size());
+    }
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      line += row[i];
+      if (i + 1 < row.size()) {
+        line.append(widths[i] - row[i].size() + 2, ' ');
+      }
+    }
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  return text;
+}
+
+int run_verb(const RigArguments& arguments, const RunOptions& options, bool dry_run,
+             Terminal terminal) {
+  const LoadedRig rig = load_rig(find_rig(arguments.rig), arguments.sets);
+  if (dry_run) {
+    terminal.out << fmt::format("{}, seed {}, config {}, clock {}\n\n", rig.configuration.name,
+                                rig.configuration.seed, config_hash(rig.configuration),
+                                to_string(options.clock))
+                 << plan_text(rig.configuration);
+    return code(ExitCode::done);
+  }
+  return run(rig.configuration, options);
+}
+
+int check_verb(const RigArguments& arguments, bool print, bool json, Terminal terminal) {
+  try {
+    const LoadedRig rig = load_rig(find_rig(arguments.rig), arguments.sets);
+    const std::string hash = config_hash(rig.configuration);
+    if (json) {
+      Json result{{"ok", true}, {"config_hash", hash}, {"devices", Json::array()}};
+      for (const auto& [name, device] : rig.configuration.devices) {
+        result["devices"].push_back({{"name", name}, {"type", device.type()}});
+      }
+      if (print) {
+        result["yaml"] = print_rig(rig);
+      }
+      terminal.out << result.dump(2) << "\n";
+    } else if (print) {
+      terminal.out << print_rig(rig);
+    } else {
+      terminal.out << fmt::format("{}: good, {} devices, config {}\n", arguments.rig,
+                                  rig.configuration.devices.size(), hash);
+    }
+    return code(ExitCode::done);
+  } catch (const ConfigurationError& error) {
+    if (!json) {
+      throw;
+    }
+    const Json result{{"ok", false}, {"problems", problems_json(error.problems())}};
+    terminal.out << result.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
+    return code(ExitCode::usage);
+  }
+}
+
+int list_verb(const std::string& kind, bool json, Terminal terminal) {
+  const std::vector<std::string> kinds{"devices", "machines", "scenes", "rigs"};
+  if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
+    return refuse_word("kind", kind, kinds, terminal);
+  }
+  std::vector<std::vector<std::string>> rows;
+  Json list = Json::array();
+  if (kind == "devices") {
+    for (const Alternative& type : kDeviceTypes) {
+      rows.push_back({std::string(type.name), std::string(type.text)});
+      list.push_back({{"name", type.name}, {"text", type.text}});
+    }
+  } else {
+    for (const ConfigFile& file : config_files(kind)) {
+      rows.push_back({file.name, file.text, file.path});
+      list.push_back({{"name", file.name}, {"text", file.text}, {"path", file.path}});
+    }
+  }
+  terminal.out << (json ? list.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
+                        : table_text(rows));
+  return code(ExitCode::done);
+}
+
+int doctor_verb(bool json, Terminal terminal) {
+  const std::vector<Finding> findings = examine_machine();
+  std::vector<std::vector<std::string>> rows;
+  Json list = Json::array();
+  bool missing = false;
+  for (const Finding& finding : findings) {
+    missing = missing || finding.health == Health::missing;
+    rows.push_back({finding.name, to_string(finding.health), finding.detail});
+    if (!finding.fix.empty()) {
+      rows.push_back({"", "", "-> " + finding.fix});
+    }
+    list.push_back({{"name", finding.name},
+                    {"health", to_string(finding.health)},
+                    {"detail", finding.detail},
+                    {"fix", finding.fix}});
+  }
+  terminal.out << (json ? list.dump(2) + "\n" : table_text(rows));
+  return code(missing ? ExitCode::environment : ExitCode::done);
+}
+
+int bench_verb(const std::string& suite, const std::string& json_file, bool list,
+               Terminal terminal) {
+  std::vector<std::string> names;
+  std::vector<std::vector<std::string>> rows;
+  for (const BenchSuite& known : bench_suites()) {
+    names.emplace_back(known.name);
+    rows.push_back({std::string(known.name), std::string(known.text)});
+  }
+  if (list) {
+    terminal.out << table_text(rows);
+    return code(ExitCode::done);
+  }
+  if (!suite.empty() && std::find(names.begin(), names.end(), suite) == names.end()) {
+    return refuse_word("suite", suite, names, terminal);
+  }
+  Json results = Json::object();
+  for (const BenchSuite& known : bench_suites()) {
+    if (suite.empty() || suite == known.name) {
+      terminal.out << "== " << known.name << ": " << known.text << "\n" << std::flush;
+      results[std::string(known.name)] = known.function(terminal.out);
+      terminal.out << "\n";
+    }
+  }
+  if (!json_file.empty()) {
+    std::ofstream file(json_file);
+    file << results.dump(2) << "\n";
+    file.flush();
+    if (!file) {
+      terminal.err << "rigwire: cannot write " << json_file << "\n";
+      return code(ExitCode::environment);
+    }
+  }
+  return code(ExitCode::done);
+}
+
+}  // namespace rigwire::hil

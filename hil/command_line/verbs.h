@@ -1,0 +1,40 @@
+// What each verb does, apart from parsing its options.
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "hil/run.h"
+
+namespace rigwire::hil {
+
+/// Options that change what a rig file says.
+struct RigArguments {
+  std::string rig;                ///< Path or name.
+  std::vector<std::string> sets;  ///< "key.path=value", later ones win.
+};
+
+struct Terminal {
+  std::ostream& out;
+  std::ostream& err;
+};
+
+/// Each returns an exit code. They may throw ConfigurationError and what run() throws.
+[[nodiscard]] int run_verb(const RigArguments& rig, const RunOptions& options, bool dry_run,
+                           Terminal terminal);
+[[nodiscard]] int check_verb(const RigArguments& rig, bool print, bool json, Terminal terminal);
+[[nodiscard]] int list_verb(const std::string& kind, bool json, Terminal terminal);
+[[nodiscard]] int describe_verb(const std::string& device, bool json, Terminal terminal);
+[[nodiscard]] int doctor_verb(bool json, Terminal terminal);
+[[nodiscard]] int bench_verb(const std::string& suite, const std::string& json_file, bool list,
+                             Terminal terminal);
+[[nodiscard]] int completion_verb(const std::string& shell, Terminal terminal);
+
+/// One row per device: name, type, wire, what it sends by itself. For --dry-run.
+[[nodiscard]] std::string plan_text(const RigConfiguration& configuration);
+
+/// Columns padded to their widest cell, two spaces between.
+[[nodiscard]] std::string table_text(const std::vector<std::vector<std::string>>& rows);
+
+}  // namespace rigwire::hil

@@ -1,0 +1,221 @@
+// How the parts of a rig go together. Nothing here repeats what a single field's range says.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hil/configuration/document.h"
+#include "hil/configuration/rig.h"
+#include "hil/configuration/suggest.h"
+
+namespace rigwire::hil {
+
+namespace {
+
+class Checker {
+ public:
+  Checker(const RigConfiguration& rig, const Origins& origins, Problems& problems)
+      : rig_(rig), origins_(origins), problems_(problems), known_(problems.sorted()) {
+    for (const std::string_view link : kExcavatorLinks) {
+      links_.emplace_back(link);
+    }
+    for (const auto& [name, bus] : rig.buses) {
+      bus_names_.push_back(name);
+    }
+  }
+
+  void run() {
+    check_time();
+    check_machine();
+    for (const auto& [name, bus] : rig_.buses) {
+      if (!faulty("buses." + name)) {
+        check_bus(name, bus);
+      }
+    }
+    for (const auto& [name, device] : rig_.devices) {
+      const std::string path = "devices." + name;
+      if (!faulty(path)) {
+        std::visit([&](const auto& settings) { check_device(path, settings); }, device.settings);
+      }
+    }
+    for (const auto& [name, bus] : rig_.buses) {
+      check_load(name, bus);
+    }
+  }
+
+ private:
+  void report(const std::string& path, std::string what, std::string found = {},
+              std::string allowed = {}, std::string suggestion = {}) {
+    problems_.add({origins_.nearest(path), path, std::move(what), std::move(found),
+                   std::move(allowed), std::move(suggestion)});
+  }
+
+  /// Something below was not read, so that its members are defaults that nobody asked for.
+  [[nodiscard]] bool faulty(const std::string& path) const {
+    return std::any_of(known_.begin(), known_.end(), [&](const Problem& problem) {
+      return problem.path == path || problem.path.starts_with(path + ".");
+    });
+  }
+
+  void check_time() {
+    if (faulty("lead") || faulty("step") || faulty("slice")) {
+      return;
+    }
+    if (rig_.slice % rig_.step != Duration{0}) {
+      report("slice", "must be a whole number of steps", print_duration(rig_.slice.count()),
+             "multiples of step = " + print_duration(rig_.step.count()));
+    }
+    if (rig_.lead < rig_.slice) {
+      report("lead", "must not be less than a slice", print_duration(rig_.lead.count()),
+             ">= " + print_duration(rig_.slice.count()));
+    }
+  }
+
+  void check_machine() {
+    for (std::size_t i = 0; i < rig_.machine.shapes.size(); ++i) {
+      check_link(fmt::format("machine.shapes.{}.link", i), rig_.machine.shapes[i].link);
+    }
+  }
+
+  void check_link(const std::string& path, const std::string& link) {
+    if (std::find(links_.begin(), links_.end(), link) == links_.end()) {
+      report(path, "no such link of the machine", "\"" + link + "\"", join_words(links_),
+             nearest_word(link, links_));
+    }
+  }
+
+  /// `key` is the resource that only one part of the rig can own.
+  void claim(const std::string& path, const std::string& key, const std::string& shown) {
+    const auto [it, fresh] = owners_.emplace(key, path);
+    if (!fresh) {
+      report(path, fmt::format("already taken by {}", it->second), "\"" + shown + "\"");
+    }
+  }
+
+  void check_path(const std::string& path, const std::string& file) {
+    if (file.empty() || file.front() != '/' || file.back() == '/') {
+      report(path, "must be an absolute path", "\"" + file + "\"", "a path like /tmp/rigwire/gnss");
+    }
+    claim(path, "path " + file, file);
+  }
+
+  void check_address(const std::string& path, const std::string& address, bool allow_remote) {
+    std::vector<int> parts;
+    std::string part;
+    bool well_formed = true;
+    for (const char c : address + ".") {
+      if (c != '.') {
+        part += c;
+        continue;
+      }
+      const bool number = !part.empty() && part.size() <= 3 &&
+                          part.find_first_not_of("0123456789") == std::string::npos;
+      well_formed = well_formed && number && std::stoi(part) <= 255;
+      parts.push_back(number ? std::stoi(part) : 0);
+      part.clear();
+    }
+    if (!well_formed || parts.size() != 4) {
+      report(path, "not an IPv4 address", "\"" + address + "\"", "four numbers like 127.0.0.1");
+      return;
+    }
+    if (parts[0] != 127 && !allow_remote) {
+      report(path, "reaches beyond this machine without the device's `allow_remote: true`",
+             "\"" + address + "\"", "127.0.0.0 .. 127.255.255.255");
+    }
+  }
+
+  void check_bus(const std::string& name, const BusConfiguration& bus) {
+    const std::string path = "buses." + name;
+    if (bus.wire != CanWire::socketcan) {
+      check_path(path + ".path", bus.path);
+    }
+    if (bus.wire != CanWire::slcan) {
+      constexpr std::size_t kLongestInterface = 15;  // IFNAMSIZ - 1
+      if (bus.interface.empty() || bus.interface.size() > kLongestInterface) {
+        report(path + ".interface", "not an interface name", "\"" + bus.interface + "\"",
+               "1 .. 15 characters");
+      }
+      claim(path + ".interface", "interface " + bus.interface, bus.interface);
+    }
+  }
+
+  void check_device(const std::string& path, const UbloxConfiguration& device) {
+    check_path(path + ".path", device.path);
+    check_link(path + ".mount.link", device.mount.link);
+  }
+
+  void check_device(const std::string& path, const VelodyneConfiguration& device) {
+    check_address(path + ".address", device.address, device.allow_remote);
+    check_link(path + ".mount.link", device.mount.link);
+    claim(path + ".port", fmt::format("udp {}:{}", device.address, device.port),
+          std::to_string(device.port));
+    claim(path + ".position_port", fmt::format("udp {}:{}", device.address, device.position_port),
+          std::to_string(device.position_port));
+  }
+
+  void check_device(const std::string& path, const OpenImuDeviceConfiguration& device) {
+    check_link(path + ".mount.link", device.mount.link);
+    if (!rig_.buses.contains(device.bus)) {
+      report(path + ".bus", "no such bus", "\"" + device.bus + "\"", join_words(bus_names_),
+             nearest_word(device.bus, bus_names_));
+      return;
+    }
+    claim(path + ".source_address",
+          fmt::format("{} address {}", device.bus, device.imu.source_address),
+          std::to_string(device.imu.source_address));
+    claim(path + ".serial", fmt::format("{} serial {}", device.bus, device.imu.serial),
+          std::to_string(device.imu.serial));
+  }
+
+  void check_device(const std::string& path, const ValveDriverConfiguration& device) {
+    check_address(path + ".address", device.address, device.allow_remote);
+    claim(path + ".port", fmt::format("tcp {}:{}", device.address, device.port),
+          std::to_string(device.port));
+  }
+
+  /// Frames of data per second against the bit rate.
+  void check_load(const std::string& name, const BusConfiguration& bus) {
+    // Extended data frame with 8 bytes: 67 bits of frame and interframe space around 64 bits of
+    // data, and at worst one stuff bit for every four of the 118 bits that are stuffed.
+    constexpr double kBitsPerFrame = 67 + 64 + 118 / 4;
+    double frames = 0.0;
+    std::string last;
+    for (const auto& [device_name, device] : rig_.devices) {
+      const auto* imu = std::get_if<OpenImuDeviceConfiguration>(&device.settings);
+      if (imu == nullptr || imu->bus != name || imu->imu.configuration.rate_divider == 0) {
+        continue;
+      }
+      const unsigned mask = imu->imu.configuration.packet_mask;
+      const unsigned messages = (mask & 1u) + ((mask >> 1) & 1u) + ((mask >> 2) & 1u);
+      frames += 100.0 / imu->imu.configuration.rate_divider * messages;
+      last = "devices." + device_name + ".rate";
+    }
+    const double needed = frames * kBitsPerFrame;
+    if (needed > static_cast<double>(bus.bus.bit_rate_bps)) {
+      report("buses." + name + ".bitrate",
+             fmt::format("the devices of this bus send up to {:.0f} frames/s, {:.0f} bit/s", frames,
+                         needed),
+             fmt::format("{} bit/s", bus.bus.bit_rate_bps),
+             fmt::format(">= {:.0f} bit/s, or a lower rate of the devices", needed));
+    }
+  }
+
+  const RigConfiguration& rig_;
+  const Origins& origins_;
+  Problems& problems_;
+  std::vector<Problem> known_;  ///< Found while reading.
+  std::vector<std::string> links_;
+  std::vector<std::string> bus_names_;
+  std::map<std::string, std::string> owners_;
+};
+
+}  // namespace
+
+void check_rig(const RigConfiguration& configuration, const Origins& origins, Problems& problems) {
+  Checker(configuration, origins, problems).run();
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,177 @@
+#include "hil/doctor.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <thread>
+
+namespace rigwire::hil {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(int value) : value_(value) {}
+  ~Descriptor() {
+    if (value_ >= 0) {
+      ::close(value_);
+    }
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] bool open() const { return value_ >= 0; }
+  [[nodiscard]] int get() const { return value_; }
+
+ private:
+  int value_;
+};
+
+Finding can_sockets() {
+  const Descriptor socket(::socket(AF_CAN, SOCK_RAW, 1 /*CAN_RAW*/));
+  if (socket.open()) {
+    return {"AF_CAN", Health::good, "the kernel has CAN sockets", ""};
+  }
+  return {
+      "AF_CAN", Health::limited,
+      fmt::format("no CAN sockets ({}); `wire: auto` takes slcan on a pty", std::strerror(errno)),
+      "sudo modprobe can_raw    (needs a kernel with CAN; hosted machines often lack it)"};
+}
+
+Finding vcan() {
+  if (::if_nametoindex("vcan0") != 0) {
+    return {"vcan0", Health::good, "the interface exists", ""};
+  }
+  return {
+      "vcan0", Health::limited, "no interface vcan0; `wire: auto` takes slcan on a pty",
+      "sudo modprobe vcan && sudo ip link add dev vcan0 type vcan && sudo ip link set up vcan0"};
+}
+
+Finding pty() {
+  const Descriptor master(::posix_openpt(O_RDWR | O_NOCTTY));
+  if (master.open() && ::grantpt(master.get()) == 0 && ::unlockpt(master.get()) == 0) {
+    return {"pty", Health::good, "pseudo-terminals can be opened", ""};
+  }
+  return {"pty", Health::missing, std::string("no pseudo-terminal: ") + std::strerror(errno),
+          "mount devpts on /dev/pts"};
+}
+
+Finding link_folder() {
+  const fs::path folder = "/tmp/rigwire";
+  const fs::path asked = fs::exists(folder) ? folder : folder.parent_path();
+  if (::access(asked.c_str(), W_OK | X_OK) == 0) {
+    return {"links", Health::good, "/tmp/rigwire can be written", ""};
+  }
+  return {"links", Health::missing,
+          fmt::format("{} cannot be written: {}", asked.string(), std::strerror(errno)),
+          "give it to yourself, or set `path` of gnss and can elsewhere"};
+}
+
+Finding limit(const char* name, __rlimit_resource resource, rlim_t wanted, const char* unit,
+              const char* fix) {
+  rlimit value{};
+  ::getrlimit(resource, &value);
+  const bool enough = value.rlim_cur == RLIM_INFINITY || value.rlim_cur >= wanted;
+  const std::string shown =
+      value.rlim_cur == RLIM_INFINITY ? "unlimited" : fmt::format("{} {}", value.rlim_cur, unit);
+  return {name, enough || ::geteuid() == 0 ? Health::good : Health::limited,
+          ::geteuid() == 0 ? shown + " (running as root, which may exceed it)" : shown,
+          enough || ::geteuid() == 0 ? "" : fix};
+}
+
+Finding udp_buffers() {
+  constexpr int kWanted = 1 << 20;
+  const Descriptor socket(::socket(AF_INET, SOCK_DGRAM, 0));
+  if (!socket.open()) {
+    return {"udp", Health::missing, std::string("no UDP socket: ") + std::strerror(errno),
+            "allow IPv4 sockets"};
+  }
+  int granted = kWanted;
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVBUF, &granted, sizeof(granted));
+  socklen_t size = sizeof(granted);
+  ::getsockopt(socket.get(), SOL_SOCKET, SO_RCVBUF, &granted, &size);
+  // The kernel doubles what it grants, for its own book-keeping (socket(7)).
+  granted /= 2;
+  if (granted >= kWanted) {
+    return {"udp buffers", Health::good, fmt::format("{} bytes", granted), ""};
+  }
+  return {"udp buffers", Health::limited,
+          fmt::format("{} of {} bytes; a lidar client may lose packets", granted, kWanted),
+          fmt::format("sudo sysctl -w net.core.rmem_max={}", kWanted)};
+}
+
+Finding tcp_port(std::uint16_t port, const char* owner) {
+  const std::string name = fmt::format("tcp {}", port);
+  const Descriptor socket(::socket(AF_INET, SOCK_STREAM, 0));
+  if (!socket.open()) {
+    return {name, Health::missing, std::string("no TCP socket: ") + std::strerror(errno),
+            "allow IPv4 sockets"};
+  }
+  const int reuse = 1;
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &reuse, sizeof(reuse));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0) {
+    return {name, Health::good, fmt::format("free for {}", owner), ""};
+  }
+  return {name, Health::missing,
+          fmt::format("127.0.0.1:{} is taken ({})", port, std::strerror(errno)),
+          fmt::format("ss -ltnp 'sport = :{}' names the owner; or --set devices.{}.port=N", port,
+                      owner)};
+}
+
+Finding processors() {
+  const unsigned count = std::thread::hardware_concurrency();
+  utsname system{};
+  ::uname(&system);
+  return {"processors", count >= 2 ? Health::good : Health::limited,
+          fmt::format("{} on Linux {}", count, system.release),
+          count >= 2 ? "" : "a rig with a lidar wants two"};
+}
+
+}  // namespace
+
+std::vector<Finding> examine_machine() {
+  return {
+      can_sockets(),
+      vcan(),
+      pty(),
+      link_folder(),
+      limit("real-time priority", RLIMIT_RTPRIO, 50, "at most",
+            "add `@rigwire - rtprio 50` to /etc/security/limits.d/ and log in again"),
+      limit("memory lock", RLIMIT_MEMLOCK, 512u << 20, "bytes",
+            "add `@rigwire - memlock unlimited` to /etc/security/limits.d/ and log in again"),
+      udp_buffers(),
+      tcp_port(1502, "valves"),
+      processors(),
+  };
+}
+
+const char* to_string(Health health) {
+  switch (health) {
+    case Health::good:
+      return "good";
+    case Health::limited:
+      return "limited";
+    case Health::missing:
+      break;
+  }
+  return "missing";
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,173 @@
+// The built program, as a user and a script meet it: exit codes and messages.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+struct Result {
+  int code = -1;
+  std::string output;  ///< Standard output and error.
+};
+
+/// Bounded: `timeout` ends a program that does not.
+Result rigwire(const std::string& arguments) {
+  const std::string command =
+      "NO_COLOR=1 timeout 60 " RIGWIRE_BINARY_DIR "/rigwire " + arguments + " 2>&1 </dev/null";
+  Result result;
+  FILE* pipe = ::popen(command.c_str(), "r");
+  if (pipe == nullptr) {
+    return result;
+  }
+  std::array<char, 4096> buffer{};
+  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
+    result.output.append(buffer.data(), count);
+  }
+  const int status = ::pclose(pipe);
+  result.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return result;
+}
+
+TEST(CommandLine, help_and_version_are_done) {
+  const Result help = rigwire("--help");
+  EXPECT_EQ(help.code, 0);
+  EXPECT_THAT(help.output, HasSubstr("rigwire run excavator_pit --duration 20s"));
+  EXPECT_EQ(rigwire("run --help").code, 0);
+  const Result version = rigwire("--version");
+  EXPECT_EQ(version.code, 0);
+  EXPECT_THAT(version.output, StartsWith("rigwire 0."));
+}
+
+TEST(CommandLine, mistyped_verb_or_option_is_usage_with_a_suggestion) {
+  const Result verb = rigwire("rnu excavator_pit");
+  EXPECT_EQ(verb.code, 2);
+  EXPECT_THAT(verb.output, HasSubstr("unknown verb, found \"rnu\""));
+  EXPECT_THAT(verb.output, HasSubstr("did you mean run?"));
+  const Result option = rigwire("run excavator_pit --durration 5s");
+  EXPECT_EQ(option.code, 2);
+  EXPECT_THAT(option.output, HasSubstr("did you mean --duration?"));
+  EXPECT_EQ(rigwire("").code, 2);
+  EXPECT_EQ(rigwire("run").code, 2);
+}
+
+TEST(CommandLine, bad_option_values_are_usage) {
+  for (const char* bad :
+       {"--clock warp", "--clock scaled:0", "--duration -5s", "--duration 0", "--duration nan",
+        "--duration 5kg", "--status blinking", "--seed x", "--seed -1"}) {
+    EXPECT_EQ(rigwire(std::string("run excavator_pit --dry-run ") + bad).code, 2) << bad;
+  }
+}
+
+TEST(CommandLine, rig_is_found_by_name_and_by_path) {
+  const Result by_name = rigwire("check excavator_pit");
+  EXPECT_EQ(by_name.code, 0) << by_name.output;
+  const Result by_path = rigwire("check " RIGWIRE_SOURCE_DIR "/configs/rigs/excavator_pit.yaml");
+  EXPECT_EQ(by_path.code, 0) << by_path.output;
+  const Result missing = rigwire("check excavator_pti");
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_THAT(missing.output, HasSubstr("did you mean excavator_pit?"));
+}
+
+TEST(CommandLine, findings_of_a_rig_are_usage_and_json_holds_them) {
+  const Result text = rigwire("check excavator_pit --set devices.gnss.ratte=5");
+  EXPECT_EQ(text.code, 2);
+  EXPECT_THAT(text.output, HasSubstr("devices.gnss.ratte: unknown key, did you mean rate?"));
+  const Result json = rigwire("check excavator_pit --json --set devices.gnss.ratte=5");
+  EXPECT_EQ(json.code, 2);
+  const auto parsed = nlohmann::json::parse(json.output);
+  EXPECT_EQ(parsed["ok"], false);
+  EXPECT_EQ(parsed["problems"][0]["suggestion"], "rate");
+  const auto good = nlohmann::json::parse(rigwire("check excavator_pit --json").output);
+  EXPECT_EQ(good["ok"], true);
+  EXPECT_EQ(good["devices"].size(), 7u);
+}
+
+TEST(CommandLine, print_says_where_values_came_from) {
+  const Result result = rigwire("check excavator_pit --print --set devices.gnss.rate=5");
+  EXPECT_EQ(result.code, 0);
+  EXPECT_THAT(result.output, testing::ContainsRegex("rate: 5 Hz +# --set devices.gnss.rate=5\n"));
+  EXPECT_THAT(result.output, testing::ContainsRegex("excavator_ref18t.yaml:[0-9]+\n"));
+  EXPECT_THAT(result.output, testing::ContainsRegex("# default\n"));
+}
+
+TEST(CommandLine, dry_run_prints_the_plan_and_opens_nothing) {
+  const Result result = rigwire("run excavator_pit --dry-run --clock free --duration 20s");
+  EXPECT_EQ(result.code, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("1808.4 packets/s"));
+  EXPECT_THAT(result.output, HasSubstr("valves"));
+}
+
+TEST(CommandLine, lists_know_what_there_is) {
+  EXPECT_THAT(rigwire("list devices").output, HasSubstr("velodyne-hdl-32e"));
+  EXPECT_THAT(rigwire("list rigs").output, HasSubstr("excavator_pit"));
+  EXPECT_THAT(rigwire("list machines").output, HasSubstr("excavator_ref18t"));
+  EXPECT_THAT(rigwire("list scenes").output, HasSubstr("open_pit"));
+  EXPECT_EQ(nlohmann::json::parse(rigwire("list devices --json").output).size(), 4u);
+  const Result typo = rigwire("list rgis");
+  EXPECT_EQ(typo.code, 2);
+  EXPECT_THAT(typo.output, HasSubstr("did you mean rigs?"));
+}
+
+TEST(CommandLine, every_device_is_described) {
+  for (const auto& device : nlohmann::json::parse(rigwire("list devices --json").output)) {
+    const std::string type = device["name"];
+    const Result text = rigwire("describe " + type);
+    EXPECT_EQ(text.code, 0);
+    EXPECT_THAT(text.output, HasSubstr("follows"));
+    EXPECT_THAT(text.output, HasSubstr("keys in a rig"));
+    const auto json = nlohmann::json::parse(rigwire("describe --json " + type).output);
+    EXPECT_FALSE(json["messages"].empty()) << type;
+    EXPECT_FALSE(json["quantities"].empty()) << type;
+  }
+  EXPECT_EQ(rigwire("describe velodyne").code, 2);
+}
+
+TEST(CommandLine, doctor_tells_state_and_fix) {
+  const Result result = rigwire("doctor --json");
+  EXPECT_THAT(result.code, testing::AnyOf(0, 3));
+  for (const auto& finding : nlohmann::json::parse(result.output)) {
+    EXPECT_EQ(finding["health"] == "good", finding["fix"] == "") << finding;
+  }
+}
+
+TEST(CommandLine, completion_scripts_are_printed) {
+  for (const char* shell : {"bash", "zsh", "fish"}) {
+    const Result result = rigwire(std::string("completion ") + shell);
+    EXPECT_EQ(result.code, 0);
+    EXPECT_THAT(result.output, HasSubstr("list rigs"));
+  }
+  EXPECT_EQ(rigwire("completion tcsh").code, 2);
+}
+
+TEST(CommandLine, bash_completion_completes_verbs_options_and_rigs) {
+  const std::string script =
+      "bash -c 'PATH=" RIGWIRE_BINARY_DIR
+      ":$PATH; source <(rigwire completion bash); "
+      "COMP_WORDS=(rigwire ch); COMP_CWORD=1; _rigwire; echo ${COMPREPLY[@]}; "
+      "COMP_WORDS=(rigwire run exc); COMP_CWORD=2; _rigwire; echo ${COMPREPLY[@]}; "
+      "COMP_WORDS=(rigwire describe vel); COMP_CWORD=2; _rigwire; echo ${COMPREPLY[@]}'";
+  FILE* pipe = ::popen(("timeout 60 " + script).c_str(), "r");
+  ASSERT_NE(pipe, nullptr);
+  std::array<char, 4096> buffer{};
+  std::string output;
+  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
+    output.append(buffer.data(), count);
+  }
+  ::pclose(pipe);
+  EXPECT_EQ(output, "check\nexcavator_pit\nvelodyne-hdl-32e\n");
+}
+
+TEST(CommandLine, bench_refuses_an_unknown_suite) {
+  EXPECT_EQ(rigwire("bench --list").code, 0);
+  EXPECT_EQ(rigwire("bench no_such_suite").code, 2);
+}
+
+}  // namespace

@@ -1,0 +1,213 @@
+// The rigs, machines and scenes of configs/, and how the parts of a rig go together.
+#include "hil/configuration/rig.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "hil/configuration/document.h"
+#include "hil/configuration/reader.h"
+
+namespace rigwire::hil {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const std::string kConfigs = std::string(RIGWIRE_SOURCE_DIR) + "/configs";
+const std::string kPit = kConfigs + "/rigs/excavator_pit.yaml";
+
+std::string complaints(const std::vector<std::string>& sets, const std::string& rig = kPit) {
+  try {
+    (void)load_rig(rig, sets);
+    return "";
+  } catch (const ConfigurationError& error) {
+    return error.what();
+  }
+}
+
+template <class Struct>
+std::string complaints_of(const fs::path& file) {
+  Problems problems;
+  const Value document = load_document(file.string(), problems);
+  Origins origins;
+  Struct value;
+  read(document, value, problems, origins);
+  std::string text;
+  for (const Problem& problem : problems.sorted()) {
+    text += problem.line() + "\n";
+  }
+  return text;
+}
+
+TEST(Configs, every_file_is_loaded_without_a_finding) {
+  int files = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(kConfigs)) {
+    if (entry.path().extension() != ".yaml") {
+      continue;
+    }
+    ++files;
+    const std::string kind = entry.path().parent_path().filename().string();
+    if (kind == "rigs") {
+      EXPECT_EQ(complaints({}, entry.path().string()), "");
+    } else if (kind == "machines") {
+      EXPECT_EQ(complaints_of<MachineConfiguration>(entry.path()), "");
+    } else if (kind == "scenes") {
+      EXPECT_EQ(complaints_of<SceneConfiguration>(entry.path()), "");
+    } else {
+      ADD_FAILURE() << entry.path() << " is of no kind that a test loads";
+    }
+  }
+  EXPECT_GE(files, 3);
+}
+
+TEST(ExcavatorPit, has_the_devices_that_the_field_program_expects) {
+  const RigConfiguration rig = load_rig(kPit, {}).configuration;
+  std::vector<std::string> names;
+  for (const auto& [name, device] : rig.devices) {
+    names.push_back(name);
+  }
+  EXPECT_THAT(names, testing::ElementsAre("gnss", "imu_boom", "imu_bucket", "imu_chassis",
+                                          "imu_stick", "lidar", "valves"));
+  const auto& gnss = std::get<UbloxConfiguration>(rig.devices.at("gnss").settings);
+  EXPECT_EQ(gnss.path, "/tmp/rigwire/gnss");
+  EXPECT_EQ(gnss.receiver.baud, 115200u);
+  const auto& lidar = std::get<VelodyneConfiguration>(rig.devices.at("lidar").settings);
+  EXPECT_EQ(lidar.port, 2368);
+  EXPECT_EQ(lidar.position_port, 8308);
+  const auto& valves = std::get<ValveDriverConfiguration>(rig.devices.at("valves").settings);
+  EXPECT_EQ(valves.port, 1502);
+  const std::vector<std::string> sections{"swing", "boom", "stick", "bucket"};
+  EXPECT_EQ(valves.driver.sections, sections);
+}
+
+TEST(ExcavatorPit, machine_file_repeats_the_defaults_of_the_reference_machine) {
+  const RigConfiguration rig = load_rig(kPit, {}).configuration;
+  EXPECT_EQ(hash_text(outline(rig.machine.excavator)),
+            hash_text(outline(sim::ExcavatorParameters{})));
+}
+
+TEST(ExcavatorPit, rate_of_the_receiver_can_be_set_on_the_command_line) {
+  const RigConfiguration rig = load_rig(kPit, {"devices.gnss.rate=5"}).configuration;
+  EXPECT_EQ(
+      std::get<UbloxConfiguration>(rig.devices.at("gnss").settings).receiver.measurement_period,
+      std::chrono::milliseconds(200));
+}
+
+TEST(ExcavatorPit, printed_rig_loads_to_the_same_hash) {
+  const LoadedRig rig = load_rig(kPit, {"devices.gnss.rate=3", "seed=7"});
+  const fs::path copy = fs::temp_directory_path() / ("rigwire_rig_" + std::to_string(::getpid()));
+  std::ofstream(copy) << print_rig(rig);
+  const LoadedRig again = load_rig(copy.string(), {});
+  fs::remove(copy);
+  EXPECT_EQ(config_hash(again.configuration), config_hash(rig.configuration));
+  EXPECT_NE(config_hash(again.configuration), config_hash(load_rig(kPit, {}).configuration));
+}
+
+TEST(ExcavatorPit, every_documented_key_can_be_set_to_its_printed_value) {
+  const OutlineNode tree = outline(load_rig(kPit, {}).configuration);
+  const std::string hash = hash_text(tree);
+  std::vector<std::string> sets;
+  const auto walk = [&](auto&& self, const OutlineNode& node, const std::string& path) -> void {
+    for (const OutlineNode& child : node.children) {
+      const std::string below = path.empty() ? child.key : path + "." + child.key;
+      const bool leaf =
+          child.kind == OutlineNode::Kind::scalar || child.kind == OutlineNode::Kind::flow_list;
+      if (leaf) {
+        EXPECT_FALSE(child.text.empty() && !child.key.empty()) << below << " is not documented";
+        sets.push_back(below + "=" + child.value);
+      }
+      self(self, child, below);
+    }
+  };
+  walk(walk, tree, "");
+  EXPECT_GT(sets.size(), 200u);
+  EXPECT_EQ(config_hash(load_rig(kPit, sets).configuration), hash);
+}
+
+TEST(BadRig, mistyped_device_and_key_on_the_command_line_are_told) {
+  EXPECT_EQ(
+      complaints({"devices.gnsss.rate=5"}),
+      "--set devices.gnsss.rate=5: devices.gnsss: no such device, found \"gnsss\", allowed "
+      "gnss, lidar, imu_chassis, imu_boom, imu_stick, imu_bucket, valves, did you mean gnss?");
+  EXPECT_EQ(complaints({"devices.gnss.ratte=5"}),
+            "--set devices.gnss.ratte=5: devices.gnss.ratte: unknown key, did you mean rate?");
+}
+
+TEST(BadRig, negative_rate_and_not_a_number_are_out) {
+  EXPECT_EQ(complaints({"devices.gnss.rate=-5 Hz"}),
+            "--set devices.gnss.rate=-5 Hz: devices.gnss.rate: out of range, found \"-5 Hz\", "
+            "allowed above 0 .. 20 Hz");
+  EXPECT_THAT(complaints({"machine.excavator.boom_length=.nan"}), HasSubstr("not a finite number"));
+  EXPECT_THAT(complaints({"machine.excavator.boom.mass=-1 kg"}), HasSubstr("allowed > 0 kg"));
+  EXPECT_THAT(complaints({"machine.excavator.boom_length=5 kg"}),
+              HasSubstr("wrong unit, found \"5 kg\", allowed m, km, cm, mm, um"));
+}
+
+TEST(BadRig, missing_mesh_names_the_path_tried_and_the_near_name) {
+  const std::string mesh = kConfigs + "/scenes/meshes/haul_trck.obj";
+  EXPECT_THAT(
+      complaints({"scene.objects.0.mesh=" + mesh}),
+      testing::AllOf(HasSubstr("scene.objects.0.mesh: no such file: tried " + mesh),
+                     HasSubstr("did you mean " + kConfigs + "/scenes/meshes/haul_truck.obj?")));
+}
+
+TEST(BadRig, mount_on_a_link_that_is_not_there) {
+  EXPECT_THAT(complaints({"devices.lidar.mount.link=boon"}),
+              HasSubstr("devices.lidar.mount.link: no such link of the machine, found \"boon\", "
+                        "allowed undercarriage, upper, boom, stick, bucket, did you mean boom?"));
+}
+
+TEST(BadRig, line_too_slow_for_what_is_sent_is_refused_with_numbers) {
+  EXPECT_THAT(complaints({"devices.gnss.baud=9600", "devices.gnss.rate=10"}),
+              testing::ContainsRegex("devices.gnss: .*[0-9]+.*[0-9]+"));
+  EXPECT_THAT(complaints({"buses.can.bitrate=100000"}),
+              HasSubstr("buses.can.bitrate: the devices of this bus send up to 1200 frames/s"));
+}
+
+TEST(BadRig, address_serial_port_or_path_taken_twice) {
+  EXPECT_THAT(complaints({"devices.imu_boom.source_address=0x80"}),
+              HasSubstr("source_address: already taken by devices."));
+  EXPECT_THAT(complaints({"devices.imu_boom.serial=1"}), HasSubstr("serial: already taken by"));
+  EXPECT_THAT(complaints({"devices.lidar.position_port=2368"}),
+              HasSubstr("devices.lidar.position_port: already taken by devices.lidar.port"));
+  EXPECT_THAT(complaints({"devices.gnss.path=/tmp/rigwire/can"}),
+              HasSubstr("devices.gnss.path: already taken by buses.can.path"));
+}
+
+TEST(BadRig, remote_address_needs_the_opt_in) {
+  EXPECT_THAT(complaints({"devices.valves.address=0.0.0.0"}), HasSubstr("allow_remote: true"));
+  EXPECT_EQ(complaints({"devices.valves.address=0.0.0.0", "devices.valves.allow_remote=true"}), "");
+  EXPECT_THAT(complaints({"devices.lidar.address=localhost"}), HasSubstr("not an IPv4 address"));
+}
+
+TEST(BadRig, bus_that_is_not_there) {
+  EXPECT_THAT(complaints({"devices.imu_boom.bus=cna"}),
+              HasSubstr("no such bus, found \"cna\", allowed can, did you mean can?"));
+}
+
+TEST(BadRig, slice_and_lead_must_fit_the_step) {
+  EXPECT_THAT(complaints({"slice=1.5 ms"}), HasSubstr("slice: must be a whole number of steps"));
+  EXPECT_THAT(complaints({"lead=1 ms"}), HasSubstr("lead: must not be less than a slice"));
+}
+
+TEST(BadRig, all_findings_come_in_one_pass) {
+  const std::string text =
+      complaints({"devices.gnss.ratte=5", "devices.lidar.mount.link=boon",
+                  "machine.excavator.boom.mass=.nan", "devices.valves.port=0"});
+  EXPECT_THAT(text, HasSubstr("devices.gnss.ratte: unknown key"));
+  EXPECT_THAT(text, HasSubstr("no such link of the machine"));
+  EXPECT_THAT(text, HasSubstr("machine.excavator.boom.mass: not a finite number"));
+  EXPECT_THAT(text, HasSubstr("devices.valves.port: out of range"));
+}
+
+TEST(BadRig, missing_rig_is_one_finding) {
+  EXPECT_EQ(complaints({}, kConfigs + "/rigs/excavator_pti.yaml"),
+            kConfigs + "/rigs/excavator_pti.yaml: no such file, did you mean " + kPit + "?");
+}
+
+}  // namespace
+}  // namespace rigwire::hil

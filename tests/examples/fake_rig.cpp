@@ -51,10 +51,11 @@ FakeRig::FakeRig(std::filesystem::path directory)
 FakeRig::~FakeRig() = default;
 
 std::vector<std::string> FakeRig::arguments() const {
-  return {"--gnss",       (directory_ / "gnss").string(),
-          "--can",        (directory_ / "can").string(),
-          "--lidar-port", std::to_string(lidar_port_),
-          "--modbus",     "127.0.0.1:" + std::to_string(server_.port())};
+  return {"--gnss",        (directory_ / "gnss").string(),
+          "--can",         (directory_ / "can").string(),
+          "--lidar-port",  std::to_string(lidar_port_),
+          "--modbus",      "127.0.0.1:" + std::to_string(server_.port()),
+          "--lidar-mount", "0.5,0,3.4,0,0"};
 }
 
 SimTime FakeRig::now() const {

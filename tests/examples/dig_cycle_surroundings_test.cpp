@@ -55,7 +55,8 @@ TEST_F(DigCycleSurroundings, OwnArmIsNeitherGroundNorNearest) {
   see(8.0, 0.0, 0.0);
   surroundings.finish_revolution();
   ASSERT_TRUE(surroundings.nearest_range_m().has_value());
-  EXPECT_NEAR(*surroundings.nearest_range_m(), std::hypot(8.0 - mount.x_m, mount.y_m, mount.z_m), 1e-9);
+  EXPECT_NEAR(*surroundings.nearest_range_m(), std::hypot(8.0 - mount.x_m, mount.y_m, mount.z_m),
+              1e-9);
 }
 
 TEST_F(DigCycleSurroundings, PoleBesideTheBucketIsAnObstacleOnItsSide) {

@@ -112,7 +112,8 @@ PerJoint Cycle::target(const Belief& belief) const {
     case Phase::swing_to_truck:
       return carry(settings_.bucket_curled_rad, settings_.dump_azimuth_rad);
     case Phase::dump:
-      return carry(settings_.bucket_open_rad, settings_.dump_azimuth_rad);
+      return {settings_.dump_azimuth_rad, settings_.carry_boom_rad, settings_.dump_stick_rad,
+              settings_.bucket_open_rad};
     case Phase::swing_back:
       return carry(settings_.bucket_attack_rad, settings_.dig_azimuth_rad);
   }

@@ -23,11 +23,12 @@ struct CycleSettings {
   double approach_clearance_m = 0.8;  ///< Tip above the ground before it goes in.
   double dig_depth_m = 0.35;          ///< Tip below the ground that the lidar sees.
   double dig_duration_s = 8.0;        ///< The pull, when the arm follows.
-  double bucket_attack_rad = 20.0 * kDegree;
-  double bucket_curled_rad = -36.0 * kDegree;
-  double bucket_open_rad = 75.0 * kDegree;
+  double bucket_attack_rad = -20.0 * kDegree;
+  double bucket_curled_rad = -105.0 * kDegree;
+  double bucket_open_rad = 25.0 * kDegree;
   double carry_boom_rad = 56.0 * kDegree;  ///< High enough to clear the truck's side.
-  double carry_stick_rad = -75.0 * kDegree;
+  double carry_stick_rad = -95.0 * kDegree;
+  double dump_stick_rad = -65.0 * kDegree;  ///< Stretched out over the truck.
   double arm_tolerance_rad = 3.0 * kDegree;
   double swing_tolerance_rad = 2.5 * kDegree;
   /// A phase that takes longer ends: the dig goes on to lift, every other is a fault.

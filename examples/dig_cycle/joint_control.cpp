@@ -14,7 +14,9 @@ PerJoint JointControl::update(const PerJoint& target_rad, const PerJoint& angle_
     const double lower_rad = machine_.lower_rad[joint] + settings_.stop_margin_rad;
     const double upper_rad = machine_.upper_rad[joint] - settings_.stop_margin_rad;
     const double error_rad = std::clamp(target_rad[joint], lower_rad, upper_rad) - angle_rad[joint];
-    double speed = std::clamp(error_rad * settings_.gain_per_rad[joint],
+    const double dead_band =
+        settings_.dead_band * std::clamp(error_rad / settings_.fine_error_rad, -1.0, 1.0);
+    double speed = std::clamp(error_rad * settings_.gain_per_rad[joint] + dead_band,
                               -settings_.largest_opening[joint], settings_.largest_opening[joint]);
     const double room_rad =
         speed > 0.0 ? upper_rad - angle_rad[joint] : angle_rad[joint] - lower_rad;

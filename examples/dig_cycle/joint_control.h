@@ -9,6 +9,9 @@ namespace rigwire::dig_cycle {
 struct JointControlSettings {
   /// Opening per rad of error.
   PerJoint gain_per_rad{1.2, 4.0, 4.0, 2.5};
+  /// Travel that lets no oil through: added to every opening, fading out below `fine_error_rad`.
+  double dead_band = 0.04;
+  double fine_error_rad = 0.5 * kDegree;
   /// Largest opening, 0..1 of full travel.
   PerJoint largest_opening{0.5, 0.8, 0.8, 0.8};
   /// Largest change of an opening, per second.

@@ -32,8 +32,8 @@ struct Machine {
   double stick_length_m = 2.45;
   double bucket_length_m = 1.40;  ///< Bucket pin to tip.
   /// Joint stops; the swing has none.
-  PerJoint lower_rad{-1e9, -35.0 * kDegree, -161.0 * kDegree, -39.0 * kDegree};
-  PerJoint upper_rad{1e9, 61.0 * kDegree, -30.0 * kDegree, 140.0 * kDegree};
+  PerJoint lower_rad{-1e9, -35.0 * kDegree, -161.0 * kDegree, -138.0 * kDegree};
+  PerJoint upper_rad{1e9, 61.0 * kDegree, -30.0 * kDegree, 40.0 * kDegree};
   /// +1 where a positive opening (cylinder out, swing left) increases the angle, -1 where it
   /// decreases it: the stick's and the bucket's cylinders pull the tip in as they extend.
   PerJoint opening_sign{1.0, 1.0, -1.0, -1.0};

@@ -66,8 +66,8 @@ void Surroundings::add(const LidarPoint& point, const ArmShape& arm) {
   const double lowest_m = std::min(arm.tip.z_m, arm.bucket_pin.z_m);
   const double farthest_m = std::max(arm.tip.x_m, arm.bucket_pin.x_m);
   if (off_rad > settings_.obstacle_inner_rad && off_rad < settings_.obstacle_outer_rad &&
-      radius_m < farthest_m + settings_.obstacle_clearance_m &&
-      z_m > lowest_m - settings_.obstacle_clearance_m) {
+      radius_m < farthest_m + settings_.obstacle_beyond_m &&
+      z_m > lowest_m - settings_.obstacle_below_m) {
     ++(azimuth_rad > 0.0 ? points_left_ : points_right_);
   }
 }

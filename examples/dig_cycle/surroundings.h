@@ -16,11 +16,11 @@ namespace rigwire::dig_cycle {
 
 /// Where the lidar sits: its frame in the upper structure's.
 struct LidarMount {
-  double x_m = 0.5;
-  double y_m = 0.0;
-  double z_m = 3.4;        ///< Cab roof.
-  double yaw_rad = 0.0;    ///< Left positive.
-  double pitch_rad = 0.0;  ///< Nose up positive, after the yaw.
+  double x_m = 1.2;
+  double y_m = 0.8;
+  double z_m = 3.35;                   ///< On the cabin's roof.
+  double yaw_rad = 0.0;                ///< Left positive.
+  double pitch_rad = -10.0 * kDegree;  ///< Nose up positive, after the yaw.
 };
 
 /// One return, in the sensor's frame.
@@ -45,7 +45,8 @@ struct SurroundingsSettings {
   /// The swing is looked at from here to there, to either side.
   double obstacle_inner_rad = 8.0 * kDegree;
   double obstacle_outer_rad = 35.0 * kDegree;
-  double obstacle_clearance_m = 0.3;  ///< Below the bucket and beyond its tip.
+  double obstacle_below_m = 0.8;   ///< Below tip and bucket pin: the shell's depth and room.
+  double obstacle_beyond_m = 0.5;  ///< Beyond the tip.
   std::size_t least_obstacle_points = 8;
 };
 

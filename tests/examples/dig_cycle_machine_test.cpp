@@ -25,7 +25,7 @@ TEST(DigCycleMachine, ReachIsTheInverseOfTheShape) {
   int reached = 0;
   for (double x_m = 3.5; x_m < 8.5; x_m += 0.25) {
     for (double z_m = -1.5; z_m < 3.0; z_m += 0.25) {
-      for (const double bucket_deg : {-36.0, -10.0, 20.0, 75.0}) {
+      for (const double bucket_deg : {-105.0, -60.0, -20.0, 25.0}) {
         const auto angles = reach(machine, {x_m, z_m}, bucket_deg * kDegree);
         if (!angles) {
           continue;
@@ -47,7 +47,7 @@ TEST(DigCycleMachine, OutOfReachAndBeyondStopsGiveNothing) {
   EXPECT_FALSE(reach(Machine{}, {0.3, 2.1}, 0.0));
   EXPECT_FALSE(reach(Machine{}, {9.1, 2.1}, 0.0))
       << "stretched needs a stick at 0, its stop is -30";
-  EXPECT_FALSE(reach(Machine{}, {6.0, 0.0}, 150.0 * kDegree)) << "bucket beyond its stop";
+  EXPECT_FALSE(reach(Machine{}, {6.0, 0.0}, 60.0 * kDegree)) << "bucket beyond its stop";
 }
 
 }  // namespace

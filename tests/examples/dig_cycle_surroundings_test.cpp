@@ -20,9 +20,9 @@ class DigCycleSurroundings : public ::testing::Test {
       }
     }
   }
-  LidarMount mount;
-  Surroundings surroundings{SurroundingsSettings{.mount = LidarMount{}}};
-  ArmShape arm = arm_shape(Machine{}, {0.0, 56.0 * kDegree, -75.0 * kDegree, -36.0 * kDegree});
+  LidarMount mount{.pitch_rad = 0.0};
+  Surroundings surroundings{SurroundingsSettings{.mount = mount}};
+  ArmShape arm = arm_shape(Machine{}, {0.0, 56.0 * kDegree, -95.0 * kDegree, -105.0 * kDegree});
 };
 
 TEST_F(DigCycleSurroundings, GroundAheadIsWhereItIs) {
@@ -55,12 +55,13 @@ TEST_F(DigCycleSurroundings, OwnArmIsNeitherGroundNorNearest) {
   see(8.0, 0.0, 0.0);
   surroundings.finish_revolution();
   ASSERT_TRUE(surroundings.nearest_range_m().has_value());
-  EXPECT_NEAR(*surroundings.nearest_range_m(), std::hypot(8.0 - mount.x_m, mount.z_m), 1e-9);
+  EXPECT_NEAR(*surroundings.nearest_range_m(), std::hypot(8.0 - mount.x_m, mount.y_m, mount.z_m),
+              1e-9);
 }
 
 TEST_F(DigCycleSurroundings, PoleBesideTheBucketIsAnObstacleOnItsSide) {
   for (double z_m = 0.0; z_m < 6.0; z_m += 0.1) {
-    see(5.5 * std::cos(20.0 * kDegree), 5.5 * std::sin(20.0 * kDegree), z_m);
+    see(4.8 * std::cos(20.0 * kDegree), 4.8 * std::sin(20.0 * kDegree), z_m);
   }
   surroundings.finish_revolution();
   EXPECT_TRUE(surroundings.view().obstacle_left);
@@ -68,8 +69,8 @@ TEST_F(DigCycleSurroundings, PoleBesideTheBucketIsAnObstacleOnItsSide) {
 }
 
 TEST_F(DigCycleSurroundings, WhatTheBucketClearsIsNoObstacle) {
-  for (double z_m = 0.0; z_m < 3.6; z_m += 0.05) {  // a truck's side, the bucket is at 4.3 m
-    see(5.5 * std::cos(20.0 * kDegree), -5.5 * std::sin(20.0 * kDegree), z_m);
+  for (double z_m = 0.0; z_m < 3.0; z_m += 0.05) {  // a truck's side, the bucket is at 4 m
+    see(4.8 * std::cos(20.0 * kDegree), -4.8 * std::sin(20.0 * kDegree), z_m);
   }
   for (double z_m = 0.0; z_m < 8.0; z_m += 0.05) {  // a wall beyond the bucket's circle
     see(7.5 * std::cos(20.0 * kDegree), -7.5 * std::sin(20.0 * kDegree), z_m);

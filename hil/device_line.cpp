@@ -5,6 +5,10 @@
 #include "drivers/pty.h"
 #include "drivers/tcp_server.h"
 #include "drivers/udp_socket.h"
+#include "emulators/openimu335ri.h"
+#include "emulators/ublox_receiver.h"
+#include "emulators/valve_driver.h"
+#include "emulators/velodyne_lidar.h"
 #include "hil/outlet.h"
 #include "hil/station.h"
 
@@ -15,7 +19,7 @@ class SerialGnssLine final : public GnssLine {
  public:
   SerialGnssLine(const UbloxConfiguration& configuration, const LineContext& context)
       : pty_(context.io, configuration.path),
-        outlet_(pty_, statistics()),
+        outlet_(pty_, own_statistics()),
         receiver_(configuration.receiver, context.calendar, outlet_),
         backend_(receiver_),
         station_(receiver_, backend_) {}
@@ -64,8 +68,8 @@ class UdpLidarLine final : public LidarLine {
   UdpLidarLine(const VelodyneConfiguration& configuration, const LineContext& context)
       : data_(context.io, destination(configuration, configuration.port)),
         position_(context.io, destination(configuration, configuration.position_port)),
-        data_outlet_(data_, statistics()),
-        position_outlet_(position_, statistics()),
+        data_outlet_(data_, own_statistics()),
+        position_outlet_(position_, own_statistics()),
         lidar_(configuration.lidar, context.calendar, data_outlet_, position_outlet_),
         station_(lidar_, lidar_) {}
 
@@ -101,7 +105,7 @@ class BusImuLine final : public DeviceLine {
  public:
   BusImuLine(const OpenImuDeviceConfiguration& configuration, CanLine& bus)
       : bus_(bus),
-        node_(bus.add_node(statistics())),
+        node_(bus.add_node(own_statistics())),
         imu_(configuration.imu, node_),
         station_(imu_, imu_) {
     bus_.attach(node_, imu_);
@@ -126,7 +130,7 @@ class TcpValveLine final : public DeviceLine {
  public:
   TcpValveLine(const ValveDriverConfiguration& configuration, const LineContext& context)
       : server_(context.io, server_settings(configuration)),
-        outlet_(server_, statistics()),
+        outlet_(server_, own_statistics()),
         driver_(configuration.driver, outlet_),
         station_(driver_, driver_) {}
 

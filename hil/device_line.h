@@ -36,7 +36,7 @@ class DeviceLine {
 
  protected:
   DeviceLine() = default;
-  [[nodiscard]] WireStatistics& statistics() { return statistics_; }
+  [[nodiscard]] WireStatistics& own_statistics() { return statistics_; }
   /// To be called when a client has sent something; brings the devices up to the present.
   SimTime client_arrived(Executive& executive);
 

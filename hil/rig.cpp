@@ -79,7 +79,7 @@ SimulatedWorld make_world(const RigConfiguration& configuration, const sim::Loca
 }  // namespace
 
 MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
-  const sim::SceneDescription description = configuration.scene.description();
+  const sim::SceneDescription& description = configuration.scene.description;
   sim::BuiltScene built =
       sim::build_scene(description, load_meshes(description), configuration.seed);
 

@@ -30,8 +30,8 @@ class DilutionModel {
 };
 
 /// Wolf, Groll, Hemer, Berns, SIMULTECH 2020, Eq. 1 and Table 1: max(round(a rn^n, 2 decimals),
-/// 1.02) with n the number of satellites. Not available for n < 2 as in Eq. 3 (no fix) and n = 2
-/// (bad fix); the amplitude of Eq. 2 is unclamped. The three do not obey PDOP^2 = HDOP^2 + VDOP^2
+/// 1.02) with n the number of satellites; not available for n < 3, where Eq. 3 gives no position.
+/// The amplitude of Eq. 2 is unclamped. The three do not obey PDOP^2 = HDOP^2 + VDOP^2
 /// (Table 1 does not). Against the exact geometry the regression is off by a factor 0.3 .. 2.1.
 /// Time dilution is not in the paper: horizontal times 0.8, a usual ratio under open sky.
 [[nodiscard]] std::unique_ptr<DilutionModel> make_regression_dilution();

@@ -80,7 +80,7 @@ class GnssSensor {
   LocalFrame frame_;
   std::unique_ptr<DilutionModel> dilution_;
   RandomStream random_;
-  std::vector<Eigen::Vector3d> directions_enu_;  ///< Of the satellites used.
+  std::vector<Eigen::Vector3d> directions_enu_;           ///< Of the satellites used.
   Eigen::Vector3d unit_error_ = Eigen::Vector3d::Zero();  ///< East, north, up; sigma 1 each.
   double unit_drift_ = 0.0;
   double clock_bias_s_ = 0.0;

@@ -737,8 +737,12 @@ TEST_F(UbloxReceiverTest, NoMessageIsLongerThanTheTableSays) {
       continue;
     }
     UbloxSettings settings = quiet();
-    (message.sentence ? settings.nmea_sentences
-                      : settings.ubx_messages) = {std::string(message.name)};
+    const std::vector<std::string> only(1, std::string(message.name));
+    if (message.sentence) {
+      settings.nmea_sentences = only;
+    } else {
+      settings.ubx_messages = only;
+    }
     line_ = Line{};
     now_ = kStart;
     UbloxReceiver receiver(settings, calendar_, line_);
@@ -750,7 +754,8 @@ TEST_F(UbloxReceiverTest, NoMessageIsLongerThanTheTableSays) {
       s.velocity_ned_mps = {400.0, -300.0, 0.0};
       s.horizontal_dilution = s.vertical_dilution = 99.0;
       s.position_dilution = 24.0;
-      s.satellites.assign(16, {32, 6.0, 1.5, 50.0, true, true});
+      const SatelliteView view{32, 6.0, 1.5, 50.0, true, true};
+      s.satellites.assign(16, view);
     });
     EXPECT_LE(line_.all.size(), message.greatest_bytes) << message.name;
     EXPECT_GE(line_.all.size() + 20, message.greatest_bytes) << message.name;

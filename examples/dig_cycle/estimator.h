@@ -33,7 +33,7 @@ class Estimator {
 
   /// Pitch rate of the link, nose up positive.
   void imu_rate(Link link, double pitch_rate_radps);
-  /// Specific force along the link and upwards.
+  /// Specific force along the link and upwards. Not used while the machine swings.
   void imu_specific_force(Link link, double along_mps2, double up_mps2);
   void swing(double angle_rad, double rate_radps);
 

@@ -121,5 +121,16 @@ TEST(DigCycleEstimator, LearnsTheRateOffsetAtRestAndKeepsTheAngleDuringASwing) {
   EXPECT_NEAR(rig.estimator.belief().angles_rad[boom], 0.0, 0.1 * kDegree);
 }
 
+TEST(DigCycleEstimator, SwingDoesNotTiltTheVertical) {
+  Rig rig;
+  rig.estimator.swing(0.0, 0.0);
+  rig.run(1.0);
+  rig.estimator.swing(0.0, 0.5);
+  rig.sideways_mps2 = -1.25;  // towards the axis: 0.5 rad/s at 5 m
+  rig.run(4.0);
+  EXPECT_NEAR(rig.estimator.belief().chassis_pitch_rad, 0.0, 1e-6);
+  EXPECT_NEAR(rig.estimator.inclination(boom_link).pitch_rad(), 0.0, 1e-6);
+}
+
 }  // namespace
 }  // namespace rigwire::dig_cycle

@@ -60,7 +60,8 @@ class CanBus {
   using Receiver = std::function<void(const protocols::can::Frame&)>;
   virtual ~CanBus() = default;
   virtual void start(Receiver receiver) = 0;
-  /// False when the frame could not be queued (ENOBUFS, line full, bus closed by the client).
+  /// False when the frame could not be queued (ENOBUFS, line full). Frames offered while no client
+  /// listens are taken and forgotten.
   virtual bool send(const protocols::can::Frame& frame) = 0;
   [[nodiscard]] virtual EndpointStatus status() const = 0;
 };

@@ -12,8 +12,8 @@
 
 namespace rigwire::hil {
 
-/// Samples of one kind that wait until the device's time has reached them. Memory stays within twice
-/// of what ever waited at once.
+/// Samples of one kind that wait until the device's time has reached them. Memory stays within
+/// twice of what ever waited at once.
 template <class Sample>
 class SampleInbox {
  public:

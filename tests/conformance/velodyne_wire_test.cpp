@@ -101,7 +101,7 @@ class CaptureOutput : public ByteOutput {
 
 std::string output_of(const std::string& command) {
   std::string text;
-  FILE* pipe = popen(command.c_str(), "r");  // NOLINT(cert-env33-c)
+  FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) {
     return "cannot run " + command;
   }

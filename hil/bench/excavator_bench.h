@@ -56,8 +56,8 @@ struct ExcavatorStepCost {
 /// How stiff the drives may be at a step of 1 ms, and what the scheme makes of it there.
 struct StiffestDrive {
   sim::IntegrationScheme scheme = sim::IntegrationScheme::linearly_implicit_euler;
-  /// Greatest factor on all four stiffnesses that validate() allows, to 1 %; 0 when it refuses any
-  /// (Runge-Kutta 4: the end stops alone are too stiff for it at 1 ms).
+  /// Greatest factor on all four stiffnesses that validate() allows, to 1 %; 0 when it refuses any.
+  /// Runge-Kutta 4 also has to carry the end stops, whose stiffness stays.
   double factor = 0.0;
   WorkPrecisionRow row{};  ///< At that factor and 1 ms; meaningless when factor is 0.
   /// The whole machine, moved for 4 s there, keeps finite joint rates below 10 rad/s.

@@ -36,7 +36,8 @@ void stage_table(std::ostream& text, nlohmann::json& json) {
                              {"begin_slice_us", 1e6 * cost.begin_slice_s}});
   }
   json["ratio_goal"] = kGoalRatio;
-  text << fmt::format("goal: ratio >= {:g}\n", kGoalRatio);
+  text << fmt::format("goal: ratio >= {:g}; the rig's own slice is {:g} ms\n", kGoalRatio,
+                      1e3 * to_seconds(rig.slice));
 }
 
 void error_table(std::ostream& text, nlohmann::json& json) {

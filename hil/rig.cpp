@@ -35,10 +35,6 @@ std::size_t link_index(const std::string& link) {
   return static_cast<std::size_t>(found - kExcavatorLinks.begin());
 }
 
-SensorMount sensor_mount(const MountConfiguration& mount) {
-  return {static_cast<sim::Link>(link_index(mount.link)), pose(mount.position_m, mount.rotation)};
-}
-
 sim::LocalFrameParameters local_frame(const OriginConfiguration& origin) {
   return {origin.latitude_deg, origin.longitude_deg, origin.height_m, origin.geoid_separation_m};
 }
@@ -77,6 +73,10 @@ SimulatedWorld make_world(const RigConfiguration& configuration, const sim::Loca
 }
 
 }  // namespace
+
+SensorMount sensor_mount(const MountConfiguration& mount) {
+  return {static_cast<sim::Link>(link_index(mount.link)), pose(mount.position_m, mount.rotation)};
+}
 
 MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
   const sim::SceneDescription& description = configuration.scene.description;

@@ -27,6 +27,9 @@ struct MachineInScene {
 };
 [[nodiscard]] MachineInScene build_machine_in_scene(const RigConfiguration& configuration);
 
+/// Throws std::invalid_argument when the machine has no such link.
+[[nodiscard]] SensorMount sensor_mount(const MountConfiguration& mount);
+
 class Rig {
  public:
   /// Opens every wire. Throws drivers::EndpointError (environment), std::invalid_argument or

@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
-#include <iterator>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
 
+#include "hil/cpu_time.h"
 #include "sim/excavator/driven_arm.h"
 #include "sim/excavator/excavator.h"
 
@@ -22,7 +21,6 @@ using sim::DrivenArm;
 using sim::IntegrationScheme;
 using sim::JointVector;
 
-constexpr double kSpan_s = 4.0;
 constexpr double kGrid_s = 0.02;
 constexpr int kGridPoints = 200;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -63,10 +61,6 @@ DrivenArm arm_with_stiffness(double factor) {
   return arm;
 }
 
-double cpu_s() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
 /// States on the 20 ms grid; the last is the one at 4 s.
 std::vector<JointVector> run(const DrivenArm& arm, IntegrationScheme scheme, int steps_per_point) {
   const CosineTargets targets(arm);
@@ -98,6 +92,85 @@ double median(std::vector<double>& values) {
   return values[values.size() / 2];
 }
 
+/// Runge-Kutta 4 must stay well inside its stability limit, which shrinks with the frequency.
+std::vector<JointVector> reference_run(const DrivenArm& arm, double factor, double step_s) {
+  const double finer = std::max(1.0, std::sqrt(factor) / 10.0);
+  return run(arm, IntegrationScheme::runge_kutta4,
+             static_cast<int>(std::ceil(finer * kGrid_s / step_s - 1e-9)));
+}
+
+WorkPrecisionRow measure_row(const DrivenArm& arm, double factor, IntegrationScheme scheme,
+                             double step_s, int repetitions,
+                             const std::vector<JointVector>& reference) {
+  WorkPrecisionRow row{.scheme = scheme, .stiffness_factor = factor, .step_s = step_s};
+  const int per_point = steps_per_point(step_s);
+  std::vector<JointVector> points;
+  std::vector<double> spans;
+  for (int i = 0; i < repetitions; ++i) {
+    const double begin = thread_cpu_seconds();
+    points = run(arm, scheme, per_point);
+    spans.push_back(thread_cpu_seconds() - begin);
+  }
+  const double span_s = median(spans);
+  row.microseconds_per_step = 1e6 * span_s / (kGridPoints * per_point);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double error =
+        (arm.dynamics().tip_C(points[i]) - arm.dynamics().tip_C(reference[i])).norm();
+    row.diverged = row.diverged || !(error < 1.0);
+    row.final_error_m = error;
+    row.greatest_error_m = std::max(row.greatest_error_m, error);
+  }
+  if (row.diverged) {
+    row.final_error_m = kInfinity;
+    row.greatest_error_m = kInfinity;
+  }
+  return row;
+}
+
+sim::ExcavatorParameters stiffened(IntegrationScheme scheme, double factor) {
+  sim::ExcavatorParameters parameters;
+  parameters.scheme = scheme;
+  parameters.step_s = 1e-3;
+  parameters.drives.swing_stiffness_nmprad *= factor;
+  parameters.drives.boom_stiffness_npm *= factor;
+  parameters.drives.stick_stiffness_npm *= factor;
+  parameters.drives.bucket_stiffness_npm *= factor;
+  return parameters;
+}
+
+/// What validate() says; empty when it has nothing to say.
+std::string refusal_of(const sim::ExcavatorParameters& parameters) {
+  try {
+    validate(parameters);
+    return {};
+  } catch (const std::invalid_argument& refusal) {
+    return refusal.what();
+  }
+}
+
+/// Openings that move all functions, turning round every 500 ms.
+ValveCommand alternating_command(int millisecond) {
+  const double sign = (millisecond / 500) % 2 == 0 ? 1.0 : -1.0;
+  ValveCommand command;
+  command.opening = {0.6 * sign, 0.5 * sign, -0.6 * sign, 0.7 * sign};
+  return command;
+}
+
+/// Whether the whole machine, moved for 4 s, keeps finite rates that such a machine can have.
+bool machine_stays_sound(const sim::ExcavatorParameters& parameters) {
+  constexpr double kGreatestRate_radps = 10.0;
+  sim::Excavator machine(parameters, Eigen::Isometry3d::Identity());
+  for (int i = 0; i < 4000; ++i) {
+    machine.command(alternating_command(i));
+    machine.step(std::chrono::milliseconds(1));
+    if (!machine.finite() ||
+        machine.joint_rates_radps().cwiseAbs().maxCoeff() > kGreatestRate_radps) {
+      return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 std::vector<WorkPrecisionRow> measure_work_precision(const WorkPrecisionSettings& settings) {
@@ -111,42 +184,47 @@ std::vector<WorkPrecisionRow> measure_work_precision(const WorkPrecisionSettings
   std::vector<WorkPrecisionRow> rows;
   for (const double factor : settings.stiffness_factors) {
     const DrivenArm arm = arm_with_stiffness(factor);
-    // Runge-Kutta 4 must stay well inside its stability limit, which shrinks with the frequency.
-    const double finer = std::max(1.0, std::sqrt(factor) / 10.0);
-    const int reference_steps =
-        static_cast<int>(std::ceil(finer * kGrid_s / settings.reference_step_s - 1e-9));
     const std::vector<JointVector> reference =
-        run(arm, IntegrationScheme::runge_kutta4, reference_steps);
+        reference_run(arm, factor, settings.reference_step_s);
     for (const IntegrationScheme scheme : kSchemes) {
       for (const double step_s : settings.steps_s) {
-        WorkPrecisionRow row{.scheme = scheme, .stiffness_factor = factor, .step_s = step_s};
-        const int per_point = steps_per_point(step_s);
-        std::vector<JointVector> points;
-        std::vector<double> spans;
-        for (int i = 0; i < settings.repetitions; ++i) {
-          const double begin = cpu_s();
-          points = run(arm, scheme, per_point);
-          spans.push_back(cpu_s() - begin);
-        }
-        const double span_s = median(spans);
-        row.microseconds_per_step = 1e6 * span_s / (kGridPoints * per_point);
-        row.realtime_factor = span_s > 0.0 ? kSpan_s / span_s : kInfinity;
-        for (std::size_t i = 0; i < points.size(); ++i) {
-          const double error =
-              (arm.dynamics().tip_C(points[i]) - arm.dynamics().tip_C(reference[i])).norm();
-          row.diverged = row.diverged || !(error < 1.0);
-          row.final_error_m = error;
-          row.greatest_error_m = std::max(row.greatest_error_m, error);
-        }
-        if (row.diverged) {
-          row.final_error_m = kInfinity;
-          row.greatest_error_m = kInfinity;
-        }
-        rows.push_back(row);
+        rows.push_back(measure_row(arm, factor, scheme, step_s, settings.repetitions, reference));
       }
     }
   }
   return rows;
+}
+
+std::vector<StiffestDrive> measure_stiffest_drives() {
+  constexpr double kStep_s = 1e-3;
+  constexpr double kLeast = 1e-4;
+  constexpr double kGreatest = 1e8;
+  constexpr double kResolution = 1.01;
+  constexpr int kRepetitions = 3;
+  std::vector<StiffestDrive> drives;
+  for (const IntegrationScheme scheme : kSchemes) {
+    StiffestDrive drive{.scheme = scheme};
+    double refused = kGreatest;
+    if (refusal_of(stiffened(scheme, kLeast)).empty()) {
+      double allowed = kLeast;
+      while (refused > allowed * kResolution) {
+        const double middle = std::sqrt(allowed * refused);
+        (refusal_of(stiffened(scheme, middle)).empty() ? allowed : refused) = middle;
+      }
+      drive.factor = allowed;
+      const DrivenArm arm = arm_with_stiffness(allowed);
+      drive.row =
+          measure_row(arm, allowed, scheme, kStep_s, kRepetitions,
+                      reference_run(arm, allowed, WorkPrecisionSettings{}.reference_step_s));
+      drive.machine_stable = machine_stays_sound(stiffened(scheme, allowed));
+      drive.refused_factor = 1.02 * allowed;
+    } else {
+      drive.refused_factor = kLeast;
+    }
+    drive.refusal = refusal_of(stiffened(scheme, drive.refused_factor));
+    drives.push_back(drive);
+  }
+  return drives;
 }
 
 double reference_pose_error_rad(double reference_step_s) {
@@ -164,12 +242,7 @@ ExcavatorStepCost measure_excavator_step(int steps) {
   std::vector<double> spans_us;
   spans_us.reserve(static_cast<std::size_t>(steps));
   for (int i = 0; i < steps; ++i) {
-    if (i % 500 == 0) {
-      const double sign = (i / 500) % 2 == 0 ? 1.0 : -1.0;
-      ValveCommand command;
-      command.opening = {0.6 * sign, 0.5 * sign, -0.6 * sign, 0.7 * sign};
-      machine.command(command);
-    }
+    machine.command(alternating_command(i));
     const auto begin = std::chrono::steady_clock::now();
     machine.step(std::chrono::milliseconds(1));
     spans_us.push_back(
@@ -192,19 +265,6 @@ const char* name_of(IntegrationScheme scheme) {
       break;
   }
   return "linearly_implicit_euler";
-}
-
-std::string to_text(std::span<const WorkPrecisionRow> rows) {
-  std::string text =
-      fmt::format("{:<24} {:>9} {:>9} {:>12} {:>12} {:>8} {:>9}\n", "scheme", "stiffness",
-                  "step ms", "error 4 s m", "greatest m", "us/step", "real time");
-  for (const WorkPrecisionRow& row : rows) {
-    fmt::format_to(std::back_inserter(text),
-                   "{:<24} {:>9g} {:>9g} {:>12.2e} {:>12.2e} {:>8.2f} {:>8.0f}x\n",
-                   name_of(row.scheme), row.stiffness_factor, 1e3 * row.step_s, row.final_error_m,
-                   row.greatest_error_m, row.microseconds_per_step, row.realtime_factor);
-  }
-  return text;
 }
 
 }  // namespace rigwire::hil

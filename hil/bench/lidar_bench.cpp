@@ -1,14 +1,19 @@
 #include "hil/bench/lidar_bench.h"
 
-#include <time.h>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <stdexcept>
+#include <variant>
 
-#include "protocols/velodyne/model.h"
+#include "emulators/velodyne_lidar.h"
+#include "hil/cpu_time.h"
+#include "hil/rig.h"
 #include "sim/lidar/spinning_lidar.h"
-#include "sim/scene/scene_description.h"
 
 namespace rigwire::hil {
 namespace {
@@ -16,73 +21,94 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr double kRotorRate_radps = 20.0 * std::numbers::pi;
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::uint64_t kSeed = 1;
 constexpr Duration kRevolution = std::chrono::milliseconds{100};
 
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
+/// Nobody listens: the emulator is here for its firing pattern alone.
+class Silence final : public emulators::ByteOutput {
+ public:
+  void send(SimTime /*due*/, std::span<const std::uint8_t> /*bytes*/) override {}
+};
 
-LidarPattern hdl_32e() {
-  const protocols::velodyne::Model& model =
-      *protocols::velodyne::find_model(std::string_view("HDL-32E"));
+struct FiringPlan {
   LidarPattern pattern;
-  for (const protocols::velodyne::Laser& laser : model.lasers) {
-    pattern.lasers.push_back({.elevation_rad = laser.elevation_deg * kDegree,
-                              .vertical_offset_m = laser.vertical_offset_mm * 1e-3,
-                              .time_offset = Duration{laser.time_offset_ns}});
+  SamplePlan plan;
+  double rotor_rate_radps = 0.0;
+};
+
+FiringPlan firing_plan(const emulators::VelodyneSettings& settings) {
+  const Calendar calendar(RigConfiguration{}.start);
+  Silence silence;
+  const emulators::VelodyneLidar device(settings, calendar, silence, silence);
+  return {device.pattern(), device.sample_plan(), device.rotor_rate_radps()};
+}
+
+const VelodyneConfiguration& lidar_of(const RigConfiguration& rig) {
+  for (const auto& [name, device] : rig.devices) {
+    if (const auto* lidar = std::get_if<VelodyneConfiguration>(&device.settings)) {
+      return *lidar;
+    }
   }
-  pattern.firing_period = Duration{model.firing_period_ns};
-  pattern.minimum_range_m = model.minimum_range_m;
-  pattern.maximum_range_m = model.maximum_range_m;
-  return pattern;
+  throw std::invalid_argument("the rig has no lidar to measure");
 }
 
-sim::SpinningLidar make_lidar(double range_sigma_m) {
-  const LidarPattern pattern = hdl_32e();
-  sim::SpinningLidarParameters parameters;
-  parameters.range_sigma_m = range_sigma_m;
-  return {parameters,       pattern, {kStart + pattern.firing_period, pattern.firing_period},
-          kRotorRate_radps, kSeed,   "bench"};
-}
-
-sim::BuiltScene standard_pit() {
-  sim::SceneDescription description;
-  description.rocks.emplace_back();
-  sim::FixedObject truck;
-  truck.name = "haul_truck";
-  truck.mesh = "block";
-  truck.position_m = {-1.0, 7.0, 1.5};
-  description.objects.push_back(truck);
-  return sim::build_scene(description, {sim::make_box("block", {6.5, 2.6, 3.0})}, kSeed);
-}
-
-/// Links of a machine: a row of boxes that swing together.
-void add_links(sim::Scene& scene, std::size_t links) {
-  const auto mesh = scene.add_mesh(sim::make_box("link", {1.2, 0.5, 0.5}));
-  for (std::size_t i = 0; i < links; ++i) {
-    scene.add_body_part(scene.add_body("link " + std::to_string(i)), mesh, Isometry3d::Identity(),
-                        {.reflectance = 0.5, .label = "machine"});
+/// The rig's machine in its scene, all functions in motion, seen by the rig's lidar.
+class MovingMachine {
+ public:
+  MovingMachine(const RigConfiguration& rig, const SensorMount& mount)
+      : built_(build_machine_in_scene(rig)), mount_(mount), after_(links()) {
+    bodies_.resize(sim::kLinks);
   }
-}
+  [[nodiscard]] sim::Scene& scene() { return *built_.scene; }
 
-std::vector<sim::BodyMotion> link_motions(std::size_t links, double start_rad, double end_rad) {
-  std::vector<sim::BodyMotion> motions(links);
-  for (std::size_t i = 0; i < links; ++i) {
-    const Vector3d p(1.0 + 1.1 * static_cast<double>(i), 0.0, 1.2);
-    const auto pose = [&](double angle) {
-      Isometry3d X = Isometry3d::Identity();
-      X.linear() = Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
-      X.translation() = X.linear() * p;
-      return X;
-    };
-    motions[i] = {pose(start_rad), pose(end_rad)};
+  /// Moves on by one slice; the functions turn round every second.
+  void advance(Duration slice) {
+    const SimTime now = built_.machine->time();
+    const double sign = std::cos(std::numbers::pi * to_seconds(now)) >= 0.0 ? 1.0 : -1.0;
+    ValveCommand command;
+    command.opening = {0.6 * sign, 0.4 * sign, 0.5 * sign, -0.5 * sign};
+    built_.machine->command(command);
+    built_.machine->step(slice);
+    before_ = after_;
+    after_ = links();
+    for (std::size_t i = 0; i < sim::kLinks; ++i) {
+      bodies_[i] = {before_[i].X_WL, after_[i].X_WL};
+    }
   }
-  return motions;
+  void begin_slice(SimTime t0, SimTime t1) {
+    built_.scene->begin_slice(t0, t1, after_[link()].X_WL.translation(), bodies_);
+  }
+  [[nodiscard]] sim::LinkMotion mount_before() const {
+    return sim::at_mount(before_[link()], mount_.X_LS);
+  }
+  [[nodiscard]] sim::LinkMotion mount_after() const {
+    return sim::at_mount(after_[link()], mount_.X_LS);
+  }
+
+ private:
+  using Links = std::array<sim::LinkMotion, sim::kLinks>;
+  [[nodiscard]] std::size_t link() const { return static_cast<std::size_t>(mount_.link); }
+  [[nodiscard]] Links links() const {
+    Links all;
+    for (std::size_t i = 0; i < sim::kLinks; ++i) {
+      all[i] = built_.machine->link(static_cast<sim::Link>(i));
+    }
+    return all;
+  }
+
+  MachineInScene built_;
+  SensorMount mount_;
+  Links before_;
+  Links after_;
+  std::vector<sim::BodyMotion> bodies_;
+};
+
+/// CPU seconds of this thread that `work` takes.
+template <class Work>
+double timed(const Work& work) {
+  const double before_s = thread_cpu_seconds();
+  work();
+  return thread_cpu_seconds() - before_s;
 }
 
 sim::LinkMotion mount_at(const Vector3d& p_W) {
@@ -93,46 +119,64 @@ sim::LinkMotion mount_at(const Vector3d& p_W) {
 
 }  // namespace
 
-LidarStageCost measure_lidar_stage(int slice_ms, int rounds) {
-  constexpr std::size_t kLinks = 4;
-  const sim::BuiltScene built = standard_pit();
-  sim::Scene& scene = *built.scene;
-  add_links(scene, kLinks);
-  sim::SpinningLidar lidar = make_lidar(0.02);
-  const sim::LinkMotion mount = mount_at({-0.5, 0.0, 3.2});
-  const Duration slice = std::chrono::milliseconds{slice_ms};
-  std::vector<LidarFiring> firings;
-
-  LidarStageCost cost;
-  cost.stage_s = cost.bare_s = 1e9;
-  for (int round = 0; round < rounds; ++round) {
-    double stage = 0.0;
-    double bare = 0.0;
-    std::size_t rays = 0;
-    std::size_t hits = 0;
-    for (SimTime t0 = kStart; t0 < kStart + kRevolution; t0 += slice) {
-      const double angle = 0.5 * to_seconds(t0);
-      scene.begin_slice(t0, t0 + slice, mount.X_WL.translation(),
-                        link_motions(kLinks, angle, angle + 0.5 * to_seconds(slice)));
-      sim::RecordedRays recorded = lidar.record(scene, t0, t0 + slice, mount, mount);
-      const double before_bare = thread_seconds();
-      recorded.cast_bare(scene);
-      const double before_stage = thread_seconds();
-      lidar.cast(scene, t0, t0 + slice, mount, mount, firings);
-      stage += thread_seconds() - before_stage;
-      bare += before_stage - before_bare;
-      rays += recorded.size();
-      hits += recorded.hits();
+std::vector<LidarStageCost> measure_lidar_stage(const RigConfiguration& rig,
+                                                const std::vector<int>& slices_ms, int rounds) {
+  const VelodyneConfiguration& lidar_settings = lidar_of(rig);
+  const FiringPlan plan = firing_plan(lidar_settings.lidar);
+  std::vector<LidarStageCost> costs;
+  for (const int slice_ms : slices_ms) {
+    const Duration slice = std::chrono::milliseconds{slice_ms};
+    if (slice_ms < 1 || rounds < 1) {
+      throw std::invalid_argument(fmt::format(
+          "lidar stage: found slices of {} ms and {} rounds, allowed >= 1", slice_ms, rounds));
     }
-    cost.rays = rays;
-    cost.hit_share = static_cast<double>(hits) / static_cast<double>(rays);
-    cost.stage_s = std::min(cost.stage_s, stage);
-    cost.bare_s = std::min(cost.bare_s, bare);
+    MovingMachine machine(rig, sensor_mount(lidar_settings.mount));
+    sim::SpinningLidar lidar(lidar_settings.sensor, plan.pattern, plan.plan, plan.rotor_rate_radps,
+                             kSeed, "bench");
+    std::vector<LidarFiring> firings;
+    std::vector<double> ratios;
+    LidarStageCost cost;
+    cost.slice_ms = slice_ms;
+    cost.instances = machine.scene().instance_count();
+    SimTime t0 = kStart;
+    std::size_t slices = 0;
+    for (int round = 0; round < rounds; ++round) {
+      double stage_s = 0.0;
+      double bare_s = 0.0;
+      for (const SimTime end = t0 + kRevolution; t0 < end; t0 += slice, ++slices) {
+        const SimTime t1 = t0 + slice;
+        machine.advance(slice);
+        cost.begin_slice_s += timed([&] { machine.begin_slice(t0, t1); });
+        sim::RecordedRays recorded =
+            lidar.record(machine.scene(), t0, t1, machine.mount_before(), machine.mount_after());
+        const auto bare = [&] { recorded.cast_bare(machine.scene()); };
+        const auto stage = [&] {
+          lidar.cast(machine.scene(), t0, t1, machine.mount_before(), machine.mount_after(),
+                     firings);
+        };
+        // In turns, because the second one finds the scene in the caches.
+        if (slices % 2 == 0) {
+          bare_s += timed(bare);
+          stage_s += timed(stage);
+        } else {
+          stage_s += timed(stage);
+          bare_s += timed(bare);
+        }
+        cost.rays += recorded.size();
+        cost.hits += recorded.hits();
+      }
+      cost.stage_s += stage_s;
+      cost.bare_s += bare_s;
+      ratios.push_back(bare_s / stage_s);
+    }
+    cost.begin_slice_s /= static_cast<double>(slices);
+    std::ranges::sort(ratios);
+    cost.ratio = ratios[ratios.size() / 2];
+    cost.least_ratio = ratios.front();
+    cost.greatest_ratio = ratios.back();
+    costs.push_back(cost);
   }
-  cost.stage_rays_per_s = static_cast<double>(cost.rays) / cost.stage_s;
-  cost.bare_rays_per_s = static_cast<double>(cost.rays) / cost.bare_s;
-  cost.ratio = cost.stage_rays_per_s / cost.bare_rays_per_s;
-  return cost;
+  return costs;
 }
 
 std::vector<LidarRangeError> measure_lidar_range_error(const std::vector<double>& map_offsets_m) {
@@ -143,7 +187,8 @@ std::vector<LidarRangeError> measure_lidar_range_error(const std::vector<double>
   constexpr double kTolerance_m = 0.1;
   constexpr double kYawRate_radps = 1.0;
   const Vector3d velocity(2.0, -1.0, 0.3);
-  const LidarPattern pattern = hdl_32e();
+  const FiringPlan plan = firing_plan({});
+  const LidarPattern& pattern = plan.pattern;
   std::vector<LidarRangeError> errors;
   for (const double offset : map_offsets_m) {
     const Vector3d centre(offset * std::numbers::sqrt2 / 2.0 + 0.37,
@@ -160,7 +205,8 @@ std::vector<LidarRangeError> measure_lidar_range_error(const std::vector<double>
     X_WM.translation() = centre + Vector3d(kWall_m + 0.5, 0.0, 0.0);
     scene.add_object(scene.add_mesh(sim::make_box("wall", {1.0, 400.0, 2.0 * kWallTop_m})), X_WM,
                      1.0, white);
-    sim::SpinningLidar lidar = make_lidar(0.0);
+    sim::SpinningLidar lidar({.range_sigma_m = 0.0}, pattern, plan.plan, plan.rotor_rate_radps,
+                             kSeed, "bench");
 
     LidarRangeError error;
     error.map_offset_m = offset;
@@ -185,7 +231,7 @@ std::vector<LidarRangeError> measure_lidar_range_error(const std::vector<double>
           const LaserGeometry& laser = pattern.lasers[j];
           const double t = to_seconds(firing.time + laser.time_offset);
           const sim::LinkMotion truth = mount(t);
-          const double azimuth = kRotorRate_radps * t;
+          const double azimuth = plan.rotor_rate_radps * t;
           const double horizontal = std::cos(laser.elevation_rad);
           const Vector3d d = truth.X_WL.linear() * Vector3d(horizontal * std::cos(azimuth),
                                                             -horizontal * std::sin(azimuth),
@@ -223,29 +269,6 @@ std::vector<LidarRangeError> measure_lidar_range_error(const std::vector<double>
     errors.push_back(error);
   }
   return errors;
-}
-
-RecommitCost measure_recommit(std::size_t links, int slices) {
-  const sim::BuiltScene built = standard_pit();
-  sim::Scene& scene = *built.scene;
-  add_links(scene, links);
-  RecommitCost cost;
-  cost.instances = scene.instance_count();
-  cost.moving_instances = links;
-  const Duration slice = std::chrono::milliseconds{1};
-  SimTime t0 = kStart;
-  scene.begin_slice(t0, t0 + slice, Vector3d::Zero(), link_motions(links, 0.0, 0.0));
-  double seconds = 0.0;
-  for (int i = 0; i < slices; ++i) {
-    t0 += slice;
-    const double angle = 1e-3 * i;
-    const std::vector<sim::BodyMotion> motions = link_motions(links, angle, angle + 1e-3);
-    const double before = thread_seconds();
-    scene.begin_slice(t0, t0 + slice, Vector3d::Zero(), motions);
-    seconds += thread_seconds() - before;
-  }
-  cost.mean_s = seconds / slices;
-  return cost;
 }
 
 }  // namespace rigwire::hil

@@ -2,25 +2,33 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <vector>
+
+#include "hil/configuration/rig.h"
 
 namespace rigwire::hil {
 
-/// The lidar stage against bare Embree on the very same rays, in the standard pit, one thread,
-/// processor time of the thread, best of several rounds.
+/// The lidar stage against bare Embree on the very same rays: the rig's own scene and machine, all
+/// functions in motion, rays from the rig's own mount. One thread, CPU time of the thread. Both are
+/// cast slice by slice in turns, so that a disturbance of the machine meets both.
 struct LidarStageCost {
-  std::size_t rays = 0;    ///< One revolution of an HDL-32E at 600 rpm.
-  double hit_share = 0.0;  ///< Of the rays.
-  double stage_s = 0.0;    ///< SpinningLidar::cast, noise and echo model included.
-  double bare_s = 0.0;     ///< Embree's calls alone.
-  double stage_rays_per_s = 0.0;
-  double bare_rays_per_s = 0.0;
-  double ratio = 0.0;  ///< stage / bare rays per second, 1 = free; the goal is 0.8.
+  int slice_ms = 0;
+  std::size_t instances = 0;    ///< In the scene.
+  std::size_t rays = 0;         ///< In all rounds.
+  std::size_t hits = 0;         ///< Of those.
+  double stage_s = 0.0;         ///< SpinningLidar::cast, noise and echo model included.
+  double bare_s = 0.0;          ///< Embree's calls alone.
+  double begin_slice_s = 0.0;   ///< Scene::begin_slice, mean of one call; in neither of the above.
+  double ratio = 0.0;           ///< Rays per second of stage / bare, median over the rounds.
+  double least_ratio = 0.0;     ///< Of one round.
+  double greatest_ratio = 0.0;  ///< Of one round.
 };
 
-/// `slice_ms`: length of the slices that the revolution is cast in, a divisor of 100.
-[[nodiscard]] LidarStageCost measure_lidar_stage(int slice_ms, int rounds);
+/// One entry per length of slice. A round is a revolution of 100 ms. Throws std::invalid_argument
+/// when the rig has no lidar, or a number is below 1.
+[[nodiscard]] std::vector<LidarStageCost> measure_lidar_stage(const RigConfiguration& rig,
+                                                              const std::vector<int>& slices_ms,
+                                                              int rounds);
 
 /// Error of the cast range against a closed form in double, over one revolution.
 struct LidarRangeError {
@@ -34,13 +42,5 @@ struct LidarRangeError {
 /// A plane and a box, seen by a moving and turning sensor, at each of the offsets.
 [[nodiscard]] std::vector<LidarRangeError> measure_lidar_range_error(
     const std::vector<double>& map_offsets_m);
-
-/// Processor time of Scene::begin_slice in the standard pit with the links of a machine.
-struct RecommitCost {
-  std::size_t instances = 0;
-  std::size_t moving_instances = 0;
-  double mean_s = 0.0;
-};
-[[nodiscard]] RecommitCost measure_recommit(std::size_t links, int slices);
 
 }  // namespace rigwire::hil

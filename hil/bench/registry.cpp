@@ -1,9 +1,21 @@
 #include "hil/bench/registry.h"
 
+#include <array>
+
+#include "hil/bench/suites.h"
+
 namespace rigwire::hil {
 
 std::span<const BenchSuite> bench_suites() {
-  return {};
+  // The rig first: peak memory is that of the process.
+  static constexpr std::array<BenchSuite, 5> kSuites{{
+      {"rig", "the whole rig running free: speed, stages, memory", bench_rig},
+      {"pacing", "the whole rig in real time: lateness of every device", bench_pacing},
+      {"lidar", "the lidar stage against bare Embree, and its range error", bench_lidar},
+      {"excavator", "integration error against step, cost, stiffest drives", bench_excavator},
+      {"encoding", "cost of each wire format against what its wire can carry", bench_encoding},
+  }};
+  return kSuites;
 }
 
 }  // namespace rigwire::hil

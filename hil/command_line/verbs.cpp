@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "hil/bench/host.h"
 #include "hil/bench/registry.h"
 #include "hil/command_line/config_files.h"
 #include "hil/configuration/suggest.h"
@@ -170,7 +171,17 @@ int bench_verb(const std::string& suite, const std::string& json_file, bool list
   if (!suite.empty() && std::find(names.begin(), names.end(), suite) == names.end()) {
     return refuse_word("suite", suite, names, terminal);
   }
-  Json results = Json::object();
+  const HostFacts host = host_facts();
+  Json results{{"host",
+                {{"kernel", host.kernel},
+                 {"processor", host.processor},
+                 {"cores", host.cores},
+                 {"compiler", host.compiler},
+                 {"flags", host.flags},
+                 {"load_average", load_average()}}}};
+  terminal.out << fmt::format("{}, {} cores, {}, load average {:.2f}; {} {}\n\n", host.processor,
+                              host.cores, host.kernel, load_average()[0], host.compiler,
+                              host.flags);
   for (const BenchSuite& known : bench_suites()) {
     if (suite.empty() || suite == known.name) {
       terminal.out << "== " << known.name << ": " << known.text << "\n" << std::flush;

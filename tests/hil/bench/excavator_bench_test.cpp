@@ -37,7 +37,17 @@ TEST(ExcavatorBench, RowsShowEachSchemesErrorAndKeepTheDivergedOnes) {
     EXPECT_GE(r.greatest_error_m, r.final_error_m);
     EXPECT_GE(r.microseconds_per_step, 0.0);
   }
-  EXPECT_NE(to_text(rows).find("rosenbrock2"), std::string::npos);
+}
+
+TEST(ExcavatorBench, StiffestAllowedDriveIsStableAtOneMillisecondAndBeyondIsRefused) {
+  for (const StiffestDrive& drive : measure_stiffest_drives()) {
+    SCOPED_TRACE(name_of(drive.scheme));
+    EXPECT_NE(drive.refusal.find("stiffnesses"), std::string::npos) << drive.refusal;
+    ASSERT_GT(drive.factor, 0.0);
+    EXPECT_TRUE(drive.machine_stable);
+    EXPECT_FALSE(drive.row.diverged);
+    EXPECT_LT(drive.row.greatest_error_m, 1e-3);
+  }
 }
 
 TEST(ExcavatorBench, SettingsThatMeasureNothingAreRefused) {

@@ -1,0 +1,15 @@
+// The suites behind hil/bench/registry.h, one function each. JSON keys are in docs/accuracy/.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+namespace rigwire::hil {
+
+nlohmann::json bench_rig(std::ostream& text);
+nlohmann::json bench_pacing(std::ostream& text);
+nlohmann::json bench_lidar(std::ostream& text);
+nlohmann::json bench_excavator(std::ostream& text);
+nlohmann::json bench_encoding(std::ostream& text);
+
+}  // namespace rigwire::hil

@@ -1,0 +1,202 @@
+#!/usr/bin/env python3
+"""Draws docs/accuracy/*.svg from the figures of `rigwire bench --json FILE`.
+
+  build/rigwire bench --json bench.json && scripts/plot-bench.py bench.json [FOLDER]
+
+FOLDER is docs/accuracy beside this script's folder unless given. Draws what the file has:
+work_precision.svg (excavator), range_error.svg (lidar), lateness.svg (pacing). Standard library only.
+"""
+import json
+import math
+import os
+import sys
+from xml.sax.saxutils import escape
+
+COLOURS = ["#1b6ca8", "#d1495b", "#3a7d44", "#8a5a9e"]
+STYLE = ('<style>text{font:12px sans-serif;fill:#333}.t{font-size:14px;font-weight:bold}'
+         '.s{fill:#777;font-size:11px}</style>')
+
+
+class Svg:
+    def __init__(self, width, height):
+        self.width, self.height = width, height
+        self.parts = []
+
+    def line(self, x1, y1, x2, y2, colour="#ddd", width=1, dash=""):
+        self.parts.append(f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" '
+                          f'stroke="{colour}" stroke-width="{width}"'
+                          + (f' stroke-dasharray="{dash}"' if dash else "") + "/>")
+
+    def text(self, x, y, words, anchor="start", kind="", turn=0):
+        turned = f' transform="rotate({turn} {x:.1f} {y:.1f})"' if turn else ""
+        self.parts.append(f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" class="{kind}"'
+                          f'{turned}>{escape(words)}</text>')
+
+    def path(self, points, colour):
+        at = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+        self.parts.append(f'<polyline points="{at}" fill="none" stroke="{colour}" '
+                          'stroke-width="2"/>')
+
+    def dot(self, x, y, colour, radius=4.0):
+        self.parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{radius}" fill="{colour}"/>')
+
+    def write(self, path):
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(f'<svg xmlns="http://www.w3.org/2000/svg" width="{self.width}" '
+                       f'height="{self.height}" viewBox="0 0 {self.width} {self.height}">\n'
+                       f'{STYLE}\n<rect width="100%" height="100%" fill="#fff"/>\n'
+                       + "\n".join(self.parts) + "\n</svg>\n")
+        print(path)
+
+
+class LogAxis:
+    """Whole decades around the values, mapped to pixels."""
+
+    def __init__(self, values, start, end):
+        self.low = math.floor(math.log10(min(values)) + 1e-9)
+        self.high = max(math.ceil(math.log10(max(values)) - 1e-9), self.low + 1)
+        self.start, self.end = start, end
+
+    def at(self, value):
+        share = (math.log10(value) - self.low) / (self.high - self.low)
+        return self.start + share * (self.end - self.start)
+
+    def ticks(self):
+        every = max(1, (self.high - self.low) // 6)
+        return [10.0 ** e for e in range(self.low, self.high + 1, every)]
+
+
+def with_unit(value, unit):
+    """0.001, "m" -> "1 mm"."""
+    for factor, prefix in ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"),
+                           (1e-15, "f")):
+        if value >= 0.999 * factor:
+            return f"{value / factor:g} {prefix}{unit}"
+    return f"{value:g} {unit}"
+
+
+def frame(svg, x_axis, y_axis, x_text, y_text):
+    for tick in x_axis.ticks():
+        x = x_axis.at(tick)
+        svg.line(x, y_axis.start, x, y_axis.end)
+        svg.text(x, y_axis.start + 16, x_text(tick), "middle", "s")
+    for tick in y_axis.ticks():
+        y = y_axis.at(tick)
+        svg.line(x_axis.start, y, x_axis.end, y)
+        svg.text(x_axis.start - 6, y + 4, y_text(tick), "end", "s")
+
+
+def host_line(bench):
+    host = bench["host"]
+    return (f'{host["processor"]}, {host["cores"]} cores, {host["kernel"]}, {host["compiler"]} '
+            f'{host["flags"]}, load average {host["load_average"][0]:.2f}')
+
+
+def work_precision(bench, path):
+    rows = bench["excavator"]["work_precision"]
+    schemes = list(dict.fromkeys(row["scheme"] for row in rows))
+    factors = sorted({row["stiffness_factor"] for row in rows})
+    sound = [row for row in rows if not row["diverged"]]
+
+    def cost(row):  # CPU seconds per simulated second
+        return 1e-6 * row["us_per_step"] / row["step_s"]
+    panel = 300
+    svg = Svg(90 + panel * len(factors), 430)
+    svg.text(20, 24, "Excavator: greatest error of the bucket's tip over 4 s against cost", kind="t")
+    svg.text(20, 42, host_line(bench), kind="s")
+    for i, factor in enumerate(factors):
+        left = 80 + panel * i
+        x_axis = LogAxis([cost(row) for row in rows], left, left + panel - 40)
+        y_axis = LogAxis([row["greatest_error_m"] for row in sound], 350, 90)
+        frame(svg, x_axis, y_axis, lambda v: with_unit(v, "s"),
+              (lambda v: with_unit(v, "m")) if i == 0 else (lambda v: ""))
+        svg.text((x_axis.start + x_axis.end) / 2, 80, f"stiffness of the oil × {factor:g}",
+                 "middle")
+        for scheme, colour in zip(schemes, COLOURS):
+            points = [(x_axis.at(cost(row)), y_axis.at(row["greatest_error_m"]))
+                      for row in sound
+                      if row["scheme"] == scheme and row["stiffness_factor"] == factor]
+            svg.path(points, colour)
+            for point in points:
+                svg.dot(*point, colour)
+    svg.text(20, 390, "CPU time per simulated second; points are steps of 0.1, 1, 2, 5, 10, 20 ms; "
+             "diverged runs have no point", kind="s")
+    for i, (scheme, colour) in enumerate(zip(schemes, COLOURS)):
+        svg.dot(28 + 230 * i, 410, colour)
+        svg.text(38 + 230 * i, 414, scheme)
+    svg.write(path)
+
+
+def range_error(bench, path):
+    rows = bench["lidar"]["range_error"]
+    goal = bench["lidar"]["range_error_goal_m"]
+    svg = Svg(620, 360)
+    svg.text(20, 24, "Lidar: error of the cast range against a closed form in double", kind="t")
+    svg.text(20, 42, host_line(bench), kind="s")
+    y_axis = LogAxis([row["rms_m"] for row in rows] + [goal], 300, 70)
+    for tick in y_axis.ticks():
+        svg.line(80, y_axis.at(tick), 590, y_axis.at(tick))
+        svg.text(74, y_axis.at(tick) + 4, with_unit(tick, "m"), "end", "s")
+    places = [110 + 460 * i / max(len(rows) - 1, 1) for i in range(len(rows))]
+    for x, row in zip(places, rows):
+        svg.text(x, 318, f'{1e-3 * row["map_offset_m"]:g} km', "middle", "s")
+    svg.text(335, 340, "distance of the scene from the map origin", "middle", "s")
+    svg.line(80, y_axis.at(goal), 590, y_axis.at(goal), "#d1495b", 1, "6 4")
+    svg.text(586, y_axis.at(goal) - 6, "half a distance unit (the goal for the worst)", "end", "s")
+    for key, name, colour in (("worst_m", "worst ray", COLOURS[0]), ("rms_m", "rms", COLOURS[2])):
+        points = [(x, y_axis.at(row[key])) for x, row in zip(places, rows)]
+        svg.path(points, colour)
+        for point in points:
+            svg.dot(*point, colour)
+        svg.text(points[-1][0], points[-1][1] - 10, name, "end")
+    svg.write(path)
+
+
+def lateness(bench, path):
+    run = bench["pacing"]
+    devices = {name: device["lateness_us"] for name, device in run["devices"].items()
+               if device["units"] > 0}
+    keys = [("p50", "p50"), ("p99", "p99"), ("p999", "p99.9"), ("max", "max")]
+    values = [max(late[key], 0.1) for late in devices.values() for key, _ in keys]
+    top = 92
+    bottom = top - 8 + 34 * len(devices)
+    svg = Svg(720, bottom + 60)
+    svg.text(20, 24, f'Lateness over {run["sim_s"]:g} s of real time', kind="t")
+    svg.text(20, 42, host_line(bench), kind="s")
+    svg.text(20, 58, f'load average {run["load_average_before"][0]:.2f} before this run and '
+             f'{run["load_average_after"][0]:.2f} after it', kind="s")
+    x_axis = LogAxis(values, 120, 690)
+    for tick in x_axis.ticks():
+        svg.line(x_axis.at(tick), top - 18, x_axis.at(tick), bottom)
+        svg.text(x_axis.at(tick), bottom + 16, with_unit(1e-6 * tick, "s"), "middle", "s")
+    for i, (name, late) in enumerate(devices.items()):
+        y = top + 34 * i
+        svg.text(110, y + 4, name, "end")
+        svg.line(x_axis.at(max(late["p50"], 0.1)), y, x_axis.at(late["max"]), y, "#bbb", 2)
+        for (key, _), colour in zip(keys, COLOURS):
+            svg.dot(x_axis.at(max(late[key], 0.1)), y, colour, 5)
+    for i, ((_, name), colour) in enumerate(zip(keys, COLOURS)):
+        svg.dot(128 + 90 * i, bottom + 38, colour, 5)
+        svg.text(140 + 90 * i, bottom + 42, name)
+    svg.write(path)
+
+
+def main():
+    if len(sys.argv) not in (2, 3) or sys.argv[1].startswith("-"):
+        sys.exit(__doc__)
+    here = os.path.dirname(os.path.abspath(__file__))
+    folder = sys.argv[2] if len(sys.argv) == 3 else os.path.join(here, "..", "docs", "accuracy")
+    try:
+        with open(sys.argv[1], encoding="utf-8") as file:
+            bench = json.load(file)
+        for suite, draw, name in (("excavator", work_precision, "work_precision.svg"),
+                                  ("lidar", range_error, "range_error.svg"),
+                                  ("pacing", lateness, "lateness.svg")):
+            if suite in bench:
+                draw(bench, os.path.normpath(os.path.join(folder, name)))
+    except (OSError, json.JSONDecodeError, KeyError) as error:
+        sys.exit(f"plot-bench: {error!r}")
+
+
+if __name__ == "__main__":
+    main()

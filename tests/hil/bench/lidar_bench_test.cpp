@@ -6,6 +6,7 @@
 
 #include "hil/bench/private_rig.h"
 #include "hil/command_line/config_files.h"
+#include "sanitized.h"
 
 namespace rigwire::hil {
 namespace {
@@ -36,7 +37,7 @@ TEST(LidarBench, StageAndBareCasterSeeTheSameRaysOfTheRigsOwnScene) {
   EXPECT_GT(cost.hits, cost.rays / 2);
   EXPECT_LT(cost.hits, cost.rays);
   EXPECT_GT(cost.begin_slice_s, 0.0);
-  EXPECT_GT(cost.ratio, 0.2);
+  EXPECT_GT(cost.ratio, kSanitized ? 0.0 : 0.2);
   EXPECT_LE(cost.bare_s, 1.5 * cost.stage_s);
 }
 

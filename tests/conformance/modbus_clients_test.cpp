@@ -12,7 +12,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <regex>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -56,9 +55,15 @@ ProgramResult run_program(const std::string& command) {
 /// "[2]:  65286 (-250)" and "[0]:  1" to numbers, by reference.
 std::map<int, int> mbpoll_values(const std::string& text) {
   std::map<int, int> values;
-  const std::regex line(R"(\[(\d+)\]:\s+(-?\d+)(?:\s+\((-?\d+)\))?)");
-  for (std::sregex_iterator at(text.begin(), text.end(), line), end; at != end; ++at) {
-    values[std::stoi((*at)[1])] = std::stoi((*at)[(*at)[3].matched ? 3 : 2]);
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    int reference = 0;
+    int counts = 0;
+    int as_signed = 0;
+    const int found = std::sscanf(line.c_str(), "[%d]: %d (%d)", &reference, &counts, &as_signed);
+    if (found >= 2) {
+      values[reference] = found == 3 ? as_signed : counts;
+    }
   }
   return values;
 }
@@ -88,7 +93,7 @@ class Capture {
     std::vector<int> frames;
     std::istringstream lines(result.text);
     for (std::string line; std::getline(lines, line);) {
-      if (std::regex_match(line, std::regex("[0-9]+"))) {
+      if (!line.empty() && line.find_first_not_of("0123456789") == std::string::npos) {
         frames.push_back(std::stoi(line));
       }
     }

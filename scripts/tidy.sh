@@ -16,5 +16,6 @@ fi
 # The compile commands are GCC's: options that clang does not know are not its business here.
 printf '%s\0' "${compiled[@]}" |
   xargs -0 -n 1 -P "$(nproc)" clang-tidy --quiet -p build \
-    --extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-unused-command-line-argument
-echo "${#compiled[@]} files are tidy"
+    --extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-unused-command-line-argument \
+    2> >(grep -v 'warnings\? generated' >&2)
+echo "${#compiled[@]} files are tidy, found in $SECONDS s"

@@ -45,7 +45,8 @@ class MemoryCan::End final : public CanBus {
   std::size_t waiting_ = 0;
 };
 
-MemoryCan::MemoryCan(boost::asio::io_context& context, std::size_t queue_frames, std::string name)
+MemoryCan::MemoryCan(boost::asio::io_context& context, std::size_t queue_frames,
+                     const std::string& name)
     : device_(std::make_shared<End>(context, queue_frames, name)),
       field_(std::make_shared<End>(context, queue_frames, name)) {
   device_->connect(field_);

@@ -18,7 +18,7 @@ namespace rigwire::drivers {
 class MemoryCan {
  public:
   explicit MemoryCan(boost::asio::io_context& context, std::size_t queue_frames = 64,
-                     std::string name = "memory CAN");
+                     const std::string& name = "memory CAN");
   ~MemoryCan();
   MemoryCan(const MemoryCan&) = delete;
   MemoryCan& operator=(const MemoryCan&) = delete;

@@ -49,7 +49,9 @@ StreamServer::ConnectionId MemoryStreamServer::client_connect() {
         quietest = &client;
       }
     }
-    end(*quietest);
+    if (quietest != nullptr) {
+      end(*quietest);
+    }
   }
   const ConnectionId id = clients_.size() + 1;
   clients_.push_back({id, true, ++order_, {}});

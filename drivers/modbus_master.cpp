@@ -68,6 +68,12 @@ struct ModbusMaster::Connection {
     return {std::string(what) + ", " + where() + ": not connected", {}};
   }
 
+  /// Calls libmodbus when connected; `expected` is what it returns when all went well.
+  template <class Call>
+  ModbusOutcome ask(const char* what, int expected, const Call& call) {
+    return open ? judge(what, call(context.get()), expected) : not_connected(what);
+  }
+
   /// One data unit by the length field: libmodbus guesses lengths from the function code, and knows
   /// only some of them.
   ModbusOutcome receive(const char* what, std::span<std::uint8_t> answer, std::size_t& size) {
@@ -153,64 +159,43 @@ bool ModbusMaster::connected() const {
 
 ModbusOutcome ModbusMaster::read_input_registers(std::uint16_t address,
                                                  std::span<std::uint16_t> values) {
-  Connection& c = *connection_;
-  constexpr const char* kWhat = "read input registers";
-  if (!c.open) {
-    return c.not_connected(kWhat);
-  }
   const int count = static_cast<int>(values.size());
-  return c.judge(kWhat, modbus_read_input_registers(c.context.get(), address, count, values.data()),
-                 count);
+  return connection_->ask("read input registers", count, [&](modbus_t* context) {
+    return modbus_read_input_registers(context, address, count, values.data());
+  });
 }
 
 ModbusOutcome ModbusMaster::read_holding_registers(std::uint16_t address,
                                                    std::span<std::uint16_t> values) {
-  Connection& c = *connection_;
-  constexpr const char* kWhat = "read holding registers";
-  if (!c.open) {
-    return c.not_connected(kWhat);
-  }
   const int count = static_cast<int>(values.size());
-  return c.judge(kWhat, modbus_read_registers(c.context.get(), address, count, values.data()),
-                 count);
+  return connection_->ask("read holding registers", count, [&](modbus_t* context) {
+    return modbus_read_registers(context, address, count, values.data());
+  });
 }
 
 ModbusOutcome ModbusMaster::write_register(std::uint16_t address, std::uint16_t value) {
-  Connection& c = *connection_;
-  constexpr const char* kWhat = "write register";
-  if (!c.open) {
-    return c.not_connected(kWhat);
-  }
-  return c.judge(kWhat, modbus_write_register(c.context.get(), address, value), 1);
+  return connection_->ask("write register", 1, [&](modbus_t* context) {
+    return modbus_write_register(context, address, value);
+  });
 }
 
 ModbusOutcome ModbusMaster::write_registers(std::uint16_t address,
                                             std::span<const std::uint16_t> values) {
-  Connection& c = *connection_;
-  constexpr const char* kWhat = "write registers";
-  if (!c.open) {
-    return c.not_connected(kWhat);
-  }
   const int count = static_cast<int>(values.size());
-  return c.judge(kWhat, modbus_write_registers(c.context.get(), address, count, values.data()),
-                 count);
+  return connection_->ask("write registers", count, [&](modbus_t* context) {
+    return modbus_write_registers(context, address, count, values.data());
+  });
 }
 
 ModbusOutcome ModbusMaster::read_write_registers(std::uint16_t write_address,
                                                  std::span<const std::uint16_t> written,
                                                  std::uint16_t read_address,
                                                  std::span<std::uint16_t> read) {
-  Connection& c = *connection_;
-  constexpr const char* kWhat = "read and write registers";
-  if (!c.open) {
-    return c.not_connected(kWhat);
-  }
   const int count = static_cast<int>(read.size());
-  return c.judge(kWhat,
-                 modbus_write_and_read_registers(c.context.get(), write_address,
-                                                 static_cast<int>(written.size()), written.data(),
-                                                 read_address, count, read.data()),
-                 count);
+  return connection_->ask("read and write registers", count, [&](modbus_t* context) {
+    return modbus_write_and_read_registers(context, write_address, static_cast<int>(written.size()),
+                                           written.data(), read_address, count, read.data());
+  });
 }
 
 ModbusOutcome ModbusMaster::transact(std::span<const std::uint8_t> pdu,

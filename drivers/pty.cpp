@@ -15,6 +15,7 @@
 #include <system_error>
 #include <utility>
 
+#include "drivers/descriptor.h"
 #include "drivers/terminal.h"
 
 namespace rigwire::drivers {
@@ -36,8 +37,8 @@ std::string reason(int error) {
 
 /// Takes the name for this process; the kernel gives it back however the process ends.
 int take_ownership(const fs::path& link) {
-  const int descriptor = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (descriptor < 0) {
+  Descriptor socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (!socket.open()) {
     fail(link, "cannot create a socket: " + reason(errno), "raise the limit of open files");
   }
   sockaddr_un address{};
@@ -51,16 +52,15 @@ int take_ownership(const fs::path& link) {
   }
   std::memcpy(address.sun_path + 1, name.data(), name.size());
   const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
-  if (::bind(descriptor, reinterpret_cast<const sockaddr*>(&address), length) != 0) {
+  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), length) != 0) {
     const int error = errno;
-    ::close(descriptor);
     if (error == EADDRINUSE) {
       fail(link, "another running rigwire publishes this path",
            "stop that one or choose another path");
     }
     fail(link, "cannot take the path's name: " + reason(error), "choose another path");
   }
-  return descriptor;
+  return socket.release();
 }
 
 /// Throws unless `link` is free or a leftover.
@@ -98,17 +98,15 @@ void require_replaceable(const fs::path& link) {
 }
 
 int open_master(const fs::path& link) {
-  const int master = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (master < 0) {
+  Descriptor master(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (!master.open()) {
     fail(link, "cannot open a pseudo-terminal: " + reason(errno),
          "mount devpts on /dev/pts and raise /proc/sys/kernel/pty/max");
   }
-  if (::grantpt(master) != 0 || ::unlockpt(master) != 0) {
-    const int error = errno;
-    ::close(master);
-    fail(link, "cannot unlock the pseudo-terminal: " + reason(error), "check /dev/pts");
+  if (::grantpt(master.get()) != 0 || ::unlockpt(master.get()) != 0) {
+    fail(link, "cannot unlock the pseudo-terminal: " + reason(errno), "check /dev/pts");
   }
-  return master;
+  return master.release();
 }
 
 std::string name_of_slave(int master) {
@@ -118,17 +116,15 @@ std::string name_of_slave(int master) {
 
 /// Opens the slave for a moment, empties it and makes it raw.
 bool clean_slave(const std::string& name) {
-  const int slave = ::open(name.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (slave < 0) {
+  const Descriptor slave(::open(name.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (!slave.open() || !make_terminal_raw(slave.get())) {
     return false;
   }
-  const bool raw = make_terminal_raw(slave);
   std::uint8_t waste[kReadSize];
   // Bounded: nobody writes meanwhile, and the kernel holds less than this.
-  for (int i = 0; i < 64 && ::read(slave, waste, sizeof(waste)) > 0; ++i) {
+  for (int i = 0; i < 64 && ::read(slave.get(), waste, sizeof(waste)) > 0; ++i) {
   }
-  ::close(slave);
-  return raw;
+  return true;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "drivers/descriptor.h"
 #include "drivers/terminal.h"
 
 namespace rigwire::drivers {
@@ -44,17 +45,15 @@ SerialPort::SerialPort(boost::asio::io_context& context, SerialPortSettings sett
 }
 
 std::string SerialPort::try_open() {
-  const int descriptor = ::open(settings_.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor < 0) {
+  Descriptor terminal(::open(settings_.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (!terminal.open()) {
     return std::generic_category().message(errno);
   }
-  if (!make_terminal_raw(descriptor, settings_.baud)) {
-    const int error = errno;
-    ::close(descriptor);
-    return error == ENOTTY ? "it is not a terminal" : std::generic_category().message(error);
+  if (!make_terminal_raw(terminal.get(), settings_.baud)) {
+    return errno == ENOTTY ? "it is not a terminal" : std::generic_category().message(errno);
   }
-  discard_terminal_input(descriptor);
-  port_.assign(descriptor);
+  discard_terminal_input(terminal.get());
+  port_.assign(terminal.release());
   if (receiver_) {
     wait_readable();
   }

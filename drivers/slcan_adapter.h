@@ -41,8 +41,8 @@ class SlcanAdapter final : public CanBus {
 
   /// The receiver gets the frames that the client sends.
   void start(Receiver receiver) override;
-  /// Frames offered while the client holds the channel closed are taken and forgotten. False while it
-  /// is open at another rate, or the line is full.
+  /// Frames offered while the client holds the channel closed are taken and forgotten. False while
+  /// it is open at another rate, or the line is full.
   bool send(const protocols::can::Frame& frame) override;
   /// client_present: the client holds the channel open.
   [[nodiscard]] EndpointStatus status() const override;

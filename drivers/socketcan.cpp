@@ -11,6 +11,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "drivers/descriptor.h"
+
 namespace rigwire::drivers {
 
 using protocols::can::Frame;
@@ -26,24 +28,6 @@ std::string mend(const std::string& interface) {
          " up";
 }
 
-/// Closes the descriptor when the constructor fails half-way.
-class Descriptor {
- public:
-  explicit Descriptor(int value) : value_(value) {}
-  ~Descriptor() {
-    if (value_ >= 0) {
-      ::close(value_);
-    }
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int get() const { return value_; }
-  int release() { return std::exchange(value_, -1); }
-
- private:
-  int value_;
-};
-
 [[noreturn]] void fail(const std::string& interface, const std::string& what, int error) {
   throw EndpointError("CAN interface " + interface + ": " + what +
                       (error != 0 ? std::string(": ") + std::strerror(error) : std::string()) +
@@ -56,7 +40,7 @@ int open_interface(const std::string& interface) {
                         std::to_string(IFNAMSIZ - 1) + " characters");
   }
   Descriptor socket(open_can_socket());
-  if (socket.get() < 0) {
+  if (!socket.open()) {
     fail(interface, "the kernel has no CAN sockets (modprobe can_raw vcan)", errno);
   }
   ifreq request{};
@@ -105,7 +89,7 @@ Frame from_kernel(const can_frame& in) {
 
 bool socketcan_available() {
   const Descriptor socket(open_can_socket());
-  return socket.get() >= 0;
+  return socket.open();
 }
 
 bool socketcan_available(const std::string& interface) {

@@ -33,9 +33,10 @@ ValveDriver::ValveDriver(const ValveDriverSettings& settings, StreamOutput& outp
       unit_(*this),
       server_({settings.processing_delay, 16}, output) {
   for (const RegisterEntry& entry : map()) {
-    for (std::uint16_t i = 0; entry.table == Table::holding_registers && i < entry.count; ++i) {
-      holding_[static_cast<std::size_t>(entry.address + i * entry.stride)] =
-          static_cast<std::uint16_t>(entry.initial);
+    std::size_t address = entry.address;
+    for (int i = 0; entry.table == Table::holding_registers && i < entry.count; ++i) {
+      holding_[address] = static_cast<std::uint16_t>(entry.initial);
+      address += entry.stride;
     }
   }
   holding_[kWatchdog] = static_cast<std::uint16_t>(settings.watchdog / milliseconds(1));
@@ -238,7 +239,7 @@ void ValveDriver::refresh_output(SimTime now) {
 
 void ValveDriver::update(const ValveSample& sample) {
   advance(sample.time);
-  for (std::uint16_t i = 0; i < settings_.sections.size(); ++i) {
+  for (std::size_t i = 0; i < settings_.sections.size(); ++i) {
     if (!std::isfinite(sample.spool_position[i])) {
       latch(sample.time, FaultCode::sensor);
     }

@@ -1,5 +1,5 @@
 // One device of the rig with everything between its emulator and its client: endpoint, outlets,
-// statistics. One class per device type; docs/add-a-device.md walks through one.
+// statistics. One class per device type; CONTRIBUTING.md walks through adding one.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

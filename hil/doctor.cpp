@@ -16,29 +16,14 @@
 #include <filesystem>
 #include <thread>
 
+#include "drivers/descriptor.h"
+
 namespace rigwire::hil {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(int value) : value_(value) {}
-  ~Descriptor() {
-    if (value_ >= 0) {
-      ::close(value_);
-    }
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] bool open() const { return value_ >= 0; }
-  [[nodiscard]] int get() const { return value_; }
-
- private:
-  int value_;
-};
+using drivers::Descriptor;
 
 Finding can_sockets() {
   const Descriptor socket(::socket(AF_CAN, SOCK_RAW, 1 /*CAN_RAW*/));

@@ -8,7 +8,9 @@
 #include <boost/asio/steady_timer.hpp>
 #include <cassert>
 #include <condition_variable>
+#include <functional>
 #include <thread>
+#include <utility>
 
 #include "hil/cpu_time.h"
 
@@ -41,6 +43,20 @@ class DeadlineTimer {
   bool& flag_;
   std::shared_ptr<bool> armed_;  ///< Shared with handlers that may run after this object is gone.
 };
+
+/// The one with the least instant, and that instant; of equals the first in the list, null and
+/// kNever when all have none.
+template <class Item, class Instant>
+std::pair<Item*, SimTime> earliest(const std::vector<Item*>& items, Instant instant) {
+  std::pair<Item*, SimTime> found{nullptr, kNever};
+  for (Item* item : items) {
+    const SimTime next = std::invoke(instant, item);
+    if (next < found.second) {
+      found = {item, next};
+    }
+  }
+  return found;
+}
 
 }  // namespace
 
@@ -211,15 +227,7 @@ void Executive::fail(const std::string& what) {
 void Executive::run_events(SimTime until) {
   const StageTimer timer(wire_stages_.encoding_s);
   while (!stopped_) {
-    EventSource* first = nullptr;
-    SimTime at = kNever;
-    for (EventSource* source : sources_) {
-      const SimTime next = source->next_event();
-      if (next < at) {
-        at = next;
-        first = source;
-      }
-    }
+    const auto [first, at] = earliest(sources_, &EventSource::next_event);
     if (first == nullptr || at > until) {
       break;
     }
@@ -235,15 +243,7 @@ void Executive::run_events(SimTime until) {
 void Executive::transmit_due(SimTime until) {
   const StageTimer timer(wire_stages_.writing_s);
   while (true) {
-    Outlet* first = nullptr;
-    SimTime due = kNever;
-    for (Outlet* outlet : outlets_) {
-      const SimTime next = outlet->next_due();
-      if (next < due) {
-        due = next;
-        first = outlet;
-      }
-    }
+    const auto [first, due] = earliest(outlets_, &Outlet::next_due);
     if (first == nullptr || due > until) {
       return;
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <vector>
 
 #include "emulators/backends.h"
@@ -11,13 +12,14 @@
 
 namespace rigwire::hil {
 
-/// Samples of one kind that wait until the device's time has reached them.
+/// Samples of one kind that wait until the device's time has reached them. Memory stays within
+/// twice of what ever waited at once.
 template <class Sample>
 class SampleInbox {
  public:
   void put(const Sample& sample) {
-    if (taken_ == waiting_.size()) {
-      waiting_.clear();
+    if (taken_ > 0 && 2 * taken_ >= waiting_.size()) {
+      waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(taken_));
       taken_ = 0;
     }
     waiting_.push_back(sample);
@@ -27,6 +29,8 @@ class SampleInbox {
   }
   /// Precondition: next() != kNever. The reference holds until put().
   const Sample& take() { return waiting_[taken_++]; }
+  /// Samples that there is memory for.
+  [[nodiscard]] std::size_t capacity() const { return waiting_.capacity(); }
 
  private:
   std::vector<Sample> waiting_;

@@ -15,7 +15,8 @@ StatusReporter::StatusReporter(boost::asio::io_context& io, std::function<RigSta
       machine_(std::move(machine)),
       style_(style),
       colour_(colour),
-      period_(period) {
+      period_(period),
+      history_(1) {
   if (style_ != StatusStyle::none) {
     thread_ = std::thread([this] { loop(); });
   }
@@ -61,7 +62,10 @@ void StatusReporter::loop() {
 }
 
 void StatusReporter::show(const RigStatus& status) {
-  std::string text = draw_status_table(before_, status, machine_, colour_);
+  while (history_.size() > 1 && status.now - history_[1].now >= kRateWindow) {
+    history_.pop_front();
+  }
+  std::string text = draw_status_table(history_.front(), status, machine_, colour_);
   if (style_ == StatusStyle::live) {
     // Cursor to where the table began; every line clears its rest, what is below is cleared too.
     std::string lines;
@@ -81,7 +85,7 @@ void StatusReporter::show(const RigStatus& status) {
   }
   std::fwrite(text.data(), 1, text.size(), stdout);
   std::fflush(stdout);
-  before_ = status;
+  history_.push_back(status);
 }
 
 }  // namespace rigwire::hil

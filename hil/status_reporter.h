@@ -4,8 +4,11 @@
 
 #include <boost/asio/io_context.hpp>
 #include <condition_variable>
+#include <deque>
 #include <functional>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -17,6 +20,9 @@ namespace rigwire::hil {
 
 class StatusReporter {
  public:
+  /// Rates are means over this much simulated time: a receiver of 1 Hz sends in bursts.
+  static constexpr Duration kRateWindow = std::chrono::seconds{5};
+
   /// `snapshot` is called on the thread that runs `io`. Writes to standard output.
   StatusReporter(boost::asio::io_context& io, std::function<RigStatus()> snapshot,
                  std::vector<StateQuantity> machine, StatusStyle style, bool colour,
@@ -44,7 +50,7 @@ class StatusReporter {
   bool colour_;
   Duration period_;
   std::shared_ptr<Mailbox> mailbox_ = std::make_shared<Mailbox>();
-  RigStatus before_;
+  std::deque<RigStatus> history_;  ///< Of the last kRateWindow of simulated time; never empty.
   bool drawn_ = false;
   std::thread thread_;
 };

@@ -150,7 +150,10 @@ void declare(CLI::App& app, Parsed& parsed) {
   list_app->add_flag("--json", parsed.json, "As JSON");
 
   CLI::App* describe_app = app.add_subcommand("describe", "Messages, rates, units, ranges, keys");
-  describe_app->add_option("device", parsed.word, "One of `rigwire list devices`")->required();
+  describe_app
+      ->add_option("device", parsed.word,
+                   "A type of `rigwire list devices`, or a device's name in a rig: gnss")
+      ->required();
   describe_app->add_flag("--json", parsed.json, "As JSON");
 
   CLI::App* doctor_app = app.add_subcommand("doctor", "What this machine can offer, and the fixes");

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "hil/command_line/config_files.h"
 #include "hil/command_line/device_catalogue.h"
 #include "hil/command_line/verbs.h"
+#include "hil/configuration/rig.h"
 #include "hil/configuration/suggest.h"
 #include "hil/configuration/units.h"
 
@@ -56,12 +58,29 @@ nlohmann::ordered_json json_of(const DeviceDescription& description) {
   return json;
 }
 
+/// The type of a device that one of the rigs at hand calls by that name; empty when none does.
+std::string type_in_rigs(const std::string& device) {
+  for (const ConfigFile& rig : config_files("rigs")) {
+    try {
+      const RigConfiguration configuration = load_rig(rig.path, {}).configuration;
+      const auto found = configuration.devices.find(device);
+      if (found != configuration.devices.end()) {
+        return std::string(found->second.type());
+      }
+    } catch (const ConfigurationError&) {
+      continue;  // a rig that does not load names no device; `rigwire check` says why
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 int describe_verb(const std::string& device, bool json, Terminal terminal) {
   std::vector<std::string> names;
+  const std::string of_rig = type_in_rigs(device);
   for (const DeviceDescription& description : device_catalogue()) {
-    if (description.type == device) {
+    if (description.type == device || description.type == of_rig) {
       terminal.out << (json ? json_of(description).dump(2) + "\n" : text_of(description));
       return static_cast<int>(ExitCode::done);
     }

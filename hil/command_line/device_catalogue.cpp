@@ -42,7 +42,8 @@ void describe(const UbloxConfiguration& configuration, DeviceDescription& descri
       quantities_of(emulators::UbloxReceiver(configuration.receiver, calendar, output));
   description.wire = "serial line on a pty, 8N1";
   description.document =
-      "u-blox 7 Receiver Description Including Protocol Specification V14 (GPS.G7-SW-12001-B)";
+      "u-blox M8 receiver description UBX-13003221 R28, with what recordings of a NEO-7P show of "
+      "protocol 14";
   for (const emulators::UbloxMessage& message : emulators::ublox_messages()) {
     if (!message.name.empty() && message.greatest_bytes > 0) {
       description.messages.push_back(
@@ -59,7 +60,7 @@ void describe(const VelodyneConfiguration& configuration, DeviceDescription& des
   description.quantities =
       quantities_of(emulators::VelodyneLidar(configuration.lidar, calendar, output, output));
   description.wire = "UDP: data packets to port 2368, position packets to port 8308";
-  description.document = "Velodyne HDL-32E User's Manual 63-9113 Rev. M";
+  description.document = "Velodyne HDL-32E user's manual 63-9113 Rev. E and H";
   description.messages = {
       {"data packet", "1808.4 /s", "1206 bytes: 12 firings of 32 lasers, azimuth, time of hour"},
       {"position packet", "129.2 /s", "512 bytes: time of hour, PPS state, $GPRMC sentence"}};

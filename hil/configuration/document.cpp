@@ -223,7 +223,10 @@ Value load_file(const std::string& file, const std::string& shown, Problems& pro
     Problem problem;
     problem.where = whole_file;
     problem.what = what;
-    problem.suggestion = nearest_file(file);
+    std::error_code ignored;
+    if (!fs::exists(file, ignored)) {
+      problem.suggestion = nearest_file(file);
+    }
     problems.add(std::move(problem));
     Value empty;
     empty.kind = Value::Kind::map;

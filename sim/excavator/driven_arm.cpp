@@ -45,15 +45,20 @@ void DrivenArm::coordinates(const JointVector& q_rad, JointVector& x, JointVecto
   }
 }
 
-JointVector DrivenArm::free_mass(const JointVector& q_rad) const {
+DrivenArm::Inertia DrivenArm::inertia_at(const JointVector& q_rad) const {
   JointMatrix mass_matrix;
   JointVector bias;
   dynamics_.evaluate(q_rad, JointVector::Zero(), mass_matrix, bias);
+  Inertia inertia;
   JointVector x;
-  JointVector lever;
-  coordinates(q_rad, x, lever);
-  const JointVector inverse = mass_matrix.inverse().diagonal();
-  return (inverse.array() * lever.array().square()).inverse();
+  coordinates(q_rad, x, inertia.lever);
+  inertia.inverse = mass_matrix.inverse();
+  return inertia;
+}
+
+JointVector DrivenArm::free_mass(const JointVector& q_rad) const {
+  const Inertia inertia = inertia_at(q_rad);
+  return (inertia.inverse.diagonal().array() * inertia.lever.array().square()).inverse();
 }
 
 JointVector DrivenArm::damping_for(const JointVector& q_rad, const JointVector& stiffness,
@@ -63,19 +68,13 @@ JointVector DrivenArm::damping_for(const JointVector& q_rad, const JointVector& 
 
 double DrivenArm::highest_frequency_radps(const JointVector& q_rad,
                                           const JointVector& stiffness) const {
-  JointMatrix mass_matrix;
-  JointVector bias;
-  dynamics_.evaluate(q_rad, JointVector::Zero(), mass_matrix, bias);
-  JointVector x;
-  JointVector lever;
-  coordinates(q_rad, x, lever);
-  const JointVector joint_stiffness = stiffness.array() * lever.array().square();
+  const Inertia inertia = inertia_at(q_rad);
+  const JointVector joint_stiffness = stiffness.array() * inertia.lever.array().square();
   // Power iteration on M^-1 K; the estimate grows towards the largest eigenvalue from below.
-  const JointMatrix inverse = mass_matrix.inverse();
   JointVector mode = JointVector::Ones();
   double eigenvalue = 0.0;
   for (int i = 0; i < 100; ++i) {
-    const JointVector next = inverse * joint_stiffness.cwiseProduct(mode);
+    const JointVector next = inertia.inverse * joint_stiffness.cwiseProduct(mode);
     eigenvalue = next.norm() / mode.norm();
     if (!(eigenvalue > 0.0)) {
       return 0.0;

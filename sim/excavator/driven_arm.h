@@ -101,6 +101,11 @@ class DrivenArm {
                ArmState& state) const;
 
  private:
+  struct Inertia {
+    JointMatrix inverse;  ///< M^-1
+    JointVector lever;    ///< J
+  };
+  [[nodiscard]] Inertia inertia_at(const JointVector& q_rad) const;
   ArmStep step_linearly_implicit(double time_s, double h, const TargetMotion& targets,
                                  ArmState& state) const;
   ArmStep step_rosenbrock2(double time_s, double h, const TargetMotion& targets,

@@ -11,7 +11,6 @@ namespace {
 constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kDay = 86'400 * kSecond;
 constexpr std::int64_t kWeek = 7 * kDay;
-constexpr std::int64_t kHour = 3'600 * kSecond;
 
 /// Days since 1970-01-01 of a proleptic Gregorian date.
 std::int64_t days_from_civil(int year, int month, int day) {

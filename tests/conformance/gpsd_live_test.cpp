@@ -22,12 +22,14 @@
 #include <string>
 #include <vector>
 
+#include "drivers/descriptor.h"
 #include "emulators/ublox_receiver.h"
 
 namespace rigwire {
 namespace {
 
 using namespace std::chrono_literals;
+using drivers::Descriptor;
 using Json = nlohmann::json;
 using WallClock = std::chrono::steady_clock;
 
@@ -35,23 +37,6 @@ constexpr auto kPatience = 40s;
 constexpr double kLatitude_deg = 49.4240123;
 constexpr double kLongitude_deg = 7.7510456;
 constexpr double kHeight_m = 328.25;
-
-/// A descriptor that closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(int value) : value_(value) {}
-  ~Descriptor() {
-    if (value_ >= 0) {
-      ::close(value_);
-    }
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int get() const { return value_; }
-
- private:
-  int value_;
-};
 
 /// gpsd in the foreground on one device and one port; ended with the object.
 class Daemon {

@@ -66,6 +66,14 @@ TEST(CommandLine, bad_option_values_are_usage) {
   }
 }
 
+TEST(CommandLine, describe_takes_a_type_or_the_name_of_a_rigs_device) {
+  const Result by_type = rigwire("describe velodyne-hdl-32e");
+  EXPECT_EQ(by_type.code, 0);
+  EXPECT_THAT(by_type.output, HasSubstr("1206"));
+  EXPECT_EQ(rigwire("describe lidar").output, by_type.output);
+  EXPECT_EQ(rigwire("describe radar").code, 2);
+}
+
 TEST(CommandLine, rig_is_found_by_name_and_by_path) {
   const Result by_name = rigwire("check excavator_pit");
   EXPECT_EQ(by_name.code, 0) << by_name.output;

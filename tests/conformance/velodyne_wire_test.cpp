@@ -101,7 +101,7 @@ class CaptureOutput : public ByteOutput {
 
 std::string output_of(const std::string& command) {
   std::string text;
-  FILE* pipe = popen(command.c_str(), "r");  // NOLINT(cert-env33-c)
+  FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) {
     return "cannot run " + command;
   }
@@ -150,7 +150,7 @@ TEST(VelodyneConformance, IndependentDissectorReadsTheTruth) {
   }
   capture.close();
   ASSERT_EQ(data.sent, kPackets);
-  ASSERT_GT(position.sent, 10);
+  ASSERT_GT(position.sent, 5);
 
   const std::string script = std::string(RIGWIRE_SOURCE_DIR) + "/tests/conformance/velodyne.lua";
   const std::string tshark = "tshark -n -X lua_script:" + script + " -r " + file.string();

@@ -1,0 +1,253 @@
+// `rigwire run` as a process, in real time, on private wires: what the real clients make of it, and
+// what is left when things end badly. Clients are Debian's, unmodified, and required.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "child_process.h"
+#include "private_wires.h"
+
+namespace rigwire {
+namespace {
+
+using namespace std::chrono_literals;
+using Json = nlohmann::json;
+using test::ChildProcess;
+using test::eventually;
+using testing::HasSubstr;
+
+class RigProcess : public testing::Test {
+ protected:
+  [[nodiscard]] std::vector<std::string> command(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words{RIGWIRE_BINARY_DIR "/rigwire", "run", "excavator_pit",
+                                   "--status", "none"};
+    for (const auto& set : wires_.sets()) {
+      words.push_back("--set");
+      words.push_back(set);
+    }
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  [[nodiscard]] std::filesystem::path file(const std::string& name) const {
+    return wires_.folder / name;
+  }
+  [[nodiscard]] bool wires_are_up() const { return std::filesystem::exists(wires_.gnss()); }
+  [[nodiscard]] static std::string text_of(const std::filesystem::path& path) {
+    std::ifstream stream(path);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+
+  test::PrivateWires wires_;
+};
+
+TEST_F(RigProcess, FirstInterruptEndsCleanlyWithAReport) {
+  ChildProcess rig(command({"--report", file("report.json").string()}), file("rig.log"));
+  ASSERT_TRUE(eventually([&] { return wires_are_up(); })) << rig.output();
+  rig.signal(SIGINT);
+  EXPECT_EQ(rig.wait(10s), 130) << rig.output();
+  const Json report = Json::parse(text_of(file("report.json")));
+  for (const char* key : {"seed", "config_hash", "clock", "sim_s", "wall_s", "cpu_s",
+                          "realtime_factor", "peak_rss_mb", "stages", "devices"}) {
+    EXPECT_TRUE(report.contains(key)) << key;
+  }
+  EXPECT_EQ(report["clock"], "real");
+  EXPECT_EQ(report["devices"].size(), 7U);
+  EXPECT_FALSE(std::filesystem::is_symlink(wires_.gnss()));
+  EXPECT_FALSE(std::filesystem::is_symlink(wires_.can()));
+}
+
+TEST_F(RigProcess, AKilledRigLeavesNothingThatStopsTheNext) {
+  {
+    ChildProcess rig(command(), file("rig.log"));
+    ASSERT_TRUE(eventually([&] { return wires_are_up(); })) << rig.output();
+    rig.signal(SIGKILL);
+    EXPECT_EQ(rig.wait(10s), 128 + SIGKILL);
+  }
+  ChildProcess next(command({"--duration", "500ms"}), file("next.log"));
+  EXPECT_EQ(next.wait(20s), 0) << next.output();
+}
+
+TEST_F(RigProcess, APathTakenByAFileIsAnEnvironmentErrorAndTheFileStays) {
+  std::ofstream(wires_.gnss()) << "precious";
+  ChildProcess rig(command({"--duration", "1s"}), file("rig.log"));
+  EXPECT_EQ(rig.wait(20s), 3);
+  EXPECT_THAT(rig.output(), HasSubstr(wires_.gnss()));
+  EXPECT_EQ(text_of(wires_.gnss()), "precious");
+  EXPECT_FALSE(std::filesystem::exists(wires_.can()));
+}
+
+TEST_F(RigProcess, ASecondRigOnTheSameWiresIsRefusedAndTheFirstGoesOn) {
+  ChildProcess first(command(), file("first.log"));
+  ASSERT_TRUE(eventually([&] { return wires_are_up(); })) << first.output();
+  ChildProcess second(command({"--duration", "1s"}), file("second.log"));
+  EXPECT_EQ(second.wait(20s), 3) << second.output();
+  EXPECT_TRUE(wires_are_up());
+  first.signal(SIGTERM);
+  EXPECT_EQ(first.wait(10s), 128 + SIGTERM);
+}
+
+TEST_F(RigProcess, AMissingCanInterfaceIsAnEnvironmentErrorThatSaysTheMend) {
+  ChildProcess rig(command({"--set", "buses.can.wire=socketcan", "--set",
+                            "buses.can.interface=vcan77", "--duration", "1s"}),
+                   file("rig.log"));
+  EXPECT_EQ(rig.wait(20s), 3);
+  EXPECT_THAT(rig.output(), HasSubstr("CAN"));
+  EXPECT_FALSE(wires_are_up());
+}
+
+TEST_F(RigProcess, GpsdFindsTheReceiverAndItsPosition) {
+  ChildProcess rig(command({"--duration", "90s"}), file("rig.log"));
+  ASSERT_TRUE(eventually([&] { return wires_are_up(); })) << rig.output();
+  const std::string port = std::to_string(test::free_port(SOCK_STREAM));
+  ChildProcess gpsd({"gpsd", "-N", "-n", "-S", port, wires_.gnss()}, file("gpsd.log"));
+  Json fix;
+  const bool found = eventually(
+      [&] {
+        ChildProcess pipe({"timeout", "5", "gpspipe", "-w", "-n", "40", "localhost:" + port},
+                          file("pipe.json"));
+        pipe.wait(10s);
+        std::ifstream lines(file("pipe.json"));
+        for (std::string line; std::getline(lines, line);) {
+          const Json report = Json::parse(line, nullptr, false);
+          if (!report.is_discarded() && report.value("class", "") == "TPV" &&
+              report.value("mode", 0) == 3 && report.contains("lat")) {
+            fix = report;
+            return true;
+          }
+        }
+        return false;
+      },
+      60s);
+  ASSERT_TRUE(found) << gpsd.output() << text_of(file("pipe.json"));
+  // The rig's origin; the error model of the paper stays well within 50 m there.
+  const double metres_per_deg = 111'200.0;
+  EXPECT_NEAR(fix["lat"].get<double>(), 49.4247, 50.0 / metres_per_deg);
+  EXPECT_NEAR(fix["lon"].get<double>(), 7.7517, 50.0 / metres_per_deg * 1.54);
+  EXPECT_THAT(fix["time"].get<std::string>(), HasSubstr("2026-06-01T08:0"));
+}
+
+TEST_F(RigProcess, MbpollReadsTheValveDriver) {
+  ChildProcess rig(command({"--duration", "60s"}), file("rig.log"));
+  ASSERT_TRUE(eventually([&] { return wires_are_up(); })) << rig.output();
+  ChildProcess mbpoll({"mbpoll", "-0", "-t", "3", "-r", "30", "-c", "4", "-1", "-p",
+                       std::to_string(wires_.modbus_port), "127.0.0.1"},
+                      file("mbpoll.log"));
+  EXPECT_EQ(mbpoll.wait(20s), 0) << mbpoll.output();
+  EXPECT_THAT(mbpoll.output(), HasSubstr("[30]:"));
+}
+
+TEST_F(RigProcess, PythonCanHearsAllFourImusOnTheBus) {
+  ChildProcess rig(command({"--duration", "60s"}), file("rig.log"));
+  ASSERT_TRUE(eventually([&] { return wires_are_up(); })) << rig.output();
+  const std::string script =
+      "import can, sys\n"
+      "bus = can.Bus(interface='slcan', channel=sys.argv[1], bitrate=250000)\n"
+      "heard = {}\n"
+      "for _ in range(600):\n"
+      "    frame = bus.recv(5)\n"
+      "    assert frame is not None and frame.is_extended_id\n"
+      "    heard.setdefault(frame.arbitration_id & 0xFF, set()).add(\n"
+      "        frame.arbitration_id >> 8 & 0xFFFF)\n"
+      "bus.shutdown()\n"
+      "print({hex(a): sorted(map(hex, p)) for a, p in sorted(heard.items())})\n"
+      "assert sorted(heard) == [0x80, 0x81, 0x82, 0x83]\n"
+      "assert all({0xF029, 0xF02A, 0xF02D} <= p for p in heard.values())\n";
+  ChildProcess python({"/usr/bin/python3", "-c", script, wires_.can()}, file("python.log"));
+  EXPECT_EQ(python.wait(40s), 0) << python.output();
+}
+
+/// Joint angles of the truth tap by hour clock, deg.
+struct Truth {
+  explicit Truth(const std::filesystem::path& path) {
+    std::ifstream lines(path);
+    for (std::string line; std::getline(lines, line);) {
+      const Json record = Json::parse(line, nullptr, false);
+      if (!record.is_discarded()) {
+        times_us.push_back(record["time_of_hour_us"]);
+        records.push_back(record);
+      }
+    }
+  }
+  [[nodiscard]] const Json& at(double time_us) const {
+    const auto next = std::lower_bound(times_us.begin(), times_us.end(), time_us);
+    const auto index = std::min<std::ptrdiff_t>(next - times_us.begin(),
+                                                static_cast<std::ptrdiff_t>(records.size()) - 1);
+    return records[static_cast<std::size_t>(index)];
+  }
+  std::vector<double> times_us;
+  std::vector<Json> records;
+};
+
+TEST_F(RigProcess, DigCycleKnowsFromTheWiresWhereTheMachineIs) {
+  ChildProcess rig(command({"--duration", "150s", "--truth", file("truth.jsonl").string()}),
+                   file("rig.log"));
+  ChildProcess field({RIGWIRE_BINARY_DIR "/dig_cycle", "--gnss", wires_.gnss(), "--can",
+                      wires_.can(), "--lidar-port", std::to_string(wires_.lidar_port), "--modbus",
+                      "127.0.0.1:" + std::to_string(wires_.modbus_port), "--cycles", "1", "--log",
+                      file("belief.jsonl").string()},
+                     file("field.log"));
+  ASSERT_EQ(field.wait(120s), 0) << field.output() << rig.output();
+  rig.signal(SIGINT);
+  ASSERT_EQ(rig.wait(10s), 130);
+
+  const Truth truth(file("truth.jsonl"));
+  ASSERT_FALSE(truth.records.empty());
+  std::ifstream beliefs(file("belief.jsonl"));
+  std::array<double, 4> square_sum{};
+  double lowest_tip_m = 1e9;
+  double greatest_swing_deg = 0.0;
+  std::size_t count = 0;
+  for (std::string line; std::getline(beliefs, line);) {
+    const Json belief = Json::parse(line);
+    if (belief["state"] != "working") {
+      continue;
+    }
+    const Json& record = truth.at(belief["time_of_hour_us"]);
+    for (std::size_t joint = 0; joint < 4; ++joint) {
+      const double degrees = 180.0 / std::numbers::pi;
+      const double error = belief["joints_deg"][joint].get<double>() -
+                           record["joint_rad"][joint].get<double>() * degrees;
+      square_sum[joint] += error * error;
+    }
+    lowest_tip_m = std::min(lowest_tip_m, record["bucket_tip_m"][2].get<double>());
+    greatest_swing_deg = std::max(greatest_swing_deg,
+                                  record["joint_rad"][0].get<double>() * 180.0 / std::numbers::pi);
+    const double metres_per_deg = 111'200.0;
+    EXPECT_NEAR(belief["gnss"]["latitude_deg"].get<double>(),
+                record["antenna"]["latitude_deg"].get<double>(), 50.0 / metres_per_deg);
+    ++count;
+  }
+  ASSERT_GT(count, 200U);
+  // Ages of up to 50 ms at joint speeds of up to 100 deg/s are in here.
+  for (std::size_t joint = 0; joint < 4; ++joint) {
+    EXPECT_LT(std::sqrt(square_sum[joint] / static_cast<double>(count)), 3.0) << "joint " << joint;
+  }
+  EXPECT_LT(lowest_tip_m, 0.5) << "it never dug";
+  EXPECT_GT(greatest_swing_deg, 80.0) << "it never swung to the truck";
+}
+
+TEST_F(RigProcess, DigCycleStopsWithTheSensorsNameWhenTheRigDies) {
+  ChildProcess rig(command(), file("rig.log"));
+  ChildProcess field({RIGWIRE_BINARY_DIR "/dig_cycle", "--gnss", wires_.gnss(), "--can",
+                      wires_.can(), "--lidar-port", std::to_string(wires_.lidar_port), "--modbus",
+                      "127.0.0.1:" + std::to_string(wires_.modbus_port)},
+                     file("field.log"));
+  ASSERT_TRUE(eventually([&] { return field.output().find("working") != std::string::npos; }, 40s))
+      << field.output();
+  rig.signal(SIGKILL);
+  rig.wait(5s);
+  EXPECT_EQ(field.wait(15s), 4) << field.output();
+  EXPECT_THAT(field.output(), HasSubstr("silent"));
+}
+
+}  // namespace
+}  // namespace rigwire

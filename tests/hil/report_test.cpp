@@ -1,0 +1,75 @@
+#include "hil/report.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace rigwire::hil {
+namespace {
+
+using namespace std::chrono_literals;
+
+RunReport example() {
+  RunReport report;
+  report.rig = "example";
+  report.seed = 7;
+  report.config_hash = "00ff";
+  report.clock = {ClockMode::Kind::scaled, 2.0};
+  report.outcome.reached = kStart + 10s;
+  report.outcome.wall_s = 5.0;
+  DeviceReport gnss{"gnss", "/tmp/gnss", 70, {}};
+  gnss.statistics.bytes = 5730;
+  gnss.statistics.lateness.record(100us);
+  report.devices.push_back(gnss);
+  return report;
+}
+
+TEST(Report, HasTheKeysThatScriptsRelyOn) {
+  const auto json = nlohmann::json::parse(to_json(example()));
+  EXPECT_EQ(json["seed"], 7);
+  EXPECT_EQ(json["config_hash"], "00ff");
+  EXPECT_EQ(json["clock"], "scaled:2");
+  EXPECT_EQ(json["sim_s"], 10.0);
+  EXPECT_EQ(json["realtime_factor"], 2.0);
+  for (const char* stage : {"physics", "ray_casting", "sensors", "encoding", "writing"}) {
+    EXPECT_TRUE(json["stages"][stage].is_number()) << stage;
+  }
+  const auto& gnss = json["devices"]["gnss"];
+  EXPECT_EQ(gnss["wire"], "/tmp/gnss");
+  EXPECT_EQ(gnss["frames"], 70);
+  EXPECT_EQ(gnss["bytes"], 5730);
+  EXPECT_EQ(gnss["dropped"], 0);
+  EXPECT_EQ(gnss["lateness_us"]["max"], 100.0);
+  EXPECT_EQ(gnss["stream_hash"].get<std::string>().size(), 16U);
+}
+
+TEST(Report, AnEmptyRunHasNoInfiniteFactor) {
+  RunReport report = example();
+  report.outcome.wall_s = 0.0;
+  EXPECT_EQ(nlohmann::json::parse(to_json(report))["realtime_factor"], 0.0);
+}
+
+TEST(Report, AFolderThatIsMissingIsNamed) {
+  try {
+    write_report(example(), "/nonexistent/report.json");
+    FAIL() << "was written";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("/nonexistent/report.json"), std::string::npos);
+  }
+}
+
+TEST(Report, ReplacesAnOlderOneWhole) {
+  const auto path = std::filesystem::temp_directory_path() /
+                    ("rigwire-report-" + std::to_string(::getpid()) + ".json");
+  std::ofstream(path) << std::string(100'000, 'x');
+  write_report(example(), path);
+  std::ifstream file(path);
+  EXPECT_EQ(nlohmann::json::parse(file)["rig"], "example");
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace rigwire::hil

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sched.h>
 #include <sys/utsname.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -45,6 +46,19 @@ std::array<double, 3> load_average() {
     load.fill(0.0);
   }
   return load;
+}
+
+double stolen_seconds() {
+  constexpr int kStealField = 8;  // "cpu user nice system idle iowait irq softirq steal", proc(5)
+  std::ifstream file("/proc/stat");
+  std::string name;
+  file >> name;
+  double ticks = 0.0;
+  for (int i = 0; i < kStealField; ++i) {
+    file >> ticks;
+  }
+  const auto ticks_per_second = static_cast<double>(sysconf(_SC_CLK_TCK));
+  return file && ticks_per_second > 0.0 ? ticks / ticks_per_second : 0.0;
 }
 
 }  // namespace rigwire::hil

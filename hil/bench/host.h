@@ -18,4 +18,8 @@ struct HostFacts {
 /// Processes that ran or waited, on average over 1, 5 and 15 minutes; zeros when not known.
 [[nodiscard]] std::array<double, 3> load_average();
 
+/// Time that the hypervisor gave to others while this machine wanted to run, all cores since boot,
+/// in ticks of the kernel's clock; 0 on bare metal.
+[[nodiscard]] double stolen_seconds();
+
 }  // namespace rigwire::hil

@@ -87,7 +87,8 @@ SimulatedWorld::Motions SimulatedWorld::motions() const {
 sim::LinkMotion SimulatedWorld::motion_at(const SensorMount& mount, SimTime t0, SimTime t1,
                                           SimTime time) const {
   const std::size_t link = index(mount.link);
-  return sim::at_mount(sim::interpolate(t0, before_[link], t1, after_[link], time), mount.X_LS);
+  return sim::at_mount(sim::LinkMotionInterpolation(t0, before_[link], t1, after_[link])(time),
+                       mount.X_LS);
 }
 
 void SimulatedWorld::apply(const TruthRequests& requests) {

@@ -1,30 +1,63 @@
 #include "sim/link_motion.h"
 
+#include <algorithm>
 #include <cassert>
+#include <cmath>
 
 namespace rigwire::sim {
 
-LinkMotion interpolate(SimTime t0, const LinkMotion& at_t0, SimTime t1, const LinkMotion& at_t1,
-                       SimTime time) {
-  assert(t0 < t1 && t0 <= time && time <= t1);
-  const double h = to_seconds(t1 - t0);
-  const double s = to_seconds(time - t0) / h;
+namespace {
+
+/// sin(share * angle) / sin(angle), to 1e-12 also where the angle is tiny or zero.
+double sine_ratio(double share, double angle_rad) {
+  if (angle_rad > 0.05) {
+    return std::sin(share * angle_rad) / std::sin(angle_rad);
+  }
+  const auto over_x = [](double x) {  // sin(x) / x
+    const double x2 = x * x;
+    return 1.0 - x2 / 6.0 * (1.0 - x2 / 20.0 * (1.0 - x2 / 42.0));
+  };
+  return share * over_x(share * angle_rad) / over_x(angle_rad);
+}
+
+}  // namespace
+
+LinkMotionInterpolation::LinkMotionInterpolation(SimTime t0, const LinkMotion& at_t0, SimTime t1,
+                                                 const LinkMotion& at_t1)
+    : t0_(t0),
+      t1_(t1),
+      at_t0_(at_t0),
+      at_t1_(at_t1),
+      q0_(at_t0.X_WL.linear()),
+      q1_(at_t1.X_WL.linear()) {
+  assert(t0 < t1);
+  if (q0_.dot(q1_) < 0.0) {
+    q1_.coeffs() = -q1_.coeffs();
+  }
+  // From the chord: exact for small angles, where the arc cosine is not.
+  half_angle_rad_ = 2.0 * std::asin(std::min(1.0, 0.5 * (q1_.coeffs() - q0_.coeffs()).norm()));
+}
+
+LinkMotion LinkMotionInterpolation::operator()(SimTime time) const {
+  assert(t0_ <= time && time <= t1_);
+  const double h = to_seconds(t1_ - t0_);
+  const double s = to_seconds(time - t0_) / h;
   const double s2 = s * s;
   const double s3 = s2 * s;
 
   LinkMotion result;
-  const Eigen::Vector3d position = (2.0 * s3 - 3.0 * s2 + 1.0) * at_t0.X_WL.translation() +
-                                   (s3 - 2.0 * s2 + s) * h * at_t0.v_WL_W +
-                                   (3.0 * s2 - 2.0 * s3) * at_t1.X_WL.translation() +
-                                   (s3 - s2) * h * at_t1.v_WL_W;
-  const Eigen::Quaterniond q0(at_t0.X_WL.linear());
-  const Eigen::Quaterniond q1(at_t1.X_WL.linear());
-  result.X_WL.linear() = q0.slerp(s, q1).toRotationMatrix();
-  result.X_WL.translation() = position;
-  result.v_WL_W = (1.0 - s) * at_t0.v_WL_W + s * at_t1.v_WL_W;
-  result.w_WL_W = (1.0 - s) * at_t0.w_WL_W + s * at_t1.w_WL_W;
-  result.a_WL_W = (1.0 - s) * at_t0.a_WL_W + s * at_t1.a_WL_W;
-  result.alpha_WL_W = (1.0 - s) * at_t0.alpha_WL_W + s * at_t1.alpha_WL_W;
+  Eigen::Quaterniond q;
+  q.coeffs() = sine_ratio(1.0 - s, half_angle_rad_) * q0_.coeffs() +
+               sine_ratio(s, half_angle_rad_) * q1_.coeffs();
+  result.X_WL.linear() = q.toRotationMatrix();
+  result.X_WL.translation() = (2.0 * s3 - 3.0 * s2 + 1.0) * at_t0_.X_WL.translation() +
+                              (s3 - 2.0 * s2 + s) * h * at_t0_.v_WL_W +
+                              (3.0 * s2 - 2.0 * s3) * at_t1_.X_WL.translation() +
+                              (s3 - s2) * h * at_t1_.v_WL_W;
+  result.v_WL_W = (1.0 - s) * at_t0_.v_WL_W + s * at_t1_.v_WL_W;
+  result.w_WL_W = (1.0 - s) * at_t0_.w_WL_W + s * at_t1_.w_WL_W;
+  result.a_WL_W = (1.0 - s) * at_t0_.a_WL_W + s * at_t1_.a_WL_W;
+  result.alpha_WL_W = (1.0 - s) * at_t0_.alpha_WL_W + s * at_t1_.alpha_WL_W;
   return result;
 }
 

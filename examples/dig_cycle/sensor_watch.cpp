@@ -11,15 +11,7 @@ std::string_view name(Sensor sensor) {
 }
 
 std::chrono::milliseconds SensorWatch::limit(Sensor sensor) {
-  switch (sensor) {
-    case Sensor::gnss:
-      return 3000ms;
-    case Sensor::lidar:
-    case Sensor::valves:
-      return 500ms;
-    default:
-      return 250ms;
-  }
+  return sensor == Sensor::gnss ? 3000ms : 500ms;
 }
 
 void SensorWatch::heard(Sensor sensor, Instant now) {

@@ -32,7 +32,9 @@ class SensorWatch {
   /// A monotonic time; only differences matter.
   using Instant = std::chrono::nanoseconds;
 
-  /// Silence allowed: GNSS 3 s, lidar 0.5 s, IMU 0.25 s, valve driver 0.5 s.
+  /// Silence allowed: GNSS 3 s, lidar, IMU and valve driver 0.5 s. The last three send far more
+  /// often; but on a busy machine the system has been seen to hold back the bytes of a
+  /// pseudo-terminal for a quarter of a second.
   static std::chrono::milliseconds limit(Sensor sensor);
 
   void heard(Sensor sensor, Instant now);

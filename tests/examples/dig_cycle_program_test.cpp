@@ -160,9 +160,9 @@ class DigCycleSilence : public DigCycleProgram, public ::testing::WithParamInter
       case 1:
         return {"lidar", 500ms, [](auto& mute, bool on) { mute.lidar = on; }};
       case 2:
-        return {"imu_chassis", 250ms, [](auto& mute, bool on) { mute.imu[0] = on; }};
+        return {"imu_chassis", 500ms, [](auto& mute, bool on) { mute.imu[0] = on; }};
       case 3:
-        return {"imu_bucket", 250ms, [](auto& mute, bool on) { mute.imu[3] = on; }};
+        return {"imu_bucket", 500ms, [](auto& mute, bool on) { mute.imu[3] = on; }};
       default:
         return {"valves", 500ms, [](auto& mute, bool on) { mute.transducers = on; }};
     }

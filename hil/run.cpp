@@ -6,7 +6,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 
 #include "drivers/endpoints.h"
 #include "hil/report.h"
@@ -26,36 +25,32 @@ int exit_code(ExitCode code) {
   return static_cast<int>(code);
 }
 
-/// First signal: ends the run cleanly. Second: ends the process at once.
+/// First signal: ends the run cleanly, also when it comes before the run has begun. Second: ends
+/// the process at once.
 class Interrupts {
  public:
-  Interrupts(boost::asio::io_context& io, Executive& executive)
-      : signals_(io, SIGINT, SIGTERM, SIGHUP), executive_(executive) {
-    wait();
-  }
-  [[nodiscard]] int received() const { return received_; }
-
- private:
-  void wait() {
+  explicit Interrupts(boost::asio::io_context& io) : signals_(io, SIGINT, SIGTERM, SIGHUP) {
     signals_.async_wait([this](const boost::system::error_code& error, int number) {
       if (error) {
         return;
       }
-      if (received_ != 0) {
-        std::_Exit(kSignalExit + number);
-      }
       received_ = number;
       fmt::print(stderr, "\nrigwire: stopping, closing wires (again to stop at once)\n");
-      executive_.stop();
-      // While the run winds down nobody runs the io_context: the second signal then does its
-      // default.
-      std::signal(number, SIG_DFL);
-      wait();
+      for (const int next : {SIGINT, SIGTERM, SIGHUP}) {
+        std::signal(next, SIG_DFL);
+      }
+      if (executive_ != nullptr) {
+        executive_->stop();
+      }
     });
   }
+  /// What to stop. To be called before the io_context runs.
+  void govern(Executive& executive) { executive_ = &executive; }
+  [[nodiscard]] int received() const { return received_; }
 
+ private:
   boost::asio::signal_set signals_;
-  Executive& executive_;
+  Executive* executive_ = nullptr;
   int received_ = 0;
 };
 
@@ -72,8 +67,9 @@ RunOutcome execute(Rig& rig, const RigConfiguration& configuration, const RunOpt
 
 int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   boost::asio::io_context io;
+  Interrupts interrupts(io);  // before the first wire is opened, so that none is left behind
   Rig rig(configuration, io, options.truth_path);
-  const Interrupts interrupts(io, rig.executive());
+  interrupts.govern(rig.executive());
 
   if (options.status != StatusStyle::none) {
     fmt::print("{}: seed {}, configuration {}, clock {}\n", configuration.name, configuration.seed,

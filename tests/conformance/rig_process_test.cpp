@@ -40,7 +40,7 @@ class RigProcess : public testing::Test {
   [[nodiscard]] std::filesystem::path file(const std::string& name) const {
     return wires_.folder / name;
   }
-  [[nodiscard]] bool wires_are_up() const { return std::filesystem::exists(wires_.gnss()); }
+  [[nodiscard]] bool wires_are_up() const { return wires_.are_up(); }
   [[nodiscard]] static std::string text_of(const std::filesystem::path& path) {
     std::ifstream stream(path);
     return {std::istreambuf_iterator<char>(stream), {}};
@@ -61,6 +61,16 @@ TEST_F(RigProcess, FirstInterruptEndsCleanlyWithAReport) {
   }
   EXPECT_EQ(report["clock"], "real");
   EXPECT_EQ(report["devices"].size(), 7U);
+  EXPECT_FALSE(std::filesystem::is_symlink(wires_.gnss()));
+  EXPECT_FALSE(std::filesystem::is_symlink(wires_.can()));
+}
+
+TEST_F(RigProcess, AnInterruptDuringSetUpEndsCleanlyToo) {
+  ChildProcess rig(command(), file("rig.log"));
+  // The receiver's line is the first wire to be opened; the rest of the set-up still goes on.
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(wires_.can()); })) << rig.output();
+  rig.signal(SIGINT);
+  EXPECT_EQ(rig.wait(10s), 130) << rig.output();
   EXPECT_FALSE(std::filesystem::is_symlink(wires_.gnss()));
   EXPECT_FALSE(std::filesystem::is_symlink(wires_.can()));
 }

@@ -14,10 +14,13 @@
 
 namespace rigwire::test {
 
-/// A port of loopback that was free a moment ago. Taken from outside the range of the system's own
-/// choices, so that nobody is given it meanwhile.
+/// A port of loopback that was free a moment ago, never the same twice in one test program: who
+/// asked for it may open it later. From outside the range of the system's own choices, so that
+/// nobody else is given it meanwhile.
 inline std::uint16_t free_port(int type) {
-  for (int attempt = 0; attempt < 200; ++attempt) {
+  static int attempt = 0;
+  for (const int end = attempt + 200; attempt < end;) {
+    ++attempt;
     const auto port =
         static_cast<std::uint16_t>(10'000 + (::getpid() * 37 + attempt * 101) % 20'000);
     const int descriptor = ::socket(AF_INET, type, 0);
@@ -53,6 +56,19 @@ class PrivateWires {
   }
   PrivateWires(const PrivateWires&) = delete;
   PrivateWires& operator=(const PrivateWires&) = delete;
+
+  /// Whether somebody listens on the Modbus port: in the rig's order the last wire to be opened.
+  [[nodiscard]] bool are_up() const {
+    const int descriptor = ::socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(modbus_port);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const bool up =
+        ::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
+    ::close(descriptor);
+    return up;
+  }
 
   [[nodiscard]] std::string gnss() const { return (folder / "gnss").string(); }
   [[nodiscard]] std::string can() const { return (folder / "can").string(); }

@@ -275,14 +275,11 @@ void Pty::wait_presence() {
           return;
         }
         // The kernel reports the departure of a client as something to read, its arrival not at
-        // all.
-        if (!reading_) {
-          drain_master();
-          if (alive.expired()) {
-            return;
-          }
+        // all, and on a busy machine its bytes late: a read fetches them at once.
+        drain_master();
+        if (!alive.expired()) {
+          wait_presence();
         }
-        wait_presence();
       });
 }
 

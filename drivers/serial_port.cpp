@@ -16,11 +16,17 @@ namespace {
 
 constexpr std::size_t kReadSize = 4096;
 constexpr int kReadsPerTurn = 8;
+/// Input is also looked for this often, unasked: see look().
+constexpr std::chrono::milliseconds kLookPeriod{10};
 
 }  // namespace
 
 SerialPort::SerialPort(boost::asio::io_context& context, SerialPortSettings settings)
-    : settings_(std::move(settings)), port_(context), reopen_timer_(context), buffer_(kReadSize) {
+    : settings_(std::move(settings)),
+      port_(context),
+      reopen_timer_(context),
+      look_timer_(context),
+      buffer_(kReadSize) {
   if (settings_.path.empty()) {
     throw std::invalid_argument("serial port: path is empty");
   }
@@ -65,6 +71,23 @@ void SerialPort::start(Receiver receiver) {
   if (port_.is_open()) {
     wait_readable();
   }
+  look();
+}
+
+void SerialPort::look() {
+  look_timer_.expires_after(kLookPeriod);
+  look_timer_.async_wait(
+      [this, alive = std::weak_ptr<char>(alive_)](boost::system::error_code error) {
+        if (error || alive.expired() || !receiver_) {
+          return;
+        }
+        if (port_.is_open()) {
+          read_all();
+        }
+        if (!alive.expired()) {
+          look();
+        }
+      });
 }
 
 void SerialPort::wait_readable() {
@@ -74,6 +97,9 @@ void SerialPort::wait_readable() {
                        return;
                      }
                      read_all();
+                     if (!alive.expired() && port_.is_open()) {
+                       wait_readable();
+                     }
                    });
 }
 
@@ -96,9 +122,6 @@ void SerialPort::read_all() {
     }
     hang_up();  // end of file or EIO: the other side is gone
     return;
-  }
-  if (port_.is_open()) {
-    wait_readable();
   }
 }
 

@@ -44,6 +44,9 @@ class SerialPort final : public ByteStream {
   /// Empty when it worked, else the reason.
   [[nodiscard]] std::string try_open();
   void wait_readable();
+  /// Reads unasked, every few milliseconds. On a busy machine the kernel hands the bytes of a
+  /// pseudo-terminal over, and reports them, up to half a second late; a read fetches them at once.
+  void look();
   void read_all();
   void hang_up();
   void reopen_later();
@@ -51,6 +54,7 @@ class SerialPort final : public ByteStream {
   SerialPortSettings settings_;
   boost::asio::posix::stream_descriptor port_;
   boost::asio::steady_timer reopen_timer_;
+  boost::asio::steady_timer look_timer_;
   Receiver receiver_;
   std::vector<std::uint8_t> buffer_;
   std::shared_ptr<char> alive_ = std::make_shared<char>();

@@ -9,6 +9,7 @@
 #include "sim/samples/imu_sample.h"
 #include "sim/samples/lidar_sample.h"
 #include "sim/samples/valve_sample.h"
+#include "sim/samples/vehicle_sample.h"
 
 namespace rigwire::emulators {
 
@@ -43,6 +44,14 @@ class ValveBackend {
   virtual void update(const ValveSample& sample) = 0;
   /// The set points that the driver's output stage holds at present.
   [[nodiscard]] virtual const ValveCommand& command() const = 0;
+};
+
+class VehicleBackend {
+ public:
+  virtual ~VehicleBackend() = default;
+  virtual void update(const VehicleSample& sample) = 0;
+  /// What the controllers on the bus ask of the machine at present.
+  [[nodiscard]] virtual const VehicleCommand& command() const = 0;
 };
 
 }  // namespace rigwire::emulators

@@ -1,0 +1,110 @@
+// The ground that machines stand on: terrain heights, soil by cell, and solid obstacles.
+//
+// World frame W: x east, y north, z up, metres. The heights are those of the scene's terrain
+// (sim/scene/height_field.h): what the wheels feel is what the rays see. All queries are const,
+// allocate nothing and may run on many threads.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "sim/ground/soil.h"
+#include "sim/scene/height_field.h"
+
+namespace rigwire::sim {
+
+enum class ObstacleShape : std::uint8_t {
+  box,       ///< Half lengths along its axes.
+  sphere,    ///< half_lengths_m.x() is the radius.
+  cylinder,  ///< Upright in its frame: x() the radius, z() half the height.
+};
+
+/// A solid thing that wheels roll over and bodies run into.
+struct Obstacle {
+  ObstacleShape shape = ObstacleShape::box;
+  Eigen::Isometry3d X_WO = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d half_lengths_m = Eigen::Vector3d::Constant(0.5);
+  double friction = 0.7;
+};
+
+/// Which soil lies where: index into the list of soils, one byte per cell of the terrain, row by
+/// row; empty = soil 0 everywhere.
+struct SoilMap {
+  std::vector<SoilParameters> soils{SoilParameters{}};
+  std::vector<std::uint8_t> cells;
+};
+
+/// The surface under one point.
+struct GroundPoint {
+  double height_m = 0.0;
+  Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  ///< Unit, upward.
+  std::uint8_t soil = 0;
+  bool obstacle = false;  ///< The top of an obstacle: hard, whatever the soil.
+  double friction = 0.8;
+};
+
+/// How deep a point is inside something solid.
+struct Penetration {
+  double depth_m = 0.0;  ///< Along the normal.
+  Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();
+  double friction = 0.7;
+};
+
+/// Where a wheel's disc meets the surface.
+struct WheelContact {
+  double depth_m = 0.0;  ///< Overlap of the undeformed disc and the surface, along the normal.
+  Eigen::Vector3d point_W = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();
+  GroundPoint ground;
+};
+
+class Ground {
+ public:
+  /// The empty ground: level, hard, at height 0 everywhere.
+  Ground();
+  /// Throws std::invalid_argument when a soil, the map's size or an obstacle is bad.
+  Ground(HeightField field, SoilMap soils, std::vector<Obstacle> obstacles);
+
+  /// An endless plane through the origin with this upward normal and soil, for tests and benches.
+  static Ground plane(const Eigen::Vector3d& normal_W, const SoilParameters& soil);
+
+  /// Terrain and the tops of obstacles that begin below `ceiling_m` (a wheel rolls over a rock, not
+  /// over a tree beside it). Beyond the terrain's edge that of the nearest point on the edge.
+  [[nodiscard]] GroundPoint at(double x_m, double y_m, double ceiling_m) const;
+
+  /// The terrain alone.
+  [[nodiscard]] double height_m(double x_m, double y_m) const;
+
+  /// Whether the point lies inside the terrain or an obstacle; the deepest when in several.
+  [[nodiscard]] std::optional<Penetration> penetration(const Eigen::Vector3d& p_W) const;
+
+  /// Where a wheel meets the surface: the disc of that radius about `centre_W`, square to the unit
+  /// `axis_W`, looked at in several directions fore and aft of straight down, so that steps and
+  /// rocks are felt in front. Nothing when it does not touch. Seven surface look-ups.
+  [[nodiscard]] std::optional<WheelContact> wheel_contact(const Eigen::Vector3d& centre_W,
+                                                          const Eigen::Vector3d& axis_W,
+                                                          double radius_m) const;
+
+  [[nodiscard]] const SoilParameters& soil(std::uint8_t index) const;
+  [[nodiscard]] const HeightField& field() const { return field_; }
+  /// The terrain changes when it is dug: new height of one node.
+  void set_node(std::size_t column, std::size_t row, double height_m);
+
+ private:
+  HeightField field_;
+  SoilMap soils_;
+  std::vector<Obstacle> obstacles_;
+  // A grid over the obstacles, so that a look-up costs the same with one and with thousands.
+  double bin_m_ = 4.0;
+  std::size_t bin_columns_ = 0;
+  std::size_t bin_rows_ = 0;
+  std::vector<std::uint32_t> bin_starts_;
+  std::vector<std::uint32_t> bin_obstacles_;
+  bool plane_ = false;  ///< Made by plane().
+  Eigen::Vector3d plane_normal_ = Eigen::Vector3d::UnitZ();
+};
+
+}  // namespace rigwire::sim

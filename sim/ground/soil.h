@@ -1,0 +1,54 @@
+// What the ground is made of, and what it does to a wheel: pressure-sinkage and shear-displacement
+// in closed form.
+//
+// Sources: M. G. Bekker, Introduction to Terrain-Vehicle Systems, 1969 (pressure-sinkage, rigid
+// wheel); Z. Janosi, B. Hanamoto, 1961 (shear-displacement). The equations and their limits are in
+// the functions' words.
+#pragma once
+
+#include <string>
+
+namespace rigwire::sim {
+
+struct SoilParameters {
+  std::string name = "hard";
+  /// Peak coefficient of friction of a rubber tyre on it; on soft soil the least of this and what
+  /// cohesion and internal friction carry counts.
+  double friction = 0.8;
+  /// Hard ground does not sink; the members below are not used then.
+  bool soft = false;
+  double cohesion_modulus = 0.0;          ///< k_c, N / m^(n+1).
+  double friction_modulus = 2.0e6;        ///< k_phi, N / m^(n+2).
+  double exponent = 1.1;                  ///< n, 0.3 .. 2.
+  double cohesion_pa = 0.0;               ///< c.
+  double internal_friction_rad = 0.5236;  ///< phi.
+  double shear_modulus_m = 0.01;          ///< K of Janosi and Hanamoto.
+  double density_kgpm3 = 1600.0;          ///< As it lies; for digging.
+  double repose_rad = 0.6458;             ///< Steepest slope at which it lies, 37 degrees.
+  double adhesion_pa = 0.0;               ///< To steel; for digging.
+  double tool_friction_rad = 0.35;        ///< Against steel; for digging.
+
+  friend bool operator==(const SoilParameters&, const SoilParameters&) = default;
+};
+
+/// Throws std::invalid_argument naming the soil, the member, the value and what is allowed.
+void validate(const SoilParameters& soil);
+
+/// Static sinkage of a rigid wheel, z = [3 W / ((3 - n) (k_c + b k_phi) sqrt(D))]^(2 / (2 n + 1)),
+/// 0 on hard ground or without load. Grows with the load for every n.
+[[nodiscard]] double wheel_sinkage_m(const SoilParameters& soil, double load_n, double width_m,
+                                     double diameter_m);
+
+/// Resistance of compacting a rut that deep, R_c = b (k_c / b + k_phi) z^(n+1) / (n+1).
+[[nodiscard]] double compaction_resistance_n(const SoilParameters& soil, double sinkage_m,
+                                             double width_m);
+
+/// Greatest shear force under a contact: min(A c + W tan phi, friction W) on soft soil, friction W
+/// on hard ground.
+[[nodiscard]] double shear_limit_n(const SoilParameters& soil, double load_n, double area_m2);
+
+/// Share 0 .. 1 of the shear limit at slip s over a contact of length l (Janosi and Hanamoto):
+/// 1 - K / (|s| l) (1 - exp(-|s| l / K)); the series |s| l / (2 K) near s l = 0.
+[[nodiscard]] double shear_share(const SoilParameters& soil, double slip, double contact_length_m);
+
+}  // namespace rigwire::sim

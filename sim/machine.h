@@ -1,0 +1,100 @@
+// What every machine is to the world that steps it: rigid links that move, ports for commands and
+// transducers, numbers for the status table and the truth tap.
+//
+// A machine is made standing on its ground. It knows nothing of sensors, devices or wires. Machines
+// are deterministic: the same parameters, commands and calls give the same bits on one compiler.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sim/link_motion.h"
+#include "sim/samples/time.h"
+#include "sim/samples/valve_sample.h"
+#include "sim/samples/vehicle_sample.h"
+
+namespace rigwire::sim {
+
+/// The first quantity that stopped being a finite number.
+struct NonFinite {
+  const char* quantity = "";  ///< For example "joint acceleration".
+  const char* part = "";      ///< Of which part: "boom", "front left wheel".
+  SimTime time{};             ///< Machine time of the step that failed.
+};
+
+/// Spool commands in, transducer readings out: a machine with a valve block.
+class ValvePort {
+ public:
+  virtual ~ValvePort() = default;
+  /// New spool set points, valid until the next. A section whose opening is not a number keeps its
+  /// old set point; openings outside -1 .. 1 are clamped.
+  virtual void command(const ValveCommand& command) = 0;
+  /// What the transducers read, stamped with `time`.
+  [[nodiscard]] virtual ValveSample valve_sample(SimTime time) const = 0;
+};
+
+/// Driver's commands in, drive-train and wheel readings out: a machine that drives.
+class VehiclePort {
+ public:
+  virtual ~VehiclePort() = default;
+  /// New commands, valid until the next. A member that is not a number keeps its old value; members
+  /// out of range are clamped; a gear that does not exist is not engaged.
+  virtual void command(const VehicleCommand& command) = 0;
+  [[nodiscard]] virtual VehicleSample vehicle_sample(SimTime time) const = 0;
+};
+
+/// One number of the status table.
+struct StatusQuantity {
+  std::string_view name;
+  std::string_view unit;  ///< Of the value as shown: "deg", "bar".
+};
+
+/// One member of a truth record: `count` numbers under one key, which names their unit.
+struct TruthField {
+  std::string_view key;  ///< "joint_rad"
+  std::size_t count = 1;
+};
+
+class Machine {
+ public:
+  virtual ~Machine() = default;
+  Machine(const Machine&) = delete;
+  Machine& operator=(const Machine&) = delete;
+
+  /// Advances by `span`, in inner steps of the machine's own. span <= 0 changes not one bit. Never
+  /// throws, never allocates. After a non-finite result the machine stands still in its last finite
+  /// state, see non_finite().
+  virtual void step(Duration span) = 0;
+
+  /// Time advanced so far.
+  [[nodiscard]] virtual SimTime time() const = 0;
+
+  /// Motion of every link at the end of the last step, in the world frame; accelerations are the
+  /// solver's own. In the order of link_names(), the link that carries the machine first.
+  [[nodiscard]] virtual std::span<const LinkMotion> links() const = 0;
+  [[nodiscard]] virtual std::span<const std::string_view> link_names() const = 0;
+
+  [[nodiscard]] virtual const std::optional<NonFinite>& non_finite() const = 0;
+
+  /// What read_status() writes, in its order.
+  [[nodiscard]] virtual std::span<const StatusQuantity> status_quantities() const = 0;
+  /// `values` has one place per quantity.
+  virtual void read_status(std::span<double> values) const = 0;
+
+  /// What read_truth() writes, in its order.
+  [[nodiscard]] virtual std::span<const TruthField> truth_fields() const = 0;
+  /// `values` has one place per number of all fields.
+  virtual void read_truth(std::span<double> values) const = 0;
+
+  /// Nothing when the machine has no such port. Owned by the machine.
+  [[nodiscard]] virtual ValvePort* valve_port() { return nullptr; }
+  [[nodiscard]] virtual VehiclePort* vehicle_port() { return nullptr; }
+
+ protected:
+  Machine() = default;
+};
+
+}  // namespace rigwire::sim

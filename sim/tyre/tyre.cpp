@@ -146,6 +146,7 @@ TyreLaws Tyre::laws(double h, const std::optional<WheelContact>& contact,
     across_.reset();
     turning_.reset();
     last_slip_ = 0.0;
+    last_rate_radps_ = 0.0;
     return laws;
   }
   const TyreParameters& p = parameters_;
@@ -212,6 +213,15 @@ TyreLaws Tyre::laws(double h, const std::optional<WheelContact>& contact,
       std::max(laws.rolling_arm_m * load, 1e-6 * p.reference_load_n) / kRollingWind_rad;
   laws.turning.damping = damping(laws.turning.stiffness, carried_mass_kg_ * radius2);
   laws.rolling = turning_.force(laws.turning, h, 0.0);
+  // While it turns, the secant of the limited law: the bristle's own slope would stop the wheel in
+  // the first solve, and the machine would find its tangential limit on the wrong side.
+  const double held = std::abs(laws.rolling.at(last_rate_radps_));
+  const double limit = laws.rolling_arm_m * load;
+  if (held > limit) {
+    laws.rolling.offset *= limit / held;
+    laws.rolling.gain *= limit / held;
+    laws.turning_yields = true;
+  }
   return laws;
 }
 
@@ -226,11 +236,12 @@ void Tyre::settle(double h, const TyreLaws& laws, const TyreResult& result) {
     along_.slide(laws.along, h, laws.rolling_speed_mps, result.longitudinal_slide_mps);
     across_.slide(laws.across, h, laws.rolling_speed_mps, result.lateral_slide_mps);
   }
-  if (result.rolling_limited) {
+  if (result.rolling_limited || laws.turning_yields) {
     turning_.yield(laws.turning, result.rolling_nm);
   } else {
     turning_.slide(laws.turning, h, 0.0, result.wheel_rate_radps);
   }
+  last_rate_radps_ = result.wheel_rate_radps;
   const double sliding = std::hypot(result.longitudinal_slide_mps, result.lateral_slide_mps);
   constexpr double kGreatestSlip = 10.0;
   last_slip_ = sliding < kGreatestSlip * laws.rolling_speed_mps

@@ -99,41 +99,31 @@ TyreSpring Tyre::spring(double overlap_m, const SoilParameters* soft, double pre
       p.stiffness_per_pressure_m > 0.0 ? p.carcass_stiffness_npm / p.stiffness_per_pressure_m : 0.0;
   // A tyre softer than the ground flattens at its own pressure and sinks no deeper.
   const double flat = plate_sinkage_m(*soft, std::max(0.0, pressure_pa) + carcass_pa, p.width_m);
-  const auto sinkage = [&](double load) {
-    return std::min(flat, wheel_sinkage_m(*soft, load, p.width_m, diameter));
-  };
+  const double exponent = std::clamp(soft->exponent, 0.3, 2.0) + 0.5;
+  const double load_at_1m = wheel_load_n(*soft, 1.0, p.width_m, diameter);
+  // Newton's rule within a bracket: the soil's load less the tyre's grows with z.
   double low = 0.0;
   double high = std::min(overlap_m, flat);
-  double f_low = low - sinkage(on_hard(overlap_m).force_n);
-  double f_high = high - sinkage(on_hard(overlap_m - high).force_n);
-  if (f_high < 0.0) {
-    f_high = 0.0;  // only rounding: sinkage never exceeds `flat`
-  }
   double z = high;
-  for (int i = 0; i < 60 && high - low > 1e-13; ++i) {
-    const double gap = f_high - f_low;
-    z = gap > 0.0 ? high - f_high * (high - low) / gap : 0.5 * (low + high);
-    const double f = z - sinkage(on_hard(overlap_m - z).force_n);
-    if (f == 0.0) {
+  double soil_load = load_at_1m * std::pow(z, exponent);
+  TyreSpring tyre = on_hard(overlap_m - z);
+  const bool flattened = flat < overlap_m && soil_load <= tyre.force_n;
+  for (int i = 0; i < 50 && !flattened; ++i) {
+    const double excess = soil_load - tyre.force_n;
+    (excess > 0.0 ? high : low) = z;
+    const double change = excess / (exponent * soil_load / z + tyre.slope_npm);
+    if (std::abs(change) < 1e-14 || high - low < 1e-14) {
       break;
     }
-    if (f > 0.0) {
-      high = z;
-      f_high = f;
-      f_low *= 0.5;
-    } else {
-      low = z;
-      f_low = f;
-      f_high *= 0.5;
-    }
+    const double next = z - change;
+    z = next > low && next < high ? next : 0.5 * (low + high);
+    soil_load = load_at_1m * std::pow(z, exponent);
+    tyre = on_hard(overlap_m - z);
   }
-  TyreSpring tyre = on_hard(overlap_m - z);
   tyre.sinkage_m = z;
-  // Slope of the soil under the load by a one per cent secant.
-  const double load = tyre.force_n;
-  if (load > 0.0) {
-    const double soil_slope = (sinkage(1.01 * load) - sinkage(load)) / (0.01 * load);
-    tyre.slope_npm /= 1.0 + tyre.slope_npm * std::max(0.0, soil_slope);
+  if (!flattened) {
+    const double soil_slope = exponent * soil_load / std::max(z, 1e-12);
+    tyre.slope_npm *= soil_slope / (soil_slope + tyre.slope_npm);
   }
   return tyre;
 }

@@ -10,12 +10,12 @@
 //     solve;  clamp what exceeds laws.limit_n(normal force);  solve again;
 //     tyre.settle(h, laws, result);
 //
-// Vertical: F = max(0, k(p) d + bottoming + c d'), never tensile. k(p) = carcass + p times
-// stiffness_per_pressure. Tangential: bristles whose steady-state slip stiffness is
-// slip_stiffness_n times the share of the reference load; on soft soil the secant of Janosi's
-// curve, with the limit of soil.h. Rolling resistance: a moment against the spin, coefficient times
-// load times radius, grown as the pressure falls, plus compaction of the soil; a bristle too, so
-// that it holds at rest.
+// Vertical: F = max(0, k(p) d + bottoming + c d'), never tensile; k(p) = carcass + p times
+// stiffness_per_pressure; the damper fades below a quarter of the reference load. Tangential:
+// bristles whose steady-state slip stiffness is slip_stiffness_n times the share of the reference
+// load; on soft soil the secant of Janosi's curve, with the limit of soil.h. Rolling resistance: a
+// moment against the spin, coefficient times load times radius, grown as the pressure falls, plus
+// compaction of the soil; a bristle too, so that it holds at rest.
 #pragma once
 
 #include "sim/contact/bristle.h"

@@ -248,9 +248,11 @@ void TandemRoller::load_strips(const Eigen::Matrix3d& R_WB, double speed_mps) {
         drum.limit_n[k] =
             std::min(drum.limit_n[k],
                      shear_limit_n(soil, drum.load_n[k], strip_width * p.drum.contact_length_m));
+        // The rut is that of the whole drum, did it press everywhere as this strip does.
+        const auto count = static_cast<double>(strips);
         const double sinkage =
-            wheel_sinkage_m(soil, drum.load_n[k], strip_width, 2.0 * p.drum.radius_m);
-        rolling_n += compaction_resistance_n(soil, sinkage, strip_width);
+            wheel_sinkage_m(soil, count * drum.load_n[k], p.drum.width_m, 2.0 * p.drum.radius_m);
+        rolling_n += compaction_resistance_n(soil, sinkage, p.drum.width_m) / count;
       }
     }
     loads_.rolling_limit_nm[i] = rolling_n * p.drum.radius_m;

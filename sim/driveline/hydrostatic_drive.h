@@ -21,6 +21,7 @@
 
 #include <array>
 #include <cstddef>
+#include <numbers>
 
 #include "sim/contact/bristle.h"
 
@@ -37,9 +38,9 @@ struct HydrostaticDriveParameters {
   double motor_friction_nmsprad = 150.0;      ///< Viscous, of each motor at its drum.
   double ramp_mps2 = 0.8;                     ///< Of the set point.
   double swash_time_constant_s = 0.1;
-  double speed_max_mps = 3.2;
-  double engine_idle_radps = 94.2;
-  double engine_rated_radps = 230.4;
+  double speed_max_mps = 11.5 / 3.6;
+  double engine_idle_radps = 900.0 * std::numbers::pi / 30.0;
+  double engine_rated_radps = 2200.0 * std::numbers::pi / 30.0;
   double engine_torque_nm = 265.0;  ///< Greatest.
   double engine_droop = 0.06;       ///< Share of speed lost at greatest torque.
   double engine_time_constant_s = 0.4;

@@ -6,12 +6,14 @@
 // angle at a given time does not depend on how the time before was divided.
 #pragma once
 
+#include <numbers>
+
 namespace rigwire::sim {
 
 struct PivotSteeringParameters {
-  double angle_max_rad = 0.5236;   ///< Stop on both sides, 30 degrees (estimate).
-  double rate_max_radps = 0.3054;  ///< 17.5 deg/s (estimate).
-  double time_constant_s = 0.15;   ///< Estimate; 0 = none.
+  double angle_max_rad = std::numbers::pi / 6.0;            ///< Stop on both sides (estimate).
+  double rate_max_radps = 17.5 * std::numbers::pi / 180.0;  ///< Estimate.
+  double time_constant_s = 0.15;                            ///< Estimate; 0 = none.
 
   friend bool operator==(const PivotSteeringParameters&, const PivotSteeringParameters&) = default;
 };

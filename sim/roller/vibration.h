@@ -10,6 +10,8 @@
 // A (2 pi f)^2. The contact does not see this motion: the load on the strips stays the mean one.
 #pragma once
 
+#include <numbers>
+
 namespace rigwire::sim {
 
 /// Estimates in the class of the maker's figures (40 .. 55 Hz, 0.2 .. 0.65 mm).
@@ -18,7 +20,7 @@ struct VibrationParameters {
   double amplitude_m = 0.5e-3;
   double ramp_s = 1.0;        ///< From standstill to full speed and back; 0 = at once.
   double frame_share = 0.05;  ///< Of the drum's motion that the rubber mounts let through.
-  double frame_phase_rad = 3.141592653589793;  ///< By which the frame lags: above resonance.
+  double frame_phase_rad = std::numbers::pi;  ///< By which the frame lags: above resonance.
 
   friend bool operator==(const VibrationParameters&, const VibrationParameters&) = default;
 };

@@ -192,6 +192,18 @@ std::array<ArmDynamics::BodyMotion, kArmJoints> ArmDynamics::motion(
   return result;
 }
 
+Eigen::Matrix<double, 3, kArmJoints> ArmDynamics::bucket_jacobian_C(
+    const JointVector& q_rad, const Eigen::Vector3d& point_B_m) const {
+  const Placement at = place(q_rad);
+  const Eigen::Matrix3d R_CU = Eigen::AngleAxisd(q_rad[0], kUp).toRotationMatrix();
+  const Eigen::Vector3d p = at.origin_U[3] + at.R_UB[3] * point_B_m;
+  Eigen::Matrix<double, 3, kArmJoints> J;
+  for (std::size_t i = 0; i < kArmJoints; ++i) {
+    J.col(static_cast<Eigen::Index>(i)) = R_CU * (i == 0 ? kUp : kRaise).cross(p - at.origin_U[i]);
+  }
+  return J;
+}
+
 Eigen::Vector3d ArmDynamics::tip_C(const JointVector& q_rad) const {
   const Placement at = place(q_rad);
   const Eigen::Vector3d tip_U = at.origin_U[3] + bucket_tip_m_ * at.R_UB[3].col(0);

@@ -61,6 +61,11 @@ class ArmDynamics {
                                                           const JointVector& v_radps,
                                                           const JointVector& a_radps2) const;
 
+  /// Columns dp/dq_j of a point of the bucket, given in the bucket's frame, expressed in the
+  /// undercarriage's frame: velocity J v, and torques J^T f of a force f there.
+  [[nodiscard]] Eigen::Matrix<double, 3, kArmJoints> bucket_jacobian_C(
+      const JointVector& q_rad, const Eigen::Vector3d& point_B_m) const;
+
   /// The teeth's tip in the undercarriage's frame.
   [[nodiscard]] Eigen::Vector3d tip_C(const JointVector& q_rad) const;
 

@@ -8,7 +8,8 @@ namespace rigwire::sim {
 namespace {
 
 constexpr double kStopDampingRatio = 0.5;
-constexpr int kPassesMax = 8;  // Four relief valves and four stops, each switched at most once.
+// Four relief valves, four stops (on and off) and the load's resistances switch at most once each.
+constexpr int kPassesMax = 12 + static_cast<int>(kTipResistances);
 
 JointVector solve(const JointMatrix& matrix, const JointVector& right) {
   return matrix.llt().solve(right);
@@ -145,6 +146,12 @@ void DrivenArm::right_hand_side(const ArmState& state, const JointVector& target
     stiffness_q[i] = k * lever[i] * lever[i];
     damping_q[i] = d * lever[i] * lever[i];
   }
+  force += load.torque;
+  for (std::size_t i = 0; i < load.resistance_count; ++i) {
+    const ArmLoad::Resistance& each = load.resistances[i];
+    const double free = each.offset - each.gain * each.jacobian.dot(state.v_radps);
+    force += std::clamp(free, -each.limit, each.limit) * each.jacobian;
+  }
 }
 
 JointVector DrivenArm::acceleration(const ArmState& state, const JointVector& target,
@@ -206,10 +213,12 @@ ArmStep DrivenArm::step_linearly_implicit(double time_s, double h, const TargetM
 
   std::array<int, kArmJoints> clamped{};  // -1 at the least force, 1 at the greatest, 0 free.
   std::array<StopState, kArmJoints> stops{};
+  std::array<int, kTipResistances> yielded{};
+  ArmStep result;
   JointVector a;
   for (int pass = 0; pass < kPassesMax; ++pass) {
     JointMatrix left = mass_matrix;
-    JointVector right = -bias;
+    JointVector right = load.torque - bias;
     for (int i = 0; i < kArmJoints; ++i) {
       const auto at = static_cast<std::size_t>(i);
       if (clamped[at] == 0) {
@@ -225,9 +234,31 @@ ArmStep DrivenArm::step_linearly_implicit(double time_s, double h, const TargetM
         right[i] += lever[i] * (stop_stiffness_ * (end - drift[i]) - stop_damping_[i] * x_rate[i]);
       }
     }
+    for (std::size_t i = 0; i < load.resistance_count; ++i) {
+      const ArmLoad::Resistance& each = load.resistances[i];
+      if (yielded[i] == 0) {
+        const double held = each.offset - each.gain * each.jacobian.dot(state.v_radps);
+        left.noalias() += h * each.gain * each.jacobian * each.jacobian.transpose();
+        right += held * each.jacobian;
+      } else {
+        right += yielded[i] * each.limit * each.jacobian;
+      }
+    }
     a = solve(left, right);
 
     bool changed = false;
+    for (std::size_t i = 0; i < load.resistance_count; ++i) {
+      const ArmLoad::Resistance& each = load.resistances[i];
+      if (yielded[i] == 0) {
+        double& force = result.resistance_n[i];
+        force = each.offset - each.gain * each.jacobian.dot(state.v_radps + h * a);
+        yielded[i] = force > each.limit ? 1 : force < -each.limit ? -1 : 0;
+        if (yielded[i] != 0) {
+          force = yielded[i] * each.limit;
+          changed = true;
+        }
+      }
+    }
     for (int i = 0; i < kArmJoints; ++i) {
       const auto at = static_cast<std::size_t>(i);
       if (clamped[at] == 0) {
@@ -260,7 +291,7 @@ ArmStep DrivenArm::step_linearly_implicit(double time_s, double h, const TargetM
   }
   state.v_radps += h * a;
   state.q_rad += h * state.v_radps;
-  ArmStep result{.acceleration_radps2 = a};
+  result.acceleration_radps2 = a;
   for (int i = 0; i < kArmJoints; ++i) {
     const auto at = static_cast<std::size_t>(i);
     result.relieved[at] = clamped[at] != 0;

@@ -17,6 +17,7 @@
 #pragma once
 
 #include "sim/excavator/arm_dynamics.h"
+#include "sim/excavator/bucket_load.h"
 #include "sim/excavator/linkage.h"
 
 namespace rigwire::sim {
@@ -55,11 +56,26 @@ struct DriveGains {
   bool end_stops = false;
 };
 
+/// A bucket's load (bucket_load.h) as the joints feel it during one step.
+struct ArmLoad {
+  JointVector torque = JointVector::Zero();  ///< Given.
+  /// Torque jacobian (offset - gain jacobian . v), the bracket within -limit .. limit.
+  struct Resistance {
+    JointVector jacobian = JointVector::Zero();
+    double offset = 0.0;
+    double gain = 0.0;
+    double limit = 0.0;
+  };
+  std::array<Resistance, kTipResistances> resistances;
+  std::size_t resistance_count = 0;
+};
+
 /// What one step found.
 struct ArmStep {
   JointVector acceleration_radps2 = JointVector::Zero();  ///< At the step's end.
   JointVector force = JointVector::Zero();                ///< Of the drives, within their limits.
   std::array<bool, kArmJoints> relieved{};  ///< The limit held the force; the target has to give.
+  std::array<double, kTipResistances> resistance_n{};  ///< Of the load, within their limits.
 };
 
 class DrivenArm {
@@ -71,6 +87,10 @@ class DrivenArm {
   [[nodiscard]] const Linkages& linkages() const { return linkages_; }
 
   DriveGains gains;
+
+  /// Acts during every step until it is changed. linearly_implicit_euler solves the resistances;
+  /// the schemes for comparison take them at the state they have.
+  ArmLoad load;
 
   /// d = 2 ratio sqrt(k m), m the mass each drive feels at q with the other joints free.
   [[nodiscard]] JointVector damping_for(const JointVector& q_rad, const JointVector& stiffness,

@@ -119,7 +119,9 @@ DiggableTerrain::DiggableTerrain(Ground& ground, const DiggableTerrainParameters
   }
   initial_ = surface_;
   for (std::size_t i = 0; i < soils; ++i) {
-    repose_.push_back(limits_for(ground.soil(static_cast<std::uint8_t>(i)).repose_rad));
+    const SoilParameters& soil = ground.soil(static_cast<std::uint8_t>(i));
+    repose_.push_back(limits_for(soil.repose_rad));
+    density_greatest_kgpm3_ = std::max(density_greatest_kgpm3_, soil.density_kgpm3);
   }
   bank_ = limits_for(parameters.bank_rad);
   queue_.resize(nodes);
@@ -276,14 +278,13 @@ void DiggableTerrain::cut_straight(const Eigen::Vector3d& from_W, const Eigen::V
         continue;
       }
       const double share = swept < left_over ? swept / left_over : 1.0;
-      const auto taken = std::min(above, static_cast<std::int64_t>(
-                                             std::ceil(share * static_cast<double>(above))));
+      const auto taken =
+          std::min(above, static_cast<std::int64_t>(std::ceil(share * static_cast<double>(above))));
       loose_[at] -= std::min(loose_[at], taken);
       change(at, surface_[at] - taken);
       disturb(at);
       soil.units += taken;
-      soil.mass_kg +=
-          static_cast<double>(taken) * unit_m3_ * ground_.soil(soil_[at]).density_kgpm3;
+      soil.mass_kg += static_cast<double>(taken) * unit_m3_ * ground_.soil(soil_[at]).density_kgpm3;
     }
   }
 }
@@ -381,14 +382,12 @@ void DiggableTerrain::slide_from(std::size_t at) {
   for (std::size_t i = 0; i < count; ++i) {
     wanted += excess[i] / parts;
   }
-  const double scale = wanted > loose_[at]
-                           ? static_cast<double>(loose_[at]) / static_cast<double>(wanted)
-                           : 1.0;
+  const double scale =
+      wanted > loose_[at] ? static_cast<double>(loose_[at]) / static_cast<double>(wanted) : 1.0;
   std::int64_t moved = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto amount =
-        std::min(static_cast<std::int64_t>(scale * static_cast<double>(excess[i] / parts)),
-                 loose_[at]);
+    const auto amount = std::min(
+        static_cast<std::int64_t>(scale * static_cast<double>(excess[i] / parts)), loose_[at]);
     if (amount <= 0) {
       continue;
     }

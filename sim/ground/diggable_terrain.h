@@ -9,8 +9,8 @@
 // bit.
 //
 // Slides: loose soil steeper than its angle of repose towards any of eight neighbours moves down,
-// visited in the order in which it was disturbed, a bounded number of nodes for each call. Firm soil
-// stands up to bank_rad where digging came near it, and breaks to loose soil beyond.
+// visited in the order in which it was disturbed, a bounded number of nodes for each call. Firm
+// soil stands up to bank_rad where digging came near it, and breaks to loose soil beyond.
 //
 // The outermost ring of nodes is never changed. Soil of a hard kind (SoilParameters::soft false) is
 // not dug; loose soil on it is. Digging does not swell or compact soil.
@@ -30,9 +30,9 @@
 namespace rigwire::sim {
 
 struct DiggableTerrainParameters {
-  double depth_max_m = 5.0;      ///< Below the ground as it was: rock from there on.
-  double loose_initial_m = 0.0;  ///< Loose soil on top at the start, of what can be dug.
-  double bank_rad = 1.2;         ///< Steepest bank of firm soil; an estimate for stiff soil.
+  double depth_max_m = 5.0;        ///< Below the ground as it was: rock from there on.
+  double loose_initial_m = 0.0;    ///< Loose soil on top at the start, of what can be dug.
+  double bank_rad = 1.2;           ///< Steepest bank of firm soil; an estimate for stiff soil.
   std::size_t slide_visits = 128;  ///< Nodes looked at by one settle().
 
   friend bool operator==(const DiggableTerrainParameters&,
@@ -92,6 +92,8 @@ class DiggableTerrain {
   }
   /// Of the nearest node.
   [[nodiscard]] const SoilParameters& soil_at(double x_m, double y_m) const;
+  /// Of all soils that lie here.
+  [[nodiscard]] double density_greatest_kgpm3() const { return density_greatest_kgpm3_; }
   [[nodiscard]] double loose_m(std::size_t column, std::size_t row) const;
 
   /// What the terrain holds more than at the start, in units: minus all that was taken, plus all
@@ -110,7 +112,8 @@ class DiggableTerrain {
   [[nodiscard]] std::size_t node(std::size_t column, std::size_t row) const {
     return row * columns_ + column;
   }
-  [[nodiscard]] std::size_t nearest_inner(double coordinate, double origin, std::size_t nodes) const;
+  [[nodiscard]] std::size_t nearest_inner(double coordinate, double origin,
+                                          std::size_t nodes) const;
   [[nodiscard]] SlopeLimits limits_for(double slope_rad) const;
   void cut_straight(const Eigen::Vector3d& from_W, const Eigen::Vector3d& to_W,
                     const Eigen::Vector2d& left, double half_width_m, double rise, CutSoil& soil);
@@ -130,11 +133,12 @@ class DiggableTerrain {
   std::vector<std::int64_t> surface_;  ///< Height of each column, in units.
   std::vector<std::int64_t> initial_;
   std::vector<std::int64_t> loose_;
-  std::vector<std::int64_t> rock_;  ///< Nothing is dug below.
-  HeightField floor_;               ///< The same in metres.
-  std::vector<std::uint8_t> soil_;  ///< Index of each column's soil.
+  std::vector<std::int64_t> rock_;   ///< Nothing is dug below.
+  HeightField floor_;                ///< The same in metres.
+  std::vector<std::uint8_t> soil_;   ///< Index of each column's soil.
   std::vector<SlopeLimits> repose_;  ///< By soil.
   SlopeLimits bank_;
+  double density_greatest_kgpm3_ = 0.0;
 
   // Columns waiting to be looked at: a ring that holds each at most once.
   std::vector<std::uint32_t> queue_;

@@ -14,7 +14,6 @@ constexpr double kSupportDepth_m = 0.1;   // From which on the soil ahead closes
 constexpr double kHardForceMax_n = 4e6;   // Far beyond what a cylinder can push.
 constexpr double kObstacleReach_m = 0.5;  // Obstacles whose top is higher above the lip are passed.
 constexpr double kLeastOutflow = 0.02;    // Of the heaped capacity for each outflow time.
-constexpr double kStill_mps = 1e-9;
 
 bool finite(const LinkMotion& motion) {
   return motion.X_WL.matrix().allFinite() && motion.v_WL_W.allFinite() && motion.w_WL_W.allFinite();
@@ -73,22 +72,22 @@ double BucketSoil::depth_ahead_m(const Lip& lip) const {
   return sum / 3.0;
 }
 
-double BucketSoil::cutting_limit_n(const Lip& lip, const Eigen::Vector3d& direction_W) const {
-  const SoilParameters& soil = terrain_.soil_at(lip.middle_W.x(), lip.middle_W.y());
-  const double forward = std::max(0.0, lip.forward_W.dot(direction_W));
-  const double into = std::max(0.0, lip.blade_W.dot(direction_W));
-  double force =
-      parameters_.edge_resistance_npm2 * depth_m_ * parameters_.width_m * std::max(forward, into);
-  if (forward > 0.0) {
-    const double rake = std::acos(std::clamp(lip.blade_W.dot(lip.forward_W), -1.0, 1.0));
-    const EarthmovingFactors factors =
-        earthmoving_factors(soil.internal_friction_rad, soil.tool_friction_rad, rake);
-    const double surcharge_pa =
-        mass_kg_ * gravity_mps2_ / (parameters_.width_m * capacity_.opening_length_m());
-    force += forward * earthmoving_force_n(soil, factors, depth_m_, parameters_.width_m,
-                                           surcharge_pa, gravity_mps2_);
-  }
-  return force;
+double BucketSoil::cutting_limit_n(const Lip& lip, const SoilParameters& soil) const {
+  const double rake = std::acos(std::clamp(lip.blade_W.dot(lip.forward_W), -1.0, 1.0));
+  const EarthmovingFactors factors =
+      earthmoving_factors(soil.internal_friction_rad, soil.tool_friction_rad, rake);
+  const double surcharge_pa =
+      mass_kg_ * gravity_mps2_ / (parameters_.width_m * capacity_.opening_length_m());
+  return earthmoving_force_n(soil, factors, depth_m_, parameters_.width_m, surcharge_pa,
+                             gravity_mps2_) +
+         edge_limit_n();
+}
+
+double BucketSoil::side_limit_n(const SoilParameters& soil) const {
+  const EarthmovingFactors factors = earthmoving_factors(
+      soil.internal_friction_rad, soil.tool_friction_rad, 0.5 * std::numbers::pi);
+  return earthmoving_force_n(soil, factors, depth_m_, std::min(depth_m_, capacity_.depth_m()), 0.0,
+                             gravity_mps2_);
 }
 
 BucketGroundLoad BucketSoil::load(double h, const LinkMotion& bucket) {
@@ -100,50 +99,49 @@ BucketGroundLoad BucketSoil::load(double h, const LinkMotion& bucket) {
   }
   const Lip lip = lip_of(bucket.X_WL);
   load.point_W = lip.middle_W;
-  const Eigen::Vector3d v_W =
-      bucket.v_WL_W + bucket.w_WL_W.cross(lip.middle_W - bucket.X_WL.translation());
   depth_m_ = depth_ahead_m(lip);
-  if (depth_m_ > 0.0) {
-    add_soil(lip, v_W, load);
+  const double hard_m = hard_depth_m(lip);
+  if (depth_m_ <= 0.0 && hard_m <= 0.0) {
+    return load;
   }
-  add_hard_contact(h, lip, v_W, load);
+  double side_n = 0.0;
+  if (depth_m_ > 0.0) {
+    const SoilParameters& soil = terrain_.soil_at(lip.middle_W.x(), lip.middle_W.y());
+    limit_n_ = cutting_limit_n(lip, soil);
+    side_n = side_limit_n(soil);
+  }
+  const double push_n = std::clamp(parameters_.hard_stiffness_npm * hard_m, 0.0, kHardForceMax_n);
+  const double grip_n = parameters_.hard_friction * push_n;
+  const double ramp = 1.0 / parameters_.ramp_speed_mps;
+  // Directions and bounds depend on where the lip is, not on how it moves: so nothing can chatter.
+  resist(lip.forward_W, {-limit_n_ - grip_n, grip_n}, 0.0, ramp * (limit_n_ + grip_n), load);
+  resist(lip.left_W, {-side_n - grip_n, side_n + grip_n}, 0.0, ramp * (side_n + grip_n), load);
+  if (hard_m > 0.0) {
+    resist(Eigen::Vector3d::UnitZ(), {0.0, kHardForceMax_n}, push_n,
+           h * parameters_.hard_stiffness_npm + parameters_.hard_damping_nspm, load);
+  } else {
+    resist(Eigen::Vector3d::UnitZ(), {0.0, edge_limit_n()}, 0.0, ramp * edge_limit_n(), load);
+  }
   return load;
 }
 
-void BucketSoil::add_soil(const Lip& lip, const Eigen::Vector3d& v_W, BucketGroundLoad& load) {
-  const Eigen::Vector3d in_plane = v_W - v_W.dot(lip.left_W) * lip.left_W;
-  const double speed = in_plane.norm();
-  // From rest the lip may set off any way; the soil waits along the blade's way forward.
-  const Eigen::Vector3d direction =
-      speed > kStill_mps ? Eigen::Vector3d(in_plane / speed)
-                         : Eigen::Vector3d((lip.forward_W + lip.blade_W).normalized());
-  limit_n_ = cutting_limit_n(lip, direction);
-  if (limit_n_ > 0.0) {
-    // Between -limit and 0: half of it always, the other half by the resistance.
-    const double half = 0.5 * limit_n_;
-    load.force_W -= half * direction;
-    load.resistances[load.count++] = {.direction_W = direction,
-                                      .offset_n = half,
-                                      .gain_nspm = limit_n_ / parameters_.ramp_speed_mps,
-                                      .limit_n = half,
-                                      .point_B = {tip_m_, 0.0, 0.0}};
+void BucketSoil::resist(const Eigen::Vector3d& direction_W, ForceRange range, double at_rest_n,
+                        double gain_nspm, BucketGroundLoad& load) const {
+  const double half = 0.5 * (range.greatest_n - range.least_n);
+  if (!(half > 0.0)) {
+    return;
   }
-  const SoilParameters& soil = terrain_.soil_at(lip.middle_W.x(), lip.middle_W.y());
-  const EarthmovingFactors factors = earthmoving_factors(
-      soil.internal_friction_rad, soil.tool_friction_rad, 0.5 * std::numbers::pi);
-  const double side_n = earthmoving_force_n(
-      soil, factors, depth_m_, std::min(depth_m_, capacity_.depth_m()), 0.0, gravity_mps2_);
-  if (side_n > 0.0) {
-    load.resistances[load.count++] = {.direction_W = lip.left_W,
-                                      .offset_n = 0.0,
-                                      .gain_nspm = side_n / parameters_.ramp_speed_mps,
-                                      .limit_n = side_n,
-                                      .point_B = {tip_m_, 0.0, 0.0}};
-  }
+  // A resistance is bounded by +-limit; the constant force moves its middle.
+  const double middle = 0.5 * (range.greatest_n + range.least_n);
+  load.force_W += middle * direction_W;
+  load.resistances[load.count++] = {.direction_W = direction_W,
+                                    .offset_n = at_rest_n - middle,
+                                    .gain_nspm = gain_nspm,
+                                    .limit_n = half,
+                                    .point_B = {tip_m_, 0.0, 0.0}};
 }
 
-void BucketSoil::add_hard_contact(double h, const Lip& lip, const Eigen::Vector3d& v_W,
-                                  BucketGroundLoad& load) const {
+double BucketSoil::hard_depth_m(const Lip& lip) const {
   double depth_m = 0.0;
   for (const Eigen::Vector3d& corner : {lip.edge.left_W, lip.edge.right_W}) {
     double top_m = terrain_.floor_height_m(corner.x(), corner.y());
@@ -154,29 +152,7 @@ void BucketSoil::add_hard_contact(double h, const Lip& lip, const Eigen::Vector3
     }
     depth_m = std::max(depth_m, top_m - corner.z());
   }
-  if (depth_m <= 0.0) {
-    return;
-  }
-  // Between 0 and twice half: half of it always, the rest by the resistance, which is linear in
-  // the upward speed: k (depth - h u) - d u.
-  const double half = 0.5 * kHardForceMax_n;
-  const double push_n = std::min(parameters_.hard_stiffness_npm * depth_m, kHardForceMax_n);
-  load.force_W.z() += half;
-  load.resistances[load.count++] = {
-      .direction_W = Eigen::Vector3d::UnitZ(),
-      .offset_n = push_n - half,
-      .gain_nspm = h * parameters_.hard_stiffness_npm + parameters_.hard_damping_nspm,
-      .limit_n = half,
-      .point_B = {tip_m_, 0.0, 0.0}};
-  const Eigen::Vector3d across(v_W.x(), v_W.y(), 0.0);
-  const double speed = across.norm();
-  const double grip_n = parameters_.hard_friction * push_n;
-  load.resistances[load.count++] = {
-      .direction_W = speed > kStill_mps ? Eigen::Vector3d(across / speed) : lip.forward_W,
-      .offset_n = 0.0,
-      .gain_nspm = grip_n / parameters_.ramp_speed_mps,
-      .limit_n = grip_n,
-      .point_B = {tip_m_, 0.0, 0.0}};
+  return depth_m;
 }
 
 void BucketSoil::advance(double h, const LinkMotion& bucket) {

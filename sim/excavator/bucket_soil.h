@@ -3,15 +3,15 @@
 // For each step of the arm: load() says which forces act over the step, the arm moves, advance()
 // moves the soil by the way that the bucket went.
 //
-// Forces. The lip is the straight edge through the teeth. The soil's resistance P is that of the
-// fundamental earthmoving equation (sim/ground/earthmoving.h) at the lip's depth below the surface
-// ahead of it, with the bucket's content as surcharge, as far as the lip moves forward (where the
-// opening looks), plus the teeth's own resistance as far as it moves into the ground. It acts
-// against the lip's velocity, between 0 and P and nowhere else: it rises over ramp_speed_mps, is
-// zero at rest and when withdrawing, and never pushes. Sideways the side plates resist in the same
-// way. Rock under the soil, hard ground and the tops of obstacles push the lip up (penalty, never
-// pull) with friction. All enter the arm's implicit solve and are clamped after it
-// (bucket_load.h).
+// Forces. The lip is the straight edge through the teeth. Forward (where the opening looks) the
+// soil resists with the force P of the fundamental earthmoving equation
+// (sim/ground/earthmoving.h) at the lip's depth below the surface ahead of it, with the bucket's
+// content as surcharge, plus the teeth's own resistance; downward with the teeth's; sideways with
+// P of the side plates. Each acts against the lip's speed along its direction only, between 0 and
+// its limit: it rises over ramp_speed_mps, is zero at rest and when the lip is withdrawn, and never
+// pushes. Rock under the soil, hard ground and the tops of obstacles push the lip up (penalty,
+// never pull), with friction. All enter the arm's implicit solve and are clamped after it
+// (bucket_load.h); directions and limits depend on the pose alone, so that nothing chatters.
 //
 // Soil. What the lip cuts goes into the bucket; what passes the heaped capacity is pushed ahead.
 // What the bucket cannot hold at its pitch runs out over its lower lip, all of it within a few
@@ -78,10 +78,14 @@ class BucketSoil {
   [[nodiscard]] const BucketCapacity& capacity() const { return capacity_; }
   /// Of the lip below the surface ahead, mean over its width; 0 above ground.
   [[nodiscard]] double depth_m() const { return depth_m_; }
-  /// The greatest force that the soil could put against the lip's present motion.
+  /// The greatest force that the soil can put against the lip's way forward, at the last load().
   [[nodiscard]] double resistance_limit_n() const { return limit_n_; }
 
  private:
+  struct ForceRange {
+    double least_n = 0.0;
+    double greatest_n = 0.0;
+  };
   struct Lip {
     CuttingEdge edge;
     Eigen::Vector3d middle_W;
@@ -93,10 +97,17 @@ class BucketSoil {
 
   [[nodiscard]] Lip lip_of(const Eigen::Isometry3d& X_WB) const;
   [[nodiscard]] double depth_ahead_m(const Lip& lip) const;
-  [[nodiscard]] double cutting_limit_n(const Lip& lip, const Eigen::Vector3d& direction_W) const;
-  void add_soil(const Lip& lip, const Eigen::Vector3d& v_W, BucketGroundLoad& load);
-  void add_hard_contact(double h, const Lip& lip, const Eigen::Vector3d& v_W,
-                        BucketGroundLoad& load) const;
+  /// Of the rock, or an obstacle's top, over the deeper corner; 0 above it.
+  [[nodiscard]] double hard_depth_m(const Lip& lip) const;
+  [[nodiscard]] double cutting_limit_n(const Lip& lip, const SoilParameters& soil) const;
+  [[nodiscard]] double side_limit_n(const SoilParameters& soil) const;
+  [[nodiscard]] double edge_limit_n() const {
+    return parameters_.edge_resistance_npm2 * depth_m_ * parameters_.width_m;
+  }
+  /// Adds a force along the direction at the lip that falls with the speed along it and stays
+  /// within the range.
+  void resist(const Eigen::Vector3d& direction_W, ForceRange range, double at_rest_n,
+              double gain_nspm, BucketGroundLoad& load) const;
   /// Takes units out of the bucket.
   void release(std::int64_t units);
   void spill(const Lip& lip, std::int64_t units);

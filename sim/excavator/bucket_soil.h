@@ -102,7 +102,7 @@ class BucketSoil {
   [[nodiscard]] double cutting_limit_n(const Lip& lip, const SoilParameters& soil) const;
   [[nodiscard]] double side_limit_n(const SoilParameters& soil) const;
   [[nodiscard]] double edge_limit_n() const {
-    return parameters_.edge_resistance_npm2 * depth_m_ * parameters_.width_m;
+    return parameters_.edge_resistance_pa * depth_m_ * parameters_.width_m;
   }
   /// Adds a force along the direction at the lip that falls with the speed along it and stays
   /// within the range.

@@ -30,8 +30,8 @@ void validate(const BucketSoilParameters& p, double bucket_tip_m) {
           p.heap_repose_rad, "0 to 1.2 rad");
   require(p.lip_angle_rad >= 0.0 && p.lip_angle_rad <= 1.57, "lip_angle_rad", p.lip_angle_rad,
           "0 to 1.57 rad");
-  require(p.edge_resistance_npm2 >= 0.0 && p.edge_resistance_npm2 <= 1e9, "edge_resistance_npm2",
-          p.edge_resistance_npm2, "0 to 1e9");
+  require(p.edge_resistance_pa >= 0.0 && p.edge_resistance_pa <= 1e9, "edge_resistance_pa",
+          p.edge_resistance_pa, "0 to 1e9");
   require(p.ramp_speed_mps >= 1e-4 && p.ramp_speed_mps <= 1.0, "ramp_speed_mps", p.ramp_speed_mps,
           "1e-4 to 1 m/s");
   require(p.outflow_time_s > 0.0 && p.outflow_time_s <= 100.0, "outflow_time_s", p.outflow_time_s,

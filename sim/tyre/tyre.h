@@ -41,6 +41,7 @@ struct TyreParameters {
   double damping_ratio = 0.7;                 ///< Of the bristles with the mass at the wheel.
   double friction_factor = 1.0;               ///< On the ground's coefficient.
   double rolling_resistance = 0.012;          ///< Coefficient at reference pressure, hard ground.
+  double rolling_pressure_share = 0.5;        ///< Of that coefficient, goes with 1 / pressure.
 
   friend bool operator==(const TyreParameters&, const TyreParameters&) = default;
 };
@@ -91,6 +92,13 @@ struct TyreResult {
   bool rolling_limited = false;  ///< The rolling moment was.
 };
 
+/// The tyre's vertical spring, alone or with soft soil in a row.
+struct TyreSpring {
+  double force_n = 0.0;
+  double slope_npm = 0.0;  ///< dF / d overlap.
+  double sinkage_m = 0.0;  ///< The soil's share of the overlap.
+};
+
 class Tyre {
  public:
   /// `carried_mass_kg`: what the bristles' damping is tuned for.
@@ -104,6 +112,12 @@ class Tyre {
   void settle(double h, const TyreLaws& laws, const TyreResult& result);
 
   [[nodiscard]] double stiffness_npm(double pressure_pa) const;
+  /// At rest, for that overlap of undeformed tyre and untouched ground; `soft` null on hard ground.
+  /// A tyre of less pressure than the ground bears flattens: it sinks as a plate with its pressure.
+  [[nodiscard]] TyreSpring spring(double overlap_m, const SoilParameters* soft,
+                                  double pressure_pa) const;
+  /// Load over mean ground pressure (inflation and carcass), at most chord times width.
+  [[nodiscard]] double contact_area_m2(double deflection_m) const;
   [[nodiscard]] const TyreParameters& parameters() const { return parameters_; }
   [[nodiscard]] double longitudinal_deflection_m() const { return along_.deflection(); }
   [[nodiscard]] double lateral_deflection_m() const { return across_.deflection(); }
@@ -115,7 +129,6 @@ class Tyre {
   Bristle across_;
   Bristle turning_;
   double last_slip_ = 0.0;
-  double last_normal_n_ = 0.0;
 };
 
 }  // namespace rigwire::sim

@@ -78,7 +78,7 @@ void check(const std::string& name, const IndependentAxleParameters& corner) {
           "-5 .. 5");
 }
 
-void check(const std::string& name, const AxleParameters& axle,
+void check(const std::string& name, const VehicleAxleParameters& axle,
            const TyrePressureParameters& pressure) {
   finite(name + ".position_x_m", axle.position_x_m);
   positive(name + ".track_m", axle.track_m);
@@ -122,22 +122,21 @@ WheeledVehicleParameters::WheeledVehicleParameters() {
   rear.parking_brake_nm = 3.2e4;
   front.parking_brake_nm = 3.2e4;
   rear.beam.articulation_rad = 15.0 * kDegree;
-  chassis.points_m = {{4.75, 1.1, 0.85}, {4.75, -1.1, 0.85}, {-1.05, 1.1, 0.95},
-                      {-1.05, -1.1, 0.95}, {4.6, 1.1, 2.7},  {4.6, -1.1, 2.7},
-                      {-1.0, 1.2, 1.9},  {-1.0, -1.2, 1.9},  {1.9, 0.4, 0.62},
+  chassis.points_m = {{4.75, 1.1, 0.85},   {4.75, -1.1, 0.85}, {-1.05, 1.1, 0.95},
+                      {-1.05, -1.1, 0.95}, {4.6, 1.1, 2.7},    {4.6, -1.1, 2.7},
+                      {-1.0, 1.2, 1.9},    {-1.0, -1.2, 1.9},  {1.9, 0.4, 0.62},
                       {1.9, -0.4, 0.62}};
 }
 
 StaticLoads static_loads(const WheeledVehicleParameters& parameters) {
   StaticLoads loads;
   const double g = parameters.gravity_mps2;
-  const double share_front =
-      (parameters.body.center_of_mass_m.x() - parameters.rear.position_x_m) /
-      parameters.wheelbase_m();
-  const std::array<const AxleParameters*, 2> axles{&parameters.front, &parameters.rear};
+  const double share_front = (parameters.body.center_of_mass_m.x() - parameters.rear.position_x_m) /
+                             parameters.wheelbase_m();
+  const std::array<const VehicleAxleParameters*, 2> axles{&parameters.front, &parameters.rear};
   Eigen::Vector3d moment = parameters.body.mass_kg * parameters.body.center_of_mass_m;
   for (std::size_t i = 0; i < 2; ++i) {
-    const AxleParameters& axle = *axles[i];
+    const VehicleAxleParameters& axle = *axles[i];
     const double mass = parameters.axle_mass_kg(axle);
     const double share = i == 0 ? share_front : 1.0 - share_front;
     loads.spring_n[i] = parameters.body.mass_kg * g * share;
@@ -155,7 +154,7 @@ StaticLoads static_loads(const WheeledVehicleParameters& parameters) {
 WheeledVehicleParameters gator_855d() {
   WheeledVehicleParameters p;
   p.body = {880.0, {0.95, 0.0, 0.66}, {230.0, 640.0, 730.0}};
-  for (AxleParameters* axle : {&p.front, &p.rear}) {
+  for (VehicleAxleParameters* axle : {&p.front, &p.rear}) {
     axle->type = AxleType::independent;
     axle->track_m = 1.29;
     axle->portal_offset_m = 0.0;
@@ -190,10 +189,9 @@ WheeledVehicleParameters gator_855d() {
   p.tyre_pressure.pressure_max_pa = 2.5e5;
   p.chassis.stiffness_npm = 2.0e5;
   p.chassis.damping_nspm = 4.0e3;
-  p.chassis.points_m = {{2.45, 0.6, 0.5},   {2.45, -0.6, 0.5},  {-0.55, 0.7, 0.6},
-                        {-0.55, -0.7, 0.6}, {1.3, 0.6, 1.9},    {1.3, -0.6, 1.9},
-                        {0.5, 0.6, 1.9},    {0.5, -0.6, 1.9},   {1.0, 0.3, 0.3},
-                        {1.0, -0.3, 0.3}};
+  p.chassis.points_m = {{2.45, 0.6, 0.5}, {2.45, -0.6, 0.5}, {-0.55, 0.7, 0.6}, {-0.55, -0.7, 0.6},
+                        {1.3, 0.6, 1.9},  {1.3, -0.6, 1.9},  {0.5, 0.6, 1.9},   {0.5, -0.6, 1.9},
+                        {1.0, 0.3, 0.3},  {1.0, -0.3, 0.3}};
   p.air_drag_ns2pm2 = 1.2;
   return p;
 }
@@ -228,7 +226,7 @@ void validate(const WheeledVehicleParameters& parameters) {
   not_negative("gravity_mps2", parameters.gravity_mps2);
   const StaticLoads loads = static_loads(parameters);
   for (std::size_t i = 0; i < 2; ++i) {
-    const AxleParameters& axle = i == 0 ? parameters.front : parameters.rear;
+    const VehicleAxleParameters& axle = i == 0 ? parameters.front : parameters.rear;
     require(loads.wheel_height_m[i] > axle.tyre.rim_radius_m,
             std::string(i == 0 ? "front" : "rear") + ".tyre.carcass_stiffness_npm",
             axle.tyre.carcass_stiffness_npm, "enough to carry the wheel's static load off the rim");

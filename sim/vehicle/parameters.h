@@ -39,7 +39,7 @@ enum class AxleType : std::uint8_t {
 /// What the springs carry.
 struct SprungBodyParameters {
   double mass_kg = 7600.0;
-  Eigen::Vector3d center_of_mass_m{2.05, 0.0, 1.32};  ///< In B.
+  Eigen::Vector3d center_of_mass_m{2.05, 0.0, 1.32};            ///< In B.
   Eigen::Vector3d principal_inertia_kgm2{5.5e3, 2.3e4, 2.4e4};  ///< About it, along B's axes.
 };
 
@@ -52,18 +52,18 @@ struct StopParameters {
 
 /// Push tube, heave and roll. Springs carry the static load at heave 0.
 struct BeamAxleParameters {
-  double mass_kg = 700.0;              ///< With wheels.
-  double roll_inertia_kgm2 = 450.0;    ///< With wheels, about its centre; also in yaw.
-  double pitch_inertia_kgm2 = 20.0;    ///< Without the wheels' spin.
-  double tube_length_m = 1.3;          ///< Axle to spherical pivot, towards the vehicle's middle; 0
-                                       ///< guides the axle straight up and down.
-  double tube_rise_m = 0.05;           ///< Pivot above the axle's centre.
-  double roll_centre_rise_m = 0.10;    ///< Panhard rod above the axle's centre.
-  double spring_npm = 1.6e5;           ///< Of each side.
-  double damper_nspm = 1.0e4;          ///< Of each side.
-  double spring_base_m = 1.05;         ///< Left to right spring, and damper.
-  double roll_bar_nmprad = 0.0;        ///< Between the two sides.
-  double bump_travel_m = 0.16;         ///< Heave up to the bump stop.
+  double mass_kg = 700.0;            ///< With wheels.
+  double roll_inertia_kgm2 = 450.0;  ///< With wheels, about its centre; also in yaw.
+  double pitch_inertia_kgm2 = 20.0;  ///< Without the wheels' spin.
+  double tube_length_m = 1.3;        ///< Axle to spherical pivot, towards the vehicle's middle; 0
+                                     ///< guides the axle straight up and down.
+  double tube_rise_m = 0.05;         ///< Pivot above the axle's centre.
+  double roll_centre_rise_m = 0.10;  ///< Panhard rod above the axle's centre.
+  double spring_npm = 1.6e5;         ///< Of each side.
+  double damper_nspm = 1.0e4;        ///< Of each side.
+  double spring_base_m = 1.05;       ///< Left to right spring, and damper.
+  double roll_bar_nmprad = 0.0;      ///< Between the two sides.
+  double bump_travel_m = 0.16;       ///< Heave up to the bump stop.
   double rebound_travel_m = 0.20;
   StopParameters bump_stop{1.5e6, 0.03};
   double articulation_rad = 30.0 * std::numbers::pi / 180.0;  ///< Roll up to the limiter.
@@ -72,16 +72,16 @@ struct BeamAxleParameters {
 
 /// Wheel carrier that moves up and down in B.
 struct IndependentAxleParameters {
-  double corner_mass_kg = 30.0;           ///< Wheel, carrier and half the arms.
-  double corner_inertia_kgm2 = 0.7;       ///< About any diameter of the wheel.
-  double spring_npm = 2.5e4;              ///< At the wheel, per side.
-  double damper_nspm = 1.6e3;             ///< At the wheel, per side.
-  double roll_bar_npm = 0.0;              ///< Force per difference of travels.
+  double corner_mass_kg = 30.0;      ///< Wheel, carrier and half the arms.
+  double corner_inertia_kgm2 = 0.7;  ///< About any diameter of the wheel.
+  double spring_npm = 2.5e4;         ///< At the wheel, per side.
+  double damper_nspm = 1.6e3;        ///< At the wheel, per side.
+  double roll_bar_npm = 0.0;         ///< Force per difference of travels.
   double bump_travel_m = 0.11;
   double rebound_travel_m = 0.12;
   StopParameters bump_stop{3.0e5, 0.03};
-  double camber_gain_radpm = -0.3;        ///< Top of the wheel outward positive, per bump.
-  double toe_gain_radpm = 0.0;            ///< Toe-in positive, per bump.
+  double camber_gain_radpm = -0.3;  ///< Top of the wheel outward positive, per bump.
+  double toe_gain_radpm = 0.0;      ///< Toe-in positive, per bump.
 };
 
 struct SteeringParameters {
@@ -90,7 +90,7 @@ struct SteeringParameters {
   double time_constant_s = 0.08;
 };
 
-struct AxleParameters {
+struct VehicleAxleParameters {
   AxleType type = AxleType::beam;
   double position_x_m = 0.0;  ///< In B.
   double track_m = 1.94;
@@ -100,8 +100,8 @@ struct AxleParameters {
   IndependentAxleParameters independent;
   TyreParameters tyre;
   SteeringParameters steering;
-  double brake_torque_nm = 3.0e4;    ///< Of both wheels together, pedal down.
-  double parking_brake_nm = 0.0;     ///< Of both wheels together.
+  double brake_torque_nm = 3.0e4;      ///< Of both wheels together, pedal down.
+  double parking_brake_nm = 0.0;       ///< Of both wheels together.
   double initial_pressure_pa = 4.5e5;  ///< Of its tyres, above ambient.
 };
 
@@ -124,8 +124,8 @@ struct ChassisContactParameters {
 struct WheeledVehicleParameters {
   VehicleLevel level = VehicleLevel::full;
   SprungBodyParameters body;
-  AxleParameters front;
-  AxleParameters rear;
+  VehicleAxleParameters front;
+  VehicleAxleParameters rear;
   double brake_stiffness_nmprad = 4.0e5;  ///< Of a brake that holds, at the wheel.
   TyrePressureParameters tyre_pressure;
   ChassisContactParameters chassis;
@@ -137,9 +137,8 @@ struct WheeledVehicleParameters {
   WheeledVehicleParameters();
 
   [[nodiscard]] double wheelbase_m() const { return front.position_x_m - rear.position_x_m; }
-  [[nodiscard]] double axle_mass_kg(const AxleParameters& axle) const {
-    return axle.type == AxleType::beam ? axle.beam.mass_kg
-                                       : 2.0 * axle.independent.corner_mass_kg;
+  [[nodiscard]] double axle_mass_kg(const VehicleAxleParameters& axle) const {
+    return axle.type == AxleType::beam ? axle.beam.mass_kg : 2.0 * axle.independent.corner_mass_kg;
   }
   [[nodiscard]] double mass_kg() const {
     return body.mass_kg + axle_mass_kg(front) + axle_mass_kg(rear);
@@ -148,9 +147,9 @@ struct WheeledVehicleParameters {
 
 /// What carries what when the vehicle stands on level ground, in design position.
 struct StaticLoads {
-  std::array<double, 2> spring_n{};         ///< Of both springs of front and rear axle.
-  std::array<double, 2> wheel_n{};          ///< Of one wheel of front and rear axle.
-  std::array<double, 2> wheel_height_m{};   ///< Wheel's centre above ground.
+  std::array<double, 2> spring_n{};        ///< Of both springs of front and rear axle.
+  std::array<double, 2> wheel_n{};         ///< Of one wheel of front and rear axle.
+  std::array<double, 2> wheel_height_m{};  ///< Wheel's centre above ground.
   Eigen::Vector3d center_of_mass_m = Eigen::Vector3d::Zero();  ///< Of everything, in B.
 };
 [[nodiscard]] StaticLoads static_loads(const WheeledVehicleParameters& parameters);

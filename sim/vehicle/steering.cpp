@@ -25,15 +25,15 @@ void SteeringActuator::step(double span_s) {
     left_s -= ramp_s;
   }
   if (left_s > 0.0) {
-    rest *= parameters_.time_constant_s > 0.0 ? std::exp(-left_s / parameters_.time_constant_s)
-                                              : 0.0;
+    rest *=
+        parameters_.time_constant_s > 0.0 ? std::exp(-left_s / parameters_.time_constant_s) : 0.0;
   }
   angle_rad_ = set_point_rad_ - std::copysign(rest, error);
 }
 
-std::array<double, 2> ackermann_rad(double angle_rad, double track_m, double lever_m) {
+std::array<double, 2> ackermann_rad(double angle_rad, double track_m, double curvature_1pm) {
   const double tangent = std::tan(angle_rad);
-  const double part = 0.5 * track_m / lever_m * tangent;
+  const double part = 0.5 * track_m * curvature_1pm;
   return {std::atan(tangent / (1.0 - part)), std::atan(tangent / (1.0 + part))};
 }
 

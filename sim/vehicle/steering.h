@@ -25,10 +25,11 @@ class SteeringActuator {
   double angle_rad_ = 0.0;
 };
 
-/// Angles of the left and the right wheel so that all wheels turn about one centre:
-/// cot(left) = cot(angle) - track / (2 lever), cot(right) = cot(angle) + track / (2 lever), with
-/// the lever from the axle that does not steer (wheelbase; with both axles steering, the distance
-/// to the centre's foot on the vehicle's long axis). Left positive.
-[[nodiscard]] std::array<double, 2> ackermann_rad(double angle_rad, double track_m, double lever_m);
+/// Angles of the left and the right wheel of an axle so that all wheels turn about one centre:
+/// tan(wheel) = tan(angle) / (1 -+ curvature track / 2). `curvature_1pm`: of the path of the point
+/// where the turning centre's foot stands on the vehicle's long axis, (tan front - tan rear) over
+/// wheelbase, left positive.
+[[nodiscard]] std::array<double, 2> ackermann_rad(double angle_rad, double track_m,
+                                                  double curvature_1pm);
 
 }  // namespace rigwire::sim

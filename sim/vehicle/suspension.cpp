@@ -45,7 +45,7 @@ Matrix3d hub_axes(const Vector3d& axis, const Vector3d& up) {
 
 }  // namespace
 
-AxleSuspension::AxleSuspension(const AxleParameters& axle, bool front,
+AxleSuspension::AxleSuspension(const VehicleAxleParameters& axle, bool front,
                                const Vector3d& center_of_mass_m, double wheel_height_m,
                                double spring_n)
     : axle_(axle), beam_(axle.type == AxleType::beam), spring_n_(spring_n) {
@@ -125,8 +125,8 @@ void AxleSuspension::update_beam(const Vector2d& s, const Vector2d& s_rate, cons
   if (guided) {
     bias = w_B.cross(w_B.cross(roll_centre)) + 2.0 * s_rate[0] * w_B.cross(Vector3d::UnitZ());
   } else {
-    bias = w_B.cross(w_B.cross(pivot)) + tube_bias.cross(arm) +
-           tube_rate.cross(tube_rate.cross(arm));
+    bias =
+        w_B.cross(w_B.cross(pivot)) + tube_bias.cross(arm) + tube_rate.cross(tube_rate.cross(arm));
   }
   axle.bias_mps2 = bias + axle.bias_radps2.cross(from_roll_centre) +
                    axle.rate.cross(axle.rate.cross(from_roll_centre));

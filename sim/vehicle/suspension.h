@@ -22,8 +22,8 @@ struct UnsprungMass {
   double transverse_kgm2 = 0.0;
   double axial_kgm2 = 0.0;
   Eigen::Vector3d axis = Eigen::Vector3d::UnitY();
-  std::array<Eigen::Vector3d, 2> velocity_by_s;  ///< Of the position.
-  std::array<Eigen::Vector3d, 2> rate_by_s;      ///< Angular, against the body.
+  std::array<Eigen::Vector3d, 2> velocity_by_s;    ///< Of the position.
+  std::array<Eigen::Vector3d, 2> rate_by_s;        ///< Angular, against the body.
   Eigen::Vector3d rate = Eigen::Vector3d::Zero();  ///< Angular, in W.
   /// What accelerates without any acceleration of body or coordinates.
   Eigen::Vector3d bias_mps2 = Eigen::Vector3d::Zero();
@@ -54,8 +54,8 @@ struct SuspensionForce {
 class AxleSuspension {
  public:
   /// `front`: the push tube points to the rear.
-  AxleSuspension(const AxleParameters& axle, bool front, const Eigen::Vector3d& center_of_mass_m,
-                 double wheel_height_m, double spring_n);
+  AxleSuspension(const VehicleAxleParameters& axle, bool front,
+                 const Eigen::Vector3d& center_of_mass_m, double wheel_height_m, double spring_n);
 
   /// Kinematics at coordinates s, their rates and the body's rate w_B; steering angles left and
   /// right.
@@ -77,7 +77,7 @@ class AxleSuspension {
   void update_independent(const Eigen::Vector2d& s, const Eigen::Vector2d& s_rate,
                           const Eigen::Vector3d& w_B, const std::array<double, 2>& steer_rad);
 
-  AxleParameters axle_;
+  VehicleAxleParameters axle_;
   bool beam_;
   double spring_n_;
   double heave_per_rad_ = 0.0;  ///< Signed; the inverse of the tube's angle per heave. 0: guided.

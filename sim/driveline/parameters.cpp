@@ -86,6 +86,14 @@ void validate_ratios(const std::vector<double>& ratios, const std::string& name,
 
 }  // namespace
 
+std::vector<TorquePoint> unimog_full_load() {
+  return {{600 * kRadpsPerRpm, 450.0},
+          {1000 * kRadpsPerRpm, 760.0},
+          {1200 * kRadpsPerRpm, 900.0},
+          {1600 * kRadpsPerRpm, 900.0},
+          {2200 * kRadpsPerRpm, 737.9}};
+}
+
 double EngineParameters::greatest_torque_nm() const {
   double greatest = 0.0;
   for (const TorquePoint& point : full_load) {

@@ -74,6 +74,7 @@ struct TyreLaws {
   BristleParameters along;
   BristleParameters across;
   BristleParameters turning;
+  bool turning_yields = false;  ///< The wheel turns: `rolling` is the secant of its limit.
 
   [[nodiscard]] double limit_n(double normal_n) const {
     return normal_n > 0.0 ? friction * normal_n + cohesion_n : 0.0;
@@ -129,6 +130,7 @@ class Tyre {
   Bristle across_;
   Bristle turning_;
   double last_slip_ = 0.0;
+  double last_rate_radps_ = 0.0;
 };
 
 }  // namespace rigwire::sim

@@ -9,7 +9,9 @@
 #include <variant>
 #include <vector>
 
+#include "hil/configuration/digging.h"
 #include "hil/configuration/fields.h"
+#include "hil/configuration/roller.h"
 #include "hil/configuration/shapes.h"
 #include "hil/configuration/units.h"
 #include "sim/excavator/parameters.h"
@@ -20,13 +22,19 @@ namespace rigwire::hil {
 /// Topologies, one alternative each; numbers alone make a machine of one.
 struct ExcavatorMachine {
   sim::ExcavatorParameters excavator;
+  bool digs = true;  ///< Else the bucket passes through the ground.
+  sim::DiggingParameters digging;
+};
+struct RollerMachine {
+  sim::RollerParameters roller;
 };
 
-using MachineSettings = std::variant<ExcavatorMachine>;
+using MachineSettings = std::variant<ExcavatorMachine, RollerMachine>;
 
 /// The names of the `type` key, in the order of MachineSettings.
-inline constexpr std::array<Alternative, 1> kMachineTypes{
-    {{"excavator", "Swing, boom, stick and bucket."}}};
+inline constexpr std::array<Alternative, 2> kMachineTypes{
+    {{"excavator", "Swing, boom, stick and bucket."},
+     {"tandem_roller", "Two drums, each on a pivot that steers."}}};
 
 /// A shape fixed to a link.
 struct LinkShape {
@@ -175,6 +183,13 @@ void visit(Visitor& v, sim::ExcavatorParameters& p) {
 template <class Visitor>
 void visit(Visitor& v, ExcavatorMachine& p) {
   v.section("excavator", p.excavator, "Masses, pins, cylinders, hydraulics, drives.");
+  v.boolean("digs", p.digs, "Else the bucket passes through the ground.");
+  v.section("digging", p.digging, "The bucket as a tool, and the ground's limits.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, RollerMachine& p) {
+  v.section("roller", p.roller, "Masses, drums, steering, drive, supplements.");
 }
 
 template <class Visitor>

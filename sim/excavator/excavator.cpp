@@ -9,8 +9,6 @@ namespace rigwire::sim {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr std::array<std::string_view, kLinks> kLinkNames{"undercarriage", "upper", "boom", "stick",
-                                                          "bucket"};
 constexpr std::array<const char*, kArmJoints> kJointNames{"swing", "boom", "stick", "bucket"};
 constexpr std::array<StatusQuantity, 6> kStatusQuantities{{{"swing", "deg"},
                                                            {"boom", "deg"},
@@ -297,7 +295,7 @@ ValveSample Excavator::valve_sample(SimTime time) const {
 }
 
 std::span<const std::string_view> Excavator::link_names() const {
-  return kLinkNames;
+  return kExcavatorLinks;
 }
 
 std::span<const StatusQuantity> Excavator::status_quantities() const {

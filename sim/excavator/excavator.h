@@ -33,6 +33,9 @@ namespace rigwire::sim {
 /// The machine's rigid links, frames as in parameters.h.
 enum class Link { undercarriage, upper, boom, stick, bucket };
 inline constexpr std::size_t kLinks = 5;
+/// Their names, in that order.
+inline constexpr std::array<std::string_view, kLinks> kExcavatorLinks{"undercarriage", "upper",
+                                                                      "boom", "stick", "bucket"};
 
 class Excavator final : public Machine, public ValvePort {
  public:

@@ -47,7 +47,7 @@ struct TyreParameters {
 };
 
 /// Throws std::invalid_argument naming `where`, the member, the value and what is allowed.
-void validate(const TyreParameters& parameters, const char* where);
+void validate(const TyreParameters& parameters, const char* where = "tyre");
 
 /// Vertical stiffness of a radial tyre after T. B. Rhyne (Tire Science and Technology 33, 2005): p
 /// in Pa, section width and rim diameter in metres, aspect ratio in per cent. Quoted from memory of

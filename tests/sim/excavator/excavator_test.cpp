@@ -467,7 +467,7 @@ TEST(Excavator, ANonFiniteResultIsNamedAndFreezesTheMachine) {
   const JointVector before = machine.joint_angles_rad();
   machine.step(seconds(1));
   ASSERT_FALSE(machine.finite());
-  EXPECT_STREQ(machine.non_finite()->quantity, "drive target");
+  EXPECT_STREQ(machine.non_finite()->quantity, "joint acceleration");
   EXPECT_STREQ(machine.non_finite()->part, "swing");
   EXPECT_EQ(machine.joint_angles_rad(), before);
   EXPECT_EQ(machine.time(), kStart);

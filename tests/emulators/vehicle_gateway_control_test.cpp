@@ -359,7 +359,11 @@ TEST(VehicleGuidance, CurvatureThatIsNoneIsAFault) {
   VehicleRig rig;
   rig.run(50ms);
   rig.ask(curvature(vehicle::kError));
+  EXPECT_EQ(rig.command(), VehicleCommand{});  // it did not steer yet
+  rig.ask(curvature(0.05));
+  rig.ask(curvature(vehicle::kError));
   EXPECT_TRUE(rig.gateway.control().guidance_needs_reset());
+  EXPECT_TRUE(rig.gateway.control().stopping());
   EXPECT_EQ(rig.gateway.control().guidance_exit(), ExitReason::out_of_range);
   rig.ask(not_intended());
   rig.ask(curvature(0.05));

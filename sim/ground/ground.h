@@ -71,8 +71,8 @@ class Ground {
   /// An endless plane through the origin with this upward normal and soil, for tests and benches.
   static Ground plane(const Eigen::Vector3d& normal_W, const SoilParameters& soil);
 
-  /// Terrain and the tops of obstacles that begin below `ceiling_m` (a wheel rolls over a rock, not
-  /// over a tree beside it). Beyond the terrain's edge that of the nearest point on the edge.
+  /// Terrain, or the highest top of an obstacle that lies below `ceiling_m` (one stands on a rock,
+  /// not on the tree beside it). Beyond the terrain's edge that of the nearest point on the edge.
   [[nodiscard]] GroundPoint at(double x_m, double y_m, double ceiling_m) const;
 
   /// The terrain alone.
@@ -82,8 +82,16 @@ class Ground {
   [[nodiscard]] std::optional<Penetration> penetration(const Eigen::Vector3d& p_W) const;
 
   /// Where a wheel meets the surface: the disc of that radius about `centre_W`, square to the unit
-  /// `axis_W`, looked at in several directions fore and aft of straight down, so that steps and
-  /// rocks are felt in front. Nothing when it does not touch. Seven surface look-ups.
+  /// `axis_W`, so that banks, steps and rocks are felt in front. Nothing when it does not touch.
+  ///
+  /// Terrain: its profile fore and aft through seven heights, and its side slope through two, cut
+  /// with the disc. The normal is square to the chord from the disc's entry to its exit, the depth
+  /// that of the plane which cuts off the same area, scaled so that a force in proportion to it is
+  /// conservative: as a tyre swallows an edge. Obstacles: nearest point in the disc's plane, exact.
+  /// Together: the shortest way that frees the disc from all of them. Depth and normal are
+  /// continuous in the wheel's position, whatever it drives over; on a plane of any slope and with
+  /// any tilt of the wheel they are exact to rounding. The disc has no width. A wheel with a
+  /// vertical axis (a machine on its side) has no contact.
   [[nodiscard]] std::optional<WheelContact> wheel_contact(const Eigen::Vector3d& centre_W,
                                                           const Eigen::Vector3d& axis_W,
                                                           double radius_m) const;
@@ -94,11 +102,31 @@ class Ground {
   void set_node(std::size_t column, std::size_t row, double height_m);
 
  private:
+  struct TerrainPoint {
+    double height_m;
+    double slope_x;
+    double slope_y;
+    std::size_t cell;
+  };
+
+  [[nodiscard]] TerrainPoint terrain(double x_m, double y_m) const;
+  [[nodiscard]] std::uint8_t soil_of(const TerrainPoint& point) const;
+  void fill_bins();
+  /// Calls visit(obstacle) for those that may touch the rectangle; some may come twice.
+  template <class Visit>
+  void near_obstacles(const Eigen::Vector2d& lower_m, const Eigen::Vector2d& upper_m,
+                      Visit&& visit) const;
+  [[nodiscard]] std::optional<Penetration> disc_on_terrain(const Eigen::Vector3d& centre_W,
+                                                           const Eigen::Vector3d& up_W,
+                                                           const Eigen::Vector3d& forward_W,
+                                                           double radius_m) const;
+
   HeightField field_;
   SoilMap soils_;
   std::vector<Obstacle> obstacles_;
   // A grid over the obstacles, so that a look-up costs the same with one and with thousands.
   double bin_m_ = 4.0;
+  Eigen::Vector2d bin_origin_m_ = Eigen::Vector2d::Zero();
   std::size_t bin_columns_ = 0;
   std::size_t bin_rows_ = 0;
   std::vector<std::uint32_t> bin_starts_;

@@ -10,12 +10,12 @@
 //     solve;  clamp what exceeds laws.limit_n(normal force);  solve again;
 //     tyre.settle(h, laws, result);
 //
-// Vertical: F = max(0, k(p) d + bottoming + c d'), never tensile. k(p) = carcass + p times
-// stiffness_per_pressure. Tangential: bristles whose steady-state slip stiffness is
-// slip_stiffness_n times the share of the reference load; on soft soil the secant of Janosi's
-// curve, with the limit of soil.h. Rolling resistance: a moment against the spin, coefficient times
-// load times radius, grown as the pressure falls, plus compaction of the soil; a bristle too, so
-// that it holds at rest.
+// Vertical: F = max(0, k(p) d + bottoming + c d'), never tensile; k(p) = carcass + p times
+// stiffness_per_pressure; the damper fades below a quarter of the reference load. Tangential:
+// bristles whose steady-state slip stiffness is slip_stiffness_n times the share of the reference
+// load; on soft soil the secant of Janosi's curve, with the limit of soil.h. Rolling resistance: a
+// moment against the spin, coefficient times load times radius, grown as the pressure falls, plus
+// compaction of the soil; a bristle too, so that it holds at rest.
 #pragma once
 
 #include "sim/contact/bristle.h"
@@ -41,12 +41,13 @@ struct TyreParameters {
   double damping_ratio = 0.7;                 ///< Of the bristles with the mass at the wheel.
   double friction_factor = 1.0;               ///< On the ground's coefficient.
   double rolling_resistance = 0.012;          ///< Coefficient at reference pressure, hard ground.
+  double rolling_pressure_share = 0.5;        ///< Of that coefficient, goes with 1 / pressure.
 
   friend bool operator==(const TyreParameters&, const TyreParameters&) = default;
 };
 
 /// Throws std::invalid_argument naming `where`, the member, the value and what is allowed.
-void validate(const TyreParameters& parameters, const char* where);
+void validate(const TyreParameters& parameters, const char* where = "tyre");
 
 /// Vertical stiffness of a radial tyre after T. B. Rhyne (Tire Science and Technology 33, 2005): p
 /// in Pa, section width and rim diameter in metres, aspect ratio in per cent. Quoted from memory of
@@ -73,6 +74,7 @@ struct TyreLaws {
   BristleParameters along;
   BristleParameters across;
   BristleParameters turning;
+  bool turning_yields = false;  ///< The wheel turns: `rolling` is the secant of its limit.
 
   [[nodiscard]] double limit_n(double normal_n) const {
     return normal_n > 0.0 ? friction * normal_n + cohesion_n : 0.0;
@@ -91,6 +93,13 @@ struct TyreResult {
   bool rolling_limited = false;  ///< The rolling moment was.
 };
 
+/// The tyre's vertical spring, alone or with soft soil in a row.
+struct TyreSpring {
+  double force_n = 0.0;
+  double slope_npm = 0.0;  ///< dF / d overlap.
+  double sinkage_m = 0.0;  ///< The soil's share of the overlap.
+};
+
 class Tyre {
  public:
   /// `carried_mass_kg`: what the bristles' damping is tuned for.
@@ -104,6 +113,12 @@ class Tyre {
   void settle(double h, const TyreLaws& laws, const TyreResult& result);
 
   [[nodiscard]] double stiffness_npm(double pressure_pa) const;
+  /// At rest, for that overlap of undeformed tyre and untouched ground; `soft` null on hard ground.
+  /// A tyre of less pressure than the ground bears flattens: it sinks as a plate with its pressure.
+  [[nodiscard]] TyreSpring spring(double overlap_m, const SoilParameters* soft,
+                                  double pressure_pa) const;
+  /// Load over mean ground pressure (inflation and carcass), at most chord times width.
+  [[nodiscard]] double contact_area_m2(double deflection_m) const;
   [[nodiscard]] const TyreParameters& parameters() const { return parameters_; }
   [[nodiscard]] double longitudinal_deflection_m() const { return along_.deflection(); }
   [[nodiscard]] double lateral_deflection_m() const { return across_.deflection(); }
@@ -115,7 +130,7 @@ class Tyre {
   Bristle across_;
   Bristle turning_;
   double last_slip_ = 0.0;
-  double last_normal_n_ = 0.0;
+  double last_rate_radps_ = 0.0;
 };
 
 }  // namespace rigwire::sim

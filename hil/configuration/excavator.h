@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "hil/configuration/fields.h"
+#include "hil/configuration/tyre.h"
 #include "hil/configuration/units.h"
 #include "sim/excavator/parameters.h"
 

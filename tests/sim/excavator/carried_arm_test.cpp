@@ -78,13 +78,13 @@ TEST(CarriedArm, WheelLoadsAtRestAreTheLeversOfTheCentreOfMass) {
     const double moment = arm_moment_kgm(machine.joint_angles_rad(), payload_kg);
     const double front = kG * (0.5 * mass + moment / p.wheels.wheelbase_m);
     const auto& loads = machine.carried()->wheel_loads_n();
-    EXPECT_NEAR(loads[0] + loads[1] + loads[2] + loads[3], kG * mass, 1e-5 * kG * mass);
+    EXPECT_NEAR(loads[0] + loads[1] + loads[2] + loads[3], kG * mass, 2e-4 * kG * mass);
     EXPECT_NEAR(loads[0] + loads[1], front, 0.01 * kG * mass);
     EXPECT_NEAR(loads[0], loads[1], 1.0);
   }
 }
 
-// Pulled up at the counterweight's end... the tip is loaded until the rear wheels lift.
+// The tip is loaded, slowly, until the rear wheels lift.
 TEST(CarriedArm, RearWheelsLiftAtTheLoadOfTheClosedForm) {
   const Ground ground;
   Excavator machine(moving(), Eigen::Isometry3d::Identity(), &ground);
@@ -95,6 +95,10 @@ TEST(CarriedArm, RearWheelsLiftAtTheLoadOfTheClosedForm) {
   const double lever = 0.5 * p.wheels.wheelbase_m;
   // About the front wheels: mass (lever) - moment = force (reach - lever) / g.
   const double expected_n = kG * (total_mass(p) * lever - moment) / (reach - lever);
+  for (int i = 1; i <= 100; ++i) {
+    machine.set_bucket_force({0.0, 0.0, -0.008 * i * expected_n}, machine.tip_W());
+    machine.step(milliseconds(100));
+  }
   double lifts_n = 0.0;
   for (double force = 0.8 * expected_n; force < 1.2 * expected_n; force += 0.01 * expected_n) {
     machine.set_bucket_force({0.0, 0.0, -force}, machine.tip_W());

@@ -3,8 +3,10 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "hil/configuration/fields.h"
@@ -15,13 +17,16 @@
 
 namespace rigwire::hil {
 
-enum class MachineType { excavator };
-inline constexpr std::array<Choice<MachineType>, 1> kMachineTypes{
-    {{MachineType::excavator, "excavator", "Swing, boom, stick and bucket."}}};
+/// Topologies, one alternative each; numbers alone make a machine of one.
+struct ExcavatorMachine {
+  sim::ExcavatorParameters excavator;
+};
 
-/// Links that shapes and sensors can be fixed to.
-inline constexpr std::array<std::string_view, 5> kExcavatorLinks{"undercarriage", "upper", "boom",
-                                                                 "stick", "bucket"};
+using MachineSettings = std::variant<ExcavatorMachine>;
+
+/// The names of the `type` key, in the order of MachineSettings.
+inline constexpr std::array<Alternative, 1> kMachineTypes{
+    {{"excavator", "Swing, boom, stick and bucket."}}};
 
 /// A shape fixed to a link.
 struct LinkShape {
@@ -32,13 +37,15 @@ struct LinkShape {
 struct MachineConfiguration {
   std::string name = "machine";
   std::string text;  ///< One line for `rigwire list machines`.
-  MachineType type = MachineType::excavator;
-  Vector3 position_m;     ///< [east, north, up] of the undercarriage's origin.
+  MachineSettings settings;
+  Vector3 position_m;     ///< [east, north, up] of the origin of its first link.
   double yaw_rad = 0.0;   ///< Of its x from east, left positive.
   bool on_ground = true;  ///< position z counts from the terrain under it.
-  sim::ExcavatorParameters excavator;
   std::vector<LinkShape> shapes;
 };
+
+/// Links that shapes and sensors can be fixed to, in the machine's order.
+[[nodiscard]] std::span<const std::string_view> link_names(const MachineSettings& settings);
 
 template <class Visitor>
 void visit(Visitor& v, sim::RigidBodyParameters& p) {
@@ -166,8 +173,13 @@ void visit(Visitor& v, sim::ExcavatorParameters& p) {
 }
 
 template <class Visitor>
+void visit(Visitor& v, ExcavatorMachine& p) {
+  v.section("excavator", p.excavator, "Masses, pins, cylinders, hydraulics, drives.");
+}
+
+template <class Visitor>
 void visit(Visitor& v, LinkShape& p) {
-  v.text("link", p.link, "undercarriage, upper, boom, stick or bucket.");
+  v.text("link", p.link, "One of the machine's links.");
   visit(v, p.placed);
 }
 
@@ -176,11 +188,10 @@ void visit(Visitor& v, MachineConfiguration& p) {
   v.text("name", p.name, "For people.");
   v.text("text", p.text, "One line for `rigwire list machines`.");
   v.required("type");
-  v.choice("type", p.type, kMachineTypes, "Kind of machine.");
-  v.vector3("position", p.position_m, in("m"), "[east, north, up] of the undercarriage.");
+  v.variant("type", p.settings, kMachineTypes, "Topology of the machine.");
+  v.vector3("position", p.position_m, in("m"), "[east, north, up] of its first link.");
   v.number("yaw", p.yaw_rad, in("deg").between(-360, 360), "Of its x from east, left positive.");
   v.boolean("on_ground", p.on_ground, "Whether `up` counts from the terrain under it.");
-  v.section("excavator", p.excavator, "Masses, pins, cylinders, hydraulics, drives.");
   v.list("shapes", p.shapes, "What the lidar sees of it, by link.");
 }
 

@@ -19,7 +19,7 @@ class Checker {
  public:
   Checker(const RigConfiguration& rig, const Origins& origins, Problems& problems)
       : rig_(rig), origins_(origins), problems_(problems), known_(problems.sorted()) {
-    for (const std::string_view link : kExcavatorLinks) {
+    for (const std::string_view link : link_names(rig.machine.settings)) {
       links_.emplace_back(link);
     }
     for (const auto& [name, bus] : rig.buses) {

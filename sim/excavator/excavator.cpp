@@ -2,10 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 namespace rigwire::sim {
 namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr std::array<std::string_view, kLinks> kLinkNames{"undercarriage", "upper", "boom", "stick",
+                                                          "bucket"};
+constexpr std::array<const char*, kArmJoints> kJointNames{"swing", "boom", "stick", "bucket"};
+constexpr std::array<StatusQuantity, 6> kStatusQuantities{{{"swing", "deg"},
+                                                           {"boom", "deg"},
+                                                           {"stick", "deg"},
+                                                           {"bucket", "deg"},
+                                                           {"tip height", "m"},
+                                                           {"supply", "bar"}}};
+constexpr std::array<TruthField, 4> kTruthFields{
+    {{"joint_rad", 4}, {"joint_rate_radps", 4}, {"spool", 4}, {"bucket_tip_m", 3}}};
 
 constexpr double kCushionFloor = 0.1;  // Share of the flow left at the very end of the stroke.
 
@@ -131,6 +145,9 @@ void Excavator::inner_step(double h) {
   }
   targets.start = target_;
 
+  if (!bucket_load_.empty()) {
+    place_bucket_load();
+  }
   ArmState next = state_;
   const ArmStep step = arm_.step(parameters_.scheme, 0.0, h, targets, next);
   if (record_non_finite(next, step.acceleration_radps2)) {
@@ -139,6 +156,7 @@ void Excavator::inner_step(double h) {
   state_ = next;
   acceleration_ = step.acceleration_radps2;
   force_ = step.force;
+  resistance_n_ = step.resistance_n;
   hold_strokes();
   move_targets(h * targets.rates, targets.rates, step.relieved);
   update_pressures();
@@ -204,7 +222,7 @@ bool Excavator::record_non_finite(const ArmState& state, const JointVector& acce
   const auto check = [this](const char* quantity, const JointVector& values) {
     for (int i = 0; i < kArmJoints; ++i) {
       if (!non_finite_ && !std::isfinite(values[i])) {
-        non_finite_ = NonFinite{quantity, i, time_};
+        non_finite_ = NonFinite{quantity, kJointNames[static_cast<std::size_t>(i)], time_};
       }
     }
   };
@@ -276,6 +294,76 @@ ValveSample Excavator::valve_sample(SimTime time) const {
   sample.swing_angle_rad = state_.q_rad[0];
   sample.swing_rate_radps = state_.v_radps[0];
   return sample;
+}
+
+std::span<const std::string_view> Excavator::link_names() const {
+  return kLinkNames;
+}
+
+std::span<const StatusQuantity> Excavator::status_quantities() const {
+  return kStatusQuantities;
+}
+
+void Excavator::read_status(std::span<double> values) const {
+  for (std::size_t i = 0; i < kArmJoints; ++i) {
+    values[i] = state_.q_rad[row(i)] * kDegrees;
+  }
+  values[4] = tip_W().z();
+  values[5] = supply_pressure_pa_ * 1e-5;
+}
+
+std::span<const TruthField> Excavator::truth_fields() const {
+  return kTruthFields;
+}
+
+void Excavator::read_truth(std::span<double> values) const {
+  for (std::size_t i = 0; i < kArmJoints; ++i) {
+    values[i] = state_.q_rad[row(i)];
+    values[4 + i] = state_.v_radps[row(i)];
+    values[8 + i] = spools_[i].position();
+  }
+  const Eigen::Vector3d tip = tip_W();
+  std::copy_n(tip.data(), 3, values.begin() + 12);
+}
+
+void Excavator::set_bucket_force(const Eigen::Vector3d& force_W, const Eigen::Vector3d& point_W) {
+  if (force_W.allFinite() && point_W.allFinite()) {
+    bucket_load_.force_W = force_W;
+    bucket_load_.point_B = link(Link::bucket).X_WL.inverse(Eigen::Isometry) * point_W;
+    if (bucket_load_.empty()) {
+      arm_.load = {};
+    }
+  }
+}
+
+void Excavator::set_bucket_resistances(std::span<const TipResistance> resistances) {
+  bucket_load_.resistance_count = 0;
+  for (const TipResistance& each : resistances) {
+    const bool fine = each.direction_W.allFinite() && each.point_B.allFinite() &&
+                      std::isfinite(each.offset_n) && std::isfinite(each.gain_nspm) &&
+                      each.gain_nspm >= 0.0 && each.limit_n >= 0.0;
+    if (fine && bucket_load_.resistance_count < kTipResistances) {
+      bucket_load_.resistances[bucket_load_.resistance_count++] = each;
+    }
+  }
+  if (bucket_load_.empty()) {
+    arm_.load = {};
+  }
+}
+
+void Excavator::place_bucket_load() {
+  const Eigen::Matrix3d R_CW = X_WC_.linear().transpose();
+  const ArmDynamics& dynamics = arm_.dynamics();
+  ArmLoad& load = arm_.load;
+  load.torque = dynamics.bucket_jacobian_C(state_.q_rad, bucket_load_.point_B).transpose() *
+                (R_CW * bucket_load_.force_W);
+  load.resistance_count = bucket_load_.resistance_count;
+  for (std::size_t i = 0; i < load.resistance_count; ++i) {
+    const TipResistance& each = bucket_load_.resistances[i];
+    load.resistances[i] = {dynamics.bucket_jacobian_C(state_.q_rad, each.point_B).transpose() *
+                               (R_CW * each.direction_W),
+                           each.offset_n, each.gain_nspm, each.limit_n};
+  }
 }
 
 Eigen::Vector3d Excavator::tip_W() const {

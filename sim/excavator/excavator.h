@@ -7,7 +7,8 @@
 // empty. A positive opening turns left, lifts the boom, and draws in stick and bucket: it sends oil
 // to port A and extends the cylinder.
 //
-// The undercarriage stands still where it is put; there is no ground contact of the bucket.
+// The undercarriage stands still where it is put. What the ground does to the bucket comes from
+// outside: set_bucket_force, set_bucket_resistances (bucket_load.h).
 // Deterministic: the same parameters, commands and calls give the same bits on one compiler.
 #pragma once
 
@@ -15,12 +16,16 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string_view>
 
+#include "sim/excavator/bucket_load.h"
 #include "sim/excavator/driven_arm.h"
 #include "sim/excavator/parameters.h"
 #include "sim/hydraulics/spool.h"
 #include "sim/hydraulics/supply.h"
 #include "sim/link_motion.h"
+#include "sim/machine.h"
 #include "sim/samples/valve_sample.h"
 
 namespace rigwire::sim {
@@ -29,14 +34,7 @@ namespace rigwire::sim {
 enum class Link { undercarriage, upper, boom, stick, bucket };
 inline constexpr std::size_t kLinks = 5;
 
-/// The first quantity that stopped being a finite number.
-struct NonFinite {
-  const char* quantity = "";  ///< For example "joint acceleration".
-  int joint = 0;              ///< 0 swing, 1 boom, 2 stick, 3 bucket.
-  SimTime time{};             ///< Machine time of the inner step that failed.
-};
-
-class Excavator {
+class Excavator final : public Machine, public ValvePort {
  public:
   /// X_WC: the undercarriage's pose in the world. The machine starts at rest in parameters.initial,
   /// valves closed, drives carrying the load. Throws std::invalid_argument as validate does, and
@@ -45,25 +43,38 @@ class Excavator {
 
   /// New spool set points, valid until the next. A section whose opening is not a number keeps its
   /// old set point and is counted; openings outside -1 .. 1 are clamped.
-  void command(const ValveCommand& command);
+  void command(const ValveCommand& command) override;
 
   /// Advances the machine, dividing `span` into inner steps of parameters.step_s and a remainder:
   /// one call with N steps gives the same bits as N calls. span <= 0 changes nothing, not one bit.
   /// Never throws, never allocates. After a non-finite result the machine stands still in its last
   /// finite state, see non_finite().
-  void step(Duration span);
+  void step(Duration span) override;
 
   /// Time advanced so far.
-  [[nodiscard]] SimTime time() const { return time_; }
+  [[nodiscard]] SimTime time() const override { return time_; }
 
   /// Motion at the end of the last step in the world frame; accelerations are the solver's own.
   [[nodiscard]] const LinkMotion& link(Link which) const {
     return links_[static_cast<std::size_t>(which)];
   }
+  [[nodiscard]] std::span<const LinkMotion> links() const override { return links_; }
+  [[nodiscard]] std::span<const std::string_view> link_names() const override;
+
+  /// Swing, boom, stick, bucket in degrees, "tip height" in metres above the world's origin,
+  /// "supply" in bar.
+  [[nodiscard]] std::span<const StatusQuantity> status_quantities() const override;
+  void read_status(std::span<double> values) const override;
+
+  /// joint_rad 4, joint_rate_radps 4, spool 4, bucket_tip_m 3 (in the world).
+  [[nodiscard]] std::span<const TruthField> truth_fields() const override;
+  void read_truth(std::span<double> values) const override;
+
+  [[nodiscard]] ValvePort* valve_port() override { return this; }
 
   /// What the transducers read, stamped with `time`. Pressures are the drives' forces over the
   /// areas (supply.h); a section that pushes against its end stop reads the supply's relief.
-  [[nodiscard]] ValveSample valve_sample(SimTime time) const;
+  [[nodiscard]] ValveSample valve_sample(SimTime time) const override;
 
   [[nodiscard]] const JointVector& joint_angles_rad() const { return state_.q_rad; }
   [[nodiscard]] const JointVector& joint_rates_radps() const { return state_.v_radps; }
@@ -86,8 +97,23 @@ class Excavator {
   void set_payload_kg(double mass_kg);
   [[nodiscard]] double payload_kg() const { return arm_.dynamics().payload_kg(); }
 
+  /// A force (N, world frame) on the bucket at a point of the world, which from then on moves with
+  /// the bucket. Acts in every step until the next call; zero ends it. Not-a-number is refused.
+  void set_bucket_force(const Eigen::Vector3d& force_W, const Eigen::Vector3d& point_W);
+  /// Resistances that the arm's solve finds, in every step until the next call; empty ends them,
+  /// more than kTipResistances are dropped, as is one with a member that is not a number.
+  void set_bucket_resistances(std::span<const TipResistance> resistances);
+  void set_bucket_resistance(const TipResistance& resistance) {
+    set_bucket_resistances({&resistance, 1});
+  }
+  /// Forces of the resistances in the last inner step, N along their directions, in the order in
+  /// which they were kept.
+  [[nodiscard]] std::span<const double> bucket_resistances_n() const {
+    return {resistance_n_.data(), bucket_load_.resistance_count};
+  }
+
   [[nodiscard]] bool finite() const { return !non_finite_.has_value(); }
-  [[nodiscard]] const std::optional<NonFinite>& non_finite() const { return non_finite_; }
+  [[nodiscard]] const std::optional<NonFinite>& non_finite() const override { return non_finite_; }
   /// Sections whose command was refused because it was not a number.
   [[nodiscard]] std::uint64_t refused_commands() const { return refused_commands_; }
 
@@ -101,6 +127,8 @@ class Excavator {
   };
 
   void inner_step(double h);
+  /// The bucket's load as torques of the joints, in the pose of now.
+  void place_bucket_load();
   void share_flow();
   /// Target speed that the cushion and the stroke's end allow.
   [[nodiscard]] double limited_flow(std::size_t section, double flow_m3ps) const;
@@ -133,6 +161,8 @@ class Excavator {
   std::array<double, kArmJoints> flow_{};
   std::array<PortPressures, kArmJoints> ports_{};
   double supply_pressure_pa_ = 0.0;
+  BucketLoad bucket_load_;
+  std::array<double, kTipResistances> resistance_n_{};
   std::array<LinkMotion, kLinks> links_;
   std::optional<NonFinite> non_finite_;
   std::uint64_t refused_commands_ = 0;

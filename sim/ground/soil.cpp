@@ -51,10 +51,16 @@ double wheel_sinkage_m(const SoilParameters& soil, double load_n, double width_m
   if (!soil.soft || !(load_n > 0.0)) {
     return 0.0;
   }
+  return std::pow(load_n / wheel_load_n(soil, 1.0, width_m, diameter_m),
+                  1.0 / (clipped_exponent(soil) + 0.5));
+}
+
+double wheel_load_n(const SoilParameters& soil, double sinkage_m, double width_m,
+                    double diameter_m) {
   const double n = clipped_exponent(soil);
   const double modulus = soil.cohesion_modulus + width_m * soil.friction_modulus;
-  return std::pow(3.0 * load_n / ((3.0 - n) * modulus * std::sqrt(diameter_m)),
-                  2.0 / (2.0 * n + 1.0));
+  return (3.0 - n) / 3.0 * modulus * std::sqrt(diameter_m) *
+         std::pow(std::max(0.0, sinkage_m), n + 0.5);
 }
 
 double plate_sinkage_m(const SoilParameters& soil, double pressure_pa, double width_m) {

@@ -39,6 +39,10 @@ void validate(const SoilParameters& soil);
 [[nodiscard]] double wheel_sinkage_m(const SoilParameters& soil, double load_n, double width_m,
                                      double diameter_m);
 
+/// The inverse: load at which a wheel sinks that deep; not for hard ground.
+[[nodiscard]] double wheel_load_n(const SoilParameters& soil, double sinkage_m, double width_m,
+                                  double diameter_m);
+
 /// Static sinkage under a plate with that mean pressure, z = [p / (k_c / b + k_phi)]^(1/n): what a
 /// tyre softer than the ground sinks, whatever its load.
 [[nodiscard]] double plate_sinkage_m(const SoilParameters& soil, double pressure_pa,

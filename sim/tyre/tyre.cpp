@@ -14,6 +14,10 @@ constexpr double kLeastPressure_pa = 1.0e4;  // a flat tyre still has its carcas
 constexpr double kLeastShare = 1e-3;         // of the reference load, keeps stiffnesses above 0
 /// Angle over which the rolling resistance winds up; small against every turn that matters.
 constexpr double kRollingWind_rad = 0.02;
+/// Share of the reference load below which the vertical damper fades, so that a wheel that meets an
+/// edge or lands feels no blow from it.
+constexpr double kDampedShare = 0.25;
+constexpr double kPrecision = 1e-13;  // of the sinkage, per overlap
 
 }  // namespace
 
@@ -99,41 +103,31 @@ TyreSpring Tyre::spring(double overlap_m, const SoilParameters* soft, double pre
       p.stiffness_per_pressure_m > 0.0 ? p.carcass_stiffness_npm / p.stiffness_per_pressure_m : 0.0;
   // A tyre softer than the ground flattens at its own pressure and sinks no deeper.
   const double flat = plate_sinkage_m(*soft, std::max(0.0, pressure_pa) + carcass_pa, p.width_m);
-  const auto sinkage = [&](double load) {
-    return std::min(flat, wheel_sinkage_m(*soft, load, p.width_m, diameter));
-  };
+  const double exponent = std::clamp(soft->exponent, 0.3, 2.0) + 0.5;
+  const double load_at_1m = wheel_load_n(*soft, 1.0, p.width_m, diameter);
+  // Newton's rule within a bracket: the soil's load less the tyre's grows with z.
   double low = 0.0;
   double high = std::min(overlap_m, flat);
-  double f_low = low - sinkage(on_hard(overlap_m).force_n);
-  double f_high = high - sinkage(on_hard(overlap_m - high).force_n);
-  if (f_high < 0.0) {
-    f_high = 0.0;  // only rounding: sinkage never exceeds `flat`
-  }
   double z = high;
-  for (int i = 0; i < 60 && high - low > 1e-13; ++i) {
-    const double gap = f_high - f_low;
-    z = gap > 0.0 ? high - f_high * (high - low) / gap : 0.5 * (low + high);
-    const double f = z - sinkage(on_hard(overlap_m - z).force_n);
-    if (f == 0.0) {
+  double soil_load = load_at_1m * std::pow(z, exponent);
+  TyreSpring tyre = on_hard(overlap_m - z);
+  const bool flattened = flat < overlap_m && soil_load <= tyre.force_n;
+  for (int i = 0; i < 50 && !flattened; ++i) {
+    const double excess = soil_load - tyre.force_n;
+    (excess > 0.0 ? high : low) = z;
+    const double change = excess / (exponent * soil_load / z + tyre.slope_npm);
+    if (std::abs(change) < kPrecision * overlap_m || high - low < kPrecision * overlap_m) {
       break;
     }
-    if (f > 0.0) {
-      high = z;
-      f_high = f;
-      f_low *= 0.5;
-    } else {
-      low = z;
-      f_low = f;
-      f_high *= 0.5;
-    }
+    const double next = z - change;
+    z = next > low && next < high ? next : 0.5 * (low + high);
+    soil_load = load_at_1m * std::pow(z, exponent);
+    tyre = on_hard(overlap_m - z);
   }
-  TyreSpring tyre = on_hard(overlap_m - z);
   tyre.sinkage_m = z;
-  // Slope of the soil under the load by a one per cent secant.
-  const double load = tyre.force_n;
-  if (load > 0.0) {
-    const double soil_slope = (sinkage(1.01 * load) - sinkage(load)) / (0.01 * load);
-    tyre.slope_npm /= 1.0 + tyre.slope_npm * std::max(0.0, soil_slope);
+  if (!flattened) {
+    const double soil_slope = exponent * soil_load / std::max(z, 1e-12);
+    tyre.slope_npm *= soil_slope / (soil_slope + tyre.slope_npm);
   }
   return tyre;
 }
@@ -146,6 +140,7 @@ TyreLaws Tyre::laws(double h, const std::optional<WheelContact>& contact,
     across_.reset();
     turning_.reset();
     last_slip_ = 0.0;
+    last_rate_radps_ = 0.0;
     return laws;
   }
   const TyreParameters& p = parameters_;
@@ -158,7 +153,8 @@ TyreLaws Tyre::laws(double h, const std::optional<WheelContact>& contact,
   laws.touching = true;
   laws.sinkage_m = vertical.sinkage_m;
   laws.rolling_speed_mps = std::abs(rolling_speed_mps);
-  laws.normal = {load, vertical.slope_npm * h + p.vertical_damping_nspm};
+  const double damped = std::min(1.0, load / (kDampedShare * p.reference_load_n));
+  laws.normal = {load, vertical.slope_npm * h + damped * p.vertical_damping_nspm};
   laws.rolling_radius_m = std::max(p.unloaded_radius_m - deflection, 0.5 * p.rim_radius_m);
 
   // Friction, and how the soil's shear softens the bristles.
@@ -212,6 +208,15 @@ TyreLaws Tyre::laws(double h, const std::optional<WheelContact>& contact,
       std::max(laws.rolling_arm_m * load, 1e-6 * p.reference_load_n) / kRollingWind_rad;
   laws.turning.damping = damping(laws.turning.stiffness, carried_mass_kg_ * radius2);
   laws.rolling = turning_.force(laws.turning, h, 0.0);
+  // While it turns, the secant of the limited law: the bristle's own slope would stop the wheel in
+  // the first solve, and the machine would find its tangential limit on the wrong side.
+  const double held = std::abs(laws.rolling.at(last_rate_radps_));
+  const double limit = laws.rolling_arm_m * load;
+  if (held > limit) {
+    laws.rolling.offset *= limit / held;
+    laws.rolling.gain *= limit / held;
+    laws.turning_yields = true;
+  }
   return laws;
 }
 
@@ -226,11 +231,12 @@ void Tyre::settle(double h, const TyreLaws& laws, const TyreResult& result) {
     along_.slide(laws.along, h, laws.rolling_speed_mps, result.longitudinal_slide_mps);
     across_.slide(laws.across, h, laws.rolling_speed_mps, result.lateral_slide_mps);
   }
-  if (result.rolling_limited) {
+  if (result.rolling_limited || laws.turning_yields) {
     turning_.yield(laws.turning, result.rolling_nm);
   } else {
     turning_.slide(laws.turning, h, 0.0, result.wheel_rate_radps);
   }
+  last_rate_radps_ = result.wheel_rate_radps;
   const double sliding = std::hypot(result.longitudinal_slide_mps, result.lateral_slide_mps);
   constexpr double kGreatestSlip = 10.0;
   last_slip_ = sliding < kGreatestSlip * laws.rolling_speed_mps

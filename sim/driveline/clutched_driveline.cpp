@@ -1,0 +1,125 @@
+#include "sim/driveline/clutched_driveline.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rigwire::sim {
+namespace {
+
+WheelVector shares_of(AxleDrive drive) {
+  return drive == AxleDrive::centre_differential ? WheelVector(0.25, 0.25, 0.25, 0.25)
+                                                 : WheelVector(0.0, 0.0, 0.5, 0.5);
+}
+
+}  // namespace
+
+ClutchedDriveline::ClutchedDriveline(const EngineParameters& engine, const ClutchParameters& clutch,
+                                     const AxleParameters& axles)
+    : axles_(axles),
+      shares_(shares_of(axles.drive)),
+      share_matrix_(shares_ * shares_.transpose()),
+      engine_(engine, clutch),
+      locks_(axles) {
+  make_equations();
+}
+
+void ClutchedDriveline::command(const VehicleCommand& command) {
+  const double share = command_.engine_torque_share;
+  const double speed = command_.engine_speed_radps;
+  command_ = command;
+  command_.engine_torque_share = std::isfinite(command.engine_torque_share)
+                                     ? std::clamp(command.engine_torque_share, 0.0, 1.0)
+                                     : share;
+  command_.engine_speed_radps =
+      std::isfinite(command.engine_speed_radps)
+          ? std::clamp(command.engine_speed_radps, 0.0, engine_.engine().parameters().cut_off_radps)
+          : speed;
+  locks_.request(command.lock);
+  request(command_);
+}
+
+EngineDemand ClutchedDriveline::driver_demand() const {
+  const EngineParameters& p = engine_.engine().parameters();
+  return {command_.engine_control, command_.engine_torque_share,
+          std::clamp(command_.engine_speed_radps, p.idle_radps, p.maximum_radps), 1.0};
+}
+
+void ClutchedDriveline::begin(double h, double wheel_inertia_kgm2, WheelVector& rates) {
+  if (!(h > 0.0)) {
+    return;
+  }
+  const double axle = axles_.ratio();
+  double reflected = axles_.output_inertia_kgm2 * axle * axle;
+  if (engine_.sticks()) {
+    reflected += engine_.inertia_kgm2() * overall_ratio() * overall_ratio();
+  }
+  const WheelMatrix inertia =
+      WheelMatrix::Identity() * wheel_inertia_kgm2 + reflected * share_matrix_;
+  if (locks_.advance(h, inertia, rates)) {
+    engine_.follow(transmission_.ratio * output_radps(rates));
+  }
+
+  begin_rates_ = rates;
+  output_radps_ = output_radps(rates);
+  advance(h, output_radps_, transmission_);
+  engine_.begin(h, transmission_.demand, transmission_.capacity_share, transmission_.ratio != 0.0,
+                transmission_.ratio * output_radps_);
+  make_equations();
+}
+
+void ClutchedDriveline::make_equations() {
+  const double axle = axles_.ratio();
+  const double ratio = overall_ratio();
+  const ShaftEquations& shaft = engine_.equations();
+  const double drag = axles_.output_drag_nmsprad;
+  equations_.inertia =
+      (axles_.output_inertia_kgm2 * axle * axle + shaft.inertia_kgm2 * ratio * ratio) *
+      share_matrix_;
+  equations_.damping = (drag * axle * axle + shaft.damping_nmsprad * ratio * ratio) * share_matrix_;
+  equations_.torque_nm = (shaft.torque_nm * ratio - drag * axle * output_radps_) * shares_;
+  equations_.basis = locks_.basis();
+  equations_.coordinates = locks_.coordinates();
+}
+
+bool ClutchedDriveline::accept(double h, const WheelVector& rates) {
+  if (!(h > 0.0) || engine_.accept(h, transmission_.ratio * output_radps(rates))) {
+    return true;
+  }
+  make_equations();
+  return false;
+}
+
+void ClutchedDriveline::finish(double h, const WheelVector& rates) {
+  if (!(h > 0.0) || !rates.allFinite()) {
+    return;
+  }
+  const double output = output_radps(rates);
+  engine_.finish(h, transmission_.ratio * output);
+  drag_heat_j_ += h * axles_.output_drag_nmsprad * output * 0.5 * (output + output_radps_);
+  output_radps_ = output;
+}
+
+void ClutchedDriveline::read(VehicleSample& sample) const {
+  const double engine = engine_.speed_radps();
+  const bool coupled = transmission_.ratio != 0.0;
+  const double input = coupled ? transmission_.ratio * output_radps_ : engine;
+  sample.engine_speed_radps = engine;
+  sample.engine_torque_share = engine_.torque_nm() / engine_.engine().reference_torque_nm();
+  sample.gear = transmission_.gear;
+  sample.gear_requested = command_.gear;
+  sample.crawler_group = transmission_.crawler_group;
+  sample.gear_ratio = transmission_.ratio;
+  sample.shifting = transmission_.shifting;
+  sample.driveline_engaged = engine_.sticks();
+  sample.input_shaft_radps = input;
+  sample.output_shaft_radps = output_radps_;
+  sample.clutch_slip_share =
+      std::clamp(std::abs(engine - input) / std::max({engine, std::abs(input), 1e-3}), 0.0, 1.0);
+  sample.lock = locks_.engaged();
+}
+
+DrivelineEnergy ClutchedDriveline::energy() const {
+  return {engine_.work_j(), engine_.clutch_heat_j(), drag_heat_j_};
+}
+
+}  // namespace rigwire::sim

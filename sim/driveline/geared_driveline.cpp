@@ -1,0 +1,74 @@
+#include "sim/driveline/geared_driveline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace rigwire::sim {
+namespace {
+
+const GearedParameters& checked(const GearedParameters& parameters) {
+  validate(parameters);
+  return parameters;
+}
+
+}  // namespace
+
+GearedDriveline::GearedDriveline(const GearedParameters& parameters)
+    : ClutchedDriveline(checked(parameters).engine, parameters.clutch, parameters.axles),
+      gearbox_(parameters.gearbox),
+      shift_(parameters.gearbox) {}
+
+bool GearedDriveline::has(const GearSelection& selection) const {
+  return selection.gear <= static_cast<int>(gearbox_.forward.size()) &&
+         selection.gear >= -static_cast<int>(gearbox_.reverse.size()) &&
+         (!selection.crawler_group || gearbox_.crawler_factor > 0.0);
+}
+
+double GearedDriveline::gear_ratio(const GearSelection& selection) const {
+  if (selection.gear == 0 || !has(selection)) {
+    return 0.0;
+  }
+  const double factor = selection.crawler_group ? gearbox_.crawler_factor : 1.0;
+  return selection.gear > 0
+             ? gearbox_.forward[static_cast<std::size_t>(selection.gear - 1)] * factor
+             : -gearbox_.reverse[static_cast<std::size_t>(-(selection.gear + 1))] * factor;
+}
+
+void GearedDriveline::request(const VehicleCommand& command) {
+  const GearSelection wanted{command.gear, command.crawler_group};
+  if (has(wanted)) {
+    shift_.request(wanted);
+  }
+}
+
+bool GearedDriveline::permitted(double output_radps) const {
+  const GearSelection& target = shift_.target();
+  const EngineParameters& engine = this->engine().engine().parameters();
+  const double input = gear_ratio(target) * output_radps;
+  const bool group_may_change = target.crawler_group == shift_.engaged().crawler_group ||
+                                std::abs(output_radps) < gearbox_.group_change_radps * axle_ratio();
+  return group_may_change && input <= engine.maximum_radps && input >= -engine.idle_radps;
+}
+
+void GearedDriveline::advance(double h, double output_radps, Transmission& transmission) {
+  shift_.advance(h, permitted(output_radps));
+
+  const GearSelection& engaged = shift_.engaged();
+  transmission.gear = engaged.gear;
+  transmission.crawler_group = engaged.crawler_group;
+  transmission.ratio = gear_ratio(engaged);
+  transmission.shifting = shift_.shifting();
+  transmission.capacity_share = shift_.torque_share();
+  transmission.demand = driver_demand();
+  if (shift_.synchronising() && shift_.target().gear != 0) {
+    const EngineParameters& engine = this->engine().engine().parameters();
+    transmission.demand.control = EngineControl::speed;
+    transmission.demand.speed_radps = std::clamp(gear_ratio(shift_.target()) * output_radps,
+                                                 engine.idle_radps, engine.maximum_radps);
+  } else if (shift_.shifting()) {
+    transmission.demand.limit_share = shift_.torque_share();
+  }
+}
+
+}  // namespace rigwire::sim

@@ -1,0 +1,33 @@
+// Engine, automated friction clutch, step gearbox with crawler group, differentials with locks.
+//
+// A shift ramps engine torque and clutch capacity down, swaps the ratio while nothing is clutched,
+// brings the engine near the new gear's speed, and closes the clutch again; what difference is left
+// the clutch merges, keeping angular momentum. A gear waits while it would turn the engine beyond
+// its greatest speed, or backwards faster than idle; the crawler group changes near standstill
+// only.
+#pragma once
+
+#include "sim/driveline/clutched_driveline.h"
+#include "sim/driveline/shift_sequence.h"
+
+namespace rigwire::sim {
+
+class GearedDriveline final : public ClutchedDriveline {
+ public:
+  /// In neutral, at idle. Throws as validate() does.
+  explicit GearedDriveline(const GearedParameters& parameters);
+
+  [[nodiscard]] bool has(const GearSelection& selection) const;
+  /// Gearbox input to output, reverse negative; 0 in neutral and for a gear that does not exist.
+  [[nodiscard]] double gear_ratio(const GearSelection& selection) const;
+
+ private:
+  void request(const VehicleCommand& command) override;
+  void advance(double h, double output_radps, Transmission& transmission) override;
+  [[nodiscard]] bool permitted(double output_radps) const;
+
+  GearboxParameters gearbox_;
+  ShiftSequence shift_;
+};
+
+}  // namespace rigwire::sim

@@ -1,0 +1,288 @@
+#include "sim/vehicle/full_vehicle.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rigwire::sim {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr int kMostPasses = 12;
+constexpr double kLocked_nm = 1e12;  // Brakes while the vehicle is put on its wheels.
+
+constexpr std::array<const char*, kVelocities> kPartNames{"body",
+                                                          "body",
+                                                          "body",
+                                                          "body",
+                                                          "body",
+                                                          "body",
+                                                          "front axle",
+                                                          "front axle",
+                                                          "rear axle",
+                                                          "rear axle",
+                                                          "front left wheel",
+                                                          "front right wheel",
+                                                          "rear left wheel",
+                                                          "rear right wheel"};
+
+constexpr const char* quantity_name(std::size_t i) {
+  if (i < 3) {
+    return "acceleration";
+  }
+  return i < kBodyVelocities
+             ? "angular acceleration"
+             : (i < kWheelVelocity ? "suspension acceleration" : "wheel acceleration");
+}
+
+Vector3d inertia_times(const UnsprungMass& part, const Vector3d& v) {
+  return part.transverse_kgm2 * v +
+         ((part.axial_kgm2 - part.transverse_kgm2) * part.axis.dot(v)) * part.axis;
+}
+
+}  // namespace
+
+void FullVehicle::update_kinematics(const Vector3d& w_B) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    axles_[i].update(Vector2d(state_.suspension[2 * i], state_.suspension[2 * i + 1]),
+                     Vector2d(state_.suspension_rate[2 * i], state_.suspension_rate[2 * i + 1]),
+                     w_B, steer_rad(i));
+  }
+}
+
+void FullVehicle::add_mass(double mass_kg, const UnsprungMass& part, std::size_t axle, double h,
+                           const Vector3d& gravity_B) {
+  auto& A = base_.matrix;
+  auto& b = base_.right;
+  const Vector3d& c = part.position_m;
+  const double m = mass_kg;
+  const double mx = m * c.x();
+  const double my = m * c.y();
+  const double mz = m * c.z();
+  for (std::size_t i = 0; i < 3; ++i) {
+    A[i][i] += m;
+  }
+  // m [c]x below the diagonal block.
+  A[3][1] -= mz;
+  A[3][2] += my;
+  A[4][0] += mz;
+  A[4][2] -= mx;
+  A[5][0] -= my;
+  A[5][1] += mx;
+  const double t = part.transverse_kgm2;
+  const double d = part.axial_kgm2 - t;
+  const Vector3d& a = part.axis;
+  A[3][3] += t + d * a.x() * a.x() + my * c.y() + mz * c.z();
+  A[4][3] += d * a.y() * a.x() - mx * c.y();
+  A[4][4] += t + d * a.y() * a.y() + mx * c.x() + mz * c.z();
+  A[5][3] += d * a.z() * a.x() - mx * c.z();
+  A[5][4] += d * a.z() * a.y() - my * c.z();
+  A[5][5] += t + d * a.z() * a.z() + mx * c.x() + my * c.y();
+
+  const Vector3d force = m * (gravity_B - part.bias_mps2);
+  const Vector3d turn =
+      -(inertia_times(part, part.bias_radps2) + part.rate.cross(inertia_times(part, part.rate)));
+  const Vector3d torque = c.cross(force) + turn;
+  for (std::size_t i = 0; i < 3; ++i) {
+    b[i] += h * force[static_cast<Eigen::Index>(i)];
+    b[i + 3] += h * torque[static_cast<Eigen::Index>(i)];
+  }
+  const std::size_t s = kBodyVelocities + 2 * axle;
+  std::array<Vector3d, 2> linear;
+  std::array<Vector3d, 2> angular;
+  for (std::size_t k = 0; k < 2; ++k) {
+    linear[k] = m * part.velocity_by_s[k];
+    angular[k] = inertia_times(part, part.rate_by_s[k]);
+    const Vector3d moment = c.cross(linear[k]) + angular[k];
+    for (std::size_t i = 0; i < 3; ++i) {
+      A[s + k][i] += linear[k][static_cast<Eigen::Index>(i)];
+      A[s + k][i + 3] += moment[static_cast<Eigen::Index>(i)];
+    }
+    b[s + k] += h * (part.velocity_by_s[k].dot(force) + part.rate_by_s[k].dot(turn));
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    for (std::size_t j = 0; j <= k; ++j) {
+      A[s + k][s + j] += part.velocity_by_s[k].dot(linear[j]) + part.rate_by_s[k].dot(angular[j]);
+    }
+  }
+}
+
+void FullVehicle::add_suspension(double h, const Velocities& start) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::size_t s = kBodyVelocities + 2 * i;
+    const Vector2d rate(start[s], start[s + 1]);
+    const SuspensionForce f =
+        axles_[i].force(Vector2d(state_.suspension[2 * i], state_.suspension[2 * i + 1]), rate);
+    const double cross = h * f.cross_stiffness;
+    const double first = h * f.stiffness[0];
+    const double second = h * f.stiffness[1];
+    base_.matrix[s][s] += h * (first + f.damping[0]);
+    base_.matrix[s + 1][s + 1] += h * (second + f.damping[1]);
+    base_.matrix[s + 1][s] += h * cross;
+    base_.right[s] += h * (f.force[0] - first * rate[0] - cross * rate[1]);
+    base_.right[s + 1] += h * (f.force[1] - second * rate[1] - cross * rate[0]);
+  }
+}
+
+void FullVehicle::assemble(double h, const Vector3d& w_B, const Velocities& start) {
+  base_ = {};
+  auto& A = base_.matrix;
+  auto& b = base_.right;
+  const Matrix3d R_WB = state_.q_WB.toRotationMatrix();
+  const Vector3d gravity_B = -parameters_.gravity_mps2 * R_WB.row(2).transpose();
+
+  const SprungBodyParameters& body = parameters_.body;
+  const Vector3d& I = body.principal_inertia_kgm2;
+  const Vector3d v_B(start[0], start[1], start[2]);
+  const Vector3d force =
+      body.mass_kg * gravity_B - (parameters_.air_drag_ns2pm2 * v_B.norm()) * v_B;
+  Vector3d torque = -w_B.cross(I.cwiseProduct(w_B));
+
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (int k = 0; k < axles_[i].masses(); ++k) {
+      const UnsprungMass& part = axles_[i].mass(k);
+      add_mass(part.mass_kg, part, i, h, gravity_B);
+    }
+  }
+  // What keeps the wheels' angular momentum turning with the carriers acts back on them.
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    const WheelFrame& frame = axles_[i / 2].wheel(i % 2);
+    const double spin_inertia = wheel_terms_[i].spin_inertia_kgm2();
+    const double bias = -h * spin_inertia * frame.axis.dot(frame.bias_radps2);
+    const double spin = spin_inertia * (start[kWheelVelocity + i] + frame.axis.dot(frame.rate));
+    const Vector3d gyro = -spin * frame.rate.cross(frame.axis);
+    const Vector3d whole = h * gyro + bias * frame.axis;
+    for (std::size_t k = 0; k < 3; ++k) {
+      b[3 + k] += whole[static_cast<Eigen::Index>(k)];
+    }
+    const std::size_t s = kBodyVelocities + 2 * (i / 2);
+    b[s] += frame.rate_by_s[0].dot(whole);
+    b[s + 1] += frame.rate_by_s[1].dot(whole);
+    b[kWheelVelocity + i] += bias;
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    A[i][i] += body.mass_kg;
+    A[i + 3][i + 3] += I[k];
+    b[i] += h * force[k];
+    b[i + 3] += h * torque[k];
+  }
+  add_suspension(h, start);
+}
+
+void FullVehicle::contacts(double h, const Velocities& start) {
+  const Matrix3d R_WB = state_.q_WB.toRotationMatrix();
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    const WheelFrame& frame = axles_[i / 2].wheel(i % 2);
+    const auto contact = ground_->wheel_contact(state_.p_WC + R_WB * frame.hub_m, R_WB * frame.axis,
+                                                axle(i / 2).tyre.unloaded_radius_m);
+    const SoilParameters& soil = ground_->soil(contact ? contact->ground.soil : std::uint8_t{0});
+    wheel_terms_[i].begin(h, frame, R_WB, contact, soil, tyre_pressure_pa(i),
+                          settling_ ? kLocked_nm : brake_limit_nm(i), start);
+  }
+  chassis_.begin(h, *ground_, state_.p_WC, R_WB, start);
+}
+
+void FullVehicle::inner_step(double h) {
+  if (!settling_) {
+    WheelVector rates(state_.wheel_rate_radps.data());
+    driveline_->begin(h, wheel_terms_[0].spin_inertia_kgm2(), rates);
+    for (std::size_t i = 0; i < kWheels; ++i) {
+      state_.wheel_rate_radps[i] = rates[static_cast<Eigen::Index>(i)];
+    }
+  }
+  const Vector3d& w = state_.w_WB_B;
+  half_turn_ = -0.5 * h * (whole_inertia_inverse_ * w.cross(whole_inertia_ * w));
+  const Vector3d w_mid = w + half_turn_;
+  update_kinematics(w_mid);
+
+  Velocities start;
+  const Vector3d v_B = state_.q_WB.conjugate() * state_.v_WC_W;
+  for (std::size_t i = 0; i < 3; ++i) {
+    start[i] = v_B[static_cast<Eigen::Index>(i)];
+    start[i + 3] = w[static_cast<Eigen::Index>(i)];
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    start[kBodyVelocities + i] = state_.suspension_rate[i];
+    start[kWheelVelocity + i] = state_.wheel_rate_radps[i];
+  }
+  contacts(h, start);
+  assemble(h, w_mid, start);
+
+  static const SpinEquations kNoDriveline;
+  Velocities change{};
+  Velocities found{};
+  for (passes_ = 1;; ++passes_) {
+    VelocitySystem system = base_;
+    for (const WheelTerms& wheel : wheel_terms_) {
+      wheel.add(h, start, system);
+    }
+    chassis_.add(h, start, system);
+    const SpinEquations& drive = settling_ ? kNoDriveline : driveline_->equations();
+    if (!settling_) {
+      system.add_wheels(drive.inertia + h * drive.damping, h * drive.torque_nm);
+    }
+    change = system.solve(drive.basis, drive.coordinates);
+    for (std::size_t i = 0; i < kVelocities; ++i) {
+      found[i] = start[i] + change[i];
+    }
+    if (passes_ >= kMostPasses) {
+      break;
+    }
+    bool changed = chassis_.changes(found);
+    for (WheelTerms& wheel : wheel_terms_) {
+      changed = wheel.changes(found) || changed;
+    }
+    if (!changed && !settling_) {
+      changed = !driveline_->accept(h, WheelVector(&found[kWheelVelocity]));
+    }
+    if (!changed) {
+      break;
+    }
+  }
+  if (finite(change)) {
+    advance(h, found, change);
+  }
+}
+
+bool FullVehicle::finite(const Velocities& change) {
+  for (std::size_t i = 0; i < kVelocities; ++i) {
+    if (!std::isfinite(change[i])) {
+      record_non_finite(quantity_name(i), kPartNames[i]);
+      return false;
+    }
+  }
+  return true;
+}
+
+void FullVehicle::advance(double h, const Velocities& found, const Velocities& change) {
+  for (std::size_t i = 0; i < kVelocities; ++i) {
+    acceleration_[i] = change[i] / h;
+  }
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    wheel_terms_[i].settle(h, found, wheels_[i]);
+    state_.suspension_rate[i] = found[kBodyVelocities + i];
+    state_.suspension[i] += h * state_.suspension_rate[i];
+    state_.wheel_rate_radps[i] = found[kWheelVelocity + i];
+    state_.wheel_angle_rad[i] = std::remainder(
+        state_.wheel_angle_rad[i] + h * state_.wheel_rate_radps[i], 2.0 * std::numbers::pi);
+  }
+  suspension_ = state_.suspension;
+  chassis_.settle(h, found);
+  state_.v_WC_W = state_.q_WB * Vector3d(found[0], found[1], found[2]);
+  state_.p_WC += h * state_.v_WC_W;
+  state_.w_WB_B = Vector3d(found[3], found[4], found[5]);
+  const Vector3d turn = h * (state_.w_WB_B - half_turn_);
+  const double angle = turn.norm();
+  const double half_sine = angle > 1e-8 ? std::sin(0.5 * angle) / angle : 0.5;
+  state_.q_WB = state_.q_WB * Eigen::Quaterniond(std::cos(0.5 * angle), half_sine * turn.x(),
+                                                 half_sine * turn.y(), half_sine * turn.z());
+  state_.q_WB.normalize();
+  if (!settling_) {
+    driveline_->finish(h, WheelVector(&found[kWheelVelocity]));
+  }
+}
+
+}  // namespace rigwire::sim

@@ -1,0 +1,156 @@
+#include "sim/vehicle/kinematic_vehicle.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rigwire::sim {
+namespace {
+
+constexpr int kMostPasses = 6;
+constexpr double kTravelLag_s = 0.5;
+constexpr double kHoldDampingRatio = 0.7;
+
+}  // namespace
+
+KinematicVehicle::KinematicVehicle(const WheeledVehicleParameters& parameters, const Ground& ground,
+                                   std::unique_ptr<Driveline> driveline, const VehiclePlace& place)
+    : WheeledVehicle(parameters, ground, std::move(driveline)), follower_(parameters_) {
+  follower_.reset(ground, place);
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    wheels_[i].radius_m = static_.wheel_height_m[i / 2];
+    wheels_[i].load_n = static_.wheel_n[i / 2];
+    wheels_[i].touching = true;
+  }
+  update_links();
+}
+
+void KinematicVehicle::update_geometry() {
+  const double front = std::tan(steering_[0].angle_rad());
+  const double rear = std::tan(steering_[1].angle_rad());
+  curvature_1pm_ = (front - rear) / parameters_.wheelbase_m();
+  sideways_ = rear - parameters_.rear.position_x_m * curvature_1pm_;
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    const Eigen::Vector3d centre = wheel_centre_m(parameters_, static_, i);
+    const double steer = steer_rad(i / 2)[i % 2];
+    const double ahead = 1.0 - curvature_1pm_ * centre.y();
+    const double left = sideways_ + curvature_1pm_ * centre.x();
+    rate_per_speed_[static_cast<Eigen::Index>(i)] =
+        (ahead * std::cos(steer) + left * std::sin(steer)) / static_.wheel_height_m[i / 2];
+  }
+}
+
+double KinematicVehicle::drive(double h) {
+  const double m = parameters_.mass_kg();
+  const Eigen::Matrix3d R_WB = follower_.R_WB();
+  const double gravity = parameters_.gravity_mps2;
+  const double pressing = m * gravity * std::max(0.0, R_WB(2, 2));
+
+  double brake = 0.0;
+  double rolling = 0.0;
+  double friction = 0.0;
+  double inertia = m;
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    const double per_speed = std::abs(rate_per_speed_[static_cast<Eigen::Index>(i)]);
+    const TyreParameters& tyre = axle(i / 2).tyre;
+    brake += brake_limit_nm(i) * per_speed;
+    rolling += 0.25 * pressing * tyre.rolling_resistance;
+    friction += 0.25 * tyre.friction_factor * follower_.ground()[i].friction;
+    inertia += axle(i / 2).wheel_spin_inertia_kgm2 * per_speed * per_speed;
+  }
+  const double limit = std::min(brake, friction * pressing) + rolling;
+  double stiffness = 0.0;
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    stiffness += axle(i / 2).tyre.longitudinal_stiffness_npm;
+  }
+  const BristleParameters hold{stiffness, 2.0 * kHoldDampingRatio * std::sqrt(stiffness * m), 1.0};
+  const ImplicitForce law = hold_.force(hold, h, 0.0);
+  const double v = speed_mps_;
+  const double outer = -m * gravity * R_WB(2, 0) - parameters_.air_drag_ns2pm2 * std::abs(v) * v;
+
+  double change = 0.0;
+  double held = std::copysign(limit, -v);
+  for (int pass = 1;; ++pass) {
+    const SpinEquations& drive = driveline_->equations();
+    const WheelVector& g = rate_per_speed_;
+    double weight = inertia + g.dot((drive.inertia + h * drive.damping) * g);
+    double impulse = h * (outer + g.dot(drive.torque_nm));
+    if (held_at_limit_) {
+      impulse += h * held;
+    } else {
+      weight += h * law.gain;
+      impulse += h * law.at(v);
+    }
+    change = impulse / weight;
+    if (pass >= kMostPasses) {
+      break;
+    }
+    const double trial = law.at(v + change);
+    const bool beyond = std::abs(trial) > limit;
+    const double clamped = std::copysign(limit, trial);
+    bool changed = beyond != held_at_limit_ || (beyond && clamped != held);
+    held_at_limit_ = beyond;
+    held = clamped;
+    if (!changed) {
+      changed = !driveline_->accept(h, g * (v + change));
+    }
+    if (!changed) {
+      break;
+    }
+  }
+  const double found = v + change;
+  if (held_at_limit_) {
+    hold_.yield(hold, held);
+  } else {
+    hold_.slide(hold, h, 0.0, found);
+  }
+  return found;
+}
+
+void KinematicVehicle::inner_step(double h) {
+  update_geometry();
+  WheelVector rates = rate_per_speed_ * speed_mps_;
+  driveline_->begin(h, axle(0).wheel_spin_inertia_kgm2, rates);
+  double found = drive(h);
+  if (command_.travel_speed_mps != 0.0) {
+    found = speed_mps_ - (command_.travel_speed_mps - speed_mps_) * std::expm1(-h / kTravelLag_s);
+  }
+  if (!std::isfinite(found)) {
+    record_non_finite("speed", "body");
+    return;
+  }
+  speed_mps_ = found;
+  const WheelVector new_rates = rate_per_speed_ * found;
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    const double rate = new_rates[static_cast<Eigen::Index>(i)];
+    rate_radps2_[i] = (rate - rate_radps_[i]) / h;
+    rate_radps_[i] = rate;
+    spin_rad_[i] = std::remainder(spin_rad_[i] + h * rate, 2.0 * std::numbers::pi);
+    wheels_[i].rate_radps = rate;
+    wheels_[i].friction = follower_.ground()[i].friction;
+  }
+  driveline_->finish(h, new_rates);
+  follower_.step(h, *ground_, found * Eigen::Vector2d(1.0, sideways_), found * curvature_1pm_);
+  if (!follower_.finite()) {
+    record_non_finite("position", "body");
+  }
+}
+
+void KinematicVehicle::start_rolling(double speed_mps) {
+  speed_mps_ = speed_mps;
+  update_geometry();
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    rate_radps_[i] = rate_per_speed_[static_cast<Eigen::Index>(i)] * speed_mps;
+    wheels_[i].rate_radps = rate_radps_[i];
+  }
+  follower_.set_speed(speed_mps * Eigen::Vector2d(1.0, sideways_));
+  update_links();
+}
+
+void KinematicVehicle::update_links() {
+  const std::array<double, 4> steer{steer_rad(0)[0], steer_rad(0)[1], steer_rad(1)[0],
+                                    steer_rad(1)[1]};
+  rigid_links(parameters_, static_, steer, spin_rad_, rate_radps_, rate_radps2_, follower_.body(),
+              links_);
+}
+
+}  // namespace rigwire::sim

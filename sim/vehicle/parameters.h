@@ -1,0 +1,163 @@
+// Everything that makes one wheeled vehicle of two axles: masses, axles, springs, tyres, steering,
+// brakes, tyre pressure system. Defaults: Mercedes-Benz Unimog U5023; gator_855d() is the John
+// Deere Gator XUV 855D.
+//
+// Sources: few numbers are makers' (docs/machines/unimog-u5023.md and gator-855d.md say which); the
+// others are estimates, and stay estimates until a data sheet is in hand. Drive line: of its own
+// (sim/driveline).
+//
+// Body frame B: x forward, y left, z up; origin on the ground below the middle of the rear axle
+// when the vehicle stands on level ground with its tyres at their reference pressure ("design
+// position"). Wheels: front left, front right, rear left, rear right.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include "sim/samples/vehicle_sample.h"
+#include "sim/tyre/tyre.h"
+
+namespace rigwire::sim {
+
+/// How much of the vehicle is computed. All levels drive, steer and report through the same
+/// interface.
+enum class VehicleLevel : std::uint8_t {
+  kinematic,  ///< Bicycle without slip along the terrain; the drive line and brakes set the speed.
+  planar,     ///< 3 degrees of freedom and 4 wheel spins; loads quasi-static; slip.
+  full,       ///< 14 degrees of freedom: body 6, suspension 4, wheel spins 4.
+};
+
+enum class AxleType : std::uint8_t {
+  beam,         ///< Rigid axle on a push tube: heave and roll.
+  independent,  ///< Each wheel has its own travel.
+};
+
+/// What the springs carry.
+struct SprungBodyParameters {
+  double mass_kg = 7600.0;
+  Eigen::Vector3d center_of_mass_m{2.05, 0.0, 1.32};            ///< In B.
+  Eigen::Vector3d principal_inertia_kgm2{5.5e3, 2.3e4, 2.4e4};  ///< About it, along B's axes.
+};
+
+/// One-sided spring at the end of a travel, whose stiffness grows linearly over the ramp:
+/// stiffness x^2 / (2 ramp) within it, stiffness (x - ramp / 2) beyond.
+struct StopParameters {
+  double stiffness = 1.0e6;  ///< N/m, or N m/rad.
+  double ramp = 0.02;        ///< m, or rad.
+};
+
+/// Push tube, heave and roll. Springs carry the static load at heave 0.
+struct BeamAxleParameters {
+  double mass_kg = 700.0;            ///< With wheels.
+  double roll_inertia_kgm2 = 450.0;  ///< With wheels, about its centre; also in yaw.
+  double pitch_inertia_kgm2 = 20.0;  ///< Without the wheels' spin.
+  double tube_length_m = 1.3;        ///< Axle to spherical pivot, towards the vehicle's middle; 0
+                                     ///< guides the axle straight up and down.
+  double tube_rise_m = 0.05;         ///< Pivot above the axle's centre.
+  double roll_centre_rise_m = 0.10;  ///< Panhard rod above the axle's centre.
+  double spring_npm = 1.6e5;         ///< Of each side.
+  double damper_nspm = 1.0e4;        ///< Of each side.
+  double spring_base_m = 1.05;       ///< Left to right spring, and damper.
+  double roll_bar_nmprad = 0.0;      ///< Between the two sides.
+  double bump_travel_m = 0.16;       ///< Heave up to the bump stop.
+  double rebound_travel_m = 0.20;
+  StopParameters bump_stop{1.5e6, 0.03};
+  double articulation_rad = 30.0 * std::numbers::pi / 180.0;  ///< Roll up to the limiter.
+  StopParameters articulation_stop{2.0e6, 2.0 * std::numbers::pi / 180.0};
+};
+
+/// Wheel carrier that moves up and down in B.
+struct IndependentAxleParameters {
+  double corner_mass_kg = 30.0;      ///< Wheel, carrier and half the arms.
+  double corner_inertia_kgm2 = 0.7;  ///< About any diameter of the wheel.
+  double spring_npm = 2.5e4;         ///< At the wheel, per side.
+  double damper_nspm = 1.6e3;        ///< At the wheel, per side.
+  double roll_bar_npm = 0.0;         ///< Force per difference of travels.
+  double bump_travel_m = 0.11;
+  double rebound_travel_m = 0.12;
+  StopParameters bump_stop{3.0e5, 0.03};
+  double camber_gain_radpm = -0.3;  ///< Top of the wheel outward positive, per bump.
+  double toe_gain_radpm = 0.0;      ///< Toe-in positive, per bump.
+};
+
+struct SteeringParameters {
+  double angle_max_rad = 0.0;   ///< Of the equivalent single wheel; 0: the axle does not steer.
+  double rate_max_radps = 0.6;  ///< Same.
+  double time_constant_s = 0.08;
+};
+
+struct VehicleAxleParameters {
+  AxleType type = AxleType::beam;
+  double position_x_m = 0.0;  ///< In B.
+  double track_m = 1.94;
+  double portal_offset_m = 0.13;  ///< Wheel's centre below the beam's.
+  double wheel_spin_inertia_kgm2 = 33.0;
+  BeamAxleParameters beam;
+  IndependentAxleParameters independent;
+  TyreParameters tyre;
+  SteeringParameters steering;
+  double brake_torque_nm = 3.0e4;      ///< Of both wheels together, pedal down.
+  double parking_brake_nm = 0.0;       ///< Of both wheels together.
+  double initial_pressure_pa = 4.5e5;  ///< Of its tyres, above ambient.
+};
+
+/// Central tyre inflation: each pressure follows its set point.
+struct TyrePressureParameters {
+  bool adjustable = true;  ///< Without: set points are ignored.
+  double inflate_time_constant_s = 150.0;
+  double deflate_time_constant_s = 90.0;
+  double pressure_min_pa = 0.8e5;
+  double pressure_max_pa = 6.0e5;
+};
+
+/// Corners of body and underbody that may hit the ground or an obstacle, in B.
+struct ChassisContactParameters {
+  std::vector<Eigen::Vector3d> points_m;
+  double stiffness_npm = 1.0e6;
+  double damping_nspm = 2.0e4;
+};
+
+struct WheeledVehicleParameters {
+  VehicleLevel level = VehicleLevel::full;
+  SprungBodyParameters body;
+  VehicleAxleParameters front;
+  VehicleAxleParameters rear;
+  double brake_stiffness_nmprad = 4.0e5;  ///< Of a brake that holds, at the wheel.
+  TyrePressureParameters tyre_pressure;
+  ChassisContactParameters chassis;
+  double air_drag_ns2pm2 = 3.3;  ///< Force per speed squared, at the centre of mass.
+  double step_s = 1e-3;          ///< Longest inner step; longer calls of step() are divided.
+  double gravity_mps2 = 9.80665;
+
+  /// The Unimog U5023.
+  WheeledVehicleParameters();
+
+  [[nodiscard]] double wheelbase_m() const { return front.position_x_m - rear.position_x_m; }
+  [[nodiscard]] double axle_mass_kg(const VehicleAxleParameters& axle) const {
+    return axle.type == AxleType::beam ? axle.beam.mass_kg : 2.0 * axle.independent.corner_mass_kg;
+  }
+  [[nodiscard]] double mass_kg() const {
+    return body.mass_kg + axle_mass_kg(front) + axle_mass_kg(rear);
+  }
+};
+
+/// What carries what when the vehicle stands on level ground, in design position.
+struct StaticLoads {
+  std::array<double, 2> spring_n{};        ///< Of both springs of front and rear axle.
+  std::array<double, 2> wheel_n{};         ///< Of one wheel of front and rear axle.
+  std::array<double, 2> wheel_height_m{};  ///< Wheel's centre above ground.
+  Eigen::Vector3d center_of_mass_m = Eigen::Vector3d::Zero();  ///< Of everything, in B.
+};
+[[nodiscard]] StaticLoads static_loads(const WheeledVehicleParameters& parameters);
+
+/// John Deere Gator XUV 855D with driver and sensors.
+[[nodiscard]] WheeledVehicleParameters gator_855d();
+
+/// Throws std::invalid_argument that names the quantity, the value found and what is allowed.
+void validate(const WheeledVehicleParameters& parameters);
+
+}  // namespace rigwire::sim

@@ -1,0 +1,232 @@
+#include "sim/vehicle/wheel_terms.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rigwire::sim {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kBrakeDampingRatio = 0.7;
+// How far a force held at its limit may be from the limit that the solve then finds.
+constexpr double kSlidingTolerance = 2e-3;
+constexpr double kRollingTolerance = 5e-2;
+
+void set(VelocityRow& row, const Vector3d& linear, const Vector3d& angular, double first,
+         double second, double wheel) {
+  row.value = {linear.x(),  linear.y(), linear.z(), angular.x(), angular.y(),
+               angular.z(), first,      second,     wheel};
+}
+
+/// Of a scalar element; returns whether its set changed.
+bool hold(double trial, double limit, double tolerance, bool& held, double& force) {
+  if (std::abs(trial) <= limit) {
+    const bool changed = held;
+    held = false;
+    return changed;
+  }
+  const double clamped = std::copysign(limit, trial);
+  if (held && std::abs(clamped - force) <= tolerance * limit) {
+    return false;
+  }
+  held = true;
+  force = clamped;
+  return true;
+}
+
+}  // namespace
+
+WheelTerms::WheelTerms(const VehicleAxleParameters& axle, double carried_mass_kg, std::size_t wheel,
+                       double brake_stiffness_nmprad)
+    : tyre_(axle.tyre, carried_mass_kg),
+      brake_bristle_{brake_stiffness_nmprad,
+                     2.0 * kBrakeDampingRatio *
+                         std::sqrt(brake_stiffness_nmprad * axle.wheel_spin_inertia_kgm2),
+                     1.0},
+      spin_inertia_kgm2_(axle.wheel_spin_inertia_kgm2),
+      wheel_(wheel) {
+  for (VelocityRow* row : {&normal_, &along_, &across_, &spin_}) {
+    row->wheel = wheel;
+    row->axle = wheel / 2;
+  }
+}
+
+void WheelTerms::begin(double h, const WheelFrame& frame, const Eigen::Matrix3d& R_WB,
+                       const std::optional<WheelContact>& contact, const SoilParameters& soil,
+                       double pressure_pa, double brake_limit_nm, const Velocities& start) {
+  const Vector3d& axis = frame.axis;
+  set(spin_, Vector3d::Zero(), axis, axis.dot(frame.rate_by_s[0]), axis.dot(frame.rate_by_s[1]),
+      1.0);
+  brake_limit_nm_ = brake_limit_nm;
+  if (brake_limit_nm > 0.0) {
+    brake_law_ = brake_.force(brake_bristle_, h, 0.0);
+    brake_nm_ = std::copysign(brake_limit_nm, brake_nm_);
+  } else {
+    brake_.reset();
+    brake_law_ = {};
+    brake_held_ = false;
+  }
+
+  Vector3d normal = Vector3d::UnitZ();
+  Vector3d forward = Vector3d::UnitX();
+  double crossing = 0.0;
+  if (contact) {
+    normal = R_WB.transpose() * contact->normal_W;
+    forward = axis.cross(normal);
+    crossing = forward.norm();
+  }
+  if (crossing < 1e-3) {  // Nothing below, or it lies flat on its side.
+    laws_ = tyre_.laws(h, std::nullopt, soil, pressure_pa, 0.0);
+    lifted_ = sliding_ = rolling_held_ = false;
+    return;
+  }
+  const double radius = laws_.touching ? laws_.rolling_radius_m
+                                       : tyre_.parameters().unloaded_radius_m - contact->depth_m;
+  laws_ = tyre_.laws(h, contact, soil, pressure_pa, spin_.of(start) * radius);
+  if (!laws_.touching) {
+    lifted_ = sliding_ = rolling_held_ = false;
+    return;
+  }
+  friction_ = contact->ground.friction;
+  lifted_ = false;
+  forward /= crossing;
+  const Vector3d left = normal.cross(forward);
+  const Vector3d arm = -laws_.rolling_radius_m * forward.cross(axis);
+  const Vector3d point = frame.hub_m + arm;
+  const Vector3d first = frame.velocity_by_s[0] + frame.rate_by_s[0].cross(arm);
+  const Vector3d second = frame.velocity_by_s[1] + frame.rate_by_s[1].cross(arm);
+  set(normal_, normal, point.cross(normal), normal.dot(first), normal.dot(second), 0.0);
+  set(across_, left, point.cross(left), left.dot(first), left.dot(second), 0.0);
+  // Sliding counts the wheel's absolute rate instead of its carrier's.
+  const double r = laws_.rolling_radius_m;
+  set(along_, forward, frame.hub_m.cross(forward) - r * axis,
+      forward.dot(frame.velocity_by_s[0]) - r * spin_.value[6],
+      forward.dot(frame.velocity_by_s[1]) - r * spin_.value[7], -r);
+
+  const double load = std::max(0.0, laws_.normal.at(normal_.of(start)));
+  if (sliding_) {
+    const double held = std::hypot(along_n_, across_n_);
+    const double scale = held > 0.0 ? laws_.limit_n(load) / held : 0.0;
+    along_n_ *= scale;
+    across_n_ *= scale;
+  }
+  rolling_nm_ = std::copysign(laws_.rolling_arm_m * load, rolling_nm_);
+}
+
+void WheelTerms::add(double h, const Velocities& start, VelocitySystem& system) const {
+  double weight = spin_inertia_kgm2_;
+  double impulse = 0.0;
+  if (laws_.touching && !lifted_) {
+    system.add_without_wheel(normal_, h * laws_.normal.gain,
+                             h * laws_.normal.at(normal_.of(start)));
+    if (sliding_) {
+      system.add(along_, 0.0, h * along_n_);
+      system.add_without_wheel(across_, 0.0, h * across_n_);
+    } else {
+      system.add(along_, h * laws_.longitudinal.gain, h * laws_.longitudinal.at(along_.of(start)));
+      system.add_without_wheel(across_, h * laws_.lateral.gain,
+                               h * laws_.lateral.at(across_.of(start)));
+    }
+    if (rolling_held_) {
+      impulse += h * rolling_nm_;
+    } else {
+      weight += h * laws_.rolling.gain;
+      impulse += h * laws_.rolling.at(spin_.of(start));
+    }
+  }
+  system.add(spin_, weight, impulse);
+  if (brake_limit_nm_ > 0.0) {
+    const std::size_t i = kWheelVelocity + wheel_;
+    if (brake_held_) {
+      system.right[i] += h * brake_nm_;
+    } else {
+      system.matrix[i][i] += h * brake_law_.gain;
+      system.right[i] += h * brake_law_.at(start[i]);
+    }
+  }
+}
+
+bool WheelTerms::changes(const Velocities& found) {
+  bool changed = false;
+  if (brake_limit_nm_ > 0.0) {
+    changed = hold(brake_law_.at(found[kWheelVelocity + wheel_]), brake_limit_nm_, 1e-9,
+                   brake_held_, brake_nm_);
+  }
+  if (!laws_.touching) {
+    return changed;
+  }
+  const double load = laws_.normal.at(normal_.of(found));
+  if ((load < 0.0) != lifted_) {
+    lifted_ = load < 0.0;
+    changed = true;
+  }
+  if (lifted_) {
+    return changed;
+  }
+  changed = hold(laws_.rolling.at(spin_.of(found)), laws_.rolling_arm_m * load, kRollingTolerance,
+                 rolling_held_, rolling_nm_) ||
+            changed;
+  const double along = laws_.longitudinal.at(along_.of(found));
+  const double across = laws_.lateral.at(across_.of(found));
+  const double trial = std::hypot(along, across);
+  const double limit = laws_.limit_n(load);
+  if (trial <= limit) {
+    changed = changed || sliding_;
+    sliding_ = false;
+    return changed;
+  }
+  const double along_n = limit * along / trial;
+  const double across_n = limit * across / trial;
+  const double tolerance = kSlidingTolerance * limit;
+  if (!sliding_ || std::abs(along_n - along_n_) > tolerance ||
+      std::abs(across_n - across_n_) > tolerance) {
+    sliding_ = true;
+    along_n_ = along_n;
+    across_n_ = across_n;
+    changed = true;
+  }
+  return changed;
+}
+
+void WheelTerms::settle(double h, const Velocities& found, WheelState& state) {
+  const double rate = found[kWheelVelocity + wheel_];
+  state = {};
+  state.rate_radps = rate;
+  state.radius_m = laws_.touching ? laws_.rolling_radius_m : tyre_.parameters().unloaded_radius_m;
+  if (brake_limit_nm_ > 0.0) {
+    state.brake_nm = brake_held_ ? brake_nm_ : brake_law_.at(rate);
+    if (brake_held_) {
+      brake_.yield(brake_bristle_, brake_nm_);
+    } else {
+      brake_.slide(brake_bristle_, h, 0.0, rate);
+    }
+  }
+  if (!laws_.touching) {
+    return;
+  }
+  TyreResult result;
+  result.longitudinal_slide_mps = along_.of(found);
+  result.lateral_slide_mps = across_.of(found);
+  result.wheel_rate_radps = spin_.of(found);
+  result.slipping = sliding_ || lifted_;
+  result.rolling_limited = rolling_held_ || lifted_;
+  if (!lifted_) {
+    state.load_n = std::max(0.0, laws_.normal.at(normal_.of(found)));
+    result.longitudinal_n =
+        sliding_ ? along_n_ : laws_.longitudinal.at(result.longitudinal_slide_mps);
+    result.lateral_n = sliding_ ? across_n_ : laws_.lateral.at(result.lateral_slide_mps);
+    result.rolling_nm = rolling_held_ ? rolling_nm_ : laws_.rolling.at(result.wheel_rate_radps);
+  }
+  tyre_.settle(h, laws_, result);
+  state.touching = !lifted_;
+  state.longitudinal_n = result.longitudinal_n;
+  state.lateral_n = result.lateral_n;
+  state.rolling_nm = result.rolling_nm;
+  state.slide_mps = std::hypot(result.longitudinal_slide_mps, result.lateral_slide_mps);
+  state.friction = friction_;
+  state.sinkage_m = laws_.sinkage_m;
+  state.slipping = sliding_;
+}
+
+}  // namespace rigwire::sim

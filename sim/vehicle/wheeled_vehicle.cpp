@@ -1,0 +1,209 @@
+#include "sim/vehicle/wheeled_vehicle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace rigwire::sim {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+const WheeledVehicleParameters& validated(const WheeledVehicleParameters& parameters) {
+  validate(parameters);
+  return parameters;
+}
+
+constexpr std::array<StatusQuantity, 9> kStatus{{{"speed", "km/h"},
+                                                 {"engine", "rpm"},
+                                                 {"gear", ""},
+                                                 {"steering", "deg"},
+                                                 {"pitch", "deg"},
+                                                 {"roll", "deg"},
+                                                 {"least wheel load", "kN"},
+                                                 {"wheels slipping", ""},
+                                                 {"mean tyre pressure", "bar"}}};
+
+constexpr std::array<TruthField, 8> kTruth{{{"wheel_rate_radps", kWheels},
+                                            {"wheel_load_n", kWheels},
+                                            {"wheel_longitudinal_n", kWheels},
+                                            {"wheel_lateral_n", kWheels},
+                                            {"wheel_slide_mps", kWheels},
+                                            {"tyre_pressure_pa", kWheels},
+                                            {"suspension", 4},
+                                            {"steer_rad", 2}}};
+
+double finite_or(double value, double otherwise) {
+  return std::isfinite(value) ? value : otherwise;
+}
+
+}  // namespace
+
+WheeledVehicle::WheeledVehicle(const WheeledVehicleParameters& parameters, const Ground& ground,
+                               std::unique_ptr<Driveline> driveline)
+    : parameters_(validated(parameters)),
+      ground_(&ground),
+      driveline_(std::move(driveline)),
+      static_(static_loads(parameters)),
+      steering_{SteeringActuator(parameters.front.steering),
+                SteeringActuator(parameters.rear.steering)},
+      inner_span_(std::max(Duration{1}, from_seconds(parameters.step_s))) {
+  if (driveline_ == nullptr) {
+    throw std::invalid_argument("driveline: found none, allowed: one");
+  }
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    pressure_pa_[i] = axle(i / 2).initial_pressure_pa;
+    pressure_target_pa_[i] = pressure_pa_[i];
+  }
+}
+
+void WheeledVehicle::step(Duration span) {
+  if (span <= Duration{0} || non_finite_) {
+    return;
+  }
+  while (span > Duration{0} && !non_finite_) {
+    const Duration inner = std::min(span, inner_span_);
+    const double h = to_seconds(inner);
+    step_actuators(h);
+    inner_step(h);
+    span -= inner;
+    if (!non_finite_) {
+      time_ += inner;
+    }
+  }
+  update_links();
+}
+
+void WheeledVehicle::step_actuators(double h) {
+  steering_[0].step(h);
+  steering_[1].step(h);
+  update_steering();
+  if (!parameters_.tyre_pressure.adjustable) {
+    return;
+  }
+  const TyrePressureParameters& p = parameters_.tyre_pressure;
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    const double error = pressure_target_pa_[i] - pressure_pa_[i];
+    if (error != 0.0) {
+      const double lag = error > 0.0 ? p.inflate_time_constant_s : p.deflate_time_constant_s;
+      pressure_pa_[i] -= error * std::expm1(-h / lag);
+    }
+  }
+}
+
+void WheeledVehicle::update_steering() {
+  const double front = steering_[0].angle_rad();
+  const double rear = steering_[1].angle_rad();
+  if (front == 0.0 && rear == 0.0) {
+    steer_rad_ = {};
+    return;
+  }
+  const double curvature = (std::tan(front) - std::tan(rear)) / parameters_.wheelbase_m();
+  steer_rad_[0] = ackermann_rad(front, parameters_.front.track_m, curvature);
+  steer_rad_[1] = ackermann_rad(rear, parameters_.rear.track_m, curvature);
+}
+
+double WheeledVehicle::brake_limit_nm(std::size_t wheel) const {
+  const VehicleAxleParameters& a = axle(wheel / 2);
+  return 0.5 * (command_.brake_share * a.brake_torque_nm +
+                (command_.parking_brake ? a.parking_brake_nm : 0.0));
+}
+
+void WheeledVehicle::command(const VehicleCommand& command) {
+  const VehicleCommand old = command_;
+  command_ = command;
+  command_.engine_torque_share =
+      std::clamp(finite_or(command.engine_torque_share, old.engine_torque_share), 0.0, 1.0);
+  command_.engine_speed_radps =
+      std::max(0.0, finite_or(command.engine_speed_radps, old.engine_speed_radps));
+  command_.travel_speed_mps = finite_or(command.travel_speed_mps, old.travel_speed_mps);
+  command_.brake_share = std::clamp(finite_or(command.brake_share, old.brake_share), 0.0, 1.0);
+  command_.front_steer_rad = finite_or(command.front_steer_rad, old.front_steer_rad);
+  command_.rear_steer_rad = finite_or(command.rear_steer_rad, old.rear_steer_rad);
+  command_.edge_cutter_share = finite_or(command.edge_cutter_share, old.edge_cutter_share);
+  command_.spreader_rate_kgpm2 = finite_or(command.spreader_rate_kgpm2, old.spreader_rate_kgpm2);
+  const TyrePressureParameters& p = parameters_.tyre_pressure;
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    command_.tyre_pressure_pa[i] = finite_or(command.tyre_pressure_pa[i], old.tyre_pressure_pa[i]);
+    if (p.adjustable && std::isfinite(command.tyre_pressure_pa[i]) &&
+        command.tyre_pressure_pa[i] > 0.0) {
+      pressure_target_pa_[i] =
+          std::clamp(command.tyre_pressure_pa[i], p.pressure_min_pa, p.pressure_max_pa);
+    }
+  }
+  steering_[0].command(command_.front_steer_rad);
+  steering_[1].command(command_.rear_steer_rad);
+  driveline_->command(command_);
+}
+
+VehicleSample WheeledVehicle::vehicle_sample(SimTime time) const {
+  VehicleSample sample;
+  driveline_->read(sample);
+  sample.time = time;
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    sample.wheel_rate_radps[i] = wheels_[i].rate_radps;
+    sample.wheel_radius_m[i] =
+        wheels_[i].radius_m > 0.0 ? wheels_[i].radius_m : axle(i / 2).tyre.unloaded_radius_m;
+  }
+  sample.tyre_pressure_pa = pressure_pa_;
+  sample.tyre_pressure_target_pa = pressure_target_pa_;
+  sample.front_steer_rad = steering_[0].angle_rad();
+  sample.rear_steer_rad = steering_[1].angle_rad();
+  sample.brake_share = command_.brake_share;
+  sample.parking_brake = command_.parking_brake;
+  return sample;
+}
+
+void WheeledVehicle::record_non_finite(const char* quantity, const char* part) {
+  if (!non_finite_) {
+    non_finite_ = NonFinite{quantity, part, time_};
+  }
+}
+
+std::span<const StatusQuantity> WheeledVehicle::status_quantities() const {
+  return kStatus;
+}
+
+void WheeledVehicle::read_status(std::span<double> values) const {
+  VehicleSample sample;
+  driveline_->read(sample);
+  const LinkMotion& body = links_[0];
+  const Eigen::Matrix3d& R = body.X_WL.linear();
+  values[0] = 3.6 * R.col(0).dot(body.v_WL_W);
+  values[1] = sample.engine_speed_radps * 30.0 / std::numbers::pi;
+  values[2] = sample.gear;
+  values[3] = steering_[0].angle_rad() / kDegree;
+  values[4] = std::asin(std::clamp(R(2, 0), -1.0, 1.0)) / kDegree;
+  values[5] = std::atan2(R(2, 1), R(2, 2)) / kDegree;
+  double least = wheels_[0].load_n;
+  double pressure = 0.0;
+  int slipping = 0;
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    least = std::min(least, wheels_[i].load_n);
+    slipping += wheels_[i].slipping ? 1 : 0;
+    pressure += 0.25 * pressure_pa_[i];
+  }
+  values[6] = 1e-3 * least;
+  values[7] = slipping;
+  values[8] = 1e-5 * pressure;
+}
+
+std::span<const TruthField> WheeledVehicle::truth_fields() const {
+  return kTruth;
+}
+
+void WheeledVehicle::read_truth(std::span<double> values) const {
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    values[i] = wheels_[i].rate_radps;
+    values[4 + i] = wheels_[i].load_n;
+    values[8 + i] = wheels_[i].longitudinal_n;
+    values[12 + i] = wheels_[i].lateral_n;
+    values[16 + i] = wheels_[i].slide_mps;
+    values[20 + i] = pressure_pa_[i];
+    values[24 + i] = suspension_[i];
+  }
+  values[28] = steering_[0].angle_rad();
+  values[29] = steering_[1].angle_rad();
+}
+
+}  // namespace rigwire::sim

@@ -1,0 +1,134 @@
+// A vehicle of two axles as its sensors and its controller meet it, whatever the level at which it
+// is computed: commands in, motion of every link and the readings of its own sensors out.
+//
+// Links, in this order: body (frame B of parameters.h), front and rear axle (origin in the beam's
+// centre; with independent wheels midway between the wheels' centres, axes as the body), four
+// wheels (origin in the wheel's centre, y along its axle, turning with it).
+//
+// Steering, tyre pressures and commands are the same at every level; a level computes motion, loads
+// and wheel rates.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <memory>
+#include <string_view>
+
+#include "sim/driveline/driveline.h"
+#include "sim/ground/ground.h"
+#include "sim/machine.h"
+#include "sim/vehicle/parameters.h"
+#include "sim/vehicle/steering.h"
+
+namespace rigwire::sim {
+
+inline constexpr std::array<std::string_view, 7> kWheeledLinks{"body",
+                                                               "front_axle",
+                                                               "rear_axle",
+                                                               "front_left_wheel",
+                                                               "front_right_wheel",
+                                                               "rear_left_wheel",
+                                                               "rear_right_wheel"};
+
+/// What one wheel does; for tests, status and truth.
+struct WheelState {
+  double rate_radps = 0.0;      ///< Against its axle.
+  double load_n = 0.0;          ///< Normal force of the ground, never negative.
+  double longitudinal_n = 0.0;  ///< On the tyre, forward.
+  double lateral_n = 0.0;       ///< On the tyre, left.
+  double brake_nm = 0.0;        ///< On the wheel, forward.
+  double rolling_nm = 0.0;      ///< Rolling resistance on the wheel, forward.
+  double slide_mps = 0.0;       ///< Of the contact patch over the ground, magnitude.
+  double friction = 0.0;        ///< Of the ground under it.
+  double sinkage_m = 0.0;
+  double radius_m = 0.0;  ///< Loaded.
+  bool touching = false;
+  bool slipping = false;  ///< Held at the limit of friction.
+};
+
+/// Where a vehicle is put: on the ground at that place, x of B that way.
+struct VehiclePlace {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double yaw_rad = 0.0;  ///< From world x (east), left positive.
+};
+
+class WheeledVehicle : public Machine, public VehiclePort {
+ public:
+  void step(Duration span) final;
+  [[nodiscard]] SimTime time() const final { return time_; }
+  [[nodiscard]] std::span<const LinkMotion> links() const final { return links_; }
+  [[nodiscard]] std::span<const std::string_view> link_names() const final { return kWheeledLinks; }
+  [[nodiscard]] const std::optional<NonFinite>& non_finite() const final { return non_finite_; }
+  [[nodiscard]] std::span<const StatusQuantity> status_quantities() const final;
+  void read_status(std::span<double> values) const final;
+  [[nodiscard]] std::span<const TruthField> truth_fields() const final;
+  void read_truth(std::span<double> values) const final;
+  [[nodiscard]] VehiclePort* vehicle_port() final { return this; }
+
+  void command(const VehicleCommand& command) final;
+  /// Exact readings, odometry included; what a real sensor makes of them is
+  /// sim/vehicle_sensors' matter.
+  [[nodiscard]] VehicleSample vehicle_sample(SimTime time) const final;
+
+  /// Along the body's x, all wheels rolling; for tests and for rigs that begin on the move.
+  virtual void start_rolling(double speed_mps) = 0;
+
+  [[nodiscard]] const std::array<WheelState, kWheels>& wheels() const { return wheels_; }
+  /// Coordinates of sim/vehicle/suspension.h: front 0, 1, rear 2, 3. Zeros at the levels that have
+  /// none.
+  [[nodiscard]] const std::array<double, 4>& suspension() const { return suspension_; }
+  [[nodiscard]] double tyre_pressure_pa(std::size_t wheel) const { return pressure_pa_[wheel]; }
+  [[nodiscard]] const WheeledVehicleParameters& parameters() const { return parameters_; }
+
+ protected:
+  WheeledVehicle(const WheeledVehicleParameters& parameters, const Ground& ground,
+                 std::unique_ptr<Driveline> driveline);
+
+  /// One inner step. Leaves the state of before when a result is not finite, and says so by
+  /// record_non_finite().
+  virtual void inner_step(double h) = 0;
+  /// Links from the state.
+  virtual void update_links() = 0;
+
+  void record_non_finite(const char* quantity, const char* part);
+  [[nodiscard]] const VehicleAxleParameters& axle(std::size_t i) const {
+    return i == 0 ? parameters_.front : parameters_.rear;
+  }
+  /// Of the wheels of one axle, left and right.
+  [[nodiscard]] const std::array<double, 2>& steer_rad(std::size_t axle) const {
+    return steer_rad_[axle];
+  }
+  /// What the brakes of that wheel can hold now.
+  [[nodiscard]] double brake_limit_nm(std::size_t wheel) const;
+  void update_steering();
+
+  WheeledVehicleParameters parameters_;
+  const Ground* ground_;
+  std::unique_ptr<Driveline> driveline_;
+  StaticLoads static_;
+  VehicleCommand command_;
+  std::array<WheelState, kWheels> wheels_;
+  std::array<double, 4> suspension_{};
+  std::array<LinkMotion, kWheeledLinks.size()> links_;
+  std::array<SteeringActuator, 2> steering_;
+
+ private:
+  void step_actuators(double h);
+
+  Duration inner_span_;
+  SimTime time_{};
+  std::optional<NonFinite> non_finite_;
+  std::array<std::array<double, 2>, 2> steer_rad_{};
+  std::array<double, kWheels> pressure_pa_{};
+  std::array<double, kWheels> pressure_target_pa_{};
+};
+
+/// The vehicle of that level, standing on the ground, brakes on, engine idle. `ground` must outlive
+/// it. Throws std::invalid_argument as validate() does, and when the place is not finite or the
+/// drive line is missing.
+[[nodiscard]] std::unique_ptr<WheeledVehicle> make_wheeled_vehicle(
+    const WheeledVehicleParameters& parameters, const Ground& ground,
+    std::unique_ptr<Driveline> driveline, const VehiclePlace& place);
+
+}  // namespace rigwire::sim

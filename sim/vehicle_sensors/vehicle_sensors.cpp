@@ -1,0 +1,158 @@
+#include "sim/vehicle_sensors/vehicle_sensors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+#include "sim/random.h"
+
+namespace rigwire::sim {
+namespace {
+
+void require(bool allowed_value, const char* name, double found, const char* allowed) {
+  if (allowed_value) {
+    return;
+  }
+  std::ostringstream text;
+  text << name << ": found " << found << ", allowed " << allowed;
+  throw std::invalid_argument(text.str());
+}
+
+bool non_negative(double value) {
+  return std::isfinite(value) && value >= 0.0;
+}
+
+double quantised(double value, double quantum) {
+  return quantum > 0.0 ? std::round(value / quantum) * quantum : value;
+}
+
+const VehicleSensorParameters& checked(const VehicleSensorParameters& parameters) {
+  validate(parameters);
+  return parameters;
+}
+
+const OdometryParameters& checked(const OdometryParameters& parameters) {
+  validate(parameters);
+  return parameters;
+}
+
+}  // namespace
+
+void validate(const VehicleSensorParameters& p) {
+  require(p.ticks_per_revolution >= 0, "ticks_per_revolution", p.ticks_per_revolution, ">= 0");
+  require(std::isfinite(p.gate_s) && p.gate_s > 0.0, "gate_s", p.gate_s, "> 0");
+  require(non_negative(p.dead_rate_radps), "dead_rate_radps", p.dead_rate_radps, ">= 0");
+  require(non_negative(p.radius_error) && p.radius_error <= 0.2, "radius_error", p.radius_error,
+          "0 .. 0.2");
+  require(non_negative(p.steer_offset_rad), "steer_offset_rad", p.steer_offset_rad, ">= 0");
+  require(non_negative(p.steer_quantum_rad), "steer_quantum_rad", p.steer_quantum_rad, ">= 0");
+  require(non_negative(p.steer_play_rad), "steer_play_rad", p.steer_play_rad, ">= 0");
+  require(non_negative(p.pressure_offset_pa), "pressure_offset_pa", p.pressure_offset_pa, ">= 0");
+  require(non_negative(p.pressure_quantum_pa), "pressure_quantum_pa", p.pressure_quantum_pa,
+          ">= 0");
+}
+
+VehicleSensors::VehicleSensors(const VehicleSensorParameters& parameters,
+                               const OdometryParameters& odometry, std::uint64_t seed,
+                               std::string_view name)
+    : parameters_(checked(parameters)), odometry_(checked(odometry)) {
+  const std::string prefix(name);
+  RandomStream radius(seed, prefix + "/wheel_radius");
+  for (double& factor : radius_factor_) {
+    // Five deviations at most: a radius stays a radius.
+    factor = 1.0 + parameters_.radius_error * std::clamp(radius.gaussian(), -4.9, 4.9);
+  }
+  RandomStream steering(seed, prefix + "/steering");
+  for (Steering& axle : steering_) {
+    axle.offset_rad = parameters_.steer_offset_rad * steering.gaussian();
+  }
+  RandomStream pressure(seed, prefix + "/pressure");
+  for (double& offset : pressure_offset_pa_) {
+    offset = parameters_.pressure_offset_pa * pressure.gaussian();
+  }
+}
+
+void VehicleSensors::count(const VehicleSample& exact) {
+  const VehicleSensorParameters& p = parameters_;
+  const double tick_rad = 2.0 * std::numbers::pi / p.ticks_per_revolution;
+  const double span_s = started_ ? std::max(0.0, to_seconds(exact.time - last_time_)) : 0.0;
+  gate_elapsed_s_ += span_s;
+  const bool gate_ends = gate_elapsed_s_ >= p.gate_s - 1e-9;
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    Encoder& encoder = encoders_[i];
+    const double rate = exact.wheel_rate_radps[i];
+    const double seen = std::isfinite(rate) && std::abs(rate) >= p.dead_rate_radps ? rate : 0.0;
+    if (!started_) {
+      encoder.reading_radps = std::round(seen * p.gate_s / tick_rad) * tick_rad / p.gate_s;
+    }
+    encoder.ticks += 0.5 * (encoder.last_radps + seen) * span_s / tick_rad;
+    encoder.last_radps = seen;
+    if (gate_ends) {
+      // A count that is whole but for rounding is whole.
+      const double whole = std::floor(encoder.ticks + 1e-9);
+      encoder.reading_radps = whole * tick_rad / gate_elapsed_s_;
+      encoder.ticks -= whole;
+    }
+  }
+  if (gate_ends) {
+    gate_elapsed_s_ = 0.0;
+  }
+}
+
+double VehicleSensors::steering_angle(Steering& steering, double angle_rad) const {
+  if (!std::isfinite(angle_rad)) {
+    return angle_rad;
+  }
+  const double half = 0.5 * parameters_.steer_play_rad;
+  if (!steering.known) {
+    steering.shaft_rad = angle_rad;
+    steering.known = true;
+  }
+  steering.shaft_rad = std::clamp(steering.shaft_rad, angle_rad - half, angle_rad + half);
+  return quantised(steering.shaft_rad + steering.offset_rad, parameters_.steer_quantum_rad);
+}
+
+double VehicleSensors::pressure(double exact_pa, double offset_pa) const {
+  if (!std::isfinite(exact_pa)) {
+    return exact_pa;
+  }
+  return std::max(0.0, quantised(exact_pa + offset_pa, parameters_.pressure_quantum_pa));
+}
+
+VehicleSample VehicleSensors::measure(const VehicleSample& exact) {
+  VehicleSample reading = exact;
+  if (!parameters_.perfect) {
+    if (parameters_.ticks_per_revolution > 0) {
+      count(exact);
+    }
+    for (std::size_t i = 0; i < kWheels; ++i) {
+      const double rate = exact.wheel_rate_radps[i];
+      if (!std::isfinite(rate)) {
+        continue;
+      }
+      if (parameters_.ticks_per_revolution > 0) {
+        reading.wheel_rate_radps[i] = encoders_[i].reading_radps;
+      } else if (std::abs(rate) < parameters_.dead_rate_radps) {
+        reading.wheel_rate_radps[i] = 0.0;
+      }
+    }
+    for (std::size_t i = 0; i < kWheels; ++i) {
+      reading.wheel_radius_m[i] *= radius_factor_[i];
+      reading.tyre_pressure_pa[i] = pressure(exact.tyre_pressure_pa[i], pressure_offset_pa_[i]);
+    }
+    reading.hydraulic_pressure_pa =
+        pressure(exact.hydraulic_pressure_pa, pressure_offset_pa_[kWheels]);
+    reading.front_steer_rad = steering_angle(steering_[0], exact.front_steer_rad);
+    reading.rear_steer_rad = steering_angle(steering_[1], exact.rear_steer_rad);
+    last_time_ = started_ ? std::max(last_time_, exact.time) : exact.time;
+    started_ = true;
+  }
+  reading.odometry = odometry(odometry_, reading);
+  return reading;
+}
+
+}  // namespace rigwire::sim

@@ -1,0 +1,88 @@
+// The machine's own sensors: what its controllers read instead of what is.
+//
+// - Wheel speed: a toothed wheel with `ticks_per_revolution`. Whole ticks are counted over a gate
+//   (the period of the bus message) and divided by it, so that a reading is quantised by
+//   2 pi / (ticks * gate), lags by half a gate and loses no way: a tick that is cut off now counts
+//   next time. Below `dead_rate_radps` the pick-up gives nothing. 0 ticks: continuous, no gate.
+// - Wheel radius: the constant with which a controller turns rates into speeds, off by a factor
+//   drawn once for each wheel.
+// - Steering angle: play (the sensor follows only beyond it), then an offset drawn once for each
+//   axle, then quantisation.
+// - Pressures: an offset drawn once for each, quantised, never negative.
+// - Odometry is computed from these readings.
+//
+// Everything else passes through. Errors come from the streams "<name>/wheel_radius",
+// "<name>/steering", "<name>/pressure", drawn at construction only; a reading's error depends on
+// the readings before it, not on the physics step.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "sim/odometry/odometry.h"
+#include "sim/samples/vehicle_sample.h"
+
+namespace rigwire::sim {
+
+/// Defaults are estimates for an industrial vehicle.
+struct VehicleSensorParameters {
+  bool perfect = false;  ///< No error at all, whatever the others say.
+
+  int ticks_per_revolution = 500;  ///< 0: continuous.
+  double gate_s = 0.1;
+  double dead_rate_radps = 0.5;       ///< Passive pick-up below about 1 km/h.
+  double radius_error = 0.01;         ///< Standard deviation, share.
+  double steer_offset_rad = 0.003;    ///< Standard deviation.
+  double steer_quantum_rad = 0.0017;  ///< 0: continuous.
+  double steer_play_rad = 0.004;      ///< Whole width.
+  double pressure_offset_pa = 5e3;    ///< Standard deviation.
+  double pressure_quantum_pa = 4e3;   ///< 0: continuous.
+
+  friend bool operator==(const VehicleSensorParameters&, const VehicleSensorParameters&) = default;
+};
+
+/// Throws std::invalid_argument that names the quantity, the value and what is allowed.
+void validate(const VehicleSensorParameters& parameters);
+
+class VehicleSensors {
+ public:
+  /// Throws as validate() of both parameter sets.
+  VehicleSensors(const VehicleSensorParameters& parameters, const OdometryParameters& odometry,
+                 std::uint64_t seed, std::string_view name);
+
+  /// What the sensors read where `exact` is true. To be called in order of time, at least about
+  /// once per gate: between two calls a wheel's rate counts as their mean. Until the first gate is
+  /// over the wheel's present rate is quantised as a gate would. Rates, angles and pressures that
+  /// are no finite numbers pass through and are not counted.
+  [[nodiscard]] VehicleSample measure(const VehicleSample& exact);
+
+ private:
+  struct Encoder {
+    double ticks = 0.0;  ///< In this gate, with what the last one cut off.
+    double last_radps = 0.0;
+    double reading_radps = 0.0;
+  };
+  /// The sensor's shaft behind a joint with play.
+  struct Steering {
+    double offset_rad = 0.0;
+    double shaft_rad = 0.0;
+    bool known = false;
+  };
+
+  void count(const VehicleSample& exact);
+  [[nodiscard]] double steering_angle(Steering& steering, double angle_rad) const;
+  [[nodiscard]] double pressure(double exact_pa, double offset_pa) const;
+
+  VehicleSensorParameters parameters_;
+  OdometryParameters odometry_;
+  std::array<double, kWheels> radius_factor_{};
+  std::array<double, kWheels + 1> pressure_offset_pa_{};  ///< Tyres, then hydraulics.
+  std::array<Encoder, kWheels> encoders_{};
+  std::array<Steering, 2> steering_{};
+  SimTime last_time_{};
+  double gate_elapsed_s_ = 0.0;
+  bool started_ = false;
+};
+
+}  // namespace rigwire::sim

@@ -92,7 +92,8 @@ class Executive::TruthThread {
     const auto move_all = [](auto& from, auto& to) {
       to.insert(to.end(), from.begin(), from.end());
     };
-    move_all(requests.commands, posted_.commands);
+    move_all(requests.valve_commands, posted_.valve_commands);
+    move_all(requests.vehicle_commands, posted_.vehicle_commands);
     move_all(requests.plans, posted_.plans);
     move_all(requests.rotor_rates, posted_.rotor_rates);
     requests.clear();
@@ -197,6 +198,9 @@ DeviceIndex Executive::add(LidarStation& station) {
 DeviceIndex Executive::add(ValveStation& station) {
   return enlist(station, valves_);
 }
+DeviceIndex Executive::add(VehicleStation& station) {
+  return enlist(station, vehicles_);
+}
 
 void Executive::route(const SampleBatch& batch) {
   const auto deliver = [](const auto& samples, const auto& stations) {
@@ -213,6 +217,7 @@ void Executive::route(const SampleBatch& batch) {
     }
   }
   deliver(batch.valves, valves_);
+  deliver(batch.vehicles, vehicles_);
   machine_state_ = batch.state;
   frontier_ = batch.until;
 }

@@ -65,6 +65,7 @@ class Executive {
   DeviceIndex add(ImuStation& station);
   DeviceIndex add(LidarStation& station);
   DeviceIndex add(ValveStation& station);
+  DeviceIndex add(VehicleStation& station);
   /// Adds something else that happens in simulated time: a bus.
   void add(EventSource& source) { sources_.push_back(&source); }
   void add(Outlet& outlet) { outlets_.push_back(&outlet); }
@@ -108,6 +109,7 @@ class Executive {
   std::vector<ImuStation*> imu_;
   std::vector<LidarStation*> lidar_;
   std::vector<ValveStation*> valves_;
+  std::vector<VehicleStation*> vehicles_;
   std::vector<EventSource*> sources_;
   std::vector<Outlet*> outlets_;
 

@@ -7,11 +7,16 @@
 
 #include "drivers/slcan_adapter.h"
 #include "drivers/socketcan.h"
+#include "hil/machine_factory.h"
 #include "hil/mesh_file.h"
+#include "hil/scene_fall_obstacle.h"
 #include "sim/scene/triangle_mesh.h"
 
 namespace rigwire::hil {
 namespace {
+
+/// Between two changes of the terrain that the rays see: about what a lidar looks at once.
+constexpr Duration kTerrainPeriod = std::chrono::milliseconds(50);
 
 Eigen::Vector3d eigen(const Vector3& v) {
   return {v.x, v.y, v.z};
@@ -25,14 +30,6 @@ Eigen::Isometry3d pose(const Vector3& position_m, const RollPitchYaw& rotation) 
                    .toRotationMatrix();
   X.translation() = eigen(position_m);
   return X;
-}
-
-std::size_t link_index(const std::string& link) {
-  const auto* found = std::find(kExcavatorLinks.begin(), kExcavatorLinks.end(), link);
-  if (found == kExcavatorLinks.end()) {
-    throw std::invalid_argument(fmt::format("the machine has no link '{}'", link));
-  }
-  return static_cast<std::size_t>(found - kExcavatorLinks.begin());
 }
 
 sim::LocalFrameParameters local_frame(const OriginConfiguration& origin) {
@@ -68,29 +65,42 @@ SimulatedWorld make_world(const RigConfiguration& configuration, const sim::Loca
   WorldSettings settings;
   settings.step = configuration.step;
   settings.slice = configuration.slice;
-  settings.gravity_mps2 = configuration.machine.excavator.gravity_mps2;
-  return {settings, std::move(built.machine), std::move(built.scene), frame};
+  settings.gravity_mps2 = gravity_mps2(configuration.machine.settings);
+  return {settings, std::move(built), frame};
 }
 
 }  // namespace
 
-SensorMount sensor_mount(const MountConfiguration& mount) {
-  return {static_cast<sim::Link>(link_index(mount.link)), pose(mount.position_m, mount.rotation)};
+SensorMount sensor_mount(const MachineConfiguration& machine, const MountConfiguration& mount) {
+  const auto names = link_names(machine.settings);
+  const auto found = std::find(names.begin(), names.end(), mount.link);
+  if (found == names.end()) {
+    throw std::invalid_argument(fmt::format("the machine has no link '{}'", mount.link));
+  }
+  return {static_cast<std::size_t>(found - names.begin()), pose(mount.position_m, mount.rotation)};
 }
 
 MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
   const sim::SceneDescription& description = configuration.scene.description;
   sim::BuiltScene built =
       sim::build_scene(description, load_meshes(description), configuration.seed);
-
   const MachineConfiguration& machine = configuration.machine;
-  Eigen::Isometry3d X_WC = pose(machine.position_m, {0.0, 0.0, machine.yaw_rad});
-  if (machine.on_ground) {
-    X_WC.translation().z() += built.ground.height_m(X_WC.translation().x(), X_WC.translation().y());
+  MachineInScene result;
+  result.scene = std::move(built.scene);
+  result.terrain = built.terrain;
+  result.ground = std::make_unique<sim::Ground>(built.ground, built.soils, built.obstacles);
+  result.obstacles = std::make_unique<SceneFallObstacle>(*result.scene);
+  if (changes_ground(machine.settings)) {
+    result.scene->make_changeable(result.terrain);
+    result.scene->set_terrain_period(kTerrainPeriod);
   }
-  MachineInScene result{std::make_unique<sim::Excavator>(machine.excavator, X_WC),
-                        std::move(built.scene)};
-  for (const std::string_view link : kExcavatorLinks) {
+  Eigen::Isometry3d X_WB = pose(machine.position_m, {0.0, 0.0, machine.yaw_rad});
+  if (machine.on_ground) {
+    X_WB.translation().z() +=
+        result.ground->height_m(X_WB.translation().x(), X_WB.translation().y());
+  }
+  result.machine = make_machine(machine.settings, {*result.ground, *result.obstacles, X_WB});
+  for (const std::string_view link : result.machine->link_names()) {
     const sim::Scene::BodyId body = result.scene->add_body(link);
     for (const LinkShape& shape : machine.shapes) {
       if (shape.link == link) {
@@ -146,8 +156,9 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
   }
   connect_time_source();
   if (!truth_path.empty()) {
-    world_.set_truth_tap(std::make_unique<TruthTap>(truth_path, calendar_),
-                         configuration_.truth.period);
+    world_.set_truth_tap(
+        std::make_unique<TruthTap>(truth_path, calendar_, world_.machine().truth_fields()),
+        configuration_.truth.period);
   }
 }
 
@@ -166,9 +177,12 @@ void Rig::open_bus(const std::string& name, const BusConfiguration& configuratio
 void Rig::add_device(const std::string& name, const DeviceConfiguration& configuration) {
   const LineContext context{io_, calendar_};
   const std::uint64_t seed = configuration_.seed;
+  const auto mount = [this](const MountConfiguration& place) {
+    return sensor_mount(configuration_.machine, place);
+  };
   if (const auto* gnss = std::get_if<UbloxConfiguration>(&configuration.settings)) {
     auto line = make_line(*gnss, context);
-    world_.add_gnss(line->enlist(executive_), sensor_mount(gnss->mount),
+    world_.add_gnss(line->enlist(executive_), mount(gnss->mount),
                     sim::GnssSensor(gnss->sensor, calendar_, frame_, seed, name));
     devices_.push_back({name, std::move(line)});
   } else if (const auto* lidar = std::get_if<VelodyneConfiguration>(&configuration.settings)) {
@@ -177,12 +191,18 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
     auto sensor = std::make_unique<sim::SpinningLidar>(lidar->sensor, backend.pattern(),
                                                        line->device().sample_plan(),
                                                        backend.rotor_rate_radps(), seed, name);
-    world_.add_lidar(line->enlist(executive_), sensor_mount(lidar->mount), std::move(sensor));
+    world_.add_lidar(line->enlist(executive_), mount(lidar->mount), std::move(sensor));
     devices_.push_back({name, std::move(line)});
   } else if (const auto* imu = std::get_if<OpenImuDeviceConfiguration>(&configuration.settings)) {
     auto line = make_line(*imu, buses_.at(imu->bus)->line);
-    world_.add_imu(line->enlist(executive_), sensor_mount(imu->mount),
+    world_.add_imu(line->enlist(executive_), mount(imu->mount),
                    sim::ImuSensor(imu->sensor, seed, name));
+    devices_.push_back({name, std::move(line)});
+  } else if (const auto* gateway =
+                 std::get_if<VehicleGatewayDeviceConfiguration>(&configuration.settings)) {
+    auto line = make_line(*gateway, buses_.at(gateway->bus)->line);
+    world_.add_vehicle(line->enlist(executive_),
+                       sim::VehicleSensors(gateway->sensor, gateway->odometry, seed, name));
     devices_.push_back({name, std::move(line)});
   } else {
     auto line = make_line(std::get<ValveDriverConfiguration>(configuration.settings), context);

@@ -21,14 +21,11 @@ namespace rigwire::hil {
 
 /// The machine in its scene, without devices: what every rig and every benchmark starts from.
 /// Throws std::invalid_argument or std::runtime_error naming what is wrong.
-struct MachineInScene {
-  std::unique_ptr<sim::Excavator> machine;
-  std::unique_ptr<sim::Scene> scene;  ///< With the machine's links as its bodies.
-};
 [[nodiscard]] MachineInScene build_machine_in_scene(const RigConfiguration& configuration);
 
 /// Throws std::invalid_argument when the machine has no such link.
-[[nodiscard]] SensorMount sensor_mount(const MountConfiguration& mount);
+[[nodiscard]] SensorMount sensor_mount(const MachineConfiguration& machine,
+                                       const MountConfiguration& mount);
 
 class Rig {
  public:

@@ -13,11 +13,8 @@
 namespace rigwire::hil {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr std::array kJointNames{"swing", "boom", "stick", "bucket"};
-
-std::size_t index(sim::Link link) {
-  return static_cast<std::size_t>(link);
+void copy(std::span<const sim::LinkMotion> from, std::vector<sim::LinkMotion>& to) {
+  to.assign(from.begin(), from.end());
 }
 
 }  // namespace
@@ -29,27 +26,31 @@ void SimulatedWorld::Mounted<Sensor>::replan(const SamplePlan& changed, SimTime 
   next = frontier == kStart ? plan.first : plan.next_after(frontier);
 }
 
-SimulatedWorld::SimulatedWorld(const WorldSettings& settings,
-                               std::unique_ptr<sim::Excavator> machine,
-                               std::unique_ptr<sim::Scene> scene, const sim::LocalFrame& frame)
-    : settings_(settings), machine_(std::move(machine)), scene_(std::move(scene)), frame_(frame) {
+SimulatedWorld::SimulatedWorld(const WorldSettings& settings, MachineInScene content,
+                               const sim::LocalFrame& frame)
+    : settings_(settings), content_(std::move(content)), frame_(frame) {
   if (settings.step <= Duration{0} || settings.slice < settings.step ||
       settings.slice % settings.step != Duration{0}) {
     throw std::invalid_argument(
         fmt::format("physics slice {} ns is not a whole multiple of the step {} ns",
                     settings.slice.count(), settings.step.count()));
   }
-  if (scene_->body_count() != sim::kLinks) {
+  const std::size_t links = content_.machine->links().size();
+  if (content_.scene->body_count() != links) {
     throw std::invalid_argument(fmt::format("the scene has {} moving bodies, the machine {} links",
-                                            scene_->body_count(), sim::kLinks));
+                                            content_.scene->body_count(), links));
   }
-  after_ = motions();
-  bodies_.resize(sim::kLinks);
-  for (const char* joint : kJointNames) {
-    state_quantities_.push_back({joint, "deg"});
+  copy(content_.machine->links(), after_);
+  before_ = after_;
+  bodies_.resize(links);
+  for (const sim::StatusQuantity& quantity : content_.machine->status_quantities()) {
+    state_quantities_.push_back({std::string(quantity.name), std::string(quantity.unit)});
   }
-  state_quantities_.push_back({"tip height", "m"});
-  state_quantities_.push_back({"supply", "bar"});
+  std::size_t numbers = 0;
+  for (const sim::TruthField& field : content_.machine->truth_fields()) {
+    numbers += field.count;
+  }
+  truth_.machine.resize(numbers);
 }
 
 void SimulatedWorld::add_gnss(DeviceIndex device, const SensorMount& mount,
@@ -67,7 +68,17 @@ void SimulatedWorld::add_lidar(DeviceIndex device, const SensorMount& mount,
 }
 
 void SimulatedWorld::add_valves(DeviceIndex device) {
+  if (content_.machine->valve_port() == nullptr) {
+    throw std::invalid_argument("the machine has no valve block for a valve driver");
+  }
   valves_.push_back({device, {}, {}, {}, kNever});
+}
+
+void SimulatedWorld::add_vehicle(DeviceIndex device, sim::VehicleSensors sensors) {
+  if (content_.machine->vehicle_port() == nullptr) {
+    throw std::invalid_argument("the machine has no drive train for a vehicle gateway");
+  }
+  vehicles_.push_back({device, {}, std::move(sensors), {}, kNever});
 }
 
 void SimulatedWorld::set_truth_tap(std::unique_ptr<TruthTap> tap, Duration period) {
@@ -76,19 +87,11 @@ void SimulatedWorld::set_truth_tap(std::unique_ptr<TruthTap> tap, Duration perio
   next_tap_ = frontier_ + period;
 }
 
-SimulatedWorld::Motions SimulatedWorld::motions() const {
-  Motions motions;
-  for (std::size_t i = 0; i < sim::kLinks; ++i) {
-    motions[i] = machine_->link(static_cast<sim::Link>(i));
-  }
-  return motions;
-}
-
 sim::LinkMotion SimulatedWorld::motion_at(const SensorMount& mount, SimTime t0, SimTime t1,
                                           SimTime time) const {
-  const std::size_t link = index(mount.link);
-  return sim::at_mount(sim::LinkMotionInterpolation(t0, before_[link], t1, after_[link])(time),
-                       mount.X_LS);
+  return sim::at_mount(
+      sim::LinkMotionInterpolation(t0, before_[mount.link], t1, after_[mount.link])(time),
+      mount.X_LS);
 }
 
 void SimulatedWorld::apply(const TruthRequests& requests) {
@@ -103,6 +106,7 @@ void SimulatedWorld::apply(const TruthRequests& requests) {
     replan(gnss_, request);
     replan(imu_, request);
     replan(valves_, request);
+    replan(vehicles_, request);
   }
   for (const auto& rate : requests.rotor_rates) {
     for (auto& lidar : lidars_) {
@@ -111,8 +115,11 @@ void SimulatedWorld::apply(const TruthRequests& requests) {
       }
     }
   }
-  for (const auto& command : requests.commands) {
-    machine_->command(command.content);
+  for (const auto& command : requests.valve_commands) {
+    content_.machine->valve_port()->command(command.content);
+  }
+  for (const auto& command : requests.vehicle_commands) {
+    content_.machine->vehicle_port()->command(command.content);
   }
 }
 
@@ -137,14 +144,13 @@ std::optional<std::string> SimulatedWorld::advance(const TruthRequests& requests
 
 std::optional<std::string> SimulatedWorld::step_machine() {
   const StageTimer timer(stages_.physics_s);
-  before_ = after_;
-  machine_->step(settings_.step);
-  if (const auto& fault = machine_->non_finite()) {
-    return fmt::format("{} of the {} joint is not a finite number at {:.4f} s", fault->quantity,
-                       kJointNames[static_cast<std::size_t>(fault->joint)],
-                       to_seconds(fault->time));
+  std::swap(before_, after_);
+  content_.machine->step(settings_.step);
+  copy(content_.machine->links(), after_);
+  if (const auto& fault = content_.machine->non_finite()) {
+    return fmt::format("{} of the {} is not a finite number at {:.4f} s", fault->quantity,
+                       fault->part, to_seconds(fault->time));
   }
-  after_ = motions();
   return std::nullopt;
 }
 
@@ -159,7 +165,14 @@ void SimulatedWorld::sample_step(SimTime t0, SimTime t1, SampleBatch& batch) {
   }
   for (auto& valves : valves_) {
     for (; valves.next <= t1; valves.next = valves.plan.next_after(valves.next)) {
-      batch.valves.push_back({valves.device, machine_->valve_sample(valves.next)});
+      batch.valves.push_back(
+          {valves.device, content_.machine->valve_port()->valve_sample(valves.next)});
+    }
+  }
+  for (auto& vehicle : vehicles_) {
+    for (; vehicle.next <= t1; vehicle.next = vehicle.plan.next_after(vehicle.next)) {
+      const VehicleSample exact = content_.machine->vehicle_port()->vehicle_sample(vehicle.next);
+      batch.vehicles.push_back({vehicle.device, vehicle.sensor.measure(exact)});
     }
   }
   for (auto& gnss : gnss_) {
@@ -177,60 +190,50 @@ void SimulatedWorld::cast_slice(SampleBatch& batch) {
   const SimTime t1 = batch.until;
   {
     const StageTimer timer(stages_.ray_casting_s);
-    for (std::size_t i = 0; i < sim::kLinks; ++i) {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
       bodies_[i] = {slice_start_[i].X_WL, after_[i].X_WL};
     }
-    const auto& focus = after_[index(sim::Link::upper)].X_WL;
-    scene_->begin_slice(t0, t1, focus.translation(), bodies_);
+    if (const auto changed = content_.machine->take_ground_changes()) {
+      content_.scene->update_terrain(content_.terrain, content_.ground->field(), *changed);
+    }
+    content_.scene->begin_slice(t0, t1, after_.front().X_WL.translation(), bodies_);
     batch.lidar.resize(lidars_.size());
     for (std::size_t i = 0; i < lidars_.size(); ++i) {
       auto& lidar = lidars_[i];
-      const std::size_t link = index(lidar.mount.link);
+      const std::size_t link = lidar.mount.link;
       batch.lidar[i].device = lidar.device;
-      lidar.sensor->cast(*scene_, t0, t1, sim::at_mount(slice_start_[link], lidar.mount.X_LS),
+      lidar.sensor->cast(*content_.scene, t0, t1,
+                         sim::at_mount(slice_start_[link], lidar.mount.X_LS),
                          sim::at_mount(after_[link], lidar.mount.X_LS), batch.lidar[i].firings);
     }
   }
   const StageTimer timer(stages_.sensors_s);
   for (const auto& epoch : due_epochs_) {
     batch.gnss.push_back(
-        {epoch.gnss->device, epoch.gnss->sensor.sample(epoch.time, epoch.motion, *scene_)});
+        {epoch.gnss->device, epoch.gnss->sensor.sample(epoch.time, epoch.motion, *content_.scene)});
   }
   due_epochs_.clear();
 }
 
 void SimulatedWorld::read_state(SampleBatch& batch) const {
-  const auto& joints = machine_->joint_angles_rad();
-  for (int i = 0; i < 4; ++i) {
-    batch.state.push_back(joints[i] * kDegrees);
-  }
-  batch.state.push_back(machine_->tip_W().z());
-  batch.state.push_back(machine_->supply_pressure_pa() * 1e-5);
+  batch.state.resize(state_quantities_.size());
+  content_.machine->read_status(batch.state);
 }
 
 void SimulatedWorld::record_truth(SimTime t0, SimTime t1, SimTime time) {
-  // Joints are those of the step's end, at most one step later than `time`; the tap's periods are
-  // whole steps, so that both are the same instant.
-  TruthRecord record;
-  record.time = time;
-  const ValveSample valves = machine_->valve_sample(time);
-  for (std::size_t i = 0; i < record.joint_rad.size(); ++i) {
-    const auto joint = static_cast<Eigen::Index>(i);
-    record.joint_rad[i] = machine_->joint_angles_rad()[joint];
-    record.joint_rate_radps[i] = machine_->joint_rates_radps()[joint];
-    record.spool[i] = valves.spool_position[i];
-  }
-  const Eigen::Vector3d tip = machine_->tip_W();
-  record.bucket_tip_W_m = {tip.x(), tip.y(), tip.z()};
-  record.antenna_latitude_deg = std::numeric_limits<double>::quiet_NaN();
+  // The machine's fields are those of the step's end, at most one step later than `time`; the tap's
+  // periods are whole steps, so that both are the same instant.
+  truth_.time = time;
+  content_.machine->read_truth(truth_.machine);
+  truth_.antenna_latitude_deg = std::numeric_limits<double>::quiet_NaN();
   if (!gnss_.empty()) {
     const auto motion = motion_at(gnss_.front().mount, t0, t1, time);
     const sim::GeodeticPoint antenna = frame_.to_geodetic(motion.X_WL.translation());
-    record.antenna_latitude_deg = antenna.latitude_deg;
-    record.antenna_longitude_deg = antenna.longitude_deg;
-    record.antenna_height_m = antenna.ellipsoid_height_m;
+    truth_.antenna_latitude_deg = antenna.latitude_deg;
+    truth_.antenna_longitude_deg = antenna.longitude_deg;
+    truth_.antenna_height_m = antenna.ellipsoid_height_m;
   }
-  tap_->record(record);
+  tap_->record(truth_);
 }
 
 }  // namespace rigwire::hil

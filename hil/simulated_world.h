@@ -14,19 +14,31 @@
 
 #include "hil/truth_source.h"
 #include "hil/truth_tap.h"
-#include "sim/excavator/excavator.h"
+#include "sim/excavator/bucket_soil.h"
 #include "sim/gnss/gnss_sensor.h"
+#include "sim/ground/ground.h"
 #include "sim/imu/imu_sensor.h"
 #include "sim/lidar/spinning_lidar.h"
 #include "sim/local_frame.h"
+#include "sim/machine.h"
 #include "sim/scene/scene.h"
+#include "sim/vehicle_sensors/vehicle_sensors.h"
 
 namespace rigwire::hil {
 
 /// Where on the machine a sensor sits.
 struct SensorMount {
-  sim::Link link = sim::Link::upper;
+  std::size_t link = 0;                                    ///< Of the machine's links.
   Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();  ///< Pose of the sensor in its link.
+};
+
+/// A machine, the ground that it stands on, and the scene with its links as moving bodies.
+struct MachineInScene {
+  std::unique_ptr<sim::Scene> scene;
+  sim::Scene::InstanceId terrain = 0;
+  std::unique_ptr<sim::Ground> ground;           ///< Outlives the machine.
+  std::unique_ptr<sim::FallObstacle> obstacles;  ///< What soil may fall on; outlives the machine.
+  std::unique_ptr<sim::Machine> machine;
 };
 
 struct WorldSettings {
@@ -37,20 +49,23 @@ struct WorldSettings {
 
 class SimulatedWorld final : public TruthSource {
  public:
-  /// The scene's bodies must be the machine's links in the order of sim::Link. Throws
+  /// The scene's bodies must be the machine's links in the machine's order. Throws
   /// std::invalid_argument when slice is not a whole multiple of step.
-  SimulatedWorld(const WorldSettings& settings, std::unique_ptr<sim::Excavator> machine,
-                 std::unique_ptr<sim::Scene> scene, const sim::LocalFrame& frame);
+  SimulatedWorld(const WorldSettings& settings, MachineInScene content,
+                 const sim::LocalFrame& frame);
 
   /// Sensors, by the device whose samples they make.
   void add_gnss(DeviceIndex device, const SensorMount& mount, sim::GnssSensor sensor);
   void add_imu(DeviceIndex device, const SensorMount& mount, sim::ImuSensor sensor);
   void add_lidar(DeviceIndex device, const SensorMount& mount,
                  std::unique_ptr<sim::SpinningLidar> sensor);
+  /// Throw std::invalid_argument when the machine has no valve block, or does not drive.
   void add_valves(DeviceIndex device);
+  void add_vehicle(DeviceIndex device, sim::VehicleSensors sensors);
   /// Records truth every `period`, a whole multiple of the step, to `tap`.
   void set_truth_tap(std::unique_ptr<TruthTap> tap, Duration period);
 
+  [[nodiscard]] const sim::Machine& machine() const { return *content_.machine; }
   [[nodiscard]] Duration slice() const override { return settings_.slice; }
   std::optional<std::string> advance(const TruthRequests& requests, SampleBatch& batch) override;
   [[nodiscard]] const std::vector<StateQuantity>& state_quantities() const override {
@@ -59,7 +74,7 @@ class SimulatedWorld final : public TruthSource {
   [[nodiscard]] TruthStages stages() const override { return stages_; }
 
  private:
-  using Motions = std::array<sim::LinkMotion, sim::kLinks>;
+  using Motions = std::vector<sim::LinkMotion>;
 
   template <class Sensor>
   struct Mounted {
@@ -85,20 +100,20 @@ class SimulatedWorld final : public TruthSource {
   void cast_slice(SampleBatch& batch);
   void read_state(SampleBatch& batch) const;
   void record_truth(SimTime t0, SimTime t1, SimTime time);
-  [[nodiscard]] Motions motions() const;
   [[nodiscard]] sim::LinkMotion motion_at(const SensorMount& mount, SimTime t0, SimTime t1,
                                           SimTime time) const;
 
   WorldSettings settings_;
-  std::unique_ptr<sim::Excavator> machine_;
-  std::unique_ptr<sim::Scene> scene_;
+  MachineInScene content_;
   sim::LocalFrame frame_;
   std::vector<Mounted<sim::GnssSensor>> gnss_;
   std::vector<Mounted<sim::ImuSensor>> imu_;
   std::vector<Mounted<std::unique_ptr<sim::SpinningLidar>>> lidars_;
   std::vector<Mounted<Unmounted>> valves_;
+  std::vector<Mounted<sim::VehicleSensors>> vehicles_;
   std::unique_ptr<TruthTap> tap_;
   Duration tap_period_{0};
+  TruthRecord truth_;  ///< Filled anew for every line.
   SimTime next_tap_ = kNever;
 
   SimTime frontier_ = kStart;

@@ -29,7 +29,16 @@ void ValveStation::collect(DeviceIndex self, TruthRequests& requests) {
   if (command.opening != announced_command_.opening ||
       command.floating != announced_command_.floating) {
     announced_command_ = command;
-    requests.commands.push_back({self, command});
+    requests.valve_commands.push_back({self, command});
+  }
+}
+
+void VehicleStation::collect(DeviceIndex self, TruthRequests& requests) {
+  Station::collect(self, requests);
+  const VehicleCommand& command = backend().command();
+  if (command != announced_command_) {
+    announced_command_ = command;
+    requests.vehicle_commands.push_back({self, command});
   }
 }
 

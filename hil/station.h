@@ -107,4 +107,14 @@ class ValveStation : public SampledStation<ValveSample, emulators::ValveBackend>
   ValveCommand announced_command_;
 };
 
+/// Also carries what the controllers ask of drive train, steering and brakes.
+class VehicleStation : public SampledStation<VehicleSample, emulators::VehicleBackend> {
+ public:
+  using SampledStation::SampledStation;
+  void collect(DeviceIndex self, TruthRequests& requests) override;
+
+ private:
+  VehicleCommand announced_command_;
+};
+
 }  // namespace rigwire::hil

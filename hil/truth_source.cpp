@@ -9,17 +9,19 @@ void SampleBatch::clear() {
     block.firings.clear();
   }
   valves.clear();
+  vehicles.clear();
   state.clear();
 }
 
 void TruthRequests::clear() {
-  commands.clear();
+  valve_commands.clear();
+  vehicle_commands.clear();
   plans.clear();
   rotor_rates.clear();
 }
 
 bool TruthRequests::empty() const {
-  return commands.empty() && plans.empty() && rotor_rates.empty();
+  return valve_commands.empty() && vehicle_commands.empty() && plans.empty() && rotor_rates.empty();
 }
 
 }  // namespace rigwire::hil

@@ -13,6 +13,7 @@
 #include "sim/samples/lidar_sample.h"
 #include "sim/samples/time.h"
 #include "sim/samples/valve_sample.h"
+#include "sim/samples/vehicle_sample.h"
 
 namespace rigwire::hil {
 
@@ -41,6 +42,7 @@ struct SampleBatch {
   std::vector<Addressed<ImuSample>> imu;
   std::vector<LidarBlock> lidar;  ///< One per lidar of the rig; kept by clear(), emptied.
   std::vector<Addressed<ValveSample>> valves;
+  std::vector<Addressed<VehicleSample>> vehicles;
   std::vector<double> state;  ///< At `until`, in the order of TruthSource::state_quantities().
 
   void clear();
@@ -48,7 +50,8 @@ struct SampleBatch {
 
 /// What flows from the devices back to the truth: actuator commands and changed sample plans.
 struct TruthRequests {
-  std::vector<Addressed<ValveCommand>> commands;
+  std::vector<Addressed<ValveCommand>> valve_commands;
+  std::vector<Addressed<VehicleCommand>> vehicle_commands;
   std::vector<Addressed<SamplePlan>> plans;
   std::vector<Addressed<double>> rotor_rates;  ///< rad/s, of spinning lidars.
 

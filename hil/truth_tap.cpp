@@ -11,14 +11,26 @@
 namespace rigwire::hil {
 namespace {
 
-std::string list(const std::array<double, 4>& values) {
-  return fmt::format("[{:.9g},{:.9g},{:.9g},{:.9g}]", values[0], values[1], values[2], values[3]);
+/// JSON has no number for what is not finite.
+std::string number(double value) {
+  return std::isfinite(value) ? fmt::format("{:.12g}", value) : "null";
+}
+
+std::string list(std::span<const double> values) {
+  std::string text;
+  for (const double value : values) {
+    text += (text.empty() ? "" : ",") + number(value);
+  }
+  return values.size() == 1 ? text : "[" + text + "]";
 }
 
 }  // namespace
 
-TruthTap::TruthTap(const std::filesystem::path& path, const Calendar& calendar)
-    : file_(std::fopen(path.c_str(), "we")), calendar_(calendar) {
+TruthTap::TruthTap(const std::filesystem::path& path, const Calendar& calendar,
+                   std::span<const sim::TruthField> fields)
+    : file_(std::fopen(path.c_str(), "we")),
+      calendar_(calendar),
+      fields_(fields.begin(), fields.end()) {
   if (file_ == nullptr) {
     throw std::runtime_error(
         fmt::format("cannot write the truth tap {}: {}", path.string(), std::strerror(errno)));
@@ -30,13 +42,16 @@ TruthTap::~TruthTap() {
 }
 
 void TruthTap::record(const TruthRecord& record) {
-  std::string line = fmt::format(
-      R"({{"sim_s":{:.9f},"utc":"{}","time_of_hour_us":{:.3f},"joint_rad":{},"joint_rate_radps":{},)"
-      R"("spool":{},"bucket_tip_m":[{:.6f},{:.6f},{:.6f}])",
-      to_seconds(record.time), format_utc(calendar_.utc(record.time)),
-      static_cast<double>(calendar_.nanoseconds_of_hour(record.time)) * 1e-3,
-      list(record.joint_rad), list(record.joint_rate_radps), list(record.spool),
-      record.bucket_tip_W_m.x, record.bucket_tip_W_m.y, record.bucket_tip_W_m.z);
+  std::string line =
+      fmt::format(R"({{"sim_s":{:.9f},"utc":"{}","time_of_hour_us":{:.3f})",
+                  to_seconds(record.time), format_utc(calendar_.utc(record.time)),
+                  static_cast<double>(calendar_.nanoseconds_of_hour(record.time)) * 1e-3);
+  std::span<const double> rest(record.machine);
+  for (const sim::TruthField& field : fields_) {
+    fmt::format_to(std::back_inserter(line), R"(,"{}":{})", field.key,
+                   list(rest.first(field.count)));
+    rest = rest.subspan(field.count);
+  }
   if (!std::isnan(record.antenna_latitude_deg)) {
     fmt::format_to(
         std::back_inserter(line),

@@ -3,14 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "dig_cycle/cycle.h"
-#include "dig_cycle/gnss_wire.h"
+#include "field/gnss_wire.h"
 
 namespace rigwire::dig_cycle {
 
@@ -23,25 +21,12 @@ struct LogEntry {
   Belief belief;
   CycleOutput output;
   PerJoint spool{};
-  GnssFixBelief gnss;
+  field::GnssFixBelief gnss;
   std::optional<double> nearest_range_m;
   std::optional<double> ground_z_m;
 };
 
 /// One line without its end.
 [[nodiscard]] std::string to_json(const LogEntry& entry);
-
-class Log {
- public:
-  /// Throws std::runtime_error when the file cannot be written. An empty path logs nothing.
-  explicit Log(const std::string& path);
-  void write(const LogEntry& entry);
-
- private:
-  struct Close {
-    void operator()(std::FILE* file) const { (void)std::fclose(file); }
-  };
-  std::unique_ptr<std::FILE, Close> file_;
-};
 
 }  // namespace rigwire::dig_cycle

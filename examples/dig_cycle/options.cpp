@@ -1,63 +1,13 @@
 #include "dig_cycle/options.h"
 
-#include <charconv>
-#include <cmath>
-#include <functional>
-#include <map>
-#include <vector>
-
 namespace rigwire::dig_cycle {
 namespace {
 
-[[noreturn]] void refuse(std::string_view option, std::string_view value,
-                         std::string_view allowed) {
-  throw UsageError(std::string(option) + ": found '" + std::string(value) + "', allowed " +
-                   std::string(allowed));
-}
-
-double number(std::string_view option, std::string_view text, double lower, double upper,
-              std::string_view allowed) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !(value >= lower) ||
-      !(value <= upper)) {
-    refuse(option, text, allowed);
-  }
-  return value;
-}
-
-std::uint64_t whole(std::string_view option, std::string_view text, std::uint64_t upper,
-                    std::string_view allowed) {
-  const bool hexadecimal = text.starts_with("0x") || text.starts_with("0X");
-  const std::string_view digits = hexadecimal ? text.substr(2) : text;
-  std::uint64_t value = 0;
-  const auto [end, error] =
-      std::from_chars(digits.data(), digits.data() + digits.size(), value, hexadecimal ? 16 : 10);
-  if (error != std::errc{} || end != digits.data() + digits.size() || value > upper) {
-    refuse(option, text, allowed);
-  }
-  return value;
-}
-
-std::vector<std::string_view> split(std::string_view text) {
-  std::vector<std::string_view> parts;
-  for (std::size_t at = 0;;) {
-    const std::size_t comma = text.find(',', at);
-    parts.push_back(text.substr(at, comma - at));
-    if (comma == std::string_view::npos) {
-      return parts;
-    }
-    at = comma + 1;
-  }
-}
-
-std::uint16_t port(std::string_view option, std::string_view text) {
-  const auto value = whole(option, text, 65535, "a port, 1..65535");
-  if (value == 0) {
-    refuse(option, text, "a port, 1..65535");
-  }
-  return static_cast<std::uint16_t>(value);
-}
+using field::number;
+using field::port;
+using field::refuse;
+using field::split;
+using field::whole;
 
 std::array<std::uint32_t, kLinks> four(std::string_view option, std::string_view text,
                                        std::uint32_t upper, std::string_view allowed) {
@@ -75,15 +25,6 @@ std::array<std::uint32_t, kLinks> four(std::string_view option, std::string_view
     }
   }
   return values;
-}
-
-std::chrono::nanoseconds seconds(std::string_view option, std::string_view text) {
-  std::string_view digits = text;
-  if (digits.ends_with("s")) {
-    digits.remove_suffix(1);
-  }
-  const double value = number(option, digits, 0.0, 1e8, "seconds, 0 or more, such as 20 or 20s");
-  return std::chrono::nanoseconds(std::llround(value * 1e9));
 }
 
 void set_modbus(Options& options, std::string_view option, std::string_view text) {
@@ -111,16 +52,10 @@ void set_mount(Options& options, std::string_view option, std::string_view text)
   }
 }
 
-using Setter = std::function<void(Options&, std::string_view, std::string_view)>;
-
-const std::map<std::string_view, Setter>& setters() {
-  static const std::map<std::string_view, Setter> kSetters{
+const field::Setters<Options>& setters() {
+  static const field::Setters<Options> kSetters{
       {"--gnss", [](Options& o, auto, auto v) { o.gnss = v; }},
-      {"--gnss-baud",
-       [](Options& o, auto n, auto v) {
-         o.gnss_baud = static_cast<std::uint32_t>(
-             number(n, v, 1200, 4'000'000, "a speed in bit/s, 1200..4000000"));
-       }},
+      {"--gnss-baud", [](Options& o, auto n, auto v) { o.gnss_baud = field::baud(n, v); }},
       {"--lidar-address", [](Options& o, auto, auto v) { o.lidar_address = v; }},
       {"--lidar-port", [](Options& o, auto n, auto v) { o.lidar_port = port(n, v); }},
       {"--lidar-mount", set_mount},
@@ -142,7 +77,7 @@ const std::map<std::string_view, Setter>& setters() {
        [](Options& o, auto n, auto v) {
          o.cycle.cycles = whole(n, v, 1'000'000'000, "a number, 0 = for ever");
        }},
-      {"--duration", [](Options& o, auto n, auto v) { o.duration = seconds(n, v); }},
+      {"--duration", [](Options& o, auto n, auto v) { o.duration = field::seconds(n, v); }},
       {"--dig-azimuth",
        [](Options& o, auto n, auto v) {
          o.cycle.dig_azimuth_rad = number(n, v, -180, 180, "degrees, -180..180") * kDegree;
@@ -160,44 +95,11 @@ const std::map<std::string_view, Setter>& setters() {
 }  // namespace
 
 Options parse_options(std::span<const std::string_view> arguments) {
-  Options options;
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
-    std::string_view option = arguments[i];
-    if (option == "--help" || option == "-h") {
-      options.help = true;
-      continue;
-    }
-    if (option == "--quiet") {
-      options.quiet = true;
-      continue;
-    }
-    if (option == "--wait") {
-      options.wait = true;
-      continue;
-    }
-    const std::size_t equals = option.find('=');
-    std::string_view value;
-    const bool joined = option.starts_with("--") && equals != std::string_view::npos;
-    if (joined) {
-      value = option.substr(equals + 1);
-      option = option.substr(0, equals);
-    }
-    const auto setter = setters().find(option);
-    if (setter == setters().end()) {
-      throw UsageError("unknown option '" + std::string(option) + "'; --help lists them");
-    }
-    if (!joined) {
-      if (i + 1 == arguments.size()) {
-        throw UsageError(std::string(option) + ": a value is missing");
-      }
-      value = arguments[++i];
-    }
-    if (value.empty()) {
-      throw UsageError(std::string(option) + ": the value is empty");
-    }
-    setter->second(options, option, value);
-  }
-  return options;
+  static const field::Flags<Options> kFlags{{"--help", &Options::help},
+                                            {"-h", &Options::help},
+                                            {"--quiet", &Options::quiet},
+                                            {"--wait", &Options::wait}};
+  return field::parse(arguments, setters(), kFlags);
 }
 
 std::string_view usage() {

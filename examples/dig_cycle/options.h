@@ -4,21 +4,17 @@
 #include <chrono>
 #include <cstdint>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
 #include "dig_cycle/cycle.h"
 #include "dig_cycle/imu_wire.h"
 #include "dig_cycle/surroundings.h"
+#include "field/option_parser.h"
 
 namespace rigwire::dig_cycle {
 
-/// An option that cannot be; what() says which, the value found, and what is allowed.
-class UsageError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+using field::UsageError;
 
 struct Options {
   std::string gnss = "/tmp/rigwire/gnss";

@@ -186,7 +186,7 @@ void Program::log(const CycleOutput& output) {
   entry.gnss = gnss_.fix();
   entry.nearest_range_m = surroundings_.nearest_range_m();
   entry.ground_z_m = surroundings_.view().ground_z_m;
-  log_.write(entry);
+  log_.write(to_json(entry));
 }
 
 void Program::stop(int status, const std::string& why) {

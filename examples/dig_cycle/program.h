@@ -17,10 +17,8 @@
 #include <string>
 #include <string_view>
 
-#include "dig_cycle/can_wire.h"
 #include "dig_cycle/cycle.h"
 #include "dig_cycle/estimator.h"
-#include "dig_cycle/gnss_wire.h"
 #include "dig_cycle/imu_wire.h"
 #include "dig_cycle/lidar_wire.h"
 #include "dig_cycle/log.h"
@@ -30,16 +28,17 @@
 #include "dig_cycle/valve_wire.h"
 #include "drivers/serial_port.h"
 #include "drivers/udp_socket.h"
+#include "field/can_wire.h"
+#include "field/gnss_wire.h"
+#include "field/json_line.h"
 
 namespace rigwire::dig_cycle {
 
-enum ExitStatus : int {
-  exit_done = 0,
-  exit_machine = 1,
-  exit_usage = 2,
-  exit_wire = 3,
-  exit_silent_sensor = 4,
-};
+using field::exit_done;
+using field::exit_machine;
+using field::exit_silent_sensor;
+using field::exit_usage;
+using field::exit_wire;
 
 class Program {
  public:
@@ -73,13 +72,13 @@ class Program {
   Estimator estimator_;
   Surroundings surroundings_;
   Cycle cycle_;
-  Log log_;
-  GnssWire gnss_;
+  field::LineFile log_;
+  field::GnssWire gnss_;
   LidarWire lidar_;
   ImuWire imu_;
   drivers::SerialPort gnss_line_;
   drivers::UdpSocket lidar_socket_;
-  CanWire can_;
+  field::CanWire can_;
   ValveWire valves_;
   boost::asio::signal_set signals_;
   boost::asio::steady_timer control_timer_;

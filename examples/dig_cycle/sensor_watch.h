@@ -1,12 +1,13 @@
-// When each sensor was last heard, and which one is silent.
+// The sensors of the dig cycle, and how long each may be silent.
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
+
+#include "field/silence_watch.h"
 
 namespace rigwire::dig_cycle {
 
@@ -29,26 +30,25 @@ inline constexpr std::size_t kSensors = 7;
 
 class SensorWatch {
  public:
-  /// A monotonic time; only differences matter.
-  using Instant = std::chrono::nanoseconds;
+  using Instant = field::SilenceWatch::Instant;
+
+  SensorWatch();
 
   /// Silence allowed: GNSS 3 s, lidar, IMU and valve driver 0.5 s. The last three send far more
   /// often; but on a busy machine the system has been seen to hold back the bytes of a
   /// pseudo-terminal for a quarter of a second.
   static std::chrono::milliseconds limit(Sensor sensor);
 
-  void heard(Sensor sensor, Instant now);
+  void heard(Sensor sensor, Instant now) { watch_.heard(static_cast<std::size_t>(sensor), now); }
   /// The first sensor that has spoken and has been silent for longer than its limit.
   [[nodiscard]] std::optional<Sensor> silent(Instant now) const;
   /// Every sensor has spoken and none is silent.
-  [[nodiscard]] bool all_alive(Instant now) const;
+  [[nodiscard]] bool all_alive(Instant now) const { return watch_.all_alive(now); }
   /// Names of those that have never spoken or are silent, comma-separated.
-  [[nodiscard]] std::string absent(Instant now) const;
+  [[nodiscard]] std::string absent(Instant now) const { return watch_.absent(now); }
 
  private:
-  [[nodiscard]] bool alive(std::size_t sensor, Instant now) const;
-
-  std::array<std::optional<Instant>, kSensors> last_{};
+  field::SilenceWatch watch_;
 };
 
 }  // namespace rigwire::dig_cycle

@@ -56,8 +56,12 @@ const VelodyneConfiguration& lidar_of(const RigConfiguration& rig) {
 class MovingMachine {
  public:
   MovingMachine(const RigConfiguration& rig, const SensorMount& mount)
-      : built_(build_machine_in_scene(rig)), mount_(mount), after_(links()) {
-    bodies_.resize(sim::kLinks);
+      : built_(build_machine_in_scene(rig)), mount_(mount) {
+    if (built_.machine->valve_port() == nullptr) {
+      throw std::invalid_argument("the lidar's benchmark moves a machine with a valve block");
+    }
+    remember_links();
+    bodies_.resize(after_.size());
   }
   [[nodiscard]] sim::Scene& scene() { return *built_.scene; }
 
@@ -67,39 +71,34 @@ class MovingMachine {
     const double sign = std::cos(std::numbers::pi * to_seconds(now)) >= 0.0 ? 1.0 : -1.0;
     ValveCommand command;
     command.opening = {0.6 * sign, 0.4 * sign, 0.5 * sign, -0.5 * sign};
-    built_.machine->command(command);
+    built_.machine->valve_port()->command(command);
     built_.machine->step(slice);
-    before_ = after_;
-    after_ = links();
-    for (std::size_t i = 0; i < sim::kLinks; ++i) {
+    std::swap(before_, after_);
+    remember_links();
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
       bodies_[i] = {before_[i].X_WL, after_[i].X_WL};
     }
   }
   void begin_slice(SimTime t0, SimTime t1) {
-    built_.scene->begin_slice(t0, t1, after_[link()].X_WL.translation(), bodies_);
+    built_.scene->begin_slice(t0, t1, after_[mount_.link].X_WL.translation(), bodies_);
   }
   [[nodiscard]] sim::LinkMotion mount_before() const {
-    return sim::at_mount(before_[link()], mount_.X_LS);
+    return sim::at_mount(before_[mount_.link], mount_.X_LS);
   }
   [[nodiscard]] sim::LinkMotion mount_after() const {
-    return sim::at_mount(after_[link()], mount_.X_LS);
+    return sim::at_mount(after_[mount_.link], mount_.X_LS);
   }
 
  private:
-  using Links = std::array<sim::LinkMotion, sim::kLinks>;
-  [[nodiscard]] std::size_t link() const { return static_cast<std::size_t>(mount_.link); }
-  [[nodiscard]] Links links() const {
-    Links all;
-    for (std::size_t i = 0; i < sim::kLinks; ++i) {
-      all[i] = built_.machine->link(static_cast<sim::Link>(i));
-    }
-    return all;
+  void remember_links() {
+    const auto links = built_.machine->links();
+    after_.assign(links.begin(), links.end());
   }
 
   MachineInScene built_;
   SensorMount mount_;
-  Links before_;
-  Links after_;
+  std::vector<sim::LinkMotion> before_;
+  std::vector<sim::LinkMotion> after_;
   std::vector<sim::BodyMotion> bodies_;
 };
 
@@ -130,7 +129,7 @@ std::vector<LidarStageCost> measure_lidar_stage(const RigConfiguration& rig,
       throw std::invalid_argument(fmt::format(
           "lidar stage: found slices of {} ms and {} rounds, allowed >= 1", slice_ms, rounds));
     }
-    MovingMachine machine(rig, sensor_mount(lidar_settings.mount));
+    MovingMachine machine(rig, sensor_mount(rig.machine, lidar_settings.mount));
     sim::SpinningLidar lidar(lidar_settings.sensor, plan.pattern, plan.plan, plan.rotor_rate_radps,
                              kSeed, "bench");
     std::vector<LidarFiring> firings;

@@ -68,9 +68,129 @@ void visit(Visitor& v, sim::PitTerrain& p) {
 }
 
 template <class Visitor>
+void visit(Visitor& v, sim::MeanSlope& p) {
+  v.number("rise", p.rise, plain().between(-1, 1), "Rise over run.");
+  v.number("uphill", p.uphill_rad, in("deg").between(-360, 360), "Left from east.");
+  v.number("height_at_0", p.height_at_0_m, in("m"), "At (0, 0).");
+}
+
+template <class Visitor>
+void visit(Visitor& v, sim::HillsTerrain& p) {
+  v.number("size", p.size_m, in("m").above(0), "Edge of the square area around (0, 0).");
+  v.number("cell", p.cell_m, in("m").above(0), "Distance between two heights.");
+  v.section("slope", p.slope, "Mean slope.");
+  v.number("roughness", p.roughness_m, in("m").at_least(0), "Standard deviation of the heights.");
+  v.number("longest_wave", p.longest_wave_m, in("m").above(0), "Of the coarsest layer of noise.");
+  v.section("material", p.material, "Of the ground.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, sim::LevelTerrain& p) {
+  v.number("size", p.size_m, in("m").above(0), "Edge of the square area around (0, 0).");
+  v.number("cell", p.cell_m, in("m").above(0), "Distance between two heights.");
+  v.section("slope", p.slope, "Crossfall.");
+  v.number("roughness", p.roughness_m, in("mm").at_least(0), "Standard deviation of the heights.");
+  v.section("material", p.material, "Of the ground.");
+}
+
+inline constexpr std::array<Alternative, 3> kTerrainTypes{
+    {{"pit", "Lowest level of an open pit: floor, benches, ramp, heaps."},
+     {"hills", "Rolling ground."},
+     {"level", "A level site, with a crossfall if wanted."}}};
+
+/// The terrain's section: its `type` beside the keys of that type; without `type` a pit.
+struct TerrainSection {
+  sim::Terrain* terrain;
+};
+
+template <class Visitor>
+void visit(Visitor& v, TerrainSection& section) {
+  v.variant("type", *section.terrain, kTerrainTypes, "Kind of ground; pit when not given.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, sim::TrackPoint& p) {
+  visit_pair(v, "at", p.at_m, in("m"), "[east, north].");
+}
+
+template <class Visitor>
+void visit(Visitor& v, sim::Track& p) {
+  v.text("name", p.name, "Of the track; soil regions name it.");
+  v.list("points", p.points, "The centre line passes smoothly through each.");
+  v.boolean("closed", p.closed, "Whether the last point joins the first.");
+  v.number("width", p.width_m, in("m").above(0), "Level across.");
+  v.number("shoulder", p.shoulder_m, in("m").at_least(0), "Blends into the ground, each side.");
+  v.number("grading", p.grading_m, in("m").at_least(0),
+           "Waves of the ground much shorter than this are cut and filled.");
+  v.number("roughness", p.roughness_m, in("mm").at_least(0), "Standard deviation, on the track.");
+  v.text("soil", p.soil, "Name of a soil; empty = as around it.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, sim::SoilDisc& p) {
+  visit_pair(v, "centre", p.centre_m, in("m"), "[east, north].");
+  v.number("radius", p.radius_m, in("m").above(0), "Of the disc.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, sim::SoilRectangle& p) {
+  visit_pair(v, "centre", p.centre_m, in("m"), "[east, north].");
+  visit_pair(v, "size", p.size_m, in("m").above(0), "Full lengths along its own axes.");
+  v.number("yaw", p.yaw_rad, in("deg").between(-360, 360), "Of its first axis, left from east.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, sim::SoilStretch& p) {
+  v.required("track");
+  v.text("track", p.track, "Name of the track.");
+  v.number("from", p.from_m, in("m").at_least(0), "Along the track from its first point.");
+  v.number("to", p.to_m, in("m").at_least(0), "Along the track.");
+}
+
+inline constexpr std::array<Alternative, 3> kSoilRegionTypes{
+    {{"disc", "A disc."}, {"rectangle", "A rectangle."}, {"stretch", "A part of a track."}}};
+
+template <class Visitor>
+void visit(Visitor& v, sim::SoilRegion& p) {
+  v.required("soil");
+  v.text("soil", p.soil, "Name of the soil there.");
+  v.required("type");
+  v.variant("type", p.shape, kSoilRegionTypes, "Shape of the region.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, sim::TreeField& p) {
+  v.integer("count", p.count, IntegerRule{0, 50000}, "Number of trees; 0 = by density.");
+  v.number("density", p.density_per_ha, plain().at_least(0), "Trees per hectare.");
+  v.integer("seed", p.seed, IntegerRule{0}, "Another forest on the same ground.");
+  visit_pair(v, "centre", p.centre_m, in("m"), "[east, north] of the rectangle.");
+  visit_pair(v, "half_lengths", p.half_lengths_m, in("m").above(0), "[east, north].");
+  v.number("smallest", p.smallest_m, in("m").above(0), "Height.");
+  v.number("largest", p.largest_m, in("m").above(0), "Height.");
+  v.number("trunk_diameter", p.trunk_diameter_m, in("m").above(0), "Of the largest tree.");
+  v.number("conifer_share", p.conifer_share, plain().between(0, 1), "The rest have round crowns.");
+  v.number("track_distance", p.track_distance_m, in("m").at_least(0),
+           "From a track's edge to a trunk.");
+  v.number("spacing", p.spacing_m, in("m").at_least(0), "Between trunks, at least.");
+  v.list("keep_out", p.keep_out, "Discs without trees.");
+  v.section("trunk", p.trunk, "Surface of the trunks.");
+  v.section("crown", p.crown, "Surface of the crowns.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, sim::BoxObject& p) {
+  v.text("name", p.name, "Of the box.");
+  v.vector3("size", p.size_m, in("m").above(0), "Full lengths along its own axes.");
+  v.vector3("position", p.position_m, in("m"), "[east, north, up] of the middle of its base.");
+  v.number("yaw", p.yaw_rad, in("deg").between(-360, 360), "Of its x from east, left positive.");
+  v.boolean("on_ground", p.on_ground, "Whether `up` counts from the terrain under it.");
+  v.section("material", p.material, "Of its surface.");
+}
+
+template <class Visitor>
 void visit(Visitor& v, sim::KeepOut& p) {
   visit_pair(v, "centre", p.centre_m, in("m"), "[east, north].");
-  v.number("radius", p.radius_m, in("m").at_least(0), "No rock within.");
+  v.number("radius", p.radius_m, in("m").at_least(0), "Nothing within.");
 }
 
 template <class Visitor>
@@ -101,8 +221,13 @@ template <class Visitor>
 void visit(Visitor& v, SceneConfiguration& p) {
   v.text("name", p.name, "For people.");
   v.text("text", p.text, "One line for `rigwire list scenes`.");
-  v.section("terrain", p.description.terrain, "The ground.");
+  TerrainSection terrain{&p.description.terrain};
+  v.section("terrain", terrain, "The ground.");
+  v.list("tracks", p.description.tracks, "Ways carved into the ground.");
+  v.list("soil_regions", p.description.soil_regions, "Where another soil lies than around.");
   v.list("rocks", p.description.rocks, "Fields of rocks.");
+  v.list("trees", p.description.trees, "Forests.");
+  v.list("boxes", p.description.boxes, "Buildings, kerbs: solid boxes.");
   v.list("objects", p.description.objects, "Meshes that stand there.");
 }
 

@@ -1,5 +1,6 @@
 #include "sim/excavator/driven_arm.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -8,10 +9,33 @@ namespace rigwire::sim {
 namespace {
 
 constexpr double kStopDampingRatio = 0.5;
-constexpr int kPassesMax = 8;  // Four relief valves and four stops, each switched at most once.
+// Four relief valves, four stops (on and off) and the load's resistances switch at most once each.
+constexpr int kPassesMax = 12 + static_cast<int>(kTipResistances);
 
-JointVector solve(const JointMatrix& matrix, const JointVector& right) {
-  return matrix.llt().solve(right);
+// L D L^T of a symmetric positive definite matrix, unrolled: about a third of what a general
+// factorisation of this size costs.
+JointVector solve(const JointMatrix& m, const JointVector& right) {
+  const double d0 = 1.0 / m(0, 0);
+  const double l10 = m(1, 0) * d0;
+  const double l20 = m(2, 0) * d0;
+  const double l30 = m(3, 0) * d0;
+  const double d1 = 1.0 / (m(1, 1) - l10 * m(1, 0));
+  const double u21 = m(2, 1) - l20 * m(1, 0);
+  const double u31 = m(3, 1) - l30 * m(1, 0);
+  const double l21 = u21 * d1;
+  const double l31 = u31 * d1;
+  const double d2 = 1.0 / (m(2, 2) - l20 * m(2, 0) - l21 * u21);
+  const double u32 = m(3, 2) - l30 * m(2, 0) - l31 * u21;
+  const double l32 = u32 * d2;
+  const double d3 = 1.0 / (m(3, 3) - l30 * m(3, 0) - l31 * u31 - l32 * u32);
+  const double y0 = right[0];
+  const double y1 = right[1] - l10 * y0;
+  const double y2 = right[2] - l20 * y0 - l21 * y1;
+  const double y3 = right[3] - l30 * y0 - l31 * y1 - l32 * y2;
+  const double x3 = y3 * d3;
+  const double x2 = y2 * d2 - l32 * x3;
+  const double x1 = y1 * d1 - l21 * x2 - l31 * x3;
+  return {y0 * d0 - l10 * x1 - l20 * x2 - l30 * x3, x1, x2, x3};
 }
 
 enum class StopState { off, low, high, released };
@@ -35,14 +59,21 @@ DrivenArm::DrivenArm(const ExcavatorParameters& parameters, const Eigen::Vector3
   stop_damping_ = damping_for(q, JointVector::Constant(stop_stiffness_), kStopDampingRatio);
 }
 
+ArmPose DrivenArm::pose(const JointVector& q_rad) const {
+  ArmPose pose;
+  pose.angles = ArmAngles(q_rad);
+  const CylinderGeometry boom = linkages_.boom().at(pose.angles.joint[0]);
+  const CylinderGeometry stick = linkages_.stick().at(pose.angles.joint[1]);
+  const CylinderGeometry bucket = linkages_.bucket().at(pose.angles.joint[2]);
+  pose.x << q_rad[0], boom.length_m, stick.length_m, bucket.length_m;
+  pose.lever << 1.0, boom.lever_m, stick.lever_m, bucket.lever_m;
+  return pose;
+}
+
 void DrivenArm::coordinates(const JointVector& q_rad, JointVector& x, JointVector& lever) const {
-  x[0] = q_rad[0];
-  lever[0] = 1.0;
-  for (int joint = 0; joint < 3; ++joint) {
-    const CylinderGeometry geometry = linkages_.at(joint, q_rad[joint + 1]);
-    x[joint + 1] = geometry.length_m;
-    lever[joint + 1] = geometry.lever_m;
-  }
+  const ArmPose at = pose(q_rad);
+  x = at.x;
+  lever = at.lever;
 }
 
 DrivenArm::Inertia DrivenArm::inertia_at(const JointVector& q_rad) const {
@@ -117,11 +148,11 @@ void DrivenArm::right_hand_side(const ArmState& state, const JointVector& target
                                 const JointVector& rate, JointMatrix& mass_matrix,
                                 JointVector& force, JointVector& stiffness_q,
                                 JointVector& damping_q) const {
+  const ArmPose at = pose(state.q_rad);
+  const JointVector& x = at.x;
+  const JointVector& lever = at.lever;
   JointVector bias;
-  dynamics_.evaluate(state.q_rad, state.v_radps, mass_matrix, bias);
-  JointVector x;
-  JointVector lever;
-  coordinates(state.q_rad, x, lever);
+  dynamics_.evaluate(at.angles, state.v_radps, mass_matrix, bias);
   for (int i = 0; i < kArmJoints; ++i) {
     const double x_rate = lever[i] * state.v_radps[i];
     double k = gains.stiffness[i];
@@ -144,6 +175,12 @@ void DrivenArm::right_hand_side(const ArmState& state, const JointVector& target
     force[i] = lever[i] * f - bias[i];
     stiffness_q[i] = k * lever[i] * lever[i];
     damping_q[i] = d * lever[i] * lever[i];
+  }
+  force += load.torque;
+  for (std::size_t i = 0; i < load.resistance_count; ++i) {
+    const ArmLoad::Resistance& each = load.resistances[i];
+    const double free = each.offset - each.gain * each.jacobian.dot(state.v_radps);
+    force += std::clamp(free, -each.limit, each.limit) * each.jacobian;
   }
 }
 
@@ -184,72 +221,105 @@ ArmStep DrivenArm::step(IntegrationScheme scheme, double time_s, double h,
     case IntegrationScheme::linearly_implicit_euler:
       break;
   }
-  return step_linearly_implicit(time_s, h, targets, state);
-}
-
-ArmStep DrivenArm::step_linearly_implicit(double time_s, double h, const TargetMotion& targets,
-                                          ArmState& state) const {
   JointVector target;
   JointVector rate;
   targets.at(time_s + h, target, rate);
+  const ArmPose at = pose(state.q_rad);
+  return advance(h, at, laws(at, h, target, rate), state);
+}
+
+DriveLaws DrivenArm::laws(const ArmPose& at, double h, const JointVector& target,
+                          const JointVector& rate) const {
+  DriveLaws result{.force = {}, .least = gains.force_least, .greatest = gains.force_greatest};
+  for (int i = 0; i < kArmJoints; ++i) {
+    // k (x_t - x - h x') + d (v_t - x'), x' at the step's end.
+    result.force[static_cast<std::size_t>(i)] = {
+        gains.stiffness[i] * (target[i] - at.x[i]) + gains.damping[i] * rate[i],
+        gains.damping[i] + h * gains.stiffness[i]};
+  }
+  return result;
+}
+
+ArmStep DrivenArm::advance(double h, const ArmPose& at, const DriveLaws& laws,
+                           ArmState& state) const {
   JointMatrix mass_matrix;
   JointVector bias;
-  dynamics_.evaluate(state.q_rad, state.v_radps, mass_matrix, bias);
-  JointVector x;
-  JointVector lever;
-  coordinates(state.q_rad, x, lever);
+  dynamics_.evaluate(at.angles, state.v_radps, mass_matrix, bias);
+  const JointVector& lever = at.lever;
   const JointVector x_rate = lever.cwiseProduct(state.v_radps);
-  const JointVector drift = x + h * x_rate;  // Where x goes without acceleration.
-  const JointVector free =
-      gains.stiffness.cwiseProduct(target - drift) + gains.damping.cwiseProduct(rate - x_rate);
-  const JointVector gain = h * gains.damping + h * h * gains.stiffness;
 
   std::array<int, kArmJoints> clamped{};  // -1 at the least force, 1 at the greatest, 0 free.
   std::array<StopState, kArmJoints> stops{};
-  JointVector a;
+  std::array<int, kTipResistances> yielded{};
+  ArmStep result;
+  JointVector& a = result.acceleration_radps2;
   for (int pass = 0; pass < kPassesMax; ++pass) {
     JointMatrix left = mass_matrix;
-    JointVector right = -bias;
+    JointVector right = load.torque - bias;
     for (int i = 0; i < kArmJoints; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      if (clamped[at] == 0) {
-        left(i, i) += gain[i] * lever[i] * lever[i];
-        right[i] += lever[i] * free[i];
+      const auto n = static_cast<std::size_t>(i);
+      if (clamped[n] == 0) {
+        left(i, i) += h * laws.force[n].gain * lever[i] * lever[i];
+        right[i] += lever[i] * laws.force[n].at(x_rate[i]);
       } else {
-        right[i] += lever[i] * (clamped[at] > 0 ? gains.force_greatest[i] : gains.force_least[i]);
+        right[i] += lever[i] * (clamped[n] > 0 ? laws.greatest[i] : laws.least[i]);
       }
-      if (stops[at] == StopState::low || stops[at] == StopState::high) {
-        const double end = stops[at] == StopState::low ? length_least_[i] : length_greatest_[i];
-        const double stop_gain = h * stop_damping_[i] + h * h * stop_stiffness_;
-        left(i, i) += stop_gain * lever[i] * lever[i];
-        right[i] += lever[i] * (stop_stiffness_ * (end - drift[i]) - stop_damping_[i] * x_rate[i]);
+      if (stops[n] == StopState::low || stops[n] == StopState::high) {
+        const ImplicitForce stop = stop_law(i, stops[n] == StopState::low, h, at.x[i]);
+        left(i, i) += h * stop.gain * lever[i] * lever[i];
+        right[i] += lever[i] * stop.at(x_rate[i]);
+      }
+    }
+    for (std::size_t i = 0; i < load.resistance_count; ++i) {
+      const ArmLoad::Resistance& each = load.resistances[i];
+      if (yielded[i] == 0) {
+        const double held = each.offset - each.gain * each.jacobian.dot(state.v_radps);
+        left.noalias() += h * each.gain * each.jacobian * each.jacobian.transpose();
+        right += held * each.jacobian;
+      } else {
+        right += yielded[i] * each.limit * each.jacobian;
       }
     }
     a = solve(left, right);
 
     bool changed = false;
     for (int i = 0; i < kArmJoints; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      if (clamped[at] == 0) {
-        const double force = free[i] - gain[i] * lever[i] * a[i];
-        clamped[at] = force > gains.force_greatest[i] ? 1 : force < gains.force_least[i] ? -1 : 0;
-        changed = changed || clamped[at] != 0;
+      const auto n = static_cast<std::size_t>(i);
+      if (clamped[n] == 0) {
+        double& force = result.force[i];
+        force = laws.force[n].at(x_rate[i]) - h * laws.force[n].gain * lever[i] * a[i];
+        if (force > laws.greatest[i] || force < laws.least[i]) {
+          clamped[n] = force > laws.greatest[i] ? 1 : -1;
+          force = clamped[n] > 0 ? laws.greatest[i] : laws.least[i];
+          result.relieved[n] = true;
+          changed = true;
+        }
       }
       if (!gains.end_stops || i == 0) {
         continue;
       }
-      const double end_x = drift[i] + h * h * lever[i] * a[i];
-      if (stops[at] == StopState::off &&
-          (end_x < length_least_[i] || end_x > length_greatest_[i])) {
-        stops[at] = end_x < length_least_[i] ? StopState::low : StopState::high;
+      const double end_rate = x_rate[i] + h * lever[i] * a[i];
+      const double end_x = at.x[i] + h * end_rate;
+      if (stops[n] == StopState::off && (end_x < length_least_[i] || end_x > length_greatest_[i])) {
+        stops[n] = end_x < length_least_[i] ? StopState::low : StopState::high;
         changed = true;
-      } else if (stops[at] == StopState::low || stops[at] == StopState::high) {
-        const bool low = stops[at] == StopState::low;
-        const double force =
-            stop_stiffness_ * ((low ? length_least_[i] : length_greatest_[i]) - end_x) -
-            stop_damping_[i] * (x_rate[i] + h * lever[i] * a[i]);
+      } else if (stops[n] == StopState::low || stops[n] == StopState::high) {
+        const bool low = stops[n] == StopState::low;
+        const double force = stop_law(i, low, h, at.x[i]).at(end_rate);
         if (low ? force < 0.0 : force > 0.0) {  // A stop pushes, it never pulls.
-          stops[at] = StopState::released;
+          stops[n] = StopState::released;
+          changed = true;
+        }
+      }
+    }
+    for (std::size_t i = 0; i < load.resistance_count; ++i) {
+      const ArmLoad::Resistance& each = load.resistances[i];
+      if (yielded[i] == 0) {
+        double& force = result.resistance_n[i];
+        force = each.offset - each.gain * each.jacobian.dot(state.v_radps + h * a);
+        yielded[i] = force > each.limit ? 1 : force < -each.limit ? -1 : 0;
+        if (yielded[i] != 0) {
+          force = yielded[i] * each.limit;
           changed = true;
         }
       }
@@ -260,15 +330,12 @@ ArmStep DrivenArm::step_linearly_implicit(double time_s, double h, const TargetM
   }
   state.v_radps += h * a;
   state.q_rad += h * state.v_radps;
-  ArmStep result{.acceleration_radps2 = a};
-  for (int i = 0; i < kArmJoints; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    result.relieved[at] = clamped[at] != 0;
-    result.force[i] = clamped[at] > 0   ? gains.force_greatest[i]
-                      : clamped[at] < 0 ? gains.force_least[i]
-                                        : free[i] - gain[i] * lever[i] * a[i];
-  }
   return result;
+}
+
+ImplicitForce DrivenArm::stop_law(int joint, bool low, double h, double x) const {
+  const double end = low ? length_least_[joint] : length_greatest_[joint];
+  return {stop_stiffness_ * (end - x), stop_damping_[joint] + h * stop_stiffness_};
 }
 
 ArmStep DrivenArm::step_rosenbrock2(double time_s, double h, const TargetMotion& targets,
@@ -284,9 +351,7 @@ ArmStep DrivenArm::step_rosenbrock2(double time_s, double h, const TargetMotion&
   targets.at(time_s, target, rate);
   right_hand_side(state, target, rate, mass_matrix, force, stiffness_q, damping_q);
   // How the force changes with time alone, the moving targets: k v_t + d dv_t/dt.
-  JointVector x;
-  JointVector lever;
-  coordinates(state.q_rad, x, lever);
+  const JointVector lever = pose(state.q_rad).lever;
   const JointVector start_rate = rate;
   targets.at(time_s + h, target, rate);
   JointVector force_rate;

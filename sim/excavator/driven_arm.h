@@ -16,7 +16,9 @@
 // Limits make the right-hand side non-smooth: every scheme falls to order 1 at their switches.
 #pragma once
 
+#include "sim/contact/bristle.h"
 #include "sim/excavator/arm_dynamics.h"
+#include "sim/excavator/bucket_load.h"
 #include "sim/excavator/linkage.h"
 
 namespace rigwire::sim {
@@ -25,6 +27,21 @@ namespace rigwire::sim {
 struct ArmState {
   JointVector q_rad = JointVector::Zero();
   JointVector v_radps = JointVector::Zero();
+};
+
+/// One configuration with everything that depends on it alone.
+struct ArmPose {
+  ArmAngles angles;
+  JointVector x = JointVector::Zero();      ///< Drive coordinates.
+  JointVector lever = JointVector::Zero();  ///< J = dx/dq.
+};
+
+/// What the drives exert during one step: each a force linear in the rate of its coordinate at the
+/// step's end, within limits.
+struct DriveLaws {
+  std::array<ImplicitForce, kArmJoints> force;
+  JointVector least = JointVector::Constant(-1e300);
+  JointVector greatest = JointVector::Constant(1e300);
 };
 
 /// Where the drives' targets are. Cylinders in metres, swing in radians.
@@ -55,11 +72,26 @@ struct DriveGains {
   bool end_stops = false;
 };
 
+/// A bucket's load (bucket_load.h) as the joints feel it during one step.
+struct ArmLoad {
+  JointVector torque = JointVector::Zero();  ///< Given.
+  /// Torque jacobian (offset - gain jacobian . v), the bracket within -limit .. limit.
+  struct Resistance {
+    JointVector jacobian = JointVector::Zero();
+    double offset = 0.0;
+    double gain = 0.0;
+    double limit = 0.0;
+  };
+  std::array<Resistance, kTipResistances> resistances;
+  std::size_t resistance_count = 0;
+};
+
 /// What one step found.
 struct ArmStep {
   JointVector acceleration_radps2 = JointVector::Zero();  ///< At the step's end.
   JointVector force = JointVector::Zero();                ///< Of the drives, within their limits.
   std::array<bool, kArmJoints> relieved{};  ///< The limit held the force; the target has to give.
+  std::array<double, kTipResistances> resistance_n{};  ///< Of the load, within their limits.
 };
 
 class DrivenArm {
@@ -72,6 +104,10 @@ class DrivenArm {
 
   DriveGains gains;
 
+  /// Acts during every step until it is changed. linearly_implicit_euler solves the resistances;
+  /// the schemes for comparison take them at the state they have.
+  ArmLoad load;
+
   /// d = 2 ratio sqrt(k m), m the mass each drive feels at q with the other joints free.
   [[nodiscard]] JointVector damping_for(const JointVector& q_rad, const JointVector& stiffness,
                                         double ratio) const;
@@ -81,6 +117,7 @@ class DrivenArm {
   [[nodiscard]] double highest_frequency_radps(const JointVector& q_rad,
                                                const JointVector& stiffness) const;
 
+  [[nodiscard]] ArmPose pose(const JointVector& q_rad) const;
   /// Drive coordinates x and levers J = dx/dq at q.
   void coordinates(const JointVector& q_rad, JointVector& x, JointVector& lever) const;
 
@@ -100,18 +137,24 @@ class DrivenArm {
   ArmStep step(IntegrationScheme scheme, double time_s, double h, const TargetMotion& targets,
                ArmState& state) const;
 
+  /// Eq. 5 as a law of one step of h seconds that ends with this target and rate.
+  [[nodiscard]] DriveLaws laws(const ArmPose& at, double h, const JointVector& target,
+                               const JointVector& rate) const;
+  /// One step of linearly_implicit_euler, h > 0, from the pose of state.q_rad with any laws, and
+  /// with end stops and the load.
+  ArmStep advance(double h, const ArmPose& at, const DriveLaws& laws, ArmState& state) const;
+
  private:
   struct Inertia {
     JointMatrix inverse;  ///< M^-1
     JointVector lever;    ///< J
   };
   [[nodiscard]] Inertia inertia_at(const JointVector& q_rad) const;
-  ArmStep step_linearly_implicit(double time_s, double h, const TargetMotion& targets,
-                                 ArmState& state) const;
   ArmStep step_rosenbrock2(double time_s, double h, const TargetMotion& targets,
                            ArmState& state) const;
   ArmStep step_runge_kutta4(double time_s, double h, const TargetMotion& targets,
                             ArmState& state) const;
+  [[nodiscard]] ImplicitForce stop_law(int joint, bool low, double h, double x) const;
   [[nodiscard]] ArmStep at_end(const ArmState& state, const JointVector& target,
                                const JointVector& rate) const;
   /// Generalised force -bias + J F + J F_stop, with M, and the gains that act at this state.

@@ -1,13 +1,14 @@
 // The excavator as its sensors and its valve driver meet it: spool commands in, motion of every
 // link and the readings of the valve block out.
 //
-// Chain per inner step: spool lag and dead band -> requested flows -> pump's share -> target speeds
-// -> target positions -> Eq. 5 drives with relief and end stops -> joint motion (driven_arm.h).
+// Chain per inner step: spool lag and dead band -> requested flows -> pump's share -> the drives of
+// the level asked for (ExcavatorLevel) with relief and end stops -> joint motion (driven_arm.h).
 // Valve sections, everywhere in this class: 0 swing, 1 boom, 2 stick, 3 bucket; sections 4 .. 7 are
 // empty. A positive opening turns left, lifts the boom, and draws in stick and bucket: it sends oil
 // to port A and extends the cylinder.
 //
-// The undercarriage stands still where it is put; there is no ground contact of the bucket.
+// The undercarriage stands still where it is put. What the ground does to the bucket comes from
+// outside: set_bucket_force, set_bucket_resistances (bucket_load.h).
 // Deterministic: the same parameters, commands and calls give the same bits on one compiler.
 #pragma once
 
@@ -15,12 +16,17 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string_view>
 
+#include "sim/excavator/bucket_load.h"
 #include "sim/excavator/driven_arm.h"
 #include "sim/excavator/parameters.h"
+#include "sim/hydraulics/chambers.h"
 #include "sim/hydraulics/spool.h"
 #include "sim/hydraulics/supply.h"
 #include "sim/link_motion.h"
+#include "sim/machine.h"
 #include "sim/samples/valve_sample.h"
 
 namespace rigwire::sim {
@@ -28,15 +34,11 @@ namespace rigwire::sim {
 /// The machine's rigid links, frames as in parameters.h.
 enum class Link { undercarriage, upper, boom, stick, bucket };
 inline constexpr std::size_t kLinks = 5;
+/// Their names, in that order.
+inline constexpr std::array<std::string_view, kLinks> kExcavatorLinks{"undercarriage", "upper",
+                                                                      "boom", "stick", "bucket"};
 
-/// The first quantity that stopped being a finite number.
-struct NonFinite {
-  const char* quantity = "";  ///< For example "joint acceleration".
-  int joint = 0;              ///< 0 swing, 1 boom, 2 stick, 3 bucket.
-  SimTime time{};             ///< Machine time of the inner step that failed.
-};
-
-class Excavator {
+class Excavator final : public Machine, public ValvePort {
  public:
   /// X_WC: the undercarriage's pose in the world. The machine starts at rest in parameters.initial,
   /// valves closed, drives carrying the load. Throws std::invalid_argument as validate does, and
@@ -45,34 +47,48 @@ class Excavator {
 
   /// New spool set points, valid until the next. A section whose opening is not a number keeps its
   /// old set point and is counted; openings outside -1 .. 1 are clamped.
-  void command(const ValveCommand& command);
+  void command(const ValveCommand& command) override;
 
   /// Advances the machine, dividing `span` into inner steps of parameters.step_s and a remainder:
   /// one call with N steps gives the same bits as N calls. span <= 0 changes nothing, not one bit.
   /// Never throws, never allocates. After a non-finite result the machine stands still in its last
   /// finite state, see non_finite().
-  void step(Duration span);
+  void step(Duration span) override;
 
   /// Time advanced so far.
-  [[nodiscard]] SimTime time() const { return time_; }
+  [[nodiscard]] SimTime time() const override { return time_; }
 
   /// Motion at the end of the last step in the world frame; accelerations are the solver's own.
   [[nodiscard]] const LinkMotion& link(Link which) const {
     return links_[static_cast<std::size_t>(which)];
   }
+  [[nodiscard]] std::span<const LinkMotion> links() const override { return links_; }
+  [[nodiscard]] std::span<const std::string_view> link_names() const override;
 
-  /// What the transducers read, stamped with `time`. Pressures are the drives' forces over the
-  /// areas (supply.h); a section that pushes against its end stop reads the supply's relief.
-  [[nodiscard]] ValveSample valve_sample(SimTime time) const;
+  /// Swing, boom, stick, bucket in degrees, "tip height" in metres above the world's origin,
+  /// "supply" in bar.
+  [[nodiscard]] std::span<const StatusQuantity> status_quantities() const override;
+  void read_status(std::span<double> values) const override;
+
+  /// joint_rad 4, joint_rate_radps 4, spool 4, bucket_tip_m 3 (in the world).
+  [[nodiscard]] std::span<const TruthField> truth_fields() const override;
+  void read_truth(std::span<double> values) const override;
+
+  [[nodiscard]] ValvePort* valve_port() override { return this; }
+
+  /// What the transducers read, stamped with `time`. Pressures are the chambers' own at that level,
+  /// tank pressure at level kinematic, and otherwise the drives' forces over the areas (supply.h);
+  /// a section that pushes against its end stop reads the supply's relief.
+  [[nodiscard]] ValveSample valve_sample(SimTime time) const override;
 
   [[nodiscard]] const JointVector& joint_angles_rad() const { return state_.q_rad; }
   [[nodiscard]] const JointVector& joint_rates_radps() const { return state_.v_radps; }
   [[nodiscard]] const JointVector& joint_accelerations_radps2() const { return acceleration_; }
 
   /// Drive coordinates: swing angle in rad, cylinder lengths in m.
-  [[nodiscard]] const JointVector& drive_positions() const { return position_; }
+  [[nodiscard]] const JointVector& drive_positions() const { return pose_.x; }
   [[nodiscard]] const JointVector& drive_rates() const { return position_rate_; }
-  /// Where Eq. 5's spring pulls to.
+  /// Where Eq. 5's spring pulls to; on the other levels where the cylinder is wanted.
   [[nodiscard]] const JointVector& drive_targets() const { return target_; }
   /// N, extension positive; N m for swing. Without the end stops' share.
   [[nodiscard]] const JointVector& drive_forces() const { return force_; }
@@ -86,8 +102,23 @@ class Excavator {
   void set_payload_kg(double mass_kg);
   [[nodiscard]] double payload_kg() const { return arm_.dynamics().payload_kg(); }
 
+  /// A force (N, world frame) on the bucket at a point of the world, which from then on moves with
+  /// the bucket. Acts in every step until the next call; zero ends it. Not-a-number is refused.
+  void set_bucket_force(const Eigen::Vector3d& force_W, const Eigen::Vector3d& point_W);
+  /// Resistances that the arm's solve finds, in every step until the next call; empty ends them,
+  /// more than kTipResistances are dropped, as is one with a member that is not a number.
+  void set_bucket_resistances(std::span<const TipResistance> resistances);
+  void set_bucket_resistance(const TipResistance& resistance) {
+    set_bucket_resistances({&resistance, 1});
+  }
+  /// Forces of the resistances in the last inner step, N along their directions, in the order in
+  /// which they were kept.
+  [[nodiscard]] std::span<const double> bucket_resistances_n() const {
+    return {resistance_n_.data(), bucket_load_.resistance_count};
+  }
+
   [[nodiscard]] bool finite() const { return !non_finite_.has_value(); }
-  [[nodiscard]] const std::optional<NonFinite>& non_finite() const { return non_finite_; }
+  [[nodiscard]] const std::optional<NonFinite>& non_finite() const override { return non_finite_; }
   /// Sections whose command was refused because it was not a number.
   [[nodiscard]] std::uint64_t refused_commands() const { return refused_commands_; }
 
@@ -104,19 +135,29 @@ class Excavator {
   void share_flow();
   /// Target speed that the cushion and the stroke's end allow.
   [[nodiscard]] double limited_flow(std::size_t section, double flow_m3ps) const;
+  /// Speeds of the drives that the granted flows make, the stroke's ends left whole.
+  [[nodiscard]] JointVector target_rates(double h) const;
+  /// The levels' steps: each moves state_, acceleration_, force_ and target_.
+  void step_kinematic(double h, const JointVector& rate);
+  void step_quasi_static(double h, const JointVector& rate);
+  void step_dynamic(double h, const JointVector& rate);
+  void step_chambers(double h);
+  /// Takes what the solve found unless it is not finite.
+  [[nodiscard]] bool accept(const ArmState& next, const ArmStep& step);
+  /// The bucket's load as torques of the joints, in the pose of now.
+  void place_bucket_load();
   void hold_strokes();
-  /// Moves the targets by `way`; those behind an open relief valve go where their force is held.
-  void move_targets(const JointVector& way, const JointVector& rate,
-                    const std::array<bool, kArmJoints>& relieved);
+  void update_pressures();
   [[nodiscard]] bool record_non_finite(const ArmState& state, const JointVector& acceleration);
   [[nodiscard]] bool at_stroke_end(std::size_t section, double direction) const;
-  void update_pressures();
   void update_links();
 
   ExcavatorParameters parameters_;
   Eigen::Isometry3d X_WC_;
   DrivenArm arm_;
   DriveGains closed_gains_;  ///< Gains with no section floating.
+  JointVector rigid_gain_;   ///< Of level quasi_static, N s/m.
+  std::array<ActuatorChambers, kArmJoints> chambers_;
   std::array<Spool, kArmJoints> spools_;
   std::array<Areas, kArmJoints> areas_;
   std::array<bool, kArmJoints> floating_{};
@@ -125,14 +166,16 @@ class Excavator {
 
   SimTime time_{};
   ArmState state_;
+  ArmPose pose_;  ///< Of state_.
   JointVector acceleration_ = JointVector::Zero();
-  JointVector position_ = JointVector::Zero();
   JointVector position_rate_ = JointVector::Zero();
   JointVector target_ = JointVector::Zero();
   JointVector force_ = JointVector::Zero();
   std::array<double, kArmJoints> flow_{};
   std::array<PortPressures, kArmJoints> ports_{};
   double supply_pressure_pa_ = 0.0;
+  BucketLoad bucket_load_;
+  std::array<double, kTipResistances> resistance_n_{};
   std::array<LinkMotion, kLinks> links_;
   std::optional<NonFinite> non_finite_;
   std::uint64_t refused_commands_ = 0;

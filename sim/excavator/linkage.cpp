@@ -101,7 +101,8 @@ DirectLinkage::DirectLinkage(const Eigen::Vector2d& base_pin_m, const Eigen::Vec
     : base_radius_m_(base_pin_m.norm()),
       rod_radius_m_(rod_pin_m.norm()),
       offset_rad_(std::atan2(rod_pin_m.y(), rod_pin_m.x()) -
-                  std::atan2(base_pin_m.y(), base_pin_m.x())) {}
+                  std::atan2(base_pin_m.y(), base_pin_m.x())),
+      offset_(Turn::by(offset_rad_)) {}
 
 CylinderGeometry DirectLinkage::at(double q_rad) const {
   const double theta = q_rad + offset_rad_;
@@ -111,6 +112,15 @@ CylinderGeometry DirectLinkage::at(double q_rad) const {
   const double difference = base_radius_m_ - rod_radius_m_;
   const double length = std::sqrt(difference * difference + 4.0 * product * half_sine * half_sine);
   return {length, length > 0.0 ? product * std::sin(theta) / length : 0.0};
+}
+
+CylinderGeometry DirectLinkage::at(const Turn& q) const {
+  const Turn theta = q + offset_;
+  const double product = base_radius_m_ * rod_radius_m_;
+  const double length =
+      std::sqrt(std::max(0.0, base_radius_m_ * base_radius_m_ + rod_radius_m_ * rod_radius_m_ -
+                                  2.0 * product * theta.cosine));
+  return {length, length > 0.0 ? product * theta.sine / length : 0.0};
 }
 
 double DirectLinkage::angle_at(double length_m, int lever_sign) const {
@@ -135,23 +145,26 @@ BucketLinkage::BucketLinkage(const BucketLinkageParameters& parameters, double s
       link_length_m_(parameters.link_length_m),
       lug_radius_m_(parameters.lug_radius_m),
       lug_angle_rad_(parameters.lug_angle_rad),
-      branch_(parameters.branch < 0 ? -1.0 : 1.0) {}
+      branch_(parameters.branch < 0 ? -1.0 : 1.0),
+      lug_(Turn::by(lug_angle_rad_)) {}
+
+Eigen::Vector2d BucketLinkage::lug_arm_m(const Turn& q) const {
+  const Turn psi = q + lug_;
+  return {lug_radius_m_ * psi.cosine, lug_radius_m_ * psi.sine};
+}
 
 bool BucketLinkage::closes_at(double q_rad) const {
-  const double psi = q_rad + lug_angle_rad_;
-  const double distance =
-      (bucket_pin_m_ + lug_radius_m_ * Eigen::Vector2d(std::cos(psi), std::sin(psi)) -
-       idler_pivot_m_)
-          .norm();
+  const double distance = (bucket_pin_m_ + lug_arm_m(Turn::by(q_rad)) - idler_pivot_m_).norm();
   return distance < idler_length_m_ + link_length_m_ &&
          distance > std::abs(idler_length_m_ - link_length_m_);
 }
 
 Eigen::Vector2d BucketLinkage::idler_joint_m(double q_rad) const {
-  const double psi = q_rad + lug_angle_rad_;
-  const Eigen::Vector2d lug =
-      bucket_pin_m_ + lug_radius_m_ * Eigen::Vector2d(std::cos(psi), std::sin(psi));
-  const Eigen::Vector2d to_lug = lug - idler_pivot_m_;
+  return idler_joint_of(bucket_pin_m_ + lug_arm_m(Turn::by(q_rad)));
+}
+
+Eigen::Vector2d BucketLinkage::idler_joint_of(const Eigen::Vector2d& lug_m) const {
+  const Eigen::Vector2d to_lug = lug_m - idler_pivot_m_;
   const double distance = std::max(to_lug.norm(), 1e-9);
   const Eigen::Vector2d along = to_lug / distance;
   const double idler2 = idler_length_m_ * idler_length_m_;
@@ -162,11 +175,11 @@ Eigen::Vector2d BucketLinkage::idler_joint_m(double q_rad) const {
   return idler_pivot_m_ + clamped * along + branch_ * aside * perpendicular(along);
 }
 
-CylinderGeometry BucketLinkage::at(double q_rad) const {
-  const double psi = q_rad + lug_angle_rad_;
-  const Eigen::Vector2d lug_arm = lug_radius_m_ * Eigen::Vector2d(std::cos(psi), std::sin(psi));
-  const Eigen::Vector2d joint = idler_joint_m(q_rad);
-  const Eigen::Vector2d link = joint - (bucket_pin_m_ + lug_arm);
+CylinderGeometry BucketLinkage::at(const Turn& q) const {
+  const Eigen::Vector2d lug_arm = lug_arm_m(q);
+  const Eigen::Vector2d lug = bucket_pin_m_ + lug_arm;
+  const Eigen::Vector2d joint = idler_joint_of(lug);
+  const Eigen::Vector2d link = joint - lug;
   const Eigen::Vector2d swing = perpendicular(joint - idler_pivot_m_);
   const Eigen::Vector2d cylinder = joint - base_pin_m_;
   const double length = cylinder.norm();
@@ -243,6 +256,17 @@ CylinderGeometry Linkages::at(int joint, double q_rad) const {
       return stick_.at(q_rad);
     default:
       return bucket_.at(q_rad);
+  }
+}
+
+CylinderGeometry Linkages::at(int joint, const Turn& q) const {
+  switch (joint) {
+    case 0:
+      return boom_.at(q);
+    case 1:
+      return stick_.at(q);
+    default:
+      return bucket_.at(q);
   }
 }
 

@@ -9,6 +9,7 @@
 // covers on one side of the dead centre, and solves L -> q inside it only.
 #pragma once
 
+#include "sim/excavator/arm_angles.h"
 #include "sim/excavator/parameters.h"
 
 namespace rigwire::sim {
@@ -38,6 +39,9 @@ class DirectLinkage {
   DirectLinkage(const Eigen::Vector2d& base_pin_m, const Eigen::Vector2d& rod_pin_m);
 
   [[nodiscard]] CylinderGeometry at(double q_rad) const;
+  /// The same from the angle's cosine and sine. Loses digits where the pins' distances are equal
+  /// and the length goes to zero, which no working range includes.
+  [[nodiscard]] CylinderGeometry at(const Turn& q) const;
 
   /// The joint angle with this length, on the branch (`lever_sign` = +1 or -1) asked for, nearest
   /// to zero among its repetitions every turn. A length out of reach gives the dead centre.
@@ -50,6 +54,7 @@ class DirectLinkage {
   double base_radius_m_;
   double rod_radius_m_;
   double offset_rad_;  ///< Angle from the base pin to the rod pin at q = 0.
+  Turn offset_;
 };
 
 /// The bucket's four-bar. J, where cylinder, idler and link meet, is the intersection of two
@@ -61,7 +66,8 @@ class BucketLinkage {
 
   /// Where the circles do not meet (idler and link stretched or folded), J is placed on the line
   /// between their centres: the length stays continuous, finite, and the lever bounded.
-  [[nodiscard]] CylinderGeometry at(double q_rad) const;
+  [[nodiscard]] CylinderGeometry at(double q_rad) const { return at(Turn::by(q_rad)); }
+  [[nodiscard]] CylinderGeometry at(const Turn& q) const;
 
   /// The joint where idler, link and cylinder meet, in the stick's frame (for drawing).
   [[nodiscard]] Eigen::Vector2d idler_joint_m(double q_rad) const;
@@ -86,6 +92,11 @@ class BucketLinkage {
   double lug_radius_m_;
   double lug_angle_rad_;
   double branch_;
+
+  /// L measured from the bucket pin.
+  [[nodiscard]] Eigen::Vector2d lug_arm_m(const Turn& q) const;
+  [[nodiscard]] Eigen::Vector2d idler_joint_of(const Eigen::Vector2d& lug_m) const;
+  Turn lug_;
 };
 
 /// The three linkages of one machine with their working ranges.
@@ -96,6 +107,7 @@ class Linkages {
 
   /// joint: 0 boom, 1 stick, 2 bucket.
   [[nodiscard]] CylinderGeometry at(int joint, double q_rad) const;
+  [[nodiscard]] CylinderGeometry at(int joint, const Turn& q) const;
   [[nodiscard]] double angle_at(int joint, double length_m) const;
   [[nodiscard]] const WorkingRange& range(int joint) const { return ranges_[index(joint)]; }
   [[nodiscard]] const DirectLinkage& boom() const { return boom_; }

@@ -156,12 +156,21 @@ void validate(const ExcavatorParameters& p) {
           "drives.end_stop_stiffness_npm", p.drives.end_stop_stiffness_npm, "1e7 .. 1e12 N/m");
   require(p.drives.cushion >= 0.0 && p.drives.cushion <= 0.25, "drives.cushion", p.drives.cushion,
           "0 .. 0.25 of the stroke");
+  validate(p.chambers, "chambers");
+  if (p.scheme != IntegrationScheme::linearly_implicit_euler &&
+      (p.level != ExcavatorLevel::dynamic || p.carrier != ExcavatorCarrier::fixed)) {
+    refuse("scheme", "another than linearly_implicit_euler",
+           "linearly_implicit_euler, unless level is dynamic and carrier is fixed");
+  }
   require(p.step_s >= 1e-6 && p.step_s <= 0.05, "step_s", p.step_s, "1e-6 .. 0.05 s");
   require(std::isfinite(p.gravity_mps2) && p.gravity_mps2 >= 0.0, "gravity_mps2", p.gravity_mps2,
           "finite and >= 0");
 
   const DrivenArm arm(p, Eigen::Vector3d(0.0, 0.0, -p.gravity_mps2));
   check_initial(p.initial, arm.linkages());
+  if (p.level != ExcavatorLevel::dynamic) {
+    return;  // No springs.
+  }
   const double frequency = stiffest_radps(p, arm);
   const double limit = drive_step_limit(p.scheme);
   if (!(p.step_s * frequency <= limit)) {

@@ -27,6 +27,21 @@ namespace rigwire::sim {
 /// lets pass; the others are for comparison (hil/bench/excavator_bench.h prints cost and error).
 enum class IntegrationScheme { linearly_implicit_euler, rosenbrock2, runge_kutta4 };
 
+/// How much of the drives is modelled. Cost rises downwards; excavator_levels.cpp has them all.
+enum class ExcavatorLevel {
+  kinematic,     ///< Cylinders move as the valves ask, whatever the load: no forces.
+  quasi_static,  ///< Oil that does not give: inverse dynamics finds the loads, which limit force,
+                 ///< pump flow and so speed; stalls at relief. No oscillation.
+  dynamic,       ///< Oil as springs, Eq. 5.
+  chambers,      ///< Two pressures per actuator as states (sim/hydraulics/chambers.h).
+};
+
+/// What the undercarriage does.
+enum class ExcavatorCarrier {
+  fixed,   ///< Stands still where it was put.
+  moving,  ///< Stands on its tyres: rocks, slides, tips.
+};
+
 /// One rigid link.
 struct RigidBodyParameters {
   double mass_kg = 0.0;
@@ -113,6 +128,10 @@ struct ExcavatorParameters {
   SpoolParameters bucket_spool{.flow_max_m3ps = 220.0 / 6e4};
 
   DriveParameters drives;
+  ChamberParameters chambers;
+  ExcavatorLevel level = ExcavatorLevel::dynamic;
+  ExcavatorCarrier carrier = ExcavatorCarrier::fixed;
+  /// Of level dynamic on a fixed carrier; everything else knows linearly_implicit_euler only.
   IntegrationScheme scheme = IntegrationScheme::linearly_implicit_euler;
   double step_s = 1e-3;           ///< Longest inner step; longer calls of step() are divided.
   double gravity_mps2 = 9.80665;  ///< Along world -z.

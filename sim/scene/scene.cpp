@@ -93,10 +93,11 @@ Scene::InstanceId Scene::Internals::add_instance(RTCScene inner, std::uint32_t b
   if (body != kFixed) {
     rtcSetGeometryTimeStepCount(geometry.get(), 2);
   }
-  rtcAttachGeometryByID(top.get(), geometry.get(), id);
+  const std::uint32_t geometry_id =
+      new_geometry_id(id, {X_PM.linear().cast<float>(), static_cast<float>(material.reflectance)});
+  rtcAttachGeometryByID(top.get(), geometry.get(), geometry_id);
   check("adding an object");
-  shading.push_back({X_PM.linear().cast<float>(), static_cast<float>(material.reflectance)});
-  instances.push_back({std::move(geometry), X_PM, scale, body, material});
+  instances.push_back({std::move(geometry), X_PM, scale, body, material, geometry_id});
   fixed_placed = false;
   return id;
 }
@@ -111,12 +112,20 @@ void Scene::Internals::place_fixed() {
                             transform.data());
     rtcCommitGeometry(instance.geometry.get());
   }
+  for (const Terrain& terrain : terrains) {
+    const Instance& instance = instances[terrain.instance];
+    const Transform transform = to_transform(instance.X_PM, instance.scale, origin_W);
+    for (const Tile& tile : terrain.tiles) {
+      rtcSetGeometryTransform(tile.placed.get(), 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
+                              transform.data());
+      rtcCommitGeometry(tile.placed.get());
+    }
+  }
   fixed_placed = true;
 }
 
 void Scene::Internals::place_bodies(std::span<const BodyMotion> motions) {
-  for (std::size_t i = 0; i < instances.size(); ++i) {
-    const Instance& instance = instances[i];
+  for (const Instance& instance : instances) {
     if (instance.body == kFixed) {
       continue;
     }
@@ -128,7 +137,8 @@ void Scene::Internals::place_bodies(std::span<const BodyMotion> motions) {
     rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, start.data());
     rtcSetGeometryTransform(geometry, 1, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, end.data());
     rtcCommitGeometry(geometry);
-    shading[i].R_WM = (motion.X_WB_end.linear() * instance.X_PM.linear()).cast<float>();
+    shading[instance.geometry_id].R_WM =
+        (motion.X_WB_end.linear() * instance.X_PM.linear()).cast<float>();
   }
 }
 
@@ -210,7 +220,14 @@ Scene::InstanceId Scene::add_terrain(const HeightField& field, const Material& m
   in.meshes.push_back(std::move(inner));
   Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
   X_WM.translation() = centre;
-  return in.add_instance(in.meshes.back().get(), Internals::kFixed, X_WM, 1.0, material);
+  const InstanceId id =
+      in.add_instance(in.meshes.back().get(), Internals::kFixed, X_WM, 1.0, material);
+  Internals::Terrain terrain;
+  terrain.instance = id;
+  terrain.field = field;
+  terrain.centre_W = centre;
+  in.terrains.push_back(std::move(terrain));
+  return id;
 }
 
 Scene::InstanceId Scene::add_object(MeshId mesh, const Eigen::Isometry3d& X_WM, double scale,
@@ -256,6 +273,7 @@ void Scene::begin_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W,
   if (!in.fixed_placed) {
     in.place_fixed();
   }
+  in.refresh_terrains();
   in.place_bodies(motions);
   rtcCommitScene(in.top.get());
   in.check("placing the bodies");
@@ -264,6 +282,10 @@ void Scene::begin_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W,
 std::size_t Scene::instance_count() const {
   return internals_->instances.size();
 }
+std::optional<SimTime> Scene::slice_end() const {
+  return internals_->t1 > internals_->t0 ? std::optional(internals_->t1) : std::nullopt;
+}
+
 std::size_t Scene::body_count() const {
   return internals_->bodies.size();
 }
@@ -293,9 +315,9 @@ std::optional<SceneHit> Scene::cast(const Eigen::Vector3d& p_W, const Eigen::Vec
   }
   SceneHit hit;
   hit.range_m = query.ray.tfar;
-  hit.instance = query.hit.instID[0];
+  hit.instance = in.instance_of[query.hit.instID[0]];
   const Eigen::Vector3f normal_M(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z);
-  hit.normal_W = (in.shading[hit.instance].R_WM * normal_M).cast<double>().normalized();
+  hit.normal_W = (in.shading[query.hit.instID[0]].R_WM * normal_M).cast<double>().normalized();
   if (hit.normal_W.dot(direction_W) > 0.0) {
     hit.normal_W = -hit.normal_W;
   }

@@ -12,6 +12,9 @@
 // most (w h)^2 / 8 times the distance from the body's origin (w rad/s turned over h seconds), 0.01
 // mm at 8 m for 1 rad/s and slices of 3 ms.
 //
+// A terrain may change while the scene is used (digging): update_terrain() stages new heights,
+// begin_slice() shows them.
+//
 // Thread use: casting is const and may run on many threads; building and begin_slice() may not run
 // beside it.
 #pragma once
@@ -27,6 +30,7 @@
 
 #include "sim/samples/time.h"
 #include "sim/scene/height_field.h"
+#include "sim/scene/node_rectangle.h"
 #include "sim/scene/triangle_mesh.h"
 #include "sim/visibility.h"
 
@@ -75,6 +79,18 @@ class Scene final : public Visibility {
   InstanceId add_body_part(BodyId body, MeshId mesh, const Eigen::Isometry3d& X_BM,
                            const Material& material);
 
+  /// Set-up of a terrain that will be dug: it is kept in tiles from now on, so that a change
+  /// rebuilds only where it happened. Rays meet the same triangles as before. Throws
+  /// std::invalid_argument when `terrain` is no terrain.
+  void make_changeable(InstanceId terrain);
+  /// Least simulated time between two changes that the rays see, 0 at the start: every slice.
+  void set_terrain_period(Duration period);
+  /// These nodes have the heights of `field` now, a field of the terrain's own shape. Rays see it
+  /// from the next begin_slice() that is a terrain period after the last change. Cheap by itself.
+  /// Throws std::invalid_argument when the terrain is not changeable, the field's shape differs,
+  /// the nodes are not in it, or a height is not a finite number.
+  void update_terrain(InstanceId terrain, const HeightField& field, const NodeRectangle& changed);
+
   /// Places the bodies for rays with times in [t0, t1] and makes the scene ready to cast.
   /// `motions[i]` is of body i; `focus_W` is where the sensors are (any point within some hundred
   /// metres of them). Must be called before the first cast, with t0 < t1. Throws
@@ -84,6 +100,8 @@ class Scene final : public Visibility {
 
   [[nodiscard]] std::size_t instance_count() const;
   [[nodiscard]] std::size_t body_count() const;
+  /// End of the slice that rays are cast in; nothing before the first begin_slice().
+  [[nodiscard]] std::optional<SimTime> slice_end() const;
   [[nodiscard]] const Material& material(InstanceId instance) const;
   /// The rays that do not see this body leave its bit out of their mask. Bodies share bits from the
   /// 32nd on.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <stdexcept>
 
@@ -78,8 +77,27 @@ void validate(const RockField& rocks) {
   }
 }
 
+void validate(const BoxObject& box) {
+  require(box.position_m.allFinite() && std::isfinite(box.yaw_rad),
+          "boxes." + box.name + ": position or yaw", box.position_m.x(), "finite");
+  require_within(box.size_m.minCoeff(), 0.01, 1000.0, "boxes." + box.name + ".size_m");
+  require_within(box.size_m.maxCoeff(), 0.01, 1000.0, "boxes." + box.name + ".size_m");
+}
+
 void validate(const SceneDescription& description) {
-  validate(description.terrain);
+  std::visit([](const auto& terrain) { validate(terrain); }, description.terrain);
+  for (const Track& track : description.tracks) {
+    validate(track);
+  }
+  for (const SoilRegion& region : description.soil_regions) {
+    validate(region);
+  }
+  for (const TreeField& trees : description.trees) {
+    validate(trees);
+  }
+  for (const BoxObject& box : description.boxes) {
+    validate(box);
+  }
   for (const RockField& rocks : description.rocks) {
     validate(rocks);
   }
@@ -129,41 +147,14 @@ Eigen::Isometry3d object_pose(const FixedObject& object, const HeightField& grou
   return X_WM;
 }
 
-BuiltScene build_scene(const SceneDescription& description, const std::vector<TriangleMesh>& meshes,
-                       std::uint64_t seed) {
-  validate(description);
-  BuiltScene built{std::make_unique<Scene>(), make_pit(description.terrain, seed)};
-  Scene& scene = *built.scene;
-  scene.add_terrain(built.ground, description.terrain.material);
-
-  std::vector<Scene::MeshId> shapes;
-  RandomStream random(seed, "scene/rocks");
-  for (std::size_t i = 0; i < kRockShapes && !description.rocks.empty(); ++i) {
-    shapes.push_back(scene.add_mesh(make_rock("rock " + std::to_string(i), random)));
-  }
-  for (const RockField& rocks : description.rocks) {
-    for (const PlacedRock& rock : place_rocks(rocks, built.ground, random)) {
-      scene.add_object(shapes[rock.shape], rock.X_WM, rock.radius_m, rocks.material);
-    }
-  }
-
-  std::map<std::string, Scene::MeshId> added;
-  for (const FixedObject& object : description.objects) {
-    if (!added.contains(object.mesh)) {
-      const auto found = std::ranges::find(meshes, object.mesh, &TriangleMesh::name);
-      if (found == meshes.end()) {
-        std::string names;
-        for (const TriangleMesh& mesh : meshes) {
-          names += (names.empty() ? "" : ", ") + mesh.name;
-        }
-        throw std::invalid_argument("object '" + object.name + "': there is no mesh '" +
-                                    object.mesh + "'; there are: " + names);
-      }
-      added[object.mesh] = scene.add_mesh(*found);
-    }
-    scene.add_object(added[object.mesh], object_pose(object, built.ground), 1.0, object.material);
-  }
-  return built;
+Eigen::Isometry3d box_pose(const BoxObject& box, const HeightField& ground) {
+  FixedObject base;
+  base.position_m = box.position_m;
+  base.yaw_rad = box.yaw_rad;
+  base.on_ground = box.on_ground;
+  Eigen::Isometry3d X_WM = object_pose(base, ground);
+  X_WM.translation().z() += 0.5 * box.size_m.z();
+  return X_WM;
 }
 
 }  // namespace rigwire::sim

@@ -4,10 +4,18 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "sim/ground/ground.h"
+#include "sim/scene/keep_out.h"
+#include "sim/scene/open_ground.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/soil_regions.h"
+#include "sim/scene/track.h"
+#include "sim/scene/trees.h"
 
 namespace rigwire::sim {
 
@@ -41,12 +49,6 @@ struct PitTerrain {
   Material material{.reflectance = 0.35, .label = "ground"};
 };
 
-/// A disc in which no rock is put.
-struct KeepOut {
-  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
-  double radius_m = 5.0;
-};
-
 /// Boulders strewn over a disc, diameters by a power law: the number above d falls as
 /// d^(1 - exponent).
 struct RockField {
@@ -70,16 +72,41 @@ struct FixedObject {
   Material material{.reflectance = 0.6, .label = "object"};
 };
 
+/// A box that stands in the scene: a building, a kerb.
+struct BoxObject {
+  std::string name;
+  Eigen::Vector3d size_m = Eigen::Vector3d::Ones();      ///< Full lengths along its own axes.
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< Of the middle of its base.
+  double yaw_rad = 0.0;                                  ///< Of its x, left from east.
+  bool on_ground = true;  ///< Then position_m.z() counts from the terrain's height at the middle.
+  Material material{.reflectance = 0.5, .label = "building"};
+};
+
+using Terrain = std::variant<PitTerrain, HillsTerrain, LevelTerrain>;
+
 struct SceneDescription {
-  PitTerrain terrain;
+  Terrain terrain;
+  std::vector<Track> tracks;  ///< Carved into the terrain, in this order.
+  /// What the ground is made of. The first lies everywhere, others where tracks and regions say.
+  /// Validated by Ground.
+  std::vector<SoilParameters> soils{SoilParameters{}};
+  std::vector<SoilRegion> soil_regions;
   std::vector<RockField> rocks;
+  std::vector<TreeField> trees;
+  std::vector<BoxObject> boxes;
   std::vector<FixedObject> objects;
 };
 
 /// Throw std::invalid_argument naming member, value and what is allowed.
 void validate(const PitTerrain& terrain);
 void validate(const RockField& rocks);
+void validate(const BoxObject& box);
 void validate(const SceneDescription& description);
+
+/// The terrain as heights, tracks carved in; the same seed gives the same heights. Validates.
+[[nodiscard]] HeightField make_terrain(const Terrain& terrain, const std::vector<Track>& tracks,
+                                       std::uint64_t seed);
+[[nodiscard]] const Material& material(const Terrain& terrain);
 
 /// The terrain as heights; the same seed gives the same heights. Validates.
 [[nodiscard]] HeightField make_pit(const PitTerrain& terrain, std::uint64_t seed);
@@ -97,13 +124,19 @@ inline constexpr std::size_t kRockShapes = 8;
 [[nodiscard]] std::vector<PlacedRock> place_rocks(const RockField& rocks, const HeightField& ground,
                                                   RandomStream& random);
 
-/// Where an object stands in the world.
+/// Where an object, or the middle of a box, is in the world.
 [[nodiscard]] Eigen::Isometry3d object_pose(const FixedObject& object, const HeightField& ground);
+[[nodiscard]] Eigen::Isometry3d box_pose(const BoxObject& box, const HeightField& ground);
 
-/// A scene and the terrain under it (for the machine's contact with the ground).
+/// A scene and what machines stand on and run into: Ground(ground, soils, obstacles).
 struct BuiltScene {
   std::unique_ptr<Scene> scene;
+  Scene::InstanceId terrain = 0;
   HeightField ground;
+  SoilMap soils;
+  /// Rocks as spheres that reach as high as they on average do, trunks as cylinders, boxes. Mesh
+  /// objects are no obstacles.
+  std::vector<Obstacle> obstacles;
 };
 
 /// Builds everything fixed. `meshes` holds the meshes that the objects name; a missing one throws

@@ -5,6 +5,7 @@
 #include <pmmintrin.h>
 #include <xmmintrin.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,28 @@ struct Scene::Internals {
     double scale = 1.0;
     std::uint32_t body = kFixed;
     Material material;
+    std::uint32_t geometry_id = 0;  ///< Embree's number of it, its place in `shading`.
+  };
+  /// A square part of a terrain that changes, so that a dug hole rebuilds little: an instance of
+  /// its own for Embree, the terrain's for everybody else.
+  struct Tile {
+    std::size_t first_column = 0;
+    std::size_t first_row = 0;
+    std::size_t columns = 0;  ///< Nodes; neighbours share those of one cell.
+    std::size_t rows = 0;
+    float* vertices = nullptr;  ///< Of the grid, x y z each.
+    GeometryHandle grid;
+    SceneHandle inner;
+    GeometryHandle placed;
+  };
+  struct Terrain {
+    std::uint32_t instance = 0;
+    HeightField field;         ///< Shape and staged heights.
+    Eigen::Vector3d centre_W;  ///< Origin of the vertices.
+    std::size_t tile_cells = 0;
+    std::vector<Tile> tiles;  ///< Empty: cannot change.
+    std::optional<NodeRectangle> staged;
+    std::optional<SimTime> shown;  ///< When it changed last for the rays.
   };
   /// What a hit needs to know of the instance, side by side in memory.
   struct Shading {
@@ -63,7 +86,10 @@ struct Scene::Internals {
   SceneHandle top;
   std::vector<SceneHandle> meshes;
   std::vector<Instance> instances;
-  std::vector<Shading> shading;
+  std::vector<Shading> shading;            ///< By Embree's number.
+  std::vector<std::uint32_t> instance_of;  ///< By Embree's number.
+  std::vector<Terrain> terrains;
+  Duration terrain_period{0};
   std::vector<std::string> bodies;
   Eigen::Vector3d origin_W = Eigen::Vector3d::Zero();  ///< Of Embree's float coordinates.
   bool fixed_placed = false;
@@ -74,6 +100,12 @@ struct Scene::Internals {
   void check(const char* doing);
   InstanceId add_instance(RTCScene inner, std::uint32_t body, const Eigen::Isometry3d& X_PM,
                           double scale, const Material& material);
+  /// The next of Embree's numbers, for a part of this instance.
+  std::uint32_t new_geometry_id(std::uint32_t instance, const Shading& surface);
+  Tile make_tile(const Terrain& terrain, std::size_t first_column, std::size_t first_row);
+  Terrain& terrain_of(std::uint32_t instance);
+  /// Shows staged heights to the rays when they are due.
+  void refresh_terrains();
   void place_fixed();
   void place_bodies(std::span<const BodyMotion> motions);
 

@@ -14,6 +14,10 @@ constexpr double kLeastPressure_pa = 1.0e4;  // a flat tyre still has its carcas
 constexpr double kLeastShare = 1e-3;         // of the reference load, keeps stiffnesses above 0
 /// Angle over which the rolling resistance winds up; small against every turn that matters.
 constexpr double kRollingWind_rad = 0.02;
+/// Share of the reference load below which the vertical damper fades, so that a wheel that meets an
+/// edge or lands feels no blow from it.
+constexpr double kDampedShare = 0.25;
+constexpr double kPrecision = 1e-13;  // of the sinkage, per overlap
 
 }  // namespace
 
@@ -112,7 +116,7 @@ TyreSpring Tyre::spring(double overlap_m, const SoilParameters* soft, double pre
     const double excess = soil_load - tyre.force_n;
     (excess > 0.0 ? high : low) = z;
     const double change = excess / (exponent * soil_load / z + tyre.slope_npm);
-    if (std::abs(change) < 1e-14 || high - low < 1e-14) {
+    if (std::abs(change) < kPrecision * overlap_m || high - low < kPrecision * overlap_m) {
       break;
     }
     const double next = z - change;
@@ -149,7 +153,8 @@ TyreLaws Tyre::laws(double h, const std::optional<WheelContact>& contact,
   laws.touching = true;
   laws.sinkage_m = vertical.sinkage_m;
   laws.rolling_speed_mps = std::abs(rolling_speed_mps);
-  laws.normal = {load, vertical.slope_npm * h + p.vertical_damping_nspm};
+  const double damped = std::min(1.0, load / (kDampedShare * p.reference_load_n));
+  laws.normal = {load, vertical.slope_npm * h + damped * p.vertical_damping_nspm};
   laws.rolling_radius_m = std::max(p.unloaded_radius_m - deflection, 0.5 * p.rim_radius_m);
 
   // Friction, and how the soil's shear softens the bristles.

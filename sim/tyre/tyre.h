@@ -10,12 +10,12 @@
 //     solve;  clamp what exceeds laws.limit_n(normal force);  solve again;
 //     tyre.settle(h, laws, result);
 //
-// Vertical: F = max(0, k(p) d + bottoming + c d'), never tensile. k(p) = carcass + p times
-// stiffness_per_pressure. Tangential: bristles whose steady-state slip stiffness is
-// slip_stiffness_n times the share of the reference load; on soft soil the secant of Janosi's
-// curve, with the limit of soil.h. Rolling resistance: a moment against the spin, coefficient times
-// load times radius, grown as the pressure falls, plus compaction of the soil; a bristle too, so
-// that it holds at rest.
+// Vertical: F = max(0, k(p) d + bottoming + c d'), never tensile; k(p) = carcass + p times
+// stiffness_per_pressure; the damper fades below a quarter of the reference load. Tangential:
+// bristles whose steady-state slip stiffness is slip_stiffness_n times the share of the reference
+// load; on soft soil the secant of Janosi's curve, with the limit of soil.h. Rolling resistance: a
+// moment against the spin, coefficient times load times radius, grown as the pressure falls, plus
+// compaction of the soil; a bristle too, so that it holds at rest.
 #pragma once
 
 #include "sim/contact/bristle.h"
@@ -47,7 +47,7 @@ struct TyreParameters {
 };
 
 /// Throws std::invalid_argument naming `where`, the member, the value and what is allowed.
-void validate(const TyreParameters& parameters, const char* where);
+void validate(const TyreParameters& parameters, const char* where = "tyre");
 
 /// Vertical stiffness of a radial tyre after T. B. Rhyne (Tire Science and Technology 33, 2005): p
 /// in Pa, section width and rim diameter in metres, aspect ratio in per cent. Quoted from memory of

@@ -7,10 +7,10 @@
 #include <string>
 #include <string_view>
 
-#include "dig_cycle/gnss_wire.h"
 #include "dig_cycle/imu_wire.h"
 #include "dig_cycle/lidar_wire.h"
 #include "dig_cycle/valve_wire.h"
+#include "field/gnss_wire.h"
 #include "protocols/j1939/message.h"
 #include "protocols/j1939/name.h"
 #include "protocols/openimu/messages.h"
@@ -37,7 +37,7 @@ std::string gga() {
 
 TEST(DigCycleGnssWire, FindsSentencesInPiecesBetweenNoiseAndBinary) {
   int heard = 0;
-  GnssWire wire([&] { ++heard; });
+  field::GnssWire wire([&] { ++heard; });
   const std::string stream = std::string("49,3,A*00\r\n\xB5\x62\x01\x07$\x80", 16) + gga() +
                              "$GPG" + gga() + "\x00\xFF$$" + gga();
   for (const char character : stream) {
@@ -52,7 +52,7 @@ TEST(DigCycleGnssWire, FindsSentencesInPiecesBetweenNoiseAndBinary) {
 
 TEST(DigCycleGnssWire, DamagedSentenceIsNotHeard) {
   int heard = 0;
-  GnssWire wire([&] { ++heard; });
+  field::GnssWire wire([&] { ++heard; });
   std::string damaged = gga();
   damaged[10] ^= 1;
   wire.receive(bytes_of(damaged));

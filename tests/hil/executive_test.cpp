@@ -20,7 +20,7 @@ class CountingTruth final : public TruthSource {
     for (const auto& plan : requests.plans) {
       plans_.push_back(plan);
     }
-    for (const auto& command : requests.commands) {
+    for (const auto& command : requests.valve_commands) {
       commands.push_back({frontier_, command.content.opening[0]});
     }
     if (fails_at && frontier_ >= *fails_at) {

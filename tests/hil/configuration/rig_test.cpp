@@ -86,8 +86,8 @@ TEST(ExcavatorPit, has_the_devices_that_the_field_program_expects) {
 
 TEST(ExcavatorPit, machine_file_repeats_the_defaults_of_the_reference_machine) {
   const RigConfiguration rig = load_rig(kPit, {}).configuration;
-  EXPECT_EQ(hash_text(outline(rig.machine.excavator)),
-            hash_text(outline(sim::ExcavatorParameters{})));
+  ExcavatorMachine machine = std::get<ExcavatorMachine>(rig.machine.settings);
+  EXPECT_EQ(hash_text(outline(machine.excavator)), hash_text(outline(sim::ExcavatorParameters{})));
 }
 
 TEST(ExcavatorPit, rate_of_the_receiver_can_be_set_on_the_command_line) {

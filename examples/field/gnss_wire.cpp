@@ -1,8 +1,9 @@
-#include "dig_cycle/gnss_wire.h"
+#include "field/gnss_wire.h"
 
+#include <numbers>
 #include <utility>
 
-namespace rigwire::dig_cycle {
+namespace rigwire::field {
 
 namespace nmea = protocols::nmea;
 
@@ -41,6 +42,8 @@ void GnssWire::take(const nmea::SentenceView& sentence) {
       fix_.latitude_deg = gga->latitude_deg;
       fix_.longitude_deg = gga->longitude_deg;
       fix_.altitude_m = gga->altitude_m;
+      fix_.horizontal_dilution = gga->horizontal_dilution;
+      ++fix_.positions;
     }
     heard_();
   } else if (sentence.type() == "RMC") {
@@ -50,8 +53,15 @@ void GnssWire::take(const nmea::SentenceView& sentence) {
       return;
     }
     fix_.ground_speed_mps = rmc->valid ? rmc->ground_speed_mps : 0.0;
+    fix_.course_rad.reset();
+    if (rmc->valid) {
+      if (rmc->course_deg) {
+        fix_.course_rad = *rmc->course_deg * (std::numbers::pi / 180.0);
+      }
+      ++fix_.velocities;
+    }
     heard_();
   }
 }
 
-}  // namespace rigwire::dig_cycle
+}  // namespace rigwire::field

@@ -11,7 +11,7 @@
 #include "drivers/serial_port.h"
 #include "drivers/slcan_client.h"
 
-namespace rigwire::dig_cycle {
+namespace rigwire::field {
 
 class CanWire {
  public:
@@ -36,4 +36,4 @@ class CanWire {
   bool line_was_open_ = false;
 };
 
-}  // namespace rigwire::dig_cycle
+}  // namespace rigwire::field

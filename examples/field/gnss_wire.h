@@ -6,12 +6,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "protocols/nmea/position_sentences.h"
 
-namespace rigwire::dig_cycle {
+namespace rigwire::field {
 
 struct GnssFixBelief {
   int quality = 0;  ///< GGA: 0 no fix, 1 GNSS, 2 differential.
@@ -19,7 +20,11 @@ struct GnssFixBelief {
   double longitude_deg = 0.0;
   double altitude_m = 0.0;  ///< Above mean sea level.
   int satellites = 0;
-  double ground_speed_mps = 0.0;  ///< From RMC.
+  std::optional<double> horizontal_dilution;
+  double ground_speed_mps = 0.0;     ///< From RMC.
+  std::optional<double> course_rad;  ///< From RMC, clockwise from north; none at standstill.
+  std::uint64_t positions = 0;       ///< GGA with a position so far.
+  std::uint64_t velocities = 0;      ///< RMC with a velocity so far.
 };
 
 class GnssWire {
@@ -40,4 +45,4 @@ class GnssWire {
   std::uint64_t rejected_ = 0;  ///< Starts of sentences that were none.
 };
 
-}  // namespace rigwire::dig_cycle
+}  // namespace rigwire::field

@@ -1,8 +1,8 @@
-#include "dig_cycle/can_wire.h"
+#include "field/can_wire.h"
 
 #include "drivers/socketcan.h"
 
-namespace rigwire::dig_cycle {
+namespace rigwire::field {
 
 CanWire::CanWire(boost::asio::io_context& context, const std::string& name) : name_(name) {
   if (name_ == "auto") {
@@ -30,4 +30,4 @@ void CanWire::tend(bool silent) {
   line_was_open_ = open;
 }
 
-}  // namespace rigwire::dig_cycle
+}  // namespace rigwire::field

@@ -1,0 +1,65 @@
+// What the vehicle gateway is told about its node, its machine and its patience.
+#pragma once
+
+#include <cstdint>
+
+#include "sim/samples/time.h"
+
+namespace rigwire::emulators {
+
+/// Which steering modes the machine offers (protocols/vehicle/machine.h, SteeringMode).
+enum class SteeringLayout : std::uint8_t {
+  front_only,  ///< Front.
+  counter,     ///< Front and counter.
+  crab,        ///< Front, counter and crab.
+};
+
+/// How long a command stays in force without being repeated. Figures of this project, each some
+/// periods of its message: the standards that were at hand do not give them.
+struct VehicleTimeouts {
+  Duration engine = std::chrono::milliseconds{100};    ///< TSC1, every 10 ms.
+  Duration gearbox = std::chrono::milliseconds{500};   ///< TC1, every 50 ms.
+  Duration brake = std::chrono::milliseconds{200};     ///< XBR, every 40 ms.
+  Duration guidance = std::chrono::milliseconds{150};  ///< Guidance command, every 100 ms.
+  Duration speed = std::chrono::milliseconds{300};     ///< Speed command, every 100 ms.
+};
+
+struct VehicleGatewaySettings {
+  // The node.
+  std::uint8_t source_address = 0x00;  ///< Preferred; 0 .. 253.
+  std::uint32_t serial = 1;            ///< 1 .. 2097151; identity in the NAME, unique on a bus.
+  std::uint16_t manufacturer = 0;      ///< 0 .. 2047; 0 is reserved, and so no maker's.
+  std::uint8_t function = 26;          ///< In the NAME; 26 is "vehicle navigation" [general
+                                       ///< knowledge].
+  bool arbitrary_address = false;      ///< Takes another address when it loses its own.
+  Duration power_on{0};                ///< From the start of the run to the claim.
+  Duration sensor_start_up = std::chrono::milliseconds{200};   ///< From there to the first sample.
+  Duration processing_delay = std::chrono::microseconds{500};  ///< From an event to the frame; 0
+                                                               ///< .. 5 ms.
+  // The machine.
+  int gears_forward = 8;  ///< 0 .. 125; the numbers that TC1 may ask for.
+  int gears_reverse = 6;  ///< 0 .. 125.
+  SteeringLayout steering = SteeringLayout::front_only;
+  double wheelbase_m = 3.25;                  ///< Estimate. Drum axle to drum axle for a roller.
+  double maximum_front_steer_rad = 0.61;      ///< Estimate. Below pi/2.
+  double maximum_rear_steer_rad = 0.61;       ///< Estimate.
+  double steering_ratio = 20.0;               ///< Estimate. Steering wheel to equivalent wheel.
+  double maximum_speed_mps = 25.0;            ///< Of the speed command.
+  double maximum_reverse_speed_mps = 8.0;     ///< Of the speed command.
+  double full_brake_deceleration_mps2 = 6.0;  ///< Estimate. What brake share 1 gives.
+  double minimum_tyre_pressure_pa = 50e3;     ///< Estimates; set points beyond are refused.
+  double maximum_tyre_pressure_pa = 600e3;
+  double maximum_spreader_rate_kgpm2 = 20.0;
+  // Its patience.
+  VehicleTimeouts timeouts;
+  /// Losing guidance while it steers stops the machine too: nobody is aboard to take over.
+  bool stop_without_guidance = true;
+  double stop_brake_share = 0.4;       ///< Estimate. Applied when the machine stops by itself.
+  double standstill_speed_mps = 0.05;  ///< Below it the machine stands.
+  Duration park_delay = std::chrono::milliseconds{500};  ///< Standing for this long: parked.
+};
+
+/// Throws std::invalid_argument with the value found and what is allowed.
+void validate(const VehicleGatewaySettings& settings);
+
+}  // namespace rigwire::emulators

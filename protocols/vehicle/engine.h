@@ -1,0 +1,85 @@
+// Engine: its state (EEC1, EEC2) and the request to it (TSC1).
+#pragma once
+
+#include "protocols/vehicle/message.h"
+
+namespace rigwire::protocols::vehicle {
+
+/// One count of 1/8 rpm; shared by all shaft speeds.
+inline constexpr Scale kShaftSpeed{0.125 * kRevolutionPerMinute_radps, 0.0, "rad/s"};
+/// One count of 1 %, from -125 %.
+inline constexpr Scale kTorqueShare{kPercent, -1.25, "1"};
+/// One count of 0.4 %.
+inline constexpr Scale kShare{0.4 * kPercent, 0.0, "1"};
+
+/// Electronic Engine Controller 1. Torques are shares of the engine's reference torque.
+struct Eec1 {
+  static constexpr Group kGroup{"EEC1", 61444, 3, std::chrono::milliseconds{20}};
+
+  std::uint8_t torque_mode = 0xF;  ///< 4 bits; what governs the torque.
+  double demand_torque_share = kNotAvailable;
+  double actual_torque_share = kNotAvailable;
+  double speed_radps = kNotAvailable;
+  std::uint8_t controlling_address = 0xFF;
+  std::uint8_t starter_mode = 0xF;
+
+  static constexpr auto parameters() {
+    return std::array{
+        code("engine torque mode", 899, {1, 1}, 4, &Eec1::torque_mode),
+        number("driver's demand torque", 512, {2}, 8, kTorqueShare, &Eec1::demand_torque_share),
+        number("actual torque", 513, {3}, 8, kTorqueShare, &Eec1::actual_torque_share),
+        number("engine speed", 190, {4}, 16, kShaftSpeed, &Eec1::speed_radps),
+        code("controlling address", 1483, {6}, 8, &Eec1::controlling_address),
+        code("starter mode", 1675, {7, 1}, 4, &Eec1::starter_mode),
+    };
+  }
+};
+static_assert(is_well_formed<Eec1>());
+
+/// Electronic Engine Controller 2.
+struct Eec2 {
+  static constexpr Group kGroup{"EEC2", 61443, 3, std::chrono::milliseconds{50}};
+
+  double pedal_share = kNotAvailable;
+  double load_share = kNotAvailable;  ///< Of the torque that the engine has at its speed.
+
+  static constexpr auto parameters() {
+    return std::array{
+        number("accelerator pedal position", 91, {2}, 8, kShare, &Eec2::pedal_share),
+        number("load at current speed", 92, {3}, 8, {kPercent, 0.0, "1"}, &Eec2::load_share),
+    };
+  }
+};
+static_assert(is_well_formed<Eec2>());
+
+/// What TSC1 asks of the engine.
+enum class OverrideMode : std::uint8_t {
+  disabled = 0,
+  speed = 1,
+  torque = 2,
+  limit = 3,  ///< Speed and torque are upper limits for somebody else's demand.
+};
+
+/// Torque/Speed Control 1, addressed. Counter and checksum are sent as ones (not used).
+struct Tsc1 {
+  static constexpr Group kGroup{"TSC1", 0, 3, std::chrono::milliseconds{10}};
+
+  std::uint8_t override_mode = 0;       ///< OverrideMode.
+  std::uint8_t speed_condition = 3;     ///< 2 bits: how tightly speed is governed.
+  std::uint8_t priority = 3;            ///< 2 bits: 0 highest .. 3 lowest.
+  double speed_radps = kNotAvailable;   ///< Requested, or limit.
+  double torque_share = kNotAvailable;  ///< Requested, or limit.
+
+  static constexpr auto parameters() {
+    return std::array{
+        code("override control mode", 695, {1, 1}, 2, &Tsc1::override_mode),
+        code("requested speed condition", 696, {1, 3}, 2, &Tsc1::speed_condition),
+        code("override mode priority", 897, {1, 5}, 2, &Tsc1::priority),
+        number("requested speed", 898, {2}, 16, kShaftSpeed, &Tsc1::speed_radps),
+        number("requested torque", 518, {4}, 8, kTorqueShare, &Tsc1::torque_share),
+    };
+  }
+};
+static_assert(is_well_formed<Tsc1>());
+
+}  // namespace rigwire::protocols::vehicle

@@ -1,0 +1,132 @@
+// A bucket in diggable terrain: what the ground does to it, what it takes, carries and drops.
+//
+// For each step of the arm: load() says which forces act over the step, the arm moves, advance()
+// moves the soil by the way that the bucket went.
+//
+// Forces. The lip is the straight edge through the teeth. Forward (where the opening looks) the
+// soil resists with the force P of the fundamental earthmoving equation
+// (sim/ground/earthmoving.h) at the lip's depth below the surface ahead of it, with the bucket's
+// content as surcharge, plus the teeth's own resistance; downward with the teeth's; sideways with
+// P of the side plates. Each acts against the lip's speed along its direction only, between 0 and
+// its limit: it rises over ramp_speed_mps, is zero at rest and when the lip is withdrawn, and never
+// pushes. Rock under the soil, hard ground and the tops of obstacles push the lip up (penalty,
+// never pull), with friction. All enter the arm's implicit solve and are clamped after it
+// (bucket_load.h); directions and limits depend on the pose alone, so that nothing chatters.
+//
+// Soil. What the lip cuts goes into the bucket; what passes the heaped capacity is pushed ahead.
+// What the bucket cannot hold at its pitch runs out over its lower lip, all of it within a few
+// times outflow_time_s; while the lip is in the ground the soil ahead keeps it in. Soil falls
+// straight down and lands at once, on the terrain, or into what the caller's FallObstacle knows (a
+// truck's box): then it is counted as dumped elsewhere. Volumes are whole units of the terrain:
+// terrain + bucket + elsewhere never changes.
+//
+// Deterministic; nothing after construction allocates or throws. Limits: docs/machines/digging.md.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+
+#include "sim/excavator/bucket_load.h"
+#include "sim/excavator/bucket_soil_capacity.h"
+#include "sim/link_motion.h"
+
+namespace rigwire::sim {
+
+/// Something over the terrain that falling soil ends in.
+class FallObstacle {
+ public:
+  virtual ~FallObstacle() = default;
+  /// Whether soil that falls from that point ends above the terrain's height there.
+  [[nodiscard]] virtual bool catches(const Eigen::Vector3d& from_W, double terrain_m) const = 0;
+};
+
+/// The ground's forces over one step: `force_W` at `point_W`, with the resistances.
+struct BucketGroundLoad {
+  Eigen::Vector3d force_W = Eigen::Vector3d::Zero();
+  Eigen::Vector3d point_W = Eigen::Vector3d::Zero();
+  std::array<TipResistance, kTipResistances> resistances;
+  std::size_t count = 0;
+};
+
+class BucketSoil {
+ public:
+  /// `terrain` must outlive it. Throws std::invalid_argument as validate does.
+  BucketSoil(const BucketSoilParameters& parameters, double bucket_tip_m, double gravity_mps2,
+             DiggableTerrain& terrain, const LinkMotion& bucket);
+
+  /// Forces over the next step of h seconds, from the bucket's motion at its start.
+  [[nodiscard]] BucketGroundLoad load(double h, const LinkMotion& bucket);
+
+  /// The bucket has moved there within h seconds. A motion that is not finite changes nothing.
+  void advance(double h, const LinkMotion& bucket);
+
+  /// Asked where falling soil ends; null: always on the terrain. Must outlive the bucket.
+  void set_fall_obstacle(const FallObstacle* obstacle) { obstacle_ = obstacle; }
+
+  /// Takes so much soil (m3, kg) out of nothing into the bucket: for tests and set-up. It is booked
+  /// as owed by `elsewhere`.
+  void fill(double volume_m3, double mass_kg);
+
+  [[nodiscard]] double volume_m3() const;
+  [[nodiscard]] double mass_kg() const { return mass_kg_; }
+  /// In the bucket and elsewhere, in the terrain's units.
+  [[nodiscard]] std::int64_t units() const { return units_; }
+  [[nodiscard]] std::int64_t elsewhere_units() const { return elsewhere_; }
+  [[nodiscard]] double elsewhere_m3() const;
+
+  [[nodiscard]] const BucketCapacity& capacity() const { return capacity_; }
+  /// Of the lip below the surface ahead, mean over its width; 0 above ground.
+  [[nodiscard]] double depth_m() const { return depth_m_; }
+  /// The greatest force that the soil can put against the lip's way forward, at the last load().
+  [[nodiscard]] double resistance_limit_n() const { return limit_n_; }
+
+ private:
+  struct ForceRange {
+    double least_n = 0.0;
+    double greatest_n = 0.0;
+  };
+  struct Lip {
+    CuttingEdge edge;
+    Eigen::Vector3d middle_W;
+    Eigen::Vector3d left_W;     ///< Horizontal unit along the edge.
+    Eigen::Vector3d forward_W;  ///< Horizontal unit, where the opening looks.
+    Eigen::Vector3d blade_W;    ///< Unit, along the floor out over the teeth.
+    Eigen::Vector3d rear_W;     ///< Middle of the rear lip.
+  };
+
+  [[nodiscard]] Lip lip_of(const Eigen::Isometry3d& X_WB) const;
+  [[nodiscard]] double depth_ahead_m(const Lip& lip) const;
+  /// Of the rock, or an obstacle's top, over the deeper corner; 0 above it.
+  [[nodiscard]] double hard_depth_m(const Lip& lip) const;
+  [[nodiscard]] double cutting_limit_n(const Lip& lip, const SoilParameters& soil) const;
+  [[nodiscard]] double side_limit_n(const SoilParameters& soil) const;
+  [[nodiscard]] double edge_limit_n() const {
+    return parameters_.edge_resistance_pa * depth_m_ * parameters_.width_m;
+  }
+  /// Adds a force along the direction at the lip that falls with the speed along it and stays
+  /// within the range.
+  void resist(const Eigen::Vector3d& direction_W, ForceRange range, double at_rest_n,
+              double gain_nspm, BucketGroundLoad& load) const;
+  /// Takes units out of the bucket.
+  void release(std::int64_t units);
+  void spill(const Lip& lip, std::int64_t units);
+  void drop(const Eigen::Vector3d& from_W, std::int64_t units);
+
+  BucketSoilParameters parameters_;
+  BucketCapacity capacity_;
+  double tip_m_;
+  double gravity_mps2_;
+  DiggableTerrain& terrain_;
+  const FallObstacle* obstacle_ = nullptr;
+  std::int64_t heaped_units_;
+
+  Lip lip_;
+  std::int64_t units_ = 0;
+  double mass_kg_ = 0.0;
+  std::int64_t elsewhere_ = 0;
+  double depth_m_ = 0.0;
+  double limit_n_ = 0.0;
+};
+
+}  // namespace rigwire::sim

@@ -1,0 +1,115 @@
+#include "sim/excavator/bucket_soil_capacity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+namespace rigwire::sim {
+namespace {
+
+constexpr int kDegrees = 360;
+constexpr int kPoints = 48;  // Counted along each side of the cross-section.
+
+}  // namespace
+
+void validate(const BucketSoilParameters& p, double bucket_tip_m) {
+  const auto require = [](bool good, const char* quantity, double found, const char* allowed) {
+    if (!good) {
+      throw std::invalid_argument("bucket: " + std::string(quantity) + " is " +
+                                  std::to_string(found) + ", allowed: " + allowed);
+    }
+  };
+  require(p.width_m > 0.0 && p.width_m <= 20.0, "width_m", p.width_m, "above 0, to 20 m");
+  require(p.rear_lip_m >= 0.0 && p.rear_lip_m <= 0.9 * bucket_tip_m, "rear_lip_m", p.rear_lip_m,
+          "0 to nine tenths of the distance from pin to tip");
+  require(p.struck_capacity_m3 > 0.0 && p.struck_capacity_m3 <= 100.0, "struck_capacity_m3",
+          p.struck_capacity_m3, "above 0, to 100 m3");
+  require(p.heap_repose_rad >= 0.0 && p.heap_repose_rad <= 1.2, "heap_repose_rad",
+          p.heap_repose_rad, "0 to 1.2 rad");
+  require(p.lip_angle_rad >= 0.0 && p.lip_angle_rad <= 1.57, "lip_angle_rad", p.lip_angle_rad,
+          "0 to 1.57 rad");
+  require(p.edge_resistance_pa >= 0.0 && p.edge_resistance_pa <= 1e9, "edge_resistance_pa",
+          p.edge_resistance_pa, "0 to 1e9");
+  require(p.ramp_speed_mps >= 1e-4 && p.ramp_speed_mps <= 1.0, "ramp_speed_mps", p.ramp_speed_mps,
+          "1e-4 to 1 m/s");
+  require(p.outflow_time_s > 0.0 && p.outflow_time_s <= 100.0, "outflow_time_s", p.outflow_time_s,
+          "above 0, to 100 s");
+  require(p.pour_radius_m >= 0.0 && p.pour_radius_m <= 10.0, "pour_radius_m", p.pour_radius_m,
+          "0 to 10 m");
+  require(p.hard_stiffness_npm >= 1e4 && p.hard_stiffness_npm <= 1e10, "hard_stiffness_npm",
+          p.hard_stiffness_npm, "1e4 to 1e10 N/m");
+  require(p.hard_damping_nspm >= 0.0 && p.hard_damping_nspm <= 1e9, "hard_damping_nspm",
+          p.hard_damping_nspm, "0 to 1e9 N s/m");
+  require(p.hard_friction >= 0.0 && p.hard_friction <= 2.0, "hard_friction", p.hard_friction,
+          "0 to 2");
+}
+
+BucketCapacity::BucketCapacity(const BucketSoilParameters& parameters, double bucket_tip_m) {
+  validate(parameters, bucket_tip_m);
+  opening_m_ = bucket_tip_m - parameters.rear_lip_m;
+  const double area_m2 = parameters.struck_capacity_m3 / parameters.width_m;
+  depth_m_ = 4.0 * area_m2 / (std::numbers::pi * opening_m_);
+  heaped_m3_ = parameters.struck_capacity_m3 + 0.25 * opening_m_ * opening_m_ *
+                                                   std::tan(parameters.heap_repose_rad) *
+                                                   parameters.width_m;
+  for (int degree = 0; degree <= kDegrees; ++degree) {
+    held_m3_.push_back(
+        std::min(heaped_m3_, counted_m3(parameters, (degree - 180) * std::numbers::pi / 180.0)));
+  }
+}
+
+double BucketCapacity::counted_m3(const BucketSoilParameters& parameters, double pitch_rad) const {
+  const double sine = std::sin(pitch_rad);
+  const double cosine = std::cos(pitch_rad);
+  const double slope = std::tan(parameters.heap_repose_rad);
+  const double half = 0.5 * opening_m_;
+  // Coordinates from the opening's middle: x to the teeth, z into the shell; h and s are height
+  // and horizontal distance along the arm.
+  const auto below = [&](double h, double s, double lip_x) {
+    return h <= lip_x * sine + slope * std::abs(s - lip_x * cosine);
+  };
+  const double top = half * slope;  // Of the roof, on the side of z < 0.
+  const double cell_x = opening_m_ / kPoints;
+  const double cell_z = (depth_m_ + top) / kPoints;
+  double area = 0.0;
+  double shell = 0.0;
+  for (int i = 0; i < kPoints; ++i) {
+    for (int j = 0; j < kPoints; ++j) {
+      const double x = -half + (i + 0.5) * cell_x;
+      const double z = -top + (j + 0.5) * cell_z;
+      const double h = x * sine + z * cosine;
+      const double s = x * cosine - z * sine;
+      const bool over_opening = std::abs(s) < half * std::abs(cosine);
+      bool carried = false;
+      if (z >= 0.0) {
+        if (std::hypot(x / half, z / depth_m_) > 1.0) {
+          continue;  // Outside the shell.
+        }
+        shell += cell_x * cell_z;
+        carried = cosine < 0.0 || !over_opening;
+      } else {
+        carried = cosine < 0.0 && over_opening;
+      }
+      if (carried && below(h, s, half) && below(h, s, -half)) {
+        area += cell_x * cell_z;
+      }
+    }
+  }
+  return area / shell * parameters.struck_capacity_m3;
+}
+
+double BucketCapacity::held_m3(double pitch_rad) const {
+  if (!std::isfinite(pitch_rad)) {
+    return 0.0;
+  }
+  double turn = pitch_rad / (2.0 * std::numbers::pi) + 0.5;
+  turn -= std::floor(turn);
+  const double place = turn * kDegrees;
+  const auto at = std::min(static_cast<std::size_t>(place), held_m3_.size() - 2);
+  const double share = place - static_cast<double>(at);
+  return held_m3_[at] + share * (held_m3_[at + 1] - held_m3_[at]);
+}
+
+}  // namespace rigwire::sim

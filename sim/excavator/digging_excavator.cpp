@@ -1,0 +1,84 @@
+#include "sim/excavator/digging_excavator.h"
+
+#include <algorithm>
+
+namespace rigwire::sim {
+namespace {
+
+ExcavatorParameters with_payload(ExcavatorParameters parameters, const DiggingParameters& digging,
+                                 const DiggableTerrain& terrain) {
+  const BucketCapacity capacity(digging.bucket, parameters.bucket_tip_m);
+  parameters.payload_max_kg =
+      std::max(parameters.payload_max_kg, capacity.heaped_m3() * terrain.density_greatest_kgpm3());
+  return parameters;
+}
+
+}  // namespace
+
+DiggingExcavator::DiggingExcavator(const ExcavatorParameters& parameters,
+                                   const DiggingParameters& digging, const Eigen::Isometry3d& X_WC,
+                                   Ground& ground)
+    : terrain_(ground, digging.terrain),
+      excavator_(with_payload(parameters, digging, terrain_), X_WC),
+      bucket_(digging.bucket, parameters.bucket_tip_m, parameters.gravity_mps2, terrain_,
+              excavator_.link(Link::bucket)),
+      inner_span_(std::max(Duration{1}, from_seconds(parameters.step_s))) {
+  const auto quantities = excavator_.status_quantities();
+  status_quantities_.assign(quantities.begin(), quantities.end());
+  status_quantities_.push_back({"payload", "kg"});
+  status_quantities_.push_back({"dig depth", "cm"});
+  const auto fields = excavator_.truth_fields();
+  truth_fields_.assign(fields.begin(), fields.end());
+  for (const TruthField& field : fields) {
+    excavator_truth_ += field.count;
+  }
+  for (const char* key : {"bucket_soil_m3", "payload_kg", "dumped_elsewhere_m3", "dig_depth_m"}) {
+    truth_fields_.push_back({key, 1});
+  }
+}
+
+void DiggingExcavator::step(Duration span) {
+  while (span > Duration{0} && !non_finite()) {
+    const Duration inner = std::min(span, inner_span_);
+    inner_step(inner);
+    span -= inner;
+  }
+}
+
+void DiggingExcavator::inner_step(Duration span) {
+  const double h = to_seconds(span);
+  const BucketGroundLoad load = bucket_.load(h, excavator_.link(Link::bucket));
+  excavator_.set_bucket_force(load.force_W, load.point_W);
+  excavator_.set_bucket_resistances({load.resistances.data(), load.count});
+  excavator_.step(span);
+  if (non_finite()) {
+    return;
+  }
+  bucket_.advance(h, excavator_.link(Link::bucket));
+  if (bucket_.mass_kg() != payload_kg_) {
+    payload_kg_ = bucket_.mass_kg();
+    excavator_.set_payload_kg(payload_kg_);
+  }
+}
+
+void DiggingExcavator::read_status(std::span<double> values) const {
+  const std::size_t own = excavator_.status_quantities().size();
+  excavator_.read_status(values.first(own));
+  values[own] = bucket_.mass_kg();
+  values[own + 1] = bucket_.depth_m() * 100.0;
+}
+
+void DiggingExcavator::read_truth(std::span<double> values) const {
+  excavator_.read_truth(values.first(excavator_truth_));
+  const auto own = values.subspan(excavator_truth_);
+  own[0] = bucket_.volume_m3();
+  own[1] = bucket_.mass_kg();
+  own[2] = bucket_.elsewhere_m3();
+  own[3] = bucket_.depth_m();
+}
+
+std::int64_t DiggingExcavator::balance_units() const {
+  return terrain_.gained_units() + bucket_.units() + bucket_.elsewhere_units();
+}
+
+}  // namespace rigwire::sim

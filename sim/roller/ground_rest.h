@@ -1,0 +1,66 @@
+// How the frame's plane lies on the ground under both drums: heave along its z, roll and pitch.
+//
+// Rigid drums rest on the terrain in the least-squares sense: the plane through the lowest lines of
+// the drums that fits the heights under all strips best. The frame follows it like a damped
+// oscillator (the mat and the rubber mounts give), with the plane's own rate fed forward: on a
+// plane, however steep, there is no deviation at all, and at rest there is exactly none. The rates
+// are solved by the backward Euler rule; accelerations are their change over the step.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
+
+#include "sim/ground/ground.h"
+#include "sim/roller/parameters.h"
+
+namespace rigwire::sim {
+
+/// A strip's lowest point and the surface there.
+struct StripGround {
+  Eigen::Vector2d p_B_m = Eigen::Vector2d::Zero();  ///< In the frame's plane.
+  GroundPoint point;
+  double gap_m = 0.0;  ///< From the strip up to the surface, along the frame's z.
+};
+inline constexpr std::size_t kRollerStripsMax = 2 * kDrumStripsMax;
+
+/// Heave and rates about the frame's x and y: displacement and its rate in the frame's axes.
+struct RestMotion {
+  double heave = 0.0;  ///< m or m/s, along z at the frame's origin.
+  double roll = 0.0;   ///< rad or rad/s, about x.
+  double pitch = 0.0;  ///< rad or rad/s, about y: nose down positive.
+};
+
+class GroundRest {
+ public:
+  GroundRest(const RollerParameters& parameters, const Ground& ground);
+
+  /// Looks at the ground under the strips; `steer_rad` front and rear. 2 x strips look-ups.
+  void look(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
+            const std::array<double, 2>& steer_rad);
+  [[nodiscard]] std::size_t count() const { return count_; }
+  /// Front drum's strips first, each from right to left.
+  [[nodiscard]] const StripGround& strip(std::size_t index) const { return strips_[index]; }
+
+  /// How far the frame is from lying on the ground.
+  [[nodiscard]] RestMotion deviation() const;
+  /// Rates at the end of a step of h, from those before; `planar` are u, v at the origin and r.
+  [[nodiscard]] RestMotion rates(double h, const Eigen::Matrix3d& R_WB,
+                                 const Eigen::Vector3d& planar, const RestMotion& before) const;
+
+ private:
+  [[nodiscard]] RestMotion fit(const std::array<double, kRollerStripsMax>& heights) const;
+
+  const Ground* ground_;
+  double radius_m_;
+  double pivot_x_m_;
+  double width_m_;
+  double frequency_radps_;
+  double damping_ratio_;
+  std::size_t drum_strips_;
+  std::size_t count_;
+  std::array<StripGround, kRollerStripsMax> strips_;
+  Eigen::Matrix3d inverse_ = Eigen::Matrix3d::Identity();  ///< Of the normal equations.
+};
+
+}  // namespace rigwire::sim

@@ -1,0 +1,356 @@
+#include "sim/roller/tandem_roller.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace rigwire::sim {
+namespace {
+
+const RollerParameters& validated(const RollerParameters& parameters) {
+  validate(parameters);
+  return parameters;
+}
+
+// Rotation by the vector r, accurate near zero.
+Eigen::Quaterniond exponential(const Eigen::Vector3d& r) {
+  const double angle2 = r.squaredNorm();
+  const double half = 0.5 * std::sqrt(angle2);
+  const double factor = angle2 < 1e-8 ? 0.5 - angle2 / 48.0 : 0.5 * std::sin(half) / half;
+  return {std::cos(half), factor * r.x(), factor * r.y(), factor * r.z()};
+}
+
+Eigen::Quaterniond turned(const Eigen::Quaterniond& q, const Eigen::Vector3d& r) {
+  if (r.isZero(0.0)) {
+    return q;
+  }
+  Eigen::Quaterniond result = q * exponential(r);
+  result.coeffs() *= 1.5 - 0.5 * result.squaredNorm();  // First-order return to unit length.
+  return result;
+}
+
+// sin(a)/a and (1 - cos(a))/a.
+std::array<double, 2> arc(double a) {
+  if (std::abs(a) < 1e-4) {
+    return {1.0 - a * a / 6.0, 0.5 * a * (1.0 - a * a / 12.0)};
+  }
+  return {std::sin(a) / a, (1.0 - std::cos(a)) / a};
+}
+
+void take(double& kept, double wanted, double low, double high) {
+  if (std::isfinite(wanted)) {
+    kept = std::clamp(wanted, low, high);
+  }
+}
+
+}  // namespace
+
+TandemRoller::TandemRoller(const RollerParameters& parameters, const Ground& ground,
+                           const Eigen::Vector2d& position_m, double yaw_rad)
+    : parameters_(validated(parameters)),
+      ground_(&ground),
+      inner_span_(std::max(Duration{1}, from_seconds(parameters.step_s))),
+      steering_{PivotSteering(parameters.steering), PivotSteering(parameters.steering)},
+      vibration_{DrumVibration(parameters.front_vibration),
+                 DrumVibration(parameters.rear_vibration)},
+      sprinkler_(parameters.sprinkler),
+      spreader_(parameters.spreader),
+      cutter_(parameters.edge_cutter),
+      drive_(parameters.drive, parameters.drum.radius_m),
+      dynamics_(parameters),
+      rest_(parameters, ground),
+      mass_(
+          loaded_mass(parameters, parameters.sprinkler.initial_kg, parameters.spreader.initial_kg)),
+      pressure_pa_(parameters.drive.charge_pressure_pa) {
+  if (!position_m.allFinite() || !std::isfinite(yaw_rad)) {
+    throw std::invalid_argument("roller: its place (x, y, yaw) must be finite numbers");
+  }
+  start_W_ << position_m, ground.height_m(position_m.x(), position_m.y());
+  state_.q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
+  settle_on_ground();
+  update_links();
+}
+
+// Newton's way down to the resting pose, then the bristles take up the slope.
+void TandemRoller::settle_on_ground() {
+  const auto position = [this] { return Eigen::Vector3d(start_W_ + state_.displacement_W); };
+  for (int round = 0; round < 60; ++round) {
+    const Eigen::Matrix3d R_WB = state_.q_WB.toRotationMatrix();
+    rest_.look(position(), R_WB, {0.0, 0.0});
+    const RestMotion away = rest_.deviation();
+    start_W_.z() += away.heave / R_WB(2, 2);
+    state_.q_WB = turned(state_.q_WB, {away.roll, away.pitch, 0.0}).normalized();
+    if (std::abs(away.heave) + std::abs(away.roll) + std::abs(away.pitch) < 1e-15) {
+      break;
+    }
+  }
+  const Eigen::Matrix3d R_WB = state_.q_WB.toRotationMatrix();
+  rest_.look(position(), R_WB, {0.0, 0.0});
+  for (int round = 0; round < 40; ++round) {  // Loads depend on the forces they carry.
+    load_strips(R_WB, 0.0);
+    dynamics_.preload(loads_, load_n_);
+  }
+}
+
+void TandemRoller::command(const VehicleCommand& command) {
+  const RollerParameters& p = parameters_;
+  command_.time = command.time;
+  command_.engine_control = command.engine_control;
+  take(command_.engine_torque_share, command.engine_torque_share, 0.0, 1.0);
+  take(command_.engine_speed_radps, command.engine_speed_radps, 0.0, p.drive.engine_rated_radps);
+  take(command_.travel_speed_mps, command.travel_speed_mps, -p.drive.speed_max_mps,
+       p.drive.speed_max_mps);
+  take(command_.brake_share, command.brake_share, 0.0, 1.0);
+  command_.parking_brake = command.parking_brake;
+  take(command_.front_steer_rad, command.front_steer_rad, -p.steering.angle_max_rad,
+       p.steering.angle_max_rad);
+  take(command_.rear_steer_rad, command.rear_steer_rad, -p.steering.angle_max_rad,
+       p.steering.angle_max_rad);
+  command_.lock = command.lock;
+  command_.vibration = command.vibration;
+  steering_[0].command(command_.front_steer_rad);
+  steering_[1].command(command_.rear_steer_rad);
+  vibration_[0].command(command_.vibration[0]);
+  vibration_[1].command(command_.vibration[1]);
+  cutter_.command(command.edge_cutter_share);
+  spreader_.command(command.spreader_rate_kgpm2);
+
+  HydrostaticDemand demand;
+  demand.travel_speed_mps = command_.parking_brake ? 0.0 : command_.travel_speed_mps;
+  const double idle = p.drive.engine_idle_radps;
+  const double rated = p.drive.engine_rated_radps;
+  if (command_.engine_control == EngineControl::speed && command_.engine_speed_radps > 0.0) {
+    demand.engine_speed_radps = command_.engine_speed_radps;
+  } else if (command_.engine_control == EngineControl::torque &&
+             command_.engine_torque_share > 0.0) {
+    demand.engine_speed_radps = idle + command_.engine_torque_share * (rated - idle);
+  } else {
+    demand.engine_speed_radps = command_.parking_brake ? idle : rated;
+  }
+  demand.flow_divider = command_.lock[static_cast<std::size_t>(Differential::centre)];
+  drive_.command(demand);
+}
+
+void TandemRoller::set_motion(double forward_mps, double left_mps, double yaw_rate_radps) {
+  state_.w_WB_B.z() = yaw_rate_radps;
+  state_.v_WB_W = state_.q_WB * Eigen::Vector3d(forward_mps, left_mps, 0.0);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double x = i == 0 ? parameters_.pivot_x_m : -parameters_.pivot_x_m;
+    const double d = steering_[i].angle_rad();
+    spin_radps_[i] = (forward_mps * std::cos(d) + (left_mps + yaw_rate_radps * x) * std::sin(d)) /
+                     parameters_.drum.radius_m;
+  }
+  update_links();
+}
+
+void TandemRoller::step(Duration span) {
+  if (span <= Duration{0} || non_finite_) {
+    return;
+  }
+  while (span > Duration{0} && !non_finite_) {
+    const Duration inner = std::min(span, inner_span_);
+    inner_step(to_seconds(inner));
+    span -= inner;
+    if (!non_finite_) {
+      time_ += inner;
+    }
+  }
+  update_links();
+}
+
+void TandemRoller::inner_step(double h) {
+  const Eigen::Matrix3d R_WB = state_.q_WB.toRotationMatrix();
+  const Eigen::Vector3d v_B = R_WB.transpose() * state_.v_WB_W;
+  for (std::size_t i = 0; i < 2; ++i) {
+    steering_[i].step(h);
+    vibration_[i].step(h);
+  }
+  supplements(h, v_B.x());
+  drive_.begin(h);
+  rest_.look(start_W_ + state_.displacement_W, R_WB,
+             {steering_[0].angle_rad(), steering_[1].angle_rad()});
+
+  const RestMotion rest{v_B.z(), state_.w_WB_B.x(), state_.w_WB_B.y()};
+  const std::array<double, 2> spin_before = spin_radps_;
+  State next;
+  if (parameters_.level == RollerLevel::kinematic) {
+    move_kinematic(h, R_WB, rest, next);
+  } else {
+    load_strips(R_WB, v_B.x());
+    move_dynamic(h, R_WB, rest, next);
+  }
+  if (record_non_finite(next)) {
+    spin_radps_ = spin_before;
+    return;
+  }
+  state_ = next;
+  for (std::size_t i = 0; i < 2; ++i) {
+    spin_acceleration_radps2_[i] = (spin_radps_[i] - spin_before[i]) / h;
+    spin_angle_rad_[i] =
+        std::remainder(spin_angle_rad_[i] + h * spin_radps_[i], 2.0 * std::numbers::pi);
+  }
+}
+
+void TandemRoller::supplements(double h, double speed_mps) {
+  sprinkler_.step(h, speed_mps);
+  spreader_.step(h, speed_mps);
+  cutter_.step(h);
+  mass_ = loaded_mass(parameters_, sprinkler_.mass_kg(), spreader_.mass_kg());
+}
+
+void TandemRoller::load_strips(const Eigen::Matrix3d& R_WB, double speed_mps) {
+  const RollerParameters& p = parameters_;
+  loads_.mass = mass_;
+  const double g = p.gravity_mps2;
+  loads_.gravity_mps2 = -g * R_WB.row(2).head<2>().transpose();
+  const double cutter_n = cutter_.lateral_n(speed_mps);
+  loads_.supplement = {0.0, cutter_n, cutter_n * (p.edge_cutter.x_m - mass_.x_m)};
+
+  // Statics about the centre of mass: what pushes at the ground tilts the load.
+  const double normal = mass_.mass_kg * g * R_WB(2, 2);
+  const Eigen::Vector2d push = dynamics_.ground_force_n() + Eigen::Vector2d(0.0, cutter_n);
+  const double base = 2.0 * p.pivot_x_m;
+  const double front = (normal * (p.pivot_x_m + mass_.x_m) - mass_.height_m * push.x()) / base;
+  load_n_[0] = std::clamp(front, 0.0, normal);
+  load_n_[1] = normal - load_n_[0];
+  const double tilt = -mass_.height_m * push.y();  // Sum of strip load times strip y.
+
+  const auto strips = static_cast<std::size_t>(p.drum.strips);
+  const double strip_width = p.drum.width_m / static_cast<double>(strips);
+  for (std::size_t i = 0; i < 2; ++i) {
+    DrumSituation& drum = loads_.drum[i];
+    drum.x_m = (i == 0 ? p.pivot_x_m : -p.pivot_x_m) - mass_.x_m;
+    drum.steer_rad = steering_[i].angle_rad();
+    drum.steer_rate_radps = steering_[i].mean_rate_radps();
+    drum.spin_radps = spin_radps_[i];
+    const DrumContact& contact = dynamics_.drum(i);
+    double square = 0.0;
+    for (std::size_t k = 0; k < strips; ++k) {
+      square += contact.strip_y_m(static_cast<int>(k)) * contact.strip_y_m(static_cast<int>(k));
+    }
+    const double mean = load_n_[i] / static_cast<double>(strips);
+    const double slope = square > 0.0 && normal > 0.0 ? tilt * load_n_[i] / (normal * square) : 0.0;
+    double sum = 0.0;
+    for (std::size_t k = 0; k < strips; ++k) {
+      drum.load_n[k] = std::max(0.0, mean + slope * contact.strip_y_m(static_cast<int>(k)));
+      sum += drum.load_n[k];
+    }
+    const double scale = sum > 0.0 ? load_n_[i] / sum : 0.0;
+    double rolling_n = 0.0;
+    for (std::size_t k = 0; k < strips; ++k) {
+      drum.load_n[k] *= scale;
+      const GroundPoint& point = rest_.strip(i * strips + k).point;
+      const SoilParameters& soil = ground_->soil(point.soil);
+      drum.limit_n[k] = p.drum.friction_factor * point.friction * drum.load_n[k];
+      rolling_n += p.drum.rolling_resistance * drum.load_n[k];
+      if (soil.soft && !point.obstacle) {
+        drum.limit_n[k] =
+            std::min(drum.limit_n[k],
+                     shear_limit_n(soil, drum.load_n[k], strip_width * p.drum.contact_length_m));
+        // The rut is that of the whole drum, did it press everywhere as this strip does.
+        const auto count = static_cast<double>(strips);
+        const double sinkage =
+            wheel_sinkage_m(soil, count * drum.load_n[k], p.drum.width_m, 2.0 * p.drum.radius_m);
+        rolling_n += compaction_resistance_n(soil, sinkage, p.drum.width_m) / count;
+      }
+    }
+    loads_.rolling_limit_nm[i] = rolling_n * p.drum.radius_m;
+    loads_.brake_limit_nm[i] = std::max(command_.parking_brake ? p.parking_brake_torque_nm : 0.0,
+                                        command_.brake_share * p.brake_torque_nm);
+  }
+}
+
+void TandemRoller::move_dynamic(double h, const Eigen::Matrix3d& R_WB, const RestMotion& before,
+                                State& next) {
+  const Eigen::Vector3d c(mass_.x_m, 0.0, 0.0);
+  const Eigen::Vector3d v_WC_W = state_.v_WB_W + R_WB * state_.w_WB_B.cross(c);
+  const Eigen::Vector3d v_WC_B = R_WB.transpose() * v_WC_W;
+  RollerVelocity x;
+  x << v_WC_B.x(), v_WC_B.y(), state_.w_WB_B.z(), spin_radps_[0], spin_radps_[1];
+  dynamics_.step(h, loads_, drive_, x);
+  spin_radps_ = {x[3], x[4]};
+  pressure_pa_ = drive_.gauge_pressure_pa();
+
+  const RestMotion rest =
+      rest_.rates(h, R_WB, Eigen::Vector3d(x[0], x[1] - x[2] * c.x(), x[2]), before);
+  const Eigen::Vector3d w(rest.roll, rest.pitch, x[2]);
+  const Eigen::Vector3d v_next_W =
+      R_WB * Eigen::Vector3d(x[0], x[1], rest.heave - rest.pitch * c.x());
+  next.q_WB = turned(state_.q_WB, h * w);
+  const Eigen::Matrix3d R_next = next.q_WB.toRotationMatrix();
+  next.displacement_W = state_.displacement_W + h * v_next_W + (R_WB - R_next) * c;
+  next.w_WB_B = w;
+  next.v_WB_W = v_next_W - R_next * w.cross(c);
+  next.alpha_WB_B = (w - state_.w_WB_B) / h;
+  next.a_WB_W = (v_next_W - v_WC_W) / h - R_next * (next.alpha_WB_B.cross(c) + w.cross(w.cross(c)));
+}
+
+void TandemRoller::move_kinematic(double h, const Eigen::Matrix3d& R_WB, const RestMotion& before,
+                                  State& next) {
+  const double base = 2.0 * parameters_.pivot_x_m;
+  // Speeds of the reference point for the drums' mean speed: u, v, yaw rate.
+  const auto bicycle = [&](double front_rad, double rear_rad) {
+    const double mean = 0.5 * (1.0 / std::cos(front_rad) + 1.0 / std::cos(rear_rad));
+    const double u = drive_.set_point_mps() / mean;
+    const double front = std::tan(front_rad);
+    const double rear = std::tan(rear_rad);
+    return Eigen::Vector3d(u, 0.5 * u * (front + rear), u * (front - rear) / base);
+  };
+  const std::array<double, 2> angle{steering_[0].angle_rad(), steering_[1].angle_rad()};
+  const Eigen::Vector3d middle = bicycle(angle[0] - 0.5 * h * steering_[0].mean_rate_radps(),
+                                         angle[1] - 0.5 * h * steering_[1].mean_rate_radps());
+  const Eigen::Vector3d end = bicycle(angle[0], angle[1]);
+  const Eigen::Vector3d v_before = R_WB.transpose() * state_.v_WB_W;
+  for (std::size_t i = 0; i < 2; ++i) {
+    spin_radps_[i] = end[0] / (parameters_.drum.radius_m * std::cos(angle[i]));
+  }
+  drive_.finish({0.0, 0.0});
+  const double acceleration = (end[0] - v_before.x()) / h;
+  pressure_pa_ = kinematic_pressure_pa(acceleration);
+
+  const RestMotion rest = rest_.rates(h, R_WB, middle, before);
+  const auto [ahead, aside] = arc(h * middle[2]);
+  const Eigen::Vector3d way(ahead * middle[0] - aside * middle[1],
+                            aside * middle[0] + ahead * middle[1], rest.heave);
+  next.q_WB = turned(state_.q_WB, h * Eigen::Vector3d(rest.roll, rest.pitch, middle[2]));
+  const Eigen::Matrix3d R_next = next.q_WB.toRotationMatrix();
+  next.displacement_W = state_.displacement_W + h * (R_WB * way);
+  next.w_WB_B = {rest.roll, rest.pitch, end[2]};
+  const Eigen::Vector3d v(end[0], end[1], rest.heave);
+  next.v_WB_W = R_next * v;
+  const Eigen::Vector3d change(acceleration, (end[1] - v_before.y()) / h,
+                               (rest.heave - before.heave) / h);
+  next.a_WB_W = R_next * (change + next.w_WB_B.cross(v));
+  next.alpha_WB_B = (next.w_WB_B - state_.w_WB_B) / h;
+}
+
+// What the motors would need for slope and acceleration.
+double TandemRoller::kinematic_pressure_pa(double acceleration_mps2) const {
+  const HydrostaticDriveParameters& p = drive_.parameters();
+  if (command_.parking_brake) {
+    return p.charge_pressure_pa;
+  }
+  const double climb = (state_.q_WB * Eigen::Vector3d::UnitX()).z();
+  const double force =
+      mass_.mass_kg * std::abs(acceleration_mps2 + parameters_.gravity_mps2 * climb);
+  return p.charge_pressure_pa +
+         std::min(p.relief_pressure_pa,
+                  force * parameters_.drum.radius_m / (2.0 * p.motor_displacement_m3prad));
+}
+
+bool TandemRoller::record_non_finite(const State& next) {
+  const auto check = [this](bool fine, const char* quantity, const char* part) {
+    if (!fine && !non_finite_) {
+      non_finite_ = NonFinite{quantity, part, time_};
+    }
+  };
+  check(std::isfinite(spin_radps_[0]), "drum rate", "front drum");
+  check(std::isfinite(spin_radps_[1]), "drum rate", "rear drum");
+  check(next.w_WB_B.allFinite(), "angular rate", "frame");
+  check(next.v_WB_W.allFinite(), "velocity", "frame");
+  check(next.displacement_W.allFinite() && next.q_WB.coeffs().allFinite(), "pose", "frame");
+  return non_finite_.has_value();
+}
+
+}  // namespace rigwire::sim

@@ -1,0 +1,143 @@
+// A tandem roller as its sensors and its controller meet it: both drums steered on pivots, driven
+// by oil, vibrating; commands in, motion of every link and the readings of its sensors out.
+//
+// Chain per inner step: steering, exciters, cutter arm, hopper -> ground under the strips -> loads
+// of the strips from statics (slope, acceleration of the step before, hopper) -> planar velocities
+// and drum spins with drive, brakes and slip in one solve (roller_dynamics.h) -> heave, roll and
+// pitch after the ground (ground_rest.h) -> pose by the exponential map. The kinematic level
+// replaces the solve: v, yaw rate and drum rates of a bicycle that steers at both ends, each step
+// an exact arc.
+//
+// Steering of counter, crab and front-only is the controller's: it commands both angles. A drum
+// reports as two wheels with one rate. The gear means nothing to this machine. The engine runs at
+// the commanded governor speed; an accelerator above 0 sets it between idle and rated; with neither
+// it idles while the parking brake is on and runs at rated speed otherwise. lock[centre] closes the
+// flow divider. With the parking brake on the travel set point is taken as zero.
+//
+// Loads ignore the drums' gyroscopic moments and the vibration; the pivots' reaction on the frame
+// while they start to turn is left out. Deterministic: the same parameters, commands and calls give
+// the same bits on one compiler.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "sim/driveline/hydrostatic_drive.h"
+#include "sim/ground/ground.h"
+#include "sim/machine.h"
+#include "sim/roller/ground_rest.h"
+#include "sim/roller/parameters.h"
+#include "sim/roller/roller_dynamics.h"
+#include "sim/roller/steering.h"
+#include "sim/roller/supplements.h"
+#include "sim/roller/vibration.h"
+
+namespace rigwire::sim {
+
+/// Frames when all steer angles are zero: frame on the ground half way between the pivots; yokes
+/// and drums at the drums' centres, turned with the pivot; the drums roll about their y.
+inline constexpr std::array<std::string_view, 5> kRollerLinks{"frame", "front_yoke", "rear_yoke",
+                                                              "front_drum", "rear_drum"};
+
+class TandemRoller final : public Machine, public VehiclePort {
+ public:
+  /// Stands on `ground` with the frame's origin above (x, y), its x turned by `yaw_rad` from east;
+  /// parking brake on. `ground` must outlive the machine. Throws std::invalid_argument as validate
+  /// does and when the place is not finite.
+  TandemRoller(const RollerParameters& parameters, const Ground& ground,
+               const Eigen::Vector2d& position_m, double yaw_rad);
+
+  void step(Duration span) override;
+  [[nodiscard]] SimTime time() const override { return time_; }
+  [[nodiscard]] std::span<const LinkMotion> links() const override { return links_; }
+  [[nodiscard]] std::span<const std::string_view> link_names() const override {
+    return kRollerLinks;
+  }
+  [[nodiscard]] const std::optional<NonFinite>& non_finite() const override { return non_finite_; }
+  [[nodiscard]] std::span<const StatusQuantity> status_quantities() const override;
+  void read_status(std::span<double> values) const override;
+  [[nodiscard]] std::span<const TruthField> truth_fields() const override;
+  void read_truth(std::span<double> values) const override;
+  [[nodiscard]] VehiclePort* vehicle_port() override { return this; }
+
+  void command(const VehicleCommand& command) override;
+  [[nodiscard]] VehicleSample vehicle_sample(SimTime time) const override;
+
+  /// Sets the motion of the frame in its own plane, for tests: forward and left at the origin,
+  /// yaw rate; the drums roll along.
+  void set_motion(double forward_mps, double left_mps, double yaw_rate_radps);
+
+  [[nodiscard]] double drum_rate_radps(std::size_t which) const { return spin_radps_[which]; }
+  [[nodiscard]] double steer_rad(std::size_t which) const { return steering_[which].angle_rad(); }
+  /// Of the ground on a drum's pivot, left positive.
+  [[nodiscard]] double pivot_moment_nm(std::size_t which) const {
+    return dynamics_.drum(which).pivot_moment_nm();
+  }
+  /// Normal force of a drum in the last step.
+  [[nodiscard]] double drum_load_n(std::size_t which) const { return load_n_[which]; }
+  [[nodiscard]] const RollerMass& mass() const { return mass_; }
+  [[nodiscard]] const HydrostaticDrive& drive() const { return drive_; }
+  [[nodiscard]] const RollerDynamics& dynamics() const { return dynamics_; }
+  [[nodiscard]] const ChipSpreader& spreader() const { return spreader_; }
+  [[nodiscard]] const EdgeCutter& edge_cutter() const { return cutter_; }
+  [[nodiscard]] const RollerParameters& parameters() const { return parameters_; }
+
+ private:
+  /// Frame's motion without vibration; position as displacement from the start, so that far from
+  /// the world's origin nothing is lost.
+  struct State {
+    Eigen::Vector3d displacement_W = Eigen::Vector3d::Zero();
+    Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
+    Eigen::Vector3d v_WB_W = Eigen::Vector3d::Zero();
+    Eigen::Vector3d w_WB_B = Eigen::Vector3d::Zero();
+    Eigen::Vector3d a_WB_W = Eigen::Vector3d::Zero();
+    Eigen::Vector3d alpha_WB_B = Eigen::Vector3d::Zero();
+  };
+
+  void inner_step(double h);
+  void supplements(double h, double speed_mps);
+  /// Loads and friction limits of all strips, weight, supplements.
+  void load_strips(const Eigen::Matrix3d& R_WB, double speed_mps);
+  void move_dynamic(double h, const Eigen::Matrix3d& R_WB, const RestMotion& rest_before,
+                    State& next);
+  void move_kinematic(double h, const Eigen::Matrix3d& R_WB, const RestMotion& rest_before,
+                      State& next);
+  [[nodiscard]] double kinematic_pressure_pa(double acceleration_mps2) const;
+  void settle_on_ground();
+  [[nodiscard]] bool record_non_finite(const State& next);
+  void update_links();
+  [[nodiscard]] OdometryReading odometry() const;
+
+  RollerParameters parameters_;
+  const Ground* ground_;
+  Eigen::Vector3d start_W_ = Eigen::Vector3d::Zero();
+  Duration inner_span_{};
+  VehicleCommand command_;
+
+  std::array<PivotSteering, 2> steering_;
+  std::array<DrumVibration, 2> vibration_;
+  Sprinkler sprinkler_;
+  ChipSpreader spreader_;
+  EdgeCutter cutter_;
+  HydrostaticDrive drive_;
+  RollerDynamics dynamics_;
+  GroundRest rest_;
+
+  SimTime time_{};
+  State state_;
+  RollerMass mass_;
+  RollerLoads loads_;
+  std::array<double, 2> load_n_{};
+  std::array<double, 2> spin_radps_{};
+  std::array<double, 2> spin_acceleration_radps2_{};
+  std::array<double, 2> spin_angle_rad_{};
+  double pressure_pa_ = 0.0;  ///< On the gauge.
+  std::array<LinkMotion, kRollerLinks.size()> links_;
+  std::optional<NonFinite> non_finite_;
+};
+
+}  // namespace rigwire::sim

@@ -1,0 +1,25 @@
+// Which part of a height field changed.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+namespace rigwire::sim {
+
+/// Nodes of a height field, both ends included.
+struct NodeRectangle {
+  std::size_t first_column = 0;
+  std::size_t first_row = 0;
+  std::size_t last_column = 0;
+  std::size_t last_row = 0;
+
+  friend bool operator==(const NodeRectangle&, const NodeRectangle&) = default;
+
+  /// The least rectangle that holds both.
+  [[nodiscard]] NodeRectangle joined(const NodeRectangle& other) const {
+    return {std::min(first_column, other.first_column), std::min(first_row, other.first_row),
+            std::max(last_column, other.last_column), std::max(last_row, other.last_row)};
+  }
+};
+
+}  // namespace rigwire::sim

@@ -1,0 +1,48 @@
+// Open terrain: rolling hills and level sites, by formula and noise.
+#pragma once
+
+#include <cstdint>
+
+#include "sim/scene/height_field.h"
+#include "sim/scene/scene.h"
+
+namespace rigwire::sim {
+
+/// A plane that rises in one direction: how steep, and towards where.
+struct MeanSlope {
+  double rise = 0.0;         ///< Rise over run.
+  double uphill_rad = 0.0;   ///< Direction in which it rises, left from east.
+  double height_at_0_m = 0;  ///< At (0, 0).
+
+  [[nodiscard]] double height_m(double x_m, double y_m) const;
+};
+
+/// Rolling ground: a mean slope with fractal noise (sim/scene/noise_field.h) down to waves of two
+/// cells.
+struct HillsTerrain {
+  double size_m = 240.0;  ///< Edge of the square area, its middle at (0, 0).
+  double cell_m = 0.4;    ///< Distance of the nodes.
+  MeanSlope slope;
+  double roughness_m = 2.0;      ///< Standard deviation of the noise.
+  double longest_wave_m = 90.0;  ///< Of the coarsest layer of the noise.
+  Material material{.reflectance = 0.3, .label = "ground"};
+};
+
+/// A level site with an optional crossfall.
+struct LevelTerrain {
+  double size_m = 240.0;
+  double cell_m = 0.5;
+  MeanSlope slope;
+  double roughness_m = 0.004;  ///< Standard deviation of the noise, waves of 3 m and shorter.
+  Material material{.reflectance = 0.25, .label = "ground"};
+};
+
+/// Throw std::invalid_argument naming member, value and what is allowed.
+void validate(const HillsTerrain& terrain);
+void validate(const LevelTerrain& terrain);
+
+/// The same seed gives the same heights. Validate.
+[[nodiscard]] HeightField make_hills(const HillsTerrain& terrain, std::uint64_t seed);
+[[nodiscard]] HeightField make_level(const LevelTerrain& terrain, std::uint64_t seed);
+
+}  // namespace rigwire::sim

@@ -1,0 +1,56 @@
+// Which soil lies where in a scene: a soil for all of the terrain, soils of tracks, and regions
+// painted over both.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "sim/ground/ground.h"
+#include "sim/scene/height_field.h"
+#include "sim/scene/track.h"
+
+namespace rigwire::sim {
+
+struct SoilDisc {
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
+  double radius_m = 5.0;
+};
+
+struct SoilRectangle {
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d size_m{10.0, 10.0};  ///< Full lengths along its own axes.
+  double yaw_rad = 0.0;                ///< Of its first axis, left from east.
+};
+
+/// A part of a track, across all of its width.
+struct SoilStretch {
+  std::string track;
+  double from_m = 0.0;  ///< Along the track's line.
+  double to_m = 10.0;
+};
+
+struct SoilRegion {
+  std::string soil;  ///< Name of one of the scene's soils.
+  std::variant<SoilDisc, SoilRectangle, SoilStretch> shape;
+};
+
+/// Throws std::invalid_argument naming member, value and what is allowed.
+void validate(const SoilRegion& region);
+
+/// A track with its line, computed once.
+struct LaidTrack {
+  Track track;
+  TrackLine line;
+};
+
+/// The first soil lies everywhere; tracks with a soil are painted over it in their order, then the
+/// regions. A cell has the soil of its middle. Throws std::invalid_argument when a soil or a track
+/// that is named does not exist, naming those that do, or when there are more than 256 soils.
+[[nodiscard]] SoilMap make_soil_map(const HeightField& field, std::vector<SoilParameters> soils,
+                                    std::span<const LaidTrack> tracks,
+                                    std::span<const SoilRegion> regions);
+
+}  // namespace rigwire::sim

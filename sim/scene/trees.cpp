@@ -1,0 +1,196 @@
+#include "sim/scene/trees.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <unordered_map>
+
+namespace rigwire::sim {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+/// Where the crown begins, as a share of the height.
+constexpr double kConiferCrownBase = 0.15;
+constexpr double kRoundCrownBase = 0.35;
+constexpr double kBelowGround_m = 0.3;
+constexpr int kTrunkSides = 8;
+constexpr int kCrownSides = 9;
+
+void require_within(double value, double lower, double upper, const std::string& member) {
+  if (!(value >= lower && value <= upper)) {
+    throw std::invalid_argument(member + " is " + std::to_string(value) + ", allowed: " +
+                                std::to_string(lower) + " to " + std::to_string(upper));
+  }
+}
+
+/// A ring of a body of revolution; radius 0 is a point.
+struct Ring {
+  double radius = 0.0;
+  double z = 0.0;
+};
+
+/// Stacks rings, from the lowest upwards, into a closed surface facing outwards.
+void add_revolution(TriangleMesh& mesh, const Eigen::Vector3d& foot, double yaw_rad, int sides,
+                    std::initializer_list<Ring> rings) {
+  std::uint32_t below = 0;
+  bool first = true;
+  const auto count = static_cast<std::uint32_t>(sides);
+  for (const Ring& ring : rings) {
+    const auto start = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (int side = 0; side < sides; ++side) {
+      const double angle = yaw_rad + 2.0 * kPi * side / sides;
+      mesh.vertices.push_back((foot + Eigen::Vector3d(ring.radius * std::cos(angle),
+                                                      ring.radius * std::sin(angle), ring.z))
+                                  .cast<float>());
+    }
+    for (std::uint32_t side = 0; side < count && !first; ++side) {
+      const std::uint32_t next = (side + 1) % count;
+      mesh.triangles.push_back({below + side, below + next, start + next});
+      mesh.triangles.push_back({below + side, start + next, start + side});
+    }
+    below = start;
+    first = false;
+  }
+}
+
+/// Remembers where trees stand by cells of the spacing.
+class Stand {
+ public:
+  explicit Stand(double spacing_m) : spacing_m_(std::max(spacing_m, 1e-3)) {}
+
+  [[nodiscard]] bool free(const Eigen::Vector2d& spot) const {
+    for (std::int64_t dx = -1; dx <= 1; ++dx) {
+      for (std::int64_t dy = -1; dy <= 1; ++dy) {
+        const auto [begin, end] = cells_.equal_range(key(spot, dx, dy));
+        for (auto it = begin; it != end; ++it) {
+          if ((it->second - spot).norm() < spacing_m_) {
+            return false;
+          }
+        }
+      }
+    }
+    return true;
+  }
+  void add(const Eigen::Vector2d& spot) { cells_.emplace(key(spot, 0, 0), spot); }
+
+ private:
+  [[nodiscard]] std::int64_t key(const Eigen::Vector2d& spot, std::int64_t dx,
+                                 std::int64_t dy) const {
+    const auto x = static_cast<std::int64_t>(std::floor(spot.x() / spacing_m_)) + dx;
+    const auto y = static_cast<std::int64_t>(std::floor(spot.y() / spacing_m_)) + dy;
+    return x * 0x100000000LL + y;
+  }
+
+  double spacing_m_;
+  std::unordered_multimap<std::int64_t, Eigen::Vector2d> cells_;
+};
+
+}  // namespace
+
+void validate(const TreeField& trees) {
+  require_within(trees.count, 0, 50000, "trees.count");
+  require_within(trees.density_per_ha, 0.0, 20000.0, "trees.density_per_ha");
+  require_within(trees.centre_m.x(), -4000.0, 4000.0, "trees.centre_m: east");
+  require_within(trees.centre_m.y(), -4000.0, 4000.0, "trees.centre_m: north");
+  require_within(trees.half_lengths_m.minCoeff(), 0.5, 4000.0, "trees.half_lengths_m");
+  require_within(trees.half_lengths_m.maxCoeff(), 0.5, 4000.0, "trees.half_lengths_m");
+  require_within(trees.density_per_ha * 4e-4 * trees.half_lengths_m.prod(), 0.0, 50000.0,
+                 "trees.density_per_ha times the area");
+  require_within(trees.smallest_m, 0.5, 100.0, "trees.smallest_m");
+  require_within(trees.largest_m, trees.smallest_m, 100.0, "trees.largest_m");
+  require_within(trees.trunk_diameter_m, 0.01, 0.2 * trees.largest_m, "trees.trunk_diameter_m");
+  require_within(trees.conifer_share, 0.0, 1.0, "trees.conifer_share");
+  require_within(trees.track_distance_m, 0.0, 1000.0, "trees.track_distance_m");
+  require_within(trees.spacing_m, 0.0, 100.0, "trees.spacing_m");
+  for (const KeepOut& disc : trees.keep_out) {
+    require_within(disc.centre_m.norm(), 0.0, 8000.0, "trees.keep_out.centre_m");
+    require_within(disc.radius_m, 0.0, 4000.0, "trees.keep_out.radius_m");
+  }
+}
+
+std::vector<PlacedTree> place_trees(const TreeField& trees, const HeightField& ground,
+                                    std::span<const ClearWay> ways,
+                                    std::span<const KeepOut> keep_out, RandomStream& random) {
+  validate(trees);
+  constexpr int kTriesPerTree = 20;
+  constexpr double kSquareMetresPerHectare = 1e4;
+  const double area_ha = 4.0 * trees.half_lengths_m.prod() / kSquareMetresPerHectare;
+  const auto wanted =
+      trees.count > 0 ? trees.count : static_cast<int>(std::lround(trees.density_per_ha * area_ha));
+  const auto within = [](std::span<const KeepOut> discs, const Eigen::Vector2d& spot) {
+    return std::ranges::any_of(
+        discs, [&](const KeepOut& disc) { return (spot - disc.centre_m).norm() < disc.radius_m; });
+  };
+  const auto on_way = [&](const Eigen::Vector2d& spot) {
+    return std::ranges::any_of(ways, [&](const ClearWay& way) {
+      return way.line->nearest(spot).distance_m < way.half_width_m + trees.track_distance_m;
+    });
+  };
+  Stand stand(trees.spacing_m);
+  std::vector<PlacedTree> placed;
+  for (int i = 0; i < wanted; ++i) {
+    for (int attempt = 0; attempt < kTriesPerTree; ++attempt) {
+      const double x = random.uniform(-1.0, 1.0);
+      const double y = random.uniform(-1.0, 1.0);
+      const Eigen::Vector2d spot =
+          trees.centre_m + trees.half_lengths_m.cwiseProduct(Eigen::Vector2d(x, y));
+      if (within(trees.keep_out, spot) || within(keep_out, spot) || !stand.free(spot) ||
+          on_way(spot)) {
+        continue;
+      }
+      stand.add(spot);
+      PlacedTree& tree = placed.emplace_back();
+      tree.foot_m << spot, ground.height_m(spot.x(), spot.y());
+      tree.height_m = random.uniform(trees.smallest_m, trees.largest_m);
+      tree.trunk_diameter_m = trees.trunk_diameter_m * tree.height_m / trees.largest_m;
+      tree.yaw_rad = random.uniform(0.0, 2.0 * kPi);
+      tree.conifer = random.uniform() < trees.conifer_share;
+      break;
+    }
+  }
+  return placed;
+}
+
+ForestMeshes forest_meshes(std::span<const PlacedTree> trees, const Eigen::Vector3d& origin_m) {
+  ForestMeshes forest;
+  forest.trunks.name = "trunks";
+  forest.crowns.name = "crowns";
+  for (const PlacedTree& tree : trees) {
+    const Eigen::Vector3d foot = tree.foot_m - origin_m;
+    const double h = tree.height_m;
+    const double r = 0.5 * tree.trunk_diameter_m;
+    add_revolution(forest.trunks, foot, tree.yaw_rad, kTrunkSides,
+                   {{r, -kBelowGround_m}, {r, 0.3 * h}, {0.5 * r, 0.6 * h}});
+    if (tree.conifer) {
+      add_revolution(forest.crowns, foot, tree.yaw_rad, kCrownSides,
+                     {{0.0, kConiferCrownBase * h},
+                      {0.17 * h, (kConiferCrownBase + 0.03) * h},
+                      {0.08 * h, 0.6 * h},
+                      {0.0, h}});
+    } else {
+      add_revolution(forest.crowns, foot, tree.yaw_rad, kCrownSides,
+                     {{0.0, kRoundCrownBase * h},
+                      {0.2 * h, 0.48 * h},
+                      {0.25 * h, 0.68 * h},
+                      {0.16 * h, 0.9 * h},
+                      {0.0, h}});
+    }
+  }
+  return forest;
+}
+
+Obstacle trunk_obstacle(const PlacedTree& tree) {
+  const double top_m = (tree.conifer ? kConiferCrownBase : kRoundCrownBase) * tree.height_m;
+  Obstacle trunk;
+  trunk.shape = ObstacleShape::cylinder;
+  const double half_height_m = 0.5 * (std::max(top_m, 2.0) + kBelowGround_m);
+  trunk.half_lengths_m = {0.5 * tree.trunk_diameter_m, 0.5 * tree.trunk_diameter_m, half_height_m};
+  trunk.X_WO.translation() =
+      tree.foot_m + Eigen::Vector3d(0.0, 0.0, half_height_m - kBelowGround_m);
+  trunk.friction = 0.6;
+  return trunk;
+}
+
+}  // namespace rigwire::sim

@@ -1,0 +1,82 @@
+// Drive lines and vehicle sensors in a configuration: what is printed reads back, what is wrong is
+// refused with its place.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hil/configuration/document.h"
+#include "hil/configuration/driveline.h"
+#include "hil/configuration/outline.h"
+#include "hil/configuration/reader.h"
+#include "hil/configuration/vehicle_sensors.h"
+
+namespace rigwire::hil {
+namespace {
+
+using testing::HasSubstr;
+
+struct Parts {
+  sim::DrivelineParameters driveline;
+  sim::VehicleSensorParameters sensors;
+  sim::OdometryParameters odometry;
+};
+
+template <class Visitor>
+void visit(Visitor& v, Parts& p) {
+  v.section("driveline", p.driveline, "Engine to wheels.");
+  v.section("sensors", p.sensors, "Own sensors.");
+  v.section("odometry", p.odometry, "Own estimate.");
+}
+
+std::string load(const std::string& yaml, Parts& parts) {
+  Problems problems;
+  const Value document = parse_document(yaml, "a.yaml", RIGWIRE_SOURCE_DIR, problems);
+  Origins origins;
+  read(document, parts, problems, origins);
+  std::string text;
+  for (const Problem& problem : problems.sorted()) {
+    text += (text.empty() ? "" : "\n") + problem.line();
+  }
+  return text;
+}
+
+TEST(VehicleParts, BothDrivelinesPrintAndReadBackUnchanged) {
+  for (const sim::DrivelineParameters& driveline :
+       {sim::unimog_u5023_driveline(), sim::gator_855d_driveline()}) {
+    Parts parts;
+    parts.driveline = driveline;
+    const std::string yaml = print_yaml(outline(parts), Origins{});
+    Parts again;
+    ASSERT_EQ(load(yaml, again), "") << yaml;
+    EXPECT_TRUE(again.driveline == driveline) << yaml;
+    EXPECT_TRUE(again.sensors == parts.sensors) << yaml;
+    EXPECT_TRUE(again.odometry == parts.odometry) << yaml;
+  }
+}
+
+TEST(VehicleParts, AGatorIsWrittenShort) {
+  Parts parts;
+  ASSERT_EQ(load("driveline: {type: cvt, engine: {idle: 1300 rpm}, axles: {drive: rear, "
+                 "centre_lock: false}}\nsensors: {gate: 50 ms, radius_error: 2 %}\n",
+                 parts),
+            "");
+  const auto& cvt = std::get<sim::CvtParameters>(parts.driveline);
+  EXPECT_DOUBLE_EQ(cvt.engine.idle_radps, 1300 * sim::kRadpsPerRpm);
+  EXPECT_EQ(cvt.axles.drive, sim::AxleDrive::rear);
+  EXPECT_EQ(parts.sensors.gate_s, 0.05);
+  EXPECT_EQ(parts.sensors.radius_error, 0.02);
+}
+
+TEST(VehicleParts, WhatTheModelRefusesIsReportedWithItsPlace) {
+  Parts parts;
+  EXPECT_THAT(load("driveline: {clutch: {full: 100 rpm}}\n", parts),
+              HasSubstr("clutch.full_radps: found 10.4"));
+  EXPECT_THAT(load("driveline: {engine: {inertia: -1}}\n", parts),
+              HasSubstr("driveline.engine.inertia"));
+  EXPECT_THAT(load("driveline: {type: automatic}\n", parts), HasSubstr("driveline.type"));
+  EXPECT_THAT(load("driveline: {gearbox: {forward: [1, 0]}}\n", parts), HasSubstr("forward"));
+  EXPECT_THAT(load("odometry: {front_distance: 0 m}\n", parts),
+              HasSubstr("front_distance_m + rear_distance_m: found 0"));
+}
+
+}  // namespace
+}  // namespace rigwire::hil

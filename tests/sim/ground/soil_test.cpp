@@ -1,0 +1,130 @@
+#include "sim/ground/soil.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+namespace rigwire::sim {
+namespace {
+
+constexpr double kWidth_m = 0.395;
+constexpr double kDiameter_m = 1.18;
+
+SoilParameters soft_soil(double exponent = 1.1) {
+  SoilParameters soil;
+  soil.name = "test";
+  soil.soft = true;
+  soil.exponent = exponent;
+  return soil;
+}
+
+TEST(Sinkage, IsBekkersRigidWheel) {
+  const SoilParameters soil = soft_soil();
+  const double expected =
+      std::pow(3.0 * 2e4 / (1.9 * (kWidth_m * 2e6) * std::sqrt(kDiameter_m)), 2.0 / 3.2);
+  EXPECT_NEAR(wheel_sinkage_m(soil, 2e4, kWidth_m, kDiameter_m), expected, 1e-15);
+}
+
+TEST(Sinkage, LoadAndSinkageAreInversesOfEachOther) {
+  for (double n = 0.3; n <= 2.0; n += 0.1) {
+    const SoilParameters soil = soft_soil(n);
+    for (const double load : {1.0, 1e3, 5e4}) {
+      const double z = wheel_sinkage_m(soil, load, kWidth_m, kDiameter_m);
+      EXPECT_NEAR(wheel_load_n(soil, z, kWidth_m, kDiameter_m), load, 1e-12 * load);
+    }
+  }
+}
+
+TEST(Sinkage, GrowsWithTheLoadForEveryExponent) {
+  // Exponents beyond 0.3 .. 2 are used as the nearest of these.
+  for (const double n : {0.1, 0.3, 0.6, 1.0, 1.1, 1.6, 2.0, 2.9}) {
+    const SoilParameters soil = soft_soil(n);
+    double before = 0.0;
+    for (double load = 1.0; load < 1e6; load *= 1.5) {
+      const double z = wheel_sinkage_m(soil, load, kWidth_m, kDiameter_m);
+      EXPECT_GT(z, before) << n << ", " << load;
+      before = z;
+    }
+  }
+}
+
+TEST(Sinkage, OfAPlateCarriesItsPressure) {
+  SoilParameters soil = soft_soil(0.8);
+  soil.cohesion_modulus = 5e4;
+  const double z = plate_sinkage_m(soil, 1.4e5, kWidth_m);
+  EXPECT_NEAR((5e4 / kWidth_m + 2e6) * std::pow(z, 0.8), 1.4e5, 1e-6);
+}
+
+TEST(Sinkage, IsNothingOnHardGroundOrWithoutLoad) {
+  EXPECT_EQ(wheel_sinkage_m(SoilParameters{}, 1e5, kWidth_m, kDiameter_m), 0.0);
+  EXPECT_EQ(wheel_sinkage_m(soft_soil(), 0.0, kWidth_m, kDiameter_m), 0.0);
+  EXPECT_EQ(wheel_sinkage_m(soft_soil(), -1.0, kWidth_m, kDiameter_m), 0.0);
+  EXPECT_EQ(compaction_resistance_n(SoilParameters{}, 0.1, kWidth_m), 0.0);
+}
+
+TEST(Compaction, IsTheWorkOfTheRutPerMetre) {
+  // R_c is the work of pressing a plate of width b down to z, per metre of rut: integrate p b dz.
+  const SoilParameters soil = soft_soil(1.3);
+  double work = 0.0;
+  const int pieces = 20'000;
+  for (int i = 0; i < pieces; ++i) {
+    work += 2e6 * std::pow(0.1 * (i + 0.5) / pieces, 1.3) * kWidth_m * 0.1 / pieces;
+  }
+  EXPECT_NEAR(compaction_resistance_n(soil, 0.1, kWidth_m), work, 1e-6 * work);
+}
+
+TEST(Shear, ShareGoesOverIntoItsSeriesWithoutAStep) {
+  const SoilParameters soil = soft_soil();
+  const double length = 0.3;
+  EXPECT_EQ(shear_share(soil, 0.0, length), 0.0);
+  EXPECT_EQ(shear_share(soil, 0.5, 0.0), 0.0);
+  // Limit s l / (2 K).
+  EXPECT_NEAR(shear_share(soil, 1e-9, length) / (1e-9 * length / 0.02), 1.0, 1e-7);
+  // Both sides of the change of formula at s l / K = 0.01, against extended precision.
+  for (const double x : {1e-6, 0.0099, 0.0101, 0.1, 5.0, 100.0}) {
+    const long double reference = 1.0L + std::expm1(-static_cast<long double>(x)) / x;
+    EXPECT_NEAR(shear_share(soil, -x * 0.01 / length, length), static_cast<double>(reference),
+                1e-13)
+        << x;
+  }
+  EXPECT_NEAR(shear_share(soil, 1.0, 1e9), 1.0, 1e-9);
+}
+
+TEST(Shear, LimitIsTheLeastOfSoilAndRubber) {
+  SoilParameters soil = soft_soil();
+  soil.cohesion_pa = 2e4;
+  soil.internal_friction_rad = 0.4;
+  EXPECT_NEAR(shear_limit_n(soil, 1e4, 0.1), 2e3 + 1e4 * std::tan(0.4), 1e-9);
+  EXPECT_NEAR(shear_limit_n(soil, 1e4, 1.0), 0.8e4, 1e-9);
+  EXPECT_EQ(shear_limit_n(soil, 0.0, 1.0), 0.0);  // nothing lifts off and still holds
+  EXPECT_NEAR(shear_limit_n(SoilParameters{}, 1e4, 0.1), 0.8e4, 1e-9);
+}
+
+TEST(SoilParameters, BadOnesAreRefusedByName) {
+  EXPECT_NO_THROW(validate(SoilParameters{}));
+  const auto refused = [](auto&& spoil, const char* member) {
+    SoilParameters soil = soft_soil();
+    spoil(soil);
+    try {
+      validate(soil);
+      ADD_FAILURE() << member;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(member), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("'test'"), std::string::npos) << error.what();
+    }
+  };
+  refused([](SoilParameters& s) { s.friction = -0.1; }, "friction");
+  refused([](SoilParameters& s) { s.exponent = 2.5; }, "exponent");
+  refused([](SoilParameters& s) { s.friction_modulus = 0.0; }, "friction_modulus");
+  refused([](SoilParameters& s) { s.shear_modulus_m = 0.0; }, "shear_modulus_m");
+  refused([](SoilParameters& s) { s.internal_friction_rad = std::numbers::pi / 2.0; },
+          "internal_friction_rad");
+  refused([](SoilParameters& s) { s.cohesion_pa = std::numeric_limits<double>::quiet_NaN(); },
+          "cohesion_pa");
+}
+
+}  // namespace
+}  // namespace rigwire::sim

@@ -1,0 +1,202 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "sim/random.h"
+#include "sim/scene/scene.h"
+
+namespace rigwire::sim {
+namespace {
+
+using Eigen::Vector3d;
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr std::size_t kNodes = 101;  // More than three tiles a side, the last one narrow.
+
+HeightField rough(const Vector3d& centre_W) {
+  HeightField field;
+  field.cell_m = 0.4;
+  field.columns = kNodes;
+  field.rows = kNodes;
+  field.origin_m = {centre_W.x() - 20.0, centre_W.y() - 20.0};
+  RandomStream random(3, "rough");
+  for (std::size_t i = 0; i < kNodes * kNodes; ++i) {
+    field.heights_m.push_back(centre_W.z() + random.uniform(-0.2, 0.2));
+  }
+  return field;
+}
+
+NodeRectangle dig(HeightField& field) {
+  const NodeRectangle hole{28, 30, 40, 66};
+  for (std::size_t r = hole.first_row; r <= hole.last_row; ++r) {
+    for (std::size_t c = hole.first_column; c <= hole.last_column; ++c) {
+      field.heights_m[r * field.columns + c] -= 1.5;
+    }
+  }
+  return hole;
+}
+
+void begin(Scene& scene, int ms, const Vector3d& focus = Vector3d::Zero()) {
+  scene.begin_slice(kStart + milliseconds{ms}, kStart + milliseconds{ms + 10}, focus, {});
+}
+
+double down(const Scene& scene, double x, double y, double from_z = 30.0) {
+  const auto hit = scene.cast({x, y, from_z}, -Vector3d::UnitZ(), 0.0, 1e3, kStart);
+  return hit ? from_z - hit->range_m : std::numeric_limits<double>::quiet_NaN();
+}
+
+TEST(TerrainUpdate, RaysSeeTheHoleWhereTheHeightsHaveIt) {
+  HeightField field = rough(Vector3d::Zero());
+  Scene scene;
+  const auto terrain = scene.add_terrain(field, {.reflectance = 0.4, .label = "pit"});
+  scene.make_changeable(terrain);
+  begin(scene, 0);
+  scene.update_terrain(terrain, field, dig(field));
+  begin(scene, 10);
+  RandomStream random(4, "rays");
+  for (int i = 0; i < 5000; ++i) {
+    const double x = random.uniform(-19.9, 19.9);
+    const double y = random.uniform(-19.9, 19.9);
+    ASSERT_NEAR(down(scene, x, y), field.height_m(x, y), 5e-5) << x << ' ' << y;
+  }
+  const auto hit = scene.cast({-6.0, 0.0, 30.0}, -Vector3d::UnitZ(), 0.0, 1e3, kStart);
+  ASSERT_TRUE(hit.has_value());
+  EXPECT_EQ(hit->instance, terrain);
+  EXPECT_EQ(scene.material(hit->instance).label, "pit");
+}
+
+TEST(TerrainUpdate, FarFromTheMapOriginAndAfterTheFocusMoved) {
+  const Vector3d centre(1e6, -5e5, 300.0);
+  HeightField field = rough(centre);
+  Scene scene;
+  const auto terrain = scene.add_terrain(field, {});
+  scene.make_changeable(terrain);
+  begin(scene, 0, centre);
+  scene.update_terrain(terrain, field, dig(field));
+  begin(scene, 10, centre);
+  EXPECT_NEAR(down(scene, centre.x() - 6.03, centre.y() + 0.07, 330.0),
+              field.height_m(centre.x() - 6.03, centre.y() + 0.07), 1e-3);
+  begin(scene, 20, centre + Vector3d(200.0, 0.0, 0.0));  // Rebases.
+  EXPECT_NEAR(down(scene, centre.x() - 6.03, centre.y() + 0.07, 330.0),
+              field.height_m(centre.x() - 6.03, centre.y() + 0.07), 1e-3);
+}
+
+TEST(TerrainUpdate, TilesShowTheSameBitsAsTheWholeTerrain) {
+  const HeightField field = rough(Vector3d::Zero());
+  Scene whole;
+  Scene tiled;
+  whole.add_terrain(field, {});
+  tiled.make_changeable(tiled.add_terrain(field, {}));
+  begin(whole, 0);
+  begin(tiled, 0);
+  RandomStream random(7, "bits");
+  int different = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Vector3d p(random.uniform(-10, 10), random.uniform(-10, 10), 2.5);
+    const Vector3d direction =
+        Vector3d(random.gaussian(), random.gaussian(), -0.2 - random.uniform(0, 1)).normalized();
+    const auto a = whole.cast(p, direction, 0.1, 100.0, kStart);
+    const auto b = tiled.cast(p, direction, 0.1, 100.0, kStart);
+    ASSERT_EQ(a.has_value(), b.has_value());
+    if (a) {
+      ASSERT_NEAR(a->range_m, b->range_m, 2e-5);
+      ASSERT_EQ(a->instance, b->instance);
+      different += a->range_m != b->range_m ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(different, 0);
+}
+
+TEST(TerrainUpdate, NoRayLeaksBetweenTiles) {
+  HeightField field = rough(Vector3d::Zero());
+  Scene scene;
+  const auto terrain = scene.add_terrain(field, {});
+  scene.make_changeable(terrain);
+  scene.update_terrain(terrain, field, dig(field));
+  begin(scene, 0);
+  for (std::size_t i = 1; i + 1 < kNodes; ++i) {
+    const double along = -20.0 + 0.4 * static_cast<double>(i);
+    for (const std::size_t border : {32u, 64u, 96u}) {
+      const double across = -20.0 + 0.4 * static_cast<double>(border);
+      ASSERT_FALSE(std::isnan(down(scene, across, along + 0.1)));
+      ASSERT_FALSE(std::isnan(down(scene, along, across)));
+    }
+  }
+}
+
+TEST(TerrainUpdate, ObjectsAddedAfterwardsKeepTheirNumbers) {
+  HeightField field = rough(Vector3d::Zero());
+  Scene scene;
+  const auto terrain = scene.add_terrain(field, {});
+  scene.make_changeable(terrain);
+  const auto mesh = scene.add_mesh(make_box("box", {2.0, 2.0, 2.0}));
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.translation() << 5.0, 5.0, 3.0;
+  const auto box = scene.add_object(mesh, X, 1.0, {.reflectance = 0.9, .label = "box"});
+  EXPECT_EQ(box, terrain + 1);
+  const auto body = scene.add_body("boom");
+  X.translation() << -5.0, 5.0, 3.0;
+  const auto part = scene.add_body_part(body, mesh, X, {.reflectance = 0.1, .label = "boom"});
+  const std::vector<BodyMotion> still(1);
+  scene.begin_slice(kStart, kStart + milliseconds{10}, Vector3d::Zero(), still);
+  const auto on_box = scene.cast({5.1, 5.1, 30.0}, -Vector3d::UnitZ(), 0.0, 1e3, kStart);
+  ASSERT_TRUE(on_box.has_value());
+  EXPECT_EQ(on_box->instance, box);
+  const auto on_part = scene.cast({-5.1, 5.1, 30.0}, -Vector3d::UnitZ(), 0.0, 1e3, kStart);
+  ASSERT_TRUE(on_part.has_value());
+  EXPECT_EQ(on_part->instance, part);
+  EXPECT_EQ(scene.instance_count(), 3u);
+}
+
+TEST(TerrainUpdate, WaitsForItsPeriodAndLosesNothing) {
+  HeightField field = rough(Vector3d::Zero());
+  const HeightField before = field;
+  Scene scene;
+  const auto terrain = scene.add_terrain(field, {});
+  scene.make_changeable(terrain);
+  scene.set_terrain_period(milliseconds{100});
+  scene.update_terrain(terrain, field, dig(field));
+  begin(scene, 0);  // The first is due at once.
+  EXPECT_NEAR(down(scene, -6.0, 0.0), field.height_m(-6.0, 0.0), 5e-5);
+  const HeightField once = field;
+  scene.update_terrain(terrain, field, dig(field));
+  begin(scene, 50);
+  EXPECT_NEAR(down(scene, -6.0, 0.0), once.height_m(-6.0, 0.0), 5e-5);
+  begin(scene, 100);
+  EXPECT_NEAR(down(scene, -6.0, 0.0), field.height_m(-6.0, 0.0), 5e-5);
+  EXPECT_NEAR(before.height_m(-6.0, 0.0) - down(scene, -6.0, 0.0), 3.0, 1e-4);
+}
+
+TEST(TerrainUpdate, BadChangesAreRefused) {
+  HeightField field = rough(Vector3d::Zero());
+  Scene scene;
+  const auto terrain = scene.add_terrain(field, {});
+  const auto box = scene.add_object(scene.add_mesh(make_box("box", {1.0, 1.0, 1.0})),
+                                    Eigen::Isometry3d::Identity(), 1.0, {});
+  EXPECT_THAT(
+      [&] {
+        scene.update_terrain(terrain, field, {0, 0, 1, 1});
+      },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("not made changeable")));
+  EXPECT_THAT([&] { scene.make_changeable(box); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("no terrain")));
+  scene.make_changeable(terrain);
+  EXPECT_THAT(
+      [&] {
+        scene.update_terrain(terrain, field, {0, 0, kNodes, 1});
+      },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("do not lie")));
+  field.heights_m[5] = std::nan("");
+  EXPECT_THAT(
+      [&] {
+        scene.update_terrain(terrain, field, {0, 0, 8, 1});
+      },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("column 5, row 0")));
+}
+
+}  // namespace
+}  // namespace rigwire::sim

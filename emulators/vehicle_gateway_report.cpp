@@ -32,8 +32,8 @@ constexpr std::array kSchedule{
     VehicleReport::Entry{vehicle::Ebc1::kGroup, 8},
     VehicleReport::Entry{vehicle::MachineFunctionState::kGroup, 9},
     VehicleReport::Entry{vehicle::Eac1::kGroup, 3},
-    VehicleReport::Entry{vehicle::Tire1::kGroup, 10},
-    VehicleReport::Entry{vehicle::Tire2::kGroup, 20},
+    VehicleReport::Entry{vehicle::Tire1::kGroup, 30},
+    VehicleReport::Entry{vehicle::Tire2::kGroup, 40},
     VehicleReport::Entry{vehicle::Tpri::kGroup, 0},
 };
 

@@ -193,6 +193,9 @@ void SimulatedWorld::cast_slice(SampleBatch& batch) {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       bodies_[i] = {slice_start_[i].X_WL, after_[i].X_WL};
     }
+    if (const auto changed = content_.machine->take_ground_changes()) {
+      content_.scene->update_terrain(content_.terrain, content_.ground->field(), *changed);
+    }
     content_.scene->begin_slice(t0, t1, after_.front().X_WL.translation(), bodies_);
     batch.lidar.resize(lidars_.size());
     for (std::size_t i = 0; i < lidars_.size(); ++i) {

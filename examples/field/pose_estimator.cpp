@@ -29,11 +29,13 @@ void PoseEstimator::start(const PlanePosition& antenna, double heading_rad,
   const double c = std::cos(heading_rad);
   const double s = std::sin(heading_rad);
   x_ = {antenna.east_m - c * settings_.antenna_x_m + s * settings_.antenna_y_m,
-        antenna.north_m - s * settings_.antenna_x_m - c * settings_.antenna_y_m, heading_rad, 0.0};
+        antenna.north_m - s * settings_.antenna_x_m - c * settings_.antenna_y_m, heading_rad, 0.0,
+        0.0};
   p_ = {};
   p_[kEast][kEast] = p_[kNorth][kNorth] = square(settings_.gnss_sigma_m);
   p_[kHeading][kHeading] = square(heading_sigma_rad);
   p_[kBias][kBias] = square(settings_.bias_sigma_radps);
+  p_[kScale][kScale] = square(settings_.scale_sigma);
   started_ = true;
 }
 
@@ -48,18 +50,18 @@ void PoseEstimator::advance(double step_s, double speed_mps, double slip_angle_r
   const bool standing = std::abs(speed_mps) < kStanding_mps;
   if (standing) {
     yaw_rate_radps_ = 0.0;
-    (void)correct(gyro_radps - x_[kBias], {0.0, 0.0, 0.0, 1.0},
+    (void)correct(gyro_radps - x_[kBias], {0.0, 0.0, 0.0, 1.0, 0.0},
                   square(kStandingGyro_radps) / std::min(1.0, 10.0 * step_s), 1e3);
     return;
   }
   yaw_rate_radps_ = gyro_radps - x_[kBias];
   const double course = x_[kHeading] + slip_angle_rad + 0.5 * step_s * yaw_rate_radps_;
-  const double way_m = speed_mps * step_s;
+  const double way_m = speed_mps * (1.0 + x_[kScale]) * step_s;
   x_[kEast] += way_m * std::cos(course);
   x_[kNorth] += way_m * std::sin(course);
   x_[kHeading] = wrapped(x_[kHeading] + step_s * yaw_rate_radps_);
 
-  // P = F P F' + Q, F being the identity but for three entries.
+  // P = F P F' + Q, F being the identity but for five entries.
   const double east_heading = -way_m * std::sin(course);
   const double north_heading = way_m * std::cos(course);
   const auto add_row = [&](std::size_t to, std::size_t from, double factor) {
@@ -78,11 +80,18 @@ void PoseEstimator::advance(double step_s, double speed_mps, double slip_angle_r
   add_column(kEast, kHeading, east_heading);
   add_column(kNorth, kHeading, north_heading);
   add_column(kHeading, kBias, -step_s);
+  const double east_scale = speed_mps * step_s * std::cos(course);
+  const double north_scale = speed_mps * step_s * std::sin(course);
+  add_row(kEast, kScale, east_scale);
+  add_row(kNorth, kScale, north_scale);
+  add_column(kEast, kScale, east_scale);
+  add_column(kNorth, kScale, north_scale);
   const double slip_variance = square(settings_.odometry_share * speed_mps) * step_s;
   p_[kEast][kEast] += slip_variance;
   p_[kNorth][kNorth] += slip_variance;
   p_[kHeading][kHeading] += square(settings_.gyro_sigma) * step_s;
   p_[kBias][kBias] += square(settings_.bias_walk) * step_s;
+  p_[kScale][kScale] += square(settings_.scale_walk) * step_s;
 }
 
 bool PoseEstimator::correct(double innovation, const Vector& gradient, double variance,
@@ -137,8 +146,8 @@ void PoseEstimator::position(const PlanePosition& antenna) {
   }
   misses_ = 0;
   constexpr double kNoGate = 1e6;
-  (void)correct(east, {1.0, 0.0, -arm_north, 0.0}, variance, kNoGate);
-  (void)correct(north, {0.0, 1.0, arm_east, 0.0}, variance, kNoGate);
+  (void)correct(east, {1.0, 0.0, -arm_north, 0.0, 0.0}, variance, kNoGate);
+  (void)correct(north, {0.0, 1.0, arm_east, 0.0, 0.0}, variance, kNoGate);
 }
 
 void PoseEstimator::course(double course_rad, double ground_speed_mps) {
@@ -154,7 +163,7 @@ void PoseEstimator::course(double course_rad, double ground_speed_mps) {
       x_[kHeading] - settings_.gnss_age_s * yaw_rate_radps_ + slip_angle_rad_ + reverse + lever;
   const double variance = square(settings_.course_sigma_mps / ground_speed_mps) *
                           std::max(1.0, 1.0 / std::max(0.05, since_fix_s_));
-  if (!correct(wrapped(course_rad - expected), {0.0, 0.0, 1.0, 0.0}, variance, kGate)) {
+  if (!correct(wrapped(course_rad - expected), {0.0, 0.0, 1.0, 0.0, 0.0}, variance, kGate)) {
     ++rejected_;
   }
 }

@@ -1,5 +1,6 @@
 // Where a vehicle is and where it points, from GNSS, odometry and a yaw gyroscope: an extended
-// Kalman filter over east, north, heading and the gyroscope's bias.
+// Kalman filter over east, north, heading, the gyroscope's bias and the odometry's scale (tyre
+// radius, mean slip).
 //
 // - Between fixes: heading by the gyroscope less its bias, position by the wheels' speed along
 //   heading + slip angle.
@@ -25,7 +26,9 @@ struct PoseEstimatorSettings {
   double gnss_age_s = 0.15;         ///< From measurement to arrival.
   double course_sigma_mps = 0.15;   ///< Of the velocity across, for the course.
   double least_course_speed_mps = 0.7;
-  double odometry_share = 0.03;    ///< Speed error per speed, correlated over a second.
+  double odometry_share = 0.05;    ///< Speed error per speed, correlated over a second.
+  double scale_sigma = 0.04;       ///< Of the odometry's scale at the start.
+  double scale_walk = 0.002;       ///< 1/sqrt(s), while moving.
   double gyro_sigma = 0.002;       ///< rad/sqrt(s).
   double bias_walk = 2e-4;         ///< rad/s/sqrt(s).
   double bias_sigma_radps = 0.02;  ///< At the start.
@@ -60,12 +63,14 @@ class PoseEstimator {
 
   [[nodiscard]] Pose pose() const;
   [[nodiscard]] double bias_radps() const { return x_[kBias]; }
+  /// Way over ground by way of the wheels, less 1.
+  [[nodiscard]] double scale_error() const { return x_[kScale]; }
   /// Fixes and courses that were too far off to be believed.
   [[nodiscard]] std::uint64_t rejected() const { return rejected_; }
 
  private:
-  enum State : std::size_t { kEast, kNorth, kHeading, kBias };
-  static constexpr std::size_t kStates = 4;
+  enum State : std::size_t { kEast, kNorth, kHeading, kBias, kScale };
+  static constexpr std::size_t kStates = 5;
   using Vector = std::array<double, kStates>;
 
   /// Corrects by one scalar: innovation, its gradient, its variance. False when beyond `gate`

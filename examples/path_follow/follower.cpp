@@ -13,7 +13,7 @@ namespace rigwire::path_follow {
 namespace {
 
 /// A standing vehicle needs a wish above this to begin.
-constexpr double kLeastSpeed_mps = 0.3;
+constexpr double kLeastSpeed_mps = 0.5;
 /// The path is done when less than this is left.
 constexpr double kArrived_m = 0.4;
 /// How far along the path one step may move the nearest place.

@@ -50,10 +50,13 @@ SpeedOutput SpeedControl::update(double wish_mps, double speed_mps, double engin
     integral_mps_ = 0.0;
     output.engine_radps = settings_.engine_idle_radps;
   } else {
-    const double wanted = engine_per_speed_ * (wish_mps + settings_.gain * error + integral_mps_);
+    // Below the clutch's closing speed the integral presses it until the vehicle creeps.
+    const double wanted = std::max(settings_.engine_idle_radps,
+                                   engine_per_speed_ * (wish_mps + settings_.gain * error)) +
+                          engine_per_speed_ * integral_mps_;
     output.engine_radps =
         std::clamp(wanted, settings_.engine_idle_radps, settings_.engine_most_radps);
-    if (output.engine_radps == wanted) {
+    if (wanted < settings_.engine_most_radps || error < 0.0) {
       integral_mps_ = std::clamp(integral_mps_ + settings_.integral_per_s * error * step_s,
                                  -kIntegralLimit_mps, kIntegralLimit_mps);
     }

@@ -88,7 +88,6 @@ struct SceneDescription {
   Terrain terrain;
   std::vector<Track> tracks;  ///< Carved into the terrain, in this order.
   /// What the ground is made of. The first lies everywhere, others where tracks and regions say.
-  /// Validated by Ground.
   std::vector<SoilParameters> soils{SoilParameters{}};
   std::vector<SoilRegion> soil_regions;
   std::vector<RockField> rocks;
@@ -131,6 +130,7 @@ inline constexpr std::size_t kRockShapes = 8;
 /// A scene and what machines stand on and run into: Ground(ground, soils, obstacles).
 struct BuiltScene {
   std::unique_ptr<Scene> scene;
+  Scene::InstanceId terrain = 0;
   HeightField ground;
   SoilMap soils;
   /// Rocks as spheres that reach as high as they on average do, trunks as cylinders, boxes. Mesh

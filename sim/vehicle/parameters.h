@@ -114,9 +114,13 @@ struct TyrePressureParameters {
   double pressure_max_pa = 6.0e5;
 };
 
-/// Corners of body and underbody that may hit the ground or an obstacle, in B.
+struct ChassisPoint {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< In B.
+};
+
+/// Corners of body and underbody that may hit the ground or an obstacle; at most 16.
 struct ChassisContactParameters {
-  std::vector<Eigen::Vector3d> points_m;
+  std::vector<ChassisPoint> points;
   double stiffness_npm = 1.0e6;
   double damping_nspm = 2.0e4;
 };

@@ -7,10 +7,10 @@
 #include <string>
 #include <string_view>
 
-#include "field/gnss_wire.h"
 #include "dig_cycle/imu_wire.h"
 #include "dig_cycle/lidar_wire.h"
 #include "dig_cycle/valve_wire.h"
+#include "field/gnss_wire.h"
 #include "protocols/j1939/message.h"
 #include "protocols/j1939/name.h"
 #include "protocols/openimu/messages.h"

@@ -66,6 +66,25 @@ TEST(CarriedArm, MomentumInFreeFlightIsKept) {
   EXPECT_NEAR(coarse / fine, 2.0, 0.3) << "the scheme's order";
 }
 
+// Research case 22: semi-implicit Euler is off by g h t / 2, neither more nor less.
+TEST(CarriedArm, FreeFallIsOffByTheSchemesKnownError) {
+  const ExcavatorParameters parameters = moving();
+  const Ground ground;
+  const DrivenArm arm(parameters, {0.0, 0.0, -kG});
+  Eigen::Isometry3d high = Eigen::Isometry3d::Identity();
+  high.translation().z() = 1000.0;
+  CarriedArm machine(parameters, ground, high);
+  ArmState state{{0.2, 0.35, -1.4, -0.6}, JointVector::Zero()};
+  const JointVector target = arm.pose(state.q_rad).x;
+  const double h = 1e-3;
+  for (int i = 0; i < 10000; ++i) {
+    const ArmPose at = arm.pose(state.q_rad);
+    machine.step(h, arm, at, arm.laws(at, h, target, JointVector::Zero()), {}, state);
+  }
+  const double fallen = 1000.0 - machine.X_WC().translation().z();
+  EXPECT_NEAR(fallen - 0.5 * kG * 100.0, 0.5 * kG * h * 10.0, 1e-7);
+}
+
 TEST(CarriedArm, WheelLoadsAtRestAreTheLeversOfTheCentreOfMass) {
   const Ground ground;
   Excavator machine(moving(), Eigen::Isometry3d::Identity(), &ground);

@@ -1,7 +1,7 @@
 // Off the ground and back: dynamics cases 11, 12, 18, 19, 22, 23; balance of momentum and energy.
 #include <gtest/gtest.h>
 
-#include "tests/sim/vehicle/vehicle_rig.h"
+#include "vehicle_rig.h"
 
 namespace rigwire::sim::test {
 namespace {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/driveline/make_driveline.h"
-#include "tests/sim/vehicle/vehicle_rig.h"
+#include "vehicle_rig.h"
 
 namespace rigwire::sim::test {
 namespace {

@@ -1,7 +1,7 @@
 // Tilting, twisting, hitting with the chassis: dynamics cases 13, 14, 20.
 #include <gtest/gtest.h>
 
-#include "tests/sim/vehicle/vehicle_rig.h"
+#include "vehicle_rig.h"
 
 namespace rigwire::sim::test {
 namespace {

@@ -1,7 +1,7 @@
 // Standing still on slopes for ever, and stopping: dynamics cases 8, 10, 26, 31.
 #include <gtest/gtest.h>
 
-#include "tests/sim/vehicle/vehicle_rig.h"
+#include "vehicle_rig.h"
 
 namespace rigwire::sim::test {
 namespace {

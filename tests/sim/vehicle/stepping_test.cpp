@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "sim/driveline/make_driveline.h"
-#include "tests/sim/vehicle/vehicle_rig.h"
-#include "tests/support/allocation_counter.h"
+#include "vehicle_rig.h"
+#include "allocation_counter.h"
 
 namespace rigwire::sim::test {
 namespace {

@@ -39,7 +39,7 @@ std::unique_ptr<sim::Machine> make_machine(const MachineSettings& settings,
   return std::visit(
       Overloaded{[&](const ExcavatorMachine& machine) -> Made {
                    if (!machine.digs) {
-                     return std::make_unique<sim::Excavator>(machine.excavator, site.X_WB);
+                     return std::make_unique<sim::Excavator>(machine.excavator, site.X_WB, &site.ground);
                    }
                    auto made = std::make_unique<sim::DiggingExcavator>(
                        machine.excavator, machine.digging, site.X_WB, site.ground);

@@ -8,7 +8,8 @@ namespace rigwire::sim {
 namespace {
 
 constexpr double kFree = 1e300;
-constexpr int kPassesMax = 12;
+constexpr int kPassesMax = 24;
+constexpr int kSwitchesMax = 4;         // Of one force: to a limit, back, to a limit, back.
 constexpr double kStopReach_m = 0.005;  // Nearer than this to its stop a cylinder feels it.
 
 using SpatialVector = CarriedArm::SpatialVector;
@@ -210,13 +211,23 @@ bool CarriedArm::clamp(Terms& terms, std::array<Footing, kCarrierWheels>& footin
   bool changed = false;
   for (std::size_t i = 0; i < terms.count; ++i) {
     Term& term = terms.all[i];
+    const double free = term.law.at(term.row.dot(found));
     if (term.held) {
+      // Held before another force was, it may not need to be any more. Friction stays: its limit
+      // is not its own.
+      const bool own = term.least > -kFree || term.greatest < kFree;
+      const bool within = term.force >= term.greatest ? free < term.greatest : free > term.least;
+      if (own && within && term.switches < kSwitchesMax) {
+        term.held = false;
+        ++term.switches;
+        changed = true;
+      }
       continue;
     }
-    term.force = term.law.at(term.row.dot(found));
-    if (term.force < term.least || term.force > term.greatest) {
-      term.force = std::clamp(term.force, term.least, term.greatest);
+    term.force = std::clamp(free, term.least, term.greatest);
+    if (free != term.force && term.switches < kSwitchesMax) {
       term.held = true;
+      ++term.switches;
       changed = true;
     }
   }

@@ -80,6 +80,7 @@ class CarriedArm {
     double greatest = 0.0;
     bool held = false;
     double force = 0.0;
+    int switches = 0;
   };
   static constexpr std::size_t kTerms = 8 + kTipResistances + 3 * kCarrierWheels;
   struct Terms {
@@ -87,7 +88,7 @@ class CarriedArm {
     std::size_t count = 0;
     std::size_t add(const Velocities& row, const ImplicitForce& law, double least,
                     double greatest) {
-      all[count] = {row, law, least, greatest, false, 0.0};
+      all[count] = {row, law, least, greatest, false, 0.0, 0};
       return count++;
     }
   };

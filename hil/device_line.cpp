@@ -8,6 +8,7 @@
 #include "emulators/openimu335ri.h"
 #include "emulators/ublox_receiver.h"
 #include "emulators/valve_driver.h"
+#include "emulators/vehicle_gateway.h"
 #include "emulators/velodyne_lidar.h"
 #include "hil/outlet.h"
 #include "hil/station.h"
@@ -101,14 +102,17 @@ class UdpLidarLine final : public LidarLine {
   LidarStation station_;
 };
 
-class BusImuLine final : public DeviceLine {
+/// A device that is a node of a CAN bus.
+template <class Emulator, class StationType>
+class BusNodeLine final : public DeviceLine {
  public:
-  BusImuLine(const OpenImuDeviceConfiguration& configuration, CanLine& bus)
+  template <class Settings>
+  BusNodeLine(const Settings& settings, CanLine& bus)
       : bus_(bus),
         node_(bus.add_node(own_statistics())),
-        imu_(configuration.imu, node_),
-        station_(imu_, imu_) {
-    bus_.attach(node_, imu_);
+        emulator_(settings, node_),
+        station_(emulator_, emulator_) {
+    bus_.attach(node_, emulator_);
   }
 
   DeviceIndex enlist(Executive& executive) override { return executive.add(station_); }
@@ -117,14 +121,16 @@ class BusImuLine final : public DeviceLine {
   [[nodiscard]] std::uint64_t dropped() const override {
     return statistics().dropped + bus_.bus().counters(node_).overflowed;
   }
-  [[nodiscard]] const emulators::Device& device() const override { return imu_; }
+  [[nodiscard]] const emulators::Device& device() const override { return emulator_; }
 
  private:
   CanLine& bus_;
   emulators::FrameOutput& node_;
-  emulators::OpenImu imu_;
-  ImuStation station_;
+  Emulator emulator_;
+  StationType station_;
 };
+using BusImuLine = BusNodeLine<emulators::OpenImu, ImuStation>;
+using BusVehicleLine = BusNodeLine<emulators::VehicleGateway, VehicleStation>;
 
 class TcpValveLine final : public DeviceLine {
  public:
@@ -212,7 +218,12 @@ std::unique_ptr<LidarLine> make_line(const VelodyneConfiguration& configuration,
 
 std::unique_ptr<DeviceLine> make_line(const OpenImuDeviceConfiguration& configuration,
                                       CanLine& bus) {
-  return std::make_unique<BusImuLine>(configuration, bus);
+  return std::make_unique<BusImuLine>(configuration.imu, bus);
+}
+
+std::unique_ptr<DeviceLine> make_line(const VehicleGatewayConfiguration& configuration,
+                                      CanLine& bus) {
+  return std::make_unique<BusVehicleLine>(configuration.gateway, bus);
 }
 
 std::unique_ptr<DeviceLine> make_line(const ValveDriverConfiguration& configuration,

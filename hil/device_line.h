@@ -74,5 +74,7 @@ class GnssLine : public DeviceLine {
 /// `bus` must outlive the line.
 [[nodiscard]] std::unique_ptr<DeviceLine> make_line(const OpenImuDeviceConfiguration& configuration,
                                                     CanLine& bus);
+[[nodiscard]] std::unique_ptr<DeviceLine> make_line(
+    const VehicleGatewayConfiguration& configuration, CanLine& bus);
 
 }  // namespace rigwire::hil

@@ -9,10 +9,14 @@
 #include "drivers/socketcan.h"
 #include "hil/machine_factory.h"
 #include "hil/mesh_file.h"
+#include "hil/scene_fall_obstacle.h"
 #include "sim/scene/triangle_mesh.h"
 
 namespace rigwire::hil {
 namespace {
+
+/// Between two changes of the terrain that the rays see: about what a lidar looks at once.
+constexpr Duration kTerrainPeriod = std::chrono::milliseconds(50);
 
 Eigen::Vector3d eigen(const Vector3& v) {
   return {v.x, v.y, v.z};
@@ -80,16 +84,22 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
   const sim::SceneDescription& description = configuration.scene.description;
   sim::BuiltScene built =
       sim::build_scene(description, load_meshes(description), configuration.seed);
-  MachineInScene result{std::make_unique<sim::Ground>(built.ground, built.soils, built.obstacles),
-                        nullptr, std::move(built.scene)};
-
   const MachineConfiguration& machine = configuration.machine;
+  MachineInScene result;
+  result.scene = std::move(built.scene);
+  result.terrain = built.terrain;
+  result.ground = std::make_unique<sim::Ground>(built.ground, built.soils, built.obstacles);
+  result.obstacles = std::make_unique<SceneFallObstacle>(*result.scene);
+  if (changes_ground(machine.settings)) {
+    result.scene->make_changeable(result.terrain);
+    result.scene->set_terrain_period(kTerrainPeriod);
+  }
   Eigen::Isometry3d X_WB = pose(machine.position_m, {0.0, 0.0, machine.yaw_rad});
   if (machine.on_ground) {
     X_WB.translation().z() +=
         result.ground->height_m(X_WB.translation().x(), X_WB.translation().y());
   }
-  result.machine = make_machine(machine.settings, *result.ground, X_WB);
+  result.machine = make_machine(machine.settings, {*result.ground, *result.obstacles, X_WB});
   for (const std::string_view link : result.machine->link_names()) {
     const sim::Scene::BodyId body = result.scene->add_body(link);
     for (const LinkShape& shape : machine.shapes) {
@@ -187,6 +197,12 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
     auto line = make_line(*imu, buses_.at(imu->bus)->line);
     world_.add_imu(line->enlist(executive_), mount(imu->mount),
                    sim::ImuSensor(imu->sensor, seed, name));
+    devices_.push_back({name, std::move(line)});
+  } else if (const auto* gateway =
+                 std::get_if<VehicleGatewayDeviceConfiguration>(&configuration.settings)) {
+    auto line = make_line(*gateway, buses_.at(gateway->bus)->line);
+    world_.add_vehicle(line->enlist(executive_),
+                       sim::VehicleSensors(gateway->sensor, gateway->odometry, seed, name));
     devices_.push_back({name, std::move(line)});
   } else {
     auto line = make_line(std::get<ValveDriverConfiguration>(configuration.settings), context);

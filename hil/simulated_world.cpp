@@ -193,6 +193,9 @@ void SimulatedWorld::cast_slice(SampleBatch& batch) {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       bodies_[i] = {slice_start_[i].X_WL, after_[i].X_WL};
     }
+    if (const auto changed = content_.machine->take_ground_changes()) {
+      content_.scene->update_terrain(content_.terrain, content_.ground->field(), *changed);
+    }
     content_.scene->begin_slice(t0, t1, after_.front().X_WL.translation(), bodies_);
     batch.lidar.resize(lidars_.size());
     for (std::size_t i = 0; i < lidars_.size(); ++i) {
@@ -221,6 +224,7 @@ void SimulatedWorld::record_truth(SimTime t0, SimTime t1, SimTime time) {
   // The machine's fields are those of the step's end, at most one step later than `time`; the tap's
   // periods are whole steps, so that both are the same instant.
   truth_.time = time;
+  truth_.carrier = motion_at({}, t0, t1, time);
   content_.machine->read_truth(truth_.machine);
   truth_.antenna_latitude_deg = std::numeric_limits<double>::quiet_NaN();
   if (!gnss_.empty()) {

@@ -14,6 +14,7 @@
 
 #include "hil/truth_source.h"
 #include "hil/truth_tap.h"
+#include "sim/excavator/bucket_soil.h"
 #include "sim/gnss/gnss_sensor.h"
 #include "sim/ground/ground.h"
 #include "sim/imu/imu_sensor.h"
@@ -33,9 +34,11 @@ struct SensorMount {
 
 /// A machine, the ground that it stands on, and the scene with its links as moving bodies.
 struct MachineInScene {
-  std::unique_ptr<sim::Ground> ground;  ///< Outlives the machine.
-  std::unique_ptr<sim::Machine> machine;
   std::unique_ptr<sim::Scene> scene;
+  sim::Scene::InstanceId terrain = 0;
+  std::unique_ptr<sim::Ground> ground;           ///< Outlives the machine.
+  std::unique_ptr<sim::FallObstacle> obstacles;  ///< What soil may fall on; outlives the machine.
+  std::unique_ptr<sim::Machine> machine;
 };
 
 struct WorldSettings {

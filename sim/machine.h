@@ -15,6 +15,7 @@
 #include "sim/samples/time.h"
 #include "sim/samples/valve_sample.h"
 #include "sim/samples/vehicle_sample.h"
+#include "sim/scene/node_rectangle.h"
 
 namespace rigwire::sim {
 
@@ -88,6 +89,9 @@ class Machine {
   [[nodiscard]] virtual std::span<const TruthField> truth_fields() const = 0;
   /// `values` has one place per number of all fields.
   virtual void read_truth(std::span<double> values) const = 0;
+
+  /// The nodes of the ground's terrain that the machine has changed since the last call.
+  [[nodiscard]] virtual std::optional<NodeRectangle> take_ground_changes() { return std::nullopt; }
 
   /// Nothing when the machine has no such port. Owned by the machine.
   [[nodiscard]] virtual ValvePort* valve_port() { return nullptr; }

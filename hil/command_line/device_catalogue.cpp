@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "emulators/ublox_receiver.h"
+#include "emulators/vehicle_gateway.h"
+#include "emulators/vehicle_gateway_report.h"
 #include "hil/configuration/device.h"
 #include "hil/configuration/outline.h"
 #include "sim/samples/calendar.h"
@@ -95,9 +97,24 @@ void describe(const ValveDriverConfiguration& configuration, DeviceDescription& 
       {"17, 43/14 identification", "on request", "vendor, product, revision"}};
 }
 
-}  // namespace
-
-namespace {
+void describe(const VehicleGatewayDeviceConfiguration& configuration,
+              DeviceDescription& description) {
+  NoFrames output;
+  description.quantities = quantities_of(emulators::VehicleGateway(configuration.gateway, output));
+  description.wire = "CAN 2.0B at 250 kbit/s, J1939: SocketCAN or slcan on a pty";
+  description.document =
+      "SAE J1939-21, -71 (2020 annex), -73, -81; ISO 11783-7 guidance and machine selected speed; "
+      "layouts in docs/devices/vehicle-gateway.md";
+  for (const auto& entry : emulators::VehicleReport::schedule()) {
+    const auto& group = entry.group;
+    description.messages.push_back(
+        {fmt::format("{} {:04X} {}", group.pgn, group.pgn, group.name),
+         group.period.count() == 0
+             ? "on request"
+             : fmt::format("{:g} Hz", 1e3 / static_cast<double>(group.period.count())),
+         "sent"});
+  }
+}
 
 template <std::size_t kIndex>
 void append(std::vector<DeviceDescription>& list) {

@@ -16,6 +16,8 @@
 #include "emulators/velodyne_lidar.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/shapes.h"
+#include "hil/configuration/vehicle_gateway.h"
+#include "hil/configuration/vehicle_sensors.h"
 #include "sim/gnss/gnss_sensor.h"
 #include "sim/imu/imu_sensor.h"
 #include "sim/lidar/spinning_lidar.h"
@@ -65,15 +67,24 @@ struct ValveDriverConfiguration {
   emulators::ValveDriverSettings driver;
 };
 
-using DeviceSettings = std::variant<UbloxConfiguration, VelodyneConfiguration,
-                                    OpenImuDeviceConfiguration, ValveDriverConfiguration>;
+/// Vehicle gateway on a J1939 bus, with the sensors and the odometry that it reports.
+struct VehicleGatewayDeviceConfiguration : VehicleGatewayConfiguration {
+  sim::VehicleSensorParameters sensor;
+  sim::OdometryParameters odometry;
+};
+
+using DeviceSettings =
+    std::variant<UbloxConfiguration, VelodyneConfiguration, OpenImuDeviceConfiguration,
+                 ValveDriverConfiguration, VehicleGatewayDeviceConfiguration>;
 
 /// The names of the `type` key, in the order of DeviceSettings.
-inline constexpr std::array<Alternative, 4> kDeviceTypes{
+inline constexpr std::array<Alternative, 5> kDeviceTypes{
     {{"ublox-neo-7p", "u-blox NEO-7P satellite receiver on a serial line (NMEA, UBX)."},
      {"velodyne-hdl-32e", "Velodyne HDL-32E spinning lidar on UDP."},
      {"openimu335ri", "ACEINNA OpenIMU335RI inertial unit on CAN (J1939)."},
-     {"valve-driver", "Eight-section hydraulic valve driver, Modbus TCP server."}}};
+     {"valve-driver", "Eight-section hydraulic valve driver, Modbus TCP server."},
+     {"vehicle-gateway",
+      "Drive train, steering and brakes of a machine that drives, on CAN (J1939)."}}};
 
 struct DeviceConfiguration {
   DeviceSettings settings;
@@ -347,6 +358,13 @@ void visit(Visitor& v, ValveDriverConfiguration& p) {
   v.text("product_code", p.driver.product_code, "Identification.");
   v.text("revision", p.driver.revision, "Identification.");
   v.text("product_name", p.driver.product_name, "Identification.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, VehicleGatewayDeviceConfiguration& p) {
+  visit(v, static_cast<VehicleGatewayConfiguration&>(p));
+  v.section("sensor", p.sensor, "How well the machine's own sensors measure.");
+  v.section("odometry", p.odometry, "Speed and curvature from wheels and steering.");
 }
 
 template <class Visitor>

@@ -1,7 +1,6 @@
 // The machine of a rig: which kind, its parameters, where it stands, what it looks like.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <span>
 #include <string>
@@ -9,10 +8,14 @@
 #include <variant>
 #include <vector>
 
+#include "hil/configuration/digging.h"
+#include "hil/configuration/driveline.h"
+#include "hil/configuration/excavator.h"
 #include "hil/configuration/fields.h"
+#include "hil/configuration/roller.h"
 #include "hil/configuration/shapes.h"
 #include "hil/configuration/units.h"
-#include "sim/excavator/parameters.h"
+#include "hil/configuration/wheeled_vehicle.h"
 #include "sim/samples/vector3.h"
 
 namespace rigwire::hil {
@@ -20,13 +23,24 @@ namespace rigwire::hil {
 /// Topologies, one alternative each; numbers alone make a machine of one.
 struct ExcavatorMachine {
   sim::ExcavatorParameters excavator;
+  bool digs = true;  ///< Else the bucket passes through the ground.
+  sim::DiggingParameters digging;
+};
+struct WheeledMachine {
+  sim::WheeledVehicleParameters wheeled;
+  sim::DrivelineParameters driveline;
+};
+struct RollerMachine {
+  sim::RollerParameters roller;
 };
 
-using MachineSettings = std::variant<ExcavatorMachine>;
+using MachineSettings = std::variant<ExcavatorMachine, WheeledMachine, RollerMachine>;
 
 /// The names of the `type` key, in the order of MachineSettings.
-inline constexpr std::array<Alternative, 1> kMachineTypes{
-    {{"excavator", "Swing, boom, stick and bucket."}}};
+inline constexpr std::array<Alternative, 3> kMachineTypes{
+    {{"excavator", "Swing, boom, stick and bucket."},
+     {"wheeled", "Two axles, beams or independent wheels, and a drive line."},
+     {"tandem_roller", "Two drums, each on a pivot that steers."}}};
 
 /// A shape fixed to a link.
 struct LinkShape {
@@ -48,133 +62,21 @@ struct MachineConfiguration {
 [[nodiscard]] std::span<const std::string_view> link_names(const MachineSettings& settings);
 
 template <class Visitor>
-void visit(Visitor& v, sim::RigidBodyParameters& p) {
-  v.number("mass", p.mass_kg, in("kg").above(0), "Mass.");
-  v.vector3("center_of_mass", p.center_of_mass_m, in("m"), "In the link's frame.");
-  v.vector3("principal_inertia", p.principal_inertia_kgm2, in("kg m2").above(0),
-            "About the centre of mass, along the link's axes.");
-}
-
-/// [x, z] of a pin in its link's plane.
-template <class Visitor>
-void visit_pin(Visitor& v, std::string_view key, Eigen::Vector2d& pin_m, std::string_view text) {
-  std::array<double, 2> pin{pin_m.x(), pin_m.y()};
-  v.numbers(key, pin, in("m"), text);
-  pin_m = Eigen::Vector2d(pin[0], pin[1]);
-}
-
-template <class Visitor>
-void visit(Visitor& v, sim::DirectLinkageParameters& p) {
-  visit_pin(v, "base_pin", p.base_pin_m, "[x, z] on the link before the joint.");
-  visit_pin(v, "rod_pin", p.rod_pin_m, "[x, z] on the link that the joint moves.");
-}
-
-template <class Visitor>
-void visit(Visitor& v, sim::BucketLinkageParameters& p) {
-  visit_pin(v, "base_pin", p.base_pin_m, "[x, z] of the cylinder's foot on the stick.");
-  visit_pin(v, "idler_pivot", p.idler_pivot_m, "[x, z] of the idler's pivot on the stick.");
-  v.number("idler_length", p.idler_length_m, in("mm").above(0), "Idler pivot to rod pin.");
-  v.number("link_length", p.link_length_m, in("mm").above(0), "Rod pin to the bucket's lug.");
-  v.number("lug_radius", p.lug_radius_m, in("mm").above(0), "Bucket pin to lug.");
-  v.number("lug_angle", p.lug_angle_rad, in("deg").between(-180, 180),
-           "Direction of the lug from the bucket's x, upward positive.");
-  v.integer("branch", p.branch, IntegerRule{-1, 1}, "Side of the four-bar: 1 left, -1 right.");
-}
-
-template <class Visitor>
-void visit(Visitor& v, sim::CylinderParameters& p) {
-  v.integer("count", p.count, IntegerRule{1, 4}, "Equal cylinders side by side.");
-  v.number("bore", p.bore_m, in("mm").above(0), "Piston diameter.");
-  v.number("rod", p.rod_m, in("mm").above(0), "Rod diameter.");
-  v.number("length_min", p.length_min_m, in("mm").above(0), "Pin to pin, retracted.");
-  v.number("length_max", p.length_max_m, in("mm").above(0), "Pin to pin, extended.");
-}
-
-template <class Visitor>
-void visit(Visitor& v, sim::SpoolParameters& p) {
-  v.number("time_constant", p.time_constant_s, in("ms").at_least(0), "Lag of the pilot stage.");
-  v.number("rate_limit", p.rate_limit_per_s, plain().above(0), "Full spool travels per second.");
-  v.number("dead_band", p.dead_band, plain().between(0, 0.5), "Share of travel without flow.");
-  v.number("flow_max", p.flow_max_m3ps, in("l/min").above(0), "At full travel.");
-}
-
-template <class Visitor>
-void visit(Visitor& v, sim::SupplyParameters& p) {
-  v.number("pump_flow", p.pump_flow_m3ps, in("l/min").above(0), "Of all pumps.");
-  v.number("power_limit", p.power_limit_w, in("kW").above(0), "What the engine leaves for them.");
-  v.number("efficiency", p.efficiency, plain().above(0).at_most(1), "Shaft to hydraulic power.");
-  v.number("relief_pressure", p.relief_pressure_pa, in("MPa").above(0), "Of the implement.");
-  v.number("swing_relief_pressure", p.swing_relief_pressure_pa, in("MPa").above(0),
-           "Of the swing.");
-  v.number("load_sensing_margin", p.load_sensing_margin_pa, in("MPa").at_least(0),
-           "Supply above the highest load.");
-  v.number("tank_pressure", p.tank_pressure_pa, in("MPa").at_least(0), "Return line.");
-}
-
-template <class Visitor>
-void visit(Visitor& v, sim::DriveParameters& p) {
-  v.number("swing_stiffness", p.swing_stiffness_nmprad, plain().above(0), "N m per rad.");
-  v.number("boom_stiffness", p.boom_stiffness_npm, in("N/m").above(0), "Spring of Eq. 5.");
-  v.number("stick_stiffness", p.stick_stiffness_npm, in("N/m").above(0), "Spring of Eq. 5.");
-  v.number("bucket_stiffness", p.bucket_stiffness_npm, in("N/m").above(0), "Spring of Eq. 5.");
-  v.number("damping_ratio", p.damping_ratio, plain().at_least(0), "Damper of Eq. 5.");
-  v.number("end_stop_stiffness", p.end_stop_stiffness_npm, in("N/m").above(0),
-           "Piston against cylinder head.");
-  v.number("cushion", p.cushion, plain().between(0, 0.5), "Share of stroke slowed at each end.");
-}
-
-template <class Visitor>
-void visit(Visitor& v, sim::ExcavatorPose& p) {
-  v.number("swing", p.swing_rad, in("deg").between(-360, 360), "Left positive.");
-  v.number("boom", p.boom_rad, in("deg").between(-180, 180), "Up positive, against the upper.");
-  v.number("stick", p.stick_rad, in("deg").between(-180, 180), "Up positive, against the boom.");
-  v.number("bucket", p.bucket_rad, in("deg").between(-180, 180), "Up positive, against the stick.");
-}
-
-inline constexpr std::array<Choice<sim::IntegrationScheme>, 3> kIntegrationSchemes{
-    {{sim::IntegrationScheme::linearly_implicit_euler, "linearly_implicit_euler",
-      "Stable for every drive that is let pass."},
-     {sim::IntegrationScheme::rosenbrock2, "rosenbrock2", "Second order, for comparison."},
-     {sim::IntegrationScheme::runge_kutta4, "runge_kutta4", "Fourth order, soft drives only."}}};
-
-template <class Visitor>
-void visit(Visitor& v, sim::ExcavatorParameters& p) {
-  v.section("undercarriage", p.undercarriage, "Link on the ground.");
-  v.section("upper", p.upper, "Link that swings.");
-  v.section("boom", p.boom, "Link.");
-  v.section("stick", p.stick, "Link.");
-  v.section("bucket", p.bucket, "Link, empty.");
-  v.vector3("payload_center_of_mass", p.payload_center_of_mass_m, in("m"),
-            "In the bucket's frame.");
-  v.number("payload_max", p.payload_max_kg, in("kg").at_least(0), "Full bucket.");
-  v.number("swing_axis_height", p.swing_axis_height_m, in("m").above(0), "Slew ring above ground.");
-  v.vector3("boom_foot", p.boom_foot_m, in("m"), "Pin, in the upper's frame.");
-  v.number("boom_length", p.boom_length_m, in("m").above(0), "Foot pin to stick pin.");
-  v.number("stick_length", p.stick_length_m, in("m").above(0), "Stick pin to bucket pin.");
-  v.number("bucket_tip", p.bucket_tip_m, in("m").above(0), "Bucket pin to the tip of the teeth.");
-  v.section("boom_linkage", p.boom_linkage, "Pins of the boom cylinders; base from the boom foot.");
-  v.section("stick_linkage", p.stick_linkage, "Pins of the stick cylinder.");
-  v.section("bucket_linkage", p.bucket_linkage, "Four-bar of the bucket.");
-  v.section("boom_cylinder", p.boom_cylinder, "Cylinder.");
-  v.section("stick_cylinder", p.stick_cylinder, "Cylinder.");
-  v.section("bucket_cylinder", p.bucket_cylinder, "Cylinder.");
-  v.number("swing_displacement", p.swing_displacement_m3prad, plain().above(0),
-           "Motor and gear, m3 per rad of swing.");
-  v.section("supply", p.supply, "Pump and pressures.");
-  v.section("swing_spool", p.swing_spool, "Valve section 1.");
-  v.section("boom_spool", p.boom_spool, "Valve section 2.");
-  v.section("stick_spool", p.stick_spool, "Valve section 3.");
-  v.section("bucket_spool", p.bucket_spool, "Valve section 4.");
-  v.section("drives", p.drives, "Springs and dampers of Eq. 5.");
-  v.choice("scheme", p.scheme, kIntegrationSchemes, "How the arm's equations are stepped.");
-  v.number("step", p.step_s, in("ms").above(0).at_most(100), "Longest inner step of the arm.");
-  v.number("gravity", p.gravity_mps2, in("m/s2").at_least(0), "Downwards.");
-  v.section("initial", p.initial, "Joint angles at the start.");
-}
-
-template <class Visitor>
 void visit(Visitor& v, ExcavatorMachine& p) {
   v.section("excavator", p.excavator, "Masses, pins, cylinders, hydraulics, drives.");
+  v.boolean("digs", p.digs, "Else the bucket passes through the ground.");
+  v.section("digging", p.digging, "The bucket as a tool, and the ground's limits.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, WheeledMachine& p) {
+  v.section("wheeled", p.wheeled, "Body, axles, tyres, steering, brakes.");
+  v.section("driveline", p.driveline, "Engine to wheels.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, RollerMachine& p) {
+  v.section("roller", p.roller, "Masses, drums, steering, drive, supplements.");
 }
 
 template <class Visitor>

@@ -15,6 +15,12 @@ namespace rigwire::hil {
 
 namespace {
 
+/// A device is only built to be asked how much it sends.
+class NoFrames final : public emulators::FrameOutput {
+ public:
+  void send(SimTime, const protocols::can::Frame&) override {}
+};
+
 class Checker {
  public:
   Checker(const RigConfiguration& rig, const Origins& origins, Problems& problems)
@@ -158,22 +164,55 @@ class Checker {
 
   void check_device(const std::string& path, const OpenImuDeviceConfiguration& device) {
     check_link(path + ".mount.link", device.mount.link);
-    if (!rig_.buses.contains(device.bus)) {
-      report(path + ".bus", "no such bus", "\"" + device.bus + "\"", join_words(bus_names_),
-             nearest_word(device.bus, bus_names_));
+    check_node(path, device.bus, device.imu.source_address, device.imu.serial);
+  }
+
+  void check_device(const std::string& path, const VehicleGatewayDeviceConfiguration& device) {
+    check_node(path, device.bus, device.gateway.source_address, device.gateway.serial);
+    if (std::holds_alternative<ExcavatorMachine>(rig_.machine.settings)) {
+      report(path + ".type", "the machine has no drive train", "", "a machine that drives");
+    }
+  }
+
+  void check_node(const std::string& path, const std::string& bus, unsigned address,
+                  std::uint32_t serial) {
+    if (!rig_.buses.contains(bus)) {
+      report(path + ".bus", "no such bus", "\"" + bus + "\"", join_words(bus_names_),
+             nearest_word(bus, bus_names_));
       return;
     }
-    claim(path + ".source_address",
-          fmt::format("{} address {}", device.bus, device.imu.source_address),
-          std::to_string(device.imu.source_address));
-    claim(path + ".serial", fmt::format("{} serial {}", device.bus, device.imu.serial),
-          std::to_string(device.imu.serial));
+    claim(path + ".source_address", fmt::format("{} address {}", bus, address),
+          std::to_string(address));
+    claim(path + ".serial", fmt::format("{} serial {}", bus, serial), std::to_string(serial));
   }
 
   void check_device(const std::string& path, const ValveDriverConfiguration& device) {
     check_address(path + ".address", device.address, device.allow_remote);
     claim(path + ".port", fmt::format("tcp {}:{}", device.address, device.port),
           std::to_string(device.port));
+    if (!std::holds_alternative<ExcavatorMachine>(rig_.machine.settings)) {
+      report(path + ".type", "the machine has no valve block", "", "an excavator");
+    }
+  }
+
+  /// Frames per second that a device sends on that bus by itself.
+  template <class Settings>
+  static double frame_rate_hz(const std::string& bus, const Settings& device) {
+    if constexpr (std::is_same_v<Settings, OpenImuDeviceConfiguration>) {
+      if (device.bus != bus || device.imu.configuration.rate_divider == 0) {
+        return 0.0;
+      }
+      const unsigned mask = device.imu.configuration.packet_mask;
+      const unsigned messages = (mask & 1u) + ((mask >> 1) & 1u) + ((mask >> 2) & 1u);
+      return 100.0 / device.imu.configuration.rate_divider * messages;
+    } else if constexpr (std::is_same_v<Settings, VehicleGatewayDeviceConfiguration>) {
+      NoFrames nowhere;
+      return device.bus == bus
+                 ? emulators::VehicleGateway(device.gateway, nowhere).nominal_rate_hz()
+                 : 0.0;
+    } else {
+      return 0.0;
+    }
   }
 
   /// Frames of data per second against the bit rate.
@@ -182,16 +221,11 @@ class Checker {
     // data, and at worst one stuff bit for every four of the 118 bits that are stuffed.
     constexpr double kBitsPerFrame = 67 + 64 + 118 / 4;
     double frames = 0.0;
-    std::string last;
     for (const auto& [device_name, device] : rig_.devices) {
-      const auto* imu = std::get_if<OpenImuDeviceConfiguration>(&device.settings);
-      if (imu == nullptr || imu->bus != name || imu->imu.configuration.rate_divider == 0) {
-        continue;
+      if (!faulty("devices." + device_name)) {
+        frames += std::visit([&](const auto& settings) { return frame_rate_hz(name, settings); },
+                             device.settings);
       }
-      const unsigned mask = imu->imu.configuration.packet_mask;
-      const unsigned messages = (mask & 1u) + ((mask >> 1) & 1u) + ((mask >> 2) & 1u);
-      frames += 100.0 / imu->imu.configuration.rate_divider * messages;
-      last = "devices." + device_name + ".rate";
     }
     const double needed = frames * kBitsPerFrame;
     if (needed > static_cast<double>(bus.bus.bit_rate_bps)) {

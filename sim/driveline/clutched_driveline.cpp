@@ -55,11 +55,12 @@ void ClutchedDriveline::begin(double h, double wheel_inertia_kgm2, WheelVector& 
   }
   const WheelMatrix inertia =
       WheelMatrix::Identity() * wheel_inertia_kgm2 + reflected * share_matrix_;
+  const WheelVector before = rates;
   if (locks_.advance(h, inertia, rates)) {
+    lock_heat_j_ += 0.5 * (before.dot(inertia * before) - rates.dot(inertia * rates));
     engine_.follow(transmission_.ratio * output_radps(rates));
   }
 
-  begin_rates_ = rates;
   output_radps_ = output_radps(rates);
   advance(h, output_radps_, transmission_);
   engine_.begin(h, transmission_.demand, transmission_.capacity_share, transmission_.ratio != 0.0,
@@ -119,7 +120,7 @@ void ClutchedDriveline::read(VehicleSample& sample) const {
 }
 
 DrivelineEnergy ClutchedDriveline::energy() const {
-  return {engine_.work_j(), engine_.clutch_heat_j(), drag_heat_j_};
+  return {engine_.work_j(), engine_.clutch_heat_j(), drag_heat_j_, lock_heat_j_};
 }
 
 }  // namespace rigwire::sim

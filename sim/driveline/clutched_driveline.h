@@ -14,11 +14,13 @@
 namespace rigwire::sim {
 
 /// Since the start. Power in = power out + loss holds for each step to rounding, with rates meant
-/// halfway between its ends: engine = wheels + clutch + drag + what the inertias store.
+/// halfway between its ends: engine = wheels + clutch + drag + locks + what the inertias
+/// store.
 struct DrivelineEnergy {
   double engine_j = 0.0;  ///< Work of the engine's torque.
   double clutch_heat_j = 0.0;
   double drag_heat_j = 0.0;  ///< Of the gearbox's output.
+  double lock_heat_j = 0.0;  ///< Lost where locks engaged, by wheels, shafts and engine.
 };
 
 class ClutchedDriveline : public Driveline {
@@ -76,9 +78,9 @@ class ClutchedDriveline : public Driveline {
   VehicleCommand command_;
   Transmission transmission_;
   SpinEquations equations_;
-  WheelVector begin_rates_ = WheelVector::Zero();
   double output_radps_ = 0.0;
   double drag_heat_j_ = 0.0;
+  double lock_heat_j_ = 0.0;
 };
 
 }  // namespace rigwire::sim

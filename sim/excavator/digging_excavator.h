@@ -42,13 +42,15 @@ class DiggingExcavator final : public Machine {
   [[nodiscard]] std::span<const TruthField> truth_fields() const override { return truth_fields_; }
   void read_truth(std::span<double> values) const override;
 
+  [[nodiscard]] std::optional<NodeRectangle> take_ground_changes() override {
+    return terrain_.take_changes();
+  }
   [[nodiscard]] ValvePort* valve_port() override { return excavator_.valve_port(); }
 
   [[nodiscard]] Excavator& excavator() { return excavator_; }
   [[nodiscard]] const Excavator& excavator() const { return excavator_; }
   [[nodiscard]] BucketSoil& bucket() { return bucket_; }
   [[nodiscard]] const BucketSoil& bucket() const { return bucket_; }
-  /// take_changes() of this tells the scene what to update.
   [[nodiscard]] DiggableTerrain& terrain() { return terrain_; }
   [[nodiscard]] const DiggableTerrain& terrain() const { return terrain_; }
 

@@ -9,9 +9,8 @@ namespace rigwire::sim {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr std::array<std::string_view, kLinks> kLinkNames{"undercarriage", "upper", "boom", "stick",
-                                                          "bucket"};
-constexpr std::array<const char*, kArmJoints> kJointNames{"swing", "boom", "stick", "bucket"};
+// Of level quasi_static: its drives' gains over those that stop their mass within a step.
+constexpr double kRigid = 1e6;
 constexpr std::array<StatusQuantity, 6> kStatusQuantities{{{"swing", "deg"},
                                                            {"boom", "deg"},
                                                            {"stick", "deg"},
@@ -20,8 +19,6 @@ constexpr std::array<StatusQuantity, 6> kStatusQuantities{{{"swing", "deg"},
                                                            {"supply", "bar"}}};
 constexpr std::array<TruthField, 4> kTruthFields{
     {{"joint_rad", 4}, {"joint_rate_radps", 4}, {"spool", 4}, {"bucket_tip_m", 3}}};
-
-constexpr double kCushionFloor = 0.1;  // Share of the flow left at the very end of the stroke.
 
 const ExcavatorParameters& validated(const ExcavatorParameters& parameters) {
   validate(parameters);
@@ -49,7 +46,8 @@ Eigen::Index row(std::size_t section) {
 
 }  // namespace
 
-Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometry3d& X_WC)
+Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometry3d& X_WC,
+                     const Ground* ground)
     : parameters_(validated(parameters)),
       X_WC_(rigid(X_WC)),
       arm_(parameters, gravity_in(X_WC, parameters.gravity_mps2)),
@@ -57,12 +55,11 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
               Spool(parameters.stick_spool), Spool(parameters.bucket_spool)},
       inner_span_(std::max(Duration{1}, from_seconds(parameters.step_s))) {
   areas_[0] = {parameters.swing_displacement_m3prad, parameters.swing_displacement_m3prad};
-  areas_[1] = {parameters.boom_cylinder.bottom_area_m2(),
-               parameters.boom_cylinder.rod_side_area_m2()};
-  areas_[2] = {parameters.stick_cylinder.bottom_area_m2(),
-               parameters.stick_cylinder.rod_side_area_m2()};
-  areas_[3] = {parameters.bucket_cylinder.bottom_area_m2(),
-               parameters.bucket_cylinder.rod_side_area_m2()};
+  const CylinderParameters* cylinders[] = {&parameters.boom_cylinder, &parameters.stick_cylinder,
+                                           &parameters.bucket_cylinder};
+  for (std::size_t i = 1; i < kArmJoints; ++i) {
+    areas_[i] = {cylinders[i - 1]->bottom_area_m2(), cylinders[i - 1]->rod_side_area_m2()};
+  }
   for (std::size_t i = 0; i < kArmJoints; ++i) {
     const double relief =
         i == 0 ? parameters.supply.swing_relief_pressure_pa : parameters.supply.relief_pressure_pa;
@@ -91,13 +88,48 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
 
   const ExcavatorPose& pose = parameters.initial;
   state_.q_rad << pose.swing_rad, pose.boom_rad, pose.stick_rad, pose.bucket_rad;
-  JointVector lever;
-  arm_.coordinates(state_.q_rad, position_, lever);
-  const JointVector load = arm_.dynamics().gravity_load(state_.q_rad).cwiseQuotient(lever);
+  pose_ = arm_.pose(state_.q_rad);
+  const JointVector load = arm_.dynamics().gravity_load(state_.q_rad).cwiseQuotient(pose_.lever);
   force_ = load.cwiseMax(arm_.gains.force_least).cwiseMin(arm_.gains.force_greatest);
-  target_ = position_ + force_.cwiseQuotient(arm_.gains.stiffness);
+  target_ = pose_.x;
+  const JointVector friction =
+      arm_.damping_for(state_.q_rad, arm_.gains.stiffness, parameters.chambers.damping_ratio);
+  rigid_gain_ = kRigid / parameters.step_s * arm_.free_mass(state_.q_rad);
+  if (parameters.level == ExcavatorLevel::kinematic) {
+    force_.setZero();
+  } else if (parameters.level == ExcavatorLevel::dynamic) {
+    target_ += force_.cwiseQuotient(arm_.gains.stiffness);
+  }
+  for (std::size_t i = 0; i < kArmJoints; ++i) {
+    const WorkingRange range = i == 0 ? WorkingRange{} : linkages().range(static_cast<int>(i) - 1);
+    chambers_[i] = ActuatorChambers(
+        parameters.chambers,
+        {areas_[i].bottom, areas_[i].rod_side, range.length_min_m, range.length_max_m},
+        friction[row(i)]);
+    chambers_[i].set_pressures(port_pressures(force_[row(i)], areas_[i].bottom, areas_[i].rod_side,
+                                              parameters.supply.tank_pressure_pa));
+  }
   update_pressures();
+  if (parameters.carrier == ExcavatorCarrier::moving) {
+    if (ground == nullptr) {
+      throw std::invalid_argument("excavator: carrier moving needs a ground to stand on");
+    }
+    carried_.emplace(parameters, *ground, X_WC);
+    settle_on_tyres();
+  }
   update_links();
+}
+
+void Excavator::settle_on_tyres() {
+  constexpr double kSettle_s = 5.0;
+  constexpr double kStep_s = 2e-3;
+  for (int i = 0; i < static_cast<int>(kSettle_s / kStep_s) && !non_finite_; ++i) {
+    inner_step(kStep_s);
+  }
+  state_.v_radps.setZero();
+  acceleration_.setZero();
+  position_rate_.setZero();
+  carried_->place(X_WC_);
 }
 
 void Excavator::command(const ValveCommand& command) {
@@ -126,143 +158,11 @@ void Excavator::step(Duration span) {
   update_links();
 }
 
-void Excavator::inner_step(double h) {
-  for (Spool& spool : spools_) {
-    spool.step(h);
-  }
-  share_flow();
-
-  LinearTargets targets;
-  for (std::size_t i = 0; i < kArmJoints; ++i) {
-    const double area = flow_[i] > 0.0 ? areas_[i].bottom : areas_[i].rod_side;
-    double rate = floating_[i] ? 0.0 : flow_[i] / area;
-    if (i > 0 && rate != 0.0) {
-      const WorkingRange& range = linkages().range(static_cast<int>(i) - 1);
-      rate = rate > 0.0 ? std::clamp((range.length_max_m - target_[row(i)]) / h, 0.0, rate)
-                        : std::clamp((range.length_min_m - target_[row(i)]) / h, rate, 0.0);
-    }
-    targets.rates[row(i)] = rate;
-  }
-  targets.start = target_;
-
-  if (!bucket_load_.empty()) {
-    place_bucket_load();
-  }
-  ArmState next = state_;
-  const ArmStep step = arm_.step(parameters_.scheme, 0.0, h, targets, next);
-  if (record_non_finite(next, step.acceleration_radps2)) {
+void Excavator::update_links() {
+  if (carried_) {
+    links_ = carried_->motion(state_);
     return;
   }
-  state_ = next;
-  acceleration_ = step.acceleration_radps2;
-  force_ = step.force;
-  resistance_n_ = step.resistance_n;
-  hold_strokes();
-  move_targets(h * targets.rates, targets.rates, step.relieved);
-  update_pressures();
-}
-
-void Excavator::share_flow() {
-  for (std::size_t i = 0; i < kArmJoints; ++i) {
-    flow_[i] = floating_[i] ? 0.0 : limited_flow(i, spools_[i].flow_request_m3ps());
-  }
-  const double share = flow_share(parameters_.supply, flow_, supply_pressure_pa_);
-  for (double& flow : flow_) {
-    flow *= share;
-  }
-}
-
-double Excavator::limited_flow(std::size_t section, double flow_m3ps) const {
-  if (section == 0 || flow_m3ps == 0.0) {
-    return flow_m3ps;
-  }
-  const WorkingRange& range = linkages().range(static_cast<int>(section) - 1);
-  const double stroke = range.length_max_m - range.length_min_m;
-  const double left = flow_m3ps > 0.0 ? range.length_max_m - target_[row(section)]
-                                      : target_[row(section)] - range.length_min_m;
-  if (left <= 0.0) {
-    return 0.0;
-  }
-  const double cushion_m = parameters_.drives.cushion * stroke;
-  return left >= cushion_m ? flow_m3ps : flow_m3ps * std::max(kCushionFloor, left / cushion_m);
-}
-
-void Excavator::hold_strokes() {
-  for (std::size_t i = 1; i < kArmJoints; ++i) {
-    double& q = state_.q_rad[row(i)];
-    double& v = state_.v_radps[row(i)];
-    if (q < hard_limits_rad_[2 * i]) {
-      q = hard_limits_rad_[2 * i];
-      v = std::max(v, 0.0);
-    } else if (q > hard_limits_rad_[2 * i + 1]) {
-      q = hard_limits_rad_[2 * i + 1];
-      v = std::min(v, 0.0);
-    }
-  }
-}
-
-void Excavator::move_targets(const JointVector& way, const JointVector& rate,
-                             const std::array<bool, kArmJoints>& relieved) {
-  JointVector lever;
-  arm_.coordinates(state_.q_rad, position_, lever);
-  position_rate_ = lever.cwiseProduct(state_.v_radps);
-  const DriveGains& gains = arm_.gains;
-  for (Eigen::Index i = 0; i < kArmJoints; ++i) {
-    target_[i] += way[i];
-    if (gains.stiffness[i] == 0.0) {
-      target_[i] = position_[i];
-    } else if (relieved[static_cast<std::size_t>(i)]) {
-      const double damper = gains.damping[i] * (rate[i] - position_rate_[i]);
-      target_[i] = position_[i] + (force_[i] - damper) / gains.stiffness[i];
-    }
-  }
-}
-
-bool Excavator::record_non_finite(const ArmState& state, const JointVector& acceleration) {
-  const auto check = [this](const char* quantity, const JointVector& values) {
-    for (int i = 0; i < kArmJoints; ++i) {
-      if (!non_finite_ && !std::isfinite(values[i])) {
-        non_finite_ = NonFinite{quantity, kJointNames[static_cast<std::size_t>(i)], time_};
-      }
-    }
-  };
-  check("drive target", target_);
-  check("joint acceleration", acceleration);
-  check("joint rate", state.v_radps);
-  check("joint angle", state.q_rad);
-  return non_finite_.has_value();
-}
-
-bool Excavator::at_stroke_end(std::size_t section, double direction) const {
-  if (section == 0 || direction == 0.0) {
-    return false;
-  }
-  const WorkingRange& range = linkages().range(static_cast<int>(section) - 1);
-  return direction > 0.0 ? target_[row(section)] >= range.length_max_m
-                         : target_[row(section)] <= range.length_min_m;
-}
-
-void Excavator::update_pressures() {
-  const SupplyParameters& supply = parameters_.supply;
-  double highest = supply.tank_pressure_pa;
-  for (std::size_t i = 0; i < kArmJoints; ++i) {
-    ports_[i] = floating_[i] ? PortPressures{supply.tank_pressure_pa, supply.tank_pressure_pa}
-                             : port_pressures(force_[row(i)], areas_[i].bottom, areas_[i].rod_side,
-                                              supply.tank_pressure_pa);
-    const double request = floating_[i] ? 0.0 : spools_[i].flow_request_m3ps();
-    double& driving = request > 0.0 ? ports_[i].a_pa : ports_[i].b_pa;
-    if (at_stroke_end(i, request)) {
-      driving = supply.relief_pressure_pa;
-    }
-    if (request != 0.0) {
-      highest = std::max(highest, driving);
-    }
-  }
-  supply_pressure_pa_ =
-      std::min(highest + supply.load_sensing_margin_pa, supply.relief_pressure_pa);
-}
-
-void Excavator::update_links() {
   const Eigen::Matrix3d R_WC = X_WC_.linear();
   links_[0].X_WL = X_WC_;
   const auto motion = arm_.dynamics().motion(state_.q_rad, state_.v_radps, acceleration_);
@@ -297,7 +197,7 @@ ValveSample Excavator::valve_sample(SimTime time) const {
 }
 
 std::span<const std::string_view> Excavator::link_names() const {
-  return kLinkNames;
+  return kExcavatorLinks;
 }
 
 std::span<const StatusQuantity> Excavator::status_quantities() const {
@@ -348,21 +248,6 @@ void Excavator::set_bucket_resistances(std::span<const TipResistance> resistance
   }
   if (bucket_load_.empty()) {
     arm_.load = {};
-  }
-}
-
-void Excavator::place_bucket_load() {
-  const Eigen::Matrix3d R_CW = X_WC_.linear().transpose();
-  const ArmDynamics& dynamics = arm_.dynamics();
-  ArmLoad& load = arm_.load;
-  load.torque = dynamics.bucket_jacobian_C(state_.q_rad, bucket_load_.point_B).transpose() *
-                (R_CW * bucket_load_.force_W);
-  load.resistance_count = bucket_load_.resistance_count;
-  for (std::size_t i = 0; i < load.resistance_count; ++i) {
-    const TipResistance& each = bucket_load_.resistances[i];
-    load.resistances[i] = {dynamics.bucket_jacobian_C(state_.q_rad, each.point_B).transpose() *
-                               (R_CW * each.direction_W),
-                           each.offset_n, each.gain_nspm, each.limit_n};
   }
 }
 

@@ -1,15 +1,16 @@
 // The excavator as its sensors and its valve driver meet it: spool commands in, motion of every
 // link and the readings of the valve block out.
 //
-// Chain per inner step: spool lag and dead band -> requested flows -> pump's share -> target speeds
-// -> target positions -> Eq. 5 drives with relief and end stops -> joint motion (driven_arm.h).
+// Chain per inner step: spool lag and dead band -> requested flows -> pump's share -> the drives of
+// the level asked for (ExcavatorLevel) with relief and end stops -> joint motion (driven_arm.h).
 // Valve sections, everywhere in this class: 0 swing, 1 boom, 2 stick, 3 bucket; sections 4 .. 7 are
 // empty. A positive opening turns left, lifts the boom, and draws in stick and bucket: it sends oil
 // to port A and extends the cylinder.
 //
-// The undercarriage stands still where it is put. What the ground does to the bucket comes from
-// outside: set_bucket_force, set_bucket_resistances (bucket_load.h).
-// Deterministic: the same parameters, commands and calls give the same bits on one compiler.
+// The undercarriage stands still where it is put, or on its tyres (ExcavatorCarrier,
+// carried_arm.h). What the ground does to the bucket comes from outside: set_bucket_force,
+// set_bucket_resistances (bucket_load.h). Deterministic: the same parameters, commands and calls
+// give the same bits on one compiler.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -20,8 +21,10 @@
 #include <string_view>
 
 #include "sim/excavator/bucket_load.h"
+#include "sim/excavator/carried_arm.h"
 #include "sim/excavator/driven_arm.h"
 #include "sim/excavator/parameters.h"
+#include "sim/hydraulics/chambers.h"
 #include "sim/hydraulics/spool.h"
 #include "sim/hydraulics/supply.h"
 #include "sim/link_motion.h"
@@ -33,13 +36,19 @@ namespace rigwire::sim {
 /// The machine's rigid links, frames as in parameters.h.
 enum class Link { undercarriage, upper, boom, stick, bucket };
 inline constexpr std::size_t kLinks = 5;
+/// Their names, in that order.
+inline constexpr std::array<std::string_view, kLinks> kExcavatorLinks{"undercarriage", "upper",
+                                                                      "boom", "stick", "bucket"};
 
 class Excavator final : public Machine, public ValvePort {
  public:
   /// X_WC: the undercarriage's pose in the world. The machine starts at rest in parameters.initial,
   /// valves closed, drives carrying the load. Throws std::invalid_argument as validate does, and
   /// when X_WC is not a finite rigid pose.
-  Excavator(const ExcavatorParameters& parameters, const Eigen::Isometry3d& X_WC);
+  /// With carrier moving `ground` must be given and outlive the machine, which first sinks into its
+  /// tyres from X_WC with the arm held (5 s, before time 0).
+  Excavator(const ExcavatorParameters& parameters, const Eigen::Isometry3d& X_WC,
+            const Ground* ground = nullptr);
 
   /// New spool set points, valid until the next. A section whose opening is not a number keeps its
   /// old set point and is counted; openings outside -1 .. 1 are clamped.
@@ -72,8 +81,9 @@ class Excavator final : public Machine, public ValvePort {
 
   [[nodiscard]] ValvePort* valve_port() override { return this; }
 
-  /// What the transducers read, stamped with `time`. Pressures are the drives' forces over the
-  /// areas (supply.h); a section that pushes against its end stop reads the supply's relief.
+  /// What the transducers read, stamped with `time`. Pressures are the chambers' own at that level,
+  /// tank pressure at level kinematic, and otherwise the drives' forces over the areas (supply.h);
+  /// a section that pushes against its end stop reads the supply's relief.
   [[nodiscard]] ValveSample valve_sample(SimTime time) const override;
 
   [[nodiscard]] const JointVector& joint_angles_rad() const { return state_.q_rad; }
@@ -81,9 +91,9 @@ class Excavator final : public Machine, public ValvePort {
   [[nodiscard]] const JointVector& joint_accelerations_radps2() const { return acceleration_; }
 
   /// Drive coordinates: swing angle in rad, cylinder lengths in m.
-  [[nodiscard]] const JointVector& drive_positions() const { return position_; }
+  [[nodiscard]] const JointVector& drive_positions() const { return pose_.x; }
   [[nodiscard]] const JointVector& drive_rates() const { return position_rate_; }
-  /// Where Eq. 5's spring pulls to.
+  /// Where Eq. 5's spring pulls to; on the other levels where the cylinder is wanted.
   [[nodiscard]] const JointVector& drive_targets() const { return target_; }
   /// N, extension positive; N m for swing. Without the end stops' share.
   [[nodiscard]] const JointVector& drive_forces() const { return force_; }
@@ -118,6 +128,8 @@ class Excavator final : public Machine, public ValvePort {
   [[nodiscard]] std::uint64_t refused_commands() const { return refused_commands_; }
 
   [[nodiscard]] const DrivenArm& arm() const { return arm_; }
+  /// Nothing on a fixed carrier.
+  [[nodiscard]] const CarriedArm* carried() const { return carried_ ? &*carried_ : nullptr; }
   [[nodiscard]] const Linkages& linkages() const { return arm_.linkages(); }
 
  private:
@@ -127,24 +139,36 @@ class Excavator final : public Machine, public ValvePort {
   };
 
   void inner_step(double h);
-  /// The bucket's load as torques of the joints, in the pose of now.
-  void place_bucket_load();
   void share_flow();
   /// Target speed that the cushion and the stroke's end allow.
   [[nodiscard]] double limited_flow(std::size_t section, double flow_m3ps) const;
+  /// Speeds of the drives that the granted flows make, the stroke's ends left whole.
+  [[nodiscard]] JointVector target_rates(double h) const;
+  /// The levels' steps: each moves state_, acceleration_, force_ and target_.
+  void step_kinematic(double h, const JointVector& rate);
+  void step_quasi_static(double h, const JointVector& rate);
+  void step_dynamic(double h, const JointVector& rate);
+  void step_chambers(double h);
+  /// One solve of the arm with its carrier, whichever it is.
+  ArmStep advance(double h, const DriveLaws& laws, ArmState& next);
+  void settle_on_tyres();
+  /// Takes what the solve found unless it is not finite.
+  [[nodiscard]] bool accept(const ArmState& next, const ArmStep& step);
+  /// The bucket's load as torques of the joints, in the pose of now.
+  void place_bucket_load();
   void hold_strokes();
-  /// Moves the targets by `way`; those behind an open relief valve go where their force is held.
-  void move_targets(const JointVector& way, const JointVector& rate,
-                    const std::array<bool, kArmJoints>& relieved);
+  void update_pressures();
   [[nodiscard]] bool record_non_finite(const ArmState& state, const JointVector& acceleration);
   [[nodiscard]] bool at_stroke_end(std::size_t section, double direction) const;
-  void update_pressures();
   void update_links();
 
   ExcavatorParameters parameters_;
   Eigen::Isometry3d X_WC_;
   DrivenArm arm_;
+  std::optional<CarriedArm> carried_;
   DriveGains closed_gains_;  ///< Gains with no section floating.
+  JointVector rigid_gain_;   ///< Of level quasi_static, N s/m.
+  std::array<ActuatorChambers, kArmJoints> chambers_;
   std::array<Spool, kArmJoints> spools_;
   std::array<Areas, kArmJoints> areas_;
   std::array<bool, kArmJoints> floating_{};
@@ -153,8 +177,8 @@ class Excavator final : public Machine, public ValvePort {
 
   SimTime time_{};
   ArmState state_;
+  ArmPose pose_;  ///< Of state_.
   JointVector acceleration_ = JointVector::Zero();
-  JointVector position_ = JointVector::Zero();
   JointVector position_rate_ = JointVector::Zero();
   JointVector target_ = JointVector::Zero();
   JointVector force_ = JointVector::Zero();

@@ -156,12 +156,28 @@ void validate(const ExcavatorParameters& p) {
           "drives.end_stop_stiffness_npm", p.drives.end_stop_stiffness_npm, "1e7 .. 1e12 N/m");
   require(p.drives.cushion >= 0.0 && p.drives.cushion <= 0.25, "drives.cushion", p.drives.cushion,
           "0 .. 0.25 of the stroke");
+  validate(p.chambers, "chambers");
+  require_positive("wheels.wheelbase_m", p.wheels.wheelbase_m);
+  require_positive("wheels.track_m", p.wheels.track_m);
+  require_positive("wheels.tyre_pressure_pa", p.wheels.tyre_pressure_pa);
+  validate(p.wheels.tyre, "wheels.tyre");
+  if (p.carrier == ExcavatorCarrier::moving && p.level == ExcavatorLevel::kinematic) {
+    refuse("carrier", "moving", "fixed where level is kinematic: without forces nothing rocks");
+  }
+  if (p.scheme != IntegrationScheme::linearly_implicit_euler &&
+      (p.level != ExcavatorLevel::dynamic || p.carrier != ExcavatorCarrier::fixed)) {
+    refuse("scheme", "another than linearly_implicit_euler",
+           "linearly_implicit_euler, unless level is dynamic and carrier is fixed");
+  }
   require(p.step_s >= 1e-6 && p.step_s <= 0.05, "step_s", p.step_s, "1e-6 .. 0.05 s");
   require(std::isfinite(p.gravity_mps2) && p.gravity_mps2 >= 0.0, "gravity_mps2", p.gravity_mps2,
           "finite and >= 0");
 
   const DrivenArm arm(p, Eigen::Vector3d(0.0, 0.0, -p.gravity_mps2));
   check_initial(p.initial, arm.linkages());
+  if (p.level != ExcavatorLevel::dynamic) {
+    return;  // No springs.
+  }
   const double frequency = stiffest_radps(p, arm);
   const double limit = drive_step_limit(p.scheme);
   if (!(p.step_s * frequency <= limit)) {

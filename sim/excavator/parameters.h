@@ -20,12 +20,40 @@
 #include <numbers>
 
 #include "sim/hydraulics/parameters.h"
+#include "sim/tyre/tyre.h"
 
 namespace rigwire::sim {
 
 /// How the arm's equations are stepped. linearly_implicit_euler holds for any drive that validate
 /// lets pass; the others are for comparison (hil/bench/excavator_bench.h prints cost and error).
 enum class IntegrationScheme { linearly_implicit_euler, rosenbrock2, runge_kutta4 };
+
+/// How much of the drives is modelled. Cost rises downwards; excavator_levels.cpp has them all.
+enum class ExcavatorLevel {
+  kinematic,     ///< Cylinders move as the valves ask, whatever the load: no forces.
+  quasi_static,  ///< Oil that does not give: inverse dynamics finds the loads, which limit force,
+                 ///< pump flow and so speed; stalls at relief. No oscillation.
+  dynamic,       ///< Oil as springs, Eq. 5.
+  chambers,      ///< Two pressures per actuator as states (sim/hydraulics/chambers.h).
+};
+
+/// What the undercarriage does.
+enum class ExcavatorCarrier {
+  fixed,   ///< Stands still where it was put.
+  moving,  ///< Stands on its tyres: rocks, slides, tips.
+};
+
+/// What a moving undercarriage stands on: four wheels with their brakes locked, axles rigid.
+struct CarrierParameters {
+  double wheelbase_m = 2.70;  ///< Wheels at half of it before and behind the swing axis.
+  double track_m = 2.00;      ///< Between the middles of left and right tyres (twins as one).
+  double tyre_pressure_pa = 7.0e5;
+  TyreParameters tyre{.unloaded_radius_m = 0.53,
+                      .width_m = 0.50,
+                      .rim_radius_m = 0.254,
+                      .vertical_damping_nspm = 1.5e4,
+                      .reference_load_n = 4.5e4};
+};
 
 /// One rigid link.
 struct RigidBodyParameters {
@@ -113,6 +141,11 @@ struct ExcavatorParameters {
   SpoolParameters bucket_spool{.flow_max_m3ps = 220.0 / 6e4};
 
   DriveParameters drives;
+  ChamberParameters chambers;
+  ExcavatorLevel level = ExcavatorLevel::dynamic;
+  ExcavatorCarrier carrier = ExcavatorCarrier::fixed;
+  CarrierParameters wheels;  ///< Of carrier moving.
+  /// Of level dynamic on a fixed carrier; everything else knows linearly_implicit_euler only.
   IntegrationScheme scheme = IntegrationScheme::linearly_implicit_euler;
   double step_s = 1e-3;           ///< Longest inner step; longer calls of step() are divided.
   double gravity_mps2 = 9.80665;  ///< Along world -z.

@@ -71,4 +71,15 @@ void validate(const CylinderParameters& p, const char* where) {
           p.length_max_m, "above length_min_m");
 }
 
+void validate(const ChamberParameters& p, const char* where) {
+  require(positive(p.bulk_modulus_pa), where, "bulk_modulus_pa", p.bulk_modulus_pa, "> 0 Pa");
+  require(positive(p.hose_volume_m3), where, "hose_volume_m3", p.hose_volume_m3, "> 0 m3");
+  require(positive(p.inlet_drop_pa), where, "inlet_drop_pa", p.inlet_drop_pa, "> 0 Pa");
+  require(positive(p.outlet_drop_pa), where, "outlet_drop_pa", p.outlet_drop_pa, "> 0 Pa");
+  require(positive(p.port_conductance), where, "port_conductance", p.port_conductance,
+          "> 0 m3/s per Pa");
+  require(non_negative(p.damping_ratio) && p.damping_ratio <= 10.0, where, "damping_ratio",
+          p.damping_ratio, "0 .. 10");
+}
+
 }  // namespace rigwire::sim

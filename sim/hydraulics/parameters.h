@@ -46,10 +46,23 @@ struct CylinderParameters {
   friend bool operator==(const CylinderParameters&, const CylinderParameters&) = default;
 };
 
+/// The oil in one actuator's two chambers and hoses (chambers.h).
+struct ChamberParameters {
+  double bulk_modulus_pa = 1.0e9;  ///< Effective: oil with some air, hoses, tubes.
+  double hose_volume_m3 = 1.5e-3;  ///< Per side, with the dead volume of the cylinder's end.
+  double inlet_drop_pa = 1.5e6;    ///< Below the load-sensing margin: what the inlet needs.
+  double outlet_drop_pa = 0.5e6;   ///< What the outlet needs.
+  double port_conductance = 5e-9;  ///< m3/s per Pa: relief, anti-cavitation, float.
+  double damping_ratio = 0.10;     ///< Seals and lines, of the oil's mode at the start.
+
+  friend bool operator==(const ChamberParameters&, const ChamberParameters&) = default;
+};
+
 /// Each throws std::invalid_argument that names `where`, the quantity, the value and what is
 /// allowed.
 void validate(const SpoolParameters& parameters, const char* where);
 void validate(const SupplyParameters& parameters, const char* where);
 void validate(const CylinderParameters& parameters, const char* where);
+void validate(const ChamberParameters& parameters, const char* where);
 
 }  // namespace rigwire::sim

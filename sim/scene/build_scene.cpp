@@ -145,10 +145,11 @@ BuiltScene build_scene(const SceneDescription& description, const std::vector<Tr
                        std::uint64_t seed) {
   validate(description);
   BuiltScene built{std::make_unique<Scene>(),
+                   0,
                    make_terrain(description.terrain, description.tracks, seed),
                    {},
                    {}};
-  built.scene->add_terrain(built.ground, material(description.terrain));
+  built.terrain = built.scene->add_terrain(built.ground, material(description.terrain));
   const std::vector<LaidTrack> tracks = lay(description.tracks);
   built.soils = make_soil_map(built.ground, description.soils, tracks, description.soil_regions);
   add_rocks(description, seed, built);

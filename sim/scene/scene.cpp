@@ -282,6 +282,10 @@ void Scene::begin_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W,
 std::size_t Scene::instance_count() const {
   return internals_->instances.size();
 }
+std::optional<SimTime> Scene::slice_end() const {
+  return internals_->t1 > internals_->t0 ? std::optional(internals_->t1) : std::nullopt;
+}
+
 std::size_t Scene::body_count() const {
   return internals_->bodies.size();
 }

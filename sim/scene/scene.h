@@ -100,6 +100,8 @@ class Scene final : public Visibility {
 
   [[nodiscard]] std::size_t instance_count() const;
   [[nodiscard]] std::size_t body_count() const;
+  /// End of the slice that rays are cast in; nothing before the first begin_slice().
+  [[nodiscard]] std::optional<SimTime> slice_end() const;
   [[nodiscard]] const Material& material(InstanceId instance) const;
   /// The rays that do not see this body leave its bit out of their mask. Bodies share bits from the
   /// 32nd on.

@@ -130,6 +130,7 @@ inline constexpr std::size_t kRockShapes = 8;
 /// A scene and what machines stand on and run into: Ground(ground, soils, obstacles).
 struct BuiltScene {
   std::unique_ptr<Scene> scene;
+  Scene::InstanceId terrain = 0;
   HeightField ground;
   SoilMap soils;
   /// Rocks as spheres that reach as high as they on average do, trunks as cylinders, boxes. Mesh

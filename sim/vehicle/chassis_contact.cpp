@@ -19,12 +19,13 @@ VelocityRow body_row(const Eigen::Vector3d& direction, const Eigen::Vector3d& po
 }  // namespace
 
 ChassisContact::ChassisContact(const WheeledVehicleParameters& parameters)
-    : count_(std::min(parameters.chassis.points_m.size(), kChassisPoints)),
+    : count_(std::min(parameters.chassis.points.size(), kChassisPoints)),
       stiffness_npm_(parameters.chassis.stiffness_npm),
       damping_nspm_(parameters.chassis.damping_nspm),
       bristle_{0.5 * parameters.chassis.stiffness_npm, parameters.chassis.damping_nspm, 1.0} {
   for (std::size_t i = 0; i < count_; ++i) {
-    points_[i].position_m = parameters.chassis.points_m[i] - parameters.body.center_of_mass_m;
+    points_[i].position_m =
+        parameters.chassis.points[i].position_m - parameters.body.center_of_mass_m;
   }
 }
 

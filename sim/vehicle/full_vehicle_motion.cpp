@@ -168,7 +168,7 @@ void FullVehicle::update_links() {
     const WheelFrame& frame = axles_[i / 2].wheel(i % 2);
     const double spin = state_.wheel_rate_radps[i];
     const Matrix3d turned =
-        frame.R_BH *
+        frame.R_BH() *
         Eigen::AngleAxisd(state_.wheel_angle_rad[i], Vector3d::UnitY()).toRotationMatrix();
     const Vector3d bias_rate = frame.bias_radps2 + spin * frame.rate.cross(frame.axis) +
                                acceleration_[kWheelVelocity + i] * frame.axis;

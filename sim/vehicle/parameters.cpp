@@ -122,10 +122,10 @@ WheeledVehicleParameters::WheeledVehicleParameters() {
   rear.parking_brake_nm = 3.2e4;
   front.parking_brake_nm = 3.2e4;
   rear.beam.articulation_rad = 15.0 * kDegree;
-  chassis.points_m = {{4.75, 1.1, 0.85},   {4.75, -1.1, 0.85}, {-1.05, 1.1, 0.95},
-                      {-1.05, -1.1, 0.95}, {4.6, 1.1, 2.7},    {4.6, -1.1, 2.7},
-                      {-1.0, 1.2, 1.9},    {-1.0, -1.2, 1.9},  {1.9, 0.4, 0.62},
-                      {1.9, -0.4, 0.62}};
+  chassis.points = {{{4.75, 1.1, 0.85}},   {{4.75, -1.1, 0.85}}, {{-1.05, 1.1, 0.95}},
+                    {{-1.05, -1.1, 0.95}}, {{4.6, 1.1, 2.7}},    {{4.6, -1.1, 2.7}},
+                    {{-1.0, 1.2, 1.9}},    {{-1.0, -1.2, 1.9}},  {{1.9, 0.4, 0.62}},
+                    {{1.9, -0.4, 0.62}}};
 }
 
 StaticLoads static_loads(const WheeledVehicleParameters& parameters) {
@@ -189,9 +189,10 @@ WheeledVehicleParameters gator_855d() {
   p.tyre_pressure.pressure_max_pa = 2.5e5;
   p.chassis.stiffness_npm = 2.0e5;
   p.chassis.damping_nspm = 4.0e3;
-  p.chassis.points_m = {{2.45, 0.6, 0.5}, {2.45, -0.6, 0.5}, {-0.55, 0.7, 0.6}, {-0.55, -0.7, 0.6},
-                        {1.3, 0.6, 1.9},  {1.3, -0.6, 1.9},  {0.5, 0.6, 1.9},   {0.5, -0.6, 1.9},
-                        {1.0, 0.3, 0.3},  {1.0, -0.3, 0.3}};
+  p.chassis.points = {{{2.45, 0.6, 0.5}},   {{2.45, -0.6, 0.5}}, {{-0.55, 0.7, 0.6}},
+                      {{-0.55, -0.7, 0.6}}, {{1.3, 0.6, 1.9}},   {{1.3, -0.6, 1.9}},
+                      {{0.5, 0.6, 1.9}},    {{0.5, -0.6, 1.9}},  {{1.0, 0.3, 0.3}},
+                      {{1.0, -0.3, 0.3}}};
   p.air_drag_ns2pm2 = 1.2;
   return p;
 }
@@ -216,10 +217,10 @@ void validate(const WheeledVehicleParameters& parameters) {
   not_negative("air_drag_ns2pm2", parameters.air_drag_ns2pm2);
   positive("chassis.stiffness_npm", parameters.chassis.stiffness_npm);
   not_negative("chassis.damping_nspm", parameters.chassis.damping_nspm);
-  require(parameters.chassis.points_m.size() <= 16, "chassis.points_m",
-          static_cast<double>(parameters.chassis.points_m.size()), "at most 16 points");
-  for (const Eigen::Vector3d& point : parameters.chassis.points_m) {
-    finite("chassis.points_m", point.sum());
+  require(parameters.chassis.points.size() <= 16, "chassis.points",
+          static_cast<double>(parameters.chassis.points.size()), "at most 16 points");
+  for (const ChassisPoint& point : parameters.chassis.points) {
+    finite("chassis.points.position_m", point.position_m.sum());
   }
   require(parameters.step_s > 0.0 && parameters.step_s <= 0.02, "step_s", parameters.step_s,
           "> 0 and at most 0.02");

@@ -67,7 +67,7 @@ struct BeamAxleParameters {
   double rebound_travel_m = 0.20;
   StopParameters bump_stop{1.5e6, 0.03};
   double articulation_rad = 30.0 * std::numbers::pi / 180.0;  ///< Roll up to the limiter.
-  StopParameters articulation_stop{2.0e6, 2.0 * std::numbers::pi / 180.0};
+  StopParameters articulation_stop{2.0e6, 0.035};  ///< Ramp of 2 degrees.
 };
 
 /// Wheel carrier that moves up and down in B.
@@ -114,9 +114,13 @@ struct TyrePressureParameters {
   double pressure_max_pa = 6.0e5;
 };
 
-/// Corners of body and underbody that may hit the ground or an obstacle, in B.
+struct ChassisPoint {
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< In B.
+};
+
+/// Corners of body and underbody that may hit the ground or an obstacle; at most 16.
 struct ChassisContactParameters {
-  std::vector<Eigen::Vector3d> points_m;
+  std::vector<ChassisPoint> points;
   double stiffness_npm = 1.0e6;
   double damping_nspm = 2.0e4;
 };

@@ -33,17 +33,15 @@ StopForce stops(const StopParameters& stop, double s, double lower, double upper
   return stop_force(stop, lower - s);
 }
 
-/// Columns: forward, left and up of a hub whose axle points to `axis`, x along `forward`.
-Matrix3d hub_axes(const Vector3d& axis, const Vector3d& up) {
+}  // namespace
+
+Matrix3d WheelFrame::R_BH() const {
   Matrix3d R;
-  const Vector3d x = axis.cross(up).normalized();
-  R.col(0) = x;
+  R.col(0) = axis.cross(up).normalized();
   R.col(1) = axis;
-  R.col(2) = x.cross(axis);
+  R.col(2) = R.col(0).cross(axis);
   return R;
 }
-
-}  // namespace
 
 AxleSuspension::AxleSuspension(const VehicleAxleParameters& axle, bool front,
                                const Vector3d& center_of_mass_m, double wheel_height_m,
@@ -144,7 +142,7 @@ void AxleSuspension::update_beam(const Vector2d& s, const Vector2d& s_rate, cons
     wheel.bias_radps2 = axle.bias_radps2;
     wheel.bias_mps2 =
         axle.bias_mps2 + axle.bias_radps2.cross(out) + axle.rate.cross(axle.rate.cross(out));
-    wheel.R_BH = hub_axes(wheel.axis, axle.R_BA.col(2));
+    wheel.up = axle.R_BA.col(2);
   }
 }
 
@@ -164,7 +162,6 @@ void AxleSuspension::update_independent(const Vector2d& s, const Vector2d& s_rat
     wheel.rate = w_B;
     wheel.bias_mps2 =
         w_B.cross(w_B.cross(wheel.hub_m)) + 2.0 * s_rate[i] * w_B.cross(Vector3d::UnitZ());
-    wheel.R_BH = hub_axes(wheel.axis, Vector3d::UnitZ());
 
     UnsprungMass& mass = masses_[side];
     mass.position_m = wheel.hub_m;

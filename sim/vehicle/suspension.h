@@ -40,7 +40,10 @@ struct WheelFrame {
   Eigen::Vector3d rate = Eigen::Vector3d::Zero();   ///< Of the carrier, in W.
   Eigen::Vector3d bias_mps2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d bias_radps2 = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d R_BH = Eigen::Matrix3d::Identity();  ///< Axes of the steered hub, not spinning.
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< Unit, of the carrier.
+
+  /// Axes of the steered hub, not spinning.
+  [[nodiscard]] Eigen::Matrix3d R_BH() const;
 };
 
 /// Generalised force on the two coordinates of one axle and its slopes.

@@ -1,6 +1,37 @@
 #include "sim/vehicle/velocity_system.h"
 
+#include <utility>
+
 namespace rigwire::sim {
+namespace {
+
+using Matrix = std::array<std::array<double, kVelocities>, kVelocities>;
+
+/// Column k of L D L^T. Bounds known to the compiler, which unrolls.
+template <std::size_t k>
+void eliminate(Matrix& matrix, std::array<double, kVelocities>& diagonal_inverse) {
+  const double inverse = 1.0 / matrix[k][k];
+  diagonal_inverse[k] = inverse;
+  std::array<double, kVelocities> column;
+  for (std::size_t i = k + 1; i < kVelocities; ++i) {
+    column[i] = matrix[i][k];
+  }
+  for (std::size_t i = k + 1; i < kVelocities; ++i) {
+    const double factor = column[i] * inverse;
+    matrix[i][k] = factor;
+    for (std::size_t j = k + 1; j <= i; ++j) {
+      matrix[i][j] -= factor * column[j];
+    }
+  }
+}
+
+template <std::size_t... k>
+void eliminate_all(Matrix& matrix, std::array<double, kVelocities>& diagonal_inverse,
+                   std::index_sequence<k...>) {
+  (eliminate<k>(matrix, diagonal_inverse), ...);
+}
+
+}  // namespace
 
 void VelocitySystem::add_body(const VelocityRow& row, double weight, double impulse) {
   for (std::size_t i = 0; i < kBodyVelocities; ++i) {
@@ -88,30 +119,15 @@ Velocities VelocitySystem::solve(const WheelMatrix& basis, int coordinates) {
     }
   }
 
-  // L D L^T, column by column on the rows below.
   std::array<double, n> diagonal_inverse;
-  for (std::size_t k = 0; k < n; ++k) {
-    const double inverse = 1.0 / matrix[k][k];
-    diagonal_inverse[k] = inverse;
-    for (std::size_t i = k + 1; i < n; ++i) {
-      const double factor = matrix[i][k] * inverse;
-      for (std::size_t j = k + 1; j <= i; ++j) {
-        matrix[i][j] -= factor * matrix[j][k];
-      }
-    }
-    for (std::size_t i = k + 1; i < n; ++i) {
-      matrix[i][k] *= inverse;
-    }
-  }
+  eliminate_all(matrix, diagonal_inverse, std::make_index_sequence<n>());
   Velocities x = right;
-  for (std::size_t i = 1; i < n; ++i) {
-    double sum = x[i];
-    for (std::size_t j = 0; j < i; ++j) {
-      sum -= matrix[i][j] * x[j];
+  for (std::size_t k = 0; k + 1 < n; ++k) {
+    for (std::size_t i = k + 1; i < n; ++i) {
+      x[i] -= matrix[i][k] * x[k];
     }
-    x[i] = sum;
   }
-  for (std::size_t i = n; i-- > 0;) {
+  for (std::size_t i = 0; i < n; ++i) {
     x[i] *= diagonal_inverse[i];
   }
   for (std::size_t i = n; i-- > 1;) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sim/odometry/odometry.h"
+
 namespace rigwire::sim {
 namespace {
 
@@ -142,8 +144,7 @@ VehicleSample WheeledVehicle::vehicle_sample(SimTime time) const {
   sample.time = time;
   for (std::size_t i = 0; i < kWheels; ++i) {
     sample.wheel_rate_radps[i] = wheels_[i].rate_radps;
-    sample.wheel_radius_m[i] =
-        wheels_[i].radius_m > 0.0 ? wheels_[i].radius_m : axle(i / 2).tyre.unloaded_radius_m;
+    sample.wheel_radius_m[i] = static_.wheel_height_m[i / 2];
   }
   sample.tyre_pressure_pa = pressure_pa_;
   sample.tyre_pressure_target_pa = pressure_target_pa_;
@@ -151,6 +152,9 @@ VehicleSample WheeledVehicle::vehicle_sample(SimTime time) const {
   sample.rear_steer_rad = steering_[1].angle_rad();
   sample.brake_share = command_.brake_share;
   sample.parking_brake = command_.parking_brake;
+  const OdometryParameters model{parameters_.front.position_x_m, -parameters_.rear.position_x_m,
+                                 parameters_.front.track_m, OdometryWheels::all};
+  sample.odometry = odometry(model, sample);
   return sample;
 }
 

@@ -67,8 +67,8 @@ class WheeledVehicle : public Machine, public VehiclePort {
   [[nodiscard]] VehiclePort* vehicle_port() final { return this; }
 
   void command(const VehicleCommand& command) final;
-  /// Exact readings, odometry included; what a real sensor makes of them is
-  /// sim/vehicle_sensors' matter.
+  /// Exact readings; what a real sensor makes of them is sim/vehicle_sensors' matter. Radii are
+  /// those of the design position, as a controller has them; odometry is that of B's origin.
   [[nodiscard]] VehicleSample vehicle_sample(SimTime time) const final;
 
   /// Along the body's x, all wheels rolling; for tests and for rigs that begin on the move.

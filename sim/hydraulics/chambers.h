@@ -1,0 +1,88 @@
+// The two oil volumes of one actuator, their valve, and the force that they make of it: pressures
+// as states.
+//
+//     p1' = B / V1 (Q1 - A1 u)        V1 = V_hose + A1 (x - x_min)
+//     p2' = B / V2 (Q2 + A2 u)        V2 = V_hose + A2 (x_max - x)        F = A1 p1 - A2 p2 - c u
+//
+// u: rate of the actuator's coordinate x. The valve is pressure compensated on both edges: the
+// inlet gives the flow asked for as long as it has `inlet_drop_pa` to spend, and less by the
+// orifice law below that; the outlet lets out the flow that belongs to the speed asked for, and
+// a tenth more, as soon as it sees `outlet_drop_pa` (so that an overrunning load does not run
+// away). An orifice's flow goes with the root of the pressure drop, and linearly below 2 bar, where
+// the root's slope would be infinite. Check valves: no oil flows back into the supply, and a
+// chamber below tank pressure draws from the tank. A relief valve per port.
+//
+// A step is linearly implicit in pressure and rate: the force at its end is F = offset - gain u
+// (sim/contact/bristle.h), for the machine's own solve; settle() then takes the rate found. Stable
+// for every step; order 1. The standard lumped model, for example H. E. Merritt, Hydraulic Control
+// Systems, 1967, chapters 3 and 6.
+#pragma once
+
+#include "sim/contact/bristle.h"
+#include "sim/hydraulics/parameters.h"
+#include "sim/hydraulics/supply.h"
+
+namespace rigwire::sim {
+
+/// An actuator between its ends. Areas in m2 (m3/rad for a motor, whose ends are equal: no
+/// stroke).
+struct ActuatorSize {
+  double bottom_area = 0.0;
+  double rod_side_area = 0.0;
+  double x_min = 0.0;
+  double x_max = 0.0;
+};
+
+/// What the valve is asked for during a step.
+struct ValveDemand {
+  double flow_m3ps = 0.0;  ///< Into the driving chamber; positive extends.
+  bool floating = false;   ///< Both chambers to tank.
+  double supply_pressure_pa = 0.0;
+  double tank_pressure_pa = 0.0;
+  double relief_pressure_pa = 0.0;
+};
+
+class ActuatorChambers {
+ public:
+  ActuatorChambers() = default;
+  /// `friction`: c, N s/m or N m s/rad.
+  ActuatorChambers(const ChamberParameters& parameters, const ActuatorSize& size, double friction);
+
+  void set_pressures(const PortPressures& pressures) { pressures_ = pressures; }
+  [[nodiscard]] const PortPressures& pressures() const { return pressures_; }
+  /// What the chambers exert at rest.
+  [[nodiscard]] double force() const;
+  /// The oil's stiffness at x with closed valves, B (A1^2 / V1 + A2^2 / V2).
+  [[nodiscard]] double stiffness(double x) const;
+
+  /// The force of a step of h seconds that starts at x; remembered for settle().
+  [[nodiscard]] ImplicitForce law(double h, double x, const ValveDemand& demand);
+  /// Ends the step with the rate found there.
+  void settle(double rate);
+  /// Into the driving chamber in the last step, signed as the demand.
+  [[nodiscard]] double inlet_flow_m3ps() const { return inlet_flow_; }
+
+ private:
+  /// Inflow of a chamber and its slope by the chamber's pressure.
+  struct Flow {
+    double value = 0.0;
+    double slope = 0.0;
+  };
+  [[nodiscard]] Flow opening_flow(double most, double drop_pa, double full_drop_pa) const;
+  [[nodiscard]] Flow inflow(double pressure_pa, double into_m3ps, double out_m3ps,
+                            const ValveDemand& demand) const;
+
+  ChamberParameters parameters_;
+  ActuatorSize size_;
+  double friction_ = 0.0;
+  PortPressures pressures_;
+  // Of the step between law() and settle(): pressure change = ease (flow - area u).
+  Flow flow_a_;
+  Flow flow_b_;
+  double ease_a_ = 0.0;
+  double ease_b_ = 0.0;
+  double demanded_ = 0.0;
+  double inlet_flow_ = 0.0;
+};
+
+}  // namespace rigwire::sim

@@ -1,0 +1,139 @@
+// Tilting, twisting, hitting with the chassis: dynamics cases 13, 14, 20.
+#include <gtest/gtest.h>
+
+#include "vehicle_rig.h"
+
+namespace rigwire::sim::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+double uphill_load(const BareVehicle& rig) {
+  return rig.machine.wheels()[0].load_n + rig.machine.wheels()[2].load_n;
+}
+
+double roll_of(const LinkMotion& link) {
+  return std::atan2(link.X_WL.linear()(2, 1), link.X_WL.linear()(2, 2));
+}
+
+TEST(VehicleTilt, RigidVehicleUnloadsAsStaticsSay) {
+  const WheeledVehicleParameters parameters = nearly_rigid({});
+  const Eigen::Vector3d centre = static_loads(parameters).center_of_mass_m;
+  const double weight = 9000.0 * kGravity;
+  for (const double degrees : {10.0, 25.0, 35.0}) {
+    const double tilt = degrees * kDegree;
+    const BareVehicle rig(side_slope(tilt, 1.5), parameters);
+    const double expected =
+        weight * (0.5 * std::cos(tilt) - std::sin(tilt) * centre.z() / parameters.front.track_m);
+    EXPECT_NEAR(uphill_load(rig), expected, 0.012 * weight) << degrees;
+  }
+}
+
+TEST(VehicleTilt, SpringsTipItEarlierThanTheRigidAngle) {
+  WheeledVehicleParameters parameters;
+  const double rigid =
+      std::atan(0.5 * parameters.front.track_m / static_loads(parameters).center_of_mass_m.z());
+  EXPECT_NEAR(rigid / kDegree, 38.0, 2.5);
+  const BareVehicle stands(side_slope(0.6 * rigid, 1.5), parameters);
+  EXPECT_GT(uphill_load(stands), 0.0);
+  EXPECT_LT(std::abs(roll_of(stands.machine.links()[0]) - 0.6 * rigid), 12.0 * kDegree);
+  const BareVehicle tips(side_slope(1.02 * rigid, 1.5), parameters);
+  EXPECT_FALSE(tips.machine.non_finite());
+  EXPECT_LT(uphill_load(tips), 1.0);
+}
+
+/// Front left and rear right wheel on blocks.
+Ground diagonal_blocks(double height_m) {
+  HeightField field;
+  field.origin_m = {-50.0, -50.0};
+  field.cell_m = 100.0;
+  field.columns = 2;
+  field.rows = 2;
+  field.heights_m.assign(4, 0.0);
+  std::vector<Obstacle> blocks(2);
+  for (Obstacle& block : blocks) {
+    block.half_lengths_m = {0.8, 0.5, 0.5 * height_m};
+    block.friction = 0.9;
+  }
+  blocks[0].X_WO.translation() = Eigen::Vector3d(3.85, 0.97, 0.5 * height_m);
+  blocks[1].X_WO.translation() = Eigen::Vector3d(0.0, -0.97, 0.5 * height_m);
+  return {std::move(field), SoilMap{}, std::move(blocks)};
+}
+
+TEST(VehicleArticulation, FrameRollsBetweenTheAxlesByTheirStiffness) {
+  WheeledVehicleParameters parameters;
+  parameters.front.beam.roll_bar_nmprad = 9e4;
+  const BareVehicle rig(diagonal_blocks(0.1), parameters);
+  ASSERT_FALSE(rig.machine.non_finite());
+  const double base = 0.5 * 1.6e5 * 1.05 * 1.05;
+  const double front = base + 9e4;
+  const double rear = base;
+  const auto links = rig.machine.links();
+  // The sprung mass leans over its roll axis.
+  const StaticLoads loads = static_loads(parameters);
+  const double above = parameters.body.center_of_mass_m.z() - loads.wheel_height_m[0] -
+                       parameters.front.portal_offset_m - parameters.front.beam.roll_centre_rise_m;
+  const double leaning = parameters.body.mass_kg * kGravity * above;
+  const double expected =
+      (front * roll_of(links[1]) + rear * roll_of(links[2])) / (front + rear - leaning);
+  EXPECT_GT(roll_of(links[1]), 1.0 * kDegree);
+  EXPECT_LT(roll_of(links[2]), -1.0 * kDegree);
+  EXPECT_NEAR(roll_of(links[0]), expected, 0.06 * std::abs(expected) + 1e-4);
+}
+
+TEST(VehicleArticulation, LimiterHoldsAndAWheelLifts) {
+  BareVehicle rig(diagonal_blocks(0.7));
+  rig.machine.step(2s);
+  ASSERT_FALSE(rig.machine.non_finite());
+  const auto& s = rig.machine.suspension();
+  EXPECT_LT(std::abs(s[1]), 32.0 * kDegree);
+  EXPECT_LT(std::abs(s[3]), 17.0 * kDegree);
+  EXPECT_GT(std::abs(s[3]), 10.0 * kDegree);
+  EXPECT_NEAR(rig.total_load(), 9000.0 * kGravity, 0.02 * 9000.0 * kGravity);
+  double least = 1e9;
+  for (const WheelState& wheel : rig.machine.wheels()) {
+    EXPECT_GE(wheel.load_n, 0.0);
+    least = std::min(least, wheel.load_n);
+  }
+  EXPECT_LT(least, 9e3);
+}
+
+TEST(VehicleChassis, UpsideDownItLiesOnItsRoof) {
+  BareVehicle rig(slope(0.0));
+  FullVehicleState state = rig.machine.state();
+  state.q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
+  state.p_WC = {2.0, 0.0, 2.2};
+  rig.machine.set_state(state);
+  rig.machine.step(6s);
+  ASSERT_FALSE(rig.machine.non_finite());
+  EXPECT_LT(rig.machine.links()[0].v_WL_W.norm(), 5e-2);
+  EXPECT_GT(rig.machine.state().p_WC.z(), 0.5);
+  EXPECT_EQ(rig.total_load(), 0.0);
+}
+
+TEST(VehicleMotion, FastYawSpinHasTheCentripetalAcceleration) {
+  WheeledVehicleParameters parameters;
+  parameters.gravity_mps2 = 0.0;
+  parameters.air_drag_ns2pm2 = 0.0;
+  for (VehicleAxleParameters* axle : {&parameters.front, &parameters.rear}) {
+    axle->beam.mass_kg = 1e-6;
+    axle->beam.roll_inertia_kgm2 = 1e-6;
+    axle->beam.pitch_inertia_kgm2 = 1e-6;
+    axle->wheel_spin_inertia_kgm2 = 1e-6;
+  }
+  BareVehicle rig(slope(0.0), parameters);
+  FullVehicleState state = rig.machine.state();
+  state.p_WC.z() += 100.0;
+  state.w_WB_B = {0.0, 0.0, 20.0};
+  rig.machine.set_state(state);
+  rig.machine.step(1s);
+  const LinkMotion& body = rig.machine.links()[0];
+  // B's origin turns about the centre of mass, 2.05 m ahead of it.
+  const Eigen::Vector3d a_B = body.X_WL.linear().transpose() * body.a_WL_W;
+  EXPECT_NEAR(a_B.x(), 400.0 * 2.05, 1e-3);
+  EXPECT_NEAR(a_B.y(), 0.0, 1e-3);
+  EXPECT_NEAR(body.w_WL_W.z(), 20.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace rigwire::sim::test

@@ -17,7 +17,7 @@
 namespace rigwire::field {
 
 struct VehicleWireSettings {
-  std::uint8_t gateway = 0x00;  ///< Source address of the vehicle's gateway.
+  std::uint8_t gateway = 0x27;  ///< Source address of the vehicle's gateway.
   std::uint8_t imu = 0x80;      ///< Source address of the inertial sensor.
   std::uint8_t own = 0x2A;      ///< Address that this program claims.
 };

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <stdexcept>
 
 #include "sim/scene/scene_description.h"
@@ -37,7 +39,24 @@ void add_rocks(const SceneDescription& description, std::uint64_t seed, BuiltSce
   }
 }
 
-/// Trees keep off tracks, and off boxes by their circumscribed circle.
+/// Discs that cover the box's outline and a metre beside it, in a row along its longer side.
+void cover(const BoxObject& box, std::vector<KeepOut>& discs) {
+  constexpr double kBeside_m = 1.0;
+  constexpr double kLeastSpacing_m = 1.0;
+  const bool along_x = box.size_m.x() >= box.size_m.y();
+  const double length = std::max(box.size_m.x(), box.size_m.y());
+  const double width = std::min(box.size_m.x(), box.size_m.y());
+  const double turn = box.yaw_rad + (along_x ? 0.0 : 0.5 * std::numbers::pi);
+  const Eigen::Vector2d along(std::cos(turn), std::sin(turn));
+  const auto count = static_cast<int>(std::ceil(length / std::max(width, kLeastSpacing_m)));
+  const double spacing = length / count;
+  for (int i = 0; i < count; ++i) {
+    discs.push_back({box.position_m.head<2>() + along * (spacing * (i + 0.5) - 0.5 * length),
+                     0.5 * std::hypot(width, spacing) + kBeside_m});
+  }
+}
+
+/// Trees keep off tracks and boxes.
 void add_trees(const SceneDescription& description, const std::vector<LaidTrack>& tracks,
                std::uint64_t seed, BuiltScene& built) {
   std::vector<ClearWay> ways;
@@ -46,7 +65,7 @@ void add_trees(const SceneDescription& description, const std::vector<LaidTrack>
   }
   std::vector<KeepOut> keep_out;
   for (const BoxObject& box : description.boxes) {
-    keep_out.push_back({box.position_m.head<2>(), 0.5 * box.size_m.head<2>().norm() + 1.0});
+    cover(box, keep_out);
   }
   std::size_t number = 0;
   for (const TreeField& field : description.trees) {

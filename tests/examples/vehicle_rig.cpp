@@ -22,6 +22,7 @@ constexpr double kFullBrake_mps2 = 6.0;
 
 emulators::VehicleGatewaySettings settings(VehicleRig::Kind kind) {
   emulators::VehicleGatewaySettings settings;
+  settings.source_address = 0x27;
   if (kind == VehicleRig::Kind::roller) {
     settings.steering = emulators::SteeringLayout::crab;
     settings.wheelbase_m = 3.4;

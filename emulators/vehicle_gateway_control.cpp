@@ -52,7 +52,7 @@ void VehicleControl::advance(SimTime now) {
     const SimTime instant = next_event();
     for (const VehicleRequest source : kRequests) {
       if (deadline_[index(source)] == instant) {
-        lose(source);
+        lose(instant, source);
       }
     }
     compose(instant);
@@ -80,7 +80,7 @@ void VehicleControl::end(VehicleRequest source) {
   lost_[index(source)] = false;
 }
 
-void VehicleControl::lose(VehicleRequest source) {
+void VehicleControl::lose(SimTime now, VehicleRequest source) {
   deadline_[index(source)] = kNever;
   lost_[index(source)] = true;
   count(occurrences_[index(source)]);
@@ -96,7 +96,7 @@ void VehicleControl::lose(VehicleRequest source) {
       asked_.brake_share = 0.0;
       break;
     case VehicleRequest::guidance:
-      fail_guidance(ExitReason::command_timeout);
+      fail_guidance(now, ExitReason::command_timeout);
       break;
     case VehicleRequest::speed:
       asked_.travel_speed_mps = 0.0;
@@ -104,10 +104,13 @@ void VehicleControl::lose(VehicleRequest source) {
   }
 }
 
-void VehicleControl::fail_guidance(ExitReason reason) {
-  guidance_ = Guidance::fault;
+void VehicleControl::fail_guidance(SimTime now, ExitReason reason) {
   guidance_exit_ = reason;
-  deadline_[index(VehicleRequest::guidance)] = kNever;
+  if (guidance_ == Guidance::engaged) {
+    guidance_ = Guidance::fault;
+    deadline_[index(VehicleRequest::guidance)] = kNever;
+    compose(now);
+  }
 }
 
 bool VehicleControl::take(SimTime now, const vehicle::Tsc1& request) {
@@ -145,29 +148,30 @@ bool VehicleControl::take(SimTime now, const vehicle::Tsc1& request) {
 bool VehicleControl::take(SimTime now, const vehicle::Tc1& request) {
   const auto gear = vehicle::gear_of(request.requested_gear);
   const bool park = request.requested_gear == vehicle::kGearPark;
-  const bool exists = gear && *gear >= -settings_.gears_reverse && *gear <= settings_.gears_forward;
-  const bool asks_gear = gear || park;
-  if (exists || park) {
-    asked_.gear = park ? 0 : *gear;
-    asked_.parking_brake = asked_.parking_brake || park;
-    gear_refused_ = false;
-  } else if (asks_gear) {
+  renew(now, VehicleRequest::gearbox);
+  if (gear && (*gear < -settings_.gears_reverse || *gear > settings_.gears_forward)) {
     if (!gear_refused_) {
       count(occurrences_[kGearFault]);
     }
     gear_refused_ = true;
+    compose(now);
+    return false;
   }
-  const auto lock = [](bool& engaged, Switch disengage) {
+  if (gear || park) {
+    asked_.gear = gear.value_or(0);
+    asked_.parking_brake = asked_.parking_brake || park;
+    gear_refused_ = false;
+  }
+  const auto lock = [this](Differential differential, Switch disengage) {
     if (disengage == Switch::off || disengage == Switch::on) {
-      engaged = disengage == Switch::off;
+      asked_.lock[static_cast<std::size_t>(differential)] = disengage == Switch::off;
     }
   };
-  lock(asked_.lock[static_cast<std::size_t>(Differential::front)], request.disengage_front_lock_1);
-  lock(asked_.lock[static_cast<std::size_t>(Differential::centre)], request.disengage_central_lock);
-  lock(asked_.lock[static_cast<std::size_t>(Differential::rear)], request.disengage_rear_lock_1);
-  renew(now, VehicleRequest::gearbox);
+  lock(Differential::front, request.disengage_front_lock_1);
+  lock(Differential::centre, request.disengage_central_lock);
+  lock(Differential::rear, request.disengage_rear_lock_1);
   compose(now);
-  return exists || !asks_gear || park;
+  return true;
 }
 
 bool VehicleControl::take(SimTime now, const vehicle::Xbr& request) {
@@ -201,8 +205,7 @@ bool VehicleControl::take(SimTime now, const vehicle::GuidanceCommand& request) 
         return false;
       }
       if (!std::isfinite(request.curvature_1pm)) {
-        fail_guidance(ExitReason::out_of_range);
-        compose(now);
+        fail_guidance(now, ExitReason::out_of_range);
         return false;
       }
       guidance_ = Guidance::engaged;
@@ -212,10 +215,7 @@ bool VehicleControl::take(SimTime now, const vehicle::GuidanceCommand& request) 
       steer();
       break;
     case Switch::error:
-      if (guidance_ == Guidance::engaged) {
-        fail_guidance(ExitReason::other_error);
-        compose(now);
-      }
+      fail_guidance(now, ExitReason::other_error);
       return false;
     case Switch::not_available:
       return false;
@@ -268,7 +268,13 @@ bool VehicleControl::allows(SteeringMode mode) const {
 }
 
 bool VehicleControl::take(SimTime now, const vehicle::MachineFunctionCommand& request) {
-  bool honoured = true;
+  const auto mode = static_cast<SteeringMode>(request.steering_mode);
+  const bool asks_mode = mode != SteeringMode::not_available;
+  const bool asks_rate = std::isfinite(request.spreader_rate_kgpm2);
+  if ((asks_mode && !allows(mode)) ||
+      (asks_rate && request.spreader_rate_kgpm2 > settings_.maximum_spreader_rate_kgpm2)) {
+    return false;
+  }
   set(asked_.parking_brake, request.parking_brake);
   set(asked_.crawler_group, request.crawler_group);
   set(asked_.vibration[0], request.vibration_front);
@@ -276,30 +282,24 @@ bool VehicleControl::take(SimTime now, const vehicle::MachineFunctionCommand& re
   if (std::isfinite(request.edge_cutter_share)) {
     asked_.edge_cutter_share = std::clamp(request.edge_cutter_share, 0.0, 1.0);
   }
-  if (std::isfinite(request.spreader_rate_kgpm2)) {
-    honoured = request.spreader_rate_kgpm2 <= settings_.maximum_spreader_rate_kgpm2;
-    asked_.spreader_rate_kgpm2 =
-        std::min(request.spreader_rate_kgpm2, settings_.maximum_spreader_rate_kgpm2);
+  if (asks_rate) {
+    asked_.spreader_rate_kgpm2 = request.spreader_rate_kgpm2;
   }
-  const auto mode = static_cast<SteeringMode>(request.steering_mode);
-  bool changed = false;
-  if (mode != SteeringMode::not_available) {
-    honoured = honoured && allows(mode);
-    changed = allows(mode) && mode_ != mode;
-    mode_ = allows(mode) ? mode : mode_;
+  const SteeringMode last_mode = mode_;
+  const double last_angle_rad = crab_angle_rad_;
+  if (asks_mode) {
+    mode_ = mode;
   }
   if (std::isfinite(request.crab_angle_rad)) {
     const double limit_rad =
         std::min(settings_.maximum_front_steer_rad, settings_.maximum_rear_steer_rad);
-    const double angle_rad = std::clamp(request.crab_angle_rad, -limit_rad, limit_rad);
-    changed = changed || angle_rad != crab_angle_rad_;
-    crab_angle_rad_ = angle_rad;
+    crab_angle_rad_ = std::clamp(request.crab_angle_rad, -limit_rad, limit_rad);
   }
-  if (changed) {
+  if (mode_ != last_mode || crab_angle_rad_ != last_angle_rad) {
     steer();
   }
   compose(now);
-  return honoured;
+  return true;
 }
 
 void VehicleControl::steer() {

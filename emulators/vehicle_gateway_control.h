@@ -45,7 +45,8 @@ class VehicleControl {
   void advance(SimTime now);
   [[nodiscard]] SimTime next_event() const;
 
-  // Each returns whether the request is one that the machine can honour.
+  // Each returns whether the request is one that the machine can honour. A message that holds one
+  // that it cannot is refused whole; of a refused gear only the trouble code stays.
   bool take(SimTime now, const protocols::vehicle::Tsc1& request);
   bool take(SimTime now, const protocols::vehicle::Tc1& request);
   bool take(SimTime now, const protocols::vehicle::Xbr& request);
@@ -88,8 +89,8 @@ class VehicleControl {
   [[nodiscard]] Duration timeout(VehicleRequest source) const;
   void renew(SimTime now, VehicleRequest source);
   void end(VehicleRequest source);
-  void lose(VehicleRequest source);
-  void fail_guidance(protocols::vehicle::ExitReason reason);
+  void lose(SimTime now, VehicleRequest source);
+  void fail_guidance(SimTime now, protocols::vehicle::ExitReason reason);
   [[nodiscard]] bool allows(protocols::vehicle::SteeringMode mode) const;
   void steer();
   /// Puts the command together; it counts as changed at `now` when anything differs.

@@ -224,6 +224,7 @@ void SimulatedWorld::record_truth(SimTime t0, SimTime t1, SimTime time) {
   // The machine's fields are those of the step's end, at most one step later than `time`; the tap's
   // periods are whole steps, so that both are the same instant.
   truth_.time = time;
+  truth_.carrier = motion_at({}, t0, t1, time);
   content_.machine->read_truth(truth_.machine);
   truth_.antenna_latitude_deg = std::numeric_limits<double>::quiet_NaN();
   if (!gnss_.empty()) {

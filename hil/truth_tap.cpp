@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -46,10 +47,19 @@ void TruthTap::record(const TruthRecord& record) {
       fmt::format(R"({{"sim_s":{:.9f},"utc":"{}","time_of_hour_us":{:.3f})",
                   to_seconds(record.time), format_utc(calendar_.utc(record.time)),
                   static_cast<double>(calendar_.nanoseconds_of_hour(record.time)) * 1e-3);
+  const Eigen::Quaterniond attitude(record.carrier.X_WL.linear());
+  const std::array<double, 4> wxyz{attitude.w(), attitude.x(), attitude.y(), attitude.z()};
+  const auto put = [&line](std::string_view key, std::span<const double> values) {
+    fmt::format_to(std::back_inserter(line), R"(,"{}":{})", key, list(values));
+  };
+  const auto vector = [](const Eigen::Vector3d& v) { return std::array{v.x(), v.y(), v.z()}; };
+  put("position_m", vector(record.carrier.X_WL.translation()));
+  put("attitude_wxyz", wxyz);
+  put("velocity_mps", vector(record.carrier.v_WL_W));
+  put("rate_radps", vector(record.carrier.w_WL_W));
   std::span<const double> rest(record.machine);
   for (const sim::TruthField& field : fields_) {
-    fmt::format_to(std::back_inserter(line), R"(,"{}":{})", field.key,
-                   list(rest.first(field.count)));
+    put(field.key, rest.first(field.count));
     rest = rest.subspan(field.count);
   }
   if (!std::isnan(record.antenna_latitude_deg)) {

@@ -17,6 +17,7 @@ namespace rigwire::hil {
 /// What is true of the machine at one instant.
 struct TruthRecord {
   SimTime time{};
+  sim::LinkMotion carrier;            ///< Of the machine's first link.
   std::vector<double> machine;        ///< In the order of the machine's truth fields.
   double antenna_latitude_deg = 0.0;  ///< Of the first satellite receiver's antenna; NaN without.
   double antenna_longitude_deg = 0.0;
@@ -24,8 +25,9 @@ struct TruthRecord {
 };
 
 /// Writes one line per record, buffered by the system. A record has: sim_s, utc, time_of_hour_us,
-/// the machine's truth fields (a number, or a list when a field has several), antenna
-/// {latitude_deg, longitude_deg, height_m}.
+/// position_m (east, north, up of the map origin), attitude_wxyz (unit quaternion), velocity_mps
+/// and rate_radps (in the world's axes) of the machine's first link, the machine's truth fields (a
+/// number, or a list when a field has several), antenna {latitude_deg, longitude_deg, height_m}.
 class TruthTap {
  public:
   /// Throws std::runtime_error with path and reason when the file cannot be created.

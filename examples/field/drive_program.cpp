@@ -132,6 +132,9 @@ void DriveProgram::control() {
       break;
   }
   vehicle_.send(can_.bus(), orders_);
+  if (ended_ && vehicle_.readings().parking_brake) {
+    vehicle_.release(can_.bus());
+  }
   report();
   if (ended_) {
     return;
@@ -251,6 +254,8 @@ void DriveProgram::report() {
   line.number("engine_radps", readings.engine_speed_radps, 1);
   line.number("curvature_1pm", readings.curvature_1pm, 5);
   line.boolean("parking_brake", readings.parking_brake);
+  line.whole("steering_resets", static_cast<std::int64_t>(vehicle_.steering_resets()));
+  line.number("odometry_scale_error", estimator_.scale_error(), 4);
   line.open("orders");
   line.number("curvature_1pm", orders_.curvature_1pm, 5);
   line.number("engine_radps", orders_.engine_speed_radps, 1);

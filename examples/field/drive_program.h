@@ -56,7 +56,7 @@ inline constexpr std::string_view kDriveUsage = R"(wires
   --gnss PATH             serial line of the GNSS receiver, NMEA   (/tmp/rigwire/gnss)
   --gnss-baud N           its speed                                (9600)
   --can NAME              vcan0, an slcan adapter's path, or auto  (auto)
-  --gateway ADDRESS       source address of the vehicle's gateway  (0x27)
+  --gateway ADDRESS       source address of the vehicle's gateway  (0x00)
   --imu ADDRESS           source address of the inertial sensor    (0x80)
   --own ADDRESS           address of this program                  (0x2A)
 fitting

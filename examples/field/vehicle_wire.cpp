@@ -70,6 +70,10 @@ void VehicleWire::receive(const protocols::can::Frame& frame) {
       [&](const vehicle::WheelBasedSpeed& m) { take_speed(m.speed_mps, m.forward); });
   take.operator()<vehicle::GuidanceMachineInfo>([&](const vehicle::GuidanceMachineInfo& m) {
     readings_.steering_ready = m.ready == Switch::on;
+    if (m.reset_required == Switch::on && !readings_.steering_needs_reset) {
+      ++steering_resets_;
+    }
+    readings_.steering_needs_reset = m.reset_required == Switch::on;
     if (std::isfinite(m.curvature_1pm)) {
       readings_.curvature_1pm = m.curvature_1pm;
     }
@@ -140,17 +144,20 @@ void VehicleWire::send(drivers::CanBus& bus, const VehicleOrders& orders) {
     brake.acceleration_mps2 = -std::abs(orders.brake_mps2);
     put(brake);
   }
-  if (due(tick, 100)) {
+  if (due(tick, 40)) {
     vehicle::GuidanceCommand guidance;
-    guidance.intended = vehicle::to_switch(orders.curvature_1pm.has_value());
+    guidance.intended =
+        vehicle::to_switch(orders.curvature_1pm.has_value() && !readings_.steering_needs_reset);
     guidance.curvature_1pm = orders.curvature_1pm.value_or(0.0);
     put(guidance);
-    if (orders.travel_speed_mps) {
-      vehicle::MachineSelectedSpeedCommand speed;
-      speed.speed_mps = std::abs(*orders.travel_speed_mps);
-      speed.forward = vehicle::to_switch(*orders.travel_speed_mps >= 0.0);
-      put(speed);
-    }
+  }
+  if (orders.travel_speed_mps && due(tick, 60)) {
+    vehicle::MachineSelectedSpeedCommand speed;
+    speed.speed_mps = std::abs(*orders.travel_speed_mps);
+    speed.forward = vehicle::to_switch(*orders.travel_speed_mps >= 0.0);
+    put(speed);
+  }
+  if (due(tick, 100)) {
     vehicle::MachineFunctionCommand functions;
     functions.parking_brake = vehicle::to_switch(orders.parking_brake);
     if (orders.steering_mode) {
@@ -163,6 +170,17 @@ void VehicleWire::send(drivers::CanBus& bus, const VehicleOrders& orders) {
     }
     put(functions);
   }
+}
+
+void VehicleWire::release(drivers::CanBus& bus) const {
+  const auto put = [&](const auto& message) {
+    (void)bus.send(vehicle::encode(message, settings_.own, settings_.gateway));
+  };
+  put(vehicle::Tsc1{});
+  put(vehicle::Xbr{});
+  vehicle::GuidanceCommand guidance;
+  guidance.intended = Switch::off;
+  put(guidance);
 }
 
 }  // namespace rigwire::field

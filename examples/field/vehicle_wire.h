@@ -17,7 +17,7 @@
 namespace rigwire::field {
 
 struct VehicleWireSettings {
-  std::uint8_t gateway = 0x27;  ///< Source address of the vehicle's gateway.
+  std::uint8_t gateway = 0x00;  ///< Source address of the vehicle's gateway.
   std::uint8_t imu = 0x80;      ///< Source address of the inertial sensor.
   std::uint8_t own = 0x2A;      ///< Address that this program claims.
 };
@@ -33,6 +33,7 @@ struct VehicleReadings {
   bool shifting = false;
   bool parking_brake = false;
   bool steering_ready = false;
+  bool steering_needs_reset = false;  ///< It was not commanded for too long, and has let go.
 };
 
 struct VehicleOrders {
@@ -67,6 +68,11 @@ class VehicleWire {
 
   /// To be called every kTick_ms: sends what is due.
   void send(drivers::CanBus& bus, const VehicleOrders& orders);
+  /// Ends the requests properly, so that their end is no fault to the gateway: for a machine that
+  /// is parked.
+  void release(drivers::CanBus& bus) const;
+  /// How often steering had let go and was asked to begin anew.
+  [[nodiscard]] std::uint64_t steering_resets() const { return steering_resets_; }
   /// Announces the own address.
   void claim(drivers::CanBus& bus) const;
 
@@ -80,6 +86,7 @@ class VehicleWire {
   int yaw_count_ = 0;
   double yaw_rate_radps_ = 0.0;
   std::uint64_t ticks_ = 0;
+  std::uint64_t steering_resets_ = 0;
 };
 
 }  // namespace rigwire::field

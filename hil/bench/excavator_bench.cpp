@@ -234,11 +234,16 @@ double reference_pose_error_rad(double reference_step_s) {
   return (points.back() - simbody).cwiseAbs().maxCoeff();
 }
 
-ExcavatorStepCost measure_excavator_step(int steps) {
+ExcavatorStepCost measure_excavator_step(int steps, sim::ExcavatorLevel level,
+                                         sim::ExcavatorCarrier carrier) {
   if (steps < 1) {
     throw std::invalid_argument(fmt::format("excavator step: found {}, allowed >= 1", steps));
   }
-  sim::Excavator machine(sim::ExcavatorParameters{}, Eigen::Isometry3d::Identity());
+  sim::ExcavatorParameters parameters;
+  parameters.level = level;
+  parameters.carrier = carrier;
+  const sim::Ground ground;
+  sim::Excavator machine(parameters, Eigen::Isometry3d::Identity(), &ground);
   std::vector<double> spans_us;
   spans_us.reserve(static_cast<std::size_t>(steps));
   for (int i = 0; i < steps; ++i) {

@@ -50,8 +50,10 @@ struct ExcavatorStepCost {
   double median_us = 0.0;
   double p999_us = 0.0;  ///< A late step is a failure whatever the median.
 };
-/// Moves all four functions for `steps` steps of 1 ms. Wall time of one call each.
-[[nodiscard]] ExcavatorStepCost measure_excavator_step(int steps = 20000);
+/// Moves all four functions for `steps` steps of 1 ms, on level ground. Wall time of one call each.
+[[nodiscard]] ExcavatorStepCost measure_excavator_step(
+    int steps = 20000, sim::ExcavatorLevel level = sim::ExcavatorLevel::dynamic,
+    sim::ExcavatorCarrier carrier = sim::ExcavatorCarrier::fixed);
 
 /// How stiff the drives may be at a step of 1 ms, and what the scheme makes of it there.
 struct StiffestDrive {

@@ -76,6 +76,27 @@ nlohmann::json bench_excavator(std::ostream& text) {
   json["step_us"] = {{"median", cost.median_us}, {"p999", cost.p999_us}};
   text << fmt::format("\nwhole machine, one step of 1 ms: median {:.2f} us, p99.9 {:.2f} us\n",
                       cost.median_us, cost.p999_us);
+
+  struct Variant {
+    const char* name;
+    sim::ExcavatorLevel level;
+    sim::ExcavatorCarrier carrier;
+  };
+  using Level = sim::ExcavatorLevel;
+  using Carrier = sim::ExcavatorCarrier;
+  for (const Variant& variant :
+       {Variant{"kinematic", Level::kinematic, Carrier::fixed},
+        Variant{"quasi_static", Level::quasi_static, Carrier::fixed},
+        Variant{"dynamic", Level::dynamic, Carrier::fixed},
+        Variant{"chambers", Level::chambers, Carrier::fixed},
+        Variant{"dynamic, moving carrier", Level::dynamic, Carrier::moving},
+        Variant{"chambers, moving carrier", Level::chambers, Carrier::moving}}) {
+    const ExcavatorStepCost each = measure_excavator_step(10000, variant.level, variant.carrier);
+    json["levels"].push_back(
+        {{"name", variant.name}, {"median_us", each.median_us}, {"p999_us", each.p999_us}});
+    text << fmt::format("  {:<26} median {:.2f} us, p99.9 {:.2f} us\n", variant.name,
+                        each.median_us, each.p999_us);
+  }
   return json;
 }
 

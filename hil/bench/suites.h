@@ -10,6 +10,7 @@ nlohmann::json bench_rig(std::ostream& text);
 nlohmann::json bench_pacing(std::ostream& text);
 nlohmann::json bench_lidar(std::ostream& text);
 nlohmann::json bench_excavator(std::ostream& text);
+nlohmann::json bench_dynamics(std::ostream& text);
 nlohmann::json bench_encoding(std::ostream& text);
 
 }  // namespace rigwire::hil

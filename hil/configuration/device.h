@@ -243,8 +243,27 @@ void visit(Visitor& v, AccelerometerParameters& accelerometer) {
   visit_errors(v, p);
 }
 
+inline constexpr std::array<Choice<sim::ImuPart>, 5> kImuParts{
+    {{sim::ImuPart::perfect, "perfect", "No error at all."},
+     {sim::ImuPart::openimu300, "openimu300", "Class of the ACEINNA OpenIMU300."},
+     {sim::ImuPart::adis16470, "adis16470", "Analog Devices ADIS16470."},
+     {sim::ImuPart::mti300, "mti300", "Xsens MTi-300."},
+     {sim::ImuPart::mti30, "mti30", "Xsens MTi-30."}}};
+inline constexpr std::array<Choice<sim::ImuAcceleration>, 2> kImuAccelerations{
+    {{sim::ImuAcceleration::solver, "solver", "That of the machine's equations."},
+     {sim::ImuAcceleration::velocity_difference, "velocity_difference",
+      "The paper's: change of velocity between two samples."}}};
+
 template <class Visitor>
 void visit(Visitor& v, sim::ImuParameters& p) {
+  // A part sets all the others; keys beside it are read after it and count more. Printing visits
+  // with the part already chosen and changes nothing.
+  const sim::ImuPart before = p.part;
+  v.choice("part", p.part, kImuParts, "Set of parameters that the other keys change.");
+  if (p.part != before) {
+    p = sim::parameters_of(p.part);
+  }
+  v.choice("acceleration", p.acceleration, kImuAccelerations, "Where accelerations come from.");
   GyroscopeParameters gyroscope{&p.gyroscope};
   AccelerometerParameters accelerometer{&p.accelerometer};
   v.section("gyroscope", gyroscope, "Errors of the angular rates.");

@@ -21,7 +21,7 @@ void visit(Visitor& v, sim::BucketSoilParameters& p) {
            "Between the floor at the teeth and the line from pin to teeth.");
   v.number("edge_resistance", p.edge_resistance_pa, in("kPa").between(0, 1e6),
            "Of the teeth, force over width times depth.");
-  v.number("ramp_speed", p.ramp_speed_mps, in("mm/s").between(0.1, 1000),
+  v.number("ramp_speed", p.ramp_speed_mps, in("mm/s").between(0.01, 1000),
            "Of the edge, at which the soil's full resistance acts.");
   v.number("outflow_time", p.outflow_time_s, in("ms").above(0).at_most(100000),
            "In which all but 1/e of the soil that cannot stay runs out.");

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "hil/configuration/fields.h"
+#include "hil/configuration/tyre.h"
 #include "hil/configuration/units.h"
 #include "sim/excavator/parameters.h"
 
@@ -96,6 +97,15 @@ void visit(Visitor& v, sim::ExcavatorPose& p) {
 }
 
 template <class Visitor>
+void visit(Visitor& v, sim::CarrierParameters& p) {
+  v.number("wheelbase", p.wheelbase_m, in("m").above(0),
+           "Half before, half behind the swing axis.");
+  v.number("track", p.track_m, in("m").above(0), "Between the tyres' middles.");
+  v.number("tyre_pressure", p.tyre_pressure_pa, in("MPa").above(0), "Of all tyres.");
+  v.section("tyre", p.tyre, "One tyre; twins count as one.");
+}
+
+template <class Visitor>
 void visit(Visitor& v, sim::ChamberParameters& p) {
   v.number("bulk_modulus", p.bulk_modulus_pa, in("MPa").above(0), "Of oil with some air, hoses.");
   v.number("hose_volume", p.hose_volume_m3, plain().above(0), "m3 per side, dead volume included.");
@@ -154,6 +164,7 @@ void visit(Visitor& v, sim::ExcavatorParameters& p) {
   v.section("chambers", p.chambers, "Oil of level chambers.");
   v.choice("level", p.level, kExcavatorLevels, "How much of the drives is modelled.");
   v.choice("carrier", p.carrier, kExcavatorCarriers, "What the undercarriage does.");
+  v.section("wheels", p.wheels, "What a moving carrier stands on, its brakes locked.");
   v.choice("scheme", p.scheme, kIntegrationSchemes, "How the arm's equations are stepped.");
   v.number("step", p.step_s, in("ms").above(0).at_most(100), "Longest inner step of the arm.");
   v.number("gravity", p.gravity_mps2, in("m/s2").at_least(0), "Downwards.");

@@ -9,11 +9,13 @@
 #include <vector>
 
 #include "hil/configuration/digging.h"
+#include "hil/configuration/driveline.h"
 #include "hil/configuration/excavator.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/roller.h"
 #include "hil/configuration/shapes.h"
 #include "hil/configuration/units.h"
+#include "hil/configuration/wheeled_vehicle.h"
 #include "sim/samples/vector3.h"
 
 namespace rigwire::hil {
@@ -24,15 +26,20 @@ struct ExcavatorMachine {
   bool digs = true;  ///< Else the bucket passes through the ground.
   sim::DiggingParameters digging;
 };
+struct WheeledMachine {
+  sim::WheeledVehicleParameters wheeled;
+  sim::DrivelineParameters driveline;
+};
 struct RollerMachine {
   sim::RollerParameters roller;
 };
 
-using MachineSettings = std::variant<ExcavatorMachine, RollerMachine>;
+using MachineSettings = std::variant<ExcavatorMachine, WheeledMachine, RollerMachine>;
 
 /// The names of the `type` key, in the order of MachineSettings.
-inline constexpr std::array<Alternative, 2> kMachineTypes{
+inline constexpr std::array<Alternative, 3> kMachineTypes{
     {{"excavator", "Swing, boom, stick and bucket."},
+     {"wheeled", "Two axles, beams or independent wheels, and a drive line."},
      {"tandem_roller", "Two drums, each on a pivot that steers."}}};
 
 /// A shape fixed to a link.
@@ -59,6 +66,12 @@ void visit(Visitor& v, ExcavatorMachine& p) {
   v.section("excavator", p.excavator, "Masses, pins, cylinders, hydraulics, drives.");
   v.boolean("digs", p.digs, "Else the bucket passes through the ground.");
   v.section("digging", p.digging, "The bucket as a tool, and the ground's limits.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, WheeledMachine& p) {
+  v.section("wheeled", p.wheeled, "Body, axles, tyres, steering, brakes.");
+  v.section("driveline", p.driveline, "Engine to wheels.");
 }
 
 template <class Visitor>

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "hil/configuration/fields.h"
+#include "hil/configuration/soil.h"
 #include "hil/configuration/units.h"
 #include "sim/scene/scene_description.h"
 
@@ -224,6 +225,7 @@ void visit(Visitor& v, SceneConfiguration& p) {
   TerrainSection terrain{&p.description.terrain};
   v.section("terrain", terrain, "The ground.");
   v.list("tracks", p.description.tracks, "Ways carved into the ground.");
+  v.list("soils", p.description.soils, "What the ground is made of; the first lies everywhere.");
   v.list("soil_regions", p.description.soil_regions, "Where another soil lies than around.");
   v.list("rocks", p.description.rocks, "Fields of rocks.");
   v.list("trees", p.description.trees, "Forests.");

@@ -30,6 +30,8 @@ void visit(Visitor& v, sim::VehicleSensorParameters& p) {
             "Of a wheel's encoder; 0 = continuous.");
   v.number("gate", p.gate_s, in("ms").above(0), "Time over which ticks are counted.");
   v.number("dead_rate", p.dead_rate_radps, in("rad/s").at_least(0), "No ticks below.");
+  v.number("known_radius", p.known_radius_m, in("m").at_least(0),
+           "The controller's wheel radius at every pressure; 0 = the true one.");
   v.number("radius_error", p.radius_error, in("%").between(0, 20),
            "Standard deviation of the radius that the controller knows.");
   v.number("steer_offset", p.steer_offset_rad, in("deg").at_least(0), "Standard deviation.");

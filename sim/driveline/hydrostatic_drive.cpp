@@ -64,7 +64,14 @@ HydrostaticDrive::HydrostaticDrive(const HydrostaticDriveParameters& parameters,
 void HydrostaticDrive::begin(double h) {
   const HydrostaticDriveParameters& p = parameters_;
   const double wanted = std::clamp(demand_.travel_speed_mps, -p.speed_max_mps, p.speed_max_mps);
-  set_point_mps_ += std::clamp(wanted - set_point_mps_, -p.ramp_mps2 * h, p.ramp_mps2 * h);
+  const double away = wanted - set_point_mps_;
+  const double ramp_s = std::min(h, std::abs(away) / p.ramp_mps2);
+  // Over the step: the ramp's mean while it lasts, then its end.
+  const double after = std::abs(away) <= p.ramp_mps2 * h
+                           ? wanted
+                           : set_point_mps_ + std::copysign(p.ramp_mps2 * h, away);
+  mean_set_point_mps_ = after - (after - set_point_mps_) * 0.5 * ramp_s / h;
+  set_point_mps_ = after;
 
   const double governor =
       std::clamp(demand_.engine_speed_radps, p.engine_idle_radps, p.engine_rated_radps);

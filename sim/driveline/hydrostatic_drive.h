@@ -88,6 +88,8 @@ class HydrostaticDrive {
 
   /// After its ramp: what the pump is asked for.
   [[nodiscard]] double set_point_mps() const { return set_point_mps_; }
+  /// Over the last step.
+  [[nodiscard]] double mean_set_point_mps() const { return mean_set_point_mps_; }
   /// Loop pressure difference, driving forward positive; the mean of two circuits.
   [[nodiscard]] double pressure_pa() const;
   /// What a gauge on the high side reads.
@@ -106,6 +108,7 @@ class HydrostaticDrive {
   double radius_m_;
   HydrostaticDemand demand_;
   double set_point_mps_ = 0.0;
+  double mean_set_point_mps_ = 0.0;
   double swash_ = 0.0;  ///< -1 .. 1, before the torque limit.
   double limited_swash_ = 0.0;
   double engine_speed_radps_;

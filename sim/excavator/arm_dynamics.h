@@ -35,6 +35,14 @@ class ArmDynamics {
     Eigen::Vector3d alpha_CB_C = Eigen::Vector3d::Zero();
   };
 
+  /// A link's mass moments about its origin, in its own frame.
+  struct Moments {
+    double mass_kg = 0.0;
+    Eigen::Vector3d first_kgm = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d second_kgm2 = Eigen::Matrix3d::Zero();  ///< Integral of r r^T.
+  };
+  [[nodiscard]] static Moments moments_of(const RigidBodyParameters& body);
+
   /// `gravity_C_mps2`: the acceleration of free fall in the undercarriage's frame.
   ArmDynamics(const ExcavatorParameters& parameters, const Eigen::Vector3d& gravity_C_mps2);
 
@@ -51,6 +59,9 @@ class ArmDynamics {
 
   /// Torques that hold the arm still at q: the bias without velocity.
   [[nodiscard]] JointVector gravity_load(const JointVector& q_rad) const;
+
+  /// Upper, boom, stick, bucket with what it carries.
+  [[nodiscard]] const std::array<Moments, kArmJoints>& moments() const { return links_; }
 
   /// Joules; the potential is zero at the undercarriage's origin.
   [[nodiscard]] double kinetic_energy_j(const JointVector& q_rad, const JointVector& v_radps) const;
@@ -70,13 +81,6 @@ class ArmDynamics {
   [[nodiscard]] Eigen::Vector3d tip_C(const JointVector& q_rad) const;
 
  private:
-  /// A link's mass moments about its origin, in its own frame.
-  struct Moments {
-    double mass_kg = 0.0;
-    Eigen::Vector3d first_kgm = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d second_kgm2 = Eigen::Matrix3d::Zero();  ///< Integral of r r^T.
-  };
-  static Moments moments_of(const RigidBodyParameters& body);
   /// What evaluate() needs of boom, stick and bucket, each with everything that hangs on it at the
   /// pin at its end.
   struct Chain {

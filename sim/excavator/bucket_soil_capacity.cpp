@@ -32,8 +32,8 @@ void validate(const BucketSoilParameters& p, double bucket_tip_m) {
           "0 to 1.57 rad");
   require(p.edge_resistance_pa >= 0.0 && p.edge_resistance_pa <= 1e9, "edge_resistance_pa",
           p.edge_resistance_pa, "0 to 1e9");
-  require(p.ramp_speed_mps >= 1e-4 && p.ramp_speed_mps <= 1.0, "ramp_speed_mps", p.ramp_speed_mps,
-          "1e-4 to 1 m/s");
+  require(p.ramp_speed_mps >= 1e-5 && p.ramp_speed_mps <= 1.0, "ramp_speed_mps", p.ramp_speed_mps,
+          "1e-5 to 1 m/s");
   require(p.outflow_time_s > 0.0 && p.outflow_time_s <= 100.0, "outflow_time_s", p.outflow_time_s,
           "above 0, to 100 s");
   require(p.pour_radius_m >= 0.0 && p.pour_radius_m <= 10.0, "pour_radius_m", p.pour_radius_m,

@@ -15,7 +15,7 @@ struct BucketSoilParameters {
   double heap_repose_rad = 0.6458;   ///< Steepest slope of the soil on top; sets the heap.
   double lip_angle_rad = 0.60;       ///< Between the floor at the teeth and the bucket's x.
   double edge_resistance_pa = 2e4;   ///< Of the teeth: force over width times depth.
-  double ramp_speed_mps = 0.005;     ///< Of the edge at which the soil's full resistance acts.
+  double ramp_speed_mps = 2e-4;      ///< Of the edge at which the soil's full resistance acts.
   double outflow_time_s = 0.35;      ///< In which all but 1/e of what cannot stay leaves.
   double pour_radius_m = 0.40;       ///< Of the cone in which soil lands.
   double hard_stiffness_npm = 2e7;   ///< Teeth on rock.

@@ -9,8 +9,9 @@ namespace rigwire::sim {
 namespace {
 
 constexpr double kStopDampingRatio = 0.5;
-// Four relief valves, four stops (on and off) and the load's resistances switch at most once each.
-constexpr int kPassesMax = 12 + static_cast<int>(kTipResistances);
+constexpr int kSwitchesMax = 4;  // Of one resistance: to a limit, back, to a limit, back.
+// Four relief valves and four stops (on and off) switch at most once each.
+constexpr int kPassesMax = 12 + kSwitchesMax * static_cast<int>(kTipResistances);
 
 // L D L^T of a symmetric positive definite matrix, unrolled: about a third of what a general
 // factorisation of this size costs.
@@ -251,6 +252,7 @@ ArmStep DrivenArm::advance(double h, const ArmPose& at, const DriveLaws& laws,
   std::array<int, kArmJoints> clamped{};  // -1 at the least force, 1 at the greatest, 0 free.
   std::array<StopState, kArmJoints> stops{};
   std::array<int, kTipResistances> yielded{};
+  std::array<int, kTipResistances> switches{};
   ArmStep result;
   JointVector& a = result.acceleration_radps2;
   for (int pass = 0; pass < kPassesMax; ++pass) {
@@ -314,14 +316,19 @@ ArmStep DrivenArm::advance(double h, const ArmPose& at, const DriveLaws& laws,
     }
     for (std::size_t i = 0; i < load.resistance_count; ++i) {
       const ArmLoad::Resistance& each = load.resistances[i];
-      if (yielded[i] == 0) {
-        double& force = result.resistance_n[i];
-        force = each.offset - each.gain * each.jacobian.dot(state.v_radps + h * a);
-        yielded[i] = force > each.limit ? 1 : force < -each.limit ? -1 : 0;
-        if (yielded[i] != 0) {
-          force = yielded[i] * each.limit;
-          changed = true;
-        }
+      double& force = result.resistance_n[i];
+      const double free = each.offset - each.gain * each.jacobian.dot(state.v_radps + h * a);
+      const int beyond = free > each.limit ? 1 : free < -each.limit ? -1 : 0;
+      force = yielded[i] == 0 ? free : yielded[i] * each.limit;
+      // One that yielded before a relief valve opened may hold again after it: without the way
+      // back it would push at its limit along the motion. The way from one limit to the other
+      // leads through holding.
+      if (beyond != yielded[i] && switches[i] < kSwitchesMax) {
+        ++switches[i];
+        yielded[i] = yielded[i] == 0 ? beyond : 0;
+        changed = true;
+      } else if (yielded[i] == 0) {
+        force = std::clamp(free, -each.limit, each.limit);
       }
     }
     if (!changed) {

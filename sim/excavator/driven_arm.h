@@ -140,6 +140,11 @@ class DrivenArm {
   /// Eq. 5 as a law of one step of h seconds that ends with this target and rate.
   [[nodiscard]] DriveLaws laws(const ArmPose& at, double h, const JointVector& target,
                                const JointVector& rate) const;
+  /// A cylinder's end stop (joint 1 .. 3) in its rate at the step's end; to be kept from pulling.
+  [[nodiscard]] ImplicitForce stop_law(int joint, bool low, double h, double x) const;
+  /// Lengths at which the stops begin, without bounds for swing.
+  [[nodiscard]] const JointVector& length_least_m() const { return length_least_; }
+  [[nodiscard]] const JointVector& length_greatest_m() const { return length_greatest_; }
   /// One step of linearly_implicit_euler, h > 0, from the pose of state.q_rad with any laws, and
   /// with end stops and the load.
   ArmStep advance(double h, const ArmPose& at, const DriveLaws& laws, ArmState& state) const;
@@ -154,7 +159,6 @@ class DrivenArm {
                            ArmState& state) const;
   ArmStep step_runge_kutta4(double time_s, double h, const TargetMotion& targets,
                             ArmState& state) const;
-  [[nodiscard]] ImplicitForce stop_law(int joint, bool low, double h, double x) const;
   [[nodiscard]] ArmStep at_end(const ArmState& state, const JointVector& target,
                                const JointVector& rate) const;
   /// Generalised force -bias + J F + J F_stop, with M, and the gains that act at this state.

@@ -46,7 +46,8 @@ Eigen::Index row(std::size_t section) {
 
 }  // namespace
 
-Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometry3d& X_WC)
+Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometry3d& X_WC,
+                     const Ground* ground)
     : parameters_(validated(parameters)),
       X_WC_(rigid(X_WC)),
       arm_(parameters, gravity_in(X_WC, parameters.gravity_mps2)),
@@ -109,7 +110,26 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
                                               parameters.supply.tank_pressure_pa));
   }
   update_pressures();
+  if (parameters.carrier == ExcavatorCarrier::moving) {
+    if (ground == nullptr) {
+      throw std::invalid_argument("excavator: carrier moving needs a ground to stand on");
+    }
+    carried_.emplace(parameters, *ground, X_WC);
+    settle_on_tyres();
+  }
   update_links();
+}
+
+void Excavator::settle_on_tyres() {
+  constexpr double kSettle_s = 5.0;
+  constexpr double kStep_s = 2e-3;
+  for (int i = 0; i < static_cast<int>(kSettle_s / kStep_s) && !non_finite_; ++i) {
+    inner_step(kStep_s);
+  }
+  state_.v_radps.setZero();
+  acceleration_.setZero();
+  position_rate_.setZero();
+  carried_->place(X_WC_);
 }
 
 void Excavator::command(const ValveCommand& command) {
@@ -139,6 +159,10 @@ void Excavator::step(Duration span) {
 }
 
 void Excavator::update_links() {
+  if (carried_) {
+    links_ = carried_->motion(state_);
+    return;
+  }
   const Eigen::Matrix3d R_WC = X_WC_.linear();
   links_[0].X_WL = X_WC_;
   const auto motion = arm_.dynamics().motion(state_.q_rad, state_.v_radps, acceleration_);

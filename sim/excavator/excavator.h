@@ -7,9 +7,10 @@
 // empty. A positive opening turns left, lifts the boom, and draws in stick and bucket: it sends oil
 // to port A and extends the cylinder.
 //
-// The undercarriage stands still where it is put. What the ground does to the bucket comes from
-// outside: set_bucket_force, set_bucket_resistances (bucket_load.h).
-// Deterministic: the same parameters, commands and calls give the same bits on one compiler.
+// The undercarriage stands still where it is put, or on its tyres (ExcavatorCarrier,
+// carried_arm.h). What the ground does to the bucket comes from outside: set_bucket_force,
+// set_bucket_resistances (bucket_load.h). Deterministic: the same parameters, commands and calls
+// give the same bits on one compiler.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -20,6 +21,7 @@
 #include <string_view>
 
 #include "sim/excavator/bucket_load.h"
+#include "sim/excavator/carried_arm.h"
 #include "sim/excavator/driven_arm.h"
 #include "sim/excavator/parameters.h"
 #include "sim/hydraulics/chambers.h"
@@ -43,7 +45,10 @@ class Excavator final : public Machine, public ValvePort {
   /// X_WC: the undercarriage's pose in the world. The machine starts at rest in parameters.initial,
   /// valves closed, drives carrying the load. Throws std::invalid_argument as validate does, and
   /// when X_WC is not a finite rigid pose.
-  Excavator(const ExcavatorParameters& parameters, const Eigen::Isometry3d& X_WC);
+  /// With carrier moving `ground` must be given and outlive the machine, which first sinks into its
+  /// tyres from X_WC with the arm held (5 s, before time 0).
+  Excavator(const ExcavatorParameters& parameters, const Eigen::Isometry3d& X_WC,
+            const Ground* ground = nullptr);
 
   /// New spool set points, valid until the next. A section whose opening is not a number keeps its
   /// old set point and is counted; openings outside -1 .. 1 are clamped.
@@ -123,6 +128,8 @@ class Excavator final : public Machine, public ValvePort {
   [[nodiscard]] std::uint64_t refused_commands() const { return refused_commands_; }
 
   [[nodiscard]] const DrivenArm& arm() const { return arm_; }
+  /// Nothing on a fixed carrier.
+  [[nodiscard]] const CarriedArm* carried() const { return carried_ ? &*carried_ : nullptr; }
   [[nodiscard]] const Linkages& linkages() const { return arm_.linkages(); }
 
  private:
@@ -142,6 +149,9 @@ class Excavator final : public Machine, public ValvePort {
   void step_quasi_static(double h, const JointVector& rate);
   void step_dynamic(double h, const JointVector& rate);
   void step_chambers(double h);
+  /// One solve of the arm with its carrier, whichever it is.
+  ArmStep advance(double h, const DriveLaws& laws, ArmState& next);
+  void settle_on_tyres();
   /// Takes what the solve found unless it is not finite.
   [[nodiscard]] bool accept(const ArmState& next, const ArmStep& step);
   /// The bucket's load as torques of the joints, in the pose of now.
@@ -155,6 +165,7 @@ class Excavator final : public Machine, public ValvePort {
   ExcavatorParameters parameters_;
   Eigen::Isometry3d X_WC_;
   DrivenArm arm_;
+  std::optional<CarriedArm> carried_;
   DriveGains closed_gains_;  ///< Gains with no section floating.
   JointVector rigid_gain_;   ///< Of level quasi_static, N s/m.
   std::array<ActuatorChambers, kArmJoints> chambers_;

@@ -23,7 +23,7 @@ void Excavator::inner_step(double h) {
     spool.step(h);
   }
   share_flow();
-  if (!bucket_load_.empty()) {
+  if (!bucket_load_.empty() && !carried_) {
     place_bucket_load();
   }
   switch (parameters_.level) {
@@ -109,7 +109,7 @@ void Excavator::step_quasi_static(double h, const JointVector& rate) {
     laws.force[i] = {gain * wanted, gain};
   }
   ArmState next = state_;
-  const ArmStep step = arm_.advance(h, pose_, laws, next);
+  const ArmStep step = advance(h, laws, next);
   if (!accept(next, step)) {
     return;
   }
@@ -124,7 +124,7 @@ void Excavator::step_dynamic(double h, const JointVector& rate) {
   ArmStep step;
   if (parameters_.scheme == IntegrationScheme::linearly_implicit_euler) {
     const DriveLaws laws = arm_.laws(pose_, h, target_ + h * rate, rate);
-    step = arm_.advance(h, pose_, laws, next);
+    step = advance(h, laws, next);
   } else {
     LinearTargets targets;
     targets.start = target_;
@@ -158,7 +158,7 @@ void Excavator::step_chambers(double h) {
   }
   ArmState next = state_;
   const JointVector lever = pose_.lever;
-  const ArmStep step = arm_.advance(h, pose_, laws, next);
+  const ArmStep step = advance(h, laws, next);
   const JointVector rate = lever.cwiseProduct(next.v_radps);
   if (!accept(next, step)) {
     return;
@@ -170,9 +170,17 @@ void Excavator::step_chambers(double h) {
   }
 }
 
+ArmStep Excavator::advance(double h, const DriveLaws& laws, ArmState& next) {
+  return carried_ ? carried_->step(h, arm_, pose_, laws, bucket_load_, next)
+                  : arm_.advance(h, pose_, laws, next);
+}
+
 bool Excavator::accept(const ArmState& next, const ArmStep& step) {
   if (record_non_finite(next, step.acceleration_radps2)) {
     return false;
+  }
+  if (carried_) {
+    X_WC_ = carried_->X_WC();
   }
   state_ = next;
   acceleration_ = step.acceleration_radps2;
@@ -210,6 +218,9 @@ bool Excavator::record_non_finite(const ArmState& state, const JointVector& acce
   check("joint acceleration", acceleration);
   check("joint rate", state.v_radps);
   check("joint angle", state.q_rad);
+  if (!non_finite_ && carried_ && !carried_->finite()) {
+    non_finite_ = NonFinite{"pose or velocity", "undercarriage", time_};
+  }
   return non_finite_.has_value();
 }
 

@@ -157,6 +157,13 @@ void validate(const ExcavatorParameters& p) {
   require(p.drives.cushion >= 0.0 && p.drives.cushion <= 0.25, "drives.cushion", p.drives.cushion,
           "0 .. 0.25 of the stroke");
   validate(p.chambers, "chambers");
+  require_positive("wheels.wheelbase_m", p.wheels.wheelbase_m);
+  require_positive("wheels.track_m", p.wheels.track_m);
+  require_positive("wheels.tyre_pressure_pa", p.wheels.tyre_pressure_pa);
+  validate(p.wheels.tyre, "wheels.tyre");
+  if (p.carrier == ExcavatorCarrier::moving && p.level == ExcavatorLevel::kinematic) {
+    refuse("carrier", "moving", "fixed where level is kinematic: without forces nothing rocks");
+  }
   if (p.scheme != IntegrationScheme::linearly_implicit_euler &&
       (p.level != ExcavatorLevel::dynamic || p.carrier != ExcavatorCarrier::fixed)) {
     refuse("scheme", "another than linearly_implicit_euler",

@@ -20,6 +20,7 @@
 #include <numbers>
 
 #include "sim/hydraulics/parameters.h"
+#include "sim/tyre/tyre.h"
 
 namespace rigwire::sim {
 
@@ -40,6 +41,18 @@ enum class ExcavatorLevel {
 enum class ExcavatorCarrier {
   fixed,   ///< Stands still where it was put.
   moving,  ///< Stands on its tyres: rocks, slides, tips.
+};
+
+/// What a moving undercarriage stands on: four wheels with their brakes locked, axles rigid.
+struct CarrierParameters {
+  double wheelbase_m = 2.70;  ///< Wheels at half of it before and behind the swing axis.
+  double track_m = 2.00;      ///< Between the middles of left and right tyres (twins as one).
+  double tyre_pressure_pa = 7.0e5;
+  TyreParameters tyre{.unloaded_radius_m = 0.53,
+                      .width_m = 0.50,
+                      .rim_radius_m = 0.254,
+                      .vertical_damping_nspm = 1.5e4,
+                      .reference_load_n = 4.5e4};
 };
 
 /// One rigid link.
@@ -131,6 +144,7 @@ struct ExcavatorParameters {
   ChamberParameters chambers;
   ExcavatorLevel level = ExcavatorLevel::dynamic;
   ExcavatorCarrier carrier = ExcavatorCarrier::fixed;
+  CarrierParameters wheels;  ///< Of carrier moving.
   /// Of level dynamic on a fixed carrier; everything else knows linearly_implicit_euler only.
   IntegrationScheme scheme = IntegrationScheme::linearly_implicit_euler;
   double step_s = 1e-3;           ///< Longest inner step; longer calls of step() are divided.

@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kEarthRate_radps = 7.292115e-5;  // WGS-84
 constexpr double kReferenceTemperature_c = 25.0;
-constexpr double kRadians = std::numbers::pi / 180.0;
 constexpr double kStandardGravity_mps2 = 9.80665;
 
 void check(const std::string& name, double value, bool allowed, const std::string& what) {
@@ -61,29 +60,6 @@ void validate(const ImuParameters& parameters) {
         "greater than 0");
 }
 
-ImuParameters perfect_imu() {
-  return {};
-}
-
-ImuParameters openimu300_class() {
-  ImuParameters imu;
-  imu.gyroscope.range = 400.0 * kRadians;
-  imu.gyroscope.random.noise_density = 0.005 * kRadians;            // 0.3 deg/sqrt(h)
-  imu.gyroscope.random.bias_instability = 6.0 * kRadians / 3600.0;  // 6 deg/h
-  imu.gyroscope.turn_on_bias = 0.05 * kRadians;                     // judgement
-  imu.gyroscope.scale_error = 1e-3;
-  imu.gyroscope.misalignment_rad = 0.05 * kRadians;
-  imu.g_sensitivity_radps_per_mps2 = 0.01 * kRadians / kStandardGravity_mps2;
-  imu.accelerometer.range = 8.0 * kStandardGravity_mps2;
-  imu.accelerometer.random.noise_density = 70e-6 * kStandardGravity_mps2;
-  imu.accelerometer.random.bias_instability = 10e-6 * kStandardGravity_mps2;
-  imu.accelerometer.turn_on_bias = 2e-3 * kStandardGravity_mps2;  // judgement
-  imu.accelerometer.scale_error = 1e-3;
-  imu.accelerometer.misalignment_rad = 0.05 * kRadians;
-  imu.self_heating_k = 10.0;  // judgement
-  return imu;
-}
-
 ImuSensor::Triad::Triad(const InertialTriadParameters& parameters, std::uint64_t seed,
                         std::string_view name)
     : parameters_(parameters), random_(seed, name), errors_(parameters.random, random_) {
@@ -116,11 +92,23 @@ ImuSensor::ImuSensor(const ImuParameters& parameters, std::uint64_t seed, std::s
       gyroscope_(parameters.gyroscope, seed, std::string(name) + "/gyroscope"),
       accelerometer_(parameters.accelerometer, seed, std::string(name) + "/accelerometer") {}
 
+Eigen::Vector3d ImuSensor::acceleration_W(SimTime time, const LinkMotion& mount) {
+  if (parameters_.acceleration == ImuAcceleration::solver) {
+    return mount.a_WL_W;
+  }
+  if (time > previous_) {
+    difference_W_ = (mount.v_WL_W - previous_v_W_) / to_seconds(time - previous_);
+  }
+  previous_v_W_ = mount.v_WL_W;
+  return difference_W_;
+}
+
 ImuSample ImuSensor::sample(SimTime time, const LinkMotion& mount, double gravity_mps2) {
   if (!first_) {
     first_ = time;
     previous_ = time;
   }
+  const Eigen::Vector3d a_W = acceleration_W(time, mount);
   const double dt_s =
       time > previous_ ? to_seconds(time - previous_) : parameters_.nominal_period_s;
   previous_ = time;
@@ -129,8 +117,10 @@ ImuSample ImuSensor::sample(SimTime time, const LinkMotion& mount, double gravit
       parameters_.self_heating_k * std::expm1(-to_seconds(time - *first_) / parameters_.warm_up_s);
 
   const Eigen::Matrix3d R_SW = mount.X_WL.linear().transpose();
-  const Eigen::Vector3d up_force_W(0.0, 0.0, gravity_mps2);
-  const Eigen::Vector3d force_S = R_SW * (mount.a_WL_W + up_force_W);
+  const double gravity = parameters_.acceleration == ImuAcceleration::velocity_difference
+                             ? kStandardGravity_mps2
+                             : gravity_mps2;
+  const Eigen::Vector3d force_S = R_SW * (a_W + Eigen::Vector3d(0.0, 0.0, gravity));
   Eigen::Vector3d rate_W = mount.w_WL_W;
   if (parameters_.earth_rate) {
     rate_W += kEarthRate_radps * Eigen::Vector3d(0.0, std::cos(parameters_.latitude_rad),

@@ -1,9 +1,9 @@
 // What the elements of an inertial measurement unit feel: specific force and angular rate at the
 // mount, with the errors of a MEMS sensor.
 //
-// Truth: f = R^T (a - g) and w in the sensor's frame S (x forward, y left, z up), a the solver's
-// acceleration of the mount's origin (LinkMotion from at_mount(), lever-arm terms included), g =
-// (0, 0, -gravity). With the Earth's rotation on, its rate is added to w; the Coriolis term in f
+// Truth: f = R^T (a - g) and w in the sensor's frame S (x forward, y left, z up), a the
+// acceleration of the mount's origin with its lever-arm terms (ImuAcceleration says from where), g
+// = (0, 0, -gravity). With the Earth's rotation on, its rate is added to w; the Coriolis term in f
 // (below 2e-3 m/s2 at 10 m/s) is not.
 //
 // Error model, per triad, at case temperature T:
@@ -38,7 +38,23 @@ struct InertialTriadParameters {
   double scale_temperature = 0.0;  ///< 1 per kelvin from 25 degC.
 };
 
+/// Where the acceleration comes from.
+enum class ImuAcceleration : std::uint8_t {
+  /// The solver's own, at the sample's instant (LinkMotion from at_mount()).
+  solver,
+  /// Wolf et al. 2020, section 4: the change of the mount's velocity since the previous sample over
+  /// the time between, plus standard gravity, 9.80665 m/s2. For comparison: it is the mean over the
+  /// interval, so late by half of it and low-passed, and every kink of the velocity shows. 0 at the
+  /// first sample; without time between two samples the last value stays.
+  velocity_difference,
+};
+
+/// Sets of parameters of real parts.
+enum class ImuPart : std::uint8_t { perfect, openimu300, adis16470, mti300, mti30 };
+
 struct ImuParameters {
+  ImuPart part = ImuPart::perfect;  ///< The set that the rest began as; not used any more then.
+  ImuAcceleration acceleration = ImuAcceleration::solver;
   InertialTriadParameters gyroscope;
   InertialTriadParameters accelerometer;
   double g_sensitivity_radps_per_mps2 = 0.0;  ///< Rate read per specific force, same axis.
@@ -58,6 +74,14 @@ void validate(const ImuParameters& parameters);
 /// The class of the ACEINNA OpenIMU300/335. Values from the makers' data sheets as remembered and
 /// not confirmed; they are of the right order for industrial MEMS.
 [[nodiscard]] ImuParameters openimu300_class();
+/// Analog Devices ADIS16470, Xsens MTi-300 and MTi-30. Range, noise density, in-run bias and the
+/// g-sensitivity of the MTi-300 as data sheets state them; the other g-sensitivities, the MTi-30,
+/// scale, misalignment and turn-on bias as remembered, estimates. The MTi-30's noise and bias agree
+/// with what others measured on its family.
+[[nodiscard]] ImuParameters adis16470();
+[[nodiscard]] ImuParameters mti300();
+[[nodiscard]] ImuParameters mti30();
+[[nodiscard]] ImuParameters parameters_of(ImuPart part);
 
 class ImuSensor {
  public:
@@ -87,7 +111,11 @@ class ImuSensor {
   ImuParameters parameters_;
   Triad gyroscope_;
   Triad accelerometer_;
+  [[nodiscard]] Eigen::Vector3d acceleration_W(SimTime time, const LinkMotion& mount);
+
   std::optional<SimTime> first_;
+  Eigen::Vector3d previous_v_W_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d difference_W_ = Eigen::Vector3d::Zero();
   SimTime previous_{};
 };
 

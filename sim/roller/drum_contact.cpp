@@ -39,7 +39,8 @@ double DrumContact::slide_across(const Eigen::Vector4d& velocity) const {
 }
 
 void DrumContact::limit(Strip& strip, double limit_n) {
-  const double size = std::hypot(strip.trial_along_n, strip.trial_across_n);
+  const double size = std::sqrt(strip.trial_along_n * strip.trial_along_n +
+                                strip.trial_across_n * strip.trial_across_n);
   const double scale = size > 0.0 ? limit_n / size : 0.0;
   strip.force_along_n = scale * strip.trial_along_n;
   strip.force_across_n = scale * strip.trial_across_n;

@@ -21,6 +21,7 @@ struct StripGround {
   Eigen::Vector2d p_B_m = Eigen::Vector2d::Zero();  ///< In the frame's plane.
   GroundPoint point;
   double gap_m = 0.0;  ///< From the strip up to the surface, along the frame's z.
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< Of the surface against the frame's plane.
 };
 inline constexpr std::size_t kRollerStripsMax = 2 * kDrumStripsMax;
 
@@ -43,13 +44,15 @@ class GroundRest {
   [[nodiscard]] const StripGround& strip(std::size_t index) const { return strips_[index]; }
 
   /// How far the frame is from lying on the ground.
-  [[nodiscard]] RestMotion deviation() const;
+  [[nodiscard]] const RestMotion& deviation() const { return deviation_; }
   /// Rates at the end of a step of h, from those before; `planar` are u, v at the origin and r.
-  [[nodiscard]] RestMotion rates(double h, const Eigen::Matrix3d& R_WB,
-                                 const Eigen::Vector3d& planar, const RestMotion& before) const;
+  [[nodiscard]] RestMotion rates(double h, const Eigen::Vector3d& planar,
+                                 const RestMotion& before) const;
 
  private:
-  [[nodiscard]] RestMotion fit(const std::array<double, kRollerStripsMax>& heights) const;
+  void place_strips(const std::array<double, 2>& steer_rad);
+  /// Of heave, roll and pitch; `right`: sums of heights times (1, y, -x).
+  [[nodiscard]] RestMotion fit(const Eigen::Vector3d& right) const;
 
   const Ground* ground_;
   double radius_m_;
@@ -59,7 +62,9 @@ class GroundRest {
   double damping_ratio_;
   std::size_t drum_strips_;
   std::size_t count_;
+  std::array<double, 2> steer_rad_{};
   std::array<StripGround, kRollerStripsMax> strips_;
+  RestMotion deviation_;
   Eigen::Matrix3d inverse_ = Eigen::Matrix3d::Identity();  ///< Of the normal equations.
 };
 

@@ -187,8 +187,10 @@ void TandemRoller::inner_step(double h) {
   state_ = next;
   for (std::size_t i = 0; i < 2; ++i) {
     spin_acceleration_radps2_[i] = (spin_radps_[i] - spin_before[i]) / h;
-    spin_angle_rad_[i] =
-        std::remainder(spin_angle_rad_[i] + h * spin_radps_[i], 2.0 * std::numbers::pi);
+    spin_angle_rad_[i] += h * spin_radps_[i];
+    if (std::abs(spin_angle_rad_[i]) > std::numbers::pi) {
+      spin_angle_rad_[i] = std::remainder(spin_angle_rad_[i], 2.0 * std::numbers::pi);
+    }
   }
 }
 
@@ -272,8 +274,7 @@ void TandemRoller::move_dynamic(double h, const Eigen::Matrix3d& R_WB, const Res
   spin_radps_ = {x[3], x[4]};
   pressure_pa_ = drive_.gauge_pressure_pa();
 
-  const RestMotion rest =
-      rest_.rates(h, R_WB, Eigen::Vector3d(x[0], x[1] - x[2] * c.x(), x[2]), before);
+  const RestMotion rest = rest_.rates(h, Eigen::Vector3d(x[0], x[1] - x[2] * c.x(), x[2]), before);
   const Eigen::Vector3d w(rest.roll, rest.pitch, x[2]);
   const Eigen::Vector3d v_next_W =
       R_WB * Eigen::Vector3d(x[0], x[1], rest.heave - rest.pitch * c.x());
@@ -290,17 +291,18 @@ void TandemRoller::move_kinematic(double h, const Eigen::Matrix3d& R_WB, const R
                                   State& next) {
   const double base = 2.0 * parameters_.pivot_x_m;
   // Speeds of the reference point for the drums' mean speed: u, v, yaw rate.
-  const auto bicycle = [&](double front_rad, double rear_rad) {
+  const auto bicycle = [&](double speed_mps, double front_rad, double rear_rad) {
     const double mean = 0.5 * (1.0 / std::cos(front_rad) + 1.0 / std::cos(rear_rad));
-    const double u = drive_.set_point_mps() / mean;
+    const double u = speed_mps / mean;
     const double front = std::tan(front_rad);
     const double rear = std::tan(rear_rad);
     return Eigen::Vector3d(u, 0.5 * u * (front + rear), u * (front - rear) / base);
   };
   const std::array<double, 2> angle{steering_[0].angle_rad(), steering_[1].angle_rad()};
-  const Eigen::Vector3d middle = bicycle(angle[0] - 0.5 * h * steering_[0].mean_rate_radps(),
-                                         angle[1] - 0.5 * h * steering_[1].mean_rate_radps());
-  const Eigen::Vector3d end = bicycle(angle[0], angle[1]);
+  const Eigen::Vector3d middle =
+      bicycle(drive_.mean_set_point_mps(), angle[0] - 0.5 * h * steering_[0].mean_rate_radps(),
+              angle[1] - 0.5 * h * steering_[1].mean_rate_radps());
+  const Eigen::Vector3d end = bicycle(drive_.set_point_mps(), angle[0], angle[1]);
   const Eigen::Vector3d v_before = R_WB.transpose() * state_.v_WB_W;
   for (std::size_t i = 0; i < 2; ++i) {
     spin_radps_[i] = end[0] / (parameters_.drum.radius_m * std::cos(angle[i]));
@@ -309,7 +311,7 @@ void TandemRoller::move_kinematic(double h, const Eigen::Matrix3d& R_WB, const R
   const double acceleration = (end[0] - v_before.x()) / h;
   pressure_pa_ = kinematic_pressure_pa(acceleration);
 
-  const RestMotion rest = rest_.rates(h, R_WB, middle, before);
+  const RestMotion rest = rest_.rates(h, middle, before);
   const auto [ahead, aside] = arc(h * middle[2]);
   const Eigen::Vector3d way(ahead * middle[0] - aside * middle[1],
                             aside * middle[0] + ahead * middle[1], rest.heave);

@@ -126,6 +126,7 @@ BuiltScene build_scene(const SceneDescription& description, const std::vector<Tr
                        std::uint64_t seed) {
   validate(description);
   BuiltScene built{std::make_unique<Scene>(),
+                   0,
                    make_terrain(description.terrain, description.tracks, seed),
                    {},
                    {}};

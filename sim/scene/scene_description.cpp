@@ -89,6 +89,9 @@ void validate(const SceneDescription& description) {
   for (const Track& track : description.tracks) {
     validate(track);
   }
+  for (const SoilParameters& soil : description.soils) {
+    validate(soil);
+  }
   for (const SoilRegion& region : description.soil_regions) {
     validate(region);
   }

@@ -88,7 +88,6 @@ struct SceneDescription {
   Terrain terrain;
   std::vector<Track> tracks;  ///< Carved into the terrain, in this order.
   /// What the ground is made of. The first lies everywhere, others where tracks and regions say.
-  /// Validated by Ground.
   std::vector<SoilParameters> soils{SoilParameters{}};
   std::vector<SoilRegion> soil_regions;
   std::vector<RockField> rocks;

@@ -46,6 +46,7 @@ void validate(const VehicleSensorParameters& p) {
   require(p.ticks_per_revolution >= 0, "ticks_per_revolution", p.ticks_per_revolution, ">= 0");
   require(std::isfinite(p.gate_s) && p.gate_s > 0.0, "gate_s", p.gate_s, "> 0");
   require(non_negative(p.dead_rate_radps), "dead_rate_radps", p.dead_rate_radps, ">= 0");
+  require(non_negative(p.known_radius_m), "known_radius_m", p.known_radius_m, ">= 0");
   require(non_negative(p.radius_error) && p.radius_error <= 0.2, "radius_error", p.radius_error,
           "0 .. 0.2");
   require(non_negative(p.steer_offset_rad), "steer_offset_rad", p.steer_offset_rad, ">= 0");
@@ -141,7 +142,9 @@ VehicleSample VehicleSensors::measure(const VehicleSample& exact) {
       }
     }
     for (std::size_t i = 0; i < kWheels; ++i) {
-      reading.wheel_radius_m[i] *= radius_factor_[i];
+      const double known = parameters_.known_radius_m;
+      reading.wheel_radius_m[i] =
+          (known > 0.0 ? known : exact.wheel_radius_m[i]) * radius_factor_[i];
       reading.tyre_pressure_pa[i] = pressure(exact.tyre_pressure_pa[i], pressure_offset_pa_[i]);
     }
     reading.hydraulic_pressure_pa =

@@ -4,8 +4,9 @@
 //   (the period of the bus message) and divided by it, so that a reading is quantised by
 //   2 pi / (ticks * gate), lags by half a gate and loses no way: a tick that is cut off now counts
 //   next time. Below `dead_rate_radps` the pick-up gives nothing. 0 ticks: continuous, no gate.
-// - Wheel radius: the constant with which a controller turns rates into speeds, off by a factor
-//   drawn once for each wheel.
+// - Wheel radius: the true one or a constant, so that lowered pressure shows as too much way; off
+// by
+//   a factor drawn once for each wheel.
 // - Steering angle: play (the sensor follows only beyond it), then an offset drawn once for each
 //   axle, then quantisation.
 // - Pressures: an offset drawn once for each, quantised, never negative.
@@ -31,7 +32,10 @@ struct VehicleSensorParameters {
 
   int ticks_per_revolution = 500;  ///< 0: continuous.
   double gate_s = 0.1;
-  double dead_rate_radps = 0.5;       ///< Passive pick-up below about 1 km/h.
+  double dead_rate_radps = 0.5;  ///< Passive pick-up below about 1 km/h.
+  /// Constant that the controller turns rates into speeds with, whatever load and tyre pressure
+  /// make of the true radius; 0: it knows the true one.
+  double known_radius_m = 0.0;
   double radius_error = 0.01;         ///< Standard deviation, share.
   double steer_offset_rad = 0.003;    ///< Standard deviation.
   double steer_quantum_rad = 0.0017;  ///< 0: continuous.

@@ -33,16 +33,26 @@ struct VehiclePlant {
   double slip_rad = 0.0;
 
   void step(double h) {
-    // With crab 0 and the reference at the rear wheel only the front one steers.
-    const double middle = reference_m > 0.0 ? 1.0 : 0.0;
-    const double gamma = middle > 0.0 ? std::atan(0.5 * wheelbase_m * curvature_1pm)
-                                      : std::atan(wheelbase_m * curvature_1pm);
+    // With the reference at the rear wheel only the front one steers.
+    if (reference_m > 0.0) {
+      const double gamma = std::atan(0.5 * wheelbase_m * curvature_1pm);
+      step_angles(h, crab_rad + gamma, crab_rad - gamma);
+    } else {
+      step_angles(h, std::atan(wheelbase_m * curvature_1pm), 0.0);
+    }
+    move(h);
+  }
+
+  void step_angles(double h, double front_wanted_rad, double rear_wanted_rad) {
     const auto follow = [&](double& angle, double wanted) {
       wanted = std::clamp(wanted, -steer_limit_rad, steer_limit_rad);
       angle += (wanted - angle) * std::min(1.0, h / steer_lag_s);
     };
-    follow(front_rad, crab_rad + gamma);
-    follow(rear_rad, crab_rad - middle * gamma);
+    follow(front_rad, front_wanted_rad);
+    follow(rear_rad, rear_wanted_rad);
+  }
+
+  void move(double h) {
     const double pull = std::clamp((wish_mps - speed_mps) / speed_lag_s, -1.0, 1.0);
     speed_mps += h * pull;
     const double brake = std::min(std::abs(speed_mps), brake_mps2 * h);

@@ -2,11 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <sstream>
 #include <string>
 
 #include "hil/configuration/document.h"
 #include "hil/configuration/reader.h"
+#include "hil/configuration/rig.h"
 #include "hil/configuration/scene.h"
+#include "sim/local_frame.h"
 
 namespace rigwire::hil {
 namespace {
@@ -58,6 +62,56 @@ INSTANTIATE_TEST_SUITE_P(Files, DrivableScenes,
                                          DrivableScene{"road_site", 200.0, 0.01},
                                          DrivableScene{"campus", 500.0, 0.08}),
                          [](const auto& scene) { return std::string(scene.param.name); });
+
+/// configs/paths/<name>.csv lies on the track; scripts/path-from-track.py makes it.
+class PathFiles : public testing::TestWithParam<const char*> {};
+
+TEST_P(PathFiles, LieOnTheTrackForTheDefaultOrigin) {
+  const SceneConfiguration scene = load_scene(GetParam());
+  const sim::TrackLine line = sim::track_line(scene.description.tracks.front());
+  const OriginConfiguration origin;
+  const sim::LocalFrame frame({.latitude_deg = origin.latitude_deg,
+                               .longitude_deg = origin.longitude_deg,
+                               .ellipsoid_height_m = origin.height_m,
+                               .geoid_separation_m = origin.geoid_separation_m});
+  std::ifstream file(std::string(RIGWIRE_SOURCE_DIR) + "/configs/paths/" + GetParam() + ".csv");
+  std::string text;
+  double along = 0.0;
+  int points = 0;
+  while (std::getline(file, text)) {
+    std::istringstream fields(text);
+    sim::GeodeticPoint place{.ellipsoid_height_m = origin.height_m};
+    char comma = 0;
+    if (!(fields >> place.latitude_deg >> comma >> place.longitude_deg)) {
+      continue;
+    }
+    const auto nearest = line.nearest(frame.to_world(place).head<2>());
+    EXPECT_LT(nearest.distance_m, 0.02) << text;
+    EXPECT_GE(nearest.along_m, along - 1e-3) << "in the track's order";
+    along = nearest.along_m;
+    ++points;
+  }
+  EXPECT_NEAR(points * 2.0, line.length_m, 4.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, PathFiles, testing::Values("forest_track", "campus"),
+                         [](const auto& name) { return std::string(name.param); });
+
+TEST(SceneFiles, SoilsLieWhereTheScenesSay) {
+  const SceneConfiguration scene = load_scene("forest_track");
+  const sim::BuiltScene built = sim::build_scene(scene.description, {}, 1);
+  const sim::TrackLine line = sim::track_line(scene.description.tracks.front());
+  const sim::Ground ground(built.ground, built.soils, built.obstacles);
+  const auto soil_at = [&](double along_m) {
+    const Eigen::Vector2d p =
+        line.points_m[static_cast<std::size_t>(along_m / sim::kTrackSpacing_m)];
+    return ground.soil(ground.at(p.x(), p.y(), 100.0).soil).name;
+  };
+  EXPECT_EQ(soil_at(100.0), "gravel");
+  EXPECT_EQ(soil_at(200.0), "mud");
+  EXPECT_EQ(soil_at(220.0), "gravel");
+  EXPECT_EQ(ground.soil(ground.at(20.0, 30.0, 100.0).soil).name, "forest_floor");
+}
 
 TEST(SceneFiles, TerrainWithoutTypeIsAPit) {
   Problems problems;

@@ -4,8 +4,12 @@
 
 #include <chrono>
 #include <cmath>
+#include <deque>
+#include <functional>
 #include <limits>
 #include <numeric>
+#include <thread>
+#include <vector>
 
 #include "sim/excavator_published_set.h"
 
@@ -310,6 +314,29 @@ TEST(Excavator, TheSameRunTwiceGivesTheSameBits) {
     }
   }
   EXPECT_TRUE(same_bits(first, second));
+}
+
+TEST(Excavator, EightThreadsGiveTheBitsOfOne) {
+  const auto run = [](Excavator& machine) {
+    for (int i = 0; i < 100; ++i) {
+      machine.command(openings(std::sin(0.1 * i), std::cos(0.2 * i), std::sin(0.3 * i), 0.5));
+      machine.step(milliseconds(10));
+    }
+  };
+  Excavator alone = level_machine();
+  run(alone);
+  std::deque<Excavator> machines;
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 8; ++i) {
+    machines.emplace_back(ExcavatorParameters{}, Eigen::Isometry3d::Identity());
+    threads.emplace_back(run, std::ref(machines.back()));
+  }
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
+  for (const Excavator& machine : machines) {
+    EXPECT_TRUE(same_bits(machine, alone));
+  }
 }
 
 // Research case 23.

@@ -71,6 +71,12 @@ TEST_P(NoiseAtRate, RandomWalkGrowsWithTimeNotWithSamples) {
               0.04 * 0.1 / std::sqrt(3.0));
 }
 
+TEST_P(NoiseAtRate, FloorIsThatOfTheDataSheet) {
+  RandomErrorParameters parameters;
+  parameters.bias_instability = 18.0;
+  EXPECT_NEAR(allan(parameters, GetParam(), 1500.0, 5.0, 1), 18.0, 1.8);
+}
+
 INSTANTIATE_TEST_SUITE_P(Rates, NoiseAtRate, testing::Values(50.0, 200.0, 1000.0));
 
 TEST(BiasInstability, FloorIsThatOfTheDataSheetAtEveryRate) {

@@ -173,5 +173,38 @@ TEST(RollerPath, OdometryShowsSlipThatTheBodyDoesNotHave) {
   EXPECT_NEAR(frame(machine).a_WL_W.x(), 0.1 * kGravity, 1e-9);
 }
 
+// Hard case 24: time is counted in whole nanoseconds, attitude stays a rotation.
+TEST(RollerPath, ADayLaterTheClockIsExactAndTheFrameStillRigid) {
+  const Ground ground = level();
+  RollerParameters p = kinematic();
+  p.step_s = 0.05;
+  p.drum.strips = 1;
+  TandemRoller machine(p, ground, {0.0, 0.0}, 0.0);
+  machine.command(travel(1.0, 0.3, -0.3));
+  machine.step(std::chrono::hours(24));
+  EXPECT_EQ(machine.time(), kStart + std::chrono::hours(24));
+  const Eigen::Matrix3d R = frame(machine).X_WL.linear();
+  EXPECT_TRUE((R * R.transpose()).isIdentity(1e-12));
+}
+
+// The dynamic path comes nearer in proportion to the step, also where strips slide.
+TEST(RollerPath, DynamicErrorIsOfFirstOrderInTheStep) {
+  const Ground ground = rising(0.03, 0.8);
+  const auto end = [&ground](double step_s) {
+    RollerParameters p;
+    p.step_s = step_s;
+    TandemRoller machine(p, ground, {0.0, 0.0}, 0.0);
+    machine.command(travel(1.5, 0.3, -0.3));
+    machine.step(6s);
+    return position(machine);
+  };
+  const Eigen::Vector3d reference = end(1e-4);
+  const double fine = (end(1e-3) - reference).norm();
+  const double coarse = (end(10e-3) - reference).norm();
+  EXPECT_LT(fine, 2e-3);
+  EXPECT_LT(coarse, 20e-3);
+  EXPECT_NEAR(coarse / fine, 11.0, 2.5);  // (10 - 0.1) / (1 - 0.1)
+}
+
 }  // namespace
 }  // namespace rigwire::sim

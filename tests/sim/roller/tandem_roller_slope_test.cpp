@@ -7,7 +7,7 @@ namespace {
 
 using namespace test;
 
-// Hard case 8: for ever means an hour; 20 degrees need 97 % of nothing but brake and bristles.
+// Hard case 8: for ever means an hour.
 TEST(RollerOnASlope, StandsForAnHourWithinAMicrometre) {
   for (const double slope : {5.0, 20.0, 30.0}) {
     RollerParameters p = bare();

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <tuple>
 
+#include "allocation_counter.h"
+
 namespace rigwire::sim {
 namespace {
 
@@ -303,6 +305,27 @@ TEST(OnAStep, ClimbsAndFallsWithoutGainingEnergy) {
   // Closing at 3 m/s on 735 kN/m is 2.2 kN per millisecond, and the damper sets in over the first 7
   // mm.
   EXPECT_LT(greatest, 3.5e3);
+}
+
+TEST(OnAStep, NoStepAllocates) {
+  SoilMap soils;
+  soils.soils = {soft_soil(1.1)};
+  HeightField field;
+  field.columns = field.rows = 21;
+  field.heights_m.assign(21 * 21, 0.0);
+  Obstacle rock;
+  rock.shape = ObstacleShape::sphere;
+  rock.X_WO.translation() = Vector(5.0, 5.0, 0.0);
+  rock.half_lengths_m.x() = 0.1;
+  const Ground ground(field, soils, {rock});
+  QuarterVehicle vehicle(ground, {}, kMass_kg);
+  vehicle.place(3.0, 5.0, kMass_kg * kGravity);
+  vehicle.v_W.x() = 2.0;
+  vehicle.step(1e-3);
+  const auto before = test::allocations();
+  vehicle.run(1.5, 1e-3);
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_GT(vehicle.p_W.x(), 3.1);
 }
 
 }  // namespace

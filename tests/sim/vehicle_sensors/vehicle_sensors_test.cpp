@@ -160,6 +160,16 @@ TEST(VehicleSensorsTest, OdometryComesFromTheReadingsNotFromTheTruth) {
   EXPECT_NEAR(reading.odometry.speed_mps, 10.0 * mean_radius, 1e-12);
 }
 
+TEST(VehicleSensorsTest, AFixedRadiusShowsWhatLoweredPressureDoes) {
+  VehicleSensorParameters p = faultless();
+  p.known_radius_m = 0.565;
+  VehicleSensors under_test = sensors(p);
+  VehicleSample soft = at(0.0, 10.0);
+  soft.wheel_radius_m.fill(0.54);
+  const VehicleSample reading = under_test.measure(soft);
+  EXPECT_NEAR(reading.odometry.speed_mps / (10.0 * 0.54), 0.565 / 0.54, 1e-12);
+}
+
 TEST(VehicleSensorsTest, SameSeedAndNameGiveTheSameErrorsOthersDoNot) {
   const VehicleSensorParameters p;
   VehicleSensors one = sensors(p, 7, "truck");

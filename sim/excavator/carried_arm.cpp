@@ -1,0 +1,398 @@
+#include "sim/excavator/carried_arm.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace rigwire::sim {
+namespace {
+
+constexpr double kFree = 1e300;
+constexpr int kPassesMax = 12;
+constexpr double kStopReach_m = 0.005;  // Nearer than this to its stop a cylinder feels it.
+
+using SpatialVector = CarriedArm::SpatialVector;
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return m;
+}
+
+SpatialVector cross_motion(const SpatialVector& v, const SpatialVector& m) {
+  const Eigen::Vector3d w = v.head<3>();
+  SpatialVector result;
+  result << w.cross(m.head<3>()), w.cross(m.tail<3>()) + v.tail<3>().cross(m.head<3>());
+  return result;
+}
+
+SpatialVector cross_force(const SpatialVector& v, const SpatialVector& f) {
+  const Eigen::Vector3d w = v.head<3>();
+  SpatialVector result;
+  result << w.cross(f.head<3>()) + v.tail<3>().cross(f.tail<3>()), w.cross(f.tail<3>());
+  return result;
+}
+
+SpatialVector turning(const Eigen::Vector3d& axis, const Eigen::Vector3d& through) {
+  SpatialVector result;
+  result << axis, through.cross(axis);
+  return result;
+}
+
+}  // namespace
+
+CarriedArm::CarriedArm(const ExcavatorParameters& parameters, const Ground& ground,
+                       const Eigen::Isometry3d& X_WC)
+    : parameters_(parameters),
+      undercarriage_(ArmDynamics::moments_of(parameters.undercarriage)),
+      ground_(&ground),
+      X_WC_(X_WC) {
+  double mass = undercarriage_.mass_kg;
+  for (const RigidBodyParameters* link :
+       {&parameters.upper, &parameters.boom, &parameters.stick, &parameters.bucket}) {
+    mass += link->mass_kg;
+  }
+  const CarrierParameters& wheels = parameters.wheels;
+  tyres_.assign(kCarrierWheels, Tyre(wheels.tyre, mass / kCarrierWheels));
+  // So high that with a quarter of the weight on each the origin lies on the ground.
+  const double deflection = mass * parameters.gravity_mps2 / kCarrierWheels /
+                            tyres_[0].stiffness_npm(wheels.tyre_pressure_pa);
+  const double height = wheels.tyre.unloaded_radius_m - deflection;
+  for (std::size_t i = 0; i < kCarrierWheels; ++i) {
+    wheel_C_[i] = {(i < 2 ? 0.5 : -0.5) * wheels.wheelbase_m,
+                   (i % 2 == 0 ? 0.5 : -0.5) * wheels.track_m, height};
+  }
+}
+
+void CarriedArm::place(const Eigen::Isometry3d& X_WC) {
+  X_WC_ = X_WC;
+  velocity_.setZero();
+  acceleration_.setZero();
+}
+
+void CarriedArm::set_velocity(const Eigen::Vector3d& w_C, const Eigen::Vector3d& v_C) {
+  velocity_.head<3>() = w_C;
+  velocity_.segment<3>(3) = v_C;
+}
+
+CarriedArm::Placement CarriedArm::place_links(const JointVector& q_rad) const {
+  const ArmAngles at(q_rad);
+  Placement result;
+  const Eigen::Matrix3d R_CU = Eigen::AngleAxisd(q_rad[0], Eigen::Vector3d::UnitZ()).matrix();
+  result.R_CB[0].setIdentity();
+  result.origin_C[0].setZero();
+  result.R_CB[1] = R_CU;
+  result.origin_C[1] = {0.0, 0.0, parameters_.swing_axis_height_m};
+  const std::array<Eigen::Vector3d, 3> way{parameters_.boom_foot_m,
+                                           Eigen::Vector3d(parameters_.boom_length_m, 0.0, 0.0),
+                                           Eigen::Vector3d(parameters_.stick_length_m, 0.0, 0.0)};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Turn& turn = at.link[i];
+    Eigen::Matrix3d raised;
+    raised << turn.cosine, 0.0, -turn.sine, 0.0, 1.0, 0.0, turn.sine, 0.0, turn.cosine;
+    result.origin_C[i + 2] = result.origin_C[i + 1] + result.R_CB[i + 1] * way[i];
+    result.R_CB[i + 2].noalias() = R_CU * raised;
+  }
+  const Eigen::Vector3d raise = -R_CU.col(1);
+  for (std::size_t i = 0; i < 4; ++i) {
+    result.axis[i] = turning(i == 0 ? Eigen::Vector3d::UnitZ() : raise, result.origin_C[i + 1]);
+  }
+  return result;
+}
+
+CarriedArm::SpatialMatrix CarriedArm::inertia_of(const ArmDynamics::Moments& moments,
+                                                 const Eigen::Matrix3d& R,
+                                                 const Eigen::Vector3d& origin) const {
+  const Eigen::Vector3d turned = R * moments.first_kgm;
+  const Eigen::Vector3d first = turned + moments.mass_kg * origin;
+  const Eigen::Matrix3d second = R * moments.second_kgm2 * R.transpose() +
+                                 origin * turned.transpose() + turned * origin.transpose() +
+                                 moments.mass_kg * origin * origin.transpose();
+  SpatialMatrix inertia;
+  inertia.topLeftCorner<3, 3>() = second.trace() * Eigen::Matrix3d::Identity() - second;
+  inertia.topRightCorner<3, 3>() = cross_matrix(first);
+  inertia.bottomLeftCorner<3, 3>() = -cross_matrix(first);
+  inertia.bottomRightCorner<3, 3>() = moments.mass_kg * Eigen::Matrix3d::Identity();
+  return inertia;
+}
+
+void CarriedArm::equations(const DrivenArm& arm, Placement& at, const JointVector& q_rad,
+                           Matrix& mass_matrix, Velocities& bias) const {
+  at = place_links(q_rad);
+  at.inertia[0] = inertia_of(undercarriage_, at.R_CB[0], at.origin_C[0]);
+  for (std::size_t i = 0; i < 4; ++i) {
+    at.inertia[i + 1] = inertia_of(arm.dynamics().moments()[i], at.R_CB[i + 1], at.origin_C[i + 1]);
+  }
+  // Outward, with gravity as an upward acceleration of the undercarriage.
+  std::array<SpatialVector, 5> force;
+  SpatialVector v = velocity_.head<6>();
+  SpatialVector a = SpatialVector::Zero();
+  a.tail<3>() = X_WC_.linear().row(2).transpose() * parameters_.gravity_mps2;
+  for (std::size_t i = 0; i < 5; ++i) {
+    if (i > 0) {
+      const SpatialVector rate = at.axis[i - 1] * velocity_[static_cast<Eigen::Index>(i + 5)];
+      v += rate;
+      a += cross_motion(v, rate);
+    }
+    const SpatialVector momentum = at.inertia[i] * v;
+    force[i] = at.inertia[i] * a + cross_force(v, momentum);
+  }
+  // Inward.
+  SpatialVector f = SpatialVector::Zero();
+  SpatialMatrix composite = SpatialMatrix::Zero();
+  for (std::size_t i = 5; i-- > 0;) {
+    f += force[i];
+    composite += at.inertia[i];
+    if (i == 0) {
+      bias.head<6>() = f;
+      mass_matrix.topLeftCorner<6, 6>() = composite;
+      break;
+    }
+    const auto row = static_cast<Eigen::Index>(i + 5);
+    bias[row] = at.axis[i - 1].dot(f);
+    const SpatialVector column = composite * at.axis[i - 1];
+    mass_matrix.block<6, 1>(0, row) = column;
+    mass_matrix.block<1, 6>(row, 0) = column.transpose();
+    for (std::size_t j = 1; j <= i; ++j) {
+      const auto other = static_cast<Eigen::Index>(j + 5);
+      mass_matrix(row, other) = mass_matrix(other, row) = at.axis[j - 1].dot(column);
+    }
+  }
+}
+
+CarriedArm::Velocities CarriedArm::point_row(const Placement& at, const Eigen::Vector3d& point_C,
+                                             const Eigen::Vector3d& direction_C,
+                                             std::size_t link) const {
+  SpatialVector along;
+  along << point_C.cross(direction_C), direction_C;
+  Velocities row = Velocities::Zero();
+  row.head<6>() = along;
+  for (std::size_t i = 0; i < link; ++i) {
+    row[static_cast<Eigen::Index>(i + 6)] = at.axis[i].dot(along);
+  }
+  return row;
+}
+
+void CarriedArm::add_wheels(double h, Terms& terms, std::array<Footing, kCarrierWheels>& footings) {
+  const Eigen::Matrix3d R_CW = X_WC_.linear().transpose();
+  const Eigen::Vector3d axle_W = X_WC_.linear().col(1);
+  const CarrierParameters& wheels = parameters_.wheels;
+  for (std::size_t i = 0; i < kCarrierWheels; ++i) {
+    const Eigen::Vector3d center_W = X_WC_ * wheel_C_[i];
+    const auto contact = ground_->wheel_contact(center_W, axle_W, wheels.tyre.unloaded_radius_m);
+    Footing& foot = footings[i];
+    foot.laws = tyres_[i].laws(h, contact, ground_->soil(contact ? contact->ground.soil : 0),
+                               wheels.tyre_pressure_pa, 0.0);
+    foot.touching = contact.has_value() && foot.laws.touching;
+    if (!foot.touching) {
+      continue;
+    }
+    const Eigen::Vector3d& normal_W = contact->normal_W;
+    const Eigen::Vector3d forward_W = axle_W.cross(normal_W).normalized();
+    const Eigen::Vector3d left_W = normal_W.cross(forward_W);
+    const Eigen::Vector3d point_C = R_CW * (contact->point_W - X_WC_.translation());
+    const auto add = [&](const Eigen::Vector3d& direction_W, const ImplicitForce& law,
+                         double least) {
+      const Eigen::Vector3d direction_C = R_CW * direction_W;
+      Velocities row = Velocities::Zero();
+      row.head<3>() = point_C.cross(direction_C);
+      row.segment<3>(3) = direction_C;
+      return terms.add(row, law, least, kFree);
+    };
+    foot.normal = add(normal_W, foot.laws.normal, 0.0);
+    foot.along = add(forward_W, foot.laws.longitudinal, -kFree);
+    foot.across = add(left_W, foot.laws.lateral, -kFree);
+  }
+}
+
+bool CarriedArm::clamp(Terms& terms, std::array<Footing, kCarrierWheels>& footings,
+                       const Velocities& found) {
+  bool changed = false;
+  for (std::size_t i = 0; i < terms.count; ++i) {
+    Term& term = terms.all[i];
+    if (term.held) {
+      continue;
+    }
+    term.force = term.law.at(term.row.dot(found));
+    if (term.force < term.least || term.force > term.greatest) {
+      term.force = std::clamp(term.force, term.least, term.greatest);
+      term.held = true;
+      changed = true;
+    }
+  }
+  for (Footing& foot : footings) {
+    if (!foot.touching) {
+      continue;
+    }
+    Term& along = terms.all[foot.along];
+    Term& across = terms.all[foot.across];
+    const double limit = foot.laws.limit_n(terms.all[foot.normal].force);
+    const double force = std::hypot(along.force, across.force);
+    // Held forces follow the load that the solve finds; a few passes settle it.
+    const bool loose = force > limit * (1.0 + 1e-9);
+    if (loose || (foot.sliding && force < limit * (1.0 - 1e-6))) {
+      const double share = force > 0.0 ? limit / force : 0.0;
+      along.force *= share;
+      across.force *= share;
+      along.held = across.held = true;
+      foot.sliding = true;
+      changed = true;
+    }
+  }
+  return changed;
+}
+
+ArmStep CarriedArm::step(double h, const DrivenArm& arm, const ArmPose& at, const DriveLaws& laws,
+                         const BucketLoad& load, ArmState& state) {
+  velocity_.tail<4>() = state.v_radps;
+  Placement placed;
+  Matrix mass_matrix;
+  Velocities bias;
+  equations(arm, placed, state.q_rad, mass_matrix, bias);
+
+  Terms terms;
+  for (int i = 0; i < kArmJoints; ++i) {
+    Velocities row = Velocities::Zero();
+    row[i + 6] = at.lever[i];
+    terms.add(row, laws.force[static_cast<std::size_t>(i)], laws.least[i], laws.greatest[i]);
+  }
+  for (int i = 1; i < kArmJoints; ++i) {
+    const double ahead = at.x[i] + h * at.lever[i] * state.v_radps[i];
+    const bool low = ahead < arm.length_least_m()[i] + kStopReach_m;
+    if (low || ahead > arm.length_greatest_m()[i] - kStopReach_m) {
+      Velocities row = Velocities::Zero();
+      row[i + 6] = at.lever[i];
+      const ImplicitForce law = arm.stop_law(i, low, h, at.x[i]);
+      terms.add(row, law, low ? 0.0 : -kFree, low ? kFree : 0.0);
+    }
+  }
+  const Eigen::Matrix3d R_CW = X_WC_.linear().transpose();
+  const auto on_bucket = [&](const Eigen::Vector3d& point_B, const Eigen::Vector3d& direction_W) {
+    return point_row(placed, placed.origin_C[4] + placed.R_CB[4] * point_B, R_CW * direction_W, 4);
+  };
+  const std::size_t first_resistance = terms.count;
+  for (std::size_t i = 0; i < load.resistance_count; ++i) {
+    const TipResistance& each = load.resistances[i];
+    terms.add(on_bucket(each.point_B, each.direction_W), {each.offset_n, each.gain_nspm},
+              -each.limit_n, each.limit_n);
+  }
+  std::array<Footing, kCarrierWheels> footings;
+  add_wheels(h, terms, footings);
+  Velocities rest = -bias;
+  if (!load.force_W.isZero(0.0)) {
+    rest += on_bucket(load.point_B, load.force_W);
+  }
+
+  Velocities found = velocity_;
+  for (int pass = 0; pass < kPassesMax; ++pass) {
+    Matrix left = mass_matrix;
+    Velocities right = rest;
+    for (std::size_t i = 0; i < terms.count; ++i) {
+      const Term& term = terms.all[i];
+      if (term.held) {
+        right += term.force * term.row;
+      } else {
+        left.noalias() += h * term.law.gain * term.row * term.row.transpose();
+        right += term.law.at(term.row.dot(velocity_)) * term.row;
+      }
+    }
+    acceleration_ = left.llt().solve(right);
+    found = velocity_ + h * acceleration_;
+    if (!clamp(terms, footings, found)) {
+      break;
+    }
+  }
+
+  for (std::size_t i = 0; i < kCarrierWheels; ++i) {
+    const Footing& foot = footings[i];
+    loads_n_[i] = foot.touching ? terms.all[foot.normal].force : 0.0;
+    TyreResult result;
+    if (foot.touching) {
+      const Term& along = terms.all[foot.along];
+      const Term& across = terms.all[foot.across];
+      result = {.longitudinal_n = along.force,
+                .lateral_n = across.force,
+                .rolling_nm = 0.0,
+                .longitudinal_slide_mps = along.row.dot(found),
+                .lateral_slide_mps = across.row.dot(found),
+                .wheel_rate_radps = 0.0,
+                .slipping = foot.sliding,
+                .rolling_limited = false};
+    }
+    tyres_[i].settle(h, foot.laws, result);
+  }
+
+  velocity_ = found;
+  const Eigen::Vector3d turn = h * velocity_.head<3>();
+  const double angle = turn.norm();
+  const Eigen::Vector3d shift = X_WC_.linear() * (h * velocity_.segment<3>(3));
+  X_WC_.translation() += shift;
+  if (angle > 0.0) {
+    const Eigen::Quaterniond R(X_WC_.linear() * Eigen::AngleAxisd(angle, turn / angle));
+    X_WC_.linear() = R.normalized().toRotationMatrix();
+  }
+  state.v_radps = velocity_.tail<4>();
+  state.q_rad += h * state.v_radps;
+
+  ArmStep result;
+  result.acceleration_radps2 = acceleration_.tail<4>();
+  for (int i = 0; i < kArmJoints; ++i) {
+    const auto n = static_cast<std::size_t>(i);
+    result.force[i] = terms.all[n].force;
+    result.relieved[n] = terms.all[n].held;
+  }
+  for (std::size_t i = 0; i < load.resistance_count; ++i) {
+    result.resistance_n[i] = terms.all[first_resistance + i].force;
+  }
+  return result;
+}
+
+std::array<LinkMotion, 5> CarriedArm::motion(const ArmState& state) const {
+  const Placement at = place_links(state.q_rad);
+  const Eigen::Matrix3d R_WC = X_WC_.linear();
+  std::array<LinkMotion, 5> links;
+  SpatialVector v = velocity_.head<6>();
+  SpatialVector a = acceleration_.head<6>();
+  for (std::size_t i = 0; i < 5; ++i) {
+    if (i > 0) {
+      const auto joint = static_cast<Eigen::Index>(i + 5);
+      const SpatialVector rate = at.axis[i - 1] * velocity_[joint];
+      v += rate;
+      a += at.axis[i - 1] * acceleration_[joint] + cross_motion(v, rate);
+    }
+    const Eigen::Vector3d w = v.head<3>();
+    const Eigen::Vector3d alpha = a.head<3>();
+    const Eigen::Vector3d& p = at.origin_C[i];
+    const Eigen::Vector3d speed = v.tail<3>() + w.cross(p);
+    LinkMotion& link = links[i];
+    link.X_WL.linear() = R_WC * at.R_CB[i];
+    link.X_WL.translation() = X_WC_ * p;
+    link.v_WL_W = R_WC * speed;
+    link.w_WL_W = R_WC * w;
+    link.a_WL_W = R_WC * (a.tail<3>() + alpha.cross(p) + w.cross(speed));
+    link.alpha_WL_W = R_WC * alpha;
+  }
+  return links;
+}
+
+CarriedArm::Momentum CarriedArm::momentum(const DrivenArm& arm, const ArmState& state) const {
+  Placement at = place_links(state.q_rad);
+  SpatialVector v = velocity_.head<6>();
+  SpatialVector sum = SpatialVector::Zero();
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();
+  double mass = 0.0;
+  for (std::size_t i = 0; i < 5; ++i) {
+    const ArmDynamics::Moments& moments = i == 0 ? undercarriage_ : arm.dynamics().moments()[i - 1];
+    if (i > 0) {
+      v += at.axis[i - 1] * state.v_radps[static_cast<Eigen::Index>(i) - 1];
+    }
+    sum += inertia_of(moments, at.R_CB[i], at.origin_C[i]) * v;
+    first += at.R_CB[i] * moments.first_kgm + moments.mass_kg * at.origin_C[i];
+    mass += moments.mass_kg;
+  }
+  const Eigen::Vector3d linear = sum.tail<3>();
+  const Eigen::Vector3d angular = sum.head<3>() - (first / mass).cross(linear);
+  return {X_WC_.linear() * linear, X_WC_.linear() * angular};
+}
+
+}  // namespace rigwire::sim

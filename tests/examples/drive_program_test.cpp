@@ -1,0 +1,193 @@
+// path_follow and roll_lane as processes, against a rig on real wires: they drive, and they stop
+// safely.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "vehicle_rig.h"
+
+namespace rigwire::field {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+class DriveProgramProcess : public testing::Test {
+ protected:
+  explicit DriveProgramProcess(VehicleRig::Kind kind = VehicleRig::Kind::truck)
+      : directory(fs::temp_directory_path() / ("rigwire-drive-" + std::to_string(::getpid()))),
+        rig(directory, kind) {}
+  ~DriveProgramProcess() override {
+    if (child > 0) {
+      ::kill(child, SIGKILL);
+      ::waitpid(child, nullptr, 0);
+    }
+    std::error_code ignored;
+    fs::remove_all(directory, ignored);
+  }
+
+  /// A path of some 25 m with a bend to the left, from where the vehicle stands.
+  std::string path() const {
+    const std::string file = (directory / "path.csv").string();
+    std::ofstream stream(file);
+    stream.precision(12);
+    for (int i = 0; i <= 50; ++i) {
+      const double x = 0.5 * i;
+      const LatLon place = rig.plane().to_geodetic({x, 0.008 * x * x});
+      stream << place.latitude_deg << ',' << place.longitude_deg << '\n';
+    }
+    return file;
+  }
+  void start(const std::string& program, std::vector<std::string> extra) {
+    std::vector<std::string> arguments{std::string(RIGWIRE_BINARY_DIR) + "/" + program};
+    for (const auto& list : {rig.arguments(), extra}) {
+      arguments.insert(arguments.end(), list.begin(), list.end());
+    }
+    std::vector<char*> pointers;
+    for (std::string& argument : arguments) {
+      pointers.push_back(argument.data());
+    }
+    pointers.push_back(nullptr);
+    const std::string messages_path = (directory / "messages").string();
+    child = ::fork();
+    if (child == 0) {
+      const int file = ::open(messages_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+      ::dup2(file, STDERR_FILENO);
+      ::execv(pointers[0], pointers.data());
+      ::_exit(127);
+    }
+  }
+  bool until(const std::function<bool()>& done, std::chrono::milliseconds limit = 20s) {
+    const auto deadline = std::chrono::steady_clock::now() + limit;
+    while (!done()) {
+      if (std::chrono::steady_clock::now() > deadline) {
+        return false;
+      }
+      rig.poll();
+    }
+    return true;
+  }
+  /// The exit status; -1 when it does not end in time.
+  int end(std::chrono::milliseconds limit = 15s) {
+    int status = 0;
+    if (!until([&] { return ::waitpid(child, &status, WNOHANG) == child; }, limit)) {
+      return -1;
+    }
+    child = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+  std::string messages() const {
+    std::ifstream file(directory / "messages");
+    std::stringstream text;
+    text << file.rdbuf();
+    return text.str();
+  }
+
+  fs::path directory;
+  VehicleRig rig;
+  pid_t child = -1;
+};
+
+TEST_F(DriveProgramProcess, FollowsAPathBelievesTheTruthAndParks) {
+  const std::string log = (directory / "driven.jsonl").string();
+  start("path_follow", {"--path", path(), "--gnss-sigma", "0.1", "--log", log});
+  double worst_m = 0.0;
+  ASSERT_TRUE(until(
+      [&] {
+        const double x = rig.plant.position.east_m;
+        worst_m = std::max(worst_m, std::abs(rig.plant.position.north_m - 0.008 * x * x));
+        return x > 22.0;
+      },
+      60s))
+      << messages();
+  EXPECT_EQ(end(20s), 0) << messages();
+  EXPECT_LT(worst_m, 0.5);
+  EXPECT_THAT(messages(), HasSubstr("done"));
+  EXPECT_TRUE(until([&] { return rig.parked(); }, 1s));
+  EXPECT_FALSE(rig.gateway().control().stopping()) << "ended properly, not by silence";
+  std::ifstream lines(log);
+  std::string line;
+  nlohmann::json last;
+  while (std::getline(lines, line)) {
+    last = nlohmann::json::parse(line);
+  }
+  EXPECT_EQ(last["state"], "stopping");
+  EXPECT_NEAR(last["east_m"].get<double>(), rig.plant.position.east_m, 0.3);
+  EXPECT_NEAR(last["heading_deg"].get<double>(), rig.plant.heading_rad / kDegree, 3.0);
+}
+
+TEST_F(DriveProgramProcess, InterruptBrakesAndParks) {
+  start("path_follow", {"--path", path()});
+  ASSERT_TRUE(until([&] { return rig.moving(); })) << messages();
+  ::kill(child, SIGINT);
+  EXPECT_EQ(end(8s), 0) << messages();
+  EXPECT_TRUE(until([&] { return rig.parked(); }, 1s));
+}
+
+class DriveProgramSilence : public DriveProgramProcess, public testing::WithParamInterface<int> {};
+
+TEST_P(DriveProgramSilence, StopsWithStatus4AndNamesTheDevice) {
+  start("path_follow", {"--path", path(), "--speed", "1"});
+  ASSERT_TRUE(until([&] { return rig.moving(); })) << messages();
+  const std::array<const char*, 3> names{"gnss is silent", "imu is silent",
+                                         "vehicle gateway is silent"};
+  rig.mute.gnss = GetParam() == 0;
+  rig.mute.imu = GetParam() == 1;
+  rig.mute.gateway = GetParam() == 2;
+  EXPECT_EQ(end(), 4) << messages();
+  EXPECT_THAT(messages(), HasSubstr(names[static_cast<std::size_t>(GetParam())]));
+  EXPECT_TRUE(until([&] { return rig.parked(); }, 3s));
+}
+
+INSTANTIATE_TEST_SUITE_P(Devices, DriveProgramSilence, testing::Values(0, 1, 2));
+
+TEST_F(DriveProgramProcess, SaysWhatIsWrongWithTheCommandLine) {
+  start("path_follow", {"--path", "/nowhere.csv"});
+  EXPECT_EQ(end(), 2);
+  EXPECT_THAT(messages(), HasSubstr("/nowhere.csv: cannot be read"));
+  start("path_follow", {});
+  EXPECT_EQ(end(), 2);
+  EXPECT_THAT(messages(), HasSubstr("--path: missing"));
+  start("roll_lane", {"--side", "up"});
+  EXPECT_EQ(end(), 2);
+  EXPECT_THAT(messages(), HasSubstr("--side: found 'up', allowed left or right"));
+}
+
+class RollLaneProcess : public DriveProgramProcess {
+ protected:
+  RollLaneProcess() : DriveProgramProcess(VehicleRig::Kind::roller) {}
+};
+
+TEST_F(RollLaneProcess, RollsTwoLanesAndParks) {
+  start("roll_lane", {"--lanes", "2", "--length", "11", "--transition", "8", "--offset", "0.3",
+                      "--speed", "2", "--gnss-sigma", "0.1", "--vibration", "on"});
+  bool vibrated = false;
+  ASSERT_TRUE(until(
+      [&] {
+        vibrated = vibrated || rig.gateway().command().vibration[0];
+        return rig.plant.position.east_m > 10.5;
+      },
+      40s))
+      << messages();
+  EXPECT_NEAR(rig.plant.position.north_m, 0.0, 0.2);
+  EXPECT_NEAR(rig.plant.heading_rad, -std::asin(0.3 / 3.4), 0.04);
+  EXPECT_EQ(end(40s), 0) << messages();
+  EXPECT_TRUE(vibrated);
+  EXPECT_NEAR(rig.plant.position.east_m, 0.0, 0.6);
+  EXPECT_NEAR(rig.plant.position.north_m, 1.68 + 0.3 - 0.15, 0.25);
+  EXPECT_FALSE(rig.gateway().command().vibration[0]);
+  EXPECT_TRUE(until([&] { return rig.parked(); }, 1s));
+}
+
+}  // namespace
+}  // namespace rigwire::field

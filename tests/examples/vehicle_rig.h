@@ -1,0 +1,69 @@
+// A rig for tests of driving programs: a vehicle without dynamics behind the emulated gateway, an
+// exact receiver and yaw gyroscope, on real wires of this host. Each can be muted.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/pty.h"
+#include "drivers/slcan_adapter.h"
+#include "emulators/vehicle_gateway.h"
+#include "field/local_plane.h"
+#include "vehicle_plant.h"
+
+namespace rigwire::field {
+
+class VehicleRig : private emulators::FrameOutput {
+ public:
+  enum class Kind { truck, roller };
+
+  VehicleRig(std::filesystem::path directory, Kind kind);
+  ~VehicleRig() override;
+
+  /// The command line that connects a program to this rig.
+  [[nodiscard]] std::vector<std::string> arguments() const;
+  /// Lives up to the present; call often.
+  void poll();
+
+  struct Mute {
+    bool gnss = false;
+    bool imu = false;
+    bool gateway = false;
+  };
+  Mute mute;
+  VehiclePlant plant;
+
+  [[nodiscard]] const emulators::VehicleGateway& gateway() const { return *gateway_; }
+  [[nodiscard]] bool moving() const { return std::abs(plant.speed_mps) > 0.3; }
+  [[nodiscard]] bool parked() const {
+    return std::abs(plant.speed_mps) < 0.01 && gateway_->command().parking_brake;
+  }
+  [[nodiscard]] const LocalPlane& plane() const { return plane_; }
+
+ private:
+  void send(SimTime due, const protocols::can::Frame& frame) override;
+  [[nodiscard]] SimTime now() const;
+  void step();
+  void obey(const VehicleCommand& command);
+  [[nodiscard]] VehicleSample sample() const;
+  void send_gnss();
+
+  std::filesystem::path directory_;
+  Kind kind_;
+  boost::asio::io_context context_;
+  drivers::Pty gnss_;
+  drivers::Pty can_line_;
+  drivers::SlcanAdapter can_;
+  std::unique_ptr<emulators::VehicleGateway> gateway_;
+  LocalPlane plane_{{49.4247, 7.7517}};
+  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+  std::uint64_t steps_ = 0;
+  int gear_ = 0;
+  bool parking_brake_ = true;
+};
+
+}  // namespace rigwire::field

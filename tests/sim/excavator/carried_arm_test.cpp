@@ -1,0 +1,234 @@
+#include "sim/excavator/carried_arm.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "allocation_counter.h"
+#include "sim/excavator/excavator.h"
+
+namespace rigwire::sim {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr double kG = 9.80665;
+
+ExcavatorParameters moving() {
+  ExcavatorParameters parameters;
+  parameters.carrier = ExcavatorCarrier::moving;
+  return parameters;
+}
+
+double total_mass(const ExcavatorParameters& p) {
+  return p.undercarriage.mass_kg + p.upper.mass_kg + p.boom.mass_kg + p.stick.mass_kg +
+         p.bucket.mass_kg;
+}
+
+// First moment of everything above the undercarriage along x, from the arm's own gravity load: the
+// swing of a machine whose gravity lies along y carries it.
+double arm_moment_kgm(const JointVector& q, double payload_kg) {
+  ArmDynamics arm(ExcavatorParameters{}, {0.0, -1.0, 0.0});
+  arm.set_payload_kg(payload_kg);
+  return arm.gravity_load(q)[0];
+}
+
+// In free flight, valves closed and the arm moving.
+TEST(CarriedArm, MomentumInFreeFlightIsKept) {
+  ExcavatorParameters parameters = moving();
+  const Ground ground;
+  DrivenArm arm(parameters, {0.0, 0.0, -kG});
+  arm.gains.stiffness *= 0.01;
+  const auto drift = [&](double h) {
+    Eigen::Isometry3d high = Eigen::Isometry3d::Identity();
+    high.translation().z() = 1000.0;
+    CarriedArm machine(parameters, ground, high);
+    machine.set_velocity({0.1, 0.2, -0.3}, {1.0, 0.0, 2.0});
+    ArmState state{{0.2, 0.35, -1.4, -0.6}, {0.4, 0.3, -0.5, 0.8}};
+    const ArmPose start = arm.pose(state.q_rad);
+    const auto before = machine.momentum(arm, state);
+    for (int i = 0; i < static_cast<int>(1.0 / h + 0.5); ++i) {
+      const ArmPose at = arm.pose(state.q_rad);
+      machine.step(h, arm, at, arm.laws(at, h, start.x, JointVector::Zero()), {}, state);
+    }
+    const auto after = machine.momentum(arm, state);
+    const Eigen::Vector3d fallen(0.0, 0.0, -kG * total_mass(parameters));
+    EXPECT_LT((after.linear_W - before.linear_W - fallen).norm(),
+              60.0 * h * total_mass(parameters));
+    EXPECT_GT(before.angular_W.norm(), 5e3);
+    return (after.angular_W - before.angular_W).norm() / before.angular_W.norm();
+  };
+  const double coarse = drift(2e-3);
+  const double fine = drift(1e-3);
+  EXPECT_LT(fine, 1e-2);
+  EXPECT_NEAR(coarse / fine, 2.0, 0.3) << "the scheme's order";
+}
+
+// Research case 22: semi-implicit Euler is off by g h t / 2, neither more nor less.
+TEST(CarriedArm, FreeFallIsOffByTheSchemesKnownError) {
+  const ExcavatorParameters parameters = moving();
+  const Ground ground;
+  const DrivenArm arm(parameters, {0.0, 0.0, -kG});
+  Eigen::Isometry3d high = Eigen::Isometry3d::Identity();
+  high.translation().z() = 1000.0;
+  CarriedArm machine(parameters, ground, high);
+  ArmState state{{0.2, 0.35, -1.4, -0.6}, JointVector::Zero()};
+  const JointVector target = arm.pose(state.q_rad).x;
+  const double h = 1e-3;
+  for (int i = 0; i < 10000; ++i) {
+    const ArmPose at = arm.pose(state.q_rad);
+    machine.step(h, arm, at, arm.laws(at, h, target, JointVector::Zero()), {}, state);
+  }
+  const double fallen = 1000.0 - machine.X_WC().translation().z();
+  EXPECT_NEAR(fallen - 0.5 * kG * 100.0, 0.5 * kG * h * 10.0, 1e-7);
+}
+
+TEST(CarriedArm, WheelLoadsAtRestAreTheLeversOfTheCentreOfMass) {
+  const Ground ground;
+  Excavator machine(moving(), Eigen::Isometry3d::Identity(), &ground);
+  const ExcavatorParameters p;
+  for (const double payload_kg : {0.0, 1000.0}) {
+    machine.set_payload_kg(payload_kg);
+    machine.step(seconds(15));
+    ASSERT_TRUE(machine.finite());
+    const double mass = total_mass(p) + payload_kg;
+    const double moment = arm_moment_kgm(machine.joint_angles_rad(), payload_kg);
+    const double front = kG * (0.5 * mass + moment / p.wheels.wheelbase_m);
+    const auto& loads = machine.carried()->wheel_loads_n();
+    EXPECT_NEAR(loads[0] + loads[1] + loads[2] + loads[3], kG * mass, 2e-4 * kG * mass);
+    EXPECT_NEAR(loads[0] + loads[1], front, 0.01 * kG * mass);
+    EXPECT_NEAR(loads[0], loads[1], 1.0);
+  }
+}
+
+// The tip is loaded, slowly, until the rear wheels lift.
+TEST(CarriedArm, RearWheelsLiftAtTheLoadOfTheClosedForm) {
+  const Ground ground;
+  Excavator machine(moving(), Eigen::Isometry3d::Identity(), &ground);
+  const ExcavatorParameters p;
+  machine.step(seconds(5));
+  const double moment = arm_moment_kgm(machine.joint_angles_rad(), 0.0);
+  const double reach = machine.tip_W().x();
+  const double lever = 0.5 * p.wheels.wheelbase_m;
+  // About the front wheels: mass (lever) - moment = force (reach - lever) / g.
+  const double expected_n = kG * (total_mass(p) * lever - moment) / (reach - lever);
+  for (int i = 1; i <= 100; ++i) {
+    machine.set_bucket_force({0.0, 0.0, -0.008 * i * expected_n}, machine.tip_W());
+    machine.step(milliseconds(100));
+  }
+  double lifts_n = 0.0;
+  for (double force = 0.8 * expected_n; force < 1.2 * expected_n; force += 0.01 * expected_n) {
+    machine.set_bucket_force({0.0, 0.0, -force}, machine.tip_W());
+    machine.step(seconds(1));
+    const auto& loads = machine.carried()->wheel_loads_n();
+    if (loads[2] + loads[3] < 1.0) {
+      lifts_n = force;
+      break;
+    }
+  }
+  EXPECT_NEAR(lifts_n, expected_n, 0.06 * expected_n);
+}
+
+TEST(CarriedArm, RestsOnASlopeWithoutCreep) {
+  const double slope = 0.25;
+  SoilParameters hard;
+  const Ground ground = Ground::plane({-std::sin(slope), 0.0, std::cos(slope)}, hard);
+  Eigen::Isometry3d X_WC = Eigen::Isometry3d::Identity();
+  X_WC.linear() = Eigen::AngleAxisd(-slope, Eigen::Vector3d::UnitY()).matrix();
+  Excavator machine(moving(), X_WC, &ground);
+  machine.step(seconds(10));
+  const Eigen::Vector3d before = machine.link(Link::undercarriage).X_WL.translation();
+  machine.step(seconds(60));
+  ASSERT_TRUE(machine.finite());
+  EXPECT_LT((machine.link(Link::undercarriage).X_WL.translation() - before).norm(), 1e-6);
+  EXPECT_LT(machine.link(Link::upper).v_WL_W.norm(), 1e-7);
+}
+
+TEST(CarriedArm, SlidesDownASlopeThatItsFrictionCannotHold) {
+  const double slope = 0.25;
+  SoilParameters ice;
+  ice.friction = 0.05;
+  const Ground ground = Ground::plane({-std::sin(slope), 0.0, std::cos(slope)}, ice);
+  Eigen::Isometry3d X_WC = Eigen::Isometry3d::Identity();
+  X_WC.linear() = Eigen::AngleAxisd(-slope, Eigen::Vector3d::UnitY()).matrix();
+  Excavator machine(moving(), X_WC, &ground);
+  const LinkMotion before = machine.link(Link::undercarriage);
+  machine.step(seconds(2));
+  const LinkMotion after = machine.link(Link::undercarriage);
+  const double friction = 0.05 * moving().wheels.tyre.friction_factor;
+  const double expected = kG * (std::sin(slope) - friction * std::cos(slope));
+  EXPECT_NEAR((after.v_WL_W - before.v_WL_W).norm() / 2.0, expected, 0.05 * expected);
+}
+
+TEST(CarriedArm, RocksWhenTheArmStopsAndComesToRest) {
+  const Ground ground;
+  Excavator machine(moving(), Eigen::Isometry3d::Identity(), &ground);
+  machine.step(seconds(5));
+  const Eigen::Matrix3d level = machine.link(Link::undercarriage).X_WL.linear();
+  ValveCommand command;
+  command.opening[1] = -0.8;
+  machine.command(command);
+  machine.step(milliseconds(800));
+  machine.command(ValveCommand{});
+  double greatest = 0.0;
+  for (int i = 0; i < 100; ++i) {
+    machine.step(milliseconds(10));
+    greatest = std::max(greatest, Eigen::AngleAxisd(level.transpose() *
+                                                    machine.link(Link::undercarriage).X_WL.linear())
+                                      .angle());
+  }
+  EXPECT_GT(greatest, 1e-3);
+  machine.step(seconds(20));
+  EXPECT_LT(machine.link(Link::upper).v_WL_W.norm(), 1e-6);
+}
+
+TEST(CarriedArm, LinkAccelerationsAreTheSlopeOfTheirVelocities) {
+  const Ground ground;
+  Excavator machine(moving(), Eigen::Isometry3d::Identity(), &ground);
+  ValveCommand command;
+  command.opening = {0.6, 0.5, -0.4, 0.4};
+  machine.command(command);
+  LinkMotion before;
+  for (int i = 0; i < 700; ++i) {
+    before = machine.link(Link::bucket);
+    machine.step(milliseconds(1));
+  }
+  const LinkMotion& now = machine.link(Link::bucket);
+  EXPECT_LT(((now.v_WL_W - before.v_WL_W) / 1e-3 - now.a_WL_W).norm(),
+            0.02 + 0.05 * now.a_WL_W.norm());
+}
+
+TEST(CarriedArm, EveryLevelWithForcesStaysSoundAndAllocatesNothing) {
+  const Ground ground;
+  for (const ExcavatorLevel level :
+       {ExcavatorLevel::quasi_static, ExcavatorLevel::dynamic, ExcavatorLevel::chambers}) {
+    ExcavatorParameters parameters = moving();
+    parameters.level = level;
+    Excavator machine(parameters, Eigen::Isometry3d::Identity(), &ground);
+    const auto before = test::allocations();
+    for (int i = 0; i < 300; ++i) {
+      ValveCommand command;
+      const double sign = i % 100 < 50 ? 1.0 : -1.0;
+      command.opening = {0.8 * sign, sign, -0.7 * sign, 0.9 * sign};
+      machine.command(command);
+      machine.set_bucket_resistance({.gain_nspm = 1e6, .limit_n = 3e4});
+      machine.step(milliseconds(10));
+    }
+    EXPECT_EQ(test::allocations(), before);
+    EXPECT_TRUE(machine.finite());
+    EXPECT_LT(machine.link(Link::undercarriage).X_WL.translation().norm(), 3.0);
+    EXPECT_GT(machine.link(Link::undercarriage).X_WL.linear()(2, 2), 0.9);
+  }
+}
+
+TEST(CarriedArm, AMovingCarrierNeedsAGroundAndForces) {
+  EXPECT_THROW(Excavator(moving(), Eigen::Isometry3d::Identity()), std::invalid_argument);
+  ExcavatorParameters parameters = moving();
+  parameters.level = ExcavatorLevel::kinematic;
+  EXPECT_THROW(validate(parameters), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace rigwire::sim

@@ -67,7 +67,7 @@ struct BeamAxleParameters {
   double rebound_travel_m = 0.20;
   StopParameters bump_stop{1.5e6, 0.03};
   double articulation_rad = 30.0 * std::numbers::pi / 180.0;  ///< Roll up to the limiter.
-  StopParameters articulation_stop{2.0e6, 0.035};  ///< Ramp of 2 degrees.
+  StopParameters articulation_stop{2.0e6, 0.035};             ///< Ramp of 2 degrees.
 };
 
 /// Wheel carrier that moves up and down in B.

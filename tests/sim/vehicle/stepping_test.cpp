@@ -4,9 +4,9 @@
 #include <cstring>
 #include <limits>
 
+#include "allocation_counter.h"
 #include "sim/driveline/make_driveline.h"
 #include "vehicle_rig.h"
-#include "allocation_counter.h"
 
 namespace rigwire::sim::test {
 namespace {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "hil/command_line/verbs.h"
+#include "hil/configuration/frame_rate.h"
 #include "protocols/velodyne/data_packet.h"
 #include "protocols/velodyne/model.h"
 
@@ -38,19 +39,28 @@ Row plan(const RigConfiguration&, const VelodyneConfiguration& device) {
           fmt::format("{:.0f} rpm", device.lidar.rotor_rpm)};
 }
 
+/// A node of a bus that sends frames of 8 bytes.
+Row plan_node(const RigConfiguration& rig, const std::string& bus_name, unsigned address,
+              double frames_hz, const std::string& with) {
+  const auto bus = rig.buses.find(bus_name);
+  return {bus == rig.buses.end() ? bus_name
+                                 : fmt::format("can {} at {} bit/s, address 0x{:02X}", bus_name,
+                                               bus->second.bus.bit_rate_bps, address),
+          fmt::format("{:.0f} frames/s", frames_hz), fmt::format("{:.0f} B/s", frames_hz * 8),
+          with};
+}
+
 Row plan(const RigConfiguration& rig, const OpenImuDeviceConfiguration& device) {
-  const unsigned mask = device.imu.configuration.packet_mask;
-  const unsigned messages = (mask & 1u) + ((mask >> 1) & 1u) + ((mask >> 2) & 1u);
   const unsigned divider = device.imu.configuration.rate_divider;
-  const double rate_hz = divider == 0 ? 0.0 : 100.0 / divider;
-  const auto bus = rig.buses.find(device.bus);
-  return {bus == rig.buses.end()
-              ? device.bus
-              : fmt::format("can {} at {} bit/s, address 0x{:02X}", device.bus,
-                            bus->second.bus.bit_rate_bps, device.imu.source_address),
-          fmt::format("{:.0f} frames/s", rate_hz * messages),
-          fmt::format("{:.0f} B/s", rate_hz * messages * 8),
-          fmt::format("{} messages at {:.0f} Hz", messages, rate_hz)};
+  const std::string with =
+      divider == 0 ? "silent" : fmt::format("each message at {:.0f} Hz", 100.0 / divider);
+  return plan_node(rig, device.bus, device.imu.source_address, frame_rate_hz(device), with);
+}
+
+Row plan(const RigConfiguration& rig, const VehicleGatewayDeviceConfiguration& device) {
+  return plan_node(rig, device.bus, device.gateway.source_address, frame_rate_hz(device),
+                   fmt::format("stops {} after the last guidance command",
+                               print_duration(device.gateway.timeouts.guidance.count())));
 }
 
 Row plan(const RigConfiguration&, const ValveDriverConfiguration& device) {

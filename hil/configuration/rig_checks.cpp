@@ -8,18 +8,13 @@
 #include <vector>
 
 #include "hil/configuration/document.h"
+#include "hil/configuration/frame_rate.h"
 #include "hil/configuration/rig.h"
 #include "hil/configuration/suggest.h"
 
 namespace rigwire::hil {
 
 namespace {
-
-/// A device is only built to be asked how much it sends.
-class NoFrames final : public emulators::FrameOutput {
- public:
-  void send(SimTime, const protocols::can::Frame&) override {}
-};
 
 class Checker {
  public:
@@ -197,19 +192,9 @@ class Checker {
 
   /// Frames per second that a device sends on that bus by itself.
   template <class Settings>
-  static double frame_rate_hz(const std::string& bus, const Settings& device) {
-    if constexpr (std::is_same_v<Settings, OpenImuDeviceConfiguration>) {
-      if (device.bus != bus || device.imu.configuration.rate_divider == 0) {
-        return 0.0;
-      }
-      const unsigned mask = device.imu.configuration.packet_mask;
-      const unsigned messages = (mask & 1u) + ((mask >> 1) & 1u) + ((mask >> 2) & 1u);
-      return 100.0 / device.imu.configuration.rate_divider * messages;
-    } else if constexpr (std::is_same_v<Settings, VehicleGatewayDeviceConfiguration>) {
-      NoFrames nowhere;
-      return device.bus == bus
-                 ? emulators::VehicleGateway(device.gateway, nowhere).nominal_rate_hz()
-                 : 0.0;
+  static double rate_on(const std::string& bus, const Settings& device) {
+    if constexpr (requires { frame_rate_hz(device); }) {
+      return device.bus == bus ? frame_rate_hz(device) : 0.0;
     } else {
       return 0.0;
     }
@@ -223,7 +208,7 @@ class Checker {
     double frames = 0.0;
     for (const auto& [device_name, device] : rig_.devices) {
       if (!faulty("devices." + device_name)) {
-        frames += std::visit([&](const auto& settings) { return frame_rate_hz(name, settings); },
+        frames += std::visit([&](const auto& settings) { return rate_on(name, settings); },
                              device.settings);
       }
     }

@@ -1,0 +1,29 @@
+#include "hil/configuration/frame_rate.h"
+
+#include <bit>
+
+namespace rigwire::hil {
+namespace {
+
+/// A device is only built to be asked how much it sends.
+class NoFrames final : public emulators::FrameOutput {
+ public:
+  void send(SimTime, const protocols::can::Frame&) override {}
+};
+
+}  // namespace
+
+double frame_rate_hz(const OpenImuDeviceConfiguration& device) {
+  constexpr double kBaseRate_hz = 100.0;
+  constexpr unsigned kMessages = 0b111;
+  const unsigned divider = device.imu.configuration.rate_divider;
+  const int messages = std::popcount(device.imu.configuration.packet_mask & kMessages);
+  return divider == 0 ? 0.0 : kBaseRate_hz / divider * messages;
+}
+
+double frame_rate_hz(const VehicleGatewayDeviceConfiguration& device) {
+  NoFrames nowhere;
+  return emulators::VehicleGateway(device.gateway, nowhere).nominal_rate_hz();
+}
+
+}  // namespace rigwire::hil

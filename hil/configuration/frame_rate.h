@@ -1,0 +1,12 @@
+// What CAN devices send by themselves, from their configuration alone.
+#pragma once
+
+#include "hil/configuration/device.h"
+
+namespace rigwire::hil {
+
+/// Frames per second. Throws std::invalid_argument for settings that make no device.
+[[nodiscard]] double frame_rate_hz(const OpenImuDeviceConfiguration& device);
+[[nodiscard]] double frame_rate_hz(const VehicleGatewayDeviceConfiguration& device);
+
+}  // namespace rigwire::hil

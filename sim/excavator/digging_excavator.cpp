@@ -19,7 +19,7 @@ DiggingExcavator::DiggingExcavator(const ExcavatorParameters& parameters,
                                    const DiggingParameters& digging, const Eigen::Isometry3d& X_WC,
                                    Ground& ground)
     : terrain_(ground, digging.terrain),
-      excavator_(with_payload(parameters, digging, terrain_), X_WC),
+      excavator_(with_payload(parameters, digging, terrain_), X_WC, &ground),
       bucket_(digging.bucket, parameters.bucket_tip_m, parameters.gravity_mps2, terrain_,
               excavator_.link(Link::bucket)),
       inner_span_(std::max(Duration{1}, from_seconds(parameters.step_s))) {

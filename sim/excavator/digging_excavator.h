@@ -14,7 +14,8 @@ namespace rigwire::sim {
 
 class DiggingExcavator final : public Machine {
  public:
-  /// X_WC: the undercarriage's pose. `ground` is changed by digging and must outlive the machine.
+  /// X_WC: the undercarriage's pose. `ground` is changed by digging and must outlive the machine; a
+  /// moving carrier stands on it.
   /// The greatest payload is raised to what the heaped bucket holds of the heaviest soil. Throws
   /// std::invalid_argument as Excavator, BucketSoil and DiggableTerrain do.
   DiggingExcavator(const ExcavatorParameters& parameters, const DiggingParameters& digging,

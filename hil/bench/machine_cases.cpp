@@ -57,25 +57,35 @@ void dig_hard(sim::Machine& machine, SimTime now) {
   machine.valve_port()->command(command);
 }
 
-/// In neutral; a roller's drive, which has no neutral, follows its set point.
+/// Who follows a speed: a roller's drive has no accelerator and no neutral. Vehicles are told none,
+/// because their kinematic level would follow it without a drive line.
+enum class Drive { accelerator, hydrostatic };
+
+template <Drive kDrive>
 void coast(sim::Machine& machine, SimTime now) {
   const double t = to_seconds(now);
   VehicleCommand command;
   command.parking_brake = false;
-  command.travel_speed_mps = 0.6 * (1.0 - std::cos(std::numbers::pi * t / 1.5));
+  if (kDrive == Drive::hydrostatic) {
+    command.travel_speed_mps = 0.6 * (1.0 - std::cos(std::numbers::pi * t / 1.5));
+  }
   command.front_steer_rad = 0.05 * wave(0.4, t);
   command.rear_steer_rad = -command.front_steer_rad;
   machine.vehicle_port()->command(command);
 }
 
+template <Drive kDrive>
 void start_swerve_stop(sim::Machine& machine, SimTime now) {
   const double t = to_seconds(now);
   VehicleCommand command;
   command.parking_brake = false;
   const bool going = t < 2.2;
-  command.gear = going ? 1 : 0;
-  command.engine_torque_share = t < 2.0 ? 0.5 : 0.0;
-  command.travel_speed_mps = going ? 1.5 : 0.0;
+  if (kDrive == Drive::hydrostatic) {
+    command.travel_speed_mps = going ? 1.5 : 0.0;
+  } else {
+    command.gear = going ? 1 : 0;
+    command.engine_torque_share = t < 2.0 ? 0.5 : 0.0;
+  }
   command.brake_share = going ? 0.0 : 0.5;
   command.front_steer_rad = 0.2 * wave(0.5, t);
   command.rear_steer_rad = -command.front_steer_rad;
@@ -175,7 +185,8 @@ MachineCase wheeled(const Vehicle& vehicle, sim::VehicleLevel level, const char*
                      .scene = name_of(scene),
                      .stiffness_factor = factor,
                      .methods = {},
-                     .drive = scene == Scene::smooth ? coast : start_swerve_stop};
+                     .drive = scene == Scene::smooth ? coast<Drive::accelerator>
+                                                     : start_swerve_stop<Drive::accelerator>};
   const auto ground = slope();
   for (const IntegrationScheme scheme : kOneScheme) {
     result.methods.push_back(
@@ -221,7 +232,8 @@ MachineCase roller(sim::RollerLevel level, const char* level_name, Scene scene, 
                      .scene = name_of(scene),
                      .stiffness_factor = factor,
                      .methods = {},
-                     .drive = scene == Scene::smooth ? coast : start_swerve_stop};
+                     .drive = scene == Scene::smooth ? coast<Drive::hydrostatic>
+                                                     : start_swerve_stop<Drive::hydrostatic>};
   const auto ground = slope();
   for (const IntegrationScheme scheme : kOneScheme) {
     result.methods.push_back(

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "hil/bench/machine_precision_json.h"
+
 namespace rigwire::hil {
 namespace {
 
@@ -112,6 +114,31 @@ TEST(MachinePrecision, RefusedAndDivergedRowsStay) {
   EXPECT_TRUE(found.rows[1].diverged);
   EXPECT_TRUE(std::isinf(found.rows[1].greatest_error_m));
   EXPECT_NE(found.rows[2].refusal.find("step_s"), std::string::npos);
+}
+
+TEST(MachinePrecision, JsonHasTheDocumentedKeysAndNoErrorWhereThereIsNone) {
+  MachinePrecisionSettings settings;
+  settings.steps_s = {1e-3, 1e-2, 2e-2};
+  settings.reference_step_s = 1e-4;
+  const MachineCase of = decay_case(1000.0);
+  const nlohmann::json json = precision_json(of, measure_machine_precision(of, settings));
+  for (const char* key :
+       {"machine", "level", "scene", "stiffness_factor", "span_s", "reference", "order", "rows"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+  for (const char* key : {"method", "step_s", "gap_m"}) {
+    EXPECT_TRUE(json["reference"].contains(key)) << key;
+  }
+  ASSERT_EQ(json["rows"].size(), 6U);
+  for (const char* key :
+       {"method", "step_s", "diverged", "final_error_m", "greatest_error_m", "us_per_step"}) {
+    EXPECT_TRUE(json["rows"][0].contains(key)) << key;
+  }
+  EXPECT_TRUE(json["rows"][1]["diverged"].get<bool>());
+  EXPECT_TRUE(json["rows"][1]["greatest_error_m"].is_null());
+  EXPECT_TRUE(json["rows"][2].contains("refusal"));
+  EXPECT_FALSE(json["rows"][2].contains("diverged"));
+  EXPECT_TRUE(json["order"]["euler"].is_null()) << "one point has no slope";
 }
 
 TEST(MachinePrecision, DistanceOfTwoMachinesIsTheirModels) {

@@ -4,7 +4,8 @@
   build/rigwire bench --json bench.json && scripts/plot-bench.py bench.json [FOLDER]
 
 FOLDER is docs/accuracy beside this script's folder unless given. Draws what the file has:
-work_precision.svg (excavator), range_error.svg (lidar), lateness.svg (pacing). Standard library only.
+work_precision.svg (excavator), dynamics_MACHINE.svg (dynamics), range_error.svg (lidar),
+lateness.svg (pacing). Standard library only.
 """
 import json
 import math
@@ -12,7 +13,7 @@ import os
 import sys
 from xml.sax.saxutils import escape
 
-COLOURS = ["#1b6ca8", "#d1495b", "#3a7d44", "#8a5a9e"]
+COLOURS = ["#1b6ca8", "#d1495b", "#3a7d44", "#8a5a9e", "#c98a1b", "#4a4a4a", "#2aa6a1", "#a0522d"]
 STYLE = ('<style>text{font:12px sans-serif;fill:#333}.t{font-size:14px;font-weight:bold}'
          '.s{fill:#777;font-size:11px}</style>')
 
@@ -39,6 +40,10 @@ class Svg:
 
     def dot(self, x, y, colour, radius=4.0):
         self.parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{radius}" fill="{colour}"/>')
+
+    def cross(self, x, y, colour, radius=5.0):
+        self.line(x - radius, y - radius, x + radius, y + radius, colour, 2)
+        self.line(x - radius, y + radius, x + radius, y - radius, colour, 2)
 
     def write(self, path):
         with open(path, "w", encoding="utf-8") as file:
@@ -127,6 +132,66 @@ def work_precision(bench, path):
     svg.write(path)
 
 
+def dynamics(bench, path, machine):
+    """Rows of panels are scenes, columns stiffnesses; curves are levels and methods."""
+    cases = [case for case in bench["dynamics"]["precision"]
+             if case["machine"].split(" ")[0] == machine]
+    scenes = list(dict.fromkeys(case["scene"] for case in cases))
+    factors = sorted({case["stiffness_factor"] for case in cases})
+
+    def curve_name(case, method):
+        on = case["machine"][len(machine):]
+        return f'{case["level"]}{on}, {method.replace("_", " ")}'
+
+    def rows_of(case):
+        return [row for row in case["rows"] if "refusal" not in row]
+
+    def cost(row):  # CPU seconds per simulated second
+        return 1e-6 * row["us_per_step"] / row["step_s"]
+    curves = list(dict.fromkeys(curve_name(case, row["method"])
+                                for case in cases for row in rows_of(case)))
+    colour_of = {name: COLOURS[i % len(COLOURS)] for i, name in enumerate(curves)}
+    costs = [cost(row) for case in cases for row in rows_of(case)]
+    errors = [row["greatest_error_m"] for case in cases for row in rows_of(case)
+              if not row["diverged"] and row["greatest_error_m"] > 0.0]
+    panel, height = 310, 290
+    bottom = 60 + height * len(scenes)
+    svg = Svg(90 + panel * len(factors), bottom + 60 + 20 * ((len(curves) + 2) // 3))
+    svg.text(20, 24, f"{machine[:1].upper()}{machine[1:]}: greatest error of any link over "
+             f'{cases[0]["span_s"]:g} s against cost', kind="t")
+    svg.text(20, 42, host_line(bench), kind="s")
+    for j, scene in enumerate(scenes):
+        for i, factor in enumerate(factors):
+            left, top = 80 + panel * i, 84 + height * j
+            x_axis = LogAxis(costs, left, left + panel - 40)
+            y_axis = LogAxis(errors, top + height - 70, top)
+            frame(svg, x_axis, y_axis, lambda v: with_unit(v, "s"),
+                  (lambda v: with_unit(v, "m")) if i == 0 else (lambda v: ""))
+            svg.text((x_axis.start + x_axis.end) / 2, top - 8, f"{scene}, stiffness × {factor:g}",
+                     "middle")
+            for case in cases:
+                if case["scene"] != scene or case["stiffness_factor"] != factor:
+                    continue
+                for method in dict.fromkeys(row["method"] for row in rows_of(case)):
+                    colour = colour_of[curve_name(case, method)]
+                    of_method = [row for row in rows_of(case) if row["method"] == method]
+                    points = [(x_axis.at(cost(row)), y_axis.at(row["greatest_error_m"]))
+                              for row in of_method if not row["diverged"]]
+                    svg.path(points, colour)
+                    for point in points:
+                        svg.dot(*point, colour, 3.0)
+                    for row in of_method:
+                        if row["diverged"]:
+                            svg.cross(x_axis.at(cost(row)), y_axis.end, colour)
+    svg.text(20, bottom + 26, "CPU time per simulated second; points are steps of 0.1 to 20 ms, right "
+             "to left; a cross at the top edge diverged; refused steps have no point", kind="s")
+    for i, name in enumerate(curves):
+        x, y = 28 + 310 * (i % 3), bottom + 48 + 20 * (i // 3)
+        svg.dot(x, y - 4, colour_of[name])
+        svg.text(x + 10, y, name)
+    svg.write(path)
+
+
 def range_error(bench, path):
     rows = bench["lidar"]["range_error"]
     goal = bench["lidar"]["range_error_goal_m"]
@@ -194,6 +259,10 @@ def main():
                                   ("pacing", lateness, "lateness.svg")):
             if suite in bench:
                 draw(bench, os.path.normpath(os.path.join(folder, name)))
+        for machine in dict.fromkeys(case["machine"].split(" ")[0] for case in
+                                     bench.get("dynamics", {}).get("precision", [])):
+            dynamics(bench, os.path.normpath(
+                os.path.join(folder, f"dynamics_{machine.lower()}.svg")), machine)
     except (OSError, json.JSONDecodeError, KeyError) as error:
         sys.exit(f"plot-bench: {error!r}")
 

@@ -46,7 +46,7 @@ void VehicleWire::receive(const protocols::can::Frame& frame) {
     const auto rate = openimu::decode_angular_rate(frame);
     if (rate.ok() && std::isfinite(rate->yaw_dps.value) &&
         rate->yaw_dps.merit != openimu::FigureOfMerit::error) {
-      yaw_sum_radps_ += rate->yaw_dps.value * kDegree;
+      yaw_sum_radps_ -= rate->yaw_dps.value * kDegree;  // Positive clockwise on the wire.
       ++yaw_count_;
       heard_.imu();
     }

@@ -1,61 +1,122 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "hil/bench/machine_cases.h"
 #include "hil/bench/machine_precision.h"
+#include "hil/bench/machine_precision_json.h"
 #include "hil/bench/suites.h"
 
 namespace rigwire::hil {
 namespace {
 
-std::string error_text(const MachinePrecisionRow& row, double error_m) {
-  return row.diverged ? "diverged" : fmt::format("{:.2e}", error_m);
+constexpr double kStep_s = 1e-3;
+
+std::string error_text(const MachinePrecisionRow& row) {
+  if (!row.refusal.empty()) {
+    return "refused";
+  }
+  return row.diverged ? "diverged" : fmt::format("{:.1e}", row.greatest_error_m);
 }
 
-nlohmann::json row_json(const MachinePrecisionRow& row) {
-  if (!row.refusal.empty()) {
-    return {{"step_s", row.step_s}, {"refusal", row.refusal}};
+/// One line per method: greatest error at each step, cost at 1 ms.
+void precision_text(std::ostream& text, const MachineCase& of, const MachinePrecision& found) {
+  for (const MachineMethod& method : of.methods) {
+    text << fmt::format("{:<18} {:<12} {:<8} {:>6g} {:<23}", of.machine, of.level, of.scene,
+                        of.stiffness_factor, method.name);
+    double us = std::nan("");
+    for (const MachinePrecisionRow& row : found.rows) {
+      if (row.method == method.name) {
+        text << fmt::format(" {:>8}", error_text(row));
+        if (row.refusal.empty() && row.step_s <= 1.001 * kStep_s) {
+          us = row.microseconds_per_step;
+        }
+      }
+    }
+    const auto order = measured_order(found, method.name);
+    text << fmt::format(" {:>5} {:>6.2f} {:>8.1e}\n", order ? fmt::format("{:.2f}", *order) : "-",
+                        us, found.reference_gap_m);
   }
-  const auto error = [&](double value) {
-    return row.diverged ? nlohmann::json() : nlohmann::json(value);
-  };
-  return {{"step_s", row.step_s},
-          {"diverged", row.diverged},
-          {"final_error_m", error(row.final_error_m)},
-          {"greatest_error_m", error(row.greatest_error_m)},
-          {"us_per_step", row.microseconds_per_step}};
 }
 
-void row_text(std::ostream& text, const MachineCase& of, const MachinePrecisionRow& row) {
-  text << fmt::format("{:<22} {:<14} {:<24} {:>7g} {:>6g} ", of.machine, of.level, of.method,
-                      of.stiffness_factor, 1e3 * row.step_s);
-  if (!row.refusal.empty()) {
-    text << " refused\n";
-    return;
+nlohmann::json precision_table(std::ostream& text, const std::vector<MachineCase>& cases) {
+  const MachinePrecisionSettings settings;
+  nlohmann::json json = nlohmann::json::array();
+  text << "greatest error in m at each step in ms; order up to 2 ms; us per step at 1 ms (or the "
+          "greatest\nallowed below); gap: reference at 0.01 ms against 0.02 ms\n";
+  text << fmt::format("{:<18} {:<12} {:<8} {:>6} {:<23}", "machine", "level", "scene", "stiff x",
+                      "method");
+  for (const double step_s : settings.steps_s) {
+    text << fmt::format(" {:>8g}", 1e3 * step_s);
   }
-  text << fmt::format("{:>10} {:>10} {:>8.2f} {:>8.0f}x\n", error_text(row, row.final_error_m),
-                      error_text(row, row.greatest_error_m), row.microseconds_per_step,
-                      1e6 * row.step_s / row.microseconds_per_step);
+  text << fmt::format(" {:>5} {:>6} {:>8}\n", "order", "us", "gap");
+  for (const MachineCase& machine_case : cases) {
+    const MachinePrecision found = measure_machine_precision(machine_case, settings);
+    precision_text(text, machine_case, found);
+    json.push_back(precision_json(machine_case, found));
+  }
+  return json;
+}
+
+/// Every level against the fullest of the same machine in the same scene.
+nlohmann::json level_table(std::ostream& text, const std::vector<MachineCase>& cases) {
+  nlohmann::json json = nlohmann::json::array();
+  text << fmt::format("\nlevels of a machine at 1 ms, distance from its fullest (model error)\n");
+  text << fmt::format("{:<18} {:<12} {:<8} {:>10} {:>10} {:>8}\n", "machine", "level", "scene",
+                      "at end m", "greatest", "us/step");
+  for (const MachineCase& one : cases) {
+    const auto same = [&](const MachineCase& other) {
+      return other.machine == one.machine && other.scene == one.scene &&
+             other.stiffness_factor == 1.0;
+    };
+    if (!same(one)) {
+      continue;
+    }
+    const auto fullest = std::find_if(cases.rbegin(), cases.rend(), same);
+    const MachineDistance apart = machine_distance(*fullest, one, kStep_s);
+    const double us = machine_step_us(one);
+    text << fmt::format("{:<18} {:<12} {:<8} {:>10.2e} {:>10.2e} {:>8.2f}\n", one.machine,
+                        one.level, one.scene, apart.final_m, apart.greatest_m, us);
+    json.push_back({{"machine", one.machine},
+                    {"level", one.level},
+                    {"scene", one.scene},
+                    {"against", fullest->level},
+                    {"final_m", number_or_null(apart.final_m)},
+                    {"greatest_m", number_or_null(apart.greatest_m)},
+                    {"us_per_step", us}});
+  }
+  return json;
+}
+
+nlohmann::json variation_table(std::ostream& text) {
+  nlohmann::json json = nlohmann::json::array();
+  text << "\none estimated parameter 20 % greater, 1 ms (parameter error)\n";
+  text << fmt::format("{:<18} {:<12} {:<8} {:<32} {:>10} {:>10}\n", "machine", "level", "scene",
+                      "parameter", "at end m", "greatest");
+  for (const MachineVariation& each : machine_variations()) {
+    const MachineDistance apart = machine_distance(each.nominal, each.varied, kStep_s);
+    const MachineCase& of = each.nominal;
+    text << fmt::format("{:<18} {:<12} {:<8} {:<32} {:>10.2e} {:>10.2e}\n", of.machine, of.level,
+                        of.scene, each.quantity, apart.final_m, apart.greatest_m);
+    json.push_back({{"machine", of.machine},
+                    {"level", of.level},
+                    {"scene", of.scene},
+                    {"parameter", each.quantity},
+                    {"final_m", number_or_null(apart.final_m)},
+                    {"greatest_m", number_or_null(apart.greatest_m)}});
+  }
+  return json;
 }
 
 }  // namespace
 
 nlohmann::json bench_dynamics(std::ostream& text) {
-  nlohmann::json json = nlohmann::json::array();
-  text << fmt::format("{:<22} {:<14} {:<24} {:>7} {:>6} {:>10} {:>10} {:>8} {:>9}\n", "machine",
-                      "level", "method", "stiff x", "ms", "at end m", "greatest", "us/step",
-                      "x real");
-  for (const MachineCase& machine_case : machine_cases()) {
-    nlohmann::json entry{{"machine", machine_case.machine},
-                         {"level", machine_case.level},
-                         {"method", machine_case.method},
-                         {"stiffness_factor", machine_case.stiffness_factor},
-                         {"rows", nlohmann::json::array()}};
-    for (const MachinePrecisionRow& row : measure_machine_precision(machine_case)) {
-      row_text(text, machine_case, row);
-      entry["rows"].push_back(row_json(row));
-    }
-    json.push_back(entry);
-  }
+  const std::vector<MachineCase> cases = machine_cases();
+  nlohmann::json json;
+  json["precision"] = precision_table(text, cases);
+  json["levels"] = level_table(text, cases);
+  json["variations"] = variation_table(text);
   return json;
 }
 

@@ -13,98 +13,145 @@
 namespace rigwire::hil {
 namespace {
 
+using sim::IntegrationScheme;
+
 constexpr double kSlope_rad = 5.0 * std::numbers::pi / 180.0;
+constexpr double kCoasting_mps = 3.0;
+constexpr std::array kStiffnessFactors{1.0, 100.0, 1e4};
 
-/// A machine with the ground that it stands on.
-class OnPlane {
- public:
-  OnPlane()
-      : ground_(std::make_shared<sim::Ground>(sim::Ground::plane(
-            {-std::sin(kSlope_rad), 0.0, std::cos(kSlope_rad)}, sim::SoilParameters{}))) {}
-  [[nodiscard]] const sim::Ground& operator*() const { return *ground_; }
+/// What each machine can be integrated with; the first is its default. More go here.
+constexpr std::array kArmSchemes{IntegrationScheme::linearly_implicit_euler,
+                                 IntegrationScheme::rosenbrock2, IntegrationScheme::runge_kutta4};
+constexpr std::array kOneScheme{IntegrationScheme::linearly_implicit_euler};
 
- private:
-  std::shared_ptr<sim::Ground> ground_;
-};
+enum class Scene { smooth, switches };
+constexpr std::array kScenes{Scene::smooth, Scene::switches};
 
-void dig_motion(sim::Machine& machine, SimTime now) {
+const char* name_of(Scene scene) {
+  return scene == Scene::smooth ? "smooth" : "switches";
+}
+
+/// The ground of a case, kept for as long as one of its makers lives.
+std::shared_ptr<const sim::Ground> slope() {
+  return std::make_shared<const sim::Ground>(sim::Ground::plane(
+      {-std::sin(kSlope_rad), 0.0, std::cos(kSlope_rad)}, sim::SoilParameters{}));
+}
+
+double wave(double hz, double t_s) {
+  return std::sin(2.0 * std::numbers::pi * hz * t_s);
+}
+
+void dig_gently(sim::Machine& machine, SimTime now) {
   const double t = to_seconds(now);
+  const double opening = (0.25 - 0.08 * wave(0.35, t)) * -std::expm1(-t / 0.3);
   ValveCommand command;
-  const auto wave = [t](double hz) { return std::sin(2.0 * std::numbers::pi * hz * t); };
-  command.opening = {0.5 * wave(0.3), 0.5 * wave(0.4), -0.5 * wave(0.5), 0.5 * wave(0.6)};
+  command.opening = {opening, opening, -opening, opening};
   machine.valve_port()->command(command);
 }
 
-/// Pulls away, swerves, brakes to a stop.
-void drive_motion(sim::Machine& machine, SimTime now) {
+void dig_hard(sim::Machine& machine, SimTime now) {
+  const double t = to_seconds(now);
+  ValveCommand command;
+  command.opening = {0.5 * wave(0.3, t), 0.5 * wave(0.4, t), -0.5 * wave(0.5, t),
+                     0.5 * wave(0.6, t)};
+  machine.valve_port()->command(command);
+}
+
+/// Who follows a speed: a roller's drive has no accelerator and no neutral. Vehicles are told none,
+/// because their kinematic level would follow it without a drive line.
+enum class Drive { accelerator, hydrostatic };
+
+template <Drive kDrive>
+void coast(sim::Machine& machine, SimTime now) {
   const double t = to_seconds(now);
   VehicleCommand command;
   command.parking_brake = false;
-  command.gear = t < 3.0 ? 1 : 0;
-  command.engine_torque_share = t < 2.5 ? 0.5 : 0.0;
-  command.travel_speed_mps = t < 3.0 ? 1.5 : 0.0;
-  command.brake_share = t < 3.0 ? 0.0 : 0.5;
-  command.front_steer_rad = 0.2 * std::sin(std::numbers::pi * t);
+  if (kDrive == Drive::hydrostatic) {
+    command.travel_speed_mps = 0.6 * (1.0 - std::cos(std::numbers::pi * t / 1.5));
+  }
+  command.front_steer_rad = 0.05 * wave(0.4, t);
   command.rear_steer_rad = -command.front_steer_rad;
   machine.vehicle_port()->command(command);
 }
 
-sim::ExcavatorParameters excavator(sim::ExcavatorLevel level, sim::IntegrationScheme scheme,
-                                   double factor, double step_s) {
-  sim::ExcavatorParameters parameters;
-  parameters.level = level;
-  parameters.scheme = scheme;
-  parameters.step_s = step_s;
-  parameters.drives.swing_stiffness_nmprad *= factor;
-  parameters.drives.boom_stiffness_npm *= factor;
-  parameters.drives.stick_stiffness_npm *= factor;
-  parameters.drives.bucket_stiffness_npm *= factor;
-  return parameters;
+template <Drive kDrive>
+void start_swerve_stop(sim::Machine& machine, SimTime now) {
+  const double t = to_seconds(now);
+  VehicleCommand command;
+  command.parking_brake = false;
+  const bool going = t < 2.2;
+  if (kDrive == Drive::hydrostatic) {
+    command.travel_speed_mps = going ? 1.5 : 0.0;
+  } else {
+    command.gear = going ? 1 : 0;
+    command.engine_torque_share = t < 2.0 ? 0.5 : 0.0;
+  }
+  command.brake_share = going ? 0.0 : 0.5;
+  command.front_steer_rad = 0.2 * wave(0.5, t);
+  command.rear_steer_rad = -command.front_steer_rad;
+  machine.vehicle_port()->command(command);
+}
+
+using Change = std::function<void(sim::ExcavatorParameters&)>;
+
+void stiffen(sim::DriveParameters& drives, double factor) {
+  drives.swing_stiffness_nmprad *= factor;
+  drives.boom_stiffness_npm *= factor;
+  drives.stick_stiffness_npm *= factor;
+  drives.bucket_stiffness_npm *= factor;
+}
+
+MachineCase excavator(sim::ExcavatorLevel level, const char* level_name, Scene scene, double factor,
+                      std::span<const IntegrationScheme> schemes,
+                      sim::ExcavatorCarrier carrier = sim::ExcavatorCarrier::fixed,
+                      const Change& change = {}) {
+  const bool moving = carrier == sim::ExcavatorCarrier::moving;
+  MachineCase result{.machine = moving ? "excavator on tyres" : "excavator",
+                     .level = level_name,
+                     .scene = name_of(scene),
+                     .stiffness_factor = factor,
+                     .methods = {},
+                     .drive = scene == Scene::smooth ? dig_gently : dig_hard};
+  const auto ground = moving ? slope() : nullptr;
+  for (const IntegrationScheme scheme : schemes) {
+    result.methods.push_back(
+        {hil::name_of(scheme), [=](double step_s) -> std::unique_ptr<sim::Machine> {
+           sim::ExcavatorParameters parameters;
+           parameters.level = level;
+           parameters.scheme = scheme;
+           parameters.step_s = step_s;
+           parameters.carrier = carrier;
+           stiffen(parameters.drives, factor);
+           if (change) {
+             change(parameters);
+           }
+           Eigen::Isometry3d X_WC = Eigen::Isometry3d::Identity();
+           if (moving) {
+             X_WC.rotate(Eigen::AngleAxisd(-kSlope_rad, Eigen::Vector3d::UnitY()));
+           }
+           return std::make_unique<sim::Excavator>(parameters, X_WC, ground.get());
+         }});
+  }
+  return result;
 }
 
 void add_excavators(std::vector<MachineCase>& cases) {
   using sim::ExcavatorLevel;
-  using sim::IntegrationScheme;
-  const auto add = [&](const char* name, ExcavatorLevel level, IntegrationScheme scheme,
-                       double factor) {
-    MachineCase entry{.machine = "excavator",
-                      .level = name,
-                      .method = name_of(scheme),
-                      .stiffness_factor = factor,
-                      .make = {},
-                      .drive = dig_motion};
-    entry.make = [=](double step_s) -> std::unique_ptr<sim::Machine> {
-      return std::make_unique<sim::Excavator>(excavator(level, scheme, factor, step_s),
-                                              Eigen::Isometry3d::Identity());
-    };
-    cases.push_back(std::move(entry));
-  };
-  const auto implicit = IntegrationScheme::linearly_implicit_euler;
-  add("kinematic", ExcavatorLevel::kinematic, implicit, 1.0);
-  add("quasi_static", ExcavatorLevel::quasi_static, implicit, 1.0);
-  for (const double factor : {1.0, 100.0, 1e4}) {
-    for (const auto scheme :
-         {implicit, IntegrationScheme::rosenbrock2, IntegrationScheme::runge_kutta4}) {
-      add("dynamic", ExcavatorLevel::dynamic, scheme, factor);
+  for (const Scene scene : kScenes) {
+    cases.push_back(excavator(ExcavatorLevel::kinematic, "kinematic", scene, 1.0, kOneScheme));
+    cases.push_back(
+        excavator(ExcavatorLevel::quasi_static, "quasi_static", scene, 1.0, kOneScheme));
+    for (const double factor : kStiffnessFactors) {
+      cases.push_back(excavator(ExcavatorLevel::dynamic, "dynamic", scene, factor, kArmSchemes));
     }
+    cases.push_back(excavator(ExcavatorLevel::chambers, "chambers", scene, 1.0, kOneScheme));
+    cases.push_back(excavator(ExcavatorLevel::dynamic, "dynamic", scene, 1.0, kOneScheme,
+                              sim::ExcavatorCarrier::moving));
   }
-  add("chambers", ExcavatorLevel::chambers, implicit, 1.0);
-
-  const OnPlane ground;
-  MachineCase carried{.machine = "excavator on tyres",
-                      .level = "dynamic",
-                      .method = name_of(implicit),
-                      .make = {},
-                      .drive = dig_motion};
-  carried.make = [=](double step_s) -> std::unique_ptr<sim::Machine> {
-    auto parameters = excavator(ExcavatorLevel::dynamic, implicit, 1.0, step_s);
-    parameters.carrier = sim::ExcavatorCarrier::moving;
-    return std::make_unique<sim::Excavator>(parameters, Eigen::Isometry3d::Identity(), &*ground);
-  };
-  cases.push_back(std::move(carried));
 }
 
-/// Stiffness of springs, stops and tyres, with dampers that keep their ratio.
+/// Stiffness of springs and tyres, with dampers that keep their ratio. The tyre's lateral and
+/// longitudinal stiffness too; stops and brakes stay.
 void stiffen(sim::VehicleAxleParameters& axle, double factor) {
   const double damping = std::sqrt(factor);
   axle.beam.spring_npm *= factor;
@@ -118,54 +165,108 @@ void stiffen(sim::VehicleAxleParameters& axle, double factor) {
   axle.tyre.lateral_stiffness_npm *= factor;
 }
 
-void add_vehicle(std::vector<MachineCase>& cases, const char* machine,
-                 const sim::WheeledVehicleParameters& parameters,
-                 const sim::DrivelineParameters& driveline) {
+struct Vehicle {
+  const char* name;
+  sim::WheeledVehicleParameters parameters;
+  sim::DrivelineParameters driveline;
+};
+
+Vehicle unimog() {
+  return {"Unimog", sim::WheeledVehicleParameters{}, sim::unimog_u5023_driveline()};
+}
+Vehicle gator() {
+  return {"Gator", sim::gator_855d(), sim::gator_855d_driveline()};
+}
+
+MachineCase wheeled(const Vehicle& vehicle, sim::VehicleLevel level, const char* level_name,
+                    Scene scene, double factor) {
+  MachineCase result{.machine = vehicle.name,
+                     .level = level_name,
+                     .scene = name_of(scene),
+                     .stiffness_factor = factor,
+                     .methods = {},
+                     .drive = scene == Scene::smooth ? coast<Drive::accelerator>
+                                                     : start_swerve_stop<Drive::accelerator>};
+  const auto ground = slope();
+  for (const IntegrationScheme scheme : kOneScheme) {
+    result.methods.push_back(
+        {hil::name_of(scheme), [=](double step_s) -> std::unique_ptr<sim::Machine> {
+           sim::WheeledVehicleParameters parameters = vehicle.parameters;
+           parameters.level = level;
+           parameters.step_s = step_s;
+           stiffen(parameters.front, factor);
+           stiffen(parameters.rear, factor);
+           auto machine = sim::make_wheeled_vehicle(parameters, *ground,
+                                                    sim::make_driveline(vehicle.driveline), {});
+           if (scene == Scene::smooth) {
+             machine->start_rolling(kCoasting_mps);
+           }
+           return machine;
+         }});
+  }
+  return result;
+}
+
+void add_vehicle(std::vector<MachineCase>& cases, const Vehicle& vehicle) {
   using sim::VehicleLevel;
-  constexpr std::array kLevels{std::pair{VehicleLevel::kinematic, "kinematic"},
-                               std::pair{VehicleLevel::planar, "planar"},
-                               std::pair{VehicleLevel::full, "full"}};
-  const OnPlane ground;
-  for (const auto& [level, name] : kLevels) {
-    for (const double factor : {1.0, 100.0, 1e4}) {
-      if (level == VehicleLevel::kinematic && factor != 1.0) {
-        continue;
-      }
-      MachineCase entry{.machine = machine,
-                        .level = name,
-                        .method = "linearly_implicit_euler",
-                        .stiffness_factor = factor,
-                        .make = {},
-                        .drive = drive_motion};
-      entry.make = [=, level = level](double step_s) -> std::unique_ptr<sim::Machine> {
-        sim::WheeledVehicleParameters stiffened = parameters;
-        stiffened.level = level;
-        stiffened.step_s = step_s;
-        stiffen(stiffened.front, factor);
-        stiffen(stiffened.rear, factor);
-        return sim::make_wheeled_vehicle(stiffened, *ground, sim::make_driveline(driveline), {});
-      };
-      cases.push_back(std::move(entry));
+  for (const Scene scene : kScenes) {
+    cases.push_back(wheeled(vehicle, VehicleLevel::kinematic, "kinematic", scene, 1.0));
+    cases.push_back(wheeled(vehicle, VehicleLevel::planar, "planar", scene, 1.0));
+    for (const double factor : kStiffnessFactors) {
+      cases.push_back(wheeled(vehicle, VehicleLevel::full, "full", scene, factor));
     }
   }
 }
 
-void add_rollers(std::vector<MachineCase>& cases) {
-  const OnPlane ground;
-  for (const auto level : {sim::RollerLevel::kinematic, sim::RollerLevel::dynamic}) {
-    MachineCase entry{.machine = "roller",
-                      .level = level == sim::RollerLevel::kinematic ? "kinematic" : "dynamic",
-                      .method = "linearly_implicit_euler",
-                      .make = {},
-                      .drive = drive_motion};
-    entry.make = [=](double step_s) -> std::unique_ptr<sim::Machine> {
-      sim::RollerParameters parameters;
-      parameters.level = level;
-      parameters.step_s = step_s;
-      return std::make_unique<sim::TandemRoller>(parameters, *ground, Eigen::Vector2d::Zero(), 0.0);
-    };
-    cases.push_back(std::move(entry));
+/// The drums' bristles, whose damping ratio stays, and the brakes.
+void stiffen(sim::RollerParameters& parameters, double factor) {
+  parameters.drum.slip_stiffness_n *= factor;
+  parameters.drum.cornering_stiffness_nprad *= factor;
+  parameters.brake_stiffness_nmprad *= factor;
+}
+
+MachineCase roller(sim::RollerLevel level, const char* level_name, Scene scene, double factor,
+                   const std::function<void(sim::RollerParameters&)>& change = {}) {
+  MachineCase result{.machine = "roller",
+                     .level = level_name,
+                     .scene = name_of(scene),
+                     .stiffness_factor = factor,
+                     .methods = {},
+                     .drive = scene == Scene::smooth ? coast<Drive::hydrostatic>
+                                                     : start_swerve_stop<Drive::hydrostatic>};
+  const auto ground = slope();
+  for (const IntegrationScheme scheme : kOneScheme) {
+    result.methods.push_back(
+        {hil::name_of(scheme), [=](double step_s) -> std::unique_ptr<sim::Machine> {
+           sim::RollerParameters parameters;
+           parameters.level = level;
+           parameters.step_s = step_s;
+           stiffen(parameters, factor);
+           if (change) {
+             change(parameters);
+           }
+           return std::make_unique<sim::TandemRoller>(parameters, *ground, Eigen::Vector2d::Zero(),
+                                                      0.0);
+         }});
   }
+  return result;
+}
+
+void add_rollers(std::vector<MachineCase>& cases) {
+  for (const Scene scene : kScenes) {
+    cases.push_back(roller(sim::RollerLevel::kinematic, "kinematic", scene, 1.0));
+    for (const double factor : kStiffnessFactors) {
+      cases.push_back(roller(sim::RollerLevel::dynamic, "dynamic", scene, factor));
+    }
+  }
+}
+
+MachineCase varied_vehicle(Vehicle vehicle,
+                           const std::function<void(sim::WheeledVehicleParameters&)>& change) {
+  if (change) {
+    change(vehicle.parameters);
+  }
+  return wheeled(vehicle, sim::VehicleLevel::full, "full", Scene::switches, 1.0);
 }
 
 }  // namespace
@@ -173,10 +274,55 @@ void add_rollers(std::vector<MachineCase>& cases) {
 std::vector<MachineCase> machine_cases() {
   std::vector<MachineCase> cases;
   add_excavators(cases);
-  add_vehicle(cases, "Unimog", sim::WheeledVehicleParameters{}, sim::unimog_u5023_driveline());
-  add_vehicle(cases, "Gator", sim::gator_855d(), sim::gator_855d_driveline());
+  add_vehicle(cases, unimog());
+  add_vehicle(cases, gator());
   add_rollers(cases);
   return cases;
+}
+
+std::vector<MachineVariation> machine_variations() {
+  std::vector<MachineVariation> variations;
+  const auto digging = [&](const char* quantity, const Change& change) {
+    const auto one = [](const Change& of) {
+      return excavator(sim::ExcavatorLevel::dynamic, "dynamic", Scene::smooth, 1.0, kOneScheme,
+                       sim::ExcavatorCarrier::fixed, of);
+    };
+    variations.push_back({quantity, one({}), one(change)});
+  };
+  digging("stiffness of the oil", [](sim::ExcavatorParameters& p) { stiffen(p.drives, 1.2); });
+  digging("damping ratio", [](sim::ExcavatorParameters& p) { p.drives.damping_ratio *= 1.2; });
+
+  for (const Vehicle& vehicle : {unimog(), gator()}) {
+    const auto driving = [&](const char* quantity,
+                             const std::function<void(sim::WheeledVehicleParameters&)>& change) {
+      variations.push_back(
+          {quantity, varied_vehicle(vehicle, {}), varied_vehicle(vehicle, change)});
+    };
+    driving("mass of the body", [](auto& p) { p.body.mass_kg *= 1.2; });
+    driving("springs", [](auto& p) {
+      for (sim::VehicleAxleParameters* axle : {&p.front, &p.rear}) {
+        axle->beam.spring_npm *= 1.2;
+        axle->independent.spring_npm *= 1.2;
+      }
+    });
+    driving("lateral stiffness of the tyres", [](auto& p) {
+      p.front.tyre.lateral_stiffness_npm *= 1.2;
+      p.rear.tyre.lateral_stiffness_npm *= 1.2;
+    });
+  }
+
+  const auto rolling = [&](const char* quantity,
+                           const std::function<void(sim::RollerParameters&)>& change) {
+    const auto one = [](const std::function<void(sim::RollerParameters&)>& of) {
+      return roller(sim::RollerLevel::dynamic, "dynamic", Scene::switches, 1.0, of);
+    };
+    variations.push_back({quantity, one({}), one(change)});
+  };
+  rolling("slip stiffness of the drums", [](sim::RollerParameters& p) {
+    p.drum.slip_stiffness_n *= 1.2;
+    p.drum.cornering_stiffness_nprad *= 1.2;
+  });
+  return variations;
 }
 
 }  // namespace rigwire::hil

@@ -74,6 +74,43 @@ std::string type_in_rigs(const std::string& device) {
   return {};
 }
 
+/// A topology of machines: what devices and shapes are mounted on, and its keys.
+struct MachineDescription {
+  Alternative type;
+  std::vector<std::string> links;
+  std::string keys;
+};
+
+template <std::size_t... kIndices>
+std::vector<MachineDescription> machine_catalogue(std::index_sequence<kIndices...>) {
+  std::vector<MachineDescription> list;
+  const auto append = [&list]<std::size_t kIndex>() {
+    MachineConfiguration machine;
+    machine.settings.emplace<kIndex>();
+    const auto links = link_names(machine.settings);
+    list.push_back(
+        {kMachineTypes[kIndex], {links.begin(), links.end()}, reference_text(outline(machine))});
+  };
+  (append.template operator()<kIndices>(), ...);
+  return list;
+}
+
+int describe_machine(const MachineDescription& machine, bool json, Terminal terminal) {
+  if (json) {
+    const nlohmann::ordered_json all{{"type", machine.type.name},
+                                     {"text", machine.type.text},
+                                     {"page", "docs/add-a-machine.md"},
+                                     {"links", machine.links},
+                                     {"keys", machine.keys}};
+    terminal.out << all.dump(2) << '\n';
+  } else {
+    terminal.out << fmt::format(
+        "{}: {}\n\nlinks     {}\npage      docs/add-a-machine.md\n\nkeys in a machine file\n{}",
+        machine.type.name, machine.type.text, join_words(machine.links), machine.keys);
+  }
+  return static_cast<int>(ExitCode::done);
+}
+
 }  // namespace
 
 int describe_verb(const std::string& device, bool json, Terminal terminal) {
@@ -86,9 +123,16 @@ int describe_verb(const std::string& device, bool json, Terminal terminal) {
     }
     names.push_back(description.type);
   }
+  using MachineIndices = std::make_index_sequence<std::variant_size_v<MachineSettings>>;
+  for (const MachineDescription& machine : machine_catalogue(MachineIndices{})) {
+    if (machine.type.name == device) {
+      return describe_machine(machine, json, terminal);
+    }
+    names.emplace_back(machine.type.name);
+  }
   const std::string near = nearest_word(device, names);
-  terminal.err << fmt::format("rigwire: unknown device, found \"{}\", allowed {}{}\n", device,
-                              join_words(names),
+  terminal.err << fmt::format("rigwire: unknown device or machine, found \"{}\", allowed {}{}\n",
+                              device, join_words(names),
                               near.empty() ? "" : ", did you mean " + near + "?");
   return static_cast<int>(ExitCode::usage);
 }

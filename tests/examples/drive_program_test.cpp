@@ -169,13 +169,13 @@ class RollLaneProcess : public DriveProgramProcess {
 };
 
 TEST_F(RollLaneProcess, RollsTwoLanesAndParks) {
-  start("roll_lane", {"--lanes", "2", "--length", "11", "--transition", "8", "--offset", "0.3",
+  start("roll_lane", {"--lanes", "2", "--length", "14", "--transition", "8", "--offset", "0.3",
                       "--speed", "2", "--gnss-sigma", "0.1", "--vibration", "on"});
   bool vibrated = false;
   ASSERT_TRUE(until(
       [&] {
         vibrated = vibrated || rig.gateway().command().vibration[0];
-        return rig.plant.position.east_m > 10.5;
+        return rig.plant.position.east_m > 13.5;
       },
       40s))
       << messages();

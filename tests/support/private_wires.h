@@ -1,4 +1,4 @@
-// Wires of the excavator rig that collide with no other test and no running rig.
+// Wires of a rig that collide with no other test and no running rig.
 #pragma once
 
 #include <arpa/inet.h>
@@ -73,13 +73,17 @@ class PrivateWires {
   [[nodiscard]] std::string gnss() const { return (folder / "gnss").string(); }
   [[nodiscard]] std::string can() const { return (folder / "can").string(); }
 
-  [[nodiscard]] std::vector<std::string> sets() const {
-    return {"devices.gnss.path=" + gnss(),
-            "buses.can.path=" + can(),
-            "buses.can.wire=slcan",
+  /// Of a machine that drives: receiver, lidar and a bus.
+  [[nodiscard]] std::vector<std::string> driving_sets() const {
+    return {"devices.gnss.path=" + gnss(), "buses.can.path=" + can(), "buses.can.wire=slcan",
             "devices.lidar.port=" + std::to_string(lidar_port),
-            "devices.lidar.position_port=" + std::to_string(lidar_port + 1),
-            "devices.valves.port=" + std::to_string(modbus_port)};
+            "devices.lidar.position_port=" + std::to_string(lidar_port + 1)};
+  }
+  /// Of the excavator: also the valve driver.
+  [[nodiscard]] std::vector<std::string> sets() const {
+    std::vector<std::string> all = driving_sets();
+    all.push_back("devices.valves.port=" + std::to_string(modbus_port));
+    return all;
   }
 
   std::filesystem::path folder;

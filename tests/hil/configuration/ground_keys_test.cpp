@@ -46,39 +46,11 @@ TEST(TyreKeys, NegativePressureIsRefusedWithItsKey) {
             std::string::npos);
 }
 
-TEST(SoilKeys, RegionsLieOnTheCellsWhoseMiddleTheyCover) {
-  SoilConfiguration soils;
-  EXPECT_EQ(findings_of("soils:\n"
-                        "  - {name: gravel, friction: 0.6}\n"
-                        "  - {name: sand, soft: true, cohesion: 2 kPa}\n"
-                        "regions:\n"
-                        "  - {soil: sand, center: [2 m, 1 m], size: [2 m, 2 m]}\n"
-                        "  - {soil: gravel, center: [2.5 m, 0.5 m], size: [0.5, 0.5], yaw: 30}\n",
-                        soils),
-            "");
-  EXPECT_EQ(soils.soils.at(1).cohesion_pa, 2000.0);
-  sim::HeightField field;
-  field.cell_m = 1.0;
-  field.columns = 5;
-  field.rows = 3;
-  field.heights_m.assign(15, 0.0);
-  const sim::SoilMap map = soil_map(soils, field);
-  EXPECT_EQ(map.cells, (std::vector<std::uint8_t>{0, 1, 0, 0, 0, 1, 1, 0}));
-  const sim::Ground ground(field, map, {});
-  EXPECT_TRUE(ground.soil(ground.at(1.5, 1.5, 1.0).soil).soft);
-  EXPECT_EQ(ground.at(0.5, 0.5, 1.0).friction, 0.6);
-}
-
-TEST(SoilKeys, NamesMustFit) {
-  SoilConfiguration soils;
-  EXPECT_NE(findings_of("regions: [{soil: mud}]\n", soils).find("no soil is named 'mud'"),
-            std::string::npos);
-  soils = {};
-  EXPECT_NE(findings_of("soils: [{name: a}, {name: a}]\n", soils).find("two are named 'a'"),
-            std::string::npos);
-  soils = {};
-  EXPECT_NE(findings_of("soils: [{exponent: 3}]\n", soils).find("soils.0.exponent"),
-            std::string::npos);
+TEST(SoilKeys, AnExponentThatNoSoilHasIsRefusedWithItsKey) {
+  sim::SoilParameters soil;
+  EXPECT_NE(findings_of("exponent: 3\n", soil).find("exponent"), std::string::npos);
+  EXPECT_EQ(findings_of("{name: sand, soft: true, cohesion: 2 kPa}\n", soil), "");
+  EXPECT_EQ(soil.cohesion_pa, 2000.0);
 }
 
 }  // namespace

@@ -238,7 +238,8 @@ void Tyre::settle(double h, const TyreLaws& laws, const TyreResult& result) {
     turning_.slide(laws.turning, h, 0.0, result.wheel_rate_radps);
   }
   last_rate_radps_ = result.wheel_rate_radps;
-  const double sliding = std::hypot(result.longitudinal_slide_mps, result.lateral_slide_mps);
+  const double sliding = std::sqrt(result.longitudinal_slide_mps * result.longitudinal_slide_mps +
+                                   result.lateral_slide_mps * result.lateral_slide_mps);
   constexpr double kGreatestSlip = 10.0;
   last_slip_ = sliding < kGreatestSlip * laws.rolling_speed_mps
                    ? sliding / laws.rolling_speed_mps

@@ -274,8 +274,10 @@ void FullVehicle::advance(double h, const Velocities& found, const Velocities& c
     state_.suspension_rate[i] = found[kBodyVelocities + i];
     state_.suspension[i] += h * state_.suspension_rate[i];
     state_.wheel_rate_radps[i] = found[kWheelVelocity + i];
-    state_.wheel_angle_rad[i] = std::remainder(
-        state_.wheel_angle_rad[i] + h * state_.wheel_rate_radps[i], 2.0 * std::numbers::pi);
+    state_.wheel_angle_rad[i] += h * state_.wheel_rate_radps[i];
+    if (std::abs(state_.wheel_angle_rad[i]) > std::numbers::pi) {
+      state_.wheel_angle_rad[i] = std::remainder(state_.wheel_angle_rad[i], 2.0 * std::numbers::pi);
+    }
   }
   suspension_ = state_.suspension;
   chassis_.settle(h, found);

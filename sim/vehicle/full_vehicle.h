@@ -11,7 +11,9 @@
 // Gyroscopic terms of the body are taken at the rate in the middle of the step (torque-free
 // prediction) and the attitude goes with the mean rate: second order in free flight.
 //
-// Linear in the step's error elsewhere. Cost: see docs/machines/unimog-u5023.md.
+// Linear in the step's error elsewhere. parameters.scheme chooses a step by stages instead, of
+// second or fourth order in smooth motion (full_vehicle_stages.cpp); the vehicle is always put on
+// its wheels by the first. Cost and error: docs/machines/unimog-u5023.md.
 #pragma once
 
 #include <Eigen/Geometry>

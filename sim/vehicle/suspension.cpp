@@ -135,7 +135,12 @@ void AxleSuspension::update_beam(const Vector2d& s, const Vector2d& s_rate, cons
     const Vector3d out =
         left * axle_.track_m * axle.axis - axle_.portal_offset_m * axle.R_BA.col(2);
     wheel.hub_m = axle.position_m + out;
-    wheel.axis = std::cos(steer_rad[side]) * axle.axis - std::sin(steer_rad[side]) * tube;
+    if (steer_rad[side] != steer_rad_[side]) {
+      steer_rad_[side] = steer_rad[side];
+      steer_cosine_[side] = std::cos(steer_rad[side]);
+      steer_sine_[side] = std::sin(steer_rad[side]);
+    }
+    wheel.axis = steer_cosine_[side] * axle.axis - steer_sine_[side] * tube;
     wheel.rate_by_s = axle.rate_by_s;
     wheel.velocity_by_s = {by_heave(wheel.hub_m), tube.cross(from_roll_centre + out)};
     wheel.rate = axle.rate;

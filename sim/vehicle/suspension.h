@@ -88,6 +88,9 @@ class AxleSuspension {
   Eigen::Vector3d pivot_m_;
   std::array<UnsprungMass, 2> masses_;
   std::array<WheelFrame, 2> wheels_;
+  std::array<double, 2> steer_rad_{};  ///< Of the cosines and sines.
+  std::array<double, 2> steer_cosine_{1.0, 1.0};
+  std::array<double, 2> steer_sine_{};
 };
 
 }  // namespace rigwire::sim

@@ -7,70 +7,87 @@ namespace {
 
 using Matrix = std::array<std::array<double, kVelocities>, kVelocities>;
 
-/// Column k of L D L^T. Bounds known to the compiler, which unrolls.
-template <std::size_t k>
-void eliminate(Matrix& matrix, std::array<double, kVelocities>& diagonal_inverse) {
-  const double inverse = 1.0 / matrix[k][k];
-  diagonal_inverse[k] = inverse;
-  std::array<double, kVelocities> column;
-  for (std::size_t i = k + 1; i < kVelocities; ++i) {
-    column[i] = matrix[i][k];
-  }
-  for (std::size_t i = k + 1; i < kVelocities; ++i) {
-    const double factor = column[i] * inverse;
-    matrix[i][k] = factor;
-    for (std::size_t j = k + 1; j <= i; ++j) {
-      matrix[i][j] -= factor * column[j];
-    }
+/// row[0 .. n] -= factor other[0 .. n] with n made odd: pairs fit the registers, and what is
+/// written beyond the diagonal is never read. Bounds known to the compiler, which unrolls.
+template <std::size_t n>
+void subtract(double* row, double factor, const double* other) {
+  for (std::size_t j = 0; j <= (n | 1U); ++j) {
+    row[j] -= factor * other[j];
   }
 }
 
-template <std::size_t... k>
-void eliminate_all(Matrix& matrix, std::array<double, kVelocities>& diagonal_inverse,
-                   std::index_sequence<k...>) {
-  (eliminate<k>(matrix, diagonal_inverse), ...);
+/// Unknown k out of the equations of those before it; leaves row k of U^T and 1 / D.
+template <std::size_t k, std::size_t... i>
+void eliminate(Matrix& matrix, Velocities& x, std::index_sequence<i...>) {
+  const double inverse = 1.0 / matrix[k][k];
+  Velocities factor;
+  for (std::size_t j = 0; j < k; ++j) {
+    factor[j] = matrix[k][j] * inverse;
+    x[j] -= factor[j] * x[k];
+  }
+  (subtract<i>(matrix[i].data(), factor[i], matrix[k].data()), ...);
+  for (std::size_t j = 0; j < k; ++j) {
+    matrix[k][j] = factor[j];
+  }
+  x[k] *= inverse;
+}
+
+/// From the last to the first: the wheels, which touch least, go first.
+template <std::size_t... back>
+void eliminate_all(Matrix& matrix, Velocities& x, std::index_sequence<back...>) {
+  (eliminate<kVelocities - 1 - back>(matrix, x, std::make_index_sequence<kVelocities - 1 - back>()),
+   ...);
+}
+
+/// target[0 .. n] += factor row[0 .. n], n made odd.
+template <std::size_t... i>
+void add_triangle(Matrix& matrix, const double* row, double weight, std::index_sequence<i...>) {
+  (subtract<i>(matrix[i].data(), -weight * row[i], row), ...);
 }
 
 }  // namespace
 
 void VelocitySystem::add_body(const VelocityRow& row, double weight, double impulse) {
+  const auto value = row.value;  // Nothing else points at it: the loops need not look.
+  add_triangle(matrix, value.data(), weight, std::make_index_sequence<kBodyVelocities>());
   for (std::size_t i = 0; i < kBodyVelocities; ++i) {
-    const double scaled = weight * row.value[i];
-    for (std::size_t j = 0; j <= i; ++j) {
-      matrix[i][j] += scaled * row.value[j];
-    }
-    right[i] += impulse * row.value[i];
+    right[i] += impulse * value[i];
   }
 }
 
 void VelocitySystem::add_without_wheel(const VelocityRow& row, double weight, double impulse) {
   add_body(row, weight, impulse);
+  const auto value = row.value;
   const std::size_t s = kBodyVelocities + 2 * row.axle;
-  const double first = weight * row.value[6];
-  const double second = weight * row.value[7];
+  const double first = weight * value[6];
+  const double second = weight * value[7];
+  double* const first_row = matrix[s].data();
+  double* const second_row = matrix[s + 1].data();
   for (std::size_t j = 0; j < kBodyVelocities; ++j) {
-    matrix[s][j] += first * row.value[j];
-    matrix[s + 1][j] += second * row.value[j];
+    first_row[j] += first * value[j];
+    second_row[j] += second * value[j];
   }
-  matrix[s][s] += first * row.value[6];
-  matrix[s + 1][s] += second * row.value[6];
-  matrix[s + 1][s + 1] += second * row.value[7];
-  right[s] += impulse * row.value[6];
-  right[s + 1] += impulse * row.value[7];
+  first_row[s] += first * value[6];
+  second_row[s] += second * value[6];
+  second_row[s + 1] += second * value[7];
+  right[s] += impulse * value[6];
+  right[s + 1] += impulse * value[7];
 }
 
 void VelocitySystem::add(const VelocityRow& row, double weight, double impulse) {
   add_without_wheel(row, weight, impulse);
+  const auto value = row.value;
   const std::size_t s = kBodyVelocities + 2 * row.axle;
   const std::size_t w = kWheelVelocity + row.wheel;
-  const double scaled = weight * row.value[8];
+  const double scaled = weight * value[8];
+  double* const wheel_row = matrix[w].data();
   for (std::size_t j = 0; j < kBodyVelocities; ++j) {
-    matrix[w][j] += scaled * row.value[j];
+    wheel_row[j] += scaled * value[j];
   }
-  matrix[w][s] += scaled * row.value[6];
-  matrix[w][s + 1] += scaled * row.value[7];
-  matrix[w][w] += scaled * row.value[8];
-  right[w] += impulse * row.value[8];
+  wheel_row[s] += scaled * value[6];
+  wheel_row[s + 1] += scaled * value[7];
+  wheel_row[w] += scaled * value[8];
+  right[w] += impulse * value[8];
 }
 
 void VelocitySystem::add_impulse(const VelocityRow& row, double impulse) {
@@ -106,7 +123,6 @@ void VelocitySystem::add_wheels(const WheelMatrix& weights, const WheelVector& i
 }
 
 Velocities VelocitySystem::solve(const WheelMatrix& basis, int coordinates) {
-  constexpr std::size_t n = kVelocities;
   const bool restricted = coordinates < 4;
   if (restricted) {
     // Rows of the wheels become rows of the coordinates; those without get the identity.
@@ -141,20 +157,11 @@ Velocities VelocitySystem::solve(const WheelMatrix& basis, int coordinates) {
     }
   }
 
-  std::array<double, n> diagonal_inverse;
-  eliminate_all(matrix, diagonal_inverse, std::make_index_sequence<n>());
   Velocities x = right;
-  for (std::size_t k = 0; k + 1 < n; ++k) {
-    for (std::size_t i = k + 1; i < n; ++i) {
-      x[i] -= matrix[i][k] * x[k];
-    }
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    x[i] *= diagonal_inverse[i];
-  }
-  for (std::size_t i = n; i-- > 1;) {
+  eliminate_all(matrix, x, std::make_index_sequence<kVelocities>());
+  for (std::size_t i = 1; i < kVelocities; ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      x[j] -= matrix[i][j] * x[i];
+      x[i] -= matrix[i][j] * x[j];
     }
   }
 

@@ -1,5 +1,5 @@
 // The linear system of one step of the full vehicle: 14 velocities, one symmetric positive definite
-// matrix, built from rank-1 terms and solved by L D L^T. Fixed size, no allocation.
+// matrix, built from rank-1 terms and solved by U D U^T. Fixed size, no allocation.
 //
 // Order of the unknowns: body's velocity 0 .. 2 and rate 3 .. 5 (axes of B), suspension of the
 // front axle 6, 7 and of the rear axle 8, 9, wheel rates 10 .. 13.
@@ -23,9 +23,9 @@ using Velocities = std::array<double, kVelocities>;
 
 /// One row J: body, the two coordinates of one axle, one wheel.
 struct VelocityRow {
-  std::array<double, 9> value{};  ///< 6 body, 2 suspension, 1 wheel.
-  std::size_t axle = 0;           ///< 0 front, 1 rear.
-  std::size_t wheel = 0;          ///< 0 .. 3.
+  alignas(16) std::array<double, 9> value{};  ///< 6 body, 2 suspension, 1 wheel.
+  std::size_t axle = 0;                       ///< 0 front, 1 rear.
+  std::size_t wheel = 0;                      ///< 0 .. 3.
 
   [[nodiscard]] double of(const Velocities& v) const {
     double sum = 0.0;
@@ -39,8 +39,8 @@ struct VelocityRow {
 
 class VelocitySystem {
  public:
-  /// Lower triangle; row i, column j <= i.
-  std::array<std::array<double, kVelocities>, kVelocities> matrix{};
+  /// Lower triangle; row i, column j <= i. What stands above it means nothing.
+  alignas(16) std::array<std::array<double, kVelocities>, kVelocities> matrix{};
   Velocities right{};
 
   /// matrix += weight J^T J, right += impulse J^T.

@@ -111,7 +111,8 @@ void WheelTerms::begin(double h, const WheelFrame& frame, const Eigen::Matrix3d&
 
   const double load = std::max(0.0, laws_.normal.at(normal_.of(start)));
   if (laws_.turning_yields && laws_.normal.offset > 0.0) {
-    // The tyre took its spring's force for the load.
+    // Already the secant at the limit; the tyre took its spring's force for the load.
+    rolling_held_ = false;
     laws_.rolling.offset *= load / laws_.normal.offset;
     laws_.rolling.gain *= load / laws_.normal.offset;
   }
@@ -174,9 +175,14 @@ bool WheelTerms::changes(const Velocities& found) {
   if (lifted_) {
     return changed;
   }
-  changed = hold(laws_.rolling.at(spin_.of(found)), laws_.rolling_arm_m * load, kRollingTolerance,
-                 rolling_held_, rolling_nm_) ||
-            changed;
+  const double rolling = laws_.rolling.at(spin_.of(found));
+  const double rolling_limit = laws_.rolling_arm_m * load;
+  const bool at_limit = laws_.turning_yields && !rolling_held_ &&
+                        std::abs(rolling) <= (1.0 + kRollingTolerance) * rolling_limit;
+  if (!at_limit) {
+    changed =
+        hold(rolling, rolling_limit, kRollingTolerance, rolling_held_, rolling_nm_) || changed;
+  }
   const double along = laws_.longitudinal.at(along_.of(found));
   const double across = laws_.lateral.at(across_.of(found));
   const double trial = length(along, across);

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "hil/configuration/fields.h"
+#include "hil/configuration/integration_scheme.h"
 #include "hil/configuration/tyre.h"
 #include "hil/configuration/units.h"
 #include "sim/excavator/parameters.h"
@@ -125,12 +126,6 @@ inline constexpr std::array<Choice<sim::ExcavatorLevel>, 4> kExcavatorLevels{
 inline constexpr std::array<Choice<sim::ExcavatorCarrier>, 2> kExcavatorCarriers{
     {{sim::ExcavatorCarrier::fixed, "fixed", "The undercarriage stands still."},
      {sim::ExcavatorCarrier::moving, "moving", "It stands on tyres: rocks, slides, tips."}}};
-
-inline constexpr std::array<Choice<sim::IntegrationScheme>, 3> kIntegrationSchemes{
-    {{sim::IntegrationScheme::linearly_implicit_euler, "linearly_implicit_euler",
-      "Stable for every drive that is let pass."},
-     {sim::IntegrationScheme::rosenbrock2, "rosenbrock2", "Second order, for comparison."},
-     {sim::IntegrationScheme::runge_kutta4, "runge_kutta4", "Fourth order, soft drives only."}}};
 
 template <class Visitor>
 void visit(Visitor& v, sim::ExcavatorParameters& p) {

@@ -20,13 +20,10 @@
 #include <numbers>
 
 #include "sim/hydraulics/parameters.h"
+#include "sim/integration_scheme.h"
 #include "sim/tyre/tyre.h"
 
 namespace rigwire::sim {
-
-/// How the arm's equations are stepped. linearly_implicit_euler holds for any drive that validate
-/// lets pass; the others are for comparison (hil/bench/excavator_bench.h prints cost and error).
-enum class IntegrationScheme { linearly_implicit_euler, rosenbrock2, runge_kutta4 };
 
 /// How much of the drives is modelled. Cost rises downwards; excavator_levels.cpp has them all.
 enum class ExcavatorLevel {

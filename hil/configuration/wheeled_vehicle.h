@@ -4,6 +4,7 @@
 #include <array>
 
 #include "hil/configuration/fields.h"
+#include "hil/configuration/integration_scheme.h"
 #include "hil/configuration/tyre.h"
 #include "hil/configuration/units.h"
 #include "sim/vehicle/parameters.h"
@@ -131,6 +132,7 @@ void visit(Visitor& v, sim::WheeledVehicleParameters& p) {
   v.section("tyre_pressure", p.tyre_pressure, "Central tyre inflation.");
   v.section("chassis", p.chassis, "Corners that may hit something.");
   v.number("air_drag", p.air_drag_ns2pm2, plain().at_least(0), "N per (m/s)^2.");
+  v.choice("scheme", p.scheme, kIntegrationSchemes, "How level full steps its equations.");
   v.number("step", p.step_s, in("ms").above(0).at_most(20), "Longest inner step.");
   v.number("gravity", p.gravity_mps2, in("m/s2").at_least(0), "Downwards.");
 }

@@ -169,7 +169,6 @@ void FullVehicle::assemble(double h, const Vector3d& w_B, const Velocities& star
     b[i] += h * force[k];
     b[i + 3] += h * torque[k];
   }
-  add_suspension(h, start);
 }
 
 void FullVehicle::contacts(double h, const Velocities& start) {
@@ -193,6 +192,14 @@ void FullVehicle::inner_step(double h) {
       state_.wheel_rate_radps[i] = rates[static_cast<Eigen::Index>(i)];
     }
   }
+  if (parameters_.scheme == IntegrationScheme::linearly_implicit_euler || settling_) {
+    implicit_step(h);
+  } else {
+    staged_step(h);
+  }
+}
+
+void FullVehicle::implicit_step(double h) {
   const Vector3d& w = state_.w_WB_B;
   half_turn_ = -0.5 * h * (whole_inertia_inverse_ * w.cross(whole_inertia_ * w));
   const Vector3d w_mid = w + half_turn_;
@@ -210,6 +217,7 @@ void FullVehicle::inner_step(double h) {
   }
   contacts(h, start);
   assemble(h, w_mid, start);
+  add_suspension(h, start);
 
   static const SpinEquations kNoDriveline;
   Velocities change{};

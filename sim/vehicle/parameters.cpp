@@ -1,5 +1,6 @@
 #include "sim/vehicle/parameters.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -114,7 +115,85 @@ void check(const SprungBodyParameters& body) {
   }
 }
 
+/// Larger |eigenvalue| of inertia x'' + damping x' + stiffness x = 0.
+double fastest_radps(double inertia, double damping, double stiffness) {
+  const double half = 0.5 * damping / inertia;
+  const double square = stiffness / inertia;
+  return half * half > square ? half + std::sqrt(half * half - square) : std::sqrt(square);
+}
+
+double fastest_mode_radps(const WheeledVehicleParameters& parameters,
+                          const VehicleAxleParameters& axle, double wheel_n) {
+  constexpr double kLoadFactor = 2.0;
+  const TyreParameters& tyre = axle.tyre;
+  const double pressure = parameters.tyre_pressure.adjustable
+                              ? parameters.tyre_pressure.pressure_max_pa
+                              : axle.initial_pressure_pa;
+  const double tyre_npm = tyre.carcass_stiffness_npm + tyre.stiffness_per_pressure_m * pressure;
+  const double tyre_nspm = tyre.vertical_damping_nspm;
+  const double share = kLoadFactor * wheel_n / tyre.reference_load_n;
+  const double carried_kg = wheel_n / std::max(parameters.gravity_mps2, 1e-3);
+  const auto bristle_damping = [&](double stiffness) {
+    return 2.0 * tyre.damping_ratio * std::sqrt(stiffness * carried_kg);
+  };
+
+  double fastest = 0.0;
+  if (axle.type == AxleType::beam) {
+    const BeamAxleParameters& beam = axle.beam;
+    fastest = fastest_radps(beam.mass_kg, 2.0 * (tyre_nspm + beam.damper_nspm),
+                            2.0 * (tyre_npm + beam.spring_npm) + beam.bump_stop.stiffness);
+    const double track2 = 0.5 * axle.track_m * axle.track_m;
+    const double base2 = 0.5 * beam.spring_base_m * beam.spring_base_m;
+    const double lateral = share * tyre.lateral_stiffness_npm;
+    const double drop = beam.roll_centre_rise_m + axle.portal_offset_m + tyre.unloaded_radius_m;
+    fastest = std::max(
+        fastest, fastest_radps(beam.roll_inertia_kgm2,
+                               tyre_nspm * track2 + beam.damper_nspm * base2 +
+                                   2.0 * bristle_damping(lateral) * drop * drop,
+                               tyre_npm * track2 + beam.spring_npm * base2 + beam.roll_bar_nmprad +
+                                   beam.articulation_stop.stiffness + 2.0 * lateral * drop * drop));
+  } else {
+    const IndependentAxleParameters& corner = axle.independent;
+    fastest = fastest_radps(
+        corner.corner_mass_kg, tyre_nspm + corner.damper_nspm,
+        tyre_npm + corner.spring_npm + 2.0 * corner.roll_bar_npm + corner.bump_stop.stiffness);
+  }
+  const double inertia = axle.wheel_spin_inertia_kgm2;
+  const double radius2 = tyre.unloaded_radius_m * tyre.unloaded_radius_m;
+  const double along = share * tyre.longitudinal_stiffness_npm;
+  const double brake_damping = 1.4 * std::sqrt(parameters.brake_stiffness_nmprad * inertia);
+  return std::max(fastest, fastest_radps(inertia, bristle_damping(along) * radius2 + brake_damping,
+                                         along * radius2 + parameters.brake_stiffness_nmprad));
+}
+
+void check_scheme(const WheeledVehicleParameters& parameters) {
+  if (parameters.scheme == IntegrationScheme::linearly_implicit_euler) {
+    return;
+  }
+  if (parameters.level != VehicleLevel::full) {
+    throw std::invalid_argument(
+        "scheme: found another than linearly_implicit_euler, allowed that alone unless level is "
+        "full: the other levels have steps of their own");
+  }
+  if (parameters.scheme != IntegrationScheme::runge_kutta4) {
+    return;
+  }
+  const double fastest = fastest_mode_radps(parameters);
+  if (parameters.step_s * fastest > kRungeKutta4StepLimit) {
+    throw std::invalid_argument("step_s: found " + text(parameters.step_s) + ", allowed at most " +
+                                text(kRungeKutta4StepLimit / fastest) +
+                                " with runge_kutta4, whose stability the fastest mode (estimated " +
+                                text(fastest / (2.0 * std::numbers::pi)) + " Hz) bounds");
+  }
+}
+
 }  // namespace
+
+double fastest_mode_radps(const WheeledVehicleParameters& parameters) {
+  const StaticLoads loads = static_loads(parameters);
+  return std::max(fastest_mode_radps(parameters, parameters.front, loads.wheel_n[0]),
+                  fastest_mode_radps(parameters, parameters.rear, loads.wheel_n[1]));
+}
 
 WheeledVehicleParameters::WheeledVehicleParameters() {
   front.position_x_m = 3.85;
@@ -232,6 +311,7 @@ void validate(const WheeledVehicleParameters& parameters) {
             std::string(i == 0 ? "front" : "rear") + ".tyre.carcass_stiffness_npm",
             axle.tyre.carcass_stiffness_npm, "enough to carry the wheel's static load off the rim");
   }
+  check_scheme(parameters);
 }
 
 }  // namespace rigwire::sim

@@ -86,8 +86,8 @@ void WheelTerms::begin(double h, const WheelFrame& frame, const Eigen::Matrix3d&
     lifted_ = sliding_ = rolling_held_ = false;
     return;
   }
-  const double radius = laws_.touching ? laws_.rolling_radius_m
-                                       : tyre_.parameters().unloaded_radius_m - contact->depth_m;
+  // Of hard ground exactly; on soft soil the sinkage is the last one.
+  const double radius = tyre_.parameters().unloaded_radius_m - contact->depth_m + laws_.sinkage_m;
   laws_ = tyre_.laws(h, contact, soil, pressure_pa, spin_.of(start) * radius);
   if (!laws_.touching) {
     lifted_ = sliding_ = rolling_held_ = false;
@@ -110,6 +110,11 @@ void WheelTerms::begin(double h, const WheelFrame& frame, const Eigen::Matrix3d&
       forward.dot(frame.velocity_by_s[1]) - r * spin_.value[7], -r);
 
   const double load = std::max(0.0, laws_.normal.at(normal_.of(start)));
+  if (laws_.turning_yields && laws_.normal.offset > 0.0) {
+    // The tyre took its spring's force for the load.
+    laws_.rolling.offset *= load / laws_.normal.offset;
+    laws_.rolling.gain *= load / laws_.normal.offset;
+  }
   if (sliding_) {
     const double held = length(along_n_, across_n_);
     const double scale = held > 0.0 ? laws_.limit_n(load) / held : 0.0;

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "hil/configuration/fields.h"
+#include "hil/configuration/integration_scheme.h"
 #include "hil/configuration/units.h"
 #include "sim/roller/parameters.h"
 
@@ -134,6 +135,7 @@ void visit(Visitor& v, sim::RollerParameters& p) {
   v.number("rest_frequency", p.rest_frequency_hz, in("Hz").above(0),
            "Of heave, pitch and roll on mat and mounts.");
   v.number("rest_damping_ratio", p.rest_damping_ratio, plain().between(0, 10), "Of the same.");
+  v.choice("scheme", p.scheme, kIntegrationSchemes, "How level dynamic steps its equations.");
   v.number("step", p.step_s, in("ms").above(0).at_most(50), "Longest inner step.");
   v.number("gravity", p.gravity_mps2, in("m/s2").at_least(0), "Downwards.");
 }

@@ -145,10 +145,6 @@ bool DrumContact::test(const Eigen::Vector4d& velocity) {
 
 void DrumContact::settle(const Eigen::Vector4d& velocity) {
   const double across = slide_across(velocity);
-  along_n_ = 0.0;
-  across_n_ = 0.0;
-  pivot_moment_nm_ = 0.0;
-  loss_w_ = 0.0;
   for (std::size_t i = 0; i < count_; ++i) {
     Strip& strip = strips_[i];
     const double along = slide_along(velocity, i);
@@ -161,6 +157,19 @@ void DrumContact::settle(const Eigen::Vector4d& velocity) {
       strip.along.slide(along_parameters_, h_, rolling_mps_, along);
       strip.across.slide(across_parameters_, h_, rolling_mps_, across);
     }
+  }
+  sum_up(velocity);
+}
+
+void DrumContact::sum_up(const Eigen::Vector4d& velocity) {
+  const double across = slide_across(velocity);
+  along_n_ = 0.0;
+  across_n_ = 0.0;
+  pivot_moment_nm_ = 0.0;
+  loss_w_ = 0.0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Strip& strip = strips_[i];
+    const double along = slide_along(velocity, i);
     along_n_ += strip.force_along_n;
     across_n_ += strip.force_across_n;
     pivot_moment_nm_ -= strip.force_along_n * y_m_[i];

@@ -1,8 +1,11 @@
 #include "sim/roller/parameters.h"
 
 #include <cmath>
+#include <sstream>
+#include <stdexcept>
 
 #include "sim/roller/require.h"
+#include "sim/roller/stability.h"
 
 namespace rigwire::sim {
 namespace {
@@ -22,6 +25,28 @@ void validate_drum(const DrumParameters& p) {
   require_not_negative(where, "friction_factor", p.friction_factor);
   require_number(p.rolling_resistance >= 0.0 && p.rolling_resistance < 1.0, where,
                  "rolling_resistance", p.rolling_resistance, ">= 0 and < 1");
+}
+
+void validate_scheme(const RollerParameters& p) {
+  if (p.scheme == IntegrationScheme::linearly_implicit_euler) {
+    return;
+  }
+  if (p.level == RollerLevel::kinematic) {
+    throw std::invalid_argument(
+        "roller.scheme: found another than linearly_implicit_euler, allowed "
+        "linearly_implicit_euler where level is kinematic: its steps are exact arcs");
+  }
+  if (p.scheme == IntegrationScheme::runge_kutta4) {
+    const double rate_radps = fastest_rate_radps(p);
+    const double greatest_s = kRollerExplicitLimit / rate_radps;
+    if (!(p.step_s <= greatest_s)) {
+      std::ostringstream message;
+      message << "roller.step_s: found " << p.step_s << ", allowed at most " << greatest_s
+              << " s with scheme runge_kutta4: times the fastest rate of drums, brakes and oil, "
+              << rate_radps << " rad/s, a step must stay below " << kRollerExplicitLimit;
+      throw std::invalid_argument(message.str());
+    }
+  }
 }
 
 }  // namespace
@@ -50,6 +75,7 @@ void validate(const RollerParameters& p) {
                  "rest_damping_ratio", p.rest_damping_ratio, "0 .. 10");
   require_number(p.step_s >= 1e-6 && p.step_s <= 0.05, where, "step_s", p.step_s, "1e-6 .. 0.05 s");
   require_not_negative(where, "gravity_mps2", p.gravity_mps2);
+  validate_scheme(p);
 }
 
 RollerMass loaded_mass(const RollerParameters& p, double water_kg, double chips_kg) {

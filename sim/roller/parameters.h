@@ -12,6 +12,7 @@
 #include <cstdint>
 
 #include "sim/driveline/hydrostatic_drive.h"
+#include "sim/integration_scheme.h"
 #include "sim/roller/steering.h"
 #include "sim/roller/supplements.h"
 #include "sim/roller/vibration.h"
@@ -63,13 +64,20 @@ struct RollerParameters {
   /// How heave, pitch and roll follow the ground under the drums: the mat and the mounts give.
   double rest_frequency_hz = 10.0;
   double rest_damping_ratio = 0.7;
+  /// Of level dynamic; kinematic knows linearly_implicit_euler only, its steps are exact arcs.
+  IntegrationScheme scheme = IntegrationScheme::linearly_implicit_euler;
   double step_s = 1e-3;  ///< Longest inner step.
   double gravity_mps2 = 9.80665;
 
   friend bool operator==(const RollerParameters&, const RollerParameters&) = default;
 };
 
-/// Throws std::invalid_argument naming the member, the value and what is allowed.
+/// Greatest product of step and fastest rate (stability.h) for Runge-Kutta 4: what its region of
+/// stability holds of the left half plane, 2.6, less a little.
+inline constexpr double kRollerExplicitLimit = 2.5;
+
+/// Throws std::invalid_argument naming the member, the value and what is allowed; also where the
+/// level does not know the scheme, or an explicit step would be unstable.
 void validate(const RollerParameters& parameters);
 
 /// Mass, centre and inertia with what the machine carries now.

@@ -163,11 +163,17 @@ void TandemRoller::inner_step(double h) {
   const Eigen::Matrix3d R_WB = state_.q_WB.toRotationMatrix();
   const Eigen::Vector3d v_B = R_WB.transpose() * state_.v_WB_W;
   for (std::size_t i = 0; i < 2; ++i) {
+    if (parameters_.scheme != IntegrationScheme::linearly_implicit_euler) {
+      PivotSteering middle = steering_[i];
+      middle.step(0.5 * h);
+      loads_.steer[0][i] = {steering_[i].angle_rad(), steering_[i].present_rate_radps()};
+      loads_.steer[1][i] = {middle.angle_rad(), middle.rate_radps()};
+    }
     steering_[i].step(h);
+    loads_.steer[2][i] = {steering_[i].angle_rad(), steering_[i].rate_radps()};
     vibration_[i].step(h);
   }
   supplements(h, v_B.x());
-  drive_.begin(h);
   rest_.look(start_W_ + state_.displacement_W, R_WB,
              {steering_[0].angle_rad(), steering_[1].angle_rad()});
 
@@ -270,7 +276,15 @@ void TandemRoller::move_dynamic(double h, const Eigen::Matrix3d& R_WB, const Res
   const Eigen::Vector3d v_WC_B = R_WB.transpose() * v_WC_W;
   RollerVelocity x;
   x << v_WC_B.x(), v_WC_B.y(), state_.w_WB_B.z(), spin_radps_[0], spin_radps_[1];
-  dynamics_.step(h, loads_, drive_, x);
+  Eigen::Vector3d moved;
+  drive_.connect();
+  const bool smooth = parameters_.scheme != IntegrationScheme::linearly_implicit_euler &&
+                      dynamics_.smooth_step(parameters_.scheme, h, loads_, drive_, x, moved);
+  if (!smooth) {
+    drive_.begin(h);
+    dynamics_.step(h, loads_, drive_, x);
+    moved = h * x.head<3>();
+  }
   spin_radps_ = {x[3], x[4]};
   pressure_pa_ = drive_.gauge_pressure_pa();
 
@@ -278,9 +292,11 @@ void TandemRoller::move_dynamic(double h, const Eigen::Matrix3d& R_WB, const Res
   const Eigen::Vector3d w(rest.roll, rest.pitch, x[2]);
   const Eigen::Vector3d v_next_W =
       R_WB * Eigen::Vector3d(x[0], x[1], rest.heave - rest.pitch * c.x());
-  next.q_WB = turned(state_.q_WB, h * w);
+  next.q_WB = turned(state_.q_WB, {h * rest.roll, h * rest.pitch, moved.z()});
   const Eigen::Matrix3d R_next = next.q_WB.toRotationMatrix();
-  next.displacement_W = state_.displacement_W + h * v_next_W + (R_WB - R_next) * c;
+  const double lift = h * (rest.heave - rest.pitch * c.x());
+  next.displacement_W = state_.displacement_W + R_WB * Eigen::Vector3d(moved.x(), moved.y(), lift) +
+                        (R_WB - R_next) * c;
   next.w_WB_B = w;
   next.v_WB_W = v_next_W - R_next * w.cross(c);
   next.alpha_WB_B = (w - state_.w_WB_B) / h;
@@ -289,6 +305,7 @@ void TandemRoller::move_dynamic(double h, const Eigen::Matrix3d& R_WB, const Res
 
 void TandemRoller::move_kinematic(double h, const Eigen::Matrix3d& R_WB, const RestMotion& before,
                                   State& next) {
+  drive_.begin(h);
   const double base = 2.0 * parameters_.pivot_x_m;
   // Speeds of the reference point for the drums' mean speed: u, v, yaw rate.
   const auto bicycle = [&](double speed_mps, double front_rad, double rear_rad) {

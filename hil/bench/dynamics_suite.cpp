@@ -44,7 +44,7 @@ nlohmann::json precision_table(std::ostream& text, const std::vector<MachineCase
   const MachinePrecisionSettings settings;
   nlohmann::json json = nlohmann::json::array();
   text << "greatest error in m at each step in ms; order up to 2 ms; us per step at 1 ms (or the "
-          "greatest\nallowed below); gap: reference at 0.01 ms against 0.02 ms\n";
+          "greatest\nallowed below); gap: reference (0.01 or 0.02 ms) against twice its step\n";
   text << fmt::format("{:<18} {:<12} {:<8} {:>6} {:<23}", "machine", "level", "scene", "stiff x",
                       "method");
   for (const double step_s : settings.steps_s) {

@@ -118,25 +118,26 @@ MachinePrecisionRow measure_row(const MachineCase& of, const MachineMethod& meth
 MachinePrecision measure_machine_precision(const MachineCase& machine_case,
                                            const MachinePrecisionSettings& settings) {
   check_span(machine_case);
-  check_step(settings.reference_step_s);
-  check_step(2.0 * settings.reference_step_s);
+  const double reference_step_s = settings.reference_step_s * machine_case.reference_coarsening;
+  check_step(reference_step_s);
+  check_step(2.0 * reference_step_s);
   for (const double step_s : settings.steps_s) {
     check_step(step_s);
-    if (step_s < 4.999 * settings.reference_step_s) {
+    if (step_s < 4.999 * reference_step_s) {
       throw std::invalid_argument(
           fmt::format("reference_step_s: found {}, allowed: at most a fifth of the step {}",
-                      settings.reference_step_s, step_s));
+                      reference_step_s, step_s));
     }
   }
   const MachineMethod& best = machine_case.methods.at(machine_case.reference_method);
-  const Run reference = run(machine_case, best, settings.reference_step_s);
+  const Run reference = run(machine_case, best, reference_step_s);
 
   MachinePrecision result{.reference_method = best.name,
-                          .reference_step_s = settings.reference_step_s,
+                          .reference_step_s = reference_step_s,
                           .reference_gap_m = 0.0,
                           .rows = {}};
   result.reference_gap_m =
-      distance(run(machine_case, best, 2.0 * settings.reference_step_s), reference).greatest_m;
+      distance(run(machine_case, best, 2.0 * reference_step_s), reference).greatest_m;
   for (const MachineMethod& method : machine_case.methods) {
     for (const double step_s : settings.steps_s) {
       result.rows.push_back(

@@ -36,7 +36,8 @@ struct MachineCase {
   std::string scene;              ///< "smooth", or "switches": limits and friction that let go.
   double stiffness_factor = 1.0;  ///< On drives, or on tyres and springs.
   std::vector<MachineMethod> methods;
-  std::size_t reference_method = 0;  ///< Of `methods`, which all are compared with.
+  std::size_t reference_method = 0;   ///< Of `methods`, which all are compared with.
+  double reference_coarsening = 1.0;  ///< Times the settings' reference step, for a costly method.
   /// Called every 20 ms with the time since the start.
   std::function<void(sim::Machine& machine, SimTime now)> drive;
   Duration span = std::chrono::seconds(3);  ///< A multiple of 20 ms.

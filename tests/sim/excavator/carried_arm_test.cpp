@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "allocation_counter.h"
 #include "sim/excavator/excavator.h"
@@ -144,6 +146,48 @@ TEST(CarriedArm, RestsOnASlopeWithoutCreep) {
   ASSERT_TRUE(machine.finite());
   EXPECT_LT((machine.link(Link::undercarriage).X_WL.translation() - before).norm(), 1e-6);
   EXPECT_LT(machine.link(Link::upper).v_WL_W.norm(), 1e-7);
+}
+
+// Hard case 13, across a slope on tyres as good as rigid: tan(slope) = track / (2 height).
+TEST(CarriedArm, TipsOverAtTheSlopeOfTheRigidClosedForm) {
+  ExcavatorParameters p = moving();
+  p.wheels.tyre.carcass_stiffness_npm *= 30.0;
+  p.wheels.tyre.stiffness_per_pressure_m *= 30.0;
+  p.wheels.tyre.vertical_damping_nspm *= 100.0;
+  p.wheels.tyre.lateral_stiffness_npm *= 30.0;
+  p.wheels.tyre.longitudinal_stiffness_npm *= 30.0;
+  SoilParameters grip;
+  grip.friction = 2.0;
+  const auto on = [&](double slope) {
+    Eigen::Isometry3d X_WC = Eigen::Isometry3d::Identity();
+    X_WC.linear() = Eigen::AngleAxisd(slope, Eigen::Vector3d::UnitX()).matrix();
+    return X_WC;
+  };
+  double height_mass = 0.0;
+  {
+    const Ground ground;
+    Excavator machine(p, on(0.0), &ground);
+    machine.step(seconds(3));
+    const std::array<std::pair<Link, const RigidBodyParameters*>, 5> bodies{
+        {{Link::undercarriage, &p.undercarriage},
+         {Link::upper, &p.upper},
+         {Link::boom, &p.boom},
+         {Link::stick, &p.stick},
+         {Link::bucket, &p.bucket}}};
+    for (const auto& [link, body] : bodies) {
+      height_mass += body->mass_kg * (machine.link(link).X_WL * body->center_of_mass_m).z();
+    }
+  }
+  const double limit = std::atan(0.5 * p.wheels.track_m * total_mass(p) / height_mass);
+  const auto turned_after = [&](double slope) {
+    const Ground ground = Ground::plane({0.0, -std::sin(slope), std::cos(slope)}, grip);
+    Excavator machine(p, on(slope), &ground);
+    machine.step(seconds(4));
+    const Eigen::Matrix3d R = machine.link(Link::undercarriage).X_WL.linear();
+    return std::abs(std::atan2(R(2, 1), R(2, 2)) - slope);
+  };
+  EXPECT_LT(turned_after(0.96 * limit), 0.01);
+  EXPECT_GT(turned_after(1.01 * limit), 0.2);
 }
 
 TEST(CarriedArm, SlidesDownASlopeThatItsFrictionCannotHold) {

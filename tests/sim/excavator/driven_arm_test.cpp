@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "sim/excavator_published_set.h"
 
@@ -190,6 +192,45 @@ TEST(DrivenArm, PendulumPeriodIsTheEllipticIntegralAtLargeAmplitude) {
     const double half = time - h * v / (v - previous_v);
     EXPECT_NEAR(2.0 * half, period_s, 2e-8) << amplitude_deg;
   }
+}
+
+// Relief valves that open one after the other: whatever the order, each drive ends with the force
+// of its law at the rate found, or with its limit. One that stayed at its limit after another had
+// opened would push along the motion (10 kW here, in one of 350 steps).
+TEST(DrivenArm, EachReliefValveAgreesWithTheRatesThatTheStepFound) {
+  const ExcavatorParameters parameters;
+  DrivenArm arm(parameters, Eigen::Vector3d(0.0, 0.0, -9.81));
+  arm.gains.force_greatest << 55e3, 7.3e5, 4.3e5, 3.0e5;
+  arm.gains.force_least << -55e3, -3.7e5, -2.0e5, -1.5e5;
+  std::mt19937 generator(7);
+  const auto draw = [&generator](double least, double greatest) {
+    const double share = static_cast<double>(generator()) / 4294967296.0;
+    return least + (greatest - least) * share;
+  };
+  const double h = 1e-3;
+  int relieved = 0;
+  for (int n = 0; n < 20000; ++n) {
+    ArmState state;
+    state.q_rad << draw(-3.0, 3.0), draw(-0.3, 0.8), draw(-2.4, -0.8), draw(-0.3, 1.8);
+    state.v_radps << draw(-0.5, 0.5), draw(-0.5, 0.5), draw(-1.0, 1.0), draw(-1.0, 1.0);
+    const ArmPose at = arm.pose(state.q_rad);
+    JointVector target = at.x;
+    JointVector rate;
+    for (int i = 0; i < kArmJoints; ++i) {
+      target[i] += draw(-1.2, 1.2) * arm.gains.force_greatest[i] / arm.gains.stiffness[i];
+      rate[i] = at.lever[i] * state.v_radps[i] + draw(-0.2, 0.2);
+    }
+    const DriveLaws laws = arm.laws(at, h, target, rate);
+    const ArmStep step = arm.advance(h, at, laws, state);
+    for (int i = 0; i < kArmJoints; ++i) {
+      const auto drive = static_cast<std::size_t>(i);
+      const double free = laws.force[drive].at(at.lever[i] * state.v_radps[i]);
+      const double wanted = std::clamp(free, laws.least[i], laws.greatest[i]);
+      ASSERT_NEAR(step.force[i], wanted, 1e-6 * laws.greatest[i]) << n << " drive " << i;
+      relieved += step.relieved[drive] ? 1 : 0;
+    }
+  }
+  EXPECT_GT(relieved, 10000);
 }
 
 }  // namespace

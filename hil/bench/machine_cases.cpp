@@ -242,11 +242,14 @@ MachineCase roller(sim::RollerLevel level, const char* level_name, Scene scene, 
                      .drive = scene == Scene::smooth ? coast<Drive::hydrostatic>
                                                      : start_swerve_stop<Drive::hydrostatic>};
   const auto ground = slope();
-  for (const IntegrationScheme scheme : kOneScheme) {
+  const bool choice = level == sim::RollerLevel::dynamic;
+  for (const IntegrationScheme scheme :
+       choice ? std::span<const IntegrationScheme>(kAllSchemes) : kOneScheme) {
     result.methods.push_back(
         {hil::name_of(scheme), [=](double step_s) -> std::unique_ptr<sim::Machine> {
            sim::RollerParameters parameters;
            parameters.level = level;
+           parameters.scheme = scheme;
            parameters.step_s = step_s;
            stiffen(parameters, factor);
            if (change) {

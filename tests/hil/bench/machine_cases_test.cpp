@@ -46,10 +46,10 @@ TEST(MachineCases, EveryCaseRunsAMomentWithEveryMethodOrSaysWhyNot) {
     SCOPED_TRACE(each.machine + ' ' + each.level + ' ' + each.scene);
     ASSERT_FALSE(each.methods.empty());
     ASSERT_LT(each.reference_method, each.methods.size());
-    each.span = std::chrono::milliseconds(60);
+    each.span = std::chrono::milliseconds(40);
     MachinePrecisionSettings settings;
-    settings.steps_s = {1e-3};
-    settings.reference_step_s = 1e-4;
+    settings.steps_s = {2e-3};
+    settings.reference_step_s = 2e-4;
     settings.most_repetitions = 1;
     for (const MachinePrecisionRow& row : measure_machine_precision(each, settings).rows) {
       EXPECT_FALSE(row.diverged) << row.method;
@@ -64,12 +64,15 @@ TEST(MachineCases, EveryCaseRunsAMomentWithEveryMethodOrSaysWhyNot) {
 
 TEST(MachineCases, SmoothScenesShowFirstOrderAtEveryLevel) {
   for (MachineCase each : machine_cases()) {
-    if (each.scene != "smooth" || each.stiffness_factor != 1.0 || each.machine == "roller") {
+    if (each.scene != "smooth" || each.stiffness_factor != 1.0 || each.machine == "roller" ||
+        each.machine == "excavator on tyres") {  // Settles for 5 s, at every step.
       continue;
     }
     SCOPED_TRACE(each.machine + ' ' + each.level);
-    each.span = std::chrono::milliseconds(800);
+    each.span = std::chrono::milliseconds(400);
     each.methods.resize(1);
+    each.reference_method = 0;
+    each.reference_coarsening = 1.0;
     MachinePrecisionSettings settings;
     settings.steps_s = {5e-4, 1e-3, 2e-3};
     settings.reference_step_s = 1e-4;

@@ -36,26 +36,27 @@ std::unique_ptr<sim::Machine> make_machine(const MachineSettings& settings,
                                            const MachineSite& site) {
   using Made = std::unique_ptr<sim::Machine>;
   const Eigen::Vector2d place_m = site.X_WB.translation().head<2>();
-  return std::visit(
-      Overloaded{[&](const ExcavatorMachine& machine) -> Made {
-                   if (!machine.digs) {
-                     return std::make_unique<sim::Excavator>(machine.excavator, site.X_WB, &site.ground);
-                   }
-                   auto made = std::make_unique<sim::DiggingExcavator>(
-                       machine.excavator, machine.digging, site.X_WB, site.ground);
-                   made->bucket().set_fall_obstacle(&site.obstacles);
-                   return made;
-                 },
-                 [&](const WheeledMachine& machine) -> Made {
-                   return sim::make_wheeled_vehicle(machine.wheeled, site.ground,
-                                                    sim::make_driveline(machine.driveline),
-                                                    {place_m.x(), place_m.y(), yaw_rad(site.X_WB)});
-                 },
-                 [&](const RollerMachine& machine) -> Made {
-                   return std::make_unique<sim::TandemRoller>(machine.roller, site.ground, place_m,
-                                                              yaw_rad(site.X_WB));
-                 }},
-      settings);
+  return std::visit(Overloaded{[&](const ExcavatorMachine& machine) -> Made {
+                                 if (!machine.digs) {
+                                   return std::make_unique<sim::Excavator>(machine.excavator,
+                                                                           site.X_WB, &site.ground);
+                                 }
+                                 auto made = std::make_unique<sim::DiggingExcavator>(
+                                     machine.excavator, machine.digging, site.X_WB, site.ground);
+                                 made->bucket().set_fall_obstacle(&site.obstacles);
+                                 return made;
+                               },
+                               [&](const WheeledMachine& machine) -> Made {
+                                 return sim::make_wheeled_vehicle(
+                                     machine.wheeled, site.ground,
+                                     sim::make_driveline(machine.driveline),
+                                     {place_m.x(), place_m.y(), yaw_rad(site.X_WB)});
+                               },
+                               [&](const RollerMachine& machine) -> Made {
+                                 return std::make_unique<sim::TandemRoller>(
+                                     machine.roller, site.ground, place_m, yaw_rad(site.X_WB));
+                               }},
+                    settings);
 }
 
 double gravity_mps2(const MachineSettings& settings) {

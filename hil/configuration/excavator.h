@@ -74,6 +74,8 @@ void visit(Visitor& v, sim::SupplyParameters& p) {
            "Of the swing.");
   v.number("load_sensing_margin", p.load_sensing_margin_pa, in("MPa").at_least(0),
            "Supply above the highest load.");
+  v.number("load_sensing_time_constant", p.load_sensing_time_constant_s,
+           in("ms").above(0).at_most(10000), "Lag of the pump's pressure regulator.");
   v.number("tank_pressure", p.tank_pressure_pa, in("MPa").at_least(0), "Return line.");
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -109,7 +110,7 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
     chambers_[i].set_pressures(port_pressures(force_[row(i)], areas_[i].bottom, areas_[i].rod_side,
                                               parameters.supply.tank_pressure_pa));
   }
-  update_pressures();
+  update_pressures(std::numeric_limits<double>::infinity());
   if (parameters.carrier == ExcavatorCarrier::moving) {
     if (ground == nullptr) {
       throw std::invalid_argument("excavator: carrier moving needs a ground to stand on");

@@ -157,7 +157,8 @@ class Excavator final : public Machine, public ValvePort {
   /// The bucket's load as torques of the joints, in the pose of now.
   void place_bucket_load();
   void hold_strokes();
-  void update_pressures();
+  /// `h` seconds after the last time; infinite: at rest for long.
+  void update_pressures(double h);
   [[nodiscard]] bool record_non_finite(const ArmState& state, const JointVector& acceleration);
   [[nodiscard]] bool at_stroke_end(std::size_t section, double direction) const;
   void update_links();

@@ -40,7 +40,7 @@ void Excavator::inner_step(double h) {
       step_chambers(h);
       break;
   }
-  update_pressures();
+  update_pressures(h);
 }
 
 void Excavator::share_flow() {
@@ -233,7 +233,7 @@ bool Excavator::at_stroke_end(std::size_t section, double direction) const {
                          : target_[row(section)] <= range.length_min_m;
 }
 
-void Excavator::update_pressures() {
+void Excavator::update_pressures(double h) {
   const SupplyParameters& supply = parameters_.supply;
   double highest = supply.tank_pressure_pa;
   for (std::size_t i = 0; i < kArmJoints; ++i) {
@@ -259,8 +259,10 @@ void Excavator::update_pressures() {
       highest = std::max(highest, request > 0.0 ? ports_[i].a_pa : ports_[i].b_pa);
     }
   }
-  supply_pressure_pa_ =
-      std::min(highest + supply.load_sensing_margin_pa, supply.relief_pressure_pa);
+  const double aim = std::min(highest + supply.load_sensing_margin_pa, supply.relief_pressure_pa);
+  // Without the regulator's lag pressure, flow share and drive force would close a loop in no time.
+  supply_pressure_pa_ -=
+      std::expm1(-h / supply.load_sensing_time_constant_s) * (aim - supply_pressure_pa_);
 }
 
 void Excavator::place_bucket_load() {

@@ -52,6 +52,8 @@ void validate(const SupplyParameters& p, const char* where) {
   require(non_negative(p.tank_pressure_pa), where, "tank_pressure_pa", p.tank_pressure_pa, ">= 0");
   require(non_negative(p.load_sensing_margin_pa), where, "load_sensing_margin_pa",
           p.load_sensing_margin_pa, ">= 0");
+  require(positive(p.load_sensing_time_constant_s) && p.load_sensing_time_constant_s <= 10.0, where,
+          "load_sensing_time_constant_s", p.load_sensing_time_constant_s, "above 0, up to 10 s");
   const double least = p.tank_pressure_pa + p.load_sensing_margin_pa;
   require(std::isfinite(p.relief_pressure_pa) && p.relief_pressure_pa > least, where,
           "relief_pressure_pa", p.relief_pressure_pa,

@@ -19,13 +19,14 @@ struct SpoolParameters {
 
 /// Pump, engine and pressures that all sections share.
 struct SupplyParameters {
-  double pump_flow_m3ps = 400.0 / 6e4;     ///< Two pumps of 200 l/min, summed.
-  double power_limit_w = 100e3;            ///< What the engine leaves for the pumps.
-  double efficiency = 0.90;                ///< Shaft power to hydraulic power, 0 .. 1.
-  double relief_pressure_pa = 35e6;        ///< Implement relief; also the supply's maximum.
-  double swing_relief_pressure_pa = 26e6;  ///< Relief of the swing motor.
-  double load_sensing_margin_pa = 2e6;     ///< Supply pressure above the highest load.
-  double tank_pressure_pa = 0.3e6;         ///< Return line.
+  double pump_flow_m3ps = 400.0 / 6e4;         ///< Two pumps of 200 l/min, summed.
+  double power_limit_w = 100e3;                ///< What the engine leaves for the pumps.
+  double efficiency = 0.90;                    ///< Shaft power to hydraulic power, 0 .. 1.
+  double relief_pressure_pa = 35e6;            ///< Implement relief; also the supply's maximum.
+  double swing_relief_pressure_pa = 26e6;      ///< Relief of the swing motor.
+  double load_sensing_margin_pa = 2e6;         ///< Supply pressure above the highest load.
+  double load_sensing_time_constant_s = 0.05;  ///< Lag of the pump's pressure regulator.
+  double tank_pressure_pa = 0.3e6;             ///< Return line.
 
   friend bool operator==(const SupplyParameters&, const SupplyParameters&) = default;
 };

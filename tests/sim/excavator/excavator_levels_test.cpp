@@ -104,7 +104,7 @@ TEST(ExcavatorLevels, EveryLevelWithForcesStallsAtReliefUnderALoadItCannotLift) 
     EXPECT_LT(machine.joint_angles_rad()[1], boom) << static_cast<int>(level);
     const ValveSample sample = machine.valve_sample(machine.time());
     EXPECT_NEAR(sample.port_a_pressure_pa[1], 35e6, 2.5e6) << static_cast<int>(level);
-    EXPECT_EQ(sample.supply_pressure_pa, 35e6);
+    EXPECT_NEAR(sample.supply_pressure_pa, 35e6, 1.0);
   }
 }
 
@@ -124,7 +124,7 @@ TEST(ExcavatorLevels, ChambersAtTheEndStopWithTheValveOpenSettleAtSupplyAndTank)
       const double b = sample.port_b_pressure_pa[section];
       EXPECT_NEAR(direction > 0.0 ? a : b, sample.supply_pressure_pa, 1.0) << joint << direction;
       EXPECT_NEAR(direction > 0.0 ? b : a, 0.3e6, 1.0) << joint << direction;
-      EXPECT_EQ(sample.supply_pressure_pa, 35e6);
+      EXPECT_NEAR(sample.supply_pressure_pa, 35e6, 1.0);
       EXPECT_LT(std::abs(machine.drive_rates()[joint]), 1e-9) << "chatter at the stop";
     }
   }

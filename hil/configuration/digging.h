@@ -1,4 +1,4 @@
-// Digging, under `excavator.digging` of a machine: the bucket as a tool and the ground's limits.
+// Digging, section `digging` of an excavator: the bucket as a tool and the ground's limits.
 // sim/excavator/bucket_soil_parameters.h has the words; every default is an estimate.
 #pragma once
 

@@ -34,7 +34,11 @@ Program::Program(boost::asio::io_context& context, const Options& options)
       surroundings_(surroundings_settings(options)),
       cycle_(machine_, options.cycle),
       log_(options.log),
-      gnss_([this] { watch_.heard(Sensor::gnss, now()); }),
+      gnss_([this] {
+        if (gnss_.fix().positions > 0) {  // work begins at a known place; an outage later may pass
+          watch_.heard(Sensor::gnss, now());
+        }
+      }),
       lidar_(
           surroundings_, [this] { return arm_shape(machine_, estimator_.belief().angles_rad); },
           [this] { watch_.heard(Sensor::lidar, now()); }),

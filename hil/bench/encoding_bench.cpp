@@ -9,7 +9,7 @@
 #include <span>
 #include <utility>
 
-#include "emulators/valve_driver.h"
+#include "emulators/valve_driver/valve_driver.h"
 #include "hil/cpu_time.h"
 #include "protocols/can/bits.h"
 #include "protocols/nmea/position_sentences.h"

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <variant>
 
-#include "emulators/velodyne_lidar.h"
+#include "emulators/velodyne/velodyne_lidar.h"
 #include "hil/cpu_time.h"
 #include "hil/rig.h"
 #include "sim/lidar/spinning_lidar.h"

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "drivers/modbus_master.h"
-#include "emulators/valve_driver_registers.h"
+#include "emulators/valve_driver/registers.h"
 #include "hil/bench/private_rig.h"
 #include "hil/rig.h"
 #include "protocols/velodyne/data_packet.h"

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "emulators/ublox_receiver.h"
-#include "emulators/vehicle_gateway.h"
-#include "emulators/vehicle_gateway_report.h"
+#include "emulators/ublox/receiver.h"
+#include "emulators/vehicle_gateway/report.h"
+#include "emulators/vehicle_gateway/vehicle_gateway.h"
 #include "hil/configuration/device.h"
 #include "hil/configuration/outline.h"
 #include "sim/samples/calendar.h"

@@ -10,10 +10,10 @@
 #include <variant>
 
 #include "emulators/can_bus.h"
-#include "emulators/openimu335ri.h"
-#include "emulators/ublox_settings.h"
-#include "emulators/valve_driver.h"
-#include "emulators/velodyne_lidar.h"
+#include "emulators/openimu/openimu335ri.h"
+#include "emulators/ublox/settings.h"
+#include "emulators/valve_driver/valve_driver.h"
+#include "emulators/velodyne/velodyne_lidar.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/shapes.h"
 #include "hil/configuration/vehicle_gateway.h"

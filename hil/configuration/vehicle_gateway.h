@@ -5,7 +5,7 @@
 #include <array>
 #include <string>
 
-#include "emulators/vehicle_gateway.h"
+#include "emulators/vehicle_gateway/vehicle_gateway.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/units.h"
 

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "emulators/ublox_receiver.h"
+#include "emulators/ublox/receiver.h"
 #include "sim/local_frame.h"
 #include "sim/samples/calendar.h"
 

@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "drivers/descriptor.h"
-#include "emulators/ublox_receiver.h"
+#include "emulators/ublox/receiver.h"
 
 namespace rigwire {
 namespace {

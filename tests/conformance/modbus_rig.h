@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "drivers/tcp_server.h"
-#include "emulators/valve_driver.h"
+#include "emulators/valve_driver/valve_driver.h"
 
 namespace rigwire::conformance {
 

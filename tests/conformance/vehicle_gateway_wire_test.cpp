@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "emulators/vehicle_gateway.h"
+#include "emulators/vehicle_gateway/vehicle_gateway.h"
 
 namespace rigwire::emulators {
 namespace {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "emulators/velodyne_lidar.h"
+#include "emulators/velodyne/velodyne_lidar.h"
 
 namespace rigwire::emulators {
 namespace {

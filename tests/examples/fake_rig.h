@@ -18,7 +18,7 @@
 #include "drivers/slcan_adapter.h"
 #include "drivers/tcp_server.h"
 #include "drivers/udp_socket.h"
-#include "emulators/valve_driver.h"
+#include "emulators/valve_driver/valve_driver.h"
 
 namespace rigwire::dig_cycle {
 

@@ -11,7 +11,7 @@
 
 #include "drivers/pty.h"
 #include "drivers/slcan_adapter.h"
-#include "emulators/vehicle_gateway.h"
+#include "emulators/vehicle_gateway/vehicle_gateway.h"
 #include "field/local_plane.h"
 #include "vehicle_plant.h"
 

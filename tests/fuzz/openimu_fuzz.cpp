@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "emulators/openimu335ri.h"
+#include "emulators/openimu/openimu335ri.h"
 #include "protocols/bytes.h"
 #include "protocols/openimu/messages.h"
 

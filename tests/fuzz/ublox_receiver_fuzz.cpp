@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "emulators/ublox_receiver.h"
+#include "emulators/ublox/receiver.h"
 #include "protocols/nmea/sentence.h"
 #include "protocols/ubx/frame.h"
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <variant>
 
-#include "emulators/valve_driver.h"
+#include "emulators/valve_driver/valve_driver.h"
 #include "protocols/modbus/mbap.h"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "emulators/vehicle_gateway.h"
+#include "emulators/vehicle_gateway/vehicle_gateway.h"
 #include "protocols/bytes.h"
 
 namespace emulators = rigwire::emulators;

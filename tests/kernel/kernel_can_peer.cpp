@@ -25,7 +25,7 @@
 #include "drivers/slcan_adapter.h"
 #include "drivers/socketcan.h"
 #include "emulators/can_bus.h"
-#include "emulators/openimu335ri.h"
+#include "emulators/openimu/openimu335ri.h"
 
 namespace {
 

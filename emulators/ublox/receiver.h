@@ -1,0 +1,122 @@
+// An emulated u-blox NEO-7P satellite receiver on its UART: NMEA 2.3 and UBX protocol 14.00.
+//
+// Wire face: the TXT banner after power-on, then every epoch's messages in the order of the real
+// device, paced at 10 bits per byte; UBX configuration with true acknowledgements, polls, PUBX
+// commands. Backend face: one GnssSample per epoch, at the instants of sample_plan().
+// docs/devices/ublox-neo-7p.md lists the messages, constants and deviations with their sources.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "emulators/backends.h"
+#include "emulators/device.h"
+#include "emulators/ublox/configuration.h"
+#include "emulators/ublox/settings.h"
+#include "emulators/ublox/solution.h"
+#include "emulators/ublox/transmitter.h"
+#include "protocols/nmea/position_sentences.h"
+#include "protocols/ubx/frame.h"
+#include "sim/samples/calendar.h"
+
+namespace rigwire::emulators {
+
+struct UbloxCounters {
+  std::uint64_t epochs = 0;           ///< Solutions computed.
+  std::uint64_t samples_refused = 0;  ///< Samples while starting, stopped, or more than 8 behind.
+  std::uint64_t messages_sent = 0;    ///< Handed to the line.
+  std::uint64_t messages_lost = 0;    ///< The transmit buffer was full.
+  std::uint64_t acknowledged = 0;     ///< ACK-ACK.
+  std::uint64_t refused = 0;          ///< ACK-NAK.
+  std::uint64_t resets = 0;
+};
+
+class UbloxReceiver final : public SerialDevice, public GnssBackend {
+ public:
+  /// Powered on at kStart. Throws as validate(settings). `output` must outlive the receiver.
+  UbloxReceiver(const UbloxSettings& settings, const Calendar& calendar, ByteOutput& output);
+
+  void receive(SimTime now, std::span<const std::uint8_t> bytes) override;
+  void update(const GnssSample& sample) override;
+  void advance(SimTime now) override;
+  [[nodiscard]] SimTime next_event() const override;
+  /// Aligned to GPS time; follows CFG-RATE, resets, and stopping and starting by CFG-RST.
+  [[nodiscard]] SamplePlan sample_plan() const override { return plan_; }
+  /// NMEA sentences and UBX messages per second; GSV counts with its present number of sentences.
+  [[nodiscard]] double nominal_rate_hz() const override;
+  [[nodiscard]] std::uint64_t messages_sent() const override {
+    return transmitter_.messages_sent();
+  }
+  [[nodiscard]] std::uint32_t baud() const override { return transmitter_.baud(); }
+  [[nodiscard]] ReceiveCounters received() const override { return received_; }
+  [[nodiscard]] std::span<const Quantity> quantities() const override;
+  [[nodiscard]] UbloxCounters counters() const;
+
+ private:
+  static constexpr std::size_t kPending = 8;
+  static constexpr std::size_t kMaximumPayload = 1024;
+  static constexpr std::size_t kInputBytes = 2048;
+  static_assert(kInputBytes > kMaximumPayload + protocols::ubx::kOverheadBytes);
+  static_assert(kInputBytes > protocols::nmea::kMaximumSentence);
+
+  // ublox_receiver.cpp: life, epochs and output.
+  void start(SimTime now, Duration time_to_first_fix);
+  void begin_navigation(SimTime now, Duration time_to_first_fix);
+  void plan_from(SimTime now);
+  void greet(SimTime now);
+  void solve(SimTime now);
+  void take_position(const GnssSample& sample, int dimensions);
+  void publish(SimTime now);
+  void send_message(SimTime now, const UbloxMessage& message);
+  void send_sentence(SimTime now, std::string_view name);
+  void send_text(SimTime now, protocols::nmea::TextKind kind, std::string_view text);
+  void send(SimTime now, std::span<const std::uint8_t> message);
+  [[nodiscard]] bool speaks(std::uint16_t protocol) const;
+  [[nodiscard]] std::string_view talker() const;
+
+  // ublox_receiver_input.cpp: what clients say.
+  void parse(SimTime now);
+  void handle(SimTime now, const protocols::ubx::FrameView& frame);
+  void handle(SimTime now, const protocols::nmea::SentenceView& sentence);
+  void handle_configuration(SimTime now, const protocols::ubx::FrameView& frame);
+  [[nodiscard]] bool handle_port_command(const protocols::nmea::SentenceView& s);
+  [[nodiscard]] bool handle_rate_command(const protocols::nmea::SentenceView& s);
+  void reset(SimTime now, const protocols::ubx::CfgRst& request);
+  void answer(SimTime now, protocols::ubx::MessageId request, bool accepted);
+  void apply_configuration(SimTime now);
+
+  UbloxSettings settings_;
+  Calendar calendar_;
+  UbloxConfiguration configuration_;
+  UbloxTransmitter transmitter_;
+  std::vector<std::uint8_t> version_;  ///< Payload of MON-VER.
+
+  SimTime ready_ = kStart;  ///< End of start-up; kNever once greeted.
+  bool running_ = false;    ///< Start-up is over.
+  bool navigating_ = true;  ///< Not stopped by CFG-RST.
+  SamplePlan plan_;
+  SimTime powered_ = kStart;    ///< Power-on or last reset.
+  SimTime searching_ = kStart;  ///< Since then the navigation engine has looked for satellites.
+  Duration time_to_first_fix_{0};
+  SimTime last_fix_ = kNever;  ///< Epoch of it.
+  std::uint64_t epoch_number_ = 0;
+
+  std::array<GnssSample, kPending> pending_;  ///< Ring of samples being worked on.
+  std::size_t pending_head_ = 0;
+  std::size_t pending_count_ = 0;
+  UbloxSolution solution_;
+  std::vector<protocols::nmea::SatelliteInView> in_view_;
+
+  std::array<std::uint8_t, kInputBytes> input_{};
+  std::size_t input_size_ = 0;
+  bool in_garbage_ = false;
+  bool overflow_to_report_ = false;
+  ReceiveCounters received_;
+  UbloxCounters counters_;
+};
+
+}  // namespace rigwire::emulators

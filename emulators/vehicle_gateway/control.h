@@ -1,0 +1,117 @@
+// What the controllers on the bus ask, and what becomes of it when they fall silent: requests in,
+// one VehicleCommand out.
+//
+// In force             silence does                                              fault (DM1)
+// TSC1                 engine idles                                              SPN 695, FMI 9
+// TC1                  gear and locks stay                                       SPN 525, FMI 9
+// XBR                  brake released                                            SPN 2920, FMI 9
+// guidance, intended   steering stays where it is; the machine stops; one        SPN 5237, FMI 9
+//                      "not intended" is needed before the next "intended"
+// speed command        travel speed 0                                            SPN 4310, FMI 9
+// the last of them     the machine stops, unless it was TC1 alone
+//
+// A machine that stops by itself idles, has travel speed 0 and its service brake at
+// stop_brake_share; when it has stood for park_delay, the parking brake is on and the gear neutral,
+// until somebody asks otherwise. A source that ends properly (TSC1 and XBR "disabled", guidance
+// "not intended") is no longer in force and no fault. A request whose value is not available or in
+// error does not count as one.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "emulators/vehicle_gateway/settings.h"
+#include "protocols/vehicle/brake.h"
+#include "protocols/vehicle/diagnostics.h"
+#include "protocols/vehicle/engine.h"
+#include "protocols/vehicle/machine.h"
+#include "protocols/vehicle/speed.h"
+#include "protocols/vehicle/steering.h"
+#include "protocols/vehicle/transmission.h"
+#include "protocols/vehicle/tyre.h"
+#include "sim/samples/vehicle_sample.h"
+
+namespace rigwire::emulators {
+
+/// Whose silence matters.
+enum class VehicleRequest : std::size_t { engine, gearbox, brake, guidance, speed };
+inline constexpr std::size_t kVehicleRequests = 5;
+
+class VehicleControl {
+ public:
+  explicit VehicleControl(const VehicleGatewaySettings& settings);
+
+  /// Time-outs until `now`.
+  void advance(SimTime now);
+  [[nodiscard]] SimTime next_event() const;
+
+  // Each returns whether the request is one that the machine can honour. A message that holds one
+  // that it cannot is refused whole; of a refused gear only the trouble code stays.
+  bool take(SimTime now, const protocols::vehicle::Tsc1& request);
+  bool take(SimTime now, const protocols::vehicle::Tc1& request);
+  bool take(SimTime now, const protocols::vehicle::Xbr& request);
+  bool take(SimTime now, const protocols::vehicle::GuidanceCommand& request);
+  bool take(SimTime now, const protocols::vehicle::MachineSelectedSpeedCommand& request);
+  bool take(SimTime now, const protocols::vehicle::Tprs& request);
+  bool take(SimTime now, const protocols::vehicle::MachineFunctionCommand& request);
+
+  /// The machine's speed at `now`, for parking after a stop; NaN when it is not known.
+  void observe(SimTime now, double speed_mps);
+
+  [[nodiscard]] const VehicleCommand& command() const { return command_; }
+  [[nodiscard]] bool in_force(VehicleRequest source) const;
+  /// Whether the machine stops by itself.
+  [[nodiscard]] bool stopping() const { return stopping_; }
+  /// Whether guidance waits for one "not intended".
+  [[nodiscard]] bool guidance_needs_reset() const { return guidance_ == Guidance::fault; }
+  [[nodiscard]] bool guidance_engaged() const { return guidance_ == Guidance::engaged; }
+  [[nodiscard]] protocols::vehicle::ExitReason guidance_exit() const { return guidance_exit_; }
+  [[nodiscard]] protocols::vehicle::LimitStatus guidance_limit() const { return guidance_limit_; }
+  [[nodiscard]] protocols::vehicle::LimitStatus speed_limit() const { return speed_limit_; }
+  [[nodiscard]] bool speed_lost() const { return lost_[index(VehicleRequest::speed)]; }
+
+  static constexpr std::size_t kFaults = kVehicleRequests + 1;
+  /// The active faults: time-outs in the order of VehicleRequest, then a refused gear.
+  struct Faults {
+    std::array<protocols::vehicle::TroubleCode, kFaults> codes{};
+    std::size_t count = 0;
+
+    friend bool operator==(const Faults&, const Faults&) = default;
+  };
+  [[nodiscard]] Faults faults() const;
+
+ private:
+  enum class Guidance : std::uint8_t { idle, engaged, fault };
+
+  static constexpr std::size_t index(VehicleRequest source) {
+    return static_cast<std::size_t>(source);
+  }
+  [[nodiscard]] Duration timeout(VehicleRequest source) const;
+  void renew(SimTime now, VehicleRequest source);
+  void end(VehicleRequest source);
+  void lose(SimTime now, VehicleRequest source);
+  void fail_guidance(SimTime now, protocols::vehicle::ExitReason reason);
+  [[nodiscard]] bool allows(protocols::vehicle::SteeringMode mode) const;
+  void steer();
+  /// Puts the command together; it counts as changed at `now` when anything differs.
+  void compose(SimTime now);
+
+  VehicleGatewaySettings settings_;
+  VehicleCommand command_;
+  VehicleCommand asked_;  ///< As if nobody had fallen silent.
+  std::array<SimTime, kVehicleRequests> deadline_;
+  std::array<bool, kVehicleRequests> lost_{};
+  std::array<std::uint8_t, kFaults> occurrences_{};
+  bool gear_refused_ = false;
+  bool stopping_ = false;
+  SimTime standing_since_ = kNever;
+  Guidance guidance_ = Guidance::idle;
+  protocols::vehicle::ExitReason guidance_exit_ = protocols::vehicle::ExitReason::none;
+  protocols::vehicle::LimitStatus guidance_limit_ = protocols::vehicle::LimitStatus::not_limited;
+  protocols::vehicle::LimitStatus speed_limit_ = protocols::vehicle::LimitStatus::not_limited;
+  protocols::vehicle::SteeringMode mode_ = protocols::vehicle::SteeringMode::front;
+  double curvature_1pm_ = 0.0;
+  double crab_angle_rad_ = 0.0;
+};
+
+}  // namespace rigwire::emulators

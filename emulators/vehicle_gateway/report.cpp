@@ -1,0 +1,361 @@
+#include "emulators/vehicle_gateway/report.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rigwire::emulators {
+
+namespace vehicle = protocols::vehicle;
+using vehicle::kError;
+using vehicle::kNotAvailable;
+using vehicle::Switch;
+using vehicle::to_switch;
+
+namespace {
+
+constexpr double kBrakeApplied = 0.005;  // share above which the brake switch is on
+
+constexpr std::array kSchedule{
+    VehicleReport::Entry{vehicle::Etc1::kGroup, 0},
+    VehicleReport::Entry{vehicle::Vdc2::kGroup, 0},
+    VehicleReport::Entry{vehicle::Hrw::kGroup, 0},
+    VehicleReport::Entry{vehicle::Eec1::kGroup, 1},
+    VehicleReport::Entry{vehicle::Esc1::kGroup, 1},
+    VehicleReport::Entry{vehicle::Eec2::kGroup, 2},
+    VehicleReport::Entry{vehicle::Hpg::kGroup, 4},
+    VehicleReport::Entry{vehicle::GuidanceMachineInfo::kGroup, 0},
+    VehicleReport::Entry{vehicle::MachineSelectedSpeed::kGroup, 1},
+    VehicleReport::Entry{vehicle::WheelBasedSpeed::kGroup, 3},
+    VehicleReport::Entry{vehicle::Ebc2::kGroup, 4},
+    VehicleReport::Entry{vehicle::Ccvs1::kGroup, 5},
+    VehicleReport::Entry{vehicle::Etc2::kGroup, 6},
+    VehicleReport::Entry{vehicle::Ebc1::kGroup, 8},
+    VehicleReport::Entry{vehicle::MachineFunctionState::kGroup, 9},
+    VehicleReport::Entry{vehicle::Eac1::kGroup, 3},
+    VehicleReport::Entry{vehicle::Tire1::kGroup, 30},
+    VehicleReport::Entry{vehicle::Tire2::kGroup, 40},
+    VehicleReport::Entry{vehicle::Tpri::kGroup, 0},
+};
+
+constexpr std::uint64_t ticks(const vehicle::Group& group) {
+  return static_cast<std::uint64_t>(group.period / VehicleReport::kTick);
+}
+static_assert(std::ranges::all_of(kSchedule, [](const VehicleReport::Entry& entry) {
+  return entry.group.period % VehicleReport::kTick == Duration{0} &&
+         (ticks(entry.group) == 0 || entry.phase < ticks(entry.group));
+}));
+
+/// A reading as it goes on the wire.
+double reading(double value) {
+  return std::isfinite(value) ? value : kError;
+}
+double magnitude(double value) {
+  return reading(std::abs(value));
+}
+double speed_of(const VehicleSample& sample, std::size_t wheel) {
+  return sample.wheel_rate_radps[wheel] * sample.wheel_radius_m[wheel];
+}
+
+enum Wheel : std::size_t { front_left, front_right, rear_left, rear_right };
+
+template <class Message>
+constexpr bool is(std::uint32_t pgn) {
+  return Message::kGroup.pgn == pgn;
+}
+
+constexpr double kRpm = vehicle::kRevolutionPerMinute_radps;
+constexpr Quantity quantity(std::string_view name, std::string_view unit,
+                            const vehicle::Scale& scale, unsigned width) {
+  return {name, unit, scale.offset,
+          scale.offset + protocols::j1939::greatest_valid(width) * scale.count, scale.count};
+}
+constexpr std::array kQuantities{
+    quantity("wheel speed", "m/s", vehicle::kWheelSpeed, 16),
+    quantity("machine selected speed", "m/s", vehicle::kMachineSpeed, 16),
+    quantity("engine speed", "rad/s", vehicle::kShaftSpeed, 16),
+    quantity("engine torque", "1", vehicle::kTorqueShare, 8),
+    quantity("shaft speed", "rad/s", vehicle::kShaftSpeed, 16),
+    Quantity{"gear", "1", -125.0, 125.0, 1.0},
+    Quantity{"gear ratio", "1", 0.0, 64.255, 0.001},
+    quantity("brake", "1", vehicle::kShare, 8),
+    quantity("steering angle", "rad", vehicle::kMachineAngle, 16),
+    quantity("curvature", "1/m", vehicle::kCurvature, 16),
+    quantity("slip angle", "rad", vehicle::kMachineAngle, 16),
+    Quantity{"tyre pressure", "Pa", 0.0, 64.255e6, 1000.0},
+    Quantity{"hydraulic pressure", "Pa", 0.0, 128.51e6, 2000.0},
+    quantity("edge cutter", "1", vehicle::kShare, 8),
+    quantity("spreader rate", "kg/m2", vehicle::kSpreaderRate, 16),
+    Quantity{"hopper mass", "kg", 0.0, 64255.0, 1.0},
+    Quantity{"requested engine speed", "rad/s", 0.0, 64255 * 0.125 * kRpm, 0.125 * kRpm},
+    Quantity{"requested acceleration", "m/s2", -15.687, 15.687, 1.0 / 2048.0},
+};
+
+}  // namespace
+
+std::span<const VehicleReport::Entry> VehicleReport::schedule() {
+  return kSchedule;
+}
+
+bool VehicleReport::is_due(const Entry& entry, std::uint64_t tick) {
+  const std::uint64_t period = ticks(entry.group);
+  return period != 0 && tick % period == entry.phase;
+}
+
+std::span<const Quantity> VehicleReport::quantities() {
+  return kQuantities;
+}
+
+void VehicleReport::take(const VehicleSample& sample) {
+  if (sample_ && std::isfinite(sample.odometry.speed_mps)) {
+    distance_m_ += std::abs(sample.odometry.speed_mps) * to_seconds(sample.time - sample_->time);
+  }
+  sample_ = sample;
+}
+
+const VehicleSample* VehicleReport::fresh(SimTime now) const {
+  return sample_ && now - sample_->time <= kStale ? &*sample_ : nullptr;
+}
+
+double VehicleReport::speed_mps(SimTime now) const {
+  const VehicleSample* sample = fresh(now);
+  return sample != nullptr ? sample->odometry.speed_mps : kNotAvailable;
+}
+
+template <class Message>
+void VehicleReport::put(const Message& message, std::uint8_t source) {
+  frames_[frame_count_++] = vehicle::encode(message, source);
+}
+
+std::size_t VehicleReport::count(std::uint32_t pgn) const {
+  if (is<vehicle::Tire1>(pgn) || is<vehicle::Tire2>(pgn) || is<vehicle::Tpri>(pgn)) {
+    return kWheels;
+  }
+  return is<vehicle::Esc1>(pgn) && settings_.steering != SteeringLayout::front_only ? 2 : 1;
+}
+
+std::span<const protocols::can::Frame> VehicleReport::frames(SimTime now, std::uint32_t pgn,
+                                                             std::uint8_t source,
+                                                             const VehicleControl& control) {
+  frame_count_ = 0;
+  const VehicleSample* sample = fresh(now);
+  put_engine(pgn, source, sample, control);
+  put_gearbox(pgn, source, sample, control);
+  put_speed(pgn, source, sample, control);
+  put_steering(pgn, source, sample, control);
+  put_tyres(pgn, source, sample);
+  put_machine(pgn, source, sample);
+  return std::span(frames_).first(frame_count_);
+}
+
+void VehicleReport::put_engine(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
+                               const VehicleControl& control) {
+  // SPN 899: 0 no request, 3 a governor holds the speed, 11 remote accelerator.
+  constexpr std::uint8_t kNoRequest = 0;
+  constexpr std::uint8_t kGovernor = 3;
+  constexpr std::uint8_t kRemoteAccelerator = 11;
+  const VehicleCommand& command = control.command();
+  const bool by_speed = command.engine_control == EngineControl::speed;
+  if (is<vehicle::Eec1>(pgn)) {
+    vehicle::Eec1 message;
+    if (sample != nullptr) {
+      message.torque_mode = by_speed                            ? kGovernor
+                            : command.engine_torque_share > 0.0 ? kRemoteAccelerator
+                                                                : kNoRequest;
+      message.demand_torque_share = by_speed ? kNotAvailable : command.engine_torque_share;
+      message.actual_torque_share = reading(sample->engine_torque_share);
+      message.speed_radps = magnitude(sample->engine_speed_radps);
+    }
+    put(message, source);
+  } else if (is<vehicle::Eec2>(pgn)) {
+    vehicle::Eec2 message;
+    if (sample != nullptr) {
+      message.pedal_share = by_speed ? kNotAvailable : command.engine_torque_share;
+      message.load_share = reading(std::max(sample->engine_torque_share, 0.0));
+    }
+    put(message, source);
+  }
+}
+
+void VehicleReport::put_gearbox(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
+                                const VehicleControl& control) {
+  if (is<vehicle::Etc1>(pgn)) {
+    vehicle::Etc1 message;
+    if (sample != nullptr) {
+      message.driveline_engaged = to_switch(sample->driveline_engaged);
+      message.shift_in_process = to_switch(sample->shifting);
+      message.output_shaft_radps = magnitude(sample->output_shaft_radps);
+      message.clutch_slip_share = reading(sample->clutch_slip_share);
+      message.input_shaft_radps = magnitude(sample->input_shaft_radps);
+    }
+    put(message, source);
+  } else if (is<vehicle::Etc2>(pgn)) {
+    // Range: direction, then the group. This project's own letters.
+    const auto direction = [](int gear) -> std::uint8_t {
+      return gear == 0 ? 'N' : gear > 0 ? 'D' : 'R';
+    };
+    const auto group = [](bool crawler) -> std::uint8_t { return crawler ? 'C' : ' '; };
+    vehicle::Etc2 message;
+    if (sample != nullptr) {
+      message.selected_gear = vehicle::gear_code(sample->gear_requested);
+      message.current_gear = vehicle::gear_code(sample->gear);
+      message.ratio = sample->gear_ratio == 0.0 ? kNotAvailable : magnitude(sample->gear_ratio);
+      message.requested_range_first = direction(sample->gear_requested);
+      message.requested_range_second = group(control.command().crawler_group);
+      message.current_range_first = direction(sample->gear);
+      message.current_range_second = group(sample->crawler_group);
+    }
+    put(message, source);
+  } else if (is<vehicle::Eac1>(pgn)) {
+    vehicle::Eac1 message;
+    if (sample != nullptr) {
+      const auto lock = [sample](Differential differential) {
+        return to_switch(sample->lock[static_cast<std::size_t>(differential)]);
+      };
+      message.front_lock_1 = lock(Differential::front);
+      message.central_lock = lock(Differential::centre);
+      message.rear_lock_1 = lock(Differential::rear);
+    }
+    put(message, source);
+  }
+}
+
+void VehicleReport::put_speed(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
+                              const VehicleControl& control) {
+  if (is<vehicle::Ebc2>(pgn)) {
+    vehicle::Ebc2 message;
+    if (sample != nullptr) {
+      const double axle_mps =
+          0.5 * (speed_of(*sample, front_left) + speed_of(*sample, front_right));
+      const double direction = axle_mps < 0.0 ? -1.0 : 1.0;
+      const auto relative = [&](Wheel wheel) {
+        return reading(direction * (speed_of(*sample, wheel) - axle_mps));
+      };
+      message.front_axle_mps = magnitude(axle_mps);
+      message.front_left_mps = relative(front_left);
+      message.front_right_mps = relative(front_right);
+      message.rear_1_left_mps = relative(rear_left);
+      message.rear_1_right_mps = relative(rear_right);
+    }
+    put(message, source);
+  } else if (is<vehicle::Hrw>(pgn)) {
+    vehicle::Hrw message;
+    if (sample != nullptr) {
+      message.front_left_mps = magnitude(speed_of(*sample, front_left));
+      message.front_right_mps = magnitude(speed_of(*sample, front_right));
+      message.rear_left_mps = magnitude(speed_of(*sample, rear_left));
+      message.rear_right_mps = magnitude(speed_of(*sample, rear_right));
+    }
+    put(message, source);
+  } else if (is<vehicle::Ccvs1>(pgn)) {
+    vehicle::Ccvs1 message;
+    if (sample != nullptr) {
+      message.parking_brake = to_switch(sample->parking_brake);
+      message.wheel_based_speed_mps = magnitude(sample->odometry.speed_mps);
+      message.brake_switch = to_switch(sample->brake_share > kBrakeApplied);
+    }
+    put(message, source);
+  } else if (is<vehicle::Ebc1>(pgn)) {
+    vehicle::Ebc1 message;
+    if (sample != nullptr) {
+      message.pedal_share = reading(sample->brake_share);
+    }
+    put(message, source);
+  } else if (is<vehicle::WheelBasedSpeed>(pgn) || is<vehicle::MachineSelectedSpeed>(pgn)) {
+    vehicle::MachineSelectedSpeed message;
+    if (sample != nullptr) {
+      message.speed_mps = magnitude(sample->odometry.speed_mps);
+      message.distance_m = distance_m_;
+      message.forward = std::isfinite(sample->odometry.speed_mps)
+                            ? to_switch(sample->odometry.speed_mps >= 0.0)
+                            : Switch::error;
+      message.source = static_cast<std::uint8_t>(vehicle::SpeedSource::wheel_based);
+      message.limit_status = static_cast<std::uint8_t>(control.speed_limit());
+      message.exit_reason = static_cast<std::uint8_t>(
+          control.speed_lost() ? vehicle::ExitReason::command_timeout : vehicle::ExitReason::none);
+    }
+    if (is<vehicle::MachineSelectedSpeed>(pgn)) {
+      put(message, source);
+    } else {
+      put(vehicle::WheelBasedSpeed{message.speed_mps, message.distance_m, message.forward}, source);
+    }
+  }
+}
+
+void VehicleReport::put_steering(std::uint32_t pgn, std::uint8_t source,
+                                 const VehicleSample* sample, const VehicleControl& control) {
+  if (is<vehicle::Vdc2>(pgn)) {
+    vehicle::Vdc2 message;
+    if (sample != nullptr) {
+      message.steering_wheel_rad = reading(sample->front_steer_rad * settings_.steering_ratio);
+    }
+    put(message, source);
+  } else if (is<vehicle::Esc1>(pgn)) {
+    put(vehicle::Esc1{sample != nullptr ? reading(sample->front_steer_rad) : kNotAvailable,
+                      vehicle::kFrontAxle},
+        source);
+    if (settings_.steering != SteeringLayout::front_only) {
+      put(vehicle::Esc1{sample != nullptr ? reading(sample->rear_steer_rad) : kNotAvailable,
+                        vehicle::kRearAxle},
+          source);
+    }
+  } else if (is<vehicle::GuidanceMachineInfo>(pgn)) {
+    vehicle::GuidanceMachineInfo message;
+    if (sample != nullptr) {
+      message.curvature_1pm = reading(sample->odometry.curvature_1pm);
+      message.lockout = Switch::off;
+      message.ready = to_switch(!control.guidance_needs_reset());
+      message.input_position_correct = Switch::on;
+      message.reset_required = to_switch(control.guidance_needs_reset());
+      message.limit_status = static_cast<std::uint8_t>(control.guidance_limit());
+      message.exit_reason = static_cast<std::uint8_t>(control.guidance_exit());
+    }
+    put(message, source);
+  }
+}
+
+void VehicleReport::put_tyres(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample) {
+  if (!is<vehicle::Tire1>(pgn) && !is<vehicle::Tire2>(pgn) && !is<vehicle::Tpri>(pgn)) {
+    return;
+  }
+  for (std::size_t tyre = 0; tyre < kWheels; ++tyre) {
+    const std::uint8_t location = vehicle::kTyreLocations[tyre];
+    const double pressure_pa =
+        sample != nullptr ? reading(sample->tyre_pressure_pa[tyre]) : kNotAvailable;
+    const bool has_target = sample != nullptr && sample->tyre_pressure_target_pa[tyre] != 0.0;
+    const double target_pa =
+        has_target ? reading(sample->tyre_pressure_target_pa[tyre]) : kNotAvailable;
+    if (is<vehicle::Tire1>(pgn)) {
+      vehicle::Tire1 message;
+      message.location = location;
+      message.pressure_pa = pressure_pa;
+      put(message, source);
+    } else if (is<vehicle::Tire2>(pgn)) {
+      put(vehicle::Tire2{location, pressure_pa, target_pa}, source);
+    } else {
+      put(vehicle::Tpri{location, target_pa}, source);
+    }
+  }
+}
+
+void VehicleReport::put_machine(std::uint32_t pgn, std::uint8_t source,
+                                const VehicleSample* sample) {
+  if (is<vehicle::Hpg>(pgn)) {
+    put(vehicle::Hpg{sample != nullptr ? reading(sample->hydraulic_pressure_pa) : kNotAvailable},
+        source);
+  } else if (is<vehicle::MachineFunctionState>(pgn)) {
+    vehicle::MachineFunctionState message;
+    if (sample != nullptr) {
+      message.parking_brake = to_switch(sample->parking_brake);
+      message.crawler_group = to_switch(sample->crawler_group);
+      message.vibration_front = to_switch(sample->vibration[0]);
+      message.vibration_rear = to_switch(sample->vibration[1]);
+      message.edge_cutter_share = reading(sample->edge_cutter_share);
+      message.spreader_rate_kgpm2 = reading(sample->spreader_rate_kgpm2);
+      message.hopper_mass_kg = reading(sample->hopper_mass_kg);
+      message.slip_angle_rad = reading(sample->odometry.slip_angle_rad);
+    }
+    put(message, source);
+  }
+}
+
+}  // namespace rigwire::emulators

@@ -1,0 +1,228 @@
+#include "emulators/openimu/openimu335ri.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "emulators/can_bus.h"
+#include "rig.h"
+
+namespace rigwire::emulators {
+namespace {
+
+using namespace std::chrono_literals;
+using protocols::can::Frame;
+using testing::ElementsAre;
+namespace j1939 = protocols::j1939;
+namespace openimu = protocols::openimu;
+using protocols::openimu::FigureOfMerit;
+
+constexpr double kRadians = std::numbers::pi / 180.0;
+constexpr std::uint8_t kTester = 0x21;
+
+TEST(OpenImu, ClaimsAfterItsSerialDelayAndSendsNothingBefore) {
+  OpenImuRig rig(settings_with(0x12345));  // 5 * 5 ms
+  rig.run(100ms);
+  ASSERT_FALSE(rig.output.frames.empty());
+  const auto& [due, claim] = rig.output.frames.front();
+  EXPECT_EQ(due, kStart + 25ms + 1ms);
+  EXPECT_EQ(claim.id, 0x18EEFF80U);
+  EXPECT_THAT(claim.payload(), ElementsAre(0x45, 0x23, 0xE1, 0x66, 0x00, 0x83, 0x00, 0x80));
+  EXPECT_EQ(rig.output.of(j1939::kAddressClaimedPgn).size(), 1U);
+}
+
+TEST(OpenImu, ClaimsWithoutSamplesToo) {
+  OpenImuBus output;
+  OpenImu imu(settings_with(3), output);
+  EXPECT_EQ(imu.next_event(), kStart + 15ms);
+  imu.advance(kStart + 14ms);
+  EXPECT_TRUE(output.frames.empty());
+  imu.advance(kStart + 1s);
+  EXPECT_EQ(output.frames.size(), 1U);
+  EXPECT_EQ(imu.next_event(), kNever);
+}
+
+TEST(OpenImu, AllThreeMessagesAt100HzByDefault) {
+  OpenImuRig rig;
+  rig.run(1s);
+  EXPECT_EQ(rig.output.of(openimu::kSlopePgn).size(), 100U);
+  EXPECT_EQ(rig.output.of(openimu::kAngularRatePgn).size(), 100U);
+  EXPECT_EQ(rig.output.of(openimu::kAccelerationPgn).size(), 100U);
+}
+
+TEST(OpenImu, RestBytesOfThe300RiAreTheKnownFrames) {
+  OpenImuRig rig(settings_with(0x12345, OpenImuVariant::openimu300ri));
+  ImuSample rest = level();
+  rest.specific_force_mps2.z = 9.81;
+  rig.run(20ms, rest);
+  EXPECT_THAT(rig.output.of(openimu::kSlopePgn).back().payload(),
+              ElementsAre(0x00, 0x00, 0x7D, 0x00, 0x00, 0x7D, 0xCC, 0x00));
+  EXPECT_THAT(rig.output.of(openimu::kAngularRatePgn).back().payload(),
+              ElementsAre(0x00, 0x7D, 0x00, 0x7D, 0x00, 0x7D, 0x3F, 0x00));
+  EXPECT_THAT(rig.output.of(openimu::kAccelerationPgn).back().payload(),
+              ElementsAre(0x00, 0x7D, 0x00, 0x7D, 0xD5, 0x80, 0xBF, 0x00));
+}
+
+TEST(OpenImu, HealthyMeritOfThe335RiAfterInitialisation) {
+  OpenImuRig rig;
+  rig.run(500ms);
+  EXPECT_EQ(rig.output.of(openimu::kSlopePgn).back().data[6], 0b0100'0100);  // degraded
+  rig.run(1s);
+  EXPECT_EQ(rig.output.of(openimu::kSlopePgn).back().data[6], 0x00);
+  EXPECT_EQ(rig.output.of(openimu::kAngularRatePgn).back().data[6], 0x00);
+  EXPECT_EQ(rig.output.of(openimu::kAccelerationPgn).back().data[6], 0x80);
+  EXPECT_EQ(rig.output.of(openimu::kSlopePgn).back().data[7], 2);  // 1 ms
+}
+
+TEST(OpenImu, Claim300RiRepeatsEverySecond) {
+  OpenImuRig rig(settings_with(0x12345, OpenImuVariant::openimu300ri));
+  rig.run(3s);
+  EXPECT_EQ(rig.output.of(j1939::kAddressClaimedPgn).size(), 3U);
+}
+
+TEST(OpenImuSigns, NoseUpRightDownClockwise) {
+  OpenImuRig rig;
+  ImuSample sample = level();
+  const double pitch = 20.0 * kRadians;
+  const double roll = 10.0 * kRadians;
+  sample.specific_force_mps2 = {kGravity * std::sin(pitch),
+                                kGravity * std::cos(pitch) * std::sin(roll),
+                                kGravity * std::cos(pitch) * std::cos(roll)};
+  rig.run(2s, sample);
+  const auto slope = openimu::decode_slope(rig.output.of(openimu::kSlopePgn).back());
+  EXPECT_NEAR(slope->pitch_deg.value, 20.0, openimu::kSlopeScale_deg);
+  EXPECT_NEAR(slope->roll_deg.value, 10.0, openimu::kSlopeScale_deg);
+
+  sample.angular_rate_radps = {3.0 * kRadians, -5.0 * kRadians, -7.0 * kRadians};
+  rig.run(1s, sample);
+  const auto rate = openimu::decode_angular_rate(rig.output.of(openimu::kAngularRatePgn).back());
+  EXPECT_NEAR(rate->pitch_dps.value, 5.0, openimu::kRateScale_dps);
+  EXPECT_NEAR(rate->roll_dps.value, 3.0, openimu::kRateScale_dps);
+  EXPECT_NEAR(rate->yaw_dps.value, 7.0, openimu::kRateScale_dps);
+}
+
+TEST(OpenImuSigns, AccelerationIsLeftForwardUp) {
+  OpenImuRig rig;
+  ImuSample sample = level();
+  sample.specific_force_mps2 = {1.5, 2.5, 9.0};
+  rig.run(1s, sample);
+  const auto force = openimu::decode_acceleration(rig.output.of(openimu::kAccelerationPgn).back());
+  EXPECT_NEAR(force->longitudinal_mps2.value, 1.5, 0.005 + 1e-9);
+  EXPECT_NEAR(force->lateral_mps2.value, 2.5, 0.005 + 1e-9);
+  EXPECT_NEAR(force->vertical_mps2.value, 9.0, 0.005 + 1e-9);
+}
+
+TEST(OpenImuSaturation, RateBeyondTheMessageIsClampedAndDegraded) {
+  OpenImuRig rig;
+  rig.run(2s);
+  ImuSample fast = level();
+  fast.angular_rate_radps.z = -300.0 * kRadians;
+  rig.run(1s, fast);
+  const auto rate = openimu::decode_angular_rate(rig.output.of(openimu::kAngularRatePgn).back());
+  EXPECT_EQ(rate->yaw_dps.value, 250.0);
+  EXPECT_EQ(rate->yaw_dps.merit, FigureOfMerit::degraded);
+  EXPECT_EQ(rate->pitch_dps.merit, FigureOfMerit::functional);
+}
+
+TEST(OpenImuSaturation, ForceBeyondTheElementIsClampedAndDegraded) {
+  OpenImuRig rig;
+  rig.run(2s);
+  ImuSample hit = level();
+  hit.specific_force_mps2.x = 500.0;
+  rig.run(1s, hit);
+  const auto force = openimu::decode_acceleration(rig.output.of(openimu::kAccelerationPgn).back());
+  EXPECT_NEAR(force->longitudinal_mps2.value, 8.0 * kGravity, 0.01);
+  EXPECT_EQ(force->longitudinal_mps2.merit, FigureOfMerit::degraded);
+  EXPECT_EQ(force->lateral_mps2.merit, FigureOfMerit::functional);
+}
+
+TEST(OpenImuFault, SampleThatIsNoNumberIsSentAsErrorAndForgotten) {
+  OpenImuRig rig;
+  rig.run(2s);
+  ImuSample broken = level();
+  broken.specific_force_mps2.x = std::numeric_limits<double>::quiet_NaN();
+  rig.run(20ms, broken);
+  const Frame frame = rig.output.of(openimu::kAccelerationPgn).back();
+  EXPECT_EQ(frame.data[1], 0xFE);
+  EXPECT_EQ(frame.data[6], 0b1010'1010);
+  rig.run(1s);
+  const auto force = openimu::decode_acceleration(rig.output.of(openimu::kAccelerationPgn).back());
+  EXPECT_NEAR(force->vertical_mps2.value, kGravity, 0.006);
+}
+
+TEST(OpenImuHostile, EveryShapeOfForeignFrameIsCountedAndHarmless) {
+  OpenImuRig rig;
+  rig.run(50ms);
+  const OpenImuConfiguration before = rig.imu.configuration();
+  const std::size_t sent = rig.output.frames.size();
+  std::uint64_t fed = 0;
+  for (const std::uint32_t pgn : {j1939::kAddressClaimedPgn, j1939::kRequestPgn, 0xFF50U, 0xFF51U,
+                                  0xFF55U, 0xFF56U, 0xFF57U, 0xFF58U, 0xFF59U, 61481U, 0xFF5EU}) {
+    for (unsigned length = 0; length <= 255; ++length) {
+      for (const bool extended : {false, true}) {
+        for (const bool remote : {false, true}) {
+          Frame frame;
+          frame.id = j1939::pack(j1939::Identifier{6, pgn, 0x80, kTester});
+          frame.extended = extended;
+          frame.remote = remote;
+          frame.length = static_cast<std::uint8_t>(length);
+          frame.data.fill(0xA5);
+          rig.receive(frame);
+          ++fed;
+        }
+      }
+    }
+  }
+  const ReceiveCounters counters = rig.imu.received();
+  EXPECT_EQ(counters.accepted + counters.ignored + counters.malformed, fed);
+  EXPECT_EQ(rig.imu.configuration(), before);
+  EXPECT_LE(rig.output.frames.size(), sent + 1);  // one refusal: a request of three bytes
+}
+
+TEST(OpenImuSettings, RefusedWithTheValueFound) {
+  const auto refused = [](auto change) {
+    OpenImuSettings settings;
+    change(settings);
+    OpenImuBus output;
+    EXPECT_THROW(OpenImu(settings, output), std::invalid_argument);
+  };
+  EXPECT_NO_THROW(validate(OpenImuSettings{}));
+  refused([](auto& s) { s.source_address = 127; });
+  refused([](auto& s) { s.source_address = 248; });
+  refused([](auto& s) { s.serial = 0; });
+  refused([](auto& s) { s.serial = 0x200000; });
+  refused([](auto& s) { s.configuration.rate_divider = 3; });
+  refused([](auto& s) { s.configuration.packet_mask = 8; });
+  refused([](auto& s) { s.configuration.rate_cut_off_hz = 24; });
+  refused([](auto& s) { s.configuration.orientation = 1; });
+  refused([](auto& s) { s.configuration.behaviour = 0; });
+  refused([](auto& s) { s.rate_range_radps = 0.0; });
+  refused([](auto& s) { s.power_on = -1ns; });
+  refused([](auto& s) { s.processing_delay = 5ms; });
+}
+
+TEST(OpenImuBusLoad, DefaultMessagesAtRestTake17Percent) {
+  OpenImuBus outside;
+  CanBusModel bus(CanBusSettings{});
+  FrameOutput& output = bus.add_node(outside);
+  OpenImu imu(settings_with(0x12345, OpenImuVariant::openimu300ri), output);
+  bus.attach(output, imu);
+  SimTime now = kStart;
+  for (; now < kStart + 2500ms; now += OpenImu::kTick) {
+    bus.advance(now);
+    ImuSample rest = level(now);
+    rest.specific_force_mps2.z = 9.81;
+    imu.update(rest);
+  }
+  bus.advance(now);
+  // 144 + 143 + 141 bits at 100 Hz and one claim a second.
+  EXPECT_NEAR(bus.load(now), 0.1712 + 0.0006, 0.0002);
+}
+
+}  // namespace
+}  // namespace rigwire::emulators

@@ -1,0 +1,484 @@
+#include "emulators/valve_driver/valve_driver.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <initializer_list>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <sstream>
+#include <stdexcept>
+
+#include "../modbus_client.h"
+
+namespace rigwire::emulators {
+namespace {
+
+using namespace protocols::modbus;
+using namespace std::chrono_literals;
+namespace reg = valve_registers;
+using reg::FaultCode;
+using ::testing::DoubleNear;
+using ::testing::Each;
+
+constexpr SimTime at(Duration since_start) {
+  return kStart + since_start;
+}
+
+class ValveDriverTest : public ::testing::Test {
+ protected:
+  explicit ValveDriverTest(const ValveDriverSettings& settings = {}) : driver_(settings, output_) {
+    driver_.connected(kStart, 1);
+  }
+
+  Response ask(SimTime now, const Request& request, std::uint8_t unit = 1) {
+    driver_.receive(now, 1, adu_of(request, 1, unit));
+    return output_.latest();
+  }
+  Response write(SimTime now, std::uint16_t address, const std::vector<int>& values) {
+    std::vector<std::uint16_t> raw;
+    for (const int value : values) {
+      raw.push_back(static_cast<std::uint16_t>(value));
+    }
+    return ask(now, WriteRegisters{address, make_registers(raw)});
+  }
+  static Response done(std::uint16_t address, std::uint16_t quantity) {
+    return WriteManyResponse{Function::write_registers, address, quantity};
+  }
+  static Response refused(ExceptionCode code, std::uint8_t function = 16) {
+    return ExceptionResponse{function, code};
+  }
+  std::vector<std::uint16_t> read(SimTime now, RegisterTable table, std::uint16_t address,
+                                  std::uint16_t quantity) {
+    const Response answer = ask(now, ReadRegisters{table, address, quantity});
+    const auto* registers = std::get_if<RegistersResponse>(&answer);
+    EXPECT_NE(registers, nullptr) << "refused";
+    return registers == nullptr ? std::vector<std::uint16_t>(quantity)
+                                : std::vector<std::uint16_t>(registers->registers.view().begin(),
+                                                             registers->registers.view().end());
+  }
+  std::uint16_t input(SimTime now, std::uint16_t address) {
+    return read(now, RegisterTable::input, address, 1)[0];
+  }
+  std::uint16_t holding(SimTime now, std::uint16_t address) {
+    return read(now, RegisterTable::holding, address, 1)[0];
+  }
+  double opening(std::size_t section) const { return driver_.command().opening[section]; }
+
+  RecordedStream output_;
+  ValveDriver driver_;
+};
+
+TEST_F(ValveDriverTest, WakesUpNeutralReadyAndDisabled) {
+  EXPECT_THAT(driver_.command().opening, Each(0.0));
+  EXPECT_THAT(driver_.command().floating, Each(false));
+  EXPECT_EQ(input(kStart, reg::kStatus), reg::kStatusReady);
+  EXPECT_EQ(holding(kStart, reg::kWatchdog), 200);
+  EXPECT_EQ(driver_.next_event(), kNever);
+  EXPECT_EQ(driver_.sample_plan(), (SamplePlan{kStart, 5ms}));
+}
+
+TEST_F(ValveDriverTest, CommandsReachTheOutputAtTheInstantOfTheRequest) {
+  EXPECT_EQ(write(at(7ms), 0, {1, 250, -1000, 0, 1000}), done(0, 5));
+  EXPECT_DOUBLE_EQ(opening(0), 0.25);
+  EXPECT_DOUBLE_EQ(opening(1), -1.0);
+  EXPECT_DOUBLE_EQ(opening(2), 0.0);
+  EXPECT_DOUBLE_EQ(opening(3), 1.0);
+  EXPECT_EQ(driver_.command().time, at(7ms));
+  EXPECT_EQ(input(at(8ms), reg::kStatus),
+            reg::kStatusReady | reg::kStatusEnabled | reg::kStatusAtLimit);
+}
+
+TEST_F(ValveDriverTest, ACommandOutOfRangeIsRefusedAndNothingOfTheRequestHappens) {
+  write(kStart, 0, {1, 100, 100, 100, 100});
+  for (const int bad : {1001, -1001, 32767, -32768}) {
+    EXPECT_EQ(write(at(1ms), 0, {0, 200, 200, bad, 200}),
+              refused(ExceptionCode::illegal_data_value));
+    EXPECT_EQ(ask(at(1ms), WriteRegister{1, static_cast<std::uint16_t>(bad)}),
+              refused(ExceptionCode::illegal_data_value, 6));
+  }
+  EXPECT_THAT(read(at(2ms), RegisterTable::holding, 0, 5),
+              ::testing::ElementsAre(1, 100, 100, 100, 100));
+  EXPECT_DOUBLE_EQ(opening(0), 0.1);
+  EXPECT_EQ(driver_.command().time, kStart);
+}
+
+TEST_F(ValveDriverTest, SectionsThatAreNotFittedTakeOnlyZero) {
+  EXPECT_EQ(write(kStart, 0, {1, 0, 0, 0, 0, 0, 0, 0, 0, 1}), done(0, 10));
+  EXPECT_EQ(write(kStart, 5, {1}), refused(ExceptionCode::illegal_data_value));
+  EXPECT_EQ(write(kStart, 20 + 6 * 4, {0}), refused(ExceptionCode::illegal_data_address));
+}
+
+TEST_F(ValveDriverTest, ACommandWrittenWhileDisabledHasNoEffectEvenLater) {
+  EXPECT_EQ(write(kStart, 1, {500}), done(1, 1));
+  EXPECT_EQ(holding(kStart, 1), 500);
+  EXPECT_DOUBLE_EQ(opening(0), 0.0);
+  write(at(1ms), 0, {1});
+  EXPECT_DOUBLE_EQ(opening(0), 0.0);
+  EXPECT_EQ(holding(at(1ms), 1), 0);
+  write(at(2ms), 1, {500});
+  EXPECT_DOUBLE_EQ(opening(0), 0.5);
+}
+
+TEST_F(ValveDriverTest, DisablingGoesToNeutral) {
+  write(kStart, 0, {1, 500});
+  write(at(1ms), 0, {0});
+  EXPECT_THAT(driver_.command().opening, Each(0.0));
+  EXPECT_EQ(driver_.command().time, at(1ms));
+  EXPECT_EQ(driver_.next_event(), kNever) << "the watchdog runs only while enabled";
+}
+
+TEST_F(ValveDriverTest, TheWatchdogTripsAtItsExactInstant) {
+  write(at(10ms), 0, {1, 500});
+  EXPECT_EQ(driver_.next_event(), at(210ms));
+  driver_.advance(at(210ms) - 1ns);
+  EXPECT_DOUBLE_EQ(opening(0), 0.5);
+  driver_.advance(at(500ms));  // late: the instant is still the right one
+  EXPECT_DOUBLE_EQ(opening(0), 0.0);
+  EXPECT_EQ(driver_.command().time, at(210ms));
+  EXPECT_EQ(driver_.fault(), FaultCode::watchdog);
+  EXPECT_EQ(input(at(500ms), reg::kFaultCode), 1);
+  EXPECT_EQ(input(at(500ms), reg::kStatus), reg::kStatusFault | reg::kStatusWatchdogTripped);
+  EXPECT_EQ(driver_.next_event(), kNever);
+}
+
+TEST_F(ValveDriverTest, ARequestAtTheInstantOfExpiryIsTooLate) {
+  write(kStart, 0, {1, 500});
+  write(at(200ms), 1, {600});
+  EXPECT_EQ(driver_.fault(), FaultCode::watchdog);
+  EXPECT_DOUBLE_EQ(opening(0), 0.0);
+}
+
+TEST_F(ValveDriverTest, EveryServedRequestFeedsTheWatchdog) {
+  write(kStart, 0, {1, 500});
+  input(at(150ms), reg::kStatus);
+  EXPECT_EQ(driver_.next_event(), at(350ms));
+}
+
+TEST_F(ValveDriverTest, WhatIsNotServedDoesNotFeedTheWatchdog) {
+  write(kStart, 0, {1, 500});
+  ask(at(50ms), ReadRegisters{RegisterTable::input, 0, 1}, 9);          // another unit
+  ask(at(60ms), ReadRegisters{RegisterTable::input, 500, 1});           // exception 02
+  write(at(70ms), 1, {2000});                                           // exception 03
+  driver_.receive(at(80ms), 1, adu_of(Bytes{99}));                      // exception 01
+  driver_.receive(at(90ms), 1, adu_of(Bytes{4, 0, 0, 0, 1}, 1, 1, 7));  // another protocol
+  EXPECT_EQ(driver_.next_event(), at(200ms));
+}
+
+TEST_F(ValveDriverTest, WithHeartbeatSourceOnlyAChangedHeartbeatFeeds) {
+  write(kStart, reg::kWatchdogSource, {1});
+  write(at(10ms), 0, {1, 500});
+  input(at(100ms), 0);
+  write(at(110ms), reg::kHeartbeat, {0});  // no change
+  EXPECT_EQ(driver_.next_event(), at(210ms));
+  write(at(120ms), reg::kHeartbeat, {1});
+  EXPECT_EQ(driver_.next_event(), at(320ms));
+}
+
+TEST_F(ValveDriverTest, TheWatchdogTakesZeroOr20To5000) {
+  for (const int good : {0, 20, 5000}) {
+    EXPECT_EQ(write(kStart, reg::kWatchdog, {good}), done(reg::kWatchdog, 1));
+  }
+  for (const int bad : {1, 19, 5001, 65535}) {
+    EXPECT_EQ(write(kStart, reg::kWatchdog, {bad}), refused(ExceptionCode::illegal_data_value));
+  }
+  write(kStart, reg::kWatchdog, {0});
+  write(kStart, 0, {1, 500});
+  EXPECT_EQ(driver_.next_event(), kNever);
+}
+
+TEST_F(ValveDriverTest, AFaultStaysUntilTheResetEdge) {
+  write(kStart, 0, {3, 500});  // the reset bit is set from the start: no later edge
+  driver_.advance(at(200ms));
+  ASSERT_EQ(driver_.fault(), FaultCode::watchdog);
+  write(at(300ms), 0, {3, 500});
+  EXPECT_EQ(driver_.fault(), FaultCode::watchdog);
+  write(at(310ms), 0, {1, 500});
+  EXPECT_EQ(driver_.fault(), FaultCode::watchdog);
+  EXPECT_DOUBLE_EQ(opening(0), 0.0);
+  write(at(320ms), 0, {3});
+  EXPECT_EQ(driver_.fault(), FaultCode::none);
+  EXPECT_TRUE(driver_.enabled());
+  EXPECT_DOUBLE_EQ(opening(0), 0.0) << "a command from before the fault came back";
+  EXPECT_EQ(driver_.next_event(), at(520ms));
+}
+
+TEST_F(ValveDriverTest, TheHoldReactionKeepsTheOutputUntilTheMasterClearsEnable) {
+  write(kStart, reg::kReaction, {1});
+  write(kStart, 0, {1, 500});
+  driver_.advance(at(1s));
+  EXPECT_EQ(driver_.fault(), FaultCode::watchdog);
+  EXPECT_DOUBLE_EQ(opening(0), 0.5);
+  write(at(2s), 1, {100});
+  EXPECT_DOUBLE_EQ(opening(0), 0.5);
+  write(at(3s), 0, {0});
+  EXPECT_DOUBLE_EQ(opening(0), 0.0);
+  write(at(4s), 0, {1});
+  EXPECT_DOUBLE_EQ(opening(0), 0.0);
+}
+
+TEST_F(ValveDriverTest, TheFloatReactionFloatsTheFittedSections) {
+  write(kStart, reg::kReaction, {2});
+  write(kStart, 0, {1, 500});
+  driver_.advance(at(200ms));
+  EXPECT_THAT(driver_.command().floating,
+              ::testing::ElementsAre(true, true, true, true, false, false, false, false));
+  EXPECT_THAT(driver_.command().opening, Each(0.0));
+  write(at(300ms), 0, {2});
+  EXPECT_THAT(driver_.command().floating, Each(false));
+}
+
+TEST_F(ValveDriverTest, QuickStopBeatsFloatAndCommandsStartFromZeroAfterwards) {
+  write(kStart, 0, {1 + 4, 500});
+  EXPECT_TRUE(driver_.command().floating[0]);
+  write(at(1ms), 0, {1 + 4 + 8, 500});
+  EXPECT_THAT(driver_.command().floating, Each(false));
+  EXPECT_THAT(driver_.command().opening, Each(0.0));
+  write(at(2ms), 0, {1});
+  EXPECT_DOUBLE_EQ(opening(0), 0.0);
+  write(at(3ms), 1, {300});
+  EXPECT_DOUBLE_EQ(opening(0), 0.3);
+}
+
+TEST_F(ValveDriverTest, UnknownControlBitsAreRefused) {
+  EXPECT_EQ(write(kStart, 0, {16}), refused(ExceptionCode::illegal_data_value));
+}
+
+TEST_F(ValveDriverTest, HeartbeatIsEchoedAndSkippedStepsAreCounted) {
+  write(kStart, reg::kHeartbeat, {50});  // the first one counts nothing
+  write(kStart, reg::kHeartbeat, {51});
+  EXPECT_EQ(input(kStart, reg::kMissedCycles), 0);
+  write(kStart, reg::kHeartbeat, {54});
+  EXPECT_EQ(input(kStart, reg::kHeartbeatEcho), 54);
+  EXPECT_EQ(input(kStart, reg::kMissedCycles), 2);
+  write(kStart, reg::kHeartbeat, {0});  // the master started anew
+  EXPECT_EQ(input(kStart, reg::kMissedCycles), 2);
+}
+
+TEST_F(ValveDriverTest, RampsRiseAndFallAtTheirOwnRates) {
+  write(kStart, reg::kWatchdog, {0});
+  write(kStart, 20, {0, 0, 1000, 100});  // up in 1 s, down in 0.1 s
+  write(kStart, 0, {1, 500});
+  EXPECT_DOUBLE_EQ(opening(0), 0.0);
+  EXPECT_EQ(driver_.next_event(), at(1ms));
+  driver_.advance(at(250ms));
+  EXPECT_THAT(opening(0), DoubleNear(0.25, 1e-9));
+  driver_.advance(at(500ms));
+  EXPECT_DOUBLE_EQ(opening(0), 0.5);
+  EXPECT_EQ(driver_.next_event(), kNever);
+  write(at(1s), 1, {-500});
+  driver_.advance(at(1040ms));
+  EXPECT_THAT(opening(0), DoubleNear(0.1, 1e-9));
+  driver_.advance(at(1s + 50ms + 300ms));
+  EXPECT_THAT(opening(0), DoubleNear(-0.3, 1e-9));
+}
+
+TEST_F(ValveDriverTest, TheWatchdogGoesPastTheRamp) {
+  write(kStart, 20, {0, 0, 0, 5000});
+  write(kStart, 0, {1, 1000});
+  driver_.advance(at(200ms));
+  EXPECT_DOUBLE_EQ(opening(0), 0.0);
+  EXPECT_EQ(driver_.command().time, at(200ms));
+}
+
+TEST_F(ValveDriverTest, DeadBandGainAndPolarityShapeTheSetPoint) {
+  write(kStart, 26, {100, 200, 0, 0, 500, -1});  // boom
+  write(kStart, 0, {1, 0, 400, 0, 0});
+  EXPECT_DOUBLE_EQ(opening(1), -(0.1 + 0.9 * 0.2));
+  write(kStart, 2, {-400});
+  EXPECT_DOUBLE_EQ(opening(1), 0.2 + 0.8 * 0.2);
+  write(kStart, 2, {0});
+  EXPECT_DOUBLE_EQ(opening(1), 0.0);
+  EXPECT_EQ(write(kStart, 31, {0}), refused(ExceptionCode::illegal_data_value));
+  EXPECT_EQ(write(kStart, 26, {501}), refused(ExceptionCode::illegal_data_value));
+}
+
+ValveSample sample_at(SimTime time) {
+  ValveSample sample;
+  sample.time = time;
+  sample.spool_position = {0.25, -0.5, 1.0, -1.0, 0, 0, 0, 0};
+  sample.port_a_pressure_pa = {1e7, 2.5e7, 0, 1e5, 0, 0, 0, 0};
+  sample.port_b_pressure_pa = {5e6, 0, 3e7, 1.234e5, 0, 0, 0, 0};
+  sample.supply_pressure_pa = 2.8e7;
+  sample.swing_angle_rad = -std::numbers::pi;
+  sample.swing_rate_radps = 0.5;
+  sample.oil_temperature_c = -12.34;
+  return sample;
+}
+
+TEST_F(ValveDriverTest, MeasurementsAreReadWithinOneCount) {
+  driver_.update(sample_at(at(5ms)));
+  const auto in = read(at(5ms), RegisterTable::input, 0, reg::kInputEnd);
+  const auto s = [&](std::size_t i) { return static_cast<std::int16_t>(in[i]); };
+  EXPECT_EQ(s(2), 250);
+  EXPECT_EQ(s(3), -500);
+  EXPECT_EQ(s(4), 1000);
+  EXPECT_EQ(s(5), -1000);
+  EXPECT_EQ(in[reg::kSupplyVoltage], 2400);
+  EXPECT_EQ(in[reg::kDriverTemperature], 400);
+  const auto angle = static_cast<std::int32_t>((std::uint32_t{in[30]} << 16U) | in[31]);
+  EXPECT_EQ(angle, -180000);
+  EXPECT_EQ(s(32), 2865);  // 28.6479 deg/s
+  EXPECT_EQ(in[33], 1);
+  EXPECT_EQ(in[40], 1000);
+  EXPECT_EQ(in[41], 2500);
+  EXPECT_EQ(in[50], 500);
+  EXPECT_EQ(in[53], 12);
+  EXPECT_EQ(in[60], 2800);
+  EXPECT_EQ(s(61), -123);
+}
+
+TEST_F(ValveDriverTest, InputsAreReadableAsHoldingRegistersAt1000ButNotWritable) {
+  driver_.update(sample_at(kStart));
+  EXPECT_EQ(read(kStart, RegisterTable::holding, 1000, reg::kInputEnd),
+            read(kStart, RegisterTable::input, 0, reg::kInputEnd));
+  EXPECT_EQ(write(kStart, 1002, {1}), refused(ExceptionCode::illegal_data_address));
+  EXPECT_EQ(ask(kStart, ReadRegisters{RegisterTable::holding, 999, 2}),
+            refused(ExceptionCode::illegal_data_address, 3));
+}
+
+TEST_F(ValveDriverTest, AddressesEndWhereTheMapEnds) {
+  EXPECT_EQ(ask(kStart, ReadRegisters{RegisterTable::input, 61, 2}),
+            refused(ExceptionCode::illegal_data_address, 4));
+  EXPECT_EQ(ask(kStart, ReadRegisters{RegisterTable::holding, 43, 2}),
+            refused(ExceptionCode::illegal_data_address, 3));
+  EXPECT_EQ(ask(kStart, ReadRegisters{RegisterTable::holding, 1061, 2}),
+            refused(ExceptionCode::illegal_data_address, 3));
+  EXPECT_EQ(write(kStart, 10, {0}), refused(ExceptionCode::illegal_data_address));
+  EXPECT_EQ(write(kStart, 9, {7, 0}), refused(ExceptionCode::illegal_data_address));
+  EXPECT_EQ(holding(kStart, 9), 0) << "a refused request wrote its first register";
+  EXPECT_EQ(ask(kStart, ReadBits{BitTable::coils, 0, 1}),
+            refused(ExceptionCode::illegal_function, 1));
+}
+
+TEST_F(ValveDriverTest, APlcCycleWritesCommandsAndReadsStatusInOneRequest) {
+  const std::uint16_t written[] = {1, 300, 0, 0, 0, 0, 0, 0, 0, 17};
+  const auto answer = ask(kStart, ReadWriteRegisters{1000, 22, 0, make_registers(written)});
+  const auto in = std::get<RegistersResponse>(answer).registers;
+  EXPECT_EQ(in.values[0], reg::kStatusReady | reg::kStatusEnabled);
+  EXPECT_EQ(in.values[10], 250 + 150);  // 250 mA + 0.3 * 500 mA
+  EXPECT_EQ(in.values[11], 0);
+  EXPECT_EQ(in.values[20], 17);
+}
+
+TEST_F(ValveDriverTest, ASpoolThatDoesNotFollowLatchesFault5AfterItsDelay) {
+  write(kStart, reg::kWatchdog, {0});
+  write(kStart, 0, {1, 800});
+  ValveSample stuck;
+  for (int i = 1; i <= 100; ++i) {
+    stuck.time = at(i * 5ms);
+    driver_.update(stuck);
+  }
+  EXPECT_EQ(driver_.fault(), FaultCode::none);
+  stuck.time = at(505ms);
+  driver_.update(stuck);
+  EXPECT_EQ(driver_.fault(), FaultCode::spool_not_following);
+  EXPECT_EQ(driver_.command().time, at(505ms));
+  EXPECT_DOUBLE_EQ(opening(0), 0.0);
+}
+
+TEST_F(ValveDriverTest, ASpoolSensorThatGivesNoNumberLatchesFault6AndKeepsTheRegister) {
+  driver_.update(sample_at(at(5ms)));
+  ValveSample broken = sample_at(at(10ms));
+  broken.spool_position[1] = std::numeric_limits<double>::quiet_NaN();
+  broken.swing_angle_rad = std::numeric_limits<double>::infinity();
+  driver_.update(broken);
+  EXPECT_EQ(driver_.fault(), FaultCode::sensor);
+  EXPECT_EQ(static_cast<std::int16_t>(input(at(10ms), 3)), -500);
+  EXPECT_EQ(input(at(10ms), 30), 0xFFFD);
+}
+
+TEST_F(ValveDriverTest, IdentifiesItself) {
+  const auto id = std::get<ServerIdResponse>(ask(kStart, ReportServerId{}));
+  EXPECT_EQ(std::string(id.data.begin(), id.data.begin() + static_cast<std::ptrdiff_t>(id.size)),
+            "Rigwire RW-HVD8 1.0\xFF");
+  const auto objects = std::get<DeviceIdentificationResponse>(
+      ask(kStart, ReadDeviceIdentification{IdentificationAccess::regular, 0}));
+  EXPECT_EQ(objects.find(0), "Rigwire");
+  EXPECT_EQ(objects.find(4), "Hydraulic valve driver");
+}
+
+TEST_F(ValveDriverTest, AMegabyteOfGarbageMovesNothing) {
+  std::mt19937 random(7);  // a fixed stream, the same in every run
+  Bytes garbage(1U << 20U);
+  for (auto& byte : garbage) {
+    byte = static_cast<std::uint8_t>(random());
+  }
+  ConnectionId id = 2;
+  driver_.connected(kStart, id);
+  for (std::size_t i = 0; i < garbage.size(); i += 1024) {
+    driver_.receive(kStart, id, std::span(garbage).subspan(i, 1024));
+    if (!output_.closed.empty() && output_.closed.back().connection == id) {
+      driver_.disconnected(kStart, id);
+      driver_.connected(kStart, ++id);
+    }
+  }
+  EXPECT_GT(id, 500U) << "garbage should soon have an impossible length";
+  EXPECT_EQ(driver_.received().accepted, 0U);
+  EXPECT_EQ(driver_.received().bytes, 1U << 20U);
+  EXPECT_THAT(driver_.command().opening, Each(0.0));
+  EXPECT_EQ(write(kStart, 0, {1, 100}), done(0, 2));
+}
+
+TEST_F(ValveDriverTest, QuantitiesComeFromTheMap) {
+  const auto quantities = driver_.quantities();
+  const auto found = std::ranges::find(quantities, "swing_angle", &Quantity::name);
+  ASSERT_NE(found, quantities.end());
+  EXPECT_EQ(found->unit, "deg");
+  EXPECT_DOUBLE_EQ(found->resolution, 0.001);
+}
+
+TEST(ValveDriverDocumentation, ThePageHoldsEveryRowOfTheMap) {
+  std::ifstream file(std::string(RIGWIRE_SOURCE_DIR) + "/docs/devices/valve-driver.md");
+  std::stringstream page;
+  page << file.rdbuf();
+  for (const RegisterEntry& entry : reg::map()) {
+    EXPECT_THAT(page.str(), ::testing::HasSubstr(markdown_row(entry)));
+  }
+}
+
+TEST(ValveDriverMap, NoTwoEntriesShareARegister) {
+  for (const Table table : {Table::holding_registers, Table::input_registers}) {
+    std::array<int, 100> owners{};
+    for (const RegisterEntry& entry : reg::map()) {
+      for (int i = 0; entry.table == table && i < entry.count; ++i) {
+        for (int word = 0; word < words_of(entry.format); ++word) {
+          ++owners.at(static_cast<std::size_t>(entry.address + i * entry.stride + word));
+        }
+      }
+    }
+    EXPECT_THAT(owners, Each(::testing::Le(1)));
+  }
+}
+
+TEST(ValveDriverSettingsTest, OutOfRangeIsRefusedByName) {
+  const auto expect_refused = [](auto change, const char* name) {
+    ValveDriverSettings settings;
+    change(settings);
+    try {
+      validate(settings);
+      ADD_FAILURE() << name << " was taken";
+    } catch (const std::invalid_argument& error) {
+      EXPECT_THAT(error.what(), ::testing::HasSubstr(name));
+    }
+  };
+  using Settings = ValveDriverSettings;
+  expect_refused([](Settings& s) { s.sections.clear(); }, "sections");
+  expect_refused([](Settings& s) { s.sections.assign(9, "x"); }, "sections");
+  expect_refused([](Settings& s) { s.sections = {"a", "a"}; }, "sections");
+  expect_refused([](Settings& s) { s.unit = 0; }, "unit");
+  expect_refused([](Settings& s) { s.watchdog = 10ms; }, "watchdog");
+  expect_refused([](Settings& s) { s.watchdog = 20'500us; }, "watchdog");
+  expect_refused([](Settings& s) { s.sample_period = 0ms; }, "sample_period");
+  expect_refused([](Settings& s) { s.supply_voltage_v = std::nan(""); }, "supply_voltage");
+  expect_refused([](Settings& s) { s.coil_current_start_ma = 800; }, "coil_current_start");
+  expect_refused([](Settings& s) { s.vendor = ""; }, "vendor");
+  validate(Settings{});
+}
+
+}  // namespace
+}  // namespace rigwire::emulators

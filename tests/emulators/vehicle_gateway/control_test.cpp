@@ -1,0 +1,258 @@
+// What requests do, and what becomes of the machine when they stop coming.
+#include "emulators/vehicle_gateway/control.h"
+
+#include <gtest/gtest.h>
+
+#include "requests.h"
+#include "rig.h"
+
+namespace rigwire::emulators {
+namespace {
+
+using namespace std::chrono_literals;
+namespace vehicle = protocols::vehicle;
+using vehicle::ExitReason;
+using vehicle::LimitStatus;
+using vehicle::Switch;
+
+TEST(VehicleControl, StandsParkedUntilAskedOtherwise) {
+  VehicleRig rig;
+  rig.run(1s);
+  EXPECT_EQ(rig.command(), VehicleCommand{});
+  EXPECT_FALSE(rig.gateway.control().stopping());
+}
+
+TEST(VehicleControl, CommandCarriesTheInstantOfItsChange) {
+  VehicleRig rig;
+  rig.run(123ms);
+  rig.ask(torque(0.5));
+  EXPECT_EQ(rig.command().time, kStart + 123ms);
+  rig.run(20ms);
+  rig.ask(torque(0.5));
+  EXPECT_EQ(rig.command().time, kStart + 123ms);  // the same again is no change
+  rig.run(99ms);
+  EXPECT_EQ(rig.command().engine_torque_share, 0.5);
+  rig.run(2ms);
+  EXPECT_EQ(rig.command().engine_torque_share, 0.0);
+  EXPECT_EQ(rig.command().time, kStart + 243ms);  // when it timed out
+}
+
+TEST(VehicleControl, EngineBySpeedOrTorque) {
+  VehicleRig rig;
+  rig.run(50ms);
+  rig.ask(engine_speed(1500.0 * kRpm));
+  EXPECT_EQ(rig.command().engine_control, EngineControl::speed);
+  EXPECT_NEAR(rig.command().engine_speed_radps, 1500.0 * kRpm, 0.07 * kRpm);
+  rig.ask(torque(1.25));
+  EXPECT_EQ(rig.command().engine_control, EngineControl::torque);
+  EXPECT_EQ(rig.command().engine_torque_share, 1.0);
+  rig.ask(torque(-0.5));
+  EXPECT_EQ(rig.command().engine_torque_share, 0.0);
+  rig.ask(torque(0.7));
+  rig.ask(vehicle::Tsc1{});  // disabled
+  EXPECT_EQ(rig.command().engine_torque_share, 0.0);
+  rig.run(1s);
+  EXPECT_EQ(rig.gateway.control().faults().count, 0U);  // ended, not lost
+}
+
+TEST(VehicleControl, GearsAndParkAndLocks) {
+  VehicleRig rig;
+  rig.run(50ms);
+  rig.ask(parking(false));
+  rig.ask(gear(-2));
+  EXPECT_EQ(rig.command().gear, -2);
+  EXPECT_FALSE(rig.command().parking_brake);
+  vehicle::Tc1 locks = gear(3);
+  locks.disengage_front_lock_1 = Switch::off;
+  locks.disengage_rear_lock_1 = Switch::off;
+  rig.ask(locks);
+  EXPECT_EQ(rig.command().lock, (std::array{true, false, true}));
+  locks = {};
+  locks.disengage_front_lock_1 = Switch::on;
+  rig.ask(locks);
+  EXPECT_EQ(rig.command().lock, (std::array{false, false, true}));
+  EXPECT_EQ(rig.command().gear, 3);
+  locks.requested_gear = vehicle::kGearPark;
+  rig.ask(locks);
+  EXPECT_EQ(rig.command().gear, 0);
+  EXPECT_TRUE(rig.command().parking_brake);
+}
+
+TEST(VehicleControl, GearThatDoesNotExistIsRefusedWithATroubleCode) {
+  VehicleRig rig;
+  rig.run(50ms);
+  rig.ask(gear(4));
+  rig.ask(gear(9));
+  EXPECT_EQ(rig.command().gear, 4);
+  const auto faults = rig.gateway.control().faults();
+  ASSERT_EQ(faults.count, 1U);
+  EXPECT_EQ(faults.codes[0], (vehicle::TroubleCode{525, 19, 1}));
+  rig.ask(gear(-7));
+  EXPECT_EQ(rig.gateway.control().faults().codes[0].occurrences, 1);  // still the same one
+  rig.ask(gear(8));
+  EXPECT_EQ(rig.gateway.control().faults().count, 0U);
+  EXPECT_EQ(rig.command().gear, 8);
+}
+
+TEST(VehicleControl, GearStaysWhenItsRequestsStop) {
+  VehicleRig rig;
+  rig.run(50ms);
+  rig.ask(gear(3));
+  rig.run(2s);
+  EXPECT_EQ(rig.command().gear, 3);
+  EXPECT_FALSE(rig.gateway.control().stopping());
+  EXPECT_EQ(rig.gateway.control().faults().count, 1U);
+}
+
+TEST(VehicleControl, BrakeFollowsTheDemandedDeceleration) {
+  VehicleRig rig;
+  rig.run(50ms);
+  rig.ask(brake(-3.0));
+  EXPECT_NEAR(rig.command().brake_share, 0.5, 1e-4);
+  rig.ask(brake(-15.0));
+  EXPECT_EQ(rig.command().brake_share, 1.0);
+  rig.ask(brake(2.0));
+  EXPECT_EQ(rig.command().brake_share, 0.0);
+  rig.ask(brake(-3.0));
+  rig.ask(vehicle::Xbr{});  // disabled
+  EXPECT_EQ(rig.command().brake_share, 0.0);
+}
+
+TEST(VehicleControl, BrakeIsReleasedWhenOnlyItsRequestsStop) {
+  VehicleRig rig;
+  rig.run(50ms);
+  rig.ask(brake(-3.0));
+  for (int i = 0; i < 5; ++i) {
+    rig.ask(torque(0.1));
+    rig.run(50ms);
+  }
+  EXPECT_EQ(rig.command().brake_share, 0.0);
+  EXPECT_NEAR(rig.command().engine_torque_share, 0.1, 1e-9);
+  EXPECT_EQ(rig.gateway.control().faults().codes[0].spn, 2920U);
+}
+
+TEST(VehicleControl, TravelSpeedWithItsLimits) {
+  VehicleGatewaySettings settings = roller();
+  settings.maximum_speed_mps = 3.0;
+  settings.maximum_reverse_speed_mps = 2.0;
+  VehicleRig rig(settings);
+  rig.run(50ms);
+  rig.ask(travel(1.5));
+  EXPECT_NEAR(rig.command().travel_speed_mps, 1.5, 5e-4);
+  rig.ask(travel(5.0));
+  EXPECT_EQ(rig.command().travel_speed_mps, 3.0);
+  EXPECT_EQ(rig.gateway.control().speed_limit(), LimitStatus::limited_high);
+  rig.ask(travel(-5.0));
+  EXPECT_EQ(rig.command().travel_speed_mps, -2.0);
+  rig.ask(vehicle::MachineSelectedSpeedCommand{2.5, 1.0, Switch::on});
+  EXPECT_NEAR(rig.command().travel_speed_mps, 1.0, 5e-4);
+  rig.ask(vehicle::MachineSelectedSpeedCommand{0.5, vehicle::kNotAvailable, Switch::error});
+  EXPECT_NEAR(rig.command().travel_speed_mps, 1.0, 5e-4);  // without a direction it is none
+}
+
+TEST(VehicleControl, TravelSpeedIsZeroWhenItsRequestsStop) {
+  VehicleRig rig(roller());
+  rig.run(50ms);
+  rig.ask(travel(1.5));
+  for (int i = 0; i < 6; ++i) {
+    rig.ask(curvature(0.0));
+    rig.run(50ms);
+  }
+  EXPECT_EQ(rig.command().travel_speed_mps, 0.0);
+  rig.run(100ms);
+  EXPECT_EQ(rig.output.latest<vehicle::MachineSelectedSpeed>().exit_reason,
+            static_cast<std::uint8_t>(ExitReason::command_timeout));
+}
+
+TEST(VehicleControl, SilenceOfEverybodyStopsAndParksTheMachine) {
+  VehicleGatewaySettings settings;
+  VehicleRig rig(settings);
+  rig.run(300ms);
+  rig.ask(parking(false));
+  rig.ask(gear(2));
+  rig.ask(torque(0.5));
+  rig.run(50ms, rolling(3.0));
+  EXPECT_EQ(rig.command().brake_share, 0.0);
+  rig.run(600ms, rolling(3.0));
+  EXPECT_TRUE(rig.gateway.control().stopping());
+  EXPECT_EQ(rig.command().engine_torque_share, 0.0);
+  EXPECT_EQ(rig.command().brake_share, settings.stop_brake_share);
+  EXPECT_EQ(rig.command().gear, 2);
+  EXPECT_FALSE(rig.command().parking_brake);  // it still rolls
+  rig.run(400ms, rolling(0.0));
+  EXPECT_FALSE(rig.command().parking_brake);
+  rig.run(200ms, rolling(0.0));
+  EXPECT_TRUE(rig.command().parking_brake);
+  EXPECT_EQ(rig.command().gear, 0);
+
+  rig.ask(torque(0.3));  // somebody is back
+  EXPECT_FALSE(rig.gateway.control().stopping());
+  EXPECT_EQ(rig.command().brake_share, 0.0);
+  EXPECT_TRUE(rig.command().parking_brake);  // until asked otherwise
+  rig.ask(parking(false));
+  EXPECT_FALSE(rig.command().parking_brake);
+}
+
+TEST(VehicleFunctions, RollerFunctionsAndWhatIsLeftAlone) {
+  VehicleRig rig(roller());
+  rig.run(50ms);
+  vehicle::MachineFunctionCommand request;
+  request.vibration_rear = Switch::on;
+  request.edge_cutter_share = 1.0;
+  request.spreader_rate_kgpm2 = 4.0;
+  rig.ask(request);
+  EXPECT_EQ(rig.command().vibration, (std::array{false, true}));
+  EXPECT_EQ(rig.command().edge_cutter_share, 1.0);
+  EXPECT_NEAR(rig.command().spreader_rate_kgpm2, 4.0, 5e-4);
+  EXPECT_TRUE(rig.command().parking_brake);
+  rig.ask(parking(false));
+  EXPECT_EQ(rig.command().edge_cutter_share, 1.0);
+  request = {};
+  request.crawler_group = Switch::on;
+  rig.ask(request);
+  EXPECT_TRUE(rig.command().crawler_group);
+}
+
+TEST(VehicleFunctions, TyrePressureBySetPoint) {
+  VehicleRig rig;
+  rig.run(50ms);
+  rig.ask(vehicle::Tprs{0x10, 160e3});
+  EXPECT_EQ(rig.command().tyre_pressure_pa, (std::array{0.0, 0.0, 160e3, 0.0}));
+}
+
+TEST(VehicleTroubleCodes, OneLateCommandIsOneFrameAtOnce) {
+  VehicleRig rig;
+  rig.run(1s);
+  rig.output.frames.clear();
+  rig.ask(brake(-1.0));
+  rig.run(220ms);
+  const auto reports = rig.output.of(vehicle::kDm1Pgn);
+  ASSERT_EQ(reports.size(), 1U);
+  const auto codes = vehicle::decode_trouble_report(reports[0].payload());
+  ASSERT_TRUE(codes.ok());
+  EXPECT_EQ(codes->count, 1U);
+  EXPECT_EQ(codes->codes[0], (vehicle::TroubleCode{2920, 9, 1}));
+  EXPECT_TRUE(codes->lamps.amber_warning);
+  EXPECT_TRUE(codes->lamps.red_stop);
+}
+
+TEST(VehicleTroubleCodes, SeveralAreBroadcastInPackets) {
+  VehicleRig rig;
+  rig.run(1s);
+  rig.ask(brake(-1.0));
+  rig.ask(torque(0.1));
+  rig.ask(curvature(0.0));
+  rig.run(500ms);
+  rig.output.frames.clear();
+  rig.run(1s);
+  EXPECT_TRUE(rig.output.of(vehicle::kDm1Pgn).empty());
+  const auto announced = rig.output.of(vehicle::kTransportManagementPgn);
+  const auto times = rig.output.times(vehicle::kTransportDataPgn);
+  ASSERT_EQ(announced.size(), 1U);
+  EXPECT_EQ(announced[0].data[1], 2 + 3 * 4);
+  ASSERT_EQ(times.size(), 2U);
+  EXPECT_EQ(times[1] - times[0], 50ms);
+}
+
+}  // namespace
+}  // namespace rigwire::emulators

@@ -95,9 +95,20 @@ class StreamOutput {
   virtual void close(ConnectionId connection, SimTime due) = 0;
 };
 
+/// The far end of a serial line as the device's line sees it.
+struct SerialClient {
+  bool present = false;    ///< Somebody has the line open.
+  std::uint32_t baud = 0;  ///< The speed that the client's end is set to, bit/s; 0 = not known.
+
+  friend bool operator==(const SerialClient&, const SerialClient&) = default;
+};
+
 /// A device on a serial line.
 class SerialDevice : public Device {
  public:
+  /// The client's end changed at `now`. A device whose speed differs from a known client's is heard
+  /// as garbage and hears garbage, as on a real line.
+  virtual void set_client(SimTime /*now*/, const SerialClient& /*client*/) {}
   /// Bytes from the client, in arrival order, at `now`.
   virtual void receive(SimTime now, std::span<const std::uint8_t> bytes) = 0;
   /// Whole messages handed to the line so far; what leaves through the output are parts of them.

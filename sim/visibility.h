@@ -1,9 +1,22 @@
-// Whether the sky can be seen: the one question that satellite visibility asks of a scene.
+// What a satellite signal meets on its way to an antenna: the questions that it asks of a scene.
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 namespace rigwire::sim {
+
+/// The way from the antenna to the sky.
+struct SkyPath {
+  bool blocked = false;    ///< Something solid stands in it.
+  double foliage_m = 0.0;  ///< Length within tree crowns, up to what blocks.
+};
+
+/// A solid surface that may mirror a signal.
+struct ReflectingSurface {
+  double range_m = 0.0;
+  Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  ///< Unit, towards the ray's start.
+};
 
 class Visibility {
  public:
@@ -12,6 +25,19 @@ class Visibility {
   /// `direction_W`, farther than `clearance_m` away.
   [[nodiscard]] virtual bool blocked(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
                                      double clearance_m) const = 0;
+  /// The same ray with tree crowns let through and measured. A scene that knows no foliage answers
+  /// as blocked() does.
+  [[nodiscard]] virtual SkyPath sky_path(const Eigen::Vector3d& p_W,
+                                         const Eigen::Vector3d& direction_W,
+                                         double clearance_m) const {
+    return {blocked(p_W, direction_W, clearance_m), 0.0};
+  }
+  /// The first solid surface (no foliage) on the ray between clearance and `reach_m`.
+  [[nodiscard]] virtual std::optional<ReflectingSurface> surface(
+      const Eigen::Vector3d& /*p_W*/, const Eigen::Vector3d& /*direction_W*/,
+      double /*clearance_m*/, double /*reach_m*/) const {
+    return std::nullopt;
+  }
 };
 
 }  // namespace rigwire::sim

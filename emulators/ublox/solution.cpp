@@ -246,7 +246,7 @@ std::size_t put_svinfo(const UbloxSolution& s, std::span<std::uint8_t> out) {
     const SatelliteView& view = s.satellites[i];
     NavSvinfoChannel channel;
     channel.channel = static_cast<std::uint8_t>(i);
-    channel.satellite = view.prn;
+    channel.satellite = view.number;
     const bool used = view.used && s.dimensions > 0;
     channel.flags = static_cast<std::uint8_t>((used ? 0x01 : 0) | (s.orbits_known ? 0x0C : 0));
     channel.quality = used ? 7 : view.tracked ? 4 : 1;
@@ -339,7 +339,7 @@ protocols::nmea::Epoch nmea_epoch(const UbloxSolution& s, std::string_view talke
   list.clear();
   for (const auto& view : s.satellites) {
     protocols::nmea::SatelliteInView satellite;
-    satellite.number = view.prn;
+    satellite.number = view.number;
     if (s.orbits_known) {
       satellite.elevation_deg = to_field<int>(view.elevation_rad, kDegree);
       satellite.azimuth_deg = to_field<int>(view.azimuth_rad, kDegree) % 360;

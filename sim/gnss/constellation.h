@@ -1,20 +1,74 @@
-// Where the GPS satellites are: the nominal 24 slots, propagated over GPS time.
+// Where navigation satellites are, and what the GPS ones broadcast.
 //
-// Source: GPS Standard Positioning Service Performance Standard, nominal 24-slot constellation,
-// epoch 1993-07-01 00:00 UTC: circular orbits, a = 26559.7 km, inclination 55 deg, Greenwich angle
-// 18 h 36 m 14.4 s. No perturbations: slots keep their places relative to each other, as the real
-// satellites are kept in theirs. Directions differ from today's by what satellites really fly
-// (31 instead of 24), not by an error of use to anybody.
+// A constellation is fixed data; its satellites move as functions of GPS time alone, so that any
+// number of receivers can share one, from any thread.
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
 
 #include "sim/samples/calendar.h"
+#include "sim/samples/gnss_sample.h"
+#include "sim/samples/gps_navigation.h"
 
 namespace rigwire::sim {
+
+/// Speed of light, and the earth's rotation rate and gravity as IS-GPS-200 section 20.3.3.4.3.3
+/// fixes them for users of broadcast orbits.
+inline constexpr double kLightSpeed_mps = 299'792'458.0;
+inline constexpr double kEarthRate_radps = 7.2921151467e-5;
+inline constexpr double kEarthGravity_m3ps2 = 3.986005e14;
+inline constexpr double kGpsL1_hz = 1'575.42e6;
+
+struct Satellite {
+  GnssSystem system = GnssSystem::gps;
+  std::uint8_t number = 0;  ///< As in SatelliteView.
+
+  friend bool operator==(const Satellite&, const Satellite&) = default;
+};
+
+/// Earth-centred earth-fixed at the instant asked for.
+struct SatelliteState {
+  Eigen::Vector3d position_E_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_E_mps = Eigen::Vector3d::Zero();
+  /// Satellite clock less GPS time: polynomial and relativity, without group delay. 0 for systems
+  /// whose clocks are not modelled.
+  double clock_s = 0.0;
+  double clock_drift = 0.0;    ///< s/s.
+  double group_delay_s = 0.0;  ///< TGD, which delays L1 by so much.
+  bool healthy = true;
+};
+
+class Constellation {
+ public:
+  virtual ~Constellation() = default;
+  /// In the order of system, then number.
+  [[nodiscard]] virtual std::span<const Satellite> satellites() const = 0;
+  /// State of satellite `index` at `time` plus `offset_s` (|offset_s| <= 1 s, for times of flight).
+  [[nodiscard]] virtual SatelliteState state(std::size_t index, const GpsTime& time,
+                                             double offset_s) const = 0;
+  /// What the GPS satellites broadcast at `time`. The same object as long as nothing changes. The
+  /// GPS satellites of state() move exactly as a receiver finds them from it. Null without GPS.
+  [[nodiscard]] virtual std::shared_ptr<const GpsNavigation> navigation(
+      const GpsTime& time) const = 0;
+};
+
+/// The published nominal slots of each system: GPS 24 (with broadcast orbits and clocks), GLONASS
+/// 24/3/1, Galileo 24/3/1, BeiDou medium orbits 24/3/1, SBAS and QZSS where they stand. Sources and
+/// bounds in the source file. Throws std::invalid_argument for a system that has no nominal slots.
+[[nodiscard]] std::shared_ptr<const Constellation> make_nominal_constellation(
+    std::span<const GnssSystem> systems);
+
+/// GPS satellites from broadcast sets (of a navigation file), of each satellite the set nearest in
+/// time, made ready for broadcast. Throws std::invalid_argument without any set.
+[[nodiscard]] std::shared_ptr<const Constellation> make_gps_constellation(
+    std::span<const GpsEphemeris> sets, const KlobucharParameters& ionosphere,
+    const GpsUtcParameters& utc);
 
 inline constexpr std::size_t kGpsSlots = 24;
 

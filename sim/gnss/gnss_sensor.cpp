@@ -106,7 +106,7 @@ void GnssSensor::view_satellites(SimTime time, const Eigen::Vector3d& p_W,
       continue;
     }
     SatelliteView view;
-    view.prn = static_cast<std::uint8_t>(slot + 1);
+    view.number = static_cast<std::uint8_t>(slot + 1);
     view.elevation_rad = elevation;
     view.azimuth_rad = std::atan2(ned.y(), ned.x());
     if (view.azimuth_rad < 0.0) {

@@ -1,10 +1,14 @@
 // What a satellite receiver's antenna and navigation engine measure at one epoch, in SI units.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <vector>
 
+#include "sim/samples/gps_navigation.h"
 #include "sim/samples/time.h"
 #include "sim/samples/vector3.h"
 
@@ -18,37 +22,101 @@ enum class GnssFix : std::uint8_t {
   three_d,  ///< More than three satellites.
 };
 
-/// One GPS satellite above the receiver's horizon.
+/// What the carrier phase adds to the position.
+enum class CarrierSolution : std::uint8_t { none, floating, fixed };
+
+/// Satellite systems; the values are those that receivers commonly number them by.
+enum class GnssSystem : std::uint8_t {
+  gps = 0,
+  sbas = 1,
+  galileo = 2,
+  beidou = 3,
+  imes = 4,
+  qzss = 5,
+  glonass = 6,
+};
+
+/// One satellite above the receiver's horizon.
 struct SatelliteView {
-  std::uint8_t prn = 0;        ///< GPS 1..32.
+  /// Within its system: GPS PRN 1..32, SBAS PRN 120..158, Galileo 1..36, BeiDou 1..63,
+  /// QZSS 1..10, GLONASS slot 1..32.
+  std::uint8_t number = 0;
   double azimuth_rad = 0.0;    ///< Clockwise from north, [0, 2 pi).
   double elevation_rad = 0.0;  ///< Above the horizon.
   double cn0_dbhz = 0.0;       ///< Carrier-to-noise density; 0 when not tracked.
-  bool tracked = false;        ///< Line of sight is free and the signal strong enough.
+  bool tracked = false;        ///< A signal arrives, strong enough.
   bool used = false;           ///< Takes part in the fix.
+  GnssSystem system = GnssSystem::gps;
+  bool corrected = false;   ///< Corrections for it are applied (SBAS, RTCM).
+  double residual_m = 0.0;  ///< Pseudorange less what the fix explains; when used.
+};
+
+/// Raw measurement of one tracked signal (GPS L1 C/A), at the receiver's own time of measurement.
+struct GnssMeasurement {
+  GnssSystem system = GnssSystem::gps;
+  std::uint8_t number = 0;  ///< As SatelliteView::number.
+  double pseudorange_m = 0.0;
+  double carrier_phase_cycles = 0.0;  ///< Grows with the range; ambiguous by whole cycles.
+  double doppler_hz = 0.0;            ///< Positive while the satellite comes nearer.
+  double cn0_dbhz = 0.0;
+  Duration locked{0};    ///< Carrier tracked without a slip for so long.
+  bool slipped = false;  ///< The lock is younger than the epoch before.
+  double pseudorange_sigma_m = 0.0;
+  double carrier_sigma_cycles = 0.0;
+  double doppler_sigma_hz = 0.0;
+};
+
+enum class AntennaState : std::uint8_t { ok, short_circuit, open };
+
+/// State of the radio part.
+struct RadioState {
+  AntennaState antenna = AntennaState::ok;
+  double jamming = 0.0;   ///< 0 none .. 1 overwhelming, continuous wave or broad.
+  double noise_db = 0.0;  ///< Noise floor above that of an undisturbed receiver.
 };
 
 /// One navigation epoch. Position, velocity and accuracies are meaningful only when `fix` is two_d
 /// or three_d; dilutions are NaN when not available.
 struct GnssSample {
-  SimTime time{};  ///< The navigation epoch.
+  SimTime time{};  ///< The epoch that the receiver wanted.
+  /// The receiver measures when its own clock shows a whole millisecond, the one nearest to `time`:
+  /// so much later than `time` by true time, within half a millisecond. Position and velocity are
+  /// of that instant.
+  Duration measured_after{0};
+  /// The millisecond that the receiver's clock then shows, less `time`: -1, 0 or 1 ms.
+  Duration clock_label_offset{0};
+  bool clock_reset =
+      false;  ///< The receiver's clock was set by a millisecond since the last epoch.
   GnssFix fix = GnssFix::none;
+  CarrierSolution carrier = CarrierSolution::none;
+  bool differential = false;  ///< Corrections (SBAS, RTCM, a service) are applied.
+  std::optional<double> differential_age_s;
   double latitude_deg = 0.0;   ///< WGS-84 geodetic, of the antenna, error included.
   double longitude_deg = 0.0;  ///< [-180, 180).
   double ellipsoid_height_m = 0.0;
-  double geoid_separation_m = 0.0;     ///< Height of the geoid above the ellipsoid.
+  double geoid_separation_m = 0.0;     ///< Height of the geoid above the ellipsoid, there.
   Vector3 velocity_ned_mps;            ///< x north, y east, z down; error included.
   double horizontal_accuracy_m = 0.0;  ///< The receiver's own estimate, 1 sigma.
   double vertical_accuracy_m = 0.0;
+  /// Its estimate in full, m2: north-north, north-east, north-down, east-east, east-down,
+  /// down-down.
+  std::array<double, 6> position_covariance_ned_m2{};
   double speed_accuracy_mps = 0.0;
   double time_accuracy_s = 0.0;
-  double clock_bias_s = 0.0;  ///< Receiver clock minus GPS time.
+  double clock_bias_s = 0.0;  ///< Receiver clock minus GPS time, at the measurement.
   double clock_drift = 0.0;   ///< Seconds per second.
   double horizontal_dilution = std::numeric_limits<double>::quiet_NaN();
   double vertical_dilution = std::numeric_limits<double>::quiet_NaN();
   double position_dilution = std::numeric_limits<double>::quiet_NaN();
   double time_dilution = std::numeric_limits<double>::quiet_NaN();
-  std::vector<SatelliteView> satellites;  ///< Above the horizon, in order of PRN.
+  double north_dilution = std::numeric_limits<double>::quiet_NaN();  ///< With geometric dilution.
+  double east_dilution = std::numeric_limits<double>::quiet_NaN();   ///< With geometric dilution.
+  RadioState radio;
+  std::vector<SatelliteView> satellites;  ///< Above the horizon, by system and number.
+  /// Of the tracked GPS satellites, when raw measurements are switched on.
+  std::vector<GnssMeasurement> measurements;
+  /// What the GPS satellites broadcast at that time; null when nothing needs it.
+  std::shared_ptr<const GpsNavigation> navigation;
 };
 
 }  // namespace rigwire

@@ -11,34 +11,19 @@
 
 #include "emulators/can_bus.h"
 #include "emulators/openimu/openimu335ri.h"
-#include "emulators/ublox/settings.h"
 #include "emulators/valve_driver/valve_driver.h"
 #include "emulators/velodyne/velodyne_lidar.h"
 #include "hil/configuration/fields.h"
+#include "hil/configuration/mount.h"
 #include "hil/configuration/shapes.h"
+#include "hil/configuration/ublox.h"
 #include "hil/configuration/vehicle_gateway.h"
 #include "hil/configuration/vehicle_sensors.h"
-#include "sim/gnss/gnss_sensor.h"
 #include "sim/imu/imu_sensor.h"
 #include "sim/lidar/spinning_lidar.h"
 #include "sim/samples/vector3.h"
 
 namespace rigwire::hil {
-
-/// Where a sensor sits: pose of its frame S in the frame of a link L of the machine (X_LS).
-struct MountConfiguration {
-  std::string link = "upper";
-  Vector3 position_m;
-  RollPitchYaw rotation;
-};
-
-/// u-blox NEO-7P on a serial line.
-struct UbloxConfiguration {
-  std::string path = "/tmp/rigwire/gnss";  ///< Symbolic link to the pty that a client opens.
-  MountConfiguration mount;                ///< Of the antenna.
-  emulators::UbloxSettings receiver;
-  sim::GnssParameters sensor;
-};
 
 /// Velodyne HDL-32E on UDP.
 struct VelodyneConfiguration {
@@ -105,65 +90,6 @@ struct BusConfiguration {
   std::string path = "/tmp/rigwire/can";  ///< slcan: symbolic link to the pty.
   emulators::CanBusSettings bus;
 };
-
-template <class Visitor>
-void visit(Visitor& v, MountConfiguration& p) {
-  v.text("link", p.link, "Link of the machine that carries it.");
-  v.vector3("position", p.position_m, in("m"), "In the link's frame: x forward, y left, z up.");
-  v.section("rotation", p.rotation, "Of the sensor's axes against the link's.");
-}
-
-inline constexpr std::array<Choice<sim::DilutionKind>, 2> kDilutionKinds{
-    {{sim::DilutionKind::regression, "regression", "The paper's Eq. 1 over the satellite count."},
-     {sim::DilutionKind::geometric, "geometric", "From the directions of the satellites."}}};
-inline constexpr std::array<Choice<sim::QuadrantRule>, 3> kQuadrantRules{
-    {{sim::QuadrantRule::off, "off", "Eq. 3 by count alone."},
-     {sim::QuadrantRule::cardinal, "cardinal", "2D when a sector around N, E, S or W is empty."},
-     {sim::QuadrantRule::diagonal, "diagonal", "2D when a sector between them is empty."}}};
-
-template <class Visitor>
-void visit(Visitor& v, sim::GnssParameters& p) {
-  v.choice("dilution", p.dilution, kDilutionKinds, "How dilution of precision is found.");
-  v.choice("quadrant_rule", p.quadrant_rule, kQuadrantRules, "The paper's rule on empty sectors.");
-  v.number("elevation_mask", p.elevation_mask_deg, in("deg").stored_as("deg").between(0, 89.9),
-           "Satellites below it are not used.");
-  v.number("antenna_clearance", p.antenna_clearance_m, in("mm").at_least(0),
-           "Things nearer do not block the sky.");
-  v.number("circular_error", p.circular_error_m, in("m").at_least(0),
-           "CEP under open sky, as in the data sheet.");
-  v.number("correlation_time", p.correlation_time_s, in("s").at_least(0),
-           "Of the position error; 0 = white noise.");
-  v.number("speed_sigma", p.speed_sigma_mps, in("m/s").at_least(0), "White, per axis.");
-  v.number("cn0_zenith", p.cn0_zenith_dbhz, in("dBHz").between(0, 63), "Signal from above.");
-  v.number("cn0_horizon", p.cn0_horizon_dbhz, in("dBHz").between(0, 63),
-           "Signal from the horizon.");
-  v.number("cn0_threshold", p.cn0_threshold_dbhz, in("dBHz").between(0, 63), "Weakest tracked.");
-  v.integer("maximum_channels", p.maximum_channels, IntegerRule{1, 24}, "Satellites at once.");
-  v.number("clock_drift", p.clock_drift, in("ppm").between(-100, 100), "Of the receiver, mean.");
-  v.number("clock_drift_sigma", p.clock_drift_sigma, in("ppm").at_least(0), "Its slow wander.");
-}
-
-template <class Visitor>
-void visit(Visitor& v, UbloxConfiguration& p) {
-  v.text("path", p.path, "Symbolic link to the pty; what a client opens.");
-  v.rate("rate", p.receiver.measurement_period, in("Hz").above(0).at_most(20),
-         "Navigation epochs; a client may change it by CFG-RATE.");
-  v.integer("baud", p.receiver.baud, IntegerRule{4800, 460800}, "Of the line, 8N1, at power-on.");
-  v.texts("nmea_sentences", p.receiver.nmea_sentences,
-          "On at power-on: RMC VTG GGA GSA GSV GLL ZDA.");
-  v.texts("ubx_messages", p.receiver.ubx_messages, "On at power-on: NAV-PVT, NAV-SOL and others.");
-  v.duration("time_to_first_fix", p.receiver.time_to_first_fix, {0, 3'600'000'000'000},
-             "From power-on; 0 = a fix in the first epoch.");
-  v.duration("solution_latency", p.receiver.solution_latency, {0, 200'000'000},
-             "From the epoch to the first byte.");
-  v.duration("start_up", p.receiver.start_up, {0, 10'000'000'000},
-             "From power-on to the first byte.");
-  v.boolean("start_banner", p.receiver.start_banner, "TXT sentences after power-on.");
-  v.integer("transmit_buffer", p.receiver.transmit_buffer_bytes, IntegerRule{1024, 65536},
-            "Bytes that may wait for the line.");
-  v.section("mount", p.mount, "Of the antenna.");
-  v.section("sensor", p.sensor, "How well it knows where it is.");
-}
 
 inline constexpr std::array<Choice<protocols::velodyne::ReturnMode>, 2> kReturnModes{
     {{protocols::velodyne::ReturnMode::strongest, "strongest", "The strongest echo of a shot."},
@@ -383,10 +309,6 @@ void visit(Visitor& v, BusConfiguration& p) {
 }
 
 // Settings of the emulators and sensors validate themselves; these pass the wish on.
-inline void validate(const UbloxConfiguration& p) {
-  validate(p.receiver);
-  validate(p.sensor);
-}
 inline void validate(const VelodyneConfiguration& p) {
   validate(p.lidar);
   validate(p.sensor);

@@ -10,7 +10,6 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kSemiMajorAxis_m = 26'559.7e3;
 constexpr double kInclination = 55.0 * kDegree;
 constexpr double kGravity_m3ps2 = 3.986005e14;
-constexpr double kEarthRate_radps = 7.2921151467e-5;
 // 18 h 36 m 14.4 s of right ascension.
 constexpr double kGreenwichAtEpoch = (18.0 + 36.0 / 60.0 + 14.4 / 3600.0) * 15.0 * kDegree;
 // 1993-07-01 00:00:00 UTC in GPS time: week 703, Thursday, GPS 9 s ahead of UTC.

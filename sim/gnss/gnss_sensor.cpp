@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kCepPerSigma = 1.1774;  // sqrt(2 ln 2), circular normal distribution
-constexpr double kLightSpeed_mps = 299'792'458.0;
 constexpr double kDriftCorrelation_s = 100.0;
 constexpr double kWarmUpBias_s = 1e-4;
 

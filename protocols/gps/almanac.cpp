@@ -151,6 +151,28 @@ Almanac reduced(const Ephemeris& ephemeris, std::int32_t week, double almanac_ti
   return quantised(almanac);
 }
 
+Ephemeris extended(const Almanac& almanac) {
+  Ephemeris ephemeris;
+  ephemeris.prn = almanac.prn;
+  ephemeris.week = almanac.week;
+  ephemeris.health = almanac.health & 0x3FU;
+  ephemeris.issue_of_ephemeris =
+      static_cast<std::uint8_t>(kHealthTime.count(almanac.almanac_time_s));
+  ephemeris.issue_of_clock = ephemeris.issue_of_ephemeris;
+  ephemeris.clock_time_s = almanac.almanac_time_s;
+  ephemeris.clock_bias_s = almanac.clock_bias_s;
+  ephemeris.clock_drift = almanac.clock_drift;
+  ephemeris.ephemeris_time_s = almanac.almanac_time_s;
+  ephemeris.sqrt_semi_major_axis = almanac.sqrt_semi_major_axis;
+  ephemeris.eccentricity = almanac.eccentricity;
+  ephemeris.mean_anomaly_rad = wrapped_angle(almanac.mean_anomaly_rad);
+  ephemeris.ascending_node_rad = wrapped_angle(almanac.ascending_node_rad);
+  ephemeris.inclination_rad = almanac.inclination_rad;
+  ephemeris.argument_of_perigee_rad = wrapped_angle(almanac.argument_of_perigee_rad);
+  ephemeris.ascending_node_rate = almanac.ascending_node_rate;
+  return ephemeris;
+}
+
 void put_health_of_first(SubframeData& data, const AlmanacHealth& health) {
   begin_page(data, kPageHealthOfFirst);
   put_bits(data, kHealthTimeBits, kHealthTime.count(health.almanac_time_s));

@@ -52,6 +52,10 @@ void put_almanac(SubframeData& data, const Almanac& almanac);
 /// harmonic corrections left out. Quantised.
 [[nodiscard]] Almanac reduced(const Ephemeris& ephemeris, std::int32_t week, double almanac_time_s);
 
+/// The almanac as an ephemeris: toe and toc are its time, everything that it does not tell is zero,
+/// the issue is the low byte of its time in steps of 4096 s.
+[[nodiscard]] Ephemeris extended(const Almanac& almanac);
+
 /// Health of all satellites, in two pages.
 struct AlmanacHealth {
   std::int32_t week = 0;        ///< Of the almanac; 8 bits in the message.

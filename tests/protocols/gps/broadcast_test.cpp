@@ -192,6 +192,12 @@ TEST(GpsAlmanac, ReducedOrbitFollowsTheEphemeris) {
   }
 }
 
+TEST(GpsAlmanac, ExtendedAndReducedAgainIsTheSame) {
+  const Almanac almanac = reduced(orbit(1), 2297, 294'912.0);
+  EXPECT_EQ(unrepresentable(extended(almanac)), "");
+  EXPECT_EQ(reduced(quantised(extended(almanac)), 2297, 294'912.0), almanac);
+}
+
 TEST(GpsAlmanac, TimeIsTheNoonOfTheEarliestEphemeris) {
   const Broadcast broadcast = example();
   // Day 3 begins at 259 200 s; its noon, 302 400 s, lies nearest to 74 x 4096 s.

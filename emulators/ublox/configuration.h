@@ -36,7 +36,7 @@ class UbloxConfiguration {
   /// handled here.
   [[nodiscard]] bool set(const protocols::ubx::FrameView& frame);
 
-  /// One rate of CFG-MSG; false when the message is not produced.
+  /// One rate of CFG-MSG; false when the message or port is unknown.
   bool set_rate(std::size_t message_index, std::size_t port, std::uint8_t rate);
   bool set_port(const protocols::ubx::CfgPrt& port);
 

@@ -18,6 +18,7 @@ constexpr std::int64_t kHundredth_ns = 10 * kMillisecond_ns;
 constexpr double kSemiMajorAxis_m = 6'378'137.0;  // WGS-84
 constexpr double kFlattening = 1.0 / 298.257223563;
 constexpr double kFrequencyAccuracy = 1e-9;
+constexpr std::uint8_t kFlagDifferential = 0x02;
 
 /// Rounded and clamped to the field; not-a-number becomes zero.
 template <class Integer>
@@ -81,13 +82,13 @@ std::uint8_t fix_type(const UbloxSolution& s) {
   return s.dimensions == 3 ? kFix3d : s.dimensions == 2 ? kFix2d : kFixNone;
 }
 std::uint8_t fix_flags(const UbloxSolution& s) {
-  return static_cast<std::uint8_t>((s.dimensions > 0 ? kFlagFixOk : 0) |
-                                   (s.date_known ? kFlagWeekSet : 0) |
-                                   (s.time_known ? kFlagTimeOfWeekSet : 0));
+  return static_cast<std::uint8_t>(
+      (s.fix_ok ? kFlagFixOk : 0) | (s.differential ? kFlagDifferential : 0) |
+      (s.date_known ? kFlagWeekSet : 0) | (s.time_known ? kFlagTimeOfWeekSet : 0));
 }
 std::uint8_t time_valid(const UbloxSolution& s) {
   return static_cast<std::uint8_t>((s.time_known ? 1 : 0) | (s.date_known ? 2 : 0) |
-                                   (s.date_known && s.orbits_known ? 4 : 0));
+                                   (s.date_known && s.leap_known ? 4 : 0));
 }
 template <class Integer>
 Integer narrow(int value) {
@@ -102,13 +103,14 @@ NavPvt pvt(const UbloxSolution& s) {
   m.hour = narrow<std::uint8_t>(s.utc.hour);
   m.minute = narrow<std::uint8_t>(s.utc.minute);
   m.second = narrow<std::uint8_t>(s.utc.second);
-  const bool resolved = s.date_known && s.time_known && s.orbits_known;
+  const bool resolved = s.date_known && s.time_known && s.leap_known;
   m.valid = static_cast<std::uint8_t>((s.date_known ? 1 : 0) | (s.time_known ? 2 : 0) |
                                       (resolved ? 4 : 0));
   m.time_accuracy_ns = unsigned_field(s.time_accuracy_s, 1e-9);
   m.nanosecond = s.utc_rest_ns;
   m.fix_type = fix_type(s);
-  m.flags = s.dimensions > 0 ? kFlagFixOk : 0;
+  m.flags = static_cast<std::uint8_t>((s.fix_ok ? kFlagFixOk : 0) |
+                                      (s.differential ? kFlagDifferential : 0));
   m.satellites_used = narrow<std::uint8_t>(s.satellites_used);
   m.longitude_e7deg = signed_field(s.longitude_deg, 1e-7);
   m.latitude_e7deg = signed_field(s.latitude_deg, 1e-7);
@@ -161,7 +163,7 @@ NavStatus status(const UbloxSolution& s, const UbloxProfile& profile) {
   return {0,
           fix_type(s),
           static_cast<std::uint8_t>(profile.status_flags | fix_flags(s)),
-          0,
+          static_cast<std::uint8_t>(s.differential ? 1 : 0),
           0,
           s.first_fix_ms,
           s.since_start_ms};
@@ -183,15 +185,17 @@ NavVelned velned(const UbloxSolution& s) {
 }
 
 NavDop dop(const UbloxSolution& s) {
-  const std::uint16_t axis = dilution_field(s.horizontal_dilution / std::numbers::sqrt2);
+  // Without axes of its own the model's horizontal dilution is shared evenly.
+  const double axis = s.horizontal_dilution / std::numbers::sqrt2;
+  const bool own = !std::isnan(s.north_dilution) && !std::isnan(s.east_dilution);
   return {0,
           dilution_field(std::hypot(s.position_dilution, s.time_dilution)),
           dilution_field(s.position_dilution),
           dilution_field(s.time_dilution),
           dilution_field(s.vertical_dilution),
           dilution_field(s.horizontal_dilution),
-          axis,
-          axis};
+          dilution_field(own ? s.north_dilution : axis),
+          dilution_field(own ? s.east_dilution : axis)};
 }
 
 NavTimegps timegps(const UbloxSolution& s) {
@@ -212,16 +216,6 @@ NavTimeutc timeutc(const UbloxSolution& s) {
 NavClock clock(const UbloxSolution& s) {
   return {0, signed_field(s.clock_bias_s, 1e-9), signed_field(s.clock_drift, 1e-9),
           unsigned_field(s.time_accuracy_s, 1e-9), unsigned_field(kFrequencyAccuracy, 1e-12)};
-}
-
-MonHw hardware() {
-  MonHw m;
-  m.noise_per_ms = 90;
-  m.gain_control = 4000;
-  m.antenna_status = 2;
-  m.antenna_power = 1;
-  m.flags = 0x01;
-  return m;
 }
 
 template <class Message>
@@ -249,7 +243,9 @@ std::size_t put_svinfo(const UbloxSolution& s, const UbloxProfile& profile,
     channel.channel = static_cast<std::uint8_t>(i);
     channel.satellite = view.number;
     const bool used = view.used && s.dimensions > 0;
-    channel.flags = static_cast<std::uint8_t>((used ? 0x01 : 0) | (s.orbits_known ? 0x0C : 0));
+    channel.flags = static_cast<std::uint8_t>((used ? 0x01 : 0) |
+                                              (view.corrected && s.differential ? 0x02 : 0) |
+                                              (s.orbits_known ? 0x0C : 0));
     channel.quality = used ? 7 : view.tracked ? 4 : 1;
     channel.cn0_dbhz = view.tracked ? to_field<std::uint8_t>(view.cn0_dbhz, 1.0) : std::uint8_t{0};
     if (s.orbits_known) {
@@ -257,6 +253,7 @@ std::size_t put_svinfo(const UbloxSolution& s, const UbloxProfile& profile,
       channel.azimuth_deg =
           static_cast<std::int16_t>(to_field<std::int16_t>(view.azimuth_rad, kDegree) % 360);
     }
+    channel.residual_cm = used ? signed_field(view.residual_m, 0.01) : 0;
     write_payload(channel, payload.subspan(at, NavSvinfoChannel::kLength));
     at += NavSvinfoChannel::kLength;
   }
@@ -266,30 +263,6 @@ std::size_t put_svinfo(const UbloxSolution& s, const UbloxProfile& profile,
 }
 
 }  // namespace
-
-void set_time(UbloxSolution& solution, const Calendar& calendar, SimTime epoch) {
-  // Nearest millisecond and nearest hundredth, ties upward; both in GPS time, so that a leap second
-  // is rounded like any other.
-  const std::int64_t of_week = calendar.gps(epoch).time_of_week_ns;
-  const auto above = [&](std::int64_t unit) {
-    const std::int64_t over = of_week % unit;
-    return over * 2 < unit ? over : over - unit;
-  };
-  const std::int64_t rest_ms = above(kMillisecond_ns);
-  const GpsTime gps = calendar.gps(epoch - Duration{rest_ms});
-  solution.leap_seconds = calendar.leap_seconds(epoch);
-  if (solution.time_known) {
-    solution.time_of_week_ms = static_cast<std::uint32_t>(gps.time_of_week_ns / kMillisecond_ns);
-    solution.time_of_week_rest_ns = static_cast<std::int32_t>(rest_ms);
-  } else {
-    solution.time_of_week_ms = solution.since_start_ms;
-    solution.time_of_week_rest_ns = 0;
-  }
-  solution.week = solution.date_known ? gps.week : 0;
-  const std::int64_t rest_hundredth = above(kHundredth_ns);
-  solution.utc = calendar.utc(epoch - Duration{rest_hundredth});
-  solution.utc_rest_ns = static_cast<std::int32_t>(solution.utc.nanosecond + rest_hundredth);
-}
 
 std::size_t encode_solution(const UbloxSolution& s, const UbloxProfile& profile, MessageId id,
                             std::span<std::uint8_t> out) {
@@ -306,7 +279,6 @@ std::size_t encode_solution(const UbloxSolution& s, const UbloxProfile& profile,
   if (id == NavTimegps::kId) return put(timegps(s), tow, out);
   if (id == NavTimeutc::kId) return put(timeutc(s), tow, out);
   if (id == NavClock::kId) return put(clock(s), tow, out);
-  if (id == MonHw::kId) return put(hardware(), tow, out);
   return 0;
 }
 
@@ -322,7 +294,8 @@ protocols::nmea::Epoch nmea_epoch(const UbloxSolution& s, std::string_view talke
   if (s.date_known) {
     epoch.date = protocols::nmea::Date{s.utc.year, s.utc.month, s.utc.day};
   }
-  epoch.fix_dimensions = s.dimensions;
+  epoch.fix_dimensions = s.fix_ok ? s.dimensions : 0;
+  epoch.differential = s.differential;
   epoch.latitude_deg = s.latitude_deg;
   epoch.longitude_deg = s.longitude_deg;
   epoch.altitude_m = s.ellipsoid_height_m - s.geoid_separation_m;
@@ -350,7 +323,7 @@ protocols::nmea::Epoch nmea_epoch(const UbloxSolution& s, std::string_view talke
       satellite.cn0_dbhz = to_field<int>(std::clamp(view.cn0_dbhz, 0.0, 99.0), 1.0);
     }
     if (satellite.elevation_deg || satellite.cn0_dbhz) {
-      satellite.used = view.used && s.dimensions > 0;
+      satellite.used = view.used;
       list.push_back(satellite);
     }
   }

@@ -55,6 +55,9 @@ Payload UbloxConfiguration::reply_systems() {
 Payload UbloxConfiguration::reply_sentences() {
   const std::span<std::uint8_t> all = reply_;
   write_payload(present_.nmea, all.first(CfgNmea::kLength));
+  if (profile_->cfg_nmea_bytes > CfgNmea::kLength) {
+    all[CfgNmea::kLength - 1] = 1;  // version of the longer form
+  }
   std::ranges::copy(present_.nmea_tail, all.subspan(CfgNmea::kLength).begin());
   return all.first(profile_->cfg_nmea_bytes);
 }

@@ -25,6 +25,25 @@ constexpr UbloxKeyBinding whole(std::uint32_t key) {
           }};
 }
 
+/// A member of one of the state's messages.
+template <auto kMessage, auto kMember>
+constexpr auto kMemberOf = [](auto& s) -> auto& {
+  return s.*kMessage.*kMember;
+};
+template <auto kMessage, auto kMember>
+constexpr UbloxKeyBinding field(std::uint32_t key) {
+  return whole<kMemberOf<kMessage, kMember>>(key);
+}
+/// A member of the first time pulse.
+template <auto kMember>
+constexpr auto kPulseMember = [](auto& s) -> auto& {
+  return s.pulses[0].*kMember;
+};
+template <auto kMember>
+constexpr UbloxKeyBinding pulse(std::uint32_t key) {
+  return whole<kPulseMember<kMember>>(key);
+}
+
 template <auto kField, unsigned kBit, unsigned kWidth = 1>
 constexpr UbloxKeyBinding bits(std::uint32_t key) {
   constexpr std::uint32_t kMask = (1U << kWidth) - 1U;
@@ -152,203 +171,181 @@ constexpr UbloxKeyBinding system(std::uint32_t key) {
 }
 
 template <std::size_t kProtocol, std::size_t kPort>
+constexpr auto kMask = [](auto& s) -> auto& {
+  return s.information[kProtocol].masks[kPort];
+};
+template <std::size_t kProtocol, std::size_t kPort>
 constexpr UbloxKeyBinding texts(std::uint32_t key) {
-  return whole < [](auto& s) -> auto& {
-    return s.information[kProtocol].masks[kPort];
-  }
-  > (key);
+  return whole<kMask<kProtocol, kPort>>(key);
 }
 
-constexpr auto kAntenna = [](auto& s) -> auto& {
-  return s.antenna.flags;
-};
-constexpr auto kAntennaPins = [](auto& s) -> auto& {
-  return s.antenna.pins;
-};
-constexpr auto kPulse = [](auto& s) -> auto& {
-  return s.pulses[0].flags;
-};
-constexpr auto kSentences = [](auto& s) -> auto& {
-  return s.nmea.flags;
-};
-constexpr auto kSentenceFilter = [](auto& s) -> auto& {
-  return s.nmea.filter;
-};
-constexpr auto kSystemFilter = [](auto& s) -> auto& {
-  return s.nmea.systems_to_filter;
-};
-constexpr auto kSbasMode = [](auto& s) -> auto& {
-  return s.sbas.mode;
-};
-constexpr auto kSbasUsage = [](auto& s) -> auto& {
-  return s.sbas.usage;
-};
+constexpr auto kAntenna = kMemberOf<&State::antenna, &ubx::CfgAnt::flags>;
+constexpr auto kAntennaPins = kMemberOf<&State::antenna, &ubx::CfgAnt::pins>;
+constexpr auto kPulse = kPulseMember<&ubx::CfgTp5::flags>;
+constexpr auto kSentences = kMemberOf<&State::nmea, &ubx::CfgNmea::flags>;
+constexpr auto kSentenceFilter = kMemberOf<&State::nmea, &ubx::CfgNmea::filter>;
+constexpr auto kSystemFilter = kMemberOf<&State::nmea, &ubx::CfgNmea::systems_to_filter>;
+constexpr auto kSbasMode = kMemberOf<&State::sbas, &ubx::CfgSbas::mode>;
+constexpr auto kSbasUsage = kMemberOf<&State::sbas, &ubx::CfgSbas::usage>;
 
 // NOLINTBEGIN(readability-magic-numbers): the numbers are the items' own, see configuration_keys.h
+// clang-format off
 constexpr std::array kBindings{
     // UART1, UART2, I2C, SPI, USB
-    whole<kBaud<1>>(0x40520001), stop_bits<1>(0x20520002), data_bits<1>(0x20520003),
-    parity<1>(0x20520004), bits<kInput<1>, kUbx>(0x10730001), bits<kInput<1>, kNmea>(0x10730002),
-    bits<kInput<1>, kRtcm3>(0x10730004), bits<kInput<1>, kSpartn>(0x10730005),
-    bits<kOutput<1>, kUbx>(0x10740001), bits<kOutput<1>, kNmea>(0x10740002),
-    bits<kOutput<1>, kRtcm3>(0x10740004), whole<kBaud<2>>(0x40530001), stop_bits<2>(0x20530002),
-    data_bits<2>(0x20530003), parity<2>(0x20530004), bits<kInput<2>, kUbx>(0x10750001),
-    bits<kInput<2>, kNmea>(0x10750002), bits<kInput<2>, kRtcm3>(0x10750004),
-    bits<kInput<2>, kSpartn>(0x10750005), bits<kOutput<2>, kUbx>(0x10760001),
-    bits<kOutput<2>, kNmea>(0x10760002), bits<kOutput<2>, kRtcm3>(0x10760004),
-    bits<kInput<0>, kUbx>(0x10710001), bits<kInput<0>, kNmea>(0x10710002),
-    bits<kInput<0>, kRtcm3>(0x10710004), bits<kInput<0>, kSpartn>(0x10710005),
-    bits<kOutput<0>, kUbx>(0x10720001), bits<kOutput<0>, kNmea>(0x10720002),
-    bits<kOutput<0>, kRtcm3>(0x10720004), bits<kInput<4>, kUbx>(0x10790001),
-    bits<kInput<4>, kNmea>(0x10790002), bits<kInput<4>, kRtcm3>(0x10790004),
-    bits<kInput<4>, kSpartn>(0x10790005), bits<kOutput<4>, kUbx>(0x107A0001),
-    bits<kOutput<4>, kNmea>(0x107A0002), bits<kOutput<4>, kRtcm3>(0x107A0004),
-    bits<kInput<3>, kUbx>(0x10770001), bits<kInput<3>, kNmea>(0x10770002),
-    bits<kInput<3>, kRtcm3>(0x10770004), bits<kInput<3>, kSpartn>(0x10770005),
-    bits<kOutput<3>, kUbx>(0x10780001), bits<kOutput<3>, kNmea>(0x10780002),
+    whole<kBaud<1>>(0x40520001),
+    stop_bits<1>(0x20520002),
+    data_bits<1>(0x20520003),
+    parity<1>(0x20520004),
+    bits<kInput<1>, kUbx>(0x10730001),
+    bits<kInput<1>, kNmea>(0x10730002),
+    bits<kInput<1>, kRtcm3>(0x10730004),
+    bits<kInput<1>, kSpartn>(0x10730005),
+    bits<kOutput<1>, kUbx>(0x10740001),
+    bits<kOutput<1>, kNmea>(0x10740002),
+    bits<kOutput<1>, kRtcm3>(0x10740004),
+    whole<kBaud<2>>(0x40530001),
+    stop_bits<2>(0x20530002),
+    data_bits<2>(0x20530003),
+    parity<2>(0x20530004),
+    bits<kInput<2>, kUbx>(0x10750001),
+    bits<kInput<2>, kNmea>(0x10750002),
+    bits<kInput<2>, kRtcm3>(0x10750004),
+    bits<kInput<2>, kSpartn>(0x10750005),
+    bits<kOutput<2>, kUbx>(0x10760001),
+    bits<kOutput<2>, kNmea>(0x10760002),
+    bits<kOutput<2>, kRtcm3>(0x10760004),
+    bits<kInput<0>, kUbx>(0x10710001),
+    bits<kInput<0>, kNmea>(0x10710002),
+    bits<kInput<0>, kRtcm3>(0x10710004),
+    bits<kInput<0>, kSpartn>(0x10710005),
+    bits<kOutput<0>, kUbx>(0x10720001),
+    bits<kOutput<0>, kNmea>(0x10720002),
+    bits<kOutput<0>, kRtcm3>(0x10720004),
+    bits<kInput<4>, kUbx>(0x10790001),
+    bits<kInput<4>, kNmea>(0x10790002),
+    bits<kInput<4>, kRtcm3>(0x10790004),
+    bits<kInput<4>, kSpartn>(0x10790005),
+    bits<kOutput<4>, kUbx>(0x107A0001),
+    bits<kOutput<4>, kNmea>(0x107A0002),
+    bits<kOutput<4>, kRtcm3>(0x107A0004),
+    bits<kInput<3>, kUbx>(0x10770001),
+    bits<kInput<3>, kNmea>(0x10770002),
+    bits<kInput<3>, kRtcm3>(0x10770004),
+    bits<kInput<3>, kSpartn>(0x10770005),
+    bits<kOutput<3>, kUbx>(0x10780001),
+    bits<kOutput<3>, kNmea>(0x10780002),
     bits<kOutput<3>, kRtcm3>(0x10780004),
     // Texts
-    texts<0, 0>(0x20920001), texts<0, 1>(0x20920002), texts<0, 2>(0x20920003),
-    texts<0, 3>(0x20920004), texts<0, 4>(0x20920005), texts<1, 0>(0x20920006),
-    texts<1, 1>(0x20920007), texts<1, 2>(0x20920008), texts<1, 3>(0x20920009),
+    texts<0, 0>(0x20920001),
+    texts<0, 1>(0x20920002),
+    texts<0, 2>(0x20920003),
+    texts<0, 3>(0x20920004),
+    texts<0, 4>(0x20920005),
+    texts<1, 0>(0x20920006),
+    texts<1, 1>(0x20920007),
+    texts<1, 2>(0x20920008),
+    texts<1, 3>(0x20920009),
     texts<1, 4>(0x2092000A),
     // Rate
-    whole < [](auto& s) -> auto& {return s.rate.measurement_period_ms;
-}  // namespace
-> (0x30210001), whole < [](auto& s) -> auto& {
-  return s.rate.navigation_ratio;
-}
-> (0x30210002), whole < [](auto& s) -> auto& {
-  return s.rate.time_reference;
-}
-> (0x20210003),
+    field<&State::rate, &ubx::CfgRate::measurement_period_ms>(0x30210001),
+    field<&State::rate, &ubx::CfgRate::navigation_ratio>(0x30210002),
+    field<&State::rate, &ubx::CfgRate::time_reference>(0x20210003),
     // Navigation
-    whole < [](auto& s) -> auto& {
-  return s.nav5.fix_mode;
-}
-> (0x20110011), whole < [](auto& s) -> auto& {
-  return s.navx5.initial_fix_3d;
-}
-> (0x10110013), whole < [](auto& s) -> auto& {
-  return s.navx5.week_rollover;
-}
-> (0x30110017), whole < [](auto& s) -> auto& {
-  return s.nav5.utc_standard;
-}
-> (0x2011001C), whole < [](auto& s) -> auto& {
-  return s.nav5.dynamic_model;
-}
-> (0x20110021), whole < [](auto& s) -> auto& {
-  return s.navx5.acknowledge_aiding;
-}
-> (0x10110025), whole < [](auto& s) -> auto& {
-  return s.navx5.minimum_satellites;
-}
-> (0x201100A1), whole < [](auto& s) -> auto& {
-  return s.navx5.maximum_satellites;
-}
-> (0x201100A2), whole < [](auto& s) -> auto& {
-  return s.navx5.minimum_cn0_dbhz;
-}
-> (0x201100A3), whole < [](auto& s) -> auto& {
-  return s.nav5.minimum_elevation_deg;
-}
-> (0x201100A4), whole < [](auto& s) -> auto& {
-  return s.nav5.cn0_satellites;
-}
-> (0x201100AA), whole < [](auto& s) -> auto& {
-  return s.nav5.cn0_threshold_dbhz;
-}
-> (0x201100AB), whole < [](auto& s) -> auto& {
-  return s.nav5.position_dilution_mask_e1;
-}
-> (0x301100B1), whole < [](auto& s) -> auto& {
-  return s.nav5.time_dilution_mask_e1;
-}
-> (0x301100B2), whole < [](auto& s) -> auto& {
-  return s.nav5.position_accuracy_mask_m;
-}
-> (0x301100B3), whole < [](auto& s) -> auto& {
-  return s.nav5.time_accuracy_mask_m;
-}
-> (0x301100B4), whole < [](auto& s) -> auto& {
-  return s.nav5.fixed_altitude_cm;
-}
-> (0x401100C1), whole < [](auto& s) -> auto& {
-  return s.nav5.fixed_altitude_variance_e4m2;
-}
-> (0x401100C2), whole < [](auto& s) -> auto& {
-  return s.nav5.differential_timeout_s;
-}
-> (0x201100C4), whole < [](auto& s) -> auto& {
-  return s.nav5.static_hold_cmps;
-}
-> (0x20250038), whole < [](auto& s) -> auto& {
-  return s.nav5.static_hold_distance_m;
-}
-> (0x3025003B),
+    field<&State::nav5, &ubx::CfgNav5::fix_mode>(0x20110011),
+    field<&State::navx5, &ubx::CfgNavx5::initial_fix_3d>(0x10110013),
+    field<&State::navx5, &ubx::CfgNavx5::week_rollover>(0x30110017),
+    field<&State::nav5, &ubx::CfgNav5::utc_standard>(0x2011001C),
+    field<&State::nav5, &ubx::CfgNav5::dynamic_model>(0x20110021),
+    field<&State::navx5, &ubx::CfgNavx5::acknowledge_aiding>(0x10110025),
+    field<&State::navx5, &ubx::CfgNavx5::minimum_satellites>(0x201100A1),
+    field<&State::navx5, &ubx::CfgNavx5::maximum_satellites>(0x201100A2),
+    field<&State::navx5, &ubx::CfgNavx5::minimum_cn0_dbhz>(0x201100A3),
+    field<&State::nav5, &ubx::CfgNav5::minimum_elevation_deg>(0x201100A4),
+    field<&State::nav5, &ubx::CfgNav5::cn0_satellites>(0x201100AA),
+    field<&State::nav5, &ubx::CfgNav5::cn0_threshold_dbhz>(0x201100AB),
+    field<&State::nav5, &ubx::CfgNav5::position_dilution_mask_e1>(0x301100B1),
+    field<&State::nav5, &ubx::CfgNav5::time_dilution_mask_e1>(0x301100B2),
+    field<&State::nav5, &ubx::CfgNav5::position_accuracy_mask_m>(0x301100B3),
+    field<&State::nav5, &ubx::CfgNav5::time_accuracy_mask_m>(0x301100B4),
+    field<&State::nav5, &ubx::CfgNav5::fixed_altitude_cm>(0x401100C1),
+    field<&State::nav5, &ubx::CfgNav5::fixed_altitude_variance_e4m2>(0x401100C2),
+    field<&State::nav5, &ubx::CfgNav5::differential_timeout_s>(0x201100C4),
+    field<&State::nav5, &ubx::CfgNav5::static_hold_cmps>(0x20250038),
+    field<&State::nav5, &ubx::CfgNav5::static_hold_distance_m>(0x3025003B),
     // NMEA
-    nmea_version(0x20930001), whole < [](auto& s) -> auto& {
-  return s.nmea.maximum_satellites;
-}
-> (0x20930002), bits<kSentences, 0>(0x10930003), bits<kSentences, 1>(0x10930004),
-    bits<kSentences, 2>(0x10930005), bits<kSentences, 3>(0x10930006), whole < [](auto& s) -> auto& {
-  return s.nmea.satellite_numbering;
-}
-> (0x20930007), bits<kSystemFilter, 0>(0x10930011), bits<kSystemFilter, 1>(0x10930012),
-    bits<kSystemFilter, 2>(0x10930013), bits<kSystemFilter, 4>(0x10930015),
-    bits<kSystemFilter, 5>(0x10930016), bits<kSystemFilter, 6>(0x10930017),
-    bits<kSentenceFilter, 0>(0x10930021), bits<kSentenceFilter, 1>(0x10930022),
-    bits<kSentenceFilter, 2>(0x10930023), bits<kSentenceFilter, 3>(0x10930024),
-    bits<kSentenceFilter, 4>(0x10930025), bits<kSentenceFilter, 5>(0x10930026), whole < [
-    ](auto& s) -> auto& {
-  return s.nmea.main_talker;
-}
-> (0x20930031), whole < [](auto& s) -> auto& {
-  return s.nmea.gsv_talker;
-}
-> (0x20930032), talker_of_beidou(0x30930033),
+    nmea_version(0x20930001),
+    field<&State::nmea, &ubx::CfgNmea::maximum_satellites>(0x20930002),
+    bits<kSentences, 0>(0x10930003),
+    bits<kSentences, 1>(0x10930004),
+    bits<kSentences, 2>(0x10930005),
+    bits<kSentences, 3>(0x10930006),
+    field<&State::nmea, &ubx::CfgNmea::satellite_numbering>(0x20930007),
+    bits<kSystemFilter, 0>(0x10930011),
+    bits<kSystemFilter, 1>(0x10930012),
+    bits<kSystemFilter, 2>(0x10930013),
+    bits<kSystemFilter, 4>(0x10930015),
+    bits<kSystemFilter, 5>(0x10930016),
+    bits<kSystemFilter, 6>(0x10930017),
+    bits<kSentenceFilter, 0>(0x10930021),
+    bits<kSentenceFilter, 1>(0x10930022),
+    bits<kSentenceFilter, 2>(0x10930023),
+    bits<kSentenceFilter, 3>(0x10930024),
+    bits<kSentenceFilter, 4>(0x10930025),
+    bits<kSentenceFilter, 5>(0x10930026),
+    field<&State::nmea, &ubx::CfgNmea::main_talker>(0x20930031),
+    field<&State::nmea, &ubx::CfgNmea::gsv_talker>(0x20930032),
+    talker_of_beidou(0x30930033),
     // SBAS
-    bits<kSbasMode, 1>(0x10360002), bits<kSbasUsage, 0>(0x10360003),
-    bits<kSbasUsage, 1>(0x10360004), bits<kSbasUsage, 2>(0x10360005), sbas_satellites(0x50360006),
+    bits<kSbasMode, 1>(0x10360002),
+    bits<kSbasUsage, 0>(0x10360003),
+    bits<kSbasUsage, 1>(0x10360004),
+    bits<kSbasUsage, 2>(0x10360005),
+    sbas_satellites(0x50360006),
     // Systems and signals
-    system<GnssSystem::gps, 0>(0x1031001F), system<GnssSystem::gps, 16>(0x10310001),
-    system<GnssSystem::gps, 20>(0x10310003), system<GnssSystem::sbas, 0>(0x10310020),
-    system<GnssSystem::sbas, 16>(0x10310005), system<GnssSystem::galileo, 0>(0x10310021),
-    system<GnssSystem::galileo, 16>(0x10310007), system<GnssSystem::galileo, 21>(0x1031000A),
-    system<GnssSystem::beidou, 0>(0x10310022), system<GnssSystem::beidou, 16>(0x1031000D),
-    system<GnssSystem::beidou, 20>(0x1031000E), system<GnssSystem::qzss, 0>(0x10310024),
-    system<GnssSystem::qzss, 16>(0x10310012), system<GnssSystem::qzss, 18>(0x10310014),
-    system<GnssSystem::qzss, 20>(0x10310015), system<GnssSystem::glonass, 0>(0x10310025),
-    system<GnssSystem::glonass, 16>(0x10310018), system<GnssSystem::glonass, 20>(0x1031001A),
+    system<GnssSystem::gps, 0>(0x1031001F),
+    system<GnssSystem::gps, 16>(0x10310001),
+    system<GnssSystem::gps, 20>(0x10310003),
+    system<GnssSystem::sbas, 0>(0x10310020),
+    system<GnssSystem::sbas, 16>(0x10310005),
+    system<GnssSystem::galileo, 0>(0x10310021),
+    system<GnssSystem::galileo, 16>(0x10310007),
+    system<GnssSystem::galileo, 21>(0x1031000A),
+    system<GnssSystem::beidou, 0>(0x10310022),
+    system<GnssSystem::beidou, 16>(0x1031000D),
+    system<GnssSystem::beidou, 20>(0x1031000E),
+    system<GnssSystem::qzss, 0>(0x10310024),
+    system<GnssSystem::qzss, 16>(0x10310012),
+    system<GnssSystem::qzss, 18>(0x10310014),
+    system<GnssSystem::qzss, 20>(0x10310015),
+    system<GnssSystem::glonass, 0>(0x10310025),
+    system<GnssSystem::glonass, 16>(0x10310018),
+    system<GnssSystem::glonass, 20>(0x1031001A),
     // Antenna supervision
-    bits<kAntenna, 0>(0x10A3002E), bits<kAntenna, 1>(0x10A3002F), bits<kAntenna, 2>(0x10A30031),
-    bits<kAntenna, 3>(0x10A30033), bits<kAntenna, 4>(0x10A30035),
-    bits<kAntennaPins, 0, 5>(0x20A30036), bits<kAntennaPins, 5, 5>(0x20A30037),
+    bits<kAntenna, 0>(0x10A3002E),
+    bits<kAntenna, 1>(0x10A3002F),
+    bits<kAntenna, 2>(0x10A30031),
+    bits<kAntenna, 3>(0x10A30033),
+    bits<kAntenna, 4>(0x10A30035),
+    bits<kAntennaPins, 0, 5>(0x20A30036),
+    bits<kAntennaPins, 5, 5>(0x20A30037),
     bits<kAntennaPins, 10, 5>(0x20A30038),
     // Time pulse
-    whole < [](auto& s) -> auto& {
-  return s.pulses[0].cable_delay_ns;
-}
-> (0x30050001), whole < [](auto& s) -> auto& {
-  return s.pulses[0].period;
-}
-> (0x40050002), whole < [](auto& s) -> auto& {
-  return s.pulses[0].period_locked;
-}
-> (0x40050003), whole < [](auto& s) -> auto& {
-  return s.pulses[0].pulse;
-}
-> (0x40050004), whole < [](auto& s) -> auto& {
-  return s.pulses[0].pulse_locked;
-}
-> (0x40050005), whole < [](auto& s) -> auto& {
-  return s.pulses[0].user_delay_ns;
-}
-> (0x40050006), bits<kPulse, 0>(0x10050007), bits<kPulse, 1>(0x10050008),
-    bits<kPulse, 2>(0x10050009), bits<kPulse, 3>(0x20050023), bits<kPulse, 4>(0x20050030),
-    bits<kPulse, 5>(0x1005000A), bits<kPulse, 6>(0x1005000B), bits<kPulse, 7, 4>(0x2005000C),
-};  // namespace rigwire::emulators
+    pulse<&ubx::CfgTp5::cable_delay_ns>(0x30050001),
+    pulse<&ubx::CfgTp5::period>(0x40050002),
+    pulse<&ubx::CfgTp5::period_locked>(0x40050003),
+    pulse<&ubx::CfgTp5::pulse>(0x40050004),
+    pulse<&ubx::CfgTp5::pulse_locked>(0x40050005),
+    pulse<&ubx::CfgTp5::user_delay_ns>(0x40050006),
+    bits<kPulse, 0>(0x10050007),
+    bits<kPulse, 1>(0x10050008),
+    bits<kPulse, 2>(0x10050009),
+    bits<kPulse, 3>(0x20050023),
+    bits<kPulse, 4>(0x20050030),
+    bits<kPulse, 5>(0x1005000A),
+    bits<kPulse, 6>(0x1005000B),
+    bits<kPulse, 7, 4>(0x2005000C),
+};
+// clang-format on
 // NOLINTEND(readability-magic-numbers)
 
 }  // namespace

@@ -8,8 +8,8 @@ namespace {
 using namespace protocols::ubx;
 using Payload = std::span<const std::uint8_t>;
 
-constexpr std::uint8_t kSavedLayers = kLayerBackup | kLayerFlash;
-constexpr std::uint8_t kAllLayers = kLayerRam | kSavedLayers;
+constexpr std::uint8_t kSavedLayers = kLayerMaskBattery | kLayerMaskFlash;
+constexpr std::uint8_t kAllLayers = kLayerMaskRam | kSavedLayers;
 constexpr std::uint32_t kFramingMask = 0x3EC0;
 constexpr std::uint32_t kFraming8N1 = 0x08C0;
 
@@ -113,7 +113,8 @@ std::size_t UbloxKeyStore::poll(const UbloxConfiguration& configuration, const F
     }
     for (std::size_t i = range.first; i < range.last; ++i) {
       const auto present = value(configuration, layer, i);
-      if (present && found++ >= query->position && found <= query->position + kMaximumKeys) {
+      if (present && found++ >= query->position &&
+          found <= query->position + kMaximumConfigurationItems) {
         writer.value({configuration_keys()[i].id, *present});
       }
     }
@@ -186,7 +187,7 @@ bool UbloxKeyStore::stage(Action action, Payload list) {
 }
 
 bool UbloxKeyStore::apply(UbloxConfiguration& configuration, Action action, std::uint8_t layers) {
-  if ((layers & kLayerRam) != 0 && !apply_to_ram(configuration)) {
+  if ((layers & kLayerMaskRam) != 0 && !apply_to_ram(configuration)) {
     return false;
   }
   const auto write = [&](Layer& layer) {
@@ -196,8 +197,8 @@ bool UbloxKeyStore::apply(UbloxConfiguration& configuration, Action action, std:
       }
     }
   };
-  if ((layers & kLayerBackup) != 0) write(backup_);
-  if ((layers & kLayerFlash) != 0) write(flash_);
+  if ((layers & kLayerMaskBattery) != 0) write(backup_);
+  if ((layers & kLayerMaskFlash) != 0) write(flash_);
   return true;
 }
 

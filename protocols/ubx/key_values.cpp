@@ -20,12 +20,13 @@ std::optional<std::size_t> count_pairs(Payload list) {
   while (reader.next()) {
     ++count;
   }
-  return reader.finished() && count <= kMaximumKeys ? std::optional(count) : std::nullopt;
+  return reader.finished() && count <= kMaximumConfigurationItems ? std::optional(count)
+                                                                  : std::nullopt;
 }
 std::optional<std::size_t> count_keys(Payload list) {
   const std::size_t count = list.size() / kKeyBytes;
-  return list.size() % kKeyBytes == 0 && count <= kMaximumKeys ? std::optional(count)
-                                                               : std::nullopt;
+  return list.size() % kKeyBytes == 0 && count <= kMaximumConfigurationItems ? std::optional(count)
+                                                                             : std::nullopt;
 }
 
 std::size_t frame_bytes(const FrameView& frame) {

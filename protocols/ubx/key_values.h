@@ -27,16 +27,16 @@ inline constexpr MessageId kCfgValget{0x06, 0x8B};
 inline constexpr MessageId kCfgValdel{0x06, 0x8C};
 
 inline constexpr std::size_t kKeyListHeadBytes = 1 /*version*/ + 1 /*layers*/ + 2 /*rest*/;
-inline constexpr std::size_t kMaximumKeys = 64;  ///< In one message.
+inline constexpr std::size_t kMaximumConfigurationItems = 64;  ///< In one message.
 inline constexpr std::size_t kLongestValue = 8;
 /// The longest payload of all three.
 inline constexpr std::size_t kLongestKeyList =
-    kKeyListHeadBytes + kMaximumKeys * (4 /*key*/ + kLongestValue);
+    kKeyListHeadBytes + kMaximumConfigurationItems * (4 /*key*/ + kLongestValue);
 
 /// Layers of VALSET and VALDEL.
-inline constexpr std::uint8_t kLayerRam = 0x01;
-inline constexpr std::uint8_t kLayerBackup = 0x02;  ///< Battery-backed memory (BBR).
-inline constexpr std::uint8_t kLayerFlash = 0x04;
+inline constexpr std::uint8_t kLayerMaskRam = 0x01;
+inline constexpr std::uint8_t kLayerMaskBattery = 0x02;  ///< Battery-backed memory (BBR).
+inline constexpr std::uint8_t kLayerMaskFlash = 0x04;
 
 /// The layer of VALGET.
 enum class ReadLayer : std::uint8_t { ram = 0, backup = 1, flash = 2, initial = 7 };
@@ -69,7 +69,7 @@ struct KeyQuery {
 };
 
 /// Malformed when the message is another one, of an unknown version, cut within a key or value, has
-/// a key of no size, or more than kMaximumKeys keys.
+/// a key of no size, or more than kMaximumConfigurationItems keys.
 [[nodiscard]] Decoded<KeyChange> decode_valset(const FrameView& frame);
 [[nodiscard]] Decoded<KeyChange> decode_valdel(const FrameView& frame);
 [[nodiscard]] Decoded<KeyQuery> decode_valget(const FrameView& frame);

@@ -111,7 +111,7 @@ TEST(KeyValues, ValsetByHandDecodes) {
                       0x01, 0x00, 0x52, 0x40, 0x00, 0xC2, 0x01, 0x00};  // 115200
   const auto change = decode_valset(frame(kCfgValset, payload));
   ASSERT_TRUE(change.ok());
-  EXPECT_EQ(change->layers, kLayerRam | kLayerBackup | kLayerFlash);
+  EXPECT_EQ(change->layers, kLayerMaskRam | kLayerMaskBattery | kLayerMaskFlash);
   EXPECT_EQ(change->count, 2U);
   KeyValueReader reader(change->list);
   EXPECT_EQ(reader.next(), (KeyValue{kRateMeas, 200}));
@@ -137,7 +137,7 @@ TEST(KeyValues, VersionsSizesAndCountsBeyondTheDocumentAreRefused) {
   EXPECT_TRUE(decode_valset(frame(kCfgValset, {0, 1, 0, 0, 1, 0, 0x21, 0x00, 1})).malformed())
       << "a key of no size";
   Bytes keys{0, 0, 0, 0};
-  for (std::size_t i = 0; i < kMaximumKeys; ++i) {
+  for (std::size_t i = 0; i < kMaximumConfigurationItems; ++i) {
     keys.insert(keys.end(), {0x01, 0x00, 0x21, 0x30});
   }
   EXPECT_TRUE(decode_valget(frame(kCfgValget, keys)).ok());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "emulators/ublox/solution_units.h"
 #include "protocols/ubx/configuration.h"
 #include "protocols/ubx/navigation.h"
 
@@ -20,40 +21,11 @@ constexpr double kFlattening = 1.0 / 298.257223563;
 constexpr double kFrequencyAccuracy = 1e-9;
 constexpr std::uint8_t kFlagDifferential = 0x02;
 
-/// Rounded and clamped to the field; not-a-number becomes zero.
-template <class Integer>
-Integer to_field(double value, double unit) {
-  const double scaled = std::round(value / unit);
-  if (std::isnan(scaled)) {
-    return 0;
-  }
-  constexpr double kLeast = static_cast<double>(std::numeric_limits<Integer>::min());
-  constexpr double kGreatest = static_cast<double>(std::numeric_limits<Integer>::max());
-  return static_cast<Integer>(static_cast<std::int64_t>(std::clamp(scaled, kLeast, kGreatest)));
-}
-
 std::uint32_t unsigned_field(double value, double unit) {
   return to_field<std::uint32_t>(value, unit);
 }
 std::int32_t signed_field(double value, double unit) {
   return to_field<std::int32_t>(value, unit);
-}
-
-std::uint16_t dilution_field(double dilution) {
-  return std::isnan(dilution) ? kNoDilution
-                              : std::min(to_field<std::uint16_t>(dilution, 0.01), kNoDilution);
-}
-
-std::array<double, 3> ecef_position(const UbloxSolution& s) {
-  const double sin_lat = std::sin(s.latitude_deg * kDegree);
-  const double cos_lat = std::cos(s.latitude_deg * kDegree);
-  const double sin_lon = std::sin(s.longitude_deg * kDegree);
-  const double cos_lon = std::cos(s.longitude_deg * kDegree);
-  const double e2 = kFlattening * (2.0 - kFlattening);
-  const double normal_m = kSemiMajorAxis_m / std::sqrt(1.0 - e2 * sin_lat * sin_lat);
-  const double h = s.ellipsoid_height_m;
-  return {(normal_m + h) * cos_lat * cos_lon, (normal_m + h) * cos_lat * sin_lon,
-          (normal_m * (1.0 - e2) + h) * sin_lat};
 }
 
 std::array<double, 3> ecef_velocity(const UbloxSolution& s) {
@@ -263,6 +235,18 @@ std::size_t put_svinfo(const UbloxSolution& s, const UbloxProfile& profile,
 }
 
 }  // namespace
+
+std::array<double, 3> ecef_position(const UbloxSolution& s) {
+  const double sin_lat = std::sin(s.latitude_deg * kDegree);
+  const double cos_lat = std::cos(s.latitude_deg * kDegree);
+  const double sin_lon = std::sin(s.longitude_deg * kDegree);
+  const double cos_lon = std::cos(s.longitude_deg * kDegree);
+  const double e2 = kFlattening * (2.0 - kFlattening);
+  const double normal_m = kSemiMajorAxis_m / std::sqrt(1.0 - e2 * sin_lat * sin_lat);
+  const double h = s.ellipsoid_height_m;
+  return {(normal_m + h) * cos_lat * cos_lon, (normal_m + h) * cos_lat * sin_lon,
+          (normal_m * (1.0 - e2) + h) * sin_lat};
+}
 
 std::size_t encode_solution(const UbloxSolution& s, const UbloxProfile& profile, MessageId id,
                             std::span<std::uint8_t> out) {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "emulators/ublox/solution_units.h"
-#include "protocols/ubx/configuration.h"
+#include "emulators/ublox/geodesy.h"
+#include "emulators/ublox/wire_units.h"
 #include "protocols/ubx/navigation.h"
 
 namespace rigwire::emulators {
@@ -13,36 +13,8 @@ namespace {
 
 using namespace protocols::ubx;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr std::int64_t kMillisecond_ns = 1'000'000;
-constexpr std::int64_t kHundredth_ns = 10 * kMillisecond_ns;
-constexpr double kSemiMajorAxis_m = 6'378'137.0;  // WGS-84
-constexpr double kFlattening = 1.0 / 298.257223563;
 constexpr double kFrequencyAccuracy = 1e-9;
 constexpr std::uint8_t kFlagDifferential = 0x02;
-
-std::uint32_t unsigned_field(double value, double unit) {
-  return to_field<std::uint32_t>(value, unit);
-}
-std::int32_t signed_field(double value, double unit) {
-  return to_field<std::int32_t>(value, unit);
-}
-
-std::array<double, 3> ecef_velocity(const UbloxSolution& s) {
-  const double sin_lat = std::sin(s.latitude_deg * kDegree);
-  const double cos_lat = std::cos(s.latitude_deg * kDegree);
-  const double sin_lon = std::sin(s.longitude_deg * kDegree);
-  const double cos_lon = std::cos(s.longitude_deg * kDegree);
-  const Vector3& v = s.velocity_ned_mps;
-  return {-sin_lat * cos_lon * v.x - sin_lon * v.y - cos_lat * cos_lon * v.z,
-          -sin_lat * sin_lon * v.x + cos_lon * v.y - cos_lat * sin_lon * v.z,
-          cos_lat * v.x - sin_lat * v.z};
-}
-
-std::array<std::int32_t, 3> in_centimetres(const std::array<double, 3>& metres) {
-  return {signed_field(metres[0], 0.01), signed_field(metres[1], 0.01),
-          signed_field(metres[2], 0.01)};
-}
 
 double position_accuracy_m(const UbloxSolution& s) {
   return std::hypot(s.horizontal_accuracy_m, s.vertical_accuracy_m);
@@ -200,53 +172,7 @@ std::size_t put(Message message, std::uint32_t time_of_week_ms, std::span<std::u
   return frame.size();
 }
 
-std::size_t put_svinfo(const UbloxSolution& s, const UbloxProfile& profile,
-                       std::span<std::uint8_t> out) {
-  constexpr std::size_t kMaximumChannels = 32;
-  const std::size_t channels = std::min(s.satellites.size(), kMaximumChannels);
-  const std::span<std::uint8_t> payload = out.subspan(kHeaderBytes);
-  write_payload(NavSvinfoHead{s.time_of_week_ms, static_cast<std::uint8_t>(channels),
-                              profile.chip_generation},
-                payload.first(NavSvinfoHead::kLength));
-  std::size_t at = NavSvinfoHead::kLength;
-  for (std::size_t i = 0; i < channels; ++i) {
-    const SatelliteView& view = s.satellites[i];
-    NavSvinfoChannel channel;
-    channel.channel = static_cast<std::uint8_t>(i);
-    channel.satellite = view.number;
-    const bool used = view.used && s.dimensions > 0;
-    channel.flags = static_cast<std::uint8_t>((used ? 0x01 : 0) |
-                                              (view.corrected && s.differential ? 0x02 : 0) |
-                                              (s.orbits_known ? 0x0C : 0));
-    channel.quality = used ? 7 : view.tracked ? 4 : 1;
-    channel.cn0_dbhz = view.tracked ? to_field<std::uint8_t>(view.cn0_dbhz, 1.0) : std::uint8_t{0};
-    if (s.orbits_known) {
-      channel.elevation_deg = to_field<std::int8_t>(view.elevation_rad, kDegree);
-      channel.azimuth_deg =
-          static_cast<std::int16_t>(to_field<std::int16_t>(view.azimuth_rad, kDegree) % 360);
-    }
-    channel.residual_cm = used ? signed_field(view.residual_m, 0.01) : 0;
-    write_payload(channel, payload.subspan(at, NavSvinfoChannel::kLength));
-    at += NavSvinfoChannel::kLength;
-  }
-  const std::size_t size = kOverheadBytes + at;
-  seal_frame(NavSvinfoHead::kId, out.first(size));
-  return size;
-}
-
 }  // namespace
-
-std::array<double, 3> ecef_position(const UbloxSolution& s) {
-  const double sin_lat = std::sin(s.latitude_deg * kDegree);
-  const double cos_lat = std::cos(s.latitude_deg * kDegree);
-  const double sin_lon = std::sin(s.longitude_deg * kDegree);
-  const double cos_lon = std::cos(s.longitude_deg * kDegree);
-  const double e2 = kFlattening * (2.0 - kFlattening);
-  const double normal_m = kSemiMajorAxis_m / std::sqrt(1.0 - e2 * sin_lat * sin_lat);
-  const double h = s.ellipsoid_height_m;
-  return {(normal_m + h) * cos_lat * cos_lon, (normal_m + h) * cos_lat * sin_lon,
-          (normal_m * (1.0 - e2) + h) * sin_lat};
-}
 
 std::size_t encode_solution(const UbloxSolution& s, const UbloxProfile& profile, MessageId id,
                             std::span<std::uint8_t> out) {
@@ -258,61 +184,13 @@ std::size_t encode_solution(const UbloxSolution& s, const UbloxProfile& profile,
   if (id == NavVelecef::kId) return put(velecef(s), tow, out);
   if (id == NavVelned::kId) return put(velned(s), tow, out);
   if (id == NavSol::kId) return put(sol(s, profile), tow, out);
-  if (id == NavSvinfoHead::kId) return put_svinfo(s, profile, out);
+  if (const std::size_t size = encode_satellites(s, profile, id, out); size > 0) return size;
+  if (id == NavAopstatus::kId) return put(NavAopstatus{}, tow, out);
   if (id == NavDop::kId) return put(dop(s), tow, out);
   if (id == NavTimegps::kId) return put(timegps(s), tow, out);
   if (id == NavTimeutc::kId) return put(timeutc(s), tow, out);
   if (id == NavClock::kId) return put(clock(s), tow, out);
   return 0;
-}
-
-protocols::nmea::Epoch nmea_epoch(const UbloxSolution& s, std::string_view talker, bool with_mode,
-                                  std::vector<protocols::nmea::SatelliteInView>& list) {
-  protocols::nmea::Epoch epoch;
-  epoch.talker = talker;
-  epoch.with_mode = with_mode;
-  if (s.time_known) {
-    epoch.time = protocols::nmea::TimeOfDay{s.utc.hour, s.utc.minute, s.utc.second,
-                                            static_cast<int>(s.utc.nanosecond / kHundredth_ns)};
-  }
-  if (s.date_known) {
-    epoch.date = protocols::nmea::Date{s.utc.year, s.utc.month, s.utc.day};
-  }
-  epoch.fix_dimensions = s.fix_ok ? s.dimensions : 0;
-  epoch.differential = s.differential;
-  epoch.latitude_deg = s.latitude_deg;
-  epoch.longitude_deg = s.longitude_deg;
-  epoch.altitude_m = s.ellipsoid_height_m - s.geoid_separation_m;
-  epoch.separation_m = s.geoid_separation_m;
-  epoch.ground_speed_mps = ground_speed_mps(s);
-  if (!s.heading_frozen) {
-    epoch.course_deg = s.heading_deg;
-  }
-  epoch.satellites_used = s.satellites_used;
-  const auto known = [](double dilution) {
-    return std::isnan(dilution) ? std::nullopt : std::optional(dilution);
-  };
-  epoch.position_dilution = known(s.position_dilution);
-  epoch.horizontal_dilution = known(s.horizontal_dilution);
-  epoch.vertical_dilution = known(s.vertical_dilution);
-  list.clear();
-  for (const auto& view : s.satellites) {
-    protocols::nmea::SatelliteInView satellite;
-    satellite.number = view.number;
-    if (s.orbits_known) {
-      satellite.elevation_deg = to_field<int>(view.elevation_rad, kDegree);
-      satellite.azimuth_deg = to_field<int>(view.azimuth_rad, kDegree) % 360;
-    }
-    if (view.tracked) {
-      satellite.cn0_dbhz = to_field<int>(std::clamp(view.cn0_dbhz, 0.0, 99.0), 1.0);
-    }
-    if (satellite.elevation_deg || satellite.cn0_dbhz) {
-      satellite.used = view.used;
-      list.push_back(satellite);
-    }
-  }
-  epoch.satellites = list;
-  return epoch;
 }
 
 }  // namespace rigwire::emulators

@@ -69,7 +69,8 @@ struct UbloxSolution {
 };
 
 /// Room for the longest UBX frame of this file.
-inline constexpr std::size_t kLongestSolutionFrame = 8 + 8 + 12 * 32;
+inline constexpr std::size_t kMostSatellites = 64;
+inline constexpr std::size_t kLongestSolutionFrame = 8 + 16 + 32 * kMostSatellites;
 
 /// How a receiver resolves what the satellites do not say, and what it has heard so far.
 struct UbloxTimeBase {
@@ -89,6 +90,12 @@ void set_time(UbloxSolution& solution, const Calendar& calendar, const UbloxTime
 [[nodiscard]] std::size_t encode_solution(const UbloxSolution& solution,
                                           const UbloxProfile& profile, protocols::ubx::MessageId id,
                                           std::span<std::uint8_t> out);
+
+/// The messages among them that list satellites; 0 when it is none of those.
+[[nodiscard]] std::size_t encode_satellites(const UbloxSolution& solution,
+                                            const UbloxProfile& profile,
+                                            protocols::ubx::MessageId id,
+                                            std::span<std::uint8_t> out);
 
 /// The same epoch for the NMEA writers; `list` holds its satellites.
 [[nodiscard]] protocols::nmea::Epoch nmea_epoch(

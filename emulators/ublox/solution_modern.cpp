@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "emulators/ublox/solution_units.h"
+#include "emulators/ublox/geodesy.h"
+#include "emulators/ublox/wire_units.h"
 #include "protocols/ubx/blocks.h"
-#include "protocols/ubx/monitor.h"
 #include "protocols/ubx/navigation.h"
 #include "protocols/ubx/navigation_precise.h"
 
@@ -17,8 +17,7 @@ namespace {
 using namespace protocols::ubx;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr std::size_t kMaximumSatellites = 32;
-static_assert(frame_size<NavSatHead, NavSatBlock>(kMaximumSatellites) <= kLongestSolutionFrame);
+static_assert(frame_size<NavSatHead, NavSatBlock>(kMostSatellites) <= kLongestSolutionFrame);
 constexpr std::int8_t kUnknownElevation = -91;
 
 CarrierSolution carrier_of(const UbloxSolution& s, const UbloxProfile& profile) {
@@ -83,7 +82,7 @@ NavStatus status(const UbloxSolution& s, const UbloxProfile& profile, std::span<
 }
 
 std::size_t put_satellites(const UbloxSolution& s, std::span<std::uint8_t> out) {
-  std::array<NavSatBlock, kMaximumSatellites> blocks;
+  std::array<NavSatBlock, kMostSatellites> blocks;
   const std::size_t count = std::min(s.satellites.size(), blocks.size());
   for (std::size_t i = 0; i < count; ++i) {
     const SatelliteView& view = s.satellites[i];
@@ -123,7 +122,7 @@ std::size_t put_orbits(const UbloxSolution& s, std::span<std::uint8_t> out) {
   constexpr std::uint8_t kBroadcast = 1 << 5;  // where the orbit comes from
   constexpr std::uint8_t kTwoHours = 8;        // quarters of an hour
   constexpr std::uint8_t kFourWeeks = 28;      // days
-  std::array<NavOrbBlock, kMaximumSatellites> blocks;
+  std::array<NavOrbBlock, kMostSatellites> blocks;
   const std::size_t count = std::min(s.satellites.size(), blocks.size());
   for (std::size_t i = 0; i < count; ++i) {
     const SatelliteView& view = s.satellites[i];
@@ -224,29 +223,6 @@ NavHpposecef precise_earth_centred(const UbloxSolution& s) {
   return m;
 }
 
-std::size_t put_radio(const UbloxSolution& s, std::span<std::uint8_t> out) {
-  constexpr std::uint8_t kNotSupervised = 1;
-  constexpr std::uint8_t kUnknownPower = 2;
-  constexpr double kUsualNoise = 90.0;
-  constexpr double kUsualGain = 4000.0;
-  constexpr double kVisibleJamming = 0.1;
-  const RadioState radio = s.sample != nullptr ? s.sample->radio : RadioState{};
-  const double noise = std::pow(10.0, radio.noise_db / 20.0);
-  std::array<MonRfBlock, 2> blocks;
-  for (std::uint8_t band = 0; band < blocks.size(); ++band) {
-    MonRfBlock& block = blocks[band];
-    block.block = band;
-    block.flags = radio.jamming < kVisibleJamming ? 1 : s.fix_ok ? 2 : 3;
-    block.antenna_status = kNotSupervised;
-    block.antenna_power = kUnknownPower;
-    block.noise_per_ms = to_field<std::uint16_t>(kUsualNoise * noise, 1.0);
-    block.gain_control = to_field<std::uint16_t>(kUsualGain / noise, 1.0);
-    block.jamming_indicator = to_field<std::uint8_t>(radio.jamming * 255.0, 1.0);
-  }
-  const MonRfHead head{0, static_cast<std::uint8_t>(blocks.size())};
-  return encode_blocks(head, std::span<const MonRfBlock>(blocks), out);
-}
-
 }  // namespace
 
 std::size_t encode_modern_solution(const UbloxSolution& s, const UbloxProfile& profile,
@@ -260,7 +236,6 @@ std::size_t encode_modern_solution(const UbloxSolution& s, const UbloxProfile& p
   if (id == NavCov::kId) return put(covariance(s), out);
   if (id == NavHpposllh::kId) return put(precise_geodetic(s), out);
   if (id == NavHpposecef::kId) return put(precise_earth_centred(s), out);
-  if (id == MonRfHead::kId) return put_radio(s, out);
   return 0;
 }
 

@@ -1,9 +1,9 @@
 // The navigation messages that u-blox 8 and 9 have beyond those of u-blox 7, or in another form:
-// NAV-PVT of 92 bytes, SAT, ORB, TIMELS, EOE, COV, HPPOSECEF, HPPOSLLH, the carrier solution in PVT
-// and STATUS, and MON-RF.
+// NAV-PVT of 92 bytes, SAT, ORB, TIMELS, EOE, COV, HPPOSECEF, HPPOSLLH, and the carrier solution in
+// PVT and STATUS.
 //
 // Sources: u-blox M8 receiver description, UBX-13003221 R28, section 32.17; u-blox F9 HPG 1.50
-// interface description, UBXDOC-963802114-12815, sections 3.14 and 3.15. What is constant is listed
+// interface description, UBXDOC-963802114-12815, section 3.15. What is constant is listed
 // in docs/devices/ublox-neo-m8.md and ublox-zed-f9p.md.
 #pragma once
 

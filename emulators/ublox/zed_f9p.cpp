@@ -19,7 +19,7 @@ namespace {
 namespace ubx = protocols::ubx;
 
 constexpr std::size_t kFrame = ubx::kOverheadBytes;
-constexpr std::size_t kSatellites = 32;  // listed at most
+constexpr std::size_t kSatellites = 32;  // usual at most
 
 // Longest forms with NMEA 4.11 and high precision: four systems, each with its own GSA and GSV.
 constexpr std::size_t kRmc = 84;

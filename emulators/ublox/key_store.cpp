@@ -70,38 +70,38 @@ void UbloxKeyStore::clear(Layer& layer) {
 }
 
 bool UbloxKeyStore::handles(MessageId id) const {
-  return id == kCfgValset || id == kCfgValget || id == kCfgValdel || id == CfgCfg::kId;
+  return id == CfgValsetHead::kId || id == CfgValgetHead::kId || id == CfgValdelHead::kId ||
+         id == CfgCfg::kId;
 }
 
 bool UbloxKeyStore::is_poll(const FrameView& frame) const {
-  return frame.id == kCfgValget;
+  return frame.id == CfgValgetHead::kId;
 }
 
 std::optional<std::uint64_t> UbloxKeyStore::value(const UbloxConfiguration& configuration,
-                                                  ReadLayer layer, std::size_t index) const {
+                                                  std::uint8_t layer, std::size_t index) const {
   switch (layer) {
-    case ReadLayer::ram:
+    case kLayerRam:
       return map_.bound(index) ? map_.read(configuration.present(), index) : others_[index];
-    case ReadLayer::backup:
+    case kLayerBattery:
       return backup_[index];
-    case ReadLayer::flash:
+    case kLayerFlash:
       return flash_[index];
-    case ReadLayer::initial:
+    case kLayerDefault:
       return map_.bound(index) ? map_.read(configuration.defaults(), index)
                                : configuration_keys()[index].initial;
+    default:
+      return std::nullopt;
   }
-  return std::nullopt;
 }
 
 std::size_t UbloxKeyStore::poll(const UbloxConfiguration& configuration, const FrameView& frame,
                                 std::span<std::uint8_t> out) {
   interrupt();
   const auto query = decode_valget(frame);
-  if (!query.ok() || (query->layer > static_cast<std::uint8_t>(ReadLayer::flash) &&
-                      query->layer != static_cast<std::uint8_t>(ReadLayer::initial))) {
+  if (!query.ok() || (query->layer > kLayerFlash && query->layer != kLayerDefault)) {
     return 0;
   }
-  const auto layer = static_cast<ReadLayer>(query->layer);
   KeyListWriter writer(out);
   writer.head(1, query->layer, query->position);
   std::size_t found = 0;
@@ -112,7 +112,7 @@ std::size_t UbloxKeyStore::poll(const UbloxConfiguration& configuration, const F
       return 0;
     }
     for (std::size_t i = range.first; i < range.last; ++i) {
-      const auto present = value(configuration, layer, i);
+      const auto present = value(configuration, query->layer, i);
       if (present && found++ >= query->position &&
           found <= query->position + kMaximumConfigurationItems) {
         writer.value({configuration_keys()[i].id, *present});
@@ -127,7 +127,7 @@ bool UbloxKeyStore::set(UbloxConfiguration& configuration, const FrameView& fram
     interrupt();
     return set_store(configuration, frame.payload);
   }
-  const Action action = frame.id == kCfgValset ? Action::set : Action::remove;
+  const Action action = frame.id == CfgValsetHead::kId ? Action::set : Action::remove;
   const auto wanted = action == Action::set ? decode_valset(frame) : decode_valdel(frame);
   if (!wanted.ok() || !change(configuration, action, *wanted)) {
     interrupt();
@@ -271,7 +271,7 @@ bool UbloxKeyStore::set_store(UbloxConfiguration& configuration, Payload payload
     }
     if (masks.save_mask != 0) {
       for (std::size_t i = 0; i < layer->size(); ++i) {
-        (*layer)[i] = value(configuration, ReadLayer::ram, i);
+        (*layer)[i] = value(configuration, kLayerRam, i);
       }
     }
   }

@@ -48,8 +48,7 @@ class UbloxKeyStore final : public UbloxKeyMessages {
   /// The item's value in a layer; nothing where that layer does not hold it. Precondition: index <
   /// configuration_keys().size().
   [[nodiscard]] std::optional<std::uint64_t> value(const UbloxConfiguration& configuration,
-                                                   protocols::ubx::ReadLayer layer,
-                                                   std::size_t index) const;
+                                                   std::uint8_t layer, std::size_t index) const;
 
  private:
   using Layer = std::vector<std::optional<std::uint64_t>>;  ///< By index of the item.

@@ -9,7 +9,7 @@ constexpr std::size_t kKeyBytes = 4;
 constexpr Malformed kOtherMessage{"another UBX message", 2};
 constexpr Malformed kTooShort{"UBX payload length", 4};
 constexpr Malformed kWrongVersion{"unknown version of a key list", kHeaderBytes};
-constexpr Malformed kBadList{"cut or too long key list", kHeaderBytes + kKeyListHeadBytes};
+constexpr Malformed kBadList{"cut or too long key list", kHeaderBytes + CfgValsetHead::kLength};
 
 using Payload = std::span<const std::uint8_t>;
 
@@ -38,7 +38,7 @@ Decoded<KeyChange> decode_change(const FrameView& frame, MessageId id,
   if (frame.id != id) {
     return kOtherMessage;
   }
-  if (frame.payload.size() < kKeyListHeadBytes) {
+  if (frame.payload.size() < CfgValsetHead::kLength) {
     return kTooShort;
   }
   KeyChange change;
@@ -50,7 +50,7 @@ Decoded<KeyChange> decode_change(const FrameView& frame, MessageId id,
   if (change.version == 1) {
     change.transaction = static_cast<Transaction>(frame.payload[2] & 3U);
   }
-  change.list = frame.payload.subspan(kKeyListHeadBytes);
+  change.list = frame.payload.subspan(CfgValsetHead::kLength);
   const auto found = count(change.list);
   if (!found) {
     return kBadList;
@@ -88,13 +88,13 @@ std::optional<std::uint32_t> KeyReader::next() {
 }
 
 bool KeyListWriter::head(std::uint8_t version, std::uint8_t layer, std::uint16_t rest) {
-  if (out_.size() < size_ + kKeyListHeadBytes) {
+  if (out_.size() < size_ + CfgValsetHead::kLength) {
     return false;
   }
   out_[size_] = version;
   out_[size_ + 1] = layer;
   store_little(out_, size_ + 2, rest);
-  size_ += kKeyListHeadBytes;
+  size_ += CfgValsetHead::kLength;
   return true;
 }
 
@@ -121,18 +121,18 @@ bool KeyListWriter::value(const KeyValue& pair) {
 }
 
 Decoded<KeyChange> decode_valset(const FrameView& frame) {
-  return decode_change(frame, kCfgValset, count_pairs);
+  return decode_change(frame, CfgValsetHead::kId, count_pairs);
 }
 
 Decoded<KeyChange> decode_valdel(const FrameView& frame) {
-  return decode_change(frame, kCfgValdel, count_keys);
+  return decode_change(frame, CfgValdelHead::kId, count_keys);
 }
 
 Decoded<KeyQuery> decode_valget(const FrameView& frame) {
-  if (frame.id != kCfgValget) {
+  if (frame.id != CfgValgetHead::kId) {
     return kOtherMessage;
   }
-  if (frame.payload.size() < kKeyListHeadBytes) {
+  if (frame.payload.size() < CfgValsetHead::kLength) {
     return kTooShort;
   }
   if (frame.payload[0] != 0) {
@@ -141,7 +141,7 @@ Decoded<KeyQuery> decode_valget(const FrameView& frame) {
   KeyQuery query;
   query.layer = frame.payload[1];
   query.position = load_little<std::uint16_t>(frame.payload, 2);
-  query.list = frame.payload.subspan(kKeyListHeadBytes);
+  query.list = frame.payload.subspan(CfgValsetHead::kLength);
   const auto count = count_keys(query.list);
   if (!count) {
     return kBadList;
@@ -151,10 +151,10 @@ Decoded<KeyQuery> decode_valget(const FrameView& frame) {
 }
 
 Decoded<KeyAnswer> decode_valget_reply(const FrameView& frame) {
-  if (frame.id != kCfgValget) {
+  if (frame.id != CfgValgetHead::kId) {
     return kOtherMessage;
   }
-  if (frame.payload.size() < kKeyListHeadBytes) {
+  if (frame.payload.size() < CfgValsetHead::kLength) {
     return kTooShort;
   }
   if (frame.payload[0] != 1) {
@@ -163,7 +163,7 @@ Decoded<KeyAnswer> decode_valget_reply(const FrameView& frame) {
   KeyAnswer answer;
   answer.layer = frame.payload[1];
   answer.position = load_little<std::uint16_t>(frame.payload, 2);
-  answer.list = frame.payload.subspan(kKeyListHeadBytes);
+  answer.list = frame.payload.subspan(CfgValsetHead::kLength);
   const auto count = count_pairs(answer.list);
   if (!count) {
     return kBadList;

@@ -18,30 +18,22 @@
 
 #include "protocols/result.h"
 #include "protocols/ubx/configuration_keys.h"
+#include "protocols/ubx/configuration_values.h"
 #include "protocols/ubx/frame.h"
 
 namespace rigwire::protocols::ubx {
 
-inline constexpr MessageId kCfgValset{0x06, 0x8A};
-inline constexpr MessageId kCfgValget{0x06, 0x8B};
-inline constexpr MessageId kCfgValdel{0x06, 0x8C};
-
-inline constexpr std::size_t kKeyListHeadBytes = 1 /*version*/ + 1 /*layers*/ + 2 /*rest*/;
-inline constexpr std::size_t kMaximumConfigurationItems = 64;  ///< In one message.
 inline constexpr std::size_t kLongestValue = 8;
 /// The longest payload of all three.
 inline constexpr std::size_t kLongestKeyList =
-    kKeyListHeadBytes + kMaximumConfigurationItems * (4 /*key*/ + kLongestValue);
+    CfgValsetHead::kLength + kMaximumConfigurationItems * (4 /*key*/ + kLongestValue);
 
-/// Layers of VALSET and VALDEL.
-inline constexpr std::uint8_t kLayerMaskRam = 0x01;
-inline constexpr std::uint8_t kLayerMaskBattery = 0x02;  ///< Battery-backed memory (BBR).
-inline constexpr std::uint8_t kLayerMaskFlash = 0x04;
-
-/// The layer of VALGET.
-enum class ReadLayer : std::uint8_t { ram = 0, backup = 1, flash = 2, initial = 7 };
-
-enum class Transaction : std::uint8_t { none = 0, start = 1, ongoing = 2, apply = 3 };
+enum class Transaction : std::uint8_t {
+  none = kTransactionNone,
+  start = kTransactionStart,
+  ongoing = kTransactionGoOn,
+  apply = kTransactionApply,
+};
 
 struct KeyValue {
   std::uint32_t key = 0;
@@ -62,7 +54,7 @@ struct KeyChange {
 
 /// VALGET's request; `list` holds keys, for KeyReader.
 struct KeyQuery {
-  std::uint8_t layer = 0;  ///< As it came; ReadLayer has those that exist.
+  std::uint8_t layer = 0;  ///< As it came; kLayerRam and the following ones exist.
   std::uint16_t position = 0;
   std::span<const std::uint8_t> list;
   std::size_t count = 0;

@@ -43,9 +43,13 @@ To same_members(const From& from) {
 
 }  // namespace
 
-Ephemeris to_message(const GpsEphemeris& ephemeris) { return same_members<Ephemeris>(ephemeris); }
+Ephemeris to_message(const GpsEphemeris& ephemeris) {
+  return same_members<Ephemeris>(ephemeris);
+}
 
-GpsEphemeris to_sample(const Ephemeris& ephemeris) { return same_members<GpsEphemeris>(ephemeris); }
+GpsEphemeris to_sample(const Ephemeris& ephemeris) {
+  return same_members<GpsEphemeris>(ephemeris);
+}
 
 IonosphereUtc to_message(const KlobucharParameters& ionosphere, const GpsUtcParameters& utc) {
   return {.alpha = ionosphere.alpha,

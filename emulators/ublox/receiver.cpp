@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "protocols/ubx/monitor.h"
 #include "protocols/ubx/version.h"
 
 namespace rigwire::emulators {
@@ -154,6 +155,10 @@ void UbloxReceiver::greet(SimTime now) {
     for (const auto line : profile_.banner) {
       send_text(now, nmea::TextKind::notice, line);
     }
+  }
+  const std::size_t awake = message_index(profile_, ubx::MonRxr::kId);
+  if (awake < profile_.messages.size() && configuration_.message_rate(awake) > 0) {
+    send_message(now, profile_.messages[awake]);
   }
 }
 

@@ -92,6 +92,8 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
 
   // receiver_output.cpp: what it says.
   void publish(SimTime now);
+  /// True of messages that follow an event and not the epochs.
+  [[nodiscard]] bool waits_for_event(protocols::ubx::MessageId id) const;
   void send_message(SimTime now, const UbloxMessage& message);
   void send_sentence(SimTime now, std::string_view name);
   void send_text(SimTime now, protocols::nmea::TextKind kind, std::string_view text);
@@ -107,6 +109,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   void handle(SimTime now, const protocols::ubx::FrameView& frame);
   void handle_configuration(SimTime now, const protocols::ubx::FrameView& frame);
   [[nodiscard]] bool handle_aiding(SimTime now, const protocols::ubx::FrameView& frame);
+  [[nodiscard]] bool answer_poll(SimTime now, protocols::ubx::MessageId id);
   void reset(SimTime now, const protocols::ubx::CfgRst& request);
   void answer(SimTime now, protocols::ubx::MessageId request, bool accepted);
 

@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
+#include "child_process.h"
+#include "rinex_text.h"
 #include "sim/gnss/observations.h"
 #include "sim/local_frame.h"
-#include "tests/support/child_process.h"
-#include "tests/support/rinex_text.h"
 
 namespace rigwire::sim {
 namespace {

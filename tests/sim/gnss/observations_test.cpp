@@ -56,7 +56,7 @@ TEST_F(ObservationsTest, CodeAndCarrierAreTheSumOfTheirParts) {
   const double cycles = (geometry_m - 4.0 + 3.0 + 0.002) / kGpsL1Wavelength_m;
   const double ambiguity = m.carrier_phase_cycles - cycles;
   EXPECT_NEAR(ambiguity, std::round(ambiguity), 1e-6);
-  EXPECT_LE(std::abs(m.carrier_phase_cycles - m.pseudorange_m / kGpsL1Wavelength_m), 500.0);
+  EXPECT_LE(std::abs(m.carrier_phase_cycles - m.pseudorange_m / kGpsL1Wavelength_m), 401.0);
 }
 
 TEST_F(ObservationsTest, CarrierMovesAsTheCodeAndAsTheDopplerSays) {

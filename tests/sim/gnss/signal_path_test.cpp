@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
+#include <Eigen/Dense>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -52,24 +52,33 @@ TEST_F(SignalPathTest, RangeIsTheFlightOfLightInAnInertialFrame) {
   }
 }
 
-TEST_F(SignalPathTest, RotationOfTheEarthMovesAFixByItsFlight) {
-  // Sagnac: without it every range is short by omega (x_s y_r - y_s x_r) / c, which a fix at the
-  // equator shows as about 31 m of longitude (24 m at 40 degrees).
+TEST_F(SignalPathTest, WhoForgetsTheEarthsRotationIsTwentyMetresTooFarEast) {
+  // Sagnac: omega (x_s y_r - y_s x_r) / c on each range; left out, a fix turns with the earth
+  // during the flight, 465 m/s cos(latitude) times 70 ms.
+  const LocalFrame frame({49.4, 7.75, 280.0, 0.0});
   ReceptionPoint antenna;
   antenna.time = {2316, 300'000 * kSecond_ns};
-  antenna.position_E_m = ecef(0.0, 20.0, 0.0);
+  antenna.position_E_m = frame.to_ecef(Eigen::Vector3d::Zero());
+  const Eigen::Vector3d& r = antenna.position_E_m;
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
   for (std::size_t i = 0; i < constellation_->satellites().size(); ++i) {
     const SignalPath path = signal_path(*constellation_, i, antenna);
     const Eigen::Vector3d s =
         constellation_->state(i, antenna.time, antenna.offset_s - path.flight_s).position_E_m;
-    const Eigen::Vector3d& r = antenna.position_E_m;
-    const double sagnac_m = kEarthRate_radps * (s.x() * r.y() - s.y() * r.x()) / kLightSpeed_mps;
-    EXPECT_NEAR(path.range_m - (s - r).norm(), sagnac_m, 1e-3);
-    EXPECT_LT(std::abs(sagnac_m), 45.0);
-    // Which an antenna further east by so much would measure, too.
-    const double east_m = kEarthRate_radps * r.norm() * path.flight_s;
-    EXPECT_NEAR(east_m, 33.0, 6.0);
+    const double unturned_m = (s - r).norm();
+    EXPECT_NEAR(path.range_m - unturned_m,
+                kEarthRate_radps * (s.x() * r.y() - s.y() * r.x()) / kLightSpeed_mps, 1e-3);
+    const Eigen::Vector3d e_W = frame.world_from_ecef() * (s - r) / unturned_m;
+    if (e_W.z() > 0.1) {
+      const Eigen::Vector4d row(-e_W.x(), -e_W.y(), -e_W.z(), 1.0);
+      normal += row * row.transpose();
+      right += row * (path.range_m - unturned_m);
+    }
   }
+  const Eigen::Vector4d shift = normal.ldlt().solve(right);
+  EXPECT_NEAR(shift.x(), 465.1 * std::cos(49.4 * kDegree) * 0.073, 3.0);
+  EXPECT_LT(std::abs(shift.y()), 5.0);
 }
 
 TEST_F(SignalPathTest, RangeRateIsTheDerivativeOfRange) {

@@ -5,7 +5,8 @@
 
 FOLDER is docs/accuracy beside this script's folder unless given. Draws what the file has:
 work_precision.svg (excavator), dynamics_MACHINE.svg (dynamics), range_error.svg (lidar),
-lateness.svg (pacing). Standard library only.
+lateness.svg (pacing), gnss_lap.svg (gnss: after figure 2 of Wolf et al. 2020). Standard library
+only.
 """
 import json
 import math
@@ -52,6 +53,25 @@ class Svg:
                        f'{STYLE}\n<rect width="100%" height="100%" fill="#fff"/>\n'
                        + "\n".join(self.parts) + "\n</svg>\n")
         print(path)
+
+
+class LinearAxis:
+    """From 0, or from the least value, to the greatest, mapped to pixels."""
+
+    def __init__(self, low, high, start, end):
+        self.low, self.high = low, max(high, low + 1e-9)
+        self.start, self.end = start, end
+
+    def at(self, value):
+        share = (value - self.low) / (self.high - self.low)
+        return self.start + share * (self.end - self.start)
+
+    def ticks(self):
+        rough = (self.high - self.low) / 5.0
+        unit = 10.0 ** math.floor(math.log10(rough))
+        step = next(f * unit for f in (1, 2, 5, 10) if f * unit >= rough)
+        first = math.ceil(self.low / step - 1e-9)
+        return [i * step for i in range(first, math.floor(self.high / step + 1e-9) + 1)]
 
 
 class LogAxis:
@@ -246,6 +266,50 @@ def lateness(bench, path):
     svg.write(path)
 
 
+def gnss_lap(bench, path):
+    """Count and dilutions over the way, receivers side by side: after the paper's figure 2."""
+    lap = bench["gnss"]["lap"]
+    panels = [("satellites", "satellites used"), ("horizontal_dilution", "HDOP"),
+              ("vertical_dilution", "VDOP"), ("position_dilution", "PDOP"),
+              ("horizontal_error_m", "horizontal error, m")]
+    height, left, right = 150, 70, 860
+    bottom = 70 + height * len(panels)
+    svg = Svg(900, bottom + 70)
+    svg.text(20, 24, "One lap of the campus: what each receiver reports along the way", kind="t")
+    svg.text(20, 42, "rig gator_campus; grey: nearest point to a building, its name and height",
+             kind="s")
+    length = max(lap["receivers"][0]["epochs"]["along_m"])
+    x_axis = LinearAxis(0.0, length, left, right)
+    for i, (key, name) in enumerate(panels):
+        top = 70 + height * i
+        values = [v for r in lap["receivers"] for v in r["epochs"][key] if v is not None]
+        y_axis = LinearAxis(0.0, 1.05 * max(values), top + height - 30, top)
+        frame(svg, x_axis, y_axis,
+              (lambda v: f"{v:g}") if i == len(panels) - 1 else (lambda v: ""),
+              lambda v: f"{v:g}")
+        svg.text(left + 6, top + 2, name)
+        for building in lap.get("buildings", []):
+            x = x_axis.at(building["along_m"])
+            svg.line(x, top, x, y_axis.start, "#999", 1, "3 3")
+            if i == 0:
+                svg.text(x, top - 6, f'{building["name"]} {building["height_m"]:g} m', "middle", "s")
+        for receiver, colour in zip(lap["receivers"], COLOURS):
+            epochs = receiver["epochs"]
+            run = []
+            for along, value in zip(epochs["along_m"], epochs[key]):
+                if value is None:  # nothing reported: a gap
+                    svg.path(run, colour)
+                    run = []
+                else:
+                    run.append((x_axis.at(along), y_axis.at(value)))
+            svg.path(run, colour)
+    svg.text((left + right) / 2, bottom + 6, "way along the track, m", "middle", "s")
+    for i, (receiver, colour) in enumerate(zip(lap["receivers"], COLOURS)):
+        svg.dot(78 + 260 * i, bottom + 36, colour)
+        svg.text(88 + 260 * i, bottom + 40, f'{receiver["device"]} ({receiver["type"]})')
+    svg.write(path)
+
+
 def main():
     if len(sys.argv) not in (2, 3) or sys.argv[1].startswith("-"):
         sys.exit(__doc__)
@@ -256,7 +320,8 @@ def main():
             bench = json.load(file)
         for suite, draw, name in (("excavator", work_precision, "work_precision.svg"),
                                   ("lidar", range_error, "range_error.svg"),
-                                  ("pacing", lateness, "lateness.svg")):
+                                  ("pacing", lateness, "lateness.svg"),
+                                  ("gnss", gnss_lap, "gnss_lap.svg")):
             if suite in bench:
                 draw(bench, os.path.normpath(os.path.join(folder, name)))
         for machine in dict.fromkeys(case["machine"].split(" ")[0] for case in

@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <utility>
 
 #include "emulators/valve_driver/valve_driver.h"
-#include "hil/cpu_time.h"
+#include "hil/bench/cost.h"
 #include "protocols/can/bits.h"
 #include "protocols/nmea/position_sentences.h"
 #include "protocols/openimu/messages.h"
@@ -35,35 +34,6 @@ constexpr std::size_t kEthernetLeast = 46;  // Payload of the shortest frame.
 constexpr std::size_t kUdpHeaders = 20 /*IP*/ + 8 /*UDP*/;
 constexpr std::size_t kTcpHeaders = 20 /*IP*/ + 20 /*TCP*/ + 12 /*time stamps*/;
 
-constexpr int kRuns = 5;
-constexpr double kRun_s = 0.04;
-constexpr int kVariants = 512;  // Different values, so that nothing is computed once only.
-
-/// Makes the compiler believe that somebody reads what is there.
-void keep(const void* data) {
-  asm volatile("" : : "g"(data) : "memory");
-}
-
-/// Nanoseconds of one call of make(i), i counting through the variants.
-template <class Make>
-double nanoseconds_of(const Make& make) {
-  double least_ns = std::numeric_limits<double>::max();
-  for (int run = 0; run < kRuns; ++run) {
-    long calls = 0;
-    const double begin_s = thread_cpu_seconds();
-    double spent_s = 0.0;
-    while (spent_s < kRun_s) {
-      for (int i = 0; i < kVariants; ++i) {
-        make(i);
-      }
-      calls += kVariants;
-      spent_s = thread_cpu_seconds() - begin_s;
-    }
-    least_ns = std::min(least_ns, 1e9 * spent_s / static_cast<double>(calls));
-  }
-  return least_ns;
-}
-
 double serial_limit(std::size_t bytes) {
   return kBaud / (kBitsPerUartByte * static_cast<double>(bytes));
 }
@@ -81,7 +51,7 @@ MessageCost ubx_cost(const char* name, const Fill& fill) {
     const auto frame = ubx::encode(fill(i));
     keep(frame.data());
   });
-  for (int i = 0; i < kVariants; ++i) {
+  for (int i = 0; i < kCostVariants; ++i) {
     const Message sent = fill(i);
     const auto frame = ubx::encode(sent);
     const auto view = ubx::decode_frame(frame);
@@ -134,7 +104,7 @@ MessageCost gga() {
     nmea::Sentence sentence = nmea::write_gga(epoch(i));
     keep(sentence.bytes().data());
   });
-  for (int i = 0; i < kVariants; ++i) {
+  for (int i = 0; i < kCostVariants; ++i) {
     nmea::Sentence sentence = nmea::write_gga(epoch(i));
     const auto bytes = sentence.bytes();
     const auto view = nmea::decode_sentence(bytes);
@@ -168,7 +138,7 @@ MessageCost data_packet() {
     velodyne::encode(packet, bytes);
     keep(bytes.data());
   });
-  for (int i = 0; i < kVariants; ++i) {
+  for (int i = 0; i < kCostVariants; ++i) {
     fill(i);
     velodyne::encode(packet, bytes);
     const auto read = velodyne::decode_data_packet(bytes);
@@ -192,7 +162,7 @@ MessageCost angular_rate() {
     keep(&frame);
   });
   unsigned most_bits = 0;
-  for (int i = 0; i < kVariants; ++i) {
+  for (int i = 0; i < kCostVariants; ++i) {
     const protocols::can::Frame frame = openimu::encode(fill(i), 0x80);
     most_bits = std::max(most_bits, protocols::can::exact_bits(frame));
     const auto read = openimu::decode_angular_rate(frame);
@@ -244,7 +214,7 @@ MessageCost register_exchange() {
     keep(output.answer.data());
   };
   cost.nanoseconds = nanoseconds_of(exchange);
-  for (int i = 0; i < kVariants; ++i) {
+  for (int i = 0; i < kCostVariants; ++i) {
     exchange(i);
     const auto adu = modbus::decode_adu(std::span(output.answer).first(output.size));
     const auto response = modbus::decode_response(adu->pdu);

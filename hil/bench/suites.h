@@ -11,6 +11,7 @@ nlohmann::json bench_pacing(std::ostream& text);
 nlohmann::json bench_lidar(std::ostream& text);
 nlohmann::json bench_excavator(std::ostream& text);
 nlohmann::json bench_dynamics(std::ostream& text);
+nlohmann::json bench_gnss(std::ostream& text);
 nlohmann::json bench_encoding(std::ostream& text);
 
 }  // namespace rigwire::hil

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "emulators/ublox/raw_messages.h"
-#include "tests/emulators/ublox/raw_example.h"
+#include "raw_example.h"
 
 namespace rigwire::emulators {
 

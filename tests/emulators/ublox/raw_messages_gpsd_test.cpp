@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/emulators/ublox/raw_log.h"
-#include "tests/support/child_process.h"
+#include "child_process.h"
+#include "raw_log.h"
 
 namespace rigwire::emulators {
 namespace {

@@ -8,10 +8,10 @@
 #include <sstream>
 #include <string>
 
+#include "child_process.h"
 #include "emulators/ublox/raw_messages.h"
 #include "protocols/rinex/navigation.h"
-#include "tests/emulators/ublox/raw_log.h"
-#include "tests/support/child_process.h"
+#include "raw_log.h"
 
 namespace rigwire::emulators {
 namespace {

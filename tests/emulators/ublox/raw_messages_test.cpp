@@ -6,7 +6,7 @@
 
 #include "protocols/ubx/aiding.h"
 #include "protocols/ubx/blocks.h"
-#include "tests/emulators/ublox/raw_example.h"
+#include "raw_example.h"
 
 namespace rigwire::emulators {
 namespace {

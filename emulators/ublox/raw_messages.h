@@ -29,7 +29,6 @@
 #include <cstdint>
 #include <span>
 
-#include "emulators/ublox/profile.h"
 #include "emulators/ublox/subframe_reception.h"
 #include "protocols/ubx/frame.h"
 #include "protocols/ubx/raw_measurements.h"
@@ -62,8 +61,9 @@ class UbloxRawMessages {
   /// first time it is what the satellites send at the first epoch.
   void begin(bool ephemerides_remembered, bool almanac_remembered);
 
-  /// An epoch. Samples come in order of time; those that the receiver does not hear (off, antenna
-  /// broken) are left out, which breaks locks.
+  /// An epoch, in order of time. When the receiver hears nothing (antenna broken), it still comes,
+  /// as a sample without tracked satellites: a satellite counts as tracked from one epoch that says
+  /// so to the next one that does not.
   void update(const GnssSample& sample, const UbloxTimeKnowledge& time);
 
   /// Whether this file knows the message.

@@ -343,7 +343,7 @@ std::size_t UbloxRawMessages::encode_rawx(std::span<std::uint8_t> out) const {
       .measurements = static_cast<std::uint8_t>(n),
       .status = static_cast<std::uint8_t>((time_.leap_known ? ubx::kRawxLeapSecondsKnown : 0U) |
                                           (clock_reset_ ? ubx::kRawxClockReset : 0U)),
-      .version = static_cast<std::uint8_t>(generation_ >= 9 ? 1 : 0)};
+      .version = static_cast<std::uint8_t>(generation_ >= 8 ? 1 : 0)};
   return ubx::encode_blocks<ubx::RxmRawxHead, ubx::RxmRawxBlock>(head, std::span(blocks).first(n),
                                                                  out);
 }

@@ -11,13 +11,15 @@
 // for frames one by one. No I/O; nothing is allocated after construction.
 //
 // Sources: u-blox M8 receiver description, UBX-13003221 R28, sections 32.9 "UBX-AID" and 32.18
-// "UBX-RXM"; where u-blox 7 differs (RXM-RAW, RXM-SFRB, words of AID-EPH) recordings of a NEO-7P,
-// which show:
+// "UBX-RXM". RXM-RAWX and RXM-SFRBX besides from recordings of a NEO-M8T (gpsd's regression tests):
+// version 1 of RXM-RAWX; words in true polarity with the two bits before them. Where u-blox 7
+// differs, from recordings of a NEO-7P:
 // - RXM-RAW: the carrier phase starts near zero with each lock and runs on over the milliseconds by
-//   which the receiver sets its clock, the pseudorange does not;
-// - mesQI and lli go in pairs: 7 0 locked; 6 2 the half cycle is not resolved; 5 3 just slipped; 4
-// 3
-//   no usable carrier;
+//   which the receiver sets its clock; the pseudorange jumps with them.
+// - RXM-RAW: mesQI and lli go in pairs: 7 and 0 locked, 6 and 2 while the half cycle is not
+//   resolved, 5 and 3 just slipped, 4 and 3 without usable carrier.
+// - RXM-SFRB: 24 data bits with their sign; a subframe leaves before the RXM-RAW of the epoch at
+//   its end.
 // - AID-EPH: words are 24 bits without sign, put together from what was decoded, so that reserved
 //   bits, codes on L2 and age of data offset are 0; the hand-over word is that of toe.
 #pragma once
@@ -27,7 +29,6 @@
 #include <cstdint>
 #include <span>
 
-#include "emulators/ublox/profile.h"
 #include "emulators/ublox/subframe_reception.h"
 #include "protocols/ubx/frame.h"
 #include "protocols/ubx/raw_measurements.h"
@@ -60,8 +61,9 @@ class UbloxRawMessages {
   /// first time it is what the satellites send at the first epoch.
   void begin(bool ephemerides_remembered, bool almanac_remembered);
 
-  /// An epoch. Samples come in order of time; those that the receiver does not hear (off, antenna
-  /// broken) are left out, which breaks locks.
+  /// An epoch, in order of time. When the receiver hears nothing (antenna broken), it still comes,
+  /// as a sample without tracked satellites: a satellite counts as tracked from one epoch that says
+  /// so to the next one that does not.
   void update(const GnssSample& sample, const UbloxTimeKnowledge& time);
 
   /// Whether this file knows the message.

@@ -45,6 +45,11 @@ constexpr std::array<std::string_view, kOrbitNumbers> kOrbitNames{"IODE",
                                                                   "spare",
                                                                   "spare"};
 
+// What some programs leave out: codes and data flag of L2, and the last line.
+bool may_be_blank(std::size_t index) {
+  return index == 17 || index == 19 || index >= kOrbitNumbers - kPerLine;
+}
+
 bool is_label(std::string_view line, std::string_view label) {
   return trimmed(columns(line, kLabelColumn, 20)) == label;
 }
@@ -166,8 +171,8 @@ class Reader {
       for (std::size_t k = 0; k < kPerLine; ++k) {
         const std::size_t index = i * kPerLine + k;
         const std::string_view text = columns(orbit, (old() ? 3U : 4U) + k * kNumber, kNumber);
-        numbers[index] = i + 1 < kOrbitLines ? lines_.number(text, kOrbitNames[index])
-                                             : lines_.number_or(text, kOrbitNames[index], 0.0);
+        numbers[index] = may_be_blank(index) ? lines_.number_or(text, kOrbitNames[index], 0.0)
+                                             : lines_.number(text, kOrbitNames[index]);
       }
     }
     fill(numbers, clock, record);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/protocols/rinex/files.h"
+#include "files.h"
 
 namespace rigwire::protocols::rinex {
 namespace {
@@ -77,6 +77,17 @@ TEST(RinexNavigation, LineEndsOfOtherSystemsAndBlankLinesDoNotMatter) {
     text += c == '\n' ? "\r\n" : std::string(1, c);
   }
   expect_satellite_5(read_navigation(text + "\r\n  \n", "brdc.rnx"));
+}
+
+TEST(RinexNavigation, FieldsOfL2AndTheLastLineMayBeBlank) {
+  std::string text = with(kVersion2, "0.100000000000D+01 0.229700000000D+04 0.000000000000D+00",
+                          "                   0.229700000000D+04");
+  text = with(text, "    0.288018000000D+06 0.400000000000D+01\n", "\n");
+  const auto file = read_navigation(text, "x");
+  EXPECT_EQ(file.records[0].ephemeris.l2_code, 0);
+  EXPECT_EQ(file.records[0].ephemeris.week, 2297);
+  EXPECT_EQ(file.records[0].transmission_time_s, 0.0);
+  EXPECT_NE(refusal_of(with(kVersion2, "0.431250000000D+01", "                  ")), "");
 }
 
 TEST(RinexNavigation, WrittenFileReadsBackToTheSameBits) {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/protocols/rinex/files.h"
+#include "files.h"
 
 namespace rigwire::protocols::rinex {
 namespace {

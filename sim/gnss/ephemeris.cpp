@@ -65,11 +65,16 @@ double seconds_between(std::int32_t week, double time_of_week_s, const GpsTime& 
 }
 
 double eccentric_anomaly(double mean_anomaly_rad, double eccentricity) {
-  // Newton converges quadratically from e < 0.1: errors e^2/2, 1e-5, 1e-11, below rounding.
+  // Newton squares the error times e / 2: a step below 1e-8 leaves nothing to see. At most four.
+  constexpr double kLastStep = 1e-8;
   double anomaly = mean_anomaly_rad + eccentricity * std::sin(mean_anomaly_rad);
-  for (int i = 0; i < 4; ++i) {
-    anomaly -= (anomaly - eccentricity * std::sin(anomaly) - mean_anomaly_rad) /
-               (1.0 - eccentricity * std::cos(anomaly));
+  for (int round = 0; round < 4; ++round) {
+    const double step = (mean_anomaly_rad - anomaly + eccentricity * std::sin(anomaly)) /
+                        (1.0 - eccentricity * std::cos(anomaly));
+    anomaly += step;
+    if (std::abs(step) < kLastStep) {
+      break;
+    }
   }
   return anomaly;
 }

@@ -57,7 +57,8 @@ void Observations::measure(const Constellation& constellation, SimTime wanted,
     const bool slipped = signal.slipped || lock.since == kNever || lock.seen != last_;
     if (slipped) {
       lock.since = wanted;
-      lock.ambiguity_cycles = std::round(random_.uniform(-400.0, 400.0));
+      lock.ambiguity_cycles =
+          std::round(code_m / kGpsL1Wavelength_m - carrier_cycles + random_.uniform(-400.0, 400.0));
     }
     lock.seen = wanted;
 

@@ -8,9 +8,9 @@
 //                 carrier error) / wavelength + N
 //   Doppler     = -(rate of the pseudorange by the receiver's own clock + error) / wavelength
 //
-// N is a whole number, drawn when a signal is locked and held until it slips; it keeps the carrier
-// within 500 cycles of the pseudorange over the wavelength, as receivers do that start their phase
-// at the code. A set of the receiver's clock by a millisecond moves both by 1 575 420 cycles.
+// N is a whole number, drawn when a signal is locked, so that the carrier begins within 401 cycles
+// of the code as in receivers that start their phase there, and held until the signal slips. A set
+// of the receiver's clock by a millisecond moves both by 1 575 420 cycles.
 #pragma once
 
 #include <cstddef>

@@ -18,7 +18,7 @@ class NominalConstellation final : public Constellation {
   explicit NominalConstellation(std::span<const GnssSystem> systems) {
     std::vector<GnssSystem> sorted(systems.begin(), systems.end());
     std::ranges::sort(sorted);
-    sorted.erase(std::ranges::unique(sorted).begin(), sorted.end());
+    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
     for (const GnssSystem system : sorted) {
       if (system == GnssSystem::gps) {
         gps_ = kGpsSlots;  // the lowest of the systems: they come first

@@ -129,7 +129,8 @@ std::vector<NominalOrbit> walker(GnssSystem system, double semi_major_axis_m,
   constexpr std::size_t kPerPlane = 8;
   std::vector<NominalOrbit> orbits;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const auto plane = static_cast<double>(i / kPerPlane);
+    const std::size_t plane_number = i / kPerPlane;
+    const auto plane = static_cast<double>(plane_number);
     const auto place = static_cast<double>(i % kPerPlane);
     NominalOrbit orbit;
     orbit.satellite = {system, numbers[i]};
@@ -214,7 +215,8 @@ std::vector<NominalOrbit> nominal_orbits(GnssSystem system) {
 
 SatelliteState nominal_state(const NominalOrbit& orbit, const GpsTime& time, double offset_s) {
   // The orbit restated for the last whole second, and then as any other.
-  const auto whole_s = static_cast<double>(time.time_of_week_ns / 1'000'000'000);
+  const std::int64_t second = time.time_of_week_ns / 1'000'000'000;
+  const auto whole_s = static_cast<double>(second);
   const double since_epoch_s = (time.week - kEpochWeek) * kWeek_s + whole_s - kEpochOfWeek_s;
   GpsEphemeris eph;
   eph.week = time.week;

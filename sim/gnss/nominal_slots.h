@@ -1,7 +1,7 @@
 // The published nominal slots of the satellite systems, and the sets that their GPS satellites
 // broadcast.
 //
-// GPS: the 24 slots of the SPS Performance Standard (2008, table A.2-1), PRN = slot + 1. Each
+// GPS: the 24 slots of the SPS Performance Standard (2008, section 3.2), PRN = slot + 1. Each
 // satellite states its orbit anew every two hours, on even hours of GPS time, with toe = toc in the
 // middle. The figures of the message are kept as whole numbers of its steps, from one set to the
 // next by whole steps, with mean motion, drift of the node and clock drift chosen so that two hours

@@ -81,7 +81,7 @@ ReceiverClock::Knot ReceiverClock::next(const Knot& knot) {
 
 void ReceiverClock::reach(std::int64_t second) {
   while (second_ < second) {
-    std::ranges::rotate(knots_, knots_.begin() + 1);
+    std::rotate(knots_.begin(), knots_.begin() + 1, knots_.end());
     knots_.back() = next(knots_[knots_.size() - 2]);
     ++second_;
   }

@@ -339,14 +339,14 @@ void GnssSensor::measure(std::span<const ReceivedSatellite> received, const Epoc
       const RangeError& error = satellite.error;
       signal.ionosphere_m += error.ionosphere_m;
       signal.troposphere_m += error.troposphere_m;
-      signal.code_error_m = error.orbit_clock_m + error.local_m;
-      signal.carrier_error_m = error.orbit_clock_m;
+      signal.code_error_m = error.orbit_clock_m + error.detour_m + error.local_m;
+      signal.carrier_error_m = error.orbit_clock_m + error.detour_m;
       signal.range_rate_error_mps = parameters_.speed_sigma_mps * error.rate_mps;
     }
     signal.code_error_m += epoch.fault.clock_offset_m;
     signal.carrier_error_m += epoch.fault.clock_offset_m;
     signal.range_rate_error_mps += epoch.fault.clock_offset_rate_mps;
-    signal.slipped = satellite.acquired;
+    signal.slipped = satellite.slipped;
     signals_.push_back(signal);
   }
   const Eigen::Matrix3d ecef_from_world = frame_.world_from_ecef().transpose();

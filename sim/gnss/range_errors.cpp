@@ -114,8 +114,8 @@ RangeError SatelliteErrors::error(const RangeErrorParameters& p, const Atmospher
       share.ionosphere * atmosphere.ionosphere_m(p, arrival.azimuth_rad, elevation);
   error.troposphere_m = atmosphere.troposphere_m(p, elevation);
   error.rate_mps = rate_.value();
-  error.local_m = noise_sigma_m * code_noise_.value() + multipath_sigma_m * multipath_.value() +
-                  arrival.extra_path_m;
+  error.local_m = noise_sigma_m * code_noise_.value() + multipath_sigma_m * multipath_.value();
+  error.detour_m = arrival.extra_path_m;
   const double slant = share.ionosphere * ionosphere_mapping(elevation);
   const double gradient_m =
       slant * p.ionosphere_gradient_sigma_mpkm * pierce_distance_km(elevation);

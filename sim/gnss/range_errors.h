@@ -95,14 +95,15 @@ struct RangeError {
   double orbit_clock_m = 0.0;  ///< In code and carrier alike.
   double ionosphere_m = 0.0;   ///< Delays the code, advances the carrier.
   double troposphere_m = 0.0;  ///< In code and carrier alike.
-  double local_m = 0.0;        ///< Noise, multipath, missing line of sight: the code's alone.
+  double local_m = 0.0;        ///< Noise and multipath: the code's alone.
+  double detour_m = 0.0;       ///< Extra path without line of sight, in code and carrier alike.
   double rate_mps = 0.0;       ///< Of the Doppler measurement, for sigma 1.
   double sigma_m = 1.0;        ///< 1 sigma by elevation and C/N0; knows nothing of reflections.
   /// Of it, what all satellites share: ionosphere at the zenith, its gradients north and east,
   /// troposphere.
   std::array<double, kCommonErrors> common_m{};
   [[nodiscard]] double total_m() const {
-    return orbit_clock_m + ionosphere_m + troposphere_m + local_m;
+    return orbit_clock_m + ionosphere_m + troposphere_m + local_m + detour_m;
   }
 };
 

@@ -157,6 +157,8 @@ void SatelliteChannels::track(const Reception& reception, const GnssFaultState& 
     busy -= before ? 1U : 0U;
     received.acquired = received.tracked && !before;
     received.direct = received.direct && received.tracked;
+    received.slipped = received.acquired || (received.tracked && received.direct != channel.direct);
+    channel.direct = received.direct;
     if (received.acquired) {
       channel.errors.acquired();
     }

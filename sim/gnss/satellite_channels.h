@@ -42,6 +42,7 @@ struct ReceivedSatellite {
   bool tracked = false;
   bool acquired = false;  ///< Since this epoch.
   bool direct = false;    ///< In line of sight, not by a reflection alone.
+  bool slipped = false;   ///< Acquired, or changed between direct and reflected signal.
   bool usable = false;    ///< Tracked, healthy, above the mask.
   RangeError error;       ///< When tracked, coloured model.
 };
@@ -72,6 +73,7 @@ class SatelliteChannels {
     SatelliteTracker tracker;
     SimTime last = kNever;
     SkyArrival arrival;
+    bool direct = false;  ///< At the epoch before.
     double envelope_m = 0.0;
     double extra_path_m = 0.0;
   };

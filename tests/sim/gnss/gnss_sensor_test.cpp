@@ -129,6 +129,14 @@ TEST_F(GnssSensorTest, OneToFourHolesInTheRoof) {
     const GnssSample sample = gnss.sample(kStart, antenna_, roof);
     EXPECT_EQ(sample.fix, fix_by_count(static_cast<int>(holes))) << holes;
     EXPECT_EQ(used(sample), holes < 3 ? 0 : static_cast<int>(holes));
+    if (holes < 3) {
+      EXPECT_TRUE(std::isnan(sample.position_dilution));
+    } else if (holes == 3) {
+      EXPECT_EQ(sample.position_dilution, 0.0);
+      EXPECT_EQ(sample.horizontal_dilution, 3.49);
+    } else {
+      EXPECT_EQ(sample.position_dilution, 2.31);
+    }
   }
 }
 

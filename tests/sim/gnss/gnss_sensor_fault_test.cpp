@@ -1,0 +1,150 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "fake_sky.h"
+#include "sim/gnss/gnss_sensor.h"
+
+namespace rigwire::sim {
+namespace {
+
+using namespace std::chrono_literals;
+
+class FaultyGnss : public testing::Test {
+ protected:
+  FaultyGnss() {
+    parameters_.error_model = ErrorModel::coloured;
+    parameters_.dilution = DilutionKind::geometric;
+  }
+  GnssSensor with(const GnssFault& fault) {
+    parameters_.faults = {fault};
+    return {parameters_, calendar_, frame_, 1, "gnss"};
+  }
+  static GnssFault from_ten_to_twenty(GnssFaultKind kind) {
+    GnssFault fault;
+    fault.kind = kind;
+    fault.start = 10s;
+    fault.duration = 10s;
+    return fault;
+  }
+  GnssSample at(GnssSensor& gnss, Duration t) const {
+    return gnss.sample(kStart + t, antenna_, kOpen);
+  }
+  Eigen::Vector3d position(const GnssSample& sample) const {
+    return frame_.to_world({sample.latitude_deg, sample.longitude_deg, sample.ellipsoid_height_m});
+  }
+  static int tracked(const GnssSample& sample) {
+    return static_cast<int>(std::ranges::count(sample.satellites, true, &SatelliteView::tracked));
+  }
+
+  const FakeSky kOpen = open_sky();
+  Calendar calendar_{UtcTime{2026, 6, 1, 8, 0, 0, 0}};
+  LocalFrame frame_{{49.42, 7.75, 280.0, 48.0}};
+  GnssParameters parameters_;
+  LinkMotion antenna_;
+};
+
+TEST_F(FaultyGnss, AntennaFaultsAndOutagesLeaveNoSignalAndSaySo) {
+  struct Case {
+    GnssFaultKind kind;
+    AntennaState state;
+  };
+  for (const Case& c : {Case{GnssFaultKind::outage, AntennaState::ok},
+                        Case{GnssFaultKind::antenna_open, AntennaState::open},
+                        Case{GnssFaultKind::antenna_short, AntennaState::short_circuit}}) {
+    GnssSensor gnss = with(from_ten_to_twenty(c.kind));
+    EXPECT_EQ(at(gnss, 9s).fix, GnssFix::three_d);
+    const GnssSample during = at(gnss, 10s);
+    EXPECT_EQ(during.fix, GnssFix::none);
+    EXPECT_EQ(tracked(during), 0);
+    EXPECT_EQ(during.radio.antenna, c.state);
+    for (const SatelliteView& satellite : during.satellites) {
+      EXPECT_EQ(satellite.cn0_dbhz, 0.0);
+    }
+    EXPECT_EQ(at(gnss, 20s).fix, GnssFix::none) << "signals are being acquired again";
+    const GnssSample after = at(gnss, 21s + 500ms);
+    EXPECT_EQ(after.fix, GnssFix::three_d);
+    EXPECT_EQ(after.radio.antenna, AntennaState::ok);
+  }
+}
+
+TEST_F(FaultyGnss, JammingTakesSignalsAccuracyAndThenTheFix) {
+  parameters_.sky.cn0_sigma_db = 0.0;
+  GnssFault fault = from_ten_to_twenty(GnssFaultKind::jamming);
+  fault.jamming_db = 10.0;
+  GnssSensor mild = with(fault);
+  const GnssSample before = at(mild, 9s);
+  EXPECT_EQ(before.radio.jamming, 0.0);
+  const GnssSample during = at(mild, 10s);
+  EXPECT_NEAR(during.satellites.front().cn0_dbhz, before.satellites.front().cn0_dbhz - 10.0, 0.01);
+  EXPECT_GT(during.radio.jamming, 0.5);
+  EXPECT_EQ(during.radio.noise_db, 10.0);
+  EXPECT_GT(during.horizontal_accuracy_m, before.horizontal_accuracy_m);
+  fault.jamming_db = 30.0;
+  GnssSensor heavy = with(fault);
+  (void)at(heavy, 9s);
+  EXPECT_EQ(at(heavy, 10s).fix, GnssFix::none);
+}
+
+TEST_F(FaultyGnss, ASpoofedReceiverDriftsOffWithStrongConsistentSignals) {
+  GnssFault fault = from_ten_to_twenty(GnssFaultKind::spoof_drift);
+  fault.drift_mps = {3.0, -4.0, 0.5};
+  fault.clock_drift_mps = 30.0;
+  GnssSensor spoofed = with(fault);
+  GnssSensor honest(parameters_, calendar_, frame_, 1, "gnss");
+  const GnssSample during = at(spoofed, 18s);
+  parameters_.faults.clear();
+  GnssSensor truthful(parameters_, calendar_, frame_, 1, "gnss");
+  const GnssSample truth = at(truthful, 18s);
+  const Eigen::Vector3d away = position(during) - fault.drift_mps * 8.0;
+  EXPECT_LT(away.norm(), 15.0) << "24 m east, 32 m south, and its own noise";
+  EXPECT_NEAR(during.velocity_ned_mps.x, -4.0, 0.4);
+  EXPECT_NEAR(during.velocity_ned_mps.y, 3.0, 0.4);
+  EXPECT_NEAR(during.clock_bias_s - truth.clock_bias_s, 240.0 / kLightSpeed_mps, 1e-7);
+  EXPECT_NEAR(during.clock_drift - truth.clock_drift, 30.0 / kLightSpeed_mps, 1e-12);
+  for (const SatelliteView& satellite : during.satellites) {
+    EXPECT_TRUE(satellite.tracked);
+    EXPECT_NEAR(satellite.cn0_dbhz, 47.0, 2.0) << "evenly strong, also at the horizon";
+    EXPECT_LT(std::abs(satellite.residual_m), 15.0);
+  }
+}
+
+TEST_F(FaultyGnss, SpoofedSignalsReachIndoors) {
+  GnssSensor gnss = with(from_ten_to_twenty(GnssFaultKind::spoof_drift));
+  const FakeSky indoors = closed_sky();
+  EXPECT_EQ(gnss.sample(kStart + 5s, antenna_, indoors).fix, GnssFix::none);
+  (void)gnss.sample(kStart + 10s, antenna_, indoors);
+  EXPECT_EQ(gnss.sample(kStart + 12s, antenna_, indoors).fix, GnssFix::three_d);
+}
+
+TEST_F(FaultyGnss, AJumpMovesThePositionAtOnceAndBack) {
+  GnssFault fault = from_ten_to_twenty(GnssFaultKind::jump);
+  fault.offset_m = {100.0, 50.0, -20.0};
+  GnssSensor gnss = with(fault);
+  const Eigen::Vector3d before = position(at(gnss, 10s - 100ms));
+  const Eigen::Vector3d during = position(at(gnss, 10s));
+  const Eigen::Vector3d after = position(at(gnss, 20s));
+  EXPECT_LT((during - before - fault.offset_m).norm(), 3.0);
+  EXPECT_LT((after - before).norm(), 10.0);
+}
+
+TEST_F(FaultyGnss, WithoutCorrectionsRtkEndsWithTheirLargestAge) {
+  parameters_.corrections.kind = CorrectionKind::rtk;
+  parameters_.corrections.first_fix_s = 2.0;
+  parameters_.corrections.largest_age_s = 5.0;
+  GnssSensor gnss = with(from_ten_to_twenty(GnssFaultKind::correction_outage));
+  for (int t = 1; t < 10; ++t) {
+    (void)at(gnss, t * 1s);
+  }
+  EXPECT_EQ(at(gnss, 11s).carrier, CarrierSolution::fixed);
+  EXPECT_GT(*at(gnss, 13s).differential_age_s, 3.0);
+  const GnssSample old = at(gnss, 18s);
+  EXPECT_EQ(old.carrier, CarrierSolution::none);
+  EXPECT_FALSE(old.differential);
+  EXPECT_EQ(old.fix, GnssFix::three_d) << "the code position goes on";
+}
+
+}  // namespace
+}  // namespace rigwire::sim

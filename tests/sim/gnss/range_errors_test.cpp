@@ -1,0 +1,138 @@
+#include "sim/gnss/range_errors.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+namespace rigwire::sim {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// All terms off; a test switches on what it is about.
+constexpr RangeErrorParameters kNoErrors{.orbit_clock_sigma_m = 0.0,
+                                         .ionosphere_sigma_m = 0.0,
+                                         .ionosphere_gradient_sigma_mpkm = 0.0,
+                                         .troposphere_sigma_m = 0.0,
+                                         .code_noise_m = 0.0,
+                                         .multipath_sigma_m = 0.0};
+
+SignalArrival at(double elevation_deg, double azimuth_deg = 0.0) {
+  return {.azimuth_rad = azimuth_deg * kDegree, .elevation_rad = elevation_deg * kDegree};
+}
+
+TEST(RangeErrors, MappingsRiseTowardsTheHorizon) {
+  EXPECT_NEAR(ionosphere_mapping(90.0 * kDegree), 1.0004, 1e-4);
+  EXPECT_NEAR(ionosphere_mapping(0.0), 1.0 + 16.0 * std::pow(0.53, 3), 1e-12);
+  EXPECT_NEAR(troposphere_mapping(30.0 * kDegree), 2.0, 1e-12);
+}
+
+/// Autocorrelation of the multipath term at a lag, at this speed and step.
+double multipath_correlation(double speed_mps, double step_s, double lag_s) {
+  RangeErrorParameters parameters = kNoErrors;
+  parameters.multipath_sigma_m = 1.0;
+  SatelliteErrors satellite(1, "satellite");
+  const AtmosphereErrors atmosphere(1, "atmosphere");
+  std::vector<double> x;
+  for (int i = 0; i < 60'000; ++i) {
+    satellite.advance(parameters, step_s, speed_mps);
+    x.push_back(satellite.error(parameters, atmosphere, at(90.0), {}).total_m());
+  }
+  const auto lag = static_cast<std::size_t>(std::lround(lag_s / step_s));
+  double product = 0.0;
+  double square = 0.0;
+  for (std::size_t i = 0; i + lag < x.size(); ++i) {
+    product += x[i] * x[i + lag];
+    square += x[i] * x[i];
+  }
+  return product / square;
+}
+
+TEST(RangeErrors, MultipathForgetsWithinSecondsInMotion) {
+  // 1 / tau = 1 / 120 s + 10 m/s / 50 m: 4.8 s.
+  EXPECT_NEAR(multipath_correlation(10.0, 1.0, 5.0), std::exp(-5.0 / 4.8), 0.05);
+  EXPECT_NEAR(multipath_correlation(10.0, 0.5, 5.0), std::exp(-5.0 / 4.8), 0.05);
+  EXPECT_NEAR(multipath_correlation(0.0, 5.0, 60.0), std::exp(-0.5), 0.07);
+}
+
+TEST(RangeErrors, CodeNoiseDoublesEverySixDecibel) {
+  RangeErrorParameters parameters = kNoErrors;
+  parameters.code_noise_m = 0.3;
+  SatelliteErrors satellite(1, "satellite");
+  satellite.advance(parameters, 1.0, 0.0);
+  const AtmosphereErrors atmosphere(1, "atmosphere");
+  SignalArrival strong = at(45.0);
+  SignalArrival weak = strong;
+  weak.cn0_dbhz = strong.cn0_dbhz - 20.0 * std::log10(2.0);
+  const RangeError one = satellite.error(parameters, atmosphere, strong, {});
+  const RangeError two = satellite.error(parameters, atmosphere, weak, {});
+  EXPECT_NEAR(one.sigma_m, 0.3, 1e-12);
+  EXPECT_NEAR(two.sigma_m, 0.6, 1e-12);
+  EXPECT_NEAR(two.total_m(), 2.0 * one.total_m(), 1e-12);
+}
+
+TEST(RangeErrors, TheIonosphereIsOneFieldForAllSatellites) {
+  RangeErrorParameters parameters = kNoErrors;
+  parameters.ionosphere_sigma_m = 2.0;
+  AtmosphereErrors atmosphere(4, "atmosphere");
+  atmosphere.advance(parameters, 0.0);
+  const double zenith_m = atmosphere.ionosphere_m(parameters, 0.0, 90.0 * kDegree);
+  const double low_m = atmosphere.ionosphere_m(parameters, 1.0, 20.0 * kDegree);
+  EXPECT_NEAR(low_m / zenith_m,
+              ionosphere_mapping(20.0 * kDegree) / ionosphere_mapping(90.0 * kDegree), 1e-12);
+  // A gradient alone is opposite on opposite sides and nothing overhead.
+  parameters.ionosphere_sigma_m = 0.0;
+  parameters.ionosphere_gradient_sigma_mpkm = 2e-3;
+  const double north_m = atmosphere.ionosphere_m(parameters, 0.0, 30.0 * kDegree);
+  const double south_m = atmosphere.ionosphere_m(parameters, std::numbers::pi, 30.0 * kDegree);
+  EXPECT_NE(north_m, 0.0);
+  EXPECT_NEAR(north_m, -south_m, 1e-12);
+  EXPECT_NEAR(atmosphere.ionosphere_m(parameters, 0.0, 90.0 * kDegree), 0.0, 1e-12);
+}
+
+TEST(RangeErrors, ADetourIsExactAndNeverBelieved) {
+  SatelliteErrors satellite(1, "satellite");
+  const AtmosphereErrors atmosphere(1, "atmosphere");
+  SignalArrival reflected = at(45.0);
+  reflected.extra_path_m = 17.0;
+  const RangeError error = satellite.error(kNoErrors, atmosphere, reflected, {});
+  EXPECT_DOUBLE_EQ(error.total_m(), 17.0);
+  EXPECT_LT(error.sigma_m, 0.01);
+  // A receiver mistrusts what is too weak, without knowing why.
+  reflected.missing_db = 8.0;
+  EXPECT_NEAR(satellite.error(kNoErrors, atmosphere, reflected, {}).sigma_m, 5.0, 1e-9);
+}
+
+TEST(RangeErrors, SigmaIsThatOfTheTotal) {
+  const RangeErrorParameters parameters;
+  for (const double elevation_deg : {10.0, 40.0, 80.0}) {
+    double square = 0.0;
+    double sigma_m = 0.0;
+    constexpr int kSatellites = 4000;
+    for (std::uint64_t seed = 1; seed <= kSatellites; ++seed) {
+      SatelliteErrors satellite(seed, "satellite");
+      AtmosphereErrors atmosphere(seed, "atmosphere");
+      satellite.advance(parameters, 0.0, 0.0);
+      atmosphere.advance(parameters, 0.0);
+      const RangeError error = satellite.error(parameters, atmosphere, at(elevation_deg, 30.0), {});
+      square += error.total_m() * error.total_m() / kSatellites;
+      sigma_m = error.sigma_m;
+    }
+    EXPECT_NEAR(std::sqrt(square) / sigma_m, 1.0, 0.04) << elevation_deg;
+  }
+}
+
+TEST(RangeErrors, RefusesStrangeParameters) {
+  RangeErrorParameters parameters;
+  parameters.multipath_length_m = 0.0;
+  EXPECT_THROW(validate(parameters), std::invalid_argument);
+  parameters = {};
+  parameters.orbit_clock_sigma_m = std::nan("");
+  EXPECT_THROW(validate(parameters), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace rigwire::sim

@@ -8,6 +8,7 @@
 #include "protocols/ubx/aiding.h"
 #include "protocols/ubx/monitor.h"
 #include "protocols/ubx/navigation.h"
+#include "protocols/ubx/raw_measurements.h"
 #include "protocols/ubx/timing.h"
 
 namespace rigwire::emulators {
@@ -72,17 +73,20 @@ constexpr std::array kMessages{
     produced<ubx::MonRxbuf>("MON-RXBUF"),
     produced<ubx::MonTxbuf>("MON-TXBUF"),
     produced<ubx::MonRxr>("MON-RXR"),
-    listed({0x02, 0x10}, "RXM-RAW", 8 + 24 * kTrackable),
-    listed({0x02, 0x11}, "RXM-SFRB", kTrackable * 50 - ubx::kOverheadBytes),
-    listed({0x02, 0x20}, "RXM-SVSI", 8 + 6 * 32),
+    listed(ubx::RxmRawHead::kId, "RXM-RAW",
+           ubx::RxmRawHead::kLength + kTrackable * ubx::RxmRawBlock::kLength),
+    listed(ubx::RxmSfrb::kId, "RXM-SFRB",
+           kTrackable* ubx::frame_size<ubx::RxmSfrb>() - ubx::kOverheadBytes),
+    listed(ubx::RxmSvsiHead::kId, "RXM-SVSI",
+           ubx::RxmSvsiHead::kLength + 32 * ubx::RxmSvsiBlock::kLength),
     produced<ubx::AidIni>("AID-INI"),
     listed({0x0B, 0x30}, "AID-ALM", 32 * 48 - ubx::kOverheadBytes),
     listed({0x0B, 0x31}, "AID-EPH", 32 * 112 - ubx::kOverheadBytes),
+    listed({0x02, 0x30}, "RXM-ALM", 32 * 48 - ubx::kOverheadBytes),
+    listed({0x02, 0x31}, "RXM-EPH", 32 * 112 - ubx::kOverheadBytes),
     produced<ubx::TimTm2>("TIM-TM2"),
     produced<ubx::TimTp>("TIM-TP"),
     silent(0x02, 0x13),
-    silent(0x02, 0x30),
-    silent(0x02, 0x31),
     silent(0x0B, 0x32),
     silent(0x0B, 0x33),
     silent(0x21, 0x08),

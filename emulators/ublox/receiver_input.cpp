@@ -123,11 +123,25 @@ void UbloxReceiver::handle(SimTime now, const ubx::FrameView& frame) {
     }
     return;
   }
-  if (handle_aiding(now, frame) || (frame.payload.empty() && answer_poll(now, frame.id))) {
+  if (handle_aiding(now, frame) || answer_raw(now, frame) ||
+      (frame.payload.empty() && answer_poll(now, frame.id))) {
     ++received_.accepted;
   } else {
     ++received_.ignored;  // acknowledgements exist for configuration only
   }
+}
+
+bool UbloxReceiver::answer_raw(SimTime now, const ubx::FrameView& frame) {
+  if (!UbloxRawMessages::handles(frame.id)) {
+    return false;
+  }
+  const std::size_t answers = raw_.answers(frame.id, frame.payload);
+  std::array<std::uint8_t, kLongestRawFrame> answer{};
+  for (std::size_t i = 0; i < answers && speaks(ubx::kProtocolUbx); ++i) {
+    const std::size_t size = raw_.encode_answer(frame.id, frame.payload, i, answer);
+    send(now, std::span(answer).first(size));
+  }
+  return answers > 0;
 }
 
 bool UbloxReceiver::answer_poll(SimTime now, ubx::MessageId id) {
@@ -224,8 +238,7 @@ void UbloxReceiver::reset(SimTime now, const ubx::CfgRst& request) {
       start(now, memory);
       return;
     case kGnssOnly:
-      pending_count_ = 0;
-      navigator_.begin(now, memory, configuration_);
+      begin_navigation(now, memory);
       return;
     case kStopGnss:
       navigating_ = false;
@@ -234,7 +247,7 @@ void UbloxReceiver::reset(SimTime now, const ubx::CfgRst& request) {
       return;
     case kStartGnss:
       navigating_ = true;
-      navigator_.begin(now, memory, configuration_);
+      begin_navigation(now, memory);
       plan_from(now + 1ns);
       return;
     default:

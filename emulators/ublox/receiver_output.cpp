@@ -74,9 +74,22 @@ std::size_t UbloxReceiver::encode(ubx::MessageId id, std::span<std::uint8_t> out
 void UbloxReceiver::send_message(SimTime now, const UbloxMessage& message) {
   if (message.sentence) {
     send_sentence(now, message.name);
+  } else if (UbloxRawMessages::handles(message.id)) {
+    send_raw(now, message.id);
   } else if (speaks(ubx::kProtocolUbx)) {
     std::array<std::uint8_t, kLongestSolutionFrame> frame{};
     const std::size_t size = encode(message.id, frame);
+    send(now, std::span(frame).first(size));
+  }
+}
+
+void UbloxReceiver::send_raw(SimTime now, ubx::MessageId id) {
+  if (!speaks(ubx::kProtocolUbx)) {
+    return;
+  }
+  std::array<std::uint8_t, kLongestRawFrame> frame{};
+  for (std::size_t i = 0; i < raw_.count(id); ++i) {
+    const std::size_t size = raw_.encode(id, i, frame);
     send(now, std::span(frame).first(size));
   }
 }

@@ -22,7 +22,7 @@ using testing::ElementsAre;
 class UbloxConfigurationTest : public UbloxReceiverTest {
  protected:
   UbloxConfigurationTest() : receiver_(as_delivered(), calendar_, line_) {
-    run(receiver_, kStart + 1500ms);
+    run(receiver_, kStart + 1900ms);  // the first epoch has left
   }
   static UbloxSettings as_delivered() {
     UbloxSettings settings;

@@ -82,8 +82,11 @@ TEST_F(UbloxLineTest, SpeedChangeByCommandIsHeardAfterTheClientFollows) {
   receiver.set_client(now_, {true, 115200});
   say(receiver, CfgPrt{1, 0, 0x08C0, 38400, 7, 3, 0});
   receiver.set_client(now_, {true, 38400});
+  run(receiver, now_ + 50ms);  // the acknowledgement may be lost, as on the real line
+  line_.clear();
+  say(receiver, CfgRate::kId, {});
   run(receiver, now_ + 50ms);
-  EXPECT_THAT(ids(), ElementsAre(AckAck::kId));
+  EXPECT_THAT(ids(), ElementsAre(CfgRate::kId, AckAck::kId));
 }
 
 TEST_F(UbloxLineTest, NoiseTurnsBitsAtItsRate) {
@@ -146,7 +149,7 @@ TEST_F(UbloxLineTest, OverflowIsCountedShownAndForgotten) {
   ASSERT_EQ(buffers.size(), 2U);
   EXPECT_EQ(buffers[0].errors, 0x82);
   EXPECT_EQ(buffers[1].errors, 0);
-  EXPECT_EQ(buffers[0].peak_usage_percent[1], 90);  // 4 * 228 of 1024
+  EXPECT_EQ(buffers[0].peak_usage_percent[1], 89);  // 4 * 228 - 8 of 1024
   EXPECT_EQ(receiver.counters().messages_lost, 6U);
 }
 
@@ -154,15 +157,16 @@ TEST_F(UbloxLineTest, TextsAlsoLeaveAsInformationMessages) {
   UbloxReceiver receiver(quiet(), calendar_, line_);
   run(receiver, kStart + 500ms);
   say(receiver, CfgInf{0, {0, 7, 0, 0, 0, 0}});
+  run(receiver, now_ + 50ms);
   line_.clear();
   protocols::nmea::Sentence strange("PGRMO");
   strange.empty();
   receiver.receive(now_, strange.bytes());
   run(receiver, now_ + 50ms);
   const auto frames = line_.frames();
-  ASSERT_EQ(frames.size(), 2U);  // the acknowledgement, then INF-WARNING
-  EXPECT_EQ(frames[1].first, (MessageId{0x04, 0x01}));
-  EXPECT_EQ(std::string(frames[1].second.begin(), frames[1].second.end()), "NMEA unknown msg");
+  ASSERT_EQ(frames.size(), 1U);  // INF-WARNING
+  EXPECT_EQ(frames[0].first, (MessageId{0x04, 0x01}));
+  EXPECT_EQ(std::string(frames[0].second.begin(), frames[0].second.end()), "NMEA unknown msg");
   EXPECT_EQ(line_.sentences().size(), 1U);
 }
 
@@ -190,7 +194,7 @@ TEST_F(UbloxLineTest, AntennaIsSupervised) {
   EXPECT_LT(hw[1].gain_control, hw[0].gain_control);
   EXPECT_EQ(hw[2].antenna_status, 2);  // open circuits are not looked for as delivered
   EXPECT_THAT(line_.sentences(),
-              ElementsAre("$GPTXT,01,01,02,ANTSTATUS=SHORT*73", "$GPTXT,01,01,02,ANTSTATUS=OK*3B"));
+              ElementsAre("$GPTXT,01,01,02,ANTSTATUS=SHORT*6D", "$GPTXT,01,01,02,ANTSTATUS=OK*3B"));
   say(receiver, CfgAnt{0x001F, 0xB9F0});
   run(receiver, kStart + 4500ms, [](GnssSample& s) { s.radio.antenna = AntennaState::open; });
   EXPECT_EQ(decoded<MonHw>().back().antenna_status, 4);

@@ -25,6 +25,7 @@ class UbloxNavigatorTest : public UbloxReceiverTest {
   void configure(UbloxReceiver& receiver, std::uint16_t mask, CfgNav5 wanted) {
     wanted.mask = mask;
     say(receiver, wanted);
+    run(receiver, now_ + 20ms);
   }
 };
 

@@ -295,5 +295,30 @@ TEST_F(UbloxModernTest, TheFormsOfOlderMessagesFollowTheGeneration) {
   }
 }
 
+// Forms as in a recording of a ZED-F9P of HPG 1.12, with this epoch's values.
+TEST_F(UbloxModernTest, F9pSpeaksNmea411WithItsCarrierSolution) {
+  UbloxSettings settings = f9p();
+  settings.nmea_sentences = {"RMC", "VTG", "GGA", "GSA", "GSV"};
+  UbloxReceiver receiver(settings, calendar_, line_);
+  run(receiver, kStart + 1500ms, [](GnssSample& sample) {
+    sample.carrier = CarrierSolution::fixed;
+    sample.differential = true;
+  });
+  const auto all = line_.sentences();
+  const auto starts = [&](std::string_view begin) {
+    const auto found =
+        std::ranges::find_if(all, [&](const std::string& s) { return s.starts_with(begin); });
+    return found == all.end() ? std::string() : *found;
+  };
+  const std::string rmc = starts("$GNRMC");
+  EXPECT_NE(rmc.find(",R,V*"), std::string::npos) << rmc;
+  const std::string gga = starts("$GNGGA");
+  EXPECT_NE(gga.find(",W,4,07,1.59,"), std::string::npos) << gga << ": one is below 10 degrees";
+  const std::string gsa = starts("$GNGSA");
+  EXPECT_NE(gsa.find(",2.03,1.59,3.04,1*"), std::string::npos) << gsa << ": system 1";
+  const std::string gsv = starts("$GPGSV,2,2,08,");
+  EXPECT_NE(gsv.find(",1*"), std::string::npos) << gsv << ": signal 1";
+}
+
 }  // namespace
 }  // namespace rigwire::emulators

@@ -18,8 +18,7 @@ constexpr bool is_assigned(std::uint8_t address) {
 
 }  // namespace
 
-J1939Address::J1939Address(const J1939AddressPolicy& policy,
-                                             FrameOutput& output)
+J1939Address::J1939Address(const J1939AddressPolicy& policy, FrameOutput& output)
     : policy_(policy), output_(output), next_(policy.first_claim), address_(policy.preferred) {}
 
 void J1939Address::advance(SimTime now) {

@@ -1,7 +1,7 @@
 // The u-blox NEO-M8N: protocol 18.00, firmware SPG 3.01 in flash.
 //
 // Source: u-blox M8 receiver description, UBX-13003221 R28, sections 2.1.2 (texts at power-on),
-// 2.1.3 (MON-VER), 32 (messages) and appendix C (defaults). Where chapter 31 and appendix C.12 give
+// 2.1.4 (MON-VER), 32 (messages) and appendix C (defaults). Where chapter 31 and appendix C.12 give
 // different NMEA versions, C.12 is followed: 4.0. Order within an epoch: recordings.
 #include <algorithm>
 #include <array>

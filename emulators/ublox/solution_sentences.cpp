@@ -49,7 +49,7 @@ std::string_view talker_of(std::uint8_t wanted, unsigned systems, nmea::Version 
 
 /// CFG-NMEA gnssToFilter.
 bool filtered(std::uint32_t systems, GnssSystem system) {
-  constexpr std::array<int, 7> kBits{0, 1, -1, 6, -1, 4, 5};
+  constexpr std::array<int, 7> kBits{0, 1, 2, 6, -1, 4, 5};
   const int bit = kBits[static_cast<std::size_t>(system)];
   return bit >= 0 && (systems >> bit & 1U) != 0;
 }
@@ -134,7 +134,9 @@ nmea::Epoch nmea_epoch(const UbloxSolution& s, const UbloxConfiguration& configu
   epoch.fix_dimensions = s.fix_ok ? s.dimensions : 0;
   epoch.differential = s.differential;
   epoch.differential_age_s = s.differential_age_s;
-  epoch.carrier = static_cast<nmea::CarrierFix>(s.carrier);
+  if (configuration.profile().carrier_solution) {
+    epoch.carrier = static_cast<nmea::CarrierFix>(s.carrier);
+  }
   epoch.latitude_deg = s.latitude_deg;
   epoch.longitude_deg = s.longitude_deg;
   epoch.altitude_m = s.ellipsoid_height_m - s.geoid_separation_m;

@@ -1,6 +1,6 @@
 // The u-blox ZED-F9P: protocol 27.50, firmware HPG 1.50.
 //
-// Source: u-blox F9 HPG 1.50 interface description, UBXDOC-963802114-12815, sections 1.1
+// Source: u-blox F9 HPG 1.50 interface description, UBXDOC-963802114-12815, sections 1.2
 // (versions), 3 (messages) and "Configuration defaults"; lines at power-on and their order from a
 // recording of HPG 1.12; order within an epoch: recordings. CFG-GNSS has no documented default:
 // its numbers of channels are of no consequence here and not verified.

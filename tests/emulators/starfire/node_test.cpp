@@ -132,7 +132,7 @@ TEST_F(StarFireNodeTest, CarriesPositionToAUnitAndCourseClockwiseFromNorth) {
   EXPECT_NEAR(quality.position_dilution, 1.49, 0.05 + 1e-9);
 }
 
-// Worked by hand: (49.4240123 + 210) * 1e7 = 2594240123 = 9AA0FE7B.
+// Worked by hand: (49.4240123 + 210) * 1e7 = 2594240123 = 9AA0F67B.
 TEST_F(StarFireNodeTest, BytesOfVehiclePositionAreThoseOfTheStandard) {
   run(kStart + 1s);
   for (const auto& [due, frame] : bus_.frames) {

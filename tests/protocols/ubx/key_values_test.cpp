@@ -133,8 +133,10 @@ TEST(KeyValues, EveryTruncationIsMalformedOrAShorterList) {
 TEST(KeyValues, VersionsSizesAndCountsBeyondTheDocumentAreRefused) {
   EXPECT_TRUE(decode_valset(frame(CfgValsetHead::kId, {2, 1, 0, 0})).malformed());
   EXPECT_TRUE(decode_valget(frame(CfgValgetHead::kId, {1, 0, 0, 0})).malformed());
-  EXPECT_TRUE(decode_valdel(frame(CfgValsetHead::kId, {0, 2, 0, 0})).malformed()) << "another message";
-  EXPECT_TRUE(decode_valset(frame(CfgValsetHead::kId, {0, 1, 0, 0, 1, 0, 0x21, 0x00, 1})).malformed())
+  EXPECT_TRUE(decode_valdel(frame(CfgValsetHead::kId, {0, 2, 0, 0})).malformed())
+      << "another message";
+  EXPECT_TRUE(
+      decode_valset(frame(CfgValsetHead::kId, {0, 1, 0, 0, 1, 0, 0x21, 0x00, 1})).malformed())
       << "a key of no size";
   Bytes keys{0, 0, 0, 0};
   for (std::size_t i = 0; i < kMaximumConfigurationItems; ++i) {

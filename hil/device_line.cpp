@@ -22,7 +22,7 @@ class SerialGnssLine final : public GnssLine {
       : check_baud_(configuration.check_baud),
         pty_(context.io, configuration.path, configuration.receiver.baud),
         outlet_(pty_, own_statistics()),
-        receiver_(configuration.receiver, context.calendar, outlet_),
+        receiver_(settings(configuration, context), context.calendar, outlet_),
         backend_(receiver_),
         station_(receiver_, backend_) {}
 
@@ -49,6 +49,14 @@ class SerialGnssLine final : public GnssLine {
   [[nodiscard]] const emulators::Device& device() const override { return receiver_; }
 
  private:
+  static emulators::UbloxSettings settings(const UbloxConfiguration& configuration,
+                                           const LineContext& context) {
+    emulators::UbloxSettings settings = configuration.receiver;
+    settings.faults = ublox_faults(configuration.faults);
+    settings.noise_seed = context.device_seed;
+    return settings;
+  }
+
   /// The receiver's backend, with the lidars that hear of its fixes.
   struct Backend final : emulators::GnssBackend {
     explicit Backend(emulators::UbloxReceiver& of) : receiver(of) {}

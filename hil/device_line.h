@@ -48,6 +48,7 @@ class DeviceLine {
 struct LineContext {
   boost::asio::io_context& io;
   const Calendar& calendar;
+  std::uint64_t device_seed = 0;  ///< Of what is random in the device itself.
 };
 
 /// These open their endpoints and throw drivers::EndpointError when that fails.

@@ -10,7 +10,10 @@
 #include "hil/geoid_file.h"
 #include "hil/machine_factory.h"
 #include "hil/mesh_file.h"
+#include "hil/satellites.h"
 #include "hil/scene_fall_obstacle.h"
+#include "hil/starfire_line.h"
+#include "sim/random.h"
 #include "sim/scene/triangle_mesh.h"
 
 namespace rigwire::hil {
@@ -154,6 +157,7 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
       io_(io),
       calendar_(configuration.start),
       frame_(local_frame(configuration.origin)),
+      satellites_(make_satellites(configuration.satellites, calendar_)),
       world_(make_world(configuration, frame_)),
       executive_(io, world_) {
   for (const auto& [name, bus] : configuration_.buses) {
@@ -190,15 +194,25 @@ void Rig::open_bus(const std::string& name, const BusConfiguration& configuratio
 }
 
 void Rig::add_device(const std::string& name, const DeviceConfiguration& configuration) {
-  const LineContext context{io_, calendar_};
   const std::uint64_t seed = configuration_.seed;
+  const LineContext context{io_, calendar_, sim::RandomStream(seed, name + "/line").bits()};
   const auto mount = [this](const MountConfiguration& place) {
     return sensor_mount(configuration_.machine, place);
   };
-  if (const auto* gnss = std::get_if<UbloxConfiguration>(&configuration.settings)) {
+  if (const UbloxConfiguration* gnss = as_ublox(configuration.settings)) {
+    sim::GnssParameters sensor = gnss->sensor;
+    sensor.faults = signal_faults(gnss->faults);
     auto line = make_line(*gnss, context);
     world_.add_gnss(line->enlist(executive_), mount(gnss->mount),
-                    sim::GnssSensor(gnss->sensor, calendar_, frame_, seed, name));
+                    sim::GnssSensor(sensor, satellites_, calendar_, frame_, seed, name));
+    devices_.push_back({name, std::move(line)});
+  } else if (const auto* starfire = std::get_if<StarFireConfiguration>(&configuration.settings)) {
+    sim::GnssParameters sensor = starfire->sensor;
+    sensor.faults = signal_faults(starfire->faults);
+    auto line = make_line(*starfire, context,
+                          starfire->bus.empty() ? nullptr : &buses_.at(starfire->bus)->line);
+    world_.add_gnss(line->enlist(executive_), mount(starfire->mount),
+                    sim::GnssSensor(sensor, satellites_, calendar_, frame_, seed, name));
     devices_.push_back({name, std::move(line)});
   } else if (const auto* lidar = std::get_if<VelodyneConfiguration>(&configuration.settings)) {
     auto line = make_line(*lidar, context);

@@ -61,6 +61,7 @@ class Rig {
   boost::asio::io_context& io_;
   Calendar calendar_;
   sim::LocalFrame frame_;
+  std::shared_ptr<const sim::Constellation> satellites_;
   SimulatedWorld world_;
   Executive executive_;
   std::map<std::string, std::unique_ptr<Bus>> buses_;

@@ -159,7 +159,8 @@ bool UbloxConfiguration::set_systems(Payload payload) {
 }
 
 bool UbloxConfiguration::set_sentences(Payload payload) {
-  if (payload.size() != profile_->cfg_nmea_bytes) {
+  if (payload.size() != profile_->cfg_nmea_bytes ||
+      payload.size() > CfgNmea::kLength + present_.nmea_tail.size()) {
     return false;
   }
   const auto wanted = read_payload<CfgNmea>(payload);

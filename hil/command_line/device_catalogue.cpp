@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "emulators/starfire/receiver.h"
 #include "emulators/ublox/receiver.h"
 #include "emulators/vehicle_gateway/report.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
@@ -43,10 +44,20 @@ void describe(const UbloxConfiguration& configuration, DeviceDescription& descri
   description.quantities =
       quantities_of(emulators::UbloxReceiver(configuration.receiver, calendar, output));
   description.wire = "serial line on a pty, 8N1";
-  description.document =
-      "u-blox M8 receiver description UBX-13003221 R28, with what recordings of a NEO-7P show of "
-      "protocol 14";
-  for (const emulators::UbloxMessage& message : emulators::ublox_messages()) {
+  switch (configuration.receiver.profile->generation) {
+    case 7:
+      description.document =
+          "u-blox M8 receiver description UBX-13003221 R28, with what recordings of a NEO-7P show "
+          "of protocol 14";
+      break;
+    case 8:
+      description.document = "u-blox M8 receiver description UBX-13003221 R28";
+      break;
+    default:
+      description.document = "u-blox ZED-F9P interface description, HPG 1.13 to 1.51";
+      break;
+  }
+  for (const emulators::UbloxMessage& message : configuration.receiver.profile->messages) {
     if (!message.name.empty() && message.greatest_bytes > 0) {
       description.messages.push_back(
           {(message.sentence ? "NMEA " : "UBX ") + std::string(message.name), "each epoch",
@@ -54,6 +65,22 @@ void describe(const UbloxConfiguration& configuration, DeviceDescription& descri
                        message.id.message_id, message.greatest_bytes)});
     }
   }
+}
+
+void describe(const StarFireConfiguration& configuration, DeviceDescription& description) {
+  NoBytes output;
+  const Calendar calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0});
+  description.quantities =
+      quantities_of(emulators::StarFireReceiver(configuration.receiver, calendar, output));
+  description.wire = "serial line on a pty, 8N1; CAN 2.0B at 250 kbit/s, J1939; either or both";
+  description.document =
+      "Operator's manual OMPFP11008 (serial output); SAE J1939-71, -81; NMEA 0183; what is not "
+      "documented is marked in the page";
+  description.messages = {
+      {"GGA GSA RMC VTG ZDA", "1, 5 or 10 Hz", "NMEA sentences on the serial line"},
+      {"65267 FEF3 vehicle position", "5 Hz", "latitude, longitude"},
+      {"65256 FEE8 vehicle direction and speed", "5 Hz", "course, speed, pitch, altitude"},
+      {"64502 FBF6 vehicle position 2", "0.2 Hz", "satellites, dilutions"}};
 }
 
 void describe(const VelodyneConfiguration& configuration, DeviceDescription& description) {

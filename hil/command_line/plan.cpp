@@ -17,9 +17,10 @@ Row plan(const RigConfiguration&, const UbloxConfiguration& device) {
   const double rate_hz = 1.0 / to_seconds(device.receiver.measurement_period);
   for (const auto& names : {device.receiver.nmea_sentences, device.receiver.ubx_messages}) {
     for (const std::string& name : names) {
-      const std::size_t index = emulators::ublox_message_index(name);
-      if (index < emulators::ublox_messages().size()) {
-        bytes += static_cast<double>(emulators::ublox_messages()[index].greatest_bytes) * rate_hz;
+      const emulators::UbloxProfile& profile = *device.receiver.profile;
+      const std::size_t index = emulators::message_index(profile, name);
+      if (index < profile.messages.size()) {
+        bytes += static_cast<double>(profile.messages[index].greatest_bytes) * rate_hz;
       }
     }
   }
@@ -27,6 +28,20 @@ Row plan(const RigConfiguration&, const UbloxConfiguration& device) {
   return {fmt::format("pty {} at {} baud", device.path, device.receiver.baud),
           fmt::format("{:.3g} epochs/s", rate_hz), fmt::format("<= {:.0f} B/s", bytes),
           fmt::format("{:.0f} % of the line", 100.0 * bytes * kBitsPerByte / device.receiver.baud)};
+}
+
+Row plan(const RigConfiguration&, const StarFireConfiguration& device) {
+  const double rate_hz = 1.0 / to_seconds(device.receiver.sentence_period);
+  std::string wire = device.path.empty()
+                         ? std::string()
+                         : fmt::format("pty {} at {} baud", device.path, device.receiver.baud);
+  if (!device.bus.empty()) {
+    wire += fmt::format("{}can {}, address 0x{:02X}", wire.empty() ? "" : "; ", device.bus,
+                        device.receiver.source_address);
+  }
+  return {wire, fmt::format("{:.3g} epochs/s", rate_hz),
+          device.bus.empty() ? "" : fmt::format("{:.1f} frames/s", frame_rate_hz(device)),
+          fmt::format("{} sentences", device.receiver.sentences.size())};
 }
 
 Row plan(const RigConfiguration&, const VelodyneConfiguration& device) {

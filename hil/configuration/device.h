@@ -3,10 +3,12 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <variant>
 
 #include "emulators/can_bus.h"
@@ -16,6 +18,7 @@
 #include "hil/configuration/fields.h"
 #include "hil/configuration/mount.h"
 #include "hil/configuration/shapes.h"
+#include "hil/configuration/starfire_device.h"
 #include "hil/configuration/ublox.h"
 #include "hil/configuration/vehicle_gateway.h"
 #include "hil/configuration/vehicle_sensors.h"
@@ -59,12 +62,29 @@ struct VehicleGatewayDeviceConfiguration : VehicleGatewayConfiguration {
 };
 
 using DeviceSettings =
-    std::variant<UbloxConfiguration, VelodyneConfiguration, OpenImuDeviceConfiguration,
+    std::variant<UbloxConfiguration, UbloxM8Configuration, UbloxF9pConfiguration,
+                 StarFireConfiguration, VelodyneConfiguration, OpenImuDeviceConfiguration,
                  ValveDriverConfiguration, VehicleGatewayDeviceConfiguration>;
 
+/// The u-blox receiver that the device is, whatever its type; else null.
+[[nodiscard]] inline const UbloxConfiguration* as_ublox(const DeviceSettings& settings) {
+  return std::visit(
+      [](const auto& device) -> const UbloxConfiguration* {
+        if constexpr (std::derived_from<std::decay_t<decltype(device)>, UbloxConfiguration>) {
+          return &device;
+        } else {
+          return nullptr;
+        }
+      },
+      settings);
+}
+
 /// The names of the `type` key, in the order of DeviceSettings.
-inline constexpr std::array<Alternative, 5> kDeviceTypes{
+inline constexpr std::array<Alternative, 8> kDeviceTypes{
     {{"ublox-neo-7p", "u-blox NEO-7P satellite receiver on a serial line (NMEA, UBX)."},
+     {"ublox-neo-m8", "u-blox NEO-M8 satellite receiver of several systems (NMEA, UBX)."},
+     {"ublox-zed-f9p", "u-blox ZED-F9P satellite receiver with carrier solution (NMEA, UBX)."},
+     {"starfire-3000", "John Deere StarFire 3000 satellite receiver (NMEA, J1939)."},
      {"velodyne-hdl-32e", "Velodyne HDL-32E spinning lidar on UDP."},
      {"openimu335ri", "ACEINNA OpenIMU335RI inertial unit on CAN (J1939)."},
      {"valve-driver", "Eight-section hydraulic valve driver, Modbus TCP server."},

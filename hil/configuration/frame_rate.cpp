@@ -2,6 +2,9 @@
 
 #include <bit>
 
+#include "emulators/starfire/node.h"
+#include "sim/samples/calendar.h"
+
 namespace rigwire::hil {
 namespace {
 
@@ -19,6 +22,15 @@ double frame_rate_hz(const OpenImuDeviceConfiguration& device) {
   const unsigned divider = device.imu.configuration.rate_divider;
   const int messages = std::popcount(device.imu.configuration.packet_mask & kMessages);
   return divider == 0 ? 0.0 : kBaseRate_hz / divider * messages;
+}
+
+double frame_rate_hz(const StarFireConfiguration& device) {
+  if (device.bus.empty()) {
+    return 0.0;
+  }
+  NoFrames nowhere;
+  const Calendar calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0});
+  return emulators::StarFireNode(device.receiver, calendar, nowhere).nominal_rate_hz();
 }
 
 double frame_rate_hz(const VehicleGatewayDeviceConfiguration& device) {

@@ -7,6 +7,7 @@ namespace rigwire::hil {
 
 /// Frames per second. Throws std::invalid_argument for settings that make no device.
 [[nodiscard]] double frame_rate_hz(const OpenImuDeviceConfiguration& device);
+[[nodiscard]] double frame_rate_hz(const StarFireConfiguration& device);
 [[nodiscard]] double frame_rate_hz(const VehicleGatewayDeviceConfiguration& device);
 
 }  // namespace rigwire::hil

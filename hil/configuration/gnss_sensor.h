@@ -30,14 +30,6 @@ inline constexpr std::array<Choice<sim::CorrectionKind>, 4> kCorrectionKinds{
      {sim::CorrectionKind::sbas, "sbas", "Orbits, clocks and ionosphere by SBAS."},
      {sim::CorrectionKind::service, "service", "Precise point positions (StarFire SF2 class)."},
      {sim::CorrectionKind::rtk, "rtk", "Real-time kinematic: float, then fixed."}}};
-inline constexpr std::array<Choice<sim::GnssFaultKind>, 7> kGnssFaultKinds{
-    {{sim::GnssFaultKind::outage, "outage", "No signal."},
-     {sim::GnssFaultKind::jamming, "jamming", "Signals fall below the noise."},
-     {sim::GnssFaultKind::spoof_drift, "spoof_drift", "Strong false signals lead astray."},
-     {sim::GnssFaultKind::jump, "jump", "Ranges of a place beside the true one."},
-     {sim::GnssFaultKind::antenna_short, "antenna_short", "Antenna cable short-circuited."},
-     {sim::GnssFaultKind::antenna_open, "antenna_open", "Antenna cable cut."},
-     {sim::GnssFaultKind::correction_outage, "correction_outage", "No corrections arrive."}}};
 
 template <class Visitor>
 void visit(Visitor& v, sim::GnssSystems& p) {
@@ -141,20 +133,6 @@ void visit(Visitor& v, sim::CorrectionParameters& p) {
 }
 
 template <class Visitor>
-void visit(Visitor& v, sim::GnssFault& p) {
-  const NumberRule speed = in("m/s").between(-1e4, 1e4);
-  v.required("kind");
-  v.choice("kind", p.kind, kGnssFaultKinds, "What is done to the signals.");
-  v.required("start");
-  v.duration("start", p.start, {0, 864'000'000'000'000}, "From the start of the run.");
-  v.duration("duration", p.duration, {1, 864'000'000'000'000}, "How long.");
-  v.number("jamming", p.jamming_db, plain().between(0, 80), "dB, jamming.");
-  v.vector3("offset", p.offset_m, in("m").between(-1e6, 1e6), "Jump: east, north, up.");
-  v.vector3("drift", p.drift_mps, speed, "Spoofing: east, north, up.");
-  v.number("clock_drift", p.clock_drift_mps, speed, "Spoofing: of all ranges.");
-}
-
-template <class Visitor>
 void visit(Visitor& v, sim::GnssParameters& p) {
   v.choice("error_model", p.error_model, kErrorModels, "How its errors arise.");
   v.choice("dilution", p.dilution, kDilutionKinds, "How dilution of precision is found.");
@@ -171,7 +149,6 @@ void visit(Visitor& v, sim::GnssParameters& p) {
            "White, per axis at dilution 1.");
   v.boolean("errors", p.errors, "False: position, velocity and ranges without any.");
   v.section("corrections", p.corrections, "SBAS, services, RTK.");
-  v.list("faults", p.faults, "What is done to its signals, and when.");
   v.number("clock_drift", p.clock.drift, in("ppm").between(-100, 100), "Of the receiver, mean.");
   v.number("clock_drift_sigma", p.clock.wander_sigma, in("ppm").between(0, 1), "Its slow wander.");
   v.boolean("raw_measurements", p.raw_measurements, "Pseudoranges, phases and Doppler shifts too.");

@@ -13,6 +13,7 @@
 #include "hil/configuration/machine.h"
 #include "hil/configuration/origin.h"
 #include "hil/configuration/outline.h"
+#include "hil/configuration/satellites.h"
 #include "hil/configuration/scene.h"
 #include "sim/samples/calendar.h"
 #include "sim/samples/time.h"
@@ -38,6 +39,7 @@ struct RigConfiguration {
   Duration slice = std::chrono::milliseconds(2);  ///< Steps computed at once; whole steps.
   Duration lead = std::chrono::milliseconds(6);   ///< How far truth is computed ahead of the clock.
   OriginConfiguration origin;
+  SatellitesConfiguration satellites;
   SceneConfiguration scene;
   MachineConfiguration machine;
   std::map<std::string, BusConfiguration> buses;
@@ -69,6 +71,7 @@ void visit(Visitor& v, RigConfiguration& p) {
   v.duration("lead", p.lead, {10'000, 1'000'000'000},
              "How far truth is computed ahead of the clock; at least a slice.");
   v.section("origin", p.origin, "Of the world frame (x east, y north, z up) on Earth.");
+  v.section("satellites", p.satellites, "What stands in the sky, for all receivers.");
   v.section("scene", p.scene, "Terrain, rocks, objects.");
   v.required("machine");
   v.section("machine", p.machine, "The machine.");

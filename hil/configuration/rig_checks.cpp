@@ -148,6 +148,23 @@ class Checker {
     check_link(path + ".mount.link", device.mount.link);
   }
 
+  void check_device(const std::string& path, const StarFireConfiguration& device) {
+    if (!device.path.empty()) {
+      check_path(path + ".path", device.path);
+    }
+    if (!device.bus.empty()) {
+      check_node(path, device.bus, device.receiver.source_address, device.receiver.serial);
+    }
+    check_link(path + ".mount.link", device.mount.link);
+    for (std::size_t i = 0; i < device.faults.size(); ++i) {
+      if (!implements(device, device.faults[i])) {
+        report(fmt::format("{}.faults.{}.type", path, i),
+               "this device does not implement that fault",
+               fmt::format("\"{}\"", device.faults[i].type()), "those of signals and antenna");
+      }
+    }
+  }
+
   void check_device(const std::string& path, const VelodyneConfiguration& device) {
     check_address(path + ".address", device.address, device.allow_remote);
     check_link(path + ".mount.link", device.mount.link);

@@ -2,30 +2,62 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "emulators/ublox/settings.h"
 #include "hil/configuration/fields.h"
+#include "hil/configuration/gnss_fault.h"
 #include "hil/configuration/gnss_sensor.h"
 #include "hil/configuration/mount.h"
 #include "hil/configuration/units.h"
 
 namespace rigwire::hil {
 
-/// u-blox NEO-7P on a serial line.
+/// A u-blox receiver on a serial line; as it stands, a NEO-7P.
 struct UbloxConfiguration {
   std::string path = "/tmp/rigwire/gnss";  ///< Symbolic link to the pty that a client opens.
   bool check_baud = true;    ///< A client at another speed hears garbage and is heard as garbage.
   MountConfiguration mount;  ///< Of the antenna.
   emulators::UbloxSettings receiver;
   sim::GnssParameters sensor;
+  std::vector<GnssFaultConfiguration> faults;
+
+  UbloxConfiguration() : UbloxConfiguration(emulators::ublox_neo_7p()) {
+    sensor.raw_measurements = true;  // RXM-RAW, when a client asks for it
+  }
+
+ protected:
+  explicit UbloxConfiguration(const emulators::UbloxProfile& profile) {
+    receiver.profile = &profile;
+    receiver.baud = profile.baud;
+    sensor.sky.maximum_channels = profile.channels;
+  }
+};
+
+/// The other types differ in their profile, and in what they receive unless told otherwise.
+struct UbloxM8Configuration : UbloxConfiguration {
+  UbloxM8Configuration() : UbloxConfiguration(emulators::ublox_neo_m8()) {
+    sensor.systems = {.gps = true, .glonass = true, .sbas = true, .qzss = true};
+    // The satellites of four systems may not fit through 9600 bit/s: without GSV.
+    receiver.nmea_sentences = {"RMC", "VTG", "GGA", "GSA", "GLL"};
+  }
+};
+struct UbloxF9pConfiguration : UbloxConfiguration {
+  UbloxF9pConfiguration() : UbloxConfiguration(emulators::ublox_zed_f9p()) {
+    sensor.systems = {
+        .gps = true, .glonass = true, .galileo = true, .beidou = true, .sbas = true, .qzss = true};
+    sensor.raw_measurements = true;  // RXM-RAWX
+  }
 };
 
 template <class Visitor>
 void visit(Visitor& v, UbloxConfiguration& p) {
   v.text("path", p.path, "Symbolic link to the pty; what a client opens.");
-  v.rate("rate", p.receiver.measurement_period, in("Hz").above(0).at_most(20),
+  v.rate("rate", p.receiver.measurement_period,
+         in("Hz").above(0).at_most(1.0 / to_seconds(p.receiver.profile->shortest_period)),
          "Navigation epochs; a client may change it by CFG-RATE.");
-  v.integer("baud", p.receiver.baud, IntegerRule{4800, 460800}, "Of the line, 8N1, at power-on.");
+  v.integer("baud", p.receiver.baud, IntegerRule{4800, p.receiver.profile->greatest_baud},
+            "Of the line, 8N1, at power-on.");
   v.boolean("check_baud", p.check_baud,
             "A client at another speed hears garbage and is heard as garbage.");
   v.texts("nmea_sentences", p.receiver.nmea_sentences,
@@ -40,8 +72,11 @@ void visit(Visitor& v, UbloxConfiguration& p) {
   v.boolean("start_banner", p.receiver.start_banner, "TXT sentences after power-on.");
   v.integer("transmit_buffer", p.receiver.transmit_buffer_bytes, IntegerRule{1024, 65536},
             "Bytes that may wait for the line.");
+  v.boolean("backup_battery", p.receiver.backup_battery,
+            "Keeps time, orbits and the saved configuration while the supply is off.");
   v.section("mount", p.mount, "Of the antenna.");
   v.section("sensor", p.sensor, "How well it knows where it is.");
+  v.list("faults", p.faults, "What goes wrong, and when.");
 }
 
 inline void validate(const UbloxConfiguration& p) {

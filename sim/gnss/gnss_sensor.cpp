@@ -281,6 +281,7 @@ void GnssSensor::put_position(const Epoch& epoch, GnssSample& sample) const {
   sample.latitude_deg = point.latitude_deg;
   sample.longitude_deg = point.longitude_deg;
   sample.ellipsoid_height_m = point.ellipsoid_height_m;
+  sample.geoid_separation_m = frame_.geoid_separation_m(point.latitude_deg, point.longitude_deg);
   const Eigen::Vector3d error_mps = parameters_.error_model == ErrorModel::coloured
                                         ? epoch.velocity_error_ned_mps
                                         : Eigen::Vector3d(switched * epoch.velocity_error_ned_mps);

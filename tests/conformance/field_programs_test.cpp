@@ -39,7 +39,7 @@ class FieldPrograms : public testing::Test {
                                    file("truth.jsonl").string(),
                                    "--report",
                                    file("report.json").string()};
-    for (const auto& set : wires_.driving_sets()) {
+    for (const auto& set : wires_.driving_sets(name)) {
       words.push_back("--set");
       words.push_back(set);
     }

@@ -26,7 +26,7 @@ Ran run(const std::string& rig_name, Duration duration) {
   const test::PrivateWires wires;
   const LoadedRig loaded =
       load_rig(std::string(RIGWIRE_SOURCE_DIR) + "/configs/rigs/" + rig_name + ".yaml",
-               wires.driving_sets());
+               wires.driving_sets(rig_name));
   const auto path = wires.folder / "truth.jsonl";
   Ran ran;
   {

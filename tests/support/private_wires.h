@@ -73,11 +73,16 @@ class PrivateWires {
   [[nodiscard]] std::string gnss() const { return (folder / "gnss").string(); }
   [[nodiscard]] std::string can() const { return (folder / "can").string(); }
 
-  /// Of a machine that drives: receiver, lidar and a bus.
-  [[nodiscard]] std::vector<std::string> driving_sets() const {
-    return {"devices.gnss.path=" + gnss(), "buses.can.path=" + can(), "buses.can.wire=slcan",
-            "devices.lidar.port=" + std::to_string(lidar_port),
-            "devices.lidar.position_port=" + std::to_string(lidar_port + 1)};
+  /// Of a machine that drives: receiver, lidar and a bus; and what the rig of that name has besides.
+  [[nodiscard]] std::vector<std::string> driving_sets(const std::string& rig = "") const {
+    std::vector<std::string> sets{"devices.gnss.path=" + gnss(), "buses.can.path=" + can(),
+                                  "buses.can.wire=slcan",
+                                  "devices.lidar.port=" + std::to_string(lidar_port),
+                                  "devices.lidar.position_port=" + std::to_string(lidar_port + 1)};
+    if (rig == "gator_campus") {
+      sets.push_back("devices.starfire.path=" + (folder / "starfire").string());
+    }
+    return sets;
   }
   /// Of the excavator: also the valve driver.
   [[nodiscard]] std::vector<std::string> sets() const {

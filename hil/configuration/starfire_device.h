@@ -1,0 +1,75 @@
+// A StarFire 3000 of a rig: its serial line, its bus, its antenna and how well it measures.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "emulators/starfire/settings.h"
+#include "hil/configuration/fields.h"
+#include "hil/configuration/gnss_fault.h"
+#include "hil/configuration/gnss_sensor.h"
+#include "hil/configuration/mount.h"
+#include "hil/configuration/units.h"
+
+namespace rigwire::hil {
+
+/// John Deere StarFire 3000.
+struct StarFireConfiguration {
+  std::string path =
+      "/tmp/rigwire/starfire";  ///< Symbolic link to the pty; empty = no serial line.
+  bool check_baud = true;    ///< A client at another speed hears garbage and is heard as garbage.
+  std::string bus;           ///< One of the rig's buses; empty = no node.
+  MountConfiguration mount;  ///< Of the antenna.
+  emulators::StarFireSettings receiver;
+  sim::GnssParameters sensor;
+  std::vector<GnssFaultConfiguration> faults;
+
+  StarFireConfiguration() {
+    sensor.systems.glonass = true;
+    sensor.systems.sbas = true;
+    sensor.corrections.kind = sim::CorrectionKind::service;
+  }
+};
+
+/// Faults of the device that it does not have; everything else of the list it does.
+[[nodiscard]] inline bool implements(const StarFireConfiguration&,
+                                     const GnssFaultConfiguration& fault) {
+  return !std::holds_alternative<FrozenFixFault>(fault.settings) &&
+         !std::holds_alternative<WrongLeapSecondFault>(fault.settings) &&
+         !std::holds_alternative<UartNoiseFault>(fault.settings);
+}
+
+template <class Visitor>
+void visit(Visitor& v, StarFireConfiguration& p) {
+  v.text("path", p.path, "Symbolic link to the pty; what a client opens; empty = no serial line.");
+  v.integer("baud", p.receiver.baud, IntegerRule{4800, 115200}, "Of the line, 8N1.");
+  v.boolean("check_baud", p.check_baud,
+            "A client at another speed hears garbage and is heard as garbage.");
+  v.rate("rate", p.receiver.sentence_period, in("Hz").between(1, 10),
+         "Of the sentences: 1, 5, 10.");
+  v.texts("nmea_sentences", p.receiver.sentences, "GGA GSA RMC VTG ZDA.");
+  v.text("talker", p.receiver.talker, "GP or GN.");
+  v.text("bus", p.bus, "One of the rig's buses; empty = not on one.");
+  v.integer("source_address", p.receiver.source_address, IntegerRule{0, 253}, "J1939 address.");
+  v.integer("serial", p.receiver.serial, IntegerRule{1, (1 << 21) - 1},
+            "In the NAME; unique on a bus.");
+  v.duration("power_on", p.receiver.power_on, {0, 86'400'000'000'000},
+             "From the start of the run.");
+  v.duration("start_up", p.receiver.start_up, {0, 600'000'000'000},
+             "From power-on to the first position.");
+  v.duration("latency", p.receiver.latency, {0, 90'000'000}, "From the epoch to what it sends.");
+  v.section("mount", p.mount, "Of the antenna.");
+  v.section("sensor", p.sensor, "How well it knows where it is.");
+  v.list("faults", p.faults, "What goes wrong, and when.");
+}
+
+inline void validate(const StarFireConfiguration& p) {
+  if (p.path.empty() && p.bus.empty()) {
+    throw std::invalid_argument("neither `path` nor `bus` is given, at least one is needed");
+  }
+  validate(p.receiver);
+  validate(p.sensor);
+}
+
+}  // namespace rigwire::hil

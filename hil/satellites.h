@@ -1,0 +1,24 @@
+// The constellation of a rig, from nominal slots or from a file.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "hil/configuration/satellites.h"
+#include "sim/gnss/constellation.h"
+#include "sim/samples/calendar.h"
+
+namespace rigwire::hil {
+
+/// GPS satellites from a RINEX navigation file (2.x, 3.x) or a YUMA almanac; the first line tells
+/// which. Weeks that a YUMA file states modulo 1024 are taken near `start`; so is UTC when the file
+/// says nothing of it. A file of another date is carried to the rig's: orbits keep their shape, so
+/// that over months they are plausible, not true. Throws std::invalid_argument naming the file, and
+/// the line where there is one.
+[[nodiscard]] std::shared_ptr<const sim::Constellation> load_satellites(
+    const std::filesystem::path& file, const Calendar& start);
+
+[[nodiscard]] std::shared_ptr<const sim::Constellation> make_satellites(
+    const SatellitesConfiguration& configuration, const Calendar& start);
+
+}  // namespace rigwire::hil

@@ -1,8 +1,11 @@
-// The configuration store of an emulated NEO-7P: what a client may poll and set by UBX-CFG, with
-// the defaults, acknowledgements and refusals of the real device.
+// The configuration store of an emulated u-blox receiver: what a client may poll and set by
+// UBX-CFG, with the defaults, acknowledgements and refusals of the real device.
+//
+// Three layers, as in the device: defaults of the firmware, what CFG-CFG saved in battery-backed
+// memory, and what is in force.
 //
 // Source: u-blox M8 receiver description, UBX-13003221 R28, section 32.10 "UBX-CFG" and section 3
-// "Receiver configuration"; defaults and the table of refused ids from a complete poll of a NEO-7P.
+// "Receiver configuration"; the table of refused ids from a complete poll of a NEO-7P.
 #pragma once
 
 #include <array>
@@ -10,8 +13,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
+#include "emulators/ublox/configuration_state.h"
 #include "emulators/ublox/settings.h"
 #include "protocols/ubx/configuration.h"
 
@@ -22,7 +25,7 @@ class UbloxConfiguration {
   explicit UbloxConfiguration(const UbloxSettings& settings);
 
   /// True when the payload of this CFG message asks for its state rather than setting it.
-  [[nodiscard]] static bool is_poll(const protocols::ubx::FrameView& frame);
+  [[nodiscard]] bool is_poll(const protocols::ubx::FrameView& frame) const;
 
   /// Payload of the answer to a poll; nothing when it is refused. Valid until the next call.
   [[nodiscard]] std::optional<std::span<const std::uint8_t>> poll(
@@ -38,57 +41,62 @@ class UbloxConfiguration {
 
   /// After a reset the saved state is in force again.
   void reload() { present_ = saved_; }
+  /// The battery-backed memory lost its supply.
+  void forget() { saved_ = default_; }
+
+  [[nodiscard]] const UbloxProfile& profile() const { return *profile_; }
+  /// The layers, for UbloxKeyMessages. Whoever writes them holds to what set() would accept.
+  [[nodiscard]] const UbloxConfigurationState& defaults() const { return default_; }
+  [[nodiscard]] const UbloxConfigurationState& saved() const { return saved_; }
+  [[nodiscard]] const UbloxConfigurationState& present() const { return present_; }
+  [[nodiscard]] UbloxConfigurationState& saved() { return saved_; }
+  [[nodiscard]] UbloxConfigurationState& present() { return present_; }
 
   [[nodiscard]] const protocols::ubx::CfgPrt& uart() const {
     return present_.ports[protocols::ubx::kPortUart1];
   }
   [[nodiscard]] const protocols::ubx::CfgRate& rate() const { return present_.rate; }
   [[nodiscard]] const protocols::ubx::CfgNav5& navigation() const { return present_.nav5; }
+  [[nodiscard]] const protocols::ubx::CfgNavx5& expert() const { return present_.navx5; }
   [[nodiscard]] const protocols::ubx::CfgNmea& nmea() const { return present_.nmea; }
-  /// Rate of a message of ublox_messages() on the UART; 0 = off.
+  [[nodiscard]] const protocols::ubx::CfgSbas& sbas() const { return present_.sbas; }
+  /// Rate of a message of the profile on the UART; 0 = off.
   [[nodiscard]] std::uint8_t message_rate(std::size_t message_index) const {
     return present_.rates[message_index][protocols::ubx::kPortUart1];
   }
-  [[nodiscard]] bool text_enabled(unsigned kind_bit) const;
-  [[nodiscard]] bool gps_enabled() const;
+  /// Texts of that kind (bit of CFG-INF) over a protocol: 0 UBX, 1 NMEA.
+  [[nodiscard]] bool text_enabled(std::uint8_t protocol, unsigned kind_bit) const;
+  [[nodiscard]] bool enabled(GnssSystem system) const;
+  [[nodiscard]] bool gps_enabled() const { return enabled(GnssSystem::gps); }
 
  private:
-  static constexpr std::size_t kSystems = 4;
-  static constexpr std::size_t kMaximumMessages = 64;
-  using Rates = std::array<std::uint8_t, protocols::ubx::kPorts>;
-
-  struct State {
-    std::array<protocols::ubx::CfgPrt, 5> ports{};
-    std::array<Rates, kMaximumMessages> rates{};
-    std::array<protocols::ubx::CfgInf, 3> information{};
-    protocols::ubx::CfgRate rate;
-    protocols::ubx::CfgNav5 nav5;
-    protocols::ubx::CfgNavx5 navx5;
-    protocols::ubx::CfgNmea nmea;
-    protocols::ubx::CfgSbas sbas;
-    protocols::ubx::CfgAnt antenna;
-    protocols::ubx::CfgRxm power;
-    std::array<protocols::ubx::CfgTp5, 2> pulses{};
-    protocols::ubx::CfgGnssHead gnss;
-    std::array<protocols::ubx::CfgGnssBlock, kSystems> systems{};
-  };
-
+  // configuration_ports.cpp
   [[nodiscard]] bool set_ports(std::span<const std::uint8_t> payload);
   [[nodiscard]] bool set_message(std::span<const std::uint8_t> payload);
   [[nodiscard]] bool set_information(std::span<const std::uint8_t> payload);
+  [[nodiscard]] bool set_store(std::span<const std::uint8_t> payload);
+  // configuration_navigation.cpp
   [[nodiscard]] bool set_rate(const protocols::ubx::CfgRate& wanted);
   [[nodiscard]] bool set_navigation(const protocols::ubx::CfgNav5& wanted);
   [[nodiscard]] bool set_expert(const protocols::ubx::CfgNavx5& wanted);
   [[nodiscard]] bool set_systems(std::span<const std::uint8_t> payload);
-  [[nodiscard]] bool set_store(std::span<const std::uint8_t> payload);
+  [[nodiscard]] bool set_sentences(std::span<const std::uint8_t> payload);
+  [[nodiscard]] bool set_pulse(const protocols::ubx::CfgTp5& wanted);
+  [[nodiscard]] bool set_datum(std::span<const std::uint8_t> payload);
+  [[nodiscard]] bool set_inventory(std::span<const std::uint8_t> payload);
+  [[nodiscard]] bool set_opaque(const protocols::ubx::FrameView& frame);
+  [[nodiscard]] std::span<std::uint8_t> opaque(protocols::ubx::MessageId id);
 
   template <class Message>
   std::span<const std::uint8_t> reply(const Message& message);
+  [[nodiscard]] std::span<const std::uint8_t> reply_systems();
+  [[nodiscard]] std::span<const std::uint8_t> reply_sentences();
 
-  State default_;
-  State saved_;
-  State present_;
-  std::array<std::uint8_t, 64> reply_{};
+  const UbloxProfile* profile_;
+  UbloxConfigurationState default_;
+  UbloxConfigurationState saved_;
+  UbloxConfigurationState present_;
+  std::array<std::uint8_t, 1024> reply_{};
 };
 
 }  // namespace rigwire::emulators

@@ -2,15 +2,29 @@
 // receiver itself is one state machine for all of them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
 
-#include "emulators/ublox/settings.h"
+#include "protocols/ubx/frame.h"
 #include "sim/samples/gnss_sample.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
+
+struct UbloxConfigurationState;
+struct UbloxSolution;
+class UbloxConfiguration;
+class UbloxKeyMessages;
+
+/// A message that CFG-MSG knows.
+struct UbloxMessage {
+  protocols::ubx::MessageId id;
+  std::string_view name;           ///< "RMC", "NAV-SOL"; empty when it is known but not produced.
+  std::size_t greatest_bytes = 0;  ///< On the line; 0 when it is not produced.
+  bool sentence = false;           ///< NMEA.
+};
 
 /// One line of CFG-GNSS.
 struct SystemChannels {
@@ -31,21 +45,61 @@ struct UbloxProfile {
   std::span<const std::string_view> banner;  ///< TXT lines at start.
   /// What CFG-MSG knows, in the order in which one epoch puts it out.
   std::span<const UbloxMessage> messages;
-  std::span<const SystemChannels> systems;  ///< CFG-GNSS.
+  std::span<const SystemChannels> systems;  ///< CFG-GNSS, at most kMaximumSystems.
   std::uint8_t channels = 22;
   int radio_paths = 1;  ///< Carrier bands received at once: GPS with Galileo, GLONASS, BeiDou.
   std::uint8_t nmea_version = 0x23;
-  bool high_precision = false;      ///< NMEA with 7 decimals of minutes.
-  std::size_t cfg_nmea_bytes = 12;  ///< 12 or 20.
-  std::size_t pvt_bytes = 84;       ///< NAV-PVT: 84 or 92.
+  std::span<const std::uint8_t> nmea_versions;  ///< Those that CFG-NMEA accepts.
+  bool high_precision = false;                  ///< NMEA with 7 decimals of minutes.
+  std::size_t cfg_nmea_bytes = 12;              ///< 12 or 20.
+  std::size_t pvt_bytes = 84;                   ///< NAV-PVT: 84 or 92.
   Duration shortest_period = std::chrono::milliseconds{50};
   bool navigation_ratio = false;  ///< CFG-RATE navRate is honoured.
-  bool key_values = false;        ///< CFG-VALSET, VALGET, VALDEL.
   bool carrier_solution = false;  ///< RTK float and fixed are reported.
   std::uint32_t baud = 9600;
+  std::uint32_t greatest_baud = 460'800;
   std::uint16_t input_protocols = 0x0007;
   std::uint16_t output_protocols = 0x0003;
+  std::uint8_t chip_generation = 3;        ///< NAV-SVINFO globalFlags: 3 = u-blox 7, 4 = u-blox 8.
+  std::uint8_t status_flags = 0xD0;        ///< Undocumented upper bits of NAV-SOL and NAV-STATUS.
+  std::int32_t first_week = 1691;          ///< Week of the firmware: wknRollover.
+  std::int32_t default_leap_seconds = 16;  ///< Of the firmware, until received.
+
+  /// What other defaults of the type differ from those of a NEO-7P; may be null.
+  void (*adjust_defaults)(UbloxConfigurationState& state) = nullptr;
+  /// Messages that this type has of its own, or in another form: asked before the common ones, for
+  /// output and for polls. Writes a whole frame and returns its size, 0 when it is not one of them.
+  /// May be null. `out` holds at least kLongestSolutionFrame.
+  std::size_t (*encode)(const UbloxSolution& solution, protocols::ubx::MessageId id,
+                        std::span<std::uint8_t> out) = nullptr;
+  /// CFG-VALSET, VALGET, VALDEL; null where they are refused like any unknown message.
+  const UbloxKeyMessages* keys = nullptr;
 };
+
+inline constexpr std::size_t kMaximumSystems = 8;
+inline constexpr std::size_t kMaximumMessages = 128;
+
+/// The configuration messages that address single items by key.
+class UbloxKeyMessages {
+ public:
+  virtual ~UbloxKeyMessages() = default;
+  /// How many values the state must hold beyond the older messages
+  /// (UbloxConfigurationState::extra).
+  [[nodiscard]] virtual std::size_t extra_values() const = 0;
+  [[nodiscard]] virtual bool handles(protocols::ubx::MessageId id) const = 0;
+  [[nodiscard]] virtual bool is_poll(const protocols::ubx::FrameView& frame) const = 0;
+  /// Payload size of the answer, written into `out`; 0 when the poll is refused.
+  [[nodiscard]] virtual std::size_t poll(const UbloxConfiguration& configuration,
+                                         const protocols::ubx::FrameView& frame,
+                                         std::span<std::uint8_t> out) const = 0;
+  /// False when it is refused, and then nothing has changed.
+  [[nodiscard]] virtual bool set(UbloxConfiguration& configuration,
+                                 const protocols::ubx::FrameView& frame) const = 0;
+};
+
+/// Index in profile.messages; its size when unknown.
+[[nodiscard]] std::size_t message_index(const UbloxProfile& profile, protocols::ubx::MessageId id);
+[[nodiscard]] std::size_t message_index(const UbloxProfile& profile, std::string_view name);
 
 [[nodiscard]] const UbloxProfile& ublox_neo_7p();
 [[nodiscard]] const UbloxProfile& ublox_neo_m8();

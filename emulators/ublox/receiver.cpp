@@ -23,20 +23,6 @@ constexpr double kDriftingAccuracy_mps = 10.0;
 constexpr double kTimeShare = 0.300;
 constexpr double kDateShare = 0.316;
 
-constexpr std::array<std::string_view, 11> kBanner{
-    "u-blox ag - www.u-blox.com",
-    "HW  UBX-G70xx   00070000 FF7FFFFFo",
-    "EXT CORE 1.00 (71863) Jul 15 2013 15:48:11",
-    "ROM BASE 1.00 (59842) Jun 27 2012 17:43:52",
-    "MOD NEO-7P-0",
-    "PROTVER 14.00",
-    "PPP RAW 1.01",
-    "ANTSUPERV=AC SD PDoS SR",
-    "ANTSTATUS=OK",
-    "FIS 0xEF4015 found",
-    "LLC FFFFFFFF-FFFFFFFF-FFFFFFFF-FFFFFFFF-FFFFFFFD",
-};
-
 constexpr std::array kQuantities{
     Quantity{"latitude", "deg", -90.0, 90.0, 1e-7},
     Quantity{"longitude", "deg", -180.0, 180.0, 1e-7},
@@ -59,6 +45,12 @@ std::uint32_t milliseconds(Duration span) {
   return static_cast<std::uint32_t>(span / 1ms);
 }
 
+std::vector<std::uint8_t> version_of(const UbloxProfile& profile) {
+  return ubx::version_payload({std::string(profile.software),
+                               std::string(profile.hardware),
+                               {profile.extensions.begin(), profile.extensions.end()}});
+}
+
 Duration share(Duration whole, double part) {
   return from_seconds(to_seconds(whole) * part);
 }
@@ -71,10 +63,7 @@ UbloxReceiver::UbloxReceiver(const UbloxSettings& settings, const Calendar& cale
       calendar_(calendar),
       configuration_(settings_),
       transmitter_(output, settings_.transmit_buffer_bytes, settings_.baud),
-      version_(ubx::version_payload({"1.00 (71863)",
-                                     "00070000",
-                                     {"1.00 (59842)", "PROTVER 14.00", "FIS 0xEF4015",
-                                      "MOD NEO-7P-0", "PPP RAW 1.01", "GPS;SBAS;GLO;QZSS"}})) {
+      version_(version_of(*settings_.profile)) {
   start(kStart, settings_.time_to_first_fix);
 }
 
@@ -153,7 +142,7 @@ void UbloxReceiver::update(const GnssSample& sample) {
 
 void UbloxReceiver::greet(SimTime now) {
   if (settings_.start_banner) {
-    for (const auto line : kBanner) {
+    for (const auto line : settings_.profile->banner) {
       send_text(now, nmea::TextKind::notice, line);
     }
   }
@@ -264,7 +253,7 @@ std::string_view UbloxReceiver::talker() const {
 }
 
 void UbloxReceiver::publish(SimTime now) {
-  const auto messages = ublox_messages();
+  const auto messages = settings_.profile->messages;
   for (std::size_t i = 0; i < messages.size(); ++i) {
     const std::uint8_t rate = configuration_.message_rate(i);
     if (rate != 0 && epoch_number_ % rate == 0) {
@@ -278,9 +267,15 @@ void UbloxReceiver::send_message(SimTime now, const UbloxMessage& message) {
     send_sentence(now, message.name);
   } else if (speaks(ubx::kProtocolUbx)) {
     std::array<std::uint8_t, kLongestSolutionFrame> frame{};
-    const std::size_t size = encode_solution(solution_, message.id, frame);
+    const std::size_t size = encode(message.id, frame);
     send(now, std::span(frame).first(size));
   }
+}
+
+std::size_t UbloxReceiver::encode(ubx::MessageId id, std::span<std::uint8_t> out) const {
+  const UbloxProfile& profile = *settings_.profile;
+  const std::size_t own = profile.encode == nullptr ? 0 : profile.encode(solution_, id, out);
+  return own > 0 ? own : encode_solution(solution_, profile, id, out);
 }
 
 void UbloxReceiver::send_sentence(SimTime now, std::string_view name) {
@@ -313,7 +308,7 @@ void UbloxReceiver::send_sentence(SimTime now, std::string_view name) {
 }
 
 void UbloxReceiver::send_text(SimTime now, nmea::TextKind kind, std::string_view text) {
-  if (speaks(ubx::kProtocolNmea) && configuration_.text_enabled(static_cast<unsigned>(kind))) {
+  if (speaks(ubx::kProtocolNmea) && configuration_.text_enabled(1, static_cast<unsigned>(kind))) {
     send(now, nmea::write_txt(talker(), kind, text).bytes());
   }
 }
@@ -330,7 +325,7 @@ std::span<const Quantity> UbloxReceiver::quantities() const {
 
 double UbloxReceiver::nominal_rate_hz() const {
   double per_epoch = 0.0;
-  const auto messages = ublox_messages();
+  const auto messages = settings_.profile->messages;
   for (std::size_t i = 0; i < messages.size(); ++i) {
     if (const std::uint8_t rate = configuration_.message_rate(i); rate > 0) {
       const std::size_t sentences =

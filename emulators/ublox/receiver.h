@@ -73,6 +73,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   void publish(SimTime now);
   void send_message(SimTime now, const UbloxMessage& message);
   void send_sentence(SimTime now, std::string_view name);
+  [[nodiscard]] std::size_t encode(protocols::ubx::MessageId id, std::span<std::uint8_t> out) const;
   void send_text(SimTime now, protocols::nmea::TextKind kind, std::string_view text);
   void send(SimTime now, std::span<const std::uint8_t> message);
   [[nodiscard]] bool speaks(std::uint16_t protocol) const;

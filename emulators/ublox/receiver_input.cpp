@@ -102,11 +102,11 @@ void UbloxReceiver::handle(SimTime now, const ubx::FrameView& frame) {
     }
     return;
   }
-  const std::size_t index = ublox_message_index(frame.id);
-  if (frame.payload.empty() && index < ublox_messages().size() &&
-      ublox_messages()[index].greatest_bytes > 0) {
+  const std::size_t index = message_index(*settings_.profile, frame.id);
+  if (frame.payload.empty() && index < settings_.profile->messages.size() &&
+      settings_.profile->messages[index].greatest_bytes > 0) {
     ++received_.accepted;
-    send_message(now, ublox_messages()[index]);
+    send_message(now, settings_.profile->messages[index]);
     return;
   }
   ++received_.ignored;  // acknowledgements exist for configuration only
@@ -118,10 +118,10 @@ void UbloxReceiver::handle_configuration(SimTime now, const ubx::FrameView& fram
     reset(now, *request);
     return;
   }
-  if (UbloxConfiguration::is_poll(frame)) {
+  if (configuration_.is_poll(frame)) {
     const auto payload = configuration_.poll(frame);
     if (payload && speaks(ubx::kProtocolUbx)) {
-      std::array<std::uint8_t, 128> reply{};
+      std::array<std::uint8_t, ubx::kOverheadBytes + 1024> reply{};
       const std::size_t size = ubx::encode_frame(frame.id, *payload, reply);
       send(now, std::span(reply).first(size));
     }
@@ -202,10 +202,11 @@ void UbloxReceiver::handle(SimTime now, const nmea::SentenceView& sentence) {
             : sentence.field(0) == "41" ? handle_port_command(sentence)
                                         : false;
   } else if (sentence.address.size() == 5 && sentence.type() == "GPQ") {
-    const std::size_t index = ublox_message_index(sentence.field(0));
-    known = index < ublox_messages().size() && ublox_messages()[index].sentence;
+    const std::size_t index = message_index(*settings_.profile, sentence.field(0));
+    known =
+        index < settings_.profile->messages.size() && settings_.profile->messages[index].sentence;
     if (known) {
-      send_message(now, ublox_messages()[index]);
+      send_message(now, settings_.profile->messages[index]);
     }
   }
   if (known) {
@@ -217,9 +218,9 @@ void UbloxReceiver::handle(SimTime now, const nmea::SentenceView& sentence) {
 }
 
 bool UbloxReceiver::handle_rate_command(const nmea::SentenceView& s) {
-  const std::size_t index = ublox_message_index(s.field(1));
+  const std::size_t index = message_index(*settings_.profile, s.field(1));
   constexpr std::size_t kFirstRate = 2;
-  if (index == ublox_messages().size() || !ublox_messages()[index].sentence ||
+  if (index == settings_.profile->messages.size() || !settings_.profile->messages[index].sentence ||
       s.field_count < kFirstRate + ubx::kPorts) {
     return false;
   }

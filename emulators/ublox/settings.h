@@ -1,4 +1,4 @@
-// Settings of an emulated u-blox NEO-7P, and the table of messages that it knows.
+// Settings of an emulated u-blox receiver.
 #pragma once
 
 #include <cstddef>
@@ -8,17 +8,18 @@
 #include <string_view>
 #include <vector>
 
-#include "protocols/ubx/frame.h"
+#include "emulators/ublox/profile.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
 
 struct UbloxSettings {
+  const UbloxProfile* profile = &ublox_neo_7p();          ///< The type of receiver.
   std::uint32_t baud = 9600;                              ///< One of ublox_bauds(), 8N1.
-  Duration measurement_period = std::chrono::seconds{1};  ///< 50 ms .. 60 s, whole ms.
+  Duration measurement_period = std::chrono::seconds{1};  ///< shortest_period .. 60 s, whole ms.
   /// Sentences switched on at start: RMC VTG GGA GSA GSV GLL ZDA.
   std::vector<std::string> nmea_sentences{"RMC", "VTG", "GGA", "GSA", "GSV", "GLL"};
-  /// UBX messages switched on at start: NAV-POSECEF, NAV-SOL, ... (see ublox_messages()).
+  /// UBX messages switched on at start: NAV-POSECEF, NAV-SOL, ... (see UbloxProfile::messages).
   std::vector<std::string> ubx_messages;
   /// From power-on to the first fix; 0 = hot start, with a fix in the first epoch. A cold restart
   /// by CFG-RST takes this time again, or 30 s when it is 0. At most 1 h.
@@ -41,21 +42,8 @@ void validate(const UbloxSettings& settings);
 /// Line speeds that CFG-PRT and the settings accept.
 [[nodiscard]] std::span<const std::uint32_t> ublox_bauds();
 
-/// A message that CFG-MSG knows.
-struct UbloxMessage {
-  protocols::ubx::MessageId id;
-  std::string_view name;           ///< "RMC", "NAV-SOL"; empty when it is known but not produced.
-  std::size_t greatest_bytes = 0;  ///< On the line; 0 when it is not produced.
-  bool sentence = false;           ///< NMEA.
-};
-
-/// In the order in which one epoch puts them out. Messages that the real device knows but this
-/// emulator does not produce come last: a client may poll their rate (0), switching them on is
-/// refused.
+/// Messages of the NEO-7P, and the index of one there; their number when unknown.
 [[nodiscard]] std::span<const UbloxMessage> ublox_messages();
-
-/// Index in ublox_messages(); its size when unknown.
-[[nodiscard]] std::size_t ublox_message_index(protocols::ubx::MessageId id);
 [[nodiscard]] std::size_t ublox_message_index(std::string_view name);
 
 }  // namespace rigwire::emulators

@@ -18,7 +18,6 @@ constexpr std::int64_t kHundredth_ns = 10 * kMillisecond_ns;
 constexpr double kSemiMajorAxis_m = 6'378'137.0;  // WGS-84
 constexpr double kFlattening = 1.0 / 298.257223563;
 constexpr double kFrequencyAccuracy = 1e-9;
-constexpr std::uint8_t kUblox7Flags = 0xD0;  // undocumented bits that a u-blox 7 sets
 
 /// Rounded and clamped to the field; not-a-number becomes zero.
 template <class Integer>
@@ -128,12 +127,12 @@ NavPvt pvt(const UbloxSolution& s) {
   return m;
 }
 
-NavSol sol(const UbloxSolution& s) {
+NavSol sol(const UbloxSolution& s, const UbloxProfile& profile) {
   NavSol m;
   m.time_of_week_rest_ns = s.time_of_week_rest_ns;
   m.week = narrow<std::int16_t>(s.week);
   m.fix_type = fix_type(s);
-  m.flags = static_cast<std::uint8_t>(kUblox7Flags | fix_flags(s));
+  m.flags = static_cast<std::uint8_t>(profile.status_flags | fix_flags(s));
   m.position_cm = in_centimetres(ecef_position(s));
   m.position_accuracy_cm = unsigned_field(position_accuracy_m(s), 0.01);
   m.velocity_cmps = in_centimetres(ecef_velocity(s));
@@ -158,10 +157,10 @@ NavPosllh posllh(const UbloxSolution& s) {
           m.vertical_accuracy_mm};
 }
 
-NavStatus status(const UbloxSolution& s) {
+NavStatus status(const UbloxSolution& s, const UbloxProfile& profile) {
   return {0,
           fix_type(s),
-          static_cast<std::uint8_t>(kUblox7Flags | fix_flags(s)),
+          static_cast<std::uint8_t>(profile.status_flags | fix_flags(s)),
           0,
           0,
           s.first_fix_ms,
@@ -235,11 +234,13 @@ std::size_t put(Message message, std::uint32_t time_of_week_ms, std::span<std::u
   return frame.size();
 }
 
-std::size_t put_svinfo(const UbloxSolution& s, std::span<std::uint8_t> out) {
+std::size_t put_svinfo(const UbloxSolution& s, const UbloxProfile& profile,
+                       std::span<std::uint8_t> out) {
   constexpr std::size_t kMaximumChannels = 32;
   const std::size_t channels = std::min(s.satellites.size(), kMaximumChannels);
   const std::span<std::uint8_t> payload = out.subspan(kHeaderBytes);
-  write_payload(NavSvinfoHead{s.time_of_week_ms, static_cast<std::uint8_t>(channels), 3},
+  write_payload(NavSvinfoHead{s.time_of_week_ms, static_cast<std::uint8_t>(channels),
+                              profile.chip_generation},
                 payload.first(NavSvinfoHead::kLength));
   std::size_t at = NavSvinfoHead::kLength;
   for (std::size_t i = 0; i < channels; ++i) {
@@ -290,16 +291,17 @@ void set_time(UbloxSolution& solution, const Calendar& calendar, SimTime epoch) 
   solution.utc_rest_ns = static_cast<std::int32_t>(solution.utc.nanosecond + rest_hundredth);
 }
 
-std::size_t encode_solution(const UbloxSolution& s, MessageId id, std::span<std::uint8_t> out) {
+std::size_t encode_solution(const UbloxSolution& s, const UbloxProfile& profile, MessageId id,
+                            std::span<std::uint8_t> out) {
   const std::uint32_t tow = s.time_of_week_ms;
   if (id == NavPvt::kId) return put(pvt(s), tow, out);
   if (id == NavPosecef::kId) return put(posecef(s), tow, out);
   if (id == NavPosllh::kId) return put(posllh(s), tow, out);
-  if (id == NavStatus::kId) return put(status(s), tow, out);
+  if (id == NavStatus::kId) return put(status(s, profile), tow, out);
   if (id == NavVelecef::kId) return put(velecef(s), tow, out);
   if (id == NavVelned::kId) return put(velned(s), tow, out);
-  if (id == NavSol::kId) return put(sol(s), tow, out);
-  if (id == NavSvinfoHead::kId) return put_svinfo(s, out);
+  if (id == NavSol::kId) return put(sol(s, profile), tow, out);
+  if (id == NavSvinfoHead::kId) return put_svinfo(s, profile, out);
   if (id == NavDop::kId) return put(dop(s), tow, out);
   if (id == NavTimegps::kId) return put(timegps(s), tow, out);
   if (id == NavTimeutc::kId) return put(timeutc(s), tow, out);

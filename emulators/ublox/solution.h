@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "emulators/ublox/profile.h"
 #include "protocols/nmea/position_sentences.h"
 #include "protocols/ubx/frame.h"
 #include "sim/samples/calendar.h"
@@ -64,7 +65,7 @@ void set_time(UbloxSolution& solution, const Calendar& calendar, SimTime epoch);
 /// no such message here. Values beyond a field's range are clamped to it. Precondition: out.size()
 /// >= kLongestSolutionFrame.
 [[nodiscard]] std::size_t encode_solution(const UbloxSolution& solution,
-                                          protocols::ubx::MessageId id,
+                                          const UbloxProfile& profile, protocols::ubx::MessageId id,
                                           std::span<std::uint8_t> out);
 
 /// The same epoch for the NMEA writers; `list` holds its satellites.

@@ -1,0 +1,174 @@
+#include "emulators/ublox/configuration_state.h"
+
+#include <algorithm>
+#include <chrono>
+#include <string_view>
+
+#include "protocols/bytes.h"
+
+namespace rigwire::emulators {
+namespace {
+
+using namespace protocols::ubx;
+
+constexpr std::array<std::uint8_t, 3> kInformationProtocols{0, 1, 3};
+
+std::array<CfgPrt, 5> default_ports(const UbloxProfile& profile, std::uint32_t baud) {
+  const std::uint16_t in = profile.input_protocols;
+  const std::uint16_t out = profile.output_protocols;
+  std::array<CfgPrt, 5> ports{};
+  ports[kPortDdc] = {0, 0, 0x84, 0, in, out, 0};
+  ports[kPortUart1] = {1, 0, 0x08C0, baud, in, out, 0};
+  ports[kPortUart2] = {2, 0, 0x38C0, 0, 0, 0, 0};
+  ports[kPortUsb] = {3, 0, 0, 0, in, out, 0};
+  ports[kPortSpi] = {4, 0, 0x3200, 0, in, out, 0};
+  return ports;
+}
+
+CfgNav5 default_navigation() {
+  CfgNav5 nav5;
+  nav5.mask = 0xFFFF;
+  nav5.fix_mode = 3;
+  nav5.fixed_altitude_variance_e4m2 = 10'000;
+  nav5.minimum_elevation_deg = 5;
+  nav5.position_dilution_mask_e1 = 250;
+  nav5.time_dilution_mask_e1 = 250;
+  nav5.position_accuracy_mask_m = 100;
+  nav5.time_accuracy_mask_m = 300;
+  nav5.differential_timeout_s = 60;
+  return nav5;
+}
+
+CfgNavx5 default_expert(const UbloxProfile& profile) {
+  CfgNavx5 navx5;
+  navx5.minimum_satellites = 3;
+  navx5.maximum_satellites = profile.channels;
+  navx5.minimum_cn0_dbhz = 7;
+  navx5.week_rollover = static_cast<std::uint16_t>(profile.first_week);
+  navx5.precise_point_positioning = 1;
+  navx5.maximum_orbit_error_m = 100;
+  return navx5;
+}
+
+std::array<CfgTp5, 2> default_pulses() {
+  std::array<CfgTp5, 2> pulses{};
+  pulses[0] = {0, 0, 50, 0, 1'000'000, 1'000'000, 0, 100'000, 0, 0xF7};
+  pulses[1] = {1, 0, 50, 0, 4, 1, 125'000, 100'000, 0, 0xFE};
+  return pulses;
+}
+
+void put_text(std::span<std::uint8_t> bytes, std::string_view text) {
+  std::ranges::copy(text, bytes.begin());
+}
+
+void set_systems(UbloxConfigurationState& s, const UbloxProfile& profile) {
+  s.gnss = {0, profile.channels, profile.channels,
+            static_cast<std::uint8_t>(profile.systems.size())};
+  for (std::size_t i = 0; i < profile.systems.size(); ++i) {
+    const SystemChannels& system = profile.systems[i];
+    s.systems[i] = {static_cast<std::uint8_t>(system.system), system.reserved, system.maximum,
+                    (system.enabled ? 1U : 0U) | std::uint32_t{system.signals} << 16U};
+  }
+}
+
+void set_opaque(UbloxConfigurationState& s) {
+  // CFG-DAT: number, name, semi-major axis, flattening as 1/f, shifts, rotations, scale.
+  put_text(std::span(s.datum).subspan(2), "WGS84");
+  constexpr std::uint64_t kSemiMajorAxis_m = 0x4158'54A6'4000'0000;    // 6378137.0
+  constexpr std::uint64_t kInverseFlattening = 0x4072'A41D'2D4B'8C4E;  // 298.257223563
+  protocols::store_little(std::span<std::uint8_t>(s.datum), 8, kSemiMajorAxis_m);
+  protocols::store_little(std::span<std::uint8_t>(s.datum), 16, kInverseFlattening);
+
+  const std::span<std::uint8_t> pm2(s.power_management);
+  pm2[0] = 1;                                               // version
+  protocols::store_little(pm2, 8, std::uint32_t{1000});     // update period, ms
+  protocols::store_little(pm2, 12, std::uint32_t{10'000});  // search period, ms
+  protocols::store_little(pm2, 20, std::uint16_t{2});       // on time, s
+
+  const std::span<std::uint8_t> usb(s.usb);
+  protocols::store_little(usb, 0, std::uint16_t{0x1546});
+  protocols::store_little(usb, 2, std::uint16_t{0x01A7});
+  protocols::store_little(usb, 8, std::uint16_t{100});  // mA
+  put_text(usb.subspan(12), "u-blox AG - www.u-blox.com");
+  put_text(usb.subspan(44), "u-blox 7 - GPS/GNSS Receiver");
+
+  s.interference = {0xF3, 0xAC, 0x62, 0x2D, 0x1E, 0x03, 0x00, 0x00};
+  s.log_filter[0] = 1;  // version
+  constexpr std::string_view kNoInventory = "Notice: no data saved!";
+  put_text(std::span(s.remote_inventory).subspan(1), kNoInventory);
+  s.remote_inventory_bytes = 1 + kNoInventory.size();
+}
+
+}  // namespace
+
+UbloxConfigurationState default_state(const UbloxSettings& settings) {
+  const UbloxProfile& profile = *settings.profile;
+  UbloxConfigurationState s;
+  s.ports = default_ports(profile, settings.baud);
+  const auto switch_on = [&](const std::vector<std::string>& names) {
+    for (const auto& name : names) {
+      s.rates[message_index(profile, name)] = {1, 1, 1, 1, 1, 1};
+    }
+  };
+  switch_on(settings.nmea_sentences);
+  switch_on(settings.ubx_messages);
+  for (std::size_t i = 0; i < kInformationProtocols.size(); ++i) {
+    s.information[i].protocol = kInformationProtocols[i];
+  }
+  s.information[1].masks.fill(0x87);
+  s.rate = {static_cast<std::uint16_t>(settings.measurement_period / std::chrono::milliseconds{1}),
+            1, 1};
+  s.nav5 = default_navigation();
+  s.navx5 = default_expert(profile);
+  s.nmea.version = profile.nmea_version;
+  s.nmea.flags = 0x02;
+  s.sbas = {1, 3, 3, 0, 0x0006A2D1};
+  s.antenna = {0x001B, 0xB9F0};
+  s.power = {8, 0};
+  s.pulses = default_pulses();
+  set_systems(s, profile);
+  set_opaque(s);
+  if (profile.keys != nullptr) {
+    s.extra.resize(profile.keys->extra_values());
+  }
+  if (profile.adjust_defaults != nullptr) {
+    profile.adjust_defaults(s);
+  }
+  return s;
+}
+
+void copy_sections(const UbloxConfigurationState& from, UbloxConfigurationState& to,
+                   std::uint32_t mask) {
+  if ((mask & kSectionIoPort) != 0) {
+    to.ports = from.ports;
+    to.usb = from.usb;
+  }
+  if ((mask & kSectionMessages) != 0) to.rates = from.rates;
+  if ((mask & kSectionInformation) != 0) to.information = from.information;
+  if ((mask & kSectionNavigation) != 0) {
+    to.rate = from.rate;
+    to.nav5 = from.nav5;
+    to.navx5 = from.navx5;
+    to.nmea = from.nmea;
+    to.nmea_tail = from.nmea_tail;
+    to.pulses = from.pulses;
+    to.sbas = from.sbas;
+    to.datum = from.datum;
+    to.extra = from.extra;
+  }
+  if ((mask & kSectionReceiver) != 0) {
+    to.power = from.power;
+    to.power_management = from.power_management;
+    to.gnss = from.gnss;
+    to.systems = from.systems;
+    to.interference = from.interference;
+  }
+  if ((mask & kSectionInventory) != 0) {
+    to.remote_inventory = from.remote_inventory;
+    to.remote_inventory_bytes = from.remote_inventory_bytes;
+  }
+  if ((mask & kSectionAntenna) != 0) to.antenna = from.antenna;
+  if ((mask & kSectionLogging) != 0) to.log_filter = from.log_filter;
+}
+
+}  // namespace rigwire::emulators

@@ -1,0 +1,74 @@
+// What an emulated u-blox receiver is configured to: one value of every CFG message, and how the
+// sections of CFG-CFG divide it.
+//
+// Source: u-blox M8 receiver description, UBX-13003221 R28, section 3 "Receiver configuration" and
+// 32.10.3 "UBX-CFG-CFG"; defaults from a complete poll of a NEO-7P, those of CFG-PM2 from the
+// description only.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "emulators/ublox/profile.h"
+#include "emulators/ublox/settings.h"
+#include "protocols/ubx/configuration.h"
+
+namespace rigwire::emulators {
+
+struct UbloxConfigurationState {
+  using Rates = std::array<std::uint8_t, protocols::ubx::kPorts>;
+
+  std::array<protocols::ubx::CfgPrt, 5> ports{};
+  std::array<Rates, kMaximumMessages> rates{};  ///< In the order of UbloxProfile::messages.
+  std::array<protocols::ubx::CfgInf, 3> information{};
+  protocols::ubx::CfgRate rate;
+  protocols::ubx::CfgNav5 nav5;
+  protocols::ubx::CfgNavx5 navx5;
+  protocols::ubx::CfgNmea nmea;
+  std::array<std::uint8_t, 8> nmea_tail{};  ///< Bytes 12..19 of the longer form of CFG-NMEA.
+  protocols::ubx::CfgSbas sbas;
+  protocols::ubx::CfgAnt antenna;
+  protocols::ubx::CfgRxm power;
+  std::array<protocols::ubx::CfgTp5, 2> pulses{};
+  protocols::ubx::CfgGnssHead gnss;
+  std::array<protocols::ubx::CfgGnssBlock, kMaximumSystems> systems{};  ///< gnss.blocks of them.
+  // Kept as the bytes of their payload: nothing here acts on them.
+  std::array<std::uint8_t, 52> datum{};
+  std::array<std::uint8_t, 44> power_management{};      ///< CFG-PM2.
+  std::array<std::uint8_t, 108> usb{};                  ///< CFG-USB.
+  std::array<std::uint8_t, 8> interference{};           ///< CFG-ITFM.
+  std::array<std::uint8_t, 12> log_filter{};            ///< CFG-LOGFILTER.
+  std::array<std::uint8_t, 1 + 30> remote_inventory{};  ///< CFG-RINV: flags and text.
+  std::size_t remote_inventory_bytes = 1;
+  /// Values that only UbloxKeyMessages knows, by its own order.
+  std::vector<std::uint64_t> extra;
+};
+
+/// CFG messages that are kept as bytes.
+inline constexpr protocols::ubx::MessageId kCfgDat{0x06, 0x06};
+inline constexpr protocols::ubx::MessageId kCfgUsb{0x06, 0x1B};
+inline constexpr protocols::ubx::MessageId kCfgRinv{0x06, 0x34};
+inline constexpr protocols::ubx::MessageId kCfgItfm{0x06, 0x39};
+inline constexpr protocols::ubx::MessageId kCfgPm2{0x06, 0x3B};
+inline constexpr protocols::ubx::MessageId kCfgLogfilter{0x06, 0x47};
+
+/// Sections of CFG-CFG.
+inline constexpr std::uint32_t kSectionIoPort = 0x0001;
+inline constexpr std::uint32_t kSectionMessages = 0x0002;
+inline constexpr std::uint32_t kSectionInformation = 0x0004;
+inline constexpr std::uint32_t kSectionNavigation = 0x0008;
+inline constexpr std::uint32_t kSectionReceiver = 0x0010;
+inline constexpr std::uint32_t kSectionInventory = 0x0200;
+inline constexpr std::uint32_t kSectionAntenna = 0x0400;
+inline constexpr std::uint32_t kSectionLogging = 0x0800;
+
+/// The state of a receiver of that type with nothing saved. Precondition: validate(settings).
+[[nodiscard]] UbloxConfigurationState default_state(const UbloxSettings& settings);
+
+/// Copies the sections of `mask`. Allocates nothing when both states are of one type of receiver.
+void copy_sections(const UbloxConfigurationState& from, UbloxConfigurationState& to,
+                   std::uint32_t mask);
+
+}  // namespace rigwire::emulators

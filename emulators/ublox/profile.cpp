@@ -1,0 +1,19 @@
+#include "emulators/ublox/profile.h"
+
+#include <algorithm>
+
+namespace rigwire::emulators {
+
+std::size_t message_index(const UbloxProfile& profile, protocols::ubx::MessageId id) {
+  return static_cast<std::size_t>(std::ranges::find(profile.messages, id, &UbloxMessage::id) -
+                                  profile.messages.begin());
+}
+
+std::size_t message_index(const UbloxProfile& profile, std::string_view name) {
+  return name.empty() ? profile.messages.size()
+                      : static_cast<std::size_t>(
+                            std::ranges::find(profile.messages, name, &UbloxMessage::name) -
+                            profile.messages.begin());
+}
+
+}  // namespace rigwire::emulators

@@ -47,8 +47,7 @@ bool UbloxConfiguration::set_ports(Payload payload) {
 }
 
 bool UbloxConfiguration::set_rate(std::size_t index, std::size_t port, std::uint8_t rate) {
-  if (index >= profile_->messages.size() || port >= kPorts ||
-      (rate != 0 && profile_->messages[index].greatest_bytes == 0)) {
+  if (index >= profile_->messages.size() || port >= kPorts) {
     return false;
   }
   present_.rates[index][port] = rate;
@@ -64,9 +63,7 @@ bool UbloxConfiguration::set_message(Payload payload) {
     return set_rate(index, kPortUart1, payload[2]);
   }
   const auto wanted = read_payload<CfgMsg>(payload);
-  const bool any = std::ranges::any_of(wanted.rates, [](std::uint8_t rate) { return rate != 0; });
-  if (index == profile_->messages.size() ||
-      (any && profile_->messages[index].greatest_bytes == 0)) {
+  if (index == profile_->messages.size()) {
     return false;
   }
   present_.rates[index] = wanted.rates;

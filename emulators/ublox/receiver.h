@@ -1,8 +1,9 @@
-// An emulated u-blox NEO-7P satellite receiver on its UART: NMEA 2.3 and UBX protocol 14.00.
+// An emulated u-blox satellite receiver on its UART; what type it is, UbloxProfile says.
 //
 // Wire face: the TXT banner after power-on, then every epoch's messages in the order of the real
 // device, paced at 10 bits per byte; UBX configuration with true acknowledgements, polls, PUBX
-// commands. Backend face: one GnssSample per epoch, at the instants of sample_plan().
+// commands. A client at another speed hears garbage and is not understood. Backend face: one
+// GnssSample per epoch, at the instants of sample_plan().
 // docs/devices/ublox-neo-7p.md lists the messages, constants and deviations with their sources.
 #pragma once
 
@@ -15,7 +16,11 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
+#include "emulators/ublox/antenna.h"
 #include "emulators/ublox/configuration.h"
+#include "emulators/ublox/line_quality.h"
+#include "emulators/ublox/monitor.h"
+#include "emulators/ublox/navigator.h"
 #include "emulators/ublox/settings.h"
 #include "emulators/ublox/solution.h"
 #include "emulators/ublox/transmitter.h"
@@ -27,7 +32,7 @@ namespace rigwire::emulators {
 
 struct UbloxCounters {
   std::uint64_t epochs = 0;           ///< Solutions computed.
-  std::uint64_t samples_refused = 0;  ///< Samples while starting, stopped, or more than 8 behind.
+  std::uint64_t samples_refused = 0;  ///< Samples while off, starting, stopped, or > 8 behind.
   std::uint64_t messages_sent = 0;    ///< Handed to the line.
   std::uint64_t messages_lost = 0;    ///< The transmit buffer was full.
   std::uint64_t acknowledged = 0;     ///< ACK-ACK.
@@ -44,8 +49,18 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   void update(const GnssSample& sample) override;
   void advance(SimTime now) override;
   [[nodiscard]] SimTime next_event() const override;
-  /// Aligned to GPS time; follows CFG-RATE, resets, and stopping and starting by CFG-RST.
+  void set_client(SimTime now, const SerialClient& client) override;
+  /// Aligned to GPS or UTC seconds; follows CFG-RATE, resets, power, and stopping and starting by
+  /// CFG-RST.
   [[nodiscard]] SamplePlan sample_plan() const override { return plan_; }
+
+  /// Switches the supply. With a backup battery time, orbits (for four hours) and the saved
+  /// configuration outlive it; without, nothing does.
+  void power(SimTime now, bool on);
+
+  /// An edge on the external interrupt pin: TIM-TM2 reports it in the next epoch.
+  void external_interrupt(SimTime now, bool rising);
+
   /// NMEA sentences and UBX messages per second; GSV counts with its present number of sentences.
   [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::uint64_t messages_sent() const override {
@@ -55,6 +70,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   [[nodiscard]] ReceiveCounters received() const override { return received_; }
   [[nodiscard]] std::span<const Quantity> quantities() const override;
   [[nodiscard]] UbloxCounters counters() const;
+  [[nodiscard]] const UbloxSolution& solution() const { return navigator_.solution(); }
 
  private:
   static constexpr std::size_t kPending = 8;
@@ -63,59 +79,74 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   static_assert(kInputBytes > kMaximumPayload + protocols::ubx::kOverheadBytes);
   static_assert(kInputBytes > protocols::nmea::kMaximumSentence);
 
-  // ublox_receiver.cpp: life, epochs and output.
-  void start(SimTime now, Duration time_to_first_fix);
-  void begin_navigation(SimTime now, Duration time_to_first_fix);
+  // receiver.cpp: life and epochs.
+  void start(SimTime now, const UbloxMemory& memory);
   void plan_from(SimTime now);
   void greet(SimTime now);
   void solve(SimTime now);
-  void take_position(const GnssSample& sample, int dimensions);
+  void watch_antenna(SimTime now);
+  void follow_line_noise(SimTime now);
+  void set_baud(std::uint32_t baud);
+  /// The active fault of that kind; null when there is none.
+  [[nodiscard]] const UbloxFault* fault(UbloxFaultKind kind, SimTime now) const;
+
+  // receiver_output.cpp: what it says.
   void publish(SimTime now);
   void send_message(SimTime now, const UbloxMessage& message);
   void send_sentence(SimTime now, std::string_view name);
-  [[nodiscard]] std::size_t encode(protocols::ubx::MessageId id, std::span<std::uint8_t> out) const;
   void send_text(SimTime now, protocols::nmea::TextKind kind, std::string_view text);
   void send(SimTime now, std::span<const std::uint8_t> message);
+  [[nodiscard]] std::size_t encode(protocols::ubx::MessageId id, std::span<std::uint8_t> out);
+  [[nodiscard]] UbloxMonitorView monitor_view() const;
   [[nodiscard]] bool speaks(std::uint16_t protocol) const;
   [[nodiscard]] std::string_view talker() const;
 
-  // ublox_receiver_input.cpp: what clients say.
+  // receiver_input.cpp: what clients say.
+  void take_in(SimTime now, std::span<const std::uint8_t> bytes);
   void parse(SimTime now);
   void handle(SimTime now, const protocols::ubx::FrameView& frame);
-  void handle(SimTime now, const protocols::nmea::SentenceView& sentence);
   void handle_configuration(SimTime now, const protocols::ubx::FrameView& frame);
-  [[nodiscard]] bool handle_port_command(const protocols::nmea::SentenceView& s);
-  [[nodiscard]] bool handle_rate_command(const protocols::nmea::SentenceView& s);
+  [[nodiscard]] bool handle_aiding(SimTime now, const protocols::ubx::FrameView& frame);
   void reset(SimTime now, const protocols::ubx::CfgRst& request);
   void answer(SimTime now, protocols::ubx::MessageId request, bool accepted);
-  void apply_configuration(SimTime now);
+
+  // receiver_sentences.cpp: what clients say in NMEA.
+  void handle(SimTime now, const protocols::nmea::SentenceView& sentence);
+  [[nodiscard]] bool handle_proprietary(SimTime now, const protocols::nmea::SentenceView& s);
+  [[nodiscard]] bool handle_port_command(const protocols::nmea::SentenceView& s);
+  [[nodiscard]] bool handle_rate_command(const protocols::nmea::SentenceView& s);
+  [[nodiscard]] bool handle_query(SimTime now, const protocols::nmea::SentenceView& s);
 
   UbloxSettings settings_;
+  const UbloxProfile& profile_;
   Calendar calendar_;
   UbloxConfiguration configuration_;
+  UbloxLineQuality quality_;
   UbloxTransmitter transmitter_;
+  UbloxNavigator navigator_;
   std::vector<std::uint8_t> version_;  ///< Payload of MON-VER.
 
-  SimTime ready_ = kStart;  ///< End of start-up; kNever once greeted.
+  bool powered_ = true;
+  SimTime off_since_ = kStart;
+  SimTime ready_ = kStart;  ///< End of start-up.
   bool running_ = false;    ///< Start-up is over.
   bool navigating_ = true;  ///< Not stopped by CFG-RST.
   SamplePlan plan_;
-  SimTime powered_ = kStart;    ///< Power-on or last reset.
-  SimTime searching_ = kStart;  ///< Since then the navigation engine has looked for satellites.
-  Duration time_to_first_fix_{0};
-  SimTime last_fix_ = kNever;  ///< Epoch of it.
   std::uint64_t epoch_number_ = 0;
 
   std::array<GnssSample, kPending> pending_;  ///< Ring of samples being worked on.
   std::size_t pending_head_ = 0;
   std::size_t pending_count_ = 0;
-  UbloxSolution solution_;
+  GnssSample latest_;  ///< Behind the present solution.
+  UbloxAntenna antenna_;
+  UbloxTimeMark mark_;
   std::vector<protocols::nmea::SatelliteInView> in_view_;
 
   std::array<std::uint8_t, kInputBytes> input_{};
   std::size_t input_size_ = 0;
   bool in_garbage_ = false;
   bool overflow_to_report_ = false;
+  UbloxPortStatistics port_;
   ReceiveCounters received_;
   UbloxCounters counters_;
 };

@@ -24,6 +24,24 @@ void check(const char* name, Duration value, Duration lower, Duration upper) {
   }
 }
 
+void check(const UbloxFault& fault) {
+  check("faults begin", fault.begin, 0s, Duration::max());
+  if (fault.end <= fault.begin) {
+    reject("faults end is " + std::to_string(to_seconds(fault.end)) +
+           " s, allowed is later than begin, " + std::to_string(to_seconds(fault.begin)) + " s");
+  }
+  if (fault.kind == UbloxFaultKind::wrong_leap_second &&
+      (std::abs(fault.value) > 10.0 || fault.value == 0.0 ||
+       std::round(fault.value) != fault.value)) {
+    reject("faults value of wrong_leap_second is " + std::to_string(fault.value) +
+           " s, allowed are whole seconds -10 .. 10 but 0");
+  }
+  if (fault.kind == UbloxFaultKind::line_noise && !(fault.value >= 0.0 && fault.value <= 0.5)) {
+    reject("faults value of line_noise is " + std::to_string(fault.value) +
+           ", allowed are 0 .. 0.5 errors per bit");
+  }
+}
+
 std::size_t bytes_of(const UbloxProfile& profile, const std::vector<std::string>& names,
                      bool sentences, const char* setting) {
   std::size_t sum = 0;
@@ -81,6 +99,9 @@ void validate(const UbloxSettings& settings) {
   if (settings.transmit_buffer_bytes < 1024 || settings.transmit_buffer_bytes > 65536) {
     reject("transmit_buffer_bytes is " + std::to_string(settings.transmit_buffer_bytes) +
            ", allowed are 1024 .. 65536");
+  }
+  for (const auto& fault : settings.faults) {
+    check(fault);
   }
   const std::size_t epoch_bytes =
       bytes_of(profile, settings.nmea_sentences, true, "nmea_sentences") +

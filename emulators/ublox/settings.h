@@ -13,6 +13,20 @@
 
 namespace rigwire::emulators {
 
+/// Defects of the device itself; those of its surroundings come with the samples.
+enum class UbloxFaultKind : std::uint8_t {
+  frozen_fix,         ///< Position, velocity and satellites are repeated; time goes on.
+  wrong_leap_second,  ///< `value` seconds too many; whole, -10 .. 10, not 0.
+  line_noise,         ///< Each bit is turned over with probability `value`, both ways; 0 .. 0.5.
+};
+
+struct UbloxFault {
+  UbloxFaultKind kind = UbloxFaultKind::frozen_fix;
+  Duration begin{0};  ///< Since the start of the run.
+  Duration end{0};    ///< Later than begin.
+  double value = 0.0;
+};
+
 struct UbloxSettings {
   const UbloxProfile* profile = &ublox_neo_7p();          ///< The type of receiver.
   std::uint32_t baud = 9600;                              ///< One of ublox_bauds(), 8N1.
@@ -33,6 +47,10 @@ struct UbloxSettings {
   /// Bytes that wait for the line at most, 1024 .. 65536; a message that does not fit is lost
   /// whole.
   std::size_t transmit_buffer_bytes = 4096;
+  /// Keeps time, orbits and the saved configuration while the supply is off.
+  bool backup_battery = true;
+  std::vector<UbloxFault> faults;
+  std::uint64_t noise_seed = 1;  ///< Of line_noise.
 };
 
 /// Throws std::invalid_argument naming the setting, the value found and what is allowed; also when

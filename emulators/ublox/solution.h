@@ -1,11 +1,12 @@
-// What an emulated NEO-7P knows at one navigation epoch, and its form in every message that it
-// prints: conversion from SI to wire units happens here, once.
+// What an emulated u-blox receiver knows at one navigation epoch, and its form in every message
+// that it prints: conversion from SI to wire units happens here, once.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -21,17 +22,22 @@ namespace rigwire::emulators {
 struct UbloxSolution {
   bool time_known = false;            ///< Time of day.
   bool date_known = false;            ///< Date and week.
+  bool leap_known = false;            ///< leap_seconds was received, not the firmware's.
   bool orbits_known = false;          ///< Elevation and azimuth of satellites can be said.
-  std::uint32_t time_of_week_ms = 0;  ///< Nearest; milliseconds since start while time is unknown.
-  std::int32_t time_of_week_rest_ns = 0;  ///< Epoch less time_of_week_ms.
-  std::int32_t week = 0;
+  std::uint32_t time_of_week_ms = 0;  ///< Label of the epoch; since start while time is unknown.
+  std::int32_t time_of_week_rest_ns = 0;  ///< The measurement less time_of_week_ms.
+  std::int32_t week = 0;                  ///< Resolved by the firmware's first week.
   std::int32_t leap_seconds = 0;
   UtcTime utc;                   ///< Rounded to 1/100 s, so that 23:59:59.996 is the next day.
-  std::int32_t utc_rest_ns = 0;  ///< Epoch less the full second in `utc`; may be negative.
+  std::int32_t utc_rest_ns = 0;  ///< The measurement less the full second in `utc`; may be < 0.
   std::uint32_t since_start_ms = 0;
   std::uint32_t first_fix_ms = 0;  ///< 0 while there was none.
 
-  int dimensions = 0;  ///< 0 without fix, 2, 3. Position is then the last one.
+  int dimensions = 0;         ///< 0 without fix, 2, 3. Position is then the last one.
+  bool fix_ok = false;        ///< A fix within the limits of CFG-NAV5.
+  bool differential = false;  ///< SBAS or other corrections are applied.
+  std::optional<double> differential_age_s;
+  CarrierSolution carrier = CarrierSolution::none;
   bool has_position = false;
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;
@@ -45,28 +51,51 @@ struct UbloxSolution {
   double vertical_accuracy_m = std::numeric_limits<double>::infinity();
   double speed_accuracy_mps = std::numeric_limits<double>::infinity();
   double time_accuracy_s = std::numeric_limits<double>::infinity();
-  double clock_bias_s = 0.0;
+  /// As GnssSample::position_covariance_ned_m2; from the accuracies where that was not given.
+  std::array<double, 6> position_covariance_ned_m2{};
+  double clock_bias_s = 0.0;  ///< time_of_week_rest_ns + this is a whole number of milliseconds.
   double clock_drift = 0.0;
   double horizontal_dilution = std::numeric_limits<double>::quiet_NaN();
   double vertical_dilution = std::numeric_limits<double>::quiet_NaN();
   double position_dilution = std::numeric_limits<double>::quiet_NaN();
   double time_dilution = std::numeric_limits<double>::quiet_NaN();
-  std::vector<SatelliteView> satellites;
+  double north_dilution = std::numeric_limits<double>::quiet_NaN();
+  double east_dilution = std::numeric_limits<double>::quiet_NaN();
+  std::vector<SatelliteView> satellites;  ///< Known so far; `used` and `tracked` as the receiver's.
   int satellites_used = 0;
+
+  /// The sample behind it, for raw measurements; null before the first one. Owned by the receiver.
+  const GnssSample* sample = nullptr;
 };
 
 /// Room for the longest UBX frame of this file.
-inline constexpr std::size_t kLongestSolutionFrame = 8 + 8 + 12 * 32;
+inline constexpr std::size_t kMostSatellites = 64;
+inline constexpr std::size_t kLongestSolutionFrame = 8 + 16 + 32 * kMostSatellites;
 
-/// Fills the time fields from the epoch.
-void set_time(UbloxSolution& solution, const Calendar& calendar, SimTime epoch);
+/// How a receiver resolves what the satellites do not say, and what it has heard so far.
+struct UbloxTimeBase {
+  std::int32_t first_week = 1691;  ///< The 10-bit week is that of the 1024 weeks from here on.
+  std::int32_t default_leap_seconds = 16;  ///< While solution.leap_known is false.
+  std::int32_t leap_error_s = 0;           ///< Fault.
+};
 
-/// Writes the UBX frame of a message of class NAV, or MON-HW, and returns its size; 0 when there is
+/// Fills the time fields of an epoch that was wanted at `epoch` and measured `measured_after`
+/// later; by since_start_ms while time is unknown.
+void set_time(UbloxSolution& solution, const Calendar& calendar, const UbloxTimeBase& base,
+              SimTime epoch, Duration measured_after);
+
+/// Writes the UBX frame of a message of class NAV and returns its size; 0 when there is
 /// no such message here. Values beyond a field's range are clamped to it. Precondition: out.size()
 /// >= kLongestSolutionFrame.
 [[nodiscard]] std::size_t encode_solution(const UbloxSolution& solution,
                                           const UbloxProfile& profile, protocols::ubx::MessageId id,
                                           std::span<std::uint8_t> out);
+
+/// The messages among them that list satellites; 0 when it is none of those.
+[[nodiscard]] std::size_t encode_satellites(const UbloxSolution& solution,
+                                            const UbloxProfile& profile,
+                                            protocols::ubx::MessageId id,
+                                            std::span<std::uint8_t> out);
 
 /// The same epoch for the NMEA writers; `list` holds its satellites.
 [[nodiscard]] protocols::nmea::Epoch nmea_epoch(

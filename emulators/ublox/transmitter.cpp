@@ -34,6 +34,7 @@ bool UbloxTransmitter::enqueue(SimTime now, std::span<const std::uint8_t> messag
     ring_[(head_ + size_) % ring_.size()] = byte;
     ++size_;
   }
+  peak_ = std::max(peak_, size_);
   ++messages_sent_;
   return true;
 }
@@ -68,6 +69,7 @@ void UbloxTransmitter::set_baud(std::uint32_t baud) {
 void UbloxTransmitter::clear() {
   head_ = 0;
   size_ = 0;
+  peak_ = 0;
 }
 
 }  // namespace rigwire::emulators

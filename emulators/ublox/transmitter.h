@@ -31,11 +31,14 @@ class UbloxTransmitter {
   void set_baud(std::uint32_t baud);
   [[nodiscard]] std::uint32_t baud() const { return baud_; }
 
-  /// Forgets what waits (reset). A chunk on the line is finished.
+  /// Forgets what waits and the peak (reset). A chunk on the line is finished.
   void clear();
 
   [[nodiscard]] std::size_t waiting() const { return size_; }
   [[nodiscard]] std::size_t room() const { return ring_.size() - size_; }
+  [[nodiscard]] std::size_t capacity() const { return ring_.size(); }
+  /// Most that ever waited at once since power-on.
+  [[nodiscard]] std::size_t peak() const { return peak_; }
   [[nodiscard]] std::uint64_t messages_sent() const { return messages_sent_; }
   [[nodiscard]] std::uint64_t messages_lost() const { return messages_lost_; }
   [[nodiscard]] std::uint64_t bytes_sent() const { return bytes_sent_; }
@@ -47,6 +50,7 @@ class UbloxTransmitter {
   std::vector<std::uint8_t> ring_;
   std::size_t head_ = 0;
   std::size_t size_ = 0;
+  std::size_t peak_ = 0;
   std::uint32_t baud_;
   SimTime burst_start_ = kStart;   ///< Since then the line has been busy without a gap ...
   std::uint64_t burst_bytes_ = 0;  ///< ... with this many bytes, so that no rounding adds up.

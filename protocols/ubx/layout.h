@@ -3,13 +3,15 @@
 // A message is a plain struct in wire units with
 //   static constexpr MessageId kId;  static constexpr std::size_t kLength;  (payload bytes)
 //   static constexpr auto fields()   a tuple of at(offset, &Message::member)
-// A member is an integer, or a std::array of integers (consecutive). Bytes that no field covers are
+// A member is a number (integer, float, double: U, I, R4, R8), or a std::array of numbers
+// (consecutive). Bytes that no field covers are
 // reserved: written as zero, ignored on reading. Messages with a repeated part are two such
 // structs, a head and a block.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -36,26 +38,42 @@ template <class Message, class Value>
 
 namespace detail {
 
-template <std::integral Integer>
-constexpr void store(std::span<std::uint8_t> bytes, std::size_t offset, Integer value) {
-  store_little(bytes, offset, value);
-}
-template <std::integral Integer, std::size_t kCount>
-constexpr void store(std::span<std::uint8_t> bytes, std::size_t offset,
-                     const std::array<Integer, kCount>& values) {
-  for (std::size_t i = 0; i < kCount; ++i) {
-    store_little(bytes, offset + i * sizeof(Integer), values[i]);
+template <class Value>
+concept Number = std::integral<Value> || std::same_as<Value, float> || std::same_as<Value, double>;
+
+/// The unsigned integer with the bits of an IEEE 754 number.
+template <class Real>
+using Bits =
+    std::conditional_t<sizeof(Real) == sizeof(std::uint32_t), std::uint32_t, std::uint64_t>;
+
+template <Number Value>
+constexpr void store(std::span<std::uint8_t> bytes, std::size_t offset, Value value) {
+  if constexpr (std::integral<Value>) {
+    store_little(bytes, offset, value);
+  } else {
+    store_little(bytes, offset, std::bit_cast<Bits<Value>>(value));
   }
 }
-template <std::integral Integer>
-constexpr void load(std::span<const std::uint8_t> bytes, std::size_t offset, Integer& value) {
-  value = load_little<Integer>(bytes, offset);
-}
-template <std::integral Integer, std::size_t kCount>
-constexpr void load(std::span<const std::uint8_t> bytes, std::size_t offset,
-                    std::array<Integer, kCount>& values) {
+template <Number Value, std::size_t kCount>
+constexpr void store(std::span<std::uint8_t> bytes, std::size_t offset,
+                     const std::array<Value, kCount>& values) {
   for (std::size_t i = 0; i < kCount; ++i) {
-    values[i] = load_little<Integer>(bytes, offset + i * sizeof(Integer));
+    store(bytes, offset + i * sizeof(Value), values[i]);
+  }
+}
+template <Number Value>
+constexpr void load(std::span<const std::uint8_t> bytes, std::size_t offset, Value& value) {
+  if constexpr (std::integral<Value>) {
+    value = load_little<Value>(bytes, offset);
+  } else {
+    value = std::bit_cast<Value>(load_little<Bits<Value>>(bytes, offset));
+  }
+}
+template <Number Value, std::size_t kCount>
+constexpr void load(std::span<const std::uint8_t> bytes, std::size_t offset,
+                    std::array<Value, kCount>& values) {
+  for (std::size_t i = 0; i < kCount; ++i) {
+    load(bytes, offset + i * sizeof(Value), values[i]);
   }
 }
 
@@ -82,7 +100,8 @@ template <class Message>
 
 /// Writes the payload; exactly Message::kLength bytes. Precondition: the span has that size.
 template <class Message>
-constexpr void write_payload(const Message& message, std::span<std::uint8_t> payload) {
+constexpr void write_payload([[maybe_unused]] const Message& message,
+                             std::span<std::uint8_t> payload) {
   static_assert(layout_is_sound<Message>());
   std::ranges::fill(payload, std::uint8_t{0});
   std::apply(
@@ -92,7 +111,8 @@ constexpr void write_payload(const Message& message, std::span<std::uint8_t> pay
 
 /// Reads the fields of a payload of at least Message::kLength bytes (precondition).
 template <class Message>
-[[nodiscard]] constexpr Message read_payload(std::span<const std::uint8_t> payload) {
+[[nodiscard]] constexpr Message read_payload(
+    [[maybe_unused]] std::span<const std::uint8_t> payload) {
   Message message;
   std::apply(
       [&](auto... field) { (detail::load(payload, field.offset, message.*field.member), ...); },

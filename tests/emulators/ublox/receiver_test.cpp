@@ -163,19 +163,23 @@ TEST_F(UbloxReceiverTest, ThreeSatellitesGiveA2dFix) {
   EXPECT_EQ(decoded<NavSol>().at(0).fix_type, 2);
 }
 
-TEST_F(UbloxReceiverTest, FixOutsideTheLimitsIsNoFix) {
+TEST_F(UbloxReceiverTest, FixOutsideTheLimitsIsNotOk) {
   UbloxSettings settings = quiet();
   settings.ubx_messages = {"NAV-SOL"};
+  settings.nmea_sentences = {"GGA"};
   UbloxReceiver receiver(settings, calendar_, line_);
   run(receiver, kStart + 1500ms, [](GnssSample& s) { s.position_dilution = 25.5; });
   run(receiver, kStart + 2500ms, [](GnssSample& s) { s.horizontal_accuracy_m = 101.0; });
   run(receiver, kStart + 3500ms);
   const auto sol = decoded<NavSol>();
   ASSERT_EQ(sol.size(), 3U);
-  EXPECT_EQ(sol[0].fix_type, 0);
-  EXPECT_EQ(sol[0].position_accuracy_cm, 0xFFFFFFFFU);
-  EXPECT_EQ(sol[1].fix_type, 0);
-  EXPECT_EQ(sol[2].fix_type, 3);
+  EXPECT_EQ(sol[0].fix_type, 3);
+  EXPECT_EQ(sol[0].flags, 0xDC);
+  EXPECT_EQ(sol[1].fix_type, 3);
+  EXPECT_EQ(sol[1].flags, 0xDC);
+  EXPECT_EQ(sol[2].flags, 0xDD);
+  EXPECT_THAT(line_.sentences(),
+              ElementsAre(HasSubstr(",0,08,"), HasSubstr(",0,08,"), HasSubstr(",1,08,")));
 }
 
 TEST_F(UbloxReceiverTest, PollBeforeTheFirstEpochKnowsTheTime) {
@@ -270,14 +274,20 @@ TEST_F(UbloxReceiverTest, ColdStartClimbsTheLadder) {
   ASSERT_EQ(sentences.size(), 202U);
   EXPECT_EQ(sentences[0], "$GPRMC,,V,,,,,,,,,,N*53");
   EXPECT_EQ(sentences[1], "$GPGGA,,,,,,0,00,99.99,,,,,,*48");
-  EXPECT_THAT(sentences[60], StartsWith("$GPRMC,080031.00,V,,,,,,,,,,N*"));
-  EXPECT_THAT(sentences[80], StartsWith("$GPRMC,080041.00,V,,,,,,,010626,,,N*"));
+  // UTC by the firmware's 16 leap seconds, until the almanac's page 18 has been received.
+  EXPECT_THAT(sentences[60], StartsWith("$GPRMC,080033.00,V,,,,,,,,,,N*"));
+  EXPECT_THAT(sentences[80], StartsWith("$GPRMC,080043.00,V,,,,,,,010626,,,N*"));
+  EXPECT_THAT(sentences[196], StartsWith("$GPRMC,080139.00,V,"));
+  EXPECT_THAT(sentences[197], StartsWith("$GPGGA,080139.00,,,,,0,03,1.59,"));  // real dilution
   EXPECT_THAT(sentences[198], StartsWith("$GPRMC,080140.00,A,"));
   const auto times = decoded<NavTimegps>();
   EXPECT_EQ(times[0].week, 0);
   EXPECT_EQ(times[0].time_of_week_ms, 1000U);
   EXPECT_EQ(times[0].valid, 0);
+  EXPECT_EQ(times[31].valid, 3);
+  EXPECT_EQ(times[31].leap_seconds, 16);
   EXPECT_EQ(times[99].valid, 7);
+  EXPECT_EQ(times[99].leap_seconds, 18);
 }
 
 TEST_F(UbloxReceiverTest, FullLineLosesWholeMessagesAndSaysSo) {
@@ -317,7 +327,7 @@ TEST_F(UbloxReceiverTest, NoMessageIsLongerThanTheTableSays) {
       s.longitude_deg = -179.99;
       s.ellipsoid_height_m = -9999.9;
       s.geoid_separation_m = -99.9;
-      s.velocity_ned_mps = {400.0, -300.0, 0.0};
+      s.velocity_ned_mps = {240.0, -180.0, 0.0};  // below the portable model's limit
       s.horizontal_dilution = s.vertical_dilution = 99.0;
       s.position_dilution = 24.0;
       const SatelliteView view{32, 6.0, 1.5, 50.0, true, true};

@@ -1,0 +1,213 @@
+#include "emulators/ublox/monitor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "emulators/ublox/geodesy.h"
+#include "emulators/ublox/wire_units.h"
+#include "protocols/ubx/aiding.h"
+#include "protocols/ubx/blocks.h"
+#include "protocols/ubx/configuration.h"
+#include "protocols/ubx/monitor.h"
+#include "protocols/ubx/timing.h"
+
+namespace rigwire::emulators {
+namespace {
+
+using namespace protocols::ubx;
+
+constexpr std::size_t kUart = kPortUart1;
+// An undisturbed NEO-7P: a recording has 83 .. 97 and about 4000.
+constexpr double kUndisturbedNoise = 90.0;
+constexpr double kUndisturbedGain = 4000.0;
+
+std::uint8_t percent(std::size_t part, std::size_t whole) {
+  return static_cast<std::uint8_t>((part * 100 + whole - 1) / whole);
+}
+
+std::size_t put_ports(const UbloxMonitorView& view, std::span<std::uint8_t> out) {
+  std::array<MonIoPort, kMonitorPorts> ports{};
+  MonIoPort& uart = ports[kUart];
+  uart.received_bytes = view.port.bytes;
+  uart.sent_bytes = static_cast<std::uint32_t>(view.transmitter.bytes_sent());
+  uart.framing_errors = view.port.framing_errors;
+  uart.sending = view.transmitter.waiting() > 0 ? 1 : 0;
+  return encode_blocks<MonIoHead, MonIoPort>(MonIoHead{}, ports, out);
+}
+
+MonMsgpp parsed(const UbloxMonitorView& view) {
+  MonMsgpp m;
+  std::ranges::copy(view.port.messages, m.messages.begin() + kUart * view.port.messages.size());
+  m.skipped_bytes[kUart] = view.port.skipped;
+  return m;
+}
+
+MonRxbuf receive_buffer(const UbloxMonitorView& view) {
+  MonRxbuf m;
+  m.peak_usage_percent[kUart] = percent(view.port.peak_bytes, view.receive_capacity);
+  return m;
+}
+
+MonTxbuf transmit_buffer(const UbloxMonitorView& view) {
+  const UbloxTransmitter& line = view.transmitter;
+  MonTxbuf m;
+  m.pending_bytes[kUart] = to_field<std::uint16_t>(static_cast<double>(line.waiting()), 1.0);
+  m.usage_percent[kUart] = percent(line.waiting(), line.capacity());
+  m.peak_usage_percent[kUart] = percent(line.peak(), line.capacity());
+  m.total_usage_percent = m.usage_percent[kUart];
+  m.total_peak_usage_percent = m.peak_usage_percent[kUart];
+  constexpr std::uint8_t kAllocation = 0x80;
+  m.errors = view.port.overflow ? std::uint8_t{kAllocation | 1U << kUart} : std::uint8_t{0};
+  return m;
+}
+
+/// 0 unknown, 1 none, 2 warning, 3 critical; known only when CFG-ITFM switches the monitor on.
+std::uint8_t jamming_state(const UbloxMonitorView& view, double jamming) {
+  constexpr std::uint8_t kEnabled = 0x80;  // bit 31 of the first word
+  if ((view.configuration.present().interference[3] & kEnabled) == 0) {
+    return 0;
+  }
+  constexpr double kWarning = 0.2;
+  constexpr double kCritical = 0.6;
+  return jamming >= kCritical ? 3 : jamming >= kWarning ? 2 : 1;
+}
+
+MonHw hardware(const UbloxMonitorView& view) {
+  const RadioState radio =
+      view.solution.sample == nullptr ? RadioState{} : view.solution.sample->radio;
+  MonHw m;
+  m.noise_per_ms =
+      to_field<std::uint16_t>(kUndisturbedNoise * std::pow(10.0, radio.noise_db / 20.0), 1.0);
+  // The gain goes down as the noise comes up, and all the way under a strong carrier.
+  m.gain_control = static_cast<std::uint16_t>(std::clamp(
+      kUndisturbedGain * (1.0 - 0.9 * radio.jamming) * std::pow(10.0, -radio.noise_db / 40.0), 0.0,
+      8191.0));
+  m.antenna_status = view.antenna.status;
+  m.antenna_power = view.antenna.power;
+  constexpr std::uint8_t kClockCalibrated = 0x01;
+  m.flags = static_cast<std::uint8_t>(kClockCalibrated | jamming_state(view, radio.jamming) << 2U);
+  m.jamming_indicator = to_field<std::uint8_t>(radio.jamming, 1.0 / 255.0);
+  return m;
+}
+
+/// The bands of a receiver with two: both hear the same.
+std::size_t put_bands(const UbloxMonitorView& view, std::span<std::uint8_t> out) {
+  const MonHw hearing = hardware(view);
+  std::array<MonRfBlock, 2> bands;
+  for (std::uint8_t band = 0; band < bands.size(); ++band) {
+    bands[band].block = band;
+    bands[band].flags = hearing.flags >> 2U & 3U;
+    bands[band].antenna_status = hearing.antenna_status;
+    bands[band].antenna_power = hearing.antenna_power;
+    bands[band].noise_per_ms = hearing.noise_per_ms;
+    bands[band].gain_control = hearing.gain_control;
+    bands[band].jamming_indicator = hearing.jamming_indicator;
+  }
+  const MonRfHead head{0, static_cast<std::uint8_t>(bands.size())};
+  return encode_blocks<MonRfHead, MonRfBlock>(head, bands, out);
+}
+
+MonHw2 radio_part() {
+  MonHw2 m;
+  m.magnitude_i = m.magnitude_q = 128;
+  constexpr std::uint8_t kFromOneTimeMemory = 111;
+  m.configuration_source = kFromOneTimeMemory;
+  m.self_test = 0xFFFFFFFF;  // not done
+  return m;
+}
+
+AidIni initial_state(const UbloxMonitorView& view) {
+  const UbloxSolution& s = view.solution;
+  AidIni m;
+  m.position = in_centimetres(ecef_position(s));
+  m.position_accuracy_cm =
+      unsigned_field(std::hypot(s.horizontal_accuracy_m, s.vertical_accuracy_m), 0.01);
+  m.week = static_cast<std::uint16_t>(s.week);
+  m.time_of_week_ms = s.time_of_week_ms;
+  m.time_of_week_rest_ns = s.time_of_week_rest_ns;
+  m.time_accuracy_ns = unsigned_field(s.time_accuracy_s, 1e-9);
+  m.clock_drift = signed_field(s.clock_drift, 1e-9);
+  m.clock_drift_accuracy = 1;
+  m.flags = (s.has_position ? 1U : 0U) | (s.time_known && s.date_known ? 2U : 0U) |
+            (s.dimensions > 0 ? 4U : 0U);
+  return m;
+}
+
+/// Nothing while CFG-TP5 has switched the pulse off.
+std::optional<TimTp> next_pulse(const UbloxMonitorView& view) {
+  const UbloxSolution& s = view.solution;
+  const CfgTp5& pulse = view.configuration.present().pulses[0];
+  const auto has = [&](unsigned bit) { return (pulse.flags >> bit & 1U) != 0; };
+  const bool locked = has(2) && s.time_known;
+  const std::uint32_t period = locked ? pulse.period_locked : pulse.period;
+  if (!has(0) || period == 0) {
+    return std::nullopt;
+  }
+  const std::uint32_t period_ms =
+      std::max<std::uint32_t>(1, has(3) ? 1000 / period : period / 1000);
+  constexpr std::uint32_t kWeek_ms = 604'800'000;
+  TimTp m;
+  m.time_of_week_ms = (s.time_of_week_ms / period_ms + 1) * period_ms;
+  m.week = static_cast<std::uint16_t>(s.week);
+  if (s.time_known && m.time_of_week_ms >= kWeek_ms) {
+    m.time_of_week_ms = 0;
+    m.week = static_cast<std::uint16_t>(m.week + 1);
+  }
+  // A pulse begins on a tick of the 48 MHz clock.
+  constexpr double kTick_s = 1.0 / 48e6;
+  m.quantisation_error_ps = signed_field(std::remainder(s.clock_bias_s, kTick_s), 1e-12);
+  const bool on_gps_time = has(7);
+  m.flags = static_cast<std::uint8_t>((on_gps_time ? 0 : 1) | (s.leap_known ? 2 : 0));
+  return m;
+}
+
+TimTm2 time_mark(const UbloxMonitorView& view) {
+  const UbloxTimeMark& mark = view.mark;
+  constexpr std::int64_t kMillisecond_ns = 1'000'000;
+  TimTm2 m;
+  constexpr std::uint8_t kGnssTime = 1 << 3;
+  m.flags = static_cast<std::uint8_t>(
+      (mark.fell ? 0x04 : 0) | kGnssTime | (view.solution.leap_known ? 0x20 : 0) |
+      (view.solution.date_known ? 0x40 : 0) | (mark.rose ? 0x80 : 0));
+  m.count = mark.count;
+  const auto put = [](const GpsTime& time, std::uint16_t& week, std::uint32_t& tow_ms,
+                      std::uint32_t& rest_ns) {
+    week = static_cast<std::uint16_t>(time.week);
+    tow_ms = static_cast<std::uint32_t>(time.time_of_week_ns / kMillisecond_ns);
+    rest_ns = static_cast<std::uint32_t>(time.time_of_week_ns % kMillisecond_ns);
+  };
+  put(mark.rising, m.rising_week, m.rising_time_of_week_ms, m.rising_rest_ns);
+  put(mark.falling, m.falling_week, m.falling_time_of_week_ms, m.falling_rest_ns);
+  m.accuracy_ns = unsigned_field(view.solution.time_accuracy_s, 1e-9);
+  return m;
+}
+
+template <class Message>
+std::size_t put(const Message& message, std::span<std::uint8_t> out) {
+  const auto frame = encode(message);
+  std::ranges::copy(frame, out.begin());
+  return frame.size();
+}
+
+}  // namespace
+
+std::size_t encode_monitor(const UbloxMonitorView& view, MessageId id,
+                           std::span<std::uint8_t> out) {
+  if (id == MonIoHead::kId) return put_ports(view, out);
+  if (id == MonMsgpp::kId) return put(parsed(view), out);
+  if (id == MonRxbuf::kId) return put(receive_buffer(view), out);
+  if (id == MonTxbuf::kId) return put(transmit_buffer(view), out);
+  if (id == MonRfHead::kId) return put_bands(view, out);
+  if (id == MonHw::kId) return put(hardware(view), out);
+  if (id == MonHw2::kId) return put(radio_part(), out);
+  if (id == MonRxr::kId) return put(MonRxr{1}, out);
+  if (id == AidIni::kId) return put(initial_state(view), out);
+  if (id == TimTm2::kId) return put(time_mark(view), out);
+  if (id == TimTp::kId) {
+    const auto pulse = next_pulse(view);
+    return pulse ? put(*pulse, out) : 0;
+  }
+  return 0;
+}
+
+}  // namespace rigwire::emulators

@@ -1,0 +1,58 @@
+// What an emulated u-blox receiver says about itself: its port, its buffers, its radio part, its
+// time marks (classes MON and TIM, and AID-INI).
+//
+// Source: u-blox M8 receiver description, UBX-13003221 R28, sections 32.16 "UBX-MON" and 32.21
+// "UBX-TIM".
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "emulators/ublox/antenna.h"
+#include "emulators/ublox/configuration.h"
+#include "emulators/ublox/solution.h"
+#include "emulators/ublox/transmitter.h"
+#include "protocols/ubx/frame.h"
+
+namespace rigwire::emulators {
+
+/// What came in on the UART since power-on or reset.
+struct UbloxPortStatistics {
+  std::uint32_t bytes = 0;
+  std::array<std::uint16_t, 8> messages{};  ///< By protocol: 0 UBX, 1 NMEA.
+  std::uint32_t skipped = 0;                ///< Bytes that belong to no message.
+  std::uint16_t framing_errors = 0;
+  std::size_t peak_bytes = 0;  ///< Most that waited to be parsed.
+  bool overflow = false;       ///< A message was lost since MON-TXBUF was last sent.
+};
+
+/// Edges on the external interrupt pin.
+struct UbloxTimeMark {
+  bool fresh = false;  ///< Since the last epoch.
+  std::uint16_t count = 0;
+  bool rose = false;  ///< What `fresh` was about.
+  bool fell = false;
+  GpsTime rising;
+  GpsTime falling;
+};
+
+/// Everything that the messages of this file tell.
+struct UbloxMonitorView {
+  const UbloxSolution& solution;
+  const UbloxConfiguration& configuration;
+  const UbloxTransmitter& transmitter;
+  const UbloxPortStatistics& port;
+  const UbloxAntenna& antenna;
+  const UbloxTimeMark& mark;
+  std::size_t receive_capacity = 0;
+};
+
+/// Writes the UBX frame of MON-IO, MSGPP, RXBUF, TXBUF, HW, HW2, RXR, TIM-TP, TIM-TM2 or AID-INI
+/// and returns its size; 0 when it is none of them. Precondition: out.size() >=
+/// kLongestSolutionFrame.
+[[nodiscard]] std::size_t encode_monitor(const UbloxMonitorView& view, protocols::ubx::MessageId id,
+                                         std::span<std::uint8_t> out);
+
+}  // namespace rigwire::emulators

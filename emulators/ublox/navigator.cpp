@@ -1,0 +1,390 @@
+#include "emulators/ublox/navigator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rigwire::emulators {
+namespace {
+
+using namespace std::chrono_literals;
+using protocols::ubx::CfgNav5;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+// Course is frozen below this speed or above this uncertainty.
+constexpr double kFrozenSpeed_mps = 0.1;
+constexpr double kFrozenCourse_deg = 15.0;
+// How the position accuracy decays without a fix.
+constexpr double kDriftingAccuracy_mps = 10.0;
+// Shares of the time to first fix in a recorded cold start: 111 and 117 of 370 epochs; orbits of
+// three satellites just before the fourth.
+constexpr double kTimeShare = 0.300;
+constexpr double kDateShare = 0.316;
+constexpr double kOrbitShare = 0.99;
+// Data sheet of the NEO-7P, section 1.3.
+constexpr Duration kUsualColdStart = 30s;
+constexpr Duration kUsualWarmStart = 28s;
+
+constexpr std::uint8_t kOnly2d = 1;
+constexpr std::uint8_t kOnly3d = 2;
+
+/// Sanity limits of a dynamic platform model: R28 section 8.1, table "Dynamic Platform Models".
+struct Dynamics {
+  double altitude_m;
+  double horizontal_mps;
+  double vertical_mps;
+};
+constexpr std::array<Dynamics, 11> kDynamics{{
+    {12'000.0, 310.0, 50.0},      // portable
+    {12'000.0, 310.0, 50.0},      // reserved
+    {9'000.0, 10.0, 6.0},         // stationary
+    {9'000.0, 30.0, 20.0},        // pedestrian
+    {6'000.0, 100.0, 15.0},       // automotive
+    {9'000.0, 25.0, 5.0},         // at sea
+    {50'000.0, 100.0, 6'400.0},   // airborne 1 g
+    {50'000.0, 250.0, 10'000.0},  // airborne 2 g
+    {50'000.0, 500.0, 20'000.0},  // airborne 4 g
+    {9'000.0, 30.0, 20.0},        // wrist
+    {6'000.0, 100.0, 15.0},       // bike
+}};
+
+// Subframe 4 page 18 carries the leap seconds: IS-GPS-200, section 20.3.3.5.1 and table 20-V.
+constexpr std::int64_t kAlmanacCycle_s = 750;
+constexpr std::int64_t kLeapPageBegins_s = 17 * 30 + 18;
+constexpr std::int64_t kLeapPageEnds_s = kLeapPageBegins_s + 6;
+
+std::uint32_t milliseconds(Duration span) {
+  return static_cast<std::uint32_t>(span / 1ms);
+}
+
+bool is_used(const SatelliteView& view) {
+  return view.used;
+}
+
+/// A sphere is good enough for the distance from a held position.
+double distance_m(double latitude1_deg, double longitude1_deg, double latitude2_deg,
+                  double longitude2_deg) {
+  constexpr double kRadius_m = 6'371'000.0;
+  const double north = (latitude2_deg - latitude1_deg) * kDegree;
+  const double east = std::remainder(longitude2_deg - longitude1_deg, 360.0) * kDegree *
+                      std::cos(latitude1_deg * kDegree);
+  return kRadius_m * std::hypot(north, east);
+}
+
+}  // namespace
+
+UbloxMemory UbloxMemory::after_clearing(std::uint16_t mask) {
+  const auto kept = [&](unsigned bit) { return (mask >> bit & 1U) == 0; };
+  return {.ephemerides = kept(0),
+          .almanac = kept(1),
+          .position = kept(4),
+          .time = kept(8),
+          .leap_seconds = kept(7)};
+}
+
+UbloxNavigator::UbloxNavigator(const UbloxSettings& settings, const Calendar& calendar)
+    : calendar_(calendar),
+      cold_start_(settings.time_to_first_fix),
+      default_leap_seconds_(settings.profile->default_leap_seconds) {}
+
+UbloxTimeBase UbloxNavigator::time_base(const UbloxConfiguration& configuration,
+                                        std::int32_t leap_error_s) const {
+  const auto& expert = configuration.expert();
+  return {expert.week_rollover, default_leap_seconds_, leap_error_s};
+}
+
+void UbloxNavigator::begin(SimTime now, const UbloxMemory& memory,
+                           const UbloxConfiguration& configuration) {
+  const Duration cold = cold_start_ > 0s ? cold_start_ : kUsualColdStart;
+  const Duration first = cold_start_ > 0s ? cold : Duration{0};
+  const bool all = memory.ephemerides && memory.time;
+  const Duration later = all ? Duration{0} : !memory.time ? cold : std::min(cold, kUsualWarmStart);
+  const bool known = begun_ ? memory.time : first == 0s;
+  const bool with_orbits = begun_ ? memory.almanac && memory.time : first == 0s;
+  const bool with_leap = begun_ ? memory.leap_seconds && solution_.leap_known : first == 0s;
+  time_to_first_fix_ = begun_ ? later : first;
+  begun_ = true;
+  searching_ = now;
+  tracking_since_s_ = -1;
+  hold_.reset();
+  if (!memory.position) {
+    solution_ = {};
+    had_fix_ = false;
+    had_3d_fix_ = false;
+  }
+  solution_.dimensions = 0;
+  solution_.fix_ok = false;
+  solution_.first_fix_ms = 0;
+  solution_.time_known = known;
+  solution_.date_known = known;
+  solution_.orbits_known = with_orbits;
+  solution_.leap_known = with_leap;
+  solution_.since_start_ms = milliseconds(now - powered_);
+  set_time(solution_, calendar_, time_base(configuration, 0), now, Duration{0});
+}
+
+void UbloxNavigator::climb(const GnssSample& sample, bool tracking) {
+  const double progress = time_to_first_fix_ == 0s ? 1.0
+                                                   : to_seconds(sample.time - searching_) /
+                                                         to_seconds(time_to_first_fix_);
+  UbloxSolution& s = solution_;
+  s.time_known |= tracking && progress >= kTimeShare;
+  s.date_known |= tracking && progress >= kDateShare;
+  s.orbits_known |= tracking && progress >= kOrbitShare;
+  s.since_start_ms = milliseconds(sample.time - powered_);
+}
+
+void UbloxNavigator::hear_leap_seconds(const GnssSample& sample) {
+  const bool tracking =
+      solution_.time_known && std::ranges::any_of(solution_.satellites, &SatelliteView::tracked);
+  const std::int64_t now_s = calendar_.gps(sample.time).time_of_week_ns / 1'000'000'000;
+  if (!tracking) {
+    tracking_since_s_ = -1;
+    return;
+  }
+  if (tracking_since_s_ < 0 || tracking_since_s_ > now_s) {
+    tracking_since_s_ = now_s;
+  }
+  const std::int64_t cycle = (now_s - kLeapPageEnds_s) / kAlmanacCycle_s;
+  solution_.leap_known |=
+      now_s >= kLeapPageEnds_s && cycle * kAlmanacCycle_s + kLeapPageBegins_s >= tracking_since_s_;
+}
+
+void UbloxNavigator::list_satellites(const GnssSample& sample,
+                                     const UbloxConfiguration& configuration) {
+  // Time comes from the first satellite, the date from the data of more of them.
+  const std::size_t acquired = !solution_.time_known   ? 0
+                               : !solution_.date_known ? 1
+                                                       : sample.satellites.size();
+  const auto& expert = configuration.expert();
+  const double lowest_rad = configuration.navigation().minimum_elevation_deg * kDegree;
+  std::size_t tracked = 0;
+  std::size_t used = 0;
+  auto& list = solution_.satellites;
+  list.clear();
+  for (const SatelliteView& seen : sample.satellites) {
+    if (!configuration.enabled(seen.system)) {
+      continue;
+    }
+    SatelliteView view = seen;
+    view.tracked = view.tracked && tracked < acquired;
+    tracked += view.tracked ? 1 : 0;
+    view.used = view.used && view.tracked && view.elevation_rad >= lowest_rad &&
+                view.cn0_dbhz >= expert.minimum_cn0_dbhz && used < expert.maximum_satellites;
+    used += view.used ? 1 : 0;
+    if (view.tracked || solution_.orbits_known) {
+      list.push_back(view);
+    }
+  }
+}
+
+int UbloxNavigator::dimensions_of(const GnssSample& sample,
+                                  const UbloxConfiguration& configuration) const {
+  const auto& limits = configuration.navigation();
+  const auto& satellites = solution_.satellites;
+  const auto used = std::ranges::count_if(satellites, is_used);
+  int dimensions = sample.fix == GnssFix::three_d ? 3 : sample.fix == GnssFix::two_d ? 2 : 0;
+  if (limits.fix_mode == kOnly2d) {
+    dimensions = std::min(dimensions, 2);
+  }
+  dimensions = std::min(dimensions, used >= 4 ? 3 : used == 3 ? 2 : 0);
+  const auto strong = std::ranges::count_if(satellites, [&](const SatelliteView& view) {
+    return view.tracked && view.cn0_dbhz >= limits.cn0_threshold_dbhz;
+  });
+  const bool only_3d =
+      limits.fix_mode == kOnly3d || (configuration.expert().initial_fix_3d != 0 && !had_3d_fix_);
+  if ((only_3d && dimensions == 2) || used < configuration.expert().minimum_satellites ||
+      strong < limits.cn0_satellites || sample.time - searching_ < time_to_first_fix_) {
+    return 0;
+  }
+  return dimensions;
+}
+
+bool UbloxNavigator::within_limits(const GnssSample& sample,
+                                   const UbloxConfiguration& configuration) const {
+  const auto& limits = configuration.navigation();
+  const Dynamics& model = kDynamics[std::min<std::size_t>(limits.dynamic_model, 10)];
+  const double accuracy_m = std::hypot(sample.horizontal_accuracy_m, sample.vertical_accuracy_m);
+  const Vector3& v = sample.velocity_ned_mps;
+  const double altitude_m = sample.ellipsoid_height_m - sample.geoid_separation_m;
+  const bool outside =
+      sample.position_dilution * 10.0 > limits.position_dilution_mask_e1 ||
+      accuracy_m > limits.position_accuracy_mask_m || altitude_m > model.altitude_m ||
+      std::hypot(v.x, v.y) > model.horizontal_mps || std::abs(v.z) > model.vertical_mps;
+  return !outside;
+}
+
+void UbloxNavigator::take(const GnssSample& sample, const UbloxConfiguration& configuration,
+                          const UbloxNavigationFaults& faults) {
+  UbloxSolution& s = solution_;
+  s.sample = &sample;
+  const bool tracking = std::ranges::any_of(sample.satellites, [&](const SatelliteView& view) {
+    return view.tracked && configuration.enabled(view.system);
+  });
+  climb(sample, tracking);
+  const bool frozen = faults.frozen && had_fix_;
+  if (!frozen) {
+    list_satellites(sample, configuration);
+  }
+  hear_leap_seconds(sample);
+  set_time(s, calendar_, time_base(configuration, faults.leap_error_s), sample.time,
+           sample.measured_after);
+  const bool on_own_clock = sample.measured_after != 0ns || sample.clock_label_offset != 0ns;
+  s.clock_bias_s = on_own_clock ? to_seconds(sample.clock_label_offset - sample.measured_after)
+                                : sample.clock_bias_s;
+  s.clock_drift = sample.clock_drift;
+  if (frozen) {
+    return;
+  }
+  s.dimensions = dimensions_of(sample, configuration);
+  s.geoid_separation_m = sample.geoid_separation_m;
+  s.fix_ok = s.dimensions > 0 && within_limits(sample, configuration);
+  take_dilutions(sample);
+  if (s.dimensions == 0) {
+    lose_position(configuration);
+    return;
+  }
+  if (s.first_fix_ms == 0) {
+    s.first_fix_ms = std::max(1U, s.since_start_ms);
+  }
+  had_fix_ = true;
+  had_3d_fix_ |= s.dimensions == 3;
+  take_position(sample, configuration);
+}
+
+void UbloxNavigator::take_dilutions(const GnssSample& sample) {
+  UbloxSolution& s = solution_;
+  auto used = static_cast<int>(std::ranges::count_if(s.satellites, is_used));
+  // Just before the first fix: three orbits are there, and their geometry.
+  const bool preliminary =
+      s.orbits_known && sample.time - searching_ < time_to_first_fix_ && used >= 3;
+  if (s.dimensions == 0) {
+    int left = preliminary ? 3 : 0;
+    for (auto& view : s.satellites) {
+      view.used = view.used && left > 0;
+      left -= view.used ? 1 : 0;
+    }
+    used = std::min(used, preliminary ? 3 : 0);
+  }
+  s.satellites_used = used;
+  const bool shown = s.dimensions > 0 || preliminary;
+  s.horizontal_dilution = shown ? sample.horizontal_dilution : kNone;
+  s.vertical_dilution = shown ? sample.vertical_dilution : kNone;
+  s.position_dilution = shown ? sample.position_dilution : kNone;
+  s.time_dilution = shown ? sample.time_dilution : kNone;
+  s.north_dilution = shown ? sample.north_dilution : kNone;
+  s.east_dilution = shown ? sample.east_dilution : kNone;
+}
+
+void UbloxNavigator::lose_position(const UbloxConfiguration& configuration) {
+  UbloxSolution& s = solution_;
+  s.velocity_ned_mps = {};
+  s.heading_frozen = true;
+  s.heading_accuracy_deg = 180.0;
+  s.differential = false;
+  s.differential_age_s.reset();
+  s.carrier = CarrierSolution::none;
+  hold_.reset();
+  if (had_fix_) {
+    const double grown_m =
+        kDriftingAccuracy_mps * configuration.rate().measurement_period_ms * 1e-3;
+    s.horizontal_accuracy_m += grown_m;
+    s.vertical_accuracy_m += grown_m;
+  }
+}
+
+void UbloxNavigator::take_position(const GnssSample& sample,
+                                   const UbloxConfiguration& configuration) {
+  UbloxSolution& s = solution_;
+  const auto& limits = configuration.navigation();
+  s.has_position = true;
+  s.latitude_deg = sample.latitude_deg;
+  s.longitude_deg = sample.longitude_deg;
+  s.ellipsoid_height_m = limits.fix_mode == kOnly2d
+                             ? limits.fixed_altitude_cm * 0.01 + sample.geoid_separation_m
+                             : sample.ellipsoid_height_m;
+  s.velocity_ned_mps = sample.velocity_ned_mps;
+  s.horizontal_accuracy_m = sample.horizontal_accuracy_m;
+  s.vertical_accuracy_m = sample.vertical_accuracy_m;
+  s.speed_accuracy_mps = sample.speed_accuracy_mps;
+  s.time_accuracy_s = sample.time_accuracy_s;
+  s.position_covariance_ned_m2 = sample.position_covariance_ned_m2;
+  if (s.position_covariance_ned_m2 == std::array<double, 6>{}) {
+    const double axis_m2 = 0.5 * sample.horizontal_accuracy_m * sample.horizontal_accuracy_m;
+    s.position_covariance_ned_m2 = {
+        axis_m2, 0.0, 0.0, axis_m2, 0.0, sample.vertical_accuracy_m * sample.vertical_accuracy_m};
+  }
+  const auto& sbas = configuration.sbas();
+  constexpr std::uint8_t kEnabled = 0x01;
+  constexpr std::uint8_t kCorrections = 0x02;
+  const bool rtk = configuration.profile().carrier_solution;
+  const bool by_sbas = (sbas.mode & kEnabled) != 0 && (sbas.usage & kCorrections) != 0 &&
+                       configuration.enabled(GnssSystem::sbas);
+  s.carrier = rtk ? sample.carrier : CarrierSolution::none;
+  s.differential = sample.differential && (rtk || by_sbas);
+  s.differential_age_s = s.differential ? sample.differential_age_s : std::nullopt;
+  hold_position(limits);
+  take_course();
+}
+
+void UbloxNavigator::hold_position(const CfgNav5& limits) {
+  UbloxSolution& s = solution_;
+  const Vector3& v = s.velocity_ned_mps;
+  const double threshold_mps = limits.static_hold_cmps * 0.01;
+  if (std::hypot(v.x, v.y) >= threshold_mps) {
+    hold_.reset();
+    return;
+  }
+  if (hold_ && limits.static_hold_distance_m > 0 &&
+      distance_m(hold_->latitude_deg, hold_->longitude_deg, s.latitude_deg, s.longitude_deg) >
+          limits.static_hold_distance_m) {
+    hold_.reset();
+  }
+  if (!hold_) {
+    hold_ = Hold{s.latitude_deg, s.longitude_deg, s.ellipsoid_height_m};
+  }
+  s.latitude_deg = hold_->latitude_deg;
+  s.longitude_deg = hold_->longitude_deg;
+  s.ellipsoid_height_m = hold_->ellipsoid_height_m;
+  s.velocity_ned_mps = {};
+}
+
+void UbloxNavigator::take_course() {
+  UbloxSolution& s = solution_;
+  const Vector3& v = s.velocity_ned_mps;
+  const double speed_mps = std::hypot(v.x, v.y);
+  const double axis_mps = s.speed_accuracy_mps / std::numbers::sqrt3;
+  const double uncertainty_deg = std::atan2(axis_mps, speed_mps) / kDegree;
+  s.heading_frozen = speed_mps < kFrozenSpeed_mps || uncertainty_deg > kFrozenCourse_deg;
+  if (s.heading_frozen) {
+    s.heading_accuracy_deg = 180.0;
+    return;
+  }
+  s.heading_accuracy_deg = uncertainty_deg;
+  s.heading_deg = std::atan2(v.y, v.x) / kDegree;
+  if (s.heading_deg < 0.0) {
+    s.heading_deg += 360.0;
+  }
+}
+
+void UbloxNavigator::aid_position(double latitude_deg, double longitude_deg,
+                                  double ellipsoid_height_m, double accuracy_m) {
+  UbloxSolution& s = solution_;
+  if (s.dimensions > 0) {
+    return;
+  }
+  s.has_position = true;
+  s.latitude_deg = latitude_deg;
+  s.longitude_deg = longitude_deg;
+  s.ellipsoid_height_m = ellipsoid_height_m;
+  s.horizontal_accuracy_m = s.vertical_accuracy_m = accuracy_m;
+}
+
+void UbloxNavigator::aid_time(SimTime now, const UbloxConfiguration& configuration) {
+  solution_.time_known = true;
+  solution_.date_known = true;
+  set_time(solution_, calendar_, time_base(configuration, 0), now, Duration{0});
+}
+
+}  // namespace rigwire::emulators

@@ -1,0 +1,98 @@
+// The navigation engine of an emulated u-blox receiver: from one sample of the antenna to what the
+// receiver claims to know. Start-up ladder, limits and masks of CFG-NAV5 and CFG-NAVX5, position
+// hold, frozen course, accuracy without fix.
+//
+// The sample's own position stands: masks change which satellites count and whether there is a fix,
+// not where it is.
+//
+// Sources: u-blox M8 receiver description, UBX-13003221 R28, sections 8 "Navigation Configuration
+// Settings Description" and 32.10.18 "UBX-CFG-NAV5"; the ladder from a recorded cold start of a
+// NEO-7P; times to first fix from its data sheet (UBX-13003342).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "emulators/ublox/configuration.h"
+#include "emulators/ublox/settings.h"
+#include "emulators/ublox/solution.h"
+#include "sim/samples/calendar.h"
+
+namespace rigwire::emulators {
+
+/// What the receiver still knows when it begins to navigate.
+struct UbloxMemory {
+  bool ephemerides = false;
+  bool almanac = false;
+  bool position = false;
+  bool time = false;
+  bool leap_seconds = false;
+
+  [[nodiscard]] static UbloxMemory everything() { return {true, true, true, true, true}; }
+  /// By navBbrMask of CFG-RST: what its bits do not clear.
+  [[nodiscard]] static UbloxMemory after_clearing(std::uint16_t mask);
+};
+
+/// Faults that are active at an epoch.
+struct UbloxNavigationFaults {
+  bool frozen = false;
+  std::int32_t leap_error_s = 0;
+};
+
+class UbloxNavigator {
+ public:
+  UbloxNavigator(const UbloxSettings& settings, const Calendar& calendar);
+
+  /// Power-on or reset of the whole receiver: the counter of NAV-STATUS begins.
+  void power_on(SimTime now) { powered_ = now; }
+  /// Begins to look for satellites. The first time the settings' time to first fix counts; later
+  /// what is remembered decides.
+  void begin(SimTime now, const UbloxMemory& memory, const UbloxConfiguration& configuration);
+
+  void take(const GnssSample& sample, const UbloxConfiguration& configuration,
+            const UbloxNavigationFaults& faults);
+
+  /// Aiding: a position with its accuracy, and that the time is known.
+  void aid_position(double latitude_deg, double longitude_deg, double ellipsoid_height_m,
+                    double accuracy_m);
+  void aid_time(SimTime now, const UbloxConfiguration& configuration);
+
+  [[nodiscard]] const UbloxSolution& solution() const { return solution_; }
+
+ private:
+  struct Hold {
+    double latitude_deg = 0.0;
+    double longitude_deg = 0.0;
+    double ellipsoid_height_m = 0.0;
+  };
+
+  [[nodiscard]] UbloxTimeBase time_base(const UbloxConfiguration& configuration,
+                                        std::int32_t leap_error_s) const;
+  void climb(const GnssSample& sample, bool tracking);
+  void hear_leap_seconds(const GnssSample& sample);
+  void list_satellites(const GnssSample& sample, const UbloxConfiguration& configuration);
+  [[nodiscard]] int dimensions_of(const GnssSample& sample,
+                                  const UbloxConfiguration& configuration) const;
+  [[nodiscard]] bool within_limits(const GnssSample& sample,
+                                   const UbloxConfiguration& configuration) const;
+  void take_dilutions(const GnssSample& sample);
+  void lose_position(const UbloxConfiguration& configuration);
+  void take_position(const GnssSample& sample, const UbloxConfiguration& configuration);
+  void hold_position(const protocols::ubx::CfgNav5& limits);
+  void take_course();
+
+  const Calendar calendar_;
+  Duration cold_start_;
+  std::int32_t default_leap_seconds_;
+  UbloxSolution solution_;
+  SimTime powered_ = kStart;
+  SimTime searching_ = kStart;
+  Duration time_to_first_fix_{0};
+  bool begun_ = false;
+  bool had_fix_ = false;
+  bool had_3d_fix_ = false;
+  std::int64_t tracking_since_s_ = -1;  ///< GPS time of week; < 0 while nothing is tracked.
+  std::optional<Hold> hold_;
+};
+
+}  // namespace rigwire::emulators

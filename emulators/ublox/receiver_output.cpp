@@ -1,0 +1,156 @@
+// What the receiver says.
+#include <algorithm>
+
+#include "emulators/ublox/receiver.h"
+
+namespace rigwire::emulators {
+namespace {
+
+namespace nmea = protocols::nmea;
+namespace ubx = protocols::ubx;
+
+constexpr std::uint8_t kClassInformation = 0x04;
+constexpr ubx::MessageId kMonTxbuf{0x0A, 0x08};
+
+constexpr std::array kQuantities{
+    Quantity{"latitude", "deg", -90.0, 90.0, 1e-7},
+    Quantity{"longitude", "deg", -180.0, 180.0, 1e-7},
+    Quantity{"height above ellipsoid", "m", -2'147'483.0, 2'147'483.0, 1e-3},
+    Quantity{"velocity north, east, down", "m/s", -2'147'483.0, 2'147'483.0, 1e-3},
+    Quantity{"heading of motion", "deg", 0.0, 360.0, 1e-5},
+    Quantity{"horizontal accuracy", "m", 0.0, 4'294'967.0, 1e-3},
+    Quantity{"dilution", "1", 0.0, 99.99, 0.01},
+    Quantity{"latitude (NMEA)", "deg", -90.0, 90.0, 1e-5 / 60.0},
+    Quantity{"longitude (NMEA)", "deg", -180.0, 180.0, 1e-5 / 60.0},
+    Quantity{"height above mean sea level (NMEA)", "m", -99'999.9, 99'999.9, 0.1},
+};
+
+}  // namespace
+
+bool UbloxReceiver::speaks(std::uint16_t protocol) const {
+  return (configuration_.uart().output_protocols & protocol) != 0;
+}
+
+std::string_view UbloxReceiver::talker() const {
+  return configuration_.gps_enabled() ? "GP" : "GL";
+}
+
+void UbloxReceiver::publish(SimTime now) {
+  const auto messages = profile_.messages;
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    const std::uint8_t rate = configuration_.message_rate(i);
+    if (rate != 0 && epoch_number_ % rate == 0) {
+      send_message(now, messages[i]);
+    }
+  }
+  mark_.fresh = mark_.rose = mark_.fell = false;
+}
+
+UbloxMonitorView UbloxReceiver::monitor_view() const {
+  return {navigator_.solution(), configuration_, transmitter_, port_, antenna_, mark_, kInputBytes};
+}
+
+std::size_t UbloxReceiver::encode(ubx::MessageId id, std::span<std::uint8_t> out) {
+  const UbloxSolution& solution = navigator_.solution();
+  if (profile_.encode != nullptr) {
+    if (const std::size_t size = profile_.encode(solution, id, out); size > 0) {
+      return size;
+    }
+  }
+  if (const std::size_t size = encode_solution(solution, profile_, id, out); size > 0) {
+    return size;
+  }
+  const std::size_t size = encode_monitor(monitor_view(), id, out);
+  if (id == kMonTxbuf) {
+    port_.overflow = false;
+  }
+  return size;
+}
+
+void UbloxReceiver::send_message(SimTime now, const UbloxMessage& message) {
+  if (message.sentence) {
+    send_sentence(now, message.name);
+  } else if (speaks(ubx::kProtocolUbx)) {
+    std::array<std::uint8_t, kLongestSolutionFrame> frame{};
+    const std::size_t size = encode(message.id, frame);
+    send(now, std::span(frame).first(size));
+  }
+}
+
+void UbloxReceiver::send_sentence(SimTime now, std::string_view name) {
+  if (!speaks(ubx::kProtocolNmea)) {
+    return;
+  }
+  constexpr std::uint8_t kVersion23 = 0x23;
+  const bool with_mode = configuration_.nmea().version >= kVersion23;
+  const nmea::Epoch epoch = nmea_epoch(navigator_.solution(), talker(), with_mode, in_view_);
+  if (name == "GSV") {
+    for (int page = 1; page <= nmea::gsv_pages(epoch); ++page) {
+      send(now, nmea::write_gsv(epoch, page).bytes());
+    }
+    return;
+  }
+  using Writer = nmea::Sentence (*)(const nmea::Epoch&);
+  constexpr std::array<std::pair<std::string_view, Writer>, 6> kWriters{{
+      {"RMC", nmea::write_rmc},
+      {"VTG", nmea::write_vtg},
+      {"GGA", nmea::write_gga},
+      {"GSA", nmea::write_gsa},
+      {"GLL", nmea::write_gll},
+      {"ZDA", nmea::write_zda},
+  }};
+  for (const auto& [type, write] : kWriters) {
+    if (type == name) {
+      send(now, write(epoch).bytes());
+    }
+  }
+}
+
+void UbloxReceiver::send_text(SimTime now, nmea::TextKind kind, std::string_view text) {
+  constexpr std::uint8_t kUbx = 0;
+  constexpr std::uint8_t kNmea = 1;
+  const auto bit = static_cast<unsigned>(kind);
+  if (speaks(ubx::kProtocolUbx) && configuration_.text_enabled(kUbx, bit)) {
+    std::array<std::uint8_t, ubx::kOverheadBytes + 128> frame{};
+    const std::span<const std::uint8_t> payload(reinterpret_cast<const std::uint8_t*>(text.data()),
+                                                text.size());
+    const ubx::MessageId id{kClassInformation, static_cast<std::uint8_t>(bit)};
+    send(now, std::span(frame).first(ubx::encode_frame(id, payload, frame)));
+  }
+  if (speaks(ubx::kProtocolNmea) && configuration_.text_enabled(kNmea, bit)) {
+    send(now, nmea::write_txt(talker(), kind, text).bytes());
+  }
+}
+
+void UbloxReceiver::send(SimTime now, std::span<const std::uint8_t> message) {
+  if (!message.empty() && !transmitter_.enqueue(now, message)) {
+    overflow_to_report_ = true;
+    port_.overflow = true;
+  }
+}
+
+std::span<const Quantity> UbloxReceiver::quantities() const {
+  return kQuantities;
+}
+
+double UbloxReceiver::nominal_rate_hz() const {
+  double per_epoch = 0.0;
+  const auto messages = profile_.messages;
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    if (const std::uint8_t rate = configuration_.message_rate(i); rate > 0) {
+      const std::size_t sentences =
+          messages[i].name == "GSV" ? std::max<std::size_t>(1, (in_view_.size() + 3) / 4) : 1;
+      per_epoch += static_cast<double>(sentences) / rate;
+    }
+  }
+  return plan_.first == kNever ? 0.0 : per_epoch / to_seconds(plan_.period);
+}
+
+UbloxCounters UbloxReceiver::counters() const {
+  UbloxCounters counters = counters_;
+  counters.messages_sent = transmitter_.messages_sent();
+  counters.messages_lost = transmitter_.messages_lost();
+  return counters;
+}
+
+}  // namespace rigwire::emulators

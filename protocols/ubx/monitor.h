@@ -1,0 +1,243 @@
+// Monitor messages (class 0x0A), in wire units.
+//
+// Source: u-blox M8 receiver description, UBX-13003221 R28, section 32.16 "UBX-MON"; ZED-F9P
+// interface description HPG 1.50, UBXDOC-963802114-12815, section 3.14.9 "UBX-MON-RF"; lengths
+// checked against recordings of a NEO-7P.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <tuple>
+
+#include "protocols/ubx/layout.h"
+
+namespace rigwire::protocols::ubx {
+
+/// What MON-IO, MON-MSGPP, MON-RXBUF and MON-TXBUF count by: DDC, UART1, UART2, USB, SPI, reserved.
+inline constexpr std::size_t kMonitorPorts = 6;
+
+/// MON-VER: the head, followed by extensions of 30 characters each. version.h reads it as text.
+struct MonVerHead {
+  static constexpr MessageId kId{0x0A, 0x04};
+  static constexpr std::size_t kLength = 30 /*software*/ + 10 /*hardware*/;
+
+  std::array<std::uint8_t, 30> software{};  ///< Text, padded with zeros.
+  std::array<std::uint8_t, 10> hardware{};
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &MonVerHead::software), at(30, &MonVerHead::hardware));
+  }
+  friend bool operator==(const MonVerHead&, const MonVerHead&) = default;
+};
+
+/// MON-VER: one extension.
+struct MonVerExtension {
+  static constexpr std::size_t kLength = 30 /*text*/;
+
+  std::array<std::uint8_t, 30> text{};
+
+  static constexpr auto fields() { return std::make_tuple(at(0, &MonVerExtension::text)); }
+  friend bool operator==(const MonVerExtension&, const MonVerExtension&) = default;
+};
+
+/// MON-IO: one port; the message is kMonitorPorts of them behind an empty head.
+struct MonIoPort {
+  static constexpr std::size_t kLength = 8 /*bytes*/ + 8 /*errors*/ + 4 /*busy, reserved*/;
+
+  std::uint32_t received_bytes = 0;
+  std::uint32_t sent_bytes = 0;
+  std::uint16_t parity_errors = 0;
+  std::uint16_t framing_errors = 0;
+  std::uint16_t overrun_errors = 0;
+  std::uint16_t break_conditions = 0;
+  std::uint8_t receiving = 0;
+  std::uint8_t sending = 0;
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &MonIoPort::received_bytes), at(4, &MonIoPort::sent_bytes),
+                           at(8, &MonIoPort::parity_errors), at(10, &MonIoPort::framing_errors),
+                           at(12, &MonIoPort::overrun_errors), at(14, &MonIoPort::break_conditions),
+                           at(16, &MonIoPort::receiving), at(17, &MonIoPort::sending));
+  }
+  friend bool operator==(const MonIoPort&, const MonIoPort&) = default;
+};
+
+/// MON-IO: the empty head.
+struct MonIoHead {
+  static constexpr MessageId kId{0x0A, 0x02};
+  static constexpr std::size_t kLength = 0 /*nothing*/;
+
+  static constexpr auto fields() { return std::make_tuple(); }
+  friend bool operator==(const MonIoHead&, const MonIoHead&) = default;
+};
+
+/// MON-MSGPP: messages taken on each port, by protocol.
+struct MonMsgpp {
+  static constexpr MessageId kId{0x0A, 0x06};
+  static constexpr std::size_t kLength = 6 * 8 * 2 /*messages*/ + 6 * 4 /*skipped bytes*/;
+
+  /// Port by port, eight protocols each: b0 of the protocol masks first.
+  std::array<std::uint16_t, 48> messages{};
+  std::array<std::uint32_t, 6> skipped_bytes{};
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &MonMsgpp::messages), at(96, &MonMsgpp::skipped_bytes));
+  }
+  friend bool operator==(const MonMsgpp&, const MonMsgpp&) = default;
+};
+
+/// MON-RXBUF: receive buffers by port.
+struct MonRxbuf {
+  static constexpr MessageId kId{0x0A, 0x07};
+  static constexpr std::size_t kLength = 6 * 2 /*pending*/ + 6 /*usage*/ + 6 /*peak*/;
+
+  std::array<std::uint16_t, 6> pending_bytes{};
+  std::array<std::uint8_t, 6> usage_percent{};       ///< Highest of the last second.
+  std::array<std::uint8_t, 6> peak_usage_percent{};  ///< Highest since start.
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &MonRxbuf::pending_bytes), at(12, &MonRxbuf::usage_percent),
+                           at(18, &MonRxbuf::peak_usage_percent));
+  }
+  friend bool operator==(const MonRxbuf&, const MonRxbuf&) = default;
+};
+
+/// MON-TXBUF: send buffers by port.
+struct MonTxbuf {
+  static constexpr MessageId kId{0x0A, 0x08};
+  static constexpr std::size_t kLength =
+      6 * 2 /*pending*/ + 6 /*usage*/ + 6 /*peak*/ + 4 /*total, errors, reserved*/;
+
+  std::array<std::uint16_t, 6> pending_bytes{};
+  std::array<std::uint8_t, 6> usage_percent{};       ///< Highest of the last second.
+  std::array<std::uint8_t, 6> peak_usage_percent{};  ///< Highest since start.
+  std::uint8_t total_usage_percent = 0;
+  std::uint8_t total_peak_usage_percent = 0;
+  std::uint8_t errors = 0;  ///< b0-5 limit of that port reached, b6 memory, b7 allocation.
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &MonTxbuf::pending_bytes), at(12, &MonTxbuf::usage_percent),
+                           at(18, &MonTxbuf::peak_usage_percent),
+                           at(24, &MonTxbuf::total_usage_percent),
+                           at(25, &MonTxbuf::total_peak_usage_percent), at(26, &MonTxbuf::errors));
+  }
+  friend bool operator==(const MonTxbuf&, const MonTxbuf&) = default;
+};
+
+/// MON-HW in the 60-byte form of u-blox 7 and 8.
+struct MonHw {
+  static constexpr MessageId kId{0x0A, 0x09};
+  static constexpr std::size_t kLength = 16 /*pins*/ + 8 /*noise, antenna, flags*/ +
+                                         4 /*used pins*/ + 20 /*functions, jamming*/ +
+                                         12 /*interrupt, pull*/;
+
+  std::uint32_t pin_select = 0;
+  std::uint32_t pin_bank = 0;
+  std::uint32_t pin_direction = 0;
+  std::uint32_t pin_value = 0;
+  std::uint16_t noise_per_ms = 0;
+  std::uint16_t gain_control = 0;   ///< 0..8191.
+  std::uint8_t antenna_status = 0;  ///< 0 starting, 1 unknown, 2 good, 3 short, 4 open.
+  std::uint8_t antenna_power = 0;   ///< 1 = on.
+  /// b0 real-time clock calibrated, b2-3 jamming (0 unknown, 1 none, 2 warning, 3 critical).
+  std::uint8_t flags = 0;
+  std::uint32_t used_mask = 0;
+  std::array<std::uint8_t, 17> pin_function{};
+  std::uint8_t jamming_indicator = 0;  ///< 0 none .. 255 strong, continuous wave.
+  std::uint32_t pin_interrupt = 0;
+  std::uint32_t pull_high = 0;
+  std::uint32_t pull_low = 0;
+
+  static constexpr auto fields() {
+    return std::make_tuple(
+        at(0, &MonHw::pin_select), at(4, &MonHw::pin_bank), at(8, &MonHw::pin_direction),
+        at(12, &MonHw::pin_value), at(16, &MonHw::noise_per_ms), at(18, &MonHw::gain_control),
+        at(20, &MonHw::antenna_status), at(21, &MonHw::antenna_power), at(22, &MonHw::flags),
+        at(24, &MonHw::used_mask), at(28, &MonHw::pin_function), at(45, &MonHw::jamming_indicator),
+        at(48, &MonHw::pin_interrupt), at(52, &MonHw::pull_high), at(56, &MonHw::pull_low));
+  }
+  friend bool operator==(const MonHw&, const MonHw&) = default;
+};
+
+/// MON-HW2: the radio part.
+struct MonHw2 {
+  static constexpr MessageId kId{0x0A, 0x0B};
+  static constexpr std::size_t kLength =
+      4 /*imbalance*/ + 4 /*source*/ + 4 /*configuration*/ + 8 /*reserved*/ + 8 /*self test*/;
+
+  std::int8_t offset_i = 0;
+  std::uint8_t magnitude_i = 0;
+  std::int8_t offset_q = 0;
+  std::uint8_t magnitude_q = 0;
+  std::uint8_t configuration_source = 0;  ///< 114 ROM, 111 OTP, 112 pins, 102 flash.
+  std::uint32_t low_level_configuration = 0;
+  std::uint32_t self_test = 0;
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &MonHw2::offset_i), at(1, &MonHw2::magnitude_i),
+                           at(2, &MonHw2::offset_q), at(3, &MonHw2::magnitude_q),
+                           at(4, &MonHw2::configuration_source),
+                           at(8, &MonHw2::low_level_configuration), at(20, &MonHw2::self_test));
+  }
+  friend bool operator==(const MonHw2&, const MonHw2&) = default;
+};
+
+/// MON-RXR: the receiver wakes or goes to sleep.
+struct MonRxr {
+  static constexpr MessageId kId{0x0A, 0x21};
+  static constexpr std::size_t kLength = 1 /*flags*/;
+
+  std::uint8_t flags = 0;  ///< b0 awake.
+
+  static constexpr auto fields() { return std::make_tuple(at(0, &MonRxr::flags)); }
+  friend bool operator==(const MonRxr&, const MonRxr&) = default;
+};
+
+/// MON-RF: the head, followed by `blocks` blocks. F9.
+struct MonRfHead {
+  static constexpr MessageId kId{0x0A, 0x38};
+  static constexpr std::size_t kLength = 2 /*version, blocks*/ + 2 /*reserved*/;
+
+  std::uint8_t version = 0;
+  std::uint8_t blocks = 0;
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &MonRfHead::version), at(1, &MonRfHead::blocks));
+  }
+  [[nodiscard]] constexpr std::size_t block_count() const { return blocks; }
+  friend bool operator==(const MonRfHead&, const MonRfHead&) = default;
+};
+
+/// MON-RF: one band.
+struct MonRfBlock {
+  static constexpr std::size_t kLength = 4 /*block, antenna*/ + 8 /*self test, reserved*/ +
+                                         4 /*noise, gain*/ + 5 /*jamming, imbalance*/ +
+                                         3 /*reserved*/;
+
+  std::uint8_t block = 0;           ///< 0 L1, 1 L2 or L5.
+  std::uint8_t flags = 0;           ///< b0-1 jamming, as b2-3 of MonHw::flags.
+  std::uint8_t antenna_status = 0;  ///< As MonHw::antenna_status.
+  std::uint8_t antenna_power = 0;   ///< 1 = on, 2 = unknown.
+  std::uint32_t self_test = 0;
+  std::uint16_t noise_per_ms = 0;
+  std::uint16_t gain_control = 0;      ///< 0..8191.
+  std::uint8_t jamming_indicator = 0;  ///< 0 none .. 255 strong, continuous wave.
+  std::int8_t offset_i = 0;
+  std::uint8_t magnitude_i = 0;
+  std::int8_t offset_q = 0;
+  std::uint8_t magnitude_q = 0;
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &MonRfBlock::block), at(1, &MonRfBlock::flags),
+                           at(2, &MonRfBlock::antenna_status), at(3, &MonRfBlock::antenna_power),
+                           at(4, &MonRfBlock::self_test), at(12, &MonRfBlock::noise_per_ms),
+                           at(14, &MonRfBlock::gain_control),
+                           at(16, &MonRfBlock::jamming_indicator), at(17, &MonRfBlock::offset_i),
+                           at(18, &MonRfBlock::magnitude_i), at(19, &MonRfBlock::offset_q),
+                           at(20, &MonRfBlock::magnitude_q));
+  }
+  friend bool operator==(const MonRfBlock&, const MonRfBlock&) = default;
+};
+
+}  // namespace rigwire::protocols::ubx

@@ -3,7 +3,7 @@
 // behaviour, so that deterministic tests need no system.
 //
 // All endpoints belong to one Asio io_context and are used from the thread that runs it. Received
-// data is handed to the receiver given to start(), from within io_context::poll()/run(). Writing
+// data and news of clients are handed on from within io_context::poll()/run() only. Writing
 // never blocks: what the system does not take at once is refused and reported, and the caller
 // counts it. Opening throws EndpointError with the address, what was tried and how to mend it.
 #pragma once
@@ -31,12 +31,25 @@ struct EndpointStatus {
   bool client_present = false;  ///< Somebody has it open, is connected, or has answered.
 };
 
+/// The far end of a serial line.
+struct LineClient {
+  bool present = false;    ///< Somebody has the line open.
+  std::uint32_t baud = 0;  ///< The speed that its end is set to, bit/s; 0 while nobody is there.
+
+  friend bool operator==(const LineClient&, const LineClient&) = default;
+};
+
 /// A serial line or an equivalent stream of bytes.
 class ByteStream {
  public:
   using Receiver = std::function<void(std::span<const std::uint8_t>)>;
+  using ClientWatcher = std::function<void(const LineClient&)>;
   virtual ~ByteStream() = default;
   virtual void start(Receiver receiver) = 0;
+  /// From start() on, `watcher` hears of every change of the far end, beginning with the first that
+  /// is not "nobody there". Bytes that a client wrote are received after its presence and speed
+  /// were told. To be called before start(). Streams that have no such end never call it.
+  virtual void on_client(ClientWatcher /*watcher*/) {}
   /// Returns how many of the bytes were taken. Bytes offered while no client has the stream open
   /// are taken and forgotten, as on a line with nothing plugged in.
   virtual std::size_t write(std::span<const std::uint8_t> bytes) = 0;

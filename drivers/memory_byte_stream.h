@@ -5,7 +5,8 @@
 // Each direction holds kCapacity bytes, as the kernel does for a pseudo-terminal; what does not fit
 // is refused. Bytes written by the device while no client is open are taken and forgotten, and what
 // a client leaves unread goes with it. With several clients open, each byte reaches one of them:
-// the one that opened first.
+// the one that opened first. The line's speed is at first the one given at construction; the one
+// that a client sets stays for the next client.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -21,8 +22,9 @@ class MemorySerialLine {
  public:
   static constexpr std::size_t kCapacity = 16384;
 
-  /// `name` is what status() shows.
-  explicit MemorySerialLine(boost::asio::io_context& context, std::string name = "memory serial");
+  /// `name` is what status() shows; `baud` is the clients' speed, bit/s, until one sets another.
+  explicit MemorySerialLine(boost::asio::io_context& context, std::string name = "memory serial",
+                            std::uint32_t baud = 38400);
   ~MemorySerialLine();
   MemorySerialLine(const MemorySerialLine&) = delete;
   MemorySerialLine& operator=(const MemorySerialLine&) = delete;
@@ -32,6 +34,8 @@ class MemorySerialLine {
   /// A client opens the line; destroying the returned object closes it. It may outlive the line,
   /// which then counts as hung up.
   [[nodiscard]] std::unique_ptr<ByteStream> open_client();
+  /// A client sets the speed of its end, bit/s.
+  void set_client_baud(std::uint32_t baud);
 
   struct State;
 

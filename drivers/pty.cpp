@@ -114,10 +114,10 @@ std::string name_of_slave(int master) {
   return ::ptsname_r(master, name, sizeof(name)) == 0 ? name : "";
 }
 
-/// Opens the slave for a moment, empties it and makes it raw.
-bool clean_slave(const std::string& name) {
+/// Opens the slave for a moment, empties it and makes it raw. False with errno set.
+bool clean_slave(const std::string& name, std::optional<std::uint32_t> baud = {}) {
   const Descriptor slave(::open(name.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
-  if (!slave.open() || !make_terminal_raw(slave.get())) {
+  if (!slave.open() || !make_terminal_raw(slave.get(), baud)) {
     return false;
   }
   std::uint8_t waste[kReadSize];
@@ -129,7 +129,7 @@ bool clean_slave(const std::string& name) {
 
 }  // namespace
 
-Pty::Pty(boost::asio::io_context& context, fs::path link)
+Pty::Pty(boost::asio::io_context& context, fs::path link, std::optional<std::uint32_t> baud)
     : link_(std::move(link)),
       master_(context),
       ownership_(context),
@@ -143,7 +143,7 @@ Pty::Pty(boost::asio::io_context& context, fs::path link)
   master_.assign(descriptor_);
   slave_name_ = name_of_slave(descriptor_);
   // Opening and closing it once also makes the kernel report that nobody has it open.
-  if (slave_name_.empty() || !clean_slave(slave_name_)) {
+  if (slave_name_.empty() || !clean_slave(slave_name_, baud)) {
     fail(link_, "cannot open the slave " + slave_name_ + ": " + reason(errno),
          "check the permissions of /dev/pts");
   }
@@ -225,8 +225,7 @@ bool Pty::hung_up() const {
 
 void Pty::note_presence(bool present) {
   if (present_ && !present) {
-    // What the client left unread would be the next one's first bytes.
-    (void)clean_slave(slave_name_);
+    prepare_for_next_client();
   }
   present_ = present;
   if (present_ && receiver_ && !reading_) {
@@ -234,10 +233,53 @@ void Pty::note_presence(bool present) {
   }
 }
 
+void Pty::prepare_for_next_client() {
+  // What the client left unread would be the next one's first bytes.
+  if (!clean_slave(slave_name_) && errno == EBUSY && hung_up()) {
+    replace_pair();
+  }
+}
+
+void Pty::replace_pair() {
+  const std::uint32_t baud = client_baud();
+  try {
+    Descriptor fresh(open_master(link_));
+    const std::string name = name_of_slave(fresh.get());
+    if (name.empty() || !clean_slave(name, baud)) {
+      return;  // tried again when the next client has left
+    }
+    boost::system::error_code ignored;
+    master_.close(ignored);  // ends the pending wait
+    reading_ = false;
+    descriptor_ = fresh.release();
+    master_.assign(descriptor_);
+    slave_name_ = name;
+    if (!link_.empty()) {
+      publish();
+    }
+  } catch (const std::exception&) {
+    // Out of terminals or the directory has gone: the line stays as a dead one.
+  }
+}
+
+bool Pty::tell_client(bool present) {
+  const LineClient now{present, present ? client_baud() : 0};
+  if (now == told_ || !watcher_ || !receiver_) {
+    return true;
+  }
+  told_ = now;
+  const std::weak_ptr<char> alive = alive_;
+  watcher_(now);
+  return !alive.expired();
+}
+
 void Pty::drain_master() {
   for (int turn = 0; turn < kReadsPerTurn; ++turn) {
     const ssize_t count = ::read(descriptor_, buffer_.data(), buffer_.size());
     if (count > 0) {
+      if (!tell_client(true)) {
+        return;
+      }
       const std::weak_ptr<char> alive = alive_;
       receiver_(std::span(buffer_).first(static_cast<std::size_t>(count)));
       if (alive.expired()) {
@@ -249,7 +291,9 @@ void Pty::drain_master() {
       continue;
     }
     // EIO: everything is read and nobody has the slave open.
-    note_presence(!(count < 0 && errno == EIO));
+    const bool present = !(count < 0 && errno == EIO);
+    note_presence(present);
+    (void)tell_client(present);
     return;
   }
   note_presence(true);
@@ -260,7 +304,7 @@ void Pty::wait_readable() {
   master_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
                      [this, alive = std::weak_ptr<char>(alive_)](boost::system::error_code error) {
                        if (error || alive.expired()) {
-                         return;
+                         return;  // also: the wait belonged to a pair that was replaced
                        }
                        reading_ = false;
                        drain_master();

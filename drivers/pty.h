@@ -1,13 +1,21 @@
 // The device's side of a serial line: the master of a pseudo-terminal, its slave published under a
 // path of the user's choice.
 //
-// - The slave is raw from the start and again whenever the last client has left; the speed that a
-//   client sets stays, as on a real port.
+// - The slave is raw from the start and again whenever the last client has left. Its speed is at
+//   first the one given at construction (the device's own, so that a client that sets none is
+//   right); what a client sets stays for the next one, as on a real port.
+// - A client's presence and speed are told by on_client(), at most kPresencePeriod after they
+//   changed and always before the bytes that come with them. The kernel keeps neither character
+//   size nor parity of a pseudo-terminal, so that there is nothing to tell of them. A client that
+//   opens and closes between two looks is told only when it wrote something.
 // - While nobody has the slave open, what is written is taken and forgotten, and what the last
 //   client left unread is thrown away: the next client starts with fresh bytes. (The kernel would
 //   keep up to 16 KiB for it.) A client that closes and another that opens within the same few
 //   milliseconds, between two looks at the line, count as one.
-// - A client is noticed at the next write, or at most kPresencePeriod after it came.
+// - Several clients at once share the bytes as the kernel deals them out.
+// - A client that left the terminal marked exclusive (TIOCEXCL without TIOCNXCL) would shut out
+//   every other: unlike on a real port the mark survives the last close. The pair is then replaced
+//   by a new one under the same link; slave_name() changes.
 // - Nothing blocks. With a client that does not read, the kernel takes about 16 KiB and then
 //   refuses; write() then returns less than was offered.
 //
@@ -25,7 +33,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "drivers/endpoints.h"
@@ -38,17 +48,20 @@ class Pty final : public ByteStream {
   static constexpr std::chrono::milliseconds kPresencePeriod{10};
 
   /// Opens the pair and publishes the slave at `link`; its parent directories are created. An empty
-  /// `link` publishes nothing. Throws EndpointError.
-  Pty(boost::asio::io_context& context, std::filesystem::path link);
+  /// `link` publishes nothing. `baud` is the slave's speed until a client sets another; the
+  /// kernel's 38400 bit/s when not given. Throws EndpointError.
+  Pty(boost::asio::io_context& context, std::filesystem::path link,
+      std::optional<std::uint32_t> baud = {});
   ~Pty() override;
   Pty(const Pty&) = delete;
   Pty& operator=(const Pty&) = delete;
 
   void start(Receiver receiver) override;
+  void on_client(ClientWatcher watcher) override { watcher_ = std::move(watcher); }
   std::size_t write(std::span<const std::uint8_t> bytes) override;
   [[nodiscard]] EndpointStatus status() const override;
 
-  /// The speed in bit/s that the slave is set to at this moment (38400 until a client sets one).
+  /// The speed in bit/s that the slave is set to at this moment, whether or not it is open.
   [[nodiscard]] std::uint32_t client_baud() const;
   /// The slave itself, "/dev/pts/3".
   [[nodiscard]] const std::string& slave_name() const { return slave_name_; }
@@ -60,6 +73,11 @@ class Pty final : public ByteStream {
   /// Reads what there is, then knows whether the slave is open.
   void drain_master();
   void note_presence(bool present);
+  /// Cleans the slave, or replaces the pair when nobody can open it any more.
+  void prepare_for_next_client();
+  void replace_pair();
+  /// Tells the watcher what has changed. False when it has destroyed this object.
+  bool tell_client(bool present);
   [[nodiscard]] bool hung_up() const;
 
   std::filesystem::path link_;
@@ -69,6 +87,8 @@ class Pty final : public ByteStream {
   boost::asio::posix::stream_descriptor ownership_;  ///< The abstract socket.
   boost::asio::steady_timer presence_timer_;
   Receiver receiver_;
+  ClientWatcher watcher_;
+  LineClient told_;
   std::vector<std::uint8_t> buffer_;
   bool published_ = false;
   bool present_ = false;

@@ -19,7 +19,8 @@ namespace {
 class SerialGnssLine final : public GnssLine {
  public:
   SerialGnssLine(const UbloxConfiguration& configuration, const LineContext& context)
-      : pty_(context.io, configuration.path),
+      : check_baud_(configuration.check_baud),
+        pty_(context.io, configuration.path, configuration.receiver.baud),
         outlet_(pty_, own_statistics()),
         receiver_(configuration.receiver, context.calendar, outlet_),
         backend_(receiver_),
@@ -28,6 +29,10 @@ class SerialGnssLine final : public GnssLine {
   DeviceIndex enlist(Executive& executive) override {
     const DeviceIndex index = executive.add(station_);
     executive.add(outlet_);
+    pty_.on_client([this, &executive](const drivers::LineClient& client) {
+      receiver_.set_client(executive.arrive(),
+                           {client.present, check_baud_ ? client.baud : kAnyBaud});
+    });
     pty_.start([this, &executive](std::span<const std::uint8_t> bytes) {
       receiver_.receive(client_arrived(executive), bytes);
     });
@@ -57,6 +62,9 @@ class SerialGnssLine final : public GnssLine {
     std::vector<LidarLine*> lidars;
   };
 
+  static constexpr std::uint32_t kAnyBaud = 0;
+
+  bool check_baud_;
   drivers::Pty pty_;
   StreamOutlet outlet_;
   emulators::UbloxReceiver receiver_;

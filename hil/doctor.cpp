@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "drivers/descriptor.h"
+#include "hil/geoid_file.h"
 
 namespace rigwire::hil {
 
@@ -120,6 +121,16 @@ Finding tcp_port(std::uint16_t port, const char* owner) {
                       owner)};
 }
 
+Finding geoid() {
+  if (::access(kEgm96File, R_OK) == 0) {
+    return {"geoid", Health::good, "EGM96 is at hand", ""};
+  }
+  return {"geoid", Health::limited,
+          fmt::format("no {}: {}; rigs with `origin.geoid: egm96` do not start", kEgm96File,
+                      std::strerror(errno)),
+          "sudo apt-get install proj-data"};
+}
+
 Finding processors() {
   const unsigned count = std::thread::hardware_concurrency();
   utsname system{};
@@ -143,6 +154,7 @@ std::vector<Finding> examine_machine() {
             "add `@rigwire - memlock unlimited` to /etc/security/limits.d/ and log in again"),
       udp_buffers(),
       tcp_port(1502, "valves"),
+      geoid(),
       processors(),
   };
 }

@@ -7,6 +7,7 @@
 
 #include "drivers/slcan_adapter.h"
 #include "drivers/socketcan.h"
+#include "hil/geoid_file.h"
 #include "hil/machine_factory.h"
 #include "hil/mesh_file.h"
 #include "hil/scene_fall_obstacle.h"
@@ -32,8 +33,15 @@ Eigen::Isometry3d pose(const Vector3& position_m, const RollPitchYaw& rotation) 
   return X;
 }
 
-sim::LocalFrameParameters local_frame(const OriginConfiguration& origin) {
-  return {origin.latitude_deg, origin.longitude_deg, origin.height_m, origin.geoid_separation_m};
+sim::LocalFrame local_frame(const OriginConfiguration& origin) {
+  std::shared_ptr<const sim::GeoidGrid> geoid;
+  if (origin.geoid == GeoidSource::egm96) {
+    geoid = load_geoid(origin.geoid_file.empty() ? kEgm96File : origin.geoid_file,
+                       origin.geoid_interpolation);
+  }
+  return sim::LocalFrame(
+      {origin.latitude_deg, origin.longitude_deg, origin.height_m, origin.geoid_separation_m},
+      std::move(geoid));
 }
 
 std::vector<sim::TriangleMesh> load_meshes(const sim::SceneDescription& description) {
@@ -156,8 +164,15 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
   }
   connect_time_source();
   if (!truth_path.empty()) {
+    std::vector<std::string> antennas;
+    for (const Device& device : devices_) {
+      if (dynamic_cast<const GnssLine*>(device.line.get()) != nullptr) {
+        antennas.push_back(device.name);
+      }
+    }
     world_.set_truth_tap(
-        std::make_unique<TruthTap>(truth_path, calendar_, world_.machine().truth_fields()),
+        std::make_unique<TruthTap>(truth_path, calendar_, world_.machine().truth_fields(),
+                                   std::move(antennas)),
         configuration_.truth.period);
   }
 }

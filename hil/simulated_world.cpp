@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -56,6 +55,7 @@ SimulatedWorld::SimulatedWorld(const WorldSettings& settings, MachineInScene con
 void SimulatedWorld::add_gnss(DeviceIndex device, const SensorMount& mount,
                               sim::GnssSensor sensor) {
   gnss_.push_back({device, mount, std::move(sensor), {}, kNever});
+  truth_.antennas.resize(gnss_.size());
 }
 
 void SimulatedWorld::add_imu(DeviceIndex device, const SensorMount& mount, sim::ImuSensor sensor) {
@@ -226,13 +226,9 @@ void SimulatedWorld::record_truth(SimTime t0, SimTime t1, SimTime time) {
   truth_.time = time;
   truth_.carrier = motion_at({}, t0, t1, time);
   content_.machine->read_truth(truth_.machine);
-  truth_.antenna_latitude_deg = std::numeric_limits<double>::quiet_NaN();
-  if (!gnss_.empty()) {
-    const auto motion = motion_at(gnss_.front().mount, t0, t1, time);
-    const sim::GeodeticPoint antenna = frame_.to_geodetic(motion.X_WL.translation());
-    truth_.antenna_latitude_deg = antenna.latitude_deg;
-    truth_.antenna_longitude_deg = antenna.longitude_deg;
-    truth_.antenna_height_m = antenna.ellipsoid_height_m;
+  for (std::size_t i = 0; i < gnss_.size(); ++i) {
+    truth_.antennas[i] =
+        frame_.to_geodetic(motion_at(gnss_[i].mount, t0, t1, time).X_WL.translation());
   }
   tap_->record(truth_);
 }

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <iterator>
 #include <stdexcept>
+#include <utility>
 
 namespace rigwire::hil {
 namespace {
@@ -15,6 +16,11 @@ namespace {
 /// JSON has no number for what is not finite.
 std::string number(double value) {
   return std::isfinite(value) ? fmt::format("{:.12g}", value) : "null";
+}
+
+std::string place(const sim::GeodeticPoint& point) {
+  return fmt::format(R"({{"latitude_deg":{:.10f},"longitude_deg":{:.10f},"height_m":{:.4f}}})",
+                     point.latitude_deg, point.longitude_deg, point.ellipsoid_height_m);
 }
 
 std::string list(std::span<const double> values) {
@@ -28,10 +34,11 @@ std::string list(std::span<const double> values) {
 }  // namespace
 
 TruthTap::TruthTap(const std::filesystem::path& path, const Calendar& calendar,
-                   std::span<const sim::TruthField> fields)
+                   std::span<const sim::TruthField> fields, std::vector<std::string> antennas)
     : file_(std::fopen(path.c_str(), "we")),
       calendar_(calendar),
-      fields_(fields.begin(), fields.end()) {
+      fields_(fields.begin(), fields.end()),
+      antennas_(std::move(antennas)) {
   if (file_ == nullptr) {
     throw std::runtime_error(
         fmt::format("cannot write the truth tap {}: {}", path.string(), std::strerror(errno)));
@@ -62,11 +69,13 @@ void TruthTap::record(const TruthRecord& record) {
     put(field.key, rest.first(field.count));
     rest = rest.subspan(field.count);
   }
-  if (!std::isnan(record.antenna_latitude_deg)) {
-    fmt::format_to(
-        std::back_inserter(line),
-        R"(,"antenna":{{"latitude_deg":{:.10f},"longitude_deg":{:.10f},"height_m":{:.4f}}})",
-        record.antenna_latitude_deg, record.antenna_longitude_deg, record.antenna_height_m);
+  if (!record.antennas.empty()) {
+    line += R"(,"antenna":)" + place(record.antennas.front()) + R"(,"antennas":{)";
+    for (std::size_t i = 0; i < antennas_.size(); ++i) {
+      fmt::format_to(std::back_inserter(line), R"({}"{}":{})", i == 0 ? "" : ",", antennas_[i],
+                     place(record.antennas[i]));
+    }
+    line += '}';
   }
   line += "}\n";
   std::fwrite(line.data(), 1, line.size(), file_);

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace rigwire::sim {
 namespace {
@@ -45,8 +46,20 @@ void validate(const LocalFrameParameters& parameters) {
   check("geoid_separation_m", parameters.geoid_separation_m, -120.0, 100.0);
 }
 
-LocalFrame::LocalFrame(const LocalFrameParameters& parameters) : parameters_(parameters) {
+LocalFrame::LocalFrame(const LocalFrameParameters& parameters,
+                       std::shared_ptr<const GeoidGrid> geoid)
+    : parameters_(parameters), geoid_(std::move(geoid)) {
   validate(parameters_);
+  if (geoid_) {
+    if (!geoid_->covers(parameters_.latitude_deg, parameters_.longitude_deg)) {
+      throw std::invalid_argument("the geoid grid does not cover the origin, latitude " +
+                                  std::to_string(parameters_.latitude_deg) + " deg, longitude " +
+                                  std::to_string(parameters_.longitude_deg) +
+                                  " deg; take a grid that does");
+    }
+    parameters_.geoid_separation_m =
+        geoid_->separation_m(parameters_.latitude_deg, parameters_.longitude_deg);
+  }
   world_from_ecef_ = enu_from_ecef(parameters_.latitude_deg, parameters_.longitude_deg);
 }
 

@@ -2,10 +2,14 @@
 // scene's map origin.
 //
 // Method: GeographicLib::LocalCartesian (C. Karney), exact to rounding: under 1e-8 m within 1000 km
-// of the origin. The geoid is one constant separation over the whole scene.
+// of the origin. The geoid is one constant separation over the whole scene, or looked up in a grid
+// at every point (sim/geoid.h).
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
+
+#include "sim/geoid.h"
 
 namespace rigwire::sim {
 
@@ -13,7 +17,7 @@ struct LocalFrameParameters {
   double latitude_deg = 49.4240;      ///< WGS-84 geodetic, [-90, 90].
   double longitude_deg = 7.7510;      ///< [-180, 180].
   double ellipsoid_height_m = 280.0;  ///< Above the ellipsoid, [-1000, 20000].
-  double geoid_separation_m = 48.0;   ///< Geoid above the ellipsoid, [-120, 100].
+  double geoid_separation_m = 48.0;   ///< Geoid above the ellipsoid, [-120, 100]; without a grid.
 };
 
 /// Throws std::invalid_argument naming the parameter, its value and what is allowed.
@@ -27,8 +31,10 @@ struct GeodeticPoint {
 
 class LocalFrame {
  public:
-  /// Throws as validate().
-  explicit LocalFrame(const LocalFrameParameters& parameters);
+  /// Throws as validate(). With a `geoid` the separation comes from it, and it must cover the
+  /// origin; otherwise this throws std::invalid_argument.
+  explicit LocalFrame(const LocalFrameParameters& parameters,
+                      std::shared_ptr<const GeoidGrid> geoid = nullptr);
 
   /// `p_W` in metres, east-north-up from the origin.
   [[nodiscard]] GeodeticPoint to_geodetic(const Eigen::Vector3d& p_W) const;
@@ -42,12 +48,18 @@ class LocalFrame {
   /// Rotation that turns earth-centred earth-fixed components into W.
   [[nodiscard]] const Eigen::Matrix3d& world_from_ecef() const { return world_from_ecef_; }
 
+  /// At the origin.
   [[nodiscard]] double geoid_separation_m() const { return parameters_.geoid_separation_m; }
+  [[nodiscard]] double geoid_separation_m(double latitude_deg, double longitude_deg) const {
+    return geoid_ ? geoid_->separation_m(latitude_deg, longitude_deg)
+                  : parameters_.geoid_separation_m;
+  }
   [[nodiscard]] const LocalFrameParameters& parameters() const { return parameters_; }
 
  private:
   LocalFrameParameters parameters_;
   Eigen::Matrix3d world_from_ecef_;
+  std::shared_ptr<const GeoidGrid> geoid_;
 };
 
 }  // namespace rigwire::sim

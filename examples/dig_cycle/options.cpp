@@ -109,7 +109,7 @@ usage: dig_cycle [options]
 
 wires
   --gnss PATH             serial line of the GNSS receiver, NMEA   (/tmp/rigwire/gnss)
-  --gnss-baud N           its speed                                (9600)
+  --gnss-baud N           its speed                                (115200)
   --lidar-address ADDRESS where the lidar's packets arrive         (127.0.0.1)
   --lidar-port N          Velodyne data packets                    (2368)
   --can NAME              vcan0, an slcan adapter's path, or auto  (auto)

@@ -18,7 +18,7 @@ using field::UsageError;
 
 struct Options {
   std::string gnss = "/tmp/rigwire/gnss";
-  std::uint32_t gnss_baud = 9600;
+  std::uint32_t gnss_baud = 115200;
   std::string lidar_address = "127.0.0.1";
   std::uint16_t lidar_port = 2368;
   std::string can = "auto";

@@ -34,7 +34,7 @@ namespace rigwire::field {
 
 struct DriveOptions {
   std::string gnss = "/tmp/rigwire/gnss";
-  std::uint32_t gnss_baud = 9600;
+  std::uint32_t gnss_baud = 115200;
   std::string can = "auto";
   VehicleWireSettings vehicle;
   PoseEstimatorSettings estimator;
@@ -54,7 +54,7 @@ void add_drive_flags(Flags<Options>& flags);
 /// Their help.
 inline constexpr std::string_view kDriveUsage = R"(wires
   --gnss PATH             serial line of the GNSS receiver, NMEA   (/tmp/rigwire/gnss)
-  --gnss-baud N           its speed                                (9600)
+  --gnss-baud N           its speed                                (115200)
   --can NAME              vcan0, an slcan adapter's path, or auto  (auto)
   --gateway ADDRESS       source address of the vehicle's gateway  (0x27)
   --imu ADDRESS           source address of the inertial sensor    (0x80)

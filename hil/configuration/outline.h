@@ -48,6 +48,7 @@ class Outliner {
 
   // The same calls as Reader; see there. Nothing is changed.
   void required(std::string_view key) { required_ = key; }
+  void refused(std::string_view, const std::string&) {}
   void number(std::string_view key, double value, const NumberRule& rule, std::string_view text);
   void numbers(std::string_view key, std::span<const double> values, const NumberRule& rule,
                std::string_view text);

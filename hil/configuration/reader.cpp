@@ -363,6 +363,14 @@ bool Reader::keep_entry(const Value::Entry& entry, const std::string& path, cons
   return true;
 }
 
+void Reader::refused(std::string_view key, const std::string& why) {
+  Frame& frame = frames_.back();
+  if (const Value* value = frame.map->find(key)) {
+    frame.known.emplace_back(key);
+    report(*value, path_of(key), why);
+  }
+}
+
 void Reader::check(bool holds, std::string_view key, const std::string& what,
                    const std::string& found, const std::string& allowed) {
   if (holds) {

@@ -41,6 +41,8 @@ class Reader {
 
   /// The next call with this key finds fault when the key is missing.
   void required(std::string_view key);
+  /// Finds fault when the key is there: with what else was chosen it means nothing.
+  void refused(std::string_view key, const std::string& why);
 
   /// A finite number with unit. The range is checked in the written unit.
   void number(std::string_view key, double& value, const NumberRule& rule, std::string_view text);

@@ -11,20 +11,13 @@
 #include "hil/configuration/device.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/machine.h"
+#include "hil/configuration/origin.h"
 #include "hil/configuration/outline.h"
 #include "hil/configuration/scene.h"
 #include "sim/samples/calendar.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::hil {
-
-/// Where the origin of the world frame W lies on Earth (WGS 84).
-struct OriginConfiguration {
-  double latitude_deg = 49.4247;
-  double longitude_deg = 7.7517;
-  double height_m = 240.0;           ///< Above the ellipsoid.
-  double geoid_separation_m = 48.0;  ///< Geoid above the ellipsoid there.
-};
 
 /// Ground truth leaves here and nowhere else.
 struct TruthConfiguration {
@@ -52,17 +45,6 @@ struct RigConfiguration {
   TruthConfiguration truth;
   StatusConfiguration status;
 };
-
-template <class Visitor>
-void visit(Visitor& v, OriginConfiguration& p) {
-  v.number("latitude", p.latitude_deg, in("deg").stored_as("deg").between(-90, 90),
-           "WGS 84, north positive.");
-  v.number("longitude", p.longitude_deg, in("deg").stored_as("deg").between(-180, 180),
-           "WGS 84, east positive.");
-  v.number("height", p.height_m, in("m").between(-1000, 10000), "Above the ellipsoid.");
-  v.number("geoid_separation", p.geoid_separation_m, in("m").between(-120, 120),
-           "Geoid above the ellipsoid; receivers report heights above the geoid.");
-}
 
 template <class Visitor>
 void visit(Visitor& v, TruthConfiguration& p) {

@@ -14,7 +14,8 @@ namespace rigwire::hil {
 /// u-blox NEO-7P on a serial line.
 struct UbloxConfiguration {
   std::string path = "/tmp/rigwire/gnss";  ///< Symbolic link to the pty that a client opens.
-  MountConfiguration mount;                ///< Of the antenna.
+  bool check_baud = true;    ///< A client at another speed hears garbage and is heard as garbage.
+  MountConfiguration mount;  ///< Of the antenna.
   emulators::UbloxSettings receiver;
   sim::GnssParameters sensor;
 };
@@ -25,6 +26,8 @@ void visit(Visitor& v, UbloxConfiguration& p) {
   v.rate("rate", p.receiver.measurement_period, in("Hz").above(0).at_most(20),
          "Navigation epochs; a client may change it by CFG-RATE.");
   v.integer("baud", p.receiver.baud, IntegerRule{4800, 460800}, "Of the line, 8N1, at power-on.");
+  v.boolean("check_baud", p.check_baud,
+            "A client at another speed hears garbage and is heard as garbage.");
   v.texts("nmea_sentences", p.receiver.nmea_sentences,
           "On at power-on: RMC VTG GGA GSA GSV GLL ZDA.");
   v.texts("ubx_messages", p.receiver.ubx_messages, "On at power-on: NAV-PVT, NAV-SOL and others.");

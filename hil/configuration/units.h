@@ -42,7 +42,9 @@ enum class Dimension {
   bit_rate,
   angle_random_walk,
   velocity_random_walk,
-  signal_density
+  signal_density,
+  level,
+  level_density
 };
 
 struct Unit {
@@ -115,6 +117,8 @@ inline constexpr Unit kUnits[] = {
     {"m/s/sqrt(h)", Dimension::velocity_random_walk, 1, 60},
     {"ug/sqrt(Hz)", Dimension::velocity_random_walk, kGravity, 1e6},
     {"dBHz", Dimension::signal_density, 1, 1},
+    {"dB", Dimension::level, 1, 1},
+    {"dB/m", Dimension::level_density, 1, 1},
 };
 // clang-format on
 }  // namespace detail

@@ -19,8 +19,10 @@ class RegressionDilution final : public DilutionModel {
       return {};
     }
     const double horizontal = kHorizontalRegression.rounded(n);
-    return {horizontal, kVerticalRegression.rounded(n), kPositionRegression.rounded(n),
-            horizontal * kTimeToHorizontal};
+    return {.horizontal = horizontal,
+            .vertical = kVerticalRegression.rounded(n),
+            .position = kPositionRegression.rounded(n),
+            .time = horizontal * kTimeToHorizontal};
   }
   Dilution amplitude(std::span<const Eigen::Vector3d> directions_W) const override {
     const int n = static_cast<int>(directions_W.size());
@@ -28,8 +30,10 @@ class RegressionDilution final : public DilutionModel {
       return {};
     }
     const double horizontal = kHorizontalRegression.raw(n);
-    return {horizontal, kVerticalRegression.raw(n), kPositionRegression.raw(n),
-            horizontal * kTimeToHorizontal};
+    return {.horizontal = horizontal,
+            .vertical = kVerticalRegression.raw(n),
+            .position = kPositionRegression.raw(n),
+            .time = horizontal * kTimeToHorizontal};
   }
 };
 
@@ -59,6 +63,8 @@ class GeometricDilution final : public DilutionModel {
       }
       const Eigen::Vector3d q = variances<3>(normal);
       dilution.horizontal = std::sqrt(q(0) + q(1));
+      dilution.east = std::sqrt(q(0));
+      dilution.north = std::sqrt(q(1));
       dilution.position = dilution.horizontal;
       dilution.time = std::sqrt(q(2));
     } else if (directions_W.size() > 3) {
@@ -69,6 +75,8 @@ class GeometricDilution final : public DilutionModel {
       }
       const Eigen::Vector4d q = variances<4>(normal);
       dilution.horizontal = std::sqrt(q(0) + q(1));
+      dilution.east = std::sqrt(q(0));
+      dilution.north = std::sqrt(q(1));
       dilution.vertical = std::sqrt(q(2));
       dilution.position = std::sqrt(q(0) + q(1) + q(2));
       dilution.time = std::sqrt(q(3));

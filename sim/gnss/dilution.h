@@ -14,6 +14,8 @@ struct Dilution {
   double vertical = std::numeric_limits<double>::quiet_NaN();
   double position = std::numeric_limits<double>::quiet_NaN();
   double time = std::numeric_limits<double>::quiet_NaN();
+  double north = std::numeric_limits<double>::quiet_NaN();  ///< From the geometry only.
+  double east = std::numeric_limits<double>::quiet_NaN();   ///< From the geometry only.
 };
 
 enum class DilutionKind : unsigned char { regression, geometric };
@@ -39,7 +41,8 @@ class DilutionModel {
 /// Q = (G^T G)^-1 with rows [-e, 1]; horizontal sqrt(Q11 + Q22), vertical sqrt(Q33), position
 /// sqrt(Q11 + Q22 + Q33), time sqrt(Q44). With three satellites the height is held and its column
 /// dropped: vertical stays NaN and position equals horizontal. NaN with fewer, or when the
-/// satellites lie on a cone (condition of G^T G above 1e10).
+/// satellites lie on a cone (condition of G^T G above 1e10). One clock for all systems; with a
+/// clock for each, position_solution.h has the dilutions.
 [[nodiscard]] std::unique_ptr<DilutionModel> make_geometric_dilution();
 
 [[nodiscard]] std::unique_ptr<DilutionModel> make_dilution(DilutionKind kind);

@@ -10,43 +10,41 @@
 namespace rigwire::sim {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kCepPerSigma = 1.1774;  // sqrt(2 ln 2), circular normal distribution
-constexpr double kDriftCorrelation_s = 100.0;
-constexpr double kWarmUpBias_s = 1e-4;
+/// CEP with SBAS over CEP without, u-blox 7 data sheet: 2.0 m and 2.5 m.
+constexpr double kSbasCircularShare = 0.8;
+/// A carrier tracked at less slips too often for a carrier solution.
+constexpr double kCarrierCn0_dbhz = 32.0;
+/// A receiver that has never had a 3D fix knows its height so well, and loses it by the slope of
+/// the ground while it moves.
+constexpr double kUnknownHeightSigma_m = 10.0;
+constexpr double kSlope = 0.1;
 
-void check(const char* name, double value, double lower, double upper) {
-  if (!(value >= lower && value <= upper)) {
-    throw std::invalid_argument(std::string("gnss: ") + name + " is " + std::to_string(value) +
-                                ", allowed are " + std::to_string(lower) + " .. " +
-                                std::to_string(upper));
-  }
+constexpr std::array kSystems{GnssSystem::gps,    GnssSystem::sbas, GnssSystem::galileo,
+                              GnssSystem::beidou, GnssSystem::qzss, GnssSystem::glonass};
+
+std::shared_ptr<const Constellation> nominal(const GnssParameters& parameters) {
+  validate(parameters);
+  std::vector<GnssSystem> systems;
+  std::ranges::copy_if(kSystems, std::back_inserter(systems),
+                       [&](GnssSystem system) { return parameters.systems.receives(system); });
+  return make_nominal_constellation(systems);
 }
 
-/// Exact step of a first-order Gauss-Markov process of sigma 1.
-double gauss_markov(double state, double step_s, double correlation_s, double white) {
-  if (correlation_s <= 0.0) {
-    return white;
+std::shared_ptr<const Constellation> checked(const GnssParameters& parameters,
+                                             std::shared_ptr<const Constellation> constellation) {
+  validate(parameters);
+  if (constellation == nullptr) {
+    throw std::invalid_argument("gnss: there is no constellation");
   }
-  const double keep = std::exp(-step_s / correlation_s);
-  return keep * state + std::sqrt(1.0 - keep * keep) * white;
+  return constellation;
+}
+
+std::string below(std::string_view name, const char* what) {
+  return std::string(name) + what;
 }
 
 }  // namespace
-
-void validate(const GnssParameters& p) {
-  check("elevation_mask_deg", p.elevation_mask_deg, 0.0, 89.0);
-  check("antenna_clearance_m", p.antenna_clearance_m, 0.0, 100.0);
-  check("circular_error_m", p.circular_error_m, 0.0, 1000.0);
-  check("correlation_time_s", p.correlation_time_s, 0.0, 86'400.0);
-  check("speed_sigma_mps", p.speed_sigma_mps, 0.0, 100.0);
-  check("cn0_zenith_dbhz", p.cn0_zenith_dbhz, 0.0, 99.0);
-  check("cn0_horizon_dbhz", p.cn0_horizon_dbhz, 0.0, 99.0);
-  check("cn0_threshold_dbhz", p.cn0_threshold_dbhz, 0.0, 99.0);
-  check("maximum_channels", p.maximum_channels, 1.0, double{kGpsSlots});
-  check("clock_drift", p.clock_drift, -1e-4, 1e-4);
-  check("clock_drift_sigma", p.clock_drift_sigma, 0.0, 1e-4);
-}
 
 GnssFix fix_by_count(int satellites) {
   if (satellites <= 1) {
@@ -58,154 +56,349 @@ GnssFix fix_by_count(int satellites) {
   return satellites <= 3 ? GnssFix::two_d : GnssFix::three_d;
 }
 
-GnssSensor::GnssSensor(const GnssParameters& parameters, const Calendar& calendar,
+GnssSensor::GnssSensor(const GnssParameters& parameters,
+                       std::shared_ptr<const Constellation> constellation, const Calendar& calendar,
                        const LocalFrame& frame, std::uint64_t seed, std::string_view name)
     : parameters_(parameters),
+      constellation_(checked(parameters, std::move(constellation))),
       calendar_(calendar),
       frame_(frame),
       dilution_(make_dilution(parameters.dilution)),
-      random_(seed, name) {
-  validate(parameters_);
-  directions_enu_.reserve(kGpsSlots);
+      random_(seed, name),
+      held_random_(seed, below(name, "/height")),
+      clock_(parameters.clock, seed, below(name, "/clock")),
+      channels_(parameters, constellation_, seed, name),
+      carrier_(parameters.corrections, seed, name),
+      observations_(constellation_->satellites().size(), seed, below(name, "/carrier_phase")) {}
+
+GnssSensor::GnssSensor(const GnssParameters& parameters, const Calendar& calendar,
+                       const LocalFrame& frame, std::uint64_t seed, std::string_view name)
+    : GnssSensor(parameters, nominal(parameters), calendar, frame, seed, name) {}
+
+GnssSensor::Epoch GnssSensor::begin(SimTime time, const LinkMotion& antenna) {
+  Epoch epoch;
+  epoch.clock = clock_.measure(time);
+  epoch.fault = fault_state(parameters_.faults, time);
+  Reception& reception = epoch.reception;
+  reception.time = time;
+  reception.gps = calendar_.gps(time);
+  reception.p_W = antenna.X_WL.translation() + epoch.clock.measured_after_s * antenna.v_WL_W;
+  reception.speed_mps = antenna.v_WL_W.norm();
+  epoch.ned_from_world = frame_.ned_from_world(reception.p_W);
+  const auto in_world = [&](const Eigen::Vector3d& enu) -> Eigen::Vector3d {
+    return epoch.ned_from_world.transpose() * Eigen::Vector3d(enu.y(), enu.x(), -enu.z());
+  };
+  reception.ranges_p_W = reception.p_W + in_world(epoch.fault.offset_m);
+  epoch.v_W = antenna.v_WL_W + in_world(epoch.fault.offset_rate_mps);
+  epoch.height_m = frame_.to_geodetic(reception.ranges_p_W).ellipsoid_height_m;
+  return epoch;
 }
 
-void GnssSensor::advance_errors(SimTime time) {
-  // The same draws at every epoch, whatever is visible: one device's sky never shifts its noise.
-  const Eigen::Vector3d white(random_.gaussian(), random_.gaussian(), random_.gaussian());
-  const double white_drift = random_.gaussian();
-  if (last_ == kNever) {
-    unit_error_ = white;
-    unit_drift_ = white_drift;
-    clock_bias_s_ = random_.uniform(-kWarmUpBias_s, kWarmUpBias_s);
-  } else {
-    const double step_s = to_seconds(time - last_);
-    for (int axis = 0; axis < 3; ++axis) {
-      unit_error_(axis) =
-          gauss_markov(unit_error_(axis), step_s, parameters_.correlation_time_s, white(axis));
+void GnssSensor::select(std::span<ReceivedSatellite> received, Epoch& epoch) const {
+  epoch.used.reserve(received.size());
+  for (ReceivedSatellite& satellite : received) {
+    if (satellite.usable) {
+      epoch.used.push_back(&satellite);
+      epoch.line_of_sight += satellite.direct && satellite.cn0_dbhz >= kCarrierCn0_dbhz ? 1 : 0;
     }
-    clock_bias_s_ +=
-        step_s * (parameters_.clock_drift + parameters_.clock_drift_sigma * unit_drift_);
-    unit_drift_ = gauss_markov(unit_drift_, step_s, kDriftCorrelation_s, white_drift);
-  }
-  last_ = time;
-}
-
-void GnssSensor::view_satellites(SimTime time, const Eigen::Vector3d& p_W,
-                                 const Visibility& visibility, GnssSample& sample) {
-  const Eigen::Vector3d p_E = frame_.to_ecef(p_W);
-  const Eigen::Matrix3d ned_from_world = frame_.ned_from_world(p_W);
-  const auto constellation = gps_constellation_ecef(calendar_.gps(time));
-  std::uint32_t tracked = 0;
-  for (std::size_t slot = 0; slot < kGpsSlots; ++slot) {
-    const Eigen::Vector3d direction_W =
-        (frame_.world_from_ecef() * (constellation[slot] - p_E)).normalized();
-    const Eigen::Vector3d ned = ned_from_world * direction_W;
-    const double elevation = std::asin(std::clamp(-ned.z(), -1.0, 1.0));
-    if (elevation <= 0.0) {
-      continue;
-    }
-    SatelliteView view;
-    view.number = static_cast<std::uint8_t>(slot + 1);
-    view.elevation_rad = elevation;
-    view.azimuth_rad = std::atan2(ned.y(), ned.x());
-    if (view.azimuth_rad < 0.0) {
-      view.azimuth_rad += 2.0 * std::numbers::pi;
-    }
-    const double cn0_dbhz =
-        parameters_.cn0_horizon_dbhz +
-        (parameters_.cn0_zenith_dbhz - parameters_.cn0_horizon_dbhz) * std::sin(elevation);
-    if (cn0_dbhz >= parameters_.cn0_threshold_dbhz && tracked < parameters_.maximum_channels &&
-        !visibility.blocked(p_W, direction_W, parameters_.antenna_clearance_m)) {
-      ++tracked;
-      view.tracked = true;
-      view.cn0_dbhz = cn0_dbhz;
-      view.used = elevation >= parameters_.elevation_mask_deg * kDegree;
-    }
-    if (view.used) {
-      directions_enu_.emplace_back(ned.y(), ned.x(), -ned.z());
-    }
-    sample.satellites.push_back(view);
   }
 }
 
-bool GnssSensor::quadrants_filled(const GnssSample& sample) const {
-  const double turn = parameters_.quadrant_rule == QuadrantRule::cardinal ? 45.0 * kDegree : 0.0;
+bool GnssSensor::quadrants_filled(const Epoch& epoch) const {
+  constexpr double kQuarter = 0.5 * std::numbers::pi;
+  const double turn = parameters_.quadrant_rule == QuadrantRule::cardinal ? 0.5 * kQuarter : 0.0;
   std::array<bool, 4> filled{};
-  for (const auto& satellite : sample.satellites) {
-    if (satellite.used) {
-      const double quarter = (satellite.azimuth_rad + turn) / (0.5 * std::numbers::pi);
-      filled[static_cast<std::size_t>(quarter) % 4] = true;
-    }
+  for (const ReceivedSatellite* satellite : epoch.used) {
+    const double quarter = (satellite->azimuth_rad + turn) / kQuarter;
+    filled[static_cast<std::size_t>(quarter) % 4] = true;
   }
   return std::ranges::all_of(filled, [](bool one) { return one; });
 }
 
-GnssSample GnssSensor::sample(SimTime time, const LinkMotion& antenna,
-                              const Visibility& visibility) {
-  advance_errors(time);
-  const Eigen::Vector3d white_velocity(random_.gaussian(), random_.gaussian(), random_.gaussian());
+GnssFix GnssSensor::fix_of(const Epoch& epoch) const {
+  const bool coloured = parameters_.error_model == ErrorModel::coloured;
+  const int count = coloured ? effective_count(equations_) : static_cast<int>(epoch.used.size());
+  const GnssFix fix = fix_by_count(count);
+  const bool degraded = fix == GnssFix::three_d && parameters_.quadrant_rule != QuadrantRule::off &&
+                        !quadrants_filled(epoch);
+  return degraded ? GnssFix::two_d : fix;
+}
 
-  GnssSample sample;
-  sample.time = time;
-  sample.satellites.reserve(kGpsSlots / 2);
-  directions_enu_.clear();
-  const Eigen::Vector3d p_W = antenna.X_WL.translation();
-  view_satellites(time, p_W, visibility, sample);
+void GnssSensor::correct(Epoch& epoch, GnssSample& sample) {
+  CorrectionInput input;
+  input.time = epoch.reception.time;
+  input.line_of_sight = epoch.line_of_sight;
+  input.has_position = epoch.used.size() >= 3;
+  input.link = !epoch.fault.corrections_lost && !epoch.fault.no_signal;
+  if (parameters_.corrections.kind == CorrectionKind::sbas && channels_.knows(GnssSystem::sbas)) {
+    input.link = input.link && std::ranges::any_of(epoch.used, [](const auto* satellite) {
+                   return satellite->satellite.system == GnssSystem::sbas;
+                 });
+  }
+  epoch.corrections = carrier_.advance(input);
+  sample.differential = epoch.corrections.differential;
+  sample.differential_age_s = epoch.corrections.age_s;
+  channels_.range_errors(epoch.corrections.share, epoch.fault.spoofed);
+  equations_.clear();
+  for (const ReceivedSatellite* satellite : epoch.used) {
+    equations_.push_back({satellite->direction_ned, satellite->satellite.system,
+                          satellite->error.total_m(), satellite->error.sigma_m});
+  }
+}
 
-  sample.geoid_separation_m = frame_.geoid_separation_m();
-  sample.clock_bias_s = clock_bias_s_;
-  sample.clock_drift = parameters_.clock_drift + parameters_.clock_drift_sigma * unit_drift_;
-  sample.fix = fix_by_count(static_cast<int>(directions_enu_.size()));
-  if (sample.fix == GnssFix::none || sample.fix == GnssFix::bad) {
-    for (auto& satellite : sample.satellites) {
-      satellite.used = false;
-    }
-    return sample;
-  }
-  if (sample.fix == GnssFix::three_d && parameters_.quadrant_rule != QuadrantRule::off &&
-      !quadrants_filled(sample)) {
-    sample.fix = GnssFix::two_d;
-  }
-
-  const Dilution reported = dilution_->reported(directions_enu_);
-  const Dilution amplitude = dilution_->amplitude(directions_enu_);
-  if (!std::isfinite(amplitude.horizontal)) {  // the satellites lie on a cone
-    sample.fix = GnssFix::none;
-    return sample;
-  }
-  sample.horizontal_dilution = reported.horizontal;
-  sample.vertical_dilution = reported.vertical;
-  sample.position_dilution = reported.position;
-  sample.time_dilution = reported.time;
+void GnssSensor::put_dilution(const Dilution& geometric, GnssSample& sample) const {
+  sample.horizontal_dilution = geometric.horizontal;
+  sample.vertical_dilution = geometric.vertical;
+  sample.position_dilution = geometric.position;
+  sample.time_dilution = geometric.time;
+  sample.north_dilution = geometric.north;
+  sample.east_dilution = geometric.east;
   if (parameters_.dilution == DilutionKind::regression && sample.fix == GnssFix::two_d) {
     sample.position_dilution = 0.0;  // the paper's rule for 2D
   }
+}
+
+void GnssSensor::solve_paper(Epoch& epoch, GnssSample& sample) {
+  std::vector<Eigen::Vector3d> directions_enu;
+  directions_enu.reserve(epoch.used.size());
+  for (const ReceivedSatellite* satellite : epoch.used) {
+    const Eigen::Vector3d& ned = satellite->direction_ned;
+    directions_enu.emplace_back(ned.y(), ned.x(), -ned.z());
+  }
+  const Dilution amplitude = dilution_->amplitude(directions_enu);
+  if (!std::isfinite(amplitude.horizontal)) {  // the satellites lie on a cone
+    sample.fix = GnssFix::none;
+    return;
+  }
+  put_dilution(dilution_->reported(directions_enu), sample);
 
   // Per unit of horizontal dilution; a held height keeps the horizontal scale.
-  const double range_sigma_m = parameters_.circular_error_m / kCepPerSigma;
+  const bool sbas = parameters_.corrections.kind == CorrectionKind::sbas && sample.differential;
+  const double range_sigma_m =
+      parameters_.circular_error_m * (sbas ? kSbasCircularShare : 1.0) / kCepPerSigma;
   const double vertical =
       std::isfinite(amplitude.vertical) ? amplitude.vertical : amplitude.horizontal;
   const double horizontal_sigma_m = amplitude.horizontal * range_sigma_m / std::numbers::sqrt2;
   const double vertical_sigma_m = vertical * range_sigma_m;
-  const Eigen::Vector3d error_W(horizontal_sigma_m * unit_error_.x(),
-                                horizontal_sigma_m * unit_error_.y(),
-                                vertical_sigma_m * unit_error_.z());
-  // The error is east-north-up at the antenna, so it is turned into W before it is added.
-  const Eigen::Matrix3d ned_from_world = frame_.ned_from_world(p_W);
-  const Eigen::Vector3d error_ned(error_W.y(), error_W.x(), -error_W.z());
-  const GeodeticPoint point = frame_.to_geodetic(p_W + ned_from_world.transpose() * error_ned);
+  epoch.error_ned_m = {horizontal_sigma_m * unit_error_[1].value(),
+                       horizontal_sigma_m * unit_error_[0].value(),
+                       -vertical_sigma_m * unit_error_[2].value()};
+  const double speed_sigma_mps = parameters_.speed_sigma_mps * amplitude.horizontal;
+  epoch.velocity_error_ned_mps = speed_sigma_mps * unit_velocity_;
+  sample.horizontal_accuracy_m = horizontal_sigma_m * std::numbers::sqrt2;
+  sample.vertical_accuracy_m = vertical_sigma_m;
+  const double horizontal_m2 = horizontal_sigma_m * horizontal_sigma_m;
+  sample.position_covariance_ned_m2 = {horizontal_m2, 0.0, 0.0,
+                                       horizontal_m2, 0.0, vertical_sigma_m * vertical_sigma_m};
+  sample.speed_accuracy_mps = speed_sigma_mps * std::sqrt(3.0);
+  sample.time_accuracy_s = amplitude.time * range_sigma_m / kLightSpeed_mps;
+}
+
+HeldHeight GnssSensor::held_height(const Epoch& epoch) {
+  if (!held_) {
+    const double off_m = parameters_.errors ? kUnknownHeightSigma_m * held_random_.gaussian() : 0.0;
+    held_ = {epoch.height_m + off_m, kUnknownHeightSigma_m, epoch.reception.ranges_p_W};
+  }
+  const double moved_m = (epoch.reception.ranges_p_W - held_->p_W).norm();
+  return {held_->height_m - epoch.height_m, std::hypot(held_->sigma_m, kSlope * moved_m)};
+}
+
+void GnssSensor::solve_coloured(Epoch& epoch, GnssSample& sample) {
+  std::optional<PositionSolution> solution;
+  if (sample.fix == GnssFix::three_d) {
+    solution = solve_position(equations_, std::nullopt);
+  }
+  if (!solution) {
+    sample.fix = GnssFix::two_d;
+    solution = solve_position(equations_, held_height(epoch));
+  }
+  if (!solution) {
+    sample.fix = GnssFix::none;
+    return;
+  }
+  std::vector<Eigen::Vector3d> none(equations_.size());
+  put_dilution(parameters_.dilution == DilutionKind::geometric ? solution->dilution
+                                                               : dilution_->reported(none),
+               sample);
+  epoch.error_ned_m = solution->error_ned_m;
+  const Eigen::Matrix3d& c = solution->covariance_ned_m2;
+  sample.position_covariance_ned_m2 = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
+  sample.horizontal_accuracy_m = std::sqrt(c(0, 0) + c(1, 1));
+  sample.vertical_accuracy_m = std::sqrt(c(2, 2));
+  sample.time_accuracy_s = solution->clock_sigma_m / kLightSpeed_mps;
+  sample.clock_bias_s += solution->clock_error_m / kLightSpeed_mps;
+  residuals_m_ = std::move(solution->residuals_m);
+  if (sample.fix == GnssFix::three_d) {
+    held_ = {epoch.height_m - epoch.error_ned_m.z(), sample.vertical_accuracy_m,
+             epoch.reception.ranges_p_W};
+  }
+  solve_velocity(epoch, sample);
+}
+
+void GnssSensor::solve_velocity(Epoch& epoch, GnssSample& sample) {
+  constexpr double kLeastSigma_mps = 1e-4;
+  const double sigma_mps = std::max(parameters_.speed_sigma_mps, kLeastSigma_mps);
+  for (std::size_t i = 0; i < equations_.size(); ++i) {
+    equations_[i].error_m = parameters_.speed_sigma_mps * epoch.used[i]->error.rate_mps;
+    equations_[i].sigma_m = sigma_mps;
+  }
+  std::optional<HeldHeight> held;
+  if (sample.fix == GnssFix::two_d) {
+    // The held height does not change: the receiver takes its rate for 0.
+    held = HeldHeight{(epoch.ned_from_world * epoch.v_W).z(), sigma_mps};
+  }
+  if (const auto solution = solve_position(equations_, held)) {
+    epoch.velocity_error_ned_mps = solution->error_ned_m;
+    sample.speed_accuracy_mps = std::sqrt(solution->covariance_ned_m2.trace());
+  }
+}
+
+void GnssSensor::put_carrier(Epoch& epoch, GnssSample& sample) const {
+  const CorrectionOutput& corrections = epoch.corrections;
+  if (!corrections.error_ned_m || sample.fix != GnssFix::three_d || epoch.fault.spoofed) {
+    return;
+  }
+  sample.carrier = corrections.carrier;
+  epoch.error_ned_m = *corrections.error_ned_m;
+  const double horizontal_m2 = corrections.horizontal_sigma_m * corrections.horizontal_sigma_m;
+  const double vertical_m2 = corrections.vertical_sigma_m * corrections.vertical_sigma_m;
+  sample.position_covariance_ned_m2 = {horizontal_m2, 0.0, 0.0, horizontal_m2, 0.0, vertical_m2};
+  sample.horizontal_accuracy_m = std::sqrt(2.0 * horizontal_m2);
+  sample.vertical_accuracy_m = corrections.vertical_sigma_m;
+}
+
+void GnssSensor::put_position(const Epoch& epoch, GnssSample& sample) const {
+  const double switched = parameters_.errors ? 1.0 : 0.0;
+  // A held height is off even without range errors.
+  const Eigen::Vector3d error_ned_m =
+      parameters_.error_model == ErrorModel::coloured && sample.carrier == CarrierSolution::none
+          ? epoch.error_ned_m
+          : Eigen::Vector3d(switched * epoch.error_ned_m);
+  const GeodeticPoint point = frame_.to_geodetic(epoch.reception.ranges_p_W +
+                                                 epoch.ned_from_world.transpose() * error_ned_m);
   sample.latitude_deg = point.latitude_deg;
   sample.longitude_deg = point.longitude_deg;
   sample.ellipsoid_height_m = point.ellipsoid_height_m;
-
-  const double speed_sigma = parameters_.speed_sigma_mps * amplitude.horizontal;
-  const Eigen::Vector3d v_ned = ned_from_world * antenna.v_WL_W + speed_sigma * white_velocity;
+  const Eigen::Vector3d error_mps = parameters_.error_model == ErrorModel::coloured
+                                        ? epoch.velocity_error_ned_mps
+                                        : Eigen::Vector3d(switched * epoch.velocity_error_ned_mps);
+  const Eigen::Vector3d v_ned = epoch.ned_from_world * epoch.v_W + error_mps;
   sample.velocity_ned_mps = {v_ned.x(), v_ned.y(), v_ned.z()};
+}
 
-  sample.horizontal_accuracy_m = horizontal_sigma_m * std::numbers::sqrt2;
-  sample.vertical_accuracy_m = vertical_sigma_m;
-  sample.speed_accuracy_mps = speed_sigma * std::sqrt(3.0);
-  sample.time_accuracy_s = amplitude.time * range_sigma_m / kLightSpeed_mps;
+void GnssSensor::put_satellites(std::span<const ReceivedSatellite> received, const Epoch& epoch,
+                                GnssSample& sample) const {
+  const bool fixed = sample.fix == GnssFix::two_d || sample.fix == GnssFix::three_d;
+  sample.satellites.reserve(received.size());
+  std::size_t used = 0;
+  for (const ReceivedSatellite& satellite : received) {
+    SatelliteView& view = sample.satellites.emplace_back();
+    view.system = satellite.satellite.system;
+    view.number = satellite.satellite.number;
+    view.azimuth_rad = satellite.azimuth_rad;
+    view.elevation_rad = satellite.elevation_rad;
+    view.cn0_dbhz = satellite.cn0_dbhz;
+    view.tracked = satellite.tracked;
+    if (satellite.usable) {
+      view.used = fixed;
+      view.residual_m = fixed && used < residuals_m_.size() ? residuals_m_[used] : 0.0;
+      ++used;
+    }
+    view.corrected = view.used && epoch.corrections.differential;
+  }
+}
+
+void GnssSensor::measure(std::span<const ReceivedSatellite> received, const Epoch& epoch,
+                         GnssSample& sample) {
+  const Reception& reception = epoch.reception;
+  const GeodeticPoint point = frame_.to_geodetic(reception.ranges_p_W);
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  const double latitude = point.latitude_deg * kDegree;
+  const double longitude = point.longitude_deg * kDegree;
+  const double time_of_week_s = static_cast<double>(reception.gps.time_of_week_ns) * 1e-9;
+  signals_.clear();
+  for (const ReceivedSatellite& satellite : received) {
+    if (!satellite.tracked || satellite.satellite.system != GnssSystem::gps) {
+      continue;
+    }
+    TrackedSignal signal;
+    signal.satellite = satellite.index;
+    signal.cn0_dbhz = satellite.cn0_dbhz;
+    if (parameters_.ionosphere && sample.navigation != nullptr) {
+      signal.ionosphere_m =
+          klobuchar_delay_m(sample.navigation->ionosphere, latitude, longitude,
+                            satellite.azimuth_rad, satellite.elevation_rad, time_of_week_s);
+    }
+    if (parameters_.troposphere) {
+      signal.troposphere_m =
+          saastamoinen_delay_m(latitude, point.ellipsoid_height_m, satellite.elevation_rad);
+    }
+    if (parameters_.error_model == ErrorModel::coloured) {
+      const RangeError& error = satellite.error;
+      signal.ionosphere_m += error.ionosphere_m;
+      signal.troposphere_m += error.troposphere_m;
+      signal.code_error_m = error.orbit_clock_m + error.local_m;
+      signal.carrier_error_m = error.orbit_clock_m;
+      signal.range_rate_error_mps = parameters_.speed_sigma_mps * error.rate_mps;
+    }
+    signal.code_error_m += epoch.fault.clock_offset_m;
+    signal.carrier_error_m += epoch.fault.clock_offset_m;
+    signal.range_rate_error_mps += epoch.fault.clock_offset_rate_mps;
+    signal.slipped = satellite.acquired;
+    signals_.push_back(signal);
+  }
+  const Eigen::Matrix3d ecef_from_world = frame_.world_from_ecef().transpose();
+  observations_.measure(
+      *constellation_, reception.time, epoch.clock,
+      reception_point(reception.gps, epoch.clock, frame_.to_ecef(reception.ranges_p_W),
+                      ecef_from_world * epoch.v_W),
+      signals_, sample.measurements);
+}
+
+GnssSample GnssSensor::sample(SimTime time, const LinkMotion& antenna,
+                              const Visibility& visibility) {
+  // The same draws at every epoch, whatever is visible: one device's sky never shifts its noise.
+  const double step_s = last_ == kNever ? 0.0 : to_seconds(time - last_);
+  for (GaussMarkov& axis : unit_error_) {
+    axis.advance(step_s, parameters_.correlation_time_s, random_);
+  }
+  unit_velocity_ = {random_.gaussian(), random_.gaussian(), random_.gaussian()};
+  last_ = time;
+
+  Epoch epoch = begin(time, antenna);
+  const std::span<ReceivedSatellite> received =
+      channels_.receive(epoch.reception, frame_, visibility, epoch.fault);
+  select(received, epoch);
+  residuals_m_.clear();
+
+  GnssSample sample;
+  sample.time = time;
+  sample.measured_after = epoch.clock.measured_after;
+  sample.clock_label_offset = epoch.clock.label_offset;
+  sample.clock_reset = epoch.clock.reset;
+  sample.clock_bias_s = epoch.clock.bias_s + epoch.fault.clock_offset_m / kLightSpeed_mps;
+  sample.clock_drift = epoch.clock.drift + epoch.fault.clock_offset_rate_mps / kLightSpeed_mps;
+  sample.geoid_separation_m = frame_.geoid_separation_m();
+  sample.radio = {epoch.fault.antenna, 1.0 - std::pow(10.0, -epoch.fault.jamming_db / 20.0),
+                  epoch.fault.jamming_db};
+  sample.navigation = constellation_->navigation(epoch.reception.gps);
+  correct(epoch, sample);
+  sample.fix = fix_of(epoch);
+  if (sample.fix == GnssFix::two_d || sample.fix == GnssFix::three_d) {
+    if (parameters_.error_model == ErrorModel::paper) {
+      solve_paper(epoch, sample);
+    } else {
+      solve_coloured(epoch, sample);
+    }
+    put_carrier(epoch, sample);
+  }
+  if (sample.fix == GnssFix::two_d || sample.fix == GnssFix::three_d) {
+    put_position(epoch, sample);
+  }
+  put_satellites(received, epoch, sample);
+  if (parameters_.raw_measurements) {
+    measure(received, epoch, sample);
+  }
   return sample;
 }
 

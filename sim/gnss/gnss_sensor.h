@@ -1,25 +1,49 @@
 // A satellite receiver's antenna and navigation engine: which satellites it sees past the scene,
 // how good its position is, and the position with its error.
 //
-// Model of Wolf, Groll, Hemer, Berns, SIMULTECH 2020: one ray per satellite; dilution by Eq. 1 and
-// Table 1; error by Eq. 2; kind of fix by Eq. 3. The paper's open points are settled so: satellites
-// are directions (not points "above the scene"); Eq. 2 gives metres in the local tangent plane;
-// horizontal dilution scales north and east, vertical dilution the height; the data-sheet precision
-// is a CEP, so that one horizontal axis has sigma = dilution * CEP / 1.1774 / sqrt(2) with dilution
-// understood as the horizontal one. Consecutive errors are correlated (first-order Gauss-Markov,
-// exact discretisation) unless correlation_time_s is 0, the paper's white noise.
+// Two models behind one interface.
 //
-// Known limits: no multipath, no atmosphere, no satellite clock; one constellation (24 GPS slots).
+// Paper (Wolf, Groll, Hemer, Berns, SIMULTECH 2020): one ray per satellite, which crowns stop too;
+// dilution by Eq. 1 and Table 1; error by Eq. 2; kind of fix by Eq. 3. The paper's open points are
+// settled so: satellites are directions (not points "above the scene"); Eq. 2 gives metres in the
+// local tangent plane; horizontal dilution scales north and east, vertical dilution the height; the
+// data-sheet precision is a CEP, so that one horizontal axis has sigma = dilution * CEP / 1.1774 /
+// sqrt(2) with dilution understood as the horizontal one. Position dilution is 0 for a 2D fix, and
+// there is none without a fix. Consecutive errors are correlated (first-order Gauss-Markov, exact
+// discretisation) unless correlation_time_s is 0, the paper's white noise.
+//
+// Coloured: every pseudorange has its own error (range_errors.h, multipath.h), and the position is
+// what weighted least squares make of them (position_solution.h): correlation in time, jumps where
+// satellites come and go, and residuals follow by themselves. Accuracies follow the error model,
+// not the error. A 2D fix holds the height of the last 3D fix. The velocity is solved from Doppler
+// errors in the same way. Eq. 3 counts satellites less one for each further system's clock. The
+// receiver here neither filters in time nor throws out ranges that contradict the rest.
+//
+// Both: corrections (carrier_solution.h), faults (gnss_fault.h), the receiver's clock
+// (receiver_clock.h; position and velocity are of the instant at which it measures), and raw
+// measurements (observations.h), whose pseudoranges have the very errors of the coloured solution.
+// The paper's model has no range errors, so raw ranges are exact in it.
+//
+// Known limits: errors of two receivers are independent, even where satellites and atmosphere would
+// make them common; raw measurements are of GPS L1 C/A only.
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
+#include "sim/gnss/carrier_solution.h"
 #include "sim/gnss/constellation.h"
 #include "sim/gnss/dilution.h"
+#include "sim/gnss/gnss_parameters.h"
+#include "sim/gnss/observations.h"
+#include "sim/gnss/position_solution.h"
+#include "sim/gnss/receiver_clock.h"
+#include "sim/gnss/satellite_channels.h"
 #include "sim/link_motion.h"
 #include "sim/local_frame.h"
 #include "sim/random.h"
@@ -29,38 +53,17 @@
 
 namespace rigwire::sim {
 
-/// The paper's rule: 3D degrades to 2D when one of four sectors of the sky has no satellite.
-enum class QuadrantRule : unsigned char {
-  off,       ///< Default. Under open sky the rule alone costs 35 % of all 3D fixes at 49 deg north.
-  cardinal,  ///< Sectors centred on north, east, south, west.
-  diagonal,  ///< Sectors centred on north-east, south-east, south-west, north-west.
-};
-
-struct GnssParameters {
-  DilutionKind dilution = DilutionKind::regression;
-  QuadrantRule quadrant_rule = QuadrantRule::off;
-  double elevation_mask_deg = 5.0;      ///< [0, 90).
-  double antenna_clearance_m = 0.05;    ///< Things nearer than this do not block the sky.
-  double circular_error_m = 2.5;        ///< CEP under open sky: data sheet, GPS only; >= 0.
-  double correlation_time_s = 60.0;     ///< Of the position error; 0 = white, as in the paper.
-  double speed_sigma_mps = 0.05;        ///< White, per axis, at horizontal dilution 1.
-  double cn0_zenith_dbhz = 48.0;        ///< Carrier-to-noise density at 90 deg of elevation ...
-  double cn0_horizon_dbhz = 38.0;       ///< ... and at 0 deg; between them with the sine.
-  double cn0_threshold_dbhz = 25.0;     ///< Weaker satellites are not tracked.
-  std::uint32_t maximum_channels = 22;  ///< Satellites that can be tracked at once; 1..24.
-  double clock_drift = 4.3e-7;          ///< Mean receiver clock drift, s/s; |drift| <= 1e-4.
-  double clock_drift_sigma = 2e-9;      ///< Of its slow wander (100 s), s/s.
-};
-
-/// Throws std::invalid_argument naming the parameter, its value and what is allowed.
-void validate(const GnssParameters& parameters);
-
 /// Eq. 3.
 [[nodiscard]] GnssFix fix_by_count(int satellites);
 
 class GnssSensor {
  public:
-  /// Throws as validate(). The random stream is named `name`. Calendar and frame are copied.
+  /// Throws as validate(), and std::invalid_argument without a constellation. The random streams
+  /// are named `name` and below. Calendar and frame are copied.
+  GnssSensor(const GnssParameters& parameters, std::shared_ptr<const Constellation> constellation,
+             const Calendar& calendar, const LocalFrame& frame, std::uint64_t seed,
+             std::string_view name);
+  /// The same with the nominal slots of the systems received.
   GnssSensor(const GnssParameters& parameters, const Calendar& calendar, const LocalFrame& frame,
              std::uint64_t seed, std::string_view name);
 
@@ -70,21 +73,61 @@ class GnssSensor {
                                   const Visibility& visibility);
 
  private:
-  void advance_errors(SimTime time);
-  void view_satellites(SimTime time, const Eigen::Vector3d& p_W, const Visibility& visibility,
-                       GnssSample& sample);
-  [[nodiscard]] bool quadrants_filled(const GnssSample& sample) const;
+  /// One epoch in the making.
+  struct Epoch {
+    ClockEpoch clock;
+    GnssFaultState fault;
+    Reception reception;
+    Eigen::Vector3d v_W = Eigen::Vector3d::Zero();  ///< That the ranges are of (faults).
+    Eigen::Matrix3d ned_from_world = Eigen::Matrix3d::Identity();
+    double height_m = 0.0;  ///< Above the ellipsoid, of the place that the ranges are of.
+    std::vector<ReceivedSatellite*> used;
+    int line_of_sight = 0;  ///< Satellites that a carrier solution can use.
+    CorrectionOutput corrections;
+    Eigen::Vector3d error_ned_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d velocity_error_ned_mps = Eigen::Vector3d::Zero();
+  };
+
+  [[nodiscard]] Epoch begin(SimTime time, const LinkMotion& antenna);
+  void select(std::span<ReceivedSatellite> received, Epoch& epoch) const;
+  [[nodiscard]] GnssFix fix_of(const Epoch& epoch) const;
+  [[nodiscard]] bool quadrants_filled(const Epoch& epoch) const;
+  void correct(Epoch& epoch, GnssSample& sample);
+  void solve_paper(Epoch& epoch, GnssSample& sample);
+  void solve_coloured(Epoch& epoch, GnssSample& sample);
+  [[nodiscard]] HeldHeight held_height(const Epoch& epoch);
+  void solve_velocity(Epoch& epoch, GnssSample& sample);
+  void put_dilution(const Dilution& geometric, GnssSample& sample) const;
+  void put_carrier(Epoch& epoch, GnssSample& sample) const;
+  void put_position(const Epoch& epoch, GnssSample& sample) const;
+  void put_satellites(std::span<const ReceivedSatellite> received, const Epoch& epoch,
+                      GnssSample& sample) const;
+  void measure(std::span<const ReceivedSatellite> received, const Epoch& epoch, GnssSample& sample);
 
   GnssParameters parameters_;
+  std::shared_ptr<const Constellation> constellation_;
   Calendar calendar_;
   LocalFrame frame_;
   std::unique_ptr<DilutionModel> dilution_;
   RandomStream random_;
-  std::vector<Eigen::Vector3d> directions_enu_;           ///< Of the satellites used.
-  Eigen::Vector3d unit_error_ = Eigen::Vector3d::Zero();  ///< East, north, up; sigma 1 each.
-  double unit_drift_ = 0.0;
-  double clock_bias_s_ = 0.0;
+  RandomStream held_random_;
+  ReceiverClock clock_;
+  SatelliteChannels channels_;
+  CarrierEngine carrier_;
+  Observations observations_;
+  std::vector<TrackedSignal> signals_;
+  std::vector<RangeEquation> equations_;
+  std::vector<double> residuals_m_;                          ///< Of Epoch::used, when solved.
+  std::array<GaussMarkov, 3> unit_error_;                    ///< Paper: east, north, up.
+  Eigen::Vector3d unit_velocity_ = Eigen::Vector3d::Zero();  ///< Paper: white.
   SimTime last_ = kNever;
+  /// Of the last 3D fix, or guessed before it.
+  struct Held {
+    double height_m = 0.0;
+    double sigma_m = 0.0;
+    Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
+  };
+  std::optional<Held> held_;
 };
 
 }  // namespace rigwire::sim

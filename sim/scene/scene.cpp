@@ -56,22 +56,6 @@ void validate_instance(const Eigen::Isometry3d& X, double scale, const Material&
   }
 }
 
-RTCRay make_ray(const Eigen::Vector3d& p, const Eigen::Vector3d& direction, double near_m,
-                double far_m, float time, std::uint32_t mask) {
-  RTCRay ray{};
-  ray.org_x = static_cast<float>(p.x());
-  ray.org_y = static_cast<float>(p.y());
-  ray.org_z = static_cast<float>(p.z());
-  ray.tnear = static_cast<float>(near_m);
-  ray.dir_x = static_cast<float>(direction.x());
-  ray.dir_y = static_cast<float>(direction.y());
-  ray.dir_z = static_cast<float>(direction.z());
-  ray.time = time;
-  ray.tfar = static_cast<float>(far_m);
-  ray.mask = mask;
-  return ray;
-}
-
 }  // namespace
 
 void Scene::Internals::check(const char* doing) {
@@ -89,7 +73,8 @@ Scene::InstanceId Scene::Internals::add_instance(RTCScene inner, std::uint32_t b
   const auto id = static_cast<InstanceId>(instances.size());
   GeometryHandle geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
   rtcSetGeometryInstancedScene(geometry.get(), inner);
-  rtcSetGeometryMask(geometry.get(), body == kFixed ? 1U : body_mask(body));
+  rtcSetGeometryMask(geometry.get(),
+                     material.foliage ? foliage_mask() : (body == kFixed ? 1U : body_mask(body)));
   if (body != kFixed) {
     rtcSetGeometryTimeStepCount(geometry.get(), 2);
   }
@@ -99,6 +84,7 @@ Scene::InstanceId Scene::Internals::add_instance(RTCScene inner, std::uint32_t b
   check("adding an object");
   instances.push_back({std::move(geometry), X_PM, scale, body, material, geometry_id});
   fixed_placed = false;
+  has_foliage = has_foliage || material.foliage;
   return id;
 }
 
@@ -179,7 +165,9 @@ Scene::MeshId Scene::add_mesh(const TriangleMesh& mesh) {
   }
   rtcCommitGeometry(geometry.get());
   SceneHandle inner(rtcNewScene(in.device.get()));
-  rtcSetSceneFlags(inner.get(), RTC_SCENE_FLAG_ROBUST);
+  // The filter is for rays that count the crossings of foliage (scene_sky.cpp).
+  rtcSetSceneFlags(inner.get(), static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST |
+                                                           RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
   rtcAttachGeometry(inner.get(), geometry.get());
   rtcCommitScene(inner.get());
   in.check(("mesh '" + mesh.name + "'").c_str());
@@ -294,7 +282,10 @@ const Material& Scene::material(InstanceId instance) const {
 }
 
 std::uint32_t Scene::body_mask(BodyId body) {
-  return 1U << (1U + body % 31U);
+  return 1U << (2U + body % 30U);
+}
+std::uint32_t Scene::foliage_mask() {
+  return 1U << 1U;
 }
 
 std::optional<SceneHit> Scene::cast(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
@@ -322,18 +313,6 @@ std::optional<SceneHit> Scene::cast(const Eigen::Vector3d& p_W, const Eigen::Vec
     hit.normal_W = -hit.normal_W;
   }
   return hit;
-}
-
-bool Scene::blocked(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
-                    double clearance_m) const {
-  const Internals& in = *internals_;
-  const FlushDenormals flush;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRay ray = make_ray(p_W - in.origin_W, direction_W, clearance_m,
-                        std::numeric_limits<double>::infinity(), 1.0F, kSeeEverything);
-  rtcOccluded1(in.top.get(), &context, &ray);
-  return ray.tfar < 0.0F;
 }
 
 }  // namespace rigwire::sim

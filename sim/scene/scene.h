@@ -39,6 +39,9 @@ namespace rigwire::sim {
 struct Material {
   double reflectance = 0.3;  ///< Diffuse, at the lidar's wavelength, 0 .. 1.
   std::string label = "ground";
+  /// Leaves and twigs in a closed surface: opaque to light, but radio signals pass, weakened by the
+  /// metre.
+  bool foliage = false;
 
   friend bool operator==(const Material&, const Material&) = default;
 };
@@ -104,8 +107,10 @@ class Scene final : public Visibility {
   [[nodiscard]] std::optional<SimTime> slice_end() const;
   [[nodiscard]] const Material& material(InstanceId instance) const;
   /// The rays that do not see this body leave its bit out of their mask. Bodies share bits from the
-  /// 32nd on.
+  /// 31st on.
   [[nodiscard]] static std::uint32_t body_mask(BodyId body);
+  /// The same for everything of foliage, whatever body it is on.
+  [[nodiscard]] static std::uint32_t foliage_mask();
 
   /// First hit between `near_m` and `far_m` along the unit vector `direction_W`, at `time` (held at
   /// the slice's ends).
@@ -116,6 +121,16 @@ class Scene final : public Visibility {
   /// At the end of the slice; the machine's own links count.
   [[nodiscard]] bool blocked(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
                              double clearance_m) const override;
+  /// At the end of the slice. Foliage is what lies within the closed surfaces of foliage materials,
+  /// counted once where they overlap; it is measured from the ray's very start, which may be
+  /// inside.
+  [[nodiscard]] SkyPath sky_path(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
+                                 double clearance_m) const override;
+  /// At the end of the slice.
+  [[nodiscard]] std::optional<ReflectingSurface> surface(const Eigen::Vector3d& p_W,
+                                                         const Eigen::Vector3d& direction_W,
+                                                         double clearance_m,
+                                                         double reach_m) const override;
 
   /// For casters within sim/ (sim/scene/scene_internals.h).
   struct Internals;

@@ -6,6 +6,7 @@
 #include <xmmintrin.h>
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,23 @@ struct ReleaseGeometry {
 using DeviceHandle = std::unique_ptr<RTCDeviceTy, ReleaseDevice>;
 using SceneHandle = std::unique_ptr<RTCSceneTy, ReleaseScene>;
 using GeometryHandle = std::unique_ptr<RTCGeometryTy, ReleaseGeometry>;
+
+/// `p` in Embree's coordinates; `time` as share of the slice.
+inline RTCRay make_ray(const Eigen::Vector3d& p, const Eigen::Vector3d& direction, double near_m,
+                       double far_m, float time, std::uint32_t mask) {
+  RTCRay ray{};
+  ray.org_x = static_cast<float>(p.x());
+  ray.org_y = static_cast<float>(p.y());
+  ray.org_z = static_cast<float>(p.z());
+  ray.tnear = static_cast<float>(near_m);
+  ray.dir_x = static_cast<float>(direction.x());
+  ray.dir_y = static_cast<float>(direction.y());
+  ray.dir_z = static_cast<float>(direction.z());
+  ray.time = time;
+  ray.tfar = static_cast<float>(far_m);
+  ray.mask = mask;
+  return ray;
+}
 
 struct Scene::Internals {
   static constexpr std::uint32_t kFixed = 0xFFFFFFFFU;
@@ -93,6 +111,7 @@ struct Scene::Internals {
   std::vector<std::string> bodies;
   Eigen::Vector3d origin_W = Eigen::Vector3d::Zero();  ///< Of Embree's float coordinates.
   bool fixed_placed = false;
+  bool has_foliage = false;
   SimTime t0{};
   SimTime t1{};
 

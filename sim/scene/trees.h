@@ -33,7 +33,7 @@ struct TreeField {
   double spacing_m = 1.5;          ///< Between trunks, at least.
   std::vector<KeepOut> keep_out;
   Material trunk{.reflectance = 0.3, .label = "trunk"};
-  Material crown{.reflectance = 0.5, .label = "crown"};
+  Material crown{.reflectance = 0.5, .label = "crown", .foliage = true};
 };
 
 /// Throws std::invalid_argument naming member, value and what is allowed.

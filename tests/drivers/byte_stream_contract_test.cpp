@@ -1,7 +1,10 @@
 // One contract for every serial line: the same tests over a pseudo-terminal and over its in-memory
 // twin.
+#include <asm/termbits.h>
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -20,12 +23,14 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
+constexpr std::uint32_t kDeviceBaud = 57600;
+
 struct PseudoTerminalLine {
   explicit PseudoTerminalLine(boost::asio::io_context& the_context)
       : context(the_context),
         path(std::filesystem::temp_directory_path() /
              ("rigwire-contract-" + std::to_string(::getpid())) / "line"),
-        pty(context, path) {}
+        pty(context, path, kDeviceBaud) {}
   ~PseudoTerminalLine() {
     std::error_code ignored;
     std::filesystem::remove(path.parent_path(), ignored);
@@ -35,15 +40,35 @@ struct PseudoTerminalLine {
     return std::make_unique<SerialPort>(context,
                                         SerialPortSettings{.path = path.string(), .baud = 115200});
   }
+  /// Opens the line as cat does, without setting anything; closed by the deleter.
+  std::shared_ptr<void> open_plain() {
+    const int slave = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
+    return {nullptr, [slave](void*) { ::close(slave); }};
+  }
+  void set_client_baud(std::uint32_t baud) {
+    const int slave = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
+    termios2 settings{};
+    ::ioctl(slave, TCGETS2, &settings);
+    settings.c_cflag = (settings.c_cflag & ~static_cast<tcflag_t>(CBAUD)) | BOTHER;
+    settings.c_ospeed = settings.c_ispeed = baud;
+    ::ioctl(slave, TCSETS2, &settings);
+    ::close(slave);
+  }
   boost::asio::io_context& context;
   std::filesystem::path path;
   Pty pty;
 };
 
 struct MemoryLine {
-  explicit MemoryLine(boost::asio::io_context& context) : line(context) {}
+  explicit MemoryLine(boost::asio::io_context& context) : line(context, "memory", kDeviceBaud) {}
   ByteStream& device() { return line.device(); }
-  std::unique_ptr<ByteStream> open_client() { return line.open_client(); }
+  std::unique_ptr<ByteStream> open_client() {
+    auto client = line.open_client();
+    line.set_client_baud(115200);
+    return client;
+  }
+  std::shared_ptr<void> open_plain() { return std::shared_ptr<ByteStream>(line.open_client()); }
+  void set_client_baud(std::uint32_t baud) { line.set_client_baud(baud); }
   MemorySerialLine line;
 };
 
@@ -203,6 +228,96 @@ TYPED_TEST(ByteStreamContract, ReceiverMayWriteBack) {
   const auto client = this->connect();
   client->write(Bytes{4, 5, 6});
   this->expect_client_gets(Bytes{4, 5, 6});
+}
+
+template <class Line>
+class ClientWatchContract : public ByteStreamContract<Line> {
+ protected:
+  void watch() {
+    this->line.device().on_client([this](const LineClient& client) { news.push_back(client); });
+    this->line.device().start(into(this->at_device));
+  }
+  void expect_last(const LineClient& expected) {
+    EXPECT_TRUE(run_until(this->context, [&] { return !news.empty() && news.back() == expected; }))
+        << "told " << news.size() << " times";
+  }
+  std::vector<LineClient> news;
+};
+TYPED_TEST_SUITE(ClientWatchContract, Lines);
+
+TYPED_TEST(ClientWatchContract, ClientThatSetsNoSpeedHasTheDevices) {
+  this->watch();
+  const auto client = this->line.open_plain();
+  this->expect_last({true, kDeviceBaud});
+}
+
+TYPED_TEST(ClientWatchContract, NothingIsToldWithoutAClient) {
+  this->watch();
+  run_for(this->context, std::chrono::milliseconds(40));
+  EXPECT_TRUE(this->news.empty());
+}
+
+TYPED_TEST(ClientWatchContract, ArrivalSpeedAndDepartureAreTold) {
+  this->watch();
+  auto client = this->line.open_client();
+  this->expect_last({true, 115200});
+  this->line.set_client_baud(250000);  // none of POSIX's
+  this->expect_last({true, 250000});
+  client.reset();
+  this->expect_last({false, 0});
+}
+
+TYPED_TEST(ClientWatchContract, SpeedStaysForTheNextClient) {
+  this->watch();
+  auto client = this->line.open_plain();
+  this->line.set_client_baud(4800);
+  this->expect_last({true, 4800});
+  client.reset();
+  this->expect_last({false, 0});
+  client = this->line.open_plain();
+  this->expect_last({true, 4800});
+}
+
+TYPED_TEST(ClientWatchContract, DepartureIsToldOnlyWhenTheLastClientLeaves) {
+  this->watch();
+  auto first = this->line.open_client();
+  const auto second = this->line.open_plain();
+  this->expect_last({true, 115200});
+  first.reset();
+  run_for(this->context, std::chrono::milliseconds(40));
+  this->expect_last({true, 115200});
+}
+
+TYPED_TEST(ClientWatchContract, BytesComeAfterTheSpeedThatTheyWereSentAt) {
+  LineClient at_arrival;
+  std::size_t received = 0;
+  this->line.device().on_client([this](const LineClient& client) { this->news.push_back(client); });
+  this->line.device().start([&](std::span<const std::uint8_t> bytes) {
+    received += bytes.size();
+    at_arrival = this->news.empty() ? LineClient{} : this->news.back();
+  });
+  {
+    const auto client = this->line.open_client();
+    client->write(Bytes{1, 2, 3});
+  }  // gone before the device had a look
+  EXPECT_TRUE(run_until(this->context, [&] { return received == 3; }));
+  EXPECT_EQ(at_arrival, (LineClient{true, 115200}));
+  this->expect_last({false, 0});
+}
+
+TYPED_TEST(ClientWatchContract, LineWorksAgainWhenALazyClientReads) {
+  this->watch();
+  const auto client = this->line.open_client();
+  this->expect_last({true, 115200});
+  while (this->line.device().write(Bytes(1024, 0x11)) == 1024U) {
+  }
+  client->start(into(this->at_client));
+  EXPECT_TRUE(run_until(this->context, [&] { return this->at_client.size() >= 4096U; }));
+  run_for(this->context, std::chrono::milliseconds(40));
+  this->at_client.clear();
+  const Bytes fresh{7, 7, 7};
+  EXPECT_EQ(this->line.device().write(fresh), fresh.size());
+  this->expect_client_gets(fresh);
 }
 
 }  // namespace

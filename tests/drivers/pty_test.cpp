@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/ioctl.h>
 #include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
@@ -98,6 +99,87 @@ TEST_F(PtyTest, TellsTheSpeedThatTheClientSet) {
   // 250000 is none of POSIX's speeds.
   const SerialPort odd(context, {.path = link.string(), .baud = 250000});
   EXPECT_EQ(pty.client_baud(), 250000U);
+}
+
+TEST_F(PtyTest, StartsAtTheDevicesSpeed) {
+  const Pty pty(context, link, 230400);
+  EXPECT_EQ(pty.client_baud(), 230400U);
+}
+
+TEST_F(PtyTest, SpeedSurvivesTheCleaningAfterTheLastClient) {
+  Pty pty(context, link, 9600);
+  pty.start([](std::span<const std::uint8_t>) {});
+  {
+    const SerialPort client(context, {.path = link.string(), .baud = 57600});
+    ASSERT_TRUE(run_until(context, [&] { return pty.status().client_present; }));
+    run_for(context, std::chrono::milliseconds(30));
+  }
+  run_for(context, std::chrono::milliseconds(30));
+  EXPECT_EQ(pty.client_baud(), 57600U);
+}
+
+// gpsd, minicom and pySerial mark the terminal exclusive; the kernel keeps the mark of a
+// pseudo-terminal after the last close, and only an administrator could open it again.
+TEST_F(PtyTest, OrdinaryUserOpensItAgainAfterAClientThatWantedItForItself) {
+  fs::create_directories(directory);
+  fs::permissions(directory, fs::perms::all);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    constexpr uid_t kNobody = 65534;
+    if (::geteuid() == 0 && (::setgid(kNobody) != 0 || ::setuid(kNobody) != 0)) {
+      ::_exit(10);
+    }
+    boost::asio::io_context own;
+    Pty pty(own, link, 19200);
+    pty.start([](std::span<const std::uint8_t>) {});
+    LineClient client;
+    pty.on_client([&](const LineClient& now) { client = now; });
+    for (int round = 0; round < 3; ++round) {
+      const int slave = ::open(link.c_str(), O_RDWR | O_NOCTTY);
+      if (slave < 0) {
+        ::_exit(11);
+      }
+      ::ioctl(slave, TIOCEXCL);
+      if (::open(link.c_str(), O_RDWR | O_NOCTTY) >= 0) {
+        ::_exit(12);  // it is exclusive while it is open
+      }
+      if (!run_until(own, [&] { return client == LineClient{true, 19200}; })) {
+        ::_exit(13);
+      }
+      ::close(slave);
+      if (!run_until(own, [&] { return !client.present; })) {
+        ::_exit(14);
+      }
+    }
+    ::_exit(fs::read_symlink(link) == pty.slave_name() ? 0 : 15);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+TEST_F(PtyTest, EchoThatAClientAsksForIsItsOwnAndEndsWithIt) {
+  Pty pty(context, link);
+  Bytes heard;
+  pty.start([&](std::span<const std::uint8_t> bytes) {
+    heard.insert(heard.end(), bytes.begin(), bytes.end());
+  });
+  const Bytes sentence{'$', 'G', 'P', '\r', '\n'};
+  for (int round = 0; round < 3; ++round) {
+    const int slave = ::open(link.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
+    ASSERT_TRUE(run_until(context, [&] { return pty.status().client_present; }));
+    pty.write(sentence);
+    run_for(context, std::chrono::milliseconds(30));
+    EXPECT_TRUE(heard.empty());
+    termios settings{};
+    ::tcgetattr(slave, &settings);
+    settings.c_lflag |= static_cast<tcflag_t>(ECHO | ICANON);
+    ::tcsetattr(slave, TCSANOW, &settings);
+    ::close(slave);
+    ASSERT_TRUE(run_until(context, [&] { return !pty.status().client_present; }));
+    run_for(context, std::chrono::milliseconds(30));
+  }
 }
 
 TEST_F(PtyTest, ReplacesADanglingLink) {

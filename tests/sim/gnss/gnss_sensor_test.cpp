@@ -216,7 +216,7 @@ TEST_F(GnssSensorTest, RefusesStrangeParameters) {
   parameters.circular_error_m = -1.0;
   EXPECT_THROW(validate(parameters), std::invalid_argument);
   parameters = {};
-  parameters.elevation_mask_deg = std::nan("");
+  parameters.sky.elevation_mask_deg = std::nan("");
   EXPECT_THROW(validate(parameters), std::invalid_argument);
 }
 

@@ -1,0 +1,110 @@
+// What corrections make of a position: SBAS and a code-differential share, a precise point service,
+// and real-time kinematic positions with their convergence and losses.
+//
+//   none     the code position
+//   sbas     code position with better orbits, clocks and ionosphere: 2.0 m CEP in place of 2.5 m
+//   service  precise point positions by satellite (StarFire SF2 class, 5 cm): the error shrinks
+//            over minutes, quickly again after a short loss
+//   rtk      float (0.2 .. 1 m, shrinking) until the ambiguities are fixed, then 1 cm + 1 ppm of
+//   the
+//            baseline horizontally and 2 cm + 1 ppm vertically, as data sheets of such receivers
+//            state; fixes are lost with fewer than five satellites in line of sight and found
+//            again in 5 .. 30 s
+//
+// Corrections arrive at an interval with a latency; without them the state is kept to a largest
+// age.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "sim/gnss/gauss_markov.h"
+#include "sim/gnss/range_errors.h"
+#include "sim/random.h"
+#include "sim/samples/gnss_sample.h"
+#include "sim/samples/time.h"
+
+namespace rigwire::sim {
+
+enum class CorrectionKind : unsigned char { none, sbas, service, rtk };
+
+struct CorrectionParameters {
+  CorrectionKind kind = CorrectionKind::none;
+  double interval_s = 1.0;      ///< Of corrections; above 0.
+  double latency_s = 0.6;       ///< From their measurement to their arrival.
+  double largest_age_s = 60.0;  ///< Older corrections are not applied.
+  double sbas_share = 0.5;      ///< Of orbit, clock and ionosphere errors that SBAS leaves.
+
+  double baseline_m = 500.0;         ///< RTK: distance from the base station.
+  double fixed_horizontal_m = 0.01;  ///< RTK fixed: 1 sigma, radial, without the baseline.
+  double fixed_vertical_m = 0.02;    ///< RTK fixed: 1 sigma.
+  double fixed_per_baseline = 1e-6;  ///< On both.
+  double float_start_m = 1.0;        ///< RTK float, per axis: at the start ...
+  double float_end_m = 0.2;          ///< ... and after long; exponentially between,
+  double float_decay_s = 20.0;       ///< with this time constant.
+  double first_fix_s = 30.0;         ///< RTK: from float to fixed, the first time.
+  double refix_shortest_s = 5.0;     ///< RTK: after a loss, uniform between these.
+  double refix_longest_s = 30.0;
+  std::uint32_t least_satellites = 5;  ///< In line of sight, to fix and to keep the fix.
+
+  double service_start_m = 1.0;    ///< Service, per axis: at the start ...
+  double service_end_m = 0.035;    ///< ... and converged (5 cm radial);
+  double service_decay_s = 300.0;  ///< time constant;
+  double vertical_ratio = 2.0;     ///< Float and service: vertical over one horizontal axis.
+  double service_bridge_s = 60.0;  ///< A loss not longer than this costs no convergence.
+
+  double correlation_s = 40.0;  ///< Of the errors of carrier positions.
+};
+
+void validate(const CorrectionParameters& parameters);
+
+/// What the receiver has to work with at an epoch.
+struct CorrectionInput {
+  SimTime time{};
+  int line_of_sight = 0;      ///< Satellites tracked in line of sight, above the mask.
+  bool has_position = false;  ///< A code position exists.
+  bool link = true;           ///< Corrections can arrive (for SBAS: one of its satellites, too).
+};
+
+struct CorrectionOutput {
+  CarrierSolution carrier = CarrierSolution::none;
+  bool differential = false;
+  std::optional<double> age_s;
+  CorrectedShare share;  ///< For the code position.
+  /// Replaces the code position's error, when the carrier is used.
+  std::optional<Eigen::Vector3d> error_ned_m;
+  double horizontal_sigma_m = 0.0;  ///< Per axis; with error_ned_m.
+  double vertical_sigma_m = 0.0;
+};
+
+class CarrierEngine {
+ public:
+  CarrierEngine(const CorrectionParameters& parameters, std::uint64_t seed, std::string_view name);
+  /// Times not earlier than the one before.
+  CorrectionOutput advance(const CorrectionInput& input);
+
+ private:
+  void receive(const CorrectionInput& input);
+  void advance_rtk(const CorrectionInput& input, CorrectionOutput& output);
+  void advance_service(const CorrectionInput& input, CorrectionOutput& output);
+  void put_error(double horizontal_m, double vertical_m, CorrectionOutput& output) const;
+
+  CorrectionParameters parameters_;
+  RandomStream noise_;
+  RandomStream waits_;
+  GaussMarkov north_;
+  GaussMarkov east_;
+  GaussMarkov down_;
+  SimTime last_ = kNever;
+  SimTime measured_ = kNever;  ///< When the newest corrections were measured.
+  SimTime floating_ = kNever;  ///< Since when; kNever: no carrier position.
+  SimTime enough_ = kNever;    ///< Since when there are enough satellites to fix.
+  SimTime good_ = kNever;      ///< When the service's position was last carried on.
+  double wait_s_ = 0.0;        ///< From enough_ to fixed.
+  bool fixed_ = false;
+  bool fixed_before_ = false;
+};
+
+}  // namespace rigwire::sim

@@ -1,0 +1,90 @@
+#include "sim/gnss/observations.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace rigwire::sim {
+namespace {
+
+/// Standard deviation relative to that at 45 dBHz.
+double noise_ratio(double cn0_dbhz) {
+  return std::pow(10.0, (45.0 - cn0_dbhz) / 20.0);
+}
+
+}  // namespace
+
+double code_sigma_m(double cn0_dbhz) {
+  return 0.3 * noise_ratio(cn0_dbhz);
+}
+
+double carrier_sigma_cycles(double cn0_dbhz) {
+  constexpr double kBandwidth_hz = 15.0;
+  return std::sqrt(kBandwidth_hz / std::pow(10.0, cn0_dbhz / 10.0)) / (2.0 * std::numbers::pi);
+}
+
+double doppler_sigma_hz(double cn0_dbhz) {
+  return 0.1 * noise_ratio(cn0_dbhz);
+}
+
+ReceptionPoint reception_point(const GpsTime& wanted, const ClockEpoch& epoch,
+                               const Eigen::Vector3d& position_E_m,
+                               const Eigen::Vector3d& velocity_E_mps) {
+  return {wanted, epoch.measured_after_s, position_E_m, velocity_E_mps};
+}
+
+Observations::Observations(std::size_t satellites, std::uint64_t seed, std::string_view name)
+    : locks_(satellites), random_(seed, name) {}
+
+void Observations::lose_lock() {
+  locks_.assign(locks_.size(), Lock{});
+}
+
+void Observations::measure(const Constellation& constellation, SimTime wanted,
+                           const ClockEpoch& epoch, const ReceptionPoint& antenna,
+                           std::span<const TrackedSignal> signals,
+                           std::vector<GnssMeasurement>& measurements) {
+  measurements.clear();
+  for (const TrackedSignal& signal : signals) {
+    const SignalPath path = signal_path(constellation, signal.satellite, antenna);
+    const double clocks_m = kLightSpeed_mps * (epoch.bias_s - path.satellite_clock_s);
+    const double common_m = path.range_m + clocks_m + signal.troposphere_m;
+    const double code_m =
+        common_m + kLightSpeed_mps * path.group_delay_s + signal.ionosphere_m + signal.code_error_m;
+    const double carrier_cycles =
+        (common_m - signal.ionosphere_m + signal.carrier_error_m) / kGpsL1Wavelength_m;
+
+    Lock& lock = locks_[signal.satellite];
+    const bool slipped = signal.slipped || lock.since == kNever || lock.seen != last_;
+    if (slipped) {
+      lock.since = wanted;
+      lock.ambiguity_cycles = std::round(random_.uniform(-400.0, 400.0));
+    }
+    lock.seen = wanted;
+
+    // The satellite's clock runs at the time of transmission, which passes the slower the faster
+    // the satellite recedes; and the receiver counts cycles per second of its own clock.
+    const double rate_mps =
+        path.range_rate_mps +
+        kLightSpeed_mps * (epoch.drift - path.satellite_clock_drift *
+                                             (1.0 - path.range_rate_mps / kLightSpeed_mps));
+
+    GnssMeasurement measurement;
+    const Satellite& satellite = constellation.satellites()[signal.satellite];
+    measurement.system = satellite.system;
+    measurement.number = satellite.number;
+    measurement.pseudorange_m = code_m;
+    measurement.carrier_phase_cycles = carrier_cycles + lock.ambiguity_cycles;
+    measurement.doppler_hz =
+        -(rate_mps / (1.0 + epoch.drift) + signal.range_rate_error_mps) / kGpsL1Wavelength_m;
+    measurement.cn0_dbhz = signal.cn0_dbhz;
+    measurement.locked = wanted - lock.since;
+    measurement.slipped = slipped;
+    measurement.pseudorange_sigma_m = code_sigma_m(signal.cn0_dbhz);
+    measurement.carrier_sigma_cycles = carrier_sigma_cycles(signal.cn0_dbhz);
+    measurement.doppler_sigma_hz = doppler_sigma_hz(signal.cn0_dbhz);
+    measurements.push_back(measurement);
+  }
+  last_ = wanted;
+}
+
+}  // namespace rigwire::sim

@@ -1,0 +1,129 @@
+#include "sim/gnss/range_errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/gnss/parameter_check.h"
+
+namespace rigwire::sim {
+namespace {
+
+constexpr double kReferenceCn0_dbhz = 45.0;
+constexpr double kFadingCorrelation_s = 10.0;
+constexpr double kLowestSine = 0.087;  // 5 degrees: below, mappings are held
+constexpr double kEarthRadius_km = 6371.0;
+constexpr double kLayerRadius_km = 6371.0 + 350.0;  // of the thin shell of the ionosphere
+
+/// Great-circle distance from the antenna to where the signal passes the ionosphere's shell.
+double pierce_distance_km(double elevation_rad) {
+  const double at_shell = std::asin(kEarthRadius_km / kLayerRadius_km * std::cos(elevation_rad));
+  return kEarthRadius_km * (0.5 * std::numbers::pi - elevation_rad - at_shell);
+}
+
+double code_sigma_m(const RangeErrorParameters& p, double cn0_dbhz) {
+  return p.code_noise_m * std::pow(10.0, (kReferenceCn0_dbhz - cn0_dbhz) / 20.0);
+}
+
+double over_sine(double elevation_rad) {
+  return 1.0 / std::max(std::sin(elevation_rad), kLowestSine);
+}
+
+}  // namespace
+
+void validate(const RangeErrorParameters& p) {
+  constexpr double kMost_m = 1000.0;
+  constexpr double kLongest_s = 1e6;
+  check_parameter("orbit_clock_sigma_m", p.orbit_clock_sigma_m, 0.0, kMost_m);
+  check_parameter("orbit_clock_correlation_s", p.orbit_clock_correlation_s, 0.0, kLongest_s);
+  check_parameter("ionosphere_sigma_m", p.ionosphere_sigma_m, 0.0, kMost_m);
+  check_parameter("ionosphere_gradient_sigma_mpkm", p.ionosphere_gradient_sigma_mpkm, 0.0, 1.0);
+  check_parameter("ionosphere_correlation_s", p.ionosphere_correlation_s, 0.0, kLongest_s);
+  check_parameter("troposphere_sigma_m", p.troposphere_sigma_m, 0.0, kMost_m);
+  check_parameter("troposphere_correlation_s", p.troposphere_correlation_s, 0.0, kLongest_s);
+  check_parameter("code_noise_m", p.code_noise_m, 0.0, kMost_m);
+  check_parameter("code_noise_correlation_s", p.code_noise_correlation_s, 0.0, kLongest_s);
+  check_parameter("multipath_sigma_m", p.multipath_sigma_m, 0.0, kMost_m);
+  check_parameter("multipath_correlation_s", p.multipath_correlation_s, 0.0, kLongest_s);
+  check_parameter("multipath_length_m", p.multipath_length_m, 0.001, 1e6);
+}
+
+double ionosphere_mapping(double elevation_rad) {
+  const double x = 0.53 - elevation_rad / std::numbers::pi;
+  return 1.0 + 16.0 * x * x * x;
+}
+
+double troposphere_mapping(double elevation_rad) {
+  return over_sine(elevation_rad);
+}
+
+AtmosphereErrors::AtmosphereErrors(std::uint64_t seed, std::string_view name)
+    : random_(seed, name) {}
+
+void AtmosphereErrors::advance(const RangeErrorParameters& p, double step_s) {
+  zenith_.advance(step_s, p.ionosphere_correlation_s, random_);
+  north_.advance(step_s, p.ionosphere_correlation_s, random_);
+  east_.advance(step_s, p.ionosphere_correlation_s, random_);
+  troposphere_.advance(step_s, p.troposphere_correlation_s, random_);
+}
+
+double AtmosphereErrors::ionosphere_m(const RangeErrorParameters& p, double azimuth_rad,
+                                      double elevation_rad) const {
+  const double distance_km = pierce_distance_km(elevation_rad);
+  const double gradient =
+      north_.value() * std::cos(azimuth_rad) + east_.value() * std::sin(azimuth_rad);
+  return ionosphere_mapping(elevation_rad) *
+         (p.ionosphere_sigma_m * zenith_.value() +
+          p.ionosphere_gradient_sigma_mpkm * distance_km * gradient);
+}
+
+double AtmosphereErrors::troposphere_m(const RangeErrorParameters& p, double elevation_rad) const {
+  return p.troposphere_sigma_m * troposphere_.value() * troposphere_mapping(elevation_rad);
+}
+
+SatelliteErrors::SatelliteErrors(std::uint64_t seed, std::string_view name) : random_(seed, name) {}
+
+void SatelliteErrors::advance(const RangeErrorParameters& p, double step_s, double speed_mps) {
+  orbit_clock_.advance(step_s, p.orbit_clock_correlation_s, random_);
+  code_noise_.advance(step_s, p.code_noise_correlation_s, random_);
+  const double rest_s = p.multipath_correlation_s;
+  const double moving_s = rest_s / (1.0 + rest_s * speed_mps / p.multipath_length_m);
+  multipath_.advance(step_s, moving_s, random_);
+  fading_.advance(step_s, kFadingCorrelation_s, random_);
+  rate_.advance(step_s, 0.0, random_);
+}
+
+void SatelliteErrors::acquired() {
+  code_noise_.redraw(random_);
+  multipath_.redraw(random_);
+}
+
+RangeError SatelliteErrors::error(const RangeErrorParameters& p, const AtmosphereErrors& atmosphere,
+                                  const SignalArrival& arrival, const CorrectedShare& share) const {
+  const double elevation = arrival.elevation_rad;
+  const double orbit_sigma_m = share.orbit_clock * p.orbit_clock_sigma_m;
+  const double noise_sigma_m = code_sigma_m(p, arrival.cn0_dbhz);
+  const double open_multipath_m = p.multipath_sigma_m * over_sine(elevation);
+  const double multipath_sigma_m =
+      std::hypot(open_multipath_m, arrival.reflection_envelope_m / std::numbers::sqrt2);
+  RangeError error;
+  error.orbit_clock_m = orbit_sigma_m * orbit_clock_.value();
+  error.ionosphere_m =
+      share.ionosphere * atmosphere.ionosphere_m(p, arrival.azimuth_rad, elevation);
+  error.troposphere_m = atmosphere.troposphere_m(p, elevation);
+  error.rate_mps = rate_.value();
+  error.local_m = noise_sigma_m * code_noise_.value() + multipath_sigma_m * multipath_.value() +
+                  arrival.extra_path_m;
+  const double ionosphere_m = share.ionosphere * ionosphere_mapping(elevation) *
+                              std::hypot(p.ionosphere_sigma_m, p.ionosphere_gradient_sigma_mpkm *
+                                                                   pierce_distance_km(elevation));
+  const double troposphere_m = p.troposphere_sigma_m * troposphere_mapping(elevation);
+  constexpr double kLeastSigma_m = 1e-3;  // errors switched off still need a weight
+  error.sigma_m = std::max(kLeastSigma_m,
+                           std::sqrt(orbit_sigma_m * orbit_sigma_m + ionosphere_m * ionosphere_m +
+                                     troposphere_m * troposphere_m + noise_sigma_m * noise_sigma_m +
+                                     open_multipath_m * open_multipath_m));
+  return error;
+}
+
+}  // namespace rigwire::sim

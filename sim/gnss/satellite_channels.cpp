@@ -1,0 +1,223 @@
+#include "sim/gnss/satellite_channels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+namespace rigwire::sim {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kNoSignal_dbhz = -std::numeric_limits<double>::infinity();
+/// All satellites of one transmitter close by: evenly strong, wherever they seem to be.
+constexpr double kSpoofedCn0_dbhz = 47.0;
+constexpr double kSpoofedFading_db = 0.3;
+
+/// Name of a satellite's random stream: "gnss/G05".
+std::string stream_name(std::string_view receiver, const Satellite& satellite) {
+  constexpr std::string_view kLetters = "GSECIJR";  // by GnssSystem, as RINEX names them
+  return std::string(receiver) + "/" + kLetters[static_cast<std::size_t>(satellite.system)] +
+         std::to_string(satellite.number);
+}
+
+}  // namespace
+
+SatelliteChannels::SatelliteChannels(const GnssParameters& parameters,
+                                     std::shared_ptr<const Constellation> constellation,
+                                     std::uint64_t seed, std::string_view name)
+    : parameters_(parameters),
+      constellation_(std::move(constellation)),
+      atmosphere_(seed, std::string(name) + "/atmosphere"),
+      reflections_(parameters.multipath) {
+  const auto satellites = constellation_->satellites();
+  for (std::size_t i = 0; i < satellites.size(); ++i) {
+    if (parameters_.systems.receives(satellites[i].system)) {
+      channels_.push_back({.index = i,
+                           .satellite = satellites[i],
+                           .errors = SatelliteErrors(seed, stream_name(name, satellites[i])),
+                           .tracker = {},
+                           .arrival = {}});
+    }
+  }
+  received_.reserve(channels_.size());
+  channel_of_.reserve(channels_.size());
+  searched_.reserve(channels_.size());
+  healthy_.reserve(channels_.size());
+}
+
+bool SatelliteChannels::knows(GnssSystem system) const {
+  return std::ranges::any_of(
+      channels_, [&](const Channel& channel) { return channel.satellite.system == system; });
+}
+
+void SatelliteChannels::find_above_horizon(const Reception& reception, const LocalFrame& frame) {
+  received_.clear();
+  channel_of_.clear();
+  healthy_.clear();
+  const Eigen::Vector3d p_E = frame.to_ecef(reception.ranges_p_W);
+  const Eigen::Matrix3d ned_from_world = frame.ned_from_world(reception.ranges_p_W);
+  for (std::uint32_t i = 0; i < channels_.size(); ++i) {
+    Channel& channel = channels_[i];
+    const SatelliteState state = constellation_->state(channel.index, reception.gps, 0.0);
+    ReceivedSatellite received;
+    received.direction_W = (frame.world_from_ecef() * (state.position_E_m - p_E)).normalized();
+    received.direction_ned = ned_from_world * received.direction_W;
+    received.elevation_rad = std::asin(std::clamp(-received.direction_ned.z(), -1.0, 1.0));
+    if (received.elevation_rad <= 0.0) {
+      channel.tracker.set();
+      continue;
+    }
+    received.azimuth_rad = std::atan2(received.direction_ned.y(), received.direction_ned.x());
+    if (received.azimuth_rad < 0.0) {
+      received.azimuth_rad += 2.0 * std::numbers::pi;
+    }
+    received.index = channel.index;
+    received.satellite = channel.satellite;
+    received_.push_back(received);
+    channel_of_.push_back(i);
+    healthy_.push_back(state.healthy);
+  }
+}
+
+void SatelliteChannels::arrive_as_in_paper(ReceivedSatellite& received, const Reception& reception,
+                                           const Visibility& visibility) const {
+  const SkyViewParameters& sky = parameters_.sky;
+  received.direct =
+      !visibility.blocked(reception.p_W, received.direction_W, sky.antenna_clearance_m);
+  received.cn0_dbhz = received.direct
+                          ? direct_cn0_dbhz(sky, std::sin(received.elevation_rad), SkyArrival{})
+                          : kNoSignal_dbhz;
+}
+
+void SatelliteChannels::arrive(Channel& channel, ReceivedSatellite& received,
+                               const Reception& reception, const Visibility& visibility) {
+  const SkyViewParameters& sky = parameters_.sky;
+  const double sin_elevation = std::sin(received.elevation_rad);
+  channel.arrival = sky_arrival(sky, visibility, reception.p_W, received.direction_W);
+  const double direct_dbhz = direct_cn0_dbhz(sky, sin_elevation, channel.arrival);
+  channel.envelope_m = 0.0;
+  channel.extra_path_m = 0.0;
+  received.direct = true;
+  received.cn0_dbhz = direct_dbhz;
+  const auto extra_m =
+      reflections_.extra_path_m(channel_of_[static_cast<std::size_t>(&received - received_.data())],
+                                reception.p_W, received.direction_W);
+  if (extra_m) {
+    const double reflected_dbhz = direct_cn0_dbhz(sky, sin_elevation, SkyArrival{}) -
+                                  parameters_.multipath.reflection_loss_db;
+    if (reflected_dbhz > direct_dbhz) {
+      received.direct = false;
+      received.cn0_dbhz = reflected_dbhz;
+      channel.extra_path_m = *extra_m;
+    } else {
+      channel.envelope_m = multipath_envelope_m(parameters_.multipath, *extra_m);
+    }
+  }
+  received.direct = received.direct && channel.arrival.open_share > 0.0;
+  received.cn0_dbhz += sky.cn0_sigma_db * channel.errors.fading();
+}
+
+void SatelliteChannels::advance_errors(const Reception& reception) {
+  const double step_s =
+      atmosphere_last_ == kNever ? 0.0 : to_seconds(reception.time - atmosphere_last_);
+  atmosphere_.advance(parameters_.ranges, step_s);
+  atmosphere_last_ = reception.time;
+  for (const std::uint32_t i : channel_of_) {
+    Channel& channel = channels_[i];
+    const double own_step_s =
+        channel.last == kNever ? 0.0 : to_seconds(reception.time - channel.last);
+    channel.errors.advance(parameters_.ranges, own_step_s, reception.speed_mps);
+    channel.last = reception.time;
+  }
+}
+
+void SatelliteChannels::track(const Reception& reception, const GnssFaultState& fault) {
+  const bool paper = parameters_.error_model == ErrorModel::paper;
+  std::uint32_t busy = 0;
+  for (const std::uint32_t i : channel_of_) {
+    busy += channels_[i].tracker.tracked() ? 1U : 0U;
+  }
+  for (std::size_t k = 0; k < received_.size(); ++k) {
+    ReceivedSatellite& received = received_[k];
+    Channel& channel = channels_[channel_of_[k]];
+    if (fault.spoofed) {
+      received.direct = true;
+      received.cn0_dbhz = kSpoofedCn0_dbhz + kSpoofedFading_db * channel.errors.fading();
+    }
+    received.cn0_dbhz = fault.no_signal ? kNoSignal_dbhz : received.cn0_dbhz - fault.jamming_db;
+    const bool before = channel.tracker.tracked();
+    received.tracked = channel.tracker.advance(
+        parameters_.sky, {.time = reception.time,
+                          .cn0_dbhz = received.cn0_dbhz,
+                          .channel_free = busy < parameters_.sky.maximum_channels,
+                          .instantly = paper});
+    busy += received.tracked ? 1U : 0U;
+    busy -= before ? 1U : 0U;
+    received.acquired = received.tracked && !before;
+    received.direct = received.direct && received.tracked;
+    if (received.acquired) {
+      channel.errors.acquired();
+    }
+    received.usable = received.tracked && healthy_[k] &&
+                      received.elevation_rad >= parameters_.sky.elevation_mask_deg * kDegree;
+    if (!received.tracked) {
+      received.cn0_dbhz = 0.0;
+    }
+  }
+}
+
+std::span<ReceivedSatellite> SatelliteChannels::receive(const Reception& reception,
+                                                        const LocalFrame& frame,
+                                                        const Visibility& visibility,
+                                                        const GnssFaultState& fault) {
+  find_above_horizon(reception, frame);
+  if (parameters_.error_model == ErrorModel::paper) {
+    for (ReceivedSatellite& received : received_) {
+      arrive_as_in_paper(received, reception, visibility);
+    }
+  } else {
+    advance_errors(reception);
+    searched_.clear();
+    for (std::size_t k = 0; k < received_.size(); ++k) {
+      searched_.push_back({channel_of_[k], received_[k].direction_W});
+    }
+    reflections_.update(reception.time, reception.p_W, searched_,
+                        static_cast<std::uint32_t>(channels_.size()), visibility,
+                        parameters_.sky.antenna_clearance_m);
+    for (std::size_t k = 0; k < received_.size(); ++k) {
+      arrive(channels_[channel_of_[k]], received_[k], reception, visibility);
+    }
+  }
+  track(reception, fault);
+  return received_;
+}
+
+void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) {
+  for (std::size_t k = 0; k < received_.size(); ++k) {
+    ReceivedSatellite& received = received_[k];
+    if (!received.tracked) {
+      continue;
+    }
+    const Channel& channel = channels_[channel_of_[k]];
+    SignalArrival arrival{.azimuth_rad = received.azimuth_rad,
+                          .elevation_rad = received.elevation_rad,
+                          .cn0_dbhz = received.cn0_dbhz};
+    if (!spoofed) {
+      arrival.reflection_envelope_m = channel.envelope_m;
+      arrival.extra_path_m = channel.extra_path_m;
+    }
+    received.error = channel.errors.error(parameters_.ranges, atmosphere_, arrival, share);
+    if (spoofed) {  // the transmitter makes ranges that agree with each other
+      received.error.orbit_clock_m = 0.0;
+      received.error.ionosphere_m = 0.0;
+      received.error.troposphere_m = 0.0;
+    }
+    if (!parameters_.errors) {
+      received.error = {.sigma_m = received.error.sigma_m};
+    }
+  }
+}
+
+}  // namespace rigwire::sim

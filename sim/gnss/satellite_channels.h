@@ -1,0 +1,99 @@
+// The satellites that a receiver knows: where they are, how their signals arrive, which are
+// tracked, and what their pseudoranges are off by.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sim/gnss/constellation.h"
+#include "sim/gnss/gnss_fault.h"
+#include "sim/gnss/gnss_parameters.h"
+#include "sim/gnss/multipath.h"
+#include "sim/gnss/range_errors.h"
+#include "sim/gnss/sky_view.h"
+#include "sim/local_frame.h"
+#include "sim/visibility.h"
+
+namespace rigwire::sim {
+
+/// The place and the instant of reception.
+struct Reception {
+  SimTime time{};
+  GpsTime gps;
+  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();         ///< Of the antenna, for the scene.
+  Eigen::Vector3d ranges_p_W = Eigen::Vector3d::Zero();  ///< That the ranges are of (faults).
+  double speed_mps = 0.0;
+};
+
+/// One satellite above the horizon.
+struct ReceivedSatellite {
+  std::size_t index = 0;  ///< In the constellation.
+  Satellite satellite;
+  Eigen::Vector3d direction_W = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d direction_ned = -Eigen::Vector3d::UnitZ();
+  double azimuth_rad = 0.0;
+  double elevation_rad = 0.0;
+  double cn0_dbhz = 0.0;
+  bool tracked = false;
+  bool acquired = false;  ///< Since this epoch.
+  bool direct = false;    ///< In line of sight, not by a reflection alone.
+  bool usable = false;    ///< Tracked, healthy, above the mask.
+  RangeError error;       ///< When tracked, coloured model.
+};
+
+class SatelliteChannels {
+ public:
+  SatelliteChannels(const GnssParameters& parameters,
+                    std::shared_ptr<const Constellation> constellation, std::uint64_t seed,
+                    std::string_view name);
+
+  /// One epoch. By system and number; valid until the next call. range_errors() fills the errors
+  /// in.
+  std::span<ReceivedSatellite> receive(const Reception& reception, const LocalFrame& frame,
+                                       const Visibility& visibility, const GnssFaultState& fault);
+  /// Errors of the tracked ones, with the corrections that apply.
+  void range_errors(const CorrectedShare& share, bool spoofed);
+
+  /// Any satellite of that system among those received at all.
+  [[nodiscard]] bool knows(GnssSystem system) const;
+  /// Rays cast for reflections so far.
+  [[nodiscard]] std::uint64_t reflection_rays() const { return reflections_.rays(); }
+
+ private:
+  struct Channel {
+    std::size_t index = 0;
+    Satellite satellite;
+    SatelliteErrors errors;
+    SatelliteTracker tracker;
+    SimTime last = kNever;
+    SkyArrival arrival;
+    double envelope_m = 0.0;
+    double extra_path_m = 0.0;
+  };
+
+  void find_above_horizon(const Reception& reception, const LocalFrame& frame);
+  void arrive_as_in_paper(ReceivedSatellite& received, const Reception& reception,
+                          const Visibility& visibility) const;
+  void arrive(Channel& channel, ReceivedSatellite& received, const Reception& reception,
+              const Visibility& visibility);
+  void advance_errors(const Reception& reception);
+  void track(const Reception& reception, const GnssFaultState& fault);
+
+  GnssParameters parameters_;
+  std::shared_ptr<const Constellation> constellation_;
+  std::vector<Channel> channels_;
+  AtmosphereErrors atmosphere_;
+  SimTime atmosphere_last_ = kNever;
+  ReflectionSearch reflections_;
+  std::vector<ReceivedSatellite> received_;
+  std::vector<std::uint32_t> channel_of_;  ///< Of received_.
+  std::vector<ReflectionSearch::Satellite> searched_;
+  std::vector<bool> healthy_;
+};
+
+}  // namespace rigwire::sim

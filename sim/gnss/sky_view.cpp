@@ -1,0 +1,120 @@
+#include "sim/gnss/sky_view.h"
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "sim/gnss/parameter_check.h"
+
+namespace rigwire::sim {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr std::size_t kRim = 4;
+constexpr std::size_t kMostSamples = 16;
+
+/// Places in the unit disc: the rim, then what fills it evenly (Vogel's spiral: each takes the same
+/// area).
+std::array<Eigen::Vector2d, kMostSamples> make_disc() {
+  std::array<Eigen::Vector2d, kMostSamples> disc;
+  for (std::size_t i = 0; i < kRim; ++i) {
+    const double angle = (static_cast<double>(i) + 0.5) * 0.5 * std::numbers::pi;
+    disc[i] = {std::cos(angle), std::sin(angle)};
+  }
+  constexpr double kInner = kMostSamples - kRim;
+  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  for (std::size_t i = kRim; i < kMostSamples; ++i) {
+    const double k = static_cast<double>(i - kRim);
+    const double radius = std::sqrt((k + 0.5) / kInner);
+    disc[i] = {radius * std::cos(golden * k), radius * std::sin(golden * k)};
+  }
+  return disc;
+}
+
+}  // namespace
+
+void validate(const SkyViewParameters& p) {
+  check_parameter("elevation_mask_deg", p.elevation_mask_deg, 0.0, 89.9);
+  check_parameter("antenna_clearance_m", p.antenna_clearance_m, 0.0, 100.0);
+  check_parameter("cn0_zenith_dbhz", p.cn0_zenith_dbhz, 0.0, 99.0);
+  check_parameter("cn0_horizon_dbhz", p.cn0_horizon_dbhz, 0.0, 99.0);
+  check_parameter("cn0_threshold_dbhz", p.cn0_threshold_dbhz, 0.0, 99.0);
+  check_parameter("cn0_hysteresis_db", p.cn0_hysteresis_db, 0.0, 30.0);
+  check_parameter("cn0_sigma_db", p.cn0_sigma_db, 0.0, 10.0);
+  check_parameter("reacquisition_time_s", p.reacquisition_time_s, 0.0, 600.0);
+  check_parameter("foliage_attenuation_dbpm", p.foliage_attenuation_dbpm, 0.0, 100.0);
+  check_parameter("cone_half_angle_deg", p.cone_half_angle_deg, 0.0, 10.0);
+  check_parameter("maximum_channels", p.maximum_channels, 1.0, 184.0);
+}
+
+SkyArrival sky_arrival(const SkyViewParameters& parameters, const Visibility& visibility,
+                       const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W) {
+  SkyArrival arrival;
+  int open = 0;
+  double foliage_m = 0.0;
+  const auto cast = [&](const Eigen::Vector3d& direction) {
+    const SkyPath path = visibility.sky_path(p_W, direction, parameters.antenna_clearance_m);
+    ++arrival.rays;
+    open += path.blocked ? 0 : 1;
+    foliage_m += path.blocked ? 0.0 : path.foliage_m;
+  };
+  if (parameters.samples == SkySamples::one) {
+    cast(direction_W);
+  } else {
+    static const std::array<Eigen::Vector2d, kMostSamples> kDisc = make_disc();
+    const Eigen::Vector3d u = direction_W.unitOrthogonal();
+    const Eigen::Vector3d v = direction_W.cross(u);
+    const double radius = std::tan(parameters.cone_half_angle_deg * kDegree);
+    const auto cast_range = [&](std::size_t from, std::size_t to) {
+      for (std::size_t i = from; i < to; ++i) {
+        const Eigen::Vector3d aside = radius * (kDisc[i].x() * u + kDisc[i].y() * v);
+        cast((direction_W + aside).normalized());
+      }
+    };
+    cast_range(0, kRim);
+    const bool near_edge = open != 0 && open != static_cast<int>(kRim);
+    if (parameters.samples == SkySamples::sixteen && near_edge) {
+      cast_range(kRim, kMostSamples);
+    }
+  }
+  arrival.open_share = static_cast<double>(open) / arrival.rays;
+  arrival.foliage_m = open > 0 ? foliage_m / open : 0.0;
+  return arrival;
+}
+
+double direct_cn0_dbhz(const SkyViewParameters& parameters, double sin_elevation,
+                       const SkyArrival& arrival) {
+  if (!(arrival.open_share > 0.0)) {
+    return -std::numeric_limits<double>::infinity();
+  }
+  return parameters.cn0_horizon_dbhz +
+         (parameters.cn0_zenith_dbhz - parameters.cn0_horizon_dbhz) * sin_elevation -
+         parameters.foliage_attenuation_dbpm * arrival.foliage_m +
+         20.0 * std::log10(arrival.open_share);
+}
+
+bool SatelliteTracker::advance(const SkyViewParameters& parameters, const Step& step) {
+  const double wanted_dbhz =
+      parameters.cn0_threshold_dbhz +
+      (tracked_ || !begun_ || step.instantly ? 0.0 : parameters.cn0_hysteresis_db);
+  const bool strong = step.cn0_dbhz >= wanted_dbhz;
+  if (!strong) {
+    tracked_ = false;
+    strong_since_ = kNever;
+  } else if (!tracked_) {
+    strong_since_ = strong_since_ == kNever ? step.time : strong_since_;
+    // What is in view when the receiver starts is the cold start's business, not this one's.
+    const bool waited = step.instantly || !begun_ ||
+                        to_seconds(step.time - strong_since_) >= parameters.reacquisition_time_s;
+    if (waited && step.channel_free) {
+      tracked_ = true;
+      since_ = step.time;
+    }
+  }
+  begun_ = true;
+  return tracked_;
+}
+
+}  // namespace rigwire::sim

@@ -1,0 +1,94 @@
+// Which satellites an antenna receives past the scene, and how strongly.
+//
+// C/N0 of satellite at elevation E:
+//
+//   horizon + (zenith - horizon) sin E - foliage attenuation x metres of crown + 20 log10(open
+//   share)
+//   - loss at a reflection - jamming + fading
+//
+// The open share is the part of a narrow cone around the satellite that nothing solid blocks: a
+// signal does not end at an edge like light, its Fresnel zone does (half of it blocked: 6 dB, as at
+// a knife edge; J. D. Parsons, "The Mobile Radio Propagation Channel", 2nd ed., section 3.3). With
+// one sample the edge is sharp. 38 + 10 sin E dBHz is usual for a patch antenna; foliage takes 0.5
+// to 1.5 dB/m at L1 (recalled, not measured here).
+//
+// Tracking has a memory: a satellite is lost below the threshold and comes back when it has been
+// above threshold + hysteresis for the reacquisition time.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "sim/gnss/gauss_markov.h"
+#include "sim/samples/time.h"
+#include "sim/visibility.h"
+
+namespace rigwire::sim {
+
+/// Directions per satellite. Four and sixteen begin with the four of the cone's rim; sixteen goes
+/// on only where these disagree: near edges.
+enum class SkySamples : unsigned char { one, four, sixteen };
+
+struct SkyViewParameters {
+  double elevation_mask_deg = 5.0;        ///< Below it not used; [0, 90).
+  double antenna_clearance_m = 0.05;      ///< Things nearer than this do not block the sky.
+  double cn0_zenith_dbhz = 48.0;          ///< Carrier-to-noise density at 90 deg of elevation ...
+  double cn0_horizon_dbhz = 38.0;         ///< ... and at 0 deg; between them with the sine.
+  double cn0_threshold_dbhz = 25.0;       ///< Weaker satellites are not tracked.
+  double cn0_hysteresis_db = 2.0;         ///< So much stronger to be acquired again.
+  double cn0_sigma_db = 1.0;              ///< Slow fading (10 s) of each satellite.
+  double reacquisition_time_s = 1.0;      ///< From signal to tracking, after a loss.
+  double foliage_attenuation_dbpm = 1.0;  ///< dB per metre within crowns.
+  SkySamples samples = SkySamples::four;
+  double cone_half_angle_deg = 1.5;     ///< Of the cone of samples; [0, 10].
+  std::uint32_t maximum_channels = 22;  ///< Satellites that can be tracked at once; 1..184.
+};
+
+/// Throws std::invalid_argument naming the parameter, its value and what is allowed.
+void validate(const SkyViewParameters& parameters);
+
+/// What is left of the direct signal.
+struct SkyArrival {
+  double open_share = 1.0;  ///< 0 blocked .. 1 free.
+  double foliage_m = 0.0;   ///< Mean over the open part.
+  int rays = 0;             ///< Cast for it.
+};
+
+/// Samples the cone. `p_W` m, `direction_W` unit.
+[[nodiscard]] SkyArrival sky_arrival(const SkyViewParameters& parameters,
+                                     const Visibility& visibility, const Eigen::Vector3d& p_W,
+                                     const Eigen::Vector3d& direction_W);
+
+/// C/N0 of the direct signal without fading and jamming; -infinity when it is blocked.
+[[nodiscard]] double direct_cn0_dbhz(const SkyViewParameters& parameters, double sin_elevation,
+                                     const SkyArrival& arrival);
+
+/// The tracking channel of one satellite.
+class SatelliteTracker {
+ public:
+  struct Step {
+    SimTime time{};
+    double cn0_dbhz = 0.0;
+    bool channel_free = true;  ///< Needed to acquire, not to go on.
+    bool instantly = false;    ///< Without hysteresis and waiting.
+  };
+  /// Whether the satellite is tracked at `step.time`, not earlier than the step before.
+  bool advance(const SkyViewParameters& parameters, const Step& step);
+  /// Below the horizon.
+  void set() {
+    tracked_ = false;
+    strong_since_ = kNever;
+  }
+  [[nodiscard]] bool tracked() const { return tracked_; }
+  /// Since when; meaningful while tracked.
+  [[nodiscard]] SimTime since() const { return since_; }
+
+ private:
+  bool tracked_ = false;
+  bool begun_ = false;
+  SimTime since_{};
+  SimTime strong_since_ = kNever;
+};
+
+}  // namespace rigwire::sim

@@ -52,6 +52,8 @@ class ArduPilot final : public Driver {
   static constexpr std::uint32_t kSpeeds[] = {9600,  115200, 4800,   19200,
                                               38400, 57600,  230400, 460800};
   static constexpr std::size_t kPorts = 6;
+  static constexpr int kGeneration9 = 0x80;
+  static constexpr std::uint32_t kTimeMode = 0x20030001;
 
   struct RateWish {
     std::string name;
@@ -132,8 +134,11 @@ class ArduPilot final : public Driver {
 
   void ask_next() {
     static const std::vector<std::string> order{
-        "PVT",    "RATE", "SOL",  "PORT", "STATUS", "POSLLH",  "VELNED", "TIMEGPS",
-        "SVINFO", "NAV5", "GNSS", "DOP",  "MON-HW", "MON-HW2", "VERSION"};
+        "PVT",    "RATE", "SOL",  "PORT",  "STATUS", "POSLLH", "VELNED",  "TIMEGPS",
+        "SVINFO", "NAV5", "GNSS", "TMODE", "DOP",    "MON-HW", "MON-HW2", "VERSION"};
+    if (unconfigured_ == std::set<std::string>{"SOL"} && has_pvt_) {
+      unconfigured_.clear();  // Generation 9 has none.
+    }
     const std::string what = order[step_++ % order.size()];
     if (what == "RATE") {
       send(0x06, 0x08);
@@ -146,7 +151,13 @@ class ArduPilot final : public Driver {
     } else if (what == "NAV5") {
       send(0x06, 0x24);
     } else if (what == "GNSS") {
-      send(0x06, 0x3E);
+      if (hardware_generation_ != kGeneration9) {
+        send(0x06, 0x3E);
+      }
+    } else if (what == "TMODE") {
+      if (hardware_generation_ == kGeneration9) {
+        send(0x06, 0x8B, Payload().u8(0).u8(0).u16(0).u32(kTimeMode).bytes);
+      }
     } else if (what == "VERSION") {
       if (has_version_) {
         unconfigured_.erase("VERSION");
@@ -172,7 +183,15 @@ class ArduPilot final : public Driver {
         handle_configuration(frame);
         break;
       case 0x0A:
-        has_version_ |= frame.id == 0x04 && frame.payload.size() >= 40;
+        if (frame.id == 0x04 && frame.payload.size() >= 40) {
+          has_version_ = true;
+          if (frame.text(30, 10) == "00190000" && frame.text(0, 30).starts_with("EXT CORE 1") &&
+              hardware_generation_ != kGeneration9) {
+            hardware_generation_ = kGeneration9;
+            unconfigured_.insert("TMODE");
+            unconfigured_.erase("GNSS");
+          }
+        }
         break;
       case 0x01:
         handle_navigation(frame);
@@ -219,6 +238,11 @@ class ArduPilot final : public Driver {
         break;
       case 0x3E:
         unconfigured_.erase("GNSS");
+        break;
+      case 0x8B:
+        if (frame.payload.size() >= 9 && frame.u32(4) == kTimeMode && frame.u8(8) == 0) {
+          unconfigured_.erase("TMODE");
+        }
         break;
       default:
         break;
@@ -333,7 +357,9 @@ TEST_P(ArduPilotStarts, DetectsAt230400ReadsEverythingBackAndIsNeverDropped) {
   ASSERT_TRUE(autopilot.run_until(kStart + 70s)) << autopilot.reason();
   EXPECT_TRUE(autopilot.configured()) << testing::PrintToString(autopilot.unconfigured());
   EXPECT_TRUE(autopilot.has_version());
-  EXPECT_EQ(autopilot.hardware_generation(), GetParam().generation == 7 ? 3 : 4);
+  EXPECT_EQ(autopilot.hardware_generation(), GetParam().generation == 7   ? 3
+                                             : GetParam().generation == 8 ? 4
+                                                                          : 0x80);
   EXPECT_TRUE(autopilot.saved());
 
   autopilot.forget();

@@ -29,8 +29,9 @@ void SubframeReception::begin(bool ephemerides_remembered, bool almanac_remember
   channels_ = {};
   subframes_.clear();
   steps_done_ = -1;
-  recall_ephemerides_ = ephemerides_remembered;
-  recall_almanac_ = almanac_remembered;
+  const bool never_heard = navigation_ == nullptr;
+  recall_ephemerides_ = never_heard && ephemerides_remembered;
+  recall_almanac_ = never_heard && almanac_remembered;
   if (!ephemerides_remembered) {
     ephemerides_ = {};
   }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <span>
 
 #include "protocols/gps/bits.h"
@@ -85,9 +86,11 @@ void for_each_field(Function&& function) {
   }
 }
 
-constexpr std::array<double, 16> kAccuracies_m{2.4,    3.4,    4.85,   6.85,  9.65,  13.65,
-                                               24.0,   48.0,   96.0,   192.,  384.0, 768.0,
-                                               1536.0, 3072.0, 6144.0, 8192.0};
+// Upper bounds of the indices 0..14.
+constexpr std::array<double, 15> kAccuracies_m{2.4,   3.4,   4.85,   6.85,   9.65,
+                                               13.65, 24.0,  48.0,   96.0,   192.0,
+                                               384.0, 768.0, 1536.0, 3072.0, 6144.0};
+constexpr double kNoAccuracy_m = 8192.0;
 
 }  // namespace
 
@@ -221,8 +224,12 @@ std::int32_t unrolled_week(std::int32_t rolled, std::int32_t modulus, std::int32
   return earliest + ahead;
 }
 
-double accuracy_m(std::uint8_t index) {
-  return kAccuracies_m[index < 15U ? index : 15U];
+double nominal_accuracy_m(std::uint8_t index) {
+  if (index >= 15U) {
+    return kNoAccuracy_m;
+  }
+  return index > 6U ? std::ldexp(1.0, index - 2)
+                    : std::round(10.0 * std::pow(2.0, 1.0 + index / 2.0)) / 10.0;
 }
 
 std::uint8_t accuracy_index(double accuracy_m) {

@@ -75,9 +75,11 @@ void put_ephemeris(SubframeData& data, std::uint8_t id, const Ephemeris& ephemer
 [[nodiscard]] std::int32_t unrolled_week(std::int32_t rolled, std::int32_t modulus,
                                          std::int32_t week_hint);
 
-/// Upper bound of user range accuracy for an index, metres: section 20.3.3.3.1.3; 15 gives 8192.
-[[nodiscard]] double accuracy_m(std::uint8_t index);
-/// The least index whose bound is not below `accuracy_m`; 15 beyond 6144 m.
+/// Nominal user range accuracy of an index, metres, as RINEX writes it: section 20.3.3.3.1.3. 15,
+/// which gives no accuracy, is 8192.
+[[nodiscard]] double nominal_accuracy_m(std::uint8_t index);
+/// The least index whose upper bound is not below `accuracy_m`; 15 beyond 6144 m. Nominal values
+/// give their own index.
 [[nodiscard]] std::uint8_t accuracy_index(double accuracy_m);
 
 }  // namespace rigwire::protocols::gps

@@ -76,7 +76,7 @@ void append_record(std::string& out, const NavigationRecord& record) {
                        e.ascending_node_rate});
   append_numbers(out, {e.inclination_rate, static_cast<double>(e.l2_code),
                        static_cast<double>(e.week), e.l2_p_data_off ? 1.0 : 0.0});
-  append_numbers(out, {gps::accuracy_m(e.accuracy_index), static_cast<double>(e.health),
+  append_numbers(out, {gps::nominal_accuracy_m(e.accuracy_index), static_cast<double>(e.health),
                        e.group_delay_s, static_cast<double>(e.issue_of_clock)});
   append_numbers(out, {record.transmission_time_s, e.long_fit ? 6.0 : 4.0, 0.0, 0.0}, 2);
 }

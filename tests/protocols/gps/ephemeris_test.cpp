@@ -195,7 +195,15 @@ TEST(GpsEphemeris, AccuracyIndexIsTheLeastThatBounds) {
   EXPECT_EQ(accuracy_index(2.41), 1);
   EXPECT_EQ(accuracy_index(6144.0), 14);
   EXPECT_EQ(accuracy_index(1e9), 15);
-  EXPECT_DOUBLE_EQ(accuracy_m(2), 4.85);
+}
+
+TEST(GpsEphemeris, NominalAccuraciesHaveTheirOwnIndex) {
+  EXPECT_EQ(nominal_accuracy_m(1), 2.8);
+  EXPECT_EQ(nominal_accuracy_m(5), 11.3);
+  EXPECT_EQ(nominal_accuracy_m(7), 32.0);
+  for (std::uint8_t index = 0; index <= 15; ++index) {
+    EXPECT_EQ(accuracy_index(nominal_accuracy_m(index)), index);
+  }
 }
 
 }  // namespace

@@ -4,8 +4,6 @@
 #include <chrono>
 #include <string_view>
 
-#include "protocols/bytes.h"
-
 namespace rigwire::emulators {
 namespace {
 
@@ -72,25 +70,25 @@ void set_systems(UbloxConfigurationState& s, const UbloxProfile& profile) {
 }
 
 void set_opaque(UbloxConfigurationState& s) {
-  // CFG-DAT: number, name, semi-major axis, flattening as 1/f, shifts, rotations, scale.
-  put_text(std::span(s.datum).subspan(2), "WGS84");
-  constexpr std::uint64_t kSemiMajorAxis_m = 0x4158'54A6'4000'0000;    // 6378137.0
-  constexpr std::uint64_t kInverseFlattening = 0x4072'A41D'2D4B'8C4E;  // 298.257223563
-  protocols::store_little(std::span<std::uint8_t>(s.datum), 8, kSemiMajorAxis_m);
-  protocols::store_little(std::span<std::uint8_t>(s.datum), 16, kInverseFlattening);
+  CfgDat datum;
+  put_text(datum.name, "WGS84");
+  datum.major_axis_m = 6'378'137.0;
+  datum.inverse_flattening = 298.257223563;
+  write_payload(datum, s.datum);
 
-  const std::span<std::uint8_t> pm2(s.power_management);
-  pm2[0] = 1;                                               // version
-  protocols::store_little(pm2, 8, std::uint32_t{1000});     // update period, ms
-  protocols::store_little(pm2, 12, std::uint32_t{10'000});  // search period, ms
-  protocols::store_little(pm2, 20, std::uint16_t{2});       // on time, s
+  CfgPm2 power;
+  power.update_period_ms = 1000;
+  power.search_period_ms = 10'000;
+  power.on_time_s = 2;
+  write_payload(power, s.power_management);
 
-  const std::span<std::uint8_t> usb(s.usb);
-  protocols::store_little(usb, 0, std::uint16_t{0x1546});
-  protocols::store_little(usb, 2, std::uint16_t{0x01A7});
-  protocols::store_little(usb, 8, std::uint16_t{100});  // mA
-  put_text(usb.subspan(12), "u-blox AG - www.u-blox.com");
-  put_text(usb.subspan(44), "u-blox 7 - GPS/GNSS Receiver");
+  CfgUsb usb;
+  usb.vendor_id = 0x1546;
+  usb.product_id = 0x01A7;
+  usb.power_consumption_ma = 100;
+  put_text(usb.vendor, "u-blox AG - www.u-blox.com");
+  put_text(usb.product, "u-blox 7 - GPS/GNSS Receiver");
+  write_payload(usb, s.usb);
 
   s.interference = {0xF3, 0xAC, 0x62, 0x2D, 0x1E, 0x03, 0x00, 0x00};
   s.log_filter[0] = 1;  // version

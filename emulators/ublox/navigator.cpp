@@ -368,16 +368,15 @@ void UbloxNavigator::take_course() {
   }
 }
 
-void UbloxNavigator::aid_position(double latitude_deg, double longitude_deg,
-                                  double ellipsoid_height_m, double accuracy_m) {
+void UbloxNavigator::aid_position(const Geodetic& position, double accuracy_m) {
   UbloxSolution& s = solution_;
   if (s.dimensions > 0) {
     return;
   }
   s.has_position = true;
-  s.latitude_deg = latitude_deg;
-  s.longitude_deg = longitude_deg;
-  s.ellipsoid_height_m = ellipsoid_height_m;
+  s.latitude_deg = position.latitude_deg;
+  s.longitude_deg = position.longitude_deg;
+  s.ellipsoid_height_m = position.ellipsoid_height_m;
   s.horizontal_accuracy_m = s.vertical_accuracy_m = accuracy_m;
 }
 

@@ -14,6 +14,7 @@
 #include <optional>
 
 #include "emulators/ublox/configuration.h"
+#include "emulators/ublox/geodesy.h"
 #include "emulators/ublox/settings.h"
 #include "emulators/ublox/solution.h"
 #include "sim/samples/calendar.h"
@@ -53,8 +54,7 @@ class UbloxNavigator {
             const UbloxNavigationFaults& faults);
 
   /// Aiding: a position with its accuracy, and that the time is known.
-  void aid_position(double latitude_deg, double longitude_deg, double ellipsoid_height_m,
-                    double accuracy_m);
+  void aid_position(const Geodetic& position, double accuracy_m);
   void aid_time(SimTime now, const UbloxConfiguration& configuration);
 
   [[nodiscard]] const UbloxSolution& solution() const { return solution_; }

@@ -4,7 +4,11 @@
 #include <array>
 
 #include "emulators/ublox/profile.h"
+#include "protocols/ubx/aiding.h"
+#include "protocols/ubx/monitor.h"
 #include "protocols/ubx/navigation.h"
+#include "protocols/ubx/raw_measurements.h"
+#include "protocols/ubx/timing.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -19,6 +23,14 @@ constexpr std::size_t kGsa = 69;
 constexpr std::size_t kGsv = 4 /*pages*/ * 70;
 constexpr std::size_t kGll = 53;
 constexpr std::size_t kZda = 40;
+constexpr std::size_t kGst = 72;
+constexpr std::size_t kGbs = 64;
+constexpr std::size_t kGrs = 32 + 12 /*slots*/ * 7;
+constexpr std::size_t kDtm = 48;
+constexpr std::size_t kGns = 90;
+constexpr std::size_t kPubx00 = 130;
+constexpr std::size_t kPubx03 = 20 + 16 /*satellites*/ * 18;
+constexpr std::size_t kPubx04 = 72;
 constexpr std::size_t kTrackable = 16;  // more than 24 slots ever show at once
 
 template <class Message>
@@ -28,8 +40,16 @@ constexpr UbloxMessage produced(std::string_view name, std::size_t repeated = 0)
 constexpr UbloxMessage sentence(std::uint8_t id, std::string_view name, std::size_t bytes) {
   return {{0xF0, id}, name, bytes, true};
 }
-constexpr UbloxMessage known(std::uint8_t message_class, std::uint8_t id) {
-  return {{message_class, id}, {}, 0, message_class >= 0xF0};
+constexpr UbloxMessage proprietary(std::uint8_t id, std::string_view name, std::size_t bytes) {
+  return {{0xF1, id}, name, bytes, true};
+}
+/// With a payload of varying length.
+constexpr UbloxMessage listed(ubx::MessageId id, std::string_view name, std::size_t payload) {
+  return {id, name, ubx::kOverheadBytes + payload, false};
+}
+/// CFG-MSG takes a rate, and nothing ever comes: what they would tell is not emulated.
+constexpr UbloxMessage silent(std::uint8_t message_class, std::uint8_t id) {
+  return {{message_class, id}, {}, 0, false};
 }
 
 constexpr std::array kMessages{
@@ -45,45 +65,49 @@ constexpr std::array kMessages{
     sentence(0x02, "GSA", kGsa),
     sentence(0x03, "GSV", kGsv),
     sentence(0x01, "GLL", kGll),
+    sentence(0x07, "GST", kGst),
     sentence(0x08, "ZDA", kZda),
+    sentence(0x09, "GBS", kGbs),
+    sentence(0x06, "GRS", kGrs),
+    sentence(0x0A, "DTM", kDtm),
+    sentence(0x0D, "GNS", kGns),
+    proprietary(0x00, "PUBX,00", kPubx00),
+    proprietary(0x03, "PUBX,03", kPubx03),
+    proprietary(0x04, "PUBX,04", kPubx04),
     produced<ubx::NavSol>("NAV-SOL"),
     produced<ubx::NavSvinfoHead>("NAV-SVINFO", kTrackable* ubx::NavSvinfoChannel::kLength),
     produced<ubx::NavDop>("NAV-DOP"),
     produced<ubx::NavTimegps>("NAV-TIMEGPS"),
     produced<ubx::NavTimeutc>("NAV-TIMEUTC"),
     produced<ubx::NavClock>("NAV-CLOCK"),
-    UbloxMessage{{0x0A, 0x09}, "MON-HW", 68, false},
-    known(0x01, 0x31),
-    known(0x01, 0x32),
-    known(0x01, 0x60),
-    known(0x02, 0x10),
-    known(0x02, 0x11),
-    known(0x02, 0x13),
-    known(0x02, 0x20),
-    known(0x02, 0x30),
-    known(0x02, 0x31),
-    known(0x0A, 0x02),
-    known(0x0A, 0x06),
-    known(0x0A, 0x07),
-    known(0x0A, 0x08),
-    known(0x0A, 0x0B),
-    known(0x0A, 0x21),
-    known(0x0B, 0x01),
-    known(0x0B, 0x30),
-    known(0x0B, 0x31),
-    known(0x0B, 0x32),
-    known(0x0B, 0x33),
-    known(0x0D, 0x01),
-    known(0x0D, 0x03),
-    known(0x21, 0x08),
-    known(0xF0, 0x06),
-    known(0xF0, 0x07),
-    known(0xF0, 0x09),
-    known(0xF0, 0x0A),
-    known(0xF0, 0x0D),
-    known(0xF1, 0x00),
-    known(0xF1, 0x03),
-    known(0xF1, 0x04),
+    listed(ubx::NavSbasHead::kId, "NAV-SBAS",
+           ubx::NavSbasHead::kLength + kTrackable * ubx::NavSbasBlock::kLength),
+    produced<ubx::NavDgpsHead>("NAV-DGPS"),
+    produced<ubx::NavAopstatus>("NAV-AOPSTATUS"),
+    produced<ubx::MonHw>("MON-HW"),
+    produced<ubx::MonHw2>("MON-HW2"),
+    listed(ubx::MonIoHead::kId, "MON-IO", ubx::kMonitorPorts* ubx::MonIoPort::kLength),
+    produced<ubx::MonMsgpp>("MON-MSGPP"),
+    produced<ubx::MonRxbuf>("MON-RXBUF"),
+    produced<ubx::MonTxbuf>("MON-TXBUF"),
+    produced<ubx::MonRxr>("MON-RXR"),
+    listed(ubx::RxmRawHead::kId, "RXM-RAW",
+           ubx::RxmRawHead::kLength + kTrackable * ubx::RxmRawBlock::kLength),
+    listed(ubx::RxmSfrb::kId, "RXM-SFRB",
+           kTrackable* ubx::frame_size<ubx::RxmSfrb>() - ubx::kOverheadBytes),
+    listed(ubx::RxmSvsiHead::kId, "RXM-SVSI",
+           ubx::RxmSvsiHead::kLength + 32 * ubx::RxmSvsiBlock::kLength),
+    produced<ubx::AidIni>("AID-INI"),
+    listed({0x0B, 0x30}, "AID-ALM", 32 * 48 - ubx::kOverheadBytes),
+    listed({0x0B, 0x31}, "AID-EPH", 32 * 112 - ubx::kOverheadBytes),
+    listed({0x02, 0x30}, "RXM-ALM", 32 * 48 - ubx::kOverheadBytes),
+    listed({0x02, 0x31}, "RXM-EPH", 32 * 112 - ubx::kOverheadBytes),
+    produced<ubx::TimTm2>("TIM-TM2"),
+    produced<ubx::TimTp>("TIM-TP"),
+    silent(0x02, 0x13),
+    silent(0x0B, 0x32),
+    silent(0x0B, 0x33),
+    silent(0x21, 0x08),
 };
 
 constexpr std::array<std::string_view, 6> kExtensions{"1.00 (59842)", "PROTVER 14.00",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "protocols/ubx/monitor.h"
 #include "protocols/ubx/version.h"
 
 namespace rigwire::emulators {
@@ -36,8 +37,9 @@ UbloxReceiver::UbloxReceiver(const UbloxSettings& settings, const Calendar& cale
       quality_(output, settings_.noise_seed),
       transmitter_(quality_, settings_.transmit_buffer_bytes, settings_.baud),
       navigator_(settings_, calendar),
+      raw_(calendar, profile_.generation),
       version_(version_of(profile_)) {
-  start(kStart, {});
+  start(kStart, settings_.time_to_first_fix == 0s ? UbloxMemory::everything() : UbloxMemory{});
 }
 
 void UbloxReceiver::start(SimTime now, const UbloxMemory& memory) {
@@ -50,12 +52,17 @@ void UbloxReceiver::start(SimTime now, const UbloxMemory& memory) {
   port_ = {};
   antenna_ = {};
   mark_ = {};
-  pending_count_ = 0;
   transmitter_.clear();
   set_baud(configuration_.uart().baud);
   navigator_.power_on(now);
-  navigator_.begin(now, memory, configuration_);
+  begin_navigation(now, memory);
   plan_from(ready_);
+}
+
+void UbloxReceiver::begin_navigation(SimTime now, const UbloxMemory& memory) {
+  pending_count_ = 0;
+  navigator_.begin(now, memory, configuration_);
+  raw_.begin(memory.ephemerides, memory.almanac);
 }
 
 void UbloxReceiver::power(SimTime now, bool on) {
@@ -155,6 +162,10 @@ void UbloxReceiver::greet(SimTime now) {
       send_text(now, nmea::TextKind::notice, line);
     }
   }
+  const std::size_t awake = message_index(profile_, ubx::MonRxr::kId);
+  if (awake < profile_.messages.size() && configuration_.message_rate(awake) > 0) {
+    send_message(now, profile_.messages[awake]);
+  }
 }
 
 const UbloxFault* UbloxReceiver::fault(UbloxFaultKind kind, SimTime now) const {
@@ -180,6 +191,9 @@ void UbloxReceiver::solve(SimTime now) {
     faults.leap_error_s = static_cast<std::int32_t>(leap->value);
   }
   navigator_.take(latest_, configuration_, faults);
+  const UbloxSolution& s = navigator_.solution();
+  raw_.update(latest_, {s.time_known, s.date_known, s.leap_known, s.leap_seconds, s.week_shift,
+                        s.since_start_ms});
   ++counters_.epochs;
   watch_antenna(now);
   publish(now);

@@ -21,6 +21,7 @@
 #include "emulators/ublox/line_quality.h"
 #include "emulators/ublox/monitor.h"
 #include "emulators/ublox/navigator.h"
+#include "emulators/ublox/raw_messages.h"
 #include "emulators/ublox/settings.h"
 #include "emulators/ublox/solution.h"
 #include "emulators/ublox/transmitter.h"
@@ -81,6 +82,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
 
   // receiver.cpp: life and epochs.
   void start(SimTime now, const UbloxMemory& memory);
+  void begin_navigation(SimTime now, const UbloxMemory& memory);
   void plan_from(SimTime now);
   void greet(SimTime now);
   void solve(SimTime now);
@@ -92,7 +94,10 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
 
   // receiver_output.cpp: what it says.
   void publish(SimTime now);
+  /// True of messages that follow an event and not the epochs.
+  [[nodiscard]] bool waits_for_event(protocols::ubx::MessageId id) const;
   void send_message(SimTime now, const UbloxMessage& message);
+  void send_raw(SimTime now, protocols::ubx::MessageId id);
   void send_sentence(SimTime now, std::string_view name);
   void send_text(SimTime now, protocols::nmea::TextKind kind, std::string_view text);
   void send(SimTime now, std::span<const std::uint8_t> message);
@@ -107,6 +112,8 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   void handle(SimTime now, const protocols::ubx::FrameView& frame);
   void handle_configuration(SimTime now, const protocols::ubx::FrameView& frame);
   [[nodiscard]] bool handle_aiding(SimTime now, const protocols::ubx::FrameView& frame);
+  [[nodiscard]] bool answer_raw(SimTime now, const protocols::ubx::FrameView& frame);
+  [[nodiscard]] bool answer_poll(SimTime now, protocols::ubx::MessageId id);
   void reset(SimTime now, const protocols::ubx::CfgRst& request);
   void answer(SimTime now, protocols::ubx::MessageId request, bool accepted);
 
@@ -124,6 +131,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   UbloxLineQuality quality_;
   UbloxTransmitter transmitter_;
   UbloxNavigator navigator_;
+  UbloxRawMessages raw_;
   std::vector<std::uint8_t> version_;  ///< Payload of MON-VER.
 
   bool powered_ = true;

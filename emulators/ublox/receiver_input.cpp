@@ -1,7 +1,9 @@
 // What clients say in UBX.
 #include <algorithm>
+#include <cmath>
 
 #include "emulators/ublox/receiver.h"
+#include "protocols/ubx/aiding.h"
 #include "protocols/ubx/layout.h"
 
 namespace rigwire::emulators {
@@ -107,6 +109,7 @@ void UbloxReceiver::handle(SimTime now, const ubx::FrameView& frame) {
     ++received_.ignored;
     return;
   }
+  ++port_.messages[0];
   if (frame.id.message_class == kClassConfiguration) {
     handle_configuration(now, frame);
     return;
@@ -120,14 +123,66 @@ void UbloxReceiver::handle(SimTime now, const ubx::FrameView& frame) {
     }
     return;
   }
-  const std::size_t index = message_index(profile_, frame.id);
-  if (frame.payload.empty() && index < profile_.messages.size() &&
-      profile_.messages[index].greatest_bytes > 0) {
+  if (handle_aiding(now, frame) || answer_raw(now, frame) ||
+      (frame.payload.empty() && answer_poll(now, frame.id))) {
     ++received_.accepted;
-    send_message(now, profile_.messages[index]);
-    return;
+  } else {
+    ++received_.ignored;  // acknowledgements exist for configuration only
   }
-  ++received_.ignored;  // acknowledgements exist for configuration only
+}
+
+bool UbloxReceiver::answer_raw(SimTime now, const ubx::FrameView& frame) {
+  if (!UbloxRawMessages::handles(frame.id)) {
+    return false;
+  }
+  const std::size_t answers = raw_.answers(frame.id, frame.payload);
+  std::array<std::uint8_t, kLongestRawFrame> answer{};
+  for (std::size_t i = 0; i < answers && speaks(ubx::kProtocolUbx); ++i) {
+    const std::size_t size = raw_.encode_answer(frame.id, frame.payload, i, answer);
+    send(now, std::span(answer).first(size));
+  }
+  return answers > 0;
+}
+
+bool UbloxReceiver::answer_poll(SimTime now, ubx::MessageId id) {
+  const std::size_t index = message_index(profile_, id);
+  if (index < profile_.messages.size()) {
+    if (profile_.messages[index].greatest_bytes > 0) {
+      send_message(now, profile_.messages[index]);
+      return true;
+    }
+    return false;
+  }
+  std::array<std::uint8_t, kLongestSolutionFrame> frame{};
+  const std::size_t size = encode(id, frame);
+  if (speaks(ubx::kProtocolUbx)) {
+    send(now, std::span(frame).first(size));
+  }
+  return size > 0;
+}
+
+bool UbloxReceiver::handle_aiding(SimTime now, const ubx::FrameView& frame) {
+  const auto aid = ubx::decode<ubx::AidIni>(frame);
+  if (!aid.ok()) {
+    return false;
+  }
+  const auto has = [&](unsigned bit) { return (aid->flags >> bit & 1U) != 0; };
+  if (has(0)) {
+    const bool geodetic = has(5);
+    const auto& p = aid->position;
+    const Geodetic given = geodetic ? Geodetic{p[0] * 1e-7, p[1] * 1e-7, p[2] * 0.01}
+                                    : geodetic_from_ecef({p[0] * 0.01, p[1] * 0.01, p[2] * 0.01});
+    if (std::abs(given.latitude_deg) <= 90.0 && std::abs(given.longitude_deg) <= 180.0) {
+      navigator_.aid_position(given, aid->position_accuracy_cm * 0.01);
+    }
+  }
+  if (has(1)) {
+    navigator_.aid_time(now, configuration_);
+  }
+  if (configuration_.expert().acknowledge_aiding != 0) {
+    answer(now, frame.id, true);
+  }
+  return true;
 }
 
 void UbloxReceiver::handle_configuration(SimTime now, const ubx::FrameView& frame) {
@@ -183,8 +238,7 @@ void UbloxReceiver::reset(SimTime now, const ubx::CfgRst& request) {
       start(now, memory);
       return;
     case kGnssOnly:
-      pending_count_ = 0;
-      navigator_.begin(now, memory, configuration_);
+      begin_navigation(now, memory);
       return;
     case kStopGnss:
       navigating_ = false;
@@ -193,7 +247,7 @@ void UbloxReceiver::reset(SimTime now, const ubx::CfgRst& request) {
       return;
     case kStartGnss:
       navigating_ = true;
-      navigator_.begin(now, memory, configuration_);
+      begin_navigation(now, memory);
       plan_from(now + 1ns);
       return;
     default:

@@ -2,15 +2,15 @@
 #include <algorithm>
 
 #include "emulators/ublox/receiver.h"
+#include "protocols/ubx/information.h"
+#include "protocols/ubx/monitor.h"
+#include "protocols/ubx/timing.h"
 
 namespace rigwire::emulators {
 namespace {
 
 namespace nmea = protocols::nmea;
 namespace ubx = protocols::ubx;
-
-constexpr std::uint8_t kClassInformation = 0x04;
-constexpr ubx::MessageId kMonTxbuf{0x0A, 0x08};
 
 constexpr std::array kQuantities{
     Quantity{"latitude", "deg", -90.0, 90.0, 1e-7},
@@ -39,11 +39,15 @@ void UbloxReceiver::publish(SimTime now) {
   const auto messages = profile_.messages;
   for (std::size_t i = 0; i < messages.size(); ++i) {
     const std::uint8_t rate = configuration_.message_rate(i);
-    if (rate != 0 && epoch_number_ % rate == 0) {
+    if (rate != 0 && epoch_number_ % rate == 0 && !waits_for_event(messages[i].id)) {
       send_message(now, messages[i]);
     }
   }
   mark_.fresh = mark_.rose = mark_.fell = false;
+}
+
+bool UbloxReceiver::waits_for_event(ubx::MessageId id) const {
+  return (id == ubx::TimTm2::kId && !mark_.fresh) || id == ubx::MonRxr::kId;
 }
 
 UbloxMonitorView UbloxReceiver::monitor_view() const {
@@ -61,7 +65,7 @@ std::size_t UbloxReceiver::encode(ubx::MessageId id, std::span<std::uint8_t> out
     return size;
   }
   const std::size_t size = encode_monitor(monitor_view(), id, out);
-  if (id == kMonTxbuf) {
+  if (id == ubx::MonTxbuf::kId) {
     port_.overflow = false;
   }
   return size;
@@ -70,9 +74,22 @@ std::size_t UbloxReceiver::encode(ubx::MessageId id, std::span<std::uint8_t> out
 void UbloxReceiver::send_message(SimTime now, const UbloxMessage& message) {
   if (message.sentence) {
     send_sentence(now, message.name);
+  } else if (UbloxRawMessages::handles(message.id)) {
+    send_raw(now, message.id);
   } else if (speaks(ubx::kProtocolUbx)) {
     std::array<std::uint8_t, kLongestSolutionFrame> frame{};
     const std::size_t size = encode(message.id, frame);
+    send(now, std::span(frame).first(size));
+  }
+}
+
+void UbloxReceiver::send_raw(SimTime now, ubx::MessageId id) {
+  if (!speaks(ubx::kProtocolUbx)) {
+    return;
+  }
+  std::array<std::uint8_t, kLongestRawFrame> frame{};
+  for (std::size_t i = 0; i < raw_.count(id); ++i) {
+    const std::size_t size = raw_.encode(id, i, frame);
     send(now, std::span(frame).first(size));
   }
 }
@@ -112,10 +129,8 @@ void UbloxReceiver::send_text(SimTime now, nmea::TextKind kind, std::string_view
   const auto bit = static_cast<unsigned>(kind);
   if (speaks(ubx::kProtocolUbx) && configuration_.text_enabled(kUbx, bit)) {
     std::array<std::uint8_t, ubx::kOverheadBytes + 128> frame{};
-    const std::span<const std::uint8_t> payload(reinterpret_cast<const std::uint8_t*>(text.data()),
-                                                text.size());
-    const ubx::MessageId id{kClassInformation, static_cast<std::uint8_t>(bit)};
-    send(now, std::span(frame).first(ubx::encode_frame(id, payload, frame)));
+    const ubx::Information information{static_cast<ubx::InformationKind>(kind), text};
+    send(now, std::span(frame).first(ubx::encode_information(information, frame)));
   }
   if (speaks(ubx::kProtocolNmea) && configuration_.text_enabled(kNmea, bit)) {
     send(now, nmea::write_txt(talker(), kind, text).bytes());

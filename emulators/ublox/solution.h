@@ -27,6 +27,7 @@ struct UbloxSolution {
   std::uint32_t time_of_week_ms = 0;  ///< Label of the epoch; since start while time is unknown.
   std::int32_t time_of_week_rest_ns = 0;  ///< The measurement less time_of_week_ms.
   std::int32_t week = 0;                  ///< Resolved by the firmware's first week.
+  std::int32_t week_shift = 0;            ///< week less the true one, when the date is known.
   std::int32_t leap_seconds = 0;
   UtcTime utc;                   ///< Rounded to 1/100 s, so that 23:59:59.996 is the next day.
   std::int32_t utc_rest_ns = 0;  ///< The measurement less the full second in `utc`; may be < 0.

@@ -44,6 +44,7 @@ void set_time(UbloxSolution& s, const Calendar& calendar, const UbloxTimeBase& b
   s.leap_seconds =
       base.leap_error_s + (s.leap_known ? static_cast<std::int32_t>(calendar.leap_seconds(measured))
                                         : base.default_leap_seconds);
+  s.week_shift = week - gps.week;
   if (!s.time_known) {
     s.time_of_week_ms = s.since_start_ms;
     s.time_of_week_rest_ns = 0;
@@ -57,7 +58,7 @@ void set_time(UbloxSolution& s, const Calendar& calendar, const UbloxTimeBase& b
   s.week = s.date_known ? week : 0;
 
   // The instant at which a right receiver would show what this one shows.
-  const SimTime shifted = measured + (week - gps.week) * kWeek;
+  const SimTime shifted = measured + s.week_shift * kWeek;
   const SimTime shown =
       shifted + std::chrono::seconds{calendar.leap_seconds(shifted) - s.leap_seconds};
   const std::int64_t rest = above(calendar.gps(shown).time_of_week_ns, kHundredth_ns);

@@ -91,6 +91,8 @@ void visit(Visitor& v, sim::RangeErrorParameters& p) {
   v.number("multipath_correlation", p.multipath_correlation_s, seconds, "At rest.");
   v.number("multipath_length", p.multipath_length_m, in("m").between(0.001, 1e6),
            "In motion: correlated over this way.");
+  v.number("weak_signal_sigma", p.weak_signal_sigma_mpdb, plain().between(0, 1000),
+           "m per dB that a signal is too weak, beyond 3 dB; the receiver's belief only.");
 }
 
 template <class Visitor>

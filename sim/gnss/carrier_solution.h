@@ -35,7 +35,7 @@ struct CorrectionParameters {
   double interval_s = 1.0;      ///< Of corrections; above 0.
   double latency_s = 0.6;       ///< From their measurement to their arrival.
   double largest_age_s = 60.0;  ///< Older corrections are not applied.
-  double sbas_share = 0.5;      ///< Of orbit, clock and ionosphere errors that SBAS leaves.
+  double sbas_share = 0.7;      ///< Of orbit, clock and ionosphere errors that SBAS leaves.
 
   double baseline_m = 500.0;         ///< RTK: distance from the base station.
   double fixed_horizontal_m = 0.01;  ///< RTK fixed: 1 sigma, radial, without the baseline.

@@ -142,7 +142,8 @@ void GnssSensor::correct(Epoch& epoch, GnssSample& sample) {
   equations_.clear();
   for (const ReceivedSatellite* satellite : epoch.used) {
     equations_.push_back({satellite->direction_ned, satellite->satellite.system,
-                          satellite->error.total_m(), satellite->error.sigma_m});
+                          satellite->error.total_m(), satellite->error.sigma_m,
+                          satellite->error.common_m});
   }
 }
 
@@ -241,6 +242,7 @@ void GnssSensor::solve_velocity(Epoch& epoch, GnssSample& sample) {
   for (std::size_t i = 0; i < equations_.size(); ++i) {
     equations_[i].error_m = parameters_.speed_sigma_mps * epoch.used[i]->error.rate_mps;
     equations_[i].sigma_m = sigma_mps;
+    equations_[i].common_m = {};
   }
   std::optional<HeldHeight> held;
   if (sample.fix == GnssFix::two_d) {

@@ -1,6 +1,7 @@
 #include "sim/gnss/position_solution.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -59,6 +60,29 @@ std::optional<Square> inverse(const Square& normal) {
                 solver.eigenvectors().transpose());
 }
 
+/// K R K^T, R with the ranges' own and common parts.
+Square spread(std::span<const RangeEquation> equations, const Columns& columns,
+              const Square& inverse_normal) {
+  const int n = columns.unknowns;
+  Square covariance = Square::Zero(n, n);
+  std::array<Column, kCommonErrors> common;
+  common.fill(Column::Zero(n));
+  for (const RangeEquation& equation : equations) {
+    const double variance = equation.sigma_m * equation.sigma_m;
+    const Column gain = inverse_normal * columns.row(equation) / variance;
+    double own_variance = variance;
+    for (std::size_t i = 0; i < kCommonErrors; ++i) {
+      common[i] += equation.common_m[i] * gain;
+      own_variance -= equation.common_m[i] * equation.common_m[i];
+    }
+    covariance += std::max(own_variance, 0.0) * gain * gain.transpose();
+  }
+  for (const Column& gain : common) {
+    covariance += gain * gain.transpose();
+  }
+  return covariance;
+}
+
 void note_dilution(const Square& q, const Columns& columns, PositionSolution& solution) {
   solution.dilution.north = std::sqrt(q(0, 0));
   solution.dilution.east = std::sqrt(q(1, 1));
@@ -101,9 +125,9 @@ std::optional<PositionSolution> solve_position(std::span<const RangeEquation> eq
     right += weight * (equation.error_m - by_height * held_down_m) * row;
     height += weight * by_height * row;
   }
-  const auto covariance = inverse(weighted);
+  const auto inverse_normal = inverse(weighted);
   const auto unweighted = inverse(plain);
-  if (!covariance || !unweighted) {
+  if (!inverse_normal || !unweighted) {
     return std::nullopt;
   }
   PositionSolution solution;
@@ -111,24 +135,22 @@ std::optional<PositionSolution> solve_position(std::span<const RangeEquation> eq
   if (!(solution.dilution.position <= kWorstDilution)) {
     return std::nullopt;
   }
-  const Column x = *covariance * right;
+  const Column x = *inverse_normal * right;
   const int axes = columns.first_clock;
+  Square covariance = spread(equations, columns, *inverse_normal);
   solution.error_ned_m.head(axes) = x.head(axes);
-  solution.covariance_ned_m2.topLeftCorner(axes, axes) = covariance->topLeftCorner(axes, axes);
-  double clock_variance = (*covariance)(axes, axes);
   if (held) {
-    const Column gain = *covariance * height;  // minus d x / d down
+    const Column gain = *inverse_normal * height;  // minus d x / d down
     const double variance = held->sigma_m * held->sigma_m;
+    covariance += variance * gain * gain.transpose();
     solution.error_ned_m.z() = held_down_m;
-    solution.covariance_ned_m2.topLeftCorner<2, 2>() +=
-        variance * gain.head<2>() * gain.head<2>().transpose();
     solution.covariance_ned_m2.topRightCorner<2, 1>() = -variance * gain.head<2>();
     solution.covariance_ned_m2.bottomLeftCorner<1, 2>() = -variance * gain.head<2>().transpose();
     solution.covariance_ned_m2(2, 2) = variance;
-    clock_variance += variance * gain(axes) * gain(axes);
   }
+  solution.covariance_ned_m2.topLeftCorner(axes, axes) = covariance.topLeftCorner(axes, axes);
+  solution.clock_sigma_m = std::sqrt(covariance(axes, axes));
   solution.clock_error_m = x(axes);
-  solution.clock_sigma_m = std::sqrt(clock_variance);
   solution.residuals_m.reserve(equations.size());
   for (const RangeEquation& equation : equations) {
     solution.residuals_m.push_back(equation.error_m + equation.direction_ned.z() * held_down_m -

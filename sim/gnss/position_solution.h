@@ -1,7 +1,10 @@
 // Position error from range errors: the weighted least squares that a receiver solves, linearised
 // at the true antenna position.
 //
-//   dx = (G^T W G)^-1 G^T W eps,   G rows [-e, 1 in the clock column of the satellite's system]
+//   dx = K eps,   K = (G^T W G)^-1 G^T W,   G rows [-e, 1 in the clock column of the system]
+//
+// The weights W see each range's sigma alone; the covariance K R K^T knows which parts of the
+// errors R are common to the satellites.
 //
 // The linearisation leaves out dx^2 / (2 range): 2 um for 10 m, 0.2 mm for 100 m of error.
 // Satellites of SBAS and QZSS keep GPS time and share its clock column; every other system has its
@@ -9,6 +12,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -19,12 +23,18 @@
 
 namespace rigwire::sim {
 
+/// Errors that all satellites share: see RangeEquation::common_m.
+inline constexpr std::size_t kCommonErrors = 4;
+
 /// One pseudorange of the solution.
 struct RangeEquation {
   Eigen::Vector3d direction_ned = -Eigen::Vector3d::UnitZ();  ///< Unit, antenna to satellite.
   GnssSystem system = GnssSystem::gps;
   double error_m = 0.0;  ///< Measured less true.
-  double sigma_m = 1.0;  ///< That the receiver believes, above 0.
+  double sigma_m = 1.0;  ///< That the receiver believes, above 0; all parts together.
+  /// Of the parts that the satellites have in common: each the factor of one random number of
+  /// variance 1.
+  std::array<double, kCommonErrors> common_m{};
 };
 
 /// A height that is held because it cannot be solved for.

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kReferenceCn0_dbhz = 45.0;
 constexpr double kFadingCorrelation_s = 10.0;
+constexpr double kUsual_db = 3.0;      // fading of an open sky: no reason to distrust a signal
 constexpr double kLowestSine = 0.087;  // 5 degrees: below, mappings are held
 constexpr double kEarthRadius_km = 6371.0;
 constexpr double kLayerRadius_km = 6371.0 + 350.0;  // of the thin shell of the ionosphere
@@ -45,6 +46,7 @@ void validate(const RangeErrorParameters& p) {
   check_parameter("code_noise_correlation_s", p.code_noise_correlation_s, 0.0, kLongest_s);
   check_parameter("multipath_sigma_m", p.multipath_sigma_m, 0.0, kMost_m);
   check_parameter("multipath_correlation_s", p.multipath_correlation_s, 0.0, kLongest_s);
+  check_parameter("weak_signal_sigma_mpdb", p.weak_signal_sigma_mpdb, 0.0, 1000.0);
   check_parameter("multipath_length_m", p.multipath_length_m, 0.001, 1e6);
 }
 
@@ -114,15 +116,20 @@ RangeError SatelliteErrors::error(const RangeErrorParameters& p, const Atmospher
   error.rate_mps = rate_.value();
   error.local_m = noise_sigma_m * code_noise_.value() + multipath_sigma_m * multipath_.value() +
                   arrival.extra_path_m;
-  const double ionosphere_m = share.ionosphere * ionosphere_mapping(elevation) *
-                              std::hypot(p.ionosphere_sigma_m, p.ionosphere_gradient_sigma_mpkm *
-                                                                   pierce_distance_km(elevation));
-  const double troposphere_m = p.troposphere_sigma_m * troposphere_mapping(elevation);
+  const double slant = share.ionosphere * ionosphere_mapping(elevation);
+  const double gradient_m =
+      slant * p.ionosphere_gradient_sigma_mpkm * pierce_distance_km(elevation);
+  error.common_m = {slant * p.ionosphere_sigma_m, gradient_m * std::cos(arrival.azimuth_rad),
+                    gradient_m * std::sin(arrival.azimuth_rad),
+                    p.troposphere_sigma_m * troposphere_mapping(elevation)};
+  const double weak_m = p.weak_signal_sigma_mpdb * std::max(0.0, arrival.missing_db - kUsual_db);
+  double variance_m2 = orbit_sigma_m * orbit_sigma_m + noise_sigma_m * noise_sigma_m +
+                       open_multipath_m * open_multipath_m + weak_m * weak_m;
+  for (const double common_m : error.common_m) {
+    variance_m2 += common_m * common_m;
+  }
   constexpr double kLeastSigma_m = 1e-3;  // errors switched off still need a weight
-  error.sigma_m = std::max(kLeastSigma_m,
-                           std::sqrt(orbit_sigma_m * orbit_sigma_m + ionosphere_m * ionosphere_m +
-                                     troposphere_m * troposphere_m + noise_sigma_m * noise_sigma_m +
-                                     open_multipath_m * open_multipath_m));
+  error.sigma_m = std::max(kLeastSigma_m, std::sqrt(variance_m2));
   return error;
 }
 

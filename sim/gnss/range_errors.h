@@ -19,12 +19,13 @@
 // Each satellite draws from its own stream, so that what happens to one never changes another.
 #pragma once
 
-#include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <string_view>
 
 #include "sim/gnss/constellation.h"
 #include "sim/gnss/gauss_markov.h"
+#include "sim/gnss/position_solution.h"
 #include "sim/random.h"
 #include "sim/samples/time.h"
 
@@ -33,8 +34,8 @@ namespace rigwire::sim {
 struct RangeErrorParameters {
   double orbit_clock_sigma_m = 0.8;
   double orbit_clock_correlation_s = 7200.0;
-  double ionosphere_sigma_m = 2.0;               ///< Vertical, what the model leaves.
-  double ionosphere_gradient_sigma_mpkm = 2e-3;  ///< Per axis, m per km of the pierce point.
+  double ionosphere_sigma_m = 1.5;                 ///< Vertical, what the model leaves.
+  double ionosphere_gradient_sigma_mpkm = 1.5e-3;  ///< Per axis, m per km of the pierce point.
   double ionosphere_correlation_s = 2400.0;
   double troposphere_sigma_m = 0.12;  ///< Vertical, what the model leaves.
   double troposphere_correlation_s = 1800.0;
@@ -43,6 +44,9 @@ struct RangeErrorParameters {
   double multipath_sigma_m = 0.5;          ///< At the zenith.
   double multipath_correlation_s = 120.0;  ///< At rest ...
   double multipath_length_m = 50.0;        ///< ... and over this way in motion.
+  /// What the receiver adds to its sigma for each dB that a signal is weaker than its elevation
+  /// lets expect, beyond 3 dB: how receivers mistrust signals that came by a detour.
+  double weak_signal_sigma_mpdb = 1.0;
 };
 
 void validate(const RangeErrorParameters& parameters);
@@ -81,6 +85,7 @@ struct SignalArrival {
   double azimuth_rad = 0.0;
   double elevation_rad = 0.0;
   double cn0_dbhz = 45.0;
+  double missing_db = 0.0;             ///< Weaker by so much than under an open sky.
   double reflection_envelope_m = 0.0;  ///< Of reflections that join the direct signal.
   double extra_path_m = 0.0;           ///< Of a signal without line of sight.
 };
@@ -93,6 +98,9 @@ struct RangeError {
   double local_m = 0.0;        ///< Noise, multipath, missing line of sight: the code's alone.
   double rate_mps = 0.0;       ///< Of the Doppler measurement, for sigma 1.
   double sigma_m = 1.0;        ///< 1 sigma by elevation and C/N0; knows nothing of reflections.
+  /// Of it, what all satellites share: ionosphere at the zenith, its gradients north and east,
+  /// troposphere.
+  std::array<double, kCommonErrors> common_m{};
   [[nodiscard]] double total_m() const {
     return orbit_clock_m + ionosphere_m + troposphere_m + local_m;
   }

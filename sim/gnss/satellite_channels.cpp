@@ -204,6 +204,9 @@ void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) 
     SignalArrival arrival{.azimuth_rad = received.azimuth_rad,
                           .elevation_rad = received.elevation_rad,
                           .cn0_dbhz = received.cn0_dbhz};
+    arrival.missing_db =
+        direct_cn0_dbhz(parameters_.sky, std::sin(received.elevation_rad), SkyArrival{}) -
+        received.cn0_dbhz;
     if (!spoofed) {
       arrival.reflection_envelope_m = channel.envelope_m;
       arrival.extra_path_m = channel.extra_path_m;
@@ -215,7 +218,10 @@ void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) 
       received.error.troposphere_m = 0.0;
     }
     if (!parameters_.errors) {
-      received.error = {.sigma_m = received.error.sigma_m};
+      const RangeError believed = received.error;
+      received.error = {};
+      received.error.sigma_m = believed.sigma_m;
+      received.error.common_m = believed.common_m;
     }
   }
 }

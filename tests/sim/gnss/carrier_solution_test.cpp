@@ -1,0 +1,132 @@
+#include "sim/gnss/carrier_solution.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace rigwire::sim {
+namespace {
+
+using namespace std::chrono_literals;
+
+CorrectionParameters of(CorrectionKind kind) {
+  CorrectionParameters parameters;
+  parameters.kind = kind;
+  return parameters;
+}
+
+CorrectionInput good(SimTime time, int line_of_sight = 8) {
+  return {.time = time, .line_of_sight = line_of_sight, .has_position = true, .link = true};
+}
+
+TEST(CarrierEngine, WithoutCorrectionsNothingHappens) {
+  CarrierEngine engine(of(CorrectionKind::none), 1, "gnss");
+  const CorrectionOutput output = engine.advance(good(kStart + 10s));
+  EXPECT_EQ(output.carrier, CarrierSolution::none);
+  EXPECT_FALSE(output.differential);
+  EXPECT_FALSE(output.age_s);
+  EXPECT_FALSE(output.error_ned_m);
+}
+
+TEST(CarrierEngine, FloatsThenFixesThenLosesAndFindsTheFixAgain) {
+  CarrierEngine engine(of(CorrectionKind::rtk), 1, "gnss");
+  SimTime now = kStart + 10s;
+  EXPECT_EQ(engine.advance(good(now)).carrier, CarrierSolution::floating);
+  EXPECT_EQ(engine.advance(good(now + 29s)).carrier, CarrierSolution::floating);
+  CorrectionOutput output = engine.advance(good(now + 30s));
+  EXPECT_EQ(output.carrier, CarrierSolution::fixed);
+  // 1 cm + 0.5 mm radial at 500 m from the base.
+  EXPECT_NEAR(std::sqrt(2.0) * output.horizontal_sigma_m, 0.0105, 1e-9);
+  EXPECT_NEAR(output.vertical_sigma_m, 0.0205, 1e-9);
+
+  now += 40s;
+  EXPECT_EQ(engine.advance(good(now, 5)).carrier, CarrierSolution::fixed);
+  EXPECT_EQ(engine.advance(good(now + 1s, 4)).carrier, CarrierSolution::floating);
+  now += 2s;
+  double refixed_s = 0.0;
+  while (engine.advance(good(now)).carrier != CarrierSolution::fixed) {
+    now += 100ms;
+    refixed_s += 0.1;
+    ASSERT_LT(refixed_s, 31.0);
+  }
+  EXPECT_GE(refixed_s, 4.9);
+  EXPECT_EQ(engine.advance(good(now + 1s, 3)).carrier, CarrierSolution::none);
+}
+
+TEST(CarrierEngine, FloatErrorDecaysBetweenItsBounds) {
+  CorrectionParameters parameters = of(CorrectionKind::rtk);
+  parameters.first_fix_s = 1000.0;
+  CarrierEngine engine(parameters, 1, "gnss");
+  const SimTime start = kStart + 10s;
+  EXPECT_NEAR(engine.advance(good(start)).horizontal_sigma_m, 1.0, 1e-9);
+  EXPECT_NEAR(engine.advance(good(start + 20s)).horizontal_sigma_m, 0.2 + 0.8 * std::exp(-1.0),
+              1e-9);
+  EXPECT_NEAR(engine.advance(good(start + 500s)).horizontal_sigma_m, 0.2, 1e-6);
+}
+
+TEST(CarrierEngine, AgeIsASawToothAndGrowsWithoutALink) {
+  CarrierEngine engine(of(CorrectionKind::rtk), 1, "gnss");
+  EXPECT_NEAR(*engine.advance(good(kStart + 100s + 600ms)).age_s, 0.6, 1e-9);
+  EXPECT_NEAR(*engine.advance(good(kStart + 101s + 500ms)).age_s, 1.5, 1e-9);
+  EXPECT_NEAR(*engine.advance(good(kStart + 101s + 600ms)).age_s, 0.6, 1e-9);
+  CorrectionInput cut = good(kStart + 150s);
+  cut.link = false;
+  EXPECT_NEAR(*engine.advance(cut).age_s, 49.0, 1e-9);
+  cut.time = kStart + 162s;
+  const CorrectionOutput output = engine.advance(cut);
+  EXPECT_FALSE(output.differential) << "older than a minute";
+  EXPECT_FALSE(output.age_s);
+  EXPECT_EQ(output.carrier, CarrierSolution::none);
+}
+
+TEST(CarrierEngine, TheErrorHasTheSizeOfItsState) {
+  CorrectionParameters parameters = of(CorrectionKind::rtk);
+  parameters.correlation_s = 1.0;
+  CarrierEngine engine(parameters, 1, "gnss");
+  double square = 0.0;
+  int count = 0;
+  for (int t = 0; t < 10'000; ++t) {
+    const CorrectionOutput output = engine.advance(good(kStart + 10s + t * 2s));
+    if (output.carrier == CarrierSolution::fixed) {
+      square += output.error_ned_m->head<2>().squaredNorm();
+      ++count;
+    }
+  }
+  EXPECT_NEAR(std::sqrt(square / count), 0.0105, 0.0003);
+}
+
+TEST(CarrierEngine, AServiceConvergesToCentimetresAndBridgesShortLosses) {
+  CarrierEngine engine(of(CorrectionKind::service), 1, "gnss");
+  const SimTime start = kStart + 10s;
+  EXPECT_NEAR(engine.advance(good(start)).horizontal_sigma_m, 1.0, 1e-9);
+  EXPECT_NEAR(std::sqrt(2.0) * engine.advance(good(start + 3600s)).horizontal_sigma_m, 0.05, 0.002);
+  EXPECT_EQ(engine.advance(good(start + 3601s, 2)).carrier, CarrierSolution::none);
+  EXPECT_LT(engine.advance(good(start + 3630s)).horizontal_sigma_m, 0.05);
+  EXPECT_EQ(engine.advance(good(start + 3700s, 2)).carrier, CarrierSolution::none);
+  EXPECT_NEAR(engine.advance(good(start + 3800s)).horizontal_sigma_m, 1.0, 1e-9);
+}
+
+TEST(CarrierEngine, SbasShrinksWhatItKnowsAbout) {
+  CarrierEngine engine(of(CorrectionKind::sbas), 1, "gnss");
+  CorrectionInput input = good(kStart + 10s);
+  input.link = false;
+  EXPECT_EQ(engine.advance(input).share.orbit_clock, 1.0);
+  const CorrectionOutput output = engine.advance(good(kStart + 11s));
+  EXPECT_TRUE(output.differential);
+  EXPECT_LT(output.share.orbit_clock, 1.0);
+  EXPECT_LT(output.share.ionosphere, 1.0);
+  EXPECT_EQ(output.carrier, CarrierSolution::none);
+}
+
+TEST(CarrierEngine, RefusesStrangeParameters) {
+  CorrectionParameters parameters;
+  parameters.refix_shortest_s = 40.0;
+  EXPECT_THROW(validate(parameters), std::invalid_argument);
+  parameters = {};
+  parameters.interval_s = 0.0;
+  EXPECT_THROW(validate(parameters), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace rigwire::sim

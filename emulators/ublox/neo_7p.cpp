@@ -29,7 +29,7 @@ constexpr std::size_t kGrs = 32 + 12 /*slots*/ * 7;
 constexpr std::size_t kDtm = 48;
 constexpr std::size_t kGns = 90;
 constexpr std::size_t kPubx00 = 130;
-constexpr std::size_t kPubx03 = 20 + 16 /*satellites*/ * 18;
+constexpr std::size_t kPubx03 = 20 + 16 /*satellites*/ * 20;
 constexpr std::size_t kPubx04 = 72;
 constexpr std::size_t kTrackable = 16;  // more than 24 slots ever show at once
 

@@ -104,7 +104,6 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   [[nodiscard]] std::size_t encode(protocols::ubx::MessageId id, std::span<std::uint8_t> out);
   [[nodiscard]] UbloxMonitorView monitor_view() const;
   [[nodiscard]] bool speaks(std::uint16_t protocol) const;
-  [[nodiscard]] std::string_view talker() const;
 
   // receiver_input.cpp: what clients say.
   void take_in(SimTime now, std::span<const std::uint8_t> bytes);

@@ -2,6 +2,9 @@
 #include <algorithm>
 
 #include "emulators/ublox/receiver.h"
+#include "protocols/nmea/position_sentences.h"
+#include "protocols/nmea/pubx_sentences.h"
+#include "protocols/nmea/satellite_sentences.h"
 #include "protocols/ubx/information.h"
 #include "protocols/ubx/monitor.h"
 #include "protocols/ubx/timing.h"
@@ -29,10 +32,6 @@ constexpr std::array kQuantities{
 
 bool UbloxReceiver::speaks(std::uint16_t protocol) const {
   return (configuration_.uart().output_protocols & protocol) != 0;
-}
-
-std::string_view UbloxReceiver::talker() const {
-  return configuration_.gps_enabled() ? "GP" : "GL";
 }
 
 void UbloxReceiver::publish(SimTime now) {
@@ -98,23 +97,41 @@ void UbloxReceiver::send_sentence(SimTime now, std::string_view name) {
   if (!speaks(ubx::kProtocolNmea)) {
     return;
   }
-  constexpr std::uint8_t kVersion23 = 0x23;
-  const bool with_mode = configuration_.nmea().version >= kVersion23;
-  const nmea::Epoch epoch = nmea_epoch(navigator_.solution(), talker(), with_mode, in_view_);
-  if (name == "GSV") {
-    for (int page = 1; page <= nmea::gsv_pages(epoch); ++page) {
-      send(now, nmea::write_gsv(epoch, page).bytes());
-    }
+  const nmea::Epoch epoch = nmea_epoch(navigator_.solution(), configuration_, in_view_);
+  if (name == "PUBX,04") {
+    send(now, nmea::write_pubx_time(epoch, pubx_time(navigator_.solution())).bytes());
     return;
   }
+  using Counter = int (*)(const nmea::Epoch&);
+  using PageWriter = nmea::Sentence (*)(const nmea::Epoch&, int);
+  struct Paged {
+    std::string_view type;
+    Counter pages;
+    PageWriter write;
+  };
+  constexpr std::array<Paged, 3> kPaged{{
+      {"GSA", nmea::gsa_sentences, nmea::write_gsa},
+      {"GSV", nmea::gsv_pages, nmea::write_gsv},
+      {"GRS", nmea::grs_sentences, nmea::write_grs},
+  }};
+  for (const auto& [type, pages, write] : kPaged) {
+    for (int page = 1; type == name && page <= pages(epoch); ++page) {
+      send(now, write(epoch, page).bytes());
+    }
+  }
   using Writer = nmea::Sentence (*)(const nmea::Epoch&);
-  constexpr std::array<std::pair<std::string_view, Writer>, 6> kWriters{{
+  constexpr std::array<std::pair<std::string_view, Writer>, 11> kWriters{{
       {"RMC", nmea::write_rmc},
       {"VTG", nmea::write_vtg},
       {"GGA", nmea::write_gga},
-      {"GSA", nmea::write_gsa},
       {"GLL", nmea::write_gll},
       {"ZDA", nmea::write_zda},
+      {"GST", nmea::write_gst},
+      {"GBS", [](const nmea::Epoch& e) { return nmea::write_gbs(e); }},
+      {"DTM", nmea::write_dtm},
+      {"GNS", nmea::write_gns},
+      {"PUBX,00", nmea::write_pubx_position},
+      {"PUBX,03", nmea::write_pubx_satellites},
   }};
   for (const auto& [type, write] : kWriters) {
     if (type == name) {
@@ -133,7 +150,9 @@ void UbloxReceiver::send_text(SimTime now, nmea::TextKind kind, std::string_view
     send(now, std::span(frame).first(ubx::encode_information(information, frame)));
   }
   if (speaks(ubx::kProtocolNmea) && configuration_.text_enabled(kNmea, bit)) {
-    send(now, nmea::write_txt(talker(), kind, text).bytes());
+    send(now, nmea::write_txt(nmea_epoch(navigator_.solution(), configuration_, in_view_).talker,
+                              kind, text)
+                  .bytes());
   }
 }
 

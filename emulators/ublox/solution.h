@@ -12,7 +12,8 @@
 #include <vector>
 
 #include "emulators/ublox/profile.h"
-#include "protocols/nmea/position_sentences.h"
+#include "protocols/nmea/epoch.h"
+#include "protocols/nmea/pubx_sentences.h"
 #include "protocols/ubx/frame.h"
 #include "sim/samples/calendar.h"
 #include "sim/samples/gnss_sample.h"
@@ -98,9 +99,12 @@ void set_time(UbloxSolution& solution, const Calendar& calendar, const UbloxTime
                                             protocols::ubx::MessageId id,
                                             std::span<std::uint8_t> out);
 
-/// The same epoch for the NMEA writers; `list` holds its satellites.
+/// The same epoch for the NMEA writers, as CFG-NMEA wants it; `list` holds its satellites.
 [[nodiscard]] protocols::nmea::Epoch nmea_epoch(
-    const UbloxSolution& solution, std::string_view talker, bool with_mode,
+    const UbloxSolution& solution, const UbloxConfiguration& configuration,
     std::vector<protocols::nmea::SatelliteInView>& list);
+
+/// What PUBX,04 says besides.
+[[nodiscard]] protocols::nmea::PubxTime pubx_time(const UbloxSolution& solution);
 
 }  // namespace rigwire::emulators

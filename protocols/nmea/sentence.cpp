@@ -113,7 +113,9 @@ Sentence& Sentence::field(std::string_view text) {
 Sentence& Sentence::number(const char* format, double value) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), format, value);
-  return field(text.data());
+  const std::string_view printed = text.data();
+  const bool negative_zero = printed.find_first_not_of("-0.") == std::string_view::npos;
+  return field(printed.substr(negative_zero && printed.starts_with('-') ? 1 : 0));
 }
 
 Sentence& Sentence::number(const char* format, int value) {

@@ -20,6 +20,9 @@ namespace rigwire::protocols::nmea {
 /// receivers take and print longer ones.
 inline constexpr std::size_t kMaximumSentence = 256;
 
+/// Room for a sentence that is written; PUBX,03 needs most.
+inline constexpr std::size_t kLongestWritten = 1024;
+
 /// Most fields after the address that a view keeps.
 inline constexpr std::size_t kMaximumFields = 32;
 
@@ -48,14 +51,15 @@ struct SentenceView {
 /// Offset of the first '$' at or after `from`; bytes.size() when there is none.
 [[nodiscard]] std::size_t find_start(std::span<const std::uint8_t> bytes, std::size_t from);
 
-/// A sentence being written. Text beyond the room is cut (no sentence of ours comes near it).
+/// A sentence being written. Text beyond kLongestWritten is cut (no sentence of ours comes near
+/// it).
 class Sentence {
  public:
   explicit Sentence(std::string_view address);
 
   Sentence& field(std::string_view text);
   Sentence& empty() { return field({}); }
-  /// printf-style with one number: "%.2f".
+  /// printf-style with one number: "%.2f". What rounds to zero has no minus sign.
   Sentence& number(const char* format, double value);
   Sentence& number(const char* format, int value);
 
@@ -66,7 +70,7 @@ class Sentence {
  private:
   void append(std::string_view text);
 
-  std::array<char, kMaximumSentence> characters_{};
+  std::array<char, kLongestWritten> characters_{};
   std::size_t size_ = 0;
   bool finished_ = false;
 };

@@ -1,5 +1,6 @@
 // An emulated receiver fed arbitrary bytes in arbitrary pieces: what it puts out is always whole
-// sentences and frames, in chunks that a UART can carry, at times that never go back.
+// sentences and frames, in chunks that a UART can carry, at times that never go back. The first
+// byte chooses whether the client changes its speed and the supply is switched, too.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -70,10 +71,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   emulators::UbloxReceiver receiver(emulators::UbloxSettings{}, calendar, line);
   receiver.advance(kStart + 1s);
   std::span<const std::uint8_t> rest(data, size);
+  const std::uint8_t choices = size > 0 ? data[0] : 0;
+  const bool changes_speed = (choices & 0x40U) != 0;
+  const bool switches = (choices & 0x80U) != 0;
   SimTime now = kStart + 1s;
   for (int step = 0; !rest.empty() && step < 64; ++step) {
     const std::size_t piece = step == 63 ? rest.size() : rest[0] % 64 + std::size_t{1};
     const std::size_t taken = piece < rest.size() ? piece : rest.size();
+    if (changes_speed) {
+      constexpr std::uint32_t kSpeeds[]{0, 4800, 9600, 115200};
+      receiver.set_client(now, {rest[0] % 2 == 0, kSpeeds[rest[0] / 2 % 4]});
+    }
+    if (switches) {
+      receiver.power(now, rest[0] % 8 != 0);
+      receiver.external_interrupt(now, rest[0] % 2 == 0);
+    }
     receiver.receive(now, rest.first(taken));
     rest = rest.subspan(taken);
     const SimTime sample = receiver.sample_plan().next_after(now);
@@ -89,6 +101,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   now += 200s;
   receiver.advance(now);
   require(receiver.next_event() > now);
-  line.check(receiver.counters().resets > 0);
+  line.check(receiver.counters().resets > 0 || changes_speed || switches);
   return 0;
 }

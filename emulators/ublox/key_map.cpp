@@ -13,12 +13,10 @@ UbloxKeyMap::UbloxKeyMap(const UbloxProfile& profile) : entries_(ubx::configurat
   for (const ubx::MessageRateKeys& keys : ubx::message_rate_keys()) {
     const std::size_t message = message_index(profile, keys.message);
     const bool known = message < profile.messages.size();
-    const bool produced = known && profile.messages[message].greatest_bytes > 0;
     for (std::uint8_t port = 0; port < ubx::kMessageRatePorts; ++port) {
       Entry& entry = entries_[ubx::key_index(keys.first + port)];
       entry.message = known ? static_cast<std::int16_t>(message) : std::int16_t{-1};
       entry.port = port;
-      entry.unknown_rate = !produced && port == ubx::kPortUart1;
     }
   }
 }
@@ -42,10 +40,6 @@ void UbloxKeyMap::write(UbloxConfigurationState& state, std::size_t index,
     state.rates[static_cast<std::size_t>(entry.message)][entry.port] =
         static_cast<std::uint8_t>(value);
   }
-}
-
-bool UbloxKeyMap::is_rate_of_unknown(std::size_t index) const {
-  return entries_[index].unknown_rate;
 }
 
 }  // namespace rigwire::emulators

@@ -20,15 +20,11 @@ class UbloxKeyMap {
   [[nodiscard]] std::uint64_t read(const UbloxConfigurationState& state, std::size_t index) const;
   void write(UbloxConfigurationState& state, std::size_t index, std::uint64_t value) const;
 
-  /// Whether it is the rate, on the receiver's own line, of a message that is not produced.
-  [[nodiscard]] bool is_rate_of_unknown(std::size_t index) const;
-
  private:
   struct Entry {
     const UbloxKeyBinding* field = nullptr;
     std::int16_t message = -1;  ///< Index in UbloxProfile::messages.
     std::uint8_t port = 0;
-    bool unknown_rate = false;
   };
 
   std::vector<Entry> entries_;

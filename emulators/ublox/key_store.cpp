@@ -214,9 +214,6 @@ bool UbloxKeyStore::apply_to_ram(UbloxConfiguration& configuration) {
     } else {
       candidate_[i] = *staged_[i];
     }
-    if (map_.is_rate_of_unknown(i) && *staged_[i] != 0) {
-      return false;
-    }
   }
   if (!can_be_honoured(configuration.profile(), state, candidate_)) {
     return false;

@@ -1,21 +1,27 @@
 // The u-blox NEO-M8N: protocol 18.00, firmware SPG 3.01 in flash.
 //
 // Source: u-blox M8 receiver description, UBX-13003221 R28, sections 2.1.2 (texts at power-on),
-// 2.1.3 (MON-VER), 32 (messages) and appendix C (defaults). Where chapter 31 and appendix C.12 give
+// 2.1.4 (MON-VER), 32 (messages) and appendix C (defaults). Where chapter 31 and appendix C.12 give
 // different NMEA versions, C.12 is followed: 4.0. Order within an epoch: recordings.
 #include <algorithm>
 #include <array>
 
 #include "emulators/ublox/configuration_state.h"
+#include "emulators/ublox/message_rows.h"
 #include "emulators/ublox/profile.h"
 #include "emulators/ublox/solution_modern.h"
+#include "protocols/ubx/monitor.h"
+#include "protocols/ubx/navigation.h"
+#include "protocols/ubx/navigation_precise.h"
+#include "protocols/ubx/navigation_satellites.h"
+#include "protocols/ubx/raw_measurements.h"
+#include "protocols/ubx/timing.h"
 
 namespace rigwire::emulators {
 namespace {
 
 namespace ubx = protocols::ubx;
 
-constexpr std::size_t kFrame = ubx::kOverheadBytes;
 constexpr std::size_t kSatellites = 32;  // tracking channels
 
 // Longest forms with NMEA 4.1: several systems, each with its own GSA and GSV.
@@ -27,76 +33,74 @@ constexpr std::size_t kGsv = 8 /*pages*/ * 70;
 constexpr std::size_t kGll = 53;
 constexpr std::size_t kZda = 40;
 
-constexpr UbloxMessage produced(std::uint8_t message_class, std::uint8_t id, std::string_view name,
-                                std::size_t payload) {
-  return {{message_class, id}, name, kFrame + payload, false};
-}
-constexpr UbloxMessage sentence(std::uint8_t id, std::string_view name, std::size_t bytes) {
-  return {{0xF0, id}, name, bytes, true};
-}
-constexpr UbloxMessage known(std::uint8_t message_class, std::uint8_t id) {
-  return {{message_class, id}, {}, 0, message_class >= 0xF0};
-}
+constexpr std::size_t kGst = 72;
+constexpr std::size_t kGbs = 70;
+constexpr std::size_t kGrs = 3 /*systems*/ * (36 + 12 /*slots*/ * 7);
+constexpr std::size_t kDtm = 48;
+constexpr std::size_t kGns = 96;
+constexpr std::size_t kPubx00 = 130;
+constexpr std::size_t kPubx03 = 20 + kSatellites * 18;
+constexpr std::size_t kPubx04 = 72;
 
 constexpr std::array kMessages{
-    produced(0x01, 0x07, "NAV-PVT", 92),
-    produced(0x01, 0x34, "NAV-ORB", 8 + 6 * kSatellites),
-    produced(0x01, 0x35, "NAV-SAT", 8 + 12 * kSatellites),
-    produced(0x01, 0x03, "NAV-STATUS", 16),
-    produced(0x01, 0x06, "NAV-SOL", 52),
-    produced(0x01, 0x01, "NAV-POSECEF", 20),
-    produced(0x01, 0x02, "NAV-POSLLH", 28),
+    produced<ubx::NavPvt92>("NAV-PVT"),
+    listed<ubx::NavOrbHead, ubx::NavOrbBlock>("NAV-ORB", kSatellites),
+    listed<ubx::NavSatHead, ubx::NavSatBlock>("NAV-SAT", kSatellites),
+    produced<ubx::NavPosecef>("NAV-POSECEF"),
+    produced<ubx::NavPosllh>("NAV-POSLLH"),
+    produced<ubx::NavStatus>("NAV-STATUS"),
+    produced<ubx::NavSol>("NAV-SOL"),
     sentence(0x04, "RMC", kRmc),
     sentence(0x05, "VTG", kVtg),
     sentence(0x00, "GGA", kGga),
     sentence(0x02, "GSA", kGsa),
     sentence(0x03, "GSV", kGsv),
     sentence(0x01, "GLL", kGll),
+    sentence(0x07, "GST", kGst),
     sentence(0x08, "ZDA", kZda),
-    produced(0x01, 0x30, "NAV-SVINFO", 8 + 12 * kSatellites),
-    produced(0x01, 0x04, "NAV-DOP", 18),
-    produced(0x01, 0x11, "NAV-VELECEF", 20),
-    produced(0x01, 0x12, "NAV-VELNED", 36),
-    produced(0x01, 0x20, "NAV-TIMEGPS", 16),
-    produced(0x01, 0x21, "NAV-TIMEUTC", 20),
-    produced(0x01, 0x26, "NAV-TIMELS", 24),
-    produced(0x01, 0x22, "NAV-CLOCK", 20),
-    produced(0x01, 0x61, "NAV-EOE", 4),
-    produced(0x0A, 0x09, "MON-HW", 60),
-    known(0x01, 0x09),
-    known(0x01, 0x23),
-    known(0x01, 0x24),
-    known(0x01, 0x25),
-    known(0x01, 0x31),
-    known(0x01, 0x32),
-    known(0x01, 0x39),
-    known(0x01, 0x60),
-    known(0x02, 0x13),
-    known(0x02, 0x14),
-    known(0x02, 0x20),
-    known(0x02, 0x59),
-    known(0x0A, 0x02),
-    known(0x0A, 0x06),
-    known(0x0A, 0x07),
-    known(0x0A, 0x08),
-    known(0x0A, 0x0B),
-    known(0x0A, 0x21),
-    known(0x0B, 0x30),
-    known(0x0B, 0x31),
-    known(0x0B, 0x33),
-    known(0x0D, 0x01),
-    known(0x0D, 0x03),
-    known(0x0D, 0x06),
-    known(0x21, 0x08),
-    known(0xF0, 0x06),
-    known(0xF0, 0x07),
-    known(0xF0, 0x09),
-    known(0xF0, 0x0A),
-    known(0xF0, 0x0D),
-    known(0xF0, 0x0F),
-    known(0xF1, 0x00),
-    known(0xF1, 0x03),
-    known(0xF1, 0x04),
+    sentence(0x09, "GBS", kGbs),
+    sentence(0x06, "GRS", kGrs),
+    sentence(0x0A, "DTM", kDtm),
+    sentence(0x0D, "GNS", kGns),
+    proprietary(0x00, "PUBX,00", kPubx00),
+    proprietary(0x03, "PUBX,03", kPubx03),
+    proprietary(0x04, "PUBX,04", kPubx04),
+    listed<ubx::NavSvinfoHead, ubx::NavSvinfoChannel>("NAV-SVINFO", kSatellites),
+    produced<ubx::NavDop>("NAV-DOP"),
+    produced<ubx::NavVelecef>("NAV-VELECEF"),
+    produced<ubx::NavVelned>("NAV-VELNED"),
+    produced<ubx::NavTimegps>("NAV-TIMEGPS"),
+    produced<ubx::NavTimeutc>("NAV-TIMEUTC"),
+    produced<ubx::NavTimels>("NAV-TIMELS"),
+    produced<ubx::NavClock>("NAV-CLOCK"),
+    listed<ubx::NavSbasHead, ubx::NavSbasBlock>("NAV-SBAS", kSatellites),
+    produced<ubx::NavDgpsHead>("NAV-DGPS"),
+    produced<ubx::NavAopstatus>("NAV-AOPSTATUS"),
+    produced<ubx::NavEoe>("NAV-EOE"),
+    produced<ubx::MonHw>("MON-HW"),
+    produced<ubx::MonHw2>("MON-HW2"),
+    listed(ubx::MonIoHead::kId, "MON-IO", ubx::kMonitorPorts* ubx::MonIoPort::kLength),
+    produced<ubx::MonMsgpp>("MON-MSGPP"),
+    produced<ubx::MonRxbuf>("MON-RXBUF"),
+    produced<ubx::MonTxbuf>("MON-TXBUF"),
+    produced<ubx::MonRxr>("MON-RXR"),
+    listed({0x02, 0x13}, "RXM-SFRBX", kSatellites * 56 - ubx::kOverheadBytes),
+    listed({0x02, 0x20}, "RXM-SVSI", 8 + 6 * kSatellites),
+    listed({0x0B, 0x30}, "AID-ALM", 32 * 48 - ubx::kOverheadBytes),
+    listed({0x0B, 0x31}, "AID-EPH", 32 * 112 - ubx::kOverheadBytes),
+    produced<ubx::TimTm2>("TIM-TM2"),
+    produced<ubx::TimTp>("TIM-TP"),
+    silent(0x01, 0x09),
+    silent(0x01, 0x23),
+    silent(0x01, 0x24),
+    silent(0x01, 0x25),
+    silent(0x01, 0x39),
+    silent(0x02, 0x14),
+    silent(0x02, 0x59),
+    silent(0x0B, 0x33),
+    silent(0x0D, 0x06),
+    silent(0x21, 0x08),
+    silent(0xF0, 0x0F),
 };
 static_assert(kMessages.size() <= kMaximumMessages);
 

@@ -10,6 +10,7 @@
 #include "protocols/ubx/blocks.h"
 #include "protocols/ubx/navigation.h"
 #include "protocols/ubx/navigation_precise.h"
+#include "protocols/ubx/precise_position.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -176,33 +177,22 @@ NavCov covariance(const UbloxSolution& s) {
   return m;
 }
 
-/// A value in fine counts as coarse counts and the rest, both of the value's sign.
-struct Split {
-  std::int32_t coarse = 0;
-  std::int8_t rest = 0;
-};
-Split split(double value, double fine_unit, std::int64_t fine_per_coarse) {
-  const std::int64_t fine = std::llround(value / fine_unit);
-  return {static_cast<std::int32_t>(fine / fine_per_coarse),
-          static_cast<std::int8_t>(fine % fine_per_coarse)};
-}
-
 NavHpposllh precise_geodetic(const UbloxSolution& s) {
-  const Split longitude = split(s.longitude_deg, 1e-9, 100);
-  const Split latitude = split(s.latitude_deg, 1e-9, 100);
-  const Split height = split(s.ellipsoid_height_m, 1e-4, 10);
-  const Split above_sea = split(s.ellipsoid_height_m - s.geoid_separation_m, 1e-4, 10);
+  const SplitAngle longitude = split_angle(s.longitude_deg);
+  const SplitAngle latitude = split_angle(s.latitude_deg);
+  const SplitHeight height = split_height(s.ellipsoid_height_m);
+  const SplitHeight above_sea = split_height(s.ellipsoid_height_m - s.geoid_separation_m);
   NavHpposllh m;
   m.flags = s.dimensions == 0 ? 1 : 0;
   m.time_of_week_ms = s.time_of_week_ms;
-  m.longitude_e7deg = longitude.coarse;
-  m.latitude_e7deg = latitude.coarse;
-  m.ellipsoid_height_mm = height.coarse;
-  m.mean_sea_level_height_mm = above_sea.coarse;
-  m.longitude_rest_e9deg = longitude.rest;
-  m.latitude_rest_e9deg = latitude.rest;
-  m.ellipsoid_height_rest_e4m = height.rest;
-  m.mean_sea_level_height_rest_e4m = above_sea.rest;
+  m.longitude_e7deg = longitude.e7deg;
+  m.latitude_e7deg = latitude.e7deg;
+  m.ellipsoid_height_mm = height.mm;
+  m.mean_sea_level_height_mm = above_sea.mm;
+  m.longitude_rest_e9deg = longitude.rest_e9deg;
+  m.latitude_rest_e9deg = latitude.rest_e9deg;
+  m.ellipsoid_height_rest_e4m = height.rest_e4m;
+  m.mean_sea_level_height_rest_e4m = above_sea.rest_e4m;
   m.horizontal_accuracy_e4m = to_field<std::uint32_t>(s.horizontal_accuracy_m, 1e-4);
   m.vertical_accuracy_e4m = to_field<std::uint32_t>(s.vertical_accuracy_m, 1e-4);
   return m;
@@ -213,9 +203,9 @@ NavHpposecef precise_earth_centred(const UbloxSolution& s) {
   NavHpposecef m;
   m.time_of_week_ms = s.time_of_week_ms;
   for (std::size_t axis = 0; axis < position_m.size(); ++axis) {
-    const Split part = split(position_m[axis], 1e-4, 100);
-    m.position_cm[axis] = part.coarse;
-    m.position_rest_e4m[axis] = part.rest;
+    const SplitCoordinate part = split_coordinate(position_m[axis]);
+    m.position_cm[axis] = part.cm;
+    m.position_rest_e4m[axis] = part.rest_e4m;
   }
   m.flags = s.dimensions == 0 ? 1 : 0;
   m.position_accuracy_e4m =

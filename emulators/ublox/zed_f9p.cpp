@@ -1,24 +1,30 @@
 // The u-blox ZED-F9P: protocol 27.50, firmware HPG 1.50.
 //
-// Source: u-blox F9 HPG 1.50 interface description, UBXDOC-963802114-12815, sections 1.1
+// Source: u-blox F9 HPG 1.50 interface description, UBXDOC-963802114-12815, sections 1.2
 // (versions), 3 (messages) and "Configuration defaults"; lines at power-on and their order from a
 // recording of HPG 1.12; order within an epoch: recordings. CFG-GNSS has no documented default:
-// channels as a receiver of HPG 1.13 answers.
+// its numbers of channels are of no consequence here and not verified.
 #include <algorithm>
 #include <array>
 #include <vector>
 
 #include "emulators/ublox/configuration_state.h"
 #include "emulators/ublox/key_store.h"
+#include "emulators/ublox/message_rows.h"
 #include "emulators/ublox/profile.h"
 #include "emulators/ublox/solution_modern.h"
+#include "protocols/ubx/monitor.h"
+#include "protocols/ubx/navigation.h"
+#include "protocols/ubx/navigation_precise.h"
+#include "protocols/ubx/navigation_satellites.h"
+#include "protocols/ubx/raw_measurements.h"
+#include "protocols/ubx/timing.h"
 
 namespace rigwire::emulators {
 namespace {
 
 namespace ubx = protocols::ubx;
 
-constexpr std::size_t kFrame = ubx::kOverheadBytes;
 constexpr std::size_t kSatellites = 32;  // usual at most
 
 // Longest forms with NMEA 4.11 and high precision: four systems, each with its own GSA and GSV.
@@ -30,50 +36,69 @@ constexpr std::size_t kGsv = 15 /*pages*/ * 72;
 constexpr std::size_t kGll = 57;
 constexpr std::size_t kZda = 40;
 
-constexpr UbloxMessage produced(std::uint8_t message_class, std::uint8_t id, std::string_view name,
-                                std::size_t payload) {
-  return {{message_class, id}, name, kFrame + payload, false};
-}
-constexpr UbloxMessage sentence(std::uint8_t id, std::string_view name, std::size_t bytes) {
-  return {{0xF0, id}, name, bytes, true};
-}
+constexpr std::size_t kGst = 72;
+constexpr std::size_t kGbs = 70;
+constexpr std::size_t kGrs = 4 /*systems*/ * (36 + 12 /*slots*/ * 7);
+constexpr std::size_t kDtm = 48;
+constexpr std::size_t kGns = 96;
+constexpr std::size_t kPubx00 = 130;
+constexpr std::size_t kPubx03 = 20 + kSatellites * 18;
+constexpr std::size_t kPubx04 = 72;
 
 constexpr std::array kProduced{
-    produced(0x01, 0x07, "NAV-PVT", 92),
-    produced(0x01, 0x34, "NAV-ORB", 8 + 6 * kSatellites),
-    produced(0x01, 0x01, "NAV-POSECEF", 20),
-    produced(0x01, 0x02, "NAV-POSLLH", 28),
-    produced(0x01, 0x03, "NAV-STATUS", 16),
-    produced(0x01, 0x13, "NAV-HPPOSECEF", 28),
-    produced(0x01, 0x14, "NAV-HPPOSLLH", 36),
-    produced(0x01, 0x11, "NAV-VELECEF", 20),
-    produced(0x01, 0x12, "NAV-VELNED", 36),
+    listed<ubx::RxmRawxHead, ubx::RxmRawxBlock>("RXM-RAWX", kSatellites),
+    produced<ubx::NavPvt92>("NAV-PVT"),
+    listed<ubx::NavOrbHead, ubx::NavOrbBlock>("NAV-ORB", kSatellites),
+    produced<ubx::NavPosecef>("NAV-POSECEF"),
+    produced<ubx::NavPosllh>("NAV-POSLLH"),
+    produced<ubx::NavStatus>("NAV-STATUS"),
+    produced<ubx::NavHpposecef>("NAV-HPPOSECEF"),
+    produced<ubx::NavHpposllh>("NAV-HPPOSLLH"),
+    produced<ubx::NavVelecef>("NAV-VELECEF"),
+    produced<ubx::NavVelned>("NAV-VELNED"),
     sentence(0x04, "RMC", kRmc),
     sentence(0x05, "VTG", kVtg),
     sentence(0x00, "GGA", kGga),
     sentence(0x02, "GSA", kGsa),
     sentence(0x03, "GSV", kGsv),
     sentence(0x01, "GLL", kGll),
+    sentence(0x07, "GST", kGst),
     sentence(0x08, "ZDA", kZda),
-    produced(0x01, 0x35, "NAV-SAT", 8 + 12 * kSatellites),
-    produced(0x01, 0x04, "NAV-DOP", 18),
-    produced(0x01, 0x20, "NAV-TIMEGPS", 16),
-    produced(0x01, 0x21, "NAV-TIMEUTC", 20),
-    produced(0x01, 0x26, "NAV-TIMELS", 24),
-    produced(0x01, 0x22, "NAV-CLOCK", 20),
-    produced(0x01, 0x36, "NAV-COV", 64),
-    produced(0x01, 0x61, "NAV-EOE", 4),
-    produced(0x0A, 0x38, "MON-RF", 4 + 24 * 2),
-    produced(0x0A, 0x09, "MON-HW", 60),
+    sentence(0x09, "GBS", kGbs),
+    sentence(0x06, "GRS", kGrs),
+    sentence(0x0A, "DTM", kDtm),
+    sentence(0x0D, "GNS", kGns),
+    proprietary(0x00, "PUBX,00", kPubx00),
+    proprietary(0x03, "PUBX,03", kPubx03),
+    proprietary(0x04, "PUBX,04", kPubx04),
+    listed<ubx::NavSatHead, ubx::NavSatBlock>("NAV-SAT", kSatellites),
+    produced<ubx::NavDop>("NAV-DOP"),
+    produced<ubx::NavTimegps>("NAV-TIMEGPS"),
+    produced<ubx::NavTimeutc>("NAV-TIMEUTC"),
+    produced<ubx::NavTimels>("NAV-TIMELS"),
+    produced<ubx::NavClock>("NAV-CLOCK"),
+    listed<ubx::NavSbasHead, ubx::NavSbasBlock>("NAV-SBAS", kSatellites),
+    produced<ubx::NavCov>("NAV-COV"),
+    produced<ubx::NavEoe>("NAV-EOE"),
+    listed<ubx::MonRfHead, ubx::MonRfBlock>("MON-RF", 2),
+    produced<ubx::MonHw>("MON-HW"),
+    produced<ubx::MonHw2>("MON-HW2"),
+    listed(ubx::MonIoHead::kId, "MON-IO", ubx::kMonitorPorts* ubx::MonIoPort::kLength),
+    produced<ubx::MonMsgpp>("MON-MSGPP"),
+    produced<ubx::MonRxbuf>("MON-RXBUF"),
+    produced<ubx::MonTxbuf>("MON-TXBUF"),
+    produced<ubx::MonRxr>("MON-RXR"),
+    listed({0x02, 0x13}, "RXM-SFRBX", kSatellites * 56 - ubx::kOverheadBytes),
+    produced<ubx::TimTm2>("TIM-TM2"),
+    produced<ubx::TimTp>("TIM-TP"),
 };
 
 /// What is produced, then everything else that has a rate.
 std::vector<UbloxMessage> all_messages() {
   std::vector<UbloxMessage> messages(kProduced.begin(), kProduced.end());
-  constexpr std::uint8_t kFirstSentenceClass = 0xF0;
   for (const ubx::MessageRateKeys& keys : ubx::message_rate_keys()) {
     if (std::ranges::find(kProduced, keys.message, &UbloxMessage::id) == kProduced.end()) {
-      messages.push_back({keys.message, {}, 0, keys.message.message_class >= kFirstSentenceClass});
+      messages.push_back(silent(keys.message.message_class, keys.message.message_id));
     }
   }
   return messages;

@@ -157,9 +157,6 @@ TEST_F(KeyStore, WhatCannotBeHonouredTogetherIsRefused) {
       << "no system is left";
   EXPECT_FALSE(valset(kRam, {{"CFG-NMEA-HIGHPREC", 1}, {"CFG-NMEA-COMPAT", 1}}));
   EXPECT_FALSE(valset(kRam, {{"CFG-UART1-ENABLED", 0}})) << "the only line there is";
-  EXPECT_FALSE(valset(kRam, {{"CFG-MSGOUT-UBX_RXM_RTCM_UART1", 1}})) << "not produced";
-  EXPECT_TRUE(valset(kRam, {{"CFG-MSGOUT-UBX_RXM_RTCM_UART2", 1}})) << "no line of ours";
-  EXPECT_EQ(in_ram("CFG-MSGOUT-UBX_RXM_RTCM_UART2"), 1U);
 }
 
 TEST_F(KeyStore, LastValueOfARepeatedItemCounts) {

@@ -1,0 +1,36 @@
+// The receivers that every scripted driver talks to.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "emulators/ublox/profile.h"
+#include "emulators/ublox/receiver.h"
+
+namespace rigwire::emulators::conversation {
+
+struct ReceiverType {
+  std::string name;  ///< For test names.
+  int generation = 7;
+  std::size_t pvt_bytes = 84;
+  UbloxSettings settings;
+};
+
+[[nodiscard]] inline ReceiverType receiver_type(std::string name, const UbloxProfile& profile) {
+  UbloxSettings settings;
+  settings.profile = &profile;
+  settings.baud = profile.baud;
+  return {std::move(name), profile.generation, profile.pvt_bytes, settings};
+}
+
+[[nodiscard]] inline std::vector<ReceiverType> receiver_types() {
+  return {receiver_type("NEO7P", ublox_neo_7p()), receiver_type("NEOM8N", ublox_neo_m8()),
+          receiver_type("ZEDF9P", ublox_zed_f9p())};
+}
+
+[[nodiscard]] inline std::string name_of(const ReceiverType& type) {
+  return type.name;
+}
+
+}  // namespace rigwire::emulators::conversation

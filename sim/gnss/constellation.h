@@ -5,7 +5,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -70,12 +69,6 @@ class Constellation {
     std::span<const GpsEphemeris> sets, const KlobucharParameters& ionosphere,
     const GpsUtcParameters& utc);
 
-inline constexpr std::size_t kGpsSlots = 24;
-
-/// Earth-centred earth-fixed position of slot 0..23 (A1..A4, B1.., F4; PRN = slot + 1), m.
-[[nodiscard]] Eigen::Vector3d gps_satellite_ecef(std::size_t slot, const GpsTime& time);
-
-/// All slots at once.
-[[nodiscard]] std::array<Eigen::Vector3d, kGpsSlots> gps_constellation_ecef(const GpsTime& time);
+inline constexpr std::size_t kGpsSlots = 24;  ///< Nominal ones; PRN 1..24.
 
 }  // namespace rigwire::sim

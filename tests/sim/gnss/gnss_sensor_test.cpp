@@ -208,17 +208,6 @@ TEST_F(GnssSensorTest, WorksAtThePole) {
   }
 }
 
-TEST_F(GnssSensorTest, SatellitesRepeatAfterASiderealDay) {
-  // Half a sidereal day is one orbit of the nominal slots to within the constants' digits.
-  const GpsTime now{2421, 0};
-  const GpsTime later{2421, 86'164LL * 1'000'000'000};
-  for (std::size_t slot = 0; slot < kGpsSlots; ++slot) {
-    const Eigen::Vector3d p = gps_satellite_ecef(slot, now);
-    EXPECT_NEAR(p.norm(), 26'559.7e3, 1.0);
-    EXPECT_LT((gps_satellite_ecef(slot, later) - p).norm(), 40e3);
-  }
-}
-
 TEST_F(GnssSensorTest, RefusesStrangeParameters) {
   GnssParameters parameters;
   parameters.circular_error_m = -1.0;

@@ -118,7 +118,9 @@ TEST_F(RigProcess, GpsdFindsTheReceiverAndItsPosition) {
   ChildProcess rig(command({"--duration", "90s"}), file("rig.log"));
   ASSERT_TRUE(eventually([&] { return wires_are_up(); })) << rig.output();
   const std::string port = std::to_string(test::free_port(SOCK_STREAM));
-  ChildProcess gpsd({"gpsd", "-N", "-n", "-S", port, wires_.gnss()}, file("gpsd.log"));
+  // On a pseudo-terminal gpsd hunts for no speed: it takes the one that it is told, else 9600.
+  ChildProcess gpsd({"gpsd", "-N", "-n", "-s", "115200", "-S", port, wires_.gnss()},
+                    file("gpsd.log"));
   Json fix;
   const bool found = eventually(
       [&] {

@@ -46,7 +46,7 @@ double length_within(std::span<Crossing> crossings, double end_m) {
   const auto twin = [](const Crossing& a, const Crossing& b) {
     return a.inwards == b.inwards && b.range_m - a.range_m < kSameCrossing_m;
   };
-  const auto last = std::ranges::unique(crossings, twin).begin();
+  const auto last = std::unique(crossings.begin(), crossings.end(), twin);
   int depth = 0;
   for (auto it = crossings.begin(); it != last; ++it) {
     depth += it->inwards ? -1 : 1;

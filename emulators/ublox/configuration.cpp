@@ -12,14 +12,15 @@ using Payload = std::span<const std::uint8_t>;
 
 UbloxConfiguration::UbloxConfiguration(const UbloxSettings& settings)
     : profile_(settings.profile),
+      keys_(profile_->make_keys == nullptr ? nullptr : profile_->make_keys(*profile_)),
       default_(default_state(settings)),
       saved_(default_),
       present_(default_) {}
 
 bool UbloxConfiguration::is_poll(const FrameView& frame) const {
   const std::size_t length = frame.payload.size();
-  if (profile_->keys != nullptr && profile_->keys->handles(frame.id)) {
-    return profile_->keys->is_poll(frame);
+  if (keys_ && keys_->handles(frame.id)) {
+    return keys_->is_poll(frame);
   }
   if (frame.id == CfgMsg::kId) {
     return length == 2;
@@ -54,15 +55,21 @@ Payload UbloxConfiguration::reply_systems() {
 Payload UbloxConfiguration::reply_sentences() {
   const std::span<std::uint8_t> all = reply_;
   write_payload(present_.nmea, all.first(CfgNmea::kLength));
+  if (profile_->cfg_nmea_bytes > CfgNmea::kLength) {
+    all[CfgNmea::kLength - 1] = 1;  // version of the longer form
+  }
   std::ranges::copy(present_.nmea_tail, all.subspan(CfgNmea::kLength).begin());
   return all.first(profile_->cfg_nmea_bytes);
 }
 
 std::optional<Payload> UbloxConfiguration::poll(const FrameView& frame) {
   const MessageId id = frame.id;
-  if (profile_->keys != nullptr && profile_->keys->handles(id)) {
-    const std::size_t size = profile_->keys->poll(*this, frame, reply_);
-    return size == 0 ? std::nullopt : std::optional(Payload(reply_).first(size));
+  if (keys_) {
+    if (keys_->handles(id)) {
+      const std::size_t size = keys_->poll(*this, frame, reply_);
+      return size == 0 ? std::nullopt : std::optional(Payload(reply_).first(size));
+    }
+    keys_->interrupt();
   }
   const std::uint8_t selector = frame.payload.empty() ? 0 : frame.payload[0];
   if (id == CfgPrt::kId) {
@@ -103,8 +110,11 @@ std::optional<Payload> UbloxConfiguration::poll(const FrameView& frame) {
 
 bool UbloxConfiguration::set(const FrameView& frame) {
   const MessageId id = frame.id;
-  if (profile_->keys != nullptr && profile_->keys->handles(id)) {
-    return profile_->keys->set(*this, frame);
+  if (keys_) {
+    if (keys_->handles(id)) {
+      return keys_->set(*this, frame);
+    }
+    keys_->interrupt();
   }
   if (id == CfgPrt::kId) return set_ports(frame.payload);
   if (id == CfgMsg::kId) return set_message(frame.payload);
@@ -134,6 +144,21 @@ bool UbloxConfiguration::set(const FrameView& frame) {
     return true;
   }
   return set_opaque(frame);
+}
+
+void UbloxConfiguration::reload() {
+  if (keys_) {
+    keys_->reload(*this);
+  } else {
+    present_ = saved_;
+  }
+}
+
+void UbloxConfiguration::forget() {
+  saved_ = default_;
+  if (keys_) {
+    keys_->forget();
+  }
 }
 
 bool UbloxConfiguration::text_enabled(std::uint8_t protocol, unsigned kind_bit) const {

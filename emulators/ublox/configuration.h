@@ -11,6 +11,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -40,9 +41,9 @@ class UbloxConfiguration {
   bool set_port(const protocols::ubx::CfgPrt& port);
 
   /// After a reset the saved state is in force again.
-  void reload() { present_ = saved_; }
+  void reload();
   /// The battery-backed memory lost its supply.
-  void forget() { saved_ = default_; }
+  void forget();
 
   [[nodiscard]] const UbloxProfile& profile() const { return *profile_; }
   /// The layers, for UbloxKeyMessages. Whoever writes them holds to what set() would accept.
@@ -93,6 +94,7 @@ class UbloxConfiguration {
   [[nodiscard]] std::span<const std::uint8_t> reply_sentences();
 
   const UbloxProfile* profile_;
+  std::unique_ptr<UbloxKeyMessages> keys_;  ///< Null where the type has none.
   UbloxConfigurationState default_;
   UbloxConfigurationState saved_;
   UbloxConfigurationState present_;

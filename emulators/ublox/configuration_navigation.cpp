@@ -172,7 +172,9 @@ bool UbloxConfiguration::set_sentences(Payload payload) {
     return false;
   }
   present_.nmea = wanted;
-  std::ranges::copy(payload.subspan(CfgNmea::kLength), present_.nmea_tail.begin());
+  const Payload tail = payload.subspan(CfgNmea::kLength);
+  std::ranges::copy(tail.first(std::min(tail.size(), present_.nmea_tail.size())),
+                    present_.nmea_tail.begin());
   return true;
 }
 

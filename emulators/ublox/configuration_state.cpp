@@ -126,9 +126,6 @@ UbloxConfigurationState default_state(const UbloxSettings& settings) {
   s.pulses = default_pulses();
   set_systems(s, profile);
   set_opaque(s);
-  if (profile.keys != nullptr) {
-    s.extra.resize(profile.keys->extra_values());
-  }
   if (profile.adjust_defaults != nullptr) {
     profile.adjust_defaults(s);
   }
@@ -152,7 +149,6 @@ void copy_sections(const UbloxConfigurationState& from, UbloxConfigurationState&
     to.pulses = from.pulses;
     to.sbas = from.sbas;
     to.datum = from.datum;
-    to.extra = from.extra;
   }
   if ((mask & kSectionReceiver) != 0) {
     to.power = from.power;

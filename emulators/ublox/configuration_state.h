@@ -9,7 +9,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "emulators/ublox/profile.h"
 #include "emulators/ublox/settings.h"
@@ -42,8 +41,6 @@ struct UbloxConfigurationState {
   std::array<std::uint8_t, 12> log_filter{};            ///< CFG-LOGFILTER.
   std::array<std::uint8_t, 1 + 30> remote_inventory{};  ///< CFG-RINV: flags and text.
   std::size_t remote_inventory_bytes = 1;
-  /// Values that only UbloxKeyMessages knows, by its own order.
-  std::vector<std::uint64_t> extra;
 };
 
 /// CFG messages that are kept as bytes.
@@ -67,7 +64,7 @@ inline constexpr std::uint32_t kSectionLogging = 0x0800;
 /// The state of a receiver of that type with nothing saved. Precondition: validate(settings).
 [[nodiscard]] UbloxConfigurationState default_state(const UbloxSettings& settings);
 
-/// Copies the sections of `mask`. Allocates nothing when both states are of one type of receiver.
+/// Copies the sections of `mask`.
 void copy_sections(const UbloxConfigurationState& from, UbloxConfigurationState& to,
                    std::uint32_t mask);
 

@@ -90,6 +90,23 @@ MonHw hardware(const UbloxMonitorView& view) {
   return m;
 }
 
+/// The bands of a receiver with two: both hear the same.
+std::size_t put_bands(const UbloxMonitorView& view, std::span<std::uint8_t> out) {
+  const MonHw hearing = hardware(view);
+  std::array<MonRfBlock, 2> bands;
+  for (std::uint8_t band = 0; band < bands.size(); ++band) {
+    bands[band].block = band;
+    bands[band].flags = hearing.flags >> 2U & 3U;
+    bands[band].antenna_status = hearing.antenna_status;
+    bands[band].antenna_power = hearing.antenna_power;
+    bands[band].noise_per_ms = hearing.noise_per_ms;
+    bands[band].gain_control = hearing.gain_control;
+    bands[band].jamming_indicator = hearing.jamming_indicator;
+  }
+  const MonRfHead head{0, static_cast<std::uint8_t>(bands.size())};
+  return encode_blocks<MonRfHead, MonRfBlock>(head, bands, out);
+}
+
 MonHw2 radio_part() {
   MonHw2 m;
   m.magnitude_i = m.magnitude_q = 128;
@@ -180,6 +197,7 @@ std::size_t encode_monitor(const UbloxMonitorView& view, MessageId id,
   if (id == MonMsgpp::kId) return put(parsed(view), out);
   if (id == MonRxbuf::kId) return put(receive_buffer(view), out);
   if (id == MonTxbuf::kId) return put(transmit_buffer(view), out);
+  if (id == MonRfHead::kId) return put_bands(view, out);
   if (id == MonHw::kId) return put(hardware(view), out);
   if (id == MonHw2::kId) return put(radio_part(), out);
   if (id == MonRxr::kId) return put(MonRxr{1}, out);

@@ -3,6 +3,7 @@
 // Source: complete poll of a NEO-7P's default configuration, and its texts at power-on.
 #include <array>
 
+#include "emulators/ublox/message_rows.h"
 #include "emulators/ublox/profile.h"
 #include "protocols/ubx/aiding.h"
 #include "protocols/ubx/monitor.h"
@@ -32,25 +33,6 @@ constexpr std::size_t kPubx00 = 130;
 constexpr std::size_t kPubx03 = 20 + 16 /*satellites*/ * 20;
 constexpr std::size_t kPubx04 = 72;
 constexpr std::size_t kTrackable = 16;  // more than 24 slots ever show at once
-
-template <class Message>
-constexpr UbloxMessage produced(std::string_view name, std::size_t repeated = 0) {
-  return {Message::kId, name, ubx::frame_size<Message>() + repeated, false};
-}
-constexpr UbloxMessage sentence(std::uint8_t id, std::string_view name, std::size_t bytes) {
-  return {{0xF0, id}, name, bytes, true};
-}
-constexpr UbloxMessage proprietary(std::uint8_t id, std::string_view name, std::size_t bytes) {
-  return {{0xF1, id}, name, bytes, true};
-}
-/// With a payload of varying length.
-constexpr UbloxMessage listed(ubx::MessageId id, std::string_view name, std::size_t payload) {
-  return {id, name, ubx::kOverheadBytes + payload, false};
-}
-/// CFG-MSG takes a rate, and nothing ever comes: what they would tell is not emulated.
-constexpr UbloxMessage silent(std::uint8_t message_class, std::uint8_t id) {
-  return {{message_class, id}, {}, 0, false};
-}
 
 constexpr std::array kMessages{
     produced<ubx::NavPvt>("NAV-PVT"),

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string_view>
 
@@ -72,29 +73,34 @@ struct UbloxProfile {
   /// May be null. `out` holds at least kLongestSolutionFrame.
   std::size_t (*encode)(const UbloxSolution& solution, protocols::ubx::MessageId id,
                         std::span<std::uint8_t> out) = nullptr;
-  /// CFG-VALSET, VALGET, VALDEL; null where they are refused like any unknown message.
-  const UbloxKeyMessages* keys = nullptr;
+  /// CFG-VALSET, VALGET, VALDEL of one receiver; null where they are refused like any unknown
+  /// message.
+  std::unique_ptr<UbloxKeyMessages> (*make_keys)(const UbloxProfile& profile) = nullptr;
 };
 
 inline constexpr std::size_t kMaximumSystems = 8;
 inline constexpr std::size_t kMaximumMessages = 128;
 
-/// The configuration messages that address single items by key.
+/// The configuration messages that address single items by key, and the layers behind them. The
+/// state in force stays UbloxConfiguration's; items that no older message has are kept here.
 class UbloxKeyMessages {
  public:
   virtual ~UbloxKeyMessages() = default;
-  /// How many values the state must hold beyond the older messages
-  /// (UbloxConfigurationState::extra).
-  [[nodiscard]] virtual std::size_t extra_values() const = 0;
   [[nodiscard]] virtual bool handles(protocols::ubx::MessageId id) const = 0;
   [[nodiscard]] virtual bool is_poll(const protocols::ubx::FrameView& frame) const = 0;
   /// Payload size of the answer, written into `out`; 0 when the poll is refused.
   [[nodiscard]] virtual std::size_t poll(const UbloxConfiguration& configuration,
                                          const protocols::ubx::FrameView& frame,
-                                         std::span<std::uint8_t> out) const = 0;
+                                         std::span<std::uint8_t> out) = 0;
   /// False when it is refused, and then nothing has changed.
   [[nodiscard]] virtual bool set(UbloxConfiguration& configuration,
-                                 const protocols::ubx::FrameView& frame) const = 0;
+                                 const protocols::ubx::FrameView& frame) = 0;
+  /// Another configuration message came: what waits in a transaction is dropped.
+  virtual void interrupt() = 0;
+  /// After a reset: what the layers below say is in force again.
+  virtual void reload(UbloxConfiguration& configuration) = 0;
+  /// The battery-backed memory lost its supply.
+  virtual void forget() = 0;
 };
 
 /// Index in profile.messages; its size when unknown.

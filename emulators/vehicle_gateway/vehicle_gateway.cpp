@@ -21,8 +21,8 @@ std::uint64_t make_name(const VehicleGatewaySettings& settings) {
   return pack(name);
 }
 
-VehicleAddressPolicy make_policy(const VehicleGatewaySettings& settings) {
-  VehicleAddressPolicy policy;
+J1939AddressPolicy make_policy(const VehicleGatewaySettings& settings) {
+  J1939AddressPolicy policy;
   policy.preferred = settings.source_address;
   policy.name = make_name(settings);
   policy.arbitrary_address = settings.arbitrary_address;

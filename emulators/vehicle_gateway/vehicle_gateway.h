@@ -18,7 +18,7 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
-#include "emulators/vehicle_gateway/address.h"
+#include "emulators/j1939_address.h"
 #include "emulators/vehicle_gateway/control.h"
 #include "emulators/vehicle_gateway/diagnostics.h"
 #include "emulators/vehicle_gateway/report.h"
@@ -68,7 +68,7 @@ class VehicleGateway final : public CanDevice, public VehicleBackend {
 
   VehicleGatewaySettings settings_;
   FrameOutput& output_;
-  VehicleGatewayAddress address_;
+  J1939Address address_;
   VehicleControl control_;
   VehicleReport report_;
   VehicleDiagnostics diagnostics_;

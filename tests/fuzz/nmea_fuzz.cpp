@@ -22,6 +22,28 @@ void require_position(double latitude_deg, double longitude_deg) {
   require(std::abs(latitude_deg) <= 90.0 && std::abs(longitude_deg) <= 180.0);
 }
 
+void read_others(const SentenceView& sentence) {
+  if (const auto gll = read_gll(sentence); gll.ok() && gll->valid) {
+    require_position(gll->latitude_deg, gll->longitude_deg);
+  }
+  if (const auto vtg = read_vtg(sentence); vtg.ok()) {
+    require(vtg->course_deg.value_or(0.0) >= 0.0 && vtg->course_deg.value_or(0.0) <= 360.0);
+    require(std::isfinite(vtg->ground_speed_mps.value_or(0.0)));
+  }
+  if (const auto gsv = read_gsv(sentence); gsv.ok()) {
+    require(gsv->satellite_count <= gsv->satellites.size() && gsv->page <= gsv->pages);
+  }
+  if (const auto gsa = read_gsa(sentence); gsa.ok()) {
+    require(gsa->used_count <= gsa->used.size() && gsa->mode >= 1 && gsa->mode <= 3);
+  }
+  if (const auto zda = read_zda(sentence); zda.ok() && zda->date) {
+    require(zda->date->month >= 1 && zda->date->month <= 12);
+  }
+  if (const auto gst = read_gst(sentence); gst.ok()) {
+    require(std::isfinite(gst->range_m.value_or(0.0)));
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -49,6 +71,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       require_position(gga->latitude_deg, gga->longitude_deg);
       require(std::isfinite(gga->altitude_m) && std::isfinite(gga->separation_m));
     }
+    read_others(*sentence);
     Sentence copy(sentence->address);
     for (std::size_t i = 0; i < sentence->field_count; ++i) {
       copy.field(sentence->fields[i]);

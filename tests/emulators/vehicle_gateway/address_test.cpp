@@ -1,4 +1,4 @@
-#include "emulators/vehicle_gateway/address.h"
+#include "emulators/j1939_address.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-// The vehicle gateway's source address: claiming it, defending it, losing it.
+// A node's source address on a J1939 bus: claiming it, defending it, losing it.
 //
 // Source: SAE J1939-81, 4.2. The lower NAME keeps an address. A node with an address outside 0..127
 // and 248..253 stays silent for 250 ms after its claim. Who loses takes the next free address of
 // 128..247 where its NAME allows that, else says "cannot claim" (source 254) and sends nothing but
-// the same answer to requests for claims. (OpenIMU's firmware does otherwise: openimu_address.h.)
+// the same answer to requests for claims. (OpenIMU's firmware does otherwise: openimu/address.h.)
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace rigwire::emulators {
 
-struct VehicleAddressPolicy {
+struct J1939AddressPolicy {
   std::uint8_t preferred = 0;
   std::uint64_t name = 0;
   bool arbitrary_address = false;
@@ -22,11 +22,11 @@ struct VehicleAddressPolicy {
   Duration answer_delay{0};  ///< From an event to the frame.
 };
 
-class VehicleGatewayAddress {
+class J1939Address {
  public:
   static constexpr Duration kSilence = std::chrono::milliseconds{250};
 
-  VehicleGatewayAddress(const VehicleAddressPolicy& policy, FrameOutput& output);
+  J1939Address(const J1939AddressPolicy& policy, FrameOutput& output);
 
   void advance(SimTime now);
   /// The first claim, or the end of the silence after one.
@@ -50,7 +50,7 @@ class VehicleGatewayAddress {
   void claim(SimTime now);
   void lose(SimTime now);
 
-  VehicleAddressPolicy policy_;
+  J1939AddressPolicy policy_;
   FrameOutput& output_;
   State state_ = State::off;
   SimTime next_;

@@ -1,4 +1,4 @@
-#include "emulators/vehicle_gateway/address.h"
+#include "emulators/j1939_address.h"
 
 #include "protocols/j1939/message.h"
 
@@ -18,11 +18,11 @@ constexpr bool is_assigned(std::uint8_t address) {
 
 }  // namespace
 
-VehicleGatewayAddress::VehicleGatewayAddress(const VehicleAddressPolicy& policy,
+J1939Address::J1939Address(const J1939AddressPolicy& policy,
                                              FrameOutput& output)
     : policy_(policy), output_(output), next_(policy.first_claim), address_(policy.preferred) {}
 
-void VehicleGatewayAddress::advance(SimTime now) {
+void J1939Address::advance(SimTime now) {
   if (next_ > now) {
     return;
   }
@@ -37,7 +37,7 @@ void VehicleGatewayAddress::advance(SimTime now) {
   }
 }
 
-void VehicleGatewayAddress::claim(SimTime now) {
+void J1939Address::claim(SimTime now) {
   if (is_assigned(address_)) {
     state_ = State::held;
     next_ = kNever;
@@ -48,7 +48,7 @@ void VehicleGatewayAddress::claim(SimTime now) {
   output_.send(now + policy_.answer_delay, j1939::make_address_claim(address_, policy_.name));
 }
 
-void VehicleGatewayAddress::lose(SimTime now) {
+void J1939Address::lose(SimTime now) {
   state_ = State::off;
   for (unsigned address = kFirstArbitrary; policy_.arbitrary_address && address <= kLastArbitrary;
        ++address) {
@@ -64,7 +64,7 @@ void VehicleGatewayAddress::lose(SimTime now) {
   output_.send(now + policy_.answer_delay, j1939::make_address_claim(address_, policy_.name));
 }
 
-void VehicleGatewayAddress::on_claim(SimTime now, std::uint8_t source, std::uint64_t name) {
+void J1939Address::on_claim(SimTime now, std::uint8_t source, std::uint64_t name) {
   if (source >= j1939::kNullAddress) {
     return;  // "cannot claim" occupies nothing
   }
@@ -89,7 +89,7 @@ void VehicleGatewayAddress::on_claim(SimTime now, std::uint8_t source, std::uint
   }
 }
 
-void VehicleGatewayAddress::on_request(SimTime now) {
+void J1939Address::on_request(SimTime now) {
   if (state_ != State::off) {
     output_.send(now + policy_.answer_delay, j1939::make_address_claim(address_, policy_.name));
   }

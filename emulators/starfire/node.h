@@ -1,0 +1,68 @@
+// The bus side of an emulated John Deere StarFire 3000: position, direction and speed five times a
+// second, its quality every five seconds.
+//
+// Source address 28 unless it is lost; claim and defence as J1939Address. Requests for its groups
+// are answered, others refused when they are addressed to it. Its proprietary messages (PGN 65535)
+// are not sent: their layout is known from one forum's guesses only.
+// docs/devices/starfire-3000.md has bytes, sources and deviations.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "emulators/backends.h"
+#include "emulators/device.h"
+#include "emulators/j1939_address.h"
+#include "emulators/starfire/settings.h"
+#include "protocols/vehicle/position.h"
+#include "sim/samples/calendar.h"
+
+namespace rigwire::emulators {
+
+class StarFireNode final : public CanDevice, public GnssBackend {
+ public:
+  /// `output` must outlive the node. Throws like validate(settings).
+  StarFireNode(const StarFireSettings& settings, const Calendar& calendar, FrameOutput& output);
+
+  void advance(SimTime now) override;
+  [[nodiscard]] SimTime next_event() const override;
+  /// Aligned to GPS time.
+  [[nodiscard]] SamplePlan sample_plan() const override { return plan_; }
+  [[nodiscard]] ReceiveCounters received() const override { return received_; }
+  [[nodiscard]] double nominal_rate_hz() const override;
+  [[nodiscard]] std::span<const Quantity> quantities() const override;
+
+  void receive(SimTime now, const protocols::can::Frame& frame) override;
+  void update(const GnssSample& sample) override;
+
+  [[nodiscard]] std::uint8_t address() const { return address_.address(); }
+  [[nodiscard]] bool address_held() const { return address_.held(); }
+  [[nodiscard]] std::uint64_t name() const { return address_.name(); }
+
+ private:
+  /// Epochs between two VP2.
+  static constexpr std::uint64_t kQualityEpochs = 25;
+
+  struct Report {
+    protocols::vehicle::VehiclePosition position;
+    protocols::vehicle::VehicleDirectionSpeed direction;
+    protocols::vehicle::VehiclePosition2 quality;
+  };
+
+  void take(const GnssSample& sample);
+  /// Sends one group of the last report; false when it is none of ours.
+  bool send_group(SimTime now, std::uint32_t pgn);
+  void receive_request(SimTime now, const protocols::can::Frame& frame);
+
+  StarFireSettings settings_;
+  FrameOutput& output_;
+  J1939Address address_;
+  SamplePlan plan_;
+  Report report_;
+  SimTime publish_at_ = kNever;
+  std::uint64_t epochs_ = 0;
+  ReceiveCounters received_;
+};
+
+}  // namespace rigwire::emulators

@@ -1,0 +1,357 @@
+#include "emulators/ublox/key_bindings.h"
+
+#include <algorithm>
+#include <array>
+#include <type_traits>
+
+namespace rigwire::emulators {
+namespace {
+
+namespace ubx = protocols::ubx;
+using State = UbloxConfigurationState;
+
+// kField is a lambda from a state to a reference to one of its integers.
+
+template <auto kField>
+constexpr UbloxKeyBinding whole(std::uint32_t key) {
+  return {key,
+          [](const State& s) -> std::uint64_t {
+            using Integer = std::remove_cvref_t<decltype(kField(s))>;
+            return static_cast<std::make_unsigned_t<Integer>>(kField(s));
+          },
+          [](State& s, std::uint64_t value) {
+            using Integer = std::remove_cvref_t<decltype(kField(s))>;
+            kField(s) = static_cast<Integer>(value);
+          }};
+}
+
+/// A member of one of the state's messages.
+template <auto kMessage, auto kMember>
+constexpr auto kMemberOf = [](auto& s) -> auto& {
+  return s.*kMessage.*kMember;
+};
+template <auto kMessage, auto kMember>
+constexpr UbloxKeyBinding field(std::uint32_t key) {
+  return whole<kMemberOf<kMessage, kMember>>(key);
+}
+/// A member of the first time pulse.
+template <auto kMember>
+constexpr auto kPulseMember = [](auto& s) -> auto& {
+  return s.pulses[0].*kMember;
+};
+template <auto kMember>
+constexpr UbloxKeyBinding pulse(std::uint32_t key) {
+  return whole<kPulseMember<kMember>>(key);
+}
+
+template <auto kField, unsigned kBit, unsigned kWidth = 1>
+constexpr UbloxKeyBinding bits(std::uint32_t key) {
+  constexpr std::uint32_t kMask = (1U << kWidth) - 1U;
+  return {key,
+          [](const State& s) -> std::uint64_t {
+            return static_cast<std::uint32_t>(kField(s)) >> kBit & kMask;
+          },
+          [](State& s, std::uint64_t value) {
+            using Integer = std::remove_cvref_t<decltype(kField(s))>;
+            const auto shifted = (static_cast<std::uint32_t>(value) & kMask) << kBit;
+            kField(s) = static_cast<Integer>((kField(s) & ~(kMask << kBit)) | shifted);
+          }};
+}
+
+constexpr unsigned kUbx = 0;
+constexpr unsigned kNmea = 1;
+constexpr unsigned kRtcm3 = 5;
+constexpr unsigned kSpartn = 6;
+
+template <std::size_t kPort>
+constexpr auto kInput = [](auto& s) -> auto& {
+  return s.ports[kPort].input_protocols;
+};
+template <std::size_t kPort>
+constexpr auto kOutput = [](auto& s) -> auto& {
+  return s.ports[kPort].output_protocols;
+};
+template <std::size_t kPort>
+constexpr auto kBaud = [](auto& s) -> auto& {
+  return s.ports[kPort].baud;
+};
+
+// Framing in the mode word of CFG-PRT: bits 6..7 length, 9..11 parity, 12..13 stop bits.
+
+// CFG-UART-STOPBITS counts halves from 0.5; the mode word has 1, 1.5, 2, 0.5.
+template <std::size_t kPort>
+constexpr UbloxKeyBinding stop_bits(std::uint32_t key) {
+  return {key,
+          [](const State& s) -> std::uint64_t { return ((s.ports[kPort].mode >> 12U) + 1U) & 3U; },
+          [](State& s, std::uint64_t value) {
+            const auto code = static_cast<std::uint32_t>(value + 3U) & 3U;
+            s.ports[kPort].mode = (s.ports[kPort].mode & ~0x3000U) | code << 12U;
+          }};
+}
+// 0 is eight, 1 seven; in the mode word 3 and 2.
+template <std::size_t kPort>
+constexpr UbloxKeyBinding data_bits(std::uint32_t key) {
+  return {key,
+          [](const State& s) -> std::uint64_t {
+            return (s.ports[kPort].mode >> 6U & 3U) == 3U ? 0U : 1U;
+          },
+          [](State& s, std::uint64_t value) {
+            s.ports[kPort].mode = (s.ports[kPort].mode & ~0xC0U) | (value == 0 ? 0xC0U : 0x80U);
+          }};
+}
+// 0 none, 1 odd, 2 even; in the mode word 4, 1, 0.
+template <std::size_t kPort>
+constexpr UbloxKeyBinding parity(std::uint32_t key) {
+  return {key,
+          [](const State& s) -> std::uint64_t {
+            const auto code = s.ports[kPort].mode >> 9U & 7U;
+            return (code & 4U) != 0 ? 0U : code == 1 ? 1U : 2U;
+          },
+          [](State& s, std::uint64_t value) {
+            const std::uint32_t code = value == 0 ? 4U : value == 1 ? 1U : 0U;
+            s.ports[kPort].mode = (s.ports[kPort].mode & ~0xE00U) | code << 9U;
+          }};
+}
+
+// NMEA versions by number of the item and of CFG-NMEA.
+constexpr std::array<std::pair<std::uint8_t, std::uint8_t>, 5> kNmeaVersions{
+    {{21, 0x21}, {23, 0x23}, {40, 0x40}, {41, 0x41}, {42, 0x4B}}};
+
+constexpr UbloxKeyBinding nmea_version(std::uint32_t key) {
+  return {key,
+          [](const State& s) -> std::uint64_t {
+            for (const auto& [item, field] : kNmeaVersions) {
+              if (field == s.nmea.version) return item;
+            }
+            return 0;
+          },
+          [](State& s, std::uint64_t value) {
+            for (const auto& [item, field] : kNmeaVersions) {
+              if (item == value) s.nmea.version = field;
+            }
+          }};
+}
+
+constexpr UbloxKeyBinding talker_of_beidou(std::uint32_t key) {
+  return {key,
+          [](const State& s) -> std::uint64_t { return s.nmea_tail[0] | s.nmea_tail[1] << 8U; },
+          [](State& s, std::uint64_t value) {
+            s.nmea_tail[0] = static_cast<std::uint8_t>(value);
+            s.nmea_tail[1] = static_cast<std::uint8_t>(value >> 8U);
+          }};
+}
+
+constexpr UbloxKeyBinding sbas_satellites(std::uint32_t key) {
+  return {key,
+          [](const State& s) -> std::uint64_t {
+            return s.sbas.scan_mode1 | std::uint64_t{s.sbas.scan_mode2} << 32U;
+          },
+          [](State& s, std::uint64_t value) {
+            s.sbas.scan_mode1 = static_cast<std::uint32_t>(value);
+            s.sbas.scan_mode2 = static_cast<std::uint8_t>(value >> 32U);
+          }};
+}
+
+/// A bit of a system's flags in CFG-GNSS: 0 on, 16..23 its signals.
+template <GnssSystem kSystem, unsigned kBit>
+constexpr UbloxKeyBinding system(std::uint32_t key) {
+  return {key,
+          [](const State& s) -> std::uint64_t {
+            const auto found = std::ranges::find(s.systems, static_cast<std::uint8_t>(kSystem),
+                                                 &ubx::CfgGnssBlock::system);
+            return found == s.systems.end() ? 0U : found->flags >> kBit & 1U;
+          },
+          [](State& s, std::uint64_t value) {
+            const auto found = std::ranges::find(s.systems, static_cast<std::uint8_t>(kSystem),
+                                                 &ubx::CfgGnssBlock::system);
+            if (found != s.systems.end()) {
+              found->flags = (found->flags & ~(1U << kBit)) | (value == 0 ? 0U : 1U << kBit);
+            }
+          }};
+}
+
+template <std::size_t kProtocol, std::size_t kPort>
+constexpr auto kMask = [](auto& s) -> auto& {
+  return s.information[kProtocol].masks[kPort];
+};
+template <std::size_t kProtocol, std::size_t kPort>
+constexpr UbloxKeyBinding texts(std::uint32_t key) {
+  return whole<kMask<kProtocol, kPort>>(key);
+}
+
+constexpr auto kAntenna = kMemberOf<&State::antenna, &ubx::CfgAnt::flags>;
+constexpr auto kAntennaPins = kMemberOf<&State::antenna, &ubx::CfgAnt::pins>;
+constexpr auto kPulse = kPulseMember<&ubx::CfgTp5::flags>;
+constexpr auto kSentences = kMemberOf<&State::nmea, &ubx::CfgNmea::flags>;
+constexpr auto kSentenceFilter = kMemberOf<&State::nmea, &ubx::CfgNmea::filter>;
+constexpr auto kSystemFilter = kMemberOf<&State::nmea, &ubx::CfgNmea::systems_to_filter>;
+constexpr auto kSbasMode = kMemberOf<&State::sbas, &ubx::CfgSbas::mode>;
+constexpr auto kSbasUsage = kMemberOf<&State::sbas, &ubx::CfgSbas::usage>;
+
+// NOLINTBEGIN(readability-magic-numbers): the numbers are the items' own, see configuration_keys.h
+// clang-format off
+constexpr std::array kBindings{
+    // UART1, UART2, I2C, SPI, USB
+    whole<kBaud<1>>(0x40520001),
+    stop_bits<1>(0x20520002),
+    data_bits<1>(0x20520003),
+    parity<1>(0x20520004),
+    bits<kInput<1>, kUbx>(0x10730001),
+    bits<kInput<1>, kNmea>(0x10730002),
+    bits<kInput<1>, kRtcm3>(0x10730004),
+    bits<kInput<1>, kSpartn>(0x10730005),
+    bits<kOutput<1>, kUbx>(0x10740001),
+    bits<kOutput<1>, kNmea>(0x10740002),
+    bits<kOutput<1>, kRtcm3>(0x10740004),
+    whole<kBaud<2>>(0x40530001),
+    stop_bits<2>(0x20530002),
+    data_bits<2>(0x20530003),
+    parity<2>(0x20530004),
+    bits<kInput<2>, kUbx>(0x10750001),
+    bits<kInput<2>, kNmea>(0x10750002),
+    bits<kInput<2>, kRtcm3>(0x10750004),
+    bits<kInput<2>, kSpartn>(0x10750005),
+    bits<kOutput<2>, kUbx>(0x10760001),
+    bits<kOutput<2>, kNmea>(0x10760002),
+    bits<kOutput<2>, kRtcm3>(0x10760004),
+    bits<kInput<0>, kUbx>(0x10710001),
+    bits<kInput<0>, kNmea>(0x10710002),
+    bits<kInput<0>, kRtcm3>(0x10710004),
+    bits<kInput<0>, kSpartn>(0x10710005),
+    bits<kOutput<0>, kUbx>(0x10720001),
+    bits<kOutput<0>, kNmea>(0x10720002),
+    bits<kOutput<0>, kRtcm3>(0x10720004),
+    bits<kInput<4>, kUbx>(0x10790001),
+    bits<kInput<4>, kNmea>(0x10790002),
+    bits<kInput<4>, kRtcm3>(0x10790004),
+    bits<kInput<4>, kSpartn>(0x10790005),
+    bits<kOutput<4>, kUbx>(0x107A0001),
+    bits<kOutput<4>, kNmea>(0x107A0002),
+    bits<kOutput<4>, kRtcm3>(0x107A0004),
+    bits<kInput<3>, kUbx>(0x10770001),
+    bits<kInput<3>, kNmea>(0x10770002),
+    bits<kInput<3>, kRtcm3>(0x10770004),
+    bits<kInput<3>, kSpartn>(0x10770005),
+    bits<kOutput<3>, kUbx>(0x10780001),
+    bits<kOutput<3>, kNmea>(0x10780002),
+    bits<kOutput<3>, kRtcm3>(0x10780004),
+    // Texts
+    texts<0, 0>(0x20920001),
+    texts<0, 1>(0x20920002),
+    texts<0, 2>(0x20920003),
+    texts<0, 3>(0x20920004),
+    texts<0, 4>(0x20920005),
+    texts<1, 0>(0x20920006),
+    texts<1, 1>(0x20920007),
+    texts<1, 2>(0x20920008),
+    texts<1, 3>(0x20920009),
+    texts<1, 4>(0x2092000A),
+    // Rate
+    field<&State::rate, &ubx::CfgRate::measurement_period_ms>(0x30210001),
+    field<&State::rate, &ubx::CfgRate::navigation_ratio>(0x30210002),
+    field<&State::rate, &ubx::CfgRate::time_reference>(0x20210003),
+    // Navigation
+    field<&State::nav5, &ubx::CfgNav5::fix_mode>(0x20110011),
+    field<&State::navx5, &ubx::CfgNavx5::initial_fix_3d>(0x10110013),
+    field<&State::navx5, &ubx::CfgNavx5::week_rollover>(0x30110017),
+    field<&State::nav5, &ubx::CfgNav5::utc_standard>(0x2011001C),
+    field<&State::nav5, &ubx::CfgNav5::dynamic_model>(0x20110021),
+    field<&State::navx5, &ubx::CfgNavx5::acknowledge_aiding>(0x10110025),
+    field<&State::navx5, &ubx::CfgNavx5::minimum_satellites>(0x201100A1),
+    field<&State::navx5, &ubx::CfgNavx5::maximum_satellites>(0x201100A2),
+    field<&State::navx5, &ubx::CfgNavx5::minimum_cn0_dbhz>(0x201100A3),
+    field<&State::nav5, &ubx::CfgNav5::minimum_elevation_deg>(0x201100A4),
+    field<&State::nav5, &ubx::CfgNav5::cn0_satellites>(0x201100AA),
+    field<&State::nav5, &ubx::CfgNav5::cn0_threshold_dbhz>(0x201100AB),
+    field<&State::nav5, &ubx::CfgNav5::position_dilution_mask_e1>(0x301100B1),
+    field<&State::nav5, &ubx::CfgNav5::time_dilution_mask_e1>(0x301100B2),
+    field<&State::nav5, &ubx::CfgNav5::position_accuracy_mask_m>(0x301100B3),
+    field<&State::nav5, &ubx::CfgNav5::time_accuracy_mask_m>(0x301100B4),
+    field<&State::nav5, &ubx::CfgNav5::fixed_altitude_cm>(0x401100C1),
+    field<&State::nav5, &ubx::CfgNav5::fixed_altitude_variance_e4m2>(0x401100C2),
+    field<&State::nav5, &ubx::CfgNav5::differential_timeout_s>(0x201100C4),
+    field<&State::nav5, &ubx::CfgNav5::static_hold_cmps>(0x20250038),
+    field<&State::nav5, &ubx::CfgNav5::static_hold_distance_m>(0x3025003B),
+    // NMEA
+    nmea_version(0x20930001),
+    field<&State::nmea, &ubx::CfgNmea::maximum_satellites>(0x20930002),
+    bits<kSentences, 0>(0x10930003),
+    bits<kSentences, 1>(0x10930004),
+    bits<kSentences, 2>(0x10930005),
+    bits<kSentences, 3>(0x10930006),
+    field<&State::nmea, &ubx::CfgNmea::satellite_numbering>(0x20930007),
+    bits<kSystemFilter, 0>(0x10930011),
+    bits<kSystemFilter, 1>(0x10930012),
+    bits<kSystemFilter, 2>(0x10930013),
+    bits<kSystemFilter, 4>(0x10930015),
+    bits<kSystemFilter, 5>(0x10930016),
+    bits<kSystemFilter, 6>(0x10930017),
+    bits<kSentenceFilter, 0>(0x10930021),
+    bits<kSentenceFilter, 1>(0x10930022),
+    bits<kSentenceFilter, 2>(0x10930023),
+    bits<kSentenceFilter, 3>(0x10930024),
+    bits<kSentenceFilter, 4>(0x10930025),
+    bits<kSentenceFilter, 5>(0x10930026),
+    field<&State::nmea, &ubx::CfgNmea::main_talker>(0x20930031),
+    field<&State::nmea, &ubx::CfgNmea::gsv_talker>(0x20930032),
+    talker_of_beidou(0x30930033),
+    // SBAS
+    bits<kSbasMode, 1>(0x10360002),
+    bits<kSbasUsage, 0>(0x10360003),
+    bits<kSbasUsage, 1>(0x10360004),
+    bits<kSbasUsage, 2>(0x10360005),
+    sbas_satellites(0x50360006),
+    // Systems and signals
+    system<GnssSystem::gps, 0>(0x1031001F),
+    system<GnssSystem::gps, 16>(0x10310001),
+    system<GnssSystem::gps, 20>(0x10310003),
+    system<GnssSystem::sbas, 0>(0x10310020),
+    system<GnssSystem::sbas, 16>(0x10310005),
+    system<GnssSystem::galileo, 0>(0x10310021),
+    system<GnssSystem::galileo, 16>(0x10310007),
+    system<GnssSystem::galileo, 21>(0x1031000A),
+    system<GnssSystem::beidou, 0>(0x10310022),
+    system<GnssSystem::beidou, 16>(0x1031000D),
+    system<GnssSystem::beidou, 20>(0x1031000E),
+    system<GnssSystem::qzss, 0>(0x10310024),
+    system<GnssSystem::qzss, 16>(0x10310012),
+    system<GnssSystem::qzss, 18>(0x10310014),
+    system<GnssSystem::qzss, 20>(0x10310015),
+    system<GnssSystem::glonass, 0>(0x10310025),
+    system<GnssSystem::glonass, 16>(0x10310018),
+    system<GnssSystem::glonass, 20>(0x1031001A),
+    // Antenna supervision
+    bits<kAntenna, 0>(0x10A3002E),
+    bits<kAntenna, 1>(0x10A3002F),
+    bits<kAntenna, 2>(0x10A30031),
+    bits<kAntenna, 3>(0x10A30033),
+    bits<kAntenna, 4>(0x10A30035),
+    bits<kAntennaPins, 0, 5>(0x20A30036),
+    bits<kAntennaPins, 5, 5>(0x20A30037),
+    bits<kAntennaPins, 10, 5>(0x20A30038),
+    // Time pulse
+    pulse<&ubx::CfgTp5::cable_delay_ns>(0x30050001),
+    pulse<&ubx::CfgTp5::period>(0x40050002),
+    pulse<&ubx::CfgTp5::period_locked>(0x40050003),
+    pulse<&ubx::CfgTp5::pulse>(0x40050004),
+    pulse<&ubx::CfgTp5::pulse_locked>(0x40050005),
+    pulse<&ubx::CfgTp5::user_delay_ns>(0x40050006),
+    bits<kPulse, 0>(0x10050007),
+    bits<kPulse, 1>(0x10050008),
+    bits<kPulse, 2>(0x10050009),
+    bits<kPulse, 3>(0x20050023),
+    bits<kPulse, 4>(0x20050030),
+    bits<kPulse, 5>(0x1005000A),
+    bits<kPulse, 6>(0x1005000B),
+    bits<kPulse, 7, 4>(0x2005000C),
+};
+// clang-format on
+// NOLINTEND(readability-magic-numbers)
+
+}  // namespace
+
+std::span<const UbloxKeyBinding> ublox_key_bindings() {
+  return kBindings;
+}
+
+}  // namespace rigwire::emulators

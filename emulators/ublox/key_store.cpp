@@ -1,0 +1,281 @@
+#include "emulators/ublox/key_store.h"
+
+#include <algorithm>
+
+namespace rigwire::emulators {
+namespace {
+
+using namespace protocols::ubx;
+using Payload = std::span<const std::uint8_t>;
+
+constexpr std::uint8_t kSavedLayers = kLayerMaskBattery | kLayerMaskFlash;
+constexpr std::uint8_t kAllLayers = kLayerMaskRam | kSavedLayers;
+constexpr std::uint32_t kFramingMask = 0x3EC0;
+constexpr std::uint32_t kFraming8N1 = 0x08C0;
+
+bool is_major(std::uint8_t system) {
+  switch (static_cast<GnssSystem>(system)) {
+    case GnssSystem::gps:
+    case GnssSystem::galileo:
+    case GnssSystem::beidou:
+    case GnssSystem::glonass:
+      return true;
+    default:
+      return false;
+  }
+}
+
+/// Every enabled system has a signal, and one of them gives a position by itself.
+bool systems_are_sound(std::span<const CfgGnssBlock> systems) {
+  constexpr std::uint32_t kSignals = 0x00FF0000;
+  bool major = false;
+  for (const CfgGnssBlock& block : systems) {
+    if ((block.flags & 1U) != 0) {
+      if ((block.flags & kSignals) == 0) {
+        return false;
+      }
+      major |= is_major(block.system);
+    }
+  }
+  return major;
+}
+
+bool line_is_sound(const UbloxProfile& profile, const CfgPrt& uart) {
+  return (uart.mode & kFramingMask) == kFraming8N1 && uart.baud <= profile.greatest_baud &&
+         std::ranges::find(ublox_bauds(), uart.baud) != ublox_bauds().end();
+}
+
+bool sentences_are_sound(const CfgNmea& nmea) {
+  constexpr std::uint8_t kHighPrecision = 0x08;
+  constexpr std::uint8_t kExcludesIt = 0x01 /*compatible*/ | 0x04 /*82 characters*/;
+  return (nmea.flags & kHighPrecision) == 0 || (nmea.flags & kExcludesIt) == 0;
+}
+
+}  // namespace
+
+UbloxKeyStore::UbloxKeyStore(const UbloxProfile& profile)
+    : map_(profile),
+      backup_(configuration_keys().size()),
+      flash_(configuration_keys().size()),
+      staged_(configuration_keys().size()),
+      uart1_enabled_(key_index("CFG-UART1-ENABLED")) {
+  for (const ConfigurationKey& key : configuration_keys()) {
+    others_.push_back(key.initial);
+  }
+  candidate_ = others_;
+}
+
+void UbloxKeyStore::clear(Layer& layer) {
+  std::ranges::fill(layer, std::nullopt);
+}
+
+bool UbloxKeyStore::handles(MessageId id) const {
+  return id == CfgValsetHead::kId || id == CfgValgetHead::kId || id == CfgValdelHead::kId ||
+         id == CfgCfg::kId;
+}
+
+bool UbloxKeyStore::is_poll(const FrameView& frame) const {
+  return frame.id == CfgValgetHead::kId;
+}
+
+std::optional<std::uint64_t> UbloxKeyStore::value(const UbloxConfiguration& configuration,
+                                                  std::uint8_t layer, std::size_t index) const {
+  switch (layer) {
+    case kLayerRam:
+      return map_.bound(index) ? map_.read(configuration.present(), index) : others_[index];
+    case kLayerBattery:
+      return backup_[index];
+    case kLayerFlash:
+      return flash_[index];
+    case kLayerDefault:
+      return map_.bound(index) ? map_.read(configuration.defaults(), index)
+                               : configuration_keys()[index].initial;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::size_t UbloxKeyStore::poll(const UbloxConfiguration& configuration, const FrameView& frame,
+                                std::span<std::uint8_t> out) {
+  interrupt();
+  const auto query = decode_valget(frame);
+  if (!query.ok() || (query->layer > kLayerFlash && query->layer != kLayerDefault)) {
+    return 0;
+  }
+  KeyListWriter writer(out);
+  writer.head(1, query->layer, query->position);
+  std::size_t found = 0;
+  KeyReader reader(query->list);
+  while (const auto key = reader.next()) {
+    const KeyRange range = key_range(*key);
+    if (range.empty()) {
+      return 0;
+    }
+    for (std::size_t i = range.first; i < range.last; ++i) {
+      const auto present = value(configuration, query->layer, i);
+      if (present && found++ >= query->position &&
+          found <= query->position + kMaximumConfigurationItems) {
+        writer.value({configuration_keys()[i].id, *present});
+      }
+    }
+  }
+  return query->count > 0 && found == 0 ? 0 : writer.payload().size();
+}
+
+bool UbloxKeyStore::set(UbloxConfiguration& configuration, const FrameView& frame) {
+  if (frame.id == CfgCfg::kId) {
+    interrupt();
+    return set_store(configuration, frame.payload);
+  }
+  const Action action = frame.id == CfgValsetHead::kId ? Action::set : Action::remove;
+  const auto wanted = action == Action::set ? decode_valset(frame) : decode_valdel(frame);
+  if (!wanted.ok() || !change(configuration, action, *wanted)) {
+    interrupt();
+    return false;
+  }
+  return true;
+}
+
+bool UbloxKeyStore::change(UbloxConfiguration& configuration, Action action,
+                           const KeyChange& change) {
+  const std::uint8_t layers = change.layers & (action == Action::set ? kAllLayers : kSavedLayers);
+  if (layers == 0) {
+    return false;
+  }
+  const bool continues = open_ && open_->action == action && open_->layers == layers;
+  switch (change.transaction) {
+    case Transaction::none:
+      interrupt();
+      clear(staged_);
+      return stage(action, change.list) && apply(configuration, action, layers);
+    case Transaction::start:
+      clear(staged_);
+      open_ = Open{action, layers};
+      return stage(action, change.list);
+    case Transaction::ongoing:
+      return continues && change.count > 0 && stage(action, change.list);
+    case Transaction::apply:
+      interrupt();
+      return continues && apply(configuration, action, layers);
+  }
+  return false;
+}
+
+bool UbloxKeyStore::stage(Action action, Payload list) {
+  if (action == Action::set) {
+    KeyValueReader reader(list);
+    while (const auto pair = reader.next()) {
+      const std::size_t index = key_index(pair->key);
+      if (index == staged_.size() || !is_allowed(configuration_keys()[index], pair->value)) {
+        return false;
+      }
+      staged_[index] = pair->value;
+    }
+    return true;
+  }
+  KeyReader reader(list);
+  while (const auto key = reader.next()) {
+    const KeyRange range = key_range(*key);
+    if (range.empty()) {
+      return false;
+    }
+    for (std::size_t i = range.first; i < range.last; ++i) {
+      staged_[i] = 0;
+    }
+  }
+  return true;
+}
+
+bool UbloxKeyStore::apply(UbloxConfiguration& configuration, Action action, std::uint8_t layers) {
+  if ((layers & kLayerMaskRam) != 0 && !apply_to_ram(configuration)) {
+    return false;
+  }
+  const auto write = [&](Layer& layer) {
+    for (std::size_t i = 0; i < staged_.size(); ++i) {
+      if (staged_[i]) {
+        layer[i] = action == Action::set ? staged_[i] : std::nullopt;
+      }
+    }
+  };
+  if ((layers & kLayerMaskBattery) != 0) write(backup_);
+  if ((layers & kLayerMaskFlash) != 0) write(flash_);
+  return true;
+}
+
+bool UbloxKeyStore::apply_to_ram(UbloxConfiguration& configuration) {
+  UbloxConfigurationState state = configuration.present();
+  candidate_ = others_;
+  for (std::size_t i = 0; i < staged_.size(); ++i) {
+    if (!staged_[i]) {
+      continue;
+    }
+    if (map_.bound(i)) {
+      map_.write(state, i, *staged_[i]);
+    } else {
+      candidate_[i] = *staged_[i];
+    }
+  }
+  if (!can_be_honoured(configuration.profile(), state, candidate_)) {
+    return false;
+  }
+  configuration.present() = state;
+  others_ = candidate_;
+  return true;
+}
+
+bool UbloxKeyStore::can_be_honoured(const UbloxProfile& profile,
+                                    const UbloxConfigurationState& state,
+                                    const Values& others) const {
+  return line_is_sound(profile, state.ports[kPortUart1]) && others[uart1_enabled_] != 0 &&
+         std::chrono::milliseconds{state.rate.measurement_period_ms} >= profile.shortest_period &&
+         systems_are_sound(std::span(state.systems).first(profile.systems.size())) &&
+         sentences_are_sound(state.nmea) &&
+         state.navx5.minimum_satellites <= state.navx5.maximum_satellites;
+}
+
+void UbloxKeyStore::reload(UbloxConfiguration& configuration) {
+  interrupt();
+  configuration.present() = configuration.defaults();
+  for (std::size_t i = 0; i < others_.size(); ++i) {
+    others_[i] = configuration_keys()[i].initial;
+    staged_[i] = backup_[i] ? backup_[i] : flash_[i];
+  }
+  // Saved items that cannot be honoured together leave the defaults in force.
+  static_cast<void>(apply_to_ram(configuration));
+}
+
+bool UbloxKeyStore::set_store(UbloxConfiguration& configuration, Payload payload) {
+  constexpr std::uint8_t kBackupDevice = 0x01;
+  constexpr std::uint8_t kFlashDevice = 0x02;
+  if (payload.size() != CfgCfg::kLength && payload.size() != CfgCfg::kLength + 1 /*devices*/) {
+    return false;
+  }
+  const auto masks = read_payload<CfgCfg>(payload);
+  const std::uint8_t devices = payload.size() > CfgCfg::kLength
+                                   ? payload[CfgCfg::kLength]
+                                   : std::uint8_t{kBackupDevice | kFlashDevice};
+  const bool changes = masks.clear_mask != 0 || masks.save_mask != 0;
+  if (changes && (devices & (kBackupDevice | kFlashDevice)) == 0) {
+    return false;  // memory that a receiver of this type does not have
+  }
+  for (const auto& [layer, device] :
+       {std::pair{&backup_, kBackupDevice}, std::pair{&flash_, kFlashDevice}}) {
+    if ((devices & device) == 0) {
+      continue;
+    }
+    if (masks.clear_mask != 0) {
+      clear(*layer);
+    }
+    if (masks.save_mask != 0) {
+      for (std::size_t i = 0; i < layer->size(); ++i) {
+        (*layer)[i] = value(configuration, kLayerRam, i);
+      }
+    }
+  }
+  if (masks.load_mask != 0) {
+    reload(configuration);
+  }
+  return true;
+}
+
+}  // namespace rigwire::emulators

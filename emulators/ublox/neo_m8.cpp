@@ -1,0 +1,191 @@
+// The u-blox NEO-M8N: protocol 18.00, firmware SPG 3.01 in flash.
+//
+// Source: u-blox M8 receiver description, UBX-13003221 R28, sections 2.1.2 (texts at power-on),
+// 2.1.4 (MON-VER), 32 (messages) and appendix C (defaults). Where chapter 31 and appendix C.12 give
+// different NMEA versions, C.12 is followed: 4.0. Order within an epoch: recordings.
+#include <algorithm>
+#include <array>
+
+#include "emulators/ublox/configuration_state.h"
+#include "emulators/ublox/message_rows.h"
+#include "emulators/ublox/profile.h"
+#include "emulators/ublox/solution_modern.h"
+#include "protocols/ubx/monitor.h"
+#include "protocols/ubx/navigation.h"
+#include "protocols/ubx/navigation_precise.h"
+#include "protocols/ubx/navigation_satellites.h"
+#include "protocols/ubx/raw_measurements.h"
+#include "protocols/ubx/timing.h"
+
+namespace rigwire::emulators {
+namespace {
+
+namespace ubx = protocols::ubx;
+
+constexpr std::size_t kSatellites = 32;  // tracking channels
+
+// Longest forms with NMEA 4.1: several systems, each with its own GSA and GSV.
+constexpr std::size_t kRmc = 80;
+constexpr std::size_t kVtg = 46;
+constexpr std::size_t kGga = 84;
+constexpr std::size_t kGsa = 3 /*systems*/ * 71;
+constexpr std::size_t kGsv = 8 /*pages*/ * 70;
+constexpr std::size_t kGll = 53;
+constexpr std::size_t kZda = 40;
+
+constexpr std::size_t kGst = 72;
+constexpr std::size_t kGbs = 70;
+constexpr std::size_t kGrs = 3 /*systems*/ * (36 + 12 /*slots*/ * 7);
+constexpr std::size_t kDtm = 48;
+constexpr std::size_t kGns = 96;
+constexpr std::size_t kPubx00 = 130;
+constexpr std::size_t kPubx03 = 20 + kSatellites * 18;
+constexpr std::size_t kPubx04 = 72;
+
+constexpr std::array kMessages{
+    produced<ubx::NavPvt92>("NAV-PVT"),
+    listed<ubx::NavOrbHead, ubx::NavOrbBlock>("NAV-ORB", kSatellites),
+    listed<ubx::NavSatHead, ubx::NavSatBlock>("NAV-SAT", kSatellites),
+    produced<ubx::NavPosecef>("NAV-POSECEF"),
+    produced<ubx::NavPosllh>("NAV-POSLLH"),
+    produced<ubx::NavStatus>("NAV-STATUS"),
+    produced<ubx::NavSol>("NAV-SOL"),
+    sentence(0x04, "RMC", kRmc),
+    sentence(0x05, "VTG", kVtg),
+    sentence(0x00, "GGA", kGga),
+    sentence(0x02, "GSA", kGsa),
+    sentence(0x03, "GSV", kGsv),
+    sentence(0x01, "GLL", kGll),
+    sentence(0x07, "GST", kGst),
+    sentence(0x08, "ZDA", kZda),
+    sentence(0x09, "GBS", kGbs),
+    sentence(0x06, "GRS", kGrs),
+    sentence(0x0A, "DTM", kDtm),
+    sentence(0x0D, "GNS", kGns),
+    proprietary(0x00, "PUBX,00", kPubx00),
+    proprietary(0x03, "PUBX,03", kPubx03),
+    proprietary(0x04, "PUBX,04", kPubx04),
+    listed<ubx::NavSvinfoHead, ubx::NavSvinfoChannel>("NAV-SVINFO", kSatellites),
+    produced<ubx::NavDop>("NAV-DOP"),
+    produced<ubx::NavVelecef>("NAV-VELECEF"),
+    produced<ubx::NavVelned>("NAV-VELNED"),
+    produced<ubx::NavTimegps>("NAV-TIMEGPS"),
+    produced<ubx::NavTimeutc>("NAV-TIMEUTC"),
+    produced<ubx::NavTimels>("NAV-TIMELS"),
+    produced<ubx::NavClock>("NAV-CLOCK"),
+    listed<ubx::NavSbasHead, ubx::NavSbasBlock>("NAV-SBAS", kSatellites),
+    produced<ubx::NavDgpsHead>("NAV-DGPS"),
+    produced<ubx::NavAopstatus>("NAV-AOPSTATUS"),
+    produced<ubx::NavEoe>("NAV-EOE"),
+    produced<ubx::MonHw>("MON-HW"),
+    produced<ubx::MonHw2>("MON-HW2"),
+    listed(ubx::MonIoHead::kId, "MON-IO", ubx::kMonitorPorts* ubx::MonIoPort::kLength),
+    produced<ubx::MonMsgpp>("MON-MSGPP"),
+    produced<ubx::MonRxbuf>("MON-RXBUF"),
+    produced<ubx::MonTxbuf>("MON-TXBUF"),
+    produced<ubx::MonRxr>("MON-RXR"),
+    listed({0x02, 0x13}, "RXM-SFRBX", kSatellites * 56 - ubx::kOverheadBytes),
+    listed({0x02, 0x20}, "RXM-SVSI", 8 + 6 * kSatellites),
+    listed({0x0B, 0x30}, "AID-ALM", 32 * 48 - ubx::kOverheadBytes),
+    listed({0x0B, 0x31}, "AID-EPH", 32 * 112 - ubx::kOverheadBytes),
+    produced<ubx::TimTm2>("TIM-TM2"),
+    produced<ubx::TimTp>("TIM-TP"),
+    silent(0x01, 0x09),
+    silent(0x01, 0x23),
+    silent(0x01, 0x24),
+    silent(0x01, 0x25),
+    silent(0x01, 0x39),
+    silent(0x02, 0x14),
+    silent(0x02, 0x59),
+    silent(0x0B, 0x33),
+    silent(0x0D, 0x06),
+    silent(0x21, 0x08),
+    silent(0xF0, 0x0F),
+};
+static_assert(kMessages.size() <= kMaximumMessages);
+
+constexpr std::array<std::string_view, 7> kExtensions{
+    "ROM BASE 3.01 (107888)", "FWVER=SPG 3.01",  "PROTVER=18.00", "MOD=NEO-M8N-0",
+    "FIS=0xEF4015 (100111)",  "GPS;GLO;GAL;BDS", "SBAS;IMES;QZSS"};
+
+constexpr std::array<std::string_view, 15> kBanner{
+    "u-blox AG - www.u-blox.com",
+    "HW UBX-M8030 00080000",
+    "EXT CORE 3.01 (107900)",
+    "ROM BASE 3.01 (107888)",
+    "FWVER=SPG 3.01",
+    "PROTVER=18.00",
+    "MOD=NEO-M8N-0",
+    "FIS=0xEF4015 (100111)",
+    "GPS;GLO;GAL;BDS",
+    "SBAS;IMES;QZSS",
+    "GNSS OTP=GPS;GLO",
+    "LLC=FFFFFFFF-FFFFFFEC-FFFFFFFF-FFFFFFBF-FFFFFF68",
+    "ANTSUPERV=AC SD PDoS SR",
+    "ANTSTATUS=OK",
+    "PF=3FB",
+};
+
+// Signals: the first of each system, as the receiver itself answers.
+constexpr std::array<SystemChannels, 7> kSystems{{
+    {GnssSystem::gps, 8, 16, true, 0x01},
+    {GnssSystem::sbas, 1, 3, true, 0x01},
+    {GnssSystem::galileo, 4, 8, false, 0x01},
+    {GnssSystem::beidou, 8, 16, false, 0x01},
+    {GnssSystem::imes, 0, 8, false, 0x01},
+    {GnssSystem::qzss, 0, 3, true, 0x01},
+    {GnssSystem::glonass, 8, 14, true, 0x01},
+}};
+
+constexpr std::array<std::uint8_t, 4> kNmeaVersions{0x21, 0x23, 0x40, 0x41};
+
+void adjust_defaults(UbloxConfigurationState& s) {
+  for (auto& information : s.information) {
+    information.masks.fill(0);
+  }
+  constexpr std::array<std::uint8_t, 6> kErrorWarningNotice{7, 7, 0, 7, 7, 0};
+  s.information[1].masks = kErrorWarningNotice;
+  s.nav5.time_accuracy_mask_m = 350;
+  s.navx5.version = 2;
+  s.navx5.minimum_cn0_dbhz = 6;
+  s.navx5.precise_point_positioning = 0;
+  s.sbas = {1, 3, 3, 0, 0x0007A389};  // PRN 120, 123, 127-129, 133, 135-138
+  s.ports[ubx::kPortSpi].input_protocols = 0;
+  s.ports[ubx::kPortSpi].output_protocols = 0;
+}
+
+std::size_t encode(const UbloxSolution& solution, ubx::MessageId id, std::span<std::uint8_t> out) {
+  return encode_modern_solution(solution, ublox_neo_m8(), id, out);
+}
+
+}  // namespace
+
+const UbloxProfile& ublox_neo_m8() {
+  static const UbloxProfile profile{
+      .name = "NEO-M8N",
+      .generation = 8,
+      .protocol_e2 = 1800,
+      .software = "EXT CORE 3.01 (107900)",
+      .hardware = "00080000",
+      .extensions = kExtensions,
+      .banner = kBanner,
+      .messages = kMessages,
+      .systems = kSystems,
+      .channels = 32,
+      .radio_paths = 2,
+      .nmea_version = 0x40,
+      .nmea_versions = kNmeaVersions,
+      .cfg_nmea_bytes = 20,
+      .pvt_bytes = 92,
+      .navigation_ratio = true,
+      .chip_generation = 4,
+      .status_flags = 0x00,
+      .first_week = 1867,
+      .default_leap_seconds = 16,
+      .adjust_defaults = adjust_defaults,
+      .encode = encode,
+  };
+  return profile;
+}
+
+}  // namespace rigwire::emulators

@@ -1,0 +1,200 @@
+// The u-blox ZED-F9P: protocol 27.50, firmware HPG 1.50.
+//
+// Source: u-blox F9 HPG 1.50 interface description, UBXDOC-963802114-12815, sections 1.2
+// (versions), 3 (messages) and "Configuration defaults"; lines at power-on and their order from a
+// recording of HPG 1.12; order within an epoch: recordings. CFG-GNSS has no documented default:
+// its numbers of channels are of no consequence here and not verified.
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "emulators/ublox/configuration_state.h"
+#include "emulators/ublox/key_store.h"
+#include "emulators/ublox/message_rows.h"
+#include "emulators/ublox/profile.h"
+#include "emulators/ublox/solution_modern.h"
+#include "protocols/ubx/monitor.h"
+#include "protocols/ubx/navigation.h"
+#include "protocols/ubx/navigation_precise.h"
+#include "protocols/ubx/navigation_satellites.h"
+#include "protocols/ubx/raw_measurements.h"
+#include "protocols/ubx/timing.h"
+
+namespace rigwire::emulators {
+namespace {
+
+namespace ubx = protocols::ubx;
+
+constexpr std::size_t kSatellites = 32;  // usual at most
+
+// Longest forms with NMEA 4.11 and high precision: four systems, each with its own GSA and GSV.
+constexpr std::size_t kRmc = 84;
+constexpr std::size_t kVtg = 46;
+constexpr std::size_t kGga = 94;
+constexpr std::size_t kGsa = 4 /*systems*/ * 71;
+constexpr std::size_t kGsv = 15 /*pages*/ * 72;
+constexpr std::size_t kGll = 57;
+constexpr std::size_t kZda = 40;
+
+constexpr std::size_t kGst = 72;
+constexpr std::size_t kGbs = 70;
+constexpr std::size_t kGrs = 4 /*systems*/ * (36 + 12 /*slots*/ * 7);
+constexpr std::size_t kDtm = 48;
+constexpr std::size_t kGns = 96;
+constexpr std::size_t kPubx00 = 130;
+constexpr std::size_t kPubx03 = 20 + kSatellites * 18;
+constexpr std::size_t kPubx04 = 72;
+
+constexpr std::array kProduced{
+    listed<ubx::RxmRawxHead, ubx::RxmRawxBlock>("RXM-RAWX", kSatellites),
+    produced<ubx::NavPvt92>("NAV-PVT"),
+    listed<ubx::NavOrbHead, ubx::NavOrbBlock>("NAV-ORB", kSatellites),
+    produced<ubx::NavPosecef>("NAV-POSECEF"),
+    produced<ubx::NavPosllh>("NAV-POSLLH"),
+    produced<ubx::NavStatus>("NAV-STATUS"),
+    produced<ubx::NavHpposecef>("NAV-HPPOSECEF"),
+    produced<ubx::NavHpposllh>("NAV-HPPOSLLH"),
+    produced<ubx::NavVelecef>("NAV-VELECEF"),
+    produced<ubx::NavVelned>("NAV-VELNED"),
+    sentence(0x04, "RMC", kRmc),
+    sentence(0x05, "VTG", kVtg),
+    sentence(0x00, "GGA", kGga),
+    sentence(0x02, "GSA", kGsa),
+    sentence(0x03, "GSV", kGsv),
+    sentence(0x01, "GLL", kGll),
+    sentence(0x07, "GST", kGst),
+    sentence(0x08, "ZDA", kZda),
+    sentence(0x09, "GBS", kGbs),
+    sentence(0x06, "GRS", kGrs),
+    sentence(0x0A, "DTM", kDtm),
+    sentence(0x0D, "GNS", kGns),
+    proprietary(0x00, "PUBX,00", kPubx00),
+    proprietary(0x03, "PUBX,03", kPubx03),
+    proprietary(0x04, "PUBX,04", kPubx04),
+    listed<ubx::NavSatHead, ubx::NavSatBlock>("NAV-SAT", kSatellites),
+    produced<ubx::NavDop>("NAV-DOP"),
+    produced<ubx::NavTimegps>("NAV-TIMEGPS"),
+    produced<ubx::NavTimeutc>("NAV-TIMEUTC"),
+    produced<ubx::NavTimels>("NAV-TIMELS"),
+    produced<ubx::NavClock>("NAV-CLOCK"),
+    listed<ubx::NavSbasHead, ubx::NavSbasBlock>("NAV-SBAS", kSatellites),
+    produced<ubx::NavCov>("NAV-COV"),
+    produced<ubx::NavEoe>("NAV-EOE"),
+    listed<ubx::MonRfHead, ubx::MonRfBlock>("MON-RF", 2),
+    produced<ubx::MonHw>("MON-HW"),
+    produced<ubx::MonHw2>("MON-HW2"),
+    listed(ubx::MonIoHead::kId, "MON-IO", ubx::kMonitorPorts* ubx::MonIoPort::kLength),
+    produced<ubx::MonMsgpp>("MON-MSGPP"),
+    produced<ubx::MonRxbuf>("MON-RXBUF"),
+    produced<ubx::MonTxbuf>("MON-TXBUF"),
+    produced<ubx::MonRxr>("MON-RXR"),
+    listed({0x02, 0x13}, "RXM-SFRBX", kSatellites * 56 - ubx::kOverheadBytes),
+    produced<ubx::TimTm2>("TIM-TM2"),
+    produced<ubx::TimTp>("TIM-TP"),
+};
+
+/// What is produced, then everything else that has a rate.
+std::vector<UbloxMessage> all_messages() {
+  std::vector<UbloxMessage> messages(kProduced.begin(), kProduced.end());
+  for (const ubx::MessageRateKeys& keys : ubx::message_rate_keys()) {
+    if (std::ranges::find(kProduced, keys.message, &UbloxMessage::id) == kProduced.end()) {
+      messages.push_back(silent(keys.message.message_class, keys.message.message_id));
+    }
+  }
+  return messages;
+}
+
+constexpr std::array<std::string_view, 6> kExtensions{"ROM BASE 0x118B2060", "FWVER=HPG 1.50",
+                                                      "PROTVER=27.50",       "MOD=ZED-F9P",
+                                                      "GPS;GLO;GAL;BDS",     "SBAS;QZSS"};
+
+constexpr std::array<std::string_view, 11> kBanner{
+    "u-blox AG - www.u-blox.com",
+    "EXT CORE 1.00 (5949d2)",
+    "ROM BASE 0x118B2060",
+    "FWVER=HPG 1.50",
+    "PROTVER=27.50",
+    "MOD=ZED-F9P",
+    "GPS;GLO;GAL;BDS",
+    "SBAS;QZSS",
+    "ANTSUPERV=",
+    "ANTSTATUS=DONTKNOW",
+    "PF=FDB79",
+};
+
+// Signals on at start: both bands, without QZSS L1S.
+constexpr std::array<SystemChannels, 6> kSystems{{
+    {GnssSystem::gps, 8, 16, true, 0x11},
+    {GnssSystem::sbas, 3, 3, true, 0x01},
+    {GnssSystem::galileo, 8, 12, true, 0x21},
+    {GnssSystem::beidou, 2, 5, true, 0x11},
+    {GnssSystem::qzss, 3, 4, true, 0x11},
+    {GnssSystem::glonass, 8, 12, true, 0x11},
+}};
+
+constexpr std::array<std::uint8_t, 5> kNmeaVersions{0x21, 0x23, 0x40, 0x41, 0x4B};
+
+void adjust_defaults(UbloxConfigurationState& s) {
+  for (std::size_t protocol = 0; protocol < s.information.size(); ++protocol) {
+    s.information[protocol].masks.fill(protocol == 1 ? 7 : 0);
+  }
+  constexpr std::uint8_t kOnly3d = 2;
+  s.nav5.fix_mode = kOnly3d;
+  s.nav5.minimum_elevation_deg = 10;
+  s.nav5.time_accuracy_mask_m = 350;
+  s.navx5.version = 2;
+  s.navx5.maximum_satellites = 32;
+  s.navx5.minimum_cn0_dbhz = 6;
+  s.navx5.precise_point_positioning = 0;
+  s.sbas = {1, 3, 3, 0, 0x0003AB88};
+  s.antenna = {0x0000, 0x39F0};  // nothing supervised; pins 16, 15, 14
+  s.pulses[0] = {0, 1, 50, 0, 1'000'000, 1'000'000, 0, 100'000, 0, 0x77};
+  const std::uint32_t framing = s.ports[ubx::kPortUart1].mode;
+  s.ports[ubx::kPortUart2] = {2, 0, framing, 38'400, 0x0061, 0x0020, 0};
+}
+
+std::size_t encode(const UbloxSolution& solution, ubx::MessageId id, std::span<std::uint8_t> out) {
+  return encode_modern_solution(solution, ublox_zed_f9p(), id, out);
+}
+
+}  // namespace
+
+const UbloxProfile& ublox_zed_f9p() {
+  static const std::vector<UbloxMessage> messages = all_messages();
+  static const UbloxProfile profile{
+      .name = "ZED-F9P",
+      .generation = 9,
+      .protocol_e2 = 2750,
+      .software = "EXT CORE 1.00 (5949d2)",
+      .hardware = "00190000",
+      .extensions = kExtensions,
+      .banner = kBanner,
+      .messages = messages,
+      .systems = kSystems,
+      .channels = 60,
+      .radio_paths = 4,
+      .nmea_version = 0x4B,
+      .nmea_versions = kNmeaVersions,
+      .cfg_nmea_bytes = 20,
+      .pvt_bytes = 92,
+      .shortest_period = std::chrono::milliseconds{25},
+      .navigation_ratio = true,
+      .carrier_solution = true,
+      .baud = 38'400,
+      .greatest_baud = 921'600,
+      .input_protocols = 0x0063,
+      .output_protocols = 0x0023,
+      .chip_generation = 4,
+      .status_flags = 0x00,
+      .first_week = 2320,
+      .default_leap_seconds = 18,
+      .adjust_defaults = adjust_defaults,
+      .encode = encode,
+      .make_keys = [](const UbloxProfile& type) -> std::unique_ptr<UbloxKeyMessages> {
+        return std::make_unique<UbloxKeyStore>(type);
+      },
+  };
+  return profile;
+}
+
+}  // namespace rigwire::emulators

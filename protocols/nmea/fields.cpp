@@ -31,7 +31,7 @@ void put_angle(Sentence& sentence, double angle_deg, int degree_digits, int deci
 
 }  // namespace
 
-Sentence begin(std::string_view talker, std::string_view type) {
+Sentence begin_sentence(std::string_view talker, std::string_view type) {
   std::array<char, 8> address{};
   std::snprintf(address.data(), address.size(), "%.*s%.*s", static_cast<int>(talker.size()),
                 talker.data(), static_cast<int>(type.size()), type.data());

@@ -12,7 +12,7 @@ namespace rigwire::protocols::nmea {
 inline constexpr double kKnotsPerMps = 3600.0 / 1852.0;
 inline constexpr double kKilometresPerHourPerKnot = 1.852;
 
-[[nodiscard]] Sentence begin(std::string_view talker, std::string_view type);
+[[nodiscard]] Sentence begin_sentence(std::string_view talker, std::string_view type);
 
 [[nodiscard]] bool has_fix(const Epoch& epoch);
 /// Version 4.10 or later: system, signal and navigational status are printed.

@@ -40,7 +40,7 @@ void put_optional_course(Sentence& sentence, const Epoch& epoch) {
 }  // namespace
 
 Sentence write_rmc(const Epoch& epoch) {
-  Sentence sentence = begin(epoch.talker, "RMC");
+  Sentence sentence = begin_sentence(epoch.talker, "RMC");
   put_time(sentence, epoch.time);
   sentence.field(status(epoch));
   put_position(sentence, epoch);
@@ -58,7 +58,7 @@ Sentence write_rmc(const Epoch& epoch) {
 }
 
 Sentence write_vtg(const Epoch& epoch) {
-  Sentence sentence = begin(epoch.talker, "VTG");
+  Sentence sentence = begin_sentence(epoch.talker, "VTG");
   if (has_fix(epoch)) {
     const double knots = epoch.ground_speed_mps * kKnotsPerMps;
     put_optional_course(sentence, epoch);
@@ -75,7 +75,7 @@ Sentence write_vtg(const Epoch& epoch) {
 }
 
 Sentence write_gga(const Epoch& epoch) {
-  Sentence sentence = begin(epoch.talker, "GGA");
+  Sentence sentence = begin_sentence(epoch.talker, "GGA");
   put_time(sentence, epoch.time);
   put_position(sentence, epoch);
   sentence.number("%d", quality(epoch));
@@ -92,7 +92,7 @@ Sentence write_gga(const Epoch& epoch) {
 }
 
 Sentence write_gns(const Epoch& epoch) {
-  Sentence sentence = begin(epoch.talker, "GNS");
+  Sentence sentence = begin_sentence(epoch.talker, "GNS");
   put_time(sentence, epoch.time);
   put_position(sentence, epoch);
   std::array<char, 4> modes{};
@@ -120,7 +120,7 @@ Sentence write_gns(const Epoch& epoch) {
 }
 
 Sentence write_gll(const Epoch& epoch) {
-  Sentence sentence = begin(epoch.talker, "GLL");
+  Sentence sentence = begin_sentence(epoch.talker, "GLL");
   put_position(sentence, epoch);
   put_time(sentence, epoch.time);
   sentence.field(status(epoch));
@@ -129,7 +129,7 @@ Sentence write_gll(const Epoch& epoch) {
 }
 
 Sentence write_zda(const Epoch& epoch) {
-  Sentence sentence = begin(epoch.talker, "ZDA");
+  Sentence sentence = begin_sentence(epoch.talker, "ZDA");
   put_time(sentence, epoch.time);
   if (epoch.date) {
     sentence.number("%02d", epoch.date->day).number("%02d", epoch.date->month);
@@ -142,14 +142,14 @@ Sentence write_zda(const Epoch& epoch) {
 }
 
 Sentence write_dtm(const Epoch& epoch) {
-  Sentence sentence = begin(epoch.talker, "DTM");
+  Sentence sentence = begin_sentence(epoch.talker, "DTM");
   sentence.field("W84").empty();
   sentence.field("0.0").field("N").field("0.0").field("E").field("0.0").field("W84");
   return sentence;
 }
 
 Sentence write_txt(std::string_view talker, TextKind kind, std::string_view text) {
-  Sentence sentence = begin(talker, "TXT");
+  Sentence sentence = begin_sentence(talker, "TXT");
   sentence.field("01").field("01").number("%02d", static_cast<int>(kind)).field(text);
   return sentence;
 }

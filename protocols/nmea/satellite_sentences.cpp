@@ -117,7 +117,7 @@ void put_optional(Sentence& sentence, const char* format, const std::optional<in
 }
 
 Sentence gsv_page(const Epoch& epoch, const Set& set, int page) {
-  Sentence sentence = begin(gsv_talker(epoch, set), "GSV");
+  Sentence sentence = begin_sentence(gsv_talker(epoch, set), "GSV");
   const int listed = satellites_in(epoch, set);
   sentence.number("%d", pages_of(epoch, set)).number("%d", page).number("%02d", listed);
   const int first = (page - 1) * kSatellitesPerPage;
@@ -174,7 +174,7 @@ int gsa_sentences(const Epoch& epoch) {
 }
 
 Sentence write_gsa(const Epoch& epoch, int n) {
-  Sentence sentence = begin(epoch.talker, "GSA");
+  Sentence sentence = begin_sentence(epoch.talker, "GSA");
   const auto group = nth_group(epoch, n);
   sentence.field("A");
   sentence.number("%d", has_fix(epoch) ? epoch.fix_dimensions : 1);
@@ -197,7 +197,7 @@ int grs_sentences(const Epoch& epoch) {
 }
 
 Sentence write_grs(const Epoch& epoch, int n) {
-  Sentence sentence = begin(epoch.talker, "GRS");
+  Sentence sentence = begin_sentence(epoch.talker, "GRS");
   const auto group = nth_group(epoch, n);
   put_time(sentence, epoch.time);
   sentence.field("1");
@@ -235,7 +235,7 @@ Sentence write_gsv(const Epoch& epoch, int page) {
 }
 
 Sentence write_gst(const Epoch& epoch) {
-  Sentence sentence = begin(epoch.talker, "GST");
+  Sentence sentence = begin_sentence(epoch.talker, "GST");
   put_time(sentence, epoch.time);
   if (!epoch.errors) {
     for (int i = 0; i < 7; ++i) {
@@ -258,7 +258,7 @@ Sentence write_gst(const Epoch& epoch) {
 }
 
 Sentence write_gbs(const Epoch& epoch, const std::optional<FaultySatellite>& fault) {
-  Sentence sentence = begin(epoch.talker, "GBS");
+  Sentence sentence = begin_sentence(epoch.talker, "GBS");
   put_time(sentence, epoch.time);
   if (epoch.errors && has_fix(epoch)) {
     sentence.number("%.1f", epoch.errors->latitude_m).number("%.1f", epoch.errors->longitude_m);

@@ -67,7 +67,7 @@ struct CfgNav5 {
   friend bool operator==(const CfgNav5&, const CfgNav5&) = default;
 };
 
-/// CFG-NAVX5: the fields that protocol 14 documents.
+/// CFG-NAVX5: the fields that protocols 14 and 18 document, but for dead reckoning.
 struct CfgNavx5 {
   static constexpr MessageId kId{0x06, 0x23};
   static constexpr std::size_t kLength = 40 /*with reserved bytes*/;
@@ -81,6 +81,7 @@ struct CfgNavx5 {
   std::uint8_t initial_fix_3d = 0;
   std::uint8_t acknowledge_aiding = 0;
   std::uint16_t week_rollover = 0;
+  std::uint8_t attenuation_compensation = 0;  ///< u-blox 8: 0 off, 255 automatic, else dBHz.
   std::uint8_t precise_point_positioning = 0;
   std::uint8_t autonomous_orbits = 0;
   std::uint16_t maximum_orbit_error_m = 0;
@@ -91,8 +92,8 @@ struct CfgNavx5 {
         at(10, &CfgNavx5::minimum_satellites), at(11, &CfgNavx5::maximum_satellites),
         at(12, &CfgNavx5::minimum_cn0_dbhz), at(14, &CfgNavx5::initial_fix_3d),
         at(17, &CfgNavx5::acknowledge_aiding), at(18, &CfgNavx5::week_rollover),
-        at(26, &CfgNavx5::precise_point_positioning), at(27, &CfgNavx5::autonomous_orbits),
-        at(30, &CfgNavx5::maximum_orbit_error_m));
+        at(20, &CfgNavx5::attenuation_compensation), at(26, &CfgNavx5::precise_point_positioning),
+        at(27, &CfgNavx5::autonomous_orbits), at(30, &CfgNavx5::maximum_orbit_error_m));
   }
   friend bool operator==(const CfgNavx5&, const CfgNavx5&) = default;
 };

@@ -170,6 +170,24 @@ TEST_F(UbloxLineTest, TextsAlsoLeaveAsInformationMessages) {
   EXPECT_EQ(line_.sentences().size(), 1U);
 }
 
+TEST_F(UbloxLineTest, SentencesBeyondTheUsualSetAreThere) {
+  UbloxSettings settings = quiet();
+  settings.nmea_sentences = {"GST", "GBS", "DTM", "GRS", "GNS", "PUBX,00", "PUBX,03", "PUBX,04"};
+  UbloxReceiver receiver(settings, calendar_, line_);
+  run(receiver, kStart + 1900ms,
+      [](GnssSample& s) { s.position_covariance_ned_m2 = {4.0, 0.0, 0.0, 9.0, 0.0, 25.0}; });
+  // PUBX,03 has more fields than the reader of this fixture keeps.
+  const std::string text = line_.text();
+  for (const std::string_view expected :
+       {"$GPGST,080001.00,1.6,,,,2.0,3.0,5.0*73\r\n", "$GPGBS,080001.00,2.0,3.0,5.0,",
+        "$GPGRS,080001.00,1,0.0,", "$GPDTM,W84,,0.0,N,0.0,E,0.0,W84*6F\r\n",
+        "$GPGNS,080001.00,4925.44074,N,00745.06274,W,AN,08,1.59,",
+        "$PUBX,00,080001.00,4925.44074,N,00745.06274,W,328.250,G3,2.5,4.0,5.091,45.00,-0.250,",
+        "$PUBX,03,08,", "$PUBX,04,080001.00,010626,115201.00,2421,18,"}) {
+    EXPECT_THAT(text, testing::HasSubstr(std::string(expected)));
+  }
+}
+
 TEST_F(UbloxLineTest, AntennaIsSupervised) {
   UbloxSettings settings = quiet();
   settings.ubx_messages = {"MON-HW"};

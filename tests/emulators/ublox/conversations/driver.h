@@ -66,13 +66,12 @@ class Payload {
 }
 
 [[nodiscard]] inline Bytes make_frame(std::uint8_t kind, std::uint8_t id, const Bytes& payload) {
-  Bytes frame{0xB5,
-              0x62,
-              kind,
-              id,
-              static_cast<std::uint8_t>(payload.size()),
-              static_cast<std::uint8_t>(payload.size() >> 8)};
-  frame.insert(frame.end(), payload.begin(), payload.end());
+  Payload head;
+  head.u8(0xB5).u8(0x62).u8(kind).u8(id).u16(static_cast<std::uint32_t>(payload.size()));
+  Bytes frame = std::move(head.bytes);
+  for (const std::uint8_t byte : payload) {
+    frame.push_back(byte);
+  }
   const auto [a, b] = checksum(std::span(frame).subspan(2));
   frame.push_back(a);
   frame.push_back(b);

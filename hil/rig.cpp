@@ -36,17 +36,6 @@ Eigen::Isometry3d pose(const Vector3& position_m, const RollPitchYaw& rotation) 
   return X;
 }
 
-sim::LocalFrame local_frame(const OriginConfiguration& origin) {
-  std::shared_ptr<const sim::GeoidGrid> geoid;
-  if (origin.geoid == GeoidSource::egm96) {
-    geoid = load_geoid(origin.geoid_file.empty() ? kEgm96File : origin.geoid_file,
-                       origin.geoid_interpolation);
-  }
-  return sim::LocalFrame(
-      {origin.latitude_deg, origin.longitude_deg, origin.height_m, origin.geoid_separation_m},
-      std::move(geoid));
-}
-
 std::vector<sim::TriangleMesh> load_meshes(const sim::SceneDescription& description) {
   std::vector<sim::TriangleMesh> meshes;
   for (const auto& object : description.objects) {
@@ -81,6 +70,17 @@ SimulatedWorld make_world(const RigConfiguration& configuration, const sim::Loca
 }
 
 }  // namespace
+
+sim::LocalFrame make_local_frame(const OriginConfiguration& origin) {
+  std::shared_ptr<const sim::GeoidGrid> geoid;
+  if (origin.geoid == GeoidSource::egm96) {
+    geoid = load_geoid(origin.geoid_file.empty() ? kEgm96File : origin.geoid_file,
+                       origin.geoid_interpolation);
+  }
+  return sim::LocalFrame(
+      {origin.latitude_deg, origin.longitude_deg, origin.height_m, origin.geoid_separation_m},
+      std::move(geoid));
+}
 
 SensorMount sensor_mount(const MachineConfiguration& machine, const MountConfiguration& mount) {
   const auto names = link_names(machine.settings);
@@ -156,7 +156,7 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
     : configuration_(configuration),
       io_(io),
       calendar_(configuration.start),
-      frame_(local_frame(configuration.origin)),
+      frame_(make_local_frame(configuration.origin)),
       satellites_(make_satellites(configuration.satellites, calendar_)),
       world_(make_world(configuration, frame_)),
       executive_(io, world_) {

@@ -23,6 +23,10 @@ namespace rigwire::hil {
 /// Throws std::invalid_argument or std::runtime_error naming what is wrong.
 [[nodiscard]] MachineInScene build_machine_in_scene(const RigConfiguration& configuration);
 
+/// The world frame on Earth, with its geoid. Throws std::runtime_error when the geoid's file cannot
+/// be read.
+[[nodiscard]] sim::LocalFrame make_local_frame(const OriginConfiguration& origin);
+
 /// Throws std::invalid_argument when the machine has no such link.
 [[nodiscard]] SensorMount sensor_mount(const MachineConfiguration& machine,
                                        const MountConfiguration& mount);

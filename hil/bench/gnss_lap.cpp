@@ -10,8 +10,8 @@
 #include <type_traits>
 
 #include "hil/bench/carried_machine.h"
-#include "hil/gnss_factory.h"
 #include "hil/rig.h"
+#include "hil/satellites.h"
 #include "sim/gnss/gnss_sensor.h"
 #include "sim/scene/track.h"
 
@@ -29,6 +29,8 @@ struct Receiver {
 };
 
 std::vector<Receiver> receivers(const RigConfiguration& rig, const sim::LocalFrame& frame) {
+  const Calendar calendar(rig.start);
+  const auto satellites = make_satellites(rig.satellites, calendar);
   std::vector<Receiver> found;
   for (const auto& [name, device] : rig.devices) {
     std::visit(
@@ -39,9 +41,10 @@ std::vector<Receiver> receivers(const RigConfiguration& rig, const sim::LocalFra
                         }) {
             if constexpr (std::is_same_v<std::remove_cvref_t<decltype(settings.sensor)>,
                                          sim::GnssParameters>) {
-              found.push_back({{name, std::string(device.type()), {}},
-                               sensor_mount(rig.machine, settings.mount),
-                               make_gnss_sensor(rig, settings.sensor, frame, name)});
+              found.push_back(
+                  {{name, std::string(device.type()), {}},
+                   sensor_mount(rig.machine, settings.mount),
+                   sim::GnssSensor(settings.sensor, satellites, calendar, frame, rig.seed, name)});
             }
           }
         },

@@ -7,8 +7,8 @@
 #include "hil/bench/carried_machine.h"
 #include "hil/bench/gnss_bench.h"
 #include "hil/cpu_time.h"
-#include "hil/gnss_factory.h"
 #include "hil/rig.h"
+#include "hil/satellites.h"
 
 namespace rigwire::hil {
 namespace {
@@ -18,7 +18,7 @@ constexpr double kSpeed_mps = 2.0;
 /// The first u-blox of the rig.
 const UbloxConfiguration& ublox_of(const RigConfiguration& rig) {
   for (const auto& [name, device] : rig.devices) {
-    if (const auto* ublox = std::get_if<UbloxConfiguration>(&device.settings)) {
+    if (const UbloxConfiguration* ublox = as_ublox(device.settings)) {
       return *ublox;
     }
   }
@@ -62,7 +62,9 @@ SampledLap sampled_lap(const RigConfiguration& rig, int samples) {
   parameters.multipath.enabled = false;  // the visibility rays alone
   parameters.sky.samples = sky_samples(samples);
   parameters.sky.cn0_sigma_db = 0.0;
-  sim::GnssSensor sensor = make_gnss_sensor(rig, parameters, make_local_frame(rig.origin), "bench");
+  const Calendar calendar(rig.start);
+  sim::GnssSensor sensor(parameters, make_satellites(rig.satellites, calendar), calendar,
+                         make_local_frame(rig.origin), rig.seed, "bench");
   CarriedMachine machine(rig, kSpeed_mps);
   SampledLap lap;
   std::vector<double> costs_us;
@@ -88,6 +90,7 @@ ReceiverLoad measure_load(const RigConfiguration& rig, const std::string& model,
   const SensorMount mount = sensor_mount(rig.machine, ublox.mount);
   const sim::LocalFrame frame = make_local_frame(rig.origin);
   const Calendar calendar(rig.start);
+  const auto satellites = make_satellites(rig.satellites, calendar);
   emulators::UbloxSettings settings = ublox.receiver;
   settings.measurement_period = from_seconds(1.0 / rate_hz);
   settings.baud = 230'400;
@@ -98,7 +101,8 @@ ReceiverLoad measure_load(const RigConfiguration& rig, const std::string& model,
   std::vector<std::unique_ptr<emulators::UbloxReceiver>> devices;
   std::vector<sim::LinkMotion> antennas;
   for (int i = 0; i < receivers; ++i) {
-    sensors.push_back(make_gnss_sensor(rig, parameters, frame, "bench " + std::to_string(i)));
+    sensors.push_back(sim::GnssSensor(parameters, satellites, calendar, frame, rig.seed,
+                                      "bench " + std::to_string(i)));
     devices.push_back(std::make_unique<emulators::UbloxReceiver>(settings, calendar, silence));
     machine.place(kStart, machine.length_m() * i / receivers);
     antennas.push_back(machine.motion(mount));

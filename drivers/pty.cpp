@@ -1,6 +1,7 @@
 #include "drivers/pty.h"
 
 #include <fcntl.h>
+#include <grp.h>
 #include <poll.h>
 #include <stdlib.h>
 #include <sys/socket.h>
@@ -9,6 +10,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <functional>
@@ -97,6 +99,21 @@ void require_replaceable(const fs::path& link) {
   }
 }
 
+/// Gives the slave the group and mode of a real serial line, so that daemons which have dropped
+/// their privileges can open it again. Only a member of the group, or root, may; others keep the
+/// terminal to themselves as before.
+void share_with_serial_group(int master) {
+  std::array<char, 64> slave{};
+  std::array<char, 1024> room{};
+  group entry{};
+  group* found = nullptr;
+  if (::ptsname_r(master, slave.data(), slave.size()) == 0 &&
+      ::getgrnam_r("dialout", &entry, room.data(), room.size(), &found) == 0 && found != nullptr &&
+      ::chown(slave.data(), static_cast<uid_t>(-1), found->gr_gid) == 0) {
+    (void)::chmod(slave.data(), S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP);
+  }
+}
+
 int open_master(const fs::path& link) {
   Descriptor master(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!master.open()) {
@@ -106,6 +123,7 @@ int open_master(const fs::path& link) {
   if (::grantpt(master.get()) != 0 || ::unlockpt(master.get()) != 0) {
     fail(link, "cannot unlock the pseudo-terminal: " + reason(errno), "check /dev/pts");
   }
+  share_with_serial_group(master.get());
   return master.release();
 }
 

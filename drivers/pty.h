@@ -8,6 +8,8 @@
 //   changed and always before the bytes that come with them. The kernel keeps neither character
 //   size nor parity of a pseudo-terminal, so that there is nothing to tell of them. A client that
 //   opens and closes between two looks is told only when it wrote something.
+// - The slave has the group dialout and mode 0660 where this user may give them, as serial lines
+//   have: daemons that drop their privileges open it again.
 // - While nobody has the slave open, what is written is taken and forgotten, and what the last
 //   client left unread is thrown away: the next client starts with fresh bytes. (The kernel would
 //   keep up to 16 KiB for it.) A client that closes and another that opens within the same few

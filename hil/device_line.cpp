@@ -31,7 +31,7 @@ class SerialGnssLine final : public GnssLine {
     executive.add(outlet_);
     pty_.on_client([this, &executive](const drivers::LineClient& client) {
       receiver_.set_client(executive.arrive(),
-                           {client.present, check_baud_ ? client.baud : kAnyBaud});
+                           {client.present, seen_baud(check_baud_, client.baud)});
     });
     pty_.start([this, &executive](std::span<const std::uint8_t> bytes) {
       receiver_.receive(client_arrived(executive), bytes);
@@ -70,9 +70,7 @@ class SerialGnssLine final : public GnssLine {
     std::vector<LidarLine*> lidars;
   };
 
-  static constexpr std::uint32_t kAnyBaud = 0;
-
-  bool check_baud_;
+  BaudCheck check_baud_;
   drivers::Pty pty_;
   StreamOutlet outlet_;
   emulators::UbloxReceiver receiver_;

@@ -116,7 +116,7 @@ class StarFireLine final : public GnssLine {
       executive.add(*outlet_);
       pty_->on_client([this, &executive](const drivers::LineClient& client) {
         executive.arrive();
-        quality_->set_client_baud(check_baud_ ? client.baud : 0);
+        quality_->set_client_baud(seen_baud(check_baud_, client.baud));
       });
       pty_->start([this, &executive](std::span<const std::uint8_t> bytes) {
         receiver_->receive(client_arrived(executive), bytes);
@@ -142,7 +142,7 @@ class StarFireLine final : public GnssLine {
     return exit_ == nullptr ? emulators::CanNodeCounters{} : bus_->bus().counters(*exit_);
   }
 
-  bool check_baud_;
+  BaudCheck check_baud_;
   CanLine* bus_;
   std::optional<drivers::Pty> pty_;  ///< With what follows: only with a serial line.
   std::optional<StreamOutlet> outlet_;

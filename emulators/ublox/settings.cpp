@@ -61,6 +61,14 @@ std::size_t bytes_of(const UbloxProfile& profile, const std::vector<std::string>
   return sum;
 }
 
+/// What the device itself begins with is never refused, even where its longest sentences would not
+/// all fit: it drops those that do not.
+bool as_delivered(const UbloxSettings& settings) {
+  static const UbloxSettings kDelivered;
+  return settings.baud >= settings.profile->baud && settings.measurement_period >= 1s &&
+         settings.ubx_messages.empty() && settings.nmea_sentences == kDelivered.nmea_sentences;
+}
+
 }  // namespace
 
 std::span<const std::uint32_t> ublox_bauds() {
@@ -108,7 +116,7 @@ void validate(const UbloxSettings& settings) {
       bytes_of(profile, settings.ubx_messages, false, "ubx_messages");
   const double needed = static_cast<double>(epoch_bytes) / to_seconds(settings.measurement_period);
   const double available = settings.baud / 10.0;
-  if (needed > available) {
+  if (needed > available && !as_delivered(settings)) {
     reject("the messages switched on need up to " + std::to_string(std::llround(needed)) +
            " bytes/s (" + std::to_string(epoch_bytes) + " bytes every " +
            std::to_string(settings.measurement_period / 1ms) + " ms), the line carries " +

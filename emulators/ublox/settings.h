@@ -54,7 +54,8 @@ struct UbloxSettings {
 };
 
 /// Throws std::invalid_argument naming the setting, the value found and what is allowed; also when
-/// the messages switched on do not fit through the line: bytes per second needed and available.
+/// the messages switched on do not fit through the line: bytes per second needed and available
+/// (what the device is delivered with is always allowed).
 void validate(const UbloxSettings& settings);
 
 /// Line speeds that CFG-PRT and the settings accept.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "emulators/starfire/settings.h"
+#include "hil/configuration/baud_check.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/gnss_fault.h"
 #include "hil/configuration/gnss_sensor.h"
@@ -18,7 +19,7 @@ namespace rigwire::hil {
 struct StarFireConfiguration {
   std::string path =
       "/tmp/rigwire/starfire";  ///< Symbolic link to the pty; empty = no serial line.
-  bool check_baud = true;    ///< A client at another speed hears garbage and is heard as garbage.
+  BaudCheck check_baud = BaudCheck::lenient;
   std::string bus;           ///< One of the rig's buses; empty = no node.
   MountConfiguration mount;  ///< Of the antenna.
   emulators::StarFireSettings receiver;
@@ -44,8 +45,7 @@ template <class Visitor>
 void visit(Visitor& v, StarFireConfiguration& p) {
   v.text("path", p.path, "Symbolic link to the pty; what a client opens; empty = no serial line.");
   v.integer("baud", p.receiver.baud, IntegerRule{4800, 115200}, "Of the line, 8N1.");
-  v.boolean("check_baud", p.check_baud,
-            "A client at another speed hears garbage and is heard as garbage.");
+  v.choice("check_baud", p.check_baud, kBaudChecks, "When a client hears garbage.");
   v.rate("rate", p.receiver.sentence_period, in("Hz").between(1, 10),
          "Of the sentences: 1, 5, 10.");
   v.texts("nmea_sentences", p.receiver.sentences, "GGA GSA RMC VTG ZDA.");

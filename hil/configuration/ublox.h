@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "emulators/ublox/settings.h"
+#include "hil/configuration/baud_check.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/gnss_fault.h"
 #include "hil/configuration/gnss_sensor.h"
@@ -16,7 +17,7 @@ namespace rigwire::hil {
 /// A u-blox receiver on a serial line; as it stands, a NEO-7P.
 struct UbloxConfiguration {
   std::string path = "/tmp/rigwire/gnss";  ///< Symbolic link to the pty that a client opens.
-  bool check_baud = true;    ///< A client at another speed hears garbage and is heard as garbage.
+  BaudCheck check_baud = BaudCheck::lenient;
   MountConfiguration mount;  ///< Of the antenna.
   emulators::UbloxSettings receiver;
   sim::GnssParameters sensor;
@@ -38,8 +39,6 @@ struct UbloxConfiguration {
 struct UbloxM8Configuration : UbloxConfiguration {
   UbloxM8Configuration() : UbloxConfiguration(emulators::ublox_neo_m8()) {
     sensor.systems = {.gps = true, .glonass = true, .sbas = true, .qzss = true};
-    // The satellites of four systems may not fit through 9600 bit/s: without GSV.
-    receiver.nmea_sentences = {"RMC", "VTG", "GGA", "GSA", "GLL"};
   }
 };
 struct UbloxF9pConfiguration : UbloxConfiguration {
@@ -58,8 +57,7 @@ void visit(Visitor& v, UbloxConfiguration& p) {
          "Navigation epochs; a client may change it by CFG-RATE.");
   v.integer("baud", p.receiver.baud, IntegerRule{4800, p.receiver.profile->greatest_baud},
             "Of the line, 8N1, at power-on.");
-  v.boolean("check_baud", p.check_baud,
-            "A client at another speed hears garbage and is heard as garbage.");
+  v.choice("check_baud", p.check_baud, kBaudChecks, "When a client hears garbage.");
   v.texts("nmea_sentences", p.receiver.nmea_sentences,
           "On at power-on: RMC VTG GGA GSA GSV GLL ZDA.");
   v.texts("ubx_messages", p.receiver.ubx_messages, "On at power-on: NAV-PVT, NAV-SOL and others.");

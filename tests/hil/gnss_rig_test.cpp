@@ -103,6 +103,21 @@ TEST_F(GnssRig, ClientThatSetsNoSpeedReadsItToo) {
 
 TEST_F(GnssRig, ClientAtAnotherSpeedReadsGarbage) {
   build(receiver("gnss", "    mount: {link: body}\n"));
+  const auto client = open("gnss", 115200);
+  run(3s);
+  EXPECT_FALSE(heard.empty());
+  EXPECT_THAT(heard, Not(HasSubstr("$GP")));
+}
+
+TEST_F(GnssRig, ClientAtTheSpeedOfThoseWhoDoNotChooseIsUnderstood) {
+  build(receiver("gnss", "    mount: {link: body}\n"));
+  const auto client = open("gnss", 9600);
+  run(3s);
+  EXPECT_GE(sentences("RMC").size(), 13U);
+}
+
+TEST_F(GnssRig, ClientAtThatSpeedReadsGarbageOnAStrictLine) {
+  build(receiver("gnss", "    mount: {link: body}\n    check_baud: strict\n"));
   const auto client = open("gnss", 9600);
   run(3s);
   EXPECT_FALSE(heard.empty());
@@ -110,8 +125,8 @@ TEST_F(GnssRig, ClientAtAnotherSpeedReadsGarbage) {
 }
 
 TEST_F(GnssRig, ClientAtAnotherSpeedReadsItWhenSpeedsAreNotChecked) {
-  build(receiver("gnss", "    mount: {link: body}\n    check_baud: false\n"));
-  const auto client = open("gnss", 9600);
+  build(receiver("gnss", "    mount: {link: body}\n    check_baud: none\n"));
+  const auto client = open("gnss", 115200);
   run(3s);
   EXPECT_GE(sentences("RMC").size(), 13U);
 }

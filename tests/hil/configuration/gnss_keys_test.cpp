@@ -48,9 +48,11 @@ class GnssKeys : public ::testing::Test {
 
 TEST_F(GnssKeys, AReceiverChecksItsClientsSpeedUnlessToldNotTo) {
   write_receiver("");
-  EXPECT_TRUE(receiver().check_baud);
-  write_receiver("    check_baud: false\n");
-  EXPECT_FALSE(receiver().check_baud);
+  EXPECT_EQ(receiver().check_baud, BaudCheck::lenient);
+  write_receiver("    check_baud: strict\n");
+  EXPECT_EQ(receiver().check_baud, BaudCheck::strict);
+  write_receiver("    check_baud: none\n");
+  EXPECT_EQ(receiver().check_baud, BaudCheck::none);
 }
 
 TEST_F(GnssKeys, EachTypeBringsItsProfile) {

@@ -187,7 +187,8 @@ TEST_F(Ubxtool, PollsThroughTheDaemon) {
   LiveReceiver receiver(settings(), wires_.gnss());
   ASSERT_TRUE(receiver.awake());
   const std::string port = std::to_string(test::free_port(SOCK_STREAM));
-  ChildProcess gpsd({"gpsd", "-N", "-n", "-S", port, wires_.gnss()}, file("gpsd.log"));
+  ChildProcess gpsd({"gpsd", "-N", "-n", "-s", std::to_string(kBaud), "-S", port, wires_.gnss()},
+                    file("gpsd.log"));
   ASSERT_TRUE(test::eventually([&] { return receiver.state().counters.acknowledged > 20; }, 15s))
       << "the daemon has not configured the receiver: " << gpsd.output();
   const std::string text = run({"ubxtool", "-P", "14", "-v", "2", "-w", "2", "-p", "CFG-RATE", "-p",

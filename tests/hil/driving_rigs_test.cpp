@@ -67,7 +67,8 @@ TEST_P(DrivingRig, KeepsEveryNominalRateAndStandsStillUncommanded) {
 TEST_P(DrivingRig, SameSeedGivesTheSameBytesOnEveryDevice) {
   const Ran first = run(GetParam(), 2s);
   const Ran second = run(GetParam(), 2s);
-  ASSERT_EQ(first.devices.size(), 4U);
+  ASSERT_GE(first.devices.size(), 4U);
+  ASSERT_EQ(first.devices.size(), second.devices.size());
   for (const auto& [name, device] : first.devices) {
     EXPECT_EQ(device.statistics.hash.value(), second.devices.at(name).statistics.hash.value())
         << name;

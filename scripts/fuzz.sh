@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs every fuzz target of build-fuzz for FUZZ_SECONDS (20), two at a time, starting from the
+# Runs every fuzz target of build-fuzz for FUZZ_SECONDS (60), two at a time, starting from the
 # inputs under tests/fuzz/corpus/<name>/. What libFuzzer finds grows in build-fuzz/corpus/<name>/; a
 # crash is left in build-fuzz/crashes/ and belongs, once understood, in tests/fuzz/corpus/<name>/
 # under the name of the defect.
@@ -9,7 +9,7 @@ set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 filter=${1:-}
-seconds=${FUZZ_SECONDS:-20}
+seconds=${FUZZ_SECONDS:-60}
 mkdir -p build-fuzz/crashes build-fuzz/fuzz-logs
 
 fuzz_one() { # fuzz_one PROGRAM SECONDS

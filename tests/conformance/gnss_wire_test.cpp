@@ -18,55 +18,17 @@
 #include "emulators/ublox/receiver.h"
 #include "sim/local_frame.h"
 #include "sim/samples/calendar.h"
+#include "simulated_receiver.h"
 
 namespace rigwire {
 namespace {
 
 using namespace std::chrono_literals;
 using Json = nlohmann::json;
-
-class Recording final : public emulators::ByteOutput {
- public:
-  void send(SimTime, std::span<const std::uint8_t> bytes) override {
-    all.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  }
-  std::string all;
-};
-
-/// A machine that drives north-east up a slope, seen without error.
-GnssSample truth_at(SimTime time) {
-  const double t = to_seconds(time);
-  GnssSample sample;
-  sample.time = time;
-  sample.fix = GnssFix::three_d;
-  sample.latitude_deg = 49.42 + 2e-5 * t;
-  sample.longitude_deg = 7.75 + 3e-5 * t;
-  sample.ellipsoid_height_m = 300.0 + 0.5 * t;
-  sample.geoid_separation_m = 48.0;
-  sample.velocity_ned_mps = {2.226, 2.175, -0.5};
-  sample.horizontal_accuracy_m = 2.5;
-  sample.vertical_accuracy_m = 4.0;
-  sample.speed_accuracy_mps = 0.1;
-  sample.time_accuracy_s = 20e-9;
-  sample.horizontal_dilution = 1.02;
-  sample.vertical_dilution = 1.92;
-  sample.position_dilution = 1.84;
-  sample.time_dilution = 0.9;
-  for (std::uint8_t prn = 1; prn <= 11; ++prn) {
-    sample.satellites.push_back({prn, 0.5 * prn, 0.1 * prn, 35.0 + prn, true, true});
-  }
-  return sample;
-}
+using test::driving_machine;
 
 std::string record_a_minute(const emulators::UbloxSettings& settings, const Calendar& calendar) {
-  Recording recording;
-  emulators::UbloxReceiver receiver(settings, calendar, recording);
-  for (SimTime t = receiver.sample_plan().first; t < kStart + 60s;
-       t = receiver.sample_plan().next_after(t)) {
-    receiver.update(truth_at(t));
-  }
-  receiver.advance(kStart + 62s);
-  return recording.all;
+  return test::run_receiver(settings, calendar, driving_machine, 60s).bytes;
 }
 
 /// What gpsdecode makes of the bytes, one JSON object per line.
@@ -112,7 +74,7 @@ GnssSample truth_of(const Json& report, const Calendar& calendar) {
   const UtcTime utc = parse_utc(text);
   for (SimTime t = kStart; t < kStart + 61s; t += 1s) {
     if (calendar.utc(t) == utc) {
-      return truth_at(t);
+      return driving_machine(t);
     }
   }
   ADD_FAILURE() << "no epoch at " << text;

@@ -119,8 +119,7 @@ TEST_F(RigProcess, GpsdFindsTheReceiverAndItsPosition) {
   ASSERT_TRUE(eventually([&] { return wires_are_up(); })) << rig.output();
   const std::string port = std::to_string(test::free_port(SOCK_STREAM));
   // On a pseudo-terminal gpsd hunts for no speed: it takes the one that it is told, else 9600.
-  ChildProcess gpsd({"gpsd", "-N", "-n", "-S", port, wires_.gnss()},
-                    file("gpsd.log"));
+  ChildProcess gpsd({"gpsd", "-N", "-n", "-S", port, wires_.gnss()}, file("gpsd.log"));
   Json fix;
   const bool found = eventually(
       [&] {

@@ -73,7 +73,8 @@ class PrivateWires {
   [[nodiscard]] std::string gnss() const { return (folder / "gnss").string(); }
   [[nodiscard]] std::string can() const { return (folder / "can").string(); }
 
-  /// Of a machine that drives: receiver, lidar and a bus; and what the rig of that name has besides.
+  /// Of a machine that drives: receiver, lidar and a bus; and what the rig of that name has
+  /// besides.
   [[nodiscard]] std::vector<std::string> driving_sets(const std::string& rig = "") const {
     std::vector<std::string> sets{"devices.gnss.path=" + gnss(), "buses.can.path=" + can(),
                                   "buses.can.wire=slcan",

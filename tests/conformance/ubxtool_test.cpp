@@ -56,9 +56,9 @@ class Ubxtool : public testing::Test {
     return text;
   }
   [[nodiscard]] std::string ask(const std::vector<std::string>& more, const std::string& wait = "1",
-                                std::uint32_t baud = kBaud) {
-    std::vector<std::string> words{"ubxtool", "-f", wires_.gnss(), "-s", std::to_string(baud),
-                                   "-P",      "14", "-v",          "2",  "-w",
+                                std::uint32_t baud = kBaud, const std::string& protocol = "14") {
+    std::vector<std::string> words{"ubxtool", "-f",     wires_.gnss(), "-s", std::to_string(baud),
+                                   "-P",      protocol, "-v",          "2",  "-w",
                                    wait};
     words.insert(words.end(), more.begin(), more.end());
     return run(words);
@@ -181,6 +181,21 @@ TEST_F(Ubxtool, AColdBootBeginsWithTheBanner) {
   EXPECT_THAT(tool.output(), HasSubstr("$GPTXT,01,01,02,MOD NEO-7P-0*38"));
   EXPECT_THAT(tool.output(), HasSubstr("$GPRMC,,V,,,,,,,,,,N*53"));
   EXPECT_EQ(receiver.state().counters.resets, 1U);
+}
+
+TEST_F(Ubxtool, SetsAndReadsItemsOfTheF9p) {
+  emulators::UbloxSettings precise = settings();
+  precise.profile = &emulators::ublox_zed_f9p();
+  LiveReceiver receiver(precise, wires_.gnss());
+  ASSERT_TRUE(receiver.awake());
+  const std::string set = ask({"-z", "CFG-RATE-MEAS,200"}, "1", kBaud, "27.50");
+  EXPECT_THAT(set, HasSubstr("UBX-ACK-ACK"));
+  EXPECT_THAT(set, Not(HasSubstr("UBX-ACK-NAK")));
+  const std::string read = ask({"-g", "CFG-RATE-MEAS"}, "1.5", kBaud, "27.50");
+  EXPECT_THAT(read, HasSubstr("UBX-CFG-VALGET"));
+  EXPECT_THAT(read, HasSubstr("CFG-RATE-MEAS"));
+  EXPECT_THAT(read, HasSubstr("200"));
+  EXPECT_THAT(ask({"-p", "MON-VER"}, "1", kBaud, "27.50"), HasSubstr("PROTVER=27.50"));
 }
 
 TEST_F(Ubxtool, PollsThroughTheDaemon) {

@@ -273,7 +273,8 @@ def gnss_lap(bench, path):
               ("vertical_dilution", "VDOP"), ("position_dilution", "PDOP"),
               ("horizontal_error_m", "horizontal error, m")]
     height, left, right = 150, 70, 860
-    bottom = 70 + height * len(panels)
+    head = 98
+    bottom = head + height * len(panels)
     svg = Svg(900, bottom + 70)
     svg.text(20, 24, "One lap of the campus: what each receiver reports along the way", kind="t")
     svg.text(20, 42, "rig gator_campus; grey: nearest point to a building, its name and height",
@@ -281,18 +282,21 @@ def gnss_lap(bench, path):
     length = max(lap["receivers"][0]["epochs"]["along_m"])
     x_axis = LinearAxis(0.0, length, left, right)
     for i, (key, name) in enumerate(panels):
-        top = 70 + height * i
+        top = head + height * i
+        last_label = -1e9
         values = [v for r in lap["receivers"] for v in r["epochs"][key] if v is not None]
         y_axis = LinearAxis(0.0, 1.05 * max(values), top + height - 30, top)
         frame(svg, x_axis, y_axis,
               (lambda v: f"{v:g}") if i == len(panels) - 1 else (lambda v: ""),
               lambda v: f"{v:g}")
-        svg.text(left + 6, top + 2, name)
+        svg.text(left + 6, y_axis.start - 6, name)
         for building in lap.get("buildings", []):
             x = x_axis.at(building["along_m"])
             svg.line(x, top, x, y_axis.start, "#999", 1, "3 3")
-            if i == 0:
-                svg.text(x, top - 6, f'{building["name"]} {building["height_m"]:g} m', "middle", "s")
+            if i == 0:  # in turns on two lines where they would run into each other
+                row = 0 if x - last_label > 110 else 1
+                last_label = x if row == 0 else -1e9
+                svg.text(x, top - 8 - 14 * row, f'{building["name"]} {building["height_m"]:g} m', "middle", "s")
         for receiver, colour in zip(lap["receivers"], COLOURS):
             epochs = receiver["epochs"]
             run = []

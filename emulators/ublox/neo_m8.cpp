@@ -1,8 +1,12 @@
-// The u-blox NEO-M8N: protocol 18.00, firmware SPG 3.01 in flash.
+// The u-blox NEO-M8N: protocol 18.00, firmware SPG 3.01 in flash; and the NEO-M8T, the timing
+// receiver of the same generation that tells its raw measurements: protocol 22.00, firmware
+// TIM 1.10.
 //
 // Source: u-blox M8 receiver description, UBX-13003221 R28, sections 2.1.2 (texts at power-on),
 // 2.1.4 (MON-VER), 32 (messages) and appendix C (defaults). Where chapter 31 and appendix C.12 give
-// different NMEA versions, C.12 is followed: 4.0. Order within an epoch: recordings.
+// different NMEA versions, C.12 is followed: 4.0. Order within an epoch: recordings. Texts of the
+// NEO-M8T: what such receivers answered to others; its timing messages (survey-in, TIM-SVIN ...)
+// are not emulated.
 #include <algorithm>
 #include <array>
 
@@ -102,7 +106,18 @@ constexpr std::array kMessages{
     silent(0x21, 0x08),
     silent(0xF0, 0x0F),
 };
-static_assert(kMessages.size() <= kMaximumMessages);
+
+/// The raw measurements come last but for the subframes, as recordings show.
+constexpr auto kTimingMessages = [] {
+  std::array<UbloxMessage, kMessages.size() + 1> messages{};
+  const auto subframes =
+      std::ranges::find(kMessages, std::string_view("RXM-SFRBX"), &UbloxMessage::name);
+  auto at = std::copy(kMessages.begin(), subframes, messages.begin());
+  *at++ = listed<ubx::RxmRawxHead, ubx::RxmRawxBlock>("RXM-RAWX", kSatellites);
+  std::copy(subframes, kMessages.end(), at);
+  return messages;
+}();
+static_assert(kTimingMessages.size() <= kMaximumMessages);
 
 constexpr std::array<std::string_view, 7> kExtensions{
     "ROM BASE 3.01 (107888)", "FWVER=SPG 3.01",  "PROTVER=18.00", "MOD=NEO-M8N-0",
@@ -124,6 +139,27 @@ constexpr std::array<std::string_view, 15> kBanner{
     "ANTSUPERV=AC SD PDoS SR",
     "ANTSTATUS=OK",
     "PF=3FB",
+};
+
+constexpr std::array<std::string_view, 7> kTimingExtensions{
+    "ROM BASE 2.01 (75331)", "FWVER=TIM 1.10",  "PROTVER=22.00", "MOD=NEO-M8T-0",
+    "FIS=0xEF4015 (100111)", "GPS;GLO;GAL;BDS", "SBAS;IMES;QZSS"};
+
+constexpr std::array<std::string_view, 14> kTimingBanner{
+    "u-blox AG - www.u-blox.com",
+    "HW UBX-M8030 00080000",
+    "EXT CORE 3.01 (111141)",
+    "ROM BASE 2.01 (75331)",
+    "FWVER=TIM 1.10",
+    "PROTVER=22.00",
+    "MOD=NEO-M8T-0",
+    "FIS=0xEF4015 (100111)",
+    "GPS;GLO;GAL;BDS",
+    "SBAS;IMES;QZSS",
+    "GNSS OTP=GPS;GLO",
+    "LLC=FFFFFFFF-FFFFFFEC-FFFFFFFF-FFFFFFBF-FFFFFF68",
+    "ANTSUPERV=AC SD PDoS SR",
+    "ANTSTATUS=OK",
 };
 
 // Signals: the first of each system, as the receiver itself answers.
@@ -158,7 +194,27 @@ std::size_t encode(const UbloxSolution& solution, ubx::MessageId id, std::span<s
   return encode_modern_solution(solution, ublox_neo_m8(), id, out);
 }
 
+std::size_t encode_timing(const UbloxSolution& solution, ubx::MessageId id,
+                          std::span<std::uint8_t> out) {
+  return encode_modern_solution(solution, ublox_neo_m8t(), id, out);
+}
+
 }  // namespace
+
+const UbloxProfile& ublox_neo_m8t() {
+  static const UbloxProfile profile = [] {
+    UbloxProfile timing = ublox_neo_m8();
+    timing.name = "NEO-M8T";
+    timing.protocol_e2 = 2200;
+    timing.software = "EXT CORE 3.01 (111141)";
+    timing.extensions = kTimingExtensions;
+    timing.banner = kTimingBanner;
+    timing.messages = kTimingMessages;
+    timing.encode = encode_timing;
+    return timing;
+  }();
+  return profile;
+}
 
 const UbloxProfile& ublox_neo_m8() {
   static const UbloxProfile profile{

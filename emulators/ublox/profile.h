@@ -109,6 +109,7 @@ class UbloxKeyMessages {
 
 [[nodiscard]] const UbloxProfile& ublox_neo_7p();
 [[nodiscard]] const UbloxProfile& ublox_neo_m8();
+[[nodiscard]] const UbloxProfile& ublox_neo_m8t();
 [[nodiscard]] const UbloxProfile& ublox_zed_f9p();
 
 }  // namespace rigwire::emulators

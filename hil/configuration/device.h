@@ -61,10 +61,10 @@ struct VehicleGatewayDeviceConfiguration : VehicleGatewayConfiguration {
   sim::OdometryParameters odometry;
 };
 
-using DeviceSettings =
-    std::variant<UbloxConfiguration, UbloxM8Configuration, UbloxF9pConfiguration,
-                 StarFireConfiguration, VelodyneConfiguration, OpenImuDeviceConfiguration,
-                 ValveDriverConfiguration, VehicleGatewayDeviceConfiguration>;
+using DeviceSettings = std::variant<UbloxConfiguration, UbloxM8Configuration, UbloxM8tConfiguration,
+                                    UbloxF9pConfiguration, StarFireConfiguration,
+                                    VelodyneConfiguration, OpenImuDeviceConfiguration,
+                                    ValveDriverConfiguration, VehicleGatewayDeviceConfiguration>;
 
 /// The u-blox receiver that the device is, whatever its type; else null.
 [[nodiscard]] inline const UbloxConfiguration* as_ublox(const DeviceSettings& settings) {
@@ -80,9 +80,10 @@ using DeviceSettings =
 }
 
 /// The names of the `type` key, in the order of DeviceSettings.
-inline constexpr std::array<Alternative, 8> kDeviceTypes{
+inline constexpr std::array<Alternative, 9> kDeviceTypes{
     {{"ublox-neo-7p", "u-blox NEO-7P satellite receiver on a serial line (NMEA, UBX)."},
      {"ublox-neo-m8", "u-blox NEO-M8 satellite receiver of several systems (NMEA, UBX)."},
+     {"ublox-neo-m8t", "u-blox NEO-M8T, the same with raw measurements (NMEA, UBX)."},
      {"ublox-zed-f9p", "u-blox ZED-F9P satellite receiver with carrier solution (NMEA, UBX)."},
      {"starfire-3000", "John Deere StarFire 3000 satellite receiver (NMEA, J1939)."},
      {"velodyne-hdl-32e", "Velodyne HDL-32E spinning lidar on UDP."},

@@ -37,9 +37,17 @@ struct UbloxConfiguration {
 
 /// The other types differ in their profile, and in what they receive unless told otherwise.
 struct UbloxM8Configuration : UbloxConfiguration {
-  UbloxM8Configuration() : UbloxConfiguration(emulators::ublox_neo_m8()) {
+  UbloxM8Configuration() : UbloxM8Configuration(emulators::ublox_neo_m8()) {}
+
+ protected:
+  explicit UbloxM8Configuration(const emulators::UbloxProfile& profile)
+      : UbloxConfiguration(profile) {
     sensor.systems = {.gps = true, .glonass = true, .sbas = true, .qzss = true};
+    sensor.raw_measurements = true;  // RXM-SFRBX, RXM-RAWX
   }
+};
+struct UbloxM8tConfiguration : UbloxM8Configuration {
+  UbloxM8tConfiguration() : UbloxM8Configuration(emulators::ublox_neo_m8t()) {}
 };
 struct UbloxF9pConfiguration : UbloxConfiguration {
   UbloxF9pConfiguration() : UbloxConfiguration(emulators::ublox_zed_f9p()) {

@@ -176,6 +176,7 @@ TEST_P(Rtklib, WithErrorsItsFixStaysWithinTheBudget) {
 INSTANTIATE_TEST_SUITE_P(
     Receivers, Rtklib,
     testing::Values(Case{"NEO7P", &emulators::ublox_neo_7p(), {"RXM-RAW", "RXM-SFRB"}},
+                    Case{"NEOM8T", &emulators::ublox_neo_m8t(), {"RXM-RAWX", "RXM-SFRBX"}},
                     Case{"ZEDF9P", &emulators::ublox_zed_f9p(), {"RXM-RAWX", "RXM-SFRBX"}}),
     [](const testing::TestParamInfo<Case>& at) { return at.param.name; });
 

@@ -88,6 +88,10 @@ TEST_F(UbloxModernTest, VersionsAreThoseOfTheRecordings) {
   EXPECT_EQ(m8.extensions[2], "PROTVER=18.00");
   EXPECT_EQ(m8.extensions[3], "MOD=NEO-M8N-0");
   line_ = {};
+  const auto timing = version(ublox_neo_m8t());
+  EXPECT_EQ(timing.software, "EXT CORE 3.01 (111141)");
+  EXPECT_EQ(timing.extensions[3], "MOD=NEO-M8T-0");
+  line_ = {};
   const auto f9 = version(ublox_zed_f9p());
   EXPECT_EQ(f9.hardware, "00190000");
   EXPECT_EQ(f9.extensions[1], "FWVER=HPG 1.50");

@@ -118,7 +118,7 @@ TEST(CommandLine, lists_know_what_there_is) {
   EXPECT_THAT(rigwire("list rigs").output, HasSubstr("excavator_pit"));
   EXPECT_THAT(rigwire("list machines").output, HasSubstr("excavator_ref18t"));
   EXPECT_THAT(rigwire("list scenes").output, HasSubstr("open_pit"));
-  EXPECT_EQ(nlohmann::json::parse(rigwire("list devices --json").output).size(), 8u);
+  EXPECT_EQ(nlohmann::json::parse(rigwire("list devices --json").output).size(), 9u);
   const Result typo = rigwire("list rgis");
   EXPECT_EQ(typo.code, 2);
   EXPECT_THAT(typo.output, HasSubstr("did you mean rigs?"));

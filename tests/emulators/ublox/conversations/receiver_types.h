@@ -26,7 +26,7 @@ struct ReceiverType {
 
 [[nodiscard]] inline std::vector<ReceiverType> receiver_types() {
   return {receiver_type("NEO7P", ublox_neo_7p()), receiver_type("NEOM8N", ublox_neo_m8()),
-          receiver_type("ZEDF9P", ublox_zed_f9p())};
+          receiver_type("NEOM8T", ublox_neo_m8t()), receiver_type("ZEDF9P", ublox_zed_f9p())};
 }
 
 [[nodiscard]] inline std::string name_of(const ReceiverType& type) {

@@ -60,11 +60,16 @@ function(rigwire_library folder)
   target_link_libraries(rigwire_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
 endfunction()
 
-# rigwire_test(<folder> [LINK <targets>])
+# rigwire_test(<folder> [ALONE] [LINK <targets>])
 #
 # One GoogleTest program per folder of the house, <folder>_tests, from every tests/<folder>/**_test.cpp.
+# ALONE: each of its tests has both of ./check's processors, because it runs in real time.
 function(rigwire_test folder)
-  cmake_parse_arguments(ARG "" "" "LINK" ${ARGN})
+  cmake_parse_arguments(ARG "ALONE" "" "LINK" ${ARGN})
+  set(processors 1)
+  if(ARG_ALONE)
+    set(processors 2)
+  endif()
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   if(NOT sources)
     return()
@@ -75,5 +80,6 @@ function(rigwire_test folder)
   target_compile_definitions(${folder}_tests PRIVATE
     RIGWIRE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" RIGWIRE_BINARY_DIR="${PROJECT_BINARY_DIR}")
   target_link_libraries(${folder}_tests PRIVATE ${ARG_LINK} GTest::gmock_main)
-  gtest_discover_tests(${folder}_tests DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300 LABELS ${folder})
+  gtest_discover_tests(${folder}_tests DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300 LABELS ${folder}
+    PROCESSORS ${processors})
 endfunction()

@@ -75,14 +75,6 @@ std::span<const std::uint32_t> ublox_bauds() {
   return kBauds;
 }
 
-std::span<const UbloxMessage> ublox_messages() {
-  return ublox_neo_7p().messages;
-}
-
-std::size_t ublox_message_index(std::string_view name) {
-  return message_index(ublox_neo_7p(), name);
-}
-
 void validate(const UbloxSettings& settings) {
   if (settings.profile == nullptr) {
     reject("profile is null, allowed are ublox_neo_7p() and its like");

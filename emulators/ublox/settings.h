@@ -61,8 +61,4 @@ void validate(const UbloxSettings& settings);
 /// Line speeds that CFG-PRT and the settings accept.
 [[nodiscard]] std::span<const std::uint32_t> ublox_bauds();
 
-/// Messages of the NEO-7P, and the index of one there; their number when unknown.
-[[nodiscard]] std::span<const UbloxMessage> ublox_messages();
-[[nodiscard]] std::size_t ublox_message_index(std::string_view name);
-
 }  // namespace rigwire::emulators

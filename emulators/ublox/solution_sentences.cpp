@@ -114,7 +114,6 @@ nmea::Epoch nmea_epoch(const UbloxSolution& s, const UbloxConfiguration& configu
   const auto& settings = configuration.nmea();
   nmea::Epoch epoch;
   epoch.version = static_cast<nmea::Version>(settings.version);
-  epoch.with_mode = settings.version >= static_cast<std::uint8_t>(nmea::Version::v23);
   epoch.precision = has(settings.flags, kHighPrecision) ? nmea::Precision::high
                     : has(settings.flags, kCompatible)  ? nmea::Precision::compatible
                                                         : nmea::Precision::normal;

@@ -85,7 +85,6 @@ enum class Precision : std::uint8_t {
 struct Epoch {
   std::string_view talker = "GP";  ///< Main talker.
   Version version = Version::v23;
-  bool with_mode = true;  ///< False leaves the position mode out as version 2.1 does.
   Precision precision = Precision::normal;
   /// Systems that are switched on (system_bit). 0: one system, that of the talker, whatever the
   /// satellites say; GSV then has the main talker and there is one GSA.

@@ -65,7 +65,7 @@ int quality(const Epoch& epoch) {
     return 0;
   }
   if (epoch.dead_reckoning) {
-    return epoch.version == Version::v21 || !epoch.with_mode ? 1 : 6;
+    return epoch.version == Version::v21 ? 1 : 6;
   }
   if (epoch.carrier != CarrierFix::none && epoch.version >= Version::v40) {
     return epoch.carrier == CarrierFix::fixed ? 4 : 5;

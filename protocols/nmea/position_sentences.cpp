@@ -17,7 +17,7 @@ std::string_view status(const Epoch& epoch) {
 
 /// RMC alone tells carrier solutions apart.
 void put_mode(Sentence& sentence, const Epoch& epoch, bool with_carrier) {
-  if (epoch.with_mode && epoch.version != Version::v21) {
+  if (epoch.version != Version::v21) {
     sentence.field(position_mode(epoch, with_carrier));
   }
 }

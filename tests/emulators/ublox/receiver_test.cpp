@@ -308,7 +308,7 @@ TEST_F(UbloxReceiverTest, FullLineLosesWholeMessagesAndSaysSo) {
 
 TEST_F(UbloxReceiverTest, NoMessageIsLongerThanTheTableSays) {
   // validate() refuses rates by this table, so it must hold for the most extreme epoch.
-  for (const UbloxMessage& message : ublox_messages()) {
+  for (const UbloxMessage& message : ublox_neo_7p().messages) {
     if (message.greatest_bytes == 0 || message.name == "MON-HW") {
       continue;
     }

@@ -81,7 +81,7 @@ TEST(NmeaWriters, CourseNeverPrints360) {
 
 TEST(NmeaWriters, Version21HasNoModeField) {
   Epoch epoch;
-  epoch.with_mode = false;
+  epoch.version = Version::v21;
   EXPECT_THAT(text(write_rmc(epoch)), testing::StartsWith("$GPRMC,,V,,,,,,,,,*"));
 }
 

@@ -30,8 +30,8 @@ class LidarBackend {
   virtual ~LidarBackend() = default;
   /// The firing pattern that the caster must follow.
   [[nodiscard]] virtual const LidarPattern& pattern() const = 0;
-  /// The rotor speed that the device asks of its motor, rad/s, clockwise positive.
-  [[nodiscard]] virtual double rotor_rate_radps() const = 0;
+  /// What the device asks of its head at present.
+  [[nodiscard]] virtual const LidarCommand& command() const = 0;
   virtual void update(const LidarFiring& firing) = 0;
   /// The instant of the firing that completes the packet in work, or the next one; kNever before
   /// the first firing. The executive takes firings at that instant, not one by one.

@@ -95,7 +95,7 @@ class Executive::TruthThread {
     move_all(requests.valve_commands, posted_.valve_commands);
     move_all(requests.vehicle_commands, posted_.vehicle_commands);
     move_all(requests.plans, posted_.plans);
-    move_all(requests.rotor_rates, posted_.rotor_rates);
+    move_all(requests.lidar_commands, posted_.lidar_commands);
     requests.clear();
   }
 

@@ -219,7 +219,7 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
     const emulators::LidarBackend& backend = line->backend();
     auto sensor = std::make_unique<sim::SpinningLidar>(lidar->sensor, backend.pattern(),
                                                        line->device().sample_plan(),
-                                                       backend.rotor_rate_radps(), seed, name);
+                                                       backend.command(), seed, name);
     world_.add_lidar(line->enlist(executive_), mount(lidar->mount), std::move(sensor));
     devices_.push_back({name, std::move(line)});
   } else if (const auto* imu = std::get_if<OpenImuDeviceConfiguration>(&configuration.settings)) {

@@ -63,7 +63,7 @@ void SimulatedWorld::add_imu(DeviceIndex device, const SensorMount& mount, sim::
 }
 
 void SimulatedWorld::add_lidar(DeviceIndex device, const SensorMount& mount,
-                               std::unique_ptr<sim::SpinningLidar> sensor) {
+                               std::unique_ptr<sim::LidarSensor> sensor) {
   lidars_.push_back({device, mount, std::move(sensor), {}, kNever});
 }
 
@@ -79,6 +79,10 @@ void SimulatedWorld::add_vehicle(DeviceIndex device, sim::VehicleSensors sensors
     throw std::invalid_argument("the machine has no drive train for a vehicle gateway");
   }
   vehicles_.push_back({device, {}, std::move(sensors), {}, kNever});
+}
+
+void SimulatedWorld::set_weather(std::unique_ptr<sim::SceneWeather> weather) {
+  weather_ = std::move(weather);
 }
 
 void SimulatedWorld::set_truth_tap(std::unique_ptr<TruthTap> tap, Duration period) {
@@ -108,10 +112,10 @@ void SimulatedWorld::apply(const TruthRequests& requests) {
     replan(valves_, request);
     replan(vehicles_, request);
   }
-  for (const auto& rate : requests.rotor_rates) {
+  for (const auto& command : requests.lidar_commands) {
     for (auto& lidar : lidars_) {
-      if (lidar.device == rate.device) {
-        lidar.sensor->set_rotor_rate(frontier_, rate.content);
+      if (lidar.device == command.device) {
+        lidar.sensor->command(frontier_, command.content);
       }
     }
   }
@@ -197,14 +201,20 @@ void SimulatedWorld::cast_slice(SampleBatch& batch) {
       content_.scene->update_terrain(content_.terrain, content_.ground->field(), *changed);
     }
     content_.scene->begin_slice(t0, t1, after_.front().X_WL.translation(), bodies_);
+    if (weather_ != nullptr) {
+      weather_->advance(t1, content_.machine->dust_emitters());
+    }
     batch.lidar.resize(lidars_.size());
     for (std::size_t i = 0; i < lidars_.size(); ++i) {
       auto& lidar = lidars_[i];
       const std::size_t link = lidar.mount.link;
       batch.lidar[i].device = lidar.device;
-      lidar.sensor->cast(*content_.scene, t0, t1,
-                         sim::at_mount(slice_start_[link], lidar.mount.X_LS),
-                         sim::at_mount(after_[link], lidar.mount.X_LS), batch.lidar[i].firings);
+      lidar.sensor->cast(*content_.scene,
+                         {.t0 = t0,
+                          .t1 = t1,
+                          .mount_at_t0 = sim::at_mount(slice_start_[link], lidar.mount.X_LS),
+                          .mount_at_t1 = sim::at_mount(after_[link], lidar.mount.X_LS)},
+                         weather_.get(), batch.lidar[i].firings, nullptr);
     }
   }
   const StageTimer timer(stages_.sensors_s);

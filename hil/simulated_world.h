@@ -18,11 +18,12 @@
 #include "sim/gnss/gnss_sensor.h"
 #include "sim/ground/ground.h"
 #include "sim/imu/imu_sensor.h"
-#include "sim/lidar/spinning_lidar.h"
+#include "sim/lidar/lidar_sensor.h"
 #include "sim/local_frame.h"
 #include "sim/machine.h"
 #include "sim/scene/scene.h"
 #include "sim/vehicle_sensors/vehicle_sensors.h"
+#include "sim/weather/scene_weather.h"
 
 namespace rigwire::hil {
 
@@ -58,10 +59,12 @@ class SimulatedWorld final : public TruthSource {
   void add_gnss(DeviceIndex device, const SensorMount& mount, sim::GnssSensor sensor);
   void add_imu(DeviceIndex device, const SensorMount& mount, sim::ImuSensor sensor);
   void add_lidar(DeviceIndex device, const SensorMount& mount,
-                 std::unique_ptr<sim::SpinningLidar> sensor);
+                 std::unique_ptr<sim::LidarSensor> sensor);
   /// Throw std::invalid_argument when the machine has no valve block, or does not drive.
   void add_valves(DeviceIndex device);
   void add_vehicle(DeviceIndex device, sim::VehicleSensors sensors);
+  /// What is in the air from now on; without, it is clear.
+  void set_weather(std::unique_ptr<sim::SceneWeather> weather);
   /// Records truth every `period`, a whole multiple of the step, to `tap`.
   void set_truth_tap(std::unique_ptr<TruthTap> tap, Duration period);
 
@@ -108,9 +111,10 @@ class SimulatedWorld final : public TruthSource {
   sim::LocalFrame frame_;
   std::vector<Mounted<sim::GnssSensor>> gnss_;
   std::vector<Mounted<sim::ImuSensor>> imu_;
-  std::vector<Mounted<std::unique_ptr<sim::SpinningLidar>>> lidars_;
+  std::vector<Mounted<std::unique_ptr<sim::LidarSensor>>> lidars_;
   std::vector<Mounted<Unmounted>> valves_;
   std::vector<Mounted<sim::VehicleSensors>> vehicles_;
+  std::unique_ptr<sim::SceneWeather> weather_;
   std::unique_ptr<TruthTap> tap_;
   Duration tap_period_{0};
   TruthRecord truth_;  ///< Filled anew for every line.

@@ -16,10 +16,10 @@ SimTime LidarStation::next_wakeup() const {
 
 void LidarStation::collect(DeviceIndex self, TruthRequests& requests) {
   Station::collect(self, requests);
-  const double rate_radps = backend().rotor_rate_radps();
-  if (rate_radps != announced_rate_radps_) {
-    announced_rate_radps_ = rate_radps;
-    requests.rotor_rates.push_back({self, rate_radps});
+  const LidarCommand& command = backend().command();
+  if (command != announced_command_) {
+    announced_command_ = command;
+    requests.lidar_commands.push_back({self, command});
   }
 }
 

@@ -85,7 +85,7 @@ class SampledStation : public Station {
 using GnssStation = SampledStation<GnssSample, emulators::GnssBackend>;
 using ImuStation = SampledStation<ImuSample, emulators::ImuBackend>;
 
-/// Also carries the rotor speed that the device asks for. Firings come too often to wake up for
+/// Also carries what the device asks of its head. Firings come too often to wake up for
 /// each: they are taken when the packet that they belong to is complete.
 class LidarStation : public SampledStation<LidarFiring, emulators::LidarBackend> {
  public:
@@ -94,7 +94,7 @@ class LidarStation : public SampledStation<LidarFiring, emulators::LidarBackend>
   void collect(DeviceIndex self, TruthRequests& requests) override;
 
  private:
-  double announced_rate_radps_ = 0.0;
+  LidarCommand announced_command_;
 };
 
 /// Also carries the spool commands that the device gives.

@@ -17,11 +17,12 @@ void TruthRequests::clear() {
   valve_commands.clear();
   vehicle_commands.clear();
   plans.clear();
-  rotor_rates.clear();
+  lidar_commands.clear();
 }
 
 bool TruthRequests::empty() const {
-  return valve_commands.empty() && vehicle_commands.empty() && plans.empty() && rotor_rates.empty();
+  return valve_commands.empty() && vehicle_commands.empty() && plans.empty() &&
+         lidar_commands.empty();
 }
 
 }  // namespace rigwire::hil

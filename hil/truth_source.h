@@ -53,7 +53,7 @@ struct TruthRequests {
   std::vector<Addressed<ValveCommand>> valve_commands;
   std::vector<Addressed<VehicleCommand>> vehicle_commands;
   std::vector<Addressed<SamplePlan>> plans;
-  std::vector<Addressed<double>> rotor_rates;  ///< rad/s, of spinning lidars.
+  std::vector<Addressed<LidarCommand>> lidar_commands;
 
   void clear();
   [[nodiscard]] bool empty() const;

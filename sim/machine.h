@@ -16,6 +16,7 @@
 #include "sim/samples/valve_sample.h"
 #include "sim/samples/vehicle_sample.h"
 #include "sim/scene/node_rectangle.h"
+#include "sim/weather/dust_emitter.h"
 
 namespace rigwire::sim {
 
@@ -92,6 +93,9 @@ class Machine {
 
   /// The nodes of the ground's terrain that the machine has changed since the last call.
   [[nodiscard]] virtual std::optional<NodeRectangle> take_ground_changes() { return std::nullopt; }
+
+  /// Where it stirs up dust at present.
+  [[nodiscard]] virtual std::span<const DustEmitter> dust_emitters() const { return {}; }
 
   /// Nothing when the machine has no such port. Owned by the machine.
   [[nodiscard]] virtual ValvePort* valve_port() { return nullptr; }

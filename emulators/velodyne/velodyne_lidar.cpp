@@ -88,15 +88,19 @@ VelodyneLidar::VelodyneLidar(const VelodyneSettings& settings, const Calendar& c
       calendar_(calendar),
       data_(data),
       position_(position),
-      rotor_rate_radps_(settings.rotor_rpm / 60.0 * 2.0 * std::numbers::pi),
       counts_per_metre_(1000.0 / model_.distance_unit_mm) {
+  command_.rotor_rate_radps = settings.rotor_rpm / 60.0 * 2.0 * std::numbers::pi;
   pattern_.firing_period = Duration{model_.firing_period_ns};
   pattern_.minimum_range_m = or_default(settings.minimum_range_m, model_.minimum_range_m);
   pattern_.maximum_range_m = or_default(settings.maximum_range_m, model_.maximum_range_m);
+  pattern_.beam = {model_.divergence.horizontal_mrad * 1e-3, model_.divergence.vertical_mrad * 1e-3,
+                   Duration{std::llround(model_.pulse_ns)}};
   for (const velodyne::Laser& laser : model_.lasers) {
     pattern_.lasers.push_back(
         {.elevation_rad = laser.elevation_deg * kDegree,
+         .azimuth_offset_rad = laser.azimuth_offset_deg * kDegree,
          .vertical_offset_m = settings.vertical_offsets ? laser.vertical_offset_mm * 1e-3 : 0.0,
+         .horizontal_offset_m = laser.horizontal_offset_mm * 1e-3,
          .time_offset = Duration{laser.time_offset_ns}});
   }
   position_period_ = settings.position_period;
@@ -173,13 +177,13 @@ void VelodyneLidar::add_firing(const LidarFiring& firing) {
   for (std::size_t i = 0; i < lasers; ++i) {
     velodyne::Channel& channel = block.channels[firing_in_block * lasers + i];
     channel = {};
-    const double range = firing.returns[i].range_m;
+    const double range = firing.strongest[i].range_m;
     if (!(range >= pattern_.minimum_range_m && range <= pattern_.maximum_range_m)) {
       continue;  // also what is not a number
     }
     const auto counts = std::clamp(std::lround(range * counts_per_metre_), 1L, 65535L);
     channel.distance_counts = static_cast<std::uint16_t>(counts);
-    channel.reflectivity = reflectivity_byte(firing.returns[i].reflectivity);
+    channel.reflectivity = reflectivity_byte(firing.strongest[i].reflectivity);
   }
   ++firings_in_packet_;
 }

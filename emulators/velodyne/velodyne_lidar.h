@@ -63,7 +63,7 @@ class VelodyneLidar final : public Device, public LidarBackend {
   [[nodiscard]] std::span<const Quantity> quantities() const override { return quantities_; }
 
   [[nodiscard]] const LidarPattern& pattern() const override { return pattern_; }
-  [[nodiscard]] double rotor_rate_radps() const override { return rotor_rate_radps_; }
+  [[nodiscard]] const LidarCommand& command() const override { return command_; }
   /// A firing that does not continue the running packet's clock (a gap, a restart) drops the
   /// unfinished packet and begins a new one.
   void update(const LidarFiring& firing) override;
@@ -93,7 +93,7 @@ class VelodyneLidar final : public Device, public LidarBackend {
   ByteOutput& data_;
   ByteOutput& position_;
   LidarPattern pattern_;
-  double rotor_rate_radps_;
+  LidarCommand command_;
   double counts_per_metre_;
   std::array<Quantity, 4> quantities_;
 

@@ -33,14 +33,14 @@ class Silence final : public emulators::ByteOutput {
 struct FiringPlan {
   LidarPattern pattern;
   SamplePlan plan;
-  double rotor_rate_radps = 0.0;
+  LidarCommand command;
 };
 
 FiringPlan firing_plan(const emulators::VelodyneSettings& settings) {
   const Calendar calendar(RigConfiguration{}.start);
   Silence silence;
   const emulators::VelodyneLidar device(settings, calendar, silence, silence);
-  return {device.pattern(), device.sample_plan(), device.rotor_rate_radps()};
+  return {device.pattern(), device.sample_plan(), device.command()};
 }
 
 const VelodyneConfiguration& lidar_of(const RigConfiguration& rig) {
@@ -130,8 +130,8 @@ std::vector<LidarStageCost> measure_lidar_stage(const RigConfiguration& rig,
           "lidar stage: found slices of {} ms and {} rounds, allowed >= 1", slice_ms, rounds));
     }
     MovingMachine machine(rig, sensor_mount(rig.machine, lidar_settings.mount));
-    sim::SpinningLidar lidar(lidar_settings.sensor, plan.pattern, plan.plan, plan.rotor_rate_radps,
-                             kSeed, "bench");
+    sim::SpinningLidar lidar(lidar_settings.sensor, plan.pattern, plan.plan, plan.command, kSeed,
+                             "bench");
     std::vector<LidarFiring> firings;
     std::vector<double> ratios;
     LidarStageCost cost;
@@ -146,13 +146,13 @@ std::vector<LidarStageCost> measure_lidar_stage(const RigConfiguration& rig,
         const SimTime t1 = t0 + slice;
         machine.advance(slice);
         cost.begin_slice_s += timed([&] { machine.begin_slice(t0, t1); });
-        sim::RecordedRays recorded =
-            lidar.record(machine.scene(), t0, t1, machine.mount_before(), machine.mount_after());
+        const sim::LidarSlice stretch{.t0 = t0,
+                                      .t1 = t1,
+                                      .mount_at_t0 = machine.mount_before(),
+                                      .mount_at_t1 = machine.mount_after()};
+        sim::RecordedRays recorded = lidar.record(machine.scene(), stretch);
         const auto bare = [&] { recorded.cast_bare(machine.scene()); };
-        const auto stage = [&] {
-          lidar.cast(machine.scene(), t0, t1, machine.mount_before(), machine.mount_after(),
-                     firings);
-        };
+        const auto stage = [&] { lidar.cast(machine.scene(), stretch, nullptr, firings, nullptr); };
         // In turns, because the second one finds the scene in the caches.
         if (slices % 2 == 0) {
           bare_s += timed(bare);
@@ -204,8 +204,8 @@ std::vector<LidarRangeError> measure_lidar_range_error(const std::vector<double>
     X_WM.translation() = centre + Vector3d(kWall_m + 0.5, 0.0, 0.0);
     scene.add_object(scene.add_mesh(sim::make_box("wall", {1.0, 400.0, 2.0 * kWallTop_m})), X_WM,
                      1.0, white);
-    sim::SpinningLidar lidar({.range_sigma_m = 0.0}, pattern, plan.plan, plan.rotor_rate_radps,
-                             kSeed, "bench");
+    sim::SpinningLidar lidar({.range_sigma_m = 0.0}, pattern, plan.plan, plan.command, kSeed,
+                             "bench");
 
     LidarRangeError error;
     error.map_offset_m = offset;
@@ -224,13 +224,18 @@ std::vector<LidarRangeError> measure_lidar_range_error(const std::vector<double>
     for (SimTime t0 = kStart; t0 < kStart + kRevolution; t0 += slice) {
       const SimTime t1 = t0 + slice;
       scene.begin_slice(t0, t1, p0, {});
-      lidar.cast(scene, t0, t1, mount(to_seconds(t0)), mount(to_seconds(t1)), firings);
+      lidar.cast(scene,
+                 {.t0 = t0,
+                  .t1 = t1,
+                  .mount_at_t0 = mount(to_seconds(t0)),
+                  .mount_at_t1 = mount(to_seconds(t1))},
+                 nullptr, firings, nullptr);
       for (const LidarFiring& firing : firings) {
         for (std::size_t j = 0; j < pattern.lasers.size(); ++j) {
           const LaserGeometry& laser = pattern.lasers[j];
           const double t = to_seconds(firing.time + laser.time_offset);
           const sim::LinkMotion truth = mount(t);
-          const double azimuth = plan.rotor_rate_radps * t;
+          const double azimuth = plan.command.rotor_rate_radps * t;
           const double horizontal = std::cos(laser.elevation_rad);
           const Vector3d d = truth.X_WL.linear() * Vector3d(horizontal * std::cos(azimuth),
                                                             -horizontal * std::sin(azimuth),
@@ -246,7 +251,7 @@ std::vector<LidarRangeError> measure_lidar_range_error(const std::vector<double>
           }
           // Both surfaces are as white as the target of the maximum range.
           const double limit = pattern.maximum_range_m * std::sqrt(std::max(cosine, 0.0));
-          const double found = firing.returns[j].range_m;
+          const double found = firing.strongest[j].range_m;
           if (range > limit) {
             error.leaks += found > 0.0 && range > limit + kTolerance_m ? 1U : 0U;
             continue;

@@ -34,6 +34,8 @@ template <class Visitor>
 void visit(Visitor& v, sim::Material& p) {
   v.number("reflectance", p.reflectance, plain().between(0, 1), "Diffuse, at 905 nm.");
   v.text("label", p.label, "What it is, for recordings.");
+  v.number("retro_gain", p.retro_gain, plain().between(0, 1),
+           "Retro-reflector; 1 is an ideal one.");
   v.boolean("foliage", p.foliage, "Leaves in a closed surface: radio signals pass, weakened.");
 }
 

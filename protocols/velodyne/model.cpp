@@ -33,8 +33,9 @@ constexpr std::array<Optics, kHdl32eLasers> kHdl32eOptics{{
 constexpr std::array<Laser, kHdl32eLasers> kHdl32eTable = [] {
   std::array<Laser, kHdl32eLasers> lasers{};
   for (std::size_t i = 0; i < kHdl32eLasers; ++i) {
-    lasers[i] = {kHdl32eOptics[i].elevation_deg, kHdl32eOptics[i].vertical_offset_mm,
-                 static_cast<std::int32_t>(i) * kHdl32eLaserStep_ns};
+    lasers[i] = {.elevation_deg = kHdl32eOptics[i].elevation_deg,
+                 .vertical_offset_mm = kHdl32eOptics[i].vertical_offset_mm,
+                 .time_offset_ns = static_cast<std::int32_t>(i) * kHdl32eLaserStep_ns};
   }
   return lasers;
 }();
@@ -49,6 +50,8 @@ constexpr std::array<Model, 1> kModels{{
      .maximum_rotor_rpm = 1200.0,
      .minimum_range_m = 1.0,
      .maximum_range_m = 100.0,
+     .divergence = {.horizontal_mrad = 3.3, .vertical_mrad = 0.7},
+     .dual_return = true,
      .lasers = kHdl32eTable},
 }};
 

@@ -14,25 +14,50 @@
 
 namespace rigwire::protocols::velodyne {
 
-/// One laser, in firing order, which is also its order inside a block.
+/// One laser. True azimuth = reported azimuth of its firing, moved on by the rotor until it fires,
+/// + azimuth offset.
 struct Laser {
-  double elevation_deg = 0.0;  ///< Above the horizontal plane of the sensor.
+  double elevation_deg = 0.0;       ///< Above the horizontal plane of the sensor.
+  double azimuth_offset_deg = 0.0;  ///< Clockwise; calibration files print it with the opposite
+                                    ///< sign, as rot_correction.
   double vertical_offset_mm =
       0.0;  ///< Of the beam's exit on the spin axis; lower beams exit higher.
-  std::int32_t time_offset_ns = 0;  ///< After the first laser of the same firing.
+  double horizontal_offset_mm = 0.0;  ///< Of the exit, to the right of the beam.
+  std::int32_t time_offset_ns = 0;    ///< After the first laser of the same firing.
+};
+
+/// What bytes 14 to 205 of a model's position packets hold.
+enum class PositionLayout : std::uint8_t {
+  inertial,  ///< HDL-32E: gyroscopes, accelerometers, temperatures.
+  plain,     ///< VLP-16: nothing but time and pulse state.
+  extended,  ///< Firmware from mid-2018: temperatures, calibration of the converters, status.
+};
+
+/// Full angles at 1/e2 of the intensity.
+struct BeamDivergence {
+  double horizontal_mrad = 0.0;
+  double vertical_mrad = 0.0;
 };
 
 struct Model {
   std::string_view name;               ///< "HDL-32E"
-  std::uint8_t product_id = 0;         ///< Second factory byte.
+  std::uint8_t product_id = 0;         ///< Second factory byte; 0 where there is none (HDL-64E).
   std::int32_t distance_unit_mm = 0;   ///< One count of the distance field.
   std::int32_t firing_period_ns = 0;   ///< From one firing of all lasers to the next.
-  std::int32_t firings_per_block = 0;  ///< 1 where a block holds all lasers once, 2 for 16 lasers.
+  std::int32_t firings_per_block = 0;  ///< 1 where a block holds 32 lasers once, 2 for 16 lasers.
+  std::int32_t blocks_per_firing = 1;  ///< 2 for 64 lasers, 4 for 128.
   double minimum_rotor_rpm = 0.0;
   double maximum_rotor_rpm = 0.0;
   double minimum_range_m = 0.0;  ///< Default window of what the sensor reports.
   double maximum_range_m = 0.0;
-  std::span<const Laser> lasers;  ///< In firing order.
+  BeamDivergence divergence;
+  double pulse_ns = 5.0;
+  PositionLayout position_layout = PositionLayout::inertial;
+  bool status_channel = false;    ///< HDL-64E: factory bytes carry a rotating status instead.
+  bool dual_return = false;       ///< Can send two returns per shot.
+  bool web_interface = false;     ///< VLP family.
+  std::uint16_t source_port = 0;  ///< Of both kinds of packets; 0: as the destination's.
+  std::span<const Laser> lasers;  ///< In the order of their numbers, which is that in blocks.
 };
 
 /// Every known model.
@@ -41,7 +66,7 @@ struct Model {
 /// By name as the data sheet writes it; nullptr when there is none.
 [[nodiscard]] const Model* find_model(std::string_view name);
 
-/// By the second factory byte of a data packet; nullptr when there is none.
+/// By the second factory byte of a data packet; nullptr when there is none, or for 0.
 [[nodiscard]] const Model* find_model(std::uint8_t product_id);
 
 /// Which laser a place in a packet belongs to, and when it fired.

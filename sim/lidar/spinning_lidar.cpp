@@ -3,35 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <stdexcept>
 #include <string>
 
-#include "sim/lidar/ray_lanes.h"
+#include "sim/lidar/firing_block.h"
 #include "sim/lidar/worker_pool.h"
 #include "sim/scene/scene_internals.h"
 
 namespace rigwire::sim {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 /// Reflectance of the target that the maximum range is stated for.
 constexpr float kReferenceReflectance = 0.9F;
 /// Beyond the maximum range a hit may still come into it by its noise.
 constexpr double kNoiseReach_sigma = 6.0;
-
-struct FiringBlock {
-  std::size_t first = 0;  ///< Index into the firings of this cast.
-  std::size_t count = 0;  ///< 1 .. 8.
-  FiringLanes lanes;
-};
-
-/// Which firing of the block and which laser a lane carries.
-struct LaneMap {
-  std::array<std::uint8_t, kLanes> firing{};
-  std::array<std::uint8_t, kLanes> laser{};
-};
 
 /// Normals in the world and reflectances of what the packet has hit; where nothing was hit, a
 /// reflectance that lets no echo through.
@@ -122,29 +108,14 @@ void SpinningLidar::Slice::fill(const FiringBlock& block, const LaneMap& map, st
   }
 }
 
-void validate(const SpinningLidarParameters& parameters) {
-  const auto refuse = [](const std::string& what) {
-    throw std::invalid_argument("spinning lidar: " + what);
-  };
-  if (!(parameters.range_sigma_m >= 0.0 && parameters.range_sigma_m <= 1.0)) {
-    refuse("range_sigma_m is " + std::to_string(parameters.range_sigma_m) + ", allowed: 0 to 1");
-  }
-  if (!(parameters.housing_radius_m >= 0.0 && parameters.housing_radius_m <= 1.0)) {
-    refuse("housing_radius_m is " + std::to_string(parameters.housing_radius_m) +
-           ", allowed: 0 to 1");
-  }
-  if (parameters.threads < 1 || parameters.threads > 64) {
-    refuse("threads is " + std::to_string(parameters.threads) + ", allowed: 1 to 64");
-  }
-}
-
 SpinningLidar::SpinningLidar(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
-                             const SamplePlan& plan, double rotor_rate_radps, std::uint64_t seed,
-                             std::string_view name)
+                             const SamplePlan& plan, const LidarCommand& command,
+                             std::uint64_t seed, std::string_view name)
     : parameters_(parameters),
       pattern_(pattern),
       plan_(plan),
-      rotor_rate_radps_(rotor_rate_radps),
+      command_(command),
+      rotor_(command),
       noise_key_(RandomStream(seed, std::string(name) + "/range").bits()) {
   validate(parameters);
   if (pattern.lasers.empty() || pattern.lasers.size() > kMaxLasers) {
@@ -152,10 +123,9 @@ SpinningLidar::SpinningLidar(const SpinningLidarParameters& parameters, const Li
                                 std::to_string(pattern.lasers.size()) + " lasers, allowed: 1 to " +
                                 std::to_string(kMaxLasers));
   }
-  if (plan.first == kNever || plan.period <= Duration::zero() || !std::isfinite(rotor_rate_radps) ||
+  if (plan.first == kNever || plan.period <= Duration::zero() ||
       !(pattern.maximum_range_m > pattern.minimum_range_m)) {
-    throw std::invalid_argument(
-        "spinning lidar: needs a firing plan, a finite rotor rate and a range window");
+    throw std::invalid_argument("spinning lidar: needs a firing plan and a range window");
   }
   slice_ = std::make_unique<Slice>(parameters.threads);
   Slice& slice = *slice_;
@@ -178,30 +148,24 @@ SpinningLidar::SpinningLidar(const SpinningLidarParameters& parameters, const Li
 
 SpinningLidar::~SpinningLidar() = default;
 
-void SpinningLidar::set_rotor_rate(SimTime time, double rate_radps) {
-  azimuth_at_change_rad_ = rotor_azimuth_rad(time);
-  rate_changed_ = time;
-  rotor_rate_radps_ = rate_radps;
+void SpinningLidar::command(SimTime time, const LidarCommand& command) {
+  rotor_.command(time, command);
+  command_ = command;
 }
 
-double SpinningLidar::rotor_azimuth_rad(SimTime time) const {
-  const double azimuth = std::fmod(
-      azimuth_at_change_rad_ + rotor_rate_radps_ * to_seconds(time - rate_changed_), kTurn);
-  return azimuth < 0.0 ? azimuth + kTurn : azimuth;
-}
-
-void SpinningLidar::prepare(const Scene& scene, SimTime t0, SimTime t1,
-                            const LinkMotion& mount_at_t0, const LinkMotion& mount_at_t1,
+void SpinningLidar::prepare(const Scene& scene, const LidarSlice& stretch,
                             std::vector<LidarFiring>& firings) {
   Slice& slice = *slice_;
+  const auto [t0, t1, mount_at_t0, mount_at_t1, mask] = stretch;
+  const double rotor_rate_radps = rotor_.at(t0).rate_radps;
   slice.blocks.clear();
   firings.clear();
   const double length_s = to_seconds(t1 - t0);
   for (std::size_t i = 0; i < slice.laser_count; ++i) {
     LaserLanes& laser = slice.lasers[i];
     const double delay_s = to_seconds(pattern_.lasers[i].time_offset);
-    laser.cos_turn().setConstant(static_cast<float>(std::cos(rotor_rate_radps_ * delay_s)));
-    laser.sin_turn().setConstant(static_cast<float>(std::sin(rotor_rate_radps_ * delay_s)));
+    laser.cos_turn().setConstant(static_cast<float>(std::cos(rotor_rate_radps * delay_s)));
+    laser.sin_turn().setConstant(static_cast<float>(std::sin(rotor_rate_radps * delay_s)));
     laser.delay_share().setConstant(static_cast<float>(delay_s / length_s));
   }
   SimTime time = plan_.next_after(t0);
@@ -213,8 +177,9 @@ void SpinningLidar::prepare(const Scene& scene, SimTime t0, SimTime t1,
   for (; time <= t1; time += plan_.period) {
     LidarFiring& firing = firings.emplace_back();
     firing.time = time;
-    firing.rotor_azimuth_rad = rotor_azimuth_rad(time);
-    firing.rotor_rate_radps = rotor_rate_radps_;
+    const RotorState rotor = rotor_.at(time);
+    firing.rotor_azimuth_rad = rotor.azimuth_rad;
+    firing.rotor_rate_radps = rotor.rate_radps;
 
     if (slice.blocks.empty() || slice.blocks.back().count == kLanes) {
       slice.blocks.emplace_back().first = firings.size() - 1;
@@ -240,12 +205,12 @@ void SpinningLidar::prepare(const Scene& scene, SimTime t0, SimTime t1,
   }
 }
 
-void SpinningLidar::cast(const Scene& scene, SimTime t0, SimTime t1, const LinkMotion& mount_at_t0,
-                         const LinkMotion& mount_at_t1, std::vector<LidarFiring>& firings,
-                         std::uint32_t mask) {
-  prepare(scene, t0, t1, mount_at_t0, mount_at_t1, firings);
+void SpinningLidar::cast(const Scene& scene, const LidarSlice& slice, const Weather* /*weather*/,
+                         std::vector<LidarFiring>& firings,
+                         std::vector<LidarBankTruth>* /*truth*/) {
+  prepare(scene, slice, firings);
   slice_->workers.run(slice_->blocks.size(),
-                      [&](std::size_t block) { cast_block(scene, block, firings, mask); });
+                      [&](std::size_t block) { cast_block(scene, block, firings, slice.mask); });
   rays_ += firings.size() * slice_->laser_count;
 }
 
@@ -293,7 +258,7 @@ void SpinningLidar::cast_block(const Scene& scene, std::size_t block_index,
       const auto i = static_cast<Eigen::Index>(lane);
       const std::size_t f = block.first + map.firing[lane];
       const std::size_t laser = map.laser[lane];
-      LidarReturn& echo = firings[f].returns[laser];
+      LidarReturn& echo = firings[f].strongest[laser];
       if (!(excess(i) >= 0.0F) || range(i) < minimum) {
         continue;  // nothing, too faint, or within the minimum range
       }
@@ -345,10 +310,9 @@ std::size_t RecordedRays::hits() const {
   return count;
 }
 
-RecordedRays SpinningLidar::record(const Scene& scene, SimTime t0, SimTime t1,
-                                   const LinkMotion& mount_at_t0, const LinkMotion& mount_at_t1) {
+RecordedRays SpinningLidar::record(const Scene& scene, const LidarSlice& slice) {
   std::vector<LidarFiring> firings;
-  prepare(scene, t0, t1, mount_at_t0, mount_at_t1, firings);
+  prepare(scene, slice, firings);
   RecordedRays recorded;
   for (const FiringBlock& block : slice_->blocks) {
     for (std::size_t k = 0; k < slice_->packets(block); ++k) {

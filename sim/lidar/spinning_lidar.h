@@ -18,22 +18,14 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/link_motion.h"
+#include "sim/lidar/lidar_parameters.h"
+#include "sim/lidar/lidar_sensor.h"
+#include "sim/lidar/rotor.h"
 #include "sim/samples/lidar_sample.h"
 #include "sim/samples/time.h"
 #include "sim/scene/scene.h"
 
 namespace rigwire::sim {
-
-struct SpinningLidarParameters {
-  double range_sigma_m = 0.02;     ///< Of the Gaussian range noise, independent per shot.
-  double housing_radius_m = 0.10;  ///< Rays begin here. Hits nearer than the pattern's minimum
-                                   ///< range block the ray and are reported as none.
-  int threads = 1;                 ///< That cast, the caller's included. Does not change results.
-};
-
-/// Throws std::invalid_argument naming the member, the value found and what is allowed.
-void validate(const SpinningLidarParameters& parameters);
 
 /// The rays of one cast, kept for the benchmark: bare Embree on the very same rays.
 class RecordedRays {
@@ -57,53 +49,41 @@ class RecordedRays {
   std::unique_ptr<Packets> packets_;
 };
 
-class SpinningLidar {
+class SpinningLidar final : public LidarSensor {
  public:
-  /// The pattern, the plan and the rate come from the device (LidarBackend). The rotor stands at
-  /// azimuth 0 at the start of the run. Noise depends on (seed, name) and the firing's number only.
-  /// Throws std::invalid_argument for bad parameters, a pattern without lasers or with more than
-  /// kMaxLasers, or without firing period.
+  /// The pattern, the plan and the command come from the device (LidarBackend). Noise depends on
+  /// (seed, name) and the firing's number only. Throws std::invalid_argument for bad parameters, a
+  /// pattern without lasers or with more than kMaxLasers, or without firing period.
   SpinningLidar(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
-                const SamplePlan& plan, double rotor_rate_radps, std::uint64_t seed,
+                const SamplePlan& plan, const LidarCommand& command, std::uint64_t seed,
                 std::string_view name);
-  ~SpinningLidar();
+  ~SpinningLidar() override;
 
-  /// From `time` on the rotor turns at this rate; `time` must not decrease from call to call.
-  void set_rotor_rate(SimTime time, double rate_radps);
-  /// [0, 2 pi).
-  [[nodiscard]] double rotor_azimuth_rad(SimTime time) const;
+  void command(SimTime time, const LidarCommand& command) override;
 
-  /// All firings of the plan whose first laser is in (t0, t1], in order, replacing what `firings`
-  /// held. The scene must be prepared for the slice [t0, t1]; the mounts are frame S at both ends.
-  ///
   /// Lasers of the last firing that fire after t1 (HDL-32E: at most 0.036 ms) are cast from the
   /// sensor pose extrapolated at constant velocity, and see bodies where they are at t1.
   /// Interpolated pose within a firing: first order in time, error below 1e-9 m and 1e-8 rad for
   /// 10 m/s2 and 1 rad/s. Does not allocate once the slices have their usual length.
-  void cast(const Scene& scene, SimTime t0, SimTime t1, const LinkMotion& mount_at_t0,
-            const LinkMotion& mount_at_t1, std::vector<LidarFiring>& firings,
-            std::uint32_t mask = Scene::kSeeEverything);
+  void cast(const Scene& scene, const LidarSlice& slice, const Weather* weather,
+            std::vector<LidarFiring>& firings, std::vector<LidarBankTruth>* truth) override;
 
   /// The rays that cast() would send.
-  [[nodiscard]] RecordedRays record(const Scene& scene, SimTime t0, SimTime t1,
-                                    const LinkMotion& mount_at_t0, const LinkMotion& mount_at_t1);
+  [[nodiscard]] RecordedRays record(const Scene& scene, const LidarSlice& slice);
 
-  /// Rays cast so far.
-  [[nodiscard]] std::uint64_t rays() const { return rays_; }
+  [[nodiscard]] std::uint64_t rays() const override { return rays_; }
 
  private:
   struct Slice;
-  void prepare(const Scene& scene, SimTime t0, SimTime t1, const LinkMotion& mount_at_t0,
-               const LinkMotion& mount_at_t1, std::vector<LidarFiring>& firings);
+  void prepare(const Scene& scene, const LidarSlice& slice, std::vector<LidarFiring>& firings);
   void cast_block(const Scene& scene, std::size_t block, std::vector<LidarFiring>& firings,
                   std::uint32_t mask) const;
 
   SpinningLidarParameters parameters_;
   LidarPattern pattern_;
   SamplePlan plan_;
-  double rotor_rate_radps_;
-  double azimuth_at_change_rad_ = 0.0;
-  SimTime rate_changed_ = kStart;
+  LidarCommand command_;
+  Rotor rotor_;
   std::uint64_t noise_key_;
   std::uint64_t rays_ = 0;
   std::unique_ptr<Slice> slice_;

@@ -54,6 +54,10 @@ void validate_instance(const Eigen::Isometry3d& X, double scale, const Material&
     throw std::invalid_argument(who + "reflectance is " + std::to_string(material.reflectance) +
                                 ", allowed: 0 to 1");
   }
+  if (!(material.retro_gain >= 0.0 && material.retro_gain <= 1.0)) {
+    throw std::invalid_argument(who + "retro_gain is " + std::to_string(material.retro_gain) +
+                                ", allowed: 0 to 1");
+  }
 }
 
 }  // namespace
@@ -79,7 +83,8 @@ Scene::InstanceId Scene::Internals::add_instance(RTCScene inner, std::uint32_t b
     rtcSetGeometryTimeStepCount(geometry.get(), 2);
   }
   const std::uint32_t geometry_id =
-      new_geometry_id(id, {X_PM.linear().cast<float>(), static_cast<float>(material.reflectance)});
+      new_geometry_id(id, {X_PM.linear().cast<float>(), static_cast<float>(material.reflectance),
+                           static_cast<float>(material.retro_gain)});
   rtcAttachGeometryByID(top.get(), geometry.get(), geometry_id);
   check("adding an object");
   instances.push_back({std::move(geometry), X_PM, scale, body, material, geometry_id});

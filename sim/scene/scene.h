@@ -39,6 +39,8 @@ namespace rigwire::sim {
 struct Material {
   double reflectance = 0.3;  ///< Diffuse, at the lidar's wavelength, 0 .. 1.
   std::string label = "ground";
+  /// Above 0 a retro-reflector; 1 is an ideal one. Seen far beyond what diffuse surfaces are.
+  double retro_gain = 0.0;
   /// Leaves and twigs in a closed surface: opaque to light, but radio signals pass, weakened by the
   /// metre.
   bool foliage = false;

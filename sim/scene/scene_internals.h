@@ -97,6 +97,7 @@ struct Scene::Internals {
   struct Shading {
     Eigen::Matrix3f R_WM = Eigen::Matrix3f::Identity();  ///< Turns normals into the world.
     float reflectance = 0.0F;
+    float retro_gain = 0.0F;
   };
 
   std::string first_error;  ///< Written by Embree's error callback.

@@ -91,8 +91,10 @@ void lidar_slice(benchmark::State& state) {
   description.rocks.emplace_back();
   const BuiltScene built = build_scene(description, {}, kSeed);
   const LidarPattern pattern = fan();
-  SpinningLidar lidar({}, pattern, {kStart + pattern.firing_period, pattern.firing_period},
-                      20.0 * std::numbers::pi, kSeed, "lidar");
+  LidarCommand command;
+  command.rotor_rate_radps = 20.0 * std::numbers::pi;
+  SpinningLidar lidar({}, pattern, {kStart + pattern.firing_period, pattern.firing_period}, command,
+                      kSeed, "lidar");
   LinkMotion mount;
   mount.X_WL.translation() = Eigen::Vector3d(0.0, 0.0, 3.2);
   const Duration slice = std::chrono::milliseconds{state.range(0)};
@@ -100,7 +102,7 @@ void lidar_slice(benchmark::State& state) {
   SimTime t0 = kStart;
   for (auto _ : state) {
     built.scene->begin_slice(t0, t0 + slice, mount.X_WL.translation(), {});
-    lidar.cast(*built.scene, t0, t0 + slice, mount, mount, firings);
+    lidar.cast(*built.scene, {t0, t0 + slice, mount, mount}, nullptr, firings, nullptr);
     t0 += slice;
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(lidar.rays()));

@@ -144,7 +144,7 @@ TEST(VelodyneConformance, IndependentDissectorReadsTheTruth) {
     firing.rotor_azimuth_rad =
         std::fmod(rate_degps * to_seconds(firing.time), 360.0) * std::numbers::pi / 180.0;
     for (std::size_t j = 0; j < 32; ++j) {
-      firing.returns[j] = {range_of(i, j), 0.01F * static_cast<float>(j * 3)};
+      firing.strongest[j] = {range_of(i, j), 0.01F * static_cast<float>(j * 3)};
     }
     lidar.update(firing);
   }

@@ -41,10 +41,10 @@ class VelodyneLidarTest : public testing::Test {
                             float reflectivity = 0.5F) {
     LidarFiring result;
     result.time = lidar.sample_plan().first + number * lidar.sample_plan().period;
-    result.rotor_azimuth_rad =
-        std::fmod(lidar.rotor_rate_radps() * to_seconds(result.time), 2.0 * std::numbers::pi);
-    result.rotor_rate_radps = lidar.rotor_rate_radps();
-    result.returns.fill({range, reflectivity});
+    result.rotor_azimuth_rad = std::fmod(lidar.command().rotor_rate_radps * to_seconds(result.time),
+                                         2.0 * std::numbers::pi);
+    result.rotor_rate_radps = lidar.command().rotor_rate_radps;
+    result.strongest.fill({range, reflectivity});
     return result;
   }
 
@@ -113,12 +113,12 @@ TEST_F(VelodyneLidarTest, RangesAreRoundedToTwoMillimetresAndNoneIsZero) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (std::int64_t i = 0; i < 12; ++i) {
     LidarFiring shot = firing(lidar, i, 0.0F);
-    shot.returns[0] = {12.3449F, 0.499F};
-    shot.returns[1] = {12.3451F, 2.0F};
-    shot.returns[2] = {0.5F, 0.5F};     // nearer than the minimum
-    shot.returns[3] = {100.01F, 0.5F};  // farther than the maximum
-    shot.returns[4] = {nan, nan};
-    shot.returns[5] = {1.0F, 0.0F};
+    shot.strongest[0] = {12.3449F, 0.499F};
+    shot.strongest[1] = {12.3451F, 2.0F};
+    shot.strongest[2] = {0.5F, 0.5F};     // nearer than the minimum
+    shot.strongest[3] = {100.01F, 0.5F};  // farther than the maximum
+    shot.strongest[4] = {nan, nan};
+    shot.strongest[5] = {1.0F, 0.0F};
     lidar.update(shot);
   }
   ASSERT_EQ(data.sent.size(), 1U);

@@ -1,0 +1,59 @@
+// What is in the air, as a laser beam meets it: it weakens the echo of the surface behind it, and
+// it sends echoes of its own.
+//
+// Energies are in the unit of the link budget that the lidar uses (sim/lidar): a surface of diffuse
+// reflectance rho met at incidence angle theta at range r returns rho cos(theta) T / r^2, where T
+// is the two-way transmission; an echo is seen when that is at least 0.9 / R_max^2.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "sim/samples/time.h"
+
+namespace rigwire::sim {
+
+/// One beam, from its exit to the surface that it meets or to the end of its reach.
+struct WeatherBeam {
+  Eigen::Vector3d start_W = Eigen::Vector3d::Zero();
+  Eigen::Vector3d direction_W = Eigen::Vector3d::UnitX();  ///< Unit.
+  double near_m = 0.0;          ///< Echoes nearer than this are not looked for.
+  double far_m = 0.0;           ///< Where the surface is.
+  double divergence_rad = 0.0;  ///< Full angle of the beam, for the volume that it fills.
+  double pulse_m = 0.75;        ///< Half the pulse's length in space: resolution in range.
+  SimTime time{};
+  std::uint64_t draw_key = 0;  ///< With the counter's values 0, 1, … gives this beam's own random
+                               ///< numbers (sim/lidar/counter_noise.h).
+};
+
+/// An echo from the air.
+struct AirEcho {
+  double range_m = 0.0;
+  double energy = 0.0;  ///< Attenuation included.
+};
+
+inline constexpr std::size_t kMaxAirEchoes = 4;
+
+struct AirPath {
+  double transmission = 1.0;                    ///< Two ways, from the sensor to far_m and back.
+  std::array<AirEcho, kMaxAirEchoes> echoes{};  ///< The strongest ones, in order of range.
+  std::size_t echo_count = 0;
+};
+
+/// Casting is const and may run on many threads.
+class Weather {
+ public:
+  virtual ~Weather() = default;
+  [[nodiscard]] virtual AirPath along(const WeatherBeam& beam) const = 0;
+  /// False: nothing in the air at present, along() need not be asked.
+  [[nodiscard]] virtual bool present() const = 0;
+
+ protected:
+  Weather() = default;
+  Weather(const Weather&) = default;
+  Weather& operator=(const Weather&) = default;
+};
+
+}  // namespace rigwire::sim

@@ -152,7 +152,7 @@ struct Rig::Bus {
 };
 
 Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
-         const std::filesystem::path& truth_path)
+         const TruthFiles& truth)
     : configuration_(configuration),
       io_(io),
       calendar_(configuration.start),
@@ -167,17 +167,28 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
     add_device(name, device);
   }
   connect_time_source();
-  if (!truth_path.empty()) {
-    std::vector<std::string> antennas;
-    for (const Device& device : devices_) {
-      if (dynamic_cast<const GnssLine*>(device.line.get()) != nullptr) {
-        antennas.push_back(device.name);
-      }
+  open_taps(truth);
+}
+
+void Rig::open_taps(const TruthFiles& files) {
+  std::vector<std::string> antennas;
+  std::vector<std::string> lidars;
+  for (const Device& device : devices_) {
+    if (dynamic_cast<const GnssLine*>(device.line.get()) != nullptr) {
+      antennas.push_back(device.name);
+    } else if (dynamic_cast<const LidarLine*>(device.line.get()) != nullptr) {
+      lidars.push_back(device.name);
     }
+  }
+  if (!files.machine.empty()) {
     world_.set_truth_tap(
-        std::make_unique<TruthTap>(truth_path, calendar_, world_.machine().truth_fields(),
+        std::make_unique<TruthTap>(files.machine, calendar_, world_.machine().truth_fields(),
                                    std::move(antennas)),
         configuration_.truth.period);
+  }
+  if (!files.lidar.empty()) {
+    world_.set_lidar_truth_tap(
+        std::make_unique<LidarTruthTap>(files.lidar, calendar_, world_.scene(), lidars));
   }
 }
 
@@ -220,7 +231,8 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
     auto sensor = std::make_unique<sim::SpinningLidar>(lidar->sensor, backend.pattern(),
                                                        line->device().sample_plan(),
                                                        backend.command(), seed, name);
-    world_.add_lidar(line->enlist(executive_), mount(lidar->mount), std::move(sensor));
+    world_.add_lidar(line->enlist(executive_), mount(lidar->mount), std::move(sensor),
+                     backend.pattern());
     devices_.push_back({name, std::move(line)});
   } else if (const auto* imu = std::get_if<OpenImuDeviceConfiguration>(&configuration.settings)) {
     auto line = make_line(*imu, buses_.at(imu->bus)->line);

@@ -31,12 +31,17 @@ namespace rigwire::hil {
 [[nodiscard]] SensorMount sensor_mount(const MachineConfiguration& machine,
                                        const MountConfiguration& mount);
 
+/// Where ground truth goes.
+struct TruthFiles {
+  std::filesystem::path machine;  ///< hil/truth_tap.h
+  std::filesystem::path lidar;    ///< hil/lidar_truth_tap.h
+};
+
 class Rig {
  public:
   /// Opens every wire. Throws drivers::EndpointError (environment), std::invalid_argument or
-  /// std::runtime_error (configuration); nothing stays open then. `truth_path` empty: no truth tap.
-  Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
-      const std::filesystem::path& truth_path);
+  /// std::runtime_error (configuration); nothing stays open then. Empty paths: no truth tap.
+  Rig(const RigConfiguration& configuration, boost::asio::io_context& io, const TruthFiles& truth);
   ~Rig();
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
@@ -60,6 +65,7 @@ class Rig {
   void open_bus(const std::string& name, const BusConfiguration& configuration);
   void add_device(const std::string& name, const DeviceConfiguration& configuration);
   void connect_time_source();
+  void open_taps(const TruthFiles& files);
 
   RigConfiguration configuration_;
   boost::asio::io_context& io_;

@@ -68,7 +68,12 @@ RunOutcome execute(Rig& rig, const RigConfiguration& configuration, const RunOpt
 int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   boost::asio::io_context io;
   Interrupts interrupts(io);  // before the first wire is opened, so that none is left behind
-  Rig rig(configuration, io, options.truth_path);
+  const auto chosen = [](const std::string& option, const std::string& configured) {
+    return option.empty() ? configured : option;
+  };
+  Rig rig(configuration, io,
+          {chosen(options.truth_path, configuration.truth.path),
+           chosen(options.lidar_truth_path, configuration.truth.lidar_path)});
   interrupts.govern(rig.executive());
 
   if (options.status != StatusStyle::none) {

@@ -20,7 +20,8 @@ struct RunOptions {
   ClockMode clock;
   std::optional<Duration> duration;  ///< Simulated time; without it until a signal.
   std::string report_path;           ///< Empty: no report.
-  std::string truth_path;            ///< Empty: truth leaves nowhere.
+  std::string truth_path;            ///< Empty: as the rig says.
+  std::string lidar_truth_path;      ///< Empty: as the rig says.
   StatusStyle status = StatusStyle::live;
   bool colour = true;  ///< False with NO_COLOR, or when the output is no terminal.
 };

@@ -63,8 +63,8 @@ void SimulatedWorld::add_imu(DeviceIndex device, const SensorMount& mount, sim::
 }
 
 void SimulatedWorld::add_lidar(DeviceIndex device, const SensorMount& mount,
-                               std::unique_ptr<sim::LidarSensor> sensor) {
-  lidars_.push_back({device, mount, std::move(sensor), {}, kNever});
+                               std::unique_ptr<sim::LidarSensor> sensor, LidarPattern pattern) {
+  lidars_.push_back({device, mount, {std::move(sensor), std::move(pattern)}, {}, kNever});
 }
 
 void SimulatedWorld::add_valves(DeviceIndex device) {
@@ -91,6 +91,10 @@ void SimulatedWorld::set_truth_tap(std::unique_ptr<TruthTap> tap, Duration perio
   next_tap_ = frontier_ + period;
 }
 
+void SimulatedWorld::set_lidar_truth_tap(std::unique_ptr<LidarTruthTap> tap) {
+  lidar_tap_ = std::move(tap);
+}
+
 sim::LinkMotion SimulatedWorld::motion_at(const SensorMount& mount, SimTime t0, SimTime t1,
                                           SimTime time) const {
   return sim::at_mount(
@@ -115,7 +119,7 @@ void SimulatedWorld::apply(const TruthRequests& requests) {
   for (const auto& command : requests.lidar_commands) {
     for (auto& lidar : lidars_) {
       if (lidar.device == command.device) {
-        lidar.sensor->command(frontier_, command.content);
+        lidar.sensor.sensor->command(frontier_, command.content);
       }
     }
   }
@@ -209,12 +213,16 @@ void SimulatedWorld::cast_slice(SampleBatch& batch) {
       auto& lidar = lidars_[i];
       const std::size_t link = lidar.mount.link;
       batch.lidar[i].device = lidar.device;
-      lidar.sensor->cast(*content_.scene,
-                         {.t0 = t0,
-                          .t1 = t1,
-                          .mount_at_t0 = sim::at_mount(slice_start_[link], lidar.mount.X_LS),
-                          .mount_at_t1 = sim::at_mount(after_[link], lidar.mount.X_LS)},
-                         weather_.get(), batch.lidar[i].firings, nullptr);
+      lidar.sensor.sensor->cast(*content_.scene,
+                                {.t0 = t0,
+                                 .t1 = t1,
+                                 .mount_at_t0 = sim::at_mount(slice_start_[link], lidar.mount.X_LS),
+                                 .mount_at_t1 = sim::at_mount(after_[link], lidar.mount.X_LS)},
+                                weather_.get(), batch.lidar[i].firings,
+                                lidar_tap_ != nullptr ? &lidar_truth_ : nullptr);
+      if (lidar_tap_ != nullptr) {
+        lidar_tap_->record(i, lidar.sensor.pattern, batch.lidar[i].firings, lidar_truth_);
+      }
     }
   }
   const StageTimer timer(stages_.sensors_s);

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/lidar_truth_tap.h"
 #include "hil/truth_source.h"
 #include "hil/truth_tap.h"
 #include "sim/excavator/bucket_soil.h"
@@ -59,7 +60,7 @@ class SimulatedWorld final : public TruthSource {
   void add_gnss(DeviceIndex device, const SensorMount& mount, sim::GnssSensor sensor);
   void add_imu(DeviceIndex device, const SensorMount& mount, sim::ImuSensor sensor);
   void add_lidar(DeviceIndex device, const SensorMount& mount,
-                 std::unique_ptr<sim::LidarSensor> sensor);
+                 std::unique_ptr<sim::LidarSensor> sensor, LidarPattern pattern);
   /// Throw std::invalid_argument when the machine has no valve block, or does not drive.
   void add_valves(DeviceIndex device);
   void add_vehicle(DeviceIndex device, sim::VehicleSensors sensors);
@@ -68,6 +69,10 @@ class SimulatedWorld final : public TruthSource {
   /// Records truth every `period`, a whole multiple of the step, to `tap`.
   void set_truth_tap(std::unique_ptr<TruthTap> tap, Duration period);
 
+  /// Records every shot of every lidar, numbered in the order of add_lidar().
+  void set_lidar_truth_tap(std::unique_ptr<LidarTruthTap> tap);
+
+  [[nodiscard]] const sim::Scene& scene() const { return *content_.scene; }
   [[nodiscard]] const sim::Machine& machine() const { return *content_.machine; }
   [[nodiscard]] Duration slice() const override { return settings_.slice; }
   std::optional<std::string> advance(const TruthRequests& requests, SampleBatch& batch) override;
@@ -90,6 +95,10 @@ class SimulatedWorld final : public TruthSource {
     void replan(const SamplePlan& changed, SimTime frontier);
   };
   struct Unmounted {};
+  struct Lidar {
+    std::unique_ptr<sim::LidarSensor> sensor;
+    LidarPattern pattern;
+  };
   /// A navigation epoch that waits until the scene stands as it is at the end of the slice.
   struct DueEpoch {
     Mounted<sim::GnssSensor>* gnss;
@@ -111,10 +120,12 @@ class SimulatedWorld final : public TruthSource {
   sim::LocalFrame frame_;
   std::vector<Mounted<sim::GnssSensor>> gnss_;
   std::vector<Mounted<sim::ImuSensor>> imu_;
-  std::vector<Mounted<std::unique_ptr<sim::LidarSensor>>> lidars_;
+  std::vector<Mounted<Lidar>> lidars_;
   std::vector<Mounted<Unmounted>> valves_;
   std::vector<Mounted<sim::VehicleSensors>> vehicles_;
   std::unique_ptr<sim::SceneWeather> weather_;
+  std::unique_ptr<LidarTruthTap> lidar_tap_;
+  std::vector<sim::LidarBankTruth> lidar_truth_;  ///< Of one lidar's slice.
   std::unique_ptr<TruthTap> tap_;
   Duration tap_period_{0};
   TruthRecord truth_;  ///< Filled anew for every line.

@@ -2,12 +2,15 @@
 """Draws what the HDL-32E sees: a panorama shaded by range over a top view shaded by height.
 
   scripts/picture-lidar.py [--port 2368] [--skip 5] OUT.png     live, the revolution after SKIP ones
+  scripts/picture-lidar.py --view cloud ... OUT.png             the points as seen from behind
   scripts/picture-lidar.py --file PACKETS OUT.png               PACKETS: data packets, end to end
   scripts/picture-lidar.py --save PACKETS ... OUT.png           keeps what it drew
 
 Panorama: straight ahead in the middle, left on the left, each pixel one laser shot, near is bright
 and warm, dark is no return. Top view: 100 m by 50 m around the sensor, ahead is up; the gaps are
 in the shadow of machine, truck and boom (nearer than 1 m there are no returns).
+Cloud: the same points from behind and above the sensor (--eye, --look: ahead, left, up in metres),
+shaded by height and, where they are bright, by reflectivity.
 Needs nothing but Python; the packet format is decoded here, apart from the program's own tables
 (HDL-32E user's manual 63-9113 Rev. H, "Packet format").
 """
@@ -29,6 +32,7 @@ COLUMNS = 1800  # of the panorama, 0.2 degrees each
 ROW_HEIGHT = 9  # pixels per laser
 TOP_ROWS = 900
 TOP_METRES = 50.0  # from its upper to its lower edge
+CLOUD_SIZE = (1600, 900)
 BACKGROUND = (20, 20, 26)
 
 
@@ -122,7 +126,16 @@ class Image:
                        + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
 
 
-def draw(revolution, path):
+def points_of(revolution):
+    """Yields (ahead, left, up in m, distance, reflectivity) of every return."""
+    for azimuth, elevation, distance, reflectivity, _ in shots_of(revolution):
+        if distance > 0.0:
+            flat = distance * math.cos(elevation)
+            yield (flat * math.cos(azimuth), -flat * math.sin(azimuth),
+                   distance * math.sin(elevation), distance, reflectivity)
+
+
+def draw_panorama(revolution, path):
     panorama_height = LASERS * ROW_HEIGHT
     image = Image(COLUMNS, panorama_height + 10 + TOP_ROWS)
     row_of = {j: row for row, j in enumerate(sorted(range(LASERS),
@@ -157,10 +170,47 @@ def draw(revolution, path):
           f"({100 * seen / shots:.1f} %), {near} nearer than 2 m")
 
 
+def normalised(vector):
+    length = math.sqrt(sum(c * c for c in vector))
+    return [c / length for c in vector]
+
+
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def draw_cloud(revolution, path, eye, look):
+    """A perspective picture of 90 degrees, far points first."""
+    image = Image(*CLOUD_SIZE)
+    ahead = normalised([b - a for a, b in zip(eye, look)])
+    right = normalised(cross(ahead, [0.0, 0.0, 1.0]))
+    up = cross(right, ahead)
+    focal = CLOUD_SIZE[0] / 2
+    drawn = []
+    for x, y, z, _, reflectivity in points_of(revolution):
+        offset = (x - eye[0], y - eye[1], z - eye[2])
+        depth = sum(a * b for a, b in zip(offset, ahead))
+        if depth > 0.5:
+            column = CLOUD_SIZE[0] / 2 + focal * sum(a * b for a, b in zip(offset, right)) / depth
+            row = CLOUD_SIZE[1] / 2 - focal * sum(a * b for a, b in zip(offset, up)) / depth
+            light = 0.6 + 0.4 * min(1.0, reflectivity / 60.0)
+            colour = ((255, 255, 255) if reflectivity > 100 else
+                      [round(light * c) for c in warm(max(0.18, (z + 8.0) / 18.0))])
+            drawn.append((depth, round(column), round(row), colour))
+    for depth, column, row, colour in sorted(drawn, key=lambda point: -point[0]):
+        size = max(2, min(5, round(40.0 / depth)))
+        image.rectangle(column, row, size, size, colour)
+    image.write_png(path)
+    print(f"{path}: {len(revolution)} packets, {len(drawn)} points in view")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--port", type=int, default=2368)
+    parser.add_argument("--view", choices=["panorama", "cloud"], default="panorama")
+    parser.add_argument("--eye", type=float, nargs=3, default=[-14.0, 0.0, 9.0])
+    parser.add_argument("--look", type=float, nargs=3, default=[12.0, 0.0, -2.0])
     parser.add_argument("--file", help="data packets, end to end, instead of the port")
     parser.add_argument("--save", help="keep the drawn packets here")
     parser.add_argument("--skip", type=int, default=5, help="revolutions to pass over (5)")
@@ -173,7 +223,10 @@ def main():
         revolution = one_revolution(packets, -1 if arguments.file else arguments.skip)
         if not revolution:
             sys.exit("picture-lidar: no whole revolution")
-        draw(revolution, arguments.out)
+        if arguments.view == "cloud":
+            draw_cloud(revolution, arguments.out, arguments.eye, arguments.look)
+        else:
+            draw_panorama(revolution, arguments.out)
     except (OSError, ValueError) as error:
         sys.exit(f"picture-lidar: {error}")
     if arguments.save:

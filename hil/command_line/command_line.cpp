@@ -106,6 +106,7 @@ struct Parsed {
   std::string seed;
   std::string report;
   std::string truth;
+  std::string lidar_truth;
   std::string status;
   bool dry_run = false;
   bool print = false;
@@ -133,6 +134,8 @@ void declare(CLI::App& app, Parsed& parsed) {
   run_app->add_option("--seed", parsed.seed, "Of every random stream; same as --set seed=N");
   run_app->add_option("--report", parsed.report, "Write figures of the run as JSON");
   run_app->add_option("--truth", parsed.truth, "Write the ground truth to a file");
+  run_app->add_option("--lidar-truth", parsed.lidar_truth,
+                      "Write the ground truth of every lidar shot to a file");
   run_app->add_option("--status", parsed.status, "live, plain or none");
   run_app->add_flag("--dry-run", parsed.dry_run, "Check and print the plan; open nothing");
   run_app->footer(
@@ -204,6 +207,7 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
   options.status = static_cast<StatusStyle>(it - styles.begin());
   options.report_path = parsed.report;
   options.truth_path = parsed.truth;
+  options.lidar_truth_path = parsed.lidar_truth;
   if (!parsed.seed.empty()) {
     parsed.rig.sets.push_back("seed=" + parsed.seed);
   }

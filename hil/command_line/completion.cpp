@@ -20,13 +20,13 @@ _rigwire() {
   case $before in
     --clock) COMPREPLY=($(compgen -W "real free scaled:" -- "$word")); return ;;
     --status) COMPREPLY=($(compgen -W "live plain none" -- "$word")); return ;;
-    --report|--json|--truth)
+    --report|--json|--truth|--lidar-truth)
       if [ "$verb" = run ] || [ "$verb" = bench ]; then
         COMPREPLY=($(compgen -f -- "$word")); return
       fi ;;
   esac
   case $verb in
-    run) local options="--clock --duration --seed --set --report --truth --status --dry-run --help" ;;
+    run) local options="--clock --duration --seed --set --report --truth --lidar-truth --status --dry-run --help" ;;
     check) local options="--set --print --json --help" ;;
     list) local options="devices machines scenes rigs --json --help" ;;
     describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --help" ;;
@@ -55,10 +55,10 @@ _rigwire() {
   case $words[CURRENT-1] in
     --clock) compadd -- real free scaled:; return ;;
     --status) compadd -- live plain none; return ;;
-    --report|--truth) _files; return ;;
+    --report|--truth|--lidar-truth) _files; return ;;
   esac
   case $words[2] in
-    run) compadd -- --clock --duration --seed --set --report --truth --status --dry-run --help ;;
+    run) compadd -- --clock --duration --seed --set --report --truth --lidar-truth --status --dry-run --help ;;
     check) compadd -- --set --print --json --help ;;
     list) compadd -- devices machines scenes rigs --json --help ;;
     describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json ;;
@@ -88,6 +88,7 @@ complete -c rigwire -n "__fish_seen_subcommand_from run" -l duration -x
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l seed -x
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l report -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l truth -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l lidar-truth -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l status -x -a "live plain none"
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l dry-run
 complete -c rigwire -n "__fish_seen_subcommand_from check" -l print

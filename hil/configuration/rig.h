@@ -22,7 +22,8 @@ namespace rigwire::hil {
 
 /// Ground truth leaves here and nowhere else.
 struct TruthConfiguration {
-  std::string path;  ///< File; empty = none. `run --truth FILE` beats it.
+  std::string path;        ///< File; empty = none. `run --truth FILE` beats it.
+  std::string lidar_path;  ///< The same for every lidar shot. `run --lidar-truth FILE` beats it.
   Duration period = std::chrono::milliseconds(10);
 };
 
@@ -51,6 +52,8 @@ struct RigConfiguration {
 template <class Visitor>
 void visit(Visitor& v, TruthConfiguration& p) {
   v.text("path", p.path, "File; empty = none. `run --truth FILE` beats it.");
+  v.text("lidar_path", p.lidar_path,
+         "File of every lidar shot; `run --lidar-truth FILE` beats it.");
   v.rate("rate", p.period, in("Hz").above(0).at_most(1000), "Lines per second of run --truth.");
 }
 

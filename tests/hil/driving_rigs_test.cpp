@@ -31,7 +31,7 @@ Ran run(const std::string& rig_name, Duration duration) {
   Ran ran;
   {
     boost::asio::io_context io;
-    Rig rig(loaded.configuration, io, path);
+    Rig rig(loaded.configuration, io, {path, {}});
     ran.outcome = rig.executive().run_free(kStart + duration);
     for (auto& report : rig.device_reports()) {
       ran.devices.emplace(report.name, report);

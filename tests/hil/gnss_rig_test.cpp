@@ -38,7 +38,7 @@ class GnssRig : public ::testing::Test {
                         << "start: " << start << "\norigin: " << origin << "\ndevices:\n"
                         << devices;
     rig = std::make_unique<Rig>(load_rig(file.string(), {}).configuration, io,
-                                wires.folder / "truth.jsonl");
+                                TruthFiles{wires.folder / "truth.jsonl", {}});
   }
   std::string receiver(const std::string& name, const std::string& more = "") {
     return "  " + name + ":\n    type: ublox-neo-7p\n    path: " + path(name) +

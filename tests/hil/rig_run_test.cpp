@@ -30,7 +30,7 @@ Ran run(Duration duration, std::vector<std::string> sets = {}) {
   }
   const LoadedRig loaded = load_rig(kRigFile, sets);
   boost::asio::io_context io;
-  Rig rig(loaded.configuration, io, "");
+  Rig rig(loaded.configuration, io, {});
   Ran ran;
   ran.outcome = rig.executive().run_free(kStart + duration);
   for (auto& report : rig.device_reports()) {
@@ -100,7 +100,7 @@ TEST(RigRun, TruthTapWritesOneLinePerPeriod) {
   const auto path = wires.folder / "truth.jsonl";
   {
     boost::asio::io_context io;
-    Rig rig(loaded.configuration, io, path);
+    Rig rig(loaded.configuration, io, {path, {}});
     rig.executive().run_free(kStart + 1s);
   }
   std::ifstream file(path);
@@ -121,7 +121,7 @@ TEST(RigRun, ATakenPortLeavesNothingHalfOpen) {
   auto sets = wires.sets();
   const LoadedRig loaded = load_rig(kRigFile, sets);
   boost::asio::io_context io;
-  const Rig first(loaded.configuration, io, "");
+  const Rig first(loaded.configuration, io, {});
   sets.push_back("devices.gnss.path=" + wires.gnss() + "2");
   sets.push_back("buses.can.path=" + wires.can() + "2");
   const LoadedRig second = load_rig(kRigFile, sets);

@@ -1,0 +1,75 @@
+#include "hil/lidar_truth_tap.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cerrno>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace rigwire::hil {
+namespace {
+
+template <class Integer>
+void put(std::vector<unsigned char>& bytes, Integer value) {
+  for (std::size_t i = 0; i < sizeof(Integer); ++i) {
+    bytes.push_back(static_cast<unsigned char>(value >> (8 * i)));
+  }
+}
+
+void put(std::vector<unsigned char>& bytes, float value) {
+  put(bytes, std::bit_cast<std::uint32_t>(value));
+}
+
+}  // namespace
+
+LidarTruthTap::LidarTruthTap(const std::filesystem::path& path, const Calendar& calendar,
+                             const sim::Scene& scene, const std::vector<std::string>& lidars)
+    : file_(std::fopen(path.c_str(), "we")) {
+  if (file_ == nullptr) {
+    throw std::runtime_error(
+        fmt::format("cannot write the lidar truth {}: {}", path.string(), std::strerror(errno)));
+  }
+  nlohmann::ordered_json header{
+      {"rigwire_lidar_truth", 1},
+      {"record_bytes", kLidarTruthRecordSize},
+      {"start_utc", format_utc(calendar.utc(kStart))},
+      {"start_time_of_hour_us", static_cast<double>(calendar.nanoseconds_of_hour(kStart)) * 1e-3},
+      {"lidars", lidars},
+      {"instances", nlohmann::ordered_json::array()}};
+  for (sim::Scene::InstanceId id = 0; id < scene.instance_count(); ++id) {
+    header["instances"].push_back({{"label", scene.material(id).label}});
+  }
+  const std::string line = header.dump() + "\n";
+  std::fwrite(line.data(), 1, line.size(), file_);
+}
+
+LidarTruthTap::~LidarTruthTap() {
+  std::fclose(file_);
+}
+
+void LidarTruthTap::record(std::size_t lidar, const LidarPattern& pattern,
+                           const std::vector<LidarFiring>& firings,
+                           const std::vector<sim::LidarBankTruth>& truth) {
+  records_.clear();
+  for (std::size_t f = 0; f < firings.size(); ++f) {
+    const LidarFiring& firing = firings[f];
+    const std::size_t lasers = std::min(pattern.lasers.size() - firing.first_laser, kBankLasers);
+    for (std::size_t i = 0; i < lasers; ++i) {
+      const std::size_t laser = firing.first_laser + i;
+      const SimTime time = firing.time + pattern.lasers[laser].time_offset;
+      put(records_, static_cast<std::uint64_t>((time - kStart).count()));
+      put(records_, static_cast<std::uint16_t>(lidar));
+      put(records_, static_cast<std::uint16_t>(laser));
+      put(records_, truth[f][i].instance);
+      put(records_, truth[f][i].range_m);
+      put(records_, truth[f][i].cosine_of_incidence);
+      put(records_, firing.strongest[i].range_m);
+      put(records_, firing.strongest[i].reflectivity);
+    }
+  }
+  std::fwrite(records_.data(), 1, records_.size(), file_);
+}
+
+}  // namespace rigwire::hil

@@ -126,7 +126,7 @@ TEST(RigRun, ATakenPortLeavesNothingHalfOpen) {
   sets.push_back("buses.can.path=" + wires.can() + "2");
   const LoadedRig second = load_rig(kRigFile, sets);
   boost::asio::io_context other;
-  EXPECT_THROW(Rig(second.configuration, other, ""), drivers::EndpointError);
+  EXPECT_THROW(Rig(second.configuration, other, {}), drivers::EndpointError);
   EXPECT_FALSE(std::filesystem::exists(wires.gnss() + "2"));
   EXPECT_FALSE(std::filesystem::exists(wires.can() + "2"));
   EXPECT_TRUE(std::filesystem::exists(wires.gnss()));

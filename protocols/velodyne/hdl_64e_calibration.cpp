@@ -16,8 +16,7 @@ constexpr double kFar_m = 25.04;
 constexpr double kNearX_m = 2.40;
 constexpr double kNearY_m = 1.93;
 
-constexpr double kNominalFar_m = 1.400;
-constexpr double kNominalNear_m = 1.430;
+constexpr double kNominalDistance_m = 1.400;
 constexpr double kNominalFocus_m = 10.0;
 constexpr double kNominalSlope = 1.0;
 
@@ -125,9 +124,9 @@ Hdl64eCalibration nominal_calibration(const Model& model) {
   for (const Laser& laser : model.lasers) {
     calibration.lasers.push_back({.rot_correction_deg = -laser.azimuth_offset_deg,
                                   .vert_correction_deg = laser.elevation_deg,
-                                  .dist_correction_m = kNominalFar_m,
-                                  .dist_correction_x_m = kNominalNear_m,
-                                  .dist_correction_y_m = kNominalNear_m,
+                                  .dist_correction_m = kNominalDistance_m,
+                                  .dist_correction_x_m = kNominalDistance_m,
+                                  .dist_correction_y_m = kNominalDistance_m,
                                   .vert_offset_m = laser.vertical_offset_mm * 1e-3,
                                   .horiz_offset_m = -laser.horizontal_offset_mm * 1e-3,
                                   .focal_distance_m = kNominalFocus_m,
@@ -165,14 +164,18 @@ CorrectedPoint corrected(const Hdl64eLaser& laser, double raw_counts, double azi
 
 double raw_counts(const Hdl64eLaser& laser, double range_m, double azimuth_deg,
                   NearCorrection near) {
-  // The corrections change by millimetres per metre, so each round gains two digits and more.
-  constexpr int kRounds = 8;
+  // The corrections of real units change by millimetres per metre, so each round gains two digits
+  // and more; what validate() admits at most halves the error.
+  constexpr int kRounds = 60;
+  constexpr double kConverged_m = 1e-12;
   const Direction beam = direction(laser, azimuth_deg);
   double raw_m = range_m - laser.dist_correction_m;
-  for (int i = 0; i < kRounds; ++i) {
+  double error_m = range_m;
+  for (int i = 0; i < kRounds && std::abs(error_m) > kConverged_m; ++i) {
     const DistanceCorrections by =
         distance_corrections(laser, beam, raw_m, NearCorrection::everywhere);
-    raw_m += range_m - range_along_beam(beam, raw_m, by);
+    error_m = range_m - range_along_beam(beam, raw_m, by);
+    raw_m += error_m;
   }
   if (near == NearCorrection::below_25_m && raw_m >= kFar_m) {
     const double far_raw_m = range_m - laser.dist_correction_m;
@@ -181,11 +184,11 @@ double raw_counts(const Hdl64eLaser& laser, double range_m, double azimuth_deg,
       raw_m = far_raw_m;
     } else {
       // The range falls into the formula's jump: its nearer side.
-      const auto error_m = [&](double at_m) {
+      const auto missed_m = [&](double at_m) {
         const DistanceCorrections by = distance_corrections(laser, beam, at_m, near);
         return std::abs(range_along_beam(beam, at_m, by) - range_m);
       };
-      raw_m = error_m(below_m) < error_m(kFar_m) ? below_m : kFar_m;
+      raw_m = missed_m(below_m) < missed_m(kFar_m) ? below_m : kFar_m;
     }
   }
   return raw_m / kHdl64eDistanceUnit_m;

@@ -300,6 +300,8 @@ def main(path):
             else:
                 step = 0 if before is None else (azimuth - before) % 36000
             for bank, pair in enumerate(banks):
+                if not any(any(block[2::2]) for _, block in pair):
+                    continue
                 for channel in range(32):
                     laser = 32 * bank + channel
                     firing = number

@@ -93,7 +93,9 @@ void VelodyneLidar::power_up(SimTime now, Duration start_up) {
   packet_complete_at_ = kNever;
   expected_time_ = kNever;
   phase_locked_ = false;
-  next_position_ = running_from_ + position_period_;
+  next_position_ = model_.position_layout == velodyne::PositionLayout::none
+                       ? kNever
+                       : running_from_ + position_period_;
   command_head(now);
 }
 
@@ -106,8 +108,10 @@ double VelodyneLidar::nominal_rate_hz() const {
   if (view == 0.0) {
     view = 1.0;
   }
-  return view / to_seconds(packet_period(model_, live_.return_mode)) +
-         1.0 / to_seconds(position_period_);
+  const double position_hz = model_.position_layout == velodyne::PositionLayout::none
+                                 ? 0.0
+                                 : 1.0 / to_seconds(position_period_);
+  return view / to_seconds(packet_period(model_, live_.return_mode)) + position_hz;
 }
 
 SimTime VelodyneLidar::next_event() const {
@@ -258,7 +262,7 @@ void VelodyneLidar::add(const LidarFiring& bank) {
 void VelodyneLidar::begin_packet(SimTime first_firing) {
   assembly_.begin(live_.return_mode);
   velodyne::DataPacket& packet = assembly_.packet();
-  packet.timestamp_us = microseconds_of_hour(first_firing);
+  packet.timestamp_us = microseconds_of_hour(first_firing + Duration{model_.timestamp_lag_ns});
   packet.return_mode_byte =
       settings_.legacy_factory_bytes ? 0 : static_cast<std::uint8_t>(live_.return_mode);
   packet.product_id = settings_.legacy_factory_bytes ? 0 : model_.product_id;

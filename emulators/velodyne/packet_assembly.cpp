@@ -16,29 +16,32 @@ constexpr std::array<std::uint16_t, kMaxBanks> kFlags{
     velodyne::kFlagLasers0To31, velodyne::kFlagLasers32To63, velodyne::kFlagLasers64To95,
     velodyne::kFlagLasers96To127};
 
-/// The two echoes of a shot that a dual-return packet reports.
-struct Pair {
-  Channel strongest;
-  Channel last;
-};
+constexpr std::uint32_t kDistance = 0xFFFF;
 
-/// What takes the place of a repeated echo; the same again when there is nothing else.
-Channel instead_of(const Channel& repeated, const LidarFiring& bank, std::size_t i,
-                   const ReturnEncoder& encode) {
-  const Channel second = bank.several ? encode(bank.second[i]) : Channel{};
-  return second.distance_counts != 0 ? second : repeated;
+/// Chooses without branches; the masks are all ones or all zeros.
+constexpr std::uint32_t mask(bool condition) {
+  return 0U - static_cast<std::uint32_t>(condition);
+}
+constexpr std::uint32_t choose(std::uint32_t which, std::uint32_t yes, std::uint32_t no) {
+  return (yes & which) | (no & ~which);
 }
 
-Pair echoes(const LidarFiring& bank, std::size_t i, const ReturnEncoder& encode) {
-  Pair pair;
-  pair.strongest = encode(bank.strongest[i]);
-  pair.last = bank.several ? encode(bank.last[i]) : pair.strongest;
-  if (pair.last.distance_counts == 0) {
-    pair.last = pair.strongest;
-  } else if (pair.strongest.distance_counts == 0) {
-    pair.strongest = pair.last;
+/// Makes of the three echoes of each shot the two that are reported.
+void pair_up(EncodedReturns& strongest, EncodedReturns& last, const EncodedReturns& second) {
+  for (std::size_t i = 0; i < kBankLasers; ++i) {
+    const std::uint32_t farthest = choose(mask(last[i] == 0), strongest[i], last[i]);
+    const std::uint32_t best = choose(mask(strongest[i] == 0), farthest, strongest[i]);
+    const bool repeated = (best & kDistance) == (farthest & kDistance);
+    const std::uint32_t other = choose(mask(second[i] == 0), farthest, second[i]);
+    last[i] = farthest;
+    strongest[i] = choose(mask(repeated), other, best);
   }
-  return pair;
+}
+
+void store(const EncodedReturns& echoes, std::size_t count, Channel* channels) {
+  for (std::size_t i = 0; i < count; ++i) {
+    channels[i] = channel_of(echoes[i]);
+  }
 }
 
 }  // namespace
@@ -100,27 +103,30 @@ void PacketAssembly::add(const LidarFiring& bank, std::uint16_t azimuth_counts) 
     block.azimuth_counts = azimuth_counts;
   }
   Channel* const channels = block.channels.data() + within * lasers;
+  EncodedReturns first;
   if (mode_ != ReturnMode::dual) {
-    const BankReturns& reported =
-        mode_ == ReturnMode::last && bank.several ? bank.last : bank.strongest;
-    for (std::size_t i = 0; i < lasers; ++i) {
-      channels[i] = encode_(reported[i]);
-    }
+    encode_.encode(mode_ == ReturnMode::last && bank.several ? bank.last : bank.strongest, first);
+    store(first, lasers, channels);
     return;
   }
   Block& partner = packet_.blocks[block_index(group, bank_index, 1)];
   partner.flag = block.flag;
   partner.azimuth_counts = block.azimuth_counts;
   Channel* const partners = partner.channels.data() + within * lasers;
-  const bool strongest_first = model_.blocks_per_firing == 2;
-  for (std::size_t i = 0; i < lasers; ++i) {
-    const Pair pair = echoes(bank, i, encode_);
-    channels[i] = strongest_first ? pair.strongest : pair.last;
-    partners[i] = pair.strongest.distance_counts == pair.last.distance_counts
-                      ? instead_of(channels[i], bank, i, encode_)
-                  : strongest_first ? pair.last
-                                    : pair.strongest;
+  encode_.encode(bank.strongest, first);
+  if (!bank.several) {
+    store(first, lasers, channels);
+    store(first, lasers, partners);
+    return;
   }
+  EncodedReturns last;
+  EncodedReturns second;
+  encode_.encode(bank.last, last);
+  encode_.encode(bank.second, second);
+  pair_up(first, last, second);
+  const bool strongest_first = model_.blocks_per_firing == 2;
+  store(strongest_first ? first : last, lasers, channels);
+  store(strongest_first ? last : first, lasers, partners);
 }
 
 }  // namespace rigwire::emulators

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "tests/emulators/velodyne/web_control_stub.h"
+#include "web_control_stub.h"
 
 namespace rigwire::emulators {
 namespace {

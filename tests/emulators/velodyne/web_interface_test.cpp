@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/emulators/velodyne/web_control_stub.h"
+#include "web_control_stub.h"
 
 namespace rigwire::emulators {
 namespace {

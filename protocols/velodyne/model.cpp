@@ -4,56 +4,120 @@
 #include <array>
 #include <cassert>
 
+#include "protocols/velodyne/laser_tables.h"
+
 namespace rigwire::protocols::velodyne {
 namespace {
 
-constexpr std::size_t kHdl32eLasers = 32;
-constexpr std::int32_t kHdl32eLaserStep_ns = 1152;
-constexpr std::int32_t kHdl32eRecharge_ns = 9216;
-constexpr std::int32_t kHdl32eFiringPeriod_ns =
-    static_cast<std::int32_t>(kHdl32eLasers) * kHdl32eLaserStep_ns + kHdl32eRecharge_ns;
-static_assert(kHdl32eFiringPeriod_ns == 46080);
+constexpr BeamDivergence kHdlBeam{.horizontal_mrad = 3.3, .vertical_mrad = 0.7};
+constexpr BeamDivergence kVlpBeam{.horizontal_mrad = 3.0, .vertical_mrad = 1.5};
+constexpr BeamDivergence kHdl64eBeam{.horizontal_mrad = 3.4, .vertical_mrad = 3.4};
 
-struct Optics {
-  double elevation_deg;
-  double vertical_offset_mm;
-};
+/// Firings and their pauses, from the firing tables of the manuals.
+constexpr std::int32_t kHdl32ePeriod_ns = 32 * 1152 + 9216;         // and recharging
+constexpr std::int32_t kVlpPeriod_ns = 16 * 2304 + 18432;           // 16 shots or pairs
+constexpr std::int32_t kHdl64eS2Period_ns = 8 * 6000;               // groups of four
+constexpr std::int32_t kHdl64eS3Period_ns = 8 * 7200;               //
+constexpr std::int32_t kVls128Period_ns = 16 * 2665 + 2665 + 7995;  // groups of eight
+static_assert(kHdl32ePeriod_ns == 46080 && kVlpPeriod_ns == 55296);
+static_assert(kHdl64eS2Period_ns == 48000 && kHdl64eS3Period_ns == 57600);
+static_assert(kVls128Period_ns == 53300);
 
-constexpr std::array<Optics, kHdl32eLasers> kHdl32eOptics{{
-    {-30.67, 17.17}, {-9.33, 4.76}, {-29.33, 16.27}, {-8.00, 4.07},   //
-    {-28.00, 15.40}, {-6.67, 3.38}, {-26.67, 14.54}, {-5.33, 2.70},   //
-    {-25.33, 13.71}, {-4.00, 2.02}, {-24.00, 12.89}, {-2.67, 1.35},   //
-    {-22.67, 12.09}, {-1.33, 0.67}, {-21.33, 11.31}, {0.00, 0.00},    //
-    {-20.00, 10.54}, {1.33, -0.67}, {-18.67, 9.78},  {2.67, -1.35},   //
-    {-17.33, 9.04},  {4.00, -2.02}, {-16.00, 8.30},  {5.33, -2.70},   //
-    {-14.67, 7.58},  {6.67, -3.38}, {-13.33, 6.86},  {8.00, -4.07},   //
-    {-12.00, 6.15},  {9.33, -4.76}, {-10.67, 5.45},  {10.67, -5.45},  //
-}};
+constexpr Model kHdl32e{.name = "HDL-32E",
+                        .product_id = 0x21,
+                        .distance_unit_mm = 2,
+                        .firing_period_ns = kHdl32ePeriod_ns,
+                        .firings_per_block = 1,
+                        .minimum_rotor_rpm = 300.0,
+                        .maximum_rotor_rpm = 1200.0,
+                        .minimum_range_m = 1.0,
+                        .maximum_range_m = 100.0,
+                        .divergence = kHdlBeam,
+                        .position_layout = PositionLayout::inertial,
+                        .dual_return = true,
+                        .lasers = kHdl32eLasers};
 
-constexpr std::array<Laser, kHdl32eLasers> kHdl32eTable = [] {
-  std::array<Laser, kHdl32eLasers> lasers{};
-  for (std::size_t i = 0; i < kHdl32eLasers; ++i) {
-    lasers[i] = {.elevation_deg = kHdl32eOptics[i].elevation_deg,
-                 .vertical_offset_mm = kHdl32eOptics[i].vertical_offset_mm,
-                 .time_offset_ns = static_cast<std::int32_t>(i) * kHdl32eLaserStep_ns};
-  }
-  return lasers;
+constexpr Model kVlp16{.name = "VLP-16",
+                       .product_id = 0x22,
+                       .distance_unit_mm = 2,
+                       .firing_period_ns = kVlpPeriod_ns,
+                       .firings_per_block = 2,
+                       .minimum_rotor_rpm = 300.0,
+                       .maximum_rotor_rpm = 1200.0,
+                       .minimum_range_m = 0.5,
+                       .maximum_range_m = 100.0,
+                       .divergence = kVlpBeam,
+                       .pulse_ns = 6.0,
+                       .position_layout = PositionLayout::plain,
+                       .dual_return = true,
+                       .web_interface = true,
+                       .lasers = kVlp16Lasers};
+
+constexpr Model kPuckHiRes = [] {
+  Model model = kVlp16;
+  model.name = "Puck Hi-Res";
+  model.product_id = 0x24;
+  model.lasers = kPuckHiResLasers;
+  return model;
 }();
 
-constexpr std::array<Model, 1> kModels{{
-    {.name = "HDL-32E",
-     .product_id = 0x21,
-     .distance_unit_mm = 2,
-     .firing_period_ns = kHdl32eFiringPeriod_ns,
-     .firings_per_block = 1,
-     .minimum_rotor_rpm = 300.0,
-     .maximum_rotor_rpm = 1200.0,
-     .minimum_range_m = 1.0,
-     .maximum_range_m = 100.0,
-     .divergence = {.horizontal_mrad = 3.3, .vertical_mrad = 0.7},
-     .dual_return = true,
-     .lasers = kHdl32eTable},
-}};
+constexpr Model kVlp32c = [] {
+  Model model = kVlp16;
+  model.name = "VLP-32C";
+  model.product_id = 0x28;
+  model.distance_unit_mm = 4;
+  model.firings_per_block = 1;
+  model.minimum_range_m = 1.0;
+  model.maximum_range_m = 200.0;
+  model.position_layout = PositionLayout::extended;
+  model.lasers = kVlp32cLasers;
+  return model;
+}();
+
+constexpr Model kHdl64eS2{.name = "HDL-64E S2",
+                          .distance_unit_mm = 2,
+                          .firing_period_ns = kHdl64eS2Period_ns,
+                          .firings_per_block = 1,
+                          .blocks_per_firing = 2,
+                          .minimum_rotor_rpm = 300.0,
+                          .maximum_rotor_rpm = 900.0,
+                          .minimum_range_m = 2.0,  // the calibrated zero lies at 1.5 m
+                          .maximum_range_m = 120.0,
+                          .divergence = kHdl64eBeam,
+                          .position_layout = PositionLayout::none,
+                          .status_channel = true,
+                          .source_port = 443,
+                          .lasers = kHdl64eS2Lasers};
+
+constexpr Model kHdl64eS3 = [] {
+  Model model = kHdl64eS2;
+  model.name = "HDL-64E S3";
+  model.firing_period_ns = kHdl64eS3Period_ns;
+  model.maximum_rotor_rpm = 1200.0;
+  model.dual_return = true;
+  model.lasers = kHdl64eS3Lasers;
+  return model;
+}();
+
+constexpr Model kVls128{.name = "VLS-128",
+                        .product_id = 0xA1,
+                        .distance_unit_mm = 4,
+                        .firing_period_ns = kVls128Period_ns,
+                        .firings_per_block = 1,
+                        .blocks_per_firing = 4,
+                        .timestamp_lag_ns = 8700,
+                        .minimum_rotor_rpm = 300.0,
+                        .maximum_rotor_rpm = 1200.0,
+                        .minimum_range_m = 1.0,
+                        .maximum_range_m = 245.0,
+                        .divergence = kVlpBeam,
+                        .pulse_ns = 6.0,
+                        .position_layout = PositionLayout::extended,
+                        .dual_return = true,
+                        .web_interface = true,
+                        .lasers = kVls128Lasers};
+
+constexpr std::array kModels{kHdl32e, kVlp16, kPuckHiRes, kVlp32c, kHdl64eS2, kHdl64eS3, kVls128};
 
 }  // namespace
 
@@ -67,21 +131,27 @@ const Model* find_model(std::string_view name) {
 }
 
 const Model* find_model(std::uint8_t product_id) {
+  if (product_id == 0) {
+    return nullptr;
+  }
   const auto* found = std::ranges::find(kModels, product_id, &Model::product_id);
   return found == kModels.end() ? nullptr : found;
 }
 
 Shot shot(const Model& model, std::size_t block, std::size_t channel) {
-  const std::size_t count = model.lasers.size();
-  const std::size_t firing = channel / count;
-  assert(firing < static_cast<std::size_t>(model.firings_per_block));
+  const auto firings_per_block = static_cast<std::size_t>(model.firings_per_block);
+  const auto blocks_per_firing = static_cast<std::size_t>(model.blocks_per_firing);
+  const std::size_t lasers = model.lasers.size() / blocks_per_firing;
+  const std::size_t firing = channel / lasers;
+  assert(firing < firings_per_block);
   Shot result;
-  result.laser = channel % count;
+  result.laser = block % blocks_per_firing * lasers + channel % lasers;
   result.block_offset_ns = static_cast<std::int32_t>(firing) * model.firing_period_ns +
                            model.lasers[result.laser].time_offset_ns;
   result.packet_offset_ns =
-      static_cast<std::int32_t>(block) * model.firings_per_block * model.firing_period_ns +
-      result.block_offset_ns;
+      static_cast<std::int32_t>(block / blocks_per_firing * firings_per_block) *
+          model.firing_period_ns +
+      result.block_offset_ns - model.timestamp_lag_ns;
   return result;
 }
 

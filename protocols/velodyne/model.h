@@ -1,9 +1,11 @@
-// The Velodyne models that Rigwire knows, as data: a further model is a further row.
+// The Velodyne models that Rigwire knows, as data: a further model is a further row, and a further
+// table of lasers (laser_tables.h).
 //
-// Sources: HDL-32E user's manual 63-9113 Rev. H and optical drawing 86-0106 (elevations, vertical
-// offsets, which obey offset = 28.83 mm * tan(-elevation)); application note 63-9277 "Packet
-// structure and timing definition" (firing times); VLP-16 manual 63-9243 Rev. D, table of factory
-// bytes (product ids). Notes and cross-checks: docs/devices/velodyne-hdl-32e.md.
+// Sources: HDL-32E user's manual 63-9113 Rev. H, application note 63-9277 "Packet structure and
+// timing definition"; VLP-16 manual 63-9243 Rev. D (product ids, factory bytes); VLP-32C manual
+// 63-9325 Rev. B; HDL-64E S2.1 and S3 manuals (63-HDL64ES3 Rev. J), firing tables; VLS-128 manual
+// 63-9483 Rev. A (draft), chapter 9. Beam divergence: VLS-128 manual, appendix F, and VLP-16 data
+// sheet; HDL models as peers use them. Notes and cross-checks: docs/devices/velodyne-hdl-32e.md.
 #pragma once
 
 #include <cstddef>
@@ -28,6 +30,7 @@ struct Laser {
 
 /// What bytes 14 to 205 of a model's position packets hold.
 enum class PositionLayout : std::uint8_t {
+  none,      ///< HDL-64E: no position packets; time and pulse state go by the status channel.
   inertial,  ///< HDL-32E: gyroscopes, accelerometers, temperatures.
   plain,     ///< VLP-16: nothing but time and pulse state.
   extended,  ///< Firmware from mid-2018: temperatures, calibration of the converters, status.
@@ -46,6 +49,9 @@ struct Model {
   std::int32_t firing_period_ns = 0;   ///< From one firing of all lasers to the next.
   std::int32_t firings_per_block = 0;  ///< 1 where a block holds 32 lasers once, 2 for 16 lasers.
   std::int32_t blocks_per_firing = 1;  ///< 2 for 64 lasers, 4 for 128.
+  /// The packet's timestamp is so long after the first laser of its first firing: 0 but for the
+  /// VLS-128, whose timestamp belongs to the fourth group of eight.
+  std::int32_t timestamp_lag_ns = 0;
   double minimum_rotor_rpm = 0.0;
   double maximum_rotor_rpm = 0.0;
   double minimum_range_m = 0.0;  ///< Default window of what the sensor reports.
@@ -55,7 +61,7 @@ struct Model {
   PositionLayout position_layout = PositionLayout::inertial;
   bool status_channel = false;    ///< HDL-64E: factory bytes carry a rotating status instead.
   bool dual_return = false;       ///< Can send two returns per shot.
-  bool web_interface = false;     ///< VLP family.
+  bool web_interface = false;     ///< VLP family and VLS-128.
   std::uint16_t source_port = 0;  ///< Of both kinds of packets; 0: as the destination's.
   std::span<const Laser> lasers;  ///< In the order of their numbers, which is that in blocks.
 };

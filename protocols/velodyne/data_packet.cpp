@@ -26,9 +26,9 @@ constexpr std::size_t channel_at(std::size_t block, std::size_t channel) {
   return block_at(block) + kChannelsAt + channel * kChannelSize;
 }
 
-bool known_flag(std::uint16_t flag) {
-  return flag == kFlagLasers0To31 || flag == kFlagLasers32To63 || flag == kFlagLasers64To95 ||
-         flag == kFlagLasers96To127;
+bool known_flag(std::uint16_t flag, std::size_t block) {
+  return (flag == kFlagEmpty && block >= kFirstEmptyBlock) || flag == kFlagLasers0To31 ||
+         flag == kFlagLasers32To63 || flag == kFlagLasers64To95 || flag == kFlagLasers96To127;
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ Decoded<DataPacket> decode_data_packet(std::span<const std::uint8_t> bytes) {
   for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
     Block& block = packet.blocks[b];
     block.flag = load_little<std::uint16_t>(bytes, block_at(b) + kFlagAt);
-    if (!known_flag(block.flag)) {
+    if (!known_flag(block.flag, b)) {
       return Malformed{"unknown block flag", block_at(b) + kFlagAt};
     }
     block.azimuth_counts = load_little<std::uint16_t>(bytes, block_at(b) + kAzimuthAt);

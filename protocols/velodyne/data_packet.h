@@ -3,7 +3,10 @@
 //   offset 0 + 100 b   block b = 0..11: flag u16, azimuth u16, then 32 channels of
 //                      distance u16 and reflectivity u8
 //   offset 1200        timestamp u32: microseconds past the hour at the first firing
-//   offset 1204, 1205  factory bytes: return mode, product id
+//   offset 1204, 1205  factory bytes: return mode, product id (HDL-64E: status type and value,
+//                      status_channel.h)
+//
+// Which laser stands where: packet_layout.h.
 //
 // Sources: HDL-32E user's manual 63-9113 Rev. H, "Packet format"; VLP-16 user's manual 63-9243
 // Rev. D, section 9.3 (factory bytes). Units older than firmware 2.2.20.0 send both factory bytes
@@ -40,6 +43,9 @@ inline constexpr std::uint16_t kFlagLasers0To31 = 0xEEFF;
 inline constexpr std::uint16_t kFlagLasers32To63 = 0xDDFF;
 inline constexpr std::uint16_t kFlagLasers64To95 = 0xCCFF;
 inline constexpr std::uint16_t kFlagLasers96To127 = 0xBBFF;
+/// The last four blocks of a VLS-128 that sends two returns hold nothing but an azimuth.
+inline constexpr std::uint16_t kFlagEmpty = 0x0000;
+inline constexpr std::size_t kFirstEmptyBlock = 8;
 
 /// Azimuth counts of a full turn, 0.01 degree each. 36000 itself is never sent.
 inline constexpr std::uint16_t kAzimuthCounts = 36000;
@@ -73,9 +79,9 @@ struct DataPacket {
 /// Writes the packet. Azimuths must be below kAzimuthCounts (asserted).
 void encode(const DataPacket& packet, std::span<std::uint8_t, kDataPacketSize> bytes);
 
-/// Reads one datagram. Fewer bytes than a packet are incomplete; more, an unknown flag or an
-/// azimuth of 36000 and above are malformed. Timestamps past 3600 s are passed on: real units send
-/// them for some tens of milliseconds around the hour.
+/// Reads one datagram. Fewer bytes than a packet are incomplete; more, an unknown flag (kFlagEmpty
+/// is known from block 8 on) or an azimuth of 36000 and above are malformed. Timestamps past 3600 s
+/// are passed on: real units send them for some tens of milliseconds around the hour.
 Decoded<DataPacket> decode_data_packet(std::span<const std::uint8_t> bytes);
 
 }  // namespace rigwire::protocols::velodyne

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 
 #include "protocols/velodyne/laser_tables.h"
 
@@ -136,23 +135,6 @@ const Model* find_model(std::uint8_t product_id) {
   }
   const auto* found = std::ranges::find(kModels, product_id, &Model::product_id);
   return found == kModels.end() ? nullptr : found;
-}
-
-Shot shot(const Model& model, std::size_t block, std::size_t channel) {
-  const auto firings_per_block = static_cast<std::size_t>(model.firings_per_block);
-  const auto blocks_per_firing = static_cast<std::size_t>(model.blocks_per_firing);
-  const std::size_t lasers = model.lasers.size() / blocks_per_firing;
-  const std::size_t firing = channel / lasers;
-  assert(firing < firings_per_block);
-  Shot result;
-  result.laser = block % blocks_per_firing * lasers + channel % lasers;
-  result.block_offset_ns = static_cast<std::int32_t>(firing) * model.firing_period_ns +
-                           model.lasers[result.laser].time_offset_ns;
-  result.packet_offset_ns =
-      static_cast<std::int32_t>(block / blocks_per_firing * firings_per_block) *
-          model.firing_period_ns +
-      result.block_offset_ns - model.timestamp_lag_ns;
-  return result;
 }
 
 }  // namespace rigwire::protocols::velodyne

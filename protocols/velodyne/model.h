@@ -75,14 +75,4 @@ struct Model {
 /// By the second factory byte of a data packet; nullptr when there is none, or for 0.
 [[nodiscard]] const Model* find_model(std::uint8_t product_id);
 
-/// Which laser a place in a packet belongs to, and when it fired.
-struct Shot {
-  std::size_t laser = 0;
-  std::int32_t block_offset_ns = 0;   ///< After the first laser of its block.
-  std::int32_t packet_offset_ns = 0;  ///< After the packet's timestamp.
-};
-
-/// `channel` 0..31 of `block` 0..11, single return mode. Precondition: both in range.
-[[nodiscard]] Shot shot(const Model& model, std::size_t block, std::size_t channel);
-
 }  // namespace rigwire::protocols::velodyne

@@ -1,61 +1,147 @@
 #include "protocols/velodyne/points.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "protocols/velodyne/packet_layout.h"
 
 namespace rigwire::protocols::velodyne {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kAzimuthCount = 0.01 * kDegree;
-constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kTurn_deg = 360.0;
+constexpr double kCount_deg = 0.01;
+constexpr std::uint32_t kHour_us = 3'600'000'000U;
 
-/// Counts turned from one block to the next, 0 when that cannot be a rotor's motion.
-double step_counts(const DataPacket& packet, std::size_t from) {
-  const int difference = (packet.blocks[from + 1].azimuth_counts + kAzimuthCounts -
-                          packet.blocks[from].azimuth_counts) %
-                         kAzimuthCounts;
-  return difference < kAzimuthCounts / 2 ? difference : 0;
+/// A rotor that the model's limits allow may run somewhat faster for a moment.
+constexpr double kSpeedMargin = 1.25;
+
+int step_counts(std::uint16_t from, std::uint16_t to) {
+  return (to + kAzimuthCounts - from) % kAzimuthCounts;
+}
+
+double fastest_counts_per_ns(const Model& model) {
+  return kSpeedMargin * model.maximum_rotor_rpm / 60.0 * kAzimuthCounts * 1e-9;
+}
+
+double wrapped_deg(double azimuth_deg) {
+  const double rest = std::fmod(azimuth_deg, kTurn_deg);
+  return rest < 0.0 ? rest + kTurn_deg : rest;
 }
 
 }  // namespace
 
-void append_points(const DataPacket& packet, const Model& model, std::vector<Point>& points) {
-  const double block_period_ns =
-      static_cast<double>(model.firings_per_block) * model.firing_period_ns;
-  const std::size_t channels = std::min(
-      kChannelsPerBlock, model.lasers.size() * static_cast<std::size_t>(model.firings_per_block));
+double PointReader::counts_per_ns(const DataPacket& packet, ReturnMode mode) const {
+  const double fastest = fastest_counts_per_ns(model_);
+  std::int64_t turned_counts = 0;
+  std::int64_t lasted_ns = 0;
+  std::size_t before = 0;
+  for (std::size_t b = 1; b < kBlocksPerPacket; ++b) {
+    const BlockPlace place = block_place(model_, mode, b);
+    const BlockPlace place_before = block_place(model_, mode, before);
+    if (place.echo == BlockEcho::none || place.first_firing == place_before.first_firing) {
+      continue;
+    }
+    const int step =
+        step_counts(packet.blocks[before].azimuth_counts, packet.blocks[b].azimuth_counts);
+    const std::int64_t period_ns =
+        static_cast<std::int64_t>(place.first_firing - place_before.first_firing) *
+        model_.firing_period_ns;
+    if (step <= fastest * static_cast<double>(period_ns) + 1.0) {
+      turned_counts += step;
+      lasted_ns += period_ns;
+    }
+    before = b;
+  }
+  if (lasted_ns > 0) {
+    return static_cast<double>(turned_counts) / static_cast<double>(lasted_ns);
+  }
+  if (!previous_azimuth_counts_) {
+    return 0.0;
+  }
+  const std::uint32_t lasted_us =
+      (packet.timestamp_us % kHour_us + kHour_us - previous_timestamp_us_ % kHour_us) % kHour_us;
+  const int step = step_counts(*previous_azimuth_counts_, packet.blocks[0].azimuth_counts);
+  const double rate = lasted_us == 0 ? 0.0 : step / (lasted_us * 1e3);
+  return rate <= fastest ? rate : 0.0;
+}
+
+Point PointReader::point(const Channel& channel, std::size_t laser, double azimuth_deg) const {
+  Point point;
+  point.laser = static_cast<std::uint8_t>(laser);
+  if (calibration_) {
+    const Hdl64eLaser& unit = calibration_->lasers[laser];
+    const CorrectedPoint at = corrected(unit, channel.distance_counts, azimuth_deg);
+    point.x_m = static_cast<float>(at.x_m);
+    point.y_m = static_cast<float>(at.y_m);
+    point.z_m = static_cast<float>(at.z_m);
+    point.range_m = static_cast<float>(at.range_m);
+    point.azimuth_rad =
+        static_cast<float>(wrapped_deg(azimuth_deg - unit.rot_correction_deg) * kDegree);
+    point.elevation_rad = static_cast<float>(unit.vert_correction_deg * kDegree);
+    point.reflectivity = static_cast<std::uint8_t>(
+        std::lround(corrected_intensity(unit, channel.reflectivity, channel.distance_counts)));
+    return point;
+  }
+  const Laser& table = model_.lasers[laser];
+  const double range_m = channel.distance_counts * model_.distance_unit_mm * 1e-3;
+  const double azimuth = wrapped_deg(azimuth_deg + table.azimuth_offset_deg) * kDegree;
+  const double elevation = table.elevation_deg * kDegree;
+  const double level_m = range_m * std::cos(elevation);
+  const double right_m = table.horizontal_offset_mm * 1e-3;
+  point.x_m = static_cast<float>(level_m * std::cos(azimuth) - right_m * std::sin(azimuth));
+  point.y_m = static_cast<float>(-level_m * std::sin(azimuth) - right_m * std::cos(azimuth));
+  point.z_m = static_cast<float>(range_m * std::sin(elevation) + table.vertical_offset_mm * 1e-3);
+  point.range_m = static_cast<float>(range_m);
+  point.azimuth_rad = static_cast<float>(azimuth);
+  point.elevation_rad = static_cast<float>(elevation);
+  point.reflectivity = channel.reflectivity;
+  return point;
+}
+
+void PointReader::append(const DataPacket& packet, std::vector<Point>& points) {
+  const ReturnMode mode = return_mode(packet, model_);
+  const double speed = counts_per_ns(packet, mode);
+  // In a dual return the other echo of a block stands so many blocks further on.
+  const std::size_t partner = model_.status_channel ? 2 : 1;
+  const BlockEcho first = model_.status_channel ? BlockEcho::strongest : BlockEcho::last;
   for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
     const Block& block = packet.blocks[b];
-    const double counts_per_ns =
-        step_counts(packet, std::min(b, kBlocksPerPacket - 2)) / block_period_ns;
-    for (std::size_t c = 0; c < channels; ++c) {
+    const BlockEcho echo = block_place(model_, mode, b).echo;
+    if (echo == BlockEcho::none) {
+      continue;
+    }
+    const bool has_partner = echo == first;
+    const bool is_partner = echo != BlockEcho::single && !has_partner;
+    for (std::size_t c = 0; c < kChannelsPerBlock; ++c) {
       const Channel& channel = block.channels[c];
-      if (channel.distance_counts == 0) {
+      const bool said_before =
+          is_partner &&
+          packet.blocks[b - partner].channels[c].distance_counts == channel.distance_counts;
+      if (channel.distance_counts == 0 || said_before) {
         continue;
       }
-      const Shot fired = shot(model, b, c);
-      const Laser& laser = model.lasers[fired.laser];
-      const double range = channel.distance_counts * model.distance_unit_mm * 1e-3;
-      const double elevation = laser.elevation_deg * kDegree;
-      double azimuth =
-          (block.azimuth_counts + counts_per_ns * fired.block_offset_ns) * kAzimuthCount;
-      azimuth = azimuth >= kTurn ? azimuth - kTurn : azimuth;
-      const double horizontal = range * std::cos(elevation);
-
-      Point& point = points.emplace_back();
-      point.x_m = static_cast<float>(horizontal * std::cos(azimuth));
-      point.y_m = static_cast<float>(-horizontal * std::sin(azimuth));
-      point.z_m = static_cast<float>(range * std::sin(elevation) + laser.vertical_offset_mm * 1e-3);
-      point.range_m = static_cast<float>(range);
-      point.azimuth_rad = static_cast<float>(azimuth);
-      point.elevation_rad = static_cast<float>(elevation);
-      point.packet_offset_ns = fired.packet_offset_ns;
-      point.laser = static_cast<std::uint8_t>(fired.laser);
-      point.reflectivity = channel.reflectivity;
+      const Shot fired = shot(model_, mode, b, c);
+      const double azimuth_deg =
+          (block.azimuth_counts + speed * fired.block_offset_ns) * kCount_deg;
+      Point found = point(channel, fired.laser, azimuth_deg);
+      found.packet_offset_ns = fired.packet_offset_ns;
+      if (has_partner &&
+          packet.blocks[b + partner].channels[c].distance_counts == channel.distance_counts) {
+        found.echo = PointEcho::both;
+      } else if (echo == BlockEcho::last ||
+                 (echo == BlockEcho::single && mode == ReturnMode::last)) {
+        found.echo = PointEcho::last;
+      }
+      points.push_back(found);
     }
   }
+  previous_azimuth_counts_ = packet.blocks[0].azimuth_counts;
+  previous_timestamp_us_ = packet.timestamp_us;
+}
+
+void append_points(const DataPacket& packet, const Model& model, std::vector<Point>& points) {
+  PointReader(model).append(packet, points);
 }
 
 }  // namespace rigwire::protocols::velodyne

@@ -1,36 +1,70 @@
-// From a decoded data packet to measurements in SI units: what a client wants.
+// From decoded data packets to measurements in SI units: what a client wants.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "protocols/velodyne/data_packet.h"
+#include "protocols/velodyne/hdl_64e_calibration.h"
 #include "protocols/velodyne/model.h"
 
 namespace rigwire::protocols::velodyne {
 
+enum class PointEcho : std::uint8_t {
+  strongest,  ///< In a dual return the second strongest, where the last is the strongest.
+  last,
+  both,  ///< Dual return, both say the same: there was one echo.
+};
+
 /// One measured return. Frame of the sensor, x forward, y left, z up, origin on the spin axis at
-/// the height of the horizontal laser's exit.
+/// the height of the horizontal laser's exit (HDL-64E: at the foot of the sensor).
 struct Point {
   float x_m = 0.0F;
   float y_m = 0.0F;
   float z_m = 0.0F;
   float range_m = 0.0F;      ///< From the beam's exit.
-  float azimuth_rad = 0.0F;  ///< Clockwise from forward, [0, 2 pi), at the laser's own instant.
+  float azimuth_rad = 0.0F;  ///< Clockwise from forward, [0, 2 pi), at the laser's own instant,
+                             ///< with the laser's azimuth offset.
   float elevation_rad = 0.0F;
   std::int32_t packet_offset_ns = 0;  ///< Fired so long after the packet's timestamp.
   std::uint8_t laser = 0;
   std::uint8_t reflectivity = 0;
+  PointEcho echo = PointEcho::strongest;
 };
 
-/// Appends the points of a single-return packet to `points`; empty channels make none.
+/// Reads the packets of one sensor in the order in which they came.
 ///
-/// The azimuth of each laser is interpolated in time between this block's azimuth and the next
-/// one's (the last block uses the step before it), because the head turns by 0.13 degrees while it
-/// fires at 600 rpm. Steps of half a turn and more cannot come from a rotor and count as no step.
-/// Errors: range half a distance unit, azimuth 0.005 degrees from the field plus the share of the
-/// rounding of the neighbour.
+/// The azimuth of each laser is the block's, moved on with the rotor, because the head turns by
+/// 0.13 degrees while an HDL-32E fires at 600 rpm. The rotor's speed is the mean over the packet,
+/// of those steps from firing to firing that a rotor can make within its limits: larger ones are
+/// gaps of the view window (or lost firings), backward ones none at all. A packet without a step
+/// (VLS-128, two returns: one firing) takes the speed from the packet before it.
+///
+/// Errors: range half a distance unit; azimuth 0.005 degrees from the field and 0.001 from the
+/// speed.
+class PointReader {
+ public:
+  explicit PointReader(const Model& model) : model_(model) {}
+  /// HDL-64E. Ranges and positions after calibration; precondition: validated.
+  PointReader(const Model& model, const Hdl64eCalibration& calibration)
+      : model_(model), calibration_(calibration) {}
+
+  /// Appends the points of a packet to `points`; channels without echo make none.
+  void append(const DataPacket& packet, std::vector<Point>& points);
+
+ private:
+  [[nodiscard]] double counts_per_ns(const DataPacket& packet, ReturnMode mode) const;
+  [[nodiscard]] Point point(const Channel& channel, std::size_t laser, double azimuth_deg) const;
+
+  const Model& model_;
+  std::optional<Hdl64eCalibration> calibration_;
+  std::optional<std::uint16_t> previous_azimuth_counts_;
+  std::uint32_t previous_timestamp_us_ = 0;
+};
+
+/// The points of one packet of which nothing before is known.
 void append_points(const DataPacket& packet, const Model& model, std::vector<Point>& points);
 
 }  // namespace rigwire::protocols::velodyne

@@ -2,12 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <numbers>
 #include <vector>
-
-#include "protocols/velodyne/model.h"
-#include "protocols/velodyne/points.h"
 
 namespace rigwire::protocols::velodyne {
 namespace {
@@ -80,42 +75,15 @@ TEST(VelodyneDataPacket, TellsIncompleteFromMalformed) {
   EXPECT_TRUE(decode_data_packet({}).incomplete());
 }
 
-TEST(VelodyneModel, Hdl32eTableObeysItsOptics) {
-  const Model* model = find_model("HDL-32E");
-  ASSERT_NE(model, nullptr);
-  EXPECT_EQ(find_model(std::uint8_t{0x21}), model);
-  EXPECT_EQ(find_model("HDL-33"), nullptr);
-  ASSERT_EQ(model->lasers.size(), 32U);
-  for (const Laser& laser : model->lasers) {
-    EXPECT_NEAR(laser.vertical_offset_mm,
-                -28.83 * std::tan(laser.elevation_deg * std::numbers::pi / 180.0), 0.08);
-  }
-  EXPECT_EQ(model->lasers[15].elevation_deg, 0.0);
-  EXPECT_EQ(model->firing_period_ns, 46080);
-  EXPECT_EQ(shot(*model, 11, 31).packet_offset_ns, 11 * 46080 + 31 * 1152);
-}
-
-TEST(VelodynePoints, AzimuthIsInterpolatedAcrossTheWrap) {
-  const Model& model = *find_model("HDL-32E");
-  DataPacket packet;
-  for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
-    packet.blocks[b].azimuth_counts = static_cast<std::uint16_t>((35990 + 16 * b) % kAzimuthCounts);
-  }
-  packet.blocks[0].channels[31] = {5000, 42};
-  packet.blocks[11].channels[15] = {5000, 43};
-  std::vector<Point> points;
-  append_points(packet, model, points);
-  ASSERT_EQ(points.size(), 2U);
-  const double count = 0.01 * std::numbers::pi / 180.0;
-  EXPECT_NEAR(points[0].azimuth_rad, (35990 + 16 * 31 * 1152.0 / 46080.0 - 36000) * count, 1e-6);
-  EXPECT_NEAR(points[0].range_m, 10.0, 1e-6);
-  EXPECT_EQ(points[0].reflectivity, 42);
-  EXPECT_EQ(points[0].laser, 31);
-  const double last = (35990 + 16 * 11 - 36000 + 16 * 15 * 1152.0 / 46080.0) * count;
-  EXPECT_NEAR(points[1].azimuth_rad, last, 1e-6);
-  EXPECT_NEAR(points[1].x_m, 10.0 * std::cos(last), 1e-5);
-  EXPECT_NEAR(points[1].y_m, -10.0 * std::sin(last), 1e-5);
-  EXPECT_NEAR(points[1].z_m, 0.0, 1e-6);
+TEST(VelodyneDataPacket, EmptyBlocksStandOnlyWhereAVls128LeavesThem) {
+  DataPacket packet = sample();
+  packet.blocks[11].flag = kFlagEmpty;
+  Bytes bytes{};
+  encode(packet, bytes);
+  EXPECT_TRUE(decode_data_packet(bytes).ok());
+  packet.blocks[7].flag = kFlagEmpty;
+  encode(packet, bytes);
+  EXPECT_TRUE(decode_data_packet(bytes).malformed());
 }
 
 }  // namespace

@@ -15,6 +15,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "drivers/listener.h"
+
 namespace rigwire::drivers {
 
 namespace asio = boost::asio;
@@ -29,26 +31,6 @@ void check(const char* setting, std::size_t value, std::size_t lower, std::size_
                                 std::to_string(value) + ", allowed " + std::to_string(lower) +
                                 " .. " + std::to_string(upper));
   }
-}
-
-std::string describe(const std::string& address, std::uint16_t port) {
-  const bool v6 = address.find(':') != std::string::npos;
-  return "tcp " + (v6 ? "[" + address + "]" : address) + ":" + std::to_string(port);
-}
-
-std::string mend(const error_code& error, std::uint16_t port) {
-  if (error == asio::error::address_in_use) {
-    return "another program has the port (ss -ltnp 'sport = :" + std::to_string(port) +
-           "' names it); stop it or choose another port";
-  }
-  if (error == asio::error::access_denied) {
-    return "ports below 1024 need CAP_NET_BIND_SERVICE; choose a port from 1024 up, for example "
-           "1502";
-  }
-  if (error == boost::system::errc::address_not_available) {
-    return "no interface of this machine has the address (ip addr lists them); use 127.0.0.1";
-  }
-  return "check address and port";
 }
 
 /// A vanished peer is found out after 10 s + 4 * 5 s.
@@ -219,34 +201,9 @@ struct TcpServer::State : std::enable_shared_from_this<State> {
 TcpServer::TcpServer(asio::io_context& context, const TcpServerSettings& settings) {
   check("clients_max", settings.clients_max, 1, 1024);
   check("backlog_bytes", settings.backlog_bytes, 1024, std::size_t{16} << 20U);
-  const std::string where = describe(settings.address, settings.port);
-  error_code error;
-  const auto address = asio::ip::make_address(settings.address, error);
-  if (error) {
-    throw EndpointError(where + ": not a numeric IP address; use for example 127.0.0.1");
-  }
-  if (!address.is_loopback() && !settings.allow_remote) {
-    throw EndpointError(where +
-                        ": not a loopback address, and others could move the machine; use "
-                        "127.0.0.1, or opt in with allow_remote");
-  }
   state_ = std::make_shared<State>(context, settings);
-  const tcp::endpoint endpoint(address, settings.port);
-  auto& acceptor = state_->acceptor;
-  acceptor.open(endpoint.protocol(), error);
-  if (!error) {
-    acceptor.set_option(asio::socket_base::reuse_address(true), error);
-  }
-  if (!error) {
-    acceptor.bind(endpoint, error);
-  }
-  if (!error) {
-    acceptor.listen(asio::socket_base::max_listen_connections, error);
-  }
-  if (error) {
-    throw EndpointError(where + ": " + error.message() + "; " + mend(error, settings.port));
-  }
-  state_->settings.port = acceptor.local_endpoint().port();
+  state_->settings.port =
+      listen(state_->acceptor, "tcp", settings.address, settings.port, settings.allow_remote);
 }
 
 TcpServer::~TcpServer() {
@@ -285,7 +242,8 @@ void TcpServer::close(ConnectionId connection) {
 }
 
 EndpointStatus TcpServer::status() const {
-  return {describe(state_->settings.address, state_->settings.port), !state_->clients.empty()};
+  return {describe_listener("tcp", state_->settings.address, state_->settings.port),
+          !state_->clients.empty()};
 }
 
 std::uint16_t TcpServer::port() const {

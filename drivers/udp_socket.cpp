@@ -32,47 +32,99 @@ udp::endpoint resolve(const UdpEndpoint& endpoint, std::string_view role) {
   return {address, endpoint.port};
 }
 
+UdpEndpoint source_of(const UdpSettings& settings) {
+  UdpEndpoint source = *settings.bind;
+  if (settings.source_port_follows && settings.destination) {
+    source.port = settings.destination->port;
+  }
+  return source;
+}
+
 }  // namespace
 
 UdpSocket::UdpSocket(boost::asio::io_context& context, UdpSettings settings)
-    : settings_(std::move(settings)), socket_(context), buffer_(kLargestDatagram) {
-  if (!settings_.destination && !settings_.bind) {
+    : settings_(std::move(settings)),
+      socket_(open(context.get_executor(), settings_)),
+      buffer_(kLargestDatagram) {}
+
+udp::socket UdpSocket::open(const boost::asio::any_io_executor& executor,
+                            const UdpSettings& settings) {
+  if (!settings.destination && !settings.bind) {
     throw EndpointError("udp: neither a destination nor an address to bind is given; give one");
   }
-  const std::string name = text(settings_.destination ? *settings_.destination : *settings_.bind);
+  const std::string name = text(settings.destination ? *settings.destination : *settings.bind);
+  udp::socket socket(executor);
   boost::system::error_code error;
   const auto require = [&](const std::string& what, const std::string& mend) {
     if (error) {
       throw EndpointError("udp " + name + ": " + what + ": " + error.message() + "; " + mend);
     }
   };
-  socket_.open(udp::v4(), error);
+  socket.open(udp::v4(), error);
   require("cannot open a socket", "raise the limit of open files");
-  socket_.non_blocking(true, error);
+  socket.non_blocking(true, error);
   require("cannot make the socket non-blocking", "report this");
   boost::system::error_code ignored;
-  socket_.set_option(boost::asio::socket_base::receive_buffer_size(settings_.receive_buffer_bytes),
-                     ignored);
-  if (settings_.broadcast) {
-    socket_.set_option(boost::asio::socket_base::broadcast(true), error);
+  socket.set_option(boost::asio::socket_base::receive_buffer_size(settings.receive_buffer_bytes),
+                    ignored);
+  if (settings.broadcast) {
+    socket.set_option(boost::asio::socket_base::broadcast(true), error);
     require("cannot allow broadcast", "use a unicast destination");
   }
-  if (settings_.bind) {
-    socket_.bind(resolve(*settings_.bind, "address to bind"), error);
-    require("cannot bind " + text(*settings_.bind),
+  if (settings.bind) {
+    const UdpEndpoint source = source_of(settings);
+    socket.bind(resolve(source, "address to bind"), error);
+    require("cannot bind " + text(source),
             "stop the program that has the port, or choose another port or an address of this "
             "machine");
   }
-  if (settings_.destination) {
-    const udp::endpoint destination = resolve(*settings_.destination, "destination");
+  if (settings.destination) {
+    const udp::endpoint destination = resolve(*settings.destination, "destination");
     if (destination.port() == 0) {
       throw EndpointError("udp " + name + ": the destination's port is 0; allowed 1..65535");
     }
-    socket_.connect(destination, error);
+    socket.connect(destination, error);
     require("cannot use the destination",
-            settings_.broadcast ? "check the route to it"
-                                : "check the route to it; a broadcast address must be asked for");
+            settings.broadcast ? "check the route to it"
+                               : "check the route to it; a broadcast address must be asked for");
   }
+  return socket;
+}
+
+std::optional<std::string> UdpSocket::retarget(const UdpEndpoint& destination) {
+  UdpSettings wanted = settings_;
+  wanted.destination = destination;
+  // A second socket beside the old one could not have the same source port.
+  const bool keeps_port =
+      settings_.bind && source_of(settings_).port == source_of(wanted).port && local_port() != 0;
+  UdpSettings trial = wanted;
+  if (keeps_port) {
+    trial.bind->port = 0;
+    trial.source_port_follows = false;
+  }
+  try {
+    udp::socket fresh = open(socket_.get_executor(), trial);
+    if (keeps_port) {
+      if (resolve(*settings_.bind, "address to bind").address().is_unspecified()) {
+        // Dissolved first: the system has bound the socket to the address of the old route.
+        sockaddr nobody{};
+        nobody.sa_family = AF_UNSPEC;
+        (void)::connect(socket_.native_handle(), &nobody, sizeof(nobody));
+      }
+      socket_.connect(resolve(destination, "destination"));
+    } else {
+      socket_ = std::move(fresh);
+      if (receiver_) {
+        wait_readable();
+      }
+    }
+  } catch (const std::exception& refusal) {
+    return refusal.what();
+  }
+  settings_ = std::move(wanted);
+  last_sent_.reset();
+  last_refused_.reset();
+  return std::nullopt;
 }
 
 void UdpSocket::start(Receiver receiver) {

@@ -4,6 +4,9 @@
 //   "connection refused" belongs to an earlier datagram, is noted for the status, and the datagram
 //   at hand is sent all the same.
 // - A full send buffer refuses the datagram (send() returns false); so does a route that is gone.
+// - The destination can change while the socket runs (retarget()); a source address and port that
+// were
+//   asked for stay.
 // - What a slow reader loses in its own receive buffer is invisible here, as on a real network.
 // - client_present of a sender: something was sent, and the system has not reported a refusal
 // within
@@ -12,6 +15,7 @@
 #pragma once
 
 #include <array>
+#include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <chrono>
@@ -34,7 +38,9 @@ struct UdpSettings {
   std::optional<UdpEndpoint> destination = {};  ///< Set: the socket is connected and can send.
   std::optional<UdpEndpoint> bind = {};         ///< Source of what is sent, and where it receives.
   bool broadcast = false;                       ///< Allows a broadcast address as the destination.
-  int receive_buffer_bytes = 1 << 20;           ///< Asked of the system, which may give less.
+  /// The source port is the destination's, whatever `bind` says; `bind` must be set.
+  bool source_port_follows = false;
+  int receive_buffer_bytes = 1 << 20;  ///< Asked of the system, which may give less.
 };
 
 class UdpSocket final : public DatagramSocket {
@@ -46,6 +52,9 @@ class UdpSocket final : public DatagramSocket {
 
   void start(Receiver receiver) override;
   bool send(std::span<const std::uint8_t> datagram) override;
+  /// From now on datagrams go there. Returns what is wrong with the new destination; the old one
+  /// stays then. Precondition: the socket has a destination.
+  [[nodiscard]] std::optional<std::string> retarget(const UdpEndpoint& destination);
   [[nodiscard]] EndpointStatus status() const override;
 
   /// The port it is bound to; useful when port 0 asked for any.
@@ -54,6 +63,9 @@ class UdpSocket final : public DatagramSocket {
  private:
   using Clock = std::chrono::steady_clock;
 
+  /// A socket that fulfils the settings. Throws EndpointError.
+  [[nodiscard]] static boost::asio::ip::udp::socket open(
+      const boost::asio::any_io_executor& executor, const UdpSettings& settings);
   void wait_readable();
   void receive_all();
   void note_refusal() const;

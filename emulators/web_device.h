@@ -19,6 +19,7 @@ struct WebResponse {
   int status = 200;
   std::string content_type;  ///< Empty: no header and no body.
   std::string body;
+  std::string allow;   ///< With status 405: the methods that the target has, "GET, HEAD".
   bool close = false;  ///< The connection ends after this response.
 };
 

@@ -64,5 +64,99 @@ TEST_F(UdpSocketTest, SendsFromThePortThatItIsBoundTo) {
   EXPECT_FALSE(answered);
 }
 
+class UdpRetargetTest : public UdpSocketTest {
+ protected:
+  /// What a listener has heard, and from which port it came.
+  struct Listener {
+    explicit Listener(boost::asio::io_context& context, const std::string& address = "127.0.0.1")
+        : socket(context, {.bind = UdpEndpoint{.address = address}}) {
+      socket.start([this](std::span<const std::uint8_t> bytes) { heard.push_back(bytes[0]); });
+    }
+    UdpSocket socket;
+    std::vector<int> heard;
+  };
+  void send(UdpSocket& sender, std::uint8_t value) {
+    EXPECT_TRUE(sender.send(std::vector<std::uint8_t>{value}));
+  }
+  [[nodiscard]] bool wait(const std::function<bool()>& done) { return run_until(context, done); }
+};
+
+TEST_F(UdpRetargetTest, DatagramsGoToTheNewDestination) {
+  Listener first(context);
+  Listener second(context, "127.0.0.2");
+  UdpSocket sender(context, {.destination = UdpEndpoint{.port = first.socket.local_port()}});
+  send(sender, 1);
+  EXPECT_EQ(sender.retarget({"127.0.0.2", second.socket.local_port()}), std::nullopt);
+  send(sender, 2);
+  EXPECT_TRUE(wait([&] { return first.heard.size() + second.heard.size() == 2; }));
+  EXPECT_EQ(first.heard, std::vector<int>{1});
+  EXPECT_EQ(second.heard, std::vector<int>{2});
+  EXPECT_THAT(sender.status().address, HasSubstr("udp 127.0.0.2:"));
+}
+
+TEST_F(UdpRetargetTest, SourceAddressAndPortStay) {
+  Listener first(context);
+  Listener second(context);
+  UdpSocket sender(context, {.destination = UdpEndpoint{.port = first.socket.local_port()},
+                             .bind = UdpEndpoint{"127.0.0.5", 0}});
+  const std::uint16_t port = sender.local_port();
+  EXPECT_EQ(sender.retarget({"127.0.0.1", second.socket.local_port()}), std::nullopt);
+  EXPECT_EQ(sender.local_port(), port);
+  // A socket that only listens to that source hears it.
+  UdpSocket picky(context, {.destination = UdpEndpoint{"127.0.0.5", port}, .bind = UdpEndpoint{}});
+  int heard = 0;
+  picky.start([&](std::span<const std::uint8_t>) { ++heard; });
+  EXPECT_EQ(sender.retarget({"127.0.0.1", picky.local_port()}), std::nullopt);
+  send(sender, 3);
+  EXPECT_TRUE(wait([&] { return heard == 1; }));
+}
+
+TEST_F(UdpRetargetTest, SourcePortFollowsTheDestinationsWhereItIsAsked) {
+  Listener first(context);
+  Listener second(context);
+  UdpSettings settings{.destination = UdpEndpoint{.port = first.socket.local_port()},
+                       .bind = UdpEndpoint{"127.0.0.5", 0}};
+  settings.source_port_follows = true;
+  UdpSocket sender(context, settings);
+  EXPECT_EQ(sender.local_port(), first.socket.local_port());
+  EXPECT_EQ(sender.retarget({"127.0.0.1", second.socket.local_port()}), std::nullopt);
+  EXPECT_EQ(sender.local_port(), second.socket.local_port());
+  send(sender, 4);
+  EXPECT_TRUE(wait([&] { return second.heard.size() == 1; }));
+  EXPECT_EQ(sender.retarget({"127.0.0.2", second.socket.local_port()}), std::nullopt);
+  EXPECT_EQ(sender.local_port(), second.socket.local_port());
+}
+
+TEST_F(UdpRetargetTest, OldDestinationStaysWhenTheNewOneIsRefused) {
+  Listener first(context);
+  UdpSocket sender(context, {.destination = UdpEndpoint{.port = first.socket.local_port()},
+                             .bind = UdpEndpoint{}});
+  EXPECT_THAT(sender.retarget({"127.0.0.1", 0}).value_or(""), HasSubstr("port is 0"));
+  EXPECT_THAT(sender.retarget({"nowhere", 1}).value_or(""), HasSubstr("not an IPv4 address"));
+  EXPECT_THAT(sender.retarget({"255.255.255.255", 1}).value_or(""), HasSubstr("asked for"));
+  send(sender, 5);
+  EXPECT_TRUE(wait([&] { return first.heard == std::vector<int>{5}; }));
+}
+
+TEST_F(UdpRetargetTest, LoopbackHasABroadcastAddressToo) {
+  Listener everyone(context, "0.0.0.0");
+  UdpSettings settings{.destination = UdpEndpoint{"127.255.255.255", everyone.socket.local_port()}};
+  settings.broadcast = true;
+  UdpSocket sender(context, settings);
+  send(sender, 6);
+  EXPECT_TRUE(wait([&] { return everyone.heard == std::vector<int>{6}; }));
+}
+
+TEST_F(UdpRetargetTest, ReceiverThatNeverReadsStallsNobody) {
+  UdpSettings deaf{.bind = UdpEndpoint{}};
+  deaf.receive_buffer_bytes = 4096;
+  UdpSocket listener(context, deaf);  // never started
+  UdpSocket sender(context, {.destination = UdpEndpoint{.port = listener.local_port()}});
+  const std::vector<std::uint8_t> packet(1206);
+  for (int i = 0; i < 5000; ++i) {
+    ASSERT_TRUE(sender.send(packet));
+  }
+}
+
 }  // namespace
 }  // namespace rigwire::drivers

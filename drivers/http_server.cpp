@@ -1,0 +1,296 @@
+#include "drivers/http_server.h"
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/version.hpp>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "drivers/listener.h"
+
+namespace rigwire::drivers {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+namespace {
+
+template <class Number>
+void check(const char* setting, Number value, Number lower, Number upper) {
+  if (value < lower || value > upper) {
+    throw std::invalid_argument(std::string("http server ") + setting + ": found " +
+                                std::to_string(value) + ", allowed " + std::to_string(lower) +
+                                " .. " + std::to_string(upper));
+  }
+}
+
+/// The server's own answer to what is no request; nothing when there is nobody to answer.
+std::optional<HttpResponse> complaint(const error_code& error) {
+  if (error.category() != make_error_code(http::error::bad_method).category() ||
+      error == http::error::end_of_stream || error == http::error::partial_message) {
+    return std::nullopt;
+  }
+  HttpResponse response{400, "text/plain", error.message() + "\n", {}, true};
+  if (error == http::error::header_limit || error == http::error::buffer_overflow) {
+    response.status = 431;
+  } else if (error == http::error::body_limit) {
+    response.status = 413;
+  }
+  return response;
+}
+
+}  // namespace
+
+/// Shared with the handlers that the io_context still holds when the server is destroyed.
+struct HttpServer::State : std::enable_shared_from_this<State> {
+  State(asio::io_context& context, HttpServerSettings wanted)
+      : settings(std::move(wanted)), acceptor(context), retry(context) {}
+
+  void accept();
+  void admit(tcp::socket socket);
+
+  HttpServerSettings settings;
+  tcp::acceptor acceptor;
+  asio::steady_timer retry;
+  Handler handler;
+  std::vector<std::shared_ptr<Session>> sessions;
+  std::uint64_t requests = 0;
+  bool stopped = false;
+};
+
+/// One connection: read a request, answer it, read the next.
+class HttpServer::Session : public std::enable_shared_from_this<Session> {
+  /// A completion handler that keeps the session, and does nothing once it has ended.
+  template <class Then>
+  auto guarded(Then then) {
+    return [self = shared_from_this(), then = std::move(then)](const error_code& error,
+                                                               std::size_t size) {
+      if (self->ended_ || self->server_->stopped) {
+        return;
+      }
+      self->heard_ = std::chrono::steady_clock::now();
+      if constexpr (std::is_invocable_v<Then, const error_code&, std::size_t>) {
+        then(error, size);
+      } else {
+        then(error);
+      }
+    };
+  }
+
+ public:
+  Session(std::shared_ptr<State> server, tcp::socket socket)
+      : server_(std::move(server)),
+        stream_(std::move(socket)),
+        buffer_(server_->settings.header_bytes + kSlack) {}
+
+  [[nodiscard]] std::chrono::steady_clock::time_point heard() const { return heard_; }
+
+  void read_header() {
+    parser_.emplace();
+    parser_->header_limit(static_cast<std::uint32_t>(server_->settings.header_bytes));
+    parser_->body_limit(server_->settings.body_bytes);
+    stream_.expires_after(server_->settings.patience);
+    http::async_read_header(stream_, buffer_, *parser_, guarded([this](const error_code& error) {
+                              if (error) {
+                                give_up(error);
+                              } else if (expects_continue()) {
+                                write_continue();
+                              } else {
+                                read_body();
+                              }
+                            }));
+  }
+
+  /// Ends the connection now.
+  void end() {
+    if (std::exchange(ended_, true)) {
+      return;
+    }
+    error_code ignored;
+    stream_.socket().shutdown(tcp::socket::shutdown_both, ignored);
+    stream_.close();
+    std::erase(server_->sessions, shared_from_this());
+  }
+
+ private:
+  /// Bytes of a body that may come with the header.
+  static constexpr std::size_t kSlack = 4096;
+  /// Bytes of a request that was refused, read on so that its sender sees the answer.
+  static constexpr std::size_t kDrained = std::size_t{1} << 20U;
+
+  [[nodiscard]] bool expects_continue() const {
+    return beast::iequals(parser_->get()[http::field::expect], "100-continue") &&
+           parser_->get().version() >= 11;
+  }
+
+  void write_continue() {
+    continue_ = http::response<http::string_body>(http::status::continue_, 11);
+    http::async_write(stream_, continue_,
+                      guarded([this](const error_code& error) { error ? end() : read_body(); }));
+  }
+
+  void read_body() {
+    http::async_read(stream_, buffer_, *parser_, guarded([this](const error_code& error) {
+                       error ? give_up(error) : answer();
+                     }));
+  }
+
+  void give_up(const error_code& error) {
+    if (const auto response = complaint(error)) {
+      refused_ = true;
+      write(*response, 11, false, false);
+    } else {
+      end();
+    }
+  }
+
+  void answer() {
+    const auto request = parser_->release();
+    ++server_->requests;
+    const HttpResponse response = server_->handler(
+        {std::string(request.method_string()), std::string(request.target()), request.body()});
+    write(response, request.version(), request.keep_alive(), request.method() == http::verb::head);
+  }
+
+  void write(const HttpResponse& response, unsigned version, bool keep_alive, bool head) {
+    response_ = http::response<http::string_body>();
+    response_.result(static_cast<unsigned>(response.status));
+    response_.version(version);
+    response_.set(http::field::server, "Rigwire");
+    if (!response.allow.empty()) {
+      response_.set(http::field::allow, response.allow);
+    }
+    if (response.status != 204) {  // RFC 9110, 8.6: no Content-Length with 204
+      if (!response.content_type.empty()) {
+        response_.set(http::field::content_type, response.content_type);
+      }
+      response_.content_length(response.body.size());
+      if (!head) {
+        response_.body() = response.body;
+      }
+    }
+    response_.keep_alive(keep_alive && !response.close);
+    stream_.expires_after(server_->settings.patience);
+    http::async_write(stream_, response_, guarded([this](const error_code& error) {
+                        if (error) {
+                          end();
+                        } else if (refused_) {
+                          drain(kDrained);
+                        } else if (response_.need_eof() || !response_.keep_alive()) {
+                          end();
+                        } else {
+                          read_header();
+                        }
+                      }));
+  }
+
+  /// Closing with bytes unread would reset the connection, and the answer could be lost with it.
+  void drain(std::size_t left) {
+    error_code ignored;
+    stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    stream_.async_read_some(asio::buffer(drained_),
+                            guarded([this, left](const error_code& error, std::size_t size) {
+                              error || size >= left ? end() : drain(left - size);
+                            }));
+  }
+
+  std::shared_ptr<State> server_;
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::string_body>> parser_;
+  http::response<http::string_body> continue_;
+  http::response<http::string_body> response_;
+  std::array<char, 4096> drained_{};
+  std::chrono::steady_clock::time_point heard_ = std::chrono::steady_clock::now();
+  bool refused_ = false;
+  bool ended_ = false;
+};
+
+void HttpServer::State::accept() {
+  acceptor.async_accept([self = shared_from_this()](const error_code& error, tcp::socket socket) {
+    if (self->stopped || error == asio::error::operation_aborted) {
+      return;
+    }
+    if (error) {  // out of descriptors, or the client gave up: go on later
+      self->retry.expires_after(std::chrono::milliseconds(100));
+      self->retry.async_wait([self](const error_code&) {
+        if (!self->stopped) {
+          self->accept();
+        }
+      });
+      return;
+    }
+    self->admit(std::move(socket));
+    self->accept();
+  });
+}
+
+void HttpServer::State::admit(tcp::socket socket) {
+  if (sessions.size() >= settings.clients_max) {
+    const std::shared_ptr<Session> silent =
+        *std::ranges::min_element(sessions, {}, [](const auto& s) { return s->heard(); });
+    silent->end();
+  }
+  error_code ignored;
+  socket.set_option(tcp::no_delay(true), ignored);
+  sessions.push_back(std::make_shared<Session>(shared_from_this(), std::move(socket)));
+  sessions.back()->read_header();
+}
+
+HttpServer::HttpServer(asio::io_context& context, const HttpServerSettings& settings) {
+  check<std::size_t>("clients_max", settings.clients_max, 1, 1024);
+  check<std::size_t>("header_bytes", settings.header_bytes, 256, std::size_t{64} << 10U);
+  check<std::size_t>("body_bytes", settings.body_bytes, 256, std::size_t{16} << 20U);
+  check<std::int64_t>("patience in ms", settings.patience.count(), 1, 3'600'000);
+  auto state = std::make_shared<State>(context, settings);
+  state->settings.port =
+      listen(state->acceptor, "http", settings.address, settings.port, settings.allow_remote);
+  state_ = std::move(state);
+}
+
+HttpServer::~HttpServer() {
+  state_->stopped = true;
+  error_code ignored;
+  state_->acceptor.close(ignored);
+  state_->retry.cancel();
+  for (const auto& session : std::exchange(state_->sessions, {})) {
+    session->end();
+  }
+}
+
+void HttpServer::start(Handler handler) {
+  state_->handler = std::move(handler);
+  state_->accept();
+}
+
+EndpointStatus HttpServer::status() const {
+  return {describe_listener("http", state_->settings.address, state_->settings.port),
+          !state_->sessions.empty()};
+}
+
+std::uint16_t HttpServer::port() const {
+  return state_->settings.port;
+}
+
+std::size_t HttpServer::clients() const {
+  return state_->sessions.size();
+}
+
+std::uint64_t HttpServer::requests() const {
+  return state_->requests;
+}
+
+}  // namespace rigwire::drivers

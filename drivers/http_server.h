@@ -1,0 +1,78 @@
+// An HTTP/1.1 server for devices that have a web interface.
+//
+// Loopback only, unless the settings opt in to more. Connections stay open between requests when
+// the client wants it; requests that come before their predecessor's answer wait in the system. A
+// client that stops half-way through a request, or does not read its answer, is closed after a
+// while; nothing waits for it meanwhile. When all places are taken, a newcomer gets the place of
+// the client that has been silent longest, as at TcpServer.
+//
+// The server itself answers what is not a request: 400 for what is no HTTP, 413 for a body and 431
+// for a header beyond the limits; the connection ends then. "Expect: 100-continue" is obeyed: a
+// client that asks sends a body only when its length is within the limit.
+//
+// A test without a system calls the handler; there is no twin in memory.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "drivers/endpoints.h"
+
+namespace rigwire::drivers {
+
+struct HttpServerSettings {
+  std::string address = "127.0.0.1";  ///< Numeric IPv4 or IPv6.
+  std::uint16_t port = 8080;          ///< 0 takes a free one (tests).
+  bool allow_remote = false;          ///< Opt-in for addresses other than loopback.
+  std::size_t clients_max = 16;       ///< 1 .. 1024.
+  std::size_t header_bytes = 8192;    ///< Of one request, 256 .. 64 KiB.
+  std::size_t body_bytes = 65536;     ///< Of one request, 256 .. 16 MiB.
+  /// For one request to arrive, for one answer to leave, and between two requests; 1 ms .. 1 h.
+  std::chrono::milliseconds patience = std::chrono::seconds(10);
+};
+
+struct HttpRequest {
+  std::string method;  ///< As received: "GET".
+  std::string target;  ///< Path with query, as received.
+  std::string body;
+};
+
+struct HttpResponse {
+  int status = 200;
+  std::string content_type;  ///< Empty: no such header.
+  std::string body;          ///< Left out for a HEAD request and with status 204.
+  std::string allow;         ///< Header "Allow"; empty: none.
+  bool close = false;        ///< The connection ends after it.
+};
+
+class HttpServer {
+ public:
+  using Handler = std::function<HttpResponse(const HttpRequest&)>;
+
+  /// Binds and listens; clients are taken from start() on. Throws std::invalid_argument for a
+  /// setting out of range, EndpointError when the system refuses or when the address is not
+  /// loopback without opt-in.
+  HttpServer(boost::asio::io_context& context, const HttpServerSettings& settings);
+  ~HttpServer();
+  HttpServer(const HttpServer&) = delete;
+  HttpServer& operator=(const HttpServer&) = delete;
+
+  /// `handler` is called from the io_context, once for each complete request, and answers at once.
+  void start(Handler handler);
+  [[nodiscard]] EndpointStatus status() const;
+  /// The port that is bound.
+  [[nodiscard]] std::uint16_t port() const;
+  [[nodiscard]] std::size_t clients() const;
+  [[nodiscard]] std::uint64_t requests() const;  ///< Given to the handler so far.
+
+ private:
+  struct State;
+  class Session;
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace rigwire::drivers

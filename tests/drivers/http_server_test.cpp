@@ -1,0 +1,299 @@
+#include "drivers/http_server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/write.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "run_until.h"
+
+namespace rigwire::drivers {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using ::testing::AllOf;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+/// A client that shares nothing with the server but the socket.
+class Client {
+ public:
+  Client(asio::io_context& context, std::uint16_t port) : context_(context), socket_(context) {
+    socket_.connect({asio::ip::address_v4::loopback(), port});
+    socket_.non_blocking(true);
+  }
+
+  void send(const std::string& text) {
+    std::size_t sent = 0;
+    EXPECT_TRUE(run_until(context_, [&] {
+      boost::system::error_code error;
+      sent += socket_.write_some(asio::buffer(text.data() + sent, text.size() - sent), error);
+      return sent == text.size() || (error && error != asio::error::would_block);
+    }));
+  }
+  /// What has come so far.
+  const std::string& received() {
+    std::array<char, 4096> piece{};
+    boost::system::error_code error;
+    do {
+      const std::size_t size = socket_.read_some(asio::buffer(piece), error);
+      text_.append(piece.data(), size);
+    } while (!error);
+    closed_ = error != asio::error::would_block;
+    return text_;
+  }
+  bool closed() {
+    received();
+    return closed_;
+  }
+  /// The answer to `text`, when it ends with `end`.
+  std::string ask(const std::string& text, const std::string& end) {
+    text_.clear();
+    send(text);
+    EXPECT_TRUE(run_until(context_, [&] { return received().ends_with(end); })) << text_;
+    return text_;
+  }
+
+ private:
+  asio::io_context& context_;
+  tcp::socket socket_;
+  std::string text_;
+  bool closed_ = false;
+};
+
+class HttpServerTest : public ::testing::Test {
+ protected:
+  void open(HttpServerSettings settings = {}) {
+    settings.port = 0;
+    server_ = std::make_unique<HttpServer>(context_, settings);
+    server_->start([this](const HttpRequest& request) {
+      requests_.push_back(request);
+      return response_;
+    });
+  }
+  Client client() { return {context_, server_->port()}; }
+  [[nodiscard]] bool wait(const std::function<bool()>& done) { return run_until(context_, done); }
+  static std::string message_of(const std::function<void()>& open) {
+    try {
+      open();
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "opened";
+  }
+
+  asio::io_context context_;
+  HttpResponse response_{200, "text/plain", "hello", {}, false};
+  std::vector<HttpRequest> requests_;
+  std::unique_ptr<HttpServer> server_;
+};
+
+TEST_F(HttpServerTest, AnswersAndKeepsTheConnection) {
+  open();
+  auto one = client();
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_THAT(one.ask("GET /a?b=c HTTP/1.1\r\nHost: x\r\n\r\n", "hello"),
+                AllOf(StartsWith("HTTP/1.1 200 OK\r\n"), HasSubstr("Content-Length: 5\r\n"),
+                      HasSubstr("Content-Type: text/plain\r\n")));
+  }
+  EXPECT_FALSE(one.closed());
+  ASSERT_EQ(requests_.size(), 3U);
+  EXPECT_EQ(requests_[0].method, "GET");
+  EXPECT_EQ(requests_[0].target, "/a?b=c");
+  EXPECT_TRUE(server_->status().client_present);
+  EXPECT_EQ(server_->requests(), 3U);
+}
+
+TEST_F(HttpServerTest, ClosesWhenTheClientWishesOrIsOld) {
+  open();
+  auto one = client();
+  one.ask("GET / HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n", "hello");
+  EXPECT_TRUE(wait([&] { return one.closed(); }));
+  auto old = client();
+  EXPECT_THAT(old.ask("GET / HTTP/1.0\r\n\r\n", "hello"), StartsWith("HTTP/1.0 200 OK"));
+  EXPECT_TRUE(wait([&] { return old.closed(); }));
+  EXPECT_EQ(server_->clients(), 0U);
+}
+
+TEST_F(HttpServerTest, TakesBodiesWithLengthAndInChunks) {
+  open();
+  auto one = client();
+  one.ask("POST /p HTTP/1.1\r\nHost: x\r\nContent-Length: 7\r\n\r\nrpm=600", "hello");
+  one.ask(
+      "POST /p HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n"
+      "4\r\nrpm=\r\n3\r\n300\r\n0\r\n\r\n",
+      "hello");
+  ASSERT_EQ(requests_.size(), 2U);
+  EXPECT_EQ(requests_[0].body, "rpm=600");
+  EXPECT_EQ(requests_[1].body, "rpm=300");
+}
+
+TEST_F(HttpServerTest, NoContentHasNeitherBodyNorLength) {
+  response_ = {204, {}, {}, {}, false};
+  open();
+  auto one = client();
+  const std::string answer =
+      one.ask("POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 0\r\n\r\n", "\r\n\r\n");
+  EXPECT_THAT(answer, AllOf(StartsWith("HTTP/1.1 204 "), Not(HasSubstr("Content-Length")),
+                            EndsWith("\r\n\r\n")));
+  EXPECT_FALSE(one.closed());
+}
+
+TEST_F(HttpServerTest, HeadTellsTheLengthAlone) {
+  open();
+  auto one = client();
+  EXPECT_THAT(one.ask("HEAD / HTTP/1.1\r\nHost: x\r\n\r\n", "\r\n\r\n"),
+              HasSubstr("Content-Length: 5\r\n"));
+}
+
+TEST_F(HttpServerTest, WrongMethodNamesTheRightOnes) {
+  response_ = {405, "text/plain", "no", "POST", false};
+  open();
+  auto one = client();
+  EXPECT_THAT(one.ask("GET / HTTP/1.1\r\nHost: x\r\n\r\n", "no"), HasSubstr("Allow: POST\r\n"));
+}
+
+TEST_F(HttpServerTest, RequestsInOneGoAreAnsweredInOrder) {
+  open();
+  auto one = client();
+  one.send("GET /1 HTTP/1.1\r\nHost: x\r\n\r\nGET /2 HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_TRUE(wait([&] { return requests_.size() == 2; }));
+  EXPECT_EQ(requests_[0].target, "/1");
+  EXPECT_EQ(requests_[1].target, "/2");
+}
+
+TEST_F(HttpServerTest, ClientThatAsksFirstIsToldToContinue) {
+  open();
+  auto one = client();
+  EXPECT_EQ(one.ask("POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 2\r\n"
+                    "Expect: 100-continue\r\n\r\n",
+                    "\r\n\r\n"),
+            "HTTP/1.1 100 Continue\r\n\r\n");
+  EXPECT_THAT(one.ask("ok", "hello"), StartsWith("HTTP/1.1 200"));
+  EXPECT_EQ(requests_.at(0).body, "ok");
+}
+
+TEST_F(HttpServerTest, HugeBodyIsRefusedBeforeItIsSent) {
+  open();
+  auto one = client();
+  EXPECT_THAT(one.ask("POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 100000000\r\n"
+                      "Expect: 100-continue\r\n\r\n",
+                      "\n"),
+              StartsWith("HTTP/1.1 413 "));
+  EXPECT_TRUE(requests_.empty());
+}
+
+TEST_F(HttpServerTest, SenderOfAHugeBodyStillSeesTheAnswer) {
+  HttpServerSettings settings;
+  settings.body_bytes = 1000;
+  open(settings);
+  auto one = client();
+  one.send("POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 200000\r\n\r\n" +
+           std::string(200'000, 'x'));
+  EXPECT_TRUE(wait([&] { return one.closed(); }));
+  EXPECT_THAT(one.received(), StartsWith("HTTP/1.1 413 "));
+  EXPECT_TRUE(wait([&] { return server_->clients() == 1; }));  // until the client closes too
+  auto chunked = client();
+  chunked.send("POST / HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\nffff\r\n" +
+               std::string(0xFFFF, 'x') + "\r\n0\r\n\r\n");
+  EXPECT_TRUE(wait([&] { return chunked.closed(); }));
+  EXPECT_THAT(chunked.received(), StartsWith("HTTP/1.1 413 "));
+}
+
+TEST_F(HttpServerTest, LongHeadersAndNoiseAreRefused) {
+  open();
+  auto greedy = client();
+  greedy.send("GET / HTTP/1.1\r\nX: " + std::string(20'000, 'x') + "\r\n\r\n");
+  EXPECT_TRUE(wait([&] { return greedy.closed(); }));
+  EXPECT_THAT(greedy.received(), StartsWith("HTTP/1.1 431 "));
+  for (const std::string& noise :
+       {std::string("\x16\x03\x01\x02\n\r\n\r\n"), std::string("GET\r\n\r\n"),
+        std::string("GET / HTTP/1.1\r\nContent-Length: -5\r\n\r\n"),
+        std::string("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n")}) {
+    auto one = client();
+    one.send(noise);
+    EXPECT_TRUE(wait([&] { return one.closed(); })) << noise;
+    EXPECT_THAT(one.received(), StartsWith("HTTP/1.1 400 ")) << noise;
+  }
+  EXPECT_TRUE(requests_.empty());
+}
+
+TEST_F(HttpServerTest, HalfARequestIsGivenUp) {
+  HttpServerSettings settings;
+  settings.patience = std::chrono::milliseconds(50);
+  open(settings);
+  auto header = client();
+  header.send("GET / HTTP/1.1\r\n");
+  auto body = client();
+  body.send("POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 10\r\n\r\n123");
+  auto nothing = client();
+  EXPECT_TRUE(wait([&] { return header.closed() && body.closed() && nothing.closed(); }));
+  EXPECT_TRUE(wait([&] { return server_->clients() == 0; }));
+  EXPECT_TRUE(requests_.empty());
+}
+
+TEST_F(HttpServerTest, ClientThatNeverReadsHoldsUpNobody) {
+  HttpServerSettings settings;
+  settings.patience = std::chrono::milliseconds(200);
+  response_.body = std::string(std::size_t{8} << 20U, 'x');
+  open(settings);
+  auto deaf = client();
+  deaf.send("GET / HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_TRUE(wait([&] { return requests_.size() == 1; }));
+  response_.body = "hello";
+  auto other = client();
+  other.ask("GET / HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n", "hello");
+  EXPECT_TRUE(wait([&] { return server_->clients() == 0; }));
+}
+
+TEST_F(HttpServerTest, NewcomerGetsThePlaceOfTheMostSilent) {
+  HttpServerSettings settings;
+  settings.clients_max = 2;
+  open(settings);
+  auto silent = client();
+  EXPECT_TRUE(wait([&] { return server_->clients() == 1; }));
+  auto busy = client();
+  busy.ask("GET / HTTP/1.1\r\nHost: x\r\n\r\n", "hello");
+  auto newcomer = client();
+  newcomer.ask("GET / HTTP/1.1\r\nHost: x\r\n\r\n", "hello");
+  EXPECT_TRUE(silent.closed());
+  EXPECT_FALSE(busy.closed());
+  EXPECT_EQ(server_->clients(), 2U);
+}
+
+TEST_F(HttpServerTest, EndsWithClientsConnected) {
+  open();
+  auto one = client();
+  one.send("GET / HT");
+  EXPECT_TRUE(wait([&] { return server_->clients() == 1; }));
+  server_.reset();
+  run_for(context_, std::chrono::milliseconds(20));
+  EXPECT_TRUE(one.closed());
+}
+
+TEST_F(HttpServerTest, OpeningSaysWhatIsWrongAndHowToMendIt) {
+  open();
+  HttpServerSettings settings;
+  settings.port = server_->port();
+  EXPECT_THAT(message_of([&] { HttpServer(context_, settings); }),
+              AllOf(StartsWith("http 127.0.0.1:"), HasSubstr("another program has the port")));
+  settings = {};
+  settings.address = "0.0.0.0";
+  EXPECT_THAT(message_of([&] { HttpServer(context_, settings); }), HasSubstr("allow_remote"));
+  settings.address = "localhost";
+  EXPECT_THAT(message_of([&] { HttpServer(context_, settings); }), HasSubstr("not a numeric"));
+  settings = {};
+  settings.clients_max = 0;
+  EXPECT_EQ(message_of([&] { HttpServer(context_, settings); }),
+            "http server clients_max: found 0, allowed 1 .. 1024");
+}
+
+}  // namespace
+}  // namespace rigwire::drivers

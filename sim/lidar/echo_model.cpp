@@ -1,5 +1,6 @@
 #include "sim/lidar/echo_model.h"
 
+#include <algorithm>
 #include <string>
 
 #include "sim/lidar/counter_noise.h"
@@ -31,7 +32,7 @@ EchoModel::EchoModel(const SpinningLidarParameters& parameters, const LidarPatte
   threshold_ = static_cast<float>(detection_energy(reference_m));
   double sigma_m = parameters.range_sigma_m;
   if (noise_ == RangeNoise::signal) {
-    sigma_m = range_sigma_m(sigma_m, parameters.range_resolution_m, 1.0);
+    sigma_m = range_spread_m(sigma_m, parameters.range_resolution_m, 1.0);
   }
   reach_m_ =
       pattern.maximum_range_m + kErrorReach_sigma * (sigma_m + parameters.laser_bias_sigma_m);
@@ -49,31 +50,43 @@ EchoModel::EchoModel(const SpinningLidarParameters& parameters, const LidarPatte
   shot_loss_key_ = loss.bits();
 }
 
-EightReturns EchoModel::report(const EchoLanes& echo, const ShotNumbers& shots,
-                               EchoRank rank) const {
-  Lanes measured = echo.range_m;
-  const std::uint64_t key = noise_keys_[static_cast<std::size_t>(rank)];
-  if (noise_ == RangeNoise::signal) {
-    // Echoes below the threshold are not reported; the limit keeps their spread finite.
-    const Lanes signal_to_noise = (echo.energy / threshold_).max(1.0F);
-    measured +=
-        range_sigma_m(sigma_m_, resolution_m_, signal_to_noise) * gaussian_lanes(key, shots);
-  } else if (sigma_m_ > 0.0F) {
-    measured += sigma_m_ * gaussian_lanes(key, shots);
+void EchoModel::measure(const EchoLanes& echo, const ShotNumbers& shots, EchoRank rank,
+                        LaneArray& measured_m) const {
+  measured_m = echo.range_m;
+  if (sigma_m_ > 0.0F || noise_ == RangeNoise::signal) {
+    LaneArray normal;
+    gaussian_lanes(noise_keys_[static_cast<std::size_t>(rank)], shots, normal);
+    LaneArray spread_m;
+    spread_m.fill(sigma_m_);
+    if (noise_ == RangeNoise::signal) {
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        // What is below the threshold is not reported; the limit keeps its spread finite.
+        const float signal_to_noise = std::max(echo.energy[i] / threshold_, 1.0F);
+        spread_m[i] = range_spread_m(sigma_m_, resolution_m_, signal_to_noise);
+      }
+    }
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      measured_m[i] += spread_m[i] * normal[i];
+    }
   }
   if (biased_) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      measured(static_cast<Eigen::Index>(lane)) += biases_m_[shots[lane] % kMaxLasers];
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      measured_m[i] += biases_m_[shots[i] % kMaxLasers];
     }
   }
-  const Lanes reflectivity = reported_reflectivity<float>(echo.brightness);
-  EightReturns returns{};
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const auto i = static_cast<Eigen::Index>(lane);
-    const bool seen = echo.energy(i) >= threshold_ && echo.range_m(i) >= minimum_m_;
-    if (seen && measured(i) >= minimum_m_ && measured(i) <= maximum_m_) {
-      returns[lane] = {measured(i), reflectivity(i)};
-    }
+}
+
+EightReturns EchoModel::report(const EchoLanes& echo, const ShotNumbers& shots,
+                               EchoRank rank) const {
+  LaneArray measured_m;
+  measure(echo, shots, rank, measured_m);
+  LaneArray reflectivity;
+  EightReturns returns;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const bool seen = (echo.energy[i] >= threshold_) & (echo.range_m[i] >= minimum_m_) &
+                      (measured_m[i] >= minimum_m_) & (measured_m[i] <= maximum_m_);
+    reflectivity[i] = reported_reflectivity(echo.brightness[i]);
+    returns[i] = seen ? LidarReturn{measured_m[i], reflectivity[i]} : LidarReturn{};
   }
   if (drop_rate_ > 0.0 || (drop_at_zero_ > 0.0 && drop_limit_ > 0.0)) {
     lose(reflectivity, shots, rank, returns);
@@ -81,11 +94,11 @@ EightReturns EchoModel::report(const EchoLanes& echo, const ShotNumbers& shots,
   return returns;
 }
 
-void EchoModel::lose(const Lanes& reflectivity, const ShotNumbers& shots, EchoRank rank,
+void EchoModel::lose(const LaneArray& reflectivity, const ShotNumbers& shots, EchoRank rank,
                      EightReturns& returns) const {
   const std::uint64_t key = loss_keys_[static_cast<std::size_t>(rank)];
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const double intensity = static_cast<double>(reflectivity(static_cast<Eigen::Index>(lane)));
+    const double intensity = static_cast<double>(reflectivity[lane]);
     const double faint =
         intensity < drop_limit_ ? drop_at_zero_ * (1.0 - intensity / drop_limit_) : 0.0;
     if (counter_uniform(shot_loss_key_, shots[lane]) < drop_rate_ ||

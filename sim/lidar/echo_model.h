@@ -18,9 +18,9 @@ namespace rigwire::sim {
 
 /// One echo of each of eight shots. No echo: energy 0.
 struct EchoLanes {
-  Lanes range_m = Lanes::Zero();
-  Lanes energy = Lanes::Zero();      ///< In the unit of link_budget.h.
-  Lanes brightness = Lanes::Zero();  ///< Energy times range squared.
+  LaneArray range_m{};
+  LaneArray energy{};      ///< In the unit of link_budget.h.
+  LaneArray brightness{};  ///< Energy times range squared.
 };
 
 /// Eight shots: the firing's number, counted from the plan's first, times kMaxLasers, plus the
@@ -54,7 +54,10 @@ class EchoModel {
  private:
   static constexpr std::size_t kRanks = 3;
 
-  void lose(const Lanes& reflectivity, const ShotNumbers& shots, EchoRank rank,
+  /// Ranges with their errors.
+  void measure(const EchoLanes& echo, const ShotNumbers& shots, EchoRank rank,
+               LaneArray& measured_m) const;
+  void lose(const LaneArray& reflectivity, const ShotNumbers& shots, EchoRank rank,
             EightReturns& returns) const;
 
   RangeNoise noise_;

@@ -1,58 +1,52 @@
 #include "sim/lidar/hit_surface.h"
 
-#include <algorithm>
+#include <cmath>
 
 namespace rigwire::sim {
 
-SurfaceLanes surfaces_of(const Scene::Internals& scene, const RTCRayHit8& packet) {
-  SurfaceLanes result;
-  const unsigned instance = packet.hit.instID[0][0];
-  const bool one_surface =
-      instance != RTC_INVALID_GEOMETRY_ID &&
-      std::ranges::all_of(packet.hit.instID[0], [&](unsigned other) { return other == instance; });
-  if (one_surface) {
-    const Scene::Internals::Shading& surface = scene.shading[instance];
-    const LanesIn x(packet.hit.Ng_x);
-    const LanesIn y(packet.hit.Ng_y);
-    const LanesIn z(packet.hit.Ng_z);
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto row = static_cast<Eigen::Index>(i);
-      result.normal_W[i] =
-          surface.R_WM(row, 0) * x + surface.R_WM(row, 1) * y + surface.R_WM(row, 2) * z;
-    }
-    result.reflectance.setConstant(surface.reflectance);
-    result.retro_gain.setConstant(surface.retro_gain);
-    result.any_retro = surface.retro_gain > 0.0F;
-    return result;
-  }
+// Neighbours mostly meet the same instance: one after the other is worked out for all lanes, and
+// each lane keeps what is its own.
+RIGWIRE_WIDE_VECTORS void meet_surfaces(const Scene::Internals::Shading* shading,
+                                        const RTCRayHit8& packet, HitSurfaces& surfaces) {
+  const RTCRay8& ray = packet.ray;
+  const RTCHit8& hit = packet.hit;
+  const unsigned* const instance = hit.instID[0];
+  surfaces.normal_x.fill(0.0F);
+  surfaces.normal_y.fill(0.0F);
+  surfaces.normal_z.fill(0.0F);
+  surfaces.reflectance.fill(0.0F);
+  surfaces.retro_gain.fill(0.0F);
+  unsigned done = RTC_INVALID_GEOMETRY_ID;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const auto i = static_cast<Eigen::Index>(lane);
-    if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) {
-      result.normal_W[0](i) = result.normal_W[1](i) = result.normal_W[2](i) = 1.0F;
-      result.reflectance(i) = 0.0F;
-      result.retro_gain(i) = 0.0F;
+    if (instance[lane] == done || instance[lane] == RTC_INVALID_GEOMETRY_ID) {
       continue;
     }
-    const Scene::Internals::Shading& surface = scene.shading[packet.hit.instID[0][lane]];
-    const Eigen::Vector3f n_W =
-        surface.R_WM *
-        Eigen::Vector3f(packet.hit.Ng_x[lane], packet.hit.Ng_y[lane], packet.hit.Ng_z[lane]);
-    result.normal_W[0](i) = n_W.x();
-    result.normal_W[1](i) = n_W.y();
-    result.normal_W[2](i) = n_W.z();
-    result.reflectance(i) = surface.reflectance;
-    result.retro_gain(i) = surface.retro_gain;
-    result.any_retro = result.any_retro || surface.retro_gain > 0.0F;
+    done = instance[lane];
+    const float* const R = shading[done].R_WM.data();
+    const float reflectance = shading[done].reflectance;
+    const float retro_gain = shading[done].retro_gain;
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const bool mine = instance[i] == done;
+      const float x = R[0] * hit.Ng_x[i] + R[3] * hit.Ng_y[i] + R[6] * hit.Ng_z[i];
+      const float y = R[1] * hit.Ng_x[i] + R[4] * hit.Ng_y[i] + R[7] * hit.Ng_z[i];
+      const float z = R[2] * hit.Ng_x[i] + R[5] * hit.Ng_y[i] + R[8] * hit.Ng_z[i];
+      surfaces.normal_x[i] = mine ? x : surfaces.normal_x[i];
+      surfaces.normal_y[i] = mine ? y : surfaces.normal_y[i];
+      surfaces.normal_z[i] = mine ? z : surfaces.normal_z[i];
+      surfaces.reflectance[i] = mine ? reflectance : surfaces.reflectance[i];
+      surfaces.retro_gain[i] = mine ? retro_gain : surfaces.retro_gain[i];
+    }
   }
-  return result;
-}
-
-Lanes cosine_of_incidence(const SurfaceLanes& surface, const RTCRayHit8& packet) {
-  const std::array<Lanes, 3>& n = surface.normal_W;
-  const Lanes along = n[0] * LanesIn{packet.ray.dir_x} + n[1] * LanesIn{packet.ray.dir_y} +
-                      n[2] * LanesIn{packet.ray.dir_z};
-  const Lanes length = (n[0].square() + n[1].square() + n[2].square()).sqrt();
-  return along.abs() / length;
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const float x = surfaces.normal_x[i];
+    const float y = surfaces.normal_y[i];
+    const float z = surfaces.normal_z[i];
+    const float along = x * ray.dir_x[i] + y * ray.dir_y[i] + z * ray.dir_z[i];
+    const float square = x * x + y * y + z * z;
+    surfaces.cosine[i] = square > 0.0F ? std::abs(along) / std::sqrt(square) : 0.0F;
+  }
 }
 
 }  // namespace rigwire::sim

@@ -1,24 +1,24 @@
-// What a packet of eight rays has hit, side by side.
+// What a packet of eight rays has met, side by side.
 #pragma once
-
-#include <array>
 
 #include "sim/lidar/ray_lanes.h"
 #include "sim/scene/scene_internals.h"
 
 namespace rigwire::sim {
 
-/// Where nothing was hit the surface reflects nothing.
-struct SurfaceLanes {
-  std::array<Lanes, 3> normal_W;  ///< Not of unit length, on either side.
-  Lanes reflectance;
-  Lanes retro_gain;
-  bool any_retro = false;  ///< Otherwise retro_gain is 0 throughout.
+/// Where nothing was met, cosine, reflectance and gain are 0.
+struct HitSurfaces {
+  LaneArray normal_x;  ///< In the world; of any length, on either side.
+  LaneArray normal_y;
+  LaneArray normal_z;
+  LaneArray cosine;  ///< Of the incidence angle, 0 .. 1.
+  LaneArray reflectance;
+  LaneArray retro_gain;
 };
 
-[[nodiscard]] SurfaceLanes surfaces_of(const Scene::Internals& scene, const RTCRayHit8& packet);
-
-/// |cos| of the angle between a ray and the normal of what it hit.
-[[nodiscard]] Lanes cosine_of_incidence(const SurfaceLanes& surface, const RTCRayHit8& packet);
+/// `shading` by Embree's number of the instance (Scene::Internals::shading). The rays' directions
+/// have unit length.
+void meet_surfaces(const Scene::Internals::Shading* shading, const RTCRayHit8& packet,
+                   HitSurfaces& surfaces);
 
 }  // namespace rigwire::sim

@@ -6,7 +6,7 @@ namespace rigwire::sim {
 /// How the random error of a range is made.
 enum class RangeNoise {
   constant,  ///< The same spread for every echo.
-  signal     ///< Faint echoes are less exact (link_budget.h, range_sigma_m).
+  signal     ///< Faint echoes are less exact (link_budget.h, range_spread_m).
 };
 
 struct SpinningLidarParameters {

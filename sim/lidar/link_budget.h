@@ -1,5 +1,5 @@
-// How much of a pulse comes back, and what the sensor makes of it. One set of formulas for one
-// number (float, double) and for eight side by side (Lanes).
+// How much of a pulse comes back, and what the sensor makes of it. The formulas are for float and
+// double, without branches, so that loops over lanes go through vector registers.
 //
 // Unit of energy: what a white Lambertian surface, met head on by the whole beam in clear air,
 // returns at 1 m. A surface of diffuse reflectance rho met at incidence angle theta at range r by
@@ -16,7 +16,6 @@
 // ideal one. The law in between is ours, linear in what comes back.
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -34,66 +33,41 @@ inline constexpr double kIdealRetroGain = 1000.0;
 inline constexpr double kRetroFullCosine = 0.90631;
 inline constexpr double kRetroNoneCosine = 0.81915;
 
-namespace link_budget_detail {
-inline float unit_clamp(float x) {
-  return std::clamp(x, 0.0F, 1.0F);
-}
-inline double unit_clamp(double x) {
-  return std::clamp(x, 0.0, 1.0);
-}
-template <class Derived>
-typename Derived::PlainObject unit_clamp(const Eigen::ArrayBase<Derived>& x) {
-  using Scalar = typename Derived::Scalar;
-  return x.derived().max(Scalar{0}).min(Scalar{1});
-}
-inline float square_root(float x) {
-  return std::sqrt(x);
-}
-inline double square_root(double x) {
-  return std::sqrt(x);
-}
-template <class Derived>
-typename Derived::PlainObject square_root(const Eigen::ArrayBase<Derived>& x) {
-  return x.derived().sqrt();
-}
-}  // namespace link_budget_detail
-
 /// Share of a retro-reflector's gain that is left at this cosine of the incidence angle, 0 .. 1.
-template <class Scalar, class Real>
-[[nodiscard]] Real retro_acceptance(const Real& cosine) {
-  constexpr auto kSlope = static_cast<Scalar>(1.0 / (kRetroFullCosine - kRetroNoneCosine));
-  return link_budget_detail::unit_clamp(
-      Real((cosine - static_cast<Scalar>(kRetroNoneCosine)) * kSlope));
+template <class Real>
+[[nodiscard]] constexpr Real retro_acceptance(Real cosine) {
+  constexpr auto kSlope = static_cast<Real>(1.0 / (kRetroFullCosine - kRetroNoneCosine));
+  const Real share = (cosine - static_cast<Real>(kRetroNoneCosine)) * kSlope;
+  return std::min(std::max(share, Real{0}), Real{1});
 }
 
 /// What a surface returns, as a multiple of a white surface met head on.
-template <class Scalar, class Real>
-[[nodiscard]] Real apparent_reflectance(const Real& reflectance, const Real& retro_gain,
-                                        const Real& cosine) {
+template <class Real>
+[[nodiscard]] constexpr Real apparent_reflectance(Real reflectance, Real retro_gain, Real cosine) {
   return reflectance * cosine +
-         static_cast<Scalar>(kIdealRetroGain) * retro_gain * retro_acceptance<Scalar>(cosine);
+         static_cast<Real>(kIdealRetroGain) * retro_gain * retro_acceptance(cosine);
 }
 
 /// The least energy that is seen.
-[[nodiscard]] inline double detection_energy(double reference_range_m) {
+[[nodiscard]] constexpr double detection_energy(double reference_range_m) {
   return kReferenceReflectance / (reference_range_m * reference_range_m);
 }
 
 /// What the sensor reports for an echo of this brightness (energy times range squared), 0 .. 2.
-template <class Scalar, class Real>
-[[nodiscard]] Real reported_reflectivity(const Real& brightness) {
-  constexpr auto kSlope = static_cast<Scalar>(1.0 / (kIdealRetroGain - 1.0));
-  return link_budget_detail::unit_clamp(brightness) +
-         link_budget_detail::unit_clamp(Real((brightness - Scalar{1}) * kSlope));
+template <class Real>
+[[nodiscard]] constexpr Real reported_reflectivity(Real brightness) {
+  constexpr auto kSlope = static_cast<Real>(1.0 / (kIdealRetroGain - 1.0));
+  const Real retro = (brightness - Real{1}) * kSlope;
+  return std::min(std::max(brightness, Real{0}), Real{1}) +
+         std::min(std::max(retro, Real{0}), Real{1});
 }
 
 /// Spread of a range measured from a signal `signal_to_noise` times as strong as the faintest that
 /// is seen: `floor_m` and resolution / sqrt(2 SNR), as independent errors (second part: Kilic et
 /// al. 2021).
-template <class Scalar, class Real>
-[[nodiscard]] Real range_sigma_m(Scalar floor_m, Scalar resolution_m, const Real& signal_to_noise) {
-  return link_budget_detail::square_root(
-      Real(floor_m * floor_m + Scalar{0.5} * resolution_m * resolution_m / signal_to_noise));
+template <class Real>
+[[nodiscard]] Real range_spread_m(Real floor_m, Real resolution_m, Real signal_to_noise) {
+  return std::sqrt(floor_m * floor_m + Real{0.5} * resolution_m * resolution_m / signal_to_noise);
 }
 
 }  // namespace rigwire::sim

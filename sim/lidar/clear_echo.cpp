@@ -1,5 +1,6 @@
 #include "sim/lidar/clear_echo.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -66,7 +67,7 @@ struct Window {
 };
 
 RIGWIRE_WIDE_VECTORS void receive(const RTCRay8& ray, const Incidence& incidence,
-                                  const LaneArray& noise_m, const Window& window,
+                                  const float* noise_m, const Window& window,
                                   std::array<LidarReturn, kLanes>& echoes) {
   LaneArray range_m;
   LaneArray reflectivity;
@@ -86,6 +87,18 @@ RIGWIRE_WIDE_VECTORS void receive(const RTCRay8& ray, const Incidence& incidence
   }
 }
 
+void tell_truth(const BlockCast& cast, const LaneMap& map, const Scene::Internals& scene,
+                const RTCRayHit8& packet, const LaneArray& cosine) {
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const std::uint32_t laser = map.laser[lane];
+    const unsigned instance = packet.hit.instID[0][lane];
+    LidarShotTruth& shot = cast.truth[cast.bank_of(map.firing[lane], laser)][laser % kBankLasers];
+    if (instance != RTC_INVALID_GEOMETRY_ID) {
+      shot = {packet.ray.tfar[lane], scene.instance_of[instance], cosine[lane]};
+    }
+  }
+}
+
 }  // namespace
 
 ClearEcho::ClearEcho(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
@@ -95,6 +108,25 @@ ClearEcho::ClearEcho(const SpinningLidarParameters& parameters, const LidarPatte
       sigma_m_(static_cast<float>(parameters.range_sigma_m)),
       echo_limit_m2_(maximum_m_ * maximum_m_ / kReferenceReflectance),
       noise_key_(noise_key) {}
+
+void ClearEcho::draw_noise(const BlockCast& cast, std::span<float> noise_m) const {
+  const auto drawn = noise_m.first(cast.packets.size() * kLanes);
+  if (sigma_m_ == 0.0F) {
+    std::ranges::fill(drawn, 0.0F);
+    return;
+  }
+  std::array<std::uint64_t, kMaxLasers * kLanes> shots;
+  std::uint64_t* shot = shots.data();
+  for (const RingPacket& plan : cast.packets) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      *shot++ = cast.shot_number(plan.map.firing[lane], plan.map.laser[lane]);
+    }
+  }
+  gaussian(noise_key_, std::span(shots).first(drawn.size()), drawn);
+  for (float& noise : drawn) {
+    noise *= sigma_m_;
+  }
+}
 
 void ClearEcho::cast(const BlockCast& cast) const {
   const FlushDenormals flush;
@@ -106,38 +138,25 @@ void ClearEcho::cast(const BlockCast& cast) const {
   valid.fill(-1);
 
   const Window window{minimum_m_, maximum_m_, echo_limit_m2_};
+  alignas(32) std::array<float, kMaxLasers * kLanes> noise_m;
+  draw_noise(cast, noise_m);
   RTCRayHit8 packet{};
   Incidence incidence;
-  LaneArray noise_m;
-  noise_m.fill(0.0F);
+  std::array<LidarReturn, kLanes> echoes;
+  const float* packet_noise_m = noise_m.data();
   for (const RingPacket& plan : cast.packets) {
     fill_packet(cast.block, plan, cast.limits, packet);
     rtcIntersect8(valid.data(), in.top.get(), &context, &packet);
     meet(in.shading.data(), packet, incidence);
-    if (sigma_m_ > 0.0F) {
-      std::array<std::uint64_t, kLanes> shots;
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        shots[lane] = cast.shot_number(plan.map.firing[lane], plan.map.laser[lane]);
-      }
-      gaussian_lanes(noise_key_, shots, noise_m);
-      for (float& noise : noise_m) {
-        noise *= sigma_m_;
-      }
-    }
-    std::array<LidarReturn, kLanes> echoes;
-    receive(packet.ray, incidence, noise_m, window, echoes);
+    receive(packet.ray, incidence, packet_noise_m, window, echoes);
+    packet_noise_m += kLanes;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const std::uint32_t laser = plan.map.laser[lane];
       const std::size_t bank = cast.bank_of(plan.map.firing[lane], laser);
       cast.firings[bank].strongest[laser % kBankLasers] = echoes[lane];
-      if (!cast.truth.empty()) {
-        const unsigned instance = packet.hit.instID[0][lane];
-        cast.truth[bank][laser % kBankLasers] =
-            instance == RTC_INVALID_GEOMETRY_ID
-                ? LidarShotTruth{}
-                : LidarShotTruth{packet.ray.tfar[lane], in.instance_of[instance],
-                                 incidence.cosine[lane]};
-      }
+    }
+    if (!cast.truth.empty()) {
+      tell_truth(cast, plan.map, in, packet, incidence.cosine);
     }
   }
 }

@@ -10,6 +10,7 @@
 #include <embree3/rtcore.h>
 
 #include <cstdint>
+#include <span>
 
 #include "sim/lidar/firing_block.h"
 #include "sim/lidar/lidar_parameters.h"
@@ -28,6 +29,9 @@ class ClearEcho {
   void cast(const BlockCast& cast) const;
 
  private:
+  /// Packet by packet, lane by lane.
+  void draw_noise(const BlockCast& cast, std::span<float> noise_m) const;
+
   float minimum_m_;
   float maximum_m_;
   float sigma_m_;

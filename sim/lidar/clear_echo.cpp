@@ -5,13 +5,11 @@
 #include <cmath>
 #include <vector>
 
+#include "sim/lidar/link_budget.h"
 #include "sim/scene/scene_internals.h"
 
 namespace rigwire::sim {
 namespace {
-
-/// Reflectance of the target that the maximum range is stated for.
-constexpr float kReferenceReflectance = 0.9F;
 
 using Shading = Scene::Internals::Shading;
 
@@ -19,6 +17,7 @@ using Shading = Scene::Internals::Shading;
 struct Incidence {
   LaneArray cosine;
   LaneArray reflectance;
+  LaneArray retro_gain;
 };
 
 /// Neighbours mostly meet the same instance; so one instance after the other is worked out for all
@@ -31,6 +30,7 @@ RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
   alignas(32) LaneArray along;
   along.fill(0.0F);
   incidence.reflectance.fill(0.0F);
+  incidence.retro_gain.fill(0.0F);
   unsigned done = RTC_INVALID_GEOMETRY_ID;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     if (instance[lane] == done || instance[lane] == RTC_INVALID_GEOMETRY_ID) {
@@ -39,6 +39,7 @@ RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
     done = instance[lane];
     const float* const R = shading[done].R_WM.data();
     const float reflectance = shading[done].reflectance;
+    const float retro_gain = shading[done].retro_gain;
 #pragma GCC ivdep
     for (std::size_t i = 0; i < kLanes; ++i) {
       const float x = R[0] * hit.Ng_x[i] + R[3] * hit.Ng_y[i] + R[6] * hit.Ng_z[i];
@@ -47,6 +48,7 @@ RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
       const float dot = x * ray.dir_x[i] + y * ray.dir_y[i] + z * ray.dir_z[i];
       along[i] = instance[i] == done ? dot : along[i];
       incidence.reflectance[i] = instance[i] == done ? reflectance : incidence.reflectance[i];
+      incidence.retro_gain[i] = instance[i] == done ? retro_gain : incidence.retro_gain[i];
     }
   }
 #pragma GCC ivdep
@@ -63,7 +65,7 @@ RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
 struct Window {
   float minimum_m;
   float maximum_m;
-  float echo_limit_m2;
+  float echo_limit_m2;  ///< One over the least energy of an echo.
 };
 
 RIGWIRE_WIDE_VECTORS void receive(const RTCRay8& ray, const Incidence& incidence,
@@ -73,14 +75,15 @@ RIGWIRE_WIDE_VECTORS void receive(const RTCRay8& ray, const Incidence& incidence
   LaneArray reflectivity;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
-    const float apparent = incidence.reflectance[i] * incidence.cosine[i];
+    const float apparent = apparent_reflectance(incidence.reflectance[i], incidence.retro_gain[i],
+                                                incidence.cosine[i]);
     const float range = ray.tfar[i];
     const float measured = range + noise_m[i];
     const bool seen = (window.echo_limit_m2 * apparent >= range * range) &
                       (range >= window.minimum_m) & (measured >= window.minimum_m) &
                       (measured <= window.maximum_m);
     range_m[i] = seen ? measured : 0.0F;
-    reflectivity[i] = seen ? apparent : 0.0F;
+    reflectivity[i] = seen ? reported_reflectivity(apparent) : 0.0F;
   }
   for (std::size_t i = 0; i < kLanes; ++i) {
     echoes[i] = {range_m[i], reflectivity[i]};
@@ -106,7 +109,7 @@ ClearEcho::ClearEcho(const SpinningLidarParameters& parameters, const LidarPatte
     : minimum_m_(static_cast<float>(pattern.minimum_range_m)),
       maximum_m_(static_cast<float>(pattern.maximum_range_m)),
       sigma_m_(static_cast<float>(parameters.range_sigma_m)),
-      echo_limit_m2_(maximum_m_ * maximum_m_ / kReferenceReflectance),
+      echo_limit_m2_(static_cast<float>(1.0 / detection_energy(pattern.maximum_range_m))),
       noise_key_(noise_key) {}
 
 void ClearEcho::draw_noise(const BlockCast& cast, std::span<float> noise_m) const {

@@ -7,17 +7,17 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/lidar/beam_caster.h"
 #include "sim/lidar/clear_echo.h"
 #include "sim/lidar/firing_block.h"
 #include "sim/lidar/worker_pool.h"
 #include "sim/random.h"
 #include "sim/scene/scene_internals.h"
+#include "sim/weather/weather.h"
 
 namespace rigwire::sim {
 namespace {
 
-/// Beyond the maximum range a hit may still come into it by its noise.
-constexpr double kNoiseReach_sigma = 6.0;
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
 void check(const LidarPattern& pattern, const SamplePlan& plan) {
@@ -30,6 +30,13 @@ void check(const LidarPattern& pattern, const SamplePlan& plan) {
       !(pattern.maximum_range_m > pattern.minimum_range_m)) {
     throw std::invalid_argument("spinning lidar: needs a firing plan and a range window");
   }
+}
+
+/// Whether ClearEcho does all that is asked for.
+bool without_width(const SpinningLidarParameters& p) {
+  return p.sub_rays == 1 && p.blooming_share == 0.0 && p.range_noise == RangeNoise::constant &&
+         p.laser_bias_sigma_m == 0.0 && p.reference_range_m == 0.0 && !p.compensates_incidence &&
+         p.drop_rate == 0.0 && p.drop_at_zero == 0.0;
 }
 
 double within_turn(double angle_rad) {
@@ -62,12 +69,16 @@ void begin_bank(LidarFiring& bank, bool to_be_written_whole) {
 
 /// What a cast works with, kept so that it does not allocate.
 struct SpinningLidar::Slice {
-  Slice(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
-        std::uint64_t noise_key)
-      : head(pattern), clear_echo(parameters, pattern, noise_key), workers(parameters.threads) {}
+  Slice(const SpinningLidarParameters& parameters, const LidarPattern& pattern, std::uint64_t seed,
+        std::string_view name)
+      : head(pattern),
+        clear_echo(parameters, pattern, RandomStream(seed, std::string(name) + "/range").bits()),
+        beams(parameters, pattern, seed, name),
+        workers(parameters.threads) {}
 
   HeadLanes head;
   ClearEcho clear_echo;
+  BeamCaster beams;
   WorkerPool workers;
   std::vector<FiringBlock> blocks;  ///< The first block_count of them are of this slice.
   std::size_t block_count = 0;
@@ -97,11 +108,9 @@ SpinningLidar::SpinningLidar(const SpinningLidarParameters& parameters, const Li
       rotor_(command, rotor, seed, name) {
   validate(parameters);
   check(pattern, plan);
-  slice_ = std::make_unique<Slice>(parameters, pattern,
-                                   RandomStream(seed, std::string(name) + "/range").bits());
+  slice_ = std::make_unique<Slice>(parameters, pattern, seed, name);
   slice_->limits.near_m = static_cast<float>(parameters.housing_radius_m);
-  slice_->limits.far_m =
-      static_cast<float>(pattern.maximum_range_m + kNoiseReach_sigma * parameters.range_sigma_m);
+  slice_->limits.far_m = static_cast<float>(slice_->beams.echo_model().reach_m());
 }
 
 SpinningLidar::~SpinningLidar() = default;
@@ -186,6 +195,8 @@ void SpinningLidar::cast(const Scene& scene, const LidarSlice& slice, const Weat
     truth->assign(firings.size(), {});
     true_shots = *truth;
   }
+  const bool clear = weather == nullptr || !weather->present();
+  const bool quick = clear && without_width(parameters_);
   const std::span<const FiringBlock> blocks = slice_->used_blocks();
   slice_->workers.run(blocks.size(), [&](std::size_t i) {
     const FiringBlock& block = blocks[i];
@@ -200,10 +211,14 @@ void SpinningLidar::cast(const Scene& scene, const LidarSlice& slice, const Weat
                          .firings = firings,
                          .truth = true_shots,
                          .several = command_.several_echoes};
-    slice_->clear_echo.cast(cast);
+    if (quick) {
+      slice_->clear_echo.cast(cast);
+    } else {
+      slice_->beams.cast(cast);
+    }
   });
   for (const FiringBlock& block : blocks) {
-    rays_ += block.count * pattern_.lasers.size();
+    rays_ += block.count * pattern_.lasers.size() * slice_->beams.rays_per_beam();
   }
 }
 

@@ -16,9 +16,19 @@ using Shading = Scene::Internals::Shading;
 /// How the rays of a packet meet the surfaces that they hit; zero where nothing was hit.
 struct Incidence {
   LaneArray cosine;
-  LaneArray reflectance;
-  LaneArray retro_gain;
+  LaneArray brightness;  ///< As a multiple of a white surface met head on.
 };
+
+/// Rare, and so not worth its share of every packet.
+void add_retro_reflectors(const Shading* shading, const RTCRayHit8& packet, Incidence& incidence) {
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    if (packet.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID) {
+      const Shading& surface = shading[packet.hit.instID[0][i]];
+      incidence.brightness[i] =
+          apparent_reflectance(surface.reflectance, surface.retro_gain, incidence.cosine[i]);
+    }
+  }
+}
 
 /// Neighbours mostly meet the same instance; so one instance after the other is worked out for all
 /// lanes, and each lane keeps its own.
@@ -27,10 +37,11 @@ RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
   const RTCRay8& ray = packet.ray;
   const RTCHit8& hit = packet.hit;
   const unsigned* const instance = hit.instID[0];
-  alignas(32) LaneArray along;
+  LaneArray along;
+  LaneArray reflectance;
   along.fill(0.0F);
-  incidence.reflectance.fill(0.0F);
-  incidence.retro_gain.fill(0.0F);
+  reflectance.fill(0.0F);
+  float retro_gain = 0.0F;
   unsigned done = RTC_INVALID_GEOMETRY_ID;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     if (instance[lane] == done || instance[lane] == RTC_INVALID_GEOMETRY_ID) {
@@ -38,8 +49,8 @@ RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
     }
     done = instance[lane];
     const float* const R = shading[done].R_WM.data();
-    const float reflectance = shading[done].reflectance;
-    const float retro_gain = shading[done].retro_gain;
+    const float its_reflectance = shading[done].reflectance;
+    retro_gain += shading[done].retro_gain;
 #pragma GCC ivdep
     for (std::size_t i = 0; i < kLanes; ++i) {
       const float x = R[0] * hit.Ng_x[i] + R[3] * hit.Ng_y[i] + R[6] * hit.Ng_z[i];
@@ -47,8 +58,7 @@ RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
       const float z = R[2] * hit.Ng_x[i] + R[5] * hit.Ng_y[i] + R[8] * hit.Ng_z[i];
       const float dot = x * ray.dir_x[i] + y * ray.dir_y[i] + z * ray.dir_z[i];
       along[i] = instance[i] == done ? dot : along[i];
-      incidence.reflectance[i] = instance[i] == done ? reflectance : incidence.reflectance[i];
-      incidence.retro_gain[i] = instance[i] == done ? retro_gain : incidence.retro_gain[i];
+      reflectance[i] = instance[i] == done ? its_reflectance : reflectance[i];
     }
   }
 #pragma GCC ivdep
@@ -56,8 +66,12 @@ RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
     // Rotations leave the normal's length as it is.
     const float square =
         hit.Ng_x[i] * hit.Ng_x[i] + hit.Ng_y[i] * hit.Ng_y[i] + hit.Ng_z[i] * hit.Ng_z[i];
-    const bool met = instance[i] != RTC_INVALID_GEOMETRY_ID && square > 0.0F;
-    incidence.cosine[i] = met ? __builtin_fabsf(along[i]) / __builtin_sqrtf(square) : 0.0F;
+    const bool met = (instance[i] != RTC_INVALID_GEOMETRY_ID) & (square > 0.0F);
+    incidence.cosine[i] = met ? std::abs(along[i]) / std::sqrt(square) : 0.0F;
+    incidence.brightness[i] = reflectance[i] * incidence.cosine[i];
+  }
+  if (retro_gain > 0.0F) {
+    add_retro_reflectors(shading, packet, incidence);
   }
 }
 
@@ -75,15 +89,14 @@ RIGWIRE_WIDE_VECTORS void receive(const RTCRay8& ray, const Incidence& incidence
   LaneArray reflectivity;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
-    const float apparent = apparent_reflectance(incidence.reflectance[i], incidence.retro_gain[i],
-                                                incidence.cosine[i]);
+    const float brightness = incidence.brightness[i];
     const float range = ray.tfar[i];
     const float measured = range + noise_m[i];
-    const bool seen = (window.echo_limit_m2 * apparent >= range * range) &
+    const bool seen = (window.echo_limit_m2 * brightness >= range * range) &
                       (range >= window.minimum_m) & (measured >= window.minimum_m) &
                       (measured <= window.maximum_m);
     range_m[i] = seen ? measured : 0.0F;
-    reflectivity[i] = seen ? reported_reflectivity(apparent) : 0.0F;
+    reflectivity[i] = seen ? reported_reflectivity(brightness) : 0.0F;
   }
   for (std::size_t i = 0; i < kLanes; ++i) {
     echoes[i] = {range_m[i], reflectivity[i]};

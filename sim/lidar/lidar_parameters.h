@@ -1,13 +1,49 @@
-// How well a spinning lidar measures.
+// How well a spinning lidar measures, and by which model of its beams and echoes.
 #pragma once
 
 namespace rigwire::sim {
 
+/// How the random error of a range is made.
+enum class RangeNoise {
+  constant,  ///< The same spread for every echo.
+  signal     ///< Faint echoes are less exact (link_budget.h, range_spread_m).
+};
+
 struct SpinningLidarParameters {
-  double range_sigma_m = 0.02;     ///< Of the Gaussian range noise, independent per shot.
+  double range_sigma_m = 0.02;     ///< Of the Gaussian range noise, independent per echo.
   double housing_radius_m = 0.10;  ///< Rays begin here. Hits nearer than the pattern's minimum
                                    ///< range block the ray and are reported as none.
   int threads = 1;                 ///< That cast, the caller's included. Does not change results.
+
+  /// Rays per beam: 1, 5 or 19; 1000 to compare with (beam_sampler.h).
+  int sub_rays = 1;
+  RangeNoise range_noise = RangeNoise::constant;
+  /// Of the receiver, with RangeNoise::signal: an echo that is just seen has 1 / sqrt(2) of it as
+  /// spread, beside range_sigma_m. 0.09 m: Kilic et al., "Lidar Light Scattering Augmentation
+  /// (LISA)", arXiv 2107.07004, 2021.
+  double range_resolution_m = 0.09;
+  /// Spread of the constant errors of the lasers, one number per laser for the whole run.
+  double laser_bias_sigma_m = 0.0;
+  /// Where a 90 % diffuse target is just seen, head on in clear air; 0: at the pattern's maximum
+  /// range.
+  double reference_range_m = 0.0;
+  /// Of two echoes nearer to each other than this the weaker one is not reported.
+  double echo_separation_m = 1.0;
+  /// The reported reflectivity is that of the surface met head on. The real sensors do not know the
+  /// angle: false.
+  bool compensates_incidence = false;
+
+  // Losses without a cause in the model, as CARLA's ray-cast lidar has them.
+  double drop_rate = 0.0;  ///< Share of the shots that come to nothing.
+  /// Echoes of a lower reflectivity are lost with a probability that falls from `drop_at_zero` at
+  /// reflectivity 0 linearly to nothing here.
+  double drop_limit = 0.0;
+  double drop_at_zero = 0.0;
+
+  /// Share of a pulse that is scattered to `blooming_angle_rad` from the beam's middle, all round:
+  /// neighbours of a retro-reflector see it too, at its range. 0: none.
+  double blooming_share = 0.0;
+  double blooming_angle_rad = 0.010;
 };
 
 /// Throws std::invalid_argument naming the member, the value found and what is allowed.

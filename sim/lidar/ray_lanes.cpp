@@ -1,18 +1,9 @@
 #include "sim/lidar/ray_lanes.h"
 
-#include <algorithm>
+#include <bit>
+#include <numbers>
 
 #include "sim/lidar/counter_noise.h"
-
-// Embree reads a packet in registers of eight floats. Written in halves, it waits for the stores;
-// so where the processor has such registers, they are written whole. Results are the same: no fused
-// operations are used.
-#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__clang__)
-#define RIGWIRE_WIDE_VECTORS __attribute__((target_clones("avx2", "default")))
-#else
-#define RIGWIRE_WIDE_VECTORS
-#endif
 
 namespace rigwire::sim {
 
@@ -23,12 +14,17 @@ RIGWIRE_WIDE_VECTORS void fill_rays(const FiringLanes& firing, const LaserLanes&
   RTCRay8& ray = packet.ray;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
-    const float cosine = f(18)[i] * l(4)[i] - f(19)[i] * l(5)[i];
-    const float sine = f(19)[i] * l(4)[i] + f(18)[i] * l(5)[i];
+    const float dt = l(6)[i];
+    const float turn = dt * f(20)[i];
+    const float cos_turn = 1.0F - 0.5F * turn * turn;
+    const float sin_turn = turn - turn * turn * turn * (1.0F / 6.0F);
+    const float cos_rotor = f(18)[i] * cos_turn - f(19)[i] * sin_turn;
+    const float sin_rotor = f(19)[i] * cos_turn + f(18)[i] * sin_turn;
+    const float cosine = cos_rotor * l(2)[i] - sin_rotor * l(3)[i];
+    const float sine = sin_rotor * l(2)[i] + cos_rotor * l(3)[i];
     const float x_S = l(0)[i] * cosine;
     const float y_S = -l(0)[i] * sine;
     const float z_S = l(1)[i];
-    const float dt = l(3)[i];
     const float x = f(0)[i] * x_S + f(3)[i] * y_S + f(6)[i] * z_S;
     const float y = f(1)[i] * x_S + f(4)[i] * y_S + f(7)[i] * z_S;
     const float z = f(2)[i] * x_S + f(5)[i] * y_S + f(8)[i] * z_S;
@@ -36,10 +32,13 @@ RIGWIRE_WIDE_VECTORS void fill_rays(const FiringLanes& firing, const LaserLanes&
     ray.dir_x[i] = x + dt * (f(16)[i] * z - f(17)[i] * y);
     ray.dir_y[i] = y + dt * (f(17)[i] * x - f(15)[i] * z);
     ray.dir_z[i] = z + dt * (f(15)[i] * y - f(16)[i] * x);
-    ray.org_x[i] = f(9)[i] + dt * f(12)[i] + l(2)[i] * f(6)[i];
-    ray.org_y[i] = f(10)[i] + dt * f(13)[i] + l(2)[i] * f(7)[i];
-    ray.org_z[i] = f(11)[i] + dt * f(14)[i] + l(2)[i] * f(8)[i];
-    const float time = f(20)[i] + l(6)[i];
+    const float px_S = -l(5)[i] * sine;
+    const float py_S = -l(5)[i] * cosine;
+    const float pz_S = l(4)[i];
+    ray.org_x[i] = f(9)[i] + dt * f(12)[i] + f(0)[i] * px_S + f(3)[i] * py_S + f(6)[i] * pz_S;
+    ray.org_y[i] = f(10)[i] + dt * f(13)[i] + f(1)[i] * px_S + f(4)[i] * py_S + f(7)[i] * pz_S;
+    ray.org_z[i] = f(11)[i] + dt * f(14)[i] + f(2)[i] * px_S + f(5)[i] * py_S + f(8)[i] * pz_S;
+    const float time = f(21)[i] + dt * limits.slices_per_s;
     ray.time[i] = time < 1.0F ? time : 1.0F;
     ray.tnear[i] = limits.near_m;
     ray.tfar[i] = limits.far_m;
@@ -51,19 +50,59 @@ RIGWIRE_WIDE_VECTORS void fill_rays(const FiringLanes& firing, const LaserLanes&
   }
 }
 
-Lanes gaussian_lanes(std::uint64_t key, const std::array<std::uint64_t, kLanes>& shots) {
-  Lanes q;
-  Lanes nearer_end;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const double p = counter_uniform(key, shots[lane]);
-    q(static_cast<Eigen::Index>(lane)) = static_cast<float>(p - 0.5);
-    nearer_end(static_cast<Eigen::Index>(lane)) = static_cast<float>(std::min(p, 1.0 - p));
+RIGWIRE_WIDE_VECTORS void pick_lanes(const FiringLanes& firings,
+                                     const std::array<std::uint32_t, kLanes>& from,
+                                     FiringLanes& to) {
+  for (std::size_t column = 0; column < FiringLanes::kFloats; column += kLanes) {
+    const float* source = firings.data() + column;
+    float* target = to.data() + column;
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      target[i] = source[from[i]];
+    }
   }
-  // Both parts for all lanes: the outer one is needed in three packets of four.
-  const Lanes central = central_normal_quantile<float>(q);
-  const Lanes outer = outer_normal_quantile<float>((-nearer_end.log()).sqrt().eval());
-  return (q.abs() <= static_cast<float>(kCentralHalfWidth))
-      .select(central, (q < 0.0F).select(-outer, outer));
+}
+
+namespace {
+
+/// Natural logarithm of a positive normal number, relative error below 1e-6: ln(2^e m) with m
+/// within sqrt(2) of 1, by the series of the inverse hyperbolic tangent, whose first term left out
+/// is below 1e-9.
+inline float natural_logarithm(float x) {
+  const auto bits = std::bit_cast<std::int32_t>(x);
+  constexpr std::int32_t kRootHalf = 0x3F3504F3;
+  const std::int32_t exponent = (bits - kRootHalf) >> 23;
+  const float m = std::bit_cast<float>(bits - exponent * (1 << 23));
+  const float s = (m - 1.0F) / (m + 1.0F);
+  const float s2 = s * s;
+  return static_cast<float>(exponent) * std::numbers::ln2_v<float> +
+         2.0F * s *
+             (1.0F + s2 * (1.0F / 3.0F + s2 * (0.2F + s2 * (1.0F / 7.0F + s2 * (1.0F / 9.0F)))));
+}
+
+}  // namespace
+
+RIGWIRE_WIDE_VECTORS void gaussian_lanes(std::uint64_t key,
+                                         const std::array<std::uint64_t, kLanes>& shots,
+                                         LaneArray& normal) {
+  alignas(32) std::array<std::int32_t, kLanes> drawn;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    drawn[i] = static_cast<std::int32_t>(counter_bits(key, shots[i]) >> 32U);
+  }
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    // The middle of one of 2^32 equal parts of (0, 1), as distance from the middle, and from the
+    // nearer end.
+    const std::int32_t from_end = (drawn[i] ^ (drawn[i] >> 31)) ^ 0x7FFFFFFF;
+    const float nearer_end = (static_cast<float>(from_end) + 0.5F) * 0x1.0p-32F;
+    const float q = (static_cast<float>(drawn[i]) + 0.5F) * 0x1.0p-32F;
+    const float central = central_normal_quantile<float>(q);
+    const float size =
+        outer_normal_quantile<float>(__builtin_sqrtf(-natural_logarithm(nearer_end)));
+    const float outer = q < 0.0F ? -size : size;
+    const bool middle = nearer_end >= 0.5F - static_cast<float>(kCentralHalfWidth);
+    normal[i] = middle ? central : outer;
+  }
 }
 
 }  // namespace rigwire::sim

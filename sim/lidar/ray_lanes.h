@@ -1,5 +1,5 @@
 // Eight shots side by side: the arithmetic between firings and Embree's packets of eight rays.
-// Eigen puts it into the processor's vector registers.
+// Written as loops over lanes, which the compiler puts into the processor's vector registers.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -9,25 +9,32 @@
 #include <cstddef>
 #include <cstdint>
 
+// Embree reads a packet in registers of eight floats. Written in halves, it waits for the stores;
+// so where the processor has such registers, functions marked so use them. Results are the same: no
+// fused operations are used.
+#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__clang__)
+#define RIGWIRE_WIDE_VECTORS __attribute__((target_clones("avx2", "default")))
+#else
+#define RIGWIRE_WIDE_VECTORS
+#endif
+
 namespace rigwire::sim {
 
 inline constexpr std::size_t kLanes = 8;
 
 /// One value per lane.
-using Lanes = Eigen::Array<float, kLanes, 1>;
-using LanesIn = Eigen::Map<const Lanes, Eigen::Aligned32>;
+struct alignas(32) LaneArray : std::array<float, kLanes> {};
 
 /// `kColumns` quantities of eight lanes.
 template <int kColumns>
 class LaneTable {
  public:
-  /// Copies all quantities of lane `from` of `source` to lane `to`.
-  void copy_lane(const LaneTable& source, std::size_t from, std::size_t to) {
-    table_.row(static_cast<Eigen::Index>(to)) = source.table_.row(static_cast<Eigen::Index>(from));
-  }
-
   /// All columns one after the other, eight lanes each.
   [[nodiscard]] const float* data() const { return table_.data(); }
+  [[nodiscard]] float* data() { return table_.data(); }
+
+  static constexpr std::size_t kFloats = kLanes * kColumns;
 
  protected:
   [[nodiscard]] auto column(std::size_t i) { return table_.col(static_cast<Eigen::Index>(i)); }
@@ -36,11 +43,12 @@ class LaneTable {
   }
 
  private:
-  Eigen::Array<float, kLanes, kColumns> table_ = Eigen::Array<float, kLanes, kColumns>::Zero();
+  alignas(32) Eigen::Array<float, kLanes, kColumns> table_ =
+      Eigen::Array<float, kLanes, kColumns>::Zero();
 };
 
 /// Firings at the instant of their first laser, in Embree's coordinates.
-class FiringLanes : public LaneTable<9 + 3 + 3 + 3 + 3> {
+class FiringLanes : public LaneTable<9 + 3 + 3 + 3 + 4> {
  public:
   // clang-format off
   auto R(std::size_t i) { return column(i); }  ///< R_WS, column by column, i = 0 .. 8.
@@ -51,32 +59,28 @@ class FiringLanes : public LaneTable<9 + 3 + 3 + 3 + 3> {
   auto v(std::size_t i) const { return column(12 + i); }
   auto w(std::size_t i) { return column(15 + i); }  ///< rad/s
   auto w(std::size_t i) const { return column(15 + i); }
-  auto cos_azimuth() { return column(18); }
+  auto cos_azimuth() { return column(18); }  ///< Of the rotor.
   auto cos_azimuth() const { return column(18); }
   auto sin_azimuth() { return column(19); }
   auto sin_azimuth() const { return column(19); }
-  auto time() { return column(20); }  ///< Share of the slice.
-  auto time() const { return column(20); }
+  auto rotor_rate() { return column(20); }  ///< rad/s, clockwise.
+  auto rotor_rate() const { return column(20); }
+  auto time() { return column(21); }  ///< Share of the slice.
+  auto time() const { return column(21); }
   // clang-format on
 };
 
+/// Lasers of the head, as LaserGeometry has them.
 class LaserLanes : public LaneTable<7> {
  public:
   // clang-format off
   auto cos_elevation() { return column(0); }
-  auto cos_elevation() const { return column(0); }
   auto sin_elevation() { return column(1); }
-  auto sin_elevation() const { return column(1); }
-  auto offset_m() { return column(2); }
-  auto offset_m() const { return column(2); }
-  auto delay_s() { return column(3); }
-  auto delay_s() const { return column(3); }
-  auto cos_turn() { return column(4); }  ///< Of the rotor during the delay.
-  auto cos_turn() const { return column(4); }
-  auto sin_turn() { return column(5); }
-  auto sin_turn() const { return column(5); }
-  auto delay_share() { return column(6); }  ///< Of the slice.
-  auto delay_share() const { return column(6); }
+  auto cos_offset() { return column(2); }  ///< Of the azimuth's offset.
+  auto sin_offset() { return column(3); }
+  auto up_m() { return column(4); }  ///< Vertical offset of the exit.
+  auto right_m() { return column(5); }  ///< Horizontal offset of the exit.
+  auto delay_s() { return column(6); }  ///< After the firing's first laser.
   // clang-format on
 };
 
@@ -85,14 +89,21 @@ struct RayLimits {
   float near_m = 0.0F;
   float far_m = 0.0F;
   std::uint32_t mask = 0xFFFFFFFFU;
+  float slices_per_s = 0.0F;  ///< One over the length of the slice.
 };
 
-/// A packet ready to be cast. Directions have unit length to 1e-6.
+/// A packet ready to be cast. Directions have unit length to 1e-6. The rotor's turn during a
+/// laser's delay is taken to third order: exact to 1e-10 rad for all models.
 void fill_rays(const FiringLanes& firing, const LaserLanes& laser, const RayLimits& limits,
                RTCRayHit8& packet);
 
-/// A standard normal number for each shot, of (key, shot) alone.
-[[nodiscard]] Lanes gaussian_lanes(std::uint64_t key,
-                                   const std::array<std::uint64_t, kLanes>& shots);
+/// Lane i of `to` is lane `from[i]` of `firings`.
+void pick_lanes(const FiringLanes& firings, const std::array<std::uint32_t, kLanes>& from,
+                FiringLanes& to);
+
+/// A standard normal number for each shot, of (key, shot) alone; at most 6.3 in size, because it is
+/// the quantile of one of 2^32 equally probable numbers.
+void gaussian_lanes(std::uint64_t key, const std::array<std::uint64_t, kLanes>& shots,
+                    LaneArray& normal);
 
 }  // namespace rigwire::sim

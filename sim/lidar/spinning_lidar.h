@@ -1,16 +1,8 @@
 // What a spinning lidar measures: every laser of every firing is a ray of its own, cast at its own
 // instant, rotor azimuth and sensor pose, into the scene as it is at that instant.
 //
-// Sensor frame S: x forward, y left, z up, origin on the spin axis. A laser with elevation w at
-// rotor azimuth a (clockwise from forward, seen from above) starts at (0, 0, vertical offset) and
-// points along (cos w cos a, -cos w sin a, sin w).
-//
-// Echo: a surface of diffuse reflectance rho met at incidence angle theta is seen up to
-//   R_det = R_max sqrt(rho cos(theta) / 0.9),
-// the range at which it returns as much light as a 90 % target does at R_max (Goodin et al.,
-// "Predicting the influence of rain on lidar in ADAS", Electronics 8(1):89, 2019, without rain).
-// The reported reflectivity is rho cos(theta): the sensor compensates range, not incidence. One
-// echo per shot; beams have no width.
+// Frames, offsets and directions of the lasers: sim/samples/lidar_sample.h. Heads have up to 128
+// lasers in banks of 32. What comes back from a ray: clear_echo.h.
 #pragma once
 
 #include <cstdint>
@@ -64,7 +56,8 @@ class SpinningLidar final : public LidarSensor {
   /// Lasers of the last firing that fire after t1 (HDL-32E: at most 0.036 ms) are cast from the
   /// sensor pose extrapolated at constant velocity, and see bodies where they are at t1.
   /// Interpolated pose within a firing: first order in time, error below 1e-9 m and 1e-8 rad for
-  /// 10 m/s2 and 1 rad/s. Does not allocate once the slices have their usual length.
+  /// 10 m/s2 and 1 rad/s. A firing is in view or not as a whole, by the rotor's azimuth at its
+  /// first laser. Does not allocate once the slices have their usual length.
   void cast(const Scene& scene, const LidarSlice& slice, const Weather* weather,
             std::vector<LidarFiring>& firings, std::vector<LidarBankTruth>* truth) override;
 
@@ -76,15 +69,16 @@ class SpinningLidar final : public LidarSensor {
  private:
   struct Slice;
   void prepare(const Scene& scene, const LidarSlice& slice, std::vector<LidarFiring>& firings);
-  void cast_block(const Scene& scene, std::size_t block, std::vector<LidarFiring>& firings,
-                  std::uint32_t mask) const;
+  /// Whether the lasers fire with the rotor there.
+  [[nodiscard]] bool fires_at(double azimuth_rad) const;
+  void add_to_block(std::uint32_t number, const LinkMotion& mount, const RotorState& rotor,
+                    double share_of_slice);
 
   SpinningLidarParameters parameters_;
   LidarPattern pattern_;
   SamplePlan plan_;
   LidarCommand command_;
   Rotor rotor_;
-  std::uint64_t noise_key_;
   std::uint64_t rays_ = 0;
   std::unique_ptr<Slice> slice_;
 };

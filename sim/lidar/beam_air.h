@@ -1,0 +1,31 @@
+// What the air does to a beam of sub-rays.
+//
+// The weather is asked along the middle of the beam only. It is taken to be the same across the
+// beam, and between the nearest and the farthest surface to weaken light evenly: exact in rain and
+// fog, and where all sub-rays meet one surface. An echo of the air keeps the share of the beam that
+// no surface has stopped before it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "sim/lidar/beam_hits.h"
+#include "sim/lidar/echo_detector.h"
+#include "sim/weather/weather.h"
+
+namespace rigwire::sim {
+
+struct AirEchoes {
+  std::array<EchoPart, kMaxAirEchoes> parts;
+  std::size_t count = 0;
+};
+
+/// Weakens the hits of one lane and adds the echoes of the air. `beam` is the middle of the beam,
+/// far_m its reach. `weights` are those of the sub-rays; hits beyond them (scattered light) are
+/// weakened only.
+[[nodiscard]] AirEchoes pass_air(const Weather& weather, WeatherBeam beam,
+                                 std::span<const float> weights, std::span<SubRayHits> hits,
+                                 std::size_t lane);
+
+}  // namespace rigwire::sim

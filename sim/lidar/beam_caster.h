@@ -1,0 +1,65 @@
+// The echoes of beams that have a width, in any weather: each beam is a few sub-rays
+// (beam_sampler.h), the same sub-ray of neighbouring firings makes one of Embree's packets.
+//
+// Every sub-ray is cast, whatever the middle of the beam meets (MAVS leaves the others out when its
+// middle one meets nothing, and so loses twigs against the sky). What they return is summed up by
+// link_budget.h, told apart by echo_detector.h and reported by echo_model.h. Sub-rays of a beam
+// leave from one point and at one instant.
+//
+// Blooming: six more rays around the beam carry scattered light; of what they meet retro-reflectors
+// alone are bright enough to count.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sim/lidar/beam_lanes.h"
+#include "sim/lidar/echo_detector.h"
+#include "sim/lidar/echo_model.h"
+#include "sim/lidar/firing_block.h"
+#include "sim/lidar/lidar_parameters.h"
+
+namespace rigwire::sim {
+
+class BeamCaster {
+ public:
+  /// Throws std::invalid_argument for bad parameters or a bad beam. Random numbers depend on (seed,
+  /// name) only.
+  BeamCaster(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
+             std::uint64_t seed, std::string_view name);
+
+  /// Casts all beams of the block and writes the strongest echo of each; where echoes are to be
+  /// told apart, the last and the second strongest one too; and the truth along the middle of the
+  /// beam where it is asked for. May run on many threads, for different blocks. Does not allocate;
+  /// uses 150 kB of stack.
+  void cast(const BlockCast& cast) const;
+
+  /// Rays per beam, those of scattered light included.
+  [[nodiscard]] std::size_t rays_per_beam() const { return aims_.size(); }
+  [[nodiscard]] const EchoModel& echo_model() const { return model_; }
+
+ private:
+  /// The beams of one packet.
+  struct Beams;
+  /// Their echoes.
+  struct Echoes;
+
+  [[nodiscard]] std::span<SubRayHits> hits_of(Beams& beams) const;
+  void trace(const BlockCast& cast, const RingPacket& plan, Beams& beams) const;
+  void meet_air(const BlockCast& cast, Beams& beams) const;
+  void detect(Beams& beams, Echoes& echoes) const;
+  void report(const BlockCast& cast, const RingPacket& plan, const Beams& beams,
+              const Echoes& echoes) const;
+
+  EchoModel model_;
+  EchoRules rules_;
+  std::vector<SubRayAim> aims_;  ///< Those of the beam, then scattered light.
+  std::vector<float> weights_;   ///< Of the beam's own.
+  bool compensates_incidence_;
+  double divergence_rad_;  ///< Of a round beam of the same cross section.
+  std::uint64_t air_key_;
+};
+
+}  // namespace rigwire::sim

@@ -1,0 +1,133 @@
+#include "sim/lidar/beam_lanes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/lidar/link_budget.h"
+
+namespace rigwire::sim {
+namespace {
+
+/// A patch met at a glance is no deeper than this.
+constexpr float kDeepestPatch_m = 100.0F;
+
+}  // namespace
+
+RIGWIRE_WIDE_VECTORS void look_across(const RTCRay8& middle, const std::array<LaneArray, 3>& axis,
+                                      Across& across) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const float dx = middle.dir_x[i];
+    const float dy = middle.dir_y[i];
+    const float dz = middle.dir_z[i];
+    const float x = dy * axis[2][i] - dz * axis[1][i];
+    const float y = dz * axis[0][i] - dx * axis[2][i];
+    const float z = dx * axis[1][i] - dy * axis[0][i];
+    const float scale = 1.0F / std::sqrt(x * x + y * y + z * z);
+    const float rx = scale * x;
+    const float ry = scale * y;
+    const float rz = scale * z;
+    across.right_x[i] = rx;
+    across.right_y[i] = ry;
+    across.right_z[i] = rz;
+    across.up_x[i] = ry * dz - rz * dy;
+    across.up_y[i] = rz * dx - rx * dz;
+    across.up_z[i] = rx * dy - ry * dx;
+  }
+}
+
+RIGWIRE_WIDE_VECTORS void aim_rays(const RTCRay8& middle, const Across& across,
+                                   const SubRayAim& aim, RTCRayHit8& packet) {
+  RTCRay8& ray = packet.ray;
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    ray.dir_x[i] =
+        aim.shrink * (middle.dir_x[i] + aim.right * across.right_x[i] + aim.up * across.up_x[i]);
+    ray.dir_y[i] =
+        aim.shrink * (middle.dir_y[i] + aim.right * across.right_y[i] + aim.up * across.up_y[i]);
+    ray.dir_z[i] =
+        aim.shrink * (middle.dir_z[i] + aim.right * across.right_z[i] + aim.up * across.up_z[i]);
+    ray.org_x[i] = middle.org_x[i];
+    ray.org_y[i] = middle.org_y[i];
+    ray.org_z[i] = middle.org_z[i];
+    ray.tnear[i] = middle.tnear[i];
+    ray.time[i] = middle.time[i];
+    ray.tfar[i] = middle.tfar[i];
+    ray.mask[i] = middle.mask[i];
+    ray.id[i] = 0;
+    ray.flags[i] = 0;
+    packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
+}
+
+RIGWIRE_WIDE_VECTORS void receive_hits(const RTCRayHit8& packet, const HitSurfaces& surfaces,
+                                       const Across& across, const SubRayAim& aim,
+                                       const Reception& reception, SubRayHits& hits) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const bool met = packet.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID;
+    const float range = packet.ray.tfar[i];
+    const float cosine = surfaces.cosine[i];
+    const float reflectance = reception.retro_alone ? 0.0F : surfaces.reflectance[i];
+    const float gain = surfaces.retro_gain[i];
+    const float apparent = apparent_reflectance(reflectance, gain, cosine);
+    const float reported =
+        reception.compensates_incidence ? apparent + reflectance * (1.0F - cosine) : apparent;
+    const bool returns = met & (range >= reception.minimum_m) & (apparent > 0.0F);
+    hits.range_m[i] = met ? range : SubRayHits::kNothing;
+    hits.energy[i] = returns ? aim.weight * apparent / (range * range) : 0.0F;
+    hits.brightness[i] = returns ? aim.weight * reported : 0.0F;
+
+    const float nx = surfaces.normal_x[i];
+    const float ny = surfaces.normal_y[i];
+    const float nz = surfaces.normal_z[i];
+    const float to_right = nx * across.right_x[i] + ny * across.right_y[i] + nz * across.right_z[i];
+    const float to_top = nx * across.up_x[i] + ny * across.up_y[i] + nz * across.up_z[i];
+    const float along =
+        nx * packet.ray.dir_x[i] + ny * packet.ray.dir_y[i] + nz * packet.ray.dir_z[i];
+    const float slant = aim.patch_right * std::abs(to_right) + aim.patch_up * std::abs(to_top);
+    hits.patch_m[i] = std::min(range * slant / std::max(std::abs(along), 1e-20F), kDeepestPatch_m);
+  }
+}
+
+RIGWIRE_WIDE_VECTORS void find_extent(std::span<const SubRayHits> hits, LaneArray& near_m,
+                                      LaneArray& far_m) {
+  near_m.fill(SubRayHits::kNothing);
+  far_m.fill(0.0F);
+  for (const SubRayHits& hit : hits) {
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const bool returns = hit.energy[i] > 0.0F;
+      const float near = std::min(near_m[i], hit.range_m[i]);
+      const float far = std::max(far_m[i], hit.range_m[i]);
+      near_m[i] = returns ? near : near_m[i];
+      far_m[i] = returns ? far : far_m[i];
+    }
+  }
+}
+
+RIGWIRE_WIDE_VECTORS void sum_up(std::span<const SubRayHits> hits, const LaneArray& near_m,
+                                 EchoLanes& echo) {
+  LaneArray behind;
+  behind.fill(0.0F);
+  echo.energy.fill(0.0F);
+  echo.brightness.fill(0.0F);
+  for (const SubRayHits& hit : hits) {
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const bool returns = hit.energy[i] > 0.0F;
+      const float depth_m = returns ? hit.range_m[i] - near_m[i] : 0.0F;
+      echo.energy[i] += hit.energy[i];
+      echo.brightness[i] += hit.brightness[i];
+      behind[i] += hit.energy[i] * depth_m;
+    }
+  }
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const bool any = echo.energy[i] > 0.0F;
+    echo.range_m[i] = any ? near_m[i] + behind[i] / echo.energy[i] : 0.0F;
+  }
+}
+
+}  // namespace rigwire::sim

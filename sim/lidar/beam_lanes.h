@@ -1,0 +1,52 @@
+// Arithmetic of eight beams side by side: their sub-rays and what comes back from them.
+#pragma once
+
+#include <span>
+
+#include "sim/lidar/beam_hits.h"
+#include "sim/lidar/echo_model.h"
+#include "sim/lidar/hit_surface.h"
+#include "sim/lidar/ray_lanes.h"
+
+namespace rigwire::sim {
+
+/// Across the beams: where right and up are for whoever looks along them, unit vectors.
+struct Across {
+  LaneArray right_x, right_y, right_z;
+  LaneArray up_x, up_y, up_z;
+};
+
+/// `axis`: the sensor's z axis, x, y and z; not along any beam.
+void look_across(const RTCRay8& middle, const std::array<LaneArray, 3>& axis, Across& across);
+
+/// A sub-ray, in the plane across the beam at distance 1.
+struct SubRayAim {
+  float right = 0.0F;
+  float up = 0.0F;
+  float shrink = 1.0F;  ///< Makes the direction a unit vector again.
+  float weight = 1.0F;
+  float patch_right = 0.0F;  ///< Half the way to its neighbours.
+  float patch_up = 0.0F;
+};
+
+/// The same sub-ray of all beams, ready to be cast.
+void aim_rays(const RTCRay8& middle, const Across& across, const SubRayAim& aim,
+              RTCRayHit8& packet);
+
+struct Reception {
+  float minimum_m = 0.0F;              ///< What is nearer stops light, but sends no echo.
+  bool retro_alone = false;            ///< Diffuse surfaces do not count.
+  bool compensates_incidence = false;  ///< Brightness is that of the surface met head on.
+};
+
+/// What comes back from a cast packet in clear air.
+void receive_hits(const RTCRayHit8& packet, const HitSurfaces& surfaces, const Across& across,
+                  const SubRayAim& aim, const Reception& reception, SubRayHits& hits);
+
+/// Nearest and farthest of the hits that return something; SubRayHits::kNothing and 0: none does.
+void find_extent(std::span<const SubRayHits> hits, LaneArray& near_m, LaneArray& far_m);
+
+/// All hits of a beam as one echo, by the same sums as detect_echoes().
+void sum_up(std::span<const SubRayHits> hits, const LaneArray& near_m, EchoLanes& echo);
+
+}  // namespace rigwire::sim

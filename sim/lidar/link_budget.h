@@ -1,0 +1,73 @@
+// How much of a pulse comes back, and what the sensor makes of it. The formulas are for float and
+// double, without branches, so that loops over lanes go through vector registers.
+//
+// Unit of energy: what a white Lambertian surface, met head on by the whole beam in clear air,
+// returns at 1 m. A surface of diffuse reflectance rho met at incidence angle theta at range r by
+// the share w of the beam returns w rho cos(theta) T / r^2 with the two-way transmission T: the
+// laser radar equation for extended targets (Wagner, "Radiometric calibration of small-footprint
+// full-waveform airborne laser scanner measurements", ISPRS J. 65(6), 2010). An echo is seen when
+// its energy is at least that of a 90 % target at the reference range R, 0.9 / R^2 (Kilic et al.,
+// arXiv 2107.07004, 2021). Without width of the beam, in clear air, the range at which a surface
+// vanishes is R sqrt(rho cos(theta) / 0.9).
+//
+// Retro-reflectors return kIdealRetroGain times the light of a white surface for a gain of 1.
+// Reflectivity is reported as the Velodyne manuals say (VLP-16 63-9243 Rev D, p. 32): compensated
+// for range, not for incidence nor for the air; up to 1 diffuse, above it retro-reflectors, 2 the
+// ideal one. The law in between is ours, linear in what comes back.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace rigwire::sim {
+
+/// Reflectance of the target that the reference range is stated for.
+inline constexpr double kReferenceReflectance = 0.9;
+
+/// Retro-reflective sheeting is sold with 70 to 600 cd/(lx m2) near its axis (classes of ASTM
+/// D4956), where a white Lambertian surface has 1 / pi: 200 to 1900 times as much.
+inline constexpr double kIdealRetroGain = 1000.0;
+
+/// Sheeting keeps its gain up to about 30 degrees of incidence: all of it below 25, none above 35,
+/// linear in the cosine in between.
+inline constexpr double kRetroFullCosine = 0.90631;
+inline constexpr double kRetroNoneCosine = 0.81915;
+
+/// Share of a retro-reflector's gain that is left at this cosine of the incidence angle, 0 .. 1.
+template <class Real>
+[[nodiscard]] constexpr Real retro_acceptance(Real cosine) {
+  constexpr auto kSlope = static_cast<Real>(1.0 / (kRetroFullCosine - kRetroNoneCosine));
+  const Real share = (cosine - static_cast<Real>(kRetroNoneCosine)) * kSlope;
+  return std::min(std::max(share, Real{0}), Real{1});
+}
+
+/// What a surface returns, as a multiple of a white surface met head on.
+template <class Real>
+[[nodiscard]] constexpr Real apparent_reflectance(Real reflectance, Real retro_gain, Real cosine) {
+  return reflectance * cosine +
+         static_cast<Real>(kIdealRetroGain) * retro_gain * retro_acceptance(cosine);
+}
+
+/// The least energy that is seen.
+[[nodiscard]] constexpr double detection_energy(double reference_range_m) {
+  return kReferenceReflectance / (reference_range_m * reference_range_m);
+}
+
+/// What the sensor reports for an echo of this brightness (energy times range squared), 0 .. 2.
+template <class Real>
+[[nodiscard]] constexpr Real reported_reflectivity(Real brightness) {
+  constexpr auto kSlope = static_cast<Real>(1.0 / (kIdealRetroGain - 1.0));
+  const Real retro = (brightness - Real{1}) * kSlope;
+  return std::min(std::max(brightness, Real{0}), Real{1}) +
+         std::min(std::max(retro, Real{0}), Real{1});
+}
+
+/// Spread of a range measured from a signal `signal_to_noise` times as strong as the faintest that
+/// is seen: `floor_m` and resolution / sqrt(2 SNR), as independent errors (second part: Kilic et
+/// al. 2021).
+template <class Real>
+[[nodiscard]] Real range_spread_m(Real floor_m, Real resolution_m, Real signal_to_noise) {
+  return std::sqrt(floor_m * floor_m + Real{0.5} * resolution_m * resolution_m / signal_to_noise);
+}
+
+}  // namespace rigwire::sim

@@ -5,27 +5,25 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 
+#include "sim/lidar/beam_air.h"
+#include "sim/lidar/beam_hits.h"
 #include "sim/lidar/counter_noise.h"
 #include "sim/lidar/depth_image_set.h"
-#include "sim/lidar/ray_lanes.h"
+#include "sim/lidar/link_budget.h"
 #include "sim/random.h"
 #include "sim/scene/scene_internals.h"
-#include "sim/weather/weather.h"
 
 namespace rigwire::sim {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-/// Reflectance of the target that the maximum range is stated for.
-constexpr float kReferenceReflectance = 0.9F;
-/// Beyond the maximum range a hit may still come into it by its noise.
-constexpr double kNoiseReach_sigma = 6.0;
 /// What parallax may turn a beam that leaves beside the spin axis.
 constexpr double kHorizontalParallax_rad = 0.05;
-constexpr double kHalfLightSpeed_mpns = 0.5 * 0.299792458;
+constexpr double kSpeedOfLight_mps = 299792458.0;
 
 double wrapped(double azimuth_rad) {
   const double turns = azimuth_rad / kTurn;
@@ -38,30 +36,43 @@ bool in_view(const LidarCommand& command, double azimuth_rad) {
   return width == 0.0 || wrapped(azimuth_rad - command.view_start_rad) < width;
 }
 
-double far_plane_m(const DepthImageParameters& parameters, const LidarPattern& pattern) {
-  return pattern.maximum_range_m + kNoiseReach_sigma * parameters.range_sigma_m;
+const SpinningLidarParameters& checked(const SpinningLidarParameters& receiver) {
+  if (receiver.sub_rays != 1 || receiver.blooming_share != 0.0) {
+    throw std::invalid_argument("depth images: found sub_rays " +
+                                std::to_string(receiver.sub_rays) + " and blooming_share " +
+                                std::to_string(receiver.blooming_share) +
+                                ", allowed: 1 and 0, because a pixel has one surface");
+  }
+  return receiver;
 }
 
-/// What comes back from a surface or from the air before it.
-struct Echo {
-  float range_m = 0.0F;
-  float apparent = 0.0F;  ///< Reflectance of a diffuse target that returns as much from there.
-};
+/// Of one shot: no width, no depth.
+void set_hit(SubRayHits& hits, std::size_t lane, const SeenSurface& seen, float minimum_m,
+             bool compensates_incidence) {
+  const auto range_m = static_cast<float>(seen.range_m);
+  const bool hit = range_m > 0.0F;
+  const bool returns = hit && range_m >= minimum_m;
+  const float apparent = apparent_reflectance(seen.reflectance, seen.retro_gain, seen.cosine);
+  const float head_on = apparent_reflectance(seen.reflectance, seen.retro_gain, 1.0F);
+  hits.range_m[lane] = hit ? range_m : SubRayHits::kNothing;
+  hits.energy[lane] = returns ? apparent / (range_m * range_m) : 0.0F;
+  hits.brightness[lane] = !returns ? 0.0F : (compensates_incidence ? head_on : apparent);
+  hits.patch_m[lane] = 0.0F;
+}
 
-/// The stronger of the surface seen through the air and of the air's own echoes.
-Echo strongest(const Echo& surface, const AirPath& air) {
-  const auto energy = [](const Echo& echo) {
-    return echo.range_m > 0.0F ? echo.apparent / (echo.range_m * echo.range_m) : 0.0F;
-  };
-  Echo best{surface.range_m, surface.apparent * static_cast<float>(air.transmission)};
-  for (std::size_t i = 0; i < air.echo_count; ++i) {
-    const auto range_m = static_cast<float>(air.echoes[i].range_m);
-    const Echo other{range_m, static_cast<float>(air.echoes[i].energy) * range_m * range_m};
-    if (energy(other) > energy(best)) {
-      best = other;
+/// The stronger of the surface and of what the air returns before it.
+void keep_strongest(const SubRayHits& hits, const AirEchoes& air, std::size_t lane,
+                    EchoLanes& echo) {
+  echo.range_m[lane] = hits.energy[lane] > 0.0F ? hits.range_m[lane] : 0.0F;
+  echo.energy[lane] = hits.energy[lane];
+  echo.brightness[lane] = hits.brightness[lane];
+  for (std::size_t i = 0; i < air.count; ++i) {
+    if (air.parts[i].energy > echo.energy[lane]) {
+      echo.range_m[lane] = air.parts[i].range_m;
+      echo.energy[lane] = air.parts[i].energy;
+      echo.brightness[lane] = air.parts[i].brightness;
     }
   }
-  return best;
 }
 
 }  // namespace
@@ -80,8 +91,9 @@ struct DepthImageLidar::Pending {
 };
 
 struct DepthImageLidar::State {
-  State(const DepthImageParameters& parameters, const LidarPattern& pattern)
-      : images(parameters, pattern, far_plane_m(parameters, pattern)) {
+  State(const DepthImageParameters& parameters, const LidarPattern& pattern, double far_m,
+        int threads)
+      : images(parameters, pattern, far_m, threads) {
     for (const LaserGeometry& laser : pattern.lasers) {
       least_turn_rad = std::min(least_turn_rad, laser.azimuth_offset_rad);
       greatest_turn_rad = std::max(greatest_turn_rad, laser.azimuth_offset_rad);
@@ -109,6 +121,7 @@ struct DepthImageLidar::State {
 };
 
 DepthImageLidar::DepthImageLidar(const DepthImageParameters& parameters,
+                                 const SpinningLidarParameters& receiver,
                                  const LidarPattern& pattern, const SamplePlan& plan,
                                  const LidarCommand& command, std::uint64_t seed,
                                  std::string_view name)
@@ -117,14 +130,14 @@ DepthImageLidar::DepthImageLidar(const DepthImageParameters& parameters,
       plan_(plan),
       command_(command),
       rotor_(command),
-      noise_key_(RandomStream(seed, std::string(name) + "/range").bits()),
-      weather_key_(RandomStream(seed, std::string(name) + "/weather").bits()) {
-  validate(parameters);
+      echo_model_(checked(receiver), pattern, seed, name),
+      compensates_incidence_(receiver.compensates_incidence),
+      air_key_(RandomStream(seed, std::string(name) + "/air").bits()) {
   if (plan.first == kNever || plan.period <= Duration::zero() ||
       !(pattern.maximum_range_m > pattern.minimum_range_m)) {
     throw std::invalid_argument("depth images: needs a firing plan and a range window");
   }
-  state_ = std::make_unique<State>(parameters, pattern);
+  state_ = std::make_unique<State>(parameters, pattern, echo_model_.reach_m(), receiver.threads);
 }
 
 DepthImageLidar::~DepthImageLidar() = default;
@@ -207,49 +220,48 @@ void DepthImageLidar::cast(const Scene& scene, const LidarSlice& slice, const We
   answer_pending();
 }
 
+WeatherBeam DepthImageLidar::weather_beam(const Pending& pending, std::size_t laser) const {
+  const BeamLine line =
+      beam_line(pattern_.lasers[laser], pending.azimuth_rad(pattern_.lasers[laser]));
+  const Eigen::Isometry3d& X_WS = state_->images.X_WS();
+  return {.start_W = X_WS * line.start_S,
+          .direction_W = X_WS.linear() * line.direction_S,
+          .near_m = pattern_.minimum_range_m,
+          .far_m = echo_model_.reach_m(),
+          .divergence_rad = std::sqrt(pattern_.beam.horizontal_divergence_rad *
+                                      pattern_.beam.vertical_divergence_rad),
+          .pulse_m = 0.5 * kSpeedOfLight_mps * to_seconds(pattern_.beam.pulse),
+          .time = pending.time + pattern_.lasers[laser].time_offset,
+          .draw_key = counter_bits(air_key_, pending.number * kMaxLasers + laser)};
+}
+
 void DepthImageLidar::answer(const Scene& scene, const Weather* weather, const Pending& pending,
                              std::vector<LidarFiring>& firings) const {
-  const DepthImageSet& images = state_->images;
-  const auto maximum = static_cast<float>(pattern_.maximum_range_m);
-  const auto minimum = static_cast<float>(pattern_.minimum_range_m);
-  const auto sigma = static_cast<float>(parameters_.range_sigma_m);
-  const float echo_limit = maximum * maximum / kReferenceReflectance;
+  static constexpr std::array kWholeBeam{1.0F};
   const bool air = weather != nullptr && weather->present();
-  Lanes noise = Lanes::Zero();
-  for (std::size_t i = 0; i < pattern_.lasers.size(); ++i) {
-    const LaserGeometry& laser = pattern_.lasers[i];
-    const std::uint64_t shot = pending.number * kMaxLasers + i;
-    if (sigma > 0.0F && i % kLanes == 0) {
-      std::array<std::uint64_t, kLanes> shots{};
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        shots[lane] = shot + lane;
+  const std::size_t count = pattern_.lasers.size();
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    ShotNumbers shots{};
+    SubRayHits hits;
+    EchoLanes echo;
+    const std::size_t lanes = std::min(kLanes, count - first);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const std::size_t laser = first + lane;
+      shots[lane] = pending.number * kMaxLasers + laser;
+      const SeenSurface seen =
+          state_->images.see(scene, laser, pending.azimuth_rad(pattern_.lasers[laser]));
+      set_hit(hits, lane, seen, echo_model_.minimum_range_m(), compensates_incidence_);
+      AirEchoes in_the_air;
+      if (air) {
+        in_the_air =
+            pass_air(*weather, weather_beam(pending, laser), kWholeBeam, std::span(&hits, 1), lane);
       }
-      noise = sigma * gaussian_lanes(noise_key_, shots);
+      keep_strongest(hits, in_the_air, lane, echo);
     }
-    const double azimuth_rad = pending.azimuth_rad(laser);
-    const SeenSurface seen = images.see(scene, i, azimuth_rad);
-    Echo echo{static_cast<float>(seen.range_m), seen.reflectance * seen.cosine};
-    if (air) {
-      const BeamLine line = beam_line(laser, azimuth_rad);
-      echo = strongest(
-          echo,
-          weather->along(
-              {.start_W = images.X_WS() * line.start_S,
-               .direction_W = images.X_WS().linear() * line.direction_S,
-               .near_m = pattern_.minimum_range_m,
-               .far_m = seen.range_m > 0.0 ? seen.range_m : pattern_.maximum_range_m,
-               .divergence_rad = pattern_.beam.horizontal_divergence_rad,
-               .pulse_m = kHalfLightSpeed_mpns * static_cast<double>(pattern_.beam.pulse.count()),
-               .time = pending.time + laser.time_offset,
-               .draw_key = counter_bits(weather_key_, shot)}));
-    }
-    if (!(echo_limit * echo.apparent >= echo.range_m * echo.range_m) || echo.range_m < minimum) {
-      continue;  // nothing, too faint, or within the minimum range
-    }
-    const float measured = echo.range_m + noise(static_cast<Eigen::Index>(i % kLanes));
-    if (measured >= minimum && measured <= maximum) {
-      firings[pending.first_bank + i / kBankLasers].strongest[i % kBankLasers] = {
-          measured, std::min(echo.apparent, 1.0F)};
+    const EightReturns returns = echo_model_.report(echo, shots, EchoRank::strongest);
+    LidarFiring& firing = firings[pending.first_bank + first / kBankLasers];
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      firing.strongest[(first + lane) % kBankLasers] = returns[lane];
     }
   }
 }

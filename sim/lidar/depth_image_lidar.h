@@ -3,14 +3,15 @@
 // in one of their images (Wolf et al. 2020, Algorithm 2; depth_image_parameters.h has the choices,
 // depth_image_geometry.h the mapping, depth_image_lookup.h what lies between pixels).
 //
-// What it cannot do, whatever the parameters: tell echoes apart (there is one surface per pixel),
-// widen the beam, and see motion within an image. Bodies and sensor stand still from one image to
-// the next: with one image per revolution of T seconds and a relative speed v, the last shots are
-// v T off. Error on still planes with the exact rules: below 0.1 mm within 100 m; without
-// interpolation about r^2 / (h f) for ground seen from height h, f the focal length in pixels.
-// Measured beside rays by `rigwire bench lidar` (docs/accuracy/depth-images.md).
+// What it cannot do, whatever the parameters: tell echoes apart (there is one surface per pixel, so
+// one echo per shot at most), widen the beam, and see motion within an image. Bodies and sensor
+// stand still from one image to the next: with one image per revolution of T seconds and a relative
+// speed v, the last shots are v T off. Error on still planes with the exact rules: below 0.1 mm
+// within 100 m; without interpolation about r^2 / (h f) for ground seen from height h, f the focal
+// length in pixels. Measured beside rays by `rigwire bench lidar` (docs/accuracy/depth-images.md).
 //
-// Firing clock, azimuths, noise, echo limit and reflectivity are those of SpinningLidar.
+// Firing clock, azimuths, noise, losses, echo limit, reflectivity and weather are those of
+// SpinningLidar with one ray per beam (echo_model.h).
 #pragma once
 
 #include <cstdint>
@@ -19,19 +20,24 @@
 #include <vector>
 
 #include "sim/lidar/depth_image_parameters.h"
+#include "sim/lidar/echo_model.h"
+#include "sim/lidar/lidar_parameters.h"
 #include "sim/lidar/lidar_sensor.h"
 #include "sim/lidar/rotor.h"
 #include "sim/samples/lidar_sample.h"
+#include "sim/weather/weather.h"
 
 namespace rigwire::sim {
 
 class DepthImageLidar final : public LidarSensor {
  public:
-  /// As SpinningLidar's constructor. Throws std::invalid_argument for bad parameters, a pattern
-  /// that DepthImageGeometry refuses, or one without firing plan or range window.
-  DepthImageLidar(const DepthImageParameters& parameters, const LidarPattern& pattern,
-                  const SamplePlan& plan, const LidarCommand& command, std::uint64_t seed,
-                  std::string_view name);
+  /// As SpinningLidar's constructor. Of `receiver`, housing_radius_m and echo_separation_m mean
+  /// nothing here. Throws std::invalid_argument for bad parameters, sub-rays or blooming, which an
+  /// image cannot give, a pattern that DepthImageGeometry refuses, or one without firing plan or
+  /// range window.
+  DepthImageLidar(const DepthImageParameters& parameters, const SpinningLidarParameters& receiver,
+                  const LidarPattern& pattern, const SamplePlan& plan, const LidarCommand& command,
+                  std::uint64_t seed, std::string_view name);
   ~DepthImageLidar() override;
 
   void command(SimTime time, const LidarCommand& command) override;
@@ -55,6 +61,7 @@ class DepthImageLidar final : public LidarSensor {
   void render(const Scene& scene, const LidarSlice& slice, const Pending& first);
   void answer(const Scene& scene, const Weather* weather, const Pending& pending,
               std::vector<LidarFiring>& firings) const;
+  [[nodiscard]] WeatherBeam weather_beam(const Pending& pending, std::size_t laser) const;
   void answer_truly(const Scene& scene, const LidarSlice& slice, const Pending& pending,
                     std::vector<LidarBankTruth>& truth) const;
 
@@ -63,8 +70,9 @@ class DepthImageLidar final : public LidarSensor {
   SamplePlan plan_;
   LidarCommand command_;
   Rotor rotor_;
-  std::uint64_t noise_key_;
-  std::uint64_t weather_key_;
+  EchoModel echo_model_;
+  bool compensates_incidence_;
+  std::uint64_t air_key_;
   std::uint64_t pixels_ = 0;
   std::unique_ptr<State> state_;
 };

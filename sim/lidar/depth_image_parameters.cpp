@@ -53,8 +53,6 @@ void validate(const DepthImageParameters& parameters) {
   }
   require("images_per_revolution", parameters.images_per_revolution, 1, kMostImages);
   require("near_plane_m", parameters.near_plane_m, 1e-3, 10.0);
-  require("range_sigma_m", parameters.range_sigma_m, 0.0, 1.0);
-  require("threads", parameters.threads, 1, 256);
   require("parallax_steps", parameters.parallax_steps, 0, kMostParallaxSteps);
   const bool exact = parameters.rows == RowRule::hyperbola_focal &&
                      parameters.columns == ColumnRule::resampled &&

@@ -60,8 +60,6 @@ struct DepthImageParameters {
   /// range nearer to the beam's own, by a factor of about offset / (range tan(grazing angle)).
   /// Needs the exact row, column and elevation rules.
   int parallax_steps = 2;
-  double range_sigma_m = 0.02;  ///< Of the Gaussian range noise, independent per shot.
-  int threads = 1;              ///< That cast, the caller's included. Does not change results.
 };
 
 /// The pipeline as the paper prints it: three cameras, one instant, Eq. 4 with b = W / 2, pixels

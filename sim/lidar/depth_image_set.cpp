@@ -26,12 +26,12 @@ BeamLine beam_line(const LaserGeometry& laser, double azimuth_rad) {
 }
 
 DepthImageSet::DepthImageSet(const DepthImageParameters& parameters, const LidarPattern& pattern,
-                             double far_m)
+                             double far_m, int threads)
     : lasers_(pattern.lasers),
       sampling_(parameters.sampling),
       parallax_steps_(parameters.parallax_steps),
       geometry_(parameters, pattern),
-      workers_(parameters.threads) {
+      workers_(threads) {
   for (std::size_t camera = 0; camera < geometry_.cameras(); ++camera) {
     images_.emplace_back(geometry_, camera, parameters, far_m);
   }
@@ -98,7 +98,8 @@ SeenSurface DepthImageSet::see(const Scene& scene, std::size_t laser, double azi
     return {};
   }
   const float cosine = std::abs(image.normal_S(found.pixel).dot(beam.direction_S.cast<float>()));
-  return {range_m, scene.internals().shading[surface].reflectance, cosine};
+  const Scene::Internals::Shading& shading = scene.internals().shading[surface];
+  return {range_m, shading.reflectance, shading.retro_gain, cosine};
 }
 
 }  // namespace rigwire::sim

@@ -26,15 +26,17 @@ struct BeamLine {
 
 /// What a beam meets.
 struct SeenSurface {
-  double range_m = 0.0;      ///< From the beam's start; 0: nothing.
-  float reflectance = 0.0F;  ///< Of the material.
-  float cosine = 0.0F;       ///< Of the angle of incidence.
+  double range_m = 0.0;  ///< From the beam's start; 0: nothing.
+  float reflectance = 0.0F;
+  float retro_gain = 0.0F;
+  float cosine = 0.0F;  ///< Of the angle of incidence.
 };
 
 class DepthImageSet {
  public:
   /// Throws as DepthImageGeometry does.
-  DepthImageSet(const DepthImageParameters& parameters, const LidarPattern& pattern, double far_m);
+  DepthImageSet(const DepthImageParameters& parameters, const LidarPattern& pattern, double far_m,
+                int threads);
 
   /// Renders what beams with azimuths within [start, start + width] may need, on all the threads.
   /// Returns the pixels rendered.
@@ -43,6 +45,9 @@ class DepthImageSet {
 
   /// Along the beam of a laser with this azimuth. May be called from many threads.
   [[nodiscard]] SeenSurface see(const Scene& scene, std::size_t laser, double azimuth_rad) const;
+
+  /// From now on. The images serve any sampling.
+  void set_sampling(DepthSampling sampling) { sampling_ = sampling; }
 
   /// Of the sensor when the images were rendered.
   [[nodiscard]] const Eigen::Isometry3d& X_WS() const { return X_WS_; }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/lidar/depth_image_lidar.h"
+#include "sim/lidar/lidar_parameters.h"
 #include "sim/lidar/lidar_sensor.h"
 #include "sim/samples/lidar_sample.h"
 #include "sim/scene/scene.h"
@@ -64,10 +65,10 @@ inline HeightField level_ground() {
   return field;
 }
 
-inline DepthImageParameters noiseless() {
-  DepthImageParameters parameters;
-  parameters.range_sigma_m = 0.0;
-  return parameters;
+inline SpinningLidarParameters noiseless() {
+  SpinningLidarParameters receiver;
+  receiver.range_sigma_m = 0.0;
+  return receiver;
 }
 
 /// Firings of the first revolution in one slice, by a sensor that stands.

@@ -24,7 +24,7 @@ std::vector<LidarFiring> revolution_over_level_ground(const DepthImageParameters
                                                       const LidarPattern& head) {
   Scene scene;
   scene.add_terrain(level_ground(), white());
-  DepthImageLidar lidar(parameters, head, firing_plan(), turning(), 1, "lidar");
+  DepthImageLidar lidar(parameters, noiseless(), head, firing_plan(), turning(), 1, "lidar");
   return revolution(lidar, scene, standing(0.0, 0.0, kHeight_m));
 }
 
@@ -57,7 +57,7 @@ TEST(DepthImageLidar, RingsOnLevelGroundAreCirclesWithTheExactRules) {
   const LidarPattern head = ideal_head();
   for (const DepthSampling sampling :
        {DepthSampling::bilinear_inverse_depth, DepthSampling::tangent_plane}) {
-    DepthImageParameters parameters = noiseless();
+    DepthImageParameters parameters;
     parameters.sampling = sampling;
     const auto firings = revolution_over_level_ground(parameters, head);
     ASSERT_EQ(firings.size(), 2170U);
@@ -72,7 +72,6 @@ TEST(DepthImageLidar, RingsOnLevelGroundAreCirclesWithTheExactRules) {
 
 TEST(DepthImageLidar, RingsAsPrintedAreTrianglesWithThreeCameras) {
   DepthImageParameters parameters = as_printed();
-  parameters.range_sigma_m = 0.0;
   parameters.width_px = 512;
   parameters.sampling = DepthSampling::bilinear_inverse_depth;
   const auto edge_over_middle = [&](int cameras) {
@@ -104,7 +103,7 @@ double rms_error_m(const DepthImageParameters& parameters, double least_m, doubl
 }
 
 TEST(DepthImageLidar, NearestPixelErrsByTheSquareOfTheRangeOverThePixels) {
-  DepthImageParameters parameters = noiseless();
+  DepthImageParameters parameters;
   parameters.cameras = 4;
   parameters.sampling = DepthSampling::nearest;
   for (const int width_px : {512, 1024, 2048}) {
@@ -124,7 +123,7 @@ TEST(DepthImageLidar, NearestPixelErrsByTheSquareOfTheRangeOverThePixels) {
 TEST(DepthImageLidar, ParallaxStepsFindWhereEachBeamLeaves) {
   LidarPattern head = real_head();
   const auto worst_error_m = [&](int steps) {
-    DepthImageParameters parameters = noiseless();
+    DepthImageParameters parameters;
     parameters.parallax_steps = steps;
     const auto firings = revolution_over_level_ground(parameters, head);
     double worst = 0.0;
@@ -152,9 +151,10 @@ TEST(DepthImageLidar, FiringsAzimuthsAndNoiseAreThoseOfTheRays) {
   const LidarPattern head = real_head();
   DepthImageParameters parameters;
   parameters.near_plane_m = 0.1;
-  DepthImageLidar images(parameters, head, firing_plan(), turning(), 7, "lidar");
   SpinningLidarParameters spinning;
-  spinning.range_sigma_m = parameters.range_sigma_m;
+  spinning.laser_bias_sigma_m = 0.01;
+  spinning.drop_rate = 0.1;
+  DepthImageLidar images(parameters, spinning, head, firing_plan(), turning(), 7, "lidar");
   SpinningLidar rays(spinning, head, firing_plan(), turning(), 7, "lidar");
   const auto found = revolution(images, scene, mount);
   const auto expected = revolution(rays, scene, mount);
@@ -178,16 +178,58 @@ TEST(DepthImageLidar, FiringsAzimuthsAndNoiseAreThoseOfTheRays) {
   EXPECT_LT(only_one, 20U);
 }
 
+/// Everywhere the same: half the light comes through, and an echo as from 2 % at 3 m.
+class Mist final : public Weather {
+ public:
+  AirPath along(const WeatherBeam& beam) const override {
+    AirPath path;
+    path.transmission = 0.5;
+    if (beam.far_m > 3.0) {
+      path.echoes[0] = {3.0, 0.02 / 9.0};
+      path.echo_count = 1;
+    }
+    return path;
+  }
+  bool present() const override { return true; }
+};
+
+TEST(DepthImageLidar, MistWeakensSurfacesAndReturnsWhereTheyAreFaint) {
+  Scene scene;
+  scene.add_terrain(level_ground(), white());
+  scene.begin_slice(kStart, kStart + kRevolution, Vector3d::Zero(), {});
+  const LinkMotion mount = standing(0.0, 0.0, kHeight_m);
+  const LidarPattern head = ideal_head();
+  const auto run = [&](LidarSensor& lidar) {
+    std::vector<LidarFiring> firings;
+    lidar.cast(scene, {kStart, kStart + kRevolution, mount, mount}, nullptr, firings, nullptr);
+    const auto clear = firings.front();
+    lidar.command(kStart + kRevolution, turning());
+    scene.begin_slice(kStart + kRevolution, kStart + 2 * kRevolution, Vector3d::Zero(), {});
+    const Mist mist;
+    lidar.cast(scene, {kStart + kRevolution, kStart + 2 * kRevolution, mount, mount}, &mist,
+               firings, nullptr);
+    return std::pair(clear, firings.front());
+  };
+  DepthImageLidar images({}, noiseless(), head, firing_plan(), turning(), 1, "lidar");
+  const auto [clear, misty] = run(images);
+  EXPECT_NEAR(misty.strongest[0].range_m, clear.strongest[0].range_m, 1e-4);
+  EXPECT_NEAR(misty.strongest[0].reflectivity, 0.5 * clear.strongest[0].reflectivity, 1e-4);
+  EXPECT_EQ(misty.strongest[31].range_m, 3.0F);  // Sky.
+  EXPECT_NEAR(misty.strongest[31].reflectivity, 0.02, 1e-5);
+  EXPECT_EQ(clear.strongest[31].range_m, 0.0F);
+}
+
 TEST(DepthImageLidar, NeitherThreadsNorSlicesChangeAnything) {
   Scene scene;
   scene.add_terrain(level_ground(), white());
   const LinkMotion mount = standing(0.0, 0.0, kHeight_m);
   const auto run = [&](int threads, int slice_ms) {
     DepthImageParameters parameters;
-    parameters.threads = threads;
+    SpinningLidarParameters receiver;
+    receiver.threads = threads;
     parameters.width_px = 256;
     parameters.images_per_revolution = 5;
-    DepthImageLidar lidar(parameters, real_head(), firing_plan(), turning(), 7, "lidar");
+    DepthImageLidar lidar(parameters, receiver, real_head(), firing_plan(), turning(), 7, "lidar");
     std::vector<LidarFiring> all;
     std::vector<LidarFiring> part;
     for (int ms = 0; ms < 40; ms += slice_ms) {
@@ -224,10 +266,10 @@ MotionError error_while_moving(int images_per_revolution) {
     scene.add_object(wall, X_WM, 1.0, white());
   }
   LidarPattern head = ideal_head();
-  DepthImageParameters parameters = noiseless();
+  DepthImageParameters parameters;
   parameters.width_px = 256;
   parameters.images_per_revolution = images_per_revolution;
-  DepthImageLidar lidar(parameters, head, firing_plan(), turning(), 1, "lidar");
+  DepthImageLidar lidar(parameters, noiseless(), head, firing_plan(), turning(), 1, "lidar");
   MotionError error;
   std::vector<LidarFiring> firings;
   std::vector<LidarBankTruth> truth;
@@ -280,9 +322,10 @@ TEST(DepthImageLidar, AStandingRotorStillSeesTheWorldMove) {
   const auto mesh = scene.add_mesh(make_box("boom", {1.0, 40.0, 40.0}));
   const auto body = scene.add_body("boom");
   scene.add_body_part(body, mesh, Eigen::Isometry3d::Identity(), white());
-  DepthImageParameters parameters = noiseless();
+  DepthImageParameters parameters;
   parameters.width_px = 64;
-  DepthImageLidar lidar(parameters, ideal_head(), firing_plan(), turning(0.0), 1, "lidar");
+  DepthImageLidar lidar(parameters, noiseless(), ideal_head(), firing_plan(), turning(0.0), 1,
+                        "lidar");
   std::vector<LidarFiring> firings;
   const LinkMotion mount = standing(0.0, 0.0, 0.0);
   float last = 0.0F;
@@ -304,9 +347,9 @@ TEST(DepthImageLidar, AnotherRevolutionIsAnotherImageThoughTheViewSkipsForward) 
   LidarCommand command = turning();
   command.view_start_rad = 0.25 * kTurn;
   command.view_end_rad = 0.75 * kTurn;
-  DepthImageParameters parameters = noiseless();
+  DepthImageParameters parameters;
   parameters.width_px = 64;
-  DepthImageLidar lidar(parameters, ideal_head(), firing_plan(), command, 1, "lidar");
+  DepthImageLidar lidar(parameters, noiseless(), ideal_head(), firing_plan(), command, 1, "lidar");
   std::vector<LidarFiring> firings;
   const LinkMotion mount = standing(0.0, 0.0, kHeight_m);
   std::uint64_t first = 0;
@@ -338,7 +381,7 @@ TEST(DepthImageLidar, AHeadOfSixtyFourLasersFiresTwoBanks) {
     head.lasers.push_back(
         {.elevation_rad = (-30.0 + 0.5 * i) * kTurn / 360.0, .azimuth_offset_rad = 0.07});
   }
-  DepthImageParameters parameters = noiseless();
+  DepthImageParameters parameters;
   parameters.images_per_revolution = 6;
   const auto firings = revolution_over_level_ground(parameters, head);
   ASSERT_EQ(firings.size(), 2U * 2170U);
@@ -366,11 +409,11 @@ int ghosts(DepthSampling sampling) {
     X_WM.translation() << 8.1, 2.2 * i, 3.0;
     scene.add_object(post, X_WM, 1.0, white());
   }
-  DepthImageParameters parameters = noiseless();
+  DepthImageParameters parameters;
   parameters.sampling = sampling;
   parameters.cameras = 4;
   const LidarPattern head = ideal_head();
-  DepthImageLidar lidar(parameters, head, firing_plan(), turning(), 1, "lidar");
+  DepthImageLidar lidar(parameters, noiseless(), head, firing_plan(), turning(), 1, "lidar");
   int count = 0;
   for (const LidarFiring& firing : revolution(lidar, scene, standing(0.0, 0.0, kHeight_m))) {
     const double a = firing.rotor_azimuth_rad;
@@ -400,11 +443,15 @@ TEST(DepthImageLidar, InterpolationAcrossSilhouettesMakesPointsInMidAir) {
 }
 
 TEST(DepthImageLidar, RefusesAPatternThatItCannotFire) {
-  EXPECT_THROW(DepthImageLidar({}, ideal_head(), SamplePlan{}, turning(), 1, "lidar"),
+  EXPECT_THROW(DepthImageLidar({}, {}, ideal_head(), SamplePlan{}, turning(), 1, "lidar"),
                std::invalid_argument);
   LidarPattern blind = ideal_head();
   blind.maximum_range_m = blind.minimum_range_m;
-  EXPECT_THROW(DepthImageLidar({}, blind, firing_plan(), turning(), 1, "lidar"),
+  EXPECT_THROW(DepthImageLidar({}, {}, blind, firing_plan(), turning(), 1, "lidar"),
+               std::invalid_argument);
+  SpinningLidarParameters wide;
+  wide.sub_rays = 5;
+  EXPECT_THROW(DepthImageLidar({}, wide, ideal_head(), firing_plan(), turning(), 1, "lidar"),
                std::invalid_argument);
 }
 

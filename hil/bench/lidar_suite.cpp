@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "hil/bench/depth_image_suite.h"
 #include "hil/bench/lidar_bench.h"
 #include "hil/bench/private_rig.h"
 #include "hil/bench/suites.h"
@@ -65,6 +66,7 @@ nlohmann::json bench_lidar(std::ostream& text) {
   nlohmann::json json;
   stage_table(text, json);
   error_table(text, json);
+  bench_depth_images(text, json);
   return json;
 }
 

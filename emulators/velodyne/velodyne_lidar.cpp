@@ -3,234 +3,307 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
-#include "protocols/velodyne/gprmc.h"
+#include "emulators/velodyne/optical_defects.h"
 
 namespace rigwire::emulators {
 namespace {
 
 namespace velodyne = protocols::velodyne;
+using velodyne::ReturnMode;
 
+constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kCountsPerRadian = 100.0 / kDegree;
+constexpr int kTurnCounts = velodyne::kAzimuthCounts;
 constexpr std::int64_t kDataPacketsPerPositionPacket = 14;
-
-/// The sentence of a second is complete in the sensor so long after the second's pulse: pulse
-/// 100 ms, pause 50 ms, and 72 characters at 9600 baud (manual 63-9113, "GPS and PPS").
-constexpr Duration kSentenceDelay = std::chrono::milliseconds{225};
-
-[[noreturn]] void refuse(const std::string& what) {
-  throw std::invalid_argument("velodyne lidar: " + what);
-}
-
-std::string model_names() {
-  std::string names;
-  for (const velodyne::Model& model : velodyne::models()) {
-    names += (names.empty() ? "" : ", ") + std::string(model.name);
-  }
-  return names;
-}
+/// Phase lock is reported to hold within this.
+constexpr int kPhaseTolerance_centideg = 500;
 
 const velodyne::Model& checked_model(const VelodyneSettings& settings) {
   validate(settings);
   return *velodyne::find_model(std::string_view(settings.model));
 }
 
-double or_default(double value, double fallback) {
-  return value > 0.0 ? value : fallback;
+Duration packet_period(const velodyne::Model& model, ReturnMode mode) {
+  return Duration{static_cast<std::int64_t>(PacketAssembly::firings_per_packet(model, mode)) *
+                  model.firing_period_ns};
 }
 
-std::uint8_t reflectivity_byte(float reflectance) {
-  return static_cast<std::uint8_t>(std::lround(std::clamp(reflectance, 0.0F, 1.0F) * 100.0F));
+/// [0, turn)
+double wrapped(double value, double turn) {
+  const double rest = std::fmod(value, turn);
+  return rest < 0.0 ? rest + turn : rest;
 }
 
 }  // namespace
 
-void validate(const VelodyneSettings& settings) {
-  const velodyne::Model* model = velodyne::find_model(std::string_view(settings.model));
-  if (model == nullptr) {
-    refuse("model '" + settings.model + "' is not known; allowed: " + model_names());
-  }
-  if (!(settings.rotor_rpm >= model->minimum_rotor_rpm &&
-        settings.rotor_rpm <= model->maximum_rotor_rpm)) {
-    refuse("rotor_rpm is " + std::to_string(settings.rotor_rpm) +
-           ", allowed: " + std::to_string(model->minimum_rotor_rpm) + " to " +
-           std::to_string(model->maximum_rotor_rpm));
-  }
-  if (settings.return_mode != velodyne::ReturnMode::strongest) {
-    refuse("return_mode must be strongest: one echo is simulated per shot");
-  }
-  const double largest = 65535.0 * model->distance_unit_mm * 1e-3;
-  const double minimum = or_default(settings.minimum_range_m, model->minimum_range_m);
-  const double maximum = or_default(settings.maximum_range_m, model->maximum_range_m);
-  if (!(settings.minimum_range_m >= 0.0 && settings.maximum_range_m >= 0.0 && minimum < maximum &&
-        maximum <= largest)) {
-    refuse("range limits are " + std::to_string(minimum) + " m and " + std::to_string(maximum) +
-           " m, allowed: 0 < minimum < maximum <= " + std::to_string(largest) + " m");
-  }
-  const std::int64_t packet_ns = static_cast<std::int64_t>(velodyne::kBlocksPerPacket) *
-                                 model->firings_per_block * model->firing_period_ns;
-  if (settings.send_delay < Duration::zero() || settings.send_delay.count() > packet_ns) {
-    refuse("send_delay is " + std::to_string(settings.send_delay.count()) +
-           " ns, allowed: 0 to one packet period, " + std::to_string(packet_ns) + " ns");
-  }
-  if (settings.position_period != Duration::zero() &&
-      settings.position_period < std::chrono::milliseconds{1}) {
-    refuse("position_period is " + std::to_string(settings.position_period.count()) +
-           " ns, allowed: 0 (the model's own) or at least 1 ms");
-  }
-}
-
 VelodyneLidar::VelodyneLidar(const VelodyneSettings& settings, const Calendar& calendar,
                              ByteOutput& data, ByteOutput& position)
     : settings_(settings),
-      model_(checked_model(settings)),
-      calendar_(calendar),
-      data_(data),
-      position_(position),
-      counts_per_metre_(1000.0 / model_.distance_unit_mm) {
-  command_.rotor_rate_radps = settings.rotor_rpm / 60.0 * 2.0 * std::numbers::pi;
+      model_(checked_model(settings_)),
+      data_(data, settings_.faults, settings_.fault_seed, FaultyCable::Swapping::as_the_faults_say),
+      position_(position, settings_.faults, ~settings_.fault_seed, FaultyCable::Swapping::never),
+      live_(saved_settings(settings_)),
+      saved_(live_),
+      clock_(settings_.clock_drift_ppm),
+      time_input_(settings_, calendar),
+      encode_(model_, range_window(settings_, model_), settings_.reflectivity),
+      assembly_(model_, encode_),
+      position_period_(settings_.position_period) {
+  build_pattern();
+  if (position_period_ == Duration::zero()) {
+    position_period_ = kDataPacketsPerPositionPacket * packet_period(model_, ReturnMode::strongest);
+  }
+  quantities_ = {{{"range", "m", pattern_.minimum_range_m, pattern_.maximum_range_m,
+                   model_.distance_unit_mm * 1e-3},
+                  {"azimuth", "deg", 0.0, 359.99, 0.01},
+                  {"reflectivity", "%", 0.0, 100.0, 1.0},
+                  {"time of hour", "us", 0.0, 3599999999.0, 1.0}}};
+  optical_defects_ = std::ranges::any_of(settings_.faults, [](const VelodyneFault& fault) {
+    return fault.kind == VelodyneFaultKind::dead_laser ||
+           fault.kind == VelodyneFaultKind::dirty_window;
+  });
+  power_up(kStart, settings_.start_up);
+}
+
+void VelodyneLidar::build_pattern() {
+  const auto [minimum_m, maximum_m] = range_window(settings_, model_);
   pattern_.firing_period = Duration{model_.firing_period_ns};
-  pattern_.minimum_range_m = or_default(settings.minimum_range_m, model_.minimum_range_m);
-  pattern_.maximum_range_m = or_default(settings.maximum_range_m, model_.maximum_range_m);
+  pattern_.minimum_range_m = minimum_m;
+  pattern_.maximum_range_m = maximum_m;
   pattern_.beam = {model_.divergence.horizontal_mrad * 1e-3, model_.divergence.vertical_mrad * 1e-3,
                    Duration{std::llround(model_.pulse_ns)}};
   for (const velodyne::Laser& laser : model_.lasers) {
     pattern_.lasers.push_back(
         {.elevation_rad = laser.elevation_deg * kDegree,
          .azimuth_offset_rad = laser.azimuth_offset_deg * kDegree,
-         .vertical_offset_m = settings.vertical_offsets ? laser.vertical_offset_mm * 1e-3 : 0.0,
+         .vertical_offset_m = settings_.vertical_offsets ? laser.vertical_offset_mm * 1e-3 : 0.0,
          .horizontal_offset_m = laser.horizontal_offset_mm * 1e-3,
          .time_offset = Duration{laser.time_offset_ns}});
+    last_shot_after_ = std::max(last_shot_after_, pattern_.lasers.back().time_offset);
   }
-  position_period_ = settings.position_period;
-  if (position_period_ == Duration::zero()) {
-    position_period_ = Duration{kDataPacketsPerPositionPacket *
-                                static_cast<std::int64_t>(velodyne::kBlocksPerPacket) *
-                                model_.firings_per_block * model_.firing_period_ns};
-  }
-  next_position_ = kStart + position_period_;
-  quantities_ = {{{"range", "m", pattern_.minimum_range_m, pattern_.maximum_range_m,
-                   model_.distance_unit_mm * 1e-3},
-                  {"azimuth", "deg", 0.0, 359.99, 0.01},
-                  {"reflectivity", "%", 0.0, 100.0, 1.0},
-                  {"time of hour", "us", 0.0, 3599999999.0, 1.0}}};
-  packet_.return_mode_byte =
-      settings.legacy_factory_bytes ? 0 : static_cast<std::uint8_t>(settings.return_mode);
-  packet_.product_id = settings.legacy_factory_bytes ? 0 : model_.product_id;
+}
+
+void VelodyneLidar::power_up(SimTime now, Duration start_up) {
+  running_from_ = now + start_up;
+  time_input_.power_up(now, clock_);
+  assembly_.discard();
+  data_.clear();
+  packet_complete_at_ = kNever;
+  expected_time_ = kNever;
+  phase_locked_ = false;
+  next_position_ = model_.position_layout == velodyne::PositionLayout::none
+                       ? kNever
+                       : running_from_ + position_period_;
+  command_head(now);
 }
 
 SamplePlan VelodyneLidar::sample_plan() const {
   return {kStart + pattern_.firing_period, pattern_.firing_period};
 }
 
-void VelodyneLidar::advance(SimTime now) {
-  while (next_position_ <= now) {
-    send_position(next_position_);
-    next_position_ += position_period_;
-  }
-}
-
-void VelodyneLidar::update(const LidarFiring& firing) {
-  advance(firing.time);
-  if (firings_in_packet_ > 0 &&
-      firing.time != packet_start_ + firings_in_packet_ * pattern_.firing_period) {
-    firings_in_packet_ = 0;
-  }
-  if (firings_in_packet_ == 0) {
-    begin_packet(firing);
-  }
-  add_firing(firing);
-  const int firings_per_packet =
-      static_cast<int>(velodyne::kBlocksPerPacket) * model_.firings_per_block;
-  if (firings_in_packet_ == firings_per_packet) {
-    send_data();
-    firings_in_packet_ = 0;
-  }
-  packet_complete_at_ =
-      firing.time + (firings_per_packet - firings_in_packet_) * pattern_.firing_period;
-}
-
 double VelodyneLidar::nominal_rate_hz() const {
-  const double firings_per_packet =
-      static_cast<double>(velodyne::kBlocksPerPacket) * model_.firings_per_block;
-  return 1.0 / (firings_per_packet * to_seconds(pattern_.firing_period)) +
-         1.0 / to_seconds(position_period_);
-}
-
-void VelodyneLidar::begin_packet(const LidarFiring& firing) {
-  packet_start_ = firing.time;
-  packet_.timestamp_us = microseconds_of_hour(firing.time);
-}
-
-void VelodyneLidar::add_firing(const LidarFiring& firing) {
-  const auto block_index = static_cast<std::size_t>(firings_in_packet_ / model_.firings_per_block);
-  const auto firing_in_block =
-      static_cast<std::size_t>(firings_in_packet_ % model_.firings_per_block);
-  velodyne::Block& block = packet_.blocks[block_index];
-  if (firing_in_block == 0) {
-    const auto counts = std::llround(firing.rotor_azimuth_rad / kDegree * 100.0);
-    const auto turn = static_cast<long long>(velodyne::kAzimuthCounts);
-    block.azimuth_counts = static_cast<std::uint16_t>(((counts % turn) + turn) % turn);
+  double view = wrapped(command_.view_end_rad - command_.view_start_rad, kTurn) / kTurn;
+  if (view == 0.0) {
+    view = 1.0;
   }
-  const std::size_t lasers = model_.lasers.size();
-  for (std::size_t i = 0; i < lasers; ++i) {
-    velodyne::Channel& channel = block.channels[firing_in_block * lasers + i];
-    channel = {};
-    const double range = firing.strongest[i].range_m;
-    if (!(range >= pattern_.minimum_range_m && range <= pattern_.maximum_range_m)) {
-      continue;  // also what is not a number
+  const double position_hz = model_.position_layout == velodyne::PositionLayout::none
+                                 ? 0.0
+                                 : 1.0 / to_seconds(position_period_);
+  return view / to_seconds(packet_period(model_, live_.return_mode)) + position_hz;
+}
+
+SimTime VelodyneLidar::next_event() const {
+  return std::min({next_position_, next_command_, time_input_.next_event()});
+}
+
+void VelodyneLidar::advance(SimTime now) {
+  for (SimTime event = next_event(); event <= now; event = next_event()) {
+    if (event == time_input_.next_event()) {
+      handle_time_input();
+      command_head(event);
+    } else if (event == next_command_) {
+      command_head(event);
+    } else {
+      send_position(event);
+      next_position_ += position_period_;
     }
-    const auto counts = std::clamp(std::lround(range * counts_per_metre_), 1L, 65535L);
-    channel.distance_counts = static_cast<std::uint16_t>(counts);
-    channel.reflectivity = reflectivity_byte(firing.strongest[i].reflectivity);
   }
-  ++firings_in_packet_;
 }
 
-void VelodyneLidar::send_data() {
-  velodyne::encode(packet_, data_bytes_);
-  const SimTime last_shot = packet_start_ + (firings_in_packet_ - 1) * pattern_.firing_period +
-                            pattern_.lasers.back().time_offset;
-  data_.send(last_shot + settings_.send_delay, data_bytes_);
+void VelodyneLidar::handle_time_input() {
+  const SimTime event = time_input_.next_event();
+  if (event == time_input_.next_second()) {
+    const double azimuth_rad =
+        rotor_.azimuth_rad + rotor_.rate_radps * to_seconds(event - rotor_.time);
+    phase_centideg_ =
+        static_cast<int>(wrapped(azimuth_rad, kTurn) * kCountsPerRadian + 0.5) % kTurnCounts;
+    const int off = std::abs(phase_centideg_ - live_.phase_lock_offset_centideg);
+    phase_locked_ = command_.phase_lock.has_value() &&
+                    std::min(off, kTurnCounts - off) <= kPhaseTolerance_centideg;
+  }
+  time_input_.handle_event(clock_);
+}
+
+void VelodyneLidar::command_head(SimTime now) {
+  const bool running = !starting_up(now);
+  const bool stalled = find_fault(settings_.faults, VelodyneFaultKind::motor_stall, now) != nullptr;
+  command_.rotor_rate_radps = running && !stalled ? live_.rotor_rpm / 60.0 * kTurn : 0.0;
+  command_.laser_on = running && live_.laser_on;
+  command_.several_echoes = live_.return_mode != ReturnMode::strongest;
+  const int end_deg = (live_.view_end_deg + 1) % 360;
+  const bool all_round = end_deg == live_.view_start_deg;
+  command_.view_start_rad = all_round ? 0.0 : live_.view_start_deg * kDegree;
+  command_.view_end_rad = all_round ? 0.0 : end_deg * kDegree;
+
+  const double phase_rad = live_.phase_lock_offset_centideg / kCountsPerRadian;
+  const auto pulse = time_input_.last_pulse(now);
+  if (!(running && live_.phase_lock && pulse &&
+        time_input_.state(now) == velodyne::PulseState::locked)) {
+    command_.phase_lock.reset();
+  } else if (!command_.phase_lock || command_.phase_lock->azimuth_rad != phase_rad) {
+    command_.phase_lock = PhaseLock{phase_rad, *pulse};
+  }
+  next_command_ = running ? next_stall_edge(now) : std::min(running_from_, next_stall_edge(now));
+}
+
+SimTime VelodyneLidar::next_stall_edge(SimTime after) const {
+  SimTime next = kNever;
+  for (const VelodyneFault& fault : settings_.faults) {
+    if (fault.kind == VelodyneFaultKind::motor_stall) {
+      for (const Duration edge : {fault.begin, fault.end}) {
+        if (kStart + edge > after) {
+          next = std::min(next, kStart + edge);
+        }
+      }
+    }
+  }
+  return next;
+}
+
+void VelodyneLidar::update(const LidarFiring& bank) {
+  advance(bank.time);
+  if (starting_up(bank.time)) {
+    return;
+  }
+  const bool continued = continues(bank);
+  if (!continued) {
+    assembly_.discard();
+    expected_time_ = kNever;
+    if (bank.first_laser != 0) {
+      return;
+    }
+  }
+  if (!std::isfinite(bank.rotor_azimuth_rad)) {
+    return;
+  }
+  const bool last_bank = bank.first_laser + kBankLasers >= model_.lasers.size();
+  expected_time_ = last_bank ? bank.time + pattern_.firing_period : bank.time;
+  expected_laser_ = last_bank ? 0 : bank.first_laser + kBankLasers;
+
+  if (bank.first_laser == 0) {
+    rotor_ = {bank.time, bank.rotor_azimuth_rad,
+              std::isfinite(bank.rotor_rate_radps) ? bank.rotor_rate_radps : 0.0};
+    azimuth_counts_ = azimuth_of(bank, continued);
+    firing_taken_ = assembly_.within_block() || in_view(bank.rotor_azimuth_rad);
+  }
+  if (firing_taken_) {
+    add(bank);
+  }
+  const SimTime next_firing = bank.time + pattern_.firing_period;
+  packet_complete_at_ =
+      std::max(next_firing, bank.time + assembly_.firings_left() * pattern_.firing_period);
+}
+
+bool VelodyneLidar::continues(const LidarFiring& bank) const {
+  return bank.time == expected_time_ && bank.first_laser == expected_laser_;
+}
+
+bool VelodyneLidar::in_view(double azimuth_rad) const {
+  if (command_.view_start_rad == command_.view_end_rad) {
+    return true;
+  }
+  return wrapped(azimuth_rad - command_.view_start_rad, kTurn) <
+         wrapped(command_.view_end_rad - command_.view_start_rad, kTurn);
+}
+
+std::uint16_t VelodyneLidar::azimuth_of(const LidarFiring& bank, bool continued) {
+  const double azimuth_rad = bank.rotor_azimuth_rad >= 0.0 && bank.rotor_azimuth_rad <= kTurn
+                                 ? bank.rotor_azimuth_rad
+                                 : wrapped(bank.rotor_azimuth_rad, kTurn);
+  const int counts = static_cast<int>(azimuth_rad * kCountsPerRadian + 0.5) % kTurnCounts;
+  const int step = (counts - azimuth_counts_ + kTurnCounts) % kTurnCounts;
+  const bool backward = continued && step > kTurnCounts / 2;
+  return backward ? azimuth_counts_ : static_cast<std::uint16_t>(counts);
+}
+
+void VelodyneLidar::add(const LidarFiring& bank) {
+  if (assembly_.empty()) {
+    begin_packet(bank.time);
+  }
+  const LidarFiring* seen = &bank;
+  if (optical_defects_ || !live_.laser_on) {
+    defective_ = bank;
+    apply_optical_defects(settings_.faults, pattern_, defective_);
+    if (!live_.laser_on) {
+      defective_.strongest.fill({});
+      defective_.several = false;
+    }
+    seen = &defective_;
+  }
+  assembly_.add(*seen, azimuth_counts_);
+  if (assembly_.complete()) {
+    send_data(bank.time);
+    assembly_.discard();
+  }
+}
+
+void VelodyneLidar::begin_packet(SimTime first_firing) {
+  assembly_.begin(live_.return_mode);
+  velodyne::DataPacket& packet = assembly_.packet();
+  packet.timestamp_us = microseconds_of_hour(first_firing + Duration{model_.timestamp_lag_ns});
+  packet.return_mode_byte =
+      settings_.legacy_factory_bytes ? 0 : static_cast<std::uint8_t>(live_.return_mode);
+  packet.product_id = settings_.legacy_factory_bytes ? 0 : model_.product_id;
+  if (const auto* wrong =
+          find_fault(settings_.faults, VelodyneFaultKind::factory_bytes, first_firing)) {
+    packet.return_mode_byte = wrong->return_mode_byte;
+    packet.product_id = wrong->product_id;
+  }
+}
+
+void VelodyneLidar::send_data(SimTime last_firing) {
+  velodyne::encode(assembly_.packet(), data_bytes_);
+  data_.send(last_firing + last_shot_after_ + settings_.send_delay, data_bytes_);
 }
 
 void VelodyneLidar::send_position(SimTime due) {
-  const UtcTime utc = calendar_.utc(due - kSentenceDelay);
-  const velodyne::GprmcText sentence({.year = utc.year,
-                                      .month = utc.month,
-                                      .day = utc.day,
-                                      .hour = utc.hour,
-                                      .minute = utc.minute,
-                                      .second = utc.second,
-                                      .valid = fix_.valid,
-                                      .latitude_deg = fix_.latitude_deg,
-                                      .longitude_deg = fix_.longitude_deg,
-                                      .speed_mps = fix_.speed_mps,
-                                      .course_deg = fix_.course_deg});
   velodyne::PositionPacket packet;
+  if (model_.position_layout == velodyne::PositionLayout::inertial) {
+    packet.inertial = inertial_;
+  }
   packet.timestamp_us = microseconds_of_hour(due);
-  packet.pulse_state = velodyne::PulseState::locked;
-  packet.set_sentence(sentence.view());
+  packet.pulse_state = time_input_.state(due);
+  packet.set_sentence(time_input_.sentence());
   velodyne::encode(packet, position_bytes_);
   position_.send(due, position_bytes_);
 }
 
 std::uint32_t VelodyneLidar::microseconds_of_hour(SimTime instant) const {
-  return static_cast<std::uint32_t>(calendar_.nanoseconds_of_hour(instant) / 1000);
+  std::int64_t hour_ns = clock_.hour_ns(instant);
+  if (const auto* fault = find_fault(settings_.faults, VelodyneFaultKind::clock_offset, instant)) {
+    hour_ns = (hour_ns + from_seconds(fault->seconds).count() + kHour_ns) % kHour_ns;
+  }
+  if (const auto* fault = find_fault(settings_.faults, VelodyneFaultKind::hour_overrun, instant);
+      fault != nullptr && hour_ns < from_seconds(fault->seconds).count()) {
+    hour_ns += kHour_ns;
+  }
+  return static_cast<std::uint32_t>(hour_ns / 1000);
 }
 
-void VelodyneLidar::observe_fix(const GnssSample& sample) {
-  fix_ = {};
-  fix_.valid = sample.fix == GnssFix::two_d || sample.fix == GnssFix::three_d;
-  if (!fix_.valid) {
-    return;
-  }
-  fix_.latitude_deg = sample.latitude_deg;
-  fix_.longitude_deg = sample.longitude_deg;
-  fix_.speed_mps = std::hypot(sample.velocity_ned_mps.x, sample.velocity_ned_mps.y);
-  const double course = std::atan2(sample.velocity_ned_mps.y, sample.velocity_ned_mps.x) / kDegree;
-  fix_.course_deg = course < 0.0 ? course + 360.0 : course;
+void VelodyneLidar::observe_motion(const ImuSample& sample) {
+  inertial_ = inertial_words(sample, settings_.inertial_axes);
 }
 
 }  // namespace rigwire::emulators

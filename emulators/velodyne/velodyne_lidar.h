@@ -1,23 +1,35 @@
 // A Velodyne spinning lidar on the wire: data packets and position packets, each on its UDP port.
 //
-// Wire face: 1206-byte data packets, due when the last laser of the twelfth firing has fired plus
+// Wire face: 1206-byte data packets, due when the last laser of their last firing has fired plus
 // `send_delay`; 512-byte position packets at a rate of their own. The sensor takes nothing in over
-// these ports. Backend face: one LidarFiring per firing of the pattern, in order.
+// these ports; what its web interface changes comes through VelodyneControl. Backend face: the
+// firings of the pattern, bank by bank, in order.
 //
 // The firing clock is integer nanoseconds (HDL-32E: 46 080) and independent of the rotor, so
-// packets straddle 0 degrees as real ones do; the timestamp is microseconds past the UTC hour at
-// the first firing, because the sensor is taken to be synchronised to a receiver's pulse and
-// sentence.
+// packets straddle 0 degrees as real ones do. Each block carries the rotor's azimuth at its first
+// firing, rounded, never backward. Firings outside the view make no blocks; a packet is filled up
+// across the gap. A gap in the firing clock itself drops the unfinished packet.
 //
-// Sources and deviations: docs/devices/velodyne-hdl-32e.md.
+// Changed settings act on the next firing, a changed return mode on the next packet.
+//
+// Sources and deviations: docs/devices/velodyne.md.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
+#include "emulators/velodyne/faulty_cable.h"
+#include "emulators/velodyne/inertial_words.h"
+#include "emulators/velodyne/packet_assembly.h"
+#include "emulators/velodyne/return_encoder.h"
+#include "emulators/velodyne/sensor_clock.h"
+#include "emulators/velodyne/time_input.h"
+#include "emulators/velodyne/velodyne_control.h"
+#include "emulators/velodyne/velodyne_settings.h"
 #include "protocols/velodyne/data_packet.h"
 #include "protocols/velodyne/model.h"
 #include "protocols/velodyne/position_packet.h"
@@ -25,37 +37,22 @@
 
 namespace rigwire::emulators {
 
-struct VelodyneSettings {
-  std::string model = "HDL-32E";
-  double rotor_rpm = 600.0;  ///< Within the model's limits.
-  protocols::velodyne::ReturnMode return_mode = protocols::velodyne::ReturnMode::strongest;
-  /// Firmware before 2.2.20.0: both factory bytes are zero.
-  bool legacy_factory_bytes = false;
-  /// False: all beams leave from the origin, for clients that ignore the offsets.
-  bool vertical_offsets = true;
-  /// Returns outside are reported as none. Zero: the model's own limit.
-  double minimum_range_m = 0.0;
-  double maximum_range_m = 0.0;
-  /// From the last laser's shot to the packet's start on the wire.
-  Duration send_delay = std::chrono::microseconds{5};
-  /// Zero: as long as 14 data packets last (7.741 44 ms for the HDL-32E).
-  Duration position_period{0};
+/// Where the sensor's host settings want packets to go.
+struct VelodyneDestination {
+  std::string address;  ///< IPv4
+  std::uint16_t port = 0;
 };
 
-/// Throws std::invalid_argument naming the member, the value found and what is allowed.
-void validate(const VelodyneSettings& settings);
-
-class VelodyneLidar final : public Device, public LidarBackend {
+class VelodyneLidar final : public Device, public LidarBackend, public VelodyneControl {
  public:
   /// Validates. The outputs and the calendar must outlive the device.
   VelodyneLidar(const VelodyneSettings& settings, const Calendar& calendar, ByteOutput& data,
                 ByteOutput& position);
 
   void advance(SimTime now) override;
-  /// The next position packet. Data packets are sent, with their due time, by the update() that
-  /// completes them.
-  [[nodiscard]] SimTime next_event() const override { return next_position_; }
-  /// One sample per firing, from one firing period after the start.
+  /// Data packets are sent, with their due time, by the update() that completes them.
+  [[nodiscard]] SimTime next_event() const override;
+  /// One sample per firing, from one firing period after the start, whatever the settings.
   [[nodiscard]] SamplePlan sample_plan() const override;
   [[nodiscard]] ReceiveCounters received() const override { return {}; }
   /// Data and position packets.
@@ -64,46 +61,88 @@ class VelodyneLidar final : public Device, public LidarBackend {
 
   [[nodiscard]] const LidarPattern& pattern() const override { return pattern_; }
   [[nodiscard]] const LidarCommand& command() const override { return command_; }
-  /// A firing that does not continue the running packet's clock (a gap, a restart) drops the
-  /// unfinished packet and begins a new one.
-  void update(const LidarFiring& firing) override;
+  /// A bank out of turn, or an azimuth that is not a number, counts as a gap in the firing clock.
+  void update(const LidarFiring& bank) override;
+  /// With a narrowed view: the earliest instant at which that can be.
   [[nodiscard]] SimTime packet_complete_at() const override { return packet_complete_at_; }
 
-  /// What the receiver behind the sensor knows; without it, sentences say "no fix".
-  void observe_fix(const GnssSample& sample);
+  /// What the receiver behind the sensor measures; without it, sentences say "no fix".
+  void observe_fix(const GnssSample& sample) { time_input_.observe(sample); }
+  /// What the sensor's housing feels, in its own frame. Only the HDL-32E reports it.
+  void observe_motion(const ImuSample& sample);
+
+  [[nodiscard]] std::string_view model_name() const override { return model_.name; }
+  [[nodiscard]] std::string_view serial_number() const override { return settings_.serial_number; }
+  [[nodiscard]] const VelodyneLiveSettings& live_settings() const override { return live_; }
+  void apply(SimTime now, const VelodyneLiveSettings& settings) override;
+  void save(SimTime now) override;
+  void reset(SimTime now) override;
+  [[nodiscard]] VelodyneReadings readings(SimTime now) const override;
+
+  /// From power-up or reset until the start-up time is over: no packets, no web interface.
+  [[nodiscard]] bool starting_up(SimTime now) const { return now < running_from_; }
+  [[nodiscard]] VelodyneDestination data_destination() const;
+  [[nodiscard]] VelodyneDestination position_destination() const;
+  /// Rises whenever a destination may have changed.
+  [[nodiscard]] std::uint32_t destination_changes() const { return destination_changes_; }
+  /// Packets that the faults have swallowed.
+  [[nodiscard]] std::uint64_t packets_lost() const { return data_.lost() + position_.lost(); }
 
  private:
-  void begin_packet(const LidarFiring& firing);
-  void add_firing(const LidarFiring& firing);
-  void send_data();
+  struct RotorReading {
+    SimTime time{};
+    double azimuth_rad = 0.0;
+    double rate_radps = 0.0;
+  };
+
+  void build_pattern();
+  void power_up(SimTime now, Duration start_up);
+  void take(const VelodyneLiveSettings& settings);
+  void command_head(SimTime now);
+  [[nodiscard]] SimTime next_stall_edge(SimTime after) const;
+  void handle_time_input();
+  [[nodiscard]] bool in_view(double azimuth_rad) const;
+  [[nodiscard]] bool continues(const LidarFiring& bank) const;
+  [[nodiscard]] std::uint16_t azimuth_of(const LidarFiring& bank, bool continued);
+  void add(const LidarFiring& bank);
+  void begin_packet(SimTime first_firing);
+  void send_data(SimTime last_firing);
   void send_position(SimTime due);
   [[nodiscard]] std::uint32_t microseconds_of_hour(SimTime instant) const;
 
-  struct Fix {
-    bool valid = false;
-    double latitude_deg = 0.0;
-    double longitude_deg = 0.0;
-    double speed_mps = 0.0;
-    double course_deg = 0.0;
-  };
-
-  VelodyneSettings settings_;
+  const VelodyneSettings settings_;
   const protocols::velodyne::Model& model_;
-  const Calendar& calendar_;
-  ByteOutput& data_;
-  ByteOutput& position_;
+  FaultyCable data_;
+  FaultyCable position_;
   LidarPattern pattern_;
-  LidarCommand command_;
-  double counts_per_metre_;
+  Duration last_shot_after_{0};
   std::array<Quantity, 4> quantities_;
+  bool optical_defects_ = false;
 
-  protocols::velodyne::DataPacket packet_;
-  int firings_in_packet_ = 0;
-  SimTime packet_start_{};
+  VelodyneLiveSettings live_;
+  VelodyneLiveSettings saved_;
+  LidarCommand command_;
+  std::uint32_t destination_changes_ = 0;
+  SimTime running_from_ = kStart;
+  SimTime next_command_ = kNever;
+
+  SensorClock clock_;
+  TimeInput time_input_;
+  RotorReading rotor_;
+  int phase_centideg_ = 0;
+  bool phase_locked_ = false;
+
+  ReturnEncoder encode_;
+  PacketAssembly assembly_;
+  SimTime expected_time_ = kNever;
+  std::size_t expected_laser_ = 0;
+  bool firing_taken_ = false;
+  std::uint16_t azimuth_counts_ = 0;
   SimTime packet_complete_at_ = kNever;
+  LidarFiring defective_;
   std::array<std::uint8_t, protocols::velodyne::kDataPacketSize> data_bytes_{};
 
-  Fix fix_;
+  InertialWords inertial_{};
   Duration position_period_;
   SimTime next_position_;
   std::array<std::uint8_t, protocols::velodyne::kPositionPacketSize> position_bytes_{};

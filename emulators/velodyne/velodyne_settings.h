@@ -1,0 +1,123 @@
+// Settings of an emulated Velodyne lidar: what it is, what it was last told to keep, what it hears
+// the time from, and what is wrong with it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "emulators/velodyne/velodyne_control.h"
+#include "emulators/velodyne/velodyne_fault.h"
+#include "protocols/velodyne/data_packet.h"
+#include "protocols/velodyne/model.h"
+#include "protocols/velodyne/position_packet.h"
+#include "sim/samples/time.h"
+#include "sim/samples/vector3.h"
+
+namespace rigwire::emulators {
+
+/// What is on the sensor's pulse and sentence input.
+enum class VelodyneTimeSource : std::uint8_t {
+  none,        ///< Nothing: the counter runs from power-up.
+  pulse_only,  ///< A pulse per second, but no sentence.
+  receiver,    ///< The rig's satellite receiver, as told by observe_fix().
+  ideal,       ///< Warm: locked from power-up on, sentences with the fix that is known.
+};
+
+/// How the reflectivity byte is scaled.
+enum class VelodyneReflectivity : std::uint8_t {
+  model,   ///< As the model does.
+  to_100,  ///< 0 .. 100 diffuse per cent, 101 .. 255 retro-reflector.
+  to_110,  ///< 0 .. 110 and 111 .. 255 (VLS-128).
+  full,    ///< 0 .. 255 diffuse, retro-reflectors at 255 (old HDL-32E, HDL-64E).
+};
+
+/// Directions in the sensor's frame that the parts of one inertial group measure along; of unit
+/// length or zero (not fitted).
+struct VelodyneInertialAxes {
+  Vector3 gyro;
+  Vector3 acceleration_x;
+  Vector3 acceleration_y;
+};
+
+/// Each group turns about one axis and feels the two others, in cyclic order. The manual shows the
+/// real arrangement in a figure only that could not be read: measure it on a unit and set it here.
+inline constexpr std::array<VelodyneInertialAxes, protocols::velodyne::kInertialGroups>
+    kDefaultInertialAxes{{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                          {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}},
+                          {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}}};
+
+struct VelodyneSettings {
+  std::string model = "HDL-32E";
+  std::string serial_number = "11001210145135";
+
+  // What the sensor has saved: in force from power-up and after every reset.
+  double rotor_rpm = 600.0;  ///< Whole, 0 or within the model's limits; VLP family: steps of 60.
+  protocols::velodyne::ReturnMode return_mode = protocols::velodyne::ReturnMode::strongest;
+  bool laser_on = true;
+  int view_start_deg = 0;  ///< 0 .. 359, clockwise; the window may contain 0.
+  int view_end_deg = 359;  ///< 0 .. 359, that whole degree included.
+  bool phase_lock = false;
+  int phase_lock_offset_centideg = 0;  ///< 0 .. 35999
+  std::string host_address = "255.255.255.255";
+  std::uint16_t data_port = 2368;
+  std::uint16_t telemetry_port = 8308;
+  std::string net_address = "192.168.1.201";
+  std::string net_mask = "255.255.255.0";
+  std::string net_gateway = "192.168.1.1";
+  bool net_dhcp = false;
+
+  /// Firmware before 2.2.20.0: both factory bytes are zero.
+  bool legacy_factory_bytes = false;
+  VelodyneReflectivity reflectivity = VelodyneReflectivity::model;
+  /// False: all beams leave from the origin, for clients that ignore the offsets.
+  bool vertical_offsets = true;
+  /// Returns outside are reported as none. Zero: the model's own limit.
+  double minimum_range_m = 0.0;
+  double maximum_range_m = 0.0;
+  /// From the last laser's shot to the packet's start on the wire.
+  Duration send_delay = std::chrono::microseconds{5};
+  /// Zero: as long as 14 single-return data packets last (7.741 44 ms for the HDL-32E).
+  Duration position_period{0};
+  /// From power-up or reset to the first firing that is sent, 0 .. 600 s. 0: running at once, with
+  /// the rotor at speed; a reset then takes kResetTime.
+  Duration start_up{0};
+
+  VelodyneTimeSource time_source = VelodyneTimeSource::ideal;
+  double clock_drift_ppm = 0.0;  ///< Of the sensor's own crystal, -200 .. 200; positive: fast.
+  Duration pulse_length = std::chrono::milliseconds{100};  ///< 20 .. 200 ms
+  Duration sentence_delay =
+      std::chrono::milliseconds{50};  ///< After the pulse's end, 50 .. 500 ms.
+  bool sentence_tenths = false;       ///< "hhmmss.s" instead of "hhmmss".
+  bool pulse_without_fix = false;     ///< The receiver gives pulses before it has a fix.
+  Duration pulse_qualifier_delay = std::chrono::seconds{5};  ///< Good pulses for so long: locked.
+  bool pulse_needs_valid_receiver = false;                   ///< Lock only while sentences say 'A'.
+  bool sentence_needs_valid = true;  ///< Only sentences that say 'A' set the time.
+
+  std::array<VelodyneInertialAxes, protocols::velodyne::kInertialGroups> inertial_axes =
+      kDefaultInertialAxes;
+
+  std::vector<VelodyneFault> faults;
+  std::uint64_t fault_seed = 1;  ///< Of the faults that have a probability.
+};
+
+/// How long a sensor whose `start_up` is zero is silent after a reset. Not documented by the maker.
+inline constexpr Duration kResetTime = std::chrono::seconds{10};
+
+/// Throws std::invalid_argument naming the member, the value found and what is allowed; also for
+/// what the model cannot do.
+void validate(const VelodyneSettings& settings);
+
+/// The part that clients can change, as saved.
+[[nodiscard]] VelodyneLiveSettings saved_settings(const VelodyneSettings& settings);
+
+/// Limits of what is reported: the setting, or the model's own.
+struct VelodyneRangeWindow {
+  double minimum_m = 0.0;
+  double maximum_m = 0.0;
+};
+[[nodiscard]] VelodyneRangeWindow range_window(const VelodyneSettings& settings,
+                                               const protocols::velodyne::Model& model);
+
+}  // namespace rigwire::emulators

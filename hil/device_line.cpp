@@ -4,12 +4,10 @@
 
 #include "drivers/pty.h"
 #include "drivers/tcp_server.h"
-#include "drivers/udp_socket.h"
 #include "emulators/openimu/openimu335ri.h"
 #include "emulators/ublox/receiver.h"
 #include "emulators/valve_driver/valve_driver.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
-#include "emulators/velodyne/velodyne_lidar.h"
 #include "hil/outlet.h"
 #include "hil/station.h"
 
@@ -76,44 +74,6 @@ class SerialGnssLine final : public GnssLine {
   emulators::UbloxReceiver receiver_;
   Backend backend_;
   GnssStation station_;
-};
-
-class UdpLidarLine final : public LidarLine {
- public:
-  UdpLidarLine(const VelodyneConfiguration& configuration, const LineContext& context)
-      : data_(context.io, destination(configuration, configuration.port)),
-        position_(context.io, destination(configuration, configuration.position_port)),
-        data_outlet_(data_, own_statistics()),
-        position_outlet_(position_, own_statistics()),
-        lidar_(configuration.lidar, context.calendar, data_outlet_, position_outlet_),
-        station_(lidar_, lidar_) {}
-
-  DeviceIndex enlist(Executive& executive) override {
-    const DeviceIndex index = executive.add(station_);
-    executive.add(data_outlet_);
-    executive.add(position_outlet_);
-    return index;
-  }
-
-  [[nodiscard]] const emulators::LidarBackend& backend() const override { return lidar_; }
-  void observe_fix(const GnssSample& sample) override { lidar_.observe_fix(sample); }
-  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return data_.status(); }
-  [[nodiscard]] const emulators::Device& device() const override { return lidar_; }
-
- private:
-  static drivers::UdpSettings destination(const VelodyneConfiguration& configuration,
-                                          std::uint16_t port) {
-    drivers::UdpSettings settings;
-    settings.destination = drivers::UdpEndpoint{configuration.address, port};
-    return settings;
-  }
-
-  drivers::UdpSocket data_;
-  drivers::UdpSocket position_;
-  DatagramOutlet data_outlet_;
-  DatagramOutlet position_outlet_;
-  emulators::VelodyneLidar lidar_;
-  LidarStation station_;
 };
 
 /// A device that is a node of a CAN bus.
@@ -223,11 +183,6 @@ DeviceStatus DeviceLine::status(const std::string& name, SimTime now) const {
 std::unique_ptr<GnssLine> make_line(const UbloxConfiguration& configuration,
                                     const LineContext& context) {
   return std::make_unique<SerialGnssLine>(configuration, context);
-}
-
-std::unique_ptr<LidarLine> make_line(const VelodyneConfiguration& configuration,
-                                     const LineContext& context) {
-  return std::make_unique<UdpLidarLine>(configuration, context);
 }
 
 std::unique_ptr<DeviceLine> make_line(const OpenImuDeviceConfiguration& configuration,

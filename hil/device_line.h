@@ -4,6 +4,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "hil/can_line.h"
@@ -61,9 +62,10 @@ class LidarLine : public DeviceLine {
   [[nodiscard]] virtual const emulators::LidarBackend& backend() const = 0;
   /// The fix that the position packets carry.
   virtual void observe_fix(const GnssSample& sample) = 0;
+  /// Adds the station that hears how the lidar moves, when the device reports it. Once, after
+  /// enlist().
+  virtual std::optional<DeviceIndex> enlist_motion(Executive& executive) = 0;
 };
-[[nodiscard]] std::unique_ptr<LidarLine> make_line(const VelodyneConfiguration& configuration,
-                                                   const LineContext& context);
 
 class GnssLine : public DeviceLine {
  public:

@@ -13,6 +13,7 @@
 #include "hil/satellites.h"
 #include "hil/scene_fall_obstacle.h"
 #include "hil/starfire_line.h"
+#include "hil/velodyne_line.h"
 #include "sim/random.h"
 #include "sim/scene/triangle_mesh.h"
 
@@ -225,7 +226,7 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
     world_.add_gnss(line->enlist(executive_), mount(starfire->mount),
                     sim::GnssSensor(sensor, satellites_, calendar_, frame_, seed, name));
     devices_.push_back({name, std::move(line)});
-  } else if (const auto* lidar = std::get_if<VelodyneConfiguration>(&configuration.settings)) {
+  } else if (const VelodyneConfiguration* lidar = as_velodyne(configuration.settings)) {
     auto line = make_line(*lidar, context);
     const emulators::LidarBackend& backend = line->backend();
     auto sensor = std::make_unique<sim::SpinningLidar>(lidar->sensor, backend.pattern(),
@@ -233,6 +234,10 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
                                                        backend.command(), seed, name);
     world_.add_lidar(line->enlist(executive_), mount(lidar->mount), std::move(sensor),
                      backend.pattern());
+    if (const auto motion = line->enlist_motion(executive_)) {
+      world_.add_imu(*motion, mount(lidar->mount),
+                     sim::ImuSensor(sim::perfect_imu(), seed, name + "/motion"));
+    }
     devices_.push_back({name, std::move(line)});
   } else if (const auto* imu = std::get_if<OpenImuDeviceConfiguration>(&configuration.settings)) {
     auto line = make_line(*imu, buses_.at(imu->bus)->line);
@@ -253,14 +258,20 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
 }
 
 void Rig::connect_time_source() {
-  for (const Device& source : devices_) {
-    if (auto* gnss = dynamic_cast<GnssLine*>(source.line.get())) {
-      for (const Device& device : devices_) {
-        if (auto* lidar = dynamic_cast<LidarLine*>(device.line.get())) {
-          gnss->inform(*lidar);
-        }
+  for (const Device& device : devices_) {
+    auto* lidar = dynamic_cast<LidarLine*>(device.line.get());
+    if (lidar == nullptr) {
+      continue;
+    }
+    const auto& source = as_velodyne(configuration_.devices.at(device.name).settings)->time_source;
+    for (const Device& candidate : devices_) {
+      auto* gnss = dynamic_cast<GnssLine*>(candidate.line.get());
+      const bool wanted =
+          source == VelodyneConfiguration::kAutomaticTimeSource || source == candidate.name;
+      if (gnss != nullptr && wanted) {
+        gnss->inform(*lidar);
+        break;
       }
-      return;
     }
   }
 }

@@ -45,7 +45,7 @@ FiringPlan firing_plan(const emulators::VelodyneSettings& settings) {
 
 const VelodyneConfiguration& lidar_of(const RigConfiguration& rig) {
   for (const auto& [name, device] : rig.devices) {
-    if (const auto* lidar = std::get_if<VelodyneConfiguration>(&device.settings)) {
+    if (const auto* lidar = as_velodyne(device.settings)) {
       return *lidar;
     }
   }

@@ -6,8 +6,10 @@
 #include "emulators/ublox/receiver.h"
 #include "emulators/vehicle_gateway/report.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
+#include "emulators/velodyne/velodyne_lidar.h"
 #include "hil/configuration/device.h"
 #include "hil/configuration/outline.h"
+#include "protocols/velodyne/packet_layout.h"
 #include "sim/samples/calendar.h"
 
 namespace rigwire::hil {
@@ -83,16 +85,53 @@ void describe(const StarFireConfiguration& configuration, DeviceDescription& des
       {"64502 FBF6 vehicle position 2", "0.2 Hz", "satellites, dilutions"}};
 }
 
+namespace velodyne = protocols::velodyne;
+
+std::string document_of(std::string_view model) {
+  if (model.starts_with("HDL-32")) {
+    return "Velodyne HDL-32E user's manual 63-9113 Rev. E and H";
+  }
+  if (model.starts_with("HDL-64")) {
+    return "Velodyne HDL-64E S2 and S2.1 user's manual, S3 user's manual 63-HDL64ES3 Rev. J";
+  }
+  if (model.starts_with("VLP-32")) {
+    return "Velodyne VLP-32C user's manual 63-9325 Rev. B";
+  }
+  if (model.starts_with("VLS")) {
+    return "Velodyne VLS-128 user's manual 63-9483 Rev. A (draft)";
+  }
+  return "Velodyne VLP-16 user's manual 63-9243 Rev. D";
+}
+
 void describe(const VelodyneConfiguration& configuration, DeviceDescription& description) {
   NoBytes output;
   const Calendar calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0});
-  description.quantities =
-      quantities_of(emulators::VelodyneLidar(configuration.lidar, calendar, output, output));
-  description.wire = "UDP: data packets to port 2368, position packets to port 8308";
-  description.document = "Velodyne HDL-32E user's manual 63-9113 Rev. E and H";
+  const emulators::VelodyneLidar device(settings_of(configuration), calendar, output, output);
+  description.quantities = quantities_of(device);
+  const velodyne::Model& model = model_of(configuration);
+  const double data_hz = 1e9 / velodyne::packet_period_ns(model, velodyne::ReturnMode::strongest);
+  const bool positions = model.position_layout != velodyne::PositionLayout::none;
+  description.wire = positions ? "UDP: data packets to port 2368, position packets to port 8308"
+                               : "UDP: data packets to port 2368";
+  description.document = document_of(model.name);
   description.messages = {
-      {"data packet", "1808.4 /s", "1206 bytes: 12 firings of 32 lasers, azimuth, time of hour"},
-      {"position packet", "129.2 /s", "512 bytes: time of hour, PPS state, $GPRMC sentence"}};
+      {"data packet", fmt::format("{:.1f} /s", data_hz),
+       fmt::format("1206 bytes: {} firings of {} lasers, azimuth, time of hour",
+                   velodyne::firings_per_packet(model, velodyne::ReturnMode::strongest),
+                   model.lasers.size())}};
+  if (positions) {
+    description.messages.push_back({"position packet",
+                                    fmt::format("{:.1f} /s", device.nominal_rate_hz() - data_hz),
+                                    "512 bytes: time of hour, PPS state, $GPRMC sentence"});
+  } else {
+    description.messages.push_back(
+        {"status channel", "each data packet", "2 bytes: time, state and calibration by turns"});
+  }
+  if (!model.status_channel) {
+    description.wire += "; HTTP where `web.port` is set";
+    description.messages.push_back(
+        {"web interface", "on request", "settings, status, diagnostics (velodyne-web.md)"});
+  }
 }
 
 void describe(const OpenImuDeviceConfiguration& configuration, DeviceDescription& description) {

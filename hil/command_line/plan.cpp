@@ -4,7 +4,7 @@
 #include "hil/command_line/verbs.h"
 #include "hil/configuration/frame_rate.h"
 #include "protocols/velodyne/data_packet.h"
-#include "protocols/velodyne/model.h"
+#include "protocols/velodyne/packet_layout.h"
 
 namespace rigwire::hil {
 
@@ -45,11 +45,16 @@ Row plan(const RigConfiguration&, const StarFireConfiguration& device) {
 }
 
 Row plan(const RigConfiguration&, const VelodyneConfiguration& device) {
-  const protocols::velodyne::Model* model = protocols::velodyne::find_model(device.lidar.model);
-  const double firings_hz = model == nullptr ? 0.0 : 1e9 / model->firing_period_ns;
-  const double packets_hz = firings_hz / protocols::velodyne::kBlocksPerPacket;
-  return {fmt::format("udp {}:{} and {}", device.address, device.port, device.position_port),
-          fmt::format("{:.1f} packets/s", packets_hz),
+  const double packets_hz =
+      1e9 / protocols::velodyne::packet_period_ns(model_of(device), device.lidar.return_mode);
+  std::string wire = fmt::format("udp {}:{}", device.lidar.host_address, device.lidar.data_port);
+  if (model_of(device).position_layout != protocols::velodyne::PositionLayout::none) {
+    wire += fmt::format(" and {}", device.lidar.telemetry_port);
+  }
+  if (device.web.port != 0) {
+    wire += fmt::format("; http {}:{}", device.web.address, device.web.port);
+  }
+  return {wire, fmt::format("{:.1f} packets/s", packets_hz),
           fmt::format("{:.0f} B/s", packets_hz * protocols::velodyne::kDataPacketSize),
           fmt::format("{:.0f} rpm", device.lidar.rotor_rpm)};
 }

@@ -49,16 +49,20 @@ struct VehicleGatewayDeviceConfiguration : VehicleGatewayConfiguration {
   sim::OdometryParameters odometry;
 };
 
-using DeviceSettings = std::variant<UbloxConfiguration, UbloxM8Configuration, UbloxM8tConfiguration,
-                                    UbloxF9pConfiguration, StarFireConfiguration,
-                                    VelodyneConfiguration, OpenImuDeviceConfiguration,
-                                    ValveDriverConfiguration, VehicleGatewayDeviceConfiguration>;
+using DeviceSettings =
+    std::variant<UbloxConfiguration, UbloxM8Configuration, UbloxM8tConfiguration,
+                 UbloxF9pConfiguration, StarFireConfiguration, VelodyneConfiguration,
+                 VelodyneVlp16Configuration, VelodynePuckHiResConfiguration,
+                 VelodyneVlp32cConfiguration, VelodyneHdl64eConfiguration,
+                 VelodyneVls128Configuration, OpenImuDeviceConfiguration, ValveDriverConfiguration,
+                 VehicleGatewayDeviceConfiguration>;
 
-/// The u-blox receiver that the device is, whatever its type; else null.
-[[nodiscard]] inline const UbloxConfiguration* as_ublox(const DeviceSettings& settings) {
+/// The device, if its type is `Base` or derived from it; else null.
+template <class Base>
+[[nodiscard]] const Base* as_kind(const DeviceSettings& settings) {
   return std::visit(
-      [](const auto& device) -> const UbloxConfiguration* {
-        if constexpr (std::derived_from<std::decay_t<decltype(device)>, UbloxConfiguration>) {
+      [](const auto& device) -> const Base* {
+        if constexpr (std::derived_from<std::decay_t<decltype(device)>, Base>) {
           return &device;
         } else {
           return nullptr;
@@ -66,15 +70,32 @@ using DeviceSettings = std::variant<UbloxConfiguration, UbloxM8Configuration, Ub
       },
       settings);
 }
+/// The u-blox receiver that the device is, whatever its type; else null.
+[[nodiscard]] inline const UbloxConfiguration* as_ublox(const DeviceSettings& settings) {
+  return as_kind<UbloxConfiguration>(settings);
+}
+/// The Velodyne lidar that the device is, whatever its model; else null.
+[[nodiscard]] inline const VelodyneConfiguration* as_velodyne(const DeviceSettings& settings) {
+  return as_kind<VelodyneConfiguration>(settings);
+}
+/// Whether it receives satellites and can tell a lidar the time.
+[[nodiscard]] inline bool is_receiver(const DeviceSettings& settings) {
+  return as_ublox(settings) != nullptr || std::holds_alternative<StarFireConfiguration>(settings);
+}
 
 /// The names of the `type` key, in the order of DeviceSettings.
-inline constexpr std::array<Alternative, 9> kDeviceTypes{
+inline constexpr std::array<Alternative, 14> kDeviceTypes{
     {{"ublox-neo-7p", "u-blox NEO-7P satellite receiver on a serial line (NMEA, UBX)."},
      {"ublox-neo-m8", "u-blox NEO-M8 satellite receiver of several systems (NMEA, UBX)."},
      {"ublox-neo-m8t", "u-blox NEO-M8T, the same with raw measurements (NMEA, UBX)."},
      {"ublox-zed-f9p", "u-blox ZED-F9P satellite receiver with carrier solution (NMEA, UBX)."},
      {"starfire-3000", "John Deere StarFire 3000 satellite receiver (NMEA, J1939)."},
      {"velodyne-hdl-32e", "Velodyne HDL-32E spinning lidar on UDP."},
+     {"velodyne-vlp-16", "Velodyne VLP-16 (Puck) spinning lidar on UDP, web interface."},
+     {"velodyne-puck-hi-res", "Velodyne Puck Hi-Res spinning lidar on UDP, web interface."},
+     {"velodyne-vlp-32c", "Velodyne VLP-32C (Ultra Puck) spinning lidar on UDP, web interface."},
+     {"velodyne-hdl-64e", "Velodyne HDL-64E S2 spinning lidar on UDP."},
+     {"velodyne-vls-128", "Velodyne VLS-128 (Alpha Prime) spinning lidar on UDP, web interface."},
      {"openimu335ri", "ACEINNA OpenIMU335RI inertial unit on CAN (J1939)."},
      {"valve-driver", "Eight-section hydraulic valve driver, Modbus TCP server."},
      {"vehicle-gateway",

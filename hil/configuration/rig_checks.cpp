@@ -166,12 +166,41 @@ class Checker {
   }
 
   void check_device(const std::string& path, const VelodyneConfiguration& device) {
-    check_address(path + ".address", device.address, device.allow_remote);
+    const auto claim_port = [&](const char* key, const std::string& where, std::uint16_t port) {
+      claim(path + key, fmt::format("{}:{}", where, port), std::to_string(port));
+    };
+    check_address(path + ".address", device.lidar.host_address, device.allow_remote);
     check_link(path + ".mount.link", device.mount.link);
-    claim(path + ".port", fmt::format("udp {}:{}", device.address, device.port),
-          std::to_string(device.port));
-    claim(path + ".position_port", fmt::format("udp {}:{}", device.address, device.position_port),
-          std::to_string(device.position_port));
+    claim_port(".port", "udp " + device.lidar.host_address, device.lidar.data_port);
+    if (model_of(device).position_layout != protocols::velodyne::PositionLayout::none) {
+      claim_port(".position_port", "udp " + device.lidar.host_address, device.lidar.telemetry_port);
+    }
+    if (!device.source_address.empty()) {
+      check_address(path + ".source_address", device.source_address, true);
+    }
+    if (device.web.port != 0) {
+      check_address(path + ".web.address", device.web.address, device.allow_remote);
+      claim_port(".web.port", "tcp " + device.web.address, device.web.port);
+    }
+    check_time_source(path + ".time_source", device.time_source);
+  }
+
+  void check_time_source(const std::string& path, const std::string& source) {
+    using Lidar = VelodyneConfiguration;
+    std::vector<std::string> names;
+    for (const auto name : {Lidar::kAutomaticTimeSource, Lidar::kIdealTimeSource,
+                            Lidar::kPulseTimeSource, Lidar::kNoTimeSource}) {
+      names.emplace_back(name);
+    }
+    for (const auto& [name, device] : rig_.devices) {
+      if (is_receiver(device.settings)) {
+        names.push_back(name);
+      }
+    }
+    if (std::find(names.begin(), names.end(), source) == names.end()) {
+      report(path, "no such satellite receiver", "\"" + source + "\"", join_words(names),
+             nearest_word(source, names));
+    }
   }
 
   void check_device(const std::string& path, const OpenImuDeviceConfiguration& device) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/samples/time.h"
+
 namespace rigwire::hil {
 
 /// Echoes of 1, 5 or 19 sub-rays against those of 1000 on the same shots, without noise, with the
@@ -24,12 +26,15 @@ struct SubRayError {
   double cost = 0.0;              ///< CPU time over that of one ray per beam.
 };
 
-/// Three scenes of the benchmark's own, each over 2 m of grassless ground: poles before a wall,
+/// Over `sector` of simulated time, at least 1 ms: a turn takes 100 ms. Throws
+/// std::invalid_argument when it is shorter.
+///
+/// Three scenes of the benchmark's own, each on level ground: poles before a wall,
 /// crowns of leaves, crates. HDL-32E, beam of 3 x 1.5 mrad (VLS-128 manual 63-9483, appendix F, the
-/// one divergence that Velodyne states), 72 degrees of a turn.
-[[nodiscard]] std::vector<SubRayError> measure_sub_rays();
+/// one divergence that Velodyne states).
+[[nodiscard]] std::vector<SubRayError> measure_sub_rays(Duration sector);
 
-/// The same as a table and as `json["sub_rays"]`.
+/// A fifth of a turn as a table and as `json["sub_rays"]`.
 void sub_ray_table(std::ostream& text, nlohmann::json& json);
 
 }  // namespace rigwire::hil

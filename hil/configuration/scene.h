@@ -10,7 +10,9 @@
 #include "hil/configuration/fields.h"
 #include "hil/configuration/soil.h"
 #include "hil/configuration/units.h"
+#include "hil/configuration/weather.h"
 #include "sim/scene/scene_description.h"
+#include "sim/weather/weather_parameters.h"
 
 namespace rigwire::hil {
 
@@ -19,6 +21,7 @@ struct SceneConfiguration {
   std::string text;  ///< One line for `rigwire list scenes`.
   /// Each object's `mesh` is the full path of a file (hil/mesh_file.h).
   sim::SceneDescription description;
+  sim::WeatherParameters weather;
 };
 
 /// Two components as [a, b].
@@ -294,6 +297,7 @@ void visit(Visitor& v, SceneConfiguration& p) {
   v.list("grass", p.description.grass, "Fields of stalks.");
   v.list("boxes", p.description.boxes, "Buildings, kerbs: solid boxes.");
   v.list("objects", p.description.objects, "Meshes that stand there.");
+  v.section("weather", p.weather, "What is in the air, and how it changes.");
 }
 
 }  // namespace rigwire::hil

@@ -13,6 +13,9 @@ constexpr double kLeastOpticalDepth = 5e-4;
 constexpr double kReach_sigma = 1.0;
 constexpr double kYoung = 2.0;  ///< Its size against that of a fresh one.
 constexpr std::size_t kMostEmitters = 32;
+constexpr double kUnionPeriod_s = 0.1;
+constexpr double kOverlap_sigma = 0.8;
+constexpr double kLikeVariance = 1.5;
 
 /// How much a union of the two changes the cloud.
 double union_cost(const DustPuff& a, const DustPuff& b) {
@@ -56,6 +59,11 @@ double DustCloud::airborne_kg() const {
 void DustCloud::advance(double step_s, const Eigen::Vector2d& wind_mps, double dustiness,
                         std::span<const DustEmitter> emitters) {
   move(step_s, wind_mps);
+  since_union_s_ += step_s;
+  if (since_union_s_ >= kUnionPeriod_s) {
+    since_union_s_ = 0.0;
+    unite_overlapping();
+  }
   emitters = emitters.first(std::min(emitters.size(), kMostEmitters));
   if (open_.size() != emitters.size()) {
     open_.assign(emitters.size(), kNoPuff);
@@ -136,8 +144,33 @@ void DustCloud::make_room() {
       }
     }
   }
-  puffs_[first] = merged(puffs_[first], puffs_[second]);
-  remove(second);
+  unite(first, second);
+}
+
+void DustCloud::unite_overlapping() {
+  for (std::size_t i = 0; i < puffs_.size(); ++i) {
+    for (std::size_t j = i + 1; j < puffs_.size();) {
+      const double smaller_m2 = std::min(puffs_[i].variance_m2, puffs_[j].variance_m2);
+      const double larger_m2 = std::max(puffs_[i].variance_m2, puffs_[j].variance_m2);
+      if (larger_m2 < kLikeVariance * smaller_m2 &&
+          (puffs_[i].centre_W - puffs_[j].centre_W).squaredNorm() <
+              kOverlap_sigma * kOverlap_sigma * smaller_m2) {
+        unite(i, j);
+      } else {
+        ++j;
+      }
+    }
+  }
+}
+
+void DustCloud::unite(std::size_t kept, std::size_t gone) {
+  puffs_[kept] = merged(puffs_[kept], puffs_[gone]);
+  for (std::size_t& open : open_) {
+    if (open == gone) {
+      open = kept;
+    }
+  }
+  remove(gone);
 }
 
 void DustCloud::remove(std::size_t puff) {

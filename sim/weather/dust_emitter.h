@@ -21,6 +21,12 @@ struct DustEmitter {
 /// equation 1a). The factor is per length at any speed, so that the rate is proportional to speed.
 [[nodiscard]] double road_dust_kgpm(double vehicle_kg);
 
+/// A wheel or drum of that width that carries that share of the vehicle's weight and rolls, or
+/// spins, with that speed; `road_kgpm` is road_dust_kgpm() of the vehicle. A share that is not a
+/// number makes no dust.
+[[nodiscard]] DustEmitter rolling_dust(double road_kgpm, const Eigen::Vector3d& contact_W,
+                                       double width_m, double load_share, double speed_mps);
+
 /// What falling soil sends up per volume: 0.0046 d^1.1 / M^0.3 kg per m3 for a drop of d metres, at
 /// a moisture of M = 2 % (AP-42, 11.9 "Western surface coal mining", 1998, table 11.9-2, dragline).
 [[nodiscard]] double dropped_soil_dust_kgpm3(double drop_height_m);

@@ -17,8 +17,6 @@ constexpr double kRootTwoPi = 2.5066282746310002;
 /// Steps of an echogram per half pulse, and their most.
 constexpr int kPulseSteps = 4;
 constexpr std::size_t kMostSteps = 512;
-/// A beam that much weakened returns nothing more.
-constexpr double kDark = 1e-6;
 /// Of the light that dust throws back in the model optical_depth, against white.
 constexpr double kDustReflectance = 0.25;
 
@@ -33,6 +31,12 @@ double fade(double x) {
   }
   const double even = 1.0 + x * x / 12.0;
   return (even - 0.5 * x) / (even + 0.5 * x);
+}
+
+/// Integral of the overlap of sender and receiver up to s.
+double overlap_integral(double s_m, double start_m, double end_m) {
+  const double ramp_m = std::clamp(s_m, start_m, end_m) - start_m;
+  return 0.5 * ramp_m * ramp_m / (end_m - start_m) + std::max(s_m - end_m, 0.0);
 }
 
 /// Standard normal distribution; the ends without a call.
@@ -273,8 +277,10 @@ void DustField::backscatter(const WeatherBeam& beam, double air_pm, const Passag
   end_m = std::min(end_m, beam.far_m);
   const double per_extinction = std::numbers::pi / parameters_.lidar_ratio_sr;
   const double least_m = std::max({begin_m, beam.near_m - beam.pulse_m, overlap_start_m_});
-  if (end_m <= least_m ||
-      per_extinction * most_pm * beam.pulse_m < beam.detection_energy * least_m * least_m) {
+  // At range s no echo can be more than that over s^2.
+  const double brightest = per_extinction * most_pm * beam.pulse_m;
+  end_m = std::min(end_m, std::sqrt(brightest / beam.detection_energy) + beam.pulse_m);
+  if (end_m <= least_m) {
     return;  // too thin or too far to be seen
   }
   Echogram echogram;
@@ -297,12 +303,15 @@ void DustField::backscatter(const WeatherBeam& beam, double air_pm, const Passag
     }
     before_pm = here_pm;
     const double s_m = echogram.range_m(i);
-    const double overlap =
-        std::clamp((s_m - overlap_start_m_) / (overlap_end_m_ - overlap_start_m_), 0.0, 1.0);
+    // Mean over the step, which may be longer than the ramp.
+    const double half_m = 0.5 * echogram.step_m;
+    const double overlap = (overlap_integral(s_m + half_m, overlap_start_m_, overlap_end_m_) -
+                            overlap_integral(s_m - half_m, overlap_start_m_, overlap_end_m_)) /
+                           echogram.step_m;
     echogram.value[i] =
         overlap > 0.0 ? per_extinction * here_pm * transmission * overlap / (s_m * s_m) : 0.0;
-    if (transmission < kDark) {
-      echogram.steps = i + 1;
+    if (brightest * transmission < beam.detection_energy * s_m * s_m) {
+      echogram.steps = i + 1;  // nothing beyond can be seen
     }
   }
   AirEcho echo;

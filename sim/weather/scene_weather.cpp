@@ -184,9 +184,12 @@ AirPath SceneWeather::along(const WeatherBeam& beam) const {
                                beam.direction_W, range_m));
   };
   if (soft_echoes_ != nullptr && (foggy || air.haze.backscatter_pmsr > 0.0)) {
-    const double density = foggy ? fog_density(parameters_.fog, z_m) : 0.0;
+    double density = foggy ? fog_density(parameters_.fog, z_m) : 0.0;
     const SoftEcho soft = soft_echoes_->strongest(air.even_pm + density * air.fog.extinction_pm,
                                                   beam.pulse_m, beam.near_m, beam.far_m);
+    if (foggy) {
+      density = fog_density(parameters_.fog, z_m + climb * soft.range_m);
+    }
     double energy = soft.energy * (density * air.fog.backscatter_pmsr + air.haze.backscatter_pmsr);
     if (energy >= beam.detection_energy) {
       energy *= dust_transmission(soft.range_m);

@@ -107,7 +107,7 @@ TEST(BeamAir, TheSameAirIsAskedWithTheBeamAsItIs) {
   for (std::size_t i = 0; i < air.asked.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const bool same_shot = air.asked[i].time == air.asked[j].time &&
-                             air.asked[i].direction_W == air.asked[j].direction_W;
+                             air.asked[i].direction_W.isApprox(air.asked[j].direction_W, 1e-5);
       EXPECT_EQ(air.asked[i].draw_key == air.asked[j].draw_key, same_shot);
     }
   }

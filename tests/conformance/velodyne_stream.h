@@ -115,6 +115,7 @@ class VelodyneStream {
       laser.dist_correction_m += 0.15 * std::sin(phase + 1.0);
       laser.dist_correction_x_m = laser.dist_correction_m + 0.03 * std::sin(phase + 2.0);
       laser.dist_correction_y_m = laser.dist_correction_m + 0.04 * std::cos(phase + 3.0);
+      laser.focal_slope = 0.5 + 0.5 * std::cos(phase);
     }
     return as_sent(calibration);
   }

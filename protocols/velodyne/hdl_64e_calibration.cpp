@@ -6,8 +6,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "protocols/velodyne/hdl_64e_formula.h"
-
 namespace rigwire::protocols::velodyne {
 namespace {
 
@@ -15,6 +13,11 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 constexpr double kNominalDistance_m = 1.400;
 constexpr double kNominalFocus_m = 10.0;
+
+/// Reach of the distance field, and scale, in the formula of the intensity.
+constexpr double kIntensityReach_m = 131.0;
+constexpr double kDistanceField = 65535.0;
+constexpr double kIntensityScale = 256.0;
 
 /// The beam's direction in the manual's frame.
 struct Direction {
@@ -38,7 +41,8 @@ struct DistanceCorrections {
 DistanceCorrections distance_corrections(const Hdl64eLaser& laser, const Direction& beam,
                                          double raw_m, NearCorrection near) {
   const double far_m = laser.dist_correction_m;
-  if (!has_near_correction(laser) || (near == NearCorrection::below_25_m && raw_m >= kFarPoint_m)) {
+  const bool has_near = laser.dist_correction_x_m != 0.0 || laser.dist_correction_y_m != 0.0;
+  if (!has_near || (near == NearCorrection::below_25_m && raw_m >= kFarPoint_m)) {
     return {far_m, far_m};
   }
   const double level_m = (raw_m + far_m) * beam.cos_elevation;

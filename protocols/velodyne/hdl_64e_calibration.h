@@ -32,6 +32,11 @@ namespace rigwire::protocols::velodyne {
 inline constexpr std::size_t kHdl64eLasers = 64;
 inline constexpr double kHdl64eDistanceUnit_m = 0.002;
 
+/// Where the three distance corrections were found.
+inline constexpr double kFarPoint_m = 25.04;
+inline constexpr double kNearPointX_m = 2.40;
+inline constexpr double kNearPointY_m = 1.93;
+
 /// One laser, with the names of calibration files.
 struct Hdl64eLaser {
   double rot_correction_deg = 0.0;   ///< Counter-clockwise: true azimuth = rotor's - this.

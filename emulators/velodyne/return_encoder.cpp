@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numbers>
 
 namespace rigwire::emulators {
 namespace {
 
-VelodyneReflectivity scale_of(const protocols::velodyne::Model& model) {
+namespace velodyne = protocols::velodyne;
+
+VelodyneReflectivity scale_of(const velodyne::Model& model) {
   if (model.status_channel) {
     return VelodyneReflectivity::full;
   }
@@ -16,9 +19,12 @@ VelodyneReflectivity scale_of(const protocols::velodyne::Model& model) {
 
 }  // namespace
 
-ReturnEncoder::ReturnEncoder(const protocols::velodyne::Model& model, VelodyneRangeWindow window,
-                             VelodyneReflectivity scale)
-    : minimum_m_(static_cast<float>(window.minimum_m)),
+ReturnEncoder::ReturnEncoder(const velodyne::Model& model, VelodyneRangeWindow window,
+                             VelodyneReflectivity scale,
+                             const std::optional<velodyne::Hdl64eCalibration>& calibration)
+    : model_(model),
+      calibration_(calibration),
+      minimum_m_(static_cast<float>(window.minimum_m)),
       maximum_m_(static_cast<float>(window.maximum_m)),
       counts_per_metre_(1000.0F / static_cast<float>(model.distance_unit_mm)) {
   switch (scale == VelodyneReflectivity::model ? scale_of(model) : scale) {
@@ -37,7 +43,7 @@ ReturnEncoder::ReturnEncoder(const protocols::velodyne::Model& model, VelodyneRa
   retro_span_ = 255.0F - retro_bottom_;
 }
 
-void ReturnEncoder::encode(const BankReturns& echoes, EncodedReturns& encoded) const {
+void ReturnEncoder::scale(const BankReturns& echoes, EncodedReturns& encoded) const {
   // Copies, because the compiler cannot know that the results do not overwrite the members.
   const float minimum_m = minimum_m_;
   const float maximum_m = maximum_m_;
@@ -58,6 +64,29 @@ void ReturnEncoder::encode(const BankReturns& echoes, EncodedReturns& encoded) c
     const float shown = lit ? std::min(byte, 255.0F) + 0.5F : 0.0F;
     encoded[i] = static_cast<std::uint32_t>(static_cast<std::int32_t>(counts)) |
                  static_cast<std::uint32_t>(static_cast<std::int32_t>(shown)) << 16U;
+  }
+}
+
+void ReturnEncoder::take_back_corrections(const LidarFiring& bank, const BankReturns& echoes,
+                                          EncodedReturns& encoded) const {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  constexpr double kFarthestCount = 65535.0;
+  for (std::size_t i = 0; i < kBankLasers; ++i) {
+    if (encoded[i] == 0) {
+      continue;
+    }
+    const velodyne::Hdl64eLaser& laser = calibration_->lasers[bank.first_laser + i];
+    const double since_s = model_.lasers[bank.first_laser + i].time_offset_ns * 1e-9;
+    const double azimuth_deg =
+        (bank.rotor_azimuth_rad + bank.rotor_rate_radps * since_s) * kDegrees;
+    const double raw = velodyne::raw_counts(laser, echoes[i].range_m, azimuth_deg);
+    if (!(raw >= 0.5 && raw < kFarthestCount + 0.5)) {
+      encoded[i] = 0;
+      continue;
+    }
+    const auto intensity = static_cast<double>(encoded[i] >> 16U);
+    encoded[i] = static_cast<std::uint32_t>(raw + 0.5) |
+                 static_cast<std::uint32_t>(velodyne::raw_intensity(laser, intensity, raw)) << 16U;
   }
 }
 

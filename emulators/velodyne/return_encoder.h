@@ -8,9 +8,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "emulators/velodyne/velodyne_settings.h"
 #include "protocols/velodyne/data_packet.h"
+#include "protocols/velodyne/hdl_64e_calibration.h"
 #include "protocols/velodyne/model.h"
 #include "sim/samples/lidar_sample.h"
 
@@ -25,14 +27,29 @@ using EncodedReturns = std::array<std::uint32_t, kBankLasers>;
 
 class ReturnEncoder {
  public:
+  /// With a calibration (of an HDL-64E, validated) distances and intensities are raw: its clients
+  /// get the true ones from them.
   ReturnEncoder(const protocols::velodyne::Model& model, VelodyneRangeWindow window,
-                VelodyneReflectivity scale);
+                VelodyneReflectivity scale,
+                const std::optional<protocols::velodyne::Hdl64eCalibration>& calibration = {});
 
   /// Nothing for what is nearer or farther than the window, or not a number. Distance to the
-  /// nearest count (and at most 0.004 beside, for the float), at least 1.
-  void encode(const BankReturns& echoes, EncodedReturns& encoded) const;
+  /// nearest count (and at most 0.004 beside, for the float), at least 1. `echoes` are those of
+  /// `bank` that are wanted.
+  void encode(const LidarFiring& bank, const BankReturns& echoes, EncodedReturns& encoded) const {
+    scale(echoes, encoded);
+    if (calibration_) {
+      take_back_corrections(bank, echoes, encoded);
+    }
+  }
 
  private:
+  void scale(const BankReturns& echoes, EncodedReturns& encoded) const;
+  void take_back_corrections(const LidarFiring& bank, const BankReturns& echoes,
+                             EncodedReturns& encoded) const;
+
+  const protocols::velodyne::Model& model_;
+  std::optional<protocols::velodyne::Hdl64eCalibration> calibration_;
   float minimum_m_;
   float maximum_m_;
   float counts_per_metre_;

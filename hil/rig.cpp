@@ -66,7 +66,12 @@ SimulatedWorld make_world(const RigConfiguration& configuration, const sim::Loca
   settings.step = configuration.step;
   settings.slice = configuration.slice;
   settings.gravity_mps2 = gravity_mps2(configuration.machine.settings);
-  return {settings, std::move(built), frame};
+  SimulatedWorld world(settings, std::move(built), frame);
+  if (configuration.scene.weather.any()) {
+    world.set_weather(
+        std::make_unique<sim::SceneWeather>(configuration.scene.weather, configuration.seed));
+  }
+  return world;
 }
 
 }  // namespace

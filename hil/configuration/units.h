@@ -86,7 +86,7 @@ inline constexpr Unit kUnits[] = {
     {"rad/s2", Dimension::angular_acceleration, 1, 1},
     {"deg/s2", Dimension::angular_acceleration, kPi, 180},
     {"m/s", Dimension::speed, 1, 1}, {"mm/s", Dimension::speed, 1, 1000},
-    {"km/h", Dimension::speed, 1, 3.6},
+    {"km/h", Dimension::speed, 1, 3.6}, {"mm/h", Dimension::speed, 1, 3.6e6},
     {"m/s2", Dimension::acceleration, 1, 1}, {"mm/s2", Dimension::acceleration, 1, 1000},
     {"g", Dimension::acceleration, kGravity, 1}, {"mg", Dimension::acceleration, kGravity, 1000},
     {"ug", Dimension::acceleration, kGravity, 1e6},

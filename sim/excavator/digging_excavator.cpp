@@ -1,9 +1,15 @@
 #include "sim/excavator/digging_excavator.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace rigwire::sim {
 namespace {
+
+constexpr double kDustSmoothing_s = 0.1;
+/// Soil that slides over the lip falls at least so far.
+constexpr double kLeastDrop_m = 0.3;
+constexpr double kNoDust_kgps = 1e-7;
 
 ExcavatorParameters with_payload(ExcavatorParameters parameters, const DiggingParameters& digging,
                                  const DiggableTerrain& terrain) {
@@ -22,7 +28,8 @@ DiggingExcavator::DiggingExcavator(const ExcavatorParameters& parameters,
       excavator_(with_payload(parameters, digging, terrain_), X_WC, &ground),
       bucket_(digging.bucket, parameters.bucket_tip_m, parameters.gravity_mps2, terrain_,
               excavator_.link(Link::bucket)),
-      inner_span_(std::max(Duration{1}, from_seconds(parameters.step_s))) {
+      inner_span_(std::max(Duration{1}, from_seconds(parameters.step_s))),
+      bucket_tip_m_(parameters.bucket_tip_m) {
   const auto quantities = excavator_.status_quantities();
   status_quantities_.assign(quantities.begin(), quantities.end());
   status_quantities_.push_back({"payload", "kg"});
@@ -59,6 +66,26 @@ void DiggingExcavator::inner_step(Duration span) {
     payload_kg_ = bucket_.mass_kg();
     excavator_.set_payload_kg(payload_kg_);
   }
+  update_dust(h);
+}
+
+void DiggingExcavator::update_dust(double h) {
+  const Eigen::Vector3d lip_W =
+      excavator_.link(Link::bucket).X_WL * Eigen::Vector3d(bucket_tip_m_, 0.0, 0.0);
+  const double height_m = std::max(0.0, lip_W.z() - terrain_.height_m(lip_W.x(), lip_W.y()));
+  const double moved_m3 = bucket_.volume_m3() - bucket_m3_;
+  bucket_m3_ += moved_m3;
+  const double drop_m = moved_m3 < 0.0 ? std::max(height_m, kLeastDrop_m) : kLeastDrop_m;
+  const double keep = std::exp(-h / kDustSmoothing_s);
+  dust_.mass_rate_kgps = keep * dust_.mass_rate_kgps +
+                         (1.0 - keep) * dropped_soil_dust_kgpm3(drop_m) * std::abs(moved_m3) / h;
+  if (dust_.mass_rate_kgps < kNoDust_kgps) {
+    dust_.mass_rate_kgps = 0.0;
+  }
+  // Half way down, where the falling soil has been stretched into a curtain.
+  dust_.position_W = lip_W - Eigen::Vector3d(0.0, 0.0, 0.5 * height_m);
+  dust_.height_over_ground_m = 0.5 * height_m;
+  dust_.radius_m = 0.5 + 0.25 * height_m;
 }
 
 void DiggingExcavator::read_status(std::span<double> values) const {

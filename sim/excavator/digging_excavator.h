@@ -47,6 +47,9 @@ class DiggingExcavator final : public Machine {
     return terrain_.take_changes();
   }
   [[nodiscard]] ValvePort* valve_port() override { return excavator_.valve_port(); }
+  /// The lip of the bucket, while soil goes in or out: dust by the height from which it falls. The
+  /// flow is smoothed over a tenth of a second, which keeps its volume.
+  [[nodiscard]] std::span<const DustEmitter> dust_emitters() const override { return {&dust_, 1}; }
 
   [[nodiscard]] Excavator& excavator() { return excavator_; }
   [[nodiscard]] const Excavator& excavator() const { return excavator_; }
@@ -60,12 +63,16 @@ class DiggingExcavator final : public Machine {
 
  private:
   void inner_step(Duration span);
+  void update_dust(double h);
 
   DiggableTerrain terrain_;
   Excavator excavator_;
   BucketSoil bucket_;
   Duration inner_span_;
   double payload_kg_ = 0.0;
+  double bucket_tip_m_;
+  double bucket_m3_ = 0.0;  ///< At the last look for dust.
+  DustEmitter dust_;
   std::vector<StatusQuantity> status_quantities_;
   std::vector<TruthField> truth_fields_;
   std::size_t excavator_truth_ = 0;  ///< Numbers of the excavator's truth fields.

@@ -1,5 +1,6 @@
 #include "sim/lidar/beam_caster.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -38,6 +39,32 @@ std::array<LaneArray, 3> spin_axes(const FiringBlock& block, const LaneMap& map)
   return axis;
 }
 
+/// The packets of a group, beam by beam: rays of one beam mostly meet the same things.
+std::vector<RayChoice> choices(std::size_t sub_rays) {
+  std::vector<RayChoice> result(sub_rays);
+  for (std::size_t i = 0; i < sub_rays * kLanes; ++i) {
+    const std::size_t beam = i / sub_rays;
+    result[i / kLanes].ray[i % kLanes] = static_cast<std::int32_t>(i % sub_rays * kLanes + beam);
+    result[i / kLanes].beam[i % kLanes] = static_cast<std::int32_t>(beam);
+  }
+  return result;
+}
+
+/// What the middles of the beams have met.
+void tell_truth(const Scene::Internals& scene, const RTCRayHit8& packet, const RayChoice& choice,
+                const HitSurfaces& surfaces, std::array<LidarShotTruth, kLanes>& truth) {
+  const SurfaceNumbers surface(packet.hit);
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    if (choice.ray[lane] == choice.beam[lane]) {  // sub-ray 0
+      truth[static_cast<std::size_t>(choice.beam[lane])] =
+          surface[lane] == RTC_INVALID_GEOMETRY_ID
+              ? LidarShotTruth{}
+              : LidarShotTruth{packet.ray.tfar[lane], scene.instance_of[surface[lane]],
+                               surfaces.cosine[lane]};
+    }
+  }
+}
+
 void set_lane(EchoLanes& lanes, std::size_t lane, const EchoPart& echo) {
   lanes.range_m[lane] = echo.range_m;
   lanes.energy[lane] = echo.energy;
@@ -62,8 +89,9 @@ void close_ranks(LidarReturn& strongest, LidarReturn& second, LidarReturn& last)
 }  // namespace
 
 struct BeamCaster::Beams {
-  RTCRayHit8 middle{};  ///< Its rays hold what they hit, once they are cast.
-  HitSurfaces at_middle;
+  RTCRayHit8 middle{};  ///< Where the middles go. Not cast.
+  Across across;
+  std::array<LidarShotTruth, kLanes> truth;
   ShotNumbers shots{};
   std::array<AirEchoes, kLanes> air;
   std::array<SubRayHits, kMostSubRays> hits;
@@ -100,6 +128,9 @@ BeamCaster::BeamCaster(const SpinningLidarParameters& parameters, const LidarPat
       aims_.push_back(aim_of(ray));
     }
   }
+  whole_group_ = choices(RayGroup::kMostSubRays);
+  const std::size_t rest = aims_.size() % RayGroup::kMostSubRays;
+  last_group_ = rest == 0 ? whole_group_ : choices(rest);
 }
 
 std::span<SubRayHits> BeamCaster::hits_of(Beams& beams) const {
@@ -133,24 +164,32 @@ void BeamCaster::trace(const BlockCast& cast, const RingPacket& plan, Beams& bea
   valid.fill(-1);
 
   fill_packet(cast.block, plan, cast.limits, beams.middle);
-  Across across;
-  look_across(beams.middle.ray, spin_axes(cast.block, plan.map), across);
-  Reception reception{.minimum_m = model_.minimum_range_m(),
-                      .compensates_incidence = compensates_incidence_};
-  // The middle itself is cast last, where its rays lie: the others need it as it was.
-  for (std::size_t i = aims_.size(); i-- > 1;) {
-    RTCRayHit8 packet;
-    aim_rays(beams.middle.ray, across, aims_[i], packet);
-    rtcIntersect8(valid.data(), in.top.get(), &context, &packet);
-    HitSurfaces surfaces;
-    meet_surfaces(in.shading.data(), packet, surfaces);
-    reception.retro_alone = i >= weights_.size();
-    receive_hits(packet, surfaces, across, aims_[i], reception, beams.hits[i]);
+  const RTCRay8& middle = beams.middle.ray;
+  look_across(middle, spin_axes(cast.block, plan.map), beams.across);
+  RayGroup group;
+  for (std::size_t first = 0; first < aims_.size(); first += RayGroup::kMostSubRays) {
+    const std::size_t count = std::min(RayGroup::kMostSubRays, aims_.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      aim_rays(middle, beams.across, aims_[first + i], i, group);
+    }
+    for (const RayChoice& choice : first + count < aims_.size() ? whole_group_ : last_group_) {
+      RTCRayHit8 packet;
+      load_rays(middle, group, choice, packet);
+      rtcIntersect8(valid.data(), in.top.get(), &context, &packet);
+      HitSurfaces surfaces;
+      meet_surfaces(in.shading.data(), packet, surfaces);
+      store_hits(packet, surfaces, choice, group);
+      if (first == 0 && !cast.truth.empty()) {
+        tell_truth(in, packet, choice, surfaces, beams.truth);
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const Reception reception{.minimum_m = model_.minimum_range_m(),
+                                .retro_alone = first + i >= weights_.size(),
+                                .compensates_incidence = compensates_incidence_};
+      receive_hits(group, i, beams.across, aims_[first + i], reception, beams.hits[first + i]);
+    }
   }
-  reception.retro_alone = false;
-  rtcIntersect8(valid.data(), in.top.get(), &context, &beams.middle);
-  meet_surfaces(in.shading.data(), beams.middle, beams.at_middle);
-  receive_hits(beams.middle, beams.at_middle, across, aims_[0], reception, beams.hits[0]);
 }
 
 void BeamCaster::meet_air(const BlockCast& cast, Beams& beams) const {
@@ -214,7 +253,6 @@ void BeamCaster::detect(Beams& beams, Echoes& echoes) const {
 
 void BeamCaster::report(const BlockCast& cast, const RingPacket& plan, const Beams& beams,
                         const Echoes& echoes) const {
-  const Scene::Internals& in = cast.scene.internals();
   const EightReturns strongest = model_.report(echoes.strongest, beams.shots, EchoRank::strongest);
   EightReturns second{};
   EightReturns last{};
@@ -239,11 +277,7 @@ void BeamCaster::report(const BlockCast& cast, const RingPacket& plan, const Bea
       close_ranks(firing.strongest[i], firing.second[i], firing.last[i]);
     }
     if (!cast.truth.empty()) {
-      const unsigned instance = beams.middle.hit.instID[0][lane];
-      if (instance != RTC_INVALID_GEOMETRY_ID) {
-        cast.truth[bank][i] = {beams.middle.ray.tfar[lane], in.instance_of[instance],
-                               beams.at_middle.cosine[lane]};
-      }
+      cast.truth[bank][i] = beams.truth[lane];
     }
   }
 }

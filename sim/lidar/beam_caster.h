@@ -1,5 +1,7 @@
 // The echoes of beams that have a width, in any weather: each beam is a few sub-rays
-// (beam_sampler.h), the same sub-ray of neighbouring firings makes one of Embree's packets.
+// (beam_sampler.h). Eight neighbouring firings of a laser are cast together; their rays go beam by
+// beam into Embree's packets. (The same sub-ray of all eight in one packet is 10 to 20 % slower
+// among leaves, and 6 % quicker among crates.)
 //
 // Every sub-ray is cast, whatever the middle of the beam meets (MAVS leaves the others out when its
 // middle one meets nothing, and so loses twigs against the sky). What they return is summed up by
@@ -57,6 +59,8 @@ class BeamCaster {
   EchoRules rules_;
   std::vector<SubRayAim> aims_;  ///< Those of the beam, then scattered light.
   std::vector<float> weights_;   ///< Of the beam's own.
+  std::vector<RayChoice> whole_group_;
+  std::vector<RayChoice> last_group_;
   bool compensates_incidence_;
   double divergence_rad_;  ///< Of a round beam of the same cross section.
   std::uint64_t air_key_;

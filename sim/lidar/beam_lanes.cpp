@@ -37,21 +37,33 @@ RIGWIRE_WIDE_VECTORS void look_across(const RTCRay8& middle, const std::array<La
 }
 
 RIGWIRE_WIDE_VECTORS void aim_rays(const RTCRay8& middle, const Across& across,
-                                   const SubRayAim& aim, RTCRayHit8& packet) {
+                                   const SubRayAim& aim, std::size_t sub_ray, RayGroup& group) {
+  float* const x = &group.x[sub_ray * kLanes];
+  float* const y = &group.y[sub_ray * kLanes];
+  float* const z = &group.z[sub_ray * kLanes];
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    x[i] = aim.shrink * (middle.dir_x[i] + aim.right * across.right_x[i] + aim.up * across.up_x[i]);
+    y[i] = aim.shrink * (middle.dir_y[i] + aim.right * across.right_y[i] + aim.up * across.up_y[i]);
+    z[i] = aim.shrink * (middle.dir_z[i] + aim.right * across.right_z[i] + aim.up * across.up_z[i]);
+  }
+}
+
+RIGWIRE_WIDE_VECTORS void load_rays(const RTCRay8& middle, const RayGroup& group,
+                                    const RayChoice& choice, RTCRayHit8& packet) {
   RTCRay8& ray = packet.ray;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
-    ray.dir_x[i] =
-        aim.shrink * (middle.dir_x[i] + aim.right * across.right_x[i] + aim.up * across.up_x[i]);
-    ray.dir_y[i] =
-        aim.shrink * (middle.dir_y[i] + aim.right * across.right_y[i] + aim.up * across.up_y[i]);
-    ray.dir_z[i] =
-        aim.shrink * (middle.dir_z[i] + aim.right * across.right_z[i] + aim.up * across.up_z[i]);
-    ray.org_x[i] = middle.org_x[i];
-    ray.org_y[i] = middle.org_y[i];
-    ray.org_z[i] = middle.org_z[i];
+    const auto from = static_cast<std::size_t>(choice.ray[i]);
+    const auto beam = static_cast<std::size_t>(choice.beam[i]);
+    ray.dir_x[i] = group.x[from];
+    ray.dir_y[i] = group.y[from];
+    ray.dir_z[i] = group.z[from];
+    ray.org_x[i] = middle.org_x[beam];
+    ray.org_y[i] = middle.org_y[beam];
+    ray.org_z[i] = middle.org_z[beam];
+    ray.time[i] = middle.time[beam];
     ray.tnear[i] = middle.tnear[i];
-    ray.time[i] = middle.time[i];
     ray.tfar[i] = middle.tfar[i];
     ray.mask[i] = middle.mask[i];
     ray.id[i] = 0;
@@ -61,33 +73,49 @@ RIGWIRE_WIDE_VECTORS void aim_rays(const RTCRay8& middle, const Across& across,
   }
 }
 
-RIGWIRE_WIDE_VECTORS void receive_hits(const RTCRayHit8& packet, const HitSurfaces& surfaces,
+void store_hits(const RTCRayHit8& packet, const HitSurfaces& surfaces, const RayChoice& choice,
+                RayGroup& group) {
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const auto to = static_cast<std::size_t>(choice.ray[i]);
+    const bool met = packet.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID;
+    group.range_m[to] = met ? packet.ray.tfar[i] : SubRayHits::kNothing;
+    group.normal_x[to] = surfaces.normal_x[i];
+    group.normal_y[to] = surfaces.normal_y[i];
+    group.normal_z[to] = surfaces.normal_z[i];
+    group.cosine[to] = surfaces.cosine[i];
+    group.reflectance[to] = surfaces.reflectance[i];
+    group.retro_gain[to] = surfaces.retro_gain[i];
+  }
+}
+
+RIGWIRE_WIDE_VECTORS void receive_hits(const RayGroup& group, std::size_t sub_ray,
                                        const Across& across, const SubRayAim& aim,
                                        const Reception& reception, SubRayHits& hits) {
+  const std::size_t first = sub_ray * kLanes;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
-    const bool met = packet.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID;
-    const float range = packet.ray.tfar[i];
-    const float cosine = surfaces.cosine[i];
-    const float reflectance = reception.retro_alone ? 0.0F : surfaces.reflectance[i];
-    const float gain = surfaces.retro_gain[i];
-    const float apparent = apparent_reflectance(reflectance, gain, cosine);
+    const std::size_t ray = first + i;
+    const float range = group.range_m[ray];
+    const float cosine = group.cosine[ray];
+    const float reflectance = reception.retro_alone ? 0.0F : group.reflectance[ray];
+    const float apparent = apparent_reflectance(reflectance, group.retro_gain[ray], cosine);
     const float reported =
         reception.compensates_incidence ? apparent + reflectance * (1.0F - cosine) : apparent;
-    const bool returns = met & (range >= reception.minimum_m) & (apparent > 0.0F);
-    hits.range_m[i] = met ? range : SubRayHits::kNothing;
+    // Where nothing was met, nothing is apparent.
+    const bool returns = (range >= reception.minimum_m) & (apparent > 0.0F);
+    hits.range_m[i] = range;
     hits.energy[i] = returns ? aim.weight * apparent / (range * range) : 0.0F;
     hits.brightness[i] = returns ? aim.weight * reported : 0.0F;
 
-    const float nx = surfaces.normal_x[i];
-    const float ny = surfaces.normal_y[i];
-    const float nz = surfaces.normal_z[i];
+    const float nx = group.normal_x[ray];
+    const float ny = group.normal_y[ray];
+    const float nz = group.normal_z[ray];
     const float to_right = nx * across.right_x[i] + ny * across.right_y[i] + nz * across.right_z[i];
     const float to_top = nx * across.up_x[i] + ny * across.up_y[i] + nz * across.up_z[i];
-    const float along =
-        nx * packet.ray.dir_x[i] + ny * packet.ray.dir_y[i] + nz * packet.ray.dir_z[i];
+    const float along = nx * group.x[ray] + ny * group.y[ray] + nz * group.z[ray];
     const float slant = aim.patch_right * std::abs(to_right) + aim.patch_up * std::abs(to_top);
-    hits.patch_m[i] = std::min(range * slant / std::max(std::abs(along), 1e-20F), kDeepestPatch_m);
+    const float patch = returns ? range * slant / std::max(std::abs(along), 1e-20F) : 0.0F;
+    hits.patch_m[i] = std::min(patch, kDeepestPatch_m);
   }
 }
 

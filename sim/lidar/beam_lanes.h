@@ -1,6 +1,9 @@
 // Arithmetic of eight beams side by side: their sub-rays and what comes back from them.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "sim/lidar/beam_hits.h"
@@ -29,9 +32,37 @@ struct SubRayAim {
   float patch_up = 0.0F;
 };
 
-/// The same sub-ray of all beams, ready to be cast.
+/// Sub-rays that are cast together, of eight beams each: where they go and what they meet. Sub-ray
+/// i of beam k is number i kLanes + k.
+struct RayGroup {
+  static constexpr std::size_t kMostSubRays = 25;
+  struct alignas(32) Column : std::array<float, kMostSubRays * kLanes> {};
+
+  Column x, y, z;  ///< Directions.
+  Column range_m;  ///< SubRayHits::kNothing: nothing within reach.
+  Column normal_x, normal_y, normal_z;
+  Column cosine;
+  Column reflectance;
+  Column retro_gain;
+};
+
+/// Which rays of a group make a packet.
+struct RayChoice {
+  alignas(32) std::array<std::int32_t, kLanes> ray{};
+  alignas(32) std::array<std::int32_t, kLanes> beam{};
+};
+
+/// Sets the directions of one sub-ray.
 void aim_rays(const RTCRay8& middle, const Across& across, const SubRayAim& aim,
-              RTCRayHit8& packet);
+              std::size_t sub_ray, RayGroup& group);
+
+/// A packet ready to be cast.
+void load_rays(const RTCRay8& middle, const RayGroup& group, const RayChoice& choice,
+               RTCRayHit8& packet);
+
+/// What a cast packet has met goes back to where its rays came from.
+void store_hits(const RTCRayHit8& packet, const HitSurfaces& surfaces, const RayChoice& choice,
+                RayGroup& group);
 
 struct Reception {
   float minimum_m = 0.0F;              ///< What is nearer stops light, but sends no echo.
@@ -39,8 +70,8 @@ struct Reception {
   bool compensates_incidence = false;  ///< Brightness is that of the surface met head on.
 };
 
-/// What comes back from a cast packet in clear air.
-void receive_hits(const RTCRayHit8& packet, const HitSurfaces& surfaces, const Across& across,
+/// What comes back to one sub-ray in clear air.
+void receive_hits(const RayGroup& group, std::size_t sub_ray, const Across& across,
                   const SubRayAim& aim, const Reception& reception, SubRayHits& hits);
 
 /// Nearest and farthest of the hits that return something; SubRayHits::kNothing and 0: none does.

@@ -1,51 +1,66 @@
 #include "sim/lidar/clear_echo.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
+#include "sim/lidar/hit_surface.h"
+#include "sim/lidar/link_budget.h"
 #include "sim/scene/scene_internals.h"
 
 namespace rigwire::sim {
 namespace {
-
-/// Reflectance of the target that the maximum range is stated for.
-constexpr float kReferenceReflectance = 0.9F;
 
 using Shading = Scene::Internals::Shading;
 
 /// How the rays of a packet meet the surfaces that they hit; zero where nothing was hit.
 struct Incidence {
   LaneArray cosine;
-  LaneArray reflectance;
+  LaneArray brightness;  ///< As a multiple of a white surface met head on.
 };
 
-/// Neighbours mostly meet the same instance; so one instance after the other is worked out for all
+/// Rare, and so not worth its share of every packet.
+void add_retro_reflectors(const Shading* shading, const SurfaceNumbers& numbers,
+                          Incidence& incidence) {
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    if (numbers[i] != RTC_INVALID_GEOMETRY_ID) {
+      const Shading& surface = shading[numbers[i]];
+      incidence.brightness[i] =
+          apparent_reflectance(surface.reflectance, surface.retro_gain, incidence.cosine[i]);
+    }
+  }
+}
+
+/// Neighbours mostly meet the same surface; so one surface after the other is worked out for all
 /// lanes, and each lane keeps its own.
 RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
                                Incidence& incidence) {
   const RTCRay8& ray = packet.ray;
   const RTCHit8& hit = packet.hit;
-  const unsigned* const instance = hit.instID[0];
-  alignas(32) LaneArray along;
+  const SurfaceNumbers surface(hit);
+  LaneArray along;
+  LaneArray reflectance;
   along.fill(0.0F);
-  incidence.reflectance.fill(0.0F);
+  reflectance.fill(0.0F);
+  float retro_gain = 0.0F;
   unsigned done = RTC_INVALID_GEOMETRY_ID;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    if (instance[lane] == done || instance[lane] == RTC_INVALID_GEOMETRY_ID) {
+    if (surface[lane] == done || surface[lane] == RTC_INVALID_GEOMETRY_ID) {
       continue;
     }
-    done = instance[lane];
+    done = surface[lane];
     const float* const R = shading[done].R_WM.data();
-    const float reflectance = shading[done].reflectance;
+    const float its_reflectance = shading[done].reflectance;
+    retro_gain += shading[done].retro_gain;
 #pragma GCC ivdep
     for (std::size_t i = 0; i < kLanes; ++i) {
       const float x = R[0] * hit.Ng_x[i] + R[3] * hit.Ng_y[i] + R[6] * hit.Ng_z[i];
       const float y = R[1] * hit.Ng_x[i] + R[4] * hit.Ng_y[i] + R[7] * hit.Ng_z[i];
       const float z = R[2] * hit.Ng_x[i] + R[5] * hit.Ng_y[i] + R[8] * hit.Ng_z[i];
       const float dot = x * ray.dir_x[i] + y * ray.dir_y[i] + z * ray.dir_z[i];
-      along[i] = instance[i] == done ? dot : along[i];
-      incidence.reflectance[i] = instance[i] == done ? reflectance : incidence.reflectance[i];
+      along[i] = surface[i] == done ? dot : along[i];
+      reflectance[i] = surface[i] == done ? its_reflectance : reflectance[i];
     }
   }
 #pragma GCC ivdep
@@ -53,8 +68,12 @@ RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
     // Rotations leave the normal's length as it is.
     const float square =
         hit.Ng_x[i] * hit.Ng_x[i] + hit.Ng_y[i] * hit.Ng_y[i] + hit.Ng_z[i] * hit.Ng_z[i];
-    const bool met = instance[i] != RTC_INVALID_GEOMETRY_ID && square > 0.0F;
-    incidence.cosine[i] = met ? __builtin_fabsf(along[i]) / __builtin_sqrtf(square) : 0.0F;
+    const bool met = (surface[i] != RTC_INVALID_GEOMETRY_ID) & (square > 0.0F);
+    incidence.cosine[i] = met ? std::abs(along[i]) / std::sqrt(square) : 0.0F;
+    incidence.brightness[i] = reflectance[i] * incidence.cosine[i];
+  }
+  if (retro_gain > 0.0F) {
+    add_retro_reflectors(shading, surface, incidence);
   }
 }
 
@@ -62,27 +81,39 @@ RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
 struct Window {
   float minimum_m;
   float maximum_m;
-  float echo_limit_m2;
+  float echo_limit_m2;  ///< One over the least energy of an echo.
 };
 
 RIGWIRE_WIDE_VECTORS void receive(const RTCRay8& ray, const Incidence& incidence,
-                                  const LaneArray& noise_m, const Window& window,
+                                  const float* noise_m, const Window& window,
                                   std::array<LidarReturn, kLanes>& echoes) {
   LaneArray range_m;
   LaneArray reflectivity;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
-    const float apparent = incidence.reflectance[i] * incidence.cosine[i];
+    const float brightness = incidence.brightness[i];
     const float range = ray.tfar[i];
     const float measured = range + noise_m[i];
-    const bool seen = (window.echo_limit_m2 * apparent >= range * range) &
+    const bool seen = (window.echo_limit_m2 * brightness >= range * range) &
                       (range >= window.minimum_m) & (measured >= window.minimum_m) &
                       (measured <= window.maximum_m);
     range_m[i] = seen ? measured : 0.0F;
-    reflectivity[i] = seen ? apparent : 0.0F;
+    reflectivity[i] = seen ? reported_reflectivity(brightness) : 0.0F;
   }
   for (std::size_t i = 0; i < kLanes; ++i) {
     echoes[i] = {range_m[i], reflectivity[i]};
+  }
+}
+
+void tell_truth(const BlockCast& cast, const LaneMap& map, const Scene::Internals& scene,
+                const RTCRayHit8& packet, const LaneArray& cosine) {
+  const SurfaceNumbers surface(packet.hit);
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const std::uint32_t laser = map.laser[lane];
+    LidarShotTruth& shot = cast.truth[cast.bank_of(map.firing[lane], laser)][laser % kBankLasers];
+    if (surface[lane] != RTC_INVALID_GEOMETRY_ID) {
+      shot = {packet.ray.tfar[lane], scene.instance_of[surface[lane]], cosine[lane]};
+    }
   }
 }
 
@@ -93,8 +124,27 @@ ClearEcho::ClearEcho(const SpinningLidarParameters& parameters, const LidarPatte
     : minimum_m_(static_cast<float>(pattern.minimum_range_m)),
       maximum_m_(static_cast<float>(pattern.maximum_range_m)),
       sigma_m_(static_cast<float>(parameters.range_sigma_m)),
-      echo_limit_m2_(maximum_m_ * maximum_m_ / kReferenceReflectance),
+      echo_limit_m2_(static_cast<float>(1.0 / detection_energy(pattern.maximum_range_m))),
       noise_key_(noise_key) {}
+
+void ClearEcho::draw_noise(const BlockCast& cast, std::span<float> noise_m) const {
+  const auto drawn = noise_m.first(cast.packets.size() * kLanes);
+  if (sigma_m_ == 0.0F) {
+    std::ranges::fill(drawn, 0.0F);
+    return;
+  }
+  std::array<std::uint64_t, kMaxLasers * kLanes> shots;
+  std::uint64_t* shot = shots.data();
+  for (const RingPacket& plan : cast.packets) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      *shot++ = cast.shot_number(plan.map.firing[lane], plan.map.laser[lane]);
+    }
+  }
+  gaussian(noise_key_, std::span(shots).first(drawn.size()), drawn);
+  for (float& noise : drawn) {
+    noise *= sigma_m_;
+  }
+}
 
 void ClearEcho::cast(const BlockCast& cast) const {
   const FlushDenormals flush;
@@ -106,38 +156,25 @@ void ClearEcho::cast(const BlockCast& cast) const {
   valid.fill(-1);
 
   const Window window{minimum_m_, maximum_m_, echo_limit_m2_};
+  alignas(32) std::array<float, kMaxLasers * kLanes> noise_m;
+  draw_noise(cast, noise_m);
   RTCRayHit8 packet{};
   Incidence incidence;
-  LaneArray noise_m;
-  noise_m.fill(0.0F);
+  std::array<LidarReturn, kLanes> echoes;
+  const float* packet_noise_m = noise_m.data();
   for (const RingPacket& plan : cast.packets) {
     fill_packet(cast.block, plan, cast.limits, packet);
     rtcIntersect8(valid.data(), in.top.get(), &context, &packet);
     meet(in.shading.data(), packet, incidence);
-    if (sigma_m_ > 0.0F) {
-      std::array<std::uint64_t, kLanes> shots;
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        shots[lane] = cast.shot_number(plan.map.firing[lane], plan.map.laser[lane]);
-      }
-      gaussian_lanes(noise_key_, shots, noise_m);
-      for (float& noise : noise_m) {
-        noise *= sigma_m_;
-      }
-    }
-    std::array<LidarReturn, kLanes> echoes;
-    receive(packet.ray, incidence, noise_m, window, echoes);
+    receive(packet.ray, incidence, packet_noise_m, window, echoes);
+    packet_noise_m += kLanes;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const std::uint32_t laser = plan.map.laser[lane];
       const std::size_t bank = cast.bank_of(plan.map.firing[lane], laser);
       cast.firings[bank].strongest[laser % kBankLasers] = echoes[lane];
-      if (!cast.truth.empty()) {
-        const unsigned instance = packet.hit.instID[0][lane];
-        cast.truth[bank][laser % kBankLasers] =
-            instance == RTC_INVALID_GEOMETRY_ID
-                ? LidarShotTruth{}
-                : LidarShotTruth{packet.ray.tfar[lane], in.instance_of[instance],
-                                 incidence.cosine[lane]};
-      }
+    }
+    if (!cast.truth.empty()) {
+      tell_truth(cast, plan.map, in, packet, incidence.cosine);
     }
   }
 }

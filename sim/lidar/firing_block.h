@@ -13,16 +13,38 @@
 
 #include "sim/lidar/lidar_sensor.h"
 #include "sim/lidar/ray_lanes.h"
+#include "sim/lidar/rotor.h"
+#include "sim/link_motion.h"
 #include "sim/samples/lidar_sample.h"
+#include "sim/samples/time.h"
 #include "sim/scene/scene.h"
 
 namespace rigwire::sim {
 
+/// One firing of the head: when, and where the rotor was.
+struct FiringInstant {
+  std::uint32_t number = 0;  ///< Among those of this cast.
+  SimTime time{};
+  RotorState rotor;
+};
+
+/// Firings that follow each other without a gap, within kLongestBlock.
 struct FiringBlock {
   std::size_t count = 0;                       ///< 1 .. 8.
   std::array<std::uint32_t, kLanes> firing{};  ///< Each one's number among those of this cast.
   FiringLanes lanes;
+  /// Of a block of less than eight firings: the same once more, in the orders in which its packets
+  /// need them (RingPacket::arrangement).
+  std::array<FiringLanes, kLanes - 1> arranged;
 };
+
+inline constexpr Duration kLongestBlock = std::chrono::microseconds{500};
+
+/// Makes the block of these firings. Pose and rates are interpolated linearly between its first and
+/// its last: wrong by at most 0.4 um and 4e-8 rad, for 10 m/s2 and 1 rad/s, which floats do not
+/// hold in the scene's coordinates. Precondition: 1 <= firings.size() <= 8, without gap.
+void fill_block(std::span<const FiringInstant> firings, const LinkMotionInterpolation& mount_at,
+                SimTime t0, double slice_s, FiringBlock& block);
 
 /// Which firing of the block and which laser each lane of a packet carries. Lanes left over repeat
 /// the last ray, and write the same result to the same place.
@@ -34,6 +56,7 @@ struct LaneMap {
 /// One packet of a block of a certain number of firings.
 struct RingPacket {
   LaneMap map;
+  std::size_t arrangement = 0;  ///< The packet's index modulo the number of firings.
   LaserLanes lasers;
 };
 
@@ -85,13 +108,8 @@ struct BlockCast {
 /// The rays of a packet of this block.
 inline void fill_packet(const FiringBlock& block, const RingPacket& plan, const RayLimits& limits,
                         RTCRayHit8& packet) {
-  if (block.count == kLanes) {
-    fill_rays(block.lanes, plan.lasers, limits, packet);  // lane i is firing i
-  } else {
-    FiringLanes firings;
-    pick_lanes(block.lanes, plan.map.firing, firings);
-    fill_rays(firings, plan.lasers, limits, packet);
-  }
+  const bool full = block.count == kLanes;  // lane i is firing i
+  fill_rays(full ? block.lanes : block.arranged[plan.arrangement], plan.lasers, limits, packet);
 }
 
 }  // namespace rigwire::sim

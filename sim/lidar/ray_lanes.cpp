@@ -1,5 +1,6 @@
 #include "sim/lidar/ray_lanes.h"
 
+#include <algorithm>
 #include <bit>
 #include <numbers>
 
@@ -50,19 +51,6 @@ RIGWIRE_WIDE_VECTORS void fill_rays(const FiringLanes& firing, const LaserLanes&
   }
 }
 
-RIGWIRE_WIDE_VECTORS void pick_lanes(const FiringLanes& firings,
-                                     const std::array<std::uint32_t, kLanes>& from,
-                                     FiringLanes& to) {
-  for (std::size_t column = 0; column < FiringLanes::kFloats; column += kLanes) {
-    const float* source = firings.data() + column;
-    float* target = to.data() + column;
-#pragma GCC ivdep
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      target[i] = source[from[i]];
-    }
-  }
-}
-
 namespace {
 
 /// Natural logarithm of a positive normal number, relative error below 1e-6: ln(2^e m) with m
@@ -82,26 +70,31 @@ inline float natural_logarithm(float x) {
 
 }  // namespace
 
-RIGWIRE_WIDE_VECTORS void gaussian_lanes(std::uint64_t key,
-                                         const std::array<std::uint64_t, kLanes>& shots,
-                                         LaneArray& normal) {
-  alignas(32) std::array<std::int32_t, kLanes> drawn;
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    drawn[i] = static_cast<std::int32_t>(counter_bits(key, shots[i]) >> 32U);
-  }
+RIGWIRE_WIDE_VECTORS void gaussian(std::uint64_t key, std::span<const std::uint64_t> shots,
+                                   std::span<float> normal) {
+  // In blocks: the whole of one step before the next, because a number's steps wait for each other.
+  constexpr std::size_t kBlock = 64;
+  alignas(32) std::array<std::int32_t, kBlock> drawn;
+  for (std::size_t begin = 0; begin < shots.size(); begin += kBlock) {
+    const std::size_t count = std::min(kBlock, shots.size() - begin);
+    for (std::size_t i = 0; i < count; ++i) {
+      drawn[i] = static_cast<std::int32_t>(counter_bits(key, shots[begin + i]) >> 32U);
+    }
+    float* const target = normal.data() + begin;
 #pragma GCC ivdep
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    // The middle of one of 2^32 equal parts of (0, 1), as distance from the middle, and from the
-    // nearer end.
-    const std::int32_t from_end = (drawn[i] ^ (drawn[i] >> 31)) ^ 0x7FFFFFFF;
-    const float nearer_end = (static_cast<float>(from_end) + 0.5F) * 0x1.0p-32F;
-    const float q = (static_cast<float>(drawn[i]) + 0.5F) * 0x1.0p-32F;
-    const float central = central_normal_quantile<float>(q);
-    const float size =
-        outer_normal_quantile<float>(__builtin_sqrtf(-natural_logarithm(nearer_end)));
-    const float outer = q < 0.0F ? -size : size;
-    const bool middle = nearer_end >= 0.5F - static_cast<float>(kCentralHalfWidth);
-    normal[i] = middle ? central : outer;
+    for (std::size_t i = 0; i < count; ++i) {
+      // The middle of one of 2^32 equal parts of (0, 1), as distance from the middle, and from the
+      // nearer end.
+      const std::int32_t from_end = (drawn[i] ^ (drawn[i] >> 31)) ^ 0x7FFFFFFF;
+      const float nearer_end = (static_cast<float>(from_end) + 0.5F) * 0x1.0p-32F;
+      const float q = (static_cast<float>(drawn[i]) + 0.5F) * 0x1.0p-32F;
+      const float central = central_normal_quantile<float>(q);
+      const float size =
+          outer_normal_quantile<float>(__builtin_sqrtf(-natural_logarithm(nearer_end)));
+      const float outer = q < 0.0F ? -size : size;
+      const bool middle = nearer_end >= 0.5F - static_cast<float>(kCentralHalfWidth);
+      target[i] = middle ? central : outer;
+    }
   }
 }
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 // Embree reads a packet in registers of eight floats. Written in halves, it waits for the stores;
 // so where the processor has such registers, functions marked so use them. Results are the same: no
@@ -97,13 +98,13 @@ struct RayLimits {
 void fill_rays(const FiringLanes& firing, const LaserLanes& laser, const RayLimits& limits,
                RTCRayHit8& packet);
 
-/// Lane i of `to` is lane `from[i]` of `firings`.
-void pick_lanes(const FiringLanes& firings, const std::array<std::uint32_t, kLanes>& from,
-                FiringLanes& to);
-
 /// A standard normal number for each shot, of (key, shot) alone; at most 6.3 in size, because it is
-/// the quantile of one of 2^32 equally probable numbers.
-void gaussian_lanes(std::uint64_t key, const std::array<std::uint64_t, kLanes>& shots,
-                    LaneArray& normal);
+/// the quantile of one of 2^32 equally probable numbers. Cheapest for many at a time. Precondition:
+/// both spans have the same length.
+void gaussian(std::uint64_t key, std::span<const std::uint64_t> shots, std::span<float> normal);
+inline void gaussian_lanes(std::uint64_t key, const std::array<std::uint64_t, kLanes>& shots,
+                           LaneArray& normal) {
+  gaussian(key, shots, normal);
+}
 
 }  // namespace rigwire::sim

@@ -1,35 +1,168 @@
 #include "sim/lidar/rotor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <string>
+
+#include "sim/lidar/counter_noise.h"
+#include "sim/random.h"
 
 namespace rigwire::sim {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr Duration kPeriod = std::chrono::milliseconds{1};
+constexpr double kPeriod_s = to_seconds(kPeriod);
+constexpr Duration kPulsePeriod = std::chrono::seconds{1};
+constexpr double kGreatestRate_radps = 500.0;
+/// Of a rotor that jams.
+constexpr double kJamDeceleration_radps2 = 1200.0;
+/// Below this speed the wander fades with it, so that a standing rotor stands.
+constexpr double kSteadyRate_radps = 10.0;
+/// A speed that is as near as this to the wanted one takes it.
+constexpr double kSameRate_radps = 0.01;
+
+double within_turn(double angle_rad) {
+  const double angle = std::fmod(angle_rad, kTurn);
+  return angle < 0.0 ? angle + kTurn : angle;
+}
+
+/// The same for what left the turn by one turn at most.
+double back_into_turn(double angle_rad) {
+  return angle_rad >= kTurn ? angle_rad - kTurn : angle_rad < 0.0 ? angle_rad + kTurn : angle_rad;
+}
+
+double counter_gaussian(std::uint64_t key, std::uint64_t counter) {
+  const double p = counter_uniform(key, counter);
+  const double q = p - 0.5;
+  if (std::abs(q) <= kCentralHalfWidth) {
+    return central_normal_quantile<double>(q);
+  }
+  return std::copysign(outer_normal_quantile<double>(std::sqrt(-std::log(std::min(p, 1.0 - p)))),
+                       q);
+}
+
+void check(const LidarCommand& command) {
+  if (!(std::abs(command.rotor_rate_radps) <= kGreatestRate_radps)) {
+    throw std::invalid_argument("lidar rotor: rotor_rate_radps is " +
+                                std::to_string(command.rotor_rate_radps) +
+                                ", allowed: -500 to 500");
+  }
+  if (command.phase_lock && !std::isfinite(command.phase_lock->azimuth_rad)) {
+    throw std::invalid_argument("lidar rotor: the phase lock's azimuth is not a finite number");
+  }
+}
 
 }  // namespace
 
-Rotor::Rotor(const LidarCommand& command) {
-  this->command(kStart, command);
+void validate(const RotorParameters& parameters) {
+  const auto within = [](const char* name, double value, double least, double greatest) {
+    if (!(value >= least && value <= greatest)) {
+      throw std::invalid_argument("lidar rotor: " + std::string(name) + " is " +
+                                  std::to_string(value) + ", allowed: " + std::to_string(least) +
+                                  " to " + std::to_string(greatest));
+    }
+  };
+  within("time_constant_s", parameters.time_constant_s, 1e-3, 60.0);
+  within("acceleration_radps2", parameters.acceleration_radps2, 0.1, 1e4);
+  within("wander_radps", parameters.wander_radps, 0.0, 10.0);
+  within("wander_correlation_s", parameters.wander_correlation_s, 0.01, 1000.0);
+  within("phase_time_s", parameters.phase_time_s, 0.01, 60.0);
+  within("phase_speed_share", parameters.phase_speed_share, 1e-4, 0.2);
+  within("stall_at", to_seconds(parameters.stall_at), 0.0, 1e6);
+  within("stall_for", to_seconds(parameters.stall_for), 0.0, 1e6);
+}
+
+Rotor::Rotor(const LidarCommand& command, const RotorParameters& parameters, std::uint64_t seed,
+             std::string_view name)
+    : parameters_(parameters),
+      command_(command),
+      wander_key_(RandomStream(seed, std::string(name) + "/rotor").bits()) {
+  validate(parameters);
+  check(command);
+  wander_radps_ = parameters.wander_radps * counter_gaussian(wander_key_, 0);
+  next_.start = kStart;
+  if (!parameters.starts_at_rest) {
+    steered_radps_ = command.rotor_rate_radps;
+    next_.rate_radps = shaft_rate();
+    if (command.phase_lock) {
+      next_.azimuth_rad = wanted_phase(kStart);
+    }
+  }
+  act();
 }
 
 void Rotor::command(SimTime time, const LidarCommand& command) {
-  if (!std::isfinite(command.rotor_rate_radps)) {
-    throw std::invalid_argument("lidar rotor: its rate is not a finite number");
-  }
-  changed_ = at(time);
-  changed_at_ = time;
-  changed_.rate_radps = command.rotor_rate_radps;
+  check(command);
+  (void)at(time);
+  command_ = command;
 }
 
-RotorState Rotor::at(SimTime time) const {
-  RotorState state = changed_;
-  const double azimuth =
-      std::fmod(changed_.azimuth_rad + changed_.rate_radps * to_seconds(time - changed_at_), kTurn);
-  state.azimuth_rad = azimuth < 0.0 ? azimuth + kTurn : azimuth;
-  return state;
+RotorState Rotor::at(SimTime time) {
+  while (time >= next_.start) {
+    act();
+  }
+  const double age_s = to_seconds(time - stretch_.start);
+  return {back_into_turn(stretch_.azimuth_rad +
+                         age_s * (stretch_.rate_radps + 0.5 * age_s * acceleration_radps2_)),
+          stretch_.rate_radps + age_s * acceleration_radps2_};
+}
+
+double Rotor::wanted_phase(SimTime time) const {
+  Duration age = (time - command_.phase_lock->pulse) % kPulsePeriod;
+  if (age < Duration::zero()) {
+    age += kPulsePeriod;
+  }
+  return within_turn(command_.phase_lock->azimuth_rad +
+                     command_.rotor_rate_radps * to_seconds(age));
+}
+
+double Rotor::wanted_rate() const {
+  const double commanded = command_.rotor_rate_radps;
+  if (!command_.phase_lock || commanded == 0.0) {
+    return commanded;
+  }
+  const double error_rad =
+      std::remainder(wanted_phase(stretch_.start) - stretch_.azimuth_rad, kTurn);
+  const double most = parameters_.phase_speed_share * std::abs(commanded);
+  return commanded + std::clamp(error_rad / parameters_.phase_time_s, -most, most);
+}
+
+/// With the wander, which does not turn it round.
+double Rotor::shaft_rate() const {
+  const double share = std::min(1.0, std::abs(steered_radps_) / kSteadyRate_radps);
+  const double rate = steered_radps_ + share * wander_radps_;
+  return steered_radps_ >= 0.0 ? std::max(rate, 0.0) : std::min(rate, 0.0);
+}
+
+void Rotor::act() {
+  stretch_ = next_;
+  const Duration since_stall = stretch_.start - kStart - parameters_.stall_at;
+  const bool jammed = since_stall >= Duration::zero() && since_stall < parameters_.stall_for;
+  if (jammed) {
+    const double most = kJamDeceleration_radps2 * kPeriod_s;
+    steered_radps_ -= std::clamp(steered_radps_, -most, most);
+  } else {
+    const double wanted = wanted_rate();
+    const double most = parameters_.acceleration_radps2 * kPeriod_s;
+    const double lack = wanted - steered_radps_;
+    const double share = -std::expm1(-kPeriod_s / parameters_.time_constant_s);
+    steered_radps_ = std::abs(lack) < std::min(kSameRate_radps, most)
+                         ? wanted
+                         : steered_radps_ + std::clamp(share * lack, -most, most);
+  }
+  if (parameters_.wander_radps > 0.0) {
+    const double kept = std::exp(-kPeriod_s / parameters_.wander_correlation_s);
+    wander_radps_ = kept * wander_radps_ + parameters_.wander_radps * std::sqrt(1.0 - kept * kept) *
+                                               counter_gaussian(wander_key_, ++draws_);
+  }
+  next_.start = stretch_.start + kPeriod;
+  next_.rate_radps = shaft_rate();
+  next_.azimuth_rad = back_into_turn(stretch_.azimuth_rad +
+                                     0.5 * kPeriod_s * (stretch_.rate_radps + next_.rate_radps));
+  acceleration_radps2_ = (next_.rate_radps - stretch_.rate_radps) / kPeriod_s;
 }
 
 }  // namespace rigwire::sim

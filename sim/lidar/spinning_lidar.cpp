@@ -32,12 +32,6 @@ void check(const LidarPattern& pattern, const SamplePlan& plan) {
   }
 }
 
-void check(const LidarCommand& command) {
-  if (!std::isfinite(command.view_start_rad) || !std::isfinite(command.view_end_rad)) {
-    throw std::invalid_argument("spinning lidar: the view's ends are not finite numbers");
-  }
-}
-
 /// Whether ClearEcho does all that is asked for.
 bool without_width(const SpinningLidarParameters& p) {
   return p.sub_rays == 1 && p.blooming_share == 0.0 && p.range_noise == RangeNoise::constant &&
@@ -48,6 +42,13 @@ bool without_width(const SpinningLidarParameters& p) {
 double within_turn(double angle_rad) {
   const double angle = std::fmod(angle_rad, kTurn);
   return angle < 0.0 ? angle + kTurn : angle;
+}
+
+double checked_view_width(const LidarCommand& command) {
+  if (!std::isfinite(command.view_start_rad) || !std::isfinite(command.view_end_rad)) {
+    throw std::invalid_argument("spinning lidar: the view's ends are not finite numbers");
+  }
+  return within_turn(command.view_end_rad - command.view_start_rad);
 }
 
 /// No returns in this bank, or none but those that the caster will write to all its lasers.
@@ -79,18 +80,34 @@ struct SpinningLidar::Slice {
   ClearEcho clear_echo;
   BeamCaster beams;
   WorkerPool workers;
-  std::vector<FiringBlock> blocks;
+  std::vector<FiringBlock> blocks;  ///< The first block_count of them are of this slice.
+  std::size_t block_count = 0;
   std::uint64_t first_number = 0;  ///< Of the first firing, counted from the plan's first.
   RayLimits limits;
+
+  [[nodiscard]] FiringBlock& new_block() {
+    if (block_count == blocks.size()) {
+      blocks.emplace_back();
+    }
+    return blocks[block_count++];
+  }
+  [[nodiscard]] std::span<const FiringBlock> used_blocks() const {
+    return std::span(blocks).first(block_count);
+  }
 };
 
 SpinningLidar::SpinningLidar(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
                              const SamplePlan& plan, const LidarCommand& command,
-                             std::uint64_t seed, std::string_view name)
-    : parameters_(parameters), pattern_(pattern), plan_(plan), command_(command), rotor_(command) {
+                             std::uint64_t seed, std::string_view name,
+                             const RotorParameters& rotor)
+    : parameters_(parameters),
+      pattern_(pattern),
+      plan_(plan),
+      command_(command),
+      view_width_rad_(checked_view_width(command)),
+      rotor_(command, rotor, seed, name) {
   validate(parameters);
   check(pattern, plan);
-  check(command);
   slice_ = std::make_unique<Slice>(parameters, pattern, seed, name);
   slice_->limits.near_m = static_cast<float>(parameters.housing_radius_m);
   slice_->limits.far_m = static_cast<float>(slice_->beams.echo_model().reach_m());
@@ -99,54 +116,25 @@ SpinningLidar::SpinningLidar(const SpinningLidarParameters& parameters, const Li
 SpinningLidar::~SpinningLidar() = default;
 
 void SpinningLidar::command(SimTime time, const LidarCommand& command) {
-  check(command);
+  view_width_rad_ = checked_view_width(command);
   rotor_.command(time, command);
   command_ = command;
 }
 
 bool SpinningLidar::fires_at(double azimuth_rad) const {
-  if (!command_.laser_on) {
-    return false;
-  }
-  const double width_rad = within_turn(command_.view_end_rad - command_.view_start_rad);
-  return width_rad == 0.0 || within_turn(azimuth_rad - command_.view_start_rad) < width_rad;
+  return command_.laser_on &&
+         (view_width_rad_ == 0.0 ||
+          within_turn(azimuth_rad - command_.view_start_rad) < view_width_rad_);
 }
 
-void SpinningLidar::add_to_block(std::uint32_t number, const LinkMotion& mount,
-                                 const RotorState& rotor, double share_of_slice) {
-  std::vector<FiringBlock>& blocks = slice_->blocks;
-  if (blocks.empty() || blocks.back().count == kLanes) {
-    blocks.emplace_back();
-  }
-  FiringBlock& block = blocks.back();
-  const auto lane = static_cast<Eigen::Index>(block.count);
-  block.firing[block.count++] = number;
-  FiringLanes& lanes = block.lanes;
-  const auto& X_WS = mount.X_WL;
-  for (std::size_t i = 0; i < 9; ++i) {
-    lanes.R(i)(lane) = static_cast<float>(
-        X_WS.linear()(static_cast<Eigen::Index>(i % 3), static_cast<Eigen::Index>(i / 3)));
-  }
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    lanes.p(i)(lane) = static_cast<float>(X_WS.translation()(row));
-    lanes.v(i)(lane) = static_cast<float>(mount.v_WL_W(row));
-    lanes.w(i)(lane) = static_cast<float>(mount.w_WL_W(row));
-  }
-  lanes.cos_azimuth()(lane) = static_cast<float>(std::cos(rotor.azimuth_rad));
-  lanes.sin_azimuth()(lane) = static_cast<float>(std::sin(rotor.azimuth_rad));
-  lanes.rotor_rate()(lane) = static_cast<float>(rotor.rate_radps);
-  lanes.time()(lane) = static_cast<float>(share_of_slice);
-}
-
-void SpinningLidar::prepare(const Scene& scene, const LidarSlice& stretch,
-                            std::vector<LidarFiring>& firings) {
+void SpinningLidar::prepare(const Scene& scene, const LidarSlice& stretch, Rotor& rotor,
+                            std::vector<LidarFiring>& firings) const {
   Slice& slice = *slice_;
   const auto [t0, t1, mount_at_t0, mount_at_t1, mask] = stretch;
   const double length_s = to_seconds(t1 - t0);
   slice.limits.mask = mask;
   slice.limits.slices_per_s = static_cast<float>(1.0 / length_s);
-  slice.blocks.clear();
+  slice.block_count = 0;
   const SimTime first = plan_.next_after(t0);
   const auto count = first <= t1 ? static_cast<std::size_t>((t1 - first) / plan_.period) + 1 : 0;
   if (count > 0) {
@@ -163,28 +151,45 @@ void SpinningLidar::prepare(const Scene& scene, const LidarSlice& stretch,
   start.X_WL.translation() -= origin_W;
   end.X_WL.translation() -= origin_W;
   const LinkMotionInterpolation mount_at(t0, start, t1, end);
+  std::array<FiringInstant, kLanes> waiting;
+  std::size_t waiting_count = 0;
+  const auto close_block = [&] {
+    if (waiting_count > 0) {
+      fill_block(std::span(waiting).first(waiting_count), mount_at, t0, length_s,
+                 slice.new_block());
+      waiting_count = 0;
+    }
+  };
   for (std::size_t i = 0; i < count; ++i) {
-    const SimTime time = first + static_cast<std::int64_t>(i) * plan_.period;
-    const RotorState rotor = rotor_.at(time);
-    const bool fires = fires_at(rotor.azimuth_rad);
+    const FiringInstant firing{
+        .number = static_cast<std::uint32_t>(i),
+        .time = first + static_cast<std::int64_t>(i) * plan_.period,
+        .rotor = rotor.at(first + static_cast<std::int64_t>(i) * plan_.period)};
+    const bool fires = fires_at(firing.rotor.azimuth_rad);
     for (std::size_t b = 0; b < banks; ++b) {
       LidarFiring& bank = firings[i * banks + b];
-      bank.time = time;
-      bank.rotor_azimuth_rad = rotor.azimuth_rad;
-      bank.rotor_rate_radps = rotor.rate_radps;
+      bank.time = firing.time;
+      bank.rotor_azimuth_rad = firing.rotor.azimuth_rad;
+      bank.rotor_rate_radps = firing.rotor.rate_radps;
       bank.first_laser = b * kBankLasers;
       begin_bank(bank, fires && (b + 1 < banks || last_bank_is_full));
     }
+    if (!fires || (waiting_count > 0 && firing.time - waiting[0].time > kLongestBlock)) {
+      close_block();
+    }
     if (fires) {
-      add_to_block(static_cast<std::uint32_t>(i), mount_at(time), rotor,
-                   to_seconds(time - t0) / length_s);
+      waiting[waiting_count++] = firing;
+      if (waiting_count == kLanes) {
+        close_block();
+      }
     }
   }
+  close_block();
 }
 
 void SpinningLidar::cast(const Scene& scene, const LidarSlice& slice, const Weather* weather,
                          std::vector<LidarFiring>& firings, std::vector<LidarBankTruth>* truth) {
-  prepare(scene, slice, firings);
+  prepare(scene, slice, rotor_, firings);
   std::span<LidarBankTruth> true_shots;
   if (truth != nullptr) {
     truth->assign(firings.size(), {});
@@ -192,7 +197,7 @@ void SpinningLidar::cast(const Scene& scene, const LidarSlice& slice, const Weat
   }
   const bool clear = weather == nullptr || !weather->present();
   const bool quick = clear && without_width(parameters_);
-  const std::vector<FiringBlock>& blocks = slice_->blocks;
+  const std::span<const FiringBlock> blocks = slice_->used_blocks();
   slice_->workers.run(blocks.size(), [&](std::size_t i) {
     const FiringBlock& block = blocks[i];
     const BlockCast cast{.scene = scene,
@@ -259,9 +264,10 @@ std::size_t RecordedRays::hits() const {
 
 RecordedRays SpinningLidar::record(const Scene& scene, const LidarSlice& slice) {
   std::vector<LidarFiring> firings;
-  prepare(scene, slice, firings);
+  Rotor rotor = rotor_;
+  prepare(scene, slice, rotor, firings);
   RecordedRays recorded;
-  for (const FiringBlock& block : slice_->blocks) {
+  for (const FiringBlock& block : slice_->used_blocks()) {
     for (const RingPacket& plan : slice_->head.packets(block.count)) {
       fill_packet(block, plan, slice_->limits, recorded.packets_->pristine.emplace_back());
     }

@@ -48,16 +48,15 @@ class SpinningLidar final : public LidarSensor {
   /// pattern without lasers or with more than kMaxLasers, or without firing period.
   SpinningLidar(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
                 const SamplePlan& plan, const LidarCommand& command, std::uint64_t seed,
-                std::string_view name);
+                std::string_view name, const RotorParameters& rotor = {});
   ~SpinningLidar() override;
 
   void command(SimTime time, const LidarCommand& command) override;
 
   /// Lasers of the last firing that fire after t1 (HDL-32E: at most 0.036 ms) are cast from the
   /// sensor pose extrapolated at constant velocity, and see bodies where they are at t1.
-  /// Interpolated pose within a firing: first order in time, error below 1e-9 m and 1e-8 rad for
-  /// 10 m/s2 and 1 rad/s. A firing is in view or not as a whole, by the rotor's azimuth at its
-  /// first laser. Does not allocate once the slices have their usual length.
+  /// Poses between: firing_block.h. A firing is in view or not as a whole, by the rotor's azimuth
+  /// at its first laser. Does not allocate once the slices have their usual length.
   void cast(const Scene& scene, const LidarSlice& slice, const Weather* weather,
             std::vector<LidarFiring>& firings, std::vector<LidarBankTruth>* truth) override;
 
@@ -68,16 +67,17 @@ class SpinningLidar final : public LidarSensor {
 
  private:
   struct Slice;
-  void prepare(const Scene& scene, const LidarSlice& slice, std::vector<LidarFiring>& firings);
+  /// Firings and blocks of the slice. `rotor` is at an instant not after its start.
+  void prepare(const Scene& scene, const LidarSlice& slice, Rotor& rotor,
+               std::vector<LidarFiring>& firings) const;
   /// Whether the lasers fire with the rotor there.
   [[nodiscard]] bool fires_at(double azimuth_rad) const;
-  void add_to_block(std::uint32_t number, const LinkMotion& mount, const RotorState& rotor,
-                    double share_of_slice);
 
   SpinningLidarParameters parameters_;
   LidarPattern pattern_;
   SamplePlan plan_;
   LidarCommand command_;
+  double view_width_rad_ = 0.0;  ///< 0: all round.
   Rotor rotor_;
   std::uint64_t rays_ = 0;
   std::unique_ptr<Slice> slice_;

@@ -157,6 +157,7 @@ void TandemRoller::step(Duration span) {
     }
   }
   update_links();
+  update_dust();
 }
 
 void TandemRoller::inner_step(double h) {

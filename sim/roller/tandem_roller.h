@@ -63,6 +63,8 @@ class TandemRoller final : public Machine, public VehiclePort {
   [[nodiscard]] std::span<const TruthField> truth_fields() const override;
   void read_truth(std::span<double> values) const override;
   [[nodiscard]] VehiclePort* vehicle_port() override { return this; }
+  /// Front and rear drum: dust of a road by load and speed.
+  [[nodiscard]] std::span<const DustEmitter> dust_emitters() const override { return dust_; }
 
   void command(const VehicleCommand& command) override;
   [[nodiscard]] VehicleSample vehicle_sample(SimTime time) const override;
@@ -110,6 +112,7 @@ class TandemRoller final : public Machine, public VehiclePort {
   void settle_on_ground();
   [[nodiscard]] bool record_non_finite(const State& next);
   void update_links();
+  void update_dust();
   [[nodiscard]] OdometryReading odometry() const;
 
   RollerParameters parameters_;
@@ -137,6 +140,7 @@ class TandemRoller final : public Machine, public VehiclePort {
   std::array<double, 2> spin_angle_rad_{};
   double pressure_pa_ = 0.0;  ///< On the gauge.
   std::array<LinkMotion, kRollerLinks.size()> links_;
+  std::array<DustEmitter, 2> dust_;
   std::optional<NonFinite> non_finite_;
 };
 

@@ -60,6 +60,18 @@ Eigen::Vector3d upward(double value) {
 
 }  // namespace
 
+void TandemRoller::update_dust() {
+  const double sum_n = load_n_[0] + load_n_[1];
+  const double road_kgpm = road_dust_kgpm(mass_.mass_kg);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const LinkMotion& drum = links_[3 + i];
+    const double speed_mps = std::max(std::abs(spin_radps_[i]) * parameters_.drum.radius_m,
+                                      drum.v_WL_W.head<2>().norm());
+    dust_[i] = rolling_dust(road_kgpm, drum.X_WL.translation() - upward(parameters_.drum.radius_m),
+                            parameters_.drum.width_m, load_n_[i] / sum_n, speed_mps);
+  }
+}
+
 void TandemRoller::update_links() {
   LinkMotion base;
   const Eigen::Matrix3d R_WB = state_.q_WB.toRotationMatrix();

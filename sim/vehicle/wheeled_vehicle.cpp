@@ -49,6 +49,7 @@ WheeledVehicle::WheeledVehicle(const WheeledVehicleParameters& parameters, const
       static_(static_loads(parameters)),
       steering_{SteeringActuator(parameters.front.steering),
                 SteeringActuator(parameters.rear.steering)},
+      road_dust_kgpm_(road_dust_kgpm(parameters.mass_kg())),
       inner_span_(std::max(Duration{1}, from_seconds(parameters.step_s))) {
   if (driveline_ == nullptr) {
     throw std::invalid_argument("driveline: found none, allowed: one");
@@ -74,6 +75,23 @@ void WheeledVehicle::step(Duration span) {
     }
   }
   update_links();
+  update_dust();
+}
+
+void WheeledVehicle::update_dust() {
+  double sum_n = 0.0;
+  for (const WheelState& wheel : wheels_) {
+    sum_n += wheel.load_n;
+  }
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    const LinkMotion& wheel = links_[kWheeledLinks.size() - kWheels + i];
+    const double radius_m = static_.wheel_height_m[i / 2];
+    const double speed_mps =
+        std::max(std::abs(wheels_[i].rate_radps) * radius_m, wheel.v_WL_W.head<2>().norm());
+    dust_[i] = rolling_dust(road_dust_kgpm_,
+                            wheel.X_WL.translation() - radius_m * Eigen::Vector3d::UnitZ(),
+                            axle(i / 2).tyre.width_m, wheels_[i].load_n / sum_n, speed_mps);
+  }
 }
 
 void WheeledVehicle::step_actuators(double h) {

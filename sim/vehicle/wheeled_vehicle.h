@@ -65,6 +65,8 @@ class WheeledVehicle : public Machine, public VehiclePort {
   [[nodiscard]] std::span<const TruthField> truth_fields() const final;
   void read_truth(std::span<double> values) const final;
   [[nodiscard]] VehiclePort* vehicle_port() final { return this; }
+  /// The wheels, in their order: dust of a road by load and speed, or by slip where that is faster.
+  [[nodiscard]] std::span<const DustEmitter> dust_emitters() const final { return dust_; }
 
   void command(const VehicleCommand& command) final;
   /// Exact readings; what a real sensor makes of them is sim/vehicle_sensors' matter. Radii are
@@ -115,7 +117,10 @@ class WheeledVehicle : public Machine, public VehiclePort {
 
  private:
   void step_actuators(double h);
+  void update_dust();
 
+  double road_dust_kgpm_;
+  std::array<DustEmitter, kWheels> dust_;
   Duration inner_span_;
   SimTime time_{};
   std::optional<NonFinite> non_finite_;

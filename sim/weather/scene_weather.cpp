@@ -1,11 +1,213 @@
 #include "sim/weather/scene_weather.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "sim/weather/air_echoes.h"
+
 namespace rigwire::sim {
+namespace {
 
-void SceneWeather::advance(SimTime /*time*/, std::span<const DustEmitter> /*emitters*/) {}
+// Where each medium's own random numbers begin.
+constexpr std::uint64_t kRainCounter = 0x100;
+constexpr std::uint64_t kSnowCounter = 0x200;
+constexpr std::uint64_t kDustCounter = 0x300;
 
-AirPath SceneWeather::along(const WeatherBeam& /*beam*/) const {
-  return {};
+AirState state_of(const WeatherFrame& frame) {
+  const auto inverse = [](double visibility_m) {
+    return visibility_m > 0.0 ? 1.0 / visibility_m : 0.0;
+  };
+  return {frame.rain_mmph,
+          frame.snow_mmph,
+          inverse(frame.fog_visibility_m),
+          inverse(frame.haze_visibility_m),
+          wind_from(frame.wind_mps, frame.wind_from_rad),
+          frame.dryness};
+}
+
+WeatherParameters valid(const WeatherParameters& parameters) {
+  validate(parameters);
+  return parameters;
+}
+
+}  // namespace
+
+AirState state_at(const std::vector<WeatherFrame>& course, Duration time) {
+  if (course.empty()) {
+    return {};
+  }
+  const auto after = std::ranges::upper_bound(course, time, {}, &WeatherFrame::at);
+  if (after == course.begin()) {
+    return state_of(course.front());
+  }
+  const AirState a = state_of(*std::prev(after));
+  if (after == course.end()) {
+    return a;
+  }
+  const AirState b = state_of(*after);
+  const Duration since = time - std::prev(after)->at;
+  const double share = to_seconds(since) / to_seconds(after->at - std::prev(after)->at);
+  const auto blend = [share](const auto& from, const auto& to) {
+    return (1.0 - share) * from + share * to;
+  };
+  AirState state;
+  state.rain_mmph = blend(a.rain_mmph, b.rain_mmph);
+  state.snow_mmph = blend(a.snow_mmph, b.snow_mmph);
+  state.inverse_fog_visibility_pm = blend(a.inverse_fog_visibility_pm, b.inverse_fog_visibility_pm);
+  state.inverse_haze_visibility_pm =
+      blend(a.inverse_haze_visibility_pm, b.inverse_haze_visibility_pm);
+  state.wind_mps = (1.0 - share) * a.wind_mps + share * b.wind_mps;
+  state.dryness = blend(a.dryness, b.dryness);
+  return state;
+}
+
+SceneWeather::SceneWeather() : SceneWeather(WeatherParameters{}, 0) {}
+
+SceneWeather::SceneWeather(const WeatherParameters& parameters, std::uint64_t seed)
+    : parameters_(valid(parameters)), wind_(parameters.wind, seed), dust_(parameters.dust) {
+  const auto any = [&](double WeatherFrame::*member) {
+    return std::ranges::any_of(parameters.course,
+                               [&](const WeatherFrame& frame) { return frame.*member > 0.0; });
+  };
+  if (any(&WeatherFrame::fog_visibility_m) || any(&WeatherFrame::haze_visibility_m)) {
+    soft_echoes_ =
+        std::make_unique<SoftEchoTable>(parameters.overlap_start_m, parameters.overlap_end_m);
+  }
+  dusty_ = any(&WeatherFrame::dryness);
+  step(kStart, {});
+  present_ = !airs_.back().clear();
+}
+
+SceneWeather::~SceneWeather() = default;
+
+void SceneWeather::advance(SimTime time, std::span<const DustEmitter> emitters) {
+  // A beam of this slice may lie on the instant before until_ at the earliest.
+  while (airs_.size() > 1 && airs_[1].time <= until_) {
+    spare_.push_back(std::move(airs_.front()));
+    airs_.pop_front();
+  }
+  while (airs_.back().time + kGrid <= time) {
+    step(airs_.back().time + kGrid, emitters);
+  }
+  until_ = time;
+  present_ = std::ranges::any_of(airs_, [](const Air& air) { return !air.clear(); });
+}
+
+void SceneWeather::step(SimTime time, std::span<const DustEmitter> emitters) {
+  if (time > kStart) {
+    const AirState state = state_at(parameters_.course, time - kStart);
+    const double step_s = to_seconds(kGrid);
+    wind_.advance(step_s, state.wind_mps);
+    if (dusty_) {
+      // AP-42 13.2.2: emission grows with the silt content to the power 0.7, and is stated for 12
+      // %.
+      const double dustiness = state.dryness * std::pow(parameters_.dust.silt_share / 0.12, 0.7);
+      dust_.advance(step_s, wind_.velocity_mps(), dustiness, emitters);
+    }
+  }
+  if (spare_.empty()) {
+    airs_.emplace_back();
+  } else {
+    airs_.push_back(std::move(spare_.back()));
+    spare_.pop_back();
+  }
+  prepare(airs_.back(), time);
+}
+
+void SceneWeather::prepare(Air& air, SimTime time) const {
+  const WeatherParameters& p = parameters_;
+  const AirState state = state_at(p.course, time - kStart);
+  air.time = time;
+  air.even_pm = 0.0;
+  air.rain = {};
+  air.snow = {};
+  if (state.rain_mmph > 0.0) {
+    if (p.rain.model == RainModel::goodin) {
+      air.even_pm += goodin_extinction_pm(state.rain_mmph);
+    } else {
+      const DropSpectrum drops = rain_spectrum(p.rain, state.rain_mmph);
+      air.even_pm += spectrum_extinction_pm(drops, p.rain.extinction_efficiency);
+      air.rain = {drops, drop_reflectance(p.rain.refractive_index), p.rain.nearest_echo_m};
+    }
+  }
+  if (state.snow_mmph > 0.0) {
+    const DropSpectrum flakes = snow_spectrum(p.snow, state.snow_mmph);
+    air.even_pm += spectrum_extinction_pm(flakes, p.snow.extinction_efficiency);
+    air.snow = {flakes, drop_reflectance(p.snow.refractive_index), p.snow.nearest_echo_m};
+  }
+  air.fog = fog_optics(p.fog, state.inverse_fog_visibility_pm);
+  air.haze = haze_optics(p.haze, state.inverse_haze_visibility_pm);
+  air.even_pm += air.haze.extinction_pm;
+  air.wind_mps << wind_.velocity_mps(), 0.0;
+  air.dust.fill(dust_.puffs(), p);
+}
+
+const SceneWeather::Air& SceneWeather::air_at(SimTime time) const {
+  std::size_t i = airs_.size() - 1;
+  while (i > 0 && airs_[i].time > time) {
+    --i;
+  }
+  return airs_[i];
+}
+
+double SceneWeather::even_extinction_pm(SimTime time) const {
+  const Air& air = air_at(time);
+  return air.even_pm + air.fog.extinction_pm;
+}
+
+AirPath SceneWeather::along(const WeatherBeam& beam) const {
+  AirPath path;
+  const Air& air = air_at(beam.time);
+  if (air.clear()) {
+    return path;
+  }
+  const double climb = beam.direction_W.z();
+  const double z_m = beam.start_W.z();
+  const bool foggy = air.fog.extinction_pm > 0.0;
+  const auto depth_to = [&](double range_m) {
+    return air.even_pm * range_m +
+           (foggy ? air.fog.extinction_pm * fog_path_m(parameters_.fog, z_m, climb, range_m) : 0.0);
+  };
+  const double depth = depth_to(beam.far_m);
+  path.transmission = std::exp(-2.0 * depth);
+  if (!air.dust.empty()) {
+    WeatherBeam carried = beam;
+    carried.start_W -= to_seconds(beam.time - air.time) * air.wind_mps;
+    air.dust.along(carried, beam.far_m > 0.0 ? depth / beam.far_m : 0.0, kDustCounter, path);
+  }
+  const auto dust_transmission = [&](double range_m) {
+    if (air.dust.empty() || parameters_.dust.echo == DustEchoModel::optical_depth) {
+      return 1.0;
+    }
+    return std::exp(-2.0 * air.dust.optical_depth(
+                               beam.start_W - to_seconds(beam.time - air.time) * air.wind_mps,
+                               beam.direction_W, range_m));
+  };
+  if (soft_echoes_ != nullptr && (foggy || air.haze.backscatter_pmsr > 0.0)) {
+    double density = foggy ? fog_density(parameters_.fog, z_m) : 0.0;
+    const SoftEcho soft = soft_echoes_->strongest(air.even_pm + density * air.fog.extinction_pm,
+                                                  beam.pulse_m, beam.near_m, beam.far_m);
+    if (foggy) {
+      density = fog_density(parameters_.fog, z_m + climb * soft.range_m);
+    }
+    double energy = soft.energy * (density * air.fog.backscatter_pmsr + air.haze.backscatter_pmsr);
+    if (energy >= beam.detection_energy) {
+      energy *= dust_transmission(soft.range_m);
+      if (energy >= beam.detection_energy && soft.range_m <= beam.far_m) {
+        add_echo(path, {soft.range_m, energy});
+      }
+    }
+  }
+  const auto seen = [&](double range_m, double energy) {
+    const double weakened =
+        energy * std::exp(-2.0 * depth_to(range_m)) * dust_transmission(range_m);
+    if (weakened >= beam.detection_energy) {
+      add_echo(path, {range_m, weakened});
+    }
+  };
+  air.rain.draw(beam, kRainCounter, seen);
+  air.snow.draw(beam, kSnowCounter, seen);
+  return path;
 }
 
 }  // namespace rigwire::sim

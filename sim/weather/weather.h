@@ -3,7 +3,9 @@
 //
 // Energies are in the unit of the link budget that the lidar uses (sim/lidar): a surface of diffuse
 // reflectance rho met at incidence angle theta at range r returns rho cos(theta) T / r^2, where T
-// is the two-way transmission; an echo is seen when that is at least 0.9 / R_max^2.
+// is the two-way transmission; an echo is seen when that is at least 0.9 / R_max^2. A thin layer of
+// scatterers with back-scatter beta (per metre and steradian) and depth d is then a surface of
+// rho cos(theta) = pi beta d, since a white Lambertian surface sends 1 / pi per steradian back.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,6 +17,12 @@
 
 namespace rigwire::sim {
 
+/// Limit of detection of a lidar that just sees a surface of reflectance 0.9, met head on, at that
+/// range (Goodin et al. 2019).
+[[nodiscard]] constexpr double detection_energy(double maximum_range_m) {
+  return 0.9 / (maximum_range_m * maximum_range_m);
+}
+
 /// One beam, from its exit to the surface that it meets or to the end of its reach.
 struct WeatherBeam {
   Eigen::Vector3d start_W = Eigen::Vector3d::Zero();
@@ -22,10 +30,13 @@ struct WeatherBeam {
   double near_m = 0.0;          ///< Echoes nearer than this are not looked for.
   double far_m = 0.0;           ///< Where the surface is.
   double divergence_rad = 0.0;  ///< Full angle of the beam, for the volume that it fills.
-  double pulse_m = 0.75;        ///< Half the pulse's length in space: resolution in range.
+  double pulse_m = 0.75;  ///< Half the pulse's length in space, c / 2 times its half-power width:
+                          ///< resolution in range.
   SimTime time{};
   std::uint64_t draw_key = 0;  ///< With the counter's values 0, 1, … gives this beam's own random
                                ///< numbers (sim/lidar/counter_noise.h).
+  double detection_energy =
+      sim::detection_energy(100.0);  ///< Fainter echoes are not told; above 0.
 };
 
 /// An echo from the air.

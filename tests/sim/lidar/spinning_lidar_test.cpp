@@ -322,8 +322,8 @@ TEST(CounterNoise, AMillionLanesAreNormal) {
   for (std::uint64_t i = 0; i < kCount; i += kLanes) {
     std::array<std::uint64_t, kLanes> shots{};
     std::iota(shots.begin(), shots.end(), i);
-    LaneArray values{};
-    gaussian_lanes(42, shots, values);
+    std::array<float, kLanes> values{};
+    gaussian(42, shots, values);
     for (const float value : values) {
       sum += value;
       square += value * value;

@@ -47,7 +47,7 @@ class DepthImage {
   }
   /// 1/z of the planar depth as the depth buffer keeps it, 1/m; 0: nothing.
   [[nodiscard]] float inverse_depth(std::size_t pixel) const { return inverse_depth_[pixel]; }
-  /// Number of the surface's instance in the ray caster, or kNothing.
+  /// Number of the surface in Scene::Internals::shading, or kNothing.
   [[nodiscard]] std::uint32_t surface(std::size_t pixel) const { return surface_[pixel]; }
   /// Unit, in the sensor frame that the image was rendered from.
   [[nodiscard]] Eigen::Vector3f normal_S(std::size_t pixel) const {

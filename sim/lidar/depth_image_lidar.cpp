@@ -36,6 +36,13 @@ bool in_view(const LidarCommand& command, double azimuth_rad) {
   return width == 0.0 || wrapped(azimuth_rad - command.view_start_rad) < width;
 }
 
+const LidarCommand& checked(const LidarCommand& command) {
+  if (!std::isfinite(command.view_start_rad) || !std::isfinite(command.view_end_rad)) {
+    throw std::invalid_argument("depth images: the view's ends are not finite numbers");
+  }
+  return command;
+}
+
 const SpinningLidarParameters& checked(const SpinningLidarParameters& receiver) {
   if (receiver.sub_rays != 1 || receiver.blooming_share != 0.0) {
     throw std::invalid_argument("depth images: found sub_rays " +
@@ -124,12 +131,12 @@ DepthImageLidar::DepthImageLidar(const DepthImageParameters& parameters,
                                  const SpinningLidarParameters& receiver,
                                  const LidarPattern& pattern, const SamplePlan& plan,
                                  const LidarCommand& command, std::uint64_t seed,
-                                 std::string_view name)
+                                 std::string_view name, const RotorParameters& rotor)
     : parameters_(parameters),
       pattern_(pattern),
       plan_(plan),
-      command_(command),
-      rotor_(command),
+      command_(checked(command)),
+      rotor_(command, rotor, seed, name),
       echo_model_(checked(receiver), pattern, seed, name),
       compensates_incidence_(receiver.compensates_incidence),
       air_key_(RandomStream(seed, std::string(name) + "/air").bits()) {
@@ -143,7 +150,7 @@ DepthImageLidar::DepthImageLidar(const DepthImageParameters& parameters,
 DepthImageLidar::~DepthImageLidar() = default;
 
 void DepthImageLidar::command(SimTime time, const LidarCommand& command) {
-  rotor_.command(time, command);
+  rotor_.command(time, checked(command));
   command_ = command;
 }
 

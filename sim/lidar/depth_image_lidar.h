@@ -37,7 +37,7 @@ class DepthImageLidar final : public LidarSensor {
   /// range window.
   DepthImageLidar(const DepthImageParameters& parameters, const SpinningLidarParameters& receiver,
                   const LidarPattern& pattern, const SamplePlan& plan, const LidarCommand& command,
-                  std::uint64_t seed, std::string_view name);
+                  std::uint64_t seed, std::string_view name, const RotorParameters& rotor = {});
   ~DepthImageLidar() override;
 
   void command(SimTime time, const LidarCommand& command) override;

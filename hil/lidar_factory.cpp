@@ -5,16 +5,16 @@
 
 namespace rigwire::hil {
 
-std::unique_ptr<sim::LidarSensor> make_lidar_sensor(const LidarSensorSettings& settings,
+std::unique_ptr<sim::LidarSensor> make_lidar_sensor(const LidarSensorConfiguration& configuration,
                                                     const LidarHead& head, std::uint64_t seed,
                                                     std::string_view name) {
-  if (settings.method == LidarMethod::depth_image) {
-    return std::make_unique<sim::DepthImageLidar>(settings.images, settings.sensor, head.pattern,
-                                                  head.plan, head.command, seed, name,
-                                                  settings.rotor);
+  if (configuration.method == LidarMethod::depth_image) {
+    return std::make_unique<sim::DepthImageLidar>(configuration.images, configuration.beam,
+                                                  head.pattern, head.plan, head.command, seed, name,
+                                                  configuration.rotor);
   }
-  return std::make_unique<sim::SpinningLidar>(settings.sensor, head.pattern, head.plan,
-                                              head.command, seed, name, settings.rotor);
+  return std::make_unique<sim::SpinningLidar>(configuration.beam, head.pattern, head.plan,
+                                              head.command, seed, name, configuration.rotor);
 }
 
 }  // namespace rigwire::hil

@@ -8,6 +8,7 @@
 #include "drivers/slcan_adapter.h"
 #include "drivers/socketcan.h"
 #include "hil/geoid_file.h"
+#include "hil/lidar_factory.h"
 #include "hil/machine_factory.h"
 #include "hil/mesh_file.h"
 #include "hil/satellites.h"
@@ -234,9 +235,9 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
   } else if (const VelodyneConfiguration* lidar = as_velodyne(configuration.settings)) {
     auto line = make_line(*lidar, context);
     const emulators::LidarBackend& backend = line->backend();
-    auto sensor = std::make_unique<sim::SpinningLidar>(lidar->sensor, backend.pattern(),
-                                                       line->device().sample_plan(),
-                                                       backend.command(), seed, name);
+    auto sensor = make_lidar_sensor(
+        lidar->sensor, {backend.pattern(), line->device().sample_plan(), backend.command()}, seed,
+        name);
     world_.add_lidar(line->enlist(executive_), mount(lidar->mount), std::move(sensor),
                      backend.pattern());
     if (const auto motion = line->enlist_motion(executive_)) {

@@ -3,11 +3,20 @@
 
 #include <array>
 
+#include "hil/configuration/depth_image.h"
 #include "hil/configuration/fields.h"
+#include "hil/configuration/rotor.h"
 #include "hil/configuration/units.h"
-#include "sim/lidar/spinning_lidar.h"
+#include "sim/lidar/lidar_parameters.h"
 
 namespace rigwire::hil {
+
+struct LidarSensorConfiguration {
+  LidarMethod method = LidarMethod::rays;
+  sim::SpinningLidarParameters beam;
+  sim::DepthImageParameters images;  ///< Means nothing with LidarMethod::rays.
+  sim::RotorParameters rotor;
+};
 
 inline constexpr std::array<Choice<sim::RangeNoise>, 2> kRangeNoises{
     {{sim::RangeNoise::constant, "constant", "The same spread for every echo."},
@@ -40,6 +49,14 @@ void visit(Visitor& v, sim::SpinningLidarParameters& p) {
            "Of a pulse, scattered beside the beam.");
   v.number("blooming_angle", p.blooming_angle_rad, in("mrad").between(0, 100),
            "How far beside it.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, LidarSensorConfiguration& p) {
+  v.choice("method", p.method, kLidarMethods, "How shots are simulated.");
+  visit(v, p.beam);
+  v.section("images", p.images, "Of the method depth_image.");
+  v.section("rotor", p.rotor, "The head's motor.");
 }
 
 }  // namespace rigwire::hil

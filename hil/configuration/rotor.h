@@ -22,8 +22,6 @@ void visit(Visitor& v, sim::RotorParameters& p) {
            "In which the phase lock's error falls to 1/e.");
   v.number("phase_speed", p.phase_speed_share, in("%").between(0.01, 20),
            "Change of speed for the phase lock, at most.");
-  v.duration("stall_at", p.stall_at, {0, 1'000'000'000'000'000}, "When the rotor jams.");
-  v.duration("stall_for", p.stall_for, {0, 1'000'000'000'000'000}, "How long; 0: it does not.");
 }
 
 }  // namespace rigwire::hil

@@ -47,7 +47,9 @@ bool permits(const VelodyneConfiguration& p, std::string_view address) {
 
 void validate(const VelodyneConfiguration& p) {
   validate(settings_but_calibration(p));
-  validate(p.sensor);
+  validate(p.sensor.beam);
+  validate(p.sensor.images);
+  validate(p.sensor.rotor);
 }
 
 }  // namespace rigwire::hil

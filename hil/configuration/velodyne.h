@@ -39,7 +39,7 @@ struct VelodyneConfiguration {
   std::string calibration_file;                   ///< HDL-64E; empty: the nominal unit.
   MountConfiguration mount;           ///< Frame S: x forward, y left, z up, on the spin axis.
   emulators::VelodyneSettings lidar;  ///< But for what settings_of() fills in from the others.
-  sim::SpinningLidarParameters sensor;
+  LidarSensorConfiguration sensor;
   std::vector<VelodyneFaultConfiguration> faults;
 
   static constexpr std::string_view kAutomaticTimeSource = "auto";

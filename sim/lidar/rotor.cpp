@@ -17,8 +17,6 @@ constexpr Duration kPeriod = std::chrono::milliseconds{1};
 constexpr double kPeriod_s = to_seconds(kPeriod);
 constexpr Duration kPulsePeriod = std::chrono::seconds{1};
 constexpr double kGreatestRate_radps = 500.0;
-/// Of a rotor that jams.
-constexpr double kJamDeceleration_radps2 = 1200.0;
 /// Below this speed the wander fades with it, so that a standing rotor stands.
 constexpr double kSteadyRate_radps = 10.0;
 /// A speed that is as near as this to the wanted one takes it.
@@ -71,8 +69,6 @@ void validate(const RotorParameters& parameters) {
   within("wander_correlation_s", parameters.wander_correlation_s, 0.01, 1000.0);
   within("phase_time_s", parameters.phase_time_s, 0.01, 60.0);
   within("phase_speed_share", parameters.phase_speed_share, 1e-4, 0.2);
-  within("stall_at", to_seconds(parameters.stall_at), 0.0, 1e6);
-  within("stall_for", to_seconds(parameters.stall_for), 0.0, 1e6);
 }
 
 Rotor::Rotor(const LidarCommand& command, const RotorParameters& parameters, std::uint64_t seed,
@@ -139,20 +135,13 @@ double Rotor::shaft_rate() const {
 
 void Rotor::act() {
   stretch_ = next_;
-  const Duration since_stall = stretch_.start - kStart - parameters_.stall_at;
-  const bool jammed = since_stall >= Duration::zero() && since_stall < parameters_.stall_for;
-  if (jammed) {
-    const double most = kJamDeceleration_radps2 * kPeriod_s;
-    steered_radps_ -= std::clamp(steered_radps_, -most, most);
-  } else {
-    const double wanted = wanted_rate();
-    const double most = parameters_.acceleration_radps2 * kPeriod_s;
-    const double lack = wanted - steered_radps_;
-    const double share = -std::expm1(-kPeriod_s / parameters_.time_constant_s);
-    steered_radps_ = std::abs(lack) < std::min(kSameRate_radps, most)
-                         ? wanted
-                         : steered_radps_ + std::clamp(share * lack, -most, most);
-  }
+  const double wanted = wanted_rate();
+  const double most = parameters_.acceleration_radps2 * kPeriod_s;
+  const double lack = wanted - steered_radps_;
+  const double share = -std::expm1(-kPeriod_s / parameters_.time_constant_s);
+  steered_radps_ = std::abs(lack) < std::min(kSameRate_radps, most)
+                       ? wanted
+                       : steered_radps_ + std::clamp(share * lack, -most, most);
   if (parameters_.wander_radps > 0.0) {
     const double kept = std::exp(-kPeriod_s / parameters_.wander_correlation_s);
     wander_radps_ = kept * wander_radps_ + parameters_.wander_radps * std::sqrt(1.0 - kept * kept) *

@@ -41,10 +41,6 @@ struct RotorParameters {
   double wander_correlation_s = 0.5;
   double phase_time_s = 0.4;        ///< In which a small error of the phase falls to 1/e.
   double phase_speed_share = 0.01;  ///< Greatest change of speed for the phase.
-  /// The rotor jams at `stall_at`, stands still after some 50 ms, and is free again `stall_for`
-  /// later.
-  Duration stall_at{0};   ///< From the start of the run.
-  Duration stall_for{0};  ///< 0: it does not jam.
 };
 
 /// Throws std::invalid_argument naming the member, the value found and what is allowed.

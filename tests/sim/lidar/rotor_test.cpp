@@ -202,18 +202,6 @@ TEST(Rotor, ASpeedThatIsNoWholeNumberOfTurnsPerSecondDoesNotLock) {
   EXPECT_GT(worst, 10.0 * kDegree);
 }
 
-TEST(Rotor, JamsAndRecovers) {
-  RotorParameters parameters;
-  parameters.stall_at = seconds{2};
-  parameters.stall_for = seconds{3};
-  Rotor rotor(turning(kRate), parameters);
-  EXPECT_EQ(rotor.at(kStart + milliseconds{1999}).rate_radps, kRate);
-  EXPECT_EQ(rotor.at(kStart + milliseconds{2100}).rate_radps, 0.0);
-  EXPECT_EQ(rotor.at(kStart + milliseconds{4999}).rate_radps, 0.0);
-  EXPECT_GT(rotor.at(kStart + milliseconds{5500}).rate_radps, 10.0);
-  EXPECT_EQ(rotor.at(kStart + seconds{10}).rate_radps, kRate);
-}
-
 TEST(Rotor, RefusesNonsense) {
   const auto refused = [](const auto& change) {
     RotorParameters parameters;
@@ -226,7 +214,6 @@ TEST(Rotor, RefusesNonsense) {
   refused([](auto& p) { p.wander_correlation_s = 0.0; });
   refused([](auto& p) { p.phase_time_s = 0.0; });
   refused([](auto& p) { p.phase_speed_share = 1.0; });
-  refused([](auto& p) { p.stall_for = -seconds{1}; });
   EXPECT_THROW(Rotor(turning(501.0)), std::invalid_argument);
   EXPECT_THROW(Rotor(turning(std::nan(""))), std::invalid_argument);
   EXPECT_THROW(Rotor(locked(kRate, std::nan(""))), std::invalid_argument);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numbers>
 
 namespace rigwire::emulators {
 namespace {
@@ -22,11 +21,13 @@ VelodyneReflectivity scale_of(const velodyne::Model& model) {
 ReturnEncoder::ReturnEncoder(const velodyne::Model& model, VelodyneRangeWindow window,
                              VelodyneReflectivity scale,
                              const std::optional<velodyne::Hdl64eCalibration>& calibration)
-    : model_(model),
-      calibration_(calibration),
+    : calibration_(calibration),
       minimum_m_(static_cast<float>(window.minimum_m)),
       maximum_m_(static_cast<float>(window.maximum_m)),
       counts_per_metre_(1000.0F / static_cast<float>(model.distance_unit_mm)) {
+  if (calibration_) {
+    raw_ranges_.emplace(*calibration_, model.lasers);
+  }
   switch (scale == VelodyneReflectivity::model ? scale_of(model) : scale) {
     case VelodyneReflectivity::to_110:
       diffuse_top_ = 110.0F;
@@ -69,17 +70,14 @@ void ReturnEncoder::scale(const BankReturns& echoes, EncodedReturns& encoded) co
 
 void ReturnEncoder::take_back_corrections(const LidarFiring& bank, const BankReturns& echoes,
                                           EncodedReturns& encoded) const {
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
   constexpr double kFarthestCount = 65535.0;
+  const RawRanges::Rotor rotor(bank.rotor_azimuth_rad, bank.rotor_rate_radps);
   for (std::size_t i = 0; i < kBankLasers; ++i) {
     if (encoded[i] == 0) {
       continue;
     }
     const velodyne::Hdl64eLaser& laser = calibration_->lasers[bank.first_laser + i];
-    const double since_s = model_.lasers[bank.first_laser + i].time_offset_ns * 1e-9;
-    const double azimuth_deg =
-        (bank.rotor_azimuth_rad + bank.rotor_rate_radps * since_s) * kDegrees;
-    const double raw = velodyne::raw_counts(laser, echoes[i].range_m, azimuth_deg);
+    const double raw = raw_ranges_->counts(rotor, bank.first_laser + i, echoes[i].range_m);
     if (!(raw >= 0.5 && raw < kFarthestCount + 0.5)) {
       encoded[i] = 0;
       continue;

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "emulators/velodyne/raw_ranges.h"
 #include "emulators/velodyne/velodyne_settings.h"
 #include "protocols/velodyne/data_packet.h"
 #include "protocols/velodyne/hdl_64e_calibration.h"
@@ -38,7 +39,7 @@ class ReturnEncoder {
   /// `bank` that are wanted.
   void encode(const LidarFiring& bank, const BankReturns& echoes, EncodedReturns& encoded) const {
     scale(echoes, encoded);
-    if (calibration_) {
+    if (raw_ranges_) {
       take_back_corrections(bank, echoes, encoded);
     }
   }
@@ -48,8 +49,8 @@ class ReturnEncoder {
   void take_back_corrections(const LidarFiring& bank, const BankReturns& echoes,
                              EncodedReturns& encoded) const;
 
-  const protocols::velodyne::Model& model_;
   std::optional<protocols::velodyne::Hdl64eCalibration> calibration_;
+  std::optional<RawRanges> raw_ranges_;
   float minimum_m_;
   float maximum_m_;
   float counts_per_metre_;

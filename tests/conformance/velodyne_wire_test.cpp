@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "emulators/velodyne/velodyne_lidar.h"
-#include "tests/conformance/velodyne_capture.h"
+#include "velodyne_capture.h"
 
 namespace rigwire::emulators {
 namespace {

@@ -10,7 +10,8 @@
 //
 // Sources: HDL-32E user's manual 63-9113 Rev. H, "Packet format"; VLP-16 user's manual 63-9243
 // Rev. D, section 9.3 (factory bytes). Units older than firmware 2.2.20.0 send both factory bytes
-// as zero. The format page with a worked example is docs/devices/velodyne-hdl-32e.md.
+// as zero. Format page: docs/devices/velodyne-packets.md; a worked example:
+// docs/devices/velodyne-hdl-32e.md.
 #pragma once
 
 #include <array>

@@ -3,9 +3,9 @@
 //
 // Sources: HDL-32E user's manual 63-9113 Rev. H, application note 63-9277 "Packet structure and
 // timing definition"; VLP-16 manual 63-9243 Rev. D (product ids, factory bytes); VLP-32C manual
-// 63-9325 Rev. B; HDL-64E S2.1 and S3 manuals (63-HDL64ES3 Rev. J), firing tables; VLS-128 manual
+// 63-9325 Rev. B; HDL-64E S2.1 and S3 manuals (63-HDL64ES3 Rev. K), firing tables; VLS-128 manual
 // 63-9483 Rev. A (draft), chapter 9. Beam divergence: VLS-128 manual, appendix F, and VLP-16 data
-// sheet; HDL models as peers use them. Notes and cross-checks: docs/devices/velodyne-hdl-32e.md.
+// sheet; HDL models as peers use them. Format page: docs/devices/velodyne-packets.md.
 #pragma once
 
 #include <cstddef>

@@ -1,14 +1,15 @@
--- A Velodyne HDL-32E dissector for tshark, written from the manual (63-9113 Rev. H) and sharing
--- nothing with protocols/velodyne: angles are computed from the optical drawing's rule (lower half
--- and upper half alternate, 4/3 degree pitch), times from the firing order.
+-- A Velodyne dissector for tshark: HDL-32E, VLP-16 and Puck Hi-Res with one return. Written from the
+-- manuals (63-9113 Rev. H, 63-9243 Rev. D) and sharing nothing with protocols/velodyne: angles are
+-- computed from the rule of the optics (two halves of the fan alternate, one pitch), times from the
+-- firing order. All other models and modes: velodyne_points.py.
 --
 --   tshark -X lua_script:velodyne.lua -r capture.pcap -T fields -e velodyne.point ...
 --
--- One field "velodyne.point" per return: block laser range_m azimuth_deg elevation_deg offset_us
+-- One field "velodyne.point" per return: block place range_m azimuth_deg elevation_deg offset_us
 -- reflectivity. Anything against the manual adds a "velodyne.complaint".
 
-local velodyne = Proto("velodyne", "Velodyne HDL-32E data")
-local position = Proto("velodyne_position", "Velodyne HDL-32E position")
+local velodyne = Proto("velodyne", "Velodyne data")
+local position = Proto("velodyne_position", "Velodyne position")
 
 local fields = {
   point = ProtoField.string("velodyne.point", "Point"),
@@ -27,10 +28,19 @@ local place = {
 }
 position.fields = { place.stamp, place.pulse, place.sentence, place.complaint }
 
--- Laser 0, 2, 4 ... climb from -30.67, laser 1, 3, 5 ... from -9.33, both by 4/3 degree.
-local function elevation(laser)
-  local start = laser % 2 == 0 and -92 / 3 or -28 / 3
-  return start + math.floor(laser / 2) * 4 / 3
+-- By product id. Even lasers climb from `bottom`, odd ones from `middle`, both by `pitch`; a firing of
+-- `lasers` takes `period` microseconds, one laser after the other `spacing`.
+local models = {
+  [0x21] = { lasers = 32, bottom = -92 / 3, middle = -28 / 3, pitch = 4 / 3, period = 46.08,
+    spacing = 1.152 },
+  [0x22] = { lasers = 16, bottom = -15, middle = 1, pitch = 2, period = 55.296, spacing = 2.304 },
+  [0x24] = { lasers = 16, bottom = -10, middle = 2 / 3, pitch = 4 / 3, period = 55.296,
+    spacing = 2.304 },
+}
+
+local function elevation(model, laser)
+  local start = laser % 2 == 0 and model.bottom or model.middle
+  return start + math.floor(laser / 2) * model.pitch
 end
 
 local function azimuth_at(buffer, block)
@@ -50,6 +60,12 @@ function velodyne.dissector(buffer, packet, root)
     tree:add(fields.complaint, "length " .. buffer:len())
     return
   end
+  local model = models[buffer(1205, 1):uint()]
+  if model == nil then
+    tree:add(fields.complaint, "product id")
+    return
+  end
+  local firings = 32 / model.lasers
   for block = 0, 11 do
     local at = block * 100
     if buffer(at, 1):uint() ~= 0xff or buffer(at + 1, 1):uint() ~= 0xee then
@@ -65,14 +81,16 @@ function velodyne.dissector(buffer, packet, root)
     else
       step = turn(azimuth_at(buffer, block - 1), azimuth)
     end
-    for laser = 0, 31 do
-      local channel = buffer(at + 4 + laser * 3, 3)
+    for place = 0, 31 do
+      local channel = buffer(at + 4 + place * 3, 3)
       local counts = channel(0, 2):le_uint()
       if counts > 0 then
-        local shot = azimuth + step * laser / 40 -- 40 ticks of 1.152 us make a firing cycle
+        local laser = place % model.lasers
+        local since = math.floor(place / model.lasers) * model.period + laser * model.spacing
+        local shot = azimuth + step * since / (firings * model.period)
         if shot >= 360 then shot = shot - 360 end
-        tree:add(fields.point, channel, string.format("%d %d %.3f %.5f %.4f %.3f %d", block, laser,
-          counts * 0.002, shot, elevation(laser), (block * 40 + laser) * 1.152,
+        tree:add(fields.point, channel, string.format("%d %d %.3f %.5f %.4f %.3f %d", block, place,
+          counts * 0.002, shot, elevation(model, laser), block * firings * model.period + since,
           channel(2, 1):uint()))
       end
     end

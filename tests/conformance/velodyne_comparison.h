@@ -14,7 +14,7 @@
 #include <tuple>
 #include <vector>
 
-#include "tests/conformance/velodyne_stream.h"
+#include "velodyne_stream.h"
 
 namespace rigwire {
 

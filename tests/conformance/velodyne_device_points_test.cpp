@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "emulators/velodyne/velodyne_lidar.h"
-#include "tests/conformance/velodyne_capture.h"
-#include "tests/conformance/velodyne_comparison.h"
+#include "velodyne_capture.h"
+#include "velodyne_comparison.h"
 
 namespace rigwire::emulators {
 namespace {

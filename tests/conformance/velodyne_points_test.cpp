@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "tests/conformance/velodyne_capture.h"
-#include "tests/conformance/velodyne_comparison.h"
-#include "tests/conformance/velodyne_stream.h"
+#include "velodyne_capture.h"
+#include "velodyne_comparison.h"
+#include "velodyne_stream.h"
 
 namespace rigwire {
 namespace {

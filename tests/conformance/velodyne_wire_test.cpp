@@ -7,95 +7,30 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "emulators/velodyne/velodyne_lidar.h"
+#include "velodyne_capture.h"
 
 namespace rigwire::emulators {
 namespace {
 
 using testing::HasSubstr;
 
-/// A classic pcap file of Ethernet, IPv4 and UDP, as a network card would have seen the packets.
-class Capture {
- public:
-  explicit Capture(const std::filesystem::path& file) : out_(file, std::ios::binary) {
-    put32(0xA1B2C3D4U);
-    put16(2);
-    put16(4);
-    for (const std::uint32_t word : {0U, 0U, 65535U, 1U}) {
-      put32(word);
-    }
-  }
-
-  void add(SimTime time, std::uint16_t port, std::span<const std::uint8_t> payload) {
-    const auto us = time.time_since_epoch().count() / 1000;
-    const auto length = static_cast<std::uint32_t>(14 + 20 + 8 + payload.size());
-    put32(static_cast<std::uint32_t>(us / 1000000));
-    put32(static_cast<std::uint32_t>(us % 1000000));
-    put32(length);
-    put32(length);
-    std::vector<std::uint8_t> head(42);
-    head[12] = 0x08;  // IPv4
-    head[14] = 0x45;
-    big16(head, 16, static_cast<std::uint16_t>(20 + 8 + payload.size()));
-    head[22] = 64;  // time to live
-    head[23] = 17;  // UDP
-    const std::array<std::uint8_t, 8> addresses{192, 168, 1, 201, 255, 255, 255, 255};
-    std::ranges::copy(addresses, head.begin() + 26);
-    std::uint32_t sum = 0;
-    for (std::size_t i = 14; i < 34; i += 2) {
-      sum += static_cast<std::uint32_t>(head[i] << 8U) + head[i + 1];
-    }
-    sum = (sum & 0xFFFFU) + (sum >> 16U);
-    sum = (sum & 0xFFFFU) + (sum >> 16U);
-    big16(head, 24, static_cast<std::uint16_t>(~sum));
-    big16(head, 34, port);
-    big16(head, 36, port);
-    big16(head, 38, static_cast<std::uint16_t>(8 + payload.size()));
-    write(head);
-    write(payload);
-  }
-
-  void close() { out_.close(); }
-
- private:
-  static void big16(std::vector<std::uint8_t>& bytes, std::size_t at, std::uint16_t value) {
-    bytes[at] = static_cast<std::uint8_t>(value >> 8U);
-    bytes[at + 1] = static_cast<std::uint8_t>(value & 0xFFU);
-  }
-  void put32(std::uint32_t value) {
-    for (int shift = 0; shift < 32; shift += 8) {
-      out_.put(static_cast<char>((value >> shift) & 0xFFU));
-    }
-  }
-  void put16(std::uint16_t value) {
-    out_.put(static_cast<char>(value & 0xFFU));
-    out_.put(static_cast<char>(value >> 8U));
-  }
-  void write(std::span<const std::uint8_t> bytes) {
-    for (const std::uint8_t byte : bytes) {
-      out_.put(static_cast<char>(byte));
-    }
-  }
-  std::ofstream out_;
-};
-
 class CaptureOutput : public ByteOutput {
  public:
-  CaptureOutput(Capture& capture, std::uint16_t port) : capture_(capture), port_(port) {}
+  CaptureOutput(UdpCapture& capture, std::uint16_t port) : capture_(capture), port_(port) {}
   void send(SimTime due, std::span<const std::uint8_t> bytes) override {
-    capture_.add(due, port_, bytes);
+    capture_.add(due.time_since_epoch().count() / 1000, port_, bytes);
     ++sent;
   }
   int sent = 0;
 
  private:
-  Capture& capture_;
+  UdpCapture& capture_;
   std::uint16_t port_;
 };
 
@@ -121,14 +56,23 @@ float range_of(std::int64_t firing, std::size_t laser) {
                    1.37F * static_cast<float>(laser);
 }
 
-TEST(VelodyneConformance, IndependentDissectorReadsTheTruth) {
+struct Case {
+  const char* model;
+  const char* product;
+  int firings_per_block;
+};
+
+class VelodyneConformance : public testing::TestWithParam<Case> {};
+
+TEST_P(VelodyneConformance, IndependentDissectorReadsTheTruth) {
   const auto file = std::filesystem::temp_directory_path() /
                     ("rigwire_velodyne_" + std::to_string(getpid()) + ".pcap");
-  const Calendar calendar(parse_utc("2026-06-01T08:59:59.95Z"));
-  Capture capture(file);
+  const Calendar calendar(parse_utc("2026-06-01T08:59:59.20Z"));
+  UdpCapture capture(file);
   CaptureOutput data(capture, 2368);
   CaptureOutput position(capture, 8308);
   VelodyneSettings settings;
+  settings.model = GetParam().model;
   settings.rotor_rpm = 1200.0;
   VelodyneLidar lidar(settings, calendar, data, position);
   GnssSample fix;
@@ -137,13 +81,16 @@ TEST(VelodyneConformance, IndependentDissectorReadsTheTruth) {
   fix.longitude_deg = 151.125;
   lidar.observe_fix(fix);
   constexpr std::int64_t kPackets = 120;
+  const std::size_t lasers = lidar.pattern().lasers.size();
+  const std::int64_t firings = 12 * GetParam().firings_per_block;  // in a packet
+  const std::int64_t period_ns = lidar.pattern().firing_period.count();
   const double rate_degps = 1200.0 / 60.0 * 360.0;
-  for (std::int64_t i = 0; i < 12 * kPackets; ++i) {
+  for (std::int64_t i = 0; i < firings * kPackets; ++i) {
     LidarFiring firing;
     firing.time = lidar.sample_plan().first + i * lidar.sample_plan().period;
     firing.rotor_azimuth_rad =
         std::fmod(rate_degps * to_seconds(firing.time), 360.0) * std::numbers::pi / 180.0;
-    for (std::size_t j = 0; j < 32; ++j) {
+    for (std::size_t j = 0; j < lasers; ++j) {
       firing.strongest[j] = {range_of(i, j), 0.01F * static_cast<float>(j * 3)};
     }
     lidar.update(firing);
@@ -174,31 +121,35 @@ TEST(VelodyneConformance, IndependentDissectorReadsTheTruth) {
     std::string product;
     columns >> stamp_us >> mode >> product;
     EXPECT_EQ(mode, "0x37");
-    EXPECT_EQ(product, "0x21");
-    const std::int64_t first_ns = 46080 + packet * 552960;
-    EXPECT_EQ(stamp_us, (3599950000000 + first_ns) % 3600000000000 / 1000);
+    EXPECT_EQ(product, GetParam().product);
+    const std::int64_t first_ns = (1 + packet * firings) * period_ns;
+    EXPECT_EQ(stamp_us, (3599200000000 + first_ns) % 3600000000000 / 1000);
     std::string point;
     std::int64_t in_packet = 0;
     while (std::getline(columns >> std::ws, point, ';')) {
       std::istringstream values(point);
       std::int64_t block = 0;
-      std::size_t laser = 0;
+      std::size_t place = 0;
       double range = 0.0;
       double azimuth = 0.0;
       double elevation = 0.0;
       double offset_us = 0.0;
       unsigned reflectivity = 0;
-      values >> block >> laser >> range >> azimuth >> elevation >> offset_us >> reflectivity;
+      values >> block >> place >> range >> azimuth >> elevation >> offset_us >> reflectivity;
       ASSERT_FALSE(values.fail()) << point;
+      const std::size_t laser = place % lasers;
+      const std::int64_t firing =
+          block * GetParam().firings_per_block + static_cast<std::int64_t>(place / lasers);
       const double time_s = 1e-9 * static_cast<double>(first_ns) + 1e-6 * offset_us;
       double azimuth_error = azimuth - std::fmod(rate_degps * time_s, 360.0);
       azimuth_error -= 360.0 * std::round(azimuth_error / 360.0);
-      worst_range = std::max(worst_range, std::abs(range - range_of(packet * 12 + block, laser)));
+      worst_range =
+          std::max(worst_range, std::abs(range - range_of(packet * firings + firing, laser)));
       worst_azimuth = std::max(worst_azimuth, std::abs(azimuth_error));
       ASSERT_NEAR(elevation, lidar.pattern().lasers[laser].elevation_rad * 180.0 / std::numbers::pi,
                   0.004);
       ASSERT_NEAR(offset_us * 1e3,
-                  static_cast<double>((block * lidar.pattern().firing_period +
+                  static_cast<double>((firing * lidar.pattern().firing_period +
                                        lidar.pattern().lasers[laser].time_offset)
                                           .count()),
                   0.5);
@@ -209,8 +160,8 @@ TEST(VelodyneConformance, IndependentDissectorReadsTheTruth) {
     ++packet;
   }
   std::int64_t expected = 0;
-  for (std::int64_t i = 0; i < 12 * kPackets; ++i) {
-    for (std::size_t j = 0; j < 32; ++j) {
+  for (std::int64_t i = 0; i < firings * kPackets; ++i) {
+    for (std::size_t j = 0; j < lasers; ++j) {
       expected += range_of(i, j) >= 1.0F ? 1 : 0;
     }
   }
@@ -227,6 +178,10 @@ TEST(VelodyneConformance, IndependentDissectorReadsTheTruth) {
               HasSubstr("2\tGPRMC,085959,A,3315.0000,S,15107.5000,E,000.0,000.0,010626,,,A"));
   std::filesystem::remove(file);
 }
+
+INSTANTIATE_TEST_SUITE_P(Models, VelodyneConformance,
+                         testing::Values(Case{"HDL-32E", "0x21", 1}, Case{"VLP-16", "0x22", 2},
+                                         Case{"Puck Hi-Res", "0x24", 2}));
 
 }  // namespace
 }  // namespace rigwire::emulators

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "tests/emulators/velodyne/velodyne_fixture.h"
+#include "velodyne_fixture.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -197,7 +197,10 @@ TEST_F(VelodyneViewTest, PacketCompletesNoEarlierThanAnnounced) {
     position.sent.clear();
     next_firing = 0;
     VelodyneLidar lidar(view(300, 20, model), calendar, data, position);
-    EXPECT_EQ(lidar.packet_complete_at(), kNever);
+    EXPECT_EQ(lidar.packet_complete_at(),
+              kStart + lidar.sample_plan().period * (std::string_view(model) == "VLP-16"    ? 24
+                                                     : std::string_view(model) == "HDL-32E" ? 12
+                                                                                            : 3));
     std::size_t sent = 0;
     SimTime announced{};
     while (sent < 20) {
@@ -211,6 +214,19 @@ TEST_F(VelodyneViewTest, PacketCompletesNoEarlierThanAnnounced) {
       announced = lidar.packet_complete_at();
       ASSERT_GT(announced, fired) << "the executive must not wake up in vain for ever";
     }
+  }
+}
+
+TEST_F(VelodyneViewTest, SensorThatGetsNoFiringsDoesNotAskForTheSameInstantForEver) {
+  VelodyneSettings settings;
+  settings.model = "HDL-64E S2";
+  settings.start_up = seconds{1};
+  VelodyneLidar lidar(settings, calendar, data, position);
+  for (int i = 0; i < 100; ++i) {
+    const SimTime wanted = lidar.packet_complete_at();
+    lidar.advance(wanted);
+    ASSERT_GT(lidar.packet_complete_at(), wanted);
+    ASSERT_LE(lidar.packet_complete_at(), wanted + nanoseconds{288'000});
   }
 }
 

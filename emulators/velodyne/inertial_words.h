@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <span>
 
 #include "emulators/velodyne/velodyne_settings.h"
 #include "protocols/velodyne/position_packet.h"

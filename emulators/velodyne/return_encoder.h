@@ -6,47 +6,54 @@
 // the retro part is divided is ours: linear in how near the reflector is to an ideal one.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
+#include <array>
 #include <cstdint>
+#include <optional>
 
+#include "emulators/velodyne/raw_ranges.h"
 #include "emulators/velodyne/velodyne_settings.h"
 #include "protocols/velodyne/data_packet.h"
+#include "protocols/velodyne/hdl_64e_calibration.h"
 #include "protocols/velodyne/model.h"
 #include "sim/samples/lidar_sample.h"
 
 namespace rigwire::emulators {
 
+/// Distance counts in bits 0 .. 15, reflectivity in bits 16 .. 23; 0: nothing came back.
+using EncodedReturns = std::array<std::uint32_t, kBankLasers>;
+
+[[nodiscard]] constexpr protocols::velodyne::Channel channel_of(std::uint32_t encoded) {
+  return {static_cast<std::uint16_t>(encoded & 0xFFFFU), static_cast<std::uint8_t>(encoded >> 16U)};
+}
+
 class ReturnEncoder {
  public:
+  /// With a calibration (of an HDL-64E, validated) distances and intensities are raw: its clients
+  /// get the true ones from them.
   ReturnEncoder(const protocols::velodyne::Model& model, VelodyneRangeWindow window,
-                VelodyneReflectivity scale);
+                VelodyneReflectivity scale,
+                const std::optional<protocols::velodyne::Hdl64eCalibration>& calibration = {});
 
-  /// An empty channel for what is nearer or farther than the window, or not a number. Distance to
-  /// the nearest count, at least 1.
-  [[nodiscard]] protocols::velodyne::Channel operator()(const LidarReturn& echo) const {
-    if (!(echo.range_m >= minimum_m_ && echo.range_m <= maximum_m_)) {
-      return {};
+  /// Nothing for what is nearer or farther than the window, or not a number. Distance to the
+  /// nearest count (and at most 0.004 beside, for the float), at least 1. `echoes` are those of
+  /// `bank` that are wanted.
+  void encode(const LidarFiring& bank, const BankReturns& echoes, EncodedReturns& encoded) const {
+    scale(echoes, encoded);
+    if (raw_ranges_) {
+      take_back_corrections(bank, echoes, encoded);
     }
-    const auto counts =
-        static_cast<std::uint32_t>(static_cast<double>(echo.range_m) * counts_per_metre_ + 0.5);
-    return {static_cast<std::uint16_t>(std::clamp<std::uint32_t>(counts, 1, 65535)),
-            reflectivity_byte(echo.reflectivity)};
-  }
-
-  [[nodiscard]] std::uint8_t reflectivity_byte(float reflectivity) const {
-    if (!(reflectivity > 0.0F)) {
-      return 0;  // also what is not a number
-    }
-    const float byte = reflectivity <= 1.0F ? reflectivity * diffuse_top_
-                                            : retro_bottom_ + (reflectivity - 1.0F) * retro_span_;
-    return static_cast<std::uint8_t>(std::min(byte, 255.0F) + 0.5F);
   }
 
  private:
+  void scale(const BankReturns& echoes, EncodedReturns& encoded) const;
+  void take_back_corrections(const LidarFiring& bank, const BankReturns& echoes,
+                             EncodedReturns& encoded) const;
+
+  std::optional<protocols::velodyne::Hdl64eCalibration> calibration_;
+  std::optional<RawRanges> raw_ranges_;
   float minimum_m_;
   float maximum_m_;
-  double counts_per_metre_;
+  float counts_per_metre_;
   float diffuse_top_ = 100.0F;
   float retro_bottom_ = 101.0F;
   float retro_span_ = 154.0F;

@@ -14,6 +14,7 @@ using velodyne::PulseState;
 constexpr Duration kSecond = std::chrono::seconds{1};
 /// Without a pulse for so long the input is absent.
 constexpr Duration kPulseMissing = std::chrono::milliseconds{1500};
+constexpr Duration kSentencesMissing = std::chrono::milliseconds{2500};
 /// 72 characters of 10 bits at 9600 baud.
 constexpr Duration kTransmission = std::chrono::milliseconds{75};
 /// A receiver that has not measured for so long, or for two and a half of its own periods, is
@@ -35,6 +36,7 @@ TimeInput::TimeInput(const VelodyneSettings& settings, const Calendar& calendar)
 void TimeInput::power_up(SimTime now, SensorClock& clock) {
   state_ = PulseState::absent;
   sentence_.reset();
+  sentence_time_.reset();
   timed_pulse_ = kNever;
   next_sentence_ = kNever;
   next_second_ = calendar_.align_to_gps(now, kSecond);
@@ -157,23 +159,32 @@ std::optional<SimTime> TimeInput::last_pulse(SimTime now) const {
   return state(now) == PulseState::absent ? std::nullopt : std::optional(last_pulse_);
 }
 
+bool TimeInput::sentences_arrive(SimTime now) const {
+  return sentence_ && now - sentence_at_ <= kSentencesMissing;
+}
+
 std::string_view TimeInput::sentence() const {
   return sentence_ ? sentence_->view() : std::string_view();
 }
 
 void TimeInput::write_sentence(SimTime of_pulse) {
   const UtcTime utc = calendar_.utc(of_pulse);
-  sentence_.emplace(velodyne::RecommendedMinimum{.year = utc.year,
-                                                 .month = utc.month,
-                                                 .day = utc.day,
-                                                 .hour = utc.hour,
-                                                 .minute = utc.minute,
-                                                 .second = utc.second,
-                                                 .valid = fix_.valid,
-                                                 .latitude_deg = fix_.latitude_deg,
-                                                 .longitude_deg = fix_.longitude_deg,
-                                                 .speed_mps = fix_.speed_mps,
-                                                 .course_deg = fix_.course_deg});
+  sentence_time_ = utc;
+  sentence_at_ = of_pulse + sentence_complete_after_;
+  sentence_.emplace(velodyne::RecommendedMinimum{
+      .year = utc.year,
+      .month = utc.month,
+      .day = utc.day,
+      .hour = utc.hour,
+      .minute = utc.minute,
+      .second = utc.second,
+      .time_form = settings_.sentence_tenths ? velodyne::NmeaTimeForm::tenths
+                                             : velodyne::NmeaTimeForm::whole_seconds,
+      .valid = fix_.valid,
+      .latitude_deg = fix_.latitude_deg,
+      .longitude_deg = fix_.longitude_deg,
+      .speed_mps = fix_.speed_mps,
+      .course_deg = fix_.course_deg});
   position_size_ = 0;
   if (fix_.valid) {
     const auto minutes = [](double degrees) { return std::fmod(std::abs(degrees), 1.0) * 60.0; };

@@ -51,6 +51,10 @@ class TimeInput {
   [[nodiscard]] protocols::velodyne::PulseState state(SimTime now) const;
   /// The last sentence, with CR LF; empty before the first one.
   [[nodiscard]] std::string_view sentence() const;
+  /// What it says; nothing before the first one.
+  [[nodiscard]] const std::optional<UtcTime>& sentence_time() const { return sentence_time_; }
+  /// The last one came within 2.5 s.
+  [[nodiscard]] bool sentences_arrive(SimTime now) const;
   /// The pulse that was heard last; nothing while the input is absent.
   [[nodiscard]] std::optional<SimTime> last_pulse(SimTime now) const;
   /// "49 30.0000N 007 45.0000E" in the form of the sentence; empty without a fix.
@@ -88,6 +92,8 @@ class TimeInput {
   std::optional<SimTime> heard_;
   Duration heard_period_{0};
   std::optional<protocols::velodyne::GprmcText> sentence_;
+  std::optional<UtcTime> sentence_time_;
+  SimTime sentence_at_{};
   std::array<char, 40> position_{};
   std::size_t position_size_ = 0;
 };

@@ -17,6 +17,8 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kCountsPerRadian = 100.0 / kDegree;
 constexpr int kTurnCounts = velodyne::kAzimuthCounts;
 constexpr std::int64_t kDataPacketsPerPositionPacket = 14;
+/// Temperature that the boards report.
+constexpr std::uint8_t kBoard_c = 35;
 /// Phase lock is reported to hold within this.
 constexpr int kPhaseTolerance_centideg = 500;
 
@@ -26,8 +28,7 @@ const velodyne::Model& checked_model(const VelodyneSettings& settings) {
 }
 
 Duration packet_period(const velodyne::Model& model, ReturnMode mode) {
-  return Duration{static_cast<std::int64_t>(PacketAssembly::firings_per_packet(model, mode)) *
-                  model.firing_period_ns};
+  return Duration{velodyne::packet_period_ns(model, mode)};
 }
 
 /// [0, turn)
@@ -48,10 +49,21 @@ VelodyneLidar::VelodyneLidar(const VelodyneSettings& settings, const Calendar& c
       saved_(live_),
       clock_(settings_.clock_drift_ppm),
       time_input_(settings_, calendar),
-      encode_(model_, range_window(settings_, model_), settings_.reflectivity),
+      calibration_(unit_calibration(settings_, model_)),
+      encode_(model_, range_window(settings_, model_), settings_.reflectivity, calibration_),
       assembly_(model_, encode_),
       position_period_(settings_.position_period) {
   build_pattern();
+  if (calibration_) {
+    report_.emplace(model_, *calibration_, live_);
+  }
+  if (model_.position_layout == velodyne::PositionLayout::extended) {
+    unit_status_ = {.top_board_c = kBoard_c,
+                    .bottom_board_c = kBoard_c,
+                    .at_calibration_c = kBoard_c,
+                    .last_calibration = velodyne::ConverterCalibration::power_on,
+                    .at_power_up_c = kBoard_c};
+  }
   if (position_period_ == Duration::zero()) {
     position_period_ = kDataPacketsPerPositionPacket * packet_period(model_, ReturnMode::strongest);
   }
@@ -74,7 +86,11 @@ void VelodyneLidar::build_pattern() {
   pattern_.maximum_range_m = maximum_m;
   pattern_.beam = {model_.divergence.horizontal_mrad * 1e-3, model_.divergence.vertical_mrad * 1e-3,
                    Duration{std::llround(model_.pulse_ns)}};
-  for (const velodyne::Laser& laser : model_.lasers) {
+  std::vector<velodyne::Laser> lasers(model_.lasers.begin(), model_.lasers.end());
+  if (calibration_) {
+    lasers = velodyne::calibrated_lasers(model_, *calibration_);
+  }
+  for (const velodyne::Laser& laser : lasers) {
     pattern_.lasers.push_back(
         {.elevation_rad = laser.elevation_deg * kDegree,
          .azimuth_offset_rad = laser.azimuth_offset_deg * kDegree,
@@ -86,14 +102,20 @@ void VelodyneLidar::build_pattern() {
 }
 
 void VelodyneLidar::power_up(SimTime now, Duration start_up) {
+  powered_up_ = now;
   running_from_ = now + start_up;
+  if (report_) {
+    report_->power_up();
+  }
   time_input_.power_up(now, clock_);
   assembly_.discard();
   data_.clear();
   packet_complete_at_ = kNever;
   expected_time_ = kNever;
   phase_locked_ = false;
-  next_position_ = running_from_ + position_period_;
+  next_position_ = model_.position_layout == velodyne::PositionLayout::none
+                       ? kNever
+                       : running_from_ + position_period_;
   command_head(now);
 }
 
@@ -106,8 +128,10 @@ double VelodyneLidar::nominal_rate_hz() const {
   if (view == 0.0) {
     view = 1.0;
   }
-  return view / to_seconds(packet_period(model_, live_.return_mode)) +
-         1.0 / to_seconds(position_period_);
+  const double position_hz = model_.position_layout == velodyne::PositionLayout::none
+                                 ? 0.0
+                                 : 1.0 / to_seconds(position_period_);
+  return view / to_seconds(packet_period(model_, live_.return_mode)) + position_hz;
 }
 
 SimTime VelodyneLidar::next_event() const {
@@ -258,7 +282,7 @@ void VelodyneLidar::add(const LidarFiring& bank) {
 void VelodyneLidar::begin_packet(SimTime first_firing) {
   assembly_.begin(live_.return_mode);
   velodyne::DataPacket& packet = assembly_.packet();
-  packet.timestamp_us = microseconds_of_hour(first_firing);
+  packet.timestamp_us = microseconds_of_hour(first_firing + Duration{model_.timestamp_lag_ns});
   packet.return_mode_byte =
       settings_.legacy_factory_bytes ? 0 : static_cast<std::uint8_t>(live_.return_mode);
   packet.product_id = settings_.legacy_factory_bytes ? 0 : model_.product_id;
@@ -270,6 +294,11 @@ void VelodyneLidar::begin_packet(SimTime first_firing) {
 }
 
 void VelodyneLidar::send_data(SimTime last_firing) {
+  if (report_) {
+    const velodyne::StatusByte status = report_->next(last_firing, time_input_);
+    assembly_.packet().return_mode_byte = status.type;
+    assembly_.packet().product_id = status.value;
+  }
   velodyne::encode(assembly_.packet(), data_bytes_);
   data_.send(last_firing + last_shot_after_ + settings_.send_delay, data_bytes_);
 }
@@ -278,6 +307,11 @@ void VelodyneLidar::send_position(SimTime due) {
   velodyne::PositionPacket packet;
   if (model_.position_layout == velodyne::PositionLayout::inertial) {
     packet.inertial = inertial_;
+  }
+  packet.status = unit_status_;
+  if (model_.position_layout == velodyne::PositionLayout::extended) {
+    packet.status.since_calibration_s =
+        static_cast<std::uint32_t>((due - powered_up_) / std::chrono::seconds{1});
   }
   packet.timestamp_us = microseconds_of_hour(due);
   packet.pulse_state = time_input_.state(due);

@@ -17,6 +17,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -28,6 +29,7 @@
 #include "emulators/velodyne/return_encoder.h"
 #include "emulators/velodyne/sensor_clock.h"
 #include "emulators/velodyne/time_input.h"
+#include "emulators/velodyne/unit_report.h"
 #include "emulators/velodyne/velodyne_control.h"
 #include "emulators/velodyne/velodyne_settings.h"
 #include "protocols/velodyne/data_packet.h"
@@ -132,6 +134,7 @@ class VelodyneLidar final : public Device, public LidarBackend, public VelodyneC
   int phase_centideg_ = 0;
   bool phase_locked_ = false;
 
+  std::optional<protocols::velodyne::Hdl64eCalibration> calibration_;
   ReturnEncoder encode_;
   PacketAssembly assembly_;
   SimTime expected_time_ = kNever;
@@ -142,7 +145,10 @@ class VelodyneLidar final : public Device, public LidarBackend, public VelodyneC
   LidarFiring defective_;
   std::array<std::uint8_t, protocols::velodyne::kDataPacketSize> data_bytes_{};
 
+  std::optional<UnitReport> report_;
   InertialWords inertial_{};
+  protocols::velodyne::UnitStatus unit_status_;
+  SimTime powered_up_{};
   Duration position_period_;
   SimTime next_position_;
   std::array<std::uint8_t, protocols::velodyne::kPositionPacketSize> position_bytes_{};

@@ -11,6 +11,9 @@ void VelodyneLidar::take(const VelodyneLiveSettings& settings) {
     ++destination_changes_;
   }
   live_ = settings;
+  if (report_) {
+    report_->settings_changed(live_);
+  }
 }
 
 void VelodyneLidar::apply(SimTime now, const VelodyneLiveSettings& settings) {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "protocols/velodyne/packet_layout.h"
+
 namespace rigwire::emulators {
 namespace {
 
@@ -164,6 +166,12 @@ void validate(const VelodyneSettings& settings) {
     refuse("legacy_factory_bytes: the " + std::string(model->name) +
            " has a status channel in their place");
   }
+  if (settings.calibration) {
+    if (!model->status_channel) {
+      refuse("calibration: the " + std::string(model->name) + " measures true ranges, it has none");
+    }
+    validate(*settings.calibration);
+  }
   const double largest = 65535.0 * model->distance_unit_mm * 1e-3;
   const auto [minimum, maximum] = range_window(settings, *model);
   if (!(settings.minimum_range_m >= 0.0 && settings.maximum_range_m >= 0.0 && minimum < maximum &&
@@ -171,9 +179,7 @@ void validate(const VelodyneSettings& settings) {
     refuse("range limits are " + std::to_string(minimum) + " m and " + std::to_string(maximum) +
            " m, allowed: 0 < minimum < maximum <= " + std::to_string(largest) + " m");
   }
-  const std::int64_t packet_ns = static_cast<std::int64_t>(velodyne::kBlocksPerPacket) *
-                                 model->firings_per_block * model->firing_period_ns /
-                                 model->blocks_per_firing;
+  const std::int64_t packet_ns = packet_period_ns(*model, velodyne::ReturnMode::strongest);
   check("send_delay", settings.send_delay, Duration::zero(), Duration{packet_ns});
   if (settings.position_period != Duration::zero() && settings.position_period < milliseconds{1}) {
     refuse("position_period is " + std::to_string(settings.position_period.count()) +

@@ -4,12 +4,14 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "emulators/velodyne/velodyne_control.h"
 #include "emulators/velodyne/velodyne_fault.h"
 #include "protocols/velodyne/data_packet.h"
+#include "protocols/velodyne/hdl_64e_calibration.h"
 #include "protocols/velodyne/model.h"
 #include "protocols/velodyne/position_packet.h"
 #include "sim/samples/time.h"
@@ -71,6 +73,9 @@ struct VelodyneSettings {
   /// Firmware before 2.2.20.0: both factory bytes are zero.
   bool legacy_factory_bytes = false;
   VelodyneReflectivity reflectivity = VelodyneReflectivity::model;
+  /// Of an HDL-64E; without one, the nominal table with corrections of a usual size. The unit
+  /// measures with it and reports it in its status channel, rounded as that can carry it.
+  std::optional<protocols::velodyne::Hdl64eCalibration> calibration;
   /// False: all beams leave from the origin, for clients that ignore the offsets.
   bool vertical_offsets = true;
   /// Returns outside are reported as none. Zero: the model's own limit.

@@ -1,7 +1,7 @@
 // The $GPRMC sentence that a Velodyne sensor receives from its GPS receiver and repeats in its
 // position packets.
 //
-//   $GPRMC,hhmmss,A,ddmm.mmmm,N,dddmm.mmmm,E,kkk.k,ddd.d,ddmmyy,,,A*hh CR LF
+//   $GPRMC,hhmmss[.s],A,ddmm.mmmm,N,dddmm.mmmm,E,kkk.k,ddd.d,ddmmyy,,,A*hh CR LF
 //
 // Form: Garmin GPS 18x technical specifications 190-00879-08, section 4.2.7 (the receiver that
 // Velodyne ships), with NMEA 2.3 mode indicator and without magnetic variation, which would need a
@@ -9,9 +9,9 @@
 // fix.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <string_view>
+
+#include "protocols/velodyne/nmea_text.h"
 
 namespace rigwire::protocols::velodyne {
 
@@ -22,6 +22,8 @@ struct RecommendedMinimum {
   int hour = 0;
   int minute = 0;
   int second = 0;  ///< 60 in a leap second.
+  int tenth = 0;   ///< Written by NmeaTimeForm::tenths alone.
+  NmeaTimeForm time_form = NmeaTimeForm::whole_seconds;
   bool valid = false;
   double latitude_deg = 0.0;   ///< [-90, 90]
   double longitude_deg = 0.0;  ///< [-180, 180]
@@ -33,11 +35,10 @@ struct RecommendedMinimum {
 class GprmcText {
  public:
   explicit GprmcText(const RecommendedMinimum& values);
-  [[nodiscard]] std::string_view view() const { return {text_.data(), size_}; }
+  [[nodiscard]] std::string_view view() const { return text_.view(); }
 
  private:
-  std::array<char, 128> text_{};
-  std::size_t size_ = 0;
+  NmeaText text_;
 };
 
 }  // namespace rigwire::protocols::velodyne

@@ -2,9 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <vector>
-
-#include "protocols/velodyne/gprmc.h"
 
 namespace rigwire::protocols::velodyne {
 namespace {
@@ -46,39 +47,51 @@ TEST(VelodynePositionPacket, RefusesWhatCannotBeOne) {
   EXPECT_EQ(decode_position_packet(bytes).fault().offset, 300U);
 }
 
-TEST(VelodyneGprmc, WritesTheSentenceOfAFix) {
-  const GprmcText text({.year = 2026,
-                        .month = 6,
-                        .day = 1,
-                        .hour = 8,
-                        .minute = 5,
-                        .second = 9,
-                        .valid = true,
-                        .latitude_deg = 49.424999999,
-                        .longitude_deg = -7.75,
-                        .speed_mps = 1852.0 / 3600.0,
-                        .course_deg = 359.96});
-  // Checksum by hand: exclusive or of the characters between $ and *.
-  EXPECT_EQ(text.view().substr(0, text.view().find('*')),
-            "$GPRMC,080509,A,4925.5000,N,00745.0000,W,001.0,000.0,010626,,,A");
-  unsigned sum = 0;
-  for (const char c : text.view().substr(1, text.view().find('*') - 1)) {
-    sum ^= static_cast<unsigned char>(c);
-  }
-  std::array<char, 8> expected{};
-  std::snprintf(expected.data(), expected.size(), "*%02X\r\n", sum);
-  EXPECT_EQ(text.view().substr(text.view().find('*')), expected.data());
+TEST(VelodynePositionPacket, ExtendedFieldsStandWhereTheManualPutsThem) {
+  PositionPacket packet;
+  packet.status = {.top_board_c = 45,
+                   .bottom_board_c = 41,
+                   .at_calibration_c = 39,
+                   .change_since_calibration_c = -3,
+                   .since_calibration_s = 0x01020304,
+                   .last_calibration = ConverterCalibration::temperature_change,
+                   .calibrating = true,
+                   .period_reached = true,
+                   .thermal_shutdown = true,
+                   .at_shutdown_c = 91,
+                   .at_power_up_c = 20};
+  packet.timestamp_us = 0x0A0B0C0D;
+  packet.set_sentence("$GPGGA,");
+  Bytes bytes{};
+  encode(packet, bytes);
+  const std::array<std::uint8_t, 20> expected{45, 41, 39, 0xFD, 0xFF, 4,    3,    2,  1,  3,
+                                              5,  13, 12, 11,   10,   0x00, 0x01, 91, 20, '$'};
+  EXPECT_TRUE(std::ranges::equal(expected, std::span(bytes).subspan(0xBB, expected.size())));
+  const auto decoded = decode_position_packet(bytes);
+  ASSERT_TRUE(decoded.ok());
+  EXPECT_EQ(*decoded, packet);
+  bytes[0xC4] = 5;
+  ASSERT_TRUE(decode_position_packet(bytes).malformed());
+  EXPECT_EQ(decode_position_packet(bytes).fault().offset, 0xC4U);
+  bytes[0xC4] = 0;
+  bytes[0xCB] = 2;
+  EXPECT_TRUE(decode_position_packet(bytes).malformed());
 }
 
-TEST(VelodyneGprmc, SaysNoFixWithoutAPosition) {
-  const GprmcText text(
-      {.year = 2026, .month = 12, .day = 31, .hour = 23, .minute = 59, .second = 60});
-  EXPECT_EQ(text.view().substr(0, text.view().find('*')), "$GPRMC,235960,V,,,,,,,311226,,,N");
-}
-
-TEST(VelodyneGprmc, NeverPrintsSixtyMinutes) {
-  const GprmcText text({.valid = true, .latitude_deg = 48.999999999, .longitude_deg = 179.9999999});
-  EXPECT_NE(text.view().find(",4900.0000,N,18000.0000,E,"), std::string_view::npos) << text.view();
+TEST(VelodynePositionPacket, InertialCountsKeepHalfAUnitAndStopAtTwelveBits) {
+  const double degree = std::numbers::pi / 180.0;
+  const InertialReading reading{.rate_radps = -1.2345,
+                                .temperature_c = 37.7,
+                                .acceleration_x_mps2 = 9.80665,
+                                .acceleration_y_mps2 = -0.5};
+  const InertialReading back = from_counts(to_counts(reading));
+  EXPECT_NEAR(back.rate_radps, reading.rate_radps, 0.09766 / 2 * degree);
+  EXPECT_NEAR(back.temperature_c, reading.temperature_c, 0.1453 / 2);
+  EXPECT_NEAR(back.acceleration_x_mps2, reading.acceleration_x_mps2, 0.001221 / 2 * 9.80665);
+  EXPECT_EQ(to_counts(reading).acceleration_x, 819) << "1 g";
+  const InertialGroup most = to_counts({1e9, 1e9, -1e9, std::nan("")});
+  EXPECT_EQ(most, (InertialGroup{2047, 2047, -2048, 0}));
+  EXPECT_EQ(to_counts(InertialReading{}), InertialGroup{});
 }
 
 }  // namespace

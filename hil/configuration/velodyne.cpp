@@ -2,6 +2,8 @@
 
 #include <cassert>
 
+#include "hil/lidar_calibration_file.h"
+
 namespace rigwire::hil {
 namespace {
 
@@ -32,7 +34,11 @@ emulators::VelodyneSettings settings_but_calibration(const VelodyneConfiguration
 }  // namespace
 
 emulators::VelodyneSettings settings_of(const VelodyneConfiguration& p) {
-  return settings_but_calibration(p);
+  emulators::VelodyneSettings settings = settings_but_calibration(p);
+  if (!p.calibration_file.empty()) {
+    settings.calibration = load_lidar_calibration(p.calibration_file);
+  }
+  return settings;
 }
 
 const protocols::velodyne::Model& model_of(const VelodyneConfiguration& p) {

@@ -58,6 +58,8 @@ class LidarRig : public ::testing::Test {
  protected:
   void build(const std::string& type, const std::string& more = "",
              const std::string& devices = "") {
+    data.reset();
+    position.reset();
     const auto file = wires.folder / "rig.yaml";
     std::ofstream(file) << "machine: {include: " RIGWIRE_SOURCE_DIR
                            "/configs/machines/gator_855d.yaml}\n"
@@ -274,7 +276,8 @@ TEST_F(LidarRig, LidarWithoutTimeSourceHearsNoPulse) {
 
 TEST_F(LidarRig, NamedReceiverLocksTheClockAfterItsFix) {
   const std::string receiver = "  antenna: {type: ublox-neo-7p, time_to_first_fix: 1 s, path: " +
-                               (wires.folder / "gnss").string() + ", mount: {link: body}}\n";
+                               (wires.folder / "gnss").string() +
+                               ", mount: {link: body, position: [0.8 m, 0 m, 2.5 m]}}\n";
   build("velodyne-vlp-16", "    time_source: antenna\n    clock: {pulse_qualifier_delay: 1 s}\n",
         receiver);
   run(500ms);

@@ -76,8 +76,8 @@ TEST(ExcavatorPit, has_the_devices_that_the_field_program_expects) {
   EXPECT_EQ(gnss.path, "/tmp/rigwire/gnss");
   EXPECT_EQ(gnss.receiver.baud, 115200u);
   const auto& lidar = std::get<VelodyneConfiguration>(rig.devices.at("lidar").settings);
-  EXPECT_EQ(lidar.port, 2368);
-  EXPECT_EQ(lidar.position_port, 8308);
+  EXPECT_EQ(lidar.lidar.data_port, 2368);
+  EXPECT_EQ(lidar.lidar.telemetry_port, 8308);
   const auto& valves = std::get<ValveDriverConfiguration>(rig.devices.at("valves").settings);
   EXPECT_EQ(valves.port, 1502);
   const std::vector<std::string> sections{"swing", "boom", "stick", "bucket"};

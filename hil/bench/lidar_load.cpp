@@ -145,7 +145,7 @@ LidarLoad measure(Drive& drive, const LidarLoadCase& of, SimTime& t0) {
   std::vector<double> ratios;
   const Duration slice = std::chrono::milliseconds{of.slice_ms};
   const Duration revolution = std::chrono::milliseconds{100};
-  double all_cpu_s = 0.0;
+  double begin_cpu_s = 0.0;
   double elapsed_s = 0.0;
   double encoding_s = 0.0;
   std::size_t hits = 0;
@@ -155,12 +155,10 @@ LidarLoad measure(Drive& drive, const LidarLoadCase& of, SimTime& t0) {
     double bare_s = 0.0;
     for (const SimTime end = t0 + revolution; t0 < end; t0 += slice, ++slices) {
       const SimTime t1 = t0 + slice;
-      const double process_s = process_cpu_seconds();
       const double wall_s = elapsed_seconds();
       const double begin_s = thread_cpu_seconds();
       drive.begin_slice(t0, t1);
-      load.begin_slice_s += thread_cpu_seconds() - begin_s;
-      all_cpu_s += process_cpu_seconds() - process_s;
+      begin_cpu_s += thread_cpu_seconds() - begin_s;
       elapsed_s += elapsed_seconds() - wall_s;
       for (int i = 0; i < of.lidars; ++i) {
         sim::SpinningLidar& lidar = *lidars[static_cast<std::size_t>(i)];
@@ -176,13 +174,11 @@ LidarLoad measure(Drive& drive, const LidarLoadCase& of, SimTime& t0) {
           bare_s += thread_cpu_seconds() - before_s;
         };
         const auto stage = [&] {
-          const double cpu_s = process_cpu_seconds();
           const double clock_s = elapsed_seconds();
-          const double before_s = thread_cpu_seconds();
+          const double before_s = process_cpu_seconds();
           lidar.cast(drive.scene(), stretch, nullptr, firings, nullptr);
-          stage_s += thread_cpu_seconds() - before_s;
+          stage_s += process_cpu_seconds() - before_s;
           elapsed_s += elapsed_seconds() - clock_s;
-          all_cpu_s += process_cpu_seconds() - cpu_s;
         };
         // In turns, because the second one finds the scene in the caches.
         if (slices % 2 == 0) {
@@ -209,10 +205,10 @@ LidarLoad measure(Drive& drive, const LidarLoadCase& of, SimTime& t0) {
   std::ranges::sort(ratios);
   load.bare_ratio = ratios[ratios.size() / 2];
   load.hit_share = static_cast<double>(hits) / static_cast<double>(load.rays);
-  load.begin_slice_s /= static_cast<double>(slices);
-  load.core_share = all_cpu_s / simulated_s;
+  load.begin_slice_s = begin_cpu_s / static_cast<double>(slices);
+  load.core_share = (load.stage_s + begin_cpu_s) / simulated_s;
   load.wall_share = elapsed_s / simulated_s;
-  load.encoding_share = encoding_s * firings_cast / load.bare_s;
+  load.encoding_share = encoding_s * firings_cast / load.stage_s;
   return load;
 }
 

@@ -41,8 +41,8 @@ struct LidarLoad {
   std::size_t instances = 0;  ///< Ground, trees and the parts of moving bodies.
   std::size_t rays = 0;
   double hit_share = 0.0;
-  double stage_s = 0.0;         ///< CPU time of all casting, of this thread.
-  double bare_s = 0.0;          ///< Embree's calls on the same rays; 0 where not measured.
+  double stage_s = 0.0;         ///< CPU time of all casting, on all threads.
+  double bare_s = 0.0;          ///< Embree's calls on the same rays, on one thread.
   double begin_slice_s = 0.0;   ///< CPU time of one Scene::begin_slice, mean.
   double core_share = 0.0;      ///< CPU time of casting and begin_slice, all threads, per
                                 ///< simulated time.

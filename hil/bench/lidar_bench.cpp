@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <variant>
 
-#include "emulators/velodyne/velodyne_lidar.h"
+#include "hil/bench/lidar_plan.h"
 #include "hil/cpu_time.h"
 #include "hil/rig.h"
 #include "sim/lidar/spinning_lidar.h"
@@ -23,25 +23,6 @@ using Eigen::Vector3d;
 
 constexpr std::uint64_t kSeed = 1;
 constexpr Duration kRevolution = std::chrono::milliseconds{100};
-
-/// Nobody listens: the emulator is here for its firing pattern alone.
-class Silence final : public emulators::ByteOutput {
- public:
-  void send(SimTime /*due*/, std::span<const std::uint8_t> /*bytes*/) override {}
-};
-
-struct FiringPlan {
-  LidarPattern pattern;
-  SamplePlan plan;
-  LidarCommand command;
-};
-
-FiringPlan firing_plan(const emulators::VelodyneSettings& settings) {
-  const Calendar calendar(RigConfiguration{}.start);
-  Silence silence;
-  const emulators::VelodyneLidar device(settings, calendar, silence, silence);
-  return {device.pattern(), device.sample_plan(), device.command()};
-}
 
 const VelodyneConfiguration& lidar_of(const RigConfiguration& rig) {
   for (const auto& [name, device] : rig.devices) {

@@ -40,6 +40,7 @@ void visit(Visitor& v, sim::Material& p) {
   v.number("retro_gain", p.retro_gain, plain().between(0, 1),
            "Retro-reflector; 1 is an ideal one.");
   v.boolean("foliage", p.foliage, "Leaves in a closed surface: radio signals pass, weakened.");
+  v.boolean("loose_leaves", p.loose_leaves, "Single leaves: radio signals pass.");
 }
 
 template <class Visitor>
@@ -212,6 +213,63 @@ void visit(Visitor& v, sim::RockField& p) {
   v.list("keep_out", p.keep_out, "Discs without rocks: for the machine, for the truck.");
 }
 
+inline constexpr std::array<Choice<sim::Species>, 5> kTreeSpecies{
+    {{sim::Species::spruce, "spruce", "Cone to near the ground, needles."},
+     {sim::Species::pine, "pine", "Bare stem, crown at the top, needles."},
+     {sim::Species::beech, "beech", "Wide round crown."},
+     {sim::Species::oak, "oak", "Widest crown, thick branches."},
+     {sim::Species::birch, "birch", "Slim, hanging twigs."}}};
+
+inline constexpr std::array<Choice<sim::LeafModel>, 2> kLeafModels{
+    {{sim::LeafModel::cards, "cards", "Cards that rays pass where the texture has gaps."},
+     {sim::LeafModel::triangles, "triangles", "Loose triangles: cheaper to cast at."}}};
+
+template <class Visitor>
+void visit(Visitor& v, sim::SpeciesShare& p) {
+  v.choice("species", p.species, kTreeSpecies, "Of these trees.");
+  v.number("share", p.share, plain().at_least(0), "Of all trees, against the others' shares.");
+  v.number("smallest", p.smallest_m, in("m").above(0), "Height.");
+  v.number("largest", p.largest_m, in("m").above(0), "Height.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, sim::Forest& p) {
+  v.integer("count", p.count, IntegerRule{0, 50000}, "Number of trees; 0 = by density.");
+  v.number("density", p.density_per_ha, plain().at_least(0), "Trees per hectare.");
+  v.integer("seed", p.seed, IntegerRule{0}, "Another forest on the same ground.");
+  visit_pair(v, "centre", p.centre_m, in("m"), "[east, north] of the rectangle.");
+  visit_pair(v, "half_lengths", p.half_lengths_m, in("m").above(0), "[east, north].");
+  v.list("species", p.species, "Which trees.");
+  v.integer("variants", p.variants, IntegerRule{1, 100}, "Models of each species.");
+  v.choice("leaf_model", p.leaf_model, kLeafModels, "cards with textures, or loose triangles.");
+  v.number("track_distance", p.track_distance_m, in("m").at_least(0),
+           "From a track's edge to a trunk.");
+  v.number("spacing", p.spacing_m, in("m").at_least(0), "Between trunks, at least.");
+  v.number("bushes", p.bushes_per_ha, plain().at_least(0), "Per hectare.");
+  v.number("fallen", p.fallen_per_ha, plain().at_least(0), "Trunks on the ground, per hectare.");
+  v.list("keep_out", p.keep_out, "Discs without trees.");
+  v.section("wood", p.wood, "Surface of trunks, branches and twigs.");
+  v.section("leaves", p.leaves, "Surface of the leaves.");
+  v.section("bush", p.bush, "Surface of the bushes.");
+  v.section("fallen_wood", p.fallen, "Surface of the fallen trunks.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, sim::GrassField& p) {
+  visit_pair(v, "centre", p.centre_m, in("m"), "[east, north] of the rectangle.");
+  visit_pair(v, "half_lengths", p.half_lengths_m, in("m").above(0), "[east, north].");
+  v.integer("seed", p.seed, IntegerRule{0}, "Other grass at the same place.");
+  v.number("stalks_per_m2", p.stalks_per_m2, plain().at_least(0), "Stalks per square metre.");
+  v.number("height", p.height_m, in("m").above(0), "Of the stalks.");
+  v.number("diameter", p.diameter_m, in("mm").above(0), "At the foot; 0 at the tip.");
+  v.number("lean", p.lean_rad, in("deg").between(0, 57), "Standard deviation.");
+  v.number("patch", p.patch_m, in("m").above(0), "Edge of the patches that are laid side by side.");
+  v.number("track_distance", p.track_distance_m, in("m").at_least(0),
+           "From a track's edge to a patch's middle.");
+  v.list("keep_out", p.keep_out, "Discs without grass.");
+  v.section("material", p.material, "Surface of the stalks.");
+}
+
 template <class Visitor>
 void visit(Visitor& v, sim::FixedObject& p) {
   v.text("name", p.name, "Of the object.");
@@ -234,7 +292,9 @@ void visit(Visitor& v, SceneConfiguration& p) {
   v.list("soils", p.description.soils, "What the ground is made of; the first lies everywhere.");
   v.list("soil_regions", p.description.soil_regions, "Where another soil lies than around.");
   v.list("rocks", p.description.rocks, "Fields of rocks.");
-  v.list("trees", p.description.trees, "Forests.");
+  v.list("trees", p.description.trees, "Forests of closed crowns.");
+  v.list("forests", p.description.forests, "Forests modelled leaf by leaf.");
+  v.list("grass", p.description.grass, "Fields of stalks.");
   v.list("boxes", p.description.boxes, "Buildings, kerbs: solid boxes.");
   v.list("objects", p.description.objects, "Meshes that stand there.");
   v.section("weather", p.weather, "What is in the air, and how it changes.");

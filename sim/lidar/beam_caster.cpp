@@ -53,13 +53,13 @@ std::vector<RayChoice> choices(std::size_t sub_rays) {
 /// What the middles of the beams have met.
 void tell_truth(const Scene::Internals& scene, const RTCRayHit8& packet, const RayChoice& choice,
                 const HitSurfaces& surfaces, std::array<LidarShotTruth, kLanes>& truth) {
+  const SurfaceNumbers surface(packet.hit);
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const unsigned instance = packet.hit.instID[0][lane];
     if (choice.ray[lane] == choice.beam[lane]) {  // sub-ray 0
       truth[static_cast<std::size_t>(choice.beam[lane])] =
-          instance == RTC_INVALID_GEOMETRY_ID
+          surface[lane] == RTC_INVALID_GEOMETRY_ID
               ? LidarShotTruth{}
-              : LidarShotTruth{packet.ray.tfar[lane], scene.instance_of[instance],
+              : LidarShotTruth{packet.ray.tfar[lane], scene.instance_of[surface[lane]],
                                surfaces.cosine[lane]};
     }
   }

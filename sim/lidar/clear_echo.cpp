@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "sim/lidar/hit_surface.h"
 #include "sim/lidar/link_budget.h"
 #include "sim/scene/scene_internals.h"
 
@@ -20,23 +21,24 @@ struct Incidence {
 };
 
 /// Rare, and so not worth its share of every packet.
-void add_retro_reflectors(const Shading* shading, const RTCRayHit8& packet, Incidence& incidence) {
+void add_retro_reflectors(const Shading* shading, const SurfaceNumbers& numbers,
+                          Incidence& incidence) {
   for (std::size_t i = 0; i < kLanes; ++i) {
-    if (packet.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID) {
-      const Shading& surface = shading[packet.hit.instID[0][i]];
+    if (numbers[i] != RTC_INVALID_GEOMETRY_ID) {
+      const Shading& surface = shading[numbers[i]];
       incidence.brightness[i] =
           apparent_reflectance(surface.reflectance, surface.retro_gain, incidence.cosine[i]);
     }
   }
 }
 
-/// Neighbours mostly meet the same instance; so one instance after the other is worked out for all
+/// Neighbours mostly meet the same surface; so one surface after the other is worked out for all
 /// lanes, and each lane keeps its own.
 RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
                                Incidence& incidence) {
   const RTCRay8& ray = packet.ray;
   const RTCHit8& hit = packet.hit;
-  const unsigned* const instance = hit.instID[0];
+  const SurfaceNumbers surface(hit);
   LaneArray along;
   LaneArray reflectance;
   along.fill(0.0F);
@@ -44,10 +46,10 @@ RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
   float retro_gain = 0.0F;
   unsigned done = RTC_INVALID_GEOMETRY_ID;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    if (instance[lane] == done || instance[lane] == RTC_INVALID_GEOMETRY_ID) {
+    if (surface[lane] == done || surface[lane] == RTC_INVALID_GEOMETRY_ID) {
       continue;
     }
-    done = instance[lane];
+    done = surface[lane];
     const float* const R = shading[done].R_WM.data();
     const float its_reflectance = shading[done].reflectance;
     retro_gain += shading[done].retro_gain;
@@ -57,8 +59,8 @@ RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
       const float y = R[1] * hit.Ng_x[i] + R[4] * hit.Ng_y[i] + R[7] * hit.Ng_z[i];
       const float z = R[2] * hit.Ng_x[i] + R[5] * hit.Ng_y[i] + R[8] * hit.Ng_z[i];
       const float dot = x * ray.dir_x[i] + y * ray.dir_y[i] + z * ray.dir_z[i];
-      along[i] = instance[i] == done ? dot : along[i];
-      reflectance[i] = instance[i] == done ? its_reflectance : reflectance[i];
+      along[i] = surface[i] == done ? dot : along[i];
+      reflectance[i] = surface[i] == done ? its_reflectance : reflectance[i];
     }
   }
 #pragma GCC ivdep
@@ -66,12 +68,12 @@ RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
     // Rotations leave the normal's length as it is.
     const float square =
         hit.Ng_x[i] * hit.Ng_x[i] + hit.Ng_y[i] * hit.Ng_y[i] + hit.Ng_z[i] * hit.Ng_z[i];
-    const bool met = (instance[i] != RTC_INVALID_GEOMETRY_ID) & (square > 0.0F);
+    const bool met = (surface[i] != RTC_INVALID_GEOMETRY_ID) & (square > 0.0F);
     incidence.cosine[i] = met ? std::abs(along[i]) / std::sqrt(square) : 0.0F;
     incidence.brightness[i] = reflectance[i] * incidence.cosine[i];
   }
   if (retro_gain > 0.0F) {
-    add_retro_reflectors(shading, packet, incidence);
+    add_retro_reflectors(shading, surface, incidence);
   }
 }
 
@@ -105,12 +107,12 @@ RIGWIRE_WIDE_VECTORS void receive(const RTCRay8& ray, const Incidence& incidence
 
 void tell_truth(const BlockCast& cast, const LaneMap& map, const Scene::Internals& scene,
                 const RTCRayHit8& packet, const LaneArray& cosine) {
+  const SurfaceNumbers surface(packet.hit);
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     const std::uint32_t laser = map.laser[lane];
-    const unsigned instance = packet.hit.instID[0][lane];
     LidarShotTruth& shot = cast.truth[cast.bank_of(map.firing[lane], laser)][laser % kBankLasers];
-    if (instance != RTC_INVALID_GEOMETRY_ID) {
-      shot = {packet.ray.tfar[lane], scene.instance_of[instance], cosine[lane]};
+    if (surface[lane] != RTC_INVALID_GEOMETRY_ID) {
+      shot = {packet.ray.tfar[lane], scene.instance_of[surface[lane]], cosine[lane]};
     }
   }
 }

@@ -10,7 +10,7 @@ RIGWIRE_WIDE_VECTORS void meet_surfaces(const Scene::Internals::Shading* shading
                                         const RTCRayHit8& packet, HitSurfaces& surfaces) {
   const RTCRay8& ray = packet.ray;
   const RTCHit8& hit = packet.hit;
-  const unsigned* const instance = hit.instID[0];
+  const SurfaceNumbers instance(hit);
   surfaces.normal_x.fill(0.0F);
   surfaces.normal_y.fill(0.0F);
   surfaces.normal_z.fill(0.0F);

@@ -1,10 +1,26 @@
 // What a packet of eight rays has met, side by side.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
 #include "sim/lidar/ray_lanes.h"
 #include "sim/scene/scene_internals.h"
 
 namespace rigwire::sim {
+
+/// Index of what each ray has met into Scene::Internals::shading and instance_of;
+/// RTC_INVALID_GEOMETRY_ID: nothing.
+struct alignas(32) SurfaceNumbers : std::array<std::uint32_t, kLanes> {
+  explicit SurfaceNumbers(const RTCHit8& hit) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      (*this)[i] = hit.geomID[i] == RTC_INVALID_GEOMETRY_ID
+                       ? RTC_INVALID_GEOMETRY_ID
+                       : Scene::Internals::surface_of(hit.instID[0][i], hit.geomID[i]);
+    }
+  }
+};
 
 /// Where nothing was met, cosine, reflectance and gain are 0.
 struct HitSurfaces {
@@ -16,7 +32,7 @@ struct HitSurfaces {
   LaneArray retro_gain;
 };
 
-/// `shading` by Embree's number of the instance (Scene::Internals::shading). The rays' directions
+/// `shading` by SurfaceNumbers (Scene::Internals::shading). The rays' directions
 /// have unit length.
 void meet_surfaces(const Scene::Internals::Shading* shading, const RTCRayHit8& packet,
                    HitSurfaces& surfaces);

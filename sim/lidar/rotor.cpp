@@ -71,6 +71,7 @@ void validate(const RotorParameters& parameters) {
   within("wander_correlation_s", parameters.wander_correlation_s, 0.01, 1000.0);
   within("phase_time_s", parameters.phase_time_s, 0.01, 60.0);
   within("phase_speed_share", parameters.phase_speed_share, 1e-4, 0.2);
+  within("stall_at", to_seconds(parameters.stall_at), 0.0, 1e6);
   within("stall_for", to_seconds(parameters.stall_for), 0.0, 1e6);
 }
 
@@ -138,8 +139,8 @@ double Rotor::shaft_rate() const {
 
 void Rotor::act() {
   stretch_ = next_;
-  const bool jammed = stretch_.start >= parameters_.stall_at &&
-                      stretch_.start - parameters_.stall_at < parameters_.stall_for;
+  const Duration since_stall = stretch_.start - kStart - parameters_.stall_at;
+  const bool jammed = since_stall >= Duration::zero() && since_stall < parameters_.stall_for;
   if (jammed) {
     const double most = kJamDeceleration_radps2 * kPeriod_s;
     steered_radps_ -= std::clamp(steered_radps_, -most, most);

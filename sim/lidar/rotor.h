@@ -43,8 +43,8 @@ struct RotorParameters {
   double phase_speed_share = 0.01;  ///< Greatest change of speed for the phase.
   /// The rotor jams at `stall_at`, stands still after some 50 ms, and is free again `stall_for`
   /// later.
-  SimTime stall_at = kNever;
-  Duration stall_for{0};
+  Duration stall_at{0};   ///< From the start of the run.
+  Duration stall_for{0};  ///< 0: it does not jam.
 };
 
 /// Throws std::invalid_argument naming the member, the value found and what is allowed.

@@ -27,9 +27,11 @@ void add_rocks(const SceneDescription& description, std::uint64_t seed, BuiltSce
   for (std::size_t i = 0; i < kRockShapes && !description.rocks.empty(); ++i) {
     shapes.push_back(built.scene->add_mesh(make_rock("rock " + std::to_string(i), random)));
   }
+  std::size_t number = 0;
   for (const RockField& rocks : description.rocks) {
     for (const PlacedRock& rock : place_rocks(rocks, built.ground, random)) {
-      built.scene->add_object(shapes[rock.shape], rock.X_WM, rock.radius_m, rocks.material);
+      built.scene->add_object(shapes[rock.shape], rock.X_WM, rock.radius_m, rocks.material,
+                              "rock " + std::to_string(number++));
       Obstacle& sphere = built.obstacles.emplace_back();
       sphere.shape = ObstacleShape::sphere;
       sphere.X_WO.translation() = rock.X_WM.translation();
@@ -56,21 +58,30 @@ void cover(const BoxObject& box, std::vector<KeepOut>& discs) {
   }
 }
 
-/// Trees keep off tracks and boxes.
-void add_trees(const SceneDescription& description, const std::vector<LaidTrack>& tracks,
-               std::uint64_t seed, BuiltScene& built) {
+/// Where plants stand: not on tracks, not in boxes.
+struct Clearings {
   std::vector<ClearWay> ways;
-  for (const LaidTrack& laid : tracks) {
-    ways.push_back({&laid.line, 0.5 * laid.track.width_m});
-  }
   std::vector<KeepOut> keep_out;
-  for (const BoxObject& box : description.boxes) {
-    cover(box, keep_out);
+};
+
+Clearings clearings(const SceneDescription& description, const std::vector<LaidTrack>& tracks) {
+  Clearings clear;
+  for (const LaidTrack& laid : tracks) {
+    clear.ways.push_back({&laid.line, 0.5 * laid.track.width_m});
   }
+  for (const BoxObject& box : description.boxes) {
+    cover(box, clear.keep_out);
+  }
+  return clear;
+}
+
+void add_trees(const SceneDescription& description, const Clearings& clear, std::uint64_t seed,
+               BuiltScene& built) {
   std::size_t number = 0;
   for (const TreeField& field : description.trees) {
     RandomStream random(seed + field.seed, "scene/trees/" + std::to_string(number++));
-    const std::vector<PlacedTree> trees = place_trees(field, built.ground, ways, keep_out, random);
+    const std::vector<PlacedTree> trees =
+        place_trees(field, built.ground, clear.ways, clear.keep_out, random);
     if (trees.empty()) {
       continue;
     }
@@ -114,7 +125,7 @@ void add_objects(const SceneDescription& description, const std::vector<Triangle
       added[object.mesh] = built.scene->add_mesh(*found);
     }
     built.scene->add_object(added[object.mesh], object_pose(object, built.ground), 1.0,
-                            object.material);
+                            object.material, object.name);
   }
 }
 
@@ -153,7 +164,15 @@ BuiltScene build_scene(const SceneDescription& description, const std::vector<Tr
   const std::vector<LaidTrack> tracks = lay(description.tracks);
   built.soils = make_soil_map(built.ground, description.soils, tracks, description.soil_regions);
   add_rocks(description, seed, built);
-  add_trees(description, tracks, seed, built);
+  const Clearings clear = clearings(description, tracks);
+  add_trees(description, clear, seed, built);
+  for (const Forest& forest : description.forests) {
+    add_forest(forest, built.ground, clear.ways, clear.keep_out, seed, *built.scene,
+               built.obstacles);
+  }
+  for (const GrassField& grass : description.grass) {
+    add_grass(grass, built.ground, clear.ways, clear.keep_out, seed, *built.scene);
+  }
   add_boxes(description, built);
   add_objects(description, meshes, built);
   return built;

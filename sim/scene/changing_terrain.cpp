@@ -63,7 +63,7 @@ Scene::Internals::Tile Scene::Internals::make_tile(const Terrain& terrain, std::
   tile.placed.reset(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
   rtcSetGeometryInstancedScene(tile.placed.get(), tile.inner.get());
   rtcSetGeometryMask(tile.placed.get(), 1U);
-  const Shading surface = shading[instances[terrain.instance].geometry_id];
+  const Shading surface = shading[placed_of(terrain.instance).geometry_id];
   rtcAttachGeometryByID(top.get(), tile.placed.get(), new_geometry_id(terrain.instance, surface));
   check("terrain tile");
   return tile;
@@ -107,7 +107,7 @@ void Scene::make_changeable(InstanceId terrain) {
   if (!changing.tiles.empty()) {
     return;
   }
-  rtcDetachGeometry(in.top.get(), in.instances[terrain].geometry_id);
+  rtcDetachGeometry(in.fixed.get(), in.placed_of(terrain).geometry_id);
   // Small tiles are quick to rebuild; every slice pays for their number.
   constexpr std::size_t kLeastCells = 32;
   constexpr std::size_t kTilesAlong = 16;

@@ -1,7 +1,6 @@
 #include "sim/scene/scene.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <stdexcept>
@@ -18,49 +17,28 @@ void remember_error(void* user, RTCError /*code*/, const char* text) {
   }
 }
 
-/// Column-major 3x4, the form that Embree takes.
-using Transform = std::array<float, 12>;
-
-Transform to_transform(const Eigen::Isometry3d& X_WM, double scale,
-                       const Eigen::Vector3d& origin_W) {
-  const Eigen::Matrix3d linear = scale * X_WM.linear();
-  const Eigen::Vector3d translation = X_WM.translation() - origin_W;
-  Transform transform{};
-  for (int column = 0; column < 3; ++column) {
-    for (int row = 0; row < 3; ++row) {
-      transform[static_cast<std::size_t>(column * 3 + row)] =
-          static_cast<float>(linear(row, column));
-    }
-  }
-  for (int row = 0; row < 3; ++row) {
-    transform[static_cast<std::size_t>(9 + row)] = static_cast<float>(translation(row));
-  }
-  return transform;
-}
-
-bool finite(const Eigen::Isometry3d& X) {
-  return X.matrix().allFinite();
-}
-
-void validate_instance(const Eigen::Isometry3d& X, double scale, const Material& material) {
-  const std::string who = "object with label '" + material.label + "': ";
-  if (!finite(X)) {
-    throw std::invalid_argument(who + "its pose is not finite");
-  }
-  if (!(scale > 0.0) || !std::isfinite(scale)) {
-    throw std::invalid_argument(who + "scale is " + std::to_string(scale) + ", must be positive");
-  }
-  if (!(material.reflectance >= 0.0 && material.reflectance <= 1.0)) {
-    throw std::invalid_argument(who + "reflectance is " + std::to_string(material.reflectance) +
-                                ", allowed: 0 to 1");
-  }
-  if (!(material.retro_gain >= 0.0 && material.retro_gain <= 1.0)) {
-    throw std::invalid_argument(who + "retro_gain is " + std::to_string(material.retro_gain) +
-                                ", allowed: 0 to 1");
-  }
-}
-
 }  // namespace
+
+void validate(const Material& material) {
+  const auto within = [&](double value, const char* member) {
+    if (!(value >= 0.0 && value <= 1.0)) {
+      throw std::invalid_argument("object with label '" + material.label + "': " + member + " is " +
+                                  std::to_string(value) + ", allowed: 0 to 1");
+    }
+  };
+  within(material.reflectance, "reflectance");
+  within(material.retro_gain, "retro_gain");
+}
+
+std::uint32_t surface_mask(const Material& material, std::uint32_t body) {
+  if (material.foliage) {
+    return Scene::foliage_mask();
+  }
+  if (material.loose_leaves) {
+    return Scene::loose_leaves_mask();
+  }
+  return body == Scene::Internals::kFixed ? 1U : Scene::body_mask(body);
+}
 
 void Scene::Internals::check(const char* doing) {
   if (!first_error.empty()) {
@@ -70,67 +48,56 @@ void Scene::Internals::check(const char* doing) {
   }
 }
 
-Scene::InstanceId Scene::Internals::add_instance(RTCScene inner, std::uint32_t body,
+std::uint32_t Scene::Internals::material_index(const Material& material) {
+  const auto found = std::ranges::find(materials, material);
+  if (found == materials.end()) {
+    materials.push_back(material);
+    return static_cast<std::uint32_t>(materials.size() - 1);
+  }
+  return static_cast<std::uint32_t>(found - materials.begin());
+}
+
+Scene::InstanceId Scene::Internals::add_instance(const Mesh& mesh, std::uint32_t body,
                                                  const Eigen::Isometry3d& X_PM, double scale,
-                                                 const Material& material) {
-  validate_instance(X_PM, scale, material);
-  const auto id = static_cast<InstanceId>(instances.size());
+                                                 std::span<const Material> surfaces,
+                                                 std::string_view name) {
+  const std::string who =
+      "object '" + std::string(name) + "' with label '" + surfaces.front().label + "': ";
+  if (!X_PM.matrix().allFinite()) {
+    throw std::invalid_argument(who + "its pose is not finite");
+  }
+  if (!(scale > 0.0) || !std::isfinite(scale)) {
+    throw std::invalid_argument(who + "scale is " + std::to_string(scale) + ", must be positive");
+  }
+  if (instances.size() + surfaces.size() > kMostInstances) {
+    throw std::invalid_argument(who + "the scene would have more than " +
+                                std::to_string(kMostInstances) + " instances");
+  }
+  std::uint32_t mask = 0;
+  for (const Material& surface : surfaces) {
+    validate(surface);
+    mask |= surface_mask(surface, body);
+  }
   GeometryHandle geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
-  rtcSetGeometryInstancedScene(geometry.get(), inner);
-  rtcSetGeometryMask(geometry.get(),
-                     material.foliage ? foliage_mask() : (body == kFixed ? 1U : body_mask(body)));
+  rtcSetGeometryInstancedScene(geometry.get(), mesh.scene.get());
+  rtcSetGeometryMask(geometry.get(), mask);
   if (body != kFixed) {
     rtcSetGeometryTimeStepCount(geometry.get(), 2);
   }
-  const std::uint32_t geometry_id =
-      new_geometry_id(id, {X_PM.linear().cast<float>(), static_cast<float>(material.reflectance),
-                           static_cast<float>(material.retro_gain)});
-  rtcAttachGeometryByID(top.get(), geometry.get(), geometry_id);
+  const auto first = static_cast<InstanceId>(instances.size());
+  const auto geometry_id = static_cast<std::uint32_t>(shading.size());
+  for (const Material& surface : surfaces) {
+    const auto id = static_cast<InstanceId>(instances.size());
+    (void)new_geometry_id(id, {X_PM.linear().cast<float>(), static_cast<float>(surface.reflectance),
+                               static_cast<float>(surface.retro_gain)});
+    instances.push_back({static_cast<std::uint32_t>(placed.size()), material_index(surface)});
+    has_foliage = has_foliage || surface.foliage;
+  }
+  rtcAttachGeometryByID(body == kFixed ? fixed.get() : top.get(), geometry.get(), geometry_id);
   check("adding an object");
-  instances.push_back({std::move(geometry), X_PM, scale, body, material, geometry_id});
+  placed.push_back({std::move(geometry), X_PM, scale, body, geometry_id, std::string(name)});
   fixed_placed = false;
-  has_foliage = has_foliage || material.foliage;
-  return id;
-}
-
-void Scene::Internals::place_fixed() {
-  for (const Instance& instance : instances) {
-    if (instance.body != kFixed) {
-      continue;
-    }
-    const Transform transform = to_transform(instance.X_PM, instance.scale, origin_W);
-    rtcSetGeometryTransform(instance.geometry.get(), 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
-                            transform.data());
-    rtcCommitGeometry(instance.geometry.get());
-  }
-  for (const Terrain& terrain : terrains) {
-    const Instance& instance = instances[terrain.instance];
-    const Transform transform = to_transform(instance.X_PM, instance.scale, origin_W);
-    for (const Tile& tile : terrain.tiles) {
-      rtcSetGeometryTransform(tile.placed.get(), 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
-                              transform.data());
-      rtcCommitGeometry(tile.placed.get());
-    }
-  }
-  fixed_placed = true;
-}
-
-void Scene::Internals::place_bodies(std::span<const BodyMotion> motions) {
-  for (const Instance& instance : instances) {
-    if (instance.body == kFixed) {
-      continue;
-    }
-    const BodyMotion& motion = motions[instance.body];
-    const Transform start =
-        to_transform(motion.X_WB_start * instance.X_PM, instance.scale, origin_W);
-    const Transform end = to_transform(motion.X_WB_end * instance.X_PM, instance.scale, origin_W);
-    RTCGeometry geometry = instance.geometry.get();
-    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, start.data());
-    rtcSetGeometryTransform(geometry, 1, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, end.data());
-    rtcCommitGeometry(geometry);
-    shading[instance.geometry_id].R_WM =
-        (motion.X_WB_end.linear() * instance.X_PM.linear()).cast<float>();
-  }
+  return first;
 }
 
 Scene::Scene() : internals_(std::make_unique<Internals>()) {
@@ -146,38 +113,33 @@ Scene::Scene() : internals_(std::make_unique<Internals>()) {
   internals_->top.reset(rtcNewScene(internals_->device.get()));
   rtcSetSceneFlags(internals_->top.get(),
                    static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
+  internals_->fixed.reset(rtcNewScene(internals_->device.get()));
+  rtcSetSceneFlags(internals_->fixed.get(), RTC_SCENE_FLAG_ROBUST);
+  internals_->canopy.reset(rtcNewScene(internals_->device.get()));
+  rtcSetSceneFlags(internals_->canopy.get(), RTC_SCENE_FLAG_ROBUST);
+  (void)internals_->new_geometry_id(Internals::kFixed, {});  // kPieceNumber
   internals_->check("setting up");
 }
 
 Scene::~Scene() = default;
 
 Scene::MeshId Scene::add_mesh(const TriangleMesh& mesh) {
-  validate(mesh);
-  Internals& in = *internals_;
-  GeometryHandle geometry(rtcNewGeometry(in.device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
-  auto* vertices = static_cast<float*>(
-      rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                              3 * sizeof(float), mesh.vertices.size()));
-  auto* indices = static_cast<std::uint32_t*>(
-      rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                              3 * sizeof(std::uint32_t), mesh.triangles.size()));
-  in.check(("mesh '" + mesh.name + "'").c_str());
-  for (const auto& vertex : mesh.vertices) {
-    vertices = std::copy_n(vertex.data(), 3, vertices);
+  const TriangleMesh* const part = &mesh;
+  return internals_->add_meshes(mesh.name, {&part, 1}, {});
+}
+
+Scene::MeshId Scene::add_model(std::span<const MeshPart> parts) {
+  if (parts.empty()) {
+    throw std::invalid_argument("scene: a model has no part");
   }
-  for (const auto& triangle : mesh.triangles) {
-    indices = std::ranges::copy(triangle, indices).out;
+  std::vector<const TriangleMesh*> meshes;
+  std::vector<Material> surfaces;
+  for (const MeshPart& part : parts) {
+    validate(part.material);
+    meshes.push_back(&part.mesh);
+    surfaces.push_back(part.material);
   }
-  rtcCommitGeometry(geometry.get());
-  SceneHandle inner(rtcNewScene(in.device.get()));
-  // The filter is for rays that count the crossings of foliage (scene_sky.cpp).
-  rtcSetSceneFlags(inner.get(), static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST |
-                                                           RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
-  rtcAttachGeometry(inner.get(), geometry.get());
-  rtcCommitScene(inner.get());
-  in.check(("mesh '" + mesh.name + "'").c_str());
-  in.meshes.push_back(std::move(inner));
-  return static_cast<MeshId>(in.meshes.size() - 1);
+  return internals_->add_meshes(parts.front().mesh.name, meshes, std::move(surfaces));
 }
 
 Scene::InstanceId Scene::add_terrain(const HeightField& field, const Material& material) {
@@ -210,11 +172,11 @@ Scene::InstanceId Scene::add_terrain(const HeightField& field, const Material& m
   rtcAttachGeometry(inner.get(), geometry.get());
   rtcCommitScene(inner.get());
   in.check("terrain");
-  in.meshes.push_back(std::move(inner));
+  in.meshes.push_back({std::move(inner), "terrain", {}});
   Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
   X_WM.translation() = centre;
   const InstanceId id =
-      in.add_instance(in.meshes.back().get(), Internals::kFixed, X_WM, 1.0, material);
+      in.add_instance(in.meshes.back(), Internals::kFixed, X_WM, 1.0, {&material, 1}, "terrain");
   Internals::Terrain terrain;
   terrain.instance = id;
   terrain.field = field;
@@ -224,9 +186,36 @@ Scene::InstanceId Scene::add_terrain(const HeightField& field, const Material& m
 }
 
 Scene::InstanceId Scene::add_object(MeshId mesh, const Eigen::Isometry3d& X_WM, double scale,
-                                    const Material& material) {
-  return internals_->add_instance(internals_->meshes.at(mesh).get(), Internals::kFixed, X_WM, scale,
-                                  material);
+                                    const Material& material, std::string_view name) {
+  const Internals::Mesh& plain = internals_->meshes.at(mesh);
+  if (!plain.materials.empty()) {
+    throw std::invalid_argument("scene: '" + plain.name + "' is a model, with its own materials");
+  }
+  return internals_->add_instance(plain, Internals::kFixed, X_WM, scale, {&material, 1},
+                                  name.empty() ? plain.name : name);
+}
+
+Scene::InstanceId Scene::add_model_object(MeshId model, const Eigen::Isometry3d& X_WM, double scale,
+                                          std::string_view name) {
+  const Internals::Mesh& parts = internals_->meshes.at(model);
+  if (parts.materials.empty()) {
+    throw std::invalid_argument("scene: '" + parts.name + "' is a plain mesh, no model");
+  }
+  return internals_->add_instance(parts, Internals::kFixed, X_WM, scale, parts.materials,
+                                  name.empty() ? parts.name : name);
+}
+
+void Scene::add_canopy(const TriangleMesh& closed, const Eigen::Isometry3d& X_WM) {
+  Internals& in = *internals_;
+  const MeshId mesh = add_mesh(closed);
+  GeometryHandle geometry(rtcNewGeometry(in.device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+  rtcSetGeometryInstancedScene(geometry.get(), in.meshes[mesh].scene.get());
+  rtcAttachGeometry(in.canopy.get(), geometry.get());
+  in.check("adding a canopy");
+  in.placed.push_back(
+      {std::move(geometry), X_WM, 1.0, Internals::kFixed, Internals::kPieceNumber, closed.name});
+  in.has_canopy = true;
+  in.fixed_placed = false;
 }
 
 Scene::BodyId Scene::add_body(std::string_view name) {
@@ -235,41 +224,16 @@ Scene::BodyId Scene::add_body(std::string_view name) {
 }
 
 Scene::InstanceId Scene::add_body_part(BodyId body, MeshId mesh, const Eigen::Isometry3d& X_BM,
-                                       const Material& material) {
+                                       const Material& material, std::string_view name) {
   if (body >= internals_->bodies.size()) {
     throw std::invalid_argument("scene: there is no body " + std::to_string(body));
   }
-  return internals_->add_instance(internals_->meshes.at(mesh).get(), body, X_BM, 1.0, material);
-}
-
-void Scene::begin_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W,
-                        std::span<const BodyMotion> motions) {
-  Internals& in = *internals_;
-  if (motions.size() != in.bodies.size()) {
-    throw std::invalid_argument("scene: " + std::to_string(motions.size()) + " motions for " +
-                                std::to_string(in.bodies.size()) + " bodies");
+  const Internals::Mesh& plain = internals_->meshes.at(mesh);
+  if (!plain.materials.empty()) {
+    throw std::invalid_argument("scene: '" + plain.name + "' is a model; bodies take meshes");
   }
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    if (!finite(motions[i].X_WB_start) || !finite(motions[i].X_WB_end)) {
-      throw std::invalid_argument("scene: the pose of body '" + in.bodies[i] + "' is not finite");
-    }
-  }
-  if (t1 <= t0 || !focus_W.allFinite()) {
-    throw std::invalid_argument("scene: a slice needs t0 < t1 and a finite focus");
-  }
-  in.t0 = t0;
-  in.t1 = t1;
-  if ((focus_W - in.origin_W).norm() > kRebaseDistance_m) {
-    in.origin_W = focus_W.array().round();
-    in.fixed_placed = false;
-  }
-  if (!in.fixed_placed) {
-    in.place_fixed();
-  }
-  in.refresh_terrains();
-  in.place_bodies(motions);
-  rtcCommitScene(in.top.get());
-  in.check("placing the bodies");
+  return internals_->add_instance(plain, body, X_BM, 1.0, {&material, 1},
+                                  name.empty() ? internals_->bodies[body] : name);
 }
 
 std::size_t Scene::instance_count() const {
@@ -283,14 +247,24 @@ std::size_t Scene::body_count() const {
   return internals_->bodies.size();
 }
 const Material& Scene::material(InstanceId instance) const {
-  return internals_->instances.at(instance).material;
+  return internals_->materials[internals_->instances.at(instance).material];
+}
+
+const std::string& Scene::name(InstanceId instance) const {
+  return internals_->placed[internals_->instances.at(instance).placed].name;
+}
+const std::string& Scene::label(InstanceId instance) const {
+  return material(instance).label;
 }
 
 std::uint32_t Scene::body_mask(BodyId body) {
-  return 1U << (2U + body % 30U);
+  return 1U << (2U + body % 29U);
 }
 std::uint32_t Scene::foliage_mask() {
   return 1U << 1U;
+}
+std::uint32_t Scene::loose_leaves_mask() {
+  return 1U << 31U;
 }
 
 std::optional<SceneHit> Scene::cast(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
@@ -309,11 +283,12 @@ std::optional<SceneHit> Scene::cast(const Eigen::Vector3d& p_W, const Eigen::Vec
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
     return std::nullopt;
   }
+  const std::uint32_t surface = Internals::surface_of(query.hit.instID[0], query.hit.geomID);
   SceneHit hit;
   hit.range_m = query.ray.tfar;
-  hit.instance = in.instance_of[query.hit.instID[0]];
+  hit.instance = in.instance_of[surface];
   const Eigen::Vector3f normal_M(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z);
-  hit.normal_W = (in.shading[query.hit.instID[0]].R_WM * normal_M).cast<double>().normalized();
+  hit.normal_W = (in.shading[surface].R_WM * normal_M).cast<double>().normalized();
   if (hit.normal_W.dot(direction_W) > 0.0) {
     hit.normal_W = -hit.normal_W;
   }

@@ -15,6 +15,10 @@
 // A terrain may change while the scene is used (digging): update_terrain() stages new heights,
 // begin_slice() shows them.
 //
+// Fixed objects stand in a scene of their own within the one that rays are cast into: thousands of
+// trees cost nothing in a slice of time, in which only bodies and dug terrain change. It is built
+// again when the local origin moves.
+//
 // Thread use: casting is const and may run on many threads; building and begin_slice() may not run
 // beside it.
 #pragma once
@@ -44,8 +48,20 @@ struct Material {
   /// Leaves and twigs in a closed surface: opaque to light, but radio signals pass, weakened by the
   /// metre.
   bool foliage = false;
+  /// Single leaves, seen as they are: radio signals pass, and what weakens them is a canopy
+  /// (Scene::add_canopy).
+  bool loose_leaves = false;
 
   friend bool operator==(const Material&, const Material&) = default;
+};
+
+/// Throws std::invalid_argument naming the label, what is wrong and what is allowed.
+void validate(const Material& material);
+
+/// A part of a model: a mesh with the surface that it has wherever the model stands.
+struct MeshPart {
+  TriangleMesh mesh;
+  Material material;
 };
 
 /// Where a moving body is at both ends of a slice.
@@ -70,19 +86,32 @@ class Scene final : public Visibility {
   /// Rays with this mask see everything.
   static constexpr std::uint32_t kSeeEverything = 0xFFFFFFFFU;
   static constexpr double kRebaseDistance_m = 64.0;
+  /// Instances of a scene at most: about 1 kB of memory each.
+  static constexpr std::size_t kMostInstances = 2'000'000;
 
   Scene();
   ~Scene() override;
 
-  /// All of these throw std::invalid_argument for bad geometry and std::runtime_error for what the
-  /// ray caster refuses. Instances are numbered in the order of the calls, from 0.
+  /// All of these throw std::invalid_argument for bad geometry or more than kMostInstances, and
+  /// std::runtime_error for what the ray caster refuses. Instances are numbered in the order of the
+  /// calls, from 0. `name` is for people and recordings; empty: the mesh's, or the body's.
   MeshId add_mesh(const TriangleMesh& mesh);
   InstanceId add_terrain(const HeightField& field, const Material& material);
   InstanceId add_object(MeshId mesh, const Eigen::Isometry3d& X_WM, double scale,
-                        const Material& material);
+                        const Material& material, std::string_view name = {});
   BodyId add_body(std::string_view name);
   InstanceId add_body_part(BodyId body, MeshId mesh, const Eigen::Isometry3d& X_BM,
-                           const Material& material);
+                           const Material& material, std::string_view name = {});
+
+  /// A mesh of several surfaces (a tree of wood and leaves), to be placed by add_model_object().
+  MeshId add_model(std::span<const MeshPart> parts);
+  /// One instance for each part, numbered in their order from the returned one on, all of the same
+  /// name. Throws std::invalid_argument when `model` is a plain mesh.
+  InstanceId add_model_object(MeshId model, const Eigen::Isometry3d& X_WM, double scale,
+                              std::string_view name);
+  /// Closed surfaces that only sky_path() meets, as foliage: the crowns of trees whose leaves are
+  /// modelled one by one.
+  void add_canopy(const TriangleMesh& closed, const Eigen::Isometry3d& X_WM);
 
   /// Set-up of a terrain that will be dug: it is kept in tiles from now on, so that a change
   /// rebuilds only where it happened. Rays meet the same triangles as before. Throws
@@ -108,11 +137,15 @@ class Scene final : public Visibility {
   /// End of the slice that rays are cast in; nothing before the first begin_slice().
   [[nodiscard]] std::optional<SimTime> slice_end() const;
   [[nodiscard]] const Material& material(InstanceId instance) const;
+  [[nodiscard]] const std::string& name(InstanceId instance) const;
+  [[nodiscard]] const std::string& label(InstanceId instance) const;
   /// The rays that do not see this body leave its bit out of their mask. Bodies share bits from the
-  /// 31st on.
+  /// 30th on.
   [[nodiscard]] static std::uint32_t body_mask(BodyId body);
   /// The same for everything of foliage, whatever body it is on.
   [[nodiscard]] static std::uint32_t foliage_mask();
+  /// The same for all loose leaves.
+  [[nodiscard]] static std::uint32_t loose_leaves_mask();
 
   /// First hit between `near_m` and `far_m` along the unit vector `direction_W`, at `time` (held at
   /// the slice's ends).

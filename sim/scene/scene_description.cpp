@@ -5,6 +5,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "sim/scene/range_checks.h"
+
 namespace rigwire::sim {
 namespace {
 
@@ -12,11 +14,6 @@ void require(bool holds, const std::string& member, double found, const std::str
   if (!holds) {
     throw std::invalid_argument(member + " is " + std::to_string(found) + ", allowed: " + allowed);
   }
-}
-
-void require_within(double value, double lower, double upper, const std::string& member) {
-  require(value >= lower && value <= upper, member, value,
-          std::to_string(lower) + " to " + std::to_string(upper));
 }
 
 Eigen::Quaterniond random_attitude(RandomStream& random) {
@@ -97,6 +94,12 @@ void validate(const SceneDescription& description) {
   }
   for (const TreeField& trees : description.trees) {
     validate(trees);
+  }
+  for (const Forest& forest : description.forests) {
+    validate(forest);
+  }
+  for (const GrassField& grass : description.grass) {
+    validate(grass);
   }
   for (const BoxObject& box : description.boxes) {
     validate(box);

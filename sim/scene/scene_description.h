@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "sim/ground/ground.h"
+#include "sim/scene/forest.h"
+#include "sim/scene/grass.h"
 #include "sim/scene/keep_out.h"
 #include "sim/scene/open_ground.h"
 #include "sim/scene/scene.h"
@@ -91,7 +93,9 @@ struct SceneDescription {
   std::vector<SoilParameters> soils{SoilParameters{}};
   std::vector<SoilRegion> soil_regions;
   std::vector<RockField> rocks;
-  std::vector<TreeField> trees;
+  std::vector<TreeField> trees;  ///< Cheap: closed crowns, in two meshes.
+  std::vector<Forest> forests;   ///< Leaf by leaf.
+  std::vector<GrassField> grass;
   std::vector<BoxObject> boxes;
   std::vector<FixedObject> objects;
 };

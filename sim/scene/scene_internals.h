@@ -5,11 +5,14 @@
 #include <pmmintrin.h>
 #include <xmmintrin.h>
 
+#include <array>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "sim/scene/alpha_mask.h"
 #include "sim/scene/scene.h"
 
 namespace rigwire::sim {
@@ -61,16 +64,42 @@ inline RTCRay make_ray(const Eigen::Vector3d& p, const Eigen::Vector3d& directio
   return ray;
 }
 
+/// Bits of ray masks of a surface; `body` may be Internals::kFixed.
+[[nodiscard]] std::uint32_t surface_mask(const Material& material, std::uint32_t body);
+
 struct Scene::Internals {
   static constexpr std::uint32_t kFixed = 0xFFFFFFFFU;
+  static constexpr std::uint32_t kPieceNumber = 0;  ///< Embree's, of `as_piece` in `top`.
 
-  struct Instance {
+  /// Index into `shading` and `instance_of` of what a ray has hit.
+  static std::uint32_t surface_of(unsigned instance_id, unsigned geometry_id) {
+    return instance_id + geometry_id;
+  }
+
+  /// What Embree knows as one instance: a mesh, or a model with all its parts.
+  struct Placed {
     GeometryHandle geometry;
     Eigen::Isometry3d X_PM = Eigen::Isometry3d::Identity();  ///< In the world, or in its body.
     double scale = 1.0;
     std::uint32_t body = kFixed;
-    Material material;
-    std::uint32_t geometry_id = 0;  ///< Embree's number of it, its place in `shading`.
+    std::uint32_t geometry_id = 0;  ///< Embree's number of it: its first part's in `shading`.
+    std::string name;
+  };
+  struct Instance {
+    std::uint32_t placed = 0;
+    std::uint32_t material = 0;
+  };
+  /// A mesh, or a model: then with its parts' surfaces.
+  struct Mesh {
+    SceneHandle scene;
+    std::string name;
+    std::vector<Material> materials;
+  };
+  /// A masked mesh, for Embree's filter: where the corners of each triangle lie in the mask.
+  struct MaskedSurface {
+    std::shared_ptr<const AlphaMask> mask;
+    /// u and v of the first corner, and on the way to the second and to the third.
+    std::vector<std::array<float, 6>> triangles;
   };
   /// A square part of a terrain that changes, so that a dug hole rebuilds little: an instance of
   /// its own for Embree, the terrain's for everybody else.
@@ -102,24 +131,43 @@ struct Scene::Internals {
 
   std::string first_error;  ///< Written by Embree's error callback.
   DeviceHandle device;
+  /// What rays are cast into: terrain that changes, bodies, and `fixed` as one piece.
   SceneHandle top;
-  std::vector<SceneHandle> meshes;
+  SceneHandle fixed;        ///< Everything else.
+  GeometryHandle as_piece;  ///< `fixed` in `top`; null until something stands there.
+  SceneHandle canopy;       ///< Surfaces that only radio signals meet.
+  std::vector<std::unique_ptr<MaskedSurface>> masked;
+  std::vector<Mesh> meshes;
+  std::vector<Placed> placed;
   std::vector<Instance> instances;
-  std::vector<Shading> shading;            ///< By Embree's number.
-  std::vector<std::uint32_t> instance_of;  ///< By Embree's number.
+  std::vector<Material> materials;
+  /// Of a hit: by the sum of Embree's numbers of the instance and of the geometry within it.
+  std::vector<Shading> shading;
+  std::vector<std::uint32_t> instance_of;  ///< The same.
   std::vector<Terrain> terrains;
   Duration terrain_period{0};
   std::vector<std::string> bodies;
   Eigen::Vector3d origin_W = Eigen::Vector3d::Zero();  ///< Of Embree's float coordinates.
   bool fixed_placed = false;
   bool has_foliage = false;
+  bool has_canopy = false;
   SimTime t0{};
   SimTime t1{};
 
   /// Throws std::runtime_error with Embree's message when it has reported an error since.
   void check(const char* doing);
-  InstanceId add_instance(RTCScene inner, std::uint32_t body, const Eigen::Isometry3d& X_PM,
-                          double scale, const Material& material);
+  /// Triangles as Embree takes them, committed, with the filter for their holes.
+  GeometryHandle make_geometry(const TriangleMesh& mesh);
+  /// Surfaces: one for each part, or none.
+  MeshId add_meshes(std::string name, std::span<const TriangleMesh* const> parts,
+                    std::vector<Material> surfaces);
+  /// An instance with a part for each of the materials, in `fixed` or on a body.
+  InstanceId add_instance(const Mesh& mesh, std::uint32_t body, const Eigen::Isometry3d& X_PM,
+                          double scale, std::span<const Material> surfaces, std::string_view name);
+  std::uint32_t material_index(const Material& material);
+  const Placed& placed_of(std::uint32_t instance) const {
+    return placed[instances[instance].placed];
+  }
   /// The next of Embree's numbers, for a part of this instance.
   std::uint32_t new_geometry_id(std::uint32_t instance, const Shading& surface);
   Tile make_tile(const Terrain& terrain, std::size_t first_column, std::size_t first_row);
@@ -127,6 +175,8 @@ struct Scene::Internals {
   /// Shows staged heights to the rays when they are due.
   void refresh_terrains();
   void place_fixed();
+  /// Makes `fixed` a piece of `top`, or tells `top` that it has changed.
+  void show_fixed();
   void place_bodies(std::span<const BodyMotion> motions);
 
   /// Share of the slice that has passed at `time`, 0 .. 1.

@@ -85,18 +85,26 @@ SkyPath Scene::sky_path(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direc
     path.blocked = true;
     end_m = solid->range_m;
   }
-  if (!in.has_foliage) {
+  if (!in.has_foliage && !in.has_canopy) {
     return path;
   }
   const FlushDenormals flush;
   CountingContext counting;
   rtcInitIntersectContext(&counting.context);
   counting.context.filter = note_crossing;
-  RTCRayHit query{};
-  query.ray = make_ray(p_W - in.origin_W, direction_W, 0.0, kForever, 1.0F, foliage_mask());
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(in.top.get(), &counting.context, &query);
+  const auto count_in = [&](RTCScene scene, std::uint32_t mask) {
+    RTCRayHit query{};
+    query.ray = make_ray(p_W - in.origin_W, direction_W, 0.0, kForever, 1.0F, mask);
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene, &counting.context, &query);
+  };
+  if (in.has_foliage) {
+    count_in(in.top.get(), foliage_mask());
+  }
+  if (in.has_canopy) {
+    count_in(in.canopy.get(), kSeeEverything);
+  }
   path.foliage_m = length_within({counting.crossings.data(), counting.count}, end_m);
   return path;
 }
@@ -104,7 +112,8 @@ SkyPath Scene::sky_path(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direc
 std::optional<ReflectingSurface> Scene::surface(const Eigen::Vector3d& p_W,
                                                 const Eigen::Vector3d& direction_W,
                                                 double clearance_m, double reach_m) const {
-  const auto hit = cast(p_W, direction_W, clearance_m, reach_m, internals_->t1, ~foliage_mask());
+  const auto hit = cast(p_W, direction_W, clearance_m, reach_m, internals_->t1,
+                        ~(foliage_mask() | loose_leaves_mask()));
   if (!hit) {
     return std::nullopt;
   }

@@ -1,11 +1,15 @@
 #include "sim/scene/trees.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
+
+#include "sim/scene/range_checks.h"
+#include "sim/scene/revolution.h"
 
 namespace rigwire::sim {
 namespace {
@@ -17,43 +21,6 @@ constexpr double kRoundCrownBase = 0.35;
 constexpr double kBelowGround_m = 0.3;
 constexpr int kTrunkSides = 8;
 constexpr int kCrownSides = 9;
-
-void require_within(double value, double lower, double upper, const std::string& member) {
-  if (!(value >= lower && value <= upper)) {
-    throw std::invalid_argument(member + " is " + std::to_string(value) + ", allowed: " +
-                                std::to_string(lower) + " to " + std::to_string(upper));
-  }
-}
-
-/// A ring of a body of revolution; radius 0 is a point.
-struct Ring {
-  double radius = 0.0;
-  double z = 0.0;
-};
-
-/// Stacks rings, from the lowest upwards, into a closed surface facing outwards.
-void add_revolution(TriangleMesh& mesh, const Eigen::Vector3d& foot, double yaw_rad, int sides,
-                    std::initializer_list<Ring> rings) {
-  std::uint32_t below = 0;
-  bool first = true;
-  const auto count = static_cast<std::uint32_t>(sides);
-  for (const Ring& ring : rings) {
-    const auto start = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (int side = 0; side < sides; ++side) {
-      const double angle = yaw_rad + 2.0 * kPi * side / sides;
-      mesh.vertices.push_back((foot + Eigen::Vector3d(ring.radius * std::cos(angle),
-                                                      ring.radius * std::sin(angle), ring.z))
-                                  .cast<float>());
-    }
-    for (std::uint32_t side = 0; side < count && !first; ++side) {
-      const std::uint32_t next = (side + 1) % count;
-      mesh.triangles.push_back({below + side, below + next, start + next});
-      mesh.triangles.push_back({below + side, start + next, start + side});
-    }
-    below = start;
-    first = false;
-  }
-}
 
 /// Remembers where trees stand by cells of the spacing.
 class Stand {
@@ -162,20 +129,20 @@ ForestMeshes forest_meshes(std::span<const PlacedTree> trees, const Eigen::Vecto
     const double h = tree.height_m;
     const double r = 0.5 * tree.trunk_diameter_m;
     add_revolution(forest.trunks, foot, tree.yaw_rad, kTrunkSides,
-                   {{r, -kBelowGround_m}, {r, 0.3 * h}, {0.5 * r, 0.6 * h}});
+                   std::array<Ring, 3>{{{r, -kBelowGround_m}, {r, 0.3 * h}, {0.5 * r, 0.6 * h}}});
     if (tree.conifer) {
       add_revolution(forest.crowns, foot, tree.yaw_rad, kCrownSides,
-                     {{0.0, kConiferCrownBase * h},
-                      {0.17 * h, (kConiferCrownBase + 0.03) * h},
-                      {0.08 * h, 0.6 * h},
-                      {0.0, h}});
+                     std::array<Ring, 4>{{{0.0, kConiferCrownBase * h},
+                                          {0.17 * h, (kConiferCrownBase + 0.03) * h},
+                                          {0.08 * h, 0.6 * h},
+                                          {0.0, h}}});
     } else {
       add_revolution(forest.crowns, foot, tree.yaw_rad, kCrownSides,
-                     {{0.0, kRoundCrownBase * h},
-                      {0.2 * h, 0.48 * h},
-                      {0.25 * h, 0.68 * h},
-                      {0.16 * h, 0.9 * h},
-                      {0.0, h}});
+                     std::array<Ring, 5>{{{0.0, kRoundCrownBase * h},
+                                          {0.2 * h, 0.48 * h},
+                                          {0.25 * h, 0.68 * h},
+                                          {0.16 * h, 0.9 * h},
+                                          {0.0, h}}});
     }
   }
   return forest;

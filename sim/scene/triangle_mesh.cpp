@@ -94,6 +94,20 @@ void validate(const TriangleMesh& mesh) {
   if (!any_area) {
     refuse(mesh, "all triangles have zero area");
   }
+  if (!mesh.alpha) {
+    return;
+  }
+  validate(*mesh.alpha);
+  if (mesh.texture_coordinates.size() != mesh.vertices.size()) {
+    refuse(mesh, "has a mask and " + std::to_string(mesh.texture_coordinates.size()) +
+                     " texture coordinates for " + std::to_string(mesh.vertices.size()) +
+                     " vertices");
+  }
+  for (std::size_t i = 0; i < mesh.texture_coordinates.size(); ++i) {
+    if (!mesh.texture_coordinates[i].allFinite()) {
+      refuse(mesh, "texture coordinate " + std::to_string(i) + " is not a finite number");
+    }
+  }
 }
 
 TriangleMesh make_box(std::string name, const Eigen::Vector3d& lengths_m) {

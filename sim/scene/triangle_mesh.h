@@ -4,10 +4,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "sim/random.h"
+#include "sim/scene/alpha_mask.h"
 
 namespace rigwire::sim {
 
@@ -17,10 +19,15 @@ struct TriangleMesh {
   std::string name;  ///< For messages.
   std::vector<Eigen::Vector3f> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  /// Where each vertex lies in the mask; empty without one.
+  std::vector<Eigen::Vector2f> texture_coordinates{};
+  /// Holes of the surface; null: none. Meshes share it.
+  std::shared_ptr<const AlphaMask> alpha{};
 };
 
 /// Throws std::invalid_argument naming the mesh when it has no triangle, a vertex that is not a
-/// finite number, an index past the last vertex, or triangles of which not one has an area.
+/// finite number, an index past the last vertex, triangles of which not one has an area, or a mask
+/// without a finite texture coordinate for each vertex.
 void validate(const TriangleMesh& mesh);
 
 /// A box of the given full lengths, centred on the origin, 12 triangles facing outwards. Throws

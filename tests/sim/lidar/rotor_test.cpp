@@ -62,9 +62,9 @@ TEST(Rotor, SpinsUpWithinItsTorqueAndTheAzimuthIsTheIntegralOfTheSpeed) {
     before = state;
   }
   EXPECT_EQ(before.rate_radps, kRate);
-  // Full torque up to the controller's last part, whose time constant then counts once:
-  // t = rate / a, less the tail's start, so the integral lags by about rate (rate / 2a + ...).
-  EXPECT_NEAR(integral, kRate * 4.0 - 0.5 * kRate * kRate / 30.0, 0.1 * kRate);
+  // Full torque from rest, and an exponential end of speed a tau, which costs a tau^2 / 2 more.
+  EXPECT_NEAR(integral, kRate * 4.0 - 0.5 * kRate * kRate / 30.0 - 0.5 * 30.0 * 0.1 * 0.1,
+              1e-3 * kRate);
 }
 
 TEST(Rotor, SpeedFollowsASmallStepWithItsTimeConstant) {
@@ -204,7 +204,7 @@ TEST(Rotor, ASpeedThatIsNoWholeNumberOfTurnsPerSecondDoesNotLock) {
 
 TEST(Rotor, JamsAndRecovers) {
   RotorParameters parameters;
-  parameters.stall_at = kStart + seconds{2};
+  parameters.stall_at = seconds{2};
   parameters.stall_for = seconds{3};
   Rotor rotor(turning(kRate), parameters);
   EXPECT_EQ(rotor.at(kStart + milliseconds{1999}).rate_radps, kRate);

@@ -7,8 +7,8 @@
 // laser radar equation for extended targets (Wagner, "Radiometric calibration of small-footprint
 // full-waveform airborne laser scanner measurements", ISPRS J. 65(6), 2010). An echo is seen when
 // its energy is at least that of a 90 % target at the reference range R, 0.9 / R^2 (Kilic et al.,
-// arXiv 2107.07004, 2021). Without width of the beam, in clear air, the range at which a surface
-// vanishes is R sqrt(rho cos(theta) / 0.9).
+// arXiv 2107.07004, 2021), detection_energy() of sim/weather/weather.h. Without width of the beam,
+// in clear air, the range at which a surface vanishes is R sqrt(rho cos(theta) / 0.9).
 //
 // Retro-reflectors return kIdealRetroGain times the light of a white surface for a gain of 1.
 // Reflectivity is reported as the Velodyne manuals say (VLP-16 63-9243 Rev D, p. 32): compensated
@@ -19,10 +19,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rigwire::sim {
+#include "sim/weather/weather.h"
 
-/// Reflectance of the target that the reference range is stated for.
-inline constexpr double kReferenceReflectance = 0.9;
+namespace rigwire::sim {
 
 /// Retro-reflective sheeting is sold with 70 to 600 cd/(lx m2) near its axis (classes of ASTM
 /// D4956), where a white Lambertian surface has 1 / pi: 200 to 1900 times as much.
@@ -46,11 +45,6 @@ template <class Real>
 [[nodiscard]] constexpr Real apparent_reflectance(Real reflectance, Real retro_gain, Real cosine) {
   return reflectance * cosine +
          static_cast<Real>(kIdealRetroGain) * retro_gain * retro_acceptance(cosine);
-}
-
-/// The least energy that is seen.
-[[nodiscard]] constexpr double detection_energy(double reference_range_m) {
-  return kReferenceReflectance / (reference_range_m * reference_range_m);
 }
 
 /// What the sensor reports for an echo of this brightness (energy times range squared), 0 .. 2.

@@ -43,6 +43,7 @@ struct Head {
   LidarPattern pattern;
 };
 std::vector<Head> heads() {
+  // 13: packets with lanes left over.
   std::vector<Head> all{{"16 lasers", head(16, nanoseconds{55'296})},
                         {"32 lasers", head(32, nanoseconds{46'080})},
                         {"32 lasers in a zigzag", head(32, nanoseconds{55'296})},
@@ -62,6 +63,7 @@ std::vector<Head> heads() {
     all[4].pattern.lasers[i].azimuth_offset_rad =
         (static_cast<double>(i % 8) - 3.5) * 1.8 * kDegree;
   }
+  all.push_back({"13 lasers", head(13, nanoseconds{50'000})});
   return all;
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "hil/bench/beam_bench.h"
 #include "hil/bench/lidar_bench.h"
 #include "hil/bench/lidar_load_tables.h"
 #include "hil/bench/private_rig.h"
@@ -66,6 +67,7 @@ nlohmann::json bench_lidar(std::ostream& text) {
   nlohmann::json json;
   stage_table(text, json);
   lidar_load_tables(text, json);
+  sub_ray_table(text, json);
   error_table(text, json);
   return json;
 }

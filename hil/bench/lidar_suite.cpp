@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "hil/bench/beam_bench.h"
+#include "hil/bench/depth_image_suite.h"
 #include "hil/bench/lidar_bench.h"
 #include "hil/bench/lidar_load_tables.h"
 #include "hil/bench/private_rig.h"
@@ -69,6 +70,7 @@ nlohmann::json bench_lidar(std::ostream& text) {
   lidar_load_tables(text, json);
   sub_ray_table(text, json);
   error_table(text, json);
+  bench_depth_images(text, json);
   return json;
 }
 

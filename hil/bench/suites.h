@@ -9,6 +9,7 @@ namespace rigwire::hil {
 nlohmann::json bench_rig(std::ostream& text);
 nlohmann::json bench_pacing(std::ostream& text);
 nlohmann::json bench_lidar(std::ostream& text);
+nlohmann::json bench_lidar_peer(std::ostream& text);
 nlohmann::json bench_weather(std::ostream& text);
 nlohmann::json bench_excavator(std::ostream& text);
 nlohmann::json bench_dynamics(std::ostream& text);

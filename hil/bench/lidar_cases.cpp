@@ -20,14 +20,16 @@ struct Pit {
 };
 
 Pit make_pit_parts() {
+  const sim::PitTerrain terrain;
+  const sim::RockField field;
   Pit pit;
-  pit.ground = sim::make_pit(sim::PitTerrain{}, kSeed);
+  pit.ground = sim::make_pit(terrain, kSeed);
   sim::RandomStream shapes(kSeed, "bench/rock_shapes");
   for (std::size_t i = 0; i < sim::kRockShapes; ++i) {
     pit.rock_shapes.push_back(sim::make_rock("rock", shapes));
   }
   sim::RandomStream places(kSeed, "bench/rock_places");
-  pit.rocks = sim::place_rocks(sim::RockField{}, pit.ground, places);
+  pit.rocks = sim::place_rocks(field, pit.ground, places);
   return pit;
 }
 

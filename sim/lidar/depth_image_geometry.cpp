@@ -48,6 +48,7 @@ DepthImageGeometry::DepthImageGeometry(const DepthImageParameters& parameters,
   sector_rad_ = kTurn / parameters.cameras;
   field_of_view_rad_ = field_of_view_rad(parameters);
   focal_px_ = 0.5 * parameters.width_px / std::tan(0.5 * field_of_view_rad_);
+  sector_edge_px_ = focal_px_ * std::tan(0.5 * sector_rad_);
   for (std::size_t camera = 0; camera < cameras_; ++camera) {
     const double cosine = std::cos(camera_azimuth_rad(camera));
     const double sine = std::sin(camera_azimuth_rad(camera));
@@ -129,13 +130,19 @@ ImagePoint DepthImageGeometry::beam(std::size_t laser, double azimuth_rad) const
 }
 
 ImagePoint DepthImageGeometry::project(const Eigen::Vector3d& p_S) const {
-  ImagePoint at;
-  at.camera = camera_at(std::atan2(-p_S.y(), p_S.x()));
-  const CameraAxes& camera = axes(at.camera);
-  const double scale = focal_px_ / camera.forward_S.dot(p_S);
-  at.u_px = scale * camera.right_S.dot(p_S);
-  at.v_px = scale * p_S.z();
-  return at;
+  return project(p_S, camera_at(std::atan2(-p_S.y(), p_S.x())));
+}
+
+ImagePoint DepthImageGeometry::project(const Eigen::Vector3d& p_S, std::size_t likely) const {
+  const auto seen_by = [&](std::size_t camera) {
+    const double scale = focal_px_ / axes(camera).forward_S.dot(p_S);
+    return ImagePoint{camera, scale * axes(camera).right_S.dot(p_S), scale * p_S.z()};
+  };
+  const ImagePoint at = seen_by(likely);
+  if (axes(likely).forward_S.dot(p_S) > 0.0 && std::abs(at.u_px) <= sector_edge_px_) {
+    return at;
+  }
+  return seen_by(camera_at(std::atan2(-p_S.y(), p_S.x())));
 }
 
 Eigen::Vector3d DepthImageGeometry::direction_S(const ImagePoint& at) const {

@@ -75,16 +75,18 @@ std::uint64_t DepthImageSet::render(const Scene& scene, const DepthImageView& vi
 }
 
 SeenSurface DepthImageSet::see(const Scene& scene, std::size_t laser, double azimuth_rad) const {
-  const BeamLine beam = beam_line(lasers_[laser], azimuth_rad);
   ImagePoint at = geometry_.beam(laser, azimuth_rad);
   DepthLookup found = look_up(images_[at.camera], geometry_, at, sampling_);
   if (found.inverse_depth <= 0.0) {
     return {};
   }
-  double range_m = geometry_.direction_S(at).norm() / found.inverse_depth;
+  const double u = at.u_px / geometry_.focal_px();
+  const double v = at.v_px / geometry_.focal_px();
+  double range_m = std::sqrt(1.0 + u * u + v * v) / found.inverse_depth;
+  const BeamLine beam = beam_line(lasers_[laser], azimuth_rad);
   // The surface is not where the beam passes the camera's line of sight, but near it.
   for (int step = 0; step < parallax_steps_; ++step) {
-    at = geometry_.project(beam.start_S + range_m * beam.direction_S);
+    at = geometry_.project(beam.start_S + range_m * beam.direction_S, at.camera);
     found = look_up(images_[at.camera], geometry_, at, sampling_);
     if (found.inverse_depth <= 0.0) {
       return {};

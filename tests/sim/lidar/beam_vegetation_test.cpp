@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/random.h"
 #include "beam_head.h"
+#include "sim/random.h"
 
 namespace rigwire::sim {
 namespace {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "hil/bench/cost.h"
+#include "hil/bench/weather_drive.h"
 #include "hil/bench/weather_reference.h"
 #include "sim/lidar/counter_noise.h"
 #include "sim/weather/scene_weather.h"
@@ -14,81 +15,35 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kHeight_m = 2.2;
-constexpr double kReach_m = 100.0;
-constexpr double kDrive_mps = 8.0;
 constexpr Duration kDrive = 10s;
 constexpr double kStep_m = 0.02;
 constexpr int kCompared = 48;
 
-enum class Place { clear_of_dust, in_dust };
-
 struct WeatherCase {
   std::string medium;
   sim::WeatherParameters parameters;
-  Place place = Place::clear_of_dust;
+  LidarPlace place = LidarPlace::clear_of_dust;
 };
 
-sim::WeatherParameters constant(const sim::WeatherFrame& frame) {
-  sim::WeatherParameters parameters;
-  parameters.course = {frame};
-  return parameters;
-}
-
 std::vector<WeatherCase> weather_cases() {
-  sim::WeatherParameters goodin = constant({.rain_mmph = 10.0});
+  sim::WeatherParameters goodin = constant_weather({.rain_mmph = 10.0});
   goodin.rain.model = sim::RainModel::goodin;
-  sim::WeatherParameters layer = constant({.fog_visibility_m = 50.0});
+  sim::WeatherParameters layer = constant_weather({.fog_visibility_m = 50.0});
   layer.fog.base_height_m = 1.0;
   layer.fog.scale_height_m = 3.0;
   const sim::WeatherFrame dry{.dryness = 1.0};
   return {{"clear", {}},
-          {"rain 1 mm/h", constant({.rain_mmph = 1.0})},
-          {"rain 10 mm/h", constant({.rain_mmph = 10.0})},
-          {"rain 50 mm/h", constant({.rain_mmph = 50.0})},
+          {"rain 1 mm/h", constant_weather({.rain_mmph = 1.0})},
+          {"rain 10 mm/h", constant_weather({.rain_mmph = 10.0})},
+          {"rain 50 mm/h", constant_weather({.rain_mmph = 50.0})},
           {"rain 10 mm/h, Goodin", goodin},
-          {"fog 200 m", constant({.fog_visibility_m = 200.0})},
-          {"fog 50 m", constant({.fog_visibility_m = 50.0})},
+          {"fog 200 m", constant_weather({.fog_visibility_m = 200.0})},
+          {"fog 50 m", constant_weather({.fog_visibility_m = 50.0})},
           {"fog 50 m, layer", layer},
-          {"dust, beside it", constant(dry)},
-          {"dust, in the trail", constant(dry), Place::in_dust},
-          {"dust, fog 100 m, trail", constant({.fog_visibility_m = 100.0, .dryness = 1.0}),
-           Place::in_dust}};
-}
-
-std::vector<sim::DustEmitter> wheels_at(SimTime time) {
-  const double x_m = kDrive_mps * to_seconds(time);
-  const double rate_kgps = sim::road_dust_kgpm(10000.0) * kDrive_mps / 4.0;
-  std::vector<sim::DustEmitter> wheels;
-  for (const double along_m : {0.0, 3.0}) {
-    for (const double aside_m : {-0.9, 0.9}) {
-      wheels.push_back({.position_W = {x_m + along_m, aside_m, 0.0}, .mass_rate_kgps = rate_kgps});
-    }
-  }
-  return wheels;
-}
-
-/// The beams of a lidar with 32 lasers at +10.67 to -30.67 degrees, all round.
-sim::WeatherBeam beam_of(std::uint64_t number, Place place, SimTime time) {
-  const double azimuth_rad = 2.0 * std::numbers::pi * sim::counter_uniform(number, 0);
-  const double elevation_rad =
-      (10.67 - 41.34 * sim::counter_uniform(number, 1)) / 180.0 * std::numbers::pi;
-  sim::WeatherBeam beam;
-  // The trail ends at the vehicle; a follower drives 15 m behind, another lidar stands 80 m aside.
-  const double x_m = kDrive_mps * to_seconds(time) - 15.0;
-  beam.start_W = {x_m, place == Place::in_dust ? 0.0 : 80.0, kHeight_m};
-  beam.direction_W = {std::cos(elevation_rad) * std::cos(azimuth_rad),
-                      std::cos(elevation_rad) * std::sin(azimuth_rad), std::sin(elevation_rad)};
-  if (place == Place::clear_of_dust) {
-    beam.direction_W.y() = std::abs(beam.direction_W.y());
-  }
-  beam.near_m = 0.9;
-  beam.far_m =
-      elevation_rad < 0.0 ? std::min(kHeight_m / -std::sin(elevation_rad), kReach_m) : kReach_m;
-  beam.divergence_rad = 3e-3;
-  beam.time = time;
-  beam.draw_key = sim::counter_bits(number, 2);
-  return beam;
+          {"dust, beside it", constant_weather(dry)},
+          {"dust, in the trail", constant_weather(dry), LidarPlace::in_dust},
+          {"dust, fog 100 m, trail", constant_weather({.fog_visibility_m = 100.0, .dryness = 1.0}),
+           LidarPlace::in_dust}};
 }
 
 void compare(const WeatherCase& weather_case, const sim::SceneWeather& weather,
@@ -135,7 +90,7 @@ std::vector<WeatherCost> measure_weather_cost() {
     }
     std::vector<sim::WeatherBeam> beams;
     for (std::uint64_t i = 0; i < kCostVariants; ++i) {
-      beams.push_back(beam_of(i, weather_case.place, kStart + kDrive));
+      beams.push_back(bench_beam(i, weather_case.place, kStart + kDrive));
     }
     WeatherCost cost;
     cost.medium = weather_case.medium;
@@ -158,10 +113,10 @@ std::vector<WeatherCost> measure_weather_cost() {
 std::vector<RainReturns> measure_rain_returns(int beams) {
   std::vector<RainReturns> rows;
   for (const double rate_mmph : {1.0, 5.0, 10.0, 30.0, 100.0}) {
-    const sim::WeatherParameters parameters = constant({.rain_mmph = rate_mmph});
+    const sim::WeatherParameters parameters = constant_weather({.rain_mmph = rate_mmph});
     const sim::SceneWeather weather(parameters, 1);
     sim::WeatherBeam beam;
-    beam.far_m = kReach_m;
+    beam.far_m = kBenchReach_m;
     beam.divergence_rad = 3e-3;
     RainReturns row;
     row.rain_mmph = rate_mmph;
@@ -184,7 +139,7 @@ std::vector<RainReturns> measure_rain_returns(int beams) {
 }
 
 DustStepCost measure_dust_step() {
-  sim::SceneWeather weather(constant({.wind_mps = 3.0, .dryness = 1.0}), 1);
+  sim::SceneWeather weather(constant_weather({.wind_mps = 3.0, .dryness = 1.0}), 1);
   const auto advance = [&](Duration span, SimTime from) {
     int steps = 0;
     for (SimTime time = from; time < from + span; time += sim::SceneWeather::kGrid) {

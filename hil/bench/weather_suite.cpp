@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "hil/bench/suites.h"
 #include "hil/bench/weather_bench.h"
+#include "hil/bench/weather_views.h"
 
 namespace rigwire::hil {
 namespace {
@@ -49,6 +52,24 @@ void rain_table(std::ostream& text, nlohmann::json& json) {
   }
 }
 
+/// For scripts/plot-weather.py alone.
+void views(nlohmann::json& json) {
+  for (const TransmissionCurve& curve : transmission_curves()) {
+    json["transmission"].push_back(
+        {{"medium", curve.medium}, {"range_m", curve.range_m}, {"two_way", curve.two_way}});
+  }
+  const DustView view = dust_view();
+  nlohmann::json& dust = json["dust_view"];
+  dust = {{"sensor_m", {view.sensor_x_m, view.sensor_y_m}}, {"lost", view.lost}};
+  for (const sim::DustPuff& puff : view.puffs) {
+    dust["puffs"].push_back(
+        {puff.centre_W.x(), puff.centre_W.y(), std::sqrt(puff.variance_m2), puff.mass_kg});
+  }
+  for (const PlanPoint& point : view.returns) {
+    dust["returns"].push_back({point.x_m, point.y_m, point.from_dust ? 1 : 0});
+  }
+}
+
 }  // namespace
 
 nlohmann::json bench_weather(std::ostream& text) {
@@ -59,6 +80,7 @@ nlohmann::json bench_weather(std::ostream& text) {
   text << fmt::format(
       "\n20 ms of dust behind four wheels, {} puffs: {:.1f} us ({:.2f} % of a core)\n", step.puffs,
       step.step_us, 100.0 * step.step_us / 20e3);
+  views(json);
   json["dust_step"] = {{"puffs", step.puffs}, {"step_us", step.step_us}};
   return json;
 }

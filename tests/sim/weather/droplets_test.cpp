@@ -16,7 +16,7 @@ constexpr double kLight_mpns = 0.299792458;
 /// Received power at range R of a pulse sin^2(pi t / 2 tau), 0 <= t <= 2 tau, from an even fog in
 /// front of a surface: Hahner's integral over time, per beta, with light's own way in metres.
 double received(double range_m, double alpha_pm, double tau_ns, double far_m) {
-  constexpr int kSteps = 4000;
+  constexpr int kSteps = 1500;
   const double step_ns = 2.0 * tau_ns / kSteps;
   double sum = 0.0;
   for (int i = 0; i < kSteps; ++i) {

@@ -123,7 +123,7 @@ TEST(SceneWeatherTest, KeyFramesAreInterpolatedInTime) {
   EXPECT_NEAR(weather.even_extinction_pm(kStart + 2s) / expected_pm, 1.0, 2e-4);
 }
 
-TEST(SceneWeatherTest, WindBlowsFromWhereItIsSaidAndTurnsTheShortWay) {
+TEST(SceneWeatherTest, WindBlowsFromWhereItIsSaid) {
   EXPECT_TRUE(wind_from(3.0, 0.0).isApprox(Eigen::Vector2d(0.0, -3.0)));
   EXPECT_TRUE(wind_from(3.0, 0.5 * std::numbers::pi).isApprox(Eigen::Vector2d(-3.0, 0.0), 1e-12));
 }

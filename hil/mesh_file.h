@@ -1,18 +1,40 @@
-// Meshes from files (Wavefront OBJ, STL, PLY, and what else assimp reads).
+// Meshes from files (glTF 2.0, Wavefront OBJ, STL, PLY, and what else assimp reads).
 #pragma once
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "sim/scene/mesh_repair.h"
+#include "sim/scene/scene_description.h"
 #include "sim/scene/triangle_mesh.h"
 
 namespace rigwire::hil {
 
-/// All triangles of the file as one mesh named `name`, in metres, x forward, y left, z up as they
-/// stand in the file; polygons are split into triangles, points and lines left out. Throws
-/// std::invalid_argument naming the file when it is missing or cannot be read, or holds no mesh
-/// that sim::validate() accepts.
+/// All triangles of the file as one mesh named `name`, x forward, y left, z up, in the file's unit;
+/// polygons are split into triangles, points and lines left out, textures ignored. Of glTF (.gltf,
+/// .glb), whose y is up and whose z is forward (Khronos, glTF 2.0, 3.3), axes are exchanged;
+/// others are taken as they stand. Throws std::invalid_argument naming the file when it is missing
+/// or cannot be read, or holds no mesh that sim::validate() accepts.
 [[nodiscard]] sim::TriangleMesh load_mesh(const std::filesystem::path& file,
                                           const std::string& name);
+
+/// A file's triangles, one mesh for each of its materials, all named `name`.
+struct LoadedModel {
+  std::vector<sim::TriangleMesh> parts;
+  sim::DroppedTriangles dropped;
+};
+
+/// As load_mesh(), with textures: where a material's base colour is a PNG image with an alpha
+/// channel, beside the file or embedded, rays pass its holes; images of other formats have no alpha
+/// and are not opened. The cutoff is glTF's alphaCutoff, else half. Bad triangles
+/// (sim/scene/mesh_repair.h) are left out and counted. Throws also when a PNG texture is missing or
+/// damaged, naming it, and when no good triangle is left.
+[[nodiscard]] LoadedModel load_model(const std::filesystem::path& file, const std::string& name);
+
+/// The meshes of all objects, each file once, for sim::build_scene(). `report` gets a line for each
+/// file of which triangles were left out.
+[[nodiscard]] std::vector<sim::TriangleMesh> load_meshes(
+    const std::vector<sim::FixedObject>& objects, std::vector<std::string>& report);
 
 }  // namespace rigwire::hil

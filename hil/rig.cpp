@@ -13,6 +13,7 @@
 #include "hil/mesh_file.h"
 #include "hil/satellites.h"
 #include "hil/scene_fall_obstacle.h"
+#include "hil/scene_files.h"
 #include "hil/starfire_line.h"
 #include "hil/velodyne_line.h"
 #include "sim/random.h"
@@ -36,18 +37,6 @@ Eigen::Isometry3d pose(const Vector3& position_m, const RollPitchYaw& rotation) 
                    .toRotationMatrix();
   X.translation() = eigen(position_m);
   return X;
-}
-
-std::vector<sim::TriangleMesh> load_meshes(const sim::SceneDescription& description) {
-  std::vector<sim::TriangleMesh> meshes;
-  for (const auto& object : description.objects) {
-    const bool known = std::any_of(meshes.begin(), meshes.end(),
-                                   [&](const auto& mesh) { return mesh.name == object.mesh; });
-    if (!known) {
-      meshes.push_back(load_mesh(object.mesh, object.mesh));
-    }
-  }
-  return meshes;
 }
 
 sim::Scene::MeshId add_shape(sim::Scene& scene, const Shape& shape) {
@@ -99,9 +88,11 @@ SensorMount sensor_mount(const MachineConfiguration& machine, const MountConfigu
 }
 
 MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
-  const sim::SceneDescription& description = configuration.scene.description;
-  sim::BuiltScene built =
-      sim::build_scene(description, load_meshes(description), configuration.seed);
+  const SceneFiles files = load_scene_files(configuration.scene.description, configuration.origin);
+  for (const std::string& line : files.report) {
+    fmt::print(stderr, "rigwire: {}\n", line);
+  }
+  sim::BuiltScene built = sim::build_scene(files.description, files.meshes, configuration.seed);
   const MachineConfiguration& machine = configuration.machine;
   MachineInScene result;
   result.scene = std::move(built.scene);

@@ -101,10 +101,30 @@ void visit(Visitor& v, sim::LevelTerrain& p) {
   v.section("material", p.material, "Of the ground.");
 }
 
-inline constexpr std::array<Alternative, 3> kTerrainTypes{
+inline constexpr std::array<Choice<sim::HeightMapPlace>, 2> kHeightMapPlaces{
+    {{sim::HeightMapPlace::centred, "centred", "The map's middle at (0, 0)."},
+     {sim::HeightMapPlace::georeferenced, "georeferenced",
+      "Where the file says, seen from the rig's origin."}}};
+
+template <class Visitor>
+void visit(Visitor& v, sim::HeightMapTerrain& p) {
+  v.required("file");
+  v.file("file", p.file, "PNG of 8 or 16 bit, or GeoTIFF; relative to this file.");
+  v.choice("place", p.place, kHeightMapPlaces, "Where the map lies.");
+  v.number("scale", p.scale, plain(), "Metres for each unit of the file.");
+  v.number("offset", p.offset_m, in("m"), "Added to all heights.");
+  v.number("pixel", p.pixel_m, in("m").at_least(0), "Of the file; 0 = as it says itself.");
+  v.number("cell", p.cell_m, in("m").at_least(0), "Distance between two heights; 0 = a pixel.");
+  v.number("size", p.size_m, in("m").at_least(0), "Edge of the square around (0, 0); 0 = all.");
+  v.boolean("fill_gaps", p.fill_gaps, "Whether missing heights become the lowest.");
+  v.section("material", p.material, "Of the ground.");
+}
+
+inline constexpr std::array<Alternative, 4> kTerrainTypes{
     {{"pit", "Lowest level of an open pit: floor, benches, ramp, heaps."},
      {"hills", "Rolling ground."},
-     {"level", "A level site, with a crossfall if wanted."}}};
+     {"level", "A level site, with a crossfall if wanted."},
+     {"height_map", "Measured heights, from an image or a GeoTIFF."}}};
 
 /// The terrain's section: its `type` beside the keys of that type; without `type` a pit.
 struct TerrainSection {
@@ -271,15 +291,23 @@ void visit(Visitor& v, sim::GrassField& p) {
 }
 
 template <class Visitor>
+void visit(Visitor& v, sim::NamedMaterial& p) {
+  v.required("name");
+  v.text("name", p.name, "Of a material in the mesh's file.");
+  visit(v, p.material);
+}
+
+template <class Visitor>
 void visit(Visitor& v, sim::FixedObject& p) {
   v.text("name", p.name, "Of the object.");
   v.required("mesh");
-  v.file("mesh", p.mesh,
-         "OBJ, STL or PLY, relative to this file; x forward, y left, z up, metres.");
+  v.file("mesh", p.mesh, "glTF, OBJ, STL or PLY, relative to this file; x forward, y left, z up.");
   v.vector3("position", p.position_m, in("m"), "[east, north, up] of the mesh's origin.");
   v.number("yaw", p.yaw_rad, in("deg").between(-360, 360), "Of its x from east, left positive.");
   v.boolean("on_ground", p.on_ground, "Whether `up` counts from the terrain under it.");
+  v.number("scale", p.scale, plain().above(0), "Metres for each unit of the mesh.");
   v.section("material", p.material, "Of its surface.");
+  v.list("materials", p.materials, "Of parts, by the names in the mesh's file.");
 }
 
 template <class Visitor>

@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
+#include "sim/scene/mesh_repair.h"
 #include "sim/scene/scene_description.h"
 
 namespace rigwire::sim {
@@ -99,8 +100,9 @@ void add_trees(const SceneDescription& description, const Clearings& clear, std:
 void add_boxes(const SceneDescription& description, BuiltScene& built) {
   for (const BoxObject& box : description.boxes) {
     const Eigen::Isometry3d X_WM = box_pose(box, built.ground);
-    built.scene->add_object(built.scene->add_mesh(make_box(box.name, box.size_m)), X_WM, 1.0,
-                            box.material);
+    TriangleMesh mesh = make_box(box.name, box.size_m);
+    tessellate(mesh, kLongestEdge_m);
+    built.scene->add_object(built.scene->add_mesh(mesh), X_WM, 1.0, box.material);
     Obstacle& obstacle = built.obstacles.emplace_back();
     obstacle.shape = ObstacleShape::box;
     obstacle.X_WO = X_WM;
@@ -108,24 +110,56 @@ void add_boxes(const SceneDescription& description, BuiltScene& built) {
   }
 }
 
+template <class Range, class Name>
+std::string listed(const Range& range, Name&& name) {
+  std::string names;
+  for (const auto& one : range) {
+    names += (names.empty() ? "" : ", ") + name(one);
+  }
+  return names.empty() ? "none" : names;
+}
+
+/// The object's parts with their surfaces.
+std::vector<MeshPart> parts_of(const FixedObject& object, const std::vector<TriangleMesh>& meshes) {
+  std::vector<MeshPart> parts;
+  for (const TriangleMesh& mesh : meshes) {
+    if (mesh.name == object.mesh) {
+      const auto named = std::ranges::find(object.materials, mesh.material, &NamedMaterial::name);
+      parts.push_back({mesh, named != object.materials.end() ? named->material : object.material});
+      tessellate(parts.back().mesh, kLongestEdge_m / object.scale);
+    }
+  }
+  if (parts.empty()) {
+    throw std::invalid_argument(
+        "object '" + object.name + "': there is no mesh '" + object.mesh +
+        "'; there are: " + listed(meshes, [](const TriangleMesh& mesh) { return mesh.name; }));
+  }
+  for (const NamedMaterial& named : object.materials) {
+    if (std::ranges::none_of(
+            parts, [&](const MeshPart& part) { return part.mesh.material == named.name; })) {
+      throw std::invalid_argument(
+          "object '" + object.name + "': its mesh has no material '" + named.name +
+          "'; it has: " + listed(parts, [](const MeshPart& part) { return part.mesh.material; }));
+    }
+  }
+  return parts;
+}
+
 void add_objects(const SceneDescription& description, const std::vector<TriangleMesh>& meshes,
                  BuiltScene& built) {
-  std::map<std::string, Scene::MeshId> added;
+  // Objects alike in mesh, scale and surfaces share one model.
+  std::vector<std::pair<const FixedObject*, Scene::MeshId>> added;
   for (const FixedObject& object : description.objects) {
-    if (!added.contains(object.mesh)) {
-      const auto found = std::ranges::find(meshes, object.mesh, &TriangleMesh::name);
-      if (found == meshes.end()) {
-        std::string names;
-        for (const TriangleMesh& mesh : meshes) {
-          names += (names.empty() ? "" : ", ") + mesh.name;
-        }
-        throw std::invalid_argument("object '" + object.name + "': there is no mesh '" +
-                                    object.mesh + "'; there are: " + names);
-      }
-      added[object.mesh] = built.scene->add_mesh(*found);
+    auto alike = std::ranges::find_if(added, [&](const auto& entry) {
+      const FixedObject& other = *entry.first;
+      return other.mesh == object.mesh && other.scale == object.scale &&
+             other.material == object.material && other.materials == object.materials;
+    });
+    if (alike == added.end()) {
+      alike = added.emplace(added.end(), &object, built.scene->add_model(parts_of(object, meshes)));
     }
-    built.scene->add_object(added[object.mesh], object_pose(object, built.ground), 1.0,
-                            object.material, object.name);
+    built.scene->add_model_object(alike->second, object_pose(object, built.ground), object.scale,
+                                  object.name);
   }
 }
 
@@ -135,6 +169,10 @@ struct MakeTerrain {
   HeightField operator()(const PitTerrain& terrain) const { return make_pit(terrain, seed); }
   HeightField operator()(const HillsTerrain& terrain) const { return make_hills(terrain, seed); }
   HeightField operator()(const LevelTerrain& terrain) const { return make_level(terrain, seed); }
+  HeightField operator()(const HeightMapTerrain& terrain) const {
+    validate(terrain);
+    return resampled(*terrain.heights, terrain.cell_m, terrain.size_m);
+  }
 };
 
 }  // namespace

@@ -283,7 +283,7 @@ std::optional<SceneHit> Scene::cast(const Eigen::Vector3d& p_W, const Eigen::Vec
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
     return std::nullopt;
   }
-  const std::uint32_t surface = Internals::surface_of(query.hit.instID[0], query.hit.geomID);
+  const std::uint32_t surface = query.hit.instID[0];
   SceneHit hit;
   hit.range_m = query.ray.tfar;
   hit.instance = in.instance_of[surface];

@@ -110,6 +110,7 @@ void validate(const SceneDescription& description) {
   for (const FixedObject& object : description.objects) {
     require(object.position_m.allFinite() && std::isfinite(object.yaw_rad),
             "objects." + object.name + ": position or yaw", object.position_m.x(), "finite");
+    require_within(object.scale, 1e-6, 1e6, "objects." + object.name + ".scale");
   }
 }
 

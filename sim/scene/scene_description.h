@@ -12,6 +12,7 @@
 #include "sim/ground/ground.h"
 #include "sim/scene/forest.h"
 #include "sim/scene/grass.h"
+#include "sim/scene/height_map.h"
 #include "sim/scene/keep_out.h"
 #include "sim/scene/open_ground.h"
 #include "sim/scene/scene.h"
@@ -64,6 +65,14 @@ struct RockField {
   std::vector<KeepOut> keep_out{{{0.0, 0.0}, 5.0}, {{-1.0, 7.0}, 6.0}};
 };
 
+/// What a part of a mesh is, by the name of its material in the mesh's file.
+struct NamedMaterial {
+  std::string name;
+  Material material{.reflectance = 0.6, .label = "object"};
+
+  friend bool operator==(const NamedMaterial&, const NamedMaterial&) = default;
+};
+
 /// A mesh that stands in the scene.
 struct FixedObject {
   std::string name;
@@ -71,7 +80,9 @@ struct FixedObject {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< Of the mesh's origin.
   double yaw_rad = 0.0;                                  ///< Left from east.
   bool on_ground = true;  ///< Then position_m.z() counts from the terrain's height.
+  double scale = 1.0;     ///< Metres for each unit of the mesh.
   Material material{.reflectance = 0.6, .label = "object"};
+  std::vector<NamedMaterial> materials;  ///< Of parts; the rest is of `material`.
 };
 
 /// A box that stands in the scene: a building, a kerb.
@@ -84,7 +95,7 @@ struct BoxObject {
   Material material{.reflectance = 0.5, .label = "building"};
 };
 
-using Terrain = std::variant<PitTerrain, HillsTerrain, LevelTerrain>;
+using Terrain = std::variant<PitTerrain, HillsTerrain, LevelTerrain, HeightMapTerrain>;
 
 struct SceneDescription {
   Terrain terrain;
@@ -142,7 +153,11 @@ struct BuiltScene {
   std::vector<Obstacle> obstacles;
 };
 
-/// Builds everything fixed. `meshes` holds the meshes that the objects name; a missing one throws
+/// Edges of boxes and meshes are split to this length.
+inline constexpr double kLongestEdge_m = 16.0;
+
+/// Builds everything fixed. `meshes` holds the meshes that the objects name, several of one name
+/// for one of several materials; a missing one, or a material that none of its parts has, throws
 /// std::invalid_argument naming the object and what there is. Machine links are added afterwards
 /// with Scene::add_body().
 [[nodiscard]] BuiltScene build_scene(const SceneDescription& description,

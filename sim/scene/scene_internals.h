@@ -71,11 +71,6 @@ struct Scene::Internals {
   static constexpr std::uint32_t kFixed = 0xFFFFFFFFU;
   static constexpr std::uint32_t kPieceNumber = 0;  ///< Embree's, of `as_piece` in `top`.
 
-  /// Index into `shading` and `instance_of` of what a ray has hit.
-  static std::uint32_t surface_of(unsigned instance_id, unsigned geometry_id) {
-    return instance_id + geometry_id;
-  }
-
   /// What Embree knows as one instance: a mesh, or a model with all its parts.
   struct Placed {
     GeometryHandle geometry;
@@ -141,7 +136,7 @@ struct Scene::Internals {
   std::vector<Placed> placed;
   std::vector<Instance> instances;
   std::vector<Material> materials;
-  /// Of a hit: by the sum of Embree's numbers of the instance and of the geometry within it.
+  /// By the instance's number that a ray comes back with (nested_scene.cpp).
   std::vector<Shading> shading;
   std::vector<std::uint32_t> instance_of;  ///< The same.
   std::vector<Terrain> terrains;

@@ -23,6 +23,9 @@ struct TriangleMesh {
   std::vector<Eigen::Vector2f> texture_coordinates{};
   /// Holes of the surface; null: none. Meshes share it.
   std::shared_ptr<const AlphaMask> alpha{};
+  /// What its file calls the surface; empty: nothing. Meshes of one name and several materials make
+  /// up one object.
+  std::string material{};
 };
 
 /// Throws std::invalid_argument naming the mesh when it has no triangle, a vertex that is not a

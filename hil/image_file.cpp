@@ -1,0 +1,107 @@
+#include "hil/image_file.h"
+
+#include <png.h>
+
+#include <algorithm>
+#include <csetjmp>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+namespace rigwire::hil {
+namespace {
+
+constexpr std::size_t kMostPixels = 16384;
+
+/// What libpng's callbacks share with decode(): nothing in it needs a destructor, for libpng leaves
+/// by longjmp.
+struct Reading {
+  std::span<const std::uint8_t> bytes;
+  std::size_t at = 0;
+  char error[160] = {};
+};
+
+void take(png_structp png, png_bytep out, std::size_t count) {
+  auto& reading = *static_cast<Reading*>(png_get_io_ptr(png));
+  if (reading.bytes.size() - reading.at < count) {
+    png_error(png, "the file ends early");
+  }
+  std::memcpy(out, reading.bytes.data() + reading.at, count);
+  reading.at += count;
+}
+
+[[noreturn]] void fail(png_structp png, png_const_charp text) {
+  auto& reading = *static_cast<Reading*>(png_get_error_ptr(png));
+  std::strncpy(reading.error, text, sizeof reading.error - 1);
+  png_longjmp(png, 1);
+}
+
+void ignore_warning(png_structp /*png*/, png_const_charp /*text*/) {}
+
+/// Header and rows; false with reading.error set. `rows` and `image` belong to the caller.
+bool decode(png_structp png, png_infop info, Image& image, std::vector<std::uint8_t>& pixels,
+            std::vector<png_bytep>& rows) {
+  if (setjmp(png_jmpbuf(png)) != 0) {  // NOLINT: the library's way
+    return false;
+  }
+  png_set_user_limits(png, kMostPixels, kMostPixels);
+  png_read_info(png, info);
+  png_set_expand(png);
+  png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+  image.columns = png_get_image_width(png, info);
+  image.rows = png_get_image_height(png, info);
+  image.channels = png_get_channels(png, info);
+  image.bits = png_get_bit_depth(png, info);
+  const std::size_t row_bytes = png_get_rowbytes(png, info);
+  pixels.resize(row_bytes * image.rows);
+  rows.resize(image.rows);
+  for (std::size_t r = 0; r < image.rows; ++r) {
+    rows[r] = pixels.data() + r * row_bytes;
+  }
+  png_read_image(png, rows.data());
+  png_read_end(png, nullptr);
+  return true;
+}
+
+}  // namespace
+
+Image decode_png(std::span<const std::uint8_t> bytes, const std::string& who) {
+  constexpr std::size_t kSignatureBytes = 8;
+  if (bytes.size() < kSignatureBytes || png_sig_cmp(bytes.data(), 0, kSignatureBytes) != 0) {
+    throw std::invalid_argument(who + "is no PNG image");
+  }
+  Reading reading{bytes};
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reading, fail, ignore_warning);
+  png_infop info = png_create_info_struct(png);
+  png_set_read_fn(png, &reading, take);
+  Image image;
+  std::vector<std::uint8_t> pixels;
+  std::vector<png_bytep> rows;
+  const bool good = decode(png, info, image, pixels, rows);
+  png_destroy_read_struct(&png, &info, nullptr);
+  if (!good) {
+    throw std::invalid_argument(who + "is damaged, or larger than " + std::to_string(kMostPixels) +
+                                " pixels along a side: " + reading.error);
+  }
+  const std::size_t count = image.columns * image.rows * image.channels;
+  image.samples.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    image.samples[i] = image.bits == 16
+                           ? static_cast<std::uint16_t>(pixels[2 * i] << 8U | pixels[2 * i + 1])
+                           : pixels[i];
+  }
+  return image;
+}
+
+Image read_png(const std::filesystem::path& file, const std::string& who) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!std::filesystem::is_regular_file(file) || !stream) {
+    throw std::invalid_argument(who + "there is no such file, or it cannot be read");
+  }
+  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
+  return decode_png(bytes, who);
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,21 @@
+#include "hil/scene_files.h"
+
+#include <variant>
+
+#include "hil/height_map_file.h"
+#include "hil/mesh_file.h"
+
+namespace rigwire::hil {
+
+SceneFiles load_scene_files(const sim::SceneDescription& description,
+                            const OriginConfiguration& origin) {
+  SceneFiles files;
+  files.description = description;
+  if (auto* map = std::get_if<sim::HeightMapTerrain>(&files.description.terrain)) {
+    map->heights = load_height_map(*map, {origin.latitude_deg, origin.longitude_deg});
+  }
+  files.meshes = load_meshes(description.objects, files.report);
+  return files;
+}
+
+}  // namespace rigwire::hil

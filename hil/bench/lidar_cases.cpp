@@ -21,7 +21,7 @@ struct Pit {
 
 Pit make_pit_parts() {
   const sim::PitTerrain terrain;
-  const sim::RockField field;
+  const std::vector<sim::RockField> fields(1);
   Pit pit;
   pit.ground = sim::make_pit(terrain, kSeed);
   sim::RandomStream shapes(kSeed, "bench/rock_shapes");
@@ -29,7 +29,7 @@ Pit make_pit_parts() {
     pit.rock_shapes.push_back(sim::make_rock("rock", shapes));
   }
   sim::RandomStream places(kSeed, "bench/rock_places");
-  pit.rocks = sim::place_rocks(field, pit.ground, places);
+  pit.rocks = sim::place_rocks(fields.front(), pit.ground, places);
   return pit;
 }
 

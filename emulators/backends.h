@@ -33,8 +33,9 @@ class LidarBackend {
   /// What the device asks of its head at present.
   [[nodiscard]] virtual const LidarCommand& command() const = 0;
   virtual void update(const LidarFiring& firing) = 0;
-  /// The instant of the firing that completes the packet in work, or the next one; kNever before
-  /// the first firing. The executive takes firings at that instant, not one by one.
+  /// The earliest instant at which a firing can complete the packet in work, or the next one; later
+  /// than the time that the device has lived up to. The executive takes firings at that instant,
+  /// not one by one.
   [[nodiscard]] virtual SimTime packet_complete_at() const = 0;
 };
 

@@ -6,33 +6,32 @@
 namespace rigwire::emulators {
 namespace {
 
-/// Where the corrections were found (HDL-64E S2 manual, appendix F).
-constexpr double kFoundFar_m = 25.04;
-constexpr double kFoundNearX_m = 2.40;
-constexpr double kFoundNearY_m = 1.93;
+namespace velodyne = protocols::velodyne;
+
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 }  // namespace
 
-RawRanges::RawRanges(const protocols::velodyne::Hdl64eCalibration& calibration,
-                     std::span<const protocols::velodyne::Laser> lasers) {
+RawRanges::RawRanges(const velodyne::Hdl64eCalibration& calibration,
+                     std::span<const velodyne::Laser> lasers) {
   for (std::size_t i = 0; i < lasers_.size(); ++i) {
-    const protocols::velodyne::Hdl64eLaser& laser = calibration.lasers[i];
+    const velodyne::Hdl64eLaser& laser = calibration.lasers[i];
     const double offset_rad = -laser.rot_correction_deg * kDegree;
     const double far_m = laser.dist_correction_m;
     const bool has_near = laser.dist_correction_x_m != 0.0 || laser.dist_correction_y_m != 0.0;
     const double near_x_m = has_near ? laser.dist_correction_x_m : far_m;
     const double near_y_m = has_near ? laser.dist_correction_y_m : far_m;
-    lasers_[i] = {.offset_sine = std::sin(offset_rad),
-                  .offset_cosine = std::cos(offset_rad),
-                  .shot_after_s = lasers[i].time_offset_ns * 1e-9,
-                  .cos_elevation = std::cos(laser.vert_correction_deg * kDegree),
-                  .horizontal_offset_m = laser.horiz_offset_m,
-                  .far_m = far_m,
-                  .near_x_m = near_x_m,
-                  .near_y_m = near_y_m,
-                  .slope_x = (far_m - near_x_m) / (kFoundFar_m - kFoundNearX_m),
-                  .slope_y = (far_m - near_y_m) / (kFoundFar_m - kFoundNearY_m)};
+    lasers_[i] = {
+        .offset_sine = std::sin(offset_rad),
+        .offset_cosine = std::cos(offset_rad),
+        .shot_after_s = lasers[i].time_offset_ns * 1e-9,
+        .cos_elevation = std::cos(laser.vert_correction_deg * kDegree),
+        .horizontal_offset_m = laser.horiz_offset_m,
+        .far_m = far_m,
+        .near_x_m = near_x_m,
+        .near_y_m = near_y_m,
+        .slope_x = (far_m - near_x_m) / (velodyne::kFarPoint_m - velodyne::kNearPointX_m),
+        .slope_y = (far_m - near_y_m) / (velodyne::kFarPoint_m - velodyne::kNearPointY_m)};
   }
 }
 
@@ -61,10 +60,11 @@ double RawRanges::counts(const Rotor& rotor, std::size_t laser, double range_m) 
   const double share_y = 1.0 - share_x;
   // range = raw + share_x * correction_x + share_y * correction_y, solved for raw + far.
   const double per_m = 1.0 + share_x * slope_x * x_per_m + share_y * slope_y * y_per_m;
-  const double constant = share_x * (of.near_x_m - of.slope_x * kFoundNearX_m + slope_x * x_at) +
-                          share_y * (of.near_y_m - of.slope_y * kFoundNearY_m + slope_y * y_at);
+  const double constant =
+      share_x * (of.near_x_m - of.slope_x * velodyne::kNearPointX_m + slope_x * x_at) +
+      share_y * (of.near_y_m - of.slope_y * velodyne::kNearPointY_m + slope_y * y_at);
   const double raw_m = (range_m + of.far_m - constant) / per_m - of.far_m;
-  return raw_m / protocols::velodyne::kHdl64eDistanceUnit_m;
+  return raw_m / velodyne::kHdl64eDistanceUnit_m;
 }
 
 }  // namespace rigwire::emulators

@@ -1,6 +1,7 @@
 #include "emulators/velodyne/time_input.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -35,8 +36,7 @@ TimeInput::TimeInput(const VelodyneSettings& settings, const Calendar& calendar)
 
 void TimeInput::power_up(SimTime now, SensorClock& clock) {
   state_ = PulseState::absent;
-  sentence_.reset();
-  sentence_time_.reset();
+  said_.reset();
   timed_pulse_ = kNever;
   next_sentence_ = kNever;
   next_second_ = calendar_.align_to_gps(now, kSecond);
@@ -62,7 +62,6 @@ void TimeInput::observe(const GnssSample& sample) {
   fix_.valid =
       (sample.fix == GnssFix::two_d || sample.fix == GnssFix::three_d) && is_finite(sample);
   if (!fix_.valid) {
-    position_size_ = 0;
     return;
   }
   const Vector3& v = sample.velocity_ned_mps;
@@ -160,41 +159,51 @@ std::optional<SimTime> TimeInput::last_pulse(SimTime now) const {
 }
 
 bool TimeInput::sentences_arrive(SimTime now) const {
-  return sentence_ && now - sentence_at_ <= kSentencesMissing;
+  return said_ && now - sentence_at_ <= kSentencesMissing;
 }
 
-std::string_view TimeInput::sentence() const {
-  return sentence_ ? sentence_->view() : std::string_view();
+std::string_view TimeInput::sentence() {
+  if (!said_) {
+    return {};
+  }
+  if (!text_) {
+    text_.emplace(*said_);
+  }
+  return text_->view();
 }
 
 void TimeInput::write_sentence(SimTime of_pulse) {
   const UtcTime utc = calendar_.utc(of_pulse);
-  sentence_time_ = utc;
   sentence_at_ = of_pulse + sentence_complete_after_;
-  sentence_.emplace(velodyne::RecommendedMinimum{
-      .year = utc.year,
-      .month = utc.month,
-      .day = utc.day,
-      .hour = utc.hour,
-      .minute = utc.minute,
-      .second = utc.second,
-      .time_form = settings_.sentence_tenths ? velodyne::NmeaTimeForm::tenths
-                                             : velodyne::NmeaTimeForm::whole_seconds,
-      .valid = fix_.valid,
-      .latitude_deg = fix_.latitude_deg,
-      .longitude_deg = fix_.longitude_deg,
-      .speed_mps = fix_.speed_mps,
-      .course_deg = fix_.course_deg});
-  position_size_ = 0;
-  if (fix_.valid) {
-    const auto minutes = [](double degrees) { return std::fmod(std::abs(degrees), 1.0) * 60.0; };
-    const int written = std::snprintf(
-        position_.data(), position_.size(), "%02d %07.4f%c %03d %07.4f%c",
-        static_cast<int>(std::abs(fix_.latitude_deg)), minutes(fix_.latitude_deg),
-        fix_.latitude_deg < 0.0 ? 'S' : 'N', static_cast<int>(std::abs(fix_.longitude_deg)),
-        minutes(fix_.longitude_deg), fix_.longitude_deg < 0.0 ? 'W' : 'E');
-    position_size_ = static_cast<std::size_t>(std::clamp(written, 0, 39));
+  text_.reset();
+  said_ = velodyne::RecommendedMinimum{.year = utc.year,
+                                       .month = utc.month,
+                                       .day = utc.day,
+                                       .hour = utc.hour,
+                                       .minute = utc.minute,
+                                       .second = utc.second,
+                                       .time_form = settings_.sentence_tenths
+                                                        ? velodyne::NmeaTimeForm::tenths
+                                                        : velodyne::NmeaTimeForm::whole_seconds,
+                                       .valid = fix_.valid,
+                                       .latitude_deg = fix_.latitude_deg,
+                                       .longitude_deg = fix_.longitude_deg,
+                                       .speed_mps = fix_.speed_mps,
+                                       .course_deg = fix_.course_deg};
+}
+
+std::string TimeInput::position() const {
+  if (!said_ || !said_->valid) {
+    return {};
   }
+  const auto minutes = [](double degrees) { return std::fmod(std::abs(degrees), 1.0) * 60.0; };
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%02d %07.4f%c %03d %07.4f%c",
+                static_cast<int>(std::abs(said_->latitude_deg)), minutes(said_->latitude_deg),
+                said_->latitude_deg < 0.0 ? 'S' : 'N',
+                static_cast<int>(std::abs(said_->longitude_deg)), minutes(said_->longitude_deg),
+                said_->longitude_deg < 0.0 ? 'W' : 'E');
+  return text.data();
 }
 
 }  // namespace rigwire::emulators

@@ -16,10 +16,9 @@
 // The 1.5 s, and what counts as an error, are ours: the manuals only name the states.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "emulators/velodyne/sensor_clock.h"
@@ -50,15 +49,17 @@ class TimeInput {
 
   [[nodiscard]] protocols::velodyne::PulseState state(SimTime now) const;
   /// The last sentence, with CR LF; empty before the first one.
-  [[nodiscard]] std::string_view sentence() const;
+  [[nodiscard]] std::string_view sentence();
   /// What it says; nothing before the first one.
-  [[nodiscard]] const std::optional<UtcTime>& sentence_time() const { return sentence_time_; }
+  [[nodiscard]] const std::optional<protocols::velodyne::RecommendedMinimum>& said() const {
+    return said_;
+  }
   /// The last one came within 2.5 s.
   [[nodiscard]] bool sentences_arrive(SimTime now) const;
   /// The pulse that was heard last; nothing while the input is absent.
   [[nodiscard]] std::optional<SimTime> last_pulse(SimTime now) const;
   /// "49 30.0000N 007 45.0000E" in the form of the sentence; empty without a fix.
-  [[nodiscard]] std::string_view position() const { return {position_.data(), position_size_}; }
+  [[nodiscard]] std::string position() const;
 
  private:
   struct Fix {
@@ -91,11 +92,9 @@ class TimeInput {
   Fix fix_;
   std::optional<SimTime> heard_;
   Duration heard_period_{0};
-  std::optional<protocols::velodyne::GprmcText> sentence_;
-  std::optional<UtcTime> sentence_time_;
+  std::optional<protocols::velodyne::RecommendedMinimum> said_;
+  std::optional<protocols::velodyne::GprmcText> text_;  ///< Of `said_`, once it was asked for.
   SimTime sentence_at_{};
-  std::array<char, 40> position_{};
-  std::size_t position_size_ = 0;
 };
 
 }  // namespace rigwire::emulators

@@ -89,7 +89,7 @@ velodyne::StatusByte UnitReport::next(SimTime now, const TimeInput& input) {
     const bool pulse = input.state(now) != velodyne::PulseState::absent;
     const bool sentence = input.sentences_arrive(now);
     now_.gps = gps_state(pulse, sentence);
-    if (const auto& time = input.sentence_time()) {
+    if (const auto& time = input.said()) {
       now_.hour = static_cast<std::uint8_t>(time->hour);
       now_.minute = static_cast<std::uint8_t>(time->minute);
       now_.second = static_cast<std::uint8_t>(time->second);

@@ -110,7 +110,7 @@ void VelodyneLidar::power_up(SimTime now, Duration start_up) {
   time_input_.power_up(now, clock_);
   assembly_.discard();
   data_.clear();
-  packet_complete_at_ = kNever;
+  packet_complete_at_ = now + packet_period(model_, live_.return_mode);
   expected_time_ = kNever;
   phase_locked_ = false;
   next_position_ = model_.position_layout == velodyne::PositionLayout::none
@@ -149,6 +149,9 @@ void VelodyneLidar::advance(SimTime now) {
       send_position(event);
       next_position_ += position_period_;
     }
+  }
+  if (packet_complete_at_ <= now) {
+    packet_complete_at_ = now + packet_period(model_, live_.return_mode);
   }
 }
 

@@ -65,7 +65,8 @@ class VelodyneLidar final : public Device, public LidarBackend, public VelodyneC
   [[nodiscard]] const LidarCommand& command() const override { return command_; }
   /// A bank out of turn, or an azimuth that is not a number, counts as a gap in the firing clock.
   void update(const LidarFiring& bank) override;
-  /// With a narrowed view: the earliest instant at which that can be.
+  /// With a narrowed view: the earliest instant at which that can be. Without firings: a packet's
+  /// period after the last time that the device lived, so that firings never pile up.
   [[nodiscard]] SimTime packet_complete_at() const override { return packet_complete_at_; }
 
   /// What the receiver behind the sensor measures; without it, sentences say "no fix".

@@ -11,19 +11,12 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// Where the three distance corrections were found.
-constexpr double kFar_m = 25.04;
-constexpr double kNearX_m = 2.40;
-constexpr double kNearY_m = 1.93;
-
-constexpr double kNominalFar_m = 1.400;
-constexpr double kNominalNear_m = 1.430;
+constexpr double kNominalDistance_m = 1.400;
 constexpr double kNominalFocus_m = 10.0;
-constexpr double kNominalSlope = 1.0;
 
-/// Reach of the distance field in the intensity's formula.
-constexpr double kFullScale_m = 131.0;
-constexpr double kFullScaleCounts = 65535.0;
+/// Reach of the distance field, and scale, in the formula of the intensity.
+constexpr double kIntensityReach_m = 131.0;
+constexpr double kDistanceField = 65535.0;
 constexpr double kIntensityScale = 256.0;
 
 /// The beam's direction in the manual's frame.
@@ -49,7 +42,7 @@ DistanceCorrections distance_corrections(const Hdl64eLaser& laser, const Directi
                                          double raw_m, NearCorrection near) {
   const double far_m = laser.dist_correction_m;
   const bool has_near = laser.dist_correction_x_m != 0.0 || laser.dist_correction_y_m != 0.0;
-  if (!has_near || (near == NearCorrection::below_25_m && raw_m >= kFar_m)) {
+  if (!has_near || (near == NearCorrection::below_25_m && raw_m >= kFarPoint_m)) {
     return {far_m, far_m};
   }
   const double level_m = (raw_m + far_m) * beam.cos_elevation;
@@ -59,8 +52,8 @@ DistanceCorrections distance_corrections(const Hdl64eLaser& laser, const Directi
       std::abs(level_m * beam.cos_azimuth + laser.horiz_offset_m * beam.sin_azimuth);
   const double near_x_m = laser.dist_correction_x_m;
   const double near_y_m = laser.dist_correction_y_m;
-  return {near_x_m + (far_m - near_x_m) * (xx_m - kNearX_m) / (kFar_m - kNearX_m),
-          near_y_m + (far_m - near_y_m) * (yy_m - kNearY_m) / (kFar_m - kNearY_m)};
+  return {near_x_m + (far_m - near_x_m) * (xx_m - kNearPointX_m) / (kFarPoint_m - kNearPointX_m),
+          near_y_m + (far_m - near_y_m) * (yy_m - kNearPointY_m) / (kFarPoint_m - kNearPointY_m)};
 }
 
 /// The corrected point is off the beam where the corrections of x and y differ; its range is what
@@ -71,8 +64,8 @@ double range_along_beam(const Direction& beam, double raw_m, const DistanceCorre
 }
 
 double focus_term(const Hdl64eLaser& laser, double counts) {
-  const double at_focus = 1.0 - laser.focal_distance_m / kFullScale_m;
-  const double here = 1.0 - counts / kFullScaleCounts;
+  const double at_focus = 1.0 - laser.focal_distance_m / kIntensityReach_m;
+  const double here = 1.0 - counts / kDistanceField;
   return kIntensityScale * laser.focal_slope * std::abs(at_focus * at_focus - here * here);
 }
 
@@ -111,7 +104,7 @@ void validate(const Hdl64eCalibration& calibration) {
     distance("dist_correction_y", laser.dist_correction_y_m);
     offset("vert_offset_correction", laser.vert_offset_m);
     offset("horiz_offset_correction", laser.horiz_offset_m);
-    require(laser.focal_distance_m >= 0.0 && laser.focal_distance_m <= kFullScale_m, i,
+    require(laser.focal_distance_m >= 0.0 && laser.focal_distance_m <= kIntensityReach_m, i,
             "focal_distance", laser.focal_distance_m, "0 to 131 m");
     require(laser.focal_slope >= 0.0 && laser.focal_slope <= 10.0, i, "focal_slope",
             laser.focal_slope, "0 to 10");
@@ -125,13 +118,12 @@ Hdl64eCalibration nominal_calibration(const Model& model) {
   for (const Laser& laser : model.lasers) {
     calibration.lasers.push_back({.rot_correction_deg = -laser.azimuth_offset_deg,
                                   .vert_correction_deg = laser.elevation_deg,
-                                  .dist_correction_m = kNominalFar_m,
-                                  .dist_correction_x_m = kNominalNear_m,
-                                  .dist_correction_y_m = kNominalNear_m,
+                                  .dist_correction_m = kNominalDistance_m,
+                                  .dist_correction_x_m = kNominalDistance_m,
+                                  .dist_correction_y_m = kNominalDistance_m,
                                   .vert_offset_m = laser.vertical_offset_mm * 1e-3,
                                   .horiz_offset_m = -laser.horizontal_offset_mm * 1e-3,
-                                  .focal_distance_m = kNominalFocus_m,
-                                  .focal_slope = kNominalSlope});
+                                  .focal_distance_m = kNominalFocus_m});
   }
   return calibration;
 }
@@ -165,27 +157,31 @@ CorrectedPoint corrected(const Hdl64eLaser& laser, double raw_counts, double azi
 
 double raw_counts(const Hdl64eLaser& laser, double range_m, double azimuth_deg,
                   NearCorrection near) {
-  // The corrections change by millimetres per metre, so each round gains two digits and more.
-  constexpr int kRounds = 8;
+  // The corrections of real units change by millimetres per metre, so each round gains two digits
+  // and more; what validate() admits at most halves the error.
+  constexpr int kRounds = 60;
+  constexpr double kConverged_m = 1e-12;
   const Direction beam = direction(laser, azimuth_deg);
   double raw_m = range_m - laser.dist_correction_m;
-  for (int i = 0; i < kRounds; ++i) {
+  double error_m = range_m;
+  for (int i = 0; i < kRounds && std::abs(error_m) > kConverged_m; ++i) {
     const DistanceCorrections by =
         distance_corrections(laser, beam, raw_m, NearCorrection::everywhere);
-    raw_m += range_m - range_along_beam(beam, raw_m, by);
+    error_m = range_m - range_along_beam(beam, raw_m, by);
+    raw_m += error_m;
   }
-  if (near == NearCorrection::below_25_m && raw_m >= kFar_m) {
+  if (near == NearCorrection::below_25_m && raw_m >= kFarPoint_m) {
     const double far_raw_m = range_m - laser.dist_correction_m;
-    const double below_m = std::nextafter(kFar_m, 0.0);
-    if (far_raw_m >= kFar_m) {
+    const double below_m = std::nextafter(kFarPoint_m, 0.0);
+    if (far_raw_m >= kFarPoint_m) {
       raw_m = far_raw_m;
     } else {
       // The range falls into the formula's jump: its nearer side.
-      const auto error_m = [&](double at_m) {
+      const auto missed_m = [&](double at_m) {
         const DistanceCorrections by = distance_corrections(laser, beam, at_m, near);
         return std::abs(range_along_beam(beam, at_m, by) - range_m);
       };
-      raw_m = error_m(below_m) < error_m(kFar_m) ? below_m : kFar_m;
+      raw_m = missed_m(below_m) < missed_m(kFarPoint_m) ? below_m : kFarPoint_m;
     }
   }
   return raw_m / kHdl64eDistanceUnit_m;

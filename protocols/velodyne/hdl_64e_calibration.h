@@ -32,6 +32,11 @@ namespace rigwire::protocols::velodyne {
 inline constexpr std::size_t kHdl64eLasers = 64;
 inline constexpr double kHdl64eDistanceUnit_m = 0.002;
 
+/// Where the three distance corrections were found.
+inline constexpr double kFarPoint_m = 25.04;
+inline constexpr double kNearPointX_m = 2.40;
+inline constexpr double kNearPointY_m = 1.93;
+
 /// One laser, with the names of calibration files.
 struct Hdl64eLaser {
   double rot_correction_deg = 0.0;   ///< Counter-clockwise: true azimuth = rotor's - this.
@@ -60,8 +65,10 @@ struct Hdl64eCalibration {
 /// focal distance within 0 .. 131 m, slope within 0 .. 10, intensity limits in order.
 void validate(const Hdl64eCalibration& calibration);
 
-/// Angles and exits of the model's nominal table, corrections in the middle of what published
-/// calibrations of real units hold (1.4 m far, 30 mm more nearby, focus at 10 m, slope 1).
+/// Angles and exits of the model's nominal table and 1.4 m distance correction near and far
+/// (published calibrations of real units hold 1.1 to 1.6 m). Near and far are the same, and the
+/// intensity is left alone (slope 0), so that all clients agree, whichever way they take these
+/// terms.
 [[nodiscard]] Hdl64eCalibration nominal_calibration(const Model& model);
 
 /// The model's lasers as this unit has them: angles and exits of the calibration, times of the

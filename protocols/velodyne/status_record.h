@@ -39,10 +39,12 @@ static_assert(kStatusRecordSize == 1820 && kStatusRecordSize % 7 == 0);
 enum class StatusFormat : std::uint8_t { s2, s3 };
 enum class StatusEchoes : std::uint8_t { strongest = 0, last = 1, both = 2 };
 
-/// Bits of the warning byte.
+/// Bits of the warning byte; those of the voltage in an S2 alone.
 inline constexpr std::uint8_t kWarnLensDirty = 1U << 0U;
 inline constexpr std::uint8_t kWarnHot = 1U << 1U;
 inline constexpr std::uint8_t kWarnCold = 1U << 2U;
+inline constexpr std::uint8_t kWarnVoltageLow = 1U << 3U;
+inline constexpr std::uint8_t kWarnVoltageHigh = 1U << 4U;
 inline constexpr std::uint8_t kPulsePresent = 1U << 5U;
 inline constexpr std::uint8_t kGpsTimePresent = 1U << 6U;
 

@@ -177,6 +177,7 @@ class Calibration:
         if start < 0 or len(record) < 1820:
             sys.exit("no whole calibration in the status bytes")
         self.check(record)
+        self.mode = LAST if record[1815] == 1 else STRONGEST
         self.lasers = {}
         for number in range(64):
             at = 7 + 28 * number
@@ -285,7 +286,8 @@ def main(path):
     for index, packet in enumerate(packets):
         if is_hdl_64e:
             model = HDL_64E_S3 if calibration.is_s3 else HDL_64E_S2
-            mode = DUAL if packet.blocks[0][1] == packet.blocks[2][1] else STRONGEST
+            dual = packet.blocks[0][1] == packet.blocks[2][1]
+            mode = DUAL if dual else calibration.mode
         else:
             if packet.product not in MODELS or packet.mode not in (STRONGEST, LAST, DUAL):
                 sys.exit(f"factory bytes {packet.mode:02x} {packet.product:02x}")
@@ -300,6 +302,8 @@ def main(path):
             else:
                 step = 0 if before is None else (azimuth - before) % 36000
             for bank, pair in enumerate(banks):
+                if not any(any(block[2::2]) for _, block in pair):
+                    continue
                 for channel in range(32):
                     laser = 32 * bank + channel
                     firing = number

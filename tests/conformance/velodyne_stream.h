@@ -49,6 +49,26 @@ class VelodyneStream {
     }
   }
 
+  /// Two echoes at most: shot number decides how many and which is the stronger.
+  struct Echoes {
+    double near_m = 0.0;
+    double far_m = 0.0;
+    bool far_is_stronger = false;
+  };
+
+  static Echoes echoes(std::size_t firing, std::size_t laser) {
+    const std::size_t number = firing * 131 + laser * 7;
+    Echoes found;
+    if (number % 7 != 0) {
+      found.near_m = 2.5 + 0.0531 * static_cast<double>(number % 900);
+    }
+    if (number % 3 == 0 && found.near_m > 0.0) {
+      found.far_m = found.near_m + 1.5 + 0.0317 * static_cast<double>(number % 500);
+    }
+    found.far_is_stronger = number % 2 == 0;
+    return found;
+  }
+
   /// The next packet. What it holds is added to `truth`, unless `empty`.
   protocols::velodyne::DataPacket next(std::vector<TrueReturn>& truth, bool empty = false) {
     namespace velodyne = protocols::velodyne;
@@ -86,26 +106,6 @@ class VelodyneStream {
   [[nodiscard]] const protocols::velodyne::StatusRecord& record() const { return record_; }
 
  private:
-  /// Two echoes at most: shot number decides how many and which is the stronger.
-  struct Echoes {
-    double near_m = 0.0;
-    double far_m = 0.0;
-    bool far_is_stronger = false;
-  };
-
-  static Echoes echoes(std::size_t firing, std::size_t laser) {
-    const std::size_t number = firing * 131 + laser * 7;
-    Echoes found;
-    if (number % 7 != 0) {
-      found.near_m = 2.5 + 0.0531 * static_cast<double>(number % 900);
-    }
-    if (number % 3 == 0 && found.near_m > 0.0) {
-      found.far_m = found.near_m + 1.5 + 0.0317 * static_cast<double>(number % 500);
-    }
-    found.far_is_stronger = number % 2 == 0;
-    return found;
-  }
-
   protocols::velodyne::Hdl64eCalibration unit() const {
     protocols::velodyne::Hdl64eCalibration calibration = nominal_calibration(model_);
     for (std::size_t i = 0; i < calibration.lasers.size(); ++i) {
@@ -115,6 +115,7 @@ class VelodyneStream {
       laser.dist_correction_m += 0.15 * std::sin(phase + 1.0);
       laser.dist_correction_x_m = laser.dist_correction_m + 0.03 * std::sin(phase + 2.0);
       laser.dist_correction_y_m = laser.dist_correction_m + 0.04 * std::cos(phase + 3.0);
+      laser.focal_slope = 0.5 + 0.5 * std::cos(phase);
     }
     return as_sent(calibration);
   }

@@ -6,7 +6,7 @@
 
 #include "emulators/velodyne/raw_ranges.h"
 #include "protocols/velodyne/status_channel.h"
-#include "tests/emulators/velodyne/velodyne_fixture.h"
+#include "velodyne_fixture.h"
 
 namespace rigwire::emulators {
 namespace {

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/emulators/velodyne/velodyne_fixture.h"
+#include "velodyne_fixture.h"
 
 namespace rigwire::emulators {
 namespace {

@@ -39,7 +39,7 @@ LidarTruthTap::LidarTruthTap(const std::filesystem::path& path, const Calendar& 
       {"lidars", lidars},
       {"instances", nlohmann::ordered_json::array()}};
   for (sim::Scene::InstanceId id = 0; id < scene.instance_count(); ++id) {
-    header["instances"].push_back({{"label", scene.material(id).label}});
+    header["instances"].push_back({{"name", scene.name(id)}, {"label", scene.material(id).label}});
   }
   const std::string line = header.dump() + "\n";
   std::fwrite(line.data(), 1, line.size(), file_);

@@ -1,25 +1,27 @@
 #!/usr/bin/env bash
-# Draws the lidar pictures of docs/pictures: runs the rigs in real time and looks at their packets.
+# Draws the clouds of docs/pictures: runs the rigs in real time and looks at their packets. Nothing
+# else may run on the rigs' wires meanwhile.
 #
 #   scripts/lidar-pictures.sh [OUT_DIRECTORY]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=${1:-docs/pictures}
-wires=$(mktemp -d)
-trap 'rm -rf "$wires"' EXIT
 
-# picture NAME RIG SKIP [--set …]: what the lidar of RIG sees after SKIP revolutions
-picture() {
-  local name=$1 rig=$2 skip=$3
-  shift 3
-  build/rigwire run "$rig" --duration $((skip / 10 + 4))s --status none \
-    --set "devices.gnss.path=$wires/gnss" --set "buses.can.path=$wires/can" "$@" &
-  scripts/picture-lidar.py --view cloud --timeout 60 --skip "$skip" "$out/$name.png"
+# cloud NAME RIG SKIP FIELD_PROGRAM EYE [--set …]: what the lidar of RIG sees after SKIP revolutions
+cloud() {
+  local name=$1 rig=$2 skip=$3 program=$4 eye=$5
+  shift 5
+  build/rigwire run "configs/rigs/$rig.yaml" --duration $((skip / 10 + 5))s --status none "$@" &
+  sleep 2
+  [ -z "$program" ] || timeout $((skip / 10 + 2)) $program >/dev/null 2>&1 &
+  # shellcheck disable=SC2086 # three numbers
+  scripts/picture-lidar.py --view cloud --timeout 60 --skip "$skip" --eye $eye "$out/$name.png"
   wait
 }
 
-rain='scene.weather.rain.rate'
-picture forest configs/rigs/forest_lidar.yaml 10
-picture forest_rain configs/rigs/forest_lidar.yaml 10 --set "$rain=40"
-picture pit configs/rigs/excavator_pit.yaml 10
-picture pit_dust configs/rigs/excavator_pit.yaml 10
+behind="-14 0 9"
+cloud forest forest_lidar 20 "" "$behind"
+cloud forest_rain forest_lidar 20 "" "$behind" --set 'scene.weather.course=[{rain: 50 mm/h}]'
+cloud pit excavator_pit 20 "" "$behind"
+cloud pit_dust excavator_pit 140 build/dig_cycle "$behind" \
+  --set 'scene.weather.course=[{dryness: 10, wind: 2 m/s, wind_from: 200 deg}]'

@@ -99,8 +99,7 @@ std::size_t DepthImage::render_row(const Scene& scene, const DepthImageView& vie
         surface_[pixel] = kNothing;
         continue;
       }
-      const std::uint32_t surface =
-          Scene::Internals::surface_of(packet.hit.instID[0][lane], packet.hit.geomID[lane]);
+      const std::uint32_t surface = packet.hit.instID[0][lane];
       const Eigen::Vector3f n_W =
           in.shading[surface].R_WM *
           Eigen::Vector3f(packet.hit.Ng_x[lane], packet.hit.Ng_y[lane], packet.hit.Ng_z[lane]);

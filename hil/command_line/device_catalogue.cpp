@@ -191,6 +191,9 @@ void append(std::vector<DeviceDescription>& list) {
   description.text = kDeviceTypes[kIndex].text;
   description.page = "docs/devices/" + description.type + ".md";
   describe(std::get<kIndex>(configuration.settings), description);
+  if (as_velodyne(configuration.settings) != nullptr) {
+    description.page = "docs/devices/velodyne.md";  // of the whole series
+  }
   description.keys = reference_text(outline(configuration));
   list.push_back(std::move(description));
 }

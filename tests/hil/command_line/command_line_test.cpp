@@ -118,7 +118,7 @@ TEST(CommandLine, lists_know_what_there_is) {
   EXPECT_THAT(rigwire("list rigs").output, HasSubstr("excavator_pit"));
   EXPECT_THAT(rigwire("list machines").output, HasSubstr("excavator_ref18t"));
   EXPECT_THAT(rigwire("list scenes").output, HasSubstr("open_pit"));
-  EXPECT_EQ(nlohmann::json::parse(rigwire("list devices --json").output).size(), 9u);
+  EXPECT_EQ(nlohmann::json::parse(rigwire("list devices --json").output).size(), 14u);
   const Result typo = rigwire("list rgis");
   EXPECT_EQ(typo.code, 2);
   EXPECT_THAT(typo.output, HasSubstr("did you mean rigs?"));
@@ -161,7 +161,7 @@ TEST(CommandLine, bash_completion_completes_verbs_options_and_rigs) {
       ":$PATH; source <(rigwire completion bash); "
       "COMP_WORDS=(rigwire ch); COMP_CWORD=1; _rigwire; echo ${COMPREPLY[@]}; "
       "COMP_WORDS=(rigwire run exc); COMP_CWORD=2; _rigwire; echo ${COMPREPLY[@]}; "
-      "COMP_WORDS=(rigwire describe vel); COMP_CWORD=2; _rigwire; echo ${COMPREPLY[@]}'";
+      "COMP_WORDS=(rigwire describe velodyne-h); COMP_CWORD=2; _rigwire; echo ${COMPREPLY[@]}'";
   FILE* pipe = ::popen(("timeout 60 " + script).c_str(), "r");
   ASSERT_NE(pipe, nullptr);
   std::array<char, 4096> buffer{};
@@ -170,7 +170,7 @@ TEST(CommandLine, bash_completion_completes_verbs_options_and_rigs) {
     output.append(buffer.data(), count);
   }
   ::pclose(pipe);
-  EXPECT_EQ(output, "check\nexcavator_pit\nvelodyne-hdl-32e\n");
+  EXPECT_EQ(output, "check\nexcavator_pit\nvelodyne-hdl-32e velodyne-hdl-64e\n");
 }
 
 TEST(CommandLine, bench_refuses_an_unknown_suite) {

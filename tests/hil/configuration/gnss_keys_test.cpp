@@ -160,9 +160,9 @@ TEST_F(GnssKeys, AStarFireNeedsAWire) {
 
 TEST_F(GnssKeys, OtherDevicesHaveNoFaults) {
   write(
-      "machine: {type: wheeled}\ndevices:\n  lidar:\n    type: velodyne-hdl-32e\n"
+      "machine: {type: wheeled}\ndevices:\n  imu:\n    type: openimu335ri\n"
       "    mount: {link: body}\n    faults: []\n");
-  EXPECT_THAT(complaints(), HasSubstr("devices.lidar.faults: unknown key"));
+  EXPECT_THAT(complaints(), HasSubstr("devices.imu.faults: unknown key"));
 }
 
 TEST_F(GnssKeys, GeoidIsAConstantOrAGridAndNeverBoth) {

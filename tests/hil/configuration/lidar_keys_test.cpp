@@ -1,0 +1,115 @@
+// Keys of the Velodyne lidars: each type has those that its model can mean something by.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "hil/configuration/rig.h"
+#include "private_wires.h"
+
+namespace rigwire::hil {
+namespace {
+
+using emulators::VelodyneFaultKind;
+using emulators::VelodyneTimeSource;
+using ::testing::HasSubstr;
+
+class LidarKeys : public ::testing::Test {
+ protected:
+  void write(const std::string& type, const std::string& keys, const std::string& devices = "") {
+    std::ofstream(file) << "machine: {type: wheeled}\ndevices:\n  lidar:\n    type: " << type
+                        << "\n    mount: {link: body}\n"
+                        << keys << devices;
+  }
+  std::string complaints() {
+    try {
+      (void)load_rig(file, {});
+      return "";
+    } catch (const ConfigurationError& error) {
+      return error.what();
+    }
+  }
+  emulators::VelodyneSettings settings() {
+    const LoadedRig loaded = load_rig(file, {});
+    return settings_of(*as_velodyne(loaded.configuration.devices.at("lidar").settings));
+  }
+
+  test::PrivateWires wires;
+  std::string file = (wires.folder / "rig.yaml").string();
+};
+
+TEST_F(LidarKeys, TypeChoosesTheModel) {
+  const std::pair<const char*, const char*> types[] = {
+      {"velodyne-hdl-32e", "HDL-32E"},         {"velodyne-vlp-16", "VLP-16"},
+      {"velodyne-puck-hi-res", "Puck Hi-Res"}, {"velodyne-vlp-32c", "VLP-32C"},
+      {"velodyne-hdl-64e", "HDL-64E S2"},      {"velodyne-vls-128", "VLS-128"}};
+  for (const auto& [type, model] : types) {
+    write(type, "");
+    EXPECT_EQ(complaints(), "") << type;
+    EXPECT_EQ(settings().model, model);
+  }
+}
+
+TEST_F(LidarKeys, KeysThatMeanNothingToTheModelAreUnknown) {
+  write("velodyne-hdl-64e", "    web: {port: 8080}\n");
+  EXPECT_THAT(complaints(), HasSubstr("devices.lidar.web: unknown key"));
+  write("velodyne-hdl-64e", "    position_port: 8308\n");
+  EXPECT_THAT(complaints(), HasSubstr("devices.lidar.position_port: unknown key"));
+  write("velodyne-vlp-16", "    calibration: unit.yaml\n");
+  EXPECT_THAT(complaints(), HasSubstr("devices.lidar.calibration: unknown key"));
+  write("velodyne-vlp-16", "    inertial: {}\n");
+  EXPECT_THAT(complaints(), HasSubstr("devices.lidar.inertial: unknown key"));
+}
+
+TEST_F(LidarKeys, SpeedOfNoMultipleOf60IsRefusedAsTheSensorWould) {
+  write("velodyne-vlp-16", "    rate: 601 rpm\n");
+  EXPECT_THAT(complaints(), HasSubstr("rotor_rpm is 601"));
+}
+
+TEST_F(LidarKeys, TimeSourceIsAWordOrAReceiver) {
+  write("velodyne-vlp-16", "");
+  EXPECT_EQ(settings().time_source, VelodyneTimeSource::ideal);
+  write("velodyne-vlp-16", "    time_source: none\n");
+  EXPECT_EQ(settings().time_source, VelodyneTimeSource::none);
+  const std::string antenna = "  antenna: {type: ublox-neo-7p, mount: {link: body}}\n";
+  write("velodyne-vlp-16", "    time_source: antenna\n", antenna);
+  EXPECT_EQ(complaints(), "");
+  EXPECT_EQ(settings().time_source, VelodyneTimeSource::receiver);
+  write("velodyne-vlp-16", "    time_source: antena\n", antenna);
+  EXPECT_THAT(complaints(), HasSubstr("devices.lidar.time_source: no such satellite receiver"));
+  write("velodyne-vlp-16", "    time_source: lidar\n", antenna);
+  EXPECT_THAT(complaints(), HasSubstr("no such satellite receiver"));
+}
+
+TEST_F(LidarKeys, FaultsReachTheEmulator) {
+  write("velodyne-vlp-16",
+        "    faults:\n"
+        "      - {type: lost_packets, at: 1 s, for: 2 s, probability: 5 %}\n"
+        "      - {type: dirty_window, at: 0 s, from: 350 deg, to: 10 deg, transmission: 20 %}\n");
+  const auto faults = settings().faults;
+  ASSERT_EQ(faults.size(), 2U);
+  EXPECT_EQ(faults[0].kind, VelodyneFaultKind::lost_packets);
+  EXPECT_EQ(faults[0].begin, std::chrono::seconds(1));
+  EXPECT_EQ(faults[0].end, std::chrono::seconds(3));
+  EXPECT_DOUBLE_EQ(faults[0].probability, 0.05);
+  EXPECT_DOUBLE_EQ(faults[1].sector_start_deg, 350.0);
+  EXPECT_DOUBLE_EQ(faults[1].transmission, 0.2);
+  write("velodyne-vlp-16", "    faults: [{type: dead_laser, at: 0 s, first: 16, last: 16}]\n");
+  EXPECT_THAT(complaints(), HasSubstr("dead_laser first_laser is 16"));
+}
+
+TEST_F(LidarKeys, AddressesAndPortsAreChecked) {
+  write("velodyne-vlp-16", "    address: 255.255.255.255\n");
+  EXPECT_THAT(complaints(), HasSubstr("allow_remote: true"));
+  write("velodyne-vlp-16", "    source_address: here\n");
+  EXPECT_THAT(complaints(), HasSubstr("devices.lidar.source_address: not an IPv4 address"));
+  write("velodyne-vlp-16", "    web: {address: 0.0.0.0, port: 8080}\n");
+  EXPECT_THAT(complaints(), HasSubstr("devices.lidar.web.address: reaches beyond"));
+  write("velodyne-vlp-16", "    web: {port: 8080}\n",
+        "  other: {type: velodyne-vlp-16, mount: {link: body}, port: 2370, position_port: 8310, "
+        "web: {port: 8080}}\n");
+  EXPECT_THAT(complaints(), HasSubstr("web.port: already taken by"));
+}
+
+}  // namespace
+}  // namespace rigwire::hil

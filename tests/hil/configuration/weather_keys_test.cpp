@@ -68,6 +68,18 @@ TEST(WeatherKeys, ASceneWithoutThemHasClearAir) {
   EXPECT_FALSE(scene.weather.any());
 }
 
+TEST(WeatherKeys, ACourseCanBeSetOnTheCommandLine) {
+  Problems problems;
+  Value document = parse_document("name: fair", "a.yaml", RIGWIRE_SOURCE_DIR, problems);
+  apply_set(document, "weather.course=[{rain: 20 mm/h}]", problems);
+  Origins origins;
+  SceneConfiguration scene;
+  read(document, scene, problems, origins);
+  EXPECT_NO_THROW(problems.throw_if_any());
+  ASSERT_EQ(scene.weather.course.size(), 1U);
+  EXPECT_NEAR(scene.weather.course[0].rain_mmph, 20.0, 1e-12);
+}
+
 TEST(WeatherKeys, BadValuesAreFoundWithTheirPlace) {
   EXPECT_THAT(
       findings_of("weather:\n  course:\n    - {rain: -3 mm/h}\n"),

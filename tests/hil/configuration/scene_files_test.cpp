@@ -59,6 +59,7 @@ TEST_P(DrivableScenes, TrackIsGentleAndClear) {
 
 INSTANTIATE_TEST_SUITE_P(Files, DrivableScenes,
                          testing::Values(DrivableScene{"forest_track", 300.0, 0.15},
+                                         DrivableScene{"forest", 300.0, 0.15},
                                          DrivableScene{"road_site", 200.0, 0.01},
                                          DrivableScene{"campus", 500.0, 0.08}),
                          [](const auto& scene) { return std::string(scene.param.name); });

@@ -24,6 +24,7 @@ constexpr double kHalfEdge_m = 200.0;
 constexpr int kTrees = 2500;
 constexpr int kLeaves = 4000;  ///< Triangles of a tree.
 constexpr int kSpecies = 4;
+constexpr double kHalfLane_m = 5.0;  ///< Without trees, for the vehicle.
 constexpr int kBodies = 20;
 constexpr double kSpeed_mps = 5.0;
 
@@ -67,41 +68,20 @@ sim::TriangleMesh make_tree(sim::RandomStream& random) {
   return mesh;
 }
 
-/// The scene, its bodies and the vehicle's way through it: due north along x = 0.
-class Forest {
+/// The place with its bodies and the vehicle.
+class Drive {
  public:
-  Forest() {
-    sim::RandomStream random(1, "bench/forest");
-    const sim::HeightField ground = make_ground();
-    scene_.add_terrain(ground, {.reflectance = 0.3, .label = "ground"});
-    std::vector<sim::Scene::MeshId> species;
-    for (int i = 0; i < kSpecies; ++i) {
-      species.push_back(scene_.add_mesh(make_tree(random)));
-    }
-    for (int i = 0; i < kTrees; ++i) {
-      const double x = random.uniform(-kHalfEdge_m, kHalfEdge_m);
-      const double y = random.uniform(-kHalfEdge_m, kHalfEdge_m);
-      Isometry3d X_WM = Isometry3d::Identity();
-      // A lane is left for the vehicle.
-      X_WM.translation() << (std::abs(x) < 5.0 ? x + std::copysign(5.0, x) : x), y,
-          ground_height(x, y) - 0.2;
-      X_WM.rotate(Eigen::AngleAxisd(random.uniform(0.0, 6.28), Vector3d::UnitZ()));
-      scene_.add_object(species[static_cast<std::size_t>(i) % species.size()], X_WM,
-                        random.uniform(0.7, 1.3), {.reflectance = 0.5, .label = "tree"});
-    }
-    const auto box = scene_.add_mesh(sim::make_box("part", {0.6, 0.6, 1.5}));
+  explicit Drive(LidarLoadPlace place) : place_(std::move(place)) {
+    sim::Scene& scene = *place_.scene;
+    const auto box = scene.add_mesh(sim::make_box("part", {0.6, 0.6, 1.5}));
     for (int i = 0; i < kBodies; ++i) {
-      const auto body = scene_.add_body("part" + std::to_string(i));
-      scene_.add_body_part(body, box, Isometry3d::Identity(),
-                           {.reflectance = 0.6, .label = "part"});
+      const auto body = scene.add_body("part" + std::to_string(i));
+      scene.add_body_part(body, box, Isometry3d::Identity(), {.reflectance = 0.6, .label = "part"});
       bodies_.emplace_back();
     }
-    triangles_ = 2 * (ground.columns - 1) * (ground.rows - 1) +
-                 static_cast<std::size_t>(kTrees) * kLeaves +
-                 static_cast<std::size_t>(kBodies) * 12;
   }
-  [[nodiscard]] sim::Scene& scene() { return scene_; }
-  [[nodiscard]] std::size_t triangles() const { return triangles_; }
+  [[nodiscard]] sim::Scene& scene() { return *place_.scene; }
+  [[nodiscard]] const std::string& name() const { return place_.name; }
 
   void begin_slice(SimTime t0, SimTime t1) {
     for (int i = 0; i < kBodies; ++i) {
@@ -109,32 +89,30 @@ class Forest {
       body.X_WB_start = body_pose(i, to_seconds(t0));
       body.X_WB_end = body_pose(i, to_seconds(t1));
     }
-    scene_.begin_slice(t0, t1, vehicle(to_seconds(t0)).X_WL.translation(), bodies_);
+    scene().begin_slice(t0, t1, vehicle(to_seconds(t0)).X_WL.translation(), bodies_);
   }
-  [[nodiscard]] static sim::LinkMotion vehicle(double t) {
+  [[nodiscard]] sim::LinkMotion vehicle(double t) const {
     sim::LinkMotion motion;
-    motion.X_WL.translation() << 0.0, -100.0 + kSpeed_mps * t, 2.3;
-    motion.X_WL.linear() =
-        Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitZ()).toRotationMatrix();
-    motion.v_WL_W << 0.0, kSpeed_mps, 0.0;
+    motion.X_WL.linear() = Eigen::AngleAxisd(place_.yaw_rad, Vector3d::UnitZ()).toRotationMatrix();
+    motion.v_WL_W = kSpeed_mps * motion.X_WL.linear().col(0);
+    motion.X_WL.translation() = place_.start_m + t * motion.v_WL_W;
     return motion;
   }
 
  private:
   /// They walk beside the vehicle, each on its circle.
-  [[nodiscard]] static Isometry3d body_pose(int i, double t) {
+  [[nodiscard]] Isometry3d body_pose(int i, double t) const {
     const double angle = 0.8 * t + 0.7 * i;
+    const double radius = 4.0 + 0.5 * i;
     Isometry3d X = Isometry3d::Identity();
-    X.translation() =
-        vehicle(t).X_WL.translation() +
-        Vector3d((4.0 + 0.5 * i) * std::cos(angle), (4.0 + 0.5 * i) * std::sin(angle), -1.5);
+    X.translation() = vehicle(t).X_WL.translation() +
+                      Vector3d(radius * std::cos(angle), radius * std::sin(angle), -1.5);
     X.rotate(Eigen::AngleAxisd(angle, Vector3d::UnitZ()));
     return X;
   }
 
-  sim::Scene scene_;
+  LidarLoadPlace place_;
   std::vector<sim::BodyMotion> bodies_;
-  std::size_t triangles_ = 0;
 };
 
 double process_cpu_seconds() {
@@ -153,7 +131,7 @@ Isometry3d corner(int lidar) {
   return X_LS;
 }
 
-LidarLoad measure(Forest& forest, const LidarLoadCase& of, SimTime& t0) {
+LidarLoad measure(Drive& drive, const LidarLoadCase& of, SimTime& t0) {
   const FiringPlan plan = firing_plan({});
   sim::SpinningLidarParameters parameters;
   parameters.threads = of.threads;
@@ -162,8 +140,7 @@ LidarLoad measure(Forest& forest, const LidarLoadCase& of, SimTime& t0) {
     lidars.push_back(std::make_unique<sim::SpinningLidar>(
         parameters, plan.pattern, plan.plan, plan.command, 1, "bench" + std::to_string(i)));
   }
-  LidarLoad load{
-      .of = of, .instances = forest.scene().instance_count(), .triangles = forest.triangles()};
+  LidarLoad load{.place = drive.name(), .of = of, .instances = drive.scene().instance_count()};
   std::vector<LidarFiring> firings;
   std::vector<double> ratios;
   const Duration slice = std::chrono::milliseconds{of.slice_ms};
@@ -181,7 +158,7 @@ LidarLoad measure(Forest& forest, const LidarLoadCase& of, SimTime& t0) {
       const double process_s = process_cpu_seconds();
       const double wall_s = elapsed_seconds();
       const double begin_s = thread_cpu_seconds();
-      forest.begin_slice(t0, t1);
+      drive.begin_slice(t0, t1);
       load.begin_slice_s += thread_cpu_seconds() - begin_s;
       all_cpu_s += process_cpu_seconds() - process_s;
       elapsed_s += elapsed_seconds() - wall_s;
@@ -190,19 +167,19 @@ LidarLoad measure(Forest& forest, const LidarLoadCase& of, SimTime& t0) {
         const sim::LidarSlice stretch{
             .t0 = t0,
             .t1 = t1,
-            .mount_at_t0 = sim::at_mount(Forest::vehicle(to_seconds(t0)), corner(i)),
-            .mount_at_t1 = sim::at_mount(Forest::vehicle(to_seconds(t1)), corner(i))};
-        sim::RecordedRays recorded = lidar.record(forest.scene(), stretch);
+            .mount_at_t0 = sim::at_mount(drive.vehicle(to_seconds(t0)), corner(i)),
+            .mount_at_t1 = sim::at_mount(drive.vehicle(to_seconds(t1)), corner(i))};
+        sim::RecordedRays recorded = lidar.record(drive.scene(), stretch);
         const auto bare = [&] {
           const double before_s = thread_cpu_seconds();
-          recorded.cast_bare(forest.scene());
+          recorded.cast_bare(drive.scene());
           bare_s += thread_cpu_seconds() - before_s;
         };
         const auto stage = [&] {
           const double cpu_s = process_cpu_seconds();
           const double clock_s = elapsed_seconds();
           const double before_s = thread_cpu_seconds();
-          lidar.cast(forest.scene(), stretch, nullptr, firings, nullptr);
+          lidar.cast(drive.scene(), stretch, nullptr, firings, nullptr);
           stage_s += thread_cpu_seconds() - before_s;
           elapsed_s += elapsed_seconds() - clock_s;
           all_cpu_s += process_cpu_seconds() - cpu_s;
@@ -241,17 +218,54 @@ LidarLoad measure(Forest& forest, const LidarLoadCase& of, SimTime& t0) {
 
 }  // namespace
 
-std::vector<LidarLoad> measure_lidar_load(const std::vector<LidarLoadCase>& cases) {
+LidarLoadPlace make_instanced_forest() {
+  LidarLoadPlace place{.name = "2500 trees of 4000 triangles",
+                       .scene = std::make_unique<sim::Scene>(),
+                       .start_m = {0.0, -100.0, 2.3},
+                       .yaw_rad = 0.5 * std::numbers::pi};
+  sim::RandomStream random(1, "bench/forest");
+  place.scene->add_terrain(make_ground(), {.reflectance = 0.3, .label = "ground"});
+  std::vector<sim::Scene::MeshId> species;
+  for (int i = 0; i < kSpecies; ++i) {
+    species.push_back(place.scene->add_mesh(make_tree(random)));
+  }
+  for (int i = 0; i < kTrees; ++i) {
+    const double anywhere = random.uniform(-kHalfEdge_m, kHalfEdge_m);
+    const double x = std::abs(anywhere) < kHalfLane_m
+                         ? anywhere + std::copysign(kHalfLane_m, anywhere)
+                         : anywhere;
+    const double y = random.uniform(-kHalfEdge_m, kHalfEdge_m);
+    Isometry3d X_WM = Isometry3d::Identity();
+    X_WM.translation() << x, y, ground_height(x, y) - 0.2;
+    X_WM.rotate(Eigen::AngleAxisd(random.uniform(0.0, 2.0 * std::numbers::pi), Vector3d::UnitZ()));
+    place.scene->add_object(species[static_cast<std::size_t>(i) % species.size()], X_WM,
+                            random.uniform(0.7, 1.3), {.reflectance = 0.5, .label = "tree"});
+  }
+  return place;
+}
+
+LidarLoadPlace make_described_place(const std::string& name,
+                                    const sim::SceneDescription& description) {
+  sim::BuiltScene built = sim::build_scene(description, {}, 1);
+  const double ground_m = built.ground.node(built.ground.columns / 2, built.ground.rows / 2);
+  return {.name = name,
+          .scene = std::move(built.scene),
+          .start_m = {0.0, 0.0, ground_m + 2.8},
+          .yaw_rad = 0.0};
+}
+
+std::vector<LidarLoad> measure_lidar_load(LidarLoadPlace place,
+                                          const std::vector<LidarLoadCase>& cases) {
   for (const LidarLoadCase& of : cases) {
     if (of.lidars < 1 || of.lidars > 4 || of.threads < 1 || of.slice_ms < 1 || of.revolutions < 1) {
       throw std::invalid_argument("lidar load: numbers must be 1 at least, and 4 lidars at most");
     }
   }
-  Forest forest;
+  Drive drive(std::move(place));
   std::vector<LidarLoad> loads;
   SimTime t0 = kStart;
   for (const LidarLoadCase& of : cases) {
-    loads.push_back(measure(forest, of, t0));
+    loads.push_back(measure(drive, of, t0));
   }
   return loads;
 }

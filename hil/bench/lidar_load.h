@@ -1,23 +1,44 @@
 // What lidars cost in a forest of ten million triangles, with bodies that move in it.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
+#include <memory>
+#include <string>
 #include <vector>
 
+#include "sim/scene/scene.h"
+#include "sim/scene/scene_description.h"
+
 namespace rigwire::hil {
+
+/// Where a vehicle drives straight on at 5 m/s for some seconds.
+struct LidarLoadPlace {
+  std::string name;
+  std::unique_ptr<sim::Scene> scene;
+  Eigen::Vector3d start_m = Eigen::Vector3d::Zero();  ///< Of the lidars' middle.
+  double yaw_rad = 0.0;
+};
+
+/// 2500 instances of four trees of 4000 triangles each on gentle hills.
+[[nodiscard]] LidarLoadPlace make_instanced_forest();
+
+/// A scene of the configurations, from the origin eastwards.
+[[nodiscard]] LidarLoadPlace make_described_place(const std::string& name,
+                                                  const sim::SceneDescription& description);
 
 struct LidarLoadCase {
   int lidars = 1;
   int threads = 1;  ///< That cast for each lidar, one lidar after the other.
   int slice_ms = 5;
-  int revolutions = 3;  ///< Of 100 ms.
+  int revolutions = 7;  ///< Of 100 ms.
 };
 
-/// HDL-32E at 10 Hz on the corners of a vehicle that drives through the forest at 5 m/s.
+/// HDL-32E at 10 Hz on the corners of the vehicle, 20 bodies in motion around it.
 struct LidarLoad {
+  std::string place;
   LidarLoadCase of;
   std::size_t instances = 0;  ///< Ground, trees and the parts of moving bodies.
-  std::size_t triangles = 0;  ///< As if every tree were a mesh of its own.
   std::size_t rays = 0;
   double hit_share = 0.0;
   double stage_s = 0.0;         ///< CPU time of all casting, of this thread.
@@ -30,7 +51,9 @@ struct LidarLoad {
   double bare_ratio = 0.0;      ///< bare_s / stage_s, median over the revolutions.
 };
 
-/// Throws std::invalid_argument when a number is below 1, or `lidars` above 4.
-[[nodiscard]] std::vector<LidarLoad> measure_lidar_load(const std::vector<LidarLoadCase>& cases);
+/// One case after the other along the way. Throws std::invalid_argument when a number is below 1,
+/// or `lidars` above 4.
+[[nodiscard]] std::vector<LidarLoad> measure_lidar_load(LidarLoadPlace place,
+                                                        const std::vector<LidarLoadCase>& cases);
 
 }  // namespace rigwire::hil

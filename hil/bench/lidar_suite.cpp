@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "hil/bench/beam_bench.h"
 #include "hil/bench/depth_image_suite.h"
 #include "hil/bench/lidar_bench.h"
 #include "hil/bench/lidar_load_tables.h"
@@ -67,6 +68,7 @@ nlohmann::json bench_lidar(std::ostream& text) {
   nlohmann::json json;
   stage_table(text, json);
   lidar_load_tables(text, json);
+  sub_ray_table(text, json);
   error_table(text, json);
   bench_depth_images(text, json);
   return json;

@@ -210,6 +210,7 @@ void BeamCaster::meet_air(const BlockCast& cast, Beams& beams) const {
     beam.time =
         cast.slice.t0 + Duration{static_cast<Duration::rep>(static_cast<double>(ray.time[lane]) *
                                                             static_cast<double>(length.count()))};
+    beam.detection_energy = static_cast<double>(rules_.threshold);
     beam.draw_key = counter_bits(air_key_, beams.shots[lane]);
     beams.air[lane] = pass_air(*cast.weather, beam, weights_, hits_of(beams), lane);
   }

@@ -140,9 +140,9 @@ HeadLanes::HeadLanes(const LidarPattern& pattern, const LidarPattern& order_of) 
     for (std::size_t ray = 0; ray < packets.size() * kLanes; ++ray) {
       RingPacket& packet = packets[ray / kLanes];
       const std::size_t lane = ray % kLanes;
-      const std::size_t carried = std::min(ray, rays - 1);
-      const std::uint32_t number = by_elevation[carried / count];
-      packet.map.firing[lane] = static_cast<std::uint32_t>(carried % count);
+      // Lanes left over fire the last laser again, each with the firing that its lane carries.
+      const std::uint32_t number = by_elevation[std::min(ray / count, laser_count - 1)];
+      packet.map.firing[lane] = static_cast<std::uint32_t>(ray % count);
       packet.map.laser[lane] = number;
       const LaserGeometry& laser = pattern.lasers[number];
       const auto i = static_cast<Eigen::Index>(lane);

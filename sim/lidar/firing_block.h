@@ -47,7 +47,7 @@ void fill_block(std::span<const FiringInstant> firings, const LinkMotionInterpol
                 SimTime t0, double slice_s, FiringBlock& block);
 
 /// Which firing of the block and which laser each lane of a packet carries. Lanes left over repeat
-/// the last ray, and write the same result to the same place.
+/// rays of the last laser, and write the same results to the same places.
 struct LaneMap {
   std::array<std::uint32_t, kLanes> firing{};  ///< Place in the block.
   std::array<std::uint32_t, kLanes> laser{};

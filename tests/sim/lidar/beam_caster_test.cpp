@@ -7,6 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "allocation_counter.h"
 #include "beam_head.h"
 
 namespace rigwire::sim {
@@ -297,6 +298,48 @@ TEST(BeamCaster, NeitherThreadsNorSlicesChangeAShot) {
       EXPECT_NEAR(firings[i].last[j].range_m, slices[i].last[j].range_m, 1e-4);
     }
   }
+}
+
+TEST(BeamCaster, LanesLeftOverDoNotOverwriteTheLastShotOfTheirPacket) {
+  Scene scene;
+  add_board(scene, 30.0, -40.0, 40.0, paint(0.7));
+  const LidarPattern pattern = head();  // one laser: 3 firings leave 5 lanes over
+  for (const int count : {1, 5}) {
+    Shooter whole(exact(count), pattern, 60.0);
+    const std::vector<LidarFiring> firings = whole.shoot(scene, 8);
+    Shooter parts(exact(count), pattern, 60.0);
+    for (std::size_t i = 0; i < firings.size(); ++i) {
+      const std::vector<LidarFiring>& one = parts.shoot(scene, 1);
+      EXPECT_NEAR(one.at(0).strongest[0].range_m, firings[i].strongest[0].range_m, 1e-4);
+    }
+    Shooter triples(exact(count), pattern, 60.0);
+    const std::vector<LidarFiring>& three = triples.shoot(scene, 3);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(three[i].strongest[0].range_m, firings[i].strongest[0].range_m, 1e-4);
+    }
+  }
+}
+
+TEST(BeamCaster, CastingDoesNotAllocate) {
+  Scene scene;
+  add_board(scene, 12.0, -0.5, 0.5, paint(0.9));
+  add_board(scene, 20.0, -30.0, 30.0, paint(0.4));
+  SpinningLidarParameters parameters = exact(19);
+  parameters.range_noise = RangeNoise::signal;
+  parameters.blooming_share = 1e-3;
+  Shooter shooter(parameters, head({-0.1, 0.0, 0.1}), 60.0);
+  scene.begin_slice(kStart, kStart + 400 * kFiringPeriod, Eigen::Vector3d::Zero(), {});
+  std::vector<LidarFiring> firings;
+  SimTime time = kStart;
+  std::uint64_t allocations = 0;
+  for (int i = 0; i < 4; ++i) {
+    const SimTime end = time + 100 * kFiringPeriod;
+    const std::uint64_t before = test::allocations();
+    shooter.lidar().cast(scene, {time, end, {}, {}}, nullptr, firings, nullptr);
+    allocations = test::allocations() - before;  // of the last one: the vectors have their length
+    time = end;
+  }
+  EXPECT_EQ(allocations, 0U);
 }
 
 TEST(BeamCaster, AReflectanceThatIsNoNumberIsRefusedAtSetUp) {

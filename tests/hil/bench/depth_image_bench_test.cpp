@@ -24,7 +24,7 @@ TEST(DepthImageBench, ExactMappingIsExactOnLevelGround) {
   const auto errors = measure_depth_images(level_ground_case(), variant("exact", 256));
   ASSERT_EQ(errors.size(), 5U);
   for (const DepthImageError& error : errors) {
-    EXPECT_GT(error.pixels, 3U * 256U * 150U);
+    EXPECT_GT(error.pixels, 3U * 256U * 120U);
     EXPECT_GT(error.shots, 45000U);
     const bool exact = error.parameters.sampling == sim::DepthSampling::bilinear_inverse_depth ||
                        error.parameters.sampling == sim::DepthSampling::tangent_plane;

@@ -72,7 +72,7 @@ class LidarRig : public ::testing::Test {
                                 : "    position_port: " + std::to_string(port() + 1) + "\n")
                         << "    mount: {link: body, position: [0 m, 0 m, 2 m]}\n"
                         << more;
-    rig = std::make_unique<Rig>(load_rig(file.string(), {}).configuration, io, "");
+    rig = std::make_unique<Rig>(load_rig(file.string(), {}).configuration, io, TruthFiles{});
     data = std::make_unique<Listener>(io, "127.0.0.1", port());
     position = std::make_unique<Listener>(io, "127.0.0.1", port() + 1);
   }
@@ -322,7 +322,7 @@ TEST(LidarPark, AllModelsStreamAtOnce) {
       }
     }
   }
-  Rig rig(load_rig(RIGWIRE_SOURCE_DIR "/configs/rigs/lidar_park.yaml", sets).configuration, io, "");
+  Rig rig(load_rig(RIGWIRE_SOURCE_DIR "/configs/rigs/lidar_park.yaml", sets).configuration, io, {});
   EXPECT_FALSE(rig.executive().run_free(kStart + 100ms).fault.has_value());
   io.restart();
   io.run_for(20ms);

@@ -23,5 +23,6 @@ behind="-14 0 9"
 cloud forest forest_lidar 20 "" "$behind"
 cloud forest_rain forest_lidar 20 "" "$behind" --set 'scene.weather.course=[{rain: 50 mm/h}]'
 cloud pit excavator_pit 20 "" "$behind"
-cloud pit_dust excavator_pit 140 build/dig_cycle "$behind" \
-  --set 'scene.weather.course=[{dryness: 10, wind: 2 m/s, wind_from: 200 deg}]'
+# path_follow leaves the lidar's port to the picture; the dust is behind the wheels.
+cloud forest_dust unimog_forest 160 "build/path_follow --path configs/paths/forest_track.csv \
+  --antenna 3.2,0" "-22 0 7" --set 'scene.weather.course=[{dryness: 10, wind: 1 m/s}]'

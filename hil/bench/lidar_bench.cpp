@@ -111,8 +111,8 @@ std::vector<LidarStageCost> measure_lidar_stage(const RigConfiguration& rig,
           "lidar stage: found slices of {} ms and {} rounds, allowed >= 1", slice_ms, rounds));
     }
     MovingMachine machine(rig, sensor_mount(rig.machine, lidar_settings.mount));
-    sim::SpinningLidar lidar(lidar_settings.sensor.beam, plan.pattern, plan.plan, plan.command, kSeed,
-                             "bench");
+    sim::SpinningLidar lidar(lidar_settings.sensor.beam, plan.pattern, plan.plan, plan.command,
+                             kSeed, "bench");
     std::vector<LidarFiring> firings;
     std::vector<double> ratios;
     LidarStageCost cost;

@@ -175,7 +175,7 @@ void BeamCaster::trace(const BlockCast& cast, const RingPacket& plan, Beams& bea
     for (const RayChoice& choice : first + count < aims_.size() ? whole_group_ : last_group_) {
       RTCRayHit8 packet;
       load_rays(middle, group, choice, packet);
-      rtcIntersect8(valid.data(), in.top.get(), &context, &packet);
+      in.intersect(valid.data(), context, packet);
       HitSurfaces surfaces;
       meet_surfaces(in.shading.data(), packet, surfaces);
       store_hits(packet, surfaces, choice, group);

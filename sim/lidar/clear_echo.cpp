@@ -164,7 +164,7 @@ void ClearEcho::cast(const BlockCast& cast) const {
   const float* packet_noise_m = noise_m.data();
   for (const RingPacket& plan : cast.packets) {
     fill_packet(cast.block, plan, cast.limits, packet);
-    rtcIntersect8(valid.data(), in.top.get(), &context, &packet);
+    in.intersect(valid.data(), context, packet);
     meet(in.shading.data(), packet, incidence);
     receive(packet.ray, incidence, packet_noise_m, window, echoes);
     packet_noise_m += kLanes;

@@ -90,16 +90,17 @@ std::size_t DepthImage::render_row(const Scene& scene, const DepthImageView& vie
       packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
       packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
     }
-    rtcIntersect8(valid.data(), in.top.get(), &context, &packet);
+    in.intersect(valid.data(), context, packet);
     const std::size_t count = std::min(kLanes, columns.last - first);
     for (std::size_t lane = 0; lane < count; ++lane) {
       const std::size_t pixel = index(first + lane, row);
-      if (packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) {
+      const std::uint32_t surface =
+          surface_number(packet.hit.instID[0][lane], packet.hit.geomID[lane]);
+      if (surface == RTC_INVALID_GEOMETRY_ID) {
         inverse_depth_[pixel] = 0.0F;
         surface_[pixel] = kNothing;
         continue;
       }
-      const std::uint32_t surface = packet.hit.instID[0][lane];
       const Eigen::Vector3f n_W =
           in.shading[surface].R_WM *
           Eigen::Vector3f(packet.hit.Ng_x[lane], packet.hit.Ng_y[lane], packet.hit.Ng_z[lane]);

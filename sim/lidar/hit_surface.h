@@ -15,8 +15,7 @@ namespace rigwire::sim {
 struct alignas(32) SurfaceNumbers : std::array<std::uint32_t, kLanes> {
   explicit SurfaceNumbers(const RTCHit8& hit) {
     for (std::size_t i = 0; i < kLanes; ++i) {
-      (*this)[i] =
-          hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? RTC_INVALID_GEOMETRY_ID : hit.instID[0][i];
+      (*this)[i] = surface_number(hit.instID[0][i], hit.geomID[i]);
     }
   }
 };

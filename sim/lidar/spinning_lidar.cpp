@@ -247,9 +247,9 @@ void RecordedRays::cast_bare(const Scene& scene) {
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   alignas(32) std::array<int, kLanes> valid{};
   valid.fill(-1);
-  RTCScene top = scene.internals().top.get();
+  const Scene::Internals& in = scene.internals();
   for (RTCRayHit8& packet : packets_->working) {
-    rtcIntersect8(valid.data(), top, &context, &packet);
+    in.intersect(valid.data(), context, packet);
   }
 }
 

@@ -8,13 +8,6 @@
 
 namespace rigwire::sim {
 
-std::uint32_t Scene::Internals::new_geometry_id(std::uint32_t instance, const Shading& surface) {
-  const auto id = static_cast<std::uint32_t>(shading.size());
-  shading.push_back(surface);
-  instance_of.push_back(instance);
-  return id;
-}
-
 Scene::Internals::Terrain& Scene::Internals::terrain_of(std::uint32_t instance) {
   const auto found = std::ranges::find(terrains, instance, &Terrain::instance);
   if (found == terrains.end()) {
@@ -64,7 +57,7 @@ Scene::Internals::Tile Scene::Internals::make_tile(const Terrain& terrain, std::
   rtcSetGeometryInstancedScene(tile.placed.get(), tile.inner.get());
   rtcSetGeometryMask(tile.placed.get(), 1U);
   const Shading surface = shading[placed_of(terrain.instance).geometry_id];
-  rtcAttachGeometryByID(top.get(), tile.placed.get(), new_geometry_id(terrain.instance, surface));
+  rtcAttachGeometryByID(moving.get(), tile.placed.get(), new_moving_id(terrain.instance, surface));
   check("terrain tile");
   return tile;
 }
@@ -118,6 +111,7 @@ void Scene::make_changeable(InstanceId terrain) {
       changing.tiles.push_back(in.make_tile(changing, c, r));
     }
   }
+  in.ground_moves = true;
   in.fixed_placed = false;
 }
 

@@ -57,6 +57,22 @@ std::uint32_t Scene::Internals::material_index(const Material& material) {
   return static_cast<std::uint32_t>(found - materials.begin());
 }
 
+std::uint32_t Scene::Internals::new_fixed_id(std::uint32_t instance, const Shading& surface) {
+  const auto id = static_cast<std::uint32_t>(shading.size());
+  shading.push_back(surface);
+  instance_of.push_back(instance);
+  return id;
+}
+
+std::uint32_t Scene::Internals::new_moving_id(std::uint32_t instance, const Shading& surface) {
+  if (low_numbers_used == kLowNumbers) {
+    return new_fixed_id(instance, surface);
+  }
+  shading[low_numbers_used] = surface;
+  instance_of[low_numbers_used] = instance;
+  return low_numbers_used++;
+}
+
 Scene::InstanceId Scene::Internals::add_instance(const Mesh& mesh, std::uint32_t body,
                                                  const Eigen::Isometry3d& X_PM, double scale,
                                                  std::span<const Material> surfaces,
@@ -85,18 +101,24 @@ Scene::InstanceId Scene::Internals::add_instance(const Mesh& mesh, std::uint32_t
     rtcSetGeometryTimeStepCount(geometry.get(), 2);
   }
   const auto first = static_cast<InstanceId>(instances.size());
-  const auto geometry_id = static_cast<std::uint32_t>(shading.size());
+  std::uint32_t geometry_id = RTC_INVALID_GEOMETRY_ID;  // of the first part
   for (const Material& surface : surfaces) {
     const auto id = static_cast<InstanceId>(instances.size());
-    (void)new_geometry_id(id, {X_PM.linear().cast<float>(), static_cast<float>(surface.reflectance),
-                               static_cast<float>(surface.retro_gain)});
+    const Shading shown{X_PM.linear().cast<float>(), static_cast<float>(surface.reflectance),
+                        static_cast<float>(surface.retro_gain)};
+    geometry_id =
+        std::min(geometry_id, body == kFixed ? new_fixed_id(id, shown) : new_moving_id(id, shown));
     instances.push_back({static_cast<std::uint32_t>(placed.size()), material_index(surface)});
     has_foliage = has_foliage || surface.foliage;
   }
-  rtcAttachGeometryByID(body == kFixed ? fixed.get() : top.get(), geometry.get(), geometry_id);
+  rtcAttachGeometryByID(body == kFixed ? fixed.get() : moving.get(), geometry.get(), geometry_id);
   check("adding an object");
+  if (body != kFixed) {
+    on_bodies.push_back(static_cast<std::uint32_t>(placed.size()));
+  } else {
+    fixed_placed = false;
+  }
   placed.push_back({std::move(geometry), X_PM, scale, body, geometry_id, std::string(name)});
-  fixed_placed = false;
   return first;
 }
 
@@ -110,14 +132,15 @@ Scene::Scene() : internals_(std::make_unique<Internals>()) {
   if (rtcGetDeviceProperty(internals_->device.get(), RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) == 0) {
     throw std::runtime_error("scene: this build of Embree has no ray masks");
   }
-  internals_->top.reset(rtcNewScene(internals_->device.get()));
-  rtcSetSceneFlags(internals_->top.get(),
+  internals_->moving.reset(rtcNewScene(internals_->device.get()));
+  rtcSetSceneFlags(internals_->moving.get(),
                    static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
   internals_->fixed.reset(rtcNewScene(internals_->device.get()));
   rtcSetSceneFlags(internals_->fixed.get(), RTC_SCENE_FLAG_ROBUST);
   internals_->canopy.reset(rtcNewScene(internals_->device.get()));
   rtcSetSceneFlags(internals_->canopy.get(), RTC_SCENE_FLAG_ROBUST);
-  (void)internals_->new_geometry_id(Internals::kFixed, {});  // kPieceNumber
+  internals_->shading.resize(Internals::kLowNumbers);
+  internals_->instance_of.resize(Internals::kLowNumbers);
   internals_->check("setting up");
 }
 
@@ -212,8 +235,7 @@ void Scene::add_canopy(const TriangleMesh& closed, const Eigen::Isometry3d& X_WM
   rtcSetGeometryInstancedScene(geometry.get(), in.meshes[mesh].scene.get());
   rtcAttachGeometry(in.canopy.get(), geometry.get());
   in.check("adding a canopy");
-  in.placed.push_back(
-      {std::move(geometry), X_WM, 1.0, Internals::kFixed, Internals::kPieceNumber, closed.name});
+  in.placed.push_back({std::move(geometry), X_WM, 1.0, Internals::kFixed, 0, closed.name});
   in.has_canopy = true;
   in.fixed_placed = false;
 }
@@ -279,11 +301,11 @@ std::optional<SceneHit> Scene::cast(const Eigen::Vector3d& p_W, const Eigen::Vec
       make_ray(p_W - in.origin_W, direction_W, near_m, far_m, in.slice_fraction(time), mask);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(in.top.get(), &context, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+  in.intersect(context, query);
+  const std::uint32_t surface = surface_number(query.hit.instID[0], query.hit.geomID);
+  if (surface == RTC_INVALID_GEOMETRY_ID) {
     return std::nullopt;
   }
-  const std::uint32_t surface = query.hit.instID[0];
   SceneHit hit;
   hit.range_m = query.ray.tfar;
   hit.instance = in.instance_of[surface];

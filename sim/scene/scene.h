@@ -15,9 +15,9 @@
 // A terrain may change while the scene is used (digging): update_terrain() stages new heights,
 // begin_slice() shows them.
 //
-// Fixed objects stand in a scene of their own within the one that rays are cast into: thousands of
-// trees cost nothing in a slice of time, in which only bodies and dug terrain change. It is built
-// again when the local origin moves.
+// Fixed objects and moving ones are two of Embree's scenes, and a ray is cast into both: thousands
+// of trees cost nothing in a slice of time, in which only bodies and dug terrain change. The fixed
+// one is built again when the local origin moves.
 //
 // Thread use: casting is const and may run on many threads; building and begin_slice() may not run
 // beside it.

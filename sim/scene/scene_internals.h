@@ -64,12 +64,21 @@ inline RTCRay make_ray(const Eigen::Vector3d& p, const Eigen::Vector3d& directio
   return ray;
 }
 
+/// What a ray has met, as index into Scene::Internals::shading and instance_of, from the numbers
+/// that it comes back with; RTC_INVALID_GEOMETRY_ID: nothing. A model is one instance for Embree:
+/// its parts' indices follow each other.
+inline std::uint32_t surface_number(std::uint32_t instance, std::uint32_t part) {
+  return part == RTC_INVALID_GEOMETRY_ID ? RTC_INVALID_GEOMETRY_ID : instance + part;
+}
+
 /// Bits of ray masks of a surface; `body` may be Internals::kFixed.
 [[nodiscard]] std::uint32_t surface_mask(const Material& material, std::uint32_t body);
 
 struct Scene::Internals {
   static constexpr std::uint32_t kFixed = 0xFFFFFFFFU;
-  static constexpr std::uint32_t kPieceNumber = 0;  ///< Embree's, of `as_piece` in `top`.
+  /// Embree's numbers from 0 on are kept for what moves: every slice, its commit runs through all
+  /// numbers up to the greatest in `moving`. More moving things than these are slower, no more.
+  static constexpr std::uint32_t kLowNumbers = 1024;
 
   /// What Embree knows as one instance: a mesh, or a model with all its parts.
   struct Placed {
@@ -126,24 +135,25 @@ struct Scene::Internals {
 
   std::string first_error;  ///< Written by Embree's error callback.
   DeviceHandle device;
-  /// What rays are cast into: terrain that changes, bodies, and `fixed` as one piece.
-  SceneHandle top;
-  SceneHandle fixed;        ///< Everything else.
-  GeometryHandle as_piece;  ///< `fixed` in `top`; null until something stands there.
-  SceneHandle canopy;       ///< Surfaces that only radio signals meet.
+  /// What changes from slice to slice: bodies, and terrain that is dug.
+  SceneHandle moving;
+  SceneHandle fixed;   ///< Everything else that rays meet.
+  SceneHandle canopy;  ///< Surfaces that only radio signals meet.
   std::vector<std::unique_ptr<MaskedSurface>> masked;
   std::vector<Mesh> meshes;
   std::vector<Placed> placed;
+  std::vector<std::uint32_t> on_bodies;  ///< Which of `placed` bodies carry.
   std::vector<Instance> instances;
   std::vector<Material> materials;
-  /// By the instance's number that a ray comes back with (nested_scene.cpp).
-  std::vector<Shading> shading;
+  std::vector<Shading> shading;            ///< By surface_number().
   std::vector<std::uint32_t> instance_of;  ///< The same.
+  std::uint32_t low_numbers_used = 0;
   std::vector<Terrain> terrains;
   Duration terrain_period{0};
   std::vector<std::string> bodies;
   Eigen::Vector3d origin_W = Eigen::Vector3d::Zero();  ///< Of Embree's float coordinates.
   bool fixed_placed = false;
+  bool ground_moves = false;  ///< Tiles of terrain are in `moving`.
   bool has_foliage = false;
   bool has_canopy = false;
   SimTime t0{};
@@ -156,6 +166,17 @@ struct Scene::Internals {
   /// Surfaces: one for each part, or none.
   MeshId add_meshes(std::string name, std::span<const TriangleMesh* const> parts,
                     std::vector<Material> surfaces);
+  /// The first hit on anything, moving or fixed; read by surface_number(). What the first scene
+  /// stops is short in the second one; ground in tiles comes last, which is measured to be quicker.
+  void intersect(const int* valid, RTCIntersectContext& context, RTCRayHit8& packet) const {
+    rtcIntersect8(valid, (ground_moves ? fixed : moving).get(), &context, &packet);
+    rtcIntersect8(valid, (ground_moves ? moving : fixed).get(), &context, &packet);
+  }
+  void intersect(RTCIntersectContext& context, RTCRayHit& ray) const {
+    rtcIntersect1(moving.get(), &context, &ray);
+    rtcIntersect1(fixed.get(), &context, &ray);
+  }
+
   /// An instance with a part for each of the materials, in `fixed` or on a body.
   InstanceId add_instance(const Mesh& mesh, std::uint32_t body, const Eigen::Isometry3d& X_PM,
                           double scale, std::span<const Material> surfaces, std::string_view name);
@@ -163,15 +184,14 @@ struct Scene::Internals {
   const Placed& placed_of(std::uint32_t instance) const {
     return placed[instances[instance].placed];
   }
-  /// The next of Embree's numbers, for a part of this instance.
-  std::uint32_t new_geometry_id(std::uint32_t instance, const Shading& surface);
+  /// The next of Embree's numbers, for a part of this instance in `fixed` or in `moving`.
+  std::uint32_t new_fixed_id(std::uint32_t instance, const Shading& surface);
+  std::uint32_t new_moving_id(std::uint32_t instance, const Shading& surface);
   Tile make_tile(const Terrain& terrain, std::size_t first_column, std::size_t first_row);
   Terrain& terrain_of(std::uint32_t instance);
   /// Shows staged heights to the rays when they are due.
   void refresh_terrains();
   void place_fixed();
-  /// Makes `fixed` a piece of `top`, or tells `top` that it has changed.
-  void show_fixed();
   void place_bodies(std::span<const BodyMotion> motions);
 
   /// Share of the slice that has passed at `time`, 0 .. 1.

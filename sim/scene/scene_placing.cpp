@@ -51,15 +51,12 @@ void Scene::Internals::place_fixed() {
   if (has_canopy) {
     rtcCommitScene(canopy.get());
   }
-  show_fixed();
   fixed_placed = true;
 }
 
 void Scene::Internals::place_bodies(std::span<const BodyMotion> motions) {
-  for (const Placed& thing : placed) {
-    if (thing.body == kFixed) {
-      continue;
-    }
+  for (const std::uint32_t index : on_bodies) {
+    const Placed& thing = placed[index];
     const BodyMotion& motion = motions[thing.body];
     const Transform start = to_transform(motion.X_WB_start * thing.X_PM, thing.scale, origin_W);
     const Transform end = to_transform(motion.X_WB_end * thing.X_PM, thing.scale, origin_W);
@@ -98,7 +95,7 @@ void Scene::begin_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W,
   }
   in.refresh_terrains();
   in.place_bodies(motions);
-  rtcCommitScene(in.top.get());
+  rtcCommitScene(in.moving.get());
   in.check("placing the bodies");
 }
 

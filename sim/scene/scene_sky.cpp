@@ -72,7 +72,10 @@ bool Scene::blocked(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction
   rtcInitIntersectContext(&context);
   RTCRay ray =
       make_ray(p_W - in.origin_W, direction_W, clearance_m, kForever, 1.0F, kSeeEverything);
-  rtcOccluded1(in.top.get(), &context, &ray);
+  rtcOccluded1(in.moving.get(), &context, &ray);
+  if (ray.tfar >= 0.0F) {
+    rtcOccluded1(in.fixed.get(), &context, &ray);
+  }
   return ray.tfar < 0.0F;
 }
 
@@ -100,7 +103,8 @@ SkyPath Scene::sky_path(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direc
     rtcIntersect1(scene, &counting.context, &query);
   };
   if (in.has_foliage) {
-    count_in(in.top.get(), foliage_mask());
+    count_in(in.moving.get(), foliage_mask());
+    count_in(in.fixed.get(), foliage_mask());
   }
   if (in.has_canopy) {
     count_in(in.canopy.get(), kSeeEverything);

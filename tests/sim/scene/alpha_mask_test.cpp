@@ -104,13 +104,13 @@ void compare_packets(const Scene::Internals& in, RandomStream& random,
       packet.ray.mask[i] = Scene::kSeeEverything;
       packet.hit.geomID[i] = packet.hit.instID[0][i] = kNone;
     }
-    cast(valid.data(), in.top.get(), &context, &packet);
+    cast(valid.data(), in.fixed.get(), &context, &packet);
     for (unsigned i = 0; i < kWidth; ++i) {
       if (valid[i] == 0) {
         EXPECT_EQ(packet.hit.instID[0][i], kNone) << "a lane that is switched off";
         continue;
       }
-      rtcIntersect1(in.top.get(), &context, &single[i]);
+      rtcIntersect1(in.fixed.get(), &context, &single[i]);
       ASSERT_NE(packet.hit.instID[0][i], kNone);
       EXPECT_EQ(packet.hit.instID[0][i], single[i].hit.instID[0]);
       EXPECT_FLOAT_EQ(packet.ray.tfar[i], single[i].ray.tfar);

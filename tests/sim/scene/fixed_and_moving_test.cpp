@@ -1,4 +1,4 @@
-// Fixed things within what rays are cast into: the same hits as by single rays, whatever moves.
+// Fixed things and moving ones together: the nearest is met, by single rays and by packets.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ std::vector<MeshPart> signpost() {
           {plate, {.reflectance = 0.9, .label = "plate", .retro_gain = 0.8}}};
 }
 
-TEST(NestedScene, PartsOfAModelHaveTheirOwnMaterialAndOneName) {
+TEST(FixedAndMoving, PartsOfAModelHaveTheirOwnMaterialAndOneName) {
   Scene scene;
   const auto model = scene.add_model(signpost());
   for (const double offset : {0.0, 10e3, 1000e3}) {
@@ -62,7 +62,7 @@ TEST(NestedScene, PartsOfAModelHaveTheirOwnMaterialAndOneName) {
   }
 }
 
-TEST(NestedScene, EveryCallerFindsThePartInTheInstancesNumber) {
+TEST(FixedAndMoving, PacketsMeetWhatSingleRaysMeet) {
   Scene scene;
   const auto model = scene.add_model(signpost());
   RandomStream random(1, "posts");
@@ -102,10 +102,10 @@ TEST(NestedScene, EveryCallerFindsThePartInTheInstancesNumber) {
       packet.ray.mask[i] = ray.mask;
       packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
-    rtcIntersect8(valid.data(), in.top.get(), &context, &packet);
+    in.intersect(valid.data(), context, packet);
     for (std::size_t i = 0; i < 8; ++i) {
       const auto hit = scene.cast(p, directions[i], 0.0, 60.0, kT0);
-      const unsigned number = packet.hit.instID[0][i];
+      const unsigned number = surface_number(packet.hit.instID[0][i], packet.hit.geomID[i]);
       ASSERT_EQ(hit.has_value(), number != RTC_INVALID_GEOMETRY_ID);
       if (hit) {
         EXPECT_EQ(in.instance_of[number], hit->instance);
@@ -120,7 +120,7 @@ TEST(NestedScene, EveryCallerFindsThePartInTheInstancesNumber) {
   EXPECT_GT(*std::ranges::min_element(met), 100);
 }
 
-TEST(NestedScene, ThingsAddedBetweenSlicesAndFarMovesAreSeen) {
+TEST(FixedAndMoving, ThingsAddedBetweenSlicesAndFarMovesAreSeen) {
   Scene scene;
   const auto cube = scene.add_mesh(make_box("cube", {2, 2, 2}));
   scene.add_object(cube, at({10, 0, 0}), 1.0, {}, "first");
@@ -137,14 +137,126 @@ TEST(NestedScene, ThingsAddedBetweenSlicesAndFarMovesAreSeen) {
   EXPECT_NEAR(scene.cast({200, 0, 0}, -Vector3d::UnitX(), 0, 500, kT1)->range_m, 189.0, 1e-4);
 }
 
-TEST(NestedScene, AnEmptySceneIsEmpty) {
+TEST(FixedAndMoving, AThingIsMetAlikeWhereItStandsOrIsCarried) {
+  // The same boxes, all fixed, all on bodies that rest, or every other one on a body.
+  RandomStream placing(7, "boxes");
+  std::vector<Isometry3d> poses;
+  for (int i = 0; i < 80; ++i) {
+    Isometry3d X = at(
+        {placing.uniform(-15.0, 15.0), placing.uniform(-15.0, 15.0), placing.uniform(-3.0, 3.0)});
+    X.rotate(Eigen::AngleAxisd(placing.uniform(0.0, 3.0), Vector3d(1, 2, 3).normalized()));
+    poses.push_back(X);
+  }
+  struct Ways {
+    Scene scene;
+    std::vector<BodyMotion> motions;
+  };
+  std::array<Ways, 3> ways;
+  for (std::size_t way = 0; way < ways.size(); ++way) {
+    Scene& scene = ways[way].scene;
+    const auto box = scene.add_mesh(make_box("box", {1.0, 1.5, 0.7}));
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (way == 1 || (way == 2 && i % 2 == 0)) {
+        scene.add_body_part(scene.add_body("box"), box, Isometry3d::Identity(), {});
+        ways[way].motions.push_back({poses[i], poses[i]});
+      } else {
+        scene.add_object(box, poses[i], 1.0, {});
+      }
+    }
+    scene.begin_slice(kT0, kT1, Vector3d::Zero(), ways[way].motions);
+  }
+  RandomStream random(8, "rays");
+  int met = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Vector3d p(random.uniform(-5.0, 5.0), random.uniform(-5.0, 5.0), 0.0);
+    const Vector3d direction =
+        Vector3d(random.gaussian(), random.gaussian(), 0.3 * random.gaussian()).normalized();
+    const auto fixed = ways[0].scene.cast(p, direction, 0.0, 100.0, kT0);
+    const bool blocked = ways[0].scene.blocked(p, direction, 0.0);
+    for (const std::size_t way : {1U, 2U}) {
+      const auto hit = ways[way].scene.cast(p, direction, 0.0, 100.0, kT0);
+      ASSERT_EQ(hit.has_value(), fixed.has_value());
+      EXPECT_EQ(ways[way].scene.blocked(p, direction, 0.0), blocked);
+      if (hit) {
+        EXPECT_EQ(hit->instance, fixed->instance);
+        EXPECT_NEAR(hit->range_m, fixed->range_m, 1e-4);
+        EXPECT_NEAR((hit->normal_W - fixed->normal_W).norm(), 0.0, 1e-5);
+        ++met;
+      }
+    }
+  }
+  EXPECT_GT(met, 1000);
+}
+
+TEST(FixedAndMoving, GroundThatIsDugHidesAndIsHiddenLikeOther) {
+  HeightField field;
+  field.cell_m = 0.5;
+  field.columns = field.rows = 101;
+  field.origin_m = {-25.0, -25.0};
+  for (std::size_t i = 0; i < field.columns * field.rows; ++i) {
+    field.heights_m.push_back(0.4 * std::sin(0.1 * static_cast<double>(i)));
+  }
+  std::array<Scene, 2> scenes;
+  for (Scene& scene : scenes) {
+    const auto ground = scene.add_terrain(field, {});
+    const auto model = scene.add_model(signpost());
+    RandomStream random(3, "posts");
+    for (int i = 0; i < 40; ++i) {
+      scene.add_model_object(
+          model, at({random.uniform(-20.0, 20.0), random.uniform(-20.0, 20.0), -0.5}), 1.0, "sign");
+    }
+    if (&scene == &scenes[1]) {
+      scene.make_changeable(ground);
+    }
+    scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
+  }
+  RandomStream random(4, "rays");
+  std::array<int, 2> met{};
+  for (int i = 0; i < 4000; ++i) {
+    const Vector3d direction =
+        Vector3d(random.gaussian(), random.gaussian(), -random.uniform(0.0, 0.4)).normalized();
+    const auto whole = scenes[0].cast({0, 0, 2}, direction, 0.0, 100.0, kT0);
+    const auto tiled = scenes[1].cast({0, 0, 2}, direction, 0.0, 100.0, kT0);
+    ASSERT_EQ(whole.has_value(), tiled.has_value());
+    if (whole) {
+      EXPECT_EQ(whole->instance, tiled->instance);
+      EXPECT_NEAR(whole->range_m, tiled->range_m, 1e-4);
+      ++met[whole->instance == 0 ? 0 : 1];
+    }
+  }
+  EXPECT_GT(*std::ranges::min_element(met), 100);
+}
+
+TEST(FixedAndMoving, MoreMovingThingsThanLowNumbersKeepTheirs) {
+  Scene scene;
+  const auto cube = scene.add_mesh(make_box("cube", {1, 1, 1}));
+  const auto body = scene.add_body("train");
+  constexpr std::uint32_t kWaggons = Scene::Internals::kLowNumbers + 50;
+  for (std::uint32_t i = 0; i < kWaggons; ++i) {
+    // By turns a fixed thing beside it: instances 2 i and 2 i + 1.
+    scene.add_body_part(body, cube, at({2.0 * i, 0, 0}), {.reflectance = 0.5, .label = "waggon"});
+    scene.add_object(cube, at({2.0 * i, 10, 0}), 1.0, {.reflectance = 0.2, .label = "post"});
+  }
+  const std::vector<BodyMotion> motion{{at({0, 3, 0}), at({0, 3, 0})}};
+  scene.begin_slice(kT0, kT1, Vector3d::Zero(), motion);
+  for (std::uint32_t i = 0; i < kWaggons; ++i) {
+    const auto waggon = scene.cast({2.0 * i, 0, 0}, Vector3d::UnitY(), 0.0, 50.0, kT0);
+    const auto post = scene.cast({2.0 * i, 20, 0}, -Vector3d::UnitY(), 0.0, 50.0, kT0);
+    ASSERT_TRUE(waggon && post);
+    ASSERT_EQ(waggon->instance, 2 * i);
+    ASSERT_EQ(post->instance, 2 * i + 1);
+    ASSERT_EQ(scene.label(waggon->instance), "waggon");
+  }
+}
+
+TEST(FixedAndMoving, AnEmptySceneIsEmpty) {
   Scene scene;
   scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
   EXPECT_FALSE(scene.cast(Vector3d::Zero(), Vector3d::UnitX(), 0, 1e4, kT0).has_value());
   EXPECT_FALSE(scene.blocked(Vector3d::Zero(), Vector3d::UnitZ(), 0.0));
 }
 
-TEST(NestedScene, ModelsAndMeshesAreNotMixedUp) {
+TEST(FixedAndMoving, ModelsAndMeshesAreNotMixedUp) {
   Scene scene;
   const auto model = scene.add_model(signpost());
   const auto mesh = scene.add_mesh(make_box("cube", {2, 2, 2}));
@@ -168,7 +280,7 @@ TEST(NestedScene, ModelsAndMeshesAreNotMixedUp) {
               ThrowsMessage<std::invalid_argument>(HasSubstr("no part")));
 }
 
-TEST(NestedScene, BodyPartsBearTheirBodysNameUnlessGivenOne) {
+TEST(FixedAndMoving, BodyPartsBearTheirBodysNameUnlessGivenOne) {
   Scene scene;
   const auto mesh = scene.add_mesh(make_box("cube", {2, 2, 2}));
   const auto body = scene.add_body("boom");

@@ -54,10 +54,22 @@ void RawRanges::aim(double rotor_azimuth_rad, double rotor_rate_radps, std::size
     const double left = 1.0 - 0.5 * turned * turned;
     const double right = sine * left + cosine * turned;
     const double ahead = cosine * left - sine * turned;
-    beams.x_per_m[i] = cos_elevation_[n] * right;
-    beams.y_per_m[i] = cos_elevation_[n] * ahead;
-    beams.x_at[i] = -horizontal_offset_m_[n] * ahead;
-    beams.y_at[i] = horizontal_offset_m_[n] * right;
+    const double x_per_m = cos_elevation_[n] * right;
+    const double y_per_m = cos_elevation_[n] * ahead;
+    const double x_at = -horizontal_offset_m_[n] * ahead;
+    const double y_at = horizontal_offset_m_[n] * right;
+    const double steep_x = std::abs(slope_x_[n]);
+    const double steep_y = std::abs(slope_y_[n]);
+    beams.x.share[i] = x_per_m * x_per_m;
+    beams.y.share[i] = 1.0 - beams.x.share[i];
+    beams.x.per_m[i] = std::copysign(1.0, slope_x_[n]) * x_per_m;
+    beams.y.per_m[i] = std::copysign(1.0, slope_y_[n]) * y_per_m;
+    beams.x.at[i] = std::copysign(1.0, slope_x_[n]) * x_at;
+    beams.y.at[i] = std::copysign(1.0, slope_y_[n]) * y_at;
+    beams.x.turn[i] = beams.x.share[i] * steep_x * x_per_m;
+    beams.y.turn[i] = beams.y.share[i] * steep_y * y_per_m;
+    beams.x.lean[i] = steep_x * x_at;
+    beams.y.lean[i] = steep_y * y_at;
   }
 }
 

@@ -28,14 +28,20 @@ class RawRanges {
   RawRanges(const protocols::velodyne::Hdl64eCalibration& calibration,
             std::span<const protocols::velodyne::Laser> lasers);
 
-  /// Where the beams of one bank pointed when they were shot: laser i sees a target at raw + far
-  /// metres at x = x_per_m * (raw + far) + x_at, in the manual's frame, and so with y.
+  /// What counts() needs of the beams of one bank, as they pointed when they were shot. In the
+  /// manual's frame a target's coordinate is about per_m * range + at on each axis.
   struct Beams {
+    using Column = std::array<double, kBankLasers>;
+    struct Axis {
+      Column share;  ///< Of the axis's correction in that of the range.
+      Column per_m;  ///< This and the next with the slope's sign.
+      Column at;
+      Column turn;  ///< share * slope * per_m for a correction that grows with the coordinate.
+      Column lean;  ///< slope * at, likewise.
+    };
     std::size_t first_laser;
-    std::array<double, kBankLasers> x_per_m;
-    std::array<double, kBankLasers> y_per_m;
-    std::array<double, kBankLasers> x_at;
-    std::array<double, kBankLasers> y_at;
+    Axis x;
+    Axis y;
   };
   /// The rotor is that of the first laser of the firing. Fills the beams in place.
   void aim(double rotor_azimuth_rad, double rotor_rate_radps, std::size_t first_laser,
@@ -44,19 +50,13 @@ class RawRanges {
   /// Laser i of the bank. Not rounded; below 1: nearer than the laser can tell.
   [[nodiscard]] double counts(const Beams& beams, std::size_t i, double range_m) const {
     const std::size_t n = beams.first_laser + i;
-    const double x_per_m = beams.x_per_m[i];
-    const double y_per_m = beams.y_per_m[i];
-    const double x_at = beams.x_at[i];
-    const double y_at = beams.y_at[i];
     // The corrections follow the magnitudes of the coordinates.
-    const double slope_x = std::copysign(slope_x_[n], slope_x_[n] * (x_per_m * range_m + x_at));
-    const double slope_y = std::copysign(slope_y_[n], slope_y_[n] * (y_per_m * range_m + y_at));
-    const double share_x = x_per_m * x_per_m;
-    const double share_y = 1.0 - share_x;
+    const double sign_x = std::copysign(1.0, beams.x.per_m[i] * range_m + beams.x.at[i]);
+    const double sign_y = std::copysign(1.0, beams.y.per_m[i] * range_m + beams.y.at[i]);
     // range = raw + share_x * correction_x + share_y * correction_y, solved for raw + far.
-    const double per_m = 1.0 + share_x * slope_x * x_per_m + share_y * slope_y * y_per_m;
-    const double constant =
-        share_x * (at_axis_x_[n] + slope_x * x_at) + share_y * (at_axis_y_[n] + slope_y * y_at);
+    const double per_m = 1.0 + sign_x * beams.x.turn[i] + sign_y * beams.y.turn[i];
+    const double constant = beams.x.share[i] * (at_axis_x_[n] + sign_x * beams.x.lean[i]) +
+                            beams.y.share[i] * (at_axis_y_[n] + sign_y * beams.y.lean[i]);
     const double raw_m = (range_m + far_m_[n] - constant) / per_m - far_m_[n];
     return raw_m / protocols::velodyne::kHdl64eDistanceUnit_m;
   }

@@ -91,15 +91,21 @@ void ReturnEncoder::take_back_corrections(const RawRanges::Beams& beams, const B
                                           EncodedReturns& encoded) const {
   constexpr double kFarthestCount = 65535.0;
   const RawRanges& raw_ranges = *raw_ranges_;
+  // A column of their own: of echoes, the compiler leaves the last eight to a slow loop, lest it
+  // read beyond the last range.
+  std::array<double, kBankLasers> ranges_m;
+  for (std::size_t i = 0; i < kBankLasers; ++i) {
+    ranges_m[i] = static_cast<double>(echoes[i].range_m);
+  }
   for (std::size_t i = 0; i < kBankLasers; ++i) {
     const auto word = static_cast<std::int32_t>(encoded[i]);
-    const double raw = raw_ranges.counts(beams, i, static_cast<double>(echoes[i].range_m));
-    const bool told = (word != 0) & (raw >= 0.5) & (raw < kFarthestCount + 0.5);
-    const double counts = choose(told, raw, 0.0);
+    const double raw = raw_ranges.counts(beams, i, ranges_m[i]);
+    const double counts = choose((raw >= 0.5) & (raw < kFarthestCount + 0.5), raw, 0.0);
     const std::int32_t intensity =
         raw_ranges.intensity(beams.first_laser + i, static_cast<double>(word >> 16), counts);
-    const std::int32_t raw_word = static_cast<std::int32_t>(counts + 0.5) | intensity << 16;
-    encoded[i] = choose(told, static_cast<velodyne::ChannelWord>(raw_word), 0U);
+    const auto whole = static_cast<std::int32_t>(counts + 0.5);
+    encoded[i] = choose((word != 0) & (whole != 0),
+                        static_cast<velodyne::ChannelWord>(whole | intensity << 16), 0U);
   }
 }
 

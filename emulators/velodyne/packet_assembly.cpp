@@ -3,40 +3,27 @@
 #include <algorithm>
 #include <cassert>
 
+#include "sim/samples/wide_vectors.h"
+
 namespace rigwire::emulators {
 namespace {
 
 namespace velodyne = protocols::velodyne;
-using velodyne::Block;
 using velodyne::BlockEcho;
-using velodyne::Channel;
 using velodyne::ReturnMode;
 
 constexpr std::uint32_t kDistance = 0xFFFF;
 
-/// Chooses without branches; the masks are all ones or all zeros.
-constexpr std::uint32_t mask(bool condition) {
-  return 0U - static_cast<std::uint32_t>(condition);
-}
-constexpr std::uint32_t choose(std::uint32_t which, std::uint32_t yes, std::uint32_t no) {
-  return (yes & which) | (no & ~which);
-}
-
 /// Makes of the three echoes of each shot the two that are reported.
+RIGWIRE_WIDE_VECTORS
 void pair_up(EncodedReturns& strongest, EncodedReturns& last, const EncodedReturns& second) {
   for (std::size_t i = 0; i < kBankLasers; ++i) {
-    const std::uint32_t farthest = choose(mask(last[i] == 0), strongest[i], last[i]);
-    const std::uint32_t best = choose(mask(strongest[i] == 0), farthest, strongest[i]);
+    const std::uint32_t farthest = choose(last[i] == 0, strongest[i], last[i]);
+    const std::uint32_t best = choose(strongest[i] == 0, farthest, strongest[i]);
     const bool repeated = (best & kDistance) == (farthest & kDistance);
-    const std::uint32_t other = choose(mask(second[i] == 0), farthest, second[i]);
+    const std::uint32_t other = choose(second[i] == 0, farthest, second[i]);
     last[i] = farthest;
-    strongest[i] = choose(mask(repeated), other, best);
-  }
-}
-
-void store(const EncodedReturns& echoes, std::size_t count, Channel* channels) {
-  for (std::size_t i = 0; i < count; ++i) {
-    channels[i] = channel_of(echoes[i]);
+    strongest[i] = choose(repeated, other, best);
   }
 }
 
@@ -51,15 +38,24 @@ void PacketAssembly::begin(ReturnMode mode) {
   if (mode != mode_ || firings_per_packet_ == 0) {
     mode_ = mode;
     firings_per_packet_ = static_cast<int>(velodyne::firings_per_packet(model_, mode));
-    packet_.blocks = {};
-    for (std::size_t b = 0; b < velodyne::kBlocksPerPacket; ++b) {
-      places_[b] = velodyne::block_place(model_, mode, b);
-      packet_.blocks[b].flag = places_[b].echo == BlockEcho::none
-                                   ? std::uint16_t{0}
-                                   : velodyne::block_flag(places_[b].first_laser);
-    }
+    lay_out();
   }
   banks_ = 0;
+}
+
+void PacketAssembly::lay_out() {
+  const auto banks = static_cast<std::size_t>(model_.blocks_per_firing);
+  const auto firings = static_cast<std::size_t>(model_.firings_per_block);
+  bytes_.fill(0);
+  for (std::size_t b = 0; b < velodyne::kBlocksPerPacket; ++b) {
+    const velodyne::BlockPlace place = velodyne::block_place(model_, mode_, b);
+    if (place.echo != BlockEcho::none) {
+      write_.flag(b, velodyne::block_flag(place.first_laser));
+      BankBlocks& blocks =
+          blocks_[place.first_firing / firings * banks + place.first_laser / kBankLasers];
+      (place.echo == BlockEcho::last ? blocks.last : blocks.strongest) = b;
+    }
+  }
 }
 
 bool PacketAssembly::within_block() const {
@@ -72,35 +68,34 @@ int PacketAssembly::firings_left() const {
 
 void PacketAssembly::add(const LidarFiring& bank, std::uint16_t azimuth_counts) {
   assert(!complete());
-  const auto firing = static_cast<std::size_t>(banks_ / model_.blocks_per_firing);
-  const std::size_t within = firing % static_cast<std::size_t>(model_.firings_per_block);
+  const int firing = banks_ / model_.blocks_per_firing;
+  const int block_row = firing / model_.firings_per_block;
+  const auto within = static_cast<std::size_t>(firing % model_.firings_per_block);
+  const BankBlocks& blocks =
+      blocks_[static_cast<std::size_t>(block_row * model_.blocks_per_firing) +
+              bank.first_laser / kBankLasers];
   const std::size_t lasers = std::min(kBankLasers, model_.lasers.size() - bank.first_laser);
   ++banks_;
 
-  EncodedReturns strongest;
-  EncodedReturns last;
-  if (mode_ == ReturnMode::dual && bank.several) {
-    EncodedReturns second;
-    encode_.encode(bank, bank.strongest, strongest);
-    encode_.encode(bank, bank.last, last);
-    encode_.encode(bank, bank.second, second);
+  std::array<EncodedReturns, 3> encoded;
+  auto& [strongest, last, second] = encoded;
+  const bool two = mode_ == ReturnMode::dual;
+  if (two && bank.several) {
+    encode_.encode(bank, std::array{&bank.strongest, &bank.last, &bank.second}, encoded);
     pair_up(strongest, last, second);
   } else {
     const bool farthest = mode_ == ReturnMode::last && bank.several;
-    encode_.encode(bank, farthest ? bank.last : bank.strongest, strongest);
+    encode_.encode(bank, std::array{farthest ? &bank.last : &bank.strongest}, encoded);
   }
-  for (std::size_t b = 0; b < velodyne::kBlocksPerPacket; ++b) {
-    const velodyne::BlockPlace& place = places_[b];
-    if (place.echo == BlockEcho::none || place.first_firing != firing - within ||
-        place.first_laser != bank.first_laser) {
-      continue;
-    }
-    Block& block = packet_.blocks[b];
+  const auto fill = [&](std::size_t block, const EncodedReturns& echoes) {
     if (within == 0) {
-      block.azimuth_counts = azimuth_counts;
+      write_.azimuth(block, azimuth_counts);
     }
-    store(place.echo == BlockEcho::last && bank.several ? last : strongest, lasers,
-          block.channels.data() + within * lasers);
+    write_.channels(block, within * lasers, std::span(echoes).first(lasers));
+  };
+  fill(blocks.strongest, strongest);
+  if (two) {
+    fill(blocks.last, bank.several ? last : strongest);
   }
 }
 

@@ -9,7 +9,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "emulators/velodyne/return_encoder.h"
 #include "protocols/velodyne/data_packet.h"
@@ -23,6 +25,8 @@ class PacketAssembly {
  public:
   /// The model's table must outlive it.
   PacketAssembly(const protocols::velodyne::Model& model, const ReturnEncoder& encode);
+  PacketAssembly(const PacketAssembly&) = delete;
+  PacketAssembly& operator=(const PacketAssembly&) = delete;
 
   /// Begins a packet; what was unfinished is forgotten.
   void begin(protocols::velodyne::ReturnMode mode);
@@ -39,15 +43,27 @@ class PacketAssembly {
   /// Whole firings that the packet still lacks.
   [[nodiscard]] int firings_left() const;
 
-  /// Factory bytes and timestamp are the caller's to set.
-  [[nodiscard]] protocols::velodyne::DataPacket& packet() { return packet_; }
+  /// For the timestamp and the factory bytes, which are the caller's to set.
+  [[nodiscard]] protocols::velodyne::DataPacketWriter& write() { return write_; }
+  [[nodiscard]] std::span<const std::uint8_t, protocols::velodyne::kDataPacketSize> bytes() const {
+    return bytes_;
+  }
 
  private:
+  /// Blocks of one bank.
+  struct BankBlocks {
+    std::size_t strongest = 0;  ///< Or of the one echo that the return mode names.
+    std::size_t last = 0;       ///< Dual return.
+  };
+
+  void lay_out();
+
   const protocols::velodyne::Model& model_;
   const ReturnEncoder& encode_;
   protocols::velodyne::ReturnMode mode_ = protocols::velodyne::ReturnMode::strongest;
-  std::array<protocols::velodyne::BlockPlace, protocols::velodyne::kBlocksPerPacket> places_{};
-  protocols::velodyne::DataPacket packet_;
+  std::array<BankBlocks, protocols::velodyne::kBlocksPerPacket> blocks_{};  ///< As banks come.
+  std::array<std::uint8_t, protocols::velodyne::kDataPacketSize> bytes_{};
+  protocols::velodyne::DataPacketWriter write_{bytes_};
   int banks_ = 0;  ///< In the packet so far.
   int firings_per_packet_ = 0;
 };

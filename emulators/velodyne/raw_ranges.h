@@ -1,18 +1,24 @@
-// Raw distances of an HDL-64E, fast enough for every shot of the stream.
+// Raw distances and intensities of an HDL-64E, fast enough for every shot of the stream.
 //
 // The correction that clients make (protocols/velodyne/hdl_64e_calibration.h) is linear in the raw
 // distance between the places where the beam crosses an axis, so that it is inverted in one step;
 // what depends on the laser alone is worked out beforehand, and the direction is turned on from the
 // bank's. Error against raw_counts(): 0.01 counts beyond 2 m from the axes' crossings, where the
 // sign of a coordinate of centimetres may be guessed wrongly: 0.05 counts.
+//
+// Constants stand in columns, by laser, so that loops over a bank run in vector registers.
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "protocols/velodyne/hdl_64e_calibration.h"
 #include "protocols/velodyne/model.h"
+#include "sim/samples/lidar_sample.h"
+#include "sim/samples/wide_vectors.h"
 
 namespace rigwire::emulators {
 
@@ -22,31 +28,64 @@ class RawRanges {
   RawRanges(const protocols::velodyne::Hdl64eCalibration& calibration,
             std::span<const protocols::velodyne::Laser> lasers);
 
-  /// The rotor when the first laser of a firing is shot.
-  struct Rotor {
-    Rotor(double azimuth_rad, double rate_radps);
-    double sine;
-    double cosine;
-    double rate_radps;
+  /// What counts() needs of the beams of one bank, as they pointed when they were shot. In the
+  /// manual's frame a target's coordinate is about per_m * range + at on each axis.
+  struct Beams {
+    using Column = std::array<double, kBankLasers>;
+    struct Axis {
+      Column share;  ///< Of the axis's correction in that of the range.
+      Column per_m;  ///< This and the next with the slope's sign.
+      Column at;
+      Column turn;  ///< share * slope * per_m for a correction that grows with the coordinate.
+      Column lean;  ///< slope * at, likewise.
+    };
+    std::size_t first_laser;
+    Axis x;
+    Axis y;
   };
+  /// The rotor is that of the first laser of the firing. Fills the beams in place.
+  void aim(double rotor_azimuth_rad, double rotor_rate_radps, std::size_t first_laser,
+           Beams& beams) const;
 
-  /// Not rounded; below 1: nearer than the laser can tell.
-  [[nodiscard]] double counts(const Rotor& rotor, std::size_t laser, double range_m) const;
+  /// Laser i of the bank. Not rounded; below 1: nearer than the laser can tell.
+  [[nodiscard]] double counts(const Beams& beams, std::size_t i, double range_m) const {
+    const std::size_t n = beams.first_laser + i;
+    // The corrections follow the magnitudes of the coordinates.
+    const double sign_x = std::copysign(1.0, beams.x.per_m[i] * range_m + beams.x.at[i]);
+    const double sign_y = std::copysign(1.0, beams.y.per_m[i] * range_m + beams.y.at[i]);
+    // range = raw + share_x * correction_x + share_y * correction_y, solved for raw + far.
+    const double per_m = 1.0 + sign_x * beams.x.turn[i] + sign_y * beams.y.turn[i];
+    const double constant = beams.x.share[i] * (at_axis_x_[n] + sign_x * beams.x.lean[i]) +
+                            beams.y.share[i] * (at_axis_y_[n] + sign_y * beams.y.lean[i]);
+    const double raw_m = (range_m + far_m_[n] - constant) / per_m - far_m_[n];
+    return raw_m / protocols::velodyne::kHdl64eDistanceUnit_m;
+  }
+
+  /// What protocols::velodyne::raw_intensity() gives, for laser n of the head.
+  [[nodiscard]] std::int32_t intensity(std::size_t n, double intensity, double raw_counts) const {
+    const double raw =
+        intensity - protocols::velodyne::FocusTerm{focus_strength_[n], at_focus_[n]}.at(raw_counts);
+    const double shown = choose(raw > 0.0, raw, 0.0);
+    const auto whole = static_cast<std::int32_t>(shown);
+    // Not shown + 0.5 cut off: the sum rounds 0.5 less its last bit up to 1.
+    return whole + static_cast<std::int32_t>(shown - static_cast<double>(whole) >= 0.5);
+  }
 
  private:
-  struct Constants {
-    double offset_sine;  ///< Of the laser's azimuth against the rotor's.
-    double offset_cosine;
-    double shot_after_s;
-    double cos_elevation;
-    double horizontal_offset_m;
-    double far_m;
-    double near_x_m;
-    double near_y_m;
-    double slope_x;  ///< Of the corrections, metres per metre.
-    double slope_y;
-  };
-  std::array<Constants, protocols::velodyne::kHdl64eLasers> lasers_{};
+  using Column = std::array<double, protocols::velodyne::kHdl64eLasers>;
+
+  Column offset_sine_{};  ///< Of the laser's azimuth against the rotor's.
+  Column offset_cosine_{};
+  Column shot_after_s_{};
+  Column cos_elevation_{};
+  Column horizontal_offset_m_{};
+  Column far_m_{};
+  Column slope_x_{};  ///< Of the corrections, metres per metre.
+  Column slope_y_{};
+  Column at_axis_x_{};  ///< Corrections, carried on to the axis.
+  Column at_axis_y_{};
+  Column focus_strength_{};
+  Column at_focus_{};
 };
 
 }  // namespace rigwire::emulators

@@ -7,8 +7,8 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <optional>
+#include <span>
 
 #include "emulators/velodyne/raw_ranges.h"
 #include "emulators/velodyne/velodyne_settings.h"
@@ -19,12 +19,8 @@
 
 namespace rigwire::emulators {
 
-/// Distance counts in bits 0 .. 15, reflectivity in bits 16 .. 23; 0: nothing came back.
-using EncodedReturns = std::array<std::uint32_t, kBankLasers>;
-
-[[nodiscard]] constexpr protocols::velodyne::Channel channel_of(std::uint32_t encoded) {
-  return {static_cast<std::uint16_t>(encoded & 0xFFFFU), static_cast<std::uint8_t>(encoded >> 16U)};
-}
+/// 0: nothing came back.
+using EncodedReturns = std::array<protocols::velodyne::ChannelWord, kBankLasers>;
 
 class ReturnEncoder {
  public:
@@ -35,21 +31,16 @@ class ReturnEncoder {
                 const std::optional<protocols::velodyne::Hdl64eCalibration>& calibration = {});
 
   /// Nothing for what is nearer or farther than the window, or not a number. Distance to the
-  /// nearest count (and at most 0.004 beside, for the float), at least 1. `echoes` are those of
-  /// `bank` that are wanted.
-  void encode(const LidarFiring& bank, const BankReturns& echoes, EncodedReturns& encoded) const {
-    scale(echoes, encoded);
-    if (raw_ranges_) {
-      take_back_corrections(bank, echoes, encoded);
-    }
-  }
+  /// nearest count (and at most 0.004 beside, for the float), at least 1. Each of `echoes`, which
+  /// are those of `bank` that are wanted, goes to the same place of `encoded`.
+  void encode(const LidarFiring& bank, std::span<const BankReturns* const> echoes,
+              std::span<EncodedReturns> encoded) const;
 
  private:
   void scale(const BankReturns& echoes, EncodedReturns& encoded) const;
-  void take_back_corrections(const LidarFiring& bank, const BankReturns& echoes,
+  void take_back_corrections(const RawRanges::Beams& beams, const BankReturns& echoes,
                              EncodedReturns& encoded) const;
 
-  std::optional<protocols::velodyne::Hdl64eCalibration> calibration_;
   std::optional<RawRanges> raw_ranges_;
   float minimum_m_;
   float maximum_m_;

@@ -284,26 +284,25 @@ void VelodyneLidar::add(const LidarFiring& bank) {
 
 void VelodyneLidar::begin_packet(SimTime first_firing) {
   assembly_.begin(live_.return_mode);
-  velodyne::DataPacket& packet = assembly_.packet();
-  packet.timestamp_us = microseconds_of_hour(first_firing + Duration{model_.timestamp_lag_ns});
-  packet.return_mode_byte =
-      settings_.legacy_factory_bytes ? 0 : static_cast<std::uint8_t>(live_.return_mode);
-  packet.product_id = settings_.legacy_factory_bytes ? 0 : model_.product_id;
+  assembly_.write().timestamp(
+      microseconds_of_hour(first_firing + Duration{model_.timestamp_lag_ns}));
   if (const auto* wrong =
           find_fault(settings_.faults, VelodyneFaultKind::factory_bytes, first_firing)) {
-    packet.return_mode_byte = wrong->return_mode_byte;
-    packet.product_id = wrong->product_id;
+    assembly_.write().factory_bytes(wrong->return_mode_byte, wrong->product_id);
+  } else if (settings_.legacy_factory_bytes) {
+    assembly_.write().factory_bytes(0, 0);
+  } else {
+    assembly_.write().factory_bytes(static_cast<std::uint8_t>(live_.return_mode),
+                                    model_.product_id);
   }
 }
 
 void VelodyneLidar::send_data(SimTime last_firing) {
   if (report_) {
     const velodyne::StatusByte status = report_->next(last_firing, time_input_);
-    assembly_.packet().return_mode_byte = status.type;
-    assembly_.packet().product_id = status.value;
+    assembly_.write().factory_bytes(status.type, status.value);
   }
-  velodyne::encode(assembly_.packet(), data_bytes_);
-  data_.send(last_firing + last_shot_after_ + settings_.send_delay, data_bytes_);
+  data_.send(last_firing + last_shot_after_ + settings_.send_delay, assembly_.bytes());
 }
 
 void VelodyneLidar::send_position(SimTime due) {

@@ -144,7 +144,6 @@ class VelodyneLidar final : public Device, public LidarBackend, public VelodyneC
   std::uint16_t azimuth_counts_ = 0;
   SimTime packet_complete_at_ = kNever;
   LidarFiring defective_;
-  std::array<std::uint8_t, protocols::velodyne::kDataPacketSize> data_bytes_{};
 
   std::optional<UnitReport> report_;
   InertialWords inertial_{};

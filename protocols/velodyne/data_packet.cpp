@@ -1,5 +1,6 @@
 #include "protocols/velodyne/data_packet.h"
 
+#include <algorithm>
 #include <cassert>
 
 #include "protocols/bytes.h"
@@ -33,20 +34,49 @@ bool known_flag(std::uint16_t flag, std::size_t block) {
 
 }  // namespace
 
+void DataPacketWriter::flag(std::size_t block, std::uint16_t flag) {
+  store_little(bytes_, block_at(block) + kFlagAt, flag);
+}
+
+void DataPacketWriter::azimuth(std::size_t block, std::uint16_t counts) {
+  assert(counts < kAzimuthCounts);
+  store_little(bytes_, block_at(block) + kAzimuthAt, counts);
+}
+
+void DataPacketWriter::channels(std::size_t block, std::size_t first,
+                                std::span<const ChannelWord> words) {
+  // Four channels of three bytes fill three words.
+  static_assert(kChannelSize == 3);
+  assert(words.size() % 4 == 0 && first + words.size() <= kChannelsPerBlock);
+  for (std::size_t c = 0; c < words.size(); c += 4) {
+    const auto group = bytes_.subspan(channel_at(block, first + c), 4 * kChannelSize);
+    store_little(group, 0, words[c] | words[c + 1] << 24U);
+    store_little(group, 4, words[c + 1] >> 8U | words[c + 2] << 16U);
+    store_little(group, 8, words[c + 2] >> 16U | words[c + 3] << 8U);
+  }
+}
+
+void DataPacketWriter::timestamp(std::uint32_t us) {
+  store_little(bytes_, kTimestampAt, us);
+}
+
+void DataPacketWriter::factory_bytes(std::uint8_t return_mode, std::uint8_t product_id) {
+  bytes_[kReturnModeAt] = return_mode;
+  bytes_[kProductIdAt] = product_id;
+}
+
 void encode(const DataPacket& packet, std::span<std::uint8_t, kDataPacketSize> bytes) {
+  DataPacketWriter write(bytes);
   for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
     const Block& block = packet.blocks[b];
-    assert(block.azimuth_counts < kAzimuthCounts);
-    store_little(bytes, block_at(b) + kFlagAt, block.flag);
-    store_little(bytes, block_at(b) + kAzimuthAt, block.azimuth_counts);
-    for (std::size_t c = 0; c < kChannelsPerBlock; ++c) {
-      store_little(bytes, channel_at(b, c) + kDistanceAt, block.channels[c].distance_counts);
-      bytes[channel_at(b, c) + kReflectivityAt] = block.channels[c].reflectivity;
-    }
+    std::array<ChannelWord, kChannelsPerBlock> words;
+    std::ranges::transform(block.channels, words.begin(), channel_word);
+    write.flag(b, block.flag);
+    write.azimuth(b, block.azimuth_counts);
+    write.channels(b, 0, words);
   }
-  store_little(bytes, kTimestampAt, packet.timestamp_us);
-  bytes[kReturnModeAt] = packet.return_mode_byte;
-  bytes[kProductIdAt] = packet.product_id;
+  write.timestamp(packet.timestamp_us);
+  write.factory_bytes(packet.return_mode_byte, packet.product_id);
 }
 
 Decoded<DataPacket> decode_data_packet(std::span<const std::uint8_t> bytes) {

@@ -60,6 +60,14 @@ struct Channel {
   friend bool operator==(const Channel&, const Channel&) = default;
 };
 
+/// A channel as its bytes stand on the wire, the first one lowest: distance in bits 0 .. 15,
+/// reflectivity in bits 16 .. 23; the rest is 0.
+using ChannelWord = std::uint32_t;
+
+[[nodiscard]] constexpr ChannelWord channel_word(const Channel& channel) {
+  return channel.distance_counts | static_cast<ChannelWord>(channel.reflectivity) << 16U;
+}
+
 struct Block {
   std::uint16_t flag = kFlagLasers0To31;
   std::uint16_t azimuth_counts = 0;  ///< 0 .. 35999, of the block's first firing; clockwise.
@@ -77,7 +85,25 @@ struct DataPacket {
   friend bool operator==(const DataPacket&, const DataPacket&) = default;
 };
 
-/// Writes the packet. Azimuths must be below kAzimuthCounts (asserted).
+/// Writes a packet in place, each part when it is known; nothing else touches the bytes, which must
+/// outlive it. Blocks are 0 .. 11.
+class DataPacketWriter {
+ public:
+  explicit DataPacketWriter(std::span<std::uint8_t, kDataPacketSize> bytes) : bytes_(bytes) {}
+
+  void flag(std::size_t block, std::uint16_t flag);
+  /// Below kAzimuthCounts (asserted).
+  void azimuth(std::size_t block, std::uint16_t counts);
+  /// From `first` on. `first` is within the block, with all words; their number is a multiple of 4.
+  void channels(std::size_t block, std::size_t first, std::span<const ChannelWord> words);
+  void timestamp(std::uint32_t us);
+  void factory_bytes(std::uint8_t return_mode, std::uint8_t product_id);
+
+ private:
+  std::span<std::uint8_t, kDataPacketSize> bytes_;
+};
+
+/// Writes the whole packet. Azimuths must be below kAzimuthCounts (asserted).
 void encode(const DataPacket& packet, std::span<std::uint8_t, kDataPacketSize> bytes);
 
 /// Reads one datagram. Fewer bytes than a packet are incomplete; more, an unknown flag (kFlagEmpty

@@ -16,7 +16,6 @@ constexpr double kNominalFocus_m = 10.0;
 
 /// Reach of the distance field, and scale, in the formula of the intensity.
 constexpr double kIntensityReach_m = 131.0;
-constexpr double kDistanceField = 65535.0;
 constexpr double kIntensityScale = 256.0;
 
 /// The beam's direction in the manual's frame.
@@ -61,12 +60,6 @@ DistanceCorrections distance_corrections(const Hdl64eLaser& laser, const Directi
 double range_along_beam(const Direction& beam, double raw_m, const DistanceCorrections& by) {
   const double sideways = beam.cos_elevation * beam.sin_azimuth;
   return raw_m + by.x_m * sideways * sideways + by.y_m * (1.0 - sideways * sideways);
-}
-
-double focus_term(const Hdl64eLaser& laser, double counts) {
-  const double at_focus = 1.0 - laser.focal_distance_m / kIntensityReach_m;
-  const double here = 1.0 - counts / kDistanceField;
-  return kIntensityScale * laser.focal_slope * std::abs(at_focus * at_focus - here * here);
 }
 
 void require(bool holds, std::size_t laser, const char* quantity, double found,
@@ -187,14 +180,19 @@ double raw_counts(const Hdl64eLaser& laser, double range_m, double azimuth_deg,
   return raw_m / kHdl64eDistanceUnit_m;
 }
 
+FocusTerm focus_term(const Hdl64eLaser& laser) {
+  const double at_focus = 1.0 - laser.focal_distance_m / kIntensityReach_m;
+  return {kIntensityScale * laser.focal_slope, at_focus * at_focus};
+}
+
 double corrected_intensity(const Hdl64eLaser& laser, std::uint8_t raw_intensity,
                            double raw_counts) {
-  return std::clamp<double>(raw_intensity + focus_term(laser, raw_counts), laser.min_intensity,
+  return std::clamp<double>(raw_intensity + focus_term(laser).at(raw_counts), laser.min_intensity,
                             laser.max_intensity);
 }
 
 std::uint8_t raw_intensity(const Hdl64eLaser& laser, double intensity, double raw_counts) {
-  const double raw = intensity - focus_term(laser, raw_counts);
+  const double raw = intensity - focus_term(laser).at(raw_counts);
   return static_cast<std::uint8_t>(std::lround(std::clamp(raw, 0.0, 255.0)));
 }
 

@@ -20,6 +20,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -99,6 +100,19 @@ struct CorrectedPoint {
 /// NearCorrection::below_25_m, up to half its jump for ranges that the formula leaves out.
 [[nodiscard]] double raw_counts(const Hdl64eLaser& laser, double range_m, double azimuth_deg,
                                 NearCorrection near = NearCorrection::everywhere);
+
+/// What clients add to a laser's raw intensity: the farther from its focus, the more.
+struct FocusTerm {
+  double strength = 0.0;  ///< Of the focal slope.
+  double at_focus = 0.0;  ///< (1 - focal distance / 131 m) squared.
+
+  [[nodiscard]] double at(double raw_counts) const {
+    constexpr double kPerCount = 1.0 / 65535.0;
+    const double here = 1.0 - raw_counts * kPerCount;
+    return strength * std::abs(at_focus - here * here);
+  }
+};
+[[nodiscard]] FocusTerm focus_term(const Hdl64eLaser& laser);
 
 /// What a client makes of a raw intensity, and the raw intensity nearest to what it is to see.
 [[nodiscard]] double corrected_intensity(const Hdl64eLaser& laser, std::uint8_t raw_intensity,

@@ -10,15 +10,10 @@
 #include <cstdint>
 #include <span>
 
+#include "sim/samples/wide_vectors.h"
+
 // Embree reads a packet in registers of eight floats. Written in halves, it waits for the stores;
-// so where the processor has such registers, functions marked so use them. Results are the same: no
-// fused operations are used.
-#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__clang__)
-#define RIGWIRE_WIDE_VECTORS __attribute__((target_clones("avx2", "default")))
-#else
-#define RIGWIRE_WIDE_VECTORS
-#endif
+// so functions that write one are marked RIGWIRE_WIDE_VECTORS.
 
 namespace rigwire::sim {
 

@@ -48,12 +48,14 @@ TEST_F(Hdl64eTest, FastInverseAgreesWithTheIteratedOne) {
   const RawRanges raw(calibration, model.lasers);
   constexpr double kDegree = std::numbers::pi / 180.0;
   for (double azimuth_deg = 0.05; azimuth_deg < 360.0; azimuth_deg += 3.7) {
-    const RawRanges::Rotor rotor(azimuth_deg * kDegree, 62.8);
+    std::array<RawRanges::Beams, 2> banks;
+    raw.aim(azimuth_deg * kDegree, 62.8, 0, banks[0]);
+    raw.aim(azimuth_deg * kDegree, 62.8, kBankLasers, banks[1]);
     for (std::size_t i = 0; i < 64; ++i) {
       const double shot_deg = azimuth_deg + 62.8 * model.lasers[i].time_offset_ns * 1e-9 / kDegree;
       for (const double range_m : {2.0, 3.0, 8.0, 25.0, 119.0}) {
         const double exact = velodyne::raw_counts(calibration.lasers[i], range_m, shot_deg);
-        ASSERT_NEAR(raw.counts(rotor, i, range_m), exact, 0.05)
+        ASSERT_NEAR(raw.counts(banks[i / kBankLasers], i % kBankLasers, range_m), exact, 0.05)
             << azimuth_deg << " deg, laser " << i << ", " << range_m << " m";
       }
     }

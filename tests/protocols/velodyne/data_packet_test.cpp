@@ -53,6 +53,27 @@ TEST(VelodyneDataPacket, BytesStandWhereTheManualPutsThem) {
   EXPECT_EQ(bytes[1205], 0x21);
 }
 
+TEST(VelodyneDataPacket, WriterTouchesNothingButThePartsThatItIsGiven) {
+  Bytes bytes;
+  bytes.fill(0xA5);
+  DataPacketWriter write(bytes);
+  std::array<ChannelWord, 16> words;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    words[i] =
+        channel_word({static_cast<std::uint16_t>(0xF0C1 + i), static_cast<std::uint8_t>(0x80 + i)});
+  }
+  write.channels(11, 16, words);
+  for (std::size_t i = 0; i < kDataPacketSize; ++i) {
+    const std::size_t from = i - (11 * 100 + 4 + 16 * 3);  // Wraps before the first one.
+    const std::size_t word = from / 3;
+    const std::size_t expected = word >= 16      ? 0xA5
+                                 : from % 3 == 0 ? 0xC1 + word
+                                 : from % 3 == 1 ? 0xF0
+                                                 : 0x80 + word;
+    ASSERT_EQ(bytes[i], expected) << i;
+  }
+}
+
 TEST(VelodyneDataPacket, TellsIncompleteFromMalformed) {
   Bytes bytes{};
   encode(sample(), bytes);

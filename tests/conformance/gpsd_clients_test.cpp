@@ -235,9 +235,13 @@ TEST_F(GpsdClients, TheDaemonGetsOverARestartOfTheRig) {
   EXPECT_GE(summary(reports(*before)).fixes, 1);
   receiver.reset();
   receiver = std::make_unique<LiveReceiver>(settings_, wires_.gnss());
-  // It looks at a device that went away when the next client asks.
-  auto after = client("after.json", 6);
-  EXPECT_GE(summary(reports(*after)).fixes, 1);
+  // It looks at a device that went away when the next client asks; the first one may come before it
+  // has noticed.
+  int fixes = 0;
+  for (int attempt = 0; attempt < 3 && fixes == 0; ++attempt) {
+    fixes = summary(reports(*client("after.json", 6))).fixes;
+  }
+  EXPECT_GE(fixes, 1);
 }
 
 }  // namespace

@@ -237,8 +237,8 @@ TEST_F(GpsdClients, TheDaemonGetsOverARestartOfTheRig) {
   receiver.reset();
   receiver = std::make_unique<LiveReceiver>(settings_, wires_.gnss());
   // gpsd 3.22 opens a device that went away when the next client asks, unless its first read after
-  // the hang-up gave nothing: then it leaves the dead descriptor out of its select() for good, until
-  // it is told to start anew.
+  // the hang-up gave nothing: then it leaves the dead descriptor out of its select() for good,
+  // until it is told to start anew.
   int fixes = 0;
   for (int attempt = 0; attempt < 4 && fixes == 0; ++attempt) {
     if (attempt > 0) {

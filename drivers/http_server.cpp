@@ -59,7 +59,6 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   State(asio::io_context& context, HttpServerSettings wanted)
       : settings(std::move(wanted)), acceptor(context), retry(context) {}
 
-  void accept();
   void admit(tcp::socket socket);
 
   HttpServerSettings settings;
@@ -219,25 +218,6 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
   bool ended_ = false;
 };
 
-void HttpServer::State::accept() {
-  acceptor.async_accept([self = shared_from_this()](const error_code& error, tcp::socket socket) {
-    if (self->stopped || error == asio::error::operation_aborted) {
-      return;
-    }
-    if (error) {  // out of descriptors, or the client gave up: go on later
-      self->retry.expires_after(std::chrono::milliseconds(100));
-      self->retry.async_wait([self](const error_code&) {
-        if (!self->stopped) {
-          self->accept();
-        }
-      });
-      return;
-    }
-    self->admit(std::move(socket));
-    self->accept();
-  });
-}
-
 void HttpServer::State::admit(tcp::socket socket) {
   if (sessions.size() >= settings.clients_max) {
     const std::shared_ptr<Session> silent =
@@ -273,7 +253,7 @@ HttpServer::~HttpServer() {
 
 void HttpServer::start(Handler handler) {
   state_->handler = std::move(handler);
-  state_->accept();
+  accept_clients(state_);
 }
 
 EndpointStatus HttpServer::status() const {

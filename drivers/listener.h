@@ -1,10 +1,15 @@
-// What servers on TCP have in common: binding, with an error message that helps.
+// What servers on TCP have in common: binding, with an error message that helps, and letting
+// clients in.
 #pragma once
 
+#include <boost/asio/error.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace rigwire::drivers {
 
@@ -17,5 +22,29 @@ namespace rigwire::drivers {
 /// numeric one, or when it is not loopback without `allow_remote`.
 std::uint16_t listen(boost::asio::ip::tcp::acceptor& acceptor, std::string_view protocol,
                      const std::string& address, std::uint16_t port, bool allow_remote);
+
+/// Hands one client after the other to server->admit(socket), until server->stopped. `Server` has
+/// an `acceptor` that listens, a steady timer `retry`, and is kept alive meanwhile. When the system
+/// has no descriptors left it goes on every 100 ms.
+template <class Server>
+void accept_clients(const std::shared_ptr<Server>& server) {
+  server->acceptor.async_accept(
+      [server](const boost::system::error_code& error, boost::asio::ip::tcp::socket socket) {
+        if (server->stopped || error == boost::asio::error::operation_aborted) {
+          return;
+        }
+        if (!error) {
+          server->admit(std::move(socket));
+          accept_clients(server);
+          return;
+        }
+        server->retry.expires_after(std::chrono::milliseconds(100));
+        server->retry.async_wait([server](const boost::system::error_code&) {
+          if (!server->stopped) {
+            accept_clients(server);
+          }
+        });
+      });
+}
 
 }  // namespace rigwire::drivers

@@ -78,25 +78,6 @@ struct TcpServer::State : std::enable_shared_from_this<State> {
     return found == clients.end() ? nullptr : *found;
   }
 
-  void accept() {
-    acceptor.async_accept([self = shared_from_this()](const error_code& error, tcp::socket socket) {
-      if (self->stopped || error == asio::error::operation_aborted) {
-        return;
-      }
-      if (error) {  // out of descriptors, or the client gave up: go on later
-        self->retry.expires_after(std::chrono::milliseconds(100));
-        self->retry.async_wait([self](const error_code&) {
-          if (!self->stopped) {
-            self->accept();
-          }
-        });
-        return;
-      }
-      self->admit(std::move(socket));
-      self->accept();
-    });
-  }
-
   void admit(tcp::socket socket) {
     if (clients.size() >= settings.clients_max) {
       end(*std::ranges::min_element(clients, {}, [](const auto& c) { return c->heard; }));
@@ -222,7 +203,7 @@ TcpServer::~TcpServer() {
 
 void TcpServer::start(Handler handler) {
   state_->handler = std::move(handler);
-  state_->accept();
+  accept_clients(state_);
 }
 
 bool TcpServer::send(ConnectionId connection, std::span<const std::uint8_t> bytes) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -11,12 +12,24 @@
 #include <span>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
 #include "velodyne_stream.h"
 
 namespace rigwire {
+
+/// "HDL64ES2Dual": what a test of this model and mode is called.
+inline std::string velodyne_test_name(std::string_view model,
+                                      protocols::velodyne::ReturnMode mode) {
+  using protocols::velodyne::ReturnMode;
+  std::string name(model);
+  std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
+  return name + (mode == ReturnMode::dual   ? "Dual"
+                 : mode == ReturnMode::last ? "Last"
+                                            : "Strongest");
+}
 
 /// Largest differences over all returns.
 struct DecodedDifference {

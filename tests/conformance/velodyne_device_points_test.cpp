@@ -188,12 +188,7 @@ TEST_P(VelodyneDevice, IndependentDecoderReadsWhatTheHeadSaw) {
 }
 
 std::string name_of(const testing::TestParamInfo<Case>& info) {
-  std::string name = info.param.model;
-  std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
-  name += info.param.mode == ReturnMode::dual   ? "Dual"
-          : info.param.mode == ReturnMode::last ? "Last"
-                                                : "Strongest";
-  return name;
+  return velodyne_test_name(info.param.model, info.param.mode);
 }
 
 INSTANTIATE_TEST_SUITE_P(

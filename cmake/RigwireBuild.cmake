@@ -75,7 +75,8 @@ function(rigwire_test folder)
     return()
   endif()
   add_executable(${folder}_tests ${sources})
-  target_compile_options(${folder}_tests PRIVATE ${RIGWIRE_WARNINGS})
+  # The tests' own code is run once: a quarter of its build time is worth more than its speed.
+  target_compile_options(${folder}_tests PRIVATE ${RIGWIRE_WARNINGS} $<$<CONFIG:Release>:-O1>)
   target_include_directories(${folder}_tests PRIVATE ${PROJECT_SOURCE_DIR}/tests/support)
   target_compile_definitions(${folder}_tests PRIVATE
     RIGWIRE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" RIGWIRE_BINARY_DIR="${PROJECT_BINARY_DIR}")

@@ -8,6 +8,7 @@
 // counts it. Opening throws EndpointError with the address, what was tried and how to mend it.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -15,6 +16,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "protocols/can/controller_report.h"
 #include "protocols/can/frame.h"
 
 namespace rigwire::drivers {
@@ -67,15 +69,44 @@ class DatagramSocket {
   [[nodiscard]] virtual EndpointStatus status() const = 0;
 };
 
-/// A CAN bus as one node sees it.
+/// How the far end has set its controller.
+struct CanClient {
+  bool open = false;               ///< Takes part in the bus.
+  std::uint32_t bit_rate_bps = 0;  ///< 0: it does not say; the bus's own holds.
+  bool listen_only = false;        ///< Sends nothing, acknowledges nothing.
+  bool one_shot = false;           ///< Tries every frame once only.
+
+  friend bool operator==(const CanClient&, const CanClient&) = default;
+};
+
+/// A CAN bus as one node sees it. An end that is an adapter (slcan, gs_usb) stands for the client's
+/// controller: what the client asks of that controller comes by on_client(), and what happens to it
+/// on the bus goes back by confirm() and report().
 class CanBus {
  public:
   using Receiver = std::function<void(const protocols::can::Frame&)>;
+  using ClientWatcher = std::function<void(const CanClient&)>;
+  using Stamp = std::chrono::nanoseconds;  ///< Simulated time since the start of the run.
   virtual ~CanBus() = default;
   virtual void start(Receiver receiver) = 0;
+  /// From start() on, `watcher` hears of every change of the client, beginning with the first that
+  /// differs from CanClient{}. To be called before start(). Ends that cannot know never call it:
+  /// the client of those is always there, at the bus's rate.
+  virtual void on_client(ClientWatcher /*watcher*/) {}
   /// False when the frame could not be queued (ENOBUFS, line full). Frames offered while no client
   /// listens are taken and forgotten.
   virtual bool send(const protocols::can::Frame& frame) = 0;
+  /// The same for a frame that was complete on the bus at `stamp`, for ends that hand time stamps
+  /// on.
+  virtual bool deliver(const protocols::can::Frame& frame, Stamp /*stamp*/) { return send(frame); }
+  /// The oldest frame that came from here and is not yet settled went out completely at `stamp`,
+  /// or, with `sent` false, never will (one-shot, bus-off, queue full).
+  virtual void confirm(bool /*sent*/, Stamp /*stamp*/) {}
+  /// An error or a change of state of the client's controller. False when it could not be passed
+  /// on; ends that cannot carry it take and forget it.
+  virtual bool report(const protocols::can::ControllerReport& /*report*/, Stamp /*stamp*/) {
+    return true;
+  }
   [[nodiscard]] virtual EndpointStatus status() const = 0;
 };
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "drivers/endpoints.h"
-#include "emulators/can_bus.h"
+#include "emulators/can/can_bus.h"
 #include "hil/event_source.h"
 #include "hil/outlet.h"
 #include "hil/wire_statistics.h"

@@ -13,7 +13,7 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
-#include "emulators/j1939_address.h"
+#include "emulators/j1939/j1939_address.h"
 #include "emulators/starfire/settings.h"
 #include "protocols/vehicle/position.h"
 #include "sim/samples/calendar.h"

@@ -24,7 +24,7 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
-#include "emulators/modbus_server.h"
+#include "emulators/modbus/modbus_server.h"
 #include "emulators/valve_driver/registers.h"
 #include "emulators/valve_driver/stage.h"
 #include "sim/samples/valve_sample.h"

@@ -18,7 +18,7 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
-#include "emulators/j1939_address.h"
+#include "emulators/j1939/j1939_address.h"
 #include "emulators/vehicle_gateway/control.h"
 #include "emulators/vehicle_gateway/diagnostics.h"
 #include "emulators/vehicle_gateway/report.h"

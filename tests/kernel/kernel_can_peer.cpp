@@ -24,7 +24,7 @@
 #include "drivers/pty.h"
 #include "drivers/slcan_adapter.h"
 #include "drivers/socketcan.h"
-#include "emulators/can_bus.h"
+#include "emulators/can/can_bus.h"
 #include "emulators/openimu/openimu335ri.h"
 
 namespace {

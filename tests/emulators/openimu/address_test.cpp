@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "emulators/can_bus.h"
+#include "emulators/can/can_bus.h"
 #include "rig.h"
 
 namespace rigwire::emulators {

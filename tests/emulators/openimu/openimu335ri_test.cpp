@@ -9,7 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "emulators/can_bus.h"
+#include "emulators/can/can_bus.h"
 #include "rig.h"
 
 namespace rigwire::emulators {

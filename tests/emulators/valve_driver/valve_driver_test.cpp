@@ -13,7 +13,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "../modbus_client.h"
+#include "../modbus/modbus_client.h"
 
 namespace rigwire::emulators {
 namespace {

@@ -1,4 +1,4 @@
-#include "emulators/can_bus.h"
+#include "emulators/can/can_bus.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,4 +1,4 @@
-#include "emulators/modbus_dispatch.h"
+#include "emulators/modbus/modbus_dispatch.h"
 
 #include <algorithm>
 

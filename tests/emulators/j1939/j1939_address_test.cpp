@@ -1,11 +1,11 @@
-#include "emulators/j1939_address.h"
+#include "emulators/j1939/j1939_address.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "emulators/can_bus.h"
-#include "rig.h"
+#include "../vehicle_gateway/rig.h"
+#include "emulators/can/can_bus.h"
 
 namespace rigwire::emulators {
 namespace {

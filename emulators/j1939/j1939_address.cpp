@@ -1,4 +1,4 @@
-#include "emulators/j1939_address.h"
+#include "emulators/j1939/j1939_address.h"
 
 #include "protocols/j1939/message.h"
 

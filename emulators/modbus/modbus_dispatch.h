@@ -1,7 +1,7 @@
 // One Modbus request to one unit: the unit does it, the answer comes back as a response.
 #pragma once
 
-#include "emulators/modbus_server.h"
+#include "emulators/modbus/modbus_server.h"
 #include "protocols/modbus/pdu.h"
 #include "sim/samples/time.h"
 

@@ -25,46 +25,13 @@
 #include <vector>
 
 #include "emulators/device.h"
+#include "emulators/modbus/modbus_unit.h"
 #include "protocols/modbus/constants.h"
 #include "protocols/modbus/mbap.h"
 #include "protocols/modbus/pdu.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
-
-/// What one unit (slave) does. Each call answers with an exception, or nothing when it is done; a
-/// call that answers with an exception has changed nothing. Ranges never run past address 65535.
-/// The default of every table is that the device does not have it.
-class ModbusUnit {
- public:
-  using Outcome = std::optional<protocols::modbus::ExceptionCode>;
-  /// One text of the device identification: object number (V1.1b3, section 6.21) and value.
-  struct IdentificationObject {
-    std::uint8_t object = 0;
-    std::string_view text;
-  };
-
-  virtual ~ModbusUnit() = default;
-
-  /// Fills `values`. Without side effects: function 23 probes with it before it writes.
-  virtual Outcome read_registers(protocols::modbus::RegisterTable table, std::uint16_t address,
-                                 std::span<std::uint16_t> values) const;
-  /// Holding registers, all or none.
-  virtual Outcome write_registers(SimTime now, std::uint16_t address,
-                                  std::span<const std::uint16_t> values);
-  /// Fills bits.count items.
-  virtual Outcome read_bits(protocols::modbus::BitTable table, std::uint16_t address,
-                            protocols::modbus::BitBlock& bits) const;
-  /// Coils, all or none.
-  virtual Outcome write_coils(SimTime now, std::uint16_t address,
-                              const protocols::modbus::BitBlock& coils);
-  /// Function 17; the device is reported as running.
-  [[nodiscard]] virtual std::string_view server_id() const = 0;
-  /// Function 43/14, ascending by object, the first three (vendor, product code, revision) always.
-  [[nodiscard]] virtual std::span<const IdentificationObject> identification() const = 0;
-  /// A request to this unit was carried out and is answered without an exception.
-  virtual void served(SimTime now) = 0;
-};
 
 struct ModbusServerSettings {
   Duration processing_delay = std::chrono::microseconds(300);  ///< Request to answer, 0 .. 1 s.

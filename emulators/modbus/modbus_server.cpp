@@ -1,31 +1,14 @@
-#include "emulators/modbus_server.h"
+#include "emulators/modbus/modbus_server.h"
 
 #include <algorithm>
 #include <stdexcept>
 #include <string>
 
-#include "emulators/modbus_dispatch.h"
+#include "emulators/modbus/modbus_dispatch.h"
 
 namespace rigwire::emulators {
 
 using namespace protocols::modbus;
-
-ModbusUnit::Outcome ModbusUnit::read_registers(RegisterTable /*table*/, std::uint16_t /*address*/,
-                                               std::span<std::uint16_t> /*values*/) const {
-  return ExceptionCode::illegal_function;
-}
-ModbusUnit::Outcome ModbusUnit::write_registers(SimTime /*now*/, std::uint16_t /*address*/,
-                                                std::span<const std::uint16_t> /*values*/) {
-  return ExceptionCode::illegal_function;
-}
-ModbusUnit::Outcome ModbusUnit::read_bits(BitTable /*table*/, std::uint16_t /*address*/,
-                                          BitBlock& /*bits*/) const {
-  return ExceptionCode::illegal_function;
-}
-ModbusUnit::Outcome ModbusUnit::write_coils(SimTime /*now*/, std::uint16_t /*address*/,
-                                            const BitBlock& /*coils*/) {
-  return ExceptionCode::illegal_function;
-}
 
 void validate(const ModbusServerSettings& settings) {
   if (settings.processing_delay < Duration{0} ||

@@ -1,4 +1,4 @@
-#include "emulators/modbus_server.h"
+#include "emulators/modbus/modbus_server.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -45,7 +45,7 @@ HostFrame from_can(const can::Frame& frame) {
   return received;
 }
 
-HostFrameBytes encode(const HostFrame& frame, bool padded) {
+HostFrameBytes encode_frame(const HostFrame& frame, bool padded) {
   HostFrameBytes out;
   const std::span<std::uint8_t> bytes = out.bytes;
   store_little(bytes, kEcho, frame.echo);

@@ -79,7 +79,7 @@ struct HostFrameBytes {
 };
 
 /// With its time stamp if it has one.
-[[nodiscard]] HostFrameBytes encode(const HostFrame& frame, bool padded = false);
+[[nodiscard]] HostFrameBytes encode_frame(const HostFrame& frame, bool padded = false);
 
 /// The beginning of `bytes`. `stamped`: a time stamp follows the data.
 [[nodiscard]] Decoded<HostFrame> decode_frame(std::span<const std::uint8_t> bytes, bool stamped);

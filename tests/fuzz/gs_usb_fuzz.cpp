@@ -31,7 +31,7 @@ static void frame_round_trip(std::span<const std::uint8_t> bytes, bool stamped) 
   if (!frame.ok()) {
     return;
   }
-  const gs_usb::HostFrameBytes again = gs_usb::encode(*frame);
+  const gs_usb::HostFrameBytes again = gs_usb::encode_frame(*frame);
   require(again.size == frame.consumed());
   for (std::size_t i = 0; i < again.size; ++i) {
     constexpr std::size_t kReserved = 11;

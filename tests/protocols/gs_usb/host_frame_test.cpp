@@ -20,7 +20,7 @@ TEST(GsUsbFrame, TheWorkedExampleOfTheHeader) {
   frame.echo = 3;
   const Bytes expected{3, 0, 0, 0, 0x80, 0x29, 0xF0, 0x8C, 8,    0,
                        0, 0, 0, 0, 0x7D, 0,    0,    0x7D, 0xCC, 0};
-  EXPECT_EQ(bytes(encode(frame)), expected);
+  EXPECT_EQ(bytes(encode_frame(frame)), expected);
   const auto read = decode_frame(expected, false);
   ASSERT_TRUE(read.ok());
   EXPECT_EQ(*read, frame);
@@ -32,12 +32,12 @@ TEST(GsUsbFrame, ReceivedWithItsTimeStamp) {
   frame.time_stamp_us = 0x01020304;
   const Bytes expected{0xFF, 0xFF, 0xFF, 0xFF, 0x23, 1, 0, 0, 2, 0, 0, 0,
                        0xAA, 0x55, 0,    0,    0,    0, 0, 0, 4, 3, 2, 1};
-  EXPECT_EQ(bytes(encode(frame)), expected);
+  EXPECT_EQ(bytes(encode_frame(frame)), expected);
   EXPECT_EQ(*decode_frame(expected, true), frame);
 }
 
 TEST(GsUsbFrame, PaddedToOnePacket) {
-  const HostFrameBytes padded = encode(from_can(kRates), true);
+  const HostFrameBytes padded = encode_frame(from_can(kRates), true);
   ASSERT_EQ(padded.size, 32U);
   for (std::size_t i = 20; i < 32; ++i) {
     EXPECT_EQ(padded.bytes[i], 0);
@@ -55,7 +55,7 @@ TEST(GsUsbFrame, RemoteFrameHasALengthAndNoData) {
 TEST(GsUsbFrame, EveryTruncationIsIncomplete) {
   HostFrame frame = from_can(kRates);
   frame.time_stamp_us = 1;
-  const Bytes whole = bytes(encode(frame));
+  const Bytes whole = bytes(encode_frame(frame));
   for (std::size_t size = 0; size < whole.size(); ++size) {
     const auto part = std::span(whole).first(size);
     EXPECT_EQ(decode_frame(part, false).ok(), size >= 20) << size;
@@ -66,7 +66,7 @@ TEST(GsUsbFrame, EveryTruncationIsIncomplete) {
 TEST(GsUsbFrame, FlexibleDataRateIsRefused) {
   HostFrame frame = from_can(kRates);
   frame.flags = HostFrame::kFlexibleDataRate;
-  const auto read = decode_frame(bytes(encode(frame)), false);
+  const auto read = decode_frame(bytes(encode_frame(frame)), false);
   ASSERT_TRUE(read.malformed());
   EXPECT_EQ(read.fault().offset, 10U);
 }

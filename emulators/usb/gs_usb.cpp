@@ -58,6 +58,7 @@ void validate(const GsUsbSettings& settings) {
 GsUsbAdapter::GsUsbAdapter(const GsUsbSettings& settings, GsUsbWire& wire) : wire_(wire) {
   validate(settings);
   description_ = describe(settings);
+  controller_.present = false;
 }
 
 void GsUsbAdapter::plugged(SimTime now, UsbHost& host) {

@@ -27,6 +27,7 @@
 #include <string>
 
 #include "emulators/bounded_queue.h"
+#include "emulators/can/can_outside.h"
 #include "emulators/usb/usb_device.h"
 #include "protocols/can/controller_report.h"
 #include "protocols/can/frame.h"
@@ -35,24 +36,15 @@
 
 namespace rigwire::emulators {
 
-/// How the host has set the adapter's controller.
-struct GsUsbController {
-  bool open = false;               ///< Takes part in the bus.
-  std::uint32_t bit_rate_bps = 0;  ///< From the host's bit timing; 0 while not open.
-  bool listen_only = false;
-  bool one_shot = false;
-
-  friend bool operator==(const GsUsbController&, const GsUsbController&) = default;
-};
-
 /// The adapter's controller, in front of a bus. What happens there goes back by the adapter's
 /// received(), confirmed() and reported(), also from within these calls.
 class GsUsbWire {
  public:
   virtual ~GsUsbWire() = default;
-  /// Closing drops the frames that were not sent yet; no confirmation is due for them any more.
-  virtual void set_controller(SimTime now, const GsUsbController& controller) = 0;
-  /// At most three frames are unconfirmed at a time.
+  /// The host opened or closed the controller (`present`), or it restarts after bus-off: then it is
+  /// closed and opened. Closing drops the frames that were not sent yet.
+  virtual void set_controller(SimTime now, const OutsideController& controller) = 0;
+  /// Each frame is confirmed exactly once, in order, those that closing dropped included.
   virtual void send(SimTime now, const protocols::can::Frame& frame) = 0;
 };
 
@@ -109,7 +101,8 @@ class GsUsbAdapter final : public UsbDevice {
   bool reported(SimTime now, const protocols::can::ControllerReport& report);
 
   [[nodiscard]] bool attached() const { return host_ != nullptr; }
-  [[nodiscard]] const GsUsbController& controller() const { return controller_; }
+  /// As the host has set it; not present while the channel is closed or looped back.
+  [[nodiscard]] const OutsideController& controller() const { return controller_; }
   /// The host asked for the blinking that tells one adapter from another.
   [[nodiscard]] bool identifying() const { return identifying_; }
   [[nodiscard]] const GsUsbCounters& counters() const { return counters_; }
@@ -146,11 +139,15 @@ class GsUsbAdapter final : public UsbDevice {
   void start(SimTime now);
   void stop(SimTime now);
   void restart(SimTime now);
+  /// The frames in the controller will be confirmed, but are forgotten.
+  void drop_mailboxes();
   void accept(std::span<const std::uint8_t> packet);
   /// Hands frames to the controller as long as it has a free mailbox.
   void pump(SimTime now);
   void begin_loop(SimTime now);
   void end_loop();
+  /// Queues an error frame; false without room.
+  [[nodiscard]] bool tell(SimTime now, const protocols::can::ControllerReport& report);
   void queue_to_host(SimTime now, HostFrame frame);
   void echo(SimTime now, HostFrame frame);
   /// Ends reads and writes as far as frames and room go.
@@ -161,7 +158,7 @@ class GsUsbAdapter final : public UsbDevice {
   UsbHost* host_ = nullptr;
 
   std::optional<std::uint32_t> bit_rate_bps_;
-  GsUsbController controller_;
+  OutsideController controller_;
   bool started_ = false;
   std::uint32_t flags_ = 0;  ///< Of the mode request.
   bool identifying_ = false;
@@ -170,6 +167,7 @@ class GsUsbAdapter final : public UsbDevice {
 
   BoundedQueue<HostFrame, kMemoryFrames> from_host_;
   BoundedQueue<HostFrame, kTransmitMailboxes> in_controller_;
+  std::size_t dropped_ = 0;  ///< Frames whose confirmation concerns nobody any more.
   BoundedQueue<HostFrame, kMemoryFrames> to_host_;
   bool overflowed_ = false;  ///< To be said with the next received frame.
   BoundedQueue<Read, kReadsMax> reads_;

@@ -2,24 +2,43 @@
 #include <algorithm>
 
 #include "emulators/usb/gs_usb.h"
-#include "emulators/usb/gs_usb_error_frame.h"
 #include "protocols/can/bits.h"
+#include "protocols/can/error_frame.h"
 
 namespace rigwire::emulators {
 
 namespace gs_usb = protocols::gs_usb;
 using gs_usb::Feature;
+using protocols::can::BusError;
+using protocols::can::ControllerReport;
 using protocols::can::ErrorState;
 using protocols::usb::Outcome;
+
+namespace {
+
+/// The adapter restarts its controller by itself.
+constexpr OutsideController kClosed{.present = false, .restart_after = std::nullopt};
+
+gs_usb::HostFrame error_frame(const ControllerReport& report) {
+  const protocols::can::ErrorFrame error = protocols::can::to_error_frame(report);
+  gs_usb::HostFrame frame;
+  frame.identifier = error.id;
+  frame.length_code = 8;
+  frame.data = error.data;
+  return frame;
+}
+
+}  // namespace
 
 void GsUsbAdapter::start(SimTime now) {
   started_ = true;
   latest_ = {};
-  controller_ = {.open = !asked(Feature::kLoopBack),
+  controller_ = {.present = !asked(Feature::kLoopBack),
                  .bit_rate_bps = *bit_rate_bps_,
                  .listen_only = asked(Feature::kListenOnly),
-                 .one_shot = asked(Feature::kOneShot)};
-  if (controller_.open) {
+                 .one_shot = asked(Feature::kOneShot),
+                 .restart_after = std::nullopt};
+  if (controller_.present) {
     wire_.set_controller(now, controller_);
   }
 }
@@ -30,35 +49,38 @@ void GsUsbAdapter::stop(SimTime now) {
   latest_ = {};
   restart_at_ = kNever;
   from_host_.clear();
-  in_controller_.clear();
+  drop_mailboxes();
   to_host_.clear();
   overflowed_ = false;
   looping_.reset();
   loop_end_ = kNever;
-  if (controller_.open) {
-    controller_ = {};
-    wire_.set_controller(now, controller_);
+  const bool was_present = controller_.present;
+  controller_ = kClosed;
+  if (was_present) {
+    wire_.set_controller(now, kClosed);
   }
-  controller_ = {};
+}
+
+void GsUsbAdapter::drop_mailboxes() {
+  dropped_ += in_controller_.size();
+  in_controller_.clear();
 }
 
 /// The firmware switches its controller off and on, which empties the mailboxes.
 void GsUsbAdapter::restart(SimTime now) {
   restart_at_ = kNever;
-  while (!in_controller_.empty()) {
+  for (std::size_t i = 0; i < in_controller_.size(); ++i) {
     ++counters_.abandoned;
-    echo(now, in_controller_.pop());
+    echo(now, in_controller_[i]);
   }
+  drop_mailboxes();
   latest_ = {};
-  wire_.set_controller(now, {});
+  wire_.set_controller(now, kClosed);
   wire_.set_controller(now, controller_);
   ++counters_.restarts;
-  protocols::can::ControllerReport report;
+  ControllerReport report;
   report.restarted = true;
-  if (const auto frame = gs_usb_error_frame(report, false); frame && room() > 0) {
-    ++counters_.error_frames;
-    queue_to_host(now, *frame);
-  }
+  static_cast<void>(tell(now, report));
   pump(now);
   settle(now);
 }
@@ -153,7 +175,7 @@ void GsUsbAdapter::end_loop() {
 }
 
 bool GsUsbAdapter::received(SimTime now, const protocols::can::Frame& frame) {
-  if (!controller_.open) {
+  if (!controller_.present) {
     return true;
   }
   if (room() == 0) {
@@ -170,46 +192,56 @@ bool GsUsbAdapter::received(SimTime now, const protocols::can::Frame& frame) {
 }
 
 void GsUsbAdapter::confirmed(SimTime now, bool sent) {
+  if (dropped_ > 0) {
+    --dropped_;
+    return;
+  }
   if (in_controller_.empty()) {
     return;
   }
   counters_.abandoned += sent ? 0U : 1U;
   echo(now, in_controller_.pop());
-  pump(now);
+  if (sent || controller_.one_shot) {
+    pump(now);  // else the controller goes off the bus
+  }
   settle(now);
 }
 
-bool GsUsbAdapter::reported(SimTime now, const protocols::can::ControllerReport& report) {
-  if (!controller_.open) {
+bool GsUsbAdapter::reported(SimTime now, const ControllerReport& report) {
+  if (!controller_.present) {
     return true;
   }
   const bool was_off = latest_.state == ErrorState::bus_off;
-  latest_ = report;
   const bool is_off = report.state == ErrorState::bus_off;
+  latest_ = report;
   if (is_off && !was_off && !asked(Feature::kBusOffRecovery)) {
     restart_at_ = now + kBusOffPause;
   } else if (!is_off) {
     restart_at_ = kNever;
   }
-  auto news = report;
+  ControllerReport news = report;
   news.restarted = report.restarted && was_off;  // else it is the restart that the adapter made
-  const auto frame = gs_usb_error_frame(news, asked(Feature::kBusErrors));
   bool told = true;
-  if (frame) {
-    told = room() > 0;
-    if (told) {
-      ++counters_.error_frames;
-      queue_to_host(now, *frame);
-    } else {
-      ++counters_.lost;
-      overflowed_ = true;
-    }
+  if (news.restarted || news.state_changed ||
+      (news.error != BusError::none && asked(Feature::kBusErrors))) {
+    told = tell(now, news);
   }
   if (was_off && !is_off) {
     pump(now);
   }
   settle(now);
   return told;
+}
+
+bool GsUsbAdapter::tell(SimTime now, const ControllerReport& report) {
+  if (room() == 0) {
+    ++counters_.lost;
+    overflowed_ = true;
+    return false;
+  }
+  ++counters_.error_frames;
+  queue_to_host(now, error_frame(report));
+  return true;
 }
 
 /// Precondition: there is room.

@@ -49,11 +49,11 @@ TEST(GsUsbAdapter, BitTimingAndModeOpenTheController) {
   GsUsbWorkbench bench;
   bench.start();
   ASSERT_EQ(bench.wire.controllers.size(), 1U);
-  EXPECT_EQ(bench.wire.controllers.back(), (GsUsbController{true, 250'000, false, false}));
+  EXPECT_EQ(bench.wire.controllers.back(), opened(250'000));
   bench.stop();
-  EXPECT_EQ(bench.wire.controllers.back(), GsUsbController{});
+  EXPECT_EQ(bench.wire.controllers.back(), kClosed);
   bench.start(Feature::kListenOnly | Feature::kOneShot, {6, 7, 2, 1, 6});
-  EXPECT_EQ(bench.wire.controllers.back(), (GsUsbController{true, 500'000, true, true}));
+  EXPECT_EQ(bench.wire.controllers.back(), opened(500'000, true, true));
 }
 
 // The kernel sends the bit timing when it is configured, and not again at each `ip link set up`.

@@ -314,11 +314,11 @@ TEST(GsUsbErrors, BusOffEndsByItselfAfterATenthOfASecond) {
   for (std::uint32_t echo = 0; echo < 3; ++echo) {  // the mailboxes' content is lost
     EXPECT_EQ(bench.frame_of(reads[1 + echo])->echo, echo);
   }
-  EXPECT_EQ(bench.frame_of(reads[4])->identifier, 0x20000100U);
+  EXPECT_EQ(bench.frame_of(reads[4])->identifier, 0x20000300U);
   EXPECT_EQ(bench.wire.sent.size(), 5U);  // the other two go on their way
   ASSERT_EQ(bench.wire.controllers.size(), 3U);
-  EXPECT_FALSE(bench.wire.controllers[1].open);
-  EXPECT_EQ(bench.wire.controllers[2], (GsUsbController{true, 250'000, false, false}));
+  EXPECT_FALSE(bench.wire.controllers[1].present);
+  EXPECT_EQ(bench.wire.controllers[2], opened(250'000));
   EXPECT_EQ(bench.adapter.next_event(), kNever);
 }
 
@@ -359,14 +359,14 @@ TEST(GsUsbPlug, UnplugForgetsEverything) {
   bench.transmit(0);
   const auto completions = bench.host.completions.size();
   bench.adapter.unplugged(bench.now);
-  EXPECT_FALSE(bench.wire.controllers.back().open);
+  EXPECT_FALSE(bench.wire.controllers.back().present);
   bench.adapter.confirmed(bench.now, true);
   bench.adapter.received(bench.now, kFrame);
   EXPECT_EQ(bench.host.completions.size(), completions);
 
   bench.adapter.plugged(bench.now, bench.host);
   bench.tell(Request::mode, Mode{Mode::kStart, 0});  // the bit timing is gone as well
-  EXPECT_FALSE(bench.wire.controllers.back().open);
+  EXPECT_FALSE(bench.wire.controllers.back().present);
 }
 
 TEST(GsUsbPlug, CancelTakesBackWhatIsOpen) {
@@ -391,6 +391,9 @@ TEST(GsUsbPlug, ResetDropsWhatWasNotSent) {
   bench.start();
   const UsbTransfer read = bench.read();
   bench.transmit(2);
+  bench.adapter.confirmed(bench.now, true);   // 0, which was on the wire
+  bench.adapter.confirmed(bench.now, false);  // 1
+  EXPECT_EQ(bench.host.find(read), nullptr);
   bench.adapter.confirmed(bench.now, true);
   EXPECT_EQ(bench.frame_of(read)->echo, 2U);
 }

@@ -26,17 +26,24 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr BitTiming k250kbps{6, 7, 2, 1, 12};
 constexpr Frame kFrame{0x0CF02980, true, false, 8, {0, 0, 0x7D, 0, 0, 0x7D, 0xCC, 0}};
 
+/// The adapter restarts its controller by itself.
+constexpr OutsideController kClosed{.present = false, .restart_after = std::nullopt};
+constexpr OutsideController opened(std::uint32_t bit_rate_bps, bool listen_only = false,
+                                   bool one_shot = false) {
+  return {true, bit_rate_bps, listen_only, one_shot, std::nullopt};
+}
+
 inline SimTime at_us(std::int64_t microseconds) {
   return kStart + std::chrono::microseconds{microseconds};
 }
 
 struct RecordingWire final : GsUsbWire {
-  void set_controller(SimTime /*now*/, const GsUsbController& controller) override {
+  void set_controller(SimTime /*now*/, const OutsideController& controller) override {
     controllers.push_back(controller);
   }
   void send(SimTime /*now*/, const Frame& frame) override { sent.push_back(frame); }
 
-  std::vector<GsUsbController> controllers;
+  std::vector<OutsideController> controllers;
   std::vector<Frame> sent;
 };
 

@@ -1,8 +1,6 @@
 #include "emulators/starfire/node.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "protocols/j1939/message.h"
 #include "protocols/j1939/name.h"
@@ -13,9 +11,6 @@ namespace {
 namespace j1939 = protocols::j1939;
 namespace vehicle = protocols::vehicle;
 using protocols::can::Frame;
-
-// Below this speed the course says nothing; the last bearing stays.
-constexpr double kSlowest_mps = 0.1;
 
 constexpr std::array kQuantities{
     Quantity{"latitude", "deg", -90.0, 90.0, 1e-7},
@@ -89,35 +84,9 @@ void StarFireNode::advance(SimTime now) {
 
 void StarFireNode::update(const GnssSample& sample) {
   advance(sample.time);
-  take(sample);
+  report_.take(sample);
   publish_at_ = sample.time + settings_.latency;
   advance(sample.time);
-}
-
-void StarFireNode::take(const GnssSample& sample) {
-  const bool fix = sample.fix == GnssFix::two_d || sample.fix == GnssFix::three_d;
-  const double bearing_before_rad = report_.direction.bearing_rad;
-  report_ = {};
-  report_.quality.satellites =
-      static_cast<double>(std::ranges::count(sample.satellites, true, &SatelliteView::tracked));
-  if (!fix) {
-    return;
-  }
-  report_.position = {sample.latitude_deg, sample.longitude_deg};
-  const Vector3& v = sample.velocity_ned_mps;
-  const double speed_mps = std::hypot(v.x, v.y);
-  report_.direction.speed_mps = speed_mps;
-  report_.direction.altitude_m = sample.ellipsoid_height_m - sample.geoid_separation_m;
-  report_.direction.bearing_rad = bearing_before_rad;
-  if (speed_mps >= kSlowest_mps) {
-    const double course_rad = std::atan2(v.y, v.x);
-    report_.direction.bearing_rad =
-        course_rad < 0.0 ? course_rad + 2.0 * std::numbers::pi : course_rad;
-  }
-  report_.quality.horizontal_dilution = sample.horizontal_dilution;
-  report_.quality.vertical_dilution = sample.vertical_dilution;
-  report_.quality.position_dilution = sample.position_dilution;
-  report_.quality.time_dilution = sample.time_dilution;
 }
 
 J1939Answer StarFireNode::answer(SimTime now, std::uint32_t pgn, std::uint8_t /*destination*/) {

@@ -13,8 +13,8 @@
 #include "emulators/backends.h"
 #include "emulators/device.h"
 #include "emulators/j1939/j1939_node.h"
+#include "emulators/j1939/position_report.h"
 #include "emulators/starfire/settings.h"
-#include "protocols/vehicle/position.h"
 #include "sim/samples/calendar.h"
 
 namespace rigwire::emulators {
@@ -43,13 +43,6 @@ class StarFireNode final : public CanDevice, public GnssBackend, J1939Applicatio
   /// Epochs between two VP2.
   static constexpr std::uint64_t kQualityEpochs = 25;
 
-  struct Report {
-    protocols::vehicle::VehiclePosition position;
-    protocols::vehicle::VehicleDirectionSpeed direction;
-    protocols::vehicle::VehiclePosition2 quality;
-  };
-
-  void take(const GnssSample& sample);
   /// Sends one group of the last report.
   J1939Answer answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
   J1939Reception take(SimTime now, const J1939Message& message) override;
@@ -58,7 +51,7 @@ class StarFireNode final : public CanDevice, public GnssBackend, J1939Applicatio
   StarFireSettings settings_;
   J1939Node node_;
   SamplePlan plan_;
-  Report report_;
+  PositionReport report_;
   SimTime publish_at_ = kNever;
   std::uint64_t epochs_ = 0;
 };

@@ -81,7 +81,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::uint8_t destination = data[2] < 128   ? node.address()
                                      : data[2] < 224 ? j1939::kGlobalAddress
                                                      : data[2];
-    frame.id = j1939::pack({6, kGroups[data[0] % kGroups.size()], destination, data[1]});
+    frame.id =
+        j1939::pack(j1939::Identifier{6, kGroups[data[0] % kGroups.size()], destination, data[1]});
     frame.extended = true;
     frame.length = data[3] < 200 ? 8 : data[3] % 10;
     if (kGroups[data[0] % kGroups.size()] == j1939::kRequestPgn && data[3] < 200) {

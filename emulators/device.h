@@ -13,8 +13,10 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "protocols/can/frame.h"
+#include "protocols/can/message_layout.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
@@ -122,6 +124,13 @@ class CanDevice : public Device {
  public:
   /// A frame that another node sent, complete at `now`.
   virtual void receive(SimTime now, const protocols::can::Frame& frame) = 0;
+  /// How the messages that it sends and takes are laid out, for the bus's DBC file: as it is
+  /// configured, before any client changes it. `name` is the device's in its rig: the sender of
+  /// what it sends.
+  [[nodiscard]] virtual std::vector<protocols::can::MessageLayout> messages(
+      std::string_view /*name*/) const {
+    return {};
+  }
 };
 
 /// A device that serves byte streams (Modbus TCP).

@@ -29,7 +29,7 @@ constexpr std::size_t kInterfacesAt = kConfigurationsAt + 1;
 static_assert(kInterfacesAt + 1 == kDeviceRecordSize);
 
 void store_header(std::span<std::uint8_t> bytes, Operation operation, OperationStatus status) {
-  store_big(bytes, 0, kVersion);
+  store_big<std::uint16_t>(bytes, 0, kVersion);
   store_big(bytes, 2, static_cast<std::uint16_t>(operation));
   store_big(bytes, 4, static_cast<std::uint32_t>(status));
 }
@@ -135,23 +135,18 @@ Bytes encode_request(const Request& request) {
 }
 
 Bytes encode_device_list(std::span<const ListedDevice> devices) {
-  std::size_t size = kListHeaderSize;
-  for (const ListedDevice& listed : devices) {
-    size += kDeviceRecordSize + listed.interfaces.size() * kInterfaceRecordSize;
-  }
-  Bytes bytes(size);
-  store_header(bytes, Operation::device_list_reply, OperationStatus::ok);
-  store_big(std::span(bytes), kOperationHeaderSize, static_cast<std::uint32_t>(devices.size()));
-  std::size_t at = kListHeaderSize;
+  std::array<std::uint8_t, kListHeaderSize> header{};
+  store_header(header, Operation::device_list_reply, OperationStatus::ok);
+  store_big(header, kOperationHeaderSize, static_cast<std::uint32_t>(devices.size()));
+  Bytes bytes(header.begin(), header.end());
   for (const ListedDevice& listed : devices) {
     assert(listed.interfaces.size() == listed.device.interfaces);
-    store_device(std::span(bytes).subspan(at, kDeviceRecordSize), listed.device);
-    at += kDeviceRecordSize;
+    std::array<std::uint8_t, kDeviceRecordSize> record{};
+    store_device(record, listed.device);
+    bytes.insert(bytes.end(), record.begin(), record.end());
     for (const InterfaceRecord& interface : listed.interfaces) {
-      bytes[at] = interface.device_class;
-      bytes[at + 1] = interface.subclass;
-      bytes[at + 2] = interface.protocol;
-      at += kInterfaceRecordSize;
+      bytes.insert(bytes.end(),
+                   {interface.device_class, interface.subclass, interface.protocol, 0});
     }
   }
   return bytes;

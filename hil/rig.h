@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "drivers/pty.h"
 #include "hil/can_line.h"
 #include "hil/configuration/rig.h"
 #include "hil/device_line.h"
@@ -49,6 +48,8 @@ class Rig {
   [[nodiscard]] Executive& executive() { return executive_; }
   [[nodiscard]] const TruthSource& truth() const { return world_; }
 
+  /// What carries each bus, and why it was chosen; a line each.
+  [[nodiscard]] std::vector<std::string> wires() const;
   /// On the thread that runs the executive; `wall_s` is filled by the caller.
   [[nodiscard]] RigStatus status() const;
   /// After the run.

@@ -53,9 +53,15 @@ void validate(const GsUsbSettings& settings) {
     throw std::invalid_argument("gs_usb adapter: serial number '" + settings.serial_number +
                                 "'; 24 hexadecimal digits are allowed");
   }
+  if (settings.memory_frames < 16 || settings.memory_frames > GsUsbAdapter::kMemoryMax) {
+    throw std::invalid_argument("gs_usb adapter: memory of " +
+                                std::to_string(settings.memory_frames) +
+                                " frames; 16 .. 1024 are allowed");
+  }
 }
 
-GsUsbAdapter::GsUsbAdapter(const GsUsbSettings& settings, GsUsbWire& wire) : wire_(wire) {
+GsUsbAdapter::GsUsbAdapter(const GsUsbSettings& settings, GsUsbWire& wire)
+    : memory_frames_(settings.memory_frames), wire_(wire) {
   validate(settings);
   description_ = describe(settings);
   controller_.present = false;

@@ -7,7 +7,7 @@
 //   its echo number when the controller says that it has been sent, stamped with its end of frame:
 //   the host's queue moves at the pace of the bus. A frame that never will be (one-shot, bus-off)
 //   is returned as well, because the host waits for its number and the protocol has no other word.
-// - Frames from the bus, echoes and error frames share a memory of 64 frames with those from the
+// - Frames from the bus, echoes and error frames share a memory of bounded size with those from the
 //   host. When it is full, received frames are lost and counted, and the next one that gets through
 //   says so (overflow flag); transfers from the host wait.
 // - Error frames come with every change of the controller's error state; with each bus error only
@@ -50,9 +50,12 @@ class GsUsbWire {
 
 struct GsUsbSettings {
   std::string serial_number = "52494757495245474B555342";  ///< 24 hexadecimal digits.
+  /// The firmware has 64. A host that is served over a network, or is busy otherwise, comes later
+  /// than one with a cable: at 1 Mbit/s 64 frames are 8 ms.
+  std::size_t memory_frames = 64;  ///< 16 .. 1024.
 };
 
-/// Throws std::invalid_argument for a serial number of another form.
+/// Throws std::invalid_argument with the quantity, the value found and what is allowed.
 void validate(const GsUsbSettings& settings);
 
 struct GsUsbCounters {
@@ -70,7 +73,7 @@ struct GsUsbCounters {
 
 class GsUsbAdapter final : public UsbDevice {
  public:
-  static constexpr std::size_t kMemoryFrames = 64;
+  static constexpr std::size_t kMemoryMax = 1024;
   static constexpr std::size_t kTransmitMailboxes = 3;
   static constexpr std::size_t kReadsMax = 256;  ///< Open IN transfers; one more stalls.
   static constexpr std::size_t kWritesMax = 64;  ///< Waiting OUT transfers; one more stalls.
@@ -154,6 +157,7 @@ class GsUsbAdapter final : public UsbDevice {
   void settle(SimTime now);
 
   protocols::usb::DeviceDescription description_;
+  std::size_t memory_frames_;
   GsUsbWire& wire_;
   UsbHost* host_ = nullptr;
 
@@ -165,10 +169,10 @@ class GsUsbAdapter final : public UsbDevice {
   protocols::can::ControllerReport latest_;
   SimTime restart_at_ = kNever;
 
-  BoundedQueue<HostFrame, kMemoryFrames> from_host_;
+  BoundedQueue<HostFrame, kMemoryMax> from_host_;
   BoundedQueue<HostFrame, kTransmitMailboxes> in_controller_;
   std::size_t dropped_ = 0;  ///< Frames whose confirmation concerns nobody any more.
-  BoundedQueue<HostFrame, kMemoryFrames> to_host_;
+  BoundedQueue<HostFrame, kMemoryMax> to_host_;
   bool overflowed_ = false;  ///< To be said with the next received frame.
   BoundedQueue<Read, kReadsMax> reads_;
   BoundedQueue<Write, kWritesMax> writes_;

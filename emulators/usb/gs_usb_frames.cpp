@@ -86,7 +86,7 @@ void GsUsbAdapter::restart(SimTime now) {
 }
 
 std::size_t GsUsbAdapter::room() const {
-  return kMemoryFrames - from_host_.size() - in_controller_.size() - to_host_.size() -
+  return memory_frames_ - from_host_.size() - in_controller_.size() - to_host_.size() -
          (looping_ ? 1U : 0U);
 }
 

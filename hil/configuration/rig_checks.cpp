@@ -11,6 +11,7 @@
 #include "hil/configuration/frame_rate.h"
 #include "hil/configuration/rig.h"
 #include "hil/configuration/suggest.h"
+#include "protocols/can/frame_text.h"
 
 namespace rigwire::hil {
 
@@ -130,10 +131,10 @@ class Checker {
 
   void check_bus(const std::string& name, const BusConfiguration& bus) {
     const std::string path = "buses." + name;
-    if (bus.wire != CanWire::socketcan) {
+    if (bus.wire == CanWire::slcan || bus.wire == CanWire::automatic) {
       check_path(path + ".path", bus.path);
     }
-    if (bus.wire != CanWire::slcan) {
+    if (bus.wire == CanWire::socketcan || bus.wire == CanWire::automatic) {
       constexpr std::size_t kLongestInterface = 15;  // IFNAMSIZ - 1
       if (bus.interface.empty() || bus.interface.size() > kLongestInterface) {
         report(path + ".interface", "not an interface name", "\"" + bus.interface + "\"",
@@ -141,6 +142,44 @@ class Checker {
       }
       claim(path + ".interface", "interface " + bus.interface, bus.interface);
     }
+    for (std::size_t i = 0; i < bus.faults.size(); ++i) {
+      check_bus_fault(fmt::format("{}.faults.{}", path, i), name, bus.faults[i]);
+    }
+  }
+
+  void check_bus_fault(const std::string& path, const std::string& bus,
+                       const CanFaultConfiguration& fault) {
+    if (const std::string device = device_of(fault); !device.empty()) {
+      std::vector<std::string> names{std::string(kClientNode)};
+      for (const auto& [name, candidate] : rig_.devices) {
+        if (bus_of(candidate) == bus) {
+          names.push_back(name);
+        }
+      }
+      if (std::find(names.begin(), names.end(), device) == names.end()) {
+        report(path + ".device", "not on this bus", "\"" + device + "\"", join_words(names),
+               nearest_word(device, names));
+      }
+    }
+    if (const auto* intruder = std::get_if<IntruderFault>(&fault.settings)) {
+      if (!protocols::can::parse_frame_text(intruder->frame)) {
+        report(path + ".frame", "not a frame", "\"" + intruder->frame + "\"",
+               "18EAFFFE#00EE00, 123#, 123#R4");
+      }
+    }
+  }
+
+  /// Empty for devices without one.
+  static std::string bus_of(const DeviceConfiguration& device) {
+    return std::visit(
+        [](const auto& settings) -> std::string {
+          if constexpr (requires { settings.bus; }) {
+            return settings.bus;
+          } else {
+            return {};
+          }
+        },
+        device.settings);
   }
 
   void check_device(const std::string& path, const UbloxConfiguration& device) {
@@ -222,8 +261,10 @@ class Checker {
              nearest_word(bus, bus_names_));
       return;
     }
-    claim(path + ".source_address", fmt::format("{} address {}", bus, address),
-          std::to_string(address));
+    if (!rig_.buses.at(bus).duplicate_addresses) {
+      claim(path + ".source_address", fmt::format("{} address {}", bus, address),
+            std::to_string(address));
+    }
     claim(path + ".serial", fmt::format("{} serial {}", bus, serial), std::to_string(serial));
   }
 

@@ -121,7 +121,7 @@ class Imus {
  private:
   static emulators::OpenImuSettings settings(std::uint8_t address, std::uint32_t serial) {
     emulators::OpenImuSettings settings;
-    settings.address = address;
+    settings.source_address = address;
     settings.serial = serial;
     return settings;
   }
@@ -136,7 +136,7 @@ void run(std::uint16_t port, std::chrono::seconds limit, std::uint32_t bit_rate_
   OnTheBus controller(bus);
   ToAdapter to_adapter;
   Imus imus(bus, to_adapter);
-  emulators::GsUsbAdapter adapter({}, controller);
+  emulators::GsUsbAdapter adapter({.memory_frames = 1024}, controller);
   controller.connect(adapter);
   to_adapter.connect(adapter);
 

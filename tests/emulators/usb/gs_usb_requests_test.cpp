@@ -153,7 +153,16 @@ TEST(GsUsbAdapter, UpgradeInterfaceIsIdle) {
 TEST(GsUsbSettingsCheck, SerialNumberHas24Digits) {
   EXPECT_NO_THROW(validate(GsUsbSettings{}));
   for (const char* serial : {"", "123", "52494757495245474B55534G", "52494757495245474B5553420"}) {
-    EXPECT_THROW(validate(GsUsbSettings{serial}), std::invalid_argument) << serial;
+    EXPECT_THROW(validate({.serial_number = serial}), std::invalid_argument) << serial;
+  }
+}
+
+TEST(GsUsbSettingsCheck, MemoryHasItsLimits) {
+  for (const std::size_t frames : {16U, 1024U}) {
+    EXPECT_NO_THROW(validate({.memory_frames = frames}));
+  }
+  for (const std::size_t frames : {0U, 15U, 1025U}) {
+    EXPECT_THROW(validate({.memory_frames = frames}), std::invalid_argument) << frames;
   }
 }
 

@@ -34,7 +34,7 @@ void visit(Visitor& v, ValveDriverConfiguration& p) {
   v.boolean("allow_remote", p.allow_remote, "Permits listening where other machines reach it.");
   v.texts("sections", p.driver.sections, "Functions of the valve sections, from section 1.");
   v.integer("unit", p.unit, IntegerRule{1, 247}, "Modbus unit.");
-  v.duration("processing_delay", p.server.processing_delay, {0, 1'000'000'000},
+  v.duration("processing_delay", p.server.response_delay.typical, {0, 1'000'000'000},
              "From a request to its answer.");
   v.duration("watchdog", p.driver.watchdog, {0, 5'000'000'000},
              "Without a request for this long the reaction follows; 0 = off.");

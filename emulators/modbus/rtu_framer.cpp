@@ -94,15 +94,17 @@ void RtuFramer::search(SimTime now) {
   std::size_t used = 0;  // everything before has been handed on or is noise
   bool noise = false;
   for (std::size_t lump = 0; lump <= lump_count_; ++lump) {
-    std::size_t begin = lump == 0 ? 0 : lumps_[lump - 1];
-    if (begin < used) {
+    const std::size_t begin = lump == 0 ? 0 : lumps_[lump - 1];
+    const std::size_t row = begin < used ? 0 : row_end(begin);
+    if (row == 0) {
       continue;
     }
-    for (std::size_t end = frame_end(begin); end != 0; end = frame_end(begin)) {
-      noise = noise || begin > used;
-      const auto frame = decode_rtu(run().subspan(begin, end - begin));
+    noise = noise || begin > used;
+    for (used = begin; used < row;) {
+      const std::size_t end = frame_end(used);
+      const auto frame = decode_rtu(run().subspan(used, end - used));
       listener_.frame(now, *frame);
-      used = begin = end;
+      used = end;
     }
   }
   if (noise) {
@@ -110,6 +112,16 @@ void RtuFramer::search(SimTime now) {
   }
   keep_from(used);
   waiting_ = size_ > 0;
+}
+
+std::size_t RtuFramer::row_end(std::size_t begin) const {
+  const auto lumps = std::span(lumps_).first(lump_count_);
+  for (std::size_t end = frame_end(begin); end != 0; end = frame_end(end)) {
+    if (end == size_ || std::ranges::find(lumps, end) != lumps.end()) {
+      return end;
+    }
+  }
+  return 0;
 }
 
 std::size_t RtuFramer::frame_end(std::size_t begin) const {

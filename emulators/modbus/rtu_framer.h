@@ -12,7 +12,8 @@
 //   * a request written in several parts: what is no frame at its silence waits for the rest, at
 //     most `gap_tolerance` after its last byte;
 //   * noise, then a request: a frame that begins where a lump began is found;
-//   * a request right behind another one, without a silence: a row of frames is taken as such.
+//   * a request right behind another one, without a silence: a row of frames that begins and ends
+//     with lumps is taken as such.
 //   Bytes sent while an answer is on the line lie behind it.
 // A good frame that stands alone is handed on at the same instant either way.
 #pragma once
@@ -75,6 +76,9 @@ class RtuFramer {
   /// Hands on the frames that begin where the run or a lump began, and keeps what lies behind the
   /// last.
   void search(SimTime now);
+  /// End of a row of frames that begins at `begin` and ends with the run or where a lump began; 0
+  /// when there is none.
+  [[nodiscard]] std::size_t row_end(std::size_t begin) const;
   /// End of a frame that begins at `begin`: the end of the run if that is one, else the nearest;
   /// 0 when there is none.
   [[nodiscard]] std::size_t frame_end(std::size_t begin) const;

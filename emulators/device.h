@@ -124,13 +124,4 @@ class CanDevice : public Device {
   virtual void receive(SimTime now, const protocols::can::Frame& frame) = 0;
 };
 
-/// A device that serves byte streams (Modbus TCP).
-class StreamDevice : public Device {
- public:
-  virtual void connected(SimTime now, ConnectionId connection) = 0;
-  virtual void receive(SimTime now, ConnectionId connection,
-                       std::span<const std::uint8_t> bytes) = 0;
-  virtual void disconnected(SimTime now, ConnectionId connection) = 0;
-};
-
 }  // namespace rigwire::emulators

@@ -4,6 +4,7 @@
 
 #include "drivers/pty.h"
 #include "drivers/tcp_server.h"
+#include "emulators/modbus/modbus_server.h"
 #include "emulators/openimu/openimu335ri.h"
 #include "emulators/ublox/receiver.h"
 #include "emulators/valve_driver/valve_driver.h"
@@ -111,8 +112,11 @@ class TcpValveLine final : public DeviceLine {
   TcpValveLine(const ValveDriverConfiguration& configuration, const LineContext& context)
       : server_(context.io, server_settings(configuration)),
         outlet_(server_, own_statistics()),
-        driver_(configuration.driver, outlet_),
-        station_(driver_, driver_) {}
+        modbus_(configuration.server, outlet_),
+        driver_(configuration.driver),
+        station_(driver_, driver_) {
+    modbus_.add_unit(configuration.unit, driver_.unit());
+  }
 
   DeviceIndex enlist(Executive& executive) override {
     const DeviceIndex index = executive.add(station_);
@@ -120,16 +124,16 @@ class TcpValveLine final : public DeviceLine {
     server_.start({
         .connected =
             [this, &executive](emulators::ConnectionId connection) {
-              driver_.connected(executive.arrive(), connection);
+              modbus_.connected(executive.arrive(), connection);
             },
         .received =
             [this, &executive](emulators::ConnectionId connection,
                                std::span<const std::uint8_t> bytes) {
-              driver_.receive(client_arrived(executive), connection, bytes);
+              modbus_.receive(client_arrived(executive), connection, bytes);
             },
         .disconnected =
             [this, &executive](emulators::ConnectionId connection) {
-              driver_.disconnected(executive.arrive(), connection);
+              modbus_.disconnected(executive.arrive(), connection);
             },
     });
     return index;
@@ -149,6 +153,7 @@ class TcpValveLine final : public DeviceLine {
 
   drivers::TcpServer server_;
   ServerOutlet outlet_;
+  emulators::ModbusServer modbus_;
   emulators::ValveDriver driver_;
   ValveStation station_;
 };

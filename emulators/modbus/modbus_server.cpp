@@ -116,16 +116,22 @@ Response ModbusServer::answer(SimTime now, Connection& connection, const Adu& ad
 }
 
 Response ModbusServer::serve(SimTime now, ModbusUnit& unit, std::span<const std::uint8_t> pdu) {
+  unit.advance(now);
+  unit.received().bytes += pdu.size();
   const auto decoded = decode_request(pdu);
   if (const auto* refusal = std::get_if<Refusal>(&decoded)) {
-    ++(refusal->wrong_length ? counters_.malformed : counters_.ignored);
+    for (ReceiveCounters* counters : {&counters_, &unit.received()}) {
+      ++(refusal->wrong_length ? counters->malformed : counters->ignored);
+    }
     return ExceptionResponse{refusal->function, refusal->code};
   }
   const Response response = dispatch(now, unit, std::get<Request>(decoded));
   if (std::holds_alternative<ExceptionResponse>(response)) {
     ++counters_.ignored;
+    ++unit.received().ignored;
   } else {
     ++counters_.accepted;
+    ++unit.received().accepted;
     unit.served(now);
   }
   return response;

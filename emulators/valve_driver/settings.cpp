@@ -52,10 +52,6 @@ void check_sections(const std::vector<std::string>& sections) {
 
 void validate(const ValveDriverSettings& settings) {
   check_sections(settings.sections);
-  if (settings.unit < 1 || settings.unit > 247) {
-    refuse("unit", std::to_string(settings.unit), "1 .. 247");
-  }
-  check("processing_delay", settings.processing_delay, 0ms, 1s);
   if (settings.watchdog != 0ms) {
     check("watchdog (unless 0)", settings.watchdog, 20ms, 5s);
     if (settings.watchdog % 1ms != 0ns) {

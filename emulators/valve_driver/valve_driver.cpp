@@ -28,10 +28,8 @@ Duration milliseconds(std::uint16_t count) {
 
 }  // namespace
 
-ValveDriver::ValveDriver(const ValveDriverSettings& settings, StreamOutput& output)
-    : settings_(validated(settings)),
-      unit_(*this),
-      server_({settings.processing_delay, 16}, output) {
+ValveDriver::ValveDriver(const ValveDriverSettings& settings)
+    : settings_(validated(settings)), unit_(*this) {
   for (const RegisterEntry& entry : map()) {
     std::size_t address = entry.address;
     for (int i = 0; entry.table == Table::holding_registers && i < entry.count; ++i) {
@@ -46,23 +44,6 @@ ValveDriver::ValveDriver(const ValveDriverSettings& settings, StreamOutput& outp
   store(kDriverTemperature, settings.driver_temperature_c);
   spool_off_since_.fill(kNever);
   describe_quantities();
-  server_.add_unit(settings.unit, unit_);
-}
-
-void ValveDriver::connected(SimTime now, ConnectionId connection) {
-  advance(now);
-  server_.connected(now, connection);
-}
-
-void ValveDriver::receive(SimTime now, ConnectionId connection,
-                          std::span<const std::uint8_t> bytes) {
-  advance(now);
-  server_.receive(now, connection, bytes);
-}
-
-void ValveDriver::disconnected(SimTime now, ConnectionId connection) {
-  advance(now);
-  server_.disconnected(now, connection);
 }
 
 void ValveDriver::advance(SimTime now) {

@@ -1,6 +1,6 @@
-// Hydraulic valve driver with Modbus TCP: spool commands in, status and transducers out.
+// Hydraulic valve driver on Modbus: spool commands in, status and transducers out.
 //
-// Format page: docs/devices/valve-driver.md; registers in valve_driver_registers.h. In short:
+// Format page: docs/devices/valve-driver.md; registers in registers.h. In short:
 //   - A request is carried out whole or not at all. Commands outside -1000 .. 1000 and every other
 //     value out of range are refused with exception 03, never clipped.
 //   - Outputs follow the commands only while enabled (control bit 0 set and no fault latched). A
@@ -24,7 +24,7 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
-#include "emulators/modbus/modbus_server.h"
+#include "emulators/modbus/modbus_device.h"
 #include "emulators/valve_driver/registers.h"
 #include "emulators/valve_driver/stage.h"
 #include "sim/samples/valve_sample.h"
@@ -33,9 +33,7 @@ namespace rigwire::emulators {
 
 struct ValveDriverSettings {
   std::vector<std::string> sections = {"swing", "boom", "stick", "bucket"};  ///< 1 .. 8 names.
-  std::uint8_t unit = 1;                                       ///< Modbus unit, 1 .. 247.
-  Duration processing_delay = std::chrono::microseconds(300);  ///< 0 .. 1 s.
-  Duration watchdog = std::chrono::milliseconds(200);          ///< 0 = off, 20 ms .. 5 s.
+  Duration watchdog = std::chrono::milliseconds(200);  ///< 0 = off, 20 ms .. 5 s.
   valve_registers::Reaction reaction = valve_registers::Reaction::neutral;
   Duration sample_period = std::chrono::milliseconds(5);  ///< Transducers, 1 ms .. 1 s.
   Duration ramp_cycle = std::chrono::milliseconds(1);  ///< Output steps on a ramp, 0.1 .. 100 ms.
@@ -53,19 +51,17 @@ struct ValveDriverSettings {
 /// Throws std::invalid_argument naming the setting, what was found and what is allowed.
 void validate(const ValveDriverSettings& settings);
 
-class ValveDriver final : public StreamDevice, public ValveBackend {
+class ValveDriver final : public ModbusDevice, public ValveBackend {
  public:
-  /// `output` must outlive the driver. Throws std::invalid_argument.
-  ValveDriver(const ValveDriverSettings& settings, StreamOutput& output);
+  /// Throws std::invalid_argument.
+  explicit ValveDriver(const ValveDriverSettings& settings);
 
-  void connected(SimTime now, ConnectionId connection) override;
-  void receive(SimTime now, ConnectionId connection, std::span<const std::uint8_t> bytes) override;
-  void disconnected(SimTime now, ConnectionId connection) override;
+  [[nodiscard]] ModbusUnit& unit() override { return unit_; }
 
   void advance(SimTime now) override;
   [[nodiscard]] SimTime next_event() const override;
   [[nodiscard]] SamplePlan sample_plan() const override;
-  [[nodiscard]] ReceiveCounters received() const override { return server_.received(); }
+  [[nodiscard]] ReceiveCounters received() const override { return unit_.received(); }
   [[nodiscard]] double nominal_rate_hz() const override { return 0.0; }
   [[nodiscard]] std::span<const Quantity> quantities() const override { return quantities_; }
 
@@ -85,6 +81,7 @@ class ValveDriver final : public StreamDevice, public ValveBackend {
   class Unit final : public ModbusUnit {
    public:
     explicit Unit(ValveDriver& driver);
+    void advance(SimTime now) override { driver_.advance(now); }
     Outcome read_registers(RegisterTable table, std::uint16_t address,
                            std::span<std::uint16_t> values) const override;
     Outcome write_registers(SimTime now, std::uint16_t address,
@@ -141,7 +138,6 @@ class ValveDriver final : public StreamDevice, public ValveBackend {
   std::array<SimTime, kValveSections> spool_off_since_{};  ///< kNever while it follows.
   std::vector<Quantity> quantities_;
   Unit unit_;
-  ModbusServer server_;
 };
 
 }  // namespace rigwire::emulators

@@ -86,7 +86,7 @@ Row plan(const RigConfiguration& rig, const VehicleGatewayDeviceConfiguration& d
 Row plan(const RigConfiguration&, const ValveDriverConfiguration& device) {
   return {
       fmt::format("modbus tcp {}:{}", device.address, device.port), "on request", "",
-      fmt::format("unit {}, {} sections, watchdog {}", device.driver.unit,
+      fmt::format("unit {}, {} sections, watchdog {}", device.unit,
                   device.driver.sections.size(), print_duration(device.driver.watchdog.count()))};
 }
 

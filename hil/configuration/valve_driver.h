@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "emulators/modbus/modbus_server.h"
 #include "emulators/valve_driver/valve_driver.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/units.h"
@@ -16,6 +17,8 @@ struct ValveDriverConfiguration {
   std::string address = "127.0.0.1";  ///< Where it listens.
   std::uint16_t port = 1502;
   bool allow_remote = false;  ///< Needed to listen where other machines reach it.
+  std::uint8_t unit = 1;      ///< On its Modbus line, 1 .. 247.
+  emulators::ModbusServerSettings server;
   emulators::ValveDriverSettings driver;
 };
 
@@ -30,8 +33,8 @@ void visit(Visitor& v, ValveDriverConfiguration& p) {
   v.integer("port", p.port, IntegerRule{1, 65535}, "TCP; the standard port 502 needs privileges.");
   v.boolean("allow_remote", p.allow_remote, "Permits listening where other machines reach it.");
   v.texts("sections", p.driver.sections, "Functions of the valve sections, from section 1.");
-  v.integer("unit", p.driver.unit, IntegerRule{1, 247}, "Modbus unit.");
-  v.duration("processing_delay", p.driver.processing_delay, {0, 1'000'000'000},
+  v.integer("unit", p.unit, IntegerRule{1, 247}, "Modbus unit.");
+  v.duration("processing_delay", p.server.processing_delay, {0, 1'000'000'000},
              "From a request to its answer.");
   v.duration("watchdog", p.driver.watchdog, {0, 5'000'000'000},
              "Without a request for this long the reaction follows; 0 = off.");
@@ -56,6 +59,7 @@ void visit(Visitor& v, ValveDriverConfiguration& p) {
 }
 
 inline void validate(const ValveDriverConfiguration& p) {
+  validate(p.server);
   validate(p.driver);
 }
 

@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "../modbus/modbus_client.h"
+#include "emulators/modbus/modbus_server.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -31,12 +32,13 @@ constexpr SimTime at(Duration since_start) {
 
 class ValveDriverTest : public ::testing::Test {
  protected:
-  explicit ValveDriverTest(const ValveDriverSettings& settings = {}) : driver_(settings, output_) {
-    driver_.connected(kStart, 1);
+  explicit ValveDriverTest(const ValveDriverSettings& settings = {}) : driver_(settings) {
+    server_.add_unit(1, driver_.unit());
+    server_.connected(kStart, 1);
   }
 
   Response ask(SimTime now, const Request& request, std::uint8_t unit = 1) {
-    driver_.receive(now, 1, adu_of(request, 1, unit));
+    server_.receive(now, 1, adu_of(request, 1, unit));
     return output_.latest();
   }
   Response write(SimTime now, std::uint16_t address, const std::vector<int>& values) {
@@ -71,6 +73,7 @@ class ValveDriverTest : public ::testing::Test {
 
   RecordedStream output_;
   ValveDriver driver_;
+  ModbusServer server_{{}, output_};
 };
 
 TEST_F(ValveDriverTest, WakesUpNeutralReadyAndDisabled) {
@@ -164,8 +167,8 @@ TEST_F(ValveDriverTest, WhatIsNotServedDoesNotFeedTheWatchdog) {
   ask(at(50ms), ReadRegisters{RegisterTable::input, 0, 1}, 9);          // another unit
   ask(at(60ms), ReadRegisters{RegisterTable::input, 500, 1});           // exception 02
   write(at(70ms), 1, {2000});                                           // exception 03
-  driver_.receive(at(80ms), 1, adu_of(Bytes{99}));                      // exception 01
-  driver_.receive(at(90ms), 1, adu_of(Bytes{4, 0, 0, 0, 1}, 1, 1, 7));  // another protocol
+  server_.receive(at(80ms), 1, adu_of(Bytes{99}));                      // exception 01
+  server_.receive(at(90ms), 1, adu_of(Bytes{4, 0, 0, 0, 1}, 1, 1, 7));  // another protocol
   EXPECT_EQ(driver_.next_event(), at(200ms));
 }
 
@@ -409,17 +412,17 @@ TEST_F(ValveDriverTest, AMegabyteOfGarbageMovesNothing) {
     byte = static_cast<std::uint8_t>(random());
   }
   ConnectionId id = 2;
-  driver_.connected(kStart, id);
+  server_.connected(kStart, id);
   for (std::size_t i = 0; i < garbage.size(); i += 1024) {
-    driver_.receive(kStart, id, std::span(garbage).subspan(i, 1024));
+    server_.receive(kStart, id, std::span(garbage).subspan(i, 1024));
     if (!output_.closed.empty() && output_.closed.back().connection == id) {
-      driver_.disconnected(kStart, id);
-      driver_.connected(kStart, ++id);
+      server_.disconnected(kStart, id);
+      server_.connected(kStart, ++id);
     }
   }
   EXPECT_GT(id, 500U) << "garbage should soon have an impossible length";
   EXPECT_EQ(driver_.received().accepted, 0U);
-  EXPECT_EQ(driver_.received().bytes, 1U << 20U);
+  EXPECT_EQ(server_.received().bytes, 1U << 20U);
   EXPECT_THAT(driver_.command().opening, Each(0.0));
   EXPECT_EQ(write(kStart, 0, {1, 100}), done(0, 2));
 }
@@ -470,7 +473,6 @@ TEST(ValveDriverSettingsTest, OutOfRangeIsRefusedByName) {
   expect_refused([](Settings& s) { s.sections.clear(); }, "sections");
   expect_refused([](Settings& s) { s.sections.assign(9, "x"); }, "sections");
   expect_refused([](Settings& s) { s.sections = {"a", "a"}; }, "sections");
-  expect_refused([](Settings& s) { s.unit = 0; }, "unit");
   expect_refused([](Settings& s) { s.watchdog = 10ms; }, "watchdog");
   expect_refused([](Settings& s) { s.watchdog = 20'500us; }, "watchdog");
   expect_refused([](Settings& s) { s.sample_period = 0ms; }, "sample_period");

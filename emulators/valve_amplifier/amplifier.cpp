@@ -216,8 +216,11 @@ void ValveAmplifier::refresh_set_points(SimTime now) {
     for (std::size_t i = 0; i < sections(); ++i) {
       floating_[i] = enabled_ ? float_wanted_[i] && !quick_stop_
                               : active_reaction_ == ValveReaction::floating;
-      set_point_[i] =
-          enabled_ && !floating_[i] ? stages_[i].opening(parameters_.stage[i]) : 0.0;
+      const double idle =
+          active_reaction_ == ValveReaction::position ? parameters_.loss_position : 0.0;
+      set_point_[i] = floating_[i] ? 0.0
+                      : enabled_   ? stages_[i].opening(parameters_.stage[i])
+                                   : idle;
     }
   }
   refresh_output(now);

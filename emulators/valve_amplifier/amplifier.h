@@ -6,8 +6,8 @@
 //   - Quick stop, disabling and faults go to neutral at once, past the ramps; when quick stop is
 //     cleared, sections start from 0 as after enabling. Quick stop beats float.
 //   - The watchdog runs while enabled, from the last feed(). A feed at the very instant of expiry is
-//     too late. On expiry fault 1 is latched and the outputs react at exactly that instant; hold and
-//     float last until the master clears enable, asks for quick stop or resets the fault.
+//     too late. On expiry fault 1 is latched and the outputs react at exactly that instant; hold,
+//     float and loss position last until the master clears enable, asks for quick stop or resets the fault.
 //   - A fault stays latched until fault_reset goes from false to true. What happens by itself at
 //     the instant of a reset (a watchdog running out, a supervision delay ending) happens before it.
 //     A reset begins every supervision anew, so that a cause that is still there latches again after

@@ -43,9 +43,10 @@ void check_parameters(const ValveAmplifierParameters& parameters) {
   if (parameters.watchdog != 0ms) {
     check("watchdog (unless 0)", parameters.watchdog, 1ms, 1h);
   }
-  if (parameters.reaction > ValveReaction::floating) {
-    refuse("reaction", std::to_string(static_cast<int>(parameters.reaction)), "0 .. 2");
+  if (parameters.reaction > ValveReaction::position) {
+    refuse("reaction", std::to_string(static_cast<int>(parameters.reaction)), "0 .. 3");
   }
+  check("loss_position", parameters.loss_position, -1.0, 1.0, "of full travel");
   check("coil_current_full", parameters.current_full_ma, 1.0, 65535.0, "mA");
   check("coil_current_start", parameters.current_start_ma, 0.0, parameters.current_full_ma, "mA");
   check("dither_amplitude", parameters.dither.amplitude_ma, 0.0, 500.0, "mA");

@@ -15,12 +15,18 @@
 namespace rigwire::emulators {
 
 /// What the outputs do when the watchdog trips.
-enum class ValveReaction : std::uint16_t { neutral = 0, hold = 1, floating = 2 };
+enum class ValveReaction : std::uint16_t {
+  neutral = 0,
+  hold = 1,
+  floating = 2,
+  position = 3,  ///< To ValveAmplifierParameters::loss_position, at once.
+};
 
 /// What the master may change.
 struct ValveAmplifierParameters {
   Duration watchdog = std::chrono::milliseconds(200);  ///< 0 = off, 1 ms .. 1 h.
   ValveReaction reaction = ValveReaction::neutral;
+  double loss_position = 0.0;       ///< -1 .. 1, of every section.
   double current_start_ma = 250.0;  ///< At the least opening.
   double current_full_ma = 750.0;   ///< At 100 % opening.
   ValveDither dither;

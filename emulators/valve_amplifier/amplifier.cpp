@@ -205,8 +205,7 @@ void ValveAmplifier::latch(SimTime now, ValveFault fault, std::optional<std::siz
 
 void ValveAmplifier::take_defects(SimTime now) {
   const ValveElectronics& electronics = settings_.electronics;
-  defect_ =
-      defects_.at(now, electronics.supply_voltage_v, electronics.ambient_temperature_c);
+  defect_ = defects_.at(now, electronics.supply_voltage_v, electronics.ambient_temperature_c);
   next_defect_ = defects_.next_change(now);
   refresh_output(now);
 }
@@ -214,8 +213,8 @@ void ValveAmplifier::take_defects(SimTime now) {
 void ValveAmplifier::refresh_set_points(SimTime now) {
   if (enabled_ || active_reaction_ != ValveReaction::hold) {
     for (std::size_t i = 0; i < sections(); ++i) {
-      floating_[i] = enabled_ ? float_wanted_[i] && !quick_stop_
-                              : active_reaction_ == ValveReaction::floating;
+      floating_[i] =
+          enabled_ ? float_wanted_[i] && !quick_stop_ : active_reaction_ == ValveReaction::floating;
       const double idle =
           active_reaction_ == ValveReaction::position ? parameters_.loss_position : 0.0;
       set_point_[i] = floating_[i] ? 0.0
@@ -248,8 +247,7 @@ double ValveAmplifier::carried(std::size_t section) const {
     return 0.0;
   }
   const double span_ma = parameters_.current_full_ma - parameters_.current_start_ma;
-  const double opening =
-      (coils_[section].greatest_ma() - parameters_.current_start_ma) / span_ma;
+  const double opening = (coils_[section].greatest_ma() - parameters_.current_start_ma) / span_ma;
   return std::copysign(std::clamp(opening, 0.0, std::abs(set_point)), set_point);
 }
 
@@ -276,13 +274,11 @@ void ValveAmplifier::drive_coils(SimTime now) {
     const double current_a = defect_.coil_shorted[i] ? 0.0 : coils_[i].current_ma(now) * 1e-3;
     power_w += current_a * current_a * electronics.output_resistance_ohm;
   }
-  driver_temperature_c_ =
-      warmed_c(driver_temperature_c_, defect_.ambient_c, power_w,
-               electronics.thermal_resistance_kpw, electronics.thermal_time_constant_s,
-               now - driver_warmed_until_);
+  driver_temperature_c_ = warmed_c(driver_temperature_c_, defect_.ambient_c, power_w,
+                                   electronics.thermal_resistance_kpw,
+                                   electronics.thermal_time_constant_s, now - driver_warmed_until_);
   driver_warmed_until_ = now;
-  const double surroundings_c =
-      measurements_ > 0 ? measured_.oil_temperature_c : defect_.ambient_c;
+  const double surroundings_c = measurements_ > 0 ? measured_.oil_temperature_c : defect_.ambient_c;
   for (std::size_t i = 0; i < sections(); ++i) {
     coils_[i].drive(now, {wanted_ma(i), defect_.supply_voltage_v, defect_.coil_open[i],
                           defect_.coil_shorted[i], surroundings_c});
@@ -375,14 +371,12 @@ double ValveAmplifier::position(SimTime now, std::size_t section) const {
   }
   const double omega = 2.0 * std::numbers::pi * parameters_.dither.frequency_hz;
   const double lag = omega * settings_.spool_time_constant_s;
-  const double span_ma =
-      std::max(1.0, parameters_.current_full_ma - parameters_.current_start_ma);
+  const double span_ma = std::max(1.0, parameters_.current_full_ma - parameters_.current_start_ma);
   const double ripple = amplitude_ma / span_ma / std::hypot(1.0, lag);
-  return mean +
-         std::copysign(ripple, set_point_[section]) *
-             std::sin(2.0 * std::numbers::pi *
-                          std::fmod(parameters_.dither.frequency_hz * to_seconds(now), 1.0) -
-                      std::atan(lag));
+  return mean + std::copysign(ripple, set_point_[section]) *
+                    std::sin(2.0 * std::numbers::pi *
+                                 std::fmod(parameters_.dither.frequency_hz * to_seconds(now), 1.0) -
+                             std::atan(lag));
 }
 
 double ValveAmplifier::coil_temperature_c(std::size_t section) const {

@@ -5,21 +5,25 @@
 //     section starts from 0 unless that same request commands it.
 //   - Quick stop, disabling and faults go to neutral at once, past the ramps; when quick stop is
 //     cleared, sections start from 0 as after enabling. Quick stop beats float.
-//   - The watchdog runs while enabled, from the last feed(). A feed at the very instant of expiry is
+//   - The watchdog runs while enabled, from the last feed(). A feed at the very instant of expiry
+//   is
 //     too late. On expiry fault 1 is latched and the outputs react at exactly that instant; hold,
-//     float and loss position last until the master clears enable, asks for quick stop or resets the fault.
+//     float and loss position last until the master clears enable, asks for quick stop or resets
+//     the fault.
 //   - A fault stays latched until fault_reset goes from false to true. What happens by itself at
-//     the instant of a reset (a watchdog running out, a supervision delay ending) happens before it.
-//     A reset begins every supervision anew, so that a cause that is still there latches again after
-//     its delay; too hot and contradicting parameters latch again at once. If enable is asked for
-//     then, the amplifier is enabled again, with all commands 0 unless that request carries some.
+//     the instant of a reset (a watchdog running out, a supervision delay ending) happens before
+//     it. A reset begins every supervision anew, so that a cause that is still there latches again
+//     after its delay; too hot and contradicting parameters latch again at once. If enable is asked
+//     for then, the amplifier is enabled again, with all commands 0 unless that request carries
+//     some.
 //
 // What leaves for the machine (command()) is the set point as far as the coil can carry it: the
 // opening that belongs to the greatest current U / R(T), 0 without current, and the opening of its
-// beginning while a spool is stuck. The coil's time constant is not on that way: the machine model's
-// spool lag (sim/hydraulics/spool.h) is that of coil, pilot and spool together, and is there once.
-// The lag is in the reported current. Dither is too fast for the machine; it is in the reported
-// current and, through the same lag, in the reported position (docs/devices/valve-driver.md).
+// beginning while a spool is stuck. The coil's time constant is not on that way: the machine
+// model's spool lag (sim/hydraulics/spool.h) is that of coil, pilot and spool together, and is
+// there once. The lag is in the reported current. Dither is too fast for the machine; it is in the
+// reported current and, through the same lag, in the reported position
+// (docs/devices/valve-driver.md).
 #pragma once
 
 #include <array>
@@ -133,7 +137,7 @@ class ValveAmplifier {
 
   ValveDefectState defect_;
   SimTime next_defect_ = kNever;
-  SimTime fed_{};              ///< Last time the watchdog was fed.
+  SimTime fed_{};               ///< Last time the watchdog was fed.
   SimTime next_ramp_ = kNever;  ///< Next output step.
   // Since when something is suspicious; kNever while it is not.
   std::array<SimTime, kValveSections> coil_open_since_{};

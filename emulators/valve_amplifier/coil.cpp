@@ -42,10 +42,9 @@ void ValveCoil::drive(SimTime now, const CoilDrive& drive) {
     settled_ = true;
   }
   const double heating_a = drive_.shorted ? 0.0 : current_now_ma * kMilli;
-  temperature_c_ =
-      warmed_c(temperature_c_, drive_.surroundings_c, heating_a * heating_a * resistance_ohm(),
-               parameters_.thermal_resistance_kpw, parameters_.thermal_time_constant_s,
-               now - since_);
+  temperature_c_ = warmed_c(
+      temperature_c_, drive_.surroundings_c, heating_a * heating_a * resistance_ohm(),
+      parameters_.thermal_resistance_kpw, parameters_.thermal_time_constant_s, now - since_);
   start_ma_ = drive.open ? 0.0 : current_now_ma;
   drive_ = drive;
   since_ = now;
@@ -61,11 +60,10 @@ double ValveCoil::current_ma(SimTime now) const {
   const double resistance = resistance_ohm();
   const bool driven = drive_.set_ma >= start_ma_;
   const double asymptote_ma = driven ? drive_.supply_v / resistance / kMilli : 0.0;
-  const double rate_per_s = parameters_.inductance_h > 0.0 ? resistance / parameters_.inductance_h
-                                                           : 1e12;
+  const double rate_per_s =
+      parameters_.inductance_h > 0.0 ? resistance / parameters_.inductance_h : 1e12;
   const double curve_ma =
-      asymptote_ma +
-      (start_ma_ - asymptote_ma) * std::exp(-to_seconds(now - since_) * rate_per_s);
+      asymptote_ma + (start_ma_ - asymptote_ma) * std::exp(-to_seconds(now - since_) * rate_per_s);
   return driven ? std::min(drive_.set_ma, curve_ma) : std::max(drive_.set_ma, curve_ma);
 }
 
@@ -83,8 +81,7 @@ double ValveCoil::dither_amplitude_ma(SimTime now, const ValveDither& dither) co
 
 double ValveCoil::dither_ma(SimTime now, const ValveDither& dither) const {
   return dither_amplitude_ma(now, dither) *
-         std::sin(2.0 * std::numbers::pi *
-                  std::fmod(dither.frequency_hz * to_seconds(now), 1.0));
+         std::sin(2.0 * std::numbers::pi * std::fmod(dither.frequency_hz * to_seconds(now), 1.0));
 }
 
 }  // namespace rigwire::emulators

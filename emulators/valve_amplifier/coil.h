@@ -9,8 +9,8 @@
 //   falling   i(t) = max(i_set, i0 exp(-t / tau))
 //
 // so that the mean current ends at min(i_set, U / R(T)). The coil's temperature is a first-order
-// lag towards surroundings + R_th i^2 R, exact for a current that does not change; between two calls
-// of drive() the current at the interval's end counts for all of it.
+// lag towards surroundings + R_th i^2 R, exact for a current that does not change; between two
+// calls of drive() the current at the interval's end counts for all of it.
 //
 // Dither is a sine on the set current. Its amplitude is what the voltage that is left allows: at
 // most (U - i R) / (2 pi f L), and no more than the mean current itself. It is computed for the
@@ -25,16 +25,16 @@
 namespace rigwire::emulators {
 
 struct ValveCoilParameters {
-  double resistance_ohm = 21.0;           ///< At 20 degC, 0.5 .. 500.
-  double inductance_h = 0.2;              ///< 0 .. 10; 0: the current is there at once.
-  double thermal_resistance_kpw = 4.0;    ///< Coil to oil, 0 .. 100.
+  double resistance_ohm = 21.0;            ///< At 20 degC, 0.5 .. 500.
+  double inductance_h = 0.2;               ///< 0 .. 10; 0: the current is there at once.
+  double thermal_resistance_kpw = 4.0;     ///< Coil to oil, 0 .. 100.
   double thermal_time_constant_s = 600.0;  ///< 1 .. 1e5.
 
   friend bool operator==(const ValveCoilParameters&, const ValveCoilParameters&) = default;
 };
 
 struct ValveDither {
-  double amplitude_ma = 0.0;   ///< 0 = none, up to 500.
+  double amplitude_ma = 0.0;    ///< 0 = none, up to 500.
   double frequency_hz = 130.0;  ///< 20 .. 400.
 
   friend bool operator==(const ValveDither&, const ValveDither&) = default;

@@ -59,7 +59,7 @@ struct ValveElectronics {
 
 struct ValveAmplifierSettings {
   std::vector<std::string> sections = {"swing", "boom", "stick", "bucket"};  ///< 1 .. 8 names.
-  ValveAmplifierParameters parameters;               ///< At power-up.
+  ValveAmplifierParameters parameters;                                       ///< At power-up.
   Duration ramp_cycle = std::chrono::milliseconds(1);  ///< Output steps on a ramp, 0.1 .. 100 ms.
   ValveCoilParameters coil;
   ValveElectronics electronics;

@@ -25,10 +25,9 @@ RegisterWords encode_count(const ValveRegister& entry, double count) {
 
 std::optional<double> decode_count(const ValveRegister& entry, const RegisterWords& words) {
   const bool high_first = entry.order == WordOrder::high_first;
-  const std::uint32_t raw =
-      entry.words() == 1
-          ? words[0]
-          : (std::uint32_t{words[high_first ? 0 : 1]} << 16U) | words[high_first ? 1 : 0];
+  const std::uint32_t raw = entry.words() == 1 ? words[0]
+                                               : (std::uint32_t{words[high_first ? 0 : 1]} << 16U) |
+                                                     words[high_first ? 1 : 0];
   switch (entry.format) {
     case RegisterFormat::s16:
       return static_cast<std::int16_t>(raw);
@@ -48,7 +47,8 @@ RegisterImage::RegisterImage(const ValveMap& map) {
     auto& cells = cells_[static_cast<std::size_t>(entry.table)];
     for (std::uint16_t index = 0; index < entry.count; ++index) {
       for (std::uint16_t word = 0; word < entry.words(); ++word) {
-        const auto address = static_cast<std::uint16_t>(entry.address + index * entry.step() + word);
+        const auto address =
+            static_cast<std::uint16_t>(entry.address + index * entry.step() + word);
         cells.push_back({address, index, word, &entry, 0});
       }
     }

@@ -15,7 +15,8 @@ namespace rigwire::emulators {
 
 using RegisterWords = std::array<std::uint16_t, 2>;
 
-/// A count in the words of one value, the nearest that the format can carry; NaN as 0 (f32: as NaN).
+/// A count in the words of one value, the nearest that the format can carry; NaN as 0 (f32: as
+/// NaN).
 [[nodiscard]] RegisterWords encode_count(const ValveRegister& entry, double count);
 /// Nothing for a float that is no finite number.
 [[nodiscard]] std::optional<double> decode_count(const ValveRegister& entry,

@@ -51,9 +51,9 @@ double count_ms(Duration span) {
 
 void add_commands(ValveMap& map, const ValveAmplifierParameters& p) {
   auto& list = map.registers;
-  ValveRegister control = holding("control", kControl, Format::u16, bits, "", 1,
-                                  {0, kControlMaximum}, 0,
-                                  "bit 0 enable, 1 fault reset (edge), 2 float, 3 quick stop");
+  ValveRegister control =
+      holding("control", kControl, Format::u16, bits, "", 1, {0, kControlMaximum}, 0,
+              "bit 0 enable, 1 fault reset (edge), 2 float, 3 quick stop");
   control.bits = {{0, enable, {}}, {1, fault_reset, {}}, {2, floating, {}}, {3, quick_stop, {}}};
   list.push_back(std::move(control));
   ValveRegister commands =
@@ -73,9 +73,8 @@ void add_commands(ValveMap& map, const ValveAmplifierParameters& p) {
                          "at the least opening; not below `current_full` is fault 8"));
   list.push_back(holding("current_full", kCurrentFull, Format::u16, current_full, "mA", 1, {},
                          p.current_full_ma, "at 100 % opening"));
-  ValveRegister time_out =
-      holding("watchdog", kWatchdog, Format::u16, watchdog, "ms", 1, {20, 5000},
-              count_ms(p.watchdog), "0 off, else 20 .. 5000");
+  ValveRegister time_out = holding("watchdog", kWatchdog, Format::u16, watchdog, "ms", 1,
+                                   {20, 5000}, count_ms(p.watchdog), "0 off, else 20 .. 5000");
   time_out.also = {0};
   list.push_back(std::move(time_out));
   list.push_back(holding("reaction", kReaction, Format::u16, reaction, "", 1, {0, 2},
@@ -117,7 +116,10 @@ void add_inputs(ValveMap& map) {
   ValveRegister state =
       input("status", kStatus, 1, Format::u16, bits, "", 1, {0, 31},
             "bit 0 ready, 1 enabled, 2 fault, 3 watchdog tripped, 4 an output at its limit");
-  state.bits = {{0, ready, {}}, {1, enabled, {}}, {2, fault, {}}, {3, watchdog_tripped, {}},
+  state.bits = {{0, ready, {}},
+                {1, enabled, {}},
+                {2, fault, {}},
+                {3, watchdog_tripped, {}},
                 {4, at_limit, {}}};
   list.push_back(std::move(state));
   list.push_back(input("fault_code", kFaultCode, 1, Format::u16, fault_code, "", 1, {0, 8},
@@ -129,8 +131,8 @@ void add_inputs(ValveMap& map) {
                        "of the coil in use, one per section"));
   list.push_back(input("supply_voltage", kSupplyVoltage, 1, Format::u16, supply_voltage, "V", 0.01,
                        {}, "electrical"));
-  list.push_back(input("driver_temperature", kDriverTemperature, 1, Format::s16,
-                       driver_temperature, "degC", 0.1, {-400, 1500}, ""));
+  list.push_back(input("driver_temperature", kDriverTemperature, 1, Format::s16, driver_temperature,
+                       "degC", 0.1, {-400, 1500}, ""));
   list.push_back(input("heartbeat_echo", kHeartbeatEcho, 1, Format::u16, heartbeat_echo, "", 1, {},
                        "last heartbeat written"));
   list.push_back(input("missed_cycles", kMissedCycles, 1, Format::u16, missed_cycles, "", 1, {},
@@ -150,9 +152,8 @@ void add_inputs(ValveMap& map) {
                        "bar", 0.1, {}, "cylinder bottom side or motor port A, one per section"));
   list.push_back(input("port_b_pressure", kPortBPressure, kRows, Format::u16, port_b_pressure,
                        "bar", 0.1, {}, "cylinder rod side or motor port B, one per section"));
-  list.push_back(
-      input("supply_pressure", kSupplyPressure, 1, Format::u16, supply_pressure, "bar", 0.1, {},
-            "pump"));
+  list.push_back(input("supply_pressure", kSupplyPressure, 1, Format::u16, supply_pressure, "bar",
+                       0.1, {}, "pump"));
   list.push_back(input("oil_temperature", kOilTemperature, 1, Format::s16, oil_temperature, "degC",
                        0.1, {-400, 1500}, ""));
 }

@@ -14,8 +14,8 @@ ValveDriver::Unit::Unit(ValveDriver& driver)
                IdentificationObject{1, driver.map_.product_code},
                IdentificationObject{2, driver.map_.revision},
                IdentificationObject{4, driver.map_.product_name}},
-      server_id_(driver.map_.vendor + " " + driver.map_.product_code + " " +
-                 driver.map_.revision) {}
+      server_id_(driver.map_.vendor + " " + driver.map_.product_code + " " + driver.map_.revision) {
+}
 
 ModbusUnit::Outcome ValveDriver::Unit::read_registers(RegisterTable table, std::uint16_t address,
                                                       std::span<std::uint16_t> values) const {
@@ -39,10 +39,9 @@ ModbusUnit::Outcome ValveDriver::Unit::read_bits(BitTable table, std::uint16_t a
                                                  BitBlock& bits) const {
   for (std::size_t i = 0; i < bits.count; ++i) {
     std::uint16_t value = 0;
-    if (const auto exception =
-            driver_.read(table == BitTable::coils ? ModbusTable::coils
-                                                  : ModbusTable::discrete_inputs,
-                         address + i, std::span(&value, 1))) {
+    if (const auto exception = driver_.read(
+            table == BitTable::coils ? ModbusTable::coils : ModbusTable::discrete_inputs,
+            address + i, std::span(&value, 1))) {
       return exception;
     }
     bits.set(i, value != 0);
@@ -116,13 +115,11 @@ ModbusUnit::Outcome ValveDriver::check_write(ModbusTable table, std::size_t addr
     RegisterWords words = image_.words(place);
     const std::size_t here =
         std::min<std::size_t>(place.entry->words() - place.word, values.size() - i);
-    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(i), here,
-                words.begin() + place.word);
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(i), here, words.begin() + place.word);
     if (!accepts(*place.entry, place.index, words)) {
       return ExceptionCode::illegal_data_value;
     }
-    std::copy_n(words.begin() + place.word, here,
-                values.begin() + static_cast<std::ptrdiff_t>(i));
+    std::copy_n(words.begin() + place.word, here, values.begin() + static_cast<std::ptrdiff_t>(i));
     i += here;
   }
   return std::nullopt;

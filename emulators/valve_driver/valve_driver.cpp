@@ -152,8 +152,8 @@ void ValveDriver::collect(const ValveRegister& entry, std::size_t index, Change&
     }
     return;
   }
-  double value = (count * entry.scale + entry.offset) *
-                 unit_factor(entry.signal, entry.unit).value_or(1.0);
+  double value =
+      (count * entry.scale + entry.offset) * unit_factor(entry.signal, entry.unit).value_or(1.0);
   const auto row = std::ranges::find(entry.values, count, &RegisterTranslation::count);
   if (row != entry.values.end()) {
     value = row->value;
@@ -221,8 +221,8 @@ void ValveDriver::collect(ValveSignal signal, std::optional<std::size_t> section
       return;
     case loss_position:
       p.reaction = value > kHold_percent ? ValveReaction::hold : ValveReaction::position;
-      p.loss_position = value > kHold_percent ? p.loss_position
-                                              : std::clamp(value / kPercent, -1.0, 1.0);
+      p.loss_position =
+          value > kHold_percent ? p.loss_position : std::clamp(value / kPercent, -1.0, 1.0);
       return;
     case dead_band_positive:
       return each([&](std::size_t i) {

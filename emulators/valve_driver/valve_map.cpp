@@ -126,7 +126,8 @@ std::string fault_of(const ValveRegister& entry, bool writable_table) {
   }
   const bool made_of_bits = entry.signal == ValveSignal::bits;
   const bool is_text = entry.signal == ValveSignal::text;
-  if (made_of_bits != !entry.bits.empty() || (made_of_bits && entry.format != RegisterFormat::u16)) {
+  if (made_of_bits != !entry.bits.empty() ||
+      (made_of_bits && entry.format != RegisterFormat::u16)) {
     return "signal bits needs format u16 and a list of bits, and only it has one";
   }
   if (is_text != (entry.format == RegisterFormat::text)) {
@@ -149,8 +150,8 @@ std::string fault_of(const ValveRegister& entry, bool writable_table) {
            ", allowed: one for each section, else 1";
   }
   if (!unit_factor(entry.signal, entry.unit)) {
-    return "unit " + quoted(entry.unit) + " does not belong to signal " +
-           std::string(signal.name) + ", which is in " + std::string(signal.unit);
+    return "unit " + quoted(entry.unit) + " does not belong to signal " + std::string(signal.name) +
+           ", which is in " + std::string(signal.unit);
   }
   unsigned used = 0;
   for (const RegisterBit& bit : entry.bits) {
@@ -167,6 +168,16 @@ std::string fault_of(const ValveRegister& entry, bool writable_table) {
   return is_text ? std::string() : fault_of_values(entry);
 }
 
+std::vector<unsigned> addresses_of(const ValveRegister& entry) {
+  std::vector<unsigned> addresses;
+  for (unsigned i = 0; i < entry.count; ++i) {
+    for (unsigned word = 0; word < entry.words(); ++word) {
+      addresses.push_back(entry.address + i * entry.step() + word);
+    }
+  }
+  return addresses;
+}
+
 void validate(const ValveMap& map) {
   const auto refuse = [&](const std::string& what) {
     throw std::invalid_argument("valve map " + quoted(map.name) + ": " + what);
@@ -181,24 +192,20 @@ void validate(const ValveMap& map) {
   bool enable = map.always_enabled;
   std::map<std::pair<ModbusTable, unsigned>, const ValveRegister*> owners;
   for (const ValveRegister& entry : map.registers) {
-    const bool writable_table = entry.table == ModbusTable::coils ||
-                                entry.table == ModbusTable::holding_registers;
+    const bool writable_table =
+        entry.table == ModbusTable::coils || entry.table == ModbusTable::holding_registers;
     if (const std::string fault = fault_of(entry, writable_table); !fault.empty()) {
       refuse("register " + quoted(entry.name) + ": " + fault);
     }
-    enable = enable || (entry.writable &&
-                        (entry.signal == ValveSignal::enable ||
-                         std::ranges::find(entry.bits, ValveSignal::enable,
-                                           &RegisterBit::signal) != entry.bits.end()));
-    for (unsigned i = 0; i < entry.count; ++i) {
-      for (unsigned word = 0; word < entry.words(); ++word) {
-        const unsigned address = entry.address + i * entry.step() + word;
-        const auto [owner, fresh] = owners.emplace(std::pair(entry.table, address), &entry);
-        if (!fresh) {
-          refuse("register " + quoted(entry.name) + ": " + name_of(entry.table) + " address " +
-                 std::to_string(address) + " belongs to " + quoted(owner->second->name) +
-                 " already");
-        }
+    enable =
+        enable || (entry.writable && (entry.signal == ValveSignal::enable ||
+                                      std::ranges::find(entry.bits, ValveSignal::enable,
+                                                        &RegisterBit::signal) != entry.bits.end()));
+    for (const unsigned address : addresses_of(entry)) {
+      const auto [owner, fresh] = owners.emplace(std::pair(entry.table, address), &entry);
+      if (!fresh) {
+        refuse("register " + quoted(entry.name) + ": " + name_of(entry.table) + " address " +
+               std::to_string(address) + " belongs to " + quoted(owner->second->name) + " already");
       }
     }
   }
@@ -206,8 +213,9 @@ void validate(const ValveMap& map) {
     refuse("no registers");
   }
   if (!enable) {
-    refuse("nothing enables the outputs: bind signal enable to a register, a bit or a coil, or say "
-           "always_enabled: true");
+    refuse(
+        "nothing enables the outputs: bind signal enable to a register, a bit or a coil, or say "
+        "always_enabled: true");
   }
 }
 
@@ -249,9 +257,11 @@ std::string markdown_table(const ValveMap& map) {
       }
     }
     if (!rows.empty()) {
-      page.append(page.empty() ? "## " : "\n## ").append(kTitles[table]).append(
-          "\n\n| address | name | format | count | range | power-up | |\n"
-          "| --- | --- | --- | --- | --- | --- | --- |\n");
+      page.append(page.empty() ? "## " : "\n## ")
+          .append(kTitles[table])
+          .append(
+              "\n\n| address | name | format | count | range | power-up | |\n"
+              "| --- | --- | --- | --- | --- | --- | --- |\n");
       page.append(rows);
     }
   }

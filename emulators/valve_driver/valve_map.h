@@ -14,7 +14,12 @@
 
 namespace rigwire::emulators {
 
-enum class ModbusTable : std::uint8_t { coils, discrete_inputs, holding_registers, input_registers };
+enum class ModbusTable : std::uint8_t {
+  coils,
+  discrete_inputs,
+  holding_registers,
+  input_registers
+};
 /// How a value lies in registers; `text` is two characters per register, high byte first.
 enum class RegisterFormat : std::uint8_t { bit, u16, s16, u32, s32, f32, text };
 /// Which word of a two-register value is at the lower address.
@@ -91,7 +96,8 @@ struct ValveMap {
   /// Enabled from power-up on; a map without an enable signal must say so.
   bool always_enabled = false;
   bool gaps_read_zero = false;  ///< Between a table's first and last register; else exception 02.
-  std::optional<std::uint16_t> input_mirror;  ///< Input registers, readable as holding ones from here.
+  std::optional<std::uint16_t>
+      input_mirror;  ///< Input registers, readable as holding ones from here.
   std::vector<ValveRegister> registers;
 };
 
@@ -102,7 +108,11 @@ void validate(const ValveMap& map);
 /// What is wrong with one register by itself; empty when nothing is.
 [[nodiscard]] std::string fault_of(const ValveRegister& entry, bool writable_table);
 
-/// One line of a table in Markdown: address, name, format, unit per count, range, at power-up, text.
+/// Every address that a row takes. Precondition: it has no fault.
+[[nodiscard]] std::vector<unsigned> addresses_of(const ValveRegister& entry);
+
+/// One line of a table in Markdown: address, name, format, unit per count, range, at power-up,
+/// text.
 [[nodiscard]] std::string markdown_row(const ValveRegister& entry);
 /// The whole description as the device pages print it.
 [[nodiscard]] std::string markdown_table(const ValveMap& map);

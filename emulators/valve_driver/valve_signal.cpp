@@ -70,13 +70,17 @@ struct UnitFactor {
   double factor;
 };
 constexpr double kDegreesPerRadian = 57.295779513082320877;
-constexpr std::array kUnits{
-    UnitFactor{"%", "1", 100.0},           UnitFactor{"mA", "A", 1000.0},
-    UnitFactor{"ms", "s", 1000.0},         UnitFactor{"bar", "Pa", 1e-5},
-    UnitFactor{"bar", "kPa", 1e-2},        UnitFactor{"bar", "MPa", 10.0},
-    UnitFactor{"bar", "psi", 0.0689475729}, UnitFactor{"V", "mV", 1e-3},
-    UnitFactor{"Hz", "kHz", 1000.0},       UnitFactor{"deg", "rad", kDegreesPerRadian},
-    UnitFactor{"deg/s", "rad/s", kDegreesPerRadian}};
+constexpr std::array kUnits{UnitFactor{"%", "1", 100.0},
+                            UnitFactor{"mA", "A", 1000.0},
+                            UnitFactor{"ms", "s", 1000.0},
+                            UnitFactor{"bar", "Pa", 1e-5},
+                            UnitFactor{"bar", "kPa", 1e-2},
+                            UnitFactor{"bar", "MPa", 10.0},
+                            UnitFactor{"bar", "psi", 0.0689475729},
+                            UnitFactor{"V", "mV", 1e-3},
+                            UnitFactor{"Hz", "kHz", 1000.0},
+                            UnitFactor{"deg", "rad", kDegreesPerRadian},
+                            UnitFactor{"deg/s", "rad/s", kDegreesPerRadian}};
 
 }  // namespace
 

@@ -62,7 +62,7 @@ enum class ValveSignal : std::uint8_t {
 
 struct ValveSignalInfo {
   ValveSignal signal;
-  std::string_view name;  ///< As in a map's file.
+  std::string_view name;   ///< As in a map's file.
   bool commanded = false;  ///< Acts when it is written.
   bool per_section = false;
   std::string_view unit;  ///< Of the values that the amplifier gives and takes; empty: a number.

@@ -113,7 +113,7 @@ class TcpValveLine final : public DeviceLine {
       : server_(context.io, server_settings(configuration)),
         outlet_(server_, own_statistics()),
         modbus_(configuration.server, outlet_),
-        driver_(configuration.driver),
+        driver_(driver_settings(configuration)),
         station_(driver_, driver_) {
     modbus_.add_unit(configuration.unit, driver_.unit());
   }

@@ -31,7 +31,7 @@ const StarFireSettings& checked(const StarFireSettings& settings) {
   return settings;
 }
 
-J1939AddressPolicy make_policy(const StarFireSettings& settings) {
+J1939NodeSettings make_node(const StarFireSettings& settings) {
   // Manufacturer code and function of the real one are not known: none, and "navigation".
   constexpr std::uint8_t kNavigation = 26;
   constexpr std::uint8_t kAgriculture = 2;
@@ -39,11 +39,11 @@ J1939AddressPolicy make_policy(const StarFireSettings& settings) {
   name.identity = settings.serial;
   name.function = kNavigation;
   name.industry_group = kAgriculture;
-  J1939AddressPolicy policy;
-  policy.preferred = settings.source_address;
-  policy.name = pack(name);
-  policy.first_claim = kStart + settings.power_on;
-  return policy;
+  J1939NodeSettings node;
+  node.address.preferred = settings.source_address;
+  node.address.name = pack(name);
+  node.address.first_claim = kStart + settings.power_on;
+  return node;
 }
 
 }  // namespace
@@ -51,8 +51,7 @@ J1939AddressPolicy make_policy(const StarFireSettings& settings) {
 StarFireNode::StarFireNode(const StarFireSettings& settings, const Calendar& calendar,
                            FrameOutput& output)
     : settings_(checked(settings)),
-      output_(output),
-      address_(make_policy(settings_), output),
+      node_(make_node(settings_), *this, output),
       plan_{
           calendar.align_to_gps(kStart + settings_.power_on + settings_.start_up, kStarFirePeriod),
           kStarFirePeriod} {}
@@ -67,16 +66,16 @@ std::span<const Quantity> StarFireNode::quantities() const {
 }
 
 SimTime StarFireNode::next_event() const {
-  return std::min(address_.next_event(), publish_at_);
+  return std::min(node_.next_event(), publish_at_);
 }
 
 void StarFireNode::advance(SimTime now) {
   while (next_event() <= now) {
     const SimTime instant = next_event();
-    address_.advance(instant);
+    node_.advance(instant);
     if (publish_at_ == instant) {
       publish_at_ = kNever;
-      if (address_.held()) {
+      if (node_.held()) {
         send_group(instant, vehicle::VehiclePosition::kGroup.pgn);
         send_group(instant, vehicle::VehicleDirectionSpeed::kGroup.pgn);
         if (epochs_ % kQualityEpochs == 0) {
@@ -121,84 +120,33 @@ void StarFireNode::take(const GnssSample& sample) {
   report_.quality.time_dilution = sample.time_dilution;
 }
 
-bool StarFireNode::send_group(SimTime now, std::uint32_t pgn) {
+J1939Answer StarFireNode::answer(SimTime now, std::uint32_t pgn, std::uint8_t /*destination*/) {
   switch (pgn) {
     case vehicle::VehiclePosition::kGroup.pgn:
-      output_.send(now, vehicle::encode(report_.position, address()));
-      return true;
+      node_.send(now, vehicle::encode(report_.position, address()));
+      return J1939Answer::sent;
     case vehicle::VehicleDirectionSpeed::kGroup.pgn:
-      output_.send(now, vehicle::encode(report_.direction, address()));
-      return true;
+      node_.send(now, vehicle::encode(report_.direction, address()));
+      return J1939Answer::sent;
     case vehicle::VehiclePosition2::kGroup.pgn:
-      output_.send(now, vehicle::encode(report_.quality, address()));
-      return true;
+      node_.send(now, vehicle::encode(report_.quality, address()));
+      return J1939Answer::sent;
     default:
-      return false;
+      return J1939Answer::unknown;
   }
+}
+
+void StarFireNode::send_group(SimTime now, std::uint32_t pgn) {
+  (void)answer(now, pgn, j1939::kGlobalAddress);
+}
+
+J1939Reception StarFireNode::take(SimTime /*now*/, const J1939Message& /*message*/) {
+  return J1939Reception::ignored;
 }
 
 void StarFireNode::receive(SimTime now, const Frame& frame) {
   advance(now);
-  if (frame.length > frame.data.size()) {
-    ++received_.malformed;
-    return;
-  }
-  received_.bytes += frame.payload().size();
-  const auto identifier = j1939::identify(frame);
-  if (!identifier) {
-    ++received_.ignored;
-    return;
-  }
-  if (identifier->pgn == j1939::kAddressClaimedPgn) {
-    const auto name = j1939::decode_address_claim(frame);
-    if (!name.ok()) {
-      ++received_.malformed;
-      return;
-    }
-    ++received_.accepted;
-    address_.on_claim(now, identifier->source, *name);
-    return;
-  }
-  if (identifier->pgn == j1939::kRequestPgn) {
-    receive_request(now, frame);
-    return;
-  }
-  ++received_.ignored;
-}
-
-void StarFireNode::receive_request(SimTime now, const Frame& frame) {
-  const auto pgn = j1939::decode_request(frame);
-  if (!pgn.ok()) {
-    ++received_.malformed;
-    return;
-  }
-  const j1939::Identifier identifier = *j1939::identify(frame);
-  const bool global = identifier.destination == j1939::kGlobalAddress;
-  if (!global && identifier.destination != address()) {
-    ++received_.ignored;
-    return;
-  }
-  if (*pgn == j1939::kAddressClaimedPgn) {
-    ++received_.accepted;
-    address_.on_request(now);  // also without an address: "cannot claim"
-    return;
-  }
-  if (!address_.held()) {
-    ++received_.ignored;
-    return;
-  }
-  if (send_group(now, *pgn)) {
-    ++received_.accepted;
-    return;
-  }
-  ++received_.ignored;
-  if (!global) {
-    j1939::Acknowledgement refusal;
-    refusal.control = j1939::Acknowledge::negative;
-    refusal.address = identifier.source;
-    refusal.pgn = *pgn;
-    output_.send(now, j1939::make_acknowledgement(address(), j1939::kGlobalAddress, refusal));
-  }
+  node_.receive(now, frame);
 }
 
 }  // namespace rigwire::emulators

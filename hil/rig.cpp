@@ -14,6 +14,7 @@
 #include "hil/scene_fall_obstacle.h"
 #include "hil/scene_files.h"
 #include "hil/starfire_line.h"
+#include "hil/valve_line.h"
 #include "hil/velodyne_line.h"
 #include "sim/random.h"
 #include "sim/scene/triangle_mesh.h"
@@ -153,6 +154,9 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
   for (const auto& [name, bus] : configuration_.buses) {
     open_bus(name, bus);
   }
+  for (const auto& [name, line] : configuration_.modbus) {
+    open_modbus_line(name, line);
+  }
   for (const auto& [name, device] : configuration_.devices) {
     for (const auto& [bus_name, bus] : buses_) {
       bus->line.begin_device(name);
@@ -208,6 +212,14 @@ void Rig::open_bus(const std::string& name, const BusConfiguration& configuratio
   buses_.emplace(name, std::move(bus));
 }
 
+void Rig::open_modbus_line(const std::string& name, const ModbusLineConfiguration& configuration) {
+  const std::uint64_t seed =
+      sim::RandomStream(configuration_.seed, "modbus." + name + "/line").bits();
+  auto line = make_modbus_line(configuration, io_, seed);
+  line->start(executive_);
+  modbus_lines_.emplace(name, std::move(line));
+}
+
 void Rig::add_device(const std::string& name, const DeviceConfiguration& configuration) {
   const std::uint64_t seed = configuration_.seed;
   const LineContext context{io_, calendar_, sim::RandomStream(seed, name + "/line").bits()};
@@ -254,7 +266,9 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
                        sim::VehicleSensors(gateway->sensor, gateway->odometry, seed, name));
     devices_.push_back({name, std::move(line)});
   } else {
-    auto line = make_line(std::get<ValveDriverConfiguration>(configuration.settings), context);
+    const auto& valves = std::get<ValveDriverConfiguration>(configuration.settings);
+    auto line = make_line(valves, context,
+                          valves.line.empty() ? nullptr : modbus_lines_.at(valves.line).get());
     world_.add_valves(line->enlist(executive_));
     devices_.push_back({name, std::move(line)});
   }

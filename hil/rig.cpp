@@ -15,6 +15,7 @@
 #include "hil/scene_fall_obstacle.h"
 #include "hil/scene_files.h"
 #include "hil/starfire_line.h"
+#include "hil/valve_line.h"
 #include "hil/velodyne_line.h"
 #include "sim/random.h"
 #include "sim/scene/triangle_mesh.h"
@@ -161,6 +162,9 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
   for (const auto& [name, bus] : configuration_.buses) {
     open_bus(name, bus);
   }
+  for (const auto& [name, line] : configuration_.modbus) {
+    open_modbus_line(name, line);
+  }
   for (const auto& [name, device] : configuration_.devices) {
     add_device(name, device);
   }
@@ -200,6 +204,14 @@ void Rig::open_bus(const std::string& name, const BusConfiguration& configuratio
     line.receive(executive_.arrive(), frame);
   });
   buses_.emplace(name, std::move(bus));
+}
+
+void Rig::open_modbus_line(const std::string& name, const ModbusLineConfiguration& configuration) {
+  const std::uint64_t seed =
+      sim::RandomStream(configuration_.seed, "modbus." + name + "/line").bits();
+  auto line = make_modbus_line(configuration, io_, seed);
+  line->start(executive_);
+  modbus_lines_.emplace(name, std::move(line));
 }
 
 void Rig::add_device(const std::string& name, const DeviceConfiguration& configuration) {
@@ -248,7 +260,9 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
                        sim::VehicleSensors(gateway->sensor, gateway->odometry, seed, name));
     devices_.push_back({name, std::move(line)});
   } else {
-    auto line = make_line(std::get<ValveDriverConfiguration>(configuration.settings), context);
+    const auto& valves = std::get<ValveDriverConfiguration>(configuration.settings);
+    auto line = make_line(valves, context,
+                          valves.line.empty() ? nullptr : modbus_lines_.at(valves.line).get());
     world_.add_valves(line->enlist(executive_));
     devices_.push_back({name, std::move(line)});
   }

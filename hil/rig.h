@@ -13,6 +13,7 @@
 #include "hil/configuration/rig.h"
 #include "hil/device_line.h"
 #include "hil/executive.h"
+#include "hil/modbus_line.h"
 #include "hil/report.h"
 #include "hil/rig_status.h"
 #include "hil/simulated_world.h"
@@ -63,6 +64,7 @@ class Rig {
   };
 
   void open_bus(const std::string& name, const BusConfiguration& configuration);
+  void open_modbus_line(const std::string& name, const ModbusLineConfiguration& configuration);
   void add_device(const std::string& name, const DeviceConfiguration& configuration);
   void connect_time_source();
   void open_taps(const TruthFiles& files);
@@ -75,6 +77,7 @@ class Rig {
   SimulatedWorld world_;
   Executive executive_;
   std::map<std::string, std::unique_ptr<Bus>> buses_;
+  std::map<std::string, std::unique_ptr<ModbusLine>> modbus_lines_;
   std::vector<Device> devices_;
 };
 

@@ -26,6 +26,9 @@ class Checker {
     for (const auto& [name, bus] : rig.buses) {
       bus_names_.push_back(name);
     }
+    for (const auto& [name, line] : rig.modbus) {
+      line_names_.push_back(name);
+    }
   }
 
   void run() {
@@ -34,6 +37,11 @@ class Checker {
     for (const auto& [name, bus] : rig_.buses) {
       if (!faulty("buses." + name)) {
         check_bus(name, bus);
+      }
+    }
+    for (const auto& [name, line] : rig_.modbus) {
+      if (!faulty("modbus." + name)) {
+        check_modbus_line("modbus." + name, line);
       }
     }
     for (const auto& [name, device] : rig_.devices) {
@@ -227,10 +235,30 @@ class Checker {
     claim(path + ".serial", fmt::format("{} serial {}", bus, serial), std::to_string(serial));
   }
 
+  void check_listener(const std::string& path, const std::string& address, std::uint16_t port,
+                      bool allow_remote) {
+    check_address(path + ".address", address, allow_remote);
+    claim(path + ".port", fmt::format("tcp {}:{}", address, port), std::to_string(port));
+  }
+
+  void check_modbus_line(const std::string& path, const ModbusLineConfiguration& line) {
+    if (line.wire == emulators::ModbusWire::rtu) {
+      check_path(path + ".path", line.path);
+    } else {
+      check_listener(path, line.address, line.port, line.allow_remote);
+    }
+  }
+
   void check_device(const std::string& path, const ValveDriverConfiguration& device) {
-    check_address(path + ".address", device.address, device.allow_remote);
-    claim(path + ".port", fmt::format("tcp {}:{}", device.address, device.port),
-          std::to_string(device.port));
+    if (device.line.empty()) {
+      check_listener(path, device.address, device.port, device.allow_remote);
+    } else if (!rig_.modbus.contains(device.line)) {
+      report(path + ".line", "no such Modbus line", "\"" + device.line + "\"",
+             join_words(line_names_), nearest_word(device.line, line_names_));
+    } else {
+      claim(path + ".unit", fmt::format("{} unit {}", device.line, device.unit),
+            std::to_string(device.unit));
+    }
     if (!std::holds_alternative<ExcavatorMachine>(rig_.machine.settings)) {
       report(path + ".type", "the machine has no valve block", "", "an excavator");
     }
@@ -274,6 +302,7 @@ class Checker {
   std::vector<Problem> known_;  ///< Found while reading.
   std::vector<std::string> links_;
   std::vector<std::string> bus_names_;
+  std::vector<std::string> line_names_;  ///< Modbus.
   std::map<std::string, std::string> owners_;
 };
 

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <string>
 
-#include "emulators/modbus/modbus_server.h"
 #include "emulators/valve_driver/valve_driver.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/units.h"
@@ -12,13 +11,14 @@
 
 namespace rigwire::hil {
 
-/// Hydraulic valve driver as a Modbus TCP server.
+/// Hydraulic valve driver on one of the rig's Modbus lines, or as a TCP server of its own.
 struct ValveDriverConfiguration {
-  std::string address = "127.0.0.1";  ///< Where it listens.
+  std::string line;                   ///< One of the rig's Modbus lines; empty: its own server.
+  std::string address = "127.0.0.1";  ///< Where its own server listens.
   std::uint16_t port = 1502;
   bool allow_remote = false;  ///< Needed to listen where other machines reach it.
   std::uint8_t unit = 1;      ///< On its Modbus line, 1 .. 247.
-  emulators::ModbusServerSettings server;
+  Duration processing_delay = std::chrono::microseconds(300);  ///< Of its own server.
   std::string map;  ///< File of the registers (hil/valve_map_file.h); empty: Rigwire's own.
   emulators::ValveDriverSettings driver;
 };
@@ -28,12 +28,20 @@ struct ValveDriverConfiguration {
 
 template <class Visitor>
 void visit(Visitor& v, ValveDriverConfiguration& p) {
-  v.text("address", p.address, "Where it listens.");
-  v.integer("port", p.port, IntegerRule{1, 65535}, "TCP; the standard port 502 needs privileges.");
-  v.boolean("allow_remote", p.allow_remote, "Permits listening where other machines reach it.");
+  v.text("line", p.line, "One of the rig's Modbus lines; empty = a TCP server of its own.");
   v.integer("unit", p.unit, IntegerRule{1, 247}, "Modbus unit.");
-  v.duration("processing_delay", p.server.processing_delay, {0, 1'000'000'000},
-             "From a request to its answer.");
+  if (p.line.empty()) {
+    v.text("address", p.address, "Where it listens.");
+    v.integer("port", p.port, IntegerRule{1, 65535},
+              "TCP; the standard port 502 needs privileges.");
+    v.boolean("allow_remote", p.allow_remote, "Permits listening where other machines reach it.");
+    v.duration("processing_delay", p.processing_delay, {0, 1'000'000'000},
+               "From a request to its answer.");
+  } else {
+    for (const char* key : {"address", "port", "allow_remote", "processing_delay"}) {
+      v.refused(key, "the line has its own");
+    }
+  }
   v.duration("watchdog", p.driver.amplifier.parameters.watchdog, {0, 3'600'000'000'000},
              "Without a request for this long the reaction follows; 0 = off.");
   v.choice("reaction", p.driver.amplifier.parameters.reaction, kValveReactions,

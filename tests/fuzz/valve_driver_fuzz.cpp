@@ -24,10 +24,13 @@ struct CheckedOutput final : emulators::StreamOutput {
             std::span<const std::uint8_t> bytes) override {
     require(due >= latest);
     latest = due;
-    const auto adu = protocols::modbus::decode_adu(bytes);
-    require(adu.ok() && adu.consumed() == bytes.size());
-    const auto response = protocols::modbus::decode_response(adu->pdu);
-    require(response.ok() && response.consumed() == adu->pdu.size());
+    while (!bytes.empty()) {
+      const auto adu = protocols::modbus::decode_adu(bytes);
+      require(adu.ok());
+      const auto response = protocols::modbus::decode_response(adu->pdu);
+      require(response.ok() && response.consumed() == adu->pdu.size());
+      bytes = bytes.subspan(adu.consumed());
+    }
   }
   void close(emulators::ConnectionId /*connection*/, SimTime due) override {
     require(due >= latest);

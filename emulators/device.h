@@ -14,6 +14,7 @@
 #include <span>
 #include <string_view>
 
+#include "protocols/can/controller_report.h"
 #include "protocols/can/frame.h"
 #include "sim/samples/time.h"
 
@@ -122,6 +123,8 @@ class CanDevice : public Device {
  public:
   /// A frame that another node sent, complete at `now`.
   virtual void receive(SimTime now, const protocols::can::Frame& frame) = 0;
+  /// An error that the device's own controller saw, a change of its state, or both.
+  virtual void controller(SimTime /*now*/, const protocols::can::ControllerReport& /*report*/) {}
 };
 
 /// A device that serves byte streams (Modbus TCP).

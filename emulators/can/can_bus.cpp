@@ -66,7 +66,7 @@ CanBusModel::CanBusModel(const CanBusSettings& settings) : settings_(settings) {
 
 CanBusModel::~CanBusModel() = default;
 
-FrameOutput& CanBusModel::add_node(FrameOutput& exit) {
+FrameOutput& CanBusModel::add_node(FrameOutput& exit, const CanNodeSettings& /*node*/) {
   nodes_.push_back(std::make_unique<Node>(settings_.queue_frames, &exit));
   return *nodes_.back();
 }

@@ -27,6 +27,9 @@
 #include <optional>
 #include <vector>
 
+#include "emulators/can/can_bus_faults.h"
+#include "emulators/can/can_node.h"
+#include "emulators/can/can_outside.h"
 #include "emulators/device.h"
 #include "protocols/can/frame.h"
 #include "sim/samples/time.h"
@@ -41,11 +44,6 @@ struct CanBusSettings {
 /// Throws std::invalid_argument with the value found and what is allowed.
 void validate(const CanBusSettings& settings);
 
-struct CanNodeCounters {
-  std::uint64_t sent = 0;        ///< Frames that left completely.
-  std::uint64_t overflowed = 0;  ///< Frames lost because the queue was full.
-};
-
 class CanBusModel {
  public:
   explicit CanBusModel(const CanBusSettings& settings);
@@ -55,10 +53,22 @@ class CanBusModel {
 
   /// A new node, and the output to construct its device with. Valid as long as the bus. `exit`
   /// receives every frame that the node has sent, with the instant of its end of frame.
-  [[nodiscard]] FrameOutput& add_node(FrameOutput& exit);
+  [[nodiscard]] FrameOutput& add_node(FrameOutput& exit, const CanNodeSettings& node = {});
   /// Names the device that hears what the others send. `output` is one of add_node()'s; the device
   /// must outlive the bus's last advance().
   void attach(FrameOutput& output, CanDevice& device);
+
+  /// Optional, once.
+  void set_outside(CanOutside& outside);
+  /// The client opened or closed its controller, or set it otherwise. Before the first call it is
+  /// OutsideController{}.
+  void set_client(SimTime now, const OutsideController& client);
+  /// The client asks its controller to come back from bus-off.
+  void restart_outside(SimTime now);
+
+  /// What will go wrong. Frames of intruders leave by `intruder_exit`. To be called once, after the
+  /// last add_node() and before the first advance(). Throws std::invalid_argument.
+  void set_faults(const CanBusFaults& faults, FrameOutput& intruder_exit);
 
   /// A frame from outside, wanting to be sent from `now` on.
   void receive(SimTime now, const protocols::can::Frame& frame);

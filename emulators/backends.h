@@ -5,6 +5,7 @@
 // update() first lets the device live up to sample.time (as advance() does), then takes the sample.
 #pragma once
 
+#include "sim/samples/encoder_sample.h"
 #include "sim/samples/gnss_sample.h"
 #include "sim/samples/imu_sample.h"
 #include "sim/samples/joystick_sample.h"
@@ -24,6 +25,12 @@ class ImuBackend {
  public:
   virtual ~ImuBackend() = default;
   virtual void update(const ImuSample& sample) = 0;
+};
+
+class EncoderBackend {
+ public:
+  virtual ~EncoderBackend() = default;
+  virtual void update(const EncoderSample& sample) = 0;
 };
 
 class LidarBackend {

@@ -17,8 +17,8 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
+#include "emulators/inertial/filter.h"
 #include "emulators/openimu/address.h"
-#include "emulators/openimu/filter.h"
 #include "protocols/openimu/axes.h"
 #include "protocols/openimu/messages.h"
 #include "protocols/openimu/settings.h"

@@ -1,4 +1,4 @@
-#include "emulators/openimu/filter.h"
+#include "emulators/inertial/filter.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "emulators/openimu/filter.h"
+#include "emulators/inertial/filter.h"
 
 #include <algorithm>
 #include <cmath>

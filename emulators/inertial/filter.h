@@ -1,4 +1,5 @@
-// What an OpenIMU does to its samples before it sends them: low-pass filters and the tilt filter.
+// What an inertial unit does to its samples before it sends them: low-pass filters and the tilt
+// filter.
 #pragma once
 
 #include <array>
@@ -53,6 +54,8 @@ class TiltFilter {
   void reset() { *this = TiltFilter(); }
   /// True during the first second.
   [[nodiscard]] bool initialising() const { return age_s_ < kInitialisation_s; }
+  /// The direction of "up", a unit vector in aerospace axes.
+  [[nodiscard]] const Triad& up() const { return up_; }
   /// Nose up positive, -pi/2 .. pi/2.
   [[nodiscard]] double pitch_rad() const;
   /// Right side down positive, -pi .. pi.

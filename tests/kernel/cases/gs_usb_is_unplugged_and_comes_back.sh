@@ -36,7 +36,8 @@ kill -USR1 "$peer"
 expect_line peer.log '^plugged' 5
 use second
 kill "$recorder" 2>/dev/null || true
-"$USBIP" detach -p 00
+port=$(awk '$1 == "hs" && $3 == "006" {print $2; exit}' /sys/devices/platform/vhci_hcd.0/status)
+"$USBIP" detach -p "$((10#$port))"
 wait_until 20 "the interface to go" interface_gone
 use third
 kill "$recorder" 2>/dev/null || true

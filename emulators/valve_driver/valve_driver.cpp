@@ -87,7 +87,7 @@ void ValveDriver::feed(SimTime now) {
     again.fault_reset = false;
     amplifier_.request(now, again);
     again.fault_reset = true;
-    for (std::size_t i = 0; i < amplifier_.sections(); ++i) {
+    for (std::size_t i = 0; i < kValveSections; ++i) {
       again.command[i] = amplifier_.commanded(i);
     }
     amplifier_.request(now, again);

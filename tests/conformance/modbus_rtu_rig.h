@@ -1,5 +1,5 @@
-// Two valve drivers, units 1 and 7, on a Modbus RTU line: a real pseudo-terminal, on the wall clock,
-// in its own thread, with every byte recorded for tshark. What the executive does, in small.
+// Two valve drivers, units 1 and 7, on a Modbus RTU line: a real pseudo-terminal, on the wall
+// clock, in its own thread, with every byte recorded for tshark. What the executive does, in small.
 #pragma once
 
 #include <atomic>
@@ -108,8 +108,8 @@ class ModbusRtuRig final : private emulators::ByteOutput {
   /// `join` is 0.
   void record(bool from_client, std::span<const std::uint8_t> bytes, Duration join) {
     const std::lock_guard lock(mutex_);
-    const bool goes_on = join > Duration{0} && !segments_.empty() &&
-                         segments_.back().from_client == from_client;
+    const bool goes_on =
+        join > Duration{0} && !segments_.empty() && segments_.back().from_client == from_client;
     if (!goes_on) {
       segments_.push_back({now().time_since_epoch(), 1, from_client, {}});
     }

@@ -8,6 +8,7 @@
 #include "sim/samples/encoder_sample.h"
 #include "sim/samples/gnss_sample.h"
 #include "sim/samples/imu_sample.h"
+#include "sim/samples/joystick_sample.h"
 #include "sim/samples/lidar_sample.h"
 #include "sim/samples/valve_sample.h"
 #include "sim/samples/vehicle_sample.h"
@@ -60,6 +61,12 @@ class VehicleBackend {
   virtual void update(const VehicleSample& sample) = 0;
   /// What the controllers on the bus ask of the machine at present.
   [[nodiscard]] virtual const VehicleCommand& command() const = 0;
+};
+
+class JoystickBackend {
+ public:
+  virtual ~JoystickBackend() = default;
+  virtual void update(const JoystickSample& sample) = 0;
 };
 
 }  // namespace rigwire::emulators

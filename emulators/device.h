@@ -13,9 +13,11 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "protocols/can/controller_report.h"
 #include "protocols/can/frame.h"
+#include "protocols/can/message_layout.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
@@ -125,15 +127,13 @@ class CanDevice : public Device {
   virtual void receive(SimTime now, const protocols::can::Frame& frame) = 0;
   /// An error that the device's own controller saw, a change of its state, or both.
   virtual void controller(SimTime /*now*/, const protocols::can::ControllerReport& /*report*/) {}
-};
-
-/// A device that serves byte streams (Modbus TCP).
-class StreamDevice : public Device {
- public:
-  virtual void connected(SimTime now, ConnectionId connection) = 0;
-  virtual void receive(SimTime now, ConnectionId connection,
-                       std::span<const std::uint8_t> bytes) = 0;
-  virtual void disconnected(SimTime now, ConnectionId connection) = 0;
+  /// How the messages that it sends and takes are laid out, for the bus's DBC file: as it is
+  /// configured, before any client changes it. `name` is the device's in its rig: the sender of
+  /// what it sends.
+  [[nodiscard]] virtual std::vector<protocols::can::MessageLayout> messages(
+      std::string_view /*name*/) const {
+    return {};
+  }
 };
 
 }  // namespace rigwire::emulators

@@ -3,10 +3,8 @@
 #include <vector>
 
 #include "drivers/pty.h"
-#include "drivers/tcp_server.h"
 #include "emulators/openimu/openimu335ri.h"
 #include "emulators/ublox/receiver.h"
-#include "emulators/valve_driver/valve_driver.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
 #include "hil/outlet.h"
 #include "hil/station.h"
@@ -106,53 +104,6 @@ class BusNodeLine final : public DeviceLine {
 using BusImuLine = BusNodeLine<emulators::OpenImu, ImuStation>;
 using BusVehicleLine = BusNodeLine<emulators::VehicleGateway, VehicleStation>;
 
-class TcpValveLine final : public DeviceLine {
- public:
-  TcpValveLine(const ValveDriverConfiguration& configuration, const LineContext& context)
-      : server_(context.io, server_settings(configuration)),
-        outlet_(server_, own_statistics()),
-        driver_(configuration.driver, outlet_),
-        station_(driver_, driver_) {}
-
-  DeviceIndex enlist(Executive& executive) override {
-    const DeviceIndex index = executive.add(station_);
-    executive.add(outlet_);
-    server_.start({
-        .connected =
-            [this, &executive](emulators::ConnectionId connection) {
-              driver_.connected(executive.arrive(), connection);
-            },
-        .received =
-            [this, &executive](emulators::ConnectionId connection,
-                               std::span<const std::uint8_t> bytes) {
-              driver_.receive(client_arrived(executive), connection, bytes);
-            },
-        .disconnected =
-            [this, &executive](emulators::ConnectionId connection) {
-              driver_.disconnected(executive.arrive(), connection);
-            },
-    });
-    return index;
-  }
-
-  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return server_.status(); }
-  [[nodiscard]] const emulators::Device& device() const override { return driver_; }
-
- private:
-  static drivers::TcpServerSettings server_settings(const ValveDriverConfiguration& configuration) {
-    drivers::TcpServerSettings settings;
-    settings.address = configuration.address;
-    settings.port = configuration.port;
-    settings.allow_remote = configuration.allow_remote;
-    return settings;
-  }
-
-  drivers::TcpServer server_;
-  ServerOutlet outlet_;
-  emulators::ValveDriver driver_;
-  ValveStation station_;
-};
-
 }  // namespace
 
 SimTime DeviceLine::client_arrived(Executive& executive) {
@@ -163,19 +114,20 @@ SimTime DeviceLine::client_arrived(Executive& executive) {
 
 DeviceStatus DeviceLine::status(const std::string& name, SimTime now) const {
   const drivers::EndpointStatus wire = endpoint();
+  const WireStatistics& known = statistics();
   DeviceStatus status;
   status.name = name;
   status.wire = wire.address;
   status.client_present = wire.client_present;
   status.frames = frames();
-  status.bytes = statistics_.bytes;
+  status.bytes = known.bytes;
   status.dropped = dropped();
   status.nominal_rate_hz = device().nominal_rate_hz();
-  status.lateness_p50 = statistics_.lateness.percentile(0.5);
-  status.lateness_p99 = statistics_.lateness.percentile(0.99);
-  status.lateness_max = statistics_.lateness.max();
-  if (statistics_.last_client_activity) {
-    status.since_client_activity = now - *statistics_.last_client_activity;
+  status.lateness_p50 = known.lateness.percentile(0.5);
+  status.lateness_p99 = known.lateness.percentile(0.99);
+  status.lateness_max = known.lateness.max();
+  if (known.last_client_activity) {
+    status.since_client_activity = now - *known.last_client_activity;
   }
   return status;
 }
@@ -193,11 +145,6 @@ std::unique_ptr<DeviceLine> make_line(const OpenImuDeviceConfiguration& configur
 std::unique_ptr<DeviceLine> make_line(const VehicleGatewayConfiguration& configuration,
                                       CanLine& bus) {
   return std::make_unique<BusVehicleLine>(configuration.gateway, bus);
-}
-
-std::unique_ptr<DeviceLine> make_line(const ValveDriverConfiguration& configuration,
-                                      const LineContext& context) {
-  return std::make_unique<TcpValveLine>(configuration, context);
 }
 
 }  // namespace rigwire::hil

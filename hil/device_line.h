@@ -32,7 +32,7 @@ class DeviceLine {
   [[nodiscard]] virtual std::uint64_t dropped() const { return statistics_.dropped; }
   [[nodiscard]] virtual const emulators::Device& device() const = 0;
 
-  [[nodiscard]] const WireStatistics& statistics() const { return statistics_; }
+  [[nodiscard]] virtual const WireStatistics& statistics() const { return statistics_; }
   [[nodiscard]] DeviceStatus status(const std::string& name, SimTime now) const;
 
  protected:
@@ -52,10 +52,6 @@ struct LineContext {
   std::uint64_t device_seed = 0;  ///< Of what is random in the device itself.
 };
 
-/// These open their endpoints and throw drivers::EndpointError when that fails.
-[[nodiscard]] std::unique_ptr<DeviceLine> make_line(const ValveDriverConfiguration& configuration,
-                                                    const LineContext& context);
-
 class LidarLine : public DeviceLine {
  public:
   /// For the firing pattern that the caster needs.
@@ -72,6 +68,7 @@ class GnssLine : public DeviceLine {
   /// The lidar's time source is this receiver: it hears of every fix. Must outlive the line.
   virtual void inform(LidarLine& lidar) = 0;
 };
+/// Opens its endpoint and throws drivers::EndpointError when that fails.
 [[nodiscard]] std::unique_ptr<GnssLine> make_line(const UbloxConfiguration& configuration,
                                                   const LineContext& context);
 /// `bus` must outlive the line.

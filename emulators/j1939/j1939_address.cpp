@@ -21,33 +21,51 @@ constexpr bool is_assigned(std::uint8_t address) {
 J1939Address::J1939Address(const J1939AddressPolicy& policy, FrameOutput& output)
     : policy_(policy), output_(output), next_(policy.first_claim), address_(policy.preferred) {}
 
+void J1939Address::send(SimTime now, std::uint8_t source) {
+  output_.send(now + policy_.answer_delay, j1939::make_address_claim(source, policy_.name));
+}
+
 void J1939Address::advance(SimTime now) {
-  if (next_ > now) {
-    return;
-  }
-  const SimTime instant = next_;
-  next_ = kNever;
-  if (state_ == State::silent) {
-    state_ = State::held;
-  } else if (taken_[address_] && holder_[address_] <= policy_.name) {
-    lose(instant);
-  } else {
-    claim(instant);
+  while (next_ <= now) {
+    const SimTime instant = next_;
+    next_ = kNever;
+    switch (state_) {
+      case State::off:
+        if (taken_[address_] && holder_[address_] <= policy_.name) {
+          move(instant);
+        } else {
+          claim(instant);
+        }
+        break;
+      case State::silent:
+        state_ = State::held;
+        next_ = after_claim(instant);
+        break;
+      case State::held:
+        claim(instant);
+        break;
+      case State::lost:
+        send(instant, j1939::kNullAddress);
+        break;
+    }
   }
 }
 
 void J1939Address::claim(SimTime now) {
-  if (is_assigned(address_)) {
+  if (is_assigned(address_) || !policy_.silent_after_claim) {
     state_ = State::held;
-    next_ = kNever;
   } else if (state_ != State::held) {
     state_ = State::silent;
-    next_ = now + kSilence;
   }
-  output_.send(now + policy_.answer_delay, j1939::make_address_claim(address_, policy_.name));
+  next_ = state_ == State::silent ? now + kSilence : after_claim(now);
+  send(now, address_);
 }
 
-void J1939Address::lose(SimTime now) {
+SimTime J1939Address::after_claim(SimTime now) const {
+  return policy_.repeat > Duration{0} ? now + policy_.repeat : kNever;
+}
+
+void J1939Address::move(SimTime now) {
   state_ = State::off;
   for (unsigned address = kFirstArbitrary; policy_.arbitrary_address && address <= kLastArbitrary;
        ++address) {
@@ -57,10 +75,23 @@ void J1939Address::lose(SimTime now) {
       return;
     }
   }
+  give_up(now);
+}
+
+void J1939Address::give_up(SimTime now) {
   state_ = State::lost;
-  next_ = kNever;
   address_ = j1939::kNullAddress;
-  output_.send(now + policy_.answer_delay, j1939::make_address_claim(address_, policy_.name));
+  next_ = policy_.says_cannot_claim ? now + cannot_claim_delay() : kNever;
+}
+
+Duration J1939Address::cannot_claim_delay() const {
+  // 0 .. 255 times 0.6 ms; every byte of the NAME counts, so that neighbours in serial number or
+  // function differ.
+  std::uint64_t number = 0;
+  for (std::uint64_t rest = policy_.name; rest != 0; rest >>= 8U) {
+    number = number * 31U + (rest & 0xFFU);
+  }
+  return static_cast<std::int64_t>(number & 0xFFU) * std::chrono::microseconds{600};
 }
 
 void J1939Address::on_claim(SimTime now, std::uint8_t source, std::uint64_t name) {
@@ -83,15 +114,38 @@ void J1939Address::on_claim(SimTime now, std::uint8_t source, std::uint64_t name
   }
   taken_[source] = true;
   holder_[source] = name;
-  if (conflict) {
-    lose(now);
+  if (conflict && policy_.name == name) {
+    give_up(now);
+  } else if (conflict) {
+    move(now);
   }
 }
 
 void J1939Address::on_request(SimTime now) {
-  if (state_ != State::off) {
-    output_.send(now + policy_.answer_delay, j1939::make_address_claim(address_, policy_.name));
+  switch (state_) {
+    case State::off:
+      break;
+    case State::silent:
+    case State::held:
+      send(now, address_);
+      break;
+    case State::lost:
+      if (policy_.says_cannot_claim && next_ == kNever) {
+        next_ = now + cannot_claim_delay();
+      }
+      break;
   }
+}
+
+void J1939Address::on_command(SimTime now, std::uint8_t address) {
+  if (state_ == State::off || address >= j1939::kNullAddress) {
+    return;
+  }
+  if (address != address_) {
+    state_ = State::off;
+    address_ = address;
+  }
+  claim(now);
 }
 
 }  // namespace rigwire::emulators

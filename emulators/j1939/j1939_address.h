@@ -1,9 +1,15 @@
-// A node's source address on a J1939 bus: claiming it, defending it, losing it.
+// A node's source address on a J1939 bus: claiming it, defending it, losing it, being sent to
+// another one.
 //
-// Source: SAE J1939-81, 4.2. The lower NAME keeps an address. A node with an address outside 0..127
-// and 248..253 stays silent for 250 ms after its claim. Who loses takes the next free address of
-// 128..247 where its NAME allows that, else says "cannot claim" (source 254) and sends nothing but
-// the same answer to requests for claims. (OpenIMU's firmware does otherwise: openimu/address.h.)
+// Source: SAE J1939-81, 4.2, 4.6. The lower NAME keeps an address. A node with an address outside
+// 0..127 and 248..253 stays silent for 250 ms after its claim. Who loses takes the next free
+// address of 128..247 where its NAME allows that, else says "cannot claim" (source 254) after a
+// delay of 0 to 153 ms that follows from its NAME, and sends nothing but the same answer, delayed
+// likewise, to requests for claims. A second node with the very same NAME on the own address is a
+// defect of the installation that no address would heal: the node gives up its address and does not
+// move.
+//
+// Firmware that does otherwise is described by the policy.
 #pragma once
 
 #include <array>
@@ -20,6 +26,10 @@ struct J1939AddressPolicy {
   bool arbitrary_address = false;
   SimTime first_claim = kStart;
   Duration answer_delay{0};  ///< From an event to the frame.
+  // As the standard has it, unless the device's firmware is known to do otherwise.
+  bool silent_after_claim = true;  ///< For 250 ms, with an address that asks for it.
+  bool says_cannot_claim = true;   ///< Else it just falls silent.
+  Duration repeat{0};              ///< The claim is repeated for ever at this period; 0: never.
 };
 
 class J1939Address {
@@ -29,26 +39,36 @@ class J1939Address {
   J1939Address(const J1939AddressPolicy& policy, FrameOutput& output);
 
   void advance(SimTime now);
-  /// The first claim, or the end of the silence after one.
+  /// The next claim, the end of the silence after one, or the next "cannot claim".
   [[nodiscard]] SimTime next_event() const { return next_; }
 
   /// Another node claims `source`.
   void on_claim(SimTime now, std::uint8_t source, std::uint64_t name);
   /// Somebody asks for claims.
   void on_request(SimTime now);
+  /// Somebody wants this node to have `address`: claims it, unless it is none that a node can have
+  /// or the node has not yet claimed any.
+  void on_command(SimTime now, std::uint8_t address);
 
   /// Whether messages may be sent.
   [[nodiscard]] bool held() const { return state_ == State::held; }
   /// kNullAddress when none could be claimed.
   [[nodiscard]] std::uint8_t address() const { return address_; }
   [[nodiscard]] std::uint64_t name() const { return policy_.name; }
+  /// Conflicts over the own address.
   [[nodiscard]] std::uint64_t conflicts() const { return conflicts_; }
 
  private:
   enum class State : std::uint8_t { off, silent, held, lost };
 
+  void send(SimTime now, std::uint8_t source);
   void claim(SimTime now);
-  void lose(SimTime now);
+  void move(SimTime now);
+  void give_up(SimTime now);
+  /// When an address that is held is claimed again by itself.
+  [[nodiscard]] SimTime after_claim(SimTime now) const;
+  /// From the event to "cannot claim".
+  [[nodiscard]] Duration cannot_claim_delay() const;
 
   J1939AddressPolicy policy_;
   FrameOutput& output_;

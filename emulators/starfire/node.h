@@ -1,9 +1,8 @@
 // The bus side of an emulated John Deere StarFire 3000: position, direction and speed five times a
 // second, its quality every five seconds.
 //
-// Source address 28 unless it is lost; claim and defence as J1939Address. Requests for its groups
-// are answered, others refused when they are addressed to it. Its proprietary messages (PGN 65535)
-// are not sent: their layout is known from one forum's guesses only.
+// Source address 28 unless it is lost; on the bus it behaves as J1939Node. Its proprietary messages
+// (PGN 65535) are not sent: their layout is known from one forum's guesses only.
 // docs/devices/starfire-3000.md has bytes, sources and deviations.
 #pragma once
 
@@ -13,14 +12,14 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
-#include "emulators/j1939/j1939_address.h"
+#include "emulators/j1939/j1939_node.h"
+#include "emulators/j1939/position_report.h"
 #include "emulators/starfire/settings.h"
-#include "protocols/vehicle/position.h"
 #include "sim/samples/calendar.h"
 
 namespace rigwire::emulators {
 
-class StarFireNode final : public CanDevice, public GnssBackend {
+class StarFireNode final : public CanDevice, public GnssBackend, J1939Application {
  public:
   /// `output` must outlive the node. Throws like validate(settings).
   StarFireNode(const StarFireSettings& settings, const Calendar& calendar, FrameOutput& output);
@@ -29,40 +28,32 @@ class StarFireNode final : public CanDevice, public GnssBackend {
   [[nodiscard]] SimTime next_event() const override;
   /// Aligned to GPS time.
   [[nodiscard]] SamplePlan sample_plan() const override { return plan_; }
-  [[nodiscard]] ReceiveCounters received() const override { return received_; }
+  [[nodiscard]] ReceiveCounters received() const override { return node_.received(); }
   [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::span<const Quantity> quantities() const override;
 
   void receive(SimTime now, const protocols::can::Frame& frame) override;
   void update(const GnssSample& sample) override;
 
-  [[nodiscard]] std::uint8_t address() const { return address_.address(); }
-  [[nodiscard]] bool address_held() const { return address_.held(); }
-  [[nodiscard]] std::uint64_t name() const { return address_.name(); }
+  [[nodiscard]] std::uint8_t address() const { return node_.address(); }
+  [[nodiscard]] bool address_held() const { return node_.held(); }
+  [[nodiscard]] std::uint64_t name() const { return node_.name(); }
 
  private:
   /// Epochs between two VP2.
   static constexpr std::uint64_t kQualityEpochs = 25;
 
-  struct Report {
-    protocols::vehicle::VehiclePosition position;
-    protocols::vehicle::VehicleDirectionSpeed direction;
-    protocols::vehicle::VehiclePosition2 quality;
-  };
-
-  void take(const GnssSample& sample);
-  /// Sends one group of the last report; false when it is none of ours.
-  bool send_group(SimTime now, std::uint32_t pgn);
-  void receive_request(SimTime now, const protocols::can::Frame& frame);
+  /// Sends one group of the last report.
+  J1939Answer answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
+  J1939Reception take(SimTime now, const J1939Message& message) override;
+  void send_group(SimTime now, std::uint32_t pgn);
 
   StarFireSettings settings_;
-  FrameOutput& output_;
-  J1939Address address_;
+  J1939Node node_;
   SamplePlan plan_;
-  Report report_;
+  PositionReport report_;
   SimTime publish_at_ = kNever;
   std::uint64_t epochs_ = 0;
-  ReceiveCounters received_;
 };
 
 }  // namespace rigwire::emulators

@@ -16,9 +16,6 @@ namespace {
 constexpr std::array<VehicleRequest, kVehicleRequests> kRequests{
     VehicleRequest::engine, VehicleRequest::gearbox, VehicleRequest::brake,
     VehicleRequest::guidance, VehicleRequest::speed};
-/// The parameter whose absence is reported.
-constexpr std::array<std::uint32_t, kVehicleRequests> kTimeoutSpn{695, 525, 2920, 5237, 4310};
-constexpr std::uint32_t kGearSpn = 525;
 constexpr std::size_t kGearFault = kVehicleRequests;
 
 constexpr SteeringMode first_mode(SteeringLayout layout) {
@@ -363,24 +360,6 @@ void VehicleControl::compose(SimTime now) {
     command_ = next;
     command_.time = now;
   }
-}
-
-VehicleControl::Faults VehicleControl::faults() const {
-  Faults faults;
-  for (const VehicleRequest source : kRequests) {
-    if (lost_[index(source)]) {
-      faults.codes[faults.count++] = {
-          kTimeoutSpn[index(source)],
-          static_cast<std::uint8_t>(vehicle::FailureMode::abnormal_update_rate),
-          occurrences_[index(source)]};
-    }
-  }
-  if (gear_refused_) {
-    faults.codes[faults.count++] = {
-        kGearSpn, static_cast<std::uint8_t>(vehicle::FailureMode::received_data_in_error),
-        occurrences_[kGearFault]};
-  }
-  return faults;
 }
 
 }  // namespace rigwire::emulators

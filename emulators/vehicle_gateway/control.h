@@ -22,6 +22,7 @@
 
 #include "emulators/vehicle_gateway/settings.h"
 #include "protocols/vehicle/brake.h"
+#include "protocols/vehicle/condition.h"
 #include "protocols/vehicle/diagnostics.h"
 #include "protocols/vehicle/engine.h"
 #include "protocols/vehicle/machine.h"
@@ -79,6 +80,16 @@ class VehicleControl {
     friend bool operator==(const Faults&, const Faults&) = default;
   };
   [[nodiscard]] Faults faults() const;
+  /// Those that were active and are no longer.
+  [[nodiscard]] Faults previous_faults() const;
+  void clear_previous_faults();
+  /// What is wrong stays wrong: the active faults count their occurrences anew from 1.
+  void clear_active_faults();
+
+  /// Says whose request take() took last.
+  void note_requester(VehicleRequest source, std::uint8_t address);
+  /// Address of the node whose request is in force; 0xFF when none is.
+  [[nodiscard]] std::uint8_t requester(VehicleRequest source) const;
 
  private:
   enum class Guidance : std::uint8_t { idle, engaged, fault };
@@ -90,6 +101,9 @@ class VehicleControl {
   void renew(SimTime now, VehicleRequest source);
   void end(VehicleRequest source);
   void lose(SimTime now, VehicleRequest source);
+  /// Faults in the order of occurrences_: the requests, then the gear.
+  [[nodiscard]] bool is_active(std::size_t fault) const;
+  [[nodiscard]] Faults select(bool active) const;
   void fail_guidance(SimTime now, protocols::vehicle::ExitReason reason);
   [[nodiscard]] bool allows(protocols::vehicle::SteeringMode mode) const;
   void steer();
@@ -102,6 +116,7 @@ class VehicleControl {
   std::array<SimTime, kVehicleRequests> deadline_;
   std::array<bool, kVehicleRequests> lost_{};
   std::array<std::uint8_t, kFaults> occurrences_{};
+  std::array<std::uint8_t, kVehicleRequests> requester_{};
   bool gear_refused_ = false;
   bool stopping_ = false;
   SimTime standing_since_ = kNever;

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "emulators/vehicle_gateway/report_values.h"
 
 namespace rigwire::emulators {
 
@@ -14,10 +17,20 @@ using vehicle::to_switch;
 namespace {
 
 constexpr double kBrakeApplied = 0.005;  // share above which the brake switch is on
+constexpr double kEngineRuns_radps = 300.0 * vehicle::kRevolutionPerMinute_radps;
+
+/// Full turns of the steering wheel as they are counted on the wire: 32 is none.
+std::uint8_t turns(double angle_rad) {
+  constexpr double kNone = 32.0;
+  const double counted = kNone + std::trunc(angle_rad / (2.0 * std::numbers::pi));
+  return counted >= 0.0 && counted < 63.0 ? static_cast<std::uint8_t>(counted)
+                                          : vehicle::code_not_available(6);
+}
 
 constexpr std::array kSchedule{
     VehicleReport::Entry{vehicle::Etc1::kGroup, 0},
     VehicleReport::Entry{vehicle::Vdc2::kGroup, 0},
+    VehicleReport::Entry{vehicle::Sas::kGroup, 0},
     VehicleReport::Entry{vehicle::Hrw::kGroup, 0},
     VehicleReport::Entry{vehicle::Eec1::kGroup, 1},
     VehicleReport::Entry{vehicle::Esc1::kGroup, 1},
@@ -32,9 +45,17 @@ constexpr std::array kSchedule{
     VehicleReport::Entry{vehicle::Ebc1::kGroup, 8},
     VehicleReport::Entry{vehicle::MachineFunctionState::kGroup, 9},
     VehicleReport::Entry{vehicle::Eac1::kGroup, 3},
+    VehicleReport::Entry{vehicle::Eflp1::kGroup, 13},
+    VehicleReport::Entry{vehicle::Et1::kGroup, 33},
+    VehicleReport::Entry{vehicle::Dd1::kGroup, 53},
+    VehicleReport::Entry{vehicle::VehicleFluids::kGroup, 73},
     VehicleReport::Entry{vehicle::Tire1::kGroup, 30},
     VehicleReport::Entry{vehicle::Tire2::kGroup, 40},
     VehicleReport::Entry{vehicle::Tpri::kGroup, 0},
+    VehicleReport::Entry{vehicle::Tp1::kGroup, 0},
+    VehicleReport::Entry{vehicle::Tp2::kGroup, 0},
+    VehicleReport::Entry{vehicle::Tp3::kGroup, 0},
+    VehicleReport::Entry{vehicle::Hours::kGroup, 0},
 };
 
 constexpr std::uint64_t ticks(const vehicle::Group& group) {
@@ -45,23 +66,11 @@ static_assert(std::ranges::all_of(kSchedule, [](const VehicleReport::Entry& entr
          (ticks(entry.group) == 0 || entry.phase < ticks(entry.group));
 }));
 
-/// A reading as it goes on the wire.
-double reading(double value) {
-  return std::isfinite(value) ? value : kError;
-}
-double magnitude(double value) {
-  return reading(std::abs(value));
-}
 double speed_of(const VehicleSample& sample, std::size_t wheel) {
   return sample.wheel_rate_radps[wheel] * sample.wheel_radius_m[wheel];
 }
 
 enum Wheel : std::size_t { front_left, front_right, rear_left, rear_right };
-
-template <class Message>
-constexpr bool is(std::uint32_t pgn) {
-  return Message::kGroup.pgn == pgn;
-}
 
 constexpr double kRpm = vehicle::kRevolutionPerMinute_radps;
 constexpr Quantity quantity(std::string_view name, std::string_view unit,
@@ -105,9 +114,17 @@ std::span<const Quantity> VehicleReport::quantities() {
   return kQuantities;
 }
 
+VehicleReport::VehicleReport(const VehicleGatewaySettings& settings)
+    : settings_(settings), engine_s_(to_seconds(settings.engine_hours)) {}
+
 void VehicleReport::take(const VehicleSample& sample) {
   if (sample_ && std::isfinite(sample.odometry.speed_mps)) {
     distance_m_ += std::abs(sample.odometry.speed_mps) * to_seconds(sample.time - sample_->time);
+  }
+  if (sample_ && sample.engine_speed_radps >= kEngineRuns_radps) {
+    const double past_s = to_seconds(sample.time - sample_->time);
+    engine_s_ += past_s;
+    engine_turns_ += sample.engine_speed_radps * past_s / (2.0 * std::numbers::pi);
   }
   sample_ = sample;
 }
@@ -119,11 +136,6 @@ const VehicleSample* VehicleReport::fresh(SimTime now) const {
 double VehicleReport::speed_mps(SimTime now) const {
   const VehicleSample* sample = fresh(now);
   return sample != nullptr ? sample->odometry.speed_mps : kNotAvailable;
-}
-
-template <class Message>
-void VehicleReport::put(const Message& message, std::uint8_t source) {
-  frames_[frame_count_++] = vehicle::encode(message, source);
 }
 
 std::size_t VehicleReport::count(std::uint32_t pgn) const {
@@ -142,7 +154,9 @@ std::span<const protocols::can::Frame> VehicleReport::frames(SimTime now, std::u
   put_gearbox(pgn, source, sample, control);
   put_speed(pgn, source, sample, control);
   put_steering(pgn, source, sample, control);
-  put_tyres(pgn, source, sample);
+  put_tyres(pgn, source, sample, control);
+  put_channels(pgn, source, sample);
+  put_condition(pgn, source, sample);
   put_machine(pgn, source, sample);
   return std::span(frames_).first(frame_count_);
 }
@@ -164,6 +178,9 @@ void VehicleReport::put_engine(std::uint32_t pgn, std::uint8_t source, const Veh
       message.demand_torque_share = by_speed ? kNotAvailable : command.engine_torque_share;
       message.actual_torque_share = reading(sample->engine_torque_share);
       message.speed_radps = magnitude(sample->engine_speed_radps);
+      message.engine_demand_torque_share =
+          by_speed ? message.actual_torque_share : command.engine_torque_share;
+      message.controlling_address = control.requester(VehicleRequest::engine);
     }
     put(message, source);
   } else if (is<vehicle::Eec2>(pgn)) {
@@ -186,6 +203,7 @@ void VehicleReport::put_gearbox(std::uint32_t pgn, std::uint8_t source, const Ve
       message.output_shaft_radps = magnitude(sample->output_shaft_radps);
       message.clutch_slip_share = reading(sample->clutch_slip_share);
       message.input_shaft_radps = magnitude(sample->input_shaft_radps);
+      message.controlling_address = control.requester(VehicleRequest::gearbox);
     }
     put(message, source);
   } else if (is<vehicle::Etc2>(pgn)) {
@@ -252,6 +270,9 @@ void VehicleReport::put_speed(std::uint32_t pgn, std::uint8_t source, const Vehi
       message.parking_brake = to_switch(sample->parking_brake);
       message.wheel_based_speed_mps = magnitude(sample->odometry.speed_mps);
       message.brake_switch = to_switch(sample->brake_share > kBrakeApplied);
+      if (control.in_force(VehicleRequest::speed)) {
+        message.set_speed_mps = std::abs(control.command().travel_speed_mps);
+      }
     }
     put(message, source);
   } else if (is<vehicle::Ebc1>(pgn)) {
@@ -283,10 +304,24 @@ void VehicleReport::put_speed(std::uint32_t pgn, std::uint8_t source, const Vehi
 
 void VehicleReport::put_steering(std::uint32_t pgn, std::uint8_t source,
                                  const VehicleSample* sample, const VehicleControl& control) {
+  const double wheel_rad =
+      sample != nullptr ? sample->front_steer_rad * settings_.steering_ratio : kNotAvailable;
   if (is<vehicle::Vdc2>(pgn)) {
     vehicle::Vdc2 message;
     if (sample != nullptr) {
-      message.steering_wheel_rad = reading(sample->front_steer_rad * settings_.steering_ratio);
+      message.steering_wheel_rad = reading(wheel_rad);
+      message.turn_counter = turns(wheel_rad);
+    }
+    put(message, source);
+  } else if (is<vehicle::Sas>(pgn)) {
+    vehicle::Sas message;
+    if (sample != nullptr) {
+      message.steering_wheel_rad = reading(wheel_rad);
+      message.range_counter = turns(wheel_rad);
+      message.active = Switch::on;
+      message.calibrated = Switch::on;
+      message.counter = sensor_counter_;
+      sensor_counter_ = (sensor_counter_ + 1U) & 0xFU;
     }
     put(message, source);
   } else if (is<vehicle::Esc1>(pgn)) {
@@ -310,30 +345,6 @@ void VehicleReport::put_steering(std::uint32_t pgn, std::uint8_t source,
       message.exit_reason = static_cast<std::uint8_t>(control.guidance_exit());
     }
     put(message, source);
-  }
-}
-
-void VehicleReport::put_tyres(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample) {
-  if (!is<vehicle::Tire1>(pgn) && !is<vehicle::Tire2>(pgn) && !is<vehicle::Tpri>(pgn)) {
-    return;
-  }
-  for (std::size_t tyre = 0; tyre < kWheels; ++tyre) {
-    const std::uint8_t location = vehicle::kTyreLocations[tyre];
-    const double pressure_pa =
-        sample != nullptr ? reading(sample->tyre_pressure_pa[tyre]) : kNotAvailable;
-    const bool has_target = sample != nullptr && sample->tyre_pressure_target_pa[tyre] != 0.0;
-    const double target_pa =
-        has_target ? reading(sample->tyre_pressure_target_pa[tyre]) : kNotAvailable;
-    if (is<vehicle::Tire1>(pgn)) {
-      vehicle::Tire1 message;
-      message.location = location;
-      message.pressure_pa = pressure_pa;
-      put(message, source);
-    } else if (is<vehicle::Tire2>(pgn)) {
-      put(vehicle::Tire2{location, pressure_pa, target_pa}, source);
-    } else {
-      put(vehicle::Tpri{location, target_pa}, source);
-    }
   }
 }
 

@@ -36,9 +36,9 @@ class VehicleReport {
   /// Whether the entry is due at tick number `tick`; never for groups without a period.
   [[nodiscard]] static bool is_due(const Entry& entry, std::uint64_t tick);
 
-  explicit VehicleReport(const VehicleGatewaySettings& settings) : settings_(settings) {}
+  explicit VehicleReport(const VehicleGatewaySettings& settings);
 
-  /// Takes a sample, and adds up the distance travelled.
+  /// Takes a sample, and adds up the distance travelled, the engine's hours and its revolutions.
   void take(const VehicleSample& sample);
   [[nodiscard]] double distance_m() const { return distance_m_; }
   /// Speed of the machine as its odometry has it; NaN when it is not known at `now`.
@@ -57,7 +57,9 @@ class VehicleReport {
  private:
   [[nodiscard]] const VehicleSample* fresh(SimTime now) const;
   template <class Message>
-  void put(const Message& message, std::uint8_t source);
+  void put(const Message& message, std::uint8_t source) {
+    frames_[frame_count_++] = protocols::vehicle::encode(message, source);
+  }
   void put_engine(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
                   const VehicleControl& control);
   void put_gearbox(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
@@ -66,12 +68,18 @@ class VehicleReport {
                  const VehicleControl& control);
   void put_steering(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
                     const VehicleControl& control);
-  void put_tyres(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample);
+  void put_tyres(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
+                 const VehicleControl& control);
+  void put_channels(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample);
+  void put_condition(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample);
   void put_machine(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample);
 
   VehicleGatewaySettings settings_;
   std::optional<VehicleSample> sample_;
   double distance_m_ = 0.0;
+  double engine_s_;
+  double engine_turns_ = 0.0;
+  std::uint8_t sensor_counter_ = 0;  ///< Of SAS; 4 bits.
   std::array<protocols::can::Frame, kGreatestFrames> frames_{};
   std::size_t frame_count_ = 0;
 };

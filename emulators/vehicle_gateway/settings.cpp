@@ -1,5 +1,6 @@
 #include "emulators/vehicle_gateway/settings.h"
 
+#include <algorithm>
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
@@ -31,6 +32,15 @@ void in_range(std::string_view key, Duration value, Duration lower, Duration upp
   }
 }
 
+void readable(std::string_view key, const std::string& value) {
+  constexpr std::size_t kGreatest = 32;
+  const bool plain =
+      std::ranges::all_of(value, [](char c) { return c >= ' ' && c <= '~' && c != '*'; });
+  if (!plain || value.size() > kGreatest) {
+    refuse(key, "'" + value + "'", "up to 32 printable ASCII characters without *");
+  }
+}
+
 }  // namespace
 
 void validate(const VehicleGatewaySettings& s) {
@@ -42,6 +52,11 @@ void validate(const VehicleGatewaySettings& s) {
   in_range("power_on", s.power_on, 0s, 24h);
   in_range("sensor_start_up", s.sensor_start_up, 0s, 1h);
   in_range("processing_delay", s.processing_delay, 0s, 5ms);
+  readable("make", s.make);
+  readable("model", s.model);
+  readable("unit_number", s.unit_number);
+  readable("software", s.software);
+  in_range("engine_hours", s.engine_hours, 0s, 200'000h);
   in_range("gears_forward", s.gears_forward, 0, 125);
   in_range("gears_reverse", s.gears_reverse, 0, 125);
   in_range("wheelbase", s.wheelbase_m, 0.1, 100.0);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "sim/samples/time.h"
 
@@ -36,9 +37,16 @@ struct VehicleGatewaySettings {
   Duration sensor_start_up = std::chrono::milliseconds{200};   ///< From there to the first sample.
   Duration processing_delay = std::chrono::microseconds{500};  ///< From an event to the frame; 0
                                                                ///< .. 5 ms.
+  // What it says of itself when it is asked: printable ASCII without "*", up to 32 characters each.
+  std::string make = "Rigwire";
+  std::string model = "vehicle gateway";
+  std::string unit_number;
+  std::string software = "1.0";
   // The machine.
-  int gears_forward = 8;  ///< 0 .. 125; the numbers that TC1 may ask for.
-  int gears_reverse = 6;  ///< 0 .. 125.
+  Duration engine_hours{0};   ///< Of the engine when the run begins; 0 .. 200 000 h.
+  bool has_position = false;  ///< A satellite receiver is wired to it: VP, VDS, VP2 and GBSD.
+  int gears_forward = 8;      ///< 0 .. 125; the numbers that TC1 may ask for.
+  int gears_reverse = 6;      ///< 0 .. 125.
   SteeringLayout steering = SteeringLayout::front_only;
   double wheelbase_m = 3.25;                  ///< Estimate. Drum axle to drum axle for a roller.
   double maximum_front_steer_rad = 0.61;      ///< Estimate. Below pi/2.

@@ -4,8 +4,8 @@
 // No maker's device, but what such a node speaks: the messages of SAE J1939-71 and ISO 11783-7 for
 // engine, gearbox, brakes, wheels, steering and tyres, and one proprietary message each way
 // (protocols/vehicle/). docs/devices/vehicle-gateway.md has the bytes, periods, time-outs and known
-// deviations; vehicle_gateway_control.h says what requests and silence do, vehicle_gateway_report.h
-// what is sent.
+// deviations; control.h says what requests and silence do, report.h what is sent, position.h what a
+// satellite receiver adds, docs/j1939.md what every node does.
 //
 // Life: at power-on it claims its address; from the next tick on, if it may, it sends on schedule,
 // first everything as not available, from sensor_start_up on what the samples say. A tick is half a
@@ -18,15 +18,16 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
-#include "emulators/j1939/j1939_address.h"
+#include "emulators/j1939/j1939_node.h"
 #include "emulators/vehicle_gateway/control.h"
 #include "emulators/vehicle_gateway/diagnostics.h"
+#include "emulators/vehicle_gateway/position.h"
 #include "emulators/vehicle_gateway/report.h"
 #include "emulators/vehicle_gateway/settings.h"
 
 namespace rigwire::emulators {
 
-class VehicleGateway final : public CanDevice, public VehicleBackend {
+class VehicleGateway final : public CanDevice, public VehicleBackend, J1939Application {
  public:
   static constexpr Duration kTick = VehicleReport::kTick;
   static constexpr Duration kTickOffset = std::chrono::microseconds{500};  ///< After a sample.
@@ -37,7 +38,7 @@ class VehicleGateway final : public CanDevice, public VehicleBackend {
   void advance(SimTime now) override;
   [[nodiscard]] SimTime next_event() const override;
   [[nodiscard]] SamplePlan sample_plan() const override;
-  [[nodiscard]] ReceiveCounters received() const override { return received_; }
+  [[nodiscard]] ReceiveCounters received() const override { return node_.received(); }
   /// Of the schedule and the trouble codes.
   [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::span<const Quantity> quantities() const override;
@@ -45,36 +46,42 @@ class VehicleGateway final : public CanDevice, public VehicleBackend {
   void receive(SimTime now, const protocols::can::Frame& frame) override;
 
   void update(const VehicleSample& sample) override;
+  /// A fix of the satellite receiver that is wired to it (has_position).
+  void observe_fix(const GnssSample& sample) { satellites_.take(sample); }
   [[nodiscard]] const VehicleCommand& command() const override { return control_.command(); }
 
-  [[nodiscard]] std::uint8_t address() const { return address_.address(); }
-  [[nodiscard]] bool address_held() const { return address_.held(); }
-  [[nodiscard]] std::uint64_t name() const { return address_.name(); }
-  [[nodiscard]] std::uint64_t address_conflicts() const { return address_.conflicts(); }
+  [[nodiscard]] std::uint8_t address() const { return node_.address(); }
+  [[nodiscard]] bool address_held() const { return node_.held(); }
+  [[nodiscard]] std::uint64_t name() const { return node_.name(); }
+  [[nodiscard]] std::uint64_t address_conflicts() const { return node_.address_conflicts(); }
   [[nodiscard]] const VehicleControl& control() const { return control_; }
 
  private:
-  void send(SimTime now, const protocols::can::Frame& frame);
-  void send_group(SimTime now, std::uint32_t pgn);
+  J1939Answer answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
+  J1939Reception take(SimTime now, const J1939Message& message) override;
+
+  /// False when the group is none that is sent in frames.
+  bool send_group(SimTime now, std::uint32_t pgn);
+  J1939Answer send_long(SimTime now, std::uint32_t pgn, std::uint8_t destination,
+                        std::span<const std::uint8_t> payload);
+  void send_due(SimTime now, std::span<const VehicleReport::Entry> schedule);
   void tick(SimTime now);
-  void receive_request(SimTime now, const protocols::can::Frame& frame);
-  /// Decodes, takes and counts; a request that cannot be honoured is refused to its sender where
-  /// `refuse` says so.
+  /// Decodes and takes; a request that cannot be honoured is refused to its sender where `refuse`
+  /// says so.
   template <class Message>
-  void receive_command(SimTime now, const protocols::can::Frame& frame, bool refuse);
-  void refuse(SimTime now, std::uint8_t requester, std::uint32_t pgn);
-  /// Addressed to this node or to everybody.
-  [[nodiscard]] bool is_for_us(std::uint8_t destination) const;
+  J1939Reception take_command(SimTime now, const J1939Message& message, bool refuse);
+  /// The same, and remembers who asked.
+  template <class Message>
+  J1939Reception take_command(SimTime now, const J1939Message& message, VehicleRequest source);
 
   VehicleGatewaySettings settings_;
-  FrameOutput& output_;
-  J1939Address address_;
+  J1939Node node_;
   VehicleControl control_;
   VehicleReport report_;
+  VehicleSatellites satellites_;
   VehicleDiagnostics diagnostics_;
   std::uint64_t ticks_ = 0;
   SimTime next_tick_;
-  ReceiveCounters received_;
 };
 
 }  // namespace rigwire::emulators

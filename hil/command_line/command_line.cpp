@@ -113,6 +113,7 @@ struct Parsed {
   bool json = false;
   std::string word;  ///< Kind, device, suite or shell.
   std::string json_file;
+  std::string valve_map;
   bool list = false;
 };
 
@@ -153,10 +154,10 @@ void declare(CLI::App& app, Parsed& parsed) {
   list_app->add_flag("--json", parsed.json, "As JSON");
 
   CLI::App* describe_app = app.add_subcommand("describe", "Messages, rates, units, ranges, keys");
-  describe_app
-      ->add_option("device", parsed.word,
-                   "A type of `rigwire list devices`, or a device's name in a rig: gnss")
-      ->required();
+  describe_app->add_option("device", parsed.word,
+                           "A type of `rigwire list devices`, or a device's name in a rig: gnss");
+  describe_app->add_option("--valve-map", parsed.valve_map,
+                           "A valve driver's registers from a file, as tables");
   describe_app->add_flag("--json", parsed.json, "As JSON");
 
   CLI::App* doctor_app = app.add_subcommand("doctor", "What this machine can offer, and the fixes");
@@ -225,7 +226,11 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
     return list_verb(parsed.word, parsed.json, terminal);
   }
   if (app.got_subcommand("describe")) {
-    return describe_verb(parsed.word, parsed.json, terminal);
+    if (parsed.word.empty() == parsed.valve_map.empty()) {
+      return usage("describe: allowed a device or --valve-map FILE", terminal.err, "describe");
+    }
+    return parsed.valve_map.empty() ? describe_verb(parsed.word, parsed.json, terminal)
+                                    : describe_valve_map_verb(parsed.valve_map, terminal);
   }
   if (app.got_subcommand("doctor")) {
     return doctor_verb(parsed.json, terminal);

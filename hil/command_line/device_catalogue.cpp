@@ -25,11 +25,6 @@ class NoFrames final : public emulators::FrameOutput {
  public:
   void send(SimTime, const protocols::can::Frame&) override {}
 };
-class NoStream final : public emulators::StreamOutput {
- public:
-  void send(emulators::ConnectionId, SimTime, std::span<const std::uint8_t>) override {}
-  void close(emulators::ConnectionId, SimTime) override {}
-};
 
 std::vector<DescribedQuantity> quantities_of(const emulators::Device& device) {
   std::vector<DescribedQuantity> result;
@@ -150,8 +145,7 @@ void describe(const OpenImuDeviceConfiguration& configuration, DeviceDescription
 }
 
 void describe(const ValveDriverConfiguration& configuration, DeviceDescription& description) {
-  NoStream output;
-  description.quantities = quantities_of(emulators::ValveDriver(configuration.driver, output));
+  description.quantities = quantities_of(emulators::ValveDriver(configuration.driver));
   description.wire = "Modbus TCP server, default 127.0.0.1:1502";
   description.document =
       "MODBUS Application Protocol Specification V1.1b3; Messaging on TCP/IP Implementation Guide "

@@ -83,11 +83,24 @@ Row plan(const RigConfiguration& rig, const VehicleGatewayDeviceConfiguration& d
                                print_duration(device.gateway.timeouts.guidance.count())));
 }
 
-Row plan(const RigConfiguration&, const ValveDriverConfiguration& device) {
-  return {
-      fmt::format("modbus tcp {}:{}", device.address, device.port), "on request", "",
-      fmt::format("unit {}, {} sections, watchdog {}", device.driver.unit,
-                  device.driver.sections.size(), print_duration(device.driver.watchdog.count()))};
+/// The wire of a Modbus device.
+std::string modbus_wire(const RigConfiguration& rig, const ValveDriverConfiguration& device) {
+  const auto line = rig.modbus.find(device.line);
+  if (line == rig.modbus.end()) {
+    return fmt::format("modbus tcp {}:{}", device.address, device.port);
+  }
+  const ModbusLineConfiguration& shared = line->second;
+  return shared.wire == emulators::ModbusWire::rtu
+             ? fmt::format("{}: modbus rtu {} {} bit/s", line->first, shared.path,
+                           shared.line.timing.baud)
+             : fmt::format("{}: modbus tcp {}:{}", line->first, shared.address, shared.port);
+}
+
+Row plan(const RigConfiguration& rig, const ValveDriverConfiguration& device) {
+  return {modbus_wire(rig, device), "on request", "",
+          fmt::format("unit {}, {} sections, watchdog {}", device.unit,
+                      device.driver.amplifier.sections.size(),
+                      print_duration(device.driver.amplifier.parameters.watchdog.count()))};
 }
 
 }  // namespace

@@ -32,7 +32,8 @@ struct SignalLayout {
   double upper = 0.0;
   std::string unit;  ///< As on the wire; empty for bare numbers.
   std::vector<NamedValue> values;
-  std::string text;  ///< What it means; source (SPN, document).
+  std::string text;       ///< What it means; source (SPN, document).
+  std::uint32_t spn = 0;  ///< Suspect parameter number of J1939; 0: none.
 };
 
 struct MessageLayout {

@@ -10,7 +10,10 @@ Availability classify(unsigned width, std::uint32_t raw) {
   if (raw <= greatest_valid(width)) {
     return Availability::valid;
   }
-  if (width < 8) {
+  if (width == 10 && raw < error_value(width)) {
+    return Availability::indicator;
+  }
+  if (width < 8 || width == 10) {
     return raw == not_available_value(width) ? Availability::not_available : Availability::error;
   }
   switch (raw >> (width - 8)) {

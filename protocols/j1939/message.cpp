@@ -80,6 +80,22 @@ Decoded<std::uint64_t> decode_address_claim(const can::Frame& frame) {
   return {load_little<std::uint64_t>(frame.payload(), 0), kClaimBytes};
 }
 
+std::array<std::uint8_t, kCommandedAddressBytes> encode_commanded_address(
+    const CommandedAddress& command) {
+  std::array<std::uint8_t, kCommandedAddressBytes> payload{};
+  store_little<std::uint64_t>(payload, 0, command.name);
+  payload[8] = command.address;
+  return payload;
+}
+
+Decoded<CommandedAddress> decode_commanded_address(std::span<const std::uint8_t> payload) {
+  if (payload.size() != kCommandedAddressBytes) {
+    return Malformed{"a commanded address has exactly 9 bytes", payload.size()};
+  }
+  return {CommandedAddress{load_little<std::uint64_t>(payload, 0), payload[8]},
+          kCommandedAddressBytes};
+}
+
 can::Frame make_acknowledgement(std::uint8_t source, std::uint8_t destination,
                                 const Acknowledgement& acknowledgement) {
   std::array<std::uint8_t, kAcknowledgementBytes> payload{};

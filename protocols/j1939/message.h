@@ -1,9 +1,11 @@
 // J1939 messages that every node speaks: request, acknowledgement, address claim; and how any
 // single-frame message sits in a CAN frame.
 //
-// Sources: SAE J1939-21, 5.4.2 (request), 5.4.4 (acknowledgement); J1939-81, 4.2 (address claim).
+// Sources: SAE J1939-21, 5.4.2 (request), 5.4.4 (acknowledgement); J1939-81, 4.2 (address claim),
+// 4.6 (commanded address). Messages of more than eight bytes: transport.h.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -18,12 +20,13 @@ namespace rigwire::protocols::j1939 {
 inline constexpr std::uint32_t kRequestPgn = 59904;          ///< EA00, addressed, 3 bytes.
 inline constexpr std::uint32_t kAcknowledgementPgn = 59392;  ///< E800, addressed, 8 bytes.
 inline constexpr std::uint32_t kAddressClaimedPgn = 60928;   ///< EE00, to everybody, 8 bytes.
+/// FED8, 9 bytes by transport: "NAME, take this address".
+inline constexpr std::uint32_t kCommandedAddressPgn = 65240;
 
 /// Priority of request, acknowledgement and claim.
 inline constexpr std::uint8_t kManagementPriority = 6;
 
-/// A data frame with 29-bit identifier; payloads longer than 8 bytes are cut (transport protocol
-/// is not part of this header).
+/// A data frame with 29-bit identifier; payloads longer than 8 bytes are cut.
 [[nodiscard]] can::Frame make_frame(const Identifier& identifier,
                                     std::span<const std::uint8_t> payload);
 
@@ -39,6 +42,19 @@ inline constexpr std::uint8_t kManagementPriority = 6;
 [[nodiscard]] can::Frame make_address_claim(std::uint8_t source, std::uint64_t name);
 /// The NAME. Malformed unless the frame is a claim of exactly eight bytes.
 [[nodiscard]] Decoded<std::uint64_t> decode_address_claim(const can::Frame& frame);
+
+struct CommandedAddress {
+  std::uint64_t name = 0;    ///< Of the node that is meant.
+  std::uint8_t address = 0;  ///< That it shall claim.
+
+  friend bool operator==(const CommandedAddress&, const CommandedAddress&) = default;
+};
+inline constexpr std::size_t kCommandedAddressBytes = 8 + 1;  // NAME, address
+[[nodiscard]] std::array<std::uint8_t, kCommandedAddressBytes> encode_commanded_address(
+    const CommandedAddress& command);
+/// Malformed unless it has exactly nine bytes.
+[[nodiscard]] Decoded<CommandedAddress> decode_commanded_address(
+    std::span<const std::uint8_t> payload);
 
 enum class Acknowledge : std::uint8_t { positive = 0, negative = 1, access_denied = 2, busy = 3 };
 

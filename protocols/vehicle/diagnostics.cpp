@@ -1,20 +1,11 @@
 #include "protocols/vehicle/diagnostics.h"
 
 #include <algorithm>
-#include <cassert>
-
-#include "protocols/j1939/message.h"
 
 namespace rigwire::protocols::vehicle {
 namespace {
 
 constexpr std::size_t kFrameBytes = 8;
-constexpr std::size_t kPacketBytes = kFrameBytes - 1;  // after the sequence number
-constexpr std::uint8_t kReportPriority = 6;
-constexpr std::uint8_t kTransportPriority = 7;
-constexpr std::uint8_t kBroadcastAnnounce = 32;
-
-using FrameBytes = std::array<std::uint8_t, kFrameBytes>;
 
 constexpr std::uint8_t lamp(bool on, unsigned bit) {
   return static_cast<std::uint8_t>((on ? 1U : 0U) << bit);
@@ -42,6 +33,9 @@ TroubleReport make_trouble_report(const Lamps& lamps, std::span<const TroubleCod
     at[3] = static_cast<std::uint8_t>(code.occurrences & 0x7FU);
     report.size += kCodeBytes;
   }
+  for (; report.size < kFrameBytes; ++report.size) {
+    report.bytes[report.size] = 0xFF;
+  }
   return report;
 }
 
@@ -64,40 +58,6 @@ Decoded<TroubleCodes> decode_trouble_report(std::span<const std::uint8_t> payloa
     }
   }
   return {result, at};
-}
-
-std::size_t report_frames(const TroubleReport& report) {
-  return report.size <= kFrameBytes ? 1 : 1 + (report.size + kPacketBytes - 1) / kPacketBytes;
-}
-
-can::Frame report_frame(const TroubleReport& report, std::size_t index, std::uint8_t source) {
-  assert(index < report_frames(report));
-  FrameBytes bytes;
-  bytes.fill(0xFF);
-  const std::size_t frames = report_frames(report);
-  if (frames == 1) {
-    std::copy_n(report.bytes.begin(), report.size, bytes.begin());
-    return j1939::make_frame({kReportPriority, kDm1Pgn, j1939::kGlobalAddress, source}, bytes);
-  }
-  if (index == 0) {
-    // Control, size low and high, packets, reserved, group low byte first.
-    bytes = {kBroadcastAnnounce,
-             static_cast<std::uint8_t>(report.size & 0xFFU),
-             static_cast<std::uint8_t>(report.size >> 8U),
-             static_cast<std::uint8_t>(frames - 1),
-             0xFF,
-             kDm1Pgn & 0xFFU,
-             (kDm1Pgn >> 8U) & 0xFFU,
-             (kDm1Pgn >> 16U) & 0xFFU};
-    return j1939::make_frame(
-        {kTransportPriority, kTransportManagementPgn, j1939::kGlobalAddress, source}, bytes);
-  }
-  bytes[0] = static_cast<std::uint8_t>(index);
-  const std::size_t begin = (index - 1) * kPacketBytes;
-  std::copy_n(report.bytes.begin() + static_cast<std::ptrdiff_t>(begin),
-              std::min(kPacketBytes, report.size - begin), bytes.begin() + 1);
-  return j1939::make_frame({kTransportPriority, kTransportDataPgn, j1939::kGlobalAddress, source},
-                           bytes);
 }
 
 }  // namespace rigwire::protocols::vehicle

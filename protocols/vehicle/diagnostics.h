@@ -1,23 +1,25 @@
-// Active diagnostic trouble codes (DM1) and the broadcast transport that carries more than one.
+// Diagnostic trouble codes: the active ones (DM1), those that were active (DM2), and the requests
+// that clear them (DM3, DM11).
 //
-// Sources: SAE J1939-73, 5.7.1 (DM1: lamps, codes); J1939-21, 5.10 (broadcast announce, data
-// transfer). DM1 payload: lamps, flash codes (all ones: not flashing), then four bytes per code. A
-// payload of up to 8 bytes is one frame, filled with ones; a longer one is announced (TP.CM, PGN
-// 60416, control 32) and sent in packets of seven bytes (TP.DT, PGN 60160).
+// Source: SAE J1939-73, 5.7.1 to 5.7.3, 5.7.11. Payload of DM1 and DM2: lamps, flash codes (all
+// ones: not flashing), then four bytes per code; without a code one of zeros. It is filled with ones
+// to the eight bytes of a frame; with two codes or more it is longer and sent by transport
+// (protocols/j1939/transport.h).
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <span>
 
-#include "protocols/can/frame.h"
 #include "protocols/result.h"
 
 namespace rigwire::protocols::vehicle {
 
-inline constexpr std::uint32_t kDm1Pgn = 65226;
-inline constexpr std::uint32_t kTransportManagementPgn = 60416;
-inline constexpr std::uint32_t kTransportDataPgn = 60160;
+inline constexpr std::uint32_t kDm1Pgn = 65226;   ///< FECA, every second and on change.
+inline constexpr std::uint32_t kDm2Pgn = 65227;   ///< FECB, on request.
+inline constexpr std::uint32_t kDm3Pgn = 65228;   ///< FECC: a request for it clears DM2.
+inline constexpr std::uint32_t kDm11Pgn = 65235;  ///< FED3: a request for it clears DM1.
+inline constexpr std::uint8_t kTroublePriority = 6;
 
 /// Failure mode identifiers that this project sends.
 enum class FailureMode : std::uint8_t {
@@ -47,7 +49,7 @@ inline constexpr std::size_t kLampBytes = 2;
 inline constexpr std::size_t kCodeBytes = 4;
 inline constexpr std::size_t kGreatestCodes = 8;  ///< What the types below hold.
 
-/// A DM1 payload: `size` bytes of `bytes` are it, before filling up to a frame.
+/// A payload of DM1 or DM2: `size` bytes of `bytes` are it, eight or more.
 struct TroubleReport {
   std::array<std::uint8_t, kLampBytes + kGreatestCodes * kCodeBytes> bytes{};
   std::size_t size = 0;
@@ -61,7 +63,7 @@ struct TroubleReport {
 [[nodiscard]] TroubleReport make_trouble_report(const Lamps& lamps,
                                                 std::span<const TroubleCode> codes);
 
-/// What a DM1 payload says.
+/// What such a payload says.
 struct TroubleCodes {
   Lamps lamps;
   std::array<TroubleCode, kGreatestCodes> codes{};
@@ -69,11 +71,5 @@ struct TroubleCodes {
 };
 /// Incomplete below six bytes; codes beyond kGreatestCodes are left out.
 [[nodiscard]] Decoded<TroubleCodes> decode_trouble_report(std::span<const std::uint8_t> payload);
-
-/// Frames that carry a report: 1 for up to eight bytes, else the announcement and its packets.
-[[nodiscard]] std::size_t report_frames(const TroubleReport& report);
-/// Frame `index` of them. Precondition: index < report_frames(report).
-[[nodiscard]] can::Frame report_frame(const TroubleReport& report, std::size_t index,
-                                      std::uint8_t source);
 
 }  // namespace rigwire::protocols::vehicle

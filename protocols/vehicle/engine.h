@@ -22,6 +22,7 @@ struct Eec1 {
   double speed_radps = kNotAvailable;
   std::uint8_t controlling_address = 0xFF;
   std::uint8_t starter_mode = 0xF;
+  double engine_demand_torque_share = kNotAvailable;  ///< What its governors ask of it, in all.
 
   static constexpr auto parameters() {
     return std::array{
@@ -31,6 +32,8 @@ struct Eec1 {
         number("engine speed", 190, {4}, 16, kShaftSpeed, &Eec1::speed_radps),
         code("controlling address", 1483, {6}, 8, &Eec1::controlling_address),
         code("starter mode", 1675, {7, 1}, 4, &Eec1::starter_mode),
+        number("engine demand torque", 2432, {8}, 8, kTorqueShare,
+               &Eec1::engine_demand_torque_share),
     };
   }
 };

@@ -109,6 +109,26 @@ struct WheelBasedSpeed {
 };
 static_assert(is_well_formed<WheelBasedSpeed>());
 
+/// ISO 11783-7 ground-based speed and distance: by radar or satellites, free of wheel slip.
+/// Direction: on = forward, off = reverse.
+struct GroundBasedSpeed {
+  static constexpr Group kGroup{"GBSD", 65097, 3, std::chrono::milliseconds{100}};
+
+  double speed_mps = kNotAvailable;
+  double distance_m = kNotAvailable;
+  Switch forward = Switch::not_available;
+
+  static constexpr auto parameters() {
+    return std::array{
+        number("ground-based speed", 1859, {1}, 16, kMachineSpeed, &GroundBasedSpeed::speed_mps),
+        number("ground-based distance", 1860, {3}, 32, kMachineDistance,
+               &GroundBasedSpeed::distance_m),
+        state("ground-based direction", 1861, {8, 1}, &GroundBasedSpeed::forward),
+    };
+  }
+};
+static_assert(is_well_formed<GroundBasedSpeed>());
+
 /// Where the machine selected speed comes from.
 enum class SpeedSource : std::uint8_t { wheel_based = 0, ground_based = 1, navigation = 2 };
 

@@ -37,6 +37,32 @@ struct Vdc2 {
 };
 static_assert(is_well_formed<Vdc2>());
 
+/// Steering Angle Sensor Information. The checksum's rule is in none of the documents at hand: it
+/// is sent as not available.
+struct Sas {
+  static constexpr Group kGroup{"SAS", 61469, 6, std::chrono::milliseconds{10}};
+
+  double steering_wheel_rad = kNotAvailable;
+  std::uint8_t range_counter = 0x3F;  ///< 6 bits; ranges + 32.
+  Switch active = Switch::not_available;
+  Switch calibrated = Switch::not_available;
+  std::uint8_t counter = 0xF;   ///< 4 bits; 0 .. 15.
+  std::uint8_t checksum = 0xF;  ///< 4 bits.
+
+  static constexpr auto parameters() {
+    return std::array{
+        number("steering wheel angle", 3683, {1}, 16, {1.0 / 1024.0, -31.374, "rad"},
+               &Sas::steering_wheel_rad),
+        code("range counter", 3684, {3, 1}, 6, &Sas::range_counter),
+        state("sensor active", 3687, {7, 1}, &Sas::active),
+        state("sensor calibrated", 3688, {7, 3}, &Sas::calibrated),
+        code("message counter", 3689, {8, 1}, 4, &Sas::counter),
+        code("message checksum", 3690, {8, 5}, 4, &Sas::checksum),
+    };
+  }
+};
+static_assert(is_well_formed<Sas>());
+
 /// Places of an axle, front to rear in the high four bits; the low four (left to right) are ones,
 /// as an axle has no side. Source: general knowledge of J1939-71.
 inline constexpr std::uint8_t kFrontAxle = 0x0F;

@@ -118,6 +118,9 @@ struct Eac1 {
   Switch central_lock = Switch::not_available;
   Switch central_front_lock = Switch::not_available;
   Switch central_rear_lock = Switch::not_available;
+  Switch rear_lock_3 = Switch::not_available;
+  Switch front_group_engaged = Switch::not_available;  ///< Driven, as by all-wheel drive.
+  Switch rear_group_engaged = Switch::not_available;
 
   static constexpr auto parameters() {
     return std::array{
@@ -129,6 +132,9 @@ struct Eac1 {
         state("lock, central", 564, {3, 1}, &Eac1::central_lock),
         state("lock, central front", 565, {3, 3}, &Eac1::central_front_lock),
         state("lock, central rear", 566, {3, 5}, &Eac1::central_rear_lock),
+        state("lock, rear axle 3", 7716, {3, 7}, &Eac1::rear_lock_3),
+        state("front axle group engaged", 3819, {4, 1}, &Eac1::front_group_engaged),
+        state("rear axle group engaged", 3820, {4, 3}, &Eac1::rear_group_engaged),
     };
   }
 };

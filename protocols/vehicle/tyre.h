@@ -1,5 +1,5 @@
-// Tyres: their state (TIRE1, TIRE2, TPRI) and the inflation set point (TPRS). One message for each
-// tyre; pressures are above ambient.
+// Tyres: their state (TIRE1, TIRE2, TPRI), the inflation set point (TPRS), one message for each
+// tyre; and the channels of central tyre inflation (TP1, TP2, TP3). Pressures are above ambient.
 #pragma once
 
 #include "protocols/vehicle/message.h"
@@ -30,6 +30,10 @@ struct Tire1 {
   std::uint8_t location = 0xFF;
   double pressure_pa = kNotAvailable;
   double temperature_c = kNotAvailable;
+  Switch sensor_enabled = Switch::not_available;
+  Switch leak_detected = Switch::not_available;
+  Switch sensor_fault = Switch::not_available;
+  Switch extended_support = Switch::not_available;  ///< TIRE2 is sent.
   double leakage_paps = kNotAvailable;
   std::uint8_t pressure_threshold = 7;  ///< 3 bits.
 
@@ -39,6 +43,10 @@ struct Tire1 {
         number("tyre pressure", 241, {2}, 8, {4000.0, 0.0, "Pa"}, &Tire1::pressure_pa),
         number("tyre temperature", 242, {3}, 16, {1.0 / 32.0, -273.0, "degC"},
                &Tire1::temperature_c),
+        state("sensor enabled", 1699, {5, 1}, &Tire1::sensor_enabled),
+        state("tyre status", 1698, {5, 3}, &Tire1::leak_detected),
+        state("sensor electrical fault", 1697, {5, 5}, &Tire1::sensor_fault),
+        state("extended pressure support", 6990, {5, 7}, &Tire1::extended_support),
         number("air leakage rate", 2586, {6}, 16, {0.1, 0.0, "Pa/s"}, &Tire1::leakage_paps),
         code("pressure threshold", 2587, {8, 6}, 3, &Tire1::pressure_threshold),
     };
@@ -56,7 +64,7 @@ struct Tire2 {
 
   static constexpr auto parameters() {
     return std::array{
-        code("tyre location", 929, {1}, 8, &Tire2::location),
+        code("tyre location", 6987, {1}, 8, &Tire2::location),
         number("tyre pressure, extended range", 6988, {2}, 16, {1000.0, 0.0, "Pa"},
                &Tire2::pressure_pa),
         number("required tyre pressure", 6989, {4}, 16, {1000.0, 0.0, "Pa"},
@@ -75,8 +83,8 @@ struct Tpri {
 
   static constexpr auto parameters() {
     return std::array{
-        code("tyre location", 0, {1}, 8, &Tpri::location),
-        number("reference tyre pressure", 0, {2}, 8, kReferencePressure,
+        code("tyre location", 3190, {1}, 8, &Tpri::location),
+        number("reference tyre pressure", 3191, {2}, 8, kReferencePressure,
                &Tpri::reference_pressure_pa),
     };
   }
@@ -92,12 +100,94 @@ struct Tprs {
 
   static constexpr auto parameters() {
     return std::array{
-        code("tyre location", 0, {1}, 8, &Tprs::location),
-        number("reference tyre pressure", 0, {2}, 8, kReferencePressure,
+        code("tyre location", 3192, {1}, 8, &Tprs::location),
+        number("reference tyre pressure", 3193, {2}, 8, kReferencePressure,
                &Tprs::reference_pressure_pa),
     };
   }
 };
 static_assert(is_well_formed<Tprs>());
+
+/// One count of 0.5 kPa.
+inline constexpr Scale kChannelPressure{500.0, 0.0, "Pa"};
+
+/// What a channel of central tyre inflation does. Source of the codes: general knowledge of
+/// J1939-71 (maintain, inflate, deflate, confirm).
+enum class TyreChannelMode : std::uint8_t {
+  maintain = 0,
+  inflate = 1,
+  deflate = 2,
+  not_available = 0xF,
+};
+
+/// Tire Pressure Control Unit Mode and Status.
+struct Tp1 {
+  static constexpr Group kGroup{"TP1", 65144, 6, std::chrono::milliseconds{0}};
+
+  double check_interval_s = kNotAvailable;
+  std::uint8_t steer_mode = 0xF;  ///< TyreChannelMode, this and the next two.
+  std::uint8_t trailer_mode = 0xF;
+  std::uint8_t drive_mode = 0xF;
+  Switch drive_solenoid = Switch::not_available;
+  Switch steer_solenoid = Switch::not_available;
+  Switch supply_switch = Switch::not_available;
+  Switch deflate_solenoid = Switch::not_available;
+  Switch control_solenoid = Switch::not_available;
+  Switch supply_solenoid = Switch::not_available;
+  Switch trailer_solenoid = Switch::not_available;
+
+  static constexpr auto parameters() {
+    return std::array{
+        number("check interval", 39, {1}, 8, {60.0, 0.0, "s"}, &Tp1::check_interval_s),
+        code("steer channel mode", 1466, {2, 1}, 4, &Tp1::steer_mode),
+        code("trailer channel mode", 1467, {3, 1}, 4, &Tp1::trailer_mode),
+        code("drive channel mode", 1468, {3, 5}, 4, &Tp1::drive_mode),
+        state("drive solenoid", 1469, {4, 1}, &Tp1::drive_solenoid),
+        state("steer solenoid", 1470, {4, 3}, &Tp1::steer_solenoid),
+        state("supply switch", 1471, {4, 5}, &Tp1::supply_switch),
+        state("deflate solenoid", 1472, {5, 1}, &Tp1::deflate_solenoid),
+        state("control solenoid", 1473, {5, 3}, &Tp1::control_solenoid),
+        state("supply solenoid", 1474, {5, 5}, &Tp1::supply_solenoid),
+        state("trailer solenoid", 1475, {5, 7}, &Tp1::trailer_solenoid),
+    };
+  }
+};
+static_assert(is_well_formed<Tp1>());
+
+/// Tire Pressure Control Unit Target Pressures. Steer: front axle; drive: rear axle.
+struct Tp2 {
+  static constexpr Group kGroup{"TP2", 65145, 6, std::chrono::milliseconds{0}};
+
+  double trailer_pa = kNotAvailable;
+  double drive_pa = kNotAvailable;
+  double steer_pa = kNotAvailable;
+
+  static constexpr auto parameters() {
+    return std::array{
+        number("trailer channel target", 141, {1}, 16, kChannelPressure, &Tp2::trailer_pa),
+        number("drive channel target", 142, {3}, 16, kChannelPressure, &Tp2::drive_pa),
+        number("steer channel target", 143, {5}, 16, kChannelPressure, &Tp2::steer_pa),
+    };
+  }
+};
+static_assert(is_well_formed<Tp2>());
+
+/// Tire Pressure Control Unit Current Pressures.
+struct Tp3 {
+  static constexpr Group kGroup{"TP3", 65146, 6, std::chrono::milliseconds{0}};
+
+  double trailer_pa = kNotAvailable;
+  double drive_pa = kNotAvailable;
+  double steer_pa = kNotAvailable;
+
+  static constexpr auto parameters() {
+    return std::array{
+        number("trailer channel pressure", 144, {1}, 16, kChannelPressure, &Tp3::trailer_pa),
+        number("drive channel pressure", 145, {3}, 16, kChannelPressure, &Tp3::drive_pa),
+        number("steer channel pressure", 146, {5}, 16, kChannelPressure, &Tp3::steer_pa),
+    };
+  }
+};
+static_assert(is_well_formed<Tp3>());
 
 }  // namespace rigwire::protocols::vehicle

@@ -108,8 +108,8 @@ class ModbusClients : public ::testing::Test {
  protected:
   static emulators::ValveDriverSettings without_watchdog() {
     emulators::ValveDriverSettings settings;
-    settings.watchdog = Duration{0};  // mbpoll speaks once per run
-    settings.spool_fault_delay = Duration{0};
+    settings.amplifier.parameters.watchdog = Duration{0};  // mbpoll speaks once per run
+    settings.amplifier.spool_fault_delay = Duration{0};
     return settings;
   }
   ModbusMaster master(std::uint8_t unit = 1) const {

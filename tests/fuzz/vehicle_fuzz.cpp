@@ -8,9 +8,12 @@
 
 #include "protocols/bytes.h"
 #include "protocols/vehicle/brake.h"
+#include "protocols/vehicle/condition.h"
 #include "protocols/vehicle/diagnostics.h"
 #include "protocols/vehicle/engine.h"
+#include "protocols/vehicle/joystick.h"
 #include "protocols/vehicle/machine.h"
+#include "protocols/vehicle/position.h"
 #include "protocols/vehicle/speed.h"
 #include "protocols/vehicle/steering.h"
 #include "protocols/vehicle/transmission.h"
@@ -70,7 +73,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check_all<Ebc1, Ebc2, Hrw, Ccvs1, WheelBasedSpeed, MachineSelectedSpeed,
               MachineSelectedSpeedCommand, Eec1, Eec2, Tsc1, Etc1, Etc2, Tc1, Eac1, Xbr, Vdc2, Esc1,
               GuidanceMachineInfo, GuidanceCommand, Tire1, Tire2, Tpri, Tprs, Hpg,
-              MachineFunctionCommand, MachineFunctionState>(frame);
+              MachineFunctionCommand, MachineFunctionState, Sas, GroundBasedSpeed, Tp1, Tp2, Tp3,
+              Eflp1, Et1, Dd1, VehicleFluids, Hours, Bjm1, Bjm2, Ejm1, Ejm2, VehiclePosition,
+              VehicleDirectionSpeed, VehiclePosition2>(frame);
   }
   return 0;
 }

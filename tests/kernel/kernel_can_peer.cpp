@@ -5,8 +5,10 @@
 //   kernel_can_peer socketcan:INTERFACE|slcan:LINK [SERIAL [SECONDS]]
 //
 // The unit stands still, nose up by 5 degrees. Ends after SECONDS (20) or on SIGTERM, then prints
-// what it sent and received.
+// what it sent and received. Every SIGUSR1 makes the client's controller say that it is worse off:
+// no acknowledgement, warning, passive, bus-off, and then well again.
 #include <algorithm>
+#include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -16,11 +18,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "drivers/line_discipline.h"
 #include "drivers/pty.h"
 #include "drivers/slcan_adapter.h"
 #include "drivers/socketcan.h"
@@ -36,22 +40,46 @@ constexpr double kNoseUp_rad = 5.0 * std::numbers::pi / 180.0;
 constexpr double kGravity_mps2 = 9.80665;
 constexpr auto kStep = std::chrono::milliseconds{1};
 
-/// The bus model's outside: frames go to the kernel as they end on the modelled bus.
-class ToKernel final : public emulators::FrameOutput {
+/// The bus model's outside: frames go to the kernel as they end on the modelled bus, and so does
+/// what the client's controller has to say.
+class ToKernel final : public emulators::FrameOutput, public emulators::CanOutside {
  public:
   explicit ToKernel(drivers::CanBus& wire) : wire_(wire) {}
-  void send(SimTime /*due*/, const protocols::can::Frame& frame) override {
-    if (wire_.send(frame)) {
+  void send(SimTime due, const protocols::can::Frame& frame) override {
+    if (wire_.deliver(frame, due - kStart)) {
       ++sent;
     } else {
       ++refused;
     }
+  }
+  void confirm(SimTime now, bool went_out) override { wire_.confirm(went_out, now - kStart); }
+  void report(SimTime now, const protocols::can::ControllerReport& report) override {
+    wire_.report(report, now - kStart);
+  }
+  void worsen(SimTime now) {
+    using protocols::can::ErrorState;
+    protocols::can::ControllerReport news;
+    if (step_ == 0) {
+      news.error = protocols::can::BusError::acknowledgement;
+      news.transmitting = true;
+    } else {
+      constexpr std::array kStates{ErrorState::warning, ErrorState::passive, ErrorState::bus_off,
+                                   ErrorState::active};
+      constexpr std::array<std::uint16_t, 4> kTransmitErrors{96, 128, 256, 0};
+      news.state = kStates[step_ - 1];
+      news.state_changed = true;
+      news.transmit_errors = kTransmitErrors[step_ - 1];
+      news.restarted = news.state == ErrorState::active;
+    }
+    step_ = (step_ + 1) % 5;
+    report(now, news);
   }
   unsigned long sent = 0;
   unsigned long refused = 0;
 
  private:
   drivers::CanBus& wire_;
+  std::size_t step_ = 0;
 };
 
 struct Wire {
@@ -65,8 +93,13 @@ Wire open_wire(boost::asio::io_context& io, const std::string& address) {
   if (address.starts_with("socketcan:")) {
     wire.bus = std::make_unique<drivers::SocketCanBus>(io, name);
   } else if (address.starts_with("slcan:")) {
-    wire.line = std::make_unique<drivers::Pty>(io, name);
-    wire.bus = std::make_unique<drivers::SlcanAdapter>(*wire.line, 250'000);
+    auto pty = std::make_unique<drivers::Pty>(io, name);
+    drivers::SlcanAdapterSettings settings;
+    settings.kernel_attached = [line = pty.get()] {
+      return drivers::slcan_attached(line->slave_name());
+    };
+    wire.bus = std::make_unique<drivers::SlcanAdapter>(*pty, std::move(settings));
+    wire.line = std::move(pty);
   } else {
     throw std::invalid_argument("address '" + address + "': socketcan:NAME or slcan:LINK expected");
   }
@@ -78,6 +111,7 @@ void run(const std::string& address, std::uint32_t serial, std::chrono::seconds 
   Wire wire = open_wire(io, address);
   ToKernel outside(*wire.bus);
   emulators::CanBusModel bus({});
+  bus.set_outside(outside);
   emulators::FrameOutput& node = bus.add_node(outside);
   emulators::OpenImuSettings settings;
   settings.serial = serial;
@@ -94,6 +128,17 @@ void run(const std::string& address, std::uint32_t serial, std::chrono::seconds 
     std::printf("\n");
     bus.receive(std::max(now(), kStart), frame);
   });
+
+  boost::asio::signal_set worsening(io, SIGUSR1);
+  std::function<void()> wait_to_worsen = [&] {
+    worsening.async_wait([&](const boost::system::error_code& error, int) {
+      if (!error) {
+        outside.worsen(now());
+        wait_to_worsen();
+      }
+    });
+  };
+  wait_to_worsen();
 
   bool stop = false;
   boost::asio::signal_set signals(io, SIGTERM, SIGINT);

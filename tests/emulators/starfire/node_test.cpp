@@ -183,7 +183,8 @@ TEST_F(StarFireNodeTest, FallsSilentWhenALowerNameTakesItsAddress) {
   EXPECT_FALSE(node_.address_held());
   bus_.frames.clear();
   run(kStart + 2s);
-  EXPECT_TRUE(bus_.frames.empty());
+  ASSERT_EQ(bus_.frames.size(), 1U);
+  EXPECT_EQ(bus_.frames[0].second, j1939::make_address_claim(j1939::kNullAddress, node_.name()));
 }
 
 TEST(StarFireSettings, NamesWhatItRefuses) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "protocols/j1939/transport.h"
 #include "requests.h"
 #include "rig.h"
 
@@ -246,8 +247,8 @@ TEST(VehicleTroubleCodes, SeveralAreBroadcastInPackets) {
   rig.output.frames.clear();
   rig.run(1s);
   EXPECT_TRUE(rig.output.of(vehicle::kDm1Pgn).empty());
-  const auto announced = rig.output.of(vehicle::kTransportManagementPgn);
-  const auto times = rig.output.times(vehicle::kTransportDataPgn);
+  const auto announced = rig.output.of(protocols::j1939::kTransportManagementPgn);
+  const auto times = rig.output.times(protocols::j1939::kTransportDataPgn);
   ASSERT_EQ(announced.size(), 1U);
   EXPECT_EQ(announced[0].data[1], 2 + 3 * 4);
   ASSERT_EQ(times.size(), 2U);

@@ -137,18 +137,18 @@ TEST(VehicleGatewayRequests, PeriodicMessagesComeOnDemandToo) {
 TEST(VehicleGatewayRequests, UnknownGroupIsRefusedWhenAddressedAndIgnoredWhenGlobal) {
   VehicleRig rig;
   rig.run(100ms);
-  constexpr std::uint32_t kSoftware = 65242;
-  rig.receive(j1939::make_request(kController, j1939::kGlobalAddress, kSoftware));
+  constexpr std::uint32_t kTachograph = 65132;
+  rig.receive(j1939::make_request(kController, j1939::kGlobalAddress, kTachograph));
   EXPECT_TRUE(rig.output.of(j1939::kAcknowledgementPgn).empty());
-  rig.receive(j1939::make_request(kController, 0x55, kSoftware));
+  rig.receive(j1939::make_request(kController, 0x55, kTachograph));
   EXPECT_TRUE(rig.output.of(j1939::kAcknowledgementPgn).empty());
-  rig.receive(j1939::make_request(kController, rig.gateway.address(), kSoftware));
+  rig.receive(j1939::make_request(kController, rig.gateway.address(), kTachograph));
   ASSERT_EQ(rig.output.of(j1939::kAcknowledgementPgn).size(), 1U);
   const auto refusal = j1939::decode_acknowledgement(rig.output.frames.back().second);
   ASSERT_TRUE(refusal.ok());
   EXPECT_EQ(refusal->control, j1939::Acknowledge::negative);
   EXPECT_EQ(refusal->address, kController);
-  EXPECT_EQ(refusal->pgn, kSoftware);
+  EXPECT_EQ(refusal->pgn, kTachograph);
 }
 
 TEST(VehicleGatewayRequests, RequiredPressureIsAnsweredForEveryTyre) {
@@ -165,7 +165,7 @@ TEST(VehicleGatewayRequests, RequiredPressureIsAnsweredForEveryTyre) {
   EXPECT_THAT(answers[3].payload().first(2), ElementsAre(0x11, 20));
 }
 
-TEST(VehicleGatewayRequests, TroubleCodesComeInTheNextTick) {
+TEST(VehicleGatewayRequests, TroubleCodesComeAtOnce) {
   VehicleRig rig;
   rig.run(100ms);
   EXPECT_TRUE(rig.output.of(vehicle::kDm1Pgn).empty());

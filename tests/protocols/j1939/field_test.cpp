@@ -17,6 +17,7 @@ TEST(Field, RangesOfEachWidthAreThoseOfTheStandard) {
   EXPECT_EQ(greatest_valid(2), 1U);
   EXPECT_EQ(greatest_valid(4), 0xDU);
   EXPECT_EQ(greatest_valid(8), 250U);
+  EXPECT_EQ(greatest_valid(10), 1000U);
   EXPECT_EQ(greatest_valid(16), 64255U);
   EXPECT_EQ(greatest_valid(24), 0xFAFFFFU);
   EXPECT_EQ(greatest_valid(32), 0xFAFFFFFFU);
@@ -33,6 +34,9 @@ TEST(Field, EveryByteIsClassified) {
   EXPECT_EQ(classify(8, 253), Availability::indicator);
   EXPECT_EQ(classify(8, 254), Availability::error);
   EXPECT_EQ(classify(8, 255), Availability::not_available);
+  EXPECT_EQ(classify(10, 1000), Availability::valid);
+  EXPECT_EQ(classify(10, 1001), Availability::indicator);
+  EXPECT_EQ(classify(10, 1021), Availability::indicator);
   EXPECT_EQ(classify(16, 0xFAFF), Availability::valid);
   EXPECT_EQ(classify(16, 0xFB00), Availability::indicator);
   EXPECT_EQ(classify(16, 0xFE00), Availability::error);
@@ -41,7 +45,7 @@ TEST(Field, EveryByteIsClassified) {
   EXPECT_EQ(classify(32, 0xFF000000), Availability::not_available);
   EXPECT_EQ(classify(2, 2), Availability::error);
   EXPECT_EQ(classify(4, 0xE), Availability::error);
-  for (const unsigned width : {2U, 4U, 8U, 16U, 24U, 32U}) {
+  for (const unsigned width : {2U, 4U, 8U, 10U, 16U, 24U, 32U}) {
     EXPECT_EQ(classify(width, error_value(width)), Availability::error) << width;
     EXPECT_EQ(classify(width, not_available_value(width)), Availability::not_available) << width;
   }

@@ -3,9 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "protocols/vehicle/brake.h"
+#include "protocols/vehicle/condition.h"
 #include "protocols/vehicle/engine.h"
+#include "protocols/vehicle/joystick.h"
 #include "protocols/vehicle/machine.h"
+#include "protocols/vehicle/position.h"
 #include "protocols/vehicle/speed.h"
 #include "protocols/vehicle/steering.h"
 #include "protocols/vehicle/transmission.h"
@@ -245,6 +250,72 @@ TEST(VehicleGolden, EveryParameterIsNotAvailableByDefault) {
   all_ones(encode(GuidanceMachineInfo{}, kGateway));
   all_ones(encode(MachineSelectedSpeed{}, kGateway));
   all_ones(encode(MachineFunctionState{}, kGateway));
+}
+
+TEST(VehicleGolden, JoystickHoldsTheSignInItsSwitches) {
+  Bjm1 stick;
+  const AxisSwitches left = axis_switches(-0.5);
+  stick.x_neutral = left.neutral;
+  stick.x_negative = left.negative;
+  stick.x_positive = left.positive;
+  stick.x_share = 0.5;
+  stick.button_4 = Switch::on;
+  stick.button_1 = Switch::off;
+  const can::Frame frame = encode(stick, kController);
+  EXPECT_EQ(frame.id, 0x0CFDD627U);
+  // x: neutral 00, negative 01, positive 00, then 500 = 01 1111 0100 from bit 7 on.
+  EXPECT_THAT(frame.payload(), ElementsAre(0x04, 0x7D, 0xFF, 0xFF, 0xFF, 0x3D, 0xFF, 0xFF));
+  const auto back = decode<Bjm1>(frame);
+  ASSERT_TRUE(back.ok());
+  EXPECT_DOUBLE_EQ(axis_share(back->x_neutral, back->x_negative, back->x_positive, back->x_share),
+                   -0.5);
+  EXPECT_TRUE(
+      std::isnan(axis_share(back->y_neutral, back->y_negative, back->y_positive, back->y_share)));
+  EXPECT_EQ(axis_share(Switch::on, Switch::off, Switch::off, kNotAvailable), 0.0);
+  EXPECT_TRUE(std::isnan(axis_share(Switch::off, Switch::on, Switch::on, 0.2)));
+}
+
+TEST(VehicleGolden, ConditionOfTheMachine) {
+  Eflp1 oil;
+  oil.oil_pressure_pa = 400e3;
+  EXPECT_EQ(encode(oil, kGateway).id, 0x18FEEF00U);
+  EXPECT_THAT(encode(oil, kGateway).payload(),
+              ElementsAre(0xFF, 0xFF, 0xFF, 0x64, 0xFF, 0xFF, 0xFF, 0xFF));
+  VehicleFluids fluids;
+  fluids.hydraulic_c = 60.0;
+  fluids.filter_restricted = Switch::off;
+  fluids.hydraulic_level_share = 0.8;
+  EXPECT_EQ(encode(fluids, kGateway).id, 0x18FE6800U);
+  EXPECT_THAT(encode(fluids, kGateway).payload(),
+              ElementsAre(0x64, 0xFC, 0xC8, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF));
+  const can::Frame hours = encode(Hours{3600.0, 90e3}, kGateway);
+  EXPECT_EQ(hours.id, 0x18FEE500U);
+  EXPECT_THAT(hours.payload(), ElementsAre(0x14, 0x00, 0x00, 0x00, 0x5A, 0x00, 0x00, 0x00));
+  EXPECT_EQ(encode(Et1{}, kGateway).id, 0x18FEEE00U);
+  EXPECT_EQ(encode(Dd1{}, kGateway).id, 0x18FEFC00U);
+}
+
+TEST(VehicleGolden, PositionOfFortySixNorthSevenEast) {
+  const can::Frame frame = encode(VehiclePosition{46.0, 7.0}, kGateway);
+  EXPECT_EQ(frame.id, 0x18FEF300U);
+  EXPECT_THAT(frame.payload(), ElementsAre(0x00, 0x80, 0x96, 0x98, 0x80, 0x92, 0x57, 0x81));
+}
+
+TEST(VehicleGolden, SteeringAngleSensor) {
+  Sas sensor;
+  sensor.steering_wheel_rad = 0.0;
+  sensor.counter = 5;
+  const can::Frame frame = encode(sensor, kGateway);
+  EXPECT_EQ(frame.id, 0x18F01D00U);
+  EXPECT_THAT(frame.payload(), ElementsAre(0x7F, 0x7D, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xF5));
+}
+
+TEST(VehicleGolden, ChannelsOfTyreInflation) {
+  EXPECT_EQ(encode(Tp1{}, kGateway).id, 0x18FE7800U);
+  const can::Frame target = encode(Tp2{kNotAvailable, 250e3, 300e3}, kGateway);
+  EXPECT_EQ(target.id, 0x18FE7900U);
+  EXPECT_THAT(target.payload(), ElementsAre(0xFF, 0xFF, 0xF4, 0x01, 0x58, 0x02, 0xFF, 0xFF));
+  EXPECT_EQ(encode(Tp3{}, kGateway).id, 0x18FE7A00U);
 }
 
 }  // namespace

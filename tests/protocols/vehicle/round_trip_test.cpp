@@ -8,8 +8,11 @@
 
 #include "protocols/j1939/message.h"
 #include "protocols/vehicle/brake.h"
+#include "protocols/vehicle/condition.h"
 #include "protocols/vehicle/engine.h"
+#include "protocols/vehicle/joystick.h"
 #include "protocols/vehicle/machine.h"
+#include "protocols/vehicle/position.h"
 #include "protocols/vehicle/speed.h"
 #include "protocols/vehicle/steering.h"
 #include "protocols/vehicle/transmission.h"
@@ -25,7 +28,9 @@ using Messages =
     testing::Types<Ebc1, Ebc2, Hrw, Ccvs1, WheelBasedSpeed, MachineSelectedSpeed,
                    MachineSelectedSpeedCommand, Eec1, Eec2, Tsc1, Etc1, Etc2, Tc1, Eac1, Xbr, Vdc2,
                    Esc1, GuidanceMachineInfo, GuidanceCommand, Tire1, Tire2, Tpri, Tprs, Hpg,
-                   MachineFunctionCommand, MachineFunctionState>;
+                   MachineFunctionCommand, MachineFunctionState, Sas, GroundBasedSpeed, Tp1, Tp2,
+                   Tp3, Eflp1, Et1, Dd1, VehicleFluids, Hours, Bjm1, Bjm2, Ejm1, Ejm2,
+                   VehiclePosition, VehicleDirectionSpeed, VehiclePosition2>;
 TYPED_TEST_SUITE(VehicleMessage, Messages);
 
 constexpr int kSteps = 2000;

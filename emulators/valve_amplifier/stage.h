@@ -1,12 +1,12 @@
 // One section's output stage: ramp, gain, dead band jump and polarity between a command and the
-// spool set point. Pure arithmetic over time; the valve driver owns one per section.
+// spool set point. Pure arithmetic over time; the valve amplifier owns one per section.
 #pragma once
 
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
 
-/// Parameters of one section (holding registers 20 + 6 k of the valve driver), as fractions.
+/// Parameters of one section, as fractions.
 struct ValveStageParameters {
   double dead_band_positive = 0.0;  ///< 0 .. 0.5 of spool travel.
   double dead_band_negative = 0.0;  ///< 0 .. 0.5 of spool travel.
@@ -14,6 +14,8 @@ struct ValveStageParameters {
   Duration ramp_down{0};            ///< Full command to neutral; 0 = at once.
   double gain = 1.0;                ///< 0 .. 2.
   double polarity = 1.0;            ///< 1 or -1.
+
+  friend bool operator==(const ValveStageParameters&, const ValveStageParameters&) = default;
 };
 
 class ValveStage {

@@ -1,4 +1,4 @@
-#include "emulators/valve_driver/stage.h"
+#include "emulators/valve_amplifier/stage.h"
 
 #include <algorithm>
 #include <cmath>

@@ -67,7 +67,7 @@ void visit(Visitor& v, OpenImuDeviceConfiguration& p) {
            "Beyond it the rate is clamped and marked.");
   v.number("acceleration_range", p.imu.acceleration_range_mps2, in("m/s2").above(0).at_most(1000),
            "Beyond it the acceleration is clamped and marked.");
-  v.duration("power_on", p.imu.power_on, {0, 3'600'000'000'000}, "From the start of the run.");
+  v.duration("power_on", p.imu.supply.power_on, {0, 3'600'000'000'000}, "From the start of the run.");
   v.duration("processing_delay", p.imu.processing_delay, {0, 4'000'000},
              "From a sample or request to the frame.");
   v.section("mount", p.mount, "Of the sensor's axes.");

@@ -166,7 +166,7 @@ TEST_F(GsUsbOnBus, AShortCircuitEndsInBusOffAndComesBack) {
   CanBusFault fault;
   fault.kind = CanBusFaultKind::short_circuit;
   fault.end = std::chrono::milliseconds{50};
-  bus_.set_faults({.faults = {fault}}, joined_);
+  bus_.set_faults({.list = {fault}}, joined_);
   start(k250kbps);
   read(200);
   for (std::uint32_t echo = 0; echo < 5; ++echo) {

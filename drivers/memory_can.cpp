@@ -14,21 +14,47 @@ class MemoryCan::End final : public CanBus {
 
   void start(Receiver receiver) override { receiver_ = std::move(receiver); }
 
+  void on_client(ClientWatcher watcher) override { client_watcher_ = std::move(watcher); }
+
   bool send(const protocols::can::Frame& frame) override {
     const auto peer = peer_.lock();
     if (!peer || peer->waiting_ == peer->capacity_) {
       return false;
     }
     ++peer->waiting_;
-    boost::asio::post(context_, [target = std::weak_ptr<End>(peer), frame] {
-      if (const auto end = target.lock()) {
-        --end->waiting_;
-        if (end->receiver_) {
-          end->receiver_(frame);
-        }
+    to_peer([frame](End& end) {
+      --end.waiting_;
+      if (end.receiver_) {
+        end.receiver_(frame);
       }
     });
     return true;
+  }
+
+  void confirm(bool sent, Stamp /*stamp*/) override {
+    to_peer([sent](End& end) {
+      if (end.confirm_watcher) {
+        end.confirm_watcher(sent);
+      }
+    });
+  }
+
+  bool report(const protocols::can::ControllerReport& report, Stamp /*stamp*/) override {
+    to_peer([report](End& end) {
+      if (end.report_watcher) {
+        end.report_watcher(report);
+      }
+    });
+    return true;
+  }
+
+  void set_client(const CanClient& client) {
+    to_peer([client](End& end) {
+      if (end.client_watcher_ && client != end.told_) {
+        end.told_ = client;
+        end.client_watcher_(client);
+      }
+    });
   }
 
   [[nodiscard]] EndpointStatus status() const override {
@@ -36,12 +62,27 @@ class MemoryCan::End final : public CanBus {
     return {name_, peer && peer->receiver_};
   }
 
+  ConfirmWatcher confirm_watcher;
+  ReportWatcher report_watcher;
+
  private:
+  /// Through the io_context, if the other end is still there then.
+  template <class Action>
+  void to_peer(Action action) {
+    boost::asio::post(context_, [target = peer_, action] {
+      if (const auto end = target.lock()) {
+        action(*end);
+      }
+    });
+  }
+
   boost::asio::io_context& context_;
   std::size_t capacity_;
   std::string name_;
   std::weak_ptr<End> peer_;
   Receiver receiver_;
+  ClientWatcher client_watcher_;
+  CanClient told_;
   std::size_t waiting_ = 0;
 };
 
@@ -60,6 +101,16 @@ CanBus& MemoryCan::device() {
 }
 CanBus& MemoryCan::field() {
   return *field_;
+}
+
+void MemoryCan::set_client(const CanClient& client) {
+  field_->set_client(client);
+}
+void MemoryCan::on_confirm(ConfirmWatcher watcher) {
+  field_->confirm_watcher = std::move(watcher);
+}
+void MemoryCan::on_report(ReportWatcher watcher) {
+  field_->report_watcher = std::move(watcher);
 }
 
 }  // namespace rigwire::drivers

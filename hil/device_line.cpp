@@ -93,7 +93,8 @@ class BusNodeLine final : public DeviceLine {
 
   [[nodiscard]] drivers::EndpointStatus endpoint() const override { return bus_.endpoint(); }
   [[nodiscard]] std::uint64_t dropped() const override {
-    return statistics().dropped + bus_.bus().counters(node_).overflowed;
+    const emulators::CanNodeCounters counters = bus_.bus().counters(node_);
+    return statistics().dropped + counters.overflowed + counters.abandoned;
   }
   [[nodiscard]] const emulators::Device& device() const override { return emulator_; }
 

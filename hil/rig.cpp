@@ -64,13 +64,15 @@ SimulatedWorld make_world(const RigConfiguration& configuration, const sim::Loca
   return world;
 }
 
-CanLineSettings line_settings(const BusConfiguration& bus, bool client_is_known) {
+CanLineSettings line_settings(const BusConfiguration& bus, const CanHop& hop) {
   CanLineSettings settings;
   settings.node.order = bus.order;
   settings.node.one_shot = bus.one_shot;
   settings.node.restart_after = bus.restarts ? std::optional(bus.restart_after) : std::nullopt;
-  settings.client_restart_after = settings.node.restart_after;
-  settings.client_is_known = client_is_known;
+  // The kernel restarts a gs_usb controller itself, by closing and opening it.
+  settings.client_restart_after =
+      hop.choice.wire == CanWire::gs_usb ? std::nullopt : settings.node.restart_after;
+  settings.client_is_known = hop.client_is_known;
   settings.acknowledging_node = bus.acknowledger;
   return settings;
 }
@@ -135,7 +137,7 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
 struct Rig::Bus {
   Bus(CanHop opened, const BusConfiguration& configuration)
       : hop(std::move(opened)),
-        line(configuration.bus, *hop.endpoint, line_settings(configuration, hop.client_is_known)) {}
+        line(configuration.bus, *hop.endpoint, line_settings(configuration, hop)) {}
 
   CanHop hop;
   CanLine line;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
 #include <vector>
 
 namespace rigwire::drivers {
@@ -43,6 +44,26 @@ TEST(MemoryCan, FramesOnTheirWayDoNotOutliveTheBus) {
     EXPECT_TRUE(bus.device().send({}));
   }
   context.poll();
+}
+
+TEST(MemoryCan, ControllerOfTheFieldIsHeardOfOnBothSides) {
+  boost::asio::io_context context;
+  MemoryCan bus(context);
+  std::vector<CanClient> clients;
+  std::vector<std::string> heard;
+  bus.device().on_client([&](const CanClient& client) { clients.push_back(client); });
+  bus.on_confirm([&](bool sent) { heard.emplace_back(sent ? "sent" : "unsent"); });
+  bus.on_report([&](const auto&) { heard.emplace_back("report"); });
+  bus.field().start([&](const Frame&) { heard.emplace_back("frame"); });
+  bus.set_client({true, 500'000, false, false});
+  bus.set_client({true, 500'000, false, false});
+  bus.device().confirm(true, {});
+  EXPECT_TRUE(bus.device().report({}, {}));
+  EXPECT_TRUE(bus.device().deliver({}, {}));
+  bus.device().confirm(false, {});
+  context.poll();
+  EXPECT_EQ(clients, (std::vector<CanClient>{{true, 500'000, false, false}}));
+  EXPECT_EQ(heard, (std::vector<std::string>{"sent", "report", "frame", "unsent"}));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "drivers/pty.h"
 #include "drivers/slcan_adapter.h"
 #include "drivers/socketcan.h"
+#include "hil/gs_usb_can.h"
 
 namespace rigwire::hil {
 namespace {
@@ -40,9 +41,15 @@ CanHop open_socketcan(const BusConfiguration& bus, boost::asio::io_context& io) 
   return hop;
 }
 
-CanHop open_gs_usb(const BusConfiguration&, const CanHost& host, boost::asio::io_context&) {
-  throw drivers::EndpointError("gs_usb: " + host.gs_usb_obstacle +
-                               "; use `wire: socketcan` or `wire: slcan`");
+/// Where the adapter cannot be attached here, it is served for others all the same.
+CanHop open_gs_usb(const BusConfiguration& bus, const CanHost& host, boost::asio::io_context& io,
+                   const std::function<UsbBus&()>& usb) {
+  GsUsbCanSettings settings;
+  settings.attach = bus.attach && host.gs_usb_obstacle.empty();
+  CanHop hop;
+  hop.endpoint = std::make_unique<GsUsbCan>(io, usb(), settings);
+  hop.client_is_known = true;
+  return hop;
 }
 
 CanHop open_slcan(const BusConfiguration& bus, boost::asio::io_context& io) {
@@ -67,7 +74,7 @@ CanHost examine_can_host() {
   CanHost host;
   host.sockets = drivers::socketcan_available();
   host.interfaces = drivers::can_interfaces();
-  host.gs_usb_obstacle = "no gs_usb adapter is built in";
+  host.gs_usb_obstacle = gs_usb_obstacle();
   return host;
 }
 
@@ -79,14 +86,14 @@ CanWireChoice choose_can_wire(const BusConfiguration& configuration, const CanHo
   if (no_socketcan.empty()) {
     return {CanWire::socketcan, configuration.interface + " exists"};
   }
-  if (host.gs_usb_obstacle.empty()) {
+  if (configuration.attach && host.gs_usb_obstacle.empty()) {
     return {CanWire::gs_usb, no_socketcan};
   }
   return {CanWire::slcan, fmt::format("{}; {}", no_socketcan, host.gs_usb_obstacle)};
 }
 
 CanHop open_can_hop(const BusConfiguration& configuration, const CanHost& host,
-                    boost::asio::io_context& io) {
+                    boost::asio::io_context& io, const std::function<UsbBus&()>& usb) {
   CanWireChoice choice = choose_can_wire(configuration, host);
   CanHop hop;
   switch (choice.wire) {
@@ -94,7 +101,7 @@ CanHop open_can_hop(const BusConfiguration& configuration, const CanHost& host,
       hop = open_socketcan(configuration, io);
       break;
     case CanWire::gs_usb:
-      hop = open_gs_usb(configuration, host, io);
+      hop = open_gs_usb(configuration, host, io, usb);
       break;
     case CanWire::automatic:
     case CanWire::slcan:

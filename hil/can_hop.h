@@ -2,6 +2,7 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "drivers/can_interface.h"
 #include "drivers/endpoints.h"
 #include "hil/configuration/can_bus.h"
+#include "hil/usb_bus.h"
 
 namespace rigwire::hil {
 
@@ -44,7 +46,9 @@ struct CanHop {
 
 /// Throws drivers::EndpointError (environment), std::invalid_argument (an interface of another bit
 /// rate).
+/// `usb` gives the rig's USB bus, for gs_usb; the hop must outlive it.
 [[nodiscard]] CanHop open_can_hop(const BusConfiguration& configuration, const CanHost& host,
-                                  boost::asio::io_context& io);
+                                  boost::asio::io_context& io,
+                                  const std::function<UsbBus&()>& usb);
 
 }  // namespace rigwire::hil

@@ -36,6 +36,7 @@ struct BusConfiguration {
   CanWire wire = CanWire::automatic;
   std::string interface = "vcan0";        ///< SocketCAN.
   std::string path = "/tmp/rigwire/can";  ///< slcan: symbolic link to the pty.
+  bool attach = true;                     ///< gs_usb: to this machine's kernel.
   drivers::SlcanDialect slcan_dialect = drivers::SlcanDialect::automatic;
   emulators::CanBusSettings bus;
   emulators::CanQueueOrder order = emulators::CanQueueOrder::fifo;  ///< Of the devices' queues.
@@ -52,6 +53,8 @@ void visit(Visitor& v, BusConfiguration& p) {
   v.choice("wire", p.wire, kCanWires, "What carries the frames.");
   v.text("interface", p.interface, "SocketCAN interface.");
   v.text("path", p.path, "slcan: symbolic link to the pty.");
+  v.boolean("attach", p.attach,
+            "gs_usb: attach the adapter to this machine's kernel where that is permitted.");
   v.choice("slcan_dialect", p.slcan_dialect, kSlcanDialects, "What a slcan client is told.");
   v.integer("bitrate", p.bus.bit_rate_bps, IntegerRule{10'000, 1'000'000}, "bit/s.");
   v.integer("queue", p.bus.queue_frames, IntegerRule{1, 65536}, "Frames that a node may hold.");

@@ -112,6 +112,7 @@ struct Parsed {
   bool print = false;
   bool json = false;
   std::string word;  ///< Kind, device, suite or shell.
+  std::string bus;
   std::string json_file;
   bool list = false;
 };
@@ -153,11 +154,14 @@ void declare(CLI::App& app, Parsed& parsed) {
   list_app->add_flag("--json", parsed.json, "As JSON");
 
   CLI::App* describe_app = app.add_subcommand("describe", "Messages, rates, units, ranges, keys");
-  describe_app
-      ->add_option("device", parsed.word,
-                   "A type of `rigwire list devices`, or a device's name in a rig: gnss")
-      ->required();
+  describe_app->add_option("device", parsed.word,
+                           "A type of `rigwire list devices`, or a device's name in a rig: gnss");
   describe_app->add_flag("--json", parsed.json, "As JSON");
+  CLI::Option* dbc =
+      describe_app->add_option("--dbc", parsed.rig.rig, "RIG: print the DBC file of its CAN bus");
+  describe_app->add_option("--bus", parsed.bus, "Of the rig, when it has several")->needs(dbc);
+  describe_app->footer("\nExample:\n  rigwire describe --dbc unimog_forest > unimog.dbc");
+  describe_app->require_option(1, 2);
 
   CLI::App* doctor_app = app.add_subcommand("doctor", "What this machine can offer, and the fixes");
   doctor_app->add_flag("--json", parsed.json, "As JSON");
@@ -225,6 +229,9 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
     return list_verb(parsed.word, parsed.json, terminal);
   }
   if (app.got_subcommand("describe")) {
+    if (!parsed.rig.rig.empty() && parsed.word.empty()) {
+      return dbc_verb(parsed.rig, parsed.bus, terminal);
+    }
     return describe_verb(parsed.word, parsed.json, terminal);
   }
   if (app.got_subcommand("doctor")) {

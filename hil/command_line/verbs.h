@@ -26,6 +26,8 @@ struct Terminal {
 [[nodiscard]] int check_verb(const RigArguments& rig, bool print, bool json, Terminal terminal);
 [[nodiscard]] int list_verb(const std::string& kind, bool json, Terminal terminal);
 [[nodiscard]] int describe_verb(const std::string& device, bool json, Terminal terminal);
+/// The DBC file of a bus; of the only one when `bus` is empty.
+[[nodiscard]] int dbc_verb(const RigArguments& rig, const std::string& bus, Terminal terminal);
 [[nodiscard]] int doctor_verb(bool json, Terminal terminal);
 [[nodiscard]] int bench_verb(const std::string& suite, const std::string& json_file, bool list,
                              Terminal terminal);

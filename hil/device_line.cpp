@@ -36,7 +36,7 @@ class SerialGnssLine final : public GnssLine {
     return index;
   }
 
-  void inform(LidarLine& lidar) override { backend_.lidars.push_back(&lidar); }
+  void inform(FixListener& listener) override { backend_.listeners.push_back(&listener); }
 
   [[nodiscard]] drivers::EndpointStatus endpoint() const override { return pty_.status(); }
   [[nodiscard]] std::uint64_t frames() const override { return receiver_.messages_sent(); }
@@ -54,17 +54,17 @@ class SerialGnssLine final : public GnssLine {
     return settings;
   }
 
-  /// The receiver's backend, with the lidars that hear of its fixes.
+  /// The receiver's backend, with those who hear of its fixes.
   struct Backend final : emulators::GnssBackend {
     explicit Backend(emulators::UbloxReceiver& of) : receiver(of) {}
     void update(const GnssSample& sample) override {
       receiver.update(sample);
-      for (LidarLine* lidar : lidars) {
-        lidar->observe_fix(sample);
+      for (FixListener* listener : listeners) {
+        listener->observe_fix(sample);
       }
     }
     emulators::UbloxReceiver& receiver;
-    std::vector<LidarLine*> lidars;
+    std::vector<FixListener*> listeners;
   };
 
   BaudCheck check_baud_;
@@ -77,7 +77,7 @@ class SerialGnssLine final : public GnssLine {
 
 /// A device that is a node of a CAN bus.
 template <class Emulator, class StationType>
-class BusNodeLine final : public DeviceLine {
+class BusNodeLine : public DeviceLine {
  public:
   template <class Settings>
   BusNodeLine(const Settings& settings, CanLine& bus)
@@ -97,6 +97,9 @@ class BusNodeLine final : public DeviceLine {
   }
   [[nodiscard]] const emulators::Device& device() const override { return emulator_; }
 
+ protected:
+  [[nodiscard]] Emulator& emulator() { return emulator_; }
+
  private:
   CanLine& bus_;
   emulators::FrameOutput& node_;
@@ -104,8 +107,15 @@ class BusNodeLine final : public DeviceLine {
   StationType station_;
 };
 using BusImuLine = BusNodeLine<emulators::OpenImu, ImuStation>;
-using BusVehicleLine = BusNodeLine<emulators::VehicleGateway, VehicleStation>;
 using BusValveLine = BusNodeLine<emulators::IsoValves, ValveStation>;
+
+class BusVehicleLine final : public BusNodeLine<emulators::VehicleGateway, VehicleStation>,
+                             public FixListener {
+ public:
+  using BusNodeLine::BusNodeLine;
+  void observe_fix(const GnssSample& sample) override { emulator().observe_fix(sample); }
+};
+
 
 }  // namespace
 
@@ -147,7 +157,7 @@ std::unique_ptr<DeviceLine> make_line(const OpenImuDeviceConfiguration& configur
 
 std::unique_ptr<DeviceLine> make_line(const VehicleGatewayConfiguration& configuration,
                                       CanLine& bus) {
-  return std::make_unique<BusVehicleLine>(configuration.gateway, bus);
+  return std::make_unique<BusVehicleLine>(settings_of(configuration), bus);
 }
 
 std::unique_ptr<DeviceLine> make_line(const IsoValvesConfiguration& configuration, CanLine& bus) {

@@ -10,6 +10,7 @@
 #include "hil/can_line.h"
 #include "hil/configuration/device.h"
 #include "hil/executive.h"
+#include "hil/fix_listener.h"
 #include "hil/rig_status.h"
 #include "hil/wire_statistics.h"
 #include "sim/samples/calendar.h"
@@ -52,12 +53,10 @@ struct LineContext {
   std::uint64_t device_seed = 0;  ///< Of what is random in the device itself.
 };
 
-class LidarLine : public DeviceLine {
+class LidarLine : public DeviceLine, public FixListener {
  public:
   /// For the firing pattern that the caster needs.
   [[nodiscard]] virtual const emulators::LidarBackend& backend() const = 0;
-  /// The fix that the position packets carry.
-  virtual void observe_fix(const GnssSample& sample) = 0;
   /// Adds the station that hears how the lidar moves, when the device reports it. Once, after
   /// enlist().
   virtual std::optional<DeviceIndex> enlist_motion(Executive& executive) = 0;
@@ -65,8 +64,8 @@ class LidarLine : public DeviceLine {
 
 class GnssLine : public DeviceLine {
  public:
-  /// The lidar's time source is this receiver: it hears of every fix. Must outlive the line.
-  virtual void inform(LidarLine& lidar) = 0;
+  /// `listener` hears of every fix from now on. Must outlive the line.
+  virtual void inform(FixListener& listener) = 0;
 };
 /// Opens its endpoint and throws drivers::EndpointError when that fails.
 [[nodiscard]] std::unique_ptr<GnssLine> make_line(const UbloxConfiguration& configuration,

@@ -171,7 +171,7 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
           bus.faults, sim::RandomStream(configuration_.seed, name + "/faults").bits()));
     }
   }
-  connect_time_source();
+  connect_receivers();
   open_taps(truth);
 }
 
@@ -280,19 +280,24 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
   }
 }
 
-void Rig::connect_time_source() {
+void Rig::connect_receivers() {
   for (const Device& device : devices_) {
-    auto* lidar = dynamic_cast<LidarLine*>(device.line.get());
-    if (lidar == nullptr) {
+    auto* listener = dynamic_cast<FixListener*>(device.line.get());
+    if (listener == nullptr) {
       continue;
     }
-    const auto& source = as_velodyne(configuration_.devices.at(device.name).settings)->time_source;
+    const DeviceSettings& settings = configuration_.devices.at(device.name).settings;
+    const VelodyneConfiguration* lidar = as_velodyne(settings);
+    const std::string& source =
+        lidar != nullptr ? lidar->time_source
+                         : std::get<VehicleGatewayDeviceConfiguration>(settings).position_from;
     for (const Device& candidate : devices_) {
       auto* gnss = dynamic_cast<GnssLine*>(candidate.line.get());
       const bool wanted =
-          source == VelodyneConfiguration::kAutomaticTimeSource || source == candidate.name;
+          (lidar != nullptr && source == VelodyneConfiguration::kAutomaticTimeSource) ||
+          source == candidate.name;
       if (gnss != nullptr && wanted) {
-        gnss->inform(*lidar);
+        gnss->inform(*listener);
         break;
       }
     }

@@ -67,7 +67,7 @@ class Rig {
   void open_bus(const std::string& name, const BusConfiguration& configuration);
   void open_modbus_line(const std::string& name, const ModbusLineConfiguration& configuration);
   void add_device(const std::string& name, const DeviceConfiguration& configuration);
-  void connect_time_source();
+  void connect_receivers();
   void open_taps(const TruthFiles& files);
 
   RigConfiguration configuration_;

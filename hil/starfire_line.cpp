@@ -69,8 +69,8 @@ class BothSides final : public emulators::Device, public emulators::GnssBackend 
     return sides_.front().device->quantities();
   }
   void update(const GnssSample& sample) override {
-    for (LidarLine* lidar : lidars) {
-      lidar->observe_fix(sample);
+    for (FixListener* listener : listeners) {
+      listener->observe_fix(sample);
     }
     for (const Side& side : sides_) {
       const SamplePlan plan = side.device->sample_plan();
@@ -80,7 +80,7 @@ class BothSides final : public emulators::Device, public emulators::GnssBackend 
     }
   }
 
-  std::vector<LidarLine*> lidars;  ///< Hear of every fix.
+  std::vector<FixListener*> listeners;  ///< Hear of every fix.
 
  private:
   struct Side {
@@ -125,7 +125,7 @@ class StarFireLine final : public GnssLine {
     return index;
   }
 
-  void inform(LidarLine& lidar) override { device_.lidars.push_back(&lidar); }
+  void inform(FixListener& listener) override { device_.listeners.push_back(&listener); }
   [[nodiscard]] drivers::EndpointStatus endpoint() const override {
     return pty_ ? pty_->status() : bus_->endpoint();
   }

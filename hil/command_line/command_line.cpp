@@ -112,6 +112,7 @@ struct Parsed {
   bool print = false;
   bool json = false;
   std::string word;  ///< Kind, device, suite or shell.
+  std::string bus;
   std::string json_file;
   std::string valve_map;
   bool list = false;
@@ -159,6 +160,11 @@ void declare(CLI::App& app, Parsed& parsed) {
   describe_app->add_option("--valve-map", parsed.valve_map,
                            "A valve driver's registers from a file, as tables");
   describe_app->add_flag("--json", parsed.json, "As JSON");
+  CLI::Option* dbc =
+      describe_app->add_option("--dbc", parsed.rig.rig, "RIG: print the DBC file of its CAN bus");
+  describe_app->add_option("--bus", parsed.bus, "Of the rig, when it has several")->needs(dbc);
+  describe_app->footer("\nExample:\n  rigwire describe --dbc unimog_forest > unimog.dbc");
+  describe_app->require_option(1, 2);
 
   CLI::App* doctor_app = app.add_subcommand("doctor", "What this machine can offer, and the fixes");
   doctor_app->add_flag("--json", parsed.json, "As JSON");
@@ -226,6 +232,9 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
     return list_verb(parsed.word, parsed.json, terminal);
   }
   if (app.got_subcommand("describe")) {
+    if (!parsed.rig.rig.empty() && parsed.word.empty() && parsed.valve_map.empty()) {
+      return dbc_verb(parsed.rig, parsed.bus, terminal);
+    }
     if (parsed.word.empty() == parsed.valve_map.empty()) {
       return usage("describe: allowed a device or --valve-map FILE", terminal.err, "describe");
     }

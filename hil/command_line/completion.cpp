@@ -29,7 +29,7 @@ _rigwire() {
     run) local options="--clock --duration --seed --set --report --truth --lidar-truth --status --dry-run --help" ;;
     check) local options="--set --print --json --help" ;;
     list) local options="devices machines scenes rigs --json --help" ;;
-    describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --help" ;;
+    describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --dbc --bus --help" ;;
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
     completion) local options="bash zsh fish" ;;
     *) local options="--json --help" ;;
@@ -61,7 +61,7 @@ _rigwire() {
     run) compadd -- --clock --duration --seed --set --report --truth --lidar-truth --status --dry-run --help ;;
     check) compadd -- --set --print --json --help ;;
     list) compadd -- devices machines scenes rigs --json --help ;;
-    describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json ;;
+    describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json --dbc --bus ;;
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
     completion) compadd -- bash zsh fish ;;
     doctor) compadd -- --json --help ;;

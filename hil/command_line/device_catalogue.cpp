@@ -10,6 +10,7 @@
 #include "emulators/velodyne/velodyne_lidar.h"
 #include "hil/configuration/device.h"
 #include "hil/configuration/outline.h"
+#include "protocols/vehicle/identification.h"
 #include "protocols/velodyne/packet_layout.h"
 #include "sim/samples/calendar.h"
 
@@ -196,6 +197,19 @@ void describe(const VehicleGatewayDeviceConfiguration& configuration,
              : fmt::format("{:g} Hz", 1e3 / static_cast<double>(group.period.count())),
          "sent"});
   }
+  const auto add = [&](std::uint32_t pgn, std::string_view name, const char* rate,
+                       const char* content) {
+    description.messages.push_back({fmt::format("{} {:04X} {}", pgn, pgn, name), rate, content});
+  };
+  namespace vehicle = protocols::vehicle;
+  add(vehicle::kDm1Pgn, "DM1", "1 Hz", "active trouble codes; also on change");
+  add(vehicle::kDm2Pgn, "DM2", "on request", "trouble codes that were active");
+  for (const auto& entry : emulators::VehicleSatellites::schedule()) {
+    add(entry.group.pgn, entry.group.name, "with position_from", "sent");
+  }
+  add(vehicle::kSoftwareIdentificationPgn, "SOFT", "on request", "by transport");
+  add(vehicle::kComponentIdentificationPgn, "CI", "on request", "by transport");
+  add(vehicle::kEcuIdentificationPgn, "ECUID", "on request", "by transport");
 }
 
 template <std::size_t kIndex>

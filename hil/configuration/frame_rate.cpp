@@ -36,7 +36,7 @@ double frame_rate_hz(const StarFireConfiguration& device) {
 
 double frame_rate_hz(const VehicleGatewayDeviceConfiguration& device) {
   NoFrames nowhere;
-  return emulators::VehicleGateway(device.gateway, nowhere).nominal_rate_hz();
+  return emulators::VehicleGateway(settings_of(device), nowhere).nominal_rate_hz();
 }
 
 double frame_rate_hz(const IsoValvesConfiguration& device) {

@@ -234,11 +234,17 @@ class Checker {
 
   void check_time_source(const std::string& path, const std::string& source) {
     using Lidar = VelodyneConfiguration;
-    std::vector<std::string> names;
+    std::vector<std::string> words;
     for (const auto name : {Lidar::kAutomaticTimeSource, Lidar::kIdealTimeSource,
                             Lidar::kPulseTimeSource, Lidar::kNoTimeSource}) {
-      names.emplace_back(name);
+      words.emplace_back(name);
     }
+    check_receiver(path, source, std::move(words));
+  }
+
+  /// `source` is one of the words or a receiver of the rig.
+  void check_receiver(const std::string& path, const std::string& source,
+                      std::vector<std::string> names) {
     for (const auto& [name, device] : rig_.devices) {
       if (is_receiver(device.settings)) {
         names.push_back(name);
@@ -257,6 +263,9 @@ class Checker {
 
   void check_device(const std::string& path, const VehicleGatewayDeviceConfiguration& device) {
     check_node(path, device.bus, device.gateway.source_address, device.gateway.serial);
+    if (!device.position_from.empty()) {
+      check_receiver(path + ".position_from", device.position_from, {});
+    }
     if (std::holds_alternative<ExcavatorMachine>(rig_.machine.settings)) {
       report(path + ".type", "the machine has no drive train", "", "a machine that drives");
     }

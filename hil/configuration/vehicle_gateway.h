@@ -13,9 +13,18 @@ namespace rigwire::hil {
 
 /// J1939 node between a field controller and a machine that drives.
 struct VehicleGatewayConfiguration {
-  std::string bus = "can";  ///< One of the rig's buses.
+  std::string bus = "can";    ///< One of the rig's buses.
+  std::string position_from;  ///< Name of the satellite receiver wired to it; empty: none.
   emulators::VehicleGatewaySettings gateway;
 };
+
+/// What its emulator is made with.
+[[nodiscard]] inline emulators::VehicleGatewaySettings settings_of(
+    const VehicleGatewayConfiguration& p) {
+  emulators::VehicleGatewaySettings settings = p.gateway;
+  settings.has_position = !p.position_from.empty();
+  return settings;
+}
 
 inline constexpr std::array<Choice<emulators::SteeringLayout>, 3> kSteeringLayouts{
     {{emulators::SteeringLayout::front_only, "front_only", "The front axle steers."},
@@ -36,6 +45,8 @@ template <class Visitor>
 void visit(Visitor& v, VehicleGatewayConfiguration& p) {
   emulators::VehicleGatewaySettings& g = p.gateway;
   v.text("bus", p.bus, "One of the rig's buses.");
+  v.text("position_from", p.position_from,
+         "The satellite receiver whose fixes it reports (VP, VDS, VP2, GBSD); empty = none.");
   v.integer("source_address", g.source_address, IntegerRule{0, 253}, "Preferred J1939 address.");
   v.integer("serial", g.serial, IntegerRule{1, (1 << 21) - 1}, "In the NAME; unique on a bus.");
   v.integer("manufacturer", g.manufacturer, IntegerRule{0, 2047}, "In the NAME.");
@@ -46,6 +57,12 @@ void visit(Visitor& v, VehicleGatewayConfiguration& p) {
   v.duration("sensor_start_up", g.sensor_start_up, {0, 3'600'000'000'000},
              "From power-on to the first reading; not available until then.");
   v.duration("processing_delay", g.processing_delay, {0, 5'000'000}, "From an event to the frame.");
+  v.text("make", g.make, "Answer to requests for component identification.");
+  v.text("model", g.model, "The same.");
+  v.text("unit_number", g.unit_number, "The same.");
+  v.text("software", g.software, "Answer to requests for software identification.");
+  v.duration("engine_hours", g.engine_hours, {0, 720'000'000'000'000'000},
+             "Of the engine when the run begins.");
   v.integer("gears_forward", g.gears_forward, IntegerRule{0, 125}, "Gears that may be asked for.");
   v.integer("gears_reverse", g.gears_reverse, IntegerRule{0, 125}, "Gears that may be asked for.");
   v.choice("steering", g.steering, kSteeringLayouts, "Which axles or drums steer.");

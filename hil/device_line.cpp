@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "drivers/pty.h"
-#include "emulators/openimu/openimu335ri.h"
 #include "emulators/ublox/receiver.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
+#include "hil/bus_node_line.h"
 #include "hil/outlet.h"
 #include "hil/station.h"
 
@@ -74,34 +74,6 @@ class SerialGnssLine final : public GnssLine {
   GnssStation station_;
 };
 
-/// A device that is a node of a CAN bus.
-template <class Emulator, class StationType>
-class BusNodeLine final : public DeviceLine {
- public:
-  template <class Settings>
-  BusNodeLine(const Settings& settings, CanLine& bus)
-      : bus_(bus),
-        node_(bus.add_node(own_statistics())),
-        emulator_(settings, node_),
-        station_(emulator_, emulator_) {
-    bus_.attach(node_, emulator_);
-  }
-
-  DeviceIndex enlist(Executive& executive) override { return executive.add(station_); }
-
-  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return bus_.endpoint(); }
-  [[nodiscard]] std::uint64_t dropped() const override {
-    return statistics().dropped + bus_.bus().counters(node_).overflowed;
-  }
-  [[nodiscard]] const emulators::Device& device() const override { return emulator_; }
-
- private:
-  CanLine& bus_;
-  emulators::FrameOutput& node_;
-  Emulator emulator_;
-  StationType station_;
-};
-using BusImuLine = BusNodeLine<emulators::OpenImu, ImuStation>;
 using BusVehicleLine = BusNodeLine<emulators::VehicleGateway, VehicleStation>;
 
 }  // namespace
@@ -137,14 +109,9 @@ std::unique_ptr<GnssLine> make_line(const UbloxConfiguration& configuration,
   return std::make_unique<SerialGnssLine>(configuration, context);
 }
 
-std::unique_ptr<DeviceLine> make_line(const OpenImuDeviceConfiguration& configuration,
-                                      CanLine& bus) {
-  return std::make_unique<BusImuLine>(configuration.imu, bus);
-}
-
 std::unique_ptr<DeviceLine> make_line(const VehicleGatewayConfiguration& configuration,
                                       CanLine& bus) {
-  return std::make_unique<BusVehicleLine>(configuration.gateway, bus);
+  return std::make_unique<BusVehicleLine>(bus, configuration.gateway);
 }
 
 }  // namespace rigwire::hil

@@ -136,4 +136,13 @@ class CanDevice : public Device {
   }
 };
 
+/// A device that serves byte streams (USB/IP).
+class StreamDevice : public Device {
+ public:
+  virtual void connected(SimTime now, ConnectionId connection) = 0;
+  virtual void receive(SimTime now, ConnectionId connection,
+                       std::span<const std::uint8_t> bytes) = 0;
+  virtual void disconnected(SimTime now, ConnectionId connection) = 0;
+};
+
 }  // namespace rigwire::emulators

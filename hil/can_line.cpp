@@ -1,7 +1,5 @@
 #include "hil/can_line.h"
 
-#include <algorithm>
-
 namespace rigwire::hil {
 
 /// Where the frames of one node leave the bus.
@@ -18,15 +16,6 @@ class CanLine::NodeExit final : public emulators::FrameOutput {
   FrameOutlet& outlet_;
   WireStatistics& statistics_;
 };
-
-namespace {
-
-// The bus's range; what a client sets beyond is another rate all the same.
-std::uint32_t within_range(std::uint32_t bit_rate_bps) {
-  return bit_rate_bps == 0 ? 0 : std::clamp<std::uint32_t>(bit_rate_bps, 10'000, 1'000'000);
-}
-
-}  // namespace
 
 CanLine::CanLine(const emulators::CanBusSettings& settings, drivers::CanBus& endpoint,
                  CanLineSettings line)
@@ -63,7 +52,7 @@ void CanLine::set_faults(const emulators::CanBusFaults& faults) {
 
 void CanLine::client(SimTime now, const drivers::CanClient& client) {
   bus_.set_client(now, {.present = client.open,
-                        .bit_rate_bps = within_range(client.bit_rate_bps),
+                        .bit_rate_bps = client.bit_rate_bps,
                         .listen_only = client.listen_only,
                         .one_shot = client.one_shot,
                         .restart_after = line_.client_restart_after});

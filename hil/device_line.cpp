@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "drivers/pty.h"
+#include "emulators/iso_valve/iso_valves.h"
 #include "emulators/ublox/receiver.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
 #include "hil/bus_node_line.h"
@@ -75,6 +76,7 @@ class SerialGnssLine final : public GnssLine {
 };
 
 using BusVehicleLine = BusNodeLine<emulators::VehicleGateway, VehicleStation>;
+using BusValveLine = BusNodeLine<emulators::IsoValves, ValveStation>;
 
 }  // namespace
 
@@ -112,6 +114,10 @@ std::unique_ptr<GnssLine> make_line(const UbloxConfiguration& configuration,
 std::unique_ptr<DeviceLine> make_line(const VehicleGatewayConfiguration& configuration,
                                       CanLine& bus) {
   return std::make_unique<BusVehicleLine>(bus, configuration.gateway);
+}
+
+std::unique_ptr<DeviceLine> make_line(const IsoValvesConfiguration& configuration, CanLine& bus) {
+  return std::make_unique<BusValveLine>(bus, configuration.valves);
 }
 
 }  // namespace rigwire::hil

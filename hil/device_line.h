@@ -80,5 +80,7 @@ class GnssLine : public DeviceLine {
                                                     const LineContext& context, CanLine& bus);
 [[nodiscard]] std::unique_ptr<DeviceLine> make_line(const EncoderDeviceConfiguration& configuration,
                                                     CanLine& bus);
+[[nodiscard]] std::unique_ptr<DeviceLine> make_line(const IsoValvesConfiguration& configuration,
+                                                    CanLine& bus);
 
 }  // namespace rigwire::hil

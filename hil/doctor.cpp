@@ -20,6 +20,7 @@
 #include "drivers/descriptor.h"
 #include "hil/can_hop.h"
 #include "hil/geoid_file.h"
+#include "hil/usb_doctor.h"
 
 namespace rigwire::hil {
 
@@ -166,7 +167,7 @@ Finding processors() {
 }  // namespace
 
 std::vector<Finding> examine_machine() {
-  return {
+  std::vector<Finding> findings{
       can_sockets(),
       can_interfaces(),
       can_wire(),
@@ -181,6 +182,10 @@ std::vector<Finding> examine_machine() {
       geoid(),
       processors(),
   };
+  for (Finding& finding : examine_usb()) {
+    findings.push_back(std::move(finding));
+  }
+  return findings;
 }
 
 const char* to_string(Health health) {

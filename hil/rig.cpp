@@ -52,7 +52,7 @@ sim::Scene::MeshId add_shape(sim::Scene& scene, const Shape& shape) {
 }
 
 std::optional<sim::Magnetometer> make_magnetometer(const MagnetometerConfiguration& configuration,
-                                                  std::uint64_t seed, const std::string& name) {
+                                                   std::uint64_t seed, const std::string& name) {
   if (!configuration.present) {
     return std::nullopt;
   }
@@ -288,6 +288,10 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
     auto line = make_line(*gateway, buses_.at(gateway->bus)->line);
     world_.add_vehicle(line->enlist(executive_),
                        sim::VehicleSensors(gateway->sensor, gateway->odometry, seed, name));
+    devices_.push_back({name, std::move(line)});
+  } else if (const auto* block = std::get_if<IsoValvesConfiguration>(&configuration.settings)) {
+    auto line = make_line(*block, buses_.at(block->bus)->line);
+    world_.add_valves(line->enlist(executive_));
     devices_.push_back({name, std::move(line)});
   } else {
     const auto& valves = std::get<ValveDriverConfiguration>(configuration.settings);

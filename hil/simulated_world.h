@@ -15,8 +15,8 @@
 #include "hil/lidar_truth_tap.h"
 #include "hil/truth_source.h"
 #include "hil/truth_tap.h"
-#include "sim/excavator/bucket_soil.h"
 #include "sim/encoder/joint_angle.h"
+#include "sim/excavator/bucket_soil.h"
 #include "sim/gnss/gnss_sensor.h"
 #include "sim/ground/ground.h"
 #include "sim/imu/imu_sensor.h"
@@ -63,8 +63,7 @@ class SimulatedWorld final : public TruthSource {
   void add_imu(DeviceIndex device, const SensorMount& mount, sim::ImuSensor sensor,
                std::optional<sim::Magnetometer> magnetometer = std::nullopt);
   /// An encoder that reads link `moving` against link `base`.
-  void add_encoder(DeviceIndex device, std::size_t base, std::size_t moving,
-                   sim::JointAngle joint);
+  void add_encoder(DeviceIndex device, std::size_t base, std::size_t moving, sim::JointAngle joint);
   void add_lidar(DeviceIndex device, const SensorMount& mount,
                  std::unique_ptr<sim::LidarSensor> sensor, LidarPattern pattern);
   /// Throw std::invalid_argument when the machine has no valve block, or does not drive.

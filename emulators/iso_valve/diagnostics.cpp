@@ -92,14 +92,9 @@ bool IsoValves::send_diagnostics(SimTime now) {
   lamps.red_stop = amplifier_.fault() != ValveFault::none;
   const vehicle::TroubleReport report =
       vehicle::make_trouble_report(lamps, std::span(troubles.codes).first(troubles.count));
-  bool sent = true;
-  if (vehicle::report_frames(report) == 1) {
-    node_.send(now, vehicle::report_frame(report, 0, node_.address()));
-  } else {
-    protocols::j1939::Identifier identifier;
-    identifier.pgn = vehicle::kDm1Pgn;
-    sent = node_.send(now, identifier, report.payload());
-  }
+  protocols::j1939::Identifier identifier;
+  identifier.pgn = vehicle::kDm1Pgn;
+  const bool sent = node_.send(now, identifier, report.payload());
   if (sent) {
     reported_ = troubles;
   }

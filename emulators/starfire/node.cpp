@@ -4,6 +4,7 @@
 
 #include "protocols/j1939/message.h"
 #include "protocols/j1939/name.h"
+#include "protocols/vehicle/layouts.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -111,6 +112,20 @@ void StarFireNode::send_group(SimTime now, std::uint32_t pgn) {
 
 J1939Reception StarFireNode::take(SimTime /*now*/, const J1939Message& /*message*/) {
   return J1939Reception::ignored;
+}
+
+std::vector<protocols::can::MessageLayout> StarFireNode::messages(std::string_view name) const {
+  const vehicle::LayoutEnds sent{name, node_.address(), j1939::kGlobalAddress};
+  const auto every = [](vehicle::Group group, Duration period) {
+    group.period = std::chrono::duration_cast<std::chrono::milliseconds>(period);
+    return group;
+  };
+  using vehicle::VehicleDirectionSpeed;
+  using vehicle::VehiclePosition;
+  return {vehicle::layout<VehiclePosition>(sent, every(VehiclePosition::kGroup, kStarFirePeriod)),
+          vehicle::layout<VehicleDirectionSpeed>(
+              sent, every(VehicleDirectionSpeed::kGroup, kStarFirePeriod)),
+          vehicle::layout<vehicle::VehiclePosition2>(sent)};
 }
 
 void StarFireNode::receive(SimTime now, const Frame& frame) {

@@ -33,6 +33,8 @@ class StarFireNode final : public CanDevice, public GnssBackend, J1939Applicatio
   [[nodiscard]] std::span<const Quantity> quantities() const override;
 
   void receive(SimTime now, const protocols::can::Frame& frame) override;
+  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+      std::string_view name) const override;
   void update(const GnssSample& sample) override;
 
   [[nodiscard]] std::uint8_t address() const { return node_.address(); }

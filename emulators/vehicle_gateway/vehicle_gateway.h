@@ -44,6 +44,8 @@ class VehicleGateway final : public CanDevice, public VehicleBackend, J1939Appli
   [[nodiscard]] std::span<const Quantity> quantities() const override;
 
   void receive(SimTime now, const protocols::can::Frame& frame) override;
+  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+      std::string_view name) const override;
 
   void update(const VehicleSample& sample) override;
   /// A fix of the satellite receiver that is wired to it (has_position).

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "emulators/iso_valve/iso_valves.h"
 #include "emulators/starfire/receiver.h"
 #include "emulators/ublox/receiver.h"
 #include "emulators/vehicle_gateway/report.h"
@@ -147,20 +148,18 @@ void describe(const OpenImuDeviceConfiguration& configuration, DeviceDescription
     description.messages.push_back({"65387 FF6B fine angular rate", "off", "19-bit rates"});
     description.messages.push_back({"65226 FECA DM1", "while a trouble is active", "trouble code"});
   }
-  description.messages.insert(
-      description.messages.end(),
-      {{"60928 EE00 address claimed", "at start, on request", "NAME"},
-       {"65242 FEDA software version", "on request", "5 bytes"},
-       {"64965 FDC5 ECU identification", "on request", "NAME"},
-       {"FF50 .. FF5E, FFF0 .. FFF2 settings", "received",
-        "rate, messages, filters, orientation, save, groups"}});
+  description.messages.insert(description.messages.end(),
+                              {{"60928 EE00 address claimed", "at start, on request", "NAME"},
+                               {"65242 FEDA software version", "on request", "5 bytes"},
+                               {"64965 FDC5 ECU identification", "on request", "NAME"},
+                               {"FF50 .. FF5E, FFF0 .. FFF2 settings", "received",
+                                "rate, messages, filters, orientation, save, groups"}});
 }
 
 void describe(const XsensMtiConfiguration& configuration, DeviceDescription& description) {
   NoFrames output;
   const Calendar calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0});
-  description.quantities =
-      quantities_of(emulators::Mti600(configuration.mti, calendar, output));
+  description.quantities = quantities_of(emulators::Mti600(configuration.mti, calendar, output));
   description.wire = "CAN 2.0A or B: SocketCAN or slcan on a pty";
   description.document = "Xsens MT CAN Protocol Documentation MT1604P; the maker's xsens.dbc";
   for (const emulators::MtiOutput& mti_output : configuration.mti.outputs) {
@@ -183,12 +182,13 @@ void describe(const EncoderDeviceConfiguration& configuration, DeviceDescription
   description.document = "CiA 301 V4.2.0, CiA 406 V3.2";
   for (const auto& layout :
        protocols::canopen::rotary_encoder_layouts(configuration.encoder.node.node_id)) {
-    description.messages.push_back({fmt::format("{:03X} {}", layout.id, layout.name),
-                                    "by its parameters", layout.text});
+    description.messages.push_back(
+        {fmt::format("{:03X} {}", layout.id, layout.name), "by its parameters", layout.text});
   }
-  description.messages.push_back({"SDO", "on request",
-                                  fmt::format("{} entries of the object dictionary",
-                                              protocols::canopen::rotary_encoder_objects().size())});
+  description.messages.push_back(
+      {"SDO", "on request",
+       fmt::format("{} entries of the object dictionary",
+                   protocols::canopen::rotary_encoder_objects().size())});
 }
 
 void describe(const ValveDriverConfiguration& configuration, DeviceDescription& description) {
@@ -202,6 +202,27 @@ void describe(const ValveDriverConfiguration& configuration, DeviceDescription& 
       {"04 read input registers", "on request", "spools, pressures, swing encoder, faults"},
       {"06, 16, 22, 23 write registers", "on request", "control word, set points, parameters"},
       {"17, 43/14 identification", "on request", "vendor, product, revision"}};
+}
+
+void describe(const IsoValvesConfiguration& configuration, DeviceDescription& description) {
+  NoFrames output;
+  const emulators::IsoValves valves(configuration.valves, output);
+  description.quantities = quantities_of(valves);
+  description.wire = "CAN 2.0B at 250 kbit/s, J1939: SocketCAN or slcan on a pty";
+  description.document =
+      "ISO 11783-7 auxiliary valves as listed by isobus.net; SAE J1939 digital annex (joysticks); "
+      "layouts in docs/devices/iso-valves.md";
+  for (const auto& layout : protocols::iso11783::message_layouts(
+           static_cast<unsigned>(configuration.valves.amplifier.sections.size()),
+           configuration.valves.source_address, "valves")) {
+    const bool sent = !layout.sender.empty();
+    description.messages.push_back({fmt::format("{:08X} {}", layout.id, layout.name),
+                                    fmt::format("{:g} Hz", 1e3 / layout.period_ms),
+                                    (sent ? "sent: " : "received: ") + layout.text});
+  }
+  description.messages.push_back({"64982-64985 BJM1, EJM1, BJM2, EJM2", "10 Hz",
+                                  "received: joysticks, where they are mapped"});
+  description.messages.push_back({"65226 FECA DM1", "1 Hz", "sent: active trouble codes"});
 }
 
 void describe(const VehicleGatewayDeviceConfiguration& configuration,

@@ -12,5 +12,6 @@ namespace rigwire::hil {
 [[nodiscard]] double frame_rate_hz(const EncoderDeviceConfiguration& device);
 [[nodiscard]] double frame_rate_hz(const StarFireConfiguration& device);
 [[nodiscard]] double frame_rate_hz(const VehicleGatewayDeviceConfiguration& device);
+[[nodiscard]] double frame_rate_hz(const IsoValvesConfiguration& device);
 
 }  // namespace rigwire::hil

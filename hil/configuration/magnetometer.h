@@ -28,8 +28,7 @@ void visit(Visitor& v, MagnetometerConfiguration& p) {
   v.number("inclination", p.inclination_rad, in("deg").between(-90, 90), "Downward positive.");
   v.vector3("hard_iron", p.sensor.hard_iron_t, plain(), "Of the machine, T, sensor's axes.");
   v.number("noise_density", p.sensor.random.noise_density, plain().at_least(0), "T/sqrt(Hz).");
-  v.number("turn_on_bias", p.sensor.turn_on_bias_t, plain().at_least(0),
-           "T, standard deviation.");
+  v.number("turn_on_bias", p.sensor.turn_on_bias_t, plain().at_least(0), "T, standard deviation.");
 }
 
 /// As the sensor wants it.

@@ -32,7 +32,7 @@ struct Field {
   double offset = 0.0;     ///< Physical value of raw 0.
   double lower = 0.0;      ///< Least physical value that the sender emits.
   double upper = 0.0;      ///< Greatest.
-  std::string_view unit;
+  std::string_view unit{};
 };
 
 enum class Availability : std::uint8_t { valid, indicator, error, not_available };

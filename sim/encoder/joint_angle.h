@@ -1,9 +1,9 @@
 // The angle between two links about an axis of the first: the truth behind a rotary encoder.
 //
 // R = R_BM, the moving link's attitude in the base. About z the angle is atan2(R_10, R_00); about
-// another axis the same with the axes in turn. For links that turn about that axis alone it is exact;
-// a tilt of the shaft by e adds an error of the order e^2. Turns are counted: between two calls the
-// shaft must turn by less than half a revolution. The first angle is within -pi .. pi.
+// another axis the same with the axes in turn. For links that turn about that axis alone it is
+// exact; a tilt of the shaft by e adds an error of the order e^2. Turns are counted: between two
+// calls the shaft must turn by less than half a revolution. The first angle is within -pi .. pi.
 #pragma once
 
 #include <optional>

@@ -36,9 +36,10 @@ wait_until 10 "no carrier" shows NO-CARRIER
 ip -details -statistics link show $CAN | grep -A1 're-started' | tail -n 1 | tee changes
 read -r _ _ _ warnings passives offs _ <changes
 [ "$warnings $passives $offs" = "1 1 1" ]
-# Three changes of state, class "controller" or "bus-off".
-expect_line dump ' 200000[0-9A-F]4#' 10
-expect_line dump ' 200000[4-7][0-9A-F]#' 10
+# As error frames: classes controller and bus-off, with counters.
+expect_line dump ' 20000204#0008.{8}60' 10
+expect_line dump ' 20000204#0020.{8}80' 10
+expect_line dump ' 20000[02]40#' 10
 
 ip link set $CAN down
 ip link set $CAN up

@@ -1,0 +1,58 @@
+// The gateway's messages in the common form, for the bus's DBC file.
+#include "emulators/vehicle_gateway/vehicle_gateway.h"
+#include "protocols/vehicle/layouts.h"
+
+namespace rigwire::emulators {
+
+namespace j1939 = protocols::j1939;
+namespace vehicle = protocols::vehicle;
+using protocols::can::MessageLayout;
+using vehicle::layout;
+
+namespace {
+
+/// Appends the layouts of several messages, each in its own group.
+template <class... Messages>
+void append(std::vector<MessageLayout>& list, const vehicle::LayoutEnds& ends) {
+  (list.push_back(layout<Messages>(ends)), ...);
+}
+
+/// With the period of its place in the schedule.
+template <class Message>
+MessageLayout scheduled(const vehicle::LayoutEnds& ends,
+                        std::span<const VehicleReport::Entry> schedule) {
+  for (const VehicleReport::Entry& entry : schedule) {
+    if (entry.group.pgn == Message::kGroup.pgn) {
+      return layout<Message>(ends, entry.group);
+    }
+  }
+  return layout<Message>(ends);
+}
+
+}  // namespace
+
+std::vector<MessageLayout> VehicleGateway::messages(std::string_view name) const {
+  using namespace vehicle;
+  std::vector<MessageLayout> list;
+  const LayoutEnds sent{name, node_.address(), j1939::kGlobalAddress};
+  append<Etc1, Vdc2, Sas, Hrw, Eec1, Esc1, Eec2, Hpg, GuidanceMachineInfo, MachineSelectedSpeed,
+         WheelBasedSpeed, Ebc2, Ccvs1, Etc2, Ebc1, MachineFunctionState, Eac1, Eflp1, Et1, Dd1,
+         VehicleFluids, Tire1, Tire2, Tpri, Tp1, Tp2, Tp3, Hours>(list, sent);
+  constexpr std::chrono::milliseconds kTroublePeriod =
+      VehicleDiagnostics::kPeriodTicks * std::chrono::milliseconds{10};
+  list.push_back(trouble_layout({"DM1", kDm1Pgn, kTroublePriority, kTroublePeriod}, sent));
+  list.push_back(trouble_layout({"DM2", kDm2Pgn, kTroublePriority}, sent));
+  if (settings_.has_position) {
+    const auto schedule = VehicleSatellites::schedule();
+    list.push_back(scheduled<VehiclePosition>(sent, schedule));
+    list.push_back(scheduled<VehicleDirectionSpeed>(sent, schedule));
+    list.push_back(scheduled<VehiclePosition2>(sent, schedule));
+    list.push_back(scheduled<GroundBasedSpeed>(sent, schedule));
+  }
+  const LayoutEnds taken{"", j1939::kNullAddress, node_.address()};
+  append<Tsc1, Tc1, Xbr, GuidanceCommand, MachineSelectedSpeedCommand, Tprs,
+         MachineFunctionCommand>(list, taken);
+  return list;
+}
+
+}  // namespace rigwire::emulators

@@ -1,0 +1,230 @@
+#include "protocols/dbc/dbc_writer.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <map>
+#include <set>
+#include <vector>
+
+namespace rigwire::protocols::dbc {
+namespace {
+
+using can::MessageLayout;
+using can::SignalLayout;
+
+constexpr std::uint32_t kExtendedFlag = 0x80000000U;
+/// Who sends what no node sends.
+constexpr std::string_view kNobody = "Vector__XXX";
+
+/// Shortest text that reads back as the same number.
+std::string number_text(double value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
+}
+
+/// A string of the file, quotation marks included.
+std::string quoted(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    result += c == '"' || c == '\\' || c < ' ' || c > '~' ? '\'' : c;
+  }
+  return result + '"';
+}
+
+/// A C identifier that no other of `taken` is; it is put there.
+std::string unique_name(std::string_view wish, std::set<std::string>& taken) {
+  std::string name;
+  for (const char c : wish) {
+    name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  }
+  if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])) != 0) {
+    name.insert(0, 1, '_');
+  }
+  name.resize(std::min(name.size(), kLongestName));
+  std::string candidate = name;
+  for (unsigned n = 2; !taken.insert(candidate).second; ++n) {
+    const std::string suffix = "_" + std::to_string(n);
+    candidate = name.substr(0, kLongestName - suffix.size()) + suffix;
+  }
+  return candidate;
+}
+
+/// Where the format lets a signal begin: little-endian ones with their least significant bit,
+/// big-endian ones with their most significant one.
+unsigned start_bit(const SignalLayout& signal) {
+  unsigned bit = signal.bit;
+  if (signal.order == can::ByteOrder::big_endian) {
+    for (unsigned i = 1; i < signal.width; ++i) {
+      bit = bit % 8 == 7 ? bit - 15 : bit + 1;
+    }
+  }
+  return bit;
+}
+
+struct NamedSignal {
+  const SignalLayout* layout;
+  std::string name;
+};
+struct NamedMessage {
+  const MessageLayout* layout;
+  std::string name;
+  std::string sender;
+  std::string id;
+  std::vector<NamedSignal> signals;
+};
+
+/// Everything with the names it has in the file.
+struct Names {
+  explicit Names(const Bus& bus) {
+    std::set<std::string> taken{std::string(kNobody)};
+    std::map<std::string, int> uses;
+    for (const MessageLayout& message : bus.messages) {
+      ++uses[message.name];
+      if (!message.sender.empty() && !nodes.contains(message.sender)) {
+        nodes[message.sender] = unique_name(message.sender, taken);
+      }
+    }
+    std::set<std::string> message_names;
+    std::set<std::string> ids;
+    for (const MessageLayout& message : bus.messages) {
+      const std::string id =
+          std::to_string(message.extended ? message.id | kExtendedFlag : message.id);
+      if (!ids.insert(id).second) {
+        continue;
+      }
+      const bool shared = uses[message.name] > 1 && !message.sender.empty();
+      NamedMessage named;
+      named.layout = &message;
+      named.name =
+          unique_name(shared ? message.name + "_" + message.sender : message.name, message_names);
+      named.sender = message.sender.empty() ? std::string(kNobody) : nodes[message.sender];
+      named.id = id;
+      std::set<std::string> signal_names;
+      for (const SignalLayout& signal : message.fields) {
+        named.signals.push_back({&signal, unique_name(signal.name, signal_names)});
+      }
+      messages.push_back(std::move(named));
+    }
+  }
+
+  std::map<std::string, std::string> nodes;  ///< From device to node.
+  std::vector<NamedMessage> messages;
+};
+
+std::string messages_text(const Names& names) {
+  std::string text;
+  for (const NamedMessage& message : names.messages) {
+    text += "BO_ " + message.id + ' ' + message.name + ": " +
+            std::to_string(message.layout->length) + ' ' + message.sender + '\n';
+    for (const auto& [signal, name] : message.signals) {
+      const bool little = signal->order == can::ByteOrder::little_endian;
+      text += " SG_ " + name + " : " + std::to_string(start_bit(*signal)) + '|' +
+              std::to_string(signal->width) + (little ? "@1" : "@0") +
+              (signal->is_signed ? '-' : '+') + " (" + number_text(signal->scale) + ',' +
+              number_text(signal->offset) + ") [" + number_text(signal->lower) + '|' +
+              number_text(signal->upper) + "] " + quoted(signal->unit) + ' ' +
+              std::string(kNobody) + '\n';
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string comments_text(const Names& names) {
+  std::string text;
+  for (const NamedMessage& message : names.messages) {
+    if (!message.layout->text.empty()) {
+      text += "CM_ BO_ " + message.id + ' ' + quoted(message.layout->text) + ";\n";
+    }
+    for (const auto& [signal, name] : message.signals) {
+      if (!signal->text.empty()) {
+        text += "CM_ SG_ " + message.id + ' ' + name + ' ' + quoted(signal->text) + ";\n";
+      }
+    }
+  }
+  return text;
+}
+
+constexpr std::string_view kAttributes =
+    "BA_DEF_ \"BusType\" STRING ;\n"
+    "BA_DEF_ \"ProtocolType\" STRING ;\n"
+    "BA_DEF_ \"Baudrate\" INT 0 1000000;\n"
+    "BA_DEF_ BU_ \"NmStationAddress\" INT 0 255;\n"
+    "BA_DEF_ BO_ \"VFrameFormat\" ENUM \"StandardCAN\",\"ExtendedCAN\",\"reserved\",\"J1939PG\";\n"
+    "BA_DEF_ BO_ \"GenMsgCycleTime\" INT 0 3600000;\n"
+    "BA_DEF_ SG_ \"SPN\" INT 0 524287;\n"
+    "BA_DEF_DEF_ \"BusType\" \"CAN\";\n"
+    "BA_DEF_DEF_ \"ProtocolType\" \"\";\n"
+    "BA_DEF_DEF_ \"Baudrate\" 250000;\n"
+    "BA_DEF_DEF_ \"NmStationAddress\" 254;\n"
+    "BA_DEF_DEF_ \"VFrameFormat\" \"StandardCAN\";\n"
+    "BA_DEF_DEF_ \"GenMsgCycleTime\" 0;\n"
+    "BA_DEF_DEF_ \"SPN\" 0;\n";
+
+std::string attributes_text(const Bus& bus, const Names& names) {
+  const bool j1939 = std::ranges::any_of(bus.messages, &MessageLayout::j1939);
+  std::string text(kAttributes);
+  text += "BA_ \"BusType\" \"CAN\";\n";
+  text += std::string("BA_ \"ProtocolType\" \"") + (j1939 ? "J1939" : "") + "\";\n";
+  text += "BA_ \"Baudrate\" " + std::to_string(bus.bit_rate_bps) + ";\n";
+  std::set<std::string> addressed;
+  for (const NamedMessage& message : names.messages) {
+    const MessageLayout& layout = *message.layout;
+    if (layout.j1939 && !layout.sender.empty() && addressed.insert(message.sender).second) {
+      text += "BA_ \"NmStationAddress\" BU_ " + message.sender + ' ' +
+              std::to_string(layout.id & 0xFFU) + ";\n";
+    }
+  }
+  for (const NamedMessage& message : names.messages) {
+    const MessageLayout& layout = *message.layout;
+    const int format = layout.j1939 ? 3 : layout.extended ? 1 : 0;
+    text += "BA_ \"VFrameFormat\" BO_ " + message.id + ' ' + std::to_string(format) + ";\n";
+    if (layout.period_ms != 0) {
+      text += "BA_ \"GenMsgCycleTime\" BO_ " + message.id + ' ' + std::to_string(layout.period_ms) +
+              ";\n";
+    }
+    for (const auto& [signal, name] : message.signals) {
+      if (signal->spn != 0) {
+        text += "BA_ \"SPN\" SG_ " + message.id + ' ' + name + ' ' + std::to_string(signal->spn) +
+                ";\n";
+      }
+    }
+  }
+  return text;
+}
+
+std::string values_text(const Names& names) {
+  std::string text;
+  for (const NamedMessage& message : names.messages) {
+    for (const auto& [signal, name] : message.signals) {
+      if (signal->values.empty()) {
+        continue;
+      }
+      text += "VAL_ " + message.id + ' ' + name;
+      for (const can::NamedValue& value : signal->values) {
+        text += ' ' + std::to_string(value.raw) + ' ' + quoted(value.text);
+      }
+      text += " ;\n";
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string write(const Bus& bus) {
+  const Names names(bus);
+  std::string text = "VERSION \"\"\n\n\nNS_ :\n\nBS_:\n\nBU_:";
+  for (const auto& [device, node] : names.nodes) {
+    text += ' ' + node;
+  }
+  text += "\n\n\n" + messages_text(names) + '\n';
+  text += "CM_ " + quoted("Bus " + std::string(bus.name) + ", written by Rigwire") + ";\n";
+  text += comments_text(names) + attributes_text(bus, names) + values_text(names);
+  return text;
+}
+
+}  // namespace rigwire::protocols::dbc

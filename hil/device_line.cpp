@@ -4,9 +4,9 @@
 
 #include "drivers/pty.h"
 #include "emulators/iso_valve/iso_valves.h"
-#include "emulators/openimu/openimu335ri.h"
 #include "emulators/ublox/receiver.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
+#include "hil/bus_node_line.h"
 #include "hil/outlet.h"
 #include "hil/station.h"
 
@@ -75,38 +75,6 @@ class SerialGnssLine final : public GnssLine {
   GnssStation station_;
 };
 
-/// A device that is a node of a CAN bus.
-template <class Emulator, class StationType>
-class BusNodeLine : public DeviceLine {
- public:
-  template <class Settings>
-  BusNodeLine(const Settings& settings, CanLine& bus)
-      : bus_(bus),
-        node_(bus.add_node(own_statistics())),
-        emulator_(settings, node_),
-        station_(emulator_, emulator_) {
-    bus_.attach(node_, emulator_);
-  }
-
-  DeviceIndex enlist(Executive& executive) override { return executive.add(station_); }
-
-  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return bus_.endpoint(); }
-  [[nodiscard]] std::uint64_t dropped() const override {
-    const emulators::CanNodeCounters counters = bus_.bus().counters(node_);
-    return statistics().dropped + counters.overflowed + counters.abandoned;
-  }
-  [[nodiscard]] const emulators::Device& device() const override { return emulator_; }
-
- protected:
-  [[nodiscard]] Emulator& emulator() { return emulator_; }
-
- private:
-  CanLine& bus_;
-  emulators::FrameOutput& node_;
-  Emulator emulator_;
-  StationType station_;
-};
-using BusImuLine = BusNodeLine<emulators::OpenImu, ImuStation>;
 using BusValveLine = BusNodeLine<emulators::IsoValves, ValveStation>;
 
 class BusVehicleLine final : public BusNodeLine<emulators::VehicleGateway, VehicleStation>,
@@ -115,7 +83,6 @@ class BusVehicleLine final : public BusNodeLine<emulators::VehicleGateway, Vehic
   using BusNodeLine::BusNodeLine;
   void observe_fix(const GnssSample& sample) override { emulator().observe_fix(sample); }
 };
-
 
 }  // namespace
 
@@ -150,18 +117,13 @@ std::unique_ptr<GnssLine> make_line(const UbloxConfiguration& configuration,
   return std::make_unique<SerialGnssLine>(configuration, context);
 }
 
-std::unique_ptr<DeviceLine> make_line(const OpenImuDeviceConfiguration& configuration,
-                                      CanLine& bus) {
-  return std::make_unique<BusImuLine>(configuration.imu, bus);
-}
-
 std::unique_ptr<DeviceLine> make_line(const VehicleGatewayConfiguration& configuration,
                                       CanLine& bus) {
-  return std::make_unique<BusVehicleLine>(settings_of(configuration), bus);
+  return std::make_unique<BusVehicleLine>(bus, settings_of(configuration));
 }
 
 std::unique_ptr<DeviceLine> make_line(const IsoValvesConfiguration& configuration, CanLine& bus) {
-  return std::make_unique<BusValveLine>(configuration.valves, bus);
+  return std::make_unique<BusValveLine>(bus, configuration.valves);
 }
 
 }  // namespace rigwire::hil

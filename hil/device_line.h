@@ -75,6 +75,10 @@ class GnssLine : public DeviceLine {
                                                     CanLine& bus);
 [[nodiscard]] std::unique_ptr<DeviceLine> make_line(
     const VehicleGatewayConfiguration& configuration, CanLine& bus);
+[[nodiscard]] std::unique_ptr<DeviceLine> make_line(const XsensMtiConfiguration& configuration,
+                                                    const LineContext& context, CanLine& bus);
+[[nodiscard]] std::unique_ptr<DeviceLine> make_line(const EncoderDeviceConfiguration& configuration,
+                                                    CanLine& bus);
 [[nodiscard]] std::unique_ptr<DeviceLine> make_line(const IsoValvesConfiguration& configuration,
                                                     CanLine& bus);
 

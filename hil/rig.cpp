@@ -51,6 +51,14 @@ sim::Scene::MeshId add_shape(sim::Scene& scene, const Shape& shape) {
   return scene.add_mesh(loaded);
 }
 
+std::optional<sim::Magnetometer> make_magnetometer(const MagnetometerConfiguration& configuration,
+                                                   std::uint64_t seed, const std::string& name) {
+  if (!configuration.present) {
+    return std::nullopt;
+  }
+  return sim::Magnetometer(parameters_of(configuration), seed, name);
+}
+
 SimulatedWorld make_world(const RigConfiguration& configuration, const sim::LocalFrame& frame) {
   MachineInScene built = build_machine_in_scene(configuration);
   WorldSettings settings;
@@ -256,10 +264,26 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
                      sim::ImuSensor(sim::perfect_imu(), seed, name + "/motion"));
     }
     devices_.push_back({name, std::move(line)});
-  } else if (const auto* imu = std::get_if<OpenImuDeviceConfiguration>(&configuration.settings)) {
+  } else if (const auto* imu = as_kind<OpenImuDeviceConfiguration>(configuration.settings)) {
     auto line = make_line(*imu, buses_.at(imu->bus)->line);
     world_.add_imu(line->enlist(executive_), mount(imu->mount),
-                   sim::ImuSensor(imu->sensor, seed, name));
+                   sim::ImuSensor(imu->sensor, seed, name),
+                   make_magnetometer(imu->magnetometer, seed, name));
+    devices_.push_back({name, std::move(line)});
+  } else if (const auto* mti = std::get_if<XsensMtiConfiguration>(&configuration.settings)) {
+    auto line = make_line(*mti, context, buses_.at(mti->bus)->line);
+    world_.add_imu(line->enlist(executive_), mount(mti->mount),
+                   sim::ImuSensor(mti->sensor, seed, name),
+                   make_magnetometer(mti->magnetometer, seed, name));
+    devices_.push_back({name, std::move(line)});
+  } else if (const auto* encoder =
+                 std::get_if<EncoderDeviceConfiguration>(&configuration.settings)) {
+    auto line = make_line(*encoder, buses_.at(encoder->bus)->line);
+    const auto link = [this](const std::string& link_name) {
+      return sensor_mount(configuration_.machine, {link_name, {}, {}}).link;
+    };
+    world_.add_encoder(line->enlist(executive_), link(encoder->base), link(encoder->link),
+                       sim::JointAngle(encoder->axis - 'x'));
     devices_.push_back({name, std::move(line)});
   } else if (const auto* gateway =
                  std::get_if<VehicleGatewayDeviceConfiguration>(&configuration.settings)) {

@@ -87,8 +87,10 @@ class Mti600 final : public CanDevice, public ImuBackend {
   void receive(SimTime now, const protocols::can::Frame& frame) override;
   void update(const ImuSample& sample) override;
 
-  /// A message could not be sent: error 1 follows with the next sample.
-  void output_overflowed() { overflowed_ = true; }
+  /// A message that did not fit into the controller's queue: error 1 follows with the next sample.
+  void controller(SimTime /*now*/, const protocols::can::ControllerReport& report) override {
+    overflowed_ = overflowed_ || report.transmit_overflow;
+  }
   [[nodiscard]] const Quaternion& attitude() const { return filter_.attitude(); }
 
  private:

@@ -135,15 +135,61 @@ void describe(const OpenImuDeviceConfiguration& configuration, DeviceDescription
   NoFrames output;
   description.quantities = quantities_of(emulators::OpenImu(configuration.imu, output));
   description.wire = "CAN 2.0B at 250 kbit/s, J1939: SocketCAN or slcan on a pty";
-  description.document = "SAE J1939-21, -81; ACEINNA openIMU335RI firmware and J1939 documentation";
+  description.document =
+      "SAE J1939-21, -81; ACEINNA openIMU300RI and openIMU335RI firmware and J1939 documentation";
+  description.page = "docs/devices/openimu335ri.md";
   description.messages = {
       {"61481 F029 slope sensor information 2", "100 Hz", "pitch, roll, merit, latency"},
       {"61482 F02A angular rate information", "100 Hz", "pitch, roll, yaw rate, merit, latency"},
-      {"61485 F02D acceleration sensor", "100 Hz", "lateral, longitudinal, vertical, merit"},
-      {"60928 EE00 address claimed", "at start, on request", "NAME"},
-      {"65242 FEDA software version", "on request", "5 bytes"},
-      {"64965 FDC5 ECU identification", "on request", "NAME"},
-      {"FF50 .. FF59 settings", "received", "rate, messages, filters, orientation, save"}};
+      {"61485 F02D acceleration sensor", "100 Hz", "lateral, longitudinal, vertical, merit"}};
+  if (configuration.imu.variant == emulators::OpenImuVariant::openimu300ri) {
+    description.messages.push_back({"65386 FF6A magnetic field", "off", "x, y, z"});
+  } else {
+    description.messages.push_back({"61459 F013 slope sensor information", "off", "16-bit angles"});
+    description.messages.push_back({"65387 FF6B fine angular rate", "off", "19-bit rates"});
+    description.messages.push_back({"65226 FECA DM1", "while a trouble is active", "trouble code"});
+  }
+  description.messages.insert(description.messages.end(),
+                              {{"60928 EE00 address claimed", "at start, on request", "NAME"},
+                               {"65242 FEDA software version", "on request", "5 bytes"},
+                               {"64965 FDC5 ECU identification", "on request", "NAME"},
+                               {"FF50 .. FF5E, FFF0 .. FFF2 settings", "received",
+                                "rate, messages, filters, orientation, save, groups"}});
+}
+
+void describe(const XsensMtiConfiguration& configuration, DeviceDescription& description) {
+  NoFrames output;
+  const Calendar calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0});
+  description.quantities = quantities_of(emulators::Mti600(configuration.mti, calendar, output));
+  description.wire = "CAN 2.0A or B: SocketCAN or slcan on a pty";
+  description.document = "Xsens MT CAN Protocol Documentation MT1604P; the maker's xsens.dbc";
+  for (const emulators::MtiOutput& mti_output : configuration.mti.outputs) {
+    const auto& message = protocols::xsens::message(mti_output.id);
+    description.messages.push_back(
+        {fmt::format("{:03X} {}", static_cast<unsigned>(message.id), message.name),
+         mti_output.divider == 0
+             ? "off"
+             : fmt::format("{} Hz", emulators::kMtiSamplesPerSecond / mti_output.divider),
+         fmt::format("{} bytes", message.length)});
+  }
+}
+
+void describe(const EncoderDeviceConfiguration& configuration, DeviceDescription& description) {
+  NoFrames output;
+  emulators::VolatileMemory memory;
+  const emulators::RotaryEncoder encoder(configuration.encoder, memory, output);
+  description.quantities = quantities_of(encoder);
+  description.wire = "CAN 2.0A, CANopen: SocketCAN or slcan on a pty";
+  description.document = "CiA 301 V4.2.0, CiA 406 V3.2";
+  for (const auto& layout :
+       protocols::canopen::rotary_encoder_layouts(configuration.encoder.node.node_id)) {
+    description.messages.push_back(
+        {fmt::format("{:03X} {}", layout.id, layout.name), "by its parameters", layout.text});
+  }
+  description.messages.push_back(
+      {"SDO", "on request",
+       fmt::format("{} entries of the object dictionary",
+                   protocols::canopen::rotary_encoder_objects().size())});
 }
 
 void describe(const ValveDriverConfiguration& configuration, DeviceDescription& description) {

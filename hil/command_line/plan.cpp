@@ -77,6 +77,27 @@ Row plan(const RigConfiguration& rig, const OpenImuDeviceConfiguration& device) 
   return plan_node(rig, device.bus, device.imu.source_address, frame_rate_hz(device), with);
 }
 
+Row plan_can(const RigConfiguration& rig, const std::string& bus_name, const std::string& who,
+             double frames_hz, const std::string& with) {
+  const auto bus = rig.buses.find(bus_name);
+  return {bus == rig.buses.end()
+              ? bus_name
+              : fmt::format("can {} at {} bit/s, {}", bus_name, bus->second.bus.bit_rate_bps, who),
+          fmt::format("{:.0f} frames/s", frames_hz), "", with};
+}
+
+Row plan(const RigConfiguration& rig, const XsensMtiConfiguration& device) {
+  return plan_can(rig, device.bus, device.mti.extended ? "29-bit" : "11-bit", frame_rate_hz(device),
+                  "nothing is received");
+}
+
+Row plan(const RigConfiguration& rig, const EncoderDeviceConfiguration& device) {
+  return plan_can(rig, device.bus, fmt::format("node {}", device.encoder.node.node_id),
+                  frame_rate_hz(device),
+                  fmt::format("{} bits, {} against {}", device.encoder.resolution_bits, device.link,
+                              device.base));
+}
+
 Row plan(const RigConfiguration& rig, const IsoValvesConfiguration& device) {
   return plan_node(rig, device.bus, device.valves.source_address, frame_rate_hz(device),
                    fmt::format("{} sections, neutral {} after the last command",

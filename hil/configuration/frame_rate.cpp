@@ -19,10 +19,21 @@ class NoFrames final : public emulators::FrameOutput {
 
 double frame_rate_hz(const OpenImuDeviceConfiguration& device) {
   constexpr double kBaseRate_hz = 100.0;
-  constexpr unsigned kMessages = 0b111;
   const unsigned divider = device.imu.configuration.rate_divider;
-  const int messages = std::popcount(device.imu.configuration.packet_mask & kMessages);
+  const int messages = std::popcount(device.imu.configuration.packet_mask);
   return divider == 0 ? 0.0 : kBaseRate_hz / divider * messages;
+}
+
+double frame_rate_hz(const XsensMtiConfiguration& device) {
+  NoFrames nowhere;
+  const Calendar calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0});
+  return emulators::Mti600(device.mti, calendar, nowhere).nominal_rate_hz();
+}
+
+double frame_rate_hz(const EncoderDeviceConfiguration& device) {
+  NoFrames nowhere;
+  emulators::VolatileMemory memory;
+  return emulators::RotaryEncoder(device.encoder, memory, nowhere).nominal_rate_hz();
 }
 
 double frame_rate_hz(const StarFireConfiguration& device) {

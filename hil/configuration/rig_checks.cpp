@@ -261,6 +261,36 @@ class Checker {
     check_node(path, device.bus, device.imu.source_address, device.imu.serial);
   }
 
+  void check_bus_name(const std::string& path, const std::string& bus) {
+    if (!rig_.buses.contains(bus)) {
+      report(path + ".bus", "no such bus", "\"" + bus + "\"", join_words(bus_names_),
+             nearest_word(bus, bus_names_));
+    }
+  }
+
+  void check_device(const std::string& path, const XsensMtiConfiguration& device) {
+    check_link(path + ".mount.link", device.mount.link);
+    check_bus_name(path, device.bus);
+    // Its identifiers are fixed: a second unit on the bus would send the same ones.
+    claim(path + ".bus", fmt::format("{} mti {}", device.bus, device.mti.extended), device.bus);
+  }
+
+  void check_device(const std::string& path, const EncoderDeviceConfiguration& device) {
+    check_link(path + ".base", device.base);
+    check_link(path + ".link", device.link);
+    if (device.base == device.link) {
+      report(path + ".link", "turns against itself", "\"" + device.link + "\"",
+             "another link than `base`");
+    }
+    check_bus_name(path, device.bus);
+    const bool duplicates =
+        rig_.buses.contains(device.bus) && rig_.buses.at(device.bus).duplicate_addresses;
+    if (!duplicates) {
+      claim(path + ".node_id", fmt::format("{} node {}", device.bus, device.encoder.node.node_id),
+            std::to_string(device.encoder.node.node_id));
+    }
+  }
+
   void check_device(const std::string& path, const VehicleGatewayDeviceConfiguration& device) {
     check_node(path, device.bus, device.gateway.source_address, device.gateway.serial);
     if (!device.position_from.empty()) {

@@ -201,7 +201,10 @@ TEST(Mti600, MagneticFieldOnlyWithAMagnetometer) {
 TEST(Mti600, OverflowIsReportedOnce) {
   MtiRig rig;
   rig.run(100ms);
-  rig.mti.output_overflowed();
+  protocols::can::ControllerReport report;
+  rig.mti.controller(rig.now, report);
+  report.transmit_overflow = true;
+  rig.mti.controller(rig.now, report);
   rig.run(100ms);
   ASSERT_EQ(rig.output.of(MessageId::error).size(), 1U);
   EXPECT_EQ(rig.output.of(MessageId::error)[0].values[0], 1.0);

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "drivers/pty.h"
+#include "emulators/iso_valve/iso_valves.h"
 #include "emulators/openimu/openimu335ri.h"
 #include "emulators/ublox/receiver.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
@@ -103,6 +104,7 @@ class BusNodeLine final : public DeviceLine {
 };
 using BusImuLine = BusNodeLine<emulators::OpenImu, ImuStation>;
 using BusVehicleLine = BusNodeLine<emulators::VehicleGateway, VehicleStation>;
+using BusValveLine = BusNodeLine<emulators::IsoValves, ValveStation>;
 
 }  // namespace
 
@@ -145,6 +147,10 @@ std::unique_ptr<DeviceLine> make_line(const OpenImuDeviceConfiguration& configur
 std::unique_ptr<DeviceLine> make_line(const VehicleGatewayConfiguration& configuration,
                                       CanLine& bus) {
   return std::make_unique<BusVehicleLine>(configuration.gateway, bus);
+}
+
+std::unique_ptr<DeviceLine> make_line(const IsoValvesConfiguration& configuration, CanLine& bus) {
+  return std::make_unique<BusValveLine>(configuration.valves, bus);
 }
 
 }  // namespace rigwire::hil

@@ -76,5 +76,7 @@ class GnssLine : public DeviceLine {
                                                     CanLine& bus);
 [[nodiscard]] std::unique_ptr<DeviceLine> make_line(
     const VehicleGatewayConfiguration& configuration, CanLine& bus);
+[[nodiscard]] std::unique_ptr<DeviceLine> make_line(const IsoValvesConfiguration& configuration,
+                                                    CanLine& bus);
 
 }  // namespace rigwire::hil

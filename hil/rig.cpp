@@ -259,6 +259,10 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
     world_.add_vehicle(line->enlist(executive_),
                        sim::VehicleSensors(gateway->sensor, gateway->odometry, seed, name));
     devices_.push_back({name, std::move(line)});
+  } else if (const auto* block = std::get_if<IsoValvesConfiguration>(&configuration.settings)) {
+    auto line = make_line(*block, buses_.at(block->bus)->line);
+    world_.add_valves(line->enlist(executive_));
+    devices_.push_back({name, std::move(line)});
   } else {
     const auto& valves = std::get<ValveDriverConfiguration>(configuration.settings);
     auto line = make_line(valves, context,

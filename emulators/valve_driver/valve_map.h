@@ -10,16 +10,12 @@
 #include <vector>
 
 #include "emulators/valve_driver/valve_signal.h"
+#include "protocols/modbus/register_map.h"
 #include "sim/samples/valve_sample.h"
 
 namespace rigwire::emulators {
 
-enum class ModbusTable : std::uint8_t {
-  coils,
-  discrete_inputs,
-  holding_registers,
-  input_registers
-};
+using ModbusTable = protocols::modbus::Table;
 /// How a value lies in registers; `text` is two characters per register, high byte first.
 enum class RegisterFormat : std::uint8_t { bit, u16, s16, u32, s32, f32, text };
 /// Which word of a two-register value is at the lower address.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "emulators/iso_valve/iso_valves.h"
 #include "emulators/starfire/receiver.h"
 #include "emulators/ublox/receiver.h"
 #include "emulators/vehicle_gateway/report.h"
@@ -155,6 +156,27 @@ void describe(const ValveDriverConfiguration& configuration, DeviceDescription& 
       {"04 read input registers", "on request", "spools, pressures, swing encoder, faults"},
       {"06, 16, 22, 23 write registers", "on request", "control word, set points, parameters"},
       {"17, 43/14 identification", "on request", "vendor, product, revision"}};
+}
+
+void describe(const IsoValvesConfiguration& configuration, DeviceDescription& description) {
+  NoFrames output;
+  const emulators::IsoValves valves(configuration.valves, output);
+  description.quantities = quantities_of(valves);
+  description.wire = "CAN 2.0B at 250 kbit/s, J1939: SocketCAN or slcan on a pty";
+  description.document =
+      "ISO 11783-7 auxiliary valves as listed by isobus.net; SAE J1939 digital annex (joysticks); "
+      "layouts in docs/devices/iso-valves.md";
+  for (const auto& layout : protocols::iso11783::message_layouts(
+           static_cast<unsigned>(configuration.valves.amplifier.sections.size()),
+           configuration.valves.source_address, "valves")) {
+    const bool sent = !layout.sender.empty();
+    description.messages.push_back({fmt::format("{:08X} {}", layout.id, layout.name),
+                                    fmt::format("{:g} Hz", 1e3 / layout.period_ms),
+                                    (sent ? "sent: " : "received: ") + layout.text});
+  }
+  description.messages.push_back({"64982-64985 BJM1, EJM1, BJM2, EJM2", "10 Hz",
+                                  "received: joysticks, where they are mapped"});
+  description.messages.push_back({"65226 FECA DM1", "1 Hz", "sent: active trouble codes"});
 }
 
 void describe(const VehicleGatewayDeviceConfiguration& configuration,

@@ -77,6 +77,13 @@ Row plan(const RigConfiguration& rig, const OpenImuDeviceConfiguration& device) 
   return plan_node(rig, device.bus, device.imu.source_address, frame_rate_hz(device), with);
 }
 
+Row plan(const RigConfiguration& rig, const IsoValvesConfiguration& device) {
+  return plan_node(rig, device.bus, device.valves.source_address, frame_rate_hz(device),
+                   fmt::format("{} sections, neutral {} after the last command",
+                               device.valves.amplifier.sections.size(),
+                               print_duration(device.valves.command_timeout.count())));
+}
+
 Row plan(const RigConfiguration& rig, const VehicleGatewayDeviceConfiguration& device) {
   return plan_node(rig, device.bus, device.gateway.source_address, frame_rate_hz(device),
                    fmt::format("stops {} after the last guidance command",

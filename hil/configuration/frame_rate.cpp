@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "emulators/iso_valve/iso_valves.h"
 #include "emulators/starfire/node.h"
 #include "sim/samples/calendar.h"
 
@@ -36,6 +37,11 @@ double frame_rate_hz(const StarFireConfiguration& device) {
 double frame_rate_hz(const VehicleGatewayDeviceConfiguration& device) {
   NoFrames nowhere;
   return emulators::VehicleGateway(device.gateway, nowhere).nominal_rate_hz();
+}
+
+double frame_rate_hz(const IsoValvesConfiguration& device) {
+  NoFrames nowhere;
+  return emulators::IsoValves(device.valves, nowhere).nominal_rate_hz();
 }
 
 }  // namespace rigwire::hil

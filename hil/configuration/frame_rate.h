@@ -9,5 +9,6 @@ namespace rigwire::hil {
 [[nodiscard]] double frame_rate_hz(const OpenImuDeviceConfiguration& device);
 [[nodiscard]] double frame_rate_hz(const StarFireConfiguration& device);
 [[nodiscard]] double frame_rate_hz(const VehicleGatewayDeviceConfiguration& device);
+[[nodiscard]] double frame_rate_hz(const IsoValvesConfiguration& device);
 
 }  // namespace rigwire::hil

@@ -223,6 +223,17 @@ class Checker {
     }
   }
 
+  void check_device(const std::string& path, const IsoValvesConfiguration& device) {
+    check_node(path, device.bus, device.valves.source_address, device.valves.serial);
+    check_valve_block(path);
+  }
+
+  void check_valve_block(const std::string& path) {
+    if (!std::holds_alternative<ExcavatorMachine>(rig_.machine.settings)) {
+      report(path + ".type", "the machine has no valve block", "", "an excavator");
+    }
+  }
+
   void check_node(const std::string& path, const std::string& bus, unsigned address,
                   std::uint32_t serial) {
     if (!rig_.buses.contains(bus)) {
@@ -259,9 +270,7 @@ class Checker {
       claim(path + ".unit", fmt::format("{} unit {}", device.line, device.unit),
             std::to_string(device.unit));
     }
-    if (!std::holds_alternative<ExcavatorMachine>(rig_.machine.settings)) {
-      report(path + ".type", "the machine has no valve block", "", "an excavator");
-    }
+    check_valve_block(path);
   }
 
   /// Frames per second that a device sends on that bus by itself.

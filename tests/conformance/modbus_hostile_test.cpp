@@ -11,6 +11,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <span>
 #include <string>
 #include <thread>
@@ -131,7 +132,7 @@ TEST(ModbusHostile, TheThirtyThirdClientTakesThePlaceOfTheOneSilentLongest) {
 
 TEST(ModbusHostile, ImpossibleLengthsCloseAfterTheAnswersStillDue) {
   const ModbusRig rig;
-  for (const std::uint16_t length : {0, 1, 255, 65535}) {
+  for (const std::uint16_t length : std::vector<std::uint16_t>{0, 1, 255, 65535}) {
     const Connection client(rig.port());
     Bytes bytes = kRequest;
     bytes.insert(bytes.end(), {0, 2, 0, 0, static_cast<std::uint8_t>(length >> 8U),

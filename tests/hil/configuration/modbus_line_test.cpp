@@ -14,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-const std::string kPit = std::string(RIGWIRE_CONFIG_DIR) + "/rigs/excavator_pit.yaml";
+const std::string kPit = std::string(RIGWIRE_SOURCE_DIR) + "/configs/rigs/excavator_pit.yaml";
 
 RigConfiguration load(const std::vector<std::string>& sets) {
   return load_rig(kPit, sets).configuration;

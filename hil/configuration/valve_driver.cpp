@@ -16,7 +16,6 @@ emulators::ValveDriverSettings driver_settings(const ValveDriverConfiguration& c
 }
 
 void validate(const ValveDriverConfiguration& p) {
-  validate(p.server);
   try {
     validate(driver_settings(p));
   } catch (const ConfigurationError& error) {

@@ -31,12 +31,18 @@ class ModbusRig final : private emulators::StreamOutput {
   explicit ModbusRig(const emulators::ValveDriverSettings& settings = {})
       : server_(context_, server_settings()), modbus_({}, *this), driver_(settings) {
     modbus_.add_unit(1, driver_.unit());
-    server_.start({[this](auto id) { modbus_.connected(now(), id); },
+    server_.start({[this](auto id) {
+                     ++clients_;
+                     modbus_.connected(now(), id);
+                   },
                    [this](auto id, auto bytes) {
                      record(id, true, bytes);
                      modbus_.receive(now(), id, bytes);
                    },
-                   [this](auto id) { modbus_.disconnected(now(), id); }});
+                   [this](auto id) {
+                     modbus_.disconnected(now(), id);
+                     --clients_;
+                   }});
     thread_ = std::thread([this] { run(); });
   }
   ~ModbusRig() {
@@ -51,6 +57,11 @@ class ModbusRig final : private emulators::StreamOutput {
     const std::lock_guard lock(mutex_);
     return segments_;
   }
+  void forget_segments() {
+    const std::lock_guard lock(mutex_);
+    segments_ = {};
+  }
+  [[nodiscard]] std::size_t clients() const { return clients_; }
   [[nodiscard]] ValveCommand command() const {
     const std::lock_guard lock(mutex_);
     return command_;
@@ -132,6 +143,7 @@ class ModbusRig final : private emulators::StreamOutput {
   ValveCommand command_;
   ValveSample sample_;
   bool sample_waiting_ = false;
+  std::atomic<std::size_t> clients_ = 0;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };

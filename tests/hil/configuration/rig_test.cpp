@@ -81,7 +81,7 @@ TEST(ExcavatorPit, has_the_devices_that_the_field_program_expects) {
   const auto& valves = std::get<ValveDriverConfiguration>(rig.devices.at("valves").settings);
   EXPECT_EQ(valves.port, 1502);
   const std::vector<std::string> sections{"swing", "boom", "stick", "bucket"};
-  EXPECT_EQ(valves.driver.sections, sections);
+  EXPECT_EQ(valves.driver.amplifier.sections, sections);
 }
 
 TEST(ExcavatorPit, machine_file_repeats_the_defaults_of_the_reference_machine) {

@@ -66,6 +66,18 @@ TEST(ValveMapFile, TheDocumentHoldsEveryRowOfTheExamples) {
   }
 }
 
+TEST(ValveMapFile, TheDocumentsOwnExampleMakesADriver) {
+  std::ifstream file(kSource + "/docs/your-own-valve.md");
+  std::stringstream page;
+  page << file.rdbuf();
+  const std::string text = page.str();
+  const std::size_t begin = text.find("```yaml\n") + 8;
+  ValveDriverSettings settings;
+  settings.map = parse_valve_map(text.substr(begin, text.find("```", begin) - begin), "example");
+  EXPECT_EQ(settings.map->registers.size(), 4U);
+  EXPECT_NO_THROW(ValveDriver{settings});
+}
+
 TEST(ValveMapFile, EveryFaultIsToldWithItsPlace) {
   EXPECT_THAT(faults_of(with_register("{name: a, table: holding, address: 0, signal: comand}")),
               HasSubstr("valve.yaml:3:"));

@@ -130,8 +130,8 @@ std::string fault_of(const ValveRegister& entry, bool writable_table) {
       (made_of_bits && entry.format != RegisterFormat::u16)) {
     return "signal bits needs format u16 and a list of bits, and only it has one";
   }
-  if (is_text != (entry.format == RegisterFormat::text)) {
-    return "signal text has format text, and only it";
+  if (is_text != (entry.format == RegisterFormat::text) || (!is_text && !entry.content.empty())) {
+    return "signal text has format text and a content, and only it";
   }
   if (is_text && (entry.content.size() > 2U * entry.count || entry.writable)) {
     return "a text of " + std::to_string(entry.content.size()) + " characters does not fit into " +
@@ -240,7 +240,10 @@ std::string markdown_row(const ValveRegister& entry) {
   }
   cell(unit);
   const bool is_text = entry.format == RegisterFormat::text;
-  cell(is_text ? quoted(entry.content) : number(entry.least()) + " .. " + number(entry.greatest()));
+  const bool any = entry.format == RegisterFormat::f32 && std::isnan(entry.lower);
+  cell(is_text ? quoted(entry.content)
+       : any   ? std::string("any")
+               : number(entry.least()) + " .. " + number(entry.greatest()));
   cell(is_text ? std::string() : number(entry.initial.value_or(0.0)));
   cell(entry.text);
   return row;

@@ -1,0 +1,132 @@
+// The excavator whose valves are on CAN, in one process, free-running on private wires, with a
+// controller on its implement bus.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "hil/configuration/problems.h"
+#include "hil/rig.h"
+#include "private_wires.h"
+#include "protocols/iso11783/auxiliary_valve.h"
+
+namespace rigwire::hil {
+namespace {
+
+namespace iso = protocols::iso11783;
+using namespace std::chrono_literals;
+
+constexpr const char* kRigFile = RIGWIRE_SOURCE_DIR "/configs/rigs/excavator_can.yaml";
+constexpr unsigned kBoomValve = 2;  // first_valve 1, section 2
+
+std::vector<std::string> private_sets(const test::PrivateWires& wires) {
+  return {"devices.gnss.path=" + wires.gnss(), "buses.can.path=" + wires.can(),
+          "buses.can.wire=slcan", "buses.valves.path=" + (wires.folder / "valves").string(),
+          "buses.valves.wire=slcan"};
+}
+
+/// Sends a command to the boom every 100 ms of simulated time: neutral, from 1 s on extend, from
+/// 2 s on nothing.
+class Controller final : public EventSource {
+ public:
+  explicit Controller(const std::string& path)
+      : line_(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK)) {
+    write_line("O\r");
+  }
+  ~Controller() override { ::close(line_); }
+  Controller(const Controller&) = delete;
+  Controller& operator=(const Controller&) = delete;
+
+  [[nodiscard]] bool is_open() const { return line_ >= 0; }
+  [[nodiscard]] SimTime next_event() const override { return next_; }
+  [[nodiscard]] SimTime next_wakeup() const override { return next_; }
+  void advance(SimTime now) override {
+    while (next_ <= now && next_ < kStart + 2s) {
+      iso::AuxiliaryValveCommand command;
+      const bool moves = next_ >= kStart + 1s;
+      command.flow_share = moves ? 0.5 : 0.0;
+      command.resolution = 0;
+      command.state =
+          static_cast<std::uint8_t>(moves ? iso::ValveState::extend : iso::ValveState::neutral);
+      command.fail_safe = 0;
+      send(iso::encode(kBoomValve, command, 0x26));
+      next_ += 100ms;
+    }
+    next_ = next_ >= kStart + 2s ? kNever : next_;
+    std::array<char, 4096> ignored{};
+    while (::read(line_, ignored.data(), ignored.size()) > 0) {
+    }
+  }
+
+ private:
+  void send(const protocols::can::Frame& frame) {
+    char text[32];
+    int used = std::snprintf(text, sizeof text, "T%08X8", frame.id);
+    for (const std::uint8_t byte : frame.data) {
+      used +=
+          std::snprintf(text + used, sizeof text - static_cast<std::size_t>(used), "%02X", byte);
+    }
+    write_line(std::string(text) + "\r");
+  }
+  void write_line(const std::string& text) {
+    EXPECT_EQ(::write(line_, text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  }
+
+  int line_;
+  SimTime next_ = kStart + 500ms;
+};
+
+/// Lines of the truth file: joint angles and spools every 10 ms.
+std::vector<nlohmann::json> run(Duration duration) {
+  const test::PrivateWires wires;
+  const LoadedRig loaded = load_rig(kRigFile, private_sets(wires));
+  const auto truth = wires.folder / "truth.jsonl";
+  {
+    boost::asio::io_context io;
+    Rig rig(loaded.configuration, io, {truth, {}});
+    Controller controller((wires.folder / "valves").string());
+    EXPECT_TRUE(controller.is_open());
+    rig.executive().add(controller);
+    const RunOutcome outcome = rig.executive().run_free(kStart + duration);
+    EXPECT_FALSE(outcome.fault.has_value()) << *outcome.fault;
+  }
+  std::vector<nlohmann::json> lines;
+  std::ifstream file(truth);
+  for (std::string line; std::getline(file, line);) {
+    lines.push_back(nlohmann::json::parse(line));
+  }
+  return lines;
+}
+
+TEST(IsoValveRig, CommandsOnTheBusMoveTheBoomAndItsSilenceStopsIt) {
+  const auto lines = run(3s);
+  ASSERT_EQ(lines.size(), 300U);
+  const auto boom_rad = [&](std::size_t line) { return lines[line]["joint_rad"][1].get<double>(); };
+  const auto spool = [&](std::size_t line) { return lines[line]["spool"][1].get<double>(); };
+  EXPECT_EQ(spool(95), 0.0);
+  EXPECT_NEAR(spool(190), 0.5, 0.002);
+  EXPECT_GT(std::abs(boom_rad(195) - boom_rad(95)), 0.05);
+  EXPECT_EQ(spool(299), 0.0) << "the controller fell silent at 2 s";
+}
+
+TEST(IsoValveRig, ALeverForASectionThatIsNotThereIsRefused) {
+  const test::PrivateWires wires;
+  std::vector<std::string> sets = private_sets(wires);
+  sets.push_back("devices.valves.joysticks.x1=arm");
+  try {
+    (void)load_rig(kRigFile, sets);
+    ADD_FAILURE() << "a lever for a section that is not there was taken";
+  } catch (const ConfigurationError& error) {
+    EXPECT_NE(std::string(error.what()).find("joysticks"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace rigwire::hil

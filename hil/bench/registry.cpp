@@ -8,7 +8,7 @@ namespace rigwire::hil {
 
 std::span<const BenchSuite> bench_suites() {
   // The rig first: peak memory is that of the process.
-  static constexpr std::array<BenchSuite, 9> kSuites{{
+  static constexpr std::array<BenchSuite, 10> kSuites{{
       {"rig", "the whole rig running free: speed, stages, memory", bench_rig},
       {"pacing", "the whole rig in real time: lateness of every device", bench_pacing},
       {"lidar", "the lidar stage against bare Embree, and its range error", bench_lidar},
@@ -20,6 +20,7 @@ std::span<const BenchSuite> bench_suites() {
       {"gnss", "satellite receivers: every model's cost and error, a lap of the campus",
        bench_gnss},
       {"encoding", "cost of each wire format against what its wire can carry", bench_encoding},
+      {"buses", "CAN model, its last hops and Modbus: speed, latency and exactness", bench_buses},
   }};
   return kSuites;
 }

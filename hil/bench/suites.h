@@ -15,5 +15,6 @@ nlohmann::json bench_excavator(std::ostream& text);
 nlohmann::json bench_dynamics(std::ostream& text);
 nlohmann::json bench_gnss(std::ostream& text);
 nlohmann::json bench_encoding(std::ostream& text);
+nlohmann::json bench_buses(std::ostream& text);
 
 }  // namespace rigwire::hil

@@ -155,13 +155,18 @@ void declare(CLI::App& app, Parsed& parsed) {
   list_app->add_flag("--json", parsed.json, "As JSON");
 
   CLI::App* describe_app = app.add_subcommand("describe", "Messages, rates, units, ranges, keys");
-  describe_app->add_option("device", parsed.word,
-                           "A type of `rigwire list devices`, or a device's name in a rig: gnss");
-  describe_app->add_option("--valve-map", parsed.valve_map,
-                           "A valve driver's registers from a file, as tables");
-  describe_app->add_flag("--json", parsed.json, "As JSON");
+  CLI::Option* device = describe_app->add_option(
+      "device", parsed.word, "A type of `rigwire list devices`, or a device's name in a rig: gnss");
+  CLI::Option* valve_map = describe_app
+                               ->add_option("--valve-map", parsed.valve_map,
+                                            "A valve driver's registers from a file, as tables")
+                               ->excludes(device);
+  CLI::Option* json = describe_app->add_flag("--json", parsed.json, "As JSON");
   CLI::Option* dbc =
-      describe_app->add_option("--dbc", parsed.rig.rig, "RIG: print the DBC file of its CAN bus");
+      describe_app->add_option("--dbc", parsed.rig.rig, "RIG: print the DBC file of its CAN bus")
+          ->excludes(device)
+          ->excludes(json)
+          ->excludes(valve_map);
   describe_app->add_option("--bus", parsed.bus, "Of the rig, when it has several")->needs(dbc);
   describe_app->footer("\nExample:\n  rigwire describe --dbc unimog_forest > unimog.dbc");
   describe_app->require_option(1, 2);

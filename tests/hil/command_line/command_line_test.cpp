@@ -124,6 +124,19 @@ TEST(CommandLine, lists_know_what_there_is) {
   EXPECT_THAT(typo.output, HasSubstr("did you mean rigs?"));
 }
 
+TEST(CommandLine, describe_writes_the_dbc_file_of_a_rigs_bus) {
+  const Result dbc = rigwire("describe --dbc unimog_forest");
+  EXPECT_EQ(dbc.code, 0) << dbc.output;
+  EXPECT_THAT(dbc.output, testing::StartsWith("VERSION \"\"\n"));
+  EXPECT_THAT(dbc.output, testing::HasSubstr("BO_ 2364539943 eec1: 8 vehicle\n"));  // 0CF00427
+  EXPECT_THAT(dbc.output, testing::HasSubstr(" SG_ latitude : "));  // position_from: gnss
+  EXPECT_EQ(rigwire("describe --dbc unimog_forest --bus can").output, dbc.output);
+  const Result unknown = rigwire("describe --dbc unimog_forest --bus rear");
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.output, testing::HasSubstr("has no CAN bus \"rear\", allowed can"));
+  EXPECT_EQ(rigwire("describe").code, 2);
+}
+
 TEST(CommandLine, every_device_is_described) {
   for (const auto& device : nlohmann::json::parse(rigwire("list devices --json").output)) {
     const std::string type = device["name"];

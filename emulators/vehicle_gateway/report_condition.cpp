@@ -63,7 +63,7 @@ void VehicleReport::put_tyres(std::uint32_t pgn, std::uint8_t source, const Vehi
       vehicle::Tire1 message;
       message.location = location;
       message.pressure_pa = pressure_pa;
-      message.extended_support = Switch::on;
+      message.extended_support = sample != nullptr ? Switch::on : Switch::not_available;
       put(message, source);
     } else if (is<vehicle::Tire2>(pgn)) {
       put(vehicle::Tire2{location, pressure_pa, target_pa}, source);

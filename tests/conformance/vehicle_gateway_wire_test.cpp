@@ -99,7 +99,12 @@ TEST_F(VehicleGatewayConformance, PrioritiesAndPeriodsAreThoseOfTheStandard) {
                                        {61445, 6, 0.1},     // ETC2
                                        {61441, 6, 0.1},     // EBC1
                                        {61449, 6, 0.01},    // VDC2
+                                       {61469, 6, 0.01},    // SAS
                                        {61446, 6, 0.5},     // EAC1
+                                       {65263, 6, 0.5},     // EFL/P1
+                                       {65262, 6, 1.0},     // ET1
+                                       {65276, 6, 1.0},     // DD1
+                                       {65128, 6, 1.0},     // VF
                                        {61448, 6, 0.05},    // HPG
                                        {44032, 3, 0.1},     // guidance machine info
                                        {61474, 3, 0.1},     // machine selected speed

@@ -100,6 +100,19 @@ RotaryEncoder::RotaryEncoder(const RotaryEncoderSettings& settings, NonvolatileM
                   {"speed", "rad/s", -speed_radps, speed_radps, step_rad}}};
 }
 
+std::vector<protocols::can::MessageLayout> RotaryEncoder::messages(std::string_view name) const {
+  auto list = canopen::rotary_encoder_layouts(settings_.node.node_id);
+  for (auto& layout : list) {
+    layout.sender = name;
+    if (layout.id == canopen::kTransmitPdo1Base + settings_.node.node_id) {
+      layout.period_ms = settings_.event_timer_ms;
+    } else if (layout.id == canopen::kHeartbeatBase + settings_.node.node_id) {
+      layout.period_ms = settings_.heartbeat_ms;
+    }
+  }
+  return list;
+}
+
 SamplePlan RotaryEncoder::sample_plan() const {
   return {kStart + settings_.supply.power_on, settings_.sampling};
 }

@@ -15,6 +15,8 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "emulators/backends.h"
 #include "emulators/canopen/canopen_node.h"
@@ -55,6 +57,8 @@ class RotaryEncoder final : public CanDevice, public EncoderBackend, private Can
   [[nodiscard]] double nominal_rate_hz() const override { return node_.nominal_rate_hz(); }
   [[nodiscard]] std::span<const Quantity> quantities() const override { return quantities_; }
   void receive(SimTime now, const protocols::can::Frame& frame) override;
+  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+      std::string_view name) const override;
   void update(const EncoderSample& sample) override;
 
   [[nodiscard]] const CanopenNode& node() const { return node_; }

@@ -17,6 +17,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
+#include <vector>
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
@@ -46,6 +48,8 @@ class OpenImu final : public CanDevice, public ImuBackend {
   [[nodiscard]] std::span<const Quantity> quantities() const override;
 
   void receive(SimTime now, const protocols::can::Frame& frame) override;
+  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+      std::string_view name) const override;
   /// One tick. Samples outside the element's range are clamped and marked; a sample that is not
   /// finite is sent as error (300RI: as not available).
   void update(const ImuSample& sample) override;

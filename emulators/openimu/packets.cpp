@@ -37,6 +37,37 @@ Measurement limited(Measurement measurement, double limit) {
 
 }  // namespace
 
+std::vector<protocols::can::MessageLayout> OpenImu::messages(std::string_view name) const {
+  struct Kind {
+    std::uint32_t pgn;
+    std::uint16_t of_300;  ///< Its bit in the packet mask; 0: not sent.
+    std::uint16_t of_335;
+  };
+  constexpr std::array<Kind, 6> kKinds{
+      {{openimu::kSlopePgn, PacketBit::kSlope, PacketBit::kSlope},
+       {openimu::kAngularRatePgn, PacketBit::kAngularRate, PacketBit::kAngularRate},
+       {openimu::kAccelerationPgn, PacketBit::kAcceleration, PacketBit::kAcceleration},
+       {openimu::kMagneticFieldPgn, PacketBit::kMagneticField, 0},
+       {openimu::kSlope1Pgn, 0, PacketBit::kSlope1},
+       {openimu::kFineRatePgn, 0, PacketBit::kFineRate}}};
+  constexpr std::uint32_t kFastest_ms = 10;
+  std::vector<protocols::can::MessageLayout> list;
+  for (auto& layout : openimu::layouts(settings_.source_address)) {
+    const std::uint32_t pgn = j1939::unpack(layout.id).pgn;
+    const auto* kind =
+        std::find_if(kKinds.begin(), kKinds.end(), [pgn](const Kind& k) { return k.pgn == pgn; });
+    const std::uint16_t bit = is_300() ? kind->of_300 : kind->of_335;
+    if (bit != 0) {
+      layout.sender = name;
+      if ((settings_.configuration.packet_mask & bit) != 0) {
+        layout.period_ms = kFastest_ms * settings_.configuration.rate_divider;
+      }
+      list.push_back(std::move(layout));
+    }
+  }
+  return list;
+}
+
 FigureOfMerit OpenImu::merit(bool saturated) const {
   if (is_300()) {
     return FigureOfMerit::not_available;

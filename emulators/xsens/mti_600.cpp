@@ -120,6 +120,22 @@ double Mti600::nominal_rate_hz() const {
   return sum;
 }
 
+std::vector<protocols::can::MessageLayout> Mti600::messages(std::string_view name) const {
+  constexpr double kPeriod_ms = 1e3 / kMtiSamplesPerSecond;
+  std::vector<protocols::can::MessageLayout> list;
+  for (auto& layout : xsens::layouts(settings_.extended)) {
+    for (const MtiOutput& output : settings_.outputs) {
+      if (static_cast<std::uint32_t>(output.id) == layout.id) {
+        layout.sender = name;
+        layout.period_ms = static_cast<std::uint32_t>(std::lround(kPeriod_ms * output.divider));
+        list.push_back(std::move(layout));
+        break;
+      }
+    }
+  }
+  return list;
+}
+
 void Mti600::advance(SimTime now) {
   while (supply_.next_change() <= now) {
     const SimTime instant = supply_.next_change();

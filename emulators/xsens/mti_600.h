@@ -16,6 +16,8 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string_view>
+#include <vector>
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
@@ -83,6 +85,8 @@ class Mti600 final : public CanDevice, public ImuBackend {
   [[nodiscard]] ReceiveCounters received() const override { return received_; }
   [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::span<const Quantity> quantities() const override;
+  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+      std::string_view name) const override;
   /// Counted as ignored.
   void receive(SimTime now, const protocols::can::Frame& frame) override;
   void update(const ImuSample& sample) override;

@@ -166,5 +166,14 @@ TEST(RotaryEncoderSettings, RefusedWithTheValueFound) {
   refused([](auto& s) { s.supply.off = 0ns; });
 }
 
+TEST(RotaryEncoderMessages, CarrySenderAndPeriods) {
+  EncoderRig rig;
+  const auto list = rig.encoder.messages("swing");
+  ASSERT_EQ(list.size(), 4U);
+  EXPECT_EQ(list[0].sender, "swing");
+  EXPECT_EQ(list[0].period_ms, 20U);
+  EXPECT_EQ(list[2].period_ms, 0U);
+}
+
 }  // namespace
 }  // namespace rigwire::emulators

@@ -306,5 +306,16 @@ TEST(OpenImuBusLoad, DefaultMessagesAtRestTake17Percent) {
   EXPECT_NEAR(bus.load(now), 0.1712 + 0.0006, 0.0002);
 }
 
+TEST(OpenImuMessages, AreThoseOfTheVariantWithTheirPeriods) {
+  OpenImuRig newer;
+  EXPECT_EQ(newer.imu.messages("boom").size(), 5U);
+  EXPECT_EQ(newer.imu.messages("boom")[0].period_ms, 10U);
+  EXPECT_EQ(newer.imu.messages("boom")[0].sender, "boom");
+  OpenImuRig older(settings_with(0x12341, OpenImuVariant::openimu300ri));
+  ASSERT_EQ(older.imu.messages("boom").size(), 4U);
+  EXPECT_EQ(older.imu.messages("boom")[3].id, 0x18FF6A80U);
+  EXPECT_EQ(older.imu.messages("boom")[3].period_ms, 0U);  // off, or on request
+}
+
 }  // namespace
 }  // namespace rigwire::emulators

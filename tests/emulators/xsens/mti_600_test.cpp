@@ -248,5 +248,19 @@ TEST(Mti600Settings, RefusedWithTheValueFound) {
   refused([](auto& s) { s.processing_delay = -1ns; });
 }
 
+TEST(Mti600Messages, CarrySenderAndPeriods) {
+  MtiRig rig(with({{MessageId::utc, 400}}));
+  const auto list = rig.mti.messages("imu");
+  EXPECT_EQ(list.size(), kMtiOutputs.size());
+  for (const auto& layout : list) {
+    EXPECT_EQ(layout.sender, "imu");
+    if (layout.id == 0x34) {
+      EXPECT_EQ(layout.period_ms, 10U);
+    } else if (layout.id == 0x07) {
+      EXPECT_EQ(layout.period_ms, 1000U);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace rigwire::emulators

@@ -10,6 +10,7 @@
 
 #include "hil/configuration/document.h"
 #include "hil/configuration/reader.h"
+#include "hil/valve_map_file.h"
 
 namespace rigwire::hil {
 namespace {
@@ -57,6 +58,8 @@ TEST(Configs, every_file_is_loaded_without_a_finding) {
       EXPECT_EQ(complaints_of<MachineConfiguration>(entry.path()), "");
     } else if (kind == "scenes") {
       EXPECT_EQ(complaints_of<SceneConfiguration>(entry.path()), "");
+    } else if (kind == "valves") {
+      EXPECT_NO_THROW((void)load_valve_map(entry.path()));
     } else {
       ADD_FAILURE() << entry.path() << " is of no kind that a test loads";
     }

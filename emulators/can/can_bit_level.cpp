@@ -37,6 +37,7 @@ void CanBitLevel::begin(const CanLineState& line, unsigned first_bit) {
   readable_ = true;
   corrupted_ = false;
   complete_ = false;
+  one_rate_ = true;
   read_ = 0;
   length_ = 0;
   recessive_from_ = 0;
@@ -53,6 +54,7 @@ void CanBitLevel::add_transmitter(CanController& node, const Frame& frame) {
       recessive_from_ = level ? recessive_from_ : bit + 1;
     }
   }
+  one_rate_ = one_rate_ && view.readable();
   Party party;
   party.node = &node;
   party.does = Does::transmit;
@@ -196,7 +198,7 @@ void CanBitLevel::observe_transmitter(Party& party, bool level) {
     observe_receiver(party, level);
     return;
   }
-  if (!level && wire.is_arbitration_stuff_bit(bit)) {
+  if (!level && one_rate_ && wire.is_arbitration_stuff_bit(bit)) {
     report_error(party, BusError::stuff, CanErrorRule::none);
   } else if (bit >= wire.stuffed_bits()) {
     report_error(party, BusError::form, CanErrorRule::transmit);

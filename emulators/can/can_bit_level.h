@@ -129,7 +129,10 @@ class CanBitLevel {
   bool seen_ = false;       ///< A start of frame was on the wire.
   bool readable_ = true;    ///< ... and in its place, by a sender with the segment's rate.
   bool corrupted_ = false;  ///< What was read up to the CRC is not what was to be sent.
-  bool complete_ = false;   ///< A frame went well: the bus is free after its intermission.
+  /// All transmitters have the segment's. Those with different ones would not stay in step as they
+  /// do here, so nothing is excused.
+  bool one_rate_ = true;
+  bool complete_ = false;  ///< A frame went well: the bus is free after its intermission.
   unsigned length_ = 0;
   unsigned recessive_from_ = 0;
 };

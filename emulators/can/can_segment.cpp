@@ -132,6 +132,7 @@ void CanSegment::arbitrate(SimTime start) {
   const CanLineState line = noise_.attempt(clock_, contenders_.front().bits - kInterframeBits);
   if (goes_well(line)) {
     attempt_ = Attempt::good;
+    load_.occupy(clock_.now(), clock_.after(contenders_.front().bits));
   } else {
     begin_bit_by_bit(line);
   }
@@ -235,6 +236,7 @@ void CanSegment::begin_bit_by_bit(const CanLineState& line) {
 void CanSegment::go_on_bit_by_bit() {
   if (!bits_.run()) {
     settle_losers(clock_.after(bits_.length()));
+    load_.occupy(clock_.now(), clock_.after(bits_.length()));
     end_attempt(bits_.length(), bits_.recessive_from());
   }
 }
@@ -288,10 +290,8 @@ void CanSegment::settle_losers(SimTime now) {
 }
 
 void CanSegment::end_attempt(unsigned length, unsigned recessive_from) {
-  const SimTime begin = clock_.now();
   const SimTime recessive = clock_.after(recessive_from);
   clock_.advance(length);
-  load_.occupy(begin, clock_.now());
   for (CanController* node : nodes_) {
     node->set_suspended(false);
     if (node->recovering()) {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "can_test_nodes.h"
 #include "protocols/can/bits.h"
 
 namespace rigwire::emulators {
@@ -14,33 +15,12 @@ namespace {
 using namespace std::chrono_literals;
 using protocols::can::exact_bits;
 using protocols::can::Frame;
+using test::extended;
+using test::Listener;
+using test::Recorder;
+using test::standard;
 
 constexpr Duration kBit = 4us;  // at 250 kbit/s
-
-struct Recorder final : FrameOutput {
-  void send(SimTime due, const Frame& frame) override { frames.emplace_back(due, frame); }
-  std::vector<std::pair<SimTime, Frame>> frames;
-};
-
-/// A node that records what it hears.
-class Listener final : public CanDevice {
- public:
-  void advance(SimTime) override {}
-  [[nodiscard]] SimTime next_event() const override { return kNever; }
-  [[nodiscard]] SamplePlan sample_plan() const override { return {}; }
-  [[nodiscard]] ReceiveCounters received() const override { return {}; }
-  [[nodiscard]] double nominal_rate_hz() const override { return 0.0; }
-  [[nodiscard]] std::span<const Quantity> quantities() const override { return {}; }
-  void receive(SimTime now, const Frame& frame) override { heard.emplace_back(now, frame); }
-  std::vector<std::pair<SimTime, Frame>> heard;
-};
-
-Frame standard(std::uint32_t id) {
-  return {id, false, false, 8, {1, 2, 3, 4, 5, 6, 7, 8}};
-}
-Frame extended(std::uint32_t id) {
-  return {id, true, false, 8, {1, 2, 3, 4, 5, 6, 7, 8}};
-}
 
 class CanBus : public testing::Test {
  protected:

@@ -1,0 +1,310 @@
+// Faults of wire, rates, stubs and intruders, and what the others make of them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "can_test_nodes.h"
+#include "emulators/can/can_bus.h"
+#include "emulators/split_mix.h"
+#include "protocols/can/bits.h"
+
+namespace rigwire::emulators {
+namespace {
+
+using namespace std::chrono_literals;
+using protocols::can::ErrorState;
+using protocols::can::exact_bits;
+using protocols::can::Frame;
+using test::Client;
+using test::conserved;
+using test::Counter;
+using test::extended;
+using test::Listener;
+using test::Recorder;
+using test::standard;
+using test::time_of;
+
+constexpr Duration kBit = 4us;
+
+CanBusFault fault(CanBusFaultKind kind, Duration begin, Duration end) {
+  CanBusFault result;
+  result.kind = kind;
+  result.begin = begin;
+  result.end = end;
+  return result;
+}
+
+CanBusFault intruder(const Frame& frame, Duration period, Duration begin, Duration end) {
+  CanBusFault result = fault(CanBusFaultKind::intruder, begin, end);
+  result.frame = frame;
+  result.period = period;
+  return result;
+}
+
+class CanFaults : public testing::Test {
+ protected:
+  Recorder outside_;
+  Recorder intruders_;
+  CanBusModel bus_{CanBusSettings{250'000, 16}};
+  FrameOutput& a_ = bus_.add_node(outside_, {.name = "a"});
+  FrameOutput& b_ = bus_.add_node(outside_, {.name = "b"});
+  Listener device_a_;
+  Listener device_b_;
+  void SetUp() override {
+    bus_.attach(a_, device_a_);
+    bus_.attach(b_, device_b_);
+  }
+  /// Both send every 10 ms.
+  void live(SimTime from, SimTime to) {
+    for (SimTime now = from; now < to; now += 10ms) {
+      bus_.advance(now);
+      a_.send(now, standard(0x100));
+      b_.send(now, standard(0x200));
+    }
+    bus_.advance(to);
+  }
+};
+
+TEST_F(CanFaults, ShortedBusTakesASenderOffAtTheExactBitAndItComesBack) {
+  bus_.set_faults({{fault(CanBusFaultKind::short_circuit, 0ms, 50ms)}}, intruders_);
+  a_.send(kStart, standard(0x100));
+  bus_.advance(kStart + 50ms);
+  // Every dominant bit that reads recessive counts: start of frame and sixteen bits of error flags
+  // make 136; a passive flag is undisturbed. Then 17 bits to the end of the intermission and eight
+  // of suspension, and fifteen more attempts of one bit each.
+  const auto first = 17 + 6 + 8 + 3 + 8;
+  const SimTime off = kStart + (first + 14 * (1 + 6 + 8 + 3 + 8) + 1) * kBit;
+  EXPECT_EQ(time_of(device_a_.reports, ErrorState::passive), kStart + 16 * kBit);
+  EXPECT_EQ(time_of(device_a_.reports, ErrorState::bus_off), off);
+  EXPECT_EQ(bus_.controller(b_).receive_errors, 0);  // It saw an idle bus.
+  live(kStart + 200ms, kStart + 300ms);
+  EXPECT_EQ(bus_.controller(a_).state, ErrorState::active);
+  EXPECT_EQ(bus_.counters(a_).sent, 10U);
+}
+
+TEST_F(CanFaults, DisturbanceDestroysEveryFrameOfItsTimeAndNoOther) {
+  bus_.set_faults({{fault(CanBusFaultKind::disturbance, 100ms, 103ms)}}, intruders_);
+  live(kStart, kStart + 200ms);
+  for (const auto& [time, frame] : outside_.frames) {
+    const SimTime begin = time - (exact_bits(frame) - 4) * kBit;
+    EXPECT_TRUE(time <= kStart + 100ms || begin >= kStart + 103ms - kBit) << to_seconds(time);
+  }
+  EXPECT_EQ(outside_.frames.size(), 40U);  // All were repeated in the end.
+  EXPECT_GT(bus_.error_frames(), 5U);
+}
+
+TEST_F(CanFaults, BitErrorsComeAtTheirRate) {
+  CanBusFault noise = fault(CanBusFaultKind::bit_errors, 0ms, 1h);
+  noise.probability = 1e-4;
+  bus_.set_faults({{noise}, 7}, intruders_);
+  live(kStart, kStart + 100s);
+  const double bits = 20'000.0 * (exact_bits(standard(0x100)) - 3);
+  const double expected = bits * 1e-4;  // And those of repetitions, one in a hundred.
+  EXPECT_NEAR(static_cast<double>(bus_.error_frames()), expected, 4.0 * std::sqrt(expected) + 5.0);
+  EXPECT_EQ(bus_.counters(a_).sent, 10'000U);
+  EXPECT_EQ(bus_.controller(a_).state, ErrorState::active);
+}
+
+TEST_F(CanFaults, SenderWithAnotherRateGoesOffAndTheOthersGoOn) {
+  CanBusFault wrong = fault(CanBusFaultKind::wrong_rate, 100ms, 5s);
+  wrong.node = "b";
+  wrong.bit_rate_bps = 500'000;
+  bus_.set_faults({{wrong}}, intruders_);
+  live(kStart, kStart + 4s);
+  EXPECT_GT(bus_.counters(b_).bus_offs, 0U);
+  EXPECT_EQ(bus_.counters(b_).sent, 10U);  // Before it began.
+  for (const auto& [time, frame] : outside_.frames) {
+    EXPECT_TRUE(frame.id == 0x100 || time < kStart + 100ms);
+  }
+  EXPECT_GT(bus_.counters(a_).sent, 100U);
+  EXPECT_GE(bus_.error_frames(), 32U);
+  const auto before = bus_.counters(b_).sent;
+  live(kStart + 5s, kStart + 7s);
+  EXPECT_GT(bus_.counters(b_).sent, before + 150);
+}
+
+// It misreads the first three bits, and its flag falls into the identifier, which the sender takes
+// for lost arbitration. The others' flags follow, so each attempt counts 1 + 8 for the culprit, and
+// the fifteenth makes it passive.
+TEST_F(CanFaults, QuickerReaderDestroysFramesUntilItIsPassive) {
+  CanBusFault wrong = fault(CanBusFaultKind::wrong_rate, 0ms, 5s);
+  wrong.node = "b";
+  wrong.bit_rate_bps = 500'000;
+  bus_.set_faults({{wrong}}, intruders_);
+  a_.send(kStart, standard(0x155));
+  bus_.advance(kStart + 1s);
+  EXPECT_EQ(bus_.controller(b_).state, ErrorState::passive);
+  EXPECT_TRUE(device_b_.heard.empty());
+  EXPECT_EQ(bus_.counters(a_).sent, 1U);  // Thanks to the client's acknowledgement.
+  EXPECT_EQ(bus_.counters(a_).arbitration_losses, 15U);
+  EXPECT_EQ(bus_.controller(a_).transmit_errors, 0);
+}
+
+// Its flag lasts longer than what the others tolerate after their own: the sender pays.
+TEST_F(CanFaults, SlowerReaderTakesTheSenderOff) {
+  CanBusFault wrong = fault(CanBusFaultKind::wrong_rate, 0ms, 5s);
+  wrong.node = "b";
+  wrong.bit_rate_bps = 125'000;
+  bus_.set_faults({{wrong}}, intruders_);
+  a_.send(kStart, standard(0x155));
+  bus_.advance(kStart + 1s);
+  EXPECT_EQ(bus_.counters(a_).bus_offs, 1U);
+  EXPECT_EQ(bus_.counters(a_).sent, 0U);
+  EXPECT_TRUE(outside_.frames.empty());
+}
+
+TEST_F(CanFaults, BabblerWithAnUrgentIdentifierSilencesEverybody) {
+  bus_.set_faults({{intruder(standard(0x000), 100us, 1s, 2s)}}, intruders_);
+  live(kStart, kStart + 3s);
+  std::uint64_t within = 0;
+  for (const auto& [time, frame] : outside_.frames) {
+    within += time > kStart + 1002ms && time < kStart + 2s ? 1U : 0U;
+  }
+  EXPECT_EQ(within, 0U);
+  EXPECT_GT(bus_.counters(a_).overflowed, 50U);
+  const double second_bits = 250'000.0;
+  EXPECT_NEAR(static_cast<double>(intruders_.frames.size()),
+              second_bits / exact_bits(standard(0x000)), 2.0);
+  EXPECT_TRUE(conserved(bus_.counters(a_)));
+}
+
+TEST_F(CanFaults, DuplicateOfAnIdentifierInUseMakesCollisions) {
+  Frame duplicate = standard(0x100);
+  duplicate.data[7] = 0xFF;
+  bus_.set_faults({{intruder(duplicate, 10ms, 0s, 1s)}}, intruders_);
+  live(kStart, kStart + 1s);
+  EXPECT_GT(bus_.collisions(), 50U);
+  EXPECT_GT(bus_.error_frames(), 50U);
+  EXPECT_NE(time_of(device_a_.reports, ErrorState::passive), kNever);
+}
+
+TEST_F(CanFaults, DisconnectedNodeIsAloneAndTheOthersDoNotNotice) {
+  CanBusFault broken = fault(CanBusFaultKind::disconnected, 100ms, 1s);
+  broken.node = "b";
+  bus_.set_faults({{broken}}, intruders_);
+  live(kStart, kStart + 900ms);
+  EXPECT_EQ(bus_.counters(b_).sent, 10U);
+  EXPECT_EQ(bus_.controller(b_).state, ErrorState::passive);
+  EXPECT_EQ(bus_.counters(b_).bus_offs, 0U);
+  EXPECT_EQ(device_b_.heard.size(), 10U);
+  EXPECT_EQ(bus_.counters(a_).sent, 90U);
+  EXPECT_EQ(bus_.error_frames(), 0U);
+  live(kStart + 1s, kStart + 2s);
+  EXPECT_GE(bus_.counters(b_).sent, 110U);
+  EXPECT_NE(bus_.controller(b_).state, ErrorState::passive);
+}
+
+TEST_F(CanFaults, ClientOnABrokenStubHearsNothing) {
+  CanBusFault broken = fault(CanBusFaultKind::disconnected, 0ms, 1s);
+  broken.node = "outside";
+  bus_.set_faults({{broken}}, intruders_);
+  live(kStart, kStart + 990ms);
+  EXPECT_TRUE(outside_.frames.empty());
+  EXPECT_EQ(bus_.counters(a_).sent, 99U);  // The devices acknowledge each other.
+  live(kStart + 1s, kStart + 2s);
+  EXPECT_EQ(outside_.frames.size(), 200U);
+}
+
+TEST_F(CanFaults, AreCheckedAtSetUp) {
+  const auto refused = [this](const CanBusFault& bad) {
+    EXPECT_THROW(bus_.set_faults({{bad}}, intruders_), std::invalid_argument);
+  };
+  refused(fault(CanBusFaultKind::disturbance, 1s, 1s));
+  refused(fault(CanBusFaultKind::bit_errors, 0s, 1s));
+  CanBusFault nobody = fault(CanBusFaultKind::disconnected, 0s, 1s);
+  nobody.node = "c";
+  refused(nobody);
+  CanBusFault rate = fault(CanBusFaultKind::wrong_rate, 0s, 1s);
+  rate.node = "a";
+  rate.bit_rate_bps = 5000;
+  refused(rate);
+  refused(intruder(standard(0x800), 1ms, 0s, 1s));
+  refused(intruder(standard(0x100), 1us, 0s, 1s));
+  CanBusFault first = fault(CanBusFaultKind::disconnected, 0s, 2s);
+  first.node = "a";
+  CanBusFault second = fault(CanBusFaultKind::disconnected, 1s, 3s);
+  second.node = "a";
+  EXPECT_THROW(bus_.set_faults({{first, second}}, intruders_), std::invalid_argument);
+  EXPECT_THROW((void)bus_.add_node(outside_, {.name = "a"}), std::invalid_argument);
+}
+
+struct Outcome {
+  std::vector<std::pair<SimTime, Frame>> frames;
+  std::vector<CanNodeCounters> counters;
+  std::vector<protocols::can::ControllerReport> controllers;
+  friend bool operator==(const Outcome&, const Outcome&) = default;
+};
+
+/// Everything at once: random traffic of five nodes and the client, and every fault.
+Outcome storm(bool by_events) {
+  CanBusFault noise = fault(CanBusFaultKind::bit_errors, 0ms, 1h);
+  noise.probability = 1e-3;
+  CanBusFault rate = fault(CanBusFaultKind::wrong_rate, 300ms, 500ms);
+  rate.node = "n1";
+  rate.bit_rate_bps = 200'000;
+  CanBusFault stub = fault(CanBusFaultKind::disconnected, 600ms, 900ms);
+  stub.node = "n2";
+  Recorder outside;
+  Client client;
+  CanBusModel bus({250'000, 8});
+  bus.set_outside(client);
+  std::vector<FrameOutput*> nodes;
+  for (int i = 0; i < 5; ++i) {
+    CanNodeSettings settings;
+    settings.name = "n" + std::to_string(i);
+    settings.order = i % 2 == 0 ? CanQueueOrder::fifo : CanQueueOrder::priority;
+    settings.one_shot = i == 3;
+    settings.restart_after = 10ms;
+    nodes.push_back(&bus.add_node(outside, settings));
+  }
+  bus.set_faults({{noise, rate, stub, fault(CanBusFaultKind::disturbance, 1000ms, 1020ms),
+                   fault(CanBusFaultKind::short_circuit, 1200ms, 1210ms),
+                   intruder(standard(0x080), 3ms, 100ms, 1400ms)},
+                  3},
+                 outside);
+  SplitMix random(11);
+  for (SimTime now = kStart; now < kStart + 1500ms; now += 100us) {
+    if (by_events) {
+      while (bus.next_event() < now) {
+        bus.advance(bus.next_event());
+      }
+    } else {
+      bus.advance(now - 1ns);
+    }
+    if (random.below(4) == 0) {
+      nodes[random.below(5)]->send(now, extended(random.below(64) << 18U));
+    }
+    if (random.below(16) == 0) {
+      bus.receive(now, standard(random.below(0x800)));
+    }
+    if (random.below(4000) == 0) {
+      bus.set_client(now, {.present = random.below(4) != 0, .one_shot = random.below(2) == 0});
+    }
+    for (const CanNodeStatus& node : bus.nodes()) {
+      EXPECT_TRUE(conserved(node.counters)) << node.name << " at " << to_seconds(now);
+    }
+  }
+  // Every frame of the client was settled, or waits.
+  const CanNodeCounters counters = bus.outside_counters();
+  EXPECT_EQ(client.confirmed.size() + counters.queued,
+            counters.sent + counters.abandoned + counters.overflowed + counters.queued);
+  Outcome outcome;
+  outcome.frames = outside.frames;
+  for (const CanNodeStatus& node : bus.nodes()) {
+    outcome.counters.push_back(node.counters);
+    outcome.controllers.push_back(node.controller);
+  }
+  return outcome;
+}
+
+TEST(CanStorm, CountersConserveAndNothingDependsOnTheSteps) {
+  const Outcome outcome = storm(true);
+  EXPECT_EQ(outcome, storm(true));
+  EXPECT_EQ(outcome, storm(false));
+  EXPECT_GT(outcome.frames.size(), 500U);
+}
+
+}  // namespace
+}  // namespace rigwire::emulators

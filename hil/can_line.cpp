@@ -38,7 +38,17 @@ emulators::FrameOutput& CanLine::exit_to(WireStatistics& statistics) {
   return *exits_.back();
 }
 
+void CanLine::begin_device(const std::string& name) {
+  device_ = name;
+  nodes_of_device_ = 0;
+}
+
 emulators::FrameOutput& CanLine::add_node(WireStatistics& statistics) {
+  ++nodes_of_device_;
+  line_.node.name = device_;
+  if (!device_.empty() && nodes_of_device_ > 1) {
+    line_.node.name += " " + std::to_string(nodes_of_device_);
+  }
   return bus_.add_node(exit_to(statistics), line_.node);
 }
 

@@ -39,8 +39,9 @@ class CanLine final : public EventSource, private emulators::CanOutside {
   CanLine(const CanLine&) = delete;
   CanLine& operator=(const CanLine&) = delete;
 
-  /// Nodes added from now on belong to the device of this name: faults know them by it.
-  void begin_device(const std::string& name) { line_.node.name = name; }
+  /// Nodes added from now on belong to the device of this name: faults know the first of them by
+  /// it, further ones as "NAME 2" and so on.
+  void begin_device(const std::string& name);
   /// A new node; the output is what its device must be constructed with. `statistics` must outlive
   /// the line.
   [[nodiscard]] emulators::FrameOutput& add_node(WireStatistics& statistics);
@@ -78,6 +79,8 @@ class CanLine final : public EventSource, private emulators::CanOutside {
 
   drivers::CanBus& endpoint_;
   CanLineSettings line_;
+  std::string device_;
+  int nodes_of_device_ = 0;
   FrameOutlet outlet_;
   WireStatistics intruder_;
   std::vector<std::unique_ptr<NodeExit>> exits_;

@@ -44,6 +44,10 @@ CanHop open_socketcan(const BusConfiguration& bus, boost::asio::io_context& io) 
 /// Where the adapter cannot be attached here, it is served for others all the same.
 CanHop open_gs_usb(const BusConfiguration& bus, const CanHost& host, boost::asio::io_context& io,
                    const std::function<UsbBus&()>& usb) {
+  if (!usb) {
+    throw drivers::EndpointError(
+        "gs_usb: the rig has no USB bus; use `wire: socketcan` or `wire: slcan`");
+  }
   GsUsbCanSettings settings;
   settings.attach = bus.attach && host.gs_usb_obstacle.empty();
   CanHop hop;
@@ -94,7 +98,11 @@ CanWireChoice choose_can_wire(const BusConfiguration& configuration, const CanHo
 
 CanHop open_can_hop(const BusConfiguration& configuration, const CanHost& host,
                     boost::asio::io_context& io, const std::function<UsbBus&()>& usb) {
-  CanWireChoice choice = choose_can_wire(configuration, host);
+  CanHost offered = host;
+  if (!usb && offered.gs_usb_obstacle.empty()) {
+    offered.gs_usb_obstacle = "the rig has no USB bus";
+  }
+  CanWireChoice choice = choose_can_wire(configuration, offered);
   CanHop hop;
   switch (choice.wire) {
     case CanWire::socketcan:

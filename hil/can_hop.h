@@ -46,9 +46,10 @@ struct CanHop {
 
 /// Throws drivers::EndpointError (environment), std::invalid_argument (an interface of another bit
 /// rate).
-/// `usb` gives the rig's USB bus, for gs_usb; the hop must outlive it.
+/// `usb` gives the rig's USB bus, for gs_usb; the hop must outlive it. Without one there is no
+/// gs_usb.
 [[nodiscard]] CanHop open_can_hop(const BusConfiguration& configuration, const CanHost& host,
                                   boost::asio::io_context& io,
-                                  const std::function<UsbBus&()>& usb);
+                                  const std::function<UsbBus&()>& usb = {});
 
 }  // namespace rigwire::hil

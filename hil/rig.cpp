@@ -15,6 +15,8 @@
 #include "hil/scene_fall_obstacle.h"
 #include "hil/scene_files.h"
 #include "hil/starfire_line.h"
+#include "hil/usb_joystick_line.h"
+#include "hil/usb_server_line.h"
 #include "hil/velodyne_line.h"
 #include "sim/random.h"
 #include "sim/scene/triangle_mesh.h"
@@ -165,6 +167,7 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
     add_device(name, device);
   }
   connect_time_source();
+  connect_joysticks();
   open_taps(truth);
 }
 
@@ -204,7 +207,8 @@ void Rig::open_bus(const std::string& name, const BusConfiguration& configuratio
 
 void Rig::add_device(const std::string& name, const DeviceConfiguration& configuration) {
   const std::uint64_t seed = configuration_.seed;
-  const LineContext context{io_, calendar_, sim::RandomStream(seed, name + "/line").bits()};
+  const LineContext context{io_, calendar_, sim::RandomStream(seed, name + "/line").bits(), name,
+                            [this]() -> UsbBus& { return usb(); }};
   const auto mount = [this](const MountConfiguration& place) {
     return sensor_mount(configuration_.machine, place);
   };
@@ -247,6 +251,11 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
     world_.add_vehicle(line->enlist(executive_),
                        sim::VehicleSensors(gateway->sensor, gateway->odometry, seed, name));
     devices_.push_back({name, std::move(line)});
+  } else if (const auto* joystick =
+                 std::get_if<UsbJoystickConfiguration>(&configuration.settings)) {
+    auto line = make_line(*joystick, usb(), name);
+    line->enlist(executive_);
+    devices_.push_back({name, std::move(line)});
   } else {
     auto line = make_line(std::get<ValveDriverConfiguration>(configuration.settings), context);
     world_.add_valves(line->enlist(executive_));
@@ -271,6 +280,31 @@ void Rig::connect_time_source() {
       }
     }
   }
+}
+
+void Rig::connect_joysticks() {
+  const auto valves = [this]() -> const emulators::ValveBackend* {
+    for (const Device& device : devices_) {
+      if (const auto* found =
+              dynamic_cast<const emulators::ValveBackend*>(&device.line->device())) {
+        return found;
+      }
+    }
+    return nullptr;
+  }();
+  for (const Device& device : devices_) {
+    auto* joystick = dynamic_cast<JoystickLine*>(device.line.get());
+    if (joystick != nullptr && valves != nullptr) {
+      joystick->follow(*valves);
+    }
+  }
+}
+
+UsbBus& Rig::usb() {
+  if (usb_ == nullptr) {
+    usb_ = std::make_unique<UsbServerLine>(configuration_.usb, io_, executive_);
+  }
+  return *usb_;
 }
 
 RigStatus Rig::status() const {

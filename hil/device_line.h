@@ -3,6 +3,7 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "hil/executive.h"
 #include "hil/fix_listener.h"
 #include "hil/rig_status.h"
+#include "hil/usb_bus.h"
 #include "hil/wire_statistics.h"
 #include "sim/samples/calendar.h"
 
@@ -51,6 +53,8 @@ struct LineContext {
   boost::asio::io_context& io;
   const Calendar& calendar;
   std::uint64_t device_seed = 0;  ///< Of what is random in the device itself.
+  std::string name;               ///< Of the device in the rig.
+  std::function<UsbBus&()> usb;   ///< The rig's; opened by the first who asks.
 };
 
 class LidarLine : public DeviceLine, public FixListener {

@@ -31,6 +31,8 @@ namespace rigwire::hil {
 [[nodiscard]] SensorMount sensor_mount(const MachineConfiguration& machine,
                                        const MountConfiguration& mount);
 
+class UsbServerLine;
+
 /// Where ground truth goes.
 struct TruthFiles {
   std::filesystem::path machine;  ///< hil/truth_tap.h
@@ -68,6 +70,9 @@ class Rig {
   void open_modbus_line(const std::string& name, const ModbusLineConfiguration& configuration);
   void add_device(const std::string& name, const DeviceConfiguration& configuration);
   void connect_receivers();
+  void connect_joysticks();
+  /// Opens the server when the first device asks for it.
+  [[nodiscard]] UsbBus& usb();
   void open_taps(const TruthFiles& files);
 
   RigConfiguration configuration_;
@@ -77,6 +82,7 @@ class Rig {
   std::shared_ptr<const sim::Constellation> satellites_;
   SimulatedWorld world_;
   Executive executive_;
+  std::unique_ptr<UsbServerLine> usb_;  ///< Null while no device is on USB.
   std::map<std::string, std::unique_ptr<Bus>> buses_;
   std::map<std::string, std::unique_ptr<ModbusLine>> modbus_lines_;
   std::vector<Device> devices_;

@@ -16,6 +16,7 @@
 #include "hil/configuration/outline.h"
 #include "hil/configuration/satellites.h"
 #include "hil/configuration/scene.h"
+#include "hil/configuration/usb.h"
 #include "sim/samples/calendar.h"
 #include "sim/samples/time.h"
 
@@ -46,6 +47,7 @@ struct RigConfiguration {
   MachineConfiguration machine;
   std::map<std::string, BusConfiguration> buses;
   std::map<std::string, ModbusLineConfiguration> modbus;
+  UsbConfiguration usb;
   std::map<std::string, DeviceConfiguration> devices;
   TruthConfiguration truth;
   StatusConfiguration status;
@@ -82,6 +84,7 @@ void visit(Visitor& v, RigConfiguration& p) {
   v.section("machine", p.machine, "The machine.");
   v.named("buses", p.buses, "bus", "CAN buses, by name.");
   v.named("modbus", p.modbus, "line", "Modbus lines that devices share, by name.");
+  v.section("usb", p.usb, "The server for devices on USB.");
   v.named("devices", p.devices, "device", "Devices, by name.");
   v.section("truth", p.truth, "The tap for ground truth.");
   v.section("status", p.status, "The table.");

@@ -82,10 +82,11 @@ class Rig {
   std::shared_ptr<const sim::Constellation> satellites_;
   SimulatedWorld world_;
   Executive executive_;
-  std::unique_ptr<UsbServerLine> usb_;  ///< Null while no device is on USB.
   std::map<std::string, std::unique_ptr<Bus>> buses_;
   std::map<std::string, std::unique_ptr<ModbusLine>> modbus_lines_;
   std::vector<Device> devices_;
+  /// Null while no device is on USB. Last, because what is plugged into it must outlive it.
+  std::unique_ptr<UsbServerLine> usb_;
 };
 
 }  // namespace rigwire::hil

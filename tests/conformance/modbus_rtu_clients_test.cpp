@@ -120,9 +120,6 @@ assert client.connect()
 assert not client.write_registers(0, [1, 250], slave=1).isError()
 assert client.read_holding_registers(1, 1, slave=1).registers == [250]
 assert client.read_input_registers(18, 1, slave=7).registers == [2400]
-both = client.readwrite_registers(read_address=1000, read_count=22, write_address=9,
-                                  write_registers=[77], slave=7)
-assert both.registers[20] == 77, both
 refused = client.write_register(1, 1001, slave=1)
 assert refused.isError() and refused.exception_code == 3, refused
 client.params.broadcast_enable = True

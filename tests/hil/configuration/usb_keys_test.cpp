@@ -43,15 +43,17 @@ TEST(UsbKeys, AScriptBecomesKeyframes) {
 }
 
 TEST(UsbKeys, WhatNoLeverCanDoIsRefused) {
-  UsbJoystickConfiguration levers;
-  EXPECT_THAT(findings_of("script: [{at: 0 s, left_x: 1.5}]\n", levers), HasSubstr("left_x"));
-  EXPECT_THAT(findings_of("script: [{at: 0 s, buttons: [17]}]\n", levers), HasSubstr("buttons"));
-  EXPECT_THAT(findings_of("script: [{at: 0 s, buttons: [1.5]}]\n", levers),
-              HasSubstr("whole numbers"));
-  EXPECT_THAT(findings_of("script: [{left_x: 1}]\n", levers), HasSubstr("at"));
-  EXPECT_THAT(findings_of("script: [{at: 1 s}, {at: 1 s}]\n", levers), HasSubstr("keyframe 1"));
-  EXPECT_THAT(findings_of("repeat: true\n", levers), HasSubstr("repeats"));
-  EXPECT_THAT(findings_of("source: autopilot\n", levers), HasSubstr("commands"));
+  const auto findings = [](const std::string& yaml) {
+    UsbJoystickConfiguration levers;
+    return findings_of(yaml, levers);
+  };
+  EXPECT_THAT(findings("script: [{at: 0 s, left_x: 1.5}]\n"), HasSubstr("left_x"));
+  EXPECT_THAT(findings("script: [{at: 0 s, buttons: [17]}]\n"), HasSubstr("buttons"));
+  EXPECT_THAT(findings("script: [{at: 0 s, buttons: [1.5]}]\n"), HasSubstr("whole numbers"));
+  EXPECT_THAT(findings("script: [{left_x: 1}]\n"), HasSubstr("at"));
+  EXPECT_THAT(findings("script: [{at: 1 s}, {at: 1 s}]\n"), HasSubstr("keyframe 1"));
+  EXPECT_THAT(findings("repeat: true\n"), HasSubstr("repeats"));
+  EXPECT_THAT(findings("source: autopilot\n"), HasSubstr("commands"));
 }
 
 TEST(UsbKeys, OnlyADeviceOnUsbHasAPlugToPull) {

@@ -6,10 +6,12 @@
 #include "drivers/tcp_server.h"
 #include "emulators/openimu/openimu335ri.h"
 #include "emulators/ublox/receiver.h"
+#include "emulators/usb/ublox_usb.h"
 #include "emulators/valve_driver/valve_driver.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
 #include "hil/outlet.h"
 #include "hil/station.h"
+#include "hil/usb_serial_stream.h"
 
 namespace rigwire::hil {
 namespace {
@@ -18,8 +20,8 @@ class SerialGnssLine final : public GnssLine {
  public:
   SerialGnssLine(const UbloxConfiguration& configuration, const LineContext& context)
       : check_baud_(configuration.check_baud),
-        pty_(context.io, configuration.path, configuration.receiver.baud),
-        outlet_(pty_, own_statistics()),
+        line_(open_line(configuration, context)),
+        outlet_(*line_, own_statistics()),
         receiver_(settings(configuration, context), context.calendar, outlet_),
         backend_(receiver_),
         station_(receiver_, backend_) {}
@@ -27,11 +29,11 @@ class SerialGnssLine final : public GnssLine {
   DeviceIndex enlist(Executive& executive) override {
     const DeviceIndex index = executive.add(station_);
     executive.add(outlet_);
-    pty_.on_client([this, &executive](const drivers::LineClient& client) {
+    line_->on_client([this, &executive](const drivers::LineClient& client) {
       receiver_.set_client(executive.arrive(),
                            {client.present, seen_baud(check_baud_, client.baud)});
     });
-    pty_.start([this, &executive](std::span<const std::uint8_t> bytes) {
+    line_->start([this, &executive](std::span<const std::uint8_t> bytes) {
       receiver_.receive(client_arrived(executive), bytes);
     });
     return index;
@@ -39,7 +41,7 @@ class SerialGnssLine final : public GnssLine {
 
   void inform(LidarLine& lidar) override { backend_.lidars.push_back(&lidar); }
 
-  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return pty_.status(); }
+  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return line_->status(); }
   [[nodiscard]] std::uint64_t frames() const override { return receiver_.messages_sent(); }
   [[nodiscard]] std::uint64_t dropped() const override {
     return statistics().dropped + receiver_.counters().messages_lost;
@@ -47,6 +49,22 @@ class SerialGnssLine final : public GnssLine {
   [[nodiscard]] const emulators::Device& device() const override { return receiver_; }
 
  private:
+  static std::unique_ptr<drivers::ByteStream> open_line(const UbloxConfiguration& configuration,
+                                                        const LineContext& context) {
+    if (configuration.wire == SerialWire::pty) {
+      return std::make_unique<drivers::Pty>(context.io, configuration.path,
+                                            configuration.receiver.baud);
+    }
+    UsbBus& bus = context.usb();
+    auto stream = std::make_unique<UsbSerialStream>(
+        context.io, bus, emulators::ublox_usb(configuration.receiver.profile->generation),
+        context.name);
+    for (const UnplugConfiguration& unplug : configuration.unplugged) {
+      bus.schedule_unplug(stream->socket(), kStart + unplug.at, kStart + unplug.at + unplug.length);
+    }
+    return stream;
+  }
+
   static emulators::UbloxSettings settings(const UbloxConfiguration& configuration,
                                            const LineContext& context) {
     emulators::UbloxSettings settings = configuration.receiver;
@@ -69,7 +87,7 @@ class SerialGnssLine final : public GnssLine {
   };
 
   BaudCheck check_baud_;
-  drivers::Pty pty_;
+  std::unique_ptr<drivers::ByteStream> line_;
   StreamOutlet outlet_;
   emulators::UbloxReceiver receiver_;
   Backend backend_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "hil/configuration/device.h"
 #include "hil/executive.h"
 #include "hil/rig_status.h"
+#include "hil/usb_bus.h"
 #include "hil/wire_statistics.h"
 #include "sim/samples/calendar.h"
 
@@ -50,6 +52,8 @@ struct LineContext {
   boost::asio::io_context& io;
   const Calendar& calendar;
   std::uint64_t device_seed = 0;  ///< Of what is random in the device itself.
+  std::string name;               ///< Of the device in the rig.
+  std::function<UsbBus&()> usb;   ///< The rig's; opened by the first who asks.
 };
 
 /// These open their endpoints and throw drivers::EndpointError when that fails.

@@ -14,6 +14,8 @@
 #include "hil/scene_fall_obstacle.h"
 #include "hil/scene_files.h"
 #include "hil/starfire_line.h"
+#include "hil/usb_joystick_line.h"
+#include "hil/usb_server_line.h"
 #include "hil/velodyne_line.h"
 #include "sim/random.h"
 #include "sim/scene/triangle_mesh.h"
@@ -168,6 +170,7 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
     }
   }
   connect_time_source();
+  connect_joysticks();
   open_taps(truth);
 }
 
@@ -196,8 +199,9 @@ void Rig::open_taps(const TruthFiles& files) {
 Rig::~Rig() = default;
 
 void Rig::open_bus(const std::string& name, const BusConfiguration& configuration) {
-  auto bus =
-      std::make_unique<Bus>(open_can_hop(configuration, examine_can_host(), io_), configuration);
+  auto bus = std::make_unique<Bus>(
+      open_can_hop(configuration, examine_can_host(), io_, [this]() -> UsbBus& { return usb(); }),
+      configuration);
   executive_.add(bus->line);
   executive_.add(bus->line.outlet());
   drivers::CanBus& endpoint = *bus->hop.endpoint;
@@ -212,7 +216,8 @@ void Rig::open_bus(const std::string& name, const BusConfiguration& configuratio
 
 void Rig::add_device(const std::string& name, const DeviceConfiguration& configuration) {
   const std::uint64_t seed = configuration_.seed;
-  const LineContext context{io_, calendar_, sim::RandomStream(seed, name + "/line").bits()};
+  const LineContext context{io_, calendar_, sim::RandomStream(seed, name + "/line").bits(), name,
+                            [this]() -> UsbBus& { return usb(); }};
   const auto mount = [this](const MountConfiguration& place) {
     return sensor_mount(configuration_.machine, place);
   };
@@ -255,6 +260,11 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
     world_.add_vehicle(line->enlist(executive_),
                        sim::VehicleSensors(gateway->sensor, gateway->odometry, seed, name));
     devices_.push_back({name, std::move(line)});
+  } else if (const auto* joystick =
+                 std::get_if<UsbJoystickConfiguration>(&configuration.settings)) {
+    auto line = make_line(*joystick, usb(), name);
+    line->enlist(executive_);
+    devices_.push_back({name, std::move(line)});
   } else {
     auto line = make_line(std::get<ValveDriverConfiguration>(configuration.settings), context);
     world_.add_valves(line->enlist(executive_));
@@ -288,6 +298,31 @@ std::vector<std::string> Rig::wires() const {
         fmt::format("bus {}: {} ({})", name, bus->line.endpoint().address, bus->hop.choice.why));
   }
   return lines;
+}
+
+void Rig::connect_joysticks() {
+  const auto valves = [this]() -> const emulators::ValveBackend* {
+    for (const Device& device : devices_) {
+      if (const auto* found =
+              dynamic_cast<const emulators::ValveBackend*>(&device.line->device())) {
+        return found;
+      }
+    }
+    return nullptr;
+  }();
+  for (const Device& device : devices_) {
+    auto* joystick = dynamic_cast<JoystickLine*>(device.line.get());
+    if (joystick != nullptr && valves != nullptr) {
+      joystick->follow(*valves);
+    }
+  }
+}
+
+UsbBus& Rig::usb() {
+  if (usb_ == nullptr) {
+    usb_ = std::make_unique<UsbServerLine>(configuration_.usb, io_, executive_);
+  }
+  return *usb_;
 }
 
 RigStatus Rig::status() const {

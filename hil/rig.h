@@ -30,6 +30,8 @@ namespace rigwire::hil {
 [[nodiscard]] SensorMount sensor_mount(const MachineConfiguration& machine,
                                        const MountConfiguration& mount);
 
+class UsbServerLine;
+
 /// Where ground truth goes.
 struct TruthFiles {
   std::filesystem::path machine;  ///< hil/truth_tap.h
@@ -66,6 +68,9 @@ class Rig {
   void open_bus(const std::string& name, const BusConfiguration& configuration);
   void add_device(const std::string& name, const DeviceConfiguration& configuration);
   void connect_time_source();
+  void connect_joysticks();
+  /// Opens the server when the first device asks for it.
+  [[nodiscard]] UsbBus& usb();
   void open_taps(const TruthFiles& files);
 
   RigConfiguration configuration_;
@@ -75,6 +80,7 @@ class Rig {
   std::shared_ptr<const sim::Constellation> satellites_;
   SimulatedWorld world_;
   Executive executive_;
+  std::unique_ptr<UsbServerLine> usb_;  ///< Null while no device is on USB.
   std::map<std::string, std::unique_ptr<Bus>> buses_;
   std::vector<Device> devices_;
 };

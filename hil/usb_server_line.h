@@ -37,6 +37,9 @@ class UsbServerLine final : public UsbBus, public EventSource {
   [[nodiscard]] SimTime next_wakeup() const override { return next_event(); }
   void advance(SimTime now) override;
 
+  [[nodiscard]] std::size_t open_transfers(Socket socket) const {
+    return server_.open_transfers(socket);
+  }
   [[nodiscard]] std::uint16_t port() const { return endpoint_.port(); }
   [[nodiscard]] const WireStatistics& statistics() const { return output_.statistics; }
 

@@ -117,6 +117,7 @@ void CdcAcm::power_on(SimTime now) {
   reads_.clear();
   notification_reads_.clear();
   reading_ = false;
+  reading_ends_ = kNever;
   serial_state_ = 0;
   notify_ = false;
   break_ends_ = kNever;
@@ -186,6 +187,7 @@ void CdcAcm::read(SimTime now, UsbTransfer transfer, std::uint8_t endpoint, std:
   }
   reads_.push_back({transfer, length});
   reading_ = true;
+  reading_ends_ = kNever;
   update_line(now, line_);
   pump(now);
 }
@@ -220,6 +222,13 @@ void CdcAcm::advance(SimTime now) {
     line.sending_break = false;
     update_line(now, line);
   }
+  if (now >= reading_ends_) {
+    update_line(now, line_);
+  }
+}
+
+SimTime CdcAcm::next_event() const {
+  return std::min(break_ends_, line_.data_terminal_ready ? kNever : reading_ends_);
 }
 
 void CdcAcm::pump(SimTime now) {
@@ -230,6 +239,9 @@ void CdcAcm::pump(SimTime now) {
         queue_begin_, std::min(read.length, queue_.size() - queue_begin_));
     queue_begin_ += data.size();
     host_->complete(now, read.transfer, Outcome::done, data, 0);
+  }
+  if (reading_ && reads_.empty() && reading_ends_ == kNever) {
+    reading_ends_ = now + kReadPause;
   }
   if (queue_begin_ == queue_.size()) {
     queue_.clear();
@@ -251,6 +263,10 @@ void CdcAcm::pump_notifications(SimTime now) {
 }
 
 void CdcAcm::update_line(SimTime now, CdcAcmLine line) {
+  if (now >= reading_ends_) {
+    reading_ = false;
+    reading_ends_ = kNever;
+  }
   line.client_present = host_ != nullptr && (line.data_terminal_ready || reading_);
   if (!line.client_present) {
     queue_.clear();

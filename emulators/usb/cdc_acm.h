@@ -5,8 +5,9 @@
 // whole and counted. While no client has the line open nothing waits: bytes are taken and
 // forgotten, and what the last client left unread goes with it.
 //
-// A client is there while DTR is set or somebody reads: a host opens the line by one or the other,
-// and takes its reads back when it closes it.
+// A client is there while DTR is set or somebody reads: a host opens the line by one or the other.
+// It reads no more when it takes its last read back, or has had it answered and asks for nothing
+// within kReadPause.
 //
 // A read of the host ends with the bytes that there are, at most as many as it asks for. It ends
 // short, by a packet that is not full or, after a multiple of the packet size, by an empty one;
@@ -72,6 +73,8 @@ class CdcAcm final : public UsbDevice {
   static constexpr std::uint8_t kOutEndpoint = 0x01;
   static constexpr std::uint8_t kInEndpoint = 0x82;
   static constexpr std::uint16_t kPacketBytes = 64;
+  /// Longer than any host needs to ask again.
+  static constexpr Duration kReadPause = std::chrono::milliseconds(200);
 
   /// `device` must outlive this. Throws std::invalid_argument.
   CdcAcm(const CdcAcmSettings& settings, CdcAcmDevice& device);
@@ -96,7 +99,7 @@ class CdcAcm final : public UsbDevice {
              std::span<const std::uint8_t> data) override;
   [[nodiscard]] bool cancel(SimTime now, UsbTransfer transfer) override;
   void advance(SimTime now) override;
-  [[nodiscard]] SimTime next_event() const override { return break_ends_; }
+  [[nodiscard]] SimTime next_event() const override;
 
  private:
   struct Read {
@@ -118,7 +121,8 @@ class CdcAcm final : public UsbDevice {
   protocols::usb::DeviceDescription description_;
   UsbHost* host_ = nullptr;
   CdcAcmLine line_;
-  bool reading_ = false;  ///< The host keeps reads open.
+  bool reading_ = false;           ///< The host keeps reads open.
+  SimTime reading_ends_ = kNever;  ///< Unless it asks again.
   std::vector<Read> reads_;
   std::vector<Read> notification_reads_;
   std::vector<std::uint8_t> queue_;

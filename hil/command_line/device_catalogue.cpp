@@ -45,7 +45,7 @@ void describe(const UbloxConfiguration& configuration, DeviceDescription& descri
   const Calendar calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0});
   description.quantities =
       quantities_of(emulators::UbloxReceiver(configuration.receiver, calendar, output));
-  description.wire = "serial line on a pty, 8N1";
+  description.wire = "serial line on a pty, 8N1; or USB (CDC-ACM) by USB/IP";
   switch (configuration.receiver.profile->generation) {
     case 7:
       description.document =
@@ -180,6 +180,18 @@ void describe(const VehicleGatewayDeviceConfiguration& configuration,
              : fmt::format("{:g} Hz", 1e3 / static_cast<double>(group.period.count())),
          "sent"});
   }
+}
+
+void describe(const UsbJoystickConfiguration& configuration, DeviceDescription& description) {
+  description.quantities = quantities_of(emulators::HidJoystick(configuration.joystick));
+  description.wire = "USB full speed, HID, by USB/IP, default 127.0.0.1:3240";
+  description.document =
+      "Universal Serial Bus 2.0; Device Class Definition for HID 1.11; layout in "
+      "docs/devices/usb-joystick.md";
+  description.messages = {
+      {"input report", "when moved, every 10 ms at most", "7 axes, 16 buttons, 16 bytes"},
+      {"GET_REPORT, GET_IDLE", "on request", "the present report, the idle time"},
+      {"SET_IDLE", "received", "repeats the report while nothing moves"}};
 }
 
 template <std::size_t kIndex>

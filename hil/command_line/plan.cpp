@@ -12,7 +12,11 @@ namespace {
 
 using Row = std::vector<std::string>;
 
-Row plan(const RigConfiguration&, const UbloxConfiguration& device) {
+std::string usb_text(const RigConfiguration& rig) {
+  return fmt::format("usb {}:{}", rig.usb.address, rig.usb.port);
+}
+
+Row plan(const RigConfiguration& rig, const UbloxConfiguration& device) {
   double bytes = 0.0;
   const double rate_hz = 1.0 / to_seconds(device.receiver.measurement_period);
   for (const auto& names : {device.receiver.nmea_sentences, device.receiver.ubx_messages}) {
@@ -25,7 +29,8 @@ Row plan(const RigConfiguration&, const UbloxConfiguration& device) {
     }
   }
   constexpr double kBitsPerByte = 10.0;  // 8N1
-  return {fmt::format("pty {} at {} baud", device.path, device.receiver.baud),
+  const std::string wire = device.wire == SerialWire::pty ? "pty " + device.path : usb_text(rig);
+  return {fmt::format("{} at {} baud", wire, device.receiver.baud),
           fmt::format("{:.3g} epochs/s", rate_hz), fmt::format("<= {:.0f} B/s", bytes),
           fmt::format("{:.0f} % of the line", 100.0 * bytes * kBitsPerByte / device.receiver.baud)};
 }
@@ -88,6 +93,15 @@ Row plan(const RigConfiguration&, const ValveDriverConfiguration& device) {
       fmt::format("modbus tcp {}:{}", device.address, device.port), "on request", "",
       fmt::format("unit {}, {} sections, watchdog {}", device.driver.unit,
                   device.driver.sections.size(), print_duration(device.driver.watchdog.count()))};
+}
+
+Row plan(const RigConfiguration& rig, const UsbJoystickConfiguration& device) {
+  return {
+      fmt::format("usb {}:{}", rig.usb.address, rig.usb.port),
+      fmt::format("when moved, each {} at most", print_duration(device.joystick.interval.count())),
+      "",
+      device.source == LeverSource::script ? fmt::format("{} keyframes", device.script.size())
+                                           : "as the valves are told"};
 }
 
 }  // namespace

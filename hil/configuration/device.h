@@ -18,6 +18,7 @@
 #include "hil/configuration/shapes.h"
 #include "hil/configuration/starfire_device.h"
 #include "hil/configuration/ublox.h"
+#include "hil/configuration/usb_joystick.h"
 #include "hil/configuration/valve_driver.h"
 #include "hil/configuration/vehicle_gateway.h"
 #include "hil/configuration/vehicle_sensors.h"
@@ -37,7 +38,7 @@ using DeviceSettings =
                  VelodyneVlp16Configuration, VelodynePuckHiResConfiguration,
                  VelodyneVlp32cConfiguration, VelodyneHdl64eConfiguration,
                  VelodyneVls128Configuration, OpenImuDeviceConfiguration, ValveDriverConfiguration,
-                 VehicleGatewayDeviceConfiguration>;
+                 VehicleGatewayDeviceConfiguration, UsbJoystickConfiguration>;
 
 /// The device, if its type is `Base` or derived from it; else null.
 template <class Base>
@@ -66,7 +67,7 @@ template <class Base>
 }
 
 /// The names of the `type` key, in the order of DeviceSettings.
-inline constexpr std::array<Alternative, 14> kDeviceTypes{
+inline constexpr std::array<Alternative, 15> kDeviceTypes{
     {{"ublox-neo-7p", "u-blox NEO-7P satellite receiver on a serial line (NMEA, UBX)."},
      {"ublox-neo-m8", "u-blox NEO-M8 satellite receiver of several systems (NMEA, UBX)."},
      {"ublox-neo-m8t", "u-blox NEO-M8T, the same with raw measurements (NMEA, UBX)."},
@@ -81,7 +82,8 @@ inline constexpr std::array<Alternative, 14> kDeviceTypes{
      {"openimu335ri", "ACEINNA OpenIMU335RI inertial unit on CAN (J1939)."},
      {"valve-driver", "Eight-section hydraulic valve driver, Modbus TCP server."},
      {"vehicle-gateway",
-      "Drive train, steering and brakes of a machine that drives, on CAN (J1939)."}}};
+      "Drive train, steering and brakes of a machine that drives, on CAN (J1939)."},
+     {"usb-joystick", "Levers, pedals and buttons of an excavator's operator, a USB joystick."}}};
 
 struct DeviceConfiguration {
   DeviceSettings settings;

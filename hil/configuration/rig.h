@@ -15,6 +15,7 @@
 #include "hil/configuration/outline.h"
 #include "hil/configuration/satellites.h"
 #include "hil/configuration/scene.h"
+#include "hil/configuration/usb.h"
 #include "sim/samples/calendar.h"
 #include "sim/samples/time.h"
 
@@ -44,6 +45,7 @@ struct RigConfiguration {
   SceneConfiguration scene;
   MachineConfiguration machine;
   std::map<std::string, BusConfiguration> buses;
+  UsbConfiguration usb;
   std::map<std::string, DeviceConfiguration> devices;
   TruthConfiguration truth;
   StatusConfiguration status;
@@ -79,6 +81,7 @@ void visit(Visitor& v, RigConfiguration& p) {
   v.required("machine");
   v.section("machine", p.machine, "The machine.");
   v.named("buses", p.buses, "bus", "CAN buses, by name.");
+  v.section("usb", p.usb, "The server for devices on USB.");
   v.named("devices", p.devices, "device", "Devices, by name.");
   v.section("truth", p.truth, "The tap for ground truth.");
   v.section("status", p.status, "The table.");

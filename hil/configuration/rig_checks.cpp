@@ -182,8 +182,21 @@ class Checker {
         device.settings);
   }
 
+  /// For every device on USB: they share one server.
+  void check_usb() {
+    check_address("usb.address", rig_.usb.address, rig_.usb.allow_remote);
+    if (!std::exchange(usb_claimed_, true)) {
+      claim("usb.port", fmt::format("tcp {}:{}", rig_.usb.address, rig_.usb.port),
+            std::to_string(rig_.usb.port));
+    }
+  }
+
   void check_device(const std::string& path, const UbloxConfiguration& device) {
-    check_path(path + ".path", device.path);
+    if (device.wire == SerialWire::pty) {
+      check_path(path + ".path", device.path);
+    } else {
+      check_usb();
+    }
     check_link(path + ".mount.link", device.mount.link);
   }
 
@@ -277,6 +290,14 @@ class Checker {
     }
   }
 
+  void check_device(const std::string& path, const UsbJoystickConfiguration& device) {
+    check_usb();
+    if (device.source == LeverSource::commands &&
+        !std::holds_alternative<ExcavatorMachine>(rig_.machine.settings)) {
+      report(path + ".source", "the machine has no valve block", "commands", "script");
+    }
+  }
+
   /// Frames per second that a device sends on that bus by itself.
   template <class Settings>
   static double rate_on(const std::string& bus, const Settings& device) {
@@ -316,6 +337,7 @@ class Checker {
   std::vector<std::string> links_;
   std::vector<std::string> bus_names_;
   std::map<std::string, std::string> owners_;
+  bool usb_claimed_ = false;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 // A u-blox receiver of a rig: its line, its antenna, what the device does and how well it measures.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -11,17 +12,26 @@
 #include "hil/configuration/gnss_sensor.h"
 #include "hil/configuration/mount.h"
 #include "hil/configuration/units.h"
+#include "hil/configuration/usb.h"
 
 namespace rigwire::hil {
 
+enum class SerialWire { pty, usb };
+inline constexpr std::array<Choice<SerialWire>, 2> kSerialWires{
+    {{SerialWire::pty, "pty", "A pseudo-terminal under `path`."},
+     {SerialWire::usb, "usb",
+      "A device on the rig's USB server; the client's kernel makes a tty."}}};
+
 /// A u-blox receiver on a serial line; as it stands, a NEO-7P.
 struct UbloxConfiguration {
+  SerialWire wire = SerialWire::pty;
   std::string path = "/tmp/rigwire/gnss";  ///< Symbolic link to the pty that a client opens.
   BaudCheck check_baud = BaudCheck::lenient;
   MountConfiguration mount;  ///< Of the antenna.
   emulators::UbloxSettings receiver;
   sim::GnssParameters sensor;
   std::vector<GnssFaultConfiguration> faults;
+  std::vector<UnplugConfiguration> unplugged;  ///< On USB.
 
   UbloxConfiguration() : UbloxConfiguration(emulators::ublox_neo_7p()) {
     sensor.raw_measurements = true;  // RXM-RAW, when a client asks for it
@@ -59,6 +69,7 @@ struct UbloxF9pConfiguration : UbloxConfiguration {
 
 template <class Visitor>
 void visit(Visitor& v, UbloxConfiguration& p) {
+  v.choice("wire", p.wire, kSerialWires, "What carries the bytes.");
   v.text("path", p.path, "Symbolic link to the pty; what a client opens.");
   v.rate("rate", p.receiver.measurement_period,
          in("Hz").above(0).at_most(1.0 / to_seconds(p.receiver.profile->shortest_period)),
@@ -83,6 +94,9 @@ void visit(Visitor& v, UbloxConfiguration& p) {
   v.section("mount", p.mount, "Of the antenna.");
   v.section("sensor", p.sensor, "How well it knows where it is.");
   v.list("faults", p.faults, "What goes wrong, and when.");
+  v.list("unplugged", p.unplugged, "On USB: when the plug is out.");
+  v.check(p.unplugged.empty() || p.wire == SerialWire::usb, "unplugged",
+          "only a device on USB has a plug that can be out", {}, "`wire: usb`");
 }
 
 inline void validate(const UbloxConfiguration& p) {

@@ -124,6 +124,30 @@ TEST_F(CdcAcmTest, AClientIsThereByDtrOrByReading) {
   EXPECT_FALSE(acm.line().data_terminal_ready);
 }
 
+TEST_F(CdcAcmTest, ACloseThatCrossesTheLastAnswerIsSeen) {
+  set_lines(3);
+  host.read(0x82, 64);
+  acm.send(kStart + 1s, counted(8));  // ends the read; the host, closing, asks for no other
+  EXPECT_EQ(acm.next_event(), kNever) << "DTR is set";
+  host.control({0x21, 0x22, 0, 0, 0}, {}, kStart + 1s);
+  EXPECT_TRUE(acm.line().client_present) << "it may just be about to ask again";
+  acm.advance(acm.next_event());
+  EXPECT_FALSE(acm.line().client_present);
+  EXPECT_EQ(acm.next_event(), kNever);
+}
+
+TEST_F(CdcAcmTest, AClientThatReadsOneByOneStays) {
+  for (int i = 0; i < 5; ++i) {
+    const SimTime now = kStart + i * 1s;
+    host.read(0x82, 64, now);
+    EXPECT_TRUE(acm.send(now + 500ms, counted(8)));
+    EXPECT_TRUE(acm.send(now + 501ms, counted(8)));  // waits for the next read
+    host.read(0x82, 64, now + 502ms);
+    EXPECT_EQ(acm.next_event(), now + 502ms + CdcAcm::kReadPause);
+  }
+  EXPECT_EQ(host.ends.size(), 10U);
+}
+
 TEST_F(CdcAcmTest, BytesFillReadsAndEndThemShort) {
   host.read(0x82, 128);
   host.read(0x82, 128);

@@ -1,0 +1,66 @@
+// What hangs on USB, and what moves the levers.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "hil/configuration/device.h"
+#include "hil/configuration/outline.h"
+#include "hil/configuration/reader.h"
+
+namespace rigwire::hil {
+namespace {
+
+using ::testing::HasSubstr;
+
+template <class Struct>
+std::string findings_of(const std::string& yaml, Struct& value) {
+  Problems problems;
+  const Value document = parse_document(yaml, "a.yaml", RIGWIRE_SOURCE_DIR, problems);
+  Origins origins;
+  read(document, value, problems, origins);
+  std::string findings;
+  for (const Problem& problem : problems.sorted()) {
+    findings += problem.line() + "\n";
+  }
+  return findings;
+}
+
+TEST(UsbKeys, AScriptBecomesKeyframes) {
+  UsbJoystickConfiguration levers;
+  EXPECT_EQ(
+      findings_of("repeat: true\n"
+                  "script:\n"
+                  "  - {at: 0 s}\n"
+                  "  - {at: 2 s, left_x: 1, right_pedal: -0.5, dial: 0.25, buttons: [1, 16]}\n",
+                  levers),
+      "");
+  const JoystickSample sample = lever_script(levers).at(kStart + std::chrono::seconds(1));
+  EXPECT_DOUBLE_EQ(sample.axis(JoystickAxis::left_x), 0.5);
+  EXPECT_DOUBLE_EQ(sample.axis(JoystickAxis::right_pedal), -0.25);
+  EXPECT_DOUBLE_EQ(sample.axis(JoystickAxis::dial), 0.125);
+  EXPECT_EQ(levers.script[1].buttons.size(), 2U);
+}
+
+TEST(UsbKeys, WhatNoLeverCanDoIsRefused) {
+  UsbJoystickConfiguration levers;
+  EXPECT_THAT(findings_of("script: [{at: 0 s, left_x: 1.5}]\n", levers), HasSubstr("left_x"));
+  EXPECT_THAT(findings_of("script: [{at: 0 s, buttons: [17]}]\n", levers), HasSubstr("buttons"));
+  EXPECT_THAT(findings_of("script: [{at: 0 s, buttons: [1.5]}]\n", levers),
+              HasSubstr("whole numbers"));
+  EXPECT_THAT(findings_of("script: [{left_x: 1}]\n", levers), HasSubstr("at"));
+  EXPECT_THAT(findings_of("script: [{at: 1 s}, {at: 1 s}]\n", levers), HasSubstr("keyframe 1"));
+  EXPECT_THAT(findings_of("repeat: true\n", levers), HasSubstr("repeats"));
+  EXPECT_THAT(findings_of("source: autopilot\n", levers), HasSubstr("commands"));
+}
+
+TEST(UsbKeys, OnlyADeviceOnUsbHasAPlugToPull) {
+  UbloxConfiguration receiver;
+  EXPECT_EQ(findings_of("wire: usb\nunplugged: [{at: 5 s, for: 2 s}]\n", receiver), "");
+  EXPECT_EQ(receiver.unplugged.at(0).length, std::chrono::seconds(2));
+  UbloxConfiguration other;
+  EXPECT_THAT(findings_of("unplugged: [{at: 5 s}]\n", other), HasSubstr("wire: usb"));
+}
+
+}  // namespace
+}  // namespace rigwire::hil

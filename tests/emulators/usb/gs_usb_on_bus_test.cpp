@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "emulators/can/can_bus.h"
+#include "gs_usb_workbench.h"
 #include "protocols/can/bits.h"
-#include "tests/emulators/usb/gs_usb_workbench.h"
 
 namespace rigwire::emulators {
 namespace {

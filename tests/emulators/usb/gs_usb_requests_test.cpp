@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "tests/emulators/usb/gs_usb_workbench.h"
+#include "gs_usb_workbench.h"
 
 namespace rigwire::emulators {
 namespace {

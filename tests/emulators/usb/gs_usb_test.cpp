@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "gs_usb_workbench.h"
 #include "protocols/can/bits.h"
-#include "tests/emulators/usb/gs_usb_workbench.h"
 
 namespace rigwire::emulators {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <modbus.h>
 #include <poll.h>
-#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -37,6 +37,16 @@ void set_timeout(modbus_t* context, std::chrono::milliseconds value) {
   modbus_set_response_timeout(context, total / 1000, total % 1000 * 1000);
 }
 
+modbus_t* new_rtu(const ModbusSerialPort& port) {
+  using protocols::modbus::SerialCharacter;
+  const SerialCharacter character = port.timing.character;
+  const char parity = character == SerialCharacter::even_8e1  ? 'E'
+                      : character == SerialCharacter::odd_8o1 ? 'O'
+                                                              : 'N';
+  return modbus_new_rtu(port.path.c_str(), static_cast<int>(port.timing.baud), parity, 8,
+                        character == SerialCharacter::none_8n2 ? 2 : 1);
+}
+
 }  // namespace
 
 struct ModbusMaster::Connection {
@@ -45,6 +55,9 @@ struct ModbusMaster::Connection {
   bool open = false;
 
   std::string where() const {
+    if (settings.serial) {
+      return "rtu " + settings.serial->path + " unit " + std::to_string(settings.unit);
+    }
     return "tcp " + settings.host + ":" + std::to_string(settings.port) + " unit " +
            std::to_string(settings.unit);
   }
@@ -74,28 +87,41 @@ struct ModbusMaster::Connection {
     return open ? judge(what, call(context.get()), expected) : not_connected(what);
   }
 
-  /// One data unit by the length field: libmodbus guesses lengths from the function code, and knows
-  /// only some of them.
+  /// The PDU of the data unit that `stream` begins with; nothing as long as that is not complete.
+  std::optional<std::span<const std::uint8_t>> take(std::span<const std::uint8_t> stream,
+                                                    std::string_view& fault) const {
+    if (settings.serial) {
+      const auto frame = protocols::modbus::decode_rtu(stream);
+      return frame.ok() ? std::optional(frame->pdu) : std::nullopt;
+    }
+    const auto adu = protocols::modbus::decode_adu(stream);
+    fault = adu.malformed() ? adu.fault().reason : std::string_view();
+    return adu.ok() ? std::optional(adu->pdu) : std::nullopt;
+  }
+
+  /// One data unit by the length field, on a serial line by its check: libmodbus guesses lengths
+  /// from the function code, and knows only some of them.
   ModbusOutcome receive(const char* what, std::span<std::uint8_t> answer, std::size_t& size) {
     using Clock = std::chrono::steady_clock;
     const auto deadline = Clock::now() + settings.response_timeout;
-    std::array<std::uint8_t, protocols::modbus::kTcpAduMaximum> stream{};
+    std::array<std::uint8_t, 2 * protocols::modbus::kTcpAduMaximum> stream{};
     std::size_t had = 0;
     const auto fail = [&](std::string_view reason) {
       close();
       return ModbusOutcome{std::string(what) + ", " + where() + ": " + std::string(reason), {}};
     };
     for (;;) {
-      const auto adu = protocols::modbus::decode_adu(std::span(stream).first(had));
-      if (adu.malformed()) {
-        return fail(adu.fault().reason);
+      std::string_view fault;
+      const auto pdu = take(std::span(stream).first(had), fault);
+      if (!fault.empty() || had == stream.size()) {
+        return fail(fault.empty() ? "answer without an end" : fault);
       }
-      if (adu.ok()) {
-        if (adu->pdu.size() > answer.size()) {
+      if (pdu) {
+        if (pdu->size() > answer.size()) {
           return fail("answer larger than its buffer");
         }
-        std::ranges::copy(adu->pdu, answer.begin());
-        size = adu->pdu.size();
+        std::ranges::copy(*pdu, answer.begin());
+        size = pdu->size();
         return {};
       }
       const auto left =
@@ -104,7 +130,7 @@ struct ModbusMaster::Connection {
       if (left <= 0 || ::poll(&waiting, 1, static_cast<int>(left)) == 0) {
         return fail("no answer in time");
       }
-      const auto got = ::recv(waiting.fd, &stream[had], stream.size() - had, 0);
+      const auto got = ::read(waiting.fd, &stream[had], stream.size() - had);
       if (got <= 0) {
         return fail(got == 0 ? "connection closed by the device" : modbus_strerror(errno));
       }
@@ -123,7 +149,9 @@ ModbusMaster::ModbusMaster(const ModbusMasterSettings& settings)
   check_timeout("connect_timeout", settings.connect_timeout);
   check_timeout("response_timeout", settings.response_timeout);
   connection_->settings = settings;
-  connection_->context.reset(modbus_new_tcp(settings.host.c_str(), settings.port));
+  connection_->context.reset(settings.serial
+                                 ? new_rtu(*settings.serial)
+                                 : modbus_new_tcp(settings.host.c_str(), settings.port));
   if (!connection_->context || modbus_set_slave(connection_->context.get(), settings.unit) != 0) {
     throw std::invalid_argument("modbus master " + connection_->where() + ": " +
                                 modbus_strerror(errno));

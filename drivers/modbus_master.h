@@ -1,4 +1,5 @@
-// The field side of Modbus TCP: a thin, owning wrapper around libmodbus.
+// The field side of Modbus, on TCP or on a serial line (RTU): a thin, owning wrapper around
+// libmodbus.
 //
 // Calls block, for the time-outs below at most, and never throw. Nothing is retried: after a
 // time-out or a broken connection the wrapper closes (a late answer must not be taken for the next
@@ -13,15 +14,24 @@
 #include <string>
 
 #include "protocols/modbus/constants.h"
+#include "protocols/modbus/rtu.h"
 
 namespace rigwire::drivers {
+
+/// A serial line, instead of TCP.
+struct ModbusSerialPort {
+  std::string path;  ///< Of the port or pseudo-terminal.
+  protocols::modbus::RtuTiming timing;
+};
 
 struct ModbusMasterSettings {
   std::string host = "127.0.0.1";  ///< Numeric IPv4.
   std::uint16_t port = 1502;
-  std::uint8_t unit = 1;                            ///< 0 .. 255.
+  std::optional<ModbusSerialPort> serial{};         ///< Set: RTU there; host and port are unused.
+  std::uint8_t unit = 1;                            ///< 0 .. 255; 0 .. 247 on a serial line.
   std::chrono::milliseconds connect_timeout{1000};  ///< 1 ms .. 1 min.
-  std::chrono::milliseconds response_timeout{500};  ///< 1 ms .. 1 min.
+  /// 1 ms .. 1 min; on a serial line it includes the time of request and answer on the line.
+  std::chrono::milliseconds response_timeout{500};
 };
 
 /// How a call ended; true in a condition when it did what it was asked.

@@ -4,9 +4,15 @@
 #include <string>
 #include <string_view>
 
+#include "protocols/slcan/bit_rate.h"
+#include "protocols/slcan/controller_lines.h"
+
 namespace rigwire::drivers {
 
 namespace slcan = protocols::slcan;
+using protocols::can::BusError;
+using protocols::can::ControllerReport;
+using protocols::can::ErrorState;
 using slcan::Reply;
 using slcan::ReplyKind;
 using slcan::Verb;
@@ -18,17 +24,18 @@ constexpr std::string_view kDetailedVersion = "v1014\r";
 constexpr std::string_view kSerialNumber = "NRW01\r";
 /// Answers beyond this are dropped: a client that floods commands and reads nothing.
 constexpr std::size_t kGreatestBacklog = 4096;
+/// How long the absence of the kernel's driver is believed.
+constexpr auto kKernelPeriod = std::chrono::milliseconds(50);
 
-unsigned checked_rate(std::uint32_t bit_rate_bps) {
-  const auto code = slcan::rate_code(bit_rate_bps);
-  if (!code) {
-    throw std::invalid_argument(
-        "slcan: bit rate " + std::to_string(bit_rate_bps) +
-        " bit/s has no code; allowed are 10000, 20000, 50000, 100000, 125000, 250000, 500000, "
-        "800000, 1000000");
-  }
-  return *code;
-}
+enum Flag : std::uint16_t {
+  kReceiveQueueFull = 0x01,
+  kTransmitQueueFull = 0x02,
+  kErrorWarning = 0x04,
+  kDataOverrun = 0x08,
+  kErrorPassive = 0x20,
+  kArbitrationLost = 0x40,
+  kBusError = 0x80,
+};
 
 std::span<const std::uint8_t> as_bytes(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
@@ -40,24 +47,40 @@ Reply plain(ReplyKind kind) {
   return reply;
 }
 
+Reply done_if(bool possible) {
+  return plain(possible ? ReplyKind::done : ReplyKind::refused);
+}
+
+std::uint16_t as_flags(const ControllerReport& report) {
+  unsigned flags = 0;
+  flags |= report.receive_overflow ? unsigned{kDataOverrun} : 0U;
+  flags |= report.transmit_overflow ? unsigned{kTransmitQueueFull} : 0U;
+  flags |= report.arbitration_lost ? unsigned{kArbitrationLost} : 0U;
+  flags |= report.error != BusError::none ? unsigned{kBusError} : 0U;
+  return static_cast<std::uint16_t>(flags);
+}
+
 }  // namespace
 
-SlcanAdapter::SlcanAdapter(ByteStream& line, std::uint32_t bit_rate_bps, Clock clock)
-    : line_(line),
-      bus_rate_code_(checked_rate(bit_rate_bps)),
-      clock_(std::move(clock)),
-      client_rate_code_(bus_rate_code_) {
-  if (!clock_) {
-    clock_ = [] {
-      return std::chrono::duration_cast<std::chrono::milliseconds>(
-          std::chrono::steady_clock::now().time_since_epoch());
-    };
+SlcanAdapter::SlcanAdapter(ByteStream& line, SlcanAdapterSettings settings)
+    : line_(line), settings_(std::move(settings)) {
+  if (settings_.bit_rate_bps < 5'000 || settings_.bit_rate_bps > 1'000'000) {
+    throw std::invalid_argument("slcan: bit rate is " + std::to_string(settings_.bit_rate_bps) +
+                                " bit/s, allowed is 5000 .. 1000000");
   }
   kept_.reserve(kGreatestBacklog);
 }
 
+SlcanAdapter::SlcanAdapter(ByteStream& line, std::uint32_t bit_rate_bps)
+    : SlcanAdapter(line, SlcanAdapterSettings{bit_rate_bps, SlcanDialect::automatic, {}, 0}) {}
+
 void SlcanAdapter::start(Receiver receiver) {
   receiver_ = std::move(receiver);
+  line_.on_client([this](const LineClient& client) {
+    if (!client.present) {
+      power_up();
+    }
+  });
   line_.start([this](std::span<const std::uint8_t> bytes) {
     flush();
     for (const std::uint8_t byte : bytes) {
@@ -68,29 +91,64 @@ void SlcanAdapter::start(Receiver receiver) {
   });
 }
 
-bool SlcanAdapter::send(const protocols::can::Frame& frame) {
-  if (channel_ == Channel::closed) {
-    return true;  // nobody listens
+bool SlcanAdapter::deliver(const protocols::can::Frame& frame, Stamp stamp) {
+  newest_stamp_ = stamp;
+  if (session_.channel == Channel::closed) {
+    return true;
   }
-  if (client_rate_code_ != bus_rate_code_) {
+  if (!hears_bus()) {
     ++counters_.wrong_rate;
-    return false;
+    return true;
   }
-  if (!flush()) {
+  if (!session_.filter.accepts(frame)) {
+    ++counters_.filtered;
+    return true;
+  }
+  Reply reply = plain(ReplyKind::frame);
+  reply.frame = frame;
+  if (session_.time_stamps) {
+    const auto time = std::chrono::duration_cast<std::chrono::milliseconds>(stamp);
+    reply.time_stamp_ms = static_cast<std::uint16_t>(time.count() % slcan::kTimeStampModulus);
+  }
+  const bool polled = session_.auto_poll == false;
+  if (polled ? session_.fetched.size() == kFetched : !flush()) {
     ++counters_.backlogged;
+    session_.flags |= kReceiveQueueFull | kDataOverrun;
     return false;
   }
-  std::optional<std::uint16_t> stamp;
-  if (time_stamps_) {
-    stamp = static_cast<std::uint16_t>(clock_().count() % slcan::kTimeStampModulus);
+  if (polled) {
+    session_.fetched.push_back(reply);
+    return true;
   }
-  write(slcan::write_frame(frame, stamp).span());
-  return true;
+  return write(slcan::write_reply(reply).span());
+}
+
+void SlcanAdapter::confirm(bool sent, Stamp stamp) {
+  newest_stamp_ = stamp;
+  unconfirmed_ -= unconfirmed_ > 0 ? 1 : 0;
+  counters_.unsent += sent ? 0 : 1;
+}
+
+bool SlcanAdapter::report(const ControllerReport& report, Stamp stamp) {
+  newest_stamp_ = stamp;
+  if (session_.channel == Channel::closed) {
+    return true;
+  }
+  session_.state = report.state;
+  session_.flags |= as_flags(report);
+  if (!announces(stamp)) {
+    return true;
+  }
+  bool passed_on = true;
+  for (const auto& line : {slcan::error_line(report), slcan::state_line(report)}) {
+    passed_on = (!line || write(slcan::write_reply(*line).span())) && passed_on;
+  }
+  return passed_on;
 }
 
 EndpointStatus SlcanAdapter::status() const {
   return {"slcan " + line_.status().address,
-          channel_ != Channel::closed && line_.status().client_present};
+          session_.channel != Channel::closed && line_.status().client_present};
 }
 
 void SlcanAdapter::take_line(const slcan::LineSplitter::Line& line) {
@@ -124,48 +182,161 @@ void SlcanAdapter::take_line(const slcan::LineSplitter::Line& line) {
 }
 
 Reply SlcanAdapter::execute(const slcan::Command& command) {
-  const Reply done = plain(ReplyKind::done);
-  const Reply refused = plain(ReplyKind::refused);
+  const bool closed = session_.channel == Channel::closed;
   switch (command.verb) {
     case Verb::open:
-      channel_ = Channel::open;
-      return done;
+      set_channel(Channel::open);
+      return done_if(true);
     case Verb::listen_only:
-      channel_ = Channel::listening;
-      return done;
+      set_channel(Channel::listening);
+      return done_if(true);
     case Verb::close:
-      channel_ = Channel::closed;
-      return done;
+      set_channel(Channel::closed);
+      return done_if(true);
     case Verb::bit_rate:
-      if (channel_ != Channel::closed) {
-        return refused;
-      }
-      client_rate_code_ = command.number;
-      return done;
+      return done_if(set_bit_rate(slcan::rate_of_code(command.number, settings_.bit_rate_bps)));
+    case Verb::bit_timing:
+      return done_if(
+          set_bit_rate(slcan::rate_of_registers(static_cast<std::uint16_t>(command.number))));
+    case Verb::acceptance_code:
+    case Verb::acceptance_mask:
+    case Verb::filter_mode:
+      return done_if(set_filter(command));
     case Verb::time_stamps:
-      time_stamps_ = command.number != 0;
-      return done;
+      session_.time_stamps = command.number != 0;
+      return done_if(true);
     case Verb::auto_poll:
-      auto_poll_ = command.number != 0;
-      return done;
-    case Verb::status_flags:
-      return channel_ == Channel::closed ? refused : plain(ReplyKind::status_flags);
-    case Verb::frame: {
-      if (channel_ != Channel::open) {
-        return refused;
+      session_.auto_poll = command.number != 0;
+      return done_if(true);
+    case Verb::line_speed:
+      return done_if(true);
+    case Verb::poll: {
+      if (closed || session_.auto_poll != false) {
+        return done_if(false);
       }
-      if (client_rate_code_ != bus_rate_code_) {
-        ++counters_.wrong_rate;
-      } else if (receiver_) {
-        receiver_(command.frame);
+      if (session_.fetched.empty()) {
+        return done_if(true);
       }
-      Reply taken = plain(auto_poll_ ? ReplyKind::frame_taken : ReplyKind::done);
-      taken.frame = command.frame;
-      return taken;
+      const Reply frame = session_.fetched.front();
+      session_.fetched.pop_front();
+      return frame;
     }
+    case Verb::poll_all:
+      return closed || session_.auto_poll != false ? done_if(false) : fetch_all();
+    case Verb::status_flags: {
+      Reply flags = plain(ReplyKind::status_flags);
+      flags.number = closed ? std::uint16_t{0} : take_flags();
+      return closed ? done_if(false) : flags;
+    }
+    case Verb::frame:
+      return take_frame(command.frame);
     default:
-      return refused;
+      return done_if(false);
   }
+}
+
+Reply SlcanAdapter::take_frame(const protocols::can::Frame& frame) {
+  if (session_.channel != Channel::open) {
+    return done_if(false);
+  }
+  if (settings_.transmit_queue_frames != 0) {
+    if (unconfirmed_ >= settings_.transmit_queue_frames) {
+      ++counters_.queue_full;
+      ControllerReport full;
+      full.state = session_.state;
+      full.transmit_overflow = true;
+      report(full, newest_stamp_);
+      return done_if(false);
+    }
+    ++unconfirmed_;
+  }
+  if (receiver_) {
+    receiver_(frame);
+  }
+  Reply taken = plain(session_.auto_poll == true ? ReplyKind::frame_taken : ReplyKind::done);
+  taken.frame = frame;
+  return taken;
+}
+
+bool SlcanAdapter::set_bit_rate(std::optional<std::uint32_t> rate_bps) {
+  if (session_.channel != Channel::closed || !rate_bps) {
+    return false;
+  }
+  session_.bit_rate_bps = slcan::rates_agree(*rate_bps, settings_.bit_rate_bps) ? 0 : *rate_bps;
+  return true;
+}
+
+bool SlcanAdapter::set_filter(const slcan::Command& command) {
+  if (session_.channel != Channel::closed) {
+    return false;
+  }
+  if (command.verb == Verb::acceptance_code) {
+    session_.filter.code = command.number;
+  } else if (command.verb == Verb::acceptance_mask) {
+    session_.filter.mask = command.number;
+  } else {
+    session_.filter.single = command.number != 0;
+  }
+  return true;
+}
+
+Reply SlcanAdapter::fetch_all() {
+  for (const Reply& frame : session_.fetched) {
+    write(slcan::write_reply(frame).span());
+  }
+  session_.fetched.clear();
+  return plain(ReplyKind::all_polled);
+}
+
+std::uint16_t SlcanAdapter::take_flags() {
+  unsigned flags = session_.flags;
+  flags |= session_.state == ErrorState::warning ? unsigned{kErrorWarning} : 0U;
+  flags |= session_.state == ErrorState::passive || session_.state == ErrorState::bus_off
+               ? unsigned{kErrorWarning} | kErrorPassive
+               : 0U;
+  session_.flags = 0;
+  return static_cast<std::uint16_t>(flags);
+}
+
+void SlcanAdapter::set_channel(Channel channel) {
+  if (channel == session_.channel) {
+    return;
+  }
+  session_.channel = channel;
+  session_.flags = 0;
+  session_.state = ErrorState::active;
+  session_.fetched.clear();
+  const bool open = channel != Channel::closed;
+  const CanClient client{open, open ? session_.bit_rate_bps : 0, channel == Channel::listening,
+                         false};
+  if (watcher_ && client != told_) {
+    told_ = client;
+    watcher_(client);
+  }
+}
+
+void SlcanAdapter::power_up() {
+  set_channel(Channel::closed);
+  session_ = Session{};
+  splitter_ = {};
+  kept_.clear();
+}
+
+bool SlcanAdapter::announces(Stamp stamp) {
+  if (settings_.dialect != SlcanDialect::automatic) {
+    return settings_.dialect == SlcanDialect::kernel;
+  }
+  const auto& looked = session_.looked_for_kernel;
+  if (!session_.kernel_seen && settings_.kernel_attached &&
+      (!looked || stamp - *looked >= kKernelPeriod || stamp < *looked)) {
+    session_.looked_for_kernel = stamp;
+    session_.kernel_seen = settings_.kernel_attached();
+  }
+  return session_.kernel_seen;
+}
+
+bool SlcanAdapter::hears_bus() const {
+  return session_.bit_rate_bps == 0 || session_.bit_rate_bps == settings_.bit_rate_bps;
 }
 
 void SlcanAdapter::answer(const Reply& reply) {
@@ -183,12 +354,15 @@ bool SlcanAdapter::flush() {
   return kept_.empty();
 }
 
-void SlcanAdapter::write(std::span<const std::uint8_t> bytes) {
+bool SlcanAdapter::write(std::span<const std::uint8_t> bytes) {
   const std::size_t taken = flush() ? line_.write(bytes) : 0;
   const auto rest = bytes.subspan(taken);
-  if (kept_.size() + rest.size() <= kGreatestBacklog) {
-    kept_.insert(kept_.end(), rest.begin(), rest.end());
+  if (kept_.size() + rest.size() > kGreatestBacklog) {
+    ++counters_.unanswered;
+    return false;
   }
+  kept_.insert(kept_.end(), rest.begin(), rest.end());
+  return true;
 }
 
 }  // namespace rigwire::drivers

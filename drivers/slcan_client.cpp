@@ -3,6 +3,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "protocols/slcan/bit_rate.h"
+#include "protocols/slcan/controller_lines.h"
+
 namespace rigwire::drivers {
 
 namespace slcan = protocols::slcan;
@@ -37,6 +40,7 @@ void SlcanClient::start(Receiver receiver) {
 }
 
 void SlcanClient::reopen() {
+  controller_ = {};
   write(slcan::write_command({Verb::close, 0, {}}).span());
   write(slcan::write_command({Verb::bit_rate, static_cast<std::uint16_t>(rate_code_), {}}).span());
   write(slcan::write_command({Verb::open, 0, {}}).span());
@@ -62,10 +66,32 @@ void SlcanClient::take_line(const slcan::LineSplitter::Line& line) {
     return;
   }
   answered_ = true;
-  if (reply->kind == ReplyKind::refused) {
-    ++counters_.refused;
-  } else if (reply->kind == ReplyKind::frame && receiver_) {
-    receiver_(reply->frame);
+  switch (reply->kind) {
+    case ReplyKind::refused:
+      ++counters_.refused;
+      break;
+    case ReplyKind::frame:
+      if (receiver_) {
+        receiver_(reply->frame);
+      }
+      break;
+    case ReplyKind::bus_state:
+    case ReplyKind::bus_errors:
+      take_report(slcan::report_of(*reply));
+      break;
+    default:
+      break;
+  }
+}
+
+void SlcanClient::take_report(const protocols::can::ControllerReport& report) {
+  if (report.state_changed) {
+    controller_ = report;
+  } else {
+    ++counters_.bus_errors;
+  }
+  if (watcher_) {
+    watcher_(report);
   }
 }
 

@@ -1,11 +1,13 @@
 // The field side of slcan: a CAN bus behind an adapter on a serial line.
 //
 // start() sends C, Sn, O, as the kernel does, and from then on frames pass in both directions. The
-// adapter's answers are read and counted, not waited for. When the line comes back after it was
+// adapter's answers are read and counted, not waited for. Adapters that speak the kernel's dialect
+// also tell of their controller by state and error lines. When the line comes back after it was
 // gone, reopen() sends the same commands again.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "drivers/endpoints.h"
@@ -17,6 +19,7 @@ struct SlcanClientCounters {
   std::uint64_t refused = 0;     ///< BEL from the adapter.
   std::uint64_t malformed = 0;   ///< Lines that are no reply.
   std::uint64_t backlogged = 0;  ///< Frames refused because the line was full.
+  std::uint64_t bus_errors = 0;  ///< Error lines.
 };
 
 class SlcanClient final : public CanBus {
@@ -29,6 +32,9 @@ class SlcanClient final : public CanBus {
   SlcanClient(const SlcanClient&) = delete;
   SlcanClient& operator=(const SlcanClient&) = delete;
 
+  using ReportWatcher = std::function<void(const protocols::can::ControllerReport&)>;
+  /// `watcher` hears of every state line and error line. To be called before start().
+  void on_report(ReportWatcher watcher) { watcher_ = std::move(watcher); }
   void start(Receiver receiver) override;
   /// False when the line is full.
   bool send(const protocols::can::Frame& frame) override;
@@ -37,16 +43,21 @@ class SlcanClient final : public CanBus {
 
   /// Opens the channel again.
   void reopen();
+  /// State and error counters of the adapter's controller, as it told last.
+  [[nodiscard]] const protocols::can::ControllerReport& controller() const { return controller_; }
   [[nodiscard]] const SlcanClientCounters& counters() const { return counters_; }
 
  private:
   void take_line(const protocols::slcan::LineSplitter::Line& line);
+  void take_report(const protocols::can::ControllerReport& report);
   bool flush();
   void write(std::span<const std::uint8_t> bytes);
 
   ByteStream& line_;
   unsigned rate_code_;
   Receiver receiver_;
+  ReportWatcher watcher_;
+  protocols::can::ControllerReport controller_;
   protocols::slcan::LineSplitter splitter_;
   bool answered_ = false;
   std::vector<std::uint8_t> kept_;  ///< Tail of a line that the serial line did not take.

@@ -5,8 +5,10 @@
 // update() first lets the device live up to sample.time (as advance() does), then takes the sample.
 #pragma once
 
+#include "sim/samples/encoder_sample.h"
 #include "sim/samples/gnss_sample.h"
 #include "sim/samples/imu_sample.h"
+#include "sim/samples/joystick_sample.h"
 #include "sim/samples/lidar_sample.h"
 #include "sim/samples/valve_sample.h"
 #include "sim/samples/vehicle_sample.h"
@@ -23,6 +25,12 @@ class ImuBackend {
  public:
   virtual ~ImuBackend() = default;
   virtual void update(const ImuSample& sample) = 0;
+};
+
+class EncoderBackend {
+ public:
+  virtual ~EncoderBackend() = default;
+  virtual void update(const EncoderSample& sample) = 0;
 };
 
 class LidarBackend {
@@ -53,6 +61,12 @@ class VehicleBackend {
   virtual void update(const VehicleSample& sample) = 0;
   /// What the controllers on the bus ask of the machine at present.
   [[nodiscard]] virtual const VehicleCommand& command() const = 0;
+};
+
+class JoystickBackend {
+ public:
+  virtual ~JoystickBackend() = default;
+  virtual void update(const JoystickSample& sample) = 0;
 };
 
 }  // namespace rigwire::emulators

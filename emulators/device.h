@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "protocols/can/controller_report.h"
 #include "protocols/can/frame.h"
 #include "protocols/can/message_layout.h"
 #include "sim/samples/time.h"
@@ -124,6 +125,8 @@ class CanDevice : public Device {
  public:
   /// A frame that another node sent, complete at `now`.
   virtual void receive(SimTime now, const protocols::can::Frame& frame) = 0;
+  /// An error that the device's own controller saw, a change of its state, or both.
+  virtual void controller(SimTime /*now*/, const protocols::can::ControllerReport& /*report*/) {}
   /// How the messages that it sends and takes are laid out, for the bus's DBC file: as it is
   /// configured, before any client changes it. `name` is the device's in its rig: the sender of
   /// what it sends.
@@ -133,7 +136,7 @@ class CanDevice : public Device {
   }
 };
 
-/// A device that serves byte streams (Modbus TCP).
+/// A device that serves byte streams (USB/IP).
 class StreamDevice : public Device {
  public:
   virtual void connected(SimTime now, ConnectionId connection) = 0;

@@ -17,18 +17,45 @@ class CanLine::NodeExit final : public emulators::FrameOutput {
   WireStatistics& statistics_;
 };
 
-CanLine::CanLine(const emulators::CanBusSettings& settings, drivers::CanBus& endpoint)
-    : endpoint_(endpoint), outlet_(endpoint), bus_(settings) {}
+CanLine::CanLine(const emulators::CanBusSettings& settings, drivers::CanBus& endpoint,
+                 CanLineSettings line)
+    : endpoint_(endpoint),
+      line_(std::move(line)),
+      // The queue, the frame on the wire, and those refused within one look at the endpoint.
+      outlet_(endpoint, 2 * settings.queue_frames + 64),
+      bus_(settings) {
+  bus_.set_outside(*this);
+  client(kStart, drivers::CanClient{.open = !line_.client_is_known});
+  if (line_.acknowledging_node) {
+    (void)bus_.add_node(exit_to(intruder_), {.name = "acknowledger"});
+  }
+}
 
 CanLine::~CanLine() = default;
 
-emulators::FrameOutput& CanLine::add_node(WireStatistics& statistics) {
+emulators::FrameOutput& CanLine::exit_to(WireStatistics& statistics) {
   exits_.push_back(std::make_unique<NodeExit>(outlet_, statistics));
-  return bus_.add_node(*exits_.back());
+  return *exits_.back();
+}
+
+emulators::FrameOutput& CanLine::add_node(WireStatistics& statistics) {
+  return bus_.add_node(exit_to(statistics), line_.node);
 }
 
 void CanLine::attach(emulators::FrameOutput& output, emulators::CanDevice& device) {
   bus_.attach(output, device);
+}
+
+void CanLine::set_faults(const emulators::CanBusFaults& faults) {
+  bus_.set_faults(faults, exit_to(intruder_));
+}
+
+void CanLine::client(SimTime now, const drivers::CanClient& client) {
+  bus_.set_client(now, {.present = client.open,
+                        .bit_rate_bps = client.bit_rate_bps,
+                        .listen_only = client.listen_only,
+                        .one_shot = client.one_shot,
+                        .restart_after = line_.client_restart_after});
 }
 
 }  // namespace rigwire::hil

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "drivers/endpoints.h"
@@ -12,26 +14,55 @@
 
 namespace rigwire::hil {
 
-/// Every frame that a device of the bus has sent goes to the endpoint at its end of frame, in the
-/// device's own statistics.
-class CanLine final : public EventSource {
+/// What a CanLine has besides the bus model's own settings.
+struct CanLineSettings {
+  /// For every node of a device; its name is begin_device()'s.
+  emulators::CanNodeSettings node{};
+  /// Of the client's controller, after bus-off; nullopt: the client asks for it.
+  std::optional<Duration> client_restart_after = std::chrono::milliseconds{100};
+  /// The endpoint knows whether a client is there (CanBus::on_client). Else one always is.
+  bool client_is_known = false;
+  /// One node more that sends nothing and acknowledges everything, as the rest of a machine does.
+  bool acknowledging_node = false;
+};
+
+/// Joins bus model and endpoint. Every frame that a device of the bus has sent goes to the endpoint
+/// at its end of frame, in the device's own statistics. The client's frames enter as those of the
+/// outside node; what becomes of them, and what its controller has to say, goes back in due time
+/// and in order. The client's settings of its controller are the outside node's.
+class CanLine final : public EventSource, private emulators::CanOutside {
  public:
   /// `endpoint` must outlive the line.
-  CanLine(const emulators::CanBusSettings& settings, drivers::CanBus& endpoint);
+  CanLine(const emulators::CanBusSettings& settings, drivers::CanBus& endpoint,
+          CanLineSettings line = {});
   ~CanLine() override;
+  CanLine(const CanLine&) = delete;
+  CanLine& operator=(const CanLine&) = delete;
 
+  /// Nodes added from now on belong to the device of this name: faults know them by it.
+  void begin_device(const std::string& name) { line_.node.name = name; }
   /// A new node; the output is what its device must be constructed with. `statistics` must outlive
   /// the line.
   [[nodiscard]] emulators::FrameOutput& add_node(WireStatistics& statistics);
   /// The device that was constructed with `output`.
   void attach(emulators::FrameOutput& output, emulators::CanDevice& device);
+  /// After the last add_node(), before the run. Throws std::invalid_argument.
+  void set_faults(const emulators::CanBusFaults& faults);
 
   /// A frame that came in from the endpoint.
   void receive(SimTime now, const protocols::can::Frame& frame) { bus_.receive(now, frame); }
+  /// What the endpoint's on_client() tells.
+  void client(SimTime now, const drivers::CanClient& client);
 
   [[nodiscard]] Outlet& outlet() { return outlet_; }
   [[nodiscard]] drivers::EndpointStatus endpoint() const { return endpoint_.status(); }
   [[nodiscard]] const emulators::CanBusModel& bus() const { return bus_; }
+  /// Of what goes to the client besides frames of devices.
+  [[nodiscard]] const WireStatistics& controller_statistics() const {
+    return outlet_.controller_statistics();
+  }
+  /// Frames of intruders.
+  [[nodiscard]] const WireStatistics& intruder_statistics() const { return intruder_; }
 
   [[nodiscard]] SimTime next_event() const override { return bus_.next_event(); }
   [[nodiscard]] SimTime next_wakeup() const override { return bus_.next_event(); }
@@ -39,8 +70,16 @@ class CanLine final : public EventSource {
 
  private:
   class NodeExit;
+  void confirm(SimTime now, bool sent) override { outlet_.confirm(now, sent); }
+  void report(SimTime now, const protocols::can::ControllerReport& report) override {
+    outlet_.report(now, report);
+  }
+  [[nodiscard]] emulators::FrameOutput& exit_to(WireStatistics& statistics);
+
   drivers::CanBus& endpoint_;
+  CanLineSettings line_;
   FrameOutlet outlet_;
+  WireStatistics intruder_;
   std::vector<std::unique_ptr<NodeExit>> exits_;
   emulators::CanBusModel bus_;
 };

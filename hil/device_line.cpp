@@ -3,11 +3,10 @@
 #include <vector>
 
 #include "drivers/pty.h"
-#include "drivers/tcp_server.h"
-#include "emulators/openimu/openimu335ri.h"
+#include "emulators/iso_valve/iso_valves.h"
 #include "emulators/ublox/receiver.h"
-#include "emulators/valve_driver/valve_driver.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
+#include "hil/bus_node_line.h"
 #include "hil/outlet.h"
 #include "hil/station.h"
 
@@ -76,38 +75,6 @@ class SerialGnssLine final : public GnssLine {
   GnssStation station_;
 };
 
-/// A device that is a node of a CAN bus.
-template <class Emulator, class StationType>
-class BusNodeLine : public DeviceLine {
- public:
-  template <class Settings>
-  BusNodeLine(const Settings& settings, CanLine& bus)
-      : bus_(bus),
-        node_(bus.add_node(own_statistics())),
-        emulator_(settings, node_),
-        station_(emulator_, emulator_) {
-    bus_.attach(node_, emulator_);
-  }
-
-  DeviceIndex enlist(Executive& executive) override { return executive.add(station_); }
-
-  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return bus_.endpoint(); }
-  [[nodiscard]] std::uint64_t dropped() const override {
-    return statistics().dropped + bus_.bus().counters(node_).overflowed;
-  }
-  [[nodiscard]] const emulators::Device& device() const override { return emulator_; }
-
- protected:
-  [[nodiscard]] Emulator& emulator() { return emulator_; }
-
- private:
-  CanLine& bus_;
-  emulators::FrameOutput& node_;
-  Emulator emulator_;
-  StationType station_;
-};
-using BusImuLine = BusNodeLine<emulators::OpenImu, ImuStation>;
-
 class BusVehicleLine final : public BusNodeLine<emulators::VehicleGateway, VehicleStation>,
                              public FixListener {
  public:
@@ -115,52 +82,7 @@ class BusVehicleLine final : public BusNodeLine<emulators::VehicleGateway, Vehic
   void observe_fix(const GnssSample& sample) override { emulator().observe_fix(sample); }
 };
 
-class TcpValveLine final : public DeviceLine {
- public:
-  TcpValveLine(const ValveDriverConfiguration& configuration, const LineContext& context)
-      : server_(context.io, server_settings(configuration)),
-        outlet_(server_, own_statistics()),
-        driver_(configuration.driver, outlet_),
-        station_(driver_, driver_) {}
-
-  DeviceIndex enlist(Executive& executive) override {
-    const DeviceIndex index = executive.add(station_);
-    executive.add(outlet_);
-    server_.start({
-        .connected =
-            [this, &executive](emulators::ConnectionId connection) {
-              driver_.connected(executive.arrive(), connection);
-            },
-        .received =
-            [this, &executive](emulators::ConnectionId connection,
-                               std::span<const std::uint8_t> bytes) {
-              driver_.receive(client_arrived(executive), connection, bytes);
-            },
-        .disconnected =
-            [this, &executive](emulators::ConnectionId connection) {
-              driver_.disconnected(executive.arrive(), connection);
-            },
-    });
-    return index;
-  }
-
-  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return server_.status(); }
-  [[nodiscard]] const emulators::Device& device() const override { return driver_; }
-
- private:
-  static drivers::TcpServerSettings server_settings(const ValveDriverConfiguration& configuration) {
-    drivers::TcpServerSettings settings;
-    settings.address = configuration.address;
-    settings.port = configuration.port;
-    settings.allow_remote = configuration.allow_remote;
-    return settings;
-  }
-
-  drivers::TcpServer server_;
-  ServerOutlet outlet_;
-  emulators::ValveDriver driver_;
-  ValveStation station_;
-};
+using BusValveLine = BusNodeLine<emulators::IsoValves, ValveStation>;
 
 }  // namespace
 
@@ -172,19 +94,20 @@ SimTime DeviceLine::client_arrived(Executive& executive) {
 
 DeviceStatus DeviceLine::status(const std::string& name, SimTime now) const {
   const drivers::EndpointStatus wire = endpoint();
+  const WireStatistics& known = statistics();
   DeviceStatus status;
   status.name = name;
   status.wire = wire.address;
   status.client_present = wire.client_present;
   status.frames = frames();
-  status.bytes = statistics_.bytes;
+  status.bytes = known.bytes;
   status.dropped = dropped();
   status.nominal_rate_hz = device().nominal_rate_hz();
-  status.lateness_p50 = statistics_.lateness.percentile(0.5);
-  status.lateness_p99 = statistics_.lateness.percentile(0.99);
-  status.lateness_max = statistics_.lateness.max();
-  if (statistics_.last_client_activity) {
-    status.since_client_activity = now - *statistics_.last_client_activity;
+  status.lateness_p50 = known.lateness.percentile(0.5);
+  status.lateness_p99 = known.lateness.percentile(0.99);
+  status.lateness_max = known.lateness.max();
+  if (known.last_client_activity) {
+    status.since_client_activity = now - *known.last_client_activity;
   }
   return status;
 }
@@ -194,19 +117,13 @@ std::unique_ptr<GnssLine> make_line(const UbloxConfiguration& configuration,
   return std::make_unique<SerialGnssLine>(configuration, context);
 }
 
-std::unique_ptr<DeviceLine> make_line(const OpenImuDeviceConfiguration& configuration,
-                                      CanLine& bus) {
-  return std::make_unique<BusImuLine>(configuration.imu, bus);
-}
-
 std::unique_ptr<DeviceLine> make_line(const VehicleGatewayConfiguration& configuration,
                                       CanLine& bus) {
-  return std::make_unique<BusVehicleLine>(settings_of(configuration), bus);
+  return std::make_unique<BusVehicleLine>(bus, settings_of(configuration));
 }
 
-std::unique_ptr<DeviceLine> make_line(const ValveDriverConfiguration& configuration,
-                                      const LineContext& context) {
-  return std::make_unique<TcpValveLine>(configuration, context);
+std::unique_ptr<DeviceLine> make_line(const IsoValvesConfiguration& configuration, CanLine& bus) {
+  return std::make_unique<BusValveLine>(bus, configuration.valves);
 }
 
 }  // namespace rigwire::hil

@@ -33,7 +33,7 @@ class DeviceLine {
   [[nodiscard]] virtual std::uint64_t dropped() const { return statistics_.dropped; }
   [[nodiscard]] virtual const emulators::Device& device() const = 0;
 
-  [[nodiscard]] const WireStatistics& statistics() const { return statistics_; }
+  [[nodiscard]] virtual const WireStatistics& statistics() const { return statistics_; }
   [[nodiscard]] DeviceStatus status(const std::string& name, SimTime now) const;
 
  protected:
@@ -53,10 +53,6 @@ struct LineContext {
   std::uint64_t device_seed = 0;  ///< Of what is random in the device itself.
 };
 
-/// These open their endpoints and throw drivers::EndpointError when that fails.
-[[nodiscard]] std::unique_ptr<DeviceLine> make_line(const ValveDriverConfiguration& configuration,
-                                                    const LineContext& context);
-
 class LidarLine : public DeviceLine, public FixListener {
  public:
   /// For the firing pattern that the caster needs.
@@ -71,6 +67,7 @@ class GnssLine : public DeviceLine {
   /// `listener` hears of every fix from now on. Must outlive the line.
   virtual void inform(FixListener& listener) = 0;
 };
+/// Opens its endpoint and throws drivers::EndpointError when that fails.
 [[nodiscard]] std::unique_ptr<GnssLine> make_line(const UbloxConfiguration& configuration,
                                                   const LineContext& context);
 /// `bus` must outlive the line.
@@ -78,5 +75,11 @@ class GnssLine : public DeviceLine {
                                                     CanLine& bus);
 [[nodiscard]] std::unique_ptr<DeviceLine> make_line(
     const VehicleGatewayConfiguration& configuration, CanLine& bus);
+[[nodiscard]] std::unique_ptr<DeviceLine> make_line(const XsensMtiConfiguration& configuration,
+                                                    const LineContext& context, CanLine& bus);
+[[nodiscard]] std::unique_ptr<DeviceLine> make_line(const EncoderDeviceConfiguration& configuration,
+                                                    CanLine& bus);
+[[nodiscard]] std::unique_ptr<DeviceLine> make_line(const IsoValvesConfiguration& configuration,
+                                                    CanLine& bus);
 
 }  // namespace rigwire::hil

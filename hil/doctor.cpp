@@ -3,21 +3,24 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <net/if.h>
 #include <netinet/in.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <thread>
 
+#include "drivers/can_interface.h"
 #include "drivers/descriptor.h"
+#include "hil/can_hop.h"
 #include "hil/geoid_file.h"
+#include "hil/usb_doctor.h"
 
 namespace rigwire::hil {
 
@@ -31,19 +34,40 @@ Finding can_sockets() {
   if (socket.open()) {
     return {"AF_CAN", Health::good, "the kernel has CAN sockets", ""};
   }
-  return {
-      "AF_CAN", Health::limited,
-      fmt::format("no CAN sockets ({}); `wire: auto` takes slcan on a pty", std::strerror(errno)),
-      "sudo modprobe can_raw    (needs a kernel with CAN; hosted machines often lack it)"};
+  return {"AF_CAN", Health::limited, fmt::format("no CAN sockets ({})", std::strerror(errno)),
+          "sudo modprobe can_raw    (needs a kernel with CAN; hosted machines often lack it)"};
 }
 
-Finding vcan() {
-  if (::if_nametoindex("vcan0") != 0) {
-    return {"vcan0", Health::good, "the interface exists", ""};
+std::string shown(const drivers::CanInterface& interface) {
+  const std::string rate =
+      interface.bit_rate_bps != 0 ? fmt::format(", {} bit/s", interface.bit_rate_bps) : "";
+  return fmt::format("{} ({}{}, {})", interface.name, interface.kind, rate,
+                     interface.up ? "up" : "down");
+}
+
+Finding can_interfaces() {
+  const auto interfaces = drivers::can_interfaces();
+  std::string text;
+  bool usable = false;
+  for (const drivers::CanInterface& interface : interfaces) {
+    text += (text.empty() ? "" : ", ") + shown(interface);
+    usable = usable || interface.up;
+  }
+  if (usable) {
+    return {"CAN interfaces", Health::good, text, ""};
   }
   return {
-      "vcan0", Health::limited, "no interface vcan0; `wire: auto` takes slcan on a pty",
+      "CAN interfaces", Health::limited, text.empty() ? "none" : text,
       "sudo modprobe vcan && sudo ip link add dev vcan0 type vcan && sudo ip link set up vcan0"};
+}
+
+/// What `wire: auto` would do here with a bus that is configured by default.
+Finding can_wire() {
+  const CanWireChoice choice = choose_can_wire({}, examine_can_host());
+  const auto found = std::find_if(kCanWires.begin(), kCanWires.end(),
+                                  [&](const auto& wire) { return wire.value == choice.wire; });
+  return {"CAN wire", Health::good, fmt::format("`auto` takes {}: {}", found->name, choice.why),
+          ""};
 }
 
 Finding pty() {
@@ -143,9 +167,10 @@ Finding processors() {
 }  // namespace
 
 std::vector<Finding> examine_machine() {
-  return {
+  std::vector<Finding> findings{
       can_sockets(),
-      vcan(),
+      can_interfaces(),
+      can_wire(),
       pty(),
       link_folder(),
       limit("real-time priority", RLIMIT_RTPRIO, 50, "at most",
@@ -157,6 +182,10 @@ std::vector<Finding> examine_machine() {
       geoid(),
       processors(),
   };
+  for (Finding& finding : examine_usb()) {
+    findings.push_back(std::move(finding));
+  }
+  return findings;
 }
 
 const char* to_string(Health health) {

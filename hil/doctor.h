@@ -20,8 +20,8 @@ struct Finding {
 };
 
 /// Asks the system: CAN sockets, the vcan interface, pseudo-terminals, real-time priority, memory
-/// lock, UDP socket buffers, the default ports and the folder of the links. Changes nothing that
-/// outlives the call.
+/// lock, UDP socket buffers, the default ports, the folder of the links, and USB. Changes nothing
+/// that outlives the call.
 [[nodiscard]] std::vector<Finding> examine_machine();
 
 [[nodiscard]] const char* to_string(Health health);

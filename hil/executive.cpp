@@ -192,6 +192,9 @@ DeviceIndex Executive::add(GnssStation& station) {
 DeviceIndex Executive::add(ImuStation& station) {
   return enlist(station, imu_);
 }
+DeviceIndex Executive::add(EncoderStation& station) {
+  return enlist(station, encoders_);
+}
 DeviceIndex Executive::add(LidarStation& station) {
   return enlist(station, lidar_);
 }
@@ -218,6 +221,7 @@ void Executive::route(const SampleBatch& batch) {
   }
   deliver(batch.valves, valves_);
   deliver(batch.vehicles, vehicles_);
+  deliver(batch.encoders, encoders_);
   machine_state_ = batch.state;
   frontier_ = batch.until;
 }

@@ -63,6 +63,7 @@ class Executive {
   /// Adds a device; its index counts up from 0 in order of the calls.
   DeviceIndex add(GnssStation& station);
   DeviceIndex add(ImuStation& station);
+  DeviceIndex add(EncoderStation& station);
   DeviceIndex add(LidarStation& station);
   DeviceIndex add(ValveStation& station);
   DeviceIndex add(VehicleStation& station);
@@ -107,6 +108,7 @@ class Executive {
   std::vector<Station*> stations_;
   std::vector<GnssStation*> gnss_;  ///< By device index; nullptr where of another kind.
   std::vector<ImuStation*> imu_;
+  std::vector<EncoderStation*> encoders_;
   std::vector<LidarStation*> lidar_;
   std::vector<ValveStation*> valves_;
   std::vector<VehicleStation*> vehicles_;

@@ -2,10 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
+#include <type_traits>
 
 #include "protocols/bytes.h"
 
 namespace rigwire::hil {
+
+using protocols::can::ControllerReport;
+
 namespace {
 
 // Room for more than one configured lead of the busiest rig, so that only a wire that stands still
@@ -18,6 +23,10 @@ constexpr std::size_t kServerUnits = 1024;
 constexpr std::size_t kServerBytes = kServerUnits * 260;
 constexpr std::size_t kFrameHeader = 4 /* identifier */ + 1 /* flags */ + 1 /* length */;
 constexpr std::size_t kFrameUnits = 1024;
+constexpr std::size_t kReportUnits = 256;
+
+/// What a unit of a FrameOutlet is.
+enum FrameOutletTag : std::uint64_t { kFrameUnit, kSentUnit, kUnsentUnit, kReportUnit };
 
 }  // namespace
 
@@ -79,8 +88,10 @@ bool ServerOutlet::transmit(std::uint64_t tag, std::span<const std::uint8_t> byt
   return server_.send(tag, bytes);
 }
 
-FrameOutlet::FrameOutlet(drivers::CanBus& bus)
-    : Outlet(kFrameUnits, kFrameUnits * (kFrameHeader + 8)), bus_(bus) {}
+FrameOutlet::FrameOutlet(drivers::CanBus& bus, std::size_t unsettled_frames)
+    : Outlet(kFrameUnits + kReportUnits + unsettled_frames,
+             kFrameUnits * (kFrameHeader + 8) + (kReportUnits + 1) * sizeof(ControllerReport)),
+      bus_(bus) {}
 
 void FrameOutlet::send(SimTime due, WireStatistics& statistics,
                        const protocols::can::Frame& frame) {
@@ -90,17 +101,52 @@ void FrameOutlet::send(SimTime due, WireStatistics& statistics,
   bytes[5] = frame.length;
   const auto payload = frame.payload();
   std::copy(payload.begin(), payload.end(), bytes.begin() + kFrameHeader);
-  queue().push(due, 0, statistics, std::span(bytes).first(kFrameHeader + payload.size()));
+  const auto unit = std::span(bytes).first(kFrameHeader + payload.size());
+  if (frames_waiting_ == kFrameUnits) {
+    statistics.hash.add(due, unit);
+    ++statistics.dropped;
+    return;
+  }
+  if (queue().push(due, kFrameUnit, statistics, unit)) {
+    ++frames_waiting_;
+  }
 }
 
-bool FrameOutlet::transmit(std::uint64_t /*tag*/, std::span<const std::uint8_t> bytes) {
+void FrameOutlet::confirm(SimTime due, bool sent) {
+  queue().push(due, sent ? kSentUnit : kUnsentUnit, controller_, {});
+}
+
+void FrameOutlet::report(SimTime due, const ControllerReport& report) {
+  static_assert(std::is_trivially_copyable_v<ControllerReport>);
+  std::array<std::uint8_t, sizeof(ControllerReport)> bytes{};
+  std::memcpy(bytes.data(), &report, sizeof report);
+  if (reports_waiting_ == kReportUnits) {
+    ++controller_.dropped;
+  } else if (queue().push(due, kReportUnit, controller_, bytes)) {
+    ++reports_waiting_;
+  }
+}
+
+bool FrameOutlet::transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) {
+  const Duration stamp = next_due() - kStart;
+  if (tag == kSentUnit || tag == kUnsentUnit) {
+    bus_.confirm(tag == kSentUnit, stamp);
+    return true;
+  }
+  if (tag == kReportUnit) {
+    --reports_waiting_;
+    ControllerReport report;
+    std::memcpy(&report, bytes.data(), sizeof report);
+    return bus_.report(report, stamp);
+  }
+  --frames_waiting_;
   protocols::can::Frame frame;
   frame.id = protocols::load_big<std::uint32_t>(bytes, 0);
   frame.extended = (bytes[4] & 1U) != 0;
   frame.remote = (bytes[4] & 2U) != 0;
   frame.length = bytes[5];
   std::copy(bytes.begin() + kFrameHeader, bytes.end(), frame.data.begin());
-  return bus_.send(frame);
+  return bus_.deliver(frame, stamp);
 }
 
 }  // namespace rigwire::hil

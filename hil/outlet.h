@@ -76,14 +76,27 @@ class ServerOutlet final : public Outlet, public emulators::StreamOutput {
 /// A CAN bus; every frame brings the statistics of the device that sent it. A frame's bytes, as
 /// they are counted and hashed: identifier (4, big endian), flags (1: bit 0 extended, bit 1
 /// remote), length (1), data.
+///
+/// What the client's controller tells its client waits in the same queue, so that everything
+/// reaches the client in the order in which it happened on the bus. It is in no device's
+/// statistics. Confirmations have room of their own: none is ever lost for want of it while not
+/// more than `unsettled_frames` of the client's frames are on their way.
 class FrameOutlet final : public Outlet {
  public:
-  explicit FrameOutlet(drivers::CanBus& bus);
+  explicit FrameOutlet(drivers::CanBus& bus, std::size_t unsettled_frames = 64);
   void send(SimTime due, WireStatistics& statistics, const protocols::can::Frame& frame);
+  void confirm(SimTime due, bool sent);
+  void report(SimTime due, const protocols::can::ControllerReport& report);
+
+  /// Confirmations and reports: `units` handed over, `dropped` refused.
+  [[nodiscard]] const WireStatistics& controller_statistics() const { return controller_; }
 
  private:
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
   drivers::CanBus& bus_;
+  WireStatistics controller_;
+  std::size_t frames_waiting_ = 0;
+  std::size_t reports_waiting_ = 0;
 };
 
 }  // namespace rigwire::hil

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "drivers/slcan_adapter.h"
-#include "drivers/socketcan.h"
+#include "hil/can_hop.h"
 #include "hil/geoid_file.h"
 #include "hil/lidar_factory.h"
 #include "hil/machine_factory.h"
@@ -15,6 +14,7 @@
 #include "hil/scene_fall_obstacle.h"
 #include "hil/scene_files.h"
 #include "hil/starfire_line.h"
+#include "hil/valve_line.h"
 #include "hil/velodyne_line.h"
 #include "sim/random.h"
 #include "sim/scene/triangle_mesh.h"
@@ -51,6 +51,14 @@ sim::Scene::MeshId add_shape(sim::Scene& scene, const Shape& shape) {
   return scene.add_mesh(loaded);
 }
 
+std::optional<sim::Magnetometer> make_magnetometer(const MagnetometerConfiguration& configuration,
+                                                   std::uint64_t seed, const std::string& name) {
+  if (!configuration.present) {
+    return std::nullopt;
+  }
+  return sim::Magnetometer(parameters_of(configuration), seed, name);
+}
+
 SimulatedWorld make_world(const RigConfiguration& configuration, const sim::LocalFrame& frame) {
   MachineInScene built = build_machine_in_scene(configuration);
   WorldSettings settings;
@@ -63,6 +71,17 @@ SimulatedWorld make_world(const RigConfiguration& configuration, const sim::Loca
         std::make_unique<sim::SceneWeather>(configuration.scene.weather, configuration.seed));
   }
   return world;
+}
+
+CanLineSettings line_settings(const BusConfiguration& bus, bool client_is_known) {
+  CanLineSettings settings;
+  settings.node.order = bus.order;
+  settings.node.one_shot = bus.one_shot;
+  settings.node.restart_after = bus.restarts ? std::optional(bus.restart_after) : std::nullopt;
+  settings.client_restart_after = settings.node.restart_after;
+  settings.client_is_known = client_is_known;
+  settings.acknowledging_node = bus.acknowledger;
+  return settings;
 }
 
 }  // namespace
@@ -122,30 +141,12 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
   return result;
 }
 
-/// Either the kernel's interface or slcan on a pty.
 struct Rig::Bus {
-  Bus(const BusConfiguration& configuration, boost::asio::io_context& io)
-      : pty(uses_socketcan(configuration) ? nullptr
-                                          : std::make_unique<drivers::Pty>(io, configuration.path)),
-        endpoint(open(configuration, io)),
-        line(configuration.bus, *endpoint) {}
+  Bus(CanHop opened, const BusConfiguration& configuration)
+      : hop(std::move(opened)),
+        line(configuration.bus, *hop.endpoint, line_settings(configuration, hop.client_is_known)) {}
 
-  static bool uses_socketcan(const BusConfiguration& configuration) {
-    return configuration.wire == CanWire::socketcan ||
-           (configuration.wire == CanWire::automatic &&
-            drivers::socketcan_available(configuration.interface));
-  }
-
-  [[nodiscard]] std::unique_ptr<drivers::CanBus> open(const BusConfiguration& configuration,
-                                                      boost::asio::io_context& io) const {
-    if (pty == nullptr) {
-      return std::make_unique<drivers::SocketCanBus>(io, configuration.interface);
-    }
-    return std::make_unique<drivers::SlcanAdapter>(*pty, configuration.bus.bit_rate_bps);
-  }
-
-  std::unique_ptr<drivers::Pty> pty;  ///< Only with slcan.
-  std::unique_ptr<drivers::CanBus> endpoint;
+  CanHop hop;
   CanLine line;
 };
 
@@ -161,8 +162,20 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
   for (const auto& [name, bus] : configuration_.buses) {
     open_bus(name, bus);
   }
+  for (const auto& [name, line] : configuration_.modbus) {
+    open_modbus_line(name, line);
+  }
   for (const auto& [name, device] : configuration_.devices) {
+    for (const auto& [bus_name, bus] : buses_) {
+      bus->line.begin_device(name);
+    }
     add_device(name, device);
+  }
+  for (const auto& [name, bus] : configuration_.buses) {
+    if (!bus.faults.empty()) {
+      buses_.at(name)->line.set_faults(can_bus_faults(
+          bus.faults, sim::RandomStream(configuration_.seed, name + "/faults").bits()));
+    }
   }
   connect_receivers();
   open_taps(truth);
@@ -193,13 +206,26 @@ void Rig::open_taps(const TruthFiles& files) {
 Rig::~Rig() = default;
 
 void Rig::open_bus(const std::string& name, const BusConfiguration& configuration) {
-  auto bus = std::make_unique<Bus>(configuration, io_);
+  auto bus =
+      std::make_unique<Bus>(open_can_hop(configuration, examine_can_host(), io_), configuration);
   executive_.add(bus->line);
   executive_.add(bus->line.outlet());
-  bus->endpoint->start([this, &line = bus->line](const protocols::can::Frame& frame) {
+  drivers::CanBus& endpoint = *bus->hop.endpoint;
+  endpoint.on_client([this, &line = bus->line](const drivers::CanClient& client) {
+    line.client(executive_.arrive(), client);
+  });
+  endpoint.start([this, &line = bus->line](const protocols::can::Frame& frame) {
     line.receive(executive_.arrive(), frame);
   });
   buses_.emplace(name, std::move(bus));
+}
+
+void Rig::open_modbus_line(const std::string& name, const ModbusLineConfiguration& configuration) {
+  const std::uint64_t seed =
+      sim::RandomStream(configuration_.seed, "modbus." + name + "/line").bits();
+  auto line = make_modbus_line(configuration, io_, seed);
+  line->start(executive_);
+  modbus_lines_.emplace(name, std::move(line));
 }
 
 void Rig::add_device(const std::string& name, const DeviceConfiguration& configuration) {
@@ -236,10 +262,26 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
                      sim::ImuSensor(sim::perfect_imu(), seed, name + "/motion"));
     }
     devices_.push_back({name, std::move(line)});
-  } else if (const auto* imu = std::get_if<OpenImuDeviceConfiguration>(&configuration.settings)) {
+  } else if (const auto* imu = as_kind<OpenImuDeviceConfiguration>(configuration.settings)) {
     auto line = make_line(*imu, buses_.at(imu->bus)->line);
     world_.add_imu(line->enlist(executive_), mount(imu->mount),
-                   sim::ImuSensor(imu->sensor, seed, name));
+                   sim::ImuSensor(imu->sensor, seed, name),
+                   make_magnetometer(imu->magnetometer, seed, name));
+    devices_.push_back({name, std::move(line)});
+  } else if (const auto* mti = std::get_if<XsensMtiConfiguration>(&configuration.settings)) {
+    auto line = make_line(*mti, context, buses_.at(mti->bus)->line);
+    world_.add_imu(line->enlist(executive_), mount(mti->mount),
+                   sim::ImuSensor(mti->sensor, seed, name),
+                   make_magnetometer(mti->magnetometer, seed, name));
+    devices_.push_back({name, std::move(line)});
+  } else if (const auto* encoder =
+                 std::get_if<EncoderDeviceConfiguration>(&configuration.settings)) {
+    auto line = make_line(*encoder, buses_.at(encoder->bus)->line);
+    const auto link = [this](const std::string& link_name) {
+      return sensor_mount(configuration_.machine, {link_name, {}, {}}).link;
+    };
+    world_.add_encoder(line->enlist(executive_), link(encoder->base), link(encoder->link),
+                       sim::JointAngle(encoder->axis - 'x'));
     devices_.push_back({name, std::move(line)});
   } else if (const auto* gateway =
                  std::get_if<VehicleGatewayDeviceConfiguration>(&configuration.settings)) {
@@ -247,8 +289,14 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
     world_.add_vehicle(line->enlist(executive_),
                        sim::VehicleSensors(gateway->sensor, gateway->odometry, seed, name));
     devices_.push_back({name, std::move(line)});
+  } else if (const auto* block = std::get_if<IsoValvesConfiguration>(&configuration.settings)) {
+    auto line = make_line(*block, buses_.at(block->bus)->line);
+    world_.add_valves(line->enlist(executive_));
+    devices_.push_back({name, std::move(line)});
   } else {
-    auto line = make_line(std::get<ValveDriverConfiguration>(configuration.settings), context);
+    const auto& valves = std::get<ValveDriverConfiguration>(configuration.settings);
+    auto line = make_line(valves, context,
+                          valves.line.empty() ? nullptr : modbus_lines_.at(valves.line).get());
     world_.add_valves(line->enlist(executive_));
     devices_.push_back({name, std::move(line)});
   }
@@ -276,6 +324,15 @@ void Rig::connect_receivers() {
       }
     }
   }
+}
+
+std::vector<std::string> Rig::wires() const {
+  std::vector<std::string> lines;
+  for (const auto& [name, bus] : buses_) {
+    lines.push_back(
+        fmt::format("bus {}: {} ({})", name, bus->line.endpoint().address, bus->hop.choice.why));
+  }
+  return lines;
 }
 
 RigStatus Rig::status() const {

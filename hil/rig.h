@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "drivers/pty.h"
 #include "hil/can_line.h"
 #include "hil/configuration/rig.h"
 #include "hil/device_line.h"
 #include "hil/executive.h"
+#include "hil/modbus_line.h"
 #include "hil/report.h"
 #include "hil/rig_status.h"
 #include "hil/simulated_world.h"
@@ -49,6 +49,8 @@ class Rig {
   [[nodiscard]] Executive& executive() { return executive_; }
   [[nodiscard]] const TruthSource& truth() const { return world_; }
 
+  /// What carries each bus, and why it was chosen; a line each.
+  [[nodiscard]] std::vector<std::string> wires() const;
   /// On the thread that runs the executive; `wall_s` is filled by the caller.
   [[nodiscard]] RigStatus status() const;
   /// After the run.
@@ -63,6 +65,7 @@ class Rig {
   };
 
   void open_bus(const std::string& name, const BusConfiguration& configuration);
+  void open_modbus_line(const std::string& name, const ModbusLineConfiguration& configuration);
   void add_device(const std::string& name, const DeviceConfiguration& configuration);
   void connect_receivers();
   void open_taps(const TruthFiles& files);
@@ -75,6 +78,7 @@ class Rig {
   SimulatedWorld world_;
   Executive executive_;
   std::map<std::string, std::unique_ptr<Bus>> buses_;
+  std::map<std::string, std::unique_ptr<ModbusLine>> modbus_lines_;
   std::vector<Device> devices_;
 };
 

@@ -79,6 +79,9 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   if (options.status != StatusStyle::none) {
     fmt::print("{}: seed {}, configuration {}, clock {}\n", configuration.name, configuration.seed,
                config_hash(configuration), to_string(options.clock));
+    for (const std::string& wire : rig.wires()) {
+      fmt::print("{}\n", wire);
+    }
     std::fflush(stdout);
   }
   RunOutcome outcome;

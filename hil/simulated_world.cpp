@@ -58,8 +58,16 @@ void SimulatedWorld::add_gnss(DeviceIndex device, const SensorMount& mount,
   truth_.antennas.resize(gnss_.size());
 }
 
-void SimulatedWorld::add_imu(DeviceIndex device, const SensorMount& mount, sim::ImuSensor sensor) {
-  imu_.push_back({device, mount, std::move(sensor), {}, kNever});
+void SimulatedWorld::add_imu(DeviceIndex device, const SensorMount& mount, sim::ImuSensor sensor,
+                             std::optional<sim::Magnetometer> magnetometer) {
+  imu_.push_back({device, mount, {std::move(sensor), std::move(magnetometer)}, {}, kNever});
+}
+
+void SimulatedWorld::add_encoder(DeviceIndex device, std::size_t base, std::size_t moving,
+                                 sim::JointAngle joint) {
+  SensorMount mount;
+  mount.link = base;
+  encoders_.push_back({device, mount, {moving, joint}, {}, kNever});
 }
 
 void SimulatedWorld::add_lidar(DeviceIndex device, const SensorMount& mount,
@@ -113,6 +121,7 @@ void SimulatedWorld::apply(const TruthRequests& requests) {
   for (const auto& request : requests.plans) {
     replan(gnss_, request);
     replan(imu_, request);
+    replan(encoders_, request);
     replan(valves_, request);
     replan(vehicles_, request);
   }
@@ -167,8 +176,21 @@ void SimulatedWorld::sample_step(SimTime t0, SimTime t1, SampleBatch& batch) {
   for (auto& imu : imu_) {
     for (; imu.next <= t1; imu.next = imu.plan.next_after(imu.next)) {
       const auto motion = motion_at(imu.mount, t0, t1, imu.next);
-      batch.imu.push_back(
-          {imu.device, imu.sensor.sample(imu.next, motion, settings_.gravity_mps2)});
+      ImuSample sample = imu.sensor.sensor.sample(imu.next, motion, settings_.gravity_mps2);
+      if (imu.sensor.magnetometer) {
+        sample.magnetic_field_t = imu.sensor.magnetometer->sample(imu.next, motion, 0.0).field_t;
+      }
+      batch.imu.push_back({imu.device, sample});
+    }
+  }
+  for (auto& encoder : encoders_) {
+    for (; encoder.next <= t1; encoder.next = encoder.plan.next_after(encoder.next)) {
+      SensorMount moving;
+      moving.link = encoder.sensor.moving;
+      batch.encoders.push_back(
+          {encoder.device,
+           encoder.sensor.angle.sample(encoder.next, motion_at(encoder.mount, t0, t1, encoder.next),
+                                       motion_at(moving, t0, t1, encoder.next))});
     }
   }
   for (auto& valves : valves_) {

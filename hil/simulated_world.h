@@ -15,10 +15,12 @@
 #include "hil/lidar_truth_tap.h"
 #include "hil/truth_source.h"
 #include "hil/truth_tap.h"
+#include "sim/encoder/joint_angle.h"
 #include "sim/excavator/bucket_soil.h"
 #include "sim/gnss/gnss_sensor.h"
 #include "sim/ground/ground.h"
 #include "sim/imu/imu_sensor.h"
+#include "sim/imu/magnetometer.h"
 #include "sim/lidar/lidar_sensor.h"
 #include "sim/local_frame.h"
 #include "sim/machine.h"
@@ -58,7 +60,10 @@ class SimulatedWorld final : public TruthSource {
 
   /// Sensors, by the device whose samples they make.
   void add_gnss(DeviceIndex device, const SensorMount& mount, sim::GnssSensor sensor);
-  void add_imu(DeviceIndex device, const SensorMount& mount, sim::ImuSensor sensor);
+  void add_imu(DeviceIndex device, const SensorMount& mount, sim::ImuSensor sensor,
+               std::optional<sim::Magnetometer> magnetometer = std::nullopt);
+  /// An encoder that reads link `moving` against link `base`.
+  void add_encoder(DeviceIndex device, std::size_t base, std::size_t moving, sim::JointAngle joint);
   void add_lidar(DeviceIndex device, const SensorMount& mount,
                  std::unique_ptr<sim::LidarSensor> sensor, LidarPattern pattern);
   /// Throw std::invalid_argument when the machine has no valve block, or does not drive.
@@ -95,6 +100,14 @@ class SimulatedWorld final : public TruthSource {
     void replan(const SamplePlan& changed, SimTime frontier);
   };
   struct Unmounted {};
+  struct Inertial {
+    sim::ImuSensor sensor;
+    std::optional<sim::Magnetometer> magnetometer;
+  };
+  struct Joint {
+    std::size_t moving;  ///< Link; the mount's is the base.
+    sim::JointAngle angle;
+  };
   struct Lidar {
     std::unique_ptr<sim::LidarSensor> sensor;
     LidarPattern pattern;
@@ -119,7 +132,8 @@ class SimulatedWorld final : public TruthSource {
   MachineInScene content_;
   sim::LocalFrame frame_;
   std::vector<Mounted<sim::GnssSensor>> gnss_;
-  std::vector<Mounted<sim::ImuSensor>> imu_;
+  std::vector<Mounted<Inertial>> imu_;
+  std::vector<Mounted<Joint>> encoders_;
   std::vector<Mounted<Lidar>> lidars_;
   std::vector<Mounted<Unmounted>> valves_;
   std::vector<Mounted<sim::VehicleSensors>> vehicles_;

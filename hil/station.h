@@ -84,6 +84,7 @@ class SampledStation : public Station {
 
 using GnssStation = SampledStation<GnssSample, emulators::GnssBackend>;
 using ImuStation = SampledStation<ImuSample, emulators::ImuBackend>;
+using EncoderStation = SampledStation<EncoderSample, emulators::EncoderBackend>;
 
 /// Also carries what the device asks of its head. Firings come too often to wake up for
 /// each: they are taken when the packet that they belong to is complete.

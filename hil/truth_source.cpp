@@ -10,6 +10,7 @@ void SampleBatch::clear() {
   }
   valves.clear();
   vehicles.clear();
+  encoders.clear();
   state.clear();
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/samples/encoder_sample.h"
 #include "sim/samples/gnss_sample.h"
 #include "sim/samples/imu_sample.h"
 #include "sim/samples/lidar_sample.h"
@@ -43,6 +44,7 @@ struct SampleBatch {
   std::vector<LidarBlock> lidar;  ///< One per lidar of the rig; kept by clear(), emptied.
   std::vector<Addressed<ValveSample>> valves;
   std::vector<Addressed<VehicleSample>> vehicles;
+  std::vector<Addressed<EncoderSample>> encoders;
   std::vector<double> state;  ///< At `until`, in the order of TruthSource::state_quantities().
 
   void clear();

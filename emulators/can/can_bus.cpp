@@ -1,18 +1,25 @@
 #include "emulators/can/can_bus.h"
 
 #include <algorithm>
-#include <cassert>
 #include <stdexcept>
 #include <string>
 
-#include "protocols/can/bits.h"
+#include "emulators/can/can_fault_schedule.h"
 
 namespace rigwire::emulators {
 
+using protocols::can::ControllerReport;
 using protocols::can::Frame;
 
+namespace {
+
+constexpr std::uint32_t kLeastRate_bps = 10'000;
+constexpr std::uint32_t kGreatestRate_bps = 1'000'000;
+
+}  // namespace
+
 void validate(const CanBusSettings& settings) {
-  if (settings.bit_rate_bps < 10'000 || settings.bit_rate_bps > 1'000'000) {
+  if (settings.bit_rate_bps < kLeastRate_bps || settings.bit_rate_bps > kGreatestRate_bps) {
     throw std::invalid_argument("CAN bus: bit_rate_bps is " +
                                 std::to_string(settings.bit_rate_bps) +
                                 ", allowed is 10000 .. 1000000");
@@ -23,59 +30,97 @@ void validate(const CanBusSettings& settings) {
   }
 }
 
-/// A node's transmit queue, a ring of fixed size.
-class CanBusModel::Node final : public FrameOutput {
- public:
-  /// `exit` is nullptr for the outside itself.
-  Node(std::size_t capacity, FrameOutput* exit_output) : exit(exit_output), ring_(capacity) {}
-
-  void send(SimTime due, const Frame& frame) override {
-    if (count_ == ring_.size()) {
-      ++counters.overflowed;
-      return;
-    }
-    ring_[(head_ + count_) % ring_.size()] = {due, frame};
-    ++count_;
-  }
-
-  [[nodiscard]] SimTime ready() const { return count_ == 0 ? kNever : ring_[head_].due; }
-  [[nodiscard]] const Frame& front() const { return ring_[head_].frame; }
-  void pop() {
-    head_ = (head_ + 1) % ring_.size();
-    --count_;
-  }
-
-  FrameOutput* const exit;
-  CanDevice* device = nullptr;
-  CanNodeCounters counters;
-
- private:
-  struct Waiting {
-    SimTime due;
-    Frame frame;
-  };
-  std::vector<Waiting> ring_;
-  std::size_t head_ = 0;
-  std::size_t count_ = 0;
-};
-
-CanBusModel::CanBusModel(const CanBusSettings& settings) : settings_(settings) {
-  validate(settings);
-  nodes_.push_back(std::make_unique<Node>(settings.queue_frames, nullptr));
+CanBusModel::CanBusModel(const CanBusSettings& settings)
+    : settings_((validate(settings), settings)), wire_(settings.bit_rate_bps) {
+  CanNodeSettings outside;
+  outside.name = kCanOutsideName;
+  outside.restart_after = client_.restart_after;
+  connect(outside, nullptr);
 }
 
 CanBusModel::~CanBusModel() = default;
 
-FrameOutput& CanBusModel::add_node(FrameOutput& exit) {
-  nodes_.push_back(std::make_unique<Node>(settings_.queue_frames, &exit));
+CanController& CanBusModel::connect(const CanNodeSettings& settings, FrameOutput* exit) {
+  validate(settings);
+  const bool taken = std::ranges::any_of(nodes_, [&settings](const auto& node) {
+    return !settings.name.empty() && node->settings().name == settings.name;
+  });
+  if (taken) {
+    throw std::invalid_argument("CAN node: name is '" + settings.name +
+                                "', which another node of the bus has");
+  }
+  CanNodeSettings complete = settings;
+  complete.bit_rate_bps =
+      settings.bit_rate_bps != 0 ? settings.bit_rate_bps : settings_.bit_rate_bps;
+  complete.queue_frames =
+      settings.queue_frames != 0 ? settings.queue_frames : settings_.queue_frames;
+  nodes_.push_back(std::make_unique<CanController>(complete, exit));
+  wire_.connect(kStart, *nodes_.back());
   return *nodes_.back();
 }
 
-void CanBusModel::attach(FrameOutput& output, CanDevice& device) {
-  node_of(output).device = &device;
+FrameOutput& CanBusModel::add_node(FrameOutput& exit, const CanNodeSettings& node) {
+  return connect(node, &exit);
 }
 
-CanBusModel::Node& CanBusModel::node_of(const FrameOutput& output) const {
+void CanBusModel::attach(FrameOutput& output, CanDevice& device) {
+  node_of(output).attach(device);
+}
+
+void CanBusModel::set_outside(CanOutside& outside) {
+  nodes_.front()->attach(outside);
+}
+
+void CanBusModel::set_client(SimTime now, const OutsideController& client) {
+  if (client == client_) {
+    return;
+  }
+  client_ = client;
+  OutsideController allowed = client;
+  if (client.bit_rate_bps != 0) {
+    allowed.bit_rate_bps = std::clamp(client.bit_rate_bps, kLeastRate_bps, kGreatestRate_bps);
+  }
+  nodes_.front()->configure(now, allowed, settings_.bit_rate_bps);
+}
+
+void CanBusModel::restart_outside(SimTime now) {
+  nodes_.front()->restart(now);
+}
+
+void CanBusModel::set_faults(const CanBusFaults& faults, FrameOutput& intruder_exit) {
+  validate(faults);
+  if (faults_ != nullptr) {
+    throw std::invalid_argument("CAN bus: faults are set twice");
+  }
+  std::vector<CanController*> known;
+  for (const auto& node : nodes_) {
+    known.push_back(node.get());
+  }
+  faults_ = std::make_unique<CanFaultSchedule>(faults, settings_.bit_rate_bps, known, wire_,
+                                               intruder_exit);
+}
+
+void CanBusModel::receive(SimTime now, const Frame& frame) {
+  nodes_.front()->send(now, frame);
+}
+
+SimTime CanBusModel::next_event() const {
+  const SimTime next = wire_.next_event();
+  return faults_ == nullptr ? next : std::min(next, faults_->next_event());
+}
+
+void CanBusModel::advance(SimTime now) {
+  for (SimTime next = next_event(); next <= now; next = next_event()) {
+    last_event_ = std::max(last_event_, next);
+    if (faults_ != nullptr && faults_->next_event() <= wire_.next_event()) {
+      faults_->step(last_event_);
+    } else {
+      wire_.step();
+    }
+  }
+}
+
+CanController& CanBusModel::node_of(const FrameOutput& output) const {
   const auto found = std::find_if(nodes_.begin(), nodes_.end(),
                                   [&output](const auto& node) { return node.get() == &output; });
   if (found == nodes_.end()) {
@@ -85,123 +130,27 @@ CanBusModel::Node& CanBusModel::node_of(const FrameOutput& output) const {
 }
 
 CanNodeCounters CanBusModel::counters(const FrameOutput& output) const {
-  return node_of(output).counters;
+  return node_of(output).counters();
 }
 
-CanNodeCounters CanBusModel::outside_counters() const {
-  return nodes_.front()->counters;
+ControllerReport CanBusModel::controller(const FrameOutput& output) const {
+  return node_of(output).status();
 }
 
-void CanBusModel::receive(SimTime now, const Frame& frame) {
-  nodes_.front()->send(now, frame);
-}
-
-Duration CanBusModel::bits(std::uint64_t count) const {
-  return Duration{static_cast<std::int64_t>((count * 1'000'000'000U + settings_.bit_rate_bps / 2) /
-                                            settings_.bit_rate_bps)};
-}
-
-SimTime CanBusModel::start_time() const {
-  SimTime earliest = kNever;
+std::vector<CanNodeStatus> CanBusModel::nodes() const {
+  std::vector<CanNodeStatus> result;
+  const auto add = [&result](const CanController& node) {
+    result.push_back({node.settings().name, node.bit_rate_bps(), node.counters(), node.status()});
+  };
   for (const auto& node : nodes_) {
-    earliest = std::min(earliest, node->ready());
+    add(*node);
   }
-  return earliest == kNever ? kNever : std::max(earliest, free_at_);
-}
-
-SimTime CanBusModel::decision_time() const {
-  const SimTime start = start_time();
-  return start == kNever ? kNever : start + bits(1);
-}
-
-SimTime CanBusModel::next_event() const {
-  return sender_ != nullptr ? end_of_frame_ : decision_time();
-}
-
-void CanBusModel::advance(SimTime now) {
-  while (next_event() <= now) {
-    if (sender_ != nullptr) {
-      complete();
-    } else {
-      arbitrate();
+  if (faults_ != nullptr) {
+    for (const CanController* intruder : faults_->intruders()) {
+      add(*intruder);
     }
   }
-}
-
-void CanBusModel::arbitrate() {
-  const SimTime start = start_time();
-  // Who becomes ready within the first bit sees the start of frame and joins.
-  const SimTime last = start + bits(1) - Duration{1};
-  bool tie = false;
-  std::uint32_t lowest = 0;
-  sender_ = nullptr;
-  for (const auto& node : nodes_) {
-    if (node->ready() > last) {
-      continue;
-    }
-    const std::uint32_t field = protocols::can::arbitration_field(node->front());
-    if (sender_ == nullptr || field < lowest) {
-      sender_ = node.get();
-      lowest = field;
-      tie = false;
-    } else if (field == lowest) {
-      tie = true;
-    }
-  }
-  collisions_ += tie ? 1U : 0U;
-  on_wire_ = sender_->front();
-  sender_->pop();
-  const unsigned length = protocols::can::exact_bits(on_wire_);
-  end_of_frame_ = start + bits(length - protocols::can::kInterframeBits);
-  free_at_ = start + bits(length);
-  occupy(start, free_at_);
-}
-
-void CanBusModel::complete() {
-  Node* const sender = sender_;
-  const SimTime instant = end_of_frame_;
-  const Frame frame = on_wire_;
-  sender_ = nullptr;
-  end_of_frame_ = kNever;
-  ++frames_;
-  ++sender->counters.sent;
-  for (const auto& node : nodes_) {
-    if (node.get() != sender && node->device != nullptr) {
-      node->device->receive(instant, frame);
-    }
-  }
-  if (sender->exit != nullptr) {
-    sender->exit->send(instant, frame);
-  }
-}
-
-void CanBusModel::occupy(SimTime begin, SimTime end) {
-  const auto size = static_cast<std::int64_t>(busy_ns_.size());
-  while (begin < end) {
-    const std::int64_t bucket = begin.time_since_epoch() / kLoadBucket;
-    newest_bucket_ = std::max(newest_bucket_, bucket - size);
-    while (newest_bucket_ < bucket) {
-      ++newest_bucket_;
-      busy_ns_[static_cast<std::size_t>(newest_bucket_ % size)] = 0;
-    }
-    const SimTime bucket_end{(bucket + 1) * kLoadBucket};
-    const SimTime until = std::min(end, bucket_end);
-    busy_ns_[static_cast<std::size_t>(bucket % size)] += (until - begin).count();
-    begin = until;
-  }
-}
-
-double CanBusModel::load(SimTime now) const {
-  const auto size = static_cast<std::int64_t>(busy_ns_.size());
-  const std::int64_t current = now.time_since_epoch() / kLoadBucket;
-  std::int64_t busy = 0;
-  for (std::int64_t bucket = current - static_cast<std::int64_t>(kLoadBuckets); bucket < current;
-       ++bucket) {
-    if (bucket >= 0 && bucket <= newest_bucket_ && bucket > newest_bucket_ - size) {
-      busy += busy_ns_[static_cast<std::size_t>(bucket % size)];
-    }
-  }
-  return static_cast<double>(busy) * 1e-9;
+  return result;
 }
 
 }  // namespace rigwire::emulators

@@ -1,37 +1,55 @@
-// One CAN bus: the wire that several devices share, with a bit rate, arbitration and frame lengths.
+// One CAN bus: the wire that several devices and the client share, with everything that makes it a
+// bus and no pipe.
 //
 // - A node hands over a frame with the instant from which its controller wants to send it. Each
-//   node sends its frames in order (one transmit mailbox behind a queue); when the queue is full
-//   the new frame is lost and counted.
+//   node has a transmit queue, first in first out or by priority (can_node.h); what does not fit is
+//   lost and counted.
 // - When the bus is free, all nodes with a ready frame start together; the arbitration field
 //   decides (protocols/can/bits.h), the losers wait. Nodes that want to send within the first bit
 //   after the start of frame still take part, as on a wire.
 // - A frame occupies its exact number of bits, stuff bits and interframe space included. It is
 //   complete, and delivered, at the end of its end-of-frame field; the bus is free again three bits
-//   later.
+//   later. Instants are whole bits from the synchronising edge, rounded to the nanosecond once
+//   (can_bit_clock.h): error 0.5 ns, without drift.
+// - Somebody has to acknowledge: another node at the same bit rate that is neither listen-only nor
+//   bus-off. The client's controller is a node like the others, and does not while nobody is there
+//   (OutsideController). A node that is alone tries for ever, becomes passive and not bus-off.
+// - Errors run bit by bit (can_bit_level.h): error flags, counters, states, retransmission, bus-off
+//   and recovery (can_controller.h), at their exact instants.
+// - Two nodes that send one identifier: with the same bits both have sent and the others hear it
+//   once; with different ones the first differing bit is an error.
 // - Delivery goes to every other device on the bus, in the order of their attachment, and to the
-//   sender's own exit, the way to the outside. Frames from outside enter as a node of their own.
+//   sender's own exit, the way to the outside; not to the exit when a client that is there could
+//   not hear it (bus-off, another bit rate, a broken stub).
+// - Faults (can_bus_faults.h) change levels, rates and who is connected.
 //
-// Not modelled: acknowledge and error frames, error counters, bus-off, bit errors between equal
-// identifiers (two nodes with equal arbitration fields: the one attached first sends first and the
-// case is counted), propagation time, CAN FD.
+// Not modelled: propagation time and sample points, clock tolerance, resynchronisation, overload
+// frames asked for by receivers, CAN FD.
 //
-// Deterministic: depends only on the sequence of calls. The executive calls advance() of the
-// devices and of the bus in the order of their events; at one instant the order does not matter.
+// Deterministic: depends only on the sequence of calls and on the faults' seed. The executive calls
+// advance() of the devices and of the bus in the order of their events; at one instant the order
+// does not matter. Neither allocates nor throws after set-up.
+//
+// Source: ISO 11898-1:2015.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
+#include <string_view>
 #include <vector>
 
+#include "emulators/can/can_bus_faults.h"
+#include "emulators/can/can_node.h"
+#include "emulators/can/can_outside.h"
+#include "emulators/can/can_segment.h"
 #include "emulators/device.h"
 #include "protocols/can/frame.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
+
+class CanFaultSchedule;
 
 struct CanBusSettings {
   std::uint32_t bit_rate_bps = 250'000;  ///< 10 000 .. 1 000 000.
@@ -41,9 +59,12 @@ struct CanBusSettings {
 /// Throws std::invalid_argument with the value found and what is allowed.
 void validate(const CanBusSettings& settings);
 
-struct CanNodeCounters {
-  std::uint64_t sent = 0;        ///< Frames that left completely.
-  std::uint64_t overflowed = 0;  ///< Frames lost because the queue was full.
+/// One node as reports show it.
+struct CanNodeStatus {
+  std::string_view name;  ///< Of its settings.
+  std::uint32_t bit_rate_bps = 0;
+  CanNodeCounters counters;
+  protocols::can::ControllerReport controller;  ///< State and error counters.
 };
 
 class CanBusModel {
@@ -54,11 +75,25 @@ class CanBusModel {
   CanBusModel& operator=(const CanBusModel&) = delete;
 
   /// A new node, and the output to construct its device with. Valid as long as the bus. `exit`
-  /// receives every frame that the node has sent, with the instant of its end of frame.
-  [[nodiscard]] FrameOutput& add_node(FrameOutput& exit);
+  /// receives every frame that the node has sent, with the instant of its end of frame. Throws
+  /// std::invalid_argument for settings out of range and for a name that another node has.
+  [[nodiscard]] FrameOutput& add_node(FrameOutput& exit, const CanNodeSettings& node = {});
   /// Names the device that hears what the others send. `output` is one of add_node()'s; the device
   /// must outlive the bus's last advance().
   void attach(FrameOutput& output, CanDevice& device);
+
+  /// Optional, once.
+  void set_outside(CanOutside& outside);
+  /// The client opened or closed its controller, or set it otherwise: its counters begin anew, and
+  /// what it still had to send while it closes is lost. Before the first call it is
+  /// OutsideController{}. A bit rate out of range is taken as the nearest one that is allowed.
+  void set_client(SimTime now, const OutsideController& client);
+  /// The client asks its controller to come back from bus-off.
+  void restart_outside(SimTime now);
+
+  /// What will go wrong. Frames of intruders leave by `intruder_exit`. To be called once, after the
+  /// last add_node() and before the first advance(). Throws std::invalid_argument.
+  void set_faults(const CanBusFaults& faults, FrameOutput& intruder_exit);
 
   /// A frame from outside, wanting to be sent from `now` on.
   void receive(SimTime now, const protocols::can::Frame& frame);
@@ -67,41 +102,36 @@ class CanBusModel {
   void advance(SimTime now);
   [[nodiscard]] SimTime next_event() const;
 
-  /// Share of the second before `now` in which the bus was occupied, 0..1, in steps of 10 ms:
-  /// counted are the hundred whole hundredths of a second that ended last.
-  [[nodiscard]] double load(SimTime now) const;
-  [[nodiscard]] std::uint64_t frames() const { return frames_; }
+  /// Share of the second before `now` in which the bus was occupied, errors included, 0..1, in
+  /// steps of 10 ms: counted are the hundred whole hundredths of a second that ended last.
+  [[nodiscard]] double load(SimTime now) const { return wire_.load().share(now); }
+  /// That went well.
+  [[nodiscard]] std::uint64_t frames() const { return wire_.frames(); }
+  /// Attempts that an error ended.
+  [[nodiscard]] std::uint64_t error_frames() const { return wire_.error_frames(); }
   /// Arbitrations that two nodes would have won.
-  [[nodiscard]] std::uint64_t collisions() const { return collisions_; }
+  [[nodiscard]] std::uint64_t collisions() const { return wire_.collisions(); }
   [[nodiscard]] CanNodeCounters counters(const FrameOutput& output) const;
+  [[nodiscard]] protocols::can::ControllerReport controller(const FrameOutput& output) const;
   /// Of what came from outside.
-  [[nodiscard]] CanNodeCounters outside_counters() const;
+  [[nodiscard]] CanNodeCounters outside_counters() const { return nodes_.front()->counters(); }
+  [[nodiscard]] protocols::can::ControllerReport outside_controller() const {
+    return nodes_.front()->status();
+  }
+  /// The outside, the devices in the order of add_node(), and intruders.
+  [[nodiscard]] std::vector<CanNodeStatus> nodes() const;
   [[nodiscard]] const CanBusSettings& settings() const { return settings_; }
 
  private:
-  class Node;
-  static constexpr Duration kLoadBucket = std::chrono::milliseconds{10};
-  static constexpr std::size_t kLoadBuckets = 100;
-
-  [[nodiscard]] Duration bits(std::uint64_t count) const;
-  /// When the next arbitration is decided; kNever when nobody has a frame.
-  [[nodiscard]] SimTime decision_time() const;
-  [[nodiscard]] SimTime start_time() const;
-  void arbitrate();
-  void complete();
-  void occupy(SimTime begin, SimTime end);
-  [[nodiscard]] Node& node_of(const FrameOutput& output) const;
+  [[nodiscard]] CanController& node_of(const FrameOutput& output) const;
+  CanController& connect(const CanNodeSettings& settings, FrameOutput* exit);
 
   CanBusSettings settings_;
-  std::vector<std::unique_ptr<Node>> nodes_;  ///< The first one is the outside.
-  Node* sender_ = nullptr;                    ///< Of the frame on the wire.
-  protocols::can::Frame on_wire_;
-  SimTime end_of_frame_ = kNever;
-  SimTime free_at_ = kStart;
-  std::uint64_t frames_ = 0;
-  std::uint64_t collisions_ = 0;
-  std::array<std::int64_t, kLoadBuckets + 2> busy_ns_{};  ///< Per 10 ms, by number modulo size.
-  std::int64_t newest_bucket_ = 0;
+  std::vector<std::unique_ptr<CanController>> nodes_;  ///< The first one is the outside.
+  CanSegment wire_;
+  std::unique_ptr<CanFaultSchedule> faults_;
+  OutsideController client_;
+  SimTime last_event_ = kStart;
 };
 
 }  // namespace rigwire::emulators

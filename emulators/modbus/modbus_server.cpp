@@ -4,47 +4,39 @@
 #include <stdexcept>
 #include <string>
 
-#include "emulators/modbus/modbus_dispatch.h"
-
 namespace rigwire::emulators {
 
 using namespace protocols::modbus;
 
 void validate(const ModbusServerSettings& settings) {
-  if (settings.processing_delay < Duration{0} ||
-      settings.processing_delay > std::chrono::seconds(1)) {
-    throw std::invalid_argument("modbus processing_delay: found " +
-                                std::to_string(to_seconds(settings.processing_delay)) +
-                                " s, allowed 0 .. 1 s");
-  }
+  validate(settings.response_delay);
   if (settings.transactions_max < 1 || settings.transactions_max > 16) {
     throw std::invalid_argument("modbus transactions_max: found " +
                                 std::to_string(settings.transactions_max) + ", allowed 1 .. 16");
   }
+  if (settings.idle_timeout != Duration{0} && (settings.idle_timeout < std::chrono::seconds(1) ||
+                                               settings.idle_timeout > std::chrono::hours(24))) {
+    throw std::invalid_argument("modbus idle_timeout: found " +
+                                std::to_string(to_seconds(settings.idle_timeout)) +
+                                " s, allowed 0, 1 .. 86400 s");
+  }
 }
 
 ModbusServer::ModbusServer(const ModbusServerSettings& settings, StreamOutput& output)
-    : settings_(settings), output_(output) {
+    : settings_(settings),
+      output_(output),
+      service_(ModbusWire::tcp, settings.faults, settings.seed),
+      delay_(settings.response_delay, ~settings.seed) {
   validate(settings);
 }
 
-void ModbusServer::add_unit(std::uint8_t number, ModbusUnit& unit) {
-  if (number < 1 || number > 247) {
-    throw std::invalid_argument("modbus unit: found " + std::to_string(number) +
-                                ", allowed 1 .. 247");
-  }
-  if (std::ranges::find(units_, number, &Unit::number) != units_.end()) {
-    throw std::invalid_argument("modbus unit " + std::to_string(number) + " is there twice");
-  }
-  units_.push_back({number, &unit});
-}
-
-void ModbusServer::connected(SimTime /*now*/, ConnectionId connection) {
+void ModbusServer::connected(SimTime now, ConnectionId connection) {
   if (find(connection) == nullptr) {
-    Connection fresh;
+    Connection& fresh = connections_.emplace_back();
     fresh.id = connection;
+    fresh.heard = now;
+    fresh.last_due = now;
     fresh.answers_due.fill(SimTime::min());
-    connections_.push_back(fresh);
   }
 }
 
@@ -53,8 +45,12 @@ void ModbusServer::disconnected(SimTime /*now*/, ConnectionId connection) {
 }
 
 void ModbusServer::receive(SimTime now, ConnectionId id, std::span<const std::uint8_t> bytes) {
-  counters_.bytes += bytes.size();
+  service_.received().bytes += bytes.size();
+  nothing_before_ = now + delay_.minimum();
   Connection* connection = find(id);
+  if (connection != nullptr) {
+    connection->heard = now;
+  }
   while (connection != nullptr && !connection->closing && !bytes.empty()) {
     const std::size_t taken = std::min(bytes.size(), connection->buffer.size() - connection->used);
     std::ranges::copy(bytes.first(taken),
@@ -63,20 +59,20 @@ void ModbusServer::receive(SimTime now, ConnectionId id, std::span<const std::ui
     bytes = bytes.subspan(taken);
     consume_frames(now, *connection);
   }
+  release(now);
 }
 
 void ModbusServer::consume_frames(SimTime now, Connection& connection) {
   std::size_t start = 0;
-  while (!connection.closing) {
+  while (!connection.closing && start < connection.used) {
     const auto offered = std::span(connection.buffer).first(connection.used).subspan(start);
     const auto adu = decode_adu(offered);
     if (adu.incomplete()) {
       break;
     }
     if (adu.malformed()) {
-      ++counters_.malformed;
-      connection.closing = true;
-      output_.close(connection.id, now + settings_.processing_delay);
+      ++service_.received().malformed;
+      close(now, connection);
       break;
     }
     handle(now, connection, *adu);
@@ -88,61 +84,159 @@ void ModbusServer::consume_frames(SimTime now, Connection& connection) {
   connection.used -= start;
 }
 
+void ModbusServer::close(SimTime now, Connection& connection) {
+  connection.closing = true;
+  connection.last_due = std::max(connection.last_due, now + delay_.draw());
+  give(connection.last_due, connection.id, {}, true);
+}
+
 void ModbusServer::handle(SimTime now, Connection& connection, const Adu& adu) {
   if (adu.header.protocol != kModbusProtocol) {
-    ++counters_.ignored;
+    ++service_.received().ignored;
     return;
   }
-  const Pdu pdu = encode_response(answer(now, connection, adu));
-  const SimTime due = now + settings_.processing_delay;
-  connection.answers_due[connection.next_answer] = due;
-  connection.next_answer = (connection.next_answer + 1) % settings_.transactions_max;
-  output_.send(connection.id, due, encode_adu(adu.header, pdu.view()).view());
+  if (!serve(now, connection, adu)) {
+    ++service_.received().ignored;
+  }
+  if (answer_.effects.disconnect) {
+    close(now, connection);
+    return;
+  }
+  if (answer_.silent) {
+    return;
+  }
+  const SimTime due = std::max(connection.last_due, now + delay_.draw() + answer_.effects.delay);
+  answer(connection, due, adu.header);
 }
 
-Response ModbusServer::answer(SimTime now, Connection& connection, const Adu& adu) {
-  const auto function = static_cast<std::uint8_t>(adu.pdu[0] & ~kExceptionFlag);
+bool ModbusServer::serve(SimTime now, const Connection& connection, const Adu& adu) {
+  constexpr std::uint8_t kDeviceItself = 255;
+  const auto refuse = [&](ExceptionCode code) {
+    const auto function = static_cast<std::uint8_t>(adu.pdu[0] & ~kExceptionFlag);
+    answer_.silent = false;
+    answer_.effects = {};
+    answer_.pdu = encode_response(ExceptionResponse{function, code});
+    return false;
+  };
   // The slot about to be used holds the oldest of the latest transactions_max answers.
   if (connection.answers_due[connection.next_answer] > now) {
-    ++counters_.ignored;
-    return ExceptionResponse{function, ExceptionCode::server_device_busy};
+    return refuse(ExceptionCode::server_device_busy);
   }
-  ModbusUnit* unit = find_unit(adu.header.unit);
-  if (unit == nullptr) {
-    ++counters_.ignored;
-    return ExceptionResponse{function, ExceptionCode::gateway_target_failed};
+  const bool device_itself = adu.header.unit == 0 || adu.header.unit == kDeviceItself;
+  const std::uint8_t unit = device_itself ? service_.first() : adu.header.unit;
+  if (!service_.has(unit)) {
+    return refuse(ExceptionCode::gateway_target_failed);
   }
-  return serve(now, *unit, adu.pdu);
+  service_.serve(now, unit, adu.pdu, answer_);
+  return true;
 }
 
-Response ModbusServer::serve(SimTime now, ModbusUnit& unit, std::span<const std::uint8_t> pdu) {
-  const auto decoded = decode_request(pdu);
-  if (const auto* refusal = std::get_if<Refusal>(&decoded)) {
-    ++(refusal->wrong_length ? counters_.malformed : counters_.ignored);
-    return ExceptionResponse{refusal->function, refusal->code};
+void ModbusServer::answer(Connection& connection, SimTime due, MbapHeader header) {
+  const ModbusFaultEffects& effects = answer_.effects;
+  connection.last_due = due;
+  if (effects.wrong_transaction) {
+    ++header.transaction;
   }
-  const Response response = dispatch(now, unit, std::get<Request>(decoded));
-  if (std::holds_alternative<ExceptionResponse>(response)) {
-    ++counters_.ignored;
-  } else {
-    ++counters_.accepted;
-    unit.served(now);
+  if (effects.junk_bytes > 0) {
+    std::array<std::uint8_t, ModbusFaultSchedule::kJunkMaximum> junk{};
+    const auto bytes = std::span(junk).first(effects.junk_bytes);
+    service_.faults().fill_junk(bytes);
+    give(due, connection.id, bytes, false);
   }
-  return response;
+  const AduBytes adu = encode_adu(header, answer_.pdu.view());
+  give_pieces(connection, adu.view().first(adu.size - std::min(adu.size, effects.missing_bytes)),
+              effects);
+  connection.answers_due[connection.next_answer] = connection.last_due;
+  connection.next_answer = (connection.next_answer + 1) % settings_.transactions_max;
+}
+
+void ModbusServer::give_pieces(Connection& connection, std::span<const std::uint8_t> bytes,
+                               const ModbusFaultEffects& effects) {
+  const std::size_t pieces = std::min(effects.pieces, bytes.size());
+  for (std::size_t piece = 0; piece < pieces; ++piece) {
+    const std::size_t begin = bytes.size() * piece / pieces;
+    const std::size_t end = bytes.size() * (piece + 1) / pieces;
+    if (piece > 0) {
+      connection.last_due += effects.pause;
+    }
+    give(connection.last_due, connection.id, bytes.subspan(begin, end - begin), false);
+  }
+}
+
+void ModbusServer::give(SimTime due, ConnectionId connection, std::span<const std::uint8_t> bytes,
+                        bool close) {
+  if (waiting_.empty() && due <= nothing_before_) {
+    if (close) {
+      flush();
+      output_.close(connection, due);
+    } else {
+      append(due, connection, bytes);
+    }
+  } else if (!bytes.empty() || close) {
+    (void)waiting_.push(due, connection, bytes, close);  // refused: lost, as by a full device
+  }
+}
+
+void ModbusServer::append(SimTime due, ConnectionId connection,
+                          std::span<const std::uint8_t> bytes) {
+  if (batch_.size > 0 && (batch_.connection != connection || batch_.due != due ||
+                          batch_.size + bytes.size() > batch_.bytes.size())) {
+    flush();
+  }
+  batch_.connection = connection;
+  batch_.due = due;
+  std::ranges::copy(bytes, std::span(batch_.bytes).subspan(batch_.size).begin());
+  batch_.size += bytes.size();
+}
+
+void ModbusServer::flush() {
+  if (batch_.size > 0) {
+    output_.send(batch_.connection, batch_.due, std::span(batch_.bytes).first(batch_.size));
+    batch_.size = 0;
+  }
+}
+
+void ModbusServer::release(SimTime now) {
+  nothing_before_ = now + delay_.minimum();
+  while (waiting_.next_due() <= nothing_before_) {
+    const AnswerQueue::Item& item = waiting_.front();
+    if (item.close) {
+      flush();
+      output_.close(item.connection, item.due);
+    } else {
+      append(item.due, item.connection, item.view());
+    }
+    waiting_.pop();
+  }
+  flush();
+}
+
+void ModbusServer::advance(SimTime now) {
+  if (settings_.idle_timeout > Duration{0}) {
+    for (Connection& connection : connections_) {
+      if (!connection.closing && connection.heard + settings_.idle_timeout <= now) {
+        close(now, connection);
+      }
+    }
+  }
+  release(now);
+}
+
+SimTime ModbusServer::next_event() const {
+  SimTime next = waiting_.empty() ? kNever : waiting_.next_due() - delay_.minimum();
+  if (settings_.idle_timeout > Duration{0}) {
+    for (const Connection& connection : connections_) {
+      if (!connection.closing) {
+        next = std::min(next, connection.heard + settings_.idle_timeout);
+      }
+    }
+  }
+  return next;
 }
 
 ModbusServer::Connection* ModbusServer::find(ConnectionId connection) {
   const auto found = std::ranges::find(connections_, connection, &Connection::id);
   return found == connections_.end() ? nullptr : &*found;
-}
-
-ModbusUnit* ModbusServer::find_unit(std::uint8_t number) {
-  constexpr std::uint8_t kDeviceItself = 255;
-  if (!units_.empty() && (number == 0 || number == kDeviceItself)) {
-    return units_.front().unit;
-  }
-  const auto found = std::ranges::find(units_, number, &Unit::number);
-  return found == units_.end() ? nullptr : found->unit;
 }
 
 }  // namespace rigwire::emulators

@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "emulators/device.h"
 #include "protocols/modbus/constants.h"
 #include "protocols/modbus/pdu.h"
 #include "sim/samples/time.h"
@@ -26,6 +27,9 @@ class ModbusUnit {
 
   virtual ~ModbusUnit() = default;
 
+  /// Lets the device behind the unit live up to `now`; the server calls it before each request.
+  virtual void advance(SimTime /*now*/) {}
+
   /// Fills `values`. Without side effects: function 23 probes with it before it writes.
   virtual Outcome read_registers(protocols::modbus::RegisterTable table, std::uint16_t address,
                                  std::span<std::uint16_t> values) const;
@@ -42,8 +46,18 @@ class ModbusUnit {
   [[nodiscard]] virtual std::string_view server_id() const = 0;
   /// Function 43/14, ascending by object, the first three (vendor, product code, revision) always.
   [[nodiscard]] virtual std::span<const IdentificationObject> identification() const = 0;
+  /// Function 7, serial lines only: eight bits that mean what the device likes.
+  [[nodiscard]] virtual std::uint8_t exception_status() const { return 0; }
   /// A request to this unit was carried out and is answered without an exception.
   virtual void served(SimTime now) = 0;
+
+  /// Requests to this unit, kept by the server. accepted: answered without an exception. ignored:
+  /// refused with one. malformed: PDU of a wrong length. bytes: of the PDUs.
+  [[nodiscard]] const ReceiveCounters& received() const { return received_; }
+  [[nodiscard]] ReceiveCounters& received() { return received_; }
+
+ private:
+  ReceiveCounters received_;
 };
 
 }  // namespace rigwire::emulators

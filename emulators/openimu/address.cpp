@@ -12,11 +12,20 @@ OpenImuAddress::OpenImuAddress(const AddressPolicy& policy, FrameOutput& output)
       next_claim_(policy.first_claim),
       address_(policy.preferred) {}
 
+void OpenImuAddress::restart(std::uint8_t preferred, SimTime first_claim) {
+  address_ = preferred;
+  next_claim_ = first_claim;
+  held_ = false;
+  taken_ = {};
+}
+
 void OpenImuAddress::advance(SimTime now) {
   while (next_claim_ <= now) {
     const SimTime instant = next_claim_;
     next_claim_ = policy_.repeat > Duration{0} ? instant + policy_.repeat : kNever;
-    if (!held_ && taken_[address_] && holder_[address_] <= policy_.name && !move()) {
+    const bool yields =
+        taken_[address_] && (policy_.gives_way || holder_[address_] <= policy_.name);
+    if (!held_ && yields && !move()) {
       next_claim_ = kNever;
       return;
     }
@@ -58,11 +67,14 @@ void OpenImuAddress::on_claim(SimTime now, std::uint8_t source, std::uint64_t na
   holder_[source] = name;
   if (conflict) {
     ++conflicts_;
-    if (move()) {
-      claim(now);
-    } else {
+    if (!move()) {
       held_ = false;
       next_claim_ = kNever;
+    } else if (policy_.reclaim_delay > Duration{0}) {
+      held_ = false;
+      next_claim_ = now + policy_.reclaim_delay;
+    } else {
+      claim(now);
     }
   }
 }

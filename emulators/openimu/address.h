@@ -3,7 +3,8 @@
 // Follows the open firmware rather than SAE J1939-81 (docs/devices/openimu335ri.md): the first
 // claim after a delay from the serial number, no silence of 250 ms after it, claims again when its
 // lower NAME wins a conflict, otherwise takes the next free address of the pool 128..247, and never
-// says "cannot claim": without a free address it falls silent.
+// says "cannot claim": without a free address it falls silent. The 335RI waits its delay again
+// before it claims another address, and gives way to anybody who was there before its own claim.
 #pragma once
 
 #include <array>
@@ -21,13 +22,18 @@ struct AddressPolicy {
   std::uint8_t preferred = kFirstPoolAddress;
   std::uint64_t name = 0;
   SimTime first_claim = kStart;
-  Duration repeat{0};        ///< The claim is repeated for ever at this period; 0 is never.
-  Duration answer_delay{0};  ///< From an event to the frame that answers it.
+  Duration repeat{0};         ///< The claim is repeated for ever at this period; 0 is never.
+  Duration answer_delay{0};   ///< From an event to the frame that answers it.
+  Duration reclaim_delay{0};  ///< From the loss of an address to the claim of another.
+  bool gives_way = false;     ///< Before its own claim, even to a higher NAME.
 };
 
 class OpenImuAddress {
  public:
   OpenImuAddress(const AddressPolicy& policy, FrameOutput& output);
+
+  /// Forgets whom it has heard; claims `preferred` at `first_claim` (kNever: switched off).
+  void restart(std::uint8_t preferred, SimTime first_claim);
 
   void advance(SimTime now);
   [[nodiscard]] SimTime next_event() const { return next_claim_; }

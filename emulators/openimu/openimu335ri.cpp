@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <stdexcept>
-#include <string>
 
 #include "protocols/j1939/message.h"
 
@@ -14,20 +12,19 @@ namespace rigwire::emulators {
 
 namespace j1939 = protocols::j1939;
 namespace openimu = protocols::openimu;
-using openimu::FigureOfMerit;
 using protocols::can::Frame;
 
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kGaussPerTesla = 1e4;
 constexpr std::uint16_t kAceinna = 823;
 constexpr std::uint8_t kInertialFunction = 131;
-constexpr Duration kClaimStep = std::chrono::milliseconds{5};
 constexpr Duration kClaimRepeat300 = std::chrono::seconds{1};
-
-void refuse(const std::string& what) {
-  throw std::invalid_argument("OpenIMU: " + what);
-}
+constexpr unsigned kLongestClaimDelay = 31;
+/// Of a trouble message that goes on; the firmware counts 2000 ticks.
+constexpr Duration kTroublePeriod = std::chrono::seconds{10};
+constexpr std::uint8_t kMostOccurrences = 126;
 
 std::uint64_t make_name(std::uint32_t serial) {
   j1939::Name name;
@@ -38,17 +35,26 @@ std::uint64_t make_name(std::uint32_t serial) {
   return pack(name);
 }
 
+Duration claim_delay(const OpenImuSettings& settings) {
+  if (settings.variant == OpenImuVariant::openimu300ri) {
+    return Duration{0};
+  }
+  const unsigned ticks = settings.serial & kLongestClaimDelay;
+  return (ticks == 0 ? kLongestClaimDelay : ticks) * OpenImu::kTick;
+}
+
 AddressPolicy make_policy(const OpenImuSettings& settings) {
   AddressPolicy policy;
   policy.preferred = settings.source_address;
   policy.name = make_name(settings.serial);
-  policy.first_claim = kStart + settings.power_on;
+  policy.first_claim = kNever;
+  policy.answer_delay = settings.processing_delay;
   if (settings.variant == OpenImuVariant::openimu335ri) {
-    policy.first_claim += (settings.serial & 0x1FU) * kClaimStep;
+    policy.reclaim_delay = claim_delay(settings);
+    policy.gives_way = true;
   } else {
     policy.repeat = kClaimRepeat300;
   }
-  policy.answer_delay = settings.processing_delay;
   return policy;
 }
 
@@ -64,11 +70,6 @@ std::array<bool, 3> clamp(Triad& values, double range) {
     values[i] = std::clamp(values[i], -range, range);
   }
   return saturated;
-}
-
-/// The flag that belongs to each field of a message with these axes.
-bool flag_of(const openimu::AxisMap& axes, std::size_t field, const std::array<bool, 3>& flags) {
-  return flags[axes[field].axis];
 }
 
 constexpr Quantity rate_quantity(std::string_view name) {
@@ -92,65 +93,75 @@ constexpr std::array<Quantity, 8> kQuantities{{
 
 }  // namespace
 
-void validate(const OpenImuSettings& settings) {
-  const OpenImuConfiguration& configuration = settings.configuration;
-  const auto number = [](auto value) { return std::to_string(value); };
-  if (settings.source_address < kFirstPoolAddress || settings.source_address > kLastPoolAddress) {
-    refuse("source_address is " + number(settings.source_address) + ", allowed is 128 .. 247");
-  }
-  if (settings.serial == 0 || settings.serial > 0x1FFFFFU) {
-    refuse("serial is " + number(settings.serial) + ", allowed is 1 .. 2097151");
-  }
-  if ((configuration.packet_mask & ~openimu::PacketBit::kAll) != 0) {
-    refuse("packet_mask is " + number(configuration.packet_mask) +
-           ", allowed are sums of 1 (slope), 2 (angular rate), 4 (acceleration)");
-  }
-  if (!openimu::is_rate_divider(configuration.rate_divider)) {
-    refuse("rate_divider is " + number(configuration.rate_divider) +
-           ", allowed are 0, 1, 2, 4, 5, 10, 20, 25, 50 (rate = 100 Hz / divider, 0 is off)");
-  }
-  for (const std::uint8_t cut_off :
-       {configuration.rate_cut_off_hz, configuration.acceleration_cut_off_hz}) {
-    if (!openimu::is_cut_off(cut_off)) {
-      refuse("cut-off is " + number(cut_off) + " Hz, allowed are 0 (off), 2, 5, 10, 25, 40, 50");
-    }
-  }
-  if (!openimu::orientation_axes(configuration.orientation)) {
-    refuse("orientation is " + number(configuration.orientation) +
-           ", allowed are the 24 right-handed codes 0 .. 364");
-  }
-  if (((configuration.behaviour ^ openimu::Behaviour::kDefault) & ~kChangeableBehaviour) != 0) {
-    refuse("behaviour is " + number(configuration.behaviour) +
-           ", allowed are 49736 (0xC248) and that with the bits 8, 64, 512 cleared");
-  }
-  if (!(settings.rate_range_radps > 0.0) || !(settings.acceleration_range_mps2 > 0.0)) {
-    refuse("rate_range_radps and acceleration_range_mps2 must be greater than 0, found " +
-           number(settings.rate_range_radps) + " and " + number(settings.acceleration_range_mps2));
-  }
-  if (settings.power_on < Duration{0}) {
-    refuse("power_on is negative");
-  }
-  if (settings.processing_delay < Duration{0} || settings.processing_delay >= OpenImu::kTick) {
-    refuse("processing_delay is " + number(settings.processing_delay.count()) +
-           " ns, allowed is 0 .. 4999999");
-  }
-}
-
-OpenImu::OpenImu(const OpenImuSettings& settings, FrameOutput& output)
+OpenImu::OpenImu(const OpenImuSettings& settings, NonvolatileMemory& memory, FrameOutput& output)
     : settings_(checked(settings)),
+      memory_(memory),
       output_(output),
       configuration_(settings.configuration),
-      saved_(settings.configuration),
+      saved_{settings.source_address, settings.configuration},
+      supply_(settings.supply),
       address_(make_policy(settings), output),
       rate_filter_(configuration_.rate_cut_off_hz, openimu::kTicksPerSecond),
       force_filter_(configuration_.acceleration_cut_off_hz, openimu::kTicksPerSecond) {}
 
+OpenImu::OpenImu(const OpenImuSettings& settings, FrameOutput& output)
+    : OpenImu(settings, own_memory_, output) {}
+
+void OpenImu::start(SimTime now) {
+  const auto content = memory_.content();
+  const auto memory = unsealed(content, settings_.variant);
+  memory_damaged_ = !content.empty() && !memory;
+  saved_ = memory ? *memory : OpenImuMemory{settings_.source_address, settings_.configuration};
+  configuration_ = saved_.configuration;
+  held_address_ = saved_.address;
+  new_address_.reset();
+  rebuild_filters();
+  tilt_.reset();
+  latest_ = {};
+  ticks_ = 0;
+  restart_ = next_trouble_ = kNever;
+  address_.restart(saved_.address, now + claim_delay(settings_));
+}
+
+void OpenImu::switch_supply(SimTime now) {
+  supply_.change();
+  if (supply_.on()) {
+    start(now);
+  } else {
+    restart_ = next_trouble_ = kNever;
+    address_.restart(saved_.address, kNever);
+  }
+}
+
+SimTime OpenImu::next_event() const {
+  return std::min({supply_.next_change(), restart_, next_trouble_, address_.next_event()});
+}
+
 void OpenImu::advance(SimTime now) {
-  address_.advance(now);
+  for (SimTime instant = next_event(); instant <= now; instant = next_event()) {
+    if (instant == supply_.next_change()) {
+      switch_supply(instant);
+    } else if (instant == restart_) {
+      start(instant);
+    } else if (instant == next_trouble_) {
+      next_trouble_ += kTroublePeriod;
+      send_trouble(instant);
+    } else {
+      address_.advance(instant);
+    }
+  }
+  if (address_.held() && address_.address() != held_address_) {
+    held_address_ = saved_.address = address_.address();
+    (void)remember();
+  }
+}
+
+bool OpenImu::remember() {
+  return memory_.store(sealed(saved_));
 }
 
 SamplePlan OpenImu::sample_plan() const {
-  return {kStart + settings_.power_on, kTick};
+  return {kStart + settings_.supply.power_on, kTick};
 }
 
 std::span<const Quantity> OpenImu::quantities() const {
@@ -162,8 +173,7 @@ void OpenImu::rebuild_filters() {
   force_filter_ = LowPass(configuration_.acceleration_cut_off_hz, openimu::kTicksPerSecond);
 }
 
-void OpenImu::update(const ImuSample& sample) {
-  advance(sample.time);
+void OpenImu::sense(const ImuSample& sample) {
   const openimu::AxisMap housing = *openimu::orientation_axes(configuration_.orientation);
   const auto to_device = [&housing](const Vector3& v) {
     return openimu::map_axes(housing,
@@ -171,6 +181,10 @@ void OpenImu::update(const ImuSample& sample) {
   };
   Triad rate = to_device(sample.angular_rate_radps);
   Triad force = to_device(sample.specific_force_mps2);
+  latest_.magnetic_field_gauss = to_device(sample.magnetic_field_t);
+  for (double& component : latest_.magnetic_field_gauss) {
+    component *= kGaussPerTesla;
+  }
   const auto finite = [](const Triad& v) {
     return std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
   };
@@ -178,18 +192,28 @@ void OpenImu::update(const ImuSample& sample) {
   if (latest_.fault) {
     latest_.rate_radps.fill(std::numeric_limits<double>::quiet_NaN());
     latest_.specific_force_mps2.fill(std::numeric_limits<double>::quiet_NaN());
-  } else {
-    latest_.rate_saturated = clamp(rate, settings_.rate_range_radps);
-    latest_.force_saturated = clamp(force, settings_.acceleration_range_mps2);
-    latest_.rate_radps = rate_filter_.filter(rate);
-    latest_.specific_force_mps2 = force_filter_.filter(force);
-    for (std::size_t i = 0; i < 3; ++i) {
-      // What the message cannot carry is saturated as well.
-      latest_.rate_saturated[i] =
-          latest_.rate_saturated[i] ||
-          std::abs(latest_.rate_radps[i]) * kDegrees > openimu::kRateLimit_dps;
-    }
-    tilt_.step(latest_.rate_radps, latest_.specific_force_mps2, to_seconds(kTick));
+    return;
+  }
+  latest_.rate_saturated = clamp(rate, settings_.rate_range_radps);
+  latest_.force_saturated = clamp(force, settings_.acceleration_range_mps2);
+  latest_.rate_radps = rate_filter_.filter(rate);
+  latest_.specific_force_mps2 = force_filter_.filter(force);
+  tilt_.step(latest_.rate_radps, latest_.specific_force_mps2, to_seconds(kTick));
+}
+
+void OpenImu::update(const ImuSample& sample) {
+  advance(sample.time);
+  if (!supply_.on()) {
+    return;
+  }
+  const bool had_fault = latest_.fault;
+  sense(sample);
+  if (latest_.fault && !had_fault && !is_300() && configuration_.trouble.second_failure != 0xFF) {
+    troubles_ = std::min<std::uint8_t>(static_cast<std::uint8_t>(troubles_ + 1), kMostOccurrences);
+    next_trouble_ = sample.time + kTroublePeriod;
+    send_trouble(sample.time);
+  } else if (!latest_.fault) {
+    next_trouble_ = kNever;
   }
   const unsigned period = 2U * configuration_.rate_divider;
   if (address_.held() && period != 0 && ticks_ % period == 0) {
@@ -198,24 +222,8 @@ void OpenImu::update(const ImuSample& sample) {
   ++ticks_;
 }
 
-FigureOfMerit OpenImu::merit(bool saturated) const {
-  if (settings_.variant == OpenImuVariant::openimu300ri) {
-    return FigureOfMerit::not_available;
-  }
-  if (latest_.fault) {
-    return FigureOfMerit::error;
-  }
-  return saturated ? FigureOfMerit::degraded : FigureOfMerit::functional;
-}
-
-double OpenImu::latency_ms() const {
-  return settings_.variant == OpenImuVariant::openimu335ri
-             ? to_seconds(settings_.processing_delay) * 1e3
-             : 0.0;
-}
-
 void OpenImu::send(SimTime now, const Frame& frame) {
-  output_.send(now + settings_.processing_delay, frame);
+  output_.send(now + settings_.processing_delay, is_300() ? frame : openimu::filled_up(frame));
 }
 
 double OpenImu::nominal_rate_hz() const {
@@ -227,47 +235,6 @@ double OpenImu::nominal_rate_hz() const {
          messages;
 }
 
-void OpenImu::send_packets(SimTime now, std::uint16_t mask) {
-  const std::uint8_t source = address_.address();
-  if ((mask & openimu::PacketBit::kSlope) != 0) {
-    const auto any = [](const std::array<bool, 3>& flags) {
-      return std::any_of(flags.begin(), flags.end(), [](bool flag) { return flag; });
-    };
-    const FigureOfMerit slope_merit =
-        merit(tilt_.initialising() || any(latest_.rate_saturated) || any(latest_.force_saturated));
-    openimu::Slope slope;
-    const double unknown = std::numeric_limits<double>::quiet_NaN();
-    slope.pitch_deg = {latest_.fault ? unknown : tilt_.pitch_rad() * kDegrees, slope_merit};
-    slope.roll_deg = {latest_.fault ? unknown : tilt_.roll_rad() * kDegrees, slope_merit};
-    if (!openimu::pitch_first(configuration_.behaviour)) {
-      std::swap(slope.pitch_deg, slope.roll_deg);
-    }
-    slope.latency_ms = latency_ms();
-    send(now, openimu::encode(slope, source));
-  }
-  if ((mask & openimu::PacketBit::kAngularRate) != 0) {
-    const openimu::AxisMap axes = openimu::rate_axes(configuration_.behaviour);
-    const Triad rate = openimu::map_axes(axes, latest_.rate_radps);
-    const auto measurement = [&](std::size_t i) {
-      return openimu::Measurement{rate[i] * kDegrees,
-                                  merit(flag_of(axes, i, latest_.rate_saturated))};
-    };
-    send(now, openimu::encode(openimu::AngularRate{measurement(0), measurement(1), measurement(2),
-                                                   latency_ms()},
-                              source));
-  }
-  if ((mask & openimu::PacketBit::kAcceleration) != 0) {
-    const openimu::AxisMap axes = openimu::acceleration_axes(configuration_.behaviour);
-    const Triad force = openimu::map_axes(axes, latest_.specific_force_mps2);
-    const auto measurement = [&](std::size_t i) {
-      return openimu::Measurement{force[i], merit(flag_of(axes, i, latest_.force_saturated))};
-    };
-    send(now, openimu::encode(openimu::Acceleration{measurement(0), measurement(1), measurement(2),
-                                                    latency_ms()},
-                              source));
-  }
-}
-
 std::uint16_t OpenImu::status_word() const {
   using Bit = openimu::StatusBit;
   const auto any = [](const std::array<bool, 3>& flags) {
@@ -276,6 +243,9 @@ std::uint16_t OpenImu::status_word() const {
   unsigned word = 0;
   if (latest_.fault) {
     word |= static_cast<unsigned>(Bit::kMaster | Bit::kSensor);
+  }
+  if (memory_damaged_) {
+    word |= static_cast<unsigned>(Bit::kMaster | Bit::kHardware | Bit::kMemory);
   }
   if (tilt_.initialising()) {
     word |= static_cast<unsigned>(Bit::kAlgorithmInitialising | Bit::kHighGain);

@@ -3,84 +3,53 @@
 // Follows the makers' open firmware (openIMU335RI-lib, openIMU300-lib); messages, settings and
 // known deviations are in docs/devices/openimu335ri.md. The device ticks 200 times a second: it
 // filters each sample, carries its tilt along, and every 2 * divider ticks sends the messages of
-// its packet mask, slope, angular rate, acceleration, in this order. Its tilt comes from its own
-// filter over the samples (openimu_filter.h), never from truth.
+// its packet mask. Its tilt comes from its own filter over the samples (inertial/filter.h), never
+// from truth.
 //
-// Life: from power-on it waits (serial & 0x1F) * 5 ms, claims its address, and sends data from the
-// next tick on. Requests (PGN 59904) and settings (FF50..FF59) are answered `processing_delay`
-// after the frame that brought them. Foreign and malformed frames are counted and change nothing.
+// Life: the 335RI waits (serial & 0x1F) * 5 ms, 31 for 0, before it claims its address, the 300RI
+// claims at once; data follow from the next tick on. Requests (PGN 59904) and settings (FF50..FF5E,
+// FFF0..) are answered `processing_delay` after the frame that brought them. What "save" has
+// written, and an address won in contention, outlives the supply and a restart. Foreign and
+// malformed frames are counted and change nothing.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string_view>
+#include <vector>
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
+#include "emulators/inertial/filter.h"
+#include "emulators/nonvolatile_memory.h"
 #include "emulators/openimu/address.h"
-#include "emulators/openimu/filter.h"
-#include "protocols/openimu/axes.h"
-#include "protocols/openimu/messages.h"
-#include "protocols/openimu/settings.h"
+#include "emulators/openimu/settings.h"
+#include "emulators/supply.h"
 
 namespace rigwire::emulators {
-
-enum class OpenImuVariant : std::uint8_t {
-  openimu300ri,  ///< Figures of merit always "not available", latency 0, claim repeated each
-                 ///< second.
-  openimu335ri,  ///< Figures of merit by state, latency sent, negative acknowledgements.
-};
-
-/// Behaviour bits that change something in this device; the others keep their default.
-inline constexpr std::uint16_t kChangeableBehaviour =
-    protocols::openimu::Behaviour::kSwapPitchRoll | protocols::openimu::Behaviour::kNorthWestUp |
-    protocols::openimu::Behaviour::kSwapRequestPgn;
-
-/// What a client can change over the bus.
-struct OpenImuConfiguration {
-  std::uint16_t packet_mask = protocols::openimu::PacketBit::kAll;
-  std::uint8_t rate_divider = 1;      ///< One of kRateDividers: 0 off, 1 100 Hz, 2 50 Hz ...
-  std::uint8_t rate_cut_off_hz = 25;  ///< One of kCutOffs_hz; 0 off.
-  std::uint8_t acceleration_cut_off_hz = 25;
-  std::uint16_t orientation = 0x0000;  ///< One of the 24 codes.
-  std::uint16_t behaviour = protocols::openimu::Behaviour::kDefault;
-
-  friend bool operator==(const OpenImuConfiguration&, const OpenImuConfiguration&) = default;
-};
-
-struct OpenImuSettings {
-  OpenImuVariant variant = OpenImuVariant::openimu335ri;
-  std::uint8_t source_address = 0x80;  ///< Preferred; 128 .. 247.
-  std::uint32_t serial = 1;            ///< Low 21 bits go into the NAME; unique on a bus.
-  OpenImuConfiguration configuration;
-  double rate_range_radps = 400.0 * 3.14159265358979323846 / 180.0;  ///< Of the element; merit.
-  double acceleration_range_mps2 = 8.0 * 9.80665;
-  std::array<std::uint8_t, 5> software_version{1, 1, 0, 0,
-                                               0};  ///< major, minor, patch, stage, build
-  Duration power_on{0};  ///< From the start of the run to the first tick.
-  Duration processing_delay =
-      std::chrono::milliseconds{1};  ///< From a tick or request to the frame.
-};
-
-/// Throws std::invalid_argument with the value found and what is allowed.
-void validate(const OpenImuSettings& settings);
 
 class OpenImu final : public CanDevice, public ImuBackend {
  public:
   static constexpr Duration kTick = std::chrono::milliseconds{5};
   static_assert(kTick * protocols::openimu::kTicksPerSecond == std::chrono::seconds{1});
 
-  /// `output` must outlive the device.
+  /// `memory` and `output` must outlive the device.
+  OpenImu(const OpenImuSettings& settings, NonvolatileMemory& memory, FrameOutput& output);
+  /// With a memory of its own that lasts as long as the device.
   OpenImu(const OpenImuSettings& settings, FrameOutput& output);
 
   void advance(SimTime now) override;
-  [[nodiscard]] SimTime next_event() const override { return address_.next_event(); }
+  [[nodiscard]] SimTime next_event() const override;
   [[nodiscard]] SamplePlan sample_plan() const override;
   [[nodiscard]] ReceiveCounters received() const override { return received_; }
   [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::span<const Quantity> quantities() const override;
 
   void receive(SimTime now, const protocols::can::Frame& frame) override;
+  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+      std::string_view name) const override;
   /// One tick. Samples outside the element's range are clamped and marked; a sample that is not
   /// finite is sent as error (300RI: as not available).
   void update(const ImuSample& sample) override;
@@ -91,42 +60,76 @@ class OpenImu final : public CanDevice, public ImuBackend {
   [[nodiscard]] std::uint64_t address_conflicts() const { return address_.conflicts(); }
   [[nodiscard]] const OpenImuConfiguration& configuration() const { return configuration_; }
   /// As of the last "save configuration"; the constructor's until then.
-  [[nodiscard]] const OpenImuConfiguration& saved_configuration() const { return saved_; }
+  [[nodiscard]] const OpenImuConfiguration& saved_configuration() const {
+    return saved_.configuration;
+  }
+  /// Vehicle messages that would aid the 335RI's algorithm; they are taken and change nothing.
+  [[nodiscard]] std::uint64_t aiding_messages() const { return aiding_messages_; }
 
  private:
   /// The values and merits of the latest tick, device axes.
   struct Output {
     Triad rate_radps{};
     Triad specific_force_mps2{};
+    Triad magnetic_field_gauss{};
     std::array<bool, 3> rate_saturated{};
     std::array<bool, 3> force_saturated{};
     bool fault = false;
   };
 
+  [[nodiscard]] bool is_300() const { return settings_.variant == OpenImuVariant::openimu300ri; }
   [[nodiscard]] protocols::openimu::FigureOfMerit merit(bool saturated) const;
+  [[nodiscard]] protocols::openimu::Measurement rate_measurement(std::size_t axis) const;
   [[nodiscard]] double latency_ms() const;
   [[nodiscard]] std::uint16_t status_word() const;
+  void start(SimTime now);
+  void switch_supply(SimTime now);
   void rebuild_filters();
+  void sense(const ImuSample& sample);
   void send(SimTime now, const protocols::can::Frame& frame);
   void send_packets(SimTime now, std::uint16_t mask);
+  void send_rate(SimTime now);
+  void send_acceleration(SimTime now);
+  void send_trouble(SimTime now);
+  /// False when it could not be written.
+  bool remember();
   /// False when the group is not one that the device answers.
-  [[nodiscard]] bool answer(SimTime now, std::uint32_t pgn);
+  [[nodiscard]] bool answer(SimTime now, std::uint32_t pgn, std::uint8_t requester);
+  [[nodiscard]] bool answer_data(SimTime now, std::uint32_t pgn);
+  [[nodiscard]] bool answer_status(SimTime now, std::uint32_t pgn);
+  [[nodiscard]] bool answer_setting(SimTime now, std::uint32_t pgn, std::uint8_t requester);
   /// False when the setting is refused.
   [[nodiscard]] bool apply(SimTime now, const protocols::openimu::Setting& setting,
                            std::uint8_t requester);
+  [[nodiscard]] bool apply_command(SimTime now, const protocols::openimu::Setting& setting,
+                                   std::uint8_t requester);
+  void apply_priorities(const protocols::openimu::Setting& setting);
+  void apply_behaviour(const protocols::openimu::Setting& setting);
   void receive_request(SimTime now, const protocols::can::Frame& frame);
   void receive_setting(SimTime now, const protocols::can::Frame& frame);
+  void receive_bank(std::uint32_t pgn, std::span<const std::uint8_t> payload);
+  void clear_trouble(SimTime now, std::uint8_t requester);
 
   OpenImuSettings settings_;
+  VolatileMemory own_memory_;
+  NonvolatileMemory& memory_;
   FrameOutput& output_;
   OpenImuConfiguration configuration_;
-  OpenImuConfiguration saved_;
+  OpenImuMemory saved_;
+  std::uint8_t held_address_ = 0;            ///< The last one that was written down.
+  std::optional<std::uint8_t> new_address_;  ///< Asked for by a client; "save" writes it down.
+  bool memory_damaged_ = false;
+  Supply supply_;
+  SimTime restart_ = kNever;  ///< Asked for by a client.
   OpenImuAddress address_;
   LowPass rate_filter_;
   LowPass force_filter_;
   TiltFilter tilt_;
   Output latest_;
   std::uint64_t ticks_ = 0;
+  SimTime next_trouble_ = kNever;
+  std::uint8_t troubles_ = 0;  ///< Occurrences, up to 126.
+  std::uint64_t aiding_messages_ = 0;
   ReceiveCounters received_;
 };
 

@@ -23,7 +23,7 @@ bool level(std::span<const std::uint8_t> bytes, std::size_t bit) {
 }  // namespace
 
 UbloxLineQuality::UbloxLineQuality(ByteOutput& output, std::uint64_t seed)
-    : output_(output), state_(seed) {}
+    : output_(output), random_(seed) {}
 
 void UbloxLineQuality::set_bit_error_rate(double rate) {
   if (rate != bit_error_rate_) {
@@ -32,20 +32,11 @@ void UbloxLineQuality::set_bit_error_rate(double rate) {
   }
 }
 
-/// (0, 1]; splitmix64.
-double UbloxLineQuality::uniform() {
-  state_ += 0x9E37'79B9'7F4A'7C15U;
-  std::uint64_t z = state_;
-  z = (z ^ z >> 30U) * 0xBF58'476D'1CE4'E5B9U;
-  z = (z ^ z >> 27U) * 0x94D0'49BB'1331'11EBU;
-  z ^= z >> 31U;
-  return (static_cast<double>(z >> 11U) + 1.0) * 0x1p-53;
-}
-
 /// Geometric distribution of the gap between two errors.
 void UbloxLineQuality::draw_gap() {
   if (bit_error_rate_ > 0.0) {
-    const double gap = std::floor(std::log(uniform()) / std::log1p(-bit_error_rate_));
+    const double above_zero = random_.uniform() + 0x1p-53;
+    const double gap = std::floor(std::log(above_zero) / std::log1p(-bit_error_rate_));
     good_bits_left_ = static_cast<std::uint64_t>(std::min(gap, 1e18));
   }
 }

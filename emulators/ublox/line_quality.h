@@ -11,6 +11,7 @@
 #include <span>
 
 #include "emulators/device.h"
+#include "emulators/random_bits.h"
 
 namespace rigwire::emulators {
 
@@ -34,11 +35,10 @@ class UbloxLineQuality final : public ByteOutput {
   void disturb(std::span<std::uint8_t> bytes);
 
  private:
-  [[nodiscard]] double uniform();
   void draw_gap();
 
   ByteOutput& output_;
-  std::uint64_t state_;
+  RandomBits random_;
   std::uint32_t device_baud_ = 0;
   std::uint32_t client_baud_ = 0;
   double bit_error_rate_ = 0.0;

@@ -6,7 +6,8 @@
 // or later (an interrupt endpoint without news keeps its transfer until there is some).
 //
 // The standard requests of chapter 9 are answered by UsbStandardRequests (usb_standard_requests.h)
-// for every device alike; a device sees only its class and vendor requests and its endpoints.
+// for every device alike; a device sees only its class and vendor requests, the descriptors of its
+// classes, and its endpoints, all by way of a UsbPort (usb_port.h), which lets nothing else pass.
 #pragma once
 
 #include <cstddef>
@@ -49,15 +50,18 @@ class UsbDevice {
   virtual void unplugged(SimTime now) = 0;
   /// SET_CONFIGURATION; 0 is unconfigured.
   virtual void configured(SimTime /*now*/, std::uint8_t /*configuration*/) {}
+  /// SET_INTERFACE, to an alternate setting that the description has.
+  virtual void selected(SimTime /*now*/, std::uint8_t /*interface*/, std::uint8_t /*alternate*/) {}
 
-  /// A class or vendor request; `data` is what the host sends along (setup.length bytes), empty for
-  /// requests to the host.
+  /// A class or vendor request, or GET_DESCRIPTOR for a descriptor of an interface's class (type 1,
+  /// recipient interface); `data` is what the host sends along (setup.length bytes), empty for
+  /// requests to the host. An answer may be cut to setup.length by complete_to() of usb_port.h.
   virtual void control(SimTime now, UsbTransfer transfer, const protocols::usb::Setup& setup,
                        std::span<const std::uint8_t> data) = 0;
   /// The host wants up to `length` bytes from an IN endpoint (address with bit 7 set).
   virtual void read(SimTime now, UsbTransfer transfer, std::uint8_t endpoint,
                     std::size_t length) = 0;
-  /// The host sends bytes to an OUT endpoint.
+  /// The host sends bytes to an OUT endpoint: one transfer, whole. `data` is valid during the call.
   virtual void write(SimTime now, UsbTransfer transfer, std::uint8_t endpoint,
                      std::span<const std::uint8_t> data) = 0;
   /// The host takes a transfer back. True when it was still open: it is forgotten, complete() will

@@ -6,9 +6,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
-#include "protocols/modbus/register_map.h"
+#include "emulators/valve_amplifier/settings.h"
+#include "emulators/valve_driver/valve_map.h"
 #include "sim/samples/valve_sample.h"
 
 namespace rigwire::emulators::valve_registers {
@@ -22,6 +22,10 @@ inline constexpr std::uint16_t kReaction = 17;
 inline constexpr std::uint16_t kWatchdogSource = 18;
 inline constexpr std::uint16_t kSectionParameters = 20;  ///< First section, first parameter.
 static_assert(kHeartbeat == 9);
+inline constexpr std::uint16_t kDitherAmplitude = 10;
+inline constexpr std::uint16_t kDitherFrequency = 11;
+inline constexpr std::uint16_t kCurrentStart = 12;
+inline constexpr std::uint16_t kCurrentFull = 13;
 
 /// Parameters of one section, at kSectionParameters + kParameterStride * section + parameter.
 enum Parameter : std::uint16_t {
@@ -46,6 +50,7 @@ inline constexpr std::uint16_t kSupplyVoltage = kCoilCurrent + kValveSections;
 inline constexpr std::uint16_t kDriverTemperature = kSupplyVoltage + 1;
 inline constexpr std::uint16_t kHeartbeatEcho = kDriverTemperature + 1;
 inline constexpr std::uint16_t kMissedCycles = kHeartbeatEcho + 1;
+inline constexpr std::uint16_t kFaultSection = 22;
 static_assert(kCoilCurrent == 10 && kSupplyVoltage == 18 && kMissedCycles == 21);
 inline constexpr std::uint16_t kSwingAngle = 30;  ///< Two registers, high word first.
 inline constexpr std::uint16_t kSwingRate = 32;
@@ -72,34 +77,11 @@ inline constexpr std::uint16_t kStatusFault = 1U << 2U;
 inline constexpr std::uint16_t kStatusWatchdogTripped = 1U << 3U;
 inline constexpr std::uint16_t kStatusAtLimit = 1U << 4U;
 
-/// Register 1 of the input table. The first fault stays until it is reset.
-enum class FaultCode : std::uint16_t {
-  none = 0,
-  watchdog = 1,
-  open_coil = 2,
-  over_current = 3,
-  under_voltage = 4,
-  spool_not_following = 5,
-  sensor = 6,
-  over_temperature = 7,
-  configuration = 8,
-};
+using FaultCode = ValveFault;    ///< Input register 1. The first fault stays until it is reset.
+using Reaction = ValveReaction;  ///< Holding register 17; 0 .. 2.
 
-/// What the outputs do when the watchdog trips (holding register 17).
-enum class Reaction : std::uint16_t { neutral = 0, hold = 1, floating = 2 };
-
-/// What feeds the watchdog (holding register 18).
-enum class WatchdogSource : std::uint16_t {
-  any_request = 0,       ///< Every request to this unit that is answered without an exception.
-  heartbeat_change = 1,  ///< Only a write that changes holding register 9.
-};
-
-/// The whole map, both tables, ascending by address within each.
-[[nodiscard]] std::span<const protocols::modbus::RegisterEntry> map();
-
-/// True when `raw` may be written to the holding register at `address`; false also when there is no
-/// such register. Looks at the map's range and at what a range cannot say (watchdog 0 or 20 ..
-/// 5000, polarity 1 or -1).
-[[nodiscard]] bool allowed(const protocols::modbus::RegisterEntry& entry, std::uint16_t raw);
+/// The whole map of a driver with so many sections, 1 .. 8. Initial values are the parameters'.
+[[nodiscard]] ValveMap map(std::size_t sections = kValveSections,
+                           const ValveAmplifierParameters& parameters = {});
 
 }  // namespace rigwire::emulators::valve_registers

@@ -1,64 +1,61 @@
 // The wire's view of the valve driver: which registers can be read and written.
 #include <algorithm>
-#include <cmath>
 
 #include "emulators/valve_driver/valve_driver.h"
 
 namespace rigwire::emulators {
 
-using namespace valve_registers;
+using protocols::modbus::BitBlock;
 using protocols::modbus::ExceptionCode;
-using protocols::modbus::find_register;
-using protocols::modbus::Table;
-
-namespace {
-
-/// Holding registers that a driver with so many sections has, reserved ones included.
-std::size_t holding_end(std::size_t sections) {
-  return kSectionParameters + kParameterStride * sections;
-}
-
-bool within(std::size_t address, std::size_t count, std::size_t begin, std::size_t end) {
-  return address >= begin && address + count <= end;
-}
-
-}  // namespace
 
 ValveDriver::Unit::Unit(ValveDriver& driver)
     : driver_(driver),
-      objects_{IdentificationObject{0, driver.settings_.vendor},
-               IdentificationObject{1, driver.settings_.product_code},
-               IdentificationObject{2, driver.settings_.revision},
-               IdentificationObject{4, driver.settings_.product_name}},
-      server_id_(driver.settings_.vendor + " " + driver.settings_.product_code + " " +
-                 driver.settings_.revision) {}
+      objects_{IdentificationObject{0, driver.map_.vendor},
+               IdentificationObject{1, driver.map_.product_code},
+               IdentificationObject{2, driver.map_.revision},
+               IdentificationObject{4, driver.map_.product_name}},
+      server_id_(driver.map_.vendor + " " + driver.map_.product_code + " " + driver.map_.revision) {
+}
 
 ModbusUnit::Outcome ValveDriver::Unit::read_registers(RegisterTable table, std::uint16_t address,
                                                       std::span<std::uint16_t> values) const {
-  const bool inputs = table == RegisterTable::input;
-  const std::size_t count = values.size();
-  const bool known =
-      inputs ? within(address, count, 0, kInputEnd)
-             : within(address, count, 0, holding_end(driver_.settings_.sections.size())) ||
-                   within(address, count, kInputMirror, kInputMirror + kInputEnd);
-  if (!known) {
-    return ExceptionCode::illegal_data_address;
+  if (table == RegisterTable::input) {
+    return driver_.read(ModbusTable::input_registers, address, values);
   }
-  const bool mirror = !inputs && address >= kInputMirror;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto at = static_cast<std::uint16_t>(address + i - (mirror ? kInputMirror : 0U));
-    values[i] = inputs || mirror ? driver_.input(at) : driver_.holding_[at];
+  const auto mirror = driver_.map_.input_mirror;
+  if (mirror && address >= *mirror) {
+    return driver_.read(ModbusTable::input_registers, static_cast<std::size_t>(address - *mirror),
+                        values);
   }
-  return std::nullopt;
+  return driver_.read(ModbusTable::holding_registers, address, values);
 }
 
 ModbusUnit::Outcome ValveDriver::Unit::write_registers(SimTime now, std::uint16_t address,
                                                        std::span<const std::uint16_t> values) {
-  if (const auto exception = driver_.check_write(address, values)) {
-    return exception;
+  return driver_.write(now, ModbusTable::holding_registers, address, values);
+}
+
+ModbusUnit::Outcome ValveDriver::Unit::read_bits(BitTable table, std::uint16_t address,
+                                                 BitBlock& bits) const {
+  for (std::size_t i = 0; i < bits.count; ++i) {
+    std::uint16_t value = 0;
+    if (const auto exception = driver_.read(
+            table == BitTable::coils ? ModbusTable::coils : ModbusTable::discrete_inputs,
+            address + i, std::span(&value, 1))) {
+      return exception;
+    }
+    bits.set(i, value != 0);
   }
-  driver_.apply_write(now, address, values);
   return std::nullopt;
+}
+
+ModbusUnit::Outcome ValveDriver::Unit::write_coils(SimTime now, std::uint16_t address,
+                                                   const BitBlock& coils) {
+  std::array<std::uint16_t, protocols::modbus::kReadBitsMaximum> values{};
+  for (std::size_t i = 0; i < coils.count; ++i) {
+    values[i] = coils.test(i) ? 1 : 0;
+  }
+  return driver_.write(now, ModbusTable::coils, address, std::span(values).first(coils.count));
 }
 
 std::string_view ValveDriver::Unit::server_id() const {
@@ -70,73 +67,116 @@ std::span<const ModbusUnit::IdentificationObject> ValveDriver::Unit::identificat
 }
 
 void ValveDriver::Unit::served(SimTime now) {
-  if (static_cast<WatchdogSource>(driver_.holding_[kWatchdogSource]) ==
-      WatchdogSource::any_request) {
-    driver_.fed_ = now;
+  if (driver_.feed_ == WatchdogFeed::any_request) {
+    driver_.feed(now);
   }
 }
 
-ModbusUnit::Outcome ValveDriver::check_write(std::uint16_t address,
-                                             std::span<const std::uint16_t> values) const {
-  const auto place = [&](std::size_t i) {
-    return find_register(map(), Table::holding_registers, static_cast<std::uint16_t>(address + i));
-  };
-  if (!within(address, values.size(), 0, holding_end(settings_.sections.size()))) {
-    return ExceptionCode::illegal_data_address;
+ModbusUnit::Outcome ValveDriver::read(ModbusTable table, std::size_t address,
+                                      std::span<std::uint16_t> values) const {
+  if (!image_.has(table)) {
+    return ExceptionCode::illegal_function;
   }
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!place(i)) {
-      return ExceptionCode::illegal_data_address;
-    }
-  }
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto found = place(i);
-    const bool command = found->entry->address == kSpoolCommand;
-    const bool fitted = found->index < settings_.sections.size();
-    if (!allowed(*found->entry, values[i]) || (command && !fitted && values[i] != 0)) {
-      return ExceptionCode::illegal_data_value;
+    const auto place = image_.find(table, address + i);
+    if (!place) {
+      if (!map_.gaps_read_zero || !image_.within(table, address, values.size())) {
+        return ExceptionCode::illegal_data_address;
+      }
+      values[i] = 0;
+    } else if (place->entry->format == RegisterFormat::text) {
+      const auto character = [&](std::size_t at) {
+        return at < place->entry->content.size()
+                   ? static_cast<std::uint8_t>(place->entry->content[at])
+                   : std::uint8_t{0};
+      };
+      values[i] = static_cast<std::uint16_t>((character(2U * place->index) << 8U) |
+                                             character(2U * place->index + 1U));
+    } else {
+      values[i] = words_of(*place->entry, place->index)[place->word];
     }
   }
   return std::nullopt;
 }
 
-std::uint16_t ValveDriver::input(std::uint16_t address) const {
-  if (address >= kCoilCurrent && address < kCoilCurrent + kValveSections) {
-    return static_cast<std::uint16_t>(std::lround(coil_current_ma(address - kCoilCurrent)));
+ModbusUnit::Outcome ValveDriver::check_write(ModbusTable table, std::size_t address,
+                                             std::span<std::uint16_t> values) const {
+  if (!image_.has(table)) {
+    return ExceptionCode::illegal_function;
   }
-  switch (address) {
-    case kStatus:
-      return status();
-    case kFaultCode:
-      return static_cast<std::uint16_t>(fault_);
-    case kHeartbeatEcho:
-      return holding_[kHeartbeat];
-    case kMissedCycles:
-      return missed_cycles_;
-    default:
-      return measured_[address];
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto place = image_.find(table, address + i);
+    if (!place || !place->entry->writable) {
+      return ExceptionCode::illegal_data_address;
+    }
   }
+  for (std::size_t i = 0; i < values.size();) {
+    const auto place = *image_.find(table, address + i);
+    RegisterWords words = image_.words(place);
+    const std::size_t here =
+        std::min<std::size_t>(place.entry->words() - place.word, values.size() - i);
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(i), here, words.begin() + place.word);
+    if (!accepts(*place.entry, place.index, words)) {
+      return ExceptionCode::illegal_data_value;
+    }
+    std::copy_n(words.begin() + place.word, here, values.begin() + static_cast<std::ptrdiff_t>(i));
+    i += here;
+  }
+  return std::nullopt;
 }
 
-std::uint16_t ValveDriver::status() const {
-  const bool at_limit = std::ranges::any_of(
-      command_.opening, [](double opening) { return std::abs(opening) >= 1.0; });
-  unsigned bits = 0;
-  bits |= fault_ == FaultCode::none ? kStatusReady : 0U;
-  bits |= enabled_ ? kStatusEnabled : 0U;
-  bits |= fault_ != FaultCode::none ? kStatusFault : 0U;
-  bits |= watchdog_tripped_ ? kStatusWatchdogTripped : 0U;
-  bits |= at_limit ? kStatusAtLimit : 0U;
-  return static_cast<std::uint16_t>(bits);
+ModbusUnit::Outcome ValveDriver::write(SimTime now, ModbusTable table, std::size_t address,
+                                       std::span<const std::uint16_t> values) {
+  std::array<std::uint16_t, protocols::modbus::kReadBitsMaximum> held{};
+  const std::span taken = std::span(held).first(values.size());
+  std::ranges::copy(values, taken.begin());
+  if (const auto exception = check_write(table, address, taken)) {
+    return exception;
+  }
+  Change change;
+  change.parameters = amplifier_.parameters();
+  for (std::size_t i = 0; i < taken.size();) {
+    const auto place = *image_.find(table, address + i);
+    RegisterWords words = image_.words(place);
+    const std::size_t here =
+        std::min<std::size_t>(place.entry->words() - place.word, taken.size() - i);
+    std::copy_n(taken.begin() + static_cast<std::ptrdiff_t>(i), here, words.begin() + place.word);
+    image_.set(*place.entry, place.index, words);
+    collect(*place.entry, place.index, change);
+    i += here;
+  }
+  act(now, change);
+  return std::nullopt;
 }
 
-double ValveDriver::coil_current_ma(std::size_t section) const {
-  const double opening = std::abs(command_.opening[section]);
-  if (opening == 0.0) {
-    return 0.0;
+bool ValveDriver::accepts(const ValveRegister& entry, std::size_t index,
+                          RegisterWords& words) const {
+  auto count = decode_count(entry, words);
+  if (!count) {
+    return false;
   }
-  return settings_.coil_current_start_ma +
-         (settings_.coil_current_full_ma - settings_.coil_current_start_ma) * opening;
+  if (entry.signal == ValveSignal::bits && std::isnan(entry.upper)) {
+    const auto used = static_cast<std::uint16_t>(entry.greatest());
+    if ((words[0] & ~used) != 0 && !entry.clip.value_or(map_.clip)) {
+      return false;
+    }
+    words[0] &= used;
+    return true;
+  }
+  if (!entry.allows(*count)) {
+    if (!entry.clip.value_or(map_.clip)) {
+      return false;
+    }
+    count = std::clamp(*count, entry.least(), entry.greatest());
+    if (!entry.allows(*count)) {
+      return false;
+    }
+    words = encode_count(entry, *count);
+  }
+  const bool fitted =
+      !info(entry.signal).per_section || entry.section + index < amplifier_.sections();
+  return fitted || entry.signal != ValveSignal::command ||
+         *count * entry.scale + entry.offset == 0.0;
 }
 
 }  // namespace rigwire::emulators

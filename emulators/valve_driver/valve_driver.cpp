@@ -2,18 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace rigwire::emulators {
 
-using namespace valve_registers;
-using protocols::modbus::find_register;
-using protocols::modbus::RegisterEntry;
-using protocols::modbus::Table;
-
 namespace {
 
-constexpr double kPerMille = 1e-3;
 constexpr double kPercent = 100.0;
+constexpr double kHold_percent = 100.0;  // a loss position beyond it holds
 constexpr double kPascalPerBar = 1e5;
 constexpr double kDegreesPerRadian = 57.295779513082320877;
 
@@ -22,133 +18,92 @@ const ValveDriverSettings& validated(const ValveDriverSettings& settings) {
   return settings;
 }
 
-Duration milliseconds(std::uint16_t count) {
-  return std::chrono::milliseconds(count);
+double milliseconds(Duration span) {
+  return to_seconds(span) * 1e3;
+}
+Duration milliseconds(double count) {
+  return from_seconds(std::clamp(count, 0.0, 3.6e6) * 1e-3);
+}
+
+bool is_boolean(ValveSignal signal) {
+  using enum ValveSignal;
+  return signal == enable || signal == fault_reset || signal == floating || signal == quick_stop;
 }
 
 }  // namespace
 
-ValveDriver::ValveDriver(const ValveDriverSettings& settings, StreamOutput& output)
+ValveDriver::ValveDriver(const ValveDriverSettings& settings)
     : settings_(validated(settings)),
-      unit_(*this),
-      server_({settings.processing_delay, 16}, output) {
-  for (const RegisterEntry& entry : map()) {
-    std::size_t address = entry.address;
-    for (int i = 0; entry.table == Table::holding_registers && i < entry.count; ++i) {
-      holding_[address] = static_cast<std::uint16_t>(entry.initial);
-      address += entry.stride;
+      map_(settings.map ? *settings.map
+                        : valve_registers::map(settings.amplifier.sections.size(),
+                                               settings.amplifier.parameters)),
+      image_(map_),
+      amplifier_(settings.amplifier),
+      feed_(map_.watchdog_feed),
+      unit_(*this) {
+  power_up();
+  describe_quantities();
+}
+
+void ValveDriver::power_up() {
+  Change change;
+  change.parameters = amplifier_.parameters();
+  change.request.enable = map_.always_enabled;
+  for (const ValveRegister& entry : map_.registers) {
+    for (std::size_t i = 0; entry.writable && i < entry.count; ++i) {
+      if (entry.initial) {
+        image_.set(entry, i, encode_count(entry, *entry.initial));
+        collect(entry, i, change);
+      }
     }
   }
-  holding_[kWatchdog] = static_cast<std::uint16_t>(settings.watchdog / milliseconds(1));
-  holding_[kReaction] = static_cast<std::uint16_t>(settings.reaction);
-  take_parameters();
-  store(kSupplyVoltage, settings.supply_voltage_v);
-  store(kDriverTemperature, settings.driver_temperature_c);
-  spool_off_since_.fill(kNever);
-  describe_quantities();
-  server_.add_unit(settings.unit, unit_);
-}
-
-void ValveDriver::connected(SimTime now, ConnectionId connection) {
-  advance(now);
-  server_.connected(now, connection);
-}
-
-void ValveDriver::receive(SimTime now, ConnectionId connection,
-                          std::span<const std::uint8_t> bytes) {
-  advance(now);
-  server_.receive(now, connection, bytes);
-}
-
-void ValveDriver::disconnected(SimTime now, ConnectionId connection) {
-  advance(now);
-  server_.disconnected(now, connection);
+  act(kStart, change);
+  for (const ValveRegister& entry : map_.registers) {
+    for (std::size_t i = 0; entry.writable && !entry.initial && i < entry.count; ++i) {
+      image_.set(entry, i, encode_count(entry, count_of(entry, i)));
+    }
+  }
+  heartbeat_seen_ = false;
+  missed_cycles_ = 0;
 }
 
 void ValveDriver::advance(SimTime now) {
-  for (SimTime event = next_event(); event <= now; event = next_event()) {
-    if (watchdog_deadline() <= event) {
-      latch(event, FaultCode::watchdog);
-    } else {
-      step_ramps(event);
-    }
-  }
-}
-
-SimTime ValveDriver::next_event() const {
-  return std::min(watchdog_deadline(), next_ramp_);
+  amplifier_.advance(now);
+  now_ = now;
 }
 
 SamplePlan ValveDriver::sample_plan() const {
   return {kStart, settings_.sample_period};
 }
 
-SimTime ValveDriver::watchdog_deadline() const {
-  return enabled_ && holding_[kWatchdog] != 0 ? fed_ + milliseconds(holding_[kWatchdog]) : kNever;
+void ValveDriver::update(const ValveSample& sample) {
+  amplifier_.update(sample);
+  now_ = std::max(now_, sample.time);
 }
 
-void ValveDriver::apply_write(SimTime now, std::uint16_t address,
-                              std::span<const std::uint16_t> values) {
-  step_ramps(now);  // up to here by the old parameters
-  const std::uint16_t old_control = holding_[kControl];
-  const std::uint16_t old_heartbeat = holding_[kHeartbeat];
-  std::ranges::copy(values, std::span(holding_).subspan(address).begin());
-  const auto wrote = [&](std::size_t at) { return at >= address && at < address + values.size(); };
-  if (wrote(kHeartbeat)) {
-    count_heartbeat(now, old_heartbeat, holding_[kHeartbeat]);
-  }
-  if (wrote(kWatchdog) || wrote(kWatchdogSource)) {
-    fed_ = now;
-  }
-  take_parameters();
-  std::array<bool, kValveSections> commanded{};
-  for (std::size_t section = 0; section < kValveSections; ++section) {
-    commanded[section] = wrote(kSpoolCommand + section);
-  }
-  apply_control(now, old_control, commanded);
-}
-
-void ValveDriver::apply_control(SimTime now, std::uint16_t old_control,
-                                const std::array<bool, kValveSections>& written) {
-  const std::uint16_t control = holding_[kControl];
-  if ((control & ~old_control & kControlFaultReset) != 0) {
-    fault_ = FaultCode::none;
-    watchdog_tripped_ = false;
-    active_reaction_ = Reaction::neutral;
-    spool_off_since_.fill(kNever);
-  }
-  const bool wanted = (control & kControlEnable) != 0;
-  const bool quick_stop = (control & kControlQuickStop) != 0;
-  if (!wanted || quick_stop) {
-    active_reaction_ = Reaction::neutral;
-  }
-  const bool was_enabled = enabled_;
-  const bool was_driving = was_enabled && (old_control & kControlQuickStop) == 0;
-  enabled_ = wanted && fault_ == FaultCode::none;
-  if (enabled_ && !was_enabled) {
-    fed_ = now;
-  }
-  if (enabled_ && !quick_stop && !was_driving) {
-    for (std::size_t section = 0; section < kValveSections; ++section) {
-      if (!written[section]) {
-        holding_[kSpoolCommand + section] = 0;
-      }
+void ValveDriver::feed(SimTime now) {
+  if (map_.watchdog_recovers && amplifier_.watchdog_tripped()) {
+    ValveRequest again;
+    again.fault_reset = false;
+    amplifier_.request(now, again);
+    again.fault_reset = true;
+    for (std::size_t i = 0; i < kValveSections; ++i) {
+      again.command[i] = amplifier_.commanded(i);
     }
+    amplifier_.request(now, again);
+    again = {};
+    again.fault_reset = false;
+    amplifier_.request(now, again);
   }
-  if (enabled_ && !quick_stop) {
-    set_targets(now);
-  } else if (active_reaction_ == Reaction::neutral) {
-    release(now);
-  }
-  schedule_ramp(now);
-  refresh_output(now);
+  amplifier_.feed(now);
 }
 
-void ValveDriver::count_heartbeat(SimTime now, std::uint16_t old_value, std::uint16_t new_value) {
+void ValveDriver::count_heartbeat(SimTime now, std::uint16_t value) {
   constexpr std::uint16_t kRestart = 1000;  // a step this large is a master that started anew
-  const auto step = static_cast<std::uint16_t>(new_value - old_value);
-  if (step != 0) {
-    fed_ = now;
+  const auto step = static_cast<std::uint16_t>(value - heartbeat_);
+  heartbeat_ = value;
+  if (step != 0 && feed_ == WatchdogFeed::heartbeat_change) {
+    feed(now);
   }
   if (heartbeat_seen_ && step > 1 && step < kRestart) {
     missed_cycles_ = static_cast<std::uint16_t>(missed_cycles_ + step - 1);
@@ -156,139 +111,306 @@ void ValveDriver::count_heartbeat(SimTime now, std::uint16_t old_value, std::uin
   heartbeat_seen_ = true;
 }
 
-void ValveDriver::take_parameters() {
-  for (std::size_t section = 0; section < kValveSections; ++section) {
-    const auto at = [&](Parameter which) {
-      return holding_[kSectionParameters + kParameterStride * section + which];
-    };
-    parameters_[section] = {at(dead_band_positive) * kPerMille,
-                            at(dead_band_negative) * kPerMille,
-                            milliseconds(at(ramp_up)),
-                            milliseconds(at(ramp_down)),
-                            at(gain) * kPerMille,
-                            static_cast<double>(static_cast<std::int16_t>(at(polarity)))};
+void ValveDriver::act(SimTime now, const Change& change) {
+  now_ = now;
+  feed_ = change.feed.value_or(feed_);
+  if (change.heartbeat) {
+    count_heartbeat(now, *change.heartbeat);
   }
+  if (change.watchdog_written || feed_ == WatchdogFeed::any_write ||
+      (feed_ == WatchdogFeed::command_write && change.command_written)) {
+    feed(now);
+  }
+  if (change.parameters_written) {
+    amplifier_.set_parameters(now, change.parameters);
+  }
+  amplifier_.request(now, change.request);
+  forget_commands();
 }
 
-void ValveDriver::set_targets(SimTime now) {
-  for (std::size_t section = 0; section < settings_.sections.size(); ++section) {
-    const auto command = static_cast<std::int16_t>(holding_[kSpoolCommand + section]);
-    stages_[section].set_target(now, command * kPerMille, parameters_[section]);
-  }
-}
-
-void ValveDriver::release(SimTime now) {
-  for (ValveStage& stage : stages_) {
-    stage.neutral(now);
-  }
-}
-
-void ValveDriver::step_ramps(SimTime now) {
-  if (next_ramp_ == kNever) {
-    return;
-  }
-  for (std::size_t section = 0; section < settings_.sections.size(); ++section) {
-    stages_[section].advance(now, parameters_[section]);
-  }
-  schedule_ramp(now);
-  refresh_output(now);
-}
-
-void ValveDriver::schedule_ramp(SimTime now) {
-  const bool ramping = enabled_ && std::ranges::any_of(stages_, &ValveStage::ramping);
-  next_ramp_ = ramping ? SamplePlan{kStart, settings_.ramp_cycle}.next_after(now) : kNever;
-}
-
-void ValveDriver::latch(SimTime now, FaultCode code) {
-  if (fault_ != FaultCode::none) {
-    return;
-  }
-  step_ramps(now);
-  fault_ = code;
-  enabled_ = false;
-  if (code == FaultCode::watchdog) {
-    watchdog_tripped_ = true;
-    const bool quick_stop = (holding_[kControl] & kControlQuickStop) != 0;
-    active_reaction_ = quick_stop ? Reaction::neutral : static_cast<Reaction>(holding_[kReaction]);
-  }
-  next_ramp_ = kNever;
-  refresh_output(now);
-  release(now);
-}
-
-void ValveDriver::refresh_output(SimTime now) {
-  if (!enabled_ && active_reaction_ == Reaction::hold) {
-    return;
-  }
-  const std::uint16_t control = holding_[kControl];
-  const bool floating = enabled_
-                            ? (control & kControlFloat) != 0 && (control & kControlQuickStop) == 0
-                            : active_reaction_ == Reaction::floating;
-  ValveCommand next;
-  for (std::size_t section = 0; section < settings_.sections.size(); ++section) {
-    next.floating[section] = floating;
-    if (enabled_ && !floating) {
-      next.opening[section] = stages_[section].opening(parameters_[section]);
+void ValveDriver::forget_commands() {
+  for (const ValveRegister& entry : map_.registers) {
+    if (entry.signal != ValveSignal::command || !entry.writable) {
+      continue;
+    }
+    for (std::size_t i = 0; i < entry.count && entry.section + i < amplifier_.sections(); ++i) {
+      const double count = image_.count(entry, i);
+      const bool asks = count * entry.scale + entry.offset != 0.0;
+      if (asks && amplifier_.commanded(entry.section + i) == 0.0) {
+        image_.set(entry, i, encode_count(entry, -entry.offset / entry.scale));
+      }
     }
   }
-  if (next.opening != command_.opening || next.floating != command_.floating) {
-    next.time = now;
-    command_ = next;
-  }
 }
 
-void ValveDriver::update(const ValveSample& sample) {
-  advance(sample.time);
-  for (std::size_t i = 0; i < settings_.sections.size(); ++i) {
-    if (!std::isfinite(sample.spool_position[i])) {
-      latch(sample.time, FaultCode::sensor);
+void ValveDriver::collect(const ValveRegister& entry, std::size_t index, Change& change) const {
+  const double count = image_.count(entry, index);
+  if (entry.signal == ValveSignal::bits) {
+    for (const RegisterBit& bit : entry.bits) {
+      const bool set = (static_cast<std::uint32_t>(count) >> bit.bit & 1U) != 0;
+      collect(bit.signal, bit.section, set != bit.inverted ? 1.0 : 0.0, change);
     }
-    store(static_cast<std::uint16_t>(kSpoolPosition + i), sample.spool_position[i] * kPercent);
-    store(static_cast<std::uint16_t>(kPortAPressure + i),
-          sample.port_a_pressure_pa[i] / kPascalPerBar);
-    store(static_cast<std::uint16_t>(kPortBPressure + i),
-          sample.port_b_pressure_pa[i] / kPascalPerBar);
-  }
-  store(kSwingAngle, sample.swing_angle_rad * kDegreesPerRadian);
-  store(kSwingRate, sample.swing_rate_radps * kDegreesPerRadian);
-  store(kSupplyPressure, sample.supply_pressure_pa / kPascalPerBar);
-  store(kOilTemperature, sample.oil_temperature_c);
-  ++measured_[kMeasurementCount];
-  supervise_spools(sample);
-}
-
-void ValveDriver::store(std::uint16_t address, double value) {
-  const auto place = find_register(map(), Table::input_registers, address);
-  if (!place || !std::isfinite(value)) {
     return;
   }
-  const auto counts = static_cast<std::uint32_t>(to_counts(*place->entry, value));
-  if (words_of(place->entry->format) == 2) {
-    measured_[address] = static_cast<std::uint16_t>(counts >> 16U);
-    ++address;
+  double value =
+      (count * entry.scale + entry.offset) * unit_factor(entry.signal, entry.unit).value_or(1.0);
+  const auto row = std::ranges::find(entry.values, count, &RegisterTranslation::count);
+  if (row != entry.values.end()) {
+    value = row->value;
+  } else if (!entry.values.empty() && is_boolean(entry.signal)) {
+    value = 0.0;
   }
-  measured_[address] = static_cast<std::uint16_t>(counts & 0xFFFFU);
+  if (info(entry.signal).per_section) {
+    collect(entry.signal, entry.section + index, value, change);
+  } else {
+    collect(entry.signal, std::nullopt, value, change);
+  }
 }
 
-void ValveDriver::supervise_spools(const ValveSample& sample) {
-  for (std::size_t section = 0; section < settings_.sections.size(); ++section) {
-    const double error = sample.spool_position[section] - command_.opening[section];
-    const bool off =
-        enabled_ && !command_.floating[section] && std::abs(error) > settings_.spool_tolerance;
-    SimTime& since = spool_off_since_[section];
-    since = !off ? kNever : std::min(since, sample.time);
-    if (off && settings_.spool_fault_delay > Duration{0} &&
-        sample.time - since >= settings_.spool_fault_delay) {
-      latch(sample.time, FaultCode::spool_not_following);
+void ValveDriver::collect(ValveSignal signal, std::optional<std::size_t> section, double value,
+                          Change& change) const {
+  using enum ValveSignal;
+  if (section && *section >= amplifier_.sections()) {
+    return;
+  }
+  ValveAmplifierParameters& p = change.parameters;
+  const auto each = [&](auto&& set) {
+    for (std::size_t i = 0; i < amplifier_.sections(); ++i) {
+      if (!section || *section == i) {
+        set(i);
+      }
     }
+  };
+  const bool on = value != 0.0;
+  switch (signal) {
+    case command:
+      change.command_written = true;
+      each([&](std::size_t i) { change.request.command[i] = value / kPercent; });
+      return;
+    case enable:
+      change.request.enable = on;
+      return;
+    case fault_reset:
+      change.request.fault_reset = on;
+      return;
+    case quick_stop:
+      change.request.quick_stop = on;
+      return;
+    case floating:
+      each([&](std::size_t i) { change.request.floating[i] = on; });
+      return;
+    case heartbeat:
+      change.heartbeat = static_cast<std::uint16_t>(
+          static_cast<std::uint64_t>(std::clamp(value, 0.0, 4294967295.0)) & 0xFFFFU);
+      return;
+    case watchdog_source:
+      change.watchdog_written = true;
+      change.feed = static_cast<WatchdogFeed>(std::clamp(value, 0.0, 3.0));
+      return;
+    default:
+      break;
+  }
+  change.parameters_written = true;
+  switch (signal) {
+    case watchdog:
+      change.watchdog_written = true;
+      p.watchdog = milliseconds(value);
+      return;
+    case reaction:
+      p.reaction = static_cast<ValveReaction>(std::clamp(value, 0.0, 3.0));
+      return;
+    case loss_position:
+      p.reaction = value > kHold_percent ? ValveReaction::hold : ValveReaction::position;
+      p.loss_position =
+          value > kHold_percent ? p.loss_position : std::clamp(value / kPercent, -1.0, 1.0);
+      return;
+    case dead_band_positive:
+      return each([&](std::size_t i) {
+        p.stage[i].dead_band_positive = std::clamp(value / kPercent, 0.0, 0.5);
+      });
+    case dead_band_negative:
+      return each([&](std::size_t i) {
+        p.stage[i].dead_band_negative = std::clamp(value / kPercent, 0.0, 0.5);
+      });
+    case ramp_up:
+      return each([&](std::size_t i) { p.stage[i].ramp_up = milliseconds(value); });
+    case ramp_down:
+      return each([&](std::size_t i) { p.stage[i].ramp_down = milliseconds(value); });
+    case gain:
+      return each([&](std::size_t i) { p.stage[i].gain = std::clamp(value / kPercent, 0.0, 2.0); });
+    case polarity:
+      return each([&](std::size_t i) { p.stage[i].polarity = value < 0.0 ? -1.0 : 1.0; });
+    case current_start:
+      p.current_start_ma = std::clamp(value, 0.0, 65535.0);
+      return;
+    case current_full:
+      p.current_full_ma = std::clamp(value, 0.0, 65535.0);
+      return;
+    case dither_amplitude:
+      p.dither.amplitude_ma = std::clamp(value, 0.0, 500.0);
+      return;
+    case dither_frequency:
+      p.dither.frequency_hz = std::clamp(value, 20.0, 400.0);
+      return;
+    default:
+      change.parameters_written = false;  // stored: nothing acts
+  }
+}
+
+RegisterWords ValveDriver::words_of(const ValveRegister& entry, std::size_t index) const {
+  if (entry.writable) {
+    return image_.words(entry, index);
+  }
+  return encode_count(entry, count_of(entry, index));
+}
+
+double ValveDriver::count_of(const ValveRegister& entry, std::size_t index) const {
+  if (entry.signal == ValveSignal::constant || entry.signal == ValveSignal::stored) {
+    return entry.initial.value_or(0.0);
+  }
+  if (entry.signal == ValveSignal::bits) {
+    std::uint32_t word = 0;
+    for (const RegisterBit& bit : entry.bits) {
+      const bool on = value_of(bit.signal, bit.section.value_or(0)) != 0.0;
+      word |= (on != bit.inverted ? 1U : 0U) << bit.bit;
+    }
+    return word;
+  }
+  const std::size_t section = entry.section + index;
+  if (info(entry.signal).per_section && section >= amplifier_.sections()) {
+    return std::clamp(0.0, entry.least(), entry.greatest());
+  }
+  const double value = value_of(entry.signal, section);
+  if (std::isnan(value)) {
+    return entry.initial.value_or(0.0);  // nothing measured yet
+  }
+  const auto row = std::ranges::find(entry.values, value, &RegisterTranslation::value);
+  if (row != entry.values.end()) {
+    return row->count;
+  }
+  const double in_unit = value / unit_factor(entry.signal, entry.unit).value_or(1.0);
+  return (in_unit - entry.offset) / entry.scale;
+}
+
+double ValveDriver::value_of(ValveSignal signal, std::size_t section) const {
+  using enum ValveSignal;
+  const auto bit = [](bool on) { return on ? 1.0 : 0.0; };
+  switch (signal) {
+    case command:
+      return amplifier_.commanded(section) * kPercent;
+    case enable:
+      return bit(map_.always_enabled);
+    case heartbeat:
+    case heartbeat_echo:
+      return heartbeat_;
+    case watchdog_source:
+      return static_cast<double>(feed_);
+    case ready:
+      return bit(amplifier_.fault() == ValveFault::none);
+    case enabled:
+      return bit(amplifier_.enabled());
+    case fault:
+      return bit(amplifier_.fault() != ValveFault::none);
+    case watchdog_tripped:
+      return bit(amplifier_.watchdog_tripped());
+    case at_limit:
+      return bit(amplifier_.at_limit());
+    case fault_code:
+      return static_cast<double>(amplifier_.fault());
+    case fault_section:
+      return amplifier_.fault_section() ? static_cast<double>(*amplifier_.fault_section() + 1)
+                                        : 0.0;
+    case missed_cycles:
+      return missed_cycles_;
+    case measurement_count:
+      return static_cast<double>(amplifier_.measurements() & 0xFFFFU);
+    case set_point:
+      return amplifier_.set_point(section) * kPercent;
+    case coil_current:
+      return amplifier_.current_ma(now_, section);
+    case coil_temperature:
+      return amplifier_.coil_temperature_c(section);
+    case supply_voltage:
+      return amplifier_.supply_voltage_v();
+    case driver_temperature:
+      return amplifier_.driver_temperature_c();
+    case floating:
+      return bit(amplifier_.floating(section));
+    default:
+      return info(signal).commanded ? parameter_value(signal, section)
+                                    : measured_value(signal, section);
+  }
+}
+
+double ValveDriver::measured_value(ValveSignal signal, std::size_t section) const {
+  using enum ValveSignal;
+  if (amplifier_.measurements() == 0) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const ValveSample& measured = amplifier_.measured();
+  switch (signal) {
+    case spool_position:
+      return amplifier_.position(now_, section) * kPercent;
+    case port_a_pressure:
+      return measured.port_a_pressure_pa[section] / kPascalPerBar;
+    case port_b_pressure:
+      return measured.port_b_pressure_pa[section] / kPascalPerBar;
+    case supply_pressure:
+      return measured.supply_pressure_pa / kPascalPerBar;
+    case oil_temperature:
+      return measured.oil_temperature_c;
+    case swing_angle:
+      return measured.swing_angle_rad * kDegreesPerRadian;
+    case swing_rate:
+      return measured.swing_rate_radps * kDegreesPerRadian;
+    default:
+      return 0.0;
+  }
+}
+
+double ValveDriver::parameter_value(ValveSignal signal, std::size_t section) const {
+  using enum ValveSignal;
+  const ValveAmplifierParameters& p = amplifier_.parameters();
+  const ValveStageParameters& stage = p.stage[section];
+  switch (signal) {
+    case watchdog:
+      return milliseconds(p.watchdog);
+    case reaction:
+      return static_cast<double>(p.reaction);
+    case loss_position:
+      return p.reaction == ValveReaction::hold ? kHold_percent + 1.0 : p.loss_position * kPercent;
+    case dead_band_positive:
+      return stage.dead_band_positive * kPercent;
+    case dead_band_negative:
+      return stage.dead_band_negative * kPercent;
+    case ramp_up:
+      return milliseconds(stage.ramp_up);
+    case ramp_down:
+      return milliseconds(stage.ramp_down);
+    case gain:
+      return stage.gain * kPercent;
+    case polarity:
+      return stage.polarity;
+    case current_start:
+      return p.current_start_ma;
+    case current_full:
+      return p.current_full_ma;
+    case dither_amplitude:
+      return p.dither.amplitude_ma;
+    case dither_frequency:
+      return p.dither.frequency_hz;
+    default:
+      return 0.0;
   }
 }
 
 void ValveDriver::describe_quantities() {
-  for (const RegisterEntry& entry : map()) {
+  for (const ValveRegister& entry : map_.registers) {
     if (!entry.unit.empty()) {
-      quantities_.push_back({entry.name, entry.unit, to_physical(entry, entry.lower),
-                             to_physical(entry, entry.upper), entry.scale});
+      const double ends[] = {entry.least() * entry.scale + entry.offset,
+                             entry.greatest() * entry.scale + entry.offset};
+      quantities_.push_back({entry.name, entry.unit, std::min(ends[0], ends[1]),
+                             std::max(ends[0], ends[1]), std::abs(entry.scale)});
     }
   }
 }

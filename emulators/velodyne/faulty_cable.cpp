@@ -7,7 +7,7 @@ namespace rigwire::emulators {
 
 FaultyCable::FaultyCable(ByteOutput& output, std::span<const VelodyneFault> faults,
                          std::uint64_t seed, Swapping swapping)
-    : output_(output), faults_(faults), random_state_(seed), swapping_(swapping) {}
+    : output_(output), faults_(faults), random_(seed), swapping_(swapping) {}
 
 void FaultyCable::send(SimTime due, std::span<const std::uint8_t> bytes) {
   if (faults_.empty()) {
@@ -37,17 +37,7 @@ void FaultyCable::send(SimTime due, std::span<const std::uint8_t> bytes) {
 
 bool FaultyCable::happens(VelodyneFaultKind kind, SimTime now) {
   const VelodyneFault* fault = find_fault(faults_, kind, now);
-  return fault != nullptr && uniform() < fault->probability;
-}
-
-/// splitmix64.
-double FaultyCable::uniform() {
-  random_state_ += 0x9E37'79B9'7F4A'7C15U;
-  std::uint64_t z = random_state_;
-  z = (z ^ z >> 30U) * 0xBF58'476D'1CE4'E5B9U;
-  z = (z ^ z >> 27U) * 0x94D0'49BB'1331'11EBU;
-  z ^= z >> 31U;
-  return static_cast<double>(z >> 11U) * 0x1p-53;
+  return fault != nullptr && random_.uniform() < fault->probability;
 }
 
 }  // namespace rigwire::emulators

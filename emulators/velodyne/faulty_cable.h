@@ -7,6 +7,7 @@
 #include <span>
 
 #include "emulators/device.h"
+#include "emulators/random_bits.h"
 #include "emulators/velodyne/velodyne_fault.h"
 #include "protocols/velodyne/data_packet.h"
 
@@ -29,12 +30,10 @@ class FaultyCable final : public ByteOutput {
 
  private:
   [[nodiscard]] bool happens(VelodyneFaultKind kind, SimTime now);
-  /// [0, 1)
-  [[nodiscard]] double uniform();
 
   ByteOutput& output_;
   std::span<const VelodyneFault> faults_;
-  std::uint64_t random_state_;
+  RandomBits random_;
   Swapping swapping_;
   std::array<std::uint8_t, protocols::velodyne::kDataPacketSize> held_{};
   std::size_t held_size_ = 0;

@@ -103,6 +103,8 @@ void ReturnEncoder::take_back_corrections(const RawRanges::Beams& beams, const B
     const double counts = choose((raw >= 0.5) & (raw < kFarthestCount + 0.5), raw, 0.0);
     const std::int32_t intensity =
         raw_ranges.intensity(beams.first_laser + i, static_cast<double>(word >> 16), counts);
+    // Never negative; std::lround would cost the loop its vector instructions.
+    // NOLINTNEXTLINE(bugprone-incorrect-roundings)
     const auto whole = static_cast<std::int32_t>(counts + 0.5);
     encoded[i] = choose((word != 0) & (whole != 0),
                         static_cast<velodyne::ChannelWord>(whole | intensity << 16), 0U);

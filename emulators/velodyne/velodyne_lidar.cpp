@@ -161,7 +161,7 @@ void VelodyneLidar::handle_time_input() {
     const double azimuth_rad =
         rotor_.azimuth_rad + rotor_.rate_radps * to_seconds(event - rotor_.time);
     phase_centideg_ =
-        static_cast<int>(wrapped(azimuth_rad, kTurn) * kCountsPerRadian + 0.5) % kTurnCounts;
+        static_cast<int>(std::lround(wrapped(azimuth_rad, kTurn) * kCountsPerRadian)) % kTurnCounts;
     const int off = std::abs(phase_centideg_ - live_.phase_lock_offset_centideg);
     phase_locked_ = command_.phase_lock.has_value() &&
                     std::min(off, kTurnCounts - off) <= kPhaseTolerance_centideg;
@@ -255,7 +255,7 @@ std::uint16_t VelodyneLidar::azimuth_of(const LidarFiring& bank, bool continued)
   const double azimuth_rad = bank.rotor_azimuth_rad >= 0.0 && bank.rotor_azimuth_rad <= kTurn
                                  ? bank.rotor_azimuth_rad
                                  : wrapped(bank.rotor_azimuth_rad, kTurn);
-  const int counts = static_cast<int>(azimuth_rad * kCountsPerRadian + 0.5) % kTurnCounts;
+  const int counts = static_cast<int>(std::lround(azimuth_rad * kCountsPerRadian)) % kTurnCounts;
   const int step = (counts - azimuth_counts_ + kTurnCounts) % kTurnCounts;
   const bool backward = continued && step > kTurnCounts / 2;
   return backward ? azimuth_counts_ : static_cast<std::uint16_t>(counts);

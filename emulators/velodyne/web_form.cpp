@@ -88,7 +88,7 @@ bool is_ipv4_address(std::string_view text) {
   for (int number = 0; number < kNumbers; ++number) {
     const bool last = number == kNumbers - 1;
     const std::size_t end = last ? text.size() : text.find('.');
-    if (end == std::string_view::npos || end > kDigits ||
+    if (end > kDigits ||  // npos, too
         !parse_number(text.substr(0, end), 0, 255)) {
       return false;
     }

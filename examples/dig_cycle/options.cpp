@@ -28,12 +28,23 @@ std::array<std::uint32_t, kLinks> four(std::string_view option, std::string_view
 }
 
 void set_modbus(Options& options, std::string_view option, std::string_view text) {
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string_view::npos || colon == 0) {
-    refuse(option, text, "ADDRESS:PORT, such as 127.0.0.1:1502");
+  constexpr std::string_view kSerial = "rtu:";
+  const bool serial = text.starts_with(kSerial);
+  const std::size_t begin = serial ? kSerial.size() : 0;
+  const std::size_t colon = text.find(':', begin);
+  const std::string_view place = text.substr(begin, colon - begin);
+  if (place.empty() || (!serial && colon == std::string_view::npos)) {
+    refuse(option, text, "ADDRESS:PORT, such as 127.0.0.1:1502, or rtu:PATH[:BAUD]");
   }
-  options.modbus_host = text.substr(0, colon);
-  options.modbus_port = port(option, text.substr(colon + 1));
+  if (!serial) {
+    options.modbus_host = place;
+    options.modbus_port = port(option, text.substr(colon + 1));
+    return;
+  }
+  options.modbus_path = place;
+  if (colon != std::string_view::npos) {
+    options.modbus_baud = field::baud(option, text.substr(colon + 1));
+  }
 }
 
 void set_mount(Options& options, std::string_view option, std::string_view text) {
@@ -114,6 +125,7 @@ wires
   --lidar-port N          Velodyne data packets                    (2368)
   --can NAME              vcan0, an slcan adapter's path, or auto  (auto)
   --modbus ADDRESS:PORT   valve driver, Modbus TCP                 (127.0.0.1:1502)
+  --modbus rtu:PATH[:BAUD]     the same on a serial line, 8E1      (115200)
 fitting
   --lidar-mount X,Y,Z[,YAW,PITCH]  m and degrees, in the upper structure's frame
   --imu-addresses A,B,C,D      J1939 addresses: chassis, boom, stick, bucket (0x80..0x83)

@@ -16,6 +16,10 @@ drivers::ModbusMasterSettings modbus_settings(const Options& options) {
   drivers::ModbusMasterSettings settings;
   settings.host = options.modbus_host;
   settings.port = options.modbus_port;
+  if (!options.modbus_path.empty()) {
+    settings.serial = drivers::ModbusSerialPort{
+        options.modbus_path, {options.modbus_baud, protocols::modbus::SerialCharacter::even_8e1}};
+  }
   settings.response_timeout = 200ms;
   return settings;
 }

@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "emulators/modbus/modbus_server.h"
 #include "emulators/valve_driver/valve_driver.h"
 #include "hil/bench/cost.h"
 #include "protocols/can/bits.h"
@@ -195,8 +196,10 @@ MessageCost register_exchange() {
   namespace reg = emulators::valve_registers;
   MessageCost cost{.message = "Modbus FC23 round trip", .wire = "TCP, 100BASE-TX"};
   LatestAnswer output;
-  emulators::ValveDriver driver({}, output);
-  driver.connected(kStart, 1);
+  emulators::ValveDriver driver({});
+  emulators::ModbusServer server({}, output);
+  server.add_unit(1, driver.unit());
+  server.connected(kStart, 1);
   SimTime now = kStart;
   constexpr std::uint16_t kRead = reg::kCoilCurrent;  // Status, fault code, spool positions.
   constexpr std::size_t kWritten = 1 + 4;             // Control word, four sections.
@@ -210,7 +213,7 @@ MessageCost register_exchange() {
     const modbus::AduBytes adu =
         modbus::encode_adu({static_cast<std::uint16_t>(i), modbus::kModbusProtocol, 1}, pdu.view());
     request_bytes = adu.size;
-    driver.receive(now, 1, adu.view());
+    server.receive(now, 1, adu.view());
     keep(output.answer.data());
   };
   cost.nanoseconds = nanoseconds_of(exchange);

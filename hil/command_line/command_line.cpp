@@ -114,6 +114,7 @@ struct Parsed {
   std::string word;  ///< Kind, device, suite or shell.
   std::string bus;
   std::string json_file;
+  std::string valve_map;
   bool list = false;
 };
 
@@ -156,10 +157,13 @@ void declare(CLI::App& app, Parsed& parsed) {
   CLI::App* describe_app = app.add_subcommand("describe", "Messages, rates, units, ranges, keys");
   CLI::Option* device = describe_app->add_option(
       "device", parsed.word, "A type of `rigwire list devices`, or a device's name in a rig: gnss");
+  CLI::Option* valve_map = describe_app->add_option(
+      "--valve-map", parsed.valve_map, "A valve driver's registers from a file, as tables");
   CLI::Option* json = describe_app->add_flag("--json", parsed.json, "As JSON");
   CLI::Option* dbc =
       describe_app->add_option("--dbc", parsed.rig.rig, "RIG: print the DBC file of its CAN bus")
           ->excludes(device)
+          ->excludes(valve_map)
           ->excludes(json);
   describe_app->add_option("--bus", parsed.bus, "Of the rig, when it has several")->needs(dbc);
   describe_app->footer("\nExample:\n  rigwire describe --dbc unimog_forest > unimog.dbc");
@@ -231,10 +235,14 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
     return list_verb(parsed.word, parsed.json, terminal);
   }
   if (app.got_subcommand("describe")) {
-    if (!parsed.rig.rig.empty() && parsed.word.empty()) {
+    if (!parsed.rig.rig.empty()) {
       return dbc_verb(parsed.rig, parsed.bus, terminal);
     }
-    return describe_verb(parsed.word, parsed.json, terminal);
+    if (parsed.word.empty() == parsed.valve_map.empty()) {
+      return usage("describe: allowed a device or --valve-map FILE", terminal.err, "describe");
+    }
+    return parsed.valve_map.empty() ? describe_verb(parsed.word, parsed.json, terminal)
+                                    : describe_valve_map_verb(parsed.valve_map, terminal);
   }
   if (app.got_subcommand("doctor")) {
     return doctor_verb(parsed.json, terminal);

@@ -9,6 +9,7 @@
 #include "hil/configuration/rig.h"
 #include "hil/configuration/suggest.h"
 #include "hil/configuration/units.h"
+#include "hil/valve_map_file.h"
 
 namespace rigwire::hil {
 
@@ -135,6 +136,13 @@ int describe_verb(const std::string& device, bool json, Terminal terminal) {
                               device, join_words(names),
                               near.empty() ? "" : ", did you mean " + near + "?");
   return static_cast<int>(ExitCode::usage);
+}
+
+int describe_valve_map_verb(const std::string& file, Terminal terminal) {
+  const emulators::ValveMap map = load_valve_map(file);
+  terminal.out << fmt::format("# {}\n\n{}{}{}", map.name, map.text, map.text.empty() ? "" : "\n\n",
+                              markdown_table(map));
+  return static_cast<int>(ExitCode::done);
 }
 
 }  // namespace rigwire::hil

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "emulators/iso_valve/iso_valves.h"
 #include "emulators/starfire/receiver.h"
 #include "emulators/ublox/receiver.h"
 #include "emulators/vehicle_gateway/report.h"
@@ -25,11 +26,6 @@ class NoBytes final : public emulators::ByteOutput {
 class NoFrames final : public emulators::FrameOutput {
  public:
   void send(SimTime, const protocols::can::Frame&) override {}
-};
-class NoStream final : public emulators::StreamOutput {
- public:
-  void send(emulators::ConnectionId, SimTime, std::span<const std::uint8_t>) override {}
-  void close(emulators::ConnectionId, SimTime) override {}
 };
 
 std::vector<DescribedQuantity> quantities_of(const emulators::Device& device) {
@@ -139,20 +135,65 @@ void describe(const OpenImuDeviceConfiguration& configuration, DeviceDescription
   NoFrames output;
   description.quantities = quantities_of(emulators::OpenImu(configuration.imu, output));
   description.wire = "CAN 2.0B at 250 kbit/s, J1939: SocketCAN or slcan on a pty";
-  description.document = "SAE J1939-21, -81; ACEINNA openIMU335RI firmware and J1939 documentation";
+  description.document =
+      "SAE J1939-21, -81; ACEINNA openIMU300RI and openIMU335RI firmware and J1939 documentation";
+  description.page = "docs/devices/openimu335ri.md";
   description.messages = {
       {"61481 F029 slope sensor information 2", "100 Hz", "pitch, roll, merit, latency"},
       {"61482 F02A angular rate information", "100 Hz", "pitch, roll, yaw rate, merit, latency"},
-      {"61485 F02D acceleration sensor", "100 Hz", "lateral, longitudinal, vertical, merit"},
-      {"60928 EE00 address claimed", "at start, on request", "NAME"},
-      {"65242 FEDA software version", "on request", "5 bytes"},
-      {"64965 FDC5 ECU identification", "on request", "NAME"},
-      {"FF50 .. FF59 settings", "received", "rate, messages, filters, orientation, save"}};
+      {"61485 F02D acceleration sensor", "100 Hz", "lateral, longitudinal, vertical, merit"}};
+  if (configuration.imu.variant == emulators::OpenImuVariant::openimu300ri) {
+    description.messages.push_back({"65386 FF6A magnetic field", "off", "x, y, z"});
+  } else {
+    description.messages.push_back({"61459 F013 slope sensor information", "off", "16-bit angles"});
+    description.messages.push_back({"65387 FF6B fine angular rate", "off", "19-bit rates"});
+    description.messages.push_back({"65226 FECA DM1", "while a trouble is active", "trouble code"});
+  }
+  description.messages.insert(description.messages.end(),
+                              {{"60928 EE00 address claimed", "at start, on request", "NAME"},
+                               {"65242 FEDA software version", "on request", "5 bytes"},
+                               {"64965 FDC5 ECU identification", "on request", "NAME"},
+                               {"FF50 .. FF5E, FFF0 .. FFF2 settings", "received",
+                                "rate, messages, filters, orientation, save, groups"}});
+}
+
+void describe(const XsensMtiConfiguration& configuration, DeviceDescription& description) {
+  NoFrames output;
+  const Calendar calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0});
+  description.quantities = quantities_of(emulators::Mti600(configuration.mti, calendar, output));
+  description.wire = "CAN 2.0A or B: SocketCAN or slcan on a pty";
+  description.document = "Xsens MT CAN Protocol Documentation MT1604P; the maker's xsens.dbc";
+  for (const emulators::MtiOutput& mti_output : configuration.mti.outputs) {
+    const auto& message = protocols::xsens::message(mti_output.id);
+    description.messages.push_back(
+        {fmt::format("{:03X} {}", static_cast<unsigned>(message.id), message.name),
+         mti_output.divider == 0
+             ? "off"
+             : fmt::format("{} Hz", emulators::kMtiSamplesPerSecond / mti_output.divider),
+         fmt::format("{} bytes", message.length)});
+  }
+}
+
+void describe(const EncoderDeviceConfiguration& configuration, DeviceDescription& description) {
+  NoFrames output;
+  emulators::VolatileMemory memory;
+  const emulators::RotaryEncoder encoder(configuration.encoder, memory, output);
+  description.quantities = quantities_of(encoder);
+  description.wire = "CAN 2.0A, CANopen: SocketCAN or slcan on a pty";
+  description.document = "CiA 301 V4.2.0, CiA 406 V3.2";
+  for (const auto& layout :
+       protocols::canopen::rotary_encoder_layouts(configuration.encoder.node.node_id)) {
+    description.messages.push_back(
+        {fmt::format("{:03X} {}", layout.id, layout.name), "by its parameters", layout.text});
+  }
+  description.messages.push_back(
+      {"SDO", "on request",
+       fmt::format("{} entries of the object dictionary",
+                   protocols::canopen::rotary_encoder_objects().size())});
 }
 
 void describe(const ValveDriverConfiguration& configuration, DeviceDescription& description) {
-  NoStream output;
-  description.quantities = quantities_of(emulators::ValveDriver(configuration.driver, output));
+  description.quantities = quantities_of(emulators::ValveDriver(configuration.driver));
   description.wire = "Modbus TCP server, default 127.0.0.1:1502";
   description.document =
       "MODBUS Application Protocol Specification V1.1b3; Messaging on TCP/IP Implementation Guide "
@@ -162,6 +203,27 @@ void describe(const ValveDriverConfiguration& configuration, DeviceDescription& 
       {"04 read input registers", "on request", "spools, pressures, swing encoder, faults"},
       {"06, 16, 22, 23 write registers", "on request", "control word, set points, parameters"},
       {"17, 43/14 identification", "on request", "vendor, product, revision"}};
+}
+
+void describe(const IsoValvesConfiguration& configuration, DeviceDescription& description) {
+  NoFrames output;
+  const emulators::IsoValves valves(configuration.valves, output);
+  description.quantities = quantities_of(valves);
+  description.wire = "CAN 2.0B at 250 kbit/s, J1939: SocketCAN or slcan on a pty";
+  description.document =
+      "ISO 11783-7 auxiliary valves as listed by isobus.net; SAE J1939 digital annex (joysticks); "
+      "layouts in docs/devices/iso-valves.md";
+  for (const auto& layout : protocols::iso11783::message_layouts(
+           static_cast<unsigned>(configuration.valves.amplifier.sections.size()),
+           configuration.valves.source_address, "valves")) {
+    const bool sent = !layout.sender.empty();
+    description.messages.push_back({fmt::format("{:08X} {}", layout.id, layout.name),
+                                    fmt::format("{:g} Hz", 1e3 / layout.period_ms),
+                                    (sent ? "sent: " : "received: ") + layout.text});
+  }
+  description.messages.push_back({"64982-64985 BJM1, EJM1, BJM2, EJM2", "10 Hz",
+                                  "received: joysticks, where they are mapped"});
+  description.messages.push_back({"65226 FECA DM1", "1 Hz", "sent: active trouble codes"});
 }
 
 void describe(const VehicleGatewayDeviceConfiguration& configuration,

@@ -77,17 +77,58 @@ Row plan(const RigConfiguration& rig, const OpenImuDeviceConfiguration& device) 
   return plan_node(rig, device.bus, device.imu.source_address, frame_rate_hz(device), with);
 }
 
+Row plan_can(const RigConfiguration& rig, const std::string& bus_name, const std::string& who,
+             double frames_hz, const std::string& with) {
+  const auto bus = rig.buses.find(bus_name);
+  return {bus == rig.buses.end()
+              ? bus_name
+              : fmt::format("can {} at {} bit/s, {}", bus_name, bus->second.bus.bit_rate_bps, who),
+          fmt::format("{:.0f} frames/s", frames_hz), "", with};
+}
+
+Row plan(const RigConfiguration& rig, const XsensMtiConfiguration& device) {
+  return plan_can(rig, device.bus, device.mti.extended ? "29-bit" : "11-bit", frame_rate_hz(device),
+                  "nothing is received");
+}
+
+Row plan(const RigConfiguration& rig, const EncoderDeviceConfiguration& device) {
+  return plan_can(rig, device.bus, fmt::format("node {}", device.encoder.node.node_id),
+                  frame_rate_hz(device),
+                  fmt::format("{} bits, {} against {}", device.encoder.resolution_bits, device.link,
+                              device.base));
+}
+
+Row plan(const RigConfiguration& rig, const IsoValvesConfiguration& device) {
+  return plan_node(rig, device.bus, device.valves.source_address, frame_rate_hz(device),
+                   fmt::format("{} sections, neutral {} after the last command",
+                               device.valves.amplifier.sections.size(),
+                               print_duration(device.valves.command_timeout.count())));
+}
+
 Row plan(const RigConfiguration& rig, const VehicleGatewayDeviceConfiguration& device) {
   return plan_node(rig, device.bus, device.gateway.source_address, frame_rate_hz(device),
                    fmt::format("stops {} after the last guidance command",
                                print_duration(device.gateway.timeouts.guidance.count())));
 }
 
-Row plan(const RigConfiguration&, const ValveDriverConfiguration& device) {
-  return {
-      fmt::format("modbus tcp {}:{}", device.address, device.port), "on request", "",
-      fmt::format("unit {}, {} sections, watchdog {}", device.driver.unit,
-                  device.driver.sections.size(), print_duration(device.driver.watchdog.count()))};
+/// The wire of a Modbus device.
+std::string modbus_wire(const RigConfiguration& rig, const ValveDriverConfiguration& device) {
+  const auto line = rig.modbus.find(device.line);
+  if (line == rig.modbus.end()) {
+    return fmt::format("modbus tcp {}:{}", device.address, device.port);
+  }
+  const ModbusLineConfiguration& shared = line->second;
+  return shared.wire == emulators::ModbusWire::rtu
+             ? fmt::format("{}: modbus rtu {} {} bit/s", line->first, shared.path,
+                           shared.line.timing.baud)
+             : fmt::format("{}: modbus tcp {}:{}", line->first, shared.address, shared.port);
+}
+
+Row plan(const RigConfiguration& rig, const ValveDriverConfiguration& device) {
+  return {modbus_wire(rig, device), "on request", "",
+          fmt::format("unit {}, {} sections, watchdog {}", device.unit,
+                      device.driver.amplifier.sections.size(),
+                      print_duration(device.driver.amplifier.parameters.watchdog.count()))};
 }
 
 }  // namespace

@@ -28,6 +28,8 @@ struct Terminal {
 [[nodiscard]] int describe_verb(const std::string& device, bool json, Terminal terminal);
 /// The DBC file of a bus; of the only one when `bus` is empty.
 [[nodiscard]] int dbc_verb(const RigArguments& rig, const std::string& bus, Terminal terminal);
+/// The registers of a valve map's file (hil/valve_map_file.h), as the device pages print them.
+[[nodiscard]] int describe_valve_map_verb(const std::string& file, Terminal terminal);
 [[nodiscard]] int doctor_verb(bool json, Terminal terminal);
 [[nodiscard]] int bench_verb(const std::string& suite, const std::string& json_file, bool list,
                              Terminal terminal);

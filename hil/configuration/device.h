@@ -12,7 +12,9 @@
 #include <variant>
 
 #include "hil/configuration/can_bus.h"
+#include "hil/configuration/cia406_encoder.h"
 #include "hil/configuration/fields.h"
+#include "hil/configuration/iso_valves.h"
 #include "hil/configuration/mount.h"
 #include "hil/configuration/openimu.h"
 #include "hil/configuration/shapes.h"
@@ -22,6 +24,7 @@
 #include "hil/configuration/vehicle_gateway.h"
 #include "hil/configuration/vehicle_sensors.h"
 #include "hil/configuration/velodyne.h"
+#include "hil/configuration/xsens.h"
 
 namespace rigwire::hil {
 
@@ -37,7 +40,8 @@ using DeviceSettings =
                  VelodyneVlp16Configuration, VelodynePuckHiResConfiguration,
                  VelodyneVlp32cConfiguration, VelodyneHdl64eConfiguration,
                  VelodyneVls128Configuration, OpenImuDeviceConfiguration, ValveDriverConfiguration,
-                 VehicleGatewayDeviceConfiguration>;
+                 VehicleGatewayDeviceConfiguration, OpenImu300riDeviceConfiguration,
+                 XsensMtiConfiguration, EncoderDeviceConfiguration, IsoValvesConfiguration>;
 
 /// The device, if its type is `Base` or derived from it; else null.
 template <class Base>
@@ -66,7 +70,7 @@ template <class Base>
 }
 
 /// The names of the `type` key, in the order of DeviceSettings.
-inline constexpr std::array<Alternative, 14> kDeviceTypes{
+inline constexpr std::array<Alternative, 18> kDeviceTypes{
     {{"ublox-neo-7p", "u-blox NEO-7P satellite receiver on a serial line (NMEA, UBX)."},
      {"ublox-neo-m8", "u-blox NEO-M8 satellite receiver of several systems (NMEA, UBX)."},
      {"ublox-neo-m8t", "u-blox NEO-M8T, the same with raw measurements (NMEA, UBX)."},
@@ -81,7 +85,11 @@ inline constexpr std::array<Alternative, 14> kDeviceTypes{
      {"openimu335ri", "ACEINNA OpenIMU335RI inertial unit on CAN (J1939)."},
      {"valve-driver", "Eight-section hydraulic valve driver, Modbus TCP server."},
      {"vehicle-gateway",
-      "Drive train, steering and brakes of a machine that drives, on CAN (J1939)."}}};
+      "Drive train, steering and brakes of a machine that drives, on CAN (J1939)."},
+     {"openimu300ri", "ACEINNA OpenIMU300RI inertial unit on CAN (J1939), with magnetometer."},
+     {"xsens-mti-600", "Xsens MTi-600 inertial unit on CAN."},
+     {"cia406-encoder", "Absolute rotary encoder on CANopen (CiA 406), at a joint."},
+     {"iso-valves", "Block of auxiliary valves with joysticks, on CAN (ISO 11783)."}}};
 
 struct DeviceConfiguration {
   DeviceSettings settings;

@@ -8,23 +8,28 @@
 #include "emulators/openimu/openimu335ri.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/imu_sensor.h"
+#include "hil/configuration/magnetometer.h"
 #include "hil/configuration/mount.h"
+#include "hil/configuration/supply.h"
 #include "hil/configuration/units.h"
 #include "sim/imu/imu_sensor.h"
 
 namespace rigwire::hil {
 
-/// ACEINNA OpenIMU on a J1939 bus.
+/// ACEINNA OpenIMU335RI on a J1939 bus.
 struct OpenImuDeviceConfiguration {
   std::string bus = "can";  ///< One of the rig's buses.
   MountConfiguration mount;
   emulators::OpenImuSettings imu;
+  std::string settings_file;  ///< What "save" writes; empty: kept for the run.
   sim::ImuParameters sensor;
+  MagnetometerConfiguration magnetometer;  ///< OpenIMU300RI.
 };
 
-inline constexpr std::array<Choice<emulators::OpenImuVariant>, 2> kOpenImuVariants{
-    {{emulators::OpenImuVariant::openimu335ri, "openimu335ri", "Figures of merit by state."},
-     {emulators::OpenImuVariant::openimu300ri, "openimu300ri", "Figures of merit not available."}}};
+/// ACEINNA OpenIMU300RI, the same with older firmware and a magnetometer.
+struct OpenImu300riDeviceConfiguration : OpenImuDeviceConfiguration {
+  OpenImu300riDeviceConfiguration() { imu.variant = emulators::OpenImuVariant::openimu300ri; }
+};
 
 /// Rates that the device's divider can give.
 inline constexpr std::array<Choice<std::uint8_t>, 9> kOpenImuRates{{{0, "0 Hz", "Silent."},
@@ -54,24 +59,29 @@ void visit(Visitor& v, OpenImuDeviceConfiguration& p) {
   v.integer("serial", p.imu.serial, IntegerRule{0, (1 << 21) - 1}, "In the NAME; unique on a bus.");
   v.choice("rate", p.imu.configuration.rate_divider, kOpenImuRates,
            "Of the data messages at power-on.");
-  v.integer("packets", p.imu.configuration.packet_mask, IntegerRule{0, 7},
-            "Messages sent: 1 slope, 2 angular rate, 4 acceleration, summed.");
+  v.integer("packets", p.imu.configuration.packet_mask, IntegerRule{0, 47},
+            "Messages sent, summed: 1 slope, 2 angular rate, 4 acceleration; 8 magnetic field "
+            "(300RI) or fine angular rate, 32 older slope (335RI).");
   v.choice("rate_filter", p.imu.configuration.rate_cut_off_hz, kOpenImuCutOffs,
            "Low pass of the angular rates.");
   v.choice("acceleration_filter", p.imu.configuration.acceleration_cut_off_hz, kOpenImuCutOffs,
            "Low pass of the accelerations.");
   v.integer("orientation", p.imu.configuration.orientation, IntegerRule{0, 65535},
             "Axes code of the device, one of 24.");
-  v.choice("variant", p.imu.variant, kOpenImuVariants, "Which firmware it follows.");
   v.number("rate_range", p.imu.rate_range_radps, in("deg/s").above(0).at_most(2000),
            "Beyond it the rate is clamped and marked.");
   v.number("acceleration_range", p.imu.acceleration_range_mps2, in("m/s2").above(0).at_most(1000),
            "Beyond it the acceleration is clamped and marked.");
-  v.duration("power_on", p.imu.power_on, {0, 3'600'000'000'000}, "From the start of the run.");
+  visit_supply(v, p.imu.supply);
+  v.text("settings_file", p.settings_file,
+         "What a client saved, for the next run; empty: as long as the run.");
   v.duration("processing_delay", p.imu.processing_delay, {0, 4'000'000},
              "From a sample or request to the frame.");
   v.section("mount", p.mount, "Of the sensor's axes.");
   v.section("sensor", p.sensor, "How well it measures.");
+  if (p.imu.variant == emulators::OpenImuVariant::openimu300ri) {
+    v.section("magnetometer", p.magnetometer, "The Earth's field as it reads it.");
+  }
 }
 
 inline void validate(const OpenImuDeviceConfiguration& p) {

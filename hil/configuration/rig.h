@@ -11,6 +11,7 @@
 #include "hil/configuration/device.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/machine.h"
+#include "hil/configuration/modbus_line.h"
 #include "hil/configuration/origin.h"
 #include "hil/configuration/outline.h"
 #include "hil/configuration/satellites.h"
@@ -44,6 +45,7 @@ struct RigConfiguration {
   SceneConfiguration scene;
   MachineConfiguration machine;
   std::map<std::string, BusConfiguration> buses;
+  std::map<std::string, ModbusLineConfiguration> modbus;
   std::map<std::string, DeviceConfiguration> devices;
   TruthConfiguration truth;
   StatusConfiguration status;
@@ -79,6 +81,7 @@ void visit(Visitor& v, RigConfiguration& p) {
   v.required("machine");
   v.section("machine", p.machine, "The machine.");
   v.named("buses", p.buses, "bus", "CAN buses, by name.");
+  v.named("modbus", p.modbus, "line", "Modbus lines that devices share, by name.");
   v.named("devices", p.devices, "device", "Devices, by name.");
   v.section("truth", p.truth, "The tap for ground truth.");
   v.section("status", p.status, "The table.");

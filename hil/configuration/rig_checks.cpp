@@ -11,6 +11,7 @@
 #include "hil/configuration/frame_rate.h"
 #include "hil/configuration/rig.h"
 #include "hil/configuration/suggest.h"
+#include "protocols/can/frame_text.h"
 
 namespace rigwire::hil {
 
@@ -26,6 +27,9 @@ class Checker {
     for (const auto& [name, bus] : rig.buses) {
       bus_names_.push_back(name);
     }
+    for (const auto& [name, line] : rig.modbus) {
+      line_names_.push_back(name);
+    }
   }
 
   void run() {
@@ -34,6 +38,11 @@ class Checker {
     for (const auto& [name, bus] : rig_.buses) {
       if (!faulty("buses." + name)) {
         check_bus(name, bus);
+      }
+    }
+    for (const auto& [name, line] : rig_.modbus) {
+      if (!faulty("modbus." + name)) {
+        check_modbus_line("modbus." + name, line);
       }
     }
     for (const auto& [name, device] : rig_.devices) {
@@ -130,10 +139,10 @@ class Checker {
 
   void check_bus(const std::string& name, const BusConfiguration& bus) {
     const std::string path = "buses." + name;
-    if (bus.wire != CanWire::socketcan) {
+    if (bus.wire == CanWire::slcan || bus.wire == CanWire::automatic) {
       check_path(path + ".path", bus.path);
     }
-    if (bus.wire != CanWire::slcan) {
+    if (bus.wire == CanWire::socketcan || bus.wire == CanWire::automatic) {
       constexpr std::size_t kLongestInterface = 15;  // IFNAMSIZ - 1
       if (bus.interface.empty() || bus.interface.size() > kLongestInterface) {
         report(path + ".interface", "not an interface name", "\"" + bus.interface + "\"",
@@ -141,6 +150,44 @@ class Checker {
       }
       claim(path + ".interface", "interface " + bus.interface, bus.interface);
     }
+    for (std::size_t i = 0; i < bus.faults.size(); ++i) {
+      check_bus_fault(fmt::format("{}.faults.{}", path, i), name, bus.faults[i]);
+    }
+  }
+
+  void check_bus_fault(const std::string& path, const std::string& bus,
+                       const CanFaultConfiguration& fault) {
+    if (const std::string device = device_of(fault); !device.empty()) {
+      std::vector<std::string> names{std::string(kClientNode)};
+      for (const auto& [name, candidate] : rig_.devices) {
+        if (bus_of(candidate) == bus) {
+          names.push_back(name);
+        }
+      }
+      if (std::find(names.begin(), names.end(), device) == names.end()) {
+        report(path + ".device", "not on this bus", "\"" + device + "\"", join_words(names),
+               nearest_word(device, names));
+      }
+    }
+    if (const auto* intruder = std::get_if<IntruderFault>(&fault.settings)) {
+      if (!protocols::can::parse_frame_text(intruder->frame)) {
+        report(path + ".frame", "not a frame", "\"" + intruder->frame + "\"",
+               "18EAFFFE#00EE00, 123#, 123#R4");
+      }
+    }
+  }
+
+  /// Empty for devices without one.
+  static std::string bus_of(const DeviceConfiguration& device) {
+    return std::visit(
+        [](const auto& settings) -> std::string {
+          if constexpr (requires { settings.bus; }) {
+            return settings.bus;
+          } else {
+            return {};
+          }
+        },
+        device.settings);
   }
 
   void check_device(const std::string& path, const UbloxConfiguration& device) {
@@ -214,6 +261,36 @@ class Checker {
     check_node(path, device.bus, device.imu.source_address, device.imu.serial);
   }
 
+  void check_bus_name(const std::string& path, const std::string& bus) {
+    if (!rig_.buses.contains(bus)) {
+      report(path + ".bus", "no such bus", "\"" + bus + "\"", join_words(bus_names_),
+             nearest_word(bus, bus_names_));
+    }
+  }
+
+  void check_device(const std::string& path, const XsensMtiConfiguration& device) {
+    check_link(path + ".mount.link", device.mount.link);
+    check_bus_name(path, device.bus);
+    // Its identifiers are fixed: a second unit on the bus would send the same ones.
+    claim(path + ".bus", fmt::format("{} mti {}", device.bus, device.mti.extended), device.bus);
+  }
+
+  void check_device(const std::string& path, const EncoderDeviceConfiguration& device) {
+    check_link(path + ".base", device.base);
+    check_link(path + ".link", device.link);
+    if (device.base == device.link) {
+      report(path + ".link", "turns against itself", "\"" + device.link + "\"",
+             "another link than `base`");
+    }
+    check_bus_name(path, device.bus);
+    const bool duplicates =
+        rig_.buses.contains(device.bus) && rig_.buses.at(device.bus).duplicate_addresses;
+    if (!duplicates) {
+      claim(path + ".node_id", fmt::format("{} node {}", device.bus, device.encoder.node.node_id),
+            std::to_string(device.encoder.node.node_id));
+    }
+  }
+
   void check_device(const std::string& path, const VehicleGatewayDeviceConfiguration& device) {
     check_node(path, device.bus, device.gateway.source_address, device.gateway.serial);
     if (!device.position_from.empty()) {
@@ -224,6 +301,17 @@ class Checker {
     }
   }
 
+  void check_device(const std::string& path, const IsoValvesConfiguration& device) {
+    check_node(path, device.bus, device.valves.source_address, device.valves.serial);
+    check_valve_block(path);
+  }
+
+  void check_valve_block(const std::string& path) {
+    if (!std::holds_alternative<ExcavatorMachine>(rig_.machine.settings)) {
+      report(path + ".type", "the machine has no valve block", "", "an excavator");
+    }
+  }
+
   void check_node(const std::string& path, const std::string& bus, unsigned address,
                   std::uint32_t serial) {
     if (!rig_.buses.contains(bus)) {
@@ -231,18 +319,38 @@ class Checker {
              nearest_word(bus, bus_names_));
       return;
     }
-    claim(path + ".source_address", fmt::format("{} address {}", bus, address),
-          std::to_string(address));
+    if (!rig_.buses.at(bus).duplicate_addresses) {
+      claim(path + ".source_address", fmt::format("{} address {}", bus, address),
+            std::to_string(address));
+    }
     claim(path + ".serial", fmt::format("{} serial {}", bus, serial), std::to_string(serial));
   }
 
-  void check_device(const std::string& path, const ValveDriverConfiguration& device) {
-    check_address(path + ".address", device.address, device.allow_remote);
-    claim(path + ".port", fmt::format("tcp {}:{}", device.address, device.port),
-          std::to_string(device.port));
-    if (!std::holds_alternative<ExcavatorMachine>(rig_.machine.settings)) {
-      report(path + ".type", "the machine has no valve block", "", "an excavator");
+  void check_listener(const std::string& path, const std::string& address, std::uint16_t port,
+                      bool allow_remote) {
+    check_address(path + ".address", address, allow_remote);
+    claim(path + ".port", fmt::format("tcp {}:{}", address, port), std::to_string(port));
+  }
+
+  void check_modbus_line(const std::string& path, const ModbusLineConfiguration& line) {
+    if (line.wire == emulators::ModbusWire::rtu) {
+      check_path(path + ".path", line.path);
+    } else {
+      check_listener(path, line.address, line.port, line.allow_remote);
     }
+  }
+
+  void check_device(const std::string& path, const ValveDriverConfiguration& device) {
+    if (device.line.empty()) {
+      check_listener(path, device.address, device.port, device.allow_remote);
+    } else if (!rig_.modbus.contains(device.line)) {
+      report(path + ".line", "no such Modbus line", "\"" + device.line + "\"",
+             join_words(line_names_), nearest_word(device.line, line_names_));
+    } else {
+      claim(path + ".unit", fmt::format("{} unit {}", device.line, device.unit),
+            std::to_string(device.unit));
+    }
+    check_valve_block(path);
   }
 
   /// Frames per second that a device sends on that bus by itself.
@@ -283,6 +391,7 @@ class Checker {
   std::vector<Problem> known_;  ///< Found while reading.
   std::vector<std::string> links_;
   std::vector<std::string> bus_names_;
+  std::vector<std::string> line_names_;  ///< Modbus.
   std::map<std::string, std::string> owners_;
 };
 

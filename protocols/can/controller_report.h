@@ -19,6 +19,30 @@ enum class ErrorState : std::uint8_t {
 /// The five errors that a controller detects.
 enum class BusError : std::uint8_t { none, bit, stuff, form, crc, acknowledgement };
 
+/// Where in a frame; `unspecified` also for everything after it.
+enum class FrameField : std::uint8_t {
+  unspecified,
+  start_of_frame,
+  identifier_28_21,   ///< Of an 11-bit frame bits 10 .. 3.
+  identifier_20_18,   ///< Of an 11-bit frame bits 2 .. 0.
+  substitute_remote,  ///< SRR; of an 11-bit frame RTR.
+  identifier_extension,
+  identifier_17_13,
+  identifier_12_5,
+  identifier_4_0,
+  remote_request,  ///< RTR of a 29-bit frame.
+  reserved_1,
+  reserved_0,
+  length_code,
+  data,
+  crc_sequence,
+  crc_delimiter,
+  acknowledge_slot,
+  acknowledge_delimiter,
+  end_of_frame,
+  intermission,
+};
+
 struct ControllerReport {
   ErrorState state = ErrorState::active;
   std::uint16_t transmit_errors = 0;  ///< Counter, 0 .. 256; 256 stands for every value beyond 255.
@@ -28,10 +52,11 @@ struct ControllerReport {
   bool transmitting = false;          ///< The error concerned this controller's own frame.
   bool dominant = false;              ///< BusError::bit: the bit that was sent was dominant.
   std::uint8_t bit = 0;               ///< Of the frame, from start of frame 0, stuff bits counted.
-  bool restarted = false;             ///< Back from bus-off.
-  bool arbitration_lost = false;      ///< Only one-shot controllers report it; `bit` says where.
-  bool receive_overflow = false;      ///< A frame that the host did not fetch in time is lost.
-  bool transmit_overflow = false;     ///< A frame did not fit into the transmit queue.
+  FrameField field = FrameField::unspecified;  ///< What `bit` belongs to.
+  bool restarted = false;                      ///< Back from bus-off.
+  bool arbitration_lost = false;   ///< Only one-shot controllers report it; `bit` says where.
+  bool receive_overflow = false;   ///< A frame that the host did not fetch in time is lost.
+  bool transmit_overflow = false;  ///< A frame did not fit into the transmit queue.
 
   friend bool operator==(const ControllerReport&, const ControllerReport&) = default;
 };

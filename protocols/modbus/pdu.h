@@ -1,8 +1,9 @@
 // Modbus protocol data units: requests and responses to bytes and back, both directions, pure.
 //
-// Functions 1-6, 15, 16, 17, 22, 23 and 43/14 (device identification). All integers are most
-// significant byte first; coils are packed least significant bit first. A whole PDU is offered to
-// the decoders (the framing below knows its length): MBAP in mbap.h.
+// Functions 1-6, 15, 16, 17, 22, 23 and 43/14 (device identification); those of serial lines only
+// are in serial_functions.h. All integers are most significant byte first; coils are packed least
+// significant bit first. A whole PDU is offered to the decoders: the framing below knows its length
+// (mbap.h on TCP, rtu.h on serial lines).
 //
 // Source: MODBUS Application Protocol Specification V1.1b3, section 6; order of the checks after
 // the state diagrams there (figures 11-31): function (01), then quantity, byte count and value

@@ -1,8 +1,13 @@
 // Settings of the OpenIMU family over J1939: what a client may set, and what it may ask for.
 //
 // Source: openIMU300-lib and openIMU335RI-lib (open firmware), settings messages. Settings are
-// proprietary-B groups FF50..FF5E, broadcast, whose first byte is the address of the device meant
-// (reset and save: second byte, after a zero that says "request").
+// proprietary-B groups FF50..FF5E (command_map.h), broadcast, whose first byte is the address of
+// the device meant (reset and save: second byte, after a zero that says "request").
+//
+// The two devices answer differently. 300RI: the answer's first byte is its own address, the
+// filters come back in reverse order, messages are as long as what they say. 335RI: the first byte
+// is the address that asked, priorities follow the packet mask, every message has eight bytes
+// filled up with AA.
 #pragma once
 
 #include <array>
@@ -10,6 +15,7 @@
 #include <optional>
 
 #include "protocols/can/frame.h"
+#include "protocols/openimu/command_map.h"
 #include "protocols/result.h"
 
 namespace rigwire::protocols::openimu {
@@ -17,7 +23,14 @@ namespace rigwire::protocols::openimu {
 /// Groups that a client asks for with a J1939 request.
 inline constexpr std::uint32_t kSoftwareVersionPgn = 65242;    ///< FEDA; 5 bytes (335RI: 8).
 inline constexpr std::uint32_t kEcuIdentificationPgn = 64965;  ///< FDC5; the NAME, 8 bytes.
-inline constexpr std::uint32_t kStatusPgn = 0xFF54;            ///< 2 bytes, see StatusBit.
+/// At delivery, as the groups below. 300RI 2 bytes, 335RI those and the application's checksum.
+inline constexpr std::uint32_t kStatusPgn = 0xFF54;
+inline constexpr std::uint32_t kHardwareStatusPgn = 0xFF52;  ///< 335RI, 2 bytes.
+inline constexpr std::uint32_t kSoftwareStatusPgn = 0xFF53;  ///< 335RI, 4 bytes.
+/// How an older request for the 300RI's magnetic field names it.
+inline constexpr std::uint32_t kMagneticRequestPgn = 0xF06A;
+inline constexpr std::uint32_t kActiveTroublePgn = 65226;  ///< FECA, DM1; 335RI.
+inline constexpr std::uint32_t kClearTroublePgn = 65235;   ///< FED3, DM11; 335RI.
 
 inline constexpr std::uint32_t kResetAlgorithmPgn = 0xFF50;
 inline constexpr std::uint32_t kSaveConfigurationPgn = 0xFF51;
@@ -26,6 +39,13 @@ inline constexpr std::uint32_t kPacketMaskPgn = 0xFF56;
 inline constexpr std::uint32_t kFilterPgn = 0xFF57;
 inline constexpr std::uint32_t kOrientationPgn = 0xFF58;
 inline constexpr std::uint32_t kBehaviourPgn = 0xFF59;
+inline constexpr std::uint32_t kTroubleCodePgn = 0xFF5A;        ///< 335RI.
+inline constexpr std::uint32_t kMagneticAlignmentPgn = 0xFF5E;  ///< 300RI.
+
+/// Vehicle messages that aid the 335RI's algorithm.
+inline constexpr std::uint32_t kTransmissionPgn = 61445;  ///< F005, ETC2.
+inline constexpr std::uint32_t kWheelSpeedPgn = 65215;    ///< FEBF, EBC2.
+inline constexpr std::uint32_t kVehicleSpeedPgn = 65265;  ///< FEF1, CCVS.
 
 /// Priority of the device's settings answers.
 inline constexpr std::uint8_t kSettingsPriority = 6;
@@ -33,7 +53,9 @@ inline constexpr std::uint8_t kSettingsPriority = 6;
 /// Bits of the master status word.
 struct StatusBit {
   static constexpr std::uint16_t kMaster = 1U << 0U;
+  static constexpr std::uint16_t kHardware = 1U << 1U;
   static constexpr std::uint16_t kSensor = 1U << 3U;
+  static constexpr std::uint16_t kMemory = 1U << 7U;  ///< What was saved could not be read.
   static constexpr std::uint16_t kAlgorithmInitialising = 1U << 8U;
   static constexpr std::uint16_t kHighGain = 1U << 9U;
   static constexpr std::uint16_t kAttitudeOnly = 1U << 10U;
@@ -45,7 +67,12 @@ struct PacketBit {
   static constexpr std::uint16_t kSlope = 1;
   static constexpr std::uint16_t kAngularRate = 2;
   static constexpr std::uint16_t kAcceleration = 4;
-  static constexpr std::uint16_t kAll = kSlope | kAngularRate | kAcceleration;
+  static constexpr std::uint16_t kMagneticField = 8;                            ///< 300RI.
+  static constexpr std::uint16_t kFineRate = 8;                                 ///< 335RI.
+  static constexpr std::uint16_t kSlope1 = 0x20;                                ///< 335RI.
+  static constexpr std::uint16_t kAll = kSlope | kAngularRate | kAcceleration;  ///< At delivery.
+  static constexpr std::uint16_t kOf300 = kAll | kMagneticField;
+  static constexpr std::uint16_t kOf335 = kAll | kFineRate | kSlope1;
 };
 
 /// The device's internal tick; one packet goes out every 2 * divider ticks.
@@ -58,15 +85,19 @@ inline constexpr std::array<std::uint8_t, 7> kCutOffs_hz{0, 2, 5, 10, 25, 40, 50
 [[nodiscard]] bool is_rate_divider(std::uint8_t divider);
 [[nodiscard]] bool is_cut_off(std::uint8_t cut_off_hz);
 
-enum class SettingKind : std::uint8_t {
-  reset_algorithm,
-  save_configuration,
-  packet_rate,  ///< first: divider.
-  packet_mask,  ///< word: mask.
-  filters,      ///< first: rate cut-off, second: acceleration cut-off, Hz.
-  orientation,  ///< word: one of the 24 codes (not checked here).
-  behaviour,    ///< word.
-};
+/// Commands that are settings:
+///   reset_algorithm, save_configuration   first: 0, or 2 to restart the device after it (335RI)
+///   packet_rate          first: divider
+///   packet_mask          word: mask; first, second: priorities and which of them are meant, two
+///   bits
+///                        each for angular rate, acceleration, slope from bit 0 (335RI)
+///   filters              first: rate cut-off, second: acceleration cut-off, Hz
+///   orientation          word: one of the 24 codes (not checked here)
+///   behaviour            word: the bits (300RI), the bits to set (335RI); more: the bits to clear,
+///                        low byte first, and a new address (335RI)
+///   trouble_code         more: lamps, flashing, SPN low byte first, two failure modes
+///   magnetic_alignment   first: command
+using SettingKind = Command;
 
 /// One settings message, either direction.
 struct Setting {
@@ -75,26 +106,54 @@ struct Setting {
   std::uint8_t first = 0;
   std::uint8_t second = 0;
   std::uint16_t word = 0;
+  std::array<std::uint8_t, 7> more{};
 
   friend bool operator==(const Setting&, const Setting&) = default;
 };
 
-/// The kind that belongs to a group; nothing when the group is no setting known here.
-[[nodiscard]] std::optional<SettingKind> setting_kind(std::uint32_t pgn);
-[[nodiscard]] std::uint32_t setting_pgn(SettingKind kind);
+/// The kind that belongs to a group; nothing when the group is no setting.
+[[nodiscard]] std::optional<SettingKind> setting_kind(std::uint32_t pgn,
+                                                      const CommandMap& map = kDeliveredCommands);
+/// Precondition: the kind is one of the above.
+[[nodiscard]] std::uint32_t setting_pgn(SettingKind kind,
+                                        const CommandMap& map = kDeliveredCommands);
 
-/// What a client sends. Extra bytes of the packet mask (priorities of the 335RI) are not looked at.
-[[nodiscard]] can::Frame make_setting(const Setting& setting, std::uint8_t source);
+/// What a client sends.
+[[nodiscard]] can::Frame make_setting(const Setting& setting, std::uint8_t source,
+                                      const CommandMap& map = kDeliveredCommands);
 /// Malformed when the group is no setting, the message too short, or a reset or save is not marked
 /// as a request.
-[[nodiscard]] Decoded<Setting> decode_setting(const can::Frame& frame);
+[[nodiscard]] Decoded<Setting> decode_setting(const can::Frame& frame,
+                                              const CommandMap& map = kDeliveredCommands);
 
-/// The answer to a request for a setting: own address, then the values. Filters are answered in the
-/// order acceleration, rate, the reverse of how they are set: the firmware does that.
-[[nodiscard]] can::Frame make_setting_answer(const Setting& setting, std::uint8_t source);
+/// The 300RI's answer to a request for a setting.
+[[nodiscard]] can::Frame make_setting_answer_300(const Setting& setting, std::uint8_t source,
+                                                 const CommandMap& map = kDeliveredCommands);
+/// The 335RI's. Of a packet mask `first` are the priorities in force.
+[[nodiscard]] can::Frame make_setting_answer_335(const Setting& setting, std::uint8_t source,
+                                                 std::uint8_t requester,
+                                                 const CommandMap& map = kDeliveredCommands);
 
 /// The answer to reset and save: 1, who asked, 0 failed or 1 done.
 [[nodiscard]] can::Frame make_outcome(SettingKind kind, std::uint8_t source, std::uint8_t requester,
-                                      bool done);
+                                      bool done, const CommandMap& map = kDeliveredCommands);
+
+/// State of the magnetic alignment (300RI): command that it answers, state, hard iron along x and y
+/// (1/256 G, -8 G, 12 bits each), soft-iron ratio (1/1024, 10 bits) and angle (14 bits, pi / 2048
+/// rad, -pi).
+struct MagneticAlignment {
+  std::uint8_t command = 0;
+  std::uint8_t state = 0;
+  double hard_iron_x_gauss = 0.0;
+  double hard_iron_y_gauss = 0.0;
+  double soft_iron_ratio = 0.0;
+  double soft_iron_angle_rad = 0.0;
+};
+[[nodiscard]] can::Frame make_alignment_answer(const MagneticAlignment& alignment,
+                                               std::uint8_t source,
+                                               const CommandMap& map = kDeliveredCommands);
+
+/// As the 335RI sends it: eight bytes.
+[[nodiscard]] can::Frame filled_up(can::Frame frame);
 
 }  // namespace rigwire::protocols::openimu

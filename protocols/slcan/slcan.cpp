@@ -1,6 +1,7 @@
 #include "protocols/slcan/slcan.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <string_view>
 
@@ -58,6 +59,17 @@ void put_decimal3(Text& text, unsigned value) {
   text.push(static_cast<std::uint8_t>('0' + limited % 10));
 }
 
+void put_bus_errors(Text& text, unsigned letters) {
+  letters &= 0xFFU;
+  text.push('e');
+  text.push(static_cast<std::uint8_t>('0' + std::popcount(letters)));
+  for (std::size_t i = 0; i < kErrorLetters.size(); ++i) {
+    if ((letters >> i & 1U) != 0) {
+      text.push(static_cast<std::uint8_t>(kErrorLetters[i]));
+    }
+  }
+}
+
 /// The frame at the start of the line; consumed() says where it ends.
 Decoded<can::Frame> parse_frame(Line line) {
   can::Frame frame;
@@ -96,7 +108,15 @@ Decoded<Command> with_digit(Line line, Verb verb, unsigned greatest) {
   if (line.size() != 2 || line[1] < '0' || line[1] > '0' + greatest) {
     return Malformed{"the argument is one digit within its range", 1};
   }
-  return {Command{verb, static_cast<std::uint16_t>(line[1] - '0'), {}}, 2};
+  return {Command{verb, static_cast<std::uint32_t>(line[1] - '0'), {}}, 2};
+}
+
+Decoded<Command> with_registers(Line line, Verb verb, std::size_t digits) {
+  const auto registers = hexadecimal(line, 1, digits);
+  if (!registers || line.size() != 1 + digits) {
+    return Malformed{"register values are two digits per byte", 1};
+  }
+  return {Command{verb, *registers, {}}, line.size()};
 }
 
 Decoded<Reply> parse_bus_state(Line line) {
@@ -111,7 +131,7 @@ Decoded<Reply> parse_bus_state(Line line) {
   }
   Reply reply;
   reply.kind = ReplyKind::bus_state;
-  reply.state = static_cast<BusState>(letter);
+  reply.state = static_cast<can::ErrorState>(letter);
   reply.receive_errors = *receive;
   reply.transmit_errors = *transmit;
   return {reply, line.size()};
@@ -120,27 +140,23 @@ Decoded<Reply> parse_bus_state(Line line) {
 Decoded<Reply> parse_bus_errors(Line line) {
   const bool counted = line.size() >= 2 && line[1] >= '0' && line[1] <= '9';
   const std::size_t count = counted ? static_cast<std::size_t>(line[1] - '0') : 0;
-  const bool known = counted && line.size() == 2 + count &&
-                     std::all_of(line.begin() + 2, line.end(), [](std::uint8_t c) {
-                       return kErrorLetters.find(static_cast<char>(c)) != std::string_view::npos;
-                     });
+  unsigned letters = 0;
+  bool known = counted && line.size() == 2 + count;
+  for (std::size_t i = 2; known && i < line.size(); ++i) {
+    const auto letter = kErrorLetters.find(static_cast<char>(line[i]));
+    known = letter != std::string_view::npos;
+    letters |= known ? 1U << letter : 0U;
+  }
   if (!known) {
     return Malformed{"bus errors are a count digit and as many letters of abBcfoOs", 1};
   }
   Reply reply;
   reply.kind = ReplyKind::bus_errors;
-  reply.number = static_cast<std::uint16_t>(count);
+  reply.number = static_cast<std::uint16_t>(letters);
   return {reply, line.size()};
 }
 
 }  // namespace
-
-std::optional<unsigned> rate_code(std::uint32_t bit_rate_bps) {
-  const auto* found = std::find(kBitRates_bps.begin(), kBitRates_bps.end(), bit_rate_bps);
-  return found == kBitRates_bps.end()
-             ? std::nullopt
-             : std::optional(static_cast<unsigned>(found - kBitRates_bps.begin()));
-}
 
 Decoded<Command> parse_command(Line line) {
   if (line.empty()) {
@@ -162,18 +178,25 @@ Decoded<Command> parse_command(Line line) {
     case 'N':
       return bare(line, Verb::serial_number);
     case 'S':
-      return with_digit(line, Verb::bit_rate, 8);
+      return with_digit(line, Verb::bit_rate, 9);
     case 'Z':
       return with_digit(line, Verb::time_stamps, 1);
     case 'X':
       return with_digit(line, Verb::auto_poll, 1);
-    case 's': {
-      const auto registers = hexadecimal(line, 1, 4);
-      if (!registers || line.size() != 5) {
-        return Malformed{"bit timing is four digits", 1};
-      }
-      return {Command{Verb::bit_timing, static_cast<std::uint16_t>(*registers), {}}, line.size()};
-    }
+    case 'W':
+      return with_digit(line, Verb::filter_mode, 1);
+    case 'U':
+      return with_digit(line, Verb::line_speed, 6);
+    case 'P':
+      return bare(line, Verb::poll);
+    case 'A':
+      return bare(line, Verb::poll_all);
+    case 's':
+      return with_registers(line, Verb::bit_timing, 4);
+    case 'M':
+      return with_registers(line, Verb::acceptance_code, 8);
+    case 'm':
+      return with_registers(line, Verb::acceptance_mask, 8);
     case 't':
     case 'T':
     case 'r':
@@ -217,6 +240,12 @@ Decoded<Reply> parse_reply(Line line) {
       reply.number = static_cast<std::uint16_t>(*flags);
       return {reply, line.size()};
     }
+    case 'A':
+      if (line.size() != 1) {
+        return Malformed{"A stands alone", 1};
+      }
+      reply.kind = ReplyKind::all_polled;
+      return {reply, 1};
     case 'V':
     case 'v':
     case 'N':
@@ -278,18 +307,24 @@ Text write_command(const Command& command) {
   if (command.verb == Verb::frame) {
     return write_frame(command.frame);
   }
-  constexpr std::string_view kLetters = "OLCSs.FVvNZX";
-  static_assert(kLetters.size() == static_cast<std::size_t>(Verb::auto_poll) + 1);
+  constexpr std::string_view kLetters = "OLCSs.FVvNZXPAMmWU";
+  static_assert(kLetters.size() == static_cast<std::size_t>(Verb::line_speed) + 1);
   Text text;
   text.push(static_cast<std::uint8_t>(kLetters[static_cast<std::size_t>(command.verb)]));
   switch (command.verb) {
     case Verb::bit_rate:
     case Verb::time_stamps:
     case Verb::auto_poll:
+    case Verb::filter_mode:
+    case Verb::line_speed:
       text.push(static_cast<std::uint8_t>('0' + command.number % 10));
       break;
     case Verb::bit_timing:
       put_hexadecimal(text, command.number, 4);
+      break;
+    case Verb::acceptance_code:
+    case Verb::acceptance_mask:
+      put_hexadecimal(text, command.number, 8);
       break;
     default:
       break;
@@ -323,8 +358,10 @@ Text write_reply(const Reply& reply) {
       put_decimal3(text, reply.transmit_errors);
       break;
     case ReplyKind::bus_errors:
-      text.push('e');
-      text.push('0');
+      put_bus_errors(text, reply.number);
+      break;
+    case ReplyKind::all_polled:
+      text.push('A');
       break;
   }
   text.push(kEnd);

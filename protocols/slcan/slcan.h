@@ -6,14 +6,17 @@
 //
 //   host to adapter                          adapter to host
 //   O L C       open, listen only, close     CR        done
-//   S0..S8      bit rate                     BEL       refused
+//   S0..S9      bit rate (bit_rate.h)        BEL       refused
 //   sxxyy       bit-timing registers         z CR, Z CR  frame taken (auto-poll)
 //   tiiildd..   11-bit data frame            tiiildd.. received frame [+ 4 digits of time stamp]
 //   Tiiiiiiiildd..  29-bit                   T.. r.. R.. likewise
 //   riiil Riiiiiiiil  remote frames          Fxx       status flags
 //   F V v N     status, versions, serial     Vxxxx vxxxx Nxxxx
-//   Z0 Z1       time stamps off, on          saaarrrttt  bus state and counters
+//   Z0 Z1       time stamps off, on          sxrrrttt  bus state and counters (controller_lines.h)
 //   X0 X1       auto-poll off, on            enc..     n bus errors by letter
+//   P A         fetch one frame, all         A CR      after the last frame that A fetched
+//   Mxxxxxxxx mxxxxxxxx W0 W1  filter (acceptance_filter.h)
+//   U0..U6      speed of the serial line
 //
 // Worked example: T0CF0298080000007D00007DCC00 CR is identifier 0CF02980, eight bytes 00 .. 00.
 // Numbers are hexadecimal, sent in upper case, read in either. A line ends with CR; LF is skipped.
@@ -25,6 +28,7 @@
 #include <optional>
 #include <span>
 
+#include "protocols/can/controller_report.h"
 #include "protocols/can/frame.h"
 #include "protocols/result.h"
 
@@ -37,12 +41,6 @@ inline constexpr std::uint8_t kBell = 0x07;
 inline constexpr std::size_t kLongestLine = 1 + 8 + 1 + 2 * 8 + 4;
 static_assert(kLongestLine == 30);
 
-/// Bit rates of S0..S8, bit/s.
-inline constexpr std::array<std::uint32_t, 9> kBitRates_bps{
-    10'000, 20'000, 50'000, 100'000, 125'000, 250'000, 500'000, 800'000, 1'000'000};
-/// The digit for a bit rate; nothing when the protocol has none.
-[[nodiscard]] std::optional<unsigned> rate_code(std::uint32_t bit_rate_bps);
-
 /// Time stamps count milliseconds modulo this.
 inline constexpr unsigned kTimeStampModulus = 60'000;
 
@@ -50,7 +48,7 @@ enum class Verb : std::uint8_t {
   open,
   listen_only,
   close,
-  bit_rate,    ///< number: 0..8.
+  bit_rate,    ///< number: 0..9.
   bit_timing,  ///< number: the two register bytes.
   frame,       ///< frame.
   status_flags,
@@ -59,12 +57,18 @@ enum class Verb : std::uint8_t {
   serial_number,
   time_stamps,  ///< number: 0 or 1.
   auto_poll,    ///< number: 0 or 1.
+  poll,
+  poll_all,
+  acceptance_code,  ///< number: the four registers.
+  acceptance_mask,  ///< number: the four registers.
+  filter_mode,      ///< number: 0 dual, 1 single.
+  line_speed,       ///< number: 0..6.
 };
 
 /// What a host asks for.
 struct Command {
   Verb verb = Verb::close;
-  std::uint16_t number = 0;
+  std::uint32_t number = 0;
   can::Frame frame;
 
   friend bool operator==(const Command&, const Command&) = default;
@@ -78,10 +82,21 @@ enum class ReplyKind : std::uint8_t {
   status_flags,  ///< number: the flags.
   information,   ///< V, v or N with their text, not looked at.
   bus_state,     ///< state, receive_errors, transmit_errors.
-  bus_errors,    ///< number: how many.
+  bus_errors,    ///< number: the letters, by bit.
+  all_polled,    ///< A: no more frames.
 };
 
-enum class BusState : std::uint8_t { active, warning, passive, off };
+/// The letters of an error line as bits, in the order abBcfoOs.
+enum ErrorLetter : std::uint16_t {
+  kNoAcknowledge = 0x01,
+  kDominantBit = 0x02,
+  kRecessiveBit = 0x04,
+  kCrcError = 0x08,
+  kFormError = 0x10,
+  kReceiveOverflow = 0x20,
+  kTransmitOverflow = 0x40,
+  kStuffError = 0x80,
+};
 
 /// What an adapter says.
 struct Reply {
@@ -89,7 +104,7 @@ struct Reply {
   std::uint16_t number = 0;
   can::Frame frame;
   std::optional<std::uint16_t> time_stamp_ms;
-  BusState state = BusState::active;
+  can::ErrorState state = can::ErrorState::active;
   std::uint16_t receive_errors = 0;
   std::uint16_t transmit_errors = 0;
 

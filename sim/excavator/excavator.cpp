@@ -1,4 +1,5 @@
 #include "sim/excavator/excavator.h"
+#include "sim/inner_steps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -148,14 +149,7 @@ void Excavator::step(Duration span) {
   if (span <= Duration{0} || non_finite_) {
     return;
   }
-  while (span > Duration{0} && !non_finite_) {
-    const Duration inner = std::min(span, inner_span_);
-    inner_step(to_seconds(inner));
-    span -= inner;
-    if (!non_finite_) {
-      time_ += inner;
-    }
-  }
+  run_inner_steps(span, inner_span_, time_, non_finite_, [this](double h) { inner_step(h); });
   update_links();
 }
 

@@ -105,6 +105,7 @@ std::vector<SubRay> sample_beam(const LaserBeam& beam, int count) {
 
 std::vector<SubRay> sample_halo(double angle_rad, double share) {
   std::vector<SubRay> rays;
+  rays.reserve(kHaloRays);
   for (int i = 0; i < kHaloRays; ++i) {
     rays.push_back(at(angle_rad, kTurn * i / kHaloRays, share / kHaloRays, 0.0));
   }

@@ -130,9 +130,10 @@ bool SpinningLidar::fires_at(double azimuth_rad) const {
 void SpinningLidar::prepare(const Scene& scene, const LidarSlice& stretch, Rotor& rotor,
                             std::vector<LidarFiring>& firings) const {
   Slice& slice = *slice_;
-  const auto [t0, t1, mount_at_t0, mount_at_t1, mask] = stretch;
+  const SimTime t0 = stretch.t0;
+  const SimTime t1 = stretch.t1;
   const double length_s = to_seconds(t1 - t0);
-  slice.limits.mask = mask;
+  slice.limits.mask = stretch.mask;
   slice.limits.slices_per_s = static_cast<float>(1.0 / length_s);
   slice.block_count = 0;
   const SimTime first = plan_.next_after(t0);
@@ -146,8 +147,8 @@ void SpinningLidar::prepare(const Scene& scene, const LidarSlice& stretch, Rotor
 
   // Embree's coordinates begin at the scene's local origin.
   const Eigen::Vector3d origin_W = scene.internals().origin_W;
-  LinkMotion start = mount_at_t0;
-  LinkMotion end = mount_at_t1;
+  LinkMotion start = stretch.mount_at_t0;
+  LinkMotion end = stretch.mount_at_t1;
   start.X_WL.translation() -= origin_W;
   end.X_WL.translation() -= origin_W;
   const LinkMotionInterpolation mount_at(t0, start, t1, end);

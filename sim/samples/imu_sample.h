@@ -1,6 +1,8 @@
 // What an inertial measurement unit's sensing elements feel at one instant, in SI units.
 #pragma once
 
+#include <limits>
+
 #include "sim/samples/time.h"
 #include "sim/samples/vector3.h"
 
@@ -13,6 +15,10 @@ struct ImuSample {
   Vector3 specific_force_mps2;
   Vector3 angular_rate_radps;
   double temperature_c = 25.0;
+  /// Not a number without a magnetometer.
+  Vector3 magnetic_field_t{std::numeric_limits<double>::quiet_NaN(),
+                           std::numeric_limits<double>::quiet_NaN(),
+                           std::numeric_limits<double>::quiet_NaN()};
 };
 
 }  // namespace rigwire

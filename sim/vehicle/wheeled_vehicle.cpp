@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sim/inner_steps.h"
 #include "sim/odometry/odometry.h"
 
 namespace rigwire::sim {
@@ -64,16 +65,10 @@ void WheeledVehicle::step(Duration span) {
   if (span <= Duration{0} || non_finite_) {
     return;
   }
-  while (span > Duration{0} && !non_finite_) {
-    const Duration inner = std::min(span, inner_span_);
-    const double h = to_seconds(inner);
+  run_inner_steps(span, inner_span_, time_, non_finite_, [this](double h) {
     step_actuators(h);
     inner_step(h);
-    span -= inner;
-    if (!non_finite_) {
-      time_ += inner;
-    }
-  }
+  });
   update_links();
   update_dust();
 }

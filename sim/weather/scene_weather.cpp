@@ -40,7 +40,7 @@ AirState state_at(const std::vector<WeatherFrame>& course, Duration time) {
   if (after == course.begin()) {
     return state_of(course.front());
   }
-  const AirState a = state_of(*std::prev(after));
+  AirState a = state_of(*std::prev(after));
   if (after == course.end()) {
     return a;
   }

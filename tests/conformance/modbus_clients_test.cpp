@@ -3,13 +3,9 @@
 // said. A client that is not installed is a failure.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <array>
 #include <chrono>
-#include <cstdio>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <sstream>
@@ -17,7 +13,7 @@
 #include <thread>
 
 #include "drivers/modbus_master.h"
-#include "modbus_capture.h"
+#include "modbus_programs.h"
 #include "modbus_rig.h"
 #include "protocols/modbus/pdu.h"
 
@@ -31,85 +27,12 @@ using protocols::modbus::ExceptionCode;
 using ::testing::HasSubstr;
 namespace reg = emulators::valve_registers;
 
-struct ProgramResult {
-  int exit_code = -1;
-  std::string text;  ///< Both streams.
-};
-
-/// Runs a shell command, at most 20 s.
-ProgramResult run_program(const std::string& command) {
-  ProgramResult result;
-  FILE* pipe = ::popen(("timeout 20 " + command + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) {
-    return result;
-  }
-  std::array<char, 4096> buffer{};
-  while (std::fgets(buffer.data(), static_cast<int>(buffer.size()), pipe) != nullptr) {
-    result.text += buffer.data();
-  }
-  const int status = ::pclose(pipe);
-  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return result;
-}
-
-/// "[2]:  65286 (-250)" and "[0]:  1" to numbers, by reference.
-std::map<int, int> mbpoll_values(const std::string& text) {
-  std::map<int, int> values;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    int reference = 0;
-    int counts = 0;
-    int as_signed = 0;
-    const int found = std::sscanf(line.c_str(), "[%d]: %d (%d)", &reference, &counts, &as_signed);
-    if (found >= 2) {
-      values[reference] = found == 3 ? as_signed : counts;
-    }
-  }
-  return values;
-}
-
-/// Recorded segments as a capture file, for tshark; gone with the object.
-class Capture {
- public:
-  explicit Capture(const std::vector<Segment>& segments)
-      : path_((std::filesystem::temp_directory_path() /
-               ("rigwire_modbus_" + std::to_string(::getpid()) + ".pcap"))
-                  .string()) {
-    write_capture(path_, segments);
-  }
-  ~Capture() { std::filesystem::remove(path_); }
-  Capture(const Capture&) = delete;
-  Capture& operator=(const Capture&) = delete;
-
-  [[nodiscard]] ProgramResult tshark(const std::string& options) const {
-    return run_program("tshark -r " + path_ + " " + options);
-  }
-  /// Numbers of the frames that are not sound Modbus: malformed, or warned about.
-  [[nodiscard]] std::vector<int> complaints() const {
-    const auto result = tshark(
-        "-Y '_ws.malformed || !mbtcp || _ws.expert.severity >= 0x600000'"
-        " -T fields -e frame.number");
-    EXPECT_EQ(result.exit_code, 0) << result.text;
-    std::vector<int> frames;
-    std::istringstream lines(result.text);
-    for (std::string line; std::getline(lines, line);) {
-      if (!line.empty() && line.find_first_not_of("0123456789") == std::string::npos) {
-        frames.push_back(std::stoi(line));
-      }
-    }
-    return frames;
-  }
-
- private:
-  std::string path_;
-};
-
 class ModbusClients : public ::testing::Test {
  protected:
   static emulators::ValveDriverSettings without_watchdog() {
     emulators::ValveDriverSettings settings;
-    settings.watchdog = Duration{0};  // mbpoll speaks once per run
-    settings.spool_fault_delay = Duration{0};
+    settings.amplifier.parameters.watchdog = Duration{0};  // mbpoll speaks once per run
+    settings.amplifier.spool_fault_delay = Duration{0};
     return settings;
   }
   ModbusMaster master(std::uint8_t unit = 1) const {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "drivers/tcp_server.h"
+#include "emulators/modbus/modbus_server.h"
 #include "emulators/valve_driver/valve_driver.h"
 
 namespace rigwire::conformance {
@@ -28,13 +29,14 @@ struct Segment {
 class ModbusRig final : private emulators::StreamOutput {
  public:
   explicit ModbusRig(const emulators::ValveDriverSettings& settings = {})
-      : server_(context_, server_settings()), driver_(settings, *this) {
-    server_.start({[this](auto id) { driver_.connected(now(), id); },
+      : server_(context_, server_settings()), modbus_({}, *this), driver_(settings) {
+    modbus_.add_unit(1, driver_.unit());
+    server_.start({[this](auto id) { modbus_.connected(now(), id); },
                    [this](auto id, auto bytes) {
                      record(id, true, bytes);
-                     driver_.receive(now(), id, bytes);
+                     modbus_.receive(now(), id, bytes);
                    },
-                   [this](auto id) { driver_.disconnected(now(), id); }});
+                   [this](auto id) { modbus_.disconnected(now(), id); }});
     thread_ = std::thread([this] { run(); });
   }
   ~ModbusRig() {
@@ -122,6 +124,7 @@ class ModbusRig final : private emulators::StreamOutput {
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   boost::asio::io_context context_;
   drivers::TcpServer server_;
+  emulators::ModbusServer modbus_;
   emulators::ValveDriver driver_;
   std::deque<Due> due_;
   mutable std::mutex mutex_;

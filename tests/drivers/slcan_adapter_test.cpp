@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "drivers/slcan_client.h"
+#include "tests/drivers/fake_line.h"
 
 namespace rigwire::drivers {
 namespace {
@@ -17,38 +18,13 @@ namespace {
 using protocols::can::Frame;
 using testing::ElementsAre;
 
-/// A serial line whose far end is the test: what was written, and how much more it takes.
-class FakeLine final : public ByteStream {
- public:
-  void start(Receiver receiver) override { receiver_ = std::move(receiver); }
-  std::size_t write(std::span<const std::uint8_t> bytes) override {
-    const std::size_t taken = std::min(bytes.size(), room);
-    written.append(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(taken));
-    room -= taken;
-    return taken;
-  }
-  [[nodiscard]] EndpointStatus status() const override { return {"fake line", true}; }
-
-  void feed(std::string_view text) {
-    const std::vector<std::uint8_t> bytes(text.begin(), text.end());
-    receiver_(bytes);
-  }
-  /// What was written since the last call.
-  std::string take() { return std::exchange(written, {}); }
-
-  std::string written;
-  std::size_t room = 1'000'000;
-
- private:
-  Receiver receiver_;
-};
-
 const Frame kSlope{0x0CF02980, true, false, 8, {0, 0, 0x7D, 0, 0, 0x7D, 0xCC, 0}};
 constexpr const char* kSlopeLine = "T0CF02980800007D00007DCC00\r";
 
 class Adapter : public testing::Test {
  protected:
   void SetUp() override {
+    adapter_.on_client([this](const CanClient& client) { clients_.push_back(client); });
     adapter_.start([this](const Frame& frame) { received_.push_back(frame); });
   }
   std::string ask(std::string_view text) {
@@ -56,9 +32,9 @@ class Adapter : public testing::Test {
     return line_.take();
   }
   FakeLine line_;
-  std::chrono::milliseconds now_{61'234};
-  SlcanAdapter adapter_{line_, 250'000, [this] { return now_; }};
+  SlcanAdapter adapter_{line_, 250'000};
   std::vector<Frame> received_;
+  std::vector<CanClient> clients_;
 };
 
 TEST_F(Adapter, KernelOpensAndClosesIt) {
@@ -100,17 +76,18 @@ TEST_F(Adapter, AnswersItsInformation) {
 }
 
 TEST_F(Adapter, WhatItCannotHonourIsBell) {
-  EXPECT_EQ(ask("s031C\r"), "\a");
-  EXPECT_EQ(ask("M00000000\r"), "\a");
+  EXPECT_EQ(ask("s0000\r"), "\a");  // 2.67 Mbit/s
+  EXPECT_EQ(ask("P\r"), "\a");
   EXPECT_EQ(ask("Q\r"), "\a");
-  EXPECT_EQ(ask("S9\r"), "\a");
-  EXPECT_EQ(ask("O\rS5\r"), "\r\a");
-  EXPECT_EQ(adapter_.counters().refused_commands, 5U);
+  EXPECT_EQ(ask("Y2\r"), "\a");  // python-can asks for CAN FD's data rate
+  EXPECT_EQ(ask("d12320102\r"), "\a");
+  EXPECT_EQ(ask("O\rS5\rs011C\rM00000000\r"), "\r\a\a\a");
+  EXPECT_EQ(adapter_.counters().refused_commands, 8U);
 }
 
 TEST_F(Adapter, TimeStampsAreMillisecondsOfTheMinute) {
   ask("Z1\rO\r");
-  adapter_.send({0x123, false, false, 1, {0xAB}});
+  adapter_.deliver({0x123, false, false, 1, {0xAB}}, std::chrono::microseconds(61'234'999));
   EXPECT_EQ(line_.take(), "t1231AB04D2\r");  // 1234
   ask("Z0\r");
   adapter_.send({0x123, false, false, 1, {0xAB}});
@@ -121,12 +98,35 @@ TEST_F(Adapter, AutoPollAnswersWithTheFrameType) {
   EXPECT_EQ(ask("X1\rO\rt1230\rT000001230\r"), "\r\rz\rZ\r");
 }
 
-TEST_F(Adapter, WrongRateHearsNothingAndIsNotHeard) {
+TEST_F(Adapter, TellsWhatTheClientMakesOfItsController) {
+  ask("O\rO\rC\rC\rS5\rO\rC\rL\rC\rS6\rO\rC\rs011C\rO\rC\rS9\rO\r");
+  const CanClient closed;
+  EXPECT_THAT(clients_, ElementsAre(CanClient{true, 0, false, false}, closed,  // the bus's own
+                                    CanClient{true, 0, false, false}, closed,  // S5 is the bus's
+                                    CanClient{true, 0, true, false}, closed,
+                                    CanClient{true, 500'000, false, false}, closed,
+                                    CanClient{true, 0, false, false}, closed,  // 250 kbit/s
+                                    CanClient{true, 83'300, false, false}));
+}
+
+TEST_F(Adapter, ClientAtAnotherRateIsHandedNothingAndItsFramesAreTheBussAffair) {
   ask("S6\rO\r");
-  EXPECT_FALSE(adapter_.send(kSlope));
+  EXPECT_TRUE(adapter_.send(kSlope));
+  EXPECT_EQ(line_.take(), "");
+  EXPECT_EQ(adapter_.counters().wrong_rate, 1U);
   EXPECT_EQ(ask("t1230\r"), "\r");
-  EXPECT_TRUE(received_.empty());
-  EXPECT_EQ(adapter_.counters().wrong_rate, 2U);
+  EXPECT_EQ(received_.size(), 1U);
+}
+
+TEST_F(Adapter, ClientThatLeavesWithoutClosingLeavesNothingBehind) {
+  ask("S6\rZ1\rM00000000\rm00000000\rO\rt12");
+  line_.hang_up();
+  EXPECT_THAT(clients_.back(), CanClient{});
+  EXPECT_TRUE(adapter_.send(kSlope));
+  EXPECT_EQ(line_.take(), "");
+  EXPECT_EQ(ask("O\r"), "\r");
+  EXPECT_TRUE(adapter_.send(kSlope));
+  EXPECT_EQ(line_.take(), kSlopeLine);
 }
 
 TEST_F(Adapter, LinesArriveInAnyPieces) {
@@ -166,9 +166,10 @@ TEST_F(Adapter, FloodOfCommandsThatReadsNothingStaysBounded) {
   EXPECT_LE(ask("\r").size(), 4096U);
 }
 
-TEST(SlcanAdapterSettings, RateWithoutACodeIsRefused) {
+TEST(SlcanAdapterSettings, ImpossibleRatesAreRefused) {
   FakeLine line;
-  EXPECT_THROW(SlcanAdapter(line, 333'333), std::invalid_argument);
+  EXPECT_THROW(SlcanAdapter(line, 4'999), std::invalid_argument);
+  EXPECT_THROW(SlcanAdapter(line, 1'000'001), std::invalid_argument);
   EXPECT_THROW(SlcanClient(line, 333'333), std::invalid_argument);
 }
 
@@ -189,6 +190,11 @@ TEST(SlcanClient, OpensSendsReceivesAndCloses) {
     EXPECT_EQ(client.counters().malformed, 1U);
     EXPECT_TRUE(client.send(kSlope));
     EXPECT_EQ(line.take(), kSlopeLine);
+    line.feed("sp007128\re2as\r");
+    EXPECT_EQ(client.controller().state, protocols::can::ErrorState::passive);
+    EXPECT_EQ(client.controller().receive_errors, 7);
+    EXPECT_EQ(client.controller().transmit_errors, 128);
+    EXPECT_EQ(client.counters().bus_errors, 1U);
   }
   EXPECT_EQ(line.take(), "C\r");
 }

@@ -75,5 +75,46 @@ TEST_F(OnVcan, FramesOfEveryShapePass) {
   EXPECT_FALSE(sender.status().client_present);
 }
 
+TEST_F(OnVcan, NewsOfTheControllerArriveAsErrorFrames) {
+  SocketCanBus device(context_, kInterface);
+  SocketCanBus field(context_, kInterface);
+  std::vector<Frame> heard;
+  std::vector<protocols::can::ControllerReport> reports;
+  field.on_report([&](const auto& report) { reports.push_back(report); });
+  field.start([&heard](const Frame& frame) { heard.push_back(frame); });
+  protocols::can::ControllerReport passive;
+  passive.state = protocols::can::ErrorState::passive;
+  passive.state_changed = true;
+  passive.transmit_errors = 128;
+  passive.receive_errors = 5;
+  EXPECT_TRUE(device.report(passive, {}));
+  EXPECT_TRUE(device.send({0x123, false, false, 0, {}}));
+  run_until(heard, 1);
+  EXPECT_EQ(heard.size(), 1U) << "an error frame is no frame";
+  EXPECT_THAT(reports, testing::ElementsAre(passive));
+  EXPECT_EQ(field.counters().error_frames, 1U);
+}
+
+TEST_F(OnVcan, ReaderThatIsTooSlowLearnsWhatItMissed) {
+  SocketCanBus sender(context_, kInterface);
+  SocketCanBus receiver(context_, kInterface);
+  std::vector<Frame> heard;
+  receiver.start([&heard](const Frame& frame) { heard.push_back(frame); });
+  constexpr std::uint64_t kFrames = 20'000;
+  for (std::uint64_t i = 0; i < kFrames; ++i) {
+    EXPECT_TRUE(sender.send({0x123, false, false, 0, {}}));  // vcan refuses nothing
+  }
+  run_until(heard, 1);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+  // The kernel tells the losses with the next frame that fits.
+  while (heard.size() + receiver.counters().dropped < kFrames + 1 &&
+         std::chrono::steady_clock::now() < end) {
+    EXPECT_TRUE(sender.send({0x124, false, false, 0, {}}));
+    run_until(heard, heard.size() + 1);
+  }
+  EXPECT_GT(receiver.counters().dropped, 0U);
+  EXPECT_GE(heard.size() + receiver.counters().dropped, kFrames);
+}
+
 }  // namespace
 }  // namespace rigwire::drivers

@@ -44,6 +44,17 @@ TEST(DigCycleOptions, TakesValuesBehindASpaceOrAnEqualsSign) {
   EXPECT_TRUE(options.wait);
 }
 
+TEST(DigCycleOptions, TheValvesMayBeOnASerialLine) {
+  Options options = parse_options(Arguments{"--modbus", "rtu:/tmp/rigwire/modbus"});
+  EXPECT_EQ(options.modbus_path, "/tmp/rigwire/modbus");
+  EXPECT_EQ(options.modbus_baud, 115200U);
+  options = parse_options(Arguments{"--modbus", "rtu:/dev/ttyUSB0:19200"});
+  EXPECT_EQ(options.modbus_path, "/dev/ttyUSB0");
+  EXPECT_EQ(options.modbus_baud, 19200U);
+  EXPECT_THAT(refusal({"--modbus", "rtu:"}), HasSubstr("rtu:PATH"));
+  EXPECT_THAT(refusal({"--modbus", "rtu::9600"}), HasSubstr("rtu:PATH"));
+}
+
 TEST(DigCycleOptions, SaysWhatWasFoundAndWhatIsAllowed) {
   EXPECT_THAT(refusal({"--lidar-port", "0"}), HasSubstr("found '0', allowed a port, 1..65535"));
   EXPECT_THAT(refusal({"--lidar-port", "65536"}), HasSubstr("65536"));

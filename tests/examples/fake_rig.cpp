@@ -39,13 +39,12 @@ FakeRig::FakeRig(std::filesystem::path directory)
       lidar_port_(free_port()),
       lidar_(context_, {.destination = drivers::UdpEndpoint{.port = lidar_port_}}),
       server_(context_, {.port = 0}) {
-  valves_ = std::make_unique<emulators::ValveDriver>(emulators::ValveDriverSettings{},
-                                                     static_cast<emulators::StreamOutput&>(*this));
+  modbus_.add_unit(1, valves_.unit());
   gnss_.start([](std::span<const std::uint8_t>) {});
   can_.start([](const protocols::can::Frame&) {});
-  server_.start({.connected = [this](auto id) { valves_->connected(now(), id); },
-                 .received = [this](auto id, auto bytes) { valves_->receive(now(), id, bytes); },
-                 .disconnected = [this](auto id) { valves_->disconnected(now(), id); }});
+  server_.start({.connected = [this](auto id) { modbus_.connected(now(), id); },
+                 .received = [this](auto id, auto bytes) { modbus_.receive(now(), id, bytes); },
+                 .disconnected = [this](auto id) { modbus_.disconnected(now(), id); }});
 }
 
 FakeRig::~FakeRig() = default;
@@ -72,7 +71,7 @@ void FakeRig::close(emulators::ConnectionId connection, SimTime /*due*/) {
 }
 
 bool FakeRig::neutral() const {
-  const auto& opening = valves_->command().opening;
+  const auto& opening = valves_.command().opening;
   return std::all_of(opening.begin(), opening.end(), [](double value) { return value == 0.0; });
 }
 
@@ -84,12 +83,12 @@ void FakeRig::poll() {
     ++steps_;
     step();
   }
-  valves_->advance(now());
+  valves_.advance(now());
 }
 
 void FakeRig::step() {
   const Machine machine;
-  const ValveCommand& command = valves_->command();
+  const ValveCommand& command = valves_.command();
   ValveSample sample;
   sample.time = now();
   for (std::size_t joint = 0; joint < kJoints; ++joint) {
@@ -105,7 +104,7 @@ void FakeRig::step() {
   sample.swing_angle_rad = angles_rad_[swing];
   sample.swing_rate_radps = rates_radps_[swing];
   if (!mute.transducers) {
-    valves_->update(sample);
+    valves_.update(sample);
   }
   send_imus();
   if (!mute.lidar) {

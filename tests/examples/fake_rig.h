@@ -7,7 +7,6 @@
 #include <boost/asio/io_context.hpp>
 #include <chrono>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +17,7 @@
 #include "drivers/slcan_adapter.h"
 #include "drivers/tcp_server.h"
 #include "drivers/udp_socket.h"
+#include "emulators/modbus/modbus_server.h"
 #include "emulators/valve_driver/valve_driver.h"
 
 namespace rigwire::dig_cycle {
@@ -45,7 +45,7 @@ class FakeRig : private emulators::StreamOutput {
   };
   Mute mute;
 
-  [[nodiscard]] const emulators::ValveDriver& valves() const { return *valves_; }
+  [[nodiscard]] const emulators::ValveDriver& valves() const { return valves_; }
   [[nodiscard]] const PerJoint& angles_rad() const { return angles_rad_; }
   [[nodiscard]] const std::vector<TruthEntry>& truth() const { return truth_; }
   [[nodiscard]] static constexpr double latitude_deg() { return 49.42; }
@@ -70,7 +70,8 @@ class FakeRig : private emulators::StreamOutput {
   std::uint16_t lidar_port_;
   drivers::UdpSocket lidar_;
   drivers::TcpServer server_;
-  std::unique_ptr<emulators::ValveDriver> valves_;
+  emulators::ModbusServer modbus_{{}, *this};
+  emulators::ValveDriver valves_{{}};
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   std::uint64_t steps_ = 0;
   PerJoint angles_rad_{0.2, 30.0 * kDegree, -90.0 * kDegree, 0.0};

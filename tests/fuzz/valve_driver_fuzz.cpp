@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <variant>
 
+#include "emulators/modbus/modbus_server.h"
 #include "emulators/valve_driver/valve_driver.h"
 #include "protocols/modbus/mbap.h"
 
@@ -23,10 +24,13 @@ struct CheckedOutput final : emulators::StreamOutput {
             std::span<const std::uint8_t> bytes) override {
     require(due >= latest);
     latest = due;
-    const auto adu = protocols::modbus::decode_adu(bytes);
-    require(adu.ok() && adu.consumed() == bytes.size());
-    const auto response = protocols::modbus::decode_response(adu->pdu);
-    require(response.ok() && response.consumed() == adu->pdu.size());
+    while (!bytes.empty()) {
+      const auto adu = protocols::modbus::decode_adu(bytes);
+      require(adu.ok());
+      const auto response = protocols::modbus::decode_response(adu->pdu);
+      require(response.ok() && response.consumed() == adu->pdu.size());
+      bytes = bytes.subspan(adu.consumed());
+    }
   }
   void close(emulators::ConnectionId /*connection*/, SimTime due) override {
     require(due >= latest);
@@ -42,15 +46,18 @@ struct CheckedOutput final : emulators::StreamOutput {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const emulators::ValveDriverSettings settings;
   CheckedOutput output;
-  emulators::ValveDriver driver(settings, output);
+  emulators::ValveDriver driver(settings);
+  emulators::ModbusServer server({}, output);
+  server.add_unit(1, driver.unit());
   emulators::ConnectionId connection = 1;
   SimTime now = kStart;
-  driver.connected(now, connection);
+  server.connected(now, connection);
   std::span rest(data, size);
   while (rest.size() > 2) {
     const std::size_t length = std::min<std::size_t>(rest[0], rest.size() - 2);
     now += std::chrono::milliseconds(rest[1]);
-    driver.receive(now, connection, rest.subspan(2, length));
+    server.receive(now, connection, rest.subspan(2, length));
+    driver.advance(now);
     rest = rest.subspan(2 + length);
     require(driver.next_event() > now);
     for (const double opening : driver.command().opening) {
@@ -60,8 +67,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(driver.command().time <= now);
     if (output.closed) {
       output.closed = false;
-      driver.disconnected(now, connection++);
-      driver.connected(now, connection);
+      server.disconnected(now, connection++);
+      server.connected(now, connection);
     }
   }
   return 0;

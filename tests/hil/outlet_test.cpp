@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
 #include <vector>
 
 namespace rigwire::hil {
@@ -24,8 +26,22 @@ class RecordingBus final : public drivers::CanBus {
     frames.push_back(frame);
     return true;
   }
+  bool deliver(const protocols::can::Frame& frame, Stamp stamp) override {
+    events.push_back("frame " + std::to_string(stamp / 1us));
+    return send(frame);
+  }
+  void confirm(bool sent, Stamp stamp) override {
+    events.push_back((sent ? "sent " : "unsent ") + std::to_string(stamp / 1us));
+  }
+  bool report(const protocols::can::ControllerReport& report, Stamp stamp) override {
+    events.push_back("report " + std::to_string(stamp / 1us));
+    reports.push_back(report);
+    return true;
+  }
   [[nodiscard]] drivers::EndpointStatus status() const override { return {"bus", true}; }
   std::vector<protocols::can::Frame> frames;
+  std::vector<protocols::can::ControllerReport> reports;
+  std::vector<std::string> events;
 };
 
 class RecordingServer final : public drivers::StreamServer {
@@ -87,6 +103,49 @@ TEST(ServerOutlet, ClosesAfterWhatWasSentBefore) {
   outlet.transmit_front(std::nullopt);
   EXPECT_EQ(server.sent.size(), 1U);
   EXPECT_EQ(server.closed, std::vector<drivers::StreamServer::ConnectionId>{7});
+}
+
+TEST(FrameOutlet, NewsOfTheControllerKeepTheirPlaceAmongTheFrames) {
+  RecordingBus bus;
+  WireStatistics statistics;
+  FrameOutlet outlet(bus);
+  protocols::can::ControllerReport passive;
+  passive.state = protocols::can::ErrorState::passive;
+  passive.transmit_errors = 128;
+  passive.bit = 77;
+  outlet.send(kStart + 1ms, statistics, {0x100, false, false, 0, {}});
+  outlet.confirm(kStart + 2ms, true);
+  outlet.report(kStart + 2ms, passive);
+  outlet.confirm(kStart + 3ms, false);
+  outlet.send(kStart + 4ms, statistics, {0x101, false, false, 0, {}});
+  while (outlet.next_due() != kNever) {
+    outlet.transmit_front(25us);
+  }
+  EXPECT_EQ(bus.events, (std::vector<std::string>{"frame 1000", "sent 2000", "report 2000",
+                                                  "unsent 3000", "frame 4000"}));
+  EXPECT_EQ(bus.reports, std::vector{passive});
+  EXPECT_EQ(statistics.units, 2U) << "devices are charged with their frames only";
+  EXPECT_EQ(outlet.controller_statistics().units, 3U);
+}
+
+TEST(FrameOutlet, ConfirmationsFindRoomWhenFramesAndReportsFillTheirs) {
+  RecordingBus bus;
+  WireStatistics statistics;
+  FrameOutlet outlet(bus, 10);
+  for (int i = 0; i < 5000; ++i) {
+    outlet.send(kStart, statistics, {0x1FFFFFFF, true, false, 8, {1, 2, 3, 4, 5, 6, 7, 8}});
+    outlet.report(kStart, {});
+  }
+  for (int i = 0; i < 10; ++i) {
+    outlet.confirm(kStart, true);
+  }
+  EXPECT_GT(statistics.dropped, 0U);
+  EXPECT_GT(outlet.controller_statistics().dropped, 0U);
+  while (outlet.next_due() != kNever) {
+    outlet.transmit_front({});
+  }
+  EXPECT_EQ(std::count(bus.events.begin(), bus.events.end(), "sent 0"), 10);
+  EXPECT_EQ(statistics.units + statistics.dropped, 5000U);
 }
 
 }  // namespace

@@ -131,11 +131,15 @@ TEST_F(CanBus, OwnFramesKeepTheirOrderWhateverTheirIdentifiers) {
   EXPECT_EQ(outside_.frames.at(0).second.id, 0x300U);
 }
 
-TEST_F(CanBus, EqualIdentifiersAreCounted) {
+TEST_F(CanBus, EqualFramesOfTwoNodesAreBothSentAndHeardOnce) {
   a_.send(kStart, standard(0x100));
   b_.send(kStart, standard(0x100));
   bus_.advance(kStart + 10ms);
-  EXPECT_EQ(outside_.frames.size(), 2U);
+  EXPECT_EQ(outside_.frames.size(), 1U);
+  EXPECT_EQ(bus_.counters(a_).sent, 1U);
+  EXPECT_EQ(bus_.counters(b_).sent, 1U);
+  EXPECT_EQ(bus_.outside_counters().received, 1U);
+  EXPECT_EQ(bus_.frames(), 1U);
   EXPECT_EQ(bus_.collisions(), 1U);
 }
 

@@ -26,7 +26,16 @@ struct RecordedStream final : StreamOutput {
     SimTime due;
   };
   void send(ConnectionId connection, SimTime due, std::span<const std::uint8_t> bytes) override {
-    sent.push_back({connection, due, {bytes.begin(), bytes.end()}});
+    ++pieces;
+    for (;;) {
+      const auto adu = protocols::modbus::decode_adu(bytes);
+      const auto one = adu.ok() ? bytes.first(adu.consumed()) : bytes;
+      sent.push_back({connection, due, {one.begin(), one.end()}});
+      bytes = bytes.subspan(one.size());
+      if (bytes.empty()) {
+        return;
+      }
+    }
   }
   void close(ConnectionId connection, SimTime due) override { closed.push_back({connection, due}); }
 
@@ -36,7 +45,8 @@ struct RecordedStream final : StreamOutput {
     return *protocols::modbus::decode_response(adu->pdu);
   }
 
-  std::vector<Sent> sent;
+  std::vector<Sent> sent;  ///< Data unit by data unit.
+  std::size_t pieces = 0;  ///< As they were handed over.
   std::vector<Closed> closed;
 };
 

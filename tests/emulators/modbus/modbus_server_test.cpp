@@ -10,6 +10,7 @@
 #include <string>
 
 #include "modbus_client.h"
+#include "small_unit.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -20,58 +21,6 @@ using namespace std::chrono_literals;
 constexpr SimTime at(Duration since_start) {
   return kStart + since_start;
 }
-
-/// Ten coils and ten holding registers at 0, one input register; refuses the value 666.
-class SmallUnit final : public ModbusUnit {
- public:
-  Outcome read_registers(RegisterTable table, std::uint16_t address,
-                         std::span<std::uint16_t> values) const override {
-    if (address + values.size() > (table == RegisterTable::input ? 1U : holding.size())) {
-      return ExceptionCode::illegal_data_address;
-    }
-    std::copy_n(holding.begin() + address, values.size(), values.begin());
-    return std::nullopt;
-  }
-  Outcome write_registers(SimTime /*now*/, std::uint16_t address,
-                          std::span<const std::uint16_t> values) override {
-    if (address + values.size() > holding.size()) {
-      return ExceptionCode::illegal_data_address;
-    }
-    if (std::ranges::count(values, 666) > 0) {
-      return ExceptionCode::illegal_data_value;
-    }
-    std::ranges::copy(values, holding.begin() + address);
-    return std::nullopt;
-  }
-  Outcome read_bits(BitTable /*table*/, std::uint16_t address, BitBlock& bits) const override {
-    if (address + bits.count > coils.size()) {
-      return ExceptionCode::illegal_data_address;
-    }
-    for (std::size_t i = 0; i < bits.count; ++i) {
-      bits.set(i, coils[address + i]);
-    }
-    return std::nullopt;
-  }
-  Outcome write_coils(SimTime /*now*/, std::uint16_t address, const BitBlock& values) override {
-    if (address + values.count > coils.size()) {
-      return ExceptionCode::illegal_data_address;
-    }
-    for (std::size_t i = 0; i < values.count; ++i) {
-      coils[address + i] = values.test(i);
-    }
-    return std::nullopt;
-  }
-  std::string_view server_id() const override { return "small"; }
-  std::span<const IdentificationObject> identification() const override { return objects; }
-  void served(SimTime /*now*/) override { ++served_count; }
-
-  std::array<std::uint16_t, 10> holding{};
-  std::array<bool, 10> coils{};
-  std::string long_text = std::string(150, 'n');
-  std::vector<IdentificationObject> objects = {
-      {0, "vendor"}, {1, "code"}, {2, "1.0"}, {3, long_text}, {4, long_text}};
-  int served_count = 0;
-};
 
 class ModbusServerTest : public ::testing::Test {
  protected:
@@ -190,8 +139,9 @@ TEST_F(ModbusServerTest, RequestsMayArriveByteByByte) {
   EXPECT_EQ(output_.sent[0].due, at(11 * 90ms + 300us));
 }
 
-TEST_F(ModbusServerTest, TwoRequestsInOneSegmentAreAnsweredInOrder) {
+TEST_F(ModbusServerTest, TwoRequestsInOneSegmentAreAnsweredInOrderAndInOnePiece) {
   send(adu_of(WriteRegister{0, 4}, 1) + adu_of(WriteRegister{0, 5}, 2));
+  EXPECT_EQ(output_.pieces, 1U);
   ASSERT_EQ(output_.sent.size(), 2U);
   EXPECT_EQ(output_.sent[0].bytes[1], 1);
   EXPECT_EQ(output_.sent[1].bytes[1], 2);
@@ -315,10 +265,10 @@ TEST_F(ModbusServerTest, IdentificationStreamsContinueWhereTheyStopped) {
 
 TEST(ModbusServerSettingsTest, OutOfRangeIsRefused) {
   RecordedStream output;
-  EXPECT_THROW(ModbusServer({Duration{-1}, 16}, output), std::invalid_argument);
-  EXPECT_THROW(ModbusServer({2s, 16}, output), std::invalid_argument);
-  EXPECT_THROW(ModbusServer({0s, 0}, output), std::invalid_argument);
-  EXPECT_THROW(ModbusServer({0s, 17}, output), std::invalid_argument);
+  EXPECT_THROW(ModbusServer({.transactions_max = 0}, output), std::invalid_argument);
+  EXPECT_THROW(ModbusServer({.transactions_max = 17}, output), std::invalid_argument);
+  EXPECT_THROW(ModbusServer({.idle_timeout = 10ms}, output), std::invalid_argument);
+  EXPECT_THROW(ModbusServer({.idle_timeout = 25h}, output), std::invalid_argument);
   ModbusServer server({}, output);
   SmallUnit unit;
   EXPECT_THROW(server.add_unit(0, unit), std::invalid_argument);

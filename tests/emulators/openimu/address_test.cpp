@@ -32,8 +32,11 @@ TEST(OpenImuAddress, HigherOwnNameTakesTheNextFreeAddress) {
   rig.run(50ms);
   rig.receive(j1939::make_address_claim(0x81, 2));
   rig.receive(j1939::make_address_claim(0x80, 1));
+  EXPECT_FALSE(rig.imu.address_held());
+  rig.run(10ms);  // its delay again
   EXPECT_EQ(rig.imu.address(), 0x82);
-  EXPECT_EQ(rig.output.frames.back().second, j1939::make_address_claim(0x82, rig.imu.name()));
+  EXPECT_EQ(rig.output.of(j1939::kAddressClaimedPgn).back(),
+            j1939::make_address_claim(0x82, rig.imu.name()));
   rig.run(20ms);
   EXPECT_EQ(j1939::unpack(rig.output.of(openimu::kSlopePgn).back().id).source, 0x82);
 }
@@ -44,6 +47,19 @@ TEST(OpenImuAddress, AvoidsWhatALowerNameHeldBeforeItsOwnFirstClaim) {
   rig.run(200ms);
   EXPECT_EQ(rig.imu.address(), 0x81);
   EXPECT_EQ(rig.imu.address_conflicts(), 0U);
+}
+
+TEST(OpenImuAddress, The335RiGivesWayBeforeItsOwnClaimEvenToAHigherName) {
+  OpenImuRig rig(settings_with(0x1234F));
+  rig.receive(j1939::make_address_claim(0x80, std::numeric_limits<std::uint64_t>::max()));
+  rig.run(200ms);
+  EXPECT_EQ(rig.imu.address(), 0x81);
+}
+
+TEST(OpenImuAddress, SerialsOfFullTicksWaitTheLongest) {
+  OpenImuRig rig(settings_with(0x12340));
+  rig.run(200ms);
+  EXPECT_EQ(rig.output.frames.front().first, kStart + 31 * 5ms + 1ms);
 }
 
 TEST(OpenImuAddress, FallsSilentWhenThePoolIsFull) {
@@ -68,7 +84,7 @@ TEST(OpenImuAddress, TwoDevicesOnOneBusSortThemselvesOut) {
   OpenImu second(settings_with(0x40), second_output);  // both claim 0x80 at once
   bus.attach(first_output, first);
   bus.attach(second_output, second);
-  for (SimTime now = kStart; now < kStart + 200ms; now += 100us) {
+  for (SimTime now = kStart; now < kStart + 400ms; now += 100us) {
     first.advance(now);
     second.advance(now);
     bus.advance(now);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdint>
 #include <utility>
 
@@ -31,39 +32,60 @@ TEST(OpenImuRequest, KnownGroupsAreAnsweredAfterTheProcessingDelay) {
   };
   EXPECT_EQ(ask(j1939::kAddressClaimedPgn).id, 0x18EEFF80U);
   EXPECT_THAT(ask(openimu::kSoftwareVersionPgn).payload(),
-              ElementsAre(1, 1, 0, 0, 0, 0xFF, 0xFF, 0xFF));
+              ElementsAre(1, 1, 0, 0, 0, 0xAA, 0xAA, 0xAA));
   EXPECT_THAT(ask(openimu::kEcuIdentificationPgn).payload(),
-              ElementsAre(0x40, 0x23, 0xE1, 0x66, 0x00, 0x83, 0x00, 0x80));
-  EXPECT_THAT(ask(openimu::kStatusPgn).payload(), ElementsAre(0, 0));
+              ElementsAre(0x41, 0x23, 0xE1, 0x66, 0x00, 0x83, 0x00, 0x80));
+  EXPECT_THAT(ask(openimu::kStatusPgn).payload(), ElementsAre(0, 0, 0, 0, 0xAA, 0xAA, 0xAA, 0xAA));
+  EXPECT_THAT(ask(openimu::kHardwareStatusPgn).payload(),
+              ElementsAre(0, 0, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
+  EXPECT_THAT(ask(openimu::kSoftwareStatusPgn).payload(),
+              ElementsAre(0, 0, 0, 0, 0xAA, 0xAA, 0xAA, 0xAA));
+  EXPECT_TRUE(openimu::decode_slope1(ask(openimu::kSlope1Pgn)).ok());
+  EXPECT_TRUE(openimu::decode_fine_rate(ask(openimu::kFineRatePgn)).ok());
   EXPECT_TRUE(openimu::decode_slope(ask(openimu::kSlopePgn)).ok());
   EXPECT_TRUE(openimu::decode_angular_rate(ask(openimu::kAngularRatePgn)).ok());
   EXPECT_TRUE(openimu::decode_acceleration(ask(openimu::kAccelerationPgn)).ok());
-  EXPECT_THAT(ask(openimu::kPacketRatePgn).payload(), ElementsAre(0x80, 1));
-  EXPECT_THAT(ask(openimu::kPacketMaskPgn).payload(), ElementsAre(0x80, 7, 0));
-  EXPECT_THAT(ask(openimu::kFilterPgn).payload(), ElementsAre(0x80, 25, 25));
-  EXPECT_THAT(ask(openimu::kOrientationPgn).payload(), ElementsAre(0x80, 0, 0));
-  EXPECT_THAT(ask(openimu::kBehaviourPgn).payload(), ElementsAre(0x80, 0x48, 0xC2));
+  EXPECT_THAT(ask(openimu::kPacketRatePgn).payload(),
+              ElementsAre(kTester, 1, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
+  EXPECT_THAT(ask(openimu::kPacketMaskPgn).payload(),
+              ElementsAre(kTester, 7, 0, 0x3B, 0xAA, 0xAA, 0xAA, 0xAA));
+  EXPECT_THAT(ask(openimu::kFilterPgn).payload(),
+              ElementsAre(kTester, 25, 25, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
+  EXPECT_THAT(ask(openimu::kOrientationPgn).payload(),
+              ElementsAre(kTester, 0, 0, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
+  EXPECT_THAT(ask(openimu::kBehaviourPgn).payload(),
+              ElementsAre(kTester, 0x48, 0xC2, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
 }
 
-TEST(OpenImuRequest, UnknownGroupIsRefusedOnlyWhenAddressedAndOnlyByThe335Ri) {
-  OpenImuRig rig;
-  rig.run(50ms);
-  std::size_t before = rig.output.frames.size();
-  rig.receive(j1939::make_request(kTester, j1939::kGlobalAddress, 65253));
-  EXPECT_EQ(rig.output.frames.size(), before);
-  rig.receive(j1939::make_request(kTester, 0x80, 65253));
-  ASSERT_EQ(rig.output.frames.size(), before + 1);
-  EXPECT_THAT(rig.output.frames.back().second.payload(),
-              ElementsAre(1, 0, 0xFF, 0xFF, kTester, 0xE5, 0xFE, 0x00));
-  rig.receive(j1939::make_request(kTester, 0x90, openimu::kSlopePgn));  // not ours
-  EXPECT_EQ(rig.output.frames.size(), before + 1);
+TEST(OpenImuRequest, UnknownGroupsAndRequestsForOthersAreNotAnswered) {
+  for (const OpenImuVariant variant :
+       {OpenImuVariant::openimu335ri, OpenImuVariant::openimu300ri}) {
+    OpenImuRig rig(settings_with(0x12341, variant));
+    rig.run(50ms);
+    const std::size_t before = rig.output.frames.size();
+    rig.receive(j1939::make_request(kTester, j1939::kGlobalAddress, 65253));
+    rig.receive(j1939::make_request(kTester, 0x80, 65253));
+    rig.receive(j1939::make_request(kTester, 0x90, openimu::kSlopePgn));
+    EXPECT_EQ(rig.output.frames.size(), before);
+    EXPECT_EQ(rig.imu.received().ignored, 3U);
+  }
+}
 
-  OpenImuRig old(settings_with(0x12340, OpenImuVariant::openimu300ri));
-  old.run(50ms);
-  before = old.output.frames.size();
-  old.receive(j1939::make_request(kTester, 0x80, 65253));
-  EXPECT_EQ(old.output.frames.size(), before);
-  EXPECT_EQ(old.imu.received().ignored, 1U);
+TEST(OpenImuRequest, The300RiAnswersWithItsOwnAddressAndItsOwnLengths) {
+  OpenImuRig rig(settings_with(0x12341, OpenImuVariant::openimu300ri));
+  rig.run(2s);
+  const auto ask = [&rig](std::uint32_t pgn) {
+    rig.receive(j1939::make_request(kTester, 0x80, pgn));
+    return rig.output.frames.back().second;
+  };
+  EXPECT_THAT(ask(openimu::kSoftwareVersionPgn).payload(), ElementsAre(1, 1, 0, 0, 0));
+  EXPECT_EQ(ask(0xFD00).id, 0x18FDC580U);  // any group of that format
+  EXPECT_THAT(ask(openimu::kStatusPgn).payload(), ElementsAre(0, 0));
+  rig.receive(openimu::make_setting({openimu::SettingKind::filters, 0x80, 5, 10, 0}, kTester));
+  EXPECT_THAT(ask(openimu::kFilterPgn).payload(), ElementsAre(0x80, 10, 5));
+  EXPECT_THAT(ask(openimu::kPacketMaskPgn).payload(), ElementsAre(0x80, 7, 0));
+  EXPECT_EQ(ask(openimu::kMagneticRequestPgn).id, 0x18FF6A80U);
+  EXPECT_EQ(ask(openimu::kMagneticFieldPgn).id, 0x18FF6A80U);
 }
 
 class OpenImuSetting : public testing::Test {
@@ -91,7 +113,7 @@ TEST_F(OpenImuSetting, EveryLegalRateComesOut) {
 }
 
 TEST_F(OpenImuSetting, MaskChoosesTheMessages) {
-  set(openimu::SettingKind::packet_mask, 0, 0, openimu::PacketBit::kAngularRate | 0x08);
+  set(openimu::SettingKind::packet_mask, 0, 0, openimu::PacketBit::kAngularRate | 0x10);
   EXPECT_EQ(frames_in(1s, openimu::kSlopePgn), 0U);
   EXPECT_EQ(frames_in(1s, openimu::kAngularRatePgn), 100U);
   EXPECT_EQ(rig_.imu.configuration().packet_mask, openimu::PacketBit::kAngularRate);
@@ -112,7 +134,8 @@ TEST_F(OpenImuSetting, SaveAnswersTheRequesterAndKeepsTheConfiguration) {
   EXPECT_EQ(rig_.imu.saved_configuration().rate_cut_off_hz, 25);
   set(openimu::SettingKind::save_configuration, 0, 0, 0);
   EXPECT_EQ(rig_.output.frames.back().second.id, 0x18FF5180U);
-  EXPECT_THAT(rig_.output.frames.back().second.payload(), ElementsAre(1, kTester, 1));
+  EXPECT_THAT(rig_.output.frames.back().second.payload(),
+              ElementsAre(1, kTester, 1, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
   EXPECT_EQ(rig_.imu.saved_configuration().rate_cut_off_hz, 5);
   EXPECT_EQ(rig_.imu.saved_configuration().acceleration_cut_off_hz, 10);
 }
@@ -120,9 +143,11 @@ TEST_F(OpenImuSetting, SaveAnswersTheRequesterAndKeepsTheConfiguration) {
 TEST_F(OpenImuSetting, ResetStartsTheAlgorithmAgain) {
   rig_.run(2s);
   set(openimu::SettingKind::reset_algorithm, 0, 0, 0);
-  EXPECT_THAT(rig_.output.frames.back().second.payload(), ElementsAre(1, kTester, 1));
+  EXPECT_THAT(rig_.output.frames.back().second.payload(),
+              ElementsAre(1, kTester, 1, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
   rig_.receive(j1939::make_request(kTester, 0x80, openimu::kStatusPgn));
-  EXPECT_THAT(rig_.output.frames.back().second.payload(), ElementsAre(0x00, 0x03));
+  EXPECT_THAT(rig_.output.frames.back().second.payload(),
+              ElementsAre(0, 3, 0, 0, 0xAA, 0xAA, 0xAA, 0xAA));
 }
 
 TEST_F(OpenImuSetting, OrientationTurnsTheHousing) {
@@ -136,12 +161,103 @@ TEST_F(OpenImuSetting, OrientationTurnsTheHousing) {
 }
 
 TEST_F(OpenImuSetting, LegacyRequestOrderWhenTheBehaviourBitIsCleared) {
-  set(openimu::SettingKind::behaviour, 0, 0,
-      openimu::Behaviour::kDefault & ~openimu::Behaviour::kSwapRequestPgn);
+  openimu::Setting setting{openimu::SettingKind::behaviour, 0x80, 0, 0, 0};
+  setting.more = {0x00, 0x02};
+  rig_.receive(openimu::make_setting(setting, kTester));
   Frame request = j1939::make_request(kTester, 0x80, 0);
   request.data = {0x00, 0xF0, 0x29, 0, 0, 0, 0, 0};
   rig_.receive(request);
   EXPECT_TRUE(openimu::decode_slope(rig_.output.frames.back().second).ok());
+}
+
+TEST_F(OpenImuSetting, OtherMessagesOfThe335Ri) {
+  set(openimu::SettingKind::packet_mask, 0, 0,
+      openimu::PacketBit::kSlope1 | openimu::PacketBit::kFineRate);
+  EXPECT_EQ(frames_in(1s, openimu::kSlope1Pgn), 100U);
+  EXPECT_EQ(rig_.output.of(openimu::kSlope1Pgn).back().id, 0x0CF01380U);
+  EXPECT_EQ(rig_.output.of(openimu::kFineRatePgn).back().id, 0x0CFF6B80U);
+  // At rest: 64 * 500 = 0x7D00 each, merits 0, latency 1 ms.
+  EXPECT_THAT(rig_.output.of(openimu::kSlope1Pgn).back().payload(),
+              ElementsAre(0x00, 0x7D, 0x00, 0x7D, 0x00, 0x7D, 0x00, 0x02));
+}
+
+TEST_F(OpenImuSetting, PrioritiesOfThe335RiMoveOnlyWhenMeant) {
+  rig_.receive(openimu::make_setting(
+      {openimu::SettingKind::packet_mask, 0x80, 0b00'01'00, 0b00'11'00, 7}, kTester));
+  rig_.run(20ms);
+  EXPECT_EQ(rig_.output.of(openimu::kAccelerationPgn).back().id, 0x04F02D80U);
+  EXPECT_EQ(rig_.output.of(openimu::kSlopePgn).back().id, 0x0CF02980U);
+}
+
+TEST_F(OpenImuSetting, BehaviourOfThe335RiSetsAndClearsBits) {
+  openimu::Setting setting{openimu::SettingKind::behaviour, 0x80, 0, 0, 0};
+  setting.more = {0x08, 0x80};  // neither swapped nor with its algorithm
+  rig_.receive(openimu::make_setting(setting, kTester));
+  EXPECT_EQ(rig_.imu.configuration().behaviour, 0xC248 & ~0x8008);
+  EXPECT_EQ(frames_in(100ms, openimu::kSlopePgn), 0U);
+  EXPECT_EQ(frames_in(100ms, openimu::kAngularRatePgn), 10U);
+}
+
+TEST_F(OpenImuSetting, CommandsMoveToOtherGroups) {
+  Frame bank;
+  bank.extended = true;
+  bank.id = j1939::pack(j1939::Identifier{6, openimu::kBank1Pgn, 0xFF, kTester});
+  bank.length = 8;
+  bank.data = {0x80, 0x65, 0x00, 0x3F, 0x6C, 0x6D, 0x00, 0x00};  // rate and orientation are legal
+  rig_.receive(bank);
+  EXPECT_EQ(rig_.imu.configuration().commands,
+            (openimu::CommandMap{0x50, 0x51, 0x52, 0x53, 0x54, 0x65, 0x56, 0x57, 0x6C, 0x59, 0x5A,
+                                 0x5E, 0x6B}));
+  set(openimu::SettingKind::packet_rate, 2, 0, 0);  // the old group: nobody listens
+  EXPECT_EQ(rig_.imu.configuration().rate_divider, 1);
+  Frame rate = openimu::make_setting({openimu::SettingKind::packet_rate, 0x80, 2, 0, 0}, kTester,
+                                     rig_.imu.configuration().commands);
+  EXPECT_EQ(rate.id, 0x18FF6521U);
+  rig_.receive(rate);
+  EXPECT_EQ(rig_.imu.configuration().rate_divider, 2);
+}
+
+TEST(OpenImuBank, The300RiTakesAllOrNothing) {
+  openimu::CommandMap map = openimu::kDeliveredCommands;
+  const std::array<std::uint8_t, 7> wrong{0x60, 0x61, 0x62, 0x6B, 0, 0, 0};
+  EXPECT_FALSE(openimu::apply_bank(map, openimu::kBank0Pgn, wrong, true));
+  EXPECT_EQ(map, openimu::kDeliveredCommands);
+  const std::array<std::uint8_t, 7> good{0x60, 0, 0x62, 0x63, 0, 0, 0};
+  EXPECT_TRUE(openimu::apply_bank(map, openimu::kBank0Pgn, good, true));
+  EXPECT_EQ(pgn_of(map, openimu::Command::reset_algorithm), 0xFF60U);
+  EXPECT_EQ(pgn_of(map, openimu::Command::save_configuration), 0xFF51U);
+  EXPECT_EQ(pgn_of(map, openimu::Command::master_status), 0xFF62U);
+  EXPECT_EQ(pgn_of(map, openimu::Command::magnetic_alignment), 0xFF63U);
+}
+
+TEST_F(OpenImuSetting, TroubleMessagesAreClearedAndAcknowledgedInAceinnasOrder) {
+  Frame clear;
+  clear.extended = true;
+  clear.id = j1939::pack(j1939::Identifier{6, openimu::kClearTroublePgn, 0xFF, kTester});
+  rig_.receive(clear);
+  EXPECT_EQ(rig_.output.frames.back().second.id, 0x18E8FF80U);
+  EXPECT_THAT(rig_.output.frames.back().second.payload(),
+              ElementsAre(0, 0, 0xFF, 0xFF, kTester, 0xD3, 0xFE, 0x00));
+}
+
+TEST_F(OpenImuSetting, AidingMessagesAreCounted) {
+  for (const std::uint32_t pgn :
+       {openimu::kTransmissionPgn, openimu::kWheelSpeedPgn, openimu::kVehicleSpeedPgn}) {
+    const std::array<std::uint8_t, 8> payload{};
+    rig_.receive(j1939::make_frame({6, pgn, 0xFF, 0x00}, payload));
+  }
+  EXPECT_EQ(rig_.imu.aiding_messages(), 3U);
+}
+
+TEST(OpenImuAlignment, IsAnsweredIdleByThe300Ri) {
+  OpenImuRig rig(settings_with(0x12341, OpenImuVariant::openimu300ri));
+  rig.run(50ms);
+  rig.receive(
+      openimu::make_setting({openimu::SettingKind::magnetic_alignment, 0x80, 1, 0, 0}, kTester));
+  EXPECT_EQ(rig.output.frames.back().second.id, 0x18FF5E80U);
+  // 8 G * 256 = 2048 twice, ratio 0, angle pi = 2048.
+  EXPECT_THAT(rig.output.frames.back().second.payload(),
+              ElementsAre(1, 0, 0x00, 0x08, 0x80, 0x00, 0x00, 0x20));
 }
 
 }  // namespace

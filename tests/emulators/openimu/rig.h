@@ -50,8 +50,8 @@ inline OpenImuSettings settings_with(std::uint32_t serial,
 
 /// A device with its ticks, fed with one constant sample.
 struct OpenImuRig {
-  explicit OpenImuRig(const OpenImuSettings& settings = settings_with(0x12340))
-      : imu(settings, output) {}
+  explicit OpenImuRig(const OpenImuSettings& settings = settings_with(0x12341))
+      : imu(settings, memory, output) {}
 
   void run(Duration span, ImuSample sample = level()) {
     for (const SimTime end = now + span; now < end; now += OpenImu::kTick) {
@@ -61,6 +61,7 @@ struct OpenImuRig {
   }
   void receive(const protocols::can::Frame& frame) { imu.receive(now, frame); }
 
+  VolatileMemory memory;
   OpenImuBus output;
   OpenImu imu;
   SimTime now = kStart;

@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "../modbus/modbus_client.h"
+#include "emulators/modbus/modbus_server.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -31,12 +32,13 @@ constexpr SimTime at(Duration since_start) {
 
 class ValveDriverTest : public ::testing::Test {
  protected:
-  explicit ValveDriverTest(const ValveDriverSettings& settings = {}) : driver_(settings, output_) {
-    driver_.connected(kStart, 1);
+  explicit ValveDriverTest(const ValveDriverSettings& settings = {}) : driver_(settings) {
+    server_.add_unit(1, driver_.unit());
+    server_.connected(kStart, 1);
   }
 
   Response ask(SimTime now, const Request& request, std::uint8_t unit = 1) {
-    driver_.receive(now, 1, adu_of(request, 1, unit));
+    server_.receive(now, 1, adu_of(request, 1, unit));
     return output_.latest();
   }
   Response write(SimTime now, std::uint16_t address, const std::vector<int>& values) {
@@ -71,6 +73,7 @@ class ValveDriverTest : public ::testing::Test {
 
   RecordedStream output_;
   ValveDriver driver_;
+  ModbusServer server_{{}, output_};
 };
 
 TEST_F(ValveDriverTest, WakesUpNeutralReadyAndDisabled) {
@@ -164,8 +167,8 @@ TEST_F(ValveDriverTest, WhatIsNotServedDoesNotFeedTheWatchdog) {
   ask(at(50ms), ReadRegisters{RegisterTable::input, 0, 1}, 9);          // another unit
   ask(at(60ms), ReadRegisters{RegisterTable::input, 500, 1});           // exception 02
   write(at(70ms), 1, {2000});                                           // exception 03
-  driver_.receive(at(80ms), 1, adu_of(Bytes{99}));                      // exception 01
-  driver_.receive(at(90ms), 1, adu_of(Bytes{4, 0, 0, 0, 1}, 1, 1, 7));  // another protocol
+  server_.receive(at(80ms), 1, adu_of(Bytes{99}));                      // exception 01
+  server_.receive(at(90ms), 1, adu_of(Bytes{4, 0, 0, 0, 1}, 1, 1, 7));  // another protocol
   EXPECT_EQ(driver_.next_event(), at(200ms));
 }
 
@@ -348,9 +351,9 @@ TEST_F(ValveDriverTest, AddressesEndWhereTheMapEnds) {
             refused(ExceptionCode::illegal_data_address, 3));
   EXPECT_EQ(ask(kStart, ReadRegisters{RegisterTable::holding, 1061, 2}),
             refused(ExceptionCode::illegal_data_address, 3));
-  EXPECT_EQ(write(kStart, 10, {0}), refused(ExceptionCode::illegal_data_address));
-  EXPECT_EQ(write(kStart, 9, {7, 0}), refused(ExceptionCode::illegal_data_address));
-  EXPECT_EQ(holding(kStart, 9), 0) << "a refused request wrote its first register";
+  EXPECT_EQ(write(kStart, 14, {0}), refused(ExceptionCode::illegal_data_address));
+  EXPECT_EQ(write(kStart, 13, {800, 0}), refused(ExceptionCode::illegal_data_address));
+  EXPECT_EQ(holding(kStart, 13), 750) << "a refused request wrote its first register";
   EXPECT_EQ(ask(kStart, ReadBits{BitTable::coils, 0, 1}),
             refused(ExceptionCode::illegal_function, 1));
 }
@@ -360,7 +363,8 @@ TEST_F(ValveDriverTest, APlcCycleWritesCommandsAndReadsStatusInOneRequest) {
   const auto answer = ask(kStart, ReadWriteRegisters{1000, 22, 0, make_registers(written)});
   const auto in = std::get<RegistersResponse>(answer).registers;
   EXPECT_EQ(in.values[0], reg::kStatusReady | reg::kStatusEnabled);
-  EXPECT_EQ(in.values[10], 250 + 150);  // 250 mA + 0.3 * 500 mA
+  EXPECT_EQ(in.values[10], 0) << "the coil's current has only begun to rise";
+  EXPECT_EQ(input(at(100ms), 10), 250 + 150);  // 250 mA + 0.3 * 500 mA
   EXPECT_EQ(in.values[11], 0);
   EXPECT_EQ(in.values[20], 17);
 }
@@ -409,17 +413,17 @@ TEST_F(ValveDriverTest, AMegabyteOfGarbageMovesNothing) {
     byte = static_cast<std::uint8_t>(random());
   }
   ConnectionId id = 2;
-  driver_.connected(kStart, id);
+  server_.connected(kStart, id);
   for (std::size_t i = 0; i < garbage.size(); i += 1024) {
-    driver_.receive(kStart, id, std::span(garbage).subspan(i, 1024));
+    server_.receive(kStart, id, std::span(garbage).subspan(i, 1024));
     if (!output_.closed.empty() && output_.closed.back().connection == id) {
-      driver_.disconnected(kStart, id);
-      driver_.connected(kStart, ++id);
+      server_.disconnected(kStart, id);
+      server_.connected(kStart, ++id);
     }
   }
   EXPECT_GT(id, 500U) << "garbage should soon have an impossible length";
   EXPECT_EQ(driver_.received().accepted, 0U);
-  EXPECT_EQ(driver_.received().bytes, 1U << 20U);
+  EXPECT_EQ(server_.received().bytes, 1U << 20U);
   EXPECT_THAT(driver_.command().opening, Each(0.0));
   EXPECT_EQ(write(kStart, 0, {1, 100}), done(0, 2));
 }
@@ -436,22 +440,14 @@ TEST(ValveDriverDocumentation, ThePageHoldsEveryRowOfTheMap) {
   std::ifstream file(std::string(RIGWIRE_SOURCE_DIR) + "/docs/devices/valve-driver.md");
   std::stringstream page;
   page << file.rdbuf();
-  for (const RegisterEntry& entry : reg::map()) {
+  for (const ValveRegister& entry : reg::map().registers) {
     EXPECT_THAT(page.str(), ::testing::HasSubstr(markdown_row(entry)));
   }
 }
 
-TEST(ValveDriverMap, NoTwoEntriesShareARegister) {
-  for (const Table table : {Table::holding_registers, Table::input_registers}) {
-    std::array<int, 100> owners{};
-    for (const RegisterEntry& entry : reg::map()) {
-      for (int i = 0; entry.table == table && i < entry.count; ++i) {
-        for (int word = 0; word < words_of(entry.format); ++word) {
-          ++owners.at(static_cast<std::size_t>(entry.address + i * entry.stride + word));
-        }
-      }
-    }
-    EXPECT_THAT(owners, Each(::testing::Le(1)));
+TEST(ValveDriverMap, OfEveryNumberOfSectionsIsValid) {
+  for (std::size_t sections = 1; sections <= kValveSections; ++sections) {
+    EXPECT_NO_THROW(validate(reg::map(sections)));
   }
 }
 
@@ -467,16 +463,22 @@ TEST(ValveDriverSettingsTest, OutOfRangeIsRefusedByName) {
     }
   };
   using Settings = ValveDriverSettings;
-  expect_refused([](Settings& s) { s.sections.clear(); }, "sections");
-  expect_refused([](Settings& s) { s.sections.assign(9, "x"); }, "sections");
-  expect_refused([](Settings& s) { s.sections = {"a", "a"}; }, "sections");
-  expect_refused([](Settings& s) { s.unit = 0; }, "unit");
-  expect_refused([](Settings& s) { s.watchdog = 10ms; }, "watchdog");
-  expect_refused([](Settings& s) { s.watchdog = 20'500us; }, "watchdog");
+  expect_refused([](Settings& s) { s.amplifier.sections.clear(); }, "sections");
+  expect_refused([](Settings& s) { s.amplifier.sections.assign(9, "x"); }, "sections");
+  expect_refused([](Settings& s) { s.amplifier.sections = {"a", "a"}; }, "sections");
+  expect_refused([](Settings& s) { s.amplifier.parameters.watchdog = 10ms; }, "watchdog");
+  expect_refused([](Settings& s) { s.amplifier.parameters.watchdog = 20'500us; }, "watchdog");
   expect_refused([](Settings& s) { s.sample_period = 0ms; }, "sample_period");
-  expect_refused([](Settings& s) { s.supply_voltage_v = std::nan(""); }, "supply_voltage");
-  expect_refused([](Settings& s) { s.coil_current_start_ma = 800; }, "coil_current_start");
-  expect_refused([](Settings& s) { s.vendor = ""; }, "vendor");
+  expect_refused([](Settings& s) { s.amplifier.electronics.supply_voltage_v = std::nan(""); },
+                 "supply_voltage");
+  expect_refused([](Settings& s) { s.amplifier.parameters.current_start_ma = 800; },
+                 "coil_current_start");
+  expect_refused(
+      [](Settings& s) {
+        s.map = reg::map();
+        s.map->vendor = "";
+      },
+      "vendor");
   validate(Settings{});
 }
 

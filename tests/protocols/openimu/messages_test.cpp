@@ -59,7 +59,7 @@ TEST(AngularRate, FirmwareClampsAt250) {
 }
 
 TEST(AngularRate, FaultIsSentAsErrorValueNotAsNumber) {
-  const AngularRate rate{{1.0, FigureOfMerit::error}, {0.0}, {0.0}, 0.0};
+  const AngularRate rate{{std::nan(""), FigureOfMerit::error}, {0.0}, {0.0}, 0.0};
   const can::Frame frame = encode(rate, kSource);
   EXPECT_EQ(frame.data[1], 0xFE);
   EXPECT_TRUE(std::isnan(decode_angular_rate(frame)->pitch_dps.value));
@@ -95,6 +95,39 @@ TEST(OpenImuMessages, OtherLengthsAndGroupsAreMalformed) {
   }
   frame.length = 255;
   EXPECT_TRUE(decode_slope(frame).malformed());
+}
+
+TEST(Messages, OlderSlopeFineRateAndMagneticField) {
+  // 5 deg: 69 * 500 = 34500; -2.5 deg: 61.5 * 500 = 30750; 1 deg/s: 65 * 500 = 32500.
+  const can::Frame slope = encode(Slope1{{5.0}, {-2.5}, {1.0}, 3, 2.0}, 0x80);
+  EXPECT_EQ(slope.id, 0x0CF01380U);
+  EXPECT_THAT(slope.payload(), ElementsAre(0xC4, 0x86, 0x1E, 0x78, 0xF4, 0x7E, 0xC0, 4));
+  // 1 deg/s: 251 * 1024 = 0x3EC00; 0: 0x3E800; -1: 0x3E400, 19 bits each.
+  const can::Frame fine = encode(FineRate{{1.0}, {0.0}, {-1.0, FigureOfMerit::degraded}}, 0x80);
+  std::uint64_t word = 0;
+  for (std::size_t i = 8; i-- > 0;) {
+    word = (word << 8U) | fine.data[i];
+  }
+  EXPECT_EQ(word, 0x3EC00ULL | (0x3E800ULL << 19U) | (0x3E400ULL << 38U) | (1ULL << 61U));
+  EXPECT_EQ(decode_fine_rate(fine)->yaw_dps.value, -1.0);
+  EXPECT_EQ(decode_fine_rate(fine)->yaw_dps.merit, FigureOfMerit::degraded);
+  // 0.2 G: 8.2 / 0.00025 = 32800 = 0x8020.
+  EXPECT_THAT(encode(MagneticField{0.2, 0.0, -8.0}, 0x80).payload(),
+              ElementsAre(0x20, 0x80, 0x00, 0x7D, 0x00, 0x00, 0, 0));
+}
+
+TEST(Messages, LayoutsCarryTheTablesNumbers) {
+  const auto list = layouts(0x81);
+  ASSERT_EQ(list.size(), 6U);
+  EXPECT_EQ(list[0].id, 0x0CF02981U);
+  EXPECT_EQ(list[0].fields[0].width, 24);
+  EXPECT_EQ(list[2].fields[2].name, "vertical_acceleration");
+  EXPECT_EQ(list[2].fields[2].offset, -320.0);
+  for (const auto& message : list) {
+    for (const auto& field : message.fields) {
+      EXPECT_LE(field.bit + field.width, 64) << message.name << ' ' << field.name;
+    }
+  }
 }
 
 }  // namespace

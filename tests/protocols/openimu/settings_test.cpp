@@ -39,8 +39,8 @@ TEST(Settings, EveryKindSurvivesTheRoundTrip) {
   }
 }
 
-TEST(Settings, FiltersAreAnsweredInReverseOrder) {
-  const can::Frame answer = make_setting_answer({SettingKind::filters, 0, 5, 10, 0}, 0x80);
+TEST(Settings, FiltersAreAnsweredInReverseOrderByThe300Ri) {
+  const can::Frame answer = make_setting_answer_300({SettingKind::filters, 0, 5, 10, 0}, 0x80);
   EXPECT_THAT(answer.payload(), ElementsAre(0x80, 10, 5));
 }
 

@@ -55,8 +55,10 @@ TEST(SlcanFrame, MalformedOnes) {
 }
 
 TEST(SlcanCommand, EveryVerbSurvivesTheRoundTrip) {
-  for (const char* line : {"O\r", "L\r", "C\r", "S0\r", "S8\r", "s031C\r", "F\r", "V\r", "v\r",
-                           "N\r", "Z0\r", "Z1\r", "X1\r", "t7FF0\r", "R1FFFFFFF8\r"}) {
+  for (const char* line :
+       {"O\r",         "L\r",  "C\r",  "S0\r", "S8\r",    "s031C\r",     "F\r", "V\r",
+        "v\r",         "N\r",  "Z0\r", "Z1\r", "X1\r",    "P\r",         "A\r", "M0123ABCD\r",
+        "mFFFFFFFF\r", "W1\r", "U6\r", "S9\r", "t7FF0\r", "R1FFFFFFF8\r"}) {
     const std::string_view text(line);
     const auto parsed = command(text.substr(0, text.size() - 1));
     ASSERT_TRUE(parsed.ok()) << line;
@@ -65,8 +67,8 @@ TEST(SlcanCommand, EveryVerbSurvivesTheRoundTrip) {
 }
 
 TEST(SlcanCommand, WrongArgumentsAreMalformed) {
-  for (const char* line : {"", "O1", "S", "S9", "S55", "Z2", "Z", "s12", "s12345", "Q", "m00000000",
-                           "P", "\x80", "C C"}) {
+  for (const char* line : {"", "O1", "S", "S:", "S55", "Z2", "Z", "s12", "s12345", "Q", "m0000000",
+                           "M000000000", "P1", "W2", "U7", "\x80", "C C"}) {
     EXPECT_TRUE(command(line).malformed()) << line;
   }
 }
@@ -78,7 +80,9 @@ TEST(SlcanReply, KindsOfTheAdapter) {
   EXPECT_EQ(reply("Z")->kind, ReplyKind::frame_taken);
   EXPECT_EQ(reply("F08")->number, 8);
   EXPECT_EQ(reply("V1013")->kind, ReplyKind::information);
-  EXPECT_EQ(reply("e2ac")->number, 2);
+  EXPECT_EQ(reply("A")->kind, ReplyKind::all_polled);
+  EXPECT_EQ(reply("e2ac")->number, kNoAcknowledge | kCrcError);
+  EXPECT_EQ(string(write_reply(*reply("e3sab"))), "e3abs\r");
   EXPECT_TRUE(reply("e2a").malformed());
   EXPECT_TRUE(reply("e1x").malformed());
 }
@@ -86,18 +90,12 @@ TEST(SlcanReply, KindsOfTheAdapter) {
 TEST(SlcanReply, BusStateAsTheKernelReadsIt) {
   const auto state = reply("sp128000");
   ASSERT_TRUE(state.ok());
-  EXPECT_EQ(state->state, BusState::passive);
+  EXPECT_EQ(state->state, can::ErrorState::passive);
   EXPECT_EQ(state->receive_errors, 128);
   EXPECT_EQ(state->transmit_errors, 0);
   EXPECT_EQ(string(write_reply(*state)), "sp128000\r");
   EXPECT_TRUE(reply("sx128000").malformed());
   EXPECT_TRUE(reply("sp12800").malformed());
-}
-
-TEST(SlcanRates, CodesOfTheProtocol) {
-  EXPECT_EQ(rate_code(250'000), 5U);
-  EXPECT_EQ(rate_code(1'000'000), 8U);
-  EXPECT_FALSE(rate_code(333'333));
 }
 
 TEST(LineSplitter, OneMegabyteWithoutEndIsOneTooLongLine) {

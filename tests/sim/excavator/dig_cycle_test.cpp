@@ -132,7 +132,7 @@ TEST(DigCycle, StandstillInTheSoilIsSilent) {
 TEST(DigCycle, BucketOnRockStallsAtTheReliefAndDoesNotJumpWhenReleased) {
   SoilParameters rock;
   rock.name = "rock";
-  Site site(Ground(level(0.4), SoilMap{{rock}, {}}, {}));
+  Site site(Ground(level_field(0.4), SoilMap{{rock}, {}}, {}));
   const Excavator& arm = site.machine.excavator();
   site.run(3.0, 0.0, -0.4, 0.0, 0.0);
   site.run(20.0, 0.0, -0.4, 0.0, 0.0);

@@ -23,7 +23,7 @@ inline SoilParameters sand() {
   return soil;
 }
 
-inline HeightField level(double cell_m) {
+inline HeightField level_field(double cell_m) {
   HeightField field;
   field.cell_m = cell_m;
   field.columns = static_cast<std::size_t>(std::lround(40.0 / cell_m)) + 1;
@@ -34,7 +34,7 @@ inline HeightField level(double cell_m) {
 }
 
 inline Ground sandy(double cell_m = 0.4) {
-  return Ground(level(cell_m), SoilMap{{sand()}, {}}, {});
+  return Ground(level_field(cell_m), SoilMap{{sand()}, {}}, {});
 }
 
 /// Stands at the origin, looks east, teeth 0.2 m over the ground.

@@ -5,11 +5,12 @@
 #include <vector>
 
 #include "allocation_counter.h"
-#include "sim/excavator/excavator.h"
+#include "excavator_rig.h"
 
 namespace rigwire::sim {
 namespace {
 
+using namespace test;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
@@ -20,12 +21,6 @@ ExcavatorParameters at_level(ExcavatorLevel level) {
   ExcavatorParameters parameters;
   parameters.level = level;
   return parameters;
-}
-
-ValveCommand openings(double swing, double boom, double stick, double bucket) {
-  ValveCommand command;
-  command.opening = {swing, boom, stick, bucket};
-  return command;
 }
 
 TEST(ExcavatorLevels, EveryLevelStandsStillWithClosedValves) {
@@ -150,13 +145,13 @@ TEST(ExcavatorLevels, NoLevelAllocatesInAStep) {
   for (const ExcavatorLevel level : kLevels) {
     Excavator machine(at_level(level), Eigen::Isometry3d::Identity());
     const TipResistance soil{.gain_nspm = 1e6, .limit_n = 2e4};
-    const auto before = test::allocations();
+    const auto before = rigwire::test::allocations();
     for (int i = 0; i < 1000; ++i) {
       machine.command(openings(0.3, i % 200 < 100 ? 1.0 : -1.0, 0.8, -0.8));
       machine.set_bucket_resistance(soil);
       machine.step(milliseconds(2));
     }
-    EXPECT_EQ(test::allocations(), before) << static_cast<int>(level);
+    EXPECT_EQ(rigwire::test::allocations(), before) << static_cast<int>(level);
     EXPECT_TRUE(machine.finite());
   }
 }

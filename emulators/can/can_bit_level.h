@@ -1,0 +1,137 @@
+// What happens on a segment, bit by bit, when a frame does not simply go well.
+//
+// Every node is a small machine: it sends, reads, signals an error, waits for the bus to become
+// recessive, counts its error delimiter. The level of each bit is the wired-and of what they all
+// send, then inverted or shorted by what is wrong with the wire. So collisions, superposed error
+// flags of 6 to 12 bits, error flags of passive nodes, missing acknowledgements and their cost in
+// bits follow from the rules instead of being listed.
+//
+// Source: ISO 11898-1:2015, 10.4.4 (error frame), 10.11 (error detection), 12.1.4 (which counter
+// moves when). From the last bit of the frame or of the last error delimiter on the bus is free
+// after an intermission of three bits.
+//
+// Simplified: nodes end an error together, when the last one has its delimiter (a passive one whose
+// flag nobody sees does not hold up the others' good frame); of overload frames
+// only the one that answers a dominant last bit of the end of frame exists; a node with another bit
+// rate counts its error flag in its own bits and its delimiter in the segment's.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "emulators/can/can_controller.h"
+#include "emulators/can/can_wire_view.h"
+
+namespace rigwire::emulators {
+
+/// What is wrong with the wire during one attempt; bits from start of frame 0.
+struct CanLineState {
+  static constexpr unsigned kNoBit = ~0U;
+  unsigned inverted_bit = kNoBit;
+  unsigned short_begin = kNoBit;  ///< Recessive whatever is sent, in [short_begin, short_end).
+  unsigned short_end = kNoBit;
+
+  [[nodiscard]] bool clean() const { return inverted_bit == kNoBit && short_begin == kNoBit; }
+};
+
+struct CanHappening {
+  enum class Kind : std::uint8_t {
+    error,     ///< With a rule and a report.
+    failed,    ///< The own frame ended in the error before.
+    lost,      ///< Arbitration.
+    sent,      ///< The own frame is complete.
+    received,  ///< The frame of another is complete.
+  };
+  CanController* node = nullptr;
+  Kind kind = Kind::error;
+  CanErrorRule rule = CanErrorRule::none;
+  protocols::can::ControllerReport report;
+};
+
+class CanBitLevel {
+ public:
+  explicit CanBitLevel(std::uint32_t segment_bps) : segment_bps_(segment_bps) {}
+
+  /// Room for so many nodes.
+  void reserve(std::size_t nodes);
+  /// Begins an attempt; then add everybody who takes part, transmitters first. Nothing happens
+  /// before `first_bit`, up to which all transmitters send the same.
+  void begin(const CanLineState& line, unsigned first_bit);
+  void add_transmitter(CanController& node, const protocols::can::Frame& frame);
+  void add_receiver(CanController& node);
+
+  /// Goes on to the next bit in which something happens. False: nothing more does, and length() is
+  /// known. The happenings must have been told to their nodes before the next call.
+  [[nodiscard]] bool run();
+  [[nodiscard]] std::span<const CanHappening> happenings() const { return happenings_; }
+  /// In which they happened; the nodes know of them at its end.
+  [[nodiscard]] unsigned bit() const { return bit_ - 1; }
+  /// Bits from start of frame until the bus is free.
+  [[nodiscard]] unsigned length() const { return length_; }
+  /// Number of the transmitter whose frame receivers read, in the order of adding.
+  [[nodiscard]] std::size_t read_transmitter() const { return read_; }
+  /// The first bit after the last dominant one.
+  [[nodiscard]] unsigned recessive_from() const { return recessive_from_; }
+
+ private:
+  enum class Does : std::uint8_t {
+    transmit,
+    receive,
+    active_flag,
+    passive_flag,
+    await_recessive,  ///< Between error flag and delimiter.
+    delimiter,
+    nothing,
+  };
+  struct Party {
+    CanController* node = nullptr;
+    Does does = Does::receive;
+    bool own = false;           ///< It was the transmitter when its error occurred.
+    bool overload = false;      ///< What looks like an error flag is none: nothing is counted.
+    bool acknowledged = false;  ///< Transmitter: the slot is behind it.
+    bool unacknowledged_passive = false;  ///< Counts only if its passive flag meets a dominant bit.
+    bool first_after_flag = false;
+    unsigned count = 0;      ///< Of what it does: bits of the flag, of the delimiter, equal bits.
+    bool equal_to = true;    ///< Passive flag: the level of the equal bits counted.
+    unsigned dominants = 0;  ///< Since the own flag ended.
+    unsigned flag_bits = 6;
+    unsigned misreads_at = CanLineState::kNoBit;  ///< A receiver with another bit rate.
+    std::uint16_t view = 0;                       ///< Transmitter.
+  };
+
+  [[nodiscard]] bool busy() const;
+  [[nodiscard]] const CanWireView& read() const { return views_[read_]; }
+  void choose_what_is_read();
+  [[nodiscard]] bool sends_recessive(const Party& party) const;
+  void observe(Party& party, bool level);
+  void observe_transmitter(Party& party, bool level);
+  void observe_receiver(Party& party, bool level);
+  void observe_passive_flag(Party& party, bool level);
+  void observe_after_flag(Party& party, bool level);
+  void report_error(Party& party, protocols::can::BusError error, CanErrorRule rule,
+                    bool dominant = false);
+  void tell(Party& party, CanHappening::Kind kind);
+  void fail(Party& party);
+  void signal(Party& party);
+  void penalise(Party& party);
+  void finish(Party& party);
+
+  std::uint32_t segment_bps_;
+  CanLineState line_;
+  std::vector<Party> parties_;
+  std::vector<CanWireView> views_;  ///< Of the transmitters.
+  std::size_t read_ = 0;            ///< The one that receivers read.
+  std::vector<CanHappening> happenings_;
+  unsigned bit_ = 0;  ///< The next one.
+  unsigned run_ = 0;  ///< Equal bits on the wire, since the start of frame was seen.
+  bool last_ = true;
+  bool seen_ = false;       ///< A start of frame was on the wire.
+  bool readable_ = true;    ///< ... and in its place, by a sender with the segment's rate.
+  bool corrupted_ = false;  ///< What was read up to the CRC is not what was to be sent.
+  bool complete_ = false;   ///< A frame went well: the bus is free after its intermission.
+  unsigned length_ = 0;
+  unsigned recessive_from_ = 0;
+};
+
+}  // namespace rigwire::emulators

@@ -1,0 +1,67 @@
+// One node of a CAN bus as it is set up, and what it has counted.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "sim/samples/time.h"
+
+namespace rigwire::emulators {
+
+/// Which of its waiting frames a controller offers to the bus next. Both exist: a queue in front of
+/// one mailbox, and several mailboxes from which the most urgent identifier is chosen.
+enum class CanQueueOrder : std::uint8_t {
+  fifo,      ///< As they came: an urgent frame waits behind others (inner priority inversion).
+  priority,  ///< In the order of the arbitration field; frames with equal ones as they came.
+};
+
+/// Name of the node that stands for the client.
+inline constexpr const char* kCanOutsideName = "outside";
+
+struct CanNodeSettings {
+  std::string name{};              ///< By which faults and reports know it; may be empty.
+  std::uint32_t bit_rate_bps = 0;  ///< 10 000 .. 1 000 000; 0: the bus's.
+  std::size_t queue_frames = 0;    ///< Waiting ones, 1 .. 65536; 0: the bus's. One more is in the
+                                   ///< mailbox while it is on the wire.
+  CanQueueOrder order = CanQueueOrder::fifo;
+  bool listen_only = false;  ///< Sends nothing, acknowledges nothing, signals no errors.
+  bool one_shot = false;     ///< Tries every frame once: ISO 11898-1, retransmission disabled.
+  /// From bus-off to the beginning of the recovery, 0 .. 1 h; nullopt: only when asked.
+  std::optional<Duration> restart_after = std::chrono::milliseconds{100};
+};
+
+/// Throws std::invalid_argument with the quantity, the value found and what is allowed.
+void validate(const CanNodeSettings& settings);
+
+struct CanErrorCounts {
+  std::uint64_t bit = 0;
+  std::uint64_t stuff = 0;
+  std::uint64_t form = 0;
+  std::uint64_t crc = 0;
+  std::uint64_t acknowledgement = 0;
+
+  friend bool operator==(const CanErrorCounts&, const CanErrorCounts&) = default;
+};
+
+/// At every instant offered = sent + overflowed + abandoned + queued.
+struct CanNodeCounters {
+  std::uint64_t offered = 0;             ///< Frames that the host wanted to send.
+  std::uint64_t sent = 0;                ///< Frames that left completely.
+  std::uint64_t overflowed = 0;          ///< Frames lost because the queue was full.
+  std::uint64_t abandoned = 0;           ///< Given up: one-shot, bus-off, closed, listen-only.
+  std::uint64_t queued = 0;              ///< Waiting or on the wire now.
+  std::uint64_t received = 0;            ///< Frames of others, complete and without error.
+  std::uint64_t retransmissions = 0;     ///< Attempts after one that an error ended.
+  std::uint64_t arbitration_losses = 0;  ///< Attempts that a more urgent frame ended.
+  std::uint64_t bus_offs = 0;
+  CanErrorCounts errors;     ///< That this node detected, in own and in others' frames.
+  Duration longest_wait{0};  ///< Of frames sent: from wanting to the start of the frame.
+
+  friend bool operator==(const CanNodeCounters&, const CanNodeCounters&) = default;
+};
+
+}  // namespace rigwire::emulators

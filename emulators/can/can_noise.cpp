@@ -1,0 +1,88 @@
+#include "emulators/can/can_noise.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rigwire::emulators {
+namespace {
+
+/// The first bit of the attempt that begins at `instant` or later; far ones are cut.
+unsigned bit_from(const CanBitClock& clock, SimTime instant) {
+  if (instant <= clock.now()) {
+    return 0;
+  }
+  const Duration span = instant - clock.now();
+  const auto bit = static_cast<unsigned>(clock.bits_in(span));
+  return clock.after(bit) < instant ? bit + 1 : bit;
+}
+
+}  // namespace
+
+CanNoise::CanNoise(const CanBusFaults& faults) {
+  std::uint64_t seed = faults.seed;
+  for (const CanBusFault& fault : faults.list) {
+    if (fault.kind == CanBusFaultKind::bit_errors || fault.kind == CanBusFaultKind::disturbance ||
+        fault.kind == CanBusFaultKind::short_circuit) {
+      sources_.push_back({fault, SplitMix(SplitMix(seed).bits())});
+      draw_gap(sources_.back());
+    }
+    ++seed;
+  }
+}
+
+/// Geometric distribution of the good bits between two errors.
+void CanNoise::draw_gap(Source& source) {
+  if (source.fault.kind == CanBusFaultKind::bit_errors) {
+    const double gap =
+        std::floor(std::log(source.random.uniform()) / std::log1p(-source.fault.probability));
+    source.good_bits_left = static_cast<std::uint64_t>(std::min(gap, 1e18));
+  }
+}
+
+CanLineState CanNoise::attempt(const CanBitClock& clock, unsigned bits) {
+  CanLineState line;
+  for (Source& source : sources_) {
+    const SimTime begin = kStart + source.fault.begin;
+    const SimTime end = kStart + source.fault.end;
+    if (end <= clock.now() || begin >= clock.after(bits)) {
+      continue;
+    }
+    const unsigned first = bit_from(clock, begin);
+    const unsigned behind = bit_from(clock, end);
+    unsigned inverted = CanLineState::kNoBit;
+    switch (source.fault.kind) {
+      case CanBusFaultKind::bit_errors:
+        if (first > 0) {
+          break;
+        }
+        if (source.good_bits_left >= bits) {
+          source.good_bits_left -= bits;
+        } else {
+          inverted = static_cast<unsigned>(source.good_bits_left);
+          draw_gap(source);
+        }
+        break;
+      case CanBusFaultKind::disturbance: {
+        const unsigned last = std::min(behind, bits);
+        if (source.fault.bit) {
+          const unsigned bit = *source.fault.bit;
+          inverted = bit >= first && bit < last ? bit : inverted;
+        } else if (first < last) {
+          inverted = first + source.random.below(last - first);
+        }
+        break;
+      }
+      case CanBusFaultKind::short_circuit:
+        line.short_begin = std::min(line.short_begin, first);
+        line.short_end =
+            line.short_end == CanLineState::kNoBit ? behind : std::max(line.short_end, behind);
+        break;
+      default:
+        break;
+    }
+    line.inverted_bit = std::min(line.inverted_bit, inverted);
+  }
+  return line;
+}
+
+}  // namespace rigwire::emulators

@@ -1,0 +1,292 @@
+#include "emulators/canopen/canopen_node.h"
+
+#include <algorithm>
+
+namespace rigwire::emulators {
+
+namespace canopen = protocols::canopen;
+namespace object = protocols::canopen::object;
+using canopen::NetworkCommand;
+using canopen::NodeState;
+using canopen::ObjectAddress;
+using protocols::can::Frame;
+
+namespace {
+
+constexpr std::uint16_t kLastCommunicationIndex = 0x1FFF;
+constexpr std::uint16_t kLastIndex = 0xFFFF;
+constexpr Duration kMillisecond = std::chrono::milliseconds{1};
+constexpr Duration kInhibitUnit = std::chrono::microseconds{100};
+
+bool on_event(std::int64_t type) {
+  return type == canopen::kOnChange || type == canopen::kOnTimer;
+}
+
+}  // namespace
+
+CanopenNode::CanopenNode(const CanopenNodeSettings& settings, ObjectDictionary& dictionary,
+                         CanopenProfile& profile, NonvolatileMemory& memory, FrameOutput& output)
+    : settings_(settings),
+      dictionary_(dictionary),
+      profile_(profile),
+      memory_(memory),
+      output_(output) {}
+
+void CanopenNode::power(SimTime now, bool on) {
+  powered_ = on;
+  if (on) {
+    reset(now, kLastIndex);
+  } else {
+    state_ = NodeState::initialising;
+    boot_ = heartbeat_ = kNever;
+    pdos_ = {};
+  }
+}
+
+void CanopenNode::reset(SimTime now, std::uint16_t last_index) {
+  const auto block = restore_ ? std::span<const std::uint8_t>{} : memory_.content();
+  const std::uint16_t first = last_index == kLastCommunicationIndex ? 0x1000 : 0;
+  dictionary_.load(block, first, last_index);
+  server_.reset();
+  pdos_ = {};
+  state_ = NodeState::initialising;
+  heartbeat_ = kNever;
+  boot_ = now + settings_.boot;
+}
+
+SimTime CanopenNode::next_event() const {
+  SimTime next = std::min(boot_, heartbeat_);
+  for (const Pdo& pdo : pdos_) {
+    next = std::min(next, pdo.timer);
+    if (pdo.pending) {
+      next = std::min(next, pdo.allowed);
+    }
+  }
+  return next;
+}
+
+void CanopenNode::advance(SimTime now) {
+  for (SimTime instant = next_event(); instant <= now; instant = next_event()) {
+    if (boot_ == instant) {
+      boot_ = kNever;
+      send(instant, canopen::make_heartbeat(settings_.node_id, NodeState::initialising));
+      enter(instant, settings_.starts_itself ? NodeState::operational : NodeState::pre_operational);
+      const std::int64_t period = dictionary_.value(object::kHeartbeatTime);
+      heartbeat_ = period > 0 ? instant + period * kMillisecond : kNever;
+      continue;
+    }
+    if (heartbeat_ == instant) {
+      heartbeat_ += dictionary_.value(object::kHeartbeatTime) * kMillisecond;
+      send(instant, canopen::make_heartbeat(settings_.node_id, state_));
+      continue;
+    }
+    for (std::size_t i = 0; i < pdos_.size(); ++i) {
+      Pdo& pdo = pdos_[i];
+      if (pdo.timer == instant || (pdo.pending && pdo.allowed <= instant)) {
+        if (pdo.timer == instant) {
+          start_timer(instant, i);
+        }
+        send_pdo(instant, i);
+      }
+    }
+  }
+}
+
+void CanopenNode::enter(SimTime now, NodeState state) {
+  const bool starts = state == NodeState::operational && state_ != NodeState::operational;
+  state_ = state;
+  if (state == NodeState::stopped) {
+    server_.reset();
+  }
+  for (std::size_t i = 0; i < pdos_.size(); ++i) {
+    if (state != NodeState::operational) {
+      pdos_[i] = {};
+    } else if (starts && on_event(pdo_parameter(i, canopen::kPdoType))) {
+      start_timer(now, i);
+      send_pdo(now, i);
+    }
+  }
+}
+
+void CanopenNode::start_timer(SimTime now, std::size_t pdo) {
+  const std::int64_t period = pdo_parameter(pdo, canopen::kPdoEventTimer_ms);
+  const bool runs = state_ == NodeState::operational && period > 0 &&
+                    on_event(pdo_parameter(pdo, canopen::kPdoType));
+  pdos_[pdo].timer = runs ? now + period * kMillisecond : kNever;
+}
+
+std::int64_t CanopenNode::pdo_parameter(std::size_t pdo, std::uint8_t sub) const {
+  return dictionary_.value({static_cast<std::uint16_t>(object::kTransmitPdo + pdo), sub});
+}
+
+void CanopenNode::obey(SimTime now, NetworkCommand command) {
+  switch (command) {
+    case NetworkCommand::start:
+      enter(now, NodeState::operational);
+      break;
+    case NetworkCommand::stop:
+      enter(now, NodeState::stopped);
+      break;
+    case NetworkCommand::enter_pre_operational:
+      enter(now, NodeState::pre_operational);
+      break;
+    case NetworkCommand::reset_node:
+      reset(now, kLastIndex);
+      break;
+    case NetworkCommand::reset_communication:
+      reset(now, kLastCommunicationIndex);
+      break;
+  }
+}
+
+void CanopenNode::receive(SimTime now, const Frame& frame) {
+  advance(now);
+  received_.bytes += frame.length <= 8 ? frame.payload().size() : 0U;
+  if (frame.length > 8) {
+    ++received_.malformed;
+    return;
+  }
+  if (!powered_ || boot_ != kNever || frame.extended) {
+    ++received_.ignored;
+    return;
+  }
+  const std::uint32_t node = settings_.node_id;
+  if (frame.id == canopen::kHeartbeatBase + node || frame.id == canopen::kSdoAnswerBase + node) {
+    ++duplicates_;
+    ++received_.ignored;
+  } else if (frame.id == canopen::kNetworkManagementId) {
+    const auto request = canopen::decode_network_request(frame);
+    if (!request) {
+      ++received_.malformed;
+    } else if (request->node_id == canopen::kAllNodes || request->node_id == node) {
+      ++received_.accepted;
+      obey(now, request->command);
+    } else {
+      ++received_.ignored;
+    }
+  } else if (frame.id ==
+                 static_cast<std::uint32_t>(dictionary_.value(object::kSynchronisationId)) &&
+             !frame.remote) {
+    ++received_.accepted;
+    synchronise(now);
+  } else if (frame.id == canopen::kSdoRequestBase + node && state_ != NodeState::stopped) {
+    const auto request = canopen::decode_sdo_request(frame.payload());
+    if (frame.remote || !request.ok()) {
+      ++received_.malformed;
+      return;
+    }
+    ++received_.accepted;
+    if (const auto answer = server_.answer(now, *request, *this)) {
+      send(now, canopen::make_frame(canopen::kSdoAnswerBase + node, *answer));
+    }
+  } else {
+    ++received_.ignored;
+  }
+}
+
+void CanopenNode::synchronise(SimTime now) {
+  if (state_ != NodeState::operational) {
+    return;
+  }
+  for (std::size_t i = 0; i < pdos_.size(); ++i) {
+    const std::int64_t type = pdo_parameter(i, canopen::kPdoType);
+    Pdo& pdo = pdos_[i];
+    if (type == canopen::kAcyclicSynchronous) {
+      std::array<std::uint8_t, 8> payload{};
+      if (fill(i, payload) != pdo.length || payload != pdo.sent) {
+        send_pdo(now, i);
+      }
+    } else if (type <= canopen::kGreatestSynchronous && ++pdo.syncs >= type) {
+      pdo.syncs = 0;
+      send_pdo(now, i);
+    }
+  }
+}
+
+void CanopenNode::changed(SimTime now) {
+  if (state_ != NodeState::operational) {
+    return;
+  }
+  for (std::size_t i = 0; i < pdos_.size(); ++i) {
+    std::array<std::uint8_t, 8> payload{};
+    if (pdo_parameter(i, canopen::kPdoType) == canopen::kOnChange &&
+        (fill(i, payload) != pdos_[i].length || payload != pdos_[i].sent)) {
+      send_pdo(now, i);
+    }
+  }
+}
+
+std::uint8_t CanopenNode::fill(std::size_t pdo, std::array<std::uint8_t, 8>& payload) const {
+  const auto mapping = static_cast<std::uint16_t>(object::kTransmitMapping + pdo);
+  const std::int64_t entries = dictionary_.value({mapping, 0});
+  std::size_t length = 0;
+  for (std::uint8_t i = 1; i <= entries; ++i) {
+    const auto word = static_cast<std::uint32_t>(dictionary_.value({mapping, i}));
+    const ObjectAddress address{static_cast<std::uint16_t>(word >> 16U),
+                                static_cast<std::uint8_t>((word >> 8U) & 0xFFU)};
+    const canopen::ObjectEntry* entry = dictionary_.find(address);
+    const std::size_t bytes = entry == nullptr ? 0 : canopen::size_of(entry->type);
+    if (bytes == 0 || length + bytes > payload.size()) {
+      break;
+    }
+    canopen::store(entry->type, std::span(payload).subspan(length, bytes), number(address));
+    length += bytes;
+  }
+  return static_cast<std::uint8_t>(length);
+}
+
+void CanopenNode::send_pdo(SimTime now, std::size_t index) {
+  const auto identifier = static_cast<std::uint32_t>(pdo_parameter(index, canopen::kPdoId));
+  Pdo& pdo = pdos_[index];
+  if ((identifier & canopen::kCobInvalid) != 0) {
+    pdo.pending = false;
+    return;
+  }
+  pdo.pending = now < pdo.allowed;
+  if (pdo.pending) {
+    return;
+  }
+  pdo.sent = {};
+  pdo.length = fill(index, pdo.sent);
+  pdo.allowed = now + pdo_parameter(index, canopen::kPdoInhibit_100us) * kInhibitUnit;
+  send(now, canopen::make_frame(identifier, std::span(pdo.sent).first(pdo.length)));
+}
+
+void CanopenNode::report_error(SimTime now, std::uint16_t code, std::uint8_t error_register) {
+  dictionary_.set(object::kErrorRegister, error_register);
+  if (code != 0) {
+    constexpr auto kEntries = static_cast<std::uint8_t>(canopen::kErrorFieldEntries);
+    for (std::uint8_t sub = kEntries; sub > 1; --sub) {
+      dictionary_.set({object::kErrorField, sub},
+                      dictionary_.value({object::kErrorField, static_cast<std::uint8_t>(sub - 1)}));
+    }
+    dictionary_.set({object::kErrorField, 1}, code);
+    const std::int64_t count = dictionary_.value({object::kErrorField, 0});
+    dictionary_.set({object::kErrorField, 0}, std::min<std::int64_t>(count + 1, kEntries));
+  }
+  const auto identifier = static_cast<std::uint32_t>(dictionary_.value(object::kEmergencyId));
+  const bool speaks = state_ == NodeState::operational || state_ == NodeState::pre_operational;
+  if (speaks && (identifier & canopen::kCobInvalid) == 0) {
+    send(now, canopen::make_emergency(identifier, {code, error_register, 0}));
+  }
+}
+
+double CanopenNode::nominal_rate_hz() const {
+  const auto rate = [](std::int64_t period_ms) {
+    return period_ms > 0 ? 1e3 / static_cast<double>(period_ms) : 0.0;
+  };
+  double sum = rate(dictionary_.value(object::kHeartbeatTime));
+  for (std::size_t i = 0; i < pdos_.size(); ++i) {
+    const auto identifier = static_cast<std::uint32_t>(pdo_parameter(i, canopen::kPdoId));
+    if ((identifier & canopen::kCobInvalid) == 0 && on_event(pdo_parameter(i, canopen::kPdoType))) {
+      sum += rate(pdo_parameter(i, canopen::kPdoEventTimer_ms));
+    }
+  }
+  return sum;
+}
+
+void CanopenNode::send(SimTime now, const Frame& frame) {
+  output_.send(now + settings_.processing_delay, frame);
+}
+
+}  // namespace rigwire::emulators

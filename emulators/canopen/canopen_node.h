@@ -1,0 +1,124 @@
+// A CANopen slave: boot-up, network management, SDO server, heartbeat, emergency, transmit PDOs and
+// parameters that can be saved. What the device is comes from its profile.
+//
+// Source: CiA 301 V4.2.0, 7.2 and 7.3. Life: `boot` after power-on the node sends its boot-up
+// message and is pre-operational (operational at once when it starts by itself). SDOs are served in
+// both states, PDOs sent when operational only, heartbeats always. A PDO of type
+//   0         is sent after a SYNC when what it carries has changed
+//   1..240    after each so many SYNCs
+//   254       when what it carries has changed, and when its event timer elapses
+//   255       when its event timer elapses
+// and in the last two cases also when the node becomes operational. Inhibit times hold. Node
+// guarding, remote requests, receive PDOs and block transfer are not there; LSS neither.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "emulators/canopen/object_dictionary.h"
+#include "emulators/canopen/sdo_server.h"
+#include "emulators/device.h"
+#include "protocols/canopen/identifiers.h"
+
+namespace rigwire::emulators {
+
+/// What a device profile adds to a node.
+class CanopenProfile {
+ public:
+  virtual ~CanopenProfile() = default;
+  /// The present value of a read-only entry that is not in the dictionary; else nothing.
+  [[nodiscard]] virtual std::optional<std::int64_t> live(
+      protocols::canopen::ObjectAddress address) const = 0;
+  /// The text of a string entry.
+  [[nodiscard]] virtual std::string_view text(protocols::canopen::ObjectAddress address) const = 0;
+  /// A client writes a value within the entry's limits. Nothing: taken, the dictionary holds it.
+  [[nodiscard]] virtual std::optional<protocols::canopen::SdoAbort> write(
+      protocols::canopen::ObjectAddress address, std::int64_t value) = 0;
+};
+
+struct CanopenNodeSettings {
+  std::uint8_t node_id = 1;                        ///< 1..127.
+  Duration boot = std::chrono::milliseconds{200};  ///< From power-on to the boot-up message.
+  Duration processing_delay = std::chrono::microseconds{200};  ///< From an event to the frame.
+  bool starts_itself = false;  ///< Operational without a master's command.
+};
+
+class CanopenNode final : private SdoObjects {
+ public:
+  /// All must outlive the node.
+  CanopenNode(const CanopenNodeSettings& settings, ObjectDictionary& dictionary,
+              CanopenProfile& profile, NonvolatileMemory& memory, FrameOutput& output);
+
+  /// The supply comes or goes. The node is off when made.
+  void power(SimTime now, bool on);
+
+  void advance(SimTime now);
+  [[nodiscard]] SimTime next_event() const;
+  void receive(SimTime now, const protocols::can::Frame& frame);
+  /// A mappable object may have another value now.
+  void changed(SimTime now);
+  /// A new error (code other than 0) or none any more.
+  void report_error(SimTime now, std::uint16_t code, std::uint8_t error_register);
+
+  [[nodiscard]] protocols::canopen::NodeState state() const { return state_; }
+  [[nodiscard]] bool powered() const { return powered_; }
+  [[nodiscard]] const ReceiveCounters& received() const { return received_; }
+  /// Frames with an identifier that is this node's own to send: somebody has the same node-ID.
+  [[nodiscard]] std::uint64_t duplicates() const { return duplicates_; }
+  /// PDOs on timers and heartbeats per second, as set and operational.
+  [[nodiscard]] double nominal_rate_hz() const;
+
+ private:
+  struct Pdo {
+    SimTime timer = kNever;    ///< Event timer elapses.
+    SimTime allowed = kStart;  ///< Inhibit time ends.
+    bool pending = false;      ///< Waits for `allowed`.
+    unsigned syncs = 0;        ///< Since it was sent.
+    std::uint8_t length = 0;   ///< Of what was sent last.
+    std::array<std::uint8_t, 8> sent{};
+  };
+
+  [[nodiscard]] std::optional<protocols::canopen::SdoAbort> read(
+      protocols::canopen::ObjectAddress address, SdoValue& value) const override;
+  [[nodiscard]] std::optional<protocols::canopen::SdoAbort> write(
+      SimTime now, protocols::canopen::ObjectAddress address, std::span<const std::uint8_t> data,
+      bool sized) override;
+
+  [[nodiscard]] std::int64_t number(protocols::canopen::ObjectAddress address) const;
+  [[nodiscard]] std::optional<protocols::canopen::SdoAbort> check(
+      protocols::canopen::ObjectAddress address, std::int64_t value) const;
+  [[nodiscard]] std::optional<protocols::canopen::SdoAbort> check_pdo(
+      protocols::canopen::ObjectAddress address, std::int64_t value) const;
+  [[nodiscard]] std::optional<protocols::canopen::SdoAbort> check_mapping(
+      protocols::canopen::ObjectAddress address, std::int64_t value) const;
+  [[nodiscard]] std::optional<protocols::canopen::SdoAbort> command(
+      protocols::canopen::ObjectAddress address, std::int64_t value);
+  void reset(SimTime now, std::uint16_t last_index);
+  void enter(SimTime now, protocols::canopen::NodeState state);
+  void obey(SimTime now, protocols::canopen::NetworkCommand command);
+  void synchronise(SimTime now);
+  void start_timer(SimTime now, std::size_t pdo);
+  [[nodiscard]] std::int64_t pdo_parameter(std::size_t pdo, std::uint8_t sub) const;
+  std::uint8_t fill(std::size_t pdo, std::array<std::uint8_t, 8>& payload) const;
+  void send_pdo(SimTime now, std::size_t pdo);
+  void send(SimTime now, const protocols::can::Frame& frame);
+
+  CanopenNodeSettings settings_;
+  ObjectDictionary& dictionary_;
+  CanopenProfile& profile_;
+  NonvolatileMemory& memory_;
+  FrameOutput& output_;
+  SdoServer server_;
+  bool powered_ = false;
+  bool restore_ = false;  ///< The next reset forgets what was saved.
+  protocols::canopen::NodeState state_ = protocols::canopen::NodeState::initialising;
+  SimTime boot_ = kNever;
+  SimTime heartbeat_ = kNever;
+  std::array<Pdo, protocols::canopen::kTransmitPdos> pdos_;
+  ReceiveCounters received_;
+  std::uint64_t duplicates_ = 0;
+};
+
+}  // namespace rigwire::emulators

@@ -1,0 +1,53 @@
+// The values of a node's object dictionary: what they are at power-on, what may be written, what
+// outlives the supply. The rows are the device's table (protocols/canopen).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "emulators/nonvolatile_memory.h"
+#include "protocols/canopen/object_entry.h"
+#include "protocols/canopen/rotary_encoder.h"
+
+namespace rigwire::emulators {
+
+class ObjectDictionary {
+ public:
+  /// `table` must be sorted and outlive the dictionary. Values are those of delivery.
+  ObjectDictionary(std::span<const protocols::canopen::ObjectEntry> table, std::uint8_t node_id);
+
+  [[nodiscard]] const protocols::canopen::ObjectEntry* find(
+      protocols::canopen::ObjectAddress address) const {
+    return protocols::canopen::find(table_, address);
+  }
+  [[nodiscard]] bool has_object(std::uint16_t index) const {
+    return protocols::canopen::has_object(table_, index);
+  }
+
+  /// Precondition of both: the address is in the table.
+  [[nodiscard]] std::int64_t value(protocols::canopen::ObjectAddress address) const {
+    return values_[row(address)];
+  }
+  void set(protocols::canopen::ObjectAddress address, std::int64_t value) {
+    values_[row(address)] = value;
+  }
+  /// What the entry is at delivery from now on; also sets it.
+  void set_delivered(protocols::canopen::ObjectAddress address, std::int64_t value);
+
+  /// What to hand to NonvolatileMemory::store.
+  [[nodiscard]] std::vector<std::uint8_t> saved() const;
+  /// All entries of `first`..`last` as delivered, then as saved in `block`; what does not fit is
+  /// left as delivered.
+  void load(std::span<const std::uint8_t> block, std::uint16_t first, std::uint16_t last);
+
+ private:
+  [[nodiscard]] std::size_t row(protocols::canopen::ObjectAddress address) const;
+
+  std::span<const protocols::canopen::ObjectEntry> table_;
+  std::vector<std::int64_t> delivered_;
+  std::vector<std::int64_t> values_;
+};
+
+}  // namespace rigwire::emulators

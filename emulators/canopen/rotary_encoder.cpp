@@ -1,0 +1,235 @@
+#include "emulators/canopen/rotary_encoder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+namespace rigwire::emulators {
+
+namespace canopen = protocols::canopen;
+namespace object = protocols::canopen::object;
+using canopen::EncoderAlarm;
+using canopen::EncoderOperation;
+using canopen::ObjectAddress;
+
+namespace {
+
+constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+constexpr std::uint32_t kSingleTurn = 0x0001'0196;  // profile 406
+constexpr std::uint32_t kMultiTurn = 0x0002'0196;
+constexpr std::uint32_t kRevision = 0x0001'0000;
+constexpr std::uint16_t kHardwareError = 0x5000;
+constexpr std::uint8_t kGenericError = 0x81;  // bit 0 generic, bit 7 of the maker
+constexpr std::uint8_t kLeastBits = 13;
+constexpr std::uint8_t kMostBits = 16;
+
+void refuse(const std::string& what) {
+  throw std::invalid_argument("CiA 406 encoder: " + what);
+}
+
+const RotaryEncoderSettings& checked(const RotaryEncoderSettings& settings) {
+  validate(settings);
+  return settings;
+}
+
+std::int64_t modulo(std::int64_t value, std::int64_t range) {
+  const std::int64_t rest = value % range;
+  return rest < 0 ? rest + range : rest;
+}
+
+}  // namespace
+
+void validate(const RotaryEncoderSettings& settings) {
+  const auto number = [](auto value) { return std::to_string(value); };
+  if (settings.node.node_id < 1 || settings.node.node_id > canopen::kGreatestNodeId) {
+    refuse("node_id is " + number(settings.node.node_id) + ", allowed is 1 .. 127");
+  }
+  if (settings.resolution_bits < kLeastBits || settings.resolution_bits > kMostBits) {
+    refuse("resolution is " + number(settings.resolution_bits) + " bits, allowed is 13 .. 16");
+  }
+  if (settings.revolutions < 1 || settings.revolutions > 32768) {
+    refuse("revolutions is " + number(settings.revolutions) + ", allowed is 1 .. 32768");
+  }
+  if (settings.transmission_type > canopen::kGreatestSynchronous &&
+      settings.transmission_type < canopen::kOnChange) {
+    refuse("transmission_type is " + number(settings.transmission_type) +
+           ", allowed are 0 .. 240, 254, 255");
+  }
+  if (!std::isfinite(settings.offset_rad)) {
+    refuse("offset is not a finite number");
+  }
+  if (settings.sampling < std::chrono::microseconds{100} ||
+      settings.sampling > std::chrono::seconds{1}) {
+    refuse("sampling is " + number(settings.sampling.count()) + " ns, allowed is 100 us .. 1 s");
+  }
+  if (settings.node.boot < Duration{0} || settings.node.processing_delay < Duration{0}) {
+    refuse("boot and processing_delay must not be negative");
+  }
+  validate(settings.supply);
+}
+
+RotaryEncoder::RotaryEncoder(const RotaryEncoderSettings& settings, NonvolatileMemory& memory,
+                             FrameOutput& output)
+    : settings_(checked(settings)),
+      dictionary_(canopen::rotary_encoder_objects(), settings.node.node_id),
+      node_(settings.node, dictionary_, *this, memory, output),
+      supply_(settings.supply) {
+  const std::int64_t range = steps() * settings_.revolutions;
+  dictionary_.set_delivered(object::kDeviceType,
+                            settings_.revolutions > 1 ? kMultiTurn : kSingleTurn);
+  dictionary_.set_delivered(object::kOperatingParameters,
+                            settings_.counter_clockwise ? EncoderOperation::kCounterClockwise : 0);
+  dictionary_.set_delivered(object::kUnitsPerRevolution, steps());
+  dictionary_.set_delivered(object::kTotalRange, range);
+  dictionary_.set_delivered(object::kSingleTurnResolution, steps());
+  dictionary_.set_delivered(object::kRevolutions, settings_.revolutions);
+  dictionary_.set_delivered({object::kTransmitPdo, canopen::kPdoEventTimer_ms},
+                            settings_.event_timer_ms);
+  dictionary_.set_delivered({object::kTransmitPdo, canopen::kPdoType}, settings_.transmission_type);
+  dictionary_.set_delivered(object::kHeartbeatTime, settings_.heartbeat_ms);
+  dictionary_.set_delivered({0x1018, 1}, settings_.vendor);
+  dictionary_.set_delivered({0x1018, 2}, settings_.resolution_bits);
+  dictionary_.set_delivered({0x1018, 3}, kRevision);
+  dictionary_.set_delivered(object::kSerialNumber, settings_.serial);
+  dictionary_.set_delivered(object::kEncoderSerial, settings_.serial);
+  const double step_rad = kTurn_rad / static_cast<double>(steps());
+  const double speed_radps = step_rad * std::numeric_limits<std::int16_t>::max();
+  quantities_ = {{{"position", "rad", 0.0, kTurn_rad * settings_.revolutions, step_rad},
+                  {"speed", "rad/s", -speed_radps, speed_radps, step_rad}}};
+}
+
+std::vector<protocols::can::MessageLayout> RotaryEncoder::messages(std::string_view name) const {
+  auto list = canopen::rotary_encoder_layouts(settings_.node.node_id);
+  for (auto& layout : list) {
+    layout.sender = name;
+    if (layout.id == canopen::kTransmitPdo1Base + settings_.node.node_id) {
+      layout.period_ms = settings_.event_timer_ms;
+    } else if (layout.id == canopen::kHeartbeatBase + settings_.node.node_id) {
+      layout.period_ms = settings_.heartbeat_ms;
+    }
+  }
+  return list;
+}
+
+SamplePlan RotaryEncoder::sample_plan() const {
+  return {kStart + settings_.supply.power_on, settings_.sampling};
+}
+
+SimTime RotaryEncoder::next_event() const {
+  return std::min(supply_.next_change(), node_.next_event());
+}
+
+void RotaryEncoder::advance(SimTime now) {
+  for (; supply_.next_change() <= now;) {
+    const SimTime instant = supply_.next_change();
+    node_.advance(instant);
+    supply_.change();
+    node_.power(instant, supply_.on());
+    powered_since_ = instant;
+    faulty_ = false;
+    evaluate();
+  }
+  node_.advance(now);
+  now_ = now;
+}
+
+void RotaryEncoder::receive(SimTime now, const protocols::can::Frame& frame) {
+  advance(now);
+  node_.receive(now, frame);
+  evaluate();
+}
+
+void RotaryEncoder::update(const EncoderSample& sample) {
+  advance(sample.time);
+  const bool faulty = !std::isfinite(sample.angle_rad) || !std::isfinite(sample.rate_radps);
+  if (!faulty) {
+    angle_rad_ = sample.angle_rad;
+    rate_radps_ = sample.rate_radps;
+    evaluate();
+  }
+  if (faulty != faulty_ && node_.powered()) {
+    faulty_ = faulty;
+    node_.report_error(sample.time, faulty ? kHardwareError : 0, faulty ? kGenericError : 0);
+  }
+  node_.changed(sample.time);
+}
+
+RotaryEncoder::Scale RotaryEncoder::scale() const {
+  const std::int64_t operation = dictionary_.value(object::kOperatingParameters);
+  if ((operation & EncoderOperation::kScaling) == 0) {
+    return {operation, steps(), steps() * settings_.revolutions};
+  }
+  return {operation, dictionary_.value(object::kUnitsPerRevolution),
+          dictionary_.value(object::kTotalRange)};
+}
+
+std::int64_t RotaryEncoder::units(const Scale& scale) const {
+  const double sign = (scale.operation & EncoderOperation::kCounterClockwise) != 0 ? 1.0 : -1.0;
+  const double exact =
+      sign * (angle_rad_ - settings_.offset_rad) / kTurn_rad * static_cast<double>(steps());
+  const std::int64_t step = modulo(std::llround(exact), steps() * settings_.revolutions);
+  return modulo(step * scale.units_per_revolution / steps(), scale.total_range);
+}
+
+void RotaryEncoder::evaluate() {
+  const Scale present = scale();
+  const std::int64_t offset = dictionary_.value(object::kOffset);
+  position_ = static_cast<std::uint32_t>(modulo(units(present) + offset, present.total_range));
+}
+
+std::optional<std::int64_t> RotaryEncoder::live(ObjectAddress address) const {
+  constexpr std::int64_t kTenthOfAnHour_s = 360;
+  if (address == object::kPosition) {
+    return position_;
+  }
+  if (address == object::kSpeed) {
+    const Scale present = scale();
+    const double sign = (present.operation & EncoderOperation::kCounterClockwise) != 0 ? 1.0 : -1.0;
+    const double speed =
+        sign * rate_radps_ / kTurn_rad * static_cast<double>(present.units_per_revolution);
+    return std::llround(std::clamp(speed, -32768.0, 32767.0));
+  }
+  if (address == object::kOperatingStatus) {
+    return dictionary_.value(object::kOperatingParameters);
+  }
+  if (address == object::kAlarms) {
+    return faulty_ ? EncoderAlarm::kPosition : 0;
+  }
+  if (address == object::kOperatingTime) {
+    return (now_ - powered_since_) / std::chrono::seconds{kTenthOfAnHour_s};
+  }
+  if (address == object::kCyclicTimer) {
+    return dictionary_.value({object::kTransmitPdo, canopen::kPdoEventTimer_ms});
+  }
+  return std::nullopt;
+}
+
+std::string_view RotaryEncoder::text(ObjectAddress address) const {
+  if (address == object::kDeviceName) {
+    return settings_.revolutions > 1 ? "Multi-turn absolute encoder"
+                                     : "Single-turn absolute encoder";
+  }
+  return address == object::kHardwareVersion ? "1.00" : "1.0.0";
+}
+
+std::optional<canopen::SdoAbort> RotaryEncoder::write(ObjectAddress address, std::int64_t value) {
+  if (address == object::kCyclicTimer) {
+    dictionary_.set({object::kTransmitPdo, canopen::kPdoEventTimer_ms}, value);
+  } else if (address == object::kUnitsPerRevolution && value > steps()) {
+    return canopen::SdoAbort::value_too_high;
+  } else if (address == object::kTotalRange && value > steps() * settings_.revolutions) {
+    return canopen::SdoAbort::value_too_high;
+  } else if (address == object::kPreset) {
+    const Scale present = scale();
+    if (value >= present.total_range) {
+      return canopen::SdoAbort::value_too_high;
+    }
+    dictionary_.set(object::kOffset, value - units(present));
+    position_ = static_cast<std::uint32_t>(value);
+  }
+  return std::nullopt;
+}
+
+}  // namespace rigwire::emulators

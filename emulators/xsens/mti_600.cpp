@@ -1,0 +1,292 @@
+#include "emulators/xsens/mti_600.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+namespace rigwire::emulators {
+
+namespace xsens = protocols::xsens;
+using xsens::MessageId;
+using xsens::StatusBit;
+
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kGravity_mps2 = 9.80665;
+constexpr double kPeriod_s = 1.0 / kMtiSamplesPerSecond;
+
+void refuse(const std::string& what) {
+  throw std::invalid_argument("Xsens MTi-600: " + what);
+}
+
+const MtiSettings& checked(const MtiSettings& settings) {
+  validate(settings);
+  return settings;
+}
+
+bool finite(const Triad& v) {
+  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+}
+
+/// Clamps, and gives the mark of each clamped component, the x component's mark being `first`.
+std::uint32_t clamp(Triad& values, double range, std::uint32_t first) {
+  std::uint32_t marks = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::abs(values[i]) > range) {
+      marks |= first << i;
+      values[i] = std::clamp(values[i], -range, range);
+    }
+  }
+  return marks;
+}
+
+/// Sent even when the elements have failed.
+bool is_housekeeping(MessageId id) {
+  return id == MessageId::sample_time || id == MessageId::group_counter || id == MessageId::utc ||
+         id == MessageId::status_word;
+}
+
+constexpr double kRateCount_radps = 1.0 / 512.0;
+constexpr double kForceCount_mps2 = 1.0 / 256.0;
+constexpr Quantity rate(std::string_view name) {
+  return {name, "rad/s", -64.0, 64.0 - kRateCount_radps, kRateCount_radps};
+}
+constexpr Quantity force(std::string_view name) {
+  return {name, "m/s2", -128.0, 128.0 - kForceCount_mps2, kForceCount_mps2};
+}
+constexpr std::array<Quantity, 9> kQuantities{{{"roll", "deg", -180.0, 180.0, 1.0 / 128.0},
+                                               {"pitch", "deg", -90.0, 90.0, 1.0 / 128.0},
+                                               {"yaw", "deg", -180.0, 180.0, 1.0 / 128.0},
+                                               rate("rate of turn x"),
+                                               rate("rate of turn y"),
+                                               rate("rate of turn z"),
+                                               force("acceleration x"),
+                                               force("acceleration y"),
+                                               force("acceleration z")}};
+
+}  // namespace
+
+void validate(const MtiSettings& settings) {
+  for (std::size_t i = 0; i < kMtiOutputs.size(); ++i) {
+    const MtiOutput& output = settings.outputs[i];
+    if (output.id != kMtiOutputs[i].id) {
+      refuse("outputs are not in the order of kMtiOutputs");
+    }
+    if (output.divider != 0 && kMtiSamplesPerSecond % output.divider != 0) {
+      refuse(std::string(xsens::message(output.id).name) + " has the divider " +
+             std::to_string(output.divider) + ", allowed are 0 and the divisors of 400");
+    }
+  }
+  if (!(settings.rate_range_radps > 0.0) || !(settings.acceleration_range_mps2 > 0.0) ||
+      !(settings.magnetic_range_t > 0.0) || !(settings.magnetic_reference_t > 0.0)) {
+    refuse("ranges and the magnetic reference must be greater than 0");
+  }
+  if (!std::isfinite(settings.heading_rad)) {
+    refuse("heading is not a finite number");
+  }
+  if (!(settings.pressure_pa >= 0.0) || settings.pressure_pa > 125000.0) {
+    refuse("pressure is " + std::to_string(settings.pressure_pa) + " Pa, allowed is 0 .. 125000");
+  }
+  if (settings.start_up < Duration{0} || settings.processing_delay < Duration{0} ||
+      settings.processing_delay > std::chrono::seconds{1}) {
+    refuse("start_up must not be negative, processing_delay not outside 0 .. 1 s");
+  }
+  validate(settings.supply);
+}
+
+Mti600::Mti600(const MtiSettings& settings, const Calendar& calendar, FrameOutput& output)
+    : settings_(checked(settings)),
+      calendar_(calendar),
+      output_(output),
+      supply_(settings.supply),
+      filter_(settings.heading_rad) {}
+
+SamplePlan Mti600::sample_plan() const {
+  return {kStart + settings_.supply.power_on + settings_.start_up, kTick};
+}
+
+std::span<const Quantity> Mti600::quantities() const {
+  return kQuantities;
+}
+
+double Mti600::nominal_rate_hz() const {
+  double sum = 0.0;
+  for (const MtiOutput& output : settings_.outputs) {
+    sum += output.divider == 0 ? 0.0 : double{kMtiSamplesPerSecond} / output.divider;
+  }
+  return sum;
+}
+
+std::vector<protocols::can::MessageLayout> Mti600::messages(std::string_view name) const {
+  constexpr double kPeriod_ms = 1e3 / kMtiSamplesPerSecond;
+  std::vector<protocols::can::MessageLayout> list;
+  for (auto& layout : xsens::layouts(settings_.extended)) {
+    for (const MtiOutput& output : settings_.outputs) {
+      if (static_cast<std::uint32_t>(output.id) == layout.id) {
+        layout.sender = name;
+        layout.period_ms = static_cast<std::uint32_t>(std::lround(kPeriod_ms * output.divider));
+        list.push_back(std::move(layout));
+        break;
+      }
+    }
+  }
+  return list;
+}
+
+void Mti600::advance(SimTime now) {
+  while (supply_.next_change() <= now) {
+    const SimTime instant = supply_.next_change();
+    supply_.change();
+    restart(instant);
+  }
+}
+
+void Mti600::restart(SimTime now) {
+  filter_.reset();
+  ready_at_ = supply_.on() ? now + settings_.start_up : kNever;
+  ticks_ = 0;
+  group_ = 0;
+  velocity_increment_mps_ = {};
+  orientation_increment_ = {1.0, 0.0, 0.0, 0.0};
+}
+
+void Mti600::receive(SimTime now, const protocols::can::Frame& frame) {
+  advance(now);
+  received_.bytes += frame.length <= 8 ? frame.payload().size() : 0U;
+  ++(frame.length <= 8 ? received_.ignored : received_.malformed);
+}
+
+void Mti600::update(const ImuSample& sample) {
+  advance(sample.time);
+  if (sample.time < ready_at_) {
+    return;
+  }
+  const auto triad = [](const Vector3& v) { return Triad{v.x, v.y, v.z}; };
+  rate_radps_ = triad(sample.angular_rate_radps);
+  force_mps2_ = triad(sample.specific_force_mps2);
+  failed_ = !finite(rate_radps_) || !finite(force_mps2_);
+  status_ = 0;
+  if (!failed_) {
+    status_ = StatusBit::kSelfTest;
+    status_ |= clamp(force_mps2_, settings_.acceleration_range_mps2, StatusBit::kClipAccelerationX);
+    status_ |= clamp(rate_radps_, settings_.rate_range_radps, StatusBit::kClipRateX);
+    if (status_ != StatusBit::kSelfTest) {
+      status_ |= StatusBit::kClipping;
+    }
+    filter_.step(rate_radps_, force_mps2_, kPeriod_s);
+    if (!filter_.initialising()) {
+      status_ |= StatusBit::kFilterValid;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      velocity_increment_mps_[i] += force_mps2_[i] * kPeriod_s;
+    }
+    orientation_increment_ =
+        product(orientation_increment_,
+                from_rotation_vector({rate_radps_[0] * kPeriod_s, rate_radps_[1] * kPeriod_s,
+                                      rate_radps_[2] * kPeriod_s}));
+  }
+  if (overflowed_) {
+    overflowed_ = false;
+    const std::array code{xsens::kOutputBufferOverflow};
+    output_.send(sample.time + settings_.processing_delay,
+                 xsens::encode(MessageId::error, code, settings_.extended));
+  }
+  for (const MtiOutput& output : settings_.outputs) {
+    if (output.divider != 0 && ticks_ % output.divider == 0 &&
+        (!failed_ || is_housekeeping(output.id))) {
+      send(sample, output);
+    }
+  }
+  ++ticks_;
+}
+
+void Mti600::send(const ImuSample& sample, const MtiOutput& output) {
+  const auto emit = [&](std::span<const double> values) {
+    output_.send(sample.time + settings_.processing_delay,
+                 xsens::encode(output.id, values, settings_.extended));
+  };
+  switch (output.id) {
+    case MessageId::sample_time: {
+      // Wraps after 71.6 minutes.
+      const auto us = (sample.time - ready_at_) / std::chrono::microseconds{1};
+      emit(std::array{static_cast<double>(static_cast<std::uint32_t>(us))});
+      break;
+    }
+    case MessageId::group_counter:
+      emit(std::array{static_cast<double>(group_++)});
+      break;
+    case MessageId::utc: {
+      const UtcTime utc = calendar_.utc(sample.time);
+      emit(std::array{static_cast<double>(utc.year % 100), double(utc.month), double(utc.day),
+                      double(utc.hour), double(utc.minute), double(utc.second),
+                      static_cast<double>(utc.nanosecond / 100'000) * 1e-4});
+      break;
+    }
+    case MessageId::status_word:
+      emit(std::array{static_cast<double>(status_)});
+      break;
+    case MessageId::quaternion:
+      emit(filter_.attitude());
+      break;
+    case MessageId::euler_angles: {
+      const RollPitchYawAngles angles = euler(filter_.attitude());
+      emit(std::array{angles.roll_rad * kDegrees, angles.pitch_rad * kDegrees,
+                      angles.yaw_rad * kDegrees});
+      break;
+    }
+    case MessageId::velocity_increment: {
+      const Triad& v = velocity_increment_mps_;
+      const unsigned exponent =
+          xsens::increment_exponent(std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}));
+      const auto mantissa = [exponent](double value) {
+        return std::ldexp(value, static_cast<int>(exponent));
+      };
+      emit(std::array{mantissa(v[0]), mantissa(v[1]), mantissa(v[2]),
+                      static_cast<double>(exponent)});
+      velocity_increment_mps_ = {};
+      break;
+    }
+    case MessageId::orientation_increment:
+      emit(orientation_increment_);
+      orientation_increment_ = {1.0, 0.0, 0.0, 0.0};
+      break;
+    case MessageId::rate_of_turn:
+    case MessageId::rate_of_turn_fast:
+      emit(rate_radps_);
+      break;
+    case MessageId::acceleration:
+    case MessageId::acceleration_fast:
+      emit(force_mps2_);
+      break;
+    case MessageId::free_acceleration: {
+      Triad free = rotate(filter_.attitude(), force_mps2_);
+      free[2] -= kGravity_mps2;
+      emit(free);
+      break;
+    }
+    case MessageId::magnetic_field: {
+      Triad field{sample.magnetic_field_t.x, sample.magnetic_field_t.y, sample.magnetic_field_t.z};
+      if (finite(field)) {
+        status_ |= clamp(field, settings_.magnetic_range_t, StatusBit::kClipFieldX);
+        for (double& component : field) {
+          component /= settings_.magnetic_reference_t;
+        }
+        emit(field);
+      }
+      break;
+    }
+    case MessageId::temperature:
+      emit(std::array{sample.temperature_c});
+      break;
+    case MessageId::pressure:
+      emit(std::array{settings_.pressure_pa});
+      break;
+    default:
+      break;
+  }
+}
+
+}  // namespace rigwire::emulators

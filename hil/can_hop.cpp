@@ -1,0 +1,108 @@
+#include "hil/can_hop.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "drivers/line_discipline.h"
+#include "drivers/pty.h"
+#include "drivers/slcan_adapter.h"
+#include "drivers/socketcan.h"
+
+namespace rigwire::hil {
+namespace {
+
+/// Why the configured interface will not do; empty when it will.
+std::string socketcan_obstacle(const BusConfiguration& bus, const CanHost& host) {
+  if (!host.sockets) {
+    return "the kernel has no CAN sockets";
+  }
+  const auto found =
+      std::find_if(host.interfaces.begin(), host.interfaces.end(),
+                   [&bus](const auto& interface) { return interface.name == bus.interface; });
+  if (found == host.interfaces.end()) {
+    return "there is no interface " + bus.interface;
+  }
+  if (!found->up) {
+    return bus.interface + " is down";
+  }
+  if (!found->is_virtual() && found->bit_rate_bps != 0 &&
+      found->bit_rate_bps != bus.bus.bit_rate_bps) {
+    return fmt::format("{} has {} bit/s, the bus {} bit/s", bus.interface, found->bit_rate_bps,
+                       bus.bus.bit_rate_bps);
+  }
+  return {};
+}
+
+CanHop open_socketcan(const BusConfiguration& bus, boost::asio::io_context& io) {
+  CanHop hop;
+  hop.endpoint = std::make_unique<drivers::SocketCanBus>(io, bus.interface, bus.bus.bit_rate_bps);
+  return hop;
+}
+
+CanHop open_gs_usb(const BusConfiguration&, const CanHost& host, boost::asio::io_context&) {
+  throw drivers::EndpointError("gs_usb: " + host.gs_usb_obstacle +
+                               "; use `wire: socketcan` or `wire: slcan`");
+}
+
+CanHop open_slcan(const BusConfiguration& bus, boost::asio::io_context& io) {
+  CanHop hop;
+  auto pty = std::make_unique<drivers::Pty>(io, bus.path);
+  drivers::SlcanAdapterSettings settings;
+  settings.bit_rate_bps = bus.bus.bit_rate_bps;
+  settings.dialect = bus.slcan_dialect;
+  settings.kernel_attached = [line = pty.get()] {
+    return drivers::slcan_attached(line->slave_name());
+  };
+  settings.transmit_queue_frames = bus.bus.queue_frames;
+  hop.endpoint = std::make_unique<drivers::SlcanAdapter>(*pty, std::move(settings));
+  hop.line = std::move(pty);
+  hop.client_is_known = true;
+  return hop;
+}
+
+}  // namespace
+
+CanHost examine_can_host() {
+  CanHost host;
+  host.sockets = drivers::socketcan_available();
+  host.interfaces = drivers::can_interfaces();
+  host.gs_usb_obstacle = "no gs_usb adapter is built in";
+  return host;
+}
+
+CanWireChoice choose_can_wire(const BusConfiguration& configuration, const CanHost& host) {
+  if (configuration.wire != CanWire::automatic) {
+    return {configuration.wire, "as configured"};
+  }
+  const std::string no_socketcan = socketcan_obstacle(configuration, host);
+  if (no_socketcan.empty()) {
+    return {CanWire::socketcan, configuration.interface + " exists"};
+  }
+  if (host.gs_usb_obstacle.empty()) {
+    return {CanWire::gs_usb, no_socketcan};
+  }
+  return {CanWire::slcan, fmt::format("{}; {}", no_socketcan, host.gs_usb_obstacle)};
+}
+
+CanHop open_can_hop(const BusConfiguration& configuration, const CanHost& host,
+                    boost::asio::io_context& io) {
+  CanWireChoice choice = choose_can_wire(configuration, host);
+  CanHop hop;
+  switch (choice.wire) {
+    case CanWire::socketcan:
+      hop = open_socketcan(configuration, io);
+      break;
+    case CanWire::gs_usb:
+      hop = open_gs_usb(configuration, host, io);
+      break;
+    case CanWire::automatic:
+    case CanWire::slcan:
+      hop = open_slcan(configuration, io);
+      break;
+  }
+  hop.choice = std::move(choice);
+  return hop;
+}
+
+}  // namespace rigwire::hil

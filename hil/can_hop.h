@@ -1,0 +1,50 @@
+// The last hop of a CAN bus: what carries its frames from the bus model to the client.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/can_interface.h"
+#include "drivers/endpoints.h"
+#include "hil/configuration/can_bus.h"
+
+namespace rigwire::hil {
+
+/// What a host offers for CAN.
+struct CanHost {
+  bool sockets = false;  ///< The kernel has CAN sockets.
+  std::vector<drivers::CanInterface> interfaces;
+  std::string gs_usb_obstacle;  ///< Why no gs_usb adapter can be attached; empty: one can.
+};
+
+[[nodiscard]] CanHost examine_can_host();
+
+/// A wire and why it was taken, for people: "vcan0 exists".
+struct CanWireChoice {
+  CanWire wire = CanWire::slcan;
+  std::string why;
+};
+
+/// `wire: auto` takes the first of: the SocketCAN interface of the configuration, if it exists, is
+/// up, and is virtual or has the bus's bit rate; gs_usb; slcan. Everything else is taken as it is
+/// written. The reason names what was in the way of the better ones.
+[[nodiscard]] CanWireChoice choose_can_wire(const BusConfiguration& configuration,
+                                            const CanHost& host);
+
+/// An open hop.
+struct CanHop {
+  CanWireChoice choice;
+  std::unique_ptr<drivers::ByteStream> line;  ///< Below slcan; else null.
+  std::unique_ptr<drivers::CanBus> endpoint;
+  /// The endpoint knows whether a client is there (CanBus::on_client).
+  bool client_is_known = false;
+};
+
+/// Throws drivers::EndpointError (environment), std::invalid_argument (an interface of another bit
+/// rate).
+[[nodiscard]] CanHop open_can_hop(const BusConfiguration& configuration, const CanHost& host,
+                                  boost::asio::io_context& io);
+
+}  // namespace rigwire::hil

@@ -1,0 +1,127 @@
+// Faults of a CAN bus: a list in the bus's section, each fault with its own keys.
+//
+//   faults:
+//     - {type: bit_errors, at: 10 s, for: 5 s, probability: 0.001}
+//     - {type: wrong_rate, at: 20 s, for: 5 s, device: imu_boom, bitrate: 500000}
+//     - {type: duplicate_address, at: 30 s, for: 5 s, address: 0x81}
+//
+// They change levels, rates and who is connected; error frames, counters and bus-off follow from
+// the nodes' own error handling (emulators/can/can_bus_faults.h).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "emulators/can/can_bus_faults.h"
+#include "hil/configuration/fields.h"
+#include "hil/configuration/units.h"
+
+namespace rigwire::hil {
+
+struct BitErrorsFault {
+  double probability = 1e-3;
+};
+struct DisturbanceFault {
+  int bit = -1;
+};
+struct ShortCircuitFault {};
+struct WrongRateFault {
+  std::string device;
+  std::uint32_t bit_rate_bps = 500'000;
+};
+struct DisconnectedFault {
+  std::string device;
+};
+struct IntruderFault {
+  std::string frame = "000#";
+  Duration period = std::chrono::milliseconds{10};
+};
+struct DuplicateAddressFault {
+  unsigned address = 0x80;
+  std::uint64_t name = 1;
+  Duration period = std::chrono::milliseconds{250};
+};
+
+using CanFaultSettings =
+    std::variant<BitErrorsFault, DisturbanceFault, ShortCircuitFault, WrongRateFault,
+                 DisconnectedFault, IntruderFault, DuplicateAddressFault>;
+
+/// The names of the `type` key, in the order of CanFaultSettings.
+inline constexpr std::array<Alternative, 7> kCanFaultTypes{
+    {{"bit_errors", "Bits are turned over for all nodes."},
+     {"disturbance", "One bit of every frame is turned over."},
+     {"short_circuit", "CAN_H on CAN_L: whatever is sent, every node reads recessive."},
+     {"wrong_rate", "One node works at another bit rate."},
+     {"disconnected", "One node is alone on its stub."},
+     {"intruder", "Somebody sends a frame again and again."},
+     {"duplicate_address", "Somebody claims a J1939 address that is taken."}}};
+
+struct CanFaultConfiguration {
+  Duration at{0};  ///< From the start of the run.
+  Duration length = std::chrono::seconds{10};
+  CanFaultSettings settings;
+
+  [[nodiscard]] std::string_view type() const { return kCanFaultTypes[settings.index()].name; }
+};
+
+/// The device that the fault is about, as it is written; empty for those of the whole bus.
+[[nodiscard]] std::string device_of(const CanFaultConfiguration& fault);
+
+/// As the bus model takes them.
+[[nodiscard]] emulators::CanBusFaults can_bus_faults(
+    const std::vector<CanFaultConfiguration>& faults, std::uint64_t seed);
+
+/// The name by which a fault means the client's own controller.
+inline constexpr std::string_view kClientNode = "client";
+
+template <class Visitor>
+void visit(Visitor& v, BitErrorsFault& p) {
+  v.number("probability", p.probability, plain().above(0).at_most(0.1), "Of each bit.");
+}
+template <class Visitor>
+void visit(Visitor& v, DisturbanceFault& p) {
+  v.integer("bit", p.bit, IntegerRule{-1, 160},
+            "From start of frame 0, stuff bits counted; -1 = another one in every frame.");
+}
+template <class Visitor>
+void visit(Visitor&, ShortCircuitFault&) {}
+template <class Visitor>
+void visit(Visitor& v, WrongRateFault& p) {
+  v.required("device");
+  v.text("device", p.device, "Whose node; client = the client's controller.");
+  v.required("bitrate");
+  v.integer("bitrate", p.bit_rate_bps, IntegerRule{10'000, 1'000'000}, "bit/s.");
+}
+template <class Visitor>
+void visit(Visitor& v, DisconnectedFault& p) {
+  v.required("device");
+  v.text("device", p.device, "Whose node; client = the client's controller.");
+}
+template <class Visitor>
+void visit(Visitor& v, IntruderFault& p) {
+  v.required("frame");
+  v.text("frame", p.frame, "As candump writes it: 18EAFFFE#00EE00.");
+  v.duration("period", p.period, {10'000, 3'600'000'000'000}, "From frame to frame.");
+}
+template <class Visitor>
+void visit(Visitor& v, DuplicateAddressFault& p) {
+  v.required("address");
+  v.integer("address", p.address, IntegerRule{0, 253}, "J1939 source address.");
+  v.integer("name", p.name, IntegerRule{0}, "Of the other node; the lower NAME wins the address.");
+  v.duration("period", p.period, {10'000, 3'600'000'000'000}, "From claim to claim.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, CanFaultConfiguration& p) {
+  v.required("at");
+  v.duration("at", p.at, {0, 31'536'000'000'000'000}, "From the start of the run.");
+  v.duration("for", p.length, {1'000'000, 31'536'000'000'000'000}, "How long it lasts.");
+  v.required("type");
+  v.variant("type", p.settings, kCanFaultTypes, "What happens.");
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,41 @@
+// The USB/IP server of a rig, and what can happen to the plugs of its devices.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hil/configuration/fields.h"
+#include "protocols/usbip/constants.h"
+#include "sim/samples/time.h"
+
+namespace rigwire::hil {
+
+/// One server for all USB devices of a rig; it is started when there is one.
+struct UsbConfiguration {
+  std::string address = "127.0.0.1";  ///< Numeric IPv4.
+  std::uint16_t port = protocols::usbip::kPort;
+  bool allow_remote = false;
+};
+
+/// The device is pulled out and put back.
+struct UnplugConfiguration {
+  Duration at{0};  ///< From the start of the run.
+  Duration length = std::chrono::seconds{10};
+};
+
+template <class Visitor>
+void visit(Visitor& v, UsbConfiguration& p) {
+  v.text("address", p.address, "Where clients attach (usbip attach -r).");
+  v.integer("port", p.port, IntegerRule{1, 65535}, "TCP.");
+  v.boolean("allow_remote", p.allow_remote, "Opt-in for addresses beyond this machine.");
+}
+
+template <class Visitor>
+void visit(Visitor& v, UnplugConfiguration& p) {
+  v.required("at");
+  v.duration("at", p.at, {0, 31'536'000'000'000'000}, "From the start of the run.");
+  v.duration("for", p.length, {1'000'000, 31'536'000'000'000'000}, "How long it is out.");
+}
+
+}  // namespace rigwire::hil

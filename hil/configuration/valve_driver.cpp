@@ -1,0 +1,27 @@
+#include "hil/configuration/valve_driver.h"
+
+#include <stdexcept>
+
+#include "hil/configuration/problems.h"
+#include "hil/valve_map_file.h"
+
+namespace rigwire::hil {
+
+emulators::ValveDriverSettings driver_settings(const ValveDriverConfiguration& configuration) {
+  emulators::ValveDriverSettings settings = configuration.driver;
+  if (!configuration.map.empty()) {
+    settings.map = load_valve_map(configuration.map);
+  }
+  return settings;
+}
+
+void validate(const ValveDriverConfiguration& p) {
+  validate(p.server);
+  try {
+    validate(driver_settings(p));
+  } catch (const ConfigurationError& error) {
+    throw std::invalid_argument(error.what());
+  }
+}
+
+}  // namespace rigwire::hil

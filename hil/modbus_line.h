@@ -1,0 +1,49 @@
+// One Modbus line of the rig at run time: the wire to the clients and the server in front of the
+// devices' units.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <cstdint>
+#include <memory>
+
+#include "drivers/endpoints.h"
+#include "emulators/modbus/modbus_unit.h"
+#include "hil/configuration/modbus_line.h"
+#include "hil/event_source.h"
+#include "hil/executive.h"
+#include "hil/wire_statistics.h"
+
+namespace rigwire::hil {
+
+class ModbusLine : public EventSource {
+ public:
+  /// `unit` must outlive the last call of advance() and of the io_context.
+  virtual void add_unit(std::uint8_t number, emulators::ModbusUnit& unit) = 0;
+  /// Adds line and outlet to the executive and starts the endpoint. Once.
+  virtual void start(Executive& executive) = 0;
+
+  [[nodiscard]] virtual drivers::EndpointStatus endpoint() const = 0;
+  /// Of all devices of the line together.
+  [[nodiscard]] const WireStatistics& statistics() const { return statistics_; }
+
+  [[nodiscard]] SimTime next_wakeup() const override { return next_event(); }
+
+ protected:
+  [[nodiscard]] WireStatistics& own_statistics() { return statistics_; }
+  /// To be called when a client has sent something; brings the devices up to the present.
+  SimTime client_arrived(Executive& executive) {
+    const SimTime now = executive.arrive();
+    statistics_.last_client_activity = now;
+    return now;
+  }
+
+ private:
+  WireStatistics statistics_;
+};
+
+/// Opens the endpoint. Throws drivers::EndpointError, std::invalid_argument. `seed` is of what is
+/// random in the line: delays and faults.
+[[nodiscard]] std::unique_ptr<ModbusLine> make_modbus_line(
+    const ModbusLineConfiguration& configuration, boost::asio::io_context& io, std::uint64_t seed);
+
+}  // namespace rigwire::hil

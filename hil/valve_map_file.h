@@ -1,0 +1,27 @@
+// A user's own valve driver: its Modbus registers from a YAML file, without C++.
+//
+// docs/your-own-valve.md walks through one; configs/valves/ has examples. Every key and its range
+// are in the visit functions below (`rigwire describe --valve-map FILE` prints the map's table).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "emulators/valve_driver/valve_map.h"
+#include "hil/configuration/fields.h"
+
+namespace rigwire::hil {
+
+/// Throws ConfigurationError with every finding, each with file, line and column: what the reader
+/// finds (unknown keys and signals with the nearest one, wrong kinds, ranges), registers that
+/// overlap, units that do not belong to their signal, what cannot be written, texts that do not
+/// fit; and a map that nothing enables.
+[[nodiscard]] emulators::ValveMap load_valve_map(const std::string& file);
+
+/// The same from text; `name` stands for the file in messages.
+[[nodiscard]] emulators::ValveMap parse_valve_map(const std::string& text, const std::string& name);
+
+}  // namespace rigwire::hil

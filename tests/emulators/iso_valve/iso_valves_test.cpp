@@ -1,0 +1,272 @@
+#include "emulators/iso_valve/iso_valves.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "protocols/j1939/message.h"
+#include "protocols/vehicle/joystick.h"
+
+namespace rigwire::emulators {
+namespace {
+
+namespace iso = protocols::iso11783;
+namespace j1939 = protocols::j1939;
+namespace vehicle = protocols::vehicle;
+using namespace std::chrono_literals;
+using protocols::can::Frame;
+using ::testing::Each;
+
+constexpr SimTime at(Duration since_start) {
+  return kStart + since_start;
+}
+constexpr std::uint8_t kController = 0x26;
+
+struct Sent {
+  SimTime due;
+  Frame frame;
+};
+struct RecordedFrames final : FrameOutput {
+  void send(SimTime due, const Frame& frame) override { frames.push_back({due, frame}); }
+  [[nodiscard]] std::vector<Sent> of(std::uint32_t pgn) const {
+    std::vector<Sent> found;
+    std::ranges::copy_if(frames, std::back_inserter(found),
+                         [&](const Sent& sent) { return j1939::identify(sent.frame)->pgn == pgn; });
+    return found;
+  }
+  std::vector<Sent> frames;
+};
+
+class IsoValvesTest : public ::testing::Test {
+ protected:
+  explicit IsoValvesTest(const IsoValveSettings& settings = {}) : valves_(settings, output_) {
+    valves_.advance(at(300ms));  // address claimed and kept quiet for 250 ms
+    for (unsigned section = 0; section < 4; ++section) {
+      command(300ms, section, 0.0);
+    }
+  }
+
+  void command(Duration now, unsigned valve, double share) {
+    iso::AuxiliaryValveCommand message;
+    message.flow_share = std::abs(share);
+    message.resolution = 0;
+    message.state = static_cast<std::uint8_t>(share > 0.0   ? iso::ValveState::extend
+                                              : share < 0.0 ? iso::ValveState::retract
+                                                            : iso::ValveState::neutral);
+    message.fail_safe = 0;
+    valves_.receive(at(now), iso::encode(valve, message, kController));
+  }
+  double opening(std::size_t section) const { return valves_.command().opening[section]; }
+  iso::AuxiliaryValveEstimate estimate(unsigned valve) const {
+    return *iso::decode<iso::AuxiliaryValveEstimate>(valve, output_.of(65040 + valve).back().frame);
+  }
+
+  RecordedFrames output_;
+  IsoValves valves_;
+};
+
+TEST_F(IsoValvesTest, ClaimsItsAddressBeforeItSaysAnything) {
+  EXPECT_EQ(j1939::identify(output_.frames.front().frame)->pgn, j1939::kAddressClaimedPgn);
+  const auto flows = output_.of(65040);
+  EXPECT_TRUE(flows.empty() || flows.front().due >= at(250ms));
+  EXPECT_TRUE(valves_.address_held());
+}
+
+TEST_F(IsoValvesTest, ACommandMovesItsSectionAtTheInstantOfItsFrame) {
+  command(310ms, 1, 0.4);
+  EXPECT_NEAR(opening(1), 0.4, 1e-12);
+  EXPECT_EQ(valves_.command().time, at(310ms));
+  command(320ms, 1, -1.0);
+  EXPECT_DOUBLE_EQ(opening(1), -1.0);
+}
+
+TEST_F(IsoValvesTest, EveryValveReportsThreeMessagesEach100ms) {
+  for (int i = 1; i <= 10; ++i) {
+    for (unsigned valve = 0; valve < 4; ++valve) {
+      command(300ms + i * 100ms, valve, 0.2);
+    }
+  }
+  output_.frames.clear();
+  valves_.advance(at(1300ms));
+  valves_.advance(at(2300ms));
+  for (unsigned valve = 0; valve < 4; ++valve) {
+    for (const std::uint32_t first : {65040U, 65056U, 65312U}) {
+      const auto sent = output_.of(first + valve);
+      ASSERT_EQ(sent.size(), 10U) << first + valve;
+      for (std::size_t i = 1; i < sent.size(); ++i) {
+        EXPECT_EQ(sent[i].due - sent[i - 1].due, 100ms);
+      }
+    }
+  }
+  EXPECT_EQ(output_.of(65044).size(), 0U) << "a valve that is not fitted";
+  EXPECT_DOUBLE_EQ(valves_.nominal_rate_hz(), 121.0);
+}
+
+TEST_F(IsoValvesTest, SilenceIsNeutralAfterTheTimeOutAndTheReportSaysWhy) {
+  command(400ms, 2, 0.7);
+  valves_.advance(at(700ms) - 1ns);
+  EXPECT_NEAR(opening(2), 0.7, 0.002);
+  valves_.advance(at(900ms));
+  EXPECT_DOUBLE_EQ(opening(2), 0.0);
+  EXPECT_EQ(valves_.command().time, at(700ms));
+  EXPECT_EQ(estimate(2).exit_reason, static_cast<std::uint8_t>(iso::ValveExit::command_timeout));
+}
+
+TEST_F(IsoValvesTest, WithoutItsAddressNothingMoves) {
+  command(310ms, 0, 1.0);
+  ASSERT_DOUBLE_EQ(opening(0), 1.0);
+  for (unsigned address = 128; address < 248; ++address) {  // everybody else has a lower NAME
+    valves_.receive(at(320ms),
+                    j1939::make_address_claim(static_cast<std::uint8_t>(address), address - 127U));
+  }
+  EXPECT_FALSE(valves_.address_held());
+  EXPECT_THAT(valves_.command().opening, Each(0.0));
+}
+
+TEST_F(IsoValvesTest, MeasuredFlowCarriesPressuresAndPosition) {
+  ValveSample sample;
+  sample.time = at(305ms);
+  sample.spool_position[1] = -0.25;
+  sample.port_a_pressure_pa[1] = 12.5e6;
+  valves_.update(sample);
+  valves_.advance(at(450ms));
+  const auto flow =
+      *iso::decode<iso::AuxiliaryValveMeasuredFlow>(1, output_.of(65057).back().frame);
+  EXPECT_NEAR(flow.extend_share, -0.25, 0.005);
+  EXPECT_NEAR(flow.retract_share, 0.25, 0.005);
+  EXPECT_NEAR(flow.extend_pressure_pa, 12.5e6, 2.5e3);
+  EXPECT_TRUE(std::isnan(flow.return_pressure_pa));
+  const auto position =
+      *iso::decode<iso::AuxiliaryValveMeasuredPosition>(1, output_.of(65313).back().frame);
+  EXPECT_NEAR(position.position_share, -0.25, 0.0005);
+  EXPECT_NEAR(position.position_m, -0.25 * 0.007, 0.5e-6);
+}
+
+TEST_F(IsoValvesTest, RequestsAreAnsweredAndUnknownOnesRefused) {
+  output_.frames.clear();
+  valves_.receive(at(301ms), j1939::make_request(kController, 0x80, 65042));
+  EXPECT_EQ(output_.of(65042).size(), 1U);
+  valves_.receive(at(301ms), j1939::make_request(kController, 0x80, 65045));  // not fitted
+  EXPECT_EQ(output_.of(j1939::kAcknowledgementPgn).size(), 1U);
+}
+
+class FaultyIsoValves : public IsoValvesTest {
+ protected:
+  static IsoValveSettings settings() {
+    IsoValveSettings settings;
+    ValveDefect open;
+    open.kind = ValveDefectKind::open_coil;
+    open.section = 1;
+    open.start = 1s;
+    open.duration = 1s;
+    settings.amplifier.defects = {open};
+    return settings;
+  }
+  FaultyIsoValves() : IsoValvesTest(settings()) {}
+
+  void keep(Duration from, Duration to, double boom) {
+    for (Duration now = from; now < to; now += 100ms) {
+      command(now, 0, 0.5);
+      command(now, 1, boom);
+      command(now, 2, 0.0);
+      command(now, 3, 0.0);
+    }
+  }
+};
+
+TEST_F(FaultyIsoValves, AFaultStopsEverythingUntilItsValveIsCommandedNeutral) {
+  keep(400ms, 2500ms, 0.5);
+  EXPECT_EQ(valves_.amplifier().fault(), ValveFault::open_coil);
+  EXPECT_EQ(valves_.amplifier().fault_section(), 1U);
+  EXPECT_THAT(valves_.command().opening, Each(0.0));
+  EXPECT_EQ(estimate(1).state, static_cast<std::uint8_t>(iso::ValveState::error));
+  const auto dm1 =
+      vehicle::decode_trouble_report(output_.of(vehicle::kDm1Pgn).back().frame.payload());
+  ASSERT_EQ(dm1->count, 1U);
+  EXPECT_EQ(dm1->codes[0].spn, 520193U);
+  EXPECT_EQ(dm1->codes[0].failure_mode, 5);
+  command(2500ms, 1, 0.0);
+  EXPECT_EQ(valves_.amplifier().fault(), ValveFault::none);
+  EXPECT_DOUBLE_EQ(opening(0), 0.0) << "another valve went on by itself";
+  command(2510ms, 0, 0.5);
+  EXPECT_DOUBLE_EQ(opening(0), 0.0);
+  command(2520ms, 0, 0.0);
+  command(2530ms, 0, 0.5);
+  EXPECT_NEAR(opening(0), 0.5, 1e-12);
+}
+
+class LeverIsoValves : public IsoValvesTest {
+ protected:
+  static IsoValveSettings settings() {
+    IsoValveSettings settings;
+    settings.levers[static_cast<std::size_t>(JoystickAxis::x1)] = "swing";
+    settings.levers[static_cast<std::size_t>(JoystickAxis::y2)] = "-boom";
+    return settings;
+  }
+  LeverIsoValves() : IsoValvesTest(settings()) {}
+
+  template <class Stick>
+  void move(Duration now, double x, double y) {
+    Stick stick;
+    const auto xs = vehicle::axis_switches(x);
+    const auto ys = vehicle::axis_switches(y);
+    stick.x_neutral = xs.neutral;
+    stick.x_negative = xs.negative;
+    stick.x_positive = xs.positive;
+    stick.x_share = std::abs(x);
+    stick.y_neutral = ys.neutral;
+    stick.y_negative = ys.negative;
+    stick.y_positive = ys.positive;
+    stick.y_share = std::abs(y);
+    valves_.receive(at(now), vehicle::encode(stick, 0x13));
+  }
+};
+
+TEST_F(LeverIsoValves, TheSticksMoveTheSectionsThatTheyAreMappedTo) {
+  move<vehicle::Bjm1>(310ms, 0.0, 0.0);
+  move<vehicle::Bjm2>(310ms, 0.0, 0.0);
+  move<vehicle::Bjm1>(330ms, -0.6, 1.0);
+  move<vehicle::Bjm2>(330ms, 1.0, 0.25);
+  EXPECT_NEAR(opening(0), -0.6, 1e-12);
+  EXPECT_NEAR(opening(1), -0.25, 1e-12);
+  EXPECT_DOUBLE_EQ(opening(2), 0.0);
+  valves_.advance(at(630ms));
+  EXPECT_THAT(valves_.command().opening, Each(0.0)) << "silent levers";
+}
+
+TEST_F(LeverIsoValves, SwitchesThatContradictEachOtherAreNoLever) {
+  move<vehicle::Bjm1>(310ms, 0.0, 0.0);
+  vehicle::Bjm1 both;
+  both.x_negative = vehicle::Switch::on;
+  both.x_positive = vehicle::Switch::on;
+  both.x_share = 1.0;
+  valves_.receive(at(320ms), vehicle::encode(both, 0x13));
+  EXPECT_DOUBLE_EQ(opening(0), 0.0);
+}
+
+TEST(IsoValveSettingsTest, OutOfRangeIsRefusedByName) {
+  const auto expect_refused = [](auto change, const char* name) {
+    IsoValveSettings settings;
+    change(settings);
+    try {
+      validate(settings);
+      ADD_FAILURE() << name << " was taken";
+    } catch (const std::invalid_argument& error) {
+      EXPECT_THAT(error.what(), ::testing::HasSubstr(name));
+    }
+  };
+  using Settings = IsoValveSettings;
+  expect_refused([](Settings& s) { s.source_address = 12; }, "source_address");
+  expect_refused([](Settings& s) { s.first_valve = 13; }, "first_valve");
+  expect_refused([](Settings& s) { s.levers[0] = "arm"; }, "joysticks");
+  expect_refused([](Settings& s) { s.command_timeout = 10ms; }, "command_timeout");
+  expect_refused([](Settings& s) { s.general_purpose_section = 5; }, "general_purpose_section");
+  expect_refused([](Settings& s) { s.spool_travel_m = std::nan(""); }, "spool_travel");
+  validate(Settings{});
+}
+
+}  // namespace
+}  // namespace rigwire::emulators

@@ -1,0 +1,105 @@
+// A bus's keys: nodes, client, faults.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "hil/configuration/rig.h"
+#include "tests/support/private_wires.h"
+
+namespace rigwire::hil {
+namespace {
+
+using emulators::CanBusFaultKind;
+using testing::HasSubstr;
+
+class CanBusKeys : public testing::Test {
+ protected:
+  /// The excavator pit with this text as its buses.
+  RigConfiguration load(const std::string& bus, const std::vector<std::string>& sets = {}) {
+    const std::string pit = std::string(RIGWIRE_SOURCE_DIR) + "/configs/rigs/excavator_pit.yaml";
+    std::ofstream(file_) << "include: " << pit << "\nbuses:\n  can:\n" << bus;
+    return load_rig(file_, sets).configuration;
+  }
+  std::string complaints(const std::string& bus, const std::vector<std::string>& sets = {}) {
+    try {
+      (void)load(bus, sets);
+      return "";
+    } catch (const ConfigurationError& error) {
+      return error.what();
+    }
+  }
+  test::PrivateWires wires_;
+  std::string file_ = (wires_.folder / "rig.yaml").string();
+};
+
+TEST_F(CanBusKeys, NodesAndClient) {
+  const auto bus =
+      load(
+          "    order: priority\n    one_shot: true\n    restarts: false\n    acknowledger: false\n"
+          "    slcan_dialect: kernel\n    wire: gs_usb\n")
+          .buses.at("can");
+  EXPECT_EQ(bus.order, emulators::CanQueueOrder::priority);
+  EXPECT_TRUE(bus.one_shot);
+  EXPECT_FALSE(bus.restarts);
+  EXPECT_FALSE(bus.acknowledger);
+  EXPECT_EQ(bus.slcan_dialect, drivers::SlcanDialect::kernel);
+  EXPECT_EQ(bus.wire, CanWire::gs_usb);
+}
+
+TEST_F(CanBusKeys, FaultsAsTheBusModelTakesThem) {
+  const auto bus = load(R"(    faults:
+      - {type: bit_errors, at: 1 s, for: 2 s, probability: 0.001}
+      - {type: disturbance, at: 1 s}
+      - {type: disturbance, at: 1 s, bit: 20}
+      - {type: short_circuit, at: 1 s}
+      - {type: wrong_rate, at: 1 s, device: imu_boom, bitrate: 500000}
+      - {type: disconnected, at: 1 s, device: client}
+      - {type: intruder, at: 1 s, frame: 18EAFFFE#00EE00, period: 5 ms}
+      - {type: duplicate_address, at: 1 s, address: 0x81, name: 0x8000830066E12345}
+)")
+                       .buses.at("can");
+  const auto faults = can_bus_faults(bus.faults, 7);
+  EXPECT_NO_THROW(emulators::validate(faults));
+  EXPECT_EQ(faults.seed, 7U);
+  ASSERT_EQ(faults.list.size(), 8U);
+  EXPECT_EQ(faults.list[0].begin, std::chrono::seconds(1));
+  EXPECT_EQ(faults.list[0].end, std::chrono::seconds(3));
+  EXPECT_FALSE(faults.list[1].bit);
+  EXPECT_EQ(faults.list[2].bit, 20);
+  EXPECT_EQ(faults.list[3].kind, CanBusFaultKind::short_circuit);
+  EXPECT_EQ(faults.list[4].node, "imu_boom");
+  EXPECT_EQ(faults.list[4].bit_rate_bps, 500'000U);
+  EXPECT_EQ(faults.list[5].node, emulators::kCanOutsideName);
+  EXPECT_EQ(faults.list[6].frame.id, 0x18EAFFFEU);
+  EXPECT_EQ(faults.list[6].period, std::chrono::milliseconds(5));
+  EXPECT_EQ(faults.list[7].frame.id, 0x18EEFF81U);
+  EXPECT_EQ(faults.list[7].frame.data,
+            (std::array<std::uint8_t, 8>{0x45, 0x23, 0xE1, 0x66, 0x00, 0x83, 0x00, 0x80}));
+}
+
+TEST_F(CanBusKeys, FaultOfADeviceThatIsNotOnTheBus) {
+  EXPECT_THAT(complaints("    faults: [{type: disconnected, at: 1 s, device: imu_bom}]\n"),
+              HasSubstr("buses.can.faults.0.device: not on this bus"));
+  EXPECT_THAT(complaints("    faults: [{type: disconnected, at: 1 s, device: gnss}]\n"),
+              HasSubstr("buses.can.faults.0.device: not on this bus"));
+}
+
+TEST_F(CanBusKeys, IntruderWithoutAFrame) {
+  EXPECT_THAT(complaints("    faults: [{type: intruder, at: 1 s, frame: hello}]\n"),
+              HasSubstr("buses.can.faults.0.frame: not a frame"));
+}
+
+TEST_F(CanBusKeys, OneAddressTwiceIsAnErrorUnlessItIsWanted) {
+  const std::vector<std::string> twice{"devices.imu_boom.source_address=0x80"};
+  EXPECT_THAT(complaints("    queue: 64\n", twice), HasSubstr("already taken"));
+  EXPECT_EQ(complaints("    duplicate_addresses: true\n", twice), "");
+}
+
+TEST_F(CanBusKeys, MoreFramesThanTheRateCarries) {
+  EXPECT_THAT(complaints("    bitrate: 100000\n"), HasSubstr("buses.can.bitrate"));
+}
+
+}  // namespace
+}  // namespace rigwire::hil

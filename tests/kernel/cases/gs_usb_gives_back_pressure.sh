@@ -1,0 +1,46 @@
+# shellcheck shell=bash source=tests/kernel/common.sh disable=SC2154
+# A program that floods the interface gets no further than the bus: the driver keeps ten frames in
+# flight, the queue is full, and what was accepted arrives on the bus, all of it and in order.
+set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
+. "$(dirname "${BASH_SOURCE[0]}")/../gs_usb.sh"
+
+need_gs_usb
+start_adapter 33240
+attach_adapter 33240
+ip link set "$CAN" type can bitrate 250000
+ip link set "$CAN" up
+
+# The sender's own frames come back when they were on the wire, with the device's time.
+stdbuf -oL candump -H -L "$CAN,700:7FF" >flood &
+recorder=$!
+wait_until 10 "candump to listen" more_listeners_than 0
+frames=300
+timeout 60 cangen "$CAN" -g 0 -p 100 -n $frames -I 700 -L 8 -D i
+all_back() { [ "$(wc -l <flood)" -ge $frames ]; }
+wait_until 30 "all frames" all_back
+
+# Consecutive frames are at least a frame's length apart: 111 bits without a stuff bit, 444 us (the
+# stamp is whole microseconds).
+awk '{gsub(/[()]/, "", $1); split($3, frame, "#"); number = substr(frame[2], 1, 4)
+      if (NR > 1) {
+        if ($1 * 1e6 - last < 443) early++
+        if (number == previous) same++
+      }
+      last = $1 * 1e6; previous = number}
+     END {print "frames", NR, "closer than the wire allows", early + 0, "repeated", same + 0
+          exit (early + same) > 0}' flood
+kill "$recorder"
+
+# Without patience the kernel says that its queue is full.
+set +e
+timeout 60 cangen "$CAN" -g 0 -n 1000 -I 701 -L 8 >impatient 2>&1
+set -e
+expect_line impatient 'No buffer space available' 0
+
+ip -details -statistics link show "$CAN" >link
+expect_line link 'state ERROR-ACTIVE' 0
+sleep 0.2
+end_adapter
+check_range "frames abandoned" "$(counted abandoned)" 0 0
+check_range "frames handed over and not returned" "$(($(counted from_host) - $(counted echoed)))" 0 0

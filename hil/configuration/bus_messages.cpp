@@ -4,9 +4,12 @@
 #include <string_view>
 #include <variant>
 
+#include "emulators/canopen/rotary_encoder.h"
+#include "emulators/iso_valve/iso_valves.h"
 #include "emulators/openimu/openimu335ri.h"
 #include "emulators/starfire/node.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
+#include "emulators/xsens/mti_600.h"
 #include "sim/samples/calendar.h"
 
 namespace rigwire::hil {
@@ -35,6 +38,18 @@ Layouts messages(const StarFireConfiguration& device, std::string_view name) {
 }
 Layouts messages(const VehicleGatewayDeviceConfiguration& device, std::string_view name) {
   return ask<emulators::VehicleGateway>(name, settings_of(device));
+}
+
+Layouts messages(const XsensMtiConfiguration& device, std::string_view name) {
+  return ask<emulators::Mti600>(name, device.mti, Calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0}));
+}
+Layouts messages(const EncoderDeviceConfiguration& device, std::string_view name) {
+  NoFrames nowhere;
+  emulators::VolatileMemory memory;
+  return emulators::RotaryEncoder(device.encoder, memory, nowhere).messages(name);
+}
+Layouts messages(const IsoValvesConfiguration& device, std::string_view name) {
+  return ask<emulators::IsoValves>(name, device.valves);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "drivers/slcan_client.h"
-#include "tests/drivers/fake_line.h"
+#include "fake_line.h"
 
 namespace rigwire::drivers {
 namespace {

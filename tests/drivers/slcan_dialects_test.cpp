@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "drivers/slcan_adapter.h"
-#include "tests/drivers/fake_line.h"
+#include "fake_line.h"
 
 namespace rigwire::drivers {
 namespace {

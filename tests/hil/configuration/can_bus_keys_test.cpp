@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "hil/configuration/rig.h"
-#include "tests/support/private_wires.h"
+#include "private_wires.h"
 
 namespace rigwire::hil {
 namespace {

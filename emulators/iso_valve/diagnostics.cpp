@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "emulators/iso_valve/iso_valves.h"
+#include "protocols/vehicle/message.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -92,14 +93,18 @@ bool IsoValves::send_diagnostics(SimTime now) {
   lamps.red_stop = amplifier_.fault() != ValveFault::none;
   const vehicle::TroubleReport report =
       vehicle::make_trouble_report(lamps, std::span(troubles.codes).first(troubles.count));
-  bool sent = true;
-  if (vehicle::report_frames(report) == 1) {
-    node_.send(now, vehicle::report_frame(report, 0, node_.address()));
-  } else {
-    protocols::j1939::Identifier identifier;
-    identifier.pgn = vehicle::kDm1Pgn;
-    sent = node_.send(now, identifier, report.payload());
+  // One frame is filled up with ones; what is longer goes by transport as it is.
+  std::array<std::uint8_t, vehicle::kMessageBytes> frame;
+  frame.fill(0xFF);
+  const auto payload = report.payload();
+  const bool short_one = payload.size() <= frame.size();
+  if (short_one) {
+    std::ranges::copy(payload, frame.begin());
   }
+  protocols::j1939::Identifier identifier;
+  identifier.pgn = vehicle::kDm1Pgn;
+  const bool sent =
+      short_one ? node_.send(now, identifier, frame) : node_.send(now, identifier, payload);
   if (sent) {
     reported_ = troubles;
   }

@@ -12,7 +12,10 @@ RegisterWords encode_count(const ValveRegister& entry, double count) {
     raw = std::bit_cast<std::uint32_t>(static_cast<float>(
         std::isnan(count) ? count : std::clamp(count, entry.least(), entry.greatest())));
   } else if (!std::isnan(count)) {
-    const double held = std::clamp(std::round(count), entry.least(), entry.greatest());
+    const double whole = std::round(count);
+    const double held = std::ranges::find(entry.also, whole) != entry.also.end()
+                            ? whole
+                            : std::clamp(whole, entry.least(), entry.greatest());
     raw = static_cast<std::uint32_t>(static_cast<std::int64_t>(held));
   }
   const auto high = static_cast<std::uint16_t>(raw >> 16U);

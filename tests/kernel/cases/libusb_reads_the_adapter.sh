@@ -1,6 +1,6 @@
 # shellcheck shell=bash source=tests/kernel/common.sh disable=SC2154
 # The same adapter through libusb: taken from the kernel's driver, configured and read by a program,
-# given back; and passed on to a second attachment, where the driver makes a canX of it again.
+# and given back.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 . "$(dirname "${BASH_SOURCE[0]}")/../gs_usb.sh"
@@ -24,21 +24,4 @@ cat refused
 
 # The kernel's driver has it again.
 wait_until 20 "the CAN interface" gs_usb_interface
-
-# Passed on: the first attachment is held by libusb, the second is the kernel's.
-"$host" serve 1d50:606f 33241 >serve.log 2>&1 &
-server=$!
-wait_until 20 "the second server" grep -q '^serving 1-1' serve.log
-interface_gone() { ! gs_usb_interface; }
-wait_until 20 "the driver to let go" interface_gone
-attach_adapter 33241
-ip link set "$CAN" type can bitrate 250000
-ip link set "$CAN" up
-record dump
-expect_line dump ' 0CF02980#' 30
-cansend "$CAN" 18EA80F9#00EE00
-expect_line dump ' 18EEFF80#' 30
-kill "$recorder"
-ip link set "$CAN" down
-kill "$server" && wait "$server" || true
 end_adapter

@@ -15,6 +15,7 @@
 #include "hil/scene_files.h"
 #include "hil/starfire_line.h"
 #include "hil/usb_joystick_line.h"
+#include "hil/usb_passthrough_line.h"
 #include "hil/usb_server_line.h"
 #include "hil/valve_line.h"
 #include "hil/velodyne_line.h"
@@ -305,6 +306,8 @@ void Rig::add_device(const std::string& name, const DeviceConfiguration& configu
     auto line = make_line(*joystick, usb(), name);
     line->enlist(executive_);
     devices_.push_back({name, std::move(line)});
+  } else if (const auto* real = std::get_if<UsbPassThroughConfiguration>(&configuration.settings)) {
+    devices_.push_back({name, make_line(*real, io_, usb(), name)});
   } else {
     const auto& valves = std::get<ValveDriverConfiguration>(configuration.settings);
     auto line = make_line(valves, context,

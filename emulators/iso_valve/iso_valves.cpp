@@ -88,6 +88,11 @@ std::span<const Quantity> IsoValves::quantities() const {
   return kQuantities;
 }
 
+std::vector<protocols::can::MessageLayout> IsoValves::messages(std::string_view name) const {
+  return iso::message_layouts(settings_.first_valve, static_cast<unsigned>(channels_.size()),
+                              settings_.source_address, std::string(name));
+}
+
 SimTime IsoValves::next_event() const {
   SimTime next = std::min({node_.next_event(), amplifier_.next_event(), next_tick_});
   for (const IsoValveChannel& channel : channels_) {

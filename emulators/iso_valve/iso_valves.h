@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "emulators/backends.h"
@@ -40,6 +41,9 @@ class IsoValves final : public CanDevice, public ValveBackend, J1939Application 
   [[nodiscard]] ReceiveCounters received() const override { return node_.received(); }
   [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::span<const Quantity> quantities() const override;
+
+  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+      std::string_view name) const override;
 
   void receive(SimTime now, const protocols::can::Frame& frame) override;
   void update(const ValveSample& sample) override;

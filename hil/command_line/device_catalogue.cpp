@@ -270,6 +270,14 @@ void describe(const UsbJoystickConfiguration& configuration, DeviceDescription& 
       {"SET_IDLE", "received", "repeats the report while nothing moves"}};
 }
 
+void describe(const UsbPassThroughConfiguration& /*configuration*/,
+              DeviceDescription& description) {
+  description.wire = "USB as the real device's, by USB/IP, default 127.0.0.1:3240";
+  description.document = "the real device; Universal Serial Bus 2.0";
+  description.page = "docs/usb.md";
+  description.messages = {{"transfers", "as it does", "control, bulk, interrupt"}};
+}
+
 template <std::size_t kIndex>
 void append(std::vector<DeviceDescription>& list) {
   DeviceConfiguration configuration;

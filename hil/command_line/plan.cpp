@@ -145,6 +145,11 @@ Row plan(const RigConfiguration& rig, const UsbJoystickConfiguration& device) {
                                            : "as the valves are told"};
 }
 
+Row plan(const RigConfiguration& rig, const UsbPassThroughConfiguration& device) {
+  return {fmt::format("usb {}:{}", rig.usb.address, rig.usb.port), "as it does", "",
+          "the real " + device.device};
+}
+
 }  // namespace
 
 std::string plan_text(const RigConfiguration& configuration) {

@@ -21,6 +21,7 @@
 #include "hil/configuration/starfire_device.h"
 #include "hil/configuration/ublox.h"
 #include "hil/configuration/usb_joystick.h"
+#include "hil/configuration/usb_passthrough.h"
 #include "hil/configuration/valve_driver.h"
 #include "hil/configuration/vehicle_gateway.h"
 #include "hil/configuration/vehicle_sensors.h"
@@ -35,13 +36,15 @@ struct VehicleGatewayDeviceConfiguration : VehicleGatewayConfiguration {
   sim::OdometryParameters odometry;
 };
 
-using DeviceSettings = std::variant<
-    UbloxConfiguration, UbloxM8Configuration, UbloxM8tConfiguration, UbloxF9pConfiguration,
-    StarFireConfiguration, VelodyneConfiguration, VelodyneVlp16Configuration,
-    VelodynePuckHiResConfiguration, VelodyneVlp32cConfiguration, VelodyneHdl64eConfiguration,
-    VelodyneVls128Configuration, OpenImuDeviceConfiguration, ValveDriverConfiguration,
-    VehicleGatewayDeviceConfiguration, OpenImu300riDeviceConfiguration, XsensMtiConfiguration,
-    EncoderDeviceConfiguration, IsoValvesConfiguration, UsbJoystickConfiguration>;
+using DeviceSettings =
+    std::variant<UbloxConfiguration, UbloxM8Configuration, UbloxM8tConfiguration,
+                 UbloxF9pConfiguration, StarFireConfiguration, VelodyneConfiguration,
+                 VelodyneVlp16Configuration, VelodynePuckHiResConfiguration,
+                 VelodyneVlp32cConfiguration, VelodyneHdl64eConfiguration,
+                 VelodyneVls128Configuration, OpenImuDeviceConfiguration, ValveDriverConfiguration,
+                 VehicleGatewayDeviceConfiguration, OpenImu300riDeviceConfiguration,
+                 XsensMtiConfiguration, EncoderDeviceConfiguration, IsoValvesConfiguration,
+                 UsbJoystickConfiguration, UsbPassThroughConfiguration>;
 
 /// The device, if its type is `Base` or derived from it; else null.
 template <class Base>
@@ -70,7 +73,7 @@ template <class Base>
 }
 
 /// The names of the `type` key, in the order of DeviceSettings.
-inline constexpr std::array<Alternative, 19> kDeviceTypes{
+inline constexpr std::array<Alternative, 20> kDeviceTypes{
     {{"ublox-neo-7p", "u-blox NEO-7P satellite receiver on a serial line (NMEA, UBX)."},
      {"ublox-neo-m8", "u-blox NEO-M8 satellite receiver of several systems (NMEA, UBX)."},
      {"ublox-neo-m8t", "u-blox NEO-M8T, the same with raw measurements (NMEA, UBX)."},
@@ -90,7 +93,8 @@ inline constexpr std::array<Alternative, 19> kDeviceTypes{
      {"xsens-mti-600", "Xsens MTi-600 inertial unit on CAN."},
      {"cia406-encoder", "Absolute rotary encoder on CANopen (CiA 406), at a joint."},
      {"iso-valves", "Block of auxiliary valves with joysticks, on CAN (ISO 11783)."},
-     {"usb-joystick", "Levers, pedals and buttons of an excavator's operator, a USB joystick."}}};
+     {"usb-joystick", "Levers, pedals and buttons of an excavator's operator, a USB joystick."},
+     {"usb-passthrough", "A real USB device of this machine, passed on by the rig's USB bus."}}};
 
 struct DeviceConfiguration {
   DeviceSettings settings;

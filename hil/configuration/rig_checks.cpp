@@ -366,6 +366,11 @@ class Checker {
     check_valve_block(path);
   }
 
+  void check_device(const std::string& path, const UsbPassThroughConfiguration& device) {
+    check_usb();
+    claim(path + ".device", "USB device " + device.device, device.device);
+  }
+
   void check_device(const std::string& path, const UsbJoystickConfiguration& device) {
     check_usb();
     if (device.source == LeverSource::commands &&

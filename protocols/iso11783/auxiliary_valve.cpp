@@ -1,21 +1,12 @@
 #include "protocols/iso11783/auxiliary_valve.h"
 
 #include <algorithm>
-#include <cctype>
 #include <string>
+
+#include "protocols/vehicle/layouts.h"
 
 namespace rigwire::protocols::iso11783 {
 namespace {
-
-std::string snake_case(std::string_view name) {
-  std::string result;
-  for (const char letter : name) {
-    if (letter != ',') {
-      result += letter == ' ' || letter == '-' || letter == '/' ? '_' : letter;
-    }
-  }
-  return result;
-}
 
 /// The suspect parameter number of valve `valve` where valve 0's is `first`: commands and measured
 /// flows have twelve numbers per valve with a gap after the eighth, the newer ones one or two.
@@ -32,57 +23,51 @@ unsigned parameter_number(unsigned first, unsigned valve) {
   return first + 12 * valve + (valve >= 8 ? 256 : 0);
 }
 
+/// "AV00C" with another number.
+std::string name_of(std::string_view group, unsigned valve) {
+  std::string name(group);
+  if (name.starts_with("AV00")) {
+    name[2] = static_cast<char>('0' + valve / 10);
+    name[3] = static_cast<char>('0' + valve % 10);
+  }
+  return name;
+}
+
 template <class Message>
 void append(std::vector<can::MessageLayout>& list, unsigned valve, std::uint8_t address,
             const std::string& sender, const std::string& text) {
-  can::MessageLayout layout;
-  layout.name = snake_case(Message::kGroup.name);
-  std::ranges::transform(layout.name, layout.name.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (layout.name.starts_with("av00")) {
-    layout.name[2] = static_cast<char>('0' + valve / 10);
-    layout.name[3] = static_cast<char>('0' + valve % 10);
-  }
-  layout.id = encode(valve, Message{}, address).id;
-  layout.extended = true;
-  layout.j1939 = true;
-  layout.period_ms = static_cast<std::uint32_t>(Message::kGroup.period.count());
-  layout.sender = sender;
-  layout.text = text;
-  for (const auto& row : Message::parameters()) {
-    can::SignalLayout field;
-    field.name = snake_case(row.field.name);
-    field.bit = row.field.bit;
-    field.width = row.field.width;
-    field.scale = row.field.scale;
-    field.offset = row.field.offset;
-    field.lower = row.field.lower;
-    field.upper = row.field.upper;
-    field.unit = std::string(row.field.unit);
+  const std::string name = name_of(Message::kGroup.name, valve);
+  Group group = Message::kGroup;
+  group.name = name;
+  can::MessageLayout layout = vehicle::layout<Message>({sender, address}, group);
+  layout.id += valve << 8U;
+  layout.text = "ISO 11783-7 " + text;
+  const auto rows = Message::parameters();
+  for (std::size_t i = 0; i < layout.fields.size(); ++i) {
+    can::SignalLayout& field = layout.fields[i];
     if (field.name == "state") {
       field.values = {{0, "neutral"}, {1, "extend"}, {2, "retract"},       {3, "float"},
                       {10, "init"},   {14, "error"}, {15, "not available"}};
     }
-    const unsigned number = parameter_number(row.field.spn, valve);
+    const unsigned number = parameter_number(rows[i].field.spn, valve);
     field.text = number == 0 ? "ISO 11783-7" : "SPN " + std::to_string(number);
-    layout.fields.push_back(std::move(field));
+    field.spn = number;
   }
   list.push_back(std::move(layout));
 }
 
 }  // namespace
 
-std::vector<can::MessageLayout> message_layouts(unsigned valves, std::uint8_t address,
-                                                const std::string& sender) {
+std::vector<can::MessageLayout> message_layouts(unsigned first_valve, unsigned valves,
+                                                std::uint8_t address, const std::string& sender) {
   std::vector<can::MessageLayout> list;
-  for (unsigned valve = 0; valve < std::min(valves, kAuxiliaryValves); ++valve) {
+  const unsigned end = std::min(first_valve + valves, kAuxiliaryValves);
+  for (unsigned valve = first_valve; valve < end; ++valve) {
     append<AuxiliaryValveEstimate>(list, valve, address, sender, "estimated flow");
     append<AuxiliaryValveMeasuredFlow>(list, valve, address, sender, "measured flow");
     append<AuxiliaryValveMeasuredPosition>(list, valve, address, sender, "measured position");
     append<AuxiliaryValveCommand>(list, valve, j1939::kNullAddress, "", "command");
   }
-  append<GeneralPurposeValveEstimate>(list, 0, address, sender, "estimated flow");
-  append<GeneralPurposeValveCommand>(list, 0, j1939::kNullAddress, "", "command, to one node");
   return list;
 }
 

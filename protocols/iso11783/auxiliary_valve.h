@@ -221,9 +221,10 @@ template <class Message>
   return vehicle::decode<Message>(frame);
 }
 
-/// Every message of this header, for valves 0 .. valves - 1, as a device called `sender` with that
-/// address sends it (commands: sent to it by somebody, source FE).
-[[nodiscard]] std::vector<can::MessageLayout> message_layouts(unsigned valves, std::uint8_t address,
+/// The auxiliary valves' messages, for valves first_valve .. first_valve + valves - 1, as a device
+/// called `sender` with that address sends them (commands: sent to it by somebody, source FE).
+[[nodiscard]] std::vector<can::MessageLayout> message_layouts(unsigned first_valve, unsigned valves,
+                                                              std::uint8_t address,
                                                               const std::string& sender);
 
 }  // namespace rigwire::protocols::iso11783

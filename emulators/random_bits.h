@@ -22,6 +22,10 @@ class RandomBits {
   }
   /// [0, 1), multiples of 2^-53.
   [[nodiscard]] double uniform() { return static_cast<double>(bits() >> 11U) * 0x1p-53; }
+  /// 0 .. count - 1. Precondition: count > 0.
+  [[nodiscard]] std::uint32_t below(std::uint32_t count) {
+    return static_cast<std::uint32_t>(((bits() >> 32U) * count) >> 32U);
+  }
   /// Mean 0, standard deviation 1 (Box, Muller 1958).
   [[nodiscard]] double normal() {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));

@@ -23,7 +23,7 @@ CanNoise::CanNoise(const CanBusFaults& faults) {
   for (const CanBusFault& fault : faults.list) {
     if (fault.kind == CanBusFaultKind::bit_errors || fault.kind == CanBusFaultKind::disturbance ||
         fault.kind == CanBusFaultKind::short_circuit) {
-      sources_.push_back({fault, SplitMix(SplitMix(seed).bits())});
+      sources_.push_back({fault, RandomBits(RandomBits(seed).bits())});
       draw_gap(sources_.back());
     }
     ++seed;
@@ -34,7 +34,7 @@ CanNoise::CanNoise(const CanBusFaults& faults) {
 void CanNoise::draw_gap(Source& source) {
   if (source.fault.kind == CanBusFaultKind::bit_errors) {
     const double gap =
-        std::floor(std::log(source.random.uniform()) / std::log1p(-source.fault.probability));
+        std::floor(std::log(1.0 - source.random.uniform()) / std::log1p(-source.fault.probability));
     source.good_bits_left = static_cast<std::uint64_t>(std::min(gap, 1e18));
   }
 }

@@ -8,7 +8,7 @@
 #include "emulators/can/can_bit_clock.h"
 #include "emulators/can/can_bit_level.h"
 #include "emulators/can/can_bus_faults.h"
-#include "emulators/split_mix.h"
+#include "emulators/random_bits.h"
 
 namespace rigwire::emulators {
 
@@ -25,7 +25,7 @@ class CanNoise {
  private:
   struct Source {
     CanBusFault fault;
-    SplitMix random;
+    RandomBits random;
     std::uint64_t good_bits_left = 0;  ///< bit_errors.
   };
   void draw_gap(Source& source);

@@ -139,6 +139,9 @@ class Checker {
 
   void check_bus(const std::string& name, const BusConfiguration& bus) {
     const std::string path = "buses." + name;
+    if (bus.wire == CanWire::gs_usb) {
+      check_usb();
+    }
     if (bus.wire == CanWire::slcan || bus.wire == CanWire::automatic) {
       check_path(path + ".path", bus.path);
     }

@@ -7,7 +7,7 @@
 
 #include "can_test_nodes.h"
 #include "emulators/can/can_bus.h"
-#include "emulators/split_mix.h"
+#include "emulators/random_bits.h"
 #include "protocols/can/bits.h"
 
 namespace rigwire::emulators {
@@ -264,7 +264,7 @@ Outcome storm(bool by_events) {
                    intruder(standard(0x080), 3ms, 100ms, 1400ms)},
                   3},
                  outside);
-  SplitMix random(11);
+  RandomBits random(11);
   for (SimTime now = kStart; now < kStart + 1500ms; now += 100us) {
     if (by_events) {
       while (bus.next_event() < now) {

@@ -74,7 +74,11 @@ bool GsUsbCan::report(const protocols::can::ControllerReport& report, Stamp stam
 }
 
 drivers::EndpointStatus GsUsbCan::status() const {
-  return {"gs_usb on " + usb_bus_.address(socket_), adapter_.controller().present};
+  std::string address = "gs_usb on " + usb_bus_.address(socket_);
+  if (!attach_error_.empty()) {
+    address += " (not attached: " + attach_error_ + ")";
+  }
+  return {std::move(address), adapter_.controller().present};
 }
 
 void GsUsbCan::set_controller(SimTime /*now*/, const emulators::OutsideController& controller) {

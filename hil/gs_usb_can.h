@@ -47,7 +47,7 @@ class GsUsbCan final : public drivers::CanBus, private emulators::GsUsbWire {
   bool deliver(const protocols::can::Frame& frame, Stamp stamp) override;
   void confirm(bool sent, Stamp stamp) override;
   bool report(const protocols::can::ControllerReport& report, Stamp stamp) override;
-  /// "gs_usb on usb 127.0.0.1:3240 1-1"; client_present: the interface is up.
+  /// "gs_usb on usb 127.0.0.1:3240 1-1", with attach_error(); client_present: the interface is up.
   [[nodiscard]] drivers::EndpointStatus status() const override;
 
   [[nodiscard]] const emulators::GsUsbAdapter& adapter() const { return adapter_; }

@@ -213,9 +213,7 @@ void describe(const IsoValvesConfiguration& configuration, DeviceDescription& de
   description.document =
       "ISO 11783-7 auxiliary valves as listed by isobus.net; SAE J1939 digital annex (joysticks); "
       "layouts in docs/devices/iso-valves.md";
-  for (const auto& layout : protocols::iso11783::message_layouts(
-           static_cast<unsigned>(configuration.valves.amplifier.sections.size()),
-           configuration.valves.source_address, "valves")) {
+  for (const auto& layout : valves.messages("valves")) {
     const bool sent = !layout.sender.empty();
     description.messages.push_back({fmt::format("{:08X} {}", layout.id, layout.name),
                                     fmt::format("{:g} Hz", 1e3 / layout.period_ms),

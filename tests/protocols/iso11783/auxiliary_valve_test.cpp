@@ -101,7 +101,7 @@ TEST(AuxiliaryValves, EveryByteOfACommandDecodesAndEncodesToTheSame) {
 }
 
 TEST(AuxiliaryValveLayouts, CarryTheParameterNumbersThatAreListedForThem) {
-  const auto layouts = message_layouts(kAuxiliaryValves, 0x80, "valves");
+  const auto layouts = message_layouts(0, kAuxiliaryValves, 0x80, "valves");
   const auto spn = [&](const char* message, const char* field) {
     const auto layout = std::ranges::find(layouts, message, &can::MessageLayout::name);
     EXPECT_NE(layout, layouts.end()) << message;

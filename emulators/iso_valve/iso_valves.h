@@ -46,6 +46,9 @@ class IsoValves final : public CanDevice, public ValveBackend, J1939Application 
       std::string_view name) const override;
 
   void receive(SimTime now, const protocols::can::Frame& frame) override;
+  void controller(SimTime now, const protocols::can::ControllerReport& report) override {
+    node_.controller(now, report);
+  }
   void update(const ValveSample& sample) override;
   [[nodiscard]] const ValveCommand& command() const override { return amplifier_.command(); }
 

@@ -81,10 +81,10 @@ void J1939Address::move(SimTime now) {
 void J1939Address::give_up(SimTime now) {
   state_ = State::lost;
   address_ = j1939::kNullAddress;
-  next_ = policy_.says_cannot_claim ? now + cannot_claim_delay() : kNever;
+  next_ = policy_.says_cannot_claim ? now + dispersed_delay() : kNever;
 }
 
-Duration J1939Address::cannot_claim_delay() const {
+Duration J1939Address::dispersed_delay() const {
   // 0 .. 255 times 0.6 ms; every byte of the NAME counts, so that neighbours in serial number or
   // function differ.
   std::uint64_t number = 0;
@@ -121,6 +121,13 @@ void J1939Address::on_claim(SimTime now, std::uint8_t source, std::uint64_t name
   }
 }
 
+void J1939Address::on_restart(SimTime now) {
+  if (state_ == State::silent || state_ == State::held) {
+    state_ = State::off;
+    next_ = now + dispersed_delay();
+  }
+}
+
 void J1939Address::on_request(SimTime now) {
   switch (state_) {
     case State::off:
@@ -131,7 +138,7 @@ void J1939Address::on_request(SimTime now) {
       break;
     case State::lost:
       if (policy_.says_cannot_claim && next_ == kNever) {
-        next_ = now + cannot_claim_delay();
+        next_ = now + dispersed_delay();
       }
       break;
   }

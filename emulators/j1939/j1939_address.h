@@ -44,6 +44,9 @@ class J1939Address {
 
   /// Another node claims `source`.
   void on_claim(SimTime now, std::uint8_t source, std::uint64_t name);
+  /// The controller is back from bus-off, where a claim may have been lost: claims again, after a
+  /// delay that differs between nodes, because two claims at one instant would destroy each other.
+  void on_restart(SimTime now);
   /// Somebody asks for claims.
   void on_request(SimTime now);
   /// Somebody wants this node to have `address`: claims it, unless it is none that a node can have
@@ -67,8 +70,8 @@ class J1939Address {
   void give_up(SimTime now);
   /// When an address that is held is claimed again by itself.
   [[nodiscard]] SimTime after_claim(SimTime now) const;
-  /// From the event to "cannot claim".
-  [[nodiscard]] Duration cannot_claim_delay() const;
+  /// 0 .. 153 ms, by the NAME.
+  [[nodiscard]] Duration dispersed_delay() const;
 
   J1939AddressPolicy policy_;
   FrameOutput& output_;

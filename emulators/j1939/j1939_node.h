@@ -65,6 +65,13 @@ class J1939Node final : J1939TransportSink {
   /// itself and the node to `now`.
   void receive(SimTime now, const protocols::can::Frame& frame);
 
+  /// What the node's controller announces (CanDevice::controller()).
+  void controller(SimTime now, const protocols::can::ControllerReport& report) {
+    if (report.restarted) {
+      address_.on_restart(now);
+    }
+  }
+
   /// A frame as it is, due the answer delay after `now`. Precondition: held().
   void send(SimTime now, const protocols::can::Frame& frame);
   /// A message of 0 .. 1785 bytes from this node: one frame up to eight bytes, else by transport to

@@ -33,6 +33,9 @@ class StarFireNode final : public CanDevice, public GnssBackend, J1939Applicatio
   [[nodiscard]] std::span<const Quantity> quantities() const override;
 
   void receive(SimTime now, const protocols::can::Frame& frame) override;
+  void controller(SimTime now, const protocols::can::ControllerReport& report) override {
+    node_.controller(now, report);
+  }
   [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
       std::string_view name) const override;
   void update(const GnssSample& sample) override;

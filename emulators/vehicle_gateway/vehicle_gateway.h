@@ -44,6 +44,9 @@ class VehicleGateway final : public CanDevice, public VehicleBackend, J1939Appli
   [[nodiscard]] std::span<const Quantity> quantities() const override;
 
   void receive(SimTime now, const protocols::can::Frame& frame) override;
+  void controller(SimTime now, const protocols::can::ControllerReport& report) override {
+    node_.controller(now, report);
+  }
   [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
       std::string_view name) const override;
 

@@ -195,7 +195,7 @@ void Reader::number_list(std::string_view key, std::vector<double>& values, cons
 }
 
 bool Reader::read_integer(const Value& value, const std::string& path, const IntegerRule& rule,
-                          std::int64_t& result) {
+                          bool unsigned_64, std::int64_t& result) {
   if (!is_scalar(value, path)) {
     return false;
   }
@@ -205,8 +205,15 @@ bool Reader::read_integer(const Value& value, const std::string& path, const Int
     text.remove_prefix(2);
   }
   std::int64_t number = 0;
-  const auto [end, error] =
-      std::from_chars(text.data(), text.data() + text.size(), number, hexadecimal ? 16 : 10);
+  const int base = hexadecimal ? 16 : 10;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, base);
+  std::uint64_t beyond = 0;
+  if (error == std::errc::result_out_of_range && unsigned_64 &&
+      rule.upper == std::numeric_limits<std::int64_t>::max() &&
+      std::from_chars(text.data(), text.data() + text.size(), beyond, base).ec == std::errc{}) {
+    result = static_cast<std::int64_t>(beyond);
+    return true;
+  }
   if (error == std::errc::invalid_argument || end != text.data() + text.size()) {
     report(value, path, "not a whole number", value.description(), rule.range_text());
     return false;

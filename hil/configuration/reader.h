@@ -116,8 +116,9 @@ class Reader {
   bool is_scalar(const Value& value, const std::string& path);
   bool read_number(const Value& value, const std::string& path, const NumberRule& rule,
                    double& result);
+  /// `unsigned_64`: without an upper limit the whole range of std::uint64_t, in two's complement.
   bool read_integer(const Value& value, const std::string& path, const IntegerRule& rule,
-                    std::int64_t& result);
+                    bool unsigned_64, std::int64_t& result);
   /// Index of the chosen name, or -1 after reporting.
   int read_choice(const Value& value, const std::string& path,
                   const std::vector<std::string>& names, std::string_view what);
@@ -164,7 +165,9 @@ void Reader::integer(std::string_view key, Integer& value, const IntegerRule& ru
   }
   if (const Value* written = find(key)) {
     std::int64_t result = 0;
-    if (read_integer(*written, path_of(key), narrowed, result)) {
+    constexpr bool kUnsigned64 =
+        sizeof(Integer) == sizeof(std::int64_t) && std::is_unsigned_v<Integer>;
+    if (read_integer(*written, path_of(key), narrowed, kUnsigned64, result)) {
       value = static_cast<Integer>(result);
     }
   }

@@ -47,26 +47,31 @@ void visit(Visitor& v, emulators::ValveCoilParameters& p) {
   v.number("inductance", p.inductance_h, plain().between(0, 10), "H.");
   v.number("thermal_resistance", p.thermal_resistance_kpw, plain().between(0, 100),
            "K/W, coil to oil.");
-  v.number("thermal_time_constant", p.thermal_time_constant_s, in("s").between(1, 1e5), "");
+  v.number("thermal_time_constant", p.thermal_time_constant_s, in("s").between(1, 1e5),
+           "Of the winding's temperature.");
 }
 
 template <class Visitor>
 void visit(Visitor& v, emulators::ValveElectronics& p) {
   v.number("supply_voltage", p.supply_voltage_v, plain().between(5, 60), "V.");
   v.number("under_voltage", p.under_voltage_v, plain().between(0, 60), "V; below it fault 4.");
-  v.duration("under_voltage_delay", p.under_voltage_delay, {0, 60'000'000'000}, "");
+  v.duration("under_voltage_delay", p.under_voltage_delay, {0, 60'000'000'000},
+             "How long it must last.");
   v.number("over_current", p.over_current_ma, plain().between(1, 60e3), "mA; above it fault 3.");
-  v.duration("over_current_delay", p.over_current_delay, {0, 60'000'000'000}, "");
+  v.duration("over_current_delay", p.over_current_delay, {0, 60'000'000'000},
+             "How long it must last.");
   v.number("open_share", p.open_share, in("1").between(0, 1),
            "Of the set current; less for the delay is fault 2.");
-  v.duration("open_delay", p.open_delay, {0, 60'000'000'000}, "");
-  v.number("ambient_temperature", p.ambient_temperature_c, in("degC").between(-40, 150), "");
+  v.duration("open_delay", p.open_delay, {0, 60'000'000'000}, "How long it must last.");
+  v.number("ambient_temperature", p.ambient_temperature_c, in("degC").between(-40, 150),
+           "Around the driver.");
   v.number("idle_power", p.idle_power_w, in("W").between(0, 100), "Heats the driver.");
   v.number("output_resistance", p.output_resistance_ohm, plain().between(0, 10),
            "ohm of each output; heats the driver.");
   v.number("thermal_resistance", p.thermal_resistance_kpw, plain().between(0, 100),
            "K/W, driver to its surroundings.");
-  v.number("thermal_time_constant", p.thermal_time_constant_s, in("s").between(1, 1e5), "");
+  v.number("thermal_time_constant", p.thermal_time_constant_s, in("s").between(1, 1e5),
+           "Of the driver's temperature.");
   v.number("over_temperature", p.over_temperature_c, in("degC").between(-40, 300),
            "At it fault 7.");
 }
@@ -81,7 +86,8 @@ void visit(Visitor& v, emulators::ValveAmplifierSettings& p) {
            "mA at full opening.");
   v.number("dither_amplitude", p.parameters.dither.amplitude_ma, plain().between(0, 500),
            "mA; 0 = none.");
-  v.number("dither_frequency", p.parameters.dither.frequency_hz, in("Hz").between(20, 400), "");
+  v.number("dither_frequency", p.parameters.dither.frequency_hz, in("Hz").between(20, 400),
+           "Of the current's ripple.");
   v.section("coil", p.coil, "Of each section.");
   v.section("electronics", p.electronics, "Supply, output stage, supervision.");
   v.number("spool_time_constant", p.spool_time_constant_s, in("s").between(0, 1),

@@ -54,6 +54,9 @@ struct Unit : J1939Application, CanDevice {
   [[nodiscard]] double nominal_rate_hz() const override { return 0.0; }
   [[nodiscard]] std::span<const Quantity> quantities() const override { return {}; }
   void receive(SimTime now, const Frame& frame) override { node.receive(now, frame); }
+  void controller(SimTime now, const protocols::can::ControllerReport& report) override {
+    node.controller(now, report);
+  }
 
   J1939Node node;
   std::vector<std::pair<j1939::Identifier, std::vector<std::uint8_t>>> taken;
@@ -262,7 +265,7 @@ TEST(J1939Nodes, ManyOfOneKindShareABus) {
     units.push_back(std::make_unique<Unit>(settings(kOwn, kName + i, true), output));
     bus.attach(output, *units.back());
   }
-  for (SimTime now = kStart; now < kStart + 1s; now += 100us) {
+  for (SimTime now = kStart; now < kStart + 3s; now += 100us) {
     for (const auto& unit : units) {
       unit->advance(now);
     }

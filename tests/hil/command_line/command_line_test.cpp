@@ -95,7 +95,7 @@ TEST(CommandLine, findings_of_a_rig_are_usage_and_json_holds_them) {
   EXPECT_EQ(parsed["problems"][0]["suggestion"], "rate");
   const auto good = nlohmann::json::parse(rigwire("check excavator_pit --json").output);
   EXPECT_EQ(good["ok"], true);
-  EXPECT_EQ(good["devices"].size(), 7u);
+  EXPECT_EQ(good["devices"].size(), 8u);
 }
 
 TEST(CommandLine, print_says_where_values_came_from) {
@@ -118,7 +118,7 @@ TEST(CommandLine, lists_know_what_there_is) {
   EXPECT_THAT(rigwire("list rigs").output, HasSubstr("excavator_pit"));
   EXPECT_THAT(rigwire("list machines").output, HasSubstr("excavator_ref18t"));
   EXPECT_THAT(rigwire("list scenes").output, HasSubstr("open_pit"));
-  EXPECT_EQ(nlohmann::json::parse(rigwire("list devices --json").output).size(), 14u);
+  EXPECT_EQ(nlohmann::json::parse(rigwire("list devices --json").output).size(), 20u);
   const Result typo = rigwire("list rgis");
   EXPECT_EQ(typo.code, 2);
   EXPECT_THAT(typo.output, HasSubstr("did you mean rigs?"));
@@ -183,7 +183,9 @@ TEST(CommandLine, bash_completion_completes_verbs_options_and_rigs) {
     output.append(buffer.data(), count);
   }
   ::pclose(pipe);
-  EXPECT_EQ(output, "check\nexcavator_pit\nvelodyne-hdl-32e velodyne-hdl-64e\n");
+  EXPECT_EQ(
+      output,
+      "check\nexcavator_can excavator_pit excavator_usb\nvelodyne-hdl-32e velodyne-hdl-64e\n");
 }
 
 TEST(CommandLine, bench_refuses_an_unknown_suite) {

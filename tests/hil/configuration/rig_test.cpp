@@ -74,7 +74,7 @@ TEST(ExcavatorPit, has_the_devices_that_the_field_program_expects) {
     names.push_back(name);
   }
   EXPECT_THAT(names, testing::ElementsAre("gnss", "imu_boom", "imu_bucket", "imu_chassis",
-                                          "imu_stick", "lidar", "valves"));
+                                          "imu_stick", "lidar", "swing_encoder", "valves"));
   const auto& gnss = std::get<UbloxConfiguration>(rig.devices.at("gnss").settings);
   EXPECT_EQ(gnss.path, "/tmp/rigwire/gnss");
   EXPECT_EQ(gnss.receiver.baud, 115200u);
@@ -135,7 +135,7 @@ TEST(BadRig, mistyped_device_and_key_on_the_command_line_are_told) {
   EXPECT_EQ(
       complaints({"devices.gnsss.rate=5"}),
       "--set devices.gnsss.rate=5: devices.gnsss: no such device, found \"gnsss\", allowed "
-      "gnss, lidar, imu_chassis, imu_boom, imu_stick, imu_bucket, valves, did you mean gnss?");
+      "gnss, lidar, imu_chassis, imu_boom, imu_stick, imu_bucket, swing_encoder, valves, did you mean gnss?");
   EXPECT_EQ(complaints({"devices.gnss.ratte=5"}),
             "--set devices.gnss.ratte=5: devices.gnss.ratte: unknown key, did you mean rate?");
 }
@@ -168,7 +168,7 @@ TEST(BadRig, line_too_slow_for_what_is_sent_is_refused_with_numbers) {
   EXPECT_THAT(complaints({"devices.gnss.baud=9600", "devices.gnss.rate=10"}),
               testing::ContainsRegex("devices.gnss: .*[0-9]+.*[0-9]+"));
   EXPECT_THAT(complaints({"buses.can.bitrate=100000"}),
-              HasSubstr("buses.can.bitrate: the devices of this bus send up to 1200 frames/s"));
+              HasSubstr("buses.can.bitrate: the devices of this bus send up to 1250 frames/s"));
 }
 
 TEST(BadRig, address_serial_port_or_path_taken_twice) {

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "emulators/random_bits.h"
+#include "protocols/modbus/constants.h"
 #include "protocols/modbus/pdu.h"
-#include "protocols/modbus/register_map.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "emulators/valve_driver/valve_signal.h"
-#include "protocols/modbus/register_map.h"
+#include "protocols/modbus/constants.h"
 #include "sim/samples/valve_sample.h"
 
 namespace rigwire::emulators {

@@ -66,6 +66,9 @@ inline constexpr std::size_t kReadWriteWriteMaximum = 121;
 /// Items in one table: addresses 0 .. 65535.
 inline constexpr std::size_t kTableSize = 65536;
 
+/// The four tables of a device's data model (section 4.3).
+enum class Table : std::uint8_t { coils, discrete_inputs, holding_registers, input_registers };
+
 // Function 5: the two values that exist.
 inline constexpr std::uint16_t kCoilOn = 0xFF00;
 inline constexpr std::uint16_t kCoilOff = 0x0000;

@@ -2,8 +2,8 @@
 // that clear them (DM3, DM11).
 //
 // Source: SAE J1939-73, 5.7.1 to 5.7.3, 5.7.11. Payload of DM1 and DM2: lamps, flash codes (all
-// ones: not flashing), then four bytes per code; without a code one of zeros. It is filled with ones
-// to the eight bytes of a frame; with two codes or more it is longer and sent by transport
+// ones: not flashing), then four bytes per code; without a code one of zeros. It is filled with
+// ones to the eight bytes of a frame; with two codes or more it is longer and sent by transport
 // (protocols/j1939/transport.h).
 #pragma once
 

@@ -1,5 +1,5 @@
-// Who a node is, in words: software (SOFT), component (CI) and ECU identification (ECUID), in ASCII,
-// each field ended by "*". Longer than a frame as a rule, and so sent by transport.
+// Who a node is, in words: software (SOFT), component (CI) and ECU identification (ECUID), in
+// ASCII, each field ended by "*". Longer than a frame as a rule, and so sent by transport.
 //
 // Sources: SAE J1939 digital annex (fields and their order); J1939-71, 5.2.5 (a field that is not
 // known has no characters, but its "*"). Software identification has a byte with the number of its

@@ -132,10 +132,10 @@ TEST(ExcavatorPit, every_documented_key_can_be_set_to_its_printed_value) {
 }
 
 TEST(BadRig, mistyped_device_and_key_on_the_command_line_are_told) {
-  EXPECT_EQ(
-      complaints({"devices.gnsss.rate=5"}),
-      "--set devices.gnsss.rate=5: devices.gnsss: no such device, found \"gnsss\", allowed "
-      "gnss, lidar, imu_chassis, imu_boom, imu_stick, imu_bucket, swing_encoder, valves, did you mean gnss?");
+  EXPECT_EQ(complaints({"devices.gnsss.rate=5"}),
+            "--set devices.gnsss.rate=5: devices.gnsss: no such device, found \"gnsss\", allowed "
+            "gnss, lidar, imu_chassis, imu_boom, imu_stick, imu_bucket, swing_encoder, valves, did "
+            "you mean gnss?");
   EXPECT_EQ(complaints({"devices.gnss.ratte=5"}),
             "--set devices.gnss.ratte=5: devices.gnss.ratte: unknown key, did you mean rate?");
 }

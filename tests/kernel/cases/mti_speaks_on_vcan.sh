@@ -33,5 +33,6 @@ check_range "rate z, 1/512 rad/s" "$(signed "$line" 4)" 0 0
 line=$(grep ' 021#' dump | tail -n 1)
 check_range "quaternion y" "$(signed "$line" 4)" -1434 -1424
 # Sample times, 10 ms apart.
-mapfile -t times < <(grep ' 005#' dump | tail -n 2 | sed 's/.*#//')
+grep ' 005#' dump | tail -n 2 | sed 's/.*#//' >times
+mapfile -t times <times
 check_range "us between two samples" $((16#${times[1]} - 16#${times[0]})) 10000 10000

@@ -35,7 +35,8 @@ expect_line nmea '^.GPRMC,[0-9.]+,A,4925\.' 0
 exec 3<&-
 wait_until 10 "the receiver to see the line closed" last_line_is 'line present 0 dtr 0'
 
-gpsd -N -n -S 2951 /dev/ttyACM0 >gpsd.log 2>&1 &
+# -b: else gpsd leaves the receiver in its binary mode.
+gpsd -b -N -n -S 2951 /dev/ttyACM0 >gpsd.log 2>&1 &
 gpsd=$!
 wait_until 20 "gpsd to listen" grep -q ':0B87 ' /proc/net/tcp
 gpspipe -w -n 60 127.0.0.1:2951 >reports &

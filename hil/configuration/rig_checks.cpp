@@ -1,14 +1,17 @@
 // How the parts of a rig go together. Nothing here repeats what a single field's range says.
+#include <arpa/inet.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "hil/configuration/bus_devices.h"
 #include "hil/configuration/document.h"
-#include "hil/configuration/frame_rate.h"
 #include "hil/configuration/rig.h"
 #include "hil/configuration/suggest.h"
 #include "protocols/can/frame_text.h"
@@ -113,21 +116,8 @@ class Checker {
   }
 
   void check_address(const std::string& path, const std::string& address, bool allow_remote) {
-    std::vector<int> parts;
-    std::string part;
-    bool well_formed = true;
-    for (const char c : address + ".") {
-      if (c != '.') {
-        part += c;
-        continue;
-      }
-      const bool number = !part.empty() && part.size() <= 3 &&
-                          part.find_first_not_of("0123456789") == std::string::npos;
-      well_formed = well_formed && number && std::stoi(part) <= 255;
-      parts.push_back(number ? std::stoi(part) : 0);
-      part.clear();
-    }
-    if (!well_formed || parts.size() != 4) {
+    std::array<std::uint8_t, 4> parts{};
+    if (::inet_pton(AF_INET, address.c_str(), parts.data()) != 1) {
       report(path, "not an IPv4 address", "\"" + address + "\"", "four numbers like 127.0.0.1");
       return;
     }
@@ -161,12 +151,8 @@ class Checker {
   void check_bus_fault(const std::string& path, const std::string& bus,
                        const CanFaultConfiguration& fault) {
     if (const std::string device = device_of(fault); !device.empty()) {
-      std::vector<std::string> names{std::string(kClientNode)};
-      for (const auto& [name, candidate] : rig_.devices) {
-        if (bus_of(candidate) == bus) {
-          names.push_back(name);
-        }
-      }
+      std::vector<std::string> names = devices_on(rig_, bus);
+      names.emplace_back(kClientNode);
       if (std::find(names.begin(), names.end(), device) == names.end()) {
         report(path + ".device", "not on this bus", "\"" + device + "\"", join_words(names),
                nearest_word(device, names));
@@ -178,19 +164,6 @@ class Checker {
                "18EAFFFE#00EE00, 123#, 123#R4");
       }
     }
-  }
-
-  /// Empty for devices without one.
-  static std::string bus_of(const DeviceConfiguration& device) {
-    return std::visit(
-        [](const auto& settings) -> std::string {
-          if constexpr (requires { settings.bus; }) {
-            return settings.bus;
-          } else {
-            return {};
-          }
-        },
-        device.settings);
   }
 
   /// For every device on USB: they share one server.
@@ -382,16 +355,6 @@ class Checker {
     }
   }
 
-  /// Frames per second that a device sends on that bus by itself.
-  template <class Settings>
-  static double rate_on(const std::string& bus, const Settings& device) {
-    if constexpr (requires { frame_rate_hz(device); }) {
-      return device.bus == bus ? frame_rate_hz(device) : 0.0;
-    } else {
-      return 0.0;
-    }
-  }
-
   /// Frames of data per second against the bit rate.
   void check_load(const std::string& name, const BusConfiguration& bus) {
     // Extended data frame with 8 bytes: 67 bits of frame and interframe space around 64 bits of
@@ -400,8 +363,7 @@ class Checker {
     double frames = 0.0;
     for (const auto& [device_name, device] : rig_.devices) {
       if (!faulty("devices." + device_name)) {
-        frames += std::visit([&](const auto& settings) { return rate_on(name, settings); },
-                             device.settings);
+        frames += frame_rate_on(name, device);
       }
     }
     const double needed = frames * kBitsPerFrame;

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "emulators/iso_valve/iso_valves.h"
+#include "frame_output.h"
 #include "protocols/bytes.h"
 
 namespace emulators = rigwire::emulators;
@@ -15,20 +16,8 @@ using rigwire::protocols::can::Frame;
 
 namespace {
 
-void require(bool condition) {
-  if (!condition) {
-    std::abort();
-  }
-}
-
-struct Output final : emulators::FrameOutput {
-  void send(rigwire::SimTime due, const Frame& frame) override {
-    require(due >= last);
-    last = due;
-    require(frame.length <= 8 && frame.extended && frame.id <= 0x1FFFFFFFU);
-  }
-  rigwire::SimTime last = rigwire::kStart;
-};
+using rigwire::fuzz::Output;
+using rigwire::fuzz::require;
 
 emulators::IsoValveSettings settings() {
   emulators::IsoValveSettings settings;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "emulators/j1939/j1939_node.h"
+#include "frame_output.h"
 
 namespace emulators = rigwire::emulators;
 namespace j1939 = rigwire::protocols::j1939;
@@ -18,19 +19,8 @@ namespace {
 constexpr std::uint32_t kShortGroup = 0xFE10;
 constexpr std::uint32_t kLongGroup = 0xFEDA;
 
-void require(bool condition) {
-  if (!condition) {
-    std::abort();
-  }
-}
-
-struct Output final : emulators::FrameOutput {
-  void send(SimTime due, const Frame& frame) override {
-    require(due >= last && frame.length <= 8 && frame.extended);
-    last = due;
-  }
-  SimTime last = rigwire::kStart;
-};
+using rigwire::fuzz::Output;
+using rigwire::fuzz::require;
 
 struct Application final : emulators::J1939Application {
   emulators::J1939Answer answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) override {

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "emulators/openimu/openimu335ri.h"
+#include "frame_output.h"
 #include "protocols/bytes.h"
 #include "protocols/openimu/messages.h"
 
@@ -13,26 +14,10 @@ namespace emulators = rigwire::emulators;
 namespace openimu = rigwire::protocols::openimu;
 using rigwire::protocols::can::Frame;
 
-static void require(bool condition) {
-  if (!condition) {
-    std::abort();
-  }
-}
+using rigwire::fuzz::Output;
+using rigwire::fuzz::require;
 
-namespace {
-
-struct Output final : emulators::FrameOutput {
-  void send(rigwire::SimTime due, const Frame& frame) override {
-    require(due >= last);
-    last = due;
-    require(frame.length <= 8 && frame.extended && frame.id <= 0x1FFFFFFFU);
-    ++count;
-  }
-  rigwire::SimTime last = rigwire::kStart;
-  std::uint64_t count = 0;
-};
-
-}  // namespace
+namespace {}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t kRecord = 4 + 1 + 1 + 8;  // identifier, format, length, data

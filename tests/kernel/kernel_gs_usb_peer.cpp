@@ -25,6 +25,7 @@
 #include "emulators/openimu/openimu335ri.h"
 #include "emulators/usb/gs_usb.h"
 #include "emulators/usb/usbip_server.h"
+#include "to_clients.h"
 
 namespace {
 
@@ -34,22 +35,6 @@ using WallClock = std::chrono::steady_clock;
 constexpr double kNoseUp_rad = 5.0 * std::numbers::pi / 180.0;
 constexpr double kGravity_mps2 = 9.80665;
 constexpr auto kStep = std::chrono::milliseconds{1};
-
-/// Answers of the USB/IP server go to its clients at once.
-class ToClients final : public emulators::StreamOutput {
- public:
-  explicit ToClients(drivers::StreamServer& server) : server_(server) {}
-  void send(emulators::ConnectionId connection, SimTime /*due*/,
-            std::span<const std::uint8_t> bytes) override {
-    server_.send(connection, bytes);
-  }
-  void close(emulators::ConnectionId connection, SimTime /*due*/) override {
-    server_.close(connection);
-  }
-
- private:
-  drivers::StreamServer& server_;
-};
 
 /// The adapter's controller is the bus model's outside node.
 class OnTheBus final : public emulators::GsUsbWire, public emulators::CanOutside {

@@ -25,6 +25,7 @@
 #include "emulators/usb/hid_joystick.h"
 #include "emulators/usb/ublox_usb.h"
 #include "emulators/usb/usbip_server.h"
+#include "to_clients.h"
 
 namespace {
 
@@ -34,21 +35,6 @@ using WallClock = std::chrono::steady_clock;
 constexpr auto kStep = std::chrono::milliseconds{5};
 constexpr auto kLeverPeriod = std::chrono::milliseconds{20};
 constexpr double kSweep_s = 4.0;
-
-class ToClients final : public emulators::StreamOutput {
- public:
-  explicit ToClients(drivers::StreamServer& server) : server_(server) {}
-  void send(emulators::ConnectionId connection, SimTime /*due*/,
-            std::span<const std::uint8_t> bytes) override {
-    server_.send(connection, bytes);
-  }
-  void close(emulators::ConnectionId connection, SimTime /*due*/) override {
-    server_.close(connection);
-  }
-
- private:
-  drivers::StreamServer& server_;
-};
 
 /// The receiver behind its USB socket.
 class Receiver final : public emulators::CdcAcmDevice, public emulators::ByteOutput {

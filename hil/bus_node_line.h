@@ -7,7 +7,7 @@
 
 #include "emulators/nonvolatile_memory.h"
 #include "hil/device_line.h"
-#include "hil/station.h"
+#include "hil/executive/station.h"
 
 namespace rigwire::hil {
 

@@ -8,7 +8,7 @@
 
 #include "drivers/endpoints.h"
 #include "emulators/can/can_bus.h"
-#include "hil/event_source.h"
+#include "hil/executive/event_source.h"
 #include "hil/outlet.h"
 #include "hil/wire_statistics.h"
 

@@ -8,8 +8,8 @@
 #include "emulators/usb/ublox_usb.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
 #include "hil/bus_node_line.h"
+#include "hil/executive/station.h"
 #include "hil/outlet.h"
-#include "hil/station.h"
 #include "hil/usb_serial_stream.h"
 
 namespace rigwire::hil {

@@ -10,7 +10,7 @@
 
 #include "hil/can_line.h"
 #include "hil/configuration/device.h"
-#include "hil/executive.h"
+#include "hil/executive/executive.h"
 #include "hil/fix_listener.h"
 #include "hil/rig_status.h"
 #include "hil/usb_bus.h"

@@ -9,8 +9,8 @@
 #include "drivers/endpoints.h"
 #include "emulators/modbus/modbus_unit.h"
 #include "hil/configuration/modbus_line.h"
-#include "hil/event_source.h"
-#include "hil/executive.h"
+#include "hil/executive/event_source.h"
+#include "hil/executive/executive.h"
 #include "hil/wire_statistics.h"
 
 namespace rigwire::hil {

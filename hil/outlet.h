@@ -6,8 +6,8 @@
 
 #include "drivers/endpoints.h"
 #include "emulators/device.h"
-#include "hil/clock.h"
 #include "hil/emission_queue.h"
+#include "hil/executive/clock.h"
 #include "hil/wire_statistics.h"
 
 namespace rigwire::hil {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "hil/clock.h"
-#include "hil/executive.h"
-#include "hil/truth_source.h"
+#include "hil/executive/clock.h"
+#include "hil/executive/executive.h"
+#include "hil/executive/truth_source.h"
 #include "hil/wire_statistics.h"
 
 namespace rigwire::hil {

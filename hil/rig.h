@@ -11,7 +11,7 @@
 #include "hil/can_line.h"
 #include "hil/configuration/rig.h"
 #include "hil/device_line.h"
-#include "hil/executive.h"
+#include "hil/executive/executive.h"
 #include "hil/modbus_line.h"
 #include "hil/report.h"
 #include "hil/rig_status.h"

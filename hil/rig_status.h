@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/truth_source.h"
+#include "hil/executive/truth_source.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::hil {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "hil/clock.h"
 #include "hil/configuration/rig.h"
+#include "hil/executive/clock.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::hil {

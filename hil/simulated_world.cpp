@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "hil/cpu_time.h"
+#include "hil/executive/cpu_time.h"
 
 namespace rigwire::hil {
 namespace {

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "hil/executive/truth_source.h"
 #include "hil/lidar_truth_tap.h"
-#include "hil/truth_source.h"
 #include "hil/truth_tap.h"
 #include "sim/encoder/joint_angle.h"
 #include "sim/excavator/bucket_soil.h"

@@ -8,8 +8,8 @@
 #include "emulators/starfire/node.h"
 #include "emulators/starfire/receiver.h"
 #include "emulators/ublox/line_quality.h"
+#include "hil/executive/station.h"
 #include "hil/outlet.h"
-#include "hil/station.h"
 
 namespace rigwire::hil {
 namespace {

@@ -12,9 +12,9 @@
 #include <thread>
 #include <vector>
 
+#include "hil/executive/truth_source.h"
 #include "hil/rig_status.h"
 #include "hil/run.h"
-#include "hil/truth_source.h"
 
 namespace rigwire::hil {
 

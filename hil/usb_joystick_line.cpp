@@ -1,6 +1,6 @@
 #include "hil/usb_joystick_line.h"
 
-#include "hil/event_source.h"
+#include "hil/executive/event_source.h"
 
 namespace rigwire::hil {
 namespace {

@@ -9,8 +9,8 @@
 #include "drivers/tcp_server.h"
 #include "emulators/usb/usbip_server.h"
 #include "hil/configuration/usb.h"
-#include "hil/event_source.h"
-#include "hil/executive.h"
+#include "hil/executive/event_source.h"
+#include "hil/executive/executive.h"
 #include "hil/usb_bus.h"
 #include "hil/wire_statistics.h"
 

@@ -1,7 +1,7 @@
 #include "hil/valve_line.h"
 
 #include "emulators/valve_driver/valve_driver.h"
-#include "hil/station.h"
+#include "hil/executive/station.h"
 
 namespace rigwire::hil {
 namespace {

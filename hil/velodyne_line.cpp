@@ -8,8 +8,8 @@
 #include "drivers/udp_socket.h"
 #include "emulators/velodyne/velodyne_lidar.h"
 #include "emulators/velodyne/web_interface.h"
+#include "hil/executive/station.h"
 #include "hil/outlet.h"
-#include "hil/station.h"
 
 namespace rigwire::hil {
 namespace {

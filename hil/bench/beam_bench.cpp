@@ -11,7 +11,7 @@
 
 #include "emulators/velodyne/velodyne_lidar.h"
 #include "hil/configuration/rig.h"
-#include "hil/cpu_time.h"
+#include "hil/executive/cpu_time.h"
 #include "sim/lidar/spinning_lidar.h"
 #include "sim/random.h"
 

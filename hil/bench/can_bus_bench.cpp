@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "emulators/can/can_bus.h"
-#include "hil/cpu_time.h"
+#include "hil/executive/cpu_time.h"
 #include "protocols/can/bits.h"
 #include "sim/random.h"
 

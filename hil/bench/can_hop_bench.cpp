@@ -9,7 +9,7 @@
 #include "drivers/slcan_adapter.h"
 #include "drivers/slcan_client.h"
 #include "drivers/socketcan.h"
-#include "hil/cpu_time.h"
+#include "hil/executive/cpu_time.h"
 #include "protocols/can/bits.h"
 
 namespace rigwire::hil {

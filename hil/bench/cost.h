@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "hil/cpu_time.h"
+#include "hil/executive/cpu_time.h"
 
 namespace rigwire::hil {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "hil/bench/cost.h"
-#include "hil/cpu_time.h"
+#include "hil/executive/cpu_time.h"
 #include "sim/lidar/depth_image_lidar.h"
 #include "sim/lidar/depth_image_set.h"
 #include "sim/lidar/spinning_lidar.h"

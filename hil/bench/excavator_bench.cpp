@@ -9,7 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "hil/cpu_time.h"
+#include "hil/executive/cpu_time.h"
 #include "sim/excavator/driven_arm.h"
 #include "sim/excavator/excavator.h"
 

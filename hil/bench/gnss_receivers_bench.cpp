@@ -6,7 +6,7 @@
 #include "emulators/ublox/receiver.h"
 #include "hil/bench/carried_machine.h"
 #include "hil/bench/gnss_bench.h"
-#include "hil/cpu_time.h"
+#include "hil/executive/cpu_time.h"
 #include "hil/rig.h"
 #include "hil/satellites.h"
 

@@ -11,7 +11,7 @@
 #include <variant>
 
 #include "hil/bench/lidar_plan.h"
-#include "hil/cpu_time.h"
+#include "hil/executive/cpu_time.h"
 #include "hil/rig.h"
 #include "sim/lidar/spinning_lidar.h"
 

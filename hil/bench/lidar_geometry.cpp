@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "hil/bench/lidar_plan.h"
-#include "hil/cpu_time.h"
+#include "hil/executive/cpu_time.h"
 #include "sim/lidar/spinning_lidar.h"
 #include "sim/random.h"
 

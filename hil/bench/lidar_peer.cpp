@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "hil/bench/lidar_cases.h"
-#include "hil/cpu_time.h"
+#include "hil/executive/cpu_time.h"
 #include "sim/lidar/spinning_lidar.h"
 
 namespace rigwire::hil {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "hil/cpu_time.h"
+#include "hil/executive/cpu_time.h"
 
 namespace rigwire::hil {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/executive.h"
+#include "hil/executive/executive.h"
 #include "hil/report.h"
 #include "sim/samples/time.h"
 

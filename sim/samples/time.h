@@ -12,7 +12,7 @@
 
 namespace rigwire {
 
-/// Tag of the simulation's time line. It has no now(): clocks are injected (hil/clock.h).
+/// Tag of the simulation's time line. It has no now(): clocks are injected (hil/executive/clock.h).
 struct SimulationClock {
   using rep = std::int64_t;
   using period = std::nano;

@@ -1,4 +1,4 @@
-#include "hil/station.h"
+#include "hil/executive/station.h"
 
 #include <gtest/gtest.h>
 

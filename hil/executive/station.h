@@ -7,8 +7,8 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
-#include "hil/event_source.h"
-#include "hil/truth_source.h"
+#include "hil/executive/event_source.h"
+#include "hil/executive/truth_source.h"
 
 namespace rigwire::hil {
 

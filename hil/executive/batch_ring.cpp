@@ -1,4 +1,4 @@
-#include "hil/batch_ring.h"
+#include "hil/executive/batch_ring.h"
 
 namespace rigwire::hil {
 

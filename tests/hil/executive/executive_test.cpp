@@ -1,4 +1,4 @@
-#include "hil/executive.h"
+#include "hil/executive/executive.h"
 
 #include <gtest/gtest.h>
 

@@ -21,12 +21,12 @@
 #include <string>
 #include <vector>
 
-#include "hil/batch_ring.h"
-#include "hil/clock.h"
-#include "hil/event_source.h"
+#include "hil/executive/batch_ring.h"
+#include "hil/executive/clock.h"
+#include "hil/executive/event_source.h"
+#include "hil/executive/station.h"
+#include "hil/executive/truth_source.h"
 #include "hil/outlet.h"
-#include "hil/station.h"
-#include "hil/truth_source.h"
 
 namespace rigwire::hil {
 

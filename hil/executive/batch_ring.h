@@ -7,7 +7,7 @@
 #include <mutex>
 #include <vector>
 
-#include "hil/truth_source.h"
+#include "hil/executive/truth_source.h"
 
 namespace rigwire::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/truth_source.h"
+#include "hil/executive/truth_source.h"
 
 namespace rigwire::hil {
 

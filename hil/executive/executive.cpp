@@ -1,4 +1,4 @@
-#include "hil/executive.h"
+#include "hil/executive/executive.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include "hil/cpu_time.h"
+#include "hil/executive/cpu_time.h"
 
 namespace rigwire::hil {
 namespace {

@@ -1,4 +1,4 @@
-#include "hil/station.h"
+#include "hil/executive/station.h"
 
 namespace rigwire::hil {
 

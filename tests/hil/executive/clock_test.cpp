@@ -1,4 +1,4 @@
-#include "hil/clock.h"
+#include "hil/executive/clock.h"
 
 #include <gtest/gtest.h>
 

@@ -19,7 +19,7 @@
 #include "drivers/can_interface.h"
 #include "drivers/descriptor.h"
 #include "hil/can_hop.h"
-#include "hil/geoid_file.h"
+#include "hil/files/geoid_file.h"
 #include "hil/usb_doctor.h"
 
 namespace rigwire::hil {

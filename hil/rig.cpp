@@ -6,10 +6,10 @@
 #include <stdexcept>
 
 #include "hil/can_hop.h"
-#include "hil/geoid_file.h"
+#include "hil/files/geoid_file.h"
+#include "hil/files/mesh_file.h"
 #include "hil/lidar_factory.h"
 #include "hil/machine_factory.h"
-#include "hil/mesh_file.h"
 #include "hil/satellites.h"
 #include "hil/scene_fall_obstacle.h"
 #include "hil/scene_files.h"

@@ -2,8 +2,8 @@
 
 #include <variant>
 
-#include "hil/height_map_file.h"
-#include "hil/mesh_file.h"
+#include "hil/files/height_map_file.h"
+#include "hil/files/mesh_file.h"
 
 namespace rigwire::hil {
 

@@ -16,8 +16,8 @@ struct SceneFiles {
   std::vector<std::string> report;  ///< Lines for people: what was left out of the files.
 };
 
-/// Throws std::invalid_argument as load_model() (hil/mesh_file.h) and load_height_map()
-/// (hil/height_map_file.h).
+/// Throws std::invalid_argument as load_model() (hil/files/mesh_file.h) and load_height_map()
+/// (hil/files/height_map_file.h).
 [[nodiscard]] SceneFiles load_scene_files(const sim::SceneDescription& description,
                                           const OriginConfiguration& origin);
 

@@ -3,7 +3,7 @@
 #include "emulators/openimu/openimu335ri.h"
 #include "emulators/xsens/mti_600.h"
 #include "hil/bus_node_line.h"
-#include "hil/settings_file.h"
+#include "hil/files/settings_file.h"
 
 namespace rigwire::hil {
 

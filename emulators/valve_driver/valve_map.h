@@ -1,6 +1,6 @@
 // A valve driver's registers as data: which address carries which quantity, how it is coded, and
 // what is refused. One description serves the wire, the device page, `rigwire describe` and the
-// tests; docs/your-own-valve.md shows how a user writes one in YAML (hil/valve_map_file.h).
+// tests; docs/your-own-valve.md shows how a user writes one in YAML (hil/files/valve_map_file.h).
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,7 @@
 #include "hil/configuration/rig.h"
 #include "hil/configuration/suggest.h"
 #include "hil/configuration/units.h"
-#include "hil/valve_map_file.h"
+#include "hil/files/valve_map_file.h"
 
 namespace rigwire::hil {
 

@@ -26,7 +26,8 @@ struct Terminal {
 [[nodiscard]] int check_verb(const RigArguments& rig, bool print, bool json, Terminal terminal);
 [[nodiscard]] int list_verb(const std::string& kind, bool json, Terminal terminal);
 [[nodiscard]] int describe_verb(const std::string& device, bool json, Terminal terminal);
-/// The registers of a valve map's file (hil/valve_map_file.h), as the device pages print them.
+/// The registers of a valve map's file (hil/files/valve_map_file.h), as the device pages print
+/// them.
 [[nodiscard]] int describe_valve_map_verb(const std::string& file, Terminal terminal);
 /// The DBC file of a bus; of the only one when `bus` is empty.
 [[nodiscard]] int dbc_verb(const RigArguments& rig, const std::string& bus, Terminal terminal);

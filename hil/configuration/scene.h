@@ -19,7 +19,7 @@ namespace rigwire::hil {
 struct SceneConfiguration {
   std::string name = "scene";
   std::string text;  ///< One line for `rigwire list scenes`.
-  /// Each object's `mesh` is the full path of a file (hil/mesh_file.h).
+  /// Each object's `mesh` is the full path of a file (hil/files/mesh_file.h).
   sim::SceneDescription description;
   sim::WeatherParameters weather;
 };

@@ -3,7 +3,7 @@
 #include <stdexcept>
 
 #include "hil/configuration/problems.h"
-#include "hil/valve_map_file.h"
+#include "hil/files/valve_map_file.h"
 
 namespace rigwire::hil {
 

@@ -19,7 +19,7 @@ struct ValveDriverConfiguration {
   bool allow_remote = false;  ///< Needed to listen where other machines reach it.
   std::uint8_t unit = 1;      ///< On its Modbus line, 1 .. 247.
   Duration processing_delay = std::chrono::microseconds(300);  ///< Of its own server.
-  std::string map;  ///< File of the registers (hil/valve_map_file.h); empty: Rigwire's own.
+  std::string map;  ///< File of the registers (hil/files/valve_map_file.h); empty: Rigwire's own.
   emulators::ValveDriverSettings driver;
 };
 /// The driver's settings, with its map read. Throws ConfigurationError.

@@ -2,7 +2,7 @@
 
 #include <cassert>
 
-#include "hil/lidar_calibration_file.h"
+#include "hil/files/lidar_calibration_file.h"
 
 namespace rigwire::hil {
 namespace {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "drivers/serial_port.h"
-#include "hil/geoid_file.h"
+#include "hil/files/geoid_file.h"
 #include "hil/rig.h"
 #include "private_wires.h"
 

@@ -10,7 +10,7 @@
 
 #include "hil/configuration/document.h"
 #include "hil/configuration/reader.h"
-#include "hil/valve_map_file.h"
+#include "hil/files/valve_map_file.h"
 
 namespace rigwire::hil {
 namespace {

@@ -1,4 +1,4 @@
-#include "hil/height_map_file.h"
+#include "hil/files/height_map_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "hil/lidar_calibration_file.h"
+#include "hil/files/lidar_calibration_file.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

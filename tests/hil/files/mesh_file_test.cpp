@@ -1,4 +1,4 @@
-#include "hil/mesh_file.h"
+#include "hil/files/mesh_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

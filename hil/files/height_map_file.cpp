@@ -1,4 +1,4 @@
-#include "hil/height_map_file.h"
+#include "hil/files/height_map_file.h"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "hil/geotiff_file.h"
-#include "hil/image_file.h"
+#include "hil/files/geotiff_file.h"
+#include "hil/files/image_file.h"
 #include "sim/scene/utm.h"
 
 namespace rigwire::hil {

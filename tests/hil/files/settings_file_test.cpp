@@ -1,4 +1,4 @@
-#include "hil/settings_file.h"
+#include "hil/files/settings_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "hil/geoid_file.h"
+#include "hil/files/geoid_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

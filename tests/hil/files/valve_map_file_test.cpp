@@ -1,4 +1,4 @@
-#include "hil/valve_map_file.h"
+#include "hil/files/valve_map_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

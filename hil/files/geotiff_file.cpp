@@ -1,4 +1,4 @@
-#include "hil/geotiff_file.h"
+#include "hil/files/geotiff_file.h"
 
 #include <tiffio.h>
 

@@ -1,4 +1,4 @@
-#include "hil/mesh_file.h"
+#include "hil/files/mesh_file.h"
 
 #include <assimp/GltfMaterial.h>
 #include <assimp/postprocess.h>
@@ -12,7 +12,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "hil/image_file.h"
+#include "hil/files/image_file.h"
 
 namespace rigwire::hil {
 namespace {

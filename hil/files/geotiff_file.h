@@ -1,4 +1,5 @@
-// Rasters with a place on Earth, as far as heights need them (hil/height_map_file.h has the tags).
+// Rasters with a place on Earth, as far as heights need them (hil/files/height_map_file.h has the
+// tags).
 #pragma once
 
 #include <cstddef>

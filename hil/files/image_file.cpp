@@ -1,4 +1,4 @@
-#include "hil/image_file.h"
+#include "hil/files/image_file.h"
 
 #include <png.h>
 

@@ -9,8 +9,8 @@
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
 #include "hil/bus_node_line.h"
 #include "hil/executive/station.h"
-#include "hil/outlet.h"
-#include "hil/usb_serial_stream.h"
+#include "hil/wires/outlets.h"
+#include "hil/wires/usb_serial_stream.h"
 
 namespace rigwire::hil {
 namespace {

@@ -8,13 +8,13 @@
 #include <optional>
 #include <string>
 
-#include "hil/can_line.h"
 #include "hil/configuration/device.h"
 #include "hil/executive/executive.h"
 #include "hil/fix_listener.h"
 #include "hil/rig_status.h"
-#include "hil/usb_bus.h"
-#include "hil/wire_statistics.h"
+#include "hil/wires/rig_can.h"
+#include "hil/wires/usb_bus.h"
+#include "hil/wires/wire_statistics.h"
 #include "sim/samples/calendar.h"
 
 namespace rigwire::hil {

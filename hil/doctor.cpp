@@ -18,9 +18,9 @@
 
 #include "drivers/can_interface.h"
 #include "drivers/descriptor.h"
-#include "hil/can_hop.h"
 #include "hil/files/geoid_file.h"
 #include "hil/usb_doctor.h"
+#include "hil/wires/can_hop.h"
 
 namespace rigwire::hil {
 

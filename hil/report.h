@@ -9,7 +9,7 @@
 #include "hil/executive/clock.h"
 #include "hil/executive/executive.h"
 #include "hil/executive/truth_source.h"
-#include "hil/wire_statistics.h"
+#include "hil/wires/wire_statistics.h"
 
 namespace rigwire::hil {
 

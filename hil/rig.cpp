@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "hil/can_hop.h"
 #include "hil/files/geoid_file.h"
 #include "hil/files/mesh_file.h"
 #include "hil/lidar_factory.h"
@@ -16,9 +15,10 @@
 #include "hil/starfire_line.h"
 #include "hil/usb_joystick_line.h"
 #include "hil/usb_passthrough_line.h"
-#include "hil/usb_server_line.h"
 #include "hil/valve_line.h"
 #include "hil/velodyne_line.h"
+#include "hil/wires/can_hop.h"
+#include "hil/wires/rig_usb.h"
 #include "sim/random.h"
 #include "sim/scene/triangle_mesh.h"
 

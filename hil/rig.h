@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "hil/can_line.h"
 #include "hil/configuration/rig.h"
 #include "hil/device_line.h"
 #include "hil/executive/executive.h"
-#include "hil/modbus_line.h"
 #include "hil/report.h"
 #include "hil/rig_status.h"
 #include "hil/simulated_world.h"
+#include "hil/wires/rig_can.h"
+#include "hil/wires/rig_modbus.h"
 
 namespace rigwire::hil {
 

@@ -9,7 +9,7 @@
 #include "emulators/starfire/receiver.h"
 #include "emulators/ublox/line_quality.h"
 #include "hil/executive/station.h"
-#include "hil/outlet.h"
+#include "hil/wires/outlets.h"
 
 namespace rigwire::hil {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "hil/configuration/usb_joystick.h"
 #include "hil/device_line.h"
-#include "hil/usb_bus.h"
+#include "hil/wires/usb_bus.h"
 
 namespace rigwire::hil {
 

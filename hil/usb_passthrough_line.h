@@ -8,7 +8,7 @@
 
 #include "hil/configuration/usb_passthrough.h"
 #include "hil/device_line.h"
-#include "hil/usb_bus.h"
+#include "hil/wires/usb_bus.h"
 
 namespace rigwire::hil {
 

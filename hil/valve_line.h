@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "hil/device_line.h"
-#include "hil/modbus_line.h"
+#include "hil/wires/rig_modbus.h"
 
 namespace rigwire::hil {
 

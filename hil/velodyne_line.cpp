@@ -9,7 +9,7 @@
 #include "emulators/velodyne/velodyne_lidar.h"
 #include "emulators/velodyne/web_interface.h"
 #include "hil/executive/station.h"
-#include "hil/outlet.h"
+#include "hil/wires/outlets.h"
 
 namespace rigwire::hil {
 namespace {

@@ -11,7 +11,6 @@
 #include <type_traits>
 #include <variant>
 
-#include "hil/configuration/can_bus.h"
 #include "hil/configuration/cia406_encoder.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/iso_valves.h"
@@ -27,6 +26,7 @@
 #include "hil/configuration/vehicle_sensors.h"
 #include "hil/configuration/velodyne.h"
 #include "hil/configuration/xsens.h"
+#include "hil/wires/can_bus_configuration.h"
 
 namespace rigwire::hil {
 

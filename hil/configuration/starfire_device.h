@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "emulators/starfire/settings.h"
-#include "hil/configuration/baud_check.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/gnss_fault.h"
 #include "hil/configuration/gnss_sensor.h"
 #include "hil/configuration/mount.h"
 #include "hil/configuration/units.h"
+#include "hil/wires/baud_check.h"
 
 namespace rigwire::hil {
 

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "emulators/ublox/settings.h"
-#include "hil/configuration/baud_check.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/gnss_fault.h"
 #include "hil/configuration/gnss_sensor.h"
 #include "hil/configuration/mount.h"
 #include "hil/configuration/units.h"
-#include "hil/configuration/usb.h"
+#include "hil/wires/baud_check.h"
+#include "hil/wires/usb_configuration.h"
 
 namespace rigwire::hil {
 

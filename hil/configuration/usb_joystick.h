@@ -17,7 +17,7 @@
 #include "emulators/usb/hid_joystick.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/units.h"
-#include "hil/configuration/usb.h"
+#include "hil/wires/usb_configuration.h"
 #include "sim/joystick/lever_script.h"
 
 namespace rigwire::hil {

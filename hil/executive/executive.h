@@ -26,7 +26,7 @@
 #include "hil/executive/event_source.h"
 #include "hil/executive/station.h"
 #include "hil/executive/truth_source.h"
-#include "hil/outlet.h"
+#include "hil/wires/outlets.h"
 
 namespace rigwire::hil {
 

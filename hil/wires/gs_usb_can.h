@@ -17,7 +17,7 @@
 #include "drivers/endpoints.h"
 #include "drivers/vhci.h"
 #include "emulators/usb/gs_usb.h"
-#include "hil/usb_bus.h"
+#include "hil/wires/usb_bus.h"
 
 namespace rigwire::hil {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "hil/wire_statistics.h"
+#include "hil/wires/wire_statistics.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::hil {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "hil/latency_histogram.h"
-#include "hil/stream_hash.h"
+#include "hil/wires/latency_histogram.h"
+#include "hil/wires/stream_hash.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::hil {

@@ -1,4 +1,4 @@
-#include "hil/outlet.h"
+#include "hil/wires/outlets.h"
 
 #include <algorithm>
 #include <array>

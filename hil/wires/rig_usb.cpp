@@ -1,4 +1,4 @@
-#include "hil/usb_server_line.h"
+#include "hil/wires/rig_usb.h"
 
 #include <algorithm>
 

@@ -1,10 +1,10 @@
-#include "hil/modbus_line.h"
+#include "hil/wires/rig_modbus.h"
 
 #include "drivers/pty.h"
 #include "drivers/tcp_server.h"
 #include "emulators/modbus/modbus_rtu_server.h"
 #include "emulators/modbus/modbus_server.h"
-#include "hil/outlet.h"
+#include "hil/wires/outlets.h"
 
 namespace rigwire::hil {
 namespace {

@@ -1,4 +1,4 @@
-#include "hil/configuration/modbus_line.h"
+#include "hil/wires/modbus_line_configuration.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,9 +6,9 @@
 
 #include "drivers/endpoints.h"
 #include "emulators/device.h"
-#include "hil/emission_queue.h"
 #include "hil/executive/clock.h"
-#include "hil/wire_statistics.h"
+#include "hil/wires/emission_queue.h"
+#include "hil/wires/wire_statistics.h"
 
 namespace rigwire::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/can_line.h"
+#include "hil/wires/rig_can.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

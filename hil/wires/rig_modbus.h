@@ -8,10 +8,10 @@
 
 #include "drivers/endpoints.h"
 #include "emulators/modbus/modbus_unit.h"
-#include "hil/configuration/modbus_line.h"
 #include "hil/executive/event_source.h"
 #include "hil/executive/executive.h"
-#include "hil/wire_statistics.h"
+#include "hil/wires/modbus_line_configuration.h"
+#include "hil/wires/wire_statistics.h"
 
 namespace rigwire::hil {
 

@@ -9,8 +9,8 @@
 #include "drivers/endpoints.h"
 #include "emulators/can/can_bus.h"
 #include "hil/executive/event_source.h"
-#include "hil/outlet.h"
-#include "hil/wire_statistics.h"
+#include "hil/wires/outlets.h"
+#include "hil/wires/wire_statistics.h"
 
 namespace rigwire::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/latency_histogram.h"
+#include "hil/wires/latency_histogram.h"
 
 #include <gtest/gtest.h>
 

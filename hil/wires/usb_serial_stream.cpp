@@ -1,4 +1,4 @@
-#include "hil/usb_serial_stream.h"
+#include "hil/wires/usb_serial_stream.h"
 
 #include <algorithm>
 #include <boost/asio/post.hpp>

@@ -14,7 +14,7 @@
 
 #include "drivers/endpoints.h"
 #include "emulators/usb/cdc_acm.h"
-#include "hil/usb_bus.h"
+#include "hil/wires/usb_bus.h"
 
 namespace rigwire::hil {
 

@@ -17,9 +17,9 @@
 
 #include "emulators/modbus/modbus_rtu_server.h"
 #include "emulators/modbus/modbus_server.h"
-#include "hil/configuration/baud_check.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/modbus_fault.h"
+#include "hil/wires/baud_check.h"
 
 namespace rigwire::hil {
 

@@ -8,11 +8,11 @@
 
 #include "drivers/tcp_server.h"
 #include "emulators/usb/usbip_server.h"
-#include "hil/configuration/usb.h"
 #include "hil/executive/event_source.h"
 #include "hil/executive/executive.h"
-#include "hil/usb_bus.h"
-#include "hil/wire_statistics.h"
+#include "hil/wires/usb_bus.h"
+#include "hil/wires/usb_configuration.h"
+#include "hil/wires/wire_statistics.h"
 
 namespace rigwire::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/gs_usb_can.h"
+#include "hil/wires/gs_usb_can.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "hil/can_hop.h"
+#include "hil/wires/can_hop.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

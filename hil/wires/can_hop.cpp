@@ -1,4 +1,4 @@
-#include "hil/can_hop.h"
+#include "hil/wires/can_hop.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include "drivers/pty.h"
 #include "drivers/slcan_adapter.h"
 #include "drivers/socketcan.h"
-#include "hil/gs_usb_can.h"
+#include "hil/wires/gs_usb_can.h"
 
 namespace rigwire::hil {
 namespace {

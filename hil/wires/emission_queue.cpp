@@ -1,4 +1,4 @@
-#include "hil/emission_queue.h"
+#include "hil/wires/emission_queue.h"
 
 #include <algorithm>
 #include <cassert>

@@ -9,8 +9,8 @@
 
 #include "drivers/can_interface.h"
 #include "drivers/endpoints.h"
-#include "hil/configuration/can_bus.h"
-#include "hil/usb_bus.h"
+#include "hil/wires/can_bus_configuration.h"
+#include "hil/wires/usb_bus.h"
 
 namespace rigwire::hil {
 

@@ -7,11 +7,6 @@
 
 #include "hil/files/geoid_file.h"
 #include "hil/files/mesh_file.h"
-#include "hil/lidar_factory.h"
-#include "hil/machine_factory.h"
-#include "hil/satellites.h"
-#include "hil/scene_fall_obstacle.h"
-#include "hil/scene_files.h"
 #include "hil/starfire_line.h"
 #include "hil/usb_joystick_line.h"
 #include "hil/usb_passthrough_line.h"
@@ -19,6 +14,11 @@
 #include "hil/velodyne_line.h"
 #include "hil/wires/can_hop.h"
 #include "hil/wires/rig_usb.h"
+#include "hil/world/lidar.h"
+#include "hil/world/machine.h"
+#include "hil/world/scene.h"
+#include "hil/world/scene_fall_obstacle.h"
+#include "hil/world/sky.h"
 #include "sim/random.h"
 #include "sim/scene/triangle_mesh.h"
 

@@ -13,9 +13,9 @@
 #include "hil/executive/executive.h"
 #include "hil/report.h"
 #include "hil/rig_status.h"
-#include "hil/simulated_world.h"
 #include "hil/wires/rig_can.h"
 #include "hil/wires/rig_modbus.h"
+#include "hil/world/simulated_world.h"
 
 namespace rigwire::hil {
 

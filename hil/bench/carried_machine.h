@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hil/configuration/rig.h"
-#include "hil/simulated_world.h"
+#include "hil/world/simulated_world.h"
 #include "sim/link_motion.h"
 #include "sim/scene/track.h"
 

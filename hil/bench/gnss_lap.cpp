@@ -11,7 +11,7 @@
 
 #include "hil/bench/carried_machine.h"
 #include "hil/rig.h"
-#include "hil/satellites.h"
+#include "hil/world/sky.h"
 #include "sim/gnss/gnss_sensor.h"
 #include "sim/scene/track.h"
 

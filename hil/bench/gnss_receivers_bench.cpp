@@ -8,7 +8,7 @@
 #include "hil/bench/gnss_bench.h"
 #include "hil/executive/cpu_time.h"
 #include "hil/rig.h"
-#include "hil/satellites.h"
+#include "hil/world/sky.h"
 
 namespace rigwire::hil {
 namespace {

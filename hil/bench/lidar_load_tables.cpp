@@ -11,7 +11,7 @@
 #include "hil/command_line/config_files.h"
 #include "hil/configuration/document.h"
 #include "hil/configuration/reader.h"
-#include "hil/configuration/scene.h"
+#include "hil/world/scene_configuration.h"
 
 namespace rigwire::hil {
 namespace {

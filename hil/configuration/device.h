@@ -14,9 +14,7 @@
 #include "hil/configuration/cia406_encoder.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/iso_valves.h"
-#include "hil/configuration/mount.h"
 #include "hil/configuration/openimu.h"
-#include "hil/configuration/shapes.h"
 #include "hil/configuration/starfire_device.h"
 #include "hil/configuration/ublox.h"
 #include "hil/configuration/usb_joystick.h"
@@ -27,6 +25,8 @@
 #include "hil/configuration/velodyne.h"
 #include "hil/configuration/xsens.h"
 #include "hil/wires/can_bus_configuration.h"
+#include "hil/world/mount.h"
+#include "hil/world/shapes.h"
 
 namespace rigwire::hil {
 

@@ -9,9 +9,9 @@
 #include "hil/configuration/fields.h"
 #include "hil/configuration/imu_sensor.h"
 #include "hil/configuration/magnetometer.h"
-#include "hil/configuration/mount.h"
 #include "hil/configuration/supply.h"
 #include "hil/configuration/units.h"
+#include "hil/world/mount.h"
 #include "sim/imu/imu_sensor.h"
 
 namespace rigwire::hil {

@@ -10,13 +10,13 @@
 
 #include "hil/configuration/device.h"
 #include "hil/configuration/fields.h"
-#include "hil/configuration/machine.h"
-#include "hil/configuration/origin.h"
 #include "hil/configuration/outline.h"
-#include "hil/configuration/satellites.h"
-#include "hil/configuration/scene.h"
 #include "hil/wires/modbus_line_configuration.h"
 #include "hil/wires/usb_configuration.h"
+#include "hil/world/machine_configuration.h"
+#include "hil/world/origin.h"
+#include "hil/world/satellites_configuration.h"
+#include "hil/world/scene_configuration.h"
 #include "sim/samples/calendar.h"
 #include "sim/samples/time.h"
 

@@ -9,9 +9,9 @@
 #include "hil/configuration/fields.h"
 #include "hil/configuration/gnss_fault.h"
 #include "hil/configuration/gnss_sensor.h"
-#include "hil/configuration/mount.h"
 #include "hil/configuration/units.h"
 #include "hil/wires/baud_check.h"
+#include "hil/world/mount.h"
 
 namespace rigwire::hil {
 

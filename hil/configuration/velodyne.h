@@ -10,10 +10,10 @@
 
 #include "emulators/velodyne/velodyne_settings.h"
 #include "hil/configuration/fields.h"
-#include "hil/configuration/lidar_sensor.h"
-#include "hil/configuration/mount.h"
 #include "hil/configuration/units.h"
 #include "hil/configuration/velodyne_fault.h"
+#include "hil/world/lidar_sensor_configuration.h"
+#include "hil/world/mount.h"
 
 namespace rigwire::hil {
 

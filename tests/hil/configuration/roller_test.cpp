@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "hil/configuration/document.h"
-#include "hil/configuration/machine.h"
 #include "hil/configuration/reader.h"
+#include "hil/world/machine_configuration.h"
 #include "sim/roller/tandem_roller.h"
 
 namespace rigwire::hil {

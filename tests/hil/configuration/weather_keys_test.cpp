@@ -8,7 +8,7 @@
 #include <string>
 
 #include "hil/configuration/reader.h"
-#include "hil/configuration/scene.h"
+#include "hil/world/scene_configuration.h"
 
 namespace rigwire::hil {
 namespace {

@@ -1,4 +1,4 @@
-#include "hil/satellites.h"
+#include "hil/world/sky.h"
 
 #include <cerrno>
 #include <cstring>

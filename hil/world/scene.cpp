@@ -1,4 +1,4 @@
-#include "hil/scene_files.h"
+#include "hil/world/scene.h"
 
 #include <variant>
 

@@ -1,4 +1,4 @@
-#include "hil/satellites.h"
+#include "hil/world/sky.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "hil/scene_fall_obstacle.h"
+#include "hil/world/scene_fall_obstacle.h"
 
 namespace rigwire::hil {
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "hil/configuration/satellites.h"
+#include "hil/world/satellites_configuration.h"
 #include "sim/gnss/constellation.h"
 #include "sim/samples/calendar.h"
 

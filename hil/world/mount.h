@@ -4,8 +4,8 @@
 #include <string>
 
 #include "hil/configuration/fields.h"
-#include "hil/configuration/shapes.h"
 #include "hil/configuration/units.h"
+#include "hil/world/shapes.h"
 #include "sim/samples/vector3.h"
 
 namespace rigwire::hil {

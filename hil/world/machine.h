@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <memory>
 
-#include "hil/configuration/machine.h"
+#include "hil/world/machine_configuration.h"
 #include "sim/excavator/bucket_soil.h"
 #include "sim/ground/ground.h"
 #include "sim/machine.h"

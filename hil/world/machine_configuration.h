@@ -13,9 +13,9 @@
 #include "hil/configuration/excavator.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/roller.h"
-#include "hil/configuration/shapes.h"
 #include "hil/configuration/units.h"
 #include "hil/configuration/wheeled_vehicle.h"
+#include "hil/world/shapes.h"
 #include "sim/samples/vector3.h"
 
 namespace rigwire::hil {

@@ -9,7 +9,7 @@
 #include "hil/configuration/document.h"
 #include "hil/configuration/reader.h"
 #include "hil/configuration/rig.h"
-#include "hil/configuration/scene.h"
+#include "hil/world/scene_configuration.h"
 #include "sim/local_frame.h"
 
 namespace rigwire::hil {

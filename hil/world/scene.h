@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/configuration/origin.h"
+#include "hil/world/origin.h"
 #include "sim/scene/scene_description.h"
 
 namespace rigwire::hil {

@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "hil/configuration/lidar_sensor.h"
 #include "hil/configuration/outline.h"
 #include "hil/configuration/reader.h"
+#include "hil/world/lidar_sensor_configuration.h"
 
 namespace rigwire::hil {
 namespace {

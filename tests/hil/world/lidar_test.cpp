@@ -1,4 +1,4 @@
-#include "hil/lidar_factory.h"
+#include "hil/world/lidar.h"
 
 #include <gtest/gtest.h>
 

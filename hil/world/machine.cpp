@@ -1,4 +1,4 @@
-#include "hil/machine_factory.h"
+#include "hil/world/machine.h"
 
 #include <cmath>
 

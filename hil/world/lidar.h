@@ -5,7 +5,7 @@
 #include <memory>
 #include <string_view>
 
-#include "hil/configuration/lidar_sensor.h"
+#include "hil/world/lidar_sensor_configuration.h"
 #include "sim/lidar/lidar_sensor.h"
 #include "sim/samples/lidar_sample.h"
 

@@ -1,4 +1,4 @@
-#include "hil/lidar_factory.h"
+#include "hil/world/lidar.h"
 
 #include "sim/lidar/depth_image_lidar.h"
 #include "sim/lidar/spinning_lidar.h"

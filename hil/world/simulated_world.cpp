@@ -1,4 +1,4 @@
-#include "hil/simulated_world.h"
+#include "hil/world/simulated_world.h"
 
 #include <fmt/format.h>
 

@@ -11,7 +11,7 @@
 #include "hil/configuration/rig.h"
 #include "hil/device_line.h"
 #include "hil/executive/executive.h"
-#include "hil/report.h"
+#include "hil/record/report.h"
 #include "hil/rig_status.h"
 #include "hil/wires/rig_can.h"
 #include "hil/wires/rig_modbus.h"
@@ -35,8 +35,8 @@ class UsbServerLine;
 
 /// Where ground truth goes.
 struct TruthFiles {
-  std::filesystem::path machine;  ///< hil/truth_tap.h
-  std::filesystem::path lidar;    ///< hil/lidar_truth_tap.h
+  std::filesystem::path machine;  ///< hil/record/truth_tap.h
+  std::filesystem::path lidar;    ///< hil/record/lidar_truth_tap.h
 };
 
 class Rig {

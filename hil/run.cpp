@@ -8,7 +8,7 @@
 #include <cstdio>
 
 #include "drivers/endpoints.h"
-#include "hil/report.h"
+#include "hil/record/report.h"
 #include "hil/rig.h"
 #include "hil/status_reporter.h"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "hil/executive/executive.h"
-#include "hil/report.h"
+#include "hil/record/report.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::hil {

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "hil/executive/truth_source.h"
-#include "hil/lidar_truth_tap.h"
-#include "hil/truth_tap.h"
+#include "hil/record/lidar_truth_tap.h"
+#include "hil/record/truth_tap.h"
 #include "sim/encoder/joint_angle.h"
 #include "sim/excavator/bucket_soil.h"
 #include "sim/gnss/gnss_sensor.h"

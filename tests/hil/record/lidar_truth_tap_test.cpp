@@ -10,7 +10,7 @@
 #include <sstream>
 #include <string>
 
-#include "hil/lidar_truth_tap.h"
+#include "hil/record/lidar_truth_tap.h"
 #include "hil/rig.h"
 #include "private_wires.h"
 

@@ -1,4 +1,4 @@
-#include "hil/report.h"
+#include "hil/record/report.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

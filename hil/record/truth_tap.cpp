@@ -1,4 +1,4 @@
-#include "hil/truth_tap.h"
+#include "hil/record/truth_tap.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "hil/lidar_truth_tap.h"
+#include "hil/record/lidar_truth_tap.h"
 
 #include <fmt/format.h>
 

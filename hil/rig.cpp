@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "hil/devices/starfire_line.h"
+#include "hil/devices/usb_joystick_line.h"
+#include "hil/devices/usb_passthrough_line.h"
+#include "hil/devices/valve_driver_line.h"
+#include "hil/devices/velodyne_line.h"
 #include "hil/files/geoid_file.h"
 #include "hil/files/mesh_file.h"
-#include "hil/starfire_line.h"
-#include "hil/usb_joystick_line.h"
-#include "hil/usb_passthrough_line.h"
-#include "hil/valve_line.h"
-#include "hil/velodyne_line.h"
 #include "hil/wires/can_hop.h"
 #include "hil/wires/rig_usb.h"
 #include "hil/world/lidar.h"

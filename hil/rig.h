@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "hil/configuration/rig.h"
-#include "hil/device_line.h"
+#include "hil/devices/device_line.h"
+#include "hil/devices/rig_status.h"
 #include "hil/executive/executive.h"
 #include "hil/record/report.h"
-#include "hil/rig_status.h"
 #include "hil/wires/rig_can.h"
 #include "hil/wires/rig_modbus.h"
 #include "hil/world/simulated_world.h"

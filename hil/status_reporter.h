@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "hil/devices/rig_status.h"
 #include "hil/executive/truth_source.h"
-#include "hil/rig_status.h"
 #include "hil/run.h"
 
 namespace rigwire::hil {

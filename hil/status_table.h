@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/rig_status.h"
+#include "hil/devices/rig_status.h"
 
 namespace rigwire::hil {
 

@@ -5,8 +5,8 @@
 
 #include "hil/command_line/config_files.h"
 #include "hil/command_line/verbs.h"
-#include "hil/configuration/bus_messages.h"
 #include "hil/configuration/suggest.h"
+#include "hil/devices/bus_messages.h"
 
 namespace rigwire::hil {
 

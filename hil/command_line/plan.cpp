@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "hil/command_line/verbs.h"
-#include "hil/configuration/frame_rate.h"
+#include "hil/devices/frame_rate.h"
 #include "protocols/velodyne/data_packet.h"
 #include "protocols/velodyne/packet_layout.h"
 

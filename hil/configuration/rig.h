@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "hil/configuration/device.h"
 #include "hil/configuration/fields.h"
 #include "hil/configuration/outline.h"
+#include "hil/devices/device_types.h"
 #include "hil/wires/modbus_line_configuration.h"
 #include "hil/wires/usb_configuration.h"
 #include "hil/world/machine_configuration.h"

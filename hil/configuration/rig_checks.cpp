@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "hil/configuration/bus_devices.h"
 #include "hil/configuration/document.h"
 #include "hil/configuration/rig.h"
 #include "hil/configuration/suggest.h"
+#include "hil/devices/bus_devices.h"
 #include "protocols/can/frame_text.h"
 
 namespace rigwire::hil {

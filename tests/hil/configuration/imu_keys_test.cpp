@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "hil/configuration/device.h"
 #include "hil/configuration/outline.h"
 #include "hil/configuration/reader.h"
+#include "hil/devices/device_types.h"
 
 namespace rigwire::hil {
 namespace {

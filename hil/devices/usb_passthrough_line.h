@@ -6,8 +6,8 @@
 #include <memory>
 #include <string_view>
 
-#include "hil/configuration/usb_passthrough.h"
-#include "hil/device_line.h"
+#include "hil/devices/device_line.h"
+#include "hil/devices/usb_passthrough_configuration.h"
 #include "hil/wires/usb_bus.h"
 
 namespace rigwire::hil {

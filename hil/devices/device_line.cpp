@@ -1,4 +1,4 @@
-#include "hil/device_line.h"
+#include "hil/devices/device_line.h"
 
 #include <vector>
 
@@ -7,7 +7,7 @@
 #include "emulators/ublox/receiver.h"
 #include "emulators/usb/ublox_usb.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
-#include "hil/bus_node_line.h"
+#include "hil/devices/bus_node_line.h"
 #include "hil/executive/station.h"
 #include "hil/wires/outlets.h"
 #include "hil/wires/usb_serial_stream.h"

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "hil/configuration/velodyne.h"
-#include "hil/device_line.h"
+#include "hil/devices/device_line.h"
+#include "hil/devices/velodyne.h"
 
 namespace rigwire::hil {
 

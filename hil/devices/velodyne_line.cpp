@@ -1,4 +1,4 @@
-#include "hil/velodyne_line.h"
+#include "hil/devices/velodyne_line.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "hil/configuration/velodyne.h"
+#include "hil/devices/velodyne.h"
 
 #include <cassert>
 

@@ -1,4 +1,4 @@
-#include "hil/configuration/bus_messages.h"
+#include "hil/devices/bus_messages.h"
 
 #include <iterator>
 #include <string_view>

@@ -2,7 +2,7 @@
 #include "emulators/canopen/rotary_encoder.h"
 #include "emulators/openimu/openimu335ri.h"
 #include "emulators/xsens/mti_600.h"
-#include "hil/bus_node_line.h"
+#include "hil/devices/bus_node_line.h"
 #include "hil/files/settings_file.h"
 
 namespace rigwire::hil {

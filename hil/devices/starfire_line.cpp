@@ -1,4 +1,4 @@
-#include "hil/starfire_line.h"
+#include "hil/devices/starfire_line.h"
 
 #include <algorithm>
 #include <optional>

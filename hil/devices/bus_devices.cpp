@@ -1,8 +1,8 @@
-#include "hil/configuration/bus_devices.h"
+#include "hil/devices/bus_devices.h"
 
 #include <variant>
 
-#include "hil/configuration/frame_rate.h"
+#include "hil/devices/frame_rate.h"
 
 namespace rigwire::hil {
 

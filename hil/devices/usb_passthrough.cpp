@@ -1,4 +1,4 @@
-#include "hil/usb_passthrough.h"
+#include "hil/devices/usb_passthrough.h"
 
 #include <algorithm>
 

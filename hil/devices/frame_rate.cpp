@@ -1,4 +1,4 @@
-#include "hil/configuration/frame_rate.h"
+#include "hil/devices/frame_rate.h"
 
 #include <bit>
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string_view>
 
-#include "hil/configuration/usb_joystick.h"
-#include "hil/device_line.h"
+#include "hil/devices/device_line.h"
+#include "hil/devices/usb_joystick.h"
 #include "hil/wires/usb_bus.h"
 
 namespace rigwire::hil {

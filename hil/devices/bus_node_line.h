@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "emulators/nonvolatile_memory.h"
-#include "hil/device_line.h"
+#include "hil/devices/device_line.h"
 #include "hil/executive/station.h"
 
 namespace rigwire::hil {

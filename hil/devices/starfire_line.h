@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "hil/configuration/starfire_device.h"
-#include "hil/device_line.h"
+#include "hil/devices/device_line.h"
+#include "hil/devices/starfire.h"
 
 namespace rigwire::hil {
 

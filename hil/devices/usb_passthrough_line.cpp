@@ -1,7 +1,7 @@
-#include "hil/usb_passthrough_line.h"
+#include "hil/devices/usb_passthrough_line.h"
 
 #include "drivers/usb_host.h"
-#include "hil/usb_passthrough.h"
+#include "hil/devices/usb_passthrough.h"
 
 namespace rigwire::hil {
 namespace {

@@ -8,10 +8,10 @@
 #include <optional>
 #include <string>
 
-#include "hil/configuration/device.h"
+#include "hil/devices/device_types.h"
+#include "hil/devices/fix_listener.h"
+#include "hil/devices/rig_status.h"
 #include "hil/executive/executive.h"
-#include "hil/fix_listener.h"
-#include "hil/rig_status.h"
 #include "hil/wires/rig_can.h"
 #include "hil/wires/usb_bus.h"
 #include "hil/wires/wire_statistics.h"

@@ -1,7 +1,7 @@
 // What CAN devices send by themselves, from their configuration alone.
 #pragma once
 
-#include "hil/configuration/device.h"
+#include "hil/devices/device_types.h"
 
 namespace rigwire::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/usb_joystick_line.h"
+#include "hil/devices/usb_joystick_line.h"
 
 #include "hil/executive/event_source.h"
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "hil/device_line.h"
+#include "hil/devices/device_line.h"
 #include "hil/wires/rig_modbus.h"
 
 namespace rigwire::hil {

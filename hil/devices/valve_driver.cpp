@@ -1,4 +1,4 @@
-#include "hil/configuration/valve_driver.h"
+#include "hil/devices/valve_driver.h"
 
 #include <stdexcept>
 

@@ -1,4 +1,4 @@
-#include "hil/valve_line.h"
+#include "hil/devices/valve_driver_line.h"
 
 #include "emulators/valve_driver/valve_driver.h"
 #include "hil/executive/station.h"

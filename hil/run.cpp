@@ -9,7 +9,7 @@
 
 #include "drivers/endpoints.h"
 #include "hil/record/report.h"
-#include "hil/rig.h"
+#include "hil/rig/rig.h"
 #include "hil/status_reporter.h"
 
 namespace rigwire::hil {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "hil/configuration/rig.h"
 #include "hil/executive/clock.h"
+#include "hil/rig/rig_configuration.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::hil {

@@ -10,8 +10,8 @@
 #include <stdexcept>
 
 #include "emulators/velodyne/velodyne_lidar.h"
-#include "hil/configuration/rig.h"
 #include "hil/executive/cpu_time.h"
+#include "hil/rig/rig_configuration.h"
 #include "sim/lidar/spinning_lidar.h"
 #include "sim/random.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "hil/rig.h"
+#include "hil/rig/rig.h"
 
 namespace rigwire::hil {
 

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "hil/configuration/rig.h"
+#include "hil/rig/rig_configuration.h"
 #include "hil/world/simulated_world.h"
 #include "sim/link_motion.h"
 #include "sim/scene/track.h"

@@ -10,7 +10,7 @@
 #include <type_traits>
 
 #include "hil/bench/carried_machine.h"
-#include "hil/rig.h"
+#include "hil/rig/rig.h"
 #include "hil/world/sky.h"
 #include "sim/gnss/gnss_sensor.h"
 #include "sim/scene/track.h"

@@ -7,7 +7,7 @@
 #include "hil/bench/carried_machine.h"
 #include "hil/bench/gnss_bench.h"
 #include "hil/executive/cpu_time.h"
-#include "hil/rig.h"
+#include "hil/rig/rig.h"
 #include "hil/world/sky.h"
 
 namespace rigwire::hil {

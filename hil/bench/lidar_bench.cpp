@@ -12,7 +12,7 @@
 
 #include "hil/bench/lidar_plan.h"
 #include "hil/executive/cpu_time.h"
-#include "hil/rig.h"
+#include "hil/rig/rig.h"
 #include "sim/lidar/spinning_lidar.h"
 
 namespace rigwire::hil {

@@ -1,7 +1,7 @@
 #include "hil/bench/lidar_plan.h"
 
-#include "hil/configuration/rig.h"
 #include "hil/executive/cpu_time.h"
+#include "hil/rig/rig_configuration.h"
 
 namespace rigwire::hil {
 namespace {

@@ -11,7 +11,7 @@
 #include "drivers/modbus_master.h"
 #include "emulators/valve_driver/registers.h"
 #include "hil/bench/private_rig.h"
-#include "hil/rig.h"
+#include "hil/rig/rig.h"
 #include "protocols/velodyne/data_packet.h"
 #include "protocols/velodyne/position_packet.h"
 

@@ -6,10 +6,10 @@
 #include "hil/command_line/config_files.h"
 #include "hil/command_line/device_catalogue.h"
 #include "hil/command_line/verbs.h"
-#include "hil/configuration/rig.h"
 #include "hil/configuration/suggest.h"
 #include "hil/configuration/units.h"
 #include "hil/files/valve_map_file.h"
+#include "hil/rig/rig_configuration.h"
 
 namespace rigwire::hil {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/configuration/rig.h"
+#include "hil/rig/rig_configuration.h"
 
 namespace rigwire::hil {
 

@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "hil/configuration/gnss_fault.h"
-#include "hil/configuration/rig.h"
+#include "hil/rig/rig_configuration.h"
 
 namespace rigwire::hil {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "hil/record/lidar_truth_tap.h"
-#include "hil/rig.h"
+#include "hil/rig/rig.h"
 #include "private_wires.h"
 
 namespace rigwire::hil {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hil/configuration/rig.h"
+#include "hil/rig/rig_configuration.h"
 #include "private_wires.h"
 
 namespace rigwire::hil {

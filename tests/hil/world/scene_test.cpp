@@ -8,7 +8,7 @@
 
 #include "hil/configuration/document.h"
 #include "hil/configuration/reader.h"
-#include "hil/configuration/rig.h"
+#include "hil/rig/rig_configuration.h"
 #include "hil/world/scene_configuration.h"
 #include "sim/local_frame.h"
 

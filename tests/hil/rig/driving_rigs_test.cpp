@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/rig.h"
+#include "hil/rig/rig.h"
 #include "private_wires.h"
 
 namespace rigwire::hil {

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "hil/configuration/rig.h"
 #include "hil/devices/device_line.h"
 #include "hil/devices/rig_status.h"
 #include "hil/executive/executive.h"
 #include "hil/record/report.h"
+#include "hil/rig/rig_configuration.h"
 #include "hil/wires/rig_can.h"
 #include "hil/wires/rig_modbus.h"
 #include "hil/world/simulated_world.h"

@@ -1,5 +1,5 @@
 // The whole excavator rig in one process, free-running on private wires.
-#include "hil/rig.h"
+#include "hil/rig/rig.h"
 
 #include <gtest/gtest.h>
 

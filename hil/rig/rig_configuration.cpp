@@ -1,4 +1,4 @@
-#include "hil/configuration/rig.h"
+#include "hil/rig/rig_configuration.h"
 
 #include "hil/configuration/document.h"
 #include "hil/configuration/reader.h"

@@ -1,4 +1,4 @@
-#include "hil/rig.h"
+#include "hil/rig/rig.h"
 
 #include <fmt/format.h>
 

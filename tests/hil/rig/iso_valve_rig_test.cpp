@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "hil/configuration/problems.h"
-#include "hil/rig.h"
+#include "hil/rig/rig.h"
 #include "private_wires.h"
 #include "protocols/iso11783/auxiliary_valve.h"
 

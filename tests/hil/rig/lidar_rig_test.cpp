@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "drivers/udp_socket.h"
-#include "hil/rig.h"
+#include "hil/rig/rig.h"
 #include "private_wires.h"
 
 namespace rigwire::hil {

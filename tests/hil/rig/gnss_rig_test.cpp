@@ -15,7 +15,7 @@
 
 #include "drivers/serial_port.h"
 #include "hil/files/geoid_file.h"
-#include "hil/rig.h"
+#include "hil/rig/rig.h"
 #include "private_wires.h"
 
 namespace rigwire::hil {

@@ -1,5 +1,5 @@
 // The rigs, machines and scenes of configs/, and how the parts of a rig go together.
-#include "hil/configuration/rig.h"
+#include "hil/rig/rig_configuration.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

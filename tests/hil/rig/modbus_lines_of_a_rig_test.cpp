@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "hil/configuration/rig.h"
+#include "hil/rig/rig_configuration.h"
 #include "private_wires.h"
 
 namespace rigwire::hil {

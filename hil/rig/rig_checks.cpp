@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "hil/configuration/document.h"
-#include "hil/configuration/rig.h"
 #include "hil/configuration/suggest.h"
 #include "hil/devices/bus_devices.h"
+#include "hil/rig/rig_configuration.h"
 #include "protocols/can/frame_text.h"
 
 namespace rigwire::hil {

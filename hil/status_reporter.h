@@ -12,9 +12,9 @@
 #include <thread>
 #include <vector>
 
+#include "hil/control/run.h"
 #include "hil/devices/rig_status.h"
 #include "hil/executive/truth_source.h"
-#include "hil/run.h"
 
 namespace rigwire::hil {
 

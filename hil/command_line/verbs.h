@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/run.h"
+#include "hil/control/run.h"
 
 namespace rigwire::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/run.h"
+#include "hil/control/run.h"
 
 #include <fmt/format.h>
 

@@ -9,8 +9,8 @@
 #include "hil/bench/host.h"
 #include "hil/bench/registry.h"
 #include "hil/command_line/config_files.h"
+#include "hil/command_line/doctor.h"
 #include "hil/configuration/suggest.h"
-#include "hil/doctor.h"
 
 namespace rigwire::hil {
 

@@ -8,9 +8,9 @@
 #include <cstdio>
 
 #include "drivers/endpoints.h"
+#include "hil/command_line/status_reporter.h"
 #include "hil/record/report.h"
 #include "hil/rig/rig.h"
-#include "hil/status_reporter.h"
 
 namespace rigwire::hil {
 namespace {

@@ -1,9 +1,9 @@
-#include "hil/status_reporter.h"
+#include "hil/command_line/status_reporter.h"
 
 #include <boost/asio/post.hpp>
 #include <cstdio>
 
-#include "hil/status_table.h"
+#include "hil/command_line/status_table.h"
 
 namespace rigwire::hil {
 

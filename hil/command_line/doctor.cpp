@@ -1,4 +1,4 @@
-#include "hil/doctor.h"
+#include "hil/command_line/doctor.h"
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -18,8 +18,8 @@
 
 #include "drivers/can_interface.h"
 #include "drivers/descriptor.h"
+#include "hil/command_line/usb_doctor.h"
 #include "hil/files/geoid_file.h"
-#include "hil/usb_doctor.h"
 #include "hil/wires/can_hop.h"
 
 namespace rigwire::hil {

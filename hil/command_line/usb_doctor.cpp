@@ -1,4 +1,4 @@
-#include "hil/usb_doctor.h"
+#include "hil/command_line/usb_doctor.h"
 
 #include <fmt/format.h>
 #include <sys/utsname.h>

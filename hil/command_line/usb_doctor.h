@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "hil/doctor.h"
+#include "hil/command_line/doctor.h"
 
 namespace rigwire::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/status_table.h"
+#include "hil/command_line/status_table.h"
 
 #include <fmt/format.h>
 

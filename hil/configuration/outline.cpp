@@ -7,8 +7,13 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <utility>
+
+#include "sim/samples/time.h"
 
 namespace rigwire::hil {
+
+using fields::NumberRule;
 
 namespace {
 
@@ -52,127 +57,199 @@ std::string content_hash(const std::string& file) {
   return fmt::format("{:016x}", fnv1a(bytes.str()));
 }
 
+/// Whole numbers of a std::uint64_t come in two's complement.
+std::string whole_text(std::int64_t value, bool unsigned_64) {
+  return unsigned_64 ? std::to_string(static_cast<std::uint64_t>(value)) : std::to_string(value);
+}
+
+class Outliner final : public fields::Visitor {
+ public:
+  Outliner() { stack_.push_back(&root_); }
+  Outliner(const Outliner&) = delete;
+  Outliner& operator=(const Outliner&) = delete;
+
+  [[nodiscard]] OutlineNode take() && { return std::move(root_); }
+
+  void required(std::string_view key) override { required_ = key; }
+  void refused(std::string_view, std::string_view) override {}
+  void check(bool, std::string_view, const std::string&, const std::string&,
+             const std::string&) override {}
+
+  void number(std::string_view key, double& value, const NumberRule& rule,
+              std::string_view text) override {
+    OutlineNode& node = add(OutlineNode::Kind::scalar, key, "number", text);
+    node.unit = rule.written().symbol;
+    node.allowed = rule.range_text();
+    node.value = rule.print(value);
+    node.canonical = canonical_number(value);
+  }
+  void numbers(std::string_view key, std::span<double> values, const NumberRule& rule,
+               std::string_view text) override {
+    OutlineNode& node =
+        add(OutlineNode::Kind::flow_list, key, values.size() == 3 ? "[x, y, z]" : "numbers", text);
+    node.unit = rule.written().symbol;
+    node.allowed = rule.range_text();
+    for (const double value : values) {
+      node.value += (node.value.empty() ? "" : ", ") + rule.print(value);
+      node.canonical += (node.canonical.empty() ? "" : ",") + canonical_number(value);
+    }
+    node.value = fmt::format("[{}]", node.value);
+  }
+  void number_list(std::string_view key, std::vector<double>& values, const NumberRule& rule,
+                   std::string_view text) override {
+    numbers(key, values, rule, text);
+    stack_.back()->children.back().type = "numbers";
+  }
+  void whole(std::string_view key, std::int64_t& value, const fields::IntegerRule& rule,
+             bool unsigned_64, std::string_view text) override {
+    OutlineNode& node = add(OutlineNode::Kind::scalar, key, "whole number", text);
+    node.allowed = rule.range_text();
+    node.canonical = whole_text(value, unsigned_64);
+    node.value = node.canonical;
+    if (rule.unit != nullptr) {
+      node.unit = rule.unit->symbol;
+      node.value += " " + node.unit;
+    }
+  }
+  void boolean(std::string_view key, bool& value, std::string_view text) override {
+    OutlineNode& node = add(OutlineNode::Kind::scalar, key, "yes or no", text);
+    node.allowed = "true, false";
+    node.value = node.canonical = value ? "true" : "false";
+  }
+  void text(std::string_view key, std::string& value, std::string_view text) override {
+    name(key, "text", value, "", text);
+  }
+  void texts(std::string_view key, std::vector<std::string>& values,
+             std::string_view text) override {
+    OutlineNode& node = add(OutlineNode::Kind::flow_list, key, "list of words", text);
+    for (const std::string& value : values) {
+      node.value += (node.value.empty() ? "" : ", ") + yaml_text(value);
+      node.canonical += yaml_text(value) + ",";
+    }
+    node.value = fmt::format("[{}]", node.value);
+  }
+  void file(std::string_view key, std::string& value, std::string_view text) override {
+    name(key, "file", value, "", text);
+    stack_.back()->children.back().canonical = value.empty() ? "" : content_hash(value);
+  }
+  void duration(std::string_view key, std::chrono::nanoseconds& value,
+                const fields::DurationRule& rule, std::string_view text) override {
+    OutlineNode& node = add(OutlineNode::Kind::scalar, key, "duration", text);
+    node.unit = "s";
+    node.allowed = rule.range_text();
+    node.value = fields::print_duration(value.count());
+    node.canonical = std::to_string(value.count());
+  }
+  void rate(std::string_view key, std::chrono::nanoseconds& period, const NumberRule& rule,
+            std::string_view text) override {
+    const double hertz = period.count() > 0 ? 1e9 / static_cast<double>(period.count()) : 0.0;
+    // The shortest number of hertz that still means this period.
+    std::string shown = rule.print(hertz);
+    for (int digits = 3; digits < 17 && hertz > 0.0; ++digits) {
+      const double rounded = std::stod(fmt::format("{:.{}g}", hertz, digits));
+      if (rounded > 0.0 && from_seconds(1.0 / rounded) == period) {
+        shown = rule.print(rounded);
+        break;
+      }
+    }
+    OutlineNode& node = add(OutlineNode::Kind::scalar, key, "rate", text);
+    node.unit = rule.written().symbol;
+    node.allowed = rule.range_text();
+    node.value = shown;
+    node.canonical = std::to_string(period.count());
+  }
+  void spelled(std::string_view key, const fields::Spelling& spelling,
+               std::string_view text) override {
+    OutlineNode& node = add(OutlineNode::Kind::scalar, key, spelling.type, text);
+    node.value = node.canonical = spelling.print();
+  }
+  void pick(std::string_view key, std::size_t& index, std::span<const fields::Named> names,
+            std::string_view text) override {
+    const std::string chosen = index < names.size() ? std::string(names[index].name) : "";
+    name(key, "choice", chosen, listed(names), text);
+  }
+
+  void part(std::string_view key, const fields::Part& part, std::string_view text) override {
+    descend(add(OutlineNode::Kind::section, key, "section", text), part);
+  }
+  void elements(std::string_view key, fields::Elements& list, std::string_view text) override {
+    OutlineNode& node = add(OutlineNode::Kind::list, key, "list", text);
+    node.children.reserve(list.size());
+    for (std::size_t index = 0; index < list.size(); ++index) {
+      OutlineNode& child = node.children.emplace_back();
+      child.key = std::to_string(index);
+      descend(child, list.at(index));
+    }
+  }
+  void members(std::string_view key, fields::Members& map, std::string_view noun,
+               std::string_view text) override {
+    OutlineNode& node = add(OutlineNode::Kind::named, key, noun, text);
+    const std::vector<std::string> names = map.names();
+    node.children.reserve(names.size());
+    for (const std::string& member : names) {
+      OutlineNode& child = node.children.emplace_back();
+      child.key = member;
+      child.type = noun;
+      descend(child, map.at(member));
+    }
+  }
+  void alternatives(std::string_view key, fields::Alternatives& types,
+                    std::string_view text) override {
+    const std::vector<fields::Named> names = types.names();
+    name(key, "choice", std::string(names[types.index()].name), listed(names), text);
+    types.chosen().show(*this);
+  }
+
+ private:
+  OutlineNode& add(OutlineNode::Kind kind, std::string_view key, std::string_view type,
+                   std::string_view text) {
+    OutlineNode& node = stack_.back()->children.emplace_back();
+    node.kind = kind;
+    node.key = key;
+    node.type = type;
+    node.text = text;
+    node.required = required_ == key;
+    required_.clear();
+    return node;
+  }
+  void name(std::string_view key, std::string_view type, const std::string& value,
+            std::string allowed, std::string_view text) {
+    OutlineNode& node = add(OutlineNode::Kind::scalar, key, type, text);
+    node.allowed = std::move(allowed);
+    node.canonical = value;
+    node.value = yaml_text(value);
+  }
+  void descend(OutlineNode& node, const fields::Part& part) {
+    stack_.push_back(&node);
+    part.show(*this);
+    stack_.pop_back();
+  }
+  static std::string listed(std::span<const fields::Named> names) {
+    std::string text;
+    for (const fields::Named& named : names) {
+      text += (text.empty() ? "" : ", ") + std::string(named.name);
+    }
+    return text;
+  }
+
+  OutlineNode root_;
+  std::vector<OutlineNode*> stack_;
+  std::string required_;
+};
+
 }  // namespace
+
+OutlineNode outline_part(const fields::Part& part) {
+  Outliner outliner;
+  part.show(outliner);
+  return std::move(outliner).take();
+}
 
 std::uint64_t fnv1a(std::string_view bytes, std::uint64_t basis) {
   for (const char c : bytes) {
     basis = (basis ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
   }
   return basis;
-}
-
-OutlineNode& Outliner::add(OutlineNode::Kind kind, std::string_view key, std::string_view type,
-                           std::string_view text) {
-  OutlineNode& node = stack_.back()->children.emplace_back();
-  node.kind = kind;
-  node.key = key;
-  node.type = type;
-  node.text = text;
-  node.required = required_ == key;
-  required_.clear();
-  return node;
-}
-
-void Outliner::number(std::string_view key, double value, const NumberRule& rule,
-                      std::string_view text) {
-  OutlineNode& node = add(OutlineNode::Kind::scalar, key, "number", text);
-  node.unit = rule.written().symbol;
-  node.allowed = rule.range_text();
-  node.value = rule.print(value);
-  node.canonical = canonical_number(value);
-}
-
-void Outliner::numbers(std::string_view key, std::span<const double> values, const NumberRule& rule,
-                       std::string_view text) {
-  OutlineNode& node =
-      add(OutlineNode::Kind::flow_list, key, values.size() == 3 ? "[x, y, z]" : "numbers", text);
-  node.unit = rule.written().symbol;
-  node.allowed = rule.range_text();
-  for (const double value : values) {
-    node.value += (node.value.empty() ? "" : ", ") + rule.print(value);
-    node.canonical += (node.canonical.empty() ? "" : ",") + canonical_number(value);
-  }
-  node.value = fmt::format("[{}]", node.value);
-}
-
-void Outliner::number_list(std::string_view key, const std::vector<double>& values,
-                           const NumberRule& rule, std::string_view text) {
-  numbers(key, values, rule, text);
-  stack_.back()->children.back().type = "numbers";
-}
-
-void Outliner::whole_number(std::string_view key, std::string value, const IntegerRule& rule,
-                            std::string_view text) {
-  OutlineNode& node = add(OutlineNode::Kind::scalar, key, "whole number", text);
-  node.allowed = rule.range_text();
-  node.canonical = value;
-  node.value = std::move(value);
-}
-
-void Outliner::name(std::string_view key, std::string_view type, std::string value,
-                    std::string allowed, std::string_view text) {
-  OutlineNode& node = add(OutlineNode::Kind::scalar, key, type, text);
-  node.allowed = std::move(allowed);
-  node.canonical = value;
-  node.value = yaml_text(value);
-}
-
-void Outliner::boolean(std::string_view key, bool value, std::string_view text) {
-  OutlineNode& node = add(OutlineNode::Kind::scalar, key, "yes or no", text);
-  node.allowed = "true, false";
-  node.value = node.canonical = value ? "true" : "false";
-}
-
-void Outliner::text(std::string_view key, const std::string& value, std::string_view text) {
-  name(key, "text", value, "", text);
-}
-
-void Outliner::texts(std::string_view key, const std::vector<std::string>& values,
-                     std::string_view text) {
-  OutlineNode& node = add(OutlineNode::Kind::flow_list, key, "list of words", text);
-  for (const std::string& value : values) {
-    node.value += (node.value.empty() ? "" : ", ") + yaml_text(value);
-    node.canonical += yaml_text(value) + ",";
-  }
-  node.value = fmt::format("[{}]", node.value);
-}
-
-void Outliner::file(std::string_view key, const std::string& value, std::string_view text) {
-  name(key, "file", value, "", text);
-  stack_.back()->children.back().canonical = value.empty() ? "" : content_hash(value);
-}
-
-void Outliner::duration(std::string_view key, Duration value, const DurationRule& rule,
-                        std::string_view text) {
-  OutlineNode& node = add(OutlineNode::Kind::scalar, key, "duration", text);
-  node.unit = "s";
-  node.allowed = rule.range_text();
-  node.value = print_duration(value.count());
-  node.canonical = std::to_string(value.count());
-}
-
-void Outliner::rate(std::string_view key, Duration period, const NumberRule& rule,
-                    std::string_view text) {
-  const double hertz = period.count() > 0 ? 1e9 / static_cast<double>(period.count()) : 0.0;
-  // The shortest number of hertz that still means this period.
-  std::string shown = rule.print(hertz);
-  for (int digits = 3; digits < 17 && hertz > 0.0; ++digits) {
-    const double rounded = std::stod(fmt::format("{:.{}g}", hertz, digits));
-    if (rounded > 0.0 && from_seconds(1.0 / rounded) == period) {
-      shown = rule.print(rounded);
-      break;
-    }
-  }
-  OutlineNode& node = add(OutlineNode::Kind::scalar, key, "rate", text);
-  node.unit = rule.written().symbol;
-  node.allowed = rule.range_text();
-  node.value = shown;
-  node.canonical = std::to_string(period.count());
-}
-
-void Outliner::utc(std::string_view key, const UtcTime& value, std::string_view text) {
-  OutlineNode& node = add(OutlineNode::Kind::scalar, key, "UTC", text);
-  node.value = node.canonical = format_utc(value);
 }
 
 namespace {

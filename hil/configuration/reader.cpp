@@ -7,11 +7,21 @@
 #include <cmath>
 #include <filesystem>
 
+#include "fields/check.h"
+#include "fields/units.h"
 #include "hil/configuration/suggest.h"
+#include "sim/samples/time.h"
 
 namespace rigwire::hil {
 
 namespace fs = std::filesystem;
+
+using fields::Dimension;
+using fields::DurationRule;
+using fields::IntegerRule;
+using fields::Named;
+using fields::NumberRule;
+using fields::Unit;
 
 namespace {
 
@@ -21,6 +31,14 @@ bool is_name(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
   });
+}
+
+std::vector<std::string> words(std::span<const Named> names) {
+  std::vector<std::string> words;
+  for (const Named& named : names) {
+    words.emplace_back(named.name);
+  }
+  return words;
 }
 
 std::string and_range(const std::string& units, const std::string& range) {
@@ -127,8 +145,8 @@ bool Reader::read_number(const Value& value, const std::string& path, const Numb
     return false;
   }
   const Dimension dimension = rule.written().dimension;
-  const std::string units = allowed_units(dimension);
-  const auto quantity = split_quantity(value.scalar);
+  const std::string units = fields::allowed_units(dimension);
+  const auto quantity = fields::split_quantity(value.scalar);
   if (!quantity) {
     report(value, path, "not a number", value.description(), and_range(units, rule.range_text()));
     return false;
@@ -139,10 +157,10 @@ bool Reader::read_number(const Value& value, const std::string& path, const Numb
     return false;
   }
   const Unit* unit =
-      quantity->unit.empty() ? &rule.written() : find_unit(quantity->unit, dimension);
+      quantity->unit.empty() ? &rule.written() : fields::find_unit(quantity->unit, dimension);
   if (unit == nullptr) {
     std::vector<std::string> symbols;
-    for (const Unit& known : all_units()) {
+    for (const Unit& known : fields::all_units()) {
       if (known.dimension == dimension) {
         symbols.emplace_back(known.symbol);
       }
@@ -154,8 +172,7 @@ bool Reader::read_number(const Value& value, const std::string& path, const Numb
     return false;
   }
   const double stored = rule.to_stored(quantity->value, *unit);
-  const double written = unit == &rule.written() ? quantity->value : rule.to_written(stored);
-  if (!std::isfinite(stored) || !rule.contains(written)) {
+  if (!std::isfinite(stored) || !rule.contains(stored)) {
     report(value, path, "out of range", value.description(), rule.range_text());
     return false;
   }
@@ -200,6 +217,12 @@ bool Reader::read_integer(const Value& value, const std::string& path, const Int
     return false;
   }
   std::string_view text = value.scalar;
+  if (rule.unit != nullptr) {
+    const auto quantity = fields::split_quantity(text);
+    if (quantity && !quantity->unit.empty()) {
+      return read_counted(value, path, rule, result);
+    }
+  }
   const bool hexadecimal = text.starts_with("0x") || text.starts_with("0X");
   if (hexadecimal) {
     text.remove_prefix(2);
@@ -218,12 +241,42 @@ bool Reader::read_integer(const Value& value, const std::string& path, const Int
     report(value, path, "not a whole number", value.description(), rule.range_text());
     return false;
   }
-  if (error != std::errc{} || number < rule.lower || number > rule.upper) {
+  if (error != std::errc{} || !rule.contains(number)) {
     report(value, path, "out of range", value.description(), rule.range_text());
     return false;
   }
   result = number;
   return true;
+}
+
+bool Reader::read_counted(const Value& value, const std::string& path, const IntegerRule& rule,
+                          std::int64_t& result) {
+  const NumberRule number = NumberRule(*rule.unit, *rule.unit);
+  double counted = 0.0;
+  if (!read_number(value, path, number, counted)) {
+    return false;
+  }
+  // A decimal fraction of a larger unit ("0.003 s") is whole but for rounding.
+  const double whole = std::round(counted);
+  if (std::fabs(counted - whole) > 1e-9 * std::max(1.0, std::fabs(whole))) {
+    report(value, path, "not a whole number of " + std::string(rule.unit->symbol),
+           value.description(), rule.range_text());
+    return false;
+  }
+  constexpr double kLimit = 9.2e18;  // 2^63 as a double; beyond it there is no int64
+  if (std::fabs(whole) > kLimit || !rule.contains(static_cast<std::int64_t>(whole))) {
+    report(value, path, "out of range", value.description(), rule.range_text());
+    return false;
+  }
+  result = static_cast<std::int64_t>(whole);
+  return true;
+}
+
+void Reader::whole(std::string_view key, std::int64_t& value, const IntegerRule& rule,
+                   bool unsigned_64, std::string_view) {
+  if (const Value* written = find(key)) {
+    read_integer(*written, path_of(key), rule, unsigned_64, value);
+  }
 }
 
 void Reader::boolean(std::string_view key, bool& value, std::string_view) {
@@ -277,12 +330,13 @@ void Reader::file(std::string_view key, std::string& value, std::string_view) {
   value = fs::weakly_canonical(full, error).string();
 }
 
-void Reader::duration(std::string_view key, Duration& value, const DurationRule& rule,
-                      std::string_view) {
+void Reader::duration(std::string_view key, std::chrono::nanoseconds& value,
+                      const DurationRule& rule, std::string_view) {
   const Value* written = find(key);
   double nanoseconds = 0.0;
   const std::string path = path_of(key);
-  if (written == nullptr || !read_number(*written, path, in("s").stored_as("ns"), nanoseconds)) {
+  if (written == nullptr ||
+      !read_number(*written, path, fields::in("s").stored_as("ns"), nanoseconds)) {
     return;
   }
   // 2^63 as a double; beyond it the count has no int64.
@@ -293,10 +347,10 @@ void Reader::duration(std::string_view key, Duration& value, const DurationRule&
     report(*written, path, "out of range", written->description(), rule.range_text());
     return;
   }
-  value = Duration{count};
+  value = std::chrono::nanoseconds{count};
 }
 
-void Reader::rate(std::string_view key, Duration& period, const NumberRule& rule,
+void Reader::rate(std::string_view key, std::chrono::nanoseconds& period, const NumberRule& rule,
                   std::string_view) {
   const Value* written = find(key);
   double hertz = 0.0;
@@ -305,43 +359,148 @@ void Reader::rate(std::string_view key, Duration& period, const NumberRule& rule
   }
 }
 
-void Reader::utc(std::string_view key, UtcTime& value, std::string_view) {
+void Reader::spelled(std::string_view key, const fields::Spelling& spelling, std::string_view) {
   const Value* written = find_scalar(key);
   if (written == nullptr) {
     return;
   }
   try {
-    const UtcTime time = parse_utc(written->scalar);
-    (void)Calendar(time);
-    value = time;
+    spelling.parse(written->scalar);
   } catch (const std::invalid_argument& error) {
     report(*written, path_of(key), error.what(), written->description(),
-           "UTC like 2026-06-01T08:00:00Z");
+           std::string(spelling.allowed));
   }
 }
 
-int Reader::read_choice(const Value& value, const std::string& path,
-                        const std::vector<std::string>& names, std::string_view what) {
+std::size_t Reader::read_choice(const Value& value, const std::string& path,
+                                std::span<const Named> names, std::string_view what) {
   if (!is_scalar(value, path)) {
-    return -1;
+    return fields::kNoChoice;
   }
-  const auto it = std::find(names.begin(), names.end(), value.scalar);
+  const auto it = std::ranges::find(names, std::string_view(value.scalar), &Named::name);
   if (it != names.end()) {
-    return static_cast<int>(it - names.begin());
+    return static_cast<std::size_t>(it - names.begin());
   }
-  // Names that are quantities ("100 Hz") are also met by "100Hz" and by the bare number.
-  if (const auto quantity = split_quantity(value.scalar)) {
+  if (const auto quantity = fields::split_quantity(value.scalar)) {
     for (std::size_t i = 0; i < names.size(); ++i) {
-      const auto named = split_quantity(names[i]);
+      const auto named = fields::split_quantity(names[i].name);
       if (named && named->value == quantity->value &&
           (quantity->unit.empty() || quantity->unit == named->unit)) {
-        return static_cast<int>(i);
+        return i;
       }
     }
   }
-  report(value, path, std::string(what), value.description(), join_words(names),
-         nearest_word(value.scalar, names));
-  return -1;
+  const std::vector<std::string> allowed = words(names);
+  report(value, path, std::string(what), value.description(), join_words(allowed),
+         nearest_word(value.scalar, allowed));
+  return fields::kNoChoice;
+}
+
+void Reader::pick(std::string_view key, std::size_t& index, std::span<const Named> names,
+                  std::string_view) {
+  if (const Value* written = find(key)) {
+    const std::size_t chosen = read_choice(*written, path_of(key), names, "unknown value");
+    if (chosen != fields::kNoChoice) {
+      index = chosen;
+    }
+  }
+}
+
+void Reader::part(std::string_view key, const fields::Part& part, std::string_view) {
+  const bool missing = frames_.back().map->find(key) == nullptr;
+  const Value* map = find_map(key);
+  if (map != nullptr) {
+    read_map(*map, path_of(key), part);
+  } else if (missing) {
+    nothing_.where = frames_.back().map->where;
+    read_map(nothing_, path_of(key), part);
+  }
+}
+
+void Reader::elements(std::string_view key, fields::Elements& list, std::string_view) {
+  const Value* written = find_list(key);
+  if (written == nullptr) {
+    return;
+  }
+  list.clear();
+  for (std::size_t index = 0; index < written->items.size(); ++index) {
+    const Value& item = written->items[index];
+    const std::string path = path_of(key) + "." + std::to_string(index);
+    const fields::Part part = list.append();
+    if (item.kind != Value::Kind::map) {
+      report(item, path, std::string(kWrongKind), item.description(), "a map of keys");
+    } else {
+      read_map(item, path, part);
+    }
+  }
+}
+
+void Reader::members(std::string_view key, fields::Members& map, std::string_view noun,
+                     std::string_view) {
+  const Value* written = find_map(key);
+  if (written == nullptr) {
+    return;
+  }
+  for (const Value::Entry& entry : written->entries) {
+    const std::string path = path_of(key) + "." + entry.key;
+    if (keep_entry(entry, path, *written, noun)) {
+      read_map(entry.value, path, map.at(entry.key));
+    }
+  }
+}
+
+void Reader::alternatives(std::string_view key, fields::Alternatives& types, std::string_view) {
+  const bool missing = frames_.back().map->find(key) == nullptr;
+  const Value* written = find(key);
+  if (written != nullptr) {
+    const std::size_t index =
+        read_choice(*written, path_of(key), types.names(), "unknown " + std::string(key));
+    if (index == fields::kNoChoice) {
+      frames_.back().report_unknown = false;
+      return;
+    }
+    types.choose(index);
+  } else if (!missing) {
+    return;  // a key without a value, already reported
+  }
+  const fields::Part chosen = types.chosen();
+  const std::size_t before = problems_.size();
+  chosen.show(*this);
+  if (problems_.size() == before) {
+    validate(*frames_.back().map, frames_.back().path, chosen);
+  }
+  if (missing) {
+    frames_.back().report_unknown = false;  // the keys of another type may be meant
+  }
+}
+
+void Reader::read(const fields::Part& part) {
+  if (document_.kind != Value::Kind::map) {
+    report(document_, "", std::string(kWrongKind), document_.description(), "a map of keys");
+    return;
+  }
+  read_map(document_, "", part);
+}
+
+void Reader::read_map(const Value& map, const std::string& path, const fields::Part& part) {
+  const std::size_t before = problems_.size();
+  push(map, path);
+  part.show(*this);
+  pop();
+  if (problems_.size() == before) {
+    validate(map, path, part);
+  }
+}
+
+void Reader::validate(const Value& map, const std::string& path, const fields::Part& part) {
+  try {
+    part.validate();
+  } catch (const fields::Refused& refused) {
+    const bool both = !path.empty() && !refused.path().empty();
+    report(map, path + (both ? "." : "") + refused.path(), refused.rest());
+  } catch (const std::invalid_argument& error) {
+    report(map, path, error.what());
+  }
 }
 
 bool Reader::keep_entry(const Value::Entry& entry, const std::string& path, const Value& map,
@@ -370,11 +529,11 @@ bool Reader::keep_entry(const Value::Entry& entry, const std::string& path, cons
   return true;
 }
 
-void Reader::refused(std::string_view key, const std::string& why) {
+void Reader::refused(std::string_view key, std::string_view why) {
   Frame& frame = frames_.back();
   if (const Value* value = frame.map->find(key)) {
     frame.known.emplace_back(key);
-    report(*value, path_of(key), why);
+    report(*value, path_of(key), std::string(why));
   }
 }
 

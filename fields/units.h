@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-namespace rigwire::hil {
+namespace rigwire::fields {
 
 enum class Dimension {
   none,
@@ -44,7 +44,17 @@ enum class Dimension {
   velocity_random_walk,
   signal_density,
   level,
-  level_density
+  level_density,
+  temperature_difference,
+  thermal_resistance,
+  voltage,
+  current,
+  resistance,
+  inductance,
+  magnetic_field,
+  area_density,
+  angular_stiffness,
+  angular_displacement
 };
 
 struct Unit {
@@ -119,6 +129,20 @@ inline constexpr Unit kUnits[] = {
     {"dBHz", Dimension::signal_density, 1, 1},
     {"dB", Dimension::level, 1, 1},
     {"dB/m", Dimension::level_density, 1, 1},
+    {"K", Dimension::temperature_difference, 1, 1},
+    {"K/W", Dimension::thermal_resistance, 1, 1},
+    {"V", Dimension::voltage, 1, 1}, {"mV", Dimension::voltage, 1, 1000},
+    {"A", Dimension::current, 1, 1}, {"mA", Dimension::current, 1, 1000},
+    {"ohm", Dimension::resistance, 1, 1}, {"mohm", Dimension::resistance, 1, 1000},
+    {"H", Dimension::inductance, 1, 1}, {"mH", Dimension::inductance, 1, 1000},
+    {"T", Dimension::magnetic_field, 1, 1}, {"mT", Dimension::magnetic_field, 1, 1000},
+    {"uT", Dimension::magnetic_field, 1, 1e6}, {"nT", Dimension::magnetic_field, 1, 1e9},
+    {"kg/m2", Dimension::area_density, 1, 1},
+    {"N m/rad", Dimension::angular_stiffness, 1, 1},
+    {"kN m/rad", Dimension::angular_stiffness, 1000, 1},
+    {"MN m/rad", Dimension::angular_stiffness, 1e6, 1},
+    {"m3/rad", Dimension::angular_displacement, 1, 1},
+    {"l/rad", Dimension::angular_displacement, 1, 1000},
 };
 // clang-format on
 }  // namespace detail
@@ -157,7 +181,11 @@ class NumberRule {
 
   [[nodiscard]] constexpr const Unit& written() const { return *written_; }
   [[nodiscard]] constexpr const Unit& stored() const { return *stored_; }
-  [[nodiscard]] bool contains(double written_value) const;
+  /// Whether the member's value is within the range. A bound that was written and converted is.
+  [[nodiscard]] bool contains(double stored_value) const;
+  [[nodiscard]] double lower() const { return lower_; }
+  [[nodiscard]] double upper() const { return upper_; }
+  [[nodiscard]] bool lower_is_open() const { return lower_open_; }
   /// "> 0 mm", "0 .. 90 deg", empty without bounds.
   [[nodiscard]] std::string range_text() const;
   /// Converts a value given in `unit` (of the same dimension) to the member's unit.
@@ -186,7 +214,7 @@ constexpr const Unit& unit_named(std::string_view symbol, const Dimension* dimen
       return unit;
     }
   }
-  throw "no such unit: add it to the table in hil/configuration/units.h";
+  throw "no such unit: add it to the table in fields/units.h";
 }
 
 constexpr const Unit& si_unit(Dimension dimension) {
@@ -222,6 +250,11 @@ consteval NumberRule plain() {
   return in("");
 }
 
+/// For the unit of a whole number's rule. An unknown symbol does not compile.
+consteval const Unit* unit(std::string_view symbol) {
+  return &detail::unit_named(symbol, nullptr);
+}
+
 /// A written quantity, taken apart.
 struct Quantity {
   double value = 0.0;
@@ -241,4 +274,4 @@ struct Quantity {
 /// Shortest decimal text that reads back as the same double.
 [[nodiscard]] std::string shortest(double value);
 
-}  // namespace rigwire::hil
+}  // namespace rigwire::fields

@@ -1,12 +1,10 @@
-#include "hil/configuration/units.h"
+#include "fields/units.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
+#include <array>
 #include <charconv>
 #include <string>
 
-namespace rigwire::hil {
+namespace rigwire::fields {
 
 std::span<const Unit> all_units() {
   return detail::kUnits;
@@ -22,6 +20,15 @@ double convert(double value, const Unit& from, const Unit& to) {
   const double numerator = from.numerator * to.denominator;
   const double denominator = from.denominator * to.numerator;
   return value * numerator / denominator;
+}
+
+/// Of a finite number; the shortest that reads back, or as many digits as `precision` says.
+template <class... Precision>
+std::string digits(double value, std::chars_format format, Precision... precision) {
+  std::array<char, 400> text{};
+  const auto result =
+      std::to_chars(text.data(), text.data() + text.size(), value, format, precision...);
+  return {text.data(), result.ptr};
 }
 
 bool is_space(char c) {
@@ -40,9 +47,12 @@ std::string_view trim(std::string_view text) {
 
 }  // namespace
 
-bool NumberRule::contains(double written_value) const {
-  const bool above_lower = lower_open_ ? written_value > lower_ : written_value >= lower_;
-  return above_lower && written_value <= upper_;
+bool NumberRule::contains(double stored_value) const {
+  // Bounds are converted as a written value is, so that both round alike.
+  const double lower = to_stored(lower_, *written_);
+  const double upper = to_stored(upper_, *written_);
+  const bool above_lower = lower_open_ ? stored_value > lower : stored_value >= lower;
+  return above_lower && stored_value <= upper;
 }
 
 std::string NumberRule::range_text() const {
@@ -52,13 +62,12 @@ std::string NumberRule::range_text() const {
   const bool has_lower = std::isfinite(lower_);
   const bool has_upper = std::isfinite(upper_);
   if (has_lower && has_upper) {
-    return fmt::format("{}{} .. {}{}", lower_open_ ? "above " : "", shortest(lower_),
-                       shortest(upper_), unit);
+    return (lower_open_ ? "above " : "") + shortest(lower_) + " .. " + shortest(upper_) + unit;
   }
   if (has_lower) {
-    return fmt::format("{} {}{}", lower_open_ ? ">" : ">=", shortest(lower_), unit);
+    return (lower_open_ ? "> " : ">= ") + shortest(lower_) + unit;
   }
-  return has_upper ? fmt::format("<= {}{}", shortest(upper_), unit) : std::string();
+  return has_upper ? "<= " + shortest(upper_) + unit : std::string();
 }
 
 double NumberRule::to_stored(double value, const Unit& unit) const {
@@ -75,7 +84,7 @@ std::string NumberRule::print(double stored_value) const {
     return bare ? number : number + " " + std::string(unit.symbol);
   };
   const double written = to_written(stored_value);
-  const std::string rounded = fmt::format("{:.15g}", written);
+  const std::string rounded = digits(written, std::chars_format::general, 15);
   double reread = 0.0;
   std::from_chars(rounded.data(), rounded.data() + rounded.size(), reread);
   if (to_stored(reread, *written_) == stored_value) {
@@ -145,9 +154,12 @@ std::string allowed_units(Dimension dimension) {
 }
 
 std::string shortest(double value) {
-  return fmt::format("{}", value == std::floor(value) && std::fabs(value) < 1e15
-                               ? fmt::format("{:.0f}", value)
-                               : fmt::format("{}", value));
+  if (!std::isfinite(value)) {
+    return std::isnan(value) ? "nan" : value > 0.0 ? "inf" : "-inf";
+  }
+  const std::string scientific = digits(value, std::chars_format::scientific);
+  const int exponent = std::stoi(scientific.substr(scientific.find('e') + 1));
+  return exponent >= -4 && exponent < 16 ? digits(value, std::chars_format::fixed) : scientific;
 }
 
-}  // namespace rigwire::hil
+}  // namespace rigwire::fields

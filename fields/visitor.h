@@ -195,6 +195,13 @@ class Visitor {
   void variant(std::string_view key, std::variant<Structs...>& value, std::string_view text);
 };
 
+/// The name of the alternative that is chosen.
+template <class... Structs>
+[[nodiscard]] std::string_view chosen_name(const std::variant<Structs...>& value) {
+  return std::visit([](const auto& chosen) { return std::decay_t<decltype(chosen)>::kNamed.name; },
+                    value);
+}
+
 /// The range of `rule` that an `Integer` can hold.
 template <std::integral Integer>
 [[nodiscard]] IntegerRule narrowed(IntegerRule rule) {

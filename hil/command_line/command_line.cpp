@@ -13,7 +13,7 @@
 #include "drivers/endpoints.h"
 #include "hil/command_line/verbs.h"
 #include "hil/configuration/suggest.h"
-#include "hil/configuration/units.h"
+#include "fields/visitor.h"
 
 #ifndef RIGWIRE_VERSION
 #define RIGWIRE_VERSION "unknown"
@@ -82,11 +82,11 @@ std::optional<std::string> find_typo(const CLI::App& app,
 }
 
 std::optional<Duration> parse_duration(const std::string& text) {
-  const auto quantity = split_quantity(text);
+  const auto quantity = fields::split_quantity(text);
   if (!quantity) {
     return std::nullopt;
   }
-  const Unit* unit = find_unit(quantity->unit.empty() ? "s" : quantity->unit, Dimension::time);
+  const fields::Unit* unit = fields::find_unit(quantity->unit.empty() ? "s" : quantity->unit, fields::Dimension::time);
   if (unit == nullptr) {
     return std::nullopt;
   }

@@ -7,7 +7,7 @@
 #include "hil/command_line/device_catalogue.h"
 #include "hil/command_line/verbs.h"
 #include "hil/configuration/suggest.h"
-#include "hil/configuration/units.h"
+#include "fields/visitor.h"
 #include "hil/files/valve_map_file.h"
 #include "hil/rig/rig_configuration.h"
 
@@ -77,7 +77,7 @@ std::string type_in_rigs(const std::string& device) {
 
 /// A topology of machines: what devices and shapes are mounted on, and its keys.
 struct MachineDescription {
-  Alternative type;
+  fields::Named type;
   std::vector<std::string> links;
   std::string keys;
 };
@@ -89,8 +89,9 @@ std::vector<MachineDescription> machine_catalogue(std::index_sequence<kIndices..
     MachineConfiguration machine;
     machine.settings.emplace<kIndex>();
     const auto links = link_names(machine.settings);
-    list.push_back(
-        {kMachineTypes[kIndex], {links.begin(), links.end()}, reference_text(outline(machine))});
+    list.push_back({std::variant_alternative_t<kIndex, MachineSettings>::kNamed,
+                    {links.begin(), links.end()},
+                    reference_text(outline(machine))});
   };
   (append.template operator()<kIndices>(), ...);
   return list;

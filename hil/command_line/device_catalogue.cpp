@@ -281,8 +281,9 @@ void append(std::vector<DeviceDescription>& list) {
   DeviceConfiguration configuration;
   configuration.settings.emplace<kIndex>();
   DeviceDescription description;
-  description.type = kDeviceTypes[kIndex].name;
-  description.text = kDeviceTypes[kIndex].text;
+  const fields::Named& named = std::variant_alternative_t<kIndex, DeviceSettings>::kNamed;
+  description.type = named.name;
+  description.text = named.text;
   description.page = "docs/devices/" + description.type + ".md";
   describe(std::get<kIndex>(configuration.settings), description);
   if (as_velodyne(configuration.settings) != nullptr) {

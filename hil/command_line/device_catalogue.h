@@ -39,7 +39,7 @@ struct DeviceDescription {
   std::string keys;                           ///< Reference of the configuration keys.
 };
 
-/// All device types in the order of kDeviceTypes.
+/// All device types in the order of DeviceSettings.
 [[nodiscard]] std::vector<DeviceDescription> device_catalogue();
 
 }  // namespace rigwire::hil

@@ -107,13 +107,13 @@ Row plan(const RigConfiguration& rig, const IsoValvesConfiguration& device) {
   return plan_node(rig, device.bus, device.valves.source_address, frame_rate_hz(device),
                    fmt::format("{} sections, neutral {} after the last command",
                                device.valves.amplifier.sections.size(),
-                               print_duration(device.valves.command_timeout.count())));
+                               fields::print_duration(device.valves.command_timeout.count())));
 }
 
 Row plan(const RigConfiguration& rig, const VehicleGatewayDeviceConfiguration& device) {
   return plan_node(rig, device.bus, device.gateway.source_address, frame_rate_hz(device),
                    fmt::format("stops {} after the last guidance command",
-                               print_duration(device.gateway.timeouts.guidance.count())));
+                               fields::print_duration(device.gateway.timeouts.guidance.count())));
 }
 
 /// The wire of a Modbus device.
@@ -133,13 +133,13 @@ Row plan(const RigConfiguration& rig, const ValveDriverConfiguration& device) {
   return {modbus_wire(rig, device), "on request", "",
           fmt::format("unit {}, {} sections, watchdog {}", device.unit,
                       device.driver.amplifier.sections.size(),
-                      print_duration(device.driver.amplifier.parameters.watchdog.count()))};
+                      fields::print_duration(device.driver.amplifier.parameters.watchdog.count()))};
 }
 
 Row plan(const RigConfiguration& rig, const UsbJoystickConfiguration& device) {
   return {
       fmt::format("usb {}:{}", rig.usb.address, rig.usb.port),
-      fmt::format("when moved, each {} at most", print_duration(device.joystick.interval.count())),
+      fmt::format("when moved, each {} at most", fields::print_duration(device.joystick.interval.count())),
       "",
       device.source == LeverSource::script ? fmt::format("{} keyframes", device.script.size())
                                            : "as the valves are told"};

@@ -121,7 +121,8 @@ int list_verb(const std::string& kind, bool json, Terminal terminal) {
   std::vector<std::vector<std::string>> rows;
   Json list = Json::array();
   if (kind == "devices") {
-    for (const Alternative& type : kDeviceTypes) {
+    DeviceSettings settings;
+    for (const fields::Named& type : fields::detail::AlternativesOf(settings).names()) {
       rows.push_back({std::string(type.name), std::string(type.text)});
       list.push_back({{"name", type.name}, {"text", type.text}});
     }

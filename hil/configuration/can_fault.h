@@ -17,30 +17,45 @@
 #include <vector>
 
 #include "emulators/can/can_bus_faults.h"
-#include "hil/configuration/fields.h"
-#include "hil/configuration/units.h"
+#include "fields/visitor.h"
 
 namespace rigwire::hil {
 
 struct BitErrorsFault {
+  static constexpr fields::Named kNamed{"bit_errors", "Bits are turned over for all nodes."};
+
   double probability = 1e-3;
 };
 struct DisturbanceFault {
+  static constexpr fields::Named kNamed{"disturbance", "One bit of every frame is turned over."};
+
   int bit = -1;
 };
-struct ShortCircuitFault {};
+struct ShortCircuitFault {
+  static constexpr fields::Named kNamed{
+      "short_circuit", "CAN_H on CAN_L: whatever is sent, every node reads recessive."};
+};
 struct WrongRateFault {
+  static constexpr fields::Named kNamed{"wrong_rate", "One node works at another bit rate."};
+
   std::string device;
   std::uint32_t bit_rate_bps = 500'000;
 };
 struct DisconnectedFault {
+  static constexpr fields::Named kNamed{"disconnected", "One node is alone on its stub."};
+
   std::string device;
 };
 struct IntruderFault {
+  static constexpr fields::Named kNamed{"intruder", "Somebody sends a frame again and again."};
+
   std::string frame = "000#";
   Duration period = std::chrono::milliseconds{10};
 };
 struct DuplicateAddressFault {
+  static constexpr fields::Named kNamed{"duplicate_address",
+                                        "Somebody claims a J1939 address that is taken."};
+
   unsigned address = 0x80;
   std::uint64_t name = 1;
   Duration period = std::chrono::milliseconds{250};
@@ -50,22 +65,12 @@ using CanFaultSettings =
     std::variant<BitErrorsFault, DisturbanceFault, ShortCircuitFault, WrongRateFault,
                  DisconnectedFault, IntruderFault, DuplicateAddressFault>;
 
-/// The names of the `type` key, in the order of CanFaultSettings.
-inline constexpr std::array<Alternative, 7> kCanFaultTypes{
-    {{"bit_errors", "Bits are turned over for all nodes."},
-     {"disturbance", "One bit of every frame is turned over."},
-     {"short_circuit", "CAN_H on CAN_L: whatever is sent, every node reads recessive."},
-     {"wrong_rate", "One node works at another bit rate."},
-     {"disconnected", "One node is alone on its stub."},
-     {"intruder", "Somebody sends a frame again and again."},
-     {"duplicate_address", "Somebody claims a J1939 address that is taken."}}};
-
 struct CanFaultConfiguration {
   Duration at{0};  ///< From the start of the run.
   Duration length = std::chrono::seconds{10};
   CanFaultSettings settings;
 
-  [[nodiscard]] std::string_view type() const { return kCanFaultTypes[settings.index()].name; }
+  [[nodiscard]] std::string_view type() const { return fields::chosen_name(settings); }
 };
 
 /// The device that the fault is about, as it is written; empty for those of the whole bus.
@@ -78,50 +83,43 @@ struct CanFaultConfiguration {
 /// The name by which a fault means the client's own controller.
 inline constexpr std::string_view kClientNode = "client";
 
-template <class Visitor>
-void visit(Visitor& v, BitErrorsFault& p) {
-  v.number("probability", p.probability, plain().above(0).at_most(0.1), "Of each bit.");
+inline void visit(fields::Visitor& v, BitErrorsFault& p) {
+  v.number("probability", p.probability, fields::plain().above(0).at_most(0.1), "Of each bit.");
 }
-template <class Visitor>
-void visit(Visitor& v, DisturbanceFault& p) {
-  v.integer("bit", p.bit, IntegerRule{-1, 160},
+inline void visit(fields::Visitor& v, DisturbanceFault& p) {
+  v.integer("bit", p.bit, fields::IntegerRule{-1, 160},
             "From start of frame 0, stuff bits counted; -1 = another one in every frame.");
 }
-template <class Visitor>
-void visit(Visitor&, ShortCircuitFault&) {}
-template <class Visitor>
-void visit(Visitor& v, WrongRateFault& p) {
+inline void visit(fields::Visitor&, ShortCircuitFault&) {}
+inline void visit(fields::Visitor& v, WrongRateFault& p) {
   v.required("device");
   v.text("device", p.device, "Whose node; client = the client's controller.");
   v.required("bitrate");
-  v.integer("bitrate", p.bit_rate_bps, IntegerRule{10'000, 1'000'000}, "bit/s.");
+  v.integer("bitrate", p.bit_rate_bps, fields::IntegerRule{10'000, 1'000'000}, "bit/s.");
 }
-template <class Visitor>
-void visit(Visitor& v, DisconnectedFault& p) {
+inline void visit(fields::Visitor& v, DisconnectedFault& p) {
   v.required("device");
   v.text("device", p.device, "Whose node; client = the client's controller.");
 }
-template <class Visitor>
-void visit(Visitor& v, IntruderFault& p) {
+inline void visit(fields::Visitor& v, IntruderFault& p) {
   v.required("frame");
   v.text("frame", p.frame, "As candump writes it: 18EAFFFE#00EE00.");
   v.duration("period", p.period, {10'000, 3'600'000'000'000}, "From frame to frame.");
 }
-template <class Visitor>
-void visit(Visitor& v, DuplicateAddressFault& p) {
+inline void visit(fields::Visitor& v, DuplicateAddressFault& p) {
   v.required("address");
-  v.integer("address", p.address, IntegerRule{0, 253}, "J1939 source address.");
-  v.integer("name", p.name, IntegerRule{0}, "Of the other node; the lower NAME wins the address.");
+  v.integer("address", p.address, fields::IntegerRule{0, 253}, "J1939 source address.");
+  v.integer("name", p.name, fields::IntegerRule{0},
+            "Of the other node; the lower NAME wins the address.");
   v.duration("period", p.period, {10'000, 3'600'000'000'000}, "From claim to claim.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, CanFaultConfiguration& p) {
+inline void visit(fields::Visitor& v, CanFaultConfiguration& p) {
   v.required("at");
-  v.duration("at", p.at, {0, 31'536'000'000'000'000}, "From the start of the run.");
-  v.duration("for", p.length, {1'000'000, 31'536'000'000'000'000}, "How long it lasts.");
+  v.duration("at", p.at, {0, fields::kYear_ns}, "From the start of the run.");
+  v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long it lasts.");
   v.required("type");
-  v.variant("type", p.settings, kCanFaultTypes, "What happens.");
+  v.variant("type", p.settings, "What happens.");
 }
 
 }  // namespace rigwire::hil

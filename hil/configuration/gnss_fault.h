@@ -15,32 +15,56 @@
 #include <vector>
 
 #include "emulators/ublox/settings.h"
-#include "hil/configuration/fields.h"
-#include "hil/configuration/units.h"
+#include "fields/visitor.h"
 #include "sim/gnss/gnss_fault.h"
 #include "sim/samples/vector3.h"
 
 namespace rigwire::hil {
 
-struct OutageFault {};
+struct OutageFault {
+  static constexpr fields::Named kNamed{"outage", "No signal arrives; the antenna is well."};
+};
 struct JammingFault {
+  static constexpr fields::Named kNamed{"jamming",
+                                        "Carrier-to-noise density falls, the noise floor rises."};
+
   double loss_db = 20.0;
 };
 struct SpoofDriftFault {
+  static constexpr fields::Named kNamed{
+      "spoof_drift", "Strong false signals, consistent with each other, drift away."};
+
   Vector3 velocity_mps{1.0, 0.0, 0.0};  ///< [east, north, up].
   double clock_rate_mps = 0.0;
 };
 struct JumpFault {
+  static constexpr fields::Named kNamed{"jump", "The signals of a place beside the true one."};
+
   Vector3 offset_m{10.0, 0.0, 0.0};  ///< [east, north, up].
 };
-struct AntennaShortFault {};
-struct AntennaOpenFault {};
-struct CorrectionOutageFault {};
-struct FrozenFixFault {};
+struct AntennaShortFault {
+  static constexpr fields::Named kNamed{"antenna_short", "Short circuit of the antenna's supply."};
+};
+struct AntennaOpenFault {
+  static constexpr fields::Named kNamed{"antenna_open", "Nothing on the antenna's plug."};
+};
+struct CorrectionOutageFault {
+  static constexpr fields::Named kNamed{"correction_outage",
+                                        "Corrections (SBAS, service, RTK) no longer arrive."};
+};
+struct FrozenFixFault {
+  static constexpr fields::Named kNamed{"frozen_fix",
+                                        "The device repeats its last fix; time goes on."};
+};
 struct WrongLeapSecondFault {
+  static constexpr fields::Named kNamed{"wrong_leap_second", "The device's leap seconds are off."};
+
   int seconds = 1;
 };
 struct UartNoiseFault {
+  static constexpr fields::Named kNamed{"uart_noise",
+                                        "Bits of the serial line are turned over, both ways."};
+
   double bit_error_rate = 1e-4;
 };
 
@@ -48,25 +72,12 @@ using GnssFaultSettings = std::variant<OutageFault, JammingFault, SpoofDriftFaul
                                        AntennaShortFault, AntennaOpenFault, CorrectionOutageFault,
                                        FrozenFixFault, WrongLeapSecondFault, UartNoiseFault>;
 
-/// The names of the `type` key, in the order of GnssFaultSettings.
-inline constexpr std::array<Alternative, 10> kGnssFaultTypes{
-    {{"outage", "No signal arrives; the antenna is well."},
-     {"jamming", "Carrier-to-noise density falls, the noise floor rises."},
-     {"spoof_drift", "Strong false signals, consistent with each other, drift away."},
-     {"jump", "The signals of a place beside the true one."},
-     {"antenna_short", "Short circuit of the antenna's supply."},
-     {"antenna_open", "Nothing on the antenna's plug."},
-     {"correction_outage", "Corrections (SBAS, service, RTK) no longer arrive."},
-     {"frozen_fix", "The device repeats its last fix; time goes on."},
-     {"wrong_leap_second", "The device's leap seconds are off."},
-     {"uart_noise", "Bits of the serial line are turned over, both ways."}}};
-
 struct GnssFaultConfiguration {
   Duration at{0};  ///< From the start of the run.
   Duration length = std::chrono::seconds{10};
   GnssFaultSettings settings;
 
-  [[nodiscard]] std::string_view type() const { return kGnssFaultTypes[settings.index()].name; }
+  [[nodiscard]] std::string_view type() const { return fields::chosen_name(settings); }
 };
 
 /// What of the list happens to the signals, and what in a u-blox receiver.
@@ -75,50 +86,40 @@ struct GnssFaultConfiguration {
 [[nodiscard]] std::vector<emulators::UbloxFault> ublox_faults(
     const std::vector<GnssFaultConfiguration>& faults);
 
-template <class Visitor>
-void visit(Visitor&, OutageFault&) {}
-template <class Visitor>
-void visit(Visitor& v, JammingFault& p) {
-  v.number("loss", p.loss_db, in("dB").stored_as("dB").between(0, 80),
+inline void visit(fields::Visitor&, OutageFault&) {}
+inline void visit(fields::Visitor& v, JammingFault& p) {
+  v.number("loss", p.loss_db, fields::in("dB").stored_as("dB").between(0, 80),
            "Of carrier-to-noise density.");
 }
-template <class Visitor>
-void visit(Visitor& v, SpoofDriftFault& p) {
-  v.vector3("velocity", p.velocity_mps, in("m/s").between(-1e4, 1e4),
+inline void visit(fields::Visitor& v, SpoofDriftFault& p) {
+  v.vector3("velocity", p.velocity_mps, fields::in("m/s").between(-1e4, 1e4),
             "[east, north, up] of the false place.");
-  v.number("clock_rate", p.clock_rate_mps, in("m/s").between(-1e4, 1e4), "Common to all ranges.");
+  v.number("clock_rate", p.clock_rate_mps, fields::in("m/s").between(-1e4, 1e4),
+           "Common to all ranges.");
 }
-template <class Visitor>
-void visit(Visitor& v, JumpFault& p) {
-  v.vector3("offset", p.offset_m, in("m").between(-1e6, 1e6), "[east, north, up].");
+inline void visit(fields::Visitor& v, JumpFault& p) {
+  v.vector3("offset", p.offset_m, fields::in("m").between(-1e6, 1e6), "[east, north, up].");
 }
-template <class Visitor>
-void visit(Visitor&, AntennaShortFault&) {}
-template <class Visitor>
-void visit(Visitor&, AntennaOpenFault&) {}
-template <class Visitor>
-void visit(Visitor&, CorrectionOutageFault&) {}
-template <class Visitor>
-void visit(Visitor&, FrozenFixFault&) {}
-template <class Visitor>
-void visit(Visitor& v, WrongLeapSecondFault& p) {
-  v.integer("seconds", p.seconds, IntegerRule{-10, 10}, "Too many; not 0.");
+inline void visit(fields::Visitor&, AntennaShortFault&) {}
+inline void visit(fields::Visitor&, AntennaOpenFault&) {}
+inline void visit(fields::Visitor&, CorrectionOutageFault&) {}
+inline void visit(fields::Visitor&, FrozenFixFault&) {}
+inline void visit(fields::Visitor& v, WrongLeapSecondFault& p) {
+  v.integer("seconds", p.seconds, fields::IntegerRule{-10, 10}, "Too many; not 0.");
   v.check(p.seconds != 0, "seconds", "0 is the right number of leap seconds", "0",
           "-10 .. -1, 1 .. 10");
 }
-template <class Visitor>
-void visit(Visitor& v, UartNoiseFault& p) {
-  v.number("bit_error_rate", p.bit_error_rate, plain().above(0).at_most(0.5),
+inline void visit(fields::Visitor& v, UartNoiseFault& p) {
+  v.number("bit_error_rate", p.bit_error_rate, fields::plain().above(0).at_most(0.5),
            "Probability of each bit.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, GnssFaultConfiguration& p) {
+inline void visit(fields::Visitor& v, GnssFaultConfiguration& p) {
   v.required("at");
-  v.duration("at", p.at, {0, 31'536'000'000'000'000}, "From the start of the run.");
-  v.duration("for", p.length, {1'000'000, 31'536'000'000'000'000}, "How long it lasts.");
+  v.duration("at", p.at, {0, fields::kYear_ns}, "From the start of the run.");
+  v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long it lasts.");
   v.required("type");
-  v.variant("type", p.settings, kGnssFaultTypes, "What happens.");
+  v.variant("type", p.settings, "What happens.");
 }
 
 }  // namespace rigwire::hil

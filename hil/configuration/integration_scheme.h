@@ -3,16 +3,16 @@
 
 #include <array>
 
-#include "hil/configuration/fields.h"
+#include "fields/visitor.h"
 #include "sim/integration_scheme.h"
 
-namespace rigwire::hil {
+namespace rigwire::sim {
 
-inline constexpr std::array<Choice<sim::IntegrationScheme>, 3> kIntegrationSchemes{
+inline constexpr std::array<fields::Choice<sim::IntegrationScheme>, 3> kIntegrationSchemes{
     {{sim::IntegrationScheme::linearly_implicit_euler, "linearly_implicit_euler",
       "Stable for every stiffness that is let pass."},
      {sim::IntegrationScheme::rosenbrock2, "rosenbrock2", "Second order, for comparison."},
      {sim::IntegrationScheme::runge_kutta4, "runge_kutta4",
       "Fourth order, for comparison; short steps only."}}};
 
-}  // namespace rigwire::hil
+}  // namespace rigwire::sim

@@ -3,8 +3,7 @@
 
 #include <numbers>
 
-#include "hil/configuration/fields.h"
-#include "hil/configuration/units.h"
+#include "fields/visitor.h"
 #include "sim/imu/magnetometer.h"
 
 namespace rigwire::hil {
@@ -18,17 +17,20 @@ struct MagnetometerConfiguration {
   sim::MagnetometerParameters sensor;
 };
 
-template <class Visitor>
-void visit(Visitor& v, MagnetometerConfiguration& p) {
+inline void visit(fields::Visitor& v, MagnetometerConfiguration& p) {
   v.boolean("present", p.present, "Whether the unit has one.");
-  v.number("strength", p.strength_t, plain().between(0, 1e-3),
+  v.number("strength", p.strength_t, fields::plain().between(0, 1e-3),
            "Of the Earth's field, T; one vector for the whole scene.");
-  v.number("declination", p.declination_rad, in("deg").between(-180, 180),
+  v.number("declination", p.declination_rad, fields::in("deg").between(-180, 180),
            "From true to magnetic north, east positive.");
-  v.number("inclination", p.inclination_rad, in("deg").between(-90, 90), "Downward positive.");
-  v.vector3("hard_iron", p.sensor.hard_iron_t, plain(), "Of the machine, T, sensor's axes.");
-  v.number("noise_density", p.sensor.random.noise_density, plain().at_least(0), "T/sqrt(Hz).");
-  v.number("turn_on_bias", p.sensor.turn_on_bias_t, plain().at_least(0), "T, standard deviation.");
+  v.number("inclination", p.inclination_rad, fields::in("deg").between(-90, 90),
+           "Downward positive.");
+  v.vector3("hard_iron", p.sensor.hard_iron_t, fields::plain(),
+            "Of the machine, T, sensor's axes.");
+  v.number("noise_density", p.sensor.random.noise_density, fields::plain().at_least(0),
+           "T/sqrt(Hz).");
+  v.number("turn_on_bias", p.sensor.turn_on_bias_t, fields::plain().at_least(0),
+           "T, standard deviation.");
 }
 
 /// As the sensor wants it.

@@ -16,14 +16,13 @@
 #include <vector>
 
 #include "emulators/modbus/modbus_faults.h"
-#include "hil/configuration/fields.h"
-#include "hil/configuration/units.h"
+#include "fields/visitor.h"
 
 namespace rigwire::hil {
 
 /// Which requests a fault concerns by what they touch.
 enum class ModbusFaultTable : std::uint8_t { any, coils, discrete_inputs, holding, input };
-inline constexpr std::array<Choice<ModbusFaultTable>, 5> kModbusFaultTables{
+inline constexpr std::array<fields::Choice<ModbusFaultTable>, 5> kModbusFaultTables{
     {{ModbusFaultTable::any, "any", "Every request."},
      {ModbusFaultTable::coils, "coils", "Those that touch these coils."},
      {ModbusFaultTable::discrete_inputs, "discrete", "Those that read these discrete inputs."},
@@ -31,7 +30,7 @@ inline constexpr std::array<Choice<ModbusFaultTable>, 5> kModbusFaultTables{
      {ModbusFaultTable::input, "input", "Those that read these input registers."}}};
 
 using ModbusException = protocols::modbus::ExceptionCode;
-inline constexpr std::array<Choice<ModbusException>, 9> kModbusExceptions{
+inline constexpr std::array<fields::Choice<ModbusException>, 9> kModbusExceptions{
     {{ModbusException::illegal_function, "illegal_function", "01"},
      {ModbusException::illegal_data_address, "illegal_address", "02"},
      {ModbusException::illegal_data_value, "illegal_value", "03"},
@@ -43,55 +42,69 @@ inline constexpr std::array<Choice<ModbusException>, 9> kModbusExceptions{
      {ModbusException::gateway_target_failed, "target_failed", "0B"}}};
 
 struct ModbusDelayFault {
+  static constexpr fields::Named kNamed{"delay", "Answers come later."};
+
   Duration delay = std::chrono::milliseconds(100);
 };
 struct ModbusExceptionFault {
+  static constexpr fields::Named kNamed{"exception", "An exception instead of the answer."};
+
   ModbusException code = ModbusException::server_device_failure;
 };
-struct ModbusSilenceFault {};
-struct ModbusLostAnswerFault {};
+struct ModbusSilenceFault {
+  static constexpr fields::Named kNamed{"silence", "The unit hears nothing."};
+};
+struct ModbusLostAnswerFault {
+  static constexpr fields::Named kNamed{"lost_answer", "The unit acts, its answer is lost."};
+};
 struct ModbusJunkFault {
+  static constexpr fields::Named kNamed{"junk", "Random bytes right before the answer."};
+
   int bytes = 4;
 };
 struct ModbusSplitFault {
+  static constexpr fields::Named kNamed{"split", "The answer in parts with pauses between."};
+
   int pieces = 2;
   Duration pause = std::chrono::milliseconds(20);
 };
 struct ModbusTruncatedFault {
+  static constexpr fields::Named kNamed{"truncated", "The end of the answer is missing."};
+
   int bytes = 1;
 };
 struct ModbusStuckFault {
+  static constexpr fields::Named kNamed{"stuck", "Registers read the same, whatever happens."};
+
   int value = -1;  ///< -1: what was read first.
 };
-struct ModbusWrongCheckFault {};
-struct ModbusWrongTransactionFault {};
-struct ModbusDisconnectFault {};
+struct ModbusWrongCheckFault {
+  static constexpr fields::Named kNamed{"wrong_check", "rtu: the answer's CRC is wrong."};
+};
+struct ModbusWrongTransactionFault {
+  static constexpr fields::Named kNamed{"wrong_transaction",
+                                        "tcp: the answer carries another transaction identifier."};
+};
+struct ModbusDisconnectFault {
+  static constexpr fields::Named kNamed{"disconnect",
+                                        "tcp: the connection is closed instead of an answer."};
+};
 struct ModbusNoiseFault {
+  static constexpr fields::Named kNamed{"noise",
+                                        "rtu, whole line: bits are turned over, both ways."};
+
   double bit_error_rate = 1e-4;
 };
-struct ModbusParityFault {};
+struct ModbusParityFault {
+  static constexpr fields::Named kNamed{"parity_mismatch",
+                                        "rtu, whole line: the masters use another parity."};
+};
 
 using ModbusFaultSettings =
     std::variant<ModbusDelayFault, ModbusExceptionFault, ModbusSilenceFault, ModbusLostAnswerFault,
                  ModbusJunkFault, ModbusSplitFault, ModbusTruncatedFault, ModbusStuckFault,
                  ModbusWrongCheckFault, ModbusWrongTransactionFault, ModbusDisconnectFault,
                  ModbusNoiseFault, ModbusParityFault>;
-
-/// The names of the `type` key, in the order of ModbusFaultSettings.
-inline constexpr std::array<Alternative, 13> kModbusFaultTypes{
-    {{"delay", "Answers come later."},
-     {"exception", "An exception instead of the answer."},
-     {"silence", "The unit hears nothing."},
-     {"lost_answer", "The unit acts, its answer is lost."},
-     {"junk", "Random bytes right before the answer."},
-     {"split", "The answer in parts with pauses between."},
-     {"truncated", "The end of the answer is missing."},
-     {"stuck", "Registers read the same, whatever happens."},
-     {"wrong_check", "rtu: the answer's CRC is wrong."},
-     {"wrong_transaction", "tcp: the answer carries another transaction identifier."},
-     {"disconnect", "tcp: the connection is closed instead of an answer."},
-     {"noise", "rtu, whole line: bits are turned over, both ways."},
-     {"parity_mismatch", "rtu, whole line: the masters use another parity."}}};
 
 struct ModbusFaultConfiguration {
   Duration at{0};  ///< From the start of the run.
@@ -108,60 +121,47 @@ struct ModbusFaultConfiguration {
 [[nodiscard]] std::vector<emulators::ModbusFault> modbus_faults(
     const std::vector<ModbusFaultConfiguration>& faults);
 
-template <class Visitor>
-void visit(Visitor& v, ModbusDelayFault& p) {
+inline void visit(fields::Visitor& v, ModbusDelayFault& p) {
   v.duration("delay", p.delay, {1, 60'000'000'000}, "On top of the line's response delay.");
 }
-template <class Visitor>
-void visit(Visitor& v, ModbusExceptionFault& p) {
+inline void visit(fields::Visitor& v, ModbusExceptionFault& p) {
   v.choice("code", p.code, kModbusExceptions, "The exception.");
 }
-template <class Visitor>
-void visit(Visitor&, ModbusSilenceFault&) {}
-template <class Visitor>
-void visit(Visitor&, ModbusLostAnswerFault&) {}
-template <class Visitor>
-void visit(Visitor& v, ModbusJunkFault& p) {
-  v.integer("bytes", p.bytes, IntegerRule{1, 64}, "How many.");
+inline void visit(fields::Visitor&, ModbusSilenceFault&) {}
+inline void visit(fields::Visitor&, ModbusLostAnswerFault&) {}
+inline void visit(fields::Visitor& v, ModbusJunkFault& p) {
+  v.integer("bytes", p.bytes, fields::IntegerRule{1, 64}, "How many.");
 }
-template <class Visitor>
-void visit(Visitor& v, ModbusSplitFault& p) {
-  v.integer("pieces", p.pieces, IntegerRule{2, 16}, "How many.");
+inline void visit(fields::Visitor& v, ModbusSplitFault& p) {
+  v.integer("pieces", p.pieces, fields::IntegerRule{2, 16}, "How many.");
   v.duration("pause", p.pause, {1, 60'000'000'000}, "Between them.");
 }
-template <class Visitor>
-void visit(Visitor& v, ModbusTruncatedFault& p) {
-  v.integer("bytes", p.bytes, IntegerRule{1, 260}, "How many are missing.");
+inline void visit(fields::Visitor& v, ModbusTruncatedFault& p) {
+  v.integer("bytes", p.bytes, fields::IntegerRule{1, 260}, "How many are missing.");
 }
-template <class Visitor>
-void visit(Visitor& v, ModbusStuckFault& p) {
-  v.integer("value", p.value, IntegerRule{-1, 65535}, "As read; -1 = what was read first.");
+inline void visit(fields::Visitor& v, ModbusStuckFault& p) {
+  v.integer("value", p.value, fields::IntegerRule{-1, 65535}, "As read; -1 = what was read first.");
 }
-template <class Visitor>
-void visit(Visitor&, ModbusWrongCheckFault&) {}
-template <class Visitor>
-void visit(Visitor&, ModbusWrongTransactionFault&) {}
-template <class Visitor>
-void visit(Visitor&, ModbusDisconnectFault&) {}
-template <class Visitor>
-void visit(Visitor& v, ModbusNoiseFault& p) {
-  v.number("bit_error_rate", p.bit_error_rate, plain().above(0).at_most(0.5), "Of each bit.");
+inline void visit(fields::Visitor&, ModbusWrongCheckFault&) {}
+inline void visit(fields::Visitor&, ModbusWrongTransactionFault&) {}
+inline void visit(fields::Visitor&, ModbusDisconnectFault&) {}
+inline void visit(fields::Visitor& v, ModbusNoiseFault& p) {
+  v.number("bit_error_rate", p.bit_error_rate, fields::plain().above(0).at_most(0.5),
+           "Of each bit.");
 }
-template <class Visitor>
-void visit(Visitor&, ModbusParityFault&) {}
+inline void visit(fields::Visitor&, ModbusParityFault&) {}
 
-template <class Visitor>
-void visit(Visitor& v, ModbusFaultConfiguration& p) {
+inline void visit(fields::Visitor& v, ModbusFaultConfiguration& p) {
   v.required("at");
-  v.duration("at", p.at, {0, 31'536'000'000'000'000}, "From the start of the run.");
-  v.duration("for", p.length, {1'000'000, 31'536'000'000'000'000}, "How long it lasts.");
-  v.integer("unit", p.unit, IntegerRule{0, 247}, "0 = every unit of the line.");
+  v.duration("at", p.at, {0, fields::kYear_ns}, "From the start of the run.");
+  v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long it lasts.");
+  v.integer("unit", p.unit, fields::IntegerRule{0, 247}, "0 = every unit of the line.");
   v.choice("table", p.table, kModbusFaultTables, "Which requests it concerns.");
-  v.integer("first", p.first, IntegerRule{0, 65535}, "Address, from 0, with a table.");
-  v.integer("last", p.last, IntegerRule{0, 65535}, "Included.");
-  v.number("probability", p.probability, in("%").above(0).at_most(100), "Of each request.");
+  v.integer("first", p.first, fields::IntegerRule{0, 65535}, "Address, from 0, with a table.");
+  v.integer("last", p.last, fields::IntegerRule{0, 65535}, "Included.");
+  v.number("probability", p.probability, fields::in("%").above(0).at_most(100), "Of each request.");
   v.required("type");
-  v.variant("type", p.settings, kModbusFaultTypes, "What happens.");
+  v.variant("type", p.settings, "What happens.");
 }
 
 }  // namespace rigwire::hil

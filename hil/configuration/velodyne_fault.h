@@ -14,40 +14,67 @@
 #include <vector>
 
 #include "emulators/velodyne/velodyne_fault.h"
-#include "hil/configuration/fields.h"
-#include "hil/configuration/units.h"
+#include "fields/visitor.h"
 
 namespace rigwire::hil {
 
 struct LostPacketsFault {
+  static constexpr fields::Named kNamed{"lost_packets", "Packets are lost on the way."};
+
   double probability = 0.01;
 };
 struct SwappedPacketsFault {
+  static constexpr fields::Named kNamed{"swapped_packets",
+                                        "Data packets change places with their successors."};
+
   double probability = 0.01;
 };
 struct DuplicatedPacketsFault {
+  static constexpr fields::Named kNamed{"duplicated_packets", "Packets arrive twice."};
+
   double probability = 0.01;
 };
 struct DeadLaserFault {
+  static constexpr fields::Named kNamed{"dead_laser", "Some lasers see nothing."};
+
   int first = 0;
   int last = 0;
 };
 struct DirtyWindowFault {
+  static constexpr fields::Named kNamed{"dirty_window", "Dirt on a sector of the window."};
+
   double from_deg = 0.0;
   double to_deg = 10.0;
   double transmission = 0.5;
 };
-struct MotorStallFault {};
-struct PulseLossFault {};
-struct PulseNoiseFault {};
-struct SentenceLossFault {};
+struct MotorStallFault {
+  static constexpr fields::Named kNamed{"motor_stall", "The rotor runs down."};
+};
+struct PulseLossFault {
+  static constexpr fields::Named kNamed{"pulse_loss", "No pulse per second arrives."};
+};
+struct PulseNoiseFault {
+  static constexpr fields::Named kNamed{"pulse_noise",
+                                        "Pulses at wrong times between the right ones."};
+};
+struct SentenceLossFault {
+  static constexpr fields::Named kNamed{"sentence_loss", "No sentence arrives."};
+};
 struct ClockOffsetFault {
+  static constexpr fields::Named kNamed{"clock_offset", "Timestamps are off."};
+
   double offset_s = 1.0;
 };
 struct HourOverrunFault {
+  static constexpr fields::Named kNamed{"hour_overrun",
+                                        "The timestamp passes 3600 s before it wraps."};
+
   double overrun_s = 0.05;
 };
 struct FactoryBytesFault {
+  static constexpr fields::Named kNamed{"factory_bytes",
+                                        "The last two bytes of data packets are wrong."};
+
   std::uint8_t return_mode = 0;
   std::uint8_t product = 0;
 };
@@ -57,91 +84,66 @@ using VelodyneFaultSettings =
                  DirtyWindowFault, MotorStallFault, PulseLossFault, PulseNoiseFault,
                  SentenceLossFault, ClockOffsetFault, HourOverrunFault, FactoryBytesFault>;
 
-/// The names of the `type` key, in the order of VelodyneFaultSettings.
-inline constexpr std::array<Alternative, 12> kVelodyneFaultTypes{
-    {{"lost_packets", "Packets are lost on the way."},
-     {"swapped_packets", "Data packets change places with their successors."},
-     {"duplicated_packets", "Packets arrive twice."},
-     {"dead_laser", "Some lasers see nothing."},
-     {"dirty_window", "Dirt on a sector of the window."},
-     {"motor_stall", "The rotor runs down."},
-     {"pulse_loss", "No pulse per second arrives."},
-     {"pulse_noise", "Pulses at wrong times between the right ones."},
-     {"sentence_loss", "No sentence arrives."},
-     {"clock_offset", "Timestamps are off."},
-     {"hour_overrun", "The timestamp passes 3600 s before it wraps."},
-     {"factory_bytes", "The last two bytes of data packets are wrong."}}};
-
 struct VelodyneFaultConfiguration {
   Duration at{0};  ///< From the start of the run.
   Duration length = std::chrono::seconds{10};
   VelodyneFaultSettings settings;
 
-  [[nodiscard]] std::string_view type() const { return kVelodyneFaultTypes[settings.index()].name; }
+  [[nodiscard]] std::string_view type() const { return fields::chosen_name(settings); }
 };
 
 [[nodiscard]] std::vector<emulators::VelodyneFault> velodyne_faults(
     const std::vector<VelodyneFaultConfiguration>& faults);
 
 namespace detail {
-template <class Visitor>
-void visit_probability(Visitor& v, double& probability) {
-  v.number("probability", probability, in("%").above(0).at_most(100), "Of each packet.");
+inline void visit_probability(fields::Visitor& v, double& probability) {
+  v.number("probability", probability, fields::in("%").above(0).at_most(100), "Of each packet.");
 }
 }  // namespace detail
 
-template <class Visitor>
-void visit(Visitor& v, LostPacketsFault& p) {
+inline void visit(fields::Visitor& v, LostPacketsFault& p) {
   detail::visit_probability(v, p.probability);
 }
-template <class Visitor>
-void visit(Visitor& v, SwappedPacketsFault& p) {
+inline void visit(fields::Visitor& v, SwappedPacketsFault& p) {
   detail::visit_probability(v, p.probability);
 }
-template <class Visitor>
-void visit(Visitor& v, DuplicatedPacketsFault& p) {
+inline void visit(fields::Visitor& v, DuplicatedPacketsFault& p) {
   detail::visit_probability(v, p.probability);
 }
-template <class Visitor>
-void visit(Visitor& v, DeadLaserFault& p) {
-  v.integer("first", p.first, IntegerRule{0, 127}, "By the model's numbers, which count from 0.");
-  v.integer("last", p.last, IntegerRule{0, 127}, "Included.");
+inline void visit(fields::Visitor& v, DeadLaserFault& p) {
+  v.integer("first", p.first, fields::IntegerRule{0, 127},
+            "By the model's numbers, which count from 0.");
+  v.integer("last", p.last, fields::IntegerRule{0, 127}, "Included.");
 }
-template <class Visitor>
-void visit(Visitor& v, DirtyWindowFault& p) {
-  v.number("from", p.from_deg, in("deg").stored_as("deg").between(0, 360), "Azimuth, clockwise.");
-  v.number("to", p.to_deg, in("deg").stored_as("deg").between(0, 360), "May lie beyond 0.");
-  v.number("transmission", p.transmission, in("%").between(0, 100), "Of the light, one way.");
+inline void visit(fields::Visitor& v, DirtyWindowFault& p) {
+  v.number("from", p.from_deg, fields::in("deg").stored_as("deg").between(0, 360),
+           "Azimuth, clockwise.");
+  v.number("to", p.to_deg, fields::in("deg").stored_as("deg").between(0, 360), "May lie beyond 0.");
+  v.number("transmission", p.transmission, fields::in("%").between(0, 100),
+           "Of the light, one way.");
 }
-template <class Visitor>
-void visit(Visitor&, MotorStallFault&) {}
-template <class Visitor>
-void visit(Visitor&, PulseLossFault&) {}
-template <class Visitor>
-void visit(Visitor&, PulseNoiseFault&) {}
-template <class Visitor>
-void visit(Visitor&, SentenceLossFault&) {}
-template <class Visitor>
-void visit(Visitor& v, ClockOffsetFault& p) {
-  v.number("offset", p.offset_s, in("s").between(-3600, 3600), "Of the timestamps; not 0.");
+inline void visit(fields::Visitor&, MotorStallFault&) {}
+inline void visit(fields::Visitor&, PulseLossFault&) {}
+inline void visit(fields::Visitor&, PulseNoiseFault&) {}
+inline void visit(fields::Visitor&, SentenceLossFault&) {}
+inline void visit(fields::Visitor& v, ClockOffsetFault& p) {
+  v.number("offset", p.offset_s, fields::in("s").between(-3600, 3600), "Of the timestamps; not 0.");
 }
-template <class Visitor>
-void visit(Visitor& v, HourOverrunFault& p) {
-  v.number("overrun", p.overrun_s, in("s").above(0).at_most(1), "Beyond the hour.");
+inline void visit(fields::Visitor& v, HourOverrunFault& p) {
+  v.number("overrun", p.overrun_s, fields::in("s").above(0).at_most(1), "Beyond the hour.");
 }
-template <class Visitor>
-void visit(Visitor& v, FactoryBytesFault& p) {
-  v.integer("return_mode", p.return_mode, IntegerRule{0, 255}, "Instead of the return mode.");
-  v.integer("product", p.product, IntegerRule{0, 255}, "Instead of the product's number.");
+inline void visit(fields::Visitor& v, FactoryBytesFault& p) {
+  v.integer("return_mode", p.return_mode, fields::IntegerRule{0, 255},
+            "Instead of the return mode.");
+  v.integer("product", p.product, fields::IntegerRule{0, 255}, "Instead of the product's number.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, VelodyneFaultConfiguration& p) {
+inline void visit(fields::Visitor& v, VelodyneFaultConfiguration& p) {
   v.required("at");
-  v.duration("at", p.at, {0, 31'536'000'000'000'000}, "From the start of the run.");
-  v.duration("for", p.length, {1'000'000, 31'536'000'000'000'000}, "How long it lasts.");
+  v.duration("at", p.at, {0, fields::kYear_ns}, "From the start of the run.");
+  v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long it lasts.");
   v.required("type");
-  v.variant("type", p.settings, kVelodyneFaultTypes, "What happens.");
+  v.variant("type", p.settings, "What happens.");
 }
 
 }  // namespace rigwire::hil

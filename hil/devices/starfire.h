@@ -6,10 +6,9 @@
 #include <vector>
 
 #include "emulators/starfire/settings.h"
-#include "hil/configuration/fields.h"
+#include "fields/visitor.h"
 #include "hil/configuration/gnss_fault.h"
 #include "hil/configuration/gnss_sensor.h"
-#include "hil/configuration/units.h"
 #include "hil/wires/baud_check.h"
 #include "hil/world/mount.h"
 
@@ -17,6 +16,9 @@ namespace rigwire::hil {
 
 /// John Deere StarFire 3000.
 struct StarFireConfiguration {
+  static constexpr fields::Named kNamed{
+      "starfire-3000", "John Deere StarFire 3000 satellite receiver (NMEA, J1939)."};
+
   std::string path =
       "/tmp/rigwire/starfire";  ///< Symbolic link to the pty; empty = no serial line.
   BaudCheck check_baud = BaudCheck::lenient;
@@ -41,18 +43,18 @@ struct StarFireConfiguration {
          !std::holds_alternative<UartNoiseFault>(fault.settings);
 }
 
-template <class Visitor>
-void visit(Visitor& v, StarFireConfiguration& p) {
+inline void visit(fields::Visitor& v, StarFireConfiguration& p) {
   v.text("path", p.path, "Symbolic link to the pty; what a client opens; empty = no serial line.");
-  v.integer("baud", p.receiver.baud, IntegerRule{4800, 115200}, "Of the line, 8N1.");
+  v.integer("baud", p.receiver.baud, fields::IntegerRule{4800, 115200}, "Of the line, 8N1.");
   v.choice("check_baud", p.check_baud, kBaudChecks, "When a client hears garbage.");
-  v.rate("rate", p.receiver.sentence_period, in("Hz").between(1, 10),
+  v.rate("rate", p.receiver.sentence_period, fields::in("Hz").between(1, 10),
          "Of the sentences: 1, 5, 10.");
   v.texts("nmea_sentences", p.receiver.sentences, "GGA GSA RMC VTG ZDA.");
   v.text("talker", p.receiver.talker, "GP or GN.");
   v.text("bus", p.bus, "One of the rig's buses; empty = not on one.");
-  v.integer("source_address", p.receiver.source_address, IntegerRule{0, 253}, "J1939 address.");
-  v.integer("serial", p.receiver.serial, IntegerRule{1, (1 << 21) - 1},
+  v.integer("source_address", p.receiver.source_address, fields::IntegerRule{0, 253},
+            "J1939 address.");
+  v.integer("serial", p.receiver.serial, fields::IntegerRule{1, (1 << 21) - 1},
             "In the NAME; unique on a bus.");
   v.duration("power_on", p.receiver.power_on, {0, 86'400'000'000'000},
              "From the start of the run.");

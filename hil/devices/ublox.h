@@ -6,10 +6,9 @@
 #include <vector>
 
 #include "emulators/ublox/settings.h"
-#include "hil/configuration/fields.h"
+#include "fields/visitor.h"
 #include "hil/configuration/gnss_fault.h"
 #include "hil/configuration/gnss_sensor.h"
-#include "hil/configuration/units.h"
 #include "hil/wires/baud_check.h"
 #include "hil/wires/usb_configuration.h"
 #include "hil/world/mount.h"
@@ -17,13 +16,16 @@
 namespace rigwire::hil {
 
 enum class SerialWire { pty, usb };
-inline constexpr std::array<Choice<SerialWire>, 2> kSerialWires{
+inline constexpr std::array<fields::Choice<SerialWire>, 2> kSerialWires{
     {{SerialWire::pty, "pty", "A pseudo-terminal under `path`."},
      {SerialWire::usb, "usb",
       "A device on the rig's USB server; the client's kernel makes a tty."}}};
 
 /// A u-blox receiver on a serial line; as it stands, a NEO-7P.
 struct UbloxConfiguration {
+  static constexpr fields::Named kNamed{
+      "ublox-neo-7p", "u-blox NEO-7P satellite receiver on a serial line (NMEA, UBX)."};
+
   SerialWire wire = SerialWire::pty;
   std::string path = "/tmp/rigwire/gnss";  ///< Symbolic link to the pty that a client opens.
   BaudCheck check_baud = BaudCheck::lenient;
@@ -47,6 +49,9 @@ struct UbloxConfiguration {
 
 /// The other types differ in their profile, and in what they receive unless told otherwise.
 struct UbloxM8Configuration : UbloxConfiguration {
+  static constexpr fields::Named kNamed{
+      "ublox-neo-m8", "u-blox NEO-M8 satellite receiver of several systems (NMEA, UBX)."};
+
   UbloxM8Configuration() : UbloxM8Configuration(emulators::ublox_neo_m8()) {}
 
  protected:
@@ -57,9 +62,15 @@ struct UbloxM8Configuration : UbloxConfiguration {
   }
 };
 struct UbloxM8tConfiguration : UbloxM8Configuration {
+  static constexpr fields::Named kNamed{
+      "ublox-neo-m8t", "u-blox NEO-M8T, the same with raw measurements (NMEA, UBX)."};
+
   UbloxM8tConfiguration() : UbloxM8Configuration(emulators::ublox_neo_m8t()) {}
 };
 struct UbloxF9pConfiguration : UbloxConfiguration {
+  static constexpr fields::Named kNamed{
+      "ublox-zed-f9p", "u-blox ZED-F9P satellite receiver with carrier solution (NMEA, UBX)."};
+
   UbloxF9pConfiguration() : UbloxConfiguration(emulators::ublox_zed_f9p()) {
     sensor.systems = {
         .gps = true, .glonass = true, .galileo = true, .beidou = true, .sbas = true, .qzss = true};
@@ -67,14 +78,13 @@ struct UbloxF9pConfiguration : UbloxConfiguration {
   }
 };
 
-template <class Visitor>
-void visit(Visitor& v, UbloxConfiguration& p) {
+inline void visit(fields::Visitor& v, UbloxConfiguration& p) {
   v.choice("wire", p.wire, kSerialWires, "What carries the bytes.");
   v.text("path", p.path, "Symbolic link to the pty; what a client opens.");
   v.rate("rate", p.receiver.measurement_period,
-         in("Hz").above(0).at_most(1.0 / to_seconds(p.receiver.profile->shortest_period)),
+         fields::in("Hz").above(0).at_most(1.0 / to_seconds(p.receiver.profile->shortest_period)),
          "Navigation epochs; a client may change it by CFG-RATE.");
-  v.integer("baud", p.receiver.baud, IntegerRule{4800, p.receiver.profile->greatest_baud},
+  v.integer("baud", p.receiver.baud, fields::IntegerRule{4800, p.receiver.profile->greatest_baud},
             "Of the line, 8N1, at power-on.");
   v.choice("check_baud", p.check_baud, kBaudChecks, "When a client hears garbage.");
   v.texts("nmea_sentences", p.receiver.nmea_sentences,
@@ -87,7 +97,7 @@ void visit(Visitor& v, UbloxConfiguration& p) {
   v.duration("start_up", p.receiver.start_up, {0, 10'000'000'000},
              "From power-on to the first byte.");
   v.boolean("start_banner", p.receiver.start_banner, "TXT sentences after power-on.");
-  v.integer("transmit_buffer", p.receiver.transmit_buffer_bytes, IntegerRule{1024, 65536},
+  v.integer("transmit_buffer", p.receiver.transmit_buffer_bytes, fields::IntegerRule{1024, 65536},
             "Bytes that may wait for the line.");
   v.boolean("backup_battery", p.receiver.backup_battery,
             "Keeps time, orbits and the saved configuration while the supply is off.");

@@ -15,15 +15,14 @@
 #include <vector>
 
 #include "emulators/usb/hid_joystick.h"
-#include "hil/configuration/fields.h"
-#include "hil/configuration/units.h"
+#include "fields/visitor.h"
 #include "hil/wires/usb_configuration.h"
 #include "sim/joystick/lever_script.h"
 
 namespace rigwire::hil {
 
 enum class LeverSource { script, commands };
-inline constexpr std::array<Choice<LeverSource>, 2> kLeverSources{
+inline constexpr std::array<fields::Choice<LeverSource>, 2> kLeverSources{
     {{LeverSource::script, "script", "The keyframes of `script`."},
      {LeverSource::commands, "commands",
       "What the rig's valves are told, as an operator by the ISO pattern would."}}};
@@ -35,6 +34,9 @@ struct LeverKeyframeConfiguration {
 };
 
 struct UsbJoystickConfiguration {
+  static constexpr fields::Named kNamed{
+      "usb-joystick", "Levers, pedals and buttons of an excavator's operator, a USB joystick."};
+
   emulators::HidJoystickSettings joystick;
   LeverSource source = LeverSource::script;
   bool repeat = false;
@@ -59,26 +61,25 @@ struct UsbJoystickConfiguration {
   return {std::move(keyframes), p.repeat};
 }
 
-template <class Visitor>
-void visit(Visitor& v, LeverKeyframeConfiguration& p) {
+inline void visit(fields::Visitor& v, LeverKeyframeConfiguration& p) {
   const auto axis = [&](JoystickAxis which) -> double& {
     return p.axes[static_cast<std::size_t>(which)];
   };
-  const NumberRule full = plain().between(-1, 1);
+  const fields::NumberRule full = fields::plain().between(-1, 1);
   v.required("at");
-  v.duration("at", p.at, {0, 31'536'000'000'000'000}, "From the start of the run.");
+  v.duration("at", p.at, {0, fields::kYear_ns}, "From the start of the run.");
   v.number("left_x", axis(JoystickAxis::left_x), full, "Left stick, right positive.");
   v.number("left_y", axis(JoystickAxis::left_y), full, "Left stick, back positive.");
   v.number("right_x", axis(JoystickAxis::right_x), full, "Right stick, right positive.");
   v.number("right_y", axis(JoystickAxis::right_y), full, "Right stick, back positive.");
   v.number("left_pedal", axis(JoystickAxis::left_pedal), full, "Forward positive.");
   v.number("right_pedal", axis(JoystickAxis::right_pedal), full, "Forward positive.");
-  v.number("dial", axis(JoystickAxis::dial), plain().between(0, 1), "Engine speed.");
-  v.number_list("buttons", p.buttons, plain().between(1, 16), "Those that are pressed, 1 .. 16.");
+  v.number("dial", axis(JoystickAxis::dial), fields::plain().between(0, 1), "Engine speed.");
+  v.number_list("buttons", p.buttons, fields::plain().between(1, 16),
+                "Those that are pressed, 1 .. 16.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, UsbJoystickConfiguration& p) {
+inline void visit(fields::Visitor& v, UsbJoystickConfiguration& p) {
   v.duration("interval", p.joystick.interval, {1'000'000, 255'000'000},
              "Between two reports at least; whole milliseconds.");
   v.text("serial_number", p.joystick.serial_number, "USB string; empty = none.");

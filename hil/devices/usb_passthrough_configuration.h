@@ -5,16 +5,18 @@
 #include <string>
 
 #include "drivers/usb_selector.h"
-#include "hil/configuration/fields.h"
+#include "fields/visitor.h"
 
 namespace rigwire::hil {
 
 struct UsbPassThroughConfiguration {
+  static constexpr fields::Named kNamed{
+      "usb-passthrough", "A real USB device of this machine, passed on by the rig's USB bus."};
+
   std::string device;  ///< See drivers/usb_selector.h.
 };
 
-template <class Visitor>
-void visit(Visitor& v, UsbPassThroughConfiguration& p) {
+inline void visit(fields::Visitor& v, UsbPassThroughConfiguration& p) {
   v.required("device");
   v.text("device", p.device,
          "vendor:product, vendor:product:serial number, or the place where it is plugged in "

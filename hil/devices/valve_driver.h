@@ -5,14 +5,16 @@
 #include <string>
 
 #include "emulators/valve_driver/valve_driver.h"
-#include "hil/configuration/fields.h"
-#include "hil/configuration/units.h"
+#include "fields/visitor.h"
 #include "hil/configuration/valve_amplifier.h"
 
 namespace rigwire::hil {
 
 /// Hydraulic valve driver on one of the rig's Modbus lines, or as a TCP server of its own.
 struct ValveDriverConfiguration {
+  static constexpr fields::Named kNamed{"valve-driver",
+                                        "Eight-section hydraulic valve driver, Modbus TCP server."};
+
   std::string line;                   ///< One of the rig's Modbus lines; empty: its own server.
   std::string address = "127.0.0.1";  ///< Where its own server listens.
   std::uint16_t port = 1502;
@@ -26,13 +28,12 @@ struct ValveDriverConfiguration {
 [[nodiscard]] emulators::ValveDriverSettings driver_settings(
     const ValveDriverConfiguration& configuration);
 
-template <class Visitor>
-void visit(Visitor& v, ValveDriverConfiguration& p) {
+inline void visit(fields::Visitor& v, ValveDriverConfiguration& p) {
   v.text("line", p.line, "One of the rig's Modbus lines; empty = a TCP server of its own.");
-  v.integer("unit", p.unit, IntegerRule{1, 247}, "Modbus unit.");
+  v.integer("unit", p.unit, fields::IntegerRule{1, 247}, "Modbus unit.");
   if (p.line.empty()) {
     v.text("address", p.address, "Where it listens.");
-    v.integer("port", p.port, IntegerRule{1, 65535},
+    v.integer("port", p.port, fields::IntegerRule{1, 65535},
               "TCP; the standard port 502 needs privileges.");
     v.boolean("allow_remote", p.allow_remote, "Permits listening where other machines reach it.");
     v.duration("processing_delay", p.processing_delay, {0, 1'000'000'000},
@@ -44,9 +45,9 @@ void visit(Visitor& v, ValveDriverConfiguration& p) {
   }
   v.duration("watchdog", p.driver.amplifier.parameters.watchdog, {0, 3'600'000'000'000},
              "Without a request for this long the reaction follows; 0 = off.");
-  v.choice("reaction", p.driver.amplifier.parameters.reaction, kValveReactions,
+  v.choice("reaction", p.driver.amplifier.parameters.reaction, emulators::kValveReactions,
            "When the watchdog runs out.");
-  v.rate("rate", p.driver.sample_period, in("Hz").between(1, 1000), "Of the transducers.");
+  v.rate("rate", p.driver.sample_period, fields::in("Hz").between(1, 1000), "Of the transducers.");
   v.file("map", p.map, "Registers from a file (docs/your-own-valve.md); empty: Rigwire's own.");
   visit(v, p.driver.amplifier);
 }

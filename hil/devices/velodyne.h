@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "emulators/velodyne/velodyne_settings.h"
-#include "hil/configuration/fields.h"
-#include "hil/configuration/units.h"
+#include "fields/visitor.h"
 #include "hil/configuration/velodyne_fault.h"
 #include "hil/world/lidar_sensor_configuration.h"
 #include "hil/world/mount.h"
@@ -31,6 +30,9 @@ enum class SourcePorts {
 
 /// Velodyne lidar on UDP; as it stands, an HDL-32E.
 struct VelodyneConfiguration {
+  static constexpr fields::Named kNamed{"velodyne-hdl-32e",
+                                        "Velodyne HDL-32E spinning lidar on UDP."};
+
   bool allow_remote = false;   ///< Needed for addresses outside this machine.
   std::string source_address;  ///< Of the packets; empty: the system chooses.
   SourcePorts source_ports = SourcePorts::any;
@@ -57,18 +59,33 @@ struct VelodyneConfiguration {
 };
 
 struct VelodyneVlp16Configuration : VelodyneConfiguration {
+  static constexpr fields::Named kNamed{
+      "velodyne-vlp-16", "Velodyne VLP-16 (Puck) spinning lidar on UDP, web interface."};
+
   VelodyneVlp16Configuration() : VelodyneConfiguration("VLP-16") {}
 };
 struct VelodynePuckHiResConfiguration : VelodyneConfiguration {
+  static constexpr fields::Named kNamed{
+      "velodyne-puck-hi-res", "Velodyne Puck Hi-Res spinning lidar on UDP, web interface."};
+
   VelodynePuckHiResConfiguration() : VelodyneConfiguration("Puck Hi-Res") {}
 };
 struct VelodyneVlp32cConfiguration : VelodyneConfiguration {
+  static constexpr fields::Named kNamed{
+      "velodyne-vlp-32c", "Velodyne VLP-32C (Ultra Puck) spinning lidar on UDP, web interface."};
+
   VelodyneVlp32cConfiguration() : VelodyneConfiguration("VLP-32C") {}
 };
 struct VelodyneHdl64eConfiguration : VelodyneConfiguration {
+  static constexpr fields::Named kNamed{"velodyne-hdl-64e",
+                                        "Velodyne HDL-64E S2 spinning lidar on UDP."};
+
   VelodyneHdl64eConfiguration() : VelodyneConfiguration("HDL-64E S2") {}
 };
 struct VelodyneVls128Configuration : VelodyneConfiguration {
+  static constexpr fields::Named kNamed{
+      "velodyne-vls-128", "Velodyne VLS-128 (Alpha Prime) spinning lidar on UDP, web interface."};
+
   VelodyneVls128Configuration() : VelodyneConfiguration("VLS-128") {}
 };
 
@@ -83,18 +100,26 @@ struct VelodyneVls128Configuration : VelodyneConfiguration {
 /// Whether it may send there: loopback, or anywhere with `allow_remote`.
 [[nodiscard]] bool permits(const VelodyneConfiguration& configuration, std::string_view address);
 
-inline constexpr std::array<Choice<protocols::velodyne::ReturnMode>, 3> kReturnModes{
+inline constexpr std::array<fields::Choice<protocols::velodyne::ReturnMode>, 3> kReturnModes{
     {{protocols::velodyne::ReturnMode::strongest, "strongest", "The strongest echo of a shot."},
      {protocols::velodyne::ReturnMode::last, "last", "The last echo of a shot."},
      {protocols::velodyne::ReturnMode::dual, "dual", "Both, or the second strongest."}}};
-inline constexpr std::array<Choice<SourcePorts>, 2> kSourcePorts{
+inline constexpr std::array<fields::Choice<SourcePorts>, 2> kSourcePorts{
     {{SourcePorts::any, "any", "The system chooses them."},
      {SourcePorts::model, "model", "As the sensor: the destination's, or 443."}}};
-inline constexpr std::array<Choice<emulators::VelodyneReflectivity>, 4> kReflectivityScales{
+}  // namespace rigwire::hil
+
+namespace rigwire::emulators {
+
+inline constexpr std::array<fields::Choice<emulators::VelodyneReflectivity>, 4> kReflectivityScales{
     {{emulators::VelodyneReflectivity::model, "model", "As the model does."},
      {emulators::VelodyneReflectivity::to_100, "to_100", "Retro-reflectors from 101."},
      {emulators::VelodyneReflectivity::to_110, "to_110", "Retro-reflectors from 111."},
      {emulators::VelodyneReflectivity::full, "full", "0 .. 255, retro-reflectors at 255."}}};
+
+}  // namespace rigwire::emulators
+
+namespace rigwire::hil {
 
 /// Groups of the settings that share a section.
 struct LidarViewKeys {
@@ -110,22 +135,20 @@ struct LidarInertialKeys {
   emulators::VelodyneSettings* lidar;
 };
 
-template <class Visitor>
-void visit(Visitor& v, LidarViewKeys& p) {
-  v.integer("start", p.lidar->view_start_deg, IntegerRule{0, 359}, "Degrees, clockwise.");
-  v.integer("end", p.lidar->view_end_deg, IntegerRule{0, 359}, "Included; may lie beyond 0.");
+inline void visit(fields::Visitor& v, LidarViewKeys& p) {
+  v.integer("start", p.lidar->view_start_deg, fields::IntegerRule{0, 359}, "Degrees, clockwise.");
+  v.integer("end", p.lidar->view_end_deg, fields::IntegerRule{0, 359},
+            "Included; may lie beyond 0.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, LidarPhaseLockKeys& p) {
+inline void visit(fields::Visitor& v, LidarPhaseLockKeys& p) {
   v.boolean("enabled", p.lidar->phase_lock, "The rotor passes the offset at each full second.");
-  v.integer("offset", p.lidar->phase_lock_offset_centideg, IntegerRule{0, 35999},
+  v.integer("offset", p.lidar->phase_lock_offset_centideg, fields::IntegerRule{0, 35999},
             "Hundredths of a degree.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, LidarClockKeys& p) {
-  v.number("drift", p.lidar->clock_drift_ppm, in("ppm").stored_as("ppm").between(-200, 200),
+inline void visit(fields::Visitor& v, LidarClockKeys& p) {
+  v.number("drift", p.lidar->clock_drift_ppm, fields::in("ppm").stored_as("ppm").between(-200, 200),
            "Of the sensor's own crystal; positive: fast.");
   v.duration("pulse_length", p.lidar->pulse_length, {20'000'000, 200'000'000},
              "Of the pulse per second.");
@@ -141,35 +164,39 @@ void visit(Visitor& v, LidarClockKeys& p) {
             "Only sentences that say 'A' set the time.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, emulators::VelodyneInertialAxes& p) {
-  v.vector3("gyro", p.gyro, plain().between(-1, 1), "Unit vector, or 0 0 0 for none.");
-  v.vector3("acceleration_x", p.acceleration_x, plain().between(-1, 1), "The same.");
-  v.vector3("acceleration_y", p.acceleration_y, plain().between(-1, 1), "The same.");
+}  // namespace rigwire::hil
+
+namespace rigwire::emulators {
+
+inline void visit(fields::Visitor& v, emulators::VelodyneInertialAxes& p) {
+  v.vector3("gyro", p.gyro, fields::plain().between(-1, 1), "Unit vector, or 0 0 0 for none.");
+  v.vector3("acceleration_x", p.acceleration_x, fields::plain().between(-1, 1), "The same.");
+  v.vector3("acceleration_y", p.acceleration_y, fields::plain().between(-1, 1), "The same.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, LidarInertialKeys& p) {
+}  // namespace rigwire::emulators
+
+namespace rigwire::hil {
+
+inline void visit(fields::Visitor& v, LidarInertialKeys& p) {
   v.section("first", p.lidar->inertial_axes[0], "Along which it measures, in the sensor's frame.");
   v.section("second", p.lidar->inertial_axes[1], "The same.");
   v.section("third", p.lidar->inertial_axes[2], "The same.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, LidarWebConfiguration& p) {
+inline void visit(fields::Visitor& v, LidarWebConfiguration& p) {
   v.text("address", p.address, "Where it listens, an IPv4 address.");
-  v.integer("port", p.port, IntegerRule{0, 65535}, "0 = there is none.");
+  v.integer("port", p.port, fields::IntegerRule{0, 65535}, "0 = there is none.");
   v.boolean("silent_refusals", p.silent_refusals, "Answers success to what it refuses, too.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, VelodyneConfiguration& p) {
+inline void visit(fields::Visitor& v, VelodyneConfiguration& p) {
   using protocols::velodyne::PositionLayout;
   const protocols::velodyne::Model& model = model_of(p);
   v.text("address", p.lidar.host_address, "Where the packets go, an IPv4 address.");
-  v.integer("port", p.lidar.data_port, IntegerRule{1, 65535}, "Of the data packets.");
+  v.integer("port", p.lidar.data_port, fields::IntegerRule{1, 65535}, "Of the data packets.");
   if (model.position_layout != PositionLayout::none) {
-    v.integer("position_port", p.lidar.telemetry_port, IntegerRule{1, 65535},
+    v.integer("position_port", p.lidar.telemetry_port, fields::IntegerRule{1, 65535},
               "Of the position packets.");
   }
   v.boolean("allow_remote", p.allow_remote, "Permits addresses outside this machine.");
@@ -178,7 +205,7 @@ void visit(Visitor& v, VelodyneConfiguration& p) {
   if (!model.status_channel) {
     v.section("web", p.web, "The sensor's web interface.");
   }
-  v.number("rate", p.lidar.rotor_rpm, in("rpm").stored_as("rpm").between(0, 1200),
+  v.number("rate", p.lidar.rotor_rpm, fields::in("rpm").stored_as("rpm").between(0, 1200),
            "Of the rotor; 10 Hz is 600 rpm; 0 = it stands.");
   v.choice("return_mode", p.lidar.return_mode, kReturnModes, "Which echoes are sent.");
   v.boolean("laser", p.lidar.laser_on, "Whether it fires.");
@@ -193,10 +220,13 @@ void visit(Visitor& v, VelodyneConfiguration& p) {
   } else {
     v.file("calibration", p.calibration_file, "Of the unit, YAML; empty = nominal.");
   }
-  v.choice("reflectivity", p.lidar.reflectivity, kReflectivityScales, "Scale of that byte.");
+  v.choice("reflectivity", p.lidar.reflectivity, emulators::kReflectivityScales,
+           "Scale of that byte.");
   v.boolean("vertical_offsets", p.lidar.vertical_offsets, "Each beam leaves from its own height.");
-  v.number("minimum_range", p.lidar.minimum_range_m, in("m").between(0, 1000), "0 = the model's.");
-  v.number("maximum_range", p.lidar.maximum_range_m, in("m").between(0, 1000), "0 = the model's.");
+  v.number("minimum_range", p.lidar.minimum_range_m, fields::in("m").between(0, 1000),
+           "0 = the model's.");
+  v.number("maximum_range", p.lidar.maximum_range_m, fields::in("m").between(0, 1000),
+           "0 = the model's.");
   v.duration("send_delay", p.lidar.send_delay, {0, 100'000'000}, "From the last shot to the wire.");
   if (model.position_layout != PositionLayout::none) {
     v.duration("position_period", p.lidar.position_period, {0, 10'000'000'000},

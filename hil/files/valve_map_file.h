@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "emulators/valve_driver/valve_map.h"
-#include "hil/configuration/fields.h"
+#include "fields/visitor.h"
 
 namespace rigwire::hil {
 

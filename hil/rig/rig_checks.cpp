@@ -78,12 +78,12 @@ class Checker {
       return;
     }
     if (rig_.slice % rig_.step != Duration{0}) {
-      report("slice", "must be a whole number of steps", print_duration(rig_.slice.count()),
-             "multiples of step = " + print_duration(rig_.step.count()));
+      report("slice", "must be a whole number of steps", fields::print_duration(rig_.slice.count()),
+             "multiples of step = " + fields::print_duration(rig_.step.count()));
     }
     if (rig_.lead < rig_.slice) {
-      report("lead", "must not be less than a slice", print_duration(rig_.lead.count()),
-             ">= " + print_duration(rig_.slice.count()));
+      report("lead", "must not be less than a slice", fields::print_duration(rig_.lead.count()),
+             ">= " + fields::print_duration(rig_.slice.count()));
     }
   }
 

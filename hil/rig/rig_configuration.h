@@ -8,8 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "hil/configuration/fields.h"
+#include "fields/visitor.h"
 #include "hil/configuration/outline.h"
+#include "hil/configuration/utc.h"
 #include "hil/devices/device_types.h"
 #include "hil/wires/modbus_line_configuration.h"
 #include "hil/wires/usb_configuration.h"
@@ -53,26 +54,25 @@ struct RigConfiguration {
   StatusConfiguration status;
 };
 
-template <class Visitor>
-void visit(Visitor& v, TruthConfiguration& p) {
+inline void visit(fields::Visitor& v, TruthConfiguration& p) {
   v.text("path", p.path, "File; empty = none. `run --truth FILE` beats it.");
   v.text("lidar_path", p.lidar_path,
          "File of every lidar shot; `run --lidar-truth FILE` beats it.");
-  v.rate("rate", p.period, in("Hz").above(0).at_most(1000), "Lines per second of run --truth.");
+  v.rate("rate", p.period, fields::in("Hz").above(0).at_most(1000),
+         "Lines per second of run --truth.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, StatusConfiguration& p) {
+inline void visit(fields::Visitor& v, StatusConfiguration& p) {
   v.duration("period", p.period, {50'000'000, 60'000'000'000},
              "Between two pictures of the table.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, RigConfiguration& p) {
+inline void visit(fields::Visitor& v, RigConfiguration& p) {
   v.text("name", p.name, "For people.");
   v.text("text", p.text, "One line for `rigwire list rigs`.");
-  v.integer("seed", p.seed, IntegerRule{0}, "Of every random stream: same seed, same bytes.");
-  v.utc("start", p.start, "UTC at the start of the run.");
+  v.integer("seed", p.seed, fields::IntegerRule{0},
+            "Of every random stream: same seed, same bytes.");
+  v.spelled("start", utc_spelling(p.start), "UTC at the start of the run.");
   v.duration("step", p.step, {10'000, 20'000'000}, "Of the physics.");
   v.duration("slice", p.slice, {10'000, 100'000'000}, "Computed at once; whole steps.");
   v.duration("lead", p.lead, {10'000, 1'000'000'000},

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "hil/configuration/fields.h"
+#include "fields/visitor.h"
 
 namespace rigwire::hil {
 
@@ -15,7 +15,7 @@ enum class BaudCheck {
   strict,  ///< As on a wire: a client at another speed hears garbage and is heard as garbage.
   none,    ///< Every client is understood.
 };
-inline constexpr std::array<Choice<BaudCheck>, 3> kBaudChecks{
+inline constexpr std::array<fields::Choice<BaudCheck>, 3> kBaudChecks{
     {{BaudCheck::lenient, "lenient", "At another speed than the device's, 9600 bit/s excepted."},
      {BaudCheck::strict, "strict", "At another speed than the device's, as on a wire."},
      {BaudCheck::none, "none", "Never."}}};

@@ -7,13 +7,13 @@
 
 #include "drivers/slcan_adapter.h"
 #include "emulators/can/can_bus.h"
+#include "fields/visitor.h"
 #include "hil/configuration/can_fault.h"
-#include "hil/configuration/fields.h"
 
 namespace rigwire::hil {
 
 enum class CanWire { automatic, socketcan, gs_usb, slcan };
-inline constexpr std::array<Choice<CanWire>, 4> kCanWires{
+inline constexpr std::array<fields::Choice<CanWire>, 4> kCanWires{
     {{CanWire::automatic, "auto",
       "The best that the host offers: the SocketCAN interface where it exists, else gs_usb where "
       "the rig may attach it, else slcan."},
@@ -21,15 +21,23 @@ inline constexpr std::array<Choice<CanWire>, 4> kCanWires{
      {CanWire::gs_usb, "gs_usb", "A USB adapter that the kernel makes a CAN interface of."},
      {CanWire::slcan, "slcan", "The slcan text protocol on a pty."}}};
 
-inline constexpr std::array<Choice<drivers::SlcanDialect>, 3> kSlcanDialects{
+inline constexpr std::array<fields::Choice<drivers::SlcanDialect>, 3> kSlcanDialects{
     {{drivers::SlcanDialect::automatic, "auto",
       "The kernel's while its slcan driver is attached to the pty, else LAWICEL's."},
      {drivers::SlcanDialect::kernel, "kernel", "With lines for states and errors."},
      {drivers::SlcanDialect::lawicel, "lawicel", "States and errors only when asked by F."}}};
 
-inline constexpr std::array<Choice<emulators::CanQueueOrder>, 2> kCanQueueOrders{
+}  // namespace rigwire::hil
+
+namespace rigwire::emulators {
+
+inline constexpr std::array<fields::Choice<emulators::CanQueueOrder>, 2> kCanQueueOrders{
     {{emulators::CanQueueOrder::fifo, "fifo", "As the frames came."},
      {emulators::CanQueueOrder::priority, "priority", "The most urgent identifier first."}}};
+
+}  // namespace rigwire::emulators
+
+namespace rigwire::hil {
 
 /// One CAN bus that devices share.
 struct BusConfiguration {
@@ -48,17 +56,18 @@ struct BusConfiguration {
   std::vector<CanFaultConfiguration> faults;
 };
 
-template <class Visitor>
-void visit(Visitor& v, BusConfiguration& p) {
+inline void visit(fields::Visitor& v, BusConfiguration& p) {
   v.choice("wire", p.wire, kCanWires, "What carries the frames.");
   v.text("interface", p.interface, "SocketCAN interface.");
   v.text("path", p.path, "slcan: symbolic link to the pty.");
   v.boolean("attach", p.attach,
             "gs_usb: attach the adapter to this machine's kernel where that is permitted.");
   v.choice("slcan_dialect", p.slcan_dialect, kSlcanDialects, "What a slcan client is told.");
-  v.integer("bitrate", p.bus.bit_rate_bps, IntegerRule{10'000, 1'000'000}, "bit/s.");
-  v.integer("queue", p.bus.queue_frames, IntegerRule{1, 65536}, "Frames that a node may hold.");
-  v.choice("order", p.order, kCanQueueOrders, "Which waiting frame a device sends next.");
+  v.integer("bitrate", p.bus.bit_rate_bps, fields::IntegerRule{10'000, 1'000'000}, "bit/s.");
+  v.integer("queue", p.bus.queue_frames, fields::IntegerRule{1, 65536},
+            "Frames that a node may hold.");
+  v.choice("order", p.order, emulators::kCanQueueOrders,
+           "Which waiting frame a device sends next.");
   v.boolean("one_shot", p.one_shot, "Devices try every frame once only.");
   v.boolean("restarts", p.restarts, "Controllers come back from bus-off by themselves.");
   v.duration("restart_after", p.restart_after, {0, 3'600'000'000'000},

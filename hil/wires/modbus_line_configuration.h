@@ -17,25 +17,29 @@
 
 #include "emulators/modbus/modbus_rtu_server.h"
 #include "emulators/modbus/modbus_server.h"
-#include "hil/configuration/fields.h"
+#include "fields/visitor.h"
 #include "hil/configuration/modbus_fault.h"
 #include "hil/wires/baud_check.h"
 
-namespace rigwire::hil {
+namespace rigwire::emulators {
 
-inline constexpr std::array<Choice<emulators::ModbusWire>, 2> kModbusWires{
+inline constexpr std::array<fields::Choice<emulators::ModbusWire>, 2> kModbusWires{
     {{emulators::ModbusWire::tcp, "tcp", "A TCP server."},
      {emulators::ModbusWire::rtu, "rtu", "A serial line on a pty, RTU."}}};
 
+}  // namespace rigwire::emulators
+
+namespace rigwire::hil {
+
 using protocols::modbus::SerialCharacter;
-inline constexpr std::array<Choice<SerialCharacter>, 4> kModbusParities{
+inline constexpr std::array<fields::Choice<SerialCharacter>, 4> kModbusParities{
     {{SerialCharacter::even_8e1, "even", "8E1, 11 bits; the standard's default."},
      {SerialCharacter::odd_8o1, "odd", "8O1, 11 bits."},
      {SerialCharacter::none_8n2, "none", "8N2, 11 bits."},
      {SerialCharacter::none_8n1, "none_one_stop", "8N1, 10 bits; common, not standard."}}};
 
 using emulators::DelayDistribution;
-inline constexpr std::array<Choice<DelayDistribution>, 3> kDelayDistributions{
+inline constexpr std::array<fields::Choice<DelayDistribution>, 3> kDelayDistributions{
     {{DelayDistribution::constant, "constant", "Always `typical`."},
      {DelayDistribution::uniform, "uniform", "Between `minimum` and `maximum`."},
      {DelayDistribution::normal, "normal",
@@ -66,22 +70,21 @@ struct ModbusLineConfiguration {
 }
 
 namespace detail {
-template <class Visitor>
-void visit_tcp(Visitor& v, ModbusLineConfiguration& p) {
+inline void visit_tcp(fields::Visitor& v, ModbusLineConfiguration& p) {
   v.text("address", p.address, "Where it listens.");
-  v.integer("port", p.port, IntegerRule{1, 65535}, "TCP; the standard port 502 needs privileges.");
+  v.integer("port", p.port, fields::IntegerRule{1, 65535},
+            "TCP; the standard port 502 needs privileges.");
   v.boolean("allow_remote", p.allow_remote, "Permits listening where other machines reach it.");
-  v.integer("clients_max", p.clients_max, IntegerRule{1, 1024},
+  v.integer("clients_max", p.clients_max, fields::IntegerRule{1, 1024},
             "When all places are taken, the client silent longest makes room.");
-  v.integer("transactions_max", p.transactions_max, IntegerRule{1, 16},
+  v.integer("transactions_max", p.transactions_max, fields::IntegerRule{1, 16},
             "Unanswered requests per client; more get exception 06.");
   v.duration("idle_timeout", p.idle_timeout, {0, 86'400'000'000'000},
              "Closes a client silent for this long; 0 = never, else at least 1 s.");
 }
-template <class Visitor>
-void visit_rtu(Visitor& v, ModbusLineConfiguration& p) {
+inline void visit_rtu(fields::Visitor& v, ModbusLineConfiguration& p) {
   v.text("path", p.path, "Symbolic link to the pty.");
-  v.integer("baud", p.line.timing.baud, IntegerRule{300, 1'000'000}, "bit/s.");
+  v.integer("baud", p.line.timing.baud, fields::IntegerRule{300, 1'000'000}, "bit/s.");
   v.choice("parity", p.line.timing.character, kModbusParities, "And stop bits.");
   v.boolean("strict_gaps", p.line.strict_gaps,
             "More than 1.5 characters of silence inside a request spoil it, as on a wire.");
@@ -91,18 +94,24 @@ void visit_rtu(Visitor& v, ModbusLineConfiguration& p) {
 }
 }  // namespace detail
 
-template <class Visitor>
-void visit(Visitor& v, emulators::ResponseDelaySettings& p) {
-  v.choice("distribution", p.distribution, kDelayDistributions, "How it is drawn.");
+}  // namespace rigwire::hil
+
+namespace rigwire::emulators {
+
+inline void visit(fields::Visitor& v, emulators::ResponseDelaySettings& p) {
+  v.choice("distribution", p.distribution, hil::kDelayDistributions, "How it is drawn.");
   v.duration("typical", p.typical, {0, 10'000'000'000}, "constant, normal.");
   v.duration("sigma", p.sigma, {0, 10'000'000'000}, "normal.");
   v.duration("minimum", p.minimum, {0, 10'000'000'000}, "uniform, normal.");
   v.duration("maximum", p.maximum, {0, 10'000'000'000}, "uniform, normal.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, ModbusLineConfiguration& p) {
-  v.choice("wire", p.wire, kModbusWires, "What carries it.");
+}  // namespace rigwire::emulators
+
+namespace rigwire::hil {
+
+inline void visit(fields::Visitor& v, ModbusLineConfiguration& p) {
+  v.choice("wire", p.wire, emulators::kModbusWires, "What carries it.");
   if (p.wire == emulators::ModbusWire::tcp) {
     detail::visit_tcp(v, p);
     for (const char* key :

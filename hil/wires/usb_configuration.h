@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/configuration/fields.h"
+#include "fields/visitor.h"
 #include "protocols/usbip/constants.h"
 #include "sim/samples/time.h"
 
@@ -24,18 +24,16 @@ struct UnplugConfiguration {
   Duration length = std::chrono::seconds{10};
 };
 
-template <class Visitor>
-void visit(Visitor& v, UsbConfiguration& p) {
+inline void visit(fields::Visitor& v, UsbConfiguration& p) {
   v.text("address", p.address, "Where clients attach (usbip attach -r).");
-  v.integer("port", p.port, IntegerRule{1, 65535}, "TCP.");
+  v.integer("port", p.port, fields::IntegerRule{1, 65535}, "TCP.");
   v.boolean("allow_remote", p.allow_remote, "Opt-in for addresses beyond this machine.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, UnplugConfiguration& p) {
+inline void visit(fields::Visitor& v, UnplugConfiguration& p) {
   v.required("at");
-  v.duration("at", p.at, {0, 31'536'000'000'000'000}, "From the start of the run.");
-  v.duration("for", p.length, {1'000'000, 31'536'000'000'000'000}, "How long it is out.");
+  v.duration("at", p.at, {0, fields::kYear_ns}, "From the start of the run.");
+  v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long it is out.");
 }
 
 }  // namespace rigwire::hil

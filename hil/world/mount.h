@@ -3,8 +3,7 @@
 
 #include <string>
 
-#include "hil/configuration/fields.h"
-#include "hil/configuration/units.h"
+#include "fields/visitor.h"
 #include "hil/world/shapes.h"
 #include "sim/samples/vector3.h"
 
@@ -17,10 +16,10 @@ struct MountConfiguration {
   RollPitchYaw rotation;
 };
 
-template <class Visitor>
-void visit(Visitor& v, MountConfiguration& p) {
+inline void visit(fields::Visitor& v, MountConfiguration& p) {
   v.text("link", p.link, "Link of the machine that carries it.");
-  v.vector3("position", p.position_m, in("m"), "In the link's frame: x forward, y left, z up.");
+  v.vector3("position", p.position_m, fields::in("m"),
+            "In the link's frame: x forward, y left, z up.");
   v.section("rotation", p.rotation, "Of the sensor's axes against the link's.");
 }
 

@@ -4,17 +4,16 @@
 #include <array>
 #include <string>
 
-#include "hil/configuration/fields.h"
-#include "hil/configuration/units.h"
+#include "fields/visitor.h"
 #include "sim/geoid.h"
 
 namespace rigwire::hil {
 
 enum class GeoidSource { constant, egm96 };
-inline constexpr std::array<Choice<GeoidSource>, 2> kGeoidSources{
+inline constexpr std::array<fields::Choice<GeoidSource>, 2> kGeoidSources{
     {{GeoidSource::constant, "constant", "One separation over the whole scene."},
      {GeoidSource::egm96, "egm96", "Looked up in a grid at every point."}}};
-inline constexpr std::array<Choice<sim::GeoidInterpolation>, 2> kGeoidInterpolations{
+inline constexpr std::array<fields::Choice<sim::GeoidInterpolation>, 2> kGeoidInterpolations{
     {{sim::GeoidInterpolation::bilinear, "bilinear", "As most programs do."},
      {sim::GeoidInterpolation::bicubic, "bicubic", "Nearer to the model."}}};
 
@@ -29,16 +28,15 @@ struct OriginConfiguration {
   sim::GeoidInterpolation geoid_interpolation = sim::GeoidInterpolation::bilinear;
 };
 
-template <class Visitor>
-void visit(Visitor& v, OriginConfiguration& p) {
-  v.number("latitude", p.latitude_deg, in("deg").stored_as("deg").between(-90, 90),
+inline void visit(fields::Visitor& v, OriginConfiguration& p) {
+  v.number("latitude", p.latitude_deg, fields::in("deg").stored_as("deg").between(-90, 90),
            "WGS 84, north positive.");
-  v.number("longitude", p.longitude_deg, in("deg").stored_as("deg").between(-180, 180),
+  v.number("longitude", p.longitude_deg, fields::in("deg").stored_as("deg").between(-180, 180),
            "WGS 84, east positive.");
-  v.number("height", p.height_m, in("m").between(-1000, 10000), "Above the ellipsoid.");
+  v.number("height", p.height_m, fields::in("m").between(-1000, 10000), "Above the ellipsoid.");
   v.choice("geoid", p.geoid, kGeoidSources, "Receivers report heights above it.");
   if (p.geoid == GeoidSource::constant) {
-    v.number("geoid_separation", p.geoid_separation_m, in("m").between(-120, 100),
+    v.number("geoid_separation", p.geoid_separation_m, fields::in("m").between(-120, 100),
              "Geoid above the ellipsoid.");
     v.refused("geoid_file", "the geoid is constant; a file needs `geoid: egm96`");
     v.refused("geoid_interpolation", "the geoid is constant; a grid needs `geoid: egm96`");

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hil/configuration/fields.h"
+#include "fields/visitor.h"
 #include "sim/samples/gnss_sample.h"
 
 namespace rigwire::hil {
@@ -20,7 +20,7 @@ struct SatellitesConfiguration {
 };
 
 /// Names of systems that have nominal slots.
-inline constexpr std::array<Choice<GnssSystem>, 6> kSatelliteSystems{
+inline constexpr std::array<fields::Choice<GnssSystem>, 6> kSatelliteSystems{
     {{GnssSystem::gps, "gps", "24 slots, with broadcast orbits and clocks."},
      {GnssSystem::sbas, "sbas", "Standing satellites of EGNOS, WAAS, MSAS, GAGAN."},
      {GnssSystem::galileo, "galileo", "Walker 24/3/1."},
@@ -28,8 +28,7 @@ inline constexpr std::array<Choice<GnssSystem>, 6> kSatelliteSystems{
      {GnssSystem::qzss, "qzss", "Three inclined, one standing."},
      {GnssSystem::glonass, "glonass", "Walker 24/3/1."}}};
 
-template <class Visitor>
-void visit(Visitor& v, SatellitesConfiguration& p) {
+inline void visit(fields::Visitor& v, SatellitesConfiguration& p) {
   v.file("file", p.file, "RINEX navigation file or YUMA almanac of GPS; empty = nominal slots.");
   if (p.file.empty()) {
     v.texts("systems", p.systems, "In nominal slots: gps sbas galileo beidou qzss glonass.");
@@ -42,8 +41,8 @@ void visit(Visitor& v, SatellitesConfiguration& p) {
 inline std::vector<GnssSystem> systems_of(const SatellitesConfiguration& p) {
   std::vector<GnssSystem> systems;
   for (const std::string& name : p.systems) {
-    const auto found =
-        std::ranges::find(kSatelliteSystems, std::string_view(name), &Choice<GnssSystem>::name);
+    const auto found = std::ranges::find(kSatelliteSystems, std::string_view(name),
+                                         &fields::Choice<GnssSystem>::name);
     if (found == kSatelliteSystems.end()) {
       throw std::invalid_argument("systems has \"" + name +
                                   "\", allowed gps, sbas, galileo, beidou, qzss, glonass");

@@ -7,8 +7,7 @@
 #include <string>
 #include <variant>
 
-#include "hil/configuration/fields.h"
-#include "hil/configuration/units.h"
+#include "fields/visitor.h"
 #include "sim/samples/vector3.h"
 
 namespace rigwire::hil {
@@ -23,18 +22,20 @@ struct RollPitchYaw {
 
 /// A box centred on its own origin.
 struct BoxShape {
+  static constexpr fields::Named kNamed{"box", "A box of a given size."};
+
   Vector3 size_m{1.0, 1.0, 1.0};  ///< Full lengths along its x, y, z.
 };
 
 /// Triangles from a file that assimp reads (OBJ, STL, PLY, glTF), in the file's own axes.
 struct MeshShape {
+  static constexpr fields::Named kNamed{"mesh", "Triangles from a file."};
+
   std::string file;
   double scale = 1.0;
 };
 
 using Shape = std::variant<BoxShape, MeshShape>;
-inline constexpr std::array<Alternative, 2> kShapeTypes{
-    {{"box", "A box of a given size."}, {"mesh", "Triangles from a file."}}};
 
 /// A shape with its pose in some frame and what its surface is.
 struct PlacedShape {
@@ -45,33 +46,29 @@ struct PlacedShape {
   std::string label = "object";
 };
 
-template <class Visitor>
-void visit(Visitor& v, RollPitchYaw& p) {
-  v.number("roll", p.roll_rad, in("deg").between(-360, 360), "About x, applied first.");
-  v.number("pitch", p.pitch_rad, in("deg").between(-360, 360),
+inline void visit(fields::Visitor& v, RollPitchYaw& p) {
+  v.number("roll", p.roll_rad, fields::in("deg").between(-360, 360), "About x, applied first.");
+  v.number("pitch", p.pitch_rad, fields::in("deg").between(-360, 360),
            "About y, second; nose down positive.");
-  v.number("yaw", p.yaw_rad, in("deg").between(-360, 360), "About z, last; left positive.");
+  v.number("yaw", p.yaw_rad, fields::in("deg").between(-360, 360), "About z, last; left positive.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, BoxShape& p) {
-  v.vector3("size", p.size_m, in("m").above(0).at_most(1e5), "Full lengths along x, y, z.");
+inline void visit(fields::Visitor& v, BoxShape& p) {
+  v.vector3("size", p.size_m, fields::in("m").above(0).at_most(1e5), "Full lengths along x, y, z.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, MeshShape& p) {
+inline void visit(fields::Visitor& v, MeshShape& p) {
   v.required("file");
   v.file("file", p.file, "Mesh file, relative to this file: OBJ, STL, PLY or glTF, in metres.");
-  v.number("scale", p.scale, plain().above(0).at_most(1e6), "Metres per unit of the file.");
+  v.number("scale", p.scale, fields::plain().above(0).at_most(1e6), "Metres per unit of the file.");
 }
 
-template <class Visitor>
-void visit(Visitor& v, PlacedShape& p) {
+inline void visit(fields::Visitor& v, PlacedShape& p) {
   v.required("type");
-  v.variant("type", p.shape, kShapeTypes, "box or mesh.");
-  v.vector3("position", p.position_m, in("m"), "Of the shape's origin.");
+  v.variant("type", p.shape, "box or mesh.");
+  v.vector3("position", p.position_m, fields::in("m"), "Of the shape's origin.");
   v.section("rotation", p.rotation, "Of the shape's axes.");
-  v.number("reflectance", p.reflectance, plain().between(0, 1), "Diffuse, at 905 nm.");
+  v.number("reflectance", p.reflectance, fields::plain().between(0, 1), "Diffuse, at 905 nm.");
   v.text("label", p.label, "What it is, for recordings.");
 }
 

@@ -8,6 +8,8 @@
 // hold at the shaft that the name says. SI units, rates in rad/s.
 #pragma once
 
+#include "fields/rules.h"
+
 #include <array>
 #include <numbers>
 #include <variant>
@@ -101,6 +103,8 @@ struct GearboxParameters {
 
 /// Engine, automated clutch, step gearbox.
 struct GearedParameters {
+  static constexpr fields::Named kNamed{"geared", "Automated friction clutch and step gearbox."};
+
   EngineParameters engine;
   ClutchParameters clutch;
   GearboxParameters gearbox;
@@ -128,6 +132,8 @@ struct VariatorParameters {
 /// Engine, centrifugal clutch, belt variator, range groups. Defaults: Gator XUV 855D, 17 kW read in
 /// a source, the rest estimates.
 struct CvtParameters {
+  static constexpr fields::Named kNamed{"cvt", "Centrifugal clutch, belt variator, range groups."};
+
   CvtParameters();
 
   EngineParameters engine;

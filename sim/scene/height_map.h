@@ -1,6 +1,8 @@
 // Terrain from measured heights: what a height map's file holds, laid into the scene.
 #pragma once
 
+#include "fields/rules.h"
+
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
@@ -18,6 +20,9 @@ enum class HeightMapPlace : std::uint8_t {
 };
 
 struct HeightMapTerrain {
+  static constexpr fields::Named kNamed{"height_map",
+                                        "Measured heights, from an image or a GeoTIFF."};
+
   std::string file;
   HeightMapPlace place = HeightMapPlace::centred;
   double scale = 1.0;     ///< Metres for each unit of the file.

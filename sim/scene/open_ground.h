@@ -1,6 +1,8 @@
 // Open terrain: rolling hills and level sites, by formula and noise.
 #pragma once
 
+#include "fields/rules.h"
+
 #include <cstdint>
 
 #include "sim/scene/height_field.h"
@@ -20,6 +22,8 @@ struct MeanSlope {
 /// Rolling ground: a mean slope with fractal noise (sim/scene/noise_field.h) down to waves of two
 /// cells.
 struct HillsTerrain {
+  static constexpr fields::Named kNamed{"hills", "Rolling ground."};
+
   double size_m = 240.0;  ///< Edge of the square area, its middle at (0, 0).
   double cell_m = 0.4;    ///< Distance of the nodes.
   MeanSlope slope;
@@ -30,6 +34,8 @@ struct HillsTerrain {
 
 /// A level site with an optional crossfall.
 struct LevelTerrain {
+  static constexpr fields::Named kNamed{"level", "A level site, with a crossfall if wanted."};
+
   double size_m = 240.0;
   double cell_m = 0.5;
   MeanSlope slope;

@@ -2,6 +2,8 @@
 // from the scene's map origin; the machine works at (0, 0).
 #pragma once
 
+#include "fields/rules.h"
+
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
@@ -32,6 +34,9 @@ struct Heap {
 /// The lowest level of an open pit, made by formula and noise: a flat floor bounded by a working
 /// face, above it benches with flat berms and safety windrows, and an access ramp cut to the west.
 struct PitTerrain {
+  static constexpr fields::Named kNamed{
+      "pit", "Lowest level of an open pit: floor, benches, ramp, heaps."};
+
   double size_m = 120.0;  ///< Edge of the square area, its middle at (0, 0).
   double cell_m = 0.4;    ///< Distance of the nodes.
   double floor_height_m = 0.0;

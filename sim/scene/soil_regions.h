@@ -2,6 +2,8 @@
 // painted over both.
 #pragma once
 
+#include "fields/rules.h"
+
 #include <Eigen/Core>
 #include <span>
 #include <string>
@@ -15,11 +17,15 @@
 namespace rigwire::sim {
 
 struct SoilDisc {
+  static constexpr fields::Named kNamed{"disc", "A disc."};
+
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
   double radius_m = 5.0;
 };
 
 struct SoilRectangle {
+  static constexpr fields::Named kNamed{"rectangle", "A rectangle."};
+
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d size_m{10.0, 10.0};  ///< Full lengths along its own axes.
   double yaw_rad = 0.0;                ///< Of its first axis, left from east.
@@ -27,6 +33,8 @@ struct SoilRectangle {
 
 /// A part of a track, across all of its width.
 struct SoilStretch {
+  static constexpr fields::Named kNamed{"stretch", "A part of a track."};
+
   std::string track;
   double from_m = 0.0;  ///< Along the track's line.
   double to_m = 10.0;

@@ -23,8 +23,7 @@ struct RollerFile {
   std::vector<LinkShape> shapes;
 };
 
-template <class Visitor>
-void visit(Visitor& v, RollerFile& p) {
+inline void visit(fields::Visitor& v, RollerFile& p) {
   v.text("name", p.name, "");
   v.text("text", p.text, "");
   v.text("type", p.type, "");

@@ -9,15 +9,16 @@
 #include <variant>
 #include <vector>
 
-#include "hil/configuration/fields.h"
+#include "fields/visitor.h"
 #include "hil/configuration/outline.h"
 #include "hil/configuration/reader.h"
+#include "hil/configuration/utc.h"
 
 namespace rigwire::hil {
 
 enum class Flavour { sweet, sour };
 
-inline constexpr std::array<Choice<Flavour>, 2> kFlavours{
+inline constexpr std::array<fields::Choice<Flavour>, 2> kFlavours{
     {{Flavour::sweet, "sweet", "With sugar."}, {Flavour::sour, "sour", "With lemon."}}};
 
 struct Stone {
@@ -25,50 +26,48 @@ struct Stone {
   Vector3 position_m{1.0, 2.0, 3.0};
 };
 
-template <class Visitor>
-void visit(Visitor& v, Stone& stone) {
-  v.number("size", stone.size_m, in("m").above(0), "Edge.");
-  v.vector3("position", stone.position_m, in("m"), "Centre.");
+inline void visit(fields::Visitor& v, Stone& stone) {
+  v.number("size", stone.size_m, fields::in("m").above(0), "Edge.");
+  v.vector3("position", stone.position_m, fields::in("m"), "Centre.");
 }
 
 struct Pump {
+  static constexpr fields::Named kNamed{"pump", "Moves oil."};
+
   double pressure_pa = 35e6;
   std::uint16_t port = 502;
 
-  void validate() const {
-    if (port == 13) {
+  friend void validate(const Pump& pump) {
+    if (pump.port == 13) {
       throw std::invalid_argument("port 13 brings bad luck");
     }
   }
 };
 
-template <class Visitor>
-void visit(Visitor& v, Pump& pump) {
-  v.number("pressure", pump.pressure_pa, in("MPa").between(0, 70), "Relief.");
+inline void visit(fields::Visitor& v, Pump& pump) {
+  v.number("pressure", pump.pressure_pa, fields::in("MPa").between(0, 70), "Relief.");
   v.integer("port", pump.port, {1, 65535}, "Where it listens.");
 }
 
 struct Lamp {
+  static constexpr fields::Named kNamed{"lamp", "Blinks."};
+
   Duration period = std::chrono::milliseconds(20);
 };
 
-template <class Visitor>
-void visit(Visitor& v, Lamp& lamp) {
-  v.rate("rate", lamp.period, in("Hz").above(0).at_most(1000), "Blinks.");
+inline void visit(fields::Visitor& v, Lamp& lamp) {
+  v.rate("rate", lamp.period, fields::in("Hz").above(0).at_most(1000), "Blinks.");
 }
-
-inline constexpr std::array<Alternative, 2> kGadgets{{{"pump", "Moves oil."}, {"lamp", "Blinks."}}};
 
 struct Gadget {
   bool enabled = true;
   std::variant<Pump, Lamp> settings;
 };
 
-template <class Visitor>
-void visit(Visitor& v, Gadget& gadget) {
+inline void visit(fields::Visitor& v, Gadget& gadget) {
   v.boolean("enabled", gadget.enabled, "Takes part.");
   v.required("type");
-  v.variant("type", gadget.settings, kGadgets, "What it is.");
+  v.variant("type", gadget.settings, "What it is.");
 }
 
 struct Sample {
@@ -85,15 +84,14 @@ struct Sample {
   std::map<std::string, Gadget> gadgets;
 };
 
-template <class Visitor>
-void visit(Visitor& v, Sample& sample) {
+inline void visit(fields::Visitor& v, Sample& sample) {
   v.text("name", sample.name, "Any text.");
   v.file("mesh", sample.mesh, "A file.");
-  v.number("angle", sample.angle_rad, in("deg").between(-180, 180), "An angle.");
+  v.number("angle", sample.angle_rad, fields::in("deg").between(-180, 180), "An angle.");
   v.choice("flavour", sample.flavour, kFlavours, "Taste.");
   v.duration("step", sample.step, {1000, 1'000'000'000}, "A span.");
-  v.utc("start", sample.start, "A date.");
-  v.number_list("weights", sample.weights, plain().at_least(0), "Some numbers.");
+  v.spelled("start", utc_spelling(sample.start), "A date.");
+  v.number_list("weights", sample.weights, fields::plain().at_least(0), "Some numbers.");
   v.texts("words", sample.words, "Some words.");
   v.list("stones", sample.stones, "Rocks.");
   v.section("main", sample.main, "The main pump.");

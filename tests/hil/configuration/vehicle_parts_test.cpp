@@ -20,8 +20,7 @@ struct Parts {
   sim::OdometryParameters odometry;
 };
 
-template <class Visitor>
-void visit(Visitor& v, Parts& p) {
+inline void visit(fields::Visitor& v, Parts& p) {
   v.section("driveline", p.driveline, "Engine to wheels.");
   v.section("sensors", p.sensors, "Own sensors.");
   v.section("odometry", p.odometry, "Own estimate.");

@@ -78,8 +78,17 @@ function(rigwire_test folder)
   # The tests' own code is run once: a quarter of its build time is worth more than its speed.
   target_compile_options(${folder}_tests PRIVATE ${RIGWIRE_WARNINGS} $<$<CONFIG:Release>:-O1>)
   target_include_directories(${folder}_tests PRIVATE ${PROJECT_SOURCE_DIR}/tests/support)
-  target_compile_definitions(${folder}_tests PRIVATE
-    RIGWIRE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" RIGWIRE_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  # Only where it is used: objects that do not know their place are shared by all trees of a cache.
+  set(place RIGWIRE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" RIGWIRE_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.h)
+  foreach(file ${sources} ${headers})
+    file(STRINGS ${file} uses REGEX "RIGWIRE_(SOURCE|BINARY)_DIR" LIMIT_COUNT 1)
+    if(uses AND file MATCHES "\\.h$")
+      target_compile_definitions(${folder}_tests PRIVATE ${place})
+    elseif(uses)
+      set_property(SOURCE ${file} APPEND PROPERTY COMPILE_DEFINITIONS ${place})
+    endif()
+  endforeach()
   target_link_libraries(${folder}_tests PRIVATE ${ARG_LINK} GTest::gmock_main)
   gtest_discover_tests(${folder}_tests DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300 LABELS ${folder}
     PROCESSORS ${processors})

@@ -11,6 +11,9 @@
 
 namespace rigwire::fields {
 
+/// What a visit function is given (fields/visitor.h); headers of structures need no more of it.
+class Visitor;
+
 /// Range of a whole number, both ends allowed. With a unit the file may write every unit of the
 /// dimension that makes it whole: IntegerRule{0, 65535, unit("ms")} reads 10, "10 ms", "0.01 s".
 struct IntegerRule {

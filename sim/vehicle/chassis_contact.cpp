@@ -6,6 +6,7 @@
 namespace rigwire::sim {
 namespace {
 
+/// J of a point of the body: J v = direction . (v_C + w x point).
 VelocityRow body_row(const Eigen::Vector3d& direction, const Eigen::Vector3d& point) {
   VelocityRow row;
   const Eigen::Vector3d moment = point.cross(direction);
@@ -54,6 +55,7 @@ void ChassisContact::begin(double h, const Ground& ground, const Eigen::Vector3d
         std::abs(n_W.x()) < 0.8 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
     const Eigen::Vector3d t1_W = n_W.cross(helper).normalized();
     const Eigen::Vector3d t2_W = n_W.cross(t1_W);
+    // k (d - h u) - c u, u away from the ground at the step's end, as offset - gain u.
     point.normal = {stiffness_npm_ * found->depth_m, stiffness_npm_ * h + damping_nspm_};
     point.normal_row = body_row(R_WB.transpose() * n_W, point.position_m);
     point.tangent_row = {body_row(R_WB.transpose() * t1_W, point.position_m),
@@ -61,6 +63,7 @@ void ChassisContact::begin(double h, const Ground& ground, const Eigen::Vector3d
     for (std::size_t k = 0; k < 2; ++k) {
       point.tangent[k] = point.across[k].force(bristle_, h, 0.0);
     }
+    // First guess while sliding: last step's direction at mu times this load.
     if (point.sliding && h > 0.0) {
       const double limit =
           point.friction * std::max(0.0, point.normal.at(point.normal_row.of(start)));
@@ -101,6 +104,7 @@ bool ChassisContact::changes(const Velocities& found) {
     if (!point.touching) {
       continue;
     }
+    // Unilateral contact: a corner that would pull lets go.
     const double normal = point.normal.at(point.normal_row.of(found));
     if ((normal < 0.0) != point.released) {
       point.released = normal < 0.0;
@@ -110,6 +114,7 @@ bool ChassisContact::changes(const Velocities& found) {
       continue;
     }
     const double limit = point.friction * normal;
+    // Coulomb's cone on the trial force of both bristles, clamped last.
     const double first = point.tangent[0].at(point.tangent_row[0].of(found));
     const double second = point.tangent[1].at(point.tangent_row[1].of(found));
     const double trial = std::hypot(first, second);
@@ -152,6 +157,7 @@ void ChassisContact::stage(const Ground& ground, const Eigen::Vector3d& p_WC,
       speed[k] = point.tangent_row[k].of(velocities);
       trial[k] = -(bristle_.stiffness * at[first + k] + bristle_.damping * speed[k]);
     }
+    // Coulomb's cone: one share for both directions where the trial force is beyond it.
     const double limit = point.friction * load;
     const double whole = std::hypot(trial[0], trial[1]);
     point.sliding = whole > limit;

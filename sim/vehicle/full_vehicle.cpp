@@ -37,6 +37,7 @@ constexpr const char* quantity_name(std::size_t i) {
              : (i < kWheelVelocity ? "suspension acceleration" : "wheel acceleration");
 }
 
+/// I v of a body of revolution: t v + (a - t) (axis.v) axis.
 Vector3d inertia_times(const UnsprungMass& part, const Vector3d& v) {
   return part.transverse_kgm2 * v +
          ((part.axial_kgm2 - part.transverse_kgm2) * part.axis.dot(v)) * part.axis;
@@ -61,6 +62,7 @@ void FullVehicle::add_mass(double mass_kg, const UnsprungMass& part, std::size_t
   const double mx = m * c.x();
   const double my = m * c.y();
   const double mz = m * c.z();
+  // Newton-Euler of one rigid body about C: [m 1, -m [c]x; m [c]x, I - m [c]x [c]x].
   for (std::size_t i = 0; i < 3; ++i) {
     A[i][i] += m;
   }
@@ -71,6 +73,7 @@ void FullVehicle::add_mass(double mass_kg, const UnsprungMass& part, std::size_t
   A[4][2] -= mx;
   A[5][0] -= my;
   A[5][1] += mx;
+  // Steiner: own inertia t 1 + (a - t) axis axis^T, plus m (c.c 1 - c c^T); lower triangle.
   const double t = part.transverse_kgm2;
   const double d = part.axial_kgm2 - t;
   const Vector3d& a = part.axis;
@@ -81,6 +84,7 @@ void FullVehicle::add_mass(double mass_kg, const UnsprungMass& part, std::size_t
   A[5][4] += d * a.z() * a.y() - my * c.z();
   A[5][5] += t + d * a.z() * a.z() + mx * c.x() + my * c.y();
 
+  // d'Alembert: weight less m a_bias, and minus d/dt (I w), with no coordinate accelerating.
   const Vector3d force = m * (gravity_B - part.bias_mps2);
   const Vector3d turn =
       -(inertia_times(part, part.bias_radps2) + part.rate.cross(inertia_times(part, part.rate)));
@@ -89,6 +93,7 @@ void FullVehicle::add_mass(double mass_kg, const UnsprungMass& part, std::size_t
     b[i] += h * force[static_cast<Eigen::Index>(i)];
     b[i + 3] += h * torque[static_cast<Eigen::Index>(i)];
   }
+  // The axle's two equations by virtual power (Jourdain): partial velocities J give J^T M J, J^T f.
   const std::size_t s = kBodyVelocities + 2 * axle;
   std::array<Vector3d, 2> linear;
   std::array<Vector3d, 2> angular;
@@ -111,6 +116,7 @@ void FullVehicle::add_mass(double mass_kg, const UnsprungMass& part, std::size_t
 
 void FullVehicle::add_suspension(double h, const Velocities& start) {
   for (std::size_t i = 0; i < 2; ++i) {
+    // Linearly implicit springs and dampers: h D + h^2 K on the left, h (f - h K s') on the right.
     const std::size_t s = kBodyVelocities + 2 * i;
     const Vector2d rate(start[s], start[s + 1]);
     const SuspensionForce f =
@@ -133,6 +139,7 @@ void FullVehicle::assemble(double h, const Vector3d& w_B, const Velocities& star
   const Matrix3d R_WB = state_.q_WB.toRotationMatrix();
   const Vector3d gravity_B = -parameters_.gravity_mps2 * R_WB.row(2).transpose();
 
+  // Sprung body: weight, quadratic air drag, Euler's -w x I w in its principal axes.
   const SprungBodyParameters& body = parameters_.body;
   const Vector3d& I = body.principal_inertia_kgm2;
   const Vector3d v_B(start[0], start[1], start[2]);
@@ -150,6 +157,7 @@ void FullVehicle::assemble(double h, const Vector3d& w_B, const Velocities& star
   for (std::size_t i = 0; i < kWheels; ++i) {
     const WheelFrame& frame = axles_[i / 2].wheel(i % 2);
     const double spin_inertia = wheel_terms_[i].spin_inertia_kgm2();
+    // d/dt (J spin axis) of a wheel: J spin (rate x axis) across the axle, J bias along it.
     const double bias = -h * spin_inertia * frame.axis.dot(frame.bias_radps2);
     const double spin = spin_inertia * (start[kWheelVelocity + i] + frame.axis.dot(frame.rate));
     const Vector3d gyro = -spin * frame.rate.cross(frame.axis);
@@ -201,6 +209,7 @@ void FullVehicle::inner_step(double h) {
 
 void FullVehicle::implicit_step(double h) {
   const Vector3d& w = state_.w_WB_B;
+  // Euler's equation free of torque, half a step ahead: w_mid = w - (h / 2) I^-1 (w x I w).
   half_turn_ = -0.5 * h * (whole_inertia_inverse_ * w.cross(whole_inertia_ * w));
   const Vector3d w_mid = w + half_turn_;
   update_kinematics(w_mid);
@@ -219,6 +228,7 @@ void FullVehicle::implicit_step(double h) {
   assemble(h, w_mid, start);
   add_suspension(h, start);
 
+  // (M + h sum g J^T J) dv = h (f + sum J^T F(start)), clamp last: unimog-u5023.md.
   static const SpinEquations kNoDriveline;
   Velocities change{};
   Velocities found{};
@@ -270,6 +280,7 @@ void FullVehicle::advance(double h, const Velocities& found, const Velocities& c
     acceleration_[i] = change[i] / h;
   }
   for (std::size_t i = 0; i < kWheels; ++i) {
+    // Linearly implicit Euler: suspension and wheel angles go with the velocities found.
     wheel_terms_[i].settle(h, found, wheels_[i]);
     state_.suspension_rate[i] = found[kBodyVelocities + i];
     state_.suspension[i] += h * state_.suspension_rate[i];
@@ -284,6 +295,7 @@ void FullVehicle::advance(double h, const Velocities& found, const Velocities& c
   state_.v_WC_W = state_.q_WB * Vector3d(found[0], found[1], found[2]);
   state_.p_WC += h * state_.v_WC_W;
   state_.w_WB_B = Vector3d(found[3], found[4], found[5]);
+  // Exponential map of the step's mean rate: q (cos |turn|/2, sin(|turn|/2) turn/|turn|).
   const Vector3d turn = h * (state_.w_WB_B - half_turn_);
   const double angle = turn.norm();
   const double half_sine = angle > 1e-8 ? std::sin(0.5 * angle) / angle : 0.5;

@@ -62,6 +62,7 @@ FullVehicle::FullVehicle(const WheeledVehicleParameters& parameters, const Groun
   double mass = parameters.body.mass_kg;
   Vector3d moment = Vector3d::Zero();
   const auto add = [&](double m, const Vector3d& c, const Matrix3d& own) {
+    // Steiner, from the part's centre of mass to C.
     inertia += own + m * (c.squaredNorm() * Matrix3d::Identity() - c * c.transpose());
     mass += m;
     moment += m * c;
@@ -74,6 +75,7 @@ FullVehicle::FullVehicle(const WheeledVehicleParameters& parameters, const Groun
       add(part.mass_kg, part.position_m, own);
     }
   }
+  // Steiner back, from C to the common centre of mass.
   const Vector3d c = moment / mass;
   inertia -= mass * (c.squaredNorm() * Matrix3d::Identity() - c * c.transpose());
   whole_inertia_ = inertia;
@@ -87,6 +89,7 @@ void FullVehicle::stand(const VehiclePlace& place) {
   state_.q_WB = Eigen::Quaterniond(X_WB.linear()).normalized();
   state_.p_WC = X_WB * parameters_.body.center_of_mass_m;
   if (parameters_.gravity_mps2 > 0.0) {
+    // Dynamic relaxation: the damped equations with locked brakes for 10 s, then all rates dropped.
     settling_ = true;
     const auto steps = static_cast<int>(kSettling_s / kSettlingStep_s);
     for (int i = 0; i < steps && !non_finite(); ++i) {
@@ -106,6 +109,7 @@ void FullVehicle::stand(const VehiclePlace& place) {
 void FullVehicle::start_rolling(double speed_mps) {
   state_.v_WC_W = speed_mps * (state_.q_WB * Vector3d::UnitX());
   for (std::size_t i = 0; i < kWheels; ++i) {
+    // Rolling without slip, rate = v / r at the loaded radius.
     const double radius =
         wheels_[i].radius_m > 0.0 ? wheels_[i].radius_m : axle(i / 2).tyre.unloaded_radius_m;
     state_.wheel_rate_radps[i] = speed_mps / radius;
@@ -131,10 +135,12 @@ void FullVehicle::update_links() {
   const Vector3d alpha = part_of(acceleration_, 3);
 
   const Vector3d origin = -parameters_.body.center_of_mass_m;
+  // Rigid body, from C to B's origin: v + w x r, a + alpha x r + w x (w x r).
   links_[0] =
       in_world(R_WB, Matrix3d::Identity(), state_.p_WC + R_WB * origin, v_C + w.cross(origin), w,
                a_C + alpha.cross(origin) + w.cross(w.cross(origin)), alpha);
 
+  // A part on two coordinates: partial velocities times their rates, bias = Coriolis, centripetal.
   const auto moving = [&](const Vector3d& p, const std::array<Vector3d, 2>& by_s,
                           const std::array<Vector3d, 2>& rate_by_s, const Vector3d& bias,
                           const Vector3d& bias_rate, const Vector3d& rate, std::size_t axle,
@@ -170,6 +176,7 @@ void FullVehicle::update_links() {
     const Matrix3d turned =
         frame.R_BH() *
         Eigen::AngleAxisd(state_.wheel_angle_rad[i], Vector3d::UnitY()).toRotationMatrix();
+    // Spin on a turning axle: alpha = bias + spin (rate x axis) + spin' axis.
     const Vector3d bias_rate = frame.bias_radps2 + spin * frame.rate.cross(frame.axis) +
                                acceleration_[kWheelVelocity + i] * frame.axis;
     links_[3 + i] = moving(frame.hub_m, frame.velocity_by_s, frame.rate_by_s, frame.bias_mps2,
@@ -183,6 +190,7 @@ VehicleMomentum FullVehicle::momentum() const {
   const Matrix3d R_WB = state_.q_WB.toRotationMatrix();
   const Vector3d& w = state_.w_WB_B;
   const Vector3d v_C = R_WB.transpose() * state_.v_WC_W;
+  // Per body m v, p x m v + I w, (m v.v + w.I w) / 2 (Koenig's theorems) and m g z.
   const auto add = [&](double m, const Vector3d& p_W, const Vector3d& v_B, const Vector3d& spin_B,
                        const Vector3d& rate_B) {
     const Vector3d v_W = R_WB * v_B;
@@ -214,6 +222,7 @@ VehicleMomentum FullVehicle::momentum() const {
       add(0.0, state_.p_WC, Vector3d::Zero(), inertia * rate * frame.axis, rate * frame.axis);
     }
     const VehicleAxleParameters& a = axle(i);
+    // Work against springs, bars and the static preload since the design position.
     const double s0 = state_.suspension[2 * i];
     const double s1 = state_.suspension[2 * i + 1];
     if (a.type == AxleType::beam) {

@@ -49,6 +49,7 @@ VehicleStage moved(const VehicleStage& start, double h, const VehicleStage& rate
   return end;
 }
 
+/// Exponential map: the unit quaternion of a rotation vector.
 Eigen::Quaterniond turned(const Vector3d& rotation) {
   const double angle = rotation.norm();
   const double half_sine = angle > 1e-8 ? std::sin(0.5 * angle) / angle : 0.5;
@@ -56,6 +57,7 @@ Eigen::Quaterniond turned(const Vector3d& rotation) {
           half_sine * rotation.z()};
 }
 
+/// 0 x is 0 for every finite x, and not a number for all others.
 bool all_finite(const VehicleStage& stage) {
   double sum = 0.0;
   for (const double x : stage.place) {
@@ -83,6 +85,7 @@ VehicleStage FullVehicle::start_of_stages() const {
 }
 
 void FullVehicle::put(const FullVehicleState& from, const VehicleStage& at) {
+  // Exponential coordinates about the step's start (Munthe-Kaas): attitude = start exp(rotation).
   state_.p_WC = from.p_WC + from.q_WB * part_of(at.place, 0);
   state_.q_WB = from.q_WB * turned(part_of(at.place, 3));
   state_.v_WC_W = from.q_WB * part_of(at.velocity, 0);
@@ -112,6 +115,7 @@ void FullVehicle::stage_suspension(StageForces& forces) const {
       force.damping = f.damping[own];
       forces.add(force);
     }
+    // The roll bar as its own row, k (s0 - s1), its stiffness taken out of the sides' above.
     if (f.cross_stiffness != 0.0) {  // Its force is in those of the two sides.
       force.row.value[6] = 1.0;
       force.row.value[7] = -1.0;
@@ -147,6 +151,7 @@ VehicleStage FullVehicle::rates(const FullVehicleState& from, const WheelVector&
   chassis_.stage(*ground_, state_.p_WC, R_WB, now, at.deflection, forces, rate.deflection);
   stage_suspension(forces);
 
+  // M v' = f + sum J^T F at this state: masses and velocity products with h = 1, then all forces.
   assemble(1.0, w, now);
   for (const WheelTerms& wheel : wheel_terms_) {
     base_.add(wheel.spin(), wheel.spin_inertia_kgm2(), 0.0);
@@ -162,6 +167,7 @@ VehicleStage FullVehicle::rates(const FullVehicleState& from, const WheelVector&
 
   set_part(rate.velocity, 0, R_from_now * part_of(rate.velocity, 0));
   rate.place = at.velocity;
+  // Rotation vector's rate after Bortz (1971), w + r x w / 2 + r x (r x w) / 12, to order 2 in r.
   const Vector3d turn = rotation.cross(w);
   set_part(rate.place, 3, w + 0.5 * turn + rotation.cross(turn) / 12.0);
   return rate;
@@ -170,6 +176,7 @@ VehicleStage FullVehicle::rates(const FullVehicleState& from, const WheelVector&
 VehicleStage FullVehicle::runge_kutta4(const FullVehicleState& from, const VehicleStage& start,
                                        double h) {
   const WheelVector spins(&start.velocity[kWheelVelocity]);
+  // Classical Runge-Kutta: stages at 0, h/2, h/2, h, weights 1/6, 1/3, 1/3, 1/6.
   const VehicleStage k1 = rates(from, spins, start, forces_);
   const VehicleStage k2 = rates(from, spins, moved(start, 0.5 * h, k1), later_forces_);
   const VehicleStage k3 = rates(from, spins, moved(start, 0.5 * h, k2), later_forces_);
@@ -189,6 +196,7 @@ VehicleStage FullVehicle::rosenbrock2(const FullVehicleState& from, const Vehicl
   const double g = kGamma * h;
   const WheelVector spins(&start.velocity[kWheelVelocity]);
   const SpinEquations& drive = driveline_->equations();
+  // Matrix of both stages: M + g sum gain(g) J^T J + g D of the drive line (stage_forces.h).
   const VehicleStage f1 = rates(from, spins, start, forces_);
   masses_ = base_;
   VelocitySystem shifted = base_;
@@ -197,6 +205,7 @@ VehicleStage FullVehicle::rosenbrock2(const FullVehicleState& from, const Vehicl
   }
   shifted.add_wheels(g * drive.damping, WheelVector::Zero());
 
+  // k_z = (r_z + g J k_v) / (1 + g renewal), put into M k_v = M r_v - g J^T (k k_z + c J k_v).
   const auto solve = [&](const VehicleStage& r) {
     VelocitySystem system = shifted;
     system.right = masses_.times(r.velocity);
@@ -257,6 +266,7 @@ void FullVehicle::staged_step(double h) {
     acceleration_[i] = change[i] / h;
   }
   Velocities now = end.velocity;
+  // From the body's axes at the step's start to those at its end.
   set_part(now, 0, turned(part_of(end.place, 3)).conjugate() * part_of(end.velocity, 0));
   put(from, end);
   state_.q_WB.normalize();

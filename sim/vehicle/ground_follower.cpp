@@ -47,6 +47,7 @@ GroundFollower::Plane GroundFollower::look(const Ground& ground) {
     points_[i] = ground.at(at.x(), at.y(), ceiling);
     height[i] = points_[i].height_m;
   }
+  // Plane by the means of axles and sides: its two slopes and the height at B's origin.
   const double front = 0.5 * (height[0] + height[1]);
   const double rear = 0.5 * (height[2] + height[3]);
   const double by_x = (front - rear) / (along * parameters_->wheelbase_m());
@@ -82,6 +83,7 @@ void GroundFollower::step(double h, const Ground& ground, const Vector2d& speed_
   const Plane plane = look(ground);
   const Vector3d target(plane.height_m, plane.slope.x(), plane.slope.y());
   const Vector3d target_rate(plane.slope.dot(v_W.head<2>()), 0.0, 0.0);
+  // y'' = w^2 (y_ground - y) + 2 w (y_ground' - y') by backward Euler (ground_follower.h).
   const double w2h = kFollow_radps * kFollow_radps * h;
   // The target's height is that at the end of the step already.
   follow_rate_ = (follow_rate_ + w2h * (target - follow_) + 2.0 * kFollow_radps * h * target_rate) /
@@ -89,6 +91,7 @@ void GroundFollower::step(double h, const Ground& ground, const Vector2d& speed_
   follow_ += h * follow_rate_;
 
   const Matrix3d R_new = attitude();
+  // sum of r_i x r_i(new) over the three axes is 2 sin(angle) axis: w = half of it over h.
   Vector3d rate = Vector3d::Zero();
   for (int i = 0; i < 3; ++i) {
     rate += R.col(i).cross(R_new.col(i));
@@ -137,6 +140,7 @@ void rigid_links(const WheeledVehicleParameters& parameters, const StaticLoads& 
     X_BH.translation() = wheel_centre_m(parameters, loads, i);
     X_BH.linear() = Eigen::AngleAxisd(steer_rad[i], Vector3d::UnitZ()).toRotationMatrix();
     LinkMotion link = at_mount(body, X_BH);
+    // Spin on a turning axle: alpha += spin' axis + spin (w x axis), w += spin axis.
     const Vector3d axis_W = link.X_WL.linear().col(1);
     link.alpha_WL_W += rate_radps2[i] * axis_W + rate_radps[i] * link.w_WL_W.cross(axis_W);
     link.w_WL_W += rate_radps[i] * axis_W;

@@ -23,6 +23,7 @@ Eigen::Isometry3d place_on_ground(const Ground& ground, const WheeledVehiclePara
     const double ceiling = ground.height_m(at.x(), at.y()) + axle.tyre.unloaded_radius_m;
     foot[i] = {at.x(), at.y(), ground.at(at.x(), at.y(), ceiling).height_m};
   }
+  // x through the axles' mean feet, z square to x and to the sides' mean difference.
   const Eigen::Vector3d front = 0.5 * (foot[0] + foot[1]);
   const Eigen::Vector3d rear = 0.5 * (foot[2] + foot[3]);
   const Eigen::Vector3d across = 0.5 * (foot[0] + foot[2]) - 0.5 * (foot[1] + foot[3]);

@@ -27,11 +27,13 @@ KinematicVehicle::KinematicVehicle(const WheeledVehicleParameters& parameters, c
 void KinematicVehicle::update_geometry() {
   const double front = std::tan(steering_[0].angle_rad());
   const double rear = std::tan(steering_[1].angle_rad());
+  // Two steered axles without slip: curvature (tan f - tan r) / L, sideways speed at B's origin.
   curvature_1pm_ = (front - rear) / parameters_.wheelbase_m();
   sideways_ = rear - parameters_.rear.position_x_m * curvature_1pm_;
   for (std::size_t i = 0; i < kWheels; ++i) {
     const Eigen::Vector3d centre = wheel_centre_m(parameters_, static_, i);
     const double steer = steer_rad(i / 2)[i % 2];
+    // Hub's velocity v + w x r per speed ahead, along the wheel's heading, over its radius.
     const double ahead = 1.0 - curvature_1pm_ * centre.y();
     const double left = sideways_ + curvature_1pm_ * centre.x();
     rate_per_speed_[static_cast<Eigen::Index>(i)] =
@@ -55,21 +57,26 @@ double KinematicVehicle::drive(double h) {
     brake += brake_limit_nm(i) * per_speed;
     rolling += 0.25 * pressing * tyre.rolling_resistance;
     friction += 0.25 * tyre.friction_factor * follower_.ground()[i].friction;
+    // Spin inertia reflected to the path, J (w / v)^2.
     inertia += axle(i / 2).wheel_spin_inertia_kgm2 * per_speed * per_speed;
   }
+  // Brakes hold no more than the tyres' friction; rolling resistance f N adds to it.
   const double limit = std::min(brake, friction * pressing) + rolling;
   double stiffness = 0.0;
   for (std::size_t i = 0; i < kWheels; ++i) {
     stiffness += axle(i / 2).tyre.longitudinal_stiffness_npm;
   }
+  // One bristle for all wheels along the path, c = 2 zeta sqrt(k m).
   const BristleParameters hold{stiffness, 2.0 * kHoldDampingRatio * std::sqrt(stiffness * m), 1.0};
   const ImplicitForce law = hold_.force(hold, h, 0.0);
   const double v = speed_mps_;
+  // Slope's pull and quadratic air drag.
   const double outer = -m * gravity * R_WB(2, 0) - parameters_.air_drag_ns2pm2 * std::abs(v) * v;
 
   double change = 0.0;
   double held = std::copysign(limit, -v);
   for (int pass = 1;; ++pass) {
+    // (m + h gain + g^T (I + h D) g) dv = h (F + g^T T), rates tied to the speed by g; clamp last.
     const SpinEquations& drive = driveline_->equations();
     const WheelVector& g = rate_per_speed_;
     double weight = inertia + g.dot((drive.inertia + h * drive.damping) * g);
@@ -112,6 +119,7 @@ void KinematicVehicle::inner_step(double h) {
   driveline_->begin(h, axle(0).wheel_spin_inertia_kgm2, rates);
   double found = drive(h);
   if (command_.travel_speed_mps != 0.0) {
+    // First-order lag to the commanded speed, exact over h.
     found = speed_mps_ - (command_.travel_speed_mps - speed_mps_) * std::expm1(-h / kTravelLag_s);
   }
   if (!std::isfinite(found)) {

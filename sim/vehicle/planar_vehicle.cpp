@@ -18,6 +18,7 @@ constexpr std::array<std::size_t, 3> kPlane{0, 1, 5};
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 
+/// About x: two springs at half their base, k b^2 / 2, or at half the track, and the bar.
 double roll_stiffness(const VehicleAxleParameters& axle) {
   if (axle.type == AxleType::beam) {
     return 0.5 * axle.beam.spring_npm * axle.beam.spring_base_m * axle.beam.spring_base_m +
@@ -42,6 +43,7 @@ PlanarVehicle::PlanarVehicle(const WheeledVehicleParameters& parameters, const G
                    WheelTerms(parameters.rear, 0.25 * parameters.mass_kg(), 3,
                               parameters.brake_stiffness_nmprad)} {
   const Vector3d& centre = static_.center_of_mass_m;
+  // Yaw inertia about the common centre of mass: own inertias and Steiner's terms.
   yaw_inertia_kgm2_ =
       parameters.body.principal_inertia_kgm2.z() +
       parameters.body.mass_kg * std::pow(parameters.body.center_of_mass_m.x() - centre.x(), 2);
@@ -68,11 +70,13 @@ PlanarVehicle::PlanarVehicle(const WheeledVehicleParameters& parameters, const G
 
 void PlanarVehicle::load_wheels(double h) {
   const Vector3d up_B = parameters_.gravity_mps2 * follower_.R_WB().row(2).transpose();
+  // Specific force a - g in the plane, through a first-order lag, exact over h.
   const Vector2d felt = acceleration_mps2_ + up_B.head<2>();
   transfer_mps2_ -= (felt - transfer_mps2_) * std::expm1(-h / kLoadLag_s);
   const double m = parameters_.mass_kg();
   const Vector3d& c = static_.center_of_mass_m;
   const double wheelbase = parameters_.wheelbase_m();
+  // Moments about the rear contact line: N_f L = m (f_z (x_c - x_r) - f_x z_c).
   const double front =
       m * (up_B.z() * (c.x() - parameters_.rear.position_x_m) - transfer_mps2_.x() * c.z()) /
       wheelbase;
@@ -110,6 +114,7 @@ void PlanarVehicle::inner_step(double h) {
       contact->normal_W = R_WB.col(2);
       const TyreParameters& tyre = axle(i / 2).tyre;
       contact->depth_m = load_n_[i] / wheel_terms_[i].tyre().stiffness_npm(tyre_pressure_pa(i));
+      // The load's overlap: N / k(p) of the tyre, and Bekker's rigid-wheel sinkage (soil.h).
       if (soil.soft && !ground.obstacle) {
         contact->depth_m +=
             wheel_sinkage_m(soil, load_n_[i], tyre.width_m, 2.0 * tyre.unloaded_radius_m);
@@ -121,6 +126,7 @@ void PlanarVehicle::inner_step(double h) {
 
   const double m = parameters_.mass_kg();
   const Vector3d gravity_B = -parameters_.gravity_mps2 * R_WB.row(2).transpose();
+  // Weight along the plane, quadratic air drag.
   const Vector2d force =
       m * gravity_B.head<2>() - parameters_.air_drag_ns2pm2 * velocity_mps_.norm() * velocity_mps_;
   Velocities found = start;
@@ -133,6 +139,7 @@ void PlanarVehicle::inner_step(double h) {
     const SpinEquations& drive = driveline_->equations();
     system.add_wheels(drive.inertia + h * drive.damping, h * drive.torque_nm);
 
+    // Surge, sway, yaw and four spins out of the fourteen equations of velocity_system.h.
     Matrix7d A;
     Vector7d b;
     const auto place = [](Eigen::Index i) {
@@ -151,6 +158,7 @@ void PlanarVehicle::inner_step(double h) {
     A(2, 2) += yaw_inertia_kgm2_;
     b.head<2>() += h * force;
     if (drive.coordinates < 4) {
+      // Locked differentials: congruence T^T A T, an identity row for each direction removed.
       Matrix7d T = Matrix7d::Identity();
       T.bottomRightCorner<4, 4>() = drive.basis;
       A = (T.transpose() * A * T).eval();

@@ -16,6 +16,7 @@ void SteeringActuator::command(double angle_rad) {
 
 void SteeringActuator::step(double span_s) {
   const double error = set_point_rad_ - angle_rad_;
+  // At full rate while |error| > rate x time constant, then exp(-t / time constant): exact.
   const double knee = parameters_.rate_max_radps * parameters_.time_constant_s;
   double left_s = span_s;
   double rest = std::abs(error);
@@ -32,6 +33,7 @@ void SteeringActuator::step(double span_s) {
 }
 
 std::array<double, 2> ackermann_rad(double angle_rad, double track_m, double curvature_1pm) {
+  // Ackermann: tan(wheel) = tan(angle) / (1 -+ curvature track / 2).
   const double tangent = std::tan(angle_rad);
   const double part = 0.5 * track_m * curvature_1pm;
   return {std::atan(tangent / (1.0 - part)), std::atan(tangent / (1.0 + part))};

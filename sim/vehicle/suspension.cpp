@@ -14,6 +14,7 @@ struct StopForce {
   double stiffness = 0.0;
 };
 
+/// One-sided spring: stiffness rises along the ramp (a parabola of force), constant beyond it.
 StopForce stop_force(const StopParameters& stop, double past) {
   if (past <= 0.0) {
     return {};
@@ -50,6 +51,7 @@ AxleSuspension::AxleSuspension(const VehicleAxleParameters& axle, bool front,
   const double rise = beam_ ? axle.portal_offset_m : 0.0;
   centre_m_ = Vector3d(axle.position_x_m, 0.0, wheel_height_m + rise) - center_of_mass_m;
   heave_per_rad_ = front ? -axle.beam.tube_length_m : axle.beam.tube_length_m;
+  // The push tube's ball: the axle swings about it in heave.
   pivot_m_ = centre_m_ + Vector3d(heave_per_rad_, 0.0, axle.beam.tube_rise_m);
   const std::array<Vector3d, 2> zero{Vector3d::Zero(), Vector3d::Zero()};
   for (UnsprungMass& mass : masses_) {
@@ -95,6 +97,7 @@ void AxleSuspension::update_beam(const Vector2d& s, const Vector2d& s_rate, cons
   const Vector3d up(sp, 0.0, cp);  // Of the tube, not rolled.
   const double rise = axle_.beam.roll_centre_rise_m;
 
+  // Roll centre on its arc about the pivot (straight up where guided), axle centre below it.
   const Vector3d& pivot = pivot_m_;
   const Vector3d arm = -heave_per_rad_ * tube + (rise - axle_.beam.tube_rise_m) * up;
   const Vector3d roll_centre =
@@ -103,6 +106,7 @@ void AxleSuspension::update_beam(const Vector2d& s, const Vector2d& s_rate, cons
   axle.position_m = roll_centre + from_roll_centre;
   axle.axis = axle.R_BA.col(1);
 
+  // Partial velocities: heave turns all about the pivot, roll about the tube at the roll centre.
   const Vector3d pitch_by_s(0.0, per_heave, 0.0);
   axle.rate_by_s = {pitch_by_s, tube};
   const auto by_heave = [&](const Vector3d& point) -> Vector3d {
@@ -113,6 +117,7 @@ void AxleSuspension::update_beam(const Vector2d& s, const Vector2d& s_rate, cons
   };
   axle.velocity_by_s = {by_heave(axle.position_m), tube.cross(from_roll_centre)};
 
+  // Rates add up body, tube, roll; biases are their derivatives with no rate changing: w x rate.
   const Vector3d tube_turn = s_rate[0] * pitch_by_s;
   const Vector3d tube_rate = w_B + tube_turn;
   const Vector3d roll = s_rate[1] * tube;
@@ -126,12 +131,14 @@ void AxleSuspension::update_beam(const Vector2d& s, const Vector2d& s_rate, cons
     bias =
         w_B.cross(w_B.cross(pivot)) + tube_bias.cross(arm) + tube_rate.cross(tube_rate.cross(arm));
   }
+  // Rigid arm: a = a_0 + alpha x r + w x (w x r).
   axle.bias_mps2 = bias + axle.bias_radps2.cross(from_roll_centre) +
                    axle.rate.cross(axle.rate.cross(from_roll_centre));
 
   for (std::size_t side = 0; side < 2; ++side) {
     WheelFrame& wheel = wheels_[side];
     const double left = side == 0 ? 0.5 : -0.5;
+    // Hub: half the track out, the portal's offset down; its axis turned by the steering angle.
     const Vector3d out =
         left * axle_.track_m * axle.axis - axle_.portal_offset_m * axle.R_BA.col(2);
     wheel.hub_m = axle.position_m + out;
@@ -159,12 +166,14 @@ void AxleSuspension::update_independent(const Vector2d& s, const Vector2d& s_rat
     const auto i = static_cast<Eigen::Index>(side);
     const double left = side == 0 ? 1.0 : -1.0;
     WheelFrame& wheel = wheels_[side];
+    // Straight vertical travel; camber and toe go in proportion to it.
     wheel.hub_m = centre_m_ + Vector3d(0.0, 0.5 * left * axle_.track_m, s[i]);
     const double camber = left * p.camber_gain_radpm * s[i];
     const double angle = steer_rad[side] - left * p.toe_gain_radpm * s[i];
     wheel.axis = Vector3d(-std::sin(angle), std::cos(angle), -camber).normalized();
     wheel.velocity_by_s[side] = Vector3d::UnitZ();
     wheel.rate = w_B;
+    // Centripetal and Coriolis acceleration: w x (w x r) + 2 s' (w x e_z).
     wheel.bias_mps2 =
         w_B.cross(w_B.cross(wheel.hub_m)) + 2.0 * s_rate[i] * w_B.cross(Vector3d::UnitZ());
 
@@ -181,6 +190,7 @@ SuspensionForce AxleSuspension::force(const Vector2d& s, const Vector2d& s_rate)
   SuspensionForce result;
   if (beam_) {
     const BeamAxleParameters& p = axle_.beam;
+    // Two springs at half the base: 2 k in heave, 2 k (b / 2)^2 = k b^2 / 2 in roll, plus the bar.
     const double base2 = 0.5 * p.spring_base_m * p.spring_base_m;
     const StopForce heave = stops(p.bump_stop, s[0], -p.rebound_travel_m, p.bump_travel_m);
     const StopForce roll =
@@ -195,6 +205,7 @@ SuspensionForce AxleSuspension::force(const Vector2d& s, const Vector2d& s_rate)
   const IndependentAxleParameters& p = axle_.independent;
   result.cross_stiffness = -p.roll_bar_npm;
   for (Eigen::Index i = 0; i < 2; ++i) {
+    // Own spring, damper, stop and half the preload; the bar pulls by k_bar (s_own - s_other).
     const StopForce stop = stops(p.bump_stop, s[i], -p.rebound_travel_m, p.bump_travel_m);
     result.damping[i] = p.damper_nspm;
     result.stiffness[i] = p.spring_npm + p.roll_bar_npm + stop.stiffness;

@@ -140,6 +140,7 @@ Velocities VelocitySystem::solve(const WheelMatrix& basis, int coordinates) {
       }
       force[i] = right[row];
     }
+    // Congruence with T = basis: T^T A T and T^T b, locked directions out.
     const Eigen::Matrix<double, 4, 10> new_side = basis.transpose() * side;
     const WheelMatrix new_block = basis.transpose() * block * basis;
     const WheelVector new_force = basis.transpose() * force;
@@ -157,6 +158,7 @@ Velocities VelocitySystem::solve(const WheelMatrix& basis, int coordinates) {
     }
   }
 
+  // A = U D U^T from the last unknown up, x = D^-1 U^-1 b on the way; then U^T forwards.
   Velocities x = right;
   eliminate_all(matrix, x, std::make_index_sequence<kVelocities>());
   for (std::size_t i = 1; i < kVelocities; ++i) {

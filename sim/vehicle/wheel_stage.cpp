@@ -41,6 +41,7 @@ void WheelTerms::stage(const WheelFrame& frame, const Eigen::Matrix3d& R_WB,
   begin(0.0, frame, R_WB, contact, soil, pressure_pa, brake_limit_nm, velocities);
 
   if (brake_limit_nm > 0.0) {
+    // Brake: a bristle in the rate against the carrier, at most the brake's torque.
     VelocityRow row;
     row.axle = spin_.axle;
     row.wheel = wheel_;
@@ -56,6 +57,7 @@ void WheelTerms::stage(const WheelFrame& frame, const Eigen::Matrix3d& R_WB,
   if (!laws_.touching) {
     return;
   }
+  // Normal force k d + c d' at this state; unilateral.
   const double load = laws_.normal.at(normal_.of(velocities));
   lifted_ = load < 0.0;
   if (lifted_) {
@@ -63,6 +65,7 @@ void WheelTerms::stage(const WheelFrame& frame, const Eigen::Matrix3d& R_WB,
   }
   forces.add({normal_, load, laws_.vertical_stiffness_npm, laws_.normal.gain, 0.0,
               DeflectionOf::place, 0});
+  // Friction circle: both bristles' trial force scaled by one share where it is beyond the limit.
   const BristleLaw along = bristle_law(laws_.along, laws_.rolling_speed_mps);
   const BristleLaw across = bristle_law(laws_.across, laws_.rolling_speed_mps);
   const double u_along = along_.of(velocities);
@@ -79,6 +82,7 @@ void WheelTerms::stage(const WheelFrame& frame, const Eigen::Matrix3d& R_WB,
       add_bristle(across_, across, at[first + 1], u_across, share, first + 1, forces);
 
   const double rate = spin_.of(velocities);
+  // Rolling resistance: a bristle in the absolute rate, at most f r N.
   const BristleLaw turning = bristle_law(laws_.turning, 0.0);
   const double trial_nm = -(turning.stiffness * at[first + 2] + turning.damping * rate);
   const double turning_share = share_within(trial_nm, laws_.rolling_arm_m * load);

@@ -61,6 +61,7 @@ void WheelTerms::begin(double h, const WheelFrame& frame, const Eigen::Matrix3d&
                        const std::optional<WheelContact>& contact, const SoilParameters& soil,
                        double pressure_pa, double brake_limit_nm, const Velocities& start) {
   const Vector3d& axis = frame.axis;
+  // Row of the absolute spin: axis . (body's and carrier's rates) + rate against the axle.
   set(spin_, Vector3d::Zero(), axis, axis.dot(frame.rate_by_s[0]), axis.dot(frame.rate_by_s[1]),
       1.0);
   brake_limit_nm_ = brake_limit_nm;
@@ -73,6 +74,7 @@ void WheelTerms::begin(double h, const WheelFrame& frame, const Eigen::Matrix3d&
     brake_held_ = false;
   }
 
+  // Contact axes: forward = axis x normal, its length the sine between them; left = n x forward.
   Vector3d normal = Vector3d::UnitZ();
   Vector3d forward = Vector3d::UnitX();
   double crossing = 0.0;
@@ -97,6 +99,7 @@ void WheelTerms::begin(double h, const WheelFrame& frame, const Eigen::Matrix3d&
   lifted_ = false;
   forward /= crossing;
   const Vector3d left = normal.cross(forward);
+  // Rows of the contact point: v + w x r by body and carrier, J of velocity_system.h.
   const Vector3d arm = -laws_.rolling_radius_m * forward.cross(axis);
   const Vector3d point = frame.hub_m + arm;
   const Vector3d first = frame.velocity_by_s[0] + frame.rate_by_s[0].cross(arm);
@@ -116,18 +119,21 @@ void WheelTerms::begin(double h, const WheelFrame& frame, const Eigen::Matrix3d&
     laws_.rolling.offset *= load / laws_.normal.offset;
     laws_.rolling.gain *= load / laws_.normal.offset;
   }
+  // First guess of a sliding tyre: last step's direction at this load's limit.
   if (sliding_) {
     const double held = length(along_n_, across_n_);
     const double scale = held > 0.0 ? laws_.limit_n(load) / held : 0.0;
     along_n_ *= scale;
     across_n_ *= scale;
   }
+  // First guess of the held rolling moment, f r N.
   rolling_nm_ = std::copysign(laws_.rolling_arm_m * load, rolling_nm_);
 }
 
 void WheelTerms::add(double h, const Velocities& start, VelocitySystem& system) const {
   double weight = spin_inertia_kgm2_;
   double impulse = 0.0;
+  // h gain J^T J to the matrix, h F(start) J^T to the right; held forces to the right only.
   if (laws_.touching && !lifted_) {
     system.add_without_wheel(normal_, h * laws_.normal.gain,
                              h * laws_.normal.at(normal_.of(start)));
@@ -167,6 +173,7 @@ bool WheelTerms::changes(const Velocities& found) {
   if (!laws_.touching) {
     return changed;
   }
+  // Unilateral contact: one that would pull lets go.
   const double load = laws_.normal.at(normal_.of(found));
   if ((load < 0.0) != lifted_) {
     lifted_ = load < 0.0;
@@ -175,6 +182,7 @@ bool WheelTerms::changes(const Velocities& found) {
   if (lifted_) {
     return changed;
   }
+  // Rolling resistance at most f r N; as a secant it is at its limit already.
   const double rolling = laws_.rolling.at(spin_.of(found));
   const double rolling_limit = laws_.rolling_arm_m * load;
   const bool at_limit = laws_.turning_yields && !rolling_held_ &&
@@ -183,6 +191,7 @@ bool WheelTerms::changes(const Velocities& found) {
     changed =
         hold(rolling, rolling_limit, kRollingTolerance, rolling_held_, rolling_nm_) || changed;
   }
+  // Friction circle on the trial force: beyond mu N + c A it is held there, in its own direction.
   const double along = laws_.longitudinal.at(along_.of(found));
   const double across = laws_.lateral.at(across_.of(found));
   const double trial = length(along, across);
@@ -234,6 +243,7 @@ void WheelTerms::settle(double h, const Velocities& found, WheelState& state) {
     result.lateral_n = sliding_ ? across_n_ : laws_.lateral.at(result.lateral_slide_mps);
     result.rolling_nm = rolling_held_ ? rolling_nm_ : laws_.rolling.at(result.wheel_rate_radps);
   }
+  // Bristles end the step by z' = u - |V| z / sigma, or yield to z = -F / k (bristle.h).
   tyre_.settle(h, laws_, result);
   state.touching = !lifted_;
   state.longitudinal_n = result.longitudinal_n;

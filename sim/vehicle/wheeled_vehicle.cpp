@@ -81,6 +81,7 @@ void WheeledVehicle::update_dust() {
   for (std::size_t i = 0; i < kWheels; ++i) {
     const LinkMotion& wheel = links_[kWheeledLinks.size() - kWheels + i];
     const double radius_m = static_.wheel_height_m[i / 2];
+    // Road dust by the greater of surface speed and travel speed, shared by load (dust_emitter.h).
     const double speed_mps =
         std::max(std::abs(wheels_[i].rate_radps) * radius_m, wheel.v_WL_W.head<2>().norm());
     dust_[i] = rolling_dust(road_dust_kgpm_,
@@ -98,6 +99,7 @@ void WheeledVehicle::step_actuators(double h) {
   }
   const TyrePressureParameters& p = parameters_.tyre_pressure;
   for (std::size_t i = 0; i < kWheels; ++i) {
+    // First-order lag, exact over h; own time constants for inflating and deflating.
     const double error = pressure_target_pa_[i] - pressure_pa_[i];
     if (error != 0.0) {
       const double lag = error > 0.0 ? p.inflate_time_constant_s : p.deflate_time_constant_s;
@@ -113,6 +115,7 @@ void WheeledVehicle::update_steering() {
     steer_rad_ = {};
     return;
   }
+  // Path curvature of the two equivalent wheels, then Ackermann's geometry per axle (steering.h).
   const double curvature = (std::tan(front) - std::tan(rear)) / parameters_.wheelbase_m();
   steer_rad_[0] = ackermann_rad(front, parameters_.front.track_m, curvature);
   steer_rad_[1] = ackermann_rad(rear, parameters_.rear.track_m, curvature);
@@ -190,6 +193,7 @@ void WheeledVehicle::read_status(std::span<double> values) const {
   values[1] = sample.engine_speed_radps * 30.0 / std::numbers::pi;
   values[2] = sample.gear;
   values[3] = steering_[0].angle_rad() / kDegree;
+  // Pitch, x above the horizon, and roll about x: of the rotation z-y-x.
   values[4] = std::asin(std::clamp(R(2, 0), -1.0, 1.0)) / kDegree;
   values[5] = std::atan2(R(2, 1), R(2, 2)) / kDegree;
   double least = wheels_[0].load_n;

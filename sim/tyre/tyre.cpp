@@ -63,6 +63,7 @@ void validate(const TyreParameters& p, const char* where) {
 
 double rhyne_stiffness_npm(double pressure_pa, double width_m, double aspect_ratio,
                            double rim_diameter_m) {
+  // Rhyne 2005, mm: kg/mm = 0.00028 p[kPa] sqrt((1.03 - 0.004 AR) w (w AR / 50 + D)) + 3.45.
   const double width_mm = 1e3 * width_m;
   const double round = (1.03 - 0.004 * aspect_ratio) * width_mm *
                        (width_mm * aspect_ratio / 50.0 + 1e3 * rim_diameter_m);
@@ -88,6 +89,7 @@ TyreSpring Tyre::spring(double overlap_m, const SoilParameters* soft, double pre
   const TyreParameters& p = parameters_;
   const double k = stiffness_npm(pressure_pa);
   const double to_rim = p.unloaded_radius_m - p.rim_radius_m;
+  // Linear k(p) d; past the rim a second spring of bottoming_factor k(p) beside it.
   const auto on_hard = [&](double deflection) {
     const double beyond = std::max(0.0, deflection - to_rim);
     const double slope = k * (1.0 + (beyond > 0.0 ? p.bottoming_factor : 0.0));
@@ -127,6 +129,7 @@ TyreSpring Tyre::spring(double overlap_m, const SoilParameters* soft, double pre
   tyre.sinkage_m = z;
   if (!flattened) {
     const double soil_slope = exponent * soil_load / std::max(z, 1e-12);
+    // Slope of two springs in a row, k1 k2 / (k1 + k2).
     tyre.slope_npm *= soil_slope / (soil_slope + tyre.slope_npm);
   }
   return tyre;
@@ -154,6 +157,7 @@ TyreLaws Tyre::laws(double h, const std::optional<WheelContact>& contact,
   laws.vertical_stiffness_npm = vertical.slope_npm;
   laws.sinkage_m = vertical.sinkage_m;
   laws.rolling_speed_mps = std::abs(rolling_speed_mps);
+  // F = k(p) d + c d', linear in the centre's speed away from the ground at the step's end.
   const double damped = std::min(1.0, load / (kDampedShare * p.reference_load_n));
   laws.normal = {load, vertical.slope_npm * h + damped * p.vertical_damping_nspm};
   laws.rolling_radius_m = std::max(p.unloaded_radius_m - deflection, 0.5 * p.rim_radius_m);
@@ -169,6 +173,7 @@ TyreLaws Tyre::laws(double h, const std::optional<WheelContact>& contact,
   if (soft != nullptr) {
     const double area = contact_area_m2(deflection);
     const double length = area / p.width_m;
+    // Mohr-Coulomb's A c + W tan(phi), where that is less than the surface's own friction.
     const double carried = area * soft->cohesion_pa + load * std::tan(soft->internal_friction_rad);
     if (carried < laws.friction * load) {
       laws.friction = std::tan(soft->internal_friction_rad);
@@ -181,11 +186,14 @@ TyreLaws Tyre::laws(double h, const std::optional<WheelContact>& contact,
         slip / (shear_limit * std::max(shear_share(*soft, slip, length), 1e-12));
     slip_stiffness = 1.0 / (1.0 / slip_stiffness + yielding);
     cornering_stiffness = 1.0 / (1.0 / cornering_stiffness + yielding);
+    // Janosi's initial slope, limit / K, in a row with the bristles.
     const double shearing = soft->shear_modulus_m / shear_limit;
     laws.along.stiffness = 1.0 / (1.0 / laws.along.stiffness + shearing);
     laws.across.stiffness = 1.0 / (1.0 / laws.across.stiffness + shearing);
+    // Bekker's work of pressing the rut, per metre (soil.h).
     compaction_n = compaction_resistance_n(*soft, vertical.sinkage_m, p.width_m);
   }
+  // sigma = slip stiffness / bristle stiffness (bristle.h); damping c = 2 zeta sqrt(k m).
   laws.along.relaxation_length = slip_stiffness / laws.along.stiffness;
   laws.across.relaxation_length = cornering_stiffness / laws.across.stiffness;
   const auto damping = [&](double stiffness, double inertia) {
@@ -200,6 +208,7 @@ TyreLaws Tyre::laws(double h, const std::optional<WheelContact>& contact,
   const double resistance =
       p.rolling_resistance * (1.0 - p.rolling_pressure_share +
                               p.rolling_pressure_share * p.reference_pressure_pa / pressure);
+  // Moment f R N with f = f0 (1 - share + share p0 / p); compaction adds R_c R to it.
   laws.rolling_arm_m = resistance * laws.rolling_radius_m;
   if (load > 0.0) {
     laws.rolling_arm_m += compaction_n * laws.rolling_radius_m / load;
@@ -238,6 +247,7 @@ void Tyre::settle(double h, const TyreLaws& laws, const TyreResult& result) {
     turning_.slide(laws.turning, h, 0.0, result.wheel_rate_radps);
   }
   last_rate_radps_ = result.wheel_rate_radps;
+  // Slip for the next step's secant: sliding over rolling speed, capped.
   const double sliding = std::sqrt(result.longitudinal_slide_mps * result.longitudinal_slide_mps +
                                    result.lateral_slide_mps * result.lateral_slide_mps);
   constexpr double kGreatestSlip = 10.0;
@@ -255,6 +265,7 @@ void Tyre::set_deflections(const TyreDeflections& deflections) {
 
 double Tyre::contact_area_m2(double deflection_m) const {
   const TyreParameters& p = parameters_;
+  // Chord of the flattened circle, 2 sqrt(d (2 R - d)), times width; at most load / pressure.
   const double chord =
       2.0 * std::sqrt(std::max(0.0, deflection_m * (2.0 * p.unloaded_radius_m - deflection_m)));
   const double whole = chord * p.width_m;

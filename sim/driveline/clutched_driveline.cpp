@@ -49,6 +49,7 @@ void ClutchedDriveline::begin(double h, double wheel_inertia_kgm2, WheelVector& 
     return;
   }
   const double axle = axles_.ratio();
+  // Inertia seen by the wheels, i^2 J s s^T: output shaft, and the engine while the clutch sticks.
   double reflected = axles_.output_inertia_kgm2 * axle * axle;
   if (engine_.sticks()) {
     reflected += engine_.inertia_kgm2() * overall_ratio() * overall_ratio();
@@ -57,6 +58,7 @@ void ClutchedDriveline::begin(double h, double wheel_inertia_kgm2, WheelVector& 
       WheelMatrix::Identity() * wheel_inertia_kgm2 + reflected * share_matrix_;
   const WheelVector before = rates;
   if (locks_.advance(h, inertia, rates)) {
+    // Plastic impact: the kinetic energy that engaging locks take.
     lock_heat_j_ += 0.5 * (before.dot(inertia * before) - rates.dot(inertia * rates));
     engine_.follow(transmission_.ratio * output_radps(rates));
   }
@@ -73,6 +75,7 @@ void ClutchedDriveline::make_equations() {
   const double ratio = overall_ratio();
   const ShaftEquations& shaft = engine_.equations();
   const double drag = axles_.output_drag_nmsprad;
+  // Equal powers across the ratio i with shares s: torque i T s, inertia and damping i^2 s s^T.
   equations_.inertia =
       (axles_.output_inertia_kgm2 * axle * axle + shaft.inertia_kgm2 * ratio * ratio) *
       share_matrix_;
@@ -96,6 +99,7 @@ void ClutchedDriveline::finish(double h, const WheelVector& rates) {
   }
   const double output = output_radps(rates);
   engine_.finish(h, transmission_.ratio * output);
+  // Drag at the end's speed times the step's mean speed: closes the energy balance of the step.
   drag_heat_j_ += h * axles_.output_drag_nmsprad * output * 0.5 * (output + output_radps_);
   output_radps_ = output;
 }
@@ -114,6 +118,7 @@ void ClutchedDriveline::read(VehicleSample& sample) const {
   sample.driveline_engaged = engine_.sticks();
   sample.input_shaft_radps = input;
   sample.output_shaft_radps = output_radps_;
+  // Slip: |engine - input| over the faster of the two.
   sample.clutch_slip_share =
       std::clamp(std::abs(engine - input) / std::max({engine, std::abs(input), 1e-3}), 0.0, 1.0);
   sample.lock = locks_.engaged();

@@ -8,6 +8,7 @@ namespace rigwire::sim {
 ClutchedEngine::ClutchedEngine(const EngineParameters& engine, const ClutchParameters& clutch)
     : engine_(engine), clutch_(clutch), speed_radps_(engine.idle_radps) {}
 
+/// Clutch capacity's share 0 .. 1, linear between open and full engagement speed.
 double ClutchedEngine::law(double speed_radps) const {
   return std::clamp((speed_radps - clutch_.open_radps) / (clutch_.full_radps - clutch_.open_radps),
                     0.0, 1.0);
@@ -40,6 +41,7 @@ void ClutchedEngine::begin(double h, const EngineDemand& demand, double capacity
 void ClutchedEngine::set_stick(double h) {
   mode_ = Mode::stick;
   const double inertia = inertia_kgm2();
+  // Engine and input shaft as one: T - d (w' - w) - J (w' - w) / h about the input's speed.
   const double lead = input_radps_ - speed_radps_;
   equations_ = {torque_.torque_nm - (torque_.damping_nmsprad + inertia / h) * lead,
                 torque_.damping_nmsprad, inertia};
@@ -66,6 +68,7 @@ void ClutchedEngine::set_slip(double h, double direction) {
     } else if (coupled_) {
       clutch_nm = -capacity_at(speed_radps_, input_radps_);
     }
+    // Backward Euler of the slipping engine: (J / h + d) (w' - w) = T - T_clutch.
     next_radps_ = speed_radps_ + (torque_.torque_nm - clutch_nm) / left;
     if (!hold_engine_limits(next_radps_)) {
       break;
@@ -113,6 +116,7 @@ bool ClutchedEngine::accept(double h, double input_radps) {
     set_stick(h);
     return false;
   }
+  // Sticking holds while the torque through the clutch is within its capacity (clamp last).
   const double change = input_radps - input_radps_;
   const double clutch_nm =
       equations_.torque_nm - (equations_.damping_nmsprad + equations_.inertia_kgm2 / h) * change;
@@ -139,6 +143,7 @@ void ClutchedEngine::finish(double h, double input_radps) {
     clutch_torque_nm_ = 0.0;
   }
   torque_nm_ = torque_.torque_nm - torque_.damping_nmsprad * (next - speed_radps_);
+  // Work and heat at the step's mean speeds: with them the energy balance closes to rounding.
   const double mean = 0.5 * (speed_radps_ + next);
   work_j_ += h * torque_nm_ * mean;
   clutch_heat_j_ += h * clutch_torque_nm_ * (mean - 0.5 * (input_radps_ + input_radps));

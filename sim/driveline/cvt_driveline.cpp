@@ -42,6 +42,7 @@ void CvtDriveline::advance(double h, double output_radps, Transmission& transmis
     gear_ = target_;
   }
 
+  // Flyweights: log ratio linear in engine speed, behind a first-order lag exact over h.
   const double launch = std::log(variator_.launch_ratio);
   const double top = std::log(variator_.top_ratio);
   const double way = std::clamp((engine().speed_radps() - variator_.shift_from_radps) /

@@ -52,12 +52,14 @@ void Engine::advance(double h, double speed_radps, const EngineDemand& demand) {
     const bool at_limit = !taken_over && ((error > 0.0 && now.torque_nm >= now.greatest_nm) ||
                                           (error < 0.0 && now.torque_nm <= now.least_nm));
     if (!at_limit) {
+      // PI governor, T = k (e + integral of e / T_i); no integration against a torque limit.
       integral_nm_ += h * parameters_.governor_nmsprad / parameters_.governor_integral_s * error;
       integral_nm_ = std::clamp(integral_nm_, -reference_torque_nm_, reference_torque_nm_);
     }
   }
   demand_ = demand;
   if (parameters_.torque_lag_s > 0.0) {
+    // First-order lag of the torque, exact over h.
     lagged_share_ +=
         (demand.torque_share - lagged_share_) * -std::expm1(-h / parameters_.torque_lag_s);
   } else {
@@ -70,6 +72,7 @@ EngineTorque Engine::torque(double speed_radps) const {
   const Line least{-friction_nm(speed_radps), -p.drag_nmsprad};
   Line greatest = interpolate(p.full_load, speed_radps);
   if (speed_radps > p.maximum_radps) {
+    // Cut-off: full load runs linearly down to friction between maximum and cut-off speed.
     const double span = p.cut_off_radps - p.maximum_radps;
     const double left = std::clamp((p.cut_off_radps - speed_radps) / span, 0.0, 1.0);
     const double slope = left > 0.0 ? -(greatest.value - least.value) / span : 0.0;
@@ -81,6 +84,7 @@ EngineTorque Engine::torque(double speed_radps) const {
     greatest.slope *= demand_.limit_share;
   }
 
+  // Proportional plus integral about the set speed, or the lagged share between the two limits.
   Line wanted;
   if (demand_.control == EngineControl::speed) {
     wanted = {p.governor_nmsprad * (demand_.speed_radps - speed_radps) + integral_nm_,
@@ -89,6 +93,7 @@ EngineTorque Engine::torque(double speed_radps) const {
     wanted = {least.value + lagged_share_ * (greatest.value - least.value),
               least.slope + lagged_share_ * (greatest.slope - least.slope)};
   }
+  // Idle governor: proportional below idle, whichever torque is greater.
   const double idle_nm = p.governor_nmsprad * (p.idle_radps - speed_radps);
   if (idle_nm > wanted.value) {
     wanted = {idle_nm, -p.governor_nmsprad};

@@ -45,6 +45,7 @@ void GearedDriveline::request(const VehicleCommand& command) {
 bool GearedDriveline::permitted(double output_radps) const {
   const GearSelection& target = shift_.target();
   const EngineParameters& engine = this->engine().engine().parameters();
+  // The new gear may turn the engine up to its maximum, or backwards up to idle.
   const double input = gear_ratio(target) * output_radps;
   const bool group_may_change = target.crawler_group == shift_.engaged().crawler_group ||
                                 std::abs(output_radps) < gearbox_.group_change_radps * axle_ratio();
@@ -63,6 +64,7 @@ void GearedDriveline::advance(double h, double output_radps, Transmission& trans
   transmission.demand = driver_demand();
   if (shift_.synchronising() && shift_.target().gear != 0) {
     const EngineParameters& engine = this->engine().engine().parameters();
+    // Synchronising: the engine governed to the speed that the new gear will give it.
     transmission.demand.control = EngineControl::speed;
     transmission.demand.speed_radps = std::clamp(gear_ratio(shift_.target()) * output_radps,
                                                  engine.idle_radps, engine.maximum_radps);

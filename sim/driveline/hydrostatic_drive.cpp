@@ -67,6 +67,7 @@ void HydrostaticDrive::begin(double h) {
   mean_set_point_mps_ = mean;
   set_point_mps_ = after;
 
+  // Droop: the governed speed falls by droop x load share; then the engine's lag.
   const double governor = governor_radps();
   const double load = std::clamp(pump_torque_nm() / p.engine_torque_nm, -1.0, 1.0) * p.engine_droop;
   engine_speed_radps_ =
@@ -93,6 +94,7 @@ void HydrostaticDrive::begin(double h) {
   for (std::size_t i = 0; i < circuits(); ++i) {
     HydrostaticCircuit& circuit = circuits_[i];
     const double flow = share * (pump_flow_m3ps_ + slope * pressure);
+    // C dp/dt = Q - leak p - D w by backward Euler: p = offset - gain (D w at the step's end).
     const double scale = 1.0 / (1.0 + h * share * (p.leakage_m3pspa + slope) / capacity);
     circuit.law.offset = (pressure_pa_[i] + h * flow / capacity) * scale;
     circuit.law.gain = h / capacity * scale;
@@ -126,6 +128,7 @@ double HydrostaticDrive::governor_radps() const {
 // down from a higher speed gets less of it.
 double HydrostaticDrive::asked_swash(double set_point_mps, double engine_radps) const {
   const HydrostaticDriveParameters& p = parameters_;
+  // Flow that moves both drums' surface at the set point, 2 D v / R, over the pump's full flow.
   const double asked_flow = 2.0 * p.motor_displacement_m3prad * set_point_mps / radius_m_;
   const double asked =
       asked_flow / (std::max(governor_radps(), engine_radps) * p.pump_displacement_m3prad);
@@ -133,6 +136,7 @@ double HydrostaticDrive::asked_swash(double set_point_mps, double engine_radps) 
 }
 
 double HydrostaticDrive::allowed_swash(double swash, double pressure_pa) const {
+  // Hyperbola of constant torque, D alpha p <= T_max.
   const double full = parameters_.pump_displacement_m3prad * swash * pressure_pa;
   return full > parameters_.engine_torque_nm ? swash * parameters_.engine_torque_nm / full : swash;
 }
@@ -168,6 +172,7 @@ HydrostaticDrive::Present HydrostaticDrive::present(const HydrostaticState& stat
   at.swash = p.swash_time_constant_s > 0.0 ? state.swash : asked;
   at.asked_swash = asked;
   at.limited_swash = allowed_swash(at.swash, at.pressure_pa);
+  // Pump torque D alpha p, the engine's droop under it, flow w D alpha.
   const double torque = p.pump_displacement_m3prad * at.limited_swash * at.pressure_pa;
   const double load = std::clamp(torque / p.engine_torque_nm, -1.0, 1.0) * p.engine_droop;
   at.governed_radps = governor_radps() * (1.0 - load);
@@ -194,6 +199,7 @@ HydrostaticState HydrostaticDrive::rates(const HydrostaticState& state, double a
   const double share = divided_ ? 0.5 : 1.0;
   for (std::size_t i = 0; i < circuits(); ++i) {
     const std::array<double, 2> d = displacement_m3prad(i);
+    // Continuity of each circuit: C dp/dt = Q_pump - k_leak p - sum(D_i w_i).
     rate.pressure_pa[i] = (share * (at.flow_m3ps - p.leakage_m3pspa * state.pressure_pa[i]) -
                            d[0] * drum_radps[0] - d[1] * drum_radps[1]) /
                           capacity_m3ppa();
@@ -208,6 +214,7 @@ HydrostaticSlopes HydrostaticDrive::slopes(const HydrostaticState& state) const 
   const HydrostaticDriveParameters& p = parameters_;
   const Present at = present(state, 0.0);
   const bool limited = at.limited_swash != at.swash;
+  // Along the hyperbola Q = w T_max / p falls with p as a leak of Q / p does.
   const double slope = limited ? std::abs(at.flow_m3ps / at.pressure_pa) : 0.0;
   const double scale = (divided_ ? 0.5 : 1.0) / capacity_m3ppa();
   return {scale * (p.leakage_m3pspa + slope), scale * p.pump_displacement_m3prad * at.limited_swash,

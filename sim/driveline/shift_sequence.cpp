@@ -26,6 +26,7 @@ void ShiftSequence::advance(double h, bool permitted) {
     phase_ = Phase::up;  // thought better of it
   }
 
+  // Shares ramp linearly in time; the gear changes at zero torque only.
   switch (phase_) {
     case Phase::steady:
       break;

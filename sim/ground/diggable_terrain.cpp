@@ -35,6 +35,7 @@ class Polygon {
         result.add(a);
       }
       if ((over_a < 0.0 && over_b > 0.0) || (over_a > 0.0 && over_b < 0.0)) {
+        // Sutherland and Hodgman: the point where the side crosses the line.
         result.add(a + over_a / (over_a - over_b) * (b - a));
       }
     }
@@ -42,6 +43,7 @@ class Polygon {
   }
 
   [[nodiscard]] double area() const {
+    // Shoelace formula.
     double twice = 0.0;
     for (std::size_t i = 0; i < count_; ++i) {
       const Eigen::Vector2d& a = corners_[i];
@@ -119,6 +121,7 @@ DiggableTerrain::DiggableTerrain(Ground& ground, const DiggableTerrainParameters
 }
 
 DiggableTerrain::SlopeLimits DiggableTerrain::limits_for(double slope_rad) const {
+  // Greatest drop to a neighbour: tan(slope) times one cell, or its diagonal.
   const double rise = std::tan(std::clamp(slope_rad, 0.0, 1.56)) * cell_m();
   return {to_units(rise), to_units(rise * std::numbers::sqrt2)};
 }
@@ -184,6 +187,7 @@ CutSoil DiggableTerrain::cut(const CuttingEdge& from, const CuttingEdge& to,
     left = -left;
     rise = -rise;
   }
+  // Way of the edge's middle square to the edge, seen from above.
   const double advance_m = left.y() * way.x() - left.x() * way.y();
   if (!(advance_m > 0.0)) {
     return soil;
@@ -272,6 +276,7 @@ void DiggableTerrain::pour(double x_m, double y_m, double radius_m, std::int64_t
   const double v = (y_m - field.origin_m.y()) / cell_m();
   const auto weight = [&](std::size_t c, std::size_t r) {
     const double distance = std::hypot(static_cast<double>(c) - u, static_cast<double>(r) - v);
+    // A cone: weight falls linearly to the radius.
     return distance < reach ? 1.0 - distance / reach : 0.0;
   };
   const auto for_each_near = [&](auto&& visit) {

@@ -64,6 +64,7 @@ void DiggableTerrain::slide_from(std::size_t at) {
     if (!inner(c, r)) {
       continue;
     }
+    // Over the repose slope of this soil (loose) and over the bank's slope (firm), per neighbour.
     const bool diagonal = step.column != 0 && step.row != 0;
     const std::int64_t drop = surface_[at] - surface_[node(c, r)];
     const std::int64_t over = drop - (diagonal ? repose.diagonal : repose.straight);

@@ -38,6 +38,7 @@ struct Inside {
     }
     const Point from = p + start * d;
     const Point to = p + end * d;
+    // Circle's segment: sector R^2 atan2(cross, dot) / 2 less the triangle cross / 2.
     const double turned = cross(from, to);
     area_m2 += 0.5 * (radius_m * radius_m * std::atan2(turned, from.dot(to)) - turned);
     chord += to - from;
@@ -59,6 +60,7 @@ double straight_cut_depth_m(double area_m2, double radius_m) {
   double depth = std::pow(0.75 * area_m2 / std::sqrt(2.0 * radius_m), 2.0 / 3.0);
   for (int i = 0; i < 8; ++i) {
     depth = std::min(depth, radius_m);
+    // Segment of depth d: A = R^2 atan2(c, R - d) - (R - d) c, c = sqrt(d (2 R - d)), dA/dd = 2 c.
     const double half_chord = std::sqrt(depth * (2.0 * radius_m - depth));
     const double rest = radius_m - depth;
     const double area =
@@ -89,6 +91,7 @@ std::optional<DiscCut> cut_disc(const std::array<Point, kProfilePoints>& profile
     return std::nullopt;
   }
   const Point normal = Point(-inside.chord.y(), inside.chord.x()) / length;
+  // Depth d |T| / T(d), d of the straight cut of the same area: keeps a potential (disc_cut.h).
   const double depth = straight_cut_depth_m(inside.area_m2, radius_m);
   const double straight = 2.0 * std::sqrt(depth * (2.0 * radius_m - depth));
   return DiscCut{depth * length / straight, normal};
@@ -133,6 +136,7 @@ Escape shortest_escape(std::span<const Penetration> overlaps) {
       if (sine2 < 1e-9) {
         continue;
       }
+      // Both planes bind: n_a . way = d_a, n_b . way = d_b in the span of the normals.
       const double share_a = (a.depth_m - cosine * b.depth_m) / sine2;
       const double share_b = (b.depth_m - cosine * a.depth_m) / sine2;
       if (share_a >= 0.0 && share_b >= 0.0) {

@@ -28,6 +28,7 @@ EarthmovingFactors earthmoving_factors(double internal_friction_rad, double tool
   const double tilt = std::sin(rho + delta);
   const double a = std::sin(rho + delta + phi);
   const double b = std::cos(rho + delta + phi);
+  // dN_gamma/d(cot beta) = 0: cot beta = (root - B) / A, root as in earthmoving.h.
   const double root = std::sqrt(std::sin(delta + phi) * tilt / (sin_phi * sin_rake));
   const double cot_beta = (root - b) / a;
   // den = (a t + b) / (sin phi t + cos phi), and a t + b = root: positive, between the poles.
@@ -36,6 +37,7 @@ EarthmovingFactors earthmoving_factors(double internal_friction_rad, double tool
   const double inverse = numerator / root;
 
   EarthmovingFactors factors;
+  // Reece 1964, McKyes 1985: N_gamma, N_q, N_c, N_a at that beta (earthmoving.h).
   factors.weight = 0.5 * (cot_rake + cot_beta) * inverse;
   factors.surcharge = 2.0 * factors.weight;
   factors.cohesion = (1.0 + cot_beta * cot_sum) * inverse;
@@ -50,6 +52,7 @@ double earthmoving_force_n(const SoilParameters& soil, const EarthmovingFactors&
   if (!(depth_m > 0.0) || !(width_m > 0.0)) {
     return 0.0;
   }
+  // Fundamental earthmoving equation: P = (gamma g d^2 N_gamma + c d N_c + q d N_q + c_a d N_a) w.
   const double pressure = soil.density_kgpm3 * gravity_mps2 * depth_m * factors.weight +
                           soil.cohesion_pa * factors.cohesion +
                           std::max(0.0, surcharge_pa) * factors.surcharge +

@@ -183,6 +183,7 @@ Ground::TerrainPoint Ground::terrain(double x_m, double y_m) const {
   double height = 0.0;
   double rise_x = 0.0;
   double rise_y = 0.0;
+  // Each cell is two triangles, parted from south-east to north-west (height_field.h).
   if (fx + fy <= 1.0) {
     const double south_west = field_.node(c, r);
     rise_x = south_east - south_west;
@@ -233,6 +234,7 @@ std::optional<Penetration> Ground::penetration(const Eigen::Vector3d& p_W) const
   if (p_W.z() < point.height_m) {
     const Eigen::Vector3d normal =
         Eigen::Vector3d(-point.slope_x, -point.slope_y, 1.0).normalized();
+    // Distance to the tangent plane: vertical depth times the normal's z.
     deepest = Penetration{(point.height_m - p_W.z()) * normal.z(), normal,
                           soils_.soils[soil_of(point)].friction};
   }
@@ -289,6 +291,7 @@ std::optional<Penetration> Ground::disc_on_terrain(const Eigen::Vector3d& centre
     return std::nullopt;
   }
   const Eigen::Vector3d in_plane = cut->normal.x() * forward_W + cut->normal.y() * up_W;
+  // The surface's normal is square to the cut's chord in the disc and to the slope across it.
   const Eigen::Vector3d chord = cut->normal.y() * forward_W - cut->normal.x() * up_W;
   const Eigen::Vector3d normal =
       chord.cross(Eigen::Vector3d(left.x(), left.y(), side_slope)).normalized();
@@ -313,6 +316,7 @@ std::optional<WheelContact> Ground::wheel_contact(const Eigen::Vector3d& centre_
   if (plane_) {
     const double sine =
         std::sqrt(std::max(0.0, 1.0 - plane_normal_.dot(axis_W) * plane_normal_.dot(axis_W)));
+    // Disc's lowest point against the plane: R sin(angle of axis and normal) - n . centre.
     const double depth = radius_m * sine - plane_normal_.dot(centre_W);
     if (depth > 0.0) {
       overlaps[count++] = {depth, plane_normal_, 0.0};
@@ -346,6 +350,7 @@ std::optional<WheelContact> Ground::wheel_contact(const Eigen::Vector3d& centre_
     contact.depth_m = way.way_W.norm();
     contact.normal_W = way.way_W / contact.depth_m;
   }
+  // Contact point: along the normal's part in the disc, R less the depth as seen in its plane.
   const Eigen::Vector3d in_plane = contact.normal_W - contact.normal_W.dot(axis_W) * axis_W;
   const double cosine = in_plane.norm();
   contact.point_W = centre_W - in_plane * ((radius_m - contact.depth_m / std::max(cosine, 1e-3)) /

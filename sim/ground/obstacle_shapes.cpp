@@ -95,6 +95,7 @@ bool clip_round(const Vector& p, const Vector& d, double radius, double& t_in, d
   if (a == 0.0) {
     return p.squaredNorm() <= radius * radius;
   }
+  // |p + t d|^2 = R^2 about the foot of the perpendicular.
   const double middle = -p.dot(d) / a;
   const double missing = radius * radius - (p + middle * d).squaredNorm();
   if (missing < 0.0) {
@@ -143,6 +144,7 @@ double plane_multiplier(const Obstacle& obstacle, const Vector& c, const Vector&
     far_offset = offset(far);
   }
   for (int i = 0; i < 60 && std::abs(far_offset) > tiny; ++i) {
+    // Regula falsi, the stale end's value halved (Illinois).
     const double gap = far_offset - near_offset;
     const double next = gap != 0.0 ? far - far_offset * (far - near) / gap : 0.5 * (near + far);
     const double next_offset = offset(next);
@@ -195,6 +197,7 @@ std::optional<DiscOverlap> disc_overlap(const Obstacle& obstacle, const Vector& 
   const Eigen::Matrix3d R_OW = obstacle.X_WO.linear().transpose();
   const Vector c = R_OW * (centre_W - Vector(obstacle.X_WO.translation()));
   const Vector a = R_OW * axis_W;
+  // Out of reach of the sphere about the disc, or of the disc's plane.
   if ((nearest(obstacle, c) - c).squaredNorm() >= radius_m * radius_m ||
       std::abs(a.dot(c)) >= reach(obstacle, a)) {
     return std::nullopt;

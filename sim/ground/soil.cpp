@@ -51,6 +51,7 @@ double wheel_sinkage_m(const SoilParameters& soil, double load_n, double width_m
   if (!soil.soft || !(load_n > 0.0)) {
     return 0.0;
   }
+  // Bekker's rigid wheel solved for z: (W / W at 1 m)^(2 / (2 n + 1)).
   return std::pow(load_n / wheel_load_n(soil, 1.0, width_m, diameter_m),
                   1.0 / (clipped_exponent(soil) + 0.5));
 }
@@ -58,6 +59,7 @@ double wheel_sinkage_m(const SoilParameters& soil, double load_n, double width_m
 double wheel_load_n(const SoilParameters& soil, double sinkage_m, double width_m,
                     double diameter_m) {
   const double n = clipped_exponent(soil);
+  // Bekker's rigid wheel, W = (3 - n) / 3 (k_c + b k_phi) sqrt(D) z^(n + 1/2).
   const double modulus = soil.cohesion_modulus + width_m * soil.friction_modulus;
   return (3.0 - n) / 3.0 * modulus * std::sqrt(diameter_m) *
          std::pow(std::max(0.0, sinkage_m), n + 0.5);
@@ -67,6 +69,7 @@ double plate_sinkage_m(const SoilParameters& soil, double pressure_pa, double wi
   if (!soil.soft || !(pressure_pa > 0.0)) {
     return 0.0;
   }
+  // Bekker: p = (k_c / b + k_phi) z^n.
   const double modulus = soil.cohesion_modulus / width_m + soil.friction_modulus;
   return std::pow(pressure_pa / modulus, 1.0 / clipped_exponent(soil));
 }
@@ -76,6 +79,7 @@ double compaction_resistance_n(const SoilParameters& soil, double sinkage_m, dou
     return 0.0;
   }
   const double n = clipped_exponent(soil);
+  // Bekker: integral of b (k_c / b + k_phi) z^n over the sinkage.
   const double modulus = soil.cohesion_modulus / width_m + soil.friction_modulus;
   return width_m * modulus * std::pow(sinkage_m, n + 1.0) / (n + 1.0);
 }
@@ -88,11 +92,13 @@ double shear_limit_n(const SoilParameters& soil, double load_n, double area_m2) 
   if (!soil.soft) {
     return rubber;
   }
+  // Mohr-Coulomb under the contact, A c + W tan(phi), or the surface's friction.
   return std::min(rubber,
                   area_m2 * soil.cohesion_pa + load_n * std::tan(soil.internal_friction_rad));
 }
 
 double shear_share(const SoilParameters& soil, double slip, double contact_length_m) {
+  // Janosi and Hanamoto along the contact: mean of 1 - exp(-j / K), j = |s| x from 0 to |s| l.
   const double x = std::abs(slip) * contact_length_m / soil.shear_modulus_m;
   // 1 - (1 - exp(-x)) / x loses digits near 0: there the series x/2 - x^2/6 + x^3/24 - x^4/120.
   if (x < 0.01) {

@@ -20,6 +20,7 @@ Eigen::Matrix3d raised(const Turn& turn) {
 ArmDynamics::Moments ArmDynamics::moments_of(const RigidBodyParameters& body) {
   const Eigen::Vector3d& c = body.center_of_mass_m;
   const Eigen::Vector3d& inertia = body.principal_inertia_kgm2;
+  // Integral of r r^T: diag(tr(I) / 2 - I_i) about the centre of mass, plus m c c^T (Steiner).
   const Eigen::Vector3d about_center = Eigen::Vector3d::Constant(0.5 * inertia.sum()) - inertia;
   return {body.mass_kg, body.mass_kg * c,
           Eigen::Matrix3d(about_center.asDiagonal()) + body.mass_kg * c * c.transpose()};
@@ -45,6 +46,7 @@ ArmDynamics::ArmDynamics(const ExcavatorParameters& parameters,
 void ArmDynamics::set_payload_kg(double mass_kg) {
   payload_kg_ = mass_kg > 0.0 ? std::min(mass_kg, payload_max_kg_) : 0.0;
   const Eigen::Vector3d& p = payload_center_m_;
+  // A point mass at p adds m, m p and m p p^T.
   links_[3] = {empty_bucket_.mass_kg + payload_kg_, empty_bucket_.first_kgm + payload_kg_ * p,
                empty_bucket_.second_kgm2 + payload_kg_ * p * p.transpose()};
   hang();
@@ -57,6 +59,7 @@ void ArmDynamics::hang() {
   Chain& chain = chain_;
   const Moments& upper = links_[0];
   chain.swing_inertia = upper.second_kgm2(0, 0) + upper.second_kgm2(1, 1);
+  // From the bucket inwards: each link with the mass of the outer ones at its end pin.
   for (std::size_t i = 3; i-- > 0;) {
     const Moments& link = links_[i + 1];
     const Eigen::Matrix3d& second = link.second_kgm2;
@@ -129,6 +132,7 @@ void ArmDynamics::evaluate(const ArmAngles& at, const JointVector& v_radps,
   const double d13 = -boom * (k.hung_x[2] * t13.sine + k.hung_z[2] * t13.cosine);
   const double a23 = stick * (k.hung_x[2] * t23.cosine - k.hung_z[2] * t23.sine);
   const double d23 = -stick * (k.hung_x[2] * t23.sine + k.hung_z[2] * t23.cosine);
+  // Lagrange's equations: sum over j of d_ij w_j^2, antisymmetric in i and j.
   double b1 = d12 * w2 * w2 + d13 * w3 * w3;
   double b2 = d23 * w3 * w3 - d12 * w1 * w1;
   double b3 = -d13 * w1 * w1 - d23 * w2 * w2;
@@ -148,9 +152,11 @@ void ArmDynamics::evaluate(const ArmAngles& at, const JointVector& v_radps,
     own[i] = c * c * k.xx[i] - 2.0 * c * s * k.xz[i] + s * s * k.zz[i];
     slope[i] = 2.0 * (c * s * (k.zz[i] - k.xx[i]) - (c * c - s * s) * k.xz[i]);
   }
+  // J(q) about the axis: second moments turned by the link's angle, and o (m o + 2 x) of Steiner.
   const double swing_inertia =
       k.swing_inertia + own[0] + own[1] + own[2] + o1 * (k.mass_kg[0] * o1 + 2.0 * x[0]) +
       o2 * (k.mass_kg[1] * o2 + 2.0 * x[1]) + o3 * (k.mass_kg[2] * o3 + 2.0 * x[2]);
+  // dJ / d(absolute angle i): the link's own part, and its end pin's way for all links outside it.
   const double pull3 = 2.0 * (k.mass_kg[2] * o3 + x[2]);
   const double pull2 = pull3 + 2.0 * (k.mass_kg[1] * o2 + x[1]);
   const auto turned = [&](std::size_t i) {
@@ -160,6 +166,7 @@ void ArmDynamics::evaluate(const ArmAngles& at, const JointVector& v_radps,
   const double s2 = slope[1] + o2 * turned(1) - stick * link[1].sine * pull3;
   const double s3 = slope[2] + o3 * turned(2);
   const double centrifugal = 0.5 * w * w;
+  // Lagrange: centrifugal -w^2/2 dJ/dq on the arm, Coriolis w dJ/dt on the swing.
   b1 -= centrifugal * s1;
   b2 -= centrifugal * s2;
   b3 -= centrifugal * s3;
@@ -188,6 +195,7 @@ void ArmDynamics::evaluate(const ArmAngles& at, const JointVector& v_radps,
                             o3 * k.mass_kg[2] + x[0] + x[1] + x[2];
     b0 += gx * k.upright_y - gy * center_x;
   }
+  // Moment of a link, with what hangs at its end, about its own joint.
   const auto weight = [&](std::size_t i) {
     const double forward = k.hung_x[i] * link[i].cosine - k.hung_z[i] * link[i].sine;
     const double upward = k.hung_x[i] * link[i].sine + k.hung_z[i] * link[i].cosine;
@@ -222,6 +230,7 @@ double ArmDynamics::kinetic_energy_j(const JointVector& q_rad, const JointVector
   JointMatrix mass_matrix;
   JointVector bias;
   evaluate(q_rad, v_radps, mass_matrix, bias);
+  // v^T M v / 2
   return 0.5 * v_radps.dot(mass_matrix * v_radps);
 }
 
@@ -249,6 +258,7 @@ std::array<ArmDynamics::BodyMotion, kArmJoints> ArmDynamics::motion(
   for (std::size_t i = 0; i < kArmJoints; ++i) {
     if (i > 0) {
       const auto joint = static_cast<Eigen::Index>(i);
+      // Outward recursion: v + w x r, a + alpha x r + w x (w x r), then the joint's own rate.
       const Eigen::Vector3d step = at.origin_U[i] - at.origin_U[i - 1];
       v += w.cross(step);
       a += alpha.cross(step) + w.cross(w.cross(step));
@@ -273,6 +283,7 @@ Eigen::Matrix<double, 3, kArmJoints> ArmDynamics::bucket_jacobian_C(
   const Eigen::Vector3d p = at.origin_U[3] + at.R_UB[3] * point_B_m;
   Eigen::Matrix<double, 3, kArmJoints> J;
   for (std::size_t i = 0; i < kArmJoints; ++i) {
+    // Geometric Jacobian: axis_i x (p - origin_i).
     J.col(static_cast<Eigen::Index>(i)) = R_CU * (i == 0 ? kUp : kRaise).cross(p - at.origin_U[i]);
   }
   return J;

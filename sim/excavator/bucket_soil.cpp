@@ -55,6 +55,7 @@ BucketSoil::Lip BucketSoil::lip_of(const Eigen::Isometry3d& X_WB) const {
   lip.left_W = Eigen::Vector3d(R(0, 1), R(1, 1), 0.0).normalized();
   lip.blade_W = std::cos(parameters_.lip_angle_rad) * R.col(0) -
                 std::sin(parameters_.lip_angle_rad) * R.col(2);
+  // Horizontal, square to the lip, on the side to which the opening looks.
   lip.forward_W = lip.left_W.cross(Eigen::Vector3d::UnitZ());
   if (lip.forward_W.dot(lip.blade_W - R.col(2)) < 0.0) {
     lip.forward_W = -lip.forward_W;
@@ -76,6 +77,7 @@ double BucketSoil::cutting_limit_n(const Lip& lip, const SoilParameters& soil) c
   const double rake = std::acos(std::clamp(lip.blade_W.dot(lip.forward_W), -1.0, 1.0));
   const EarthmovingFactors factors =
       earthmoving_factors(soil.internal_friction_rad, soil.tool_friction_rad, rake);
+  // Content as surcharge q over the opening; P of the earthmoving equation plus the teeth's share.
   const double surcharge_pa =
       mass_kg_ * gravity_mps2_ / (parameters_.width_m * capacity_.opening_length_m());
   return earthmoving_force_n(soil, factors, depth_m_, parameters_.width_m, surcharge_pa,
@@ -171,12 +173,14 @@ void BucketSoil::advance(double h, const LinkMotion& bucket) {
     spill(lip_, pushed);
   }
   if (units_ > 0) {
+    // What stays: held at this pitch, up to heaped as the soil ahead closes the opening.
     const double pitch = std::atan2(bucket.X_WL.linear()(2, 0), bucket.X_WL.linear()(2, 2));
     const double support = std::min(1.0, depth_m_ / kSupportDepth_m);
     const double held = capacity_.held_m3(pitch);
     const std::int64_t stays = terrain_.units(held + support * (capacity_.heaped_m3() - held));
     const std::int64_t excess = units_ - stays;
     if (excess > 0) {
+      // Outflow decays exponentially over h, and ends in finite time by a least rate.
       const double share = -std::expm1(-h / parameters_.outflow_time_s);
       const double least =
           kLeastOutflow * static_cast<double>(heaped_units_) * h / parameters_.outflow_time_s;

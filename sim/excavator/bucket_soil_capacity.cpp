@@ -50,7 +50,9 @@ BucketCapacity::BucketCapacity(const BucketSoilParameters& parameters, double bu
   validate(parameters, bucket_tip_m);
   opening_m_ = bucket_tip_m - parameters.rear_lip_m;
   const double area_m2 = parameters.struck_capacity_m3 / parameters.width_m;
+  // Half ellipse over the opening with the struck area: A = pi / 4 x opening x depth.
   depth_m_ = 4.0 * area_m2 / (std::numbers::pi * opening_m_);
+  // Roof at the angle of repose: triangle of half the opening, area (o / 2)^2 tan.
   heaped_m3_ = parameters.struck_capacity_m3 + 0.25 * opening_m_ * opening_m_ *
                                                    std::tan(parameters.heap_repose_rad) *
                                                    parameters.width_m;
@@ -106,6 +108,7 @@ double BucketCapacity::held_m3(double pitch_rad) const {
   }
   double turn = pitch_rad / (2.0 * std::numbers::pi) + 0.5;
   turn -= std::floor(turn);
+  // Linear between whole degrees.
   const double place = turn * kDegrees;
   const auto at = std::min(static_cast<std::size_t>(place), held_m3_.size() - 2);
   const double share = place - static_cast<double>(at);

@@ -70,6 +70,7 @@ void CarriedArm::add_wheels(double h, Terms& terms, std::array<Footing, kCarrier
                          double least) {
       const Eigen::Vector3d direction_C = R_CW * direction_W;
       Velocities row = Velocities::Zero();
+      // Force at the wheel as a wrench on the undercarriage: moment p x n, then n.
       row.head<3>() = point_C.cross(direction_C);
       row.segment<3>(3) = direction_C;
       return terms.add(row, law, least, kFree);
@@ -112,6 +113,7 @@ bool CarriedArm::clamp(Terms& terms, std::array<Footing, kCarrierWheels>& footin
     Term& along = terms.all[foot.along];
     Term& across = terms.all[foot.across];
     const double limit = foot.laws.limit_n(terms.all[foot.normal].force);
+    // Friction circle under the normal force of this pass.
     const double force = std::hypot(along.force, across.force);
     // Held forces follow the load that the solve finds; a few passes settle it.
     const bool loose = force > limit * (1.0 + 1e-9);
@@ -142,6 +144,7 @@ ArmStep CarriedArm::step(double h, const DrivenArm& arm, const ArmPose& at, cons
     terms.add(row, laws.force[static_cast<std::size_t>(i)], laws.least[i], laws.greatest[i]);
   }
   for (int i = 1; i < kArmJoints; ++i) {
+    // End stops join where the stroke would end within this step.
     const double ahead = at.x[i] + h * at.lever[i] * state.v_radps[i];
     const bool low = ahead < arm.length_least_m()[i] + kStopReach_m;
     if (low || ahead > arm.length_greatest_m()[i] - kStopReach_m) {
@@ -169,6 +172,7 @@ ArmStep CarriedArm::step(double h, const DrivenArm& arm, const ArmPose& at, cons
   }
 
   Velocities found = velocity_;
+  // (M + h sum g J^T J) a = -bias + sum J^T F(start), clamp last (carried_arm.h).
   for (int pass = 0; pass < kPassesMax; ++pass) {
     Matrix left = mass_matrix;
     Velocities right = rest;
@@ -208,6 +212,7 @@ ArmStep CarriedArm::step(double h, const DrivenArm& arm, const ArmPose& at, cons
   }
 
   velocity_ = found;
+  // Attitude by the exponential map of h w, position and joints with the new velocities.
   const Eigen::Vector3d turn = h * velocity_.head<3>();
   const double angle = turn.norm();
   const Eigen::Vector3d shift = X_WC_.linear() * (h * velocity_.segment<3>(3));

@@ -12,6 +12,7 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return m;
 }
 
+/// v x m of spatial motion vectors (Featherstone 2008, chapter 2).
 SpatialVector cross_motion(const SpatialVector& v, const SpatialVector& m) {
   const Eigen::Vector3d w = v.head<3>();
   SpatialVector result;
@@ -19,6 +20,7 @@ SpatialVector cross_motion(const SpatialVector& v, const SpatialVector& m) {
   return result;
 }
 
+/// v x* f, the dual on force vectors (Featherstone 2008, chapter 2).
 SpatialVector cross_force(const SpatialVector& v, const SpatialVector& f) {
   const Eigen::Vector3d w = v.head<3>();
   SpatialVector result;
@@ -26,6 +28,7 @@ SpatialVector cross_force(const SpatialVector& v, const SpatialVector& f) {
   return result;
 }
 
+/// Motion subspace of a revolute joint: axis, and the velocity it gives to C's origin.
 SpatialVector turning(const Eigen::Vector3d& axis, const Eigen::Vector3d& through) {
   SpatialVector result;
   result << axis, through.cross(axis);
@@ -63,6 +66,7 @@ CarriedArm::SpatialMatrix CarriedArm::inertia_of(const ArmDynamics::Moments& mom
                                                  const Eigen::Matrix3d& R,
                                                  const Eigen::Vector3d& origin) const {
   const Eigen::Vector3d turned = R * moments.first_kgm;
+  // First and second moments shifted to C's origin; rotational inertia = tr(S) 1 - S.
   const Eigen::Vector3d first = turned + moments.mass_kg * origin;
   const Eigen::Matrix3d second = R * moments.second_kgm2 * R.transpose() +
                                  origin * turned.transpose() + turned * origin.transpose() +
@@ -93,6 +97,7 @@ void CarriedArm::equations(const DrivenArm& arm, Placement& at, const JointVecto
       v += rate;
       a += cross_motion(v, rate);
     }
+    // Recursive Newton-Euler: f = I a + v x* (I v), a without joint accelerations.
     const SpatialVector momentum = at.inertia[i] * v;
     force[i] = at.inertia[i] * a + cross_force(v, momentum);
   }
@@ -100,6 +105,7 @@ void CarriedArm::equations(const DrivenArm& arm, Placement& at, const JointVecto
   SpatialVector f = SpatialVector::Zero();
   SpatialMatrix composite = SpatialMatrix::Zero();
   for (std::size_t i = 5; i-- > 0;) {
+    // Composite rigid bodies: forces and inertias of all links outside the joint add up.
     f += force[i];
     composite += at.inertia[i];
     if (i == 0) {
@@ -109,6 +115,7 @@ void CarriedArm::equations(const DrivenArm& arm, Placement& at, const JointVecto
     }
     const auto row = static_cast<Eigen::Index>(i + 5);
     bias[row] = at.axis[i - 1].dot(f);
+    // Column of M: S_j^T (I_composite S_i); with the undercarriage I_composite S_i itself.
     const SpatialVector column = composite * at.axis[i - 1];
     mass_matrix.block<6, 1>(0, row) = column;
     mass_matrix.block<1, 6>(row, 0) = column.transpose();
@@ -123,6 +130,7 @@ CarriedArm::Velocities CarriedArm::point_row(const Placement& at, const Eigen::V
                                              const Eigen::Vector3d& direction_C,
                                              std::size_t link) const {
   SpatialVector along;
+  // Row of a unit force at a point: its wrench against undercarriage and joint axes.
   along << point_C.cross(direction_C), direction_C;
   Velocities row = Velocities::Zero();
   row.head<6>() = along;
@@ -148,6 +156,7 @@ std::array<LinkMotion, 5> CarriedArm::motion(const ArmState& state) const {
     const Eigen::Vector3d w = v.head<3>();
     const Eigen::Vector3d alpha = a.head<3>();
     const Eigen::Vector3d& p = at.origin_C[i];
+    // Spatial to ordinary acceleration of the link's origin: a_O + alpha x p + w x v.
     const Eigen::Vector3d speed = v.tail<3>() + w.cross(p);
     LinkMotion& link = links[i];
     link.X_WL.linear() = R_WC * at.R_CB[i];
@@ -175,6 +184,7 @@ CarriedArm::Momentum CarriedArm::momentum(const DrivenArm& arm, const ArmState& 
     first += at.R_CB[i] * moments.first_kgm + moments.mass_kg * at.origin_C[i];
     mass += moments.mass_kg;
   }
+  // Angular momentum from C's origin to the common centre of mass: L - c x p.
   const Eigen::Vector3d linear = sum.tail<3>();
   const Eigen::Vector3d angular = sum.head<3>() - (first / mass).cross(linear);
   return {X_WC_.linear() * linear, X_WC_.linear() * angular};

@@ -76,6 +76,7 @@ void DiggingExcavator::update_dust(double h) {
   const double moved_m3 = bucket_.volume_m3() - bucket_m3_;
   bucket_m3_ += moved_m3;
   const double drop_m = moved_m3 < 0.0 ? std::max(height_m, kLeastDrop_m) : kLeastDrop_m;
+  // Dust of the soil moved (dust_emitter.h), smoothed by a first-order lag exact over h.
   const double keep = std::exp(-h / kDustSmoothing_s);
   dust_.mass_rate_kgps = keep * dust_.mass_rate_kgps +
                          (1.0 - keep) * dropped_soil_dust_kgpm3(drop_m) * std::abs(moved_m3) / h;

@@ -67,11 +67,13 @@ DrivenArm::Inertia DrivenArm::inertia_at(const JointVector& q_rad) const {
 
 JointVector DrivenArm::free_mass(const JointVector& q_rad) const {
   const Inertia inertia = inertia_at(q_rad);
+  // Mass seen by one drive, the others free: 1 / (J M^-1 J^T).
   return (inertia.inverse.diagonal().array() * inertia.lever.array().square()).inverse();
 }
 
 JointVector DrivenArm::damping_for(const JointVector& q_rad, const JointVector& stiffness,
                                    double ratio) const {
+  // d = 2 zeta sqrt(k m).
   return 2.0 * ratio * (stiffness.array() * free_mass(q_rad).array()).sqrt();
 }
 
@@ -98,6 +100,7 @@ JointVector DrivenArm::forces(const ArmState& state, const JointVector& target,
   JointVector x;
   JointVector lever;
   coordinates(state.q_rad, x, lever);
+  // Eq. 5: F = k (x_t - x) + d (v_t - x').
   const JointVector free = gains.stiffness.cwiseProduct(target - x) +
                            gains.damping.cwiseProduct(rate - lever.cwiseProduct(state.v_radps));
   return free.cwiseMax(gains.force_least).cwiseMin(gains.force_greatest);
@@ -112,6 +115,7 @@ JointVector DrivenArm::stop_forces(const ArmState& state) const {
   JointVector lever;
   coordinates(state.q_rad, x, lever);
   for (int i = 1; i < kArmJoints; ++i) {
+    // One-sided spring with damping past the stroke's end; never pulls.
     const double damping = stop_damping_[i] * lever[i] * state.v_radps[i];
     if (x[i] < length_least_[i]) {
       result[i] = std::max(0.0, stop_stiffness_ * (length_least_[i] - x[i]) - damping);
@@ -172,6 +176,7 @@ ArmStep DrivenArm::advance(double h, const ArmPose& at, const DriveLaws& laws,
   std::array<int, kTipResistances> switches{};
   ArmStep result;
   JointVector& a = result.acceleration_radps2;
+  // (M + h sum gain J^2) a = rest + sum J F(start), clamp last (driven_arm.h).
   for (int pass = 0; pass < kPassesMax; ++pass) {
     JointMatrix left = mass_matrix;
     JointVector right = load.torque - bias;
@@ -253,6 +258,7 @@ ArmStep DrivenArm::advance(double h, const ArmPose& at, const DriveLaws& laws,
       break;
     }
   }
+  // Positions with the new velocities: linearly implicit Euler.
   state.v_radps += h * a;
   state.q_rad += h * state.v_radps;
   return result;
@@ -260,6 +266,7 @@ ArmStep DrivenArm::advance(double h, const ArmPose& at, const DriveLaws& laws,
 
 ImplicitForce DrivenArm::stop_law(int joint, bool low, double h, double x) const {
   const double end = low ? length_least_[joint] : length_greatest_[joint];
+  // k (end - x - h x') - d x' as offset - gain x'.
   return {stop_stiffness_ * (end - x), stop_damping_[joint] + h * stop_stiffness_};
 }
 

@@ -21,6 +21,7 @@ void DrivenArm::right_hand_side(const ArmState& state, const JointVector& target
     const double x_rate = lever[i] * state.v_radps[i];
     double k = gains.stiffness[i];
     double d = gains.damping[i];
+    // Eq. 5 at this state; at its limit a drive has neither stiffness nor damping.
     double f = k * (target[i] - x[i]) + d * (rate[i] - x_rate);
     if (f > gains.force_greatest[i] || f < gains.force_least[i]) {
       f = std::clamp(f, gains.force_least[i], gains.force_greatest[i]);
@@ -43,6 +44,7 @@ void DrivenArm::right_hand_side(const ArmState& state, const JointVector& target
   force += load.torque;
   for (std::size_t i = 0; i < load.resistance_count; ++i) {
     const ArmLoad::Resistance& each = load.resistances[i];
+    // The bucket's resistance at this state's speed, within its limit.
     const double free = each.offset - each.gain * each.jacobian.dot(state.v_radps);
     force += std::clamp(free, -each.limit, each.limit) * each.jacobian;
   }
@@ -94,9 +96,11 @@ ArmStep DrivenArm::step_rosenbrock2(double time_s, double h, const TargetMotion&
                   lever[i];
   }
   JointMatrix left = mass_matrix;
+  // ROS2 (Verwer et al. 1999): M - gh df/dv - gh^2 df/dq on the left of both stages.
   left.diagonal() += gh * damping_q + gh * gh * stiffness_q;
   const Eigen::LLT<JointMatrix> factor(left);
 
+  // Stage 1: (I - gh A) k1 = f(t, y) + gh f_t.
   const JointVector k1_v =
       factor.solve(force + gh * force_rate - gh * stiffness_q.cwiseProduct(state.v_radps));
   const JointVector k1_q = state.v_radps + gh * k1_v;
@@ -107,12 +111,14 @@ ArmStep DrivenArm::step_rosenbrock2(double time_s, double h, const TargetMotion&
   JointVector unused_k;
   JointVector unused_d;
   right_hand_side(second, target, rate, mass_matrix2, force2, unused_k, unused_d);
+  // Stage 2: (I - gh A) k2 = f(t + h, y + h k1) - 2 k1 - gh f_t.
   const JointVector rest_q = second.v_radps - 2.0 * k1_q;
   const JointVector rest_v = solve_joints(mass_matrix2, force2) - 2.0 * k1_v;
   const JointVector k2_v =
       factor.solve(mass_matrix * rest_v - gh * force_rate - gh * stiffness_q.cwiseProduct(rest_q));
   const JointVector k2_q = rest_q + gh * k2_v;
 
+  // y + h (3 k1 + k2) / 2
   state.q_rad += h * (1.5 * k1_q + 0.5 * k2_q);
   state.v_radps += h * (1.5 * k1_v + 0.5 * k2_v);
   return at_end(state, target, rate);
@@ -123,6 +129,7 @@ ArmStep DrivenArm::step_runge_kutta4(double time_s, double h, const TargetMotion
   JointVector target;
   JointVector rate;
   targets.at(time_s, target, rate);
+  // Classical Runge-Kutta on q' = v, v' = a(q, v, t).
   const JointVector a1 = acceleration(state, target, rate);
   const JointVector v1 = state.v_radps;
   targets.at(time_s + 0.5 * h, target, rate);

@@ -91,11 +91,13 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
   const ExcavatorPose& pose = parameters.initial;
   state_.q_rad << pose.swing_rad, pose.boom_rad, pose.stick_rad, pose.bucket_rad;
   pose_ = arm_.pose(state_.q_rad);
+  // Statics at the start: drive forces that hold the weight, and targets that make them.
   const JointVector load = arm_.dynamics().gravity_load(state_.q_rad).cwiseQuotient(pose_.lever);
   force_ = load.cwiseMax(arm_.gains.force_least).cwiseMin(arm_.gains.force_greatest);
   target_ = pose_.x;
   const JointVector friction =
       arm_.damping_for(state_.q_rad, arm_.gains.stiffness, parameters.chambers.damping_ratio);
+  // A gain of m / h stops a drive's mass within one step; a million times that counts as rigid.
   rigid_gain_ = kRigid / parameters.step_s * arm_.free_mass(state_.q_rad);
   if (parameters.level == ExcavatorLevel::kinematic) {
     force_.setZero();

@@ -65,6 +65,7 @@ double Excavator::limited_flow(std::size_t section, double flow_m3ps) const {
   if (left <= 0.0 && parameters_.level != ExcavatorLevel::chambers) {
     return 0.0;
   }
+  // Cushion: flow throttled in proportion to the stroke that is left, to a tenth at its end.
   const double cushion_m = parameters_.drives.cushion * stroke;
   return left >= cushion_m ? flow_m3ps : flow_m3ps * std::max(kCushionFloor, left / cushion_m);
 }
@@ -72,6 +73,7 @@ double Excavator::limited_flow(std::size_t section, double flow_m3ps) const {
 JointVector Excavator::target_rates(double h) const {
   JointVector rates;
   for (std::size_t i = 0; i < kArmJoints; ++i) {
+    // Continuity: rate = Q / A of the side that fills.
     const double area = flow_[i] > 0.0 ? areas_[i].bottom : areas_[i].rod_side;
     double rate = floating_[i] ? 0.0 : flow_[i] / area;
     if (i > 0 && rate != 0.0) {
@@ -103,6 +105,7 @@ void Excavator::step_quasi_static(double h, const JointVector& rate) {
       .force = {}, .least = arm_.gains.force_least, .greatest = arm_.gains.force_greatest};
   for (std::size_t i = 0; i < kArmJoints; ++i) {
     const Eigen::Index at = row(i);
+    // A damper so stiff that the rate is the oil's: F = gain (wanted - x'), within the relief.
     const double gain = floating_[i] ? closed_gains_.damping[at] : rigid_gain_[at];
     const double wanted =
         floating_[i] ? 0.0 : rate[at] + (target_[at] - pose_.x[at]) / std::max(kReturn_s, h);
@@ -123,6 +126,7 @@ void Excavator::step_dynamic(double h, const JointVector& rate) {
   ArmState next = state_;
   ArmStep step;
   if (parameters_.scheme == IntegrationScheme::linearly_implicit_euler) {
+    // Eq. 5 with the target moved on by the oil, x_t(t + h) = x_t + h Q / A.
     const DriveLaws laws = arm_.laws(pose_, h, target_ + h * rate, rate);
     step = advance(h, laws, next);
   } else {
@@ -259,6 +263,7 @@ void Excavator::update_pressures(double h) {
       highest = std::max(highest, request > 0.0 ? ports_[i].a_pa : ports_[i].b_pa);
     }
   }
+  // Load sensing: highest driving port plus margin, through the regulator's lag, exact over h.
   const double aim = std::min(highest + supply.load_sensing_margin_pa, supply.relief_pressure_pa);
   // Without the regulator's lag pressure, flow share and drive force would close a loop in no time.
   supply_pressure_pa_ -=
@@ -269,6 +274,7 @@ void Excavator::place_bucket_load() {
   const Eigen::Matrix3d R_CW = X_WC_.linear().transpose();
   const ArmDynamics& dynamics = arm_.dynamics();
   ArmLoad& load = arm_.load;
+  // Virtual work: torques J^T f of forces at the bucket.
   load.torque = dynamics.bucket_jacobian_C(state_.q_rad, bucket_load_.point_B).transpose() *
                 (R_CW * bucket_load_.force_W);
   load.resistance_count = bucket_load_.resistance_count;

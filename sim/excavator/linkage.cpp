@@ -104,6 +104,7 @@ DirectLinkage::DirectLinkage(const Eigen::Vector2d& base_pin_m, const Eigen::Vec
                   std::atan2(base_pin_m.y(), base_pin_m.x())),
       offset_(Turn::by(offset_rad_)) {}
 
+// Law of cosines on base pin, joint and rod pin; the lever dL/dq = a b sin(theta) / L.
 CylinderGeometry DirectLinkage::at(double q_rad) const {
   const double theta = q_rad + offset_rad_;
   const double product = base_radius_m_ * rod_radius_m_;
@@ -124,6 +125,7 @@ CylinderGeometry DirectLinkage::at(const Turn& q) const {
 }
 
 double DirectLinkage::angle_at(double length_m, int lever_sign) const {
+  // Law of cosines solved for the angle, on the branch asked for.
   const double cosine =
       (base_radius_m_ * base_radius_m_ + rod_radius_m_ * rod_radius_m_ - length_m * length_m) /
       (2.0 * base_radius_m_ * rod_radius_m_);
@@ -168,6 +170,7 @@ Eigen::Vector2d BucketLinkage::idler_joint_of(const Eigen::Vector2d& lug_m) cons
   const double distance = std::max(to_lug.norm(), 1e-9);
   const Eigen::Vector2d along = to_lug / distance;
   const double idler2 = idler_length_m_ * idler_length_m_;
+  // Circles about idler pivot and lug: (d^2 + r1^2 - r2^2) / (2 d) along the line, the rest aside.
   const double reach =
       (distance * distance + idler2 - link_length_m_ * link_length_m_) / (2.0 * distance);
   const double clamped = std::clamp(reach, -idler_length_m_, idler_length_m_);
@@ -180,6 +183,7 @@ CylinderGeometry BucketLinkage::at(const Turn& q) const {
   const Eigen::Vector2d lug = bucket_pin_m_ + lug_arm;
   const Eigen::Vector2d joint = idler_joint_of(lug);
   const Eigen::Vector2d link = joint - lug;
+  // The link keeps its length: idler rate w = link . lug' / (link . swing), dL/dq = w (u . swing).
   const Eigen::Vector2d swing = perpendicular(joint - idler_pivot_m_);
   const Eigen::Vector2d cylinder = joint - base_pin_m_;
   const double length = cylinder.norm();
@@ -202,6 +206,7 @@ double BucketLinkage::angle_at(double length_m, double from_rad, double to_rad) 
   if (length_m >= at(high).length_m) {
     return high;
   }
+  // Bisection: the length is monotone between the two ends.
   for (int i = 0; i < 60 && std::abs(high - low) > 1e-14; ++i) {
     const double middle = 0.5 * (low + high);
     (at(middle).length_m < length_m ? low : high) = middle;
@@ -216,6 +221,7 @@ double BucketLinkage::dead_centre(double from_rad) const {
     high = low;
     low -= kScanStep_rad;
   }
+  // Bisection on the sign of the lever.
   for (int i = 0; i < 50; ++i) {
     const double middle = 0.5 * (low + high);
     (at(middle).lever_m < 0.0 ? high : low) = middle;

@@ -23,6 +23,7 @@ double ActuatorChambers::stiffness(double x) const {
   const double at = std::clamp(x, size_.x_min, size_.x_max);
   const double a = size_.bottom_area;
   const double b = size_.rod_side_area;
+  // Volumes between piston and end, hose included.
   const double volume_a = parameters_.hose_volume_m3 + a * (at - size_.x_min);
   const double volume_b = parameters_.hose_volume_m3 + b * (size_.x_max - at);
   return parameters_.bulk_modulus_pa * (a * a / volume_a + b * b / volume_b);
@@ -36,6 +37,7 @@ ActuatorChambers::Flow ActuatorChambers::opening_flow(double most, double drop_p
   if (drop_pa >= full_drop_pa) {
     return {most, 0.0};
   }
+  // Orifice Q = Q_max sqrt(dp / dp_full), linear below the laminar limit (Merritt, ch. 3).
   const double laminar = std::min(kLaminar_pa, full_drop_pa);
   if (drop_pa <= laminar) {
     const double slope = most / std::sqrt(laminar * full_drop_pa);
@@ -84,6 +86,7 @@ ImplicitForce ActuatorChambers::law(double h, double x, const ValveDemand& deman
     flow_a_ = inflow(pressures_.a_pa, 0.0, -kOutletReserve * flow * a / b, demand);
     flow_b_ = inflow(pressures_.b_pa, -flow, 0.0, demand);
   }
+  // Linearly implicit p' = B / V (Q -+ A u): dp = ease (Q -+ A u), 1 / ease = V / (h B) - dQ/dp.
   const double per_a = h * parameters_.bulk_modulus_pa / volume_a;
   const double per_b = h * parameters_.bulk_modulus_pa / volume_b;
   ease_a_ = per_a / (1.0 - per_a * flow_a_.slope);
@@ -94,6 +97,7 @@ ImplicitForce ActuatorChambers::law(double h, double x, const ValveDemand& deman
 }
 
 void ActuatorChambers::settle(double rate) {
+  // Pressure changes with the rate found; the inlet's flow at the pressure reached.
   const double change_a = ease_a_ * (flow_a_.value - size_.bottom_area * rate);
   const double change_b = ease_b_ * (flow_b_.value + size_.rod_side_area * rate);
   pressures_.a_pa += change_a;

@@ -36,6 +36,7 @@ void Spool::step(double span_s) {
 }
 
 double Spool::flow_request_m3ps() const {
+  // Pressure compensated: flow in proportion to travel beyond the dead band.
   const double open = std::abs(position_) - parameters_.dead_band;
   if (open <= 0.0) {
     return 0.0;

@@ -14,6 +14,7 @@ double flow_share(const SupplyParameters& parameters, std::span<const double> re
   if (sum <= 0.0) {
     return 1.0;
   }
+  // Flow sharing: pump's flow, and hydraulic power p sum(Q) <= P eta.
   double share = std::min(1.0, parameters.pump_flow_m3ps / sum);
   if (supply_pressure_pa > 0.0) {
     share = std::min(share,
@@ -34,6 +35,7 @@ PortPressures port_pressures(double force, double bottom_area, double rod_side_a
 
 ForceLimits force_limits(double bottom_area, double rod_side_area, double relief_pressure_pa,
                          double tank_pressure_pa) {
+  // F = p_a A - p_b B with relief on one side and tank on the other.
   return {-(relief_pressure_pa * rod_side_area - tank_pressure_pa * bottom_area),
           relief_pressure_pa * bottom_area - tank_pressure_pa * rod_side_area};
 }

@@ -18,6 +18,7 @@ DrumContact::DrumContact(const DrumParameters& parameters, double carried_mass_k
     : parameters_(parameters), count_(static_cast<std::size_t>(parameters.strips)) {
   const double share = 1.0 / static_cast<double>(parameters.strips);
   const auto bristle = [&](double slip_stiffness_n) {
+    // k = slip stiffness / relaxation length, c = 2 zeta sqrt(k m), each strip its share.
     const double stiffness = slip_stiffness_n / parameters.relaxation_length_m * share;
     return BristleParameters{
         stiffness, 2.0 * parameters.damping_ratio * std::sqrt(stiffness * carried_mass_kg * share),
@@ -39,6 +40,7 @@ double DrumContact::slide_across(const Eigen::Vector4d& velocity) const {
 }
 
 void DrumContact::limit(Strip& strip, double limit_n) {
+  // Friction circle: the trial force scaled to the limit, its direction kept.
   const double size = std::sqrt(strip.trial_along_n * strip.trial_along_n +
                                 strip.trial_across_n * strip.trial_across_n);
   const double scale = size > 0.0 ? limit_n / size : 0.0;
@@ -52,6 +54,7 @@ void DrumContact::begin(double h, const DrumSituation& situation, const Eigen::V
   rolling_mps_ = std::abs(parameters_.radius_m * situation.spin_radps);
   const double c = std::cos(situation.steer_rad);
   const double s = std::sin(situation.steer_rad);
+  // Rows of s and t (drum_contact.h) at y = 0.
   along_row_ << c, s, situation.x_m * s, -parameters_.radius_m;
   across_row_ << -s, c, situation.x_m * c, 0.0;
   const double across = slide_across(before);
@@ -92,6 +95,7 @@ DrumForces DrumContact::forces() const {
       continue;
     }
     const double g = strip.law_along.gain;
+    // Strip at y: row less y in the yaw rate, and y d' of the pivot's own turning to the offset.
     const double o = strip.law_along.offset + g * situation_.steer_rate_radps * y;
     gain += g;
     gain_y += g * y;
@@ -101,6 +105,7 @@ DrumForces DrumContact::forces() const {
     gain_across += strip.law_across.gain;
     offset_across += strip.law_across.offset;
   }
+  // sum g (J - y e_r)(J - y e_r)^T by the moments of g over y.
   DrumForces sum;
   sum.gain.noalias() = (gain * along_row_) * along_row_.transpose() +
                        (gain_across * across_row_) * across_row_.transpose();
@@ -172,6 +177,7 @@ void DrumContact::sum_up(const Eigen::Vector4d& velocity) {
     const double along = slide_along(velocity, i);
     along_n_ += strip.force_along_n;
     across_n_ += strip.force_across_n;
+    // Scrub about the pivot, and the power that the sliding strips lose.
     pivot_moment_nm_ -= strip.force_along_n * y_m_[i];
     loss_w_ -= strip.force_along_n * along + strip.force_across_n * across;
   }

@@ -7,6 +7,7 @@
 namespace rigwire::sim {
 namespace {
 
+/// z' = u - |V| z / sigma and F = -(k z + c z') as F = -(stiffness z + damping u) (bristle.h).
 DrumTangent::Law law(const BristleParameters& parameters, double rolling_mps) {
   const double renewal = rolling_mps / parameters.relaxation_length;
   const double damping = renewal == 0.0
@@ -42,6 +43,7 @@ bool DrumContact::rates(const DrumSituation& situation, const DrumInstant& at,
   const DrumTangent tangent = this->tangent(situation, at);
   const double along_0 = tangent.along_row.dot(at.velocity);
   const double across = tangent.across_row.dot(at.velocity);
+  // Slide along of a strip at y: s(0) - (r + d') y (drum_contact.h).
   const double turn = at.velocity[2] + at.steer_rate_radps;
   const bool alike = along_parameters_.stiffness == across_parameters_.stiffness;
   double sum_along = 0.0;
@@ -82,6 +84,7 @@ bool DrumContact::rates(const DrumSituation& situation, const DrumInstant& at,
 
 DrumForces DrumContact::stage(const DrumTangent& tangent, double ahead_s,
                               const DrumBristles& right) const {
+  // Bristle eliminated, a ahead: gain = k a / (1 + a renewal) + c, offset = -k z / (1 + a renewal).
   const double share_along = tangent.along.stiffness / (1.0 + ahead_s * tangent.along.renewal);
   const double share_across = tangent.across.stiffness / (1.0 + ahead_s * tangent.across.renewal);
   const double gain_along = share_along * ahead_s + tangent.along.damping;
@@ -121,6 +124,7 @@ DrumBristles DrumContact::stage_bristles(const DrumTangent& tangent, double ahea
                                          const Eigen::Vector4d& velocity) const {
   const double along_0 = tangent.along_row.dot(velocity);
   const double across = tangent.across_row.dot(velocity);
+  // z = (right + a u) / (1 + a renewal)
   const double scale_along = 1.0 / (1.0 + ahead_s * tangent.along.renewal);
   const double scale_across = 1.0 / (1.0 + ahead_s * tangent.across.renewal);
   DrumBristles result;

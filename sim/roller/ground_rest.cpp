@@ -32,6 +32,7 @@ void GroundRest::place_strips(const std::array<double, 2>& steer_rad) {
       const double y = ((static_cast<double>(i) + 0.5) * share - 0.5) * width_m_;
       StripGround& strip = strips_[drum * drum_strips_ + i];
       strip.p_B_m = {x - y * s, y * c};
+      // Normal equations of gap = heave + y roll - x pitch over all strips.
       const Eigen::Vector3d row(1.0, strip.p_B_m.y(), -strip.p_B_m.x());
       sums += row * row.transpose();
     }
@@ -55,6 +56,7 @@ void GroundRest::look(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
     const Eigen::Vector3d p_W = p_WB + x * R_WB.col(0) + y * R_WB.col(1);
     strip.point = ground_->at(p_W.x(), p_W.y(), ceiling_m);
     const Eigen::Vector3d& n = strip.point.normal_W;
+    // Gap along the frame's z to the surface's tangent plane, and that plane's slopes in the frame.
     const double scale = 1.0 / std::max(0.1, n.dot(R_WB.col(2)));
     strip.gap_m = (strip.point.height_m - p_W.z()) * n.z() * scale;
     strip.slope = {-scale * n.dot(R_WB.col(0)), -scale * n.dot(R_WB.col(1))};
@@ -81,6 +83,7 @@ RestMotion GroundRest::rates(double h, const Eigen::Vector3d& planar,
     right += Eigen::Vector3d(climbing, climbing * y, -climbing * x);
   }
   const RestMotion ground = fit(right);
+  // y'' = w^2 (gap) + 2 zeta w (y_g' - y') by backward Euler, the ground's own rate fed forward.
   const double stiff = h * frequency_radps_ * frequency_radps_;
   const double follow = stiff * h + 2.0 * damping_ratio_ * frequency_radps_ * h;
   const double scale = 1.0 / (1.0 + follow);

@@ -138,6 +138,7 @@ RollerDynamics::RollerDynamics(const RollerParameters& parameters)
 
 void RollerDynamics::step(double h, const RollerLoads& loads, HydrostaticDrive& drive,
                           RollerVelocity& velocity) {
+  // M x + h (gravity + supplements) on the right, M + h (motors' viscous friction) on the left.
   const double friction =
       drive.parameters().bypass ? 0.0 : drive.parameters().motor_friction_nmsprad;
   RollerMatrix A0 = RollerMatrix::Zero();
@@ -169,6 +170,7 @@ void RollerDynamics::step(double h, const RollerLoads& loads, HydrostaticDrive& 
     RollerVelocity b = b0;
     for (std::size_t i = 0; i < 2; ++i) {
       const auto w = static_cast<Eigen::Index>(3 + i);
+      // Strips: h G and h offsets in (u, v, r, w) of this drum.
       add_drum(drums_[i].forces(), h, i, A, b);
       const ImplicitForce brake = brakes_[i].law();
       const ImplicitForce rolling = rolling_[i].law();
@@ -179,12 +181,14 @@ void RollerDynamics::step(double h, const RollerLoads& loads, HydrostaticDrive& 
       const HydrostaticCircuit& circuit = drive.circuit(i);
       const Eigen::Vector2d d(circuit.displacement_m3prad[0], circuit.displacement_m3prad[1]);
       if (pressures[i].side == 0) {
+        // Oil: torque d p with p = offset - gain (d . w); at the relief valve p is the limit.
         A.bottomRightCorner<2, 2>() += (h * circuit.law.gain) * d * d.transpose();
         b.tail<2>() += (h * circuit.law.offset) * d;
       } else {
         b.tail<2>() += (h * pressures[i].side * relief) * d;
       }
     }
+    // (M + h G) x' = M x + h (offsets + gravity + supplements), clamp last (roller_dynamics.h).
     x = A.llt().solve(b);
     ++solves_;
 
@@ -198,6 +202,7 @@ void RollerDynamics::step(double h, const RollerLoads& loads, HydrostaticDrive& 
     }
     for (std::size_t i = 0; i < drive.circuits(); ++i) {
       const HydrostaticCircuit& circuit = drive.circuit(i);
+      // From one limit to the other it leads through being free: no jump across.
       int side = side_of(circuit.law.at(flow_taken(circuit, x)), relief);
       side = side * pressures[i].side < 0 ? 0 : side;
       changed = changed || side != pressures[i].side;
@@ -224,6 +229,7 @@ void RollerDynamics::step(double h, const RollerLoads& loads, HydrostaticDrive& 
 }
 
 void RollerDynamics::preload(const RollerLoads& loads, const std::array<double, 2>& normal_n) {
+  // Statics: the drums carry the slope's pull by their loads' shares, brakes the torque R F.
   const Eigen::Vector2d held_n = -loads.mass.mass_kg * loads.gravity_mps2;
   const double normal = normal_n[0] + normal_n[1];
   for (std::size_t i = 0; i < 2; ++i) {

@@ -134,6 +134,7 @@ RollerVector RollerStages::start(const RollerVelocity& velocity) const {
 
 DrumInstant RollerStages::drum_at(std::size_t instant, std::size_t drum,
                                   const RollerVector& y) const {
+  // Velocity from the axes at the step's start into those turned by the yaw since then.
   const double c = std::cos(y[kPlace + 2]);
   const double s = std::sin(y[kPlace + 2]);
   const SteerInstant& steer = loads_->steer[instant][drum];
@@ -178,9 +179,11 @@ bool RollerStages::rates(std::size_t instant, const RollerVector& y, RollerVecto
     fine = fine && std::abs(p) <= relief &&
            (relief == 0.0 || std::abs(p) < relief || p * change.pressure_pa[i] < 0.0);
     const std::array<double, 2> d = drive_->displacement_m3prad(i);
+    // Motors' torque D p.
     rate[kVelocity + 3] += d[0] * p;
     rate[kVelocity + 4] += d[1] * p;
   }
+  // Newton and Euler: the ground's forces turned back into the axes at the start, over the masses.
   const double c = std::cos(y[kPlace + 2]);
   const double s = std::sin(y[kPlace + 2]);
   rate[kVelocity] = c * body[0] - s * body[1] + mass_[0] * loads_->gravity_mps2[0];
@@ -193,10 +196,12 @@ bool RollerStages::rates(std::size_t instant, const RollerVector& y, RollerVecto
 void RollerStages::linearise(const RollerVector& y) {
   ahead_s_ = kGamma * h_;
   const HydrostaticDriveParameters& p = drive_->parameters();
+  // A lag eliminated: 1 / (1 + gamma h / tau).
   const auto lag = [this](double time_constant_s) {
     return time_constant_s > 0.0 ? 1.0 / (1.0 + ahead_s_ / time_constant_s) : 1.0;
   };
   lag_scale_ = {lag(p.engine_time_constant_s), lag(p.swash_time_constant_s)};
+  // M + gamma h G of strips, brakes and motors, bristles eliminated.
   Eigen::Matrix<double, 5, 5> A = mass_.asDiagonal();
   for (std::size_t i = 0; i < 2; ++i) {
     const DrumInstant drum = drum_at(0, i, y);
@@ -219,6 +224,7 @@ void RollerStages::linearise(const RollerVector& y) {
     for (std::size_t i = 0; i < drive_->circuits(); ++i) {
       const std::array<double, 2> each = drive_->displacement_m3prad(i);
       const Eigen::Vector2d d(each[0], each[1]);
+      // Oil: (gamma h)^2 d d^T / (C (1 + gamma h decay)), the pressure eliminated.
       A.bottomRightCorner<2, 2>() +=
           (ahead_s_ * ahead_s_ * pressure_scale_ / drive_->capacity_m3ppa()) * d * d.transpose();
     }
@@ -230,6 +236,7 @@ RollerVector RollerStages::solve(const RollerVector& right) const {
   RollerVector k = right;
   k[kEngine] *= lag_scale_[0];
   k[kSwash] *= lag_scale_[1];
+  // Right-hand sides of all that is eliminated, carried over to the five velocities.
   RollerVelocity b = mass_.cwiseProduct(right.segment<5>(kVelocity));
   for (std::size_t i = 0; i < 2; ++i) {
     const DrumForces drum =
@@ -254,6 +261,7 @@ RollerVector RollerStages::solve(const RollerVector& right) const {
     b[3] += d[0] * share;
     b[4] += d[1] * share;
   }
+  // Back: bristles, brakes and pressures from the velocities found.
   const RollerVelocity v = matrix_.solve(b);
   k.segment<5>(kVelocity) = v;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -293,6 +301,7 @@ bool RollerDynamics::smooth_step(IntegrationScheme scheme, double h, const Rolle
         !stages.rates(2, y + h * k3, k4)) {
       return false;
     }
+    // Classical Runge-Kutta.
     y += (h / 6.0) * (k1 + 2.0 * (k2 + k3) + k4);
   } else {
     stages.linearise(y);
@@ -301,6 +310,7 @@ bool RollerDynamics::smooth_step(IntegrationScheme scheme, double h, const Rolle
       return false;
     }
     k2 = stages.solve(k2 - 2.0 * k1);
+    // ROS2 (Verwer et al. 1999): y + h (3 k1 + k2) / 2.
     y += h * (1.5 * k1 + 0.5 * k2);
   }
   ++smooth_steps_;

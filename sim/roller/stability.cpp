@@ -86,6 +86,7 @@ double fastest(const RollerParameters& p, const std::array<double, 2>& steer_rad
   damping(3, 3) += spin_damping;
   damping(4, 4) += spin_damping;
 
+  // y' = A y linearised: z' = J v - renewal z, M v' = -K z - D v + d p, C p' = -d . w - leak p.
   Matrix13 A = Matrix13::Zero();
   A.block<5, 5>(0, 0).diagonal().setConstant(-drums.renewal);
   A.block<5, 5>(0, 7).setIdentity();

@@ -40,6 +40,7 @@ void PivotSteering::step(double h) {
     return;
   }
   const double side = error < 0.0 ? -1.0 : 1.0;
+  // At the rate limit until |error| = rate x time constant, exponentially from there: exact.
   const double near = parameters_.rate_max_radps * parameters_.time_constant_s;
   const double linear_s = std::max(0.0, (std::abs(error) - near) / parameters_.rate_max_radps);
   if (linear_s >= h) {

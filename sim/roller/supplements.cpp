@@ -57,6 +57,7 @@ void ChipSpreader::command(double rate_kgpm2) {
 }
 
 void ChipSpreader::step(double h, double speed_mps) {
+  // Mass flow = speed x width x rate.
   mass_kg_ = std::max(0.0, mass_kg_ - std::abs(speed_mps) * parameters_.width_m * rate_kgpm2_ * h);
 }
 
@@ -72,6 +73,7 @@ void EdgeCutter::step(double h) {
 }
 
 double EdgeCutter::lateral_n(double speed_mps) const {
+  // Side force grows linearly with the press and with the speed up to moving_mps.
   const double pressed = std::max(0.0, share_ - parameters_.press_share);
   const double moving = std::min(1.0, std::abs(speed_mps) / parameters_.moving_mps);
   const double away = parameters_.y_m > 0.0 ? -1.0 : 1.0;

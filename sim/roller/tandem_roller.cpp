@@ -139,6 +139,7 @@ void TandemRoller::set_motion(double forward_mps, double left_mps, double yaw_ra
   for (std::size_t i = 0; i < 2; ++i) {
     const double x = i == 0 ? parameters_.pivot_x_m : -parameters_.pivot_x_m;
     const double d = steering_[i].angle_rad();
+    // Rolling without slip: the pivot's velocity along the drum's heading over its radius.
     spin_radps_[i] = (forward_mps * std::cos(d) + (left_mps + yaw_rate_radps * x) * std::sin(d)) /
                      parameters_.drum.radius_m;
   }
@@ -228,6 +229,7 @@ void TandemRoller::load_strips(const Eigen::Matrix3d& R_WB, double speed_mps) {
     drum.steer_rate_radps = steering_[i].mean_rate_radps();
     drum.spin_radps = spin_radps_[i];
     const DrumContact& contact = dynamics_.drum(i);
+    // Load over the strips linear in y, with the drum's share of the tilting moment; none negative.
     double square = 0.0;
     for (std::size_t k = 0; k < strips; ++k) {
       square += contact.strip_y_m(static_cast<int>(k)) * contact.strip_y_m(static_cast<int>(k));
@@ -266,6 +268,7 @@ void TandemRoller::load_strips(const Eigen::Matrix3d& R_WB, double speed_mps) {
 
 void TandemRoller::move_dynamic(double h, const Eigen::Matrix3d& R_WB, const RestMotion& before,
                                 State& next) {
+  // To the centre of mass, whose motion the planar solve knows: v + w x c.
   const Eigen::Vector3d c(mass_.x_m, 0.0, 0.0);
   const Eigen::Vector3d v_WC_W = state_.v_WB_W + R_WB * state_.w_WB_B.cross(c);
   const Eigen::Vector3d v_WC_B = R_WB.transpose() * v_WC_W;
@@ -283,6 +286,7 @@ void TandemRoller::move_dynamic(double h, const Eigen::Matrix3d& R_WB, const Res
   spin_radps_ = {x[3], x[4]};
   pressure_pa_ = drive_.gauge_pressure_pa();
 
+  // Heave, roll and pitch follow the ground; the planar solve gives the rest.
   const RestMotion rest = rest_.rates(h, Eigen::Vector3d(x[0], x[1] - x[2] * c.x(), x[2]), before);
   const Eigen::Vector3d w(rest.roll, rest.pitch, x[2]);
   const Eigen::Vector3d v_next_W =
@@ -295,6 +299,7 @@ void TandemRoller::move_dynamic(double h, const Eigen::Matrix3d& R_WB, const Res
   next.w_WB_B = w;
   next.v_WB_W = v_next_W - R_next * w.cross(c);
   next.alpha_WB_B = (w - state_.w_WB_B) / h;
+  // a_B = a_C - alpha x c - w x (w x c).
   next.a_WB_W = (v_next_W - v_WC_W) / h - R_next * (next.alpha_WB_B.cross(c) + w.cross(w.cross(c)));
 }
 
@@ -302,7 +307,7 @@ void TandemRoller::move_kinematic(double h, const Eigen::Matrix3d& R_WB, const R
                                   State& next) {
   drive_.begin(h);
   const double base = 2.0 * parameters_.pivot_x_m;
-  // Speeds of the reference point for the drums' mean speed: u, v, yaw rate.
+  // Reference point at mean drum speed: v = u (tan f + tan r) / 2, r = u (tan f - tan r) / L.
   const auto bicycle = [&](double speed_mps, double front_rad, double rear_rad) {
     const double mean = 0.5 * (1.0 / std::cos(front_rad) + 1.0 / std::cos(rear_rad));
     const double u = speed_mps / mean;
@@ -324,6 +329,7 @@ void TandemRoller::move_kinematic(double h, const Eigen::Matrix3d& R_WB, const R
   pressure_pa_ = kinematic_pressure_pa(acceleration);
 
   const RestMotion rest = rest_.rates(h, middle, before);
+  // An arc at the step's middle velocity.
   const auto [ahead, aside] = arc(h * middle[2]);
   const Eigen::Vector3d way(ahead * middle[0] - aside * middle[1],
                             aside * middle[0] + ahead * middle[1], rest.heave);
@@ -335,6 +341,7 @@ void TandemRoller::move_kinematic(double h, const Eigen::Matrix3d& R_WB, const R
   next.v_WB_W = R_next * v;
   const Eigen::Vector3d change(acceleration, (end[1] - v_before.y()) / h,
                                (rest.heave - before.heave) / h);
+  // Derivative in turning axes: dv/dt + w x v.
   next.a_WB_W = R_next * (change + next.w_WB_B.cross(v));
   next.alpha_WB_B = (next.w_WB_B - state_.w_WB_B) / h;
 }

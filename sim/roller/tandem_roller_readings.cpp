@@ -37,6 +37,7 @@ LinkMotion carried(const LinkMotion& base, const Eigen::Vector3d& r, const Eigen
   const Eigen::Vector3d rate_W = R * rate;
   LinkMotion moved = base;
   moved.X_WL.translation() += r_W;
+  // Relative motion: w x r + r', and alpha x r + w x (w x r) + 2 w x r' + r''.
   moved.v_WL_W += base.w_WL_W.cross(r_W) + rate_W;
   moved.a_WL_W += base.alpha_WL_W.cross(r_W) + base.w_WL_W.cross(base.w_WL_W.cross(r_W)) +
                   2.0 * base.w_WL_W.cross(rate_W) + R * acceleration;
@@ -49,6 +50,7 @@ LinkMotion rotated(const LinkMotion& base, const Eigen::Vector3d& axis, double a
   const Eigen::Vector3d axis_W = base.X_WL.linear() * axis;
   LinkMotion moved = base;
   moved.X_WL.linear() = base.X_WL.linear() * Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+  // w + rate axis, alpha + rate' axis + rate (w x axis).
   moved.w_WL_W += rate * axis_W;
   moved.alpha_WL_W += acceleration * axis_W + rate * base.w_WL_W.cross(axis_W);
   return moved;
@@ -65,6 +67,7 @@ void TandemRoller::update_dust() {
   const double road_kgpm = road_dust_kgpm(mass_.mass_kg);
   for (std::size_t i = 0; i < 2; ++i) {
     const LinkMotion& drum = links_[3 + i];
+    // Road dust by the greater of surface and travel speed, shared by load (dust_emitter.h).
     const double speed_mps = std::max(std::abs(spin_radps_[i]) * parameters_.drum.radius_m,
                                       drum.v_WL_W.head<2>().norm());
     dust_[i] = rolling_dust(road_kgpm, drum.X_WL.translation() - upward(parameters_.drum.radius_m),
@@ -87,6 +90,7 @@ void TandemRoller::update_links() {
   if (vibration_[0].speed_share() > 0.0 || vibration_[1].speed_share() > 0.0) {
     const Oscillation front = vibration_[0].frame();
     const Oscillation rear = vibration_[1].frame();
+    // Frame on both mounts: heave is the mean of their motions, pitch the difference over the base.
     frame = carried(base, upward(0.5 * (front.position_m + rear.position_m)),
                     upward(0.5 * (front.velocity_mps + rear.velocity_mps)),
                     upward(0.5 * (front.acceleration_mps2 + rear.acceleration_mps2)));
@@ -117,6 +121,7 @@ OdometryReading TandemRoller::odometry() const {
   const double front = steering_[0].angle_rad();
   const double rear = steering_[1].angle_rad();
   OdometryReading reading;
+  // The kinematic bicycle read backwards from drum rates and angles (docs/machines/bomag-bw174.md).
   reading.speed_mps = 0.5 * parameters_.drum.radius_m *
                       (spin_radps_[0] * std::cos(front) + spin_radps_[1] * std::cos(rear));
   reading.slip_angle_rad = std::atan(0.5 * (std::tan(front) + std::tan(rear)));

@@ -28,6 +28,7 @@ void DrumVibration::step(double h) {
     speed_rate_per_s_ = 0.0;
     phase_rad_ += rate * speed_ * h;
   } else {
+    // Speed share ramps linearly; the phase is its exact integral.
     const double slope = (on_ ? 1.0 : -1.0) / parameters_.ramp_s;
     const double ramp_s = std::min(h, (target - speed_) / slope);
     phase_rad_ += rate * (speed_ + 0.5 * slope * ramp_s) * ramp_s;
@@ -53,6 +54,7 @@ Oscillation DrumVibration::at(double lag_rad, double share) const {
   const double e = speed_;
   const double e_rate = speed_rate_per_s_;
   const double amplitude = share * parameters_.amplitude_m;
+  // z = A s(e) sin(phi), s = e^2 (3 - 2 e), with the product rule's first and second derivative.
   const double a = amplitude * e * e * (3.0 - 2.0 * e);
   const double a_rate = amplitude * 6.0 * e * (1.0 - e) * e_rate;
   const double a_rate2 = amplitude * (6.0 - 12.0 * e) * e_rate * e_rate;

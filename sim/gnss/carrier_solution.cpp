@@ -53,6 +53,7 @@ void CarrierEngine::receive(const CorrectionInput& input) {
   if (!input.link) {
     return;
   }
+  // Newest whole interval that is older than the latency.
   const double arrived_s = to_seconds(input.time) - parameters_.latency_s;
   const SimTime newest = kStart + from_seconds(std::floor(arrived_s / parameters_.interval_s) *
                                                parameters_.interval_s);
@@ -97,11 +98,13 @@ void CarrierEngine::advance_rtk(const CorrectionInput& input, CorrectionOutput& 
   }
   if (fixed_) {
     output.carrier = CarrierSolution::fixed;
+    // Fixed: sigma + ppm x baseline; a radial sigma is sqrt(2) of each axis.
     const double by_baseline_m = p.fixed_per_baseline * p.baseline_m;
     put_error((p.fixed_horizontal_m + by_baseline_m) / std::numbers::sqrt2,
               p.fixed_vertical_m + by_baseline_m, output);
   } else {
     output.carrier = CarrierSolution::floating;
+    // Float: exponential convergence from start to end.
     const double fade = std::exp(-to_seconds(input.time - floating_) / p.float_decay_s);
     const double sigma_m = p.float_end_m + (p.float_start_m - p.float_end_m) * fade;
     put_error(sigma_m, sigma_m * p.vertical_ratio, output);
@@ -122,6 +125,7 @@ void CarrierEngine::advance_service(const CorrectionInput& input, CorrectionOutp
   }
   good_ = input.time;
   output.carrier = CarrierSolution::floating;
+  // Precise point service: exponential convergence from start to end.
   const double fade = std::exp(-to_seconds(input.time - floating_) / p.service_decay_s);
   const double sigma_m = p.service_end_m + (p.service_start_m - p.service_end_m) * fade;
   put_error(sigma_m, sigma_m * p.vertical_ratio, output);

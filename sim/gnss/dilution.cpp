@@ -56,6 +56,7 @@ class GeometricDilution final : public DilutionModel {
   Dilution reported(std::span<const Eigen::Vector3d> directions_W) const override {
     Dilution dilution;
     if (directions_W.size() == 3) {
+      // Height held: columns east, north, clock.
       Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
       for (const auto& e : directions_W) {
         const Eigen::Vector3d row(-e.x(), -e.y(), 1.0);
@@ -91,6 +92,7 @@ class GeometricDilution final : public DilutionModel {
 }  // namespace
 
 double RegressionTerm::raw(int satellites) const {
+  // Eq. 1 of Wolf et al. 2020 without rounding and clamp.
   return a * std::pow(rn, satellites);
 }
 

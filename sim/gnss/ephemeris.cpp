@@ -80,6 +80,7 @@ double eccentric_anomaly(double mean_anomaly_rad, double eccentricity) {
 }
 
 SatelliteState satellite_state(const GpsEphemeris& eph, const GpsTime& time, double offset_s) {
+  // Table 20-IV: t_k, A, n = n_0 + delta n, M_k, and Kepler's equation for E_k.
   const double since_toe_s =
       within_half_week(seconds_between(eph.week, eph.ephemeris_time_s, time, offset_s));
   const double a_m = eph.sqrt_semi_major_axis * eph.sqrt_semi_major_axis;
@@ -93,6 +94,7 @@ SatelliteState satellite_state(const GpsEphemeris& eph, const GpsTime& time, dou
   const double shape = 1.0 - e * cos_e;
   const double anomaly_rate = rate / shape;
 
+  // True anomaly, argument of latitude Phi_k; rates by differentiation of each line.
   const double flatness = std::sqrt(1.0 - e * e);
   const double phi = std::atan2(flatness * sin_e, cos_e - e) + eph.argument_of_perigee_rad;
   const double phi_rate = flatness * anomaly_rate / shape;
@@ -105,6 +107,7 @@ SatelliteState satellite_state(const GpsEphemeris& eph, const GpsTime& time, dou
     return 2.0 * phi_rate * (sine * cos_2phi - cosine * sin_2phi);
   };
 
+  // Second harmonics: u_k, r_k, i_k; node Omega_k in the turning earth.
   const double u = phi + harmonic(eph.latitude_sine_rad, eph.latitude_cosine_rad);
   const double u_rate = phi_rate + harmonic_rate(eph.latitude_sine_rad, eph.latitude_cosine_rad);
   const double r = a_m * shape + harmonic(eph.radius_sine_m, eph.radius_cosine_m);
@@ -140,6 +143,7 @@ SatelliteState satellite_state(const GpsEphemeris& eph, const GpsTime& time, dou
                               (equator_rate + x * node_rate) * across,
       y_rate * sin_i + y * cos_i * i_rate;
 
+  // 20.3.3.3.3.1: a_f0 + a_f1 t + a_f2 t^2 + F e sqrt(A) sin E_k, and its rate.
   const double since_toc_s =
       within_half_week(seconds_between(eph.week, eph.clock_time_s, time, offset_s));
   const double relativity = kRelativity * e * eph.sqrt_semi_major_axis;
@@ -194,6 +198,7 @@ GpsEphemeris reissued(const GpsEphemeris& eph, std::int64_t later_s, std::int64_
   GpsEphemeris next = eph;
   next.week = eph.week + static_cast<std::int32_t>(weeks);
   next.ephemeris_time_s = static_cast<double>(reference_s - weeks * 604'800);
+  // Angles go on by their rates to the new reference time.
   next.mean_anomaly_rad += std::fmod(rate * later, kTurn_rad);
   // The node is stated for the start of the week, in which the earth turns on.
   next.ascending_node_rad +=
@@ -203,6 +208,7 @@ GpsEphemeris reissued(const GpsEphemeris& eph, std::int64_t later_s, std::int64_
 
   const double toc_less_toe_s = within_half_week(eph.clock_time_s - eph.ephemeris_time_s);
   next.clock_time_s = next.ephemeris_time_s;
+  // The clock's polynomial restated for the new time of clock.
   const double drifting_s = std::clamp(later, -kWeek_s, kWeek_s) - toc_less_toe_s;
   constexpr double kLargestBias_s = 9.7e-4;
   next.clock_bias_s = std::clamp(

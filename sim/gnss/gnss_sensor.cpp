@@ -82,6 +82,7 @@ GnssSensor::Epoch GnssSensor::begin(SimTime time, const LinkMotion& antenna) {
   Reception& reception = epoch.reception;
   reception.time = time;
   reception.gps = calendar_.gps(time);
+  // Where the antenna is when the receiver's own clock shows the epoch.
   reception.p_W = antenna.X_WL.translation() + epoch.clock.measured_after_s * antenna.v_WL_W;
   reception.speed_mps = antenna.v_WL_W.norm();
   epoch.ned_from_world = frame_.ned_from_world(reception.p_W);
@@ -181,6 +182,7 @@ void GnssSensor::solve_paper(Epoch& epoch, GnssSample& sample) {
       std::isfinite(amplitude.vertical) ? amplitude.vertical : amplitude.horizontal;
   const double horizontal_sigma_m = amplitude.horizontal * range_sigma_m / std::numbers::sqrt2;
   const double vertical_sigma_m = vertical * range_sigma_m;
+  // Eq. 2 of Wolf et al. 2020: range error times dilution; level, sigma / sqrt(2) on each axis.
   epoch.error_ned_m = {horizontal_sigma_m * unit_error_[1].value(),
                        horizontal_sigma_m * unit_error_[0].value(),
                        -vertical_sigma_m * unit_error_[2].value()};
@@ -200,6 +202,7 @@ HeldHeight GnssSensor::held_height(const Epoch& epoch) {
     const double off_m = parameters_.errors ? kUnknownHeightSigma_m * held_random_.gaussian() : 0.0;
     held_ = {epoch.height_m + off_m, kUnknownHeightSigma_m, epoch.reception.ranges_p_W};
   }
+  // A held height ages by the slope of the ground over the way since.
   const double moved_m = (epoch.reception.ranges_p_W - held_->p_W).norm();
   return {held_->height_m - epoch.height_m, std::hypot(held_->sigma_m, kSlope * moved_m)};
 }
@@ -240,6 +243,7 @@ void GnssSensor::solve_velocity(Epoch& epoch, GnssSample& sample) {
   constexpr double kLeastSigma_mps = 1e-4;
   const double sigma_mps = std::max(parameters_.speed_sigma_mps, kLeastSigma_mps);
   for (std::size_t i = 0; i < equations_.size(); ++i) {
+    // Velocity by the same least squares, with range rates.
     equations_[i].error_m = parameters_.speed_sigma_mps * epoch.used[i]->error.rate_mps;
     equations_[i].sigma_m = sigma_mps;
     equations_[i].common_m = {};

@@ -92,6 +92,7 @@ void GnssSensor::measure(std::span<const ReceivedSatellite> received, const Epoc
       const RangeError& error = satellite.error;
       signal.ionosphere_m += error.ionosphere_m;
       signal.troposphere_m += error.troposphere_m;
+      // Code has orbit, detour and local errors; the carrier none of the local ones.
       signal.code_error_m = error.orbit_clock_m + error.detour_m + error.local_m;
       signal.carrier_error_m = error.orbit_clock_m + error.detour_m;
       signal.range_rate_error_mps = parameters_.speed_sigma_mps * error.rate_mps;

@@ -56,6 +56,7 @@ double multipath_envelope_m(const MultipathParameters& parameters, double extra_
   if (extra_path_m >= 1.5 * kChip_m) {
     return 0.0;
   }
+  // Amplitude ratio times delay, at most half the correlator spacing (Braasch 1996).
   const double ratio = std::pow(10.0, -parameters.reflection_loss_db / 20.0);
   return ratio * std::min(extra_path_m, 0.5 * parameters.correlator_spacing_m);
 }
@@ -92,6 +93,7 @@ void ReflectionSearch::find_paths(const Satellite& satellite, const Eigen::Vecto
     if (incidence < kLeastIncidence) {
       continue;
     }
+    // Image theory: the reflection comes from the direction mirrored at the wall, s - 2 (s . n) n.
     const Eigen::Vector3d mirrored = satellite.direction_W - 2.0 * incidence * plane.normal_W;
     const auto wall = visibility.surface(p_W, mirrored, clearance_m, parameters_.reach_m);
     ++rays_;
@@ -145,6 +147,7 @@ std::optional<double> ReflectionSearch::extra_path_m(std::uint32_t id, const Eig
   for (const std::uint32_t i : paths_[id].planes) {
     const Plane& plane = planes_[i];
     const double distance_m = plane.normal_W.dot(p_W) - plane.offset_m;
+    // Longer by 2 D (s . n), D the antenna's distance from the wall.
     const double extra_m = 2.0 * distance_m * plane.normal_W.dot(direction_W);
     if (extra_m >= 0.0 && (!shortest_m || extra_m < *shortest_m)) {
       shortest_m = extra_m;

@@ -136,6 +136,7 @@ std::vector<NominalOrbit> walker(GnssSystem system, double semi_major_axis_m,
     orbit.satellite = {system, numbers[i]};
     orbit.semi_major_axis_m = semi_major_axis_m;
     orbit.inclination_rad = inclination_rad;
+    // Walker 24/3/1: planes 120 deg apart, 45 deg in the plane, 15 deg from plane to plane.
     orbit.ascending_node_rad = plane * kTurn_rad / 3.0 - kGreenwichAtEpoch_rad;
     orbit.mean_anomaly_rad = place * kTurn_rad / 8.0 + plane * kTurn_rad / 24.0;
     orbit.mean_motion_radps =

@@ -19,6 +19,7 @@ double code_sigma_m(double cn0_dbhz) {
 
 double carrier_sigma_cycles(double cn0_dbhz) {
   constexpr double kBandwidth_hz = 15.0;
+  // Thermal noise of a phase loop: sqrt(B / (C/N0)) / (2 pi) cycles (Kaplan, Hegarty, 5.6.3).
   return std::sqrt(kBandwidth_hz / std::pow(10.0, cn0_dbhz / 10.0)) / (2.0 * std::numbers::pi);
 }
 
@@ -46,6 +47,7 @@ void Observations::measure(const Constellation& constellation, SimTime wanted,
   measurements.clear();
   for (const TrackedSignal& signal : signals) {
     const SignalPath path = signal_path(constellation, signal.satellite, antenna);
+    // Pseudorange and carrier phase of observations.h, what they share first.
     const double clocks_m = kLightSpeed_mps * (epoch.bias_s - path.satellite_clock_s);
     const double common_m = path.range_m + clocks_m + signal.troposphere_m;
     const double code_m =
@@ -57,6 +59,7 @@ void Observations::measure(const Constellation& constellation, SimTime wanted,
     const bool slipped = signal.slipped || lock.since == kNever || lock.seen != last_;
     if (slipped) {
       lock.since = wanted;
+      // A whole number that puts the carrier near the code.
       lock.ambiguity_cycles =
           std::round(code_m / kGpsL1Wavelength_m - carrier_cycles + random_.uniform(-400.0, 400.0));
     }

@@ -69,6 +69,7 @@ Square spread(std::span<const RangeEquation> equations, const Columns& columns,
   common.fill(Column::Zero(n));
   for (const RangeEquation& equation : equations) {
     const double variance = equation.sigma_m * equation.sigma_m;
+    // Column of K = (G^T W G)^-1 G^T W; R has own variances on its diagonal and common parts c c^T.
     const Column gain = inverse_normal * columns.row(equation) / variance;
     double own_variance = variance;
     for (std::size_t i = 0; i < kCommonErrors; ++i) {
@@ -84,6 +85,7 @@ Square spread(std::span<const RangeEquation> equations, const Columns& columns,
 }
 
 void note_dilution(const Square& q, const Columns& columns, PositionSolution& solution) {
+  // Roots of the diagonal of (G^T G)^-1.
   solution.dilution.north = std::sqrt(q(0, 0));
   solution.dilution.east = std::sqrt(q(1, 1));
   solution.dilution.horizontal = std::sqrt(q(0, 0) + q(1, 1));
@@ -120,6 +122,7 @@ std::optional<PositionSolution> solve_position(std::span<const RangeEquation> eq
     const Column row = columns.row(equation);
     const double weight = 1.0 / (equation.sigma_m * equation.sigma_m);
     const double by_height = -equation.direction_ned.z();
+    // Normal equations G^T W G x = G^T W eps; G^T G alone for the dilutions.
     weighted += weight * row * row.transpose();
     plain += row * row.transpose();
     right += weight * (equation.error_m - by_height * held_down_m) * row;
@@ -151,6 +154,7 @@ std::optional<PositionSolution> solve_position(std::span<const RangeEquation> eq
   solution.covariance_ned_m2.topLeftCorner(axes, axes) = covariance.topLeftCorner(axes, axes);
   solution.clock_sigma_m = std::sqrt(covariance(axes, axes));
   solution.clock_error_m = x(axes);
+  // Residuals eps - G x.
   solution.residuals_m.reserve(equations.size());
   for (const RangeEquation& equation : equations) {
     solution.residuals_m.push_back(equation.error_m + equation.direction_ned.z() * held_down_m -

@@ -18,6 +18,7 @@ constexpr double kLayerRadius_km = 6371.0 + 350.0;  // of the thin shell of the 
 
 /// Great-circle distance from the antenna to where the signal passes the ionosphere's shell.
 double pierce_distance_km(double elevation_rad) {
+  // Law of sines in the triangle of earth's centre, antenna and pierce point.
   const double at_shell = std::asin(kEarthRadius_km / kLayerRadius_km * std::cos(elevation_rad));
   return kEarthRadius_km * (0.5 * std::numbers::pi - elevation_rad - at_shell);
 }
@@ -89,6 +90,7 @@ void SatelliteErrors::advance(const RangeErrorParameters& p, double step_s, doub
   orbit_clock_.advance(step_s, p.orbit_clock_correlation_s, random_);
   code_noise_.advance(step_s, p.code_noise_correlation_s, random_);
   const double rest_s = p.multipath_correlation_s;
+  // 1 / tau = 1 / tau_rest + speed / length.
   const double moving_s = rest_s / (1.0 + rest_s * speed_mps / p.multipath_length_m);
   multipath_.advance(step_s, moving_s, random_);
   fading_.advance(step_s, kFadingCorrelation_s, random_);
@@ -106,6 +108,7 @@ RangeError SatelliteErrors::error(const RangeErrorParameters& p, const Atmospher
   const double orbit_sigma_m = share.orbit_clock * p.orbit_clock_sigma_m;
   const double noise_sigma_m = code_sigma_m(p, arrival.cn0_dbhz);
   const double open_multipath_m = p.multipath_sigma_m * over_sine(elevation);
+  // An envelope is a sine's amplitude, amplitude / sqrt(2) its deviation.
   const double multipath_sigma_m =
       std::hypot(open_multipath_m, arrival.reflection_envelope_m / std::numbers::sqrt2);
   RangeError error;
@@ -123,6 +126,7 @@ RangeError SatelliteErrors::error(const RangeErrorParameters& p, const Atmospher
                     gradient_m * std::sin(arrival.azimuth_rad),
                     p.troposphere_sigma_m * troposphere_mapping(elevation)};
   const double weak_m = p.weak_signal_sigma_mpdb * std::max(0.0, arrival.missing_db - kUsual_db);
+  // What the receiver believes: the variances of own and common parts.
   double variance_m2 = orbit_sigma_m * orbit_sigma_m + noise_sigma_m * noise_sigma_m +
                        open_multipath_m * open_multipath_m + weak_m * weak_m;
   for (const double common_m : error.common_m) {

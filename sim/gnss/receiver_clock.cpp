@@ -64,6 +64,7 @@ ReceiverClock::Knot ReceiverClock::next(const Knot& knot) {
   const double sigma = parameters_.wander_sigma;
   const double tau_s = parameters_.wander_correlation_s;
   const double x = kStep_s / tau_s;
+  // Exact discretisation of rate and integrated rate, whose noises are correlated (Cholesky).
   const double keep = std::exp(-x);
   const double lost = -std::expm1(-x);
   const double rate_sigma = sigma * std::sqrt(-std::expm1(-2.0 * x));
@@ -92,6 +93,7 @@ ReceiverClock::Reading ReceiverClock::read(double since_second_s) const {
   const auto i = static_cast<std::size_t>(whole + 1.0);
   const Knot& a = knots_[i];
   const Knot& b = knots_[i + 1];
+  // Cubic Hermite between seconds, so that the drift is the bias's derivative.
   const double d0 = parameters_.drift + a.wander;
   const double d1 = parameters_.drift + b.wander;
   const double t = since_second_s - whole;
@@ -113,6 +115,7 @@ ClockEpoch ReceiverClock::measure(SimTime wanted) {
   }
   measured_before_ = true;
 
+  // Solved by substitution: measured = label - bias(measured).
   const double label_ms = std::round(read(since_second_s).bias_s / kMillisecond_s);
   const double label_s = label_ms * kMillisecond_s;
   // The drift is below 1e-4: each round gains four digits.

@@ -64,6 +64,7 @@ void SatelliteChannels::find_above_horizon(const Reception& reception, const Loc
     ReceivedSatellite received;
     received.direction_W = (frame.world_from_ecef() * (state.position_E_m - p_E)).normalized();
     received.direction_ned = ned_from_world * received.direction_W;
+    // Elevation and azimuth of the direction in north, east, down.
     received.elevation_rad = std::asin(std::clamp(-received.direction_ned.z(), -1.0, 1.0));
     if (received.elevation_rad <= 0.0) {
       channel.tracker.set();
@@ -105,6 +106,7 @@ void SatelliteChannels::arrive(Channel& channel, ReceivedSatellite& received,
       reflections_.extra_path_m(channel_of_[static_cast<std::size_t>(&received - received_.data())],
                                 reception.p_W, received.direction_W);
   if (extra_m) {
+    // The stronger path is tracked; a weaker reflection bends the code by its envelope.
     const double reflected_dbhz = direct_cn0_dbhz(sky, sin_elevation, SkyArrival{}) -
                                   parameters_.multipath.reflection_loss_db;
     if (reflected_dbhz > direct_dbhz) {

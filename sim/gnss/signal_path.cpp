@@ -32,6 +32,7 @@ SignalPath signal_path(const Constellation& constellation, std::size_t index,
     const Eigen::Vector3d from_antenna_m = satellite_m - antenna.position_E_m;
     path.range_m = from_antenna_m.norm();
     path.direction_E = from_antenna_m / path.range_m;
+    // -d(range)/d(flight) / c: the satellite stands further back and is turned further.
     by_flight =
         path.direction_E.dot(satellite_mps + earth_rate.cross(satellite_m)) / kLightSpeed_mps;
     const double missing_s = path.range_m / kLightSpeed_mps - path.flight_s;

@@ -64,6 +64,7 @@ SkyArrival sky_arrival(const SkyViewParameters& parameters, const Visibility& vi
     cast(direction_W);
   } else {
     static const std::array<Eigen::Vector2d, kMostSamples> kDisc = make_disc();
+    // A disc across the direction at distance 1.
     const Eigen::Vector3d u = direction_W.unitOrthogonal();
     const Eigen::Vector3d v = direction_W.cross(u);
     const double radius = std::tan(parameters.cone_half_angle_deg * kDegree);
@@ -89,6 +90,7 @@ double direct_cn0_dbhz(const SkyViewParameters& parameters, double sin_elevation
   if (!(arrival.open_share > 0.0)) {
     return -std::numeric_limits<double>::infinity();
   }
+  // By sine of elevation; foliage in dB per metre; an open share of 1/2 costs 6 dB (Parsons, 3.3).
   return parameters.cn0_horizon_dbhz +
          (parameters.cn0_zenith_dbhz - parameters.cn0_horizon_dbhz) * sin_elevation -
          parameters.foliage_attenuation_dbpm * arrival.foliage_m +

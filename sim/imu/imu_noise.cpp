@@ -33,9 +33,11 @@ RandomErrors::RandomErrors(const RandomErrorParameters& parameters, RandomStream
 Eigen::Vector3d RandomErrors::next(double dt_s, RandomStream& random) {
   Eigen::Vector3d error = Eigen::Vector3d::Zero();
   if (parameters_.noise_density > 0.0) {
+    // White: N / sqrt(dt).
     error += parameters_.noise_density / std::sqrt(dt_s) * gaussian3(random);
   }
   if (parameters_.random_walk > 0.0) {
+    // Random walk: K sqrt(dt) per sample.
     walk_ += parameters_.random_walk * std::sqrt(dt_s) * gaussian3(random);
     error += walk_;
   }
@@ -43,6 +45,7 @@ Eigen::Vector3d RandomErrors::next(double dt_s, RandomStream& random) {
     if (dt_s != dt_s_) {
       dt_s_ = dt_s;
       for (std::size_t i = 0; i < kProcesses; ++i) {
+        // Flicker: exact transition of each Gauss-Markov process, exp(-dt / tau).
         decay_[i] = std::exp(-dt_s / kCorrelationTimes_s[i]);
         drive_[i] =
             flicker_deviation_ * std::sqrt(-std::expm1(-2.0 * dt_s / kCorrelationTimes_s[i]));

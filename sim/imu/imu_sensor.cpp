@@ -74,6 +74,7 @@ ImuSensor::Triad::Triad(const InertialTriadParameters& parameters, std::uint64_t
 
 Eigen::Vector3d ImuSensor::Triad::measure(const Eigen::Vector3d& truth, double temperature_c,
                                           double dt_s) {
+  // (1 + scale(T)) misaligned x + bias(T) + random errors, then quantised and clamped.
   const double warmer = temperature_c - kReferenceTemperature_c;
   Eigen::Vector3d value = matrix_ * truth + parameters_.scale_temperature * warmer * truth + bias_;
   value.array() += parameters_.bias_temperature * warmer;
@@ -97,6 +98,7 @@ Eigen::Vector3d ImuSensor::acceleration_W(SimTime time, const LinkMotion& mount)
     return mount.a_WL_W;
   }
   if (time > previous_) {
+    // Wolf et al. 2020, section 4: difference of velocities over the time between.
     difference_W_ = (mount.v_WL_W - previous_v_W_) / to_seconds(time - previous_);
   }
   previous_v_W_ = mount.v_WL_W;
@@ -112,6 +114,7 @@ ImuSample ImuSensor::sample(SimTime time, const LinkMotion& mount, double gravit
   const double dt_s =
       time > previous_ ? to_seconds(time - previous_) : parameters_.nominal_period_s;
   previous_ = time;
+  // Self-heating: ambient + dT (1 - exp(-t / tau)).
   const double temperature_c =
       parameters_.ambient_temperature_c -
       parameters_.self_heating_k * std::expm1(-to_seconds(time - *first_) / parameters_.warm_up_s);
@@ -120,9 +123,11 @@ ImuSample ImuSensor::sample(SimTime time, const LinkMotion& mount, double gravit
   const double gravity = parameters_.acceleration == ImuAcceleration::velocity_difference
                              ? kStandardGravity_mps2
                              : gravity_mps2;
+  // Specific force f = R^T (a - g).
   const Eigen::Vector3d force_S = R_SW * (a_W + Eigen::Vector3d(0.0, 0.0, gravity));
   Eigen::Vector3d rate_W = mount.w_WL_W;
   if (parameters_.earth_rate) {
+    // Earth's rate in east, north, up: W (0, cos latitude, sin latitude).
     rate_W += kEarthRate_radps * Eigen::Vector3d(0.0, std::cos(parameters_.latitude_rad),
                                                  std::sin(parameters_.latitude_rad));
   }

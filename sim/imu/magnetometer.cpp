@@ -23,6 +23,7 @@ const MagnetometerParameters& checked(const MagnetometerParameters& parameters) 
 }  // namespace
 
 Eigen::Vector3d earth_field_t(double strength_t, double declination_rad, double inclination_rad) {
+  // Declination from north to east, inclination downward.
   const double level = strength_t * std::cos(inclination_rad);
   return {level * std::sin(declination_rad), level * std::cos(declination_rad),
           -strength_t * std::sin(inclination_rad)};
@@ -83,6 +84,7 @@ MagnetometerSample Magnetometer::sample(SimTime time, const LinkMotion& mount, d
       previous_ && time > *previous_ ? to_seconds(time - *previous_) : parameters_.nominal_period_s;
   previous_ = time;
   const Eigen::Vector3d field_S = mount.X_WL.linear().transpose() * parameters_.earth_field_W_t;
+  // y = soft_iron b + hard_iron + current_effect I + bias + noise, then quantised and clamped.
   Eigen::Vector3d value = parameters_.soft_iron * field_S + parameters_.hard_iron_t +
                           current_a * parameters_.current_effect_tpa + bias_t_ +
                           errors_.next(dt_s, random_);

@@ -64,6 +64,7 @@ AirEchoes pass_air(const Weather& weather, WeatherBeam beam, std::span<const flo
   for (SubRayHits& hit : hits) {
     if (hit.energy[lane] > 0.0F) {
       const auto range_m = static_cast<double>(hit.range_m[lane]);
+      // Beer and Lambert: exp(-2 tau) by the two-way depth at the hit's range.
       const auto transmission = static_cast<float>(std::exp(-depths.at(range_m)));
       hit.energy[lane] *= transmission;
       hit.brightness[lane] *= transmission;
@@ -74,6 +75,7 @@ AirEchoes pass_air(const Weather& weather, WeatherBeam beam, std::span<const flo
     const auto range_m = static_cast<float>(path.echoes[k].range_m);
     float share = 0.0F;
     for (std::size_t i = 0; i < weights.size(); ++i) {
+      // Share of the beam that no surface has stopped before the air's echo.
       share += hits[i].range_m[lane] > range_m ? weights[i] : 0.0F;
     }
     const float energy = share * static_cast<float>(path.echoes[k].energy);

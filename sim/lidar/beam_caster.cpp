@@ -17,6 +17,7 @@ constexpr std::size_t kMostSubRays = 1000 + 6;
 constexpr double kSpeedOfLight_mps = 299792458.0;
 
 SubRayAim aim_of(const SubRay& ray) {
+  // Place in the plane across the beam at distance 1, and one over the ray's length to it.
   const double right = std::tan(ray.right_rad);
   const double up = std::tan(ray.up_rad);
   return {.right = static_cast<float>(right),
@@ -115,6 +116,7 @@ BeamCaster::BeamCaster(const SpinningLidarParameters& parameters, const LidarPat
       divergence_rad_(
           std::sqrt(pattern.beam.horizontal_divergence_rad * pattern.beam.vertical_divergence_rad)),
       air_key_(RandomStream(seed, std::string(name) + "/air").bits()) {
+  // Half a pulse's length in space, c tau / 2.
   rules_.pulse_m = static_cast<float>(0.5 * kSpeedOfLight_mps * to_seconds(pattern.beam.pulse));
   rules_.separation_m = static_cast<float>(parameters.echo_separation_m);
   rules_.threshold = model_.threshold();

@@ -20,6 +20,7 @@ RIGWIRE_WIDE_VECTORS void look_across(const RTCRay8& middle, const std::array<La
     const float dx = middle.dir_x[i];
     const float dy = middle.dir_y[i];
     const float dz = middle.dir_z[i];
+    // right = d x axis, unit; up = right x d.
     const float x = dy * axis[2][i] - dz * axis[1][i];
     const float y = dz * axis[0][i] - dx * axis[2][i];
     const float z = dx * axis[1][i] - dy * axis[0][i];
@@ -98,6 +99,7 @@ RIGWIRE_WIDE_VECTORS void receive_hits(const RayGroup& group, std::size_t sub_ra
     const float range = group.range_m[ray];
     const float cosine = group.cosine[ray];
     const float reflectance = reception.retro_alone ? 0.0F : group.reflectance[ray];
+    // Energy weight x rho cos / r^2; reported brightness without 1 / r^2.
     const float apparent = apparent_reflectance(reflectance, group.retro_gain[ray], cosine);
     const float reported =
         reception.compensates_incidence ? apparent + reflectance * (1.0F - cosine) : apparent;
@@ -110,6 +112,7 @@ RIGWIRE_WIDE_VECTORS void receive_hits(const RayGroup& group, std::size_t sub_ra
     const float nx = group.normal_x[ray];
     const float ny = group.normal_y[ray];
     const float nz = group.normal_z[ray];
+    // Depth of the sub-ray's patch on its slanted plane: r (a |n . right| + b |n . up|) / |n . d|.
     const float to_right = nx * across.right_x[i] + ny * across.right_y[i] + nz * across.right_z[i];
     const float to_top = nx * across.up_x[i] + ny * across.up_y[i] + nz * across.up_z[i];
     const float along = nx * group.x[ray] + ny * group.y[ray] + nz * group.z[ray];
@@ -153,6 +156,7 @@ RIGWIRE_WIDE_VECTORS void sum_up(std::span<const SubRayHits> hits, const LaneArr
   }
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
+    // Mean range weighted by energy.
     const bool any = echo.energy[i] > 0.0F;
     echo.range_m[i] = any ? near_m[i] + behind[i] / echo.energy[i] : 0.0F;
   }

@@ -41,6 +41,7 @@ std::vector<SubRay> grid() {
       if ((column == 0 && row == 0) || std::abs(column + row) > kGridRings) {
         continue;
       }
+      // Hexagonal grid in axial coordinates, weight by a Gaussian of its radius.
       const double x = kGridSpacing * (column + 0.5 * row);
       const double y = kGridSpacing * std::sqrt(0.75) * row;
       const double weight = std::exp(-kGridDecay * (x * x + y * y));
@@ -60,6 +61,7 @@ std::vector<SubRay> spiral(int count) {
   std::vector<SubRay> rays;
   for (int i = 0; i < count; ++i) {
     const double outside = 1.0 - (i + 0.5) / count;  // share of the pulse farther out
+    // exp(-2 r^2) of a Gaussian pulse lies beyond r; its density there is 2 / pi exp(-2 r^2).
     const double radius = i == 0 ? 0.0 : std::sqrt(-0.5 * std::log(outside));
     const double share_per_area = 2.0 / std::numbers::pi * outside;
     rays.push_back(at(radius, golden_angle * i, weight, std::sqrt(weight / share_per_area)));

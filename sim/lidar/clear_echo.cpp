@@ -68,6 +68,7 @@ RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
     // Rotations leave the normal's length as it is.
     const float square =
         hit.Ng_x[i] * hit.Ng_x[i] + hit.Ng_y[i] * hit.Ng_y[i] + hit.Ng_z[i] * hit.Ng_z[i];
+    // Lambert: reflectance times |n . d| / |n|.
     const bool met = (surface[i] != RTC_INVALID_GEOMETRY_ID) & (square > 0.0F);
     incidence.cosine[i] = met ? std::abs(along[i]) / std::sqrt(square) : 0.0F;
     incidence.brightness[i] = reflectance[i] * incidence.cosine[i];
@@ -94,6 +95,7 @@ RIGWIRE_WIDE_VECTORS void receive(const RTCRay8& ray, const Incidence& incidence
     const float brightness = incidence.brightness[i];
     const float range = ray.tfar[i];
     const float measured = range + noise_m[i];
+    // Energy rho cos / r^2 at or above the least that is detected (link_budget.h).
     const bool seen = (window.echo_limit_m2 * brightness >= range * range) &
                       (range >= window.minimum_m) & (measured >= window.minimum_m) &
                       (measured <= window.maximum_m);

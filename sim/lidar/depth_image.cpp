@@ -37,6 +37,7 @@ float DepthImage::stored(float depth_m) const {
   if (format_ == DepthFormat::reversed_float) {
     return static_cast<float>(near_m_) / depth_m / static_cast<float>(near_m_);
   }
+  // Depth buffer of 24 bits: levels even in 1 / z between the two planes.
   const double span = 1.0 / near_m_ - 1.0 / far_m_;
   const double share = (1.0 / near_m_ - 1.0 / static_cast<double>(depth_m)) / span;
   const double level = std::round(std::clamp(share, 0.0, 1.0) * kGreatest24);
@@ -60,6 +61,7 @@ std::size_t DepthImage::render_row(const Scene& scene, const DepthImageView& vie
   const Eigen::Matrix3f R_SW = R_WS.transpose().cast<float>();
   const Eigen::Vector3f p = (view.X_WS.translation() - in.origin_W).cast<float>();
   const double v = top_px_ - static_cast<double>(row) - 0.5;
+  // Pinhole: forward + (u / f) right + (v / f) up, v once per row.
   const Eigen::Vector3d in_row = R_WS * (axes_.forward_S + (v / focal_px_) * axes_.up_S);
   const Eigen::Vector3d along_row = R_WS * axes_.right_S;
 

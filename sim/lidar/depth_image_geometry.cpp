@@ -47,6 +47,7 @@ DepthImageGeometry::DepthImageGeometry(const DepthImageParameters& parameters,
   width_px_ = static_cast<std::size_t>(parameters.width_px);
   sector_rad_ = kTurn / parameters.cameras;
   field_of_view_rad_ = field_of_view_rad(parameters);
+  // f = (W / 2) / tan(field of view / 2).
   focal_px_ = 0.5 * parameters.width_px / std::tan(0.5 * field_of_view_rad_);
   sector_edge_px_ = focal_px_ * std::tan(0.5 * sector_rad_);
   for (std::size_t camera = 0; camera < cameras_; ++camera) {
@@ -74,6 +75,7 @@ DepthImageGeometry::DepthImageGeometry(const DepthImageParameters& parameters,
   double highest_px = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     const LaserGeometry& laser = pattern.lasers[i];
+    // Row's shift of a beam that leaves above the origin, at the nearest range looked up.
     const double parallax_px =
         parameters.parallax_steps > 0
             ? focal_px_ * std::abs(laser.vertical_offset_m) /
@@ -121,6 +123,7 @@ ImagePoint DepthImageGeometry::beam(std::size_t laser, double azimuth_rad) const
   if (row_rule_ == RowRule::straight) {
     at.v_px = a_px;
   } else {
+    // Eq. 4 of Wolf et al. 2020: v = a sqrt(1 + (u / b)^2), exact for b = f.
     const double b_px =
         row_rule_ == RowRule::hyperbola_focal ? focal_px_ : 0.5 * static_cast<double>(width_px_);
     const double x = at.u_px / b_px;
@@ -135,6 +138,7 @@ ImagePoint DepthImageGeometry::project(const Eigen::Vector3d& p_S) const {
 
 ImagePoint DepthImageGeometry::project(const Eigen::Vector3d& p_S, std::size_t likely) const {
   const auto seen_by = [&](std::size_t camera) {
+    // Pinhole: u = f right . p / forward . p, v = f up . p / forward . p.
     const double scale = focal_px_ / axes(camera).forward_S.dot(p_S);
     return ImagePoint{camera, scale * axes(camera).right_S.dot(p_S), scale * p_S.z()};
   };

@@ -59,6 +59,7 @@ void set_hit(SubRayHits& hits, std::size_t lane, const SeenSurface& seen, float 
   const auto range_m = static_cast<float>(seen.range_m);
   const bool hit = range_m > 0.0F;
   const bool returns = hit && range_m >= minimum_m;
+  // Energy rho cos / r^2 (link_budget.h).
   const float apparent = apparent_reflectance(seen.reflectance, seen.retro_gain, seen.cosine);
   const float head_on = apparent_reflectance(seen.reflectance, seen.retro_gain, 1.0F);
   hits.range_m[lane] = hit ? range_m : SubRayHits::kNothing;

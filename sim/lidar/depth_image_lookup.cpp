@@ -34,6 +34,7 @@ class Sampler {
                                              clamped(cell_.row, rows, image_.height_px())));
   }
   [[nodiscard]] double bilinear(double w00, double w10, double w01, double w11) const {
+    // Linear along both rows, then between them.
     const double above = w00 + cell_.right * (w10 - w00);
     const double below = w01 + cell_.right * (w11 - w01);
     return above + cell_.down * (below - above);
@@ -93,6 +94,7 @@ double plane_inverse_depth(const DepthImage& image, const DepthImageGeometry& ge
                            std::size_t pixel, const ImagePoint& centre, const ImagePoint& at) {
   const double nearest = image.inverse_depth(pixel);
   const Eigen::Vector3d normal_S = image.normal_S(pixel).cast<double>();
+  // On the plane 1 / z is in proportion to n . direction.
   const double tilt =
       normal_S.dot(geometry.direction_S(at)) / normal_S.dot(geometry.direction_S(centre));
   return tilt > 1.0 / kGreatestTilt && tilt < kGreatestTilt ? nearest * tilt : nearest;

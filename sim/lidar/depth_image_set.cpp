@@ -82,6 +82,7 @@ SeenSurface DepthImageSet::see(const Scene& scene, std::size_t laser, double azi
   }
   const double u = at.u_px / geometry_.focal_px();
   const double v = at.v_px / geometry_.focal_px();
+  // Planar depth z to range: z |forward + (u / f) right + (v / f) up|.
   double range_m = std::sqrt(1.0 + u * u + v * v) / found.inverse_depth;
   const BeamLine beam = beam_line(lasers_[laser], azimuth_rad);
   // The surface is not where the beam passes the camera's line of sight, but near it.

@@ -14,6 +14,7 @@ EchoPart merged(std::span<const EchoPart> parts) {
   for (const EchoPart& part : parts) {
     sum.energy += part.energy;
     sum.brightness += part.brightness;
+    // Mean range weighted by energy, counted from the nearest for the digits' sake.
     behind += part.energy * (part.range_m - nearest_m);
   }
   sum.range_m += behind / sum.energy;

@@ -66,6 +66,7 @@ void EchoModel::measure(const EchoLanes& echo, const ShotNumbers& shots, EchoRan
       }
     }
     for (std::size_t i = 0; i < kLanes; ++i) {
+      // Gaussian range noise, by signal to noise where asked for (link_budget.h).
       measured_m[i] += spread_m[i] * normal[i];
     }
   }
@@ -99,6 +100,7 @@ void EchoModel::lose(const LaneArray& reflectivity, const ShotNumbers& shots, Ec
   const std::uint64_t key = loss_keys_[static_cast<std::size_t>(rank)];
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     const double intensity = static_cast<double>(reflectivity[lane]);
+    // Probability of a loss: falls linearly with the reflectivity to 0 at the limit.
     const double faint =
         intensity < drop_limit_ ? drop_at_zero_ * (1.0 - intensity / drop_limit_) : 0.0;
     if (counter_uniform(shot_loss_key_, shots[lane]) < drop_rate_ ||

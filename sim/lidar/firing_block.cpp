@@ -51,6 +51,7 @@ RIGWIRE_WIDE_VECTORS void fill_lanes(const MountRamp& mount, const RotorLanes& r
     float* const column = lanes.data() + c * kLanes;
 #pragma GCC ivdep
     for (std::size_t i = 0; i < kLanes; ++i) {
+      // Linear over the block, pose and rates alike.
       column[i] = mount.first[c] + lane_step * place[i] * mount.change[c];
     }
   }

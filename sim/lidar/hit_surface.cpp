@@ -43,6 +43,7 @@ RIGWIRE_WIDE_VECTORS void meet_surfaces(const Scene::Internals::Shading* shading
     const float x = surfaces.normal_x[i];
     const float y = surfaces.normal_y[i];
     const float z = surfaces.normal_z[i];
+    // Cosine of incidence |n . d| / |n|.
     const float along = x * ray.dir_x[i] + y * ray.dir_y[i] + z * ray.dir_z[i];
     const float square = x * x + y * y + z * z;
     surfaces.cosine[i] = square > 0.0F ? std::abs(along) / std::sqrt(square) : 0.0F;

@@ -15,12 +15,14 @@ RIGWIRE_WIDE_VECTORS void fill_rays(const FiringLanes& firing, const LaserLanes&
   RTCRay8& ray = packet.ray;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
+    // Rotor's turn by the laser's delay, as series: the angle is small.
     const float dt = l(6)[i];
     const float turn = dt * f(20)[i];
     const float cos_turn = 1.0F - 0.5F * turn * turn;
     const float sin_turn = turn - turn * turn * turn * (1.0F / 6.0F);
     const float cos_rotor = f(18)[i] * cos_turn - f(19)[i] * sin_turn;
     const float sin_rotor = f(19)[i] * cos_turn + f(18)[i] * sin_turn;
+    // Azimuth = rotor + laser's offset, clockwise from x; then the beam turned into the world.
     const float cosine = cos_rotor * l(2)[i] - sin_rotor * l(3)[i];
     const float sine = sin_rotor * l(2)[i] + cos_rotor * l(3)[i];
     const float x_S = l(0)[i] * cosine;
@@ -33,6 +35,7 @@ RIGWIRE_WIDE_VECTORS void fill_rays(const FiringLanes& firing, const LaserLanes&
     ray.dir_x[i] = x + dt * (f(16)[i] * z - f(17)[i] * y);
     ray.dir_y[i] = y + dt * (f(17)[i] * x - f(15)[i] * z);
     ray.dir_z[i] = z + dt * (f(15)[i] * y - f(16)[i] * x);
+    // Start: the sensor's place at the laser's instant, and the laser beside and above its origin.
     const float px_S = -l(5)[i] * sine;
     const float py_S = -l(5)[i] * cosine;
     const float pz_S = l(4)[i];

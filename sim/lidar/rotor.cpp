@@ -100,6 +100,7 @@ RotorState Rotor::at(SimTime time) {
   while (time >= next_.start) {
     act();
   }
+  // Constant acceleration within a stretch: azimuth is quadratic in time.
   const double age_s = to_seconds(time - stretch_.start);
   return {back_into_turn(stretch_.azimuth_rad +
                          age_s * (stretch_.rate_radps + 0.5 * age_s * acceleration_radps2_)),
@@ -120,6 +121,7 @@ double Rotor::wanted_rate() const {
   if (!command_.phase_lock || commanded == 0.0) {
     return commanded;
   }
+  // Phase lock: proportional to the phase's error, within a share of the speed.
   const double error_rad =
       std::remainder(wanted_phase(stretch_.start) - stretch_.azimuth_rad, kTurn);
   const double most = parameters_.phase_speed_share * std::abs(commanded);
@@ -137,12 +139,14 @@ void Rotor::act() {
   stretch_ = next_;
   const double wanted = wanted_rate();
   const double most = parameters_.acceleration_radps2 * kPeriod_s;
+  // Motor: first-order lag, exact over the stretch, with limited acceleration.
   const double lack = wanted - steered_radps_;
   const double share = -std::expm1(-kPeriod_s / parameters_.time_constant_s);
   steered_radps_ = std::abs(lack) < std::min(kSameRate_radps, most)
                        ? wanted
                        : steered_radps_ + std::clamp(share * lack, -most, most);
   if (parameters_.wander_radps > 0.0) {
+    // Gauss-Markov wander, exact: e w + sigma sqrt(1 - e^2) n.
     const double kept = std::exp(-kPeriod_s / parameters_.wander_correlation_s);
     wander_radps_ = kept * wander_radps_ + parameters_.wander_radps * std::sqrt(1.0 - kept * kept) *
                                                counter_gaussian(wander_key_, ++draws_);

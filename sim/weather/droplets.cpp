@@ -30,6 +30,7 @@ double pulse_place(double pulse_m, std::size_t nodes) {
 }  // namespace
 
 DropletOptics fog_optics(const FogParameters& parameters, double inverse_mor_pm) {
+  // Rasshofer et al. 2011: alpha = ln 20 / MOR, beta in proportion to 1 / MOR.
   return {std::log(20.0) * inverse_mor_pm, parameters.backscatter * inverse_mor_pm};
 }
 
@@ -38,6 +39,7 @@ DropletOptics haze_optics(const HazeParameters& parameters, double inverse_visib
     return {};
   }
   const double visibility_km = 1e-3 / inverse_visibility_pm;
+  // Kruse et al. 1962: alpha = (3.912 / V) (wavelength / 550 nm)^-q.
   const double exponent =
       visibility_km > 50.0 ? 1.6 : (visibility_km > 6.0 ? 1.3 : 0.585 * std::cbrt(visibility_km));
   const double extinction_pm =
@@ -63,6 +65,7 @@ double fog_path_m(const FogParameters& parameters, double z0_m, double climb, do
     return length_m;
   }
   const double scale_m = parameters.scale_height_m;
+  // Full below the base; above it the integral of exp(-z / H): (1 - exp(-f)) / f of the rest.
   const double below_m = low_m < 0.0 ? std::min(-low_m / slope, length_m) : 0.0;
   const double above_m = length_m - below_m;
   const double start = std::exp(-std::max(low_m, 0.0) / scale_m);
@@ -109,6 +112,7 @@ double SoftEchoTable::energy_at(double range_m, double extinction_pm, double pul
     if (s_m > overlap_start_m_) {
       const double overlap =
           std::min((s_m - overlap_start_m_) / (overlap_end_m_ - overlap_start_m_), 1.0);
+      // Hahner et al. 2021: cos^2(pi u / 2 L) exp(-2 alpha s) xi(s) / s^2.
       sum += 0.5 * (1.0 + cos_phase) * transmission * overlap / (s_m * s_m);
     }
   }
@@ -130,6 +134,7 @@ SoftEcho SoftEchoTable::search(double extinction_pm, double pulse_m, double near
       best_m = range_m;
     }
   }
+  // Golden section about the best of the coarse steps.
   double low_m = std::max(first_m, best_m - kRangeStep_m);
   double high_m = std::min(last_m, best_m + kRangeStep_m);
   for (int i = 0; i < 14; ++i) {
@@ -150,6 +155,7 @@ SoftEcho SoftEchoTable::look_up(double extinction_pm, double pulse_m) const {
   const double y = pulse_place(pulse_m, kPulses);
   const auto i = std::min(static_cast<std::size_t>(x), kExtinctions - 2);
   const auto j = std::min(static_cast<std::size_t>(y), kPulses - 2);
+  // Bilinear in range and in the energy's logarithm.
   const double u = x - static_cast<double>(i);
   const double v = y - static_cast<double>(j);
   const auto blend = [&](double Node::*member) {

@@ -28,6 +28,7 @@ double union_cost(const DustPuff& a, const DustPuff& b) {
 }  // namespace
 
 double DustPuff::share_above_ground() const {
+  // Normal distribution's share above the ground's plane.
   return 0.5 * std::erfc(-(centre_W.z() - ground_z_m) / std::sqrt(2.0 * variance_m2));
 }
 
@@ -38,6 +39,7 @@ DustPuff merged(const DustPuff& a, const DustPuff& b) {
   const Eigen::Vector3d apart = b.centre_W - a.centre_W;
   puff.centre_W = a.centre_W + (1.0 - share) * apart;
   puff.ground_z_m = share * a.ground_z_m + (1.0 - share) * b.ground_z_m;
+  // Second moment about the common centre; the separation's square spread evenly over three axes.
   puff.variance_m2 = share * a.variance_m2 + (1.0 - share) * b.variance_m2 +
                      share * (1.0 - share) * apart.squaredNorm() / 3.0;
   return puff;
@@ -91,8 +93,10 @@ void DustCloud::move(double step_s, const Eigen::Vector2d& wind_mps) {
     puff.centre_W.head<2>() += way_m;
     puff.centre_W.z() =
         std::max(puff.centre_W.z() - parameters_.settling_mps * step_s, puff.ground_z_m);
+    // Diffusion: ds^2 = 2 K dt.
     puff.variance_m2 += 2.0 * parameters_.diffusivity_m2ps * step_s;
     const double height_m = puff.centre_W.z() - puff.ground_z_m;
+    // Density at the ground per mass, a Gaussian in height; dm/dt = -v m (that), exact over h.
     const double at_ground_pm =
         std::exp(-0.5 * height_m * height_m / puff.variance_m2) /
         (std::sqrt(2.0 * std::numbers::pi * puff.variance_m2) * puff.share_above_ground());

@@ -63,6 +63,7 @@ void DustField::fill(std::span<const DustPuff> puffs, const WeatherParameters& p
   puffs_.clear();
   groups_.clear();
   for (const DustPuff& puff : puffs.first(std::min(puffs.size(), kMostPuffs))) {
+    // Depth through the middle k m / (2 pi s^2); negligible from sqrt(2 s^2 ln(depth / least)) on.
     const double optical_area_m2 =
         parameters_.mass_extinction_m2pkg * puff.mass_kg / puff.share_above_ground();
     const double middle_depth = optical_area_m2 / (2.0 * std::numbers::pi * puff.variance_m2);
@@ -137,6 +138,7 @@ void DustField::find(const Eigen::Vector3d& start_W, const Eigen::Vector3d& dire
     for (std::size_t i = group.first; i < group.last; ++i) {
       const Puff& puff = puffs_[i];
       const Eigen::Vector3d to = puff.centre_W - start_W;
+      // Nearest approach of the beam to the centre; along the beam a Gaussian of the same s.
       const double nearest_m = to.dot(direction_W);
       const double miss_m2 = (to - nearest_m * direction_W).squaredNorm();
       if (miss_m2 >= puff.cut_m2) {
@@ -154,6 +156,7 @@ void DustField::find(const Eigen::Vector3d& start_W, const Eigen::Vector3d& dire
 double DustField::depth(const Passages& found, double length_m) {
   double sum = 0.0;
   for (const Passage& passage : found.span()) {
+    // Line integral of a Gaussian: peak s sqrt(2 pi) (Phi(end) - Phi(start)).
     sum += passage.peak_pm * passage.sigma_m * kRootTwoPi *
            (normal_share((length_m - passage.nearest_m) / passage.sigma_m) -
             normal_share(-passage.nearest_m / passage.sigma_m));
@@ -206,6 +209,7 @@ void DustField::by_optical_depth(const WeatherBeam& beam, std::uint64_t counter,
   }
   double low_m = 0.0;
   double high_m = beam.far_m;
+  // Bisection for the range at which the depth is the drawn one.
   for (int i = 0; i < 30; ++i) {
     const double middle_m = 0.5 * (low_m + high_m);
     (depth(found, middle_m) < drawn ? low_m : high_m) = middle_m;
@@ -299,6 +303,7 @@ void DustField::backscatter(const WeatherBeam& beam, double air_pm, const Passag
   for (std::size_t i = 0; i < echogram.steps; ++i) {
     const double here_pm = echogram.value[i];
     if (i > 0) {
+      // Two-way depth of a step by the trapezoidal rule.
       transmission *= fade((before_pm + here_pm + 2.0 * air_pm) * echogram.step_m);
     }
     before_pm = here_pm;
@@ -324,6 +329,7 @@ void DustField::backscatter(const WeatherBeam& beam, double air_pm, const Passag
     const double energy = echogram.averaged(i);
     if (energy >= beam.detection_energy) {
       if (echo.energy == 0.0) {
+        // Leading edge: linear between the steps about the limit.
         const double share = (beam.detection_energy - before) / (energy - before);
         echo.range_m =
             std::max(s_m - (1.0 - std::clamp(share, 0.0, 1.0)) * echogram.step_m, beam.near_m);

@@ -35,6 +35,7 @@ DropSpectrum rain_spectrum(const RainParameters& parameters, double rain_mmph) {
   if (rain_mmph <= 0.0) {
     return {};
   }
+  // Marshall and Palmer 1948.
   return {8000.0 * kPerMillimetre, 4.1 * std::pow(rain_mmph, -0.21) * kPerMillimetre,
           parameters.smallest_drop_m};
 }
@@ -43,11 +44,13 @@ DropSpectrum snow_spectrum(const SnowParameters& parameters, double snow_mmph) {
   if (snow_mmph <= 0.0) {
     return {};
   }
+  // Gunn and Marshall 1958.
   return {parameters.intercept * std::pow(snow_mmph, -0.87) * kPerMillimetre,
           2.55 * std::pow(snow_mmph, -0.48) * kPerMillimetre, parameters.smallest_flake_m};
 }
 
 double spectrum_extinction_pm(const DropSpectrum& spectrum, double extinction_efficiency) {
+  // Integral of D^2 N(D) above D0: N0 exp(-x) (2 + 2 x + x^2) / Lambda^3, x = Lambda D0.
   const double x = spectrum.slope_pm * spectrum.smallest_m;
   const double second_moment =
       spectrum.intercept_pm4 * std::exp(-x) * (2.0 + 2.0 * x + x * x) / cubed(spectrum.slope_pm);
@@ -55,10 +58,12 @@ double spectrum_extinction_pm(const DropSpectrum& spectrum, double extinction_ef
 }
 
 double goodin_extinction_pm(double rain_mmph) {
+  // Goodin et al. 2019: 0.01 R^0.6.
   return rain_mmph > 0.0 ? 0.01 * std::pow(rain_mmph, 0.6) : 0.0;
 }
 
 double drop_reflectance(double refractive_index) {
+  // Fresnel at normal incidence.
   const double amplitude = (refractive_index - 1.0) / (refractive_index + 1.0);
   return amplitude * amplitude;
 }
@@ -75,6 +80,7 @@ DropEchoes::Cone DropEchoes::cone(const WeatherBeam& beam, double energy) const 
   const double a_pm = beam.divergence_rad * std::sqrt(energy / reflectance_);
   cone.fall_pm2 = spectrum_.slope_pm * a_pm;
   cone.knee_m = std::clamp(std::sqrt(spectrum_.smallest_m / a_pm), cone.nearest_m, cone.farthest_m);
+  // Up to the knee every drop is bright enough: volume; beyond it the share exp(-Lambda a r^2).
   cone.to_knee = (cubed(cone.knee_m) - cubed(cone.nearest_m)) / 3.0;
   cone.beyond = maxwell_integral(cone.fall_pm2, cone.farthest_m) -
                 maxwell_integral(cone.fall_pm2, cone.knee_m);
@@ -107,6 +113,7 @@ int DropEchoes::count(const WeatherBeam& beam, std::uint64_t counter, Cone& cone
     cone = this->cone(beam, energy);
   }
   const double expected = cone.drops();
+  // Poisson's distribution inverted term by term.
   double probability = std::exp(-expected);
   int drops = 0;
   for (double sum = probability; u > sum && probability > 1e-18; sum += probability) {
@@ -120,6 +127,7 @@ DropEchoes::Drop DropEchoes::drop(const WeatherBeam& beam, const Cone& cone, dou
                                   std::uint64_t counter) const {
   double share = counter_uniform(beam.draw_key, counter) * cone.drops();
   double range_m = 0.0;
+  // Range by inverting the cumulative number: a cube root before the knee, bisection beyond it.
   if (share < cone.knee_density * cone.to_knee) {
     range_m = std::cbrt(cubed(cone.nearest_m) + 3.0 * share / cone.knee_density);
   } else {
@@ -139,6 +147,7 @@ DropEchoes::Drop DropEchoes::drop(const WeatherBeam& beam, const Cone& cone, dou
   const double diameter_m =
       std::max(bright_m, spectrum_.smallest_m) -
       std::log(counter_uniform(beam.draw_key, counter + 1)) / spectrum_.slope_pm;
+  // LISA: rho_d min((D / D_b)^2, 1) / r^2.
   const double filled = std::min(diameter_m * diameter_m / (beam_m * beam_m), 1.0);
   return {range_m, reflectance_ * filled / (range_m * range_m)};
 }

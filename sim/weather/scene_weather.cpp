@@ -46,6 +46,7 @@ AirState state_at(const std::vector<WeatherFrame>& course, Duration time) {
   }
   const AirState b = state_of(*after);
   const Duration since = time - std::prev(after)->at;
+  // Linear between two frames of the course.
   const double share = to_seconds(since) / to_seconds(after->at - std::prev(after)->at);
   const auto blend = [share](const auto& from, const auto& to) {
     return (1.0 - share) * from + share * to;
@@ -169,6 +170,7 @@ AirPath SceneWeather::along(const WeatherBeam& beam) const {
            (foggy ? air.fog.extinction_pm * fog_path_m(parameters_.fog, z_m, climb, range_m) : 0.0);
   };
   const double depth = depth_to(beam.far_m);
+  // Beer and Lambert, there and back.
   path.transmission = std::exp(-2.0 * depth);
   if (!air.dust.empty()) {
     WeatherBeam carried = beam;

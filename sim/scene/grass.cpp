@@ -17,6 +17,7 @@ constexpr double kBelowGround_m = 0.05;
 
 /// Axes of a patch that tilts as the ground does over it.
 Eigen::Matrix3d tilted_frame(const HeightField& ground, const Eigen::Vector2d& p, double reach_m) {
+  // Tilt by central differences of the ground's height.
   const double east =
       ground.height_m(p.x() + reach_m, p.y()) - ground.height_m(p.x() - reach_m, p.y());
   const double north =

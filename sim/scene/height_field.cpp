@@ -16,6 +16,7 @@ double HeightField::height_m(double x_m, double y_m) const {
   const double fy = v - static_cast<double>(r);
   const double south_east = node(c + 1, r);
   const double north_west = node(c, r + 1);
+  // Plane of the south-western or of the north-eastern triangle.
   if (fx + fy <= 1.0) {
     const double south_west = node(c, r);
     return south_west + fx * (south_east - south_west) + fy * (north_west - south_west);

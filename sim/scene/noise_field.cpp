@@ -10,6 +10,7 @@ constexpr double kHurst = 0.8;
 /// Standard deviation of one layer of unit-gradient noise in two dimensions, found numerically.
 constexpr double kLayerDeviation = 0.25;
 
+/// Gradient of a lattice corner, its angle by a hash of seed and place, times the way to it.
 double corner(std::uint64_t seed, std::int64_t x, std::int64_t y, double dx, double dy) {
   std::uint64_t z = seed ^ (static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15ULL) ^
                     (static_cast<std::uint64_t>(y) * 0xC2B2AE3D27D4EB4FULL);
@@ -20,10 +21,12 @@ double corner(std::uint64_t seed, std::int64_t x, std::int64_t y, double dx, dou
   return dx * std::cos(angle) + dy * std::sin(angle);
 }
 
+/// Perlin 2002: 6 t^5 - 15 t^4 + 10 t^3, no second derivative at the corners.
 double fade(double t) {
   return t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
 }
 
+/// One layer of gradient noise: four corners, blended by fade.
 double layer(std::uint64_t seed, double x, double y) {
   const double cell_x = std::floor(x);
   const double cell_y = std::floor(y);
@@ -44,6 +47,7 @@ NoiseField::NoiseField(std::uint64_t seed, double longest_m, int octaves)
     : seed_(seed), frequency_(1.0 / longest_m), octaves_(octaves), scale_(0.0) {
   double variance = 0.0;
   for (int octave = 0; octave < octaves; ++octave) {
+    // Layers are independent, their variances add; each has 2^-H of the last one's height.
     variance += std::pow(2.0, -2.0 * kHurst * octave);
   }
   scale_ = 1.0 / (kLayerDeviation * std::sqrt(variance));

@@ -76,6 +76,7 @@ void validate(const LevelTerrain& terrain) {
 
 HeightField make_hills(const HillsTerrain& terrain, std::uint64_t seed) {
   validate(terrain);
+  // Mean slope plus fractal roughness (noise_field.h).
   const NoiseField noise(RandomStream(seed, "scene/terrain").bits(), terrain.longest_wave_m,
                          octaves(terrain.longest_wave_m, terrain.cell_m));
   return make_field(terrain.size_m, terrain.cell_m, [&](double x, double y) {

@@ -22,6 +22,7 @@ struct Shape {
 /// Distance outside the floor's rounded rectangle; negative inside.
 double outside_floor(const PitTerrain& pit, double x, double y) {
   constexpr double kCorner_m = 8.0;
+  // Signed distance of a rectangle with rounded corners.
   const double dx = std::abs(x - pit.floor_centre_m.x()) - pit.floor_half_lengths_m.x() + kCorner_m;
   const double dy = std::abs(y - pit.floor_centre_m.y()) - pit.floor_half_lengths_m.y() + kCorner_m;
   return std::hypot(std::max(dx, 0.0), std::max(dy, 0.0)) + std::min(std::max(dx, dy), 0.0) -
@@ -42,6 +43,7 @@ Shape benches(const PitTerrain& pit, double distance) {
   const double within = distance - level * pitch;
   Shape shape{level * pit.bench_height_m + std::min(within / run, 1.0) * pit.bench_height_m,
               pit.face_roughness_m * std::min(1.0, distance)};
+  // Windrow on the berm's edge, a triangle across.
   const double from_ridge = std::abs(within - run - kWindrowHalfWidth_m);
   shape.height_m += pit.windrow_height_m * std::max(0.0, 1.0 - from_ridge / kWindrowHalfWidth_m);
   return shape;
@@ -56,6 +58,7 @@ Shape pit_shape(const PitTerrain& pit, double x, double y) {
     shape = {ramp, beside > 0.0 ? pit.face_roughness_m : pit.floor_roughness_m};
   }
   for (const Heap& heap : pit.heaps) {
+    // Heap: a cone at its angle of repose.
     const double away = std::hypot(x - heap.centre_m.x(), y - heap.centre_m.y());
     const double cone = heap.height_m - away * std::tan(heap.repose_deg * kDegree);
     shape.height_m = std::max(shape.height_m, cone);

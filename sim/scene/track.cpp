@@ -89,6 +89,7 @@ std::vector<double> graded_heights(const HeightField& field, const Track& track,
       } else if (j < 0 || j >= count) {
         continue;
       }
+      // Gaussian weights, renormalised where the line ends.
       const double z = static_cast<double>(k) / std::max(deviation, 1e-9);
       const double weight = std::exp(-0.5 * z * z);
       sum += weight * raw[static_cast<std::size_t>(j)];
@@ -150,6 +151,7 @@ TrackLine::Nearest TrackLine::nearest(const Eigen::Vector2d& p_m) const {
   for (std::size_t i = 0; i < pieces; ++i) {
     const Eigen::Vector2d& from = points_m[i];
     const Eigen::Vector2d piece = points_m[(i + 1) % points_m.size()] - from;
+    // Foot of the perpendicular, held to the piece's ends.
     const double share = std::clamp((p_m - from).dot(piece) / piece.squaredNorm(), 0.0, 1.0);
     const double distance = (p_m - from - share * piece).norm();
     if (distance < best.distance_m) {
@@ -206,6 +208,7 @@ void carve(HeightField& field, const Track& track, std::uint64_t seed) {
     }
     const double x = field.origin_m.x() + field.cell_m * static_cast<double>(node % field.columns);
     const double y = field.origin_m.y() + field.cell_m * static_cast<double>(node / field.columns);
+    // Graded way, over the shoulder back into the natural ground.
     const double beside = distance_m[node] - 0.5 * track.width_m;
     const double natural =
         track.shoulder_m > 0.0 ? smoothstep(beside / track.shoulder_m) : (beside > 0.0 ? 1.0 : 0.0);

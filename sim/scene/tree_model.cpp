@@ -62,6 +62,7 @@ double crown_radius_m(const Habit& h, double t) {
 }
 
 double trunk_radius_m(const Habit& h, double z_m) {
+  // A cone from the tip through the diameter at breast height.
   const double at_foot = 0.5 * h.trunk_diameter_m / (1.0 - kBreastHeight_m / h.height_m);
   return std::max(0.01, at_foot * std::min(1.2, 1.0 - z_m / h.height_m));
 }
@@ -216,6 +217,7 @@ double leaf_area_m2(const TreeModel& model) {
   double area = 0.0;
   const auto& v = model.leaves.vertices;
   for (const auto& [a, b, c] : model.leaves.triangles) {
+    // Triangles' areas; of cards the share that the mask leaves.
     area += 0.5 * static_cast<double>((v[b] - v[a]).cross(v[c] - v[a]).norm());
   }
   return area * (model.leaves.alpha ? model.leaves.alpha->coverage() : 1.0);

@@ -101,6 +101,7 @@ std::vector<PlacedTree> place_trees(const TreeField& trees, const HeightField& g
     for (int attempt = 0; attempt < kTriesPerTree; ++attempt) {
       const double x = random.uniform(-1.0, 1.0);
       const double y = random.uniform(-1.0, 1.0);
+      // Hard-core stand: uniform places, those nearer than the spacing to another drawn again.
       const Eigen::Vector2d spot =
           trees.centre_m + trees.half_lengths_m.cwiseProduct(Eigen::Vector2d(x, y));
       if (within(trees.keep_out, spot) || within(keep_out, spot) || !stand.free(spot) ||

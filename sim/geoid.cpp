@@ -28,6 +28,7 @@ void check(const std::string& quantity, double value, double lower, double upper
 
 /// Cubic through four values at -1, 0, 1, 2.
 double keys(double before, double at_0, double at_1, double after, double t) {
+  // Keys 1981 with a = -1/2: slopes by central differences.
   const double slope_0 = 0.5 * (at_1 - before);
   const double slope_1 = 0.5 * (after - at_0);
   const double rise = at_1 - at_0;
@@ -108,6 +109,7 @@ bool GeoidGrid::covers(double latitude_deg, double longitude_deg) const {
 double GeoidGrid::height_m(std::ptrdiff_t row, std::ptrdiff_t column) const {
   const auto rows = static_cast<std::ptrdiff_t>(layout_.rows);
   const auto columns = static_cast<std::ptrdiff_t>(layout_.columns);
+  // Across a pole along the opposite meridian.
   if (row < 0 && south_pole_) {
     row = -row;
     column += columns / 2;

@@ -47,6 +47,7 @@ LinkMotion LinkMotionInterpolation::operator()(SimTime time) const {
 
   LinkMotion result;
   Eigen::Quaterniond q;
+  // Spherical linear interpolation of the attitude, cubic Hermite of the position.
   q.coeffs() = sine_ratio(1.0 - s, half_angle_rad_) * q0_.coeffs() +
                sine_ratio(s, half_angle_rad_) * q1_.coeffs();
   result.X_WL.linear() = q.toRotationMatrix();
@@ -65,6 +66,7 @@ LinkMotion at_mount(const LinkMotion& link, const Eigen::Isometry3d& X_LS) {
   LinkMotion sensor;
   const Eigen::Vector3d r_W = link.X_WL.linear() * X_LS.translation();
   sensor.X_WL = link.X_WL * X_LS;
+  // Rigid body: v + w x r, a + alpha x r + w x (w x r).
   sensor.v_WL_W = link.v_WL_W + link.w_WL_W.cross(r_W);
   sensor.w_WL_W = link.w_WL_W;
   sensor.a_WL_W =

@@ -92,6 +92,7 @@ Eigen::Vector3d LocalFrame::to_ecef(const Eigen::Vector3d& p_W) const {
 
 Eigen::Matrix3d LocalFrame::ned_from_world(const Eigen::Vector3d& p_W) const {
   const GeodeticPoint point = to_geodetic(p_W);
+  // By way of earth-fixed axes; north, east, down exchanges the first two and turns up over.
   const Eigen::Matrix3d enu_from_world =
       enu_from_ecef(point.latitude_deg, point.longitude_deg) * world_from_ecef_.transpose();
   Eigen::Matrix3d ned_from_enu;

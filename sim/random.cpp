@@ -6,6 +6,7 @@
 namespace rigwire::sim {
 namespace {
 
+/// SplitMix64: a counter by the golden ratio, then two multiply-xorshift rounds.
 std::uint64_t split_mix(std::uint64_t& state) {
   state += 0x9E3779B97F4A7C15ULL;
   std::uint64_t z = state;
@@ -14,6 +15,7 @@ std::uint64_t split_mix(std::uint64_t& state) {
   return z ^ (z >> 31U);
 }
 
+/// FNV-1a, 64 bits.
 std::uint64_t fnv1a(std::string_view text) {
   std::uint64_t hash = 0xCBF29CE484222325ULL;
   for (const char c : text) {
@@ -33,6 +35,7 @@ RandomStream::RandomStream(std::uint64_t seed, std::string_view name) {
 }
 
 std::uint64_t RandomStream::bits() {
+  // xoshiro256++ (Blackman and Vigna 2021).
   const std::uint64_t result = std::rotl(state_[0] + state_[3], 23) + state_[0];
   const std::uint64_t shifted = state_[1] << 17U;
   state_[2] ^= state_[0];
@@ -57,6 +60,7 @@ double RandomStream::gaussian() {
     has_spare_ = false;
     return spare_gaussian_;
   }
+  // Marsaglia's polar method: a point in the unit disc gives two normal numbers.
   double u = 0.0;
   double v = 0.0;
   double s = 0.0;

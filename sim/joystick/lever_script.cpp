@@ -54,6 +54,7 @@ JoystickSample LeverScript::at(SimTime time) const {
   const auto next = std::ranges::upper_bound(keyframes_, passed, {}, &LeverKeyframe::time);
   const LeverKeyframe& before = next == keyframes_.begin() ? *next : *std::prev(next);
   const LeverKeyframe& after = next == keyframes_.end() ? before : *next;
+  // Linear between the keyframes; buttons as of the one before.
   const double whole = to_seconds(after.time - before.time);
   const double share = whole > 0.0 ? to_seconds(passed - before.time) / whole : 0.0;
   for (std::size_t axis = 0; axis < kJoystickAxes; ++axis) {

@@ -38,6 +38,7 @@ OdometryReading odometry(const OdometryParameters& p, const VehicleSample& sampl
   const double wheelbase = p.front_distance_m + p.rear_distance_m;
   const double front = steering_tangent(sample.front_steer_rad);
   const double rear = steering_tangent(sample.rear_steer_rad);
+  // Double Ackermann: tan(beta), and yaw rate per forward speed (odometry.h).
   const double slip_tangent = (p.front_distance_m * rear + p.rear_distance_m * front) / wheelbase;
   const double yaw_per_m = (front - rear) / wheelbase;
 
@@ -69,6 +70,7 @@ OdometryReading odometry(const OdometryParameters& p, const VehicleSample& sampl
   OdometryReading reading;
   reading.speed_mps = count > 0 && std::isfinite(sum) ? sum / count : 0.0;
   reading.slip_angle_rad = std::atan(slip_tangent);
+  // kappa = cos(beta) (tan f - tan r) / L.
   reading.curvature_1pm = yaw_per_m / std::hypot(1.0, slip_tangent);
   return reading;
 }

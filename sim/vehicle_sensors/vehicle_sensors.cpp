@@ -90,6 +90,7 @@ void VehicleSensors::count(const VehicleSample& exact) {
     if (!started_) {
       encoder.reading_radps = std::round(seen * p.gate_s / tick_rad) * tick_rad / p.gate_s;
     }
+    // Angle by the trapezoidal rule, in ticks; the rate is the whole ticks of a gate over its time.
     encoder.ticks += 0.5 * (encoder.last_radps + seen) * span_s / tick_rad;
     encoder.last_radps = seen;
     if (gate_ends) {
@@ -108,6 +109,7 @@ double VehicleSensors::steering_angle(Steering& steering, double angle_rad) cons
   if (!std::isfinite(angle_rad)) {
     return angle_rad;
   }
+  // Backlash: the shaft follows only where it would be farther than half the play.
   const double half = 0.5 * parameters_.steer_play_rad;
   if (!steering.known) {
     steering.shaft_rad = angle_rad;

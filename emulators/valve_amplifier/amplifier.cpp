@@ -230,6 +230,7 @@ double ValveAmplifier::wanted_ma(std::size_t section) const {
   if (opening == 0.0) {
     return 0.0;
   }
+  // Linear from the current of the least opening to that of the full one.
   return parameters_.current_start_ma +
          (parameters_.current_full_ma - parameters_.current_start_ma) * opening;
 }
@@ -247,6 +248,7 @@ double ValveAmplifier::carried(std::size_t section) const {
     return 0.0;
   }
   const double span_ma = parameters_.current_full_ma - parameters_.current_start_ma;
+  // Inverse of wanted_ma(): the opening that the greatest current carries.
   const double opening = (coils_[section].greatest_ma() - parameters_.current_start_ma) / span_ma;
   return std::copysign(std::clamp(opening, 0.0, std::abs(set_point)), set_point);
 }
@@ -272,6 +274,7 @@ void ValveAmplifier::drive_coils(SimTime now) {
   double power_w = electronics.idle_power_w;
   for (std::size_t i = 0; i < sections(); ++i) {
     const double current_a = defect_.coil_shorted[i] ? 0.0 : coils_[i].current_ma(now) * 1e-3;
+    // Losses of the output stages, i^2 R.
     power_w += current_a * current_a * electronics.output_resistance_ohm;
   }
   driver_temperature_c_ = warmed_c(driver_temperature_c_, defect_.ambient_c, power_w,
@@ -370,6 +373,7 @@ double ValveAmplifier::position(SimTime now, std::size_t section) const {
     return mean;
   }
   const double omega = 2.0 * std::numbers::pi * parameters_.dither.frequency_hz;
+  // Dither through the spool's lag: amplitude / sqrt(1 + (w tau)^2), phase -atan(w tau).
   const double lag = omega * settings_.spool_time_constant_s;
   const double span_ma = std::max(1.0, parameters_.current_full_ma - parameters_.current_start_ma);
   const double ripple = amplitude_ma / span_ma / std::hypot(1.0, lag);

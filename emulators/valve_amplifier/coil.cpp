@@ -15,11 +15,13 @@ constexpr double kGreatestShort_ma = 60e3;  // what a current sensor of such a s
 
 double warmed_c(double temperature_c, double surroundings_c, double power_w, double resistance_kpw,
                 double time_constant_s, Duration span) {
+  // First-order lag towards surroundings + R_th P, exact for a constant power.
   const double end_c = surroundings_c + resistance_kpw * power_w;
   return end_c + (temperature_c - end_c) * std::exp(-to_seconds(span) / time_constant_s);
 }
 
 double ValveCoil::resistance_ohm() const {
+  // R(T) = R20 (1 + a (T - 20 degC)), IEC 60228; never below a tenth.
   return parameters_.resistance_ohm *
          std::max(0.1, 1.0 + kCopperPerKelvin * (temperature_c_ - kReference_c));
 }
@@ -59,6 +61,7 @@ double ValveCoil::current_ma(SimTime now) const {
   }
   const double resistance = resistance_ohm();
   const bool driven = drive_.set_ma >= start_ma_;
+  // RL circuit, tau = L / R: towards U / R while driven, towards 0 through the diode.
   const double asymptote_ma = driven ? drive_.supply_v / resistance / kMilli : 0.0;
   const double rate_per_s =
       parameters_.inductance_h > 0.0 ? resistance / parameters_.inductance_h : 1e12;
@@ -72,6 +75,7 @@ double ValveCoil::dither_amplitude_ma(SimTime now, const ValveDither& dither) co
     return 0.0;
   }
   const double current = current_ma(now);
+  // Dither that the voltage left can drive through the reactance: (U - i R) / (2 pi f L).
   const double left_v = drive_.supply_v - current * kMilli * resistance_ohm();
   const double reactance_ohm =
       2.0 * std::numbers::pi * dither.frequency_hz * parameters_.inductance_h;

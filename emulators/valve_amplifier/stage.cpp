@@ -26,6 +26,7 @@ void ValveStage::advance(SimTime now, const ValveStageParameters& parameters) {
       left -= needed;
       continue;
     }
+    // Linear ramp: full travel in the ramp's time.
     const double step = to_seconds(left) / to_seconds(full);
     ramped_ += goal > ramped_ ? step : -step;
     return;
@@ -44,6 +45,7 @@ double ValveStage::opening(const ValveStageParameters& parameters) const {
     return 0.0;
   }
   const double band = command > 0.0 ? parameters.dead_band_positive : parameters.dead_band_negative;
+  // Dead band compensation: b + (1 - b) |c|.
   const double travel = band + (1.0 - band) * std::abs(command);
   return parameters.polarity * std::copysign(travel, command);
 }

@@ -31,6 +31,7 @@ Triad sum(const Triad& a, const Triad& b) {
 
 LowPass::LowPass(double cut_off_hz, double sample_rate_hz) : pass_through_(cut_off_hz == 0.0) {
   if (!pass_through_) {
+    // Butterworth of order 2 by the bilinear transform, pre-warped: k = tan(pi f_c / f_s).
     const double k = std::tan(std::numbers::pi * cut_off_hz / sample_rate_hz);
     const double scale = 1.0 / (1.0 + std::numbers::sqrt2 * k + k * k);
     b0_ = k * k * scale;
@@ -47,8 +48,10 @@ Triad LowPass::filter(const Triad& input) {
   for (std::size_t i = 0; i < input.size(); ++i) {
     State& state = state_[i];
     if (!settled_) {
+      // Steady state of a constant input: gain 1.
       state = {input[i] * (1.0 - b0_), input[i] * (b0_ - a2_)};
     }
+    // Transposed direct form II; numerator b0 (1 + 2 z^-1 + z^-2).
     output[i] = b0_ * input[i] + state.first;
     state.first = 2.0 * b0_ * input[i] - a1_ * output[i] + state.second;
     state.second = b0_ * input[i] - a2_ * output[i];
@@ -68,6 +71,7 @@ void TiltFilter::step(const Triad& rate_radps, const Triad& specific_force_mps2,
     return;
   }
   const bool initial = initialising();
+  // Gain of the pull, faded where |f| is off gravity; bias gain k_P^2 / 8.
   const double trust =
       std::max(0.0, 1.0 - std::abs(magnitude - kGravity_mps2) / kTrustedDeviation_mps2);
   const double gain = trust * (initial ? kInitialGainFactor : 1.0) / kTimeConstant_s;
@@ -75,12 +79,14 @@ void TiltFilter::step(const Triad& rate_radps, const Triad& specific_force_mps2,
 
   Triad error{};
   if (trust > 0.0) {
+    // Mahony et al. 2008: the error is the cross product of measured and carried direction.
     error = cross(scaled(1.0 / magnitude, specific_force_mps2), up_);
   }
   const Triad mean_rate = scaled(0.5, sum(rate_radps, previous_rate_radps_));
   previous_rate_radps_ = rate_radps;
   bias_radps_ = sum(bias_radps_, scaled(-bias_gain * period_s, error));
   const Triad rate = sum(sum(mean_rate, scaled(-1.0, bias_radps_)), scaled(gain, error));
+  // up' = up x w, by its Taylor series to second order, then back to unit length.
   const Triad first = cross(up_, rate);
   const Triad second = cross(first, rate);
   up_ = sum(up_, sum(scaled(period_s, first), scaled(0.5 * period_s * period_s, second)));

@@ -44,6 +44,7 @@ Quaternion from_rotation_vector(const Triad& angles_rad) {
 
 RollPitchYawAngles euler(const Quaternion& q) {
   RollPitchYawAngles angles;
+  // Angles of the rotation z-y-x (yaw, pitch, roll).
   angles.roll_rad =
       std::atan2(2.0 * (q[0] * q[1] + q[2] * q[3]), 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]));
   angles.pitch_rad = std::asin(std::clamp(2.0 * (q[0] * q[2] - q[3] * q[1]), -1.0, 1.0));
@@ -62,6 +63,7 @@ void OrientationFilter::step(const Triad& rate_radps, const Triad& specific_forc
                              double period_s) {
   tilt_.step(flipped(rate_radps), flipped(specific_force_mps2), period_s);
   if (started_) {
+    // Quaternion of the rotation vector of the trapezoidal mean rate.
     const auto mean = [&](std::size_t i) {
       return 0.5 * (rate_radps[i] + previous_rate_radps_[i]) * period_s;
     };

@@ -181,6 +181,7 @@ void Mti600::update(const ImuSample& sample) {
       status_ |= StatusBit::kFilterValid;
     }
     for (std::size_t i = 0; i < 3; ++i) {
+      // Velocity increment: sum of specific force; orientation increment: product of rotations.
       velocity_increment_mps_[i] += force_mps2_[i] * kPeriod_s;
     }
     orientation_increment_ =
@@ -262,6 +263,7 @@ void Mti600::send(const ImuSample& sample, const MtiOutput& output) {
       emit(force_mps2_);
       break;
     case MessageId::free_acceleration: {
+      // Free acceleration: specific force in the local frame, gravity taken off.
       Triad free = rotate(filter_.attitude(), force_mps2_);
       free[2] -= kGravity_mps2;
       emit(free);

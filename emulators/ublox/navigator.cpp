@@ -66,6 +66,7 @@ bool is_used(const SatelliteView& view) {
 double distance_m(double latitude1_deg, double longitude1_deg, double latitude2_deg,
                   double longitude2_deg) {
   constexpr double kRadius_m = 6'371'000.0;
+  // Equirectangular projection.
   const double north = (latitude2_deg - latitude1_deg) * kDegree;
   const double east = std::remainder(longitude2_deg - longitude1_deg, 360.0) * kDegree *
                       std::cos(latitude1_deg * kDegree);
@@ -146,6 +147,7 @@ void UbloxNavigator::hear_leap_seconds(const GnssSample& sample) {
   if (tracking_since_s_ < 0 || tracking_since_s_ > now_s) {
     tracking_since_s_ = now_s;
   }
+  // The last whole page with the leap seconds that began after tracking did.
   const std::int64_t cycle = (now_s - kLeapPageEnds_s) / kAlmanacCycle_s;
   solution_.leap_known |=
       now_s >= kLeapPageEnds_s && cycle * kAlmanacCycle_s + kLeapPageBegins_s >= tracking_since_s_;
@@ -287,6 +289,7 @@ void UbloxNavigator::lose_position(const UbloxConfiguration& configuration) {
   s.carrier = CarrierSolution::none;
   hold_.reset();
   if (had_fix_) {
+    // Without a fix accuracy decays linearly in time.
     const double grown_m =
         kDriftingAccuracy_mps * configuration.rate().measurement_period_ms * 1e-3;
     s.horizontal_accuracy_m += grown_m;
@@ -355,6 +358,7 @@ void UbloxNavigator::take_course() {
   const Vector3& v = s.velocity_ned_mps;
   const double speed_mps = std::hypot(v.x, v.y);
   const double axis_mps = s.speed_accuracy_mps / std::numbers::sqrt3;
+  // Course's uncertainty: the angle of one axis's speed error against the speed.
   const double uncertainty_deg = std::atan2(axis_mps, speed_mps) / kDegree;
   s.heading_frozen = speed_mps < kFrozenSpeed_mps || uncertainty_deg > kFrozenCourse_deg;
   if (s.heading_frozen) {

@@ -211,6 +211,7 @@ void UbloxRawMessages::follow_phases(const GnssSample& sample) {
     if (!phase.locked || m.slipped) {
       phase.origin_cycles = std::floor(m.carrier_phase_cycles);
     } else if (sample.clock_reset) {
+      // Phase grown by Doppler since (trapezoid); what is left of the jump is whole milliseconds.
       const double grown = -0.5 * (m.doppler_hz + phase.doppler_hz) * elapsed_s;
       const double jump = m.carrier_phase_cycles - phase.carrier_cycles - grown;
       phase.origin_cycles += std::round(jump / kCyclesPerMillisecond) * kCyclesPerMillisecond;

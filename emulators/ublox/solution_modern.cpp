@@ -172,6 +172,7 @@ NavCov covariance(const UbloxSolution& s) {
   m.velocity_valid = 1;
   std::ranges::transform(s.position_covariance_ned_m2, m.position_covariance_ned_m2.begin(),
                          [](double value) { return static_cast<float>(value); });
+  // Velocity's covariance: the speed's variance evenly on three axes.
   const auto axis_m2ps2 = static_cast<float>(s.speed_accuracy_mps * s.speed_accuracy_mps / 3.0);
   m.velocity_covariance_ned_m2ps2 = {axis_m2ps2, 0, 0, axis_m2ps2, 0, axis_m2ps2};
   return m;

@@ -26,6 +26,7 @@ void kill_lasers(const VelodyneFault& fault, std::size_t lasers, LidarFiring& ba
 }
 
 void dim(LidarReturn& echo, double transmission, double maximum_range_m) {
+  // Light passes the dirt twice; an echo is found while rho T^2 R_max^2 >= 0.9 r^2 (link_budget.h).
   const double passed = transmission * transmission;
   const double range_m = echo.range_m;
   const double found = echo.reflectivity * passed * maximum_range_m * maximum_range_m;

@@ -29,6 +29,7 @@ RawRanges::RawRanges(const velodyne::Hdl64eCalibration& calibration,
     cos_elevation_[n] = std::cos(laser.vert_correction_deg * kDegree);
     horizontal_offset_m_[n] = laser.horiz_offset_m;
     far_m_[n] = far_m;
+    // Correction linear between near and far calibration point, for x and y apart (user's manual).
     slope_x_[n] = (far_m - near_x_m) / (velodyne::kFarPoint_m - velodyne::kNearPointX_m);
     slope_y_[n] = (far_m - near_y_m) / (velodyne::kFarPoint_m - velodyne::kNearPointY_m);
     at_axis_x_[n] = near_x_m - slope_x_[n] * velodyne::kNearPointX_m;
@@ -54,6 +55,7 @@ void RawRanges::aim(double rotor_azimuth_rad, double rotor_rate_radps, std::size
     const double left = 1.0 - 0.5 * turned * turned;
     const double right = sine * left + cosine * turned;
     const double ahead = cosine * left - sine * turned;
+    // Coordinate = per_m range + at, and how much of each axis's correction goes into the range.
     const double x_per_m = cos_elevation_[n] * right;
     const double y_per_m = cos_elevation_[n] * ahead;
     const double x_at = -horizontal_offset_m_[n] * ahead;

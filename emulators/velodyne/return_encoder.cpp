@@ -73,9 +73,11 @@ void ReturnEncoder::scale(const BankReturns& echoes, EncodedReturns& encoded) co
     const float range_m = echoes[i].range_m;
     const float reflectivity = echoes[i].reflectivity;
     const bool seen = (range_m >= minimum_m) & (range_m <= maximum_m);
+    // Range to counts, at least 1 for what is seen.
     const float rounded = range_m * counts_per_metre + 0.5F;
     const float counts = choose(seen, choose(rounded > 1.0F, rounded, 1.0F), 0.0F);
 
+    // Diffuse targets fill the lower part of the byte, retro-reflectors the rest, both linearly.
     const float diffuse = reflectivity * diffuse_top;
     const float retro = (reflectivity - 1.0F) * retro_span + retro_bottom;
     const float byte = choose(reflectivity <= 1.0F, diffuse, retro);

@@ -16,6 +16,7 @@ void SensorClock::set_to_whole_second(SimTime pulse) {
 
 std::int64_t SensorClock::hour_ns(SimTime instant) const {
   const std::int64_t elapsed = (instant - set_at_).count();
+  // Set value + elapsed (1 + drift), modulo an hour.
   const std::int64_t gained = std::llround(static_cast<double>(elapsed) * drift_);
   return ((set_to_ns_ + elapsed + gained) % kHour_ns + kHour_ns) % kHour_ns;
 }

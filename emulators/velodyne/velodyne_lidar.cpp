@@ -158,6 +158,7 @@ void VelodyneLidar::advance(SimTime now) {
 void VelodyneLidar::handle_time_input() {
   const SimTime event = time_input_.next_event();
   if (event == time_input_.next_second()) {
+    // Rotor carried on from its last firing to the pulse.
     const double azimuth_rad =
         rotor_.azimuth_rad + rotor_.rate_radps * to_seconds(event - rotor_.time);
     phase_centideg_ =

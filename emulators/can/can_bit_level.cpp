@@ -92,6 +92,7 @@ bool CanBitLevel::sends_recessive(const Party& party) const {
 bool CanBitLevel::run() {
   happenings_.clear();
   while (busy() && happenings_.empty()) {
+    // Wired-and of all senders (dominant is false), then inverted or shorted by the wire's faults.
     bool level = true;
     for (const Party& party : parties_) {
       level = level && sends_recessive(party);
@@ -102,6 +103,7 @@ bool CanBitLevel::run() {
       seen_ = true;
       readable_ = readable_ && bit_ == 0;
     }
+    // Length of the run of equal bits, for the stuff rule.
     run_ = level == last_ && run_ > 0 ? run_ + 1 : (seen_ ? 1U : 0U);
     last_ = level;
     recessive_from_ = level ? recessive_from_ : bit_ + 1;
@@ -172,6 +174,7 @@ void CanBitLevel::observe_transmitter(Party& party, bool level) {
   const WireFrame& wire = view.wire();
   const unsigned bit = view.bit_at(bit_);
   const bool recessive = wire.recessive(bit);
+  // Acknowledgement: nobody made the slot dominant. A passive node's count waits for its flag.
   if (bit >= wire.acknowledge_slot() && !party.acknowledged) {
     party.acknowledged = true;
     if (level) {
@@ -190,6 +193,7 @@ void CanBitLevel::observe_transmitter(Party& party, bool level) {
     }
     return;
   }
+  // Arbitration: recessive sent, dominant read.
   if (!level && wire.in_arbitration(bit)) {
     tell(party, CanHappening::Kind::lost);
     party.own = false;
@@ -198,6 +202,7 @@ void CanBitLevel::observe_transmitter(Party& party, bool level) {
     observe_receiver(party, level);
     return;
   }
+  // Exception of 12.1.4: a stuff bit during arbitration that reads dominant counts nothing.
   if (!level && one_rate_ && wire.is_arbitration_stuff_bit(bit)) {
     report_error(party, BusError::stuff, CanErrorRule::none);
   } else if (bit >= wire.stuffed_bits()) {
@@ -218,6 +223,7 @@ void CanBitLevel::observe_receiver(Party& party, bool level) {
   const WireFrame& wire = read().wire();
   const bool misreads = party.misreads_at != CanLineState::kNoBit;
   if (!readable_ || misreads || bit_ < wire.stuffed_bits()) {
+    // Six equal bits are a stuff error.
     if (run_ == kStuffViolation || (misreads && seen_ && bit_ >= party.misreads_at)) {
       report_error(party, BusError::stuff, CanErrorRule::receive);
       signal(party);
@@ -248,6 +254,7 @@ void CanBitLevel::observe_receiver(Party& party, bool level) {
 }
 
 void CanBitLevel::observe_passive_flag(Party& party, bool level) {
+  // 12.1.4: a passive transmitter without acknowledgement pays once its flag is answered.
   if (!level && party.unacknowledged_passive) {
     party.unacknowledged_passive = false;
     penalise(party);
@@ -273,6 +280,7 @@ void CanBitLevel::observe_after_flag(Party& party, bool level) {
     signal(party);
     return;
   }
+  // 12.1.4: dominant right after the own flag, and each eight dominant bits more, count 8.
   ++party.dominants;
   if ((party.dominants == 1 && !party.own) || party.dominants % kToleratedDominants == 0) {
     penalise(party);

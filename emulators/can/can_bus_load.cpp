@@ -14,6 +14,7 @@ void CanBusLoad::occupy(SimTime begin, SimTime end) {
       busy_ns_[static_cast<std::size_t>(newest_ % size)] = 0;
     }
     const SimTime until = std::min(end, SimTime{(bucket + 1) * kBucket});
+    // An occupied span is divided over the hundredths that it touches.
     busy_ns_[static_cast<std::size_t>(bucket % size)] += (until - begin).count();
     begin = until;
   }

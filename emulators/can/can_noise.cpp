@@ -58,6 +58,7 @@ CanLineState CanNoise::attempt(const CanBitClock& clock, unsigned bits) {
         if (source.good_bits_left >= bits) {
           source.good_bits_left -= bits;
         } else {
+          // The error falls into this attempt; the next gap is drawn for those after it.
           inverted = static_cast<unsigned>(source.good_bits_left);
           draw_gap(source);
         }

@@ -49,6 +49,7 @@ SimTime CanSegment::first_start() const {
 }
 
 SimTime CanSegment::recovered_at(const CanController& node) const {
+  // ISO 11898-1, 12.1.4.4: bus-off ends after 128 sequences of 11 recessive bits.
   return node.recessive_since() + clock_.span(static_cast<std::uint64_t>(node.sequences_left()) *
                                               CanController::kSequenceBits);
 }
@@ -148,6 +149,7 @@ void CanSegment::choose_winners(SimTime offered_at) {
     if (start_of(*node) <= offered_at) {
       const CanWaitingFrame& offered = node->offered(offered_at);
       contenders_.push_back({node, offered.frame, offered.arbitration_field, offered.bits});
+      // Dominant bits win: the lowest arbitration field is the most urgent.
       lowest = std::min(lowest, offered.arbitration_field);
       one_rate = one_rate && keeps_rate(*node);
     }
@@ -215,6 +217,7 @@ void CanSegment::begin_bit_by_bit(const CanLineState& line) {
   unsigned first_bit = 0;
   if (one_rate) {
     const WireFrame wire(contenders_.front().frame);
+    // Up to the first bit that can go wrong or differ, all send and read the same.
     first_bit = std::min({wire.acknowledge_slot(), line.inverted_bit, line.short_begin});
     for (const Contender& other : contenders_) {
       first_bit = std::min(first_bit, first_difference(wire, WireFrame(other.frame)));

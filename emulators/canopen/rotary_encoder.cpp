@@ -167,9 +167,11 @@ RotaryEncoder::Scale RotaryEncoder::scale() const {
 
 std::int64_t RotaryEncoder::units(const Scale& scale) const {
   const double sign = (scale.operation & EncoderOperation::kCounterClockwise) != 0 ? 1.0 : -1.0;
+  // Steps of the disc from its offset, in the direction of count, modulo the revolutions.
   const double exact =
       sign * (angle_rad_ - settings_.offset_rad) / kTurn_rad * static_cast<double>(steps());
   const std::int64_t step = modulo(std::llround(exact), steps() * settings_.revolutions);
+  // CiA 406 scaling: measuring units per revolution, modulo the total range.
   return modulo(step * scale.units_per_revolution / steps(), scale.total_range);
 }
 
@@ -187,6 +189,7 @@ std::optional<std::int64_t> RotaryEncoder::live(ObjectAddress address) const {
   if (address == object::kSpeed) {
     const Scale present = scale();
     const double sign = (present.operation & EncoderOperation::kCounterClockwise) != 0 ? 1.0 : -1.0;
+    // Measuring units per second.
     const double speed =
         sign * rate_radps_ / kTurn_rad * static_cast<double>(present.units_per_revolution);
     return std::llround(std::clamp(speed, -32768.0, 32767.0));

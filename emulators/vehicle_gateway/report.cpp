@@ -123,6 +123,7 @@ void VehicleReport::take(const VehicleSample& sample) {
   }
   if (sample_ && sample.engine_speed_radps >= kEngineRuns_radps) {
     const double past_s = to_seconds(sample.time - sample_->time);
+    // Hours and turns by the rectangle rule over the samples.
     engine_s_ += past_s;
     engine_turns_ += sample.engine_speed_radps * past_s / (2.0 * std::numbers::pi);
   }

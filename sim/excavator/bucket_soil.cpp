@@ -53,6 +53,7 @@ BucketSoil::Lip BucketSoil::lip_of(const Eigen::Isometry3d& X_WB) const {
   lip.edge.left_W = lip.middle_W + 0.5 * parameters_.width_m * R.col(1);
   lip.edge.right_W = lip.middle_W - 0.5 * parameters_.width_m * R.col(1);
   lip.left_W = Eigen::Vector3d(R(0, 1), R(1, 1), 0.0).normalized();
+  // The bucket's x axis turned by the lip angle towards -z.
   lip.blade_W = std::cos(parameters_.lip_angle_rad) * R.col(0) -
                 std::sin(parameters_.lip_angle_rad) * R.col(2);
   // Horizontal, square to the lip, on the side to which the opening looks.
@@ -65,6 +66,7 @@ BucketSoil::Lip BucketSoil::lip_of(const Eigen::Isometry3d& X_WB) const {
 
 double BucketSoil::depth_ahead_m(const Lip& lip) const {
   double sum = 0.0;
+  // Mean of three places along the lip, 0.4 of its width to either side.
   for (const double side : {-0.4, 0.0, 0.4}) {
     const Eigen::Vector3d p = lip.middle_W + side * (lip.edge.left_W - lip.edge.right_W);
     const Eigen::Vector3d ahead = p + kAhead * terrain_.cell_m() * lip.forward_W;
@@ -112,6 +114,7 @@ BucketGroundLoad BucketSoil::load(double h, const LinkMotion& bucket) {
     limit_n_ = cutting_limit_n(lip, soil);
     side_n = side_limit_n(soil);
   }
+  // Hard ground below: linear spring on the deeper corner, friction mu times its push.
   const double push_n = std::clamp(parameters_.hard_stiffness_npm * hard_m, 0.0, kHardForceMax_n);
   const double grip_n = parameters_.hard_friction * push_n;
   const double ramp = 1.0 / parameters_.ramp_speed_mps;
@@ -198,6 +201,7 @@ void BucketSoil::advance(double h, const LinkMotion& bucket) {
 }
 
 void BucketSoil::release(std::int64_t units) {
+  // Of even density: mass leaves with its share of the volume.
   mass_kg_ = units >= units_
                  ? 0.0
                  : mass_kg_ * (static_cast<double>(units_ - units) / static_cast<double>(units_));

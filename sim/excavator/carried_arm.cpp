@@ -140,6 +140,7 @@ ArmStep CarriedArm::step(double h, const DrivenArm& arm, const ArmPose& at, cons
   Terms terms;
   for (int i = 0; i < kArmJoints; ++i) {
     Velocities row = Velocities::Zero();
+    // Virtual work: a drive's force acts on its joint by the lever dx/dq.
     row[i + 6] = at.lever[i];
     terms.add(row, laws.force[static_cast<std::size_t>(i)], laws.least[i], laws.greatest[i]);
   }

@@ -56,6 +56,7 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
       spools_{Spool(parameters.swing_spool), Spool(parameters.boom_spool),
               Spool(parameters.stick_spool), Spool(parameters.bucket_spool)},
       inner_span_(std::max(Duration{1}, from_seconds(parameters.step_s))) {
+  // Force per pressure: a cylinder's areas; for the swing motor, torque by displacement per radian.
   areas_[0] = {parameters.swing_displacement_m3prad, parameters.swing_displacement_m3prad};
   const CylinderParameters* cylinders[] = {&parameters.boom_cylinder, &parameters.stick_cylinder,
                                            &parameters.bucket_cylinder};
@@ -160,6 +161,7 @@ void Excavator::update_links() {
     links_ = carried_->motion(state_);
     return;
   }
+  // Carrier at rest: what the arm does in its axes, turned into the world's.
   const Eigen::Matrix3d R_WC = X_WC_.linear();
   links_[0].X_WL = X_WC_;
   const auto motion = arm_.dynamics().motion(state_.q_rad, state_.v_radps, acceleration_);

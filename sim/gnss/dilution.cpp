@@ -69,6 +69,7 @@ class GeometricDilution final : public DilutionModel {
       dilution.position = dilution.horizontal;
       dilution.time = std::sqrt(q(2));
     } else if (directions_W.size() > 3) {
+      // G^T G of rows (-e, 1): columns east, north, up, clock.
       Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
       for (const auto& e : directions_W) {
         const Eigen::Vector4d row(-e.x(), -e.y(), -e.z(), 1.0);

@@ -100,6 +100,7 @@ class FileConstellation final : public Constellation {
     const auto age_s = [&](const GpsEphemeris& set) {
       return seconds_between(set.week, set.ephemeris_time_s, time, offset_s);
     };
+    // The set nearest by its time of ephemeris; of two equally near, the older.
     const auto after = std::ranges::partition_point(
         sets, [&](const GpsEphemeris& set) { return age_s(set) >= 0.0; });
     auto nearest = after;
@@ -111,6 +112,7 @@ class FileConstellation final : public Constellation {
     Selection selection;
     selection.set = static_cast<std::size_t>(nearest - sets.begin());
     if (std::abs(age) > double{kPeriod_s}) {
+      // Issued anew every two hours: the number of the nearest issue.
       selection.periods = std::llround(age / double{kPeriod_s});
     }
     return selection;

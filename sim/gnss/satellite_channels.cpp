@@ -62,6 +62,7 @@ void SatelliteChannels::find_above_horizon(const Reception& reception, const Loc
     Channel& channel = channels_[i];
     const SatelliteState state = constellation_->state(channel.index, reception.gps, 0.0);
     ReceivedSatellite received;
+    // Line of sight to the satellite, turned from earth-fixed into world axes.
     received.direction_W = (frame.world_from_ecef() * (state.position_E_m - p_E)).normalized();
     received.direction_ned = ned_from_world * received.direction_W;
     // Elevation and azimuth of the direction in north, east, down.
@@ -208,6 +209,7 @@ void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) 
     SignalArrival arrival{.azimuth_rad = received.azimuth_rad,
                           .elevation_rad = received.elevation_rad,
                           .cn0_dbhz = received.cn0_dbhz};
+    // What the open sky would give at this elevation, less what is received.
     arrival.missing_db =
         direct_cn0_dbhz(parameters_.sky, std::sin(received.elevation_rad), SkyArrival{}) -
         received.cn0_dbhz;

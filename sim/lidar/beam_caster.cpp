@@ -209,6 +209,7 @@ void BeamCaster::meet_air(const BlockCast& cast, Beams& beams) const {
     beam.far_m = static_cast<double>(cast.limits.far_m);
     beam.divergence_rad = divergence_rad_;
     beam.pulse_m = static_cast<double>(rules_.pulse_m);
+    // Instant of the shot, from Embree's time of 0 .. 1 over the slice.
     beam.time =
         cast.slice.t0 + Duration{static_cast<Duration::rep>(static_cast<double>(ray.time[lane]) *
                                                             static_cast<double>(length.count()))};

@@ -26,6 +26,7 @@ SubRay at(double radius, double angle_rad, double weight, double spacing) {
 
 std::vector<SubRay> cross() {
   std::vector<SubRay> rays{at(0.0, 0.0, kCrossMiddle, kCrossRadius)};
+  // Turned by atan(1/2), so that no two of the five share a row or a column.
   for (int i = 0; i < 4; ++i) {
     rays.push_back(
         at(kCrossRadius, std::atan(0.5) + kTurn * i / 4, (1.0 - kCrossMiddle) / 4.0, kCrossRadius));
@@ -97,6 +98,7 @@ std::vector<SubRay> sample_beam(const LaserBeam& beam, int count) {
                                   " sub-rays, allowed: 1, 5, 19 or 1000");
   }
   for (SubRay& ray : rays) {
+    // From half angles of 1 to those of the beam.
     ray.right_rad *= 0.5 * beam.horizontal_divergence_rad;
     ray.spacing_right_rad *= 0.5 * beam.horizontal_divergence_rad;
     ray.up_rad *= 0.5 * beam.vertical_divergence_rad;

@@ -173,6 +173,7 @@ void DepthImageLidar::render(const Scene& scene, const LidarSlice& slice, const 
   const DepthImageView view{.X_WS = mount_at(first.time).X_WL,
                             .time = scene.internals().slice_fraction(first.time),
                             .mask = slice.mask};
+  // Azimuths beside the part: lasers' offsets, parallax, and the turn until the last laser fires.
   const double swept_rad = first.rotor.rate_radps * state.longest_delay_s;
   const double before_rad = state.least_turn_rad - state.beside_rad + std::min(swept_rad, 0.0);
   const double after_rad = state.greatest_turn_rad + state.beside_rad + std::max(swept_rad, 0.0);
@@ -206,6 +207,7 @@ void DepthImageLidar::cast(const Scene& scene, const LidarSlice& slice, const We
       firing.rotor_rate_radps = next.rotor.rate_radps;
       firing.first_laser = bank * kBankLasers;
     }
+    // A jump of more than half a turn is the azimuth's wrap: another revolution.
     if (std::abs(next.rotor.azimuth_rad - state.azimuth_before_rad) > 0.5 * kTurn) {
       ++state.now_in_revolution;
     }
@@ -232,6 +234,7 @@ WeatherBeam DepthImageLidar::weather_beam(const Pending& pending, std::size_t la
   const BeamLine line =
       beam_line(pattern_.lasers[laser], pending.azimuth_rad(pattern_.lasers[laser]));
   const Eigen::Isometry3d& X_WS = state_->images.X_WS();
+  // Divergence: geometric mean of both; pulse: half its length in space, c tau / 2.
   return {.start_W = X_WS * line.start_S,
           .direction_W = X_WS.linear() * line.direction_S,
           .near_m = pattern_.minimum_range_m,

@@ -136,6 +136,7 @@ void SpinningLidar::prepare(const Scene& scene, const LidarSlice& stretch, Rotor
   slice.limits.mask = stretch.mask;
   slice.limits.slices_per_s = static_cast<float>(1.0 / length_s);
   slice.block_count = 0;
+  // The plan's firings later than t0, up to and with t1.
   const SimTime first = plan_.next_after(t0);
   const auto count = first <= t1 ? static_cast<std::size_t>((t1 - first) / plan_.period) + 1 : 0;
   if (count > 0) {

@@ -125,6 +125,7 @@ void TandemRoller::command(const VehicleCommand& command) {
     demand.engine_speed_radps = command_.engine_speed_radps;
   } else if (command_.engine_control == EngineControl::torque &&
              command_.engine_torque_share > 0.0) {
+    // Torque's share stands for the throttle: linear from idle to rated speed.
     demand.engine_speed_radps = idle + command_.engine_torque_share * (rated - idle);
   } else {
     demand.engine_speed_radps = command_.parking_brake ? idle : rated;
@@ -207,6 +208,7 @@ void TandemRoller::load_strips(const Eigen::Matrix3d& R_WB, double speed_mps) {
   const RollerParameters& p = parameters_;
   loads_.mass = mass_;
   const double g = p.gravity_mps2;
+  // Gravity along the frame; cutter's side force with its yaw moment about the centre of mass.
   loads_.gravity_mps2 = -g * R_WB.row(2).head<2>().transpose();
   const double cutter_n = cutter_.lateral_n(speed_mps);
   loads_.supplement = {0.0, cutter_n, cutter_n * (p.edge_cutter.x_m - mass_.x_m)};
@@ -247,6 +249,7 @@ void TandemRoller::load_strips(const Eigen::Matrix3d& R_WB, double speed_mps) {
       drum.load_n[k] *= scale;
       const GroundPoint& point = rest_.strip(i * strips + k).point;
       const SoilParameters& soil = ground_->soil(point.soil);
+      // Friction mu N, on soft soil at most the shear strength; rolling loss by load and rut.
       drum.limit_n[k] = p.drum.friction_factor * point.friction * drum.load_n[k];
       rolling_n += p.drum.rolling_resistance * drum.load_n[k];
       if (soil.soft && !point.obstacle) {

@@ -123,6 +123,7 @@ void WheeledVehicle::update_steering() {
 
 double WheeledVehicle::brake_limit_nm(std::size_t wheel) const {
   const VehicleAxleParameters& a = axle(wheel / 2);
+  // Half of its axle's torque each: service brake by its share, and the parking brake.
   return 0.5 * (command_.brake_share * a.brake_torque_nm +
                 (command_.parking_brake ? a.parking_brake_nm : 0.0));
 }

@@ -88,6 +88,7 @@ void VehicleSensors::count(const VehicleSample& exact) {
     const double rate = exact.wheel_rate_radps[i];
     const double seen = std::isfinite(rate) && std::abs(rate) >= p.dead_rate_radps ? rate : 0.0;
     if (!started_) {
+      // First reading, as after a gate at this rate: whole ticks.
       encoder.reading_radps = std::round(seen * p.gate_s / tick_rad) * tick_rad / p.gate_s;
     }
     // Angle by the trapezoidal rule, in ticks; the rate is the whole ticks of a gate over its time.

@@ -100,8 +100,7 @@ void SceneWeather::step(SimTime time, std::span<const DustEmitter> emitters) {
     const double step_s = to_seconds(kGrid);
     wind_.advance(step_s, state.wind_mps);
     if (dusty_) {
-      // AP-42 13.2.2: emission grows with the silt content to the power 0.7, and is stated for 12
-      // %.
+      // AP-42 13.2.2: emission grows with the silt content to the power 0.7, stated for 12 %.
       const double dustiness = state.dryness * std::pow(parameters_.dust.silt_share / 0.12, 0.7);
       dust_.advance(step_s, wind_.velocity_mps(), dustiness, emitters);
     }
@@ -165,6 +164,7 @@ AirPath SceneWeather::along(const WeatherBeam& beam) const {
   const double climb = beam.direction_W.z();
   const double z_m = beam.start_W.z();
   const bool foggy = air.fog.extinction_pm > 0.0;
+  // Optical depth: what is even by the way, fog by the way through its profile (fog_path_m).
   const auto depth_to = [&](double range_m) {
     return air.even_pm * range_m +
            (foggy ? air.fog.extinction_pm * fog_path_m(parameters_.fog, z_m, climb, range_m) : 0.0);
@@ -201,6 +201,7 @@ AirPath SceneWeather::along(const WeatherBeam& beam) const {
     }
   }
   const auto seen = [&](double range_m, double energy) {
+    // Echo of one drop or flake, weakened there and back.
     const double weakened =
         energy * std::exp(-2.0 * depth_to(range_m)) * dust_transmission(range_m);
     if (weakened >= beam.detection_energy) {

@@ -6,12 +6,19 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <ostream>
 #include <stdexcept>
 #include <string>
 
 #include "sim/local_frame.h"
 
 namespace rigwire::sim {
+
+/// For test names.
+inline void PrintTo(GeoidInterpolation interpolation, std::ostream* out) {
+  *out << (interpolation == GeoidInterpolation::bilinear ? "bilinear" : "bicubic");
+}
+
 namespace {
 
 using ::testing::HasSubstr;
@@ -88,7 +95,8 @@ TEST_P(GeoidGridOfTheWorld, LongitudeTurnsWithoutASeam) {
 
 INSTANTIATE_TEST_SUITE_P(Both, GeoidGridOfTheWorld,
                          ::testing::Values(GeoidInterpolation::bilinear,
-                                           GeoidInterpolation::bicubic));
+                                           GeoidInterpolation::bicubic),
+                         ::testing::PrintToStringParamName());
 
 double worst_error_m(GeoidInterpolation interpolation) {
   const GeoidGrid grid = smooth_grid(kWorld, interpolation);

@@ -77,7 +77,9 @@ TEST_P(PlaneContact, IsExactForEverySlopeAndTilt) {
   EXPECT_GT(checked, 1500);
 }
 
-INSTANTIATE_TEST_SUITE_P(Offsets, PlaneContact, testing::Values(0.0, 1e6));
+INSTANTIATE_TEST_SUITE_P(Offsets, PlaneContact, testing::Values(0.0, 1e6), [](const auto& test) {
+  return test.param == 0.0 ? "at_the_origin" : "a_million_metres_away";
+});
 
 TEST(WheelContact, LosesNoDigitsAMillionMetresAway) {
   const Ground near(rough({0.0, 0.0}), {}, {});

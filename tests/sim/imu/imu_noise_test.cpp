@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "number_word.h"
+
 namespace rigwire::sim {
 namespace {
 
@@ -77,7 +79,10 @@ TEST_P(NoiseAtRate, FloorIsThatOfTheDataSheet) {
   EXPECT_NEAR(allan(parameters, GetParam(), 1500.0, 5.0, 1), 18.0, 1.8);
 }
 
-INSTANTIATE_TEST_SUITE_P(Rates, NoiseAtRate, testing::Values(50.0, 200.0, 1000.0));
+INSTANTIATE_TEST_SUITE_P(Rates, NoiseAtRate, testing::Values(50.0, 200.0, 1000.0),
+                         [](const auto& test) {
+                           return "at_" + rigwire::test::number_word(test.param) + "_hz";
+                         });
 
 TEST(BiasInstability, FloorIsThatOfTheDataSheetAtEveryRate) {
   RandomErrorParameters parameters;

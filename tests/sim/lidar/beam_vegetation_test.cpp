@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "beam_head.h"
 #include "sim/random.h"
@@ -136,7 +137,8 @@ TEST_P(StalksBySubRays, PenetrationIsExponential) {
   EXPECT_NEAR(found.energy, energy, 3.0 * found.energy_sigma);
 }
 
-INSTANTIATE_TEST_SUITE_P(Beams, StalksBySubRays, testing::Values(1, 5, 19));
+INSTANTIATE_TEST_SUITE_P(Beams, StalksBySubRays, testing::Values(1, 5, 19),
+                         [](const auto& test) { return "sub_rays_" + std::to_string(test.param); });
 
 }  // namespace
 }  // namespace rigwire::sim

@@ -8,10 +8,12 @@
 #include <tuple>
 
 #include "allocation_counter.h"
+#include "number_word.h"
 
 namespace rigwire::sim {
 namespace {
 
+using rigwire::test::number_word;
 using Vector = Eigen::Vector3d;
 constexpr double kMass_kg = 2200.0;
 constexpr double kGravity = QuarterVehicle::kGravity;
@@ -47,7 +49,13 @@ TEST_P(SlipDisturbance, SettlesWithoutHum) {
 
 INSTANTIATE_TEST_SUITE_P(SpeedsAndSteps, SlipDisturbance,
                          testing::Combine(testing::Values(10.0, 1.0, 0.1, 0.0),
-                                          testing::Values(1e-4, 1e-3, 2e-3, 1e-2)));
+                                          testing::Values(1e-4, 1e-3, 2e-3, 1e-2)),
+                         [](const auto& test) {
+                           const double speed = std::get<0>(test.param);
+                           const double h = std::get<1>(test.param);
+                           return "at_" + number_word(speed) + "_mps_by_" + number_word(1e3 * h) +
+                                  "_ms";
+                         });
 
 class StandingOnASlope : public testing::TestWithParam<std::tuple<double, double>> {};
 
@@ -71,7 +79,13 @@ TEST_P(StandingOnASlope, StopsAndStaysForAnHour) {
 
 INSTANTIATE_TEST_SUITE_P(AnglesAndSteps, StandingOnASlope,
                          testing::Combine(testing::Values(5.0, 20.0, 30.0),
-                                          testing::Values(1e-3, 1e-2)));
+                                          testing::Values(1e-3, 1e-2)),
+                         [](const auto& test) {
+                           const double degrees = std::get<0>(test.param);
+                           const double h = std::get<1>(test.param);
+                           return "on_" + number_word(degrees) + "_degrees_by_" +
+                                  number_word(1e3 * h) + "_ms";
+                         });
 
 TEST(Sliding, BeyondTheAngleOfFrictionIsCoulombs) {
   const double angle = 40.0 * std::numbers::pi / 180.0;
@@ -275,7 +289,8 @@ TEST_P(OnSoftSoil, SpinsWithoutHumAndAlikeAtEveryStep) {
   EXPECT_NEAR(speed_at[0], speed_at[1], 0.03 * std::abs(speed_at[0]) + 0.02);
 }
 
-INSTANTIATE_TEST_SUITE_P(Exponents, OnSoftSoil, testing::Values(0.6, 1.1, 1.6));
+INSTANTIATE_TEST_SUITE_P(Exponents, OnSoftSoil, testing::Values(0.6, 1.1, 1.6),
+                         [](const auto& test) { return "exponent_" + number_word(test.param); });
 
 TEST(OnAStep, ClimbsAndFallsWithoutGainingEnergy) {
   HeightField field;

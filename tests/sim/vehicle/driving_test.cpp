@@ -1,6 +1,8 @@
 // Under power: dynamics cases 15, 16, 17; circles; all levels and both machines.
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "sim/driveline/make_driveline.h"
 #include "vehicle_rig.h"
 
@@ -214,7 +216,11 @@ TEST_P(VehicleLevels, BrakesToStandstillOnASlopeAndStays) {
 INSTANTIATE_TEST_SUITE_P(All, VehicleLevels,
                          testing::Combine(testing::Values(VehicleLevel::kinematic,
                                                           VehicleLevel::planar, VehicleLevel::full),
-                                          testing::Bool()));
+                                          testing::Bool()),
+                         [](const auto& test) {
+                           return testing::PrintToString(std::get<0>(test.param)) +
+                                  (std::get<1>(test.param) ? "_gator" : "_unimog");
+                         });
 
 }  // namespace
 }  // namespace rigwire::sim::test

@@ -1,12 +1,24 @@
 // Order, agreement and limits of the schemes of the full level.
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <stdexcept>
 #include <string>
 
 #include "allocation_counter.h"
 #include "sim/driveline/make_driveline.h"
 #include "vehicle_rig.h"
+
+namespace rigwire::sim {
+
+/// For test names.
+inline void PrintTo(IntegrationScheme scheme, std::ostream* out) {
+  *out << (scheme == IntegrationScheme::linearly_implicit_euler ? "linearly_implicit_euler"
+           : scheme == IntegrationScheme::rosenbrock2           ? "rosenbrock2"
+                                                                : "runge_kutta4");
+}
+
+}  // namespace rigwire::sim
 
 namespace rigwire::sim::test {
 namespace {
@@ -48,6 +60,10 @@ struct OrderCase {
   double most;
 };
 
+void PrintTo(const OrderCase& c, std::ostream* out) {
+  PrintTo(c.scheme, out);
+}
+
 class VehicleSchemeOrder : public testing::TestWithParam<OrderCase> {};
 
 TEST_P(VehicleSchemeOrder, ErrorFallsWithTheStepByThatPower) {
@@ -65,7 +81,8 @@ TEST_P(VehicleSchemeOrder, ErrorFallsWithTheStepByThatPower) {
 INSTANTIATE_TEST_SUITE_P(Schemes, VehicleSchemeOrder,
                          testing::Values(OrderCase{linearly_implicit_euler, 500us, 0.9, 1.1},
                                          OrderCase{rosenbrock2, 500us, 1.8, 2.3},
-                                         OrderCase{runge_kutta4, 1ms, 3.5, 5.0}));
+                                         OrderCase{runge_kutta4, 1ms, 3.5, 5.0}),
+                         testing::PrintToStringParamName());
 
 TEST(VehicleSchemes, AgreeAtFineSteps) {
   const Eigen::Vector3d fourth = manoeuvre(runge_kutta4, 100us);
@@ -147,7 +164,8 @@ TEST_P(VehicleScheme, DrivesThroughShiftsAndLocksWithoutAllocation) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemes, VehicleScheme,
-                         testing::Values(linearly_implicit_euler, rosenbrock2, runge_kutta4));
+                         testing::Values(linearly_implicit_euler, rosenbrock2, runge_kutta4),
+                         testing::PrintToStringParamName());
 
 TEST(VehicleSchemes, StiffSuspensionIsForTheImplicitOnes) {
   const WheeledVehicleParameters stiff = nearly_rigid({});

@@ -1,6 +1,7 @@
 // Standing still on slopes for ever, and stopping: dynamics cases 8, 10, 26, 31.
 #include <gtest/gtest.h>
 
+#include "number_word.h"
 #include "vehicle_rig.h"
 
 namespace rigwire::sim::test {
@@ -44,7 +45,10 @@ TEST_P(VehicleOnSlope, ParkedVehicleDoesNotCreep) {
   EXPECT_NEAR(along, 9000.0 * kGravity * std::sin(GetParam() * kDegree), 60.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Slopes, VehicleOnSlope, testing::Values(5.0, 20.0, 30.0));
+INSTANTIATE_TEST_SUITE_P(Slopes, VehicleOnSlope, testing::Values(5.0, 20.0, 30.0),
+                         [](const auto& test) {
+                           return "on_" + rigwire::test::number_word(test.param) + "_degrees";
+                         });
 
 TEST(VehicleStandstill, HourAtTenMillisecondsOnTwentyDegrees) {
   WheeledVehicleParameters parameters;

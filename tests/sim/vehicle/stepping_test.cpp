@@ -156,7 +156,8 @@ TEST_P(VehicleStepping, LinksMoveAsTheirVelocitiesSay) {
 
 INSTANTIATE_TEST_SUITE_P(Levels, VehicleStepping,
                          testing::Values(VehicleLevel::kinematic, VehicleLevel::planar,
-                                         VehicleLevel::full));
+                                         VehicleLevel::full),
+                         testing::PrintToStringParamName());
 
 TEST(VehicleGuard, NamesTheFirstQuantityThatIsNoNumberAndStandsStill) {
   BareVehicle rig(slope(0.0));

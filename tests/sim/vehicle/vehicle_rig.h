@@ -4,10 +4,22 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <ostream>
 #include <vector>
 
 #include "sim/driveline/driveline.h"
 #include "sim/vehicle/full_vehicle.h"
+
+namespace rigwire::sim {
+
+/// For test names.
+inline void PrintTo(VehicleLevel level, std::ostream* out) {
+  *out << (level == VehicleLevel::kinematic ? "kinematic"
+           : level == VehicleLevel::planar  ? "planar"
+                                            : "full");
+}
+
+}  // namespace rigwire::sim
 
 namespace rigwire::sim::test {
 

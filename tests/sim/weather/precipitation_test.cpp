@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "number_word.h"
 #include "sim/random.h"
 #include "sim/weather/scene_weather.h"
 
@@ -130,7 +131,9 @@ TEST_P(FalseReturnRateTest, IsThatOfADoubleIntegralWithinThreeSigma) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Rates, FalseReturnRateTest,
-                         testing::Values(0.5, 2.0, 5.0, 10.0, 30.0, 100.0));
+                         testing::Values(0.5, 2.0, 5.0, 10.0, 30.0, 100.0), [](const auto& test) {
+                           return "rain_of_" + rigwire::test::number_word(test.param) + "_mmph";
+                         });
 
 TEST(RainTest, ABeamThatMeetsASurfaceSeesOnlyTheDropsBefore) {
   const SceneWeather weather(raining(30.0), 1);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,12 @@
 #include "rtu_line.h"
 
 namespace rigwire::emulators {
+
+/// For test names.
+inline void PrintTo(ModbusWire wire, std::ostream* out) {
+  *out << (wire == ModbusWire::tcp ? "tcp" : "rtu");
+}
+
 namespace {
 
 using namespace protocols::modbus;
@@ -96,9 +103,7 @@ class ModbusConformance : public ::testing::TestWithParam<ModbusWire> {
   SimTime now_ = kStart;
 };
 INSTANTIATE_TEST_SUITE_P(, ModbusConformance, ::testing::Values(ModbusWire::tcp, ModbusWire::rtu),
-                         [](const auto& test) {
-                           return test.param == ModbusWire::tcp ? "tcp" : "rtu";
-                         });
+                         ::testing::PrintToStringParamName());
 
 TEST_P(ModbusConformance, ReadsAtTheLimitAndOneMore) {
   for (const auto& [function, limit] : {std::pair{1, 2000}, {2, 2000}, {3, 125}, {4, 125}}) {

@@ -149,7 +149,10 @@ TEST_P(GpsdBurst, NothingIsLostAndTheOldMessagesFlow) {
   EXPECT_EQ(receiver.counters().messages_lost, 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Speeds, GpsdBurst, testing::Values(9600U, 38400U, 115200U));
+INSTANTIATE_TEST_SUITE_P(Speeds, GpsdBurst, testing::Values(9600U, 38400U, 115200U),
+                         [](const auto& test) {
+                           return "at_" + std::to_string(test.param) + "_baud";
+                         });
 
 }  // namespace
 }  // namespace rigwire::emulators::conversation

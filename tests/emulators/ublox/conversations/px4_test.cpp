@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -322,6 +323,10 @@ struct Case {
   ReceiverType type;
   std::chrono::milliseconds begin;  ///< The driver starts when the receiver has lived so long.
 };
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << name_of(c.type) << " after " << c.begin.count() << " ms";
+}
 
 class Px4Starts : public testing::TestWithParam<Case> {};
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,11 @@ struct ReceiverType {
 
 [[nodiscard]] inline std::string name_of(const ReceiverType& type) {
   return type.name;
+}
+
+/// For test names.
+inline void PrintTo(const ReceiverType& type, std::ostream* out) {
+  *out << type.name;
 }
 
 }  // namespace rigwire::emulators::conversation

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <ostream>
 #include <set>
 #include <string>
 #include <vector>
@@ -218,6 +219,10 @@ struct Case {
   std::uint32_t baud;
   std::chrono::milliseconds begin;  ///< The node starts when the receiver has lived so long.
 };
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << name_of(c.type) << " at " << c.baud << " Bd after " << c.begin.count() << " ms";
+}
 
 class RosUbloxStarts : public testing::TestWithParam<Case> {};
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <ostream>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -41,6 +42,10 @@ struct Case {
   const emulators::UbloxProfile* profile;
   std::vector<std::string> messages;
 };
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
+}
 
 class Rtklib : public testing::TestWithParam<Case> {
  protected:

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <filesystem>
 #include <numbers>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -114,6 +115,10 @@ std::vector<velodyne::Laser> lasers_of(const LidarPattern& pattern) {
                       .time_offset_ns = static_cast<std::int32_t>(laser.time_offset.count())});
   }
   return lasers;
+}
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << velodyne_test_name(c.model, c.mode);
 }
 
 class VelodyneDevice : public testing::TestWithParam<Case> {};

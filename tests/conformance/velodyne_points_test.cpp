@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 #include <filesystem>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,10 @@ struct Case {
   ReturnMode mode;
   StatusFormat format = StatusFormat::s2;
 };
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << velodyne_test_name(c.model, c.mode);
+}
 
 class VelodynePoints : public testing::TestWithParam<Case> {};
 

@@ -4,10 +4,12 @@
 #include <unistd.h>
 
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <numbers>
+#include <ostream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -61,6 +63,10 @@ struct Case {
   const char* product;
   int firings_per_block;
 };
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.model;
+}
 
 class VelodyneConformance : public testing::TestWithParam<Case> {};
 
@@ -181,7 +187,13 @@ TEST_P(VelodyneConformance, IndependentDissectorReadsTheTruth) {
 
 INSTANTIATE_TEST_SUITE_P(Models, VelodyneConformance,
                          testing::Values(Case{"HDL-32E", "0x21", 1}, Case{"VLP-16", "0x22", 2},
-                                         Case{"Puck Hi-Res", "0x24", 2}));
+                                         Case{"Puck Hi-Res", "0x24", 2}),
+                         [](const auto& test) {
+                           std::string name = test.param.model;
+                           std::erase_if(name,
+                                         [](unsigned char c) { return std::isalnum(c) == 0; });
+                           return name;
+                         });
 
 }  // namespace
 }  // namespace rigwire::emulators

@@ -152,9 +152,9 @@ struct Silence {
 };
 
 class DigCycleSilence : public DigCycleProgram, public ::testing::WithParamInterface<int> {
- protected:
-  static Silence silence() {
-    switch (GetParam()) {
+ public:
+  static Silence silence(int which) {
+    switch (which) {
       case 0:
         return {"gnss", 3000ms, [](auto& mute, bool on) { mute.gnss = on; }};
       case 1:
@@ -170,7 +170,7 @@ class DigCycleSilence : public DigCycleProgram, public ::testing::WithParamInter
 };
 
 TEST_P(DigCycleSilence, StopsWithStatus4AndNamesTheSensor) {
-  const Silence which = silence();
+  const Silence which = silence(GetParam());
   start({});
   ASSERT_TRUE(until([&] { return working(); })) << messages();
   which.set(rig.mute, true);
@@ -183,7 +183,7 @@ TEST_P(DigCycleSilence, StopsWithStatus4AndNamesTheSensor) {
 }
 
 TEST_P(DigCycleSilence, WithWaitHoldsNeutralAndResumes) {
-  const Silence which = silence();
+  const Silence which = silence(GetParam());
   start({"--wait"});
   ASSERT_TRUE(until([&] { return working(); })) << messages();
   which.set(rig.mute, true);
@@ -196,7 +196,9 @@ TEST_P(DigCycleSilence, WithWaitHoldsNeutralAndResumes) {
   EXPECT_TRUE(until([&] { return working(); })) << messages();
 }
 
-INSTANTIATE_TEST_SUITE_P(Sensors, DigCycleSilence, ::testing::Range(0, 5));
+INSTANTIATE_TEST_SUITE_P(Sensors, DigCycleSilence, ::testing::Range(0, 5), [](const auto& test) {
+  return std::string(DigCycleSilence::silence(test.param).name);
+});
 
 TEST_F(DigCycleProgram, WaitsForSensorsThatAreNotThereYet) {
   rig.mute.imu[2] = true;

@@ -7,11 +7,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string>
 
 #include "vehicle_rig.h"
 
@@ -134,22 +136,27 @@ TEST_F(DriveProgramProcess, InterruptBrakesAndParks) {
   EXPECT_TRUE(until([&] { return rig.parked(); }, 1s));
 }
 
-class DriveProgramSilence : public DriveProgramProcess, public testing::WithParamInterface<int> {};
+class DriveProgramSilence : public DriveProgramProcess,
+                            public testing::WithParamInterface<std::string> {};
 
 TEST_P(DriveProgramSilence, StopsWithStatus4AndNamesTheDevice) {
   start("path_follow", {"--path", path(), "--speed", "1"});
   ASSERT_TRUE(until([&] { return rig.moving(); })) << messages();
-  const std::array<const char*, 3> names{"gnss is silent", "imu is silent",
-                                         "vehicle gateway is silent"};
-  rig.mute.gnss = GetParam() == 0;
-  rig.mute.imu = GetParam() == 1;
-  rig.mute.gateway = GetParam() == 2;
+  const std::string& device = GetParam();
+  rig.mute.gnss = device == "gnss";
+  rig.mute.imu = device == "imu";
+  rig.mute.gateway = device == "vehicle gateway";
   EXPECT_EQ(end(), 4) << messages();
-  EXPECT_THAT(messages(), HasSubstr(names[static_cast<std::size_t>(GetParam())]));
+  EXPECT_THAT(messages(), HasSubstr(device + " is silent"));
   EXPECT_TRUE(until([&] { return rig.parked(); }, 3s));
 }
 
-INSTANTIATE_TEST_SUITE_P(Devices, DriveProgramSilence, testing::Values(0, 1, 2));
+INSTANTIATE_TEST_SUITE_P(Devices, DriveProgramSilence,
+                         testing::Values("gnss", "imu", "vehicle gateway"), [](const auto& test) {
+                           std::string name = test.param;
+                           std::ranges::replace(name, ' ', '_');
+                           return name;
+                         });
 
 TEST_F(DriveProgramProcess, SaysWhatIsWrongWithTheCommandLine) {
   start("path_follow", {"--path", "/nowhere.csv"});

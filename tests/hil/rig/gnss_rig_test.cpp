@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <ostream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -183,6 +185,9 @@ struct Start {
   const char* utc;
   const char* date;
 };
+void PrintTo(const Start& start, std::ostream* out) {
+  *out << start.utc;
+}
 class GnssRigStart : public GnssRig, public ::testing::WithParamInterface<Start> {};
 
 TEST_P(GnssRigStart, IsTheDateWithinTheReceiversWeeks) {
@@ -200,7 +205,12 @@ INSTANTIATE_TEST_SUITE_P(From1999To2035, GnssRigStart,
                                            Start{"1999-08-21T23:59:49Z", "060419"},
                                            Start{"2012-06-30T12:00:00Z", "300612"},
                                            Start{"2019-04-06T23:59:45Z", "060419"},
-                                           Start{"2035-12-31T12:00:00Z", "160516"}));
+                                           Start{"2035-12-31T12:00:00Z", "160516"}),
+                         [](const auto& test) {
+                           std::string day(test.param.utc, 10);
+                           std::ranges::replace(day, '-', '_');
+                           return "on_" + day;
+                         });
 
 TEST_F(GnssRig, LeapSecondIsPrinted) {
   build(receiver("gnss", "    mount: {link: body}\n"), "{}", "2016-12-31T23:59:58Z");

@@ -111,11 +111,9 @@ struct Parsed {
   bool dry_run = false;
   bool print = false;
   bool json = false;
-  std::string word;  ///< Kind, device, suite or shell.
+  std::string word;  ///< Kind, device or shell.
   std::string bus;
-  std::string json_file;
   std::string valve_map;
-  bool list = false;
 };
 
 void declare(CLI::App& app, Parsed& parsed) {
@@ -174,10 +172,11 @@ void declare(CLI::App& app, Parsed& parsed) {
   CLI::App* doctor_app = app.add_subcommand("doctor", "What this machine can offer, and the fixes");
   doctor_app->add_flag("--json", parsed.json, "As JSON");
 
-  CLI::App* bench_app = app.add_subcommand("bench", "Measure speed and error");
-  bench_app->add_option("suite", parsed.word, "One suite; all without it");
-  bench_app->add_option("--json", parsed.json_file, "Write the figures to a file");
-  bench_app->add_flag("--list", parsed.list, "List the suites");
+  // Whatever follows is for the other program, --help included.
+  CLI::App* bench_app =
+      app.add_subcommand("bench", "Measure speed and error (starts rigwire-bench)");
+  bench_app->set_help_flag();
+  bench_app->prefix_command();
 
   CLI::App* completion_app = app.add_subcommand("completion", "Print a completion script");
   completion_app->add_option("shell", parsed.word, "bash, zsh or fish")->required();
@@ -250,7 +249,7 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
     return doctor_verb(parsed.json, terminal);
   }
   if (app.got_subcommand("bench")) {
-    return bench_verb(parsed.word, parsed.json_file, parsed.list, terminal);
+    return bench_verb(app.get_subcommand("bench")->remaining(), terminal);
   }
   return completion_verb(parsed.word, terminal);
 }

@@ -6,8 +6,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "hil/bench/host.h"
-#include "hil/bench/registry.h"
 #include "hil/command_line/config_files.h"
 #include "hil/command_line/doctor.h"
 #include "hil/configuration/suggest.h"
@@ -155,51 +153,6 @@ int doctor_verb(bool json, Terminal terminal) {
   }
   terminal.out << (json ? list.dump(2) + "\n" : table_text(rows));
   return code(missing ? ExitCode::environment : ExitCode::done);
-}
-
-int bench_verb(const std::string& suite, const std::string& json_file, bool list,
-               Terminal terminal) {
-  std::vector<std::string> names;
-  std::vector<std::vector<std::string>> rows;
-  for (const BenchSuite& known : bench_suites()) {
-    names.emplace_back(known.name);
-    rows.push_back({std::string(known.name), std::string(known.text)});
-  }
-  if (list) {
-    terminal.out << table_text(rows);
-    return code(ExitCode::done);
-  }
-  if (!suite.empty() && std::find(names.begin(), names.end(), suite) == names.end()) {
-    return refuse_word("suite", suite, names, terminal);
-  }
-  const HostFacts host = host_facts();
-  Json results{{"host",
-                {{"kernel", host.kernel},
-                 {"processor", host.processor},
-                 {"cores", host.cores},
-                 {"compiler", host.compiler},
-                 {"flags", host.flags},
-                 {"load_average", load_average()}}}};
-  terminal.out << fmt::format("{}, {} cores, {}, load average {:.2f}; {} {}\n\n", host.processor,
-                              host.cores, host.kernel, load_average()[0], host.compiler,
-                              host.flags);
-  for (const BenchSuite& known : bench_suites()) {
-    if (suite.empty() || suite == known.name) {
-      terminal.out << "== " << known.name << ": " << known.text << "\n" << std::flush;
-      results[std::string(known.name)] = known.function(terminal.out);
-      terminal.out << "\n";
-    }
-  }
-  if (!json_file.empty()) {
-    std::ofstream file(json_file);
-    file << results.dump(2) << "\n";
-    file.flush();
-    if (!file) {
-      terminal.err << "rigwire: cannot write " << json_file << "\n";
-      return code(ExitCode::environment);
-    }
-  }
-  return code(ExitCode::done);
 }
 
 }  // namespace rigwire::hil

@@ -32,8 +32,8 @@ struct Terminal {
 /// The DBC file of a bus; of the only one when `bus` is empty.
 [[nodiscard]] int dbc_verb(const RigArguments& rig, const std::string& bus, Terminal terminal);
 [[nodiscard]] int doctor_verb(bool json, Terminal terminal);
-[[nodiscard]] int bench_verb(const std::string& suite, const std::string& json_file, bool list,
-                             Terminal terminal);
+/// Becomes the program rigwire-bench; returns only when that is not possible.
+[[nodiscard]] int bench_verb(const std::vector<std::string>& arguments, Terminal terminal);
 [[nodiscard]] int completion_verb(const std::string& shell, Terminal terminal);
 
 /// One row per device: name, type, wire, what it sends by itself. For --dry-run.

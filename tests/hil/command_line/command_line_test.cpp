@@ -188,9 +188,4 @@ TEST(CommandLine, bash_completion_completes_verbs_options_and_rigs) {
       "check\nexcavator_can excavator_pit excavator_usb\nvelodyne-hdl-32e velodyne-hdl-64e\n");
 }
 
-TEST(CommandLine, bench_refuses_an_unknown_suite) {
-  EXPECT_EQ(rigwire("bench --list").code, 0);
-  EXPECT_EQ(rigwire("bench no_such_suite").code, 2);
-}
-
 }  // namespace

@@ -1,0 +1,78 @@
+// What the satellite receiver's models cost and how far each is from the better one, side by side.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "hil/rig/rig_configuration.h"
+
+namespace rigwire::bench {
+
+/// The paper's regression over the count against the exact geometry, over a day of nominal GPS at
+/// the rig's origin with part of the sky closed.
+struct DilutionCost {
+  std::string sky{};           ///< "mask 10 deg", "street, 45 deg walls".
+  std::size_t epochs = 0;      ///< With four satellites or more.
+  double satellites = 0.0;     ///< Mean.
+  double regression_ns = 0.0;  ///< CPU time of one, least of several runs.
+  double geometric_ns = 0.0;
+  /// Regression / geometry: exp of the mean and of the standard deviation of the logarithm.
+  double horizontal_ratio = 0.0;
+  double horizontal_scatter = 0.0;
+  double vertical_ratio = 0.0;
+  double vertical_scatter = 0.0;
+  double position_ratio = 0.0;
+  double position_scatter = 0.0;
+};
+[[nodiscard]] std::vector<DilutionCost> measure_dilution(double latitude_deg, double longitude_deg);
+
+/// Degrees from metres by the radii of curvature at the origin alone, as small simulators do it,
+/// against the world frame's own, exact conversion.
+struct TangentCost {
+  double distance_m = 0.0;  ///< From the origin.
+  double plane_ns = 0.0;    ///< CPU time of one point, least of several runs.
+  double frame_ns = 0.0;
+  double plane_error_m = 0.0;         ///< Worst over all directions, horizontal.
+  double plane_height_error_m = 0.0;  ///< Worst: the earth falls away below the plane.
+  double frame_error_m = 0.0;         ///< There and back again.
+};
+[[nodiscard]] std::vector<TangentCost> measure_tangent(double latitude_deg,
+                                                       const std::vector<double>& distances_m);
+
+/// Rays per satellite near the edges of a scene: cost of an epoch and the share of satellites whose
+/// state differs from that of the densest sampling, over places along the rig's first track.
+struct SkySampling {
+  int samples = 0;            ///< Directions per satellite.
+  double epoch_us = 0.0;      ///< CPU time of one navigation epoch, median.
+  std::size_t views = 0;      ///< Satellites above the mask, all epochs.
+  double differing = 0.0;     ///< Share of them that is tracked here and not there, or reverse.
+  double cn0_error_db = 0.0;  ///< Root mean square, where both track.
+};
+[[nodiscard]] std::vector<SkySampling> measure_sky_sampling(const hil::RigConfiguration& rig,
+                                                            const std::vector<int>& samples);
+
+/// Many receivers on one core: sensors in the rig's scene and their emulators, coloured errors.
+struct ReceiverLoad {
+  std::string model{};  ///< "paper", "coloured", "coloured, raw".
+  int receivers = 0;
+  double rate_hz = 0.0;
+  double sensor_us = 0.0;    ///< CPU time per epoch.
+  double emulator_us = 0.0;  ///< CPU time per epoch, all messages of the type's default.
+  double core_share = 0.0;   ///< Of one core, in real time.
+};
+[[nodiscard]] std::vector<ReceiverLoad> measure_receivers(const hil::RigConfiguration& rig,
+                                                          int receivers, double rate_hz,
+                                                          int epochs);
+
+/// Positions through a message and back.
+struct PositionEncoding {
+  std::string message{};
+  double half_unit = 0.0;
+  double worst = 0.0;
+  std::string unit{};
+  std::size_t positions = 0;
+};
+[[nodiscard]] std::vector<PositionEncoding> measure_position_encoding(std::size_t positions);
+
+}  // namespace rigwire::bench

@@ -1,0 +1,30 @@
+// What the dynamics suite drives: every machine of the house at every level, with every method that
+// the level has, on ground without surprises.
+//
+// Two scenes for each. "smooth": nothing reaches a limit, nothing slides, stops or lets go, so that
+// a method shows its order. The excavator moves all four functions gently; vehicles coast at
+// 3 m/s in neutral with gentle steering, the roller swells its speed up and down. "switches": the
+// excavator asks for more than the pump has, both ways; vehicles and roller start uphill, swerve
+// and brake to a stop. All on a plane that rises by 5 degrees, except that an excavator's fixed
+// carrier is level. Default parameters of each machine.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/machine_precision.h"
+
+namespace rigwire::bench {
+
+[[nodiscard]] std::vector<MachineCase> machine_cases();
+
+/// One parameter 20 % off, for its share of the error.
+struct MachineVariation {
+  std::string quantity;
+  MachineCase nominal;
+  MachineCase varied;
+};
+/// Of estimated parameters (docs/machines/).
+[[nodiscard]] std::vector<MachineVariation> machine_variations();
+
+}  // namespace rigwire::bench

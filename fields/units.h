@@ -54,7 +54,18 @@ enum class Dimension {
   magnetic_field,
   area_density,
   angular_stiffness,
-  angular_displacement
+  angular_displacement,
+  angular_rate_walk,
+  acceleration_walk,
+  rate_per_acceleration,
+  inverse_temperature,
+  magnetic_noise_density,
+  length_per_distance,
+  length_per_level,
+  areal_count,
+  solid_angle,
+  mass_extinction,
+  diffusivity
 };
 
 struct Unit {
@@ -143,6 +154,22 @@ inline constexpr Unit kUnits[] = {
     {"MN m/rad", Dimension::angular_stiffness, 1e6, 1},
     {"m3/rad", Dimension::angular_displacement, 1, 1},
     {"l/rad", Dimension::angular_displacement, 1, 1000},
+    {"rad/s/sqrt(s)", Dimension::angular_rate_walk, 1, 1},
+    {"deg/s/sqrt(s)", Dimension::angular_rate_walk, kPi, 180},
+    {"m/s2/sqrt(s)", Dimension::acceleration_walk, 1, 1},
+    {"rad/s/(m/s2)", Dimension::rate_per_acceleration, 1, 1},
+    {"deg/s/g", Dimension::rate_per_acceleration, kPi, 180 * kGravity},
+    {"1/K", Dimension::inverse_temperature, 1, 1},
+    {"ppm/K", Dimension::inverse_temperature, 1, 1e6},
+    {"T/sqrt(Hz)", Dimension::magnetic_noise_density, 1, 1},
+    {"nT/sqrt(Hz)", Dimension::magnetic_noise_density, 1, 1e9},
+    {"m/km", Dimension::length_per_distance, 1, 1},
+    {"mm/km", Dimension::length_per_distance, 1, 1000},
+    {"m/dB", Dimension::length_per_level, 1, 1},
+    {"1/m2", Dimension::areal_count, 1, 1}, {"1/ha", Dimension::areal_count, 1, 1e4},
+    {"sr", Dimension::solid_angle, 1, 1},
+    {"m2/kg", Dimension::mass_extinction, 1, 1},
+    {"m2/s", Dimension::diffusivity, 1, 1},
 };
 // clang-format on
 }  // namespace detail

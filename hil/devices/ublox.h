@@ -8,10 +8,10 @@
 #include "emulators/ublox/settings.h"
 #include "fields/visitor.h"
 #include "hil/configuration/gnss_fault.h"
-#include "hil/configuration/gnss_sensor.h"
 #include "hil/wires/baud_check.h"
 #include "hil/wires/usb_configuration.h"
 #include "hil/world/mount.h"
+#include "sim/gnss/gnss_parameters.h"
 
 namespace rigwire::hil {
 

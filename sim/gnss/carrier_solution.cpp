@@ -1,43 +1,84 @@
 #include "sim/gnss/carrier_solution.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
 
-#include "sim/gnss/parameter_check.h"
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+using fields::IntegerRule;
+using fields::plain;
+
 namespace {
 
 /// Fewer satellites in line of sight do not carry a float or service position.
 constexpr int kLeastForFloat = 4;
 
+constexpr std::array<fields::Choice<CorrectionKind>, 4> kCorrectionKinds{
+    {{CorrectionKind::none, "none", "The receiver alone."},
+     {CorrectionKind::sbas, "sbas", "Orbits, clocks and ionosphere by SBAS."},
+     {CorrectionKind::service, "service", "Precise point positions (StarFire SF2 class)."},
+     {CorrectionKind::rtk, "rtk", "Real-time kinematic: float, then fixed."}}};
+
 }  // namespace
 
+void visit(fields::Visitor& v, CorrectionParameters& p) {
+  constexpr fields::NumberRule kMetres = in("m").between(0, 1000);
+  constexpr fields::NumberRule kSeconds = in("s").between(0, 86'400);
+  v.choice("kind", p.kind, kCorrectionKinds, "Which corrections arrive.");
+  v.number("interval", p.interval_s, in("s").between(0.01, 86'400), "Between two corrections.");
+  v.number("latency", p.latency_s, kSeconds,
+           "From the measurement of a correction to its arrival.");
+  v.number("largest_age", p.largest_age_s, kSeconds, "Older corrections are not applied.");
+  v.number("sbas_share", p.sbas_share, plain().between(0, 1),
+           "Of orbit, clock and ionosphere errors that SBAS leaves.");
+  v.number("baseline", p.baseline_m, in("m").between(0, 1e6),
+           "RTK: distance from the base station.");
+  v.number("fixed_horizontal", p.fixed_horizontal_m, kMetres,
+           "RTK fixed: horizontal error, radial, 1 sigma, without the baseline's part.");
+  v.number("fixed_vertical", p.fixed_vertical_m, kMetres,
+           "RTK fixed: vertical error, 1 sigma, without the baseline's part.");
+  v.number("fixed_per_baseline", p.fixed_per_baseline, in("ppm").between(0, 1e6),
+           "RTK fixed: share of the baseline that is added to both errors.");
+  v.number("float_start", p.float_start_m, kMetres,
+           "RTK float: error per axis when it begins, 1 sigma.");
+  v.number("float_end", p.float_end_m, kMetres,
+           "RTK float: error per axis that it converges to, 1 sigma.");
+  v.number("float_decay", p.float_decay_s, in("s").between(0.001, 86'400),
+           "RTK float: time constant of its convergence.");
+  v.number("first_fix", p.first_fix_s, kSeconds, "RTK: from float to fixed, the first time.");
+  v.number("refix_shortest", p.refix_shortest_s, kSeconds,
+           "RTK: shortest time from a loss to fixed again.");
+  v.number("refix_longest", p.refix_longest_s, kSeconds,
+           "RTK: longest time from a loss to fixed again.");
+  v.integer("least_satellites", p.least_satellites, IntegerRule{kLeastForFloat, 40},
+            "RTK fixed: satellites in line of sight that it needs.");
+  v.number("service_start", p.service_start_m, kMetres,
+           "Service: error per axis when it begins, 1 sigma.");
+  v.number("service_end", p.service_end_m, kMetres,
+           "Service: error per axis when converged, 1 sigma.");
+  v.number("service_decay", p.service_decay_s, in("s").between(0.001, 86'400),
+           "Service: time constant of its convergence.");
+  v.number("vertical_ratio", p.vertical_ratio, plain().between(0, 100),
+           "Float and service: vertical error over that of one horizontal axis.");
+  v.number("service_bridge", p.service_bridge_s, kSeconds,
+           "Service: shorter losses cost no convergence.");
+  v.number("correlation", p.correlation_s, kSeconds,
+           "Time constant of the errors of carrier positions.");
+}
+
 void validate(const CorrectionParameters& p) {
-  constexpr double kLongest_s = 86'400.0;
-  constexpr double kMost_m = 1000.0;
-  check_parameter("corrections interval_s", p.interval_s, 0.01, kLongest_s);
-  check_parameter("corrections latency_s", p.latency_s, 0.0, kLongest_s);
-  check_parameter("corrections largest_age_s", p.largest_age_s, 0.0, kLongest_s);
-  check_parameter("corrections sbas_share", p.sbas_share, 0.0, 1.0);
-  check_parameter("corrections baseline_m", p.baseline_m, 0.0, 1e6);
-  check_parameter("corrections fixed_horizontal_m", p.fixed_horizontal_m, 0.0, kMost_m);
-  check_parameter("corrections fixed_vertical_m", p.fixed_vertical_m, 0.0, kMost_m);
-  check_parameter("corrections fixed_per_baseline", p.fixed_per_baseline, 0.0, 1.0);
-  check_parameter("corrections float_start_m", p.float_start_m, 0.0, kMost_m);
-  check_parameter("corrections float_end_m", p.float_end_m, 0.0, kMost_m);
-  check_parameter("corrections float_decay_s", p.float_decay_s, 0.001, kLongest_s);
-  check_parameter("corrections first_fix_s", p.first_fix_s, 0.0, kLongest_s);
-  check_parameter("corrections refix_shortest_s", p.refix_shortest_s, 0.0, p.refix_longest_s);
-  check_parameter("corrections refix_longest_s", p.refix_longest_s, 0.0, kLongest_s);
-  check_parameter("corrections least_satellites", p.least_satellites, kLeastForFloat, 40.0);
-  check_parameter("corrections service_start_m", p.service_start_m, 0.0, kMost_m);
-  check_parameter("corrections service_end_m", p.service_end_m, 0.0, kMost_m);
-  check_parameter("corrections service_decay_s", p.service_decay_s, 0.001, kLongest_s);
-  check_parameter("corrections vertical_ratio", p.vertical_ratio, 0.0, 100.0);
-  check_parameter("corrections service_bridge_s", p.service_bridge_s, 0.0, kLongest_s);
-  check_parameter("corrections correlation_s", p.correlation_s, 0.0, kLongest_s);
+  fields::check(p);
+  if (p.refix_shortest_s > p.refix_longest_s) {
+    throw fields::Refused("refix_shortest", "found " + fields::shortest(p.refix_shortest_s) +
+                                                " s, allowed up to refix_longest, " +
+                                                fields::shortest(p.refix_longest_s) + " s");
+  }
 }
 
 CarrierEngine::CarrierEngine(const CorrectionParameters& parameters, std::uint64_t seed,

@@ -20,6 +20,7 @@
 #include <optional>
 #include <string_view>
 
+#include "fields/rules.h"
 #include "sim/gnss/gauss_markov.h"
 #include "sim/gnss/range_errors.h"
 #include "sim/random.h"
@@ -37,16 +38,16 @@ struct CorrectionParameters {
   double largest_age_s = 60.0;  ///< Older corrections are not applied.
   double sbas_share = 0.7;      ///< Of orbit, clock and ionosphere errors that SBAS leaves.
 
-  double baseline_m = 500.0;         ///< RTK: distance from the base station.
-  double fixed_horizontal_m = 0.01;  ///< RTK fixed: 1 sigma, radial, without the baseline.
-  double fixed_vertical_m = 0.02;    ///< RTK fixed: 1 sigma.
-  double fixed_per_baseline = 1e-6;  ///< On both.
-  double float_start_m = 1.0;        ///< RTK float, per axis: at the start ...
-  double float_end_m = 0.2;          ///< ... and after long; exponentially between,
-  double float_decay_s = 20.0;       ///< with this time constant.
-  double first_fix_s = 30.0;         ///< RTK: from float to fixed, the first time.
-  double refix_shortest_s = 5.0;     ///< RTK: after a loss, uniform between these.
-  double refix_longest_s = 30.0;
+  double baseline_m = 500.0;           ///< RTK: distance from the base station.
+  double fixed_horizontal_m = 0.01;    ///< RTK fixed: 1 sigma, radial, without the baseline.
+  double fixed_vertical_m = 0.02;      ///< RTK fixed: 1 sigma.
+  double fixed_per_baseline = 1e-6;    ///< On both.
+  double float_start_m = 1.0;          ///< RTK float, per axis: at the start ...
+  double float_end_m = 0.2;            ///< ... and after long; exponentially between,
+  double float_decay_s = 20.0;         ///< with this time constant.
+  double first_fix_s = 30.0;           ///< RTK: from float to fixed, the first time.
+  double refix_shortest_s = 5.0;       ///< RTK: after a loss, uniform between these.
+  double refix_longest_s = 30.0;       ///< At least refix_shortest_s.
   std::uint32_t least_satellites = 5;  ///< In line of sight, to fix and to keep the fix.
 
   double service_start_m = 1.0;    ///< Service, per axis: at the start ...
@@ -57,7 +58,9 @@ struct CorrectionParameters {
 
   double correlation_s = 40.0;  ///< Of the errors of carrier positions.
 };
+void visit(fields::Visitor& v, CorrectionParameters& p);
 
+/// Throws std::invalid_argument naming the key, its value and what is allowed.
 void validate(const CorrectionParameters& parameters);
 
 /// What the receiver has to work with at an epoch.

@@ -1,10 +1,29 @@
 #include "sim/gnss/gnss_parameters.h"
 
-#include <stdexcept>
+#include <array>
 
-#include "sim/gnss/parameter_check.h"
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+
+namespace {
+
+constexpr std::array<fields::Choice<DilutionKind>, 2> kDilutionKinds{
+    {{DilutionKind::regression, "regression", "The paper's Eq. 1 over the satellite count."},
+     {DilutionKind::geometric, "geometric", "From the directions of the satellites."}}};
+constexpr std::array<fields::Choice<QuadrantRule>, 3> kQuadrantRules{
+    {{QuadrantRule::off, "off", "Eq. 3 by count alone."},
+     {QuadrantRule::cardinal, "cardinal", "2D when a sector around N, E, S or W is empty."},
+     {QuadrantRule::diagonal, "diagonal", "2D when a sector around NE, SE, SW or NW is empty."}}};
+constexpr std::array<fields::Choice<ErrorModel>, 2> kErrorModels{
+    {{ErrorModel::paper, "paper", "Dilution times noise: the paper's Eq. 2."},
+     {ErrorModel::coloured, "coloured",
+      "Errors of each pseudorange, and the position solved from them."}}};
+
+}  // namespace
 
 bool GnssSystems::receives(GnssSystem system) const {
   switch (system) {
@@ -26,19 +45,44 @@ bool GnssSystems::receives(GnssSystem system) const {
   return false;
 }
 
+void visit(fields::Visitor& v, GnssSystems& p) {
+  v.boolean("gps", p.gps, "Whether GPS is received.");
+  v.boolean("glonass", p.glonass, "Whether GLONASS is received.");
+  v.boolean("galileo", p.galileo, "Whether Galileo is received.");
+  v.boolean("beidou", p.beidou, "Whether BeiDou is received.");
+  v.boolean("sbas", p.sbas, "Whether SBAS satellites are received.");
+  v.boolean("qzss", p.qzss, "Whether QZSS is received.");
+}
+
+void visit(fields::Visitor& v, GnssParameters& p) {
+  v.choice("error_model", p.error_model, kErrorModels, "How errors of the position arise.");
+  v.choice("dilution", p.dilution, kDilutionKinds, "How dilution of precision is found.");
+  v.choice("quadrant_rule", p.quadrant_rule, kQuadrantRules, "The paper's rule on empty sectors.");
+  v.section("systems", p.systems, "Satellite systems received.");
+  visit(v, p.sky);
+  v.number("circular_error", p.circular_error_m, in("m").between(0, 1000),
+           "CEP under open sky, as in the data sheet; error model paper.");
+  v.number("correlation_time", p.correlation_time_s, in("s").between(0, 86'400),
+           "Time constant of the position error; 0 = white noise; error model paper.");
+  v.section("ranges", p.ranges, "Errors of pseudoranges; error model coloured.");
+  v.section("multipath", p.multipath, "Reflections; error model coloured.");
+  v.number("speed_sigma", p.speed_sigma_mps, in("m/s").between(0, 100),
+           "White noise of the velocity, per axis at dilution 1.");
+  v.boolean("errors", p.errors, "False: position, velocity and ranges are exact.");
+  v.section("corrections", p.corrections, "SBAS, services, RTK.");
+  visit(v, p.clock);
+  v.boolean("raw_measurements", p.raw_measurements, "Pseudoranges, phases and Doppler shifts too.");
+  v.boolean("ionosphere", p.ionosphere, "Raw ranges are delayed by the broadcast model.");
+  v.boolean("troposphere", p.troposphere, "Raw ranges are delayed by Saastamoinen's model.");
+}
+
 void validate(const GnssParameters& p) {
+  fields::check(p);
   const GnssSystems& s = p.systems;
   if (!(s.gps || s.glonass || s.galileo || s.beidou || s.sbas || s.qzss)) {
-    throw std::invalid_argument("gnss: no system is received, allowed: at least one");
+    throw fields::Refused("systems", "none is received, allowed: at least one");
   }
-  check_parameter("circular_error_m", p.circular_error_m, 0.0, 1000.0);
-  check_parameter("correlation_time_s", p.correlation_time_s, 0.0, 86'400.0);
-  check_parameter("speed_sigma_mps", p.speed_sigma_mps, 0.0, 100.0);
   validate(p.clock);
-  validate(p.sky);
-  validate(p.ranges);
-  validate(p.multipath);
-  validate(p.corrections);
   for (const GnssFault& fault : p.faults) {
     validate(fault);
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "fields/rules.h"
 #include "sim/gnss/carrier_solution.h"
 #include "sim/gnss/dilution.h"
 #include "sim/gnss/gnss_fault.h"
@@ -38,6 +39,7 @@ struct GnssSystems {
 
   [[nodiscard]] bool receives(GnssSystem system) const;
 };
+void visit(fields::Visitor& v, GnssSystems& p);
 
 struct GnssParameters {
   ErrorModel error_model = ErrorModel::paper;
@@ -58,8 +60,9 @@ struct GnssParameters {
   bool ionosphere = true;         ///< Raw ranges are delayed by the model that is broadcast.
   bool troposphere = true;        ///< Raw ranges are delayed by Saastamoinen's model.
 };
+void visit(fields::Visitor& v, GnssParameters& p);
 
-/// Throws std::invalid_argument naming the parameter, its value and what is allowed.
+/// Throws std::invalid_argument naming the key, its value and what is allowed.
 void validate(const GnssParameters& parameters);
 
 }  // namespace rigwire::sim

@@ -5,9 +5,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/gnss/parameter_check.h"
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -44,12 +48,22 @@ std::array<Eigen::Vector3d, kDirections> make_directions() {
 
 }  // namespace
 
+void visit(fields::Visitor& v, MultipathParameters& p) {
+  v.boolean("enabled", p.enabled, "Reflections are searched by rays.");
+  v.number("reach", p.reach_m, in("m").between(0.1, 500),
+           "Surfaces farther away are not searched for reflections.");
+  v.number("reflection_loss", p.reflection_loss_db, in("dB").between(0, 40),
+           "Loss of a reflected against the direct signal.");
+  v.number("correlator_spacing", p.correlator_spacing_m, in("m").between(1, 300),
+           "From the early to the late correlator.");
+  v.number("search_distance", p.search_distance_m, in("m").between(0, 1000),
+           "Motion after which reflections are searched again.");
+  v.number("search_period", p.search_period_s, in("s").between(0, 86'400),
+           "Time after which reflections are searched again; 0 = every epoch.");
+}
+
 void validate(const MultipathParameters& p) {
-  check_parameter("multipath reach_m", p.reach_m, 0.1, 500.0);
-  check_parameter("multipath reflection_loss_db", p.reflection_loss_db, 0.0, 40.0);
-  check_parameter("multipath correlator_spacing_m", p.correlator_spacing_m, 1.0, 300.0);
-  check_parameter("multipath search_distance_m", p.search_distance_m, 0.0, 1000.0);
-  check_parameter("multipath search_period_s", p.search_period_s, 0.0, 86'400.0);
+  fields::check(p);
 }
 
 double multipath_envelope_m(const MultipathParameters& parameters, double extra_path_m) {

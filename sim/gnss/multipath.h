@@ -17,6 +17,7 @@
 #include <span>
 #include <vector>
 
+#include "fields/rules.h"
 #include "sim/samples/time.h"
 #include "sim/visibility.h"
 
@@ -30,7 +31,9 @@ struct MultipathParameters {
   double search_distance_m = 1.0;      ///< The search is repeated after so much motion ...
   double search_period_s = 5.0;        ///< ... or after so much time; 0 = every epoch.
 };
+void visit(fields::Visitor& v, MultipathParameters& p);
 
+/// Throws std::invalid_argument naming the key, its value and what is allowed.
 void validate(const MultipathParameters& parameters);
 
 /// Code error of a direct signal joined by a reflected one, at the worst phase, m: the amplitude

@@ -4,9 +4,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/gnss/parameter_check.h"
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+
 namespace {
 
 constexpr double kReferenceCn0_dbhz = 45.0;
@@ -33,22 +37,39 @@ double over_sine(double elevation_rad) {
 
 }  // namespace
 
+void visit(fields::Visitor& v, RangeErrorParameters& p) {
+  constexpr fields::NumberRule kMetres = in("m").between(0, 1000);
+  constexpr fields::NumberRule kSeconds = in("s").between(0, 1e6);
+  v.number("orbit_clock_sigma", p.orbit_clock_sigma_m, kMetres,
+           "Standard deviation of broadcast orbits and clocks.");
+  v.number("orbit_clock_correlation", p.orbit_clock_correlation_s, kSeconds,
+           "Time constant of the errors of orbits and clocks.");
+  v.number("ionosphere_sigma", p.ionosphere_sigma_m, kMetres,
+           "Vertical ionospheric delay that the broadcast model leaves, standard deviation.");
+  v.number("ionosphere_gradient_sigma", p.ionosphere_gradient_sigma_mpkm, in("m/km").between(0, 1),
+           "Horizontal gradient of that ionospheric delay per axis, standard deviation.");
+  v.number("ionosphere_correlation", p.ionosphere_correlation_s, kSeconds,
+           "Time constant of the ionospheric error.");
+  v.number("troposphere_sigma", p.troposphere_sigma_m, kMetres,
+           "Vertical tropospheric delay that the model leaves, standard deviation.");
+  v.number("troposphere_correlation", p.troposphere_correlation_s, kSeconds,
+           "Time constant of the tropospheric error.");
+  v.number("code_noise", p.code_noise_m, kMetres,
+           "Noise of a pseudorange at 45 dBHz; doubles every 6 dB below.");
+  v.number("code_noise_correlation", p.code_noise_correlation_s, kSeconds,
+           "Time constant of the code loop's noise.");
+  v.number("multipath_sigma", p.multipath_sigma_m, kMetres,
+           "Multipath error at the zenith; over sin E at elevation E.");
+  v.number("multipath_correlation", p.multipath_correlation_s, kSeconds,
+           "Time constant of multipath at rest.");
+  v.number("multipath_length", p.multipath_length_m, in("m").between(0.001, 1e6),
+           "Way over which multipath stays correlated in motion.");
+  v.number("weak_signal_sigma", p.weak_signal_sigma_mpdb, in("m/dB").between(0, 1000),
+           "Added to the receiver's own belief for what a signal is too weak beyond 3 dB.");
+}
+
 void validate(const RangeErrorParameters& p) {
-  constexpr double kMost_m = 1000.0;
-  constexpr double kLongest_s = 1e6;
-  check_parameter("orbit_clock_sigma_m", p.orbit_clock_sigma_m, 0.0, kMost_m);
-  check_parameter("orbit_clock_correlation_s", p.orbit_clock_correlation_s, 0.0, kLongest_s);
-  check_parameter("ionosphere_sigma_m", p.ionosphere_sigma_m, 0.0, kMost_m);
-  check_parameter("ionosphere_gradient_sigma_mpkm", p.ionosphere_gradient_sigma_mpkm, 0.0, 1.0);
-  check_parameter("ionosphere_correlation_s", p.ionosphere_correlation_s, 0.0, kLongest_s);
-  check_parameter("troposphere_sigma_m", p.troposphere_sigma_m, 0.0, kMost_m);
-  check_parameter("troposphere_correlation_s", p.troposphere_correlation_s, 0.0, kLongest_s);
-  check_parameter("code_noise_m", p.code_noise_m, 0.0, kMost_m);
-  check_parameter("code_noise_correlation_s", p.code_noise_correlation_s, 0.0, kLongest_s);
-  check_parameter("multipath_sigma_m", p.multipath_sigma_m, 0.0, kMost_m);
-  check_parameter("multipath_correlation_s", p.multipath_correlation_s, 0.0, kLongest_s);
-  check_parameter("weak_signal_sigma_mpdb", p.weak_signal_sigma_mpdb, 0.0, 1000.0);
-  check_parameter("multipath_length_m", p.multipath_length_m, 0.001, 1e6);
+  fields::check(p);
 }
 
 double ionosphere_mapping(double elevation_rad) {

@@ -23,6 +23,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "fields/rules.h"
 #include "sim/gnss/constellation.h"
 #include "sim/gnss/gauss_markov.h"
 #include "sim/gnss/position_solution.h"
@@ -48,7 +49,9 @@ struct RangeErrorParameters {
   /// lets expect, beyond 3 dB: how receivers mistrust signals that came by a detour.
   double weak_signal_sigma_mpdb = 1.0;
 };
+void visit(fields::Visitor& v, RangeErrorParameters& p);
 
+/// Throws std::invalid_argument naming the key, its value and what is allowed.
 void validate(const RangeErrorParameters& parameters);
 
 /// By what a satellite's elevation multiplies vertical delays; elevation at least 0, rad.

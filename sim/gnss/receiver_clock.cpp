@@ -5,7 +5,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
+
 namespace rigwire::sim {
+
+using fields::in;
+
 namespace {
 
 constexpr double kMillisecond_s = 1e-3;
@@ -42,9 +48,16 @@ double hermite_rate(double b0, double d0, double b1, double d1, double t) {
 
 }  // namespace
 
+void visit(fields::Visitor& v, ReceiverClockParameters& p) {
+  v.number("clock_drift", p.drift, in("ppm").between(-100, 100),
+           "Mean drift of the receiver's clock.");
+  v.number("clock_drift_sigma", p.wander_sigma, in("ppm").between(0, 1),
+           "Slow wander of the clock's drift, standard deviation.");
+}
+
 void validate(const ReceiverClockParameters& p) {
-  check("drift", p.drift, -1e-4, 1e-4);
-  check("wander_sigma", p.wander_sigma, 0.0, 1e-6);
+  fields::check(p);
+  // These two no file can change.
   check("wander_correlation_s", p.wander_correlation_s, 1.0, 1e6);
   check("bias_limit_s", p.bias_limit_s, 5.1e-4, 1e-3);
 }

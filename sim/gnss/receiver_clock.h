@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "fields/rules.h"
 #include "sim/random.h"
 #include "sim/samples/time.h"
 
@@ -27,8 +28,9 @@ struct ReceiverClockParameters {
   double wander_correlation_s = 100.0;  ///< [1, 1e6].
   double bias_limit_s = 1e-3;           ///< Reset beyond it; [5.1e-4, 1e-3].
 };
+void visit(fields::Visitor& v, ReceiverClockParameters& p);
 
-/// Throws std::invalid_argument naming the parameter, its value and what is allowed.
+/// Throws std::invalid_argument naming the key or member, its value and what is allowed.
 void validate(const ReceiverClockParameters& parameters);
 
 /// One measurement epoch. Exactly: wanted + label_offset = wanted + measured_after_s + bias_s.

@@ -6,9 +6,14 @@
 #include <limits>
 #include <numbers>
 
-#include "sim/gnss/parameter_check.h"
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+using fields::IntegerRule;
+
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -33,20 +38,41 @@ std::array<Eigen::Vector2d, kMostSamples> make_disc() {
   return disc;
 }
 
+constexpr std::array<fields::Choice<SkySamples>, 3> kSkySamples{
+    {{SkySamples::one, "one", "Sharp edges."},
+     {SkySamples::four, "four", "Soft edges."},
+     {SkySamples::sixteen, "sixteen", "Soft edges, finer where there is one."}}};
+
 }  // namespace
 
+void visit(fields::Visitor& v, SkyViewParameters& p) {
+  v.number("elevation_mask", p.elevation_mask_deg, in("deg").stored_as("deg").between(0, 89.9),
+           "Satellites below this elevation are not used.");
+  v.number("antenna_clearance", p.antenna_clearance_m, in("mm").between(0, 100'000),
+           "Things nearer to the antenna do not block the sky.");
+  v.number("cn0_zenith", p.cn0_zenith_dbhz, in("dBHz").between(0, 99),
+           "Carrier-to-noise density of a satellite overhead.");
+  v.number("cn0_horizon", p.cn0_horizon_dbhz, in("dBHz").between(0, 99),
+           "Carrier-to-noise density of a satellite on the horizon.");
+  v.number("cn0_threshold", p.cn0_threshold_dbhz, in("dBHz").between(0, 99),
+           "Weakest carrier-to-noise density that is tracked.");
+  v.number("cn0_hysteresis", p.cn0_hysteresis_db, in("dB").between(0, 30),
+           "Above the threshold for a lost satellite to be acquired again.");
+  v.number("cn0_sigma", p.cn0_sigma_db, in("dB").between(0, 10),
+           "Standard deviation of each satellite's slow fading.");
+  v.number("reacquisition_time", p.reacquisition_time_s, in("s").between(0, 600),
+           "From signal to tracking after a loss.");
+  v.number("foliage_attenuation", p.foliage_attenuation_dbpm, in("dB/m").between(0, 100),
+           "What tree crowns take from a signal on its way through them.");
+  v.choice("sky_samples", p.samples, kSkySamples, "Rays per satellite.");
+  v.number("cone_half_angle", p.cone_half_angle_deg, in("deg").stored_as("deg").between(0, 10),
+           "Half angle of the cone of rays to a satellite.");
+  v.integer("maximum_channels", p.maximum_channels, IntegerRule{1, 184},
+            "Satellites that are tracked at once, at most.");
+}
+
 void validate(const SkyViewParameters& p) {
-  check_parameter("elevation_mask_deg", p.elevation_mask_deg, 0.0, 89.9);
-  check_parameter("antenna_clearance_m", p.antenna_clearance_m, 0.0, 100.0);
-  check_parameter("cn0_zenith_dbhz", p.cn0_zenith_dbhz, 0.0, 99.0);
-  check_parameter("cn0_horizon_dbhz", p.cn0_horizon_dbhz, 0.0, 99.0);
-  check_parameter("cn0_threshold_dbhz", p.cn0_threshold_dbhz, 0.0, 99.0);
-  check_parameter("cn0_hysteresis_db", p.cn0_hysteresis_db, 0.0, 30.0);
-  check_parameter("cn0_sigma_db", p.cn0_sigma_db, 0.0, 10.0);
-  check_parameter("reacquisition_time_s", p.reacquisition_time_s, 0.0, 600.0);
-  check_parameter("foliage_attenuation_dbpm", p.foliage_attenuation_dbpm, 0.0, 100.0);
-  check_parameter("cone_half_angle_deg", p.cone_half_angle_deg, 0.0, 10.0);
-  check_parameter("maximum_channels", p.maximum_channels, 1.0, 184.0);
+  fields::check(p);
 }
 
 SkyArrival sky_arrival(const SkyViewParameters& parameters, const Visibility& visibility,

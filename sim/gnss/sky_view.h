@@ -20,6 +20,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "fields/rules.h"
 #include "sim/gnss/gauss_markov.h"
 #include "sim/samples/time.h"
 #include "sim/visibility.h"
@@ -44,8 +45,9 @@ struct SkyViewParameters {
   double cone_half_angle_deg = 1.5;     ///< Of the cone of samples; [0, 10].
   std::uint32_t maximum_channels = 22;  ///< Satellites that can be tracked at once; 1..184.
 };
+void visit(fields::Visitor& v, SkyViewParameters& p);
 
-/// Throws std::invalid_argument naming the parameter, its value and what is allowed.
+/// Throws std::invalid_argument naming the key, its value and what is allowed.
 void validate(const SkyViewParameters& parameters);
 
 /// What is left of the direct signal.

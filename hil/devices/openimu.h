@@ -7,11 +7,10 @@
 
 #include "emulators/openimu/openimu335ri.h"
 #include "fields/visitor.h"
-#include "hil/configuration/imu_sensor.h"
-#include "hil/configuration/magnetometer.h"
 #include "hil/configuration/supply.h"
 #include "hil/world/mount.h"
 #include "sim/imu/imu_sensor.h"
+#include "sim/imu/magnetometer.h"
 
 namespace rigwire::hil {
 
@@ -25,7 +24,7 @@ struct OpenImuDeviceConfiguration {
   emulators::OpenImuSettings imu;
   std::string settings_file;  ///< What "save" writes; empty: kept for the run.
   sim::ImuParameters sensor;
-  MagnetometerConfiguration magnetometer;  ///< OpenIMU300RI.
+  sim::MagnetometerConfiguration magnetometer;  ///< OpenIMU300RI.
 };
 
 /// ACEINNA OpenIMU300RI, the same with older firmware and a magnetometer.

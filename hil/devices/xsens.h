@@ -7,10 +7,10 @@
 
 #include "emulators/xsens/mti_600.h"
 #include "fields/visitor.h"
-#include "hil/configuration/imu_sensor.h"
-#include "hil/configuration/magnetometer.h"
 #include "hil/configuration/supply.h"
 #include "hil/world/mount.h"
+#include "sim/imu/imu_sensor.h"
+#include "sim/imu/magnetometer.h"
 
 namespace rigwire::hil {
 
@@ -22,7 +22,7 @@ struct XsensMtiConfiguration {
   MountConfiguration mount;
   emulators::MtiSettings mti;
   sim::ImuParameters sensor;
-  MagnetometerConfiguration magnetometer;
+  sim::MagnetometerConfiguration magnetometer;
 };
 
 /// Rates that the unit's 400 samples a second give.

@@ -54,8 +54,9 @@ sim::Scene::MeshId add_shape(sim::Scene& scene, const Shape& shape) {
   return scene.add_mesh(loaded);
 }
 
-std::optional<sim::Magnetometer> make_magnetometer(const MagnetometerConfiguration& configuration,
-                                                   std::uint64_t seed, const std::string& name) {
+std::optional<sim::Magnetometer> make_magnetometer(
+    const sim::MagnetometerConfiguration& configuration, std::uint64_t seed,
+    const std::string& name) {
   if (!configuration.present) {
     return std::nullopt;
   }

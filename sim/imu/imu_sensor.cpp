@@ -1,41 +1,79 @@
 #include "sim/imu/imu_sensor.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
+
 namespace rigwire::sim {
+
+using fields::in;
+
 namespace {
 
 constexpr double kEarthRate_radps = 7.292115e-5;  // WGS-84
 constexpr double kReferenceTemperature_c = 25.0;
 constexpr double kStandardGravity_mps2 = 9.80665;
 
-void check(const std::string& name, double value, bool allowed, const std::string& what) {
-  if (!std::isfinite(value) || !allowed) {
-    throw std::invalid_argument("IMU: " + name + " is " + std::to_string(value) + ", allowed is " +
-                                what);
-  }
+constexpr std::array<fields::Choice<ImuPart>, 5> kImuParts{
+    {{ImuPart::perfect, "perfect", "No error at all."},
+     {ImuPart::openimu300, "openimu300", "Class of the ACEINNA OpenIMU300."},
+     {ImuPart::adis16470, "adis16470", "Analog Devices ADIS16470."},
+     {ImuPart::mti300, "mti300", "Xsens MTi-300."},
+     {ImuPart::mti30, "mti30", "Xsens MTi-30."}}};
+constexpr std::array<fields::Choice<ImuAcceleration>, 2> kImuAccelerations{
+    {{ImuAcceleration::solver, "solver", "That of the machine's equations."},
+     {ImuAcceleration::velocity_difference, "velocity_difference",
+      "The paper's: change of velocity between two samples."}}};
+
+/// Keys of both triads; the matrix of scale and misalignment is one of small angles.
+void visit_axes(fields::Visitor& v, InertialTriadParameters& p) {
+  v.number("scale_error", p.scale_error, in("%").between(0, 50),
+           "Standard deviation of each axis' scale.");
+  v.number("misalignment", p.misalignment_rad, in("deg").between(0, 30),
+           "Standard deviation of the angles by which axes are askew.");
+  v.number("scale_temperature", p.scale_temperature, in("1/K").between(-0.01, 0.01),
+           "Change of the scale with the case's temperature, from 25 degC.");
 }
 
-void check_triad(const std::string& prefix, const InertialTriadParameters& triad) {
-  const auto not_negative = [&prefix](const char* name, double value) {
-    check(prefix + "." + name, value, value >= 0.0, "0 or more");
-  };
-  not_negative("range", triad.range);
-  not_negative("resolution", triad.resolution);
-  not_negative("noise_density", triad.random.noise_density);
-  not_negative("bias_instability", triad.random.bias_instability);
-  not_negative("random_walk", triad.random.random_walk);
-  not_negative("turn_on_bias", triad.turn_on_bias);
-  check(prefix + ".scale_error", triad.scale_error,
-        triad.scale_error >= 0.0 && triad.scale_error < 0.5, "0 .. 0.5");
-  check(prefix + ".misalignment_rad", triad.misalignment_rad,
-        triad.misalignment_rad >= 0.0 && triad.misalignment_rad < 0.5, "0 .. 0.5");
-  check(prefix + ".bias_temperature", triad.bias_temperature, true, "a number");
-  check(prefix + ".scale_temperature", triad.scale_temperature,
-        std::abs(triad.scale_temperature) < 1e-2, "-0.01 .. 0.01");
+void visit_gyroscope(fields::Visitor& v, InertialTriadParameters& p) {
+  v.number("range", p.range, in("deg/s").at_least(0),
+           "Rates beyond it are clamped; 0 = unlimited.");
+  v.number("resolution", p.resolution, in("deg/s").at_least(0),
+           "One count of the rates; 0 = continuous.");
+  v.number("noise_density", p.random.noise_density, in("deg/s/sqrt(Hz)").at_least(0),
+           "White noise of the rates.");
+  v.number("bias_instability", p.random.bias_instability, in("deg/h").at_least(0),
+           "Floor of the rates' Allan deviation.");
+  v.number("random_walk", p.random.random_walk, in("rad/s/sqrt(s)").at_least(0),
+           "Random walk of the rates' bias.");
+  v.number("turn_on_bias", p.turn_on_bias, in("deg/s").at_least(0),
+           "Standard deviation of the rates' bias, drawn at each start.");
+  v.number("bias_temperature", p.bias_temperature, in("deg/s"),
+           "Change of the rates' bias per kelvin of the case, from 25 degC.");
+  visit_axes(v, p);
+}
+
+void visit_accelerometer(fields::Visitor& v, InertialTriadParameters& p) {
+  v.number("range", p.range, in("m/s2").at_least(0),
+           "Forces beyond it are clamped; 0 = unlimited.");
+  v.number("resolution", p.resolution, in("m/s2").at_least(0),
+           "One count of the forces; 0 = continuous.");
+  v.number("noise_density", p.random.noise_density, in("ug/sqrt(Hz)").at_least(0),
+           "White noise of the forces.");
+  v.number("bias_instability", p.random.bias_instability, in("ug").at_least(0),
+           "Floor of the forces' Allan deviation.");
+  v.number("random_walk", p.random.random_walk, in("m/s2/sqrt(s)").at_least(0),
+           "Random walk of the forces' bias.");
+  v.number("turn_on_bias", p.turn_on_bias, in("mg").at_least(0),
+           "Standard deviation of the forces' bias, drawn at each start.");
+  v.number("bias_temperature", p.bias_temperature, in("mg"),
+           "Change of the forces' bias per kelvin of the case, from 25 degC.");
+  visit_axes(v, p);
 }
 
 const ImuParameters& checked(const ImuParameters& parameters) {
@@ -45,19 +83,43 @@ const ImuParameters& checked(const ImuParameters& parameters) {
 
 }  // namespace
 
-void validate(const ImuParameters& parameters) {
-  check_triad("gyroscope", parameters.gyroscope);
-  check_triad("accelerometer", parameters.accelerometer);
-  check("g_sensitivity_radps_per_mps2", parameters.g_sensitivity_radps_per_mps2, true, "a number");
-  check("ambient_temperature_c", parameters.ambient_temperature_c,
-        parameters.ambient_temperature_c >= -60.0 && parameters.ambient_temperature_c <= 125.0,
-        "-60 .. 125");
-  check("self_heating_k", parameters.self_heating_k, parameters.self_heating_k >= 0.0, "0 or more");
-  check("warm_up_s", parameters.warm_up_s, parameters.warm_up_s > 0.0, "greater than 0");
-  check("latitude_rad", parameters.latitude_rad,
-        std::abs(parameters.latitude_rad) <= std::numbers::pi / 2.0, "-pi/2 .. pi/2");
-  check("nominal_period_s", parameters.nominal_period_s, parameters.nominal_period_s > 0.0,
-        "greater than 0");
+void visit(fields::Visitor& v, ImuParameters& p) {
+  // A part sets all the others; keys beside it are read after it and count more. Printing visits
+  // with the part already chosen and changes nothing.
+  const ImuPart before = p.part;
+  v.choice("part", p.part, kImuParts, "Set of parameters that the other keys change.");
+  if (p.part != before) {
+    p = parameters_of(p.part);
+  }
+  v.choice("acceleration", p.acceleration, kImuAccelerations, "Where accelerations come from.");
+  v.group(
+      "gyroscope", [&p](fields::Visitor& keys) { visit_gyroscope(keys, p.gyroscope); },
+      "Errors of the angular rates.");
+  v.group(
+      "accelerometer", [&p](fields::Visitor& keys) { visit_accelerometer(keys, p.accelerometer); },
+      "Errors of the specific forces.");
+  v.number("g_sensitivity", p.g_sensitivity_radps_per_mps2, in("rad/s/(m/s2)"),
+           "Angular rate that is read per specific force along the same axis.");
+  v.number("ambient_temperature", p.ambient_temperature_c, in("degC").between(-60, 150),
+           "Temperature around the device.");
+  v.number("self_heating", p.self_heating_k, in("K").at_least(0),
+           "How much warmer than its surroundings the warm device is.");
+  v.number("warm_up", p.warm_up_s, in("s").above(0), "Time constant of the case's warming.");
+  v.boolean("earth_rate", p.earth_rate, "Whether it feels the Earth turn.");
+}
+
+void validate(const ImuParameters& p) {
+  fields::check(p);
+  // These two no file can change.
+  const auto require = [](bool holds, const char* name, double found, const char* allowed) {
+    if (!std::isfinite(found) || !holds) {
+      throw std::invalid_argument("IMU: " + std::string(name) + " is " + std::to_string(found) +
+                                  ", allowed is " + allowed);
+    }
+  };
+  require(std::abs(p.latitude_rad) <= std::numbers::pi / 2.0, "latitude_rad", p.latitude_rad,
+          "-pi/2 .. pi/2");
+  require(p.nominal_period_s > 0.0, "nominal_period_s", p.nominal_period_s, "greater than 0");
 }
 
 ImuSensor::Triad::Triad(const InertialTriadParameters& parameters, std::uint64_t seed,

@@ -19,6 +19,7 @@
 #include <optional>
 #include <string_view>
 
+#include "fields/rules.h"
 #include "sim/imu/imu_noise.h"
 #include "sim/link_motion.h"
 #include "sim/random.h"
@@ -65,8 +66,9 @@ struct ImuParameters {
   double latitude_rad = 0.0;        ///< For the Earth's rotation.
   double nominal_period_s = 0.005;  ///< Averaging time of the very first sample.
 };
+void visit(fields::Visitor& v, ImuParameters& p);
 
-/// Throws std::invalid_argument with the name, the value found and what is allowed.
+/// Throws std::invalid_argument with the key or member, the value found and what is allowed.
 void validate(const ImuParameters& parameters);
 
 /// No error at all.

@@ -5,7 +5,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
+
 namespace rigwire::sim {
+
+using fields::in;
+
 namespace {
 
 Eigen::Vector3d gaussian3(RandomStream& random) {
@@ -29,7 +35,36 @@ Eigen::Vector3d earth_field_t(double strength_t, double declination_rad, double 
           -strength_t * std::sin(inclination_rad)};
 }
 
+void visit(fields::Visitor& v, MagnetometerParameters& p) {
+  v.vector3("hard_iron", p.hard_iron_t, in("T").between(-1, 1),
+            "Field of the machine's own magnets, in the sensor's axes.");
+  v.number("noise_density", p.random.noise_density, in("T/sqrt(Hz)").at_least(0),
+           "White noise of the field.");
+  v.number("turn_on_bias", p.turn_on_bias_t, in("T").at_least(0),
+           "Standard deviation of the bias, drawn at each start.");
+}
+
+void visit(fields::Visitor& v, MagnetometerConfiguration& p) {
+  v.boolean("present", p.present, "Whether the unit has a magnetometer.");
+  v.number("strength", p.strength_t, in("T").between(0, 1e-3),
+           "Strength of the Earth's field, one vector for the whole scene.");
+  v.number("declination", p.declination_rad, in("deg").between(-180, 180),
+           "From true to magnetic north, east positive.");
+  v.number("inclination", p.inclination_rad, in("deg").between(-90, 90),
+           "Dip of the Earth's field below the horizontal.");
+  visit(v, p.sensor);
+}
+
+MagnetometerParameters parameters_of(const MagnetometerConfiguration& configuration) {
+  MagnetometerParameters parameters = configuration.sensor;
+  parameters.earth_field_W_t = earth_field_t(
+      configuration.strength_t, configuration.declination_rad, configuration.inclination_rad);
+  return parameters;
+}
+
 void validate(const MagnetometerParameters& p) {
+  fields::check(p);
+  // What no file can change.
   const auto require = [](bool fine, const char* name, double found, const char* allowed) {
     if (!std::isfinite(found) || !fine) {
       std::ostringstream text;
@@ -41,18 +76,14 @@ void validate(const MagnetometerParameters& p) {
   constexpr double kStrongest_t = 1.0;
   require(p.earth_field_W_t.norm() < kStrongest_t, "earth_field_W_t", p.earth_field_W_t.norm(),
           "less than 1 T");
-  require(p.hard_iron_t.norm() < kStrongest_t, "hard_iron_t", p.hard_iron_t.norm(),
-          "less than 1 T");
   require(true, "current_effect_tpa", p.current_effect_tpa.norm(), "finite");
   const double determinant = p.soft_iron.determinant();
   require(determinant > 0.0, "determinant of soft_iron", determinant, "greater than 0");
   const auto not_negative = [&](const char* name, double found) {
     require(found >= 0.0, name, found, "0 or more");
   };
-  not_negative("noise_density", p.random.noise_density);
   not_negative("bias_instability", p.random.bias_instability);
   not_negative("random_walk", p.random.random_walk);
-  not_negative("turn_on_bias_t", p.turn_on_bias_t);
   not_negative("range_t", p.range_t);
   not_negative("resolution_t", p.resolution_t);
   require(p.nominal_period_s > 0.0, "nominal_period_s", p.nominal_period_s, "greater than 0");

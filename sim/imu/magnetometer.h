@@ -10,9 +10,11 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <string_view>
 
+#include "fields/rules.h"
 #include "sim/imu/imu_noise.h"
 #include "sim/link_motion.h"
 #include "sim/random.h"
@@ -37,14 +39,29 @@ struct MagnetometerParameters {
   double resolution_t = 0.0;       ///< One count; 0 is continuous.
   double nominal_period_s = 0.01;  ///< Averaging time of the very first sample.
 };
+void visit(fields::Visitor& v, MagnetometerParameters& p);
 
-/// Throws std::invalid_argument with the name, the value found and what is allowed.
+/// Throws std::invalid_argument with the key or member, the value found and what is allowed.
 void validate(const MagnetometerParameters& parameters);
 
 /// Noise of the Xsens MTi-30's and MTi-300's magnetometers: 20 nT/sqrt(Hz) as remembered; 25 nT
 /// counts as its data sheet states, noise of the MTi-300 from its 50 nT rms over an assumed 50 Hz.
 [[nodiscard]] MagnetometerParameters mti30_magnetometer();
 [[nodiscard]] MagnetometerParameters mti300_magnetometer();
+
+/// A unit's magnetometer with the Earth's field as three numbers. There is none unless it is
+/// present: without, the unit says that the field is not available.
+struct MagnetometerConfiguration {
+  bool present = false;
+  double strength_t = 48.7e-6;  ///< Of one field for the whole scene.
+  double declination_rad = 3.0 * std::numbers::pi / 180.0;
+  double inclination_rad = 65.0 * std::numbers::pi / 180.0;
+  MagnetometerParameters sensor;  ///< But for the Earth's field.
+};
+void visit(fields::Visitor& v, MagnetometerConfiguration& p);
+
+/// As the sensor wants it.
+[[nodiscard]] MagnetometerParameters parameters_of(const MagnetometerConfiguration& configuration);
 
 class Magnetometer {
  public:

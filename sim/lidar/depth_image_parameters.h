@@ -7,6 +7,8 @@
 // images of which all rows but the lasers' are skipped.
 #pragma once
 
+#include "fields/rules.h"
+
 namespace rigwire::sim {
 
 /// What the depth buffer keeps of a planar depth z between near plane n and far plane f.
@@ -61,13 +63,14 @@ struct DepthImageParameters {
   /// Needs the exact row, column and elevation rules.
   int parallax_steps = 2;
 };
+void visit(fields::Visitor& v, DepthImageParameters& p);
 
 /// The pipeline as the paper prints it: three cameras, one instant, Eq. 4 with b = W / 2, pixels
 /// per beam, nearest pixel. The paper does not say how columns become azimuths; here they are
 /// resampled.
 [[nodiscard]] DepthImageParameters as_printed();
 
-/// Throws std::invalid_argument naming the member, the value found and what is allowed.
+/// Throws std::invalid_argument naming the key, the value found and what is allowed.
 void validate(const DepthImageParameters& parameters);
 
 /// Horizontal, of each camera.

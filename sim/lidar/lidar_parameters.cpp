@@ -2,52 +2,60 @@
 
 #include <algorithm>
 #include <array>
-#include <stdexcept>
-#include <string>
+
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+using fields::IntegerRule;
+
 namespace {
 
-struct Bound {
-  const char* name;
-  double value;
-  double least;
-  double most;
-  const char* allowed;
-};
+constexpr std::array<fields::Choice<RangeNoise>, 2> kRangeNoises{
+    {{RangeNoise::constant, "constant", "The same spread for every echo."},
+     {RangeNoise::signal, "signal", "Faint echoes are less exact."}}};
 
 }  // namespace
 
+void visit(fields::Visitor& v, SpinningLidarParameters& p) {
+  v.number("range_sigma", p.range_sigma_m, in("mm").between(0, 1000),
+           "Gaussian noise of the range, per echo.");
+  v.number("housing_radius", p.housing_radius_m, in("mm").between(0, 1000),
+           "Distance from the spin axis at which rays begin.");
+  v.integer("threads", p.threads, IntegerRule{1, 64},
+            "Threads that cast rays; results do not change.");
+  v.integer("sub_rays", p.sub_rays, IntegerRule{1, 1000},
+            "Rays per beam: 1, 5 or 19; 1000 to compare with.");
+  v.choice("range_noise", p.range_noise, kRangeNoises, "How range noise is made.");
+  v.number("range_resolution", p.range_resolution_m, in("mm").between(0, 1000),
+           "With noise by signal: sqrt(2) times the spread of an echo that is just seen.");
+  v.number("laser_bias_sigma", p.laser_bias_sigma_m, in("mm").between(0, 1000),
+           "Spread of the lasers' constant errors.");
+  v.number("reference_range", p.reference_range_m, in("m").between(0, 1000),
+           "Where a 90 % target is just seen; 0 = at the maximum range.");
+  v.number("echo_separation", p.echo_separation_m, in("m").between(0, 100),
+           "Of two echoes nearer than this the weaker one is lost.");
+  v.boolean("compensates_incidence", p.compensates_incidence,
+            "Reflectivity is that of the surface met head on.");
+  v.number("drop_rate", p.drop_rate, in("%").between(0, 100), "Shots that come to nothing.");
+  v.number("drop_limit", p.drop_limit, in("%").between(0, 200),
+           "Echoes of a lower reflectivity may be lost.");
+  v.number("drop_at_zero", p.drop_at_zero, in("%").between(0, 100),
+           "Share of the echoes that is lost at reflectivity 0.");
+  v.number("blooming_share", p.blooming_share, in("%").between(0, 10),
+           "Share of a pulse that is scattered beside the beam.");
+  v.number("blooming_angle", p.blooming_angle_rad, in("mrad").between(0, 100),
+           "How far beside the beam a pulse is scattered.");
+}
+
 void validate(const SpinningLidarParameters& p) {
-  const auto refuse = [](const char* name, const std::string& found, const char* allowed) {
-    throw std::invalid_argument("spinning lidar: " + std::string(name) + " is " + found +
-                                ", allowed: " + allowed);
-  };
-  const std::array bounds{Bound{"range_sigma_m", p.range_sigma_m, 0.0, 1.0, "0 to 1"},
-                          Bound{"housing_radius_m", p.housing_radius_m, 0.0, 1.0, "0 to 1"},
-                          Bound{"range_resolution_m", p.range_resolution_m, 0.0, 1.0, "0 to 1"},
-                          Bound{"laser_bias_sigma_m", p.laser_bias_sigma_m, 0.0, 1.0, "0 to 1"},
-                          Bound{"reference_range_m", p.reference_range_m, 0.0, 1000.0, "0 to 1000"},
-                          Bound{"echo_separation_m", p.echo_separation_m, 0.0, 100.0, "0 to 100"},
-                          Bound{"drop_rate", p.drop_rate, 0.0, 1.0, "0 to 1"},
-                          Bound{"drop_limit", p.drop_limit, 0.0, 2.0, "0 to 2"},
-                          Bound{"drop_at_zero", p.drop_at_zero, 0.0, 1.0, "0 to 1"},
-                          Bound{"blooming_share", p.blooming_share, 0.0, 0.1, "0 to 0.1"},
-                          Bound{"blooming_angle_rad", p.blooming_angle_rad, 0.0, 0.1, "0 to 0.1"}};
-  for (const Bound& bound : bounds) {
-    if (!(bound.value >= bound.least && bound.value <= bound.most)) {
-      refuse(bound.name, std::to_string(bound.value), bound.allowed);
-    }
-  }
-  if (p.threads < 1 || p.threads > 64) {
-    refuse("threads", std::to_string(p.threads), "1 to 64");
-  }
+  fields::check(p);
   constexpr std::array kSubRays{1, 5, 19, 1000};
   if (std::ranges::find(kSubRays, p.sub_rays) == kSubRays.end()) {
-    refuse("sub_rays", std::to_string(p.sub_rays), "1, 5, 19 or 1000");
-  }
-  if (p.range_noise != RangeNoise::constant && p.range_noise != RangeNoise::signal) {
-    refuse("range_noise", std::to_string(static_cast<int>(p.range_noise)), "constant or signal");
+    throw fields::Refused("sub_rays",
+                          "found " + std::to_string(p.sub_rays) + ", allowed 1, 5, 19 or 1000");
   }
 }
 

@@ -1,6 +1,8 @@
 // How well a spinning lidar measures, and by which model of its beams and echoes.
 #pragma once
 
+#include "fields/rules.h"
+
 namespace rigwire::sim {
 
 /// How the random error of a range is made.
@@ -45,8 +47,9 @@ struct SpinningLidarParameters {
   double blooming_share = 0.0;
   double blooming_angle_rad = 0.010;
 };
+void visit(fields::Visitor& v, SpinningLidarParameters& p);
 
-/// Throws std::invalid_argument naming the member, the value found and what is allowed.
+/// Throws std::invalid_argument naming the key, the value found and what is allowed.
 void validate(const SpinningLidarParameters& parameters);
 
 }  // namespace rigwire::sim

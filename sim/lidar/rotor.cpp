@@ -6,10 +6,15 @@
 #include <stdexcept>
 #include <string>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
 #include "sim/lidar/counter_noise.h"
 #include "sim/random.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -55,20 +60,25 @@ void check(const LidarCommand& command) {
 
 }  // namespace
 
-void validate(const RotorParameters& parameters) {
-  const auto within = [](const char* name, double value, double least, double greatest) {
-    if (!(value >= least && value <= greatest)) {
-      throw std::invalid_argument("lidar rotor: " + std::string(name) + " is " +
-                                  std::to_string(value) + ", allowed: " + std::to_string(least) +
-                                  " to " + std::to_string(greatest));
-    }
-  };
-  within("time_constant_s", parameters.time_constant_s, 1e-3, 60.0);
-  within("acceleration_radps2", parameters.acceleration_radps2, 0.1, 1e4);
-  within("wander_radps", parameters.wander_radps, 0.0, 10.0);
-  within("wander_correlation_s", parameters.wander_correlation_s, 0.01, 1000.0);
-  within("phase_time_s", parameters.phase_time_s, 0.01, 60.0);
-  within("phase_speed_share", parameters.phase_speed_share, 1e-4, 0.2);
+void visit(fields::Visitor& v, RotorParameters& p) {
+  v.boolean("starts_at_rest", p.starts_at_rest,
+            "Whether it stands at the start; else it turns as commanded.");
+  v.number("time_constant", p.time_constant_s, in("s").between(0.001, 60),
+           "Time constant of the speed controller.");
+  v.number("acceleration", p.acceleration_radps2, in("rad/s2").between(0.1, 10000),
+           "Greatest acceleration, by the motor's torque.");
+  v.number("wander", p.wander_radps, in("rpm").between(0, 100),
+           "Spread of the speed; real sensors: 1 to 2 rpm.");
+  v.number("wander_correlation", p.wander_correlation_s, in("s").between(0.01, 1000),
+           "Time in which the wander changes.");
+  v.number("phase_time", p.phase_time_s, in("s").between(0.01, 60),
+           "Time in which the phase lock's error falls to 1/e.");
+  v.number("phase_speed", p.phase_speed_share, in("%").between(0.01, 20),
+           "Greatest change of speed for the phase lock.");
+}
+
+void validate(const RotorParameters& p) {
+  fields::check(p);
 }
 
 Rotor::Rotor(const LidarCommand& command, const RotorParameters& parameters, std::uint64_t seed,

@@ -22,6 +22,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "fields/rules.h"
 #include "sim/samples/lidar_sample.h"
 #include "sim/samples/time.h"
 
@@ -42,8 +43,9 @@ struct RotorParameters {
   double phase_time_s = 0.4;        ///< In which a small error of the phase falls to 1/e.
   double phase_speed_share = 0.01;  ///< Greatest change of speed for the phase.
 };
+void visit(fields::Visitor& v, RotorParameters& p);
 
-/// Throws std::invalid_argument naming the member, the value found and what is allowed.
+/// Throws std::invalid_argument naming the key, the value found and what is allowed.
 void validate(const RotorParameters& parameters);
 
 class Rotor {

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "hil/configuration/depth_image.h"
 #include "hil/configuration/reader.h"
+#include "sim/lidar/depth_image_parameters.h"
 
 namespace rigwire::hil {
 namespace {

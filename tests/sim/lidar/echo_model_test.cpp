@@ -210,14 +210,17 @@ TEST(EchoModel, ParametersThatMakeNoSenseAreRefusedByName) {
       EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
     }
   };
-  refused("sub_rays", [](auto& p) { p.sub_rays = 6; });
-  refused("range_sigma_m", [=](auto& p) { p.range_sigma_m = nan; });
-  refused("drop_rate", [](auto& p) { p.drop_rate = 1.1; });
-  refused("drop_at_zero", [](auto& p) { p.drop_at_zero = -0.1; });
-  refused("blooming_share", [](auto& p) { p.blooming_share = 0.5; });
-  refused("reference_range_m", [](auto& p) { p.reference_range_m = -1.0; });
-  refused("laser_bias_sigma_m", [](auto& p) { p.laser_bias_sigma_m = 2.0; });
-  refused("range_noise", [](auto& p) { p.range_noise = static_cast<RangeNoise>(9); });
+  refused("sub_rays: found 6, allowed 1, 5, 19 or 1000", [](auto& p) { p.sub_rays = 6; });
+  refused("range_sigma: found nan", [=](auto& p) { p.range_sigma_m = nan; });
+  refused("drop_rate: found 110 %, allowed 0 .. 100 %", [](auto& p) { p.drop_rate = 1.1; });
+  refused("drop_at_zero: found -10 %", [](auto& p) { p.drop_at_zero = -0.1; });
+  refused("blooming_share: found 50 %, allowed 0 .. 10 %", [](auto& p) { p.blooming_share = 0.5; });
+  refused("reference_range: found -1 m, allowed 0 .. 1000 m",
+          [](auto& p) { p.reference_range_m = -1.0; });
+  refused("laser_bias_sigma: found 2000 mm, allowed 0 .. 1000 mm",
+          [](auto& p) { p.laser_bias_sigma_m = 2.0; });
+  refused("range_noise: holds none of its names, allowed constant, signal",
+          [](auto& p) { p.range_noise = static_cast<RangeNoise>(9); });
 }
 
 }  // namespace

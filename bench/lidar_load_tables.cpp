@@ -12,7 +12,7 @@
 #include "hil/command_line/config_files.h"
 #include "hil/configuration/document.h"
 #include "hil/configuration/reader.h"
-#include "hil/world/scene_configuration.h"
+#include "hil/world/scene.h"
 
 namespace rigwire::bench {
 namespace {

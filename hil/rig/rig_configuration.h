@@ -17,7 +17,7 @@
 #include "hil/world/machine_configuration.h"
 #include "hil/world/origin.h"
 #include "hil/world/satellites_configuration.h"
-#include "hil/world/scene_configuration.h"
+#include "hil/world/scene.h"
 #include "sim/samples/calendar.h"
 #include "sim/samples/time.h"
 

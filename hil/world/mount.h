@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "fields/visitor.h"
+#include "fields/rules.h"
 #include "hil/world/shapes.h"
 #include "sim/samples/vector3.h"
 
@@ -15,12 +15,6 @@ struct MountConfiguration {
   Vector3 position_m;
   RollPitchYaw rotation;
 };
-
-inline void visit(fields::Visitor& v, MountConfiguration& p) {
-  v.text("link", p.link, "Link of the machine that carries it.");
-  v.vector3("position", p.position_m, fields::in("m"),
-            "In the link's frame: x forward, y left, z up.");
-  v.section("rotation", p.rotation, "Of the sensor's axes against the link's.");
-}
+void visit(fields::Visitor& v, MountConfiguration& p);
 
 }  // namespace rigwire::hil

@@ -1,13 +1,26 @@
-// What a scene's description names by file, loaded.
+// The scene of a rig: sim/scene/scene_description.h with a name and its weather, as
+// configs/scenes/*.yaml fill it, and what it names by file. World frame W: x east, y north, z up,
+// its origin at the rig's `origin`.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "fields/rules.h"
 #include "hil/world/origin.h"
 #include "sim/scene/scene_description.h"
+#include "sim/weather/weather_parameters.h"
 
 namespace rigwire::hil {
+
+struct SceneConfiguration {
+  std::string name = "scene";
+  std::string text;  ///< One line for `rigwire list scenes`.
+  /// Each object's `mesh` is the full path of a file (hil/files/mesh_file.h).
+  sim::SceneDescription description;
+  sim::WeatherParameters weather;
+};
+void visit(fields::Visitor& v, SceneConfiguration& p);
 
 /// The arguments of sim::build_scene().
 struct SceneFiles {

@@ -2,12 +2,10 @@
 // like.
 #pragma once
 
-#include <array>
-#include <numbers>
 #include <string>
 #include <variant>
 
-#include "fields/visitor.h"
+#include "fields/rules.h"
 #include "sim/samples/vector3.h"
 
 namespace rigwire::hil {
@@ -19,6 +17,7 @@ struct RollPitchYaw {
   double pitch_rad = 0.0;  ///< Positive turns x towards -z: nose down with x forward, z up.
   double yaw_rad = 0.0;    ///< Positive turns x towards y: left.
 };
+void visit(fields::Visitor& v, RollPitchYaw& p);
 
 /// A box centred on its own origin.
 struct BoxShape {
@@ -26,6 +25,7 @@ struct BoxShape {
 
   Vector3 size_m{1.0, 1.0, 1.0};  ///< Full lengths along its x, y, z.
 };
+void visit(fields::Visitor& v, BoxShape& p);
 
 /// Triangles from a file that assimp reads (OBJ, STL, PLY, glTF), in the file's own axes.
 struct MeshShape {
@@ -34,6 +34,7 @@ struct MeshShape {
   std::string file;
   double scale = 1.0;
 };
+void visit(fields::Visitor& v, MeshShape& p);
 
 using Shape = std::variant<BoxShape, MeshShape>;
 
@@ -45,31 +46,6 @@ struct PlacedShape {
   double reflectance = 0.3;  ///< Diffuse, at the lidar's wavelength (905 nm).
   std::string label = "object";
 };
-
-inline void visit(fields::Visitor& v, RollPitchYaw& p) {
-  v.number("roll", p.roll_rad, fields::in("deg").between(-360, 360), "About x, applied first.");
-  v.number("pitch", p.pitch_rad, fields::in("deg").between(-360, 360),
-           "About y, second; nose down positive.");
-  v.number("yaw", p.yaw_rad, fields::in("deg").between(-360, 360), "About z, last; left positive.");
-}
-
-inline void visit(fields::Visitor& v, BoxShape& p) {
-  v.vector3("size", p.size_m, fields::in("m").above(0).at_most(1e5), "Full lengths along x, y, z.");
-}
-
-inline void visit(fields::Visitor& v, MeshShape& p) {
-  v.required("file");
-  v.file("file", p.file, "Mesh file, relative to this file: OBJ, STL, PLY or glTF, in metres.");
-  v.number("scale", p.scale, fields::plain().above(0).at_most(1e6), "Metres per unit of the file.");
-}
-
-inline void visit(fields::Visitor& v, PlacedShape& p) {
-  v.required("type");
-  v.variant("type", p.shape, "box or mesh.");
-  v.vector3("position", p.position_m, fields::in("m"), "Of the shape's origin.");
-  v.section("rotation", p.rotation, "Of the shape's axes.");
-  v.number("reflectance", p.reflectance, fields::plain().between(0, 1), "Diffuse, at 905 nm.");
-  v.text("label", p.label, "What it is, for recordings.");
-}
+void visit(fields::Visitor& v, PlacedShape& p);
 
 }  // namespace rigwire::hil

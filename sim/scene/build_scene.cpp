@@ -169,10 +169,7 @@ struct MakeTerrain {
   HeightField operator()(const PitTerrain& terrain) const { return make_pit(terrain, seed); }
   HeightField operator()(const HillsTerrain& terrain) const { return make_hills(terrain, seed); }
   HeightField operator()(const LevelTerrain& terrain) const { return make_level(terrain, seed); }
-  HeightField operator()(const HeightMapTerrain& terrain) const {
-    validate(terrain);
-    return resampled(*terrain.heights, terrain.cell_m, terrain.size_m);
-  }
+  HeightField operator()(const HeightMapTerrain& terrain) const { return make_height_map(terrain); }
 };
 
 }  // namespace

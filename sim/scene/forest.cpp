@@ -2,15 +2,23 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
 #include "sim/scene/range_checks.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+using fields::IntegerRule;
+using fields::plain;
+
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -177,28 +185,80 @@ void add_fallen(const Forest& forest, std::span<const PlacedTree> spots, const H
   }
 }
 
+constexpr double kMostTrees = 50'000.0;
+constexpr double kTallest_m = 80.0;
+
+constexpr std::array<fields::Choice<Species>, 5> kTreeSpecies{
+    {{Species::spruce, "spruce", "Cone to near the ground, needles."},
+     {Species::pine, "pine", "Bare stem, crown at the top, needles."},
+     {Species::beech, "beech", "Wide round crown."},
+     {Species::oak, "oak", "Widest crown, thick branches."},
+     {Species::birch, "birch", "Slim, hanging twigs."}}};
+constexpr std::array<fields::Choice<LeafModel>, 2> kLeafModels{
+    {{LeafModel::cards, "cards", "Cards that rays pass where the texture has gaps."},
+     {LeafModel::triangles, "triangles", "Loose triangles: cheaper to cast at."}}};
+
 }  // namespace
 
+void visit(fields::Visitor& v, SpeciesShare& p) {
+  v.choice("species", p.species, kTreeSpecies, "Species of these trees.");
+  v.number("share", p.share, plain().between(0, 1e6),
+           "Share of all trees, weighed against the others' shares.");
+  v.number("smallest", p.smallest_m, in("m").between(0.3, kTallest_m),
+           "Height of the smallest of these trees.");
+  v.number("largest", p.largest_m, in("m").between(0.3, kTallest_m),
+           "Height of the largest of these trees.");
+}
+
+void visit(fields::Visitor& v, Forest& p) {
+  constexpr fields::NumberRule kPerHectare = in("1/ha").stored_as("1/ha").between(0, 20'000);
+  v.integer("count", p.count, IntegerRule{0, static_cast<std::int64_t>(kMostTrees)},
+            "Number of trees; 0 = by density.");
+  v.number("density", p.density_per_ha, kPerHectare,
+           "Trees per area of the rectangle, tracks included.");
+  v.integer("seed", p.seed, IntegerRule{0}, "Another forest on the same ground.");
+  v.vector2("centre", p.centre_m, in("m").between(-4000, 4000), "[east, north] of the rectangle.");
+  v.vector2("half_lengths", p.half_lengths_m, in("m").between(0.5, 4000),
+            "[east, north] from the centre to the rectangle's edges.");
+  v.list("species", p.species, "Which trees.");
+  v.integer("variants", p.variants, IntegerRule{1, 100}, "Models of each species.");
+  v.choice("leaf_model", p.leaf_model, kLeafModels, "How leaves are modelled.");
+  v.number("track_distance", p.track_distance_m, in("m").between(0, 1000),
+           "Least distance from a track's edge to a trunk.");
+  v.number("spacing", p.spacing_m, in("m").between(0, 100), "Least distance between trunks.");
+  v.number("bushes", p.bushes_per_ha, kPerHectare, "Bushes per area of the rectangle.");
+  v.number("fallen", p.fallen_per_ha, kPerHectare,
+           "Trunks on the ground per area of the rectangle.");
+  v.list("keep_out", p.keep_out, "Discs without trees.");
+  v.section("wood", p.wood, "Surface of trunks, branches and twigs.");
+  v.section("leaves", p.leaves, "Surface of the leaves.");
+  v.section("bush", p.bush, "Surface of the bushes.");
+  v.section("fallen_wood", p.fallen, "Surface of the fallen trunks.");
+}
+
+void validate(const SpeciesShare& share) {
+  fields::check(share);
+  require_within(share.largest_m, share.smallest_m, kTallest_m, "m", "largest",
+                 "not below the smallest");
+}
+
 void validate(const Forest& forest) {
-  // The rest is as of any field of trees.
-  validate(as_field(forest, forest.count, forest.density_per_ha, forest.spacing_m));
-  validate(as_field(forest, 0, forest.bushes_per_ha, forest.spacing_m));
-  validate(as_field(forest, 0, forest.fallen_per_ha, forest.spacing_m));
-  require_within(forest.variants, 1, 100, "forest.variants");
+  fields::check(forest);
+  const double hectares = 4e-4 * forest.half_lengths_m.prod();
+  require_within(forest.density_per_ha * hectares, 0.0, kMostTrees, "", "density",
+                 "trees by the rectangle's area");
+  require_within(forest.bushes_per_ha * hectares, 0.0, kMostTrees, "", "bushes",
+                 "bushes by the rectangle's area");
+  require_within(forest.fallen_per_ha * hectares, 0.0, kMostTrees, "", "fallen",
+                 "trunks by the rectangle's area");
   if (forest.species.empty()) {
-    throw std::invalid_argument("forest.species: there is none");
+    throw fields::Refused("species", "there is none");
   }
   double total = 0.0;
   for (const SpeciesShare& kind : forest.species) {
-    require_within(kind.share, 0.0, 1e6, "forest.species.share");
-    require_within(kind.smallest_m, 0.3, 80.0, "forest.species.smallest_m");
-    require_within(kind.largest_m, kind.smallest_m, 80.0, "forest.species.largest_m");
     total += kind.share;
   }
-  require_within(total, 1e-9, 1e9, "forest.species: sum of the shares");
-  for (const Material& material : {forest.wood, forest.leaves, forest.bush, forest.fallen}) {
-    validate(material);
-  }
+  require_within(total, 1e-9, 1e9, "", "species", "sum of the shares");
 }
 
 void add_forest(const Forest& forest, const HeightField& ground, std::span<const ClearWay> ways,

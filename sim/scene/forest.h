@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "fields/rules.h"
 #include "sim/ground/ground.h"
 #include "sim/scene/keep_out.h"
 #include "sim/scene/scene.h"
@@ -25,6 +26,7 @@ struct SpeciesShare {
   double smallest_m = 14.0;
   double largest_m = 25.0;  ///< Height; uniform between.
 };
+void visit(fields::Visitor& v, SpeciesShare& p);
 
 struct Forest {
   int count = 0;                ///< 0: by density.
@@ -45,8 +47,10 @@ struct Forest {
   Material bush{.reflectance = 0.5, .label = "bush", .loose_leaves = true};
   Material fallen{.reflectance = 0.25, .label = "fallen trunk"};
 };
+void visit(fields::Visitor& v, Forest& p);
 
-/// Throws std::invalid_argument naming member, value and what is allowed.
+/// Throw std::invalid_argument naming the key, the value and what is allowed.
+void validate(const SpeciesShare& share);
 void validate(const Forest& forest);
 
 /// Puts the forest on the ground: instances and, for radio signals, one canopy of the outlines of

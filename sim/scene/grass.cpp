@@ -6,9 +6,15 @@
 #include <numbers>
 #include <string>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
 #include "sim/scene/range_checks.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+using fields::IntegerRule;
+
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -36,21 +42,31 @@ bool within_any(std::span<const KeepOut> discs, const Eigen::Vector2d& spot) {
 
 }  // namespace
 
+void visit(fields::Visitor& v, GrassField& p) {
+  v.vector2("centre", p.centre_m, in("m").between(-8000, 8000), "[east, north] of the rectangle.");
+  v.vector2("half_lengths", p.half_lengths_m, in("m").between(0.1, 4000),
+            "[east, north] from the centre to the rectangle's edges.");
+  v.integer("seed", p.seed, IntegerRule{0}, "Other grass at the same place.");
+  v.number("stalks_per_m2", p.stalks_per_m2, in("1/m2").between(0, 20'000),
+           "Stalks per area of the ground.");
+  v.number("height", p.height_m, in("m").between(0.01, 10), "Height of the stalks.");
+  v.number("diameter", p.diameter_m, in("mm").between(0.1, 500),
+           "Diameter of a stalk at its foot; 0 at the tip.");
+  v.number("lean", p.lean_rad, in("deg").between(0, 60), "Standard deviation of the stalks' lean.");
+  v.number("patch", p.patch_m, in("m").between(0.2, 50),
+           "Edge of the patches that are laid side by side.");
+  v.number("track_distance", p.track_distance_m, in("m").between(0, 1000),
+           "Least distance from a track's edge to a patch's middle.");
+  v.list("keep_out", p.keep_out, "Discs without grass.");
+  v.section("material", p.material, "Surface of the stalks.");
+}
+
 void validate(const GrassField& grass) {
-  require_within(grass.centre_m.norm(), 0.0, 8000.0, "grass.centre_m");
-  require_within(grass.half_lengths_m.minCoeff(), 0.1, 4000.0, "grass.half_lengths_m");
-  require_within(grass.half_lengths_m.maxCoeff(), 0.1, 4000.0, "grass.half_lengths_m");
-  require_within(grass.stalks_per_m2, 0.0, 20000.0, "grass.stalks_per_m2");
-  require_within(grass.height_m, 0.01, 10.0, "grass.height_m");
-  require_within(grass.diameter_m, 1e-4, 0.5, "grass.diameter_m");
-  require_within(grass.lean_rad, 0.0, 1.0, "grass.lean_rad");
-  require_within(grass.patch_m, 0.2, 50.0, "grass.patch_m");
-  require_within(grass.track_distance_m, 0.0, 1000.0, "grass.track_distance_m");
-  require_within(grass.stalks_per_m2 * grass.patch_m * grass.patch_m, 0.0, 200000.0,
-                 "grass: stalks of a patch");
-  require_within(4.0 * grass.half_lengths_m.prod() / (grass.patch_m * grass.patch_m), 0.0, 500000.0,
-                 "grass: patches of the field");
-  validate(grass.material);
+  fields::check(grass);
+  require_within(grass.stalks_per_m2 * grass.patch_m * grass.patch_m, 0.0, 200'000.0, "", "patch",
+                 "stalks of a patch");
+  require_within(4.0 * grass.half_lengths_m.prod() / (grass.patch_m * grass.patch_m), 0.0,
+                 500'000.0, "", "patch", "patches of the field");
 }
 
 TriangleMesh make_grass_patch(const GrassField& grass, RandomStream& random) {

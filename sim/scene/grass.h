@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "fields/rules.h"
 #include "sim/random.h"
 #include "sim/scene/keep_out.h"
 #include "sim/scene/scene.h"
@@ -31,9 +32,10 @@ struct GrassField {
   std::vector<KeepOut> keep_out;
   Material material{.reflectance = 0.45, .label = "grass", .loose_leaves = true};
 };
+void visit(fields::Visitor& v, GrassField& p);
 
-/// Throws std::invalid_argument naming member, value and what is allowed; patches and a patch's
-/// stalks are limited to 500 000 and 200 000.
+/// Throws std::invalid_argument naming the key, the value and what is allowed; patches and a
+/// patch's stalks are limited to 500 000 and 200 000.
 void validate(const GrassField& grass);
 
 /// A patch with its middle at the origin of level ground, of stalks of three triangles.

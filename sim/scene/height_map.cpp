@@ -1,12 +1,19 @@
 #include "sim/scene/height_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
 #include "sim/scene/range_checks.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+using fields::plain;
+
 namespace {
 
 constexpr double kMostCells = 8192.0;
@@ -24,18 +31,40 @@ double bilinear(const HeightField& field, double x_m, double y_m) {
          b * ((1.0 - a) * field.node(column, row + 1) + a * field.node(column + 1, row + 1));
 }
 
+constexpr std::array<fields::Choice<HeightMapPlace>, 2> kHeightMapPlaces{
+    {{HeightMapPlace::centred, "centred", "The map's middle at (0, 0)."},
+     {HeightMapPlace::georeferenced, "georeferenced",
+      "Where the file says, seen from the rig's origin."}}};
+
 }  // namespace
 
+void visit(fields::Visitor& v, HeightMapTerrain& p) {
+  v.required("file");
+  v.file("file", p.file, "PNG of 8 or 16 bit, or GeoTIFF; relative to this file.");
+  v.choice("place", p.place, kHeightMapPlaces, "Where the map lies.");
+  v.number("scale", p.scale, plain().between(-1e4, 1e4), "Metres for each unit of the file.");
+  v.number("offset", p.offset_m, in("m").between(-1e5, 1e5), "Added to all heights.");
+  v.number("pixel", p.pixel_m, in("m").between(0, 1000),
+           "Distance of the file's heights; 0 = as it says itself.");
+  v.number("cell", p.cell_m, in("m").between(0, 1000),
+           "Distance between two heights of the scene; 0 = a pixel.");
+  v.number("size", p.size_m, in("m").between(0, 100'000),
+           "Edge of the square around (0, 0); 0 = all.");
+  v.boolean("fill_gaps", p.fill_gaps, "Whether missing heights become the lowest.");
+  v.section("material", p.material, "Surface of the ground.");
+}
+
 void validate(const HeightMapTerrain& terrain) {
-  require_within(terrain.scale, -1e4, 1e4, "terrain.scale");
-  require_within(terrain.offset_m, -1e5, 1e5, "terrain.offset_m");
-  require_within(terrain.cell_m, 0.0, 1000.0, "terrain.cell_m");
-  require_within(terrain.pixel_m, 0.0, 1000.0, "terrain.pixel_m");
-  require_within(terrain.size_m, 0.0, 100e3, "terrain.size_m");
+  fields::check(terrain);
+}
+
+HeightField make_height_map(const HeightMapTerrain& terrain) {
+  validate(terrain);
   if (!terrain.heights) {
     throw std::invalid_argument("terrain: the height map '" + terrain.file + "' is not loaded");
   }
   validate(*terrain.heights);
+  return resampled(*terrain.heights, terrain.cell_m, terrain.size_m);
 }
 
 HeightField resampled(const HeightField& loaded, double cell_m, double size_m) {
@@ -49,7 +78,7 @@ HeightField resampled(const HeightField& loaded, double cell_m, double size_m) {
     const Eigen::Vector2d upper = lower + extent_m;
     if (-0.5 * size_m < lower.maxCoeff() || 0.5 * size_m > upper.minCoeff()) {
       throw std::invalid_argument(
-          "terrain.size_m is " + std::to_string(size_m) + ", but the map reaches from " +
+          "terrain.size: found " + fields::shortest(size_m) + " m, but the map reaches from " +
           std::to_string(lower.x()) + " to " + std::to_string(upper.x()) + " m east and from " +
           std::to_string(lower.y()) + " to " + std::to_string(upper.y()) + " m north");
     }
@@ -59,8 +88,10 @@ HeightField resampled(const HeightField& loaded, double cell_m, double size_m) {
   // A last part of a cell is left out.
   constexpr double kRounding = 1e-9;
   const Eigen::Vector2d cells = (length / cell).array() + kRounding;
-  require_within(cells.minCoeff(), 1.0, kMostCells, "terrain: cells along the map's shorter side");
-  require_within(cells.maxCoeff(), 1.0, kMostCells, "terrain: cells along the map's longer side");
+  require_within(cells.minCoeff(), 1.0, kMostCells, "", "terrain.cell",
+                 "cells along the map's shorter side");
+  require_within(cells.maxCoeff(), 1.0, kMostCells, "", "terrain.cell",
+                 "cells along the map's longer side");
   HeightField field;
   field.origin_m = lower;
   field.cell_m = cell;

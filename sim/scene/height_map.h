@@ -37,9 +37,14 @@ struct HeightMapTerrain {
   Material material{.reflectance = 0.3, .label = "ground"};
   std::shared_ptr<const HeightField> heights;  ///< Of the file; null until it is loaded.
 };
+void visit(fields::Visitor& v, HeightMapTerrain& p);
 
-/// Throws std::invalid_argument naming member, value and what is allowed.
+/// Throws std::invalid_argument naming the key, the value and what is allowed. The heights may
+/// still be missing.
 void validate(const HeightMapTerrain& terrain);
+
+/// The heights of its file, laid out as resampled() does. Throws as both, and when there are none.
+[[nodiscard]] HeightField make_height_map(const HeightMapTerrain& terrain);
 
 /// `loaded` laid out as the terrain asks: cut to size, bilinear at nodes `cell_m` apart. Throws
 /// std::invalid_argument when the square is not within the map, or has more than 8193 nodes along a

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "fields/rules.h"
+
 namespace rigwire::sim {
 
 /// A disc in which no rock and no tree is put.
@@ -10,5 +12,6 @@ struct KeepOut {
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
   double radius_m = 5.0;
 };
+void visit(fields::Visitor& v, KeepOut& p);
 
 }  // namespace rigwire::sim

@@ -3,34 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 #include <string>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
 #include "sim/random.h"
 #include "sim/scene/noise_field.h"
+#include "sim/scene/range_checks.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+using fields::plain;
+
 namespace {
-
-void require_within(double value, double lower, double upper, const std::string& member) {
-  if (!(value >= lower && value <= upper)) {
-    throw std::invalid_argument(member + " is " + std::to_string(value) + ", allowed: " +
-                                std::to_string(lower) + " to " + std::to_string(upper));
-  }
-}
-
-void require_grid(double size_m, double cell_m) {
-  require_within(size_m, 10.0, 4000.0, "terrain.size_m");
-  require_within(cell_m, 0.05, 0.1 * size_m, "terrain.cell_m");
-  require_within(size_m / cell_m, 1.0, 8192.0, "terrain.size_m / terrain.cell_m");
-}
-
-void require_slope(const MeanSlope& slope) {
-  require_within(slope.rise, -1.0, 1.0, "terrain.slope.rise");
-  require_within(slope.uphill_rad, -2.0 * std::numbers::pi, 2.0 * std::numbers::pi,
-                 "terrain.slope.uphill_rad");
-  require_within(slope.height_at_0_m, -10000.0, 10000.0, "terrain.slope.height_at_0_m");
-}
 
 template <class Height>
 HeightField make_field(double size_m, double cell_m, const Height& height) {
@@ -61,17 +47,43 @@ double MeanSlope::height_m(double x_m, double y_m) const {
   return height_at_0_m + rise * (std::cos(uphill_rad) * x_m + std::sin(uphill_rad) * y_m);
 }
 
+void visit(fields::Visitor& v, MeanSlope& p) {
+  v.number("rise", p.rise, plain().between(-1, 1), "Rise over run of the mean slope.");
+  v.number("uphill", p.uphill_rad, in("deg").between(-360, 360),
+           "Direction in which it rises, left from east.");
+  v.number("height_at_0", p.height_at_0_m, in("m").between(-10'000, 10'000), "Height at (0, 0).");
+}
+
+void visit(fields::Visitor& v, HillsTerrain& p) {
+  v.number("size", p.size_m, in("m").between(10, 4000), "Edge of the square area around (0, 0).");
+  v.number("cell", p.cell_m, in("m").between(0.05, 400), "Distance between two heights.");
+  v.section("slope", p.slope, "Mean slope of the ground.");
+  v.number("roughness", p.roughness_m, in("m").between(0, 100),
+           "Standard deviation of the heights.");
+  v.number("longest_wave", p.longest_wave_m, in("m").between(0.1, 10'000),
+           "Wave length of the coarsest layer of noise, two cells or more.");
+  v.section("material", p.material, "Surface of the ground.");
+}
+
+void visit(fields::Visitor& v, LevelTerrain& p) {
+  v.number("size", p.size_m, in("m").between(10, 4000), "Edge of the square area around (0, 0).");
+  v.number("cell", p.cell_m, in("m").between(0.05, 400), "Distance between two heights.");
+  v.section("slope", p.slope, "Crossfall of the site.");
+  v.number("roughness", p.roughness_m, in("mm").between(0, 1000),
+           "Standard deviation of the heights.");
+  v.section("material", p.material, "Surface of the ground.");
+}
+
 void validate(const HillsTerrain& terrain) {
+  fields::check(terrain);
   require_grid(terrain.size_m, terrain.cell_m);
-  require_slope(terrain.slope);
-  require_within(terrain.roughness_m, 0.0, 100.0, "terrain.roughness_m");
-  require_within(terrain.longest_wave_m, 2.0 * terrain.cell_m, 10000.0, "terrain.longest_wave_m");
+  require_within(terrain.longest_wave_m, 2.0 * terrain.cell_m, 10'000.0, "m", "longest_wave",
+                 "two cells or more");
 }
 
 void validate(const LevelTerrain& terrain) {
+  fields::check(terrain);
   require_grid(terrain.size_m, terrain.cell_m);
-  require_slope(terrain.slope);
-  require_within(terrain.roughness_m, 0.0, 1.0, "terrain.roughness_m");
 }
 
 HeightField make_hills(const HillsTerrain& terrain, std::uint64_t seed) {

@@ -18,6 +18,7 @@ struct MeanSlope {
 
   [[nodiscard]] double height_m(double x_m, double y_m) const;
 };
+void visit(fields::Visitor& v, MeanSlope& p);
 
 /// Rolling ground: a mean slope with fractal noise (sim/scene/noise_field.h) down to waves of two
 /// cells.
@@ -31,6 +32,7 @@ struct HillsTerrain {
   double longest_wave_m = 90.0;  ///< Of the coarsest layer of the noise.
   Material material{.reflectance = 0.3, .label = "ground"};
 };
+void visit(fields::Visitor& v, HillsTerrain& p);
 
 /// A level site with an optional crossfall.
 struct LevelTerrain {
@@ -42,8 +44,9 @@ struct LevelTerrain {
   double roughness_m = 0.004;  ///< Standard deviation of the noise, waves of 3 m and shorter.
   Material material{.reflectance = 0.25, .label = "ground"};
 };
+void visit(fields::Visitor& v, LevelTerrain& p);
 
-/// Throw std::invalid_argument naming member, value and what is allowed.
+/// Throw std::invalid_argument naming the key, the value and what is allowed.
 void validate(const HillsTerrain& terrain);
 void validate(const LevelTerrain& terrain);
 

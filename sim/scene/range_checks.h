@@ -1,18 +1,29 @@
-// Refusals of the scene's set-up, in one form.
+// Refusals of what several members of a scene's part make together, in the form of fields::check().
 #pragma once
 
-#include <stdexcept>
 #include <string>
+
+#include "fields/check.h"
+#include "fields/units.h"
 
 namespace rigwire::sim {
 
-/// Throws std::invalid_argument "member is value, allowed: lower to upper" outside of them, and for
-/// what is no number.
-inline void require_within(double value, double lower, double upper, const std::string& member) {
+/// Throws fields::Refused "key: what, found value unit, allowed lower .. upper unit" outside of
+/// them, and for what is no number.
+inline void require_within(double value, double lower, double upper, const std::string& unit,
+                           const std::string& key, const std::string& what = {}) {
   if (!(value >= lower && value <= upper)) {
-    throw std::invalid_argument(member + " is " + std::to_string(value) + ", allowed: " +
-                                std::to_string(lower) + " to " + std::to_string(upper));
+    const std::string space = unit.empty() ? "" : " ";
+    throw fields::Refused(key, (what.empty() ? "" : what + ", ") + "found " +
+                                   fields::shortest(value) + space + unit + ", allowed " +
+                                   fields::shortest(lower) + " .. " + fields::shortest(upper) +
+                                   space + unit);
   }
+}
+
+/// The same of a terrain's nodes: 10 cells and more along a side, 8192 at most.
+inline void require_grid(double size_m, double cell_m) {
+  require_within(size_m / cell_m, 10.0, 8192.0, "", "cell", "cells along a side");
 }
 
 }  // namespace rigwire::sim

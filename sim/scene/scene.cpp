@@ -5,9 +5,14 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
 #include "sim/scene/scene_internals.h"
 
 namespace rigwire::sim {
+
+using fields::plain;
+
 namespace {
 
 void remember_error(void* user, RTCError /*code*/, const char* text) {
@@ -19,15 +24,17 @@ void remember_error(void* user, RTCError /*code*/, const char* text) {
 
 }  // namespace
 
+void visit(fields::Visitor& v, Material& p) {
+  v.number("reflectance", p.reflectance, plain().between(0, 1), "Diffuse reflectance at 905 nm.");
+  v.text("label", p.label, "What it is, for recordings.");
+  v.number("retro_gain", p.retro_gain, plain().between(0, 1),
+           "Of a retro-reflector; 1 is an ideal one, 0 is none.");
+  v.boolean("foliage", p.foliage, "Leaves in a closed surface: radio signals pass, weakened.");
+  v.boolean("loose_leaves", p.loose_leaves, "Single leaves: radio signals pass.");
+}
+
 void validate(const Material& material) {
-  const auto within = [&](double value, const char* member) {
-    if (!(value >= 0.0 && value <= 1.0)) {
-      throw std::invalid_argument("object with label '" + material.label + "': " + member + " is " +
-                                  std::to_string(value) + ", allowed: 0 to 1");
-    }
-  };
-  within(material.reflectance, "reflectance");
-  within(material.retro_gain, "retro_gain");
+  fields::check(material);
 }
 
 std::uint32_t surface_mask(const Material& material, std::uint32_t body) {

@@ -32,6 +32,7 @@
 #include <string_view>
 #include <vector>
 
+#include "fields/rules.h"
 #include "sim/samples/time.h"
 #include "sim/scene/height_field.h"
 #include "sim/scene/node_rectangle.h"
@@ -54,8 +55,9 @@ struct Material {
 
   friend bool operator==(const Material&, const Material&) = default;
 };
+void visit(fields::Visitor& v, Material& p);
 
-/// Throws std::invalid_argument naming the label, what is wrong and what is allowed.
+/// Throws std::invalid_argument naming the key, the value found and what is allowed.
 void validate(const Material& material);
 
 /// A part of a model: a mesh with the surface that it has wherever the model stands.

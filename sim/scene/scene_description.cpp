@@ -3,18 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
 #include "sim/scene/range_checks.h"
 
 namespace rigwire::sim {
-namespace {
 
-void require(bool holds, const std::string& member, double found, const std::string& allowed) {
-  if (!holds) {
-    throw std::invalid_argument(member + " is " + std::to_string(found) + ", allowed: " + allowed);
-  }
-}
+using fields::in;
+using fields::IntegerRule;
+using fields::plain;
+
+namespace {
 
 Eigen::Quaterniond random_attitude(RandomStream& random) {
   Eigen::Quaterniond attitude(random.gaussian(), random.gaussian(), random.gaussian(),
@@ -32,53 +32,99 @@ double diameter_at(const RockField& rocks, double p) {
 
 }  // namespace
 
+void visit(fields::Visitor& v, Heap& p) {
+  v.vector2("centre", p.centre_m, in("m"), "[east, north] of the top.");
+  v.number("height", p.height_m, in("m").between(0, 50), "Height of the top.");
+  v.number("repose", p.repose_deg, in("deg").stored_as("deg").between(5, 60),
+           "Slope of the cone of loose material.");
+}
+
+void visit(fields::Visitor& v, PitTerrain& p) {
+  v.number("size", p.size_m, in("m").between(10, 4000), "Edge of the square area around (0, 0).");
+  v.number("cell", p.cell_m, in("m").between(0.05, 400), "Distance between two heights.");
+  v.number("floor_height", p.floor_height_m, in("m").between(-10'000, 10'000),
+           "Height of the pit's floor.");
+  v.vector2("floor_centre", p.floor_centre_m, in("m").between(-4000, 4000),
+            "[east, north] of the floor's middle.");
+  v.vector2("floor_half_lengths", p.floor_half_lengths_m, in("m").between(8, 4000),
+            "[east, north] from the floor's centre to the faces.");
+  v.integer("benches", p.benches, IntegerRule{0, 50}, "Steps from the floor to the rim.");
+  v.number("bench_height", p.bench_height_m, in("m").between(0.1, 50), "Height of each bench.");
+  v.number("face_angle", p.face_angle_deg, in("deg").stored_as("deg").between(20, 85),
+           "Slope of the faces against the horizontal.");
+  v.number("berm_width", p.berm_width_m, in("m").between(0.5, 100), "Flat part of each bench.");
+  v.number("windrow_height", p.windrow_height_m, in("m").between(0, 5),
+           "Height of the ridge along each berm.");
+  v.number("ramp_width", p.ramp_width_m, in("m").between(0, 100), "Width of the access ramp.");
+  v.number("ramp_slope", p.ramp_slope, plain().between(0.01, 1), "Rise over run of the ramp.");
+  v.number("ramp_start_x", p.ramp_start_x_m, in("m").between(-4000, 4000),
+           "The ramp rises from here to the west.");
+  v.number("ramp_y", p.ramp_y_m, in("m").between(-4000, 4000), "North of the ramp's centre line.");
+  v.number("floor_roughness", p.floor_roughness_m, in("mm").between(0, 1000),
+           "Standard deviation of the heights on floor and ramp.");
+  v.number("face_roughness", p.face_roughness_m, in("mm").between(0, 3000),
+           "Standard deviation of the heights on faces and berms.");
+  v.list("heaps", p.heaps, "Cones of loose material.");
+  v.section("material", p.material, "Surface of the ground.");
+}
+
+void visit(fields::Visitor& v, RockField& p) {
+  v.integer("count", p.count, IntegerRule{0, 100'000}, "Number of rocks.");
+  v.vector2("centre", p.centre_m, in("m"), "[east, north] of the disc with rocks.");
+  v.number("radius", p.radius_m, in("m").between(0.1, 4000), "Radius of the disc with rocks.");
+  v.number("smallest", p.smallest_m, in("m").between(0.02, 20), "Diameter of the smallest rock.");
+  v.number("largest", p.largest_m, in("m").between(0.02, 20), "Diameter of the largest rock.");
+  v.number("exponent", p.exponent, plain().between(1.1, 6),
+           "Number above d falls as d^(1 - exponent).");
+  v.section("material", p.material, "Surface of the rocks.");
+  v.list("keep_out", p.keep_out, "Discs without rocks: for the machine, for the truck.");
+}
+
+void visit(fields::Visitor& v, BoxObject& p) {
+  v.text("name", p.name, "Name of the box.");
+  v.vector3("size", p.size_m, in("m").between(0.01, 1000), "Full lengths along its own axes.");
+  v.vector3("position", p.position_m, in("m"), "[east, north, up] of the middle of its base.");
+  v.number("yaw", p.yaw_rad, in("deg").between(-360, 360),
+           "Direction of its x from east, left positive.");
+  v.boolean("on_ground", p.on_ground, "Whether `up` counts from the terrain under it.");
+  v.section("material", p.material, "What its surface is.");
+}
+
+void visit(fields::Visitor& v, NamedMaterial& p) {
+  v.required("name");
+  v.text("name", p.name, "Name of a material in the mesh's file.");
+  visit(v, p.material);
+}
+
+void visit(fields::Visitor& v, FixedObject& p) {
+  v.text("name", p.name, "Name of the object.");
+  v.required("mesh");
+  v.file("mesh", p.mesh, "glTF, OBJ, STL or PLY, relative to this file; x forward, y left, z up.");
+  v.vector3("position", p.position_m, in("m"), "[east, north, up] of the mesh's origin.");
+  v.number("yaw", p.yaw_rad, in("deg").between(-360, 360),
+           "Direction of its x from east, left positive.");
+  v.boolean("on_ground", p.on_ground, "Whether `up` counts from the terrain under it.");
+  v.number("scale", p.scale, plain().between(1e-6, 1e6), "Metres for each unit of the mesh.");
+  v.section("material", p.material, "What its surface is.");
+  v.list("materials", p.materials, "Surfaces of parts, by the names in the mesh's file.");
+}
+
 void validate(const PitTerrain& terrain) {
-  require_within(terrain.size_m, 10.0, 4000.0, "terrain.size_m");
-  require_within(terrain.cell_m, 0.05, 0.1 * terrain.size_m, "terrain.cell_m");
-  require(terrain.size_m / terrain.cell_m <= 8192.0, "terrain.size_m / terrain.cell_m",
-          terrain.size_m / terrain.cell_m, "at most 8192 cells along a side");
-  require_within(terrain.floor_height_m, -10000.0, 10000.0, "terrain.floor_height_m");
-  for (const double coordinate : {terrain.floor_centre_m.x(), terrain.floor_centre_m.y(),
-                                  terrain.ramp_start_x_m, terrain.ramp_y_m}) {
-    require_within(coordinate, -4000.0, 4000.0, "terrain: a coordinate of floor or ramp");
-  }
-  for (const double length : {terrain.floor_half_lengths_m.x(), terrain.floor_half_lengths_m.y()}) {
-    require_within(length, 8.0, 4000.0, "terrain.floor_half_lengths_m");
-  }
-  require_within(terrain.benches, 0, 50, "terrain.benches");
-  require_within(terrain.bench_height_m, 0.1, 50.0, "terrain.bench_height_m");
-  require_within(terrain.face_angle_deg, 20.0, 85.0, "terrain.face_angle_deg");
-  require_within(terrain.berm_width_m, 0.5, 100.0, "terrain.berm_width_m");
-  require_within(terrain.windrow_height_m, 0.0, 5.0, "terrain.windrow_height_m");
-  require_within(terrain.ramp_width_m, 0.0, 100.0, "terrain.ramp_width_m");
-  require_within(terrain.ramp_slope, 0.01, 1.0, "terrain.ramp_slope");
-  require_within(terrain.floor_roughness_m, 0.0, 1.0, "terrain.floor_roughness_m");
-  require_within(terrain.face_roughness_m, 0.0, 3.0, "terrain.face_roughness_m");
-  for (const Heap& heap : terrain.heaps) {
-    require(heap.centre_m.allFinite(), "terrain.heaps.centre_m", heap.centre_m.x(), "finite");
-    require_within(heap.height_m, 0.0, 50.0, "terrain.heaps.height_m");
-    require_within(heap.repose_deg, 5.0, 60.0, "terrain.heaps.repose_deg");
-  }
+  fields::check(terrain);
+  require_grid(terrain.size_m, terrain.cell_m);
 }
 
 void validate(const RockField& rocks) {
-  require_within(rocks.count, 0, 100000, "rocks.count");
-  require(rocks.centre_m.allFinite(), "rocks.centre_m", rocks.centre_m.x(), "finite");
-  require_within(rocks.radius_m, 0.1, 4000.0, "rocks.radius_m");
-  require_within(rocks.smallest_m, 0.02, 20.0, "rocks.smallest_m");
-  require_within(rocks.largest_m, rocks.smallest_m, 20.0, "rocks.largest_m");
-  require_within(rocks.exponent, 1.1, 6.0, "rocks.exponent");
-  for (const KeepOut& disc : rocks.keep_out) {
-    require(disc.centre_m.allFinite(), "rocks.keep_out.centre_m", disc.centre_m.x(), "finite");
-    require_within(disc.radius_m, 0.0, 4000.0, "rocks.keep_out.radius_m");
-  }
+  fields::check(rocks);
+  require_within(rocks.largest_m, rocks.smallest_m, 20.0, "m", "largest", "not below the smallest");
 }
 
 void validate(const BoxObject& box) {
-  require(box.position_m.allFinite() && std::isfinite(box.yaw_rad),
-          "boxes." + box.name + ": position or yaw", box.position_m.x(), "finite");
-  require_within(box.size_m.minCoeff(), 0.01, 1000.0, "boxes." + box.name + ".size_m");
-  require_within(box.size_m.maxCoeff(), 0.01, 1000.0, "boxes." + box.name + ".size_m");
+  fields::check(box);
+}
+
+void validate(const FixedObject& object) {
+  fields::check(object);
 }
 
 void validate(const SceneDescription& description) {
@@ -108,9 +154,7 @@ void validate(const SceneDescription& description) {
     validate(rocks);
   }
   for (const FixedObject& object : description.objects) {
-    require(object.position_m.allFinite() && std::isfinite(object.yaw_rad),
-            "objects." + object.name + ": position or yaw", object.position_m.x(), "finite");
-    require_within(object.scale, 1e-6, 1e6, "objects." + object.name + ".scale");
+    validate(object);
   }
 }
 

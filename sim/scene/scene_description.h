@@ -30,6 +30,7 @@ struct Heap {
   double height_m = 1.5;
   double repose_deg = 37.0;  ///< Slope of the cone.
 };
+void visit(fields::Visitor& v, Heap& p);
 
 /// The lowest level of an open pit, made by formula and noise: a flat floor bounded by a working
 /// face, above it benches with flat berms and safety windrows, and an access ramp cut to the west.
@@ -56,6 +57,7 @@ struct PitTerrain {
   std::vector<Heap> heaps{{{6.2, 0.0}, 1.6, 37.0}};
   Material material{.reflectance = 0.35, .label = "ground"};
 };
+void visit(fields::Visitor& v, PitTerrain& p);
 
 /// Boulders strewn over a disc, diameters by a power law: the number above d falls as
 /// d^(1 - exponent).
@@ -69,6 +71,7 @@ struct RockField {
   Material material{.reflectance = 0.45, .label = "rock"};
   std::vector<KeepOut> keep_out{{{0.0, 0.0}, 5.0}, {{-1.0, 7.0}, 6.0}};
 };
+void visit(fields::Visitor& v, RockField& p);
 
 /// What a part of a mesh is, by the name of its material in the mesh's file.
 struct NamedMaterial {
@@ -77,6 +80,7 @@ struct NamedMaterial {
 
   friend bool operator==(const NamedMaterial&, const NamedMaterial&) = default;
 };
+void visit(fields::Visitor& v, NamedMaterial& p);
 
 /// A mesh that stands in the scene.
 struct FixedObject {
@@ -89,6 +93,7 @@ struct FixedObject {
   Material material{.reflectance = 0.6, .label = "object"};
   std::vector<NamedMaterial> materials;  ///< Of parts; the rest is of `material`.
 };
+void visit(fields::Visitor& v, FixedObject& p);
 
 /// A box that stands in the scene: a building, a kerb.
 struct BoxObject {
@@ -99,6 +104,7 @@ struct BoxObject {
   bool on_ground = true;  ///< Then position_m.z() counts from the terrain's height at the middle.
   Material material{.reflectance = 0.5, .label = "building"};
 };
+void visit(fields::Visitor& v, BoxObject& p);
 
 using Terrain = std::variant<PitTerrain, HillsTerrain, LevelTerrain, HeightMapTerrain>;
 
@@ -116,10 +122,11 @@ struct SceneDescription {
   std::vector<FixedObject> objects;
 };
 
-/// Throw std::invalid_argument naming member, value and what is allowed.
+/// Throw std::invalid_argument naming the key, the value and what is allowed.
 void validate(const PitTerrain& terrain);
 void validate(const RockField& rocks);
 void validate(const BoxObject& box);
+void validate(const FixedObject& object);
 void validate(const SceneDescription& description);
 
 /// The terrain as heights, tracks carved in; the same seed gives the same heights. Validates.

@@ -4,15 +4,15 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace rigwire::sim {
-namespace {
+#include "fields/check.h"
+#include "fields/visitor.h"
+#include "sim/scene/range_checks.h"
 
-void require_within(double value, double lower, double upper, const std::string& member) {
-  if (!(value >= lower && value <= upper)) {
-    throw std::invalid_argument(member + " is " + std::to_string(value) + ", allowed: " +
-                                std::to_string(lower) + " to " + std::to_string(upper));
-  }
-}
+namespace rigwire::sim {
+
+using fields::in;
+
+namespace {
 
 [[noreturn]] void refuse_name(const std::string& what, const std::string& name,
                               const std::string& known) {
@@ -81,20 +81,41 @@ void paint_track(SoilMap& map, const HeightField& field, std::size_t soil, const
 
 }  // namespace
 
+void visit(fields::Visitor& v, SoilDisc& p) {
+  v.vector2("centre", p.centre_m, in("m").between(-8000, 8000), "[east, north] of the disc.");
+  v.number("radius", p.radius_m, in("m").above(0).at_most(8000), "Radius of the disc.");
+}
+
+void visit(fields::Visitor& v, SoilRectangle& p) {
+  v.vector2("centre", p.centre_m, in("m").between(-8000, 8000), "[east, north] of the rectangle.");
+  v.vector2("size", p.size_m, in("m").above(0).at_most(8000), "Full lengths along its own axes.");
+  v.number("yaw", p.yaw_rad, in("deg").between(-360, 360),
+           "Direction of its first axis, left from east.");
+}
+
+void visit(fields::Visitor& v, SoilStretch& p) {
+  v.required("track");
+  v.text("track", p.track, "Name of the track.");
+  v.number("from", p.from_m, in("m").between(0, 1e6),
+           "Where the stretch begins, along the track from its first point.");
+  v.number("to", p.to_m, in("m").between(0, 1e6),
+           "Where the stretch ends, along the track from its first point.");
+}
+
+void visit(fields::Visitor& v, SoilRegion& p) {
+  v.required("soil");
+  v.text("soil", p.soil, "Name of the soil there.");
+  v.required("type");
+  v.variant("type", p.shape, "Shape of the region.");
+}
+
+void validate(const SoilStretch& stretch) {
+  fields::check(stretch);
+  require_within(stretch.to_m, stretch.from_m, 1e6, "m", "to", "not before `from`");
+}
+
 void validate(const SoilRegion& region) {
-  if (const auto* disc = std::get_if<SoilDisc>(&region.shape)) {
-    require_within(disc->centre_m.norm(), 0.0, 8000.0, "soil_regions.centre_m");
-    require_within(disc->radius_m, 0.0, 8000.0, "soil_regions.radius_m");
-  } else if (const auto* rectangle = std::get_if<SoilRectangle>(&region.shape)) {
-    require_within(rectangle->centre_m.norm(), 0.0, 8000.0, "soil_regions.centre_m");
-    require_within(rectangle->size_m.minCoeff(), 0.0, 8000.0, "soil_regions.size_m");
-    require_within(rectangle->size_m.maxCoeff(), 0.0, 8000.0, "soil_regions.size_m");
-    require_within(rectangle->yaw_rad, -7.0, 7.0, "soil_regions.yaw_rad");
-  } else {
-    const auto& stretch = std::get<SoilStretch>(region.shape);
-    require_within(stretch.from_m, 0.0, 1e6, "soil_regions.from_m");
-    require_within(stretch.to_m, stretch.from_m, 1e6, "soil_regions.to_m");
-  }
+  fields::check(region);
 }
 
 SoilMap make_soil_map(const HeightField& field, std::vector<SoilParameters> soils,

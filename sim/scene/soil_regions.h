@@ -22,6 +22,7 @@ struct SoilDisc {
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
   double radius_m = 5.0;
 };
+void visit(fields::Visitor& v, SoilDisc& p);
 
 struct SoilRectangle {
   static constexpr fields::Named kNamed{"rectangle", "A rectangle."};
@@ -30,6 +31,7 @@ struct SoilRectangle {
   Eigen::Vector2d size_m{10.0, 10.0};  ///< Full lengths along its own axes.
   double yaw_rad = 0.0;                ///< Of its first axis, left from east.
 };
+void visit(fields::Visitor& v, SoilRectangle& p);
 
 /// A part of a track, across all of its width.
 struct SoilStretch {
@@ -37,15 +39,18 @@ struct SoilStretch {
 
   std::string track;
   double from_m = 0.0;  ///< Along the track's line.
-  double to_m = 10.0;
+  double to_m = 10.0;   ///< At least from_m.
 };
+void visit(fields::Visitor& v, SoilStretch& p);
 
 struct SoilRegion {
   std::string soil;  ///< Name of one of the scene's soils.
   std::variant<SoilDisc, SoilRectangle, SoilStretch> shape;
 };
+void visit(fields::Visitor& v, SoilRegion& p);
 
-/// Throws std::invalid_argument naming member, value and what is allowed.
+/// Throw std::invalid_argument naming the key, the value and what is allowed.
+void validate(const SoilStretch& stretch);
 void validate(const SoilRegion& region);
 
 /// A track with its line, computed once.

@@ -3,22 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
 #include "sim/random.h"
 #include "sim/scene/noise_field.h"
+#include "sim/scene/range_checks.h"
 
 namespace rigwire::sim {
-namespace {
 
-void require_within(double value, double lower, double upper, const Track& track,
-                    const char* member) {
-  if (!(value >= lower && value <= upper)) {
-    throw std::invalid_argument("track '" + track.name + "': " + member + " is " +
-                                std::to_string(value) + ", allowed: " + std::to_string(lower) +
-                                " to " + std::to_string(upper));
-  }
-}
+using fields::in;
+
+namespace {
 
 /// Barry and Goldman's pyramid between b and c, u = 0 .. 1; knots by the square root of the chord.
 Eigen::Vector2d between(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
@@ -102,23 +98,34 @@ std::vector<double> graded_heights(const HeightField& field, const Track& track,
 
 }  // namespace
 
+void visit(fields::Visitor& v, TrackPoint& p) {
+  v.vector2("at", p.at_m, in("m").between(-4000, 4000), "[east, north] of the point.");
+}
+
+void visit(fields::Visitor& v, Track& p) {
+  v.text("name", p.name, "Name of the track; soil regions name it.");
+  v.list("points", p.points, "The centre line passes smoothly through each.");
+  v.boolean("closed", p.closed, "Whether the last point joins the first.");
+  v.number("width", p.width_m, in("m").between(0.5, 100), "Width that is level across.");
+  v.number("shoulder", p.shoulder_m, in("m").between(0, 100),
+           "Width on each side over which it blends into the ground.");
+  v.number("grading", p.grading_m, in("m").between(0, 500),
+           "Waves of the ground much shorter than this are cut and filled.");
+  v.number("roughness", p.roughness_m, in("mm").between(0, 1000),
+           "Standard deviation of the heights on the track.");
+  v.text("soil", p.soil, "Name of its soil; empty = as around it.");
+}
+
 void validate(const Track& track) {
-  require_within(static_cast<double>(track.points.size()), track.closed ? 3 : 2, 10000, track,
-                 "number of points");
-  for (std::size_t i = 0; i < track.points.size(); ++i) {
-    const Eigen::Vector2d& p = track.points[i].at_m;
-    require_within(p.x(), -4000.0, 4000.0, track, "points: east");
-    require_within(p.y(), -4000.0, 4000.0, track, "points: north");
-    if (i > 0 || track.closed) {
-      const std::size_t before = i > 0 ? i - 1 : track.points.size() - 1;
-      require_within((p - track.points[before].at_m).norm(), 0.1, 8000.0, track,
-                     "points: distance of neighbours");
-    }
+  fields::check(track);
+  const std::string of_track = "track '" + track.name + "': ";
+  require_within(static_cast<double>(track.points.size()), track.closed ? 3 : 2, 10'000, "",
+                 "points", of_track + "number of points");
+  for (std::size_t i = track.closed ? 0 : 1; i < track.points.size(); ++i) {
+    const std::size_t before = i > 0 ? i - 1 : track.points.size() - 1;
+    require_within((track.points[i].at_m - track.points[before].at_m).norm(), 0.1, 8000.0, "m",
+                   "points." + std::to_string(i), of_track + "distance of neighbours");
   }
-  require_within(track.width_m, 0.5, 100.0, track, "width_m");
-  require_within(track.shoulder_m, 0.0, 100.0, track, "shoulder_m");
-  require_within(track.grading_m, 0.0, 500.0, track, "grading_m");
-  require_within(track.roughness_m, 0.0, 1.0, track, "roughness_m");
 }
 
 TrackLine track_line(const Track& track) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "fields/rules.h"
 #include "sim/scene/height_field.h"
 
 namespace rigwire::sim {
@@ -14,6 +15,7 @@ namespace rigwire::sim {
 struct TrackPoint {
   Eigen::Vector2d at_m = Eigen::Vector2d::Zero();  ///< [east, north].
 };
+void visit(fields::Visitor& v, TrackPoint& p);
 
 struct Track {
   std::string name = "track";
@@ -27,8 +29,9 @@ struct Track {
   double roughness_m = 0.02;  ///< Standard deviation of the noise on it, waves of 3 m and shorter.
   std::string soil;           ///< Name of a soil of the scene; empty = as around it.
 };
+void visit(fields::Visitor& v, Track& p);
 
-/// Throws std::invalid_argument naming the track, the member, the value and what is allowed.
+/// Throws std::invalid_argument naming the key, the value and what is allowed.
 void validate(const Track& track);
 
 /// A track's centre line as points kTrackSpacing_m apart (the last piece may be shorter), without

@@ -8,10 +8,17 @@
 #include <string>
 #include <unordered_map>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
 #include "sim/scene/range_checks.h"
 #include "sim/scene/revolution.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+using fields::IntegerRule;
+using fields::plain;
+
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -56,25 +63,36 @@ class Stand {
 
 }  // namespace
 
+void visit(fields::Visitor& v, TreeField& p) {
+  v.integer("count", p.count, IntegerRule{0, 50'000}, "Number of trees; 0 = by density.");
+  v.number("density", p.density_per_ha, in("1/ha").stored_as("1/ha").between(0, 20'000),
+           "Trees per area of the rectangle, tracks included.");
+  v.integer("seed", p.seed, IntegerRule{0}, "Another forest on the same ground.");
+  v.vector2("centre", p.centre_m, in("m").between(-4000, 4000), "[east, north] of the rectangle.");
+  v.vector2("half_lengths", p.half_lengths_m, in("m").between(0.5, 4000),
+            "[east, north] from the centre to the rectangle's edges.");
+  v.number("smallest", p.smallest_m, in("m").between(0.5, 100), "Height of the smallest tree.");
+  v.number("largest", p.largest_m, in("m").between(0.5, 100), "Height of the largest tree.");
+  v.number("trunk_diameter", p.trunk_diameter_m, in("m").between(0.01, 20),
+           "Trunk of the largest tree, at most a fifth of its height.");
+  v.number("conifer_share", p.conifer_share, plain().between(0, 1),
+           "Share of conifers; the rest have round crowns.");
+  v.number("track_distance", p.track_distance_m, in("m").between(0, 1000),
+           "Least distance from a track's edge to a trunk.");
+  v.number("spacing", p.spacing_m, in("m").between(0, 100), "Least distance between trunks.");
+  v.list("keep_out", p.keep_out, "Discs without trees.");
+  v.section("trunk", p.trunk, "Surface of the trunks.");
+  v.section("crown", p.crown, "Surface of the crowns.");
+}
+
 void validate(const TreeField& trees) {
-  require_within(trees.count, 0, 50000, "trees.count");
-  require_within(trees.density_per_ha, 0.0, 20000.0, "trees.density_per_ha");
-  require_within(trees.centre_m.x(), -4000.0, 4000.0, "trees.centre_m: east");
-  require_within(trees.centre_m.y(), -4000.0, 4000.0, "trees.centre_m: north");
-  require_within(trees.half_lengths_m.minCoeff(), 0.5, 4000.0, "trees.half_lengths_m");
-  require_within(trees.half_lengths_m.maxCoeff(), 0.5, 4000.0, "trees.half_lengths_m");
-  require_within(trees.density_per_ha * 4e-4 * trees.half_lengths_m.prod(), 0.0, 50000.0,
-                 "trees.density_per_ha times the area");
-  require_within(trees.smallest_m, 0.5, 100.0, "trees.smallest_m");
-  require_within(trees.largest_m, trees.smallest_m, 100.0, "trees.largest_m");
-  require_within(trees.trunk_diameter_m, 0.01, 0.2 * trees.largest_m, "trees.trunk_diameter_m");
-  require_within(trees.conifer_share, 0.0, 1.0, "trees.conifer_share");
-  require_within(trees.track_distance_m, 0.0, 1000.0, "trees.track_distance_m");
-  require_within(trees.spacing_m, 0.0, 100.0, "trees.spacing_m");
-  for (const KeepOut& disc : trees.keep_out) {
-    require_within(disc.centre_m.norm(), 0.0, 8000.0, "trees.keep_out.centre_m");
-    require_within(disc.radius_m, 0.0, 4000.0, "trees.keep_out.radius_m");
-  }
+  fields::check(trees);
+  require_within(trees.density_per_ha * 4e-4 * trees.half_lengths_m.prod(), 0.0, 50'000.0, "",
+                 "density", "trees by the rectangle's area");
+  require_within(trees.largest_m, trees.smallest_m, 100.0, "m", "largest",
+                 "not below the smallest");
+  require_within(trees.trunk_diameter_m, 0.01, 0.2 * trees.largest_m, "m", "trunk_diameter",
+                 "at most a fifth of the largest height");
 }
 
 std::vector<PlacedTree> place_trees(const TreeField& trees, const HeightField& ground,

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "fields/rules.h"
 #include "sim/ground/ground.h"
 #include "sim/random.h"
 #include "sim/scene/height_field.h"
@@ -35,8 +36,9 @@ struct TreeField {
   Material trunk{.reflectance = 0.3, .label = "trunk"};
   Material crown{.reflectance = 0.5, .label = "crown", .foliage = true};
 };
+void visit(fields::Visitor& v, TreeField& p);
 
-/// Throws std::invalid_argument naming member, value and what is allowed.
+/// Throws std::invalid_argument naming the key, the value and what is allowed.
 void validate(const TreeField& trees);
 
 struct PlacedTree {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "fields/rules.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::sim {
@@ -24,6 +25,7 @@ struct WeatherFrame {
 
   friend bool operator==(const WeatherFrame&, const WeatherFrame&) = default;
 };
+void visit(fields::Visitor& v, WeatherFrame& p);
 
 enum class RainModel : std::uint8_t {
   marshall_palmer,  ///< Drops of the measured spectrum: extinction by its integral, echoes of
@@ -40,6 +42,7 @@ struct RainParameters {
 
   friend bool operator==(const RainParameters&, const RainParameters&) = default;
 };
+void visit(fields::Visitor& v, RainParameters& p);
 
 struct SnowParameters {
   /// Of the spectrum, per m3 and mm at 1 mm/h: 3800 in Gunn and Marshall 1958; LISA takes 7600.
@@ -51,6 +54,7 @@ struct SnowParameters {
 
   friend bool operator==(const SnowParameters&, const SnowParameters&) = default;
 };
+void visit(fields::Visitor& v, SnowParameters& p);
 
 struct FogParameters {
   double backscatter = 0.046;   ///< Times 1 / visibility: per metre and steradian.
@@ -59,6 +63,7 @@ struct FogParameters {
 
   friend bool operator==(const FogParameters&, const FogParameters&) = default;
 };
+void visit(fields::Visitor& v, FogParameters& p);
 
 struct HazeParameters {
   double lidar_ratio_sr = 50.0;  ///< Extinction over back-scatter.
@@ -66,6 +71,7 @@ struct HazeParameters {
 
   friend bool operator==(const HazeParameters&, const HazeParameters&) = default;
 };
+void visit(fields::Visitor& v, HazeParameters& p);
 
 enum class DustEchoModel : std::uint8_t {
   backscatter,    ///< Echo where the light scattered back first reaches the detection limit.
@@ -83,6 +89,7 @@ struct DustParameters {
 
   friend bool operator==(const DustParameters&, const DustParameters&) = default;
 };
+void visit(fields::Visitor& v, DustParameters& p);
 
 struct WindParameters {
   double gust_intensity = 0.15;  ///< Standard deviation of each component over the mean speed.
@@ -90,6 +97,7 @@ struct WindParameters {
 
   friend bool operator==(const WindParameters&, const WindParameters&) = default;
 };
+void visit(fields::Visitor& v, WindParameters& p);
 
 struct WeatherParameters {
   /// In order of time; before the first and after the last the air stays as there. None: clear.
@@ -110,8 +118,10 @@ struct WeatherParameters {
 
   friend bool operator==(const WeatherParameters&, const WeatherParameters&) = default;
 };
+void visit(fields::Visitor& v, WeatherParameters& p);
 
-/// Throws std::invalid_argument naming the member, the value found and what is allowed.
+/// Throw std::invalid_argument naming the key, the value found and what is allowed.
+void validate(const WeatherFrame& frame);
 void validate(const WeatherParameters& parameters);
 
 }  // namespace rigwire::sim

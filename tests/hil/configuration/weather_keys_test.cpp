@@ -1,6 +1,4 @@
 // Keys of a scene's weather.
-#include "hil/configuration/weather.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,7 +6,7 @@
 #include <string>
 
 #include "hil/configuration/reader.h"
-#include "hil/world/scene_configuration.h"
+#include "hil/world/scene.h"
 
 namespace rigwire::hil {
 namespace {
@@ -89,7 +87,7 @@ TEST(WeatherKeys, BadValuesAreFoundWithTheirPlace) {
   EXPECT_THAT(findings_of("weather:\n  course:\n    - {rian: 5}\n"),
               HasSubstr("did you mean rain"));
   EXPECT_THAT(findings_of("weather:\n  course:\n    - {fog_visibility: 1 mm}\n"),
-              HasSubstr("course[0].fog_visibility_m is 0.001"));
+              HasSubstr("weather.course.0.fog_visibility: found 0.001 m"));
   EXPECT_THAT(findings_of("weather:\n  course:\n    - {at: 5 s, rain: 5}\n    - {at: 1 s}\n"),
               HasSubstr("later than the key frame before"));
 }

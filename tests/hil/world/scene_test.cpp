@@ -10,7 +10,7 @@
 #include "hil/configuration/document.h"
 #include "hil/configuration/reader.h"
 #include "hil/rig/rig_configuration.h"
-#include "hil/world/scene_configuration.h"
+#include "hil/world/scene.h"
 #include "sim/local_frame.h"
 
 namespace rigwire::hil {

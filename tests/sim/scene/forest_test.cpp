@@ -204,13 +204,15 @@ TEST(Forest, BadForestsAreRefusedNamingTheMember) {
     change(forest);
     EXPECT_THAT([&] { validate(forest); }, ThrowsMessage<std::invalid_argument>(HasSubstr(what)));
   };
-  refused([](Forest& f) { f.density_per_ha = 1e9; }, "density_per_ha");
-  refused([](Forest& f) { f.bushes_per_ha = -1.0; }, "density_per_ha");
-  refused([](Forest& f) { f.species.clear(); }, "forest.species");
-  refused([](Forest& f) { f.species[0].share = 0.0; }, "sum of the shares");
-  refused([](Forest& f) { f.species[0].largest_m = 1.0; }, "largest_m");
-  refused([](Forest& f) { f.variants = 0; }, "forest.variants");
-  refused([](Forest& f) { f.leaves.reflectance = 2.0; }, "reflectance");
+  refused([](Forest& f) { f.density_per_ha = 1e9; }, "density: found");
+  refused([](Forest& f) { f.bushes_per_ha = -1.0; }, "bushes: found -1 1/ha");
+  refused([](Forest& f) { f.species.clear(); }, "species: there is none");
+  refused([](Forest& f) { f.species[0].share = 0.0; }, "species: sum of the shares, found 0");
+  refused([](Forest& f) { f.species[0].largest_m = 1.0; },
+          "species.0.largest: not below the smallest, found 1 m");
+  refused([](Forest& f) { f.variants = 0; }, "variants: found 0, allowed 1 .. 100");
+  refused([](Forest& f) { f.leaves.reflectance = 2.0; },
+          "leaves.reflectance: found 2, allowed 0 .. 1");
 }
 
 }  // namespace

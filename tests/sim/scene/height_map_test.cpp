@@ -55,7 +55,7 @@ TEST(HeightMap, FinerAndCoarserCellsKeepAPlane) {
 TEST(HeightMap, AskingForMoreThanThereIsNamesWhatThereIs) {
   EXPECT_THAT([] { (void)resampled(plane(101, 81, 5.0), 0.0, 450.0); },
               ThrowsMessage<std::invalid_argument>(
-                  AllOf(HasSubstr("terrain.size_m is 450"), HasSubstr("-200"))));
+                  AllOf(HasSubstr("terrain.size: found 450 m"), HasSubstr("-200"))));
   EXPECT_THAT([] { (void)resampled(plane(101, 81, 5.0), 0.01, 0.0); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("8192")));
 }
@@ -80,6 +80,7 @@ TEST(HeightMap, UnloadedMapIsNamed) {
   SceneDescription description;
   HeightMapTerrain map;
   map.file = "dem.tif";
+  EXPECT_NO_THROW(validate(map)) << "a file is checked before its heights are loaded";
   description.terrain = map;
   EXPECT_THAT(
       [&] { (void)build_scene(description, {}, 1); },

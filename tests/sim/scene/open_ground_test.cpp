@@ -50,12 +50,12 @@ TEST(OpenGround, EveryKindOfTerrainIsBuiltAndThePitIsTheDefault) {
 TEST(OpenGround, RefusesNonsenseByName) {
   HillsTerrain hills;
   hills.longest_wave_m = 0.1;
-  EXPECT_THAT([&] { validate(hills); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("terrain.longest_wave_m")));
+  EXPECT_THAT([&] { validate(hills); }, ThrowsMessage<std::invalid_argument>(
+                                            HasSubstr("longest_wave: two cells or more, found")));
   LevelTerrain level;
   level.slope.rise = std::nan("");
   EXPECT_THAT([&] { validate(level); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("terrain.slope.rise")));
+              ThrowsMessage<std::invalid_argument>(HasSubstr("slope.rise: found")));
 }
 
 }  // namespace

@@ -142,16 +142,16 @@ TEST(BuildScene, MissingMeshIsNamed) {
 TEST(SceneDescription, RefusesNonsenseByName) {
   PitTerrain pit;
   pit.cell_m = 0.0;
-  EXPECT_THAT([&] { validate(pit); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("terrain.cell_m")));
+  EXPECT_THAT([&] { validate(pit); }, ThrowsMessage<std::invalid_argument>(
+                                          HasSubstr("cell: found 0 m, allowed 0.05 .. 400 m")));
   pit = {};
   pit.face_angle_deg = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT([&] { validate(pit); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("terrain.face_angle_deg")));
+  EXPECT_THAT([&] { validate(pit); }, ThrowsMessage<std::invalid_argument>(HasSubstr(
+                                          "face_angle: found nan deg, allowed 20 .. 85 deg")));
   RockField rocks;
   rocks.count = -1;
-  EXPECT_THAT([&] { validate(rocks); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("rocks.count")));
+  EXPECT_THAT([&] { validate(rocks); }, ThrowsMessage<std::invalid_argument>(
+                                            HasSubstr("count: found -1, allowed 0 .. 100000")));
 }
 
 }  // namespace

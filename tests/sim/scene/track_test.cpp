@@ -118,10 +118,10 @@ TEST(Track, RefusesWhatIsNoTrackByName) {
   Track track = through({{0, 0}, {0, 0}});
   track.name = "loop";
   EXPECT_THAT([&] { validate(track); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("'loop': points: distance")));
+              ThrowsMessage<std::invalid_argument>(HasSubstr("points.1: track 'loop': distance of neighbours, found 0 m")));
   track = through({{0, 0}});
   EXPECT_THAT([&] { validate(track); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("number of points is 1")));
+              ThrowsMessage<std::invalid_argument>(HasSubstr("number of points, found 1")));
   track = through({{0, 0}, {5, std::nan("")}});
   EXPECT_THROW(validate(track), std::invalid_argument);
 }

@@ -1,0 +1,37 @@
+#include "hil/world/shapes.h"
+
+#include "fields/visitor.h"
+
+namespace rigwire::hil {
+
+using fields::in;
+using fields::plain;
+
+void visit(fields::Visitor& v, RollPitchYaw& p) {
+  v.number("roll", p.roll_rad, in("deg").between(-360, 360), "Rotation about x, applied first.");
+  v.number("pitch", p.pitch_rad, in("deg").between(-360, 360),
+           "Rotation about y, second; nose down positive.");
+  v.number("yaw", p.yaw_rad, in("deg").between(-360, 360),
+           "Rotation about z, last; left positive.");
+}
+
+void visit(fields::Visitor& v, BoxShape& p) {
+  v.vector3("size", p.size_m, in("m").above(0).at_most(1e5), "Full lengths along its x, y, z.");
+}
+
+void visit(fields::Visitor& v, MeshShape& p) {
+  v.required("file");
+  v.file("file", p.file, "Mesh file, relative to this file: OBJ, STL, PLY or glTF, in metres.");
+  v.number("scale", p.scale, plain().above(0).at_most(1e6), "Metres per unit of the file.");
+}
+
+void visit(fields::Visitor& v, PlacedShape& p) {
+  v.required("type");
+  v.variant("type", p.shape, "Kind of shape.");
+  v.vector3("position", p.position_m, in("m"), "Place of the shape's origin.");
+  v.section("rotation", p.rotation, "Rotation of the shape's axes.");
+  v.number("reflectance", p.reflectance, plain().between(0, 1), "Diffuse reflectance at 905 nm.");
+  v.text("label", p.label, "What it is, for recordings.");
+}
+
+}  // namespace rigwire::hil

@@ -1,11 +1,11 @@
 // A device's supply as a fault: cut at given instants, back after a given time.
 #pragma once
 
-#include <algorithm>
-#include <stdexcept>
-#include <string>
+#include <cstddef>
+#include <utility>
 #include <vector>
 
+#include "fields/rules.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
@@ -16,26 +16,10 @@ struct SupplySettings {
   Duration off = std::chrono::milliseconds{500};  ///< How long each cut lasts.
 };
 
+/// The keys of a device that can lose its supply, to be called within the device's visit().
+void visit(fields::Visitor& v, SupplySettings& p);
 /// Throws std::invalid_argument with the value found and what is allowed.
-inline void validate(const SupplySettings& settings) {
-  if (settings.power_on < Duration{0}) {
-    throw std::invalid_argument("power_on is " + std::to_string(settings.power_on.count()) +
-                                " ns, allowed is 0 or more");
-  }
-  if (settings.off <= Duration{0}) {
-    throw std::invalid_argument("power_off is " + std::to_string(settings.off.count()) +
-                                " ns, allowed is more than 0");
-  }
-  Duration free = settings.power_on;
-  for (const Duration cut : settings.cuts) {
-    if (cut <= free) {
-      throw std::invalid_argument("power_cycles has " + std::to_string(cut.count()) +
-                                  " ns, allowed is later than " + std::to_string(free.count()) +
-                                  " ns, when the supply is back");
-    }
-    free = cut + settings.off;
-  }
-}
+void validate(const SupplySettings& settings);
 
 class Supply {
  public:

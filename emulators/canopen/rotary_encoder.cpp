@@ -22,12 +22,6 @@ constexpr std::uint32_t kMultiTurn = 0x0002'0196;
 constexpr std::uint32_t kRevision = 0x0001'0000;
 constexpr std::uint16_t kHardwareError = 0x5000;
 constexpr std::uint8_t kGenericError = 0x81;  // bit 0 generic, bit 7 of the maker
-constexpr std::uint8_t kLeastBits = 13;
-constexpr std::uint8_t kMostBits = 16;
-
-void refuse(const std::string& what) {
-  throw std::invalid_argument("CiA 406 encoder: " + what);
-}
 
 const RotaryEncoderSettings& checked(const RotaryEncoderSettings& settings) {
   validate(settings);
@@ -40,35 +34,6 @@ std::int64_t modulo(std::int64_t value, std::int64_t range) {
 }
 
 }  // namespace
-
-void validate(const RotaryEncoderSettings& settings) {
-  const auto number = [](auto value) { return std::to_string(value); };
-  if (settings.node.node_id < 1 || settings.node.node_id > canopen::kGreatestNodeId) {
-    refuse("node_id is " + number(settings.node.node_id) + ", allowed is 1 .. 127");
-  }
-  if (settings.resolution_bits < kLeastBits || settings.resolution_bits > kMostBits) {
-    refuse("resolution is " + number(settings.resolution_bits) + " bits, allowed is 13 .. 16");
-  }
-  if (settings.revolutions < 1 || settings.revolutions > 32768) {
-    refuse("revolutions is " + number(settings.revolutions) + ", allowed is 1 .. 32768");
-  }
-  if (settings.transmission_type > canopen::kGreatestSynchronous &&
-      settings.transmission_type < canopen::kOnChange) {
-    refuse("transmission_type is " + number(settings.transmission_type) +
-           ", allowed are 0 .. 240, 254, 255");
-  }
-  if (!std::isfinite(settings.offset_rad)) {
-    refuse("offset is not a finite number");
-  }
-  if (settings.sampling < std::chrono::microseconds{100} ||
-      settings.sampling > std::chrono::seconds{1}) {
-    refuse("sampling is " + number(settings.sampling.count()) + " ns, allowed is 100 us .. 1 s");
-  }
-  if (settings.node.boot < Duration{0} || settings.node.processing_delay < Duration{0}) {
-    refuse("boot and processing_delay must not be negative");
-  }
-  validate(settings.supply);
-}
 
 RotaryEncoder::RotaryEncoder(const RotaryEncoderSettings& settings, NonvolatileMemory& memory,
                              FrameOutput& output)

@@ -22,6 +22,7 @@
 #include "emulators/canopen/canopen_node.h"
 #include "emulators/device.h"
 #include "emulators/supply.h"
+#include "fields/rules.h"
 #include "protocols/canopen/rotary_encoder.h"
 
 namespace rigwire::emulators {
@@ -41,6 +42,7 @@ struct RotaryEncoderSettings {
   Duration sampling = std::chrono::milliseconds{2};  ///< Between two readings of the disc.
 };
 
+void visit(fields::Visitor& v, RotaryEncoderSettings& p);
 /// Throws std::invalid_argument with the value found and what is allowed.
 void validate(const RotaryEncoderSettings& settings);
 

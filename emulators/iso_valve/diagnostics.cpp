@@ -1,14 +1,10 @@
-// What the ISO 11783 valve block says in its trouble codes, and its settings' checks.
-#include <algorithm>
-#include <stdexcept>
-
+// What the ISO 11783 valve block says in its trouble codes.
 #include "emulators/iso_valve/iso_valves.h"
 
 namespace rigwire::emulators {
 namespace {
 
 namespace vehicle = protocols::vehicle;
-using namespace std::chrono_literals;
 
 // Proprietary parameter numbers (J1939-73: 520192 .. 524287), this project's own; 168 and 1136 are
 // the standard's supply voltage and control unit temperature.
@@ -51,19 +47,6 @@ vehicle::TroubleCode code_of(ValveFault fault, std::uint32_t section) {
   return {kSetUpSpn, kOutOfCalibration, 1};
 }
 
-[[noreturn]] void refuse(const std::string& setting, const std::string& found,
-                         const std::string& allowed) {
-  throw std::invalid_argument("iso valves " + setting + ": found " + found + ", allowed " +
-                              allowed);
-}
-
-void check(const char* setting, double value, double lower, double upper, const char* unit) {
-  if (!(value >= lower && value <= upper)) {
-    refuse(setting, std::to_string(value) + unit,
-           std::to_string(lower) + " .. " + std::to_string(upper) + unit);
-  }
-}
-
 }  // namespace
 
 IsoValves::Troubles IsoValves::troubles() const {
@@ -99,38 +82,6 @@ bool IsoValves::send_diagnostics(SimTime now) {
     reported_ = troubles;
   }
   return sent;
-}
-
-void validate(const IsoValveSettings& settings) {
-  validate(settings.amplifier);
-  check("source_address", settings.source_address, 128, 247, "");
-  check("serial", settings.serial, 0, (1U << 21U) - 1, "");
-  check("manufacturer", settings.manufacturer, 0, 2047, "");
-  const std::size_t sections = settings.amplifier.sections.size();
-  check("first_valve", settings.first_valve, 0,
-        static_cast<double>(protocols::iso11783::kAuxiliaryValves - sections), "");
-  check("general_purpose_section", settings.general_purpose_section, 0,
-        static_cast<double>(sections), "");
-  const auto check_time = [](const char* setting, Duration value, Duration lower, Duration upper) {
-    check(setting, to_seconds(value) * 1e3, to_seconds(lower) * 1e3, to_seconds(upper) * 1e3,
-          " ms");
-  };
-  check_time("command_timeout", settings.command_timeout, 100ms, 10s);
-  check_time("power_on", settings.power_on, 0ms, 8760h);
-  check_time("processing_delay", settings.processing_delay, 0ms, 4ms);
-  check_time("sample_period", settings.sample_period, 1ms, 1s);
-  check("spool_travel", settings.spool_travel_m, 1e-4, 0.03, " m");
-  for (const std::string& lever : settings.levers) {
-    const std::string name = lever.starts_with("-") ? lever.substr(1) : lever;
-    const auto& names = settings.amplifier.sections;
-    if (!lever.empty() && std::ranges::find(names, name) == names.end()) {
-      std::string allowed = "a section, or - and a section:";
-      for (const std::string& section : names) {
-        allowed.append(" ").append(section);
-      }
-      refuse("joysticks", "\"" + lever + "\"", allowed);
-    }
-  }
 }
 
 }  // namespace rigwire::emulators

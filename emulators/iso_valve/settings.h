@@ -6,6 +6,7 @@
 #include <string>
 
 #include "emulators/valve_amplifier/settings.h"
+#include "fields/rules.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
@@ -43,6 +44,7 @@ struct IsoValveSettings {
   ValveAmplifierSettings amplifier;
 };
 
+void visit(fields::Visitor& v, IsoValveSettings& p);
 /// Throws std::invalid_argument naming the setting, what was found and what is allowed.
 void validate(const IsoValveSettings& settings);
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "emulators/supply.h"
+#include "fields/rules.h"
 #include "protocols/openimu/axes.h"
 #include "protocols/openimu/messages.h"
 #include "protocols/openimu/settings.h"
@@ -76,6 +77,8 @@ struct OpenImuSettings {
       std::chrono::milliseconds{1};  ///< From a tick or request to the frame.
 };
 
+/// Without the message priorities, the behaviour and what else only a client sets.
+void visit(fields::Visitor& v, OpenImuSettings& p);
 /// Throws std::invalid_argument with the value found and what is allowed.
 void validate(const OpenImuSettings& settings);
 

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "emulators/usb/usb_port.h"
+#include "fields/check.h"
+#include "fields/visitor.h"
 #include "protocols/bytes.h"
 #include "protocols/usb/descriptor_bytes.h"
 #include "protocols/usb/hid.h"
@@ -81,14 +82,17 @@ DeviceDescription describe(const HidJoystickSettings& settings,
 
 }  // namespace
 
+void visit(fields::Visitor& v, HidJoystickSettings& p) {
+  v.duration("interval", p.interval, {1'000'000, 255'000'000},
+             "Least time between two reports, in whole milliseconds.");
+  v.check(p.interval % std::chrono::milliseconds(1) == Duration{0}, "interval",
+          "its descriptor counts milliseconds", fields::print_duration(p.interval.count()),
+          "whole milliseconds");
+  v.text("serial_number", p.serial_number, "Serial number as a USB string; empty = none.");
+}
+
 void validate(const HidJoystickSettings& settings) {
-  if (settings.interval < std::chrono::milliseconds(1) ||
-      settings.interval > std::chrono::milliseconds(255) ||
-      settings.interval % std::chrono::milliseconds(1) != Duration{0}) {
-    throw std::invalid_argument("joystick interval: found " +
-                                std::to_string(to_seconds(settings.interval) * 1e3) +
-                                " ms, allowed whole 1 .. 255 ms");
-  }
+  fields::check(settings);
 }
 
 HidJoystick::HidJoystick(const HidJoystickSettings& settings) : settings_(settings) {

@@ -23,6 +23,7 @@
 #include "emulators/backends.h"
 #include "emulators/device.h"
 #include "emulators/usb/usb_device.h"
+#include "fields/rules.h"
 
 namespace rigwire::emulators {
 
@@ -34,6 +35,7 @@ struct HidJoystickSettings {
   std::string serial_number;
   Duration interval = std::chrono::milliseconds(10);  ///< Of the interrupt endpoint, 1 .. 255 ms.
 };
+void visit(fields::Visitor& v, HidJoystickSettings& p);
 /// Throws std::invalid_argument.
 void validate(const HidJoystickSettings& settings);
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "fields/visitor.h"
+
 namespace rigwire::emulators {
 namespace {
 
@@ -12,6 +14,19 @@ constexpr double kReference_c = 20.0;
 constexpr double kGreatestShort_ma = 60e3;  // what a current sensor of such a stage can show
 
 }  // namespace
+
+using fields::in;
+
+void visit(fields::Visitor& v, ValveCoilParameters& p) {
+  v.number("resistance", p.resistance_ohm, in("ohm").between(0.5, 500),
+           "Resistance of the winding at 20 degC.");
+  v.number("inductance", p.inductance_h, in("H").between(0, 10),
+           "Inductance of the winding; 0 = the current is there at once.");
+  v.number("thermal_resistance", p.thermal_resistance_kpw, in("K/W").between(0, 100),
+           "Warming of the winding over the oil per watt.");
+  v.number("thermal_time_constant", p.thermal_time_constant_s, in("s").between(1, 1e5),
+           "How slowly the winding warms and cools.");
+}
 
 double warmed_c(double temperature_c, double surroundings_c, double power_w, double resistance_kpw,
                 double time_constant_s, Duration span) {

@@ -20,6 +20,7 @@
 // inductance and thermal values are estimates for a 24 V pilot solenoid, not a maker's data.
 #pragma once
 
+#include "fields/rules.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
@@ -32,6 +33,8 @@ struct ValveCoilParameters {
 
   friend bool operator==(const ValveCoilParameters&, const ValveCoilParameters&) = default;
 };
+
+void visit(fields::Visitor& v, ValveCoilParameters& p);
 
 struct ValveDither {
   double amplitude_ma = 0.0;    ///< 0 = none, up to 500.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "fields/rules.h"
 #include "sim/samples/time.h"
 #include "sim/samples/valve_sample.h"
 
@@ -46,6 +47,9 @@ struct ValveDefect {
 
   friend bool operator==(const ValveDefect&, const ValveDefect&) = default;
 };
+
+/// The unit of `value` is the kind's own, its range also.
+void visit(fields::Visitor& v, ValveDefect& p);
 
 /// What holds at one instant.
 struct ValveDefectState {

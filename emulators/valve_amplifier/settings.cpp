@@ -4,7 +4,13 @@
 #include <set>
 #include <stdexcept>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
+
 namespace rigwire::emulators {
+
+using fields::in;
+
 namespace {
 
 using namespace std::chrono_literals;
@@ -39,6 +45,7 @@ void check_sections(const std::vector<std::string>& sections) {
   }
 }
 
+/// What only a master sets, over the wire: no key names it.
 void check_parameters(const ValveAmplifierParameters& parameters) {
   if (parameters.watchdog != 0ms) {
     check("watchdog (unless 0)", parameters.watchdog, 1ms, 1h);
@@ -47,10 +54,6 @@ void check_parameters(const ValveAmplifierParameters& parameters) {
     refuse("reaction", std::to_string(static_cast<int>(parameters.reaction)), "0 .. 3");
   }
   check("loss_position", parameters.loss_position, -1.0, 1.0, "of full travel");
-  check("coil_current_full", parameters.current_full_ma, 1.0, 65535.0, "mA");
-  check("coil_current_start", parameters.current_start_ma, 0.0, parameters.current_full_ma, "mA");
-  check("dither_amplitude", parameters.dither.amplitude_ma, 0.0, 500.0, "mA");
-  check("dither_frequency", parameters.dither.frequency_hz, 20.0, 400.0, "Hz");
   for (const ValveStageParameters& stage : parameters.stage) {
     check("dead_band_positive", stage.dead_band_positive, 0.0, 0.5, "of full travel");
     check("dead_band_negative", stage.dead_band_negative, 0.0, 0.5, "of full travel");
@@ -63,36 +66,6 @@ void check_parameters(const ValveAmplifierParameters& parameters) {
   }
 }
 
-void check_electronics(const ValveElectronics& electronics) {
-  check("supply_voltage", electronics.supply_voltage_v, 5.0, 60.0, "V");
-  check("under_voltage", electronics.under_voltage_v, 0.0, electronics.supply_voltage_v, "V");
-  check("under_voltage_delay", electronics.under_voltage_delay, 0ms, 60s);
-  check("over_current", electronics.over_current_ma, 1.0, 60e3, "mA");
-  check("over_current_delay", electronics.over_current_delay, 0ms, 60s);
-  check("open_share", electronics.open_share, 0.0, 1.0, "of the set current");
-  check("open_delay", electronics.open_delay, 0ms, 60s);
-  check("ambient_temperature", electronics.ambient_temperature_c, -40.0, 150.0, "degC");
-  check("idle_power", electronics.idle_power_w, 0.0, 100.0, "W");
-  check("output_resistance", electronics.output_resistance_ohm, 0.0, 10.0, "ohm");
-  check("thermal_resistance", electronics.thermal_resistance_kpw, 0.0, 100.0, "K/W");
-  check("thermal_time_constant", electronics.thermal_time_constant_s, 1.0, 1e5, "s");
-  check("over_temperature", electronics.over_temperature_c, -40.0, 300.0, "degC");
-}
-
-void check_defect(const ValveDefect& defect, std::size_t sections) {
-  if (defect.section >= sections) {
-    refuse("faults: section", std::to_string(defect.section + 1),
-           "1 .. " + std::to_string(sections));
-  }
-  check("faults: start", defect.start, 0ms, 8760h);
-  check("faults: duration", defect.duration, 0ms, 8760h);
-  if (defect.kind == ValveDefectKind::supply_voltage) {
-    check("faults: value", defect.value, 0.0, 60.0, "V");
-  } else if (defect.kind == ValveDefectKind::ambient_temperature) {
-    check("faults: value", defect.value, -60.0, 200.0, "degC");
-  }
-}
-
 }  // namespace
 
 bool consistent(const ValveAmplifierParameters& parameters) {
@@ -100,20 +73,71 @@ bool consistent(const ValveAmplifierParameters& parameters) {
          parameters.dither.amplitude_ma <= parameters.current_start_ma;
 }
 
+void visit(fields::Visitor& v, ValveElectronics& p) {
+  v.number("supply_voltage", p.supply_voltage_v, in("V").between(5, 60), "Voltage of the supply.");
+  v.number("under_voltage", p.under_voltage_v, in("V").between(0, 60),
+           "Supply voltage below which fault 4 follows; at most supply_voltage.");
+  v.duration("under_voltage_delay", p.under_voltage_delay, {0, 60'000'000'000},
+             "How long the voltage must be too low for fault 4.");
+  v.number("over_current", p.over_current_ma, in("mA").stored_as("mA").between(1, 60e3),
+           "Current of an output above which fault 3 follows.");
+  v.duration("over_current_delay", p.over_current_delay, {0, 60'000'000'000},
+             "How long the current must be too high for fault 3.");
+  v.number("open_share", p.open_share, in("1").between(0, 1),
+           "Share of the set current below which fault 2, an open coil, follows.");
+  v.duration("open_delay", p.open_delay, {0, 60'000'000'000},
+             "How long the current must be missing for fault 2.");
+  v.number("ambient_temperature", p.ambient_temperature_c, in("degC").between(-40, 150),
+           "Temperature around the driver.");
+  v.number("idle_power", p.idle_power_w, in("W").between(0, 100),
+           "Power that heats the driver when no coil is driven.");
+  v.number("output_resistance", p.output_resistance_ohm, in("ohm").between(0, 10),
+           "Resistance of each output, which heats the driver.");
+  v.number("thermal_resistance", p.thermal_resistance_kpw, in("K/W").between(0, 100),
+           "Warming of the driver over its surroundings per watt.");
+  v.number("thermal_time_constant", p.thermal_time_constant_s, in("s").between(1, 1e5),
+           "How slowly the driver warms and cools.");
+  v.number("over_temperature", p.over_temperature_c, in("degC").between(-40, 300),
+           "Temperature of the driver at which fault 7 follows.");
+}
+
+void visit(fields::Visitor& v, ValveAmplifierSettings& p) {
+  v.texts("sections", p.sections, "Functions of the valve sections, from section 1.");
+  v.duration("ramp_cycle", p.ramp_cycle, {100'000, 100'000'000},
+             "Time from one step of an output on a ramp to the next.");
+  v.number("coil_current_start", p.parameters.current_start_ma,
+           in("mA").stored_as("mA").between(0, 65535),
+           "Coil current at the least opening; at most coil_current_full.");
+  v.number("coil_current_full", p.parameters.current_full_ma,
+           in("mA").stored_as("mA").between(1, 65535), "Coil current at full opening.");
+  v.number("dither_amplitude", p.parameters.dither.amplitude_ma,
+           in("mA").stored_as("mA").between(0, 500), "Ripple of the coil current; 0 = none.");
+  v.number("dither_frequency", p.parameters.dither.frequency_hz, in("Hz").between(20, 400),
+           "Frequency of the coil current's ripple.");
+  v.section("coil", p.coil, "Coil of each section.");
+  v.section("electronics", p.electronics, "Supply, output stage, supervision.");
+  v.number("spool_time_constant", p.spool_time_constant_s, in("s").between(0, 1),
+           "How slowly a spool follows the dither, for its trace in the measured position.");
+  v.number("spool_tolerance", p.spool_tolerance, in("1").between(0.01, 2),
+           "Share of full travel by which a measured position may miss its set point.");
+  v.duration("spool_fault_delay", p.spool_fault_delay, {0, 60'000'000'000},
+             "A spool outside its tolerance for this long is fault 5; 0 = never.");
+  v.list("faults", p.defects, "What happens to coils, spools, sensors, supply, surroundings.");
+}
+
 void validate(const ValveAmplifierSettings& settings) {
+  fields::check(settings);
   check_sections(settings.sections);
   check_parameters(settings.parameters);
-  check("ramp_cycle", settings.ramp_cycle, 100us, 100ms);
-  check("coil resistance", settings.coil.resistance_ohm, 0.5, 500.0, "ohm");
-  check("coil inductance", settings.coil.inductance_h, 0.0, 10.0, "H");
-  check("coil thermal_resistance", settings.coil.thermal_resistance_kpw, 0.0, 100.0, "K/W");
-  check("coil thermal_time_constant", settings.coil.thermal_time_constant_s, 1.0, 1e5, "s");
-  check_electronics(settings.electronics);
-  check("spool_time_constant", settings.spool_time_constant_s, 0.0, 1.0, "s");
-  check("spool_tolerance", settings.spool_tolerance, 0.01, 2.0, "of full travel");
-  check("spool_fault_delay", settings.spool_fault_delay, 0ms, 60s);
+  check("coil_current_start", settings.parameters.current_start_ma, 0.0,
+        settings.parameters.current_full_ma, "mA");
+  check("under_voltage", settings.electronics.under_voltage_v, 0.0,
+        settings.electronics.supply_voltage_v, "V");
   for (const ValveDefect& defect : settings.defects) {
-    check_defect(defect, settings.sections.size());
+    if (defect.section >= settings.sections.size()) {
+      refuse("faults: section", std::to_string(defect.section + 1),
+             "1 .. " + std::to_string(settings.sections.size()));
+    }
   }
 }
 

@@ -9,6 +9,7 @@
 #include "emulators/valve_amplifier/coil.h"
 #include "emulators/valve_amplifier/fault.h"
 #include "emulators/valve_amplifier/stage.h"
+#include "fields/rules.h"
 #include "sim/samples/time.h"
 #include "sim/samples/valve_sample.h"
 
@@ -57,6 +58,8 @@ struct ValveElectronics {
   double over_temperature_c = 85.0;        ///< At it: fault 7.
 };
 
+void visit(fields::Visitor& v, ValveElectronics& p);
+
 struct ValveAmplifierSettings {
   std::vector<std::string> sections = {"swing", "boom", "stick", "bucket"};  ///< 1 .. 8 names.
   ValveAmplifierParameters parameters;                                       ///< At power-up.
@@ -68,6 +71,9 @@ struct ValveAmplifierSettings {
   Duration spool_fault_delay = std::chrono::milliseconds(500);  ///< Off for this long; 0 = never.
   std::vector<ValveDefect> defects;
 };
+
+/// Without the watchdog and its reaction, which not every device behind the amplifier uses.
+void visit(fields::Visitor& v, ValveAmplifierSettings& p);
 
 /// Throws std::invalid_argument naming the setting, what was found and what is allowed.
 void validate(const ValveAmplifierSettings& settings);

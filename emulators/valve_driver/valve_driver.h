@@ -24,6 +24,7 @@
 #include "emulators/valve_driver/register_image.h"
 #include "emulators/valve_driver/registers.h"
 #include "emulators/valve_driver/valve_map.h"
+#include "fields/rules.h"
 #include "sim/samples/valve_sample.h"
 
 namespace rigwire::emulators {
@@ -34,6 +35,8 @@ struct ValveDriverSettings {
   /// Without: Rigwire's own. Its initial values beat the amplifier's parameters.
   std::optional<ValveMap> map;
 };
+/// Without the map, which comes from a file of its own.
+void visit(fields::Visitor& v, ValveDriverSettings& p);
 /// Throws std::invalid_argument naming the setting, what was found and what is allowed.
 void validate(const ValveDriverSettings& settings);
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
-#include <string>
 
 namespace rigwire::emulators {
 
@@ -17,10 +15,6 @@ namespace {
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kGravity_mps2 = 9.80665;
 constexpr double kPeriod_s = 1.0 / kMtiSamplesPerSecond;
-
-void refuse(const std::string& what) {
-  throw std::invalid_argument("Xsens MTi-600: " + what);
-}
 
 const MtiSettings& checked(const MtiSettings& settings) {
   validate(settings);
@@ -68,34 +62,6 @@ constexpr std::array<Quantity, 9> kQuantities{{{"roll", "deg", -180.0, 180.0, 1.
                                                force("acceleration z")}};
 
 }  // namespace
-
-void validate(const MtiSettings& settings) {
-  for (std::size_t i = 0; i < kMtiOutputs.size(); ++i) {
-    const MtiOutput& output = settings.outputs[i];
-    if (output.id != kMtiOutputs[i].id) {
-      refuse("outputs are not in the order of kMtiOutputs");
-    }
-    if (output.divider != 0 && kMtiSamplesPerSecond % output.divider != 0) {
-      refuse(std::string(xsens::message(output.id).name) + " has the divider " +
-             std::to_string(output.divider) + ", allowed are 0 and the divisors of 400");
-    }
-  }
-  if (!(settings.rate_range_radps > 0.0) || !(settings.acceleration_range_mps2 > 0.0) ||
-      !(settings.magnetic_range_t > 0.0) || !(settings.magnetic_reference_t > 0.0)) {
-    refuse("ranges and the magnetic reference must be greater than 0");
-  }
-  if (!std::isfinite(settings.heading_rad)) {
-    refuse("heading is not a finite number");
-  }
-  if (!(settings.pressure_pa >= 0.0) || settings.pressure_pa > 125000.0) {
-    refuse("pressure is " + std::to_string(settings.pressure_pa) + " Pa, allowed is 0 .. 125000");
-  }
-  if (settings.start_up < Duration{0} || settings.processing_delay < Duration{0} ||
-      settings.processing_delay > std::chrono::seconds{1}) {
-    refuse("start_up must not be negative, processing_delay not outside 0 .. 1 s");
-  }
-  validate(settings.supply);
-}
 
 Mti600::Mti600(const MtiSettings& settings, const Calendar& calendar, FrameOutput& output)
     : settings_(checked(settings)),

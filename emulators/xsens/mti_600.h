@@ -23,6 +23,7 @@
 #include "emulators/device.h"
 #include "emulators/inertial/orientation.h"
 #include "emulators/supply.h"
+#include "fields/rules.h"
 #include "protocols/xsens/messages.h"
 #include "sim/samples/calendar.h"
 
@@ -68,6 +69,8 @@ struct MtiSettings {
   Duration processing_delay = std::chrono::milliseconds{2};  ///< From a sample to its frames.
 };
 
+/// Without what is constant in every unit: magnetic reference and range, pressure.
+void visit(fields::Visitor& v, MtiSettings& p);
 /// Throws std::invalid_argument with the value found and what is allowed.
 void validate(const MtiSettings& settings);
 

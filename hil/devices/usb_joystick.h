@@ -80,9 +80,7 @@ inline void visit(fields::Visitor& v, LeverKeyframeConfiguration& p) {
 }
 
 inline void visit(fields::Visitor& v, UsbJoystickConfiguration& p) {
-  v.duration("interval", p.joystick.interval, {1'000'000, 255'000'000},
-             "Between two reports at least; whole milliseconds.");
-  v.text("serial_number", p.joystick.serial_number, "USB string; empty = none.");
+  visit(v, p.joystick);
   v.choice("source", p.source, kLeverSources, "What moves the levers.");
   v.boolean("repeat", p.repeat, "The script begins again at its last keyframe.");
   v.list("script", p.script, "Keyframes; linear between them.");

@@ -6,7 +6,6 @@
 
 #include "emulators/valve_driver/valve_driver.h"
 #include "fields/visitor.h"
-#include "hil/configuration/valve_amplifier.h"
 
 namespace rigwire::hil {
 
@@ -43,13 +42,8 @@ inline void visit(fields::Visitor& v, ValveDriverConfiguration& p) {
       v.refused(key, "the line has its own");
     }
   }
-  v.duration("watchdog", p.driver.amplifier.parameters.watchdog, {0, 3'600'000'000'000},
-             "Without a request for this long the reaction follows; 0 = off.");
-  v.choice("reaction", p.driver.amplifier.parameters.reaction, emulators::kValveReactions,
-           "When the watchdog runs out.");
-  v.rate("rate", p.driver.sample_period, fields::in("Hz").between(1, 1000), "Of the transducers.");
   v.file("map", p.map, "Registers from a file (docs/your-own-valve.md); empty: Rigwire's own.");
-  visit(v, p.driver.amplifier);
+  visit(v, p.driver);
 }
 
 /// Throws std::invalid_argument: what is out of range, and every fault of the map's file.

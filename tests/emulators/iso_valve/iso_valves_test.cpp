@@ -259,7 +259,8 @@ TEST(IsoValveSettingsTest, OutOfRangeIsRefusedByName) {
     }
   };
   using Settings = IsoValveSettings;
-  expect_refused([](Settings& s) { s.source_address = 12; }, "source_address");
+  expect_refused([](Settings& s) { s.source_address = 12; },
+                 "source_address: found 12, allowed 128 .. 247");
   expect_refused([](Settings& s) { s.first_valve = 13; }, "first_valve");
   expect_refused([](Settings& s) { s.levers[0] = "arm"; }, "joysticks");
   expect_refused([](Settings& s) { s.command_timeout = 10ms; }, "command_timeout");

@@ -353,7 +353,12 @@ TEST(ValveAmplifierSettingsTest, OutOfRangeIsRefusedByName) {
                  "section");
   expect_refused(
       [](Settings& s) { s.defects = {defect(ValveDefectKind::supply_voltage, 0s, 0s, 0, 61.0)}; },
-      "value");
+      "faults.0.value: found 61 V, allowed 0 .. 60 V");
+  expect_refused(
+      [](Settings& s) {
+        s.defects = {defect(ValveDefectKind::ambient_temperature, 0s, 0s, 0, 201.0)};
+      },
+      "faults.0.value: found 201 degC, allowed -60 .. 200 degC");
   validate(Settings{});
 }
 

@@ -256,9 +256,9 @@ TEST(ValveDriverSettingsTest, OutOfRangeIsRefusedByName) {
   expect_refused([](Settings& s) { s.amplifier.sections = {"a", "a"}; }, "sections");
   expect_refused([](Settings& s) { s.amplifier.parameters.watchdog = 10ms; }, "watchdog");
   expect_refused([](Settings& s) { s.amplifier.parameters.watchdog = 20'500us; }, "watchdog");
-  expect_refused([](Settings& s) { s.sample_period = 0ms; }, "sample_period");
+  expect_refused([](Settings& s) { s.sample_period = 0ms; }, "rate: found a period of 0 s");
   expect_refused([](Settings& s) { s.amplifier.electronics.supply_voltage_v = std::nan(""); },
-                 "supply_voltage");
+                 "electronics.supply_voltage: found nan V");
   expect_refused([](Settings& s) { s.amplifier.parameters.current_start_ma = 800; },
                  "coil_current_start");
   expect_refused(

@@ -233,6 +233,18 @@ TEST(Mti600, HearsNothing) {
   EXPECT_EQ(rig.mti.received().malformed, 247U);
 }
 
+TEST(Mti600Settings, EveryDivisorOf400AndNoOtherIsARate) {
+  for (std::uint16_t divider = 1; divider <= 401; ++divider) {
+    MtiSettings settings;
+    settings.outputs[0].divider = divider;
+    if (kMtiSamplesPerSecond % divider == 0) {
+      EXPECT_NO_THROW(validate(settings)) << divider;
+    } else {
+      EXPECT_THROW(validate(settings), std::invalid_argument) << divider;
+    }
+  }
+}
+
 TEST(Mti600Settings, RefusedWithTheValueFound) {
   const auto refused = [](auto change) {
     MtiSettings settings;

@@ -6,6 +6,9 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
+
 namespace rigwire::emulators {
 namespace {
 
@@ -35,38 +38,35 @@ std::string list(const Range& values) {
   return text;
 }
 
-void check(const char* name, Duration value, Duration upper) {
-  if (value < 0s || value > upper) {
-    reject(std::string(name) + " is " + std::to_string(to_seconds(value)) +
-           " s, allowed are 0 .. " + std::to_string(to_seconds(upper)) + " s");
-  }
-}
-
 }  // namespace
 
+void visit(fields::Visitor& v, StarFireSettings& p) {
+  v.integer("baud", p.baud, fields::IntegerRule{4800, 115200, fields::unit("bit/s")},
+            "Speed of the line, 8N1.");
+  v.check(std::ranges::find(kBauds, p.baud) != kBauds.end(), "baud",
+          "not a usual speed of a serial line", std::to_string(p.baud),
+          "4800 9600 19200 38400 57600 115200");
+  v.rate("rate", p.sentence_period, fields::in("Hz").between(1, 10),
+         "Rate of the sentences: 1, 5 or 10 Hz.");
+  v.check(std::ranges::find(kPeriods, p.sentence_period) != kPeriods.end(), "rate",
+          "not a rate that the receiver offers",
+          "a period of " + fields::print_duration(p.sentence_period.count()), "1, 5, 10 Hz");
+  v.texts("nmea_sentences", p.sentences, "Sentences that it sends, of GGA GSA RMC VTG ZDA.");
+  v.text("talker", p.talker, "Who the sentences say is talking, GP or GN.");
+  v.check(p.talker == "GP" || p.talker == "GN", "talker", "unknown value", "\"" + p.talker + "\"",
+          "GP GN");
+  v.integer("source_address", p.source_address, fields::IntegerRule{0, 253}, "J1939 address.");
+  v.integer("serial", p.serial, fields::IntegerRule{1, (1 << 21) - 1},
+            "Identity number in the NAME; unique on a bus.");
+  v.duration("power_on", p.power_on, {0, 86'400'000'000'000},
+             "When the supply comes, from the start of the run.");
+  v.duration("start_up", p.start_up, {0, 600'000'000'000}, "From power-on to the first position.");
+  v.duration("latency", p.latency, {0, 90'000'000},
+             "From the navigation epoch to what it sends of it.");
+}
+
 void validate(const StarFireSettings& settings) {
-  if (std::ranges::find(kBauds, settings.baud) == kBauds.end()) {
-    reject("baud is " + std::to_string(settings.baud) +
-           ", allowed are 4800 9600 19200 38400 57600 115200");
-  }
-  if (std::ranges::find(kPeriods, settings.sentence_period) == kPeriods.end()) {
-    reject("sentence_period is " + std::to_string(to_seconds(settings.sentence_period)) +
-           " s, allowed are 0.1 0.2 1 s");
-  }
-  if (settings.talker != "GP" && settings.talker != "GN") {
-    reject("talker is '" + settings.talker + "', allowed are GP GN");
-  }
-  check("power_on", settings.power_on, 24h);
-  check("start_up", settings.start_up, 10min);
-  check("latency", settings.latency, 90ms);
-  if (settings.source_address > 253) {
-    reject("source_address is " + std::to_string(settings.source_address) +
-           ", allowed are 0 .. 253");
-  }
-  constexpr std::uint32_t kGreatestSerial = (1U << 21U) - 1U;
-  if (settings.serial == 0 || settings.serial > kGreatestSerial) {
-    reject("serial is " + std::to_string(settings.serial) + ", allowed are 1 .. 2097151");
-  }
+  fields::check(settings);
   std::size_t bytes = 0;
   for (const std::string& name : settings.sentences) {
     const auto found = std::ranges::find(kSentences, name, &Sentence::name);

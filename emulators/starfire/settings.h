@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "fields/rules.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
@@ -28,6 +29,7 @@ struct StarFireSettings {
   std::uint32_t serial = 1;          ///< 1 .. 2097151; identity in the NAME, unique on a bus.
 };
 
+void visit(fields::Visitor& v, StarFireSettings& p);
 /// Throws std::invalid_argument naming the setting, the value found and what is allowed; also when
 /// the sentences do not fit through the line.
 void validate(const StarFireSettings& settings);

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
+
 namespace rigwire::emulators {
 namespace {
 
@@ -13,19 +16,24 @@ using namespace std::chrono_literals;
 constexpr std::array<std::uint32_t, 9> kBauds{4800,   9600,   19200,  38400, 57600,
                                               115200, 230400, 460800, 921600};
 
+template <class Range>
+std::string listed(const Range& numbers) {
+  std::string text;
+  for (const auto number : numbers) {
+    text.append(text.empty() ? "" : " ").append(std::to_string(number));
+  }
+  return text;
+}
+
 [[noreturn]] void reject(const std::string& what) {
   throw std::invalid_argument("ublox receiver: " + what);
 }
 
-void check(const char* name, Duration value, Duration lower, Duration upper) {
-  if (value < lower || value > upper) {
-    reject(std::string(name) + " is " + std::to_string(to_seconds(value)) + " s, allowed are " +
-           std::to_string(to_seconds(lower)) + " .. " + std::to_string(to_seconds(upper)) + " s");
-  }
-}
-
 void check(const UbloxFault& fault) {
-  check("faults begin", fault.begin, 0s, Duration::max());
+  if (fault.begin < 0s) {
+    reject("faults begin is " + std::to_string(to_seconds(fault.begin)) +
+           " s, allowed is 0 or more");
+  }
   if (fault.end <= fault.begin) {
     reject("faults end is " + std::to_string(to_seconds(fault.end)) +
            " s, allowed is later than begin, " + std::to_string(to_seconds(fault.begin)) + " s");
@@ -75,31 +83,40 @@ std::span<const std::uint32_t> ublox_bauds() {
   return kBauds;
 }
 
+void visit(fields::Visitor& v, UbloxSettings& p) {
+  const UbloxProfile& profile = *p.profile;
+  v.rate("rate", p.measurement_period,
+         fields::in("Hz").above(0).at_most(1.0 / to_seconds(profile.shortest_period)),
+         "Navigation epochs per second; a client may change it by CFG-RATE.");
+  v.check(p.measurement_period % 1ms == 0ns && p.measurement_period <= 60s, "rate",
+          "the device counts its period in milliseconds",
+          fields::print_duration(p.measurement_period.count()), "whole milliseconds, at most 60 s");
+  v.integer("baud", p.baud, fields::IntegerRule{4800, profile.greatest_baud, fields::unit("bit/s")},
+            "Speed of the line at power-on, 8N1.");
+  v.check(std::ranges::find(kBauds, p.baud) != kBauds.end(), "baud",
+          "not a speed that the device offers", std::to_string(p.baud), listed(kBauds));
+  v.texts("nmea_sentences", p.nmea_sentences,
+          "Sentences that are on at power-on: RMC VTG GGA GSA GSV GLL ZDA.");
+  v.texts("ubx_messages", p.ubx_messages,
+          "UBX messages that are on at power-on: NAV-PVT, NAV-SOL and others.");
+  v.duration("time_to_first_fix", p.time_to_first_fix, {0, 3'600'000'000'000},
+             "From power-on to the first fix; 0 = a fix in the first epoch.");
+  v.duration("solution_latency", p.solution_latency, {0, 200'000'000},
+             "From the navigation epoch to the first byte of what is said of it.");
+  v.duration("start_up", p.start_up, {0, 10'000'000'000}, "From power-on to the first byte.");
+  v.boolean("start_banner", p.start_banner, "Sends TXT sentences after power-on.");
+  v.integer("transmit_buffer", p.transmit_buffer_bytes, fields::IntegerRule{1024, 65536},
+            "Bytes that may wait for the line.");
+  v.boolean("backup_battery", p.backup_battery,
+            "Keeps time, orbits and the saved configuration while the supply is off.");
+}
+
 void validate(const UbloxSettings& settings) {
   if (settings.profile == nullptr) {
     reject("profile is null, allowed are ublox_neo_7p() and its like");
   }
+  fields::check(settings);
   const UbloxProfile& profile = *settings.profile;
-  if (settings.baud > profile.greatest_baud ||
-      std::ranges::find(kBauds, settings.baud) == kBauds.end()) {
-    std::string allowed;
-    for (const auto baud : kBauds) {
-      allowed.append(1, ' ').append(std::to_string(baud));
-    }
-    reject("baud is " + std::to_string(settings.baud) + ", allowed are" + allowed);
-  }
-  check("measurement_period", settings.measurement_period, profile.shortest_period, 60s);
-  if (settings.measurement_period % 1ms != 0ns) {
-    reject("measurement_period is " + std::to_string(settings.measurement_period.count()) +
-           " ns, allowed are whole milliseconds");
-  }
-  check("time_to_first_fix", settings.time_to_first_fix, 0s, 1h);
-  check("solution_latency", settings.solution_latency, 0ms, 200ms);
-  check("start_up", settings.start_up, 0s, 10s);
-  if (settings.transmit_buffer_bytes < 1024 || settings.transmit_buffer_bytes > 65536) {
-    reject("transmit_buffer_bytes is " + std::to_string(settings.transmit_buffer_bytes) +
-           ", allowed are 1024 .. 65536");
-  }
   for (const auto& fault : settings.faults) {
     check(fault);
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "emulators/ublox/profile.h"
+#include "fields/rules.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
@@ -53,6 +54,8 @@ struct UbloxSettings {
   std::uint64_t noise_seed = 1;  ///< Of line_noise.
 };
 
+/// Precondition: the profile is not null; it sets the ranges of `rate` and `baud`.
+void visit(fields::Visitor& v, UbloxSettings& p);
 /// Throws std::invalid_argument naming the setting, the value found and what is allowed; also when
 /// the messages switched on do not fit through the line: bytes per second needed and available
 /// (what the device is delivered with is always allowed).

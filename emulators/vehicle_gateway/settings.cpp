@@ -1,82 +1,116 @@
 #include "emulators/vehicle_gateway/settings.h"
 
 #include <algorithm>
-#include <numbers>
-#include <sstream>
+#include <array>
 #include <stdexcept>
 #include <string_view>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
+
 namespace rigwire::emulators {
+
+using fields::in;
+using fields::IntegerRule;
+
 namespace {
 
-template <class Value>
-void refuse(std::string_view key, Value value, std::string_view allowed) {
-  std::ostringstream text;
-  text << "vehicle gateway: " << key << " is " << value << ", allowed is " << allowed;
-  throw std::invalid_argument(text.str());
-}
+constexpr std::array<fields::Choice<SteeringLayout>, 3> kSteeringLayouts{
+    {{SteeringLayout::front_only, "front_only", "The front axle steers."},
+     {SteeringLayout::counter, "counter", "Both axles steer, also against each other."},
+     {SteeringLayout::crab, "crab", "Both axles steer, against each other and alike."}}};
 
-void in_range(std::string_view key, double value, double lower, double upper) {
-  if (!(value >= lower && value <= upper)) {
-    std::ostringstream allowed;
-    allowed << lower << " .. " << upper;
-    refuse(key, value, allowed.str());
-  }
-}
-
-void in_range(std::string_view key, Duration value, Duration lower, Duration upper) {
-  if (value < lower || value > upper) {
-    std::ostringstream allowed;
-    allowed << to_seconds(lower) << " .. " << to_seconds(upper) << " s";
-    refuse(key, to_seconds(value), allowed.str());
-  }
-}
-
-void readable(std::string_view key, const std::string& value) {
+/// A text of the answers that name the device.
+void visit_readable(fields::Visitor& v, std::string_view key, std::string& value,
+                    std::string_view text) {
   constexpr std::size_t kGreatest = 32;
+  v.text(key, value, text);
   const bool plain =
       std::ranges::all_of(value, [](char c) { return c >= ' ' && c <= '~' && c != '*'; });
-  if (!plain || value.size() > kGreatest) {
-    refuse(key, "'" + value + "'", "up to 32 printable ASCII characters without *");
-  }
+  v.check(plain && value.size() <= kGreatest, key, "cannot be sent", "\"" + value + "\"",
+          "up to 32 printable ASCII characters without *");
 }
 
 }  // namespace
 
-void validate(const VehicleGatewaySettings& s) {
-  using namespace std::chrono_literals;
-  constexpr double kRightAngle_rad = std::numbers::pi / 2.0;
-  in_range("source_address", s.source_address, 0, 253);
-  in_range("serial", s.serial, 1, 0x1FFFFF);
-  in_range("manufacturer", s.manufacturer, 0, 0x7FF);
-  in_range("power_on", s.power_on, 0s, 24h);
-  in_range("sensor_start_up", s.sensor_start_up, 0s, 1h);
-  in_range("processing_delay", s.processing_delay, 0s, 5ms);
-  readable("make", s.make);
-  readable("model", s.model);
-  readable("unit_number", s.unit_number);
-  readable("software", s.software);
-  in_range("engine_hours", s.engine_hours, 0s, 200'000h);
-  in_range("gears_forward", s.gears_forward, 0, 125);
-  in_range("gears_reverse", s.gears_reverse, 0, 125);
-  in_range("wheelbase", s.wheelbase_m, 0.1, 100.0);
-  in_range("maximum_front_steer", s.maximum_front_steer_rad, 1e-3, kRightAngle_rad - 1e-3);
-  in_range("maximum_rear_steer", s.maximum_rear_steer_rad, 1e-3, kRightAngle_rad - 1e-3);
-  in_range("steering_ratio", s.steering_ratio, 0.1, 100.0);
-  in_range("maximum_speed", s.maximum_speed_mps, 0.0, 64.255);
-  in_range("maximum_reverse_speed", s.maximum_reverse_speed_mps, 0.0, 64.255);
-  in_range("full_brake_deceleration", s.full_brake_deceleration_mps2, 0.1, 15.0);
-  in_range("minimum_tyre_pressure", s.minimum_tyre_pressure_pa, 0.0, 2e6);
-  in_range("maximum_tyre_pressure", s.maximum_tyre_pressure_pa, s.minimum_tyre_pressure_pa, 2e6);
-  in_range("maximum_spreader_rate", s.maximum_spreader_rate_kgpm2, 0.0, 64.255);
-  in_range("timeouts.engine", s.timeouts.engine, 10ms, 10s);
-  in_range("timeouts.gearbox", s.timeouts.gearbox, 10ms, 10s);
-  in_range("timeouts.brake", s.timeouts.brake, 10ms, 10s);
-  in_range("timeouts.guidance", s.timeouts.guidance, 10ms, 10s);
-  in_range("timeouts.speed", s.timeouts.speed, 10ms, 10s);
-  in_range("stop_brake_share", s.stop_brake_share, 0.0, 1.0);
-  in_range("standstill_speed", s.standstill_speed_mps, 1e-3, 1.0);
-  in_range("park_delay", s.park_delay, 0s, 1h);
+void visit(fields::Visitor& v, VehicleTimeouts& p) {
+  constexpr fields::DurationRule kRule{10'000'000, 10'000'000'000};
+  v.duration("engine", p.engine, kRule, "Without TSC1 for so long the engine idles.");
+  v.duration("gearbox", p.gearbox, kRule, "Without TC1 for so long gear and locks stay.");
+  v.duration("brake", p.brake, kRule, "Without XBR for so long the brake is released.");
+  v.duration("guidance", p.guidance, kRule,
+             "Without a guidance command for so long the steering stays where it is.");
+  v.duration("speed", p.speed, kRule,
+             "Without a machine selected speed command for so long the machine stops.");
+}
+
+void visit(fields::Visitor& v, VehicleGatewaySettings& p) {
+  v.integer("source_address", p.source_address, IntegerRule{0, 253}, "Preferred J1939 address.");
+  v.integer("serial", p.serial, IntegerRule{1, (1 << 21) - 1},
+            "Identity number in the NAME; unique on a bus.");
+  v.integer("manufacturer", p.manufacturer, IntegerRule{0, 2047},
+            "Manufacturer code in the NAME; 0 is reserved and nobody's.");
+  v.integer("function", p.function, IntegerRule{0, 255},
+            "Function in the NAME; 26 = vehicle navigation.");
+  v.boolean("arbitrary_address", p.arbitrary_address,
+            "Takes another address when it loses its own; else it falls silent.");
+  v.duration("power_on", p.power_on, {0, 86'400'000'000'000},
+             "When the supply comes, from the start of the run.");
+  v.duration("sensor_start_up", p.sensor_start_up, {0, 3'600'000'000'000},
+             "From power-on to the first reading; not available until then.");
+  v.duration("processing_delay", p.processing_delay, {0, 5'000'000},
+             "Time from an event to its frame.");
+  visit_readable(v, "make", p.make, "Make, in the answer to component identification.");
+  visit_readable(v, "model", p.model, "Model, in the answer to component identification.");
+  visit_readable(v, "unit_number", p.unit_number,
+                 "Unit number, in the answer to component identification.");
+  visit_readable(v, "software", p.software, "Answer to requests for software identification.");
+  v.duration("engine_hours", p.engine_hours, {0, 720'000'000'000'000'000},
+             "Hours of the engine when the run begins.");
+  v.integer("gears_forward", p.gears_forward, IntegerRule{0, 125},
+            "Forward gears that may be asked for.");
+  v.integer("gears_reverse", p.gears_reverse, IntegerRule{0, 125},
+            "Reverse gears that may be asked for.");
+  v.choice("steering", p.steering, kSteeringLayouts, "Which axles or drums steer.");
+  v.number("wheelbase", p.wheelbase_m, in("m").between(0.1, 100),
+           "Axle to axle, or drum to drum; turns curvature into steering angles.");
+  v.number("maximum_front_steer", p.maximum_front_steer_rad, in("deg").between(0.1, 89.9),
+           "Greatest angle of the front's equivalent single wheel, or of the drum.");
+  v.number("maximum_rear_steer", p.maximum_rear_steer_rad, in("deg").between(0.1, 89.9),
+           "Greatest angle of the rear's equivalent single wheel, or of the drum.");
+  v.number("steering_ratio", p.steering_ratio, fields::plain().between(0.1, 100),
+           "Angle of the steering wheel per angle of the equivalent wheel; reported only.");
+  v.number("maximum_speed", p.maximum_speed_mps, in("m/s").between(0, 64.255),
+           "Forward speed commands are limited to it.");
+  v.number("maximum_reverse_speed", p.maximum_reverse_speed_mps, in("m/s").between(0, 64.255),
+           "Reverse speed commands are limited to it.");
+  v.number("full_brake_deceleration", p.full_brake_deceleration_mps2, in("m/s2").between(0.1, 15),
+           "Deceleration request for which the brake is fully applied.");
+  v.number("minimum_tyre_pressure", p.minimum_tyre_pressure_pa, in("kPa").between(0, 2000),
+           "Set points of tyre pressure below it are refused.");
+  v.number("maximum_tyre_pressure", p.maximum_tyre_pressure_pa, in("kPa").between(0, 2000),
+           "Set points of tyre pressure above it are refused.");
+  v.number("maximum_spreader_rate", p.maximum_spreader_rate_kgpm2, in("kg/m2").between(0, 64.255),
+           "Set points of the spreader above it are refused.");
+  v.section("timeouts", p.timeouts, "How long each command counts, and what silence does.");
+  v.boolean("stop_without_guidance", p.stop_without_guidance,
+            "Losing guidance while it steers stops the machine.");
+  v.number("stop_brake_share", p.stop_brake_share, in("1").between(0, 1),
+           "Share of the service brake when the machine stops by itself.");
+  v.number("standstill_speed", p.standstill_speed_mps, in("m/s").between(0.001, 1),
+           "Speed below which the machine stands.");
+  v.duration("park_delay", p.park_delay, {0, 3'600'000'000'000},
+             "After a stop by itself and standing for this long it parks.");
+}
+
+void validate(const VehicleGatewaySettings& settings) {
+  fields::check(settings);
+  if (settings.maximum_tyre_pressure_pa < settings.minimum_tyre_pressure_pa) {
+    throw std::invalid_argument("vehicle gateway: maximum_tyre_pressure is " +
+                                fields::in("kPa").print(settings.maximum_tyre_pressure_pa) +
+                                ", allowed is at least minimum_tyre_pressure, " +
+                                fields::in("kPa").print(settings.minimum_tyre_pressure_pa));
+  }
 }
 
 }  // namespace rigwire::emulators

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "fields/rules.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
@@ -24,6 +25,8 @@ struct VehicleTimeouts {
   Duration guidance = std::chrono::milliseconds{150};  ///< Guidance command, every 100 ms.
   Duration speed = std::chrono::milliseconds{300};     ///< Speed command, every 100 ms.
 };
+
+void visit(fields::Visitor& v, VehicleTimeouts& p);
 
 struct VehicleGatewaySettings {
   // The node.
@@ -67,6 +70,7 @@ struct VehicleGatewaySettings {
   Duration park_delay = std::chrono::milliseconds{500};  ///< Standing for this long: parked.
 };
 
+void visit(fields::Visitor& v, VehicleGatewaySettings& p);
 /// Throws std::invalid_argument with the value found and what is allowed.
 void validate(const VehicleGatewaySettings& settings);
 

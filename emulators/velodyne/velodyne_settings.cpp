@@ -3,14 +3,27 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
 #include "protocols/velodyne/packet_layout.h"
 
 namespace rigwire::emulators {
 namespace {
 
 namespace velodyne = protocols::velodyne;
+using fields::in;
+using fields::IntegerRule;
 using std::chrono::milliseconds;
-using std::chrono::seconds;
+
+constexpr std::array<fields::Choice<velodyne::ReturnMode>, 3> kReturnModes{
+    {{velodyne::ReturnMode::strongest, "strongest", "The strongest echo of a shot."},
+     {velodyne::ReturnMode::last, "last", "The last echo of a shot."},
+     {velodyne::ReturnMode::dual, "dual", "Both, or the second strongest."}}};
+constexpr std::array<fields::Choice<VelodyneReflectivity>, 4> kReflectivityScales{
+    {{VelodyneReflectivity::model, "model", "As the model does."},
+     {VelodyneReflectivity::to_100, "to_100", "Retro-reflectors from 101."},
+     {VelodyneReflectivity::to_110, "to_110", "Retro-reflectors from 111."},
+     {VelodyneReflectivity::full, "full", "0 .. 255, retro-reflectors at 255."}}};
 
 /// Step of the rotor's setting in the models that have a web interface.
 constexpr int kRotorStep_rpm = 60;
@@ -35,12 +48,17 @@ void check(const char* member, Duration value, Duration least, Duration most) {
   }
 }
 
-std::string model_names() {
-  std::string names;
-  for (const velodyne::Model& model : velodyne::models()) {
-    names += (names.empty() ? "" : ", ") + std::string(model.name);
+const velodyne::Model& model_of(const VelodyneSettings& settings) {
+  const velodyne::Model* model = velodyne::find_model(std::string_view(settings.model));
+  if (model != nullptr) {
+    return *model;
   }
-  return names;
+
+  std::string names;
+  for (const velodyne::Model& known : velodyne::models()) {
+    names += (names.empty() ? "" : ", ") + std::string(known.name);
+  }
+  refuse("model '" + settings.model + "' is not known; allowed: " + names);
 }
 
 void check_rotor(double rpm, const velodyne::Model& model) {
@@ -57,8 +75,8 @@ void check_rotor(double rpm, const velodyne::Model& model) {
 void check_direction(const char* member, const Vector3& v) {
   const double squared = v.x * v.x + v.y * v.y + v.z * v.z;
   if (!(squared == 0.0 || std::abs(squared - 1.0) < 1e-6)) {
-    refuse(std::string("inertial_axes ") + member + " has the length " +
-           std::to_string(std::sqrt(squared)) + ", allowed: 1, or 0 for none");
+    refuse(std::string(member) + " has the length " + std::to_string(std::sqrt(squared)) +
+           ", allowed: 1, or 0 for none");
   }
 }
 
@@ -139,6 +157,23 @@ void check_fault(const VelodyneFault& fault, const VelodyneSettings& settings,
   }
 }
 
+void visit_clock(fields::Visitor& v, VelodyneSettings& p) {
+  v.number("drift", p.clock_drift_ppm, in("ppm").stored_as("ppm").between(-200, 200),
+           "Error of the sensor's own crystal; positive = fast.");
+  v.duration("pulse_length", p.pulse_length, {20'000'000, 200'000'000},
+             "Length of the pulse per second.");
+  v.duration("sentence_delay", p.sentence_delay, {50'000'000, 500'000'000},
+             "From the pulse's end to the sentence.");
+  v.boolean("sentence_tenths", p.sentence_tenths, "Sentences tell tenths of seconds.");
+  v.boolean("pulse_without_fix", p.pulse_without_fix, "There are pulses before a fix.");
+  v.duration("pulse_qualifier_delay", p.pulse_qualifier_delay, {0, 65'535'000'000'000},
+             "After good pulses for so long the sensor is locked.");
+  v.boolean("pulse_needs_valid_receiver", p.pulse_needs_valid_receiver,
+            "Locked only while sentences say 'A'.");
+  v.boolean("sentence_needs_valid", p.sentence_needs_valid,
+            "Only sentences that say 'A' set the time.");
+}
+
 }  // namespace
 
 VelodyneRangeWindow range_window(const VelodyneSettings& settings, const velodyne::Model& model) {
@@ -149,54 +184,122 @@ VelodyneRangeWindow range_window(const VelodyneSettings& settings, const velodyn
           or_default(settings.maximum_range_m, model.maximum_range_m)};
 }
 
-void validate(const VelodyneSettings& settings) {
-  const velodyne::Model* model = velodyne::find_model(std::string_view(settings.model));
-  if (model == nullptr) {
-    refuse("model '" + settings.model + "' is not known; allowed: " + model_names());
+void visit(fields::Visitor& v, VelodyneInertialAxes& p) {
+  const fields::NumberRule component = fields::plain().between(-1, 1);
+  v.vector3("gyro", p.gyro, component,
+            "Unit vector about which the gyroscope measures, or 0 0 0 for none.");
+  v.vector3("acceleration_x", p.acceleration_x, component,
+            "Unit vector along which the first accelerometer measures, or 0 0 0 for none.");
+  v.vector3("acceleration_y", p.acceleration_y, component,
+            "Unit vector along which the second accelerometer measures, or 0 0 0 for none.");
+}
+
+void validate(const VelodyneInertialAxes& axes) {
+  fields::check(axes);
+  check_direction("gyro", axes.gyro);
+  check_direction("acceleration_x", axes.acceleration_x);
+  check_direction("acceleration_y", axes.acceleration_y);
+}
+
+void visit(fields::Visitor& v, VelodyneSettings& p) {
+  using velodyne::PositionLayout;
+  const velodyne::Model& model = model_of(p);
+  v.text("address", p.host_address, "Where the packets go, an IPv4 address.");
+  v.integer("port", p.data_port, IntegerRule{1, 65535}, "UDP port of the data packets.");
+  if (model.position_layout != PositionLayout::none) {
+    v.integer("position_port", p.telemetry_port, IntegerRule{1, 65535},
+              "UDP port of the position packets.");
   }
-  check_rotor(settings.rotor_rpm, *model);
-  if (settings.return_mode == velodyne::ReturnMode::dual && !model->dual_return) {
-    refuse("return_mode is dual, which the " + std::string(model->name) +
+  v.number("rate", p.rotor_rpm, in("rpm").stored_as("rpm").between(0, 1200),
+           "Speed of the rotor; 10 Hz is 600 rpm; 0 = it stands.");
+  v.choice("return_mode", p.return_mode, kReturnModes, "Which echoes are sent.");
+  v.boolean("laser", p.laser_on, "Whether the lasers fire.");
+  v.group(
+      "fov",
+      [&p](fields::Visitor& w) {
+        const IntegerRule azimuth{0, 359, fields::unit("deg")};
+        w.integer("start", p.view_start_deg, azimuth,
+                  "First azimuth at which it fires, clockwise.");
+        w.integer("end", p.view_end_deg, azimuth,
+                  "Last azimuth at which it fires, included; may lie beyond 0.");
+      },
+      "Where it fires; whole degrees.");
+  v.group(
+      "phase_lock",
+      [&p](fields::Visitor& w) {
+        w.boolean("enabled", p.phase_lock, "The rotor passes the offset at each full second.");
+        w.integer("offset", p.phase_lock_offset_centideg, IntegerRule{0, 35999},
+                  "Azimuth at the full second, in hundredths of a degree.");
+      },
+      "Locks the rotor to the pulse per second.");
+  v.text("serial", p.serial_number, "Serial number, as the web interface tells it.");
+  if (!model.status_channel) {
+    v.boolean("legacy_factory_bytes", p.legacy_factory_bytes,
+              "Factory bytes are zero, as in firmware before 2.2.20.");
+  }
+  v.choice("reflectivity", p.reflectivity, kReflectivityScales, "Scale of the reflectivity byte.");
+  v.boolean("vertical_offsets", p.vertical_offsets, "Each beam leaves from its own height.");
+  v.number("minimum_range", p.minimum_range_m, in("m").between(0, 1000),
+           "Returns nearer than this are reported as none; 0 = the model's limit.");
+  v.number("maximum_range", p.maximum_range_m, in("m").between(0, 1000),
+           "Returns beyond this are reported as none; 0 = the model's limit.");
+  v.duration("send_delay", p.send_delay, {0, 100'000'000},
+             "From the last shot of a packet to its start on the wire.");
+  if (model.position_layout != PositionLayout::none) {
+    v.duration("position_period", p.position_period, {0, 10'000'000'000},
+               "Time between position packets; 0 = as long as 14 data packets.");
+    v.check(p.position_period == Duration::zero() || p.position_period >= milliseconds{1},
+            "position_period", "too short", fields::print_duration(p.position_period.count()),
+            "0 or at least 1 ms");
+  }
+  v.duration("start_up", p.start_up, {0, 600'000'000'000},
+             "From power-on to the first packet; 0 = it runs already.");
+  v.group(
+      "clock", [&p](fields::Visitor& w) { visit_clock(w, p); },
+      "How it keeps and is told the time.");
+  if (model.position_layout == PositionLayout::inertial) {
+    v.group(
+        "inertial",
+        [&p](fields::Visitor& w) {
+          w.section("first", p.inertial_axes[0],
+                    "Directions of the first group, in the sensor's frame.");
+          w.section("second", p.inertial_axes[1],
+                    "Directions of the second group, in the sensor's frame.");
+          w.section("third", p.inertial_axes[2],
+                    "Directions of the third group, in the sensor's frame.");
+        },
+        "Directions of its gyroscopes and accelerometers.");
+  }
+}
+
+void validate(const VelodyneSettings& settings) {
+  fields::check(settings);
+  const velodyne::Model& model = model_of(settings);
+  check_rotor(settings.rotor_rpm, model);
+  if (settings.return_mode == velodyne::ReturnMode::dual && !model.dual_return) {
+    refuse("return_mode is dual, which the " + std::string(model.name) +
            " cannot; allowed: strongest, last");
   }
-  check("view_start_deg", settings.view_start_deg, 0, 359);
-  check("view_end_deg", settings.view_end_deg, 0, 359);
-  check("phase_lock_offset_centideg", settings.phase_lock_offset_centideg, 0, 35999);
-  if (settings.legacy_factory_bytes && model->status_channel) {
-    refuse("legacy_factory_bytes: the " + std::string(model->name) +
+  if (settings.legacy_factory_bytes && model.status_channel) {
+    refuse("legacy_factory_bytes: the " + std::string(model.name) +
            " has a status channel in their place");
   }
   if (settings.calibration) {
-    if (!model->status_channel) {
-      refuse("calibration: the " + std::string(model->name) + " measures true ranges, it has none");
+    if (!model.status_channel) {
+      refuse("calibration: the " + std::string(model.name) + " measures true ranges, it has none");
     }
     validate(*settings.calibration);
   }
-  const double largest = 65535.0 * model->distance_unit_mm * 1e-3;
-  const auto [minimum, maximum] = range_window(settings, *model);
-  if (!(settings.minimum_range_m >= 0.0 && settings.maximum_range_m >= 0.0 && minimum < maximum &&
-        maximum <= largest)) {
+  const double largest = 65535.0 * model.distance_unit_mm * 1e-3;
+  const auto [minimum, maximum] = range_window(settings, model);
+  if (!(minimum < maximum && maximum <= largest)) {
     refuse("range limits are " + std::to_string(minimum) + " m and " + std::to_string(maximum) +
            " m, allowed: 0 < minimum < maximum <= " + std::to_string(largest) + " m");
   }
-  const std::int64_t packet_ns = packet_period_ns(*model, velodyne::ReturnMode::strongest);
+  const std::int64_t packet_ns = packet_period_ns(model, velodyne::ReturnMode::strongest);
   check("send_delay", settings.send_delay, Duration::zero(), Duration{packet_ns});
-  if (settings.position_period != Duration::zero() && settings.position_period < milliseconds{1}) {
-    refuse("position_period is " + std::to_string(settings.position_period.count()) +
-           " ns, allowed: 0 (the model's own) or at least 1 ms");
-  }
-  check("start_up", settings.start_up, Duration::zero(), seconds{600});
-  check("clock_drift_ppm", settings.clock_drift_ppm, -200.0, 200.0);
-  check("pulse_length", settings.pulse_length, milliseconds{20}, milliseconds{200});
-  check("sentence_delay", settings.sentence_delay, milliseconds{50}, milliseconds{500});
-  check("pulse_qualifier_delay", settings.pulse_qualifier_delay, Duration::zero(), seconds{65535});
-  for (const VelodyneInertialAxes& axes : settings.inertial_axes) {
-    check_direction("gyro", axes.gyro);
-    check_direction("acceleration_x", axes.acceleration_x);
-    check_direction("acceleration_y", axes.acceleration_y);
-  }
   for (const VelodyneFault& fault : settings.faults) {
-    check_fault(fault, settings, *model);
+    check_fault(fault, settings, model);
   }
 }
 

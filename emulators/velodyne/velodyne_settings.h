@@ -10,6 +10,7 @@
 
 #include "emulators/velodyne/velodyne_control.h"
 #include "emulators/velodyne/velodyne_fault.h"
+#include "fields/rules.h"
 #include "protocols/velodyne/data_packet.h"
 #include "protocols/velodyne/hdl_64e_calibration.h"
 #include "protocols/velodyne/model.h"
@@ -42,6 +43,10 @@ struct VelodyneInertialAxes {
   Vector3 acceleration_x;
   Vector3 acceleration_y;
 };
+
+void visit(fields::Visitor& v, VelodyneInertialAxes& p);
+/// Throws std::invalid_argument for a direction that is neither of unit length nor zero.
+void validate(const VelodyneInertialAxes& axes);
 
 /// Each group turns about one axis and feels the two others, in cyclic order. The manual shows the
 /// real arrangement in a figure only that could not be read: measure it on a unit and set it here.
@@ -110,6 +115,10 @@ struct VelodyneSettings {
 /// How long a sensor whose `start_up` is zero is silent after a reset. Not documented by the maker.
 inline constexpr Duration kResetTime = std::chrono::seconds{10};
 
+/// Each model has the keys that it can mean something by. What the sensor's network has besides,
+/// its source of time, its calibration and its faults come from elsewhere. Throws
+/// std::invalid_argument for an unknown model.
+void visit(fields::Visitor& v, VelodyneSettings& p);
 /// Throws std::invalid_argument naming the member, the value found and what is allowed; also for
 /// what the model cannot do.
 void validate(const VelodyneSettings& settings);

@@ -45,22 +45,9 @@ struct StarFireConfiguration {
 
 inline void visit(fields::Visitor& v, StarFireConfiguration& p) {
   v.text("path", p.path, "Symbolic link to the pty; what a client opens; empty = no serial line.");
-  v.integer("baud", p.receiver.baud, fields::IntegerRule{4800, 115200}, "Of the line, 8N1.");
   v.choice("check_baud", p.check_baud, kBaudChecks, "When a client hears garbage.");
-  v.rate("rate", p.receiver.sentence_period, fields::in("Hz").between(1, 10),
-         "Of the sentences: 1, 5, 10.");
-  v.texts("nmea_sentences", p.receiver.sentences, "GGA GSA RMC VTG ZDA.");
-  v.text("talker", p.receiver.talker, "GP or GN.");
   v.text("bus", p.bus, "One of the rig's buses; empty = not on one.");
-  v.integer("source_address", p.receiver.source_address, fields::IntegerRule{0, 253},
-            "J1939 address.");
-  v.integer("serial", p.receiver.serial, fields::IntegerRule{1, (1 << 21) - 1},
-            "In the NAME; unique on a bus.");
-  v.duration("power_on", p.receiver.power_on, {0, 86'400'000'000'000},
-             "From the start of the run.");
-  v.duration("start_up", p.receiver.start_up, {0, 600'000'000'000},
-             "From power-on to the first position.");
-  v.duration("latency", p.receiver.latency, {0, 90'000'000}, "From the epoch to what it sends.");
+  visit(v, p.receiver);
   v.section("mount", p.mount, "Of the antenna.");
   v.section("sensor", p.sensor, "How well it knows where it is.");
   v.list("faults", p.faults, "What goes wrong, and when.");

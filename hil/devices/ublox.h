@@ -81,26 +81,8 @@ struct UbloxF9pConfiguration : UbloxConfiguration {
 inline void visit(fields::Visitor& v, UbloxConfiguration& p) {
   v.choice("wire", p.wire, kSerialWires, "What carries the bytes.");
   v.text("path", p.path, "Symbolic link to the pty; what a client opens.");
-  v.rate("rate", p.receiver.measurement_period,
-         fields::in("Hz").above(0).at_most(1.0 / to_seconds(p.receiver.profile->shortest_period)),
-         "Navigation epochs; a client may change it by CFG-RATE.");
-  v.integer("baud", p.receiver.baud, fields::IntegerRule{4800, p.receiver.profile->greatest_baud},
-            "Of the line, 8N1, at power-on.");
   v.choice("check_baud", p.check_baud, kBaudChecks, "When a client hears garbage.");
-  v.texts("nmea_sentences", p.receiver.nmea_sentences,
-          "On at power-on: RMC VTG GGA GSA GSV GLL ZDA.");
-  v.texts("ubx_messages", p.receiver.ubx_messages, "On at power-on: NAV-PVT, NAV-SOL and others.");
-  v.duration("time_to_first_fix", p.receiver.time_to_first_fix, {0, 3'600'000'000'000},
-             "From power-on; 0 = a fix in the first epoch.");
-  v.duration("solution_latency", p.receiver.solution_latency, {0, 200'000'000},
-             "From the epoch to the first byte.");
-  v.duration("start_up", p.receiver.start_up, {0, 10'000'000'000},
-             "From power-on to the first byte.");
-  v.boolean("start_banner", p.receiver.start_banner, "TXT sentences after power-on.");
-  v.integer("transmit_buffer", p.receiver.transmit_buffer_bytes, fields::IntegerRule{1024, 65536},
-            "Bytes that may wait for the line.");
-  v.boolean("backup_battery", p.receiver.backup_battery,
-            "Keeps time, orbits and the saved configuration while the supply is off.");
+  visit(v, p.receiver);
   v.section("mount", p.mount, "Of the antenna.");
   v.section("sensor", p.sensor, "How well it knows where it is.");
   v.list("faults", p.faults, "What goes wrong, and when.");

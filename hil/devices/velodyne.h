@@ -100,89 +100,9 @@ struct VelodyneVls128Configuration : VelodyneConfiguration {
 /// Whether it may send there: loopback, or anywhere with `allow_remote`.
 [[nodiscard]] bool permits(const VelodyneConfiguration& configuration, std::string_view address);
 
-inline constexpr std::array<fields::Choice<protocols::velodyne::ReturnMode>, 3> kReturnModes{
-    {{protocols::velodyne::ReturnMode::strongest, "strongest", "The strongest echo of a shot."},
-     {protocols::velodyne::ReturnMode::last, "last", "The last echo of a shot."},
-     {protocols::velodyne::ReturnMode::dual, "dual", "Both, or the second strongest."}}};
 inline constexpr std::array<fields::Choice<SourcePorts>, 2> kSourcePorts{
     {{SourcePorts::any, "any", "The system chooses them."},
      {SourcePorts::model, "model", "As the sensor: the destination's, or 443."}}};
-}  // namespace rigwire::hil
-
-namespace rigwire::emulators {
-
-inline constexpr std::array<fields::Choice<emulators::VelodyneReflectivity>, 4> kReflectivityScales{
-    {{emulators::VelodyneReflectivity::model, "model", "As the model does."},
-     {emulators::VelodyneReflectivity::to_100, "to_100", "Retro-reflectors from 101."},
-     {emulators::VelodyneReflectivity::to_110, "to_110", "Retro-reflectors from 111."},
-     {emulators::VelodyneReflectivity::full, "full", "0 .. 255, retro-reflectors at 255."}}};
-
-}  // namespace rigwire::emulators
-
-namespace rigwire::hil {
-
-/// Groups of the settings that share a section.
-struct LidarViewKeys {
-  emulators::VelodyneSettings* lidar;
-};
-struct LidarPhaseLockKeys {
-  emulators::VelodyneSettings* lidar;
-};
-struct LidarClockKeys {
-  emulators::VelodyneSettings* lidar;
-};
-struct LidarInertialKeys {
-  emulators::VelodyneSettings* lidar;
-};
-
-inline void visit(fields::Visitor& v, LidarViewKeys& p) {
-  v.integer("start", p.lidar->view_start_deg, fields::IntegerRule{0, 359}, "Degrees, clockwise.");
-  v.integer("end", p.lidar->view_end_deg, fields::IntegerRule{0, 359},
-            "Included; may lie beyond 0.");
-}
-
-inline void visit(fields::Visitor& v, LidarPhaseLockKeys& p) {
-  v.boolean("enabled", p.lidar->phase_lock, "The rotor passes the offset at each full second.");
-  v.integer("offset", p.lidar->phase_lock_offset_centideg, fields::IntegerRule{0, 35999},
-            "Hundredths of a degree.");
-}
-
-inline void visit(fields::Visitor& v, LidarClockKeys& p) {
-  v.number("drift", p.lidar->clock_drift_ppm, fields::in("ppm").stored_as("ppm").between(-200, 200),
-           "Of the sensor's own crystal; positive: fast.");
-  v.duration("pulse_length", p.lidar->pulse_length, {20'000'000, 200'000'000},
-             "Of the pulse per second.");
-  v.duration("sentence_delay", p.lidar->sentence_delay, {50'000'000, 500'000'000},
-             "From the pulse's end to the sentence.");
-  v.boolean("sentence_tenths", p.lidar->sentence_tenths, "Sentences tell tenths of seconds.");
-  v.boolean("pulse_without_fix", p.lidar->pulse_without_fix, "There are pulses before a fix.");
-  v.duration("pulse_qualifier_delay", p.lidar->pulse_qualifier_delay, {0, 65'535'000'000'000},
-             "Good pulses for so long: locked.");
-  v.boolean("pulse_needs_valid_receiver", p.lidar->pulse_needs_valid_receiver,
-            "Locked only while sentences say 'A'.");
-  v.boolean("sentence_needs_valid", p.lidar->sentence_needs_valid,
-            "Only sentences that say 'A' set the time.");
-}
-
-}  // namespace rigwire::hil
-
-namespace rigwire::emulators {
-
-inline void visit(fields::Visitor& v, emulators::VelodyneInertialAxes& p) {
-  v.vector3("gyro", p.gyro, fields::plain().between(-1, 1), "Unit vector, or 0 0 0 for none.");
-  v.vector3("acceleration_x", p.acceleration_x, fields::plain().between(-1, 1), "The same.");
-  v.vector3("acceleration_y", p.acceleration_y, fields::plain().between(-1, 1), "The same.");
-}
-
-}  // namespace rigwire::emulators
-
-namespace rigwire::hil {
-
-inline void visit(fields::Visitor& v, LidarInertialKeys& p) {
-  v.section("first", p.lidar->inertial_axes[0], "Along which it measures, in the sensor's frame.");
-  v.section("second", p.lidar->inertial_axes[1], "The same.");
-  v.section("third", p.lidar->inertial_axes[2], "The same.");
-}
 
 inline void visit(fields::Visitor& v, LidarWebConfiguration& p) {
   v.text("address", p.address, "Where it listens, an IPv4 address.");
@@ -191,56 +111,19 @@ inline void visit(fields::Visitor& v, LidarWebConfiguration& p) {
 }
 
 inline void visit(fields::Visitor& v, VelodyneConfiguration& p) {
-  using protocols::velodyne::PositionLayout;
-  const protocols::velodyne::Model& model = model_of(p);
-  v.text("address", p.lidar.host_address, "Where the packets go, an IPv4 address.");
-  v.integer("port", p.lidar.data_port, fields::IntegerRule{1, 65535}, "Of the data packets.");
-  if (model.position_layout != PositionLayout::none) {
-    v.integer("position_port", p.lidar.telemetry_port, fields::IntegerRule{1, 65535},
-              "Of the position packets.");
-  }
+  visit(v, p.lidar);
   v.boolean("allow_remote", p.allow_remote, "Permits addresses outside this machine.");
   v.text("source_address", p.source_address, "Of the packets; empty = the system chooses.");
   v.choice("source_ports", p.source_ports, kSourcePorts, "Of the packets.");
-  if (!model.status_channel) {
+  const bool has_status_channel = model_of(p).status_channel;
+  if (!has_status_channel) {
     v.section("web", p.web, "The sensor's web interface.");
   }
-  v.number("rate", p.lidar.rotor_rpm, fields::in("rpm").stored_as("rpm").between(0, 1200),
-           "Of the rotor; 10 Hz is 600 rpm; 0 = it stands.");
-  v.choice("return_mode", p.lidar.return_mode, kReturnModes, "Which echoes are sent.");
-  v.boolean("laser", p.lidar.laser_on, "Whether it fires.");
-  LidarViewKeys view{&p.lidar};
-  LidarPhaseLockKeys phase_lock{&p.lidar};
-  LidarClockKeys clock{&p.lidar};
-  v.section("fov", view, "Where it fires; whole degrees.");
-  v.section("phase_lock", phase_lock, "Of the rotor to the pulse per second.");
-  v.text("serial", p.lidar.serial_number, "As the web interface tells it.");
-  if (!model.status_channel) {
-    v.boolean("legacy_factory_bytes", p.lidar.legacy_factory_bytes, "As firmware before 2.2.20.");
-  } else {
+  if (has_status_channel) {
     v.file("calibration", p.calibration_file, "Of the unit, YAML; empty = nominal.");
   }
-  v.choice("reflectivity", p.lidar.reflectivity, emulators::kReflectivityScales,
-           "Scale of that byte.");
-  v.boolean("vertical_offsets", p.lidar.vertical_offsets, "Each beam leaves from its own height.");
-  v.number("minimum_range", p.lidar.minimum_range_m, fields::in("m").between(0, 1000),
-           "0 = the model's.");
-  v.number("maximum_range", p.lidar.maximum_range_m, fields::in("m").between(0, 1000),
-           "0 = the model's.");
-  v.duration("send_delay", p.lidar.send_delay, {0, 100'000'000}, "From the last shot to the wire.");
-  if (model.position_layout != PositionLayout::none) {
-    v.duration("position_period", p.lidar.position_period, {0, 10'000'000'000},
-               "Between position packets; 0 = as long as 14 data packets.");
-  }
-  v.duration("start_up", p.lidar.start_up, {0, 600'000'000'000},
-             "From power-on to the first packet; 0 = it runs already.");
   v.text("time_source", p.time_source,
          "Satellite receiver; auto = the first one, locked; or ideal, pulse, none.");
-  v.section("clock", clock, "How it keeps and is told the time.");
-  if (model.position_layout == PositionLayout::inertial) {
-    LidarInertialKeys inertial{&p.lidar};
-    v.section("inertial", inertial, "Directions of its gyroscopes and accelerometers.");
-  }
   v.section("mount", p.mount, "Of the spin axis.");
   v.section("sensor", p.sensor, "How well it measures.");
   v.list("faults", p.faults, "What goes wrong, and when.");

@@ -255,12 +255,12 @@ TEST(VehicleGatewaySettings, RefusedWithTheValueFound) {
       ADD_FAILURE() << key << " was accepted";
     } catch (const std::invalid_argument& error) {
       EXPECT_THAT(error.what(), testing::HasSubstr(key));
-      EXPECT_THAT(error.what(), testing::HasSubstr("allowed is"));
+      EXPECT_THAT(error.what(), testing::HasSubstr("allowed "));
     }
   };
   EXPECT_NO_THROW(validate(VehicleGatewaySettings{}));
-  refused([](auto& s) { s.source_address = 254; }, "source_address is 254");
-  refused([](auto& s) { s.serial = 0; }, "serial");
+  refused([](auto& s) { s.source_address = 254; }, "source_address: found 254, allowed 0 .. 253");
+  refused([](auto& s) { s.serial = 0; }, "serial: found 0");
   refused([](auto& s) { s.manufacturer = 2048; }, "manufacturer");
   refused([](auto& s) { s.power_on = -1ns; }, "power_on");
   refused([](auto& s) { s.processing_delay = 6ms; }, "processing_delay");

@@ -158,7 +158,8 @@ TEST_F(VelodyneControlTest, RefusesSettingsByName) {
   refused([](auto& s) { s.model = "HDL-65"; }, "allowed: HDL-32E, VLP-16");
   refused([](auto& s) { s.rotor_rpm = 299.0; }, "rotor_rpm is 299");
   refused([](auto& s) { s.rotor_rpm = 600.5; }, "in steps of 1");
-  refused([](auto& s) { s.rotor_rpm = std::nan(""); }, "rotor_rpm");
+  refused([](auto& s) { s.rotor_rpm = std::nan(""); },
+          "rate: found nan rpm, allowed 0 .. 1200 rpm");
   refused(
       [](auto& s) {
         s.model = "VLP-16";
@@ -171,18 +172,23 @@ TEST_F(VelodyneControlTest, RefusesSettingsByName) {
         s.return_mode = ReturnMode::dual;
       },
       "return_mode is dual, which the HDL-64E S2 cannot");
-  refused([](auto& s) { s.view_start_deg = 360; }, "view_start_deg is 360, allowed: 0 to 359");
-  refused([](auto& s) { s.view_end_deg = -1; }, "view_end_deg");
-  refused([](auto& s) { s.phase_lock_offset_centideg = 36000; }, "phase_lock_offset_centideg");
+  refused([](auto& s) { s.view_start_deg = 360; },
+          "fov.start: found 360 deg, allowed 0 .. 359 deg");
+  refused([](auto& s) { s.view_end_deg = -1; }, "fov.end: found -1 deg");
+  refused([](auto& s) { s.phase_lock_offset_centideg = 36000; }, "phase_lock.offset: found 36000");
   refused([](auto& s) { s.maximum_range_m = 140.0; }, "range limits");
-  refused([](auto& s) { s.minimum_range_m = -1.0; }, "range limits");
+  refused([](auto& s) { s.minimum_range_m = -1.0; }, "minimum_range: found -1 m");
   refused([](auto& s) { s.send_delay = nanoseconds{-1}; }, "send_delay");
   refused([](auto& s) { s.position_period = nanoseconds{1}; }, "position_period");
   refused([](auto& s) { s.start_up = seconds{601}; }, "start_up");
-  refused([](auto& s) { s.clock_drift_ppm = 201.0; }, "clock_drift_ppm");
+  refused([](auto& s) { s.clock_drift_ppm = 201.0; }, "clock.drift: found 201 ppm");
   refused([](auto& s) { s.pulse_length = milliseconds{19}; }, "pulse_length");
   refused([](auto& s) { s.sentence_delay = milliseconds{501}; }, "sentence_delay");
-  refused([](auto& s) { s.inertial_axes[1].gyro = {1, 1, 0}; }, "inertial_axes gyro");
+  refused(
+      [](auto& s) {
+        s.inertial_axes[1].gyro = {1, 1, 0};
+      },
+      "inertial.second: velodyne lidar: gyro");
   fault({.kind = VelodyneFaultKind::lost_packets}, "lost_packets has the probability 0");
   fault({.kind = VelodyneFaultKind::motor_stall, .begin = seconds{2}, .end = seconds{1}},
         "motor_stall lasts from");

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "emulators/can/can_fault_schedule.h"
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::emulators {
 
@@ -18,16 +20,16 @@ constexpr std::uint32_t kGreatestRate_bps = 1'000'000;
 
 }  // namespace
 
+void visit(fields::Visitor& v, CanBusSettings& p) {
+  v.integer("bitrate", p.bit_rate_bps,
+            fields::IntegerRule{kLeastRate_bps, kGreatestRate_bps, fields::unit("bit/s")},
+            "Bit rate of the bus.");
+  v.integer("queue", p.queue_frames, fields::IntegerRule{1, 65536},
+            "Frames that may wait in a node.");
+}
+
 void validate(const CanBusSettings& settings) {
-  if (settings.bit_rate_bps < kLeastRate_bps || settings.bit_rate_bps > kGreatestRate_bps) {
-    throw std::invalid_argument("CAN bus: bit_rate_bps is " +
-                                std::to_string(settings.bit_rate_bps) +
-                                ", allowed is 10000 .. 1000000");
-  }
-  if (settings.queue_frames < 1 || settings.queue_frames > 65'536) {
-    throw std::invalid_argument("CAN bus: queue_frames is " +
-                                std::to_string(settings.queue_frames) + ", allowed is 1 .. 65536");
-  }
+  fields::check(settings);
 }
 
 CanBusModel::CanBusModel(const CanBusSettings& settings)

@@ -44,6 +44,7 @@
 #include "emulators/can/can_outside.h"
 #include "emulators/can/can_segment.h"
 #include "emulators/device.h"
+#include "fields/rules.h"
 #include "protocols/can/frame.h"
 #include "sim/samples/time.h"
 
@@ -55,6 +56,8 @@ struct CanBusSettings {
   std::uint32_t bit_rate_bps = 250'000;  ///< 10 000 .. 1 000 000.
   std::size_t queue_frames = 64;         ///< Of each node; 1 .. 65536.
 };
+
+void visit(fields::Visitor& v, CanBusSettings& p);
 
 /// Throws std::invalid_argument with the value found and what is allowed.
 void validate(const CanBusSettings& settings);

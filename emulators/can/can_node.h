@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "fields/rules.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
@@ -18,6 +19,9 @@ enum class CanQueueOrder : std::uint8_t {
   fifo,      ///< As they came: an urgent frame waits behind others (inner priority inversion).
   priority,  ///< In the order of the arbitration field; frames with equal ones as they came.
 };
+inline constexpr std::array<fields::Choice<CanQueueOrder>, 2> kCanQueueOrders{
+    {{CanQueueOrder::fifo, "fifo", "As the frames came."},
+     {CanQueueOrder::priority, "priority", "The most urgent identifier first."}}};
 
 /// Name of the node that stands for the client.
 inline constexpr const char* kCanOutsideName = "outside";

@@ -5,6 +5,7 @@
 // different kinds add up: an answer may come late, in parts, and with a wrong check.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "emulators/random_bits.h"
+#include "fields/rules.h"
 #include "protocols/modbus/constants.h"
 #include "protocols/modbus/pdu.h"
 #include "sim/samples/time.h"
@@ -20,6 +22,9 @@
 namespace rigwire::emulators {
 
 enum class ModbusWire : std::uint8_t { tcp, rtu };
+inline constexpr std::array<fields::Choice<ModbusWire>, 2> kModbusWires{
+    {{ModbusWire::tcp, "tcp", "A TCP server."},
+     {ModbusWire::rtu, "rtu", "A serial line on a pty, RTU."}}};
 
 enum class ModbusFaultKind : std::uint8_t {
   delay,              ///< Answers come `delay` later.

@@ -2,26 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <stdexcept>
-#include <string>
+
+#include "fields/check.h"
 
 namespace rigwire::emulators {
 
 using namespace protocols::modbus;
 
 void validate(const ModbusRtuSettings& settings) {
-  constexpr std::uint32_t kSlowest_bps = 300;
-  constexpr std::uint32_t kFastest_bps = 1'000'000;
-  const std::uint32_t baud = settings.line.timing.baud;
-  if (baud < kSlowest_bps || baud > kFastest_bps) {
-    throw std::invalid_argument("modbus baud: found " + std::to_string(baud) +
-                                " bit/s, allowed 300 .. 1000000 bit/s");
-  }
-  const Duration tolerance = settings.line.gap_tolerance;
-  if (tolerance < Duration{0} || tolerance > std::chrono::seconds(5)) {
-    throw std::invalid_argument("modbus gap_tolerance: found " +
-                                std::to_string(to_seconds(tolerance)) + " s, allowed 0 .. 5 s");
-  }
+  fields::check(settings.line);
   validate(settings.response_delay);
 }
 

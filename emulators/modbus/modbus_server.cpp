@@ -1,25 +1,27 @@
 #include "emulators/modbus/modbus_server.h"
 
 #include <algorithm>
-#include <stdexcept>
-#include <string>
+
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::emulators {
 
 using namespace protocols::modbus;
 
+void visit(fields::Visitor& v, ModbusServerSettings& p) {
+  v.integer("transactions_max", p.transactions_max, fields::IntegerRule{1, 16},
+            "Unanswered requests per client; more get exception 06.");
+  v.duration("idle_timeout", p.idle_timeout, {0, 86'400'000'000'000},
+             "Closes a client that is silent for this long; 0 = never, else at least 1 s.");
+  v.check(p.idle_timeout == Duration{0} || p.idle_timeout >= std::chrono::seconds(1),
+          "idle_timeout", "too short", fields::print_duration(p.idle_timeout.count()),
+          "0 or at least 1 s");
+}
+
 void validate(const ModbusServerSettings& settings) {
+  fields::check(settings);
   validate(settings.response_delay);
-  if (settings.transactions_max < 1 || settings.transactions_max > 16) {
-    throw std::invalid_argument("modbus transactions_max: found " +
-                                std::to_string(settings.transactions_max) + ", allowed 1 .. 16");
-  }
-  if (settings.idle_timeout != Duration{0} && (settings.idle_timeout < std::chrono::seconds(1) ||
-                                               settings.idle_timeout > std::chrono::hours(24))) {
-    throw std::invalid_argument("modbus idle_timeout: found " +
-                                std::to_string(to_seconds(settings.idle_timeout)) +
-                                " s, allowed 0, 1 .. 86400 s");
-  }
 }
 
 ModbusServer::ModbusServer(const ModbusServerSettings& settings, StreamOutput& output)

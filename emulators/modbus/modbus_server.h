@@ -33,6 +33,7 @@
 #include "emulators/modbus/modbus_service.h"
 #include "emulators/modbus/modbus_unit.h"
 #include "emulators/modbus/response_delay.h"
+#include "fields/rules.h"
 #include "protocols/modbus/constants.h"
 #include "protocols/modbus/mbap.h"
 #include "sim/samples/time.h"
@@ -46,6 +47,8 @@ struct ModbusServerSettings {
   std::vector<ModbusFault> faults{};
   std::uint64_t seed = 1;  ///< Of delays and faults.
 };
+/// Without the response delay, which both kinds of line have.
+void visit(fields::Visitor& v, ModbusServerSettings& p);
 /// Throws std::invalid_argument.
 void validate(const ModbusServerSettings& settings);
 

@@ -1,29 +1,41 @@
 #include "emulators/modbus/response_delay.h"
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <string>
+
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::emulators {
 namespace {
 
-void check(const char* setting, Duration value, Duration lower, Duration upper) {
-  if (value < lower || value > upper) {
-    const auto text = [](Duration span) { return std::to_string(to_seconds(span)); };
-    throw std::invalid_argument(std::string("modbus response delay, ") + setting + ": found " +
-                                text(value) + " s, allowed " + text(lower) + " .. " + text(upper) +
-                                " s");
-  }
-}
+constexpr std::array<fields::Choice<DelayDistribution>, 3> kDistributions{
+    {{DelayDistribution::constant, "constant", "Always `typical`."},
+     {DelayDistribution::uniform, "uniform", "Between `minimum` and `maximum`."},
+     {DelayDistribution::normal, "normal",
+      "Mean `typical`, deviation `sigma`, held within `minimum` .. `maximum`."}}};
 
 }  // namespace
 
+void visit(fields::Visitor& v, ResponseDelaySettings& p) {
+  constexpr fields::DurationRule kRule{0, 10'000'000'000};
+  v.choice("distribution", p.distribution, kDistributions, "How the delay is drawn.");
+  v.duration("typical", p.typical, kRule, "The delay when constant, its mean when normal.");
+  v.duration("sigma", p.sigma, kRule, "Standard deviation of the delay when normal.");
+  v.duration("minimum", p.minimum, kRule, "Shortest delay when uniform or normal.");
+  v.duration("maximum", p.maximum, kRule, "Longest delay when uniform or normal.");
+}
+
 void validate(const ResponseDelaySettings& settings) {
-  constexpr Duration kLongest = std::chrono::seconds(10);
-  check("typical", settings.typical, Duration{0}, kLongest);
-  check("sigma", settings.sigma, Duration{0}, kLongest);
-  check("maximum", settings.maximum, Duration{0}, kLongest);
-  check("minimum", settings.minimum, Duration{0}, settings.maximum);
+  fields::check(settings);
+  if (settings.minimum > settings.maximum) {
+    throw std::invalid_argument("modbus response delay, minimum: found " +
+                                fields::print_duration(settings.minimum.count()) +
+                                ", allowed up to maximum, " +
+                                fields::print_duration(settings.maximum.count()));
+  }
 }
 
 ResponseDelay::ResponseDelay(const ResponseDelaySettings& settings, std::uint64_t seed)

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "emulators/random_bits.h"
+#include "fields/rules.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
@@ -21,6 +22,7 @@ struct ResponseDelaySettings {
   Duration minimum{0};                                ///< 0 .. maximum.
   Duration maximum = std::chrono::milliseconds(10);   ///< .. 10 s.
 };
+void visit(fields::Visitor& v, ResponseDelaySettings& p);
 /// Throws std::invalid_argument.
 void validate(const ResponseDelaySettings& settings);
 

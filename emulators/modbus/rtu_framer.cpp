@@ -1,10 +1,33 @@
 #include "emulators/modbus/rtu_framer.h"
 
 #include <algorithm>
+#include <array>
+
+#include "fields/visitor.h"
 
 namespace rigwire::emulators {
 
 using namespace protocols::modbus;
+
+namespace {
+
+constexpr std::array<fields::Choice<SerialCharacter>, 4> kParities{
+    {{SerialCharacter::even_8e1, "even", "8E1, 11 bits; the standard's default."},
+     {SerialCharacter::odd_8o1, "odd", "8O1, 11 bits."},
+     {SerialCharacter::none_8n2, "none", "8N2, 11 bits."},
+     {SerialCharacter::none_8n1, "none_one_stop", "8N1, 10 bits; common, not standard."}}};
+
+}  // namespace
+
+void visit(fields::Visitor& v, RtuFramerSettings& p) {
+  v.integer("baud", p.timing.baud, fields::IntegerRule{300, 1'000'000, fields::unit("bit/s")},
+            "Speed of the line.");
+  v.choice("parity", p.timing.character, kParities, "Parity and stop bits of a character.");
+  v.boolean("strict_gaps", p.strict_gaps,
+            "More than 1.5 characters of silence inside a request spoil it, as on a wire.");
+  v.duration("gap_tolerance", p.gap_tolerance, {0, 5'000'000'000},
+             "Without strict gaps: how long the rest of a request may take to come.");
+}
 
 RtuFramer::RtuFramer(const RtuFramerSettings& settings, RtuListener& listener)
     : settings_(settings), listener_(listener) {}

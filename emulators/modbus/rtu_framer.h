@@ -23,6 +23,7 @@
 #include <cstdint>
 #include <span>
 
+#include "fields/rules.h"
 #include "protocols/modbus/rtu.h"
 #include "sim/samples/time.h"
 
@@ -33,6 +34,7 @@ struct RtuFramerSettings {
   bool strict_gaps = false;
   Duration gap_tolerance = std::chrono::milliseconds(200);  ///< 0 .. 5 s; without strict gaps.
 };
+void visit(fields::Visitor& v, RtuFramerSettings& p);
 
 /// Hears what the framer finds, from within its calls.
 class RtuListener {

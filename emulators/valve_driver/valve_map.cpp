@@ -8,28 +8,91 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fields/visitor.h"
+
 namespace rigwire::emulators {
+
+using fields::IntegerRule;
+using fields::plain;
+
 namespace {
 
+enum class RangeRule : std::uint8_t { of_map, refuse, clip };
+
+/// In the order of ModbusTable.
+struct TableName {
+  const char* name;
+  const char* text;
+};
+constexpr std::array kTableNames{
+    TableName{"coil", "Functions 1, 5, 15."}, TableName{"discrete", "Function 2."},
+    TableName{"holding", "Functions 3, 6, 16, 22, 23."}, TableName{"input", "Function 4."}};
+
+/// In the order of RegisterFormat.
 struct FormatInfo {
   const char* name;
+  const char* text;
   std::uint16_t words;
   double least;
   double greatest;
 };
 constexpr std::array kFormats{
-    FormatInfo{"bit", 1, 0.0, 1.0},
-    FormatInfo{"u16", 1, 0.0, 65535.0},
-    FormatInfo{"s16", 1, -32768.0, 32767.0},
-    FormatInfo{"u32", 2, 0.0, 4294967295.0},
-    FormatInfo{"s32", 2, -2147483648.0, 2147483647.0},
-    FormatInfo{"f32", 2, -3.4028234e38, 3.4028234e38},
-    FormatInfo{"text", 1, 0.0, 65535.0},
+    FormatInfo{"bit", "Of coils and discrete inputs.", 1, 0.0, 1.0},
+    FormatInfo{"u16", "", 1, 0.0, 65535.0},
+    FormatInfo{"s16", "", 1, -32768.0, 32767.0},
+    FormatInfo{"u32", "Two registers.", 2, 0.0, 4294967295.0},
+    FormatInfo{"s32", "Two registers.", 2, -2147483648.0, 2147483647.0},
+    FormatInfo{"f32", "Two registers, IEEE 754.", 2, -3.4028234e38, 3.4028234e38},
+    FormatInfo{"text", "Two characters per register.", 1, 0.0, 65535.0},
 };
 
 const FormatInfo& format_info(RegisterFormat format) {
   return kFormats[static_cast<std::size_t>(format)];
 }
+
+template <class Enumeration, class Row, std::size_t kCount>
+constexpr std::array<fields::Choice<Enumeration>, kCount> choices_of(
+    const std::array<Row, kCount>& rows) {
+  std::array<fields::Choice<Enumeration>, kCount> choices{};
+  for (std::size_t i = 0; i < kCount; ++i) {
+    choices[i] = {static_cast<Enumeration>(i), rows[i].name, rows[i].text};
+  }
+  return choices;
+}
+
+constexpr auto kTables = choices_of<ModbusTable>(kTableNames);
+constexpr auto kFormatChoices = choices_of<RegisterFormat>(kFormats);
+constexpr std::array<fields::Choice<WordOrder>, 2> kOrders{
+    {{WordOrder::high_first, "high_first", "The more significant word at the lower address."},
+     {WordOrder::low_first, "low_first", "The less significant word at the lower address."}}};
+constexpr std::array<fields::Choice<bool>, 2> kAccess{
+    {{false, "read", "The master may read it."}, {true, "write", "And write it."}}};
+constexpr std::array<fields::Choice<bool>, 2> kMapRules{
+    {{false, "refuse", "Exception 03."}, {true, "clip", "Held at the limit."}}};
+constexpr std::array<fields::Choice<RangeRule>, 3> kRangeRules{
+    {{RangeRule::of_map, "map", "As the map says for all."},
+     {RangeRule::refuse, "refuse", "Exception 03."},
+     {RangeRule::clip, "clip", "Held at the limit."}}};
+constexpr std::array<fields::Choice<bool>, 2> kGaps{
+    {{false, "refuse", "Exception 02."}, {true, "zero", "Read 0."}}};
+constexpr std::array<fields::Choice<WatchdogFeed>, 4> kFeeds{
+    {{WatchdogFeed::any_request, "any_request", "Every request that is served."},
+     {WatchdogFeed::heartbeat_change, "heartbeat_change", "A changed heartbeat."},
+     {WatchdogFeed::any_write, "any_write", "Every write that is carried out."},
+     {WatchdogFeed::command_write, "command_write", "A write that has a command in it."}}};
+
+constexpr std::size_t kSignalCount = static_cast<std::size_t>(ValveSignal::text) + 1;
+
+std::array<fields::Choice<ValveSignal>, kSignalCount> signal_choices() {
+  std::array<fields::Choice<ValveSignal>, kSignalCount> choices{};
+  for (std::size_t i = 0; i < kSignalCount; ++i) {
+    const ValveSignalInfo& row = valve_signals()[i];
+    choices[i] = {row.signal, row.name, row.text};
+  }
+  return choices;
+}
+
+constexpr fields::NumberRule kCount = plain().between(-4294967295.0, 4294967295.0);
 
 std::string number(double value) {
   char text[32];
@@ -73,8 +136,7 @@ std::string fault_of_values(const ValveRegister& entry) {
 }  // namespace
 
 const char* name_of(ModbusTable table) {
-  constexpr std::array kNames{"coil", "discrete", "holding", "input"};
-  return kNames[static_cast<std::size_t>(table)];
+  return kTableNames[static_cast<std::size_t>(table)].name;
 }
 
 const char* name_of(RegisterFormat format) {
@@ -176,6 +238,89 @@ std::vector<unsigned> addresses_of(const ValveRegister& entry) {
     }
   }
   return addresses;
+}
+
+void visit(fields::Visitor& v, RegisterBit& p) {
+  std::size_t section = p.section ? *p.section + 1 : 0;
+  v.required("bit");
+  v.integer("bit", p.bit, IntegerRule{0, 15}, "Number of the bit; 0 is the least significant.");
+  v.required("signal");
+  v.choice("signal", p.signal, signal_choices(), "What the bit carries.");
+  v.integer("section", section, IntegerRule{0, kValveSections},
+            "Section that it speaks of, from 1; 0 = all.");
+  v.boolean("inverted", p.inverted, "A bit of 0 means yes.");
+  p.section = section == 0 ? std::nullopt : std::optional(section - 1);
+}
+
+void visit(fields::Visitor& v, RegisterTranslation& p) {
+  v.required("count");
+  v.number("count", p.count, kCount, "Count in the register.");
+  v.required("value");
+  v.number("value", p.value, kCount, "Value of the signal that the count stands for.");
+}
+
+void visit(fields::Visitor& v, ValveRegister& p) {
+  std::array<double, 2> range{p.lower, p.upper};
+  double initial = p.initial.value_or(std::nan(""));
+  RangeRule rule = !p.clip ? RangeRule::of_map : *p.clip ? RangeRule::clip : RangeRule::refuse;
+  std::size_t section = p.section + 1;
+  v.required("name");
+  v.text("name", p.name, "Name of the register, a field term in snake_case.");
+  v.required("table");
+  v.choice("table", p.table, kTables, "Which of the four tables it is in.");
+  v.required("address");
+  v.integer("address", p.address, IntegerRule{0, 65535},
+            "Address of the first, from 0, as on the wire.");
+  v.integer("count", p.count, IntegerRule{1, 125}, "How many equal registers, one per section.");
+  v.integer("stride", p.stride, IntegerRule{0, 1000},
+            "Addresses from one register of the row to the next; 0 = no gap.");
+  v.choice("format", p.format, kFormatChoices, "How the count is coded.");
+  v.choice("word_order", p.order, kOrders, "Order of the words of two registers.");
+  v.choice("access", p.writable, kAccess, "What the master may do.");
+  v.text("unit", p.unit, "Unit of the value, which is count x scale + offset.");
+  v.number("scale", p.scale, plain().between(-1e9, 1e9), "Value of one count, in the unit.");
+  v.number("offset", p.offset, plain().between(-1e9, 1e9), "Value of count 0, in the unit.");
+  v.numbers("range", range, kCount, "Least and greatest count that may be written.");
+  v.number_list("also", p.also, kCount, "Counts outside the range that are allowed, too.");
+  v.number_list("except", p.except, kCount, "Counts inside the range that are not allowed.");
+  v.choice("out_of_range", rule, kRangeRules,
+           "What happens to a value out of range, in place of the map's rule.");
+  v.number("initial", initial, kCount, "Count at power-up.");
+  v.required("signal");
+  v.choice("signal", p.signal, signal_choices(), "What the register carries.");
+  v.integer("section", section, IntegerRule{1, kValveSections},
+            "Section of the first register in the row, from 1.");
+  v.list("bits", p.bits, "What each bit carries, of signal bits.");
+  v.list("values", p.values, "Counts that stand for other values of the signal.");
+  v.text("content", p.content, "Characters that it reads as, of signal text.");
+  v.text("text", p.text, "What it means, one line.");
+  p.lower = range[0];
+  p.upper = range[1];
+  p.initial = std::isnan(initial) ? std::nullopt : std::optional(initial);
+  p.clip = rule == RangeRule::of_map ? std::nullopt : std::optional(rule == RangeRule::clip);
+  p.section = section - 1;
+}
+
+void visit(fields::Visitor& v, ValveMap& p) {
+  int mirror = p.input_mirror ? *p.input_mirror : -1;
+  v.text("name", p.name, "Name of the map.");
+  v.text("text", p.text, "One line about the map.");
+  v.text("vendor", p.vendor, "Vendor, in the identification; 1 .. 60 characters.");
+  v.text("product_code", p.product_code,
+         "Product code, in the identification; 1 .. 60 characters.");
+  v.text("revision", p.revision, "Revision, in the identification; 1 .. 60 characters.");
+  v.text("product_name", p.product_name,
+         "Product's name, in the identification; 1 .. 60 characters.");
+  v.choice("out_of_range", p.clip, kMapRules, "What happens to values out of range.");
+  v.choice("watchdog_feed", p.watchdog_feed, kFeeds, "What shows that the master is alive.");
+  v.boolean("watchdog_recovers", p.watchdog_recovers, "The next feed ends a trip.");
+  v.boolean("always_enabled", p.always_enabled, "Enabled from power-up on.");
+  v.choice("gaps", p.gaps_read_zero, kGaps, "What addresses between registers answer.");
+  v.integer("input_mirror", mirror, IntegerRule{-1, 65535},
+            "Address from which input registers are readable as holding ones; -1 = nowhere.");
+  v.required("registers");
+  v.list("registers", p.registers, "Registers of all four tables.");
+  p.input_mirror = mirror < 0 ? std::nullopt : std::optional(static_cast<std::uint16_t>(mirror));
 }
 
 void validate(const ValveMap& map) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "emulators/valve_driver/valve_signal.h"
+#include "fields/rules.h"
 #include "protocols/modbus/constants.h"
 #include "sim/samples/valve_sample.h"
 
@@ -37,11 +38,15 @@ struct RegisterBit {
   bool inverted = false;
 };
 
+void visit(fields::Visitor& v, RegisterBit& p);
+
 /// A count that stands for another value of the signal (a maker's own fault codes, 0xA5 for on).
 struct RegisterTranslation {
   double count = 0.0;
   double value = 0.0;
 };
+
+void visit(fields::Visitor& v, RegisterTranslation& p);
 
 /// One register, or a row of equal ones. Value of the signal = (count * scale + offset) in `unit`.
 struct ValveRegister {
@@ -77,6 +82,8 @@ struct ValveRegister {
   [[nodiscard]] bool allows(double count) const;
 };
 
+void visit(fields::Visitor& v, ValveRegister& p);
+
 struct ValveMap {
   std::string name = "rigwire";
   std::string text;
@@ -97,9 +104,11 @@ struct ValveMap {
   std::vector<ValveRegister> registers;
 };
 
+void visit(fields::Visitor& v, ValveMap& p);
 /// Throws std::invalid_argument that names the register and what is wrong: overlaps, units that do
 /// not belong to the signal, ranges that the format cannot carry, what cannot be written or read,
 /// sections that are not there.
+/// Does not ask the rules of visit(): a count that is not given stands as NaN.
 void validate(const ValveMap& map);
 /// What is wrong with one register by itself; empty when nothing is.
 [[nodiscard]] std::string fault_of(const ValveRegister& entry, bool writable_table);

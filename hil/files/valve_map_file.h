@@ -1,17 +1,13 @@
 // A user's own valve driver: its Modbus registers from a YAML file, without C++.
 //
 // docs/your-own-valve.md walks through one; configs/valves/ has examples. Every key and its range
-// are in the visit functions below (`rigwire describe --valve-map FILE` prints the map's table).
+// are in emulators/valve_driver/valve_map.cpp (`rigwire describe --valve-map FILE` prints the map's
+// table).
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "emulators/valve_driver/valve_map.h"
-#include "fields/visitor.h"
 
 namespace rigwire::hil {
 

@@ -27,18 +27,6 @@ inline constexpr std::array<fields::Choice<drivers::SlcanDialect>, 3> kSlcanDial
      {drivers::SlcanDialect::kernel, "kernel", "With lines for states and errors."},
      {drivers::SlcanDialect::lawicel, "lawicel", "States and errors only when asked by F."}}};
 
-}  // namespace rigwire::hil
-
-namespace rigwire::emulators {
-
-inline constexpr std::array<fields::Choice<emulators::CanQueueOrder>, 2> kCanQueueOrders{
-    {{emulators::CanQueueOrder::fifo, "fifo", "As the frames came."},
-     {emulators::CanQueueOrder::priority, "priority", "The most urgent identifier first."}}};
-
-}  // namespace rigwire::emulators
-
-namespace rigwire::hil {
-
 /// One CAN bus that devices share.
 struct BusConfiguration {
   CanWire wire = CanWire::automatic;
@@ -58,14 +46,12 @@ struct BusConfiguration {
 
 inline void visit(fields::Visitor& v, BusConfiguration& p) {
   v.choice("wire", p.wire, kCanWires, "What carries the frames.");
-  v.text("interface", p.interface, "SocketCAN interface.");
-  v.text("path", p.path, "slcan: symbolic link to the pty.");
+  v.text("interface", p.interface, "socketcan: the interface's name.");
+  v.text("path", p.path, "slcan: symbolic link to the pty, what a client opens.");
   v.boolean("attach", p.attach,
             "gs_usb: attach the adapter to this machine's kernel where that is permitted.");
   v.choice("slcan_dialect", p.slcan_dialect, kSlcanDialects, "What a slcan client is told.");
-  v.integer("bitrate", p.bus.bit_rate_bps, fields::IntegerRule{10'000, 1'000'000}, "bit/s.");
-  v.integer("queue", p.bus.queue_frames, fields::IntegerRule{1, 65536},
-            "Frames that a node may hold.");
+  visit(v, p.bus);
   v.choice("order", p.order, emulators::kCanQueueOrders,
            "Which waiting frame a device sends next.");
   v.boolean("one_shot", p.one_shot, "Devices try every frame once only.");

@@ -18,6 +18,7 @@
 
 #include "emulators/can/can_bus_faults.h"
 #include "fields/visitor.h"
+#include "protocols/can/wire_frame.h"
 
 namespace rigwire::hil {
 
@@ -84,39 +85,45 @@ struct CanFaultConfiguration {
 inline constexpr std::string_view kClientNode = "client";
 
 inline void visit(fields::Visitor& v, BitErrorsFault& p) {
-  v.number("probability", p.probability, fields::plain().above(0).at_most(0.1), "Of each bit.");
+  v.number("probability", p.probability, fields::in("1").above(0).at_most(0.1),
+           "Probability with which each bit is turned over.");
 }
 inline void visit(fields::Visitor& v, DisturbanceFault& p) {
-  v.integer("bit", p.bit, fields::IntegerRule{-1, 160},
-            "From start of frame 0, stuff bits counted; -1 = another one in every frame.");
+  constexpr unsigned kBits = protocols::can::kMostStuffedBits + protocols::can::kTrailerBits;
+  v.integer("bit", p.bit, fields::IntegerRule{-1, kBits - 1},
+            "Number of the bit, start of frame = 0, stuff bits counted; -1 = another one in every "
+            "frame.");
 }
 inline void visit(fields::Visitor&, ShortCircuitFault&) {}
 inline void visit(fields::Visitor& v, WrongRateFault& p) {
   v.required("device");
-  v.text("device", p.device, "Whose node; client = the client's controller.");
+  v.text("device", p.device, "Device whose node it is; client = the client's controller.");
   v.required("bitrate");
-  v.integer("bitrate", p.bit_rate_bps, fields::IntegerRule{10'000, 1'000'000}, "bit/s.");
+  v.integer("bitrate", p.bit_rate_bps,
+            fields::IntegerRule{10'000, 1'000'000, fields::unit("bit/s")},
+            "Bit rate at which the node works.");
 }
 inline void visit(fields::Visitor& v, DisconnectedFault& p) {
   v.required("device");
-  v.text("device", p.device, "Whose node; client = the client's controller.");
+  v.text("device", p.device, "Device whose node it is; client = the client's controller.");
 }
 inline void visit(fields::Visitor& v, IntruderFault& p) {
   v.required("frame");
-  v.text("frame", p.frame, "As candump writes it: 18EAFFFE#00EE00.");
-  v.duration("period", p.period, {10'000, 3'600'000'000'000}, "From frame to frame.");
+  v.text("frame", p.frame, "The frame as candump writes it: 18EAFFFE#00EE00.");
+  v.duration("period", p.period, {10'000, 3'600'000'000'000}, "Time from frame to frame.");
 }
 inline void visit(fields::Visitor& v, DuplicateAddressFault& p) {
   v.required("address");
-  v.integer("address", p.address, fields::IntegerRule{0, 253}, "J1939 source address.");
+  v.integer("address", p.address, fields::IntegerRule{0, 253},
+            "J1939 source address that is claimed.");
   v.integer("name", p.name, fields::IntegerRule{0},
-            "Of the other node; the lower NAME wins the address.");
-  v.duration("period", p.period, {10'000, 3'600'000'000'000}, "From claim to claim.");
+            "NAME of the other node; the lower NAME wins the address.");
+  v.duration("period", p.period, {10'000, 3'600'000'000'000}, "Time from claim to claim.");
 }
 
 inline void visit(fields::Visitor& v, CanFaultConfiguration& p) {
   v.required("at");
-  v.duration("at", p.at, {0, fields::kYear_ns}, "From the start of the run.");
+  v.duration("at", p.at, {0, fields::kYear_ns}, "When it begins, from the start of the run.");
   v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long it lasts.");
   v.required("type");
   v.variant("type", p.settings, "What happens.");

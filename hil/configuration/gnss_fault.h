@@ -89,34 +89,36 @@ struct GnssFaultConfiguration {
 inline void visit(fields::Visitor&, OutageFault&) {}
 inline void visit(fields::Visitor& v, JammingFault& p) {
   v.number("loss", p.loss_db, fields::in("dB").stored_as("dB").between(0, 80),
-           "Of carrier-to-noise density.");
+           "How far the carrier-to-noise density falls.");
 }
 inline void visit(fields::Visitor& v, SpoofDriftFault& p) {
   v.vector3("velocity", p.velocity_mps, fields::in("m/s").between(-1e4, 1e4),
-            "[east, north, up] of the false place.");
+            "Velocity of the false place, [east, north, up].");
   v.number("clock_rate", p.clock_rate_mps, fields::in("m/s").between(-1e4, 1e4),
-           "Common to all ranges.");
+           "How fast all ranges grow alike, as of a clock that drifts.");
 }
 inline void visit(fields::Visitor& v, JumpFault& p) {
-  v.vector3("offset", p.offset_m, fields::in("m").between(-1e6, 1e6), "[east, north, up].");
+  v.vector3("offset", p.offset_m, fields::in("m").between(-1e6, 1e6),
+            "From the true place to the false one, [east, north, up].");
 }
 inline void visit(fields::Visitor&, AntennaShortFault&) {}
 inline void visit(fields::Visitor&, AntennaOpenFault&) {}
 inline void visit(fields::Visitor&, CorrectionOutageFault&) {}
 inline void visit(fields::Visitor&, FrozenFixFault&) {}
 inline void visit(fields::Visitor& v, WrongLeapSecondFault& p) {
-  v.integer("seconds", p.seconds, fields::IntegerRule{-10, 10}, "Too many; not 0.");
+  v.integer("seconds", p.seconds, fields::IntegerRule{-10, 10, fields::unit("s")},
+            "Leap seconds that are too many; not 0.");
   v.check(p.seconds != 0, "seconds", "0 is the right number of leap seconds", "0",
           "-10 .. -1, 1 .. 10");
 }
 inline void visit(fields::Visitor& v, UartNoiseFault& p) {
-  v.number("bit_error_rate", p.bit_error_rate, fields::plain().above(0).at_most(0.5),
-           "Probability of each bit.");
+  v.number("bit_error_rate", p.bit_error_rate, fields::in("1").above(0).at_most(0.5),
+           "Probability with which each bit is turned over.");
 }
 
 inline void visit(fields::Visitor& v, GnssFaultConfiguration& p) {
   v.required("at");
-  v.duration("at", p.at, {0, fields::kYear_ns}, "From the start of the run.");
+  v.duration("at", p.at, {0, fields::kYear_ns}, "When it begins, from the start of the run.");
   v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long it lasts.");
   v.required("type");
   v.variant("type", p.settings, "What happens.");

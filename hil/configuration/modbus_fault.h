@@ -122,44 +122,50 @@ struct ModbusFaultConfiguration {
     const std::vector<ModbusFaultConfiguration>& faults);
 
 inline void visit(fields::Visitor& v, ModbusDelayFault& p) {
-  v.duration("delay", p.delay, {1, 60'000'000'000}, "On top of the line's response delay.");
+  v.duration("delay", p.delay, {1, 60'000'000'000}, "Delay on top of the line's response delay.");
 }
 inline void visit(fields::Visitor& v, ModbusExceptionFault& p) {
-  v.choice("code", p.code, kModbusExceptions, "The exception.");
+  v.choice("code", p.code, kModbusExceptions, "Exception that is answered.");
 }
 inline void visit(fields::Visitor&, ModbusSilenceFault&) {}
 inline void visit(fields::Visitor&, ModbusLostAnswerFault&) {}
 inline void visit(fields::Visitor& v, ModbusJunkFault& p) {
-  v.integer("bytes", p.bytes, fields::IntegerRule{1, 64}, "How many.");
+  v.integer("bytes", p.bytes, fields::IntegerRule{1, 64}, "How many random bytes there are.");
 }
 inline void visit(fields::Visitor& v, ModbusSplitFault& p) {
-  v.integer("pieces", p.pieces, fields::IntegerRule{2, 16}, "How many.");
-  v.duration("pause", p.pause, {1, 60'000'000'000}, "Between them.");
+  v.integer("pieces", p.pieces, fields::IntegerRule{2, 16}, "Parts that the answer comes in.");
+  v.duration("pause", p.pause, {1, 60'000'000'000}, "Pause between two parts of the answer.");
 }
 inline void visit(fields::Visitor& v, ModbusTruncatedFault& p) {
-  v.integer("bytes", p.bytes, fields::IntegerRule{1, 260}, "How many are missing.");
+  v.integer("bytes", p.bytes, fields::IntegerRule{1, 260},
+            "Bytes that are missing at the answer's end.");
 }
 inline void visit(fields::Visitor& v, ModbusStuckFault& p) {
-  v.integer("value", p.value, fields::IntegerRule{-1, 65535}, "As read; -1 = what was read first.");
+  v.integer("value", p.value, fields::IntegerRule{-1, 65535},
+            "What the registers read as; -1 = what was read first.");
 }
 inline void visit(fields::Visitor&, ModbusWrongCheckFault&) {}
 inline void visit(fields::Visitor&, ModbusWrongTransactionFault&) {}
 inline void visit(fields::Visitor&, ModbusDisconnectFault&) {}
 inline void visit(fields::Visitor& v, ModbusNoiseFault& p) {
-  v.number("bit_error_rate", p.bit_error_rate, fields::plain().above(0).at_most(0.5),
-           "Of each bit.");
+  v.number("bit_error_rate", p.bit_error_rate, fields::in("1").above(0).at_most(0.5),
+           "Probability with which each bit is turned over.");
 }
 inline void visit(fields::Visitor&, ModbusParityFault&) {}
 
 inline void visit(fields::Visitor& v, ModbusFaultConfiguration& p) {
   v.required("at");
-  v.duration("at", p.at, {0, fields::kYear_ns}, "From the start of the run.");
+  v.duration("at", p.at, {0, fields::kYear_ns}, "When it begins, from the start of the run.");
   v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long it lasts.");
-  v.integer("unit", p.unit, fields::IntegerRule{0, 247}, "0 = every unit of the line.");
+  v.integer("unit", p.unit, fields::IntegerRule{0, 247},
+            "Unit that it concerns; 0 = every unit of the line.");
   v.choice("table", p.table, kModbusFaultTables, "Which requests it concerns.");
-  v.integer("first", p.first, fields::IntegerRule{0, 65535}, "Address, from 0, with a table.");
-  v.integer("last", p.last, fields::IntegerRule{0, 65535}, "Included.");
-  v.number("probability", p.probability, fields::in("%").above(0).at_most(100), "Of each request.");
+  v.integer("first", p.first, fields::IntegerRule{0, 65535},
+            "First address that it concerns, from 0, with a table.");
+  v.integer("last", p.last, fields::IntegerRule{0, 65535},
+            "Last address that it concerns, included.");
+  v.number("probability", p.probability, fields::in("%").above(0).at_most(100),
+           "Probability with which each request is concerned.");
   v.required("type");
   v.variant("type", p.settings, "What happens.");
 }

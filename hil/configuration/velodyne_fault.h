@@ -97,7 +97,8 @@ struct VelodyneFaultConfiguration {
 
 namespace detail {
 inline void visit_probability(fields::Visitor& v, double& probability) {
-  v.number("probability", probability, fields::in("%").above(0).at_most(100), "Of each packet.");
+  v.number("probability", probability, fields::in("%").above(0).at_most(100),
+           "Probability with which it happens to each packet.");
 }
 }  // namespace detail
 
@@ -112,35 +113,39 @@ inline void visit(fields::Visitor& v, DuplicatedPacketsFault& p) {
 }
 inline void visit(fields::Visitor& v, DeadLaserFault& p) {
   v.integer("first", p.first, fields::IntegerRule{0, 127},
-            "By the model's numbers, which count from 0.");
-  v.integer("last", p.last, fields::IntegerRule{0, 127}, "Included.");
+            "First laser that sees nothing, by the model's numbers, which count from 0.");
+  v.integer("last", p.last, fields::IntegerRule{0, 127}, "Last laser that sees nothing, included.");
 }
 inline void visit(fields::Visitor& v, DirtyWindowFault& p) {
   v.number("from", p.from_deg, fields::in("deg").stored_as("deg").between(0, 360),
-           "Azimuth, clockwise.");
-  v.number("to", p.to_deg, fields::in("deg").stored_as("deg").between(0, 360), "May lie beyond 0.");
+           "Azimuth at which the dirt begins, clockwise.");
+  v.number("to", p.to_deg, fields::in("deg").stored_as("deg").between(0, 360),
+           "Azimuth at which the dirt ends; may lie beyond 0.");
   v.number("transmission", p.transmission, fields::in("%").between(0, 100),
-           "Of the light, one way.");
+           "Share of the light that passes the dirt, one way.");
 }
 inline void visit(fields::Visitor&, MotorStallFault&) {}
 inline void visit(fields::Visitor&, PulseLossFault&) {}
 inline void visit(fields::Visitor&, PulseNoiseFault&) {}
 inline void visit(fields::Visitor&, SentenceLossFault&) {}
 inline void visit(fields::Visitor& v, ClockOffsetFault& p) {
-  v.number("offset", p.offset_s, fields::in("s").between(-3600, 3600), "Of the timestamps; not 0.");
+  v.number("offset", p.offset_s, fields::in("s").between(-3600, 3600),
+           "How far the timestamps are off; not 0.");
 }
 inline void visit(fields::Visitor& v, HourOverrunFault& p) {
-  v.number("overrun", p.overrun_s, fields::in("s").above(0).at_most(1), "Beyond the hour.");
+  v.number("overrun", p.overrun_s, fields::in("s").above(0).at_most(1),
+           "How far the timestamp passes the hour.");
 }
 inline void visit(fields::Visitor& v, FactoryBytesFault& p) {
   v.integer("return_mode", p.return_mode, fields::IntegerRule{0, 255},
-            "Instead of the return mode.");
-  v.integer("product", p.product, fields::IntegerRule{0, 255}, "Instead of the product's number.");
+            "Byte in place of the return mode.");
+  v.integer("product", p.product, fields::IntegerRule{0, 255},
+            "Byte in place of the product's number.");
 }
 
 inline void visit(fields::Visitor& v, VelodyneFaultConfiguration& p) {
   v.required("at");
-  v.duration("at", p.at, {0, fields::kYear_ns}, "From the start of the run.");
+  v.duration("at", p.at, {0, fields::kYear_ns}, "When it begins, from the start of the run.");
   v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long it lasts.");
   v.required("type");
   v.variant("type", p.settings, "What happens.");

@@ -6,7 +6,7 @@
 #include "hil/command_line/config_files.h"
 #include "hil/command_line/verbs.h"
 #include "hil/configuration/suggest.h"
-#include "hil/devices/bus_messages.h"
+#include "hil/rig/rig_configuration.h"
 
 namespace rigwire::hil {
 

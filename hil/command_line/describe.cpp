@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "hil/command_line/config_files.h"
-#include "hil/command_line/device_catalogue.h"
-#include "hil/command_line/verbs.h"
-#include "hil/configuration/suggest.h"
 #include "fields/visitor.h"
+#include "hil/command_line/config_files.h"
+#include "hil/command_line/verbs.h"
+#include "hil/configuration/outline.h"
+#include "hil/configuration/suggest.h"
+#include "hil/devices/device_types.h"
 #include "hil/files/valve_map_file.h"
 #include "hil/rig/rig_configuration.h"
 
@@ -15,10 +16,28 @@ namespace rigwire::hil {
 
 namespace {
 
-std::string text_of(const DeviceDescription& description) {
+/// A device type with its defaults, as it is told.
+struct DescribedType {
+  fields::Named named;
+  DeviceDescription description;
+  std::string keys;  ///< Reference of the configuration keys.
+};
+
+DescribedType describe_type(const DeviceType& type) {
+  const ConfiguredDevice device(type);
+  DescribedType described{type.named, device.settings().describe(),
+                          reference_text(outline(device))};
+  if (described.description.page.empty()) {
+    described.description.page = fmt::format("docs/devices/{}.md", type.named.name);
+  }
+  return described;
+}
+
+std::string text_of(const DescribedType& type) {
+  const DeviceDescription& description = type.description;
   std::string text =
-      fmt::format("{}: {}\n\nwire      {}\nfollows   {}\npage      {}\n", description.type,
-                  description.text, description.wire, description.document, description.page);
+      fmt::format("{}: {}\n\nwire      {}\nfollows   {}\npage      {}\n", type.named.name,
+                  type.named.text, description.wire, description.document, description.page);
   std::vector<std::vector<std::string>> rows{{"message", "rate", "content"}};
   for (const DeviceMessage& message : description.messages) {
     rows.push_back({message.name, message.rate, message.content});
@@ -33,18 +52,18 @@ std::string text_of(const DeviceDescription& description) {
     }
     text += "\n" + table_text(rows);
   }
-  return text + "\nkeys in a rig (docs/configuration.md)\n" + description.keys;
+  return text + "\nkeys in a rig (docs/configuration.md)\n" + type.keys;
 }
 
-nlohmann::ordered_json json_of(const DeviceDescription& description) {
-  nlohmann::ordered_json json{{"type", description.type},
-                              {"text", description.text},
+nlohmann::ordered_json json_of(const DescribedType& type) {
+  const DeviceDescription& description = type.description;
+  nlohmann::ordered_json json{{"type", type.named.name},
+                              {"text", type.named.text},
                               {"wire", description.wire},
                               {"document", description.document},
                               {"page", description.page},
-                              {"messages", {}},
+                              {"messages", nlohmann::ordered_json::array()},
                               {"quantities", nlohmann::ordered_json::array()}};
-  json["messages"] = nlohmann::ordered_json::array();
   for (const DeviceMessage& message : description.messages) {
     json["messages"].push_back(
         {{"name", message.name}, {"rate", message.rate}, {"content", message.content}});
@@ -118,12 +137,13 @@ int describe_machine(const MachineDescription& machine, bool json, Terminal term
 int describe_verb(const std::string& device, bool json, Terminal terminal) {
   std::vector<std::string> names;
   const std::string of_rig = type_in_rigs(device);
-  for (const DeviceDescription& description : device_catalogue()) {
-    if (description.type == device || description.type == of_rig) {
-      terminal.out << (json ? json_of(description).dump(2) + "\n" : text_of(description));
+  for (const DeviceType& type : device_types()) {
+    if (type.named.name == device || type.named.name == of_rig) {
+      const DescribedType described = describe_type(type);
+      terminal.out << (json ? json_of(described).dump(2) + "\n" : text_of(described));
       return static_cast<int>(ExitCode::done);
     }
-    names.push_back(description.type);
+    names.emplace_back(type.named.name);
   }
   using MachineIndices = std::make_index_sequence<std::variant_size_v<MachineSettings>>;
   for (const MachineDescription& machine : machine_catalogue(MachineIndices{})) {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "hil/control/run.h"
-#include "hil/devices/rig_status.h"
+#include "hil/rig/rig_status.h"
 #include "hil/executive/truth_source.h"
 
 namespace rigwire::hil {

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/devices/rig_status.h"
+#include "hil/executive/truth_source.h"
+#include "hil/rig/rig_status.h"
 
 namespace rigwire::hil {
 

@@ -9,6 +9,7 @@
 #include "hil/command_line/config_files.h"
 #include "hil/command_line/doctor.h"
 #include "hil/configuration/suggest.h"
+#include "hil/devices/device_types.h"
 
 namespace rigwire::hil {
 
@@ -119,10 +120,9 @@ int list_verb(const std::string& kind, bool json, Terminal terminal) {
   std::vector<std::vector<std::string>> rows;
   Json list = Json::array();
   if (kind == "devices") {
-    DeviceSettings settings;
-    for (const fields::Named& type : fields::detail::AlternativesOf(settings).names()) {
-      rows.push_back({std::string(type.name), std::string(type.text)});
-      list.push_back({{"name", type.name}, {"text", type.text}});
+    for (const DeviceType& type : device_types()) {
+      rows.push_back({std::string(type.named.name), std::string(type.named.text)});
+      list.push_back({{"name", type.named.name}, {"text", type.named.text}});
     }
   } else {
     for (const ConfigFile& file : config_files(kind)) {

@@ -1,96 +1,53 @@
-// The devices of a rig: wire, mount, what the device does (its emulator's settings) and how well it
-// measures (its sensor's parameters). The `type` key chooses which.
+// The types of devices that there are. A new one is a class in this folder and a row of the list in
+// device_types.cpp.
 #pragma once
 
-#include <array>
-#include <concepts>
-#include <cstdint>
-#include <map>
-#include <string>
+#include <memory>
+#include <span>
 #include <string_view>
-#include <type_traits>
-#include <variant>
 
-#include "fields/visitor.h"
-#include "hil/configuration/vehicle_sensors.h"
-#include "hil/devices/iso_valves.h"
-#include "hil/devices/openimu.h"
-#include "hil/devices/rotary_encoder.h"
-#include "hil/devices/starfire.h"
-#include "hil/devices/ublox.h"
-#include "hil/devices/usb_joystick.h"
-#include "hil/devices/usb_passthrough_configuration.h"
-#include "hil/devices/valve_driver.h"
-#include "hil/devices/vehicle_gateway.h"
-#include "hil/devices/velodyne.h"
-#include "hil/devices/xsens.h"
-#include "hil/wires/can_bus_configuration.h"
-#include "hil/world/mount.h"
-#include "hil/world/shapes.h"
+#include "fields/box.h"
+#include "fields/rules.h"
+#include "hil/devices/device_configuration.h"
 
 namespace rigwire::hil {
 
-/// Vehicle gateway on a J1939 bus, with the sensors and the odometry that it reports.
-struct VehicleGatewayDeviceConfiguration : VehicleGatewayConfiguration {
-  static constexpr fields::Named kNamed{
-      "vehicle-gateway",
-      "Drive train, steering and brakes of a machine that drives, on CAN (J1939)."};
-
-  sim::VehicleSensorParameters sensor;
-  sim::OdometryParameters odometry;
+struct DeviceType {
+  fields::Named named;  ///< As the key `type` writes it.
+  std::unique_ptr<DeviceConfiguration> (*fresh)();
 };
 
-using DeviceSettings =
-    std::variant<UbloxConfiguration, UbloxM8Configuration, UbloxM8tConfiguration,
-                 UbloxF9pConfiguration, StarFireConfiguration, VelodyneConfiguration,
-                 VelodyneVlp16Configuration, VelodynePuckHiResConfiguration,
-                 VelodyneVlp32cConfiguration, VelodyneHdl64eConfiguration,
-                 VelodyneVls128Configuration, OpenImuDeviceConfiguration, ValveDriverConfiguration,
-                 VehicleGatewayDeviceConfiguration, OpenImu300riDeviceConfiguration,
-                 XsensMtiConfiguration, EncoderDeviceConfiguration, IsoValvesConfiguration,
-                 UsbJoystickConfiguration, UsbPassThroughConfiguration>;
+/// In the order in which `rigwire list devices` shows them.
+[[nodiscard]] std::span<const DeviceType> device_types();
 
-/// The device, if its type is `Base` or derived from it; else null.
-template <class Base>
-[[nodiscard]] const Base* as_kind(const DeviceSettings& settings) {
-  return std::visit(
-      [](const auto& device) -> const Base* {
-        if constexpr (std::derived_from<std::decay_t<decltype(device)>, Base>) {
-          return &device;
-        } else {
-          return nullptr;
-        }
-      },
-      settings);
-}
-/// The u-blox receiver that the device is, whatever its type; else null.
-[[nodiscard]] inline const UbloxConfiguration* as_ublox(const DeviceSettings& settings) {
-  return as_kind<UbloxConfiguration>(settings);
-}
-/// The Velodyne lidar that the device is, whatever its model; else null.
-[[nodiscard]] inline const VelodyneConfiguration* as_velodyne(const DeviceSettings& settings) {
-  return as_kind<VelodyneConfiguration>(settings);
-}
-/// Whether it receives satellites and can tell a lidar the time.
-[[nodiscard]] inline bool is_receiver(const DeviceSettings& settings) {
-  return as_ublox(settings) != nullptr || std::holds_alternative<StarFireConfiguration>(settings);
-}
+/// A device of the rig: its type and the settings of that type.
+class ConfiguredDevice {
+ public:
+  /// Of the first type.
+  ConfiguredDevice();
+  explicit ConfiguredDevice(const DeviceType& type);
 
-struct DeviceConfiguration {
-  DeviceSettings settings;
+  [[nodiscard]] std::string_view type() const { return type_->named.name; }
+  [[nodiscard]] std::string_view type_text() const { return type_->named.text; }
+  [[nodiscard]] std::size_t type_index() const;
+  /// Of that row of device_types(), with its defaults; what is there is kept when it is of the
+  /// type.
+  void choose(std::size_t index);
 
-  [[nodiscard]] std::string_view type() const { return fields::chosen_name(settings); }
+  [[nodiscard]] DeviceConfiguration& settings() { return *settings_; }
+  [[nodiscard]] const DeviceConfiguration& settings() const { return *settings_; }
+
+ private:
+  const DeviceType* type_;
+  fields::Box<DeviceConfiguration> settings_;
 };
 
-inline void visit(fields::Visitor& v, VehicleGatewayDeviceConfiguration& p) {
-  visit(v, static_cast<VehicleGatewayConfiguration&>(p));
-  v.section("sensor", p.sensor, "How well the machine's own sensors measure.");
-  v.section("odometry", p.odometry, "Speed and curvature from wheels and steering.");
-}
+void visit(fields::Visitor& v, ConfiguredDevice& p);
 
-inline void visit(fields::Visitor& v, DeviceConfiguration& p) {
-  v.required("type");
-  v.variant("type", p.settings, "Which device it is.");
+/// The settings, when they are of the class `Settings`; else null.
+template <class Settings>
+[[nodiscard]] const Settings* settings_as(const ConfiguredDevice& device) {
+  return dynamic_cast<const Settings*>(&device.settings());
 }
 
 }  // namespace rigwire::hil

@@ -1,29 +1,26 @@
 // Hydraulic valves on ISO 11783: bus, valves, levers, amplifier.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "emulators/iso_valve/settings.h"
-#include "fields/visitor.h"
+#include "hil/devices/device_configuration.h"
 
 namespace rigwire::hil {
 
 /// A block of auxiliary valves on a J1939 bus.
-struct IsoValvesConfiguration {
-  static constexpr fields::Named kNamed{
-      "iso-valves", "Block of auxiliary valves with joysticks, on CAN (ISO 11783)."};
-
+struct IsoValvesConfiguration final : DeviceConfigurationOf<IsoValvesConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::IsoValveSettings valves;
+
+  void visit(fields::Visitor& v) override;
+  void validate() const override;
+  void check(const std::string& at, RigCheck& check) const override;
+  [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
+  [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;
+  [[nodiscard]] DeviceDescription describe() const override;
+  [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
 };
-
-inline void visit(fields::Visitor& v, IsoValvesConfiguration& p) {
-  v.text("bus", p.bus, "One of the rig's buses.");
-  visit(v, p.valves);
-}
-
-inline void validate(const IsoValvesConfiguration& p) {
-  validate(p.valves);
-}
 
 }  // namespace rigwire::hil

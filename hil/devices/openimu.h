@@ -1,51 +1,39 @@
-// ACEINNA OpenIMU: wire, mount, device and sensor.
+// ACEINNA OpenIMU: bus, mount, device and sensor.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "emulators/openimu/openimu335ri.h"
-#include "fields/visitor.h"
+#include "hil/devices/device_configuration.h"
 #include "hil/world/mount.h"
 #include "sim/imu/imu_sensor.h"
 #include "sim/imu/magnetometer.h"
 
 namespace rigwire::hil {
 
-/// ACEINNA OpenIMU335RI on a J1939 bus.
-struct OpenImuDeviceConfiguration {
-  static constexpr fields::Named kNamed{"openimu335ri",
-                                        "ACEINNA OpenIMU335RI inertial unit on CAN (J1939)."};
-
+/// ACEINNA OpenIMU335RI on a J1939 bus, or OpenIMU300RI: the same with older firmware and a
+/// magnetometer.
+struct OpenImuDeviceConfiguration final : DeviceConfigurationOf<OpenImuDeviceConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   MountConfiguration mount;
   emulators::OpenImuSettings imu;
   std::string settings_file;  ///< What "save" writes; empty: kept for the run.
   sim::ImuParameters sensor;
   sim::MagnetometerConfiguration magnetometer;  ///< OpenIMU300RI.
-};
 
-/// ACEINNA OpenIMU300RI, the same with older firmware and a magnetometer.
-struct OpenImu300riDeviceConfiguration : OpenImuDeviceConfiguration {
-  static constexpr fields::Named kNamed{
-      "openimu300ri", "ACEINNA OpenIMU300RI inertial unit on CAN (J1939), with magnetometer."};
-
-  OpenImu300riDeviceConfiguration() { imu.variant = emulators::OpenImuVariant::openimu300ri; }
-};
-
-inline void visit(fields::Visitor& v, OpenImuDeviceConfiguration& p) {
-  v.text("bus", p.bus, "One of the rig's buses.");
-  visit(v, p.imu);
-  v.text("settings_file", p.settings_file,
-         "What a client saved, for the next run; empty: as long as the run.");
-  v.section("mount", p.mount, "Of the sensor's axes.");
-  v.section("sensor", p.sensor, "How well it measures.");
-  if (p.imu.variant == emulators::OpenImuVariant::openimu300ri) {
-    v.section("magnetometer", p.magnetometer, "The Earth's field as it reads it.");
+  explicit OpenImuDeviceConfiguration(
+      emulators::OpenImuVariant variant = emulators::OpenImuVariant::openimu335ri) {
+    imu.variant = variant;
   }
-}
 
-inline void validate(const OpenImuDeviceConfiguration& p) {
-  validate(p.imu);
-}
+  void visit(fields::Visitor& v) override;
+  void validate() const override;
+  void check(const std::string& at, RigCheck& check) const override;
+  [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
+  [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;
+  [[nodiscard]] DeviceDescription describe() const override;
+  [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
+};
 
 }  // namespace rigwire::hil

@@ -1,24 +1,21 @@
-// A StarFire 3000 of a rig: its serial line, its bus, its antenna and how well it measures.
+// A StarFire 3000 of a rig: one antenna, a serial line, a node of a CAN bus, or both.
 #pragma once
 
-#include <stdexcept>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "emulators/starfire/settings.h"
-#include "fields/visitor.h"
 #include "hil/configuration/gnss_fault.h"
+#include "hil/devices/device_configuration.h"
 #include "hil/wires/baud_check.h"
 #include "hil/world/mount.h"
-#include "sim/gnss/gnss_parameters.h"
+#include "sim/gnss/gnss_sensor.h"
 
 namespace rigwire::hil {
 
 /// John Deere StarFire 3000.
-struct StarFireConfiguration {
-  static constexpr fields::Named kNamed{
-      "starfire-3000", "John Deere StarFire 3000 satellite receiver (NMEA, J1939)."};
-
+struct StarFireConfiguration final : DeviceConfigurationOf<StarFireConfiguration> {
   std::string path =
       "/tmp/rigwire/starfire";  ///< Symbolic link to the pty; empty = no serial line.
   BaudCheck check_baud = BaudCheck::lenient;
@@ -28,37 +25,16 @@ struct StarFireConfiguration {
   sim::GnssParameters sensor;
   std::vector<GnssFaultConfiguration> faults;
 
-  StarFireConfiguration() {
-    sensor.systems.glonass = true;
-    sensor.systems.sbas = true;
-    sensor.corrections.kind = sim::CorrectionKind::service;
-  }
+  StarFireConfiguration();
+
+  void visit(fields::Visitor& v) override;
+  void validate() const override;
+  void check(const std::string& at, RigCheck& check) const override;
+  [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
+  [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;
+  [[nodiscard]] DeviceDescription describe() const override;
+  [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
+  [[nodiscard]] bool is_receiver() const override { return true; }
 };
-
-/// Faults of the device that it does not have; everything else of the list it does.
-[[nodiscard]] inline bool implements(const StarFireConfiguration&,
-                                     const GnssFaultConfiguration& fault) {
-  return !std::holds_alternative<FrozenFixFault>(fault.settings) &&
-         !std::holds_alternative<WrongLeapSecondFault>(fault.settings) &&
-         !std::holds_alternative<UartNoiseFault>(fault.settings);
-}
-
-inline void visit(fields::Visitor& v, StarFireConfiguration& p) {
-  v.text("path", p.path, "Symbolic link to the pty; what a client opens; empty = no serial line.");
-  v.choice("check_baud", p.check_baud, kBaudChecks, "When a client hears garbage.");
-  v.text("bus", p.bus, "One of the rig's buses; empty = not on one.");
-  visit(v, p.receiver);
-  v.section("mount", p.mount, "Of the antenna.");
-  v.section("sensor", p.sensor, "How well it knows where it is.");
-  v.list("faults", p.faults, "What goes wrong, and when.");
-}
-
-inline void validate(const StarFireConfiguration& p) {
-  if (p.path.empty() && p.bus.empty()) {
-    throw std::invalid_argument("neither `path` nor `bus` is given, at least one is needed");
-  }
-  validate(p.receiver);
-  validate(p.sensor);
-}
 
 }  // namespace rigwire::hil

@@ -1,91 +1,86 @@
 #include "hil/devices/usb_passthrough.h"
 
-#include <algorithm>
+#include "drivers/usb_host.h"
+#include "drivers/usb_selector.h"
+#include "fields/visitor.h"
+#include "hil/devices/device.h"
+#include "hil/devices/rig_check.h"
+#include "hil/devices/site.h"
+#include "hil/wires/usb_passthrough.h"
 
 namespace rigwire::hil {
-
-using protocols::usb::TransferType;
-
 namespace {
 
-/// What can be passed on: bulk and interrupt endpoints.
-protocols::usb::DeviceDescription without_isochronous(protocols::usb::DeviceDescription device) {
-  for (auto& interface : device.interfaces) {
-    std::erase_if(interface.endpoints,
-                  [](const auto& endpoint) { return endpoint.type == TransferType::isochronous; });
+/// Nothing of it is emulated.
+class PassedOn final : public emulators::Device {
+ public:
+  void advance(SimTime /*now*/) override {}
+  [[nodiscard]] SimTime next_event() const override { return kNever; }
+  [[nodiscard]] SamplePlan sample_plan() const override { return {}; }
+  [[nodiscard]] emulators::ReceiveCounters received() const override { return {}; }
+  [[nodiscard]] double nominal_rate_hz() const override { return 0.0; }
+  [[nodiscard]] std::span<const emulators::Quantity> quantities() const override { return {}; }
+};
+
+class UsbPassThroughDevice final : public Device {
+ public:
+  UsbPassThroughDevice(const UsbPassThroughConfiguration& configuration, Site& site)
+      : bus_(site.usb()),
+        host_(site.io()),
+        real_(host_.open(drivers::parse_usb_selector(configuration.device))),
+        socket_(bus_.plug(real_, site.name())) {}
+
+  // The bus lets the device live; there is nothing to be routed to it, so that it is no station.
+  [[nodiscard]] drivers::EndpointStatus endpoint() const override {
+    return {bus_.address(socket_) + " for " + real_.device().address(), bus_.imported(socket_)};
   }
-  return device;
-}
+  [[nodiscard]] const emulators::Device& emulator() const override { return nothing_; }
+
+ private:
+  UsbBus& bus_;
+  drivers::UsbHost host_;
+  UsbPassThrough real_;
+  UsbBus::Socket socket_;
+  PassedOn nothing_;
+};
 
 }  // namespace
 
-UsbPassThrough::UsbPassThrough(std::unique_ptr<drivers::UsbDeviceHandle> device)
-    : device_(std::move(device)), description_(without_isochronous(device_->description())) {
-  for (const auto& interface : description_.interfaces) {
-    if (interface.alternate == 0) {
-      device_->claim(interface.number);
-    }
-  }
+void UsbPassThroughConfiguration::visit(fields::Visitor& v) {
+  v.required("device");
+  v.text("device", device,
+         "vendor:product, vendor:product:serial number, or the place where it is plugged in "
+         "(1-1.4).");
 }
 
-UsbPassThrough::~UsbPassThrough() = default;
-
-void UsbPassThrough::plugged(SimTime now, emulators::UsbHost& host) {
-  unplugged(now);
-  host_ = &host;
+void UsbPassThroughConfiguration::validate() const {
+  static_cast<void>(drivers::parse_usb_selector(device));
 }
 
-void UsbPassThrough::unplugged(SimTime now) {
-  now_ = now;
-  host_ = nullptr;
-  ++client_;
-  for (const auto& [transfer, on_device] : open_) {
-    device_->cancel(on_device);
-  }
-  open_.clear();
+void UsbPassThroughConfiguration::check(const std::string& at, RigCheck& check) const {
+  check.usb();
+  check.claim(at + ".device", "USB device " + device, device);
 }
 
-drivers::UsbDeviceHandle::Done UsbPassThrough::passing_on(emulators::UsbTransfer transfer,
-                                                          std::uint8_t endpoint) {
-  return
-      [this, transfer, endpoint, client = client_](const drivers::UsbDeviceHandle::Result& result) {
-        if (result.outcome == Outcome::stalled && endpoint != 0) {
-          device_->clear_halt(endpoint);
-        }
-        if (client == client_ && open_.erase(transfer) != 0) {
-          host_->complete(now_, transfer, result.outcome, result.data, result.taken);
-        }
-      };
+DevicePlan UsbPassThroughConfiguration::plan(const RigView& rig) const {
+  return {usb_wire(rig), "as it does", "", "the real " + device};
 }
 
-void UsbPassThrough::control(SimTime now, emulators::UsbTransfer transfer,
-                             const protocols::usb::Setup& setup,
-                             std::span<const std::uint8_t> data) {
-  now_ = now;
-  open_[transfer] = device_->control(setup, data, passing_on(transfer, 0));
+std::optional<BusShare> UsbPassThroughConfiguration::bus_share(std::string_view /*name*/) const {
+  return std::nullopt;
 }
 
-void UsbPassThrough::read(SimTime now, emulators::UsbTransfer transfer, std::uint8_t endpoint,
-                          std::size_t length) {
-  now_ = now;
-  open_[transfer] = device_->read(endpoint, length, passing_on(transfer, endpoint));
+DeviceDescription UsbPassThroughConfiguration::describe() const {
+  DeviceDescription description;
+  description.wire = "USB as the real device's, by USB/IP, default 127.0.0.1:3240";
+  description.document = "the real device; Universal Serial Bus 2.0";
+  description.page = "docs/usb.md";
+  description.messages = {{"transfers", "as it does", "control, bulk, interrupt"}};
+  return description;
 }
 
-void UsbPassThrough::write(SimTime now, emulators::UsbTransfer transfer, std::uint8_t endpoint,
-                           std::span<const std::uint8_t> data) {
-  now_ = now;
-  open_[transfer] = device_->write(endpoint, data, passing_on(transfer, endpoint));
-}
-
-bool UsbPassThrough::cancel(SimTime now, emulators::UsbTransfer transfer) {
-  now_ = now;
-  const auto found = open_.find(transfer);
-  if (found == open_.end()) {
-    return false;
-  }
-  device_->cancel(found->second);
-  open_.erase(found);
-  return true;
+std::unique_ptr<Device> UsbPassThroughConfiguration::make(Site& site) const {
+  return std::make_unique<UsbPassThroughDevice>(*this, site);
 }
 
 }  // namespace rigwire::hil

@@ -1,58 +1,24 @@
-// A real USB device, passed on: what this machine's libusb has opened, a client of the rig's USB
-// bus attaches as if it were plugged in there.
-//
-// Descriptors are read from the device once. Class and vendor requests and transfers go to the
-// device and back; the standard requests are answered here (usb_standard_requests.h), so that
-// alternate settings other than the first, and other configurations, are not reachable. A halt of
-// an endpoint is cleared on the device at once, as the client's CLEAR_FEATURE does not reach it.
-// Isochronous endpoints do not exist here. A client that takes the device does not reset it.
-//
-// The device answers in wall time, so that this makes sense under a clock that follows it only.
+// A real USB device of this machine as a device of the rig: opened by libusb, exported by the rig's
+// USB bus.
 #pragma once
 
-#include <map>
 #include <memory>
+#include <string>
 
-#include "drivers/usb_device_handle.h"
-#include "emulators/usb/usb_device.h"
+#include "hil/devices/device_configuration.h"
 
 namespace rigwire::hil {
 
-class UsbPassThrough final : public emulators::UsbDevice {
- public:
-  /// Takes all interfaces from the kernel's drivers. Throws drivers::EndpointError.
-  explicit UsbPassThrough(std::unique_ptr<drivers::UsbDeviceHandle> device);
-  ~UsbPassThrough() override;
+struct UsbPassThroughConfiguration final : DeviceConfigurationOf<UsbPassThroughConfiguration> {
+  std::string device;  ///< See drivers/usb_selector.h.
 
-  [[nodiscard]] const protocols::usb::DeviceDescription& description() const override {
-    return description_;
-  }
-  void plugged(SimTime now, emulators::UsbHost& host) override;
-  void unplugged(SimTime now) override;
-  void control(SimTime now, emulators::UsbTransfer transfer, const protocols::usb::Setup& setup,
-               std::span<const std::uint8_t> data) override;
-  void read(SimTime now, emulators::UsbTransfer transfer, std::uint8_t endpoint,
-            std::size_t length) override;
-  void write(SimTime now, emulators::UsbTransfer transfer, std::uint8_t endpoint,
-             std::span<const std::uint8_t> data) override;
-  [[nodiscard]] bool cancel(SimTime now, emulators::UsbTransfer transfer) override;
-  void advance(SimTime now) override { now_ = now; }
-
-  [[nodiscard]] const drivers::UsbDeviceHandle& device() const { return *device_; }
-
- private:
-  using Outcome = protocols::usb::Outcome;
-  /// The completion of a transfer that the client knows as `transfer`.
-  [[nodiscard]] drivers::UsbDeviceHandle::Done passing_on(emulators::UsbTransfer transfer,
-                                                          std::uint8_t endpoint);
-
-  std::unique_ptr<drivers::UsbDeviceHandle> device_;
-  protocols::usb::DeviceDescription description_;
-  emulators::UsbHost* host_ = nullptr;
-  SimTime now_ = kStart;
-  /// The client's numbers to the device's.
-  std::map<emulators::UsbTransfer, drivers::UsbDeviceHandle::Transfer> open_;
-  std::uint64_t client_ = 0;  ///< Counts them; what a client before began concerns nobody.
+  void visit(fields::Visitor& v) override;
+  void validate() const override;
+  void check(const std::string& at, RigCheck& check) const override;
+  [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
+  [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;
+  [[nodiscard]] DeviceDescription describe() const override;
+  [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
 };
 
 }  // namespace rigwire::hil

@@ -1,11 +1,85 @@
 #include "hil/devices/valve_driver.h"
 
+#include <fmt/format.h>
+
 #include <stdexcept>
 
+#include "fields/visitor.h"
 #include "hil/configuration/problems.h"
+#include "hil/devices/device.h"
+#include "hil/devices/rig_check.h"
+#include "hil/devices/site.h"
+#include "hil/executive/station.h"
 #include "hil/files/valve_map_file.h"
 
 namespace rigwire::hil {
+
+using fields::IntegerRule;
+
+namespace {
+
+ModbusLineConfiguration own_line(const ValveDriverConfiguration& configuration) {
+  ModbusLineConfiguration line;
+  line.address = configuration.address;
+  line.port = configuration.port;
+  line.allow_remote = configuration.allow_remote;
+  line.response_delay.typical = configuration.processing_delay;
+  return line;
+}
+
+class ValveDriverDevice final : public Device {
+ public:
+  /// `shared` is null when the driver has a TCP server of its own.
+  ValveDriverDevice(const ValveDriverConfiguration& configuration, Site& site, ModbusLine* shared)
+      : own_(shared != nullptr
+                 ? nullptr
+                 : make_modbus_line(own_line(configuration), site.io(), site.device_seed())),
+        line_(shared != nullptr ? *shared : *own_),
+        driver_(driver_settings(configuration)),
+        station_(driver_, driver_) {
+    line_.add_unit(configuration.unit, driver_.unit());
+  }
+
+  [[nodiscard]] DeviceIndex enlist(Executive& executive) {
+    const DeviceIndex index = executive.add(station_);
+    if (own_ != nullptr) {
+      own_->start(executive);
+    }
+    return index;
+  }
+
+  [[nodiscard]] const emulators::ValveBackend* valves() const override { return &driver_; }
+  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return line_.endpoint(); }
+  /// Requests to this unit; the rest of the statistics is the line's.
+  [[nodiscard]] std::uint64_t frames() const override {
+    const emulators::ReceiveCounters requests = driver_.received();
+    return requests.accepted + requests.ignored + requests.malformed;
+  }
+  [[nodiscard]] std::uint64_t dropped() const override { return line_.statistics().dropped; }
+  [[nodiscard]] const WireStatistics& statistics() const override { return line_.statistics(); }
+  [[nodiscard]] const emulators::Device& emulator() const override { return driver_; }
+
+ private:
+  std::unique_ptr<ModbusLine> own_;
+  ModbusLine& line_;
+  emulators::ValveDriver driver_;
+  ValveStation station_;
+};
+
+/// The wire of the line that it is on.
+std::string modbus_wire(const RigView& rig, const ValveDriverConfiguration& device) {
+  const auto line = rig.modbus.find(device.line);
+  if (line == rig.modbus.end()) {
+    return fmt::format("modbus tcp {}:{}", device.address, device.port);
+  }
+  const ModbusLineConfiguration& shared = line->second;
+  return shared.wire == emulators::ModbusWire::rtu
+             ? fmt::format("{}: modbus rtu {} {} bit/s", line->first, shared.path,
+                           shared.line.timing.baud)
+             : fmt::format("{}: modbus tcp {}:{}", line->first, shared.address, shared.port);
+}
+
+}  // namespace
 
 emulators::ValveDriverSettings driver_settings(const ValveDriverConfiguration& configuration) {
   emulators::ValveDriverSettings settings = configuration.driver;
@@ -15,12 +89,71 @@ emulators::ValveDriverSettings driver_settings(const ValveDriverConfiguration& c
   return settings;
 }
 
-void validate(const ValveDriverConfiguration& p) {
+void ValveDriverConfiguration::visit(fields::Visitor& v) {
+  v.text("line", line, "One of the rig's Modbus lines; empty = a TCP server of its own.");
+  v.integer("unit", unit, IntegerRule{1, 247}, "Modbus unit.");
+  if (line.empty()) {
+    v.text("address", address, "Where it listens.");
+    v.integer("port", port, IntegerRule{1, 65535}, "TCP; the standard port 502 needs privileges.");
+    v.boolean("allow_remote", allow_remote, "Permits listening where other machines reach it.");
+    v.duration("processing_delay", processing_delay, {0, 1'000'000'000},
+               "From a request to its answer.");
+  } else {
+    for (const char* key : {"address", "port", "allow_remote", "processing_delay"}) {
+      v.refused(key, "the line has its own");
+    }
+  }
+  v.file("map", map, "Registers from a file (docs/your-own-valve.md); empty: Rigwire's own.");
+  emulators::visit(v, driver);
+}
+
+void ValveDriverConfiguration::validate() const {
   try {
-    validate(driver_settings(p));
+    emulators::validate(driver_settings(*this));
   } catch (const ConfigurationError& error) {
     throw std::invalid_argument(error.what());
   }
+}
+
+void ValveDriverConfiguration::check(const std::string& at, RigCheck& check) const {
+  if (line.empty()) {
+    check.listener(at, address, port, allow_remote);
+  } else if (check.modbus_line(at, line)) {
+    check.claim(at + ".unit", fmt::format("{} unit {}", line, unit), std::to_string(unit));
+  }
+  check.valve_block(at);
+}
+
+DevicePlan ValveDriverConfiguration::plan(const RigView& rig) const {
+  return {modbus_wire(rig, *this), "on request", "",
+          fmt::format("unit {}, {} sections, watchdog {}", unit, driver.amplifier.sections.size(),
+                      fields::print_duration(driver.amplifier.parameters.watchdog.count()))};
+}
+
+std::optional<BusShare> ValveDriverConfiguration::bus_share(std::string_view /*name*/) const {
+  return std::nullopt;
+}
+
+DeviceDescription ValveDriverConfiguration::describe() const {
+  DeviceDescription description;
+  description.quantities = quantities_of(emulators::ValveDriver(driver));
+  description.wire = "Modbus TCP server, default 127.0.0.1:1502";
+  description.document =
+      "MODBUS Application Protocol Specification V1.1b3; Messaging on TCP/IP Implementation Guide "
+      "V1.0b; register map in docs/devices/valve-driver.md";
+  description.messages = {
+      {"03 read holding registers", "on request", "set points, ramps, watchdog"},
+      {"04 read input registers", "on request", "spools, pressures, swing encoder, faults"},
+      {"06, 16, 22, 23 write registers", "on request", "control word, set points, parameters"},
+      {"17, 43/14 identification", "on request", "vendor, product, revision"}};
+  return description;
+}
+
+std::unique_ptr<Device> ValveDriverConfiguration::make(Site& site) const {
+  auto device =
+      std::make_unique<ValveDriverDevice>(*this, site, line.empty() ? nullptr : &site.modbus(line));
+  site.world().add_valves(device->enlist(site.executive()));
+  return device;
 }
 
 }  // namespace rigwire::hil

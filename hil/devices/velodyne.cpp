@@ -1,11 +1,40 @@
 #include "hil/devices/velodyne.h"
 
-#include <cassert>
+#include <fmt/format.h>
 
+#include <array>
+#include <cassert>
+#include <optional>
+#include <utility>
+
+#include "drivers/http_server.h"
+#include "drivers/udp_socket.h"
+#include "emulators/null_output.h"
+#include "emulators/velodyne/velodyne_lidar.h"
+#include "emulators/velodyne/web_interface.h"
+#include "fields/visitor.h"
+#include "hil/devices/device.h"
+#include "hil/devices/rig_check.h"
+#include "hil/devices/site.h"
+#include "hil/executive/station.h"
 #include "hil/files/lidar_calibration_file.h"
+#include "hil/wires/outlets.h"
+#include "hil/world/lidar.h"
+#include "protocols/velodyne/data_packet.h"
+#include "protocols/velodyne/packet_layout.h"
+#include "sim/imu/imu_sensor.h"
 
 namespace rigwire::hil {
+
+namespace velodyne = protocols::velodyne;
+using fields::Choice;
+using fields::IntegerRule;
+
 namespace {
+
+constexpr std::array<Choice<SourcePorts>, 2> kSourcePorts{
+    {{SourcePorts::any, "any", "The system chooses them."},
+     {SourcePorts::model, "model", "As the sensor: the destination's, or 443."}}};
 
 using emulators::VelodyneTimeSource;
 
@@ -31,7 +60,207 @@ emulators::VelodyneSettings settings_but_calibration(const VelodyneConfiguration
   return settings;
 }
 
+/// Whether it may send there: loopback, or anywhere with `allow_remote`.
+bool permits(const VelodyneConfiguration& p, std::string_view address) {
+  return p.allow_remote || address.starts_with("127.");
+}
+
+/// How often the lidar's housing is looked at: about as often as it tells of it.
+constexpr Duration kMotionPeriod = std::chrono::milliseconds(5);
+
+/// Hands the motion of the housing to the lidar, whose own samples are its firings.
+class MotionInput final : public emulators::Device, public emulators::ImuBackend {
+ public:
+  explicit MotionInput(emulators::VelodyneLidar& lidar) : lidar_(lidar) {}
+  void advance(SimTime /*now*/) override {}
+  [[nodiscard]] SimTime next_event() const override { return kNever; }
+  [[nodiscard]] SamplePlan sample_plan() const override {
+    return {kStart + kMotionPeriod, kMotionPeriod};
+  }
+  [[nodiscard]] emulators::ReceiveCounters received() const override { return {}; }
+  [[nodiscard]] double nominal_rate_hz() const override { return 0.0; }
+  [[nodiscard]] std::span<const emulators::Quantity> quantities() const override { return {}; }
+  void update(const ImuSample& sample) override { lidar_.observe_motion(sample); }
+
+ private:
+  emulators::VelodyneLidar& lidar_;
+};
+
+/// The socket from which packets go to that port.
+drivers::UdpSettings socket_settings(const VelodyneConfiguration& configuration,
+                                     std::uint16_t port) {
+  drivers::UdpSettings settings;
+  settings.destination = drivers::UdpEndpoint{configuration.lidar.host_address, port};
+  settings.broadcast = true;  // where it may go is checked against the rig's permission
+  const std::string& source = configuration.source_address;
+  const bool as_model = configuration.source_ports == SourcePorts::model;
+  if (!source.empty() || as_model) {
+    const std::uint16_t fixed = model_of(configuration).source_port;
+    settings.bind = drivers::UdpEndpoint{source.empty() ? "0.0.0.0" : source,
+                                         as_model ? fixed : std::uint16_t{0}};
+    settings.source_port_follows = as_model && fixed == 0;
+  }
+  return settings;
+}
+
+class VelodyneDevice final : public Device, private FixListener {
+ public:
+  VelodyneDevice(const VelodyneConfiguration& configuration, Site& site)
+      : VelodyneDevice(configuration, site, settings_of(configuration)) {}
+
+  [[nodiscard]] DeviceIndex enlist(Executive& executive) {
+    const DeviceIndex index = executive.add(station_);
+    executive.add(data_outlet_);
+    executive.add(position_outlet_);
+    if (server_) {
+      server_->start([this, &executive](const drivers::HttpRequest& request) {
+        return answer(client_arrived(executive), request);
+      });
+    }
+    return index;
+  }
+
+  /// Adds the station that hears how the lidar moves, when the device reports it. Once, after
+  /// enlist().
+  [[nodiscard]] std::optional<DeviceIndex> enlist_motion(Executive& executive) {
+    if (model_of(configuration_).position_layout != velodyne::PositionLayout::inertial) {
+      return std::nullopt;
+    }
+    return executive.add(motion_station_);
+  }
+
+  void connect(const Neighbours& neighbours) override {
+    const bool any = configuration_.time_source == VelodyneConfiguration::kAutomaticTimeSource;
+    if (FixSource* source = neighbours.fixes_of(any ? "" : configuration_.time_source)) {
+      source->inform(*this);
+    }
+  }
+
+  [[nodiscard]] const emulators::VelodyneLidar& emulator() const override { return lidar_; }
+  [[nodiscard]] TruthRole truth_role() const override { return TruthRole::lidar; }
+  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return data_.status(); }
+  [[nodiscard]] std::uint64_t dropped() const override {
+    return statistics().dropped + lidar_.packets_lost();
+  }
+
+ private:
+  VelodyneDevice(const VelodyneConfiguration& configuration, Site& site,
+                 emulators::VelodyneSettings settings)
+      : configuration_(configuration),
+        io_(site.io()),
+        data_(site.io(), socket_settings(configuration, configuration.lidar.data_port)),
+        position_(site.io(), position_settings(configuration)),
+        data_outlet_(data_, own_statistics()),
+        position_outlet_(position_, own_statistics()),
+        lidar_(seeded(std::move(settings), site), site.calendar(), data_outlet_, position_outlet_),
+        station_(lidar_, lidar_),
+        web_(lidar_, {.silent_refusals = configuration.web.silent_refusals,
+                      .objection = [this](const auto& live) { return objection(live); }}) {
+    if (configuration.web.port != 0) {
+      drivers::HttpServerSettings server;
+      server.address = configuration.web.address;
+      server.port = configuration.web.port;
+      server.allow_remote = configuration.allow_remote;
+      server_.emplace(site.io(), server);
+    }
+  }
+
+  void observe_fix(const GnssSample& sample) override { lidar_.observe_fix(sample); }
+
+  static emulators::VelodyneSettings seeded(emulators::VelodyneSettings settings,
+                                            const Site& site) {
+    settings.fault_seed = site.device_seed();
+    return settings;
+  }
+
+  static drivers::UdpSettings position_settings(const VelodyneConfiguration& configuration) {
+    drivers::UdpSettings settings =
+        socket_settings(configuration, configuration.lidar.telemetry_port);
+    if (model_of(configuration).source_port != 0) {
+      settings.bind.reset();  // the data packets have the port; this model sends no others
+    }
+    return settings;
+  }
+
+  /// Why packets cannot go where these settings want them; empty: they can.
+  [[nodiscard]] std::string objection(const emulators::VelodyneLiveSettings& live) const {
+    if (!permits(configuration_, live.host_address)) {
+      return fmt::format("{} is outside this machine; the rig does not permit it (allow_remote)",
+                         live.host_address);
+    }
+    try {
+      drivers::UdpSettings trial;
+      trial.destination = drivers::UdpEndpoint{live.host_address, live.data_port};
+      trial.broadcast = true;
+      if (!configuration_.source_address.empty()) {
+        trial.bind = drivers::UdpEndpoint{configuration_.source_address, 0};
+      }
+      const drivers::UdpSocket socket(io_, trial);
+    } catch (const drivers::EndpointError& refusal) {
+      return refusal.what();
+    }
+    return {};
+  }
+
+  drivers::HttpResponse answer(SimTime now, const drivers::HttpRequest& request) {
+    if (lidar_.starting_up(now)) {
+      return {503, "text/plain", "the sensor starts up\n", {}, true};
+    }
+    emulators::WebResponse response =
+        web_.answer(now, {request.method, request.target, request.body});
+    if (std::exchange(destination_changes_, lidar_.destination_changes()) !=
+        lidar_.destination_changes()) {
+      follow_destination();
+    }
+    return {response.status, std::move(response.content_type), std::move(response.body),
+            std::move(response.allow), response.close};
+  }
+
+  /// A port that turns out to be taken on our side leaves the packets where they went before.
+  void follow_destination() {
+    const auto data = lidar_.data_destination();
+    const auto position = lidar_.position_destination();
+    (void)data_.retarget({data.address, data.port});
+    (void)position_.retarget({position.address, position.port});
+  }
+
+  const VelodyneConfiguration configuration_;
+  boost::asio::io_context& io_;
+  drivers::UdpSocket data_;
+  drivers::UdpSocket position_;
+  DatagramOutlet data_outlet_;
+  DatagramOutlet position_outlet_;
+  emulators::VelodyneLidar lidar_;
+  LidarStation station_;
+  MotionInput motion_{lidar_};
+  ImuStation motion_station_{motion_, motion_};
+  emulators::VelodyneWebInterface web_;
+  std::uint32_t destination_changes_ = lidar_.destination_changes();
+  std::optional<drivers::HttpServer> server_;
+};
+
+std::string document_of(std::string_view model) {
+  if (model.starts_with("HDL-32")) {
+    return "Velodyne HDL-32E user's manual 63-9113 Rev. E and H";
+  }
+  if (model.starts_with("HDL-64")) {
+    return "Velodyne HDL-64E S2 and S2.1 user's manual, S3 user's manual 63-HDL64ES3 Rev. J";
+  }
+  if (model.starts_with("VLP-32")) {
+    return "Velodyne VLP-32C user's manual 63-9325 Rev. B";
+  }
+  if (model.starts_with("VLS")) {
+    return "Velodyne VLS-128 user's manual 63-9483 Rev. A (draft)";
+  }
+  return "Velodyne VLP-16 user's manual 63-9243 Rev. D";
+}
+
 }  // namespace
+
+VelodyneConfiguration::VelodyneConfiguration(std::string_view model) {
+  lidar.model = model;
+  lidar.host_address = "127.0.0.1";
+}
 
 emulators::VelodyneSettings settings_of(const VelodyneConfiguration& p) {
   emulators::VelodyneSettings settings = settings_but_calibration(p);
@@ -47,15 +276,124 @@ const protocols::velodyne::Model& model_of(const VelodyneConfiguration& p) {
   return *model;
 }
 
-bool permits(const VelodyneConfiguration& p, std::string_view address) {
-  return p.allow_remote || address.starts_with("127.");
+void visit(fields::Visitor& v, LidarWebConfiguration& p) {
+  v.text("address", p.address, "Where it listens, an IPv4 address.");
+  v.integer("port", p.port, IntegerRule{0, 65535}, "0 = there is none.");
+  v.boolean("silent_refusals", p.silent_refusals, "Answers success to what it refuses, too.");
 }
 
-void validate(const VelodyneConfiguration& p) {
-  validate(settings_but_calibration(p));
-  validate(p.sensor.beam);
-  validate(p.sensor.images);
-  validate(p.sensor.rotor);
+void VelodyneConfiguration::visit(fields::Visitor& v) {
+  emulators::visit(v, lidar);
+  v.boolean("allow_remote", allow_remote, "Permits addresses outside this machine.");
+  v.text("source_address", source_address, "Of the packets; empty = the system chooses.");
+  v.choice("source_ports", source_ports, kSourcePorts, "Of the packets.");
+  const bool has_status_channel = model_of(*this).status_channel;
+  if (!has_status_channel) {
+    v.section("web", web, "The sensor's web interface.");
+  }
+  if (has_status_channel) {
+    v.file("calibration", calibration_file, "Of the unit, YAML; empty = nominal.");
+  }
+  v.text("time_source", time_source,
+         "Satellite receiver; auto = the first one, locked; or ideal, pulse, none.");
+  v.section("mount", mount, "Of the spin axis.");
+  v.section("sensor", sensor, "How well it measures.");
+  v.list("faults", faults, "What goes wrong, and when.");
+}
+
+void VelodyneConfiguration::validate() const {
+  emulators::validate(settings_but_calibration(*this));
+  sim::validate(sensor.beam);
+  sim::validate(sensor.images);
+  sim::validate(sensor.rotor);
+}
+
+void VelodyneConfiguration::check(const std::string& at, RigCheck& check) const {
+  const auto claim_port = [&](const char* key, const std::string& where, std::uint16_t port) {
+    check.claim(at + key, fmt::format("{}:{}", where, port), std::to_string(port));
+  };
+  check.address(at + ".address", lidar.host_address, allow_remote);
+  check.link(at + ".mount.link", mount.link);
+  claim_port(".port", "udp " + lidar.host_address, lidar.data_port);
+  if (model_of(*this).position_layout != velodyne::PositionLayout::none) {
+    claim_port(".position_port", "udp " + lidar.host_address, lidar.telemetry_port);
+  }
+  if (!source_address.empty()) {
+    check.address(at + ".source_address", source_address, true);
+  }
+  if (web.port != 0) {
+    check.address(at + ".web.address", web.address, allow_remote);
+    claim_port(".web.port", "tcp " + web.address, web.port);
+  }
+  check.receiver(at + ".time_source", time_source,
+                 {std::string(kAutomaticTimeSource), std::string(kIdealTimeSource),
+                  std::string(kPulseTimeSource), std::string(kNoTimeSource)});
+}
+
+DevicePlan VelodyneConfiguration::plan(const RigView& /*rig*/) const {
+  const double packets_hz = 1e9 / velodyne::packet_period_ns(model_of(*this), lidar.return_mode);
+  std::string wire = fmt::format("udp {}:{}", lidar.host_address, lidar.data_port);
+  if (model_of(*this).position_layout != velodyne::PositionLayout::none) {
+    wire += fmt::format(" and {}", lidar.telemetry_port);
+  }
+  if (web.port != 0) {
+    wire += fmt::format("; http {}:{}", web.address, web.port);
+  }
+  return {wire, fmt::format("{:.1f} packets/s", packets_hz),
+          fmt::format("{:.0f} B/s", packets_hz * velodyne::kDataPacketSize),
+          fmt::format("{:.0f} rpm", lidar.rotor_rpm)};
+}
+
+std::optional<BusShare> VelodyneConfiguration::bus_share(std::string_view /*name*/) const {
+  return std::nullopt;
+}
+
+DeviceDescription VelodyneConfiguration::describe() const {
+  emulators::NullByteOutput output;
+  const emulators::VelodyneLidar device(settings_of(*this), some_calendar(), output, output);
+  DeviceDescription description;
+  description.quantities = quantities_of(device);
+  description.page = "docs/devices/velodyne.md";  // of the whole series
+  const velodyne::Model& model = model_of(*this);
+  const double data_hz = 1e9 / velodyne::packet_period_ns(model, velodyne::ReturnMode::strongest);
+  const bool positions = model.position_layout != velodyne::PositionLayout::none;
+  description.wire = positions ? "UDP: data packets to port 2368, position packets to port 8308"
+                               : "UDP: data packets to port 2368";
+  description.document = document_of(model.name);
+  description.messages = {
+      {"data packet", fmt::format("{:.1f} /s", data_hz),
+       fmt::format("1206 bytes: {} firings of {} lasers, azimuth, time of hour",
+                   velodyne::firings_per_packet(model, velodyne::ReturnMode::strongest),
+                   model.lasers.size())}};
+  if (positions) {
+    description.messages.push_back({"position packet",
+                                    fmt::format("{:.1f} /s", device.nominal_rate_hz() - data_hz),
+                                    "512 bytes: time of hour, PPS state, $GPRMC sentence"});
+  } else {
+    description.messages.push_back(
+        {"status channel", "each data packet", "2 bytes: time, state and calibration by turns"});
+  }
+  if (!model.status_channel) {
+    description.wire += "; HTTP where `web.port` is set";
+    description.messages.push_back(
+        {"web interface", "on request", "settings, status, diagnostics (velodyne-web.md)"});
+  }
+  return description;
+}
+
+std::unique_ptr<Device> VelodyneConfiguration::make(Site& site) const {
+  auto device = std::make_unique<VelodyneDevice>(*this, site);
+  const emulators::LidarBackend& backend = device->emulator();
+  auto caster = make_lidar_sensor(
+      sensor, {backend.pattern(), device->emulator().sample_plan(), backend.command()}, site.seed(),
+      site.name());
+  site.world().add_lidar(device->enlist(site.executive()), site.mount(mount), std::move(caster),
+                         backend.pattern());
+  if (const auto motion = device->enlist_motion(site.executive())) {
+    site.world().add_imu(*motion, site.mount(mount),
+                         sim::ImuSensor(sim::perfect_imu(), site.seed(), site.name() + "/motion"));
+  }
+  return device;
 }
 
 }  // namespace rigwire::hil

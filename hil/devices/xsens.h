@@ -1,10 +1,11 @@
 // Xsens MTi-600: bus, mount, messages with their rates, and sensor.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "emulators/xsens/mti_600.h"
-#include "fields/visitor.h"
+#include "hil/devices/device_configuration.h"
 #include "hil/world/mount.h"
 #include "sim/imu/imu_sensor.h"
 #include "sim/imu/magnetometer.h"
@@ -12,26 +13,20 @@
 namespace rigwire::hil {
 
 /// Xsens MTi-600 on a CAN bus.
-struct XsensMtiConfiguration {
-  static constexpr fields::Named kNamed{"xsens-mti-600", "Xsens MTi-600 inertial unit on CAN."};
-
+struct XsensMtiConfiguration final : DeviceConfigurationOf<XsensMtiConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   MountConfiguration mount;
   emulators::MtiSettings mti;
   sim::ImuParameters sensor;
   sim::MagnetometerConfiguration magnetometer;
+
+  void visit(fields::Visitor& v) override;
+  void validate() const override;
+  void check(const std::string& at, RigCheck& check) const override;
+  [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
+  [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;
+  [[nodiscard]] DeviceDescription describe() const override;
+  [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
 };
-
-inline void visit(fields::Visitor& v, XsensMtiConfiguration& p) {
-  v.text("bus", p.bus, "One of the rig's buses.");
-  visit(v, p.mti);
-  v.section("mount", p.mount, "Of the sensor's axes.");
-  v.section("sensor", p.sensor, "How well it measures.");
-  v.section("magnetometer", p.magnetometer, "The Earth's field as it reads it.");
-}
-
-inline void validate(const XsensMtiConfiguration& p) {
-  validate(p.mti);
-}
 
 }  // namespace rigwire::hil

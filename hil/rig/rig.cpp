@@ -5,16 +5,10 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "hil/devices/starfire_line.h"
-#include "hil/devices/usb_joystick_line.h"
-#include "hil/devices/usb_passthrough_line.h"
-#include "hil/devices/valve_driver_line.h"
-#include "hil/devices/velodyne_line.h"
 #include "hil/files/geoid_file.h"
 #include "hil/files/mesh_file.h"
 #include "hil/wires/can_hop.h"
 #include "hil/wires/rig_usb.h"
-#include "hil/world/lidar.h"
 #include "hil/world/machine.h"
 #include "hil/world/scene.h"
 #include "hil/world/scene_fall_obstacle.h"
@@ -52,15 +46,6 @@ sim::Scene::MeshId add_shape(sim::Scene& scene, const Shape& shape) {
     vertex *= static_cast<float>(mesh.scale);
   }
   return scene.add_mesh(loaded);
-}
-
-std::optional<sim::Magnetometer> make_magnetometer(
-    const sim::MagnetometerConfiguration& configuration, std::uint64_t seed,
-    const std::string& name) {
-  if (!configuration.present) {
-    return std::nullopt;
-  }
-  return sim::Magnetometer(parameters_of(configuration), seed, name);
 }
 
 SimulatedWorld make_world(const RigConfiguration& configuration, const sim::LocalFrame& frame) {
@@ -156,6 +141,67 @@ struct Rig::Bus {
   CanLine line;
 };
 
+/// The rig as one of its devices sees it while it is made.
+class Rig::DeviceSite final : public Site {
+ public:
+  DeviceSite(Rig& rig, const std::string& name) : rig_(rig), name_(name) {}
+
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  [[nodiscard]] std::uint64_t seed() const override { return rig_.configuration_.seed; }
+  [[nodiscard]] std::uint64_t device_seed() const override {
+    return sim::RandomStream(seed(), name_ + "/line").bits();
+  }
+  [[nodiscard]] const Calendar& calendar() const override { return rig_.calendar_; }
+  [[nodiscard]] boost::asio::io_context& io() override { return rig_.io_; }
+  [[nodiscard]] Executive& executive() override { return rig_.executive_; }
+  [[nodiscard]] CanLine& bus(const std::string& bus) override { return rig_.buses_.at(bus)->line; }
+  [[nodiscard]] ModbusLine& modbus(const std::string& line) override {
+    return *rig_.modbus_lines_.at(line);
+  }
+  [[nodiscard]] UsbBus& usb() override { return rig_.usb(); }
+  [[nodiscard]] SimulatedWorld& world() override { return rig_.world_; }
+  [[nodiscard]] const std::shared_ptr<const sim::Constellation>& satellites() const override {
+    return rig_.satellites_;
+  }
+  [[nodiscard]] const sim::LocalFrame& frame() const override { return rig_.frame_; }
+  [[nodiscard]] SensorMount mount(const MountConfiguration& mount) const override {
+    return sensor_mount(rig_.configuration_.machine, mount);
+  }
+  [[nodiscard]] std::size_t link(const std::string& link) const override {
+    return mount({link, {}, {}}).link;
+  }
+
+ private:
+  Rig& rig_;
+  const std::string& name_;
+};
+
+class Rig::DeviceNeighbours final : public Neighbours {
+ public:
+  explicit DeviceNeighbours(const Rig& rig) : rig_(rig) {}
+
+  [[nodiscard]] FixSource* fixes_of(const std::string& name) const override {
+    for (const NamedDevice& device : rig_.devices_) {
+      FixSource* fixes = device.device->fixes();
+      if (fixes != nullptr && (name.empty() || name == device.name)) {
+        return fixes;
+      }
+    }
+    return nullptr;
+  }
+  [[nodiscard]] const emulators::ValveBackend* valves() const override {
+    for (const NamedDevice& device : rig_.devices_) {
+      if (const emulators::ValveBackend* valves = device.device->valves()) {
+        return valves;
+      }
+    }
+    return nullptr;
+  }
+
+ private:
+  const Rig& rig_;
+};
+
 Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
          const TruthFiles& truth)
     : configuration_(configuration),
@@ -175,7 +221,8 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
     for (const auto& [bus_name, bus] : buses_) {
       bus->line.begin_device(name);
     }
-    add_device(name, device);
+    DeviceSite site(*this, name);
+    devices_.push_back({name, device.settings().make(site)});
   }
   for (const auto& [name, bus] : configuration_.buses) {
     if (!bus.faults.empty()) {
@@ -183,19 +230,26 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
           bus.faults, sim::RandomStream(configuration_.seed, name + "/faults").bits()));
     }
   }
-  connect_receivers();
-  connect_joysticks();
+  const DeviceNeighbours neighbours(*this);
+  for (const NamedDevice& device : devices_) {
+    device.device->connect(neighbours);
+  }
   open_taps(truth);
 }
 
 void Rig::open_taps(const TruthFiles& files) {
   std::vector<std::string> antennas;
   std::vector<std::string> lidars;
-  for (const Device& device : devices_) {
-    if (dynamic_cast<const GnssLine*>(device.line.get()) != nullptr) {
-      antennas.push_back(device.name);
-    } else if (dynamic_cast<const LidarLine*>(device.line.get()) != nullptr) {
-      lidars.push_back(device.name);
+  for (const NamedDevice& device : devices_) {
+    switch (device.device->truth_role()) {
+      case TruthRole::antenna:
+        antennas.push_back(device.name);
+        break;
+      case TruthRole::lidar:
+        lidars.push_back(device.name);
+        break;
+      case TruthRole::none:
+        break;
     }
   }
   if (!files.machine.empty()) {
@@ -236,112 +290,6 @@ void Rig::open_modbus_line(const std::string& name, const ModbusLineConfiguratio
   modbus_lines_.emplace(name, std::move(line));
 }
 
-void Rig::add_device(const std::string& name, const DeviceConfiguration& configuration) {
-  const std::uint64_t seed = configuration_.seed;
-  const LineContext context{io_, calendar_, sim::RandomStream(seed, name + "/line").bits(), name,
-                            [this]() -> UsbBus& { return usb(); }};
-  const auto mount = [this](const MountConfiguration& place) {
-    return sensor_mount(configuration_.machine, place);
-  };
-  if (const UbloxConfiguration* gnss = as_ublox(configuration.settings)) {
-    sim::GnssParameters sensor = gnss->sensor;
-    sensor.faults = signal_faults(gnss->faults);
-    auto line = make_line(*gnss, context);
-    world_.add_gnss(line->enlist(executive_), mount(gnss->mount),
-                    sim::GnssSensor(sensor, satellites_, calendar_, frame_, seed, name));
-    devices_.push_back({name, std::move(line)});
-  } else if (const auto* starfire = std::get_if<StarFireConfiguration>(&configuration.settings)) {
-    sim::GnssParameters sensor = starfire->sensor;
-    sensor.faults = signal_faults(starfire->faults);
-    auto line = make_line(*starfire, context,
-                          starfire->bus.empty() ? nullptr : &buses_.at(starfire->bus)->line);
-    world_.add_gnss(line->enlist(executive_), mount(starfire->mount),
-                    sim::GnssSensor(sensor, satellites_, calendar_, frame_, seed, name));
-    devices_.push_back({name, std::move(line)});
-  } else if (const VelodyneConfiguration* lidar = as_velodyne(configuration.settings)) {
-    auto line = make_line(*lidar, context);
-    const emulators::LidarBackend& backend = line->backend();
-    auto sensor = make_lidar_sensor(
-        lidar->sensor, {backend.pattern(), line->device().sample_plan(), backend.command()}, seed,
-        name);
-    world_.add_lidar(line->enlist(executive_), mount(lidar->mount), std::move(sensor),
-                     backend.pattern());
-    if (const auto motion = line->enlist_motion(executive_)) {
-      world_.add_imu(*motion, mount(lidar->mount),
-                     sim::ImuSensor(sim::perfect_imu(), seed, name + "/motion"));
-    }
-    devices_.push_back({name, std::move(line)});
-  } else if (const auto* imu = as_kind<OpenImuDeviceConfiguration>(configuration.settings)) {
-    auto line = make_line(*imu, buses_.at(imu->bus)->line);
-    world_.add_imu(line->enlist(executive_), mount(imu->mount),
-                   sim::ImuSensor(imu->sensor, seed, name),
-                   make_magnetometer(imu->magnetometer, seed, name));
-    devices_.push_back({name, std::move(line)});
-  } else if (const auto* mti = std::get_if<XsensMtiConfiguration>(&configuration.settings)) {
-    auto line = make_line(*mti, context, buses_.at(mti->bus)->line);
-    world_.add_imu(line->enlist(executive_), mount(mti->mount),
-                   sim::ImuSensor(mti->sensor, seed, name),
-                   make_magnetometer(mti->magnetometer, seed, name));
-    devices_.push_back({name, std::move(line)});
-  } else if (const auto* encoder =
-                 std::get_if<EncoderDeviceConfiguration>(&configuration.settings)) {
-    auto line = make_line(*encoder, buses_.at(encoder->bus)->line);
-    const auto link = [this](const std::string& link_name) {
-      return sensor_mount(configuration_.machine, {link_name, {}, {}}).link;
-    };
-    world_.add_encoder(line->enlist(executive_), link(encoder->base), link(encoder->link),
-                       sim::JointAngle(encoder->axis - 'x'));
-    devices_.push_back({name, std::move(line)});
-  } else if (const auto* gateway =
-                 std::get_if<VehicleGatewayDeviceConfiguration>(&configuration.settings)) {
-    auto line = make_line(*gateway, buses_.at(gateway->bus)->line);
-    world_.add_vehicle(line->enlist(executive_),
-                       sim::VehicleSensors(gateway->sensor, gateway->odometry, seed, name));
-    devices_.push_back({name, std::move(line)});
-  } else if (const auto* block = std::get_if<IsoValvesConfiguration>(&configuration.settings)) {
-    auto line = make_line(*block, buses_.at(block->bus)->line);
-    world_.add_valves(line->enlist(executive_));
-    devices_.push_back({name, std::move(line)});
-  } else if (const auto* joystick =
-                 std::get_if<UsbJoystickConfiguration>(&configuration.settings)) {
-    auto line = make_line(*joystick, usb(), name);
-    line->enlist(executive_);
-    devices_.push_back({name, std::move(line)});
-  } else if (const auto* real = std::get_if<UsbPassThroughConfiguration>(&configuration.settings)) {
-    devices_.push_back({name, make_line(*real, io_, usb(), name)});
-  } else {
-    const auto& valves = std::get<ValveDriverConfiguration>(configuration.settings);
-    auto line = make_line(valves, context,
-                          valves.line.empty() ? nullptr : modbus_lines_.at(valves.line).get());
-    world_.add_valves(line->enlist(executive_));
-    devices_.push_back({name, std::move(line)});
-  }
-}
-
-void Rig::connect_receivers() {
-  for (const Device& device : devices_) {
-    auto* listener = dynamic_cast<FixListener*>(device.line.get());
-    if (listener == nullptr) {
-      continue;
-    }
-    const DeviceSettings& settings = configuration_.devices.at(device.name).settings;
-    const VelodyneConfiguration* lidar = as_velodyne(settings);
-    const std::string& source =
-        lidar != nullptr ? lidar->time_source
-                         : std::get<VehicleGatewayDeviceConfiguration>(settings).position_from;
-    for (const Device& candidate : devices_) {
-      auto* gnss = dynamic_cast<GnssLine*>(candidate.line.get());
-      const bool wanted =
-          (lidar != nullptr && source == VelodyneConfiguration::kAutomaticTimeSource) ||
-          source == candidate.name;
-      if (gnss != nullptr && wanted) {
-        gnss->inform(*listener);
-        break;
-      }
-    }
-  }
-}
-
 std::vector<std::string> Rig::wires() const {
   std::vector<std::string> lines;
   for (const auto& [name, bus] : buses_) {
@@ -349,24 +297,6 @@ std::vector<std::string> Rig::wires() const {
         fmt::format("bus {}: {} ({})", name, bus->line.endpoint().address, bus->hop.choice.why));
   }
   return lines;
-}
-
-void Rig::connect_joysticks() {
-  const auto valves = [this]() -> const emulators::ValveBackend* {
-    for (const Device& device : devices_) {
-      if (const auto* found =
-              dynamic_cast<const emulators::ValveBackend*>(&device.line->device())) {
-        return found;
-      }
-    }
-    return nullptr;
-  }();
-  for (const Device& device : devices_) {
-    auto* joystick = dynamic_cast<JoystickLine*>(device.line.get());
-    if (joystick != nullptr && valves != nullptr) {
-      joystick->follow(*valves);
-    }
-  }
 }
 
 UsbBus& Rig::usb() {
@@ -380,18 +310,18 @@ RigStatus Rig::status() const {
   RigStatus status;
   status.now = executive_.now();
   status.machine = executive_.machine_state();
-  for (const Device& device : devices_) {
-    status.devices.push_back(device.line->status(device.name, status.now));
+  for (const NamedDevice& device : devices_) {
+    status.devices.push_back(device.device->status(device.name, status.now));
   }
   return status;
 }
 
 std::vector<DeviceReport> Rig::device_reports() const {
   std::vector<DeviceReport> reports;
-  for (const Device& device : devices_) {
-    DeviceReport report{device.name, device.line->endpoint().address, device.line->frames(),
-                        device.line->statistics()};
-    report.statistics.dropped = device.line->dropped();
+  for (const NamedDevice& device : devices_) {
+    DeviceReport report{device.name, device.device->endpoint().address, device.device->frames(),
+                        device.device->statistics()};
+    report.statistics.dropped = device.device->dropped();
     reports.push_back(std::move(report));
   }
   return reports;

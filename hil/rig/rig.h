@@ -8,11 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "hil/devices/device_line.h"
-#include "hil/devices/rig_status.h"
 #include "hil/executive/executive.h"
 #include "hil/record/report.h"
 #include "hil/rig/rig_configuration.h"
+#include "hil/rig/rig_status.h"
 #include "hil/wires/rig_can.h"
 #include "hil/wires/rig_modbus.h"
 #include "hil/world/simulated_world.h"
@@ -61,16 +60,15 @@ class Rig {
  private:
   /// A CAN bus of the rig with its way to the system.
   struct Bus;
-  struct Device {
+  struct NamedDevice {
     std::string name;
-    std::unique_ptr<DeviceLine> line;
+    std::unique_ptr<Device> device;
   };
+  class DeviceSite;
+  class DeviceNeighbours;
 
   void open_bus(const std::string& name, const BusConfiguration& configuration);
   void open_modbus_line(const std::string& name, const ModbusLineConfiguration& configuration);
-  void add_device(const std::string& name, const DeviceConfiguration& configuration);
-  void connect_receivers();
-  void connect_joysticks();
   /// Opens the server when the first device asks for it.
   [[nodiscard]] UsbBus& usb();
   void open_taps(const TruthFiles& files);
@@ -84,7 +82,7 @@ class Rig {
   Executive executive_;
   std::map<std::string, std::unique_ptr<Bus>> buses_;
   std::map<std::string, std::unique_ptr<ModbusLine>> modbus_lines_;
-  std::vector<Device> devices_;
+  std::vector<NamedDevice> devices_;
   /// Null while no device is on USB. Last, because what is plugged into it must outlive it.
   std::unique_ptr<UsbServerLine> usb_;
 };

@@ -1,5 +1,7 @@
 #include "hil/rig/rig_configuration.h"
 
+#include <iterator>
+
 #include "hil/configuration/document.h"
 #include "hil/configuration/reader.h"
 
@@ -27,6 +29,48 @@ std::string config_hash(const RigConfiguration& configuration) {
 
 std::string print_rig(const LoadedRig& rig) {
   return print_yaml(outline(rig.configuration), rig.origins);
+}
+
+RigView view_of(const RigConfiguration& configuration) {
+  const auto links = link_names(configuration.machine.settings);
+  const bool excavator = std::holds_alternative<ExcavatorMachine>(configuration.machine.settings);
+  RigView view{configuration.buses,
+               configuration.modbus,
+               configuration.usb,
+               {links.begin(), links.end()},
+               excavator,
+               !excavator,
+               {}};
+  for (const auto& [name, device] : configuration.devices) {
+    if (device.settings().is_receiver()) {
+      view.receivers.push_back(name);
+    }
+  }
+  return view;
+}
+
+std::vector<std::string> devices_on(const RigConfiguration& configuration, const std::string& bus) {
+  std::vector<std::string> names;
+  for (const auto& [name, device] : configuration.devices) {
+    const auto share = device.settings().bus_share(name);
+    if (share && share->bus == bus) {
+      names.push_back(name);
+    }
+  }
+  return names;
+}
+
+std::vector<protocols::can::MessageLayout> bus_messages(const RigConfiguration& configuration,
+                                                        const std::string& bus) {
+  std::vector<protocols::can::MessageLayout> all;
+  for (const auto& [name, device] : configuration.devices) {
+    auto share = device.settings().bus_share(name);
+    if (share && share->bus == bus) {
+      all.insert(all.end(), std::move_iterator(share->messages.begin()),
+                 std::move_iterator(share->messages.end()));
+    }
+  }
+  return all;
 }
 
 }  // namespace rigwire::hil

@@ -12,6 +12,7 @@
 #include "hil/configuration/outline.h"
 #include "hil/configuration/utc.h"
 #include "hil/devices/device_types.h"
+#include "hil/devices/site.h"
 #include "hil/wires/modbus_line_configuration.h"
 #include "hil/wires/usb_configuration.h"
 #include "hil/world/machine_configuration.h"
@@ -49,7 +50,7 @@ struct RigConfiguration {
   std::map<std::string, BusConfiguration> buses;
   std::map<std::string, ModbusLineConfiguration> modbus;
   UsbConfiguration usb;
-  std::map<std::string, DeviceConfiguration> devices;
+  std::map<std::string, ConfiguredDevice> devices;
   TruthConfiguration truth;
   StatusConfiguration status;
 };
@@ -105,6 +106,19 @@ struct LoadedRig {
 
 /// The effective configuration as YAML with the origin of each value; loads to the same hash.
 [[nodiscard]] std::string print_rig(const LoadedRig& rig);
+
+/// What devices may know of the rig. Refers to the configuration.
+[[nodiscard]] RigView view_of(const RigConfiguration& configuration);
+
+/// The names of the devices on the bus.
+[[nodiscard]] std::vector<std::string> devices_on(const RigConfiguration& configuration,
+                                                  const std::string& bus);
+
+/// How the messages on a bus are laid out, each device under its name in the rig and with its
+/// configured address. Empty when the rig has no such bus. Throws std::invalid_argument for
+/// settings that make no device.
+[[nodiscard]] std::vector<protocols::can::MessageLayout> bus_messages(
+    const RigConfiguration& configuration, const std::string& bus);
 
 /// What a single field cannot know: mounts on links that exist, buses that exist, addresses and
 /// ports taken twice, wires that cannot carry what their devices send, remote addresses without

@@ -22,7 +22,7 @@
 #include "drivers/tcp_server.h"
 #include "drivers/usb_host.h"
 #include "emulators/usb/usbip_server.h"
-#include "hil/devices/usb_passthrough.h"
+#include "hil/wires/usb_passthrough.h"
 #include "protocols/gs_usb/host_frame.h"
 #include "protocols/gs_usb/requests.h"
 

@@ -1,0 +1,108 @@
+// One device of the rig at run time, with everything between its emulator and its client: endpoint,
+// outlets, statistics. One class per device type, made by the type's configuration.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "drivers/endpoints.h"
+#include "emulators/backends.h"
+#include "emulators/device.h"
+#include "hil/devices/device_configuration.h"
+#include "hil/wires/wire_statistics.h"
+#include "sim/samples/calendar.h"
+#include "sim/samples/gnss_sample.h"
+
+namespace rigwire::hil {
+
+class Executive;
+
+struct DeviceStatus {
+  std::string name;
+  std::string wire;          ///< What a client opens.
+  std::uint64_t frames = 0;  ///< Messages on the wire since the start.
+  std::uint64_t bytes = 0;
+  std::uint64_t dropped = 0;
+  double nominal_rate_hz = 0.0;  ///< Messages per simulated second; 0 when the device only answers.
+  Duration lateness_p50{0};
+  Duration lateness_p99{0};
+  Duration lateness_max{0};
+  bool client_present = false;
+  std::optional<Duration> since_client_activity;  ///< Simulated time since a client last sent.
+};
+
+/// Who hears of every fix of a satellite receiver: a lidar for its time, a vehicle gateway for its
+/// position.
+class FixListener {
+ public:
+  virtual ~FixListener() = default;
+  virtual void observe_fix(const GnssSample& sample) = 0;
+};
+
+/// A receiver's fixes, for the devices that are wired to it.
+class FixSource {
+ public:
+  virtual ~FixSource() = default;
+  /// `listener` hears of every fix from now on, and must outlive the source's use.
+  virtual void inform(FixListener& listener) = 0;
+};
+
+/// What the files of ground truth name of a device.
+enum class TruthRole { none, antenna, lidar };
+
+class Neighbours;
+
+class Device {
+ public:
+  virtual ~Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  /// Joins it with others of the rig; once, when all exist.
+  virtual void connect(const Neighbours& /*neighbours*/) {}
+
+  [[nodiscard]] virtual drivers::EndpointStatus endpoint() const = 0;
+  [[nodiscard]] virtual const emulators::Device& emulator() const = 0;
+  /// Messages on the wire so far.
+  [[nodiscard]] virtual std::uint64_t frames() const { return statistics_.units; }
+  /// Units lost before and at the endpoint.
+  [[nodiscard]] virtual std::uint64_t dropped() const { return statistics_.dropped; }
+  [[nodiscard]] virtual const WireStatistics& statistics() const { return statistics_; }
+
+  /// What others may be joined with; null where there is none.
+  [[nodiscard]] virtual FixSource* fixes() { return nullptr; }
+  [[nodiscard]] virtual const emulators::ValveBackend* valves() const { return nullptr; }
+  [[nodiscard]] virtual TruthRole truth_role() const { return TruthRole::none; }
+
+  [[nodiscard]] DeviceStatus status(const std::string& name, SimTime now) const;
+
+ protected:
+  Device() = default;
+  [[nodiscard]] WireStatistics& own_statistics() { return statistics_; }
+  /// To be called when a client has sent something; brings the devices up to the present.
+  SimTime client_arrived(Executive& executive);
+
+ private:
+  WireStatistics statistics_;
+};
+
+/// The devices of the rig, in the order of their names.
+class Neighbours {
+ public:
+  virtual ~Neighbours() = default;
+  /// The fixes of the device of that name, of the first that has any for an empty name; else null.
+  [[nodiscard]] virtual FixSource* fixes_of(const std::string& name) const = 0;
+  /// Of the first device that has any; else null.
+  [[nodiscard]] virtual const emulators::ValveBackend* valves() const = 0;
+};
+
+/// What an emulator's wire format can carry.
+[[nodiscard]] std::vector<DescribedQuantity> quantities_of(const emulators::Device& emulator);
+
+/// A calendar for emulators that are only built to be asked.
+[[nodiscard]] const Calendar& some_calendar();
+
+}  // namespace rigwire::hil

@@ -1,0 +1,100 @@
+// What the bridge asks of a device type before a run: its keys, whether they fit the rig, what it
+// will send, what it is. One class per type in this folder, listed in device_types.cpp; whoever
+// leaves an answer out does not compile. The device at run time is device.h's.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fields/rules.h"
+#include "protocols/can/message_layout.h"
+
+namespace rigwire::hil {
+
+class Device;
+class RigCheck;
+class Site;
+struct RigView;
+
+/// What a device will do, in words for `run --dry-run`.
+struct DevicePlan {
+  std::string wire;   ///< What a client opens.
+  std::string sends;  ///< "10 epochs/s".
+  std::string bytes;  ///< "720 B/s"; empty where it depends on the client.
+  std::string with;   ///< What else is worth knowing.
+};
+
+/// What a device does on a CAN bus by itself. Every member is an answer of the emulator's.
+struct BusShare {
+  std::string bus;   ///< One of the rig's.
+  double frames_hz;  ///< As configured, and as if a master had started it.
+  std::vector<protocols::can::MessageLayout> messages;  ///< For the bus's DBC file.
+};
+
+struct DeviceMessage {
+  std::string name;
+  std::string rate;
+  std::string content;
+};
+
+/// A quantity with its texts owned, as the device it was asked of is gone.
+struct DescribedQuantity {
+  std::string name;
+  std::string unit;
+  double lower = 0.0;
+  double upper = 0.0;
+  double resolution = 0.0;
+};
+
+/// What `rigwire describe` says of a type beside its keys.
+struct DeviceDescription {
+  std::string wire;
+  std::string document;  ///< Title, revision, sections.
+  std::string page;      ///< In docs/; empty: the page of the type's name.
+  std::vector<DeviceMessage> messages;
+  std::vector<DescribedQuantity> quantities;
+};
+
+class DeviceConfiguration {
+ public:
+  virtual ~DeviceConfiguration() = default;
+
+  /// Its keys. `type` is not among them.
+  virtual void visit(fields::Visitor& v) = 0;
+  /// What joins several of its own members. Throws std::invalid_argument.
+  virtual void validate() const = 0;
+  /// How it fits into the rig; `at` is "devices.gnss".
+  virtual void check(const std::string& at, RigCheck& check) const = 0;
+  /// The three below may throw std::invalid_argument for settings that make no device.
+  [[nodiscard]] virtual DevicePlan plan(const RigView& rig) const = 0;
+  /// nullopt: it is not on a CAN bus. `name` is the device's in its rig.
+  [[nodiscard]] virtual std::optional<BusShare> bus_share(std::string_view name) const = 0;
+  [[nodiscard]] virtual DeviceDescription describe() const = 0;
+  /// Opens its wire and takes its place in the executive and in the world: station, outlets, then
+  /// further stations. Throws drivers::EndpointError (environment), std::invalid_argument or
+  /// std::runtime_error (configuration).
+  [[nodiscard]] virtual std::unique_ptr<Device> make(Site& site) const = 0;
+
+  /// Whether it receives satellites, so that others can be told by it where and when they are.
+  [[nodiscard]] virtual bool is_receiver() const { return false; }
+
+  [[nodiscard]] virtual std::unique_ptr<DeviceConfiguration> copy() const = 0;
+};
+
+// For fields::Part, which finds them by the type.
+void visit(fields::Visitor& v, DeviceConfiguration& p);
+void validate(const DeviceConfiguration& p);
+
+/// Base of the classes of this folder: copies as what it is.
+template <class Type>
+class DeviceConfigurationOf : public DeviceConfiguration {
+ public:
+  [[nodiscard]] std::unique_ptr<DeviceConfiguration> copy() const override {
+    return std::make_unique<Type>(static_cast<const Type&>(*this));
+  }
+};
+
+}  // namespace rigwire::hil

@@ -1,0 +1,146 @@
+#include "hil/devices/device_types.h"
+
+#include <array>
+
+#include "fields/visitor.h"
+#include "hil/devices/iso_valves.h"
+#include "hil/devices/openimu.h"
+#include "hil/devices/rotary_encoder.h"
+#include "hil/devices/starfire.h"
+#include "hil/devices/ublox.h"
+#include "hil/devices/usb_joystick.h"
+#include "hil/devices/usb_passthrough.h"
+#include "hil/devices/valve_driver.h"
+#include "hil/devices/vehicle_gateway.h"
+#include "hil/devices/velodyne.h"
+#include "hil/devices/xsens.h"
+
+namespace rigwire::hil {
+namespace {
+
+using Fresh = std::unique_ptr<DeviceConfiguration>;
+
+template <class Type>
+Fresh fresh() {
+  return std::make_unique<Type>();
+}
+template <const emulators::UbloxProfile& (*profile)()>
+Fresh ublox() {
+  return std::make_unique<UbloxConfiguration>(profile());
+}
+template <std::size_t kSize>
+struct Text {
+  constexpr Text(const char (&text)[kSize]) {  // NOLINT: converts, so that a row can name a model
+    std::copy_n(text, kSize, characters);
+  }
+  char characters[kSize]{};
+};
+template <Text kModel>
+Fresh velodyne() {
+  return std::make_unique<VelodyneConfiguration>(kModel.characters);
+}
+template <emulators::OpenImuVariant kVariant>
+Fresh openimu() {
+  return std::make_unique<OpenImuDeviceConfiguration>(kVariant);
+}
+
+using emulators::OpenImuVariant;
+
+constexpr std::array kTypes{
+    DeviceType{{"ublox-neo-7p", "u-blox NEO-7P satellite receiver on a serial line (NMEA, UBX)."},
+               ublox<emulators::ublox_neo_7p>},
+    DeviceType{{"ublox-neo-m8", "u-blox NEO-M8 satellite receiver of several systems (NMEA, UBX)."},
+               ublox<emulators::ublox_neo_m8>},
+    DeviceType{{"ublox-neo-m8t", "u-blox NEO-M8T, the same with raw measurements (NMEA, UBX)."},
+               ublox<emulators::ublox_neo_m8t>},
+    DeviceType{
+        {"ublox-zed-f9p", "u-blox ZED-F9P satellite receiver with carrier solution (NMEA, UBX)."},
+        ublox<emulators::ublox_zed_f9p>},
+    DeviceType{{"starfire-3000", "John Deere StarFire 3000 satellite receiver (NMEA, J1939)."},
+               fresh<StarFireConfiguration>},
+    DeviceType{{"velodyne-hdl-32e", "Velodyne HDL-32E spinning lidar on UDP."},
+               velodyne<"HDL-32E">},
+    DeviceType{{"velodyne-vlp-16", "Velodyne VLP-16 (Puck) spinning lidar on UDP, web interface."},
+               velodyne<"VLP-16">},
+    DeviceType{
+        {"velodyne-puck-hi-res", "Velodyne Puck Hi-Res spinning lidar on UDP, web interface."},
+        velodyne<"Puck Hi-Res">},
+    DeviceType{
+        {"velodyne-vlp-32c", "Velodyne VLP-32C (Ultra Puck) spinning lidar on UDP, web interface."},
+        velodyne<"VLP-32C">},
+    DeviceType{{"velodyne-hdl-64e", "Velodyne HDL-64E S2 spinning lidar on UDP."},
+               velodyne<"HDL-64E S2">},
+    DeviceType{{"velodyne-vls-128",
+                "Velodyne VLS-128 (Alpha Prime) spinning lidar on UDP, web interface."},
+               velodyne<"VLS-128">},
+    DeviceType{{"openimu335ri", "ACEINNA OpenIMU335RI inertial unit on CAN (J1939)."},
+               openimu<OpenImuVariant::openimu335ri>},
+    DeviceType{{"valve-driver", "Eight-section hydraulic valve driver, Modbus TCP server."},
+               fresh<ValveDriverConfiguration>},
+    DeviceType{{"vehicle-gateway",
+                "Drive train, steering and brakes of a machine that drives, on CAN (J1939)."},
+               fresh<VehicleGatewayConfiguration>},
+    DeviceType{
+        {"openimu300ri", "ACEINNA OpenIMU300RI inertial unit on CAN (J1939), with magnetometer."},
+        openimu<OpenImuVariant::openimu300ri>},
+    DeviceType{{"xsens-mti-600", "Xsens MTi-600 inertial unit on CAN."},
+               fresh<XsensMtiConfiguration>},
+    DeviceType{{"cia406-encoder", "Absolute rotary encoder on CANopen (CiA 406), at a joint."},
+               fresh<EncoderConfiguration>},
+    DeviceType{{"iso-valves", "Block of auxiliary valves with joysticks, on CAN (ISO 11783)."},
+               fresh<IsoValvesConfiguration>},
+    DeviceType{
+        {"usb-joystick", "Levers, pedals and buttons of an excavator's operator, a USB joystick."},
+        fresh<UsbJoystickConfiguration>},
+    DeviceType{
+        {"usb-passthrough", "A real USB device of this machine, passed on by the rig's USB bus."},
+        fresh<UsbPassThroughConfiguration>},
+};
+
+/// The key `type` over the list.
+class Types final : public fields::Alternatives {
+ public:
+  explicit Types(ConfiguredDevice& device) : device_(device) {}
+  [[nodiscard]] std::vector<fields::Named> names() const override {
+    std::vector<fields::Named> names;
+    for (const DeviceType& type : kTypes) {
+      names.push_back(type.named);
+    }
+    return names;
+  }
+  [[nodiscard]] std::size_t index() const override { return device_.type_index(); }
+  void choose(std::size_t index) override { device_.choose(index); }
+  fields::Part chosen() override { return fields::Part::of(device_.settings()); }
+
+ private:
+  ConfiguredDevice& device_;
+};
+
+}  // namespace
+
+std::span<const DeviceType> device_types() {
+  return kTypes;
+}
+
+ConfiguredDevice::ConfiguredDevice() : ConfiguredDevice(kTypes.front()) {}
+
+ConfiguredDevice::ConfiguredDevice(const DeviceType& type)
+    : type_(&type), settings_(type.fresh()) {}
+
+std::size_t ConfiguredDevice::type_index() const {
+  return static_cast<std::size_t>(type_ - kTypes.data());
+}
+
+void ConfiguredDevice::choose(std::size_t index) {
+  if (index != type_index()) {
+    *this = ConfiguredDevice(kTypes.at(index));
+  }
+}
+
+void visit(fields::Visitor& v, ConfiguredDevice& p) {
+  Types types(p);
+  v.required("type");
+  v.alternatives("type", types, "Which device it is.");
+}
+
+}  // namespace rigwire::hil

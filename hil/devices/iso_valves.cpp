@@ -1,0 +1,74 @@
+#include "hil/devices/iso_valves.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <string_view>
+
+#include "emulators/iso_valve/iso_valves.h"
+#include "fields/visitor.h"
+#include "hil/devices/can_device.h"
+#include "hil/devices/rig_check.h"
+
+namespace rigwire::hil {
+namespace {
+
+class IsoValvesDevice final : public CanDeviceOf<emulators::IsoValves, ValveStation> {
+ public:
+  using CanDeviceOf::CanDeviceOf;
+  [[nodiscard]] const emulators::ValveBackend* valves() const override { return &emulator(); }
+};
+
+}  // namespace
+
+void IsoValvesConfiguration::visit(fields::Visitor& v) {
+  v.text("bus", bus, "One of the rig's buses.");
+  emulators::visit(v, valves);
+}
+
+void IsoValvesConfiguration::validate() const {
+  emulators::validate(valves);
+}
+
+void IsoValvesConfiguration::check(const std::string& at, RigCheck& check) const {
+  check.j1939_node(at, bus, valves.source_address, valves.serial);
+  check.valve_block(at);
+}
+
+DevicePlan IsoValvesConfiguration::plan(const RigView& rig) const {
+  return j1939_plan(rig, bus, valves.source_address, bus_share({})->frames_hz,
+                    fmt::format("{} sections, neutral {} after the last command",
+                                valves.amplifier.sections.size(),
+                                fields::print_duration(valves.command_timeout.count())));
+}
+
+std::optional<BusShare> IsoValvesConfiguration::bus_share(std::string_view name) const {
+  return asked<emulators::IsoValves>(bus_share_of(bus, name), valves);
+}
+
+DeviceDescription IsoValvesConfiguration::describe() const {
+  DeviceDescription description;
+  description.quantities = asked<emulators::IsoValves>(quantities_of, valves);
+  description.wire = "CAN 2.0B at 250 kbit/s, J1939: SocketCAN or slcan on a pty";
+  description.document =
+      "ISO 11783-7 auxiliary valves as listed by isobus.net; SAE J1939 digital annex (joysticks); "
+      "layouts in docs/devices/iso-valves.md";
+  for (const auto& layout : bus_share("valves")->messages) {
+    const bool sent = !layout.sender.empty();
+    description.messages.push_back({fmt::format("{:08X} {}", layout.id, layout.name),
+                                    fmt::format("{:g} Hz", 1e3 / layout.period_ms),
+                                    (sent ? "sent: " : "received: ") + layout.text});
+  }
+  description.messages.push_back({"64982-64985 BJM1, EJM1, BJM2, EJM2", "10 Hz",
+                                  "received: joysticks, where they are mapped"});
+  description.messages.push_back({"65226 FECA DM1", "1 Hz", "sent: active trouble codes"});
+  return description;
+}
+
+std::unique_ptr<Device> IsoValvesConfiguration::make(Site& site) const {
+  auto device = std::make_unique<IsoValvesDevice>(site.bus(bus), valves);
+  site.world().add_valves(device->enlist(site.executive()));
+  return device;
+}
+
+}  // namespace rigwire::hil

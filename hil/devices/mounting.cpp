@@ -1,0 +1,28 @@
+#include "hil/devices/mounting.h"
+
+#include <optional>
+
+namespace rigwire::hil {
+
+void mount_antenna(Site& site, DeviceIndex station, const MountConfiguration& mount,
+                   const sim::GnssParameters& sensor,
+                   const std::vector<GnssFaultConfiguration>& faults) {
+  sim::GnssParameters parameters = sensor;
+  parameters.faults = signal_faults(faults);
+  site.world().add_gnss(station, site.mount(mount),
+                        sim::GnssSensor(parameters, site.satellites(), site.calendar(),
+                                        site.frame(), site.seed(), site.name()));
+}
+
+void mount_inertial_unit(Site& site, DeviceIndex station, const MountConfiguration& mount,
+                         const sim::ImuParameters& sensor,
+                         const sim::MagnetometerConfiguration& magnetometer) {
+  std::optional<sim::Magnetometer> field;
+  if (magnetometer.present) {
+    field.emplace(parameters_of(magnetometer), site.seed(), site.name());
+  }
+  site.world().add_imu(station, site.mount(mount), sim::ImuSensor(sensor, site.seed(), site.name()),
+                       std::move(field));
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,66 @@
+// Finding fault with how the parts of a rig go together: names that nobody has, wires and addresses
+// taken twice, reach beyond this machine. Buses and lines are checked by it as devices are; nothing
+// here repeats what a single field's range says.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "hil/configuration/origins.h"
+#include "hil/devices/site.h"
+
+namespace rigwire::hil {
+
+/// Everywhere `path` is the key that is wrong if something is.
+class RigCheck {
+ public:
+  /// All must outlive it.
+  RigCheck(const RigView& rig, const Origins& origins, Problems& problems)
+      : rig_(rig), origins_(origins), problems_(problems) {}
+
+  [[nodiscard]] const RigView& rig() const { return rig_; }
+
+  void report(const std::string& path, std::string what, std::string found = {},
+              std::string allowed = {}, std::string suggestion = {});
+  /// `resource` can belong to one part of the rig only.
+  void claim(const std::string& path, const std::string& resource, const std::string& shown);
+  /// One of `names`; `what` says what there is not ("no such bus").
+  void one_of(const std::string& path, const std::string& what, const std::string& found,
+              const std::vector<std::string>& names);
+
+  void link(const std::string& path, const std::string& link);
+  /// An absolute path that is free.
+  void file_path(const std::string& path, const std::string& file);
+  /// An IPv4 address, of this machine unless `allow_remote`.
+  void address(const std::string& path, const std::string& address, bool allow_remote);
+  /// Keys `address` and `port` below `path`: a TCP server.
+  void listener(const std::string& path, const std::string& address, std::uint16_t port,
+                bool allow_remote);
+  /// Key `line` below `path`. False when there is no such Modbus line.
+  bool modbus_line(const std::string& path, const std::string& line);
+  /// Key `bus` below `path`. False when there is no such bus.
+  bool bus(const std::string& path, const std::string& bus);
+  /// Keys `bus`, `source_address` and `serial` below `path`: a J1939 node.
+  void j1939_node(const std::string& path, const std::string& bus, unsigned address,
+                  std::uint32_t serial);
+  /// Whether two devices of the bus may be given one address.
+  [[nodiscard]] bool duplicates(const std::string& bus) const;
+  /// For everything on USB: they share one server.
+  void usb();
+  /// A receiver of the rig, or one of `words`.
+  void receiver(const std::string& path, const std::string& source,
+                const std::vector<std::string>& words);
+  /// The machine must have it; `path` is the device's.
+  void valve_block(const std::string& path);
+
+ private:
+  const RigView& rig_;
+  const Origins& origins_;
+  Problems& problems_;
+  std::map<std::string, std::string> owners_;
+  bool usb_claimed_ = false;
+};
+
+}  // namespace rigwire::hil

@@ -1,0 +1,89 @@
+#include "hil/devices/rotary_encoder.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "fields/visitor.h"
+#include "hil/devices/can_device.h"
+#include "hil/devices/rig_check.h"
+#include "hil/files/settings_file.h"
+#include "protocols/canopen/rotary_encoder.h"
+#include "sim/encoder/joint_angle.h"
+
+namespace rigwire::hil {
+
+using fields::Choice;
+
+namespace {
+
+constexpr std::array<Choice<char>, 3> kEncoderAxes{
+    {{'x', "x", "Forward."}, {'y', "y", "To the left."}, {'z', "z", "Up."}}};
+
+using EncoderDevice = CanDeviceOf<emulators::RotaryEncoder, EncoderStation>;
+
+}  // namespace
+
+void EncoderConfiguration::visit(fields::Visitor& v) {
+  v.text("bus", bus, "One of the rig's buses.");
+  v.text("base", base, "Link of the machine that carries the housing.");
+  v.text("link", link, "Link of the machine that turns the shaft.");
+  v.choice("axis", axis, kEncoderAxes, "Of the base link, about which the shaft turns.");
+  emulators::visit(v, encoder);
+  v.text("settings_file", settings_file,
+         "What a client saved, for the next run; empty: as long as the run.");
+}
+
+void EncoderConfiguration::validate() const {
+  emulators::validate(encoder);
+}
+
+void EncoderConfiguration::check(const std::string& at, RigCheck& check) const {
+  check.link(at + ".base", base);
+  check.link(at + ".link", link);
+  if (base == link) {
+    check.report(at + ".link", "turns against itself", "\"" + link + "\"",
+                 "another link than `base`");
+  }
+  check.bus(at, bus);
+  if (!check.duplicates(bus)) {
+    check.claim(at + ".node_id", fmt::format("{} node {}", bus, encoder.node.node_id),
+                std::to_string(encoder.node.node_id));
+  }
+}
+
+DevicePlan EncoderConfiguration::plan(const RigView& rig) const {
+  return {can_wire(rig, bus, fmt::format("node {}", encoder.node.node_id)),
+          fmt::format("{:.0f} frames/s", bus_share({})->frames_hz), "",
+          fmt::format("{} bits, {} against {}", encoder.resolution_bits, link, base)};
+}
+
+std::optional<BusShare> EncoderConfiguration::bus_share(std::string_view name) const {
+  return asked_with_memory<emulators::RotaryEncoder>(bus_share_of(bus, name), encoder);
+}
+
+DeviceDescription EncoderConfiguration::describe() const {
+  DeviceDescription description;
+  description.quantities = asked_with_memory<emulators::RotaryEncoder>(quantities_of, encoder);
+  description.wire = "CAN 2.0A, CANopen: SocketCAN or slcan on a pty";
+  description.document = "CiA 301 V4.2.0, CiA 406 V3.2";
+  for (const auto& layout : protocols::canopen::rotary_encoder_layouts(encoder.node.node_id)) {
+    description.messages.push_back(
+        {fmt::format("{:03X} {}", layout.id, layout.name), "by its parameters", layout.text});
+  }
+  description.messages.push_back(
+      {"SDO", "on request",
+       fmt::format("{} entries of the object dictionary",
+                   protocols::canopen::rotary_encoder_objects().size())});
+  return description;
+}
+
+std::unique_ptr<Device> EncoderConfiguration::make(Site& site) const {
+  auto device =
+      std::make_unique<EncoderDevice>(site.bus(bus), encoder, open_settings(settings_file));
+  site.world().add_encoder(device->enlist(site.executive()), site.link(base), site.link(link),
+                           sim::JointAngle(axis - 'x'));
+  return device;
+}
+
+}  // namespace rigwire::hil

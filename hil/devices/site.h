@@ -1,0 +1,71 @@
+// What a device may know of its rig: before a run as values, and while it is made the running parts
+// that it takes its place in. Devices know nothing else of the rig, and nothing of each other but
+// what device.h's Neighbours say.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hil/executive/executive.h"
+#include "hil/wires/can_bus_configuration.h"
+#include "hil/wires/modbus_line_configuration.h"
+#include "hil/wires/rig_can.h"
+#include "hil/wires/rig_modbus.h"
+#include "hil/wires/usb_bus.h"
+#include "hil/wires/usb_configuration.h"
+#include "hil/world/mount.h"
+#include "hil/world/simulated_world.h"
+#include "sim/gnss/constellation.h"
+#include "sim/local_frame.h"
+#include "sim/samples/calendar.h"
+
+namespace rigwire::hil {
+
+/// The rig as it is configured. Refers to its configuration.
+struct RigView {
+  const std::map<std::string, BusConfiguration>& buses;
+  const std::map<std::string, ModbusLineConfiguration>& modbus;
+  const UsbConfiguration& usb;
+  std::vector<std::string> links;      ///< Of the machine.
+  bool has_valves = false;             ///< The machine has a valve block.
+  bool drives = false;                 ///< The machine has a drive train.
+  std::vector<std::string> receivers;  ///< Names of the devices that receive satellites.
+};
+
+/// What a client of the rig's USB devices attaches to.
+[[nodiscard]] std::string usb_wire(const RigView& rig);
+
+/// Where a device is made.
+class Site {
+ public:
+  virtual ~Site() = default;
+
+  /// Of the device in the rig.
+  [[nodiscard]] virtual const std::string& name() const = 0;
+  /// Of every random stream of the rig; streams are told apart by name.
+  [[nodiscard]] virtual std::uint64_t seed() const = 0;
+  /// Of what is random in the device itself: the stream "<name>/line".
+  [[nodiscard]] virtual std::uint64_t device_seed() const = 0;
+  [[nodiscard]] virtual const Calendar& calendar() const = 0;
+  [[nodiscard]] virtual boost::asio::io_context& io() = 0;
+  [[nodiscard]] virtual Executive& executive() = 0;
+
+  /// The bus or line of that name; what is made there must outlive it.
+  [[nodiscard]] virtual CanLine& bus(const std::string& bus) = 0;
+  [[nodiscard]] virtual ModbusLine& modbus(const std::string& line) = 0;
+  /// Opens the server when the first device asks for it.
+  [[nodiscard]] virtual UsbBus& usb() = 0;
+
+  [[nodiscard]] virtual SimulatedWorld& world() = 0;
+  [[nodiscard]] virtual const std::shared_ptr<const sim::Constellation>& satellites() const = 0;
+  [[nodiscard]] virtual const sim::LocalFrame& frame() const = 0;
+  /// Throws std::invalid_argument when the machine has no such link.
+  [[nodiscard]] virtual SensorMount mount(const MountConfiguration& mount) const = 0;
+  [[nodiscard]] virtual std::size_t link(const std::string& link) const = 0;
+};
+
+}  // namespace rigwire::hil

@@ -1,0 +1,211 @@
+#include "hil/devices/ublox.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "drivers/pty.h"
+#include "emulators/null_output.h"
+#include "emulators/ublox/receiver.h"
+#include "emulators/usb/ublox_usb.h"
+#include "fields/visitor.h"
+#include "hil/devices/device.h"
+#include "hil/devices/mounting.h"
+#include "hil/devices/rig_check.h"
+#include "hil/devices/site.h"
+#include "hil/executive/station.h"
+#include "hil/wires/outlets.h"
+#include "hil/wires/usb_serial_stream.h"
+
+namespace rigwire::hil {
+
+using fields::Choice;
+
+namespace {
+
+constexpr std::array<Choice<SerialWire>, 2> kSerialWires{
+    {{SerialWire::pty, "pty", "A pseudo-terminal under `path`."},
+     {SerialWire::usb, "usb",
+      "A device on the rig's USB server; the client's kernel makes a tty."}}};
+
+class UbloxDevice final : public Device, private FixSource {
+ public:
+  UbloxDevice(const UbloxConfiguration& configuration, Site& site)
+      : check_baud_(configuration.check_baud),
+        line_(open_line(configuration, site)),
+        outlet_(*line_, own_statistics()),
+        receiver_(settings(configuration, site), site.calendar(), outlet_),
+        backend_(receiver_),
+        station_(receiver_, backend_) {}
+
+  [[nodiscard]] DeviceIndex enlist(Executive& executive) {
+    const DeviceIndex index = executive.add(station_);
+    executive.add(outlet_);
+    line_->on_client([this, &executive](const drivers::LineClient& client) {
+      receiver_.set_client(executive.arrive(),
+                           {client.present, seen_baud(check_baud_, client.baud)});
+    });
+    line_->start([this, &executive](std::span<const std::uint8_t> bytes) {
+      receiver_.receive(client_arrived(executive), bytes);
+    });
+    return index;
+  }
+
+  [[nodiscard]] FixSource* fixes() override { return this; }
+  [[nodiscard]] TruthRole truth_role() const override { return TruthRole::antenna; }
+  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return line_->status(); }
+  [[nodiscard]] std::uint64_t frames() const override { return receiver_.messages_sent(); }
+  [[nodiscard]] std::uint64_t dropped() const override {
+    return statistics().dropped + receiver_.counters().messages_lost;
+  }
+  [[nodiscard]] const emulators::Device& emulator() const override { return receiver_; }
+
+ private:
+  static std::unique_ptr<drivers::ByteStream> open_line(const UbloxConfiguration& configuration,
+                                                        Site& site) {
+    if (configuration.wire == SerialWire::pty) {
+      return std::make_unique<drivers::Pty>(site.io(), configuration.path,
+                                            configuration.receiver.baud);
+    }
+    UsbBus& bus = site.usb();
+    auto stream = std::make_unique<UsbSerialStream>(
+        site.io(), bus, emulators::ublox_usb(configuration.receiver.profile->generation),
+        site.name());
+    for (const UnplugConfiguration& unplug : configuration.unplugged) {
+      bus.schedule_unplug(stream->socket(), kStart + unplug.at, kStart + unplug.at + unplug.length);
+    }
+    return stream;
+  }
+
+  static emulators::UbloxSettings settings(const UbloxConfiguration& configuration,
+                                           const Site& site) {
+    emulators::UbloxSettings settings = configuration.receiver;
+    settings.faults = ublox_faults(configuration.faults);
+    settings.noise_seed = site.device_seed();
+    return settings;
+  }
+
+  void inform(FixListener& listener) override { backend_.listeners.push_back(&listener); }
+
+  /// The receiver's backend, with those who hear of its fixes.
+  struct Backend final : emulators::GnssBackend {
+    explicit Backend(emulators::UbloxReceiver& of) : receiver(of) {}
+    void update(const GnssSample& sample) override {
+      receiver.update(sample);
+      for (FixListener* listener : listeners) {
+        listener->observe_fix(sample);
+      }
+    }
+    emulators::UbloxReceiver& receiver;
+    std::vector<FixListener*> listeners;
+  };
+
+  BaudCheck check_baud_;
+  std::unique_ptr<drivers::ByteStream> line_;
+  StreamOutlet outlet_;
+  emulators::UbloxReceiver receiver_;
+  Backend backend_;
+  GnssStation station_;
+};
+
+}  // namespace
+
+UbloxConfiguration::UbloxConfiguration(const emulators::UbloxProfile& profile) {
+  receiver.profile = &profile;
+  receiver.baud = profile.baud;
+  sensor.sky.maximum_channels = profile.channels;
+  sensor.raw_measurements = true;  // RXM-RAW, RXM-SFRBX, RXM-RAWX, when a client asks for them
+  if (profile.generation == 8) {
+    sensor.systems = {.gps = true, .glonass = true, .sbas = true, .qzss = true};
+  } else if (profile.generation > 8) {
+    sensor.systems = {
+        .gps = true, .glonass = true, .galileo = true, .beidou = true, .sbas = true, .qzss = true};
+  }
+}
+
+void UbloxConfiguration::visit(fields::Visitor& v) {
+  v.choice("wire", wire, kSerialWires, "What carries the bytes.");
+  v.text("path", path, "Symbolic link to the pty; what a client opens.");
+  v.choice("check_baud", check_baud, kBaudChecks, "When a client hears garbage.");
+  emulators::visit(v, receiver);
+  v.section("mount", mount, "Of the antenna.");
+  v.section("sensor", sensor, "How well it knows where it is.");
+  v.list("faults", faults, "What goes wrong, and when.");
+  v.list("unplugged", unplugged, "On USB: when the plug is out.");
+  v.check(unplugged.empty() || wire == SerialWire::usb, "unplugged",
+          "only a device on USB has a plug that can be out", {}, "`wire: usb`");
+}
+
+void UbloxConfiguration::validate() const {
+  emulators::validate(receiver);
+  sim::validate(sensor);
+}
+
+void UbloxConfiguration::check(const std::string& at, RigCheck& check) const {
+  if (wire == SerialWire::pty) {
+    check.file_path(at + ".path", path);
+  } else {
+    check.usb();
+  }
+  check.link(at + ".mount.link", mount.link);
+}
+
+DevicePlan UbloxConfiguration::plan(const RigView& rig) const {
+  double bytes = 0.0;
+  const double rate_hz = 1.0 / to_seconds(receiver.measurement_period);
+  for (const auto& names : {receiver.nmea_sentences, receiver.ubx_messages}) {
+    for (const std::string& name : names) {
+      const std::size_t index = emulators::message_index(*receiver.profile, name);
+      if (index < receiver.profile->messages.size()) {
+        bytes += static_cast<double>(receiver.profile->messages[index].greatest_bytes) * rate_hz;
+      }
+    }
+  }
+  constexpr double kBitsPerByte = 10.0;  // 8N1
+  const std::string line = wire == SerialWire::pty ? "pty " + path : usb_wire(rig);
+  return {fmt::format("{} at {} baud", line, receiver.baud),
+          fmt::format("{:.3g} epochs/s", rate_hz), fmt::format("<= {:.0f} B/s", bytes),
+          fmt::format("{:.0f} % of the line", 100.0 * bytes * kBitsPerByte / receiver.baud)};
+}
+
+std::optional<BusShare> UbloxConfiguration::bus_share(std::string_view /*name*/) const {
+  return std::nullopt;
+}
+
+DeviceDescription UbloxConfiguration::describe() const {
+  emulators::NullByteOutput output;
+  DeviceDescription description;
+  description.quantities =
+      quantities_of(emulators::UbloxReceiver(receiver, some_calendar(), output));
+  description.wire = "serial line on a pty, 8N1; or USB (CDC-ACM) by USB/IP";
+  switch (receiver.profile->generation) {
+    case 7:
+      description.document =
+          "u-blox M8 receiver description UBX-13003221 R28, with what recordings of a NEO-7P show "
+          "of protocol 14";
+      break;
+    case 8:
+      description.document = "u-blox M8 receiver description UBX-13003221 R28";
+      break;
+    default:
+      description.document = "u-blox ZED-F9P interface description, HPG 1.13 to 1.51";
+      break;
+  }
+  for (const emulators::UbloxMessage& message : receiver.profile->messages) {
+    if (!message.name.empty() && message.greatest_bytes > 0) {
+      description.messages.push_back(
+          {(message.sentence ? "NMEA " : "UBX ") + std::string(message.name), "each epoch",
+           fmt::format("class {:#04x} id {:#04x}, at most {} bytes", message.id.message_class,
+                       message.id.message_id, message.greatest_bytes)});
+    }
+  }
+  return description;
+}
+
+std::unique_ptr<Device> UbloxConfiguration::make(Site& site) const {
+  auto device = std::make_unique<UbloxDevice>(*this, site);
+  mount_antenna(site, device->enlist(site.executive()), mount, sensor, faults);
+  return device;
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,180 @@
+#include "hil/devices/usb_joystick.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "fields/visitor.h"
+#include "hil/devices/device.h"
+#include "hil/devices/rig_check.h"
+#include "hil/devices/site.h"
+#include "hil/executive/event_source.h"
+#include "sim/joystick/lever_script.h"
+
+namespace rigwire::hil {
+
+using fields::Choice;
+using fields::NumberRule;
+using fields::plain;
+
+namespace {
+
+constexpr std::array<Choice<LeverSource>, 2> kLeverSources{
+    {{LeverSource::script, "script", "The keyframes of `script`."},
+     {LeverSource::commands, "commands",
+      "What the rig's valves are told, as an operator by the ISO pattern would."}}};
+
+/// Throws std::invalid_argument.
+sim::LeverScript lever_script(const UsbJoystickConfiguration& p) {
+  std::vector<sim::LeverKeyframe> keyframes;
+  for (const LeverKeyframeConfiguration& from : p.script) {
+    sim::LeverKeyframe keyframe{from.at, from.axes, {}};
+    for (const double button : from.buttons) {
+      if (button != std::floor(button)) {
+        throw std::invalid_argument("lever script buttons: found " + std::to_string(button) +
+                                    ", allowed whole numbers 1 .. 16");
+      }
+      keyframe.buttons.set(static_cast<std::size_t>(std::lround(button)) - 1);
+    }
+    keyframes.push_back(keyframe);
+  }
+  return {std::move(keyframes), p.repeat};
+}
+
+/// Moves the levers at the rate at which they can be reported.
+class LeverMover final : public EventSource {
+ public:
+  LeverMover(const UsbJoystickConfiguration& configuration, emulators::HidJoystick& levers)
+      : script_(lever_script(configuration)),
+        source_(configuration.source),
+        period_(configuration.joystick.interval),
+        levers_(levers) {}
+
+  void follow(const emulators::ValveBackend& valves) { valves_ = &valves; }
+
+  [[nodiscard]] SimTime next_event() const override { return next_; }
+  [[nodiscard]] SimTime next_wakeup() const override { return next_; }
+  void advance(SimTime now) override {
+    for (; next_ <= now; next_ += period_) {
+      if (source_ == LeverSource::script) {
+        levers_.update(script_.at(next_));
+      } else if (valves_ != nullptr) {
+        levers_.update(sim::levers_of(valves_->command(), next_));
+      }
+    }
+  }
+
+ private:
+  sim::LeverScript script_;
+  LeverSource source_;
+  Duration period_;
+  emulators::HidJoystick& levers_;
+  const emulators::ValveBackend* valves_ = nullptr;
+  SimTime next_ = kStart;
+};
+
+class UsbJoystickDevice final : public Device {
+ public:
+  UsbJoystickDevice(const UsbJoystickConfiguration& configuration, Site& site)
+      : bus_(site.usb()),
+        levers_(configuration.joystick),
+        mover_(configuration, levers_),
+        socket_(bus_.plug(levers_, site.name())) {
+    for (const UnplugConfiguration& unplug : configuration.unplugged) {
+      bus_.schedule_unplug(socket_, kStart + unplug.at, kStart + unplug.at + unplug.length);
+    }
+    // The bus lets the device live; there is nothing to be routed to it, so that it is no station.
+    site.executive().add(mover_);
+  }
+
+  void connect(const Neighbours& neighbours) override {
+    if (const emulators::ValveBackend* valves = neighbours.valves()) {
+      mover_.follow(*valves);
+    }
+  }
+
+  [[nodiscard]] drivers::EndpointStatus endpoint() const override {
+    return {bus_.address(socket_), bus_.imported(socket_)};
+  }
+  [[nodiscard]] std::uint64_t frames() const override { return levers_.reports_sent(); }
+  [[nodiscard]] const emulators::Device& emulator() const override { return levers_; }
+
+ private:
+  UsbBus& bus_;
+  emulators::HidJoystick levers_;
+  LeverMover mover_;
+  UsbBus::Socket socket_;
+};
+
+}  // namespace
+
+void visit(fields::Visitor& v, LeverKeyframeConfiguration& p) {
+  const auto axis = [&](JoystickAxis which) -> double& {
+    return p.axes[static_cast<std::size_t>(which)];
+  };
+  const NumberRule full = plain().between(-1, 1);
+  v.required("at");
+  v.duration("at", p.at, {0, fields::kYear_ns}, "From the start of the run.");
+  v.number("left_x", axis(JoystickAxis::left_x), full, "Left stick, right positive.");
+  v.number("left_y", axis(JoystickAxis::left_y), full, "Left stick, back positive.");
+  v.number("right_x", axis(JoystickAxis::right_x), full, "Right stick, right positive.");
+  v.number("right_y", axis(JoystickAxis::right_y), full, "Right stick, back positive.");
+  v.number("left_pedal", axis(JoystickAxis::left_pedal), full, "Forward positive.");
+  v.number("right_pedal", axis(JoystickAxis::right_pedal), full, "Forward positive.");
+  v.number("dial", axis(JoystickAxis::dial), plain().between(0, 1), "Engine speed.");
+  v.number_list("buttons", p.buttons, plain().between(1, 16), "Those that are pressed, 1 .. 16.");
+}
+
+void UsbJoystickConfiguration::visit(fields::Visitor& v) {
+  emulators::visit(v, joystick);
+  v.choice("source", source, kLeverSources, "What moves the levers.");
+  v.boolean("repeat", repeat, "The script begins again at its last keyframe.");
+  v.list("script", script, "Keyframes; linear between them.");
+  v.list("unplugged", unplugged, "When the plug is out.");
+}
+
+void UsbJoystickConfiguration::validate() const {
+  emulators::validate(joystick);
+  static_cast<void>(lever_script(*this));
+}
+
+void UsbJoystickConfiguration::check(const std::string& at, RigCheck& check) const {
+  check.usb();
+  if (source == LeverSource::commands && !check.rig().has_valves) {
+    check.report(at + ".source", "the machine has no valve block", "commands", "script");
+  }
+}
+
+DevicePlan UsbJoystickConfiguration::plan(const RigView& rig) const {
+  return {
+      usb_wire(rig),
+      fmt::format("when moved, each {} at most", fields::print_duration(joystick.interval.count())),
+      "",
+      source == LeverSource::script ? fmt::format("{} keyframes", script.size())
+                                    : "as the valves are told"};
+}
+
+std::optional<BusShare> UsbJoystickConfiguration::bus_share(std::string_view /*name*/) const {
+  return std::nullopt;
+}
+
+DeviceDescription UsbJoystickConfiguration::describe() const {
+  DeviceDescription description;
+  description.quantities = quantities_of(emulators::HidJoystick(joystick));
+  description.wire = "USB full speed, HID, by USB/IP, default 127.0.0.1:3240";
+  description.document =
+      "Universal Serial Bus 2.0; Device Class Definition for HID 1.11; layout in "
+      "docs/devices/usb-joystick.md";
+  description.messages = {
+      {"input report", "when moved, every 10 ms at most", "7 axes, 16 buttons, 16 bytes"},
+      {"GET_REPORT, GET_IDLE", "on request", "the present report, the idle time"},
+      {"SET_IDLE", "received", "repeats the report while nothing moves"}};
+  return description;
+}
+
+std::unique_ptr<Device> UsbJoystickConfiguration::make(Site& site) const {
+  return std::make_unique<UsbJoystickDevice>(*this, site);
+}
+
+}  // namespace rigwire::hil

@@ -10,6 +10,8 @@
 #include <type_traits>
 
 #include "bench/carried_machine.h"
+#include "hil/devices/starfire.h"
+#include "hil/devices/ublox.h"
 #include "hil/rig/rig.h"
 #include "hil/world/sky.h"
 #include "sim/gnss/gnss_sensor.h"
@@ -33,22 +35,17 @@ std::vector<Receiver> receivers(const hil::RigConfiguration& rig, const sim::Loc
   const auto satellites = hil::make_satellites(rig.satellites, calendar);
   std::vector<Receiver> found;
   for (const auto& [name, device] : rig.devices) {
-    std::visit(
-        [&](const auto& settings) {
-          if constexpr (requires {
-                          settings.mount;
-                          settings.sensor;
-                        }) {
-            if constexpr (std::is_same_v<std::remove_cvref_t<decltype(settings.sensor)>,
-                                         sim::GnssParameters>) {
-              found.push_back(
-                  {{name, std::string(device.type()), {}},
-                   hil::sensor_mount(rig.machine, settings.mount),
-                   sim::GnssSensor(settings.sensor, satellites, calendar, frame, rig.seed, name)});
-            }
-          }
-        },
-        device.settings);
+    const auto add = [&, &name = name, type = std::string(device.type())](const auto& settings) {
+      found.push_back(
+          {{name, type, {}},
+           sensor_mount(rig.machine, settings.mount),
+           sim::GnssSensor(settings.sensor, satellites, calendar, frame, rig.seed, name)});
+    };
+    if (const auto* ublox = settings_as<UbloxConfiguration>(device)) {
+      add(*ublox);
+    } else if (const auto* starfire = settings_as<StarFireConfiguration>(device)) {
+      add(*starfire);
+    }
   }
   if (found.empty()) {
     throw std::invalid_argument("the rig has no satellite receiver");

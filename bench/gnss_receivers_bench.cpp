@@ -6,6 +6,7 @@
 #include "bench/carried_machine.h"
 #include "bench/gnss_bench.h"
 #include "emulators/ublox/receiver.h"
+#include "hil/devices/ublox.h"
 #include "hil/executive/cpu_time.h"
 #include "hil/rig/rig.h"
 #include "hil/world/sky.h"
@@ -18,7 +19,7 @@ constexpr double kSpeed_mps = 2.0;
 /// The first u-blox of the rig.
 const hil::UbloxConfiguration& ublox_of(const hil::RigConfiguration& rig) {
   for (const auto& [name, device] : rig.devices) {
-    if (const hil::UbloxConfiguration* ublox = hil::as_ublox(device.settings)) {
+    if (const hil::UbloxConfiguration* ublox = hil::settings_as<UbloxConfiguration>(device)) {
       return *ublox;
     }
   }

@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "bench/lidar_plan.h"
+#include "hil/devices/velodyne.h"
 #include "hil/executive/cpu_time.h"
 #include "hil/rig/rig.h"
 #include "sim/lidar/spinning_lidar.h"
@@ -26,7 +27,7 @@ constexpr Duration kRevolution = std::chrono::milliseconds{100};
 
 const hil::VelodyneConfiguration& lidar_of(const hil::RigConfiguration& rig) {
   for (const auto& [name, device] : rig.devices) {
-    if (const auto* lidar = hil::as_velodyne(device.settings)) {
+    if (const auto* lidar = hil::settings_as<VelodyneConfiguration>(device)) {
       return *lidar;
     }
   }

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "hil/configuration/gnss_fault.h"
+#include "hil/devices/ublox.h"
 #include "hil/rig/rig_configuration.h"
 
 namespace rigwire::hil {
@@ -39,7 +40,7 @@ class GnssKeys : public ::testing::Test {
   RigConfiguration rig() { return load_rig(file.string(), {}).configuration; }
   const UbloxConfiguration& receiver() {
     loaded = rig();
-    return *as_ublox(loaded.devices.at("gnss").settings);
+    return *settings_as<UbloxConfiguration>(loaded.devices.at("gnss"));
   }
 
   fs::path file = fs::temp_directory_path() / ("rigwire_gnss_" + std::to_string(::getpid()));

@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "hil/devices/velodyne.h"
 #include "hil/rig/rig_configuration.h"
 #include "private_wires.h"
 
@@ -31,7 +32,8 @@ class LidarKeys : public ::testing::Test {
   }
   emulators::VelodyneSettings settings() {
     const LoadedRig loaded = load_rig(file, {});
-    return settings_of(*as_velodyne(loaded.configuration.devices.at("lidar").settings));
+    return settings_of(
+        *settings_as<VelodyneConfiguration>(loaded.configuration.devices.at("lidar")));
   }
 
   test::PrivateWires wires;

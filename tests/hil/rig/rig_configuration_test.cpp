@@ -1,5 +1,8 @@
 // The rigs, machines and scenes of configs/, and how the parts of a rig go together.
 #include "hil/rig/rig_configuration.h"
+#include "hil/devices/ublox.h"
+#include "hil/devices/valve_driver.h"
+#include "hil/devices/velodyne.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -75,13 +78,13 @@ TEST(ExcavatorPit, has_the_devices_that_the_field_program_expects) {
   }
   EXPECT_THAT(names, testing::ElementsAre("gnss", "imu_boom", "imu_bucket", "imu_chassis",
                                           "imu_stick", "lidar", "swing_encoder", "valves"));
-  const auto& gnss = std::get<UbloxConfiguration>(rig.devices.at("gnss").settings);
+  const auto& gnss = *settings_as<UbloxConfiguration>(rig.devices.at("gnss"));
   EXPECT_EQ(gnss.path, "/tmp/rigwire/gnss");
   EXPECT_EQ(gnss.receiver.baud, 115200u);
-  const auto& lidar = std::get<VelodyneConfiguration>(rig.devices.at("lidar").settings);
+  const auto& lidar = *settings_as<VelodyneConfiguration>(rig.devices.at("lidar"));
   EXPECT_EQ(lidar.lidar.data_port, 2368);
   EXPECT_EQ(lidar.lidar.telemetry_port, 8308);
-  const auto& valves = std::get<ValveDriverConfiguration>(rig.devices.at("valves").settings);
+  const auto& valves = *settings_as<ValveDriverConfiguration>(rig.devices.at("valves"));
   EXPECT_EQ(valves.port, 1502);
   const std::vector<std::string> sections{"swing", "boom", "stick", "bucket"};
   EXPECT_EQ(valves.driver.amplifier.sections, sections);
@@ -95,9 +98,8 @@ TEST(ExcavatorPit, machine_file_repeats_the_defaults_of_the_reference_machine) {
 
 TEST(ExcavatorPit, rate_of_the_receiver_can_be_set_on_the_command_line) {
   const RigConfiguration rig = load_rig(kPit, {"devices.gnss.rate=5"}).configuration;
-  EXPECT_EQ(
-      std::get<UbloxConfiguration>(rig.devices.at("gnss").settings).receiver.measurement_period,
-      std::chrono::milliseconds(200));
+  EXPECT_EQ(settings_as<UbloxConfiguration>(rig.devices.at("gnss"))->receiver.measurement_period,
+            std::chrono::milliseconds(200));
 }
 
 TEST(ExcavatorPit, printed_rig_loads_to_the_same_hash) {

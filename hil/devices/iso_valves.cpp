@@ -53,7 +53,9 @@ DeviceDescription IsoValvesConfiguration::describe() const {
   description.document =
       "ISO 11783-7 auxiliary valves as listed by isobus.net; SAE J1939 digital annex (joysticks); "
       "layouts in docs/devices/iso-valves.md";
-  for (const auto& layout : bus_share("valves")->messages) {
+  const auto layouts = asked<emulators::IsoValves>(
+      [](const emulators::IsoValves& block) { return block.messages("valves"); }, valves);
+  for (const auto& layout : layouts) {
     const bool sent = !layout.sender.empty();
     description.messages.push_back({fmt::format("{:08X} {}", layout.id, layout.name),
                                     fmt::format("{:g} Hz", 1e3 / layout.period_ms),

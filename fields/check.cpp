@@ -133,4 +133,10 @@ void check_part(const Part& part) {
   part.show(checker);
 }
 
+void require(bool holds, std::string path, const std::string& found, const std::string& allowed) {
+  if (!holds) {
+    throw Refused(std::move(path), "found " + found + ", allowed " + allowed);
+  }
+}
+
 }  // namespace rigwire::fields

@@ -34,4 +34,8 @@ void check(const Struct& value) {
   check_part(Part::of(copy));
 }
 
+/// For the rest of a validate(), what joins several members: throws Refused unless it `holds`.
+/// `found` and `allowed` as a reader of the file would write them: in(..).print(value).
+void require(bool holds, std::string path, const std::string& found, const std::string& allowed);
+
 }  // namespace rigwire::fields

@@ -65,7 +65,11 @@ enum class Dimension {
   areal_count,
   solid_angle,
   mass_extinction,
-  diffusivity
+  diffusivity,
+  cornering_stiffness,
+  flow_conductance,
+  mass_flow,
+  angle_per_length
 };
 
 struct Unit {
@@ -170,6 +174,12 @@ inline constexpr Unit kUnits[] = {
     {"sr", Dimension::solid_angle, 1, 1},
     {"m2/kg", Dimension::mass_extinction, 1, 1},
     {"m2/s", Dimension::diffusivity, 1, 1},
+    {"N/rad", Dimension::cornering_stiffness, 1, 1},
+    {"kN/rad", Dimension::cornering_stiffness, 1000, 1},
+    {"m3/s/Pa", Dimension::flow_conductance, 1, 1},
+    {"kg/s", Dimension::mass_flow, 1, 1},
+    {"rad/m", Dimension::angle_per_length, 1, 1},
+    {"deg/m", Dimension::angle_per_length, kPi, 180},
 };
 // clang-format on
 }  // namespace detail

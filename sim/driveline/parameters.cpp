@@ -3,85 +3,46 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <sstream>
-#include <stdexcept>
 #include <string>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
+
 namespace rigwire::sim {
+
+using fields::in;
+using fields::plain;
+
 namespace {
 
-void require(bool allowed_value, const std::string& name, double found, const char* allowed) {
-  if (allowed_value) {
-    return;
-  }
-  std::ostringstream text;
-  text << name << ": found " << found << ", allowed " << allowed;
-  throw std::invalid_argument(text.str());
+constexpr std::array<fields::Choice<AxleDrive>, 3> kAxleDrives{
+    {{AxleDrive::rear, "rear", "Rear axle only."},
+     {AxleDrive::switchable_front, "switchable_front",
+      "Rear axle; the centre lock couples the front axle."},
+     {AxleDrive::centre_differential, "centre_differential",
+      "Both axles, equal torque; the centre lock couples them."}}};
+
+constexpr auto kFront = static_cast<std::size_t>(Differential::front);
+constexpr auto kCentre = static_cast<std::size_t>(Differential::centre);
+constexpr auto kRear = static_cast<std::size_t>(Differential::rear);
+
+std::string rpm(double rate_radps) {
+  return in("rpm").print(rate_radps);
 }
 
-bool positive(double value) {
-  return std::isfinite(value) && value > 0.0;
-}
-bool non_negative(double value) {
-  return std::isfinite(value) && value >= 0.0;
-}
-
-void validate_engine(const EngineParameters& p) {
-  require(!p.full_load.empty(), "engine.full_load", 0.0, "at least one point");
-  for (std::size_t i = 0; i < p.full_load.size(); ++i) {
-    const std::string name = "engine.full_load[" + std::to_string(i) + "].";
-    const TorquePoint& point = p.full_load[i];
-    require(non_negative(point.speed_radps) &&
-                (i == 0 || point.speed_radps > p.full_load[i - 1].speed_radps),
-            name + "speed_radps", point.speed_radps, ">= 0 and above the point before");
-    require(positive(point.torque_nm), name + "torque_nm", point.torque_nm, "> 0");
-  }
-  require(positive(p.inertia_kgm2), "engine.inertia_kgm2", p.inertia_kgm2, "> 0");
-  require(non_negative(p.drag_nm), "engine.drag_nm", p.drag_nm, ">= 0");
-  require(non_negative(p.drag_nmsprad), "engine.drag_nmsprad", p.drag_nmsprad, ">= 0");
-  require(positive(p.idle_radps), "engine.idle_radps", p.idle_radps, "> 0");
-  require(std::isfinite(p.maximum_radps) && p.maximum_radps > p.idle_radps, "engine.maximum_radps",
-          p.maximum_radps, "above idle_radps");
-  require(std::isfinite(p.cut_off_radps) && p.cut_off_radps > p.maximum_radps,
-          "engine.cut_off_radps", p.cut_off_radps, "above maximum_radps");
-  require(positive(p.governor_nmsprad), "engine.governor_nmsprad", p.governor_nmsprad, "> 0");
-  require(positive(p.governor_integral_s), "engine.governor_integral_s", p.governor_integral_s,
-          "> 0");
-  require(non_negative(p.torque_lag_s), "engine.torque_lag_s", p.torque_lag_s, ">= 0");
+void check_gears(const std::vector<double>& ratios, const char* key, std::size_t least) {
+  fields::require(ratios.size() >= least && ratios.size() <= 125, key,
+                  std::to_string(ratios.size()) + " gears",
+                  std::to_string(least) + " .. 125 gears");
 }
 
-void validate_clutch(const ClutchParameters& p, const EngineParameters& engine) {
-  require(positive(p.capacity_nm), "clutch.capacity_nm", p.capacity_nm, "> 0");
-  require(std::isfinite(p.open_radps) && p.open_radps > 0.5 * engine.idle_radps &&
-              p.open_radps < engine.maximum_radps,
-          "clutch.open_radps", p.open_radps, "half of engine.idle_radps .. engine.maximum_radps");
-  require(std::isfinite(p.full_radps) && p.full_radps > p.open_radps, "clutch.full_radps",
-          p.full_radps, "above open_radps");
-}
-
-void validate_axles(const AxleParameters& p) {
-  require(non_negative(p.lock_time_s), "axles.lock_time_s", p.lock_time_s, ">= 0");
-  require(positive(p.lock_rate_difference_radps), "axles.lock_rate_difference_radps",
-          p.lock_rate_difference_radps, "> 0");
-  require(positive(p.final_ratio), "axles.final_ratio", p.final_ratio, "> 0");
-  require(positive(p.portal_ratio), "axles.portal_ratio", p.portal_ratio, "> 0");
-  require(non_negative(p.output_inertia_kgm2), "axles.output_inertia_kgm2", p.output_inertia_kgm2,
-          ">= 0");
-  require(non_negative(p.output_drag_nmsprad), "axles.output_drag_nmsprad", p.output_drag_nmsprad,
-          ">= 0");
-  if (p.drive == AxleDrive::rear) {
-    require(!p.lockable[static_cast<std::size_t>(Differential::centre)], "axles.lockable[centre]",
-            1.0, "no: a rear drive has no centre differential");
-  }
-}
-
-void validate_ratios(const std::vector<double>& ratios, const std::string& name,
-                     std::size_t at_least) {
-  require(ratios.size() >= at_least && ratios.size() <= 125, name,
-          static_cast<double>(ratios.size()), at_least > 0 ? "1 .. 125 gears" : "0 .. 125 gears");
-  for (std::size_t i = 0; i < ratios.size(); ++i) {
-    require(positive(ratios[i]), name + "[" + std::to_string(i) + "]", ratios[i], "> 0");
-  }
+// An automatic that closes below idle would stall the engine.
+void check_clutch(const ClutchParameters& clutch, const EngineParameters& engine) {
+  fields::require(
+      clutch.open_radps > 0.5 * engine.idle_radps && clutch.open_radps < engine.maximum_radps,
+      "clutch.open", rpm(clutch.open_radps),
+      "between half of engine.idle, " + rpm(0.5 * engine.idle_radps) + ", and engine.maximum, " +
+          rpm(engine.maximum_radps));
 }
 
 }  // namespace
@@ -145,46 +106,160 @@ DrivelineParameters gator_855d_driveline() {
   return CvtParameters{};
 }
 
+void visit(fields::Visitor& v, TorquePoint& p) {
+  v.number("speed", p.speed_radps, in("rpm").at_least(0), "Speed of the crank.");
+  v.number("torque", p.torque_nm, in("N m").above(0), "Torque at full load.");
+}
+
+void visit(fields::Visitor& v, EngineParameters& p) {
+  v.list("full_load", p.full_load, "Torque at full load by rising speed, linear between.");
+  v.number("inertia", p.inertia_kgm2, in("kg m2").above(0),
+           "Inertia of crank, flywheel and clutch disc.");
+  v.number("drag", p.drag_nm, in("N m").at_least(0), "Friction towards standstill.");
+  v.number("drag_slope", p.drag_nmsprad, in("N m s/rad").at_least(0),
+           "Growth of friction by speed.");
+  v.number("idle", p.idle_radps, in("rpm").above(0), "Speed of the idle governor.");
+  v.number("maximum", p.maximum_radps, in("rpm").above(0), "Speed up to which torque is full.");
+  v.number("cut_off", p.cut_off_radps, in("rpm").above(0),
+           "Speed from which on there is no torque.");
+  v.number("governor", p.governor_nmsprad, in("N m s/rad").above(0),
+           "Torque of the governor per missing speed.");
+  v.number("governor_integral", p.governor_integral_s, in("s").above(0),
+           "Time in which the set-speed governor repeats its torque.");
+  v.number("torque_lag", p.torque_lag_s, in("ms").at_least(0), "Lag from accelerator to torque.");
+}
+
+void visit(fields::Visitor& v, ClutchParameters& p) {
+  v.boolean("centrifugal", p.centrifugal, "Closes by engine speed, not by the faster side's.");
+  v.number("capacity", p.capacity_nm, in("N m").above(0), "Torque that the closed clutch holds.");
+  v.number("open", p.open_radps, in("rpm").above(0), "Speed below which the clutch is open.");
+  v.number("full", p.full_radps, in("rpm").above(0), "Speed from which on the clutch is closed.");
+}
+
+void visit(fields::Visitor& v, AxleParameters& p) {
+  v.choice("drive", p.drive, kAxleDrives, "Which axles the engine turns.");
+  v.boolean("front_lock", p.lockable[kFront], "Whether the front differential has a lock.");
+  v.boolean("centre_lock", p.lockable[kCentre], "Whether the axles can be coupled.");
+  v.boolean("rear_lock", p.lockable[kRear], "Whether the rear differential has a lock.");
+  v.number("lock_time", p.lock_time_s, in("ms").at_least(0),
+           "Time from a lock's request to its engagement.");
+  v.number("lock_rate_difference", p.lock_rate_difference_radps, in("rad/s").above(0),
+           "Greater differences of wheel rates keep a lock from engaging.");
+  v.number("final_ratio", p.final_ratio, plain().above(0),
+           "Ratio from gearbox output to axle shaft.");
+  v.number("portal_ratio", p.portal_ratio, plain().above(0),
+           "Ratio from axle shaft to wheel; 1 without portals.");
+  v.number("output_inertia", p.output_inertia_kgm2, in("kg m2").at_least(0),
+           "Inertia of shafts and bevel gears, at the gearbox's output.");
+  v.number("output_drag", p.output_drag_nmsprad, in("N m s/rad").at_least(0),
+           "Oil drag at the gearbox's output.");
+}
+
+void visit(fields::Visitor& v, GearboxParameters& p) {
+  v.number_list("forward", p.forward, plain().above(0), "Forward ratios, first gear first.");
+  v.number_list("reverse", p.reverse, plain().above(0), "Reverse ratios, first gear first.");
+  v.number("crawler_factor", p.crawler_factor, plain().at_least(0),
+           "Factor on every ratio in the crawler group; 0 = no such group.");
+  v.number("ramp_down", p.ramp_down_s, in("ms").at_least(0),
+           "Time in which torque falls to zero before a shift.");
+  v.number("synchronisation", p.synchronisation_s, in("ms").at_least(0),
+           "Time out of gear in a shift.");
+  v.number("ramp_up", p.ramp_up_s, in("ms").at_least(0),
+           "Time in which torque comes back after a shift.");
+  v.number("group_change", p.group_change_radps, in("rad/s").above(0),
+           "Mean wheel rate below which the group may change.");
+}
+
+void visit(fields::Visitor& v, GearedParameters& p) {
+  v.section("engine", p.engine, "Combustion engine.");
+  v.section("clutch", p.clutch, "Automated friction clutch.");
+  v.section("gearbox", p.gearbox, "Step gearbox.");
+  v.section("axles", p.axles, "From the gearbox's output to the wheels.");
+}
+
+void visit(fields::Visitor& v, VariatorParameters& p) {
+  v.number("launch_ratio", p.launch_ratio, plain().above(0),
+           "Ratio of the variator at standstill.");
+  v.number("top_ratio", p.top_ratio, plain().above(0), "Ratio of the variator fully shifted.");
+  v.number("shift_from", p.shift_from_radps, in("rpm").above(0),
+           "Engine speed up to which the launch ratio stays.");
+  v.number("shift_to", p.shift_to_radps, in("rpm").above(0),
+           "Engine speed from which on the top ratio holds.");
+  v.number("lag", p.lag_s, in("ms").at_least(0), "Lag of the variator's sheaves.");
+  v.number_list("ranges", p.ranges, plain().above(0), "Ratios of the range groups, gear 1 first.");
+  v.number("reverse_range", p.reverse_range, plain().at_least(0),
+           "Ratio of the reverse group; 0 = no reverse.");
+  v.number("range_change", p.range_change_radps, in("rad/s").above(0),
+           "Mean wheel rate below which the range may change.");
+}
+
+void visit(fields::Visitor& v, CvtParameters& p) {
+  v.section("engine", p.engine, "Combustion engine.");
+  v.section("clutch", p.clutch, "Centrifugal clutch.");
+  v.section("variator", p.variator, "Belt variator and range groups.");
+  v.section("axles", p.axles, "From the variator's output to the wheels.");
+}
+
+void visit(fields::Visitor& v, DrivelineParameters& p) {
+  v.variant("type", p, "Which drive line it is.");
+}
+
+void validate(const EngineParameters& p) {
+  fields::check(p);
+  fields::require(!p.full_load.empty(), "full_load", "no point", "at least one point");
+  for (std::size_t i = 1; i < p.full_load.size(); ++i) {
+    const double before_radps = p.full_load[i - 1].speed_radps;
+    fields::require(p.full_load[i].speed_radps > before_radps,
+                    "full_load." + std::to_string(i) + ".speed", rpm(p.full_load[i].speed_radps),
+                    "above the point before, " + rpm(before_radps));
+  }
+  fields::require(p.maximum_radps > p.idle_radps, "maximum", rpm(p.maximum_radps),
+                  "above idle, " + rpm(p.idle_radps));
+  fields::require(p.cut_off_radps > p.maximum_radps, "cut_off", rpm(p.cut_off_radps),
+                  "above maximum, " + rpm(p.maximum_radps));
+}
+
+void validate(const ClutchParameters& p) {
+  fields::check(p);
+  fields::require(p.full_radps > p.open_radps, "full", rpm(p.full_radps),
+                  "above open, " + rpm(p.open_radps));
+}
+
+void validate(const AxleParameters& p) {
+  fields::check(p);
+  fields::require(p.drive != AxleDrive::rear || !p.lockable[kCentre], "centre_lock", "true",
+                  "false: a rear drive has no centre differential");
+}
+
+void validate(const GearboxParameters& p) {
+  fields::check(p);
+  check_gears(p.forward, "forward", 1);
+  check_gears(p.reverse, "reverse", 0);
+  fields::require(p.crawler_factor == 0.0 || p.crawler_factor >= 1.0, "crawler_factor",
+                  plain().print(p.crawler_factor), "0 (none) or >= 1");
+}
+
+void validate(const VariatorParameters& p) {
+  fields::check(p);
+  check_gears(p.ranges, "ranges", 1);
+  fields::require(p.launch_ratio >= p.top_ratio, "launch_ratio", plain().print(p.launch_ratio),
+                  "at least top_ratio, " + plain().print(p.top_ratio));
+  fields::require(p.shift_to_radps > p.shift_from_radps, "shift_to", rpm(p.shift_to_radps),
+                  "above shift_from, " + rpm(p.shift_from_radps));
+}
+
 void validate(const GearedParameters& p) {
-  validate_engine(p.engine);
-  validate_clutch(p.clutch, p.engine);
-  validate_axles(p.axles);
-  validate_ratios(p.gearbox.forward, "gearbox.forward", 1);
-  validate_ratios(p.gearbox.reverse, "gearbox.reverse", 0);
-  require(p.gearbox.crawler_factor == 0.0 ||
-              (std::isfinite(p.gearbox.crawler_factor) && p.gearbox.crawler_factor >= 1.0),
-          "gearbox.crawler_factor", p.gearbox.crawler_factor, "0 (none) or >= 1");
-  require(non_negative(p.gearbox.ramp_down_s), "gearbox.ramp_down_s", p.gearbox.ramp_down_s,
-          ">= 0");
-  require(non_negative(p.gearbox.synchronisation_s), "gearbox.synchronisation_s",
-          p.gearbox.synchronisation_s, ">= 0");
-  require(non_negative(p.gearbox.ramp_up_s), "gearbox.ramp_up_s", p.gearbox.ramp_up_s, ">= 0");
-  require(positive(p.gearbox.group_change_radps), "gearbox.group_change_radps",
-          p.gearbox.group_change_radps, "> 0");
+  fields::check(p);
+  check_clutch(p.clutch, p.engine);
 }
 
 void validate(const CvtParameters& p) {
-  validate_engine(p.engine);
-  validate_clutch(p.clutch, p.engine);
-  validate_axles(p.axles);
-  validate_ratios(p.variator.ranges, "variator.ranges", 1);
-  require(non_negative(p.variator.reverse_range), "variator.reverse_range",
-          p.variator.reverse_range, ">= 0 (0: no reverse)");
-  require(positive(p.variator.top_ratio), "variator.top_ratio", p.variator.top_ratio, "> 0");
-  require(std::isfinite(p.variator.launch_ratio) && p.variator.launch_ratio >= p.variator.top_ratio,
-          "variator.launch_ratio", p.variator.launch_ratio, "at least top_ratio");
-  require(positive(p.variator.shift_from_radps), "variator.shift_from_radps",
-          p.variator.shift_from_radps, "> 0");
-  require(std::isfinite(p.variator.shift_to_radps) &&
-              p.variator.shift_to_radps > p.variator.shift_from_radps,
-          "variator.shift_to_radps", p.variator.shift_to_radps, "above shift_from_radps");
-  require(non_negative(p.variator.lag_s), "variator.lag_s", p.variator.lag_s, ">= 0");
-  require(positive(p.variator.range_change_radps), "variator.range_change_radps",
-          p.variator.range_change_radps, "> 0");
+  fields::check(p);
+  check_clutch(p.clutch, p.engine);
 }
 
 void validate(const DrivelineParameters& parameters) {
-  std::visit([](const auto& p) { validate(p); }, parameters);
+  fields::check(parameters);
 }
 
 }  // namespace rigwire::sim

@@ -8,13 +8,12 @@
 // hold at the shaft that the name says. SI units, rates in rad/s.
 #pragma once
 
-#include "fields/rules.h"
-
 #include <array>
 #include <numbers>
 #include <variant>
 #include <vector>
 
+#include "fields/rules.h"
 #include "sim/samples/vehicle_sample.h"
 
 namespace rigwire::sim {
@@ -28,6 +27,7 @@ struct TorquePoint {
 
   friend bool operator==(const TorquePoint&, const TorquePoint&) = default;
 };
+void visit(fields::Visitor& v, TorquePoint& p);
 
 /// 900 Nm from 1200 to 1600 rpm, 170 kW at 2200 rpm; below 1200 rpm an estimate.
 [[nodiscard]] std::vector<TorquePoint> unimog_full_load();
@@ -49,6 +49,9 @@ struct EngineParameters {
 
   friend bool operator==(const EngineParameters&, const EngineParameters&) = default;
 };
+void visit(fields::Visitor& v, EngineParameters& p);
+/// Throws std::invalid_argument.
+void validate(const EngineParameters& parameters);
 
 /// A friction clutch that an automatic or a centrifugal weight closes with speed: open below
 /// open_radps, in between in proportion, full capacity from full_radps on. As it opens above the
@@ -61,6 +64,9 @@ struct ClutchParameters {
 
   friend bool operator==(const ClutchParameters&, const ClutchParameters&) = default;
 };
+void visit(fields::Visitor& v, ClutchParameters& p);
+/// Throws std::invalid_argument.
+void validate(const ClutchParameters& parameters);
 
 enum class AxleDrive {
   rear,                 ///< Rear axle only.
@@ -84,6 +90,9 @@ struct AxleParameters {
 
   friend bool operator==(const AxleParameters&, const AxleParameters&) = default;
 };
+void visit(fields::Visitor& v, AxleParameters& p);
+/// Throws std::invalid_argument.
+void validate(const AxleParameters& parameters);
 
 struct GearboxParameters {
   /// First gear first; positive, also in reverse.
@@ -100,6 +109,9 @@ struct GearboxParameters {
 
   friend bool operator==(const GearboxParameters&, const GearboxParameters&) = default;
 };
+void visit(fields::Visitor& v, GearboxParameters& p);
+/// Throws std::invalid_argument.
+void validate(const GearboxParameters& parameters);
 
 /// Engine, automated clutch, step gearbox.
 struct GearedParameters {
@@ -112,6 +124,7 @@ struct GearedParameters {
 
   friend bool operator==(const GearedParameters&, const GearedParameters&) = default;
 };
+void visit(fields::Visitor& v, GearedParameters& p);
 
 /// A belt variator whose centrifugal weights move it from launch to top as the engine speeds up;
 /// the logarithm of its ratio falls linearly between the two speeds.
@@ -128,6 +141,9 @@ struct VariatorParameters {
 
   friend bool operator==(const VariatorParameters&, const VariatorParameters&) = default;
 };
+void visit(fields::Visitor& v, VariatorParameters& p);
+/// Throws std::invalid_argument.
+void validate(const VariatorParameters& parameters);
 
 /// Engine, centrifugal clutch, belt variator, range groups. Defaults: Gator XUV 855D, 17 kW read in
 /// a source, the rest estimates.
@@ -143,13 +159,16 @@ struct CvtParameters {
 
   friend bool operator==(const CvtParameters&, const CvtParameters&) = default;
 };
+void visit(fields::Visitor& v, CvtParameters& p);
 
 using DrivelineParameters = std::variant<GearedParameters, CvtParameters>;
+/// `type` beside the keys of that type.
+void visit(fields::Visitor& v, DrivelineParameters& p);
 
 [[nodiscard]] DrivelineParameters unimog_u5023_driveline();
 [[nodiscard]] DrivelineParameters gator_855d_driveline();
 
-/// Each throws std::invalid_argument that names the quantity, the value and what is allowed.
+/// Each throws std::invalid_argument that names the key, the value found and what is allowed.
 void validate(const GearedParameters& parameters);
 void validate(const CvtParameters& parameters);
 void validate(const DrivelineParameters& parameters);

@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <sstream>
-#include <stdexcept>
+
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+
 namespace {
 
-void require(bool allowed_value, const char* name, double found, const char* allowed) {
-  if (allowed_value) {
-    return;
-  }
-  std::ostringstream text;
-  text << name << ": found " << found << ", allowed " << allowed;
-  throw std::invalid_argument(text.str());
-}
+constexpr std::array<fields::Choice<OdometryWheels>, 3> kOdometryWheels{
+    {{OdometryWheels::all, "all", "Mean of all wheels."},
+     {OdometryWheels::front, "front", "Front wheels or drum."},
+     {OdometryWheels::rear, "rear", "Rear wheels or drum."}}};
 
 double steering_tangent(double angle_rad) {
   return std::isfinite(angle_rad)
@@ -26,12 +26,19 @@ double steering_tangent(double angle_rad) {
 
 }  // namespace
 
+void visit(fields::Visitor& v, OdometryParameters& p) {
+  v.number("front_distance", p.front_distance_m, in("m"), "Reference point to the front axle.");
+  v.number("rear_distance", p.rear_distance_m, in("m"), "Rear axle to the reference point.");
+  v.number("track", p.track_m, in("m").at_least(0), "Left to right wheel; 0 for drums.");
+  v.choice("wheels", p.wheels, kOdometryWheels, "Whose rates give the speed.");
+}
+
 void validate(const OdometryParameters& p) {
-  require(std::isfinite(p.front_distance_m), "front_distance_m", p.front_distance_m, "a number");
-  require(std::isfinite(p.rear_distance_m), "rear_distance_m", p.rear_distance_m, "a number");
-  const double wheelbase = p.front_distance_m + p.rear_distance_m;
-  require(wheelbase > 0.01, "front_distance_m + rear_distance_m", wheelbase, "above 0.01 m");
-  require(std::isfinite(p.track_m) && p.track_m >= 0.0, "track_m", p.track_m, ">= 0 m");
+  fields::check(p);
+  fields::require(
+      p.front_distance_m + p.rear_distance_m > 0.01, "front_distance",
+      in("m").print(p.front_distance_m),
+      "a wheelbase above 0.01 m together with rear_distance, " + in("m").print(p.rear_distance_m));
 }
 
 OdometryReading odometry(const OdometryParameters& p, const VehicleSample& sample) {

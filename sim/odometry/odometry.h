@@ -18,6 +18,7 @@
 
 #include <array>
 
+#include "fields/rules.h"
 #include "sim/samples/vehicle_sample.h"
 
 namespace rigwire::sim {
@@ -38,7 +39,9 @@ struct OdometryParameters {
   friend bool operator==(const OdometryParameters&, const OdometryParameters&) = default;
 };
 
-/// Throws std::invalid_argument that names the quantity, the value and what is allowed.
+void visit(fields::Visitor& v, OdometryParameters& p);
+
+/// Throws std::invalid_argument that names the key, the value found and what is allowed.
 void validate(const OdometryParameters& parameters);
 
 /// Steering beyond this is taken as this, either side: the tangent has a pole at 90 degrees.

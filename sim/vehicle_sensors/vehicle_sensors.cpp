@@ -4,27 +4,18 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <sstream>
-#include <stdexcept>
 #include <string>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
 #include "sim/random.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+using fields::IntegerRule;
+
 namespace {
-
-void require(bool allowed_value, const char* name, double found, const char* allowed) {
-  if (allowed_value) {
-    return;
-  }
-  std::ostringstream text;
-  text << name << ": found " << found << ", allowed " << allowed;
-  throw std::invalid_argument(text.str());
-}
-
-bool non_negative(double value) {
-  return std::isfinite(value) && value >= 0.0;
-}
 
 double quantised(double value, double quantum) {
   return quantum > 0.0 ? std::round(value / quantum) * quantum : value;
@@ -42,19 +33,31 @@ const OdometryParameters& checked(const OdometryParameters& parameters) {
 
 }  // namespace
 
+void visit(fields::Visitor& v, VehicleSensorParameters& p) {
+  v.boolean("perfect", p.perfect, "No error at all, whatever the other keys say.");
+  v.integer("ticks_per_revolution", p.ticks_per_revolution, IntegerRule{0, 1000000},
+            "Ticks of a wheel's encoder in a revolution; 0 = continuous.");
+  v.number("gate", p.gate_s, in("ms").above(0), "Time over which ticks are counted.");
+  v.number("dead_rate", p.dead_rate_radps, in("rad/s").at_least(0),
+           "Wheel rate below which there are no ticks.");
+  v.number("known_radius", p.known_radius_m, in("m").at_least(0),
+           "The controller's wheel radius at every pressure; 0 = the true one.");
+  v.number("radius_error", p.radius_error, in("%").between(0, 20),
+           "Standard deviation of the radius that the controller knows.");
+  v.number("steer_offset", p.steer_offset_rad, in("deg").at_least(0),
+           "Standard deviation of each axle's steering offset.");
+  v.number("steer_quantum", p.steer_quantum_rad, in("deg").at_least(0),
+           "Step of the steering angle; 0 = continuous.");
+  v.number("steer_play", p.steer_play_rad, in("deg").at_least(0),
+           "Width of the steering sensor's backlash.");
+  v.number("pressure_offset", p.pressure_offset_pa, in("kPa").at_least(0),
+           "Standard deviation of each pressure's offset.");
+  v.number("pressure_quantum", p.pressure_quantum_pa, in("kPa").at_least(0),
+           "Step of the pressures; 0 = continuous.");
+}
+
 void validate(const VehicleSensorParameters& p) {
-  require(p.ticks_per_revolution >= 0, "ticks_per_revolution", p.ticks_per_revolution, ">= 0");
-  require(std::isfinite(p.gate_s) && p.gate_s > 0.0, "gate_s", p.gate_s, "> 0");
-  require(non_negative(p.dead_rate_radps), "dead_rate_radps", p.dead_rate_radps, ">= 0");
-  require(non_negative(p.known_radius_m), "known_radius_m", p.known_radius_m, ">= 0");
-  require(non_negative(p.radius_error) && p.radius_error <= 0.2, "radius_error", p.radius_error,
-          "0 .. 0.2");
-  require(non_negative(p.steer_offset_rad), "steer_offset_rad", p.steer_offset_rad, ">= 0");
-  require(non_negative(p.steer_quantum_rad), "steer_quantum_rad", p.steer_quantum_rad, ">= 0");
-  require(non_negative(p.steer_play_rad), "steer_play_rad", p.steer_play_rad, ">= 0");
-  require(non_negative(p.pressure_offset_pa), "pressure_offset_pa", p.pressure_offset_pa, ">= 0");
-  require(non_negative(p.pressure_quantum_pa), "pressure_quantum_pa", p.pressure_quantum_pa,
-          ">= 0");
+  fields::check(p);
 }
 
 VehicleSensors::VehicleSensors(const VehicleSensorParameters& parameters,

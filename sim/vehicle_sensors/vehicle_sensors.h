@@ -21,6 +21,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "fields/rules.h"
 #include "sim/odometry/odometry.h"
 #include "sim/samples/vehicle_sample.h"
 
@@ -46,7 +47,9 @@ struct VehicleSensorParameters {
   friend bool operator==(const VehicleSensorParameters&, const VehicleSensorParameters&) = default;
 };
 
-/// Throws std::invalid_argument that names the quantity, the value and what is allowed.
+void visit(fields::Visitor& v, VehicleSensorParameters& p);
+
+/// Throws std::invalid_argument that names the key, the value found and what is allowed.
 void validate(const VehicleSensorParameters& parameters);
 
 class VehicleSensors {

@@ -4,10 +4,11 @@
 #include <gtest/gtest.h>
 
 #include "hil/configuration/document.h"
-#include "hil/configuration/driveline.h"
 #include "hil/configuration/outline.h"
 #include "hil/configuration/reader.h"
-#include "hil/configuration/vehicle_sensors.h"
+#include "sim/driveline/parameters.h"
+#include "sim/odometry/odometry.h"
+#include "sim/vehicle_sensors/vehicle_sensors.h"
 
 namespace rigwire::hil {
 namespace {
@@ -68,13 +69,13 @@ TEST(VehicleParts, AGatorIsWrittenShort) {
 TEST(VehicleParts, WhatTheModelRefusesIsReportedWithItsPlace) {
   Parts parts;
   EXPECT_THAT(load("driveline: {clutch: {full: 100 rpm}}\n", parts),
-              HasSubstr("clutch.full_radps: found 10.4"));
+              HasSubstr("driveline.clutch.full: found 100 rpm, allowed above open, 740 rpm"));
   EXPECT_THAT(load("driveline: {engine: {inertia: -1}}\n", parts),
               HasSubstr("driveline.engine.inertia"));
   EXPECT_THAT(load("driveline: {type: automatic}\n", parts), HasSubstr("driveline.type"));
   EXPECT_THAT(load("driveline: {gearbox: {forward: [1, 0]}}\n", parts), HasSubstr("forward"));
   EXPECT_THAT(load("odometry: {front_distance: 0 m}\n", parts),
-              HasSubstr("front_distance_m + rear_distance_m: found 0"));
+              HasSubstr("odometry.front_distance: found 0 m, allowed a wheelbase above 0.01 m"));
 }
 
 }  // namespace

@@ -42,26 +42,35 @@ TEST(DrivelineParametersTest, UnimogHasFourteenGears) {
 TEST(DrivelineParametersTest, RefusalNamesQuantityValueAndWhatIsAllowed) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(refusal([](auto& p) { p.engine.inertia_kgm2 = -1.0; }),
-            "engine.inertia_kgm2: found -1, allowed > 0");
-  EXPECT_NE(refusal([&](auto& p) { p.engine.drag_nm = nan; }).find("engine.drag_nm"),
+            "engine.inertia: found -1 kg m2, allowed > 0 kg m2");
+  EXPECT_NE(refusal([&](auto& p) { p.engine.drag_nm = nan; }).find("engine.drag: found nan"),
             std::string::npos);
   EXPECT_NE(refusal([](auto& p) { p.engine.full_load.clear(); }).find("at least one point"),
             std::string::npos);
   EXPECT_NE(refusal([](auto& p) {
               p.engine.full_load[2].speed_radps = 1.0;
-            }).find("engine.full_load[2].speed_radps: found 1"),
+            }).find("engine.full_load.2.speed: found 9.549"),
             std::string::npos);
-  EXPECT_NE(refusal([](auto& p) { p.gearbox.forward[3] = 0.0; }).find("gearbox.forward[3]"),
+  EXPECT_NE(refusal([](auto& p) {
+              p.gearbox.forward[3] = 0.0;
+            }).find("gearbox.forward.3: found 0, allowed > 0"),
             std::string::npos);
-  EXPECT_NE(refusal([](auto& p) { p.gearbox.forward.clear(); }).find("1 .. 125 gears"),
+  EXPECT_NE(refusal([](auto& p) {
+              p.gearbox.forward.clear();
+            }).find("gearbox.forward: found 0 gears, allowed 1 .. 125 gears"),
             std::string::npos);
-  EXPECT_NE(refusal([](auto& p) { p.clutch.full_radps = 10.0; }).find("above open_radps"),
+  EXPECT_NE(
+      refusal([](auto& p) { p.clutch.full_radps = 10.0; }).find("allowed above open, 740 rpm"),
+      std::string::npos);
+  EXPECT_NE(refusal([](auto& p) { p.clutch.open_radps = 1.0; }).find("clutch.open: found "),
             std::string::npos);
-  EXPECT_NE(refusal([](auto& p) { p.clutch.open_radps = 1.0; }).find("clutch.open_radps"),
+  EXPECT_NE(refusal([](auto& p) {
+              p.axles.drive = AxleDrive::rear;
+            }).find("axles.centre_lock: found true, allowed false"),
             std::string::npos);
-  EXPECT_NE(refusal([](auto& p) { p.axles.drive = AxleDrive::rear; }).find("no centre"),
-            std::string::npos);
-  EXPECT_NE(refusal([](auto& p) { p.gearbox.crawler_factor = 0.5; }).find("crawler_factor"),
+  EXPECT_NE(refusal([](auto& p) {
+              p.gearbox.crawler_factor = 0.5;
+            }).find("gearbox.crawler_factor: found 0.5"),
             std::string::npos);
 }
 

@@ -1,7 +1,10 @@
 // How a machine's equations of motion are stepped.
 #pragma once
 
+#include <array>
 #include <cstdint>
+
+#include "fields/rules.h"
 
 namespace rigwire::sim {
 
@@ -13,5 +16,12 @@ enum class IntegrationScheme : std::uint8_t {
                  ///< gamma = 1 - 1 / sqrt 2, whatever Jacobian is used.
   runge_kutta4,  ///< Fourth order, explicit: bounded by the fastest oscillation.
 };
+
+inline constexpr std::array<fields::Choice<IntegrationScheme>, 3> kIntegrationSchemes{
+    {{IntegrationScheme::linearly_implicit_euler, "linearly_implicit_euler",
+      "Stable for every stiffness that is let pass."},
+     {IntegrationScheme::rosenbrock2, "rosenbrock2", "Second order, for comparison."},
+     {IntegrationScheme::runge_kutta4, "runge_kutta4",
+      "Fourth order, for comparison; short steps only."}}};
 
 }  // namespace rigwire::sim

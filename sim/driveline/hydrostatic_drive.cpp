@@ -2,20 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
-#include <string>
+
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::sim {
-namespace {
 
-void require(bool fine, const char* where, const char* member, double found, const char* allowed) {
-  if (!fine) {
-    std::ostringstream message;
-    message << where << "." << member << ": found " << found << ", allowed " << allowed;
-    throw std::invalid_argument(message.str());
-  }
-}
+using fields::in;
+using fields::plain;
+
+namespace {
 
 // First-order lag towards a constant over h, exactly.
 double lag(double value, double target, double h, double time_constant_s) {
@@ -25,31 +21,41 @@ double lag(double value, double target, double h, double time_constant_s) {
 
 }  // namespace
 
-void validate(const HydrostaticDriveParameters& p, const char* where) {
-  const auto positive = [where](const char* member, double value) {
-    require(std::isfinite(value) && value > 0.0, where, member, value, "finite and > 0");
-  };
-  const auto not_negative = [where](const char* member, double value) {
-    require(std::isfinite(value) && value >= 0.0, where, member, value, "finite and >= 0");
-  };
-  positive("motor_displacement_m3prad", p.motor_displacement_m3prad);
-  positive("pump_displacement_m3prad", p.pump_displacement_m3prad);
-  positive("oil_volume_m3", p.oil_volume_m3);
-  positive("bulk_modulus_pa", p.bulk_modulus_pa);
-  not_negative("leakage_m3pspa", p.leakage_m3pspa);
-  positive("relief_pressure_pa", p.relief_pressure_pa);
-  not_negative("charge_pressure_pa", p.charge_pressure_pa);
-  not_negative("motor_friction_nmsprad", p.motor_friction_nmsprad);
-  positive("ramp_mps2", p.ramp_mps2);
-  not_negative("swash_time_constant_s", p.swash_time_constant_s);
-  positive("speed_max_mps", p.speed_max_mps);
-  positive("engine_idle_radps", p.engine_idle_radps);
-  require(std::isfinite(p.engine_rated_radps) && p.engine_rated_radps >= p.engine_idle_radps, where,
-          "engine_rated_radps", p.engine_rated_radps, "finite and >= engine_idle_radps");
-  positive("engine_torque_nm", p.engine_torque_nm);
-  require(p.engine_droop >= 0.0 && p.engine_droop <= 0.5, where, "engine_droop", p.engine_droop,
-          "0 .. 0.5");
-  not_negative("engine_time_constant_s", p.engine_time_constant_s);
+void visit(fields::Visitor& v, HydrostaticDriveParameters& p) {
+  v.number("motor_displacement", p.motor_displacement_m3prad, in("m3/rad").above(0),
+           "Oil that each motor takes per angle of its drum.");
+  v.number("pump_displacement", p.pump_displacement_m3prad, in("m3/rad").above(0),
+           "Oil that the pump gives per angle of the engine, at full swash.");
+  v.number("oil_volume", p.oil_volume_m3, in("l").above(0), "Oil under pressure.");
+  v.number("bulk_modulus", p.bulk_modulus_pa, in("MPa").above(0), "Bulk modulus of oil and hoses.");
+  v.number("leakage", p.leakage_m3pspa, in("m3/s/Pa").at_least(0),
+           "Leakage of pump and motors per pressure.");
+  v.number("relief_pressure", p.relief_pressure_pa, in("MPa").above(0),
+           "Relief pressure between the lines.");
+  v.number("charge_pressure", p.charge_pressure_pa, in("MPa").at_least(0),
+           "Pressure of the low side.");
+  v.number("motor_friction", p.motor_friction_nmsprad, in("N m s/rad").at_least(0),
+           "Viscous friction of each motor at its drum.");
+  v.number("ramp", p.ramp_mps2, in("m/s2").above(0), "Ramp of the travel set point.");
+  v.number("swash_time_constant", p.swash_time_constant_s, in("ms").at_least(0),
+           "Lag of the pump's swash plate.");
+  v.number("speed_max", p.speed_max_mps, in("km/h").above(0), "Greatest speed, both ways.");
+  v.number("engine_idle", p.engine_idle_radps, in("rpm").above(0), "Governor's least speed.");
+  v.number("engine_rated", p.engine_rated_radps, in("rpm").above(0), "Governor's greatest speed.");
+  v.number("engine_torque", p.engine_torque_nm, in("N m").above(0), "Engine's greatest torque.");
+  v.number("engine_droop", p.engine_droop, plain().between(0, 0.5),
+           "Share of the engine's speed lost at greatest torque.");
+  v.number("engine_time_constant", p.engine_time_constant_s, in("ms").at_least(0),
+           "Lag of the engine's governor.");
+  v.boolean("flow_divider", p.flow_divider, "Always closed: both drums get half of the flow.");
+  v.boolean("bypass", p.bypass, "Towing valves open: drums turn freely.");
+}
+
+void validate(const HydrostaticDriveParameters& p) {
+  fields::check(p);
+  fields::require(p.engine_rated_radps >= p.engine_idle_radps, "engine_rated",
+                  in("rpm").print(p.engine_rated_radps),
+                  "at least engine_idle, " + in("rpm").print(p.engine_idle_radps));
 }
 
 HydrostaticDrive::HydrostaticDrive(const HydrostaticDriveParameters& parameters, double radius_m)
@@ -58,7 +64,7 @@ HydrostaticDrive::HydrostaticDrive(const HydrostaticDriveParameters& parameters,
       engine_speed_radps_(parameters.engine_idle_radps),
       limit_pa_(parameters.bypass ? 0.0 : parameters.relief_pressure_pa),
       divided_(parameters.flow_divider) {
-  validate(parameters, "hydrostatic drive");
+  validate(parameters);
 }
 
 void HydrostaticDrive::begin(double h) {

@@ -23,6 +23,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "fields/rules.h"
 #include "sim/contact/bristle.h"
 
 namespace rigwire::sim {
@@ -51,8 +52,10 @@ struct HydrostaticDriveParameters {
                          const HydrostaticDriveParameters&) = default;
 };
 
-/// Throws std::invalid_argument naming `where`, the member, the value and what is allowed.
-void validate(const HydrostaticDriveParameters& parameters, const char* where);
+void visit(fields::Visitor& v, HydrostaticDriveParameters& p);
+
+/// Throws std::invalid_argument that names the key, the value found and what is allowed.
+void validate(const HydrostaticDriveParameters& parameters);
 
 /// One pressure: p = law.offset - law.gain * (displacement . drum rates).
 struct HydrostaticCircuit {

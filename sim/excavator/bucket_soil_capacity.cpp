@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
-#include <string>
 
 namespace rigwire::sim {
 namespace {
@@ -13,38 +11,6 @@ constexpr int kDegrees = 360;
 constexpr int kPoints = 48;  // Counted along each side of the cross-section.
 
 }  // namespace
-
-void validate(const BucketSoilParameters& p, double bucket_tip_m) {
-  const auto require = [](bool good, const char* quantity, double found, const char* allowed) {
-    if (!good) {
-      throw std::invalid_argument("bucket: " + std::string(quantity) + " is " +
-                                  std::to_string(found) + ", allowed: " + allowed);
-    }
-  };
-  require(p.width_m > 0.0 && p.width_m <= 20.0, "width_m", p.width_m, "above 0, to 20 m");
-  require(p.rear_lip_m >= 0.0 && p.rear_lip_m <= 0.9 * bucket_tip_m, "rear_lip_m", p.rear_lip_m,
-          "0 to nine tenths of the distance from pin to tip");
-  require(p.struck_capacity_m3 > 0.0 && p.struck_capacity_m3 <= 100.0, "struck_capacity_m3",
-          p.struck_capacity_m3, "above 0, to 100 m3");
-  require(p.heap_repose_rad >= 0.0 && p.heap_repose_rad <= 1.2, "heap_repose_rad",
-          p.heap_repose_rad, "0 to 1.2 rad");
-  require(p.lip_angle_rad >= 0.0 && p.lip_angle_rad <= 1.57, "lip_angle_rad", p.lip_angle_rad,
-          "0 to 1.57 rad");
-  require(p.edge_resistance_pa >= 0.0 && p.edge_resistance_pa <= 1e9, "edge_resistance_pa",
-          p.edge_resistance_pa, "0 to 1e9");
-  require(p.ramp_speed_mps >= 1e-5 && p.ramp_speed_mps <= 1.0, "ramp_speed_mps", p.ramp_speed_mps,
-          "1e-5 to 1 m/s");
-  require(p.outflow_time_s > 0.0 && p.outflow_time_s <= 100.0, "outflow_time_s", p.outflow_time_s,
-          "above 0, to 100 s");
-  require(p.pour_radius_m >= 0.0 && p.pour_radius_m <= 10.0, "pour_radius_m", p.pour_radius_m,
-          "0 to 10 m");
-  require(p.hard_stiffness_npm >= 1e4 && p.hard_stiffness_npm <= 1e10, "hard_stiffness_npm",
-          p.hard_stiffness_npm, "1e4 to 1e10 N/m");
-  require(p.hard_damping_nspm >= 0.0 && p.hard_damping_nspm <= 1e9, "hard_damping_nspm",
-          p.hard_damping_nspm, "0 to 1e9 N s/m");
-  require(p.hard_friction >= 0.0 && p.hard_friction <= 2.0, "hard_friction", p.hard_friction,
-          "0 to 2");
-}
 
 BucketCapacity::BucketCapacity(const BucketSoilParameters& parameters, double bucket_tip_m) {
   validate(parameters, bucket_tip_m);

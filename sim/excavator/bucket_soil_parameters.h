@@ -1,6 +1,7 @@
 // The bucket as a digging tool: its opening, what it holds, how the ground resists it.
 #pragma once
 
+#include "fields/rules.h"
 #include "sim/ground/diggable_terrain.h"
 
 namespace rigwire::sim {
@@ -25,7 +26,9 @@ struct BucketSoilParameters {
   friend bool operator==(const BucketSoilParameters&, const BucketSoilParameters&) = default;
 };
 
-/// Throws std::invalid_argument that names the quantity, the value found and what is allowed.
+void visit(fields::Visitor& v, BucketSoilParameters& p);
+
+/// Throws std::invalid_argument that names the key, the value found and what is allowed.
 /// `bucket_tip_m` is the distance from the pin to the teeth.
 void validate(const BucketSoilParameters& parameters, double bucket_tip_m);
 
@@ -36,5 +39,6 @@ struct DiggingParameters {
 
   friend bool operator==(const DiggingParameters&, const DiggingParameters&) = default;
 };
+void visit(fields::Visitor& v, DiggingParameters& p);
 
 }  // namespace rigwire::sim

@@ -3,20 +3,32 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
 #include "sim/excavator/driven_arm.h"
 #include "sim/excavator/linkage.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+using fields::IntegerRule;
+using fields::plain;
+
 namespace {
 
-[[noreturn]] void refuse(const std::string& name, const std::string& found,
-                         const std::string& allowed) {
-  throw std::invalid_argument(name + ": found " + found + ", allowed " + allowed);
-}
+constexpr std::array<fields::Choice<ExcavatorLevel>, 4> kExcavatorLevels{
+    {{ExcavatorLevel::kinematic, "kinematic", "Cylinders move as the valves ask, no forces."},
+     {ExcavatorLevel::quasi_static, "quasi_static", "Loads limit force and flow; stiff oil."},
+     {ExcavatorLevel::dynamic, "dynamic", "Oil as springs, Eq. 5 of the paper."},
+     {ExcavatorLevel::chambers, "chambers", "Two pressures per cylinder as states."}}};
 
+constexpr std::array<fields::Choice<ExcavatorCarrier>, 2> kExcavatorCarriers{
+    {{ExcavatorCarrier::fixed, "fixed", "The undercarriage stands still."},
+     {ExcavatorCarrier::moving, "moving", "It stands on tyres: rocks, slides, tips."}}};
+
+/// Of figures that are computed and only shown.
 std::string text(double value) {
   std::ostringstream stream;
   stream.precision(9);
@@ -24,58 +36,17 @@ std::string text(double value) {
   return stream.str();
 }
 
-void require(bool fine, const std::string& name, double found, const std::string& allowed) {
-  if (!fine) {
-    refuse(name, text(found), allowed);
-  }
-}
-
-void require_positive(const std::string& name, double found) {
-  require(std::isfinite(found) && found > 0.0, name, found, "finite and > 0");
-}
-
-template <typename Vector>
-void require_finite(const std::string& name, const Vector& found) {
-  for (Eigen::Index i = 0; i < found.size(); ++i) {
-    require(std::isfinite(found[i]), name + "[" + std::to_string(i) + "]", found[i], "finite");
-  }
-}
-
-void check_body(const std::string& name, const RigidBodyParameters& body) {
-  require_positive(name + ".mass_kg", body.mass_kg);
-  require_finite(name + ".center_of_mass_m", body.center_of_mass_m);
-  const Eigen::Vector3d& inertia = body.principal_inertia_kgm2;
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const double others = inertia.sum() - inertia[i];
-    require(std::isfinite(inertia[i]) && inertia[i] > 0.0 && inertia[i] <= others * (1.0 + 1e-9),
-            name + ".principal_inertia_kgm2[" + std::to_string(i) + "]", inertia[i],
-            "> 0 and at most the sum of the other two (" + text(others) + ")");
-  }
-}
-
-void check_four_bar(const BucketLinkageParameters& linkage) {
-  require_finite("bucket_linkage.base_pin_m", linkage.base_pin_m);
-  require_finite("bucket_linkage.idler_pivot_m", linkage.idler_pivot_m);
-  require_positive("bucket_linkage.idler_length_m", linkage.idler_length_m);
-  require_positive("bucket_linkage.link_length_m", linkage.link_length_m);
-  require_positive("bucket_linkage.lug_radius_m", linkage.lug_radius_m);
-  require(std::abs(linkage.lug_angle_rad) <= std::numbers::pi, "bucket_linkage.lug_angle_rad",
-          linkage.lug_angle_rad, "-pi .. pi");
-  require(linkage.branch == 1 || linkage.branch == -1, "bucket_linkage.branch", linkage.branch,
-          "1 or -1");
-}
-
 void check_initial(const ExcavatorPose& pose, const Linkages& linkages) {
-  require(std::isfinite(pose.swing_rad), "initial.swing_rad", pose.swing_rad, "finite");
   const std::array<double, 3> angles{pose.boom_rad, pose.stick_rad, pose.bucket_rad};
-  const std::array<const char*, 3> names{"initial.boom_rad", "initial.stick_rad",
-                                         "initial.bucket_rad"};
+  const std::array<const char*, 3> names{"initial.boom", "initial.stick", "initial.bucket"};
+  const auto degrees = [](double angle_rad) { return text(in("deg").to_written(angle_rad)); };
   for (int joint = 0; joint < 3; ++joint) {
     const auto i = static_cast<std::size_t>(joint);
     const WorkingRange& range = linkages.range(joint);
-    require(
-        angles[i] >= range.q_min_rad() && angles[i] <= range.q_max_rad(), names[i], angles[i],
-        text(range.q_min_rad()) + " .. " + text(range.q_max_rad()) + " (the cylinder's stroke)");
+    fields::require(angles[i] >= range.q_min_rad() && angles[i] <= range.q_max_rad(), names[i],
+                    degrees(angles[i]) + " deg",
+                    degrees(range.q_min_rad()) + " .. " + degrees(range.q_max_rad()) +
+                        " deg (the cylinder's stroke)");
   }
 }
 
@@ -117,61 +88,132 @@ double drive_step_limit(IntegrationScheme scheme) {
   return 30.0;
 }
 
+void visit(fields::Visitor& v, RigidBodyParameters& p) {
+  v.number("mass", p.mass_kg, in("kg").above(0), "Mass of the link.");
+  v.vector3("center_of_mass", p.center_of_mass_m, in("m"), "Centre of mass in the link's frame.");
+  v.vector3("principal_inertia", p.principal_inertia_kgm2, in("kg m2").above(0),
+            "Moments of inertia about the centre of mass, along the link's axes.");
+}
+
+void visit(fields::Visitor& v, DirectLinkageParameters& p) {
+  v.vector2("base_pin", p.base_pin_m, in("m"),
+            "[x, z] of the cylinder's foot on the link before the joint.");
+  v.vector2("rod_pin", p.rod_pin_m, in("m"),
+            "[x, z] of the rod's pin on the link that the joint moves.");
+}
+
+void visit(fields::Visitor& v, BucketLinkageParameters& p) {
+  v.vector2("base_pin", p.base_pin_m, in("m"), "[x, z] of the cylinder's foot on the stick.");
+  v.vector2("idler_pivot", p.idler_pivot_m, in("m"), "[x, z] of the idler's pivot on the stick.");
+  v.number("idler_length", p.idler_length_m, in("mm").above(0), "Idler's pivot to the rod's pin.");
+  v.number("link_length", p.link_length_m, in("mm").above(0), "Rod's pin to the bucket's lug.");
+  v.number("lug_radius", p.lug_radius_m, in("mm").above(0), "Bucket's pin to its lug.");
+  v.number("lug_angle", p.lug_angle_rad, in("deg").between(-180, 180),
+           "Direction of the lug from the bucket's x, upward positive.");
+  v.integer("branch", p.branch, IntegerRule{-1, 1}, "Side of the four-bar: 1 left, -1 right.");
+}
+
+void visit(fields::Visitor& v, DriveParameters& p) {
+  v.number("swing_stiffness", p.swing_stiffness_nmprad, in("N m/rad").above(0),
+           "Stiffness of the swing's spring, Eq. 5 of the paper.");
+  v.number("boom_stiffness", p.boom_stiffness_npm, in("N/m").above(0),
+           "Stiffness of the boom's spring, Eq. 5 of the paper.");
+  v.number("stick_stiffness", p.stick_stiffness_npm, in("N/m").above(0),
+           "Stiffness of the stick's spring, Eq. 5 of the paper.");
+  v.number("bucket_stiffness", p.bucket_stiffness_npm, in("N/m").above(0),
+           "Stiffness of the bucket's spring, Eq. 5 of the paper.");
+  v.number("damping_ratio", p.damping_ratio, plain().between(0, 10),
+           "Damping ratio of the dampers, Eq. 5 of the paper.");
+  v.number("end_stop_stiffness", p.end_stop_stiffness_npm, in("N/m").between(1e7, 1e12),
+           "Stiffness of a piston against the cylinder's head.");
+  v.number("cushion", p.cushion, plain().between(0, 0.5),
+           "Share of the stroke at each end in which the piston is slowed.");
+}
+
+void visit(fields::Visitor& v, ExcavatorPose& p) {
+  v.number("swing", p.swing_rad, in("deg").between(-360, 360),
+           "Angle of the swing, left positive.");
+  v.number("boom", p.boom_rad, in("deg").between(-180, 180),
+           "Angle of the boom against the upper, up positive.");
+  v.number("stick", p.stick_rad, in("deg").between(-180, 180),
+           "Angle of the stick against the boom, up positive.");
+  v.number("bucket", p.bucket_rad, in("deg").between(-180, 180),
+           "Angle of the bucket against the stick, up positive.");
+}
+
+void visit(fields::Visitor& v, CarrierParameters& p) {
+  v.number("wheelbase", p.wheelbase_m, in("m").above(0),
+           "Front to rear wheels, half before and half behind the swing axis.");
+  v.number("track", p.track_m, in("m").above(0), "Left to right tyre, between their middles.");
+  v.number("tyre_pressure", p.tyre_pressure_pa, in("MPa").above(0), "Pressure of all tyres.");
+  v.section("tyre", p.tyre, "One tyre; twins count as one.");
+}
+
+void visit(fields::Visitor& v, ExcavatorParameters& p) {
+  v.section("undercarriage", p.undercarriage, "Link on the ground.");
+  v.section("upper", p.upper, "Link that swings.");
+  v.section("boom", p.boom, "Link from the upper to the stick.");
+  v.section("stick", p.stick, "Link from the boom to the bucket.");
+  v.section("bucket", p.bucket, "Last link, empty.");
+  v.vector3("payload_center_of_mass", p.payload_center_of_mass_m, in("m"),
+            "Centre of mass of the payload in the bucket's frame.");
+  v.number("payload_max", p.payload_max_kg, in("kg").at_least(0), "Payload of a full bucket.");
+  v.number("swing_axis_height", p.swing_axis_height_m, in("m").above(0),
+           "Height of the slew ring above the ground.");
+  v.vector3("boom_foot", p.boom_foot_m, in("m"), "Foot pin of the boom in the upper's frame.");
+  v.number("boom_length", p.boom_length_m, in("m").above(0), "Boom's foot pin to stick pin.");
+  v.number("stick_length", p.stick_length_m, in("m").above(0), "Stick pin to bucket pin.");
+  v.number("bucket_tip", p.bucket_tip_m, in("m").above(0), "Bucket pin to the tip of the teeth.");
+  v.section("boom_linkage", p.boom_linkage, "Pins of the boom cylinders; base from the boom foot.");
+  v.section("stick_linkage", p.stick_linkage, "Pins of the stick cylinder.");
+  v.section("bucket_linkage", p.bucket_linkage, "Four-bar of the bucket.");
+  v.section("boom_cylinder", p.boom_cylinder, "Cylinders of the boom.");
+  v.section("stick_cylinder", p.stick_cylinder, "Cylinders of the stick.");
+  v.section("bucket_cylinder", p.bucket_cylinder, "Cylinders of the bucket.");
+  v.number("swing_displacement", p.swing_displacement_m3prad, in("m3/rad").above(0),
+           "Oil that motor and gear take per angle of swing.");
+  v.section("supply", p.supply, "Pump and pressures.");
+  v.section("swing_spool", p.swing_spool, "Valve section 1, the swing's.");
+  v.section("boom_spool", p.boom_spool, "Valve section 2, the boom's.");
+  v.section("stick_spool", p.stick_spool, "Valve section 3, the stick's.");
+  v.section("bucket_spool", p.bucket_spool, "Valve section 4, the bucket's.");
+  v.section("drives", p.drives, "Springs and dampers of Eq. 5 of the paper.");
+  v.section("chambers", p.chambers, "Oil of level chambers.");
+  v.choice("level", p.level, kExcavatorLevels, "How much of the drives is modelled.");
+  v.choice("carrier", p.carrier, kExcavatorCarriers, "What the undercarriage does.");
+  v.section("wheels", p.wheels, "What a moving carrier stands on, its brakes locked.");
+  v.choice("scheme", p.scheme, kIntegrationSchemes, "How the arm's equations are stepped.");
+  v.number("step", p.step_s, in("ms").between(0.001, 50), "Longest inner step of the arm.");
+  v.number("gravity", p.gravity_mps2, in("m/s2").at_least(0),
+           "Acceleration of gravity, downwards.");
+  v.section("initial", p.initial, "Joint angles at the start.");
+}
+
+void validate(const RigidBodyParameters& p) {
+  fields::check(p);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const double found = p.principal_inertia_kgm2[i];
+    const double others = p.principal_inertia_kgm2.sum() - found;
+    fields::require(found <= others * (1.0 + 1e-9), "principal_inertia." + std::to_string(i),
+                    in("kg m2").print(found),
+                    "at most the sum of the other two, " + text(others) + " kg m2");
+  }
+}
+
+void validate(const BucketLinkageParameters& p) {
+  fields::check(p);
+  fields::require(p.branch != 0, "branch", std::to_string(p.branch), "1 or -1");
+}
+
 void validate(const ExcavatorParameters& p) {
-  check_body("undercarriage", p.undercarriage);
-  check_body("upper", p.upper);
-  check_body("boom", p.boom);
-  check_body("stick", p.stick);
-  check_body("bucket", p.bucket);
-  require_finite("payload_center_of_mass_m", p.payload_center_of_mass_m);
-  require(std::isfinite(p.payload_max_kg) && p.payload_max_kg >= 0.0, "payload_max_kg",
-          p.payload_max_kg, "finite and >= 0");
-  require(std::isfinite(p.swing_axis_height_m), "swing_axis_height_m", p.swing_axis_height_m,
-          "finite");
-  require_finite("boom_foot_m", p.boom_foot_m);
-  require_positive("boom_length_m", p.boom_length_m);
-  require_positive("stick_length_m", p.stick_length_m);
-  require_positive("bucket_tip_m", p.bucket_tip_m);
-  require_finite("boom_linkage.base_pin_m", p.boom_linkage.base_pin_m);
-  require_finite("boom_linkage.rod_pin_m", p.boom_linkage.rod_pin_m);
-  require_finite("stick_linkage.base_pin_m", p.stick_linkage.base_pin_m);
-  require_finite("stick_linkage.rod_pin_m", p.stick_linkage.rod_pin_m);
-  check_four_bar(p.bucket_linkage);
-  validate(p.boom_cylinder, "boom_cylinder");
-  validate(p.stick_cylinder, "stick_cylinder");
-  validate(p.bucket_cylinder, "bucket_cylinder");
-  require_positive("swing_displacement_m3prad", p.swing_displacement_m3prad);
-  validate(p.supply, "supply");
-  validate(p.swing_spool, "swing_spool");
-  validate(p.boom_spool, "boom_spool");
-  validate(p.stick_spool, "stick_spool");
-  validate(p.bucket_spool, "bucket_spool");
-  require_positive("drives.swing_stiffness_nmprad", p.drives.swing_stiffness_nmprad);
-  require_positive("drives.boom_stiffness_npm", p.drives.boom_stiffness_npm);
-  require_positive("drives.stick_stiffness_npm", p.drives.stick_stiffness_npm);
-  require_positive("drives.bucket_stiffness_npm", p.drives.bucket_stiffness_npm);
-  require(p.drives.damping_ratio >= 0.0 && p.drives.damping_ratio <= 10.0, "drives.damping_ratio",
-          p.drives.damping_ratio, "0 .. 10");
-  require(p.drives.end_stop_stiffness_npm >= 1e7 && p.drives.end_stop_stiffness_npm <= 1e12,
-          "drives.end_stop_stiffness_npm", p.drives.end_stop_stiffness_npm, "1e7 .. 1e12 N/m");
-  require(p.drives.cushion >= 0.0 && p.drives.cushion <= 0.25, "drives.cushion", p.drives.cushion,
-          "0 .. 0.25 of the stroke");
-  validate(p.chambers, "chambers");
-  require_positive("wheels.wheelbase_m", p.wheels.wheelbase_m);
-  require_positive("wheels.track_m", p.wheels.track_m);
-  require_positive("wheels.tyre_pressure_pa", p.wheels.tyre_pressure_pa);
-  validate(p.wheels.tyre, "wheels.tyre");
-  if (p.carrier == ExcavatorCarrier::moving && p.level == ExcavatorLevel::kinematic) {
-    refuse("carrier", "moving", "fixed where level is kinematic: without forces nothing rocks");
-  }
-  if (p.scheme != IntegrationScheme::linearly_implicit_euler &&
-      (p.level != ExcavatorLevel::dynamic || p.carrier != ExcavatorCarrier::fixed)) {
-    refuse("scheme", "another than linearly_implicit_euler",
-           "linearly_implicit_euler, unless level is dynamic and carrier is fixed");
-  }
-  require(p.step_s >= 1e-6 && p.step_s <= 0.05, "step_s", p.step_s, "1e-6 .. 0.05 s");
-  require(std::isfinite(p.gravity_mps2) && p.gravity_mps2 >= 0.0, "gravity_mps2", p.gravity_mps2,
-          "finite and >= 0");
+  fields::check(p);
+  fields::require(p.carrier != ExcavatorCarrier::moving || p.level != ExcavatorLevel::kinematic,
+                  "carrier", "moving",
+                  "fixed where level is kinematic: without forces nothing rocks");
+  fields::require(p.scheme == IntegrationScheme::linearly_implicit_euler ||
+                      (p.level == ExcavatorLevel::dynamic && p.carrier == ExcavatorCarrier::fixed),
+                  "scheme", "another than linearly_implicit_euler",
+                  "linearly_implicit_euler, unless level is dynamic and carrier is fixed");
 
   const DrivenArm arm(p, Eigen::Vector3d(0.0, 0.0, -p.gravity_mps2));
   check_initial(p.initial, arm.linkages());
@@ -180,14 +222,12 @@ void validate(const ExcavatorParameters& p) {
   }
   const double frequency = stiffest_radps(p, arm);
   const double limit = drive_step_limit(p.scheme);
-  if (!(p.step_s * frequency <= limit)) {
-    refuse("drives",
-           "stiffnesses with a mode of " + text(frequency) + " rad/s, at step_s = " +
-               text(p.step_s) + " s a product of " + text(p.step_s * frequency),
-           "at most " + text(limit) + " for this scheme: a step_s of at most " +
-               text(limit / frequency) + " s, or stiffnesses " +
-               text(std::pow(p.step_s * frequency / limit, 2.0)) + " times smaller");
-  }
+  fields::require(p.step_s * frequency <= limit, "drives",
+                  "stiffnesses with a mode of " + text(frequency) + " rad/s, at a step of " +
+                      in("ms").print(p.step_s) + " a product of " + text(p.step_s * frequency),
+                  "at most " + text(limit) + " for this scheme: a step of at most " +
+                      text(1e3 * limit / frequency) + " ms, or stiffnesses " +
+                      text(std::pow(p.step_s * frequency / limit, 2.0)) + " times smaller");
 }
 
 }  // namespace rigwire::sim

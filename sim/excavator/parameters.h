@@ -19,6 +19,7 @@
 #include <array>
 #include <numbers>
 
+#include "fields/rules.h"
 #include "sim/hydraulics/parameters.h"
 #include "sim/integration_scheme.h"
 #include "sim/tyre/tyre.h"
@@ -51,6 +52,7 @@ struct CarrierParameters {
                       .vertical_damping_nspm = 1.5e4,
                       .reference_load_n = 4.5e4};
 };
+void visit(fields::Visitor& v, CarrierParameters& p);
 
 /// One rigid link.
 struct RigidBodyParameters {
@@ -59,12 +61,16 @@ struct RigidBodyParameters {
   Eigen::Vector3d principal_inertia_kgm2 = Eigen::Vector3d::Zero();  ///< About the centre of mass,
                                                                      ///< along the link's axes.
 };
+void visit(fields::Visitor& v, RigidBodyParameters& p);
+/// Throws std::invalid_argument; also where one moment exceeds the sum of the other two.
+void validate(const RigidBodyParameters& parameters);
 
 /// A cylinder between a pin on the link before the joint and a pin on the link after it.
 struct DirectLinkageParameters {
   Eigen::Vector2d base_pin_m;  ///< (x, z) in the frame before, measured as the member says.
   Eigen::Vector2d rod_pin_m;   ///< (x, z) in the frame of the link that the joint moves.
 };
+void visit(fields::Visitor& v, DirectLinkageParameters& p);
 
 /// The bucket's four-bar: the cylinder from H on the stick to J, the idler K-J on the stick, the
 /// link J-L to the lug L on the bucket.
@@ -82,6 +88,9 @@ struct BucketLinkageParameters {
   /// runs.
   int branch = 1;
 };
+void visit(fields::Visitor& v, BucketLinkageParameters& p);
+/// Throws std::invalid_argument.
+void validate(const BucketLinkageParameters& parameters);
 
 /// Eq. 5 of the paper, F = k (x_t - L) + d (v_t - dL/dt), per function. The defaults are the oil
 /// columns at mid stroke.
@@ -95,6 +104,7 @@ struct DriveParameters {
   double end_stop_stiffness_npm = 1.0e9;  ///< Piston against cylinder head, outside the stroke.
   double cushion = 0.04;  ///< Share of the stroke at each end in which the speed is throttled.
 };
+void visit(fields::Visitor& v, DriveParameters& p);
 
 /// Joint angles at the start; the machine starts at rest with its drives carrying the load.
 struct ExcavatorPose {
@@ -103,6 +113,7 @@ struct ExcavatorPose {
   double stick_rad = -1.4;
   double bucket_rad = -0.6;
 };
+void visit(fields::Visitor& v, ExcavatorPose& p);
 
 struct ExcavatorParameters {
   RigidBodyParameters undercarriage{8000.0, {0.0, 0.0, 0.7}, {7.0e3, 1.5e4, 1.8e4}};
@@ -156,11 +167,12 @@ struct ExcavatorParameters {
 /// Linearly implicit Euler: 30, measured to 0.1 mm there.
 [[nodiscard]] double drive_step_limit(IntegrationScheme scheme);
 
-/// Throws std::invalid_argument that names the quantity, the value found and what is allowed.
-/// Checked: finite numbers and signs; inertias positive and obeying the triangle inequality; every
-/// cylinder length reachable with its pins, on one branch and with a margin from dead centre;
-/// spools and supply; initial pose inside the strokes; drives no stiffer than step and scheme
-/// allow.
+void visit(fields::Visitor& v, ExcavatorParameters& p);
+
+/// Throws std::invalid_argument that names the key, the value found and what is allowed. Checked:
+/// every member by its rule; inertias that obey the triangle inequality; every cylinder length
+/// reachable with its pins, on one branch and with a margin from dead centre; initial pose inside
+/// the strokes; drives no stiffer than step and scheme allow.
 void validate(const ExcavatorParameters& parameters);
 
 }  // namespace rigwire::sim

@@ -7,7 +7,14 @@
 #include <stdexcept>
 #include <string>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
+
 namespace rigwire::sim {
+
+using fields::in;
+using fields::IntegerRule;
+
 namespace {
 
 constexpr double kUnitsPerMetre = 68719476736.0;  // 2^36: exact in a double up to 131 km.
@@ -67,13 +74,19 @@ void require(bool good, const char* quantity, double found, const char* allowed)
 
 }  // namespace
 
+void visit(fields::Visitor& v, DiggableTerrainParameters& p) {
+  v.number("depth_max", p.depth_max_m, in("m").between(0, 1000),
+           "Depth below the ground as it was from which on there is rock.");
+  v.number("loose_initial", p.loose_initial_m, in("m").between(0, 1000),
+           "Loose soil on top at the start.");
+  v.number("bank", p.bank_rad, in("deg").above(0).at_most(89.5),
+           "Steepest bank of firm soil near where is dug.");
+  v.integer("slide_visits", p.slide_visits, IntegerRule{1, 1000000},
+            "Nodes looked at for slides in each inner step.");
+}
+
 void validate(const DiggableTerrainParameters& p) {
-  require(p.depth_max_m >= 0.0 && p.depth_max_m <= 1000.0, "depth_max_m", p.depth_max_m,
-          "0 to 1000 m");
-  require(p.loose_initial_m >= 0.0 && p.loose_initial_m <= 1000.0, "loose_initial_m",
-          p.loose_initial_m, "0 to 1000 m");
-  require(p.bank_rad > 0.0 && p.bank_rad <= 1.56, "bank_rad", p.bank_rad, "above 0, to 1.56 rad");
-  require(p.slide_visits >= 1, "slide_visits", static_cast<double>(p.slide_visits), "at least 1");
+  fields::check(p);
 }
 
 DiggableTerrain::DiggableTerrain(Ground& ground, const DiggableTerrainParameters& parameters)

@@ -24,6 +24,7 @@
 #include <optional>
 #include <vector>
 
+#include "fields/rules.h"
 #include "sim/ground/ground.h"
 #include "sim/scene/node_rectangle.h"
 
@@ -39,7 +40,9 @@ struct DiggableTerrainParameters {
                          const DiggableTerrainParameters&) = default;
 };
 
-/// Throws std::invalid_argument that names the quantity, the value found and what is allowed.
+void visit(fields::Visitor& v, DiggableTerrainParameters& p);
+
+/// Throws std::invalid_argument that names the key, the value found and what is allowed.
 void validate(const DiggableTerrainParameters& parameters);
 
 /// A straight cutting edge.

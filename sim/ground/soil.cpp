@@ -2,15 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <sstream>
-#include <stdexcept>
+
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+using fields::plain;
+
 namespace {
 
 constexpr double kLeastExponent = 0.3;
 constexpr double kGreatestExponent = 2.0;
+constexpr double kSteepest_deg = 89.0;  // The tangent of angles has its pole at 90 degrees.
 
 double clipped_exponent(const SoilParameters& soil) {
   return std::clamp(soil.exponent, kLeastExponent, kGreatestExponent);
@@ -18,32 +23,32 @@ double clipped_exponent(const SoilParameters& soil) {
 
 }  // namespace
 
+void visit(fields::Visitor& v, SoilParameters& p) {
+  v.text("name", p.name, "Name by which regions call the soil.");
+  v.number("friction", p.friction, plain().between(0, 2),
+           "Peak coefficient of friction of rubber on it.");
+  v.boolean("soft", p.soft, "Whether wheels sink in; only then the moduli below matter to them.");
+  v.number("cohesion_modulus", p.cohesion_modulus, plain().at_least(0),
+           "k_c of Bekker's pressure over sinkage, N / m^(n+1).");
+  v.number("friction_modulus", p.friction_modulus, plain().above(0),
+           "k_phi of Bekker's pressure over sinkage, N / m^(n+2).");
+  v.number("exponent", p.exponent, plain().between(kLeastExponent, kGreatestExponent),
+           "n of Bekker's pressure over sinkage.");
+  v.number("cohesion", p.cohesion_pa, in("kPa").at_least(0), "Shear strength without load.");
+  v.number("internal_friction", p.internal_friction_rad, in("deg").between(0, kSteepest_deg),
+           "Angle by which shear strength grows with load.");
+  v.number("shear_modulus", p.shear_modulus_m, in("mm").above(0),
+           "K of Janosi and Hanamoto: way to 63 % of the shear strength.");
+  v.number("density", p.density_kgpm3, in("kg/m3").above(0), "Density of the soil as it lies.");
+  v.number("repose", p.repose_rad, in("deg").above(0).at_most(kSteepest_deg),
+           "Steepest slope at which the soil stands.");
+  v.number("adhesion", p.adhesion_pa, in("kPa").at_least(0), "Adhesion of the soil to steel.");
+  v.number("tool_friction", p.tool_friction_rad, in("deg").between(0, kSteepest_deg),
+           "Angle of friction of the soil against steel.");
+}
+
 void validate(const SoilParameters& soil) {
-  const auto require = [&soil](bool fine, const char* member, double found, const char* allowed) {
-    if (!std::isfinite(found) || !fine) {
-      std::ostringstream text;
-      text.precision(9);
-      text << "soil '" << soil.name << "': " << member << " is " << found
-           << ", allowed: " << allowed;
-      throw std::invalid_argument(text.str());
-    }
-  };
-  constexpr double kRightAngle = std::numbers::pi / 2.0;
-  require(soil.friction >= 0.0 && soil.friction <= 2.0, "friction", soil.friction, "0 .. 2");
-  require(soil.cohesion_modulus >= 0.0, "cohesion_modulus", soil.cohesion_modulus, "0 or more");
-  require(soil.friction_modulus > 0.0, "friction_modulus", soil.friction_modulus, "greater than 0");
-  require(soil.exponent >= kLeastExponent && soil.exponent <= kGreatestExponent, "exponent",
-          soil.exponent, "0.3 .. 2");
-  require(soil.cohesion_pa >= 0.0, "cohesion_pa", soil.cohesion_pa, "0 or more");
-  require(soil.internal_friction_rad >= 0.0 && soil.internal_friction_rad < kRightAngle,
-          "internal_friction_rad", soil.internal_friction_rad, "0 .. pi/2");
-  require(soil.shear_modulus_m > 0.0, "shear_modulus_m", soil.shear_modulus_m, "greater than 0");
-  require(soil.density_kgpm3 > 0.0, "density_kgpm3", soil.density_kgpm3, "greater than 0");
-  require(soil.repose_rad > 0.0 && soil.repose_rad < kRightAngle, "repose_rad", soil.repose_rad,
-          "between 0 and pi/2");
-  require(soil.adhesion_pa >= 0.0, "adhesion_pa", soil.adhesion_pa, "0 or more");
-  require(soil.tool_friction_rad >= 0.0 && soil.tool_friction_rad < kRightAngle,
-          "tool_friction_rad", soil.tool_friction_rad, "0 .. pi/2");
+  fields::check(soil);
 }
 
 double wheel_sinkage_m(const SoilParameters& soil, double load_n, double width_m,

@@ -8,6 +8,8 @@
 
 #include <string>
 
+#include "fields/rules.h"
+
 namespace rigwire::sim {
 
 struct SoilParameters {
@@ -31,7 +33,9 @@ struct SoilParameters {
   friend bool operator==(const SoilParameters&, const SoilParameters&) = default;
 };
 
-/// Throws std::invalid_argument naming the soil, the member, the value and what is allowed.
+void visit(fields::Visitor& v, SoilParameters& p);
+
+/// Throws std::invalid_argument that names the key, the value found and what is allowed.
 void validate(const SoilParameters& soil);
 
 /// Static sinkage of a rigid wheel, z = [3 W / ((3 - n) (k_c + b k_phi) sqrt(D))]^(2 / (2 n + 1)),

@@ -1,31 +1,15 @@
 #include "sim/hydraulics/parameters.h"
 
-#include <cmath>
 #include <numbers>
-#include <sstream>
-#include <stdexcept>
+
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::sim {
-namespace {
 
-void require(bool allowed_value, const char* where, const char* name, double found,
-             const char* allowed) {
-  if (allowed_value) {
-    return;
-  }
-  std::ostringstream text;
-  text << where << "." << name << ": found " << found << ", allowed " << allowed;
-  throw std::invalid_argument(text.str());
-}
-
-bool positive(double value) {
-  return std::isfinite(value) && value > 0.0;
-}
-bool non_negative(double value) {
-  return std::isfinite(value) && value >= 0.0;
-}
-
-}  // namespace
+using fields::in;
+using fields::IntegerRule;
+using fields::plain;
 
 double CylinderParameters::bottom_area_m2() const {
   return count * 0.25 * std::numbers::pi * bore_m * bore_m;
@@ -35,53 +19,82 @@ double CylinderParameters::rod_side_area_m2() const {
   return count * 0.25 * std::numbers::pi * (bore_m * bore_m - rod_m * rod_m);
 }
 
-void validate(const SpoolParameters& p, const char* where) {
-  require(non_negative(p.time_constant_s) && p.time_constant_s <= 10.0, where, "time_constant_s",
-          p.time_constant_s, "0 .. 10 s");
-  require(positive(p.rate_limit_per_s), where, "rate_limit_per_s", p.rate_limit_per_s, "> 0");
-  require(non_negative(p.dead_band) && p.dead_band <= 0.5, where, "dead_band", p.dead_band,
-          "0 .. 0.5");
-  require(positive(p.flow_max_m3ps), where, "flow_max_m3ps", p.flow_max_m3ps, "> 0");
+void visit(fields::Visitor& v, SpoolParameters& p) {
+  v.number("time_constant", p.time_constant_s, in("ms").between(0, 10000),
+           "Lag of the pilot stage; 0 = none.");
+  v.number("rate_limit", p.rate_limit_per_s, plain().above(0),
+           "Full travels of the spool per second.");
+  v.number("dead_band", p.dead_band, plain().between(0, 0.5),
+           "Share of the spool's travel without flow.");
+  v.number("flow_max", p.flow_max_m3ps, in("l/min").above(0), "Flow at full travel of the spool.");
 }
 
-void validate(const SupplyParameters& p, const char* where) {
-  require(positive(p.pump_flow_m3ps), where, "pump_flow_m3ps", p.pump_flow_m3ps, "> 0");
-  require(positive(p.power_limit_w), where, "power_limit_w", p.power_limit_w, "> 0");
-  require(positive(p.efficiency) && p.efficiency <= 1.0, where, "efficiency", p.efficiency,
-          "above 0, up to 1");
-  require(non_negative(p.tank_pressure_pa), where, "tank_pressure_pa", p.tank_pressure_pa, ">= 0");
-  require(non_negative(p.load_sensing_margin_pa), where, "load_sensing_margin_pa",
-          p.load_sensing_margin_pa, ">= 0");
-  require(positive(p.load_sensing_time_constant_s) && p.load_sensing_time_constant_s <= 10.0, where,
-          "load_sensing_time_constant_s", p.load_sensing_time_constant_s, "above 0, up to 10 s");
-  const double least = p.tank_pressure_pa + p.load_sensing_margin_pa;
-  require(std::isfinite(p.relief_pressure_pa) && p.relief_pressure_pa > least, where,
-          "relief_pressure_pa", p.relief_pressure_pa,
-          "above tank_pressure_pa + load_sensing_margin_pa");
-  require(std::isfinite(p.swing_relief_pressure_pa) && p.swing_relief_pressure_pa > least, where,
-          "swing_relief_pressure_pa", p.swing_relief_pressure_pa,
-          "above tank_pressure_pa + load_sensing_margin_pa");
+void visit(fields::Visitor& v, SupplyParameters& p) {
+  v.number("pump_flow", p.pump_flow_m3ps, in("l/min").above(0), "Flow of all pumps together.");
+  v.number("power_limit", p.power_limit_w, in("kW").above(0),
+           "Power that the engine leaves for the pumps.");
+  v.number("efficiency", p.efficiency, plain().above(0).at_most(1),
+           "Hydraulic power of the pumps per power of their shaft.");
+  v.number("relief_pressure", p.relief_pressure_pa, in("MPa").above(0),
+           "Relief pressure of the implement.");
+  v.number("swing_relief_pressure", p.swing_relief_pressure_pa, in("MPa").above(0),
+           "Relief pressure of the swing motor.");
+  v.number("load_sensing_margin", p.load_sensing_margin_pa, in("MPa").at_least(0),
+           "Supply pressure above the highest load.");
+  v.number("load_sensing_time_constant", p.load_sensing_time_constant_s,
+           in("ms").above(0).at_most(10000), "Lag of the pump's pressure regulator.");
+  v.number("tank_pressure", p.tank_pressure_pa, in("MPa").at_least(0),
+           "Pressure of the return line.");
 }
 
-void validate(const CylinderParameters& p, const char* where) {
-  require(p.count >= 1 && p.count <= 4, where, "count", p.count, "1 .. 4");
-  require(positive(p.bore_m), where, "bore_m", p.bore_m, "> 0 m");
-  require(non_negative(p.rod_m) && p.rod_m < p.bore_m, where, "rod_m", p.rod_m,
-          ">= 0 m and below bore_m");
-  require(positive(p.length_min_m), where, "length_min_m", p.length_min_m, "> 0 m");
-  require(std::isfinite(p.length_max_m) && p.length_max_m > p.length_min_m, where, "length_max_m",
-          p.length_max_m, "above length_min_m");
+void visit(fields::Visitor& v, CylinderParameters& p) {
+  v.integer("count", p.count, IntegerRule{1, 4}, "Equal cylinders side by side.");
+  v.number("bore", p.bore_m, in("mm").above(0), "Diameter of the piston.");
+  v.number("rod", p.rod_m, in("mm").at_least(0), "Diameter of the rod.");
+  v.number("length_min", p.length_min_m, in("mm").above(0), "Pin to pin, retracted.");
+  v.number("length_max", p.length_max_m, in("mm").above(0), "Pin to pin, extended.");
 }
 
-void validate(const ChamberParameters& p, const char* where) {
-  require(positive(p.bulk_modulus_pa), where, "bulk_modulus_pa", p.bulk_modulus_pa, "> 0 Pa");
-  require(positive(p.hose_volume_m3), where, "hose_volume_m3", p.hose_volume_m3, "> 0 m3");
-  require(positive(p.inlet_drop_pa), where, "inlet_drop_pa", p.inlet_drop_pa, "> 0 Pa");
-  require(positive(p.outlet_drop_pa), where, "outlet_drop_pa", p.outlet_drop_pa, "> 0 Pa");
-  require(positive(p.port_conductance), where, "port_conductance", p.port_conductance,
-          "> 0 m3/s per Pa");
-  require(non_negative(p.damping_ratio) && p.damping_ratio <= 10.0, where, "damping_ratio",
-          p.damping_ratio, "0 .. 10");
+void visit(fields::Visitor& v, ChamberParameters& p) {
+  v.number("bulk_modulus", p.bulk_modulus_pa, in("MPa").above(0),
+           "Bulk modulus of oil with some air, and of hoses.");
+  v.number("hose_volume", p.hose_volume_m3, in("m3").above(0),
+           "Oil on each side beside the stroke's, dead volume included.");
+  v.number("inlet_drop", p.inlet_drop_pa, in("MPa").above(0),
+           "Pressure that the valve's inlet needs.");
+  v.number("outlet_drop", p.outlet_drop_pa, in("MPa").above(0),
+           "Pressure that the valve's outlet needs.");
+  v.number("port_conductance", p.port_conductance, in("m3/s/Pa").above(0),
+           "Flow per pressure of relief, anti-cavitation and float.");
+  v.number("damping_ratio", p.damping_ratio, plain().between(0, 10),
+           "Damping ratio of the oil's mode, by seals and lines.");
+}
+
+void validate(const SpoolParameters& p) {
+  fields::check(p);
+}
+
+void validate(const SupplyParameters& p) {
+  fields::check(p);
+  const double least_pa = p.tank_pressure_pa + p.load_sensing_margin_pa;
+  const std::string allowed =
+      "above tank_pressure + load_sensing_margin, " + in("MPa").print(least_pa);
+  fields::require(p.relief_pressure_pa > least_pa, "relief_pressure",
+                  in("MPa").print(p.relief_pressure_pa), allowed);
+  fields::require(p.swing_relief_pressure_pa > least_pa, "swing_relief_pressure",
+                  in("MPa").print(p.swing_relief_pressure_pa), allowed);
+}
+
+void validate(const CylinderParameters& p) {
+  fields::check(p);
+  fields::require(p.rod_m < p.bore_m, "rod", in("mm").print(p.rod_m),
+                  "below bore, " + in("mm").print(p.bore_m));
+  fields::require(p.length_max_m > p.length_min_m, "length_max", in("mm").print(p.length_max_m),
+                  "above length_min, " + in("mm").print(p.length_min_m));
+}
+
+void validate(const ChamberParameters& p) {
+  fields::check(p);
 }
 
 }  // namespace rigwire::sim

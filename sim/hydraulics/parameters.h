@@ -5,6 +5,8 @@
 // they were chosen); none is a maker's data sheet. SI units; 1 l/min = 1.6667e-5 m3/s.
 #pragma once
 
+#include "fields/rules.h"
+
 namespace rigwire::sim {
 
 /// One valve section's spool.
@@ -59,11 +61,15 @@ struct ChamberParameters {
   friend bool operator==(const ChamberParameters&, const ChamberParameters&) = default;
 };
 
-/// Each throws std::invalid_argument that names `where`, the quantity, the value and what is
-/// allowed.
-void validate(const SpoolParameters& parameters, const char* where);
-void validate(const SupplyParameters& parameters, const char* where);
-void validate(const CylinderParameters& parameters, const char* where);
-void validate(const ChamberParameters& parameters, const char* where);
+void visit(fields::Visitor& v, SpoolParameters& p);
+void visit(fields::Visitor& v, SupplyParameters& p);
+void visit(fields::Visitor& v, CylinderParameters& p);
+void visit(fields::Visitor& v, ChamberParameters& p);
+
+/// Each throws std::invalid_argument that names the key, the value found and what is allowed.
+void validate(const SpoolParameters& parameters);
+void validate(const SupplyParameters& parameters);
+void validate(const CylinderParameters& parameters);
+void validate(const ChamberParameters& parameters);
 
 }  // namespace rigwire::sim

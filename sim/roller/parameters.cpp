@@ -1,81 +1,117 @@
 #include "sim/roller/parameters.h"
 
+#include <array>
 #include <cmath>
 #include <sstream>
-#include <stdexcept>
+#include <string>
 
-#include "sim/roller/require.h"
+#include "fields/check.h"
+#include "fields/visitor.h"
 #include "sim/roller/stability.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+using fields::IntegerRule;
+using fields::plain;
+
 namespace {
 
-void validate_drum(const DrumParameters& p) {
-  const char* where = "roller.drum";
-  require_positive(where, "width_m", p.width_m);
-  require_positive(where, "radius_m", p.radius_m);
-  require_positive(where, "spin_inertia_kgm2", p.spin_inertia_kgm2);
-  require_number(p.strips >= 1 && p.strips <= kDrumStripsMax, where, "strips", p.strips, "1 .. 9");
-  require_positive(where, "slip_stiffness_n", p.slip_stiffness_n);
-  require_positive(where, "cornering_stiffness_nprad", p.cornering_stiffness_nprad);
-  require_positive(where, "relaxation_length_m", p.relaxation_length_m);
-  require_positive(where, "contact_length_m", p.contact_length_m);
-  require_number(p.damping_ratio >= 0.0 && p.damping_ratio <= 10.0, where, "damping_ratio",
-                 p.damping_ratio, "0 .. 10");
-  require_not_negative(where, "friction_factor", p.friction_factor);
-  require_number(p.rolling_resistance >= 0.0 && p.rolling_resistance < 1.0, where,
-                 "rolling_resistance", p.rolling_resistance, ">= 0 and < 1");
+constexpr std::array<fields::Choice<RollerLevel>, 2> kRollerLevels{
+    {{RollerLevel::kinematic, "kinematic", "Drums roll without slip."},
+     {RollerLevel::dynamic, "dynamic", "Slip, scrub, drive and brakes."}}};
+
+/// Of figures that are computed and only shown.
+std::string text(double value) {
+  std::ostringstream stream;
+  stream << value;
+  return stream.str();
 }
 
-void validate_scheme(const RollerParameters& p) {
+void check_scheme(const RollerParameters& p) {
   if (p.scheme == IntegrationScheme::linearly_implicit_euler) {
     return;
   }
-  if (p.level == RollerLevel::kinematic) {
-    throw std::invalid_argument(
-        "roller.scheme: found another than linearly_implicit_euler, allowed "
-        "linearly_implicit_euler where level is kinematic: its steps are exact arcs");
-  }
+  fields::require(p.level != RollerLevel::kinematic, "scheme",
+                  "another than linearly_implicit_euler",
+                  "linearly_implicit_euler where level is kinematic: its steps are exact arcs");
   if (p.scheme == IntegrationScheme::runge_kutta4) {
     const double rate_radps = fastest_rate_radps(p);
     const double greatest_s = kRollerExplicitLimit / rate_radps;
-    if (!(p.step_s <= greatest_s)) {
-      std::ostringstream message;
-      message << "roller.step_s: found " << p.step_s << ", allowed at most " << greatest_s
-              << " s with scheme runge_kutta4: times the fastest rate of drums, brakes and oil, "
-              << rate_radps << " rad/s, a step must stay below " << kRollerExplicitLimit;
-      throw std::invalid_argument(message.str());
-    }
+    fields::require(p.step_s <= greatest_s, "step", in("ms").print(p.step_s),
+                    "at most " + text(1e3 * greatest_s) +
+                        " ms with scheme runge_kutta4: times the fastest rate of drums, brakes "
+                        "and oil, " +
+                        text(rate_radps) + " rad/s, a step must stay below " +
+                        text(kRollerExplicitLimit));
   }
 }
 
 }  // namespace
 
+void visit(fields::Visitor& v, DrumParameters& p) {
+  v.number("width", p.width_m, in("mm").above(0), "Width of each drum.");
+  v.number("radius", p.radius_m, in("mm").above(0), "Radius of each drum.");
+  v.number("spin_inertia", p.spin_inertia_kgm2, in("kg m2").above(0),
+           "Inertia of each drum about its axle.");
+  v.integer("strips", p.strips, IntegerRule{1, kDrumStripsMax},
+            "Contact strips along the width; an even number has the whole scrub moment.");
+  v.number("slip_stiffness", p.slip_stiffness_n, in("kN").above(0),
+           "Longitudinal force per slip of 1, at small slip.");
+  v.number("cornering_stiffness", p.cornering_stiffness_nprad, in("N/rad").above(0),
+           "Lateral force per slip angle, at small angles.");
+  v.number("relaxation_length", p.relaxation_length_m, in("mm").above(0),
+           "Way on which slip forces build up.");
+  v.number("contact_length", p.contact_length_m, in("mm").above(0),
+           "Length of the contact on soft soil.");
+  v.number("damping_ratio", p.damping_ratio, plain().between(0, 10),
+           "Damping ratio of the contact's bristles.");
+  v.number("friction_factor", p.friction_factor, plain().at_least(0),
+           "Friction of steel on the ground, against rubber on it.");
+  v.number("rolling_resistance", p.rolling_resistance, plain().between(0, 0.99),
+           "Coefficient of rolling resistance on hard ground.");
+}
+
+void visit(fields::Visitor& v, RollerParameters& p) {
+  v.choice("level", p.level, kRollerLevels, "What is modelled.");
+  v.number("mass", p.mass_kg, in("kg").above(0), "Mass with drums, without water and chips.");
+  v.number("yaw_inertia", p.yaw_inertia_kgm2, in("kg m2").above(0),
+           "Inertia in yaw about the centre of mass, without water and chips.");
+  v.number("center_of_mass_x", p.center_of_mass_x_m, in("m"),
+           "Centre of mass forward of half way between the pivots.");
+  v.number("center_of_mass_height", p.center_of_mass_height_m, in("m").at_least(0),
+           "Centre of mass above ground.");
+  v.number("pivot_x", p.pivot_x_m, in("m").above(0), "Half the distance of the drums' axles.");
+  v.section("drum", p.drum, "Both drums.");
+  v.section("steering", p.steering, "Both pivots.");
+  v.section("drive", p.drive, "Engine, pump and motors.");
+  v.number("brake_torque", p.brake_torque_nm, in("kN m").at_least(0),
+           "Torque of each drum's service brake, fully applied.");
+  v.number("parking_brake_torque", p.parking_brake_torque_nm, in("kN m").at_least(0),
+           "Torque of each drum's parking brake.");
+  v.number("brake_stiffness", p.brake_stiffness_nmprad, in("N m/rad").above(0),
+           "Stiffness of a held drum against the frame.");
+  v.section("front_vibration", p.front_vibration, "Exciter of the front drum.");
+  v.section("rear_vibration", p.rear_vibration, "Exciter of the rear drum.");
+  v.section("sprinkler", p.sprinkler, "Water for the drums.");
+  v.section("spreader", p.spreader, "Chip hopper.");
+  v.section("edge_cutter", p.edge_cutter, "Cutting wheel on an arm.");
+  v.number("rest_frequency", p.rest_frequency_hz, in("Hz").above(0),
+           "Frequency of heave, pitch and roll on mat and mounts.");
+  v.number("rest_damping_ratio", p.rest_damping_ratio, plain().between(0, 10),
+           "Damping ratio of heave, pitch and roll on mat and mounts.");
+  v.choice("scheme", p.scheme, kIntegrationSchemes, "How level dynamic steps its equations.");
+  v.number("step", p.step_s, in("ms").between(0.001, 50), "Longest inner step of the roller.");
+  v.number("gravity", p.gravity_mps2, in("m/s2").at_least(0),
+           "Acceleration of gravity, downwards.");
+}
+
 void validate(const RollerParameters& p) {
-  const char* where = "roller";
-  require_positive(where, "mass_kg", p.mass_kg);
-  require_positive(where, "yaw_inertia_kgm2", p.yaw_inertia_kgm2);
-  require_positive(where, "pivot_x_m", p.pivot_x_m);
-  require_number(std::abs(p.center_of_mass_x_m) < p.pivot_x_m, where, "center_of_mass_x_m",
-                 p.center_of_mass_x_m, "between the pivots");
-  require_not_negative(where, "center_of_mass_height_m", p.center_of_mass_height_m);
-  validate_drum(p.drum);
-  validate(p.steering, "roller.steering");
-  validate(p.drive, "roller.drive");
-  require_not_negative(where, "brake_torque_nm", p.brake_torque_nm);
-  require_not_negative(where, "parking_brake_torque_nm", p.parking_brake_torque_nm);
-  require_positive(where, "brake_stiffness_nmprad", p.brake_stiffness_nmprad);
-  validate(p.front_vibration, "roller.front_vibration");
-  validate(p.rear_vibration, "roller.rear_vibration");
-  validate(p.sprinkler, "roller.sprinkler");
-  validate(p.spreader, "roller.spreader");
-  validate(p.edge_cutter, "roller.edge_cutter");
-  require_positive(where, "rest_frequency_hz", p.rest_frequency_hz);
-  require_number(p.rest_damping_ratio >= 0.0 && p.rest_damping_ratio <= 10.0, where,
-                 "rest_damping_ratio", p.rest_damping_ratio, "0 .. 10");
-  require_number(p.step_s >= 1e-6 && p.step_s <= 0.05, where, "step_s", p.step_s, "1e-6 .. 0.05 s");
-  require_not_negative(where, "gravity_mps2", p.gravity_mps2);
-  validate_scheme(p);
+  fields::check(p);
+  fields::require(std::abs(p.center_of_mass_x_m) < p.pivot_x_m, "center_of_mass_x",
+                  in("m").print(p.center_of_mass_x_m),
+                  "between the pivots, " + in("m").print(p.pivot_x_m) + " to either side");
+  check_scheme(p);
 }
 
 RollerMass loaded_mass(const RollerParameters& p, double water_kg, double chips_kg) {

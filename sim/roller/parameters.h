@@ -11,6 +11,7 @@
 
 #include <cstdint>
 
+#include "fields/rules.h"
 #include "sim/driveline/hydrostatic_drive.h"
 #include "sim/integration_scheme.h"
 #include "sim/roller/steering.h"
@@ -42,6 +43,7 @@ struct DrumParameters {
 
   friend bool operator==(const DrumParameters&, const DrumParameters&) = default;
 };
+void visit(fields::Visitor& v, DrumParameters& p);
 
 struct RollerParameters {
   RollerLevel level = RollerLevel::dynamic;
@@ -71,12 +73,13 @@ struct RollerParameters {
 
   friend bool operator==(const RollerParameters&, const RollerParameters&) = default;
 };
+void visit(fields::Visitor& v, RollerParameters& p);
 
 /// Greatest product of step and fastest rate (stability.h) for Runge-Kutta 4: what its region of
 /// stability holds of the left half plane, 2.6, less a little.
 inline constexpr double kRollerExplicitLimit = 2.5;
 
-/// Throws std::invalid_argument naming the member, the value and what is allowed; also where the
+/// Throws std::invalid_argument that names the key, the value and what is allowed; also where the
 /// level does not know the scheme, or an explicit step would be unstable.
 void validate(const RollerParameters& parameters);
 

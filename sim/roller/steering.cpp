@@ -3,15 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/roller/require.h"
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::sim {
 
-void validate(const PivotSteeringParameters& p, const char* where) {
-  require_number(p.angle_max_rad > 0.0 && p.angle_max_rad < 1.5, where, "angle_max_rad",
-                 p.angle_max_rad, "> 0 and < 1.5 rad");
-  require_positive(where, "rate_max_radps", p.rate_max_radps);
-  require_not_negative(where, "time_constant_s", p.time_constant_s);
+using fields::in;
+
+void visit(fields::Visitor& v, PivotSteeringParameters& p) {
+  v.number("angle_max", p.angle_max_rad, in("deg").above(0).at_most(85.9),
+           "Angle of the stops on both sides.");
+  v.number("rate_max", p.rate_max_radps, in("deg/s").above(0), "Greatest rate of each pivot.");
+  v.number("time_constant", p.time_constant_s, in("ms").at_least(0),
+           "Lag of a pivot near its set point; 0 = none.");
+}
+
+void validate(const PivotSteeringParameters& p) {
+  fields::check(p);
 }
 
 void PivotSteering::command(double angle_rad) {

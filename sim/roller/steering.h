@@ -8,6 +8,8 @@
 
 #include <numbers>
 
+#include "fields/rules.h"
+
 namespace rigwire::sim {
 
 struct PivotSteeringParameters {
@@ -18,8 +20,10 @@ struct PivotSteeringParameters {
   friend bool operator==(const PivotSteeringParameters&, const PivotSteeringParameters&) = default;
 };
 
-/// Throws std::invalid_argument naming `where`, the member, the value and what is allowed.
-void validate(const PivotSteeringParameters& parameters, const char* where);
+void visit(fields::Visitor& v, PivotSteeringParameters& p);
+
+/// Throws std::invalid_argument that names the key, the value found and what is allowed.
+void validate(const PivotSteeringParameters& parameters);
 
 class PivotSteering {
  public:

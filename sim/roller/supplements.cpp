@@ -3,45 +3,70 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/roller/require.h"
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::sim {
+
+using fields::in;
+using fields::plain;
+
 namespace {
 
 constexpr double kStanding_mps = 1e-3;  // Below, nothing is sprinkled.
 
-void check_filling(const char* where, double capacity_kg, double initial_kg) {
-  require_not_negative(where, "capacity_kg", capacity_kg);
-  require_number(initial_kg >= 0.0 && initial_kg <= capacity_kg, where, "initial_kg", initial_kg,
-                 "0 .. capacity_kg");
+void check_filling(double capacity_kg, double initial_kg) {
+  fields::require(initial_kg <= capacity_kg, "initial", in("kg").print(initial_kg),
+                  "at most capacity, " + in("kg").print(capacity_kg));
 }
 
 }  // namespace
 
-void validate(const SprinklerParameters& p, const char* where) {
-  check_filling(where, p.capacity_kg, p.initial_kg);
-  require_not_negative(where, "flow_kgps", p.flow_kgps);
-  require_finite_number(where, "x_m", p.x_m);
-  require_not_negative(where, "height_m", p.height_m);
+void visit(fields::Visitor& v, SprinklerParameters& p) {
+  v.number("capacity", p.capacity_kg, in("kg").at_least(0), "Water that the tank holds.");
+  v.number("initial", p.initial_kg, in("kg").at_least(0), "Water at the start.");
+  v.number("flow", p.flow_kgps, in("kg/s").at_least(0), "Water used while the machine moves.");
+  v.number("x", p.x_m, in("m"), "x of the tank's centre in the frame.");
+  v.number("height", p.height_m, in("m").at_least(0), "Height of the tank's centre above ground.");
 }
 
-void validate(const SpreaderParameters& p, const char* where) {
-  check_filling(where, p.capacity_kg, p.initial_kg);
-  require_not_negative(where, "width_m", p.width_m);
-  require_not_negative(where, "rate_max_kgpm2", p.rate_max_kgpm2);
-  require_finite_number(where, "x_m", p.x_m);
-  require_not_negative(where, "height_m", p.height_m);
+void visit(fields::Visitor& v, SpreaderParameters& p) {
+  v.number("capacity", p.capacity_kg, in("kg").at_least(0), "Chips that the hopper holds.");
+  v.number("initial", p.initial_kg, in("kg").at_least(0), "Chips at the start.");
+  v.number("width", p.width_m, in("mm").at_least(0), "Width that is spread.");
+  v.number("rate_max", p.rate_max_kgpm2, in("kg/m2").at_least(0),
+           "Most chips that are spread on an area.");
+  v.number("x", p.x_m, in("m"), "x of the hopper's centre in the frame.");
+  v.number("height", p.height_m, in("m").at_least(0),
+           "Height of the hopper's centre above ground.");
 }
 
-void validate(const EdgeCutterParameters& p, const char* where) {
-  require_not_negative(where, "lift_m", p.lift_m);
-  require_positive(where, "lift_time_s", p.lift_time_s);
-  require_number(p.press_share >= 0.0 && p.press_share < 1.0, where, "press_share", p.press_share,
-                 ">= 0 and < 1");
-  require_not_negative(where, "lateral_n", p.lateral_n);
-  require_positive(where, "moving_mps", p.moving_mps);
-  require_finite_number(where, "x_m", p.x_m);
-  require_finite_number(where, "y_m", p.y_m);
+void visit(fields::Visitor& v, EdgeCutterParameters& p) {
+  v.number("lift", p.lift_m, in("mm").at_least(0), "Height of the wheel when raised.");
+  v.number("lift_time", p.lift_time_s, in("s").above(0), "Time over the whole lift.");
+  v.number("press_share", p.press_share, plain().between(0, 0.99),
+           "Share of the lift at which the wheel meets the mat.");
+  v.number("lateral", p.lateral_n, in("kN").at_least(0),
+           "Lateral reaction on the frame, pressed down and moving.");
+  v.number("moving", p.moving_mps, in("m/s").above(0),
+           "Speed from which the lateral reaction is full.");
+  v.number("x", p.x_m, in("m"), "x of the wheel in the frame.");
+  v.number("y", p.y_m, in("m"),
+           "y of the wheel in the frame; the reaction points away from its side.");
+}
+
+void validate(const SprinklerParameters& p) {
+  fields::check(p);
+  check_filling(p.capacity_kg, p.initial_kg);
+}
+
+void validate(const SpreaderParameters& p) {
+  fields::check(p);
+  check_filling(p.capacity_kg, p.initial_kg);
+}
+
+void validate(const EdgeCutterParameters& p) {
+  fields::check(p);
 }
 
 void Sprinkler::step(double h, double speed_mps) {

@@ -4,6 +4,8 @@
 // no thrust appears.
 #pragma once
 
+#include "fields/rules.h"
+
 namespace rigwire::sim {
 
 /// Water for the drums. Estimates.
@@ -16,6 +18,7 @@ struct SprinklerParameters {
 
   friend bool operator==(const SprinklerParameters&, const SprinklerParameters&) = default;
 };
+void visit(fields::Visitor& v, SprinklerParameters& p);
 
 /// Hopper with a metering roll over the whole width. Estimates.
 struct SpreaderParameters {
@@ -28,6 +31,7 @@ struct SpreaderParameters {
 
   friend bool operator==(const SpreaderParameters&, const SpreaderParameters&) = default;
 };
+void visit(fields::Visitor& v, SpreaderParameters& p);
 
 /// A cutting wheel on an arm beside the frame. Estimates.
 struct EdgeCutterParameters {
@@ -41,11 +45,12 @@ struct EdgeCutterParameters {
 
   friend bool operator==(const EdgeCutterParameters&, const EdgeCutterParameters&) = default;
 };
+void visit(fields::Visitor& v, EdgeCutterParameters& p);
 
-/// Each throws std::invalid_argument naming `where`, the member, the value and what is allowed.
-void validate(const SprinklerParameters& parameters, const char* where);
-void validate(const SpreaderParameters& parameters, const char* where);
-void validate(const EdgeCutterParameters& parameters, const char* where);
+/// Each throws std::invalid_argument that names the key, the value found and what is allowed.
+void validate(const SprinklerParameters& parameters);
+void validate(const SpreaderParameters& parameters);
+void validate(const EdgeCutterParameters& parameters);
 
 class Sprinkler {
  public:

@@ -4,17 +4,29 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/roller/require.h"
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::sim {
 
-void validate(const VibrationParameters& p, const char* where) {
-  require_positive(where, "frequency_hz", p.frequency_hz);
-  require_not_negative(where, "amplitude_m", p.amplitude_m);
-  require_not_negative(where, "ramp_s", p.ramp_s);
-  require_number(p.frame_share >= 0.0 && p.frame_share <= 1.0, where, "frame_share", p.frame_share,
-                 "0 .. 1");
-  require_finite_number(where, "frame_phase_rad", p.frame_phase_rad);
+using fields::in;
+using fields::plain;
+
+void visit(fields::Visitor& v, VibrationParameters& p) {
+  v.number("frequency", p.frequency_hz, in("Hz").above(0),
+           "Frequency of the exciter at full speed.");
+  v.number("amplitude", p.amplitude_m, in("mm").at_least(0),
+           "Amplitude of the drum, zero to peak.");
+  v.number("ramp", p.ramp_s, in("s").at_least(0),
+           "Time from standstill to full speed and back; 0 = at once.");
+  v.number("frame_share", p.frame_share, plain().between(0, 1),
+           "Share of the drum's motion that the mounts let through.");
+  v.number("frame_phase", p.frame_phase_rad, in("deg").between(-360, 360),
+           "Phase by which the frame lags the drum.");
+}
+
+void validate(const VibrationParameters& p) {
+  fields::check(p);
 }
 
 void DrumVibration::step(double h) {

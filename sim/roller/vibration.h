@@ -12,6 +12,8 @@
 
 #include <numbers>
 
+#include "fields/rules.h"
+
 namespace rigwire::sim {
 
 /// Estimates in the class of the maker's figures (40 .. 55 Hz, 0.2 .. 0.65 mm).
@@ -25,8 +27,10 @@ struct VibrationParameters {
   friend bool operator==(const VibrationParameters&, const VibrationParameters&) = default;
 };
 
-/// Throws std::invalid_argument naming `where`, the member, the value and what is allowed.
-void validate(const VibrationParameters& parameters, const char* where);
+void visit(fields::Visitor& v, VibrationParameters& p);
+
+/// Throws std::invalid_argument that names the key, the value found and what is allowed.
+void validate(const VibrationParameters& parameters);
 
 /// One displacement with its derivatives.
 struct Oscillation {

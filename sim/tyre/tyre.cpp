@@ -2,11 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
+
 namespace rigwire::sim {
+
+using fields::in;
+using fields::plain;
+
 namespace {
 
 constexpr double kStandardGravity_mps2 = 9.80665;
@@ -21,44 +27,48 @@ constexpr double kPrecision = 1e-13;  // of the sinkage, per overlap
 
 }  // namespace
 
-void validate(const TyreParameters& p, const char* where) {
-  const auto require = [where](bool fine, const char* member, double found, const char* allowed) {
-    if (!std::isfinite(found) || !fine) {
-      std::ostringstream text;
-      text.precision(9);
-      text << where << ": " << member << " is " << found << ", allowed: " << allowed;
-      throw std::invalid_argument(text.str());
-    }
-  };
-  const auto positive = [&](const char* member, double found) {
-    require(found > 0.0, member, found, "greater than 0");
-  };
-  const auto not_negative = [&](const char* member, double found) {
-    require(found >= 0.0, member, found, "0 or more");
-  };
-  positive("unloaded_radius_m", p.unloaded_radius_m);
-  positive("width_m", p.width_m);
-  require(p.rim_radius_m > 0.0 && p.rim_radius_m <= p.unloaded_radius_m, "rim_radius_m",
-          p.rim_radius_m, "greater than 0, at most unloaded_radius_m");
-  not_negative("carcass_stiffness_npm", p.carcass_stiffness_npm);
-  not_negative("stiffness_per_pressure_m", p.stiffness_per_pressure_m);
-  require(p.carcass_stiffness_npm + p.stiffness_per_pressure_m > 0.0, "carcass_stiffness_npm",
-          p.carcass_stiffness_npm, "greater than 0 where stiffness_per_pressure_m is 0");
-  not_negative("vertical_damping_nspm", p.vertical_damping_nspm);
-  not_negative("bottoming_factor", p.bottoming_factor);
-  positive("reference_load_n", p.reference_load_n);
-  require(p.reference_pressure_pa >= kLeastPressure_pa, "reference_pressure_pa",
-          p.reference_pressure_pa, "1e4 or more");
-  positive("slip_stiffness_n", p.slip_stiffness_n);
-  positive("cornering_stiffness_nprad", p.cornering_stiffness_nprad);
-  positive("longitudinal_stiffness_npm", p.longitudinal_stiffness_npm);
-  positive("lateral_stiffness_npm", p.lateral_stiffness_npm);
-  not_negative("damping_ratio", p.damping_ratio);
-  not_negative("friction_factor", p.friction_factor);
-  require(p.rolling_resistance >= 0.0 && p.rolling_resistance < 1.0, "rolling_resistance",
-          p.rolling_resistance, "0 .. 1");
-  require(p.rolling_pressure_share >= 0.0 && p.rolling_pressure_share <= 1.0,
-          "rolling_pressure_share", p.rolling_pressure_share, "0 .. 1");
+void visit(fields::Visitor& v, TyreParameters& p) {
+  v.number("unloaded_radius", p.unloaded_radius_m, in("m").above(0), "Radius without load.");
+  v.number("width", p.width_m, in("m").above(0), "Width of the tread.");
+  v.number("rim_radius", p.rim_radius_m, in("m").above(0), "Radius at which the tyre bottoms.");
+  v.number("carcass_stiffness", p.carcass_stiffness_npm, in("kN/m").at_least(0),
+           "Vertical stiffness without pressure.");
+  v.number("stiffness_per_pressure", p.stiffness_per_pressure_m, plain().at_least(0),
+           "Vertical stiffness that each pascal of pressure adds, N/m per Pa.");
+  v.number("vertical_damping", p.vertical_damping_nspm, in("N s/m").at_least(0),
+           "Vertical damping of the tyre on the ground.");
+  v.number("bottoming_factor", p.bottoming_factor, plain().at_least(0),
+           "Stiffness on the rim, times that of the tyre.");
+  v.number("reference_load", p.reference_load_n, in("kN").above(0),
+           "Load at which the slip stiffnesses hold; they go with the load.");
+  v.number("reference_pressure", p.reference_pressure_pa, in("bar").at_least(0.1),
+           "Pressure at which the rolling resistance holds.");
+  v.number("slip_stiffness", p.slip_stiffness_n, in("kN").above(0),
+           "Longitudinal force per slip of 1, at small slip.");
+  v.number("cornering_stiffness", p.cornering_stiffness_nprad, in("N/rad").above(0),
+           "Lateral force per slip angle, at small angles.");
+  v.number("longitudinal_stiffness", p.longitudinal_stiffness_npm, in("kN/m").above(0),
+           "Stiffness of the standing tyre along its heading.");
+  v.number("lateral_stiffness", p.lateral_stiffness_npm, in("kN/m").above(0),
+           "Stiffness of the standing tyre across its heading.");
+  v.number("damping_ratio", p.damping_ratio, plain().at_least(0),
+           "Damping ratio along and across, with the mass that the wheel carries.");
+  v.number("friction_factor", p.friction_factor, plain().at_least(0),
+           "Factor on the ground's coefficient of friction.");
+  v.number("rolling_resistance", p.rolling_resistance, plain().between(0, 0.99),
+           "Coefficient of rolling resistance on hard ground at the reference pressure.");
+  v.number("rolling_pressure_share", p.rolling_pressure_share, plain().between(0, 1),
+           "Share of the rolling resistance that goes with 1 / pressure.");
+}
+
+void validate(const TyreParameters& p) {
+  fields::check(p);
+  fields::require(p.rim_radius_m <= p.unloaded_radius_m, "rim_radius",
+                  in("m").print(p.rim_radius_m),
+                  "at most unloaded_radius, " + in("m").print(p.unloaded_radius_m));
+  fields::require(p.carcass_stiffness_npm + p.stiffness_per_pressure_m > 0.0, "carcass_stiffness",
+                  in("kN/m").print(p.carcass_stiffness_npm),
+                  "> 0 kN/m where stiffness_per_pressure is 0");
 }
 
 double rhyne_stiffness_npm(double pressure_pa, double width_m, double aspect_ratio,
@@ -73,7 +83,7 @@ double rhyne_stiffness_npm(double pressure_pa, double width_m, double aspect_rat
 
 Tyre::Tyre(const TyreParameters& parameters, double carried_mass_kg)
     : parameters_(parameters), carried_mass_kg_(carried_mass_kg) {
-  validate(parameters_, "tyre");
+  validate(parameters_);
   if (!std::isfinite(carried_mass_kg) || !(carried_mass_kg > 0.0)) {
     throw std::invalid_argument("tyre: carried_mass_kg is " + std::to_string(carried_mass_kg) +
                                 ", allowed: greater than 0");

@@ -18,6 +18,7 @@
 // compaction of the soil; a bristle too, so that it holds at rest.
 #pragma once
 
+#include "fields/rules.h"
 #include "sim/contact/bristle.h"
 #include "sim/ground/ground.h"
 
@@ -46,8 +47,10 @@ struct TyreParameters {
   friend bool operator==(const TyreParameters&, const TyreParameters&) = default;
 };
 
-/// Throws std::invalid_argument naming `where`, the member, the value and what is allowed.
-void validate(const TyreParameters& parameters, const char* where = "tyre");
+void visit(fields::Visitor& v, TyreParameters& p);
+
+/// Throws std::invalid_argument that names the key, the value found and what is allowed.
+void validate(const TyreParameters& parameters);
 
 /// Vertical stiffness of a radial tyre after T. B. Rhyne (Tire Science and Technology 33, 2005): p
 /// in Pa, section width and rim diameter in metres, aspect ratio in per cent. Quoted from memory of

@@ -3,14 +3,30 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
+
 namespace rigwire::sim {
+
+using fields::in;
+using fields::plain;
+
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
+constexpr std::array<fields::Choice<VehicleLevel>, 3> kVehicleLevels{
+    {{VehicleLevel::kinematic, "kinematic", "Bicycle without slip along the terrain."},
+     {VehicleLevel::planar, "planar", "Slip and locks, no suspension: road and odometry."},
+     {VehicleLevel::full, "full", "14 degrees of freedom: off the road."}}};
+
+constexpr std::array<fields::Choice<AxleType>, 2> kAxleTypes{
+    {{AxleType::beam, "beam", "Rigid axle on a push tube: heave and roll."},
+     {AxleType::independent, "independent", "Each wheel has its own travel."}}};
+
+/// Of figures that are computed and only shown.
 std::string text(double value) {
   std::ostringstream stream;
   stream.precision(9);
@@ -18,101 +34,35 @@ std::string text(double value) {
   return stream.str();
 }
 
-void require(bool fine, const std::string& name, double found, const std::string& allowed) {
-  if (!fine) {
-    throw std::invalid_argument(name + ": found " + text(found) + ", allowed " + allowed);
-  }
+void visit_stop(fields::Visitor& v, StopParameters& p, const fields::NumberRule& stiffness,
+                const fields::NumberRule& ramp) {
+  v.number("stiffness", p.stiffness, stiffness.above(0), "Stiffness of the stop beyond its ramp.");
+  v.number("ramp", p.ramp, ramp.above(0), "Travel over which the stiffness grows to that.");
 }
 
-void positive(const std::string& name, double found) {
-  require(std::isfinite(found) && found > 0.0, name, found, "finite and > 0");
+void check_beam(const std::string& axle, const BeamAxleParameters& beam, double track_m) {
+  fields::require(beam.pitch_inertia_kgm2 <= 2.0 * beam.roll_inertia_kgm2,
+                  axle + ".beam.pitch_inertia", in("kg m2").print(beam.pitch_inertia_kgm2),
+                  "at most twice roll_inertia, " + in("kg m2").print(beam.roll_inertia_kgm2));
+  fields::require(beam.spring_base_m <= 2.0 * track_m, axle + ".beam.spring_base",
+                  in("m").print(beam.spring_base_m),
+                  "at most twice the track, " + in("m").print(track_m));
 }
 
-void not_negative(const std::string& name, double found) {
-  require(std::isfinite(found) && found >= 0.0, name, found, "finite and >= 0");
-}
-
-void finite(const std::string& name, double found) {
-  require(std::isfinite(found), name, found, "finite");
-}
-
-void check(const std::string& name, const StopParameters& stop) {
-  positive(name + ".stiffness", stop.stiffness);
-  positive(name + ".ramp", stop.ramp);
-}
-
-void check(const std::string& name, const BeamAxleParameters& beam, double track_m) {
-  positive(name + ".mass_kg", beam.mass_kg);
-  positive(name + ".roll_inertia_kgm2", beam.roll_inertia_kgm2);
-  positive(name + ".pitch_inertia_kgm2", beam.pitch_inertia_kgm2);
-  require(beam.pitch_inertia_kgm2 <= 2.0 * beam.roll_inertia_kgm2, name + ".pitch_inertia_kgm2",
-          beam.pitch_inertia_kgm2, "at most twice the roll inertia");
-  not_negative(name + ".tube_length_m", beam.tube_length_m);
-  finite(name + ".tube_rise_m", beam.tube_rise_m);
-  finite(name + ".roll_centre_rise_m", beam.roll_centre_rise_m);
-  positive(name + ".spring_npm", beam.spring_npm);
-  not_negative(name + ".damper_nspm", beam.damper_nspm);
-  require(std::isfinite(beam.spring_base_m) && beam.spring_base_m > 0.0 &&
-              beam.spring_base_m <= 2.0 * track_m,
-          name + ".spring_base_m", beam.spring_base_m, "> 0 and at most twice the track");
-  not_negative(name + ".roll_bar_nmprad", beam.roll_bar_nmprad);
-  positive(name + ".bump_travel_m", beam.bump_travel_m);
-  positive(name + ".rebound_travel_m", beam.rebound_travel_m);
-  check(name + ".bump_stop", beam.bump_stop);
-  require(beam.articulation_rad > 0.0 && beam.articulation_rad <= 60.0 * kDegree,
-          name + ".articulation_rad", beam.articulation_rad, "> 0 and at most 60 degrees");
-  check(name + ".articulation_stop", beam.articulation_stop);
-}
-
-void check(const std::string& name, const IndependentAxleParameters& corner) {
-  positive(name + ".corner_mass_kg", corner.corner_mass_kg);
-  positive(name + ".corner_inertia_kgm2", corner.corner_inertia_kgm2);
-  positive(name + ".spring_npm", corner.spring_npm);
-  not_negative(name + ".damper_nspm", corner.damper_nspm);
-  not_negative(name + ".roll_bar_npm", corner.roll_bar_npm);
-  positive(name + ".bump_travel_m", corner.bump_travel_m);
-  positive(name + ".rebound_travel_m", corner.rebound_travel_m);
-  check(name + ".bump_stop", corner.bump_stop);
-  require(std::abs(corner.camber_gain_radpm) <= 5.0, name + ".camber_gain_radpm",
-          corner.camber_gain_radpm, "-5 .. 5");
-  require(std::abs(corner.toe_gain_radpm) <= 5.0, name + ".toe_gain_radpm", corner.toe_gain_radpm,
-          "-5 .. 5");
-}
-
-void check(const std::string& name, const VehicleAxleParameters& axle,
-           const TyrePressureParameters& pressure) {
-  finite(name + ".position_x_m", axle.position_x_m);
-  positive(name + ".track_m", axle.track_m);
-  finite(name + ".portal_offset_m", axle.portal_offset_m);
-  positive(name + ".wheel_spin_inertia_kgm2", axle.wheel_spin_inertia_kgm2);
+void check_axle(const std::string& name, const VehicleAxleParameters& axle,
+                const TyrePressureParameters& pressure, double wheel_height_m) {
   if (axle.type == AxleType::beam) {
-    check(name + ".beam", axle.beam, axle.track_m);
-  } else {
-    check(name + ".independent", axle.independent);
+    check_beam(name, axle.beam, axle.track_m);
   }
-  validate(axle.tyre, (name + ".tyre").c_str());
-  require(axle.steering.angle_max_rad >= 0.0 && axle.steering.angle_max_rad <= 60.0 * kDegree,
-          name + ".steering.angle_max_rad", axle.steering.angle_max_rad, "0 .. 60 degrees");
-  positive(name + ".steering.rate_max_radps", axle.steering.rate_max_radps);
-  not_negative(name + ".steering.time_constant_s", axle.steering.time_constant_s);
-  not_negative(name + ".brake_torque_nm", axle.brake_torque_nm);
-  not_negative(name + ".parking_brake_nm", axle.parking_brake_nm);
-  require(axle.initial_pressure_pa >= pressure.pressure_min_pa &&
-              axle.initial_pressure_pa <= pressure.pressure_max_pa,
-          name + ".initial_pressure_pa", axle.initial_pressure_pa,
-          "tyre_pressure.pressure_min_pa .. pressure_max_pa");
-}
-
-void check(const SprungBodyParameters& body) {
-  positive("body.mass_kg", body.mass_kg);
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    finite("body.center_of_mass_m[" + std::to_string(i) + "]", body.center_of_mass_m[i]);
-    const double found = body.principal_inertia_kgm2[i];
-    const double others = body.principal_inertia_kgm2.sum() - found;
-    require(std::isfinite(found) && found > 0.0 && found <= others * (1.0 + 1e-9),
-            "body.principal_inertia_kgm2[" + std::to_string(i) + "]", found,
-            "> 0 and at most the sum of the other two (" + text(others) + ")");
-  }
+  fields::require(axle.initial_pressure_pa >= pressure.pressure_min_pa &&
+                      axle.initial_pressure_pa <= pressure.pressure_max_pa,
+                  name + ".initial_pressure", in("bar").print(axle.initial_pressure_pa),
+                  "tyre_pressure.pressure_min .. pressure_max, " +
+                      in("bar").print(pressure.pressure_min_pa) + " .. " +
+                      in("bar").print(pressure.pressure_max_pa));
+  fields::require(wheel_height_m > axle.tyre.rim_radius_m, name + ".tyre.carcass_stiffness",
+                  in("kN/m").print(axle.tyre.carcass_stiffness_npm),
+                  "enough to carry the wheel's static load off the rim");
 }
 
 /// Larger |eigenvalue| of inertia x'' + damping x' + stiffness x = 0.
@@ -170,21 +120,18 @@ void check_scheme(const WheeledVehicleParameters& parameters) {
   if (parameters.scheme == IntegrationScheme::linearly_implicit_euler) {
     return;
   }
-  if (parameters.level != VehicleLevel::full) {
-    throw std::invalid_argument(
-        "scheme: found another than linearly_implicit_euler, allowed that alone unless level is "
-        "full: the other levels have steps of their own");
-  }
+  fields::require(parameters.level == VehicleLevel::full, "scheme",
+                  "another than linearly_implicit_euler",
+                  "that alone unless level is full: the other levels have steps of their own");
   if (parameters.scheme != IntegrationScheme::runge_kutta4) {
     return;
   }
   const double fastest = fastest_mode_radps(parameters);
-  if (parameters.step_s * fastest > kRungeKutta4StepLimit) {
-    throw std::invalid_argument("step_s: found " + text(parameters.step_s) + ", allowed at most " +
-                                text(kRungeKutta4StepLimit / fastest) +
-                                " with runge_kutta4, whose stability the fastest mode (estimated " +
-                                text(fastest / (2.0 * std::numbers::pi)) + " Hz) bounds");
-  }
+  fields::require(parameters.step_s * fastest <= kRungeKutta4StepLimit, "step",
+                  in("ms").print(parameters.step_s),
+                  "at most " + text(1e3 * kRungeKutta4StepLimit / fastest) +
+                      " ms with runge_kutta4, whose stability the fastest mode (estimated " +
+                      text(fastest / (2.0 * std::numbers::pi)) + " Hz) bounds");
 }
 
 }  // namespace
@@ -276,42 +223,166 @@ WheeledVehicleParameters gator_855d() {
   return p;
 }
 
-void validate(const WheeledVehicleParameters& parameters) {
-  check(parameters.body);
-  const TyrePressureParameters& pressure = parameters.tyre_pressure;
-  positive("tyre_pressure.inflate_time_constant_s", pressure.inflate_time_constant_s);
-  positive("tyre_pressure.deflate_time_constant_s", pressure.deflate_time_constant_s);
-  positive("tyre_pressure.pressure_min_pa", pressure.pressure_min_pa);
-  require(pressure.pressure_max_pa > pressure.pressure_min_pa &&
-              std::isfinite(pressure.pressure_max_pa),
-          "tyre_pressure.pressure_max_pa", pressure.pressure_max_pa, "above pressure_min_pa");
-  check("front", parameters.front, pressure);
-  check("rear", parameters.rear, pressure);
-  require(parameters.wheelbase_m() > 0.0, "front.position_x_m", parameters.front.position_x_m,
-          "in front of the rear axle, " + text(parameters.rear.position_x_m));
-  require(parameters.body.center_of_mass_m.x() > parameters.rear.position_x_m &&
-              parameters.body.center_of_mass_m.x() < parameters.front.position_x_m,
-          "body.center_of_mass_m[0]", parameters.body.center_of_mass_m.x(), "between the axles");
-  positive("brake_stiffness_nmprad", parameters.brake_stiffness_nmprad);
-  not_negative("air_drag_ns2pm2", parameters.air_drag_ns2pm2);
-  positive("chassis.stiffness_npm", parameters.chassis.stiffness_npm);
-  not_negative("chassis.damping_nspm", parameters.chassis.damping_nspm);
-  require(parameters.chassis.points.size() <= 16, "chassis.points",
-          static_cast<double>(parameters.chassis.points.size()), "at most 16 points");
-  for (const ChassisPoint& point : parameters.chassis.points) {
-    finite("chassis.points.position_m", point.position_m.sum());
+void visit(fields::Visitor& v, SprungBodyParameters& p) {
+  v.number("mass", p.mass_kg, in("kg").above(0), "All that the springs carry.");
+  v.vector3("center_of_mass", p.center_of_mass_m, in("m"),
+            "Centre of mass, from the ground below the rear axle's middle.");
+  v.vector3("principal_inertia", p.principal_inertia_kgm2, in("kg m2").above(0),
+            "Moments of inertia about the centre of mass, along the body's axes.");
+}
+
+void visit(fields::Visitor& v, BeamAxleParameters& p) {
+  v.number("mass", p.mass_kg, in("kg").above(0), "Mass of the axle with its wheels.");
+  v.number("roll_inertia", p.roll_inertia_kgm2, in("kg m2").above(0),
+           "Inertia of the axle in roll and yaw, with its wheels.");
+  v.number("pitch_inertia", p.pitch_inertia_kgm2, in("kg m2").above(0),
+           "Inertia of the axle in pitch, without the wheels' spin.");
+  v.number("tube_length", p.tube_length_m, in("m").at_least(0),
+           "Axle to the push tube's pivot; 0 guides it straight up and down.");
+  v.number("tube_rise", p.tube_rise_m, in("m"),
+           "Height of the push tube's pivot above the axle's centre.");
+  v.number("roll_centre_rise", p.roll_centre_rise_m, in("m"),
+           "Height of the Panhard rod above the axle's centre.");
+  v.number("spring", p.spring_npm, in("N/m").above(0), "Spring of each side.");
+  v.number("damper", p.damper_nspm, in("N s/m").at_least(0), "Damper of each side.");
+  v.number("spring_base", p.spring_base_m, in("m").above(0), "Left to right spring.");
+  v.number("roll_bar", p.roll_bar_nmprad, in("N m/rad").at_least(0),
+           "Roll bar between the two sides.");
+  v.number("bump_travel", p.bump_travel_m, in("mm").above(0), "Travel up to the bump stop.");
+  v.number("rebound_travel", p.rebound_travel_m, in("mm").above(0),
+           "Travel down to the rebound stop.");
+  v.group(
+      "bump_stop", [&](fields::Visitor& w) { visit_stop(w, p.bump_stop, in("N/m"), in("m")); },
+      "Spring at both ends of the travel.");
+  v.number("articulation", p.articulation_rad, in("deg").above(0).at_most(60),
+           "Roll against the body, to each side, up to the limiter.");
+  v.group(
+      "articulation_stop",
+      [&](fields::Visitor& w) { visit_stop(w, p.articulation_stop, in("N m/rad"), in("rad")); },
+      "Spring of the limiter.");
+}
+
+void visit(fields::Visitor& v, IndependentAxleParameters& p) {
+  v.number("corner_mass", p.corner_mass_kg, in("kg").above(0),
+           "Mass of a wheel, its carrier and half the arms.");
+  v.number("corner_inertia", p.corner_inertia_kgm2, in("kg m2").above(0),
+           "Inertia of a corner about a diameter of the wheel.");
+  v.number("spring", p.spring_npm, in("N/m").above(0), "Spring of each side, at the wheel.");
+  v.number("damper", p.damper_nspm, in("N s/m").at_least(0), "Damper of each side, at the wheel.");
+  v.number("roll_bar", p.roll_bar_npm, in("N/m").at_least(0),
+           "Force of the roll bar per difference of travels.");
+  v.number("bump_travel", p.bump_travel_m, in("mm").above(0), "Travel up to the bump stop.");
+  v.number("rebound_travel", p.rebound_travel_m, in("mm").above(0),
+           "Travel down to the rebound stop.");
+  v.group(
+      "bump_stop", [&](fields::Visitor& w) { visit_stop(w, p.bump_stop, in("N/m"), in("m")); },
+      "Spring at both ends of the travel.");
+  v.number("camber_gain", p.camber_gain_radpm, in("rad/m").between(-5, 5),
+           "Camber per bump travel, top outward positive.");
+  v.number("toe_gain", p.toe_gain_radpm, in("rad/m").between(-5, 5),
+           "Toe per bump travel, toe-in positive.");
+}
+
+void visit(fields::Visitor& v, SteeringParameters& p) {
+  v.number("angle_max", p.angle_max_rad, in("deg").between(0, 60),
+           "Greatest angle of the equivalent single wheel; 0: the axle does not steer.");
+  v.number("rate_max", p.rate_max_radps, in("deg/s").above(0),
+           "Greatest rate of the equivalent single wheel.");
+  v.number("time_constant", p.time_constant_s, in("ms").at_least(0),
+           "Lag of the steering below its greatest rate.");
+}
+
+void visit(fields::Visitor& v, VehicleAxleParameters& p) {
+  v.choice("type", p.type, kAxleTypes, "Beam or independent wheels.");
+  v.number("position", p.position_x_m, in("m"), "x of the axle in the body's frame.");
+  v.number("track", p.track_m, in("m").above(0), "Between the wheels' centres.");
+  v.number("portal_offset", p.portal_offset_m, in("mm"), "Wheel's centre below the beam's.");
+  v.number("wheel_spin_inertia", p.wheel_spin_inertia_kgm2, in("kg m2").above(0),
+           "Inertia of one wheel with tyre and hub about its axle.");
+  v.section("beam", p.beam, "With type beam.");
+  v.section("independent", p.independent, "With type independent.");
+  v.section("tyre", p.tyre, "Both tyres.");
+  v.section("steering", p.steering, "Actuator and linkage.");
+  v.number("brake_torque", p.brake_torque_nm, in("N m").at_least(0),
+           "Torque of both wheels' brakes, pedal down.");
+  v.number("parking_brake", p.parking_brake_nm, in("N m").at_least(0),
+           "Torque of both wheels' parking brakes.");
+  v.number("initial_pressure", p.initial_pressure_pa, in("bar").above(0),
+           "Pressure of the axle's tyres at the start.");
+}
+
+void visit(fields::Visitor& v, TyrePressureParameters& p) {
+  v.boolean("adjustable", p.adjustable, "Whether set points are followed.");
+  v.number("inflate_time_constant", p.inflate_time_constant_s, in("s").above(0),
+           "Lag of a rising pressure.");
+  v.number("deflate_time_constant", p.deflate_time_constant_s, in("s").above(0),
+           "Lag of a falling pressure.");
+  v.number("pressure_min", p.pressure_min_pa, in("bar").above(0), "Least set point.");
+  v.number("pressure_max", p.pressure_max_pa, in("bar").above(0), "Greatest set point.");
+}
+
+void visit(fields::Visitor& v, ChassisPoint& p) {
+  v.vector3("position", p.position_m, in("m"), "Corner in the body's frame.");
+}
+
+void visit(fields::Visitor& v, ChassisContactParameters& p) {
+  v.list("points", p.points, "Corners that may hit something, at most 16.");
+  v.number("stiffness", p.stiffness_npm, in("N/m").above(0), "Stiffness of each corner.");
+  v.number("damping", p.damping_nspm, in("N s/m").at_least(0), "Damping of each corner.");
+}
+
+void visit(fields::Visitor& v, WheeledVehicleParameters& p) {
+  v.choice("level", p.level, kVehicleLevels, "How much of the vehicle is computed.");
+  v.section("body", p.body, "What the springs carry.");
+  v.section("front", p.front, "Front axle.");
+  v.section("rear", p.rear, "Rear axle.");
+  v.number("brake_stiffness", p.brake_stiffness_nmprad, in("N m/rad").above(0),
+           "Stiffness of a brake that holds, at the wheel.");
+  v.section("tyre_pressure", p.tyre_pressure, "Central tyre inflation.");
+  v.section("chassis", p.chassis, "Corners that may hit something.");
+  v.number("air_drag", p.air_drag_ns2pm2, plain().at_least(0),
+           "Air drag per speed squared, N per (m/s)^2.");
+  v.choice("scheme", p.scheme, kIntegrationSchemes, "How level full steps its equations.");
+  v.number("step", p.step_s, in("ms").above(0).at_most(20), "Longest inner step of the vehicle.");
+  v.number("gravity", p.gravity_mps2, in("m/s2").at_least(0),
+           "Acceleration of gravity, downwards.");
+}
+
+void validate(const SprungBodyParameters& p) {
+  fields::check(p);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const double found = p.principal_inertia_kgm2[i];
+    const double others = p.principal_inertia_kgm2.sum() - found;
+    fields::require(found <= others * (1.0 + 1e-9), "principal_inertia." + std::to_string(i),
+                    in("kg m2").print(found),
+                    "at most the sum of the other two, " + text(others) + " kg m2");
   }
-  require(parameters.step_s > 0.0 && parameters.step_s <= 0.02, "step_s", parameters.step_s,
-          "> 0 and at most 0.02");
-  not_negative("gravity_mps2", parameters.gravity_mps2);
-  const StaticLoads loads = static_loads(parameters);
-  for (std::size_t i = 0; i < 2; ++i) {
-    const VehicleAxleParameters& axle = i == 0 ? parameters.front : parameters.rear;
-    require(loads.wheel_height_m[i] > axle.tyre.rim_radius_m,
-            std::string(i == 0 ? "front" : "rear") + ".tyre.carcass_stiffness_npm",
-            axle.tyre.carcass_stiffness_npm, "enough to carry the wheel's static load off the rim");
-  }
-  check_scheme(parameters);
+}
+
+void validate(const TyrePressureParameters& p) {
+  fields::check(p);
+  fields::require(p.pressure_max_pa > p.pressure_min_pa, "pressure_max",
+                  in("bar").print(p.pressure_max_pa),
+                  "above pressure_min, " + in("bar").print(p.pressure_min_pa));
+}
+
+void validate(const ChassisContactParameters& p) {
+  fields::check(p);
+  fields::require(p.points.size() <= 16, "points", std::to_string(p.points.size()) + " points",
+                  "at most 16 points");
+}
+
+void validate(const WheeledVehicleParameters& p) {
+  fields::check(p);
+  fields::require(p.wheelbase_m() > 0.0, "front.position", in("m").print(p.front.position_x_m),
+                  "in front of the rear axle, above " + in("m").print(p.rear.position_x_m));
+  const double center_x_m = p.body.center_of_mass_m.x();
+  fields::require(center_x_m > p.rear.position_x_m && center_x_m < p.front.position_x_m,
+                  "body.center_of_mass.0", in("m").print(center_x_m), "between the axles");
+  const StaticLoads loads = static_loads(p);
+  check_axle("front", p.front, p.tyre_pressure, loads.wheel_height_m[0]);
+  check_axle("rear", p.rear, p.tyre_pressure, loads.wheel_height_m[1]);
+  check_scheme(p);
 }
 
 }  // namespace rigwire::sim

@@ -18,6 +18,7 @@
 #include <numbers>
 #include <vector>
 
+#include "fields/rules.h"
 #include "sim/integration_scheme.h"
 #include "sim/samples/vehicle_sample.h"
 #include "sim/tyre/tyre.h"
@@ -43,6 +44,9 @@ struct SprungBodyParameters {
   Eigen::Vector3d center_of_mass_m{2.05, 0.0, 1.32};            ///< In B.
   Eigen::Vector3d principal_inertia_kgm2{5.5e3, 2.3e4, 2.4e4};  ///< About it, along B's axes.
 };
+void visit(fields::Visitor& v, SprungBodyParameters& p);
+/// Throws std::invalid_argument; also where one moment exceeds the sum of the other two.
+void validate(const SprungBodyParameters& parameters);
 
 /// One-sided spring at the end of a travel, whose stiffness grows linearly over the ramp:
 /// stiffness x^2 / (2 ramp) within it, stiffness (x - ramp / 2) beyond.
@@ -70,6 +74,7 @@ struct BeamAxleParameters {
   double articulation_rad = 30.0 * std::numbers::pi / 180.0;  ///< Roll up to the limiter.
   StopParameters articulation_stop{2.0e6, 0.035};             ///< Ramp of 2 degrees.
 };
+void visit(fields::Visitor& v, BeamAxleParameters& p);
 
 /// Wheel carrier that moves up and down in B.
 struct IndependentAxleParameters {
@@ -84,12 +89,14 @@ struct IndependentAxleParameters {
   double camber_gain_radpm = -0.3;  ///< Top of the wheel outward positive, per bump.
   double toe_gain_radpm = 0.0;      ///< Toe-in positive, per bump.
 };
+void visit(fields::Visitor& v, IndependentAxleParameters& p);
 
 struct SteeringParameters {
   double angle_max_rad = 0.0;   ///< Of the equivalent single wheel; 0: the axle does not steer.
   double rate_max_radps = 0.6;  ///< Same.
   double time_constant_s = 0.08;
 };
+void visit(fields::Visitor& v, SteeringParameters& p);
 
 struct VehicleAxleParameters {
   AxleType type = AxleType::beam;
@@ -105,6 +112,7 @@ struct VehicleAxleParameters {
   double parking_brake_nm = 0.0;       ///< Of both wheels together.
   double initial_pressure_pa = 4.5e5;  ///< Of its tyres, above ambient.
 };
+void visit(fields::Visitor& v, VehicleAxleParameters& p);
 
 /// Central tyre inflation: each pressure follows its set point.
 struct TyrePressureParameters {
@@ -114,10 +122,14 @@ struct TyrePressureParameters {
   double pressure_min_pa = 0.8e5;
   double pressure_max_pa = 6.0e5;
 };
+void visit(fields::Visitor& v, TyrePressureParameters& p);
+/// Throws std::invalid_argument.
+void validate(const TyrePressureParameters& parameters);
 
 struct ChassisPoint {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< In B.
 };
+void visit(fields::Visitor& v, ChassisPoint& p);
 
 /// Corners of body and underbody that may hit the ground or an obstacle; at most 16.
 struct ChassisContactParameters {
@@ -125,6 +137,9 @@ struct ChassisContactParameters {
   double stiffness_npm = 1.0e6;
   double damping_nspm = 2.0e4;
 };
+void visit(fields::Visitor& v, ChassisContactParameters& p);
+/// Throws std::invalid_argument.
+void validate(const ChassisContactParameters& parameters);
 
 struct WheeledVehicleParameters {
   VehicleLevel level = VehicleLevel::full;
@@ -151,6 +166,7 @@ struct WheeledVehicleParameters {
     return body.mass_kg + axle_mass_kg(front) + axle_mass_kg(rear);
   }
 };
+void visit(fields::Visitor& v, WheeledVehicleParameters& p);
 
 /// What carries what when the vehicle stands on level ground, in design position.
 struct StaticLoads {
@@ -174,7 +190,7 @@ struct StaticLoads {
 /// 2.8.
 inline constexpr double kRungeKutta4StepLimit = 2.5;
 
-/// Throws std::invalid_argument that names the quantity, the value found and what is allowed.
+/// Throws std::invalid_argument that names the key, the value found and what is allowed.
 void validate(const WheeledVehicleParameters& parameters);
 
 }  // namespace rigwire::sim

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "hil/configuration/reader.h"
-#include "hil/configuration/soil.h"
-#include "hil/configuration/tyre.h"
+#include "sim/ground/soil.h"
+#include "sim/tyre/tyre.h"
 
 namespace rigwire::hil {
 namespace {
@@ -37,7 +37,8 @@ TEST(TyreKeys, UnitsReachTheMembers) {
 
 TEST(TyreKeys, ARimLargerThanTheTyreIsRefused) {
   sim::TyreParameters tyre;
-  EXPECT_NE(findings_of("rim_radius: 0.7\n", tyre).find("rim_radius_m"), std::string::npos);
+  EXPECT_NE(findings_of("rim_radius: 0.7\n", tyre).find("rim_radius: found 0.7 m, allowed at most"),
+            std::string::npos);
 }
 
 TEST(TyreKeys, NegativePressureIsRefusedWithItsKey) {

@@ -1,6 +1,4 @@
 // The roller's machine file says what the defaults are, key by key.
-#include "hil/configuration/roller.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>

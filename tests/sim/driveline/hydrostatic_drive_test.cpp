@@ -212,10 +212,10 @@ TEST(HydrostaticDrive, OpenBypassLetsTheDrumsGo) {
 TEST(HydrostaticDrive, RefusesNumbersThatMakeNoDrive) {
   HydrostaticDriveParameters p;
   p.oil_volume_m3 = 0.0;
-  EXPECT_THROW(validate(p, "drive"), std::invalid_argument);
+  EXPECT_THROW(validate(p), std::invalid_argument);
   p = {};
   p.engine_idle_radps = 300.0;
-  EXPECT_THROW(validate(p, "drive"), std::invalid_argument);
+  EXPECT_THROW(validate(p), std::invalid_argument);
 }
 
 }  // namespace

@@ -141,16 +141,18 @@ TEST(BucketSoil, SoilThatFallsIntoATruckIsCountedElsewhere) {
 TEST(BucketSoil, BadParametersAreRefusedByName) {
   BucketSoilParameters parameters;
   parameters.width_m = 0.0;
-  EXPECT_THAT([&] { validate(parameters, 1.4); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("width_m is 0")));
+  EXPECT_THAT(
+      [&] { validate(parameters, 1.4); },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("width: found 0 m, allowed above 0 .. 20 m")));
   parameters = {};
   parameters.rear_lip_m = 1.39;
-  EXPECT_THAT([&] { validate(parameters, 1.4); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("rear_lip_m")));
+  EXPECT_THAT(
+      [&] { validate(parameters, 1.4); },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("rear_lip: found 1.39 m, allowed at most")));
   parameters = {};
   parameters.outflow_time_s = std::nan("");
   EXPECT_THAT([&] { validate(parameters, 1.4); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("outflow_time_s")));
+              ThrowsMessage<std::invalid_argument>(HasSubstr("outflow_time: found nan")));
 }
 
 }  // namespace

@@ -282,12 +282,12 @@ TEST(DiggableTerrain, BadParametersAreRefusedByName) {
   const auto make = [&](const DiggableTerrainParameters& p) {
     return [&ground, p] { DiggableTerrain terrain(ground, p); };
   };
-  EXPECT_THAT(make({.depth_max_m = -1.0}),
-              ThrowsMessage<std::invalid_argument>(HasSubstr("depth_max_m is -1")));
+  EXPECT_THAT(make({.depth_max_m = -1.0}), ThrowsMessage<std::invalid_argument>(HasSubstr(
+                                               "depth_max: found -1 m, allowed 0 .. 1000 m")));
   EXPECT_THAT(make({.bank_rad = std::nan("")}),
-              ThrowsMessage<std::invalid_argument>(HasSubstr("bank_rad")));
+              ThrowsMessage<std::invalid_argument>(HasSubstr("bank: found nan")));
   EXPECT_THAT(make({.slide_visits = 0}),
-              ThrowsMessage<std::invalid_argument>(HasSubstr("slide_visits")));
+              ThrowsMessage<std::invalid_argument>(HasSubstr("slide_visits: found 0, allowed")));
 }
 
 }  // namespace

@@ -194,7 +194,7 @@ std::string refusal(const RollerParameters& p) {
 TEST(RollerSchemes, AnExplicitStepBeyondStabilityIsRefusedWithItsReason) {
   RollerParameters p = with(RollerParameters{}, IntegrationScheme::runge_kutta4, 0.01);
   const std::string reason = refusal(p);
-  for (const char* part : {"roller.step_s", "0.01", "allowed", "rad/s", "runge_kutta4"}) {
+  for (const char* part : {"step: found 10 ms", "allowed at most", "rad/s", "runge_kutta4"}) {
     EXPECT_NE(reason.find(part), std::string::npos) << reason;
   }
   p.step_s = 0.99 * kRollerExplicitLimit / fastest_rate_radps(p);
@@ -218,7 +218,7 @@ TEST(RollerSchemes, TheKinematicLevelKnowsOne) {
   EXPECT_EQ(refusal(p), "");
   p.scheme = IntegrationScheme::rosenbrock2;
   EXPECT_NE(refusal(p).find("kinematic"), std::string::npos);
-  EXPECT_NE(refusal(p).find("roller.scheme"), std::string::npos);
+  EXPECT_EQ(refusal(p).find("scheme: found another"), 0u);
 }
 
 }  // namespace

@@ -64,10 +64,10 @@ TEST(PivotSteering, KeepsItsSetPointWhenTheNewOneIsNoNumber) {
 TEST(PivotSteering, RefusesNumbersThatMakeNoSteering) {
   PivotSteeringParameters p;
   p.rate_max_radps = 0.0;
-  EXPECT_THROW(validate(p, "steering"), std::invalid_argument);
+  EXPECT_THROW(validate(p), std::invalid_argument);
   p = {};
   p.angle_max_rad = 1.6;
-  EXPECT_THROW(validate(p, "steering"), std::invalid_argument);
+  EXPECT_THROW(validate(p), std::invalid_argument);
 }
 
 }  // namespace

@@ -214,19 +214,22 @@ TEST(VehicleParameters, RefusesWhatCannotBe) {
   EXPECT_NO_THROW(validate(gator_855d()));
   EXPECT_NE(refused([](auto& p) {
               p.body.principal_inertia_kgm2.x() = 9e4;
-            }).find("principal_inertia_kgm2[0]"),
+            }).find("body.principal_inertia.0: found 90000 kg m2"),
             std::string::npos);
-  EXPECT_NE(refused([](auto& p) { p.body.mass_kg = -1.0; }).find("body.mass_kg"),
-            std::string::npos);
-  EXPECT_NE(refused([](auto& p) { p.front.position_x_m = -1.0; }).find("front.position_x_m"),
+  EXPECT_NE(refused([](auto& p) { p.body.mass_kg = -1.0; }).find("body.mass: found -1 kg"),
             std::string::npos);
   EXPECT_NE(
-      refused([](auto& p) { p.rear.initial_pressure_pa = -1e5; }).find("rear.initial_pressure_pa"),
+      refused([](auto& p) { p.front.position_x_m = -1.0; }).find("front.position: found -1 m"),
       std::string::npos);
-  EXPECT_NE(refused([](auto& p) { p.step_s = 0.0; }).find("step_s"), std::string::npos);
-  EXPECT_NE(
-      refused([](auto& p) { p.front.tyre.unloaded_radius_m = std::nan(""); }).find("front.tyre"),
-      std::string::npos);
+  EXPECT_NE(refused([](auto& p) {
+              p.rear.initial_pressure_pa = -1e5;
+            }).find("rear.initial_pressure: found -1 bar"),
+            std::string::npos);
+  EXPECT_NE(refused([](auto& p) { p.step_s = 0.0; }).find("step: found 0 ms"), std::string::npos);
+  EXPECT_NE(refused([](auto& p) {
+              p.front.tyre.unloaded_radius_m = std::nan("");
+            }).find("front.tyre.unloaded_radius: found nan"),
+            std::string::npos);
 }
 
 }  // namespace

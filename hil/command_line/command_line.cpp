@@ -11,9 +11,9 @@
 #include <optional>
 
 #include "drivers/endpoints.h"
+#include "fields/visitor.h"
 #include "hil/command_line/verbs.h"
 #include "hil/configuration/suggest.h"
-#include "fields/visitor.h"
 
 #ifndef RIGWIRE_VERSION
 #define RIGWIRE_VERSION "unknown"
@@ -86,7 +86,8 @@ std::optional<Duration> parse_duration(const std::string& text) {
   if (!quantity) {
     return std::nullopt;
   }
-  const fields::Unit* unit = fields::find_unit(quantity->unit.empty() ? "s" : quantity->unit, fields::Dimension::time);
+  const fields::Unit* unit =
+      fields::find_unit(quantity->unit.empty() ? "s" : quantity->unit, fields::Dimension::time);
   if (unit == nullptr) {
     return std::nullopt;
   }

@@ -23,10 +23,10 @@ struct DescribedType {
   std::string keys;  ///< Reference of the configuration keys.
 };
 
-DescribedType describe_type(const DeviceType& type) {
-  const ConfiguredDevice device(type);
-  DescribedType described{type.named, device.settings().describe(),
-                          reference_text(outline(device))};
+DescribedType describe_type(std::size_t row) {
+  const DeviceType& type = device_types()[row];
+  const ConfiguredDevice device(row);
+  DescribedType described{type.named, device->describe(), reference_text(outline(device))};
   if (described.description.page.empty()) {
     described.description.page = fmt::format("docs/devices/{}.md", type.named.name);
   }
@@ -101,18 +101,16 @@ struct MachineDescription {
   std::string keys;
 };
 
-template <std::size_t... kIndices>
-std::vector<MachineDescription> machine_catalogue(std::index_sequence<kIndices...>) {
+std::vector<MachineDescription> machine_catalogue() {
   std::vector<MachineDescription> list;
-  const auto append = [&list]<std::size_t kIndex>() {
+  for (std::size_t row = 0; row < machine_types().size(); ++row) {
     MachineConfiguration machine;
-    machine.settings.emplace<kIndex>();
-    const auto links = link_names(machine.settings);
-    list.push_back({std::variant_alternative_t<kIndex, MachineSettings>::kNamed,
+    machine.model.choose(row);
+    const auto links = machine.model->links();
+    list.push_back({machine_types()[row].named,
                     {links.begin(), links.end()},
                     reference_text(outline(machine))});
-  };
-  (append.template operator()<kIndices>(), ...);
+  }
   return list;
 }
 
@@ -137,16 +135,16 @@ int describe_machine(const MachineDescription& machine, bool json, Terminal term
 int describe_verb(const std::string& device, bool json, Terminal terminal) {
   std::vector<std::string> names;
   const std::string of_rig = type_in_rigs(device);
-  for (const DeviceType& type : device_types()) {
-    if (type.named.name == device || type.named.name == of_rig) {
-      const DescribedType described = describe_type(type);
+  for (std::size_t row = 0; row < device_types().size(); ++row) {
+    const fields::Named& type = device_types()[row].named;
+    if (type.name == device || type.name == of_rig) {
+      const DescribedType described = describe_type(row);
       terminal.out << (json ? json_of(described).dump(2) + "\n" : text_of(described));
       return static_cast<int>(ExitCode::done);
     }
-    names.emplace_back(type.named.name);
+    names.emplace_back(type.name);
   }
-  using MachineIndices = std::make_index_sequence<std::variant_size_v<MachineSettings>>;
-  for (const MachineDescription& machine : machine_catalogue(MachineIndices{})) {
+  for (const MachineDescription& machine : machine_catalogue()) {
     if (machine.type.name == device) {
       return describe_machine(machine, json, terminal);
     }

@@ -8,7 +8,7 @@ std::string plan_text(const RigConfiguration& configuration) {
   const RigView rig = view_of(configuration);
   std::vector<std::vector<std::string>> rows{{"device", "type", "wire", "sends", "bytes", "with"}};
   for (const auto& [name, device] : configuration.devices) {
-    const DevicePlan plan = device.settings().plan(rig);
+    const DevicePlan plan = device->plan(rig);
     rows.push_back(
         {name, std::string(device.type()), plan.wire, plan.sends, plan.bytes, plan.with});
   }

@@ -1,8 +1,8 @@
 #include "hil/devices/device_types.h"
 
+#include <algorithm>
 #include <array>
 
-#include "fields/visitor.h"
 #include "hil/devices/iso_valves.h"
 #include "hil/devices/openimu.h"
 #include "hil/devices/rotary_encoder.h"
@@ -97,50 +97,15 @@ constexpr std::array kTypes{
         fresh<UsbPassThroughConfiguration>},
 };
 
-/// The key `type` over the list.
-class Types final : public fields::Alternatives {
- public:
-  explicit Types(ConfiguredDevice& device) : device_(device) {}
-  [[nodiscard]] std::vector<fields::Named> names() const override {
-    std::vector<fields::Named> names;
-    for (const DeviceType& type : kTypes) {
-      names.push_back(type.named);
-    }
-    return names;
-  }
-  [[nodiscard]] std::size_t index() const override { return device_.type_index(); }
-  void choose(std::size_t index) override { device_.choose(index); }
-  fields::Part chosen() override { return fields::Part::of(device_.settings()); }
-
- private:
-  ConfiguredDevice& device_;
-};
-
 }  // namespace
 
 std::span<const DeviceType> device_types() {
   return kTypes;
 }
 
-ConfiguredDevice::ConfiguredDevice() : ConfiguredDevice(kTypes.front()) {}
-
-ConfiguredDevice::ConfiguredDevice(const DeviceType& type)
-    : type_(&type), settings_(type.fresh()) {}
-
-std::size_t ConfiguredDevice::type_index() const {
-  return static_cast<std::size_t>(type_ - kTypes.data());
-}
-
-void ConfiguredDevice::choose(std::size_t index) {
-  if (index != type_index()) {
-    *this = ConfiguredDevice(kTypes.at(index));
-  }
-}
-
 void visit(fields::Visitor& v, ConfiguredDevice& p) {
-  Types types(p);
   v.required("type");
-  v.alternatives("type", types, "Which device it is.");
+  fields::visit_chosen(v, "type", p, "Which device it is.");
 }
 
 }  // namespace rigwire::hil

@@ -6,7 +6,6 @@
 
 #include "emulators/vehicle_gateway/report.h"
 #include "fields/visitor.h"
-#include "hil/configuration/vehicle_sensors.h"
 #include "hil/devices/can_device.h"
 #include "hil/devices/rig_check.h"
 #include "protocols/vehicle/identification.h"

@@ -53,7 +53,7 @@ SimulatedWorld make_world(const RigConfiguration& configuration, const sim::Loca
   WorldSettings settings;
   settings.step = configuration.step;
   settings.slice = configuration.slice;
-  settings.gravity_mps2 = gravity_mps2(configuration.machine.settings);
+  settings.gravity_mps2 = configuration.machine.model->gravity_mps2();
   SimulatedWorld world(settings, std::move(built), frame);
   if (configuration.scene.weather.any()) {
     world.set_weather(
@@ -89,7 +89,7 @@ sim::LocalFrame make_local_frame(const OriginConfiguration& origin) {
 }
 
 SensorMount sensor_mount(const MachineConfiguration& machine, const MountConfiguration& mount) {
-  const auto names = link_names(machine.settings);
+  const auto names = machine.model->links();
   const auto found = std::find(names.begin(), names.end(), mount.link);
   if (found == names.end()) {
     throw std::invalid_argument(fmt::format("the machine has no link '{}'", mount.link));
@@ -109,7 +109,7 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
   result.terrain = built.terrain;
   result.ground = std::make_unique<sim::Ground>(built.ground, built.soils, built.obstacles);
   result.obstacles = std::make_unique<SceneFallObstacle>(*result.scene);
-  if (changes_ground(machine.settings)) {
+  if (machine.model->changes_ground()) {
     result.scene->make_changeable(result.terrain);
     result.scene->set_terrain_period(kTerrainPeriod);
   }
@@ -118,7 +118,7 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
     X_WB.translation().z() +=
         result.ground->height_m(X_WB.translation().x(), X_WB.translation().y());
   }
-  result.machine = make_machine(machine.settings, {*result.ground, *result.obstacles, X_WB});
+  result.machine = machine.model->make({*result.ground, *result.obstacles, X_WB});
   for (const std::string_view link : result.machine->link_names()) {
     const sim::Scene::BodyId body = result.scene->add_body(link);
     for (const LinkShape& shape : machine.shapes) {
@@ -222,7 +222,7 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
       bus->line.begin_device(name);
     }
     DeviceSite site(*this, name);
-    devices_.push_back({name, device.settings().make(site)});
+    devices_.push_back({name, device->make(site)});
   }
   for (const auto& [name, bus] : configuration_.buses) {
     if (!bus.faults.empty()) {

@@ -40,7 +40,7 @@ class Checker {
     for (const auto& [name, device] : rig_.devices) {
       const std::string path = "devices." + name;
       if (!faulty(path)) {
-        device.settings().check(path, check_);
+        device->check(path, check_);
       }
     }
     for (const auto& [name, bus] : rig_.buses) {
@@ -126,7 +126,7 @@ class Checker {
       if (faulty("devices." + device_name)) {
         continue;
       }
-      const auto share = device.settings().bus_share(device_name);
+      const auto share = device->bus_share(device_name);
       if (share && share->bus == name) {
         frames += share->frames_hz;
       }

@@ -32,17 +32,16 @@ std::string print_rig(const LoadedRig& rig) {
 }
 
 RigView view_of(const RigConfiguration& configuration) {
-  const auto links = link_names(configuration.machine.settings);
-  const bool excavator = std::holds_alternative<ExcavatorMachine>(configuration.machine.settings);
+  const MachineModel& machine = *configuration.machine.model;
   RigView view{configuration.buses,
                configuration.modbus,
                configuration.usb,
-               {links.begin(), links.end()},
-               excavator,
-               !excavator,
+               {machine.links().begin(), machine.links().end()},
+               machine.has_valves(),
+               machine.drives(),
                {}};
   for (const auto& [name, device] : configuration.devices) {
-    if (device.settings().is_receiver()) {
+    if (device->is_receiver()) {
       view.receivers.push_back(name);
     }
   }
@@ -52,7 +51,7 @@ RigView view_of(const RigConfiguration& configuration) {
 std::vector<std::string> devices_on(const RigConfiguration& configuration, const std::string& bus) {
   std::vector<std::string> names;
   for (const auto& [name, device] : configuration.devices) {
-    const auto share = device.settings().bus_share(name);
+    const auto share = device->bus_share(name);
     if (share && share->bus == bus) {
       names.push_back(name);
     }
@@ -64,7 +63,7 @@ std::vector<protocols::can::MessageLayout> bus_messages(const RigConfiguration& 
                                                         const std::string& bus) {
   std::vector<protocols::can::MessageLayout> all;
   for (const auto& [name, device] : configuration.devices) {
-    auto share = device.settings().bus_share(name);
+    auto share = device->bus_share(name);
     if (share && share->bus == bus) {
       all.insert(all.end(), std::move_iterator(share->messages.begin()),
                  std::move_iterator(share->messages.end()));

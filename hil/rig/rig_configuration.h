@@ -15,7 +15,7 @@
 #include "hil/devices/site.h"
 #include "hil/wires/modbus_line_configuration.h"
 #include "hil/wires/usb_configuration.h"
-#include "hil/world/machine_configuration.h"
+#include "hil/world/machine.h"
 #include "hil/world/origin.h"
 #include "hil/world/satellites_configuration.h"
 #include "hil/world/scene.h"

@@ -1,75 +1,29 @@
 #include "hil/world/machine.h"
 
-#include <cmath>
-
-#include "sim/driveline/make_driveline.h"
-#include "sim/excavator/digging_excavator.h"
-#include "sim/roller/tandem_roller.h"
-#include "sim/vehicle/wheeled_vehicle.h"
-
 namespace rigwire::hil {
-namespace {
 
-template <class... Functions>
-struct Overloaded : Functions... {
-  using Functions::operator()...;
-};
-template <class... Functions>
-Overloaded(Functions...) -> Overloaded<Functions...>;
+using fields::in;
 
-double yaw_rad(const Eigen::Isometry3d& X) {
-  return std::atan2(X.linear()(1, 0), X.linear()(0, 0));
+void visit(fields::Visitor& v, MachineModel& p) {
+  p.visit(v);
 }
 
-}  // namespace
-
-std::span<const std::string_view> link_names(const MachineSettings& settings) {
-  using Names = std::span<const std::string_view>;
-  return std::visit(
-      Overloaded{[](const ExcavatorMachine&) -> Names { return sim::kExcavatorLinks; },
-                 [](const WheeledMachine&) -> Names { return sim::kWheeledLinks; },
-                 [](const RollerMachine&) -> Names { return sim::kRollerLinks; }},
-      settings);
+void visit(fields::Visitor& v, LinkShape& p) {
+  v.text("link", p.link, "One of the machine's links.");
+  visit(v, p.placed);
 }
 
-std::unique_ptr<sim::Machine> make_machine(const MachineSettings& settings,
-                                           const MachineSite& site) {
-  using Made = std::unique_ptr<sim::Machine>;
-  const Eigen::Vector2d place_m = site.X_WB.translation().head<2>();
-  return std::visit(Overloaded{[&](const ExcavatorMachine& machine) -> Made {
-                                 if (!machine.digs) {
-                                   return std::make_unique<sim::Excavator>(machine.excavator,
-                                                                           site.X_WB, &site.ground);
-                                 }
-                                 auto made = std::make_unique<sim::DiggingExcavator>(
-                                     machine.excavator, machine.digging, site.X_WB, site.ground);
-                                 made->bucket().set_fall_obstacle(&site.obstacles);
-                                 return made;
-                               },
-                               [&](const WheeledMachine& machine) -> Made {
-                                 return sim::make_wheeled_vehicle(
-                                     machine.wheeled, site.ground,
-                                     sim::make_driveline(machine.driveline),
-                                     {place_m.x(), place_m.y(), yaw_rad(site.X_WB)});
-                               },
-                               [&](const RollerMachine& machine) -> Made {
-                                 return std::make_unique<sim::TandemRoller>(
-                                     machine.roller, site.ground, place_m, yaw_rad(site.X_WB));
-                               }},
-                    settings);
-}
-
-double gravity_mps2(const MachineSettings& settings) {
-  return std::visit(
-      Overloaded{[](const ExcavatorMachine& machine) { return machine.excavator.gravity_mps2; },
-                 [](const WheeledMachine& machine) { return machine.wheeled.gravity_mps2; },
-                 [](const RollerMachine& machine) { return machine.roller.gravity_mps2; }},
-      settings);
-}
-
-bool changes_ground(const MachineSettings& settings) {
-  const auto* excavator = std::get_if<ExcavatorMachine>(&settings);
-  return excavator != nullptr && excavator->digs;
+void visit(fields::Visitor& v, MachineConfiguration& p) {
+  v.text("name", p.name, "Name of the machine, for people.");
+  v.text("text", p.text, "One line for `rigwire list machines`.");
+  v.required("type");
+  fields::visit_chosen(v, "type", p.model, "Topology of the machine.");
+  v.vector3("position", p.position_m, in("m"),
+            "[east, north, up] of the origin of its first link.");
+  v.number("yaw", p.yaw_rad, in("deg").between(-360, 360),
+           "Direction of its x from east, left positive.");
+  v.boolean("on_ground", p.on_ground, "Whether `up` counts from the terrain under it.");
+  v.list("shapes", p.shapes, "What the lidar sees of it, by link.");
 }
 
 }  // namespace rigwire::hil

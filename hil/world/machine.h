@@ -1,13 +1,23 @@
-// Machines from their configuration: the one place that knows every topology.
+// The machine of a rig: which topology with which numbers, where it stands, what it looks like. The
+// topologies are machine_types.h's; nothing here knows one of them.
 #pragma once
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
-#include "hil/world/machine_configuration.h"
-#include "sim/excavator/bucket_soil.h"
-#include "sim/ground/ground.h"
-#include "sim/machine.h"
+#include "fields/chosen.h"
+#include "hil/world/shapes.h"
+#include "sim/samples/vector3.h"
+
+namespace rigwire::sim {
+class FallObstacle;
+class Ground;
+class Machine;
+}  // namespace rigwire::sim
 
 namespace rigwire::hil {
 
@@ -18,14 +28,50 @@ struct MachineSite {
   Eigen::Isometry3d X_WB;  ///< Of the first link; a machine on wheels settles from there.
 };
 
-/// Throws std::invalid_argument for parameters that make no machine.
-[[nodiscard]] std::unique_ptr<sim::Machine> make_machine(const MachineSettings& settings,
-                                                         const MachineSite& site);
+/// A topology with its numbers.
+class MachineModel {
+ public:
+  virtual ~MachineModel() = default;
 
-/// Along world -z, for the inertial units.
-[[nodiscard]] double gravity_mps2(const MachineSettings& settings);
+  /// Its keys. `type` is not among them.
+  virtual void visit(fields::Visitor& v) = 0;
+  /// Links that shapes and sensors can be fixed to, in the machine's order.
+  [[nodiscard]] virtual std::span<const std::string_view> links() const = 0;
+  /// Whether it has a valve block, and whether it has a drive train.
+  [[nodiscard]] virtual bool has_valves() const = 0;
+  [[nodiscard]] virtual bool drives() const = 0;
+  /// Whether it digs, so that the terrain must be kept in a form that can change.
+  [[nodiscard]] virtual bool changes_ground() const = 0;
+  /// Along world -z, for the inertial units.
+  [[nodiscard]] virtual double gravity_mps2() const = 0;
+  /// Throws std::invalid_argument for parameters that make no machine.
+  [[nodiscard]] virtual std::unique_ptr<sim::Machine> make(const MachineSite& site) const = 0;
 
-/// Whether the machine digs, so that the terrain must be kept in a form that can change.
-[[nodiscard]] bool changes_ground(const MachineSettings& settings);
+  [[nodiscard]] virtual std::unique_ptr<MachineModel> copy() const = 0;
+};
+void visit(fields::Visitor& v, MachineModel& p);
+
+using MachineType = fields::TypeRow<MachineModel>;
+
+/// The topologies that there are.
+[[nodiscard]] std::span<const MachineType> machine_types();
+
+/// A shape fixed to a link.
+struct LinkShape {
+  std::string link = "upper";
+  PlacedShape placed;
+};
+void visit(fields::Visitor& v, LinkShape& p);
+
+struct MachineConfiguration {
+  std::string name = "machine";
+  std::string text;  ///< One line for `rigwire list machines`.
+  fields::Chosen<MachineModel> model{machine_types()};
+  Vector3 position_m;     ///< [east, north, up] of the origin of its first link.
+  double yaw_rad = 0.0;   ///< Of its x from east, left positive.
+  bool on_ground = true;  ///< position z counts from the terrain under it.
+  std::vector<LinkShape> shapes;
+};
+void visit(fields::Visitor& v, MachineConfiguration& p);
 
 }  // namespace rigwire::hil

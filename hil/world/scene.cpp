@@ -3,7 +3,6 @@
 #include <variant>
 
 #include "fields/visitor.h"
-#include "hil/configuration/soil.h"
 #include "hil/files/height_map_file.h"
 #include "hil/files/mesh_file.h"
 

@@ -40,7 +40,7 @@ class GnssKeys : public ::testing::Test {
   RigConfiguration rig() { return load_rig(file.string(), {}).configuration; }
   const UbloxConfiguration& receiver() {
     loaded = rig();
-    return *settings_as<UbloxConfiguration>(loaded.devices.at("gnss"));
+    return *fields::as<UbloxConfiguration>(loaded.devices.at("gnss"));
   }
 
   fs::path file = fs::temp_directory_path() / ("rigwire_gnss_" + std::to_string(::getpid()));

@@ -7,7 +7,7 @@
 
 #include "hil/configuration/document.h"
 #include "hil/configuration/reader.h"
-#include "hil/world/machine_configuration.h"
+#include "hil/world/machine.h"
 #include "sim/roller/tandem_roller.h"
 
 namespace rigwire::hil {

@@ -33,7 +33,7 @@ class LidarKeys : public ::testing::Test {
   emulators::VelodyneSettings settings() {
     const LoadedRig loaded = load_rig(file, {});
     return settings_of(
-        *settings_as<VelodyneConfiguration>(loaded.configuration.devices.at("lidar")));
+        *fields::as<VelodyneConfiguration>(loaded.configuration.devices.at("lidar")));
   }
 
   test::PrivateWires wires;

@@ -3,6 +3,7 @@
 #include "hil/devices/ublox.h"
 #include "hil/devices/valve_driver.h"
 #include "hil/devices/velodyne.h"
+#include "hil/world/machine_types.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -78,13 +79,13 @@ TEST(ExcavatorPit, has_the_devices_that_the_field_program_expects) {
   }
   EXPECT_THAT(names, testing::ElementsAre("gnss", "imu_boom", "imu_bucket", "imu_chassis",
                                           "imu_stick", "lidar", "swing_encoder", "valves"));
-  const auto& gnss = *settings_as<UbloxConfiguration>(rig.devices.at("gnss"));
+  const auto& gnss = *fields::as<UbloxConfiguration>(rig.devices.at("gnss"));
   EXPECT_EQ(gnss.path, "/tmp/rigwire/gnss");
   EXPECT_EQ(gnss.receiver.baud, 115200u);
-  const auto& lidar = *settings_as<VelodyneConfiguration>(rig.devices.at("lidar"));
+  const auto& lidar = *fields::as<VelodyneConfiguration>(rig.devices.at("lidar"));
   EXPECT_EQ(lidar.lidar.data_port, 2368);
   EXPECT_EQ(lidar.lidar.telemetry_port, 8308);
-  const auto& valves = *settings_as<ValveDriverConfiguration>(rig.devices.at("valves"));
+  const auto& valves = *fields::as<ValveDriverConfiguration>(rig.devices.at("valves"));
   EXPECT_EQ(valves.port, 1502);
   const std::vector<std::string> sections{"swing", "boom", "stick", "bucket"};
   EXPECT_EQ(valves.driver.amplifier.sections, sections);
@@ -92,13 +93,13 @@ TEST(ExcavatorPit, has_the_devices_that_the_field_program_expects) {
 
 TEST(ExcavatorPit, machine_file_repeats_the_defaults_of_the_reference_machine) {
   const RigConfiguration rig = load_rig(kPit, {}).configuration;
-  ExcavatorMachine machine = std::get<ExcavatorMachine>(rig.machine.settings);
+  const ExcavatorMachine& machine = *fields::as<ExcavatorMachine>(rig.machine.model);
   EXPECT_EQ(hash_text(outline(machine.excavator)), hash_text(outline(sim::ExcavatorParameters{})));
 }
 
 TEST(ExcavatorPit, rate_of_the_receiver_can_be_set_on_the_command_line) {
   const RigConfiguration rig = load_rig(kPit, {"devices.gnss.rate=5"}).configuration;
-  EXPECT_EQ(settings_as<UbloxConfiguration>(rig.devices.at("gnss"))->receiver.measurement_period,
+  EXPECT_EQ(fields::as<UbloxConfiguration>(rig.devices.at("gnss"))->receiver.measurement_period,
             std::chrono::milliseconds(200));
 }
 

@@ -1,0 +1,64 @@
+// The topologies of machines: numbers alone make a machine of one. A new one is a class here and a
+// row of the list.
+#pragma once
+
+#include <memory>
+
+#include "hil/world/machine.h"
+#include "sim/driveline/parameters.h"
+#include "sim/excavator/bucket_soil_parameters.h"
+#include "sim/excavator/parameters.h"
+#include "sim/roller/parameters.h"
+#include "sim/vehicle/parameters.h"
+
+namespace rigwire::hil {
+
+/// Copies as what it is.
+template <class Type>
+class MachineModelOf : public MachineModel {
+ public:
+  [[nodiscard]] std::unique_ptr<MachineModel> copy() const override {
+    return std::make_unique<Type>(static_cast<const Type&>(*this));
+  }
+};
+
+struct ExcavatorMachine final : MachineModelOf<ExcavatorMachine> {
+  sim::ExcavatorParameters excavator;
+  bool digs = true;  ///< Else the bucket passes through the ground.
+  sim::DiggingParameters digging;
+
+  void visit(fields::Visitor& v) override;
+  [[nodiscard]] std::span<const std::string_view> links() const override;
+  [[nodiscard]] bool has_valves() const override { return true; }
+  [[nodiscard]] bool drives() const override { return false; }
+  [[nodiscard]] bool changes_ground() const override { return digs; }
+  [[nodiscard]] double gravity_mps2() const override { return excavator.gravity_mps2; }
+  [[nodiscard]] std::unique_ptr<sim::Machine> make(const MachineSite& site) const override;
+};
+
+struct WheeledMachine final : MachineModelOf<WheeledMachine> {
+  sim::WheeledVehicleParameters wheeled;
+  sim::DrivelineParameters driveline;
+
+  void visit(fields::Visitor& v) override;
+  [[nodiscard]] std::span<const std::string_view> links() const override;
+  [[nodiscard]] bool has_valves() const override { return false; }
+  [[nodiscard]] bool drives() const override { return true; }
+  [[nodiscard]] bool changes_ground() const override { return false; }
+  [[nodiscard]] double gravity_mps2() const override { return wheeled.gravity_mps2; }
+  [[nodiscard]] std::unique_ptr<sim::Machine> make(const MachineSite& site) const override;
+};
+
+struct RollerMachine final : MachineModelOf<RollerMachine> {
+  sim::RollerParameters roller;
+
+  void visit(fields::Visitor& v) override;
+  [[nodiscard]] std::span<const std::string_view> links() const override;
+  [[nodiscard]] bool has_valves() const override { return false; }
+  [[nodiscard]] bool drives() const override { return true; }
+  [[nodiscard]] bool changes_ground() const override { return false; }
+  [[nodiscard]] double gravity_mps2() const override { return roller.gravity_mps2; }
+  [[nodiscard]] std::unique_ptr<sim::Machine> make(const MachineSite& site) const override;
+};
+
+}  // namespace rigwire::hil

@@ -24,9 +24,9 @@
 #include "hil/executive/batch_ring.h"
 #include "hil/executive/clock.h"
 #include "hil/executive/event_source.h"
+#include "hil/executive/outlet.h"
 #include "hil/executive/station.h"
 #include "hil/executive/truth_source.h"
-#include "hil/wires/outlets.h"
 
 namespace rigwire::hil {
 

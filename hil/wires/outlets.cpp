@@ -30,7 +30,7 @@ enum FrameOutletTag : std::uint64_t { kFrameUnit, kSentUnit, kUnsentUnit, kRepor
 
 }  // namespace
 
-void Outlet::transmit_front(std::optional<Duration> lateness) {
+void QueuedOutlet::transmit_front(std::optional<Duration> lateness) {
   const EmissionQueue::Unit unit = queue_.front();
   WireStatistics& statistics = *unit.statistics;
   statistics.hash.add(unit.due, unit.bytes);
@@ -47,7 +47,7 @@ void Outlet::transmit_front(std::optional<Duration> lateness) {
 }
 
 StreamOutlet::StreamOutlet(drivers::ByteStream& stream, WireStatistics& statistics)
-    : Outlet(kSerialUnits, kSerialBytes), stream_(stream), statistics_(statistics) {}
+    : QueuedOutlet(kSerialUnits, kSerialBytes), stream_(stream), statistics_(statistics) {}
 
 void StreamOutlet::send(SimTime due, std::span<const std::uint8_t> bytes) {
   queue().push(due, 0, statistics_, bytes);
@@ -58,7 +58,7 @@ bool StreamOutlet::transmit(std::uint64_t /*tag*/, std::span<const std::uint8_t>
 }
 
 DatagramOutlet::DatagramOutlet(drivers::DatagramSocket& socket, WireStatistics& statistics)
-    : Outlet(kDatagramUnits, kDatagramBytes), socket_(socket), statistics_(statistics) {}
+    : QueuedOutlet(kDatagramUnits, kDatagramBytes), socket_(socket), statistics_(statistics) {}
 
 void DatagramOutlet::send(SimTime due, std::span<const std::uint8_t> bytes) {
   queue().push(due, 0, statistics_, bytes);
@@ -69,7 +69,7 @@ bool DatagramOutlet::transmit(std::uint64_t /*tag*/, std::span<const std::uint8_
 }
 
 ServerOutlet::ServerOutlet(drivers::StreamServer& server, WireStatistics& statistics)
-    : Outlet(kServerUnits, kServerBytes), server_(server), statistics_(statistics) {}
+    : QueuedOutlet(kServerUnits, kServerBytes), server_(server), statistics_(statistics) {}
 
 void ServerOutlet::send(emulators::ConnectionId connection, SimTime due,
                         std::span<const std::uint8_t> bytes) {
@@ -89,8 +89,9 @@ bool ServerOutlet::transmit(std::uint64_t tag, std::span<const std::uint8_t> byt
 }
 
 FrameOutlet::FrameOutlet(drivers::CanBus& bus, std::size_t unsettled_frames)
-    : Outlet(kFrameUnits + kReportUnits + unsettled_frames,
-             kFrameUnits * (kFrameHeader + 8) + (kReportUnits + 1) * sizeof(ControllerReport)),
+    : QueuedOutlet(
+          kFrameUnits + kReportUnits + unsettled_frames,
+          kFrameUnits * (kFrameHeader + 8) + (kReportUnits + 1) * sizeof(ControllerReport)),
       bus_(bus) {}
 
 void FrameOutlet::send(SimTime due, WireStatistics& statistics,

@@ -6,7 +6,7 @@
 
 #include "drivers/endpoints.h"
 #include "emulators/device.h"
-#include "hil/executive/clock.h"
+#include "hil/executive/outlet.h"
 #include "hil/wires/emission_queue.h"
 #include "hil/wires/wire_statistics.h"
 
@@ -15,18 +15,13 @@ namespace rigwire::hil {
 /// Hands units to the endpoint when they are due and keeps the statistics. Subclasses know the kind
 /// of endpoint. Whatever the endpoint does not take at once is lost, as on the real wire, and
 /// counted.
-class Outlet {
+class QueuedOutlet : public Outlet {
  public:
-  virtual ~Outlet() = default;
-
-  [[nodiscard]] SimTime next_due() const { return queue_.next_due(); }
-
-  /// Hands over the unit in front. `lateness` is how long after its due time; nullopt when
-  /// free-running. Precondition: next_due() != kNever.
-  void transmit_front(std::optional<Duration> lateness);
+  [[nodiscard]] SimTime next_due() const final { return queue_.next_due(); }
+  void transmit_front(std::optional<Duration> lateness) final;
 
  protected:
-  Outlet(std::size_t units, std::size_t bytes) : queue_(units, bytes) {}
+  QueuedOutlet(std::size_t units, std::size_t bytes) : queue_(units, bytes) {}
   [[nodiscard]] EmissionQueue& queue() { return queue_; }
 
  private:
@@ -36,7 +31,7 @@ class Outlet {
 };
 
 /// A serial line: what the line does not take is lost.
-class StreamOutlet final : public Outlet, public emulators::ByteOutput {
+class StreamOutlet final : public QueuedOutlet, public emulators::ByteOutput {
  public:
   StreamOutlet(drivers::ByteStream& stream, WireStatistics& statistics);
   void send(SimTime due, std::span<const std::uint8_t> bytes) override;
@@ -48,7 +43,7 @@ class StreamOutlet final : public Outlet, public emulators::ByteOutput {
 };
 
 /// One UDP port.
-class DatagramOutlet final : public Outlet, public emulators::ByteOutput {
+class DatagramOutlet final : public QueuedOutlet, public emulators::ByteOutput {
  public:
   DatagramOutlet(drivers::DatagramSocket& socket, WireStatistics& statistics);
   void send(SimTime due, std::span<const std::uint8_t> bytes) override;
@@ -60,7 +55,7 @@ class DatagramOutlet final : public Outlet, public emulators::ByteOutput {
 };
 
 /// The clients of a stream server.
-class ServerOutlet final : public Outlet, public emulators::StreamOutput {
+class ServerOutlet final : public QueuedOutlet, public emulators::StreamOutput {
  public:
   ServerOutlet(drivers::StreamServer& server, WireStatistics& statistics);
   void send(emulators::ConnectionId connection, SimTime due,
@@ -81,7 +76,7 @@ class ServerOutlet final : public Outlet, public emulators::StreamOutput {
 /// reaches the client in the order in which it happened on the bus. It is in no device's
 /// statistics. Confirmations have room of their own: none is ever lost for want of it while not
 /// more than `unsettled_frames` of the client's frames are on their way.
-class FrameOutlet final : public Outlet {
+class FrameOutlet final : public QueuedOutlet {
  public:
   explicit FrameOutlet(drivers::CanBus& bus, std::size_t unsettled_frames = 64);
   void send(SimTime due, WireStatistics& statistics, const protocols::can::Frame& frame);

@@ -6,6 +6,8 @@
 #include <thread>
 #include <vector>
 
+#include "hil/wires/outlets.h"
+
 namespace rigwire::hil {
 namespace {
 

@@ -17,7 +17,8 @@ namespace rigwire::hil {
 
 using NodeMemory = std::unique_ptr<emulators::NonvolatileMemory>;
 
-template <class Emulator, class StationType>
+/// `Backend` is the face of the emulator that takes its samples (emulators/backends.h).
+template <class Emulator, class Backend>
 class CanDeviceOf : public Device {
  public:
   /// The emulator is made of `arguments` and the node's output.
@@ -41,7 +42,7 @@ class CanDeviceOf : public Device {
   }
 
   /// Once, after construction.
-  [[nodiscard]] DeviceIndex enlist(Executive& executive) { return executive.add(station_); }
+  [[nodiscard]] StationIndex enlist(Executive& executive) { return executive.add(station_); }
 
   [[nodiscard]] drivers::EndpointStatus endpoint() const override { return bus_.endpoint(); }
   [[nodiscard]] std::uint64_t dropped() const override {
@@ -58,7 +59,7 @@ class CanDeviceOf : public Device {
   emulators::FrameOutput& node_;
   NodeMemory memory_;  ///< Null when the emulator has none.
   Emulator emulator_;
-  StationType station_;
+  StationOf<Backend> station_;
 };
 
 /// What an emulator answers that is built of `arguments` and an output that leads nowhere: `ask` is

@@ -50,9 +50,6 @@ class FixSource {
   virtual void inform(FixListener& listener) = 0;
 };
 
-/// What the files of ground truth name of a device.
-enum class TruthRole { none, antenna, lidar };
-
 class Neighbours;
 
 class Device {
@@ -75,7 +72,8 @@ class Device {
   /// What others may be joined with; null where there is none.
   [[nodiscard]] virtual FixSource* fixes() { return nullptr; }
   [[nodiscard]] virtual const emulators::ValveBackend* valves() const { return nullptr; }
-  [[nodiscard]] virtual TruthRole truth_role() const { return TruthRole::none; }
+  /// Whether the file of every lidar shot names it.
+  [[nodiscard]] virtual bool is_lidar() const { return false; }
 
   [[nodiscard]] DeviceStatus status(const std::string& name, SimTime now) const;
 

@@ -9,11 +9,12 @@
 #include "fields/visitor.h"
 #include "hil/devices/can_device.h"
 #include "hil/devices/rig_check.h"
+#include "hil/world/ports.h"
 
 namespace rigwire::hil {
 namespace {
 
-class IsoValvesDevice final : public CanDeviceOf<emulators::IsoValves, ValveStation> {
+class IsoValvesDevice final : public CanDeviceOf<emulators::IsoValves, emulators::ValveBackend> {
  public:
   using CanDeviceOf::CanDeviceOf;
   [[nodiscard]] const emulators::ValveBackend* valves() const override { return &emulator(); }
@@ -69,7 +70,7 @@ DeviceDescription IsoValvesConfiguration::describe() const {
 
 std::unique_ptr<Device> IsoValvesConfiguration::make(Site& site) const {
   auto device = std::make_unique<IsoValvesDevice>(site.bus(bus), valves);
-  site.world().add_valves(device->enlist(site.executive()));
+  site.world().add(make_world_valves(device->enlist(site.executive()), site.world().machine()));
   return device;
 }
 

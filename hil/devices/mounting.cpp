@@ -2,19 +2,22 @@
 
 #include <optional>
 
+#include "hil/world/gnss.h"
+#include "hil/world/imu.h"
+
 namespace rigwire::hil {
 
-void mount_antenna(Site& site, DeviceIndex station, const MountConfiguration& mount,
+void mount_antenna(Site& site, StationIndex station, const MountConfiguration& mount,
                    const sim::GnssParameters& sensor,
                    const std::vector<GnssFaultConfiguration>& faults) {
   sim::GnssParameters parameters = sensor;
   parameters.faults = signal_faults(faults);
-  site.world().add_gnss(station, site.mount(mount),
-                        sim::GnssSensor(parameters, site.satellites(), site.calendar(),
-                                        site.frame(), site.seed(), site.name()));
+  site.world().add(make_world_gnss(station, site.name(), site.mount(mount), site.frame(),
+                                   sim::GnssSensor(parameters, site.satellites(), site.calendar(),
+                                                   site.frame(), site.seed(), site.name())));
 }
 
-void mount_inertial_unit(Site& site, DeviceIndex station, const MountConfiguration& mount,
+void mount_inertial_unit(Site& site, StationIndex station, const MountConfiguration& mount,
                          const sim::ImuParameters& sensor,
                          const sim::MagnetometerConfiguration& magnetometer) {
   std::optional<sim::Magnetometer> field;

@@ -12,12 +12,12 @@
 namespace rigwire::hil {
 
 /// A satellite antenna, with what happens to its signals.
-void mount_antenna(Site& site, DeviceIndex station, const MountConfiguration& mount,
+void mount_antenna(Site& site, StationIndex station, const MountConfiguration& mount,
                    const sim::GnssParameters& sensor,
                    const std::vector<GnssFaultConfiguration>& faults);
 
 /// An inertial unit, with its magnetometer where it has one.
-void mount_inertial_unit(Site& site, DeviceIndex station, const MountConfiguration& mount,
+void mount_inertial_unit(Site& site, StationIndex station, const MountConfiguration& mount,
                          const sim::ImuParameters& sensor,
                          const sim::MagnetometerConfiguration& magnetometer);
 

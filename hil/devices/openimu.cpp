@@ -14,7 +14,7 @@
 namespace rigwire::hil {
 namespace {
 
-using OpenImuDevice = CanDeviceOf<emulators::OpenImu, ImuStation>;
+using OpenImuDevice = CanDeviceOf<emulators::OpenImu, emulators::ImuBackend>;
 
 }  // namespace
 

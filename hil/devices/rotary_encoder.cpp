@@ -8,6 +8,7 @@
 #include "hil/devices/can_device.h"
 #include "hil/devices/rig_check.h"
 #include "hil/files/settings_file.h"
+#include "hil/world/joint.h"
 #include "protocols/canopen/rotary_encoder.h"
 #include "sim/encoder/joint_angle.h"
 
@@ -20,7 +21,7 @@ namespace {
 constexpr std::array<Choice<char>, 3> kEncoderAxes{
     {{'x', "x", "Forward."}, {'y', "y", "To the left."}, {'z', "z", "Up."}}};
 
-using EncoderDevice = CanDeviceOf<emulators::RotaryEncoder, EncoderStation>;
+using EncoderDevice = CanDeviceOf<emulators::RotaryEncoder, emulators::EncoderBackend>;
 
 }  // namespace
 
@@ -81,8 +82,8 @@ DeviceDescription EncoderConfiguration::describe() const {
 std::unique_ptr<Device> EncoderConfiguration::make(Site& site) const {
   auto device =
       std::make_unique<EncoderDevice>(site.bus(bus), encoder, open_settings(settings_file));
-  site.world().add_encoder(device->enlist(site.executive()), site.link(base), site.link(link),
-                           sim::JointAngle(axis - 'x'));
+  site.world().add(make_world_joint(device->enlist(site.executive()), site.link(base),
+                                    site.link(link), sim::JointAngle(axis - 'x')));
   return device;
 }
 

@@ -126,8 +126,8 @@ class StarFireDevice final : public Device, private FixSource {
     }
   }
 
-  [[nodiscard]] DeviceIndex enlist(Executive& executive) {
-    const DeviceIndex index = executive.add(station_);
+  [[nodiscard]] StationIndex enlist(Executive& executive) {
+    const StationIndex index = executive.add(station_);
     if (pty_) {
       executive.add(*outlet_);
       pty_->on_client([this, &executive](const drivers::LineClient& client) {
@@ -142,7 +142,6 @@ class StarFireDevice final : public Device, private FixSource {
   }
 
   [[nodiscard]] FixSource* fixes() override { return this; }
-  [[nodiscard]] TruthRole truth_role() const override { return TruthRole::antenna; }
   [[nodiscard]] drivers::EndpointStatus endpoint() const override {
     return pty_ ? pty_->status() : bus_->endpoint();
   }
@@ -169,7 +168,7 @@ class StarFireDevice final : public Device, private FixSource {
   emulators::FrameOutput* exit_ = nullptr;  ///< With the node: only on a bus.
   std::optional<emulators::StarFireNode> node_;
   BothSides sides_;
-  GnssStation station_{sides_, sides_};
+  StationOf<emulators::GnssBackend> station_{sides_, sides_};
 };
 
 }  // namespace

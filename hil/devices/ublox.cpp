@@ -38,8 +38,8 @@ class UbloxDevice final : public Device, private FixSource {
         backend_(receiver_),
         station_(receiver_, backend_) {}
 
-  [[nodiscard]] DeviceIndex enlist(Executive& executive) {
-    const DeviceIndex index = executive.add(station_);
+  [[nodiscard]] StationIndex enlist(Executive& executive) {
+    const StationIndex index = executive.add(station_);
     executive.add(outlet_);
     line_->on_client([this, &executive](const drivers::LineClient& client) {
       receiver_.set_client(executive.arrive(),
@@ -52,7 +52,6 @@ class UbloxDevice final : public Device, private FixSource {
   }
 
   [[nodiscard]] FixSource* fixes() override { return this; }
-  [[nodiscard]] TruthRole truth_role() const override { return TruthRole::antenna; }
   [[nodiscard]] drivers::EndpointStatus endpoint() const override { return line_->status(); }
   [[nodiscard]] std::uint64_t frames() const override { return receiver_.messages_sent(); }
   [[nodiscard]] std::uint64_t dropped() const override {
@@ -105,7 +104,7 @@ class UbloxDevice final : public Device, private FixSource {
   StreamOutlet outlet_;
   emulators::UbloxReceiver receiver_;
   Backend backend_;
-  GnssStation station_;
+  StationOf<emulators::GnssBackend> station_;
 };
 
 }  // namespace

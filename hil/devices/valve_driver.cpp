@@ -11,6 +11,7 @@
 #include "hil/devices/site.h"
 #include "hil/executive/station.h"
 #include "hil/files/valve_map_file.h"
+#include "hil/world/ports.h"
 
 namespace rigwire::hil {
 
@@ -40,8 +41,8 @@ class ValveDriverDevice final : public Device {
     line_.add_unit(configuration.unit, driver_.unit());
   }
 
-  [[nodiscard]] DeviceIndex enlist(Executive& executive) {
-    const DeviceIndex index = executive.add(station_);
+  [[nodiscard]] StationIndex enlist(Executive& executive) {
+    const StationIndex index = executive.add(station_);
     if (own_ != nullptr) {
       own_->start(executive);
     }
@@ -63,7 +64,7 @@ class ValveDriverDevice final : public Device {
   std::unique_ptr<ModbusLine> own_;
   ModbusLine& line_;
   emulators::ValveDriver driver_;
-  ValveStation station_;
+  StationOf<emulators::ValveBackend> station_;
 };
 
 /// The wire of the line that it is on.
@@ -152,7 +153,7 @@ DeviceDescription ValveDriverConfiguration::describe() const {
 std::unique_ptr<Device> ValveDriverConfiguration::make(Site& site) const {
   auto device =
       std::make_unique<ValveDriverDevice>(*this, site, line.empty() ? nullptr : &site.modbus(line));
-  site.world().add_valves(device->enlist(site.executive()));
+  site.world().add(make_world_valves(device->enlist(site.executive()), site.world().machine()));
   return device;
 }
 

@@ -8,6 +8,7 @@
 #include "fields/visitor.h"
 #include "hil/devices/can_device.h"
 #include "hil/devices/rig_check.h"
+#include "hil/world/ports.h"
 #include "protocols/vehicle/identification.h"
 
 namespace rigwire::hil {
@@ -20,8 +21,9 @@ emulators::VehicleGatewaySettings settings_of(const VehicleGatewayConfiguration&
   return settings;
 }
 
-class VehicleGatewayDevice final : public CanDeviceOf<emulators::VehicleGateway, VehicleStation>,
-                                   private FixListener {
+class VehicleGatewayDevice final
+    : public CanDeviceOf<emulators::VehicleGateway, emulators::VehicleBackend>,
+      private FixListener {
  public:
   VehicleGatewayDevice(CanLine& bus, const VehicleGatewayConfiguration& configuration)
       : CanDeviceOf(bus, settings_of(configuration)), position_from_(configuration.position_from) {}
@@ -108,8 +110,9 @@ DeviceDescription VehicleGatewayConfiguration::describe() const {
 
 std::unique_ptr<Device> VehicleGatewayConfiguration::make(Site& site) const {
   auto device = std::make_unique<VehicleGatewayDevice>(site.bus(bus), *this);
-  site.world().add_vehicle(device->enlist(site.executive()),
-                           sim::VehicleSensors(sensor, odometry, site.seed(), site.name()));
+  site.world().add(
+      make_world_vehicle(device->enlist(site.executive()), site.world().machine(),
+                         sim::VehicleSensors(sensor, odometry, site.seed(), site.name())));
   return device;
 }
 

@@ -19,6 +19,7 @@
 #include "hil/executive/station.h"
 #include "hil/files/lidar_calibration_file.h"
 #include "hil/wires/outlets.h"
+#include "hil/world/imu.h"
 #include "hil/world/lidar.h"
 #include "protocols/velodyne/data_packet.h"
 #include "protocols/velodyne/packet_layout.h"
@@ -108,8 +109,8 @@ class VelodyneDevice final : public Device, private FixListener {
   VelodyneDevice(const VelodyneConfiguration& configuration, Site& site)
       : VelodyneDevice(configuration, site, settings_of(configuration)) {}
 
-  [[nodiscard]] DeviceIndex enlist(Executive& executive) {
-    const DeviceIndex index = executive.add(station_);
+  [[nodiscard]] StationIndex enlist(Executive& executive) {
+    const StationIndex index = executive.add(station_);
     executive.add(data_outlet_);
     executive.add(position_outlet_);
     if (server_) {
@@ -122,7 +123,7 @@ class VelodyneDevice final : public Device, private FixListener {
 
   /// Adds the station that hears how the lidar moves, when the device reports it. Once, after
   /// enlist().
-  [[nodiscard]] std::optional<DeviceIndex> enlist_motion(Executive& executive) {
+  [[nodiscard]] std::optional<StationIndex> enlist_motion(Executive& executive) {
     if (model_of(configuration_).position_layout != velodyne::PositionLayout::inertial) {
       return std::nullopt;
     }
@@ -137,7 +138,7 @@ class VelodyneDevice final : public Device, private FixListener {
   }
 
   [[nodiscard]] const emulators::VelodyneLidar& emulator() const override { return lidar_; }
-  [[nodiscard]] TruthRole truth_role() const override { return TruthRole::lidar; }
+  [[nodiscard]] bool is_lidar() const override { return true; }
   [[nodiscard]] drivers::EndpointStatus endpoint() const override { return data_.status(); }
   [[nodiscard]] std::uint64_t dropped() const override {
     return statistics().dropped + lidar_.packets_lost();
@@ -231,9 +232,9 @@ class VelodyneDevice final : public Device, private FixListener {
   DatagramOutlet data_outlet_;
   DatagramOutlet position_outlet_;
   emulators::VelodyneLidar lidar_;
-  LidarStation station_;
+  StationOf<emulators::LidarBackend> station_;
   MotionInput motion_{lidar_};
-  ImuStation motion_station_{motion_, motion_};
+  StationOf<emulators::ImuBackend> motion_station_{motion_, motion_};
   emulators::VelodyneWebInterface web_;
   std::uint32_t destination_changes_ = lidar_.destination_changes();
   std::optional<drivers::HttpServer> server_;
@@ -387,11 +388,12 @@ std::unique_ptr<Device> VelodyneConfiguration::make(Site& site) const {
   auto caster = make_lidar_sensor(
       sensor, {backend.pattern(), device->emulator().sample_plan(), backend.command()}, site.seed(),
       site.name());
-  site.world().add_lidar(device->enlist(site.executive()), site.mount(mount), std::move(caster),
-                         backend.pattern());
+  site.world().add(make_world_lidar(device->enlist(site.executive()), site.name(),
+                                    site.mount(mount), std::move(caster), backend.pattern()));
   if (const auto motion = device->enlist_motion(site.executive())) {
-    site.world().add_imu(*motion, site.mount(mount),
-                         sim::ImuSensor(sim::perfect_imu(), site.seed(), site.name() + "/motion"));
+    site.world().add(
+        make_world_imu(*motion, site.mount(mount),
+                       sim::ImuSensor(sim::perfect_imu(), site.seed(), site.name() + "/motion")));
   }
   return device;
 }

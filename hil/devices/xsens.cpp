@@ -13,7 +13,7 @@
 namespace rigwire::hil {
 namespace {
 
-using XsensMtiDevice = CanDeviceOf<emulators::Mti600, ImuStation>;
+using XsensMtiDevice = CanDeviceOf<emulators::Mti600, emulators::ImuBackend>;
 
 }  // namespace
 

@@ -4,14 +4,17 @@
 
 #include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <cassert>
 #include <condition_variable>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <thread>
 #include <utility>
 
+#include "hil/executive/batch_ring.h"
 #include "hil/executive/cpu_time.h"
 
 namespace rigwire::hil {
@@ -89,14 +92,7 @@ class Executive::TruthThread {
   /// Gives the requests over and leaves `requests` empty.
   void post(TruthRequests& requests) {
     const std::scoped_lock lock(mutex_);
-    const auto move_all = [](auto& from, auto& to) {
-      to.insert(to.end(), from.begin(), from.end());
-    };
-    move_all(requests.valve_commands, posted_.valve_commands);
-    move_all(requests.vehicle_commands, posted_.vehicle_commands);
-    move_all(requests.plans, posted_.plans);
-    move_all(requests.lidar_commands, posted_.lidar_commands);
-    requests.clear();
+    requests.move_to(posted_);
   }
 
   [[nodiscard]] BatchRing& ring() { return ring_; }
@@ -176,52 +172,21 @@ Executive::Executive(boost::asio::io_context& io, TruthSource& truth) : io_(io),
 
 Executive::~Executive() = default;
 
-template <class StationType>
-DeviceIndex Executive::enlist(StationType& station, std::vector<StationType*>& of_kind) {
-  const DeviceIndex index = stations_.size();
+StationIndex Executive::add(Station& station) {
   stations_.push_back(&station);
   sources_.push_back(&station);
-  of_kind.resize(index + 1, nullptr);
-  of_kind[index] = &station;
-  return index;
-}
-
-DeviceIndex Executive::add(GnssStation& station) {
-  return enlist(station, gnss_);
-}
-DeviceIndex Executive::add(ImuStation& station) {
-  return enlist(station, imu_);
-}
-DeviceIndex Executive::add(EncoderStation& station) {
-  return enlist(station, encoders_);
-}
-DeviceIndex Executive::add(LidarStation& station) {
-  return enlist(station, lidar_);
-}
-DeviceIndex Executive::add(ValveStation& station) {
-  return enlist(station, valves_);
-}
-DeviceIndex Executive::add(VehicleStation& station) {
-  return enlist(station, vehicles_);
+  return stations_.size() - 1;
 }
 
 void Executive::route(const SampleBatch& batch) {
-  const auto deliver = [](const auto& samples, const auto& stations) {
-    for (const auto& addressed : samples) {
-      assert(addressed.device < stations.size() && stations[addressed.device] != nullptr);
-      stations[addressed.device]->put(addressed.content);
-    }
-  };
-  deliver(batch.gnss, gnss_);
-  deliver(batch.imu, imu_);
-  for (const auto& block : batch.lidar) {
-    for (const auto& firing : block.firings) {
-      lidar_[block.device]->put(firing);
-    }
+  std::size_t taken = 0;
+  for (StationIndex i = 0; i < stations_.size(); ++i) {
+    taken += stations_[i]->take(i, batch.samples);
   }
-  deliver(batch.valves, valves_);
-  deliver(batch.vehicles, vehicles_);
-  deliver(batch.encoders, encoders_);
+  if (taken != batch.samples.size()) {
+    fail(fmt::format("the truth has {} samples that no station takes at {:.9f} s",
+                     batch.samples.size() - taken, to_seconds(batch.until)));
+  }
   machine_state_ = batch.state;
   frontier_ = batch.until;
 }
@@ -265,7 +230,7 @@ void Executive::transmit_due(SimTime until) {
 }
 
 void Executive::collect_requests(TruthRequests& requests) {
-  for (DeviceIndex i = 0; i < stations_.size(); ++i) {
+  for (StationIndex i = 0; i < stations_.size(); ++i) {
     stations_[i]->collect(i, requests);
   }
 }

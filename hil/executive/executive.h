@@ -9,24 +9,27 @@
 //
 // Free-running, one thread does both, slice by slice, and what is sent does not depend on wall
 // time.
+//
+// It knows no kind of sensor, no device and no wire: samples, plans and commands lie on shelves
+// (hil/executive/shelves.h) that only the truth's sensor and the device's station look into.
 #pragma once
 
 #include <atomic>
-#include <boost/asio/io_context.hpp>
 #include <chrono>
-#include <functional>
-#include <memory>
-#include <mutex>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "hil/executive/batch_ring.h"
 #include "hil/executive/clock.h"
 #include "hil/executive/event_source.h"
 #include "hil/executive/outlet.h"
 #include "hil/executive/station.h"
 #include "hil/executive/truth_source.h"
+
+namespace boost::asio {
+class io_context;
+}
 
 namespace rigwire::hil {
 
@@ -60,13 +63,8 @@ class Executive {
   Executive(const Executive&) = delete;
   Executive& operator=(const Executive&) = delete;
 
-  /// Adds a device; its index counts up from 0 in order of the calls.
-  DeviceIndex add(GnssStation& station);
-  DeviceIndex add(ImuStation& station);
-  DeviceIndex add(EncoderStation& station);
-  DeviceIndex add(LidarStation& station);
-  DeviceIndex add(ValveStation& station);
-  DeviceIndex add(VehicleStation& station);
+  /// Adds a device's station; its index counts up from 0 in order of the calls.
+  StationIndex add(Station& station);
   /// Adds something else that happens in simulated time: a bus.
   void add(EventSource& source) { sources_.push_back(&source); }
   void add(Outlet& outlet) { outlets_.push_back(&outlet); }
@@ -93,8 +91,6 @@ class Executive {
  private:
   class TruthThread;
 
-  template <class StationType>
-  DeviceIndex enlist(StationType& station, std::vector<StationType*>& of_kind);
   void route(const SampleBatch& batch);
   void run_events(SimTime until);
   void transmit_due(SimTime until);
@@ -106,12 +102,6 @@ class Executive {
   boost::asio::io_context& io_;
   TruthSource& truth_;
   std::vector<Station*> stations_;
-  std::vector<GnssStation*> gnss_;  ///< By device index; nullptr where of another kind.
-  std::vector<ImuStation*> imu_;
-  std::vector<EncoderStation*> encoders_;
-  std::vector<LidarStation*> lidar_;
-  std::vector<ValveStation*> valves_;
-  std::vector<VehicleStation*> vehicles_;
   std::vector<EventSource*> sources_;
   std::vector<Outlet*> outlets_;
 

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <algorithm>
+#include <concepts>
 #include <cstddef>
 #include <vector>
 
-#include "emulators/backends.h"
 #include "emulators/device.h"
 #include "hil/executive/event_source.h"
-#include "hil/executive/truth_source.h"
+#include "hil/executive/shelves.h"
 
 namespace rigwire::hil {
 
@@ -37,34 +37,79 @@ class SampleInbox {
   std::size_t taken_ = 0;
 };
 
-/// Common part of all stations; one subclass per class of backend gives it its samples.
+/// What the executive sees of every station.
 class Station : public EventSource {
  public:
   explicit Station(emulators::Device& device) : device_(device) {}
 
   [[nodiscard]] emulators::Device& device() { return device_; }
   [[nodiscard]] const emulators::Device& device() const { return device_; }
-  /// Adds to `requests` what the device wants of the truth and has not asked for yet.
-  virtual void collect(DeviceIndex self, TruthRequests& requests);
+  /// Takes what lies on its shelf, to be given to the device at each sample's own instant. Returns
+  /// how many that are.
+  virtual std::size_t take(StationIndex self, const Shelves& samples) = 0;
+  /// Adds to `requests` what the device wants of the truth and has not asked for yet: its sample
+  /// plan (SamplePlan), and what it commands.
+  virtual void collect(StationIndex self, Shelves& requests);
 
  private:
   emulators::Device& device_;
   SamplePlan announced_plan_;
 };
 
-/// A station whose device takes samples of one kind.
-template <class Sample, class Backend>
-class SampledStation : public Station {
- public:
-  SampledStation(emulators::Device& device, Backend& backend)
-      : Station(device), backend_(backend) {}
+/// A class of device that takes samples (emulators/backends.h): Backend::Sample has a member
+/// `time`.
+template <class Backend>
+concept TakesSamples = requires(Backend& backend, const typename Backend::Sample& sample) {
+  backend.update(sample);
+  { sample.time } -> std::convertible_to<SimTime>;
+};
 
-  void put(const Sample& sample) { inbox_.put(sample); }
+/// That also asks something of the truth. Equal commands are sent once.
+template <class Backend>
+concept Commands = requires(const Backend& backend) {
+  { backend.command() } -> std::same_as<const typename Backend::Command&>;
+};
+
+/// Whose samples come too often to wake up for each: they are taken when what they are gathered
+/// into is complete.
+template <class Backend>
+concept Gathers = requires(const Backend& backend) {
+  { backend.packet_complete_at() } -> std::same_as<SimTime>;
+};
+
+namespace station_details {
+
+/// The command that the truth knows of.
+template <class Backend>
+struct Announced {};
+template <Commands Backend>
+struct Announced<Backend> {
+  typename Backend::Command command;
+};
+
+}  // namespace station_details
+
+/// The station of a device of that class, whatever the class. A device that commands nothing at the
+/// start has a default-constructed command: it is not sent.
+template <TakesSamples Backend>
+class StationOf final : public Station {
+ public:
+  using Sample = typename Backend::Sample;
+
+  /// Both are the same emulator as a rule. They must outlive the station.
+  StationOf(emulators::Device& device, Backend& backend) : Station(device), backend_(backend) {}
 
   [[nodiscard]] SimTime next_event() const override {
     return std::min(device().next_event(), inbox_.next());
   }
-  [[nodiscard]] SimTime next_wakeup() const override { return next_event(); }
+
+  [[nodiscard]] SimTime next_wakeup() const override {
+    if constexpr (Gathers<Backend>) {
+      return std::min(device().next_event(), backend_.packet_complete_at());
+    } else {
+      return next_event();
+    }
+  }
 
   void advance(SimTime now) override {
     while (inbox_.next() <= now) {
@@ -73,49 +118,32 @@ class SampledStation : public Station {
     device().advance(now);
   }
 
- protected:
-  [[nodiscard]] Backend& backend() { return backend_; }
-  [[nodiscard]] const Backend& backend() const { return backend_; }
+  std::size_t take(StationIndex self, const Shelves& samples) override {
+    const std::vector<Sample>* shelf = samples.find<Sample>(self);
+    if (shelf == nullptr) {
+      return 0;
+    }
+    for (const Sample& sample : *shelf) {
+      inbox_.put(sample);
+    }
+    return shelf->size();
+  }
+
+  void collect(StationIndex self, Shelves& requests) override {
+    Station::collect(self, requests);
+    if constexpr (Commands<Backend>) {
+      const typename Backend::Command& command = backend_.command();
+      if (command != announced_.command) {
+        announced_.command = command;
+        requests.of<typename Backend::Command>(self).push_back(command);
+      }
+    }
+  }
 
  private:
   Backend& backend_;
   SampleInbox<Sample> inbox_;
-};
-
-using GnssStation = SampledStation<GnssSample, emulators::GnssBackend>;
-using ImuStation = SampledStation<ImuSample, emulators::ImuBackend>;
-using EncoderStation = SampledStation<EncoderSample, emulators::EncoderBackend>;
-
-/// Also carries what the device asks of its head. Firings come too often to wake up for
-/// each: they are taken when the packet that they belong to is complete.
-class LidarStation : public SampledStation<LidarFiring, emulators::LidarBackend> {
- public:
-  using SampledStation::SampledStation;
-  [[nodiscard]] SimTime next_wakeup() const override;
-  void collect(DeviceIndex self, TruthRequests& requests) override;
-
- private:
-  LidarCommand announced_command_;
-};
-
-/// Also carries the spool commands that the device gives.
-class ValveStation : public SampledStation<ValveSample, emulators::ValveBackend> {
- public:
-  using SampledStation::SampledStation;
-  void collect(DeviceIndex self, TruthRequests& requests) override;
-
- private:
-  ValveCommand announced_command_;
-};
-
-/// Also carries what the controllers ask of drive train, steering and brakes.
-class VehicleStation : public SampledStation<VehicleSample, emulators::VehicleBackend> {
- public:
-  using SampledStation::SampledStation;
-  void collect(DeviceIndex self, TruthRequests& requests) override;
-
- private:
-  VehicleCommand announced_command_;
+  [[no_unique_address]] station_details::Announced<Backend> announced_;
 };
 
 }  // namespace rigwire::hil

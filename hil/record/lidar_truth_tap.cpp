@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cerrno>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 namespace rigwire::hil {
 namespace {
@@ -25,8 +28,8 @@ void put(std::vector<unsigned char>& bytes, float value) {
 }  // namespace
 
 LidarTruthTap::LidarTruthTap(const std::filesystem::path& path, const Calendar& calendar,
-                             const sim::Scene& scene, const std::vector<std::string>& lidars)
-    : file_(std::fopen(path.c_str(), "we")) {
+                             const sim::Scene& scene, std::vector<std::string> lidars)
+    : file_(std::fopen(path.c_str(), "we")), lidars_(std::move(lidars)) {
   if (file_ == nullptr) {
     throw std::runtime_error(
         fmt::format("cannot write the lidar truth {}: {}", path.string(), std::strerror(errno)));
@@ -36,7 +39,7 @@ LidarTruthTap::LidarTruthTap(const std::filesystem::path& path, const Calendar& 
       {"record_bytes", kLidarTruthRecordSize},
       {"start_utc", format_utc(calendar.utc(kStart))},
       {"start_time_of_hour_us", static_cast<double>(calendar.nanoseconds_of_hour(kStart)) * 1e-3},
-      {"lidars", lidars},
+      {"lidars", lidars_},
       {"instances", nlohmann::ordered_json::array()}};
   for (sim::Scene::InstanceId id = 0; id < scene.instance_count(); ++id) {
     header["instances"].push_back({{"name", scene.name(id)}, {"label", scene.material(id).label}});
@@ -49,10 +52,13 @@ LidarTruthTap::~LidarTruthTap() {
   std::fclose(file_);
 }
 
-void LidarTruthTap::record(std::size_t lidar, const LidarPattern& pattern,
+void LidarTruthTap::record(std::string_view lidar, const LidarPattern& pattern,
                            const std::vector<LidarFiring>& firings,
                            const std::vector<sim::LidarBankTruth>& truth) {
   records_.clear();
+  const auto named = std::find(lidars_.begin(), lidars_.end(), lidar);
+  assert(named != lidars_.end());
+  const auto number = static_cast<std::uint16_t>(named - lidars_.begin());
   for (std::size_t f = 0; f < firings.size(); ++f) {
     const LidarFiring& firing = firings[f];
     const std::size_t lasers = std::min(pattern.lasers.size() - firing.first_laser, kBankLasers);
@@ -60,7 +66,7 @@ void LidarTruthTap::record(std::size_t lidar, const LidarPattern& pattern,
       const std::size_t laser = firing.first_laser + i;
       const SimTime time = firing.time + pattern.lasers[laser].time_offset;
       put(records_, static_cast<std::uint64_t>((time - kStart).count()));
-      put(records_, static_cast<std::uint16_t>(lidar));
+      put(records_, number);
       put(records_, static_cast<std::uint16_t>(laser));
       put(records_, truth[f][i].instance);
       put(records_, truth[f][i].range_m);

@@ -20,9 +20,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "sim/lidar/lidar_sensor.h"
+#include "hil/world/truth_observer.h"
 #include "sim/samples/calendar.h"
 #include "sim/scene/scene.h"
 
@@ -38,23 +39,24 @@ inline constexpr std::size_t kLidarTruthRecordSize = 8     // instant
                                                      + 4;  // measured reflectivity
 static_assert(kLidarTruthRecordSize == 32);
 
-class LidarTruthTap {
+class LidarTruthTap final : public LidarTruthObserver {
  public:
-  /// `lidars`: names, in the order in which record() numbers them. Throws std::runtime_error with
-  /// path and reason when the file cannot be created.
+  /// `lidars`: the names of all that will be recorded; their order numbers them. Throws
+  /// std::runtime_error with path and reason when the file cannot be created.
   LidarTruthTap(const std::filesystem::path& path, const Calendar& calendar,
-                const sim::Scene& scene, const std::vector<std::string>& lidars);
-  ~LidarTruthTap();
+                const sim::Scene& scene, std::vector<std::string> lidars);
+  ~LidarTruthTap() override;
   LidarTruthTap(const LidarTruthTap&) = delete;
   LidarTruthTap& operator=(const LidarTruthTap&) = delete;
 
-  /// All shots of these firings; `truth` has one entry per firing.
-  void record(std::size_t lidar, const LidarPattern& pattern,
+  /// Precondition: `lidar` is one of the names.
+  void record(std::string_view lidar, const LidarPattern& pattern,
               const std::vector<LidarFiring>& firings,
-              const std::vector<sim::LidarBankTruth>& truth);
+              const std::vector<sim::LidarBankTruth>& truth) override;
 
  private:
   std::FILE* file_;
+  std::vector<std::string> lidars_;
   std::vector<unsigned char> records_;
 };
 

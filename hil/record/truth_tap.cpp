@@ -8,7 +8,7 @@
 #include <cstring>
 #include <iterator>
 #include <stdexcept>
-#include <utility>
+#include <string>
 
 namespace rigwire::hil {
 namespace {
@@ -34,11 +34,10 @@ std::string list(std::span<const double> values) {
 }  // namespace
 
 TruthTap::TruthTap(const std::filesystem::path& path, const Calendar& calendar,
-                   std::span<const sim::TruthField> fields, std::vector<std::string> antennas)
+                   std::span<const sim::TruthField> fields)
     : file_(std::fopen(path.c_str(), "we")),
       calendar_(calendar),
-      fields_(fields.begin(), fields.end()),
-      antennas_(std::move(antennas)) {
+      fields_(fields.begin(), fields.end()) {
   if (file_ == nullptr) {
     throw std::runtime_error(
         fmt::format("cannot write the truth tap {}: {}", path.string(), std::strerror(errno)));
@@ -70,10 +69,11 @@ void TruthTap::record(const TruthRecord& record) {
     rest = rest.subspan(field.count);
   }
   if (!record.antennas.empty()) {
-    line += R"(,"antenna":)" + place(record.antennas.front()) + R"(,"antennas":{)";
-    for (std::size_t i = 0; i < antennas_.size(); ++i) {
-      fmt::format_to(std::back_inserter(line), R"({}"{}":{})", i == 0 ? "" : ",", antennas_[i],
-                     place(record.antennas[i]));
+    line += R"(,"antenna":)" + place(record.antennas.front().place) + R"(,"antennas":{)";
+    for (std::size_t i = 0; i < record.antennas.size(); ++i) {
+      const AntennaTruth& antenna = record.antennas[i];
+      fmt::format_to(std::back_inserter(line), R"({}"{}":{})", i == 0 ? "" : ",", antenna.device,
+                     place(antenna.place));
     }
     line += '}';
   }

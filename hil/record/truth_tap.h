@@ -4,23 +4,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "sim/local_frame.h"
+#include "hil/world/truth_observer.h"
 #include "sim/machine.h"
 #include "sim/samples/calendar.h"
-#include "sim/samples/time.h"
 
 namespace rigwire::hil {
-
-/// What is true of the machine at one instant.
-struct TruthRecord {
-  SimTime time{};
-  sim::LinkMotion carrier;                   ///< Of the machine's first link.
-  std::vector<double> machine;               ///< In the order of the machine's truth fields.
-  std::vector<sim::GeodeticPoint> antennas;  ///< Of the satellite receivers, in the rig's order.
-};
 
 /// Writes one line per record, buffered by the system. A record has: sim_s, utc, time_of_hour_us,
 /// position_m (east, north, up of the map origin), attitude_wxyz (unit quaternion), velocity_mps
@@ -28,23 +18,21 @@ struct TruthRecord {
 /// number, or a list when a field has several), antenna {latitude_deg, longitude_deg, height_m} of
 /// the first satellite receiver, and antennas with the same of each by its name. Heights are above
 /// the ellipsoid.
-class TruthTap {
+class TruthTap final : public TruthObserver {
  public:
   /// Throws std::runtime_error with path and reason when the file cannot be created.
-  /// `antennas`: the names of the satellite receivers.
   TruthTap(const std::filesystem::path& path, const Calendar& calendar,
-           std::span<const sim::TruthField> fields, std::vector<std::string> antennas);
-  ~TruthTap();
+           std::span<const sim::TruthField> fields);
+  ~TruthTap() override;
   TruthTap(const TruthTap&) = delete;
   TruthTap& operator=(const TruthTap&) = delete;
 
-  void record(const TruthRecord& record);
+  void record(const TruthRecord& record) override;
 
  private:
   std::FILE* file_;
   Calendar calendar_;
   std::vector<sim::TruthField> fields_;
-  std::vector<std::string> antennas_;
 };
 
 }  // namespace rigwire::hil

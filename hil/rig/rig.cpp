@@ -7,14 +7,19 @@
 
 #include "hil/files/geoid_file.h"
 #include "hil/files/mesh_file.h"
+#include "hil/record/lidar_truth_tap.h"
+#include "hil/record/truth_tap.h"
 #include "hil/wires/can_hop.h"
 #include "hil/wires/rig_usb.h"
 #include "hil/world/machine.h"
 #include "hil/world/scene.h"
 #include "hil/world/scene_fall_obstacle.h"
 #include "hil/world/sky.h"
+#include "sim/excavator/bucket_soil.h"
+#include "sim/ground/ground.h"
 #include "sim/random.h"
 #include "sim/scene/triangle_mesh.h"
+#include "sim/weather/scene_weather.h"
 
 namespace rigwire::hil {
 namespace {
@@ -48,13 +53,13 @@ sim::Scene::MeshId add_shape(sim::Scene& scene, const Shape& shape) {
   return scene.add_mesh(loaded);
 }
 
-SimulatedWorld make_world(const RigConfiguration& configuration, const sim::LocalFrame& frame) {
+SimulatedWorld make_world(const RigConfiguration& configuration) {
   MachineInScene built = build_machine_in_scene(configuration);
   WorldSettings settings;
   settings.step = configuration.step;
   settings.slice = configuration.slice;
   settings.gravity_mps2 = configuration.machine.model->gravity_mps2();
-  SimulatedWorld world(settings, std::move(built), frame);
+  SimulatedWorld world(settings, std::move(built));
   if (configuration.scene.weather.any()) {
     world.set_weather(
         std::make_unique<sim::SceneWeather>(configuration.scene.weather, configuration.seed));
@@ -209,7 +214,7 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
       calendar_(configuration.start),
       frame_(make_local_frame(configuration.origin)),
       satellites_(make_satellites(configuration.satellites, calendar_)),
-      world_(make_world(configuration, frame_)),
+      world_(make_world(configuration)),
       executive_(io, world_) {
   for (const auto& [name, bus] : configuration_.buses) {
     open_bus(name, bus);
@@ -238,29 +243,26 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
 }
 
 void Rig::open_taps(const TruthFiles& files) {
-  std::vector<std::string> antennas;
   std::vector<std::string> lidars;
   for (const NamedDevice& device : devices_) {
-    switch (device.device->truth_role()) {
-      case TruthRole::antenna:
-        antennas.push_back(device.name);
-        break;
-      case TruthRole::lidar:
-        lidars.push_back(device.name);
-        break;
-      case TruthRole::none:
-        break;
+    if (device.device->is_lidar()) {
+      lidars.push_back(device.name);
     }
   }
   if (!files.machine.empty()) {
-    world_.set_truth_tap(
-        std::make_unique<TruthTap>(files.machine, calendar_, world_.machine().truth_fields(),
-                                   std::move(antennas)),
+    world_.set_truth_observer(
+        std::make_unique<TruthTap>(files.machine, calendar_, world_.machine().truth_fields()),
         configuration_.truth.period);
   }
   if (!files.lidar.empty()) {
-    world_.set_lidar_truth_tap(
-        std::make_unique<LidarTruthTap>(files.lidar, calendar_, world_.scene(), lidars));
+    std::vector<std::string> lidars;
+    for (const Device& device : devices_) {
+      if (dynamic_cast<const LidarLine*>(device.line.get()) != nullptr) {
+        lidars.push_back(device.name);
+      }
+    }
+    world_.set_lidar_truth_observer(
+        std::make_unique<LidarTruthTap>(files.lidar, calendar_, world_.scene(), std::move(lidars)));
   }
 }
 

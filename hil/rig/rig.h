@@ -15,6 +15,12 @@
 #include "hil/wires/rig_can.h"
 #include "hil/wires/rig_modbus.h"
 #include "hil/world/simulated_world.h"
+#include "sim/local_frame.h"
+#include "sim/samples/calendar.h"
+
+namespace rigwire::sim {
+class Constellation;
+}
 
 namespace rigwire::hil {
 

@@ -1,9 +1,60 @@
 #include "hil/world/lidar.h"
 
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hil/world/truth_observer.h"
 #include "sim/lidar/depth_image_lidar.h"
 #include "sim/lidar/spinning_lidar.h"
 
 namespace rigwire::hil {
+namespace {
+
+class WorldLidar final : public WorldSensor {
+ public:
+  WorldLidar(StationIndex station, std::string_view name, const SensorMount& mount,
+             std::unique_ptr<sim::LidarSensor> sensor, LidarPattern pattern)
+      : station_(station),
+        name_(name),
+        mount_(mount),
+        sensor_(std::move(sensor)),
+        pattern_(std::move(pattern)) {}
+
+  void take(SimTime frontier, const Shelves& requests) override {
+    if (const auto* commands = requests.find<LidarCommand>(station_)) {
+      for (const LidarCommand& command : *commands) {
+        sensor_->command(frontier, command);
+      }
+    }
+  }
+
+  void slice(const WorldSlice& slice, Shelves& samples) override {
+    std::vector<LidarFiring>& firings = samples.of<LidarFiring>(station_);
+    const bool told = slice.lidar_truth != nullptr;
+    sensor_->cast(slice.scene,
+                  {.t0 = slice.t0,
+                   .t1 = slice.t1,
+                   .mount_at_t0 = sim::at_mount(slice.links_at_t0[mount_.link], mount_.X_LS),
+                   .mount_at_t1 = sim::at_mount(slice.links_at_t1[mount_.link], mount_.X_LS)},
+                  slice.weather, firings, told ? &truth_ : nullptr);
+    if (told) {
+      slice.lidar_truth->record(name_, pattern_, firings, truth_);
+    }
+  }
+
+  [[nodiscard]] bool casts_beams() const override { return true; }
+
+ private:
+  StationIndex station_;
+  std::string name_;
+  SensorMount mount_;
+  std::unique_ptr<sim::LidarSensor> sensor_;
+  LidarPattern pattern_;
+  std::vector<sim::LidarBankTruth> truth_;  ///< Of one slice.
+};
+
+}  // namespace
 
 std::unique_ptr<sim::LidarSensor> make_lidar_sensor(const LidarSensorConfiguration& configuration,
                                                     const LidarHead& head, std::uint64_t seed,
@@ -15,6 +66,13 @@ std::unique_ptr<sim::LidarSensor> make_lidar_sensor(const LidarSensorConfigurati
   }
   return std::make_unique<sim::SpinningLidar>(configuration.beam, head.pattern, head.plan,
                                               head.command, seed, name, configuration.rotor);
+}
+
+std::unique_ptr<WorldSensor> make_world_lidar(StationIndex station, std::string_view name,
+                                              const SensorMount& mount,
+                                              std::unique_ptr<sim::LidarSensor> sensor,
+                                              LidarPattern pattern) {
+  return std::make_unique<WorldLidar>(station, name, mount, std::move(sensor), std::move(pattern));
 }
 
 }  // namespace rigwire::hil

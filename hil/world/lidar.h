@@ -1,4 +1,5 @@
-// Lidar sensors from their configuration: the one place that knows every way of simulating one.
+// Lidars in the simulated world, from their configuration: the one place that knows every way of
+// simulating one. A lidar casts the slice as a whole, every laser at its own time.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +7,7 @@
 #include <string_view>
 
 #include "hil/world/lidar_sensor_configuration.h"
+#include "hil/world/world_sensor.h"
 #include "sim/lidar/lidar_sensor.h"
 #include "sim/samples/lidar_sample.h"
 
@@ -23,5 +25,12 @@ struct LidarHead {
 [[nodiscard]] std::unique_ptr<sim::LidarSensor> make_lidar_sensor(
     const LidarSensorConfiguration& configuration, const LidarHead& head, std::uint64_t seed,
     std::string_view name);
+
+/// Puts the firings of each slice on the station's shelf, follows every LidarCommand, and tells the
+/// truth of its shots under `name`, the device's in the rig. It fires by its pattern, not by its
+/// device's sample plan.
+[[nodiscard]] std::unique_ptr<WorldSensor> make_world_lidar(
+    StationIndex station, std::string_view name, const SensorMount& mount,
+    std::unique_ptr<sim::LidarSensor> sensor, LidarPattern pattern);
 
 }  // namespace rigwire::hil

@@ -16,6 +16,11 @@ struct ValveCommand {
   SimTime time{};                                ///< When the driver's output changed.
   std::array<double, kValveSections> opening{};  ///< -1 .. 1 of full spool travel; 0 = neutral.
   std::array<bool, kValveSections> floating{};   ///< Both ports to tank; opening is ignored.
+
+  /// Whether the same is asked, no matter since when.
+  friend bool operator==(const ValveCommand& a, const ValveCommand& b) {
+    return a.opening == b.opening && a.floating == b.floating;
+  }
 };
 
 /// What the transducers on the valve block and on the machine measure.

@@ -1,29 +1,33 @@
+// The executive with a kind of sensor that it has never heard of.
 #include "hil/executive/executive.h"
 
 #include <gtest/gtest.h>
 
-#include <array>
+#include <boost/asio/io_context.hpp>
 #include <thread>
 #include <vector>
 
 #include "hil/wires/outlets.h"
+#include "made_up_kind.h"
 
 namespace rigwire::hil {
 namespace {
 
 using namespace std::chrono_literals;
 
-/// Samples every planned device with its own time as the reading; remembers what it was asked.
-class CountingTruth final : public TruthSource {
+/// Moist as much as seconds have passed, wherever a probe is; remembers what it was asked.
+class MoistGround final : public TruthSource {
  public:
   [[nodiscard]] Duration slice() const override { return 2ms; }
 
   std::optional<std::string> advance(const TruthRequests& requests, SampleBatch& batch) override {
-    for (const auto& plan : requests.plans) {
-      plans_.push_back(plan);
+    if (const auto* plans = requests.find<SamplePlan>(kStation); plans && !plans->empty()) {
+      plan_ = plans->back();
     }
-    for (const auto& command : requests.valve_commands) {
-      commands.push_back({frontier_, command.content.opening[0]});
+    if (const auto* commands = requests.find<test::HeaterCommand>(kStation)) {
+      for (const test::HeaterCommand& command : *commands) {
+        heated.push_back({frontier_, command.power_w});
+      }
     }
     if (fails_at && frontier_ >= *fails_at) {
       return "boom angle is not a number";
@@ -31,12 +35,12 @@ class CountingTruth final : public TruthSource {
     batch.clear();
     batch.from = frontier_;
     batch.until = frontier_ + slice();
-    const bool first = frontier_ == kStart;
-    for (const auto& plan : plans_) {
-      SimTime at = first ? plan.content.first : plan.content.next_after(frontier_);
-      for (; at <= batch.until; at = plan.content.next_after(at)) {
-        batch.imu.push_back({plan.device, {at, {to_seconds(at), 0.0, 0.0}, {}, 25.0}});
-      }
+    SimTime at = frontier_ == kStart ? plan_.first : plan_.next_after(frontier_);
+    for (; at <= batch.until; at = plan_.next_after(at)) {
+      batch.samples.of<test::MoistureSample>(kStation).push_back({at, to_seconds(at)});
+    }
+    if (stranger_at && frontier_ >= *stranger_at) {
+      batch.samples.of<int>(kStation).push_back(1);
     }
     frontier_ = batch.until;
     if (slow) {
@@ -50,49 +54,20 @@ class CountingTruth final : public TruthSource {
   }
   [[nodiscard]] TruthStages stages() const override { return {}; }
 
-  struct Commanded {
+  struct Heated {
     SimTime at;
-    double opening;
+    double power_w;
   };
-  std::vector<Commanded> commands;
+  std::vector<Heated> heated;
   std::optional<SimTime> fails_at;
+  std::optional<SimTime> stranger_at;
   std::optional<Duration> slow;
 
  private:
+  static constexpr StationIndex kStation = 1;
   SimTime frontier_ = kStart;
-  std::vector<Addressed<SamplePlan>> plans_;
+  SamplePlan plan_;
   std::vector<StateQuantity> quantities_;
-};
-
-/// Sends one byte per sample, 3 ms after it.
-class Echo final : public emulators::Device, public emulators::ImuBackend {
- public:
-  Echo(Duration period, emulators::ByteOutput& output) : period_(period), output_(output) {}
-
-  void advance(SimTime now) override {
-    ASSERT_GE(now, time_);
-    time_ = now;
-  }
-  [[nodiscard]] SimTime next_event() const override { return stuck ? time_ : kNever; }
-  [[nodiscard]] SamplePlan sample_plan() const override { return {kStart, period_}; }
-  [[nodiscard]] emulators::ReceiveCounters received() const override { return {}; }
-  [[nodiscard]] double nominal_rate_hz() const override { return 1.0 / to_seconds(period_); }
-  [[nodiscard]] std::span<const emulators::Quantity> quantities() const override { return {}; }
-  void update(const ImuSample& sample) override {
-    ASSERT_GE(sample.time, time_);
-    time_ = sample.time;
-    times.push_back(sample.time);
-    const std::array<std::uint8_t, 1> byte{static_cast<std::uint8_t>(times.size())};
-    output_.send(sample.time + 3ms, byte);
-  }
-
-  std::vector<SimTime> times;
-  bool stuck = false;
-
- private:
-  Duration period_;
-  emulators::ByteOutput& output_;
-  SimTime time_ = kStart;
 };
 
 class RecordingStream final : public drivers::ByteStream {
@@ -111,22 +86,28 @@ class RecordingStream final : public drivers::ByteStream {
   bool refuses = false;
 };
 
+/// A probe behind a station of its own index, not the first.
 struct Rig {
   explicit Rig(Duration period = 10ms)
       : outlet(stream, statistics),
-        echo(period, outlet),
-        station(echo, echo),
+        probe(period, outlet),
+        station(probe, probe),
         executive(io, truth) {
-    executive.add(station);
+    deaf.plan.first = kNever;
+    executive.add(deaf_station);
+    EXPECT_EQ(executive.add(station), 1U);
     executive.add(outlet);
   }
   boost::asio::io_context io;
-  CountingTruth truth;
+  MoistGround truth;
   RecordingStream stream;
   WireStatistics statistics;
   StreamOutlet outlet;
-  Echo echo;
-  ImuStation station;
+  test::NoOutput nowhere;
+  test::MoistureProbe deaf{1ms, nowhere};
+  test::MoistureProbe probe;
+  StationOf<test::MoistureBackend> deaf_station{deaf, deaf};
+  StationOf<test::MoistureBackend> station;
   Executive executive;
 };
 
@@ -134,10 +115,13 @@ TEST(Executive, FreeRunDeliversEverySampleAtItsOwnInstant) {
   Rig rig(7ms);
   const RunOutcome outcome = rig.executive.run_free(kStart + 1s);
   EXPECT_EQ(outcome.reached, kStart + 1s);
-  ASSERT_EQ(rig.echo.times.size(), 143U);  // 0, 7, ... 994 ms
-  for (std::size_t i = 0; i < rig.echo.times.size(); ++i) {
-    EXPECT_EQ(rig.echo.times[i], kStart + static_cast<int>(i) * 7ms);
+  ASSERT_EQ(rig.probe.samples.size(), 143U);  // 0, 7, ... 994 ms
+  for (std::size_t i = 0; i < rig.probe.samples.size(); ++i) {
+    EXPECT_EQ(rig.probe.samples[i].time, kStart + static_cast<int>(i) * 7ms);
+    EXPECT_EQ(rig.probe.samples[i].share, to_seconds(rig.probe.samples[i].time));
   }
+  EXPECT_FALSE(rig.probe.went_back);
+  EXPECT_TRUE(rig.deaf.samples.empty());
   EXPECT_EQ(rig.stream.written.size(), 143U);  // the last one is due at 997 ms
   EXPECT_EQ(rig.statistics.units, 143U);
   EXPECT_EQ(rig.statistics.lateness.count(), 0U);
@@ -162,9 +146,38 @@ TEST(Executive, StopsWithTheTruthsFault) {
   EXPECT_EQ(outcome.reached, kStart + 100ms);
 }
 
+TEST(Executive, SaysThatNoStationTakesASample) {
+  Rig rig;
+  rig.truth.stranger_at = kStart + 100ms;
+  const RunOutcome outcome = rig.executive.run_free(kStart + 1s);
+  ASSERT_TRUE(outcome.fault.has_value());
+  EXPECT_NE(outcome.fault->find("1 samples that no station takes"), std::string::npos)
+      << *outcome.fault;
+}
+
+TEST(Executive, ACommandReachesTheTruthOnceAtItsFrontier) {
+  Rig rig;
+  rig.probe.heats_from = kStart + 50ms;
+  rig.executive.run_free(kStart + 200ms);
+  ASSERT_EQ(rig.truth.heated.size(), 1U);
+  EXPECT_EQ(rig.truth.heated[0].at, kStart + 50ms);
+  EXPECT_EQ(rig.truth.heated[0].power_w, 20.0);
+}
+
+TEST(Executive, PacedACommandReachesTheTruthOnce) {
+  Rig rig;
+  rig.probe.heats_from = kStart + 50ms;
+  PacedSettings settings;
+  settings.slip_limit = 10s;
+  rig.executive.run_paced(settings, kStart + 200ms);
+  ASSERT_EQ(rig.truth.heated.size(), 1U);
+  EXPECT_GE(rig.truth.heated[0].at, kStart + 50ms);
+  EXPECT_EQ(rig.truth.heated[0].power_w, 20.0);
+}
+
 TEST(Executive, ADeviceThatDoesNotMoveOnEndsTheRunInsteadOfHanging) {
   Rig rig;
-  rig.echo.stuck = true;
+  rig.probe.stuck = true;
   const RunOutcome outcome = rig.executive.run_free(kStart + 1s);
   ASSERT_TRUE(outcome.fault.has_value());
   EXPECT_NE(outcome.fault->find("does not move on"), std::string::npos);

@@ -78,6 +78,28 @@ TEST(LidarTruth, TellsObjectExactRangeAndInstantOfEveryShot) {
       << "the noise alone is between them";
 }
 
+TEST(LidarTruth, NumbersLidarsByTheirPlaceAmongTheNames) {
+  const test::PrivateWires wires;
+  const auto path = wires.folder / "numbers.truth";
+  LidarPattern pattern;
+  pattern.lasers.resize(1);
+  {
+    LidarTruthTap tap(path, Calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0}), sim::Scene(),
+                      {"front", "rear"});
+    tap.record("rear", pattern, {LidarFiring{}}, {sim::LidarBankTruth{}});
+    tap.record("front", pattern, {LidarFiring{}}, {sim::LidarBankTruth{}});
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  ASSERT_TRUE(std::getline(file, line));
+  std::stringstream rest;
+  rest << file.rdbuf();
+  const std::string bytes = rest.str();
+  ASSERT_EQ(bytes.size(), 2 * kLidarTruthRecordSize);
+  EXPECT_EQ(at<std::uint16_t>(bytes, 8), 1U);
+  EXPECT_EQ(at<std::uint16_t>(bytes, kLidarTruthRecordSize + 8), 0U);
+}
+
 TEST(LidarTruth, RefusesAFileThatCannotBeMade) {
   const test::PrivateWires wires;
   const LoadedRig loaded =

@@ -1,0 +1,74 @@
+#include "hil/world/gnss.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hil/world/truth_observer.h"
+#include "sim/scene/scene.h"
+
+namespace rigwire::hil {
+namespace {
+
+class WorldGnss final : public WorldSensor {
+ public:
+  WorldGnss(StationIndex station, std::string_view name, const SensorMount& mount,
+            const sim::LocalFrame& frame, sim::GnssSensor sensor)
+      : station_(station),
+        name_(name),
+        mount_(mount),
+        frame_(frame),
+        sensor_(std::move(sensor)),
+        instants_(station) {}
+
+  void take(SimTime frontier, const Shelves& requests) override {
+    instants_.take(frontier, requests);
+  }
+
+  void step(const WorldStep& step, Shelves& /*samples*/) override {
+    for (; instants_.next() <= step.t1; instants_.pass()) {
+      due_.push_back({instants_.next(), step.motion(mount_, instants_.next())});
+    }
+  }
+
+  void slice(const WorldSlice& slice, Shelves& samples) override {
+    if (due_.empty()) {
+      return;
+    }
+    std::vector<GnssSample>& shelf = samples.of<GnssSample>(station_);
+    for (const Epoch& epoch : due_) {
+      shelf.push_back(sensor_.sample(epoch.time, epoch.motion, slice.scene));
+    }
+    due_.clear();
+  }
+
+  void tell(const WorldStep& step, SimTime time, TruthRecord& truth) const override {
+    truth.antennas.push_back(
+        {name_, frame_.to_geodetic(step.motion(mount_, time).X_WL.translation())});
+  }
+
+ private:
+  /// Waits until the scene stands as it is at the end of the slice.
+  struct Epoch {
+    SimTime time;
+    sim::LinkMotion motion;
+  };
+
+  StationIndex station_;
+  std::string name_;
+  SensorMount mount_;
+  sim::LocalFrame frame_;
+  sim::GnssSensor sensor_;
+  PlannedInstants instants_;
+  std::vector<Epoch> due_;
+};
+
+}  // namespace
+
+std::unique_ptr<WorldSensor> make_world_gnss(StationIndex station, std::string_view name,
+                                             const SensorMount& mount, const sim::LocalFrame& frame,
+                                             sim::GnssSensor sensor) {
+  return std::make_unique<WorldGnss>(station, name, mount, frame, std::move(sensor));
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,26 @@
+// The machine's own ports (sim/machine.h) in the simulated world: what its transducers read goes to
+// the devices, and what the devices command comes back.
+#pragma once
+
+#include <memory>
+
+#include "hil/world/world_sensor.h"
+#include "sim/machine.h"
+#include "sim/vehicle_sensors/vehicle_sensors.h"
+
+namespace rigwire::hil {
+
+/// The valve block: a ValveSample on the station's shelf for each instant of its plan, every
+/// ValveCommand to the block. Several devices may command one block: within a slice the one that
+/// was added last counts. The machine must outlive it. Throws std::invalid_argument when the
+/// machine has no valve block.
+[[nodiscard]] std::unique_ptr<WorldSensor> make_world_valves(StationIndex station,
+                                                             sim::Machine& machine);
+
+/// The drive train: a VehicleSample as `sensors` read it, every VehicleCommand to the machine. The
+/// machine must outlive it. Throws std::invalid_argument when the machine does not drive.
+[[nodiscard]] std::unique_ptr<WorldSensor> make_world_vehicle(StationIndex station,
+                                                              sim::Machine& machine,
+                                                              sim::VehicleSensors sensors);
+
+}  // namespace rigwire::hil

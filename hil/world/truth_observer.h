@@ -1,0 +1,47 @@
+// Who is told what is true, beside the devices: the simulated world knows no file
+// (hil/record/truth_tap.h and hil/record/lidar_truth_tap.h write them).
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "sim/lidar/lidar_sensor.h"
+#include "sim/link_motion.h"
+#include "sim/local_frame.h"
+#include "sim/samples/lidar_sample.h"
+#include "sim/samples/time.h"
+
+namespace rigwire::hil {
+
+/// Where a satellite receiver's antenna is.
+struct AntennaTruth {
+  std::string_view device;  ///< Name in the rig; holds as long as the world.
+  sim::GeodeticPoint place;
+};
+
+/// What is true of the machine at one instant.
+struct TruthRecord {
+  SimTime time{};
+  sim::LinkMotion carrier;             ///< Of the machine's first link.
+  std::vector<double> machine;         ///< In the order of the machine's truth fields.
+  std::vector<AntennaTruth> antennas;  ///< In the order in which their sensors were added.
+};
+
+class TruthObserver {
+ public:
+  virtual ~TruthObserver() = default;
+  /// In order of time.
+  virtual void record(const TruthRecord& record) = 0;
+};
+
+class LidarTruthObserver {
+ public:
+  virtual ~LidarTruthObserver() = default;
+  /// All shots of these firings of the lidar of that name in the rig; `truth` has one entry per
+  /// firing. Slice by slice, and within one in the order in which the lidars were added.
+  virtual void record(std::string_view lidar, const LidarPattern& pattern,
+                      const std::vector<LidarFiring>& firings,
+                      const std::vector<sim::LidarBankTruth>& truth) = 0;
+};
+
+}  // namespace rigwire::hil

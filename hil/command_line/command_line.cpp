@@ -205,7 +205,7 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
   }
   const bool terminal_out = ::isatty(STDOUT_FILENO) == 1;
   const char* no_colour = std::getenv("NO_COLOR");
-  options.colour = terminal_out && (no_colour == nullptr || *no_colour == '\0');
+  const bool colour = terminal_out && (no_colour == nullptr || *no_colour == '\0');
   const std::vector<std::string> styles{"live", "plain", "none"};
   const std::string style =
       parsed.status.empty() ? (terminal_out ? "live" : "plain") : parsed.status;
@@ -216,7 +216,8 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
                              style, near.empty() ? "" : ", did you mean " + near + "?"),
                  terminal.err, "run");
   }
-  options.status = static_cast<StatusStyle>(it - styles.begin());
+  options.onlooker =
+      status_onlooker(static_cast<StatusStyle>(it - styles.begin()), colour, options.clock);
   options.report_path = parsed.report;
   options.truth_path = parsed.truth;
   options.lidar_truth_path = parsed.lidar_truth;

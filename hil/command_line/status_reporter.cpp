@@ -88,4 +88,20 @@ void StatusReporter::show(const RigStatus& status) {
   history_.push_back(status);
 }
 
+Onlooker status_onlooker(StatusStyle style, bool colour, const ClockMode& clock) {
+  if (style == StatusStyle::none) {
+    return {};
+  }
+  return [style, colour, clock](const RunView& run) -> std::shared_ptr<void> {
+    fmt::print("{}: seed {}, configuration {}, clock {}\n", run.configuration.name,
+               run.configuration.seed, config_hash(run.configuration), to_string(clock));
+    for (const std::string& wire : run.wires) {
+      fmt::print("{}\n", wire);
+    }
+    std::fflush(stdout);
+    return std::make_shared<StatusReporter>(run.io, run.status, run.quantities, style, colour,
+                                            run.configuration.status.period);
+  };
+}
+
 }  // namespace rigwire::hil

@@ -18,6 +18,12 @@
 
 namespace rigwire::hil {
 
+enum class StatusStyle {
+  live,   ///< A table refreshed in place; needs a terminal.
+  plain,  ///< One block of lines per period, for logs.
+  none
+};
+
 class StatusReporter {
  public:
   /// Rates are means over this much simulated time: a receiver of 1 Hz sends in bursts.
@@ -54,5 +60,9 @@ class StatusReporter {
   bool drawn_ = false;
   std::thread thread_;
 };
+
+/// Tells what is run and by which wires, then shows the table as long as the run lasts. Empty for
+/// StatusStyle::none. `colour`: not with NO_COLOR, nor when the output is no terminal.
+[[nodiscard]] Onlooker status_onlooker(StatusStyle style, bool colour, const ClockMode& clock);
 
 }  // namespace rigwire::hil

@@ -8,7 +8,6 @@
 #include <cstdio>
 
 #include "drivers/endpoints.h"
-#include "hil/command_line/status_reporter.h"
 #include "hil/record/report.h"
 #include "hil/rig/rig.h"
 
@@ -76,27 +75,20 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
            chosen(options.lidar_truth_path, configuration.truth.lidar_path)});
   interrupts.govern(rig.executive());
 
-  if (options.status != StatusStyle::none) {
-    fmt::print("{}: seed {}, configuration {}, clock {}\n", configuration.name, configuration.seed,
-               config_hash(configuration), to_string(options.clock));
-    for (const std::string& wire : rig.wires()) {
-      fmt::print("{}\n", wire);
-    }
-    std::fflush(stdout);
-  }
   RunOutcome outcome;
   {
     const auto start = std::chrono::steady_clock::now();
-    const StatusReporter reporter(
-        io,
-        [&rig, start] {
-          RigStatus status = rig.status();
-          status.wall_s =
-              std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-          return status;
-        },
-        rig.truth().state_quantities(), options.status, options.colour,
-        configuration.status.period);
+    std::shared_ptr<void> onlooker;
+    if (options.onlooker) {
+      onlooker = options.onlooker({io, configuration, rig.wires(), rig.truth().state_quantities(),
+                                   [&rig, start] {
+                                     RigStatus status = rig.status();
+                                     status.wall_s = std::chrono::duration<double>(
+                                                         std::chrono::steady_clock::now() - start)
+                                                         .count();
+                                     return status;
+                                   }});
+    }
     outcome = execute(rig, configuration, options);
   }
 

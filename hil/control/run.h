@@ -1,20 +1,32 @@
 // Runs one rig to its end: what `rigwire run` does after everything was read and checked.
 #pragma once
 
+#include <boost/asio/io_context.hpp>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hil/executive/clock.h"
+#include "hil/executive/truth_source.h"
 #include "hil/rig/rig_configuration.h"
+#include "hil/rig/rig_status.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::hil {
 
-enum class StatusStyle {
-  live,   ///< A table refreshed in place; needs a terminal.
-  plain,  ///< One block of lines per period, for logs.
-  none
+/// A run as somebody sees it who looks on.
+struct RunView {
+  boost::asio::io_context& io;  ///< Of the run; runs on the wire thread.
+  const RigConfiguration& configuration;
+  std::vector<std::string> wires;         ///< What carries each bus, a line each.
+  std::vector<StateQuantity> quantities;  ///< What RigStatus::machine holds.
+  std::function<RigStatus()> status;      ///< To be called on the wire thread.
 };
+
+/// Called once, when every wire is open; what it returns lives to the end of the run.
+using Onlooker = std::function<std::shared_ptr<void>(const RunView& run)>;
 
 struct RunOptions {
   ClockMode clock;
@@ -22,8 +34,7 @@ struct RunOptions {
   std::string report_path;           ///< Empty: no report.
   std::string truth_path;            ///< Empty: as the rig says.
   std::string lidar_truth_path;      ///< Empty: as the rig says.
-  StatusStyle status = StatusStyle::live;
-  bool colour = true;  ///< False with NO_COLOR, or when the output is no terminal.
+  Onlooker onlooker;                 ///< May be empty.
 };
 
 /// Exit codes of every verb (docs/command-line.md). 128 + n after signal n.

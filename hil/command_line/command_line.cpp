@@ -12,6 +12,7 @@
 
 #include "drivers/endpoints.h"
 #include "fields/visitor.h"
+#include "hil/command_line/status_reporter.h"
 #include "hil/command_line/verbs.h"
 #include "hil/configuration/suggest.h"
 

@@ -1,5 +1,7 @@
 #include "hil/command_line/status_reporter.h"
 
+#include <fmt/format.h>
+
 #include <boost/asio/post.hpp>
 #include <cstdio>
 

@@ -80,14 +80,13 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     std::shared_ptr<void> onlooker;
     if (options.onlooker) {
-      onlooker = options.onlooker({io, configuration, rig.wires(), rig.truth().state_quantities(),
-                                   [&rig, start] {
-                                     RigStatus status = rig.status();
-                                     status.wall_s = std::chrono::duration<double>(
-                                                         std::chrono::steady_clock::now() - start)
-                                                         .count();
-                                     return status;
-                                   }});
+      onlooker = options.onlooker(
+          {io, configuration, rig.wires(), rig.truth().state_quantities(), [&rig, start] {
+             RigStatus status = rig.status();
+             status.wall_s =
+                 std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+             return status;
+           }});
     }
     outcome = execute(rig, configuration, options);
   }

@@ -24,8 +24,9 @@ void mount_inertial_unit(Site& site, StationIndex station, const MountConfigurat
   if (magnetometer.present) {
     field.emplace(parameters_of(magnetometer), site.seed(), site.name());
   }
-  site.world().add_imu(station, site.mount(mount), sim::ImuSensor(sensor, site.seed(), site.name()),
-                       std::move(field));
+  site.world().add(make_world_imu(station, site.mount(mount),
+                                  sim::ImuSensor(sensor, site.seed(), site.name()),
+                                  std::move(field)));
 }
 
 }  // namespace rigwire::hil

@@ -243,12 +243,6 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
 }
 
 void Rig::open_taps(const TruthFiles& files) {
-  std::vector<std::string> lidars;
-  for (const NamedDevice& device : devices_) {
-    if (device.device->is_lidar()) {
-      lidars.push_back(device.name);
-    }
-  }
   if (!files.machine.empty()) {
     world_.set_truth_observer(
         std::make_unique<TruthTap>(files.machine, calendar_, world_.machine().truth_fields()),
@@ -256,8 +250,8 @@ void Rig::open_taps(const TruthFiles& files) {
   }
   if (!files.lidar.empty()) {
     std::vector<std::string> lidars;
-    for (const Device& device : devices_) {
-      if (dynamic_cast<const LidarLine*>(device.line.get()) != nullptr) {
+    for (const NamedDevice& device : devices_) {
+      if (device.device->is_lidar()) {
         lidars.push_back(device.name);
       }
     }

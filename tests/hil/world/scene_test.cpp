@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <ostream>
 #include <sstream>
 #include <string>
 
@@ -32,9 +31,6 @@ struct DrivableScene {
   double length_m;
   double steepest;  ///< Rise over run along the track, over 3 m.
 };
-void PrintTo(const DrivableScene& scene, std::ostream* out) {
-  *out << scene.name;
-}
 
 class DrivableScenes : public testing::TestWithParam<DrivableScene> {};
 
@@ -126,6 +122,19 @@ TEST(SceneFiles, TerrainWithoutTypeIsAPit) {
   read(document, scene, problems, origins);
   problems.throw_if_any();
   EXPECT_EQ(std::get<sim::PitTerrain>(scene.description.terrain).size_m, 80.0);
+}
+
+TEST(SceneFiles, AHeightMapIsReadBeforeItsHeightsAreLoaded) {
+  const std::string file = testing::TempDir() + "rigwire_scene_test_map.png";
+  std::ofstream(file) << "not looked into here";
+  Problems problems;
+  Origins origins;
+  const Value document = parse_document(
+      "terrain: {type: height_map, file: " + file + ", size: 9 m}", "scene.yaml", ".", problems);
+  SceneConfiguration scene;
+  read(document, scene, problems, origins);
+  EXPECT_NO_THROW(problems.throw_if_any());
+  EXPECT_EQ(std::get<sim::HeightMapTerrain>(scene.description.terrain).size_m, 9.0);
 }
 
 }  // namespace

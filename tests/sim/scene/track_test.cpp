@@ -118,7 +118,8 @@ TEST(Track, RefusesWhatIsNoTrackByName) {
   Track track = through({{0, 0}, {0, 0}});
   track.name = "loop";
   EXPECT_THAT([&] { validate(track); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("points.1: track 'loop': distance of neighbours, found 0 m")));
+              ThrowsMessage<std::invalid_argument>(
+                  HasSubstr("points.1: track 'loop': distance of neighbours, found 0 m")));
   track = through({{0, 0}});
   EXPECT_THAT([&] { validate(track); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("number of points, found 1")));

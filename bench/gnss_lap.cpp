@@ -41,9 +41,9 @@ std::vector<Receiver> receivers(const hil::RigConfiguration& rig, const sim::Loc
            sensor_mount(rig.machine, settings.mount),
            sim::GnssSensor(settings.sensor, satellites, calendar, frame, rig.seed, name)});
     };
-    if (const auto* ublox = fields::as<UbloxConfiguration>(device)) {
+    if (const auto* ublox = fields::as<hil::UbloxConfiguration>(device)) {
       add(*ublox);
-    } else if (const auto* starfire = fields::as<StarFireConfiguration>(device)) {
+    } else if (const auto* starfire = fields::as<hil::StarFireConfiguration>(device)) {
       add(*starfire);
     }
   }

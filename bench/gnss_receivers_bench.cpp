@@ -19,7 +19,7 @@ constexpr double kSpeed_mps = 2.0;
 /// The first u-blox of the rig.
 const hil::UbloxConfiguration& ublox_of(const hil::RigConfiguration& rig) {
   for (const auto& [name, device] : rig.devices) {
-    if (const hil::UbloxConfiguration* ublox = fields::as<UbloxConfiguration>(device)) {
+    if (const hil::UbloxConfiguration* ublox = fields::as<hil::UbloxConfiguration>(device)) {
       return *ublox;
     }
   }

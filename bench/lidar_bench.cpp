@@ -27,7 +27,7 @@ constexpr Duration kRevolution = std::chrono::milliseconds{100};
 
 const hil::VelodyneConfiguration& lidar_of(const hil::RigConfiguration& rig) {
   for (const auto& [name, device] : rig.devices) {
-    if (const auto* lidar = fields::as<VelodyneConfiguration>(device)) {
+    if (const auto* lidar = fields::as<hil::VelodyneConfiguration>(device)) {
       return *lidar;
     }
   }

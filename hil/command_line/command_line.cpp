@@ -156,7 +156,9 @@ void declare(CLI::App& app, Parsed& parsed) {
 
   CLI::App* describe_app = app.add_subcommand("describe", "Messages, rates, units, ranges, keys");
   CLI::Option* device = describe_app->add_option(
-      "device", parsed.word, "A type of `rigwire list devices`, or a device's name in a rig: gnss");
+      "device", parsed.word,
+      "A type of `rigwire list devices`, a device's name in a rig (gnss), a topology of machines,\n"
+      "a machine or a scene of `rigwire list`, or \"scene\"");
   CLI::Option* valve_map = describe_app
                                ->add_option("--valve-map", parsed.valve_map,
                                             "A valve driver's registers from a file, as tables")
@@ -170,6 +172,13 @@ void declare(CLI::App& app, Parsed& parsed) {
   describe_app->add_option("--bus", parsed.bus, "Of the rig, when it has several")->needs(dbc);
   describe_app->footer("\nExample:\n  rigwire describe --dbc unimog_forest > unimog.dbc");
   describe_app->require_option(1, 2);
+
+  CLI::App* schema_app =
+      app.add_subcommand("schema", "Print a JSON Schema, for editors and validators of YAML");
+  schema_app->add_option("of", parsed.word, "rig (the default), machine, scene or valve-map");
+  schema_app->footer(
+      "\nExample:\n  rigwire schema > rig.schema.json\n"
+      "and in a rig's first line: # yaml-language-server: $schema=rig.schema.json");
 
   CLI::App* doctor_app = app.add_subcommand("doctor", "What this machine can offer, and the fixes");
   doctor_app->add_flag("--json", parsed.json, "As JSON");
@@ -247,6 +256,9 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
     }
     return parsed.valve_map.empty() ? describe_verb(parsed.word, parsed.json, terminal)
                                     : describe_valve_map_verb(parsed.valve_map, terminal);
+  }
+  if (app.got_subcommand("schema")) {
+    return schema_verb(parsed.word.empty() ? "rig" : parsed.word, terminal);
   }
   if (app.got_subcommand("doctor")) {
     return doctor_verb(parsed.json, terminal);

@@ -14,7 +14,7 @@ _rigwire() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=${COMP_WORDS[1]}
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W "run check list describe doctor bench completion --help --version" -- "$word"))
+    COMPREPLY=($(compgen -W "run check list describe schema doctor bench completion --help --version" -- "$word"))
     return
   fi
   case $before in
@@ -31,6 +31,7 @@ _rigwire() {
     list) local options="devices machines scenes rigs --json --help" ;;
     describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --dbc --bus --help" ;;
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
+    schema) local options="rig machine scene valve-map --help" ;;
     completion) local options="bash zsh fish" ;;
     *) local options="--json --help" ;;
   esac
@@ -47,7 +48,7 @@ constexpr const char* kZsh = R"sh(#compdef rigwire
 # rigwire completion for zsh:  rigwire completion zsh > ~/.zfunc/_rigwire
 _rigwire() {
   local -a verbs
-  verbs=(run check list describe doctor bench completion)
+  verbs=(run check list describe schema doctor bench completion)
   if (( CURRENT == 2 )); then
     compadd -- $verbs --help --version
     return
@@ -63,6 +64,7 @@ _rigwire() {
     list) compadd -- devices machines scenes rigs --json --help ;;
     describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json --dbc --bus ;;
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
+    schema) compadd -- rig machine scene valve-map ;;
     completion) compadd -- bash zsh fish ;;
     doctor) compadd -- --json --help ;;
   esac
@@ -77,7 +79,7 @@ if [ "$funcstack[1]" = "_rigwire" ]; then _rigwire "$@"; else compdef _rigwire r
 
 constexpr const char* kFish = R"sh(# rigwire completion for fish:  rigwire completion fish | source
 complete -c rigwire -f
-complete -c rigwire -n __fish_use_subcommand -a "run check list describe doctor bench completion"
+complete -c rigwire -n __fish_use_subcommand -a "run check list describe schema doctor bench completion"
 complete -c rigwire -n __fish_use_subcommand -l help -d "Help"
 complete -c rigwire -n __fish_use_subcommand -l version -d "Version"
 complete -c rigwire -n "__fish_seen_subcommand_from run check" -a "(rigwire list rigs | string replace -r ' .*' '')"
@@ -97,6 +99,7 @@ complete -c rigwire -n "__fish_seen_subcommand_from list" -a "devices machines s
 complete -c rigwire -n "__fish_seen_subcommand_from describe" -a "(rigwire list devices | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -a "(rigwire bench --list | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -l json -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from schema" -a "rig machine scene valve-map"
 complete -c rigwire -n "__fish_seen_subcommand_from completion" -a "bash zsh fish"
 )sh";
 

@@ -6,7 +6,10 @@
 #include "fields/visitor.h"
 #include "hil/command_line/config_files.h"
 #include "hil/command_line/verbs.h"
+#include "hil/configuration/document.h"
 #include "hil/configuration/outline.h"
+#include "hil/configuration/reader.h"
+#include "hil/configuration/schema.h"
 #include "hil/configuration/suggest.h"
 #include "hil/devices/device_types.h"
 #include "hil/files/valve_map_file.h"
@@ -26,7 +29,8 @@ struct DescribedType {
 DescribedType describe_type(std::size_t row) {
   const DeviceType& type = device_types()[row];
   const ConfiguredDevice device(row);
-  DescribedType described{type.named, device->describe(), reference_text(outline(device))};
+  DescribedType described{type.named, device->describe(),
+                          reference_text(reference_outline(device))};
   if (described.description.page.empty()) {
     described.description.page = fmt::format("docs/devices/{}.md", type.named.name);
   }
@@ -94,40 +98,50 @@ std::string type_in_rigs(const std::string& device) {
   return {};
 }
 
-/// A topology of machines: what devices and shapes are mounted on, and its keys.
-struct MachineDescription {
-  fields::Named type;
-  std::vector<std::string> links;
-  std::string keys;
-};
-
-std::vector<MachineDescription> machine_catalogue() {
-  std::vector<MachineDescription> list;
-  for (std::size_t row = 0; row < machine_types().size(); ++row) {
-    MachineConfiguration machine;
-    machine.model.choose(row);
-    const auto links = machine.model->links();
-    list.push_back({machine_types()[row].named,
-                    {links.begin(), links.end()},
-                    reference_text(outline(machine))});
+/// Something with keys that is no device: a topology of machines, a machine's or a scene's file.
+int tell(const nlohmann::ordered_json& all, const std::string& what_has_keys, bool json,
+         Terminal terminal) {
+  if (json) {
+    terminal.out << all.dump(2) << '\n';
+    return static_cast<int>(ExitCode::done);
   }
-  return list;
+  const auto text = [&](const char* key) { return all.at(key).get<std::string>(); };
+  terminal.out << fmt::format("{}: {}\n\n", text("type"), text("text"));
+  if (all.contains("links")) {
+    terminal.out << fmt::format("links     {}\n",
+                                join_words(all.at("links").get<std::vector<std::string>>()));
+  }
+  terminal.out << fmt::format("page      {}\n\nkeys in {}\n{}", text("page"), what_has_keys,
+                              text("keys"));
+  return static_cast<int>(ExitCode::done);
 }
 
-int describe_machine(const MachineDescription& machine, bool json, Terminal terminal) {
-  if (json) {
-    const nlohmann::ordered_json all{{"type", machine.type.name},
-                                     {"text", machine.type.text},
-                                     {"page", "docs/add-a-machine.md"},
-                                     {"links", machine.links},
-                                     {"keys", machine.keys}};
-    terminal.out << all.dump(2) << '\n';
-  } else {
-    terminal.out << fmt::format(
-        "{}: {}\n\nlinks     {}\npage      docs/add-a-machine.md\n\nkeys in a machine file\n{}",
-        machine.type.name, machine.type.text, join_words(machine.links), machine.keys);
-  }
-  return static_cast<int>(ExitCode::done);
+int describe_machine(const fields::Named& named, const MachineConfiguration& machine,
+                     const std::string& keys, bool json, Terminal terminal) {
+  const auto links = machine.model->links();
+  return tell({{"type", named.name},
+               {"text", named.text},
+               {"page", "docs/add-a-machine.md"},
+               {"links", std::vector<std::string>(links.begin(), links.end())},
+               {"keys", keys}},
+              "a machine file", json, terminal);
+}
+
+/// A file of configs/, read by itself. Throws ConfigurationError.
+template <class Struct>
+Struct load_file(const ConfigFile& file) {
+  Problems problems;
+  Origins origins;
+  Struct loaded;
+  read(load_document(file.path, problems), loaded, problems, origins);
+  problems.throw_if_any();
+  return loaded;
+}
+
+/// The file of that name; null when there is none.
+const ConfigFile* named_file(const std::vector<ConfigFile>& files, const std::string& name) {
+  const auto found = std::ranges::find(files, name, &ConfigFile::name);
+  return found == files.end() ? nullptr : &*found;
 }
 
 }  // namespace
@@ -144,16 +158,45 @@ int describe_verb(const std::string& device, bool json, Terminal terminal) {
     }
     names.emplace_back(type.name);
   }
-  for (const MachineDescription& machine : machine_catalogue()) {
-    if (machine.type.name == device) {
-      return describe_machine(machine, json, terminal);
+  for (std::size_t row = 0; row < machine_types().size(); ++row) {
+    MachineConfiguration machine;
+    machine.model.choose(row);
+    const fields::Named& type = machine_types()[row].named;
+    if (type.name == device) {
+      return describe_machine(type, machine, reference_text(reference_outline(machine)), json,
+                              terminal);
     }
-    names.emplace_back(machine.type.name);
+    names.emplace_back(type.name);
+  }
+  const std::vector<ConfigFile> machines = config_files("machines");
+  if (const ConfigFile* file = named_file(machines, device)) {
+    const auto machine = load_file<MachineConfiguration>(*file);
+    return describe_machine({file->name, file->text}, machine, reference_text(outline(machine)),
+                            json, terminal);
+  }
+  const std::vector<ConfigFile> scenes = config_files("scenes");
+  const ConfigFile* file = named_file(scenes, device);
+  if (file != nullptr || device == "scene") {
+    const bool any = file == nullptr;
+    const SceneConfiguration scene =
+        any ? SceneConfiguration{} : load_file<SceneConfiguration>(*file);
+    return tell({{"type", device},
+                 {"text", any ? "What scenes are made of: every key there is." : file->text},
+                 {"page", "docs/scenes.md"},
+                 {"keys", reference_text(any ? reference_outline(scene) : outline(scene))}},
+                "a scene file", json, terminal);
+  }
+  names.emplace_back("scene");
+  for (const ConfigFile& known : machines) {
+    names.push_back(known.name);
+  }
+  for (const ConfigFile& known : scenes) {
+    names.push_back(known.name);
   }
   const std::string near = nearest_word(device, names);
-  terminal.err << fmt::format("rigwire: unknown device or machine, found \"{}\", allowed {}{}\n",
-                              device, join_words(names),
-                              near.empty() ? "" : ", did you mean " + near + "?");
+  terminal.err << fmt::format(
+      "rigwire: unknown device, machine or scene, found \"{}\", allowed {}{}\n", device,
+      join_words(names), near.empty() ? "" : ", did you mean " + near + "?");
   return static_cast<int>(ExitCode::usage);
 }
 
@@ -161,6 +204,26 @@ int describe_valve_map_verb(const std::string& file, Terminal terminal) {
   const emulators::ValveMap map = load_valve_map(file);
   terminal.out << fmt::format("# {}\n\n{}{}{}", map.name, map.text, map.text.empty() ? "" : "\n\n",
                               markdown_table(map));
+  return static_cast<int>(ExitCode::done);
+}
+
+int schema_verb(const std::string& of, Terminal terminal) {
+  if (of == "rig") {
+    terminal.out << schema_of(RigConfiguration{}, "Rigwire: a rig");
+  } else if (of == "machine") {
+    terminal.out << schema_of(MachineConfiguration{}, "Rigwire: a machine");
+  } else if (of == "scene") {
+    terminal.out << schema_of(SceneConfiguration{}, "Rigwire: a scene");
+  } else if (of == "valve-map") {
+    terminal.out << schema_of(emulators::ValveMap{}, "Rigwire: the registers of a valve driver");
+  } else {
+    const std::vector<std::string> kinds{"rig", "machine", "scene", "valve-map"};
+    const std::string near = nearest_word(of, kinds);
+    terminal.err << fmt::format("rigwire: unknown kind of file, found \"{}\", allowed {}{}\n", of,
+                                join_words(kinds),
+                                near.empty() ? "" : ", did you mean " + near + "?");
+    return static_cast<int>(ExitCode::usage);
+  }
   return static_cast<int>(ExitCode::done);
 }
 

@@ -29,6 +29,8 @@ struct Terminal {
 /// The registers of a valve map's file (hil/files/valve_map_file.h), as the device pages print
 /// them.
 [[nodiscard]] int describe_valve_map_verb(const std::string& file, Terminal terminal);
+/// A JSON Schema of files: rig, machine, scene, valve-map.
+[[nodiscard]] int schema_verb(const std::string& of, Terminal terminal);
 /// The DBC file of a bus; of the only one when `bus` is empty.
 [[nodiscard]] int dbc_verb(const RigArguments& rig, const std::string& bus, Terminal terminal);
 [[nodiscard]] int doctor_verb(bool json, Terminal terminal);

@@ -64,7 +64,8 @@ std::string whole_text(std::int64_t value, bool unsigned_64) {
 
 class Outliner final : public fields::Visitor {
  public:
-  Outliner() { stack_.push_back(&root_); }
+  /// `everything`: what there can be, not only what there is.
+  explicit Outliner(bool everything) : everything_(everything) { stack_.push_back(&root_); }
   Outliner(const Outliner&) = delete;
   Outliner& operator=(const Outliner&) = delete;
 
@@ -174,10 +175,14 @@ class Outliner final : public fields::Visitor {
   }
   void elements(std::string_view key, fields::Elements& list, std::string_view text) override {
     OutlineNode& node = add(OutlineNode::Kind::list, key, "list", text);
+    if (everything_) {
+      list.clear();
+      list.append();
+    }
     node.children.reserve(list.size());
     for (std::size_t index = 0; index < list.size(); ++index) {
       OutlineNode& child = node.children.emplace_back();
-      child.key = std::to_string(index);
+      child.key = everything_ ? "each" : std::to_string(index);
       descend(child, list.at(index));
     }
   }
@@ -196,8 +201,18 @@ class Outliner final : public fields::Visitor {
   void alternatives(std::string_view key, fields::Alternatives& types,
                     std::string_view text) override {
     const std::vector<fields::Named> names = types.names();
-    name(key, "choice", std::string(names[types.index()].name), listed(names), text);
-    types.chosen().show(*this);
+    const std::size_t chosen = types.index();
+    name(key, "choice", std::string(names[chosen].name), listed(names), text);
+    if (!everything_ || stack_.size() == 1) {
+      types.chosen().show(*this);
+      return;
+    }
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      types.choose(i);
+      const std::string when = fmt::format("with {} {}", key, names[i].name);
+      descend(add(OutlineNode::Kind::section, when, "", names[i].text), types.chosen());
+    }
+    types.choose(chosen);
   }
 
  private:
@@ -232,6 +247,7 @@ class Outliner final : public fields::Visitor {
     return text;
   }
 
+  bool everything_;
   OutlineNode root_;
   std::vector<OutlineNode*> stack_;
   std::string required_;
@@ -240,7 +256,13 @@ class Outliner final : public fields::Visitor {
 }  // namespace
 
 OutlineNode outline_part(const fields::Part& part) {
-  Outliner outliner;
+  Outliner outliner(false);
+  part.show(outliner);
+  return std::move(outliner).take();
+}
+
+OutlineNode reference_outline_part(const fields::Part& part) {
+  Outliner outliner(true);
   part.show(outliner);
   return std::move(outliner).take();
 }
@@ -329,7 +351,8 @@ void collect(const OutlineNode& node, const std::string& path, std::vector<std::
 
 void refer(const OutlineNode& node, std::size_t indent, std::string& text) {
   for (const OutlineNode& child : node.children) {
-    std::string line = std::string(indent, ' ') + child.key + ": " + child.type;
+    std::string line = std::string(indent, ' ') + child.key + ":";
+    line += child.type.empty() ? "" : " " + child.type;
     line += child.unit.empty() ? "" : " in " + child.unit;
     line += child.allowed.empty() ? "" : ", " + child.allowed;
     line += child.value.empty() ? "" : ", default " + child.value;

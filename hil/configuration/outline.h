@@ -36,6 +36,15 @@ template <class Struct>
   return outline_part(fields::Part::of(copy));
 }
 
+/// The same with one element in every list and, below the top, every type that a key can choose:
+/// what there can be, for the reference. The structure is used up.
+[[nodiscard]] OutlineNode reference_outline_part(const fields::Part& part);
+template <class Struct>
+[[nodiscard]] OutlineNode reference_outline(const Struct& value) {
+  Struct copy = value;
+  return reference_outline_part(fields::Part::of(copy));
+}
+
 /// YAML that loads to the same configuration, each value with a comment saying where it came from
 /// ("default", "rigs/pit.yaml:12", "--set ...").
 [[nodiscard]] std::string print_yaml(const OutlineNode& tree, const Origins& origins);

@@ -73,6 +73,11 @@ Json names_schema(std::span<const Named> names) {
             {{"type", "string"}, {"pattern", "^(" + quantities + ")$"}}}}};
 }
 
+Json include_schema() {
+  return {{"description", "Files whose keys come first; the keys written here beat them."},
+          {"anyOf", {{{"type", "string"}}, {{"type", "array"}, {"items", {{"type", "string"}}}}}}};
+}
+
 /// A choice that is tried in place of the one that the structure holds.
 struct Trial {
   std::string_view key;
@@ -87,9 +92,7 @@ class Writer final : public fields::Visitor {
   template <class Show>
   static Json object_of(const Show& show) {
     Json object{{"type", "object"}, {"properties", Json::object()}};
-    object["properties"][std::string(kInclude)] = {
-        {"description", "Files whose keys come first; the keys written here beat them."},
-        {"anyOf", {{{"type", "string"}}, {{"type", "array"}, {"items", {{"type", "string"}}}}}}};
+    object["properties"][std::string(kInclude)] = include_schema();
     object["additionalProperties"] = false;
     merge(keys_of(show), object);
     return object;
@@ -190,10 +193,10 @@ class Writer final : public fields::Visitor {
                std::string_view text) override {
     const fields::Part member = map.at(std::string(noun));
     Json schema{{"type", "object"}};
-    schema["patternProperties"]["^[a-z0-9_-]+$"] = object_of([&](Visitor& v) { member.show(v); });
+    schema["properties"][std::string(kInclude)] = include_schema();
+    schema["patternProperties"]["^(?!include$)[a-z0-9_-]+$"] =
+        object_of([&](Visitor& v) { member.show(v); });
     schema["additionalProperties"] = false;
-    // A rig may take all its members from another file.
-    schema["patternProperties"]["^include$"] = true;
     add(key, schema, text);
   }
   void alternatives(std::string_view key, fields::Alternatives& types,

@@ -88,13 +88,27 @@ class Writer final : public fields::Visitor {
  public:
   explicit Writer(std::optional<Trial> trial = std::nullopt) : trial_(trial) {}
 
-  /// The schema of whatever `show` names.
+  /// Keys and what they may hold; what a file must write is apart, because a file that includes
+  /// another, here or further up, need not write it itself.
+  struct Object {
+    Json schema;
+    Json needs;  ///< Empty when nothing is needed.
+  };
+
+  /// Of whatever `show` names.
   template <class Show>
-  static Json object_of(const Show& show) {
-    Json object{{"type", "object"}, {"properties", Json::object()}};
-    object["properties"][std::string(kInclude)] = include_schema();
-    object["additionalProperties"] = false;
-    merge(keys_of(show), object);
+  static Object object_of(const Show& show) {
+    const Keys keys = keys_of(show);
+    Object object{{{"type", "object"}, {"properties", Json::object()}}, Json::object()};
+    object.schema["properties"][std::string(kInclude)] = include_schema();
+    object.schema["properties"].update(keys.properties);
+    object.schema["additionalProperties"] = false;
+    if (!keys.cases.empty()) {
+      object.schema["allOf"] = keys.cases;
+    }
+    if (!keys.needs.empty()) {
+      object.needs = {{"if", {{"required", {kInclude}}}}, {"else", keys.needs}};
+    }
     return object;
   }
 
@@ -183,28 +197,38 @@ class Writer final : public fields::Visitor {
   }
 
   void part(std::string_view key, const fields::Part& part, std::string_view text) override {
-    add(key, object_of([&](Visitor& v) { part.show(v); }), text);
+    const Object object = object_of([&](Visitor& v) { part.show(v); });
+    add(key, object.schema, text);
+    need(key, object.needs);
   }
   void elements(std::string_view key, fields::Elements& list, std::string_view text) override {
     const fields::Part element = list.append();
-    add(key, {{"type", "array"}, {"items", object_of([&](Visitor& v) { element.show(v); })}}, text);
+    const Object object = object_of([&](Visitor& v) { element.show(v); });
+    add(key, {{"type", "array"}, {"items", object.schema}}, text);
+    if (!object.needs.empty()) {
+      need(key, {{"items", object.needs}});
+    }
   }
   void members(std::string_view key, fields::Members& map, std::string_view noun,
                std::string_view text) override {
+    constexpr const char* kNames = "^(?!include$)[a-z0-9_-]+$";
     const fields::Part member = map.at(std::string(noun));
+    const Object object = object_of([&](Visitor& v) { member.show(v); });
     Json schema{{"type", "object"}};
     schema["properties"][std::string(kInclude)] = include_schema();
-    schema["patternProperties"]["^(?!include$)[a-z0-9_-]+$"] =
-        object_of([&](Visitor& v) { member.show(v); });
+    schema["patternProperties"][kNames] = object.schema;
     schema["additionalProperties"] = false;
     add(key, schema, text);
+    if (!object.needs.empty()) {
+      need(key, {{"patternProperties", {{kNames, object.needs}}}});
+    }
   }
   void alternatives(std::string_view key, fields::Alternatives& types,
                     std::string_view text) override {
     const std::vector<Named> names = types.names();
     const std::size_t chosen = types.index();
     add(key, names_schema(names), with_meanings(text, names));
-    std::vector<Json> cases;
+    std::vector<Keys> cases;
     for (std::size_t i = 0; i < names.size(); ++i) {
       types.choose(i);
       cases.push_back(keys_of([&](Visitor& v) { types.chosen().show(v); }));
@@ -239,9 +263,21 @@ class Writer final : public fields::Visitor {
     return all;
   }
 
-  /// Properties, what is required, and cases, of whatever `show` names.
+  /// The keys of a structure before they are put together.
+  struct Keys {
+    Json properties = Json::object();
+    Json cases = Json::array();
+    Json needs = Json::object();
+  };
+
+  void need(std::string_view key, const Json& needs) {
+    if (!needs.empty()) {
+      needs_["properties"][std::string(key)] = needs;
+    }
+  }
+
   template <class Show>
-  static Json keys_of(const Show& show) {
+  static Keys keys_of(const Show& show) {
     Writer writer;
     show(static_cast<Visitor&>(writer));
     if (writer.has_refused_) {
@@ -249,52 +285,43 @@ class Writer final : public fields::Visitor {
         try_choices(show, pick, writer);
       }
     }
-    Json keys{{"properties", writer.properties_}};
-    if (!writer.required_.empty()) {
-      // What an included file may bring need not be written here.
-      Json needed = Json::array();
-      for (const std::string_view key : writer.required_) {
-        needed.push_back(key);
-      }
-      keys["anyOf"] = {{{"required", {kInclude}}}, {{"required", needed}}};
+    for (const std::string_view key : writer.required_) {
+      writer.needs_["required"].push_back(key);
     }
-    if (!writer.cases_.empty()) {
-      keys["allOf"] = writer.cases_;
-    }
-    return keys;
+    return {writer.properties_, writer.cases_, writer.needs_};
   }
 
   /// The keys that depend on a choice move from `writer` under conditions.
   template <class Show>
   static void try_choices(const Show& show, const Pick& pick, Writer& writer) {
-    std::vector<Json> cases;
+    std::vector<Keys> cases;
     for (std::size_t i = 0; i < pick.names.size(); ++i) {
       Writer trial(Trial{pick.key, i});
       show(static_cast<Visitor&>(trial));
       trial.properties_.erase(std::string(pick.key));
-      cases.push_back({{"properties", trial.properties_}});
+      cases.push_back({.properties = trial.properties_});
     }
     Writer back(Trial{pick.key, pick.index});
     show(static_cast<Visitor&>(back));
-    const auto names_of = [](const Json& one) {
+    const auto names_of = [](const Keys& one) {
       std::vector<std::string> names;
-      for (const auto& [key, schema] : one.at("properties").items()) {
+      for (const auto& [key, schema] : one.properties.items()) {
         names.push_back(key);
       }
       return names;
     };
     const bool differ = std::ranges::any_of(
-        cases, [&](const Json& one) { return names_of(one) != names_of(cases.front()); });
+        cases, [&](const Keys& one) { return names_of(one) != names_of(cases.front()); });
     if (!differ) {
       return;
     }
     // What every case has is no matter of the choice.
     for (const std::string& key : names_of(cases.front())) {
-      const bool common = std::ranges::all_of(
-          cases, [&](const Json& one) { return one.at("properties").contains(key); });
+      const bool common =
+          std::ranges::all_of(cases, [&](const Keys& one) { return one.properties.contains(key); });
       if (common) {
-        for (Json& one : cases) {
-          one["properties"].erase(key);
+        for (Keys& one : cases) {
+          one.properties.erase(key);
         }
       } else {
         writer.properties_.erase(key);
@@ -305,11 +332,11 @@ class Writer final : public fields::Visitor {
 
   /// Keys that are there when `key` has the name of their case, or is not written and the case is
   /// the `otherwise`.
-  void add_cases(std::string_view key, std::span<const Named> names, std::span<const Json> cases,
+  void add_cases(std::string_view key, std::span<const Named> names, std::span<const Keys> cases,
                  std::size_t otherwise) {
     Json nobody = Json::object();
-    for (const Json& one : cases) {
-      for (const auto& [name, schema] : one.at("properties").items()) {
+    for (const Keys& one : cases) {
+      for (const auto& [name, schema] : one.properties.items()) {
         nobody[name] = false;
         if (!properties_.contains(name)) {
           properties_[name] = true;
@@ -319,31 +346,27 @@ class Writer final : public fields::Visitor {
     for (std::size_t i = 0; i < cases.size(); ++i) {
       Json condition{{"properties", {{std::string(key), names_schema(names.subspan(i, 1))}}},
                      {"required", {key}}};
+      if (!cases[i].needs.empty()) {
+        needs_["allOf"].push_back({{"if", condition}, {"then", cases[i].needs}});
+      }
       if (i == otherwise) {
         const Json unwritten{
             {"not", {{"anyOf", {{{"required", {key}}}, {{"required", {kInclude}}}}}}}};
         condition = {{"anyOf", {condition, unwritten}}};
       }
-      Json then = cases[i];
-      Json properties = nobody;
-      properties.update(then.at("properties"));
-      then["properties"] = properties;
-      cases_.push_back({{"if", condition}, {"then", then}});
-    }
-  }
-
-  static void merge(const Json& keys, Json& object) {
-    object["properties"].update(keys.at("properties"));
-    for (const char* part : {"anyOf", "allOf"}) {
-      if (keys.contains(part)) {
-        object[part] = keys.at(part);
+      Json then{{"properties", nobody}};
+      then["properties"].update(cases[i].properties);
+      if (!cases[i].cases.empty()) {
+        then["allOf"] = cases[i].cases;
       }
+      cases_.push_back({{"if", condition}, {"then", then}});
     }
   }
 
   std::optional<Trial> trial_;
   Json properties_ = Json::object();
   Json cases_ = Json::array();
+  Json needs_ = Json::object();
   std::vector<std::string_view> required_;
   std::vector<Pick> picks_;
   bool has_refused_ = false;
@@ -353,7 +376,9 @@ class Writer final : public fields::Visitor {
 
 std::string schema_of_part(const fields::Part& part, std::string_view title) {
   Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", title}};
-  schema.update(Writer::object_of([&](fields::Visitor& v) { part.show(v); }));
+  const Writer::Object object = Writer::object_of([&](fields::Visitor& v) { part.show(v); });
+  schema.update(object.schema);
+  schema.update(object.needs);
   return schema.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

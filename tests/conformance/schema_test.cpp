@@ -123,7 +123,7 @@ TEST_F(Schema, what_is_wrong_in_one_key_breaks_it) {
   };
   const std::vector<std::string> right{
       machine,
-      machine + "seed: 0xFF\nstep: 2\n",
+      machine + "seed: 0xFF\nstep: 2 ms\n",
       machine + "modbus: {cab: {wire: rtu, baud: 19200}}\n",
       machine + "origin: {geoid: egm96, geoid_interpolation: bicubic}\n",
       machine + "devices: {e: {type: cia406-encoder, event_timer: 10 ms}}\n",

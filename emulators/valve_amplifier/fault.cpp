@@ -34,7 +34,7 @@ void visit(fields::Visitor& v, ValveDefect& p) {
   v.duration("for", p.duration, {0, fields::kYear_ns},
              "How long it lasts; 0 = to the end of the run.");
   v.required("type");
-  v.choice("type", p.kind, kDefects, "What happens.");
+  v.choice("type", p.kind, kDefects, "Which fault it is.");
   v.integer("section", section_from_1, IntegerRule{1, static_cast<std::int64_t>(kValveSections)},
             "The section that has the fault, from 1; not of supply and surroundings.");
   switch (p.kind) {

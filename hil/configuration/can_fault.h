@@ -124,9 +124,9 @@ inline void visit(fields::Visitor& v, DuplicateAddressFault& p) {
 inline void visit(fields::Visitor& v, CanFaultConfiguration& p) {
   v.required("at");
   v.duration("at", p.at, {0, fields::kYear_ns}, "When it begins, from the start of the run.");
-  v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long it lasts.");
+  v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long the fault lasts.");
   v.required("type");
-  v.variant("type", p.settings, "What happens.");
+  v.variant("type", p.settings, "Which fault it is.");
 }
 
 }  // namespace rigwire::hil

@@ -156,7 +156,7 @@ inline void visit(fields::Visitor&, ModbusParityFault&) {}
 inline void visit(fields::Visitor& v, ModbusFaultConfiguration& p) {
   v.required("at");
   v.duration("at", p.at, {0, fields::kYear_ns}, "When it begins, from the start of the run.");
-  v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long it lasts.");
+  v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long the fault lasts.");
   v.integer("unit", p.unit, fields::IntegerRule{0, 247},
             "Unit that it concerns; 0 = every unit of the line.");
   v.choice("table", p.table, kModbusFaultTables, "Which requests it concerns.");
@@ -167,7 +167,7 @@ inline void visit(fields::Visitor& v, ModbusFaultConfiguration& p) {
   v.number("probability", p.probability, fields::in("%").above(0).at_most(100),
            "Probability with which each request is concerned.");
   v.required("type");
-  v.variant("type", p.settings, "What happens.");
+  v.variant("type", p.settings, "Which fault it is.");
 }
 
 }  // namespace rigwire::hil

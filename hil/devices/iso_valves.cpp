@@ -23,7 +23,7 @@ class IsoValvesDevice final : public CanDeviceOf<emulators::IsoValves, emulators
 }  // namespace
 
 void IsoValvesConfiguration::visit(fields::Visitor& v) {
-  v.text("bus", bus, "One of the rig's buses.");
+  v.text("bus", bus, "Name of the rig's bus that the device is on.");
   emulators::visit(v, valves);
 }
 

@@ -19,11 +19,11 @@ using OpenImuDevice = CanDeviceOf<emulators::OpenImu, emulators::ImuBackend>;
 }  // namespace
 
 void OpenImuDeviceConfiguration::visit(fields::Visitor& v) {
-  v.text("bus", bus, "One of the rig's buses.");
+  v.text("bus", bus, "Name of the rig's bus that the device is on.");
   emulators::visit(v, imu);
   v.text("settings_file", settings_file,
          "What a client saved, for the next run; empty: as long as the run.");
-  v.section("mount", mount, "Of the sensor's axes.");
+  v.section("mount", mount, "Where on the machine the sensor sits, and how it is turned.");
   v.section("sensor", sensor, "How well it measures.");
   if (imu.variant == emulators::OpenImuVariant::openimu300ri) {
     v.section("magnetometer", magnetometer, "The Earth's field as it reads it.");

@@ -26,10 +26,10 @@ using EncoderDevice = CanDeviceOf<emulators::RotaryEncoder, emulators::EncoderBa
 }  // namespace
 
 void EncoderConfiguration::visit(fields::Visitor& v) {
-  v.text("bus", bus, "One of the rig's buses.");
+  v.text("bus", bus, "Name of the rig's bus that the device is on.");
   v.text("base", base, "Link of the machine that carries the housing.");
   v.text("link", link, "Link of the machine that turns the shaft.");
-  v.choice("axis", axis, kEncoderAxes, "Of the base link, about which the shaft turns.");
+  v.choice("axis", axis, kEncoderAxes, "Axis of the base link about which the shaft turns.");
   emulators::visit(v, encoder);
   v.text("settings_file", settings_file,
          "What a client saved, for the next run; empty: as long as the run.");

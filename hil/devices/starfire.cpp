@@ -182,11 +182,11 @@ StarFireConfiguration::StarFireConfiguration() {
 void StarFireConfiguration::visit(fields::Visitor& v) {
   v.text("path", path, "Symbolic link to the pty; what a client opens; empty = no serial line.");
   v.choice("check_baud", check_baud, kBaudChecks, "When a client hears garbage.");
-  v.text("bus", bus, "One of the rig's buses; empty = not on one.");
+  v.text("bus", bus, "Name of the rig's bus that the device is on; empty = on none.");
   emulators::visit(v, receiver);
-  v.section("mount", mount, "Of the antenna.");
+  v.section("mount", mount, "Where on the machine the antenna sits.");
   v.section("sensor", sensor, "How well it knows where it is.");
-  v.list("faults", faults, "What goes wrong, and when.");
+  v.list("faults", faults, "What goes wrong with the device, and when.");
 }
 
 void StarFireConfiguration::validate() const {

@@ -127,10 +127,10 @@ void UbloxConfiguration::visit(fields::Visitor& v) {
   v.text("path", path, "Symbolic link to the pty; what a client opens.");
   v.choice("check_baud", check_baud, kBaudChecks, "When a client hears garbage.");
   emulators::visit(v, receiver);
-  v.section("mount", mount, "Of the antenna.");
+  v.section("mount", mount, "Where on the machine the antenna sits.");
   v.section("sensor", sensor, "How well it knows where it is.");
-  v.list("faults", faults, "What goes wrong, and when.");
-  v.list("unplugged", unplugged, "On USB: when the plug is out.");
+  v.list("faults", faults, "What goes wrong with the device, and when.");
+  v.list("unplugged", unplugged, "When the plug of a device on USB is out.");
   v.check(unplugged.empty() || wire == SerialWire::usb, "unplugged",
           "only a device on USB has a plug that can be out", {}, "`wire: usb`");
 }

@@ -115,15 +115,24 @@ void visit(fields::Visitor& v, LeverKeyframeConfiguration& p) {
   };
   const NumberRule full = plain().between(-1, 1);
   v.required("at");
-  v.duration("at", p.at, {0, fields::kYear_ns}, "From the start of the run.");
-  v.number("left_x", axis(JoystickAxis::left_x), full, "Left stick, right positive.");
-  v.number("left_y", axis(JoystickAxis::left_y), full, "Left stick, back positive.");
-  v.number("right_x", axis(JoystickAxis::right_x), full, "Right stick, right positive.");
-  v.number("right_y", axis(JoystickAxis::right_y), full, "Right stick, back positive.");
-  v.number("left_pedal", axis(JoystickAxis::left_pedal), full, "Forward positive.");
-  v.number("right_pedal", axis(JoystickAxis::right_pedal), full, "Forward positive.");
-  v.number("dial", axis(JoystickAxis::dial), plain().between(0, 1), "Engine speed.");
-  v.number_list("buttons", p.buttons, plain().between(1, 16), "Those that are pressed, 1 .. 16.");
+  v.duration("at", p.at, {0, fields::kYear_ns},
+             "Instant at which it begins, from the start of the run.");
+  v.number("left_x", axis(JoystickAxis::left_x), full,
+           "Left stick, of full travel, right positive.");
+  v.number("left_y", axis(JoystickAxis::left_y), full,
+           "Left stick, of full travel, back positive.");
+  v.number("right_x", axis(JoystickAxis::right_x), full,
+           "Right stick, of full travel, right positive.");
+  v.number("right_y", axis(JoystickAxis::right_y), full,
+           "Right stick, of full travel, back positive.");
+  v.number("left_pedal", axis(JoystickAxis::left_pedal), full,
+           "Left pedal, of full travel, forward positive.");
+  v.number("right_pedal", axis(JoystickAxis::right_pedal), full,
+           "Right pedal, of full travel, forward positive.");
+  v.number("dial", axis(JoystickAxis::dial), plain().between(0, 1),
+           "Dial of the engine's speed, of full travel.");
+  v.number_list("buttons", p.buttons, plain().between(1, 16),
+                "Numbers of the buttons that are pressed, 1 .. 16.");
 }
 
 void UsbJoystickConfiguration::visit(fields::Visitor& v) {

@@ -44,7 +44,7 @@ class VehicleGatewayDevice final
 }  // namespace
 
 void VehicleGatewayConfiguration::visit(fields::Visitor& v) {
-  v.text("bus", bus, "One of the rig's buses.");
+  v.text("bus", bus, "Name of the rig's bus that the device is on.");
   v.text("position_from", position_from,
          "The satellite receiver whose fixes it reports (VP, VDS, VP2, GBSD); empty = none.");
   emulators::visit(v, gateway);

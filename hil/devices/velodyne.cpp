@@ -278,28 +278,31 @@ const protocols::velodyne::Model& model_of(const VelodyneConfiguration& p) {
 }
 
 void visit(fields::Visitor& v, LidarWebConfiguration& p) {
-  v.text("address", p.address, "Where it listens, an IPv4 address.");
-  v.integer("port", p.port, IntegerRule{0, 65535}, "0 = there is none.");
+  v.text("address", p.address, "IPv4 address at which the web interface listens.");
+  v.integer("port", p.port, IntegerRule{0, 65535},
+            "TCP port of the web interface; 0 = there is none.");
   v.boolean("silent_refusals", p.silent_refusals, "Answers success to what it refuses, too.");
 }
 
 void VelodyneConfiguration::visit(fields::Visitor& v) {
   emulators::visit(v, lidar);
   v.boolean("allow_remote", allow_remote, "Permits addresses outside this machine.");
-  v.text("source_address", source_address, "Of the packets; empty = the system chooses.");
-  v.choice("source_ports", source_ports, kSourcePorts, "Of the packets.");
+  v.text("source_address", source_address,
+         "Address that packets are sent from; empty = the system chooses.");
+  v.choice("source_ports", source_ports, kSourcePorts, "UDP ports that packets are sent from.");
   const bool has_status_channel = model_of(*this).status_channel;
   if (!has_status_channel) {
     v.section("web", web, "The sensor's web interface.");
   }
   if (has_status_channel) {
-    v.file("calibration", calibration_file, "Of the unit, YAML; empty = nominal.");
+    v.file("calibration", calibration_file,
+           "File of the unit's calibration, YAML; empty = the nominal unit.");
   }
   v.text("time_source", time_source,
          "Satellite receiver; auto = the first one, locked; or ideal, pulse, none.");
-  v.section("mount", mount, "Of the spin axis.");
+  v.section("mount", mount, "Where on the machine the spin axis stands, and how it is turned.");
   v.section("sensor", sensor, "How well it measures.");
-  v.list("faults", faults, "What goes wrong, and when.");
+  v.list("faults", faults, "What goes wrong with the device, and when.");
 }
 
 void VelodyneConfiguration::validate() const {

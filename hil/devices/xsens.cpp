@@ -18,9 +18,9 @@ using XsensMtiDevice = CanDeviceOf<emulators::Mti600, emulators::ImuBackend>;
 }  // namespace
 
 void XsensMtiConfiguration::visit(fields::Visitor& v) {
-  v.text("bus", bus, "One of the rig's buses.");
+  v.text("bus", bus, "Name of the rig's bus that the device is on.");
   emulators::visit(v, mti);
-  v.section("mount", mount, "Of the sensor's axes.");
+  v.section("mount", mount, "Where on the machine the sensor sits, and how it is turned.");
   v.section("sensor", sensor, "How well it measures.");
   v.section("magnetometer", magnetometer, "The Earth's field as it reads it.");
 }

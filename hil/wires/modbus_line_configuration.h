@@ -83,7 +83,7 @@ inline void visit(fields::Visitor& v, ModbusLineConfiguration& p) {
     }
   }
   v.section("response_delay", p.response_delay, "Time from a request to its answer.");
-  v.list("faults", p.faults, "What goes wrong, and when.");
+  v.list("faults", p.faults, "What goes wrong on the line, and when.");
 }
 
 inline void validate(const ModbusLineConfiguration& p) {

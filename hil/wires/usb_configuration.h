@@ -32,8 +32,9 @@ inline void visit(fields::Visitor& v, UsbConfiguration& p) {
 
 inline void visit(fields::Visitor& v, UnplugConfiguration& p) {
   v.required("at");
-  v.duration("at", p.at, {0, fields::kYear_ns}, "From the start of the run.");
-  v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long it is out.");
+  v.duration("at", p.at, {0, fields::kYear_ns},
+             "Instant at which it begins, from the start of the run.");
+  v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long the plug is out.");
 }
 
 }  // namespace rigwire::hil

@@ -31,7 +31,7 @@ void visit(fields::Visitor& v, PlacedShape& p) {
   v.vector3("position", p.position_m, in("m"), "Place of the shape's origin.");
   v.section("rotation", p.rotation, "Rotation of the shape's axes.");
   v.number("reflectance", p.reflectance, plain().between(0, 1), "Diffuse reflectance at 905 nm.");
-  v.text("label", p.label, "What it is, for recordings.");
+  v.text("label", p.label, "What the surface is, for recordings.");
 }
 
 }  // namespace rigwire::hil

@@ -26,7 +26,7 @@ void remember_error(void* user, RTCError /*code*/, const char* text) {
 
 void visit(fields::Visitor& v, Material& p) {
   v.number("reflectance", p.reflectance, plain().between(0, 1), "Diffuse reflectance at 905 nm.");
-  v.text("label", p.label, "What it is, for recordings.");
+  v.text("label", p.label, "What the surface is, for recordings.");
   v.number("retro_gain", p.retro_gain, plain().between(0, 1),
            "Of a retro-reflector; 1 is an ideal one, 0 is none.");
   v.boolean("foliage", p.foliage, "Leaves in a closed surface: radio signals pass, weakened.");

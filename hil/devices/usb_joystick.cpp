@@ -10,7 +10,6 @@
 #include "hil/devices/rig_check.h"
 #include "hil/devices/site.h"
 #include "hil/executive/event_source.h"
-#include "sim/joystick/lever_script.h"
 
 namespace rigwire::hil {
 
@@ -24,23 +23,6 @@ constexpr std::array<Choice<LeverSource>, 2> kLeverSources{
     {{LeverSource::script, "script", "The keyframes of `script`."},
      {LeverSource::commands, "commands",
       "What the rig's valves are told, as an operator by the ISO pattern would."}}};
-
-/// Throws std::invalid_argument.
-sim::LeverScript lever_script(const UsbJoystickConfiguration& p) {
-  std::vector<sim::LeverKeyframe> keyframes;
-  for (const LeverKeyframeConfiguration& from : p.script) {
-    sim::LeverKeyframe keyframe{from.at, from.axes, {}};
-    for (const double button : from.buttons) {
-      if (button != std::floor(button)) {
-        throw std::invalid_argument("lever script buttons: found " + std::to_string(button) +
-                                    ", allowed whole numbers 1 .. 16");
-      }
-      keyframe.buttons.set(static_cast<std::size_t>(std::lround(button)) - 1);
-    }
-    keyframes.push_back(keyframe);
-  }
-  return {std::move(keyframes), p.repeat};
-}
 
 /// Moves the levers at the rate at which they can be reported.
 class LeverMover final : public EventSource {
@@ -108,6 +90,22 @@ class UsbJoystickDevice final : public Device {
 };
 
 }  // namespace
+
+sim::LeverScript lever_script(const UsbJoystickConfiguration& p) {
+  std::vector<sim::LeverKeyframe> keyframes;
+  for (const LeverKeyframeConfiguration& from : p.script) {
+    sim::LeverKeyframe keyframe{from.at, from.axes, {}};
+    for (const double button : from.buttons) {
+      if (button != std::floor(button)) {
+        throw std::invalid_argument("lever script buttons: found " + std::to_string(button) +
+                                    ", allowed whole numbers 1 .. 16");
+      }
+      keyframe.buttons.set(static_cast<std::size_t>(std::lround(button)) - 1);
+    }
+    keyframes.push_back(keyframe);
+  }
+  return {std::move(keyframes), p.repeat};
+}
 
 void visit(fields::Visitor& v, LeverKeyframeConfiguration& p) {
   const auto axis = [&](JoystickAxis which) -> double& {

@@ -16,6 +16,7 @@
 #include "emulators/usb/hid_joystick.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/wires/usb_configuration.h"
+#include "sim/joystick/lever_script.h"
 #include "sim/samples/joystick_sample.h"
 
 namespace rigwire::hil {
@@ -45,5 +46,8 @@ struct UsbJoystickConfiguration final : DeviceConfigurationOf<UsbJoystickConfigu
   [[nodiscard]] DeviceDescription describe() const override;
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
 };
+
+/// What moves them by script. Throws std::invalid_argument.
+[[nodiscard]] sim::LeverScript lever_script(const UsbJoystickConfiguration& configuration);
 
 }  // namespace rigwire::hil

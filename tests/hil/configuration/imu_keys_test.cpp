@@ -5,7 +5,7 @@
 
 #include "hil/configuration/outline.h"
 #include "hil/configuration/reader.h"
-#include "hil/devices/device_types.h"
+#include "sim/imu/imu_sensor.h"
 
 namespace rigwire::hil {
 namespace {

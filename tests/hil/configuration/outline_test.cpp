@@ -129,10 +129,11 @@ TEST(NumberRule, printed_number_reads_back_exactly_whatever_the_unit) {
 }
 
 TEST(NumberRule, round_values_print_round) {
-  EXPECT_EQ(fields::in("deg").print(fields::in("deg").to_stored(30, fields::in("deg").written())), "30 deg");
+  EXPECT_EQ(fields::in("deg").print(fields::in("deg").to_stored(30, fields::in("deg").written())),
+            "30 deg");
   EXPECT_EQ(fields::in("mm").print(1.05), "1050 mm");
   EXPECT_EQ(fields::in("MPa").print(35e6), "35 MPa");
-  EXPECT_EQ(plain().print(0.1), "0.1");
+  EXPECT_EQ(fields::plain().print(0.1), "0.1");
 }
 
 }  // namespace

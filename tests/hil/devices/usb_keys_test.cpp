@@ -7,6 +7,9 @@
 #include "hil/configuration/outline.h"
 #include "hil/configuration/reader.h"
 #include "hil/devices/device_types.h"
+#include "hil/devices/ublox.h"
+#include "hil/devices/usb_joystick.h"
+#include "hil/devices/usb_passthrough.h"
 
 namespace rigwire::hil {
 namespace {

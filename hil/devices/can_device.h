@@ -23,7 +23,7 @@ class CanDeviceOf : public Device {
  public:
   /// The emulator is made of `arguments` and the node's output.
   template <class... Arguments>
-  explicit CanDeviceOf(CanLine& bus, const Arguments&... arguments)
+  explicit CanDeviceOf(RigCan& bus, const Arguments&... arguments)
       : bus_(bus),
         node_(bus.add_node(own_statistics())),
         emulator_(arguments..., node_),
@@ -32,7 +32,7 @@ class CanDeviceOf : public Device {
   }
   /// For an emulator that remembers: it is made of settings, memory and output.
   template <class Settings>
-  CanDeviceOf(CanLine& bus, const Settings& settings, NodeMemory memory)
+  CanDeviceOf(RigCan& bus, const Settings& settings, NodeMemory memory)
       : bus_(bus),
         node_(bus.add_node(own_statistics())),
         memory_(std::move(memory)),
@@ -55,7 +55,7 @@ class CanDeviceOf : public Device {
   [[nodiscard]] Emulator& emulated() { return emulator_; }
 
  private:
-  CanLine& bus_;
+  RigCan& bus_;
   emulators::FrameOutput& node_;
   NodeMemory memory_;  ///< Null when the emulator has none.
   Emulator emulator_;

@@ -55,8 +55,8 @@ class Site {
   [[nodiscard]] virtual Executive& executive() = 0;
 
   /// The bus or line of that name; what is made there must outlive it.
-  [[nodiscard]] virtual CanLine& bus(const std::string& bus) = 0;
-  [[nodiscard]] virtual ModbusLine& modbus(const std::string& line) = 0;
+  [[nodiscard]] virtual RigCan& bus(const std::string& bus) = 0;
+  [[nodiscard]] virtual RigModbus& modbus(const std::string& line) = 0;
   /// Opens the server when the first device asks for it.
   [[nodiscard]] virtual UsbBus& usb() = 0;
 

@@ -108,7 +108,7 @@ class BothSides final : public emulators::Device, public emulators::GnssBackend 
 class StarFireDevice final : public Device, private FixSource {
  public:
   /// `bus` is null without a node.
-  StarFireDevice(const StarFireConfiguration& configuration, Site& site, CanLine* bus)
+  StarFireDevice(const StarFireConfiguration& configuration, Site& site, RigCan* bus)
       : check_baud_(configuration.check_baud), bus_(bus) {
     if (!configuration.path.empty()) {
       pty_.emplace(site.io(), configuration.path, configuration.receiver.baud);
@@ -160,7 +160,7 @@ class StarFireDevice final : public Device, private FixSource {
   }
 
   BaudCheck check_baud_;
-  CanLine* bus_;
+  RigCan* bus_;
   std::optional<drivers::Pty> pty_;  ///< With what follows: only with a serial line.
   std::optional<StreamOutlet> outlet_;
   std::optional<emulators::UbloxLineQuality> quality_;

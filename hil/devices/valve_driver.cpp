@@ -31,10 +31,10 @@ ModbusLineConfiguration own_line(const ValveDriverConfiguration& configuration) 
 class ValveDriverDevice final : public Device {
  public:
   /// `shared` is null when the driver has a TCP server of its own.
-  ValveDriverDevice(const ValveDriverConfiguration& configuration, Site& site, ModbusLine* shared)
+  ValveDriverDevice(const ValveDriverConfiguration& configuration, Site& site, RigModbus* shared)
       : own_(shared != nullptr
                  ? nullptr
-                 : make_modbus_line(own_line(configuration), site.io(), site.device_seed())),
+                 : make_rig_modbus(own_line(configuration), site.io(), site.device_seed())),
         line_(shared != nullptr ? *shared : *own_),
         driver_(driver_settings(configuration)),
         station_(driver_, driver_) {
@@ -61,8 +61,8 @@ class ValveDriverDevice final : public Device {
   [[nodiscard]] const emulators::Device& emulator() const override { return driver_; }
 
  private:
-  std::unique_ptr<ModbusLine> own_;
-  ModbusLine& line_;
+  std::unique_ptr<RigModbus> own_;
+  RigModbus& line_;
   emulators::ValveDriver driver_;
   StationOf<emulators::ValveBackend> station_;
 };

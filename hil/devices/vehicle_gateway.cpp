@@ -25,7 +25,7 @@ class VehicleGatewayDevice final
     : public CanDeviceOf<emulators::VehicleGateway, emulators::VehicleBackend>,
       private FixListener {
  public:
-  VehicleGatewayDevice(CanLine& bus, const VehicleGatewayConfiguration& configuration)
+  VehicleGatewayDevice(RigCan& bus, const VehicleGatewayConfiguration& configuration)
       : CanDeviceOf(bus, settings_of(configuration)), position_from_(configuration.position_from) {}
 
   void connect(const Neighbours& neighbours) override {

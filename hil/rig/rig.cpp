@@ -67,8 +67,8 @@ SimulatedWorld make_world(const RigConfiguration& configuration) {
   return world;
 }
 
-CanLineSettings line_settings(const BusConfiguration& bus, const CanHop& hop) {
-  CanLineSettings settings;
+RigCanSettings line_settings(const BusConfiguration& bus, const CanHop& hop) {
+  RigCanSettings settings;
   settings.node.order = bus.order;
   settings.node.one_shot = bus.one_shot;
   settings.node.restart_after = bus.restarts ? std::optional(bus.restart_after) : std::nullopt;
@@ -143,7 +143,7 @@ struct Rig::Bus {
         line(configuration.bus, *hop.endpoint, line_settings(configuration, hop)) {}
 
   CanHop hop;
-  CanLine line;
+  RigCan line;
 };
 
 /// The rig as one of its devices sees it while it is made.
@@ -159,8 +159,8 @@ class Rig::DeviceSite final : public Site {
   [[nodiscard]] const Calendar& calendar() const override { return rig_.calendar_; }
   [[nodiscard]] boost::asio::io_context& io() override { return rig_.io_; }
   [[nodiscard]] Executive& executive() override { return rig_.executive_; }
-  [[nodiscard]] CanLine& bus(const std::string& bus) override { return rig_.buses_.at(bus)->line; }
-  [[nodiscard]] ModbusLine& modbus(const std::string& line) override {
+  [[nodiscard]] RigCan& bus(const std::string& bus) override { return rig_.buses_.at(bus)->line; }
+  [[nodiscard]] RigModbus& modbus(const std::string& line) override {
     return *rig_.modbus_lines_.at(line);
   }
   [[nodiscard]] UsbBus& usb() override { return rig_.usb(); }
@@ -281,7 +281,7 @@ void Rig::open_bus(const std::string& name, const BusConfiguration& configuratio
 void Rig::open_modbus_line(const std::string& name, const ModbusLineConfiguration& configuration) {
   const std::uint64_t seed =
       sim::RandomStream(configuration_.seed, "modbus." + name + "/line").bits();
-  auto line = make_modbus_line(configuration, io_, seed);
+  auto line = make_rig_modbus(configuration, io_, seed);
   line->start(executive_);
   modbus_lines_.emplace(name, std::move(line));
 }
@@ -297,7 +297,7 @@ std::vector<std::string> Rig::wires() const {
 
 UsbBus& Rig::usb() {
   if (usb_ == nullptr) {
-    usb_ = std::make_unique<UsbServerLine>(configuration_.usb, io_, executive_);
+    usb_ = std::make_unique<RigUsb>(configuration_.usb, io_, executive_);
   }
   return *usb_;
 }

@@ -36,7 +36,7 @@ namespace rigwire::hil {
 [[nodiscard]] SensorMount sensor_mount(const MachineConfiguration& machine,
                                        const MountConfiguration& mount);
 
-class UsbServerLine;
+class RigUsb;
 
 /// Where ground truth goes.
 struct TruthFiles {
@@ -87,10 +87,10 @@ class Rig {
   SimulatedWorld world_;
   Executive executive_;
   std::map<std::string, std::unique_ptr<Bus>> buses_;
-  std::map<std::string, std::unique_ptr<ModbusLine>> modbus_lines_;
+  std::map<std::string, std::unique_ptr<RigModbus>> modbus_lines_;
   std::vector<NamedDevice> devices_;
   /// Null while no device is on USB. Last, because what is plugged into it must outlive it.
-  std::unique_ptr<UsbServerLine> usb_;
+  std::unique_ptr<RigUsb> usb_;
 };
 
 }  // namespace rigwire::hil

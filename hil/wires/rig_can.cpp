@@ -3,7 +3,7 @@
 namespace rigwire::hil {
 
 /// Where the frames of one node leave the bus.
-class CanLine::NodeExit final : public emulators::FrameOutput {
+class RigCan::NodeExit final : public emulators::FrameOutput {
  public:
   NodeExit(FrameOutlet& outlet, WireStatistics& statistics)
       : outlet_(outlet), statistics_(statistics) {}
@@ -17,8 +17,8 @@ class CanLine::NodeExit final : public emulators::FrameOutput {
   WireStatistics& statistics_;
 };
 
-CanLine::CanLine(const emulators::CanBusSettings& settings, drivers::CanBus& endpoint,
-                 CanLineSettings line)
+RigCan::RigCan(const emulators::CanBusSettings& settings, drivers::CanBus& endpoint,
+               RigCanSettings line)
     : endpoint_(endpoint),
       line_(std::move(line)),
       // The queue, the frame on the wire, and those refused within one look at the endpoint.
@@ -31,19 +31,19 @@ CanLine::CanLine(const emulators::CanBusSettings& settings, drivers::CanBus& end
   }
 }
 
-CanLine::~CanLine() = default;
+RigCan::~RigCan() = default;
 
-emulators::FrameOutput& CanLine::exit_to(WireStatistics& statistics) {
+emulators::FrameOutput& RigCan::exit_to(WireStatistics& statistics) {
   exits_.push_back(std::make_unique<NodeExit>(outlet_, statistics));
   return *exits_.back();
 }
 
-void CanLine::begin_device(const std::string& name) {
+void RigCan::begin_device(const std::string& name) {
   device_ = name;
   nodes_of_device_ = 0;
 }
 
-emulators::FrameOutput& CanLine::add_node(WireStatistics& statistics) {
+emulators::FrameOutput& RigCan::add_node(WireStatistics& statistics) {
   ++nodes_of_device_;
   line_.node.name = device_;
   if (!device_.empty() && nodes_of_device_ > 1) {
@@ -52,15 +52,15 @@ emulators::FrameOutput& CanLine::add_node(WireStatistics& statistics) {
   return bus_.add_node(exit_to(statistics), line_.node);
 }
 
-void CanLine::attach(emulators::FrameOutput& output, emulators::CanDevice& device) {
+void RigCan::attach(emulators::FrameOutput& output, emulators::CanDevice& device) {
   bus_.attach(output, device);
 }
 
-void CanLine::set_faults(const emulators::CanBusFaults& faults) {
+void RigCan::set_faults(const emulators::CanBusFaults& faults) {
   bus_.set_faults(faults, exit_to(intruder_));
 }
 
-void CanLine::client(SimTime now, const drivers::CanClient& client) {
+void RigCan::client(SimTime now, const drivers::CanClient& client) {
   bus_.set_client(now, {.present = client.open,
                         .bit_rate_bps = client.bit_rate_bps,
                         .listen_only = client.listen_only,

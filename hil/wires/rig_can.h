@@ -14,8 +14,8 @@
 
 namespace rigwire::hil {
 
-/// What a CanLine has besides the bus model's own settings.
-struct CanLineSettings {
+/// What a RigCan has besides the bus model's own settings.
+struct RigCanSettings {
   /// For every node of a device; its name is begin_device()'s.
   emulators::CanNodeSettings node{};
   /// Of the client's controller, after bus-off; nullopt: the client asks for it.
@@ -30,14 +30,14 @@ struct CanLineSettings {
 /// at its end of frame, in the device's own statistics. The client's frames enter as those of the
 /// outside node; what becomes of them, and what its controller has to say, goes back in due time
 /// and in order. The client's settings of its controller are the outside node's.
-class CanLine final : public EventSource, private emulators::CanOutside {
+class RigCan final : public EventSource, private emulators::CanOutside {
  public:
   /// `endpoint` must outlive the line.
-  CanLine(const emulators::CanBusSettings& settings, drivers::CanBus& endpoint,
-          CanLineSettings line = {});
-  ~CanLine() override;
-  CanLine(const CanLine&) = delete;
-  CanLine& operator=(const CanLine&) = delete;
+  RigCan(const emulators::CanBusSettings& settings, drivers::CanBus& endpoint,
+         RigCanSettings line = {});
+  ~RigCan() override;
+  RigCan(const RigCan&) = delete;
+  RigCan& operator=(const RigCan&) = delete;
 
   /// Nodes added from now on belong to the device of this name: faults know the first of them by
   /// it, further ones as "NAME 2" and so on.
@@ -78,7 +78,7 @@ class CanLine final : public EventSource, private emulators::CanOutside {
   [[nodiscard]] emulators::FrameOutput& exit_to(WireStatistics& statistics);
 
   drivers::CanBus& endpoint_;
-  CanLineSettings line_;
+  RigCanSettings line_;
   std::string device_;
   int nodes_of_device_ = 0;
   FrameOutlet outlet_;

@@ -9,10 +9,10 @@
 namespace rigwire::hil {
 namespace {
 
-class TcpModbusLine final : public ModbusLine {
+class RigModbusTcp final : public RigModbus {
  public:
-  TcpModbusLine(const ModbusLineConfiguration& configuration, boost::asio::io_context& io,
-                std::uint64_t seed)
+  RigModbusTcp(const ModbusLineConfiguration& configuration, boost::asio::io_context& io,
+               std::uint64_t seed)
       : listener_(io, listener_settings(configuration)),
         outlet_(listener_, own_statistics()),
         server_(server_settings(configuration, seed), outlet_) {}
@@ -61,10 +61,10 @@ class TcpModbusLine final : public ModbusLine {
   emulators::ModbusServer server_;
 };
 
-class RtuModbusLine final : public ModbusLine {
+class RigModbusRtu final : public RigModbus {
  public:
-  RtuModbusLine(const ModbusLineConfiguration& configuration, boost::asio::io_context& io,
-                std::uint64_t seed)
+  RigModbusRtu(const ModbusLineConfiguration& configuration, boost::asio::io_context& io,
+               std::uint64_t seed)
       : check_baud_(configuration.check_baud),
         pty_(io, configuration.path, configuration.line.timing.baud),
         outlet_(pty_, own_statistics()),
@@ -98,12 +98,12 @@ class RtuModbusLine final : public ModbusLine {
 
 }  // namespace
 
-std::unique_ptr<ModbusLine> make_modbus_line(const ModbusLineConfiguration& configuration,
-                                             boost::asio::io_context& io, std::uint64_t seed) {
+std::unique_ptr<RigModbus> make_rig_modbus(const ModbusLineConfiguration& configuration,
+                                           boost::asio::io_context& io, std::uint64_t seed) {
   if (configuration.wire == emulators::ModbusWire::rtu) {
-    return std::make_unique<RtuModbusLine>(configuration, io, seed);
+    return std::make_unique<RigModbusRtu>(configuration, io, seed);
   }
-  return std::make_unique<TcpModbusLine>(configuration, io, seed);
+  return std::make_unique<RigModbusTcp>(configuration, io, seed);
 }
 
 }  // namespace rigwire::hil

@@ -15,7 +15,7 @@
 
 namespace rigwire::hil {
 
-class ModbusLine : public EventSource {
+class RigModbus : public EventSource {
  public:
   /// `unit` must outlive the last call of advance() and of the io_context.
   virtual void add_unit(std::uint8_t number, emulators::ModbusUnit& unit) = 0;
@@ -43,7 +43,7 @@ class ModbusLine : public EventSource {
 
 /// Opens the endpoint. Throws drivers::EndpointError, std::invalid_argument. `seed` is of what is
 /// random in the line: delays and faults.
-[[nodiscard]] std::unique_ptr<ModbusLine> make_modbus_line(
+[[nodiscard]] std::unique_ptr<RigModbus> make_rig_modbus(
     const ModbusLineConfiguration& configuration, boost::asio::io_context& io, std::uint64_t seed);
 
 }  // namespace rigwire::hil

@@ -19,8 +19,8 @@ drivers::TcpServerSettings endpoint_settings(const UsbConfiguration& configurati
 
 }  // namespace
 
-UsbServerLine::UsbServerLine(const UsbConfiguration& configuration, boost::asio::io_context& io,
-                             Executive& executive)
+RigUsb::RigUsb(const UsbConfiguration& configuration, boost::asio::io_context& io,
+               Executive& executive)
     : executive_(executive),
       endpoint_(io, endpoint_settings(configuration)),
       output_(endpoint_),
@@ -42,30 +42,30 @@ UsbServerLine::UsbServerLine(const UsbConfiguration& configuration, boost::asio:
   });
 }
 
-UsbBus::Socket UsbServerLine::plug(emulators::UsbDevice& device, std::string_view name) {
+UsbBus::Socket RigUsb::plug(emulators::UsbDevice& device, std::string_view name) {
   return server_.add(device, name);
 }
 
-void UsbServerLine::set_plugged(SimTime now, Socket socket, bool plugged) {
+void RigUsb::set_plugged(SimTime now, Socket socket, bool plugged) {
   plugged ? server_.plug(now, socket) : server_.unplug(now, socket);
 }
 
-void UsbServerLine::schedule_unplug(Socket socket, SimTime from, SimTime until) {
+void RigUsb::schedule_unplug(Socket socket, SimTime from, SimTime until) {
   changes_.push_back({from, socket, false});
   changes_.push_back({until, socket, true});
   std::ranges::stable_sort(changes_, {}, &PlugChange::time);
 }
 
-std::string UsbServerLine::address(Socket socket) const {
+std::string RigUsb::address(Socket socket) const {
   return "usb" + endpoint_.status().address.substr(3) + " " + server_.bus_id(socket);
 }
 
-SimTime UsbServerLine::next_event() const {
+SimTime RigUsb::next_event() const {
   const SimTime change = next_change_ < changes_.size() ? changes_[next_change_].time : kNever;
   return std::min(change, server_.next_event());
 }
 
-void UsbServerLine::advance(SimTime now) {
+void RigUsb::advance(SimTime now) {
   for (; next_change_ < changes_.size() && changes_[next_change_].time <= now; ++next_change_) {
     const PlugChange& change = changes_[next_change_];
     server_.advance(change.time);
@@ -74,8 +74,8 @@ void UsbServerLine::advance(SimTime now) {
   server_.advance(now);
 }
 
-void UsbServerLine::Output::send(emulators::ConnectionId connection, SimTime due,
-                                 std::span<const std::uint8_t> bytes) {
+void RigUsb::Output::send(emulators::ConnectionId connection, SimTime due,
+                          std::span<const std::uint8_t> bytes) {
   statistics.hash.add(due, bytes);
   if (endpoint.send(connection, bytes)) {
     ++statistics.units;
@@ -85,7 +85,7 @@ void UsbServerLine::Output::send(emulators::ConnectionId connection, SimTime due
   }
 }
 
-void UsbServerLine::Output::close(emulators::ConnectionId connection, SimTime /*due*/) {
+void RigUsb::Output::close(emulators::ConnectionId connection, SimTime /*due*/) {
   endpoint.close(connection);
 }
 

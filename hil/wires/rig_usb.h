@@ -19,12 +19,11 @@ namespace rigwire::hil {
 /// Answers go to the client at once, not by way of a queue: all of them are due at the instant of
 /// what caused them, and a lost one would leave the client's stream without sense. A client that
 /// does not read is cut off by the endpoint.
-class UsbServerLine final : public UsbBus, public EventSource {
+class RigUsb final : public UsbBus, public EventSource {
  public:
   /// Opens the socket and adds itself to the executive, which must outlive it. Throws
   /// drivers::EndpointError.
-  UsbServerLine(const UsbConfiguration& configuration, boost::asio::io_context& io,
-                Executive& executive);
+  RigUsb(const UsbConfiguration& configuration, boost::asio::io_context& io, Executive& executive);
 
   Socket plug(emulators::UsbDevice& device, std::string_view name) override;
   void set_plugged(SimTime now, Socket socket, bool plugged) override;

@@ -57,7 +57,7 @@ Duration length(const Frame& of, int bit_rate_bps = 250'000) {
 
 class Line {
  public:
-  explicit Line(CanLineSettings settings = {})
+  explicit Line(RigCanSettings settings = {})
       : line(emulators::CanBusSettings{}, endpoint, settings) {}
   void run_until(SimTime end) {
     for (;;) {
@@ -73,11 +73,11 @@ class Line {
     }
   }
   Endpoint endpoint;
-  CanLine line;
+  RigCan line;
   WireStatistics statistics;
 };
 
-TEST(CanLine, DevicesFrameIsStampedWithItsEndOnTheBus) {
+TEST(RigCan, DevicesFrameIsStampedWithItsEndOnTheBus) {
   Line bus;
   emulators::FrameOutput& node = bus.line.add_node(bus.statistics);
   node.send(kStart + 1ms, frame(0x100));
@@ -87,7 +87,7 @@ TEST(CanLine, DevicesFrameIsStampedWithItsEndOnTheBus) {
   EXPECT_EQ(bus.statistics.units, 1U);
 }
 
-TEST(CanLine, ClientsFramesAreConfirmedWhenTheyHaveWonTheBus) {
+TEST(RigCan, ClientsFramesAreConfirmedWhenTheyHaveWonTheBus) {
   Line bus;
   emulators::FrameOutput& node = bus.line.add_node(bus.statistics);
   node.send(kStart + 1ms, frame(0x100));
@@ -99,7 +99,7 @@ TEST(CanLine, ClientsFramesAreConfirmedWhenTheyHaveWonTheBus) {
   EXPECT_EQ(bus.statistics.units, 1U);
 }
 
-TEST(CanLine, WithoutClientOrOthersADeviceIsAloneUntilOneComes) {
+TEST(RigCan, WithoutClientOrOthersADeviceIsAloneUntilOneComes) {
   Line bus({.client_is_known = true});
   emulators::FrameOutput& node = bus.line.add_node(bus.statistics);
   node.send(kStart + 1ms, frame(0x100));
@@ -111,7 +111,7 @@ TEST(CanLine, WithoutClientOrOthersADeviceIsAloneUntilOneComes) {
   EXPECT_THAT(bus.endpoint.log, ElementsAre("frame 256"));
 }
 
-TEST(CanLine, AnAcknowledgingNodeKeepsADeviceCompany) {
+TEST(RigCan, AnAcknowledgingNodeKeepsADeviceCompany) {
   Line bus({.client_is_known = true, .acknowledging_node = true});
   emulators::FrameOutput& node = bus.line.add_node(bus.statistics);
   node.send(kStart + 1ms, frame(0x100));
@@ -120,7 +120,7 @@ TEST(CanLine, AnAcknowledgingNodeKeepsADeviceCompany) {
   EXPECT_EQ(bus.line.bus().controller(node).state, ErrorState::active);
 }
 
-TEST(CanLine, ClientAtAnotherRateIsToldOfItsErrorsAndThrownOffTheBus) {
+TEST(RigCan, ClientAtAnotherRateIsToldOfItsErrorsAndThrownOffTheBus) {
   Line bus(
       {.client_restart_after = std::nullopt, .client_is_known = true, .acknowledging_node = true});
   emulators::FrameOutput& node = bus.line.add_node(bus.statistics);
@@ -137,7 +137,7 @@ TEST(CanLine, ClientAtAnotherRateIsToldOfItsErrorsAndThrownOffTheBus) {
   EXPECT_EQ(std::count(bus.endpoint.log.begin(), bus.endpoint.log.end(), "sent"), 0);
 }
 
-TEST(CanLine, ClientThatClosesLearnsThatItsFramesAreLost) {
+TEST(RigCan, ClientThatClosesLearnsThatItsFramesAreLost) {
   Line bus({.client_is_known = true, .acknowledging_node = true});
   bus.line.client(kStart, {.open = true});
   bus.line.receive(kStart, frame(0x101));
@@ -147,7 +147,7 @@ TEST(CanLine, ClientThatClosesLearnsThatItsFramesAreLost) {
   EXPECT_THAT(bus.endpoint.log, ElementsAre("unsent", "unsent"));
 }
 
-TEST(CanLine, FramesBeyondTheQueueAreSettledToo) {
+TEST(RigCan, FramesBeyondTheQueueAreSettledToo) {
   Line bus({.acknowledging_node = true});
   for (int i = 0; i < 100; ++i) {
     bus.line.receive(kStart, frame(0x101));
@@ -157,7 +157,7 @@ TEST(CanLine, FramesBeyondTheQueueAreSettledToo) {
   EXPECT_GE(std::count(bus.endpoint.log.begin(), bus.endpoint.log.end(), "sent"), 64);
 }
 
-TEST(CanLine, FaultsFindADeviceByItsName) {
+TEST(RigCan, FaultsFindADeviceByItsName) {
   Line bus({.acknowledging_node = true});
   bus.line.begin_device("imu");
   emulators::FrameOutput& node = bus.line.add_node(bus.statistics);

@@ -100,7 +100,7 @@ class UsbServerLineTest : public ::testing::Test {
   EmptyTruth truth;
   Executive executive{io, truth};
   emulators::HidJoystick joystick{emulators::HidJoystickSettings{}};
-  UsbServerLine line{any_port(), io, executive};
+  RigUsb line{any_port(), io, executive};
 };
 
 TEST_F(UsbServerLineTest, AClientFindsTheDeviceWhereTheAddressSays) {

@@ -127,35 +127,26 @@ void validate(const FixedObject& object) {
   fields::check(object);
 }
 
+void visit(fields::Visitor& v, SceneDescription& p) {
+  v.group(
+      "terrain",
+      [&p](fields::Visitor& keys) {
+        keys.variant("type", p.terrain, "Kind of ground; pit when not given.");
+      },
+      "The ground.");
+  v.list("tracks", p.tracks, "Ways carved into the ground.");
+  v.list("soils", p.soils, "What the ground is made of; the first lies everywhere.");
+  v.list("soil_regions", p.soil_regions, "Where another soil lies than around.");
+  v.list("rocks", p.rocks, "Fields of rocks.");
+  v.list("trees", p.trees, "Forests of closed crowns.");
+  v.list("forests", p.forests, "Forests modelled leaf by leaf.");
+  v.list("grass", p.grass, "Fields of stalks.");
+  v.list("boxes", p.boxes, "Buildings, kerbs: solid boxes.");
+  v.list("objects", p.objects, "Meshes that stand there.");
+}
+
 void validate(const SceneDescription& description) {
-  std::visit([](const auto& terrain) { validate(terrain); }, description.terrain);
-  for (const Track& track : description.tracks) {
-    validate(track);
-  }
-  for (const SoilParameters& soil : description.soils) {
-    validate(soil);
-  }
-  for (const SoilRegion& region : description.soil_regions) {
-    validate(region);
-  }
-  for (const TreeField& trees : description.trees) {
-    validate(trees);
-  }
-  for (const Forest& forest : description.forests) {
-    validate(forest);
-  }
-  for (const GrassField& grass : description.grass) {
-    validate(grass);
-  }
-  for (const BoxObject& box : description.boxes) {
-    validate(box);
-  }
-  for (const RockField& rocks : description.rocks) {
-    validate(rocks);
-  }
-  for (const FixedObject& object : description.objects) {
-    validate(object);
-  }
+  fields::check(description);
 }
 
 std::vector<PlacedRock> place_rocks(const RockField& rocks, const HeightField& ground,

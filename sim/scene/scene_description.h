@@ -127,6 +127,7 @@ void validate(const PitTerrain& terrain);
 void validate(const RockField& rocks);
 void validate(const BoxObject& box);
 void validate(const FixedObject& object);
+void visit(fields::Visitor& v, SceneDescription& p);
 void validate(const SceneDescription& description);
 
 /// The terrain as heights, tracks carved in; the same seed gives the same heights. Validates.

@@ -1,5 +1,7 @@
 // The hand-over of sample batches from the thread that computes truth to the thread that owns the
 // devices: a ring of reused slots, bounded, so that truth never runs further ahead than the ring.
+// First in, first out. The ring owns the slots; a pointer to one holds until publish() or
+// release().
 #pragma once
 
 #include <condition_variable>

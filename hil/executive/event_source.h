@@ -1,4 +1,7 @@
-// Something that happens in simulated time: a device with the samples that wait for it, or a bus.
+// Something that happens in simulated time: a station, a bus, a Modbus line.
+//
+// On the wire thread only. advance() must move next_event() beyond the instant that it was given: a
+// source that does not ends the run.
 #pragma once
 
 #include "sim/samples/time.h"

@@ -3,12 +3,20 @@
 // Two threads when paced. The truth thread computes slices of simulated time ahead of the clock by
 // `lead` and hands their samples over. The wire thread (the caller's) owns devices, outlets and
 // endpoints: it takes samples as simulated time reaches them, runs what the devices have due in
-// order of time, and hands every unit to its wire at its absolute deadline. What clients send is
-// given to the device at once, on the wire thread; commands and changed sample plans travel back
-// and act from the truth's frontier on, that is up to `lead` later.
+// order of time, and hands every unit of output to its wire at its absolute deadline. What clients
+// send is given to the device at once, on the wire thread; commands and changed sample plans travel
+// back and act from the truth's frontier on, that is up to `lead` later.
 //
 // Free-running, one thread does both, slice by slice, and what is sent does not depend on wall
 // time.
+//
+// Order. Events run in order of time, at equal instants in the order of add(); so do outlets, among
+// themselves, when the events up to that instant have run. Stations take samples and ask of the
+// truth in the order of their indices.
+//
+// Ownership. It owns nothing: the io_context, the truth and what is added must live as long as it
+// runs. Errors. A fault (of the truth, or a device that does not move on) ends the run and is told
+// in its outcome; what a handler of the io_context throws comes out of run_free() and run_paced().
 //
 // It knows no kind of sensor, no device and no wire: samples, plans and commands lie on shelves
 // (hil/executive/shelves.h) that only the truth's sensor and the device's station look into.
@@ -45,7 +53,7 @@ struct RunOutcome {
 /// CPU seconds of the wire side, by stage.
 struct WireStages {
   double encoding_s = 0.0;  ///< Devices: taking samples, encoding, answering.
-  double writing_s = 0.0;   ///< Handing units to the system.
+  double writing_s = 0.0;   ///< Handing units of output to the system.
 };
 
 struct PacedSettings {
@@ -57,15 +65,15 @@ struct PacedSettings {
 
 class Executive {
  public:
-  /// Devices, outlets and endpoints given to add() must outlive the executive.
+  /// Refers to both, and to what is given to add().
   Executive(boost::asio::io_context& io, TruthSource& truth);
   ~Executive();
   Executive(const Executive&) = delete;
   Executive& operator=(const Executive&) = delete;
 
-  /// Adds a device's station; its index counts up from 0 in order of the calls.
+  /// Adds a station; its index counts up from 0 in order of the calls.
   StationIndex add(Station& station);
-  /// Adds something else that happens in simulated time: a bus.
+  /// Adds something else that happens in simulated time: a bus, a Modbus line.
   void add(EventSource& source) { sources_.push_back(&source); }
   void add(Outlet& outlet) { outlets_.push_back(&outlet); }
 

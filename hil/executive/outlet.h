@@ -1,5 +1,5 @@
-// Where units wait for their deadlines: what the executive must know of the last step to a wire
-// (hil/wires/outlets.h).
+// Where units of output wait for their deadlines: what the executive must know of the last step to
+// a wire (hil/wires/outlets.h).
 #pragma once
 
 #include <optional>
@@ -15,8 +15,8 @@ class Outlet {
   /// When the unit in front is due; kNever if none waits.
   [[nodiscard]] virtual SimTime next_due() const = 0;
 
-  /// Hands over the unit in front. `lateness` is how long after its due time; nullopt when
-  /// free-running. Precondition: next_due() != kNever.
+  /// Hands over the unit in front; never throws, what is not taken is counted. `lateness` is how
+  /// long after its due time; nullopt when free-running. Precondition: next_due() != kNever.
   virtual void transmit_front(std::optional<Duration> lateness) = 0;
 };
 

@@ -1,4 +1,7 @@
-// One device of the rig as the executive runs it: the emulator and the samples on their way to it.
+// Where the samples of one sensor arrive: the emulator that takes them, and what is on its way to
+// it.
+//
+// Owns the samples that wait, and nothing else. Nothing in it throws in steady state.
 #pragma once
 
 #include <algorithm>
@@ -40,6 +43,7 @@ class SampleInbox {
 /// What the executive sees of every station.
 class Station : public EventSource {
  public:
+  /// `device` must outlive it.
   explicit Station(emulators::Device& device) : device_(device) {}
 
   [[nodiscard]] emulators::Device& device() { return device_; }

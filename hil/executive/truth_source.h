@@ -1,5 +1,9 @@
 // Where samples come from: the simulated world, a recording, or somebody else's simulator. The
 // executive and the emulators do not notice which.
+//
+// One thread at a time calls advance(): when paced the truth thread, and before that starts the
+// caller's for the first lead; when free-running the wire thread. The caller owns requests and
+// batches. After a fault advance() is not called again.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,36 @@
 // A rig ready to run: truth source, devices and wires, built from its configuration.
+//
+// Order. What is due at equal instants runs in the order in which it was added to the executive
+// (events by themselves, outlets by themselves), so that the order of making is behaviour:
+//
+//   1. CAN buses by name: bus, outlet.
+//   2. Modbus lines by name: line, outlet.
+//   3. Devices by name; within a device station, outlets, further stations. What a device sends on
+//      a bus or a shared line waits in the outlet of that. A Modbus line of its own stands where
+//      its outlet does, in front of it.
+//   4. Faults of the buses, which know their devices by name.
+//   5. Device::connect() of each device, by name.
+//   6. Truth taps.
+//
+// The USB server is added in front of the first bus or device that asks for it. A slot that comes
+// earlier or later is another byte stream.
+//
+// Seeds. Every random stream has a name, so that a device that is added changes no other:
+//
+//   "<device>" ...            what its sensor measures; sensors add names of their own
+//   "<device>/line"           what is random in the device and on its own line
+//   "<device>/motion"         the inertial unit in a lidar's housing
+//   "modbus.<line>/line"      delays and faults of a shared Modbus line
+//   "<bus>/faults"            faults of a CAN bus
+//
+// A name that changes is another byte stream, too.
+//
+// Ownership. The rig owns everything but the io_context, which must outlive it. What others refer
+// to is made first and destroyed last: world, executive, buses, Modbus lines, devices; the USB
+// server alone goes before what is plugged into it.
+//
+// Errors. Making it throws, and closes what was open. After that nothing throws: a fault ends the
+// run by way of RunOutcome::fault.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -46,8 +78,9 @@ struct TruthFiles {
 
 class Rig {
  public:
-  /// Opens every wire. Throws drivers::EndpointError (environment), std::invalid_argument or
-  /// std::runtime_error (configuration); nothing stays open then. Empty paths: no truth tap.
+  /// Opens every wire, in the order above. Throws drivers::EndpointError (environment),
+  /// std::invalid_argument or std::runtime_error (configuration); nothing stays open then. Empty
+  /// paths: no truth tap.
   Rig(const RigConfiguration& configuration, boost::asio::io_context& io, const TruthFiles& truth);
   ~Rig();
   Rig(const Rig&) = delete;

@@ -35,7 +35,7 @@ struct CanWireChoice {
 [[nodiscard]] CanWireChoice choose_can_wire(const BusConfiguration& configuration,
                                             const CanHost& host);
 
-/// An open hop.
+/// An open hop; owns what it has opened.
 struct CanHop {
   CanWireChoice choice;
   std::unique_ptr<drivers::ByteStream> line;  ///< Below slcan; else null.

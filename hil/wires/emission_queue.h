@@ -1,4 +1,5 @@
-// What one output still has to put on its wire: a bounded queue of units with their due times.
+// What one outlet still has to put on its wire: a bounded queue of units of output with their due
+// times.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +26,8 @@ class EmissionQueue {
   /// Room for `units` units of together `bytes` bytes.
   EmissionQueue(std::size_t units, std::size_t bytes);
 
-  /// Precondition: `due` is not earlier than that of the unit before.
+  /// False when it did not fit. `statistics` must live until the unit is popped; the bytes are
+  /// copied. Precondition: `due` is not earlier than that of the unit before.
   bool push(SimTime due, std::uint64_t tag, WireStatistics& statistics,
             std::span<const std::uint8_t> bytes);
 

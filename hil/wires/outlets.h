@@ -1,4 +1,8 @@
-// The last step to a wire: a bounded queue of due units in front of one endpoint.
+// The last step to a wire: a bounded queue of due units of output in front of one endpoint.
+//
+// First in, first out: units must come in order of their due times. The endpoint must outlive the
+// outlet, statistics the last unit that is theirs. Nothing throws once it is made: what the queue
+// or the endpoint does not take is lost, as on the real wire, and counted.
 #pragma once
 
 #include <optional>
@@ -13,8 +17,7 @@
 namespace rigwire::hil {
 
 /// Hands units to the endpoint when they are due and keeps the statistics. Subclasses know the kind
-/// of endpoint. Whatever the endpoint does not take at once is lost, as on the real wire, and
-/// counted.
+/// of endpoint.
 class QueuedOutlet : public Outlet {
  public:
   [[nodiscard]] SimTime next_due() const final { return queue_.next_due(); }

@@ -1,4 +1,9 @@
 // One CAN bus of the rig at run time: the bus model, its devices, and the way outside.
+//
+// Nodes are added device by device, in the order of the devices' names; faults come last. The bus
+// goes to the executive first, then its outlet: a frame is due on the wire only when the bus has
+// sent it. Owns model, nodes and outlet. The endpoint must outlive it; devices and their statistics
+// must live to its last advance().
 #pragma once
 
 #include <memory>
@@ -32,7 +37,7 @@ struct RigCanSettings {
 /// and in order. The client's settings of its controller are the outside node's.
 class RigCan final : public EventSource, private emulators::CanOutside {
  public:
-  /// `endpoint` must outlive the line.
+  /// `endpoint` must outlive it. Throws std::invalid_argument.
   RigCan(const emulators::CanBusSettings& settings, drivers::CanBus& endpoint,
          RigCanSettings line = {});
   ~RigCan() override;
@@ -42,10 +47,10 @@ class RigCan final : public EventSource, private emulators::CanOutside {
   /// Nodes added from now on belong to the device of this name: faults know the first of them by
   /// it, further ones as "NAME 2" and so on.
   void begin_device(const std::string& name);
-  /// A new node; the output is what its device must be constructed with. `statistics` must outlive
-  /// the line.
+  /// A new node; the output is what its device must be constructed with. `statistics` must live
+  /// to the last advance().
   [[nodiscard]] emulators::FrameOutput& add_node(WireStatistics& statistics);
-  /// The device that was constructed with `output`.
+  /// The device that was constructed with `output`; it must live to the last advance().
   void attach(emulators::FrameOutput& output, emulators::CanDevice& device);
   /// After the last add_node(), before the run. Throws std::invalid_argument.
   void set_faults(const emulators::CanBusFaults& faults);

@@ -1,5 +1,8 @@
 // One Modbus line of the rig at run time: the wire to the clients and the server in front of the
 // devices' units.
+//
+// Units are added before the run, before or after start(). The line goes to the executive first,
+// then its outlet. It owns endpoint, outlet and server; the units are the devices'.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

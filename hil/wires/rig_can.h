@@ -48,7 +48,7 @@ class RigCan final : public EventSource, private emulators::CanOutside {
   /// it, further ones as "NAME 2" and so on.
   void begin_device(const std::string& name);
   /// A new node; the output is what its device must be constructed with. `statistics` must live
-  /// to the last advance().
+  /// to the last advance(). Throws std::invalid_argument for settings of nodes out of range.
   [[nodiscard]] emulators::FrameOutput& add_node(WireStatistics& statistics);
   /// The device that was constructed with `output`; it must live to the last advance().
   void attach(emulators::FrameOutput& output, emulators::CanDevice& device);

@@ -65,7 +65,7 @@ class Device {
   [[nodiscard]] virtual const emulators::Device& emulator() const = 0;
   /// Messages on the wire so far.
   [[nodiscard]] virtual std::uint64_t frames() const { return statistics_.units; }
-  /// Units lost before and at the endpoint.
+  /// Units of output lost before and at the endpoint.
   [[nodiscard]] virtual std::uint64_t dropped() const { return statistics_.dropped; }
   [[nodiscard]] virtual const WireStatistics& statistics() const { return statistics_; }
 

@@ -1,6 +1,6 @@
 // Finding fault with how the parts of a rig go together: names that nobody has, wires and addresses
-// taken twice, reach beyond this machine. Buses and lines are checked by it as devices are; nothing
-// here repeats what a single field's range says.
+// taken twice, reach beyond this machine. CAN buses and Modbus lines are checked by it as devices
+// are; nothing here repeats what a single field's range says.
 #pragma once
 
 #include <cstdint>

@@ -54,7 +54,7 @@ class Site {
   [[nodiscard]] virtual boost::asio::io_context& io() = 0;
   [[nodiscard]] virtual Executive& executive() = 0;
 
-  /// The bus or line of that name; what is made there must outlive it.
+  /// The CAN bus or Modbus line of that name; what joins it must live to its last advance().
   [[nodiscard]] virtual RigCan& bus(const std::string& bus) = 0;
   [[nodiscard]] virtual RigModbus& modbus(const std::string& line) = 0;
   /// Opens the server when the first device asks for it.

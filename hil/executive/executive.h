@@ -1,8 +1,8 @@
 // The executive: runs truth, devices and wires against one clock.
 //
 // Two threads when paced. The truth thread computes slices of simulated time ahead of the clock by
-// `lead` and hands their samples over. The wire thread (the caller's) owns devices, outlets and
-// endpoints: it takes samples as simulated time reaches them, runs what the devices have due in
+// `lead` and hands their samples over. The wire thread (the caller's) is where stations, buses,
+// outlets and endpoints live: it takes samples as simulated time reaches them, runs what is due in
 // order of time, and hands every unit of output to its wire at its absolute deadline. What clients
 // send is given to the device at once, on the wire thread; commands and changed sample plans travel
 // back and act from the truth's frontier on, that is up to `lead` later.

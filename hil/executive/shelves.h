@@ -1,4 +1,4 @@
-// What travels between truth and devices, whatever it is: a shelf for each station and type. Down
+// What travels between truth and stations, whatever it is: a shelf for each station and type. Down
 // go samples, up go sample plans and commands.
 //
 // The executive hands shelves over without knowing what lies on them: only the sensor that puts a

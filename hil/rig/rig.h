@@ -108,7 +108,7 @@ class Rig {
 
   void open_bus(const std::string& name, const BusConfiguration& configuration);
   void open_modbus_line(const std::string& name, const ModbusLineConfiguration& configuration);
-  /// Opens the server when the first device asks for it.
+  /// Opens the server when the first bus or device asks for it.
   [[nodiscard]] UsbBus& usb();
   void open_taps(const TruthFiles& files);
 
@@ -122,7 +122,7 @@ class Rig {
   std::map<std::string, std::unique_ptr<Bus>> buses_;
   std::map<std::string, std::unique_ptr<RigModbus>> modbus_lines_;
   std::vector<NamedDevice> devices_;
-  /// Null while no device is on USB. Last, because what is plugged into it must outlive it.
+  /// Null while nothing is on USB. Last, because what is plugged into it must outlive it.
   std::unique_ptr<RigUsb> usb_;
 };
 

@@ -1,4 +1,5 @@
-// The fingerprint of everything a device has emitted: each unit's due time, length and bytes.
+// The fingerprint of everything a device has emitted: due time, length and bytes of each unit of
+// output.
 //
 // FNV-1a, 64 bit. Two runs with the same configuration and seed must agree in it; it is no
 // protection against a forger.

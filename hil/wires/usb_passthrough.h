@@ -4,7 +4,7 @@
 // Descriptors are read from the device once. Class and vendor requests and transfers go to the
 // device and back; the standard requests are answered here (usb_standard_requests.h), so that
 // alternate settings other than the first, and other configurations, are not reachable. A halt of
-// an endpoint is cleared on the device at once, as the client's CLEAR_FEATURE does not reach it.
+// a USB endpoint is cleared on the device at once, as the client's CLEAR_FEATURE does not reach it.
 // Isochronous endpoints do not exist here. A client that takes the device does not reset it.
 //
 // The device answers in wall time, so that this makes sense under a clock that follows it only.

@@ -11,7 +11,8 @@
 namespace rigwire::hil {
 
 struct WireStatistics {
-  std::uint64_t units = 0;    ///< Handed to the wire: datagrams, CAN frames, answers, UART chunks.
+  /// Units of output handed to the wire: datagrams, CAN frames, answers, UART chunks.
+  std::uint64_t units = 0;
   std::uint64_t bytes = 0;    ///< In those units.
   std::uint64_t dropped = 0;  ///< Units that the queue or the endpoint refused, whole or in part.
   LatencyHistogram

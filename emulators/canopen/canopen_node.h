@@ -20,6 +20,7 @@
 #include "emulators/canopen/object_dictionary.h"
 #include "emulators/canopen/sdo_server.h"
 #include "emulators/device.h"
+#include "protocols/canopen/communication_objects.h"
 #include "protocols/canopen/identifiers.h"
 
 namespace rigwire::emulators {

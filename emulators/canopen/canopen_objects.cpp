@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "emulators/canopen/canopen_node.h"
+#include "protocols/canopen/rotary_encoder.h"
 
 namespace rigwire::emulators {
 

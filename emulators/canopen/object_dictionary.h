@@ -9,7 +9,6 @@
 
 #include "emulators/nonvolatile_memory.h"
 #include "protocols/canopen/object_entry.h"
-#include "protocols/canopen/rotary_encoder.h"
 
 namespace rigwire::emulators {
 

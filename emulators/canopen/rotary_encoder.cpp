@@ -54,9 +54,9 @@ RotaryEncoder::RotaryEncoder(const RotaryEncoderSettings& settings, NonvolatileM
                             settings_.event_timer_ms);
   dictionary_.set_delivered({object::kTransmitPdo, canopen::kPdoType}, settings_.transmission_type);
   dictionary_.set_delivered(object::kHeartbeatTime, settings_.heartbeat_ms);
-  dictionary_.set_delivered({0x1018, 1}, settings_.vendor);
-  dictionary_.set_delivered({0x1018, 2}, settings_.resolution_bits);
-  dictionary_.set_delivered({0x1018, 3}, kRevision);
+  dictionary_.set_delivered(object::kVendor, settings_.vendor);
+  dictionary_.set_delivered(object::kProductCode, settings_.resolution_bits);
+  dictionary_.set_delivered(object::kRevisionNumber, kRevision);
   dictionary_.set_delivered(object::kSerialNumber, settings_.serial);
   dictionary_.set_delivered(object::kEncoderSerial, settings_.serial);
   const double step_rad = kTurn_rad / static_cast<double>(steps());

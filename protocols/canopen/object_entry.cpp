@@ -1,8 +1,25 @@
 #include "protocols/canopen/object_entry.h"
 
+#include <algorithm>
 #include <cassert>
 
 namespace rigwire::protocols::canopen {
+
+const ObjectEntry* find(std::span<const ObjectEntry> table, ObjectAddress address) {
+  const auto found = std::lower_bound(table.begin(), table.end(), address,
+                                      [](const ObjectEntry& entry, ObjectAddress wanted) {
+                                        return precedes(entry, ObjectEntry{wanted});
+                                      });
+  return found != table.end() && found->address == address ? &*found : nullptr;
+}
+
+bool has_object(std::span<const ObjectEntry> table, std::uint16_t index) {
+  const auto found = std::lower_bound(table.begin(), table.end(), ObjectAddress{index, 0},
+                                      [](const ObjectEntry& entry, ObjectAddress wanted) {
+                                        return precedes(entry, ObjectEntry{wanted});
+                                      });
+  return found != table.end() && found->address.index == index;
+}
 
 void store(DataType type, std::span<std::uint8_t> bytes, std::int64_t value) {
   assert(bytes.size() == size_of(type));

@@ -46,6 +46,45 @@ struct ObjectEntry {
   [[nodiscard]] constexpr bool has(std::uint8_t flag) const { return (flags & flag) != 0; }
 };
 
+/// Rows of a table: what never changes, what the device alone changes, what a client may write.
+[[nodiscard]] constexpr ObjectEntry constant_entry(std::uint16_t index, std::uint8_t sub,
+                                                   std::string_view name, DataType type,
+                                                   std::int64_t value, std::uint8_t flags = 0) {
+  return {{index, sub}, name, type, Access::constant, value, value, value, flags, ""};
+}
+[[nodiscard]] constexpr ObjectEntry live_entry(std::uint16_t index, std::uint8_t sub,
+                                               std::string_view name, DataType type,
+                                               std::string_view unit = "", std::uint8_t flags = 0) {
+  return {{index, sub}, name, type, Access::read_only, 0, 0, 0, flags, unit};
+}
+[[nodiscard]] constexpr ObjectEntry setting_entry(std::uint16_t index, std::uint8_t sub,
+                                                  std::string_view name, DataType type,
+                                                  std::int64_t initial, std::int64_t lower,
+                                                  std::int64_t upper,
+                                                  std::uint8_t flags = EntryFlag::kStored,
+                                                  std::string_view unit = "") {
+  return {{index, sub}, name, type, Access::read_write, initial, lower, upper, flags, unit};
+}
+
+/// The order of a dictionary's table.
+[[nodiscard]] constexpr bool precedes(const ObjectEntry& a, const ObjectEntry& b) {
+  return a.address.index != b.address.index ? a.address.index < b.address.index
+                                            : a.address.sub < b.address.sub;
+}
+[[nodiscard]] constexpr bool is_sorted(std::span<const ObjectEntry> table) {
+  for (std::size_t i = 1; i < table.size(); ++i) {
+    if (!precedes(table[i - 1], table[i])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// The row of an address in a sorted table; null when there is none.
+[[nodiscard]] const ObjectEntry* find(std::span<const ObjectEntry> table, ObjectAddress address);
+/// Whether any sub-index of the object exists.
+[[nodiscard]] bool has_object(std::span<const ObjectEntry> table, std::uint16_t index);
+
 /// Bytes of a number; 0 for strings.
 [[nodiscard]] constexpr std::size_t size_of(DataType type) {
   switch (type) {

@@ -8,8 +8,11 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "hil/devices/device_types.h"
+
 namespace {
 
+using rigwire::hil::device_types;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -118,7 +121,8 @@ TEST(CommandLine, lists_know_what_there_is) {
   EXPECT_THAT(rigwire("list rigs").output, HasSubstr("excavator_pit"));
   EXPECT_THAT(rigwire("list machines").output, HasSubstr("excavator_ref18t"));
   EXPECT_THAT(rigwire("list scenes").output, HasSubstr("open_pit"));
-  EXPECT_EQ(nlohmann::json::parse(rigwire("list devices --json").output).size(), 20u);
+  EXPECT_EQ(nlohmann::json::parse(rigwire("list devices --json").output).size(),
+            device_types().size());
   const Result typo = rigwire("list rgis");
   EXPECT_EQ(typo.code, 2);
   EXPECT_THAT(typo.output, HasSubstr("did you mean rigs?"));

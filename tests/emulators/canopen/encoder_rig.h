@@ -1,102 +1,25 @@
-// An emulated CANopen encoder under test, with a client that speaks SDO to it.
+// An emulated CANopen encoder under test.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cstdint>
-#include <span>
-#include <string>
-#include <utility>
-#include <vector>
-
+#include "canopen_rig.h"
 #include "emulators/canopen/rotary_encoder.h"
-#include "protocols/bytes.h"
-#include "protocols/canopen/identifiers.h"
 
 namespace rigwire::emulators {
 
-using namespace std::chrono_literals;
-
-struct EncoderBus final : FrameOutput {
-  void send(SimTime due, const protocols::can::Frame& frame) override {
-    EXPECT_GE(due, last);
-    last = due;
-    frames.emplace_back(due, frame);
-  }
-  [[nodiscard]] std::vector<std::pair<SimTime, protocols::can::Frame>> of(std::uint32_t id) const {
-    std::vector<std::pair<SimTime, protocols::can::Frame>> result;
-    for (const auto& entry : frames) {
-      if (entry.second.id == id) {
-        result.push_back(entry);
-      }
-    }
-    return result;
-  }
-  SimTime last = kStart;
-  std::vector<std::pair<SimTime, protocols::can::Frame>> frames;
-};
-
-struct EncoderRig {
-  static constexpr std::uint8_t kNode = 0x20;
+struct EncoderRig final : CanopenRig<RotaryEncoder> {
   static RotaryEncoderSettings settings() {
     RotaryEncoderSettings settings;
     settings.node.node_id = kNode;
     settings.counter_clockwise = true;
     return settings;
   }
-  explicit EncoderRig(const RotaryEncoderSettings& of = settings()) : encoder(of, memory, output) {}
+  explicit EncoderRig(const RotaryEncoderSettings& of = settings()) : CanopenRig(of) {}
 
-  void run(Duration span) {
-    const SimTime end = now + span;
-    for (SimTime next = encoder.sample_plan().next_after(now); next <= end;
-         next = encoder.sample_plan().next_after(next)) {
-      encoder.update({next, angle_rad, rate_radps});
-    }
-    now = end;
-    encoder.advance(now);
-  }
-  void receive(std::uint32_t id, std::span<const std::uint8_t> payload) {
-    encoder.receive(now, protocols::canopen::make_frame(id, payload));
-  }
-  void command(protocols::canopen::NetworkCommand command, std::uint8_t node = kNode) {
-    encoder.receive(now, protocols::canopen::make_network_request({command, node}));
-  }
-  void boot() { run(300ms); }
-  void start() {
-    boot();
-    command(protocols::canopen::NetworkCommand::start);
-  }
-  /// The eight bytes that answer a request.
-  protocols::can::Frame ask(const protocols::canopen::SdoPayload& request) {
-    const std::size_t before = output.frames.size();
-    receive(0x600U + kNode, request);
-    EXPECT_GT(output.frames.size(), before);
-    const protocols::can::Frame frame = output.frames[before].second;
-    EXPECT_EQ(frame.id, 0x580U + kNode);
-    return frame;
-  }
-  std::uint32_t read(std::uint16_t index, std::uint8_t sub = 0) {
-    const auto frame = ask(protocols::canopen::make_upload({index, sub}));
-    EXPECT_EQ(frame.data[0] & 0xF3, 0x43 & 0xF3) << std::hex << index;
-    return protocols::load_little<std::uint32_t>(frame.data, 4);
-  }
-  /// The abort code, 0 when the write was taken.
-  std::uint32_t write(std::uint16_t index, std::uint8_t sub, std::uint32_t value,
-                      std::size_t bytes) {
-    std::array<std::uint8_t, 4> data{};
-    protocols::store_little<std::uint32_t>(data, 0, value);
-    const auto frame =
-        ask(protocols::canopen::make_download({index, sub}, std::span(data).first(bytes)));
-    return frame.data[0] == 0x60 ? 0U : protocols::load_little<std::uint32_t>(frame.data, 4);
-  }
+  void feed(SimTime instant) override { encoder.update({instant, angle_rad, rate_radps}); }
 
   double angle_rad = 0.0;
   double rate_radps = 0.0;
-  SimTime now = kStart;
-  EncoderBus output;
-  VolatileMemory memory;
-  RotaryEncoder encoder;
+  RotaryEncoder& encoder = device;
 };
 
 }  // namespace rigwire::emulators

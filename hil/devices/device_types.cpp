@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "hil/devices/inclinometer.h"
 #include "hil/devices/iso_valves.h"
 #include "hil/devices/openimu.h"
 #include "hil/devices/rotary_encoder.h"
@@ -87,6 +88,8 @@ constexpr std::array kTypes{
                fresh<XsensMtiConfiguration>},
     DeviceType{{"cia406-encoder", "Absolute rotary encoder on CANopen (CiA 406), at a joint."},
                fresh<EncoderConfiguration>},
+    DeviceType{{"cia410-inclinometer", "Two-axis inclinometer on CANopen (CiA 410), on a link."},
+               fresh<InclinometerConfiguration>},
     DeviceType{{"iso-valves", "Block of auxiliary valves with joysticks, on CAN (ISO 11783)."},
                fresh<IsoValvesConfiguration>},
     DeviceType{

@@ -1,0 +1,59 @@
+// Keys and checks of the inclinometer's settings.
+#include <stdexcept>
+#include <string>
+
+#include "emulators/canopen/inclinometer.h"
+#include "fields/check.h"
+#include "fields/visitor.h"
+
+namespace rigwire::emulators {
+
+namespace canopen = protocols::canopen;
+using fields::IntegerRule;
+
+void visit(fields::Visitor& v, InclinometerSettings& p) {
+  v.integer("node_id", p.node.node_id, IntegerRule{1, canopen::kGreatestNodeId},
+            "CANopen node; unique on a bus.");
+  v.integer(
+      "resolution", p.resolution_mdeg,
+      IntegerRule{canopen::kSlopeResolutions_mdeg.front(), canopen::kSlopeResolutions_mdeg.back()},
+      "Thousandths of a degree in one count of a slope: 1, 10, 100 or 1000.");
+  v.check(canopen::is_slope_resolution(p.resolution_mdeg), "resolution", "not a power of ten",
+          std::to_string(p.resolution_mdeg), "1, 10, 100, 1000");
+  v.integer("filter", p.filter_step, IntegerRule{0, canopen::kFilterCutOffs_hz.size() - 1},
+            "Low-pass on the force: 0 = none, 1 .. 4 = cut off at 10, 5, 1, 0.5 Hz.");
+  v.integer("quadrants", p.quadrants, IntegerRule{0, canopen::QuadrantCorrection::kFullTurn},
+            "Slopes that it tells apart: 0 = -90 .. 90, 1 = -180 .. 180, 2 = 0 .. 360 deg.");
+  v.number("range", p.range_rad, fields::in("deg").above(0).at_most(180),
+           "Greatest slope to either side; an axis beyond it is not valid.");
+  v.integer("transmission_type", p.transmission_type, IntegerRule{0, 255},
+            "When the 16-bit slopes are sent: 0 .. 240 after SYNC, 254 timer and change, 255 "
+            "timer.");
+  v.check(p.transmission_type <= canopen::kGreatestSynchronous ||
+              p.transmission_type >= canopen::kOnChange,
+          "transmission_type", "reserved by CiA 301", std::to_string(p.transmission_type),
+          "0 .. 240, 254, 255");
+  v.integer("event_timer", p.event_timer_ms, IntegerRule{0, 65535, fields::unit("ms")},
+            "Time between two messages of 16-bit slopes; 0 = only on SYNC or change.");
+  v.integer("heartbeat", p.heartbeat_ms, IntegerRule{0, 65535, fields::unit("ms")},
+            "Time between two heartbeats; 0 = none.");
+  v.boolean("starts_itself", p.node.starts_itself, "Operational without a master's command.");
+  v.integer("serial", p.serial, IntegerRule{0, 0xFFFFFFFF},
+            "Serial number that its identity object tells.");
+  v.integer("product", p.product, IntegerRule{0, 0xFFFFFFFF},
+            "Product code that its identity object tells.");
+  v.duration("sampling", p.sampling, {100'000, 1'000'000'000},
+             "Time between two readings of the force.");
+  visit(v, p.supply);
+}
+
+void validate(const InclinometerSettings& settings) {
+  fields::check(settings);
+  validate(settings.supply);
+  if (settings.node.boot < Duration{0} || settings.node.processing_delay < Duration{0}) {
+    throw std::invalid_argument(
+        "CiA 410 inclinometer: boot and processing_delay must not be negative");
+  }
+}
+
+}  // namespace rigwire::emulators

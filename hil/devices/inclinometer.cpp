@@ -1,0 +1,78 @@
+#include "hil/devices/inclinometer.h"
+
+#include <fmt/format.h>
+
+#include "fields/visitor.h"
+#include "hil/devices/can_device.h"
+#include "hil/devices/mounting.h"
+#include "hil/devices/rig_check.h"
+#include "hil/files/settings_file.h"
+#include "protocols/canopen/inclinometer.h"
+
+namespace rigwire::hil {
+namespace {
+
+using InclinometerDevice = CanDeviceOf<emulators::Inclinometer, emulators::ImuBackend>;
+
+}  // namespace
+
+void InclinometerConfiguration::visit(fields::Visitor& v) {
+  v.text("bus", bus, "One of the rig's buses.");
+  emulators::visit(v, inclinometer);
+  v.text("settings_file", settings_file,
+         "What a client saved, for the next run; empty: as long as the run.");
+  v.section("mount", mount, "Of the sensor's axes: x forward, y left, z up where it is level.");
+  v.section("sensor", sensor, "How well it measures the force; its gyroscope is not used.");
+}
+
+void InclinometerConfiguration::validate() const {
+  emulators::validate(inclinometer);
+}
+
+void InclinometerConfiguration::check(const std::string& at, RigCheck& check) const {
+  check.link(at + ".mount.link", mount.link);
+  check.bus(at, bus);
+  if (!check.duplicates(bus)) {
+    // The name that every CANopen node of the bus claims.
+    check.claim(at + ".node_id", fmt::format("{} node {}", bus, inclinometer.node.node_id),
+                std::to_string(inclinometer.node.node_id));
+  }
+}
+
+DevicePlan InclinometerConfiguration::plan(const RigView& rig) const {
+  const bool synchronous =
+      inclinometer.transmission_type <= protocols::canopen::kGreatestSynchronous;
+  return {can_wire(rig, bus, fmt::format("node {}", inclinometer.node.node_id)),
+          fmt::format("{:.0f} frames/s", bus_share({})->frames_hz), "",
+          fmt::format("counts of {:g} deg{}", 1e-3 * inclinometer.resolution_mdeg,
+                      synchronous ? ", sent after SYNC" : "")};
+}
+
+std::optional<BusShare> InclinometerConfiguration::bus_share(std::string_view name) const {
+  return asked_with_memory<emulators::Inclinometer>(bus_share_of(bus, name), inclinometer);
+}
+
+DeviceDescription InclinometerConfiguration::describe() const {
+  DeviceDescription description;
+  description.quantities = asked_with_memory<emulators::Inclinometer>(quantities_of, inclinometer);
+  description.wire = "CAN 2.0A, CANopen: SocketCAN or slcan on a pty";
+  description.document = "CiA 301 V4.2.0, CiA 410 V1.2, ifm JN2100 and JN2101 device manuals";
+  for (const auto& layout : protocols::canopen::inclinometer_layouts(
+           inclinometer.node.node_id, inclinometer.resolution_mdeg)) {
+    description.messages.push_back(
+        {fmt::format("{:03X} {}", layout.id, layout.name), "by its parameters", layout.text});
+  }
+  description.messages.push_back({"SDO", "on request",
+                                  fmt::format("{} entries of the object dictionary",
+                                              protocols::canopen::inclinometer_objects().size())});
+  return description;
+}
+
+std::unique_ptr<Device> InclinometerConfiguration::make(Site& site) const {
+  auto device = std::make_unique<InclinometerDevice>(site.bus(bus), inclinometer,
+                                                     open_settings(settings_file));
+  mount_inertial_unit(site, device->enlist(site.executive()), mount, sensor, {});
+  return device;
+}
+
+}  // namespace rigwire::hil

@@ -17,11 +17,12 @@ using InclinometerDevice = CanDeviceOf<emulators::Inclinometer, emulators::ImuBa
 }  // namespace
 
 void InclinometerConfiguration::visit(fields::Visitor& v) {
-  v.text("bus", bus, "One of the rig's buses.");
+  v.text("bus", bus, "Name of the rig's bus that the device is on.");
   emulators::visit(v, inclinometer);
   v.text("settings_file", settings_file,
          "What a client saved, for the next run; empty: as long as the run.");
-  v.section("mount", mount, "Of the sensor's axes: x forward, y left, z up where it is level.");
+  v.section("mount", mount,
+            "Where on the machine it sits: x forward, y left, z up where it is level.");
   v.section("sensor", sensor, "How well it measures the force; its gyroscope is not used.");
 }
 
@@ -31,12 +32,7 @@ void InclinometerConfiguration::validate() const {
 
 void InclinometerConfiguration::check(const std::string& at, RigCheck& check) const {
   check.link(at + ".mount.link", mount.link);
-  check.bus(at, bus);
-  if (!check.duplicates(bus)) {
-    // The name that every CANopen node of the bus claims.
-    check.claim(at + ".node_id", fmt::format("{} node {}", bus, inclinometer.node.node_id),
-                std::to_string(inclinometer.node.node_id));
-  }
+  check.canopen_node(at, bus, inclinometer.node.node_id);
 }
 
 DevicePlan InclinometerConfiguration::plan(const RigView& rig) const {

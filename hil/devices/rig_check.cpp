@@ -108,6 +108,13 @@ void RigCheck::j1939_node(const std::string& path, const std::string& on_bus, un
   claim(path + ".serial", fmt::format("{} serial {}", on_bus, serial), std::to_string(serial));
 }
 
+void RigCheck::canopen_node(const std::string& path, const std::string& on_bus, unsigned node_id) {
+  bus(path, on_bus);
+  if (!duplicates(on_bus)) {
+    claim(path + ".node_id", fmt::format("{} node {}", on_bus, node_id), std::to_string(node_id));
+  }
+}
+
 void RigCheck::usb() {
   address("usb.address", rig_.usb.address, rig_.usb.allow_remote);
   if (!std::exchange(usb_claimed_, true)) {

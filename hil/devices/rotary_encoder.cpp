@@ -46,11 +46,7 @@ void EncoderConfiguration::check(const std::string& at, RigCheck& check) const {
     check.report(at + ".link", "turns against itself", "\"" + link + "\"",
                  "another link than `base`");
   }
-  check.bus(at, bus);
-  if (!check.duplicates(bus)) {
-    check.claim(at + ".node_id", fmt::format("{} node {}", bus, encoder.node.node_id),
-                std::to_string(encoder.node.node_id));
-  }
+  check.canopen_node(at, bus, encoder.node.node_id);
 }
 
 DevicePlan EncoderConfiguration::plan(const RigView& rig) const {

@@ -9,6 +9,7 @@
 #include "fields/visitor.h"
 #include "sim/excavator/driven_arm.h"
 #include "sim/excavator/linkage.h"
+#include "sim/principal_inertia.h"
 
 namespace rigwire::sim {
 
@@ -191,13 +192,7 @@ void visit(fields::Visitor& v, ExcavatorParameters& p) {
 
 void validate(const RigidBodyParameters& p) {
   fields::check(p);
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const double found = p.principal_inertia_kgm2[i];
-    const double others = p.principal_inertia_kgm2.sum() - found;
-    fields::require(found <= others * (1.0 + 1e-9), "principal_inertia." + std::to_string(i),
-                    in("kg m2").print(found),
-                    "at most the sum of the other two, " + text(others) + " kg m2");
-  }
+  require_principal_inertia(p.principal_inertia_kgm2);
 }
 
 void validate(const BucketLinkageParameters& p) {

@@ -17,7 +17,7 @@ void visit(fields::Visitor& v, SupplySettings& p) {
   for (const Duration cut : p.cuts) {
     cuts_s.push_back(to_seconds(cut));
   }
-  v.number_list("power_cycles", cuts_s, in("s").at_least(0),
+  v.number_list("power_cycles", cuts_s, in("s").above(0),
                 "When the supply fails, from the start of the run, rising.");
   p.cuts.clear();
   for (const double cut_s : cuts_s) {

@@ -45,6 +45,9 @@ constexpr std::array<fields::Choice<std::uint8_t>, 7> kCutOffs{{{0, "off", "No f
                                                                 {40, "40 Hz", ""},
                                                                 {50, "50 Hz", ""}}};
 
+/// The greatest of the 24 axes codes.
+constexpr std::int64_t kLastOrientation = 0b101'101'100;
+
 void refuse(const std::string& what) {
   throw std::invalid_argument("OpenIMU: " + what);
 }
@@ -103,7 +106,7 @@ void visit(fields::Visitor& v, OpenImuSettings& p) {
   v.integer("serial", p.serial, IntegerRule{1, (1 << 21) - 1},
             "Identity number in the NAME; unique on a bus.");
   v.choice("rate", c.rate_divider, kRates, "Rate of the data messages at power-on.");
-  v.integer("packets", c.packet_mask, IntegerRule{0, 47},
+  v.integer("packets", c.packet_mask, IntegerRule{0, packets_of(p.variant)},
             "Messages sent, summed: 1 slope, 2 angular rate, 4 acceleration; 8 magnetic field "
             "(300RI) or fine angular rate, 32 older slope (335RI).");
   v.check(
@@ -113,7 +116,7 @@ void visit(fields::Visitor& v, OpenImuSettings& p) {
   v.choice("rate_filter", c.rate_cut_off_hz, kCutOffs, "Low pass of the angular rates.");
   v.choice("acceleration_filter", c.acceleration_cut_off_hz, kCutOffs,
            "Low pass of the accelerations.");
-  v.integer("orientation", c.orientation, IntegerRule{0, 65535},
+  v.integer("orientation", c.orientation, IntegerRule{0, kLastOrientation},
             "Axes code of the device, one of 24.");
   v.check(openimu::orientation_axes(c.orientation).has_value(), "orientation",
           "not an axes code of the device", std::to_string(c.orientation),

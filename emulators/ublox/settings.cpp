@@ -16,6 +16,9 @@ using namespace std::chrono_literals;
 constexpr std::array<std::uint32_t, 9> kBauds{4800,   9600,   19200,  38400, 57600,
                                               115200, 230400, 460800, 921600};
 
+/// 62.5 s; the counter of CFG-RATE holds 65.535 s.
+constexpr double kLowestRate_hz = 0.016;
+
 template <class Range>
 std::string listed(const Range& numbers) {
   std::string text;
@@ -86,11 +89,10 @@ std::span<const std::uint32_t> ublox_bauds() {
 void visit(fields::Visitor& v, UbloxSettings& p) {
   const UbloxProfile& profile = *p.profile;
   v.rate("rate", p.measurement_period,
-         fields::in("Hz").above(0).at_most(1.0 / to_seconds(profile.shortest_period)),
+         fields::in("Hz").between(kLowestRate_hz, 1.0 / to_seconds(profile.shortest_period)),
          "Navigation epochs per second; a client may change it by CFG-RATE.");
-  v.check(p.measurement_period % 1ms == 0ns && p.measurement_period <= 60s, "rate",
-          "the device counts its period in milliseconds",
-          fields::print_duration(p.measurement_period.count()), "whole milliseconds, at most 60 s");
+  v.check(p.measurement_period % 1ms == 0ns, "rate", "the device counts its period in milliseconds",
+          fields::print_duration(p.measurement_period.count()), "whole milliseconds");
   v.integer("baud", p.baud, fields::IntegerRule{4800, profile.greatest_baud, fields::unit("bit/s")},
             "Speed of the line at power-on, 8N1.");
   v.check(std::ranges::find(kBauds, p.baud) != kBauds.end(), "baud",

@@ -31,7 +31,7 @@ struct UbloxFault {
 struct UbloxSettings {
   const UbloxProfile* profile = &ublox_neo_7p();          ///< The type of receiver.
   std::uint32_t baud = 9600;                              ///< One of ublox_bauds(), 8N1.
-  Duration measurement_period = std::chrono::seconds{1};  ///< shortest_period .. 60 s, whole ms.
+  Duration measurement_period = std::chrono::seconds{1};  ///< shortest_period .. 62.5 s, whole ms.
   /// Sentences switched on at start: RMC VTG GGA GSA GSV GLL ZDA.
   std::vector<std::string> nmea_sentences{"RMC", "VTG", "GGA", "GSA", "GSV", "GLL"};
   /// UBX messages switched on at start: NAV-POSECEF, NAV-SOL, ... (see UbloxProfile::messages).

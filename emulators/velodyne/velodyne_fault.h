@@ -36,7 +36,7 @@ struct VelodyneFault {
   int last_laser = 0;             ///< Included.
   double sector_start_deg = 0.0;  ///< Azimuth, [0, 360), clockwise; the sector may contain 0.
   double sector_end_deg = 0.0;    ///< [0, 360], not the start.
-  double transmission = 1.0;      ///< One way, [0, 1).
+  double transmission = 1.0;      ///< One way, [0, 1].
   double seconds = 0.0;  ///< clock_offset: -3600 .. 3600, not 0; hour_overrun: above 0 .. 1.
   std::uint8_t return_mode_byte = 0;
   std::uint8_t product_id = 0;

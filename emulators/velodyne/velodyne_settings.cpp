@@ -41,13 +41,6 @@ void check(const char* member, Number value, Number least, Number most) {
   }
 }
 
-void check(const char* member, Duration value, Duration least, Duration most) {
-  if (value < least || value > most) {
-    refuse(std::string(member) + " is " + std::to_string(value.count()) + " ns, allowed: " +
-           std::to_string(least.count()) + " ns to " + std::to_string(most.count()) + " ns");
-  }
-}
-
 const velodyne::Model& model_of(const VelodyneSettings& settings) {
   const velodyne::Model* model = velodyne::find_model(std::string_view(settings.model));
   if (model != nullptr) {
@@ -59,6 +52,11 @@ const velodyne::Model& model_of(const VelodyneSettings& settings) {
     names += (names.empty() ? "" : ", ") + std::string(known.name);
   }
   refuse("model '" + settings.model + "' is not known; allowed: " + names);
+}
+
+/// The greatest distance that the 16 bits of a return can say.
+double farthest_m(const velodyne::Model& model) {
+  return 65535.0 * model.distance_unit_mm / 1000.0;
 }
 
 void check_rotor(double rpm, const velodyne::Model& model) {
@@ -94,9 +92,9 @@ void check_sector(const VelodyneFault& fault) {
         "dirty_window sector_end_deg is the sector's start, allowed: any other azimuth; 0 and "
         "360 are all round");
   }
-  if (!(fault.transmission >= 0.0 && fault.transmission < 1.0)) {
+  if (!(fault.transmission >= 0.0 && fault.transmission <= 1.0)) {
     refuse("dirty_window transmission is " + std::to_string(fault.transmission) +
-           ", allowed: 0 <= transmission < 1");
+           ", allowed: 0 <= transmission <= 1");
   }
 }
 
@@ -210,7 +208,7 @@ void visit(fields::Visitor& v, VelodyneSettings& p) {
     v.integer("position_port", p.telemetry_port, IntegerRule{1, 65535},
               "UDP port of the position packets.");
   }
-  v.number("rate", p.rotor_rpm, in("rpm").stored_as("rpm").between(0, 1200),
+  v.number("rate", p.rotor_rpm, in("rpm").stored_as("rpm").between(0, model.maximum_rotor_rpm),
            "Speed of the rotor; 10 Hz is 600 rpm; 0 = it stands.");
   v.choice("return_mode", p.return_mode, kReturnModes, "Which echoes are sent.");
   v.boolean("laser", p.laser_on, "Whether the lasers fire.");
@@ -239,11 +237,12 @@ void visit(fields::Visitor& v, VelodyneSettings& p) {
   }
   v.choice("reflectivity", p.reflectivity, kReflectivityScales, "Scale of the reflectivity byte.");
   v.boolean("vertical_offsets", p.vertical_offsets, "Each beam leaves from its own height.");
-  v.number("minimum_range", p.minimum_range_m, in("m").between(0, 1000),
+  v.number("minimum_range", p.minimum_range_m, in("m").between(0, farthest_m(model)),
            "Returns nearer than this are reported as none; 0 = the model's limit.");
-  v.number("maximum_range", p.maximum_range_m, in("m").between(0, 1000),
+  v.number("maximum_range", p.maximum_range_m, in("m").between(0, farthest_m(model)),
            "Returns beyond this are reported as none; 0 = the model's limit.");
-  v.duration("send_delay", p.send_delay, {0, 100'000'000},
+  v.duration("send_delay", p.send_delay,
+             {0, packet_period_ns(model, velodyne::ReturnMode::strongest)},
              "From the last shot of a packet to its start on the wire.");
   if (model.position_layout != PositionLayout::none) {
     v.duration("position_period", p.position_period, {0, 10'000'000'000},
@@ -290,14 +289,11 @@ void validate(const VelodyneSettings& settings) {
     }
     validate(*settings.calibration);
   }
-  const double largest = 65535.0 * model.distance_unit_mm * 1e-3;
   const auto [minimum, maximum] = range_window(settings, model);
-  if (!(minimum < maximum && maximum <= largest)) {
+  if (!(minimum < maximum)) {
     refuse("range limits are " + std::to_string(minimum) + " m and " + std::to_string(maximum) +
-           " m, allowed: 0 < minimum < maximum <= " + std::to_string(largest) + " m");
+           " m, allowed: minimum < maximum");
   }
-  const std::int64_t packet_ns = packet_period_ns(model, velodyne::ReturnMode::strongest);
-  check("send_delay", settings.send_delay, Duration::zero(), Duration{packet_ns});
   for (const VelodyneFault& fault : settings.faults) {
     check_fault(fault, settings, model);
   }

@@ -176,9 +176,13 @@ TEST_F(VelodyneControlTest, RefusesSettingsByName) {
           "fov.start: found 360 deg, allowed 0 .. 359 deg");
   refused([](auto& s) { s.view_end_deg = -1; }, "fov.end: found -1 deg");
   refused([](auto& s) { s.phase_lock_offset_centideg = 36000; }, "phase_lock.offset: found 36000");
-  refused([](auto& s) { s.maximum_range_m = 140.0; }, "range limits");
+  refused([](auto& s) { s.maximum_range_m = 140.0; },
+          "maximum_range: found 140 m, allowed 0 .. 131.07 m");
+  refused([](auto& s) { s.minimum_range_m = 120.0; }, "range limits");
   refused([](auto& s) { s.minimum_range_m = -1.0; }, "minimum_range: found -1 m");
   refused([](auto& s) { s.send_delay = nanoseconds{-1}; }, "send_delay");
+  refused([](auto& s) { s.send_delay = milliseconds{1}; },
+          "send_delay: found 1 ms, allowed 0 s .. ");
   refused([](auto& s) { s.position_period = nanoseconds{1}; }, "position_period");
   refused([](auto& s) { s.start_up = seconds{601}; }, "start_up");
   refused([](auto& s) { s.clock_drift_ppm = 201.0; }, "clock.drift: found 201 ppm");
@@ -195,7 +199,7 @@ TEST_F(VelodyneControlTest, RefusesSettingsByName) {
   fault({.kind = VelodyneFaultKind::dead_laser, .first_laser = 16, .last_laser = 16},
         "first_laser is 16, allowed: 0 to 15", "VLP-16");
   fault({.kind = VelodyneFaultKind::dirty_window, .sector_end_deg = 0.0}, "sector_end_deg");
-  fault({.kind = VelodyneFaultKind::dirty_window, .sector_end_deg = 90.0, .transmission = 1.0},
+  fault({.kind = VelodyneFaultKind::dirty_window, .sector_end_deg = 90.0, .transmission = 1.1},
         "transmission is 1");
   fault({.kind = VelodyneFaultKind::pulse_loss}, "needs a pulse", "VLP-16",
         VelodyneTimeSource::none);

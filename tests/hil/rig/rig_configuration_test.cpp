@@ -146,7 +146,7 @@ TEST(BadRig, mistyped_device_and_key_on_the_command_line_are_told) {
 TEST(BadRig, negative_rate_and_not_a_number_are_out) {
   EXPECT_EQ(complaints({"devices.gnss.rate=-5 Hz"}),
             "--set devices.gnss.rate=-5 Hz: devices.gnss.rate: out of range, found \"-5 Hz\", "
-            "allowed above 0 .. 20 Hz");
+            "allowed 0.016 .. 20 Hz");
   EXPECT_THAT(complaints({"machine.excavator.boom_length=.nan"}), HasSubstr("not a finite number"));
   EXPECT_THAT(complaints({"machine.excavator.boom.mass=-1 kg"}), HasSubstr("allowed > 0 kg"));
   EXPECT_THAT(complaints({"machine.excavator.boom_length=5 kg"}),

@@ -1,5 +1,6 @@
 #include "hil/devices/device.h"
 
+#include "fields/check.h"
 #include "hil/executive/executive.h"
 
 namespace rigwire::hil {
@@ -9,6 +10,9 @@ void visit(fields::Visitor& v, DeviceConfiguration& p) {
 }
 
 void validate(const DeviceConfiguration& p) {
+  // A visitor wants something that it could change.
+  const std::unique_ptr<DeviceConfiguration> copy = p.copy();
+  fields::check_part(fields::Part::of(*copy));
   p.validate();
 }
 

@@ -86,6 +86,7 @@ class DeviceConfiguration {
 
 // For fields::Part, which finds them by the type.
 void visit(fields::Visitor& v, DeviceConfiguration& p);
+/// Every member by its rule, then what joins them. Throws std::invalid_argument.
 void validate(const DeviceConfiguration& p);
 
 /// Base of the classes of this folder: copies as what it is.

@@ -83,6 +83,9 @@ std::string NumberRule::print(double stored_value) const {
     const bool bare = unit.symbol.empty() || unit.symbol == "1";
     return bare ? number : number + " " + std::string(unit.symbol);
   };
+  if (!std::isfinite(stored_value)) {
+    return with_unit(shortest(stored_value), *written_);
+  }
   const double written = to_written(stored_value);
   const std::string rounded = digits(written, std::chars_format::general, 15);
   double reread = 0.0;

@@ -109,32 +109,5 @@ TEST(Outline, reference_names_type_unit_range_and_default) {
   EXPECT_THAT(text, HasSubstr("flavour: choice, sweet, sour, default sweet\n    Taste.\n"));
 }
 
-TEST(NumberRule, printed_number_reads_back_exactly_whatever_the_unit) {
-  constexpr fields::NumberRule degrees = fields::in("deg");
-  constexpr fields::NumberRule millimetres = fields::in("mm");
-  constexpr fields::NumberRule litres = fields::in("l/min");
-  std::uint64_t state = 12345;
-  for (int i = 0; i < 20000; ++i) {
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    const double value = static_cast<double>(static_cast<std::int64_t>(state)) * 1e-18;
-    for (const fields::NumberRule* rule : {&degrees, &millimetres, &litres}) {
-      const std::string text = rule->print(value);
-      const auto quantity = fields::split_quantity(text);
-      ASSERT_TRUE(quantity) << text;
-      const fields::Unit* unit = fields::find_unit(quantity->unit, rule->written().dimension);
-      ASSERT_NE(unit, nullptr) << text;
-      ASSERT_EQ(rule->to_stored(quantity->value, *unit), value) << text;
-    }
-  }
-}
-
-TEST(NumberRule, round_values_print_round) {
-  EXPECT_EQ(fields::in("deg").print(fields::in("deg").to_stored(30, fields::in("deg").written())),
-            "30 deg");
-  EXPECT_EQ(fields::in("mm").print(1.05), "1050 mm");
-  EXPECT_EQ(fields::in("MPa").print(35e6), "35 MPa");
-  EXPECT_EQ(fields::plain().print(0.1), "0.1");
-}
-
 }  // namespace
 }  // namespace rigwire::hil

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "hil/control/run.h"
-#include "hil/rig/rig_status.h"
 #include "hil/executive/truth_source.h"
+#include "hil/rig/rig_status.h"
 
 namespace rigwire::hil {
 

@@ -125,7 +125,12 @@ INSTANTIATE_TEST_SUITE_P(
                     Family{"lidar", {"devices.lidar.faults"}}, Family{"can", {"buses.can.faults"}},
                     Family{"modbus", {"modbus.tcp.faults", "modbus.rtu.faults"}},
                     Family{"modbus", {"devices.valves_tcp.faults"}},
-                    Family{"modbus", {"devices.valves_can.faults"}}));
+                    Family{"modbus", {"devices.valves_can.faults"}}),
+    [](const auto& test) {
+      std::string name = test.param.lists.front();
+      std::ranges::replace(name, '.', '_');
+      return name;
+    });
 
 TEST(Streams, a_star_fire_has_every_fault_that_it_accepts) {
   const std::string list = "devices.starfire.faults";

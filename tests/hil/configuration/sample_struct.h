@@ -12,9 +12,9 @@
 #include "fields/visitor.h"
 #include "hil/configuration/outline.h"
 #include "hil/configuration/reader.h"
+#include "hil/configuration/utc.h"
 #include "sim/samples/time.h"
 #include "sim/samples/vector3.h"
-#include "hil/configuration/utc.h"
 
 namespace rigwire::hil {
 

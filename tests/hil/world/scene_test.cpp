@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <ostream>
 #include <sstream>
 #include <string>
 
@@ -31,6 +32,9 @@ struct DrivableScene {
   double length_m;
   double steepest;  ///< Rise over run along the track, over 3 m.
 };
+void PrintTo(const DrivableScene& scene, std::ostream* out) {
+  *out << scene.name;
+}
 
 class DrivableScenes : public testing::TestWithParam<DrivableScene> {};
 

@@ -124,7 +124,7 @@ TEST(SoilParameters, BadOnesAreRefusedByName) {
   refused([](SoilParameters& s) { s.internal_friction_rad = std::numbers::pi / 2.0; },
           "internal_friction: found 90 deg, allowed 0 .. 89 deg");
   refused([](SoilParameters& s) { s.cohesion_pa = std::numeric_limits<double>::quiet_NaN(); },
-          "cohesion: found nan Pa, allowed >= 0 kPa");
+          "cohesion: found nan kPa, allowed >= 0 kPa");
 }
 
 }  // namespace

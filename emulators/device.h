@@ -131,9 +131,7 @@ class CanDevice : public Device {
   /// configured, before any client changes it. `name` is the device's in its rig: the sender of
   /// what it sends.
   [[nodiscard]] virtual std::vector<protocols::can::MessageLayout> messages(
-      std::string_view /*name*/) const {
-    return {};
-  }
+      std::string_view name) const = 0;
 };
 
 /// A device that serves byte streams (USB/IP).

@@ -30,6 +30,10 @@ using Reports = std::vector<std::pair<SimTime, ControllerReport>>;
 /// A node that records what it hears.
 class Listener final : public CanDevice {
  public:
+  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+      std::string_view /*name*/) const override {
+    return {};
+  }
   void advance(SimTime) override {}
   [[nodiscard]] SimTime next_event() const override { return kNever; }
   [[nodiscard]] SamplePlan sample_plan() const override { return {}; }

@@ -29,6 +29,10 @@ constexpr std::uint64_t kName = 0x1000;
 
 /// A device with its node.
 struct Unit : J1939Application, CanDevice {
+  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+      std::string_view /*name*/) const override {
+    return {};
+  }
   Unit(const J1939NodeSettings& settings, FrameOutput& output) : node(settings, *this, output) {}
 
   J1939Answer answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) override {

@@ -1,7 +1,7 @@
 // Units that a configuration may write, and the rule that a number field carries.
 //
 // Each unit belongs to a dimension; a field accepts every unit of its dimension. The factor to the
-// SI unit is a fraction, so that 1050 mm is the double nearest to 1.05, not 1050 * 0.001.
+// SI unit is a fraction, so that 9 mm is the double nearest to 0.009, not 9 * 0.001.
 #pragma once
 
 #include <cmath>

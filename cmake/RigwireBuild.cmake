@@ -34,6 +34,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     list(APPEND RIGWIRE_WARNINGS -Wno-restrict)  # false alarms in std::string (GCC bug 105651)
   endif()
 endif()
+if(RIGWIRE_SANITIZE)
+  list(APPEND RIGWIRE_WARNINGS -Wno-maybe-uninitialized)  # false alarms under the sanitizers' checks
+endif()
 if(RIGWIRE_SANITIZE MATCHES thread)
   list(APPEND RIGWIRE_WARNINGS -Wno-tsan)  # Asio's thread fences, which the sanitizer cannot see
 endif()
@@ -76,7 +79,8 @@ function(rigwire_test folder)
   endif()
   add_executable(${folder}_tests ${sources})
   # The tests' own code is run once: a quarter of its build time is worth more than its speed.
-  target_compile_options(${folder}_tests PRIVATE ${RIGWIRE_WARNINGS} $<$<CONFIG:Release>:-O1>)
+  target_compile_options(${folder}_tests PRIVATE ${RIGWIRE_WARNINGS}
+    $<$<CONFIG:Release>:-O1> $<$<CONFIG:RelWithDebInfo>:-O0>)
   target_include_directories(${folder}_tests PRIVATE ${PROJECT_SOURCE_DIR}/tests/support)
   # Only where it is used: objects that do not know their place are shared by all trees of a cache.
   set(place RIGWIRE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" RIGWIRE_BINARY_DIR="${PROJECT_BINARY_DIR}")

@@ -245,9 +245,10 @@ namespace detail {
 
 /// The unit of that symbol within a dimension, or within all (the first match). Throws, which is a
 /// compile error where the call must be constant.
-constexpr const Unit& unit_named(std::string_view symbol, const Dimension* dimension) {
+constexpr const Unit& unit_named(std::string_view symbol,
+                                 std::optional<Dimension> dimension = std::nullopt) {
   for (const Unit& unit : kUnits) {
-    if (unit.symbol == symbol && (dimension == nullptr || unit.dimension == *dimension)) {
+    if (unit.symbol == symbol && (!dimension || unit.dimension == *dimension)) {
       return unit;
     }
   }
@@ -267,19 +268,19 @@ constexpr const Unit& si_unit(Dimension dimension) {
 
 constexpr NumberRule NumberRule::stored_as(std::string_view symbol) const {
   NumberRule rule = *this;
-  rule.stored_ = &detail::unit_named(symbol, &written_->dimension);
+  rule.stored_ = &detail::unit_named(symbol, written_->dimension);
   return rule;
 }
 
 /// A field whose bare numbers are in `symbol` and whose member holds the SI unit.
 consteval NumberRule in(std::string_view symbol) {
-  const Unit& unit = detail::unit_named(symbol, nullptr);
+  const Unit& unit = detail::unit_named(symbol);
   return NumberRule(unit, detail::si_unit(unit.dimension));
 }
 
 /// The same where two dimensions share a symbol ("g").
 consteval NumberRule in(std::string_view symbol, Dimension dimension) {
-  return NumberRule(detail::unit_named(symbol, &dimension), detail::si_unit(dimension));
+  return NumberRule(detail::unit_named(symbol, dimension), detail::si_unit(dimension));
 }
 
 /// A count or coefficient without unit.
@@ -289,7 +290,7 @@ consteval NumberRule plain() {
 
 /// For the unit of a whole number's rule. An unknown symbol does not compile.
 consteval const Unit* unit(std::string_view symbol) {
-  return &detail::unit_named(symbol, nullptr);
+  return &detail::unit_named(symbol);
 }
 
 /// A written quantity, taken apart.

@@ -53,7 +53,13 @@ class Station : public EventSource {
   virtual std::size_t take(StationIndex self, const Shelves& samples) = 0;
   /// Adds to `requests` what the device wants of the truth and has not asked for yet: its sample
   /// plan (SamplePlan), and what it commands.
-  virtual void collect(StationIndex self, Shelves& requests);
+  virtual void collect(StationIndex self, Shelves& requests) {
+    const SamplePlan plan = device_.sample_plan();
+    if (plan != announced_plan_) {
+      announced_plan_ = plan;
+      requests.of<SamplePlan>(self).push_back(plan);
+    }
+  }
 
  private:
   emulators::Device& device_;

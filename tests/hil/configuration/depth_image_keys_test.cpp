@@ -3,22 +3,15 @@
 
 #include <string>
 
-#include "hil/configuration/reader.h"
+#include "findings_of.h"
 #include "sim/lidar/depth_image_parameters.h"
 
 namespace rigwire::hil {
 namespace {
 
 sim::DepthImageParameters read_images(const std::string& yaml, std::string& findings) {
-  Problems problems;
-  const Value document = parse_document(yaml, "a.yaml", RIGWIRE_SOURCE_DIR, problems);
-  Origins origins;
   sim::DepthImageParameters images;
-  read(document, images, problems, origins);
-  findings.clear();
-  for (const Problem& problem : problems.sorted()) {
-    findings += problem.line() + "\n";
-  }
+  findings = findings_of(yaml, images);
   return images;
 }
 

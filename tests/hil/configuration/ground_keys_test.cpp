@@ -3,25 +3,12 @@
 
 #include <string>
 
-#include "hil/configuration/reader.h"
+#include "findings_of.h"
 #include "sim/ground/soil.h"
 #include "sim/tyre/tyre.h"
 
 namespace rigwire::hil {
 namespace {
-
-template <class Struct>
-std::string findings_of(const std::string& yaml, Struct& value) {
-  Problems problems;
-  const Value document = parse_document(yaml, "a.yaml", RIGWIRE_SOURCE_DIR, problems);
-  Origins origins;
-  read(document, value, problems, origins);
-  std::string text;
-  for (const Problem& problem : problems.sorted()) {
-    text += problem.line() + "\n";
-  }
-  return text;
-}
 
 TEST(TyreKeys, UnitsReachTheMembers) {
   sim::TyreParameters tyre;

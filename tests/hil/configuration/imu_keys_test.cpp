@@ -3,23 +3,16 @@
 
 #include <string>
 
+#include "findings_of.h"
 #include "hil/configuration/outline.h"
-#include "hil/configuration/reader.h"
 #include "sim/imu/imu_sensor.h"
 
 namespace rigwire::hil {
 namespace {
 
 sim::ImuParameters read_imu(const std::string& yaml, std::string& findings) {
-  Problems problems;
-  const Value document = parse_document(yaml, "a.yaml", RIGWIRE_SOURCE_DIR, problems);
-  Origins origins;
   sim::ImuParameters imu;
-  read(document, imu, problems, origins);
-  findings.clear();
-  for (const Problem& problem : problems.sorted()) {
-    findings += problem.line() + "\n";
-  }
+  findings = findings_of(yaml, imu);
   return imu;
 }
 

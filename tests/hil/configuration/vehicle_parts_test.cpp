@@ -3,9 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hil/configuration/document.h"
+#include "findings_of.h"
 #include "hil/configuration/outline.h"
-#include "hil/configuration/reader.h"
 #include "sim/driveline/parameters.h"
 #include "sim/odometry/odometry.h"
 #include "sim/vehicle_sensors/vehicle_sensors.h"
@@ -27,18 +26,6 @@ inline void visit(fields::Visitor& v, Parts& p) {
   v.section("odometry", p.odometry, "Own estimate.");
 }
 
-std::string load(const std::string& yaml, Parts& parts) {
-  Problems problems;
-  const Value document = parse_document(yaml, "a.yaml", RIGWIRE_SOURCE_DIR, problems);
-  Origins origins;
-  read(document, parts, problems, origins);
-  std::string text;
-  for (const Problem& problem : problems.sorted()) {
-    text += (text.empty() ? "" : "\n") + problem.line();
-  }
-  return text;
-}
-
 TEST(VehicleParts, BothDrivelinesPrintAndReadBackUnchanged) {
   for (const sim::DrivelineParameters& driveline :
        {sim::unimog_u5023_driveline(), sim::gator_855d_driveline()}) {
@@ -46,7 +33,7 @@ TEST(VehicleParts, BothDrivelinesPrintAndReadBackUnchanged) {
     parts.driveline = driveline;
     const std::string yaml = print_yaml(outline(parts), Origins{});
     Parts again;
-    ASSERT_EQ(load(yaml, again), "") << yaml;
+    ASSERT_EQ(findings_of(yaml, again), "") << yaml;
     EXPECT_TRUE(again.driveline == driveline) << yaml;
     EXPECT_TRUE(again.sensors == parts.sensors) << yaml;
     EXPECT_TRUE(again.odometry == parts.odometry) << yaml;
@@ -55,9 +42,9 @@ TEST(VehicleParts, BothDrivelinesPrintAndReadBackUnchanged) {
 
 TEST(VehicleParts, AGatorIsWrittenShort) {
   Parts parts;
-  ASSERT_EQ(load("driveline: {type: cvt, engine: {idle: 1300 rpm}, axles: {drive: rear, "
-                 "centre_lock: false}}\nsensors: {gate: 50 ms, radius_error: 2 %}\n",
-                 parts),
+  ASSERT_EQ(findings_of("driveline: {type: cvt, engine: {idle: 1300 rpm}, axles: {drive: rear, "
+                        "centre_lock: false}}\nsensors: {gate: 50 ms, radius_error: 2 %}\n",
+                        parts),
             "");
   const auto& cvt = std::get<sim::CvtParameters>(parts.driveline);
   EXPECT_DOUBLE_EQ(cvt.engine.idle_radps, 1300 * sim::kRadpsPerRpm);
@@ -68,13 +55,14 @@ TEST(VehicleParts, AGatorIsWrittenShort) {
 
 TEST(VehicleParts, WhatTheModelRefusesIsReportedWithItsPlace) {
   Parts parts;
-  EXPECT_THAT(load("driveline: {clutch: {full: 100 rpm}}\n", parts),
+  EXPECT_THAT(findings_of("driveline: {clutch: {full: 100 rpm}}\n", parts),
               HasSubstr("driveline.clutch.full: found 100 rpm, allowed above open, 740 rpm"));
-  EXPECT_THAT(load("driveline: {engine: {inertia: -1}}\n", parts),
+  EXPECT_THAT(findings_of("driveline: {engine: {inertia: -1}}\n", parts),
               HasSubstr("driveline.engine.inertia"));
-  EXPECT_THAT(load("driveline: {type: automatic}\n", parts), HasSubstr("driveline.type"));
-  EXPECT_THAT(load("driveline: {gearbox: {forward: [1, 0]}}\n", parts), HasSubstr("forward"));
-  EXPECT_THAT(load("odometry: {front_distance: 0 m}\n", parts),
+  EXPECT_THAT(findings_of("driveline: {type: automatic}\n", parts), HasSubstr("driveline.type"));
+  EXPECT_THAT(findings_of("driveline: {gearbox: {forward: [1, 0]}}\n", parts),
+              HasSubstr("forward"));
+  EXPECT_THAT(findings_of("odometry: {front_distance: 0 m}\n", parts),
               HasSubstr("odometry.front_distance: found 0 m, allowed a wheelbase above 0.01 m"));
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <string>
 
+#include "findings_of.h"
 #include "hil/configuration/reader.h"
 #include "hil/world/scene.h"
 
@@ -13,18 +14,6 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-
-std::string findings_of(const std::string& yaml, SceneConfiguration& scene) {
-  Problems problems;
-  const Value document = parse_document(yaml, "a.yaml", RIGWIRE_SOURCE_DIR, problems);
-  Origins origins;
-  read(document, scene, problems, origins);
-  std::string text;
-  for (const Problem& problem : problems.sorted()) {
-    text += problem.line() + "\n";
-  }
-  return text;
-}
 
 std::string findings_of(const std::string& yaml) {
   SceneConfiguration scene;

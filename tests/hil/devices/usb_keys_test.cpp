@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "findings_of.h"
 #include "hil/configuration/outline.h"
-#include "hil/configuration/reader.h"
 #include "hil/devices/device_types.h"
 #include "hil/devices/ublox.h"
 #include "hil/devices/usb_joystick.h"
@@ -15,19 +15,6 @@ namespace rigwire::hil {
 namespace {
 
 using ::testing::HasSubstr;
-
-template <class Struct>
-std::string findings_of(const std::string& yaml, Struct& value) {
-  Problems problems;
-  const Value document = parse_document(yaml, "a.yaml", RIGWIRE_SOURCE_DIR, problems);
-  Origins origins;
-  read(document, value, problems, origins);
-  std::string findings;
-  for (const Problem& problem : problems.sorted()) {
-    findings += problem.line() + "\n";
-  }
-  return findings;
-}
 
 TEST(UsbKeys, AScriptBecomesKeyframes) {
   UsbJoystickConfiguration levers;

@@ -3,23 +3,16 @@
 
 #include <string>
 
+#include "findings_of.h"
 #include "hil/configuration/outline.h"
-#include "hil/configuration/reader.h"
 #include "hil/world/lidar_sensor_configuration.h"
 
 namespace rigwire::hil {
 namespace {
 
 sim::SpinningLidarParameters read_sensor(const std::string& yaml, std::string& findings) {
-  Problems problems;
-  const Value document = parse_document(yaml, "a.yaml", RIGWIRE_SOURCE_DIR, problems);
-  Origins origins;
   sim::SpinningLidarParameters sensor;
-  read(document, sensor, problems, origins);
-  findings.clear();
-  for (const Problem& problem : problems.sorted()) {
-    findings += problem.line() + "\n";
-  }
+  findings = findings_of(yaml, sensor);
   return sensor;
 }
 

@@ -12,6 +12,7 @@
 #include "drivers/descriptor.h"
 #include "drivers/pty.h"
 #include "drivers/slcan_adapter.h"
+#include "sanitized.h"
 
 namespace rigwire::drivers {
 namespace {
@@ -85,7 +86,9 @@ TEST_F(Reconnecting, TenThousandClientsThatNeitherReadNorCloseLeaveNothing) {
   run_until_received(kFirst + kVisits);
   EXPECT_EQ(received_, kFirst + kVisits) << "every client's frame has arrived";
   EXPECT_EQ(open_descriptors(), descriptors);
-  EXPECT_LT(resident_pages() - pages, 256) << "1 MiB";
+  if (!kSanitized) {  // the address sanitizer keeps what was freed for a while
+    EXPECT_LT(resident_pages() - pages, 256) << "1 MiB";
+  }
 }
 
 TEST_F(Reconnecting, ClientThatSendsForEverAndNeverReadsIsHeardAndCosts) {

@@ -89,7 +89,8 @@ double Mti600::nominal_rate_hz() const {
 std::vector<protocols::can::MessageLayout> Mti600::messages(std::string_view name) const {
   constexpr double kPeriod_ms = 1e3 / kMtiSamplesPerSecond;
   std::vector<protocols::can::MessageLayout> list;
-  for (auto& layout : xsens::layouts(settings_.extended)) {
+  for (auto& layout :
+       xsens::layouts(settings_.extended, to_seconds(tick_of(settings_.sample_time)))) {
     for (const MtiOutput& output : settings_.outputs) {
       if (static_cast<std::uint32_t>(output.id) == layout.id) {
         layout.sender = name;
@@ -177,9 +178,9 @@ void Mti600::send(const ImuSample& sample, const MtiOutput& output) {
   };
   switch (output.id) {
     case MessageId::sample_time: {
-      // Wraps after 71.6 minutes.
-      const auto us = (sample.time - ready_at_) / std::chrono::microseconds{1};
-      emit(std::array{static_cast<double>(static_cast<std::uint32_t>(us))});
+      // Wraps with 32 bits: after 119 hours, of microseconds after 71.6 minutes.
+      const auto ticks = (sample.time - ready_at_) / tick_of(settings_.sample_time);
+      emit(std::array{static_cast<double>(static_cast<std::uint32_t>(ticks))});
       break;
     }
     case MessageId::group_counter:

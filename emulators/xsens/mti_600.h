@@ -55,8 +55,15 @@ inline constexpr std::array<MtiOutput, 16> kMtiOutputs{
      {protocols::xsens::MessageId::rate_of_turn_fast, 0},
      {protocols::xsens::MessageId::acceleration_fast, 0}}};
 
+/// What the sample time counts (protocols/xsens/messages.h).
+enum class MtiSampleTime : std::uint8_t { ticks_100us, microseconds };
+[[nodiscard]] constexpr Duration tick_of(MtiSampleTime unit) {
+  return std::chrono::microseconds{unit == MtiSampleTime::ticks_100us ? 100 : 1};
+}
+
 struct MtiSettings {
   std::array<MtiOutput, kMtiOutputs.size()> outputs = kMtiOutputs;
+  MtiSampleTime sample_time = MtiSampleTime::ticks_100us;
   bool extended = false;     ///< 29-bit identifiers.
   double heading_rad = 0.0;  ///< Of the filter at power-on; counter-clockwise from east.
   double rate_range_radps = 2000.0 * 3.14159265358979323846 / 180.0;  ///< Of the elements.

@@ -30,6 +30,10 @@ constexpr std::array<fields::Choice<std::uint16_t>, 16> kRates{{{0, "off", "Not 
                                                                 {2, "200 Hz", ""},
                                                                 {1, "400 Hz", ""}}};
 
+constexpr std::array<fields::Choice<MtiSampleTime>, 2> kSampleTimes{
+    {{MtiSampleTime::ticks_100us, "100us", "Ticks of 100 us, as the maker's documents say today."},
+     {MtiSampleTime::microseconds, "us", "Microseconds, as the older xsens.dbc says."}}};
+
 void refuse(const std::string& what) {
   throw std::invalid_argument("Xsens MTi-600: " + what);
 }
@@ -46,6 +50,7 @@ void visit(fields::Visitor& v, MtiSettings& p) {
         }
       },
       "Messages and their rates.");
+  v.choice("sample_time", p.sample_time, kSampleTimes, "What the sample time (005) counts.");
   v.boolean("extended", p.extended, "29-bit identifiers instead of 11-bit ones.");
   v.number("heading", p.heading_rad, in("deg").between(-360, 360),
            "Heading of the unit's filter at power-on, from east, left positive; nothing corrects "

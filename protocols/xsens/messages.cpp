@@ -36,7 +36,7 @@ constexpr std::array<Field, 4> quaternion() {
 
 constexpr std::array kError{number("error_code", 0, 1)};
 constexpr std::array kWarning{number("warning_code", 0, 1)};
-constexpr std::array kSampleTime{number("timestamp", 0, 4, 1.0, "us")};
+constexpr std::array kSampleTime{number("timestamp", 0, 4)};
 constexpr std::array kGroupCounter{number("counter", 0, 2)};
 constexpr std::array kUtc{number("year", 0, 1, 1.0, "a"),
                           number("month", 1, 1),
@@ -201,7 +201,7 @@ unsigned increment_exponent(double greatest_mps) {
   return exponent;
 }
 
-std::vector<can::MessageLayout> layouts(bool extended) {
+std::vector<can::MessageLayout> layouts(bool extended, double tick_s) {
   std::vector<can::MessageLayout> list;
   for (const Message& row : kMessages) {
     can::MessageLayout layout;
@@ -218,10 +218,11 @@ std::vector<can::MessageLayout> layouts(bool extended) {
       signal.width = static_cast<std::uint16_t>(8 * field.bytes);
       signal.order = can::ByteOrder::big_endian;
       signal.is_signed = field.is_signed;
-      signal.scale = field.scale;
-      signal.lower = lower(field);
-      signal.upper = upper(field);
-      signal.unit = field.unit;
+      const bool ticks = row.id == MessageId::sample_time;
+      signal.scale = ticks ? tick_s : field.scale;
+      signal.lower = ticks ? lower(field) * tick_s : lower(field);
+      signal.upper = ticks ? upper(field) * tick_s : upper(field);
+      signal.unit = ticks ? "s" : field.unit;
       layout.fields.push_back(std::move(signal));
     }
     list.push_back(std::move(layout));

@@ -5,6 +5,10 @@
 // = raw * scale. Identifiers have 11 bits, or the same numbers as 29-bit identifiers. There is no
 // pattern for "not available": a value that is not valid is not sent, or the status word says so.
 //
+// The sample time is a number of ticks. The maker's current documents count ticks of 100 us, as its
+// serial protocol does ("SampleTimeFine", 10 kHz); the older DBC says microseconds. Which of them a
+// unit means is not in the frame: Reading::values has the ticks.
+//
 // The DBC gives quaternions the scale 2^-15; the driver and the description of the format 1/32767,
 // which alone can carry 1. The difference is at most one count.
 #pragma once
@@ -111,7 +115,7 @@ struct StatusBit {
   static constexpr std::uint32_t kClipping = 1U << 19U;  ///< Any of the nine above.
 };
 
-/// The messages as layouts, in the table's order.
-[[nodiscard]] std::vector<can::MessageLayout> layouts(bool extended);
+/// The messages as layouts, in the table's order; `tick_s` is what the sample time counts.
+[[nodiscard]] std::vector<can::MessageLayout> layouts(bool extended, double tick_s);
 
 }  // namespace rigwire::protocols::xsens

@@ -102,11 +102,37 @@ TEST(Mti600, TimesOfASample) {
   rig.run(1500ms);
   const auto times = rig.output.of(MessageId::sample_time);
   EXPECT_EQ(times[0].values[0], 0.0);
-  EXPECT_EQ(times[1].values[0], 10'000.0);
+  EXPECT_EQ(times[1].values[0], 100.0);
+  EXPECT_EQ(times[150 - 1].values[0], 14'900.0);
   EXPECT_EQ(rig.output.of(MessageId::group_counter)[149].values[0], 149.0);
   const auto utc = rig.output.of(MessageId::utc)[101].values;  // 1.01 s later
   EXPECT_THAT(std::vector(utc.begin(), utc.begin() + 6), ElementsAre(26, 6, 1, 8, 31, 0));
   EXPECT_NEAR(utc[6], 0.01, 1e-12);
+}
+
+TEST(Mti600, SampleTimeCountsTicksOf100MicrosecondsUnlessTheUnitIsOld) {
+  const auto layout_of = [](const MtiRig& rig) {
+    for (auto& layout : rig.unit.messages("mti")) {
+      if (layout.name == "sample_time") {
+        return layout.fields[0];
+      }
+    }
+    return protocols::can::SignalLayout{};
+  };
+  MtiRig today(with({}));
+  today.run(1s);
+  // 0.99 s after the first sample.
+  EXPECT_EQ(today.output.of(MessageId::sample_time)[99].values[0], 9'900.0);
+  EXPECT_EQ(layout_of(today).scale, 100e-6);
+  EXPECT_EQ(layout_of(today).unit, "s");
+  MtiSettings settings;
+  settings.sample_time = MtiSampleTime::microseconds;
+  MtiRig old(settings);
+  old.run(1s);
+  EXPECT_EQ(old.output.of(MessageId::sample_time)[99].values[0], 990'000.0);
+  EXPECT_EQ(layout_of(old).scale, 1e-6);
+  // What a client computes with the DBC of either is the same time.
+  EXPECT_NEAR(9'900.0 * layout_of(today).scale, 990'000.0 * layout_of(old).scale, 1e-12);
 }
 
 TEST(Mti600Signs, NoseUpRightDownClockwise) {

@@ -91,7 +91,7 @@ TEST(XsensMessages, ExponentOfTheIncrementIsTheGreatestThatFits) {
 }
 
 TEST(XsensLayouts, BigEndianPositionsAreThoseOfTheLeastSignificantBit) {
-  for (const auto& layout : layouts(false)) {
+  for (const auto& layout : layouts(false, 100e-6)) {
     if (layout.name == "rate_of_turn") {
       ASSERT_EQ(layout.fields.size(), 3U);
       EXPECT_EQ(layout.fields[0].bit, 8);  // byte 1

@@ -2,7 +2,14 @@
 
 #include <fmt/format.h>
 
+#include "fields/visitor.h"
+
 namespace rigwire::hil {
+
+void visit_node(fields::Visitor& v, std::string& bus, emulators::OwnClockSettings& clock) {
+  v.text("bus", bus, "Name of the rig's bus that the device is on.");
+  v.section("clock", clock, "The device's own clock: how far it runs from the true one.");
+}
 
 std::string can_wire(const RigView& rig, const std::string& bus, const std::string& who) {
   const auto found = rig.buses.find(bus);

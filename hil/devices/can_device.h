@@ -1,14 +1,17 @@
 // A device that is a node of a CAN bus, whatever it measures: the emulator between its bus and its
-// station, and the memory that outlives its supply.
+// station, its own clock, and the memory that outlives its supply.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "emulators/nonvolatile_memory.h"
 #include "emulators/null_output.h"
+#include "emulators/own_clock.h"
+#include "emulators/valve_amplifier/fault.h"
 #include "hil/devices/device.h"
 #include "hil/devices/site.h"
 #include "hil/executive/station.h"
@@ -16,51 +19,6 @@
 namespace rigwire::hil {
 
 using NodeMemory = std::unique_ptr<emulators::NonvolatileMemory>;
-
-/// `Backend` is the face of the emulator that takes its samples (emulators/backends.h).
-template <class Emulator, class Backend>
-class CanDeviceOf : public Device {
- public:
-  /// The emulator is made of `arguments` and the node's output.
-  template <class... Arguments>
-  explicit CanDeviceOf(RigCan& bus, const Arguments&... arguments)
-      : bus_(bus),
-        node_(bus.add_node(own_statistics())),
-        emulator_(arguments..., node_),
-        station_(emulator_, emulator_) {
-    bus_.attach(node_, emulator_);
-  }
-  /// For an emulator that remembers: it is made of settings, memory and output.
-  template <class Settings>
-  CanDeviceOf(RigCan& bus, const Settings& settings, NodeMemory memory)
-      : bus_(bus),
-        node_(bus.add_node(own_statistics())),
-        memory_(std::move(memory)),
-        emulator_(settings, *memory_, node_),
-        station_(emulator_, emulator_) {
-    bus_.attach(node_, emulator_);
-  }
-
-  /// Once, after construction.
-  [[nodiscard]] StationIndex enlist(Executive& executive) { return executive.add(station_); }
-
-  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return bus_.endpoint(); }
-  [[nodiscard]] std::uint64_t dropped() const override {
-    const emulators::CanNodeCounters counters = bus_.bus().counters(node_);
-    return statistics().dropped + counters.overflowed + counters.abandoned;
-  }
-  [[nodiscard]] const Emulator& emulator() const override { return emulator_; }
-
- protected:
-  [[nodiscard]] Emulator& emulated() { return emulator_; }
-
- private:
-  RigCan& bus_;
-  emulators::FrameOutput& node_;
-  NodeMemory memory_;  ///< Null when the emulator has none.
-  Emulator emulator_;
-  StationOf<Backend> station_;
-};
 
 /// What an emulator answers that is built of `arguments` and an output that leads nowhere: `ask` is
 /// given the emulator.
@@ -77,12 +35,124 @@ template <class Emulator, class Ask, class Settings>
   return ask(Emulator(settings, memory, nowhere));
 }
 
+/// When the supply of an emulator with these settings first comes.
+template <class Settings>
+[[nodiscard]] SimTime supplied_from(const Settings& settings) {
+  if constexpr (requires { settings.supply; }) {
+    return kStart + settings.supply.power_on;
+  } else {
+    return kStart + settings.power_on;
+  }
+}
+
+/// What acts on a device from outside at instants of the run, as its own clock shows them.
+template <class Settings>
+[[nodiscard]] Settings in_own_time(const emulators::OwnClock& clock, Settings settings) {
+  if constexpr (requires { settings.supply; }) {
+    for (Duration& cut : settings.supply.cuts) {
+      cut = clock.own_time(cut);
+    }
+  }
+  if constexpr (requires { settings.amplifier; }) {
+    for (emulators::ValveDefect& defect : settings.amplifier.defects) {
+      defect.start = clock.own_time(defect.start);
+    }
+  }
+  return settings;
+}
+
+/// `Backend` is the face of the emulator that takes its samples (emulators/backends.h). It lives on
+/// a clock of its own (emulators/own_clock.h), drawn from the streams "<name>/clock" and, for the
+/// jitter, "<name>/clock/jitter".
+template <class Emulator, class Backend>
+class CanDeviceOf : public Device {
+ public:
+  /// The emulator is made of `settings`, `arguments` and the node's output.
+  template <class Settings, class... Arguments>
+  CanDeviceOf(Site& site, const std::string& bus, const emulators::OwnClockSettings& clock,
+              const Settings& settings, const Arguments&... arguments)
+      : CanDeviceOf(
+            Clocked{site, bus, clock, asked<Emulator>(kSamplePeriod, settings, arguments...)},
+            nullptr, settings, arguments...) {}
+  /// For an emulator that remembers: it is made of settings, memory and output.
+  template <class Settings>
+  CanDeviceOf(Site& site, const std::string& bus, const emulators::OwnClockSettings& clock,
+              const Settings& settings, NodeMemory memory)
+      : CanDeviceOf(Clocked{site, bus, clock, asked_with_memory<Emulator>(kSamplePeriod, settings)},
+                    std::move(memory), settings) {}
+
+  /// Once, after construction.
+  [[nodiscard]] StationIndex enlist(Executive& executive) { return executive.add(station_); }
+
+  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return bus_.endpoint(); }
+  [[nodiscard]] std::uint64_t dropped() const override {
+    const emulators::CanNodeCounters counters = bus_.bus().counters(node_);
+    return statistics().dropped + counters.overflowed + counters.abandoned;
+  }
+  [[nodiscard]] const Emulator& emulator() const override { return emulator_; }
+
+ protected:
+  [[nodiscard]] Emulator& emulated() { return emulator_; }
+  [[nodiscard]] const emulators::OwnClock& clock() const { return clock_; }
+
+ private:
+  static constexpr auto kSamplePeriod = [](const Emulator& emulator) {
+    return emulator.sample_plan().period;
+  };
+
+  /// Where it is, and what its clock is made of.
+  struct Clocked {
+    Site& site;
+    const std::string& bus;
+    const emulators::OwnClockSettings& clock;
+    Duration sample_period;
+  };
+
+  template <class Settings, class... Arguments>
+  CanDeviceOf(const Clocked& at, NodeMemory memory, const Settings& settings,
+              const Arguments&... arguments)
+      : bus_(at.site.bus(at.bus)),
+        clock_(drawn_clock_error(at.clock, at.site.stream_seed("clock")), supplied_from(settings),
+               at.sample_period),
+        node_(bus_.add_node(own_statistics())),
+        output_(clock_, at.clock.jitter, at.site.stream_seed("clock/jitter"), node_),
+        memory_(std::move(memory)),
+        emulator_(made(settings, arguments...)),
+        on_own_clock_(clock_, emulator_),
+        station_(on_own_clock_, on_own_clock_) {
+    bus_.attach(node_, on_own_clock_);
+  }
+
+  template <class Settings, class... Arguments>
+  [[nodiscard]] Emulator made(const Settings& settings, const Arguments&... arguments) {
+    const Settings own = in_own_time(clock_, settings);
+    if constexpr (std::is_constructible_v<Emulator, const Settings&, emulators::NonvolatileMemory&,
+                                          emulators::FrameOutput&>) {
+      return Emulator(own, *memory_, output_);
+    } else {
+      return Emulator(own, arguments..., output_);
+    }
+  }
+
+  RigCan& bus_;
+  emulators::OwnClock clock_;
+  emulators::FrameOutput& node_;
+  emulators::OwnClockOutput output_;
+  NodeMemory memory_;  ///< Null when the emulator has none.
+  Emulator emulator_;
+  emulators::OnOwnClock<Emulator, Backend> on_own_clock_;
+  StationOf<Backend> station_;
+};
+
 /// What a device on a CAN bus does there, asked of its emulator.
 [[nodiscard]] inline auto bus_share_of(const std::string& bus, std::string_view name) {
   return [bus, name](const emulators::CanDevice& emulator) {
     return BusShare{bus, emulator.nominal_rate_hz(), emulator.messages(name)};
   };
 }
+
+/// The keys of every device on a CAN bus.
+void visit_node(fields::Visitor& v, std::string& bus, emulators::OwnClockSettings& clock);
 
 /// "can NAME at 250000 bit/s, WHO".
 [[nodiscard]] std::string can_wire(const RigView& rig, const std::string& bus,

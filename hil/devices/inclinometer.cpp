@@ -17,7 +17,7 @@ using InclinometerDevice = CanDeviceOf<emulators::Inclinometer, emulators::ImuBa
 }  // namespace
 
 void InclinometerConfiguration::visit(fields::Visitor& v) {
-  v.text("bus", bus, "Name of the rig's bus that the device is on.");
+  visit_node(v, bus, clock);
   emulators::visit(v, inclinometer);
   v.text("settings_file", settings_file,
          "What a client saved, for the next run; empty: as long as the run.");
@@ -65,7 +65,7 @@ DeviceDescription InclinometerConfiguration::describe() const {
 }
 
 std::unique_ptr<Device> InclinometerConfiguration::make(Site& site) const {
-  auto device = std::make_unique<InclinometerDevice>(site.bus(bus), inclinometer,
+  auto device = std::make_unique<InclinometerDevice>(site, bus, clock, inclinometer,
                                                      open_settings(settings_file));
   mount_inertial_unit(site, device->enlist(site.executive()), mount, sensor, {});
   return device;

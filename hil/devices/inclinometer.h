@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "emulators/canopen/inclinometer.h"
+#include "emulators/own_clock.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/world/mount.h"
 #include "sim/imu/imu_sensor.h"
@@ -16,6 +17,7 @@ namespace rigwire::hil {
 /// Two-axis inclinometer (CANopen, CiA 410) on a link of the machine.
 struct InclinometerConfiguration final : DeviceConfigurationOf<InclinometerConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
+  emulators::OwnClockSettings clock;
   MountConfiguration mount;
   emulators::InclinometerSettings inclinometer;
   std::string settings_file;  ///< What "save" writes; empty: kept for the run.

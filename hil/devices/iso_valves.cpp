@@ -23,7 +23,7 @@ class IsoValvesDevice final : public CanDeviceOf<emulators::IsoValves, emulators
 }  // namespace
 
 void IsoValvesConfiguration::visit(fields::Visitor& v) {
-  v.text("bus", bus, "Name of the rig's bus that the device is on.");
+  visit_node(v, bus, clock);
   emulators::visit(v, valves);
 }
 
@@ -65,11 +65,14 @@ DeviceDescription IsoValvesConfiguration::describe() const {
   description.messages.push_back({"64982-64985 BJM1, EJM1, BJM2, EJM2", "10 Hz",
                                   "received: joysticks, where they are mapped"});
   description.messages.push_back({"65226 FECA DM1", "1 Hz", "sent: active trouble codes"});
+  description.messages.push_back(
+      {"65242, 65259, 64965, 64654", "on request",
+       "sent: software, component, ECU identification, functionalities"});
   return description;
 }
 
 std::unique_ptr<Device> IsoValvesConfiguration::make(Site& site) const {
-  auto device = std::make_unique<IsoValvesDevice>(site.bus(bus), valves);
+  auto device = std::make_unique<IsoValvesDevice>(site, bus, clock, valves);
   site.world().add(make_world_valves(device->enlist(site.executive()), site.world().machine()));
   return device;
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "emulators/iso_valve/settings.h"
+#include "emulators/own_clock.h"
 #include "hil/devices/device_configuration.h"
 
 namespace rigwire::hil {
@@ -12,6 +13,7 @@ namespace rigwire::hil {
 /// A block of auxiliary valves on a J1939 bus.
 struct IsoValvesConfiguration final : DeviceConfigurationOf<IsoValvesConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
+  emulators::OwnClockSettings clock;
   emulators::IsoValveSettings valves;
 
   void visit(fields::Visitor& v) override;

@@ -19,7 +19,7 @@ using OpenImuDevice = CanDeviceOf<emulators::OpenImu, emulators::ImuBackend>;
 }  // namespace
 
 void OpenImuDeviceConfiguration::visit(fields::Visitor& v) {
-  v.text("bus", bus, "Name of the rig's bus that the device is on.");
+  visit_node(v, bus, clock);
   emulators::visit(v, imu);
   v.text("settings_file", settings_file,
          "What a client saved, for the next run; empty: as long as the run.");
@@ -78,7 +78,8 @@ DeviceDescription OpenImuDeviceConfiguration::describe() const {
 }
 
 std::unique_ptr<Device> OpenImuDeviceConfiguration::make(Site& site) const {
-  auto device = std::make_unique<OpenImuDevice>(site.bus(bus), imu, open_settings(settings_file));
+  auto device =
+      std::make_unique<OpenImuDevice>(site, bus, clock, imu, open_settings(settings_file));
   mount_inertial_unit(site, device->enlist(site.executive()), mount, sensor, magnetometer);
   return device;
 }

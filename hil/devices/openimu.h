@@ -5,6 +5,7 @@
 #include <string>
 
 #include "emulators/openimu/openimu335ri.h"
+#include "emulators/own_clock.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/world/mount.h"
 #include "sim/imu/imu_sensor.h"
@@ -16,6 +17,7 @@ namespace rigwire::hil {
 /// magnetometer.
 struct OpenImuDeviceConfiguration final : DeviceConfigurationOf<OpenImuDeviceConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
+  emulators::OwnClockSettings clock;
   MountConfiguration mount;
   emulators::OpenImuSettings imu;
   std::string settings_file;  ///< What "save" writes; empty: kept for the run.

@@ -26,7 +26,7 @@ using EncoderDevice = CanDeviceOf<emulators::RotaryEncoder, emulators::EncoderBa
 }  // namespace
 
 void EncoderConfiguration::visit(fields::Visitor& v) {
-  v.text("bus", bus, "Name of the rig's bus that the device is on.");
+  visit_node(v, bus, clock);
   v.text("base", base, "Link of the machine that carries the housing.");
   v.text("link", link, "Link of the machine that turns the shaft.");
   v.choice("axis", axis, kEncoderAxes, "Axis of the base link about which the shaft turns.");
@@ -77,7 +77,7 @@ DeviceDescription EncoderConfiguration::describe() const {
 
 std::unique_ptr<Device> EncoderConfiguration::make(Site& site) const {
   auto device =
-      std::make_unique<EncoderDevice>(site.bus(bus), encoder, open_settings(settings_file));
+      std::make_unique<EncoderDevice>(site, bus, clock, encoder, open_settings(settings_file));
   site.world().add(make_world_joint(device->enlist(site.executive()), site.link(base),
                                     site.link(link), sim::JointAngle(axis - 'x')));
   return device;

@@ -5,13 +5,15 @@
 #include <string>
 
 #include "emulators/canopen/rotary_encoder.h"
+#include "emulators/own_clock.h"
 #include "hil/devices/device_configuration.h"
 
 namespace rigwire::hil {
 
 /// Absolute rotary encoder (CANopen, CiA 406) between two links of the machine.
 struct EncoderConfiguration final : DeviceConfigurationOf<EncoderConfiguration> {
-  std::string bus = "can";             ///< One of the rig's buses.
+  std::string bus = "can";  ///< One of the rig's buses.
+  emulators::OwnClockSettings clock;
   std::string base = "undercarriage";  ///< Link that carries the housing.
   std::string link = "upper";          ///< Link that turns the shaft.
   char axis = 'z';                     ///< Of the base link.

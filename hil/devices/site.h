@@ -48,8 +48,9 @@ class Site {
   [[nodiscard]] virtual const std::string& name() const = 0;
   /// Of every random stream of the rig; streams are told apart by name.
   [[nodiscard]] virtual std::uint64_t seed() const = 0;
-  /// Of what is random in the device itself: the stream "<name>/line".
-  [[nodiscard]] virtual std::uint64_t device_seed() const = 0;
+  /// Of what is random in the device itself: of its stream "<name>/<stream>".
+  [[nodiscard]] virtual std::uint64_t stream_seed(std::string_view stream) const = 0;
+  [[nodiscard]] std::uint64_t device_seed() const { return stream_seed("line"); }
   [[nodiscard]] virtual const Calendar& calendar() const = 0;
   [[nodiscard]] virtual boost::asio::io_context& io() = 0;
   [[nodiscard]] virtual Executive& executive() = 0;

@@ -25,8 +25,9 @@ class VehicleGatewayDevice final
     : public CanDeviceOf<emulators::VehicleGateway, emulators::VehicleBackend>,
       private FixListener {
  public:
-  VehicleGatewayDevice(RigCan& bus, const VehicleGatewayConfiguration& configuration)
-      : CanDeviceOf(bus, settings_of(configuration)), position_from_(configuration.position_from) {}
+  VehicleGatewayDevice(Site& site, const VehicleGatewayConfiguration& configuration)
+      : CanDeviceOf(site, configuration.bus, configuration.clock, settings_of(configuration)),
+        position_from_(configuration.position_from) {}
 
   void connect(const Neighbours& neighbours) override {
     FixSource* source = position_from_.empty() ? nullptr : neighbours.fixes_of(position_from_);
@@ -36,7 +37,11 @@ class VehicleGatewayDevice final
   }
 
  private:
-  void observe_fix(const GnssSample& sample) override { emulated().observe_fix(sample); }
+  void observe_fix(const GnssSample& sample) override {
+    GnssSample seen = sample;
+    seen.time = clock().own_time(sample.time);
+    emulated().observe_fix(seen);
+  }
 
   std::string position_from_;
 };
@@ -44,7 +49,7 @@ class VehicleGatewayDevice final
 }  // namespace
 
 void VehicleGatewayConfiguration::visit(fields::Visitor& v) {
-  v.text("bus", bus, "Name of the rig's bus that the device is on.");
+  visit_node(v, bus, clock);
   v.text("position_from", position_from,
          "The satellite receiver whose fixes it reports (VP, VDS, VP2, GBSD); empty = none.");
   emulators::visit(v, gateway);
@@ -109,7 +114,7 @@ DeviceDescription VehicleGatewayConfiguration::describe() const {
 }
 
 std::unique_ptr<Device> VehicleGatewayConfiguration::make(Site& site) const {
-  auto device = std::make_unique<VehicleGatewayDevice>(site.bus(bus), *this);
+  auto device = std::make_unique<VehicleGatewayDevice>(site, *this);
   site.world().add(
       make_world_vehicle(device->enlist(site.executive()), site.world().machine(),
                          sim::VehicleSensors(sensor, odometry, site.seed(), site.name())));

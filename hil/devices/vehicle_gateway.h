@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "emulators/own_clock.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
 #include "hil/devices/device_configuration.h"
 #include "sim/odometry/odometry.h"
@@ -14,7 +15,8 @@ namespace rigwire::hil {
 
 /// J1939 node between a field controller and a machine that drives.
 struct VehicleGatewayConfiguration final : DeviceConfigurationOf<VehicleGatewayConfiguration> {
-  std::string bus = "can";    ///< One of the rig's buses.
+  std::string bus = "can";  ///< One of the rig's buses.
+  emulators::OwnClockSettings clock;
   std::string position_from;  ///< Name of the satellite receiver wired to it; empty: none.
   emulators::VehicleGatewaySettings gateway;
   sim::VehicleSensorParameters sensor;

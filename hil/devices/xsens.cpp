@@ -18,7 +18,7 @@ using XsensMtiDevice = CanDeviceOf<emulators::Mti600, emulators::ImuBackend>;
 }  // namespace
 
 void XsensMtiConfiguration::visit(fields::Visitor& v) {
-  v.text("bus", bus, "Name of the rig's bus that the device is on.");
+  visit_node(v, bus, clock);
   emulators::visit(v, mti);
   v.section("mount", mount, "Where on the machine the sensor sits, and how it is turned.");
   v.section("sensor", sensor, "How well it measures.");
@@ -63,7 +63,7 @@ DeviceDescription XsensMtiConfiguration::describe() const {
 }
 
 std::unique_ptr<Device> XsensMtiConfiguration::make(Site& site) const {
-  auto device = std::make_unique<XsensMtiDevice>(site.bus(bus), mti, site.calendar());
+  auto device = std::make_unique<XsensMtiDevice>(site, bus, clock, mti, site.calendar());
   mount_inertial_unit(site, device->enlist(site.executive()), mount, sensor, magnetometer);
   return device;
 }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "emulators/own_clock.h"
 #include "emulators/xsens/mti_600.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/world/mount.h"
@@ -15,6 +16,7 @@ namespace rigwire::hil {
 /// Xsens MTi-600 on a CAN bus.
 struct XsensMtiConfiguration final : DeviceConfigurationOf<XsensMtiConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
+  emulators::OwnClockSettings clock;
   MountConfiguration mount;
   emulators::MtiSettings mti;
   sim::ImuParameters sensor;

@@ -153,8 +153,8 @@ class Rig::DeviceSite final : public Site {
 
   [[nodiscard]] const std::string& name() const override { return name_; }
   [[nodiscard]] std::uint64_t seed() const override { return rig_.configuration_.seed; }
-  [[nodiscard]] std::uint64_t device_seed() const override {
-    return sim::RandomStream(seed(), name_ + "/line").bits();
+  [[nodiscard]] std::uint64_t stream_seed(std::string_view stream) const override {
+    return sim::RandomStream(seed(), fmt::format("{}/{}", name_, stream)).bits();
   }
   [[nodiscard]] const Calendar& calendar() const override { return rig_.calendar_; }
   [[nodiscard]] boost::asio::io_context& io() override { return rig_.io_; }

@@ -18,6 +18,8 @@ constexpr std::uint16_t kLastIndex = 0xFFFF;
 constexpr Duration kMillisecond = std::chrono::milliseconds{1};
 constexpr Duration kInhibitUnit = std::chrono::microseconds{100};
 
+constexpr std::uint32_t kMark = 0x32504F43;  // "COP2"
+
 bool on_event(std::int64_t type) {
   return type == canopen::kOnChange || type == canopen::kOnTimer;
 }
@@ -30,10 +32,56 @@ CanopenNode::CanopenNode(const CanopenNodeSettings& settings, ObjectDictionary& 
       dictionary_(dictionary),
       profile_(profile),
       memory_(memory),
-      output_(output) {}
+      output_(output),
+      node_id_(settings.node_id) {}
+
+void CanopenNode::describe(const std::string& file, const std::string& description,
+                           const std::string& vendor_name) {
+  canopen::EdsDevice device{file, description, vendor_name,
+                            std::string(profile_.text(object::kDeviceName))};
+  const canopen::LssIdentity numbers = identity();
+  device.vendor = numbers[0];
+  device.product = numbers[1];
+  device.revision = numbers[2];
+  eds_ = canopen::make_eds(device, dictionary_.table(), [this](const canopen::ObjectEntry& entry) {
+    if (canopen::size_of(entry.type) != 0) {
+      return dictionary_.delivered_text(entry);
+    }
+    return std::string(entry.type == canopen::DataType::domain ? std::string_view{}
+                                                               : profile_.text(entry.address));
+  });
+}
+
+canopen::LssIdentity CanopenNode::identity() const {
+  canopen::LssIdentity numbers{};
+  for (std::uint8_t i = 0; i < numbers.size(); ++i) {
+    numbers[i] = static_cast<std::uint32_t>(dictionary_.value(
+        {object::kVendor.index, static_cast<std::uint8_t>(object::kVendor.sub + i)}));
+  }
+  return numbers;
+}
+
+CanopenNode::Remembered CanopenNode::remembered() const {
+  const auto content = unseal(kMark, memory_.content());
+  if (!content || content->empty()) {
+    return {0, memory_.content()};  // parameters alone, as before there was LSS; else of no use
+  }
+  return {content->front(), content->subspan(1)};
+}
+
+bool CanopenNode::remember(std::uint8_t node_id, std::span<const std::uint8_t> parameters) {
+  std::vector<std::uint8_t> content{node_id};
+  content.insert(content.end(), parameters.begin(), parameters.end());
+  return memory_.store(seal(kMark, content));
+}
+
+bool CanopenNode::store_node_id(std::uint8_t node_id) {
+  return remember(node_id, remembered().parameters);
+}
 
 void CanopenNode::power(SimTime now, bool on) {
   powered_ = on;
+  silent_until_ = now;
   if (on) {
     reset(now, kLastIndex);
   } else {
@@ -43,10 +91,19 @@ void CanopenNode::power(SimTime now, bool on) {
   }
 }
 
+void CanopenNode::reset_communication(SimTime now) {
+  reset(now, kLastCommunicationIndex);
+}
+
 void CanopenNode::reset(SimTime now, std::uint16_t last_index) {
-  const auto block = restore_ ? std::span<const std::uint8_t>{} : memory_.content();
+  const Remembered kept = remembered();
+  lss_.restart(last_index != kLastIndex ? lss_.pending_node_id()
+               : kept.node_id == 0      ? settings_.node_id
+                                        : kept.node_id);
+  node_id_ = lss_.pending_node_id();
+  dictionary_.set_node_id(node_id_);
   const std::uint16_t first = last_index == kLastCommunicationIndex ? 0x1000 : 0;
-  dictionary_.load(block, first, last_index);
+  dictionary_.load(restore_ ? std::span<const std::uint8_t>{} : kept.parameters, first, last_index);
   server_.reset();
   pdos_ = {};
   state_ = NodeState::initialising;
@@ -69,7 +126,10 @@ void CanopenNode::advance(SimTime now) {
   for (SimTime instant = next_event(); instant <= now; instant = next_event()) {
     if (boot_ == instant) {
       boot_ = kNever;
-      send(instant, canopen::make_heartbeat(settings_.node_id, NodeState::initialising));
+      if (node_id_ == canopen::kNoNodeId) {
+        continue;
+      }
+      send(instant, canopen::make_heartbeat(node_id_, NodeState::initialising));
       enter(instant, settings_.starts_itself ? NodeState::operational : NodeState::pre_operational);
       const std::int64_t period = dictionary_.value(object::kHeartbeatTime);
       heartbeat_ = period > 0 ? instant + period * kMillisecond : kNever;
@@ -77,7 +137,7 @@ void CanopenNode::advance(SimTime now) {
     }
     if (heartbeat_ == instant) {
       heartbeat_ += dictionary_.value(object::kHeartbeatTime) * kMillisecond;
-      send(instant, canopen::make_heartbeat(settings_.node_id, state_));
+      send(instant, canopen::make_heartbeat(node_id_, state_));
       continue;
     }
     for (std::size_t i = 0; i < pdos_.size(); ++i) {
@@ -150,7 +210,19 @@ void CanopenNode::receive(SimTime now, const Frame& frame) {
     ++received_.ignored;
     return;
   }
-  const std::uint32_t node = settings_.node_id;
+  if (frame.id == canopen::kLssRequestId && !frame.remote) {
+    const bool complete = frame.payload().size() == canopen::kLssBytes;
+    ++(complete ? received_.accepted : received_.malformed);
+    if (const auto answer = lss_.receive(now, frame.payload(), *this)) {
+      send(now, canopen::make_frame(canopen::kLssAnswerId, *answer));
+    }
+    return;
+  }
+  if (node_id_ == canopen::kNoNodeId) {
+    ++received_.ignored;
+    return;
+  }
+  const std::uint32_t node = node_id_;
   if (frame.id == canopen::kHeartbeatBase + node || frame.id == canopen::kSdoAnswerBase + node) {
     ++duplicates_;
     ++received_.ignored;
@@ -179,6 +251,7 @@ void CanopenNode::receive(SimTime now, const Frame& frame) {
     if (const auto answer = server_.answer(now, *request, *this)) {
       send(now, canopen::make_frame(canopen::kSdoAnswerBase + node, *answer));
     }
+    changed(now);  // by what was written, after its answer
   } else {
     ++received_.ignored;
   }
@@ -286,7 +359,9 @@ double CanopenNode::nominal_rate_hz() const {
 }
 
 void CanopenNode::send(SimTime now, const Frame& frame) {
-  output_.send(now + settings_.processing_delay, frame);
+  if (now >= silent_until_) {
+    output_.send(now + settings_.processing_delay, frame);
+  }
 }
 
 }  // namespace rigwire::emulators

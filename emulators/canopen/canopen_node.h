@@ -3,24 +3,35 @@
 //
 // Source: CiA 301 V4.2.0, 7.2 and 7.3. Life: `boot` after power-on the node sends its boot-up
 // message and is pre-operational (operational at once when it starts by itself). SDOs are served in
-// both states, PDOs sent when operational only, heartbeats always. A PDO of type
+// both states, PDOs sent when operational only, heartbeats always. A node without a node-ID hears
+// nothing but the layer setting services (lss_slave.h) until they give it one; those it hears in
+// every state. A PDO of type
 //   0         is sent after a SYNC when what it carries has changed
 //   1..240    after each so many SYNCs
 //   254       when what it carries has changed, and when its event timer elapses
 //   255       when its event timer elapses
-// and in the last two cases also when the node becomes operational. Inhibit times hold. Node
-// guarding, remote requests, receive PDOs and block transfer are not there; LSS neither.
+// and in the last two cases also when the node becomes operational; what a write to the dictionary
+// makes due follows its answer. Inhibit times hold. Node guarding, remote requests, receive PDOs
+// and block transfer are not there.
+//
+// What outlives the supply is one block: the node-ID that LSS stored (0: none, it is that of the
+// settings), then the dictionary's.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
+#include "emulators/canopen/lss_slave.h"
 #include "emulators/canopen/object_dictionary.h"
 #include "emulators/canopen/sdo_server.h"
 #include "emulators/device.h"
+#include "fields/rules.h"
 #include "protocols/canopen/communication_objects.h"
+#include "protocols/canopen/eds.h"
 #include "protocols/canopen/identifiers.h"
 
 namespace rigwire::emulators {
@@ -40,17 +51,32 @@ class CanopenProfile {
 };
 
 struct CanopenNodeSettings {
-  std::uint8_t node_id = 1;                        ///< 1..127.
+  std::uint8_t node_id = 1;        ///< At delivery: 1..127; kNoNodeId: LSS gives it one.
+  std::uint32_t bit_rate_bps = 0;  ///< Of its bus, for LSS; 0: confirms none.
   Duration boot = std::chrono::milliseconds{200};  ///< From power-on to the boot-up message.
   Duration processing_delay = std::chrono::microseconds{200};  ///< From an event to the frame.
   bool starts_itself = false;  ///< Operational without a master's command.
 };
 
-class CanopenNode final : private SdoObjects {
+/// The keys that every CANopen node has, to be called within the device's visit(). The last four
+/// are at delivery: of TPDO1, of the heartbeat (0: none), of the identity object.
+void visit_canopen(fields::Visitor& v, CanopenNodeSettings& node, std::uint8_t& transmission_type,
+                   std::uint16_t& event_timer_ms, std::uint16_t& heartbeat_ms,
+                   std::uint32_t& serial);
+/// What joins several of them. Throws std::invalid_argument.
+void validate(const CanopenNodeSettings& settings);
+
+class CanopenNode final : private SdoObjects, private LssNode {
  public:
   /// All must outlive the node.
   CanopenNode(const CanopenNodeSettings& settings, ObjectDictionary& dictionary,
               CanopenProfile& profile, NonvolatileMemory& memory, FrameOutput& output);
+
+  /// Once, when the dictionary holds what is delivered: what object 1021 gives. Identity, texts and
+  /// values are the dictionary's and the profile's.
+  void describe(const std::string& file, const std::string& description,
+                const std::string& vendor_name);
+  [[nodiscard]] const std::string& electronic_data_sheet() const { return eds_; }
 
   /// The supply comes or goes. The node is off when made.
   void power(SimTime now, bool on);
@@ -65,6 +91,8 @@ class CanopenNode final : private SdoObjects {
 
   [[nodiscard]] protocols::canopen::NodeState state() const { return state_; }
   [[nodiscard]] bool powered() const { return powered_; }
+  /// In force; protocols::canopen::kNoNodeId: none.
+  [[nodiscard]] std::uint8_t node_id() const override { return node_id_; }
   [[nodiscard]] const ReceiveCounters& received() const { return received_; }
   /// Frames with an identifier that is this node's own to send: somebody has the same node-ID.
   [[nodiscard]] std::uint64_t duplicates() const { return duplicates_; }
@@ -86,6 +114,22 @@ class CanopenNode final : private SdoObjects {
   [[nodiscard]] std::optional<protocols::canopen::SdoAbort> write(
       SimTime now, protocols::canopen::ObjectAddress address, std::span<const std::uint8_t> data,
       bool sized) override;
+
+  [[nodiscard]] protocols::canopen::LssIdentity identity() const override;
+  [[nodiscard]] bool store_node_id(std::uint8_t node_id) override;
+  [[nodiscard]] bool takes_bit_rate(std::uint32_t bit_rate_bps) const override {
+    return bit_rate_bps == settings_.bit_rate_bps;
+  }
+  void keep_silent(SimTime now, Duration span) override { silent_until_ = now + span; }
+  void reset_communication(SimTime now) override;
+
+  /// What outlives the supply.
+  struct Remembered {
+    std::uint8_t node_id = 0;  ///< 0: that of the settings.
+    std::span<const std::uint8_t> parameters;
+  };
+  [[nodiscard]] Remembered remembered() const;
+  [[nodiscard]] bool remember(std::uint8_t node_id, std::span<const std::uint8_t> parameters);
 
   [[nodiscard]] std::int64_t number(protocols::canopen::ObjectAddress address) const;
   [[nodiscard]] std::optional<protocols::canopen::SdoAbort> check(
@@ -112,6 +156,10 @@ class CanopenNode final : private SdoObjects {
   NonvolatileMemory& memory_;
   FrameOutput& output_;
   SdoServer server_;
+  LssSlave lss_;
+  std::string eds_;
+  std::uint8_t node_id_;
+  SimTime silent_until_ = kStart;
   bool powered_ = false;
   bool restore_ = false;  ///< The next reset forgets what was saved.
   protocols::canopen::NodeState state_ = protocols::canopen::NodeState::initialising;

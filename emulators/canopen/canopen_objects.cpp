@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "emulators/canopen/canopen_node.h"
-#include "protocols/canopen/rotary_encoder.h"
 
 namespace rigwire::emulators {
 
@@ -48,6 +47,10 @@ Refusal CanopenNode::read(ObjectAddress address, SdoValue& value) const {
       address.sub > dictionary_.value({object::kErrorField, 0})) {
     return SdoAbort::no_data;
   }
+  if (entry->type == canopen::DataType::domain) {
+    value.domain = {reinterpret_cast<const std::uint8_t*>(eds_.data()), eds_.size()};
+    return std::nullopt;
+  }
   if (entry->type == canopen::DataType::visible_string) {
     const std::string_view text = profile_.text(address).substr(0, SdoValue::kCapacity);
     std::copy(text.begin(), text.end(), value.bytes.begin());
@@ -81,6 +84,9 @@ Refusal CanopenNode::write(SimTime now, ObjectAddress address, std::span<const s
   if (address.index == object::kStore || address.index == object::kRestore) {
     return command(address, value);
   }
+  if (entry->lower == entry->upper && value != entry->upper) {
+    return SdoAbort::value_range;  // 1003:0 (CiA 301, 7.5.2.6)
+  }
   if (value > entry->upper) {
     return SdoAbort::value_too_high;
   }
@@ -90,6 +96,10 @@ Refusal CanopenNode::write(SimTime now, ObjectAddress address, std::span<const s
   if (const auto refusal = check(address, value)) {
     return refusal;
   }
+  std::array<std::int64_t, canopen::kTransmitPdos> timers{};
+  for (std::size_t i = 0; i < timers.size(); ++i) {
+    timers[i] = pdo_parameter(i, canopen::kPdoEventTimer_ms);
+  }
   if (const auto refusal = profile_.write(address, value)) {
     return refusal;
   }
@@ -97,12 +107,13 @@ Refusal CanopenNode::write(SimTime now, ObjectAddress address, std::span<const s
   if (address == object::kHeartbeatTime) {
     heartbeat_ = value > 0 ? now + value * std::chrono::milliseconds{1} : kNever;
   }
+  // The profile may set a timer by an object of its own.
   for (std::size_t i = 0; i < pdos_.size(); ++i) {
-    if (address.index == object::kTransmitPdo + i || address == object::kCyclicTimer) {
+    if (address.index == object::kTransmitPdo + i ||
+        timers[i] != pdo_parameter(i, canopen::kPdoEventTimer_ms)) {
       start_timer(now, i);
     }
   }
-  changed(now);
   return std::nullopt;
 }
 
@@ -113,11 +124,11 @@ Refusal CanopenNode::command(ObjectAddress address, std::int64_t value) {
   }
   if (save) {
     restore_ = false;
-    return memory_.store(dictionary_.saved()) ? Refusal{} : SdoAbort::cannot_store;
+    return remember(remembered().node_id, dictionary_.saved()) ? Refusal{} : SdoAbort::cannot_store;
   }
-  // Valid after the next reset; what was saved is gone.
+  // Valid after the next reset; what was saved is gone. The node-ID is no parameter of 1011.
   restore_ = true;
-  return memory_.store({}) ? Refusal{} : SdoAbort::cannot_store;
+  return remember(remembered().node_id, {}) ? Refusal{} : SdoAbort::cannot_store;
 }
 
 Refusal CanopenNode::check(ObjectAddress address, std::int64_t value) const {

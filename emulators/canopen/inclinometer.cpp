@@ -20,6 +20,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr std::uint32_t kDeviceTypeWord = 0x0004'019A;  // two axes of 32 bits, profile 410
 constexpr std::uint32_t kRevision = 0x0001'0000;
 constexpr std::uint8_t kGenericError = 0x01;
+constexpr const char* kVendorName = "ifm electronic";
 constexpr std::int64_t kTurn_mdeg = 360'000;
 constexpr std::array<std::uint16_t, 2> kEmergencies{canopen::kLongitudinalError,
                                                     canopen::kLateralError};
@@ -68,6 +69,7 @@ Inclinometer::Inclinometer(const InclinometerSettings& settings, NonvolatileMemo
   dictionary_.set_delivered(object::kProductCode, settings_.product);
   dictionary_.set_delivered(object::kRevisionNumber, kRevision);
   dictionary_.set_delivered(object::kSerialNumber, settings_.serial);
+  node_.describe("cia410-inclinometer.eds", "Two-axis inclinometer, CiA 410", kVendorName);
   // What the 16-bit slopes carry: the quadrants, the range, and the counts of their type.
   const double count_rad = radians(settings_.resolution_mdeg);
   const double widest_rad = settings_.quadrants == QuadrantCorrection::kOff ? kPi / 2.0 : kPi;
@@ -81,6 +83,9 @@ Inclinometer::Inclinometer(const InclinometerSettings& settings, NonvolatileMemo
 }
 
 std::vector<protocols::can::MessageLayout> Inclinometer::messages(std::string_view name) const {
+  if (settings_.node.node_id == canopen::kNoNodeId) {
+    return {};
+  }
   auto list = canopen::inclinometer_layouts(settings_.node.node_id, settings_.resolution_mdeg);
   for (auto& layout : list) {
     layout.sender = name;

@@ -1,5 +1,4 @@
 // Keys and checks of the inclinometer's settings.
-#include <stdexcept>
 #include <string>
 
 #include "emulators/canopen/inclinometer.h"
@@ -12,8 +11,7 @@ namespace canopen = protocols::canopen;
 using fields::IntegerRule;
 
 void visit(fields::Visitor& v, InclinometerSettings& p) {
-  v.integer("node_id", p.node.node_id, IntegerRule{1, canopen::kGreatestNodeId},
-            "CANopen node; unique on a bus.");
+  visit_canopen(v, p.node, p.transmission_type, p.event_timer_ms, p.heartbeat_ms, p.serial);
   v.integer(
       "resolution", p.resolution_mdeg,
       IntegerRule{canopen::kSlopeResolutions_mdeg.front(), canopen::kSlopeResolutions_mdeg.back()},
@@ -26,20 +24,6 @@ void visit(fields::Visitor& v, InclinometerSettings& p) {
             "Slopes that it tells apart: 0 = -90 .. 90, 1 = -180 .. 180, 2 = 0 .. 360 deg.");
   v.number("range", p.range_rad, fields::in("deg").above(0).at_most(180),
            "Greatest slope to either side; an axis beyond it is not valid.");
-  v.integer("transmission_type", p.transmission_type, IntegerRule{0, 255},
-            "When the 16-bit slopes are sent: 0 .. 240 after SYNC, 254 timer and change, 255 "
-            "timer.");
-  v.check(p.transmission_type <= canopen::kGreatestSynchronous ||
-              p.transmission_type >= canopen::kOnChange,
-          "transmission_type", "reserved by CiA 301", std::to_string(p.transmission_type),
-          "0 .. 240, 254, 255");
-  v.integer("event_timer", p.event_timer_ms, IntegerRule{0, 65535, fields::unit("ms")},
-            "Time between two messages of 16-bit slopes; 0 = only on SYNC or change.");
-  v.integer("heartbeat", p.heartbeat_ms, IntegerRule{0, 65535, fields::unit("ms")},
-            "Time between two heartbeats; 0 = none.");
-  v.boolean("starts_itself", p.node.starts_itself, "Operational without a master's command.");
-  v.integer("serial", p.serial, IntegerRule{0, 0xFFFFFFFF},
-            "Serial number that its identity object tells.");
   v.integer("product", p.product, IntegerRule{0, 0xFFFFFFFF},
             "Product code that its identity object tells.");
   v.duration("sampling", p.sampling, {100'000, 1'000'000'000},
@@ -50,10 +34,7 @@ void visit(fields::Visitor& v, InclinometerSettings& p) {
 void validate(const InclinometerSettings& settings) {
   fields::check(settings);
   validate(settings.supply);
-  if (settings.node.boot < Duration{0} || settings.node.processing_delay < Duration{0}) {
-    throw std::invalid_argument(
-        "CiA 410 inclinometer: boot and processing_delay must not be negative");
-  }
+  validate(settings.node);
 }
 
 }  // namespace rigwire::emulators

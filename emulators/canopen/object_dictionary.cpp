@@ -1,6 +1,8 @@
 #include "emulators/canopen/object_dictionary.h"
 
+#include <array>
 #include <cassert>
+#include <cstdio>
 
 #include "protocols/bytes.h"
 
@@ -21,7 +23,7 @@ constexpr std::size_t kRecordBytes = 2 + 1 + 1 + 4;  // index, sub-index, type, 
 
 ObjectDictionary::ObjectDictionary(std::span<const canopen::ObjectEntry> table,
                                    std::uint8_t node_id)
-    : table_(table) {
+    : table_(table), node_id_(node_id) {
   for (const canopen::ObjectEntry& entry : table) {
     delivered_.push_back(entry.initial + (entry.has(EntryFlag::kAddNodeId) ? node_id : 0));
   }
@@ -34,6 +36,30 @@ std::size_t ObjectDictionary::row(ObjectAddress address) const {
   return static_cast<std::size_t>(entry - table_.data());
 }
 
+void ObjectDictionary::set_node_id(std::uint8_t node_id) {
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    if (table_[i].has(EntryFlag::kAddNodeId)) {
+      const bool follows = values_[i] == delivered_[i];
+      delivered_[i] += node_id - node_id_;
+      values_[i] = follows ? delivered_[i] : values_[i];
+    }
+  }
+  node_id_ = node_id;
+}
+
+std::string ObjectDictionary::delivered_text(const canopen::ObjectEntry& entry) const {
+  const std::int64_t value = delivered_[row(entry.address)];
+  const bool added = entry.has(EntryFlag::kAddNodeId);
+  std::array<char, 40> text{};
+  if (canopen::is_signed(entry.type)) {
+    std::snprintf(text.data(), text.size(), "%lld", static_cast<long long>(value));
+  } else {
+    std::snprintf(text.data(), text.size(), added ? "$NODEID+0x%llX" : "0x%llX",
+                  static_cast<unsigned long long>(added ? value - node_id_ : value));
+  }
+  return text.data();
+}
+
 void ObjectDictionary::set_delivered(ObjectAddress address, std::int64_t value) {
   delivered_[row(address)] = value;
   values_[row(address)] = value;
@@ -43,7 +69,8 @@ std::vector<std::uint8_t> ObjectDictionary::saved() const {
   std::vector<std::uint8_t> content;
   for (std::size_t i = 0; i < table_.size(); ++i) {
     const canopen::ObjectEntry& entry = table_[i];
-    if (entry.has(EntryFlag::kStored)) {
+    const bool follows = entry.has(EntryFlag::kAddNodeId) && values_[i] == delivered_[i];
+    if (entry.has(EntryFlag::kStored) && !follows) {
       std::array<std::uint8_t, kRecordBytes> record{};
       store_little<std::uint16_t>(record, 0, entry.address.index);
       record[2] = entry.address.sub;

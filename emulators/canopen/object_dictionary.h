@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "emulators/nonvolatile_memory.h"
@@ -17,6 +18,7 @@ class ObjectDictionary {
   /// `table` must be sorted and outlive the dictionary. Values are those of delivery.
   ObjectDictionary(std::span<const protocols::canopen::ObjectEntry> table, std::uint8_t node_id);
 
+  [[nodiscard]] std::span<const protocols::canopen::ObjectEntry> table() const { return table_; }
   [[nodiscard]] const protocols::canopen::ObjectEntry* find(
       protocols::canopen::ObjectAddress address) const {
     return protocols::canopen::find(table_, address);
@@ -32,10 +34,14 @@ class ObjectDictionary {
   void set(protocols::canopen::ObjectAddress address, std::int64_t value) {
     values_[row(address)] = value;
   }
+  /// The entries that hold it follow: at delivery and, unless a client set them, at present.
+  void set_node_id(std::uint8_t node_id);
+  /// As an electronic data sheet (protocols/canopen/eds.h) has it, of a number.
+  [[nodiscard]] std::string delivered_text(const protocols::canopen::ObjectEntry& entry) const;
   /// What the entry is at delivery from now on; also sets it.
   void set_delivered(protocols::canopen::ObjectAddress address, std::int64_t value);
 
-  /// What to hand to NonvolatileMemory::store.
+  /// What to keep, to hand to load(). An entry that follows the node-ID is left out while it does.
   [[nodiscard]] std::vector<std::uint8_t> saved() const;
   /// All entries of `first`..`last` as delivered, then as saved in `block`; what does not fit is
   /// left as delivered.
@@ -45,6 +51,7 @@ class ObjectDictionary {
   [[nodiscard]] std::size_t row(protocols::canopen::ObjectAddress address) const;
 
   std::span<const protocols::canopen::ObjectEntry> table_;
+  std::uint8_t node_id_;
   std::vector<std::int64_t> delivered_;
   std::vector<std::int64_t> values_;
 };

@@ -22,6 +22,7 @@ constexpr std::uint32_t kMultiTurn = 0x0002'0196;
 constexpr std::uint32_t kRevision = 0x0001'0000;
 constexpr std::uint16_t kHardwareError = 0x5000;
 constexpr std::uint8_t kGenericError = 0x81;  // bit 0 generic, bit 7 of the maker
+constexpr const char* kVendorName = "Rigwire";
 
 const RotaryEncoderSettings& checked(const RotaryEncoderSettings& settings) {
   validate(settings);
@@ -61,11 +62,15 @@ RotaryEncoder::RotaryEncoder(const RotaryEncoderSettings& settings, NonvolatileM
   dictionary_.set_delivered(object::kEncoderSerial, settings_.serial);
   const double step_rad = kTurn_rad / static_cast<double>(steps());
   const double speed_radps = step_rad * std::numeric_limits<std::int16_t>::max();
+  node_.describe("cia406-encoder.eds", "Absolute rotary encoder, CiA 406", kVendorName);
   quantities_ = {{{"position", "rad", 0.0, kTurn_rad * settings_.revolutions, step_rad},
                   {"speed", "rad/s", -speed_radps, speed_radps, step_rad}}};
 }
 
 std::vector<protocols::can::MessageLayout> RotaryEncoder::messages(std::string_view name) const {
+  if (settings_.node.node_id == canopen::kNoNodeId) {
+    return {};
+  }
   auto list = canopen::rotary_encoder_layouts(settings_.node.node_id);
   for (auto& layout : list) {
     layout.sender = name;
@@ -104,6 +109,7 @@ void RotaryEncoder::receive(SimTime now, const protocols::can::Frame& frame) {
   advance(now);
   node_.receive(now, frame);
   evaluate();
+  node_.changed(now);
 }
 
 void RotaryEncoder::update(const EncoderSample& sample) {
@@ -114,7 +120,9 @@ void RotaryEncoder::update(const EncoderSample& sample) {
     rate_radps_ = sample.rate_radps;
     evaluate();
   }
-  if (faulty != faulty_ && node_.powered()) {
+  if (node_.state() == canopen::NodeState::initialising) {
+    faulty_ = false;  // told after the boot-up message
+  } else if (faulty != faulty_) {
     faulty_ = faulty;
     node_.report_error(sample.time, faulty ? kHardwareError : 0, faulty ? kGenericError : 0);
   }

@@ -37,7 +37,7 @@ std::optional<SdoPayload> SdoServer::answer(SimTime now, const SdoRequest& reque
       }
       transfer_ = Transfer::download;
       announced_ = request.announced;
-      value_.length = 0;
+      value_ = {};
       toggle_ = false;
       return canopen::make_download_answer(object_);
     case SdoRequestKind::download_segment:
@@ -54,18 +54,18 @@ std::optional<SdoPayload> SdoServer::answer(SimTime now, const SdoRequest& reque
 
 SdoPayload SdoServer::upload(const SdoObjects& objects) {
   transfer_ = Transfer::none;
-  value_.length = 0;
+  value_ = {};
   if (const auto refusal = objects.read(object_, value_)) {
     return abort(*refusal);
   }
-  const auto bytes = std::span(value_.bytes).first(value_.length);
+  const auto bytes = value_.content();
   if (!bytes.empty() && bytes.size() <= canopen::kExpeditedBytes) {
     return canopen::make_upload_answer(object_, bytes);
   }
   transfer_ = Transfer::upload;
   done_ = 0;
   toggle_ = false;
-  return canopen::make_upload_announcement(object_, value_.length);
+  return canopen::make_upload_announcement(object_, static_cast<std::uint32_t>(bytes.size()));
 }
 
 SdoPayload SdoServer::upload_segment(bool toggle) {
@@ -75,11 +75,11 @@ SdoPayload SdoServer::upload_segment(bool toggle) {
   if (toggle != toggle_) {
     return abort(SdoAbort::toggle_not_alternated);
   }
-  const auto bytes =
-      std::min<std::size_t>(canopen::kSdoSegmentBytes, std::size_t{value_.length} - done_);
-  const auto data = std::span(value_.bytes).subspan(done_, bytes);
-  done_ = static_cast<std::uint8_t>(done_ + bytes);
-  const bool last = done_ == value_.length;
+  const auto content = value_.content();
+  const auto bytes = std::min<std::size_t>(canopen::kSdoSegmentBytes, content.size() - done_);
+  const auto data = content.subspan(done_, bytes);
+  done_ += bytes;
+  const bool last = done_ == content.size();
   toggle_ = !toggle_;
   if (last) {
     transfer_ = Transfer::none;

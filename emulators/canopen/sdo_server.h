@@ -19,6 +19,12 @@ struct SdoValue {
   static constexpr std::size_t kCapacity = 64;  ///< Bytes of the longest string.
   std::array<std::uint8_t, kCapacity> bytes{};
   std::uint8_t length = 0;
+  /// In place of them: a domain, which must stay as it is while the node lives.
+  std::span<const std::uint8_t> domain{};
+
+  [[nodiscard]] std::span<const std::uint8_t> content() const {
+    return domain.empty() ? std::span(bytes).first(length) : domain;
+  }
 };
 
 class SdoObjects {
@@ -52,8 +58,8 @@ class SdoServer {
   protocols::canopen::ObjectAddress object_;
   SdoValue value_;
   std::uint32_t announced_ = 0;
-  std::uint8_t done_ = 0;  ///< Bytes.
-  bool toggle_ = false;    ///< Of the next segment.
+  std::size_t done_ = 0;  ///< Bytes.
+  bool toggle_ = false;   ///< Of the next segment.
 };
 
 }  // namespace rigwire::emulators

@@ -115,7 +115,9 @@ struct Parsed {
   bool json = false;
   std::string word;  ///< Kind, device or shell.
   std::string bus;
+  std::string node;  ///< Whose electronic data sheet.
   std::string valve_map;
+  RigArguments eds;
 };
 
 void declare(CLI::App& app, Parsed& parsed) {
@@ -170,7 +172,18 @@ void declare(CLI::App& app, Parsed& parsed) {
           ->excludes(json)
           ->excludes(valve_map);
   describe_app->add_option("--bus", parsed.bus, "Of the rig, when it has several")->needs(dbc);
-  describe_app->footer("\nExample:\n  rigwire describe --dbc unimog_forest > unimog.dbc");
+  CLI::Option* eds =
+      describe_app
+          ->add_option("--eds", parsed.eds.rig, "RIG: print the EDS file of its CANopen node")
+          ->excludes(device)
+          ->excludes(json)
+          ->excludes(valve_map)
+          ->excludes(dbc);
+  describe_app->add_option("--device", parsed.node, "Of the rig, when it has several nodes")
+      ->needs(eds);
+  describe_app->footer(
+      "\nExamples:\n  rigwire describe --dbc unimog_forest > unimog.dbc\n"
+      "  rigwire describe --eds excavator_pit > encoder.eds");
   describe_app->require_option(1, 2);
 
   CLI::App* schema_app =
@@ -248,6 +261,9 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
     return list_verb(parsed.word, parsed.json, terminal);
   }
   if (app.got_subcommand("describe")) {
+    if (!parsed.eds.rig.empty()) {
+      return eds_verb(parsed.eds, parsed.node, terminal);
+    }
     if (!parsed.rig.rig.empty() && parsed.word.empty() && parsed.valve_map.empty()) {
       return dbc_verb(parsed.rig, parsed.bus, terminal);
     }

@@ -33,6 +33,8 @@ struct Terminal {
 [[nodiscard]] int schema_verb(const std::string& of, Terminal terminal);
 /// The DBC file of a bus; of the only one when `bus` is empty.
 [[nodiscard]] int dbc_verb(const RigArguments& rig, const std::string& bus, Terminal terminal);
+/// The EDS file of a CANopen node; of the only one when `device` is empty.
+[[nodiscard]] int eds_verb(const RigArguments& rig, const std::string& device, Terminal terminal);
 [[nodiscard]] int doctor_verb(bool json, Terminal terminal);
 /// Becomes the program rigwire-bench; returns only when that is not possible.
 [[nodiscard]] int bench_verb(const std::vector<std::string>& arguments, Terminal terminal);

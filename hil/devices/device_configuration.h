@@ -78,6 +78,10 @@ class DeviceConfiguration {
   /// std::runtime_error (configuration).
   [[nodiscard]] virtual std::unique_ptr<Device> make(Site& site) const = 0;
 
+  /// Of a CANopen node: its EDS file (protocols/canopen/eds.h).
+  [[nodiscard]] virtual std::optional<std::string> electronic_data_sheet() const {
+    return std::nullopt;
+  }
   /// Whether it receives satellites, so that others can be told by it where and when they are.
   [[nodiscard]] virtual bool is_receiver() const { return false; }
 

@@ -64,9 +64,17 @@ DeviceDescription InclinometerConfiguration::describe() const {
   return description;
 }
 
+std::optional<std::string> InclinometerConfiguration::electronic_data_sheet() const {
+  return asked_with_memory<emulators::Inclinometer>(
+      [](const emulators::Inclinometer& node) { return node.node().electronic_data_sheet(); },
+      inclinometer);
+}
+
 std::unique_ptr<Device> InclinometerConfiguration::make(Site& site) const {
-  auto device = std::make_unique<InclinometerDevice>(site, bus, clock, inclinometer,
-                                                     open_settings(settings_file));
+  emulators::InclinometerSettings on_bus = inclinometer;
+  on_bus.node.bit_rate_bps = site.bus(bus).bus().settings().bit_rate_bps;
+  auto device =
+      std::make_unique<InclinometerDevice>(site, bus, clock, on_bus, open_settings(settings_file));
   mount_inertial_unit(site, device->enlist(site.executive()), mount, sensor, {});
   return device;
 }

@@ -30,6 +30,7 @@ struct InclinometerConfiguration final : DeviceConfigurationOf<InclinometerConfi
   [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;
   [[nodiscard]] DeviceDescription describe() const override;
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
+  [[nodiscard]] std::optional<std::string> electronic_data_sheet() const override;
 };
 
 }  // namespace rigwire::hil

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "hil/configuration/suggest.h"
+#include "protocols/canopen/lss.h"
 
 namespace rigwire::hil {
 namespace {
@@ -110,7 +111,7 @@ void RigCheck::j1939_node(const std::string& path, const std::string& on_bus, un
 
 void RigCheck::canopen_node(const std::string& path, const std::string& on_bus, unsigned node_id) {
   bus(path, on_bus);
-  if (!duplicates(on_bus)) {
+  if (!duplicates(on_bus) && node_id != protocols::canopen::kNoNodeId) {
     claim(path + ".node_id", fmt::format("{} node {}", on_bus, node_id), std::to_string(node_id));
   }
 }

@@ -45,7 +45,7 @@ class RigCheck {
   /// Keys `bus`, `source_address` and `serial` below `path`: a J1939 node.
   void j1939_node(const std::string& path, const std::string& bus, unsigned address,
                   std::uint32_t serial);
-  /// Keys `bus` and `node_id` below `path`: a CANopen node.
+  /// Keys `bus` and `node_id` below `path`: a CANopen node, which may have none yet.
   void canopen_node(const std::string& path, const std::string& bus, unsigned node_id);
   /// Whether two devices of the bus may be given one address.
   [[nodiscard]] bool duplicates(const std::string& bus) const;

@@ -75,9 +75,17 @@ DeviceDescription EncoderConfiguration::describe() const {
   return description;
 }
 
+std::optional<std::string> EncoderConfiguration::electronic_data_sheet() const {
+  return asked_with_memory<emulators::RotaryEncoder>(
+      [](const emulators::RotaryEncoder& node) { return node.node().electronic_data_sheet(); },
+      encoder);
+}
+
 std::unique_ptr<Device> EncoderConfiguration::make(Site& site) const {
+  emulators::RotaryEncoderSettings on_bus = encoder;
+  on_bus.node.bit_rate_bps = site.bus(bus).bus().settings().bit_rate_bps;
   auto device =
-      std::make_unique<EncoderDevice>(site, bus, clock, encoder, open_settings(settings_file));
+      std::make_unique<EncoderDevice>(site, bus, clock, on_bus, open_settings(settings_file));
   site.world().add(make_world_joint(device->enlist(site.executive()), site.link(base),
                                     site.link(link), sim::JointAngle(axis - 'x')));
   return device;

@@ -27,6 +27,7 @@ struct EncoderConfiguration final : DeviceConfigurationOf<EncoderConfiguration> 
   [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;
   [[nodiscard]] DeviceDescription describe() const override;
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
+  [[nodiscard]] std::optional<std::string> electronic_data_sheet() const override;
 };
 
 }  // namespace rigwire::hil

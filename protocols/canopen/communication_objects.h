@@ -33,6 +33,7 @@ inline constexpr ObjectAddress kVendor{0x1018, 1};
 inline constexpr ObjectAddress kProductCode{0x1018, 2};
 inline constexpr ObjectAddress kRevisionNumber{0x1018, 3};
 inline constexpr ObjectAddress kSerialNumber{0x1018, 4};
+inline constexpr ObjectAddress kElectronicDataSheet{0x1021, 0};
 inline constexpr std::uint16_t kTransmitPdo = 0x1800;      ///< Communication of the first.
 inline constexpr std::uint16_t kTransmitMapping = 0x1A00;  ///< Mapping of the first.
 }  // namespace object
@@ -105,6 +106,8 @@ struct PdoDefaults {
       live_entry(0x1018, 2, "product code", unsigned32),
       live_entry(0x1018, 3, "revision number", unsigned32),
       live_entry(0x1018, 4, "serial number", unsigned32),
+      live_entry(0x1021, 0, "store EDS", domain),
+      constant_entry(0x1022, 0, "store format", unsigned16, 0),
       constant_entry(0x1200, 0, "highest sub-index", unsigned8, 2),
       constant_entry(0x1200, 1, "COB-ID client to server", unsigned32, kSdoRequestBase, kNode),
       constant_entry(0x1200, 2, "COB-ID server to client", unsigned32, kSdoAnswerBase, kNode),

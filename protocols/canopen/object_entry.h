@@ -21,6 +21,7 @@ enum class DataType : std::uint8_t {
   unsigned16 = 0x06,
   unsigned32 = 0x07,
   visible_string = 0x09,  ///< The value lives with the device.
+  domain = 0x0F,          ///< Too; of any length.
 };
 
 enum class Access : std::uint8_t { constant, read_only, read_write };
@@ -85,7 +86,7 @@ struct ObjectEntry {
 /// Whether any sub-index of the object exists.
 [[nodiscard]] bool has_object(std::span<const ObjectEntry> table, std::uint16_t index);
 
-/// Bytes of a number; 0 for strings.
+/// Bytes of a number; 0 for strings and domains.
 [[nodiscard]] constexpr std::size_t size_of(DataType type) {
   switch (type) {
     case DataType::unsigned8:
@@ -97,6 +98,7 @@ struct ObjectEntry {
     case DataType::unsigned32:
       return 4;
     case DataType::visible_string:
+    case DataType::domain:
       break;
   }
   return 0;

@@ -258,5 +258,47 @@ TEST(CanopenHostile, EveryShapeOfFrameIsCountedOnce) {
   EXPECT_EQ(counters.accepted + counters.ignored + counters.malformed, fed);
 }
 
+TEST(CanopenNode, ClearingErrorsWithAnotherNumberIsAValueOutOfRange) {
+  EncoderRig rig;
+  rig.boot();
+  EXPECT_EQ(rig.write(0x1003, 0, 1, 1), code(SdoAbort::value_range));
+  EXPECT_EQ(rig.write(0x1003, 0, 255, 1), code(SdoAbort::value_range));
+  EXPECT_EQ(rig.write(0x1003, 0, 0, 1), 0U);
+}
+
+TEST(CanopenNode, AnswersAWriteBeforeThePdoThatItMakesDue) {
+  EncoderRig rig;
+  rig.start();
+  EXPECT_EQ(rig.write(0x1801, 5, 0, 2), 0U);
+  rig.angle_rad = 1.0;
+  rig.run(10ms);
+  rig.output.frames.clear();
+  EXPECT_EQ(rig.write(0x1801, 2, 254, 1), 0U);  // ask() wants the answer first
+  ASSERT_EQ(rig.output.frames.size(), 2U);
+  EXPECT_EQ(rig.output.frames[1].second.id, 0x2A0U);
+}
+
+TEST(CanopenNode, ElectronicDataSheetIsReadInSegments) {
+  EncoderRig rig;
+  rig.boot();
+  const auto announced = rig.ask(canopen::make_upload({0x1021, 0}));
+  ASSERT_EQ(announced.data[0], 0x41);
+  const auto size = protocols::load_little<std::uint32_t>(announced.data, 4);
+  std::string text;
+  for (bool toggle = false; text.size() < size; toggle = !toggle) {
+    const auto segment = rig.ask(canopen::make_upload_segment_request(toggle));
+    ASSERT_EQ(segment.data[0] & 0xF0, toggle ? 0x10 : 0x00);
+    const std::size_t unused = (segment.data[0] >> 1U) & 7U;
+    text.append(segment.data.begin() + 1, segment.data.end() - static_cast<long>(unused));
+    if ((segment.data[0] & 1U) != 0) {
+      break;
+    }
+  }
+  EXPECT_EQ(text.size(), size);
+  EXPECT_EQ(text, rig.encoder.node().electronic_data_sheet());
+  EXPECT_EQ(rig.read(0x1022), 0U);
+  EXPECT_EQ(rig.write(0x1021, 0, 0, 4), code(SdoAbort::write_of_read_only));
+}
+
 }  // namespace
 }  // namespace rigwire::emulators

@@ -175,5 +175,31 @@ TEST(RotaryEncoderMessages, CarrySenderAndPeriods) {
   EXPECT_EQ(list[2].period_ms, 0U);
 }
 
+TEST(RotaryEncoder, ErrorThatIsThereAtBootIsToldAfterwards) {
+  EncoderRig rig;
+  rig.angle_rad = std::numeric_limits<double>::quiet_NaN();
+  rig.run(300ms);
+  const auto told = rig.output.of(0xA0);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_GE(told[0].first, rig.output.of(0x720)[0].first);
+  EXPECT_EQ(rig.read(0x1001), 0x81U);
+  EXPECT_EQ(rig.read(0x1003, 1) & 0xFFFFU, 0x5000U);
+  rig.command(protocols::canopen::NetworkCommand::reset_node);
+  rig.run(300ms);
+  EXPECT_EQ(rig.output.of(0xA0).size(), 2U) << "told again after a reset";
+}
+
+TEST(RotaryEncoder, PositionFollowsAScalingThatAClientSetsAtOnce) {
+  EncoderRig rig;
+  rig.angle_rad = 1.0;
+  rig.start();
+  EXPECT_EQ(rig.write(0x1800, 2, 254, 1), 0U);
+  EXPECT_EQ(rig.write(0x6001, 0, 360, 4), 0U);
+  rig.output.frames.clear();
+  EXPECT_EQ(rig.write(0x6000, 0, 5, 2), 0U);  // scaling on, still counter-clockwise
+  ASSERT_EQ(rig.output.frames.size(), 2U);
+  EXPECT_EQ(protocols::load_little<std::uint32_t>(rig.output.frames[1].second.data, 0), 57U);
+}
+
 }  // namespace
 }  // namespace rigwire::emulators

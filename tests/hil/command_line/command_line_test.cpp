@@ -128,6 +128,18 @@ TEST(CommandLine, lists_know_what_there_is) {
   EXPECT_THAT(typo.output, HasSubstr("did you mean rigs?"));
 }
 
+TEST(CommandLine, describe_writes_the_data_sheet_of_a_canopen_node) {
+  const Result eds = rigwire("describe --eds excavator_pit");
+  EXPECT_EQ(eds.code, 0) << eds.output;
+  EXPECT_THAT(eds.output, testing::StartsWith("[FileInfo]\r\n"));
+  EXPECT_THAT(eds.output, testing::HasSubstr("[6001]\r\nParameterName=measuring units per "
+                                             "revolution\r\nObjectType=0x7\r\n"));
+  EXPECT_THAT(eds.output, testing::HasSubstr("DefaultValue=0x4000\r\n"));  // 14 bits
+  EXPECT_EQ(rigwire("describe --eds excavator_pit --device swing_encoder").output, eds.output);
+  EXPECT_EQ(rigwire("describe --eds excavator_pit --device gnss").code, 2);
+  EXPECT_EQ(rigwire("describe --eds unimog_forest").code, 2);
+}
+
 TEST(CommandLine, describe_writes_the_dbc_file_of_a_rigs_bus) {
   const Result dbc = rigwire("describe --dbc unimog_forest");
   EXPECT_EQ(dbc.code, 0) << dbc.output;

@@ -341,11 +341,17 @@ void IsoValves::send_position(SimTime now, std::size_t section) {
   node_.send(now, iso::encode(valve_of(section), message, node_.address()));
 }
 
-J1939Answer IsoValves::answer(SimTime now, std::uint32_t pgn, std::uint8_t /*destination*/) {
+J1939Answer IsoValves::answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) {
   const auto section_of = [&](std::optional<unsigned> valve) -> std::optional<std::size_t> {
     const unsigned section = valve ? *valve - settings_.first_valve : 0xFFU;
     return section < channels_.size() ? std::optional<std::size_t>(section) : std::nullopt;
   };
+  const std::array functionalities{iso::SupportedFunctionality{}};
+  if (const auto answered =
+          answer_identification(node_, now, pgn, destination, settings_.identification,
+                                settings_.serial, "auxiliary valve control", functionalities)) {
+    return *answered;
+  }
   if (pgn == vehicle::kDm1Pgn) {
     return send_diagnostics(now) ? J1939Answer::sent : J1939Answer::busy;
   }

@@ -36,6 +36,7 @@ void visit(fields::Visitor& v, IsoValveSettings& p) {
             "Manufacturer code in the NAME; 2047 = no number assigned.");
   v.integer("function", p.function, IntegerRule{0, 255},
             "Function in the NAME; 255 = not specified.");
+  visit(v, p.identification);
   v.integer("first_valve", p.first_valve, IntegerRule{0, 15},
             "Auxiliary valve of section 1; the others follow.");
   v.integer("general_purpose_section", p.general_purpose_section, IntegerRule{0, 8},

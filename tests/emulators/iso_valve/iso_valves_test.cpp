@@ -75,6 +75,80 @@ TEST_F(IsoValvesTest, ClaimsItsAddressBeforeItSaysAnything) {
   EXPECT_TRUE(valves_.address_held());
 }
 
+/// A client that asks the block alone and takes its answer by transport.
+class AskedIsoValves : public IsoValvesTest {
+ protected:
+  static IsoValveSettings named() {
+    IsoValveSettings settings;
+    settings.serial = 4711;
+    settings.identification = {"Maker", "VB4", "unit 7", "2.13", "1234-5", "C"};
+    return settings;
+  }
+  AskedIsoValves() : IsoValvesTest(named()) {}
+
+  /// Empty when there was no answer but a negative acknowledgement.
+  std::string asked(std::uint32_t pgn) {
+    const std::uint8_t block = valves_.address();
+    output_.frames.clear();
+    now_ += 10ms;
+    valves_.receive(at(now_), j1939::make_request(kController, block, pgn));
+    const auto single = output_.of(pgn);
+    if (!single.empty()) {
+      const auto payload = single[0].frame.payload();
+      return {payload.begin(), payload.end()};
+    }
+    const auto opened = output_.of(j1939::kTransportManagementPgn);
+    if (opened.empty()) {
+      EXPECT_EQ(output_.of(j1939::kAcknowledgementPgn).size(), 1U);
+      return {};
+    }
+    EXPECT_EQ(j1939::identify(opened[0].frame)->destination, kController);
+    const auto request = j1939::decode_transport_management(opened[0].frame.payload());
+    EXPECT_EQ(request->pgn, pgn);
+    j1939::TransportManagement clear;
+    clear.control = j1939::TransportControl::clear_to_send;
+    clear.packets = request->packets;
+    clear.next = 1;
+    clear.pgn = pgn;
+    now_ += 1ms;
+    valves_.receive(at(now_), j1939::make_transport_management(kController, block, clear));
+    now_ += 200ms;
+    valves_.advance(at(now_));
+    j1939::TransportManagement end = *request;
+    end.control = j1939::TransportControl::end_of_message;
+    valves_.receive(at(now_), j1939::make_transport_management(kController, block, end));
+    std::string text;
+    for (const Sent& data : output_.of(j1939::kTransportDataPgn)) {
+      text.append(data.frame.data.begin() + 1, data.frame.data.end());
+    }
+    EXPECT_GE(text.size(), request->size);
+    return text.substr(0, request->size);
+  }
+
+  Duration now_ = 310ms;
+};
+
+TEST_F(AskedIsoValves, SaysWhoItIsAsIso11783Asks) {
+  EXPECT_EQ(asked(65242),
+            "\x01"
+            "2.13*");
+  EXPECT_EQ(asked(65259), "Maker*VB4*4711*unit 7*");
+  EXPECT_EQ(asked(64965), "1234-5*4711**auxiliary valve control*Maker*C*");
+  const std::string functionalities{'\xFF', 1, 0, 1, 1, 0, '\xFF', '\xFF'};
+  EXPECT_EQ(asked(64654), functionalities);
+  EXPECT_EQ(asked(65000), "") << "a group that it does not have is refused";
+}
+
+TEST_F(AskedIsoValves, TellsEverybodyWhoItIsByBroadcast) {
+  output_.frames.clear();
+  valves_.receive(at(310ms), j1939::make_request(kController, j1939::kGlobalAddress, 65259));
+  valves_.advance(at(900ms));
+  const auto opened = output_.of(j1939::kTransportManagementPgn);
+  ASSERT_EQ(opened.size(), 1U);
+  EXPECT_EQ(j1939::identify(opened[0].frame)->destination, j1939::kGlobalAddress);
+  EXPECT_EQ(output_.of(j1939::kTransportDataPgn).size(), 4U);
+}
+
 TEST_F(IsoValvesTest, ACommandMovesItsSectionAtTheInstantOfItsFrame) {
   command(310ms, 1, 0.4);
   EXPECT_NEAR(opening(1), 0.4, 1e-12);

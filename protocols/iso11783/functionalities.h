@@ -1,0 +1,35 @@
+// What a node can do on an ISO 11783 bus, as it answers when it is asked: "control function
+// functionalities".
+//
+// Source: ISO 11783-12:2019, 6 and annex B (functionalities, generations, options) as AgIsoStack++
+// (isobus_functionalities) and isobus.net have them. Payload: FF, number of functionalities, then
+// for each its number, its generation, the number of its option bytes and these; filled with ones
+// to eight bytes. Every node has the first one.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace rigwire::protocols::iso11783 {
+
+inline constexpr std::uint32_t kFunctionalitiesPgn = 64654;  ///< FC8E, on request.
+inline constexpr std::uint8_t kFunctionalitiesPriority = 6;
+
+enum class Functionality : std::uint8_t {
+  minimum_control_function = 0,
+  basic_tractor_ecu_server = 13,
+  tractor_implement_management_server = 15,
+};
+
+struct SupportedFunctionality {
+  Functionality functionality = Functionality::minimum_control_function;
+  std::uint8_t generation = 1;
+  std::vector<std::uint8_t> options{0};  ///< Bit by bit what of it is there.
+};
+
+[[nodiscard]] std::vector<std::uint8_t> make_functionalities(
+    std::span<const SupportedFunctionality> supported);
+
+}  // namespace rigwire::protocols::iso11783

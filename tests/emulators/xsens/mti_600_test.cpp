@@ -112,7 +112,7 @@ TEST(Mti600, TimesOfASample) {
 
 TEST(Mti600, SampleTimeCountsTicksOf100MicrosecondsUnlessTheUnitIsOld) {
   const auto layout_of = [](const MtiRig& rig) {
-    for (auto& layout : rig.unit.messages("mti")) {
+    for (auto& layout : rig.mti.messages("mti")) {
       if (layout.name == "sample_time") {
         return layout.fields[0];
       }

@@ -90,7 +90,7 @@ std::vector<protocols::can::MessageLayout> Mti600::messages(std::string_view nam
   constexpr double kPeriod_ms = 1e3 / kMtiSamplesPerSecond;
   std::vector<protocols::can::MessageLayout> list;
   for (auto& layout :
-       xsens::layouts(settings_.extended, to_seconds(tick_of(settings_.sample_time)))) {
+       xsens::layouts(settings_.extended, 1.0 / ticks_per_second(settings_.sample_time))) {
     for (const MtiOutput& output : settings_.outputs) {
       if (static_cast<std::uint32_t>(output.id) == layout.id) {
         layout.sender = name;
@@ -179,7 +179,8 @@ void Mti600::send(const ImuSample& sample, const MtiOutput& output) {
   switch (output.id) {
     case MessageId::sample_time: {
       // Wraps with 32 bits: after 119 hours, of microseconds after 71.6 minutes.
-      const auto ticks = (sample.time - ready_at_) / tick_of(settings_.sample_time);
+      const auto ticks = (sample.time - ready_at_) / (Duration{std::chrono::seconds{1}} /
+                                                      ticks_per_second(settings_.sample_time));
       emit(std::array{static_cast<double>(static_cast<std::uint32_t>(ticks))});
       break;
     }

@@ -57,8 +57,8 @@ inline constexpr std::array<MtiOutput, 16> kMtiOutputs{
 
 /// What the sample time counts (protocols/xsens/messages.h).
 enum class MtiSampleTime : std::uint8_t { ticks_100us, microseconds };
-[[nodiscard]] constexpr Duration tick_of(MtiSampleTime unit) {
-  return std::chrono::microseconds{unit == MtiSampleTime::ticks_100us ? 100 : 1};
+[[nodiscard]] constexpr unsigned ticks_per_second(MtiSampleTime unit) {
+  return unit == MtiSampleTime::ticks_100us ? 10'000 : 1'000'000;
 }
 
 struct MtiSettings {

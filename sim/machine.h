@@ -31,9 +31,13 @@ struct NonFinite {
 class ValvePort {
  public:
   virtual ~ValvePort() = default;
+  /// What its sections move, by name, from section 0 on.
+  [[nodiscard]] virtual std::span<const std::string_view> actuators() const = 0;
   /// New spool set points, valid until the next. A section whose opening is not a number keeps its
   /// old set point; openings outside -1 .. 1 are clamped.
   virtual void command(const ValveCommand& command) = 0;
+  /// The set points that hold at present.
+  [[nodiscard]] virtual const ValveCommand& commanded() const = 0;
   /// What the transducers read, stamped with `time`.
   [[nodiscard]] virtual ValveSample valve_sample(SimTime time) const = 0;
 };

@@ -305,7 +305,9 @@ void Reader::texts(std::string_view key, std::vector<std::string>& values, std::
   values.clear();
   for (std::size_t i = 0; i < written->items.size(); ++i) {
     const Value& item = written->items[i];
-    if (is_scalar(item, path_of(key) + "." + std::to_string(i))) {
+    const std::string path = path_of(key) + "." + std::to_string(i);
+    origins_.set(path, item.where);
+    if (is_scalar(item, path) && is_one_line(item, path)) {
       values.push_back(item.scalar);
     }
   }

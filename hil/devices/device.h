@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "drivers/endpoints.h"
-#include "emulators/backends.h"
 #include "emulators/device.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/wires/wire_statistics.h"
@@ -51,6 +50,7 @@ class FixSource {
 };
 
 class Neighbours;
+class ValveSource;
 
 class Device {
  public:
@@ -71,7 +71,7 @@ class Device {
 
   /// What others may be joined with; null where there is none.
   [[nodiscard]] virtual FixSource* fixes() { return nullptr; }
-  [[nodiscard]] virtual const emulators::ValveBackend* valves() const { return nullptr; }
+  [[nodiscard]] virtual const ValveSource* valves() const { return nullptr; }
   /// Whether the file of every lidar shot names it.
   [[nodiscard]] virtual bool is_lidar() const { return false; }
 
@@ -93,8 +93,8 @@ class Neighbours {
   virtual ~Neighbours() = default;
   /// The fixes of the device of that name, of the first that has any for an empty name; else null.
   [[nodiscard]] virtual FixSource* fixes_of(const std::string& name) const = 0;
-  /// Of the first device that has any; else null.
-  [[nodiscard]] virtual const emulators::ValveBackend* valves() const = 0;
+  /// Of every device that has any.
+  [[nodiscard]] virtual std::vector<const ValveSource*> valves() const = 0;
 };
 
 /// What an emulator's wire format can carry.

@@ -9,6 +9,7 @@
 #include "fields/visitor.h"
 #include "hil/devices/can_device.h"
 #include "hil/devices/rig_check.h"
+#include "hil/devices/valve_source.h"
 #include "hil/world/ports.h"
 
 namespace rigwire::hil {
@@ -16,8 +17,15 @@ namespace {
 
 class IsoValvesDevice final : public CanDeviceOf<emulators::IsoValves, emulators::ValveBackend> {
  public:
-  using CanDeviceOf::CanDeviceOf;
-  [[nodiscard]] const emulators::ValveBackend* valves() const override { return &emulator(); }
+  IsoValvesDevice(Site& site, const std::string& bus, const emulators::OwnClockSettings& clock,
+                  const emulators::IsoValveSettings& settings)
+      : CanDeviceOf(site, bus, clock, settings),
+        source_(emulator(), settings.amplifier.sections,
+                valve_port(site.world().machine()).actuators()) {}
+  [[nodiscard]] const ValveSource* valves() const override { return &source_; }
+
+ private:
+  ValveSource source_;
 };
 
 }  // namespace
@@ -33,7 +41,7 @@ void IsoValvesConfiguration::validate() const {
 
 void IsoValvesConfiguration::check(const std::string& at, RigCheck& check) const {
   check.j1939_node(at, bus, valves.source_address, valves.serial);
-  check.valve_block(at);
+  check.valve_block(at, valves.amplifier.sections);
 }
 
 DevicePlan IsoValvesConfiguration::plan(const RigView& rig) const {
@@ -73,7 +81,8 @@ DeviceDescription IsoValvesConfiguration::describe() const {
 
 std::unique_ptr<Device> IsoValvesConfiguration::make(Site& site) const {
   auto device = std::make_unique<IsoValvesDevice>(site, bus, clock, valves);
-  site.world().add(make_world_valves(device->enlist(site.executive()), site.world().machine()));
+  site.world().add(make_world_valves(device->enlist(site.executive()), site.world().machine(),
+                                     valves.amplifier.sections));
   return device;
 }
 

@@ -131,9 +131,14 @@ void RigCheck::receiver(const std::string& path, const std::string& source,
   one_of(path, "no such satellite receiver", source, names);
 }
 
-void RigCheck::valve_block(const std::string& path) {
-  if (!rig_.has_valves) {
+void RigCheck::valve_block(const std::string& path, const std::vector<std::string>& sections) {
+  if (rig_.actuators.empty()) {
     report(path + ".type", "the machine has no valve block", "", "an excavator");
+    return;
+  }
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    one_of(fmt::format("{}.sections.{}", path, i), "no such actuator of the machine", sections[i],
+           rig_.actuators);
   }
 }
 

@@ -54,8 +54,8 @@ class RigCheck {
   /// A receiver of the rig, or one of `words`.
   void receiver(const std::string& path, const std::string& source,
                 const std::vector<std::string>& words);
-  /// The machine must have it; `path` is the device's.
-  void valve_block(const std::string& path);
+  /// The machine must have one, with these actuators; `path` is the device's, its key `sections`.
+  void valve_block(const std::string& path, const std::vector<std::string>& sections);
 
  private:
   const RigView& rig_;

@@ -31,7 +31,7 @@ struct RigView {
   const std::map<std::string, ModbusLineConfiguration>& modbus;
   const UsbConfiguration& usb;
   std::vector<std::string> links;      ///< Of the machine.
-  bool has_valves = false;             ///< The machine has a valve block.
+  std::vector<std::string> actuators;  ///< Of the machine's valve block; empty: it has none.
   bool drives = false;                 ///< The machine has a drive train.
   std::vector<std::string> receivers;  ///< Names of the devices that receive satellites.
 };

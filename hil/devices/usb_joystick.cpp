@@ -4,11 +4,14 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "fields/visitor.h"
 #include "hil/devices/device.h"
 #include "hil/devices/rig_check.h"
 #include "hil/devices/site.h"
+#include "hil/devices/valve_source.h"
 #include "hil/executive/event_source.h"
 
 namespace rigwire::hil {
@@ -33,7 +36,7 @@ class LeverMover final : public EventSource {
         period_(configuration.joystick.interval),
         levers_(levers) {}
 
-  void follow(const emulators::ValveBackend& valves) { valves_ = &valves; }
+  void follow(std::vector<const ValveSource*> valves) { valves_ = std::move(valves); }
 
   [[nodiscard]] SimTime next_event() const override { return next_; }
   [[nodiscard]] SimTime next_wakeup() const override { return next_; }
@@ -41,8 +44,11 @@ class LeverMover final : public EventSource {
     for (; next_ <= now; next_ += period_) {
       if (source_ == LeverSource::script) {
         levers_.update(script_.at(next_));
-      } else if (valves_ != nullptr) {
-        levers_.update(sim::levers_of(valves_->command(), next_));
+      } else {
+        for (const ValveSource* valves : valves_) {
+          valves->lay_over(command_);
+        }
+        levers_.update(sim::levers_of(command_, next_));
       }
     }
   }
@@ -52,7 +58,8 @@ class LeverMover final : public EventSource {
   LeverSource source_;
   Duration period_;
   emulators::HidJoystick& levers_;
-  const emulators::ValveBackend* valves_ = nullptr;
+  std::vector<const ValveSource*> valves_;
+  ValveCommand command_;  ///< Of all of them, by the machine's actuators.
   SimTime next_ = kStart;
 };
 
@@ -70,11 +77,7 @@ class UsbJoystickDevice final : public Device {
     site.executive().add(mover_);
   }
 
-  void connect(const Neighbours& neighbours) override {
-    if (const emulators::ValveBackend* valves = neighbours.valves()) {
-      mover_.follow(*valves);
-    }
-  }
+  void connect(const Neighbours& neighbours) override { mover_.follow(neighbours.valves()); }
 
   [[nodiscard]] drivers::EndpointStatus endpoint() const override {
     return {bus_.address(socket_), bus_.imported(socket_)};
@@ -148,7 +151,7 @@ void UsbJoystickConfiguration::validate() const {
 
 void UsbJoystickConfiguration::check(const std::string& at, RigCheck& check) const {
   check.usb();
-  if (source == LeverSource::commands && !check.rig().has_valves) {
+  if (source == LeverSource::commands && check.rig().actuators.empty()) {
     check.report(at + ".source", "the machine has no valve block", "commands", "script");
   }
 }

@@ -9,6 +9,7 @@
 #include "hil/devices/device.h"
 #include "hil/devices/rig_check.h"
 #include "hil/devices/site.h"
+#include "hil/devices/valve_source.h"
 #include "hil/executive/station.h"
 #include "hil/files/valve_map_file.h"
 #include "hil/world/ports.h"
@@ -37,6 +38,8 @@ class ValveDriverDevice final : public Device {
                  : make_rig_modbus(own_line(configuration), site.io(), site.device_seed())),
         line_(shared != nullptr ? *shared : *own_),
         driver_(driver_settings(configuration)),
+        source_(driver_, configuration.driver.amplifier.sections,
+                valve_port(site.world().machine()).actuators()),
         station_(driver_, driver_) {
     line_.add_unit(configuration.unit, driver_.unit());
   }
@@ -49,7 +52,7 @@ class ValveDriverDevice final : public Device {
     return index;
   }
 
-  [[nodiscard]] const emulators::ValveBackend* valves() const override { return &driver_; }
+  [[nodiscard]] const ValveSource* valves() const override { return &source_; }
   [[nodiscard]] drivers::EndpointStatus endpoint() const override { return line_.endpoint(); }
   /// Requests to this unit; the rest of the statistics is the line's.
   [[nodiscard]] std::uint64_t frames() const override {
@@ -64,6 +67,7 @@ class ValveDriverDevice final : public Device {
   std::unique_ptr<RigModbus> own_;
   RigModbus& line_;
   emulators::ValveDriver driver_;
+  ValveSource source_;
   StationOf<emulators::ValveBackend> station_;
 };
 
@@ -122,7 +126,7 @@ void ValveDriverConfiguration::check(const std::string& at, RigCheck& check) con
   } else if (check.modbus_line(at, line)) {
     check.claim(at + ".unit", fmt::format("{} unit {}", line, unit), std::to_string(unit));
   }
-  check.valve_block(at);
+  check.valve_block(at, driver.amplifier.sections);
 }
 
 DevicePlan ValveDriverConfiguration::plan(const RigView& rig) const {
@@ -153,7 +157,8 @@ DeviceDescription ValveDriverConfiguration::describe() const {
 std::unique_ptr<Device> ValveDriverConfiguration::make(Site& site) const {
   auto device =
       std::make_unique<ValveDriverDevice>(*this, site, line.empty() ? nullptr : &site.modbus(line));
-  site.world().add(make_world_valves(device->enlist(site.executive()), site.world().machine()));
+  site.world().add(make_world_valves(device->enlist(site.executive()), site.world().machine(),
+                                     driver.amplifier.sections));
   return device;
 }
 

@@ -194,13 +194,14 @@ class Rig::DeviceNeighbours final : public Neighbours {
     }
     return nullptr;
   }
-  [[nodiscard]] const emulators::ValveBackend* valves() const override {
+  [[nodiscard]] std::vector<const ValveSource*> valves() const override {
+    std::vector<const ValveSource*> all;
     for (const NamedDevice& device : rig_.devices_) {
-      if (const emulators::ValveBackend* valves = device.device->valves()) {
-        return valves;
+      if (const ValveSource* valves = device.device->valves()) {
+        all.push_back(valves);
       }
     }
-    return nullptr;
+    return all;
   }
 
  private:

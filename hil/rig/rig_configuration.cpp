@@ -37,7 +37,7 @@ RigView view_of(const RigConfiguration& configuration) {
                configuration.modbus,
                configuration.usb,
                {machine.links().begin(), machine.links().end()},
-               machine.has_valves(),
+               {machine.actuators().begin(), machine.actuators().end()},
                machine.drives(),
                {}};
   for (const auto& [name, device] : configuration.devices) {

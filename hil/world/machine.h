@@ -37,8 +37,11 @@ class MachineModel {
   virtual void visit(fields::Visitor& v) = 0;
   /// Links that shapes and sensors can be fixed to, in the machine's order.
   [[nodiscard]] virtual std::span<const std::string_view> links() const = 0;
-  /// Whether it has a valve block, and whether it has a drive train.
-  [[nodiscard]] virtual bool has_valves() const = 0;
+  /// Those of them that stand on the ground.
+  [[nodiscard]] virtual std::span<const std::string_view> standing_links() const = 0;
+  /// What its valve block moves, from section 0 on; empty without one.
+  [[nodiscard]] virtual std::span<const std::string_view> actuators() const { return {}; }
+  /// Whether it has a drive train.
   [[nodiscard]] virtual bool drives() const = 0;
   /// Whether it digs, so that the terrain must be kept in a form that can change.
   [[nodiscard]] virtual bool changes_ground() const = 0;

@@ -44,6 +44,14 @@ std::span<const std::string_view> ExcavatorMachine::links() const {
   return sim::kExcavatorLinks;
 }
 
+std::span<const std::string_view> ExcavatorMachine::standing_links() const {
+  return std::span(sim::kExcavatorLinks).first(1);
+}
+
+std::span<const std::string_view> ExcavatorMachine::actuators() const {
+  return sim::kExcavatorActuators;
+}
+
 std::unique_ptr<sim::Machine> ExcavatorMachine::make(const MachineSite& site) const {
   if (!digs) {
     return std::make_unique<sim::Excavator>(excavator, site.X_WB, &site.ground);
@@ -62,6 +70,10 @@ std::span<const std::string_view> WheeledMachine::links() const {
   return sim::kWheeledLinks;
 }
 
+std::span<const std::string_view> WheeledMachine::standing_links() const {
+  return std::span(sim::kWheeledLinks).subspan(1);
+}
+
 std::unique_ptr<sim::Machine> WheeledMachine::make(const MachineSite& site) const {
   const Eigen::Vector2d place_m = site.X_WB.translation().head<2>();
   return sim::make_wheeled_vehicle(wheeled, site.ground, sim::make_driveline(driveline),
@@ -74,6 +86,10 @@ void RollerMachine::visit(fields::Visitor& v) {
 
 std::span<const std::string_view> RollerMachine::links() const {
   return sim::kRollerLinks;
+}
+
+std::span<const std::string_view> RollerMachine::standing_links() const {
+  return std::span(sim::kRollerLinks).subspan(1);
 }
 
 std::unique_ptr<sim::Machine> RollerMachine::make(const MachineSite& site) const {

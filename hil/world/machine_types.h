@@ -29,7 +29,8 @@ struct ExcavatorMachine final : MachineModelOf<ExcavatorMachine> {
 
   void visit(fields::Visitor& v) override;
   [[nodiscard]] std::span<const std::string_view> links() const override;
-  [[nodiscard]] bool has_valves() const override { return true; }
+  [[nodiscard]] std::span<const std::string_view> standing_links() const override;
+  [[nodiscard]] std::span<const std::string_view> actuators() const override;
   [[nodiscard]] bool drives() const override { return false; }
   [[nodiscard]] bool changes_ground() const override { return digs; }
   [[nodiscard]] double gravity_mps2() const override { return excavator.gravity_mps2; }
@@ -42,7 +43,7 @@ struct WheeledMachine final : MachineModelOf<WheeledMachine> {
 
   void visit(fields::Visitor& v) override;
   [[nodiscard]] std::span<const std::string_view> links() const override;
-  [[nodiscard]] bool has_valves() const override { return false; }
+  [[nodiscard]] std::span<const std::string_view> standing_links() const override;
   [[nodiscard]] bool drives() const override { return true; }
   [[nodiscard]] bool changes_ground() const override { return false; }
   [[nodiscard]] double gravity_mps2() const override { return wheeled.gravity_mps2; }
@@ -54,7 +55,7 @@ struct RollerMachine final : MachineModelOf<RollerMachine> {
 
   void visit(fields::Visitor& v) override;
   [[nodiscard]] std::span<const std::string_view> links() const override;
-  [[nodiscard]] bool has_valves() const override { return false; }
+  [[nodiscard]] std::span<const std::string_view> standing_links() const override;
   [[nodiscard]] bool drives() const override { return true; }
   [[nodiscard]] bool changes_ground() const override { return false; }
   [[nodiscard]] double gravity_mps2() const override { return roller.gravity_mps2; }

@@ -3,34 +3,34 @@
 #include <stdexcept>
 #include <utility>
 
+#include "hil/world/valve_sections.h"
+
 namespace rigwire::hil {
 namespace {
 
-/// Hands everything of that type on the station's shelf to the port.
-template <class Command, class Port>
-void hand_over(StationIndex station, const Shelves& requests, Port& port) {
-  if (const std::vector<Command>* commands = requests.find<Command>(station)) {
-    for (const Command& command : *commands) {
-      port.command(command);
-    }
-  }
-}
-
 class WorldValves final : public StepSensor<ValveSample> {
  public:
-  WorldValves(StationIndex station, sim::ValvePort& port) : StepSensor(station), port_(port) {}
+  WorldValves(StationIndex station, sim::ValvePort& port, std::span<const std::string> sections)
+      : StepSensor(station), port_(port), sections_(sections, port.actuators()) {}
 
   void take(SimTime frontier, const Shelves& requests) override {
     StepSensor::take(frontier, requests);
-    hand_over<ValveCommand>(station(), requests, port_);
+    if (const std::vector<ValveCommand>* commands = requests.find<ValveCommand>(station())) {
+      for (const ValveCommand& command : *commands) {
+        ValveCommand block = port_.commanded();
+        sections_.lay_over(command, block);
+        port_.command(block);
+      }
+    }
   }
 
  private:
   ValveSample measure(const WorldStep& /*step*/, SimTime time) override {
-    return port_.valve_sample(time);
+    return sections_.of_device(port_.valve_sample(time));
   }
 
   sim::ValvePort& port_;
+  ValveSections sections_;
 };
 
 class WorldVehicle final : public StepSensor<VehicleSample> {
@@ -40,7 +40,11 @@ class WorldVehicle final : public StepSensor<VehicleSample> {
 
   void take(SimTime frontier, const Shelves& requests) override {
     StepSensor::take(frontier, requests);
-    hand_over<VehicleCommand>(station(), requests, port_);
+    if (const std::vector<VehicleCommand>* commands = requests.find<VehicleCommand>(station())) {
+      for (const VehicleCommand& command : *commands) {
+        port_.command(command);
+      }
+    }
   }
 
  private:
@@ -54,11 +58,16 @@ class WorldVehicle final : public StepSensor<VehicleSample> {
 
 }  // namespace
 
-std::unique_ptr<WorldSensor> make_world_valves(StationIndex station, sim::Machine& machine) {
+sim::ValvePort& valve_port(sim::Machine& machine) {
   if (machine.valve_port() == nullptr) {
     throw std::invalid_argument("the machine has no valve block for a valve driver");
   }
-  return std::make_unique<WorldValves>(station, *machine.valve_port());
+  return *machine.valve_port();
+}
+
+std::unique_ptr<WorldSensor> make_world_valves(StationIndex station, sim::Machine& machine,
+                                               std::span<const std::string> sections) {
+  return std::make_unique<WorldValves>(station, valve_port(machine), sections);
 }
 
 std::unique_ptr<WorldSensor> make_world_vehicle(StationIndex station, sim::Machine& machine,

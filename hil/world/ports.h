@@ -3,6 +3,8 @@
 #pragma once
 
 #include <memory>
+#include <span>
+#include <string>
 
 #include "hil/world/world_sensor.h"
 #include "sim/machine.h"
@@ -10,12 +12,17 @@
 
 namespace rigwire::hil {
 
+/// Throws std::invalid_argument when the machine has no valve block.
+[[nodiscard]] sim::ValvePort& valve_port(sim::Machine& machine);
+
 /// The valve block: a ValveSample on the station's shelf for each instant of its plan, every
-/// ValveCommand to the block. Several devices may command one block: within a slice the one that
-/// was added last counts. The machine must outlive it. Throws std::invalid_argument when the
-/// machine has no valve block.
+/// ValveCommand to the block; each of the device's `sections` moves the actuator of that name.
+/// Several devices may command one block, each its own actuators; of one that several command the
+/// last that was added counts, within a slice. The machine must outlive it. Throws
+/// std::invalid_argument when the machine has no valve block, and as ValveSections.
 [[nodiscard]] std::unique_ptr<WorldSensor> make_world_valves(StationIndex station,
-                                                             sim::Machine& machine);
+                                                             sim::Machine& machine,
+                                                             std::span<const std::string> sections);
 
 /// The drive train: a VehicleSample as `sensors` read it, every VehicleCommand to the machine. The
 /// machine must outlive it. Throws std::invalid_argument when the machine does not drive.

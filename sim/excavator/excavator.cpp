@@ -138,10 +138,14 @@ void Excavator::settle_on_tyres() {
 }
 
 void Excavator::command(const ValveCommand& command) {
+  command_.time = command.time;
   for (std::size_t i = 0; i < kArmJoints; ++i) {
-    floating_[i] = command.floating[i];
+    floating_[i] = command_.floating[i] = command.floating[i];
     if (!spools_[i].command(floating_[i] ? 0.0 : command.opening[i])) {
       ++refused_commands_;
+    }
+    if (!std::isnan(command.opening[i])) {
+      command_.opening[i] = std::clamp(command.opening[i], -1.0, 1.0);
     }
     // Floating joins both ports to tank: no spring, the pipes' resistance remains as the damper.
     arm_.gains.stiffness[row(i)] = floating_[i] ? 0.0 : closed_gains_.stiffness[row(i)];

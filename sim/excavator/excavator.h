@@ -40,6 +40,10 @@ inline constexpr std::size_t kLinks = 5;
 inline constexpr std::array<std::string_view, kLinks> kExcavatorLinks{"undercarriage", "upper",
                                                                       "boom", "stick", "bucket"};
 
+/// What the valve sections move, from section 0 on.
+inline constexpr std::array<std::string_view, kArmJoints> kExcavatorActuators{"swing", "boom",
+                                                                              "stick", "bucket"};
+
 class Excavator final : public Machine, public ValvePort {
  public:
   /// X_WC: the undercarriage's pose in the world. The machine starts at rest in parameters.initial,
@@ -53,6 +57,10 @@ class Excavator final : public Machine, public ValvePort {
   /// New spool set points, valid until the next. A section whose opening is not a number keeps its
   /// old set point and is counted; openings outside -1 .. 1 are clamped.
   void command(const ValveCommand& command) override;
+  [[nodiscard]] const ValveCommand& commanded() const override { return command_; }
+  [[nodiscard]] std::span<const std::string_view> actuators() const override {
+    return kExcavatorActuators;
+  }
 
   /// Advances the machine, dividing `span` into inner steps of parameters.step_s and a remainder:
   /// one call with N steps gives the same bits as N calls. span <= 0 changes nothing, not one bit.
@@ -172,6 +180,7 @@ class Excavator final : public Machine, public ValvePort {
   std::array<ActuatorChambers, kArmJoints> chambers_;
   std::array<Spool, kArmJoints> spools_;
   std::array<Areas, kArmJoints> areas_;
+  ValveCommand command_;
   std::array<bool, kArmJoints> floating_{};
   std::array<double, 2 * kArmJoints> hard_limits_rad_{};  ///< q_min, q_max per joint.
   Duration inner_span_{};

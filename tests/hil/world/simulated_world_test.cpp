@@ -50,18 +50,25 @@ class Sledge final : public sim::Machine, public sim::ValvePort {
   void read_truth(std::span<double> values) const override { values[0] = way_m(); }
   [[nodiscard]] sim::ValvePort* valve_port() override { return has_valves_ ? this : nullptr; }
 
-  void command(const ValveCommand& command) override { told.push_back(command.opening[0]); }
+  [[nodiscard]] std::span<const std::string_view> actuators() const override { return kActuators; }
+  void command(const ValveCommand& command) override {
+    commanded_ = command;
+    told.push_back(command.opening[0]);
+  }
+  [[nodiscard]] const ValveCommand& commanded() const override { return commanded_; }
   [[nodiscard]] ValveSample valve_sample(SimTime time) const override {
     ValveSample sample;
     sample.time = time;
+    sample.spool_position = commanded_.opening;
     sample.swing_angle_rad = told.empty() ? 0.0 : told.back();
     return sample;
   }
 
-  std::vector<double> told;
+  std::vector<double> told;  ///< To the first actuator.
 
  private:
   static constexpr std::array<std::string_view, 2> kNames{"sledge", "turntable"};
+  static constexpr std::array<std::string_view, 3> kActuators{"blade", "winch", "hook"};
   static constexpr std::array<sim::StatusQuantity, 1> kStatus{{{"way", "m"}}};
   static constexpr std::array<sim::TruthField, 1> kTruth{{{"way_m", 1}}};
 
@@ -76,6 +83,7 @@ class Sledge final : public sim::Machine, public sim::ValvePort {
   }
 
   bool has_valves_;
+  ValveCommand commanded_;
   SimTime time_ = kStart;
   std::array<sim::LinkMotion, 2> links_;
   std::optional<sim::NonFinite> none_;
@@ -210,8 +218,9 @@ TEST(SimulatedWorld, CommandsReachTheValveBlockBeforeTheSlice) {
   Content content;
   const Sledge& sledge = *content.sledge;
   SimulatedWorld world({}, std::move(content.in_scene));
-  world.add(make_world_valves(0, world.machine()));
-  world.add(make_world_valves(1, world.machine()));
+  const std::vector<std::string> sections{"blade"};
+  world.add(make_world_valves(0, world.machine(), sections));
+  world.add(make_world_valves(1, world.machine(), sections));
   const auto opened = [](double opening) {
     ValveCommand command;
     command.opening[0] = opening;
@@ -230,9 +239,47 @@ TEST(SimulatedWorld, CommandsReachTheValveBlockBeforeTheSlice) {
   EXPECT_EQ(batch.samples.find<ValveSample>(1)->at(0).swing_angle_rad, 0.3);
 }
 
+TEST(SimulatedWorld, SectionsMoveTheActuatorsThatTheyName) {
+  Content content;
+  const Sledge& sledge = *content.sledge;
+  SimulatedWorld world({}, std::move(content.in_scene));
+  world.add(make_world_valves(0, world.machine(), std::vector<std::string>{"hook", "blade"}));
+  world.add(make_world_valves(1, world.machine(), std::vector<std::string>{"winch"}));
+  ValveCommand first;
+  first.opening = {0.1, 0.2, 0.9};
+  first.floating[0] = true;
+  ValveCommand second;
+  second.opening = {0.3, 0.9};
+  Shelves requests;
+  requests.of<SamplePlan>(0).push_back({kStart, 1s});
+  requests.of<SamplePlan>(1).push_back({kStart, 1s});
+  requests.of<ValveCommand>(0) = {first};
+  requests.of<ValveCommand>(1) = {second};
+  SampleBatch batch;
+  advance(world, requests, batch);
+  EXPECT_THAT(sledge.commanded().opening, ElementsAre(0.2, 0.3, 0.1, 0, 0, 0, 0, 0));
+  EXPECT_TRUE(sledge.commanded().floating[2]);
+  EXPECT_FALSE(sledge.commanded().floating[0]);
+  EXPECT_THAT(batch.samples.find<ValveSample>(0)->at(0).spool_position,
+              ElementsAre(0.1, 0.2, 0, 0, 0, 0, 0, 0));
+  EXPECT_THAT(batch.samples.find<ValveSample>(1)->at(0).spool_position,
+              ElementsAre(0.3, 0, 0, 0, 0, 0, 0, 0));
+}
+
+TEST(SimulatedWorld, RefusesSectionsOfNoActuator) {
+  SimulatedWorld world({}, Content().in_scene);
+  const auto make = [&](const std::vector<std::string>& sections) {
+    return [&world, sections] { (void)make_world_valves(0, world.machine(), sections); };
+  };
+  EXPECT_THAT(make({"blade", "lid"}),
+              testing::ThrowsMessage<std::invalid_argument>(HasSubstr("'lid'")));
+  EXPECT_THAT(make({"blade", "hook", "blade"}),
+              testing::ThrowsMessage<std::invalid_argument>(HasSubstr("named twice")));
+}
+
 TEST(SimulatedWorld, RefusesSensorsOfPortsThatTheMachineHasNot) {
   SimulatedWorld world({}, Content(false).in_scene);
-  EXPECT_THAT([&] { (void)make_world_valves(0, world.machine()); },
+  EXPECT_THAT([&] { (void)make_world_valves(0, world.machine(), {}); },
               testing::ThrowsMessage<std::invalid_argument>(HasSubstr("no valve block")));
   EXPECT_THAT(
       [&] {

@@ -1,0 +1,59 @@
+// Valve drivers name what they move.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "hil/rig/rig_configuration.h"
+#include "private_wires.h"
+
+namespace rigwire::hil {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class ValveKeys : public testing::Test {
+ protected:
+  std::string complaints(const std::string& device, const std::string& machine = "excavator") {
+    const std::string file = (wires_.folder / "rig.yaml").string();
+    std::ofstream(file) << "machine: {type: " << machine << "}\n"
+                        << "buses: {can: {wire: slcan, path: /tmp/rigwire/can}}\n"
+                        << "devices:\n  valves: " << device << "\n";
+    try {
+      (void)load_rig(file, {});
+      return "";
+    } catch (const ConfigurationError& error) {
+      return error.what();
+    }
+  }
+  test::PrivateWires wires_;
+};
+
+TEST_F(ValveKeys, sections_in_any_order_and_fewer_than_actuators_are_fine) {
+  EXPECT_EQ(complaints("{type: valve-driver, sections: [boom, stick]}"), "");
+  EXPECT_EQ(complaints("{type: iso-valves, sections: [bucket, swing, boom]}"), "");
+}
+
+TEST_F(ValveKeys, a_section_that_the_machine_has_not_is_refused_with_those_that_it_has) {
+  for (const char* type : {"valve-driver", "iso-valves"}) {
+    EXPECT_THAT(
+        complaints("{type: " + std::string(type) + ", sections: [boom, lid]}"),
+        AllOf(
+            HasSubstr("devices.valves.sections.1: no such actuator of the machine, found \"lid\""),
+            HasSubstr("allowed swing, boom, stick, bucket")));
+  }
+  EXPECT_THAT(complaints("{type: valve-driver, sections: [bom]}"), HasSubstr("did you mean boom?"));
+}
+
+TEST_F(ValveKeys, a_section_named_twice_is_refused) {
+  EXPECT_THAT(complaints("{type: valve-driver, sections: [boom, boom]}"), HasSubstr("\"boom\""));
+}
+
+TEST_F(ValveKeys, a_machine_without_valves_is_refused) {
+  EXPECT_THAT(complaints("{type: valve-driver}", "wheeled"), HasSubstr("no valve block"));
+}
+
+}  // namespace
+}  // namespace rigwire::hil

@@ -14,6 +14,7 @@
 #include "fields/visitor.h"
 #include "hil/command_line/status_reporter.h"
 #include "hil/command_line/verbs.h"
+#include "hil/configuration/plain_text.h"
 #include "hil/configuration/suggest.h"
 
 #ifndef RIGWIRE_VERSION
@@ -289,6 +290,14 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
 
 int run_command_line(const std::vector<std::string>& arguments, std::ostream& out,
                      std::ostream& err) {
+  for (const std::string& argument : arguments) {
+    if (const auto fault = find_fault(argument, TextShape::lines)) {
+      return usage(
+          fmt::format("argument {}: {}, found {}, allowed UTF-8 without control characters",
+                      printable(argument), fault->what, fault->found),
+          err, "");
+    }
+  }
   CLI::App app("Rigwire makes simulated field machines speak the wire protocols of real devices.",
                "rigwire");
   Parsed parsed;

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "hil/configuration/document.h"
+#include "hil/configuration/plain_text.h"
 #include "hil/configuration/problems.h"
 #include "hil/configuration/suggest.h"
 
@@ -17,6 +18,14 @@ namespace fs = std::filesystem;
 std::vector<fs::path> config_folders() {
   std::vector<fs::path> candidates;
   if (const char* folder = std::getenv("RIGWIRE_CONFIGS"); folder != nullptr && *folder != '\0') {
+    if (const auto fault = find_fault(folder, TextShape::one_line)) {
+      Problem problem;
+      problem.where.source = std::make_shared<const std::string>("RIGWIRE_CONFIGS");
+      problem.what = fault->what;
+      problem.found = fault->found;
+      problem.allowed = "UTF-8 without control characters";
+      throw ConfigurationError({problem});
+    }
     candidates.emplace_back(folder);
   }
 #ifdef RIGWIRE_CONFIG_DIR
@@ -42,13 +51,16 @@ std::vector<ConfigFile> config_files(const std::string& kind) {
     for (fs::directory_iterator it(folder / kind, error), end; !error && it != end;
          it.increment(error)) {
       const fs::path& path = it->path();
-      if (path.extension() != ".yaml" || !seen.insert(path.stem().string()).second) {
+      // A name that cannot be shown cannot be given either.
+      if (path.extension() != ".yaml" || find_fault(path.string(), TextShape::one_line) ||
+          !seen.insert(path.stem().string()).second) {
         continue;
       }
       Problems problems;
       const Value document = load_document(path.string(), problems);
       const Value* text = document.find("text");
-      files.push_back({path.stem().string(), text == nullptr ? "" : text->scalar, path.string()});
+      files.push_back(
+          {path.stem().string(), text == nullptr ? "" : printable(text->scalar), path.string()});
     }
   }
   std::sort(files.begin(), files.end(),

@@ -8,12 +8,23 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <unordered_map>
 
+#include "hil/configuration/plain_text.h"
 #include "hil/configuration/suggest.h"
 
 namespace rigwire::hil {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Of a character, not one of the bytes that continue it in UTF-8.
+bool is_start(char byte) {
+  return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
+}
+
+}  // namespace
 
 const Value* Value::find(std::string_view key) const {
   const auto it = std::find_if(entries.begin(), entries.end(),
@@ -37,19 +48,31 @@ std::string Value::description() const {
       break;
   }
   constexpr std::size_t kLongest = 60;
-  return scalar.size() <= kLongest ? "\"" + scalar + "\""
-                                   : "\"" + scalar.substr(0, kLongest) + "...\"";
+  if (scalar.size() <= kLongest) {
+    return "\"" + scalar + "\"";
+  }
+  std::size_t length = kLongest;
+  while (length > 0 && !is_start(scalar[length])) {
+    --length;
+  }
+  return "\"" + scalar.substr(0, length) + "...\"";
 }
 
 namespace {
+
+/// What a file and all that it includes have come to.
+struct Extent {
+  std::size_t nodes = 0;
+  std::size_t includes = 0;
+  bool too_big = false;
+};
 
 struct Parser {
   std::shared_ptr<const std::string> source;
   std::string folder;
   Problems& problems;
   std::vector<std::string> including;  // canonical files on the way here
-  std::size_t nodes = 0;
-  bool too_big = false;
+  Extent& extent;
 
   [[nodiscard]] Location at(const YAML::Mark& mark) const {
     return mark.is_null() ? Location{source, 0, 0}
@@ -64,6 +87,10 @@ struct Parser {
   Value convert(const YAML::Node& node, const std::string& path, int depth);
   Value convert_map(const YAML::Node& node, const std::string& path, int depth);
   void include(Value& map, const std::string& path);
+  /// False after reporting: an include too many, too deep, or of itself.
+  bool may_include(const Value& file, const std::string& canonical, const std::string& key);
+  /// Escapes in quotes can spell what the file itself must not hold.
+  void check_text(const std::string& text, const Location& where, const std::string& path);
 };
 
 std::string child(const std::string& path, const std::string& key) {
@@ -71,12 +98,29 @@ std::string child(const std::string& path, const std::string& key) {
 }
 
 Value load_file(const std::string& file, const std::string& shown, Problems& problems,
-                std::vector<std::string> including);
+                std::vector<std::string> including, Extent& extent);
+
+/// Line and column, from 1, of a byte of the text; columns count characters.
+Location place_of(std::string_view text, std::size_t offset,
+                  const std::shared_ptr<const std::string>& source) {
+  const std::string_view before = text.substr(0, offset);
+  const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
+  return {source, 1 + static_cast<int>(std::ranges::count(before, '\n')),
+          1 + static_cast<int>(std::ranges::count_if(before.substr(line_start), is_start))};
+}
 
 Value parse_text(const std::string& text, const std::string& name, const std::string& folder,
-                 Problems& problems, std::vector<std::string> including) {
-  Parser parser{std::make_shared<const std::string>(name), folder, problems, std::move(including)};
+                 Problems& problems, std::vector<std::string> including, Extent& extent) {
+  Parser parser{std::make_shared<const std::string>(name), folder, problems, std::move(including),
+                extent};
   Value result;
+  if (const auto fault = find_fault(text, TextShape::lines)) {
+    parser.report(place_of(text, fault->offset, parser.source), "", fault->what, fault->found,
+                  "UTF-8 without control characters");
+    result.kind = Value::Kind::map;
+    result.where = Location{parser.source, 1, 1};
+    return result;
+  }
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);
     if (documents.size() > 1) {
@@ -102,25 +146,26 @@ Value Parser::convert(const YAML::Node& node, const std::string& path, int depth
   Value value;
   value.where = at(node.Mark());
   value.folder = folder;
-  if (++nodes > kMaximumNodes || depth > kMaximumDepth) {
-    if (!too_big) {
+  if (++extent.nodes > kMaximumNodes || depth > kMaximumDepth) {
+    if (!extent.too_big) {
       report(value.where, path,
              fmt::format("nested deeper than {} levels, or more than {} values", kMaximumDepth,
                          kMaximumNodes));
     }
-    too_big = true;
+    extent.too_big = true;
     return value;
   }
   switch (node.Type()) {
     case YAML::NodeType::Scalar:
       value.kind = Value::Kind::scalar;
       value.scalar = node.Scalar();
+      check_text(value.scalar, value.where, path);
       break;
     case YAML::NodeType::Sequence: {
       value.kind = Value::Kind::list;
       std::size_t index = 0;
       for (const YAML::Node& item : node) {
-        if (too_big) {
+        if (extent.too_big) {
           break;
         }
         value.items.push_back(convert(item, child(path, std::to_string(index++)), depth + 1));
@@ -143,8 +188,9 @@ Value Parser::convert_map(const YAML::Node& node, const std::string& path, int d
   Value map;
   map.kind = Value::Kind::map;
   map.folder = folder;
+  std::unordered_map<std::string, int> lines;  // in which a key stands
   for (const auto& pair : node) {
-    if (too_big) {
+    if (extent.too_big) {
       break;
     }
     const Location where = at(pair.first.Mark());
@@ -153,17 +199,45 @@ Value Parser::convert_map(const YAML::Node& node, const std::string& path, int d
       continue;
     }
     const std::string key = pair.first.Scalar();
-    const auto same = std::find_if(map.entries.begin(), map.entries.end(),
-                                   [&](const Value::Entry& entry) { return entry.key == key; });
-    if (same != map.entries.end()) {
+    check_text(key, where, path);
+    const auto [same, fresh] = lines.emplace(key, where.line);
+    if (!fresh) {
       report(where, child(path, key),
-             fmt::format("the key is given twice, first in line {}", same->where.line));
+             fmt::format("the key is given twice, first in line {}", same->second));
       continue;
     }
     map.entries.push_back({key, where, convert(pair.second, child(path, key), depth + 1)});
   }
   include(map, path);
   return map;
+}
+
+void Parser::check_text(const std::string& text, const Location& where, const std::string& path) {
+  if (const auto fault = find_fault(text, TextShape::lines)) {
+    report(where, path, fault->what, fault->found, "UTF-8 without control characters");
+  }
+}
+
+bool Parser::may_include(const Value& file, const std::string& canonical, const std::string& key) {
+  if (std::find(including.begin(), including.end(), canonical) != including.end()) {
+    report(file.where, key, "the file includes itself, directly or through others",
+           file.description());
+    return false;
+  }
+  if (including.size() > kMaximumIncludeDepth) {
+    report(file.where, key, "includes are nested too deeply", file.description(),
+           fmt::format("{} files below one another", kMaximumIncludeDepth));
+    return false;
+  }
+  if (++extent.includes > kMaximumIncludes) {
+    if (!extent.too_big) {
+      report(file.where, key, "too many includes", file.description(),
+             fmt::format("{} in all", kMaximumIncludes));
+    }
+    extent.too_big = true;
+    return false;
+  }
+  return true;
 }
 
 void Parser::include(Value& map, const std::string& path) {
@@ -188,6 +262,9 @@ void Parser::include(Value& map, const std::string& path) {
   Value base;
   base.kind = Value::Kind::map;
   for (const Value* file : files) {
+    if (extent.too_big) {
+      break;
+    }
     const std::string key = child(path, "include");
     if (file->kind != Value::Kind::scalar) {
       report(file->where, key, "wrong kind of value", file->description(), "a file name");
@@ -201,13 +278,9 @@ void Parser::include(Value& map, const std::string& path) {
       continue;
     }
     const std::string canonical = fs::weakly_canonical(full, error).string();
-    if (std::find(including.begin(), including.end(), canonical) != including.end() ||
-        including.size() > kMaximumIncludeDepth) {
-      report(file->where, key, "the file includes itself, directly or through others",
-             file->description());
-      continue;
+    if (may_include(*file, canonical, key)) {
+      overlay(base, load_file(full.string(), full.string(), problems, including, extent));
     }
-    overlay(base, load_file(full.string(), full.string(), problems, including));
   }
   Value over = std::move(map);
   map = std::move(base);
@@ -217,7 +290,7 @@ void Parser::include(Value& map, const std::string& path) {
 }
 
 Value load_file(const std::string& file, const std::string& shown, Problems& problems,
-                std::vector<std::string> including) {
+                std::vector<std::string> including, Extent& extent) {
   const Location whole_file{std::make_shared<const std::string>(shown), 0, 0};
   const auto refuse = [&](const std::string& what) {
     Problem problem;
@@ -233,6 +306,9 @@ Value load_file(const std::string& file, const std::string& shown, Problems& pro
     empty.where = whole_file;
     return empty;
   };
+  if (const auto fault = find_fault(shown, TextShape::one_line)) {
+    return refuse("the file's name has " + fault->found + ", which is " + fault->what);
+  }
   std::error_code error;
   if (!fs::exists(file, error)) {
     return refuse("no such file");
@@ -251,18 +327,20 @@ Value load_file(const std::string& file, const std::string& shown, Problems& pro
   text << stream.rdbuf();
   including.push_back(fs::weakly_canonical(file, error).string());
   return parse_text(text.str(), shown, fs::path(file).parent_path().string(), problems,
-                    std::move(including));
+                    std::move(including), extent);
 }
 
 }  // namespace
 
 Value load_document(const std::string& file, Problems& problems) {
-  return load_file(file, file, problems, {});
+  Extent extent;
+  return load_file(file, file, problems, {}, extent);
 }
 
 Value parse_document(const std::string& text, const std::string& name, const std::string& folder,
                      Problems& problems) {
-  return parse_text(text, name, folder, problems, {});
+  Extent extent;
+  return parse_text(text, name, folder, problems, {}, extent);
 }
 
 void overlay(Value& base, Value over) {
@@ -270,9 +348,14 @@ void overlay(Value& base, Value over) {
     base = std::move(over);
     return;
   }
+  std::unordered_map<std::string, std::size_t> places;
+  for (std::size_t i = 0; i < base.entries.size(); ++i) {
+    places.emplace(base.entries[i].key, i);
+  }
   for (Value::Entry& entry : over.entries) {
-    if (Value* existing = base.find(entry.key)) {
-      overlay(*existing, std::move(entry.value));
+    const auto existing = places.find(entry.key);
+    if (existing != places.end()) {
+      overlay(base.entries[existing->second].value, std::move(entry.value));
     } else {
       base.entries.push_back(std::move(entry));
     }
@@ -282,6 +365,10 @@ void overlay(Value& base, Value over) {
 void apply_set(Value& document, const std::string& argument, Problems& problems) {
   const auto source = std::make_shared<const std::string>("--set " + argument);
   const Location where{source, 0, 0};
+  if (const auto fault = find_fault(argument, TextShape::lines)) {
+    problems.add({where, "", fault->what, fault->found, "UTF-8 without control characters", ""});
+    return;
+  }
   const std::size_t equals = argument.find('=');
   const std::string path = argument.substr(0, equals);
   if (equals == std::string::npos || path.empty() || path.front() == '.' || path.back() == '.' ||

@@ -43,12 +43,14 @@ struct Value::Entry {
 
 /// Bounds that keep a hostile or mistaken file from eating the machine.
 inline constexpr std::size_t kMaximumFileBytes = 16u << 20;
-inline constexpr std::size_t kMaximumNodes = 1'000'000;
+inline constexpr std::size_t kMaximumNodes = 1'000'000;  ///< With those of included files.
 inline constexpr int kMaximumDepth = 64;
-inline constexpr int kMaximumIncludeDepth = 8;
+inline constexpr std::size_t kMaximumIncludeDepth = 8;
+inline constexpr std::size_t kMaximumIncludes = 1000;  ///< Each counted as often as it is read.
 
-/// Reads a file and everything it includes. Syntax errors, duplicate keys, keys that are no
-/// scalars, missing or circular includes go to `problems`; what could be read is returned.
+/// Reads a file and everything it includes, in a time that grows with their size. What is not UTF-8
+/// or has control characters, syntax errors, duplicate keys, keys that are no scalars, missing,
+/// circular or too many includes go to `problems`; what could be read is returned.
 [[nodiscard]] Value load_document(const std::string& file, Problems& problems);
 
 /// The same from text; `name` stands for the file in messages, `folder` is where relative names

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <map>
 
+#include "hil/configuration/plain_text.h"
+
 namespace rigwire::hil {
 
 std::string Location::text() const {
@@ -36,7 +38,15 @@ std::string Problem::line() const {
   if (!suggestion.empty()) {
     text += ", did you mean " + suggestion + "?";
   }
-  return text;
+  return printable(text);
+}
+
+void Problems::add(Problem problem) {
+  if (full()) {
+    ++untold_;
+  } else {
+    list_.push_back(std::move(problem));
+  }
 }
 
 std::vector<Problem> Problems::sorted() const {
@@ -51,6 +61,9 @@ std::vector<Problem> Problems::sorted() const {
   };
   std::stable_sort(result.begin(), result.end(),
                    [&](const Problem& a, const Problem& b) { return rank(a) < rank(b); });
+  if (untold_ > 0) {
+    result.push_back({result.back().where, "", fmt::format("and {} more", untold_), "", "", ""});
+  }
   return result;
 }
 

@@ -23,7 +23,11 @@ struct Location {
   int column = 0;
 
   [[nodiscard]] bool is_default() const { return source == nullptr; }
-  /// "file:12:7", "file", "--set a.b=1" or "default".
+  /// Written by a --set, not in a file.
+  [[nodiscard]] bool is_argument() const {
+    return source != nullptr && line == 0 && source->starts_with("--set ");
+  }
+  /// "file:12:7", "file", "--set a.b=1" or "default". Printable.
   [[nodiscard]] std::string text() const;
   /// The same without the column, for the origin comments of `rigwire check --print`.
   [[nodiscard]] std::string line_text() const;
@@ -38,22 +42,30 @@ struct Problem {
   std::string allowed;     ///< What would be right.
   std::string suggestion;  ///< The nearest thing the user may have meant.
 
+  /// Whatever the file held, the line is one, and can be shown (plain_text.h).
   [[nodiscard]] std::string line() const;
 };
 
 /// The findings of one pass, in the order of the places they point to.
 class Problems {
  public:
-  void add(Problem problem) { list_.push_back(std::move(problem)); }
+  /// Those that are told; of more the number. Nobody reads on, and each would be looked at again.
+  static constexpr std::size_t kMostTold = 1000;
+
+  void add(Problem problem);
   [[nodiscard]] bool empty() const { return list_.empty(); }
-  [[nodiscard]] std::size_t size() const { return list_.size(); }
-  /// Sorted by source (files in the order they were first complained about), line and column.
+  /// Whether one more would only be counted.
+  [[nodiscard]] bool full() const { return list_.size() >= kMostTold; }
+  [[nodiscard]] std::size_t size() const { return list_.size() + untold_; }
+  /// Sorted by source (files in the order they were first complained about), line and column; last,
+  /// where there are, how many more.
   [[nodiscard]] std::vector<Problem> sorted() const;
   /// Throws ConfigurationError when there are any.
   void throw_if_any() const;
 
  private:
   std::vector<Problem> list_;
+  std::size_t untold_ = 0;
 };
 
 /// Set-up refused: what() holds every problem, one per line.

@@ -6,9 +6,11 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 
 #include "fields/check.h"
 #include "fields/units.h"
+#include "hil/configuration/plain_text.h"
 #include "hil/configuration/suggest.h"
 #include "sim/samples/time.h"
 
@@ -43,6 +45,47 @@ std::vector<std::string> words(std::span<const Named> names) {
 
 std::string and_range(const std::string& units, const std::string& range) {
   return range.empty() ? units : units + " (" + range + ")";
+}
+
+/// What is meant by turns per second where an angular rate is asked for, or the other way round:
+/// "20 Hz" is "1200 rpm". Empty for other units.
+std::string by_the_turn(const fields::Quantity& quantity, const NumberRule& rule) {
+  constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+  const auto meant = [&](Dimension written, double factor) -> std::string {
+    const Unit* unit = fields::find_unit(quantity.unit, written);
+    if (unit == nullptr) {
+      return {};
+    }
+    const double si = quantity.value * unit->numerator / unit->denominator * factor;
+    const Unit& wanted = rule.written();
+    return fmt::format("{:.6g} {}", si * wanted.denominator / wanted.numerator, wanted.symbol);
+  };
+  switch (rule.written().dimension) {
+    case Dimension::angular_rate:
+      return meant(Dimension::frequency, kTurn_rad);
+    case Dimension::frequency:
+      return meant(Dimension::angular_rate, 1.0 / kTurn_rad);
+    default:
+      return {};
+  }
+}
+
+/// The place of the first value in the tree that a --set wrote; null without one.
+const Location* first_set(const Value& tree) {
+  if (tree.where.is_argument()) {
+    return &tree.where;
+  }
+  for (const Value& item : tree.items) {
+    if (const Location* found = first_set(item)) {
+      return found;
+    }
+  }
+  for (const Value::Entry& entry : tree.entries) {
+    if (const Location* found = first_set(entry.value)) {
+      return found;
+    }
+  }
+  return nullptr;
 }
 
 }  // namespace
@@ -83,7 +126,8 @@ void Reader::pop() {
       continue;
     }
     const std::string path = frame.path.empty() ? entry.key : frame.path + "." + entry.key;
-    const std::string suggestion = nearest_word(entry.key, frame.known);
+    const std::string suggestion =
+        problems_.full() ? std::string() : nearest_word(entry.key, frame.known);
     problems_.add({entry.where, path, "unknown key", "",
                    suggestion.empty() ? join_words(frame.known) : "", suggestion});
   }
@@ -167,8 +211,9 @@ bool Reader::read_number(const Value& value, const std::string& path, const Numb
     }
     const std::string near = nearest_word(quantity->unit, symbols);
     const bool same_length = near.size() == quantity->unit.size();
+    std::string meant = same_length && edit_distance(near, quantity->unit) == 0 ? near : "";
     report(value, path, "wrong unit", value.description(), units,
-           same_length && edit_distance(near, quantity->unit) == 0 ? near : "");
+           meant.empty() ? by_the_turn(*quantity, rule) : meant);
     return false;
   }
   const double stored = rule.to_stored(quantity->value, *unit);
@@ -292,9 +337,18 @@ void Reader::boolean(std::string_view key, bool& value, std::string_view) {
 }
 
 void Reader::text(std::string_view key, std::string& value, std::string_view) {
-  if (const Value* written = find_scalar(key)) {
+  const Value* written = find_scalar(key);
+  if (written != nullptr && is_one_line(*written, path_of(key))) {
     value = written->scalar;
   }
+}
+
+bool Reader::is_one_line(const Value& value, const std::string& path) {
+  const auto fault = find_fault(value.scalar, TextShape::one_line);
+  if (fault) {
+    report(value, path, fault->what, fault->found, "text of one line");
+  }
+  return !fault;
 }
 
 void Reader::texts(std::string_view key, std::vector<std::string>& values, std::string_view) {
@@ -316,6 +370,9 @@ void Reader::texts(std::string_view key, std::vector<std::string>& values, std::
 void Reader::file(std::string_view key, std::string& value, std::string_view) {
   const Value* written = find_scalar(key);
   if (written == nullptr) {
+    return;
+  }
+  if (!is_one_line(*written, path_of(key))) {
     return;
   }
   if (written->scalar.empty()) {
@@ -495,13 +552,23 @@ void Reader::read_map(const Value& map, const std::string& path, const fields::P
 }
 
 void Reader::validate(const Value& map, const std::string& path, const fields::Part& part) {
+  // Of members that do not go together the first to blame is what --set changed: without it the
+  // files may be sound. Else the one that is named.
+  const auto blame = [&](const std::string& at, std::string what) {
+    const Location named = origins_.nearest(at);
+    const Location* argument = first_set(map);
+    if (argument != nullptr && !named.is_argument() && !named.is_default()) {
+      what += ", together with " + named.line_text();
+    }
+    problems_.add({argument != nullptr ? *argument : named, at, std::move(what), {}, {}, {}});
+  };
   try {
     part.validate();
   } catch (const fields::Refused& refused) {
     const bool both = !path.empty() && !refused.path().empty();
-    report(map, path + (both ? "." : "") + refused.path(), refused.rest());
+    blame(path + (both ? "." : "") + refused.path(), refused.rest());
   } catch (const std::invalid_argument& error) {
-    report(map, path, error.what());
+    blame(path, error.what());
   }
 }
 

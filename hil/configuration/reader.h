@@ -82,6 +82,8 @@ class Reader final : public fields::Visitor {
   const Value* find_map(std::string_view key);
   const Value* find_list(std::string_view key);
   bool is_scalar(const Value& value, const std::string& path);
+  /// Names and texts are shown in tables, messages and reports.
+  bool is_one_line(const Value& value, const std::string& path);
   bool read_number(const Value& value, const std::string& path, const fields::NumberRule& rule,
                    double& result);
   bool read_integer(const Value& value, const std::string& path, const fields::IntegerRule& rule,

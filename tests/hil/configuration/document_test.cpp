@@ -14,6 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing::Not;
 
 std::string complaints(const Problems& problems) {
   std::string text;
@@ -156,6 +157,96 @@ TEST(Document, bytes_that_are_no_text_are_refused_without_a_crash) {
     Problems problems;
     (void)parse_document(text, "a.yaml", ".", problems);
   }
+}
+
+TEST(Document, bytes_that_are_not_utf8_are_refused_with_their_place) {
+  Problems problems;
+  const Value document = parse_document("a: 1\nname: caf\xE9\n", "a.yaml", ".", problems);
+  EXPECT_EQ(complaints(problems),
+            "a.yaml:2:10: not UTF-8, found byte 0xE9, allowed UTF-8 without control characters");
+  EXPECT_TRUE(document.entries.empty());
+}
+
+TEST(Document, columns_count_characters) {
+  Problems problems;
+  (void)parse_document("\u00E4\u00F6: \x1B[2J\n", "a.yaml", ".", problems);
+  EXPECT_THAT(complaints(problems), HasSubstr("a.yaml:1:5: a control character, found U+001B"));
+}
+
+TEST(Document, a_control_character_spelled_in_quotes_is_refused_too) {
+  Problems problems;
+  (void)parse_document("a: \"\\x1b[2J\"\n\"\\u009b\": 1\n", "a.yaml", ".", problems);
+  EXPECT_THAT(complaints(problems), HasSubstr("a.yaml:1:4: a: a control character, found U+001B"));
+  EXPECT_THAT(complaints(problems), HasSubstr("a control character, found U+009B"));
+  EXPECT_THAT(complaints(problems), Not(HasSubstr("\u009B"))) << "never shown";
+}
+
+TEST(Document, text_of_an_argument_that_is_not_utf8_is_refused) {
+  Value document;
+  document.kind = Value::Kind::map;
+  Problems problems;
+  apply_set(document, "name=caf\xE9", problems);
+  EXPECT_EQ(complaints(problems),
+            "--set name=caf\\xE9: not UTF-8, found byte 0xE9, allowed UTF-8 without control "
+            "characters");
+  EXPECT_TRUE(document.entries.empty());
+}
+
+TEST_F(Files, name_of_a_file_that_is_not_utf8_is_refused) {
+  Problems problems;
+  (void)load_document(write("caf\xE9.yaml", "a: 1\n"), problems);
+  EXPECT_THAT(complaints(problems), HasSubstr("caf\\xE9.yaml: the file's name has byte 0xE9"));
+}
+
+TEST_F(Files, includes_without_end_are_refused) {
+  write("leaf.yaml", "a: 1\n");
+  std::string list;
+  for (std::size_t i = 0; i < 200; ++i) {
+    list += "leaf.yaml, ";
+  }
+  write("branch.yaml", "include: [" + list + "leaf.yaml]\n");
+  std::string branches;
+  for (std::size_t i = 0; i < 200; ++i) {
+    branches += "branch.yaml, ";
+  }
+  const std::string rig = write("rig.yaml", "main: {include: [" + branches + "branch.yaml]}\n");
+  Problems problems;
+  (void)load_document(rig, problems);
+  EXPECT_EQ(problems.size(), 1U) << complaints(problems);
+  EXPECT_THAT(complaints(problems), HasSubstr("too many includes"));
+  EXPECT_THAT(complaints(problems), HasSubstr("allowed 1000 in all"));
+}
+
+TEST_F(Files, includes_that_go_too_deep_are_not_called_circular) {
+  for (std::size_t i = 0; i <= kMaximumIncludeDepth; ++i) {
+    write("f" + std::to_string(i) + ".yaml", "include: f" + std::to_string(i + 1) + ".yaml\n");
+  }
+  write("f" + std::to_string(kMaximumIncludeDepth + 1) + ".yaml", "a: 1\n");
+  Problems problems;
+  (void)load_document((folder_ / "f0.yaml").string(), problems);
+  EXPECT_THAT(complaints(problems), HasSubstr("includes are nested too deeply"));
+  EXPECT_THAT(complaints(problems), Not(HasSubstr("includes itself")));
+}
+
+TEST(Document, of_fifty_thousand_findings_a_thousand_are_told_and_the_rest_counted) {
+  std::string text;
+  for (int i = 0; i < 50'000; ++i) {
+    text += "k" + std::to_string(i) + ": 1\n";
+  }
+  Problems problems;
+  Value document = parse_document(text, "a.yaml", ".", problems);
+  EXPECT_EQ(document.entries.size(), 50'000U);
+  EXPECT_TRUE(problems.empty());
+  // Each key once more: 50 000 look-ups that a search along the list would not end.
+  overlay(document, parse_document(text, "b.yaml", ".", problems));
+  EXPECT_EQ(document.entries.size(), 50'000U);
+  Sample sample;
+  Origins origins;
+  read(document, sample, problems, origins);
+  EXPECT_EQ(problems.size(), 50'000U);
+  const std::vector<Problem> told = problems.sorted();
+  ASSERT_EQ(told.size(), Problems::kMostTold + 1);
+  EXPECT_EQ(told.back().what, "and 49000 more");
 }
 
 }  // namespace

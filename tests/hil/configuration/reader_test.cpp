@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "fields/check.h"
 #include "sample_struct.h"
 
 namespace rigwire::hil {
@@ -214,6 +215,58 @@ TEST(Reader, set_that_is_no_assignment_is_refused) {
   EXPECT_THAT(findings("", sample, {"weights=[1, 2"}), HasSubstr("the value is not valid YAML"));
   EXPECT_THAT(findings("name: x\n", sample, {"name.first=1"}),
               HasSubstr("there is nothing below this key"));
+}
+
+struct Rotor {
+  double rate_radps = 60.0;
+  double blinks_hz = 1.0;
+  double least = 1.0;
+  double most = 2.0;
+
+  friend void validate(const Rotor& rotor) {
+    fields::check(rotor);
+    fields::require(rotor.least <= rotor.most, "least", fields::shortest(rotor.least), "<= most");
+  }
+};
+
+void visit(fields::Visitor& v, Rotor& rotor) {
+  v.number("rate", rotor.rate_radps, fields::in("rpm").between(300, 1200), "Speed.");
+  v.number("blinks", rotor.blinks_hz, fields::in("Hz").between(0, 100), "Lamp.");
+  v.number("least", rotor.least, fields::plain().between(0, 10), "Not above `most`.");
+  v.number("most", rotor.most, fields::plain().between(0, 10), "Not below `least`.");
+}
+
+std::string findings_of_rotor(const std::string& yaml, const std::vector<std::string>& sets = {}) {
+  Problems problems;
+  Value document = parse_document(yaml, "a.yaml", RIGWIRE_SOURCE_DIR, problems);
+  for (const std::string& set : sets) {
+    apply_set(document, set, problems);
+  }
+  Rotor rotor;
+  Origins origins;
+  read(document, rotor, problems, origins);
+  std::string text;
+  for (const Problem& problem : problems.sorted()) {
+    text += problem.line();
+  }
+  return text;
+}
+
+TEST(Reader, turns_per_second_are_suggested_as_revolutions_per_minute) {
+  EXPECT_THAT(findings_of_rotor("rate: 20 Hz\n"), HasSubstr("did you mean 1200 rpm?"));
+  EXPECT_THAT(findings_of_rotor("blinks: 600 rpm\n"), HasSubstr("did you mean 10 Hz?"));
+}
+
+TEST(Reader, an_argument_is_blamed_for_what_it_breaks_not_the_file) {
+  EXPECT_EQ(findings_of_rotor("least: 1\nmost: 2\n", {"most=0.5"}),
+            "--set most=0.5: least: found 1, allowed <= most, together with a.yaml:1");
+  EXPECT_EQ(findings_of_rotor("least: 3\nmost: 2\n"),
+            "a.yaml:1:8: least: found 3, allowed <= most");
+}
+
+TEST(Reader, a_name_of_two_lines_is_refused) {
+  EXPECT_EQ(findings("name: \"a\\nb\"\n"),
+            "a.yaml:1:7: name: a control character, found U+000A, allowed text of one line");
 }
 
 }  // namespace

@@ -84,6 +84,8 @@ void ModbusService::serve(SimTime now, std::uint8_t number, std::span<const std:
   }
   if (effects.code && *effects.code != ExceptionCode::acknowledge) {
     refuse(unit, pdu[0], *effects.code, false, answer);
+  } else if (!unit.unit->has_function(pdu[0])) {
+    refuse(unit, pdu[0], ExceptionCode::illegal_function, false, answer);
   } else if (wire_ == ModbusWire::tcp || !serve_serial(now, unit, pdu, answer)) {
     if (request != nullptr) {
       carry_out(now, unit, *request, answer);
@@ -111,7 +113,7 @@ void ModbusService::broadcast(SimTime now, std::span<const std::uint8_t> pdu) {
   }
   ModbusAnswer unsent;
   for (Unit& unit : units_) {
-    if (unit.diagnostics.listen_only() ||
+    if (unit.diagnostics.listen_only() || !unit.unit->has_function(pdu[0]) ||
         (!faults_.empty() && faults_.effects(now, unit.number, request).silence)) {
       continue;
     }

@@ -46,6 +46,9 @@ class ModbusUnit {
   [[nodiscard]] virtual std::string_view server_id() const = 0;
   /// Function 43/14, ascending by object, the first three (vendor, product code, revision) always.
   [[nodiscard]] virtual std::span<const IdentificationObject> identification() const = 0;
+  /// Whether the device has this function at all; one that it has not is answered with exception 01
+  /// whatever the request.
+  [[nodiscard]] virtual bool has_function(std::uint8_t /*function*/) const { return true; }
   /// Function 7, serial lines only: eight bits that mean what the device likes.
   [[nodiscard]] virtual std::uint8_t exception_status() const { return 0; }
   /// A request to this unit was carried out and is answered without an exception.

@@ -40,6 +40,7 @@ ValveAmplifier::ValveAmplifier(const ValveAmplifierSettings& settings)
       defects_(settings.defects),
       parameters_(settings.parameters),
       coils_(coils(settings.coil, std::make_index_sequence<kValveSections>{})) {
+  section_on_.fill(true);
   measured_.oil_temperature_c = 0.0;
   driver_temperature_c_ =
       settings_.electronics.ambient_temperature_c +
@@ -111,6 +112,11 @@ void ValveAmplifier::request(SimTime now, const ValveRequest& request) {
   reset_wanted_ = request.fault_reset.value_or(reset_wanted_);
   quick_stop_ = request.quick_stop.value_or(quick_stop_);
   for (std::size_t i = 0; i < sections(); ++i) {
+    const bool was_on = section_on_[i];
+    section_on_[i] = request.section_enable[i].value_or(was_on);
+    if (section_on_[i] && !was_on) {
+      commanded_[i] = 0.0;
+    }
     float_wanted_[i] = request.floating[i].value_or(float_wanted_[i]);
     if (request.command[i] && std::isfinite(*request.command[i])) {
       commanded_[i] = std::clamp(*request.command[i], -1.0, 1.0);
@@ -157,7 +163,11 @@ void ValveAmplifier::begin_from_zero(const ValveRequest& request) {
 
 void ValveAmplifier::set_targets(SimTime now) {
   for (std::size_t i = 0; i < sections(); ++i) {
-    stages_[i].set_target(now, commanded_[i], parameters_.stage[i]);
+    if (section_on_[i]) {
+      stages_[i].set_target(now, commanded_[i], parameters_.stage[i]);
+    } else {
+      stages_[i].neutral(now);
+    }
   }
 }
 
@@ -213,10 +223,11 @@ void ValveAmplifier::take_defects(SimTime now) {
 void ValveAmplifier::refresh_set_points(SimTime now) {
   if (enabled_ || active_reaction_ != ValveReaction::hold) {
     for (std::size_t i = 0; i < sections(); ++i) {
-      floating_[i] =
-          enabled_ ? float_wanted_[i] && !quick_stop_ : active_reaction_ == ValveReaction::floating;
-      const double idle =
-          active_reaction_ == ValveReaction::position ? parameters_.loss_position : 0.0;
+      floating_[i] = section_on_[i] && (enabled_ ? float_wanted_[i] && !quick_stop_
+                                                 : active_reaction_ == ValveReaction::floating);
+      const double idle = section_on_[i] && active_reaction_ == ValveReaction::position
+                              ? parameters_.loss_position
+                              : 0.0;
       set_point_[i] = floating_[i] ? 0.0
                       : enabled_   ? stages_[i].opening(parameters_.stage[i])
                                    : idle;
@@ -331,6 +342,7 @@ void ValveAmplifier::update(const ValveSample& sample) {
     take(measured_.port_b_pressure_pa[i], sample.port_b_pressure_pa[i]);
   }
   take(measured_.supply_pressure_pa, sample.supply_pressure_pa);
+  take(measured_.tank_pressure_pa, sample.tank_pressure_pa);
   take(measured_.swing_angle_rad, sample.swing_angle_rad);
   take(measured_.swing_rate_radps, sample.swing_rate_radps);
   take(measured_.oil_temperature_c, sample.oil_temperature_c);

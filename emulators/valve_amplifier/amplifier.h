@@ -5,6 +5,8 @@
 //     section starts from 0 unless that same request commands it.
 //   - Quick stop, disabling and faults go to neutral at once, past the ramps; when quick stop is
 //     cleared, sections start from 0 as after enabling. Quick stop beats float.
+//   - A section can be switched off by itself: it goes to neutral at once and stays there whatever
+//     the reaction to a trip; switched on again it starts from 0 unless that request commands it.
 //   - The watchdog runs while enabled, from the last feed(). A feed at the very instant of expiry
 //   is
 //     too late. On expiry fault 1 is latched and the outputs react at exactly that instant; hold,
@@ -44,6 +46,7 @@ struct ValveRequest {
   std::optional<bool> enable;
   std::optional<bool> fault_reset;  ///< Acts on the change to true.
   std::optional<bool> quick_stop;
+  std::array<std::optional<bool>, kValveSections> section_enable{};  ///< At power-up all are on.
   std::array<std::optional<bool>, kValveSections> floating{};
   std::array<std::optional<double>, kValveSections> command{};  ///< -1 .. 1.
 };
@@ -71,6 +74,11 @@ class ValveAmplifier {
   [[nodiscard]] const ValveAmplifierSettings& settings() const { return settings_; }
   [[nodiscard]] const ValveAmplifierParameters& parameters() const { return parameters_; }
   [[nodiscard]] bool enabled() const { return enabled_; }
+  /// Whether the section is switched on, and whether its output follows its command.
+  [[nodiscard]] bool section_on(std::size_t section) const { return section_on_[section]; }
+  [[nodiscard]] bool section_enabled(std::size_t section) const {
+    return enabled_ && section_on_[section];
+  }
   [[nodiscard]] ValveFault fault() const { return fault_; }
   /// Of the latched fault; nothing when it is the whole amplifier's.
   [[nodiscard]] std::optional<std::size_t> fault_section() const { return fault_section_; }
@@ -123,6 +131,7 @@ class ValveAmplifier {
   bool enable_wanted_ = false;
   bool reset_wanted_ = false;
   bool quick_stop_ = false;
+  std::array<bool, kValveSections> section_on_{};
   std::array<bool, kValveSections> float_wanted_{};
   std::array<double, kValveSections> commanded_{};
 

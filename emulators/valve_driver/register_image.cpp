@@ -6,6 +6,12 @@
 
 namespace rigwire::emulators {
 
+std::uint16_t in_order(const ValveRegister& entry, std::uint16_t word) {
+  return entry.bytes == ByteOrder::high_first
+             ? word
+             : static_cast<std::uint16_t>((word << 8U) | (word >> 8U));
+}
+
 RegisterWords encode_count(const ValveRegister& entry, double count) {
   std::uint32_t raw = 0;
   if (entry.format == RegisterFormat::f32) {
@@ -18,8 +24,8 @@ RegisterWords encode_count(const ValveRegister& entry, double count) {
                             : std::clamp(whole, entry.least(), entry.greatest());
     raw = static_cast<std::uint32_t>(static_cast<std::int64_t>(held));
   }
-  const auto high = static_cast<std::uint16_t>(raw >> 16U);
-  const auto low = static_cast<std::uint16_t>(raw & 0xFFFFU);
+  const std::uint16_t high = in_order(entry, static_cast<std::uint16_t>(raw >> 16U));
+  const std::uint16_t low = in_order(entry, static_cast<std::uint16_t>(raw & 0xFFFFU));
   if (entry.words() == 1) {
     return {low, 0};
   }
@@ -28,9 +34,11 @@ RegisterWords encode_count(const ValveRegister& entry, double count) {
 
 std::optional<double> decode_count(const ValveRegister& entry, const RegisterWords& words) {
   const bool high_first = entry.order == WordOrder::high_first;
-  const std::uint32_t raw = entry.words() == 1 ? words[0]
-                                               : (std::uint32_t{words[high_first ? 0 : 1]} << 16U) |
-                                                     words[high_first ? 1 : 0];
+  const std::uint32_t first = in_order(entry, words[0]);
+  const std::uint32_t second = in_order(entry, words[1]);
+  const std::uint32_t raw = entry.words() == 1 ? first
+                            : high_first       ? first << 16U | second
+                                               : second << 16U | first;
   switch (entry.format) {
     case RegisterFormat::s16:
       return static_cast<std::int16_t>(raw);

@@ -15,6 +15,8 @@ namespace rigwire::emulators {
 
 using RegisterWords = std::array<std::uint16_t, 2>;
 
+/// The word with its bytes in the register's order; its own inverse.
+[[nodiscard]] std::uint16_t in_order(const ValveRegister& entry, std::uint16_t word);
 /// A count in the words of one value, the nearest that the format can carry; NaN as 0 (f32: as
 /// NaN).
 [[nodiscard]] RegisterWords encode_count(const ValveRegister& entry, double count);

@@ -59,8 +59,16 @@ double ValveDriver::value_of(ValveSignal signal, std::size_t section) const {
   switch (signal) {
     case command:
       return amplifier_.commanded(section) * kPercent;
+    case command_a:
+      return std::max(0.0, amplifier_.commanded(section)) * kPercent;
+    case command_b:
+      return std::max(0.0, -amplifier_.commanded(section)) * kPercent;
     case enable:
       return bit(map_.always_enabled);
+    case enable_section:
+      return bit(amplifier_.section_on(section));
+    case section_enabled:
+      return bit(amplifier_.section_enabled(section));
     case heartbeat:
     case heartbeat_echo:
       return heartbeat_;
@@ -118,6 +126,8 @@ double ValveDriver::measured_value(ValveSignal signal, std::size_t section) cons
       return measured.port_b_pressure_pa[section] / kPascalPerBar;
     case supply_pressure:
       return measured.supply_pressure_pa / kPascalPerBar;
+    case tank_pressure:
+      return measured.tank_pressure_pa / kPascalPerBar;
     case oil_temperature:
       return measured.oil_temperature_c;
     case swing_angle:

@@ -66,6 +66,11 @@ std::span<const ModbusUnit::IdentificationObject> ValveDriver::Unit::identificat
   return objects_;
 }
 
+bool ValveDriver::Unit::has_function(std::uint8_t function) const {
+  const std::vector<std::uint8_t>& has = driver_.map_.functions;
+  return has.empty() || std::ranges::find(has, function) != has.end();
+}
+
 void ValveDriver::Unit::served(SimTime now) {
   if (driver_.feed_ == WatchdogFeed::any_request) {
     driver_.feed(now);
@@ -90,8 +95,9 @@ ModbusUnit::Outcome ValveDriver::read(ModbusTable table, std::size_t address,
                    ? static_cast<std::uint8_t>(place->entry->content[at])
                    : std::uint8_t{0};
       };
-      values[i] = static_cast<std::uint16_t>((character(2U * place->index) << 8U) |
-                                             character(2U * place->index + 1U));
+      values[i] =
+          in_order(*place->entry, static_cast<std::uint16_t>((character(2U * place->index) << 8U) |
+                                                             character(2U * place->index + 1U)));
     } else {
       values[i] = words_of(*place->entry, place->index)[place->word];
     }
@@ -156,7 +162,7 @@ bool ValveDriver::accepts(const ValveRegister& entry, std::size_t index,
     return false;
   }
   if (entry.signal == ValveSignal::bits && std::isnan(entry.upper)) {
-    const auto used = static_cast<std::uint16_t>(entry.greatest());
+    const std::uint16_t used = in_order(entry, static_cast<std::uint16_t>(entry.greatest()));
     if ((words[0] & ~used) != 0 && !entry.clip.value_or(map_.clip)) {
       return false;
     }
@@ -175,8 +181,7 @@ bool ValveDriver::accepts(const ValveRegister& entry, std::size_t index,
   }
   const bool fitted =
       !info(entry.signal).per_section || entry.section + index < amplifier_.sections();
-  return fitted || entry.signal != ValveSignal::command ||
-         *count * entry.scale + entry.offset == 0.0;
+  return fitted || !is_spool_command(entry.signal) || *count * entry.scale + entry.offset == 0.0;
 }
 
 }  // namespace rigwire::emulators

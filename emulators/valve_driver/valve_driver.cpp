@@ -20,7 +20,8 @@ Duration milliseconds(double count) {
 
 bool is_boolean(ValveSignal signal) {
   using enum ValveSignal;
-  return signal == enable || signal == fault_reset || signal == floating || signal == quick_stop;
+  return signal == enable || signal == enable_section || signal == fault_reset ||
+         signal == floating || signal == quick_stop;
 }
 
 }  // namespace
@@ -32,6 +33,7 @@ ValveDriver::ValveDriver(const ValveDriverSettings& settings)
                                                settings.amplifier.parameters)),
       image_(map_),
       amplifier_(settings.amplifier),
+      enabled_by_section_(enabled_by_section(map_)),
       feed_(map_.watchdog_feed),
       unit_(*this) {
   power_up();
@@ -42,6 +44,9 @@ void ValveDriver::power_up() {
   Change change;
   change.parameters = amplifier_.parameters();
   change.request.enable = map_.always_enabled;
+  if (enabled_by_section_) {
+    change.request.section_enable.fill(false);
+  }
   for (const ValveRegister& entry : map_.registers) {
     for (std::size_t i = 0; entry.writable && i < entry.count; ++i) {
       if (entry.initial) {
@@ -104,7 +109,23 @@ void ValveDriver::count_heartbeat(SimTime now, std::uint16_t value) {
   heartbeat_seen_ = true;
 }
 
-void ValveDriver::act(SimTime now, const Change& change) {
+void ValveDriver::complete(Change& change) {
+  bool any_on = false;
+  for (std::size_t i = 0; i < amplifier_.sections(); ++i) {
+    if (change.towards_a[i] || change.towards_b[i]) {
+      towards_a_[i] = change.towards_a[i].value_or(towards_a_[i]);
+      towards_b_[i] = change.towards_b[i].value_or(towards_b_[i]);
+      change.request.command[i] = (towards_a_[i] - towards_b_[i]) / kPercent;
+    }
+    any_on = any_on || change.request.section_enable[i].value_or(amplifier_.section_on(i));
+  }
+  if (enabled_by_section_) {
+    change.request.enable = any_on;
+  }
+}
+
+void ValveDriver::act(SimTime now, Change change) {
+  complete(change);
   now_ = now;
   feed_ = change.feed.value_or(feed_);
   if (change.heartbeat) {
@@ -123,15 +144,23 @@ void ValveDriver::act(SimTime now, const Change& change) {
 
 void ValveDriver::forget_commands() {
   for (const ValveRegister& entry : map_.registers) {
-    if (entry.signal != ValveSignal::command || !entry.writable) {
+    if (!is_spool_command(entry.signal) || !entry.writable) {
       continue;
     }
     for (std::size_t i = 0; i < entry.count && entry.section + i < amplifier_.sections(); ++i) {
+      const std::size_t section = entry.section + i;
+      const bool is_half = entry.signal != ValveSignal::command;
+      const bool balanced = is_half && towards_a_[section] == towards_b_[section];
       const double count = image_.count(entry, i);
-      const bool asks = count * entry.scale + entry.offset != 0.0;
-      if (asks && amplifier_.commanded(entry.section + i) == 0.0) {
+      const bool asks = count * entry.scale + entry.offset != 0.0 && !balanced;
+      if (asks && amplifier_.commanded(section) == 0.0) {
         image_.set(entry, i, encode_count(entry, -entry.offset / entry.scale));
       }
+    }
+  }
+  for (std::size_t i = 0; i < amplifier_.sections(); ++i) {
+    if (amplifier_.commanded(i) == 0.0 && towards_a_[i] != towards_b_[i]) {
+      towards_a_[i] = towards_b_[i] = 0.0;
     }
   }
 }
@@ -180,8 +209,19 @@ void ValveDriver::collect(ValveSignal signal, std::optional<std::size_t> section
       change.command_written = true;
       each([&](std::size_t i) { change.request.command[i] = value / kPercent; });
       return;
+    case command_a:
+      change.command_written = true;
+      each([&](std::size_t i) { change.towards_a[i] = std::clamp(value, 0.0, kPercent); });
+      return;
+    case command_b:
+      change.command_written = true;
+      each([&](std::size_t i) { change.towards_b[i] = std::clamp(value, 0.0, kPercent); });
+      return;
     case enable:
       change.request.enable = on;
+      return;
+    case enable_section:
+      each([&](std::size_t i) { change.request.section_enable[i] = on; });
       return;
     case fault_reset:
       change.request.fault_reset = on;

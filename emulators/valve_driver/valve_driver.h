@@ -6,7 +6,9 @@
 //     03, or held at its limit where the map says `clip`.
 //   - What one request writes acts at one instant; parameters before commands.
 //   - When the outputs become enabled, commands that the request did not write go to 0, in their
-//     registers too.
+//     registers too. So it is section by section where a map enables them one by one.
+//   - A command in two halves is command_a less command_b, as the currents of two solenoids pull
+//     against each other.
 //   - Registers of sections that are not fitted take a command of 0 only and read 0.
 #pragma once
 
@@ -81,6 +83,7 @@ class ValveDriver final : public ModbusDevice, public ValveBackend {
                         const protocols::modbus::BitBlock& coils) override;
     [[nodiscard]] std::string_view server_id() const override;
     [[nodiscard]] std::span<const IdentificationObject> identification() const override;
+    [[nodiscard]] bool has_function(std::uint8_t function) const override;
     void served(SimTime now) override;
 
    private:
@@ -92,6 +95,9 @@ class ValveDriver final : public ModbusDevice, public ValveBackend {
   /// What one write does, collected before it acts.
   struct Change {
     ValveRequest request;
+    /// Halves of a command, in %, where a map has them apart.
+    std::array<std::optional<double>, kValveSections> towards_a{};
+    std::array<std::optional<double>, kValveSections> towards_b{};
     ValveAmplifierParameters parameters;
     bool parameters_written = false;
     bool command_written = false;
@@ -118,7 +124,9 @@ class ValveDriver final : public ModbusDevice, public ValveBackend {
   void collect(const ValveRegister& entry, std::size_t index, Change& change) const;
   void collect(ValveSignal signal, std::optional<std::size_t> section, double value,
                Change& change) const;
-  void act(SimTime now, const Change& change);
+  void act(SimTime now, Change change);
+  /// Commands from their halves, and enable from the sections', where the map has only these.
+  void complete(Change& change);
   void count_heartbeat(SimTime now, std::uint16_t value);
   void feed(SimTime now);
   void forget_commands();
@@ -129,7 +137,10 @@ class ValveDriver final : public ModbusDevice, public ValveBackend {
   const ValveMap map_;
   RegisterImage image_;
   ValveAmplifier amplifier_;
+  const bool enabled_by_section_;
   WatchdogFeed feed_ = WatchdogFeed::any_request;
+  std::array<double, kValveSections> towards_a_{};  ///< As the master last wrote them, %.
+  std::array<double, kValveSections> towards_b_{};
   bool heartbeat_seen_ = false;
   std::uint16_t heartbeat_ = 0;
   std::uint16_t missed_cycles_ = 0;

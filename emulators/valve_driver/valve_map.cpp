@@ -65,6 +65,9 @@ constexpr auto kFormatChoices = choices_of<RegisterFormat>(kFormats);
 constexpr std::array<fields::Choice<WordOrder>, 2> kOrders{
     {{WordOrder::high_first, "high_first", "The more significant word at the lower address."},
      {WordOrder::low_first, "low_first", "The less significant word at the lower address."}}};
+constexpr std::array<fields::Choice<ByteOrder>, 2> kByteOrders{
+    {{ByteOrder::high_first, "high_first", "The more significant byte first, as Modbus has it."},
+     {ByteOrder::low_first, "low_first", "The less significant byte first."}}};
 constexpr std::array<fields::Choice<bool>, 2> kAccess{
     {{false, "read", "The master may read it."}, {true, "write", "And write it."}}};
 constexpr std::array<fields::Choice<bool>, 2> kMapRules{
@@ -80,6 +83,23 @@ constexpr std::array<fields::Choice<WatchdogFeed>, 4> kFeeds{
      {WatchdogFeed::heartbeat_change, "heartbeat_change", "A changed heartbeat."},
      {WatchdogFeed::any_write, "any_write", "Every write that is carried out."},
      {WatchdogFeed::command_write, "command_write", "A write that has a command in it."}}};
+
+/// Of the emulator (docs/devices/valve-driver.md); 7, 8 and 11 on serial lines only.
+constexpr std::array<std::uint8_t, 14> kFunctions{1, 2, 3, 4, 5, 6, 7, 8, 11, 15, 16, 17, 22, 23};
+constexpr std::uint8_t kIdentification = 43;
+constexpr const char* kFunctionNames = "1 .. 8, 11, 15, 16, 17, 22, 23, 43";
+
+bool is_function(double code) {
+  return code == kIdentification || std::ranges::find(kFunctions, code) != kFunctions.end();
+}
+
+/// What reads and what writes each table, in the order of ModbusTable.
+struct TableFunctions {
+  std::array<std::uint8_t, 2> read;
+  std::array<std::uint8_t, 4> write;
+};
+constexpr std::array<TableFunctions, 4> kTableFunctions{
+    {{{1, 1}, {5, 15, 15, 15}}, {{2, 2}, {}}, {{3, 23}, {6, 16, 22, 23}}, {{4, 4}, {}}}};
 
 constexpr std::size_t kSignalCount = static_cast<std::size_t>(ValveSignal::text) + 1;
 
@@ -147,8 +167,43 @@ std::uint16_t ValveRegister::words() const {
   return format_info(format).words;
 }
 
+namespace {
+
+struct CountRange {
+  double least = 0.0;
+  double greatest = 0.0;
+};
+
+/// What the format carries, of a written register no more than the amplifier takes.
+CountRange natural_range(const ValveRegister& entry) {
+  const FormatInfo& format = format_info(entry.format);
+  CountRange range{format.least, format.greatest};
+  if (!entry.writable || !entry.values.empty()) {
+    return range;
+  }
+  // count = (value / factor - offset) / scale at both ends, rounded inwards where counts are whole.
+  const ValveSignalInfo& signal = info(entry.signal);
+  const double factor = unit_factor(entry.signal, entry.unit).value_or(1.0);
+  double ends[] = {(signal.least / factor - entry.offset) / entry.scale,
+                   (signal.greatest / factor - entry.offset) / entry.scale};
+  if (std::isnan(ends[0]) || std::isnan(ends[1])) {
+    return range;
+  }
+  if (ends[0] > ends[1]) {
+    std::swap(ends[0], ends[1]);
+  }
+  if (entry.format != RegisterFormat::f32) {
+    constexpr double kRounding = 1e-9;
+    ends[0] = std::ceil(ends[0] - kRounding);
+    ends[1] = std::floor(ends[1] + kRounding);
+  }
+  return {std::max(range.least, ends[0]), std::min(range.greatest, ends[1])};
+}
+
+}  // namespace
+
 double ValveRegister::least() const {
-  return std::isnan(lower) ? format_info(format).least : lower;
+  return std::isnan(lower) ? natural_range(*this).least : lower;
 }
 
 double ValveRegister::greatest() const {
@@ -156,7 +211,7 @@ double ValveRegister::greatest() const {
     return upper;
   }
   if (signal != ValveSignal::bits || bits.empty()) {
-    return format_info(format).greatest;
+    return natural_range(*this).greatest;
   }
   unsigned used = 0;
   for (const RegisterBit& bit : bits) {
@@ -202,14 +257,19 @@ std::string fault_of(const ValveRegister& entry, bool writable_table) {
   if (entry.writable && !made_of_bits && !signal.commanded) {
     return "signal " + std::string(signal.name) + " cannot be written";
   }
-  const auto sections_fit = [&](std::size_t first, std::size_t count) {
-    return first + count <= kValveSections;
-  };
-  if (signal.per_section ? !sections_fit(entry.section, entry.count)
-                         : entry.count != 1 && entry.signal != ValveSignal::stored &&
-                               entry.signal != ValveSignal::constant && !is_text) {
+  if (signal.per_section && entry.section + entry.count > kValveSections) {
     return "count " + std::to_string(entry.count) + " of signal " + std::string(signal.name) +
-           ", allowed: one for each section, else 1";
+           " from section " + std::to_string(entry.section + 1) + " on, allowed: 1 .. " +
+           std::to_string(kValveSections - std::min(entry.section, kValveSections)) +
+           ", as there are " + std::to_string(kValveSections) + " sections";
+  }
+  const bool repeats = signal.per_section || entry.signal == ValveSignal::stored ||
+                       entry.signal == ValveSignal::constant || is_text;
+  if (!repeats && entry.count != 1) {
+    return "count " + std::to_string(entry.count) + " of signal " + std::string(signal.name) +
+           ", which the amplifier has once, allowed: 1" +
+           (entry.signal == ValveSignal::enable ? " (signal enable_section is one for each section)"
+                                                : "");
   }
   if (!unit_factor(entry.signal, entry.unit)) {
     return "unit " + quoted(entry.unit) + " does not belong to signal " + std::string(signal.name) +
@@ -271,11 +331,27 @@ void visit(fields::Visitor& v, ValveRegister& p) {
   v.required("address");
   v.integer("address", p.address, IntegerRule{0, 65535},
             "Address of the first, from 0, as on the wire.");
-  v.integer("count", p.count, IntegerRule{1, 125}, "How many equal registers, one per section.");
+  v.required("signal");
+  v.choice("signal", p.signal, signal_choices(), "What the register carries.");
+  v.text("content", p.content, "Characters that it reads as, of signal text.");
+  // What table and signal leave no choice of need not be written.
+  const ValveRegister untold{};
+  const bool is_text = p.signal == ValveSignal::text;
+  if (p.format == untold.format && (is_bit_table(p.table) || is_text)) {
+    p.format = is_text ? RegisterFormat::text : RegisterFormat::bit;
+  }
+  if (is_text && p.count == untold.count) {
+    p.count =
+        static_cast<std::uint16_t>(std::clamp<std::size_t>((p.content.size() + 1) / 2, 1, 125));
+  }
+  v.integer("count", p.count, IntegerRule{1, 125},
+            "How many equal registers, one per section; of a text by its content.");
   v.integer("stride", p.stride, IntegerRule{0, 1000},
             "Addresses from one register of the row to the next; 0 = no gap.");
-  v.choice("format", p.format, kFormatChoices, "How the count is coded.");
+  v.choice("format", p.format, kFormatChoices,
+           "How the count is coded; of coils and discrete inputs bit, of signal text text.");
   v.choice("word_order", p.order, kOrders, "Order of the words of two registers.");
+  v.choice("byte_order", p.bytes, kByteOrders, "Order of the bytes of each register.");
   v.choice("access", p.writable, kAccess, "What the master may do.");
   v.text("unit", p.unit, "Unit of the value, which is count x scale + offset.");
   v.number("scale", p.scale, plain().between(-1e9, 1e9), "Value of one count, in the unit.");
@@ -286,13 +362,10 @@ void visit(fields::Visitor& v, ValveRegister& p) {
   v.choice("out_of_range", rule, kRangeRules,
            "What happens to a value out of range, in place of the map's rule.");
   v.number("initial", initial, kCount, "Count at power-up.");
-  v.required("signal");
-  v.choice("signal", p.signal, signal_choices(), "What the register carries.");
   v.integer("section", section, IntegerRule{1, kValveSections},
             "Section of the first register in the row, from 1.");
   v.list("bits", p.bits, "What each bit carries, of signal bits.");
   v.list("values", p.values, "Counts that stand for other values of the signal.");
-  v.text("content", p.content, "Characters that it reads as, of signal text.");
   v.text("text", p.text, "What it means, one line.");
   p.lower = range[0];
   p.upper = range[1];
@@ -303,6 +376,7 @@ void visit(fields::Visitor& v, ValveRegister& p) {
 
 void visit(fields::Visitor& v, ValveMap& p) {
   int mirror = p.input_mirror ? *p.input_mirror : -1;
+  std::vector<double> functions(p.functions.begin(), p.functions.end());
   v.text("name", p.name, "Name of the map.");
   v.text("text", p.text, "One line about the map.");
   v.text("vendor", p.vendor, "Vendor, in the identification; 1 .. 60 characters.");
@@ -315,12 +389,63 @@ void visit(fields::Visitor& v, ValveMap& p) {
   v.choice("watchdog_feed", p.watchdog_feed, kFeeds, "What shows that the master is alive.");
   v.boolean("watchdog_recovers", p.watchdog_recovers, "The next feed ends a trip.");
   v.boolean("always_enabled", p.always_enabled, "Enabled from power-up on.");
+  v.number_list("functions", functions, plain().between(1, 127),
+                "Function codes that it has, others answer exception 01; empty = all.");
+  for (const double code : functions) {
+    v.check(is_function(code), "functions", "no function of a valve driver", number(code),
+            kFunctionNames);
+  }
   v.choice("gaps", p.gaps_read_zero, kGaps, "What addresses between registers answer.");
   v.integer("input_mirror", mirror, IntegerRule{-1, 65535},
             "Address from which input registers are readable as holding ones; -1 = nowhere.");
   v.required("registers");
   v.list("registers", p.registers, "Registers of all four tables.");
+  p.functions.clear();
+  for (const double code : functions) {
+    if (is_function(code)) {
+      p.functions.push_back(static_cast<std::uint8_t>(code));
+    }
+  }
   p.input_mirror = mirror < 0 ? std::nullopt : std::optional(static_cast<std::uint16_t>(mirror));
+}
+
+namespace {
+
+bool writes(const ValveRegister& entry, ValveSignal signal) {
+  return entry.writable &&
+         (entry.signal == signal ||
+          std::ranges::find(entry.bits, signal, &RegisterBit::signal) != entry.bits.end());
+}
+
+/// Every register can be read, and every one that is to be written, written.
+void require_functions(const ValveMap& map) {
+  const auto has_one = [&](const auto& codes) {
+    return map.functions.empty() || std::ranges::any_of(codes, [&](std::uint8_t code) {
+             return std::ranges::find(map.functions, code) != map.functions.end();
+           });
+  };
+  for (const ValveRegister& entry : map.registers) {
+    const TableFunctions& functions = kTableFunctions[static_cast<std::size_t>(entry.table)];
+    const bool mirrored = entry.table == ModbusTable::input_registers && map.input_mirror &&
+                          has_one(kTableFunctions[2].read);
+    const bool readable = has_one(functions.read) || mirrored;
+    if (!readable || (entry.writable && !has_one(functions.write))) {
+      throw std::invalid_argument("valve map " + quoted(map.name) + ": register " +
+                                  quoted(entry.name) + ": none of the map's functions " +
+                                  (readable ? "writes" : "reads") + " table " +
+                                  name_of(entry.table));
+    }
+  }
+}
+
+}  // namespace
+
+bool enabled_by_section(const ValveMap& map) {
+  const auto any = [&](ValveSignal signal) {
+    return std::ranges::any_of(map.registers,
+                               [&](const ValveRegister& entry) { return writes(entry, signal); });
+  };
+  return !map.always_enabled && !any(ValveSignal::enable) && any(ValveSignal::enable_section);
 }
 
 void validate(const ValveMap& map) {
@@ -334,7 +459,7 @@ void validate(const ValveMap& map) {
              ", allowed 1 .. 60 characters");
     }
   }
-  bool enable = map.always_enabled;
+  bool enable = map.always_enabled || enabled_by_section(map);
   std::map<std::pair<ModbusTable, unsigned>, const ValveRegister*> owners;
   for (const ValveRegister& entry : map.registers) {
     const bool writable_table =
@@ -342,10 +467,7 @@ void validate(const ValveMap& map) {
     if (const std::string fault = fault_of(entry, writable_table); !fault.empty()) {
       refuse("register " + quoted(entry.name) + ": " + fault);
     }
-    enable =
-        enable || (entry.writable && (entry.signal == ValveSignal::enable ||
-                                      std::ranges::find(entry.bits, ValveSignal::enable,
-                                                        &RegisterBit::signal) != entry.bits.end()));
+    enable = enable || writes(entry, ValveSignal::enable);
     for (const unsigned address : addresses_of(entry)) {
       const auto [owner, fresh] = owners.emplace(std::pair(entry.table, address), &entry);
       if (!fresh) {
@@ -357,10 +479,11 @@ void validate(const ValveMap& map) {
   if (map.registers.empty()) {
     refuse("no registers");
   }
+  require_functions(map);
   if (!enable) {
     refuse(
-        "nothing enables the outputs: bind signal enable to a register, a bit or a coil, or say "
-        "always_enabled: true");
+        "nothing enables the outputs: bind signal enable or enable_section to a register, a bit or "
+        "a coil, or say always_enabled: true");
   }
 }
 
@@ -385,7 +508,8 @@ std::string markdown_row(const ValveRegister& entry) {
   }
   cell(unit);
   const bool is_text = entry.format == RegisterFormat::text;
-  const bool any = entry.format == RegisterFormat::f32 && std::isnan(entry.lower);
+  const bool any =
+      entry.format == RegisterFormat::f32 && entry.greatest() == format_info(entry.format).greatest;
   cell(is_text ? quoted(entry.content)
        : any   ? std::string("any")
                : number(entry.least()) + " .. " + number(entry.greatest()));

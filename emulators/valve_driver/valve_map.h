@@ -21,6 +21,9 @@ using ModbusTable = protocols::modbus::Table;
 enum class RegisterFormat : std::uint8_t { bit, u16, s16, u32, s32, f32, text };
 /// Which word of a two-register value is at the lower address.
 enum class WordOrder : std::uint8_t { high_first, low_first };
+/// Which byte of a register comes first on the wire; Modbus itself has the high one first (V1.1b3,
+/// section 4.2), but devices are made that hand on a little-endian memory.
+enum class ByteOrder : std::uint8_t { high_first, low_first };
 
 /// What feeds the watchdog.
 enum class WatchdogFeed : std::uint8_t {
@@ -57,11 +60,13 @@ struct ValveRegister {
   std::uint16_t stride = 0;   ///< Registers from one to the next; 0: no gap.
   RegisterFormat format = RegisterFormat::u16;
   WordOrder order = WordOrder::high_first;
+  ByteOrder bytes = ByteOrder::high_first;
   bool writable = false;
   std::string unit;
   double scale = 1.0;
   double offset = 0.0;
-  // Of the counts. NaN: what the format can carry (0 .. all bits used, where there are bits).
+  // Of the counts. NaN: what the format can carry (0 .. all bits used, where there are bits), of
+  // what the master writes no more than the amplifier can take.
   double lower = std::numeric_limits<double>::quiet_NaN();
   double upper = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> also;       ///< Allowed besides the range.
@@ -77,8 +82,8 @@ struct ValveRegister {
 
   [[nodiscard]] std::uint16_t words() const;  ///< Of one value.
   [[nodiscard]] std::uint16_t step() const { return stride == 0 ? words() : stride; }
-  [[nodiscard]] double least() const;     ///< `lower`, or the format's.
-  [[nodiscard]] double greatest() const;  ///< `upper`, or the format's.
+  [[nodiscard]] double least() const;     ///< `lower`, or as it says there.
+  [[nodiscard]] double greatest() const;  ///< `upper`, or as it says there.
   [[nodiscard]] bool allows(double count) const;
 };
 
@@ -98,6 +103,8 @@ struct ValveMap {
   bool watchdog_recovers = false;
   /// Enabled from power-up on; a map without an enable signal must say so.
   bool always_enabled = false;
+  /// Function codes that the device has; others answer exception 01. Empty: all of the emulator's.
+  std::vector<std::uint8_t> functions;
   bool gaps_read_zero = false;  ///< Between a table's first and last register; else exception 02.
   std::optional<std::uint16_t>
       input_mirror;  ///< Input registers, readable as holding ones from here.
@@ -107,11 +114,14 @@ struct ValveMap {
 void visit(fields::Visitor& v, ValveMap& p);
 /// Throws std::invalid_argument that names the register and what is wrong: overlaps, units that do
 /// not belong to the signal, ranges that the format cannot carry, what cannot be written or read,
-/// sections that are not there.
+/// sections that are not there, functions that leave a table out of reach.
 /// Does not ask the rules of visit(): a count that is not given stands as NaN.
 void validate(const ValveMap& map);
 /// What is wrong with one register by itself; empty when nothing is.
 [[nodiscard]] std::string fault_of(const ValveRegister& entry, bool writable_table);
+
+/// Whether the master enables the sections one by one, and nothing else does.
+[[nodiscard]] bool enabled_by_section(const ValveMap& map);
 
 /// Every address that a row takes. Precondition: it has no fault.
 [[nodiscard]] std::vector<unsigned> addresses_of(const ValveRegister& entry);

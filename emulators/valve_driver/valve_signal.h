@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -11,7 +12,10 @@ namespace rigwire::emulators {
 enum class ValveSignal : std::uint8_t {
   // The master writes these (and reads back what it wrote).
   command,
+  command_a,
+  command_b,
   enable,
+  enable_section,
   fault_reset,
   floating,
   quick_stop,
@@ -34,6 +38,7 @@ enum class ValveSignal : std::uint8_t {
   // The amplifier says these.
   ready,
   enabled,
+  section_enabled,
   fault,
   watchdog_tripped,
   at_limit,
@@ -49,6 +54,7 @@ enum class ValveSignal : std::uint8_t {
   port_a_pressure,
   port_b_pressure,
   supply_pressure,
+  tank_pressure,
   oil_temperature,
   swing_angle,
   swing_rate,
@@ -67,12 +73,21 @@ struct ValveSignalInfo {
   bool per_section = false;
   std::string_view unit;  ///< Of the values that the amplifier gives and takes; empty: a number.
   std::string_view text;
+  // What the amplifier can take, in that unit; without limits it takes everything.
+  double least = -std::numeric_limits<double>::infinity();
+  double greatest = std::numeric_limits<double>::infinity();
 };
 
 [[nodiscard]] std::span<const ValveSignalInfo> valve_signals();
 [[nodiscard]] const ValveSignalInfo& info(ValveSignal signal);
 /// Nothing when there is no such signal.
 [[nodiscard]] std::optional<ValveSignal> find_valve_signal(std::string_view name);
+
+/// What moves a spool: command, and its halves.
+[[nodiscard]] constexpr bool is_spool_command(ValveSignal signal) {
+  return signal == ValveSignal::command || signal == ValveSignal::command_a ||
+         signal == ValveSignal::command_b;
+}
 
 /// How many of the signal's own unit one of `unit` is: 1000 for A where the signal is in mA. The
 /// signal's own unit and an empty one are 1; nothing when the units do not belong together.

@@ -194,6 +194,7 @@ ValveSample Excavator::valve_sample(SimTime time) const {
     }
   }
   sample.supply_pressure_pa = supply_pressure_pa_;
+  sample.tank_pressure_pa = parameters_.supply.tank_pressure_pa;
   sample.swing_angle_rad = state_.q_rad[0];
   sample.swing_rate_radps = state_.v_radps[0];
   return sample;

@@ -31,6 +31,7 @@ struct ValveSample {
       port_a_pressure_pa{};  ///< Cylinder bottom side, or motor port A.
   std::array<double, kValveSections> port_b_pressure_pa{};  ///< Cylinder rod side, or motor port B.
   double supply_pressure_pa = 0.0;
+  double tank_pressure_pa = 0.0;
   double swing_angle_rad = 0.0;  ///< Upper structure against undercarriage, left positive.
   double swing_rate_radps = 0.0;
   double oil_temperature_c = 50.0;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "../modbus/modbus_client.h"
+#include "emulators/modbus/modbus_service.h"
 #include "emulators/valve_driver/valve_driver.h"
 
 namespace rigwire::emulators {
@@ -266,6 +267,131 @@ TEST(RegisterCodec, AFloatThatIsNoNumberIsNoCount) {
   EXPECT_FALSE(decode_count(row, {0x7FC0, 0}));
   EXPECT_FALSE(decode_count(row, {0x7F80, 0}));
   EXPECT_FALSE(decode_count(row, {0xFF80, 0}));
+}
+
+class ValveByFile : public MappedValve {
+ protected:
+  static ValveMap map() {
+    constexpr auto kHolding = ModbusTable::holding_registers;
+    ValveMap map;
+    map.functions = {3, 4, 6, 16};
+    ValveRegister on = entry("on", kHolding, 0, ValveSignal::enable_section, true);
+    on.count = 4;
+    map.registers.push_back(on);
+    ValveRegister a = entry("a", kHolding, 10, ValveSignal::command_a, true);
+    a.count = 4;
+    map.registers.push_back(a);
+    ValveRegister b = entry("b", kHolding, 20, ValveSignal::command_b, true);
+    b.count = 4;
+    map.registers.push_back(b);
+    ValveRegister gain = entry("gain", kHolding, 30, ValveSignal::gain, true);
+    gain.format = RegisterFormat::f32;
+    gain.bytes = ByteOrder::low_first;
+    gain.unit = "%";
+    map.registers.push_back(gain);
+    ValveRegister tank =
+        entry("tank", ModbusTable::input_registers, 0, ValveSignal::tank_pressure, false);
+    tank.unit = "kPa";
+    map.registers.push_back(tank);
+    ValveRegister live =
+        entry("live", ModbusTable::input_registers, 1, ValveSignal::section_enabled, false);
+    live.count = 4;
+    map.registers.push_back(live);
+    return map;
+  }
+  ValveByFile() : MappedValve(map()) {}
+  std::vector<std::uint16_t> float_words(float value) {
+    const auto raw = std::bit_cast<std::uint32_t>(value);
+    const auto swapped = [](std::uint32_t word) {
+      return static_cast<std::uint16_t>(((word & 0xFFU) << 8U) | (word >> 8U & 0xFFU));
+    };
+    return {swapped(raw >> 16U), swapped(raw & 0xFFFFU)};
+  }
+};
+
+TEST_F(ValveByFile, SectionsAreEnabledOneByOne) {
+  EXPECT_FALSE(driver_.enabled());
+  write(0ms, 10, {50, 50, 0, 0});
+  EXPECT_EQ(opening(0), 0.0);
+  write(1ms, 1, {1});
+  EXPECT_TRUE(driver_.enabled());
+  EXPECT_EQ(opening(1), 0.0) << "a command given while off is forgotten";
+  write(2ms, 10, {50, 40});
+  EXPECT_EQ(opening(0), 0.0);
+  EXPECT_DOUBLE_EQ(opening(1), 0.4);
+  EXPECT_THAT(read(2ms, RegisterTable::input, 1, 4), ElementsAre(0, 1, 0, 0));
+  write(3ms, 0, {1, 0});
+  EXPECT_EQ(opening(1), 0.0);
+  EXPECT_TRUE(driver_.enabled());
+  write(4ms, 0, {0});
+  EXPECT_FALSE(driver_.enabled());
+}
+
+TEST_F(ValveByFile, HalvesOfACommandPullAgainstEachOther) {
+  write(0ms, 0, {1, 1, 1, 1});
+  write(1ms, 10, {80});
+  EXPECT_DOUBLE_EQ(opening(0), 0.8);
+  write(2ms, 20, {30});
+  EXPECT_DOUBLE_EQ(opening(0), 0.5);
+  write(3ms, 10, {0});
+  EXPECT_DOUBLE_EQ(opening(0), -0.3);
+  EXPECT_THAT(read(3ms, RegisterTable::holding, 20, 1), ElementsAre(30));
+  EXPECT_EQ(write(4ms, 10, {101}), ExceptionCode::illegal_data_value);
+}
+
+TEST_F(ValveByFile, HalvesThatAreForgottenReadAsZero) {
+  write(0ms, 0, {1});
+  write(1ms, 10, {80});
+  write(2ms, 0, {0});
+  write(3ms, 0, {1});
+  EXPECT_EQ(opening(0), 0.0);
+  EXPECT_THAT(read(3ms, RegisterTable::holding, 10, 1), ElementsAre(0));
+  write(4ms, 20, {30});
+  EXPECT_DOUBLE_EQ(opening(0), -0.3);
+}
+
+TEST_F(ValveByFile, AFloatBeyondWhatTheAmplifierTakesIsRefusedWithoutARange) {
+  EXPECT_FALSE(write(0ms, 30, float_words(150.0F)));
+  EXPECT_DOUBLE_EQ(driver_.amplifier().parameters().stage[0].gain, 1.5);
+  EXPECT_EQ(read(0ms, RegisterTable::holding, 30, 2), float_words(150.0F));
+  EXPECT_EQ(write(1ms, 30, float_words(250.0F)), ExceptionCode::illegal_data_value);
+}
+
+TEST_F(ValveByFile, TankPressureIsTheReturnLines) {
+  ValveSample sample;
+  sample.tank_pressure_pa = 3e5;
+  driver_.update(sample);
+  EXPECT_THAT(read(0ms, RegisterTable::input, 0, 1), ElementsAre(300));
+}
+
+TEST_F(ValveByFile, FunctionsThatItHasNotAreException1) {
+  ModbusService service(ModbusWire::tcp, {}, 1);
+  service.add_unit(1, driver_.unit());
+  ModbusAnswer answer;
+  const auto exception = [&](std::vector<std::uint8_t> pdu) {
+    service.serve(at(1ms), 1, pdu, answer);
+    const auto bytes = answer.pdu.view();
+    return (bytes[0] & 0x80U) != 0 ? bytes[1] : std::uint8_t{0};
+  };
+  EXPECT_EQ(exception({3, 0, 0, 0, 1}), 0);
+  EXPECT_EQ(exception({22, 0, 0, 0, 1, 0, 1}), 1);
+  EXPECT_EQ(exception({43, 14, 1, 0}), 1);
+  EXPECT_EQ(exception({22}), 1) << "whatever the request";
+}
+
+TEST(RangeOfWhatIsWritten, IsTheAmplifiersWhereNoneIsGiven) {
+  ValveRegister set = entry("set", ModbusTable::holding_registers, 0, ValveSignal::command, true);
+  set.format = RegisterFormat::f32;
+  set.unit = "1";
+  EXPECT_EQ(set.least(), -1.0);
+  EXPECT_EQ(set.greatest(), 1.0);
+  set.format = RegisterFormat::s16;
+  set.unit = "%";
+  set.scale = -0.3;
+  EXPECT_EQ(set.least(), -333.0);
+  EXPECT_EQ(set.greatest(), 333.0);
+  set.writable = false;
+  EXPECT_EQ(set.greatest(), 32767.0);
 }
 
 }  // namespace

@@ -154,5 +154,44 @@ TEST(ValveMapFile, AFileThatIsNotThereSaysSo) {
   EXPECT_THROW((void)load_valve_map("/nowhere/valve.yaml"), ConfigurationError);
 }
 
+TEST(ValveMapFile, FormatsAndCountsThatFollowNeedNotBeWritten) {
+  const ValveMap map = parse_valve_map(
+      "always_enabled: true\n"
+      "registers:\n"
+      "  - {name: stop, table: coil, address: 0, access: write, signal: quick_stop}\n"
+      "  - {name: ready, table: discrete, address: 0, signal: ready}\n"
+      "  - {name: type, table: input, address: 0, signal: text, content: EHC-4}\n",
+      "valve.yaml");
+  EXPECT_EQ(map.registers[0].format, RegisterFormat::bit);
+  EXPECT_EQ(map.registers[1].format, RegisterFormat::bit);
+  EXPECT_EQ(map.registers[2].format, RegisterFormat::text);
+  EXPECT_EQ(map.registers[2].count, 3);
+  EXPECT_THAT(faults_of(with_register("{name: a, table: coil, address: 0, signal: ready, format: "
+                                      "u16}")),
+              HasSubstr("coils and discrete inputs have format bit"));
+}
+
+TEST(ValveMapFile, CountOfASignalThatIsThereOnceIsRefusedWithoutContradiction) {
+  EXPECT_THAT(faults_of(with_register("{name: a, table: holding, address: 0, access: write, count: "
+                                      "4, signal: enable}")),
+              HasSubstr("count 4 of signal enable, which the amplifier has once, allowed: 1 "
+                        "(signal enable_section is one for each section)"));
+  EXPECT_THAT(faults_of(with_register("{name: a, table: holding, address: 0, count: 4, section: 6, "
+                                      "signal: command}")),
+              HasSubstr("count 4 of signal command from section 6 on, allowed: 1 .. 3, as there "
+                        "are 8 sections"));
+}
+
+TEST(ValveMapFile, FunctionsThatLeaveATableOutOfReachAreRefused) {
+  const std::string set = "{name: set, table: holding, address: 0, access: write, signal: command}";
+  EXPECT_EQ(faults_of("functions: [3, 6]\n" + with_register(set)), "nothing");
+  EXPECT_THAT(faults_of("functions: [3]\n" + with_register(set)),
+              HasSubstr("none of the map's functions writes table holding"));
+  EXPECT_THAT(faults_of("functions: [6]\n" + with_register(set)),
+              HasSubstr("none of the map's functions reads table holding"));
+  EXPECT_THAT(faults_of("functions: [3, 6, 99]\n" + with_register(set)),
+              HasSubstr("functions: no function of a valve driver, found 99"));
+}
+
 }  // namespace
 }  // namespace rigwire::hil

@@ -23,14 +23,18 @@ namespace {
 struct DescribedType {
   fields::Named named;
   DeviceDescription description;
-  std::string keys;  ///< Reference of the configuration keys.
+  bool has_faults = false;  ///< A rig can order some of it.
+  std::string keys;         ///< Reference of the configuration keys.
 };
 
 DescribedType describe_type(std::size_t row) {
   const DeviceType& type = device_types()[row];
   const ConfiguredDevice device(row);
-  DescribedType described{type.named, device->describe(),
-                          reference_text(reference_outline(device))};
+  const OutlineNode outline = reference_outline(device);
+  DescribedType described{
+      type.named, device->describe(),
+      std::ranges::find(outline.children, "faults", &OutlineNode::key) != outline.children.end(),
+      reference_text(outline)};
   if (described.description.page.empty()) {
     described.description.page = fmt::format("docs/devices/{}.md", type.named.name);
   }
@@ -39,9 +43,11 @@ DescribedType describe_type(std::size_t row) {
 
 std::string text_of(const DescribedType& type) {
   const DeviceDescription& description = type.description;
-  std::string text =
-      fmt::format("{}: {}\n\nwire      {}\nfollows   {}\npage      {}\n", type.named.name,
-                  type.named.text, description.wire, description.document, description.page);
+  std::string text = fmt::format(
+      "{}: {}\n\nwire      {}\nfollows   {}\npage      {}\nfaults    {}\n", type.named.name,
+      type.named.text, description.wire, description.document, description.page,
+      type.has_faults ? "its key `faults`, below"
+                      : "none of its own; those of the wire that it is on");
   std::vector<std::vector<std::string>> rows{{"message", "rate", "content"}};
   for (const DeviceMessage& message : description.messages) {
     rows.push_back({message.name, message.rate, message.content});
@@ -66,6 +72,7 @@ nlohmann::ordered_json json_of(const DescribedType& type) {
                               {"wire", description.wire},
                               {"document", description.document},
                               {"page", description.page},
+                              {"faults", type.has_faults},
                               {"messages", nlohmann::ordered_json::array()},
                               {"quantities", nlohmann::ordered_json::array()}};
   for (const DeviceMessage& message : description.messages) {

@@ -153,6 +153,28 @@ TEST(CommandLine, describe_writes_the_dbc_file_of_a_rigs_bus) {
   EXPECT_EQ(rigwire("describe").code, 2);
 }
 
+TEST(CommandLine, describe_says_whether_faults_can_be_ordered) {
+  EXPECT_THAT(rigwire("describe ublox-neo-7p").output, HasSubstr("faults    its key `faults`"));
+  for (const char* without : {"openimu335ri", "xsens-mti-600", "cia406-encoder"}) {
+    EXPECT_THAT(rigwire("describe " + std::string(without)).output,
+                HasSubstr("faults    none of its own"))
+        << without;
+  }
+}
+
+TEST(CommandLine, scenes_and_machines_are_described_by_their_names) {
+  for (const char* name : {"scene", "open_pit", "unimog_u5023", "wheeled"}) {
+    EXPECT_EQ(rigwire("describe " + std::string(name)).code, 0) << name;
+  }
+}
+
+TEST(CommandLine, an_argument_that_is_not_utf8_is_refused_and_not_shown_as_it_stands) {
+  const Result check = rigwire("check \"$(printf 'caf\\351\\033[2J.yaml')\"");
+  EXPECT_EQ(check.code, 2);
+  EXPECT_THAT(check.output,
+              HasSubstr("argument caf\\xE9\\x1B[2J.yaml: not UTF-8, found byte 0xE9"));
+}
+
 TEST(CommandLine, every_device_is_described) {
   for (const auto& device : nlohmann::json::parse(rigwire("list devices --json").output)) {
     const std::string type = device["name"];

@@ -5,6 +5,7 @@
 // are deterministic: the same parameters, commands and calls give the same bits on one compiler.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -64,6 +65,12 @@ struct TruthField {
   std::size_t count = 1;
 };
 
+/// A point of a machine where nothing solid may be when it starts.
+struct BodyPoint {
+  std::string_view body;  ///< What it is a point of: "bucket".
+  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
+};
+
 class Machine {
  public:
   virtual ~Machine() = default;
@@ -97,6 +104,10 @@ class Machine {
 
   /// The nodes of the ground's terrain that the machine has changed since the last call.
   [[nodiscard]] virtual std::optional<NodeRectangle> take_ground_changes() { return std::nullopt; }
+
+  /// Of its parts that are neither wheel nor drum, where they are at present: what the model itself
+  /// knows of its body. For set-up: it allocates.
+  [[nodiscard]] virtual std::vector<BodyPoint> body_points() const { return {}; }
 
   /// Where it stirs up dust at present.
   [[nodiscard]] virtual std::span<const DustEmitter> dust_emitters() const { return {}; }

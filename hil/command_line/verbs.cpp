@@ -10,6 +10,7 @@
 #include "hil/command_line/doctor.h"
 #include "hil/configuration/suggest.h"
 #include "hil/devices/device_types.h"
+#include "hil/rig/rig.h"
 
 namespace rigwire::hil {
 
@@ -85,6 +86,7 @@ int run_verb(const RigArguments& arguments, const RunOptions& options, bool dry_
 int check_verb(const RigArguments& arguments, bool print, bool json, Terminal terminal) {
   try {
     const LoadedRig rig = load_rig(find_rig(arguments.rig), arguments.sets);
+    check_start(rig);
     const std::string hash = config_hash(rig.configuration);
     if (json) {
       Json result{{"ok", true}, {"config_hash", hash}, {"devices", Json::array()}};

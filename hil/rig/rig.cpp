@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "fields/check.h"
 #include "hil/files/geoid_file.h"
 #include "hil/files/mesh_file.h"
 #include "hil/record/lidar_truth_tap.h"
@@ -15,6 +16,7 @@
 #include "hil/world/scene.h"
 #include "hil/world/scene_fall_obstacle.h"
 #include "hil/world/sky.h"
+#include "hil/world/standing_free.h"
 #include "sim/excavator/bucket_soil.h"
 #include "sim/ground/ground.h"
 #include "sim/random.h"
@@ -29,16 +31,6 @@ constexpr Duration kTerrainPeriod = std::chrono::milliseconds(50);
 
 Eigen::Vector3d eigen(const Vector3& v) {
   return {v.x, v.y, v.z};
-}
-
-Eigen::Isometry3d pose(const Vector3& position_m, const RollPitchYaw& rotation) {
-  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
-  X.linear() = (Eigen::AngleAxisd(rotation.yaw_rad, Eigen::Vector3d::UnitZ()) *
-                Eigen::AngleAxisd(rotation.pitch_rad, Eigen::Vector3d::UnitY()) *
-                Eigen::AngleAxisd(rotation.roll_rad, Eigen::Vector3d::UnitX()))
-                   .toRotationMatrix();
-  X.translation() = eigen(position_m);
-  return X;
 }
 
 sim::Scene::MeshId add_shape(sim::Scene& scene, const Shape& shape) {
@@ -109,6 +101,7 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
   }
   sim::BuiltScene built = sim::build_scene(files.description, files.meshes, configuration.seed);
   const MachineConfiguration& machine = configuration.machine;
+  require_on_terrain(machine, built.ground);
   MachineInScene result;
   result.scene = std::move(built.scene);
   result.terrain = built.terrain;
@@ -124,6 +117,7 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
         result.ground->height_m(X_WB.translation().x(), X_WB.translation().y());
   }
   result.machine = machine.model->make({*result.ground, *result.obstacles, X_WB});
+  require_standing_free(machine, *result.machine, *result.ground);
   for (const std::string_view link : result.machine->link_names()) {
     const sim::Scene::BodyId body = result.scene->add_body(link);
     for (const LinkShape& shape : machine.shapes) {
@@ -135,6 +129,25 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
     }
   }
   return result;
+}
+
+void check_start(const LoadedRig& rig) {
+  const RigConfiguration& configuration = rig.configuration;
+  Problems problems;
+  const auto make = [&](auto&& part) {
+    try {
+      part();
+    } catch (const fields::Refused& refused) {
+      problems.add(
+          {rig.origins.nearest(refused.path()), refused.path(), refused.rest(), {}, {}, {}});
+    } catch (const std::exception& error) {
+      problems.add({rig.origins.nearest(""), "", error.what(), {}, {}, {}});
+    }
+  };
+  make([&] { (void)make_local_frame(configuration.origin); });
+  make([&] { (void)make_satellites(configuration.satellites, Calendar(configuration.start)); });
+  make([&] { (void)build_machine_in_scene(configuration); });
+  problems.throw_if_any();
 }
 
 struct Rig::Bus {

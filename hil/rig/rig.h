@@ -57,12 +57,18 @@ class Constellation;
 namespace rigwire::hil {
 
 /// The machine in its scene, without devices: what every rig and every benchmark starts from.
-/// Throws std::invalid_argument or std::runtime_error naming what is wrong.
+/// Throws std::invalid_argument or std::runtime_error naming what is wrong, also where the machine
+/// does not stand free (hil/world/standing_free.h).
 [[nodiscard]] MachineInScene build_machine_in_scene(const RigConfiguration& configuration);
 
 /// The world frame on Earth, with its geoid. Throws std::runtime_error when the geoid's file cannot
 /// be read.
 [[nodiscard]] sim::LocalFrame make_local_frame(const OriginConfiguration& origin);
+
+/// Makes once what a run starts from, wires apart: terrain, meshes, the machine where it stands,
+/// geoid and satellites. What passes here and load_rig() can be run wherever its wires can be
+/// opened. Throws ConfigurationError with the place of the key that is wrong.
+void check_start(const LoadedRig& rig);
 
 /// Throws std::invalid_argument when the machine has no such link.
 [[nodiscard]] SensorMount sensor_mount(const MachineConfiguration& machine,

@@ -3,12 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "fields/units.h"
 #include "hil/devices/rig_check.h"
+#include "hil/files/mesh_file.h"
 #include "hil/rig/rig_configuration.h"
 #include "protocols/can/frame_text.h"
+#include "sim/scene/mesh_repair.h"
 
 namespace rigwire::hil {
 
@@ -24,9 +29,8 @@ class Checker {
 
   void run() {
     check_time();
-    for (std::size_t i = 0; i < rig_.machine.shapes.size(); ++i) {
-      check_.link(fmt::format("machine.shapes.{}.link", i), rig_.machine.shapes[i].link);
-    }
+    check_machine();
+    check_meshes();
     for (const auto& [name, bus] : rig_.buses) {
       if (!faulty("buses." + name)) {
         check_bus(name, bus);
@@ -69,6 +73,70 @@ class Checker {
       check_.report("lead", "must not be less than a slice",
                     fields::print_duration(rig_.lead.count()),
                     ">= " + fields::print_duration(rig_.slice.count()));
+    }
+  }
+
+  void check_machine() {
+    const MachineConfiguration& machine = rig_.machine;
+    for (std::size_t i = 0; i < machine.shapes.size(); ++i) {
+      check_.link(fmt::format("machine.shapes.{}.link", i), machine.shapes[i].link);
+    }
+    if (machine.model->drives() && !faulty("machine.position") && machine.position_m.z != 0.0) {
+      check_.report("machine.position.2", "the machine stands on the terrain by itself",
+                    fields::shortest(machine.position_m.z) + " m", "0 m");
+    }
+    if (machine.model->drives() && !machine.on_ground) {
+      check_.report("machine.on_ground", "the machine stands on the terrain by itself", "false",
+                    "true");
+    }
+  }
+
+  /// Every file of triangles can be read, and is of a size that rays meet in the scene.
+  void check_meshes() {
+    if (!faulty("machine")) {
+      for (std::size_t i = 0; i < rig_.machine.shapes.size(); ++i) {
+        const std::string path = fmt::format("machine.shapes.{}", i);
+        if (const auto* mesh = std::get_if<MeshShape>(&rig_.machine.shapes[i].placed.shape)) {
+          check_mesh(path, ".file", mesh->scale,
+                     [&](double& reach) { include(load_mesh(mesh->file, path), reach); });
+        }
+      }
+    }
+    if (!faulty("scene")) {
+      const auto& objects = rig_.scene.description.objects;
+      for (std::size_t i = 0; i < objects.size(); ++i) {
+        const std::string path = fmt::format("scene.objects.{}", i);
+        check_mesh(path, ".mesh", objects[i].scale, [&](double& reach) {
+          for (const sim::TriangleMesh& part : load_model(objects[i].mesh, path).parts) {
+            include(part, reach);
+          }
+        });
+      }
+    }
+  }
+
+  static void include(const sim::TriangleMesh& mesh, double& reach) {
+    for (const Eigen::Vector3f& vertex : mesh.vertices) {
+      reach = std::max(reach, vertex.cast<double>().norm());
+    }
+  }
+
+  /// `load` raises `reach` to the farthest vertex from the mesh's origin, in the file's unit.
+  template <class Load>
+  void check_mesh(const std::string& path, const std::string& file, double scale, Load&& load) {
+    constexpr double kLeastReach_m = 1e-3;
+    double reach = 0.0;
+    try {
+      load(reach);
+    } catch (const std::invalid_argument& error) {
+      check_.report(path + file, error.what());
+      return;
+    }
+    if (reach * scale < kLeastReach_m || reach * scale > sim::kFarthestVertex_m) {
+      check_.report(
+          path + ".scale", fmt::format("the mesh reaches {:.3g} m from its origin", reach * scale),
+          fields::shortest(scale),
+          fmt::format("{:.3g} .. {:.3g}", kLeastReach_m / reach, sim::kFarthestVertex_m / reach));
     }
   }
 

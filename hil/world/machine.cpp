@@ -18,7 +18,7 @@ void visit(fields::Visitor& v, MachineConfiguration& p) {
   v.text("text", p.text, "One line for `rigwire list machines`.");
   v.required("type");
   fields::visit_chosen(v, "type", p.model, "Topology of the machine.");
-  v.vector3("position", p.position_m, in("m"),
+  v.vector3("position", p.position_m, in("m").between(-10'000, 10'000),
             "[east, north, up] of the origin of its first link.");
   v.number("yaw", p.yaw_rad, in("deg").between(-360, 360),
            "Direction of its x from east, left positive.");

@@ -15,6 +15,16 @@ void visit(fields::Visitor& v, RollPitchYaw& p) {
            "Rotation about z, last; left positive.");
 }
 
+Eigen::Isometry3d pose(const Vector3& position_m, const RollPitchYaw& rotation) {
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.linear() = (Eigen::AngleAxisd(rotation.yaw_rad, Eigen::Vector3d::UnitZ()) *
+                Eigen::AngleAxisd(rotation.pitch_rad, Eigen::Vector3d::UnitY()) *
+                Eigen::AngleAxisd(rotation.roll_rad, Eigen::Vector3d::UnitX()))
+                   .toRotationMatrix();
+  X.translation() << position_m.x, position_m.y, position_m.z;
+  return X;
+}
+
 void visit(fields::Visitor& v, BoxShape& p) {
   v.vector3("size", p.size_m, in("m").above(0).at_most(1e5), "Full lengths along its x, y, z.");
 }
@@ -22,13 +32,13 @@ void visit(fields::Visitor& v, BoxShape& p) {
 void visit(fields::Visitor& v, MeshShape& p) {
   v.required("file");
   v.file("file", p.file, "Mesh file, relative to this file: OBJ, STL, PLY or glTF, in metres.");
-  v.number("scale", p.scale, plain().above(0).at_most(1e6), "Metres per unit of the file.");
+  v.number("scale", p.scale, plain().between(1e-6, 1e6), "Metres per unit of the file.");
 }
 
 void visit(fields::Visitor& v, PlacedShape& p) {
   v.required("type");
   v.variant("type", p.shape, "Kind of shape.");
-  v.vector3("position", p.position_m, in("m"), "Place of the shape's origin.");
+  v.vector3("position", p.position_m, in("m").between(-100, 100), "Place of the shape's origin.");
   v.section("rotation", p.rotation, "Rotation of the shape's axes.");
   v.number("reflectance", p.reflectance, plain().between(0, 1), "Diffuse reflectance at 905 nm.");
   v.text("label", p.label, "What the surface is, for recordings.");

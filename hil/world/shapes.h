@@ -2,6 +2,7 @@
 // like.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <string>
 #include <variant>
 
@@ -18,6 +19,9 @@ struct RollPitchYaw {
   double yaw_rad = 0.0;    ///< Positive turns x towards y: left.
 };
 void visit(fields::Visitor& v, RollPitchYaw& p);
+
+/// With that place and rotation.
+[[nodiscard]] Eigen::Isometry3d pose(const Vector3& position_m, const RollPitchYaw& rotation);
 
 /// A box centred on its own origin.
 struct BoxShape {

@@ -10,7 +10,7 @@ using fields::plain;
 
 void visit(fields::Visitor& v, BucketSoilParameters& p) {
   v.number("width", p.width_m, in("m").above(0).at_most(20), "Width of the cutting edge.");
-  v.number("rear_lip", p.rear_lip_m, in("m").at_least(0),
+  v.number("rear_lip", p.rear_lip_m, in("m").at_least(0).at_most(100),
            "From the bucket pin to where the opening begins.");
   v.number("struck_capacity", p.struck_capacity_m3, in("m3").above(0).at_most(100),
            "Soil that the bucket holds level with its opening.");

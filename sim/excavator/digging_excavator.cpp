@@ -29,7 +29,8 @@ DiggingExcavator::DiggingExcavator(const ExcavatorParameters& parameters,
       bucket_(digging.bucket, parameters.bucket_tip_m, parameters.gravity_mps2, terrain_,
               excavator_.link(Link::bucket)),
       inner_span_(std::max(Duration{1}, from_seconds(parameters.step_s))),
-      bucket_tip_m_(parameters.bucket_tip_m) {
+      bucket_tip_m_(parameters.bucket_tip_m),
+      bucket_width_m_(digging.bucket.width_m) {
   const auto quantities = excavator_.status_quantities();
   status_quantities_.assign(quantities.begin(), quantities.end());
   status_quantities_.push_back({"payload", "kg"});
@@ -103,6 +104,16 @@ void DiggingExcavator::read_truth(std::span<double> values) const {
   own[1] = bucket_.mass_kg();
   own[2] = bucket_.elsewhere_m3();
   own[3] = bucket_.depth_m();
+}
+
+std::vector<BodyPoint> DiggingExcavator::body_points() const {
+  std::vector<BodyPoint> points = excavator_.body_points();
+  const Eigen::Isometry3d& X_WB = excavator_.link(Link::bucket).X_WL;
+  for (const double side : {-0.5, 0.5}) {
+    points.push_back(
+        {"bucket", X_WB * Eigen::Vector3d(bucket_tip_m_, side * bucket_width_m_, 0.0)});
+  }
+  return points;
 }
 
 std::int64_t DiggingExcavator::balance_units() const {

@@ -46,6 +46,8 @@ class DiggingExcavator final : public Machine {
   [[nodiscard]] std::optional<NodeRectangle> take_ground_changes() override {
     return terrain_.take_changes();
   }
+  /// The excavator's, and the ends of the bucket's lip.
+  [[nodiscard]] std::vector<BodyPoint> body_points() const override;
   [[nodiscard]] ValvePort* valve_port() override { return excavator_.valve_port(); }
   /// The lip of the bucket, while soil goes in or out: dust by the height from which it falls. The
   /// flow is smoothed over a tenth of a second, which keeps its volume.
@@ -71,6 +73,7 @@ class DiggingExcavator final : public Machine {
   Duration inner_span_;
   double payload_kg_ = 0.0;
   double bucket_tip_m_;
+  double bucket_width_m_;
   double bucket_m3_ = 0.0;  ///< At the last look for dust.
   DustEmitter dust_;
   std::vector<StatusQuantity> status_quantities_;

@@ -230,6 +230,22 @@ void Excavator::read_truth(std::span<double> values) const {
   std::copy_n(tip.data(), 3, values.begin() + 12);
 }
 
+std::vector<BodyPoint> Excavator::body_points() const {
+  constexpr double kSpacing_m = 0.1;
+  std::vector<BodyPoint> points;
+  const auto along_x = [&](Link which, double length_m) {
+    const auto steps = static_cast<int>(std::ceil(length_m / kSpacing_m));
+    for (int i = 0; i <= steps; ++i) {
+      points.push_back({kExcavatorLinks[static_cast<std::size_t>(which)],
+                        link(which).X_WL * Eigen::Vector3d(length_m * i / steps, 0.0, 0.0)});
+    }
+  };
+  along_x(Link::boom, parameters_.boom_length_m);
+  along_x(Link::stick, parameters_.stick_length_m);
+  along_x(Link::bucket, parameters_.bucket_tip_m);
+  return points;
+}
+
 void Excavator::set_bucket_force(const Eigen::Vector3d& force_W, const Eigen::Vector3d& point_W) {
   if (force_W.allFinite() && point_W.allFinite()) {
     bucket_load_.force_W = force_W;

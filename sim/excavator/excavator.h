@@ -19,6 +19,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "sim/excavator/bucket_load.h"
 #include "sim/excavator/carried_arm.h"
@@ -86,6 +87,9 @@ class Excavator final : public Machine, public ValvePort {
   /// joint_rad 4, joint_rate_radps 4, spool 4, bucket_tip_m 3 (in the world).
   [[nodiscard]] std::span<const TruthField> truth_fields() const override;
   void read_truth(std::span<double> values) const override;
+
+  /// Boom, stick and bucket from pin to pin, the bucket to its teeth.
+  [[nodiscard]] std::vector<BodyPoint> body_points() const override;
 
   [[nodiscard]] ValvePort* valve_port() override { return this; }
 

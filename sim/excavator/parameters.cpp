@@ -91,24 +91,30 @@ double drive_step_limit(IntegrationScheme scheme) {
 
 void visit(fields::Visitor& v, RigidBodyParameters& p) {
   v.number("mass", p.mass_kg, in("kg").above(0), "Mass of the link.");
-  v.vector3("center_of_mass", p.center_of_mass_m, in("m"), "Centre of mass in the link's frame.");
+  v.vector3("center_of_mass", p.center_of_mass_m, in("m").between(-100, 100),
+            "Centre of mass in the link's frame.");
   v.vector3("principal_inertia", p.principal_inertia_kgm2, in("kg m2").above(0),
             "Moments of inertia about the centre of mass, along the link's axes.");
 }
 
 void visit(fields::Visitor& v, DirectLinkageParameters& p) {
-  v.vector2("base_pin", p.base_pin_m, in("m"),
+  v.vector2("base_pin", p.base_pin_m, in("m").between(-100, 100),
             "[x, z] of the cylinder's foot on the link before the joint.");
-  v.vector2("rod_pin", p.rod_pin_m, in("m"),
+  v.vector2("rod_pin", p.rod_pin_m, in("m").between(-100, 100),
             "[x, z] of the rod's pin on the link that the joint moves.");
 }
 
 void visit(fields::Visitor& v, BucketLinkageParameters& p) {
-  v.vector2("base_pin", p.base_pin_m, in("m"), "[x, z] of the cylinder's foot on the stick.");
-  v.vector2("idler_pivot", p.idler_pivot_m, in("m"), "[x, z] of the idler's pivot on the stick.");
-  v.number("idler_length", p.idler_length_m, in("mm").above(0), "Idler's pivot to the rod's pin.");
-  v.number("link_length", p.link_length_m, in("mm").above(0), "Rod's pin to the bucket's lug.");
-  v.number("lug_radius", p.lug_radius_m, in("mm").above(0), "Bucket's pin to its lug.");
+  v.vector2("base_pin", p.base_pin_m, in("m").between(-100, 100),
+            "[x, z] of the cylinder's foot on the stick.");
+  v.vector2("idler_pivot", p.idler_pivot_m, in("m").between(-100, 100),
+            "[x, z] of the idler's pivot on the stick.");
+  v.number("idler_length", p.idler_length_m, in("mm").above(0).at_most(10'000),
+           "Idler's pivot to the rod's pin.");
+  v.number("link_length", p.link_length_m, in("mm").above(0).at_most(10'000),
+           "Rod's pin to the bucket's lug.");
+  v.number("lug_radius", p.lug_radius_m, in("mm").above(0).at_most(10'000),
+           "Bucket's pin to its lug.");
   v.number("lug_angle", p.lug_angle_rad, in("deg").between(-180, 180),
            "Direction of the lug from the bucket's x, upward positive.");
   v.integer("branch", p.branch, IntegerRule{-1, 1}, "Side of the four-bar: 1 left, -1 right.");
@@ -143,9 +149,10 @@ void visit(fields::Visitor& v, ExcavatorPose& p) {
 }
 
 void visit(fields::Visitor& v, CarrierParameters& p) {
-  v.number("wheelbase", p.wheelbase_m, in("m").above(0),
+  v.number("wheelbase", p.wheelbase_m, in("m").above(0).at_most(100),
            "Front to rear wheels, half before and half behind the swing axis.");
-  v.number("track", p.track_m, in("m").above(0), "Left to right tyre, between their middles.");
+  v.number("track", p.track_m, in("m").above(0).at_most(100),
+           "Left to right tyre, between their middles.");
   v.number("tyre_pressure", p.tyre_pressure_pa, in("MPa").above(0), "Pressure of all tyres.");
   v.section("tyre", p.tyre, "One tyre; twins count as one.");
 }
@@ -156,15 +163,21 @@ void visit(fields::Visitor& v, ExcavatorParameters& p) {
   v.section("boom", p.boom, "Link from the upper to the stick.");
   v.section("stick", p.stick, "Link from the boom to the bucket.");
   v.section("bucket", p.bucket, "Last link, empty.");
-  v.vector3("payload_center_of_mass", p.payload_center_of_mass_m, in("m"),
+  v.vector3("payload_center_of_mass", p.payload_center_of_mass_m, in("m").between(-100, 100),
             "Centre of mass of the payload in the bucket's frame.");
-  v.number("payload_max", p.payload_max_kg, in("kg").at_least(0), "Payload of a full bucket.");
-  v.number("swing_axis_height", p.swing_axis_height_m, in("m").above(0),
+  v.refused("payload_max",
+            "what the bucket holds is decided by digging.bucket.struck_capacity, "
+            "digging.bucket.heap_repose and the density of the scene's soils");
+  v.number("swing_axis_height", p.swing_axis_height_m, in("m").above(0).at_most(100),
            "Height of the slew ring above the ground.");
-  v.vector3("boom_foot", p.boom_foot_m, in("m"), "Foot pin of the boom in the upper's frame.");
-  v.number("boom_length", p.boom_length_m, in("m").above(0), "Boom's foot pin to stick pin.");
-  v.number("stick_length", p.stick_length_m, in("m").above(0), "Stick pin to bucket pin.");
-  v.number("bucket_tip", p.bucket_tip_m, in("m").above(0), "Bucket pin to the tip of the teeth.");
+  v.vector3("boom_foot", p.boom_foot_m, in("m").between(-100, 100),
+            "Foot pin of the boom in the upper's frame.");
+  v.number("boom_length", p.boom_length_m, in("m").above(0).at_most(100),
+           "Boom's foot pin to stick pin.");
+  v.number("stick_length", p.stick_length_m, in("m").above(0).at_most(100),
+           "Stick pin to bucket pin.");
+  v.number("bucket_tip", p.bucket_tip_m, in("m").above(0).at_most(100),
+           "Bucket pin to the tip of the teeth.");
   v.section("boom_linkage", p.boom_linkage, "Pins of the boom cylinders; base from the boom foot.");
   v.section("stick_linkage", p.stick_linkage, "Pins of the stick cylinder.");
   v.section("bucket_linkage", p.bucket_linkage, "Four-bar of the bucket.");
@@ -202,6 +215,8 @@ void validate(const BucketLinkageParameters& p) {
 
 void validate(const ExcavatorParameters& p) {
   fields::check(p);
+  fields::require(p.payload_max_kg >= 0.0, "payload_max", in("kg").print(p.payload_max_kg),
+                  ">= 0 kg");
   fields::require(p.carrier != ExcavatorCarrier::moving || p.level != ExcavatorLevel::kinematic,
                   "carrier", "moving",
                   "fixed where level is kinematic: without forces nothing rocks");

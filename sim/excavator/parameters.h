@@ -106,10 +106,12 @@ struct DriveParameters {
 };
 void visit(fields::Visitor& v, DriveParameters& p);
 
-/// Joint angles at the start; the machine starts at rest with its drives carrying the load.
+/// Joint angles at the start; the machine starts at rest with its drives carrying the load. The
+/// default holds the bucket at arm's length, its teeth 2.7 m over the ground: clear of whatever is
+/// piled up to be dug.
 struct ExcavatorPose {
   double swing_rad = 0.0;
-  double boom_rad = 0.35;
+  double boom_rad = 0.75;
   double stick_rad = -1.4;
   double bucket_rad = -0.6;
 };
@@ -123,7 +125,7 @@ struct ExcavatorParameters {
   /// The shell hangs on the lug's side of the line from pin to tip.
   RigidBodyParameters bucket{500.0, {0.60, 0.0, 0.20}, {90.0, 110.0, 100.0}};
   Eigen::Vector3d payload_center_of_mass_m{0.65, 0.0, 0.25};  ///< In the bucket's frame.
-  double payload_max_kg = 1200.0;
+  double payload_max_kg = 1200.0;  ///< Of set_payload_kg(); raised to what a digging bucket holds.
 
   double swing_axis_height_m = 1.25;             ///< Slew ring above the ground.
   Eigen::Vector3d boom_foot_m{0.30, 0.0, 0.85};  ///< In the upper structure's frame.

@@ -49,10 +49,12 @@ void visit(fields::Visitor& v, SupplyParameters& p) {
 
 void visit(fields::Visitor& v, CylinderParameters& p) {
   v.integer("count", p.count, IntegerRule{1, 4}, "Equal cylinders side by side.");
-  v.number("bore", p.bore_m, in("mm").above(0), "Diameter of the piston.");
-  v.number("rod", p.rod_m, in("mm").at_least(0), "Diameter of the rod.");
-  v.number("length_min", p.length_min_m, in("mm").above(0), "Pin to pin, retracted.");
-  v.number("length_max", p.length_max_m, in("mm").above(0), "Pin to pin, extended.");
+  v.number("bore", p.bore_m, in("mm").above(0).at_most(10'000), "Diameter of the piston.");
+  v.number("rod", p.rod_m, in("mm").at_least(0).at_most(10'000), "Diameter of the rod.");
+  v.number("length_min", p.length_min_m, in("mm").above(0).at_most(10'000),
+           "Pin to pin, retracted.");
+  v.number("length_max", p.length_max_m, in("mm").above(0).at_most(10'000),
+           "Pin to pin, extended.");
 }
 
 void visit(fields::Visitor& v, ChamberParameters& p) {

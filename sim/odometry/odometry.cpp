@@ -27,9 +27,12 @@ double steering_tangent(double angle_rad) {
 }  // namespace
 
 void visit(fields::Visitor& v, OdometryParameters& p) {
-  v.number("front_distance", p.front_distance_m, in("m"), "Reference point to the front axle.");
-  v.number("rear_distance", p.rear_distance_m, in("m"), "Rear axle to the reference point.");
-  v.number("track", p.track_m, in("m").at_least(0), "Left to right wheel; 0 for drums.");
+  v.number("front_distance", p.front_distance_m, in("m").between(-100, 100),
+           "Reference point to the front axle.");
+  v.number("rear_distance", p.rear_distance_m, in("m").between(-100, 100),
+           "Rear axle to the reference point.");
+  v.number("track", p.track_m, in("m").at_least(0).at_most(100),
+           "Left to right wheel; 0 for drums.");
   v.choice("wheels", p.wheels, kOdometryWheels, "Whose rates give the speed.");
 }
 

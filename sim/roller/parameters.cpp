@@ -50,8 +50,8 @@ void check_scheme(const RollerParameters& p) {
 }  // namespace
 
 void visit(fields::Visitor& v, DrumParameters& p) {
-  v.number("width", p.width_m, in("mm").above(0), "Width of each drum.");
-  v.number("radius", p.radius_m, in("mm").above(0), "Radius of each drum.");
+  v.number("width", p.width_m, in("mm").above(0).at_most(10'000), "Width of each drum.");
+  v.number("radius", p.radius_m, in("mm").above(0).at_most(10'000), "Radius of each drum.");
   v.number("spin_inertia", p.spin_inertia_kgm2, in("kg m2").above(0),
            "Inertia of each drum about its axle.");
   v.integer("strips", p.strips, IntegerRule{1, kDrumStripsMax},
@@ -60,9 +60,9 @@ void visit(fields::Visitor& v, DrumParameters& p) {
            "Longitudinal force per slip of 1, at small slip.");
   v.number("cornering_stiffness", p.cornering_stiffness_nprad, in("N/rad").above(0),
            "Lateral force per slip angle, at small angles.");
-  v.number("relaxation_length", p.relaxation_length_m, in("mm").above(0),
+  v.number("relaxation_length", p.relaxation_length_m, in("mm").above(0).at_most(10'000),
            "Way on which slip forces build up.");
-  v.number("contact_length", p.contact_length_m, in("mm").above(0),
+  v.number("contact_length", p.contact_length_m, in("mm").above(0).at_most(10'000),
            "Length of the contact on soft soil.");
   v.number("damping_ratio", p.damping_ratio, plain().between(0, 10),
            "Damping ratio of the contact's bristles.");
@@ -77,11 +77,12 @@ void visit(fields::Visitor& v, RollerParameters& p) {
   v.number("mass", p.mass_kg, in("kg").above(0), "Mass with drums, without water and chips.");
   v.number("yaw_inertia", p.yaw_inertia_kgm2, in("kg m2").above(0),
            "Inertia in yaw about the centre of mass, without water and chips.");
-  v.number("center_of_mass_x", p.center_of_mass_x_m, in("m"),
+  v.number("center_of_mass_x", p.center_of_mass_x_m, in("m").between(-100, 100),
            "Centre of mass forward of half way between the pivots.");
-  v.number("center_of_mass_height", p.center_of_mass_height_m, in("m").at_least(0),
+  v.number("center_of_mass_height", p.center_of_mass_height_m, in("m").at_least(0).at_most(100),
            "Centre of mass above ground.");
-  v.number("pivot_x", p.pivot_x_m, in("m").above(0), "Half the distance of the drums' axles.");
+  v.number("pivot_x", p.pivot_x_m, in("m").above(0).at_most(100),
+           "Half the distance of the drums' axles.");
   v.section("drum", p.drum, "Both drums.");
   v.section("steering", p.steering, "Both pivots.");
   v.section("drive", p.drive, "Engine, pump and motors.");

@@ -15,7 +15,7 @@ using fields::plain;
 void visit(fields::Visitor& v, VibrationParameters& p) {
   v.number("frequency", p.frequency_hz, in("Hz").above(0),
            "Frequency of the exciter at full speed.");
-  v.number("amplitude", p.amplitude_m, in("mm").at_least(0),
+  v.number("amplitude", p.amplitude_m, in("mm").at_least(0).at_most(10'000),
            "Amplitude of the drum, zero to peak.");
   v.number("ramp", p.ramp_s, in("s").at_least(0),
            "Time from standstill to full speed and back; 0 = at once.");

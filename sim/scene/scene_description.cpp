@@ -33,7 +33,7 @@ double diameter_at(const RockField& rocks, double p) {
 }  // namespace
 
 void visit(fields::Visitor& v, Heap& p) {
-  v.vector2("centre", p.centre_m, in("m"), "[east, north] of the top.");
+  v.vector2("centre", p.centre_m, in("m").between(-4000, 4000), "[east, north] of the top.");
   v.number("height", p.height_m, in("m").between(0, 50), "Height of the top.");
   v.number("repose", p.repose_deg, in("deg").stored_as("deg").between(5, 60),
            "Slope of the cone of loose material.");
@@ -70,7 +70,8 @@ void visit(fields::Visitor& v, PitTerrain& p) {
 
 void visit(fields::Visitor& v, RockField& p) {
   v.integer("count", p.count, IntegerRule{0, 100'000}, "Number of rocks.");
-  v.vector2("centre", p.centre_m, in("m"), "[east, north] of the disc with rocks.");
+  v.vector2("centre", p.centre_m, in("m").between(-4000, 4000),
+            "[east, north] of the disc with rocks.");
   v.number("radius", p.radius_m, in("m").between(0.1, 4000), "Radius of the disc with rocks.");
   v.number("smallest", p.smallest_m, in("m").between(0.02, 20), "Diameter of the smallest rock.");
   v.number("largest", p.largest_m, in("m").between(0.02, 20), "Diameter of the largest rock.");
@@ -83,7 +84,8 @@ void visit(fields::Visitor& v, RockField& p) {
 void visit(fields::Visitor& v, BoxObject& p) {
   v.text("name", p.name, "Name of the box.");
   v.vector3("size", p.size_m, in("m").between(0.01, 1000), "Full lengths along its own axes.");
-  v.vector3("position", p.position_m, in("m"), "[east, north, up] of the middle of its base.");
+  v.vector3("position", p.position_m, in("m").between(-10'000, 10'000),
+            "[east, north, up] of the middle of its base.");
   v.number("yaw", p.yaw_rad, in("deg").between(-360, 360),
            "Direction of its x from east, left positive.");
   v.boolean("on_ground", p.on_ground, "Whether `up` counts from the terrain under it.");
@@ -100,7 +102,8 @@ void visit(fields::Visitor& v, FixedObject& p) {
   v.text("name", p.name, "Name of the object.");
   v.required("mesh");
   v.file("mesh", p.mesh, "glTF, OBJ, STL or PLY, relative to this file; x forward, y left, z up.");
-  v.vector3("position", p.position_m, in("m"), "[east, north, up] of the mesh's origin.");
+  v.vector3("position", p.position_m, in("m").between(-10'000, 10'000),
+            "[east, north, up] of the mesh's origin.");
   v.number("yaw", p.yaw_rad, in("deg").between(-360, 360),
            "Direction of its x from east, left positive.");
   v.boolean("on_ground", p.on_ground, "Whether `up` counts from the terrain under it.");

@@ -28,9 +28,11 @@ constexpr double kPrecision = 1e-13;  // of the sinkage, per overlap
 }  // namespace
 
 void visit(fields::Visitor& v, TyreParameters& p) {
-  v.number("unloaded_radius", p.unloaded_radius_m, in("m").above(0), "Radius without load.");
-  v.number("width", p.width_m, in("m").above(0), "Width of the tread.");
-  v.number("rim_radius", p.rim_radius_m, in("m").above(0), "Radius at which the tyre bottoms.");
+  v.number("unloaded_radius", p.unloaded_radius_m, in("m").above(0).at_most(100),
+           "Radius without load.");
+  v.number("width", p.width_m, in("m").above(0).at_most(100), "Width of the tread.");
+  v.number("rim_radius", p.rim_radius_m, in("m").above(0).at_most(100),
+           "Radius at which the tyre bottoms.");
   v.number("carcass_stiffness", p.carcass_stiffness_npm, in("kN/m").at_least(0),
            "Vertical stiffness without pressure.");
   v.number("stiffness_per_pressure", p.stiffness_per_pressure_m, plain().at_least(0),

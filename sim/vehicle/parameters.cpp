@@ -226,7 +226,7 @@ WheeledVehicleParameters gator_855d() {
 
 void visit(fields::Visitor& v, SprungBodyParameters& p) {
   v.number("mass", p.mass_kg, in("kg").above(0), "All that the springs carry.");
-  v.vector3("center_of_mass", p.center_of_mass_m, in("m"),
+  v.vector3("center_of_mass", p.center_of_mass_m, in("m").between(-100, 100),
             "Centre of mass, from the ground below the rear axle's middle.");
   v.vector3("principal_inertia", p.principal_inertia_kgm2, in("kg m2").above(0),
             "Moments of inertia about the centre of mass, along the body's axes.");
@@ -238,19 +238,20 @@ void visit(fields::Visitor& v, BeamAxleParameters& p) {
            "Inertia of the axle in roll and yaw, with its wheels.");
   v.number("pitch_inertia", p.pitch_inertia_kgm2, in("kg m2").above(0),
            "Inertia of the axle in pitch, without the wheels' spin.");
-  v.number("tube_length", p.tube_length_m, in("m").at_least(0),
+  v.number("tube_length", p.tube_length_m, in("m").at_least(0).at_most(100),
            "Axle to the push tube's pivot; 0 guides it straight up and down.");
-  v.number("tube_rise", p.tube_rise_m, in("m"),
+  v.number("tube_rise", p.tube_rise_m, in("m").between(-100, 100),
            "Height of the push tube's pivot above the axle's centre.");
-  v.number("roll_centre_rise", p.roll_centre_rise_m, in("m"),
+  v.number("roll_centre_rise", p.roll_centre_rise_m, in("m").between(-100, 100),
            "Height of the Panhard rod above the axle's centre.");
   v.number("spring", p.spring_npm, in("N/m").above(0), "Spring of each side.");
   v.number("damper", p.damper_nspm, in("N s/m").at_least(0), "Damper of each side.");
-  v.number("spring_base", p.spring_base_m, in("m").above(0), "Left to right spring.");
+  v.number("spring_base", p.spring_base_m, in("m").above(0).at_most(100), "Left to right spring.");
   v.number("roll_bar", p.roll_bar_nmprad, in("N m/rad").at_least(0),
            "Roll bar between the two sides.");
-  v.number("bump_travel", p.bump_travel_m, in("mm").above(0), "Travel up to the bump stop.");
-  v.number("rebound_travel", p.rebound_travel_m, in("mm").above(0),
+  v.number("bump_travel", p.bump_travel_m, in("mm").above(0).at_most(10'000),
+           "Travel up to the bump stop.");
+  v.number("rebound_travel", p.rebound_travel_m, in("mm").above(0).at_most(10'000),
            "Travel down to the rebound stop.");
   v.group(
       "bump_stop", [&](fields::Visitor& w) { visit_stop(w, p.bump_stop, in("N/m"), in("m")); },
@@ -272,8 +273,9 @@ void visit(fields::Visitor& v, IndependentAxleParameters& p) {
   v.number("damper", p.damper_nspm, in("N s/m").at_least(0), "Damper of each side, at the wheel.");
   v.number("roll_bar", p.roll_bar_npm, in("N/m").at_least(0),
            "Force of the roll bar per difference of travels.");
-  v.number("bump_travel", p.bump_travel_m, in("mm").above(0), "Travel up to the bump stop.");
-  v.number("rebound_travel", p.rebound_travel_m, in("mm").above(0),
+  v.number("bump_travel", p.bump_travel_m, in("mm").above(0).at_most(10'000),
+           "Travel up to the bump stop.");
+  v.number("rebound_travel", p.rebound_travel_m, in("mm").above(0).at_most(10'000),
            "Travel down to the rebound stop.");
   v.group(
       "bump_stop", [&](fields::Visitor& w) { visit_stop(w, p.bump_stop, in("N/m"), in("m")); },
@@ -295,8 +297,9 @@ void visit(fields::Visitor& v, SteeringParameters& p) {
 
 void visit(fields::Visitor& v, VehicleAxleParameters& p) {
   v.choice("type", p.type, kAxleTypes, "Beam or independent wheels.");
-  v.number("position", p.position_x_m, in("m"), "x of the axle in the body's frame.");
-  v.number("track", p.track_m, in("m").above(0), "Between the wheels' centres.");
+  v.number("position", p.position_x_m, in("m").between(-100, 100),
+           "x of the axle in the body's frame.");
+  v.number("track", p.track_m, in("m").above(0).at_most(100), "Between the wheels' centres.");
   v.number("portal_offset", p.portal_offset_m, in("mm"), "Wheel's centre below the beam's.");
   v.number("wheel_spin_inertia", p.wheel_spin_inertia_kgm2, in("kg m2").above(0),
            "Inertia of one wheel with tyre and hub about its axle.");
@@ -323,7 +326,7 @@ void visit(fields::Visitor& v, TyrePressureParameters& p) {
 }
 
 void visit(fields::Visitor& v, ChassisPoint& p) {
-  v.vector3("position", p.position_m, in("m"), "Corner in the body's frame.");
+  v.vector3("position", p.position_m, in("m").between(-100, 100), "Corner in the body's frame.");
 }
 
 void visit(fields::Visitor& v, ChassisContactParameters& p) {

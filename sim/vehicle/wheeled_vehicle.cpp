@@ -228,4 +228,12 @@ void WheeledVehicle::read_truth(std::span<double> values) const {
   values[29] = steering_[1].angle_rad();
 }
 
+std::vector<BodyPoint> WheeledVehicle::body_points() const {
+  std::vector<BodyPoint> points;
+  for (const ChassisPoint& point : parameters_.chassis.points) {
+    points.push_back({kWheeledLinks[0], links_[0].X_WL * point.position_m});
+  }
+  return points;
+}
+
 }  // namespace rigwire::sim

@@ -13,6 +13,7 @@
 #include <array>
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "sim/driveline/driveline.h"
 #include "sim/ground/ground.h"
@@ -65,6 +66,8 @@ class WheeledVehicle : public Machine, public VehiclePort {
   [[nodiscard]] std::span<const TruthField> truth_fields() const final;
   void read_truth(std::span<double> values) const final;
   [[nodiscard]] VehiclePort* vehicle_port() final { return this; }
+  /// The corners of the body that run into things (ChassisContactParameters).
+  [[nodiscard]] std::vector<BodyPoint> body_points() const final;
   /// The wheels, in their order: dust of a road by load and speed, or by slip where that is faster.
   [[nodiscard]] std::span<const DustEmitter> dust_emitters() const final { return dust_; }
 

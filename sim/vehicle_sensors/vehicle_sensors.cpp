@@ -40,7 +40,7 @@ void visit(fields::Visitor& v, VehicleSensorParameters& p) {
   v.number("gate", p.gate_s, in("ms").above(0), "Time over which ticks are counted.");
   v.number("dead_rate", p.dead_rate_radps, in("rad/s").at_least(0),
            "Wheel rate below which there are no ticks.");
-  v.number("known_radius", p.known_radius_m, in("m").at_least(0),
+  v.number("known_radius", p.known_radius_m, in("m").at_least(0).at_most(100),
            "The controller's wheel radius at every pressure; 0 = the true one.");
   v.number("radius_error", p.radius_error, in("%").between(0, 20),
            "Standard deviation of the radius that the controller knows.");

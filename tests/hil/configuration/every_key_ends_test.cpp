@@ -441,5 +441,38 @@ TEST(EveryKeyEnds, of_rigs_are_where_describe_says) {
   EXPECT_GT(keys.run(), 10u);
 }
 
+/// Of keys that all have two ends. Masses, forces, stiffnesses and what is made of them may be as
+/// large as one likes: models scale with them, and what does not go with the other members (a step
+/// too long, a load too great, a stroke too short) the structure's own check refuses.
+constexpr std::array<std::string_view, 6> kBoundedUnits{"m", "mm", "cm", "km", "deg", "%"};
+
+/// Every length and angle has two ends: there is a largest scene, and a largest machine.
+TEST(EveryKeyEnds, lengths_have_two) {
+  const auto look = [](const Subject& subject, const char* of) {
+    subject.with_fresh([&](const fields::Part& part) {
+      const Forms forms;
+      RangedKeys walk({}, &forms);
+      part.show(walk);
+      for (const RangedKey& key : walk.keys()) {
+        const bool bounded = std::ranges::any_of(
+            key.attempts, [](const Attempt& attempt) { return attempt.end == End::upper; });
+        if (std::ranges::find(kBoundedUnits, key.unit) != kBoundedUnits.end()) {
+          EXPECT_TRUE(bounded) << of << ": " << key.label << ", allowed " << key.range;
+        }
+      }
+    });
+  };
+  look(subject<SceneConfiguration>(), "scene");
+  for (std::size_t row = 0; row < machine_types().size(); ++row) {
+    MachineConfiguration machine;
+    machine.model.choose(row);
+    look({[&](const std::function<void(const fields::Part&)>& use) {
+            use(fields::Part::of(machine));
+          },
+          {}},
+         "machine");
+  }
+}
+
 }  // namespace
 }  // namespace rigwire::hil

@@ -20,7 +20,9 @@ namespace rigwire::hil {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string kConfigs = std::string(RIGWIRE_SOURCE_DIR) + "/configs";
 const std::string kPit = kConfigs + "/rigs/excavator_pit.yaml";
@@ -213,6 +215,34 @@ TEST(BadRig, all_findings_come_in_one_pass) {
 TEST(BadRig, missing_rig_is_one_finding) {
   EXPECT_EQ(complaints({}, kConfigs + "/rigs/excavator_pti.yaml"),
             kConfigs + "/rigs/excavator_pti.yaml: no such file, did you mean " + kPit + "?");
+}
+
+TEST(BadRig, size_of_the_scene_on_the_command_line_is_not_blamed_on_the_scenes_file) {
+  EXPECT_THAT(complaints({"scene.terrain.size=10 m", "scene.terrain.cell=5 m"}),
+              AllOf(HasSubstr("--set scene.terrain."), Not(HasSubstr("open_pit.yaml"))));
+}
+
+TEST(BadRig, payload_that_the_bucket_decides_is_refused) {
+  EXPECT_THAT(complaints({"machine.excavator.payload_max=1200 kg"}),
+              AllOf(HasSubstr("machine.excavator.payload_max"), HasSubstr("struck_capacity")));
+}
+
+TEST(BadRig, mesh_that_cannot_be_read_is_refused_with_key_and_file) {
+  const fs::path garbage =
+      fs::temp_directory_path() / ("garbage_" + std::to_string(::getpid()) + ".obj");
+  std::ofstream(garbage) << "this is no mesh\n";
+  EXPECT_THAT(complaints({"scene.objects.0.mesh=" + garbage.string()}),
+              AllOf(HasSubstr("scene.objects.0.mesh: "), HasSubstr(garbage.string())));
+  EXPECT_THAT(
+      complaints({"machine.shapes=[{link: boom, type: mesh, file: " + garbage.string() + "}]"}),
+      AllOf(HasSubstr("machine.shapes.0.file: "), HasSubstr(garbage.string())));
+  fs::remove(garbage);
+}
+
+TEST(BadRig, scale_that_makes_a_mesh_larger_than_any_scene_is_refused_with_what_it_makes) {
+  EXPECT_THAT(complaints({"scene.objects.0.scale=1e5"}),
+              AllOf(HasSubstr("scene.objects.0.scale: the mesh reaches "), HasSubstr("allowed ")));
+  EXPECT_THAT(complaints({"scene.objects.0.scale=1e30"}), HasSubstr("out of range"));
 }
 
 }  // namespace

@@ -130,7 +130,10 @@ Almanac reduced(const Ephemeris& ephemeris, std::int32_t week, double almanac_ti
   const double orbit_s = weeks_s + almanac_time_s - ephemeris.ephemeris_time_s;
   const double clock_s = weeks_s + almanac_time_s - ephemeris.clock_time_s;
   const double root = ephemeris.sqrt_semi_major_axis;
-  const double motion = root > 0.0 ? std::sqrt(kEarthGravity_m3ps2) / (root * root * root) : 0.0;
+  const double gravity_root = std::sqrt(kEarthGravity_m3ps2);
+  // n = n_0 + delta n; the almanac has no delta n, its axis is that of n.
+  const double motion =
+      root > 0.0 ? gravity_root / (root * root * root) + ephemeris.mean_motion_difference : 0.0;
   Almanac almanac;
   almanac.prn = ephemeris.prn;
   almanac.week = week;
@@ -138,10 +141,9 @@ Almanac reduced(const Ephemeris& ephemeris, std::int32_t week, double almanac_ti
   almanac.almanac_time_s = almanac_time_s;
   almanac.clock_bias_s = ephemeris.clock_bias_s + ephemeris.clock_drift * clock_s;
   almanac.clock_drift = ephemeris.clock_drift;
-  almanac.sqrt_semi_major_axis = root;
+  almanac.sqrt_semi_major_axis = motion > 0.0 ? std::cbrt(gravity_root / motion) : root;
   almanac.eccentricity = ephemeris.eccentricity;
-  almanac.mean_anomaly_rad = wrapped_angle(ephemeris.mean_anomaly_rad +
-                                           (motion + ephemeris.mean_motion_difference) * orbit_s);
+  almanac.mean_anomaly_rad = wrapped_angle(ephemeris.mean_anomaly_rad + motion * orbit_s);
   almanac.ascending_node_rad =
       wrapped_angle(ephemeris.ascending_node_rad + ephemeris.ascending_node_rate * orbit_s -
                     kEarthRate_radps * weeks_s);

@@ -49,7 +49,7 @@ void put_almanac(SubframeData& data, const Almanac& almanac);
 [[nodiscard]] Decoded<Almanac> decode_almanac(const SubframeData& data, std::int32_t week);
 
 /// The satellite's orbit as an almanac for another time: mean anomaly and node are carried to it,
-/// harmonic corrections left out. Quantised.
+/// the axis is that of its whole mean motion, harmonic corrections are left out. Quantised.
 [[nodiscard]] Almanac reduced(const Ephemeris& ephemeris, std::int32_t week, double almanac_time_s);
 
 /// The almanac as an ephemeris: toe and toc are its time, everything that it does not tell is zero,

@@ -38,10 +38,30 @@ const double kRateStep_radps = std::ldexp(kSemicircle_rad, -43);
 constexpr std::int64_t kWholeRate = 128;
 constexpr std::int64_t kWholeChange = 225;
 
-constexpr std::int64_t kNodeRateTurns = -175;            // of kWholeRate steps: -8.0003e-9 rad/s
-constexpr std::int64_t kRootAxisSteps = 2'701'976'179;   // 2^-19 sqrt(m)
-constexpr std::int64_t kMotionDifferenceSteps = -2'753;  // -9.83e-10 rad/s
+constexpr std::int64_t kNodeRateTurns = -175;  // of kWholeRate steps: -8.0003e-9 rad/s
 constexpr std::int64_t kClockTurnIntervals = 13 * kIntervalsPerWeek;
+
+/// How a satellite's mean motion is stated: axis in steps of 2^-19 sqrt(m), delta n in steps of a
+/// rate. Among all pairs whose motion is one ground track a day within 5e-5 deg/day, those whose
+/// two hours are a whole number of angle steps within 3e-5 of a step (1.2e-6 m).
+struct StatedMotion {
+  std::int64_t root_axis_steps;
+  std::int64_t difference_steps;
+};
+constexpr std::array<StatedMotion, kGpsSlots> kGpsMotion{{
+    {2'702'005'870, 10'717}, {2'702'008'552, 11'945},
+    {2'702'011'181, 13'141}, {2'702'005'209, 10'419},  // A
+    {2'702'006'813, 11'144}, {2'702'010'317, 12'710},
+    {2'702'012'577, 13'733}, {2'702'006'202, 10'859},  // B
+    {2'702'008'665, 11'953}, {2'702'012'168, 13'576},
+    {2'702'005'319, 10'441}, {2'702'007'092, 11'287},  // C
+    {2'702'010'432, 12'794}, {2'702'012'870, 13'896},
+    {2'702'006'313, 10'919}, {2'702'009'005, 12'143},  // D
+    {2'702'012'343, 13'669}, {2'702'005'484, 10'538},
+    {2'702'008'270, 11'816}, {2'702'010'777, 12'918},  // E
+    {2'702'013'105, 13'998}, {2'702'006'424, 10'979},
+    {2'702'010'260, 12'687}, {2'702'012'460, 13'701},  // F
+}};
 
 double from_angle_steps(std::int64_t steps) {
   // The conversions to 32 bits wrap, as the angle does.
@@ -64,17 +84,32 @@ std::int64_t middle_s(std::int64_t interval) {
 /// What does not change from set to set, and where the angles begin and how they go on.
 struct GpsSlot {
   GpsEphemeris fixed;
-  std::int64_t mean_anomaly_steps = 0;  ///< At the first interval.
+  std::int64_t mean_anomaly_steps = 0;   ///< At the first interval.
+  std::int64_t mean_anomaly_change = 0;  ///< Steps per interval.
   std::int64_t node_steps = 0;
   std::int64_t bias_steps = 0;  ///< Mean over the saw tooth.
 };
 
 struct GpsPlan {
   std::int64_t first_interval = 0;
-  std::int64_t mean_anomaly_change = 0;  ///< Steps per interval.
-  std::int64_t node_week_change = 0;     ///< Steps per week, besides those per interval.
+  std::int64_t node_week_change = 0;  ///< Steps per week, besides those per interval.
   std::array<GpsSlot, kGpsSlots> slots;
 };
+
+/// Second harmonics of an orbit. The oblate earth gives all of them the same mean; sun and moon
+/// pull each plane, and each place in it, another way. Along the track and across the radius they
+/// go together, as in real sets: 5.2e-8 rad per metre (Cuc with Crs, Cus against Crc).
+void put_harmonics(double node_rad, double argument_rad, GpsEphemeris& eph) {
+  constexpr double kAlongPerRadius_radpm = 5.2e-8;
+  const double mean_radius_m = 231.0;
+  eph.radius_cosine_m = mean_radius_m + 62.0 * std::cos(node_rad) + 38.0 * std::cos(argument_rad);
+  eph.radius_sine_m = 74.0 * std::sin(node_rad + 0.4) + 41.0 * std::sin(argument_rad);
+  eph.latitude_sine_rad = 7.6e-6 - kAlongPerRadius_radpm * (eph.radius_cosine_m - mean_radius_m);
+  eph.latitude_cosine_rad = kAlongPerRadius_radpm * eph.radius_sine_m;
+  eph.inclination_cosine_rad =
+      1.1e-7 * std::cos(node_rad - 0.7) + 5.0e-8 * std::cos(2.0 * argument_rad);
+  eph.inclination_sine_rad = 8.0e-8 * std::sin(node_rad) - 6.0e-8 * std::sin(2.0 * argument_rad);
+}
 
 GpsPlan make_gps_plan() {
   GpsPlan plan;
@@ -84,20 +119,8 @@ GpsPlan make_gps_plan() {
   const double later_s = first_s - epoch_s;
 
   GpsEphemeris common;
-  common.sqrt_semi_major_axis = std::ldexp(static_cast<double>(kRootAxisSteps), -19);
-  common.mean_motion_difference = kRateStep_radps * static_cast<double>(kMotionDifferenceSteps);
   common.ascending_node_rate = kRateStep_radps * static_cast<double>(kNodeRateTurns * kWholeRate);
   common.inclination_rad = 55.0 * kDegree;
-  common.latitude_cosine_rad = 1.1e-6;
-  common.latitude_sine_rad = 7.6e-6;
-  common.radius_cosine_m = 231.0;
-  common.radius_sine_m = 21.0;
-  common.inclination_cosine_rad = -9.0e-8;
-  common.inclination_sine_rad = 5.6e-8;
-  const double motion =
-      std::sqrt(kEarthGravity_m3ps2) / std::pow(common.sqrt_semi_major_axis, 3.0) +
-      common.mean_motion_difference;
-  plan.mean_anomaly_change = angle_steps(motion * double{kInterval_s});
   plan.node_week_change = angle_steps(-kEarthRate_radps * kWeek_s);
 
   for (std::size_t slot = 0; slot < kGpsSlots; ++slot) {
@@ -108,10 +131,19 @@ GpsPlan make_gps_plan() {
     eph.eccentricity = 0.002 + 0.001 * (prn * 7 % 9);
     eph.argument_of_perigee_rad = (prn * 53 % 360 - 180) * kDegree;
     eph.group_delay_s = std::ldexp(prn * 11 % 24 - 20.0, -31);
+    eph.sqrt_semi_major_axis =
+        std::ldexp(static_cast<double>(kGpsMotion[slot].root_axis_steps), -19);
+    eph.mean_motion_difference =
+        kRateStep_radps * static_cast<double>(kGpsMotion[slot].difference_steps);
+    put_harmonics(kGpsNode_deg[slot / 4] * kDegree, kGpsArgumentOfLatitude_deg[slot] * kDegree,
+                  eph);
     eph = quantised(eph);
+    const double motion = std::sqrt(kEarthGravity_m3ps2) / std::pow(eph.sqrt_semi_major_axis, 3.0) +
+                          eph.mean_motion_difference;
 
     GpsSlot& made = plan.slots[slot];
     made.fixed = eph;
+    made.mean_anomaly_change = angle_steps(motion * double{kInterval_s});
     made.mean_anomaly_steps = angle_steps(kGpsArgumentOfLatitude_deg[slot] * kDegree +
                                           motion * later_s - eph.argument_of_perigee_rad);
     const double node_longitude = kGpsNode_deg[slot / 4] * kDegree - kGreenwichAtEpoch_rad +
@@ -257,7 +289,7 @@ GpsEphemeris nominal_gps_set(int prn, std::int64_t interval) {
   eph.week = static_cast<std::int32_t>(week);
   eph.ephemeris_time_s = static_cast<double>(middle_s(interval - week * kIntervalsPerWeek));
   eph.mean_anomaly_rad =
-      from_angle_steps(slot.mean_anomaly_steps + kPlan.mean_anomaly_change * count);
+      from_angle_steps(slot.mean_anomaly_steps + slot.mean_anomaly_change * count);
   eph.ascending_node_rad =
       from_angle_steps(slot.node_steps + kNodeRateTurns * kWholeChange * count +
                        kPlan.node_week_change * (week - kEpochWeek));

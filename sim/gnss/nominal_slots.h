@@ -5,13 +5,16 @@
 // satellite states its orbit anew every two hours, on even hours of GPS time, with toe = toc in the
 // middle. The figures of the message are kept as whole numbers of its steps, from one set to the
 // next by whole steps, with mean motion, drift of the node and clock drift chosen so that two hours
-// of each are a whole number too. Consecutive sets therefore meet within 1e-6 m; when the week
+// of each are a whole number too. Consecutive sets therefore meet within 2e-6 m; when the week
 // turns the node's longitude is stated anew, which moves an orbit by at most 2 cm. So:
-//  - axis 26 559.702 km, mean motion of exactly one ground track a day (within 7e-5 deg/day), node
+//  - mean motion of one ground track a day (within 1e-4 deg/day), stated by axis (26 559.1 km) and
+//  a
+//    delta n of its own for each satellite, 3.7e-9 .. 5.0e-9 rad/s (real ones: 3.7 to 5.1e-9); node
 //    -8.0e-9 rad/s as the earth's oblateness makes it;
 //  - eccentricity 0.002 .. 0.010 by PRN (the standard allows 0.02), so that relativity shows;
 //    argument of latitude as in the standard, for the mean;
-//  - harmonics of the size that real messages carry;
+//  - harmonics of each satellite's own, of the size that real messages carry: Crs within 115 m, Crc
+//    131 .. 331 m, Cuc and Cus in step with them, Cic and Cis within 1.6e-7 rad;
 //  - clocks within 2e-4 s, drifting by 1.46e-11 s/s one way for 13 weeks, then back; group delays
 //    -9.3 .. 1.4 ns by PRN;
 //  - issue of ephemeris 1 .. 239, of clock unique over 79 days (IS-GPS-200 section 20.3.4.4 asks

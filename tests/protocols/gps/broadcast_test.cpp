@@ -187,6 +187,8 @@ TEST(GpsAlmanac, ReducedOrbitFollowsTheEphemeris) {
         std::remainder(almanac.mean_anomaly_rad - ephemeris.mean_anomaly_rad - motion * after_toe,
                        2 * kSemicircle_rad),
         0.0, 1e-5);
+    // An almanac has no delta n: its axis alone must say the whole motion.
+    EXPECT_NEAR(std::sqrt(3.986005e14) / std::pow(almanac.sqrt_semi_major_axis, 3), motion, 3e-11);
     EXPECT_NEAR(almanac.inclination_rad, 0.96 + 2e-10 * after_toe, 4e-6);
     EXPECT_NEAR(almanac.clock_bias_s, 1.2e-4 - 3e-12 * after_toe, 5e-7);
   }

@@ -66,6 +66,34 @@ TEST(NominalSlotsTest, ConsecutiveSetsMeet) {
   }
 }
 
+// Once all satellites had one Crs, one Cuc and one delta n. A real receiver's sets are all
+// distinct, with delta n between 3.7e-9 and 5.1e-9 rad/s (recordings of a NEO-7P, RXM-SFRB).
+TEST(NominalSlotsTest, EverySatelliteStatesItsOrbitInItsOwnFigures) {
+  using Member = double GpsEphemeris::*;
+  for (const Member member :
+       {&GpsEphemeris::radius_sine_m, &GpsEphemeris::radius_cosine_m,
+        &GpsEphemeris::latitude_sine_rad, &GpsEphemeris::latitude_cosine_rad,
+        &GpsEphemeris::inclination_sine_rad, &GpsEphemeris::inclination_cosine_rad,
+        &GpsEphemeris::mean_motion_difference, &GpsEphemeris::sqrt_semi_major_axis}) {
+    std::set<double> values;
+    for (int prn = 1; prn <= 24; ++prn) {
+      values.insert(nominal_gps_set(prn, interval_of(2421, 22)).*member);
+    }
+    EXPECT_EQ(values.size(), 24U);
+  }
+  for (int prn = 1; prn <= 24; ++prn) {
+    const GpsEphemeris set = nominal_gps_set(prn, interval_of(2421, 22));
+    EXPECT_GT(set.mean_motion_difference, 3.7e-9);
+    EXPECT_LT(set.mean_motion_difference, 5.1e-9);
+    EXPECT_LT(std::abs(set.radius_sine_m), 116.0);
+    EXPECT_NEAR(set.radius_cosine_m, 231.0, 101.0);
+    EXPECT_LT(std::abs(set.latitude_cosine_rad), 6.1e-6);
+    EXPECT_NEAR(set.latitude_sine_rad, 7.6e-6, 5.3e-6);
+    EXPECT_LT(std::abs(set.inclination_cosine_rad), 1.7e-7);
+    EXPECT_LT(std::abs(set.inclination_sine_rad), 1.5e-7);
+  }
+}
+
 TEST(NominalSlotsTest, IssuesDifferForAsLongAsTheStandardAsks) {
   std::set<int> clock_issues;
   for (std::int64_t i = interval_of(2421, 0); i < interval_of(2421, 0) + 84; ++i) {

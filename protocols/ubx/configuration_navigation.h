@@ -85,17 +85,57 @@ struct CfgNavx5 {
   std::uint8_t precise_point_positioning = 0;
   std::uint8_t autonomous_orbits = 0;
   std::uint16_t maximum_orbit_error_m = 0;
+  // Not zero as delivered.
+  std::array<std::uint8_t, 2> reserved1{};
+  std::uint8_t reserved2 = 0;
+  std::array<std::uint8_t, 2> reserved3{};
+  std::array<std::uint8_t, 5> reserved4{};
+  std::array<std::uint8_t, 2> reserved5{};
+  std::array<std::uint8_t, 8> reserved6{};
 
   static constexpr auto fields() {
     return std::make_tuple(
         at(0, &CfgNavx5::version), at(2, &CfgNavx5::mask1), at(4, &CfgNavx5::mask2),
-        at(10, &CfgNavx5::minimum_satellites), at(11, &CfgNavx5::maximum_satellites),
-        at(12, &CfgNavx5::minimum_cn0_dbhz), at(14, &CfgNavx5::initial_fix_3d),
-        at(17, &CfgNavx5::acknowledge_aiding), at(18, &CfgNavx5::week_rollover),
-        at(20, &CfgNavx5::attenuation_compensation), at(26, &CfgNavx5::precise_point_positioning),
-        at(27, &CfgNavx5::autonomous_orbits), at(30, &CfgNavx5::maximum_orbit_error_m));
+        at(8, &CfgNavx5::reserved1), at(10, &CfgNavx5::minimum_satellites),
+        at(11, &CfgNavx5::maximum_satellites), at(12, &CfgNavx5::minimum_cn0_dbhz),
+        at(13, &CfgNavx5::reserved2), at(14, &CfgNavx5::initial_fix_3d),
+        at(15, &CfgNavx5::reserved3), at(17, &CfgNavx5::acknowledge_aiding),
+        at(18, &CfgNavx5::week_rollover), at(20, &CfgNavx5::attenuation_compensation),
+        at(21, &CfgNavx5::reserved4), at(26, &CfgNavx5::precise_point_positioning),
+        at(27, &CfgNavx5::autonomous_orbits), at(28, &CfgNavx5::reserved5),
+        at(30, &CfgNavx5::maximum_orbit_error_m), at(32, &CfgNavx5::reserved6));
   }
   friend bool operator==(const CfgNavx5&, const CfgNavx5&) = default;
+};
+
+/// CfgOdo::flags.
+inline constexpr std::uint8_t kOdoUse = 0x01;
+inline constexpr std::uint8_t kOdoLowSpeedCourse = 0x02;
+inline constexpr std::uint8_t kOdoFilteredSpeed = 0x04;
+inline constexpr std::uint8_t kOdoFilteredCourse = 0x08;
+
+/// CFG-ODO: odometer and low-pass filters of speed and course. u-blox 8 and later.
+struct CfgOdo {
+  static constexpr MessageId kId{0x06, 0x1E};
+  static constexpr std::size_t kLength =
+      4 /*version*/ + 8 /*flags, profile, reserved*/ + 4 /*low speed*/ + 4 /*gains*/;
+
+  std::uint8_t version = 0;
+  std::uint8_t flags = 0;                  ///< kOdoUse, ...
+  std::uint8_t profile = 0;                ///< 0 running, 1 cycling, 2 swimming, 3 car, 4 custom.
+  std::array<std::uint8_t, 6> reserved{};  ///< Not zero as delivered.
+  std::uint8_t course_speed_dmps = 0;      ///< Greatest of the low-speed course filter.
+  std::uint8_t course_accuracy_m = 0;      ///< Greatest of the low-speed course filter.
+  std::uint8_t speed_gain = 0;             ///< 0 heavy .. 255 weak filtering.
+  std::uint8_t course_gain = 0;            ///< The same for the course.
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &CfgOdo::version), at(4, &CfgOdo::flags), at(5, &CfgOdo::profile),
+                           at(6, &CfgOdo::reserved), at(12, &CfgOdo::course_speed_dmps),
+                           at(13, &CfgOdo::course_accuracy_m), at(16, &CfgOdo::speed_gain),
+                           at(17, &CfgOdo::course_gain));
+  }
+  friend bool operator==(const CfgOdo&, const CfgOdo&) = default;
 };
 
 /// CFG-SBAS.

@@ -139,6 +139,23 @@ struct CfgPm2 {
   friend bool operator==(const CfgPm2&, const CfgPm2&) = default;
 };
 
+/// CFG-PMS: one of the predefined power modes. u-blox 8.
+struct CfgPms {
+  static constexpr MessageId kId{0x06, 0x86};
+  static constexpr std::size_t kLength = 2 /*version, mode*/ + 2 * 2 /*interval*/ + 2 /*reserved*/;
+
+  std::uint8_t version = 0;
+  std::uint8_t mode = 0;  ///< 0 full power, 1 balanced, 2 interval, 3..5 aggressive.
+  std::uint16_t period_s = 0;
+  std::uint16_t on_time_s = 0;
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &CfgPms::version), at(1, &CfgPms::mode), at(2, &CfgPms::period_s),
+                           at(4, &CfgPms::on_time_s));
+  }
+  friend bool operator==(const CfgPms&, const CfgPms&) = default;
+};
+
 /// CFG-ITFM: interference monitor.
 struct CfgItfm {
   static constexpr MessageId kId{0x06, 0x39};

@@ -1,8 +1,9 @@
 // Monitor messages (class 0x0A), in wire units.
 //
 // Source: u-blox M8 receiver description, UBX-13003221 R28, section 32.16 "UBX-MON"; ZED-F9P
-// interface description HPG 1.50, UBXDOC-963802114-12815, section 3.14.9 "UBX-MON-RF"; lengths
-// checked against recordings of a NEO-7P.
+// interface description HPG 1.50, UBXDOC-963802114-12815, sections 3.14.1 "UBX-MON-COMMS"
+// and 3.14.9 "UBX-MON-RF"; lengths checked against recordings of a NEO-7P and of a ZED-F9P
+// (MON-COMMS).
 #pragma once
 
 #include <array>
@@ -181,6 +182,88 @@ struct MonHw2 {
                            at(8, &MonHw2::low_level_configuration), at(20, &MonHw2::self_test));
   }
   friend bool operator==(const MonHw2&, const MonHw2&) = default;
+};
+
+/// MON-GNSS: major systems, one bit each: b0 GPS, b1 GLONASS, b2 BeiDou, b3 Galileo. u-blox 8 and
+/// later.
+struct MonGnss {
+  static constexpr MessageId kId{0x0A, 0x28};
+  static constexpr std::size_t kLength = 5 /*version, systems*/ + 3 /*reserved*/;
+
+  std::uint8_t version = 0;
+  std::uint8_t supported = 0;
+  std::uint8_t default_on = 0;
+  std::uint8_t enabled = 0;
+  std::uint8_t simultaneous = 0;  ///< So many at once at most.
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &MonGnss::version), at(1, &MonGnss::supported),
+                           at(2, &MonGnss::default_on), at(3, &MonGnss::enabled),
+                           at(4, &MonGnss::simultaneous));
+  }
+  friend bool operator==(const MonGnss&, const MonGnss&) = default;
+};
+
+/// MON-PATCH: the head, followed by `entries` patches of 16 bytes. u-blox 8 and later.
+struct MonPatchHead {
+  static constexpr MessageId kId{0x0A, 0x27};
+  static constexpr std::size_t kLength = 2 * 2 /*version, entries*/;
+
+  std::uint16_t version = 1;
+  std::uint16_t entries = 0;
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &MonPatchHead::version), at(2, &MonPatchHead::entries));
+  }
+  friend bool operator==(const MonPatchHead&, const MonPatchHead&) = default;
+};
+
+/// MON-COMMS: the head, followed by `ports` ports. F9.
+struct MonCommsHead {
+  static constexpr MessageId kId{0x0A, 0x36};
+  static constexpr std::size_t kLength = 4 /*version, ports, errors*/ + 4 /*protocols*/;
+
+  std::uint8_t version = 0;
+  std::uint8_t ports = 0;
+  std::uint8_t errors = 0;  ///< b0 memory, b1 transmit buffer full, b2-4 port of this message.
+  std::array<std::uint8_t, 4> protocols{0, 1, 5, 6};  ///< UBX, NMEA, RTCM 3, SPARTN.
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &MonCommsHead::version), at(1, &MonCommsHead::ports),
+                           at(2, &MonCommsHead::errors), at(4, &MonCommsHead::protocols));
+  }
+  [[nodiscard]] constexpr std::size_t block_count() const { return ports; }
+  friend bool operator==(const MonCommsHead&, const MonCommsHead&) = default;
+};
+
+/// MON-COMMS: one port.
+struct MonCommsPort {
+  static constexpr std::size_t kLength = 2 /*port*/ + 8 /*sent*/ + 10 /*received, errors*/ +
+                                         8 /*messages*/ + 8 /*reserved*/ + 4 /*skipped*/;
+
+  std::uint16_t port = 0;  ///< 0x0000 I2C, 0x0100 UART1, 0x0201 UART2, 0x0300 USB, 0x0400 SPI.
+  std::uint16_t sending_bytes = 0;
+  std::uint32_t sent_bytes = 0;
+  std::uint8_t sending_percent = 0;
+  std::uint8_t sending_peak_percent = 0;
+  std::uint16_t received_pending_bytes = 0;
+  std::uint32_t received_bytes = 0;
+  std::uint8_t received_percent = 0;
+  std::uint8_t received_peak_percent = 0;
+  std::uint16_t overruns = 0;
+  std::array<std::uint16_t, 4> messages{};  ///< In the order of MonCommsHead::protocols.
+  std::uint32_t skipped_bytes = 0;
+
+  static constexpr auto fields() {
+    return std::make_tuple(
+        at(0, &MonCommsPort::port), at(2, &MonCommsPort::sending_bytes),
+        at(4, &MonCommsPort::sent_bytes), at(8, &MonCommsPort::sending_percent),
+        at(9, &MonCommsPort::sending_peak_percent), at(10, &MonCommsPort::received_pending_bytes),
+        at(12, &MonCommsPort::received_bytes), at(16, &MonCommsPort::received_percent),
+        at(17, &MonCommsPort::received_peak_percent), at(18, &MonCommsPort::overruns),
+        at(20, &MonCommsPort::messages), at(36, &MonCommsPort::skipped_bytes));
+  }
+  friend bool operator==(const MonCommsPort&, const MonCommsPort&) = default;
 };
 
 /// MON-RXR: the receiver wakes or goes to sleep.

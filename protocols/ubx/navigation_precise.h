@@ -92,6 +92,32 @@ struct NavCov {
   friend bool operator==(const NavCov&, const NavCov&) = default;
 };
 
+/// NAV-SVIN: survey-in of a base station.
+struct NavSvin {
+  static constexpr MessageId kId{0x01, 0x3B};
+  static constexpr std::size_t kLength =
+      4 /*version*/ + 8 /*time, duration*/ + 16 /*position*/ + 8 /*accuracy, number*/ + 4 /*state*/;
+
+  std::uint8_t version = 0;
+  std::uint32_t time_of_week_ms = 0;  ///< GPS time of week of the navigation epoch.
+  std::uint32_t duration_s = 0;
+  std::array<std::int32_t, 3> mean_cm{};       ///< Earth-centred earth-fixed.
+  std::array<std::int8_t, 3> mean_rest_e4m{};  ///< -99..99.
+  std::uint32_t mean_accuracy_e4m = 0;
+  std::uint32_t observations = 0;
+  std::uint8_t valid = 0;
+  std::uint8_t active = 0;
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &NavSvin::version), at(4, &NavSvin::time_of_week_ms),
+                           at(8, &NavSvin::duration_s), at(12, &NavSvin::mean_cm),
+                           at(24, &NavSvin::mean_rest_e4m), at(28, &NavSvin::mean_accuracy_e4m),
+                           at(32, &NavSvin::observations), at(36, &NavSvin::valid),
+                           at(37, &NavSvin::active));
+  }
+  friend bool operator==(const NavSvin&, const NavSvin&) = default;
+};
+
 /// Flags of NAV-RELPOSNED. The last three are of version 1 only.
 inline constexpr std::uint32_t kRelativeFixOk = 0x001;
 inline constexpr std::uint32_t kRelativeDifferential = 0x002;

@@ -149,6 +149,28 @@ struct NavVelecef {
   friend bool operator==(const NavVelecef&, const NavVelecef&) = default;
 };
 
+/// NAV-ODO: ground distance. u-blox 8 and later.
+struct NavOdo {
+  static constexpr MessageId kId{0x01, 0x09};
+  static constexpr std::size_t kLength = 4 /*version*/ + 4 /*time*/ + 12 /*distances*/;
+
+  std::uint8_t version = 0;
+  std::uint32_t time_of_week_ms = 0;   ///< GPS time of week of the navigation epoch.
+  std::uint32_t distance_m = 0;        ///< Since NAV-RESETODO.
+  std::uint32_t total_distance_m = 0;  ///< Since the last cold start.
+  std::uint32_t accuracy_m = 0;        ///< Of distance_m.
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &NavOdo::version), at(4, &NavOdo::time_of_week_ms),
+                           at(8, &NavOdo::distance_m), at(12, &NavOdo::total_distance_m),
+                           at(16, &NavOdo::accuracy_m));
+  }
+  friend bool operator==(const NavOdo&, const NavOdo&) = default;
+};
+
+/// NAV-RESETODO, a command without payload that is acknowledged.
+inline constexpr MessageId kNavResetodo{0x01, 0x10};
+
 /// NAV-VELNED.
 struct NavVelned {
   static constexpr MessageId kId{0x01, 0x12};

@@ -1,9 +1,10 @@
 // Times of the navigation epoch (class 0x01), in wire units: NAV-TIMEGPS, NAV-TIMEUTC, NAV-CLOCK,
-// NAV-TIMELS, and what closes an epoch, NAV-EOE.
+// NAV-TIMEGLO, NAV-TIMEBDS, NAV-TIMEGAL, NAV-TIMELS, and what closes an epoch, NAV-EOE.
 //
-// Source: u-blox M8 receiver description, UBX-13003221 R28, sections 32.17.30 "UBX-NAV-TIMEGPS"
+// Source: u-blox M8 receiver description, UBX-13003221 R28, sections 32.17.27 "UBX-NAV-TIMEBDS"
 // to 32.17.32 "UBX-NAV-TIMEUTC", 32.17.1 "UBX-NAV-AOPSTATUS", and "UBX-NAV-EOE", "UBX-NAV-CLOCK"
-// there. NAV-TIMELS and NAV-EOE are not known to u-blox 7.
+// there. The times of other systems, NAV-TIMELS and NAV-EOE are not known to
+// u-blox 7.
 #pragma once
 
 #include <cstddef>
@@ -80,6 +81,58 @@ struct NavClock {
                            at(16, &NavClock::frequency_accuracy_psps));
   }
   friend bool operator==(const NavClock&, const NavClock&) = default;
+};
+
+/// NAV-TIMEGLO: u-blox 8 and later.
+struct NavTimeglo {
+  static constexpr MessageId kId{0x01, 0x23};
+  static constexpr std::size_t kLength =
+      4 /*time*/ + 8 /*time of day*/ + 4 /*date, valid*/ + 4 /*accuracy*/;
+
+  std::uint32_t time_of_week_ms = 0;  ///< GPS time of week of the navigation epoch.
+  std::uint32_t time_of_day_s = 0;    ///< UTC and three hours, rounded.
+  std::int32_t time_of_day_rest_ns = 0;
+  std::uint16_t day = 0;        ///< Of the four years, 1..1461.
+  std::uint8_t four_years = 0;  ///< Since 1996, from 1.
+  std::uint8_t valid = 0;       ///< b0 time of day, b1 date.
+  std::uint32_t time_accuracy_ns = 0;
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &NavTimeglo::time_of_week_ms), at(4, &NavTimeglo::time_of_day_s),
+                           at(8, &NavTimeglo::time_of_day_rest_ns), at(12, &NavTimeglo::day),
+                           at(14, &NavTimeglo::four_years), at(15, &NavTimeglo::valid),
+                           at(16, &NavTimeglo::time_accuracy_ns));
+  }
+  friend bool operator==(const NavTimeglo&, const NavTimeglo&) = default;
+};
+
+/// NAV-TIMEBDS and NAV-TIMEGAL: time of week and week of another system. u-blox 8 and later.
+struct NavTimeOfSystem {
+  static constexpr std::size_t kLength =
+      4 /*time*/ + 8 /*time of week*/ + 2 /*week*/ + 2 /*leap, valid*/ + 4 /*accuracy*/;
+
+  std::uint32_t time_of_week_ms = 0;        ///< GPS time of week of the navigation epoch.
+  std::uint32_t system_time_of_week_s = 0;  ///< Of the system, rounded.
+  std::int32_t system_time_of_week_rest_ns = 0;
+  std::int16_t week = 0;         ///< Of the system.
+  std::int8_t leap_seconds = 0;  ///< The system's time minus UTC.
+  std::uint8_t valid = 0;        ///< b0 time of week, b1 week, b2 leap seconds.
+  std::uint32_t time_accuracy_ns = 0;
+
+  static constexpr auto fields() {
+    return std::make_tuple(
+        at(0, &NavTimeOfSystem::time_of_week_ms), at(4, &NavTimeOfSystem::system_time_of_week_s),
+        at(8, &NavTimeOfSystem::system_time_of_week_rest_ns), at(12, &NavTimeOfSystem::week),
+        at(14, &NavTimeOfSystem::leap_seconds), at(15, &NavTimeOfSystem::valid),
+        at(16, &NavTimeOfSystem::time_accuracy_ns));
+  }
+  friend bool operator==(const NavTimeOfSystem&, const NavTimeOfSystem&) = default;
+};
+struct NavTimebds : NavTimeOfSystem {
+  static constexpr MessageId kId{0x01, 0x24};
+};
+struct NavTimegal : NavTimeOfSystem {
+  static constexpr MessageId kId{0x01, 0x25};
 };
 
 /// NAV-TIMELS: the leap second that is and the one to come. u-blox 8 and later.

@@ -103,6 +103,25 @@ struct RxmSfrbxWord {
   friend bool operator==(const RxmSfrbxWord&, const RxmSfrbxWord&) = default;
 };
 
+/// RXM-RTCM: an RTCM 3 message came in. F9.
+struct RxmRtcm {
+  static constexpr MessageId kId{0x02, 0x32};
+  static constexpr std::size_t kLength = 2 /*version, flags*/ + 3 * 2 /*message*/;
+
+  std::uint8_t version = 2;
+  std::uint8_t flags = 0;     ///< b0 checksum failed, b1-2 use: 0 unknown, 1 not used, 2 used.
+  std::uint16_t subtype = 0;  ///< Of message 4072.
+  std::uint16_t station = 0;
+  std::uint16_t message = 0;
+
+  static constexpr auto fields() {
+    return std::make_tuple(at(0, &RxmRtcm::version), at(1, &RxmRtcm::flags),
+                           at(2, &RxmRtcm::subtype), at(4, &RxmRtcm::station),
+                           at(6, &RxmRtcm::message));
+  }
+  friend bool operator==(const RxmRtcm&, const RxmRtcm&) = default;
+};
+
 /// RxmRawxHead::status.
 inline constexpr std::uint8_t kRawxLeapSecondsKnown = 0x01;
 inline constexpr std::uint8_t kRawxClockReset = 0x02;

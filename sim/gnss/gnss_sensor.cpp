@@ -97,7 +97,10 @@ GnssSensor::Epoch GnssSensor::begin(SimTime time, const LinkMotion& antenna) {
 
 void GnssSensor::select(std::span<ReceivedSatellite> received, Epoch& epoch) const {
   epoch.used.reserve(received.size());
+  const double mask_rad = parameters_.sky.elevation_mask_deg * std::numbers::pi / 180.0;
   for (ReceivedSatellite& satellite : received) {
+    epoch.augmented |= satellite.tracked && satellite.satellite.system == GnssSystem::sbas &&
+                       satellite.elevation_rad >= mask_rad;
     if (satellite.usable) {
       epoch.used.push_back(&satellite);
       epoch.line_of_sight += satellite.direct && satellite.cn0_dbhz >= kCarrierCn0_dbhz ? 1 : 0;
@@ -132,9 +135,7 @@ void GnssSensor::correct(Epoch& epoch, GnssSample& sample) {
   input.has_position = epoch.used.size() >= 3;
   input.link = !epoch.fault.corrections_lost && !epoch.fault.no_signal;
   if (parameters_.corrections.kind == CorrectionKind::sbas && channels_.knows(GnssSystem::sbas)) {
-    input.link = input.link && std::ranges::any_of(epoch.used, [](const auto* satellite) {
-                   return satellite->satellite.system == GnssSystem::sbas;
-                 });
+    input.link = input.link && epoch.augmented;
   }
   epoch.corrections = carrier_.advance(input);
   sample.differential = epoch.corrections.differential;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "fields/check.h"
 #include "fields/visitor.h"
@@ -14,7 +15,8 @@ using fields::in;
 namespace {
 
 constexpr double kReferenceCn0_dbhz = 45.0;
-constexpr double kFadingCorrelation_s = 10.0;
+constexpr double kFadingCorrelation_s = 6.0;
+constexpr double kFadingLength_m = 15.0;
 constexpr double kUsual_db = 3.0;      // fading of an open sky: no reason to distrust a signal
 constexpr double kLowestSine = 0.087;  // 5 degrees: below, mappings are held
 constexpr double kEarthRadius_km = 6371.0;
@@ -105,7 +107,15 @@ double AtmosphereErrors::troposphere_m(const RangeErrorParameters& p, double ele
   return p.troposphere_sigma_m * troposphere_.value() * troposphere_mapping(elevation_rad);
 }
 
-SatelliteErrors::SatelliteErrors(std::uint64_t seed, std::string_view name) : random_(seed, name) {}
+SatelliteErrors::SatelliteErrors(std::uint64_t seed, std::string_view name)
+    : random_(seed, name), fading_random_(seed, std::string(name) + "/fading") {}
+
+void SatelliteErrors::fade(double step_s, double speed_mps) {
+  // 1 / tau = 1 / tau_rest + speed / length.
+  const double correlation_s =
+      kFadingCorrelation_s / (1.0 + kFadingCorrelation_s * speed_mps / kFadingLength_m);
+  fading_.advance(step_s, correlation_s, fading_random_);
+}
 
 void SatelliteErrors::advance(const RangeErrorParameters& p, double step_s, double speed_mps) {
   orbit_clock_.advance(step_s, p.orbit_clock_correlation_s, random_);
@@ -114,7 +124,6 @@ void SatelliteErrors::advance(const RangeErrorParameters& p, double step_s, doub
   // 1 / tau = 1 / tau_rest + speed / length.
   const double moving_s = rest_s / (1.0 + rest_s * speed_mps / p.multipath_length_m);
   multipath_.advance(step_s, moving_s, random_);
-  fading_.advance(step_s, kFadingCorrelation_s, random_);
   rate_.advance(step_s, 0.0, random_);
 }
 

@@ -1,6 +1,7 @@
 #include "sim/gnss/satellite_channels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -14,6 +15,14 @@ constexpr double kNoSignal_dbhz = -std::numeric_limits<double>::infinity();
 /// All satellites of one transmitter close by: evenly strong, wherever they seem to be.
 constexpr double kSpoofedCn0_dbhz = 47.0;
 constexpr double kSpoofedFading_db = 0.3;
+
+/// Of the systems of augmentation WAAS alone offers ranges that count; EGNOS has none, the others
+/// are taken as without.
+bool gives_ranges(const Satellite& satellite) {
+  constexpr std::array<std::uint8_t, 4> kWaas{131, 133, 135, 138};
+  return satellite.system != GnssSystem::sbas ||
+         std::ranges::find(kWaas, satellite.number) != kWaas.end();
+}
 
 /// Name of a satellite's random stream: "gnss/G05".
 std::string stream_name(std::string_view receiver, const Satellite& satellite) {
@@ -119,7 +128,20 @@ void SatelliteChannels::arrive(Channel& channel, ReceivedSatellite& received,
     }
   }
   received.direct = received.direct && channel.arrival.open_share > 0.0;
-  received.cn0_dbhz += sky.cn0_sigma_db * channel.errors.fading();
+}
+
+/// Fading changes what a receiver reads of C/N0 in both models; only in the coloured one it loses
+/// satellites by it.
+void SatelliteChannels::fade(const Reception& reception) {
+  for (std::size_t k = 0; k < received_.size(); ++k) {
+    Channel& channel = channels_[channel_of_[k]];
+    const double step_s = channel.last == kNever ? 0.0 : to_seconds(reception.time - channel.last);
+    channel.errors.fade(step_s, reception.speed_mps);
+    channel.fade_db =
+        channel.errors.fading() *
+        fading_sigma_db(parameters_.sky, std::sin(received_[k].elevation_rad), reception.speed_mps);
+    channel.last = reception.time;
+  }
 }
 
 void SatelliteChannels::advance_errors(const Reception& reception) {
@@ -132,7 +154,6 @@ void SatelliteChannels::advance_errors(const Reception& reception) {
     const double own_step_s =
         channel.last == kNever ? 0.0 : to_seconds(reception.time - channel.last);
     channel.errors.advance(parameters_.ranges, own_step_s, reception.speed_mps);
-    channel.last = reception.time;
   }
 }
 
@@ -147,13 +168,16 @@ void SatelliteChannels::track(const Reception& reception, const GnssFaultState& 
     Channel& channel = channels_[channel_of_[k]];
     if (fault.spoofed) {
       received.direct = true;
-      received.cn0_dbhz = kSpoofedCn0_dbhz + kSpoofedFading_db * channel.errors.fading();
+      received.cn0_dbhz = kSpoofedCn0_dbhz;
+      channel.fade_db = kSpoofedFading_db * channel.errors.fading();
     }
-    received.cn0_dbhz = fault.no_signal ? kNoSignal_dbhz : received.cn0_dbhz - fault.jamming_db;
+    const double steady_dbhz =
+        fault.no_signal ? kNoSignal_dbhz : received.cn0_dbhz - fault.jamming_db;
+    received.cn0_dbhz = steady_dbhz + channel.fade_db;
     const bool before = channel.tracker.tracked();
     received.tracked = channel.tracker.advance(
         parameters_.sky, {.time = reception.time,
-                          .cn0_dbhz = received.cn0_dbhz,
+                          .cn0_dbhz = paper ? steady_dbhz : received.cn0_dbhz,
                           .channel_free = busy < parameters_.sky.maximum_channels,
                           .instantly = paper});
     busy += received.tracked ? 1U : 0U;
@@ -165,7 +189,7 @@ void SatelliteChannels::track(const Reception& reception, const GnssFaultState& 
     if (received.acquired) {
       channel.errors.acquired();
     }
-    received.usable = received.tracked && healthy_[k] &&
+    received.usable = received.tracked && healthy_[k] && gives_ranges(received.satellite) &&
                       received.elevation_rad >= parameters_.sky.elevation_mask_deg * kDegree;
     if (!received.tracked) {
       received.cn0_dbhz = 0.0;
@@ -195,6 +219,7 @@ std::span<ReceivedSatellite> SatelliteChannels::receive(const Reception& recepti
       arrive(channels_[channel_of_[k]], received_[k], reception, visibility);
     }
   }
+  fade(reception);
   track(reception, fault);
   return received_;
 }
@@ -209,10 +234,10 @@ void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) 
     SignalArrival arrival{.azimuth_rad = received.azimuth_rad,
                           .elevation_rad = received.elevation_rad,
                           .cn0_dbhz = received.cn0_dbhz};
-    // What the open sky would give at this elevation, less what is received.
+    // What the open sky would give at this elevation, less what is received but for fading.
     arrival.missing_db =
         direct_cn0_dbhz(parameters_.sky, std::sin(received.elevation_rad), SkyArrival{}) -
-        received.cn0_dbhz;
+        (received.cn0_dbhz - channel.fade_db);
     if (!spoofed) {
       arrival.reflection_envelope_m = channel.envelope_m;
       arrival.extra_path_m = channel.extra_path_m;

@@ -74,6 +74,7 @@ class SatelliteChannels {
     SimTime last = kNever;
     SkyArrival arrival;
     bool direct = false;  ///< At the epoch before.
+    double fade_db = 0.0;
     double envelope_m = 0.0;
     double extra_path_m = 0.0;
   };
@@ -84,6 +85,7 @@ class SatelliteChannels {
   void arrive(Channel& channel, ReceivedSatellite& received, const Reception& reception,
               const Visibility& visibility);
   void advance_errors(const Reception& reception);
+  void fade(const Reception& reception);
   void track(const Reception& reception, const GnssFaultState& fault);
 
   GnssParameters parameters_;

@@ -59,7 +59,9 @@ void visit(fields::Visitor& v, SkyViewParameters& p) {
   v.number("cn0_hysteresis", p.cn0_hysteresis_db, in("dB").between(0, 30),
            "Above the threshold for a lost satellite to be acquired again.");
   v.number("cn0_sigma", p.cn0_sigma_db, in("dB").between(0, 10),
-           "Standard deviation of each satellite's slow fading.");
+           "Standard deviation of the fading of a satellite overhead, antenna at rest.");
+  v.number("cn0_sigma_moving", p.cn0_sigma_moving_db, in("dB").between(0, 10),
+           "Standard deviation of the fading of a satellite overhead, antenna in motion.");
   v.number("reacquisition_time", p.reacquisition_time_s, in("s").between(0, 600),
            "From signal to tracking after a loss.");
   v.number("foliage_attenuation", p.foliage_attenuation_dbpm, in("dB/m").between(0, 100),
@@ -121,6 +123,16 @@ double direct_cn0_dbhz(const SkyViewParameters& parameters, double sin_elevation
          (parameters.cn0_zenith_dbhz - parameters.cn0_horizon_dbhz) * sin_elevation -
          parameters.foliage_attenuation_dbpm * arrival.foliage_m +
          20.0 * std::log10(arrival.open_share);
+}
+
+double fading_sigma_db(const SkyViewParameters& parameters, double sin_elevation,
+                       double speed_mps) {
+  constexpr double kTowardsHorizon = 2.2;
+  constexpr double kMoving_mps = 2.0;
+  const double moving = 1.0 - std::exp(-speed_mps / kMoving_mps);
+  const double overhead_db =
+      parameters.cn0_sigma_db + moving * (parameters.cn0_sigma_moving_db - parameters.cn0_sigma_db);
+  return overhead_db * (1.0 + kTowardsHorizon * (1.0 - sin_elevation));
 }
 
 bool SatelliteTracker::advance(const SkyViewParameters& parameters, const Step& step) {

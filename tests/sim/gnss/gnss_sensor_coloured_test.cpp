@@ -284,6 +284,74 @@ TEST_F(ColouredGnss, VelocityErrorScalesWithTheDilution) {
   EXPECT_NEAR(square / declared, 1.0, 0.1);
 }
 
+// Recordings of NEO-7Ps: from one second to the next C/N0 changes by 0.4 to 1.5 dB at rest and
+// by 2.3 to 5.2 dB on a drive through a town, 2.9 dB over all; ours changed by 0.6 dB.
+TEST_F(ColouredGnss, CarrierToNoiseVariesAsOnADriveThroughATown) {
+  const auto change_db = [&](double speed_mps) {
+    GnssSensor gnss = sensor();
+    antenna_.v_WL_W = Eigen::Vector3d(speed_mps, 0.0, 0.0);
+    double square = 0.0;
+    int count = 0;
+    GnssSample before = gnss.sample(kStart, antenna_, kOpen);
+    for (int i = 1; i <= 600; ++i) {
+      const GnssSample now = gnss.sample(kStart + i * 1s, antenna_, kOpen);
+      for (std::size_t k = 0; k < std::min(now.satellites.size(), before.satellites.size()); ++k) {
+        const SatelliteView& a = before.satellites[k];
+        const SatelliteView& b = now.satellites[k];
+        if (a.system == b.system && a.number == b.number && a.tracked && b.tracked) {
+          square += (b.cn0_dbhz - a.cn0_dbhz) * (b.cn0_dbhz - a.cn0_dbhz);
+          ++count;
+        }
+      }
+      before = now;
+    }
+    return std::sqrt(square / count);
+  };
+  const double at_rest_db = change_db(0.0);
+  EXPECT_GT(at_rest_db, 0.4);
+  EXPECT_LT(at_rest_db, 1.5);
+  const double moving_db = change_db(10.0);
+  EXPECT_GT(moving_db, 2.3);
+  EXPECT_LT(moving_db, 5.2);
+}
+
+// 12 % of a recorded NEO-7P's measurements are below 25 dBHz; ours ended there.
+TEST_F(ColouredGnss, WeakSatellitesAreTrackedAsFarDownAsByARealReceiver) {
+  const FakeSky wood([](const Eigen::Vector3d&) { return false; },
+                     [](const Eigen::Vector3d&) { return 20.0; });
+  GnssSensor gnss = sensor();
+  int weak = 0;
+  int all = 0;
+  for (int i = 0; i < 600; ++i) {
+    for (const SatelliteView& view : gnss.sample(kStart + i * 1s, antenna_, wood).satellites) {
+      if (view.tracked) {
+        EXPECT_GE(view.cn0_dbhz, parameters_.sky.cn0_threshold_dbhz);
+        ++all;
+        weak += view.cn0_dbhz < 25.0 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(weak, all / 10);
+}
+
+// EGNOS offers no ranges; its satellites are heard and bring corrections.
+TEST_F(ColouredGnss, AugmentationIsHeardAndTakesNoPartInTheFix) {
+  parameters_.systems.sbas = true;
+  parameters_.corrections.kind = CorrectionKind::sbas;
+  GnssSensor gnss = sensor();
+  const GnssSample sample = gnss.sample(kStart + 30s, antenna_, kOpen);
+  int heard = 0;
+  for (const SatelliteView& view : sample.satellites) {
+    if (view.system == GnssSystem::sbas) {
+      EXPECT_TRUE(view.tracked);
+      EXPECT_FALSE(view.used);
+      ++heard;
+    }
+  }
+  EXPECT_GE(heard, 2);
+  EXPECT_TRUE(sample.differential);
+}
+
 TEST_F(ColouredGnss, FoliageWeakensAndLosesSatellites) {
   const auto wood = [](double metres) {
     return FakeSky([](const Eigen::Vector3d&) { return false; },
@@ -296,9 +364,9 @@ TEST_F(ColouredGnss, FoliageWeakensAndLosesSatellites) {
   EXPECT_EQ(tracked(light), tracked(open));
   EXPECT_NEAR(light.satellites.front().cn0_dbhz, open.satellites.front().cn0_dbhz - 8.0, 0.01);
   EXPECT_GT(light.horizontal_accuracy_m, open.horizontal_accuracy_m);
-  const GnssSample dense = gnss.sample(kStart + 2s, antenna_, wood(18.0));
+  const GnssSample dense = gnss.sample(kStart + 2s, antenna_, wood(30.0));
   EXPECT_LT(tracked(dense), tracked(open));
-  EXPECT_EQ(tracked(gnss.sample(kStart + 3s, antenna_, wood(30.0))), 0);
+  EXPECT_EQ(tracked(gnss.sample(kStart + 3s, antenna_, wood(50.0))), 0);
 }
 
 TEST_F(ColouredGnss, RtkFixesUnderOpenSkyAndFallsBackIndoors) {

@@ -82,7 +82,7 @@ TEST_F(FaultyGnss, JammingTakesSignalsAccuracyAndThenTheFix) {
   EXPECT_GT(during.radio.jamming, 0.5);
   EXPECT_EQ(during.radio.noise_db, 10.0);
   EXPECT_GT(during.horizontal_accuracy_m, before.horizontal_accuracy_m);
-  fault.jamming_db = 30.0;
+  fault.jamming_db = 40.0;
   GnssSensor heavy = with(fault);
   (void)at(heavy, 9s);
   EXPECT_EQ(at(heavy, 10s).fix, GnssFix::none);

@@ -13,14 +13,15 @@
 namespace rigwire::emulators {
 
 struct UbloxAntenna {
-  std::uint8_t status = 2;  ///< MON-HW aStatus: 2 OK, 3 short, 4 open.
+  std::uint8_t status = 2;  ///< MON-HW aStatus: 1 unknown, 2 OK, 3 short, 4 open.
   std::uint8_t power = 1;   ///< MON-HW aPower: 0 off, 1 on, 2 unknown.
   std::string_view text = "ANTSTATUS=OK";
 
   friend bool operator==(const UbloxAntenna&, const UbloxAntenna&) = default;
 };
 
-/// A NEO-7P detects shorts and switches the supply off; open circuits only when CFG-ANT says so.
+/// A NEO-7P detects shorts and switches the supply off; open circuits only when CFG-ANT says so. A
+/// receiver that looks for neither (a ZED-F9P as delivered) does not know.
 [[nodiscard]] inline UbloxAntenna supervise(AntennaState state,
                                             const protocols::ubx::CfgAnt& settings) {
   const auto has = [&](unsigned bit) { return (settings.flags >> bit & 1U) != 0; };
@@ -34,6 +35,9 @@ struct UbloxAntenna {
   }
   if (state == AntennaState::open && detects_open) {
     return {4, power, "ANTSTATUS=OPEN"};
+  }
+  if (!detects_short && !detects_open) {
+    return {1, power, "ANTSTATUS=DONTKNOW"};
   }
   return {2, power, "ANTSTATUS=OK"};
 }

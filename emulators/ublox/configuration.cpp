@@ -79,7 +79,7 @@ std::optional<Payload> UbloxConfiguration::poll(const FrameView& frame) {
   if (id == CfgMsg::kId) {
     const std::size_t index =
         message_index(*profile_, MessageId{frame.payload[0], frame.payload[1]});
-    if (index == profile_->messages.size()) {
+    if (index == profile_->messages.size() || !profile_->messages[index].periodic) {
       return std::nullopt;
     }
     return reply(CfgMsg{frame.payload[0], frame.payload[1], present_.rates[index]});
@@ -95,6 +95,8 @@ std::optional<Payload> UbloxConfiguration::poll(const FrameView& frame) {
   if (id == CfgRate::kId) return reply(present_.rate);
   if (id == CfgNav5::kId) return reply(present_.nav5);
   if (id == CfgNavx5::kId) return reply(present_.navx5);
+  if (id == CfgOdo::kId && profile_->odometer) return reply(present_.odometer);
+  if (id == CfgPms::kId && profile_->power_modes) return reply(CfgPms{});
   if (id == CfgNmea::kId) return reply_sentences();
   if (id == CfgGnssHead::kId) return reply_systems();
   if (id == kCfgDat) return Payload(present_.datum);
@@ -128,6 +130,10 @@ bool UbloxConfiguration::set(const FrameView& frame) {
   if (const auto wanted = decode<CfgNav5>(frame); wanted.ok()) return set_navigation(*wanted);
   if (const auto wanted = decode<CfgNavx5>(frame); wanted.ok()) return set_expert(*wanted);
   if (const auto wanted = decode<CfgTp5>(frame); wanted.ok()) return set_pulse(*wanted);
+  if (const auto wanted = decode<CfgOdo>(frame); wanted.ok()) return set_odometer(*wanted);
+  if (const auto wanted = decode<CfgPms>(frame); wanted.ok()) {
+    return profile_->power_modes && *wanted == CfgPms{};  // no power saving is emulated
+  }
   if (const auto wanted = decode<CfgSbas>(frame); wanted.ok()) {
     present_.sbas = *wanted;
     return true;

@@ -59,6 +59,7 @@ class UbloxConfiguration {
   [[nodiscard]] const protocols::ubx::CfgRate& rate() const { return present_.rate; }
   [[nodiscard]] const protocols::ubx::CfgNav5& navigation() const { return present_.nav5; }
   [[nodiscard]] const protocols::ubx::CfgNavx5& expert() const { return present_.navx5; }
+  [[nodiscard]] const protocols::ubx::CfgOdo& odometer() const { return present_.odometer; }
   [[nodiscard]] const protocols::ubx::CfgNmea& nmea() const { return present_.nmea; }
   [[nodiscard]] const protocols::ubx::CfgSbas& sbas() const { return present_.sbas; }
   /// Rate of a message of the profile on the UART; 0 = off.
@@ -80,6 +81,7 @@ class UbloxConfiguration {
   [[nodiscard]] bool set_rate(const protocols::ubx::CfgRate& wanted);
   [[nodiscard]] bool set_navigation(const protocols::ubx::CfgNav5& wanted);
   [[nodiscard]] bool set_expert(const protocols::ubx::CfgNavx5& wanted);
+  [[nodiscard]] bool set_odometer(const protocols::ubx::CfgOdo& wanted);
   [[nodiscard]] bool set_systems(std::span<const std::uint8_t> payload);
   [[nodiscard]] bool set_sentences(std::span<const std::uint8_t> payload);
   [[nodiscard]] bool set_pulse(const protocols::ubx::CfgTp5& wanted);

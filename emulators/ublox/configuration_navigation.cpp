@@ -130,6 +130,23 @@ bool UbloxConfiguration::set_expert(const CfgNavx5& wanted) {
   return true;
 }
 
+bool UbloxConfiguration::set_odometer(const CfgOdo& wanted) {
+  constexpr std::uint8_t kProfile = 0x07;
+  constexpr std::uint8_t kCustom = 4;
+  constexpr std::uint8_t kKnown = kOdoUse | kOdoFilteredSpeed | kOdoFilteredCourse;
+  // The low-speed course filter is not emulated.
+  if (!profile_->odometer || wanted.version != 0 || (wanted.flags & ~kKnown) != 0 ||
+      (wanted.profile & kProfile) > kCustom) {
+    return false;
+  }
+  CfgOdo& next = present_.odometer;
+  const auto reserved = next.reserved;
+  next = wanted;
+  next.profile &= kProfile;
+  next.reserved = reserved;
+  return true;
+}
+
 bool UbloxConfiguration::set_systems(Payload payload) {
   if (payload.size() < CfgGnssHead::kLength) {
     return false;

@@ -47,7 +47,7 @@ bool UbloxConfiguration::set_ports(Payload payload) {
 }
 
 bool UbloxConfiguration::set_rate(std::size_t index, std::size_t port, std::uint8_t rate) {
-  if (index >= profile_->messages.size() || port >= kPorts) {
+  if (index >= profile_->messages.size() || !profile_->messages[index].periodic || port >= kPorts) {
     return false;
   }
   present_.rates[index][port] = rate;
@@ -63,7 +63,7 @@ bool UbloxConfiguration::set_message(Payload payload) {
     return set_rate(index, kPortUart1, payload[2]);
   }
   const auto wanted = read_payload<CfgMsg>(payload);
-  if (index == profile_->messages.size()) {
+  if (index == profile_->messages.size() || !profile_->messages[index].periodic) {
     return false;
   }
   present_.rates[index] = wanted.rates;

@@ -45,7 +45,27 @@ CfgNavx5 default_expert(const UbloxProfile& profile) {
   navx5.week_rollover = static_cast<std::uint16_t>(profile.first_week);
   navx5.precise_point_positioning = 1;
   navx5.maximum_orbit_error_m = 100;
+  // Masks and reserved bytes as a NEO-7P answers: it tells all masks, so that what was read can be
+  // changed and written back.
+  navx5.mask1 = 0xFFFF;
+  navx5.mask2 = 0x0000'000F;
+  navx5.reserved1 = {3, 2};
+  navx5.reserved3 = {1, 0};
+  navx5.reserved4 = {0, 0, 0, 1, 1};
+  navx5.reserved5 = {0, 100};
+  navx5.reserved6 = {0, 1, 0x10, 0, 0, 0, 0, 0};
   return navx5;
+}
+
+/// UBX-13003221 R28, C.13; reserved bytes of a NEO-M9N.
+CfgOdo default_odometer() {
+  CfgOdo odometer;
+  odometer.reserved = {0, 0, 0x19, 0x32, 0x19, 0x66};
+  odometer.course_speed_dmps = 10;
+  odometer.course_accuracy_m = 50;
+  odometer.speed_gain = 153;
+  odometer.course_gain = 76;
+  return odometer;
 }
 
 std::array<CfgTp5, 2> default_pulses() {
@@ -94,7 +114,7 @@ void set_opaque(UbloxConfigurationState& s) {
   s.log_filter[0] = 1;  // version
   constexpr std::string_view kNoInventory = "Notice: no data saved!";
   put_text(std::span(s.remote_inventory).subspan(1), kNoInventory);
-  s.remote_inventory_bytes = 1 + kNoInventory.size();
+  s.remote_inventory_bytes = 1 + kNoInventory.size() + 1 /*end of the text*/;
 }
 
 }  // namespace
@@ -118,6 +138,7 @@ UbloxConfigurationState default_state(const UbloxSettings& settings) {
             1, 1};
   s.nav5 = default_navigation();
   s.navx5 = default_expert(profile);
+  s.odometer = default_odometer();
   s.nmea.version = profile.nmea_version;
   s.nmea.flags = 0x02;
   s.sbas = {1, 3, 3, 0, 0x0006A2D1};
@@ -132,6 +153,15 @@ UbloxConfigurationState default_state(const UbloxSettings& settings) {
   return s;
 }
 
+// As a NEO-M9N answers (pyubx2's examples); the masks that R28, C.11, calls 1 are among them.
+void set_modern_expert(CfgNavx5& expert) {
+  expert.mask1 = 0xFFFF;
+  expert.mask2 = 0x0000'03BF;
+  expert.reserved1 = {0, 2};
+  expert.reserved4 = {0, 0, 0, 1, 1};
+  expert.reserved6 = {0, 1, 0x12, 0, 0, 0, 0, 0};
+}
+
 void copy_sections(const UbloxConfigurationState& from, UbloxConfigurationState& to,
                    std::uint32_t mask) {
   if ((mask & kSectionIoPort) != 0) {
@@ -144,6 +174,7 @@ void copy_sections(const UbloxConfigurationState& from, UbloxConfigurationState&
     to.rate = from.rate;
     to.nav5 = from.nav5;
     to.navx5 = from.navx5;
+    to.odometer = from.odometer;
     to.nmea = from.nmea;
     to.nmea_tail = from.nmea_tail;
     to.pulses = from.pulses;

@@ -25,6 +25,7 @@ struct UbloxConfigurationState {
   protocols::ubx::CfgRate rate;
   protocols::ubx::CfgNav5 nav5;
   protocols::ubx::CfgNavx5 navx5;
+  protocols::ubx::CfgOdo odometer;
   protocols::ubx::CfgNmea nmea;
   std::array<std::uint8_t, 8> nmea_tail{};  ///< Bytes 12..19 of the longer form of CFG-NMEA.
   protocols::ubx::CfgSbas sbas;
@@ -63,6 +64,9 @@ inline constexpr std::uint32_t kSectionLogging = 0x0800;
 
 /// The state of a receiver of that type with nothing saved. Precondition: validate(settings).
 [[nodiscard]] UbloxConfigurationState default_state(const UbloxSettings& settings);
+
+/// Masks and reserved bytes of CFG-NAVX5 from version 2 on.
+void set_modern_expert(protocols::ubx::CfgNavx5& expert);
 
 /// Copies the sections of `mask`.
 void copy_sections(const UbloxConfigurationState& from, UbloxConfigurationState& to,

@@ -185,6 +185,7 @@ constexpr auto kPulse = kPulseMember<&ubx::CfgTp5::flags>;
 constexpr auto kSentences = kMemberOf<&State::nmea, &ubx::CfgNmea::flags>;
 constexpr auto kSentenceFilter = kMemberOf<&State::nmea, &ubx::CfgNmea::filter>;
 constexpr auto kSystemFilter = kMemberOf<&State::nmea, &ubx::CfgNmea::systems_to_filter>;
+constexpr auto kOdometer = kMemberOf<&State::odometer, &ubx::CfgOdo::flags>;
 constexpr auto kSbasMode = kMemberOf<&State::sbas, &ubx::CfgSbas::mode>;
 constexpr auto kSbasUsage = kMemberOf<&State::sbas, &ubx::CfgSbas::usage>;
 
@@ -295,6 +296,16 @@ constexpr std::array kBindings{
     field<&State::nmea, &ubx::CfgNmea::main_talker>(0x20930031),
     field<&State::nmea, &ubx::CfgNmea::gsv_talker>(0x20930032),
     talker_of_beidou(0x30930033),
+    // Odometer
+    bits<kOdometer, 0>(0x10220001),
+    bits<kOdometer, 1>(0x10220002),
+    bits<kOdometer, 2>(0x10220003),
+    bits<kOdometer, 3>(0x10220004),
+    field<&State::odometer, &ubx::CfgOdo::profile>(0x20220005),
+    field<&State::odometer, &ubx::CfgOdo::course_speed_dmps>(0x20220021),
+    field<&State::odometer, &ubx::CfgOdo::course_accuracy_m>(0x20220022),
+    field<&State::odometer, &ubx::CfgOdo::speed_gain>(0x20220031),
+    field<&State::odometer, &ubx::CfgOdo::course_gain>(0x20220032),
     // SBAS
     bits<kSbasMode, 1>(0x10360002),
     bits<kSbasUsage, 0>(0x10360003),

@@ -12,7 +12,7 @@ UbloxKeyMap::UbloxKeyMap(const UbloxProfile& profile) : entries_(ubx::configurat
   }
   for (const ubx::MessageRateKeys& keys : ubx::message_rate_keys()) {
     const std::size_t message = message_index(profile, keys.message);
-    const bool known = message < profile.messages.size();
+    const bool known = message < profile.messages.size() && profile.messages[message].periodic;
     for (std::uint8_t port = 0; port < ubx::kMessageRatePorts; ++port) {
       Entry& entry = entries_[ubx::key_index(keys.first + port)];
       entry.message = known ? static_cast<std::int16_t>(message) : std::int16_t{-1};

@@ -106,17 +106,22 @@ std::size_t UbloxKeyStore::poll(const UbloxConfiguration& configuration, const F
   writer.head(1, query->layer, query->position);
   std::size_t found = 0;
   KeyReader reader(query->list);
+  const auto keys = configuration_keys();
   while (const auto key = reader.next()) {
-    const KeyRange range = key_range(*key);
-    if (range.empty()) {
-      return 0;
-    }
-    for (std::size_t i = range.first; i < range.last; ++i) {
+    bool known = false;
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      if (!names(*key, keys[i].id)) {
+        continue;
+      }
+      known = true;
       const auto present = value(configuration, query->layer, i);
       if (present && found++ >= query->position &&
           found <= query->position + kMaximumConfigurationItems) {
-        writer.value({configuration_keys()[i].id, *present});
+        writer.value({keys[i].id, *present});
       }
+    }
+    if (!known) {
+      return 0;
     }
   }
   return query->count > 0 && found == 0 ? 0 : writer.payload().size();
@@ -174,13 +179,17 @@ bool UbloxKeyStore::stage(Action action, Payload list) {
     return true;
   }
   KeyReader reader(list);
+  const auto keys = configuration_keys();
   while (const auto key = reader.next()) {
-    const KeyRange range = key_range(*key);
-    if (range.empty()) {
-      return false;
+    bool known = false;
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      if (names(*key, keys[i].id)) {
+        staged_[i] = 0;
+        known = true;
+      }
     }
-    for (std::size_t i = range.first; i < range.last; ++i) {
-      staged_[i] = 0;
+    if (!known) {
+      return false;
     }
   }
   return true;
@@ -230,6 +239,7 @@ bool UbloxKeyStore::can_be_honoured(const UbloxProfile& profile,
          std::chrono::milliseconds{state.rate.measurement_period_ms} >= profile.shortest_period &&
          systems_are_sound(std::span(state.systems).first(profile.systems.size())) &&
          sentences_are_sound(state.nmea) &&
+         (state.odometer.flags & kOdoLowSpeedCourse) == 0 &&  // not emulated
          state.navx5.minimum_satellites <= state.navx5.maximum_satellites;
 }
 

@@ -14,8 +14,7 @@
 // Source: u-blox F9 HPG 1.50 interface description, UBXDOC-963802114-12815, sections 3.10.2,
 // 3.10.23 to 3.10.25 and 6.3 to 6.7. Where 6.6 and 3.10.25 differ (pairs in the message that
 // applies, "ongoing" without pairs), 6.6 is followed. Not documented, chosen: limits of single
-// items hold for every layer; a VALGET of BBR or flash that finds nothing is refused; wildcards
-// list by group and item.
+// items hold for every layer; a VALGET of BBR or flash that finds nothing is refused.
 #pragma once
 
 #include <cstddef>

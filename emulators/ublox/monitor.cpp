@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "emulators/random_bits.h"
 #include "emulators/ublox/geodesy.h"
 #include "emulators/ublox/wire_units.h"
 #include "protocols/ubx/aiding.h"
 #include "protocols/ubx/blocks.h"
 #include "protocols/ubx/configuration.h"
+#include "protocols/ubx/identity.h"
 #include "protocols/ubx/monitor.h"
 #include "protocols/ubx/timing.h"
 
@@ -17,10 +19,6 @@ namespace {
 using namespace protocols::ubx;
 
 constexpr std::size_t kUart = kPortUart1;
-// An undisturbed NEO-7P: a recording has 83 .. 97 and about 4000.
-constexpr double kUndisturbedNoise = 90.0;
-constexpr double kUndisturbedGain = 4000.0;
-
 std::uint8_t percent(std::size_t part, std::size_t whole) {
   return static_cast<std::uint8_t>((part * 100 + whole - 1) / whole);
 }
@@ -72,21 +70,31 @@ std::uint8_t jamming_state(const UbloxMonitorView& view, double jamming) {
   return jamming >= kCritical ? 3 : jamming >= kWarning ? 2 : 1;
 }
 
+/// The jamming indicator of a radio that hears nothing but noise: it wanders a little.
+std::uint8_t quiet_jamming(const UbloxMonitorView& view) {
+  const UbloxFrontEnd& quiet = view.configuration.profile().front_end;
+  constexpr std::uint64_t kOwnStream = 0x6A61'6D6D'696E'6700;
+  RandomBits random(view.seed ^ (kOwnStream + view.epoch));
+  return static_cast<std::uint8_t>(quiet.jamming_floor + random.below(quiet.jamming_span + 1U));
+}
+
 MonHw hardware(const UbloxMonitorView& view) {
+  const UbloxFrontEnd& quiet = view.configuration.profile().front_end;
   const RadioState radio =
       view.solution.sample == nullptr ? RadioState{} : view.solution.sample->radio;
   MonHw m;
   m.noise_per_ms =
-      to_field<std::uint16_t>(kUndisturbedNoise * std::pow(10.0, radio.noise_db / 20.0), 1.0);
+      to_field<std::uint16_t>(quiet.noise_per_ms * std::pow(10.0, radio.noise_db / 20.0), 1.0);
   // The gain goes down as the noise comes up, and all the way under a strong carrier.
   m.gain_control = static_cast<std::uint16_t>(std::clamp(
-      kUndisturbedGain * (1.0 - 0.9 * radio.jamming) * std::pow(10.0, -radio.noise_db / 40.0), 0.0,
-      8191.0));
+      quiet.gain_control * (1.0 - 0.9 * radio.jamming) * std::pow(10.0, -radio.noise_db / 40.0),
+      0.0, 8191.0));
   m.antenna_status = view.antenna.status;
   m.antenna_power = view.antenna.power;
   constexpr std::uint8_t kClockCalibrated = 0x01;
   m.flags = static_cast<std::uint8_t>(kClockCalibrated | jamming_state(view, radio.jamming) << 2U);
-  m.jamming_indicator = to_field<std::uint8_t>(radio.jamming, 1.0 / 255.0);
+  const double floor = quiet_jamming(view);
+  m.jamming_indicator = to_field<std::uint8_t>(floor + (255.0 - floor) * radio.jamming, 1.0);
   return m;
 }
 
@@ -182,6 +190,73 @@ TimTm2 time_mark(const UbloxMonitorView& view) {
   return m;
 }
 
+/// The one port that there is, UART1.
+std::size_t put_communications(const UbloxMonitorView& view, std::span<std::uint8_t> out) {
+  constexpr std::uint16_t kUart1 = 0x0100;
+  constexpr std::uint8_t kBufferFull = 1 << 1;
+  constexpr std::uint8_t kOverUart1 = 2 << 2;
+  const UbloxTransmitter& line = view.transmitter;
+  MonCommsHead head;
+  head.ports = 1;
+  head.errors = static_cast<std::uint8_t>(kOverUart1 | (view.port.overflow ? kBufferFull : 0));
+  MonCommsPort port;
+  port.port = kUart1;
+  port.sending_bytes = to_field<std::uint16_t>(static_cast<double>(line.waiting()), 1.0);
+  port.sent_bytes = static_cast<std::uint32_t>(line.bytes_sent());
+  port.sending_percent = percent(line.waiting(), line.capacity());
+  port.sending_peak_percent = percent(line.peak(), line.capacity());
+  port.received_bytes = view.port.bytes;
+  port.received_peak_percent = percent(view.port.peak_bytes, view.receive_capacity);
+  for (std::size_t i = 0; i < port.messages.size(); ++i) {
+    port.messages[i] = view.port.messages[head.protocols[i]];
+  }
+  port.skipped_bytes = view.port.skipped;
+  return encode_blocks<MonCommsHead, MonCommsPort>(head, std::span(&port, 1), out);
+}
+
+MonGnss major_systems(const UbloxMonitorView& view) {
+  constexpr std::array kBits{GnssSystem::gps, GnssSystem::glonass, GnssSystem::beidou,
+                             GnssSystem::galileo};
+  const UbloxProfile& profile = view.configuration.profile();
+  MonGnss m;
+  for (std::size_t bit = 0; bit < kBits.size(); ++bit) {
+    const auto mask = static_cast<std::uint8_t>(1U << bit);
+    const auto found = std::ranges::find(profile.systems, kBits[bit], &SystemChannels::system);
+    if (found == profile.systems.end()) {
+      continue;
+    }
+    m.supported |= mask;
+    m.default_on |= found->enabled ? mask : std::uint8_t{0};
+    m.enabled |= view.configuration.enabled(kBits[bit]) ? mask : std::uint8_t{0};
+  }
+  // Galileo shares the band of GPS: one more than there are radio paths.
+  constexpr int kMost = 4;
+  m.simultaneous = static_cast<std::uint8_t>(std::min(profile.radio_paths + 1, kMost));
+  return m;
+}
+
+/// No log was ever made. Capacity and reserved bytes as a NEO-M9N answers (pyubx2's examples).
+LogInfo empty_log() {
+  constexpr std::uint32_t kFileStore_bytes = 345'600;
+  constexpr std::uint8_t kInactive = 1 << 4;
+  LogInfo m;
+  m.capacity_bytes = kFileStore_bytes;
+  m.reserved = {0, 0x96, 0, 0, 0, 0x1E, 0, 0};
+  m.status = kInactive;
+  return m;
+}
+
+/// The same for a device as long as its name and the seed are.
+SecUniqid unique_number(const UbloxMonitorView& view) {
+  constexpr std::uint64_t kOwnStream = 0x6368'6970'2069'6400;
+  RandomBits random(view.seed ^ kOwnStream);
+  SecUniqid m;
+  for (std::uint8_t& byte : m.number) {
+    byte = static_cast<std::uint8_t>(random.bits());
+  }
+  return m;
+}
+
 template <class Message>
 std::size_t put(const Message& message, std::span<std::uint8_t> out) {
   const auto frame = encode(message);
@@ -198,6 +273,11 @@ std::size_t encode_monitor(const UbloxMonitorView& view, MessageId id,
   if (id == MonRxbuf::kId) return put(receive_buffer(view), out);
   if (id == MonTxbuf::kId) return put(transmit_buffer(view), out);
   if (id == MonRfHead::kId) return put_bands(view, out);
+  if (id == MonCommsHead::kId) return put_communications(view, out);
+  if (id == MonGnss::kId) return put(major_systems(view), out);
+  if (id == MonPatchHead::kId) return put(MonPatchHead{}, out);
+  if (id == SecUniqid::kId) return put(unique_number(view), out);
+  if (id == LogInfo::kId) return put(empty_log(), out);
   if (id == MonHw::kId) return put(hardware(view), out);
   if (id == MonHw2::kId) return put(radio_part(), out);
   if (id == MonRxr::kId) return put(MonRxr{1}, out);

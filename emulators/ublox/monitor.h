@@ -1,8 +1,8 @@
 // What an emulated u-blox receiver says about itself: its port, its buffers, its radio part, its
-// time marks (classes MON and TIM, and AID-INI).
+// chip, its memory, its time marks (classes MON, TIM, SEC and LOG, and AID-INI).
 //
-// Source: u-blox M8 receiver description, UBX-13003221 R28, sections 32.16 "UBX-MON" and 32.21
-// "UBX-TIM".
+// Source: u-blox M8 receiver description, UBX-13003221 R28, sections 32.14.5 "UBX-LOG-INFO", 32.16
+// "UBX-MON", 32.19 "UBX-SEC" and 32.20 "UBX-TIM".
 #pragma once
 
 #include <array>
@@ -47,11 +47,13 @@ struct UbloxMonitorView {
   const UbloxAntenna& antenna;
   const UbloxTimeMark& mark;
   std::size_t receive_capacity = 0;
+  std::uint64_t seed = 0;  ///< Of this device.
+  std::uint64_t epoch = 0;
 };
 
-/// Writes the UBX frame of MON-IO, MSGPP, RXBUF, TXBUF, HW, HW2, RXR, TIM-TP, TIM-TM2 or AID-INI
-/// and returns its size; 0 when it is none of them. Precondition: out.size() >=
-/// kLongestSolutionFrame.
+/// Writes the UBX frame of MON-IO, MSGPP, RXBUF, TXBUF, HW, HW2, RXR, RF, COMMS, GNSS, PATCH,
+/// TIM-TP, TIM-TM2, AID-INI, LOG-INFO or SEC-UNIQID and returns its size; 0 when it is none of
+/// them. Precondition: out.size() >= kLongestSolutionFrame.
 [[nodiscard]] std::size_t encode_monitor(const UbloxMonitorView& view, protocols::ubx::MessageId id,
                                          std::span<std::uint8_t> out);
 

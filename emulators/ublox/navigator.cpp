@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "emulators/ublox/geometry.h"
+
 namespace rigwire::emulators {
 namespace {
 
@@ -22,6 +24,10 @@ constexpr double kDriftingAccuracy_mps = 10.0;
 constexpr double kTimeShare = 0.300;
 constexpr double kDateShare = 0.316;
 constexpr double kOrbitShare = 0.99;
+// After that start: when the fifth, sixth, seventh satellite joined the four of the first fix; the
+// rest were there with the eighth.
+constexpr std::size_t kFirstOrbits = 4;
+constexpr std::array<Duration, 4> kMoreOrbits{37s, 54s, 84s, 132s};
 // Data sheet of the NEO-7P, section 1.3.
 constexpr Duration kUsualColdStart = 30s;
 constexpr Duration kUsualWarmStart = 28s;
@@ -60,6 +66,12 @@ std::uint32_t milliseconds(Duration span) {
 
 bool is_used(const SatelliteView& view) {
   return view.used;
+}
+
+/// Share of the new value that a low-pass filter of CFG-ODO takes: 0 heavy .. 255 weak.
+double filter_share(std::uint8_t gain) {
+  constexpr double kLevels = 256.0;
+  return (gain + 1.0) / kLevels;
 }
 
 /// A sphere is good enough for the distance from a held position.
@@ -105,14 +117,28 @@ void UbloxNavigator::begin(SimTime now, const UbloxMemory& memory,
   const bool with_orbits = begun_ ? memory.almanac && memory.time : first == 0s;
   const bool with_leap = begun_ ? memory.leap_seconds && solution_.leap_known : first == 0s;
   time_to_first_fix_ = begun_ ? later : first;
+  hearing_orbits_ = begun_ ? !all : first > 0s;
+  heard_.clear();
+  counted_ = kNever;
+  had_course_ = false;
   begun_ = true;
   searching_ = now;
   tracking_since_s_ = -1;
   hold_.reset();
+  const bool forgotten = !memory.almanac && !memory.position && !memory.time;
+  const UbloxSolution before = solution_;
   if (!memory.position) {
     solution_ = {};
     had_fix_ = false;
     had_3d_fix_ = false;
+  }
+  if (!forgotten) {
+    solution_.distance_m = before.distance_m;
+    solution_.distance_accuracy_m = before.distance_accuracy_m;
+    solution_.total_distance_m = before.total_distance_m;
+  } else {
+    reset_odometer();
+    solution_.total_distance_m = 0.0;
   }
   solution_.dimensions = 0;
   solution_.fix_ok = false;
@@ -179,6 +205,42 @@ void UbloxNavigator::list_satellites(const GnssSample& sample,
       list.push_back(view);
     }
   }
+  if (hearing_orbits_) {
+    keep_known_orbits(sample.time);
+  }
+}
+
+void UbloxNavigator::keep_known_orbits(SimTime now) {
+  const Duration since_fix = now - searching_ - time_to_first_fix_;
+  const auto joined = std::ranges::upper_bound(kMoreOrbits, since_fix) - kMoreOrbits.begin();
+  if (joined == static_cast<std::ptrdiff_t>(kMoreOrbits.size())) {
+    hearing_orbits_ = false;
+    heard_.clear();
+    return;
+  }
+  const std::size_t known = kFirstOrbits + static_cast<std::size_t>(joined);
+  const auto is_heard = [&](const SatelliteView& view) {
+    return std::ranges::find(heard_, std::pair{view.system, view.number}) != heard_.end();
+  };
+  auto& list = solution_.satellites;
+  auto count = static_cast<std::size_t>(std::ranges::count_if(
+      list, [&](const SatelliteView& view) { return view.used && is_heard(view); }));
+  // The strongest of the others is the next one to be heard.
+  for (; count < known; ++count) {
+    const SatelliteView* next = nullptr;
+    for (const SatelliteView& view : list) {
+      if (view.used && !is_heard(view) && (next == nullptr || view.cn0_dbhz > next->cn0_dbhz)) {
+        next = &view;
+      }
+    }
+    if (next == nullptr) {
+      break;
+    }
+    heard_.emplace_back(next->system, next->number);
+  }
+  for (SatelliteView& view : list) {
+    view.used = view.used && is_heard(view);
+  }
 }
 
 int UbloxNavigator::dimensions_of(const GnssSample& sample,
@@ -207,11 +269,12 @@ bool UbloxNavigator::within_limits(const GnssSample& sample,
                                    const UbloxConfiguration& configuration) const {
   const auto& limits = configuration.navigation();
   const Dynamics& model = kDynamics[std::min<std::size_t>(limits.dynamic_model, 10)];
-  const double accuracy_m = std::hypot(sample.horizontal_accuracy_m, sample.vertical_accuracy_m);
+  const double accuracy_m = std::hypot(dilution_ratio_[0] * sample.horizontal_accuracy_m,
+                                       dilution_ratio_[1] * sample.vertical_accuracy_m);
   const Vector3& v = sample.velocity_ned_mps;
   const double altitude_m = sample.ellipsoid_height_m - sample.geoid_separation_m;
   const bool outside =
-      sample.position_dilution * 10.0 > limits.position_dilution_mask_e1 ||
+      solution_.position_dilution * 10.0 > limits.position_dilution_mask_e1 ||
       accuracy_m > limits.position_accuracy_mask_m || altitude_m > model.altitude_m ||
       std::hypot(v.x, v.y) > model.horizontal_mps || std::abs(v.z) > model.vertical_mps;
   return !outside;
@@ -241,8 +304,8 @@ void UbloxNavigator::take(const GnssSample& sample, const UbloxConfiguration& co
   }
   s.dimensions = dimensions_of(sample, configuration);
   s.geoid_separation_m = sample.geoid_separation_m;
-  s.fix_ok = s.dimensions > 0 && within_limits(sample, configuration);
   take_dilutions(sample);
+  s.fix_ok = s.dimensions > 0 && within_limits(sample, configuration);
   if (s.dimensions == 0) {
     lose_position(configuration);
     return;
@@ -271,17 +334,37 @@ void UbloxNavigator::take_dilutions(const GnssSample& sample) {
   }
   s.satellites_used = used;
   const bool shown = s.dimensions > 0 || preliminary;
-  s.horizontal_dilution = shown ? sample.horizontal_dilution : kNone;
-  s.vertical_dilution = shown ? sample.vertical_dilution : kNone;
+  dilution_ratio_ = {1.0, 1.0, 1.0};
+  const auto of_sample = std::ranges::count_if(sample.satellites, is_used);
+  const bool fewer = shown && hearing_orbits_ && used < of_sample;
+  if (fewer) {
+    const auto here = geometry_of(s.satellites);
+    const auto there = geometry_of(sample.satellites);
+    if (here && there) {
+      const bool height = here->vertical > 0.0 && there->vertical > 0.0;
+      dilution_ratio_ = {here->horizontal / there->horizontal,
+                         height ? here->vertical / there->vertical : 1.0, here->time / there->time};
+    }
+  }
+  const auto& [horizontal, vertical, time] = dilution_ratio_;
+  s.horizontal_dilution = shown ? horizontal * sample.horizontal_dilution : kNone;
+  s.vertical_dilution = shown ? vertical * sample.vertical_dilution : kNone;
   s.position_dilution = shown ? sample.position_dilution : kNone;
-  s.time_dilution = shown ? sample.time_dilution : kNone;
-  s.north_dilution = shown ? sample.north_dilution : kNone;
-  s.east_dilution = shown ? sample.east_dilution : kNone;
+  if (fewer) {
+    s.position_dilution =
+        used == 3 ? s.horizontal_dilution : std::hypot(s.horizontal_dilution, s.vertical_dilution);
+  }
+  s.time_dilution = shown ? time * sample.time_dilution : kNone;
+  s.north_dilution = shown ? horizontal * sample.north_dilution : kNone;
+  s.east_dilution = shown ? horizontal * sample.east_dilution : kNone;
 }
 
 void UbloxNavigator::lose_position(const UbloxConfiguration& configuration) {
   UbloxSolution& s = solution_;
   s.velocity_ned_mps = {};
+  s.speed_mps = 0.0;
+  counted_ = kNever;
+  had_course_ = false;
   s.heading_frozen = true;
   s.heading_accuracy_deg = 180.0;
   s.differential = false;
@@ -308,15 +391,24 @@ void UbloxNavigator::take_position(const GnssSample& sample,
                              ? limits.fixed_altitude_cm * 0.01 + sample.geoid_separation_m
                              : sample.ellipsoid_height_m;
   s.velocity_ned_mps = sample.velocity_ned_mps;
-  s.horizontal_accuracy_m = sample.horizontal_accuracy_m;
-  s.vertical_accuracy_m = sample.vertical_accuracy_m;
-  s.speed_accuracy_mps = sample.speed_accuracy_mps;
-  s.time_accuracy_s = sample.time_accuracy_s;
+  const auto& [horizontal, vertical, time] = dilution_ratio_;
+  s.horizontal_accuracy_m = horizontal * sample.horizontal_accuracy_m;
+  s.vertical_accuracy_m = vertical * sample.vertical_accuracy_m;
+  s.speed_accuracy_mps = std::max(horizontal, vertical) * sample.speed_accuracy_mps;
+  s.time_accuracy_s = time * sample.time_accuracy_s;
   s.position_covariance_ned_m2 = sample.position_covariance_ned_m2;
   if (s.position_covariance_ned_m2 == std::array<double, 6>{}) {
-    const double axis_m2 = 0.5 * sample.horizontal_accuracy_m * sample.horizontal_accuracy_m;
-    s.position_covariance_ned_m2 = {
-        axis_m2, 0.0, 0.0, axis_m2, 0.0, sample.vertical_accuracy_m * sample.vertical_accuracy_m};
+    const double axis_m2 = 0.5 * s.horizontal_accuracy_m * s.horizontal_accuracy_m;
+    s.position_covariance_ned_m2 = {axis_m2, 0.0, 0.0,
+                                    axis_m2, 0.0, s.vertical_accuracy_m * s.vertical_accuracy_m};
+  } else {
+    const double down = horizontal * vertical;
+    const std::array<double, 6> scale{
+        horizontal * horizontal, horizontal * horizontal, down, horizontal * horizontal, down,
+        vertical * vertical};
+    for (std::size_t i = 0; i < scale.size(); ++i) {
+      s.position_covariance_ned_m2[i] *= scale[i];
+    }
   }
   const auto& sbas = configuration.sbas();
   constexpr std::uint8_t kEnabled = 0x01;
@@ -326,9 +418,55 @@ void UbloxNavigator::take_position(const GnssSample& sample,
                        configuration.enabled(GnssSystem::sbas);
   s.carrier = rtk ? sample.carrier : CarrierSolution::none;
   s.differential = sample.differential && (rtk || by_sbas);
-  s.differential_age_s = s.differential ? sample.differential_age_s : std::nullopt;
+  // The age is that of a base station's corrections; of SBAS none is told (recordings of a NEO-7P:
+  // 3890 of 3890 sentences).
+  s.differential_age_s =
+      s.carrier != CarrierSolution::none ? sample.differential_age_s : std::nullopt;
   hold_position(limits);
-  take_course();
+  filter_speed(configuration.odometer());
+  take_course(configuration.odometer());
+  count_distance(sample.time, configuration.odometer());
+}
+
+void UbloxNavigator::filter_speed(const protocols::ubx::CfgOdo& odometer) {
+  UbloxSolution& s = solution_;
+  const Vector3& v = s.velocity_ned_mps;
+  const double speed_mps = std::hypot(v.x, v.y, v.z);
+  const bool begun = counted_ != kNever;
+  if ((odometer.flags & protocols::ubx::kOdoFilteredSpeed) == 0 || !begun) {
+    s.speed_mps = speed_mps;
+    return;
+  }
+  // The level is that of speeds below 5 m/s; above them the filter grows weaker with the speed.
+  constexpr double kNominal_mps = 5.0;
+  const double share =
+      std::min(1.0, filter_share(odometer.speed_gain) * std::max(1.0, speed_mps / kNominal_mps));
+  s.speed_mps += share * (speed_mps - s.speed_mps);
+}
+
+void UbloxNavigator::count_distance(SimTime now, const protocols::ubx::CfgOdo& odometer) {
+  const SimTime before = std::exchange(counted_, now);
+  if (before == kNever || !solution_.fix_ok || (odometer.flags & protocols::ubx::kOdoUse) == 0) {
+    return;
+  }
+  // Speeds that could be noise do not count: so many standard deviations, by profile.
+  constexpr std::array<double, 5> kDoubtful{3.0, 2.0, 1.0, 2.0, 2.0};
+  UbloxSolution& s = solution_;
+  const Vector3& v = s.velocity_ned_mps;
+  const double speed_mps = std::hypot(v.x, v.y);
+  const double axis_mps = s.speed_accuracy_mps / std::numbers::sqrt3;
+  if (speed_mps < kDoubtful[std::min<std::size_t>(odometer.profile, 4)] * axis_mps) {
+    return;
+  }
+  const double step_s = to_seconds(now - before);
+  s.distance_m += speed_mps * step_s;
+  s.total_distance_m += speed_mps * step_s;
+  s.distance_accuracy_m = std::hypot(s.distance_accuracy_m, axis_mps * step_s);
+}
+
+void UbloxNavigator::reset_odometer() {
+  solution_.distance_m = 0.0;
+  solution_.distance_accuracy_m = 0.0;
 }
 
 void UbloxNavigator::hold_position(const CfgNav5& limits) {
@@ -353,7 +491,7 @@ void UbloxNavigator::hold_position(const CfgNav5& limits) {
   s.velocity_ned_mps = {};
 }
 
-void UbloxNavigator::take_course() {
+void UbloxNavigator::take_course(const protocols::ubx::CfgOdo& odometer) {
   UbloxSolution& s = solution_;
   const Vector3& v = s.velocity_ned_mps;
   const double speed_mps = std::hypot(v.x, v.y);
@@ -365,11 +503,17 @@ void UbloxNavigator::take_course() {
     s.heading_accuracy_deg = 180.0;
     return;
   }
+  constexpr double kFilteredBelow_mps = 8.0;
+  const bool filtered = (odometer.flags & protocols::ubx::kOdoFilteredCourse) != 0 && had_course_ &&
+                        speed_mps < kFilteredBelow_mps;
+  const double course_deg = std::atan2(v.y, v.x) / kDegree;
+  const double share = filtered ? filter_share(odometer.course_gain) : 1.0;
   s.heading_accuracy_deg = uncertainty_deg;
-  s.heading_deg = std::atan2(v.y, v.x) / kDegree;
-  if (s.heading_deg < 0.0) {
-    s.heading_deg += 360.0;
-  }
+  s.heading_deg = filtered
+                      ? s.heading_deg + share * std::remainder(course_deg - s.heading_deg, 360.0)
+                      : course_deg;
+  s.heading_deg = std::fmod(s.heading_deg + 360.0, 360.0);
+  had_course_ = true;
 }
 
 void UbloxNavigator::aid_position(const Geodetic& position, double accuracy_m) {

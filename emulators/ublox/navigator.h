@@ -5,13 +5,19 @@
 // The sample's own position stands: masks change which satellites count and whether there is a fix,
 // not where it is.
 //
+// After a start without ephemerides a fix begins with four satellites, and the others join as their
+// orbits are heard; dilutions and accuracies are then greater by the ratio of the two geometries.
+//
 // Sources: u-blox M8 receiver description, UBX-13003221 R28, sections 8 "Navigation Configuration
-// Settings Description" and 32.10.18 "UBX-CFG-NAV5"; the ladder from a recorded cold start of a
-// NEO-7P; times to first fix from its data sheet (UBX-13003342).
+// Settings Description", 21 "Odometer" and 32.10.18 "UBX-CFG-NAV5"; the ladder from a recorded cold
+// start of a NEO-7P; times to first fix from its data sheet (UBX-13003342).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "emulators/ublox/configuration.h"
 #include "emulators/ublox/geodesy.h"
@@ -53,6 +59,9 @@ class UbloxNavigator {
   void take(const GnssSample& sample, const UbloxConfiguration& configuration,
             const UbloxNavigationFaults& faults);
 
+  /// NAV-RESETODO.
+  void reset_odometer();
+
   /// Aiding: a position with its accuracy, and that the time is known.
   void aid_position(const Geodetic& position, double accuracy_m);
   void aid_time(SimTime now, const UbloxConfiguration& configuration);
@@ -79,7 +88,11 @@ class UbloxNavigator {
   void lose_position(const UbloxConfiguration& configuration);
   void take_position(const GnssSample& sample, const UbloxConfiguration& configuration);
   void hold_position(const protocols::ubx::CfgNav5& limits);
-  void take_course();
+  void filter_speed(const protocols::ubx::CfgOdo& odometer);
+  void take_course(const protocols::ubx::CfgOdo& odometer);
+  void count_distance(SimTime now, const protocols::ubx::CfgOdo& odometer);
+  /// Before all orbits are heard: only satellites whose orbit is known stay used.
+  void keep_known_orbits(SimTime now);
 
   const Calendar calendar_;
   Duration cold_start_;
@@ -93,6 +106,14 @@ class UbloxNavigator {
   bool had_3d_fix_ = false;
   std::int64_t tracking_since_s_ = -1;  ///< GPS time of week; < 0 while nothing is tracked.
   std::optional<Hold> hold_;
+  /// After a start without ephemerides: satellites whose orbit was heard so far.
+  bool hearing_orbits_ = false;
+  std::vector<std::pair<GnssSystem, std::uint8_t>> heard_;
+  bool had_course_ = false;
+  SimTime counted_ = kNever;  ///< The odometer's last fix.
+  /// Dilution by the satellites that count over that by those of the sample: horizontal, vertical,
+  /// time.
+  std::array<double, 3> dilution_ratio_{1.0, 1.0, 1.0};
 };
 
 }  // namespace rigwire::emulators

@@ -14,6 +14,8 @@
 #include "emulators/ublox/message_rows.h"
 #include "emulators/ublox/profile.h"
 #include "emulators/ublox/solution_modern.h"
+#include "protocols/ubx/aiding.h"
+#include "protocols/ubx/identity.h"
 #include "protocols/ubx/monitor.h"
 #include "protocols/ubx/navigation.h"
 #include "protocols/ubx/navigation_precise.h"
@@ -75,35 +77,41 @@ constexpr std::array kMessages{
     produced<ubx::NavVelned>("NAV-VELNED"),
     produced<ubx::NavTimegps>("NAV-TIMEGPS"),
     produced<ubx::NavTimeutc>("NAV-TIMEUTC"),
+    produced<ubx::NavTimeglo>("NAV-TIMEGLO"),
+    produced<ubx::NavTimebds>("NAV-TIMEBDS"),
+    produced<ubx::NavTimegal>("NAV-TIMEGAL"),
     produced<ubx::NavTimels>("NAV-TIMELS"),
     produced<ubx::NavClock>("NAV-CLOCK"),
     listed<ubx::NavSbasHead, ubx::NavSbasBlock>("NAV-SBAS", kSatellites),
     produced<ubx::NavDgpsHead>("NAV-DGPS"),
     produced<ubx::NavAopstatus>("NAV-AOPSTATUS"),
-    produced<ubx::NavEoe>("NAV-EOE"),
+    produced<ubx::NavOdo>("NAV-ODO"),
+    unasked(produced<ubx::NavEoe>("NAV-EOE")),
     produced<ubx::MonHw>("MON-HW"),
     produced<ubx::MonHw2>("MON-HW2"),
     listed(ubx::MonIoHead::kId, "MON-IO", ubx::kMonitorPorts* ubx::MonIoPort::kLength),
     produced<ubx::MonMsgpp>("MON-MSGPP"),
     produced<ubx::MonRxbuf>("MON-RXBUF"),
     produced<ubx::MonTxbuf>("MON-TXBUF"),
-    produced<ubx::MonRxr>("MON-RXR"),
-    listed({0x02, 0x13}, "RXM-SFRBX", kSatellites * 56 - ubx::kOverheadBytes),
+    unasked(produced<ubx::MonRxr>("MON-RXR")),
+    unasked(listed({0x02, 0x13}, "RXM-SFRBX", kSatellites * 56 - ubx::kOverheadBytes)),
     listed({0x02, 0x20}, "RXM-SVSI", 8 + 6 * kSatellites),
     listed({0x0B, 0x30}, "AID-ALM", 32 * 48 - ubx::kOverheadBytes),
     listed({0x0B, 0x31}, "AID-EPH", 32 * 112 - ubx::kOverheadBytes),
     produced<ubx::TimTm2>("TIM-TM2"),
     produced<ubx::TimTp>("TIM-TP"),
-    silent(0x01, 0x09),
-    silent(0x01, 0x23),
-    silent(0x01, 0x24),
-    silent(0x01, 0x25),
+    produced<ubx::LogInfo>("LOG-INFO"),
+    on_demand(version_row()),
+    on_demand(produced<ubx::MonGnss>("MON-GNSS")),
+    on_demand(produced<ubx::MonPatchHead>("MON-PATCH")),
+    on_demand(produced<ubx::SecUniqid>("SEC-UNIQID")),
+    on_demand(produced<ubx::AidHui>("AID-HUI")),
+    on_demand(produced<ubx::AidIni>("AID-INI")),
     silent(0x01, 0x39),
     silent(0x02, 0x14),
     silent(0x02, 0x59),
     silent(0x0B, 0x33),
     silent(0x0D, 0x06),
-    silent(0x21, 0x08),
     silent(0xF0, 0x0F),
 };
 
@@ -183,6 +191,7 @@ void adjust_defaults(UbloxConfigurationState& s) {
   s.information[1].masks = kErrorWarningNotice;
   s.nav5.time_accuracy_mask_m = 350;
   s.navx5.version = 2;
+  set_modern_expert(s.navx5);
   s.navx5.minimum_cn0_dbhz = 6;
   s.navx5.precise_point_positioning = 0;
   s.sbas = {1, 3, 3, 0, 0x0007A389};  // PRN 120, 123, 127-129, 133, 135-138
@@ -234,10 +243,17 @@ const UbloxProfile& ublox_neo_m8() {
       .cfg_nmea_bytes = 20,
       .pvt_bytes = 92,
       .navigation_ratio = true,
+      .odometer = true,
+      .power_modes = true,
+      .logger = true,
       .chip_generation = 4,
       .status_flags = 0x00,
       .first_week = 1867,
       .default_leap_seconds = 16,
+      .front_end = {.noise_per_ms = 95.0,
+                    .gain_control = 2'106.0,
+                    .jamming_floor = 3,
+                    .jamming_span = 19},
       .adjust_defaults = adjust_defaults,
       .encode = encode,
   };

@@ -16,4 +16,11 @@ std::size_t message_index(const UbloxProfile& profile, std::string_view name) {
                             profile.messages.begin());
 }
 
+const UbloxMessage* polled_message(const UbloxProfile& profile, protocols::ubx::MessageId id) {
+  const std::size_t index = message_index(profile, id);
+  return index < profile.messages.size() && profile.messages[index].polled
+             ? &profile.messages[index]
+             : nullptr;
+}
+
 }  // namespace rigwire::emulators

@@ -19,12 +19,15 @@ struct UbloxSolution;
 class UbloxConfiguration;
 class UbloxKeyMessages;
 
-/// A message that CFG-MSG knows.
+/// A message that a type of receiver has, and by what it comes. What a type does not list, it
+/// neither sends nor answers.
 struct UbloxMessage {
   protocols::ubx::MessageId id;
   std::string_view name;           ///< "RMC", "NAV-SOL"; empty when it is known but not produced.
   std::size_t greatest_bytes = 0;  ///< On the line; 0 when it is not produced.
   bool sentence = false;           ///< NMEA.
+  bool periodic = true;            ///< CFG-MSG knows it: every so many epochs, or with its event.
+  bool polled = true;              ///< A poll is answered.
 };
 
 /// One line of CFG-GNSS.
@@ -36,6 +39,14 @@ struct SystemChannels {
   std::uint8_t signals = 0x01;  ///< Bits 16..23 of the flags.
 };
 
+/// What the radio part of an undisturbed receiver reports.
+struct UbloxFrontEnd {
+  double noise_per_ms = 104.0;
+  double gain_control = 4745.0;
+  std::uint8_t jamming_floor = 7;  ///< Lowest jamming indicator.
+  std::uint8_t jamming_span = 1;   ///< So far it wanders above that, from epoch to epoch.
+};
+
 struct UbloxProfile {
   std::string_view name;      ///< "NEO-7P".
   int generation = 7;         ///< 7, 8, 9.
@@ -44,7 +55,7 @@ struct UbloxProfile {
   std::string_view hardware;
   std::span<const std::string_view> extensions;
   std::span<const std::string_view> banner;  ///< TXT lines at start.
-  /// What CFG-MSG knows, in the order in which one epoch puts it out.
+  /// In the order in which one epoch puts them out.
   std::span<const UbloxMessage> messages;
   std::span<const SystemChannels> systems;  ///< CFG-GNSS, at most kMaximumSystems.
   std::uint8_t channels = 22;
@@ -57,6 +68,9 @@ struct UbloxProfile {
   Duration shortest_period = std::chrono::milliseconds{50};
   bool navigation_ratio = false;  ///< CFG-RATE navRate is honoured.
   bool carrier_solution = false;  ///< RTK float and fixed are reported.
+  bool odometer = false;          ///< CFG-ODO, NAV-RESETODO.
+  bool power_modes = false;       ///< CFG-PMS; full power alone is accepted.
+  bool logger = false;            ///< LOG-CREATE and others are refused, not ignored.
   std::uint32_t baud = 9600;
   std::uint32_t greatest_baud = 460'800;
   std::uint16_t input_protocols = 0x0007;
@@ -65,6 +79,7 @@ struct UbloxProfile {
   std::uint8_t status_flags = 0xD0;        ///< Undocumented upper bits of NAV-SOL and NAV-STATUS.
   std::int32_t first_week = 1691;          ///< Week of the firmware: wknRollover.
   std::int32_t default_leap_seconds = 16;  ///< Of the firmware, until received.
+  UbloxFrontEnd front_end{};
 
   /// What other defaults of the type differ from those of a NEO-7P; may be null.
   void (*adjust_defaults)(UbloxConfigurationState& state) = nullptr;
@@ -106,6 +121,10 @@ class UbloxKeyMessages {
 /// Index in profile.messages; its size when unknown.
 [[nodiscard]] std::size_t message_index(const UbloxProfile& profile, protocols::ubx::MessageId id);
 [[nodiscard]] std::size_t message_index(const UbloxProfile& profile, std::string_view name);
+
+/// The message that answers a poll of that id; null when the type has none.
+[[nodiscard]] const UbloxMessage* polled_message(const UbloxProfile& profile,
+                                                 protocols::ubx::MessageId id);
 
 [[nodiscard]] const UbloxProfile& ublox_neo_7p();
 [[nodiscard]] const UbloxProfile& ublox_neo_m8();

@@ -151,6 +151,7 @@ UbloxRawMessages::UbloxRawMessages(const Calendar& calendar, int generation)
 
 void UbloxRawMessages::begin(bool ephemerides_remembered, bool almanac_remembered) {
   reception_.begin(ephemerides_remembered, almanac_remembered);
+  sbas_.begin();
   heard_ = false;
   phases_ = {};
   measurement_count_ = 0;
@@ -161,6 +162,7 @@ void UbloxRawMessages::update(const GnssSample& sample, const UbloxTimeKnowledge
   const GpsTime now = calendar_.gps(sample.time);
   time_ = time;
   reception_.update(sample, now);
+  sbas_.update(sample, now);
   set_label(sample);
   follow_phases(sample);
   clock_reset_ = sample.clock_reset;
@@ -239,7 +241,7 @@ std::size_t UbloxRawMessages::count(MessageId id) const {
     return 1;
   }
   if (id == ubx::RxmSfrb::kId || id == ubx::RxmSfrbxHead::kId) {
-    return reception_.subframes().size();
+    return reception_.subframes().size() + sbas_.messages().size();
   }
   if (per_satellite(id)) {
     return is_ephemeris(id) ? reception_.new_ephemerides().count()
@@ -261,6 +263,10 @@ std::size_t UbloxRawMessages::encode(MessageId id, std::size_t index,
   }
   if (id == ubx::RxmSvsiHead::kId) {
     return encode_svsi(out);
+  }
+  const bool of_satellites = id == ubx::RxmSfrb::kId || id == ubx::RxmSfrbxHead::kId;
+  if (of_satellites && index >= reception_.subframes().size()) {
+    return encode_sbas(id, sbas_.messages()[index - reception_.subframes().size()], out);
   }
   if (id == ubx::RxmSfrb::kId) {
     return encode_sfrb(reception_.subframes()[index], out);
@@ -372,6 +378,29 @@ std::size_t UbloxRawMessages::encode_sfrb(const ReceivedSubframe& received,
   const auto frame = ubx::encode(message);
   std::ranges::copy(frame, out.begin());
   return frame.size();
+}
+
+std::size_t UbloxRawMessages::encode_sbas(MessageId id, const ReceivedSbas& received,
+                                          std::span<std::uint8_t> out) {
+  const auto& words = received.message.words;
+  if (id == ubx::RxmSfrb::kId) {
+    ubx::RxmSfrb message{.channel = received.channel, .satellite = received.prn};
+    std::ranges::copy(words, message.words.begin());
+    const auto frame = ubx::encode(message);
+    std::ranges::copy(frame, out.begin());
+    return frame.size();
+  }
+  std::array<ubx::RxmSfrbxWord, protocols::sbas::kWords> blocks{};
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    blocks[i].word = words[i];
+  }
+  constexpr unsigned kMissingInLast = 32 * protocols::sbas::kWords - protocols::sbas::kMessageBits;
+  blocks.back().word <<= kMissingInLast;
+  const ubx::RxmSfrbxHead head{.system = static_cast<std::uint8_t>(GnssSystem::sbas),
+                               .satellite = received.prn,
+                               .words = static_cast<std::uint8_t>(blocks.size()),
+                               .channel = received.channel};
+  return ubx::encode_blocks<ubx::RxmSfrbxHead, ubx::RxmSfrbxWord>(head, blocks, out);
 }
 
 std::size_t UbloxRawMessages::encode_sfrbx(const ReceivedSubframe& received,

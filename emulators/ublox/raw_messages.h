@@ -19,7 +19,8 @@
 // - RXM-RAW: mesQI and lli go in pairs: 7 and 0 locked, 6 and 2 while the half cycle is not
 //   resolved, 5 and 3 just slipped, 4 and 3 without usable carrier.
 // - RXM-SFRB: 24 data bits with their sign; a subframe leaves before the RXM-RAW of the epoch at
-//   its end.
+//   its end. Of SBAS each message a second, seven words of 32 bits and one of 26; the last two are
+//   what was left in the buffer, here zero. (RXM-SFRBX has the eighth word's bits on the left.)
 // - AID-EPH: words are 24 bits without sign, put together from what was decoded, so that reserved
 //   bits, codes on L2 and age of data offset are 0; the hand-over word is that of toe.
 #pragma once
@@ -29,6 +30,7 @@
 #include <cstdint>
 #include <span>
 
+#include "emulators/ublox/sbas_reception.h"
 #include "emulators/ublox/subframe_reception.h"
 #include "protocols/ubx/frame.h"
 #include "protocols/ubx/raw_measurements.h"
@@ -70,8 +72,9 @@ class UbloxRawMessages {
   [[nodiscard]] static bool handles(protocols::ubx::MessageId id);
 
   /// Frames of the message that are due at this epoch when it is switched on: one of RXM-RAW,
-  /// RXM-RAWX, RXM-SVSI; one for each subframe that became complete of RXM-SFRB, RXM-SFRBX; one for
-  /// each ephemeris or almanac that is new of the others. 0 before the first epoch.
+  /// RXM-RAWX, RXM-SVSI; one for each subframe and SBAS message that became complete of RXM-SFRB,
+  /// RXM-SFRBX; one for each ephemeris or almanac that is new of the others. 0 before the first
+  /// epoch.
   [[nodiscard]] std::size_t count(protocols::ubx::MessageId id) const;
   /// Writes frame `index` < count() and returns its size. Precondition: out.size() >=
   /// kLongestRawFrame.
@@ -116,10 +119,14 @@ class UbloxRawMessages {
                                         std::span<std::uint8_t> out) const;
   [[nodiscard]] std::size_t encode_sfrbx(const ReceivedSubframe& received,
                                          std::span<std::uint8_t> out) const;
+  [[nodiscard]] static std::size_t encode_sbas(protocols::ubx::MessageId id,
+                                               const ReceivedSbas& received,
+                                               std::span<std::uint8_t> out);
 
   const Calendar calendar_;
   int generation_;
   SubframeReception reception_;
+  SbasReception sbas_;
   bool heard_ = false;
   SimTime last_{};
   UbloxTimeKnowledge time_;

@@ -50,7 +50,7 @@ void UbloxReceiver::start(SimTime now, const UbloxMemory& memory) {
   in_garbage_ = false;
   overflow_to_report_ = false;
   port_ = {};
-  antenna_ = {};
+  antenna_ = supervise(AntennaState::ok, configuration_.present().antenna);
   mark_ = {};
   transmitter_.clear();
   set_baud(configuration_.uart().baud);
@@ -190,14 +190,23 @@ void UbloxReceiver::solve(SimTime now) {
   if (const auto* leap = fault(UbloxFaultKind::wrong_leap_second, latest_.time)) {
     faults.leap_error_s = static_cast<std::int32_t>(leap->value);
   }
-  navigator_.take(latest_, configuration_, faults);
+  const ubx::CfgRate& rate = configuration_.rate();
+  constexpr std::int64_t kMillisecond_ns = 1'000'000;
+  const std::int64_t measurement = (calendar_.gps(latest_.time).time_of_week_ns + kMillisecond_ns) /
+                                   (std::int64_t{rate.measurement_period_ms} * kMillisecond_ns);
+  const bool navigates = measurement % rate.navigation_ratio == 0;
+  if (navigates) {
+    navigator_.take(latest_, configuration_, faults);
+  }
   const UbloxSolution& s = navigator_.solution();
   raw_.update(latest_, {s.time_known, s.date_known, s.leap_known, s.leap_seconds, s.week_shift,
                         s.since_start_ms});
-  ++counters_.epochs;
   watch_antenna(now);
-  publish(now);
-  ++epoch_number_;
+  publish(now, navigates);
+  if (navigates) {
+    ++counters_.epochs;
+    ++epoch_number_;
+  }
 }
 
 void UbloxReceiver::watch_antenna(SimTime now) {

@@ -26,6 +26,7 @@
 #include "emulators/ublox/solution.h"
 #include "emulators/ublox/transmitter.h"
 #include "protocols/nmea/position_sentences.h"
+#include "protocols/rtcm3/frame.h"
 #include "protocols/ubx/frame.h"
 #include "sim/samples/calendar.h"
 
@@ -62,7 +63,9 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   /// An edge on the external interrupt pin: TIM-TM2 reports it in the next epoch.
   void external_interrupt(SimTime now, bool rising);
 
-  /// NMEA sentences and UBX messages per second; GSV counts with its present number of sentences.
+  /// NMEA sentences and UBX messages per second as they are configured at present: rates, protocols
+  /// of the port, ratio of CFG-RATE. GSA and GSV count with their present number of sentences,
+  /// subframes by the satellites tracked; what comes with an event does not count.
   [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::uint64_t messages_sent() const override {
     return transmitter_.messages_sent();
@@ -93,7 +96,10 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   [[nodiscard]] const UbloxFault* fault(UbloxFaultKind kind, SimTime now) const;
 
   // receiver_output.cpp: what it says.
-  void publish(SimTime now);
+  /// At a navigation epoch all, at a measurement between two of them what is measured.
+  void publish(SimTime now, bool navigated);
+  /// How often that message comes, per navigation epoch, when its rate is 1.
+  [[nodiscard]] double sentences_per_epoch(const UbloxMessage& message) const;
   /// True of messages that follow an event and not the epochs.
   [[nodiscard]] bool waits_for_event(protocols::ubx::MessageId id) const;
   void send_message(SimTime now, const UbloxMessage& message);
@@ -110,9 +116,11 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   void parse(SimTime now);
   void handle(SimTime now, const protocols::ubx::FrameView& frame);
   void handle_configuration(SimTime now, const protocols::ubx::FrameView& frame);
+  [[nodiscard]] bool handle_command(SimTime now, const protocols::ubx::FrameView& frame);
+  void handle(SimTime now, const protocols::rtcm3::FrameView& frame);
   [[nodiscard]] bool handle_aiding(SimTime now, const protocols::ubx::FrameView& frame);
   [[nodiscard]] bool answer_raw(SimTime now, const protocols::ubx::FrameView& frame);
-  [[nodiscard]] bool answer_poll(SimTime now, protocols::ubx::MessageId id);
+  [[nodiscard]] bool answer_poll(SimTime now, const protocols::ubx::FrameView& frame);
   void reset(SimTime now, const protocols::ubx::CfgRst& request);
   void answer(SimTime now, protocols::ubx::MessageId request, bool accepted);
 

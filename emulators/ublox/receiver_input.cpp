@@ -4,7 +4,10 @@
 
 #include "emulators/ublox/receiver.h"
 #include "protocols/ubx/aiding.h"
+#include "protocols/ubx/identity.h"
 #include "protocols/ubx/layout.h"
+#include "protocols/ubx/navigation.h"
+#include "protocols/ubx/raw_measurements.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -93,6 +96,18 @@ void UbloxReceiver::parse(SimTime now) {
         handle(now, *sentence);
         continue;
       }
+    } else if (rest[0] == protocols::rtcm3::kPreamble &&
+               (configuration_.uart().input_protocols & ubx::kProtocolRtcm3) != 0) {
+      const auto frame = protocols::rtcm3::decode_frame(rest);
+      if (frame.incomplete()) {
+        break;
+      }
+      if (frame.ok()) {
+        in_garbage_ = false;
+        at += frame.consumed();
+        handle(now, *frame);
+        continue;
+      }
     } else if (rest[0] == '\r' || rest[0] == '\n') {
       ++at;
       continue;
@@ -114,27 +129,51 @@ void UbloxReceiver::handle(SimTime now, const ubx::FrameView& frame) {
     handle_configuration(now, frame);
     return;
   }
-  if (frame.id == ubx::MonVerHead::kId && frame.payload.empty()) {
-    ++received_.accepted;
-    if (speaks(ubx::kProtocolUbx)) {
-      std::array<std::uint8_t, ubx::kOverheadBytes + 256> reply{};
-      const std::size_t size = ubx::encode_frame(frame.id, version_, reply);
-      send(now, std::span(reply).first(size));
-    }
-    return;
-  }
-  if (handle_aiding(now, frame) || answer_raw(now, frame) ||
-      (frame.payload.empty() && answer_poll(now, frame.id))) {
+  if (handle_command(now, frame) || handle_aiding(now, frame) || answer_poll(now, frame)) {
     ++received_.accepted;
   } else {
-    ++received_.ignored;  // acknowledgements exist for configuration only
+    // Acknowledgements exist for configuration only (R28, 32.5.1). A ZED-F9P stays silent, too: in
+    // u-center's log it leaves polls of 0A 05 and 0C 35 without any answer.
+    ++received_.ignored;
   }
 }
 
-bool UbloxReceiver::answer_raw(SimTime now, const ubx::FrameView& frame) {
-  if (!UbloxRawMessages::handles(frame.id)) {
-    return false;
+/// Commands of other classes that are acknowledged.
+bool UbloxReceiver::handle_command(SimTime now, const ubx::FrameView& frame) {
+  if (profile_.odometer && frame.id == ubx::kNavResetodo && frame.payload.empty()) {
+    navigator_.reset_odometer();
+    answer(now, frame.id, true);
+    return true;
   }
+  constexpr std::array kOfLogger{ubx::kLogErase, ubx::kLogCreate, ubx::kLogRetrieve};
+  if (profile_.logger && std::ranges::find(kOfLogger, frame.id) != kOfLogger.end()) {
+    answer(now, frame.id, false);  // no data logger is emulated
+    return true;
+  }
+  return false;
+}
+
+void UbloxReceiver::handle(SimTime now, const protocols::rtcm3::FrameView& frame) {
+  constexpr std::size_t kProtocol = 5;
+  ++port_.messages[kProtocol];
+  ++received_.ignored;  // taken in, but no solution is made of it
+  const std::size_t index = message_index(profile_, ubx::RxmRtcm::kId);
+  if (index == profile_.messages.size() || configuration_.message_rate(index) == 0 ||
+      !speaks(ubx::kProtocolUbx)) {
+    return;
+  }
+  constexpr std::uint16_t kProprietary = 4072;
+  constexpr std::uint16_t kNoStation = 0xFFFF;
+  constexpr std::uint8_t kNotUsed = 1 << 1;
+  const bool subtyped = frame.message() == kProprietary;
+  const std::uint16_t second = frame.second_field();
+  send(now, ubx::encode(ubx::RxmRtcm{.flags = kNotUsed,
+                                     .subtype = subtyped ? second : std::uint16_t{0},
+                                     .station = subtyped ? kNoStation : second,
+                                     .message = frame.message()}));
+}
+
+bool UbloxReceiver::answer_raw(SimTime now, const ubx::FrameView& frame) {
   const std::size_t answers = raw_.answers(frame.id, frame.payload);
   std::array<std::uint8_t, kLongestRawFrame> answer{};
   for (std::size_t i = 0; i < answers && speaks(ubx::kProtocolUbx); ++i) {
@@ -144,26 +183,31 @@ bool UbloxReceiver::answer_raw(SimTime now, const ubx::FrameView& frame) {
   return answers > 0;
 }
 
-bool UbloxReceiver::answer_poll(SimTime now, ubx::MessageId id) {
-  const std::size_t index = message_index(profile_, id);
-  if (index < profile_.messages.size()) {
-    if (profile_.messages[index].greatest_bytes > 0) {
-      send_message(now, profile_.messages[index]);
-      return true;
-    }
+/// Only what the type has is answered: UbloxProfile::messages says it.
+bool UbloxReceiver::answer_poll(SimTime now, const ubx::FrameView& frame) {
+  const UbloxMessage* const message = polled_message(profile_, frame.id);
+  if (message == nullptr) {
     return false;
   }
-  std::array<std::uint8_t, kLongestSolutionFrame> frame{};
-  const std::size_t size = encode(id, frame);
-  if (speaks(ubx::kProtocolUbx)) {
-    send(now, std::span(frame).first(size));
+  if (UbloxRawMessages::handles(frame.id)) {
+    return answer_raw(now, frame);
   }
-  return size > 0;
+  if (!frame.payload.empty()) {
+    return false;
+  }
+  if (frame.id != ubx::MonVerHead::kId) {
+    send_message(now, *message);
+  } else if (speaks(ubx::kProtocolUbx)) {
+    std::array<std::uint8_t, ubx::kOverheadBytes + 256> reply{};
+    const std::size_t size = ubx::encode_frame(frame.id, version_, reply);
+    send(now, std::span(reply).first(size));
+  }
+  return true;
 }
 
 bool UbloxReceiver::handle_aiding(SimTime now, const ubx::FrameView& frame) {
   const auto aid = ubx::decode<ubx::AidIni>(frame);
-  if (!aid.ok()) {
+  if (!aid.ok() || polled_message(profile_, frame.id) == nullptr) {
     return false;
   }
   const auto has = [&](unsigned bit) { return (aid->flags >> bit & 1U) != 0; };

@@ -7,6 +7,7 @@
 #include "protocols/nmea/satellite_sentences.h"
 #include "protocols/ubx/information.h"
 #include "protocols/ubx/monitor.h"
+#include "protocols/ubx/raw_measurements.h"
 #include "protocols/ubx/timing.h"
 
 namespace rigwire::emulators {
@@ -34,11 +35,13 @@ bool UbloxReceiver::speaks(std::uint16_t protocol) const {
   return (configuration_.uart().output_protocols & protocol) != 0;
 }
 
-void UbloxReceiver::publish(SimTime now) {
+void UbloxReceiver::publish(SimTime now, bool navigated) {
   const auto messages = profile_.messages;
   for (std::size_t i = 0; i < messages.size(); ++i) {
     const std::uint8_t rate = configuration_.message_rate(i);
-    if (rate != 0 && epoch_number_ % rate == 0 && !waits_for_event(messages[i].id)) {
+    const bool due = navigated ? rate != 0 && epoch_number_ % rate == 0
+                               : rate == 1 && UbloxRawMessages::handles(messages[i].id);
+    if (due && !waits_for_event(messages[i].id)) {
       send_message(now, messages[i]);
     }
   }
@@ -46,11 +49,13 @@ void UbloxReceiver::publish(SimTime now) {
 }
 
 bool UbloxReceiver::waits_for_event(ubx::MessageId id) const {
-  return (id == ubx::TimTm2::kId && !mark_.fresh) || id == ubx::MonRxr::kId;
+  return (id == ubx::TimTm2::kId && !mark_.fresh) || id == ubx::MonRxr::kId ||
+         id == ubx::RxmRtcm::kId;
 }
 
 UbloxMonitorView UbloxReceiver::monitor_view() const {
-  return {navigator_.solution(), configuration_, transmitter_, port_, antenna_, mark_, kInputBytes};
+  return {navigator_.solution(), configuration_,       transmitter_, port_, antenna_, mark_,
+          kInputBytes,           settings_.noise_seed, epoch_number_};
 }
 
 std::size_t UbloxReceiver::encode(ubx::MessageId id, std::span<std::uint8_t> out) {
@@ -168,16 +173,52 @@ std::span<const Quantity> UbloxReceiver::quantities() const {
 }
 
 double UbloxReceiver::nominal_rate_hz() const {
+  if (plan_.first == kNever) {
+    return 0.0;
+  }
   double per_epoch = 0.0;
   const auto messages = profile_.messages;
   for (std::size_t i = 0; i < messages.size(); ++i) {
-    if (const std::uint8_t rate = configuration_.message_rate(i); rate > 0) {
-      const std::size_t sentences =
-          messages[i].name == "GSV" ? std::max<std::size_t>(1, (in_view_.size() + 3) / 4) : 1;
-      per_epoch += static_cast<double>(sentences) / rate;
+    const bool spoken = speaks(messages[i].sentence ? ubx::kProtocolNmea : ubx::kProtocolUbx);
+    if (const std::uint8_t rate = configuration_.message_rate(i); rate > 0 && spoken) {
+      per_epoch += sentences_per_epoch(messages[i]) / rate;
     }
   }
-  return plan_.first == kNever ? 0.0 : per_epoch / to_seconds(plan_.period);
+  return per_epoch / (to_seconds(plan_.period) * configuration_.rate().navigation_ratio);
+}
+
+double UbloxReceiver::sentences_per_epoch(const UbloxMessage& message) const {
+  if (message.greatest_bytes == 0 || waits_for_event(message.id) ||
+      (message.id == ubx::TimTm2::kId)) {
+    return 0.0;
+  }
+  if (message.name == "GSA" || message.name == "GSV" || message.name == "GRS") {
+    std::vector<nmea::SatelliteInView> list;
+    const nmea::Epoch epoch = nmea_epoch(navigator_.solution(), configuration_, list);
+    return message.name == "GSA"   ? nmea::gsa_sentences(epoch)
+           : message.name == "GSV" ? nmea::gsv_pages(epoch)
+                                   : nmea::grs_sentences(epoch);
+  }
+  if (!UbloxRawMessages::handles(message.id)) {
+    return 1.0;
+  }
+  const double measurements = configuration_.rate().navigation_ratio;
+  if (message.id == ubx::RxmRawHead::kId || message.id == ubx::RxmRawxHead::kId ||
+      message.id == ubx::RxmSvsiHead::kId) {
+    return measurements;
+  }
+  if (message.id != ubx::RxmSfrb::kId && message.id != ubx::RxmSfrbxHead::kId) {
+    return 0.0;  // orbits, when they are new
+  }
+  constexpr double kSubframe_s = 6.0;
+  constexpr double kSbasMessage_s = 1.0;
+  double per_s = 0.0;
+  for (const SatelliteView& view : navigator_.solution().satellites) {
+    const bool gps = view.system == GnssSystem::gps;
+    const bool sbas = view.system == GnssSystem::sbas;
+    per_s += !view.tracked ? 0.0 : gps ? 1.0 / kSubframe_s : sbas ? 1.0 / kSbasMessage_s : 0.0;
+  }
+  return per_s * to_seconds(plan_.period) * measurements;
 }
 
 UbloxCounters UbloxReceiver::counters() const {

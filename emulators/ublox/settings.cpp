@@ -58,10 +58,11 @@ std::size_t bytes_of(const UbloxProfile& profile, const std::vector<std::string>
   std::size_t sum = 0;
   for (const auto& name : names) {
     const std::size_t index = message_index(profile, name);
-    if (index == profile.messages.size() || profile.messages[index].sentence != sentences) {
+    if (index == profile.messages.size() || profile.messages[index].sentence != sentences ||
+        !profile.messages[index].periodic) {
       std::string allowed;
       for (const auto& message : profile.messages) {
-        if (message.greatest_bytes > 0 && message.sentence == sentences) {
+        if (message.greatest_bytes > 0 && message.sentence == sentences && message.periodic) {
           allowed.append(1, ' ').append(message.name);
         }
       }

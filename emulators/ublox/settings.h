@@ -51,7 +51,7 @@ struct UbloxSettings {
   /// Keeps time, orbits and the saved configuration while the supply is off.
   bool backup_battery = true;
   std::vector<UbloxFault> faults;
-  std::uint64_t noise_seed = 1;  ///< Of line_noise.
+  std::uint64_t noise_seed = 1;  ///< Of line_noise; the chip's number and its radio follow it, too.
 };
 
 /// Precondition: the profile is not null; it sets the ranges of `rate` and `baud`.

@@ -121,7 +121,7 @@ NavVelned velned(const UbloxSolution& s) {
   const Vector3& v = s.velocity_ned_mps;
   return {0,
           in_centimetres({v.x, v.y, v.z}),
-          unsigned_field(std::hypot(v.x, v.y, v.z), 0.01),
+          unsigned_field(s.speed_mps, 0.01),
           unsigned_field(ground_speed_mps(s), 0.01),
           signed_field(s.heading_deg, 1e-5),
           unsigned_field(s.speed_accuracy_mps, 0.01),

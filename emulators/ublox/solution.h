@@ -63,6 +63,10 @@ struct UbloxSolution {
   double time_dilution = std::numeric_limits<double>::quiet_NaN();
   double north_dilution = std::numeric_limits<double>::quiet_NaN();
   double east_dilution = std::numeric_limits<double>::quiet_NaN();
+  double speed_mps = 0.0;            ///< In space, filtered when CFG-ODO says so: NAV-VELNED alone.
+  double distance_m = 0.0;           ///< Odometer: since NAV-RESETODO ...
+  double distance_accuracy_m = 0.0;  ///< ... with this standard deviation,
+  double total_distance_m = 0.0;     ///< and since the last cold start.
   std::vector<SatelliteView> satellites;  ///< Known so far; `used` and `tracked` as the receiver's.
   int satellites_used = 0;
 

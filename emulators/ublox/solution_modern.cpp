@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 
@@ -214,6 +215,155 @@ NavHpposecef precise_earth_centred(const UbloxSolution& s) {
   return m;
 }
 
+/// One signal for each satellite: the first band alone is simulated.
+std::size_t put_signals(const UbloxSolution& s, std::span<std::uint8_t> out) {
+  constexpr std::uint16_t kHealthy = 0x001;
+  constexpr std::uint16_t kSmoothed = 0x004;
+  constexpr std::uint16_t kRangeUsed = 0x008;
+  constexpr std::uint16_t kCarrierUsed = 0x010;
+  constexpr std::uint16_t kDopplerUsed = 0x020;
+  constexpr std::uint16_t kRangeCorrected = 0x040;
+  constexpr std::uint16_t kCarrierAndDopplerCorrected = 0x180;
+  constexpr std::uint8_t kBySbas = 1;
+  constexpr std::uint8_t kByRtcm3 = 4;
+  constexpr std::uint8_t kKlobuchar = 1;
+  constexpr std::uint8_t kSbasIonosphere = 2;
+  // Channels of the slots, as GLONASS itself lists them; + 7 on the wire.
+  constexpr std::array<int, 24> kChannels{1,  -4, 5, 6,  1, -4, 5, 6, -2, -7, 0, -1,
+                                          -2, -7, 0, -1, 4, -3, 3, 2, 4,  -3, 3, 2};
+  std::array<NavSigBlock, kMostSatellites> blocks;
+  std::size_t count = 0;
+  for (const SatelliteView& view : s.satellites) {
+    if (count == blocks.size()) {
+      break;
+    }
+    NavSigBlock& block = blocks[count++];
+    block.system = static_cast<std::uint8_t>(view.system);
+    block.satellite = view.number;
+    if (view.system == GnssSystem::glonass && view.number >= 1 && view.number <= kChannels.size()) {
+      block.frequency_slot = static_cast<std::uint8_t>(kChannels[view.number - 1U] + 7);
+    }
+    const bool used = view.used && s.dimensions > 0;
+    const bool carrier = s.carrier != CarrierSolution::none;
+    block.quality = used ? 7 : view.tracked ? 4 : 1;
+    if (!view.tracked) {
+      continue;
+    }
+    block.cn0_dbhz = to_field<std::uint8_t>(view.cn0_dbhz, 1.0);
+    block.flags = kHealthy | kSmoothed;
+    if (!used) {
+      continue;
+    }
+    block.residual_dm = to_field<std::int16_t>(view.residual_m, 0.1);
+    block.flags |= kRangeUsed | kDopplerUsed;
+    block.ionosphere_model = kKlobuchar;
+    if (carrier) {
+      block.flags |= kCarrierUsed;
+    }
+    if (view.corrected) {
+      block.flags |= kRangeCorrected;
+      block.flags |= carrier ? kCarrierAndDopplerCorrected : std::uint16_t{0};
+      block.correction_source = carrier ? kByRtcm3 : kBySbas;
+      block.ionosphere_model = carrier ? std::uint8_t{0} : kSbasIonosphere;
+    }
+  }
+  const NavSigHead head{s.time_of_week_ms, 0, static_cast<std::uint8_t>(count)};
+  return encode_blocks(head, std::span<const NavSigBlock>(blocks).first(count), out);
+}
+
+/// Time of a system is known while one of its satellites is tracked, and the system is on.
+bool hears(const UbloxSolution& s, GnssSystem system) {
+  return s.time_known && std::ranges::any_of(s.satellites, [system](const SatelliteView& view) {
+           return view.system == system && view.tracked;
+         });
+}
+
+constexpr std::uint32_t kNoAccuracy_ns = 0xFFFF'FFFF;
+
+/// Galileo's and BeiDou's time of week: GPS time less `behind_s`, weeks from `first_week` on.
+template <class Message>
+Message time_of_system(const UbloxSolution& s, GnssSystem system, std::int64_t behind_s,
+                       std::int32_t first_week) {
+  constexpr std::int64_t kSecond_ns = 1'000'000'000;
+  constexpr std::int64_t kWeek_s = 604'800;
+  Message m;
+  m.time_of_week_ms = s.time_of_week_ms;
+  m.time_accuracy_ns = kNoAccuracy_ns;
+  if (!hears(s, system)) {
+    return m;
+  }
+  const std::int64_t of_week_ns =
+      std::int64_t{s.time_of_week_ms} * 1'000'000 + s.time_of_week_rest_ns;
+  const std::int64_t rounded_s = (of_week_ns + kSecond_ns / 2) / kSecond_ns;
+  m.system_time_of_week_rest_ns = static_cast<std::int32_t>(of_week_ns - rounded_s * kSecond_ns);
+  const std::int64_t shown_s = rounded_s - behind_s;
+  const std::int64_t weeks = shown_s < 0 ? -1 : shown_s / kWeek_s;
+  m.system_time_of_week_s = static_cast<std::uint32_t>(shown_s - weeks * kWeek_s);
+  m.leap_seconds = static_cast<std::int8_t>(s.leap_seconds - behind_s);
+  m.valid = static_cast<std::uint8_t>(1U | (s.date_known ? 2U : 0U) |
+                                      (s.date_known && s.leap_known ? 4U : 0U));
+  if (s.date_known) {
+    m.week = static_cast<std::int16_t>(s.week - first_week + weeks);
+  }
+  m.time_accuracy_ns = unsigned_field(s.time_accuracy_s, 1e-9);
+  return m;
+}
+
+/// GLONASS time is UTC and three hours; its days are counted in four years from 1996 on.
+NavTimeglo glonass_time(const UbloxSolution& s) {
+  constexpr std::int32_t kHalfSecond_ns = 500'000'000;
+  constexpr std::int32_t kSecond_ns = 1'000'000'000;
+  constexpr std::int64_t kDay_s = 86'400;
+  constexpr std::int64_t kAhead_s = 3 * 3'600;
+  constexpr std::int64_t kFourYears_days = 4 * 365 + 1;
+  NavTimeglo m;
+  m.time_of_week_ms = s.time_of_week_ms;
+  m.time_accuracy_ns = kNoAccuracy_ns;
+  if (!hears(s, GnssSystem::glonass)) {
+    return m;
+  }
+  const bool up = s.utc_rest_ns >= kHalfSecond_ns;
+  const std::int64_t of_day_s =
+      s.utc.hour * 3'600 + s.utc.minute * 60 + s.utc.second + (up ? 1 : 0) + kAhead_s;
+  m.time_of_day_s = static_cast<std::uint32_t>(of_day_s % kDay_s);
+  m.time_of_day_rest_ns = s.utc_rest_ns - (up ? kSecond_ns : 0);
+  m.valid = 1;
+  if (s.date_known) {
+    using namespace std::chrono;
+    const sys_days today = year{s.utc.year} / month{static_cast<unsigned>(s.utc.month)} /
+                           day{static_cast<unsigned>(s.utc.day)};
+    const std::int64_t days =
+        (today - sys_days{year{1996} / January / day{1}}).count() + of_day_s / kDay_s;
+    m.four_years = static_cast<std::uint8_t>(days / kFourYears_days + 1);
+    m.day = static_cast<std::uint16_t>(days % kFourYears_days + 1);
+    m.valid |= 2U;
+  }
+  m.time_accuracy_ns = unsigned_field(s.time_accuracy_s, 1e-9);
+  return m;
+}
+
+NavOdo odometer(const UbloxSolution& s) {
+  return {0, s.time_of_week_ms, unsigned_field(s.distance_m, 1.0),
+          unsigned_field(s.total_distance_m, 1.0), unsigned_field(s.distance_accuracy_m, 1.0)};
+}
+
+/// Nothing is surveyed; the accuracy of a mean of nothing as the log has it.
+NavSvin no_survey(const UbloxSolution& s) {
+  constexpr std::uint32_t kNoMean_e4m = 948'683'264;
+  NavSvin m;
+  m.time_of_week_ms = s.time_of_week_ms;
+  m.mean_accuracy_e4m = kNoMean_e4m;
+  return m;
+}
+
+/// The corrections' own base is not part of the sample: no vector to it is known.
+NavRelposned no_base(const UbloxSolution& s) {
+  NavRelposned m;
+  m.time_of_week_ms = s.time_of_week_ms;
+  m.flags = (s.fix_ok ? kRelativeFixOk : 0U) | (s.differential ? kRelativeDifferential : 0U);
+  return m;
+}
+
 }  // namespace
 
 std::size_t encode_modern_solution(const UbloxSolution& s, const UbloxProfile& profile,
@@ -221,7 +371,21 @@ std::size_t encode_modern_solution(const UbloxSolution& s, const UbloxProfile& p
   if (id == NavPvt92::kId) return put(pvt(s, profile, out), out);
   if (id == NavStatus::kId) return put(status(s, profile, out), out);
   if (id == NavSatHead::kId) return put_satellites(s, out);
+  if (id == NavSigHead::kId) return put_signals(s, out);
   if (id == NavOrbHead::kId) return put_orbits(s, out);
+  if (id == NavTimeglo::kId) return put(glonass_time(s), out);
+  if (id == NavTimebds::kId) {
+    constexpr std::int64_t kBehind_s = 14;
+    constexpr std::int32_t kFirstWeek = 1356;
+    return put(time_of_system<NavTimebds>(s, GnssSystem::beidou, kBehind_s, kFirstWeek), out);
+  }
+  if (id == NavTimegal::kId) {
+    constexpr std::int32_t kFirstWeek = 1024;
+    return put(time_of_system<NavTimegal>(s, GnssSystem::galileo, 0, kFirstWeek), out);
+  }
+  if (id == NavOdo::kId) return put(odometer(s), out);
+  if (id == NavSvin::kId) return put(no_survey(s), out);
+  if (id == NavRelposned::kId) return put(no_base(s), out);
   if (id == NavTimels::kId) return put(leap_seconds(s), out);
   if (id == NavEoe::kId) return put(NavEoe{s.time_of_week_ms}, out);
   if (id == NavCov::kId) return put(covariance(s), out);

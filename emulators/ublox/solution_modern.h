@@ -1,9 +1,10 @@
 // The navigation messages that u-blox 8 and 9 have beyond those of u-blox 7, or in another form:
-// NAV-PVT of 92 bytes, SAT, ORB, TIMELS, EOE, COV, HPPOSECEF, HPPOSLLH, and the carrier solution in
-// PVT and STATUS.
+// NAV-PVT of 92 bytes, SAT, SIG, ORB, TIMELS, TIMEGLO, TIMEBDS, TIMEGAL, ODO, EOE, COV, HPPOSECEF,
+// HPPOSLLH, SVIN and RELPOSNED of a rover without base, and the carrier solution in PVT and STATUS.
 //
 // Sources: u-blox M8 receiver description, UBX-13003221 R28, section 32.17; u-blox F9 HPG 1.50
-// interface description, UBXDOC-963802114-12815, section 3.15. What is constant is listed
+// interface description, UBXDOC-963802114-12815, section 3.15; SVIN and RELPOSNED besides from
+// u-center's log of a ZED-F9P (HPG 1.32) without base and survey. What is constant is listed
 // in docs/devices/ublox-neo-m8.md and ublox-zed-f9p.md.
 #pragma once
 

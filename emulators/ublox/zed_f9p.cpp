@@ -13,6 +13,7 @@
 #include "emulators/ublox/message_rows.h"
 #include "emulators/ublox/profile.h"
 #include "emulators/ublox/solution_modern.h"
+#include "protocols/ubx/identity.h"
 #include "protocols/ubx/monitor.h"
 #include "protocols/ubx/navigation.h"
 #include "protocols/ubx/navigation_precise.h"
@@ -72,23 +73,37 @@ constexpr std::array kProduced{
     proprietary(0x03, "PUBX,03", kPubx03),
     proprietary(0x04, "PUBX,04", kPubx04),
     listed<ubx::NavSatHead, ubx::NavSatBlock>("NAV-SAT", kSatellites),
+    listed<ubx::NavSigHead, ubx::NavSigBlock>("NAV-SIG", kSatellites),
     produced<ubx::NavDop>("NAV-DOP"),
     produced<ubx::NavTimegps>("NAV-TIMEGPS"),
     produced<ubx::NavTimeutc>("NAV-TIMEUTC"),
+    produced<ubx::NavTimeglo>("NAV-TIMEGLO"),
+    produced<ubx::NavTimebds>("NAV-TIMEBDS"),
+    produced<ubx::NavTimegal>("NAV-TIMEGAL"),
     produced<ubx::NavTimels>("NAV-TIMELS"),
     produced<ubx::NavClock>("NAV-CLOCK"),
     listed<ubx::NavSbasHead, ubx::NavSbasBlock>("NAV-SBAS", kSatellites),
     produced<ubx::NavCov>("NAV-COV"),
-    produced<ubx::NavEoe>("NAV-EOE"),
+    produced<ubx::NavOdo>("NAV-ODO"),
+    produced<ubx::NavSvin>("NAV-SVIN"),
+    produced<ubx::NavRelposned>("NAV-RELPOSNED"),
+    unasked(produced<ubx::NavEoe>("NAV-EOE")),
     listed<ubx::MonRfHead, ubx::MonRfBlock>("MON-RF", 2),
+    listed<ubx::MonCommsHead, ubx::MonCommsPort>("MON-COMMS", 1),
     produced<ubx::MonHw>("MON-HW"),
     produced<ubx::MonHw2>("MON-HW2"),
     listed(ubx::MonIoHead::kId, "MON-IO", ubx::kMonitorPorts* ubx::MonIoPort::kLength),
     produced<ubx::MonMsgpp>("MON-MSGPP"),
     produced<ubx::MonRxbuf>("MON-RXBUF"),
     produced<ubx::MonTxbuf>("MON-TXBUF"),
-    produced<ubx::MonRxr>("MON-RXR"),
-    listed({0x02, 0x13}, "RXM-SFRBX", kSatellites * 56 - ubx::kOverheadBytes),
+    unasked(produced<ubx::MonRxr>("MON-RXR")),
+    unasked(listed({0x02, 0x13}, "RXM-SFRBX", kSatellites * 56 - ubx::kOverheadBytes)),
+    unasked(produced<ubx::RxmRtcm>("RXM-RTCM")),
+    produced<ubx::LogInfo>("LOG-INFO"),
+    on_demand(version_row()),
+    on_demand(produced<ubx::MonGnss>("MON-GNSS")),
+    on_demand(produced<ubx::MonPatchHead>("MON-PATCH")),
+    on_demand(produced<ubx::SecUniqid>("SEC-UNIQID")),
     produced<ubx::TimTm2>("TIM-TM2"),
     produced<ubx::TimTp>("TIM-TP"),
 };
@@ -143,6 +158,7 @@ void adjust_defaults(UbloxConfigurationState& s) {
   s.nav5.minimum_elevation_deg = 10;
   s.nav5.time_accuracy_mask_m = 350;
   s.navx5.version = 2;
+  set_modern_expert(s.navx5);
   s.navx5.maximum_satellites = 32;
   s.navx5.minimum_cn0_dbhz = 6;
   s.navx5.precise_point_positioning = 0;
@@ -180,6 +196,8 @@ const UbloxProfile& ublox_zed_f9p() {
       .shortest_period = std::chrono::milliseconds{25},
       .navigation_ratio = true,
       .carrier_solution = true,
+      .odometer = true,
+      .logger = true,
       .baud = 38'400,
       .greatest_baud = 921'600,
       .input_protocols = 0x0063,
@@ -188,6 +206,7 @@ const UbloxProfile& ublox_zed_f9p() {
       .status_flags = 0x00,
       .first_week = 2320,
       .default_leap_seconds = 18,
+      .front_end = {.noise_per_ms = 74.0, .gain_control = 5'616.0, .jamming_floor = 8},
       .adjust_defaults = adjust_defaults,
       .encode = encode,
       .make_keys = [](const UbloxProfile& type) -> std::unique_ptr<UbloxKeyMessages> {

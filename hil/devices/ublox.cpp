@@ -114,7 +114,9 @@ UbloxConfiguration::UbloxConfiguration(const emulators::UbloxProfile& profile) {
   receiver.baud = profile.baud;
   sensor.sky.maximum_channels = profile.channels;
   sensor.raw_measurements = true;  // RXM-RAW, RXM-SFRBX, RXM-RAWX, when a client asks for them
-  if (profile.generation == 8) {
+  if (profile.generation < 8) {
+    sensor.systems.sbas = true;
+  } else if (profile.generation == 8) {
     sensor.systems = {.gps = true, .glonass = true, .sbas = true, .qzss = true};
   } else if (profile.generation > 8) {
     sensor.systems = {
@@ -193,7 +195,8 @@ DeviceDescription UbloxConfiguration::describe() const {
   for (const emulators::UbloxMessage& message : receiver.profile->messages) {
     if (!message.name.empty() && message.greatest_bytes > 0) {
       description.messages.push_back(
-          {(message.sentence ? "NMEA " : "UBX ") + std::string(message.name), "each epoch",
+          {(message.sentence ? "NMEA " : "UBX ") + std::string(message.name),
+           message.periodic ? "each epoch" : "when polled",
            fmt::format("class {:#04x} id {:#04x}, at most {} bytes", message.id.message_class,
                        message.id.message_id, message.greatest_bytes)});
     }

@@ -13,10 +13,6 @@ namespace {
 constexpr std::array<std::string_view, kMessageRatePorts> kPortSuffixes{"_I2C", "_UART1", "_UART2",
                                                                         "_USB", "_SPI"};
 
-constexpr std::uint32_t place(std::uint32_t id) {
-  return id & (kGroupMask | kItemMask);
-}
-
 /// All rows in one, with the names of the message rates spelled out.
 class Table {
  public:
@@ -41,7 +37,7 @@ class Table {
                          {}});
       }
     }
-    std::ranges::sort(keys_, {}, [](const ConfigurationKey& key) { return place(key.id); });
+    std::ranges::sort(keys_, {}, &ConfigurationKey::id);
   }
   [[nodiscard]] const std::vector<ConfigurationKey>& keys() const { return keys_; }
 
@@ -86,30 +82,11 @@ std::span<const ConfigurationKey> configuration_keys() {
   return kTable.keys();
 }
 
-KeyRange key_range(std::uint32_t id) {
-  const auto keys = configuration_keys();
-  if (is_full_wildcard(id)) {
-    return {0, keys.size()};
-  }
-  const bool group = is_group_wildcard(id);
-  const std::uint32_t lowest = group ? id & kGroupMask : place(id);
-  const std::uint32_t highest = group ? lowest | kItemMask : lowest;
-  const auto by_place = [](const ConfigurationKey& key) { return place(key.id); };
-  const auto first = std::ranges::lower_bound(keys, lowest, {}, by_place);
-  const auto last = std::ranges::upper_bound(keys, highest, {}, by_place);
-  const KeyRange range{static_cast<std::size_t>(first - keys.begin()),
-                       static_cast<std::size_t>(last - keys.begin())};
-  if (!group && !range.empty() && keys[range.first].id != id) {
-    return {};  // the right item with a wrong size
-  }
-  return range;
-}
-
 std::size_t key_index(std::uint32_t id) {
-  const KeyRange range = key_range(id);
-  return range.last - range.first == 1 && configuration_keys()[range.first].id == id
-             ? range.first
-             : configuration_keys().size();
+  const auto keys = configuration_keys();
+  const auto found = std::ranges::lower_bound(keys, id, {}, &ConfigurationKey::id);
+  return found != keys.end() && found->id == id ? static_cast<std::size_t>(found - keys.begin())
+                                                : keys.size();
 }
 
 std::size_t key_index(std::string_view name) {

@@ -67,22 +67,19 @@ struct ConfigurationKey {
 /// Whether the wire value fits the item. A floating point number must be finite.
 [[nodiscard]] bool is_allowed(const ConfigurationKey& key, std::uint64_t value);
 
-/// All items by group, then item: the order in which wildcards list them.
+/// All items by their whole id, size first: the order in which wildcards list them (a ZED-F9P's
+/// answers to VALGET of everything, u-center's log of one, HPG 1.32).
 [[nodiscard]] std::span<const ConfigurationKey> configuration_keys();
 
 /// Index in configuration_keys(); its size when unknown.
 [[nodiscard]] std::size_t key_index(std::uint32_t id);
 [[nodiscard]] std::size_t key_index(std::string_view name);
 
-/// The items that a key or wildcard names: [first, last) of configuration_keys(), empty when it is
-/// unknown.
-struct KeyRange {
-  std::size_t first = 0;
-  std::size_t last = 0;
-
-  [[nodiscard]] bool empty() const { return first == last; }
-};
-[[nodiscard]] KeyRange key_range(std::uint32_t id);
+/// Whether a key or wildcard names that item.
+[[nodiscard]] constexpr bool names(std::uint32_t wanted, std::uint32_t id) {
+  return is_full_wildcard(wanted) ||
+         (is_group_wildcard(wanted) ? ((wanted ^ id) & kGroupMask) == 0 : wanted == id);
+}
 
 /// Output rates of one message: five consecutive keys, for the ports in the order of CFG-PRT (I2C,
 /// UART1, UART2, USB, SPI).

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <initializer_list>
 #include <string_view>
 #include <vector>
@@ -101,6 +102,32 @@ TEST_F(KeyStore, RamBeginsWithTheDocumentedDefaults) {
     ASSERT_TRUE(pairs && pairs->size() == 1) << key.name;
     EXPECT_EQ(pairs->front().value, key.initial) << key.name;
   }
+}
+
+// A ZED-F9P (HPG 1.32, u-center's log of a VALGET of everything in 24 pages) begins with the
+// flags of all groups and ends with the items of eight bytes.
+TEST_F(KeyStore, WildcardsListByTheWholeKeySizeFirst) {
+  std::vector<std::uint32_t> listed;
+  for (std::uint16_t position = 0;; position = static_cast<std::uint16_t>(position + 64)) {
+    const auto page = valget(kLayerRam, {0x0FFF0000}, position);
+    ASSERT_TRUE(page);
+    for (const KeyValue& pair : *page) {
+      listed.push_back(pair.key);
+    }
+    if (page->size() < 64) {
+      break;
+    }
+  }
+  EXPECT_EQ(listed.size(), configuration_keys().size());
+  EXPECT_TRUE(std::ranges::is_sorted(listed));
+  EXPECT_EQ(listed.front() >> 28U, 1U);
+  EXPECT_EQ(listed.back() >> 28U, 5U);
+  // Within a group, too: CFG-NAVSPG has flags, bytes, words and doubles.
+  const auto group = valget(kLayerRam, {0x0011FFFF});
+  ASSERT_TRUE(group);
+  EXPECT_TRUE(std::ranges::is_sorted(*group, {}, &KeyValue::key));
+  EXPECT_EQ(group->front().key >> 28U, 1U);
+  EXPECT_GE(group->back().key >> 28U, 4U);
 }
 
 TEST_F(KeyStore, EachItemIsReadBackAsItWasSetInWhateverMessageItLives) {

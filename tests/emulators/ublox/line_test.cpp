@@ -203,12 +203,12 @@ TEST_F(UbloxLineTest, AntennaIsSupervised) {
   ASSERT_EQ(hw.size(), 3U);
   EXPECT_EQ(hw[0].antenna_status, 2);
   EXPECT_EQ(hw[0].antenna_power, 1);
-  EXPECT_EQ(hw[0].jamming_indicator, 0);
-  EXPECT_EQ(hw[0].noise_per_ms, 90);
+  EXPECT_NEAR(hw[0].jamming_indicator, 7.5, 0.5);
+  EXPECT_EQ(hw[0].noise_per_ms, 104);
   EXPECT_EQ(hw[1].antenna_status, 3);
   EXPECT_EQ(hw[1].antenna_power, 0);
-  EXPECT_EQ(hw[1].jamming_indicator, 128);
-  EXPECT_NEAR(hw[1].noise_per_ms, 180, 1);
+  EXPECT_NEAR(hw[1].jamming_indicator, 131.5, 0.5);
+  EXPECT_NEAR(hw[1].noise_per_ms, 208, 1);
   EXPECT_LT(hw[1].gain_control, hw[0].gain_control);
   EXPECT_EQ(hw[2].antenna_status, 2);  // open circuits are not looked for as delivered
   EXPECT_THAT(line_.sentences(),

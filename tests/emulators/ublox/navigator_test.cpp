@@ -126,6 +126,53 @@ TEST_F(UbloxNavigatorTest, WrongLeapSecondShiftsUtcOnly) {
   }
 }
 
+// A recorded cold start of a NEO-7P: 4 satellites and HDOP 2.35 for 37 s, then 5, 6 after 54 s, 7
+// after 84 s. Once all were there in the first epoch.
+TEST_F(UbloxNavigatorTest, FirstFixAfterAColdStartBeginsWithFourSatellites) {
+  UbloxSettings settings = with({"NAV-SOL", "NAV-DOP", "NAV-POSLLH"});
+  settings.time_to_first_fix = 20s;
+  UbloxReceiver receiver(settings, calendar_, line_);
+  run(receiver, kStart + 170500ms, [](GnssSample& sample) {
+    for (SatelliteView& view : sample.satellites) {
+      view.azimuth_rad = std::fmod(2.4 * view.number, 6.28);
+      view.elevation_rad = 0.15 + 0.2 * (view.number % 5);
+    }
+  });
+  const auto sol = decoded<NavSol>();
+  const auto dop = decoded<NavDop>();
+  const auto position = decoded<NavPosllh>();
+  ASSERT_EQ(sol.size(), 170U);
+  const auto at = [](int after_fix_s) { return static_cast<std::size_t>(20 - 1 + after_fix_s); };
+  EXPECT_EQ(sol[at(-2)].fix_type, kFixNone);
+  const std::vector<std::pair<int, int>> expected{{0, 4},  {36, 4}, {37, 5},  {53, 5},
+                                                  {54, 6}, {84, 7}, {131, 7}, {132, 8}};
+  for (const auto& [after_fix_s, used] : expected) {
+    EXPECT_EQ(sol[at(after_fix_s)].satellites_used, used) << after_fix_s;
+    EXPECT_EQ(sol[at(after_fix_s)].fix_type, kFix3d);
+  }
+  EXPECT_GT(dop[at(0)].horizontal_e2, dop[at(132)].horizontal_e2);
+  EXPECT_EQ(dop[at(132)].horizontal_e2, 159);
+  EXPECT_GT(position[at(0)].horizontal_accuracy_mm, position[at(132)].horizontal_accuracy_mm);
+  // PDOP is that of its parts.
+  const double parts = std::hypot(dop[at(0)].horizontal_e2, dop[at(0)].vertical_e2);
+  EXPECT_NEAR(dop[at(0)].position_e2, parts, 2.0);
+}
+
+// 3890 of 3890 sentences of a recorded NEO-7P with SBAS corrections have an empty age.
+TEST_F(UbloxNavigatorTest, AgeOfSbasCorrectionsIsNotTold) {
+  UbloxSettings settings = quiet();
+  settings.nmea_sentences = {"GGA"};
+  UbloxReceiver receiver(settings, calendar_, line_);
+  run(receiver, kStart + 1500ms, [](GnssSample& sample) {
+    sample.differential = true;
+    sample.differential_age_s = 1.0;
+  });
+  const auto sentences = line_.sentences();
+  ASSERT_FALSE(sentences.empty());
+  EXPECT_NE(sentences.back().find(",W,2,"), std::string::npos) << sentences.back();
+  EXPECT_NE(sentences.back().find(",M,,0000*"), std::string::npos) << sentences.back();
+}
+
 TEST_F(UbloxNavigatorTest, FrozenFixRepeatsPositionWhileTimeGoesOn) {
   UbloxSettings settings = with({"NAV-POSLLH", "NAV-SOL"});
   settings.faults = {{UbloxFaultKind::frozen_fix, 2500ms, 4500ms, 0.0}};

@@ -121,6 +121,59 @@ TEST_F(RawMessagesToRtklib, RawAndSfrbOfUblox7) {
   expect_observations(true);
 }
 
+// Two thirds of the subframes of a recorded NEO-7P are of SBAS satellites, one a second of each.
+TEST_F(RawMessagesToRtklib, MessagesOfSbasSatellitesAreReadAsSuch) {
+  for (const bool older : {true, false}) {
+    const std::array<ubx::MessageId, 2> messages =
+        older ? std::array{ubx::RxmRawHead::kId, ubx::RxmSfrb::kId}
+              : std::array{ubx::RxmRawxHead::kId, ubx::RxmSfrbxHead::kId};
+    const fs::path raw_path = directory_.path / "sbas.ubx";
+    std::ofstream file(raw_path, std::ios::binary);
+    UbloxRawMessages raw(Calendar(kExampleStart), older ? 7 : 8);
+    raw.begin(false, false);
+    std::array<std::uint8_t, kLongestRawFrame> frame{};
+    for (int second = 0; second <= kSeconds; ++second) {
+      GnssSample sample = example_sample(second, example_navigation());
+      sample.satellites.push_back(
+          {.number = 136, .cn0_dbhz = 40.0, .tracked = true, .system = GnssSystem::sbas});
+      raw.update(sample, {.time_known = true, .week_known = true});
+      for (const auto id : messages) {
+        for (std::size_t i = 0; i < raw.count(id); ++i) {
+          const std::size_t size = raw.encode(id, i, frame);
+          file.write(reinterpret_cast<const char*>(frame.data()),
+                     static_cast<std::streamsize>(size));
+        }
+      }
+    }
+    file.close();
+    const fs::path log_path = directory_.path / "out.sbs";
+    test::ChildProcess convbin({"convbin", "-r", "ubx", "-s", log_path.string(), "-o",
+                                (directory_.path / "out.obs").string(), "-n",
+                                (directory_.path / "out.nav").string(), raw_path.string()},
+                               directory_.path / "convbin.log");
+    ASSERT_EQ(convbin.wait(), 0) << convbin.output();
+    // week, time of week, PRN, type: message.
+    std::istringstream lines(read(log_path));
+    std::map<int, int> types;
+    int week = 0;
+    int time_of_week = 0;
+    int prn = 0;
+    int type = 0;
+    for (std::string line; std::getline(lines, line);) {
+      ASSERT_EQ(std::sscanf(line.c_str(), "%d %d %d %d", &week, &time_of_week, &prn, &type), 4)
+          << line;
+      EXPECT_EQ(prn, 136);
+      ++types[type];
+    }
+    const int all = types[1] + types[2] + types[3] + types[7] + types[63];
+    EXPECT_EQ(all, kSeconds) << (older ? "RXM-SFRB" : "RXM-SFRBX");
+    EXPECT_EQ(types.size(), 5U);
+    EXPECT_EQ(types[1], 1);
+    EXPECT_GE(types[2], 20) << "fast corrections of five satellites fit into one message";
+    fs::remove(log_path);
+  }
+}
+
 TEST_F(RawMessagesToRtklib, RawxAndSfrbxOfUblox8) {
   ASSERT_NO_FATAL_FAILURE(convert(8, {ubx::RxmSfrbxHead::kId, ubx::RxmRawxHead::kId}));
   expect_navigation();

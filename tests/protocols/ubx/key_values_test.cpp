@@ -97,12 +97,17 @@ TEST(ConfigurationKeys, LimitsHoldForSignedNumbersEnumerationsAndFloatingPoint) 
 }
 
 TEST(ConfigurationKeys, WildcardsNameAGroupOrEverything) {
-  const KeyRange rate = key_range(0x3021FFFF);
-  EXPECT_EQ(rate.last - rate.first, 3U);
-  EXPECT_EQ(key_range(0x0FFF0000).last, configuration_keys().size());
-  EXPECT_EQ(key_range(0x0FFFFFFF).last, configuration_keys().size());
-  EXPECT_TRUE(key_range(0x3FFE0001).empty());
-  EXPECT_TRUE(key_range(0x10210001).empty()) << "CFG-RATE-MEAS with another size";
+  const auto named = [](std::uint32_t wanted) {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        configuration_keys(),
+        [wanted](const ConfigurationKey& key) { return names(wanted, key.id); }));
+  };
+  EXPECT_EQ(named(0x3021FFFF), 3U);
+  EXPECT_EQ(named(0x0FFF0000), configuration_keys().size());
+  EXPECT_EQ(named(0x0FFFFFFF), configuration_keys().size());
+  EXPECT_EQ(named(0x3FFE0001), 0U);
+  EXPECT_EQ(named(0x10210001), 0U) << "CFG-RATE-MEAS with another size";
+  EXPECT_EQ(named(0x30210001), 1U);
 }
 
 TEST(KeyValues, ValsetByHandDecodes) {

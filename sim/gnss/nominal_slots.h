@@ -7,7 +7,8 @@
 // next by whole steps, with mean motion, drift of the node and clock drift chosen so that two hours
 // of each are a whole number too. Consecutive sets therefore meet within 2e-6 m; when the week
 // turns the node's longitude is stated anew, which moves an orbit by at most 2 cm. So:
-//  - mean motion of one ground track a day (within 1e-4 deg/day), stated by axis (26 559.1 km) and
+//  - mean motion of one ground track a day (within 1.2e-4 deg/day), stated by axis (26 559.1 km)
+//  and
 //  a
 //    delta n of its own for each satellite, 3.7e-9 .. 5.0e-9 rad/s (real ones: 3.7 to 5.1e-9); node
 //    -8.0e-9 rad/s as the earth's oblateness makes it;

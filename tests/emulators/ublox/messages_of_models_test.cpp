@@ -217,6 +217,7 @@ TEST_F(UbloxModelsTest, SpeedAndCourseAreFilteredWhenCfgOdoSaysSo) {
   wanted.speed_gain = 127;
   wanted.course_gain = 63;
   say(receiver, wanted);
+  run(receiver, now_ + 100ms);
   line_.clear();
   run(receiver, kStart + 4500ms, [](GnssSample& s) { s.velocity_ned_mps = {0.0, 4.0, 0.0}; });
   const NavVelned turned = decoded<NavVelned>().back();
@@ -237,6 +238,7 @@ TEST_F(UbloxModelsTest, WhatCannotBeHonouredOfOdometerAndPowerIsRefused) {
   EXPECT_EQ(receiver.counters().refused, 2U);
   say(receiver, CfgPms{});
   EXPECT_EQ(receiver.counters().acknowledged, 1U);
+  run(receiver, now_ + 100ms);
   EXPECT_THAT(ask(receiver, CfgPms::kId), ElementsAre(CfgPms::kId, AckAck::kId));
   EXPECT_EQ(decoded<CfgPms>().front(), CfgPms{});
   EXPECT_THAT(ask(receiver, kLogErase), ElementsAre(AckNak::kId));

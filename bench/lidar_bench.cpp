@@ -14,6 +14,7 @@
 #include "hil/devices/velodyne.h"
 #include "hil/executive/cpu_time.h"
 #include "hil/rig/rig.h"
+#include "sim/lidar/link_budget.h"
 #include "sim/lidar/spinning_lidar.h"
 
 namespace rigwire::bench {
@@ -232,7 +233,8 @@ std::vector<LidarRangeError> measure_lidar_range_error(const std::vector<double>
             cosine = d.x();
           }
           // Both surfaces are as white as the target of the maximum range.
-          const double limit = pattern.maximum_range_m * std::sqrt(std::max(cosine, 0.0));
+          const double limit =
+              pattern.maximum_range_m * std::sqrt(sim::incidence_share(std::max(cosine, 0.0)));
           const double found = firing.strongest[j].range_m;
           if (range > limit) {
             error.leaks += found > 0.0 && range > limit + kTolerance_m ? 1U : 0U;

@@ -120,7 +120,7 @@ BeamCaster::BeamCaster(const SpinningLidarParameters& parameters, const LidarPat
   rules_.pulse_m = static_cast<float>(0.5 * kSpeedOfLight_mps * to_seconds(pattern.beam.pulse));
   rules_.separation_m = static_cast<float>(parameters.echo_separation_m);
   rules_.threshold = model_.threshold();
-  for (const SubRay& ray : sample_beam(pattern.beam, parameters.sub_rays)) {
+  for (const SubRay& ray : sample_beam(pattern.beam, sim::rays_per_beam(parameters, false))) {
     aims_.push_back(aim_of(ray));
     weights_.push_back(aims_.back().weight);
   }
@@ -205,7 +205,7 @@ void BeamCaster::meet_air(const BlockCast& cast, Beams& beams) const {
         Eigen::Vector3f(ray.org_x[lane], ray.org_y[lane], ray.org_z[lane]).cast<double>();
     beam.direction_W =
         Eigen::Vector3f(ray.dir_x[lane], ray.dir_y[lane], ray.dir_z[lane]).cast<double>();
-    beam.near_m = static_cast<double>(model_.minimum_range_m());
+    beam.near_m = model_.air_minimum_range_m();
     beam.far_m = static_cast<double>(cast.limits.far_m);
     beam.divergence_rad = divergence_rad_;
     beam.pulse_m = static_cast<double>(rules_.pulse_m);
@@ -213,7 +213,7 @@ void BeamCaster::meet_air(const BlockCast& cast, Beams& beams) const {
     beam.time =
         cast.slice.t0 + Duration{static_cast<Duration::rep>(static_cast<double>(ray.time[lane]) *
                                                             static_cast<double>(length.count()))};
-    beam.detection_energy = static_cast<double>(rules_.threshold);
+    beam.detection_energy = model_.air_threshold();
     beam.draw_key = counter_bits(air_key_, beams.shots[lane]);
     beams.air[lane] = pass_air(*cast.weather, beam, weights_, hits_of(beams), lane);
   }

@@ -28,7 +28,7 @@ namespace rigwire::sim {
 class BeamCaster {
  public:
   /// Throws std::invalid_argument for bad parameters or a bad beam. Random numbers depend on (seed,
-  /// name) only.
+  /// name) only. sub_rays 0 counts as 1.
   BeamCaster(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
              std::uint64_t seed, std::string_view name);
 

@@ -99,10 +99,11 @@ RIGWIRE_WIDE_VECTORS void receive_hits(const RayGroup& group, std::size_t sub_ra
     const float range = group.range_m[ray];
     const float cosine = group.cosine[ray];
     const float reflectance = reception.retro_alone ? 0.0F : group.reflectance[ray];
-    // Energy weight x rho cos / r^2; reported brightness without 1 / r^2.
+    // Energy weight x rho f(theta) / r^2; reported brightness without 1 / r^2.
     const float apparent = apparent_reflectance(reflectance, group.retro_gain[ray], cosine);
-    const float reported =
-        reception.compensates_incidence ? apparent + reflectance * (1.0F - cosine) : apparent;
+    const float reported = reception.compensates_incidence
+                               ? apparent + reflectance * (1.0F - incidence_share(cosine))
+                               : apparent;
     // Where nothing was met, nothing is apparent.
     const bool returns = (range >= reception.minimum_m) & (apparent > 0.0F);
     hits.range_m[i] = range;

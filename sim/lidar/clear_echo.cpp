@@ -68,10 +68,10 @@ RIGWIRE_WIDE_VECTORS void meet(const Shading* shading, const RTCRayHit8& packet,
     // Rotations leave the normal's length as it is.
     const float square =
         hit.Ng_x[i] * hit.Ng_x[i] + hit.Ng_y[i] * hit.Ng_y[i] + hit.Ng_z[i] * hit.Ng_z[i];
-    // Lambert: reflectance times |n . d| / |n|.
+    // Reflectance times f(theta), cos(theta) = |n . d| / |n|.
     const bool met = (surface[i] != RTC_INVALID_GEOMETRY_ID) & (square > 0.0F);
     incidence.cosine[i] = met ? std::abs(along[i]) / std::sqrt(square) : 0.0F;
-    incidence.brightness[i] = reflectance[i] * incidence.cosine[i];
+    incidence.brightness[i] = reflectance[i] * incidence_share(incidence.cosine[i]);
   }
   if (retro_gain > 0.0F) {
     add_retro_reflectors(shading, surface, incidence);
@@ -86,7 +86,7 @@ struct Window {
 };
 
 RIGWIRE_WIDE_VECTORS void receive(const RTCRay8& ray, const Incidence& incidence,
-                                  const float* noise_m, const Window& window,
+                                  const float* errors_m, const Window& window,
                                   std::array<LidarReturn, kLanes>& echoes) {
   LaneArray range_m;
   LaneArray reflectivity;
@@ -94,8 +94,8 @@ RIGWIRE_WIDE_VECTORS void receive(const RTCRay8& ray, const Incidence& incidence
   for (std::size_t i = 0; i < kLanes; ++i) {
     const float brightness = incidence.brightness[i];
     const float range = ray.tfar[i];
-    const float measured = range + noise_m[i];
-    // Energy rho cos / r^2 at or above the least that is detected (link_budget.h).
+    const float measured = range + errors_m[i];
+    // Energy rho f(theta) / r^2 at or above the least that is detected (link_budget.h).
     const bool seen = (window.echo_limit_m2 * brightness >= range * range) &
                       (range >= window.minimum_m) & (measured >= window.minimum_m) &
                       (measured <= window.maximum_m);
@@ -122,29 +122,35 @@ void tell_truth(const BlockCast& cast, const LaneMap& map, const Scene::Internal
 }  // namespace
 
 ClearEcho::ClearEcho(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
-                     std::uint64_t noise_key)
+                     const EchoModel& receiver, std::uint64_t noise_key)
     : minimum_m_(static_cast<float>(pattern.minimum_range_m)),
       maximum_m_(static_cast<float>(pattern.maximum_range_m)),
       sigma_m_(static_cast<float>(parameters.range_sigma_m)),
-      echo_limit_m2_(static_cast<float>(1.0 / detection_energy(pattern.maximum_range_m))),
-      noise_key_(noise_key) {}
+      echo_limit_m2_(1.0F / receiver.threshold()),
+      noise_key_(noise_key) {
+  for (std::size_t laser = 0; laser < kMaxLasers; ++laser) {
+    biases_m_[laser] = receiver.bias_m(laser);
+  }
+}
 
-void ClearEcho::draw_noise(const BlockCast& cast, std::span<float> noise_m) const {
-  const auto drawn = noise_m.first(cast.packets.size() * kLanes);
-  if (sigma_m_ == 0.0F) {
-    std::ranges::fill(drawn, 0.0F);
-    return;
-  }
-  std::array<std::uint64_t, kMaxLasers * kLanes> shots;
-  std::uint64_t* shot = shots.data();
-  for (const RingPacket& plan : cast.packets) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      *shot++ = cast.shot_number(plan.map.firing[lane], plan.map.laser[lane]);
+void ClearEcho::draw_errors(const BlockCast& cast, std::span<float> errors_m) const {
+  const auto drawn = errors_m.first(cast.packets.size() * kLanes);
+  std::ranges::fill(drawn, 0.0F);
+  if (sigma_m_ > 0.0F) {
+    std::array<std::uint64_t, kMaxLasers * kLanes> shots;
+    std::uint64_t* shot = shots.data();
+    for (const RingPacket& plan : cast.packets) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        *shot++ = cast.shot_number(plan.map.firing[lane], plan.map.laser[lane]);
+      }
     }
+    gaussian(noise_key_, std::span(shots).first(drawn.size()), drawn);
   }
-  gaussian(noise_key_, std::span(shots).first(drawn.size()), drawn);
-  for (float& noise : drawn) {
-    noise *= sigma_m_;
+  float* error_m = drawn.data();
+  for (const RingPacket& plan : cast.packets) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane, ++error_m) {
+      *error_m = sigma_m_ * *error_m + biases_m_[plan.map.laser[lane]];
+    }
   }
 }
 
@@ -158,18 +164,18 @@ void ClearEcho::cast(const BlockCast& cast) const {
   valid.fill(-1);
 
   const Window window{minimum_m_, maximum_m_, echo_limit_m2_};
-  alignas(32) std::array<float, kMaxLasers * kLanes> noise_m;
-  draw_noise(cast, noise_m);
+  alignas(32) std::array<float, kMaxLasers * kLanes> errors_m;
+  draw_errors(cast, errors_m);
   RTCRayHit8 packet{};
   Incidence incidence;
   std::array<LidarReturn, kLanes> echoes;
-  const float* packet_noise_m = noise_m.data();
+  const float* packet_errors_m = errors_m.data();
   for (const RingPacket& plan : cast.packets) {
     fill_packet(cast.block, plan, cast.limits, packet);
     in.intersect(valid.data(), context, packet);
     meet(in.shading.data(), packet, incidence);
-    receive(packet.ray, incidence, packet_noise_m, window, echoes);
-    packet_noise_m += kLanes;
+    receive(packet.ray, incidence, packet_errors_m, window, echoes);
+    packet_errors_m += kLanes;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const std::uint32_t laser = plan.map.laser[lane];
       const std::size_t bank = cast.bank_of(plan.map.firing[lane], laser);

@@ -1,14 +1,15 @@
 // The echo of one ray per beam in clear air: what most rigs need, and the quickest way to it.
 //
-// Formulas in link_budget.h: a surface of diffuse reflectance rho met at incidence angle theta is
-// seen up to R_max sqrt(rho cos(theta) / 0.9).
+// Formulas in link_budget.h; the receiver's figures are those of EchoModel.
 #pragma once
 
 #include <embree3/rtcore.h>
 
+#include <array>
 #include <cstdint>
 #include <span>
 
+#include "sim/lidar/echo_model.h"
 #include "sim/lidar/firing_block.h"
 #include "sim/lidar/lidar_parameters.h"
 #include "sim/lidar/ray_lanes.h"
@@ -19,21 +20,22 @@ namespace rigwire::sim {
 class ClearEcho {
  public:
   ClearEcho(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
-            std::uint64_t noise_key);
+            const EchoModel& receiver, std::uint64_t noise_key);
 
   /// Casts all rays of the block and writes the strongest echo of each, and the truth where it is
   /// asked for. Does not allocate.
   void cast(const BlockCast& cast) const;
 
  private:
-  /// Packet by packet, lane by lane.
-  void draw_noise(const BlockCast& cast, std::span<float> noise_m) const;
+  /// Errors of the ranges, packet by packet, lane by lane.
+  void draw_errors(const BlockCast& cast, std::span<float> errors_m) const;
 
   float minimum_m_;
   float maximum_m_;
   float sigma_m_;
   float echo_limit_m2_;  ///< Square of the range at which a white surface is just seen.
   std::uint64_t noise_key_;
+  std::array<float, kMaxLasers> biases_m_{};
 };
 
 }  // namespace rigwire::sim

@@ -44,11 +44,11 @@ const LidarCommand& checked(const LidarCommand& command) {
 }
 
 const SpinningLidarParameters& checked(const SpinningLidarParameters& receiver) {
-  if (receiver.sub_rays != 1 || receiver.blooming_share != 0.0) {
+  if (receiver.sub_rays > 1 || receiver.blooming_share != 0.0) {
     throw std::invalid_argument("depth images: found sub_rays " +
                                 std::to_string(receiver.sub_rays) + " and blooming_share " +
                                 std::to_string(receiver.blooming_share) +
-                                ", allowed: 1 and 0, because a pixel has one surface");
+                                ", allowed: 0 or 1, and 0, because a pixel has one surface");
   }
   return receiver;
 }
@@ -59,7 +59,7 @@ void set_hit(SubRayHits& hits, std::size_t lane, const SeenSurface& seen, float 
   const auto range_m = static_cast<float>(seen.range_m);
   const bool hit = range_m > 0.0F;
   const bool returns = hit && range_m >= minimum_m;
-  // Energy rho cos / r^2 (link_budget.h).
+  // Energy rho f(theta) / r^2 (link_budget.h).
   const float apparent = apparent_reflectance(seen.reflectance, seen.retro_gain, seen.cosine);
   const float head_on = apparent_reflectance(seen.reflectance, seen.retro_gain, 1.0F);
   hits.range_m[lane] = hit ? range_m : SubRayHits::kNothing;
@@ -203,7 +203,7 @@ void DepthImageLidar::cast(const Scene& scene, const LidarSlice& slice, const We
     for (std::size_t bank = 0; bank < pattern_.banks(); ++bank) {
       LidarFiring& firing = firings.emplace_back();
       firing.time = time;
-      firing.rotor_azimuth_rad = next.rotor.azimuth_rad;
+      firing.rotor_azimuth_rad = next.rotor.encoder_rad;
       firing.rotor_rate_radps = next.rotor.rate_radps;
       firing.first_laser = bank * kBankLasers;
     }
@@ -212,7 +212,7 @@ void DepthImageLidar::cast(const Scene& scene, const LidarSlice& slice, const We
       ++state.now_in_revolution;
     }
     state.azimuth_before_rad = next.rotor.azimuth_rad;
-    const bool fires = command_.laser_on && in_view(command_, next.rotor.azimuth_rad);
+    const bool fires = command_.laser_on && in_view(command_, next.rotor.encoder_rad);
     if (truth != nullptr) {
       truth->resize(firings.size());
       if (fires) {
@@ -237,13 +237,14 @@ WeatherBeam DepthImageLidar::weather_beam(const Pending& pending, std::size_t la
   // Divergence: geometric mean of both; pulse: half its length in space, c tau / 2.
   return {.start_W = X_WS * line.start_S,
           .direction_W = X_WS.linear() * line.direction_S,
-          .near_m = pattern_.minimum_range_m,
+          .near_m = echo_model_.air_minimum_range_m(),
           .far_m = echo_model_.reach_m(),
           .divergence_rad = std::sqrt(pattern_.beam.horizontal_divergence_rad *
                                       pattern_.beam.vertical_divergence_rad),
           .pulse_m = 0.5 * kSpeedOfLight_mps * to_seconds(pattern_.beam.pulse),
           .time = pending.time + pattern_.lasers[laser].time_offset,
-          .draw_key = counter_bits(air_key_, pending.number * kMaxLasers + laser)};
+          .draw_key = counter_bits(air_key_, pending.number * kMaxLasers + laser),
+          .detection_energy = echo_model_.air_threshold()};
 }
 
 void DepthImageLidar::answer(const Scene& scene, const Weather* weather, const Pending& pending,

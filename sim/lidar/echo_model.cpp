@@ -30,6 +30,10 @@ EchoModel::EchoModel(const SpinningLidarParameters& parameters, const LidarPatte
   const double reference_m =
       parameters.reference_range_m > 0.0 ? parameters.reference_range_m : pattern.maximum_range_m;
   threshold_ = static_cast<float>(detection_energy(reference_m));
+  air_threshold_ = detection_energy(
+      parameters.air_reference_range_m > 0.0 ? parameters.air_reference_range_m : reference_m);
+  air_minimum_m_ = parameters.air_minimum_range_m > 0.0 ? parameters.air_minimum_range_m
+                                                        : pattern.minimum_range_m;
   double sigma_m = parameters.range_sigma_m;
   if (noise_ == RangeNoise::signal) {
     sigma_m = range_spread_m(sigma_m, parameters.range_resolution_m, 1.0);
@@ -39,7 +43,9 @@ EchoModel::EchoModel(const SpinningLidarParameters& parameters, const LidarPatte
   const std::string prefix(name);
   RandomStream bias(seed, prefix + "/bias");
   for (float& bias_m : biases_m_) {
-    bias_m = static_cast<float>(parameters.laser_bias_sigma_m * bias.gaussian());
+    bias_m =
+        static_cast<float>(parameters.laser_bias_sigma_m *
+                           std::clamp(bias.gaussian(), -kGreatestBias_sigma, kGreatestBias_sigma));
   }
   RandomStream noise(seed, prefix + "/range");
   RandomStream loss(seed, prefix + "/loss");

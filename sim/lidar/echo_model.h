@@ -40,6 +40,9 @@ class EchoModel {
 
   /// Least energy of an echo that is seen.
   [[nodiscard]] float threshold() const { return threshold_; }
+  /// The same for an echo of the air.
+  [[nodiscard]] double air_threshold() const { return air_threshold_; }
+  [[nodiscard]] double air_minimum_range_m() const { return air_minimum_m_; }
   [[nodiscard]] float minimum_range_m() const { return minimum_m_; }
   /// How far rays must go: what is beyond does not come into the range window by its errors.
   [[nodiscard]] double reach_m() const { return reach_m_; }
@@ -64,6 +67,8 @@ class EchoModel {
   float sigma_m_;
   float resolution_m_;
   float threshold_;
+  double air_threshold_;
+  double air_minimum_m_;
   float minimum_m_;
   float maximum_m_;
   double reach_m_;

@@ -26,15 +26,19 @@ void visit(fields::Visitor& v, SpinningLidarParameters& p) {
            "Distance from the spin axis at which rays begin.");
   v.integer("threads", p.threads, IntegerRule{1, 64},
             "Threads that cast rays; results do not change.");
-  v.integer("sub_rays", p.sub_rays, IntegerRule{1, 1000},
-            "Rays per beam: 1, 5 or 19; 1000 to compare with.");
+  v.integer("sub_rays", p.sub_rays, IntegerRule{0, 1000},
+            "Rays per beam: 1, 5 or 19; 1000 to compare with; 0 = 1, or 5 for several echoes.");
   v.choice("range_noise", p.range_noise, kRangeNoises, "How range noise is made.");
   v.number("range_resolution", p.range_resolution_m, in("mm").between(0, 1000),
            "With noise by signal: sqrt(2) times the spread of an echo that is just seen.");
   v.number("laser_bias_sigma", p.laser_bias_sigma_m, in("mm").between(0, 1000),
            "Spread of the lasers' constant errors.");
   v.number("reference_range", p.reference_range_m, in("m").between(0, 1000),
-           "Where a 90 % target is just seen; 0 = at the maximum range.");
+           "Where a 90 % target is just seen, head on in clear air; 0 = maximum range.");
+  v.number("air_reference_range", p.air_reference_range_m, in("m").between(0, 1000),
+           "The same range for echoes of rain, fog and dust; 0 = reference_range.");
+  v.number("air_minimum_range", p.air_minimum_range_m, in("m").between(0, 100),
+           "Nearest echo of rain, fog and dust; 0 = that of surfaces.");
   v.number("echo_separation", p.echo_separation_m, in("m").between(0, 100),
            "Of two echoes nearer than this the weaker one is lost.");
   v.boolean("compensates_incidence", p.compensates_incidence,
@@ -50,12 +54,19 @@ void visit(fields::Visitor& v, SpinningLidarParameters& p) {
            "How far beside the beam a pulse is scattered.");
 }
 
+int rays_per_beam(const SpinningLidarParameters& parameters, bool several_echoes) {
+  if (parameters.sub_rays != 0) {
+    return parameters.sub_rays;
+  }
+  return several_echoes ? kSubRaysOfSeveralEchoes : 1;
+}
+
 void validate(const SpinningLidarParameters& p) {
   fields::check(p);
-  constexpr std::array kSubRays{1, 5, 19, 1000};
+  constexpr std::array kSubRays{0, 1, 5, 19, 1000};
   if (std::ranges::find(kSubRays, p.sub_rays) == kSubRays.end()) {
     throw fields::Refused("sub_rays",
-                          "found " + std::to_string(p.sub_rays) + ", allowed 1, 5, 19 or 1000");
+                          "found " + std::to_string(p.sub_rays) + ", allowed 0, 1, 5, 19 or 1000");
   }
 }
 

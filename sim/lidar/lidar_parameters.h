@@ -17,18 +17,28 @@ struct SpinningLidarParameters {
                                    ///< range block the ray and are reported as none.
   int threads = 1;                 ///< That cast, the caller's included. Does not change results.
 
-  /// Rays per beam: 1, 5 or 19; 1000 to compare with (beam_sampler.h).
-  int sub_rays = 1;
+  /// Rays per beam: 1, 5 or 19; 1000 to compare with (beam_sampler.h). 0: 1 where the strongest
+  /// echo alone is asked for, kSubRaysOfSeveralEchoes where echoes are to be told apart, which a
+  /// beam without width cannot return in clear air.
+  int sub_rays = 0;
   RangeNoise range_noise = RangeNoise::constant;
   /// Of the receiver, with RangeNoise::signal: an echo that is just seen has 1 / sqrt(2) of it as
   /// spread, beside range_sigma_m. 0.09 m: Kilic et al., "Lidar Light Scattering Augmentation
   /// (LISA)", arXiv 2107.07004, 2021.
   double range_resolution_m = 0.09;
-  /// Spread of the constant errors of the lasers, one number per laser for the whole run.
+  /// Spread of the constant errors of the lasers, one number per laser for the whole run, cut off
+  /// at kGreatestBias_sigma: a unit beyond its data sheet does not leave the factory.
   double laser_bias_sigma_m = 0.0;
   /// Where a 90 % diffuse target is just seen, head on in clear air; 0: at the pattern's maximum
   /// range.
   double reference_range_m = 0.0;
+  /// The same for what the air returns: rain, fog, dust. 0: as reference_range_m. Receivers raise
+  /// their threshold nearby against scattered light; the laws of sim/weather were compared with
+  /// recordings at the ranges of the data sheets, and keep their figures by this.
+  double air_reference_range_m = 0.0;
+  /// Nearest echo of the air: nearer, the fields of transmitter and receiver do not overlap. 0: the
+  /// pattern's minimum range.
+  double air_minimum_range_m = 0.0;
   /// Of two echoes nearer to each other than this the weaker one is not reported.
   double echo_separation_m = 1.0;
   /// The reported reflectivity is that of the surface met head on. The real sensors do not know the
@@ -47,6 +57,12 @@ struct SpinningLidarParameters {
   double blooming_share = 0.0;
   double blooming_angle_rad = 0.010;
 };
+inline constexpr int kSubRaysOfSeveralEchoes = 5;
+inline constexpr double kGreatestBias_sigma = 2.5;
+
+/// Rays per beam, for a receiver that tells echoes apart and for one that does not.
+[[nodiscard]] int rays_per_beam(const SpinningLidarParameters& parameters, bool several_echoes);
+
 void visit(fields::Visitor& v, SpinningLidarParameters& p);
 
 /// Throws std::invalid_argument naming the key, the value found and what is allowed.

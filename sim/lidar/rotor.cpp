@@ -22,7 +22,7 @@ constexpr Duration kPeriod = std::chrono::milliseconds{1};
 constexpr double kPeriod_s = to_seconds(kPeriod);
 constexpr Duration kPulsePeriod = std::chrono::seconds{1};
 constexpr double kGreatestRate_radps = 500.0;
-/// Below this speed the wander fades with it, so that a standing rotor stands.
+/// Below this speed wander, ripple and the encoder's noise fade with it.
 constexpr double kSteadyRate_radps = 10.0;
 /// A speed that is as near as this to the wanted one takes it.
 constexpr double kSameRate_radps = 0.01;
@@ -35,6 +35,11 @@ double within_turn(double angle_rad) {
 /// The same for what left the turn by one turn at most.
 double back_into_turn(double angle_rad) {
   return angle_rad >= kTurn ? angle_rad - kTurn : angle_rad < 0.0 ? angle_rad + kTurn : angle_rad;
+}
+
+/// How much of what makes a rotor uneven acts at that speed, 0 .. 1.
+double unsteadiness(double rate_radps) {
+  return std::min(1.0, std::abs(rate_radps) / kSteadyRate_radps);
 }
 
 double counter_gaussian(std::uint64_t key, std::uint64_t counter) {
@@ -68,9 +73,13 @@ void visit(fields::Visitor& v, RotorParameters& p) {
   v.number("acceleration", p.acceleration_radps2, in("rad/s2").between(0.1, 10000),
            "Greatest acceleration, by the motor's torque.");
   v.number("wander", p.wander_radps, in("rpm").between(0, 100),
-           "Spread of the speed; real sensors: 1 to 2 rpm.");
+           "Spread of the speed over minutes.");
   v.number("wander_correlation", p.wander_correlation_s, in("s").between(0.01, 1000),
            "Time in which the wander changes.");
+  v.number("ripple", p.ripple_radps, in("rpm").between(0, 100),
+           "Change of speed that comes once in a turn, amplitude.");
+  v.number("encoder_noise", p.encoder_noise_rad, in("deg").between(0, 1),
+           "Noise of the azimuth that the encoder reads, per firing.");
   v.number("phase_time", p.phase_time_s, in("s").between(0.01, 60),
            "Time in which the phase lock's error falls to 1/e.");
   v.number("phase_speed", p.phase_speed_share, in("%").between(0.01, 20),
@@ -83,19 +92,21 @@ void validate(const RotorParameters& p) {
 
 Rotor::Rotor(const LidarCommand& command, const RotorParameters& parameters, std::uint64_t seed,
              std::string_view name)
-    : parameters_(parameters),
-      command_(command),
-      wander_key_(RandomStream(seed, std::string(name) + "/rotor").bits()) {
+    : parameters_(parameters), command_(command) {
   validate(parameters);
   check(command);
+  RandomStream unit(seed, std::string(name) + "/rotor");
+  wander_key_ = unit.bits();
+  encoder_key_ = unit.bits();
+  ripple_phase_rad_ = kTurn * unit.uniform();
   wander_radps_ = parameters.wander_radps * counter_gaussian(wander_key_, 0);
   next_.start = kStart;
   if (!parameters.starts_at_rest) {
     steered_radps_ = command.rotor_rate_radps;
-    next_.rate_radps = shaft_rate();
     if (command.phase_lock) {
       next_.azimuth_rad = wanted_phase(kStart);
     }
+    next_.rate_radps = shaft_rate(next_.azimuth_rad);
   }
   act();
 }
@@ -112,9 +123,16 @@ RotorState Rotor::at(SimTime time) {
   }
   // Constant acceleration within a stretch: azimuth is quadratic in time.
   const double age_s = to_seconds(time - stretch_.start);
-  return {back_into_turn(stretch_.azimuth_rad +
-                         age_s * (stretch_.rate_radps + 0.5 * age_s * acceleration_radps2_)),
-          stretch_.rate_radps + age_s * acceleration_radps2_};
+  const double azimuth_rad = back_into_turn(
+      stretch_.azimuth_rad + age_s * (stretch_.rate_radps + 0.5 * age_s * acceleration_radps2_));
+  const double rate_radps = stretch_.rate_radps + age_s * acceleration_radps2_;
+  if (parameters_.encoder_noise_rad == 0.0) {
+    return {azimuth_rad, rate_radps, azimuth_rad};
+  }
+  const double noise_rad =
+      unsteadiness(rate_radps) * parameters_.encoder_noise_rad *
+      counter_gaussian(encoder_key_, static_cast<std::uint64_t>((time - kStart).count()));
+  return {azimuth_rad, rate_radps, back_into_turn(azimuth_rad + noise_rad)};
 }
 
 double Rotor::wanted_phase(SimTime time) const {
@@ -138,10 +156,11 @@ double Rotor::wanted_rate() const {
   return commanded + std::clamp(error_rad / parameters_.phase_time_s, -most, most);
 }
 
-/// With the wander, which does not turn it round.
-double Rotor::shaft_rate() const {
-  const double share = std::min(1.0, std::abs(steered_radps_) / kSteadyRate_radps);
-  const double rate = steered_radps_ + share * wander_radps_;
+/// With wander and ripple, which do not turn it round.
+double Rotor::shaft_rate(double azimuth_rad) const {
+  const double off_radps =
+      wander_radps_ + parameters_.ripple_radps * std::cos(azimuth_rad - ripple_phase_rad_);
+  const double rate = steered_radps_ + unsteadiness(steered_radps_) * off_radps;
   return steered_radps_ >= 0.0 ? std::max(rate, 0.0) : std::min(rate, 0.0);
 }
 
@@ -162,7 +181,7 @@ void Rotor::act() {
                                                counter_gaussian(wander_key_, ++draws_);
   }
   next_.start = stretch_.start + kPeriod;
-  next_.rate_radps = shaft_rate();
+  next_.rate_radps = shaft_rate(stretch_.azimuth_rad + kPeriod_s * stretch_.rate_radps);
   next_.azimuth_rad = back_into_turn(stretch_.azimuth_rad +
                                      0.5 * kPeriod_s * (stretch_.rate_radps + next_.rate_radps));
   acceleration_radps2_ = (next_.rate_radps - stretch_.rate_radps) / kPeriod_s;

@@ -7,16 +7,18 @@
 // anything. A command counts from the controller's next action on.
 //
 // Speed follows the command with a time constant, within the motor's torque. It wanders about what
-// the controller wants as a first-order Gauss-Markov process. The shaft never turns against the
-// commanded direction, whatever the wander.
+// the controller wants as a first-order Gauss-Markov process, and rises and falls once in a turn
+// (ripple), at a phase drawn for the unit. The shaft never turns against the commanded direction,
+// whatever wander and ripple. The encoder reads the azimuth with noise of its own; where beams go
+// is the true azimuth's. All three fade below 10 rad/s, so that a standing rotor stands.
 //
 // Phase lock: the wanted speed differs from the commanded one by the phase's error over
 // phase_time_s, by at most phase_speed_share of it; half a turn is made up in 50 turns' time with
 // the default. The phase that is wanted begins anew at each pulse: with a commanded speed that is
 // no whole number of turns per second the lock does not hold, as with the real sensors (VLP-16
-// user's manual 63-9243 Rev. D, section "Phase locking": multiples of 60 rpm). Without wander the
-// phase is met to 1e-6 rad; with a wander of spread s rad/s and correlation time T to
-// s phase_time_s sqrt(T / (T + phase_time_s)), one sigma: 2.6 degrees for 1.5 rpm and 0.5 s.
+// user's manual 63-9243 Rev. D, section "Phase locking": multiples of 60 rpm). Without wander
+// and ripple the phase is met to 1e-6 rad; with a wander of spread s rad/s and correlation time T
+// to s phase_time_s sqrt(T / (T + phase_time_s)), one sigma: 2.6 degrees for 1.5 rpm and 0.5 s.
 #pragma once
 
 #include <cstdint>
@@ -32,14 +34,17 @@ namespace rigwire::sim {
 struct RotorState {
   double azimuth_rad = 0.0;  ///< [0, 2 pi)
   double rate_radps = 0.0;
+  double encoder_rad = 0.0;  ///< The azimuth as the encoder reads it, [0, 2 pi).
 };
 
 struct RotorParameters {
   bool starts_at_rest = false;        ///< Otherwise it turns as commanded from the start.
   double time_constant_s = 0.1;       ///< Of the speed controller.
   double acceleration_radps2 = 30.0;  ///< Greatest: 600 rpm within about 2 s.
-  double wander_radps = 0.0;          ///< Spread of the speed. Real sensors: about 0.15 (1.5 rpm).
+  double wander_radps = 0.0;          ///< Spread of the speed. Real sensors: velodyne_heads.h.
   double wander_correlation_s = 0.5;
+  double ripple_radps = 0.0;        ///< Amplitude of a change of speed once in a turn.
+  double encoder_noise_rad = 0.0;   ///< Spread of what the encoder reads, independent per firing.
   double phase_time_s = 0.4;        ///< In which a small error of the phase falls to 1/e.
   double phase_speed_share = 0.01;  ///< Greatest change of speed for the phase.
 };
@@ -51,7 +56,7 @@ void validate(const RotorParameters& parameters);
 class Rotor {
  public:
   /// At azimuth 0 at the start of the run, or where the phase lock wants it if it turns already and
-  /// is locked. Wander depends on (seed, name) only. Validates.
+  /// is locked. What is random depends on (seed, name) only. Validates.
   explicit Rotor(const LidarCommand& command, const RotorParameters& parameters = {},
                  std::uint64_t seed = 0, std::string_view name = {});
 
@@ -72,11 +77,13 @@ class Rotor {
   void act();
   [[nodiscard]] double wanted_rate() const;
   [[nodiscard]] double wanted_phase(SimTime time) const;
-  [[nodiscard]] double shaft_rate() const;
+  [[nodiscard]] double shaft_rate(double azimuth_rad) const;
 
   RotorParameters parameters_;
   LidarCommand command_;
-  std::uint64_t wander_key_;
+  std::uint64_t wander_key_ = 0;
+  std::uint64_t encoder_key_ = 0;
+  double ripple_phase_rad_ = 0.0;  ///< Azimuth at which the rotor is fastest.
   std::uint64_t draws_ = 0;
   double wander_radps_ = 0.0;
   double steered_radps_ = 0.0;        ///< Speed without the wander.

@@ -32,11 +32,15 @@ void check(const LidarPattern& pattern, const SamplePlan& plan) {
   }
 }
 
-/// Whether ClearEcho does all that is asked for.
-bool without_width(const SpinningLidarParameters& p) {
-  return p.sub_rays == 1 && p.blooming_share == 0.0 && p.range_noise == RangeNoise::constant &&
-         p.laser_bias_sigma_m == 0.0 && p.reference_range_m == 0.0 && !p.compensates_incidence &&
-         p.drop_rate == 0.0 && p.drop_at_zero == 0.0;
+/// Whether ClearEcho does all that is asked for, but for the width of beams.
+bool is_plain(const SpinningLidarParameters& p) {
+  return p.blooming_share == 0.0 && p.range_noise == RangeNoise::constant &&
+         !p.compensates_incidence && p.drop_rate == 0.0 && p.drop_at_zero == 0.0;
+}
+
+SpinningLidarParameters with_rays(SpinningLidarParameters parameters, int sub_rays) {
+  parameters.sub_rays = sub_rays;
+  return parameters;
 }
 
 double within_turn(double angle_rad) {
@@ -72,13 +76,16 @@ struct SpinningLidar::Slice {
   Slice(const SpinningLidarParameters& parameters, const LidarPattern& pattern, std::uint64_t seed,
         std::string_view name)
       : head(pattern),
-        clear_echo(parameters, pattern, RandomStream(seed, std::string(name) + "/range").bits()),
-        beams(parameters, pattern, seed, name),
+        single(with_rays(parameters, rays_per_beam(parameters, false)), pattern, seed, name),
+        several(with_rays(parameters, rays_per_beam(parameters, true)), pattern, seed, name),
+        clear_echo(parameters, pattern, single.echo_model(),
+                   RandomStream(seed, std::string(name) + "/range").bits()),
         workers(parameters.threads) {}
 
   HeadLanes head;
+  BeamCaster single;   ///< For the strongest echo alone,
+  BeamCaster several;  ///< for echoes that are told apart.
   ClearEcho clear_echo;
-  BeamCaster beams;
   WorkerPool workers;
   std::vector<FiringBlock> blocks;  ///< The first block_count of them are of this slice.
   std::size_t block_count = 0;
@@ -110,7 +117,7 @@ SpinningLidar::SpinningLidar(const SpinningLidarParameters& parameters, const Li
   check(pattern, plan);
   slice_ = std::make_unique<Slice>(parameters, pattern, seed, name);
   slice_->limits.near_m = static_cast<float>(parameters.housing_radius_m);
-  slice_->limits.far_m = static_cast<float>(slice_->beams.echo_model().reach_m());
+  slice_->limits.far_m = static_cast<float>(slice_->single.echo_model().reach_m());
 }
 
 SpinningLidar::~SpinningLidar() = default;
@@ -167,11 +174,11 @@ void SpinningLidar::prepare(const Scene& scene, const LidarSlice& stretch, Rotor
         .number = static_cast<std::uint32_t>(i),
         .time = first + static_cast<std::int64_t>(i) * plan_.period,
         .rotor = rotor.at(first + static_cast<std::int64_t>(i) * plan_.period)};
-    const bool fires = fires_at(firing.rotor.azimuth_rad);
+    const bool fires = fires_at(firing.rotor.encoder_rad);
     for (std::size_t b = 0; b < banks; ++b) {
       LidarFiring& bank = firings[i * banks + b];
       bank.time = firing.time;
-      bank.rotor_azimuth_rad = firing.rotor.azimuth_rad;
+      bank.rotor_azimuth_rad = firing.rotor.encoder_rad;
       bank.rotor_rate_radps = firing.rotor.rate_radps;
       bank.first_laser = b * kBankLasers;
       begin_bank(bank, fires && (b + 1 < banks || last_bank_is_full));
@@ -198,7 +205,8 @@ void SpinningLidar::cast(const Scene& scene, const LidarSlice& slice, const Weat
     true_shots = *truth;
   }
   const bool clear = weather == nullptr || !weather->present();
-  const bool quick = clear && without_width(parameters_);
+  const BeamCaster& beams = command_.several_echoes ? slice_->several : slice_->single;
+  const bool quick = clear && beams.rays_per_beam() == 1 && is_plain(parameters_);
   const std::span<const FiringBlock> blocks = slice_->used_blocks();
   slice_->workers.run(blocks.size(), [&](std::size_t i) {
     const FiringBlock& block = blocks[i];
@@ -216,11 +224,11 @@ void SpinningLidar::cast(const Scene& scene, const LidarSlice& slice, const Weat
     if (quick) {
       slice_->clear_echo.cast(cast);
     } else {
-      slice_->beams.cast(cast);
+      beams.cast(cast);
     }
   });
   for (const FiringBlock& block : blocks) {
-    rays_ += block.count * pattern_.lasers.size() * slice_->beams.rays_per_beam();
+    rays_ += block.count * pattern_.lasers.size() * beams.rays_per_beam();
   }
 }
 

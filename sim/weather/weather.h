@@ -2,10 +2,10 @@
 // it sends echoes of its own.
 //
 // Energies are in the unit of the link budget that the lidar uses (sim/lidar): a surface of diffuse
-// reflectance rho met at incidence angle theta at range r returns rho cos(theta) T / r^2, where T
+// reflectance rho met at incidence angle theta at range r returns rho f(theta) T / r^2, where T
 // is the two-way transmission; an echo is seen when that is at least 0.9 / R_max^2. A thin layer of
 // scatterers with back-scatter beta (per metre and steradian) and depth d is then a surface of
-// rho cos(theta) = pi beta d, since a white Lambertian surface sends 1 / pi per steradian back.
+// rho f(theta) = pi beta d, since a white Lambertian surface sends 1 / pi per steradian back.
 #pragma once
 
 #include <Eigen/Core>

@@ -47,6 +47,29 @@ TEST(BeamAir, ASurfaceReturnsWhatTheAirLetsThroughBothWays) {
   }
 }
 
+TEST(BeamAir, FarSensitivityChangesNeitherExtinctionNorWhatIsToldOfTheAir) {
+  LidarReturn before;
+  for (const double reference_m : {100.0, 150.0, 660.0}) {
+    FakeAir air;
+    air.extinction_pm = 0.01;
+    SpinningLidarParameters parameters = exact(5);
+    parameters.reference_range_m = reference_m;
+    parameters.air_reference_range_m = 100.0;
+    parameters.air_minimum_range_m = 1.5;
+    Scene scene;
+    add_board(scene, 30.0, -5.0, 5.0, paint(0.9));
+    Shooter shooter(parameters, head());
+    const LidarReturn echo = shooter.shoot(scene, 1, &air).at(0).strongest[0];
+    EXPECT_NEAR(echo.reflectivity, 0.9 * std::exp(-0.6), 1e-4) << reference_m;
+    EXPECT_TRUE(before == LidarReturn{} || echo == before) << reference_m;
+    before = echo;
+    for (const WeatherBeam& beam : air.asked) {
+      EXPECT_DOUBLE_EQ(beam.detection_energy, 0.9 / (100.0 * 100.0)) << reference_m;
+      EXPECT_EQ(beam.near_m, 1.5);
+    }
+  }
+}
+
 TEST(BeamAir, EdgeAndWallAreWeakenedEachOverItsOwnWay) {
   FakeAir air;
   air.extinction_pm = 0.02;

@@ -63,9 +63,9 @@ inline Scene::InstanceId add_board(Scene& scene, double x, double y0, double y1,
 class Shooter {
  public:
   Shooter(const SpinningLidarParameters& parameters, const LidarPattern& pattern,
-          double rotor_rate_radps = 0.0, bool several = true)
+          double rotor_rate_radps = 0.0, bool several = true, std::uint64_t seed = 1)
       : lidar_(parameters, pattern, SamplePlan{kStart + kFiringPeriod, kFiringPeriod},
-               command(rotor_rate_radps, several), 1, "lidar") {}
+               command(rotor_rate_radps, several), seed, "lidar") {}
 
   std::vector<LidarFiring>& shoot(Scene& scene, int firings = 1, const Weather* weather = nullptr) {
     const SimTime end = time_ + firings * kFiringPeriod;

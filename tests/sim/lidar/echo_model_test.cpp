@@ -210,7 +210,7 @@ TEST(EchoModel, ParametersThatMakeNoSenseAreRefusedByName) {
       EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
     }
   };
-  refused("sub_rays: found 6, allowed 1, 5, 19 or 1000", [](auto& p) { p.sub_rays = 6; });
+  refused("sub_rays: found 6, allowed 0, 1, 5, 19 or 1000", [](auto& p) { p.sub_rays = 6; });
   refused("range_sigma: found nan", [=](auto& p) { p.range_sigma_m = nan; });
   refused("drop_rate: found 110 %, allowed 0 .. 100 %", [](auto& p) { p.drop_rate = 1.1; });
   refused("drop_at_zero: found -10 %", [](auto& p) { p.drop_at_zero = -0.1; });

@@ -129,6 +129,55 @@ TEST(Rotor, WandersWithItsSpreadAndItsCorrelation) {
   EXPECT_NEAR(later / square, std::exp(-1.0), 0.13);
 }
 
+TEST(Rotor, EncoderReadsWithNoiseOfItsOwnAndTheShaftKnowsNothingOfIt) {
+  RotorParameters parameters;
+  parameters.encoder_noise_rad = 1e-4;
+  Rotor noisy(turning(kRate), parameters, 3, "lidar");
+  Rotor even(turning(kRate));
+  double squares = 0.0;
+  double neighbours = 0.0;
+  double before = 0.0;
+  constexpr int kReadings = 20'000;
+  for (int i = 0; i < kReadings; ++i) {
+    const SimTime time = kStart + microseconds{50} * i;
+    const RotorState state = noisy.at(time);
+    ASSERT_EQ(state.azimuth_rad, even.at(time).azimuth_rad);
+    const double off = std::remainder(state.encoder_rad - state.azimuth_rad, kTurn);
+    squares += off * off;
+    neighbours += off * before;
+    before = off;
+  }
+  EXPECT_NEAR(std::sqrt(squares / kReadings), 1e-4, 4.0 * 1e-4 / std::sqrt(2.0 * kReadings));
+  EXPECT_NEAR(neighbours / squares, 0.0, 4.0 / std::sqrt(kReadings));
+  Rotor standing(turning(0.0), parameters, 3, "lidar");
+  EXPECT_EQ(standing.at(kStart + seconds{1}).encoder_rad, 0.0);
+}
+
+TEST(Rotor, SpeedRisesAndFallsOnceInATurnAtAPhaseOfTheUnit) {
+  RotorParameters parameters;
+  parameters.ripple_radps = 0.1;
+  const auto fastest_at = [&](std::uint64_t seed) {
+    Rotor rotor(turning(kRate), parameters, seed, "lidar");
+    double fastest = 0.0;
+    double slowest = 1e9;
+    double at_rad = 0.0;
+    for (int ms = 0; ms < 300; ++ms) {
+      const RotorState state = rotor.at(kStart + milliseconds{ms});
+      slowest = std::min(slowest, state.rate_radps);
+      if (state.rate_radps > fastest) {
+        fastest = state.rate_radps;
+        at_rad = state.azimuth_rad;
+      }
+    }
+    EXPECT_NEAR(fastest, kRate + 0.1, 2e-4);
+    EXPECT_NEAR(slowest, kRate - 0.1, 2e-4);
+    EXPECT_LT(error_of(rotor.at(kStart + seconds{10}).azimuth_rad, 0.0), 0.1 / kRate * 2.0 + 1e-4)
+        << "no turn is gained";
+    return at_rad;
+  };
+  EXPECT_GT(error_of(fastest_at(1), fastest_at(2)), 0.05);
+}
+
 TEST(Rotor, NeverTurnsBackwardsHoweverItWanders) {
   RotorParameters parameters;
   parameters.wander_radps = 10.0;

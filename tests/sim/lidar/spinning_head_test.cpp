@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "rough_surface.h"
 #include "sim/lidar/spinning_lidar.h"
 
 namespace rigwire::sim {
@@ -156,7 +157,8 @@ TEST(SpinningHead, EveryLaserOfEveryHeadLeavesWhereAndWhenItsGeometrySays) {
         worst = std::max(worst, std::abs(firing.strongest[i].range_m - expected));
         ASSERT_EQ(truth[k][i].range_m, firing.strongest[i].range_m) << of.name;
         ASSERT_LT(truth[k][i].instance, 6U) << of.name;
-        ASSERT_NEAR(firing.strongest[i].reflectivity, 0.9 * truth[k][i].cosine_of_incidence, 1e-6);
+        ASSERT_NEAR(firing.strongest[i].reflectivity,
+                    0.9 * rough_surface(truth[k][i].cosine_of_incidence), 1e-5);
       }
     }
     EXPECT_LT(worst, 0.1 * kHalfUnit_m) << of.name;

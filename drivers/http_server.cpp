@@ -168,7 +168,9 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
     response_ = http::response<http::string_body>();
     response_.result(static_cast<unsigned>(response.status));
     response_.version(version);
-    response_.set(http::field::server, "Rigwire");
+    if (!server_->settings.server.empty()) {
+      response_.set(http::field::server, server_->settings.server);
+    }
     if (!response.allow.empty()) {
       response_.set(http::field::allow, response.allow);
     }

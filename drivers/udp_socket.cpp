@@ -1,8 +1,10 @@
 #include "drivers/udp_socket.h"
 
+#include <netinet/in.h>
 #include <sys/socket.h>
 
 #include <boost/asio/ip/address_v4.hpp>
+#include <boost/asio/ip/unicast.hpp>
 #include <boost/asio/socket_base.hpp>
 #include <cerrno>
 #include <string_view>
@@ -70,6 +72,19 @@ udp::socket UdpSocket::open(const boost::asio::any_io_executor& executor,
   if (settings.broadcast) {
     socket.set_option(boost::asio::socket_base::broadcast(true), error);
     require("cannot allow broadcast", "use a unicast destination");
+  }
+  if (settings.time_to_live != 0) {
+    socket.set_option(boost::asio::ip::unicast::hops(settings.time_to_live), error);
+    require("cannot set the time to live", "report this");
+  }
+  if (settings.dont_fragment) {
+    const int always = IP_PMTUDISC_DO;
+    (void)::setsockopt(socket.native_handle(), IPPROTO_IP, IP_MTU_DISCOVER, &always,
+                       sizeof(always));
+  }
+  if (settings.shares_source) {
+    socket.set_option(boost::asio::socket_base::reuse_address(true), error);
+    require("cannot share the address to bind", "report this");
   }
   if (settings.bind) {
     const UdpEndpoint source = source_of(settings);

@@ -40,6 +40,13 @@ struct UdpSettings {
   bool broadcast = false;                       ///< Allows a broadcast address as the destination.
   /// The source port is the destination's, whatever `bind` says; `bind` must be set.
   bool source_port_follows = false;
+  /// The bound address may be that of other sockets that share theirs, too: senders of one machine
+  /// that each play a device with the same port.
+  bool shares_source = false;
+  /// Of the IP header of what is sent; 0: the system's.
+  std::uint8_t time_to_live = 0;
+  /// Sets the header's "don't fragment"; its identification is the system's all the same.
+  bool dont_fragment = false;
   int receive_buffer_bytes = 1 << 20;  ///< Asked of the system, which may give less.
 };
 

@@ -25,11 +25,11 @@ void kill_lasers(const VelodyneFault& fault, std::size_t lasers, LidarFiring& ba
   }
 }
 
-void dim(LidarReturn& echo, double transmission, double maximum_range_m) {
-  // Light passes the dirt twice; an echo is found while rho T^2 R_max^2 >= 0.9 r^2 (link_budget.h).
+void dim(LidarReturn& echo, double transmission, double reference_range_m) {
+  // Light passes the dirt twice; an echo is found while rho T^2 R^2 >= 0.9 r^2 (link_budget.h).
   const double passed = transmission * transmission;
   const double range_m = echo.range_m;
-  const double found = echo.reflectivity * passed * maximum_range_m * maximum_range_m;
+  const double found = echo.reflectivity * passed * reference_range_m * reference_range_m;
   if (!(found >= kWhite * range_m * range_m) || range_m == 0.0) {
     echo = {};
     return;
@@ -39,8 +39,8 @@ void dim(LidarReturn& echo, double transmission, double maximum_range_m) {
   echo.reflectivity = static_cast<float>(reported);
 }
 
-void dim_sector(const VelodyneFault& fault, const LidarPattern& pattern, std::size_t lasers,
-                LidarFiring& bank) {
+void dim_sector(const VelodyneFault& fault, const LidarPattern& pattern, double reference_range_m,
+                std::size_t lasers, LidarFiring& bank) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   const double width_deg = std::fmod(fault.sector_end_deg - fault.sector_start_deg + 720.0, 360.0);
   const bool all_round = width_deg == 0.0;
@@ -51,9 +51,9 @@ void dim_sector(const VelodyneFault& fault, const LidarPattern& pattern, std::si
     const double after_start_deg =
         std::fmod(azimuth_rad * kDegrees - fault.sector_start_deg + 1080.0, 360.0);
     if (all_round || after_start_deg < width_deg) {
-      dim(bank.strongest[i], fault.transmission, pattern.maximum_range_m);
-      dim(bank.last[i], fault.transmission, pattern.maximum_range_m);
-      dim(bank.second[i], fault.transmission, pattern.maximum_range_m);
+      dim(bank.strongest[i], fault.transmission, reference_range_m);
+      dim(bank.last[i], fault.transmission, reference_range_m);
+      dim(bank.second[i], fault.transmission, reference_range_m);
     }
   }
 }
@@ -61,7 +61,7 @@ void dim_sector(const VelodyneFault& fault, const LidarPattern& pattern, std::si
 }  // namespace
 
 void apply_optical_defects(std::span<const VelodyneFault> faults, const LidarPattern& pattern,
-                           LidarFiring& bank) {
+                           double reference_range_m, LidarFiring& bank) {
   const std::size_t lasers = std::min(kBankLasers, pattern.lasers.size() - bank.first_laser);
   for (const VelodyneFault& fault : faults) {
     if (!fault.holds(bank.time)) {
@@ -70,7 +70,7 @@ void apply_optical_defects(std::span<const VelodyneFault> faults, const LidarPat
     if (fault.kind == VelodyneFaultKind::dead_laser) {
       kill_lasers(fault, lasers, bank);
     } else if (fault.kind == VelodyneFaultKind::dirty_window) {
-      dim_sector(fault, pattern, lasers, bank);
+      dim_sector(fault, pattern, reference_range_m, lasers, bank);
     }
   }
 }

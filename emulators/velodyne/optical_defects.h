@@ -18,8 +18,8 @@
 
 namespace rigwire::emulators {
 
-/// Applies what of the faults holds at the bank's time.
+/// Applies what of the faults holds at the bank's time. `reference_range_m` is R.
 void apply_optical_defects(std::span<const VelodyneFault> faults, const LidarPattern& pattern,
-                           LidarFiring& bank);
+                           double reference_range_m, LidarFiring& bank);
 
 }  // namespace rigwire::emulators

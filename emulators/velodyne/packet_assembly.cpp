@@ -29,8 +29,13 @@ void pair_up(EncodedReturns& strongest, EncodedReturns& last, const EncodedRetur
 
 }  // namespace
 
-PacketAssembly::PacketAssembly(const velodyne::Model& model, const ReturnEncoder& encode)
+PacketAssembly::PacketAssembly(const velodyne::Model& model, const ReturnEncoder& encode,
+                               const NoReturnBytes& no_return)
     : model_(model), encode_(encode) {
+  for (std::size_t laser = 0; laser < no_return.size(); ++laser) {
+    no_return_[laser] = static_cast<velodyne::ChannelWord>(no_return[laser]) << 16U;
+    marks_no_returns_ = marks_no_returns_ || no_return[laser] != 0;
+  }
   begin(mode_);
 }
 
@@ -87,6 +92,12 @@ void PacketAssembly::add(const LidarFiring& bank, std::uint16_t azimuth_counts) 
     const bool farthest = mode_ == ReturnMode::last && bank.several;
     encode_.encode(bank, std::array{farthest ? &bank.last : &bank.strongest}, encoded);
   }
+  if (marks_no_returns_) {
+    mark_no_returns(bank.first_laser, strongest);
+    if (two && bank.several) {
+      mark_no_returns(bank.first_laser, last);
+    }
+  }
   const auto fill = [&](std::size_t block, const EncodedReturns& echoes) {
     if (within == 0) {
       write_.azimuth(block, azimuth_counts);
@@ -96,6 +107,14 @@ void PacketAssembly::add(const LidarFiring& bank, std::uint16_t azimuth_counts) 
   fill(blocks.strongest, strongest);
   if (two) {
     fill(blocks.last, bank.several ? last : strongest);
+  }
+}
+
+RIGWIRE_WIDE_VECTORS
+void PacketAssembly::mark_no_returns(std::size_t first_laser, EncodedReturns& encoded) const {
+  const velodyne::ChannelWord* const none = no_return_.data() + first_laser;
+  for (std::size_t i = 0; i < kBankLasers; ++i) {
+    encoded[i] = choose((encoded[i] & kDistance) == 0, none[i], encoded[i]);
   }
 }
 

@@ -3,7 +3,8 @@
 //
 // With two returns per shot, where the strongest return is also the last, the second strongest
 // stands for it; where there was but one, both blocks say the same: equal bytes, which clients take
-// as "both". "The same" is told by the distances as sent.
+// as "both". "The same" is told by the distances as sent. A shot without a return has distance 0,
+// and a reflectivity byte of the laser's own.
 //
 // Sources: as packet_layout.h.
 #pragma once
@@ -21,10 +22,14 @@
 
 namespace rigwire::emulators {
 
+/// The reflectivity byte of each laser's shots without a return.
+using NoReturnBytes = std::array<std::uint8_t, kMaxLasers>;
+
 class PacketAssembly {
  public:
   /// The model's table must outlive it.
-  PacketAssembly(const protocols::velodyne::Model& model, const ReturnEncoder& encode);
+  PacketAssembly(const protocols::velodyne::Model& model, const ReturnEncoder& encode,
+                 const NoReturnBytes& no_return = {});
   PacketAssembly(const PacketAssembly&) = delete;
   PacketAssembly& operator=(const PacketAssembly&) = delete;
 
@@ -57,9 +62,13 @@ class PacketAssembly {
   };
 
   void lay_out();
+  /// Distance 0 with the byte that the laser has for it.
+  void mark_no_returns(std::size_t first_laser, EncodedReturns& encoded) const;
 
   const protocols::velodyne::Model& model_;
   const ReturnEncoder& encode_;
+  std::array<protocols::velodyne::ChannelWord, kMaxLasers> no_return_{};  ///< By laser.
+  bool marks_no_returns_ = false;
   protocols::velodyne::ReturnMode mode_ = protocols::velodyne::ReturnMode::strongest;
   std::array<BankBlocks, protocols::velodyne::kBlocksPerPacket> blocks_{};  ///< As banks come.
   std::array<std::uint8_t, protocols::velodyne::kDataPacketSize> bytes_{};

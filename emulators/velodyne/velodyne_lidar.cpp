@@ -16,7 +16,6 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kCountsPerRadian = 100.0 / kDegree;
 constexpr int kTurnCounts = velodyne::kAzimuthCounts;
-constexpr std::int64_t kDataPacketsPerPositionPacket = 14;
 /// Temperature that the boards report.
 constexpr std::uint8_t kBoard_c = 35;
 /// Phase lock is reported to hold within this.
@@ -24,11 +23,26 @@ constexpr int kPhaseTolerance_centideg = 500;
 
 const velodyne::Model& checked_model(const VelodyneSettings& settings) {
   validate(settings);
-  return *velodyne::find_model(std::string_view(settings.model));
+  return model_of(settings);
 }
 
 Duration packet_period(const velodyne::Model& model, ReturnMode mode) {
   return Duration{velodyne::packet_period_ns(model, mode)};
+}
+
+/// Streams of what is drawn for the unit, apart from those of the cable.
+constexpr std::uint64_t kNoReturnStream = 0x6E6F'7265'7475'726EU;
+constexpr std::uint64_t kPositionStream = 0x706F'7369'7469'6F6EU;
+
+/// Of each laser.
+NoReturnBytes no_return_bytes(const velodyne::Model& model, std::uint64_t seed) {
+  NoReturnBytes bytes{};
+  RandomBits unit(seed ^ kNoReturnStream);
+  const std::uint32_t count = model.no_return.greatest - model.no_return.least + 1U;
+  for (std::size_t laser = 0; laser < model.lasers.size(); ++laser) {
+    bytes[laser] = static_cast<std::uint8_t>(model.no_return.least + unit.below(count));
+  }
+  return bytes;
 }
 
 /// [0, turn)
@@ -43,16 +57,17 @@ VelodyneLidar::VelodyneLidar(const VelodyneSettings& settings, const Calendar& c
                              ByteOutput& data, ByteOutput& position)
     : settings_(settings),
       model_(checked_model(settings_)),
-      data_(data, settings_.faults, settings_.fault_seed, FaultyCable::Swapping::as_the_faults_say),
-      position_(position, settings_.faults, ~settings_.fault_seed, FaultyCable::Swapping::never),
+      data_(data, settings_.faults, settings_.seed, FaultyCable::Swapping::as_the_faults_say),
+      position_(position, settings_.faults, ~settings_.seed, FaultyCable::Swapping::never),
       live_(saved_settings(settings_)),
       saved_(live_),
       clock_(settings_.clock_drift_ppm),
       time_input_(settings_, calendar),
       calibration_(unit_calibration(settings_, model_)),
       encode_(model_, range_window(settings_, model_), settings_.reflectivity, calibration_),
-      assembly_(model_, encode_),
-      position_period_(settings_.position_period) {
+      assembly_(model_, encode_, no_return_bytes(model_, settings_.seed)),
+      position_period_(position_period(settings_, model_)),
+      position_waits_(settings_.seed ^ kPositionStream) {
   build_pattern();
   if (calibration_) {
     report_.emplace(model_, *calibration_, live_);
@@ -63,9 +78,6 @@ VelodyneLidar::VelodyneLidar(const VelodyneSettings& settings, const Calendar& c
                     .at_calibration_c = kBoard_c,
                     .last_calibration = velodyne::ConverterCalibration::power_on,
                     .at_power_up_c = kBoard_c};
-  }
-  if (position_period_ == Duration::zero()) {
-    position_period_ = kDataPacketsPerPositionPacket * packet_period(model_, ReturnMode::strongest);
   }
   quantities_ = {{{"range", "m", pattern_.minimum_range_m, pattern_.maximum_range_m,
                    model_.distance_unit_mm * 1e-3},
@@ -84,6 +96,7 @@ void VelodyneLidar::build_pattern() {
   pattern_.firing_period = Duration{model_.firing_period_ns};
   pattern_.minimum_range_m = minimum_m;
   pattern_.maximum_range_m = maximum_m;
+  reference_range_m_ = settings_.reference_range_m > 0.0 ? settings_.reference_range_m : maximum_m;
   pattern_.beam = {model_.divergence.horizontal_mrad * 1e-3, model_.divergence.vertical_mrad * 1e-3,
                    Duration{std::llround(model_.pulse_ns)}};
   std::vector<velodyne::Laser> lasers(model_.lasers.begin(), model_.lasers.end());
@@ -113,9 +126,11 @@ void VelodyneLidar::power_up(SimTime now, Duration start_up) {
   packet_complete_at_ = now + packet_period(model_, live_.return_mode);
   expected_time_ = kNever;
   phase_locked_ = false;
-  next_position_ = model_.position_layout == velodyne::PositionLayout::none
-                       ? kNever
-                       : running_from_ + position_period_;
+  next_position_ = kNever;
+  if (model_.position_layout != velodyne::PositionLayout::none) {
+    position_slot_ = running_from_;
+    plan_position();
+  }
   command_head(now);
 }
 
@@ -147,11 +162,20 @@ void VelodyneLidar::advance(SimTime now) {
       command_head(event);
     } else {
       send_position(event);
-      next_position_ += position_period_;
+      plan_position();
     }
   }
   if (packet_complete_at_ <= now) {
     packet_complete_at_ = now + packet_period(model_, live_.return_mode);
+  }
+}
+
+void VelodyneLidar::plan_position() {
+  position_slot_ += position_period_;
+  next_position_ = position_slot_;
+  if (settings_.position_wait > Duration::zero()) {
+    const auto longest_ns = static_cast<double>(settings_.position_wait.count());
+    next_position_ += Duration{std::llround(longest_ns * position_waits_.uniform())};
   }
 }
 
@@ -269,7 +293,7 @@ void VelodyneLidar::add(const LidarFiring& bank) {
   const LidarFiring* seen = &bank;
   if (optical_defects_ || !live_.laser_on) {
     defective_ = bank;
-    apply_optical_defects(settings_.faults, pattern_, defective_);
+    apply_optical_defects(settings_.faults, pattern_, reference_range_m_, defective_);
     if (!live_.laser_on) {
       defective_.strongest.fill({});
       defective_.several = false;

@@ -23,6 +23,7 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
+#include "emulators/random_bits.h"
 #include "emulators/velodyne/faulty_cable.h"
 #include "emulators/velodyne/inertial_words.h"
 #include "emulators/velodyne/packet_assembly.h"
@@ -111,6 +112,8 @@ class VelodyneLidar final : public Device, public LidarBackend, public VelodyneC
   void begin_packet(SimTime first_firing);
   void send_data(SimTime last_firing);
   void send_position(SimTime due);
+  /// The instant of the next position packet: its slot, and how long it waits.
+  void plan_position();
   [[nodiscard]] std::uint32_t microseconds_of_hour(SimTime instant) const;
 
   const VelodyneSettings settings_;
@@ -118,6 +121,7 @@ class VelodyneLidar final : public Device, public LidarBackend, public VelodyneC
   FaultyCable data_;
   FaultyCable position_;
   LidarPattern pattern_;
+  double reference_range_m_ = 0.0;
   Duration last_shot_after_{0};
   std::array<Quantity, 4> quantities_;
   bool optical_defects_ = false;
@@ -150,7 +154,9 @@ class VelodyneLidar final : public Device, public LidarBackend, public VelodyneC
   protocols::velodyne::UnitStatus unit_status_;
   SimTime powered_up_{};
   Duration position_period_;
-  SimTime next_position_;
+  RandomBits position_waits_;
+  SimTime position_slot_{};
+  SimTime next_position_ = kNever;
   std::array<std::uint8_t, protocols::velodyne::kPositionPacketSize> position_bytes_{};
 };
 

@@ -25,6 +25,11 @@ constexpr std::array<fields::Choice<VelodyneReflectivity>, 4> kReflectivityScale
      {VelodyneReflectivity::to_110, "to_110", "Retro-reflectors from 111."},
      {VelodyneReflectivity::full, "full", "0 .. 255, retro-reflectors at 255."}}};
 
+constexpr std::string_view kUntil517 = "5.1.7";
+constexpr std::array<fields::Choice<VelodyneFirmware>, 2> kFirmwares{
+    {{VelodyneFirmware::newest, "newest", "5.2.3.0 and later: a firing lasts 57.8 us."},
+     {VelodyneFirmware::until_5_1_7, kUntil517, "Up to 5.1.7.1: a firing lasts 53.3 us."}}};
+
 /// Step of the rotor's setting in the models that have a web interface.
 constexpr int kRotorStep_rpm = 60;
 
@@ -39,19 +44,6 @@ void check(const char* member, Number value, Number least, Number most) {
     refuse(std::string(member) + " is " + std::to_string(value) +
            ", allowed: " + std::to_string(least) + " to " + std::to_string(most));
   }
-}
-
-const velodyne::Model& model_of(const VelodyneSettings& settings) {
-  const velodyne::Model* model = velodyne::find_model(std::string_view(settings.model));
-  if (model != nullptr) {
-    return *model;
-  }
-
-  std::string names;
-  for (const velodyne::Model& known : velodyne::models()) {
-    names += (names.empty() ? "" : ", ") + std::string(known.name);
-  }
-  refuse("model '" + settings.model + "' is not known; allowed: " + names);
 }
 
 /// The greatest distance that the 16 bits of a return can say.
@@ -174,12 +166,40 @@ void visit_clock(fields::Visitor& v, VelodyneSettings& p) {
 
 }  // namespace
 
+const velodyne::Model& model_of(const VelodyneSettings& settings) {
+  const velodyne::Model* model = settings.firmware == VelodyneFirmware::until_5_1_7
+                                     ? velodyne::find_model(settings.model, kUntil517)
+                                     : velodyne::find_model(std::string_view(settings.model));
+  if (model != nullptr) {
+    return *model;
+  }
+  if (velodyne::find_model(std::string_view(settings.model)) != nullptr) {
+    refuse("firmware " + std::string(kUntil517) + " of the " + settings.model +
+           " is not known; allowed: newest");
+  }
+  std::string names;
+  for (const velodyne::Model& known : velodyne::models()) {
+    if (velodyne::find_model(known.name) == &known) {
+      names += (names.empty() ? "" : ", ") + std::string(known.name);
+    }
+  }
+  refuse("model '" + settings.model + "' is not known; allowed: " + names);
+}
+
 VelodyneRangeWindow range_window(const VelodyneSettings& settings, const velodyne::Model& model) {
   const auto or_default = [](double value, double fallback) {
     return value > 0.0 ? value : fallback;
   };
   return {or_default(settings.minimum_range_m, model.minimum_range_m),
           or_default(settings.maximum_range_m, model.maximum_range_m)};
+}
+
+Duration position_period(const VelodyneSettings& settings, const velodyne::Model& model) {
+  constexpr std::int64_t kDataPacketsPerPositionPacket = 14;
+  return settings.position_period > Duration::zero()
+             ? settings.position_period
+             : kDataPacketsPerPositionPacket *
+                   Duration{packet_period_ns(model, velodyne::ReturnMode::strongest)};
 }
 
 void visit(fields::Visitor& v, VelodyneInertialAxes& p) {
@@ -201,6 +221,9 @@ void validate(const VelodyneInertialAxes& axes) {
 
 void visit(fields::Visitor& v, VelodyneSettings& p) {
   using velodyne::PositionLayout;
+  if (velodyne::find_model(p.model, kUntil517) != nullptr) {
+    v.choice("firmware", p.firmware, kFirmwares, "Firmware, by its timing.");
+  }
   const velodyne::Model& model = model_of(p);
   v.text("address", p.host_address, "Where the packets go, an IPv4 address.");
   v.integer("port", p.data_port, IntegerRule{1, 65535}, "UDP port of the data packets.");
@@ -250,6 +273,8 @@ void visit(fields::Visitor& v, VelodyneSettings& p) {
     v.check(p.position_period == Duration::zero() || p.position_period >= milliseconds{1},
             "position_period", "too short", fields::print_duration(p.position_period.count()),
             "0 or at least 1 ms");
+    v.duration("position_wait", p.position_wait, {0, position_period(p, model).count()},
+               "Position packets wait up to so long for a place between data packets.");
   }
   v.duration("start_up", p.start_up, {0, 600'000'000'000},
              "From power-on to the first packet; 0 = it runs already.");

@@ -28,6 +28,13 @@ enum class VelodyneTimeSource : std::uint8_t {
   ideal,       ///< Warm: locked from power-up on, sentences with the fix that is known.
 };
 
+/// Which firmware runs, where it changes what is on the wire: in the VLS-128, how long a firing
+/// lasts.
+enum class VelodyneFirmware : std::uint8_t {
+  newest,
+  until_5_1_7,
+};
+
 /// How the reflectivity byte is scaled.
 enum class VelodyneReflectivity : std::uint8_t {
   model,   ///< As the model does.
@@ -57,6 +64,7 @@ inline constexpr std::array<VelodyneInertialAxes, protocols::velodyne::kInertial
 
 struct VelodyneSettings {
   std::string model = "HDL-32E";
+  VelodyneFirmware firmware = VelodyneFirmware::newest;
   std::string serial_number = "11001210145135";
 
   // What the sensor has saved: in force from power-up and after every reset.
@@ -86,10 +94,15 @@ struct VelodyneSettings {
   /// Returns outside are reported as none. Zero: the model's own limit.
   double minimum_range_m = 0.0;
   double maximum_range_m = 0.0;
+  /// Where the head just sees a 90 % surface, for dirt on its window. 0: at the maximum range.
+  double reference_range_m = 0.0;
   /// From the last laser's shot to the packet's start on the wire.
   Duration send_delay = std::chrono::microseconds{5};
   /// Zero: as long as 14 single-return data packets last (7.741 44 ms for the HDL-32E).
   Duration position_period{0};
+  /// A position packet waits up to so long for its place between data packets, evenly drawn; at
+  /// most the period. In real sensors at least as long as a data packet lasts.
+  Duration position_wait{0};
   /// From power-up or reset to the first firing that is sent, 0 .. 600 s. 0: running at once, with
   /// the rotor at speed; a reset then takes kResetTime.
   Duration start_up{0};
@@ -109,7 +122,8 @@ struct VelodyneSettings {
       kDefaultInertialAxes;
 
   std::vector<VelodyneFault> faults;
-  std::uint64_t fault_seed = 1;  ///< Of the faults that have a probability.
+  /// Of what is drawn for the unit, and of the faults that have a probability.
+  std::uint64_t seed = 1;
 };
 
 /// How long a sensor whose `start_up` is zero is silent after a reset. Not documented by the maker.
@@ -123,6 +137,9 @@ void visit(fields::Visitor& v, VelodyneSettings& p);
 /// what the model cannot do.
 void validate(const VelodyneSettings& settings);
 
+/// Its model table. Throws std::invalid_argument for an unknown one.
+[[nodiscard]] const protocols::velodyne::Model& model_of(const VelodyneSettings& settings);
+
 /// The part that clients can change, as saved.
 [[nodiscard]] VelodyneLiveSettings saved_settings(const VelodyneSettings& settings);
 
@@ -133,5 +150,8 @@ struct VelodyneRangeWindow {
 };
 [[nodiscard]] VelodyneRangeWindow range_window(const VelodyneSettings& settings,
                                                const protocols::velodyne::Model& model);
+/// Time between position packets: the setting, or that of 14 data packets.
+[[nodiscard]] Duration position_period(const VelodyneSettings& settings,
+                                       const protocols::velodyne::Model& model);
 
 }  // namespace rigwire::emulators

@@ -145,6 +145,26 @@ Finding tcp_port(std::uint16_t port, const char* owner) {
                       owner)};
 }
 
+/// The HDL lidars' source port, which one of their clients filters by.
+Finding lidar_source_port() {
+  constexpr std::uint16_t kPort = 443;
+  const Descriptor socket(::socket(AF_INET, SOCK_DGRAM, 0));
+  const int share = 1;
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &share, sizeof(share));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(kPort);
+  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0) {
+    return {"udp 443", Health::good, "HDL lidars send from it, as real ones do", ""};
+  }
+  return {"udp 443", Health::limited,
+          fmt::format("cannot be bound ({}); HDL lidars send from another port, which PCL's "
+                      "HDLGrabber drops",
+                      std::strerror(errno)),
+          "sudo sysctl -w net.ipv4.ip_unprivileged_port_start=443    (or stop the program that has "
+          "the port)"};
+}
+
 Finding geoid() {
   if (::access(kEgm96File, R_OK) == 0) {
     return {"geoid", Health::good, "EGM96 is at hand", ""};
@@ -178,6 +198,7 @@ std::vector<Finding> examine_machine() {
       limit("memory lock", RLIMIT_MEMLOCK, 512u << 20, "bytes",
             "add `@rigwire - memlock unlimited` to /etc/security/limits.d/ and log in again"),
       udp_buffers(),
+      lidar_source_port(),
       tcp_port(1502, "valves"),
       geoid(),
       processors(),

@@ -72,6 +72,8 @@ class Device {
   /// What others may be joined with; null where there is none.
   [[nodiscard]] virtual FixSource* fixes() { return nullptr; }
   [[nodiscard]] virtual const ValveSource* valves() const { return nullptr; }
+  /// What is otherwise than in the real device here, for the run's start; empty: nothing.
+  [[nodiscard]] virtual std::string remark() const { return {}; }
   /// Whether the file of every lidar shot names it.
   [[nodiscard]] virtual bool is_lidar() const { return false; }
 

@@ -71,6 +71,8 @@ constexpr std::array kTypes{
         velodyne<"VLP-32C">},
     DeviceType{{"velodyne-hdl-64e", "Velodyne HDL-64E S2 spinning lidar on UDP."},
                velodyne<"HDL-64E S2">},
+    DeviceType{{"velodyne-hdl-64e-s3", "Velodyne HDL-64E S3 spinning lidar on UDP, two returns."},
+               velodyne<"HDL-64E S3">},
     DeviceType{{"velodyne-vls-128",
                 "Velodyne VLS-128 (Alpha Prime) spinning lidar on UDP, web interface."},
                velodyne<"VLS-128">},

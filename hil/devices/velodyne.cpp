@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cassert>
+#include <boost/asio/ip/address_v4.hpp>
+#include <boost/asio/ip/udp.hpp>
 #include <optional>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "emulators/null_output.h"
 #include "emulators/velodyne/velodyne_lidar.h"
 #include "emulators/velodyne/web_interface.h"
+#include "fields/check.h"
 #include "fields/visitor.h"
 #include "hil/devices/device.h"
 #include "hil/devices/rig_check.h"
@@ -24,6 +26,7 @@
 #include "protocols/velodyne/data_packet.h"
 #include "protocols/velodyne/packet_layout.h"
 #include "sim/imu/imu_sensor.h"
+#include "sim/lidar/velodyne_heads.h"
 
 namespace rigwire::hil {
 
@@ -33,8 +36,9 @@ using fields::IntegerRule;
 
 namespace {
 
-constexpr std::array<Choice<SourcePorts>, 2> kSourcePorts{
-    {{SourcePorts::any, "any", "The system chooses them."},
+constexpr std::array<Choice<SourcePorts>, 3> kSourcePorts{
+    {{SourcePorts::automatic, "auto", "As the sensor where possible, else the system chooses."},
+     {SourcePorts::any, "any", "The system chooses them."},
      {SourcePorts::model, "model", "As the sensor: the destination's, or 443."}}};
 
 using emulators::VelodyneTimeSource;
@@ -58,6 +62,7 @@ emulators::VelodyneSettings settings_but_calibration(const VelodyneConfiguration
   emulators::VelodyneSettings settings = p.lidar;
   settings.time_source = time_source_of(p);
   settings.faults = velodyne_faults(p.faults);
+  settings.reference_range_m = p.sensor.beam.reference_range_m;
   return settings;
 }
 
@@ -87,21 +92,103 @@ class MotionInput final : public emulators::Device, public emulators::ImuBackend
   emulators::VelodyneLidar& lidar_;
 };
 
-/// The socket from which packets go to that port.
-drivers::UdpSettings socket_settings(const VelodyneConfiguration& configuration,
-                                     std::uint16_t port) {
+/// Whether a program on this machine listens for what is sent there: the port is left to it.
+bool is_here(boost::asio::io_context& io, const std::string& address) {
+  boost::system::error_code error;
+  const auto parsed = boost::asio::ip::make_address_v4(address, error);
+  if (error || parsed.is_loopback() || parsed == boost::asio::ip::address_v4::broadcast()) {
+    return true;
+  }
+  boost::asio::ip::udp::socket trial(io, boost::asio::ip::udp::v4());
+  trial.bind({parsed, 0}, error);
+  return !error;
+}
+
+/// The socket from which packets go to that port. `fixed`: the model's source port, 0 where it is
+/// the destination's.
+drivers::UdpSettings as_the_model(const VelodyneConfiguration& configuration, std::uint16_t port,
+                                  std::uint16_t fixed) {
   drivers::UdpSettings settings;
   settings.destination = drivers::UdpEndpoint{configuration.lidar.host_address, port};
   settings.broadcast = true;  // where it may go is checked against the rig's permission
   const std::string& source = configuration.source_address;
-  const bool as_model = configuration.source_ports == SourcePorts::model;
-  if (!source.empty() || as_model) {
-    const std::uint16_t fixed = model_of(configuration).source_port;
-    settings.bind = drivers::UdpEndpoint{source.empty() ? "0.0.0.0" : source,
-                                         as_model ? fixed : std::uint16_t{0}};
-    settings.source_port_follows = as_model && fixed == 0;
+  settings.bind = drivers::UdpEndpoint{source.empty() ? "0.0.0.0" : source, fixed};
+  settings.source_port_follows = fixed == 0;
+  settings.shares_source = fixed != 0;
+  return settings;
+}
+
+/// The same from a port of the system's choice.
+drivers::UdpSettings from_any_port(const VelodyneConfiguration& configuration,
+                                   drivers::UdpSettings settings) {
+  settings.bind.reset();
+  settings.source_port_follows = false;
+  settings.shares_source = false;
+  if (!configuration.source_address.empty()) {
+    settings.bind = drivers::UdpEndpoint{configuration.source_address, 0};
   }
   return settings;
+}
+
+/// By the rig's choice of source ports. `remark` is what the user should know of it, else as it
+/// was.
+drivers::UdpSettings chosen_source(const VelodyneConfiguration& configuration,
+                                   boost::asio::io_context& io, drivers::UdpSettings wanted,
+                                   std::string* remark) {
+  const auto because = [&](const std::string& why) {
+    if (remark != nullptr) {
+      const std::uint16_t port =
+          wanted.source_port_follows ? wanted.destination->port : wanted.bind->port;
+      *remark = fmt::format(
+          "packets come from a port of the system's choice, not from {} as the {}'s: {}", port,
+          configuration.lidar.model, why);
+    }
+    return from_any_port(configuration, wanted);
+  };
+  switch (configuration.source_ports) {
+    case SourcePorts::any:
+      return from_any_port(configuration, wanted);
+    case SourcePorts::model:
+      return wanted;
+    case SourcePorts::automatic:
+      break;
+  }
+  if (wanted.source_port_follows && is_here(io, wanted.destination->address)) {
+    return because("a client on this machine listens there");
+  }
+  try {
+    const drivers::UdpSocket trial(io, wanted);
+  } catch (const drivers::EndpointError& refusal) {
+    return because(refusal.what());
+  }
+  return wanted;
+}
+
+drivers::UdpSettings data_settings(const VelodyneConfiguration& configuration,
+                                   boost::asio::io_context& io, std::string& remark) {
+  const velodyne::Model& model = model_of(configuration);
+  drivers::UdpSettings settings =
+      as_the_model(configuration, configuration.lidar.data_port, model.source_port);
+  settings.time_to_live = model.headers.data_time_to_live;
+  settings.dont_fragment = model.headers.data_unfragmented;
+  return chosen_source(configuration, io, std::move(settings), &remark);
+}
+
+drivers::UdpSettings position_settings(const VelodyneConfiguration& configuration,
+                                       boost::asio::io_context& io) {
+  const velodyne::Model& model = model_of(configuration);
+  drivers::UdpSettings settings =
+      as_the_model(configuration, configuration.lidar.telemetry_port, 0);
+  settings.time_to_live = model.headers.position_time_to_live;
+  if (model.position_layout == velodyne::PositionLayout::none) {
+    return from_any_port(configuration, std::move(settings));  // sends nothing
+  }
+  return chosen_source(configuration, io, std::move(settings), nullptr);
+}
+
+/// Whether the receiver's beams can return more than one echo of surfaces.
+bool tells_echoes_apart(const LidarSensorConfiguration& sensor) {
+  return sensor.method == LidarMethod::rays && rays_per_beam(sensor.beam, true) > 1;
 }
 
 class VelodyneDevice final : public Device, private FixListener {
@@ -139,6 +226,7 @@ class VelodyneDevice final : public Device, private FixListener {
 
   [[nodiscard]] const emulators::VelodyneLidar& emulator() const override { return lidar_; }
   [[nodiscard]] bool is_lidar() const override { return true; }
+  [[nodiscard]] std::string remark() const override { return remark_; }
   [[nodiscard]] drivers::EndpointStatus endpoint() const override { return data_.status(); }
   [[nodiscard]] std::uint64_t dropped() const override {
     return statistics().dropped + lidar_.packets_lost();
@@ -149,8 +237,8 @@ class VelodyneDevice final : public Device, private FixListener {
                  emulators::VelodyneSettings settings)
       : configuration_(configuration),
         io_(site.io()),
-        data_(site.io(), socket_settings(configuration, configuration.lidar.data_port)),
-        position_(site.io(), position_settings(configuration)),
+        data_(site.io(), data_settings(configuration, site.io(), remark_)),
+        position_(site.io(), position_settings(configuration, site.io())),
         data_outlet_(data_, own_statistics()),
         position_outlet_(position_, own_statistics()),
         lidar_(seeded(std::move(settings), site), site.calendar(), data_outlet_, position_outlet_),
@@ -170,21 +258,16 @@ class VelodyneDevice final : public Device, private FixListener {
 
   static emulators::VelodyneSettings seeded(emulators::VelodyneSettings settings,
                                             const Site& site) {
-    settings.fault_seed = site.device_seed();
+    settings.seed = site.device_seed();
     return settings;
   }
 
-  static drivers::UdpSettings position_settings(const VelodyneConfiguration& configuration) {
-    drivers::UdpSettings settings =
-        socket_settings(configuration, configuration.lidar.telemetry_port);
-    if (model_of(configuration).source_port != 0) {
-      settings.bind.reset();  // the data packets have the port; this model sends no others
-    }
-    return settings;
-  }
-
-  /// Why packets cannot go where these settings want them; empty: they can.
+  /// Why these settings cannot be had here; empty: they can.
   [[nodiscard]] std::string objection(const emulators::VelodyneLiveSettings& live) const {
+    if (live.return_mode != velodyne::ReturnMode::strongest &&
+        !tells_echoes_apart(configuration_.sensor)) {
+      return "the rig's beams have no width and return one echo (sensor.sub_rays, sensor.method)";
+    }
     if (!permits(configuration_, live.host_address)) {
       return fmt::format("{} is outside this machine; the rig does not permit it (allow_remote)",
                          live.host_address);
@@ -227,6 +310,7 @@ class VelodyneDevice final : public Device, private FixListener {
 
   const VelodyneConfiguration configuration_;
   boost::asio::io_context& io_;
+  std::string remark_;  ///< Filled while data_ is made.
   drivers::UdpSocket data_;
   drivers::UdpSocket position_;
   DatagramOutlet data_outlet_;
@@ -261,6 +345,11 @@ std::string document_of(std::string_view model) {
 VelodyneConfiguration::VelodyneConfiguration(std::string_view model) {
   lidar.model = model;
   lidar.host_address = "127.0.0.1";
+  lidar.position_wait =
+      Duration{velodyne::packet_period_ns(model_of(*this), velodyne::ReturnMode::strongest)};
+  const sim::SpinningHead head = sim::velodyne_head(model);
+  sensor.beam = head.receiver;
+  sensor.rotor = head.rotor;
 }
 
 emulators::VelodyneSettings settings_of(const VelodyneConfiguration& p) {
@@ -272,9 +361,7 @@ emulators::VelodyneSettings settings_of(const VelodyneConfiguration& p) {
 }
 
 const protocols::velodyne::Model& model_of(const VelodyneConfiguration& p) {
-  const auto* model = protocols::velodyne::find_model(std::string_view(p.lidar.model));
-  assert(model != nullptr);
-  return *model;
+  return emulators::model_of(p.lidar);
 }
 
 void visit(fields::Visitor& v, LidarWebConfiguration& p) {
@@ -310,6 +397,15 @@ void VelodyneConfiguration::validate() const {
   sim::validate(sensor.beam);
   sim::validate(sensor.images);
   sim::validate(sensor.rotor);
+  if (lidar.return_mode != velodyne::ReturnMode::strongest && !tells_echoes_apart(sensor)) {
+    throw fields::Refused(
+        sensor.method == LidarMethod::rays ? "sensor.sub_rays" : "sensor.method",
+        sensor.method == LidarMethod::rays
+            ? "found 1 with return_mode last or dual, allowed 0, 5, 19 or 1000: a beam without "
+              "width has one echo"
+            : "found depth_image with return_mode last or dual, allowed rays: a pixel has one "
+              "surface");
+  }
 }
 
 void VelodyneConfiguration::check(const std::string& at, RigCheck& check) const {

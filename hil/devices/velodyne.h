@@ -25,14 +25,15 @@ struct LidarWebConfiguration {
 };
 
 enum class SourcePorts {
-  any,    ///< The system chooses.
-  model,  ///< As the model: the destination's port, or the HDL-64E's 443.
+  automatic,  ///< As the model where that can be had and takes no port from a client, else `any`.
+  any,        ///< The system chooses.
+  model,      ///< As the model: the destination's port, or the HDL models' 443. Refused otherwise.
 };
 
 struct VelodyneConfiguration final : DeviceConfigurationOf<VelodyneConfiguration> {
   bool allow_remote = false;   ///< Needed for addresses outside this machine.
   std::string source_address;  ///< Of the packets; empty: the system chooses.
-  SourcePorts source_ports = SourcePorts::any;
+  SourcePorts source_ports = SourcePorts::automatic;
   LidarWebConfiguration web;
   std::string time_source{kAutomaticTimeSource};  ///< One of the words below, or a device's name.
   std::string calibration_file;                   ///< HDL-64E; empty: the nominal unit.

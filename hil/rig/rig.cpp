@@ -306,6 +306,11 @@ std::vector<std::string> Rig::wires() const {
     lines.push_back(
         fmt::format("bus {}: {} ({})", name, bus->line.endpoint().address, bus->hop.choice.why));
   }
+  for (const NamedDevice& device : devices_) {
+    if (const std::string remark = device.device->remark(); !remark.empty()) {
+      lines.push_back(device.name + ": " + remark);
+    }
+  }
   return lines;
 }
 

@@ -95,7 +95,7 @@ class Rig {
   [[nodiscard]] Executive& executive() { return executive_; }
   [[nodiscard]] const TruthSource& truth() const { return world_; }
 
-  /// What carries each bus, and why it was chosen; a line each.
+  /// What carries each bus, and why it was chosen; what a device says of its wire. A line each.
   [[nodiscard]] std::vector<std::string> wires() const;
   /// On the thread that runs the executive; `wall_s` is filled by the caller.
   [[nodiscard]] RigStatus status() const;

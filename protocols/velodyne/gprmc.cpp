@@ -24,8 +24,8 @@ GprmcText::GprmcText(const RecommendedMinimum& values) {
   } else {
     text_.append("V,,,,,,,");
   }
-  text_.append("%02d%02d%02d,,,%c", values.day, values.month, values.year % 100,
-               values.valid ? 'A' : 'N');
+  text_.append("%02d%02d%02d,%s", values.day, values.month, values.year % 100,
+               values.valid ? "000.0,E,A" : ",,N");
   text_.finish();
 }
 

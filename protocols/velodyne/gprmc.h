@@ -1,12 +1,12 @@
 // The $GPRMC sentence that a Velodyne sensor receives from its GPS receiver and repeats in its
 // position packets.
 //
-//   $GPRMC,hhmmss[.s],A,ddmm.mmmm,N,dddmm.mmmm,E,kkk.k,ddd.d,ddmmyy,,,A*hh CR LF
+//   $GPRMC,hhmmss[.s],A,ddmm.mmmm,N,dddmm.mmmm,E,kkk.k,ddd.d,ddmmyy,000.0,E,A*hh CR LF
 //
 // Form: Garmin GPS 18x technical specifications 190-00879-08, section 4.2.7 (the receiver that
-// Velodyne ships), with NMEA 2.3 mode indicator and without magnetic variation, which would need a
-// field model. Time is the second of the preceding pulse; status 'V' and empty position without a
-// fix.
+// Velodyne ships), with NMEA 2.3 mode indicator. Magnetic variation is 0 east, as in a public
+// capture of a VLP-16; another one would need a model of the field. Time is the second of the
+// preceding pulse; status 'V', empty position and variation without a fix.
 #pragma once
 
 #include <string_view>

@@ -17,7 +17,12 @@ extern const std::array<Laser, 16> kPuckHiResLasers;
 extern const std::array<Laser, 32> kVlp32cLasers;
 extern const std::array<Laser, 64> kHdl64eS2Lasers;
 extern const std::array<Laser, 64> kHdl64eS3Lasers;
-extern const std::array<Laser, 128> kVls128Lasers;
+extern const std::array<Laser, 128> kVls128Lasers;          ///< Firmware since 5.2.3.0.
+extern const std::array<Laser, 128> kVls128LasersUntil517;  ///< Firmware up to 5.1.7.1.
+
+/// Groups of eight of a VLS-128 follow each other so fast, by firmware.
+inline constexpr std::int32_t kVls128Group_ns = 2889;
+inline constexpr std::int32_t kVls128GroupUntil517_ns = 2665;
 
 /// The rows with the time of each laser filled in: `fires_at_ns(laser)`, after the first laser.
 template <std::size_t Count, class FiresAt>

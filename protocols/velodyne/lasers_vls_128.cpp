@@ -55,12 +55,15 @@ constexpr std::array<Laser, 128> kRows{{
 
 /// Eight at once, each in a column of its own. After eight groups the sensor pauses for the time of
 /// one group.
+template <std::int32_t kGroup_ns>
 constexpr std::int32_t fires_at_ns(std::int32_t laser) {
-  return (laser / 8 + laser / 64) * 2665;
+  return (laser / 8 + laser / 64) * kGroup_ns;
 }
 
 }  // namespace
 
-constexpr std::array<Laser, 128> kVls128Lasers = timed(kRows, fires_at_ns);
+constexpr std::array<Laser, 128> kVls128Lasers = timed(kRows, fires_at_ns<kVls128Group_ns>);
+constexpr std::array<Laser, 128> kVls128LasersUntil517 =
+    timed(kRows, fires_at_ns<kVls128GroupUntil517_ns>);
 
 }  // namespace rigwire::protocols::velodyne

@@ -5,7 +5,9 @@
 // timing definition"; VLP-16 manual 63-9243 Rev. D (product ids, factory bytes); VLP-32C manual
 // 63-9325 Rev. B; HDL-64E S2.1 and S3 manuals (63-HDL64ES3 Rev. K), firing tables; VLS-128 manual
 // 63-9483 Rev. A (draft), chapter 9. Beam divergence: VLS-128 manual, appendix F, and VLP-16 data
-// sheet; HDL models as peers use them. Format page: docs/devices/velodyne-packets.md.
+// sheet; HDL models as peers use them. VLS-128 since firmware 5.2.3.0: manual Rev. 4, as cited by
+// velodyne_decoder. Nearest ranges, source ports, bytes without return: the public captures of
+// sim/lidar/velodyne_heads.h. Format page: docs/devices/velodyne-packets.md.
 #pragma once
 
 #include <cstddef>
@@ -42,8 +44,23 @@ struct BeamDivergence {
   double vertical_mrad = 0.0;
 };
 
+/// What stands in the IP headers of a model's packets.
+struct PacketHeaders {
+  std::uint8_t data_time_to_live = 255;
+  bool data_unfragmented = true;
+  std::uint8_t position_time_to_live = 64;
+};
+
+/// The reflectivity byte of a shot whose distance is 0. Each laser has its own, from `least` to
+/// `greatest`.
+struct NoReturnBytes {
+  std::uint8_t least = 0;
+  std::uint8_t greatest = 0;
+};
+
 struct Model {
   std::string_view name;               ///< "HDL-32E"
+  std::string_view firmware{};         ///< "5.1.7"; empty where they do not differ.
   std::uint8_t product_id = 0;         ///< Second factory byte; 0 where there is none (HDL-64E).
   std::int32_t distance_unit_mm = 0;   ///< One count of the distance field.
   std::int32_t firing_period_ns = 0;   ///< From one firing of all lasers to the next.
@@ -62,15 +79,20 @@ struct Model {
   bool status_channel = false;    ///< HDL-64E: factory bytes carry a rotating status instead.
   bool dual_return = false;       ///< Can send two returns per shot.
   bool web_interface = false;     ///< VLP family and VLS-128.
-  std::uint16_t source_port = 0;  ///< Of both kinds of packets; 0: as the destination's.
+  std::uint16_t source_port = 0;  ///< Of data packets; 0: as the destination's.
+  PacketHeaders headers{};
+  NoReturnBytes no_return{};
   std::span<const Laser> lasers;  ///< In the order of their numbers, which is that in blocks.
 };
 
-/// Every known model.
+/// Every known model, with each firmware that differs; of a name and of an id the newest first.
 [[nodiscard]] std::span<const Model> models();
 
-/// By name as the data sheet writes it; nullptr when there is none.
+/// By name as the data sheet writes it, the newest firmware first; nullptr when there is none.
 [[nodiscard]] const Model* find_model(std::string_view name);
+
+/// With that firmware.
+[[nodiscard]] const Model* find_model(std::string_view name, std::string_view firmware);
 
 /// By the second factory byte of a data packet; nullptr when there is none, or for 0.
 [[nodiscard]] const Model* find_model(std::uint8_t product_id);

@@ -116,8 +116,8 @@ MODELS = {
     0xA1: Model(
         0.004,
         columns(VLS_128_MAP, 58.63),
-        53.3,
-        lambda laser: 2.665 * (laser // 8 + laser // 64) - 8.7,
+        57.78,  # since firmware 5.2.3.0; 53.3 and 2.665 before
+        lambda laser: 2.889 * (laser // 8 + laser // 64) - 8.7,
         blocks_per_firing=4,
     ),
 }

@@ -59,7 +59,8 @@ TEST_F(VelodyneControlTest, LaserOffSendsPacketsWithoutReturns) {
   ASSERT_EQ(data.sent.size(), 1U);
   EXPECT_NE(packet(0).distance(5, 31), 0);
   EXPECT_EQ(packet(0).distance(6, 0), 0) << "even though echoes are still on their way";
-  EXPECT_EQ(packet(0).reflectivity(6, 0), 0);
+  EXPECT_GE(packet(0).reflectivity(6, 0), 3) << "as a shot without a return";
+  EXPECT_LE(packet(0).reflectivity(6, 0), 24);
 }
 
 TEST_F(VelodyneControlTest, SpeedZeroStopsAndTheWindowNarrowsAtOnce) {

@@ -17,7 +17,7 @@ class VelodyneFaultTest : public VelodyneFixture {
   static VelodyneSettings with(const VelodyneFault& fault, std::uint64_t seed = 1) {
     VelodyneSettings settings;
     settings.faults.push_back(fault);
-    settings.fault_seed = seed;
+    settings.seed = seed;
     return settings;
   }
   /// Number of the packet by its timestamp, from 0.

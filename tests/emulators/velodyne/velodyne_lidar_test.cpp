@@ -115,7 +115,7 @@ TEST_F(VelodyneLidarTest, RangesAreRoundedToTwoMillimetresAndNoneIsZero) {
     LidarFiring shot = firing(lidar, i, 0.0F);
     shot.strongest[0] = {12.3449F, 0.499F};
     shot.strongest[1] = {12.3451F, 2.0F};
-    shot.strongest[2] = {0.5F, 0.5F};     // nearer than the minimum
+    shot.strongest[2] = {0.1F, 0.5F};     // nearer than the minimum
     shot.strongest[3] = {100.01F, 0.5F};  // farther than the maximum
     shot.strongest[4] = {nan, nan};
     shot.strongest[5] = {1.0F, 0.0F};
@@ -125,9 +125,9 @@ TEST_F(VelodyneLidarTest, RangesAreRoundedToTwoMillimetresAndNoneIsZero) {
   const auto channels = packet(data.sent[0]).blocks[3].channels;
   EXPECT_EQ(channels[0], (velodyne::Channel{6172, 50}));
   EXPECT_EQ(channels[1], (velodyne::Channel{6173, 255})) << "an ideal retro-reflector";
-  EXPECT_EQ(channels[2], velodyne::Channel{});
-  EXPECT_EQ(channels[3], velodyne::Channel{});
-  EXPECT_EQ(channels[4], velodyne::Channel{});
+  EXPECT_EQ(channels[2], (velodyne::Channel{0, 255})) << "as in a capture of a real one";
+  EXPECT_EQ(channels[3], (velodyne::Channel{0, 255}));
+  EXPECT_EQ(channels[4], (velodyne::Channel{0, 255}));
   EXPECT_EQ(channels[5], (velodyne::Channel{500, 0})) << "black but there";
 }
 

@@ -188,7 +188,7 @@ TEST_F(VelodyneViewTest, BankOutOfTurnDropsThePacketAndTheNextFiringBeginsAnothe
   see = [](LidarFiring&) {};
   fire(lidar, 4);
   ASSERT_EQ(data.sent.size(), 1U);
-  EXPECT_EQ(packet(0).timestamp_us(), 3590'000'000 + (3 * 53300 + 8700) / 1000);
+  EXPECT_EQ(packet(0).timestamp_us(), 3590'000'000 + (3 * 57780 + 8700) / 1000);
 }
 
 TEST_F(VelodyneViewTest, PacketCompletesNoEarlierThanAnnounced) {

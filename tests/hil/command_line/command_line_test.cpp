@@ -221,9 +221,9 @@ TEST(CommandLine, bash_completion_completes_verbs_options_and_rigs) {
     output.append(buffer.data(), count);
   }
   ::pclose(pipe);
-  EXPECT_EQ(
-      output,
-      "check\nexcavator_can excavator_pit excavator_usb\nvelodyne-hdl-32e velodyne-hdl-64e\n");
+  EXPECT_EQ(output,
+            "check\nexcavator_can excavator_pit excavator_usb\nvelodyne-hdl-32e velodyne-hdl-64e "
+            "velodyne-hdl-64e-s3\n");
 }
 
 }  // namespace

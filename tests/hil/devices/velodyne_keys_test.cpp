@@ -7,6 +7,7 @@
 #include "hil/devices/velodyne.h"
 #include "hil/rig/rig_configuration.h"
 #include "private_wires.h"
+#include "sim/lidar/velodyne_heads.h"
 
 namespace rigwire::hil {
 namespace {
@@ -44,7 +45,8 @@ TEST_F(LidarKeys, TypeChoosesTheModel) {
   const std::pair<const char*, const char*> types[] = {
       {"velodyne-hdl-32e", "HDL-32E"},         {"velodyne-vlp-16", "VLP-16"},
       {"velodyne-puck-hi-res", "Puck Hi-Res"}, {"velodyne-vlp-32c", "VLP-32C"},
-      {"velodyne-hdl-64e", "HDL-64E S2"},      {"velodyne-vls-128", "VLS-128"}};
+      {"velodyne-hdl-64e", "HDL-64E S2"},      {"velodyne-hdl-64e-s3", "HDL-64E S3"},
+      {"velodyne-vls-128", "VLS-128"}};
   for (const auto& [type, model] : types) {
     write(type, "");
     EXPECT_EQ(complaints(), "") << type;
@@ -61,6 +63,47 @@ TEST_F(LidarKeys, KeysThatMeanNothingToTheModelAreUnknown) {
   EXPECT_THAT(complaints(), HasSubstr("devices.lidar.calibration: unknown key"));
   write("velodyne-vlp-16", "    inertial: {}\n");
   EXPECT_THAT(complaints(), HasSubstr("devices.lidar.inertial: unknown key"));
+}
+
+TEST_F(LidarKeys, SecondEchoesOfBeamsWithoutWidthAreRefused) {
+  for (const char* mode : {"last", "dual"}) {
+    const std::string keys = std::string("    return_mode: ") + mode + "\n";
+    write("velodyne-vlp-16", keys);
+    EXPECT_EQ(complaints(), "") << mode;
+    write("velodyne-vlp-16", keys + "    sensor: {sub_rays: 5}\n");
+    EXPECT_EQ(complaints(), "") << mode;
+    write("velodyne-vlp-16", keys + "    sensor: {sub_rays: 1}\n");
+    EXPECT_THAT(complaints(), HasSubstr("allowed 0, 5, 19 or 1000")) << mode;
+    write("velodyne-vlp-16", keys + "    sensor: {method: depth_image}\n");
+    EXPECT_THAT(complaints(), HasSubstr("allowed rays")) << mode;
+  }
+  write("velodyne-hdl-64e-s3", "    return_mode: dual\n");
+  EXPECT_EQ(complaints(), "");
+  write("velodyne-hdl-64e", "    return_mode: dual\n");
+  EXPECT_THAT(complaints(), HasSubstr("cannot; allowed: strongest, last"));
+}
+
+TEST_F(LidarKeys, FirmwareIsTheNewestUnlessItIsNamed) {
+  write("velodyne-vls-128", "");
+  EXPECT_EQ(emulators::model_of(settings()).firing_period_ns, 57'780);
+  write("velodyne-vls-128", "    firmware: 5.1.7\n");
+  EXPECT_EQ(complaints(), "");
+  EXPECT_EQ(emulators::model_of(settings()).firing_period_ns, 53'300);
+  write("velodyne-vlp-16", "    firmware: 5.1.7\n");
+  EXPECT_THAT(complaints(), HasSubstr("devices.lidar.firmware: unknown key"));
+}
+
+TEST_F(LidarKeys, ErrorsOfReceiverAndRotorAreThoseOfTheModel) {
+  write("velodyne-vlp-32c", "");
+  const LoadedRig loaded = load_rig(file, {});
+  const auto& sensor =
+      fields::as<VelodyneConfiguration>(loaded.configuration.devices.at("lidar"))->sensor;
+  const sim::SpinningHead head = sim::velodyne_head("VLP-32C");
+  EXPECT_EQ(sensor.beam.range_sigma_m, head.receiver.range_sigma_m);
+  EXPECT_EQ(sensor.beam.laser_bias_sigma_m, head.receiver.laser_bias_sigma_m);
+  EXPECT_EQ(sensor.beam.reference_range_m, head.receiver.reference_range_m);
+  EXPECT_EQ(sensor.rotor.encoder_noise_rad, head.rotor.encoder_noise_rad);
+  EXPECT_EQ(settings().reference_range_m, head.receiver.reference_range_m);
 }
 
 TEST_F(LidarKeys, SpeedOfNoMultipleOf60IsRefusedAsTheSensorWould) {

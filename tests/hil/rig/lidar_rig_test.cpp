@@ -1,10 +1,14 @@
 // Lidars of a running rig: what comes over UDP, and that the stream follows the web interface.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <boost/asio/ip/tcp.hpp>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <fstream>
 #include <memory>
 #include <set>
@@ -42,6 +46,88 @@ bool sees_something(const Packet& packet) {
   return false;
 }
 
+/// Whether some shot has two echoes, 1 m apart at least: blocks of a pair, or of halves in turn.
+bool tells_two_echoes(const Packet& packet, std::size_t apart) {
+  for (std::size_t block = 0; block + apart < 12; ++block) {
+    if (block / apart % 2 != 0 || azimuth(packet, block) != azimuth(packet, block + apart)) {
+      continue;
+    }
+    for (std::size_t channel = 0; channel < 32; ++channel) {
+      const int one = static_cast<int>(little16(packet, 100 * block + 4 + 3 * channel));
+      const int other = static_cast<int>(little16(packet, 100 * (block + apart) + 4 + 3 * channel));
+      if (one != 0 && other != 0 && std::abs(one - other) > 250) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// Whether a program of ours may send from that port.
+bool may_bind(std::uint16_t port) {
+  boost::asio::io_context io;
+  try {
+    const drivers::UdpSocket trial(
+        io, {.bind = drivers::UdpEndpoint{"0.0.0.0", port}, .shares_source = true});
+    return true;
+  } catch (const drivers::EndpointError&) {
+    return false;
+  }
+}
+
+/// Where a datagram came from, and with what time to live.
+struct Origin {
+  int port = 0;
+  int time_to_live = 0;
+};
+
+/// A socket of the system, for what ours do not tell.
+class HeaderListener {
+ public:
+  explicit HeaderListener(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+    const int on = 1;
+    ::setsockopt(socket_, IPPROTO_IP, IP_RECVTTL, &on, sizeof(on));
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+  }
+  ~HeaderListener() { ::close(socket_); }
+  HeaderListener(const HeaderListener&) = delete;
+  HeaderListener& operator=(const HeaderListener&) = delete;
+
+  /// Of a datagram that is there.
+  [[nodiscard]] Origin next() const {
+    std::array<char, 2048> bytes{};
+    alignas(cmsghdr) std::array<char, 64> control{};
+    sockaddr_in from{};
+    iovec piece{bytes.data(), bytes.size()};
+    msghdr message{};
+    message.msg_name = &from;
+    message.msg_namelen = sizeof(from);
+    message.msg_iov = &piece;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    Origin origin;
+    if (::recvmsg(socket_, &message, MSG_DONTWAIT) < 0) {
+      return origin;
+    }
+    origin.port = ntohs(from.sin_port);
+    for (cmsghdr* head = CMSG_FIRSTHDR(&message); head != nullptr;
+         head = CMSG_NXTHDR(&message, head)) {
+      if (head->cmsg_level == IPPROTO_IP && head->cmsg_type == IP_TTL) {
+        std::memcpy(&origin.time_to_live, CMSG_DATA(head), sizeof(int));
+      }
+    }
+    return origin;
+  }
+
+ private:
+  int socket_;
+};
+
 struct Listener {
   Listener(boost::asio::io_context& io, const std::string& address, std::uint16_t port)
       : socket(io, {.bind = drivers::UdpEndpoint{address, port}}) {
@@ -67,7 +153,7 @@ class LidarRig : public ::testing::Test {
                            "step: 2 ms\nslice: 10 ms\nlead: 10 ms\ndevices:\n"
                         << devices << "  lidar:\n    type: " << type << "\n    port: " << port()
                         << "\n"
-                        << (type == "velodyne-hdl-64e"
+                        << (type.starts_with("velodyne-hdl-64e")
                                 ? ""
                                 : "    position_port: " + std::to_string(port() + 1) + "\n")
                         << "    mount: {link: body, position: [0 m, 0 m, 2 m]}\n"
@@ -130,7 +216,8 @@ class LidarRig : public ::testing::Test {
 TEST_F(LidarRig, EveryModelStreams) {
   const std::pair<const char*, int> models[] = {
       {"velodyne-hdl-32e", 0x21}, {"velodyne-vlp-16", 0x22}, {"velodyne-puck-hi-res", 0x24},
-      {"velodyne-vlp-32c", 0x28}, {"velodyne-hdl-64e", -1},  {"velodyne-vls-128", 0xA1}};
+      {"velodyne-vlp-32c", 0x28}, {"velodyne-hdl-64e", -1},  {"velodyne-hdl-64e-s3", -1},
+      {"velodyne-vls-128", 0xA1}};
   for (const auto& [type, product] : models) {
     build(type);
     const std::vector<Packet>& packets = run(50ms);
@@ -300,6 +387,51 @@ TEST_F(LidarRig, SourceAddressIsTheSensors) {
   EXPECT_GT(heard, 30);
 }
 
+TEST_F(LidarRig, HdlSendsFromItsOwnPortWhereItMayAndSaysSoWhereNot) {
+  for (const char* type : {"velodyne-hdl-32e", "velodyne-hdl-64e-s3"}) {
+    build(type);
+    data.reset();
+    const HeaderListener listener(port());
+    rig->executive().run_free(kStart + 50ms);
+    poll();
+    const Origin origin = listener.next();
+    if (may_bind(443)) {
+      EXPECT_EQ(origin.port, 443) << type;
+      EXPECT_THAT(rig->wires(), ::testing::IsEmpty()) << type;
+    } else {
+      EXPECT_GT(origin.port, 0) << type << ": the run goes on";
+      EXPECT_THAT(rig->wires(), ::testing::ElementsAre(HasSubstr("not from 443"))) << type;
+    }
+    EXPECT_EQ(origin.time_to_live, 128) << type;
+    rig.reset();
+  }
+}
+
+TEST_F(LidarRig, VlpLeavesItsPortToAClientOnThisMachineAndSaysSo) {
+  build("velodyne-vlp-16");
+  data.reset();
+  const HeaderListener listener(port());
+  rig->executive().run_free(kStart + 50ms);
+  poll();
+  const Origin origin = listener.next();
+  EXPECT_NE(origin.port, port());
+  EXPECT_EQ(origin.time_to_live, 255);
+  EXPECT_THAT(rig->wires(),
+              ::testing::ElementsAre(AllOf(StartsWith("lidar: "), HasSubstr("listens there"))));
+}
+
+TEST_F(LidarRig, DualReturnOfBeamsWithoutWidthIsRefusedWhileItRuns) {
+  build_with_web("velodyne-vlp-16", "    sensor: {sub_rays: 1}\n");
+  EXPECT_THAT(request("POST", "/cgi/setting", "returns=Dual"),
+              AllOf(StartsWith("HTTP/1.1 403 "), HasSubstr("sub_rays")));
+  EXPECT_THAT(request("GET", "/cgi/settings.json"), HasSubstr(R"("returns":"Strongest")"));
+}
+
+TEST_F(LidarRig, WebInterfaceDoesNotNameAServerThatTheSensorIsNot) {
+  build_with_web("velodyne-vlp-16");
+  EXPECT_THAT(request("GET", "/cgi/info.json"), ::testing::Not(HasSubstr("Server:")));
+}
+
 TEST(LidarPark, AllModelsStreamAtOnce) {
   const std::vector<std::string> lidars{"hdl_32e", "hdl_64e", "puck_hi_res",
                                         "vlp_16",  "vlp_32c", "vls_128"};
@@ -330,6 +462,12 @@ TEST(LidarPark, AllModelsStreamAtOnce) {
     const auto& packets = listeners[i]->packets;
     EXPECT_GT(packets.size(), 60U) << lidars[i];
     EXPECT_TRUE(std::ranges::any_of(packets, sees_something)) << lidars[i];
+    if (lidars[i] == "puck_hi_res" || lidars[i] == "vlp_32c" || lidars[i] == "hdl_64e") {
+      const std::size_t apart = lidars[i] == "hdl_64e" ? 2 : 1;
+      EXPECT_TRUE(std::ranges::any_of(
+          packets, [&](const Packet& packet) { return tells_two_echoes(packet, apart); }))
+          << lidars[i] << " shows both echoes";
+    }
   }
   const RigStatus status = rig.status();
   for (const DeviceStatus& device : status.devices) {

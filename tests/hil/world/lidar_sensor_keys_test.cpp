@@ -23,6 +23,8 @@ range_sigma: 5 mm
 range_resolution: 8 cm
 laser_bias_sigma: 12 mm
 reference_range: 80 m
+air_reference_range: 60 m
+air_minimum_range: 2 m
 echo_separation: 1.5 m
 compensates_incidence: true
 drop_rate: 2 %
@@ -42,6 +44,8 @@ TEST(LidarSensorKeys, EveryPartOfTheModelHasItsKey) {
   EXPECT_DOUBLE_EQ(sensor.range_resolution_m, 0.08);
   EXPECT_DOUBLE_EQ(sensor.laser_bias_sigma_m, 0.012);
   EXPECT_DOUBLE_EQ(sensor.reference_range_m, 80.0);
+  EXPECT_DOUBLE_EQ(sensor.air_reference_range_m, 60.0);
+  EXPECT_DOUBLE_EQ(sensor.air_minimum_range_m, 2.0);
   EXPECT_DOUBLE_EQ(sensor.echo_separation_m, 1.5);
   EXPECT_TRUE(sensor.compensates_incidence);
   EXPECT_DOUBLE_EQ(sensor.drop_rate, 0.02);
@@ -55,7 +59,7 @@ TEST(LidarSensorKeys, WithoutKeysABeamIsOneRayWithConstantNoise) {
   std::string findings;
   const sim::SpinningLidarParameters sensor = read_sensor("{}\n", findings);
   EXPECT_EQ(findings, "");
-  EXPECT_EQ(sensor.sub_rays, 1);
+  EXPECT_EQ(sensor.sub_rays, 0) << "one, but where echoes are told apart";
   EXPECT_EQ(sensor.range_noise, sim::RangeNoise::constant);
   EXPECT_EQ(sensor.drop_rate, 0.0);
   EXPECT_EQ(sensor.laser_bias_sigma_m, 0.0);

@@ -24,7 +24,7 @@ TEST(VelodyneGprmc, WritesTheSentenceOfAFix) {
                         .course_deg = 359.96});
   // Checksum by hand: exclusive or of the characters between $ and *.
   EXPECT_EQ(text.view().substr(0, text.view().find('*')),
-            "$GPRMC,080509,A,4925.5000,N,00745.0000,W,001.0,000.0,010626,,,A");
+            "$GPRMC,080509,A,4925.5000,N,00745.0000,W,001.0,000.0,010626,000.0,E,A");
   unsigned sum = 0;
   for (const char c : text.view().substr(1, text.view().find('*') - 1)) {
     sum ^= static_cast<unsigned char>(c);

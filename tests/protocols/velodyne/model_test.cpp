@@ -27,13 +27,16 @@ double worst_height_mm(const Model& model, double focus_mm) {
 }
 
 TEST(VelodyneModel, IsFoundByNameAndByItsOwnProductId) {
-  EXPECT_EQ(models().size(), 7U);
+  EXPECT_EQ(models().size(), 8U);
   for (const Model& model : models()) {
-    EXPECT_EQ(find_model(model.name), &model);
+    EXPECT_EQ(find_model(model.name, model.firmware), &model);
+    const bool older = model.firmware == "5.1.7";
+    EXPECT_EQ(find_model(model.name) == &model, !older) << "the newest first";
     if (model.product_id != 0) {
-      EXPECT_EQ(find_model(model.product_id), &model);
+      EXPECT_EQ(find_model(model.product_id) == &model, !older);
     }
   }
+  EXPECT_EQ(find_model("VLP-16", "5.1.7"), nullptr);
   EXPECT_EQ(find_model("HDL-33"), nullptr);
   EXPECT_EQ(find_model(std::uint8_t{0}), nullptr) << "an HDL-64E has no product id";
   EXPECT_EQ(find_model(std::uint8_t{0x63}), nullptr);
@@ -101,12 +104,28 @@ TEST(VelodyneModel, OffsetAzimuthsOfAHeadCancel) {
   }
 }
 
-TEST(VelodyneModel, VlsPausesAfterEightGroups) {
-  const Model& vls = model("VLS-128");
+TEST(VelodyneModel, VlsPausesAfterEightGroupsAndFiresSlowerSinceFirmware523) {
+  const Model& vls = *find_model("VLS-128", "5.1.7");
   EXPECT_EQ(vls.lasers[63].time_offset_ns, 7 * 2665);
   EXPECT_EQ(vls.lasers[64].time_offset_ns, 9 * 2665);
   EXPECT_EQ(vls.lasers[127].time_offset_ns, 16 * 2665);
   EXPECT_EQ(vls.firing_period_ns, 53300);
+  EXPECT_NEAR(3 * model("VLS-128").firing_period_ns, 173'300, 50);
+  EXPECT_EQ(model("VLS-128").lasers[64].time_offset_ns, 9 * 2889);
+}
+
+TEST(VelodyneModel, NearestReturnsArePossibleWhereTheCapturesHaveThem) {
+  // Nearest distance of a public capture of each; of the VLS-128 its own car, 1.08 m.
+  EXPECT_LE(model("HDL-32E").minimum_range_m, 0.17);
+  EXPECT_LE(model("VLP-16").minimum_range_m, 0.5);
+  EXPECT_LE(model("VLP-32C").minimum_range_m, 0.71);
+  EXPECT_LE(model("VLS-128").minimum_range_m, 1.08);
+}
+
+TEST(VelodyneModel, HdlPacketsComeFromPort443AsInTheCapture) {
+  EXPECT_EQ(model("HDL-32E").source_port, 443);
+  EXPECT_EQ(model("HDL-64E S2").source_port, 443);
+  EXPECT_EQ(model("VLP-16").source_port, 0) << "the destination's";
 }
 
 }  // namespace

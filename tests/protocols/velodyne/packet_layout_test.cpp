@@ -50,7 +50,7 @@ TEST(VelodynePacketLayout, TimesAreThoseOfTheFiringTables) {
 }
 
 TEST(VelodynePacketLayout, VlsStampBelongsToTheFourthGroup) {
-  const Model& vls = model("VLS-128");
+  const Model& vls = *find_model("VLS-128", "5.1.7");
   EXPECT_EQ(shot(vls, ReturnMode::strongest, 0, 0).packet_offset_ns, -8700);
   EXPECT_EQ(shot(vls, ReturnMode::strongest, 0, 24).packet_offset_ns, -8700 + 3 * 2665);
   EXPECT_EQ(shot(vls, ReturnMode::strongest, 11, 31).packet_offset_ns,
@@ -80,7 +80,8 @@ TEST(VelodynePacketLayout, PacketsOfTwoReturnsComeTwiceAsOften) {
   }
   EXPECT_EQ(packet_period_ns(model("HDL-32E"), ReturnMode::last), 552960);
   EXPECT_EQ(packet_period_ns(model("VLP-16"), ReturnMode::last), 1327104);
-  EXPECT_EQ(packet_period_ns(model("VLS-128"), ReturnMode::strongest), 159900);
+  EXPECT_EQ(packet_period_ns(*find_model("VLS-128", "5.1.7"), ReturnMode::strongest), 159900);
+  EXPECT_EQ(packet_period_ns(model("VLS-128"), ReturnMode::strongest), 173340);
   EXPECT_EQ(packet_period_ns(model("HDL-64E S3"), ReturnMode::dual), 172800);
 }
 

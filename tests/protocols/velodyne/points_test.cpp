@@ -119,7 +119,7 @@ TEST(VelodynePoints, PacketOfOneFiringTakesTheSpeedOfThePacketBefore) {
   ASSERT_EQ(points.size(), 2U);
   const double offset = -635.4;
   EXPECT_NEAR(points[0].azimuth_rad, (35995 + offset) * kCount, 1e-6) << "speed unknown";
-  EXPECT_NEAR(points[1].azimuth_rad, (36000 + 15 + offset + 20.0 / 53000 * 16 * 2665) * kCount,
+  EXPECT_NEAR(points[1].azimuth_rad, (36000 + 15 + offset + 20.0 / 53000 * 16 * 2889) * kCount,
               1e-6);
 }
 

@@ -37,16 +37,29 @@ std::string reason(int error) {
   return std::generic_category().message(error);
 }
 
+/// What helps against a descriptor that the system would not open.
+std::string mend_of(int error, const std::string& otherwise) {
+  return error == EMFILE   ? "raise the limit of open files (ulimit -n)"
+         : error == ENFILE ? "raise the machine's limit of open files (/proc/sys/fs/file-max)"
+                           : otherwise;
+}
+
 /// Takes the name for this process; the kernel gives it back however the process ends.
 int take_ownership(const fs::path& link) {
   Descriptor socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   if (!socket.open()) {
-    fail(link, "cannot create a socket: " + reason(errno), "raise the limit of open files");
+    fail(link, "cannot create a socket: " + reason(errno),
+         mend_of(errno, "permit sockets of the family AF_UNIX"));
   }
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   // A path longer than the address holds is told apart by its hash.
-  const std::string full = fs::absolute(link).lexically_normal().string();
+  std::error_code lost;
+  const std::string full = fs::absolute(link, lost).lexically_normal().string();
+  if (lost) {
+    fail(link, "the working folder cannot be told: " + lost.message(),
+         "change to a folder that exists, or give an absolute path");
+  }
   std::string name = "rigwire/pty/" + full;
   constexpr std::size_t kRoom = sizeof(address.sun_path) - 1;  // after the leading NUL
   if (name.size() > kRoom) {
@@ -114,11 +127,17 @@ void share_with_serial_group(int master) {
   }
 }
 
+/// ENOSPC: all terminals that the mount permits are taken (pts(4)); ENOENT: there is none.
+std::string mend_of_master(int error) {
+  return mend_of(error, error == ENOSPC
+                            ? "raise /proc/sys/kernel/pty/max, or the max= of the mount /dev/pts"
+                            : "mount devpts on /dev/pts");
+}
+
 int open_master(const fs::path& link) {
   Descriptor master(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!master.open()) {
-    fail(link, "cannot open a pseudo-terminal: " + reason(errno),
-         "mount devpts on /dev/pts and raise /proc/sys/kernel/pty/max");
+    fail(link, "cannot open a pseudo-terminal: " + reason(errno), mend_of_master(errno));
   }
   if (::grantpt(master.get()) != 0 || ::unlockpt(master.get()) != 0) {
     fail(link, "cannot unlock the pseudo-terminal: " + reason(errno), "check /dev/pts");
@@ -163,7 +182,7 @@ Pty::Pty(boost::asio::io_context& context, fs::path link, std::optional<std::uin
   // Opening and closing it once also makes the kernel report that nobody has it open.
   if (slave_name_.empty() || !clean_slave(slave_name_, baud)) {
     fail(link_, "cannot open the slave " + slave_name_ + ": " + reason(errno),
-         "check the permissions of /dev/pts");
+         mend_of(errno, "check the permissions of /dev/pts"));
   }
   if (!link_.empty()) {
     publish();

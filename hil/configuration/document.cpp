@@ -377,8 +377,10 @@ void apply_set(Value& document, const std::string& argument, Problems& problems)
     return;
   }
   Problems own;
-  Value value = parse_document("value: " + argument.substr(equals + 1) + "\n", *source,
-                               fs::current_path().string(), own);
+  std::error_code none;  // a working folder that is deleted has no name, and no files
+  const std::string folder = fs::current_path(none).string();
+  Value value =
+      parse_document("value: " + argument.substr(equals + 1) + "\n", *source, folder, own);
   const Value* parsed = value.find("value");
   if (!own.empty() || parsed == nullptr || value.entries.size() != 1) {
     problems.add({where, path, "the value is not valid YAML", argument.substr(equals + 1), "", ""});

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/ioctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
@@ -47,6 +48,37 @@ class PtyTest : public ::testing::Test {
   fs::path directory;
   fs::path link;
 };
+
+TEST_F(PtyTest, a_line_for_which_no_file_may_be_opened_names_the_limit_of_open_files) {
+  {
+    const Pty first(context, directory / "first");  // what the event loop needs is open from now on
+  }
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  // One descriptor more than there are, for the socket that owns the name, then none.
+  const int next = ::dup(STDERR_FILENO);
+  ASSERT_GE(next, 0);
+  ::close(next);
+  for (const int more : {0, 1}) {
+    const rlimit few{static_cast<rlim_t>(next + more), before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
+    const std::string said = refusal();
+    ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+    EXPECT_THAT(said, HasSubstr("raise the limit of open files (ulimit -n)")) << said;
+    EXPECT_THAT(said, testing::Not(HasSubstr("devpts")));
+  }
+}
+
+TEST_F(PtyTest, a_relative_path_in_a_working_folder_that_is_deleted_is_told_in_words) {
+  const fs::path before = fs::current_path();
+  fs::create_directories(directory);
+  fs::current_path(directory);
+  fs::remove(directory);
+  link = "gnss";
+  const std::string said = refusal();
+  fs::current_path(before);
+  EXPECT_THAT(said, HasSubstr("the working folder cannot be told"));
+}
 
 TEST_F(PtyTest, PublishesALinkInANewDirectoryAndRemovesIt) {
   {

@@ -1,0 +1,63 @@
+#include "hil/configuration/printable.h"
+
+#include <fmt/format.h>
+
+namespace rigwire::hil {
+namespace {
+
+/// Marks and isolates of bidirectional text, line and paragraph separators.
+bool steers_direction(char32_t code) {
+  return code == 0x061C || code == 0x200E || code == 0x200F || (code >= 0x2028 && code <= 0x202E) ||
+         (code >= 0x2066 && code <= 0x2069);
+}
+
+}  // namespace
+
+Character first_character(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned head = byte(0);
+  if (head < 0x80) {
+    return {head, 1, true};
+  }
+  // Length by the leading byte; the least code that needs it, so that no other spelling passes.
+  const std::size_t length = head >= 0xF0 ? 4 : head >= 0xE0 ? 3 : 2;
+  if (head < 0xC2 || head > 0xF4 || text.size() < length) {
+    return {head, 1, false};
+  }
+  char32_t code = head & (0x7FU >> length);
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0U) != 0x80U) {
+      return {head, 1, false};
+    }
+    code = (code << 6U) | (byte(i) & 0x3FU);
+  }
+  const char32_t least = length == 4 ? 0x10000 : length == 3 ? 0x800 : 0x80;
+  const bool surrogate = code >= 0xD800 && code <= 0xDFFF;
+  if (code < least || code > 0x10FFFF || surrogate) {
+    return {head, 1, false};
+  }
+  return {code, length, true};
+}
+
+std::string printable(std::string_view text, std::string_view kept) {
+  std::string shown;
+  shown.reserve(text.size());
+  for (std::size_t at = 0; at < text.size();) {
+    const Character next = first_character(text.substr(at));
+    const std::string_view bytes = text.substr(at, next.bytes);
+    const bool control = next.code < 0x20 || (next.code >= 0x7F && next.code < 0xA0);
+    if (kept.find(bytes.front()) != std::string_view::npos && next.bytes == 1) {
+      shown += bytes;
+    } else if (!next.valid) {
+      shown += fmt::format("\\x{:02x}", static_cast<unsigned>(next.code));
+    } else if (control || steers_direction(next.code)) {
+      shown += fmt::format("\\u{:04x}", static_cast<unsigned>(next.code));
+    } else {
+      shown += bytes;
+    }
+    at += next.bytes;
+  }
+  return shown;
+}
+
+}  // namespace rigwire::hil

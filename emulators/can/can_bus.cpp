@@ -135,6 +135,10 @@ CanNodeCounters CanBusModel::counters(const FrameOutput& output) const {
   return node_of(output).counters();
 }
 
+const std::optional<CanRequest>& CanBusModel::last_request(const FrameOutput& output) const {
+  return node_of(output).last_request();
+}
+
 ControllerReport CanBusModel::controller(const FrameOutput& output) const {
   return node_of(output).status();
 }

@@ -115,6 +115,8 @@ class CanBusModel {
   /// Arbitrations that two nodes would have won.
   [[nodiscard]] std::uint64_t collisions() const { return wire_.collisions(); }
   [[nodiscard]] CanNodeCounters counters(const FrameOutput& output) const;
+  /// What the client sent last that the node's device took (ReceiveCounters::accepted).
+  [[nodiscard]] const std::optional<CanRequest>& last_request(const FrameOutput& output) const;
   [[nodiscard]] protocols::can::ControllerReport controller(const FrameOutput& output) const;
   /// Of what came from outside.
   [[nodiscard]] CanNodeCounters outside_counters() const { return nodes_.front()->counters(); }

@@ -145,7 +145,7 @@ void CanController::lost(SimTime now, std::uint8_t bit, FrameField field) {
   announce(now, report);
 }
 
-void CanController::receive(SimTime now, const Frame& frame) {
+void CanController::receive(SimTime now, const Frame& frame, bool from_outside) {
   ++counters_.received;
   if (!settings_.listen_only) {
     confinement_.received();
@@ -153,8 +153,13 @@ void CanController::receive(SimTime now, const Frame& frame) {
       announce(now, {});
     }
   }
-  if (device_ != nullptr) {
-    device_->receive(now, frame);
+  if (device_ == nullptr) {
+    return;
+  }
+  const std::uint64_t accepted = from_outside ? device_->received().accepted : 0;
+  device_->receive(now, frame);
+  if (from_outside && device_->received().accepted != accepted) {
+    last_request_ = {now, frame};
   }
 }
 

@@ -81,7 +81,7 @@ class CanController final : public FrameOutput {
   /// Arbitration, at that bit (see ControllerReport). A one-shot controller gives the frame up.
   void lost(SimTime now, std::uint8_t bit, protocols::can::FrameField field);
   /// A frame of another node is complete and good.
-  void receive(SimTime now, const protocols::can::Frame& frame);
+  void receive(SimTime now, const protocols::can::Frame& frame, bool from_outside);
   /// An error, or with BusError::none a rule that applies without a new one. `report` says what is
   /// known of it; state and counters are filled in here.
   void count_error(SimTime now, CanErrorRule rule, protocols::can::ControllerReport report);
@@ -101,6 +101,7 @@ class CanController final : public FrameOutput {
   void recover(SimTime now);
 
   [[nodiscard]] CanNodeCounters counters() const;
+  [[nodiscard]] const std::optional<CanRequest>& last_request() const { return last_request_; }
   [[nodiscard]] protocols::can::ControllerReport status() const;
 
   static constexpr unsigned kRecoverySequences = 128;
@@ -120,6 +121,7 @@ class CanController final : public FrameOutput {
   CanNodeSettings settings_;
   FrameOutput* exit_;
   CanDevice* device_ = nullptr;
+  std::optional<CanRequest> last_request_;
   CanOutside* outside_ = nullptr;
   bool* stale_ = nullptr;
   CanTransmitQueue queue_;

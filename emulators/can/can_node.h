@@ -9,6 +9,7 @@
 #include <string>
 
 #include "fields/rules.h"
+#include "protocols/can/frame.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
@@ -49,6 +50,12 @@ struct CanErrorCounts {
   std::uint64_t acknowledgement = 0;
 
   friend bool operator==(const CanErrorCounts&, const CanErrorCounts&) = default;
+};
+
+/// A frame of the client's that the node's device took as meant for it.
+struct CanRequest {
+  SimTime at{};
+  protocols::can::Frame frame;
 };
 
 /// At every instant offered = sent + overflowed + abandoned + queued.

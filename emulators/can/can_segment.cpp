@@ -194,7 +194,7 @@ void CanSegment::complete() {
   bool outside_hears = false;
   for (CanController* node : nodes_) {
     if (node != sender.node && node->takes_part()) {
-      node->receive(now, sender.frame);
+      node->receive(now, sender.frame, sender.node->is_outside());
       outside_hears = outside_hears || node->is_outside();
     } else if (node->is_outside()) {
       outside_hears = !node->is_open();
@@ -267,7 +267,7 @@ void CanSegment::happen(SimTime now) {
         good = complete = true;
         break;
       case received:
-        node.receive(now, sender.frame);
+        node.receive(now, sender.frame, sender.node->is_outside());
         complete = true;
         outside_hears = outside_hears || node.is_outside();
         break;

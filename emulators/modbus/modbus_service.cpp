@@ -63,6 +63,7 @@ void ModbusService::serve(SimTime now, std::uint8_t number, std::span<const std:
   answer.effects = {};
   unit.unit->advance(now);
   unit.unit->received().bytes += pdu.size();
+  unit.unit->last_request().note(now, pdu);
   const auto decoded = decode_request(pdu);
   const auto* request = std::get_if<Request>(&decoded);
   if (!faults_.empty()) {
@@ -119,6 +120,7 @@ void ModbusService::broadcast(SimTime now, std::span<const std::uint8_t> pdu) {
     }
     unit.unit->advance(now);
     unit.unit->received().bytes += pdu.size();
+    unit.unit->last_request().note(now, pdu);
     unit.diagnostics.server_message();
     unit.diagnostics.no_response();
     carry_out(now, unit, *request, unsent);

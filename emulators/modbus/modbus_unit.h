@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "emulators/device.h"
+#include "emulators/last_request.h"
 #include "protocols/modbus/constants.h"
 #include "protocols/modbus/pdu.h"
 #include "sim/samples/time.h"
@@ -58,9 +59,13 @@ class ModbusUnit {
   /// refused with one. malformed: PDU of a wrong length. bytes: of the PDUs.
   [[nodiscard]] const ReceiveCounters& received() const { return received_; }
   [[nodiscard]] ReceiveCounters& received() { return received_; }
+  /// The beginning of the PDU that came last, kept by the server.
+  [[nodiscard]] const LastRequest& last_request() const { return last_request_; }
+  [[nodiscard]] LastRequest& last_request() { return last_request_; }
 
  private:
   ReceiveCounters received_;
+  LastRequest last_request_;
 };
 
 }  // namespace rigwire::emulators

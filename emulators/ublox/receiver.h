@@ -16,6 +16,7 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
+#include "emulators/last_request.h"
 #include "emulators/ublox/antenna.h"
 #include "emulators/ublox/configuration.h"
 #include "emulators/ublox/line_quality.h"
@@ -72,6 +73,8 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   }
   [[nodiscard]] std::uint32_t baud() const override { return transmitter_.baud(); }
   [[nodiscard]] ReceiveCounters received() const override { return received_; }
+  /// Class and number of the UBX message that came last, or "$" and the beginning of the sentence.
+  [[nodiscard]] const LastRequest& last_request() const { return last_request_; }
   [[nodiscard]] std::span<const Quantity> quantities() const override;
   [[nodiscard]] UbloxCounters counters() const;
   [[nodiscard]] const UbloxSolution& solution() const { return navigator_.solution(); }
@@ -126,6 +129,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
 
   // receiver_sentences.cpp: what clients say in NMEA.
   void handle(SimTime now, const protocols::nmea::SentenceView& sentence);
+  void note_request(SimTime now, const protocols::nmea::SentenceView& sentence);
   [[nodiscard]] bool handle_proprietary(SimTime now, const protocols::nmea::SentenceView& s);
   [[nodiscard]] bool handle_port_command(const protocols::nmea::SentenceView& s);
   [[nodiscard]] bool handle_rate_command(const protocols::nmea::SentenceView& s);
@@ -163,6 +167,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   bool overflow_to_report_ = false;
   UbloxPortStatistics port_;
   ReceiveCounters received_;
+  LastRequest last_request_;
   UbloxCounters counters_;
 };
 

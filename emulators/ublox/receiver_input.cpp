@@ -1,5 +1,6 @@
 // What clients say in UBX.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "emulators/ublox/receiver.h"
@@ -125,6 +126,7 @@ void UbloxReceiver::handle(SimTime now, const ubx::FrameView& frame) {
     return;
   }
   ++port_.messages[0];
+  last_request_.note(now, std::array{frame.id.message_class, frame.id.message_id});
   if (frame.id.message_class == kClassConfiguration) {
     handle_configuration(now, frame);
     return;

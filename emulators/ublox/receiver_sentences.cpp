@@ -1,4 +1,5 @@
 // What clients say in NMEA: PUBX commands and queries.
+#include <algorithm>
 #include <charconv>
 #include <optional>
 
@@ -25,6 +26,7 @@ void UbloxReceiver::handle(SimTime now, const nmea::SentenceView& sentence) {
     return;
   }
   ++port_.messages[1];
+  note_request(now, sentence);
   const bool known =
       sentence.address == "PUBX" ? handle_proprietary(now, sentence) : handle_query(now, sentence);
   if (known) {
@@ -33,6 +35,17 @@ void UbloxReceiver::handle(SimTime now, const nmea::SentenceView& sentence) {
     ++received_.ignored;
     send_text(now, nmea::TextKind::warning, "NMEA unknown msg");
   }
+}
+
+void UbloxReceiver::note_request(SimTime now, const nmea::SentenceView& sentence) {
+  std::array<std::uint8_t, LastRequest::kHeadBytes> head{'$'};
+  std::size_t size = 1;
+  for (const std::string_view part : {sentence.address, std::string_view(","), sentence.field(0)}) {
+    const std::size_t count = std::min(part.size(), head.size() - size);
+    std::copy_n(part.begin(), count, head.begin() + static_cast<std::ptrdiff_t>(size));
+    size += count;
+  }
+  last_request_.note(now, std::span(head).first(size));
 }
 
 bool UbloxReceiver::handle_proprietary(SimTime now, const nmea::SentenceView& s) {

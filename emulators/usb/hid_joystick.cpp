@@ -141,6 +141,7 @@ void HidJoystick::control(SimTime now, UsbTransfer transfer, const Setup& setup,
                           std::span<const std::uint8_t> /*data*/) {
   if (serve(now, transfer, setup)) {
     ++counters_.accepted;
+    last_request_ = {now, setup};
   } else {
     ++counters_.ignored;
     host_->complete(now, transfer, Outcome::stalled, {}, 0);

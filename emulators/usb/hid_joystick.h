@@ -17,6 +17,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -73,6 +74,8 @@ class HidJoystick final : public UsbDevice, public Device, public JoystickBacken
   [[nodiscard]] ReceiveCounters received() const override { return counters_; }
   [[nodiscard]] double nominal_rate_hz() const override { return 0.0; }
   [[nodiscard]] std::span<const Quantity> quantities() const override;
+  /// The SETUP packet of the request to its interface that it carried out last.
+  [[nodiscard]] const std::optional<UsbRequest>& last_request() const { return last_request_; }
   [[nodiscard]] std::uint64_t reports_sent() const { return reports_sent_; }
 
  private:
@@ -99,6 +102,7 @@ class HidJoystick final : public UsbDevice, public Device, public JoystickBacken
   bool reported_ = false;      ///< last_report_ is one of this configuration.
   std::uint8_t idle_4ms_ = 0;  ///< SET_IDLE, in units of 4 ms; 0: only when something changes.
   ReceiveCounters counters_;
+  std::optional<UsbRequest> last_request_;
   std::uint64_t reports_sent_ = 0;
 };
 

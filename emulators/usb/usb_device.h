@@ -23,6 +23,12 @@ namespace rigwire::emulators {
 /// Number of one transfer, chosen by the host.
 using UsbTransfer = std::uint32_t;
 
+/// A control transfer of the client's, for people who look on.
+struct UsbRequest {
+  SimTime at{};
+  protocols::usb::Setup setup;
+};
+
 /// Where a device ends its transfers.
 class UsbHost {
  public:

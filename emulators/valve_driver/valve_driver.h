@@ -48,6 +48,7 @@ class ValveDriver final : public ModbusDevice, public ValveBackend {
   explicit ValveDriver(const ValveDriverSettings& settings);
 
   [[nodiscard]] ModbusUnit& unit() override { return unit_; }
+  [[nodiscard]] const LastRequest& last_request() const { return unit_.last_request(); }
 
   void advance(SimTime now) override;
   [[nodiscard]] SimTime next_event() const override { return amplifier_.next_event(); }

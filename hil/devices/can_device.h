@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -90,6 +91,9 @@ class CanDeviceOf : public Device {
     return statistics().dropped + counters.overflowed + counters.abandoned;
   }
   [[nodiscard]] const Emulator& emulator() const override { return emulator_; }
+  [[nodiscard]] std::optional<ClientRequest> last_request() const override {
+    return client_request(bus_.bus().last_request(node_));
+  }
 
  protected:
   [[nodiscard]] Emulator& emulated() { return emulator_; }

@@ -39,6 +39,7 @@ DeviceStatus Device::status(const std::string& name, SimTime now) const {
   if (known.last_client_activity) {
     status.since_client_activity = now - *known.last_client_activity;
   }
+  status.last_request = last_request();
   return status;
 }
 

@@ -10,6 +10,7 @@
 
 #include "drivers/endpoints.h"
 #include "emulators/device.h"
+#include "hil/devices/client_request.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/wires/wire_statistics.h"
 #include "sim/samples/calendar.h"
@@ -31,6 +32,7 @@ struct DeviceStatus {
   Duration lateness_max{0};
   bool client_present = false;
   std::optional<Duration> since_client_activity;  ///< Simulated time since a client last sent.
+  std::optional<ClientRequest> last_request;      ///< What the device understood of it last.
 };
 
 /// Who hears of every fix of a satellite receiver: a lidar for its time, a vehicle gateway for its
@@ -68,6 +70,9 @@ class Device {
   /// Units of output lost before and at the endpoint.
   [[nodiscard]] virtual std::uint64_t dropped() const { return statistics_.dropped; }
   [[nodiscard]] virtual const WireStatistics& statistics() const { return statistics_; }
+
+  /// What a client asked last, as far as the device understood it; nothing before the first.
+  [[nodiscard]] virtual std::optional<ClientRequest> last_request() const = 0;
 
   /// What others may be joined with; null where there is none.
   [[nodiscard]] virtual FixSource* fixes() { return nullptr; }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fields/rules.h"
+#include "hil/configuration/fault_window.h"
 #include "protocols/can/message_layout.h"
 
 namespace rigwire::hil {
@@ -68,6 +69,8 @@ class DeviceConfiguration {
   virtual void validate() const = 0;
   /// How it fits into the rig; `at` is "devices.gnss".
   virtual void check(const std::string& at, RigCheck& check) const = 0;
+  /// What goes wrong with it, and when: the faults among its keys. `name` is its own in its rig.
+  [[nodiscard]] virtual std::vector<FaultWindow> fault_windows(std::string_view name) const = 0;
   /// The three below may throw std::invalid_argument for settings that make no device.
   [[nodiscard]] virtual DevicePlan plan(const RigView& rig) const = 0;
   /// nullopt: it is not on a CAN bus. `name` is the device's in its rig.

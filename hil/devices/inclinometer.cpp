@@ -35,6 +35,10 @@ void InclinometerConfiguration::check(const std::string& at, RigCheck& check) co
   check.canopen_node(at, bus, inclinometer.node.node_id);
 }
 
+std::vector<FaultWindow> InclinometerConfiguration::fault_windows(std::string_view /*name*/) const {
+  return {};
+}
+
 DevicePlan InclinometerConfiguration::plan(const RigView& rig) const {
   const bool synchronous =
       inclinometer.transmission_type <= protocols::canopen::kGreatestSynchronous;

@@ -44,6 +44,10 @@ void IsoValvesConfiguration::check(const std::string& at, RigCheck& check) const
   check.valve_block(at, valves.amplifier.sections);
 }
 
+std::vector<FaultWindow> IsoValvesConfiguration::fault_windows(std::string_view /*name*/) const {
+  return {};
+}
+
 DevicePlan IsoValvesConfiguration::plan(const RigView& rig) const {
   return j1939_plan(rig, bus, valves.source_address, bus_share({})->frames_hz,
                     fmt::format("{} sections, neutral {} after the last command",

@@ -39,6 +39,11 @@ void OpenImuDeviceConfiguration::check(const std::string& at, RigCheck& check) c
   check.j1939_node(at, bus, imu.source_address, imu.serial);
 }
 
+std::vector<FaultWindow> OpenImuDeviceConfiguration::fault_windows(
+    std::string_view /*name*/) const {
+  return {};
+}
+
 DevicePlan OpenImuDeviceConfiguration::plan(const RigView& rig) const {
   const unsigned divider = imu.configuration.rate_divider;
   const std::string with =

@@ -49,6 +49,10 @@ void EncoderConfiguration::check(const std::string& at, RigCheck& check) const {
   check.canopen_node(at, bus, encoder.node.node_id);
 }
 
+std::vector<FaultWindow> EncoderConfiguration::fault_windows(std::string_view /*name*/) const {
+  return {};
+}
+
 DevicePlan EncoderConfiguration::plan(const RigView& rig) const {
   return {can_wire(rig, bus, fmt::format("node {}", encoder.node.node_id)),
           fmt::format("{:.0f} frames/s", bus_share({})->frames_hz), "",

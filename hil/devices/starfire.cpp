@@ -152,6 +152,10 @@ class StarFireDevice final : public Device, private FixSource {
     return statistics().dropped + on_bus().overflowed;
   }
   [[nodiscard]] const emulators::Device& emulator() const override { return sides_; }
+  /// On the bus: its serial line hears nothing.
+  [[nodiscard]] std::optional<ClientRequest> last_request() const override {
+    return exit_ == nullptr ? std::nullopt : client_request(bus_->bus().last_request(*exit_));
+  }
 
  private:
   void inform(FixListener& listener) override { sides_.listeners.push_back(&listener); }
@@ -212,6 +216,10 @@ void StarFireConfiguration::check(const std::string& at, RigCheck& check) const 
                    fmt::format("\"{}\"", faults[i].type()), "those of signals and antenna");
     }
   }
+}
+
+std::vector<FaultWindow> StarFireConfiguration::fault_windows(std::string_view name) const {
+  return hil::fault_windows(faults, name);
 }
 
 DevicePlan StarFireConfiguration::plan(const RigView& /*rig*/) const {

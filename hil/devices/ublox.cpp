@@ -58,6 +58,9 @@ class UbloxDevice final : public Device, private FixSource {
     return statistics().dropped + receiver_.counters().messages_lost;
   }
   [[nodiscard]] const emulators::Device& emulator() const override { return receiver_; }
+  [[nodiscard]] std::optional<ClientRequest> last_request() const override {
+    return ublox_request(receiver_.last_request());
+  }
 
  private:
   static std::unique_ptr<drivers::ByteStream> open_line(const UbloxConfiguration& configuration,
@@ -149,6 +152,12 @@ void UbloxConfiguration::check(const std::string& at, RigCheck& check) const {
     check.usb();
   }
   check.link(at + ".mount.link", mount.link);
+}
+
+std::vector<FaultWindow> UbloxConfiguration::fault_windows(std::string_view name) const {
+  std::vector<FaultWindow> windows = hil::fault_windows(faults, name);
+  append_unplugged(windows, unplugged, name);
+  return windows;
 }
 
 DevicePlan UbloxConfiguration::plan(const RigView& rig) const {

@@ -33,6 +33,7 @@ struct UbloxConfiguration final : DeviceConfigurationOf<UbloxConfiguration> {
   void visit(fields::Visitor& v) override;
   void validate() const override;
   void check(const std::string& at, RigCheck& check) const override;
+  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override;
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
   [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;
   [[nodiscard]] DeviceDescription describe() const override;

@@ -84,6 +84,9 @@ class UsbJoystickDevice final : public Device {
   }
   [[nodiscard]] std::uint64_t frames() const override { return levers_.reports_sent(); }
   [[nodiscard]] const emulators::Device& emulator() const override { return levers_; }
+  [[nodiscard]] std::optional<ClientRequest> last_request() const override {
+    return client_request(levers_.last_request());
+  }
 
  private:
   UsbBus& bus_;
@@ -154,6 +157,12 @@ void UsbJoystickConfiguration::check(const std::string& at, RigCheck& check) con
   if (source == LeverSource::commands && check.rig().actuators.empty()) {
     check.report(at + ".source", "the machine has no valve block", "commands", "script");
   }
+}
+
+std::vector<FaultWindow> UsbJoystickConfiguration::fault_windows(std::string_view name) const {
+  std::vector<FaultWindow> windows;
+  append_unplugged(windows, unplugged, name);
+  return windows;
 }
 
 DevicePlan UsbJoystickConfiguration::plan(const RigView& rig) const {

@@ -35,6 +35,9 @@ class UsbPassThroughDevice final : public Device {
     return {bus_.address(socket_) + " for " + real_.device().address(), bus_.imported(socket_)};
   }
   [[nodiscard]] const emulators::Device& emulator() const override { return nothing_; }
+  [[nodiscard]] std::optional<ClientRequest> last_request() const override {
+    return client_request(real_.last_request());
+  }
 
  private:
   UsbBus& bus_;
@@ -60,6 +63,11 @@ void UsbPassThroughConfiguration::validate() const {
 void UsbPassThroughConfiguration::check(const std::string& at, RigCheck& check) const {
   check.usb();
   check.claim(at + ".device", "USB device " + device, device);
+}
+
+std::vector<FaultWindow> UsbPassThroughConfiguration::fault_windows(
+    std::string_view /*name*/) const {
+  return {};
 }
 
 DevicePlan UsbPassThroughConfiguration::plan(const RigView& rig) const {

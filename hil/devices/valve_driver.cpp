@@ -62,6 +62,9 @@ class ValveDriverDevice final : public Device {
   [[nodiscard]] std::uint64_t dropped() const override { return line_.statistics().dropped; }
   [[nodiscard]] const WireStatistics& statistics() const override { return line_.statistics(); }
   [[nodiscard]] const emulators::Device& emulator() const override { return driver_; }
+  [[nodiscard]] std::optional<ClientRequest> last_request() const override {
+    return modbus_request(driver_.last_request());
+  }
 
  private:
   std::unique_ptr<RigModbus> own_;
@@ -127,6 +130,10 @@ void ValveDriverConfiguration::check(const std::string& at, RigCheck& check) con
     check.claim(at + ".unit", fmt::format("{} unit {}", line, unit), std::to_string(unit));
   }
   check.valve_block(at, driver.amplifier.sections);
+}
+
+std::vector<FaultWindow> ValveDriverConfiguration::fault_windows(std::string_view /*name*/) const {
+  return {};
 }
 
 DevicePlan ValveDriverConfiguration::plan(const RigView& rig) const {

@@ -71,6 +71,11 @@ void VehicleGatewayConfiguration::check(const std::string& at, RigCheck& check) 
   }
 }
 
+std::vector<FaultWindow> VehicleGatewayConfiguration::fault_windows(
+    std::string_view /*name*/) const {
+  return {};
+}
+
 DevicePlan VehicleGatewayConfiguration::plan(const RigView& rig) const {
   return j1939_plan(rig, bus, gateway.source_address, bus_share({})->frames_hz,
                     fmt::format("stops {} after the last guidance command",

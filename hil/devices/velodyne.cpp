@@ -202,7 +202,9 @@ class VelodyneDevice final : public Device, private FixListener {
     executive.add(position_outlet_);
     if (server_) {
       server_->start([this, &executive](const drivers::HttpRequest& request) {
-        return answer(client_arrived(executive), request);
+        const SimTime now = client_arrived(executive);
+        last_request_ = {now, request.method + " " + request.target};
+        return answer(now, request);
       });
     }
     return index;
@@ -228,6 +230,8 @@ class VelodyneDevice final : public Device, private FixListener {
   [[nodiscard]] bool is_lidar() const override { return true; }
   [[nodiscard]] std::string remark() const override { return remark_; }
   [[nodiscard]] drivers::EndpointStatus endpoint() const override { return data_.status(); }
+  /// Of the web interface.
+  [[nodiscard]] std::optional<ClientRequest> last_request() const override { return last_request_; }
   [[nodiscard]] std::uint64_t dropped() const override {
     return statistics().dropped + lidar_.packets_lost();
   }
@@ -321,6 +325,7 @@ class VelodyneDevice final : public Device, private FixListener {
   StationOf<emulators::ImuBackend> motion_station_{motion_, motion_};
   emulators::VelodyneWebInterface web_;
   std::uint32_t destination_changes_ = lidar_.destination_changes();
+  std::optional<ClientRequest> last_request_;
   std::optional<drivers::HttpServer> server_;
 };
 
@@ -428,6 +433,10 @@ void VelodyneConfiguration::check(const std::string& at, RigCheck& check) const 
   check.receiver(at + ".time_source", time_source,
                  {std::string(kAutomaticTimeSource), std::string(kIdealTimeSource),
                   std::string(kPulseTimeSource), std::string(kNoTimeSource)});
+}
+
+std::vector<FaultWindow> VelodyneConfiguration::fault_windows(std::string_view name) const {
+  return hil::fault_windows(faults, name);
 }
 
 DevicePlan VelodyneConfiguration::plan(const RigView& /*rig*/) const {

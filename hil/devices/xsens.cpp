@@ -36,6 +36,10 @@ void XsensMtiConfiguration::check(const std::string& at, RigCheck& check) const 
   check.claim(at + ".bus", fmt::format("{} mti {}", bus, mti.extended), bus);
 }
 
+std::vector<FaultWindow> XsensMtiConfiguration::fault_windows(std::string_view /*name*/) const {
+  return {};
+}
+
 DevicePlan XsensMtiConfiguration::plan(const RigView& rig) const {
   return {can_wire(rig, bus, mti.extended ? "29-bit" : "11-bit"),
           fmt::format("{:.0f} frames/s", bus_share({})->frames_hz), "", "nothing is received"};

@@ -48,6 +48,29 @@ RigView view_of(const RigConfiguration& configuration) {
   return view;
 }
 
+std::vector<FaultWindow> fault_windows(const RigConfiguration& configuration) {
+  std::vector<FaultWindow> all;
+  const auto append = [&all](std::vector<FaultWindow> windows) {
+    all.insert(all.end(), std::move_iterator(windows.begin()), std::move_iterator(windows.end()));
+  };
+  for (const auto& [name, device] : configuration.devices) {
+    append(device->fault_windows(name));
+  }
+  for (const auto& [name, bus] : configuration.buses) {
+    std::vector<FaultWindow> windows = fault_windows(bus.faults, "bus " + name);
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      if (const std::string device = device_of(bus.faults[i]); !device.empty()) {
+        windows[i].type += " " + device;
+      }
+    }
+    append(std::move(windows));
+  }
+  for (const auto& [name, line] : configuration.modbus) {
+    append(fault_windows(line.faults, "modbus " + name));
+  }
+  return all;
+}
+
 std::vector<std::string> devices_on(const RigConfiguration& configuration, const std::string& bus) {
   std::vector<std::string> names;
   for (const auto& [name, device] : configuration.devices) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "fields/visitor.h"
+#include "hil/configuration/fault_window.h"
 #include "hil/configuration/outline.h"
 #include "hil/configuration/utc.h"
 #include "hil/devices/device_types.h"
@@ -109,6 +110,9 @@ struct LoadedRig {
 
 /// What devices may know of the rig. Refers to the configuration.
 [[nodiscard]] RigView view_of(const RigConfiguration& configuration);
+
+/// Every fault of devices, buses and lines, in the order of their kinds and names.
+[[nodiscard]] std::vector<FaultWindow> fault_windows(const RigConfiguration& configuration);
 
 /// The names of the devices on the bus.
 [[nodiscard]] std::vector<std::string> devices_on(const RigConfiguration& configuration,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "fields/visitor.h"
+#include "hil/configuration/fault_window.h"
 #include "protocols/usbip/constants.h"
 #include "sim/samples/time.h"
 
@@ -23,6 +24,15 @@ struct UnplugConfiguration {
   Duration at{0};  ///< From the start of the run.
   Duration length = std::chrono::seconds{10};
 };
+
+inline void append_unplugged(std::vector<FaultWindow>& windows,
+                             const std::vector<UnplugConfiguration>& unplugged,
+                             std::string_view where) {
+  for (const UnplugConfiguration& unplug : unplugged) {
+    windows.push_back(
+        {std::string(where), "unplugged", kStart + unplug.at, kStart + unplug.at + unplug.length});
+  }
+}
 
 inline void visit(fields::Visitor& v, UsbConfiguration& p) {
   v.text("address", p.address, "Where clients attach (usbip attach -r).");

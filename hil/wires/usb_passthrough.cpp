@@ -62,6 +62,7 @@ void UsbPassThrough::control(SimTime now, emulators::UsbTransfer transfer,
                              const protocols::usb::Setup& setup,
                              std::span<const std::uint8_t> data) {
   now_ = now;
+  last_request_ = {now, setup};
   open_[transfer] = device_->control(setup, data, passing_on(transfer, 0));
 }
 

@@ -12,6 +12,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "drivers/usb_device_handle.h"
 #include "emulators/usb/usb_device.h"
@@ -39,6 +40,10 @@ class UsbPassThrough final : public emulators::UsbDevice {
   void advance(SimTime now) override { now_ = now; }
 
   [[nodiscard]] const drivers::UsbDeviceHandle& device() const { return *device_; }
+  /// The control transfer that the client began last.
+  [[nodiscard]] const std::optional<emulators::UsbRequest>& last_request() const {
+    return last_request_;
+  }
 
  private:
   using Outcome = protocols::usb::Outcome;
@@ -50,6 +55,7 @@ class UsbPassThrough final : public emulators::UsbDevice {
   protocols::usb::DeviceDescription description_;
   emulators::UsbHost* host_ = nullptr;
   SimTime now_ = kStart;
+  std::optional<emulators::UsbRequest> last_request_;
   /// The client's numbers to the device's.
   std::map<emulators::UsbTransfer, drivers::UsbDeviceHandle::Transfer> open_;
   std::uint64_t client_ = 0;  ///< Counts them; what a client before began concerns nobody.

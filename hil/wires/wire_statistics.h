@@ -3,12 +3,21 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "hil/wires/latency_histogram.h"
 #include "hil/wires/stream_hash.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::hil {
+
+/// What a client asked last, in the words of its wire.
+struct ClientRequest {
+  SimTime at{};
+  std::string text;  ///< May hold what a client sent: not yet printable.
+
+  friend bool operator==(const ClientRequest&, const ClientRequest&) = default;
+};
 
 struct WireStatistics {
   /// Units of output handed to the wire: datagrams, CAN frames, answers, UART chunks.

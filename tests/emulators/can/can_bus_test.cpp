@@ -50,6 +50,20 @@ TEST_F(CanBus, FrameLeavesAtItsEndOfFrame) {
   EXPECT_TRUE(device_a_.heard.empty());
 }
 
+TEST_F(CanBus, the_last_request_is_the_clients_last_frame_that_the_device_understood) {
+  device_b_.understood = 0x123;
+  a_.send(kStart, standard(0x123));  // another device's
+  bus_.advance(kStart + 1ms);
+  EXPECT_FALSE(bus_.last_request(b_).has_value());
+  bus_.receive(kStart + 2ms, standard(0x123));
+  bus_.receive(kStart + 2ms, standard(0x124));
+  bus_.advance(kStart + 10ms);
+  ASSERT_TRUE(bus_.last_request(b_).has_value());
+  EXPECT_EQ(bus_.last_request(b_)->frame, standard(0x123));
+  EXPECT_EQ(bus_.last_request(b_)->at, device_b_.heard[1].first);
+  EXPECT_FALSE(bus_.last_request(a_).has_value());
+}
+
 TEST_F(CanBus, LowerIdentifierWinsAndTheLoserFollowsWithoutGap) {
   a_.send(kStart, standard(0x200));
   b_.send(kStart, standard(0x100));

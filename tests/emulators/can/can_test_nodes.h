@@ -27,7 +27,7 @@ struct Counter final : FrameOutput {
 
 using Reports = std::vector<std::pair<SimTime, ControllerReport>>;
 
-/// A node that records what it hears.
+/// A node that records what it hears, and understands one identifier.
 class Listener final : public CanDevice {
  public:
   [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
@@ -37,15 +37,20 @@ class Listener final : public CanDevice {
   void advance(SimTime) override {}
   [[nodiscard]] SimTime next_event() const override { return kNever; }
   [[nodiscard]] SamplePlan sample_plan() const override { return {}; }
-  [[nodiscard]] ReceiveCounters received() const override { return {}; }
+  [[nodiscard]] ReceiveCounters received() const override { return counters; }
   [[nodiscard]] double nominal_rate_hz() const override { return 0.0; }
   [[nodiscard]] std::span<const Quantity> quantities() const override { return {}; }
-  void receive(SimTime now, const Frame& frame) override { heard.emplace_back(now, frame); }
+  void receive(SimTime now, const Frame& frame) override {
+    heard.emplace_back(now, frame);
+    counters.accepted += frame.id == understood ? 1U : 0U;
+  }
   void controller(SimTime now, const ControllerReport& report) override {
     reports.emplace_back(now, report);
   }
   std::vector<std::pair<SimTime, Frame>> heard;
   Reports reports;
+  std::uint32_t understood = 0xFFFFFFFF;
+  ReceiveCounters counters;
 };
 
 /// The client.

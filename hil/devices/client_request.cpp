@@ -1,0 +1,130 @@
+#include "hil/devices/client_request.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "protocols/can/frame_text.h"
+#include "protocols/j1939/identifier.h"
+#include "protocols/j1939/message.h"
+#include "protocols/modbus/constants.h"
+
+namespace rigwire::hil {
+namespace {
+
+using protocols::modbus::Function;
+
+/// What follows the function code (V1.1b3, section 6).
+enum class Range { none, one, many };
+struct FunctionRow {
+  Function function;
+  std::string_view name;
+  std::string_view items;
+  Range range;
+};
+constexpr std::array<FunctionRow, 12> kFunctions{
+    {{Function::read_coils, "read", "coils", Range::many},
+     {Function::read_discrete_inputs, "read", "discrete inputs", Range::many},
+     {Function::read_holding_registers, "read", "holding registers", Range::many},
+     {Function::read_input_registers, "read", "input registers", Range::many},
+     {Function::write_coil, "write", "coil", Range::one},
+     {Function::write_register, "write", "register", Range::one},
+     {Function::write_coils, "write", "coils", Range::many},
+     {Function::write_registers, "write", "registers", Range::many},
+     {Function::report_server_id, "report server id", "", Range::none},
+     {Function::mask_write_register, "mask write", "register", Range::one},
+     {Function::read_write_registers, "read and write", "registers", Range::many},
+     {Function::encapsulated_interface, "read device identification", "", Range::none}}};
+
+/// Of UBX messages (u-blox receiver description, section "UBX class IDs").
+struct ClassRow {
+  std::uint8_t number;
+  std::string_view name;
+};
+constexpr std::array<ClassRow, 13> kUbxClasses{{{0x01, "NAV"},
+                                                {0x02, "RXM"},
+                                                {0x04, "INF"},
+                                                {0x05, "ACK"},
+                                                {0x06, "CFG"},
+                                                {0x09, "UPD"},
+                                                {0x0A, "MON"},
+                                                {0x0B, "AID"},
+                                                {0x0D, "TIM"},
+                                                {0x10, "ESF"},
+                                                {0x13, "MGA"},
+                                                {0x21, "LOG"},
+                                                {0x27, "SEC"}}};
+
+std::string modbus_text(std::span<const std::uint8_t> pdu) {
+  const auto row = std::find_if(kFunctions.begin(), kFunctions.end(), [&](const FunctionRow& r) {
+    return static_cast<std::uint8_t>(r.function) == pdu[0];
+  });
+  if (row == kFunctions.end()) {
+    return fmt::format("function {}", pdu[0]);
+  }
+  const auto word = [&](std::size_t at) {
+    return static_cast<unsigned>(pdu[at] << 8 | pdu[at + 1]);
+  };
+  const std::size_t needed = row->range == Range::many ? 5 : row->range == Range::one ? 3 : 1;
+  if (row->range == Range::none || pdu.size() < needed) {
+    return fmt::format("{}{}{}", row->name, row->items.empty() ? "" : " ", row->items);
+  }
+  const unsigned first = word(1);
+  if (row->range == Range::one || word(3) <= 1) {
+    return fmt::format("{} {} {}", row->name, row->items, first);
+  }
+  return fmt::format("{} {} {} .. {}", row->name, row->items, first, first + word(3) - 1);
+}
+
+}  // namespace
+
+std::optional<ClientRequest> client_request(const std::optional<emulators::CanRequest>& request) {
+  if (!request) {
+    return std::nullopt;
+  }
+  std::string text = protocols::can::frame_text(request->frame);
+  if (request->frame.extended) {
+    const std::uint32_t pgn = protocols::j1939::unpack(request->frame.id).pgn;
+    const auto asked = protocols::j1939::decode_request(request->frame);
+    text += pgn == protocols::j1939::kRequestPgn && asked.ok()
+                ? fmt::format(" (request of PGN {})", *asked)
+                : fmt::format(" (PGN {})", pgn);
+  }
+  return ClientRequest{request->at, std::move(text)};
+}
+
+std::optional<ClientRequest> modbus_request(const emulators::LastRequest& request) {
+  if (request.at == kNever || request.size == 0) {
+    return std::nullopt;
+  }
+  return ClientRequest{request.at, modbus_text(request.bytes())};
+}
+
+std::optional<ClientRequest> ublox_request(const emulators::LastRequest& request) {
+  if (request.at == kNever || request.size < 2) {
+    return std::nullopt;
+  }
+  const auto bytes = request.bytes();
+  if (bytes[0] == '$') {
+    return ClientRequest{request.at, std::string(bytes.begin(), bytes.end())};
+  }
+  const auto row = std::find_if(kUbxClasses.begin(), kUbxClasses.end(),
+                                [&](const ClassRow& r) { return r.number == bytes[0]; });
+  const std::string of =
+      row == kUbxClasses.end() ? fmt::format("0x{:02X}", bytes[0]) : std::string(row->name);
+  return ClientRequest{request.at, fmt::format("UBX {} 0x{:02X}", of, bytes[1])};
+}
+
+std::optional<ClientRequest> client_request(const std::optional<emulators::UsbRequest>& request) {
+  if (!request) {
+    return std::nullopt;
+  }
+  const protocols::usb::Setup& setup = request->setup;
+  return ClientRequest{request->at,
+                       fmt::format("control {:02x} {:02x} {:04x} {:04x} {}", setup.request_type,
+                                   setup.request, setup.value, setup.index, setup.length)};
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,25 @@
+// Texts of ClientRequest, by the protocol that the request came by.
+#pragma once
+
+#include <optional>
+
+#include "emulators/can/can_node.h"
+#include "emulators/last_request.h"
+#include "emulators/usb/usb_device.h"
+#include "hil/wires/wire_statistics.h"
+
+namespace rigwire::hil {
+
+/// "18EAFFFE#DAFE00 (request of PGN 65242)", "60A#4000100000000000".
+[[nodiscard]] std::optional<ClientRequest> client_request(
+    const std::optional<emulators::CanRequest>& request);
+/// "write multiple registers 30 .. 33", of the head of a PDU.
+[[nodiscard]] std::optional<ClientRequest> modbus_request(const emulators::LastRequest& request);
+/// "UBX CFG 0x08", "$PUBX,40".
+[[nodiscard]] std::optional<ClientRequest> ublox_request(const emulators::LastRequest& request);
+/// "control 21 0a 0000 0000 0": request type, request, value, index (hexadecimal) and length, in
+/// the order of the SETUP packet (USB 2.0, 9.3).
+[[nodiscard]] std::optional<ClientRequest> client_request(
+    const std::optional<emulators::UsbRequest>& request);
+
+}  // namespace rigwire::hil

@@ -1,0 +1,47 @@
+// Which faults of a rig act when, whatever they are faults of.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "hil/rig/rig_configuration.h"
+
+namespace rigwire::hil {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::Contains;
+
+std::vector<FaultWindow> windows_of(const std::string& rig) {
+  return fault_windows(
+      load_rig(RIGWIRE_SOURCE_DIR "/tests/hil/streams/" + rig + ".yaml", {}).configuration);
+}
+
+TEST(FaultWindows, faults_of_a_bus_name_bus_and_device) {
+  const auto windows = windows_of("can");
+  EXPECT_THAT(windows,
+              Contains(FaultWindow{"bus can", "short_circuit", kStart + 2500ms, kStart + 3s}));
+  EXPECT_THAT(windows,
+              Contains(FaultWindow{"bus can", "wrong_rate imu", kStart + 3500ms, kStart + 4s}));
+}
+
+TEST(FaultWindows, every_rig_of_faults_tells_some) {
+  for (const char* rig : {"can", "gnss", "lidar", "modbus", "usb"}) {
+    const auto windows = windows_of(rig);
+    EXPECT_FALSE(windows.empty()) << rig;
+    for (const FaultWindow& window : windows) {
+      EXPECT_LT(window.begin, window.end) << rig << ": " << window.where << " " << window.type;
+    }
+  }
+}
+
+TEST(FaultWindows, a_fault_acts_from_its_beginning_until_before_its_end) {
+  const FaultWindow window{"gnss", "outage", kStart + 1s, kStart + 2s};
+  EXPECT_FALSE(window.acts_at(kStart + 1s - 1ns));
+  EXPECT_TRUE(window.acts_at(kStart + 1s));
+  EXPECT_TRUE(window.acts_at(kStart + 2s - 1ns));
+  EXPECT_FALSE(window.acts_at(kStart + 2s));
+}
+
+}  // namespace
+}  // namespace rigwire::hil

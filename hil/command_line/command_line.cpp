@@ -6,9 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <optional>
+#include <sstream>
+#include <string_view>
 
 #include "drivers/endpoints.h"
 #include "fields/visitor.h"
@@ -37,7 +41,8 @@ Examples:
 Exit codes: 0 done, 1 run-time failure, 2 usage or configuration, 3 environment or permission,
 128 + n after signal n.)";
 
-constexpr std::array kVerbs{"run", "check", "list", "describe", "doctor", "bench", "completion"};
+constexpr std::array kVerbs{"run",    "check",  "list",  "describe",
+                            "schema", "doctor", "bench", "completion"};
 
 int usage(const std::string& message, std::ostream& err, const std::string& help = "") {
   err << "rigwire: " << message << "\n"
@@ -83,6 +88,28 @@ std::optional<std::string> find_typo(const CLI::App& app,
   return std::nullopt;
 }
 
+/// An option or a word without anything in it, such as an unset variable of a script leaves behind:
+/// nobody means it. Its name; nothing when there is none.
+std::optional<std::string> find_empty(const CLI::App& used,
+                                      const std::vector<std::string>& arguments) {
+  for (const CLI::Option* option : used.get_options()) {
+    const std::string name = option->get_name();
+    if (std::ranges::find(option->results(), std::string()) != option->results().end()) {
+      return name;
+    }
+    // CLI11 takes the next argument as the value of "--name=".
+    for (const std::string& argument : arguments) {
+      if (argument == "--") {
+        break;
+      }
+      if (option->get_items_expected_max() > 0 && argument == name + "=") {
+        return name;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 std::optional<Duration> parse_duration(const std::string& text) {
   const auto quantity = fields::split_quantity(text);
   if (!quantity) {
@@ -105,8 +132,8 @@ std::optional<Duration> parse_duration(const std::string& text) {
 struct Parsed {
   RigArguments rig;
   std::string clock = "real";
-  std::string duration;
-  std::string seed;
+  std::optional<std::string> duration;
+  std::optional<std::string> seed;
   std::string report;
   std::string truth;
   std::string lidar_truth;
@@ -137,7 +164,8 @@ void declare(CLI::App& app, Parsed& parsed) {
   run_app->add_option("--clock", parsed.clock, "real, free (as fast as possible) or scaled:X");
   run_app->add_option("--duration", parsed.duration, "Simulated time, for example 20s or 5min");
   run_app->add_option("--seed", parsed.seed, "Of every random stream; same as --set seed=N");
-  run_app->add_option("--report", parsed.report, "Write figures of the run as JSON");
+  run_app->add_option("--report", parsed.report,
+                      "Write figures of the run as JSON; - is standard output");
   run_app->add_option("--truth", parsed.truth, "Write the ground truth to a file");
   run_app->add_option("--lidar-truth", parsed.lidar_truth,
                       "Write the ground truth of every lidar shot to a file");
@@ -218,12 +246,12 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
                  terminal.err, "run");
   }
   options.clock = *clock;
-  if (!parsed.duration.empty()) {
-    options.duration = parse_duration(parsed.duration);
+  if (parsed.duration) {
+    options.duration = parse_duration(*parsed.duration);
     if (!options.duration) {
       return usage(fmt::format("--duration: not a time above 0, found \"{}\", allowed for example "
                                "20s, 500 ms, 5min",
-                               parsed.duration),
+                               *parsed.duration),
                    terminal.err, "run");
     }
   }
@@ -231,8 +259,9 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
   const char* no_colour = std::getenv("NO_COLOR");
   const bool colour = terminal_out && (no_colour == nullptr || *no_colour == '\0');
   const std::vector<std::string> styles{"live", "plain", "none"};
-  const std::string style =
-      parsed.status.empty() ? (terminal_out ? "live" : "plain") : parsed.status;
+  // The report has standard output for itself, unless the table is asked for.
+  const std::string usual = parsed.report == "-" ? "none" : terminal_out ? "live" : "plain";
+  const std::string style = parsed.status.empty() ? usual : parsed.status;
   const auto it = std::find(styles.begin(), styles.end(), style);
   if (it == styles.end()) {
     const std::string near = nearest_word(style, styles);
@@ -240,13 +269,15 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
                              style, near.empty() ? "" : ", did you mean " + near + "?"),
                  terminal.err, "run");
   }
-  options.onlooker =
-      status_onlooker(static_cast<StatusStyle>(it - styles.begin()), colour, options.clock);
+  if (style != "none") {
+    options.onlooker = status_onlooker(style == "live" ? StatusStyle::live : StatusStyle::plain,
+                                       colour, options.clock);
+  }
   options.report_path = parsed.report;
   options.truth_path = parsed.truth;
   options.lidar_truth_path = parsed.lidar_truth;
-  if (!parsed.seed.empty()) {
-    parsed.rig.sets.push_back("seed=" + parsed.seed);
+  if (parsed.seed) {
+    parsed.rig.sets.push_back("seed=" + *parsed.seed);
   }
   return run_verb(parsed.rig, options, parsed.dry_run, terminal);
 }
@@ -286,16 +317,13 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
   return completion_verb(parsed.word, terminal);
 }
 
-}  // namespace
-
-int run_command_line(const std::vector<std::string>& arguments, std::ostream& out,
-                     std::ostream& err) {
+int parse_and_dispatch(const std::vector<std::string>& arguments, Terminal terminal) {
   for (const std::string& argument : arguments) {
     if (const auto fault = find_fault(argument, TextShape::lines)) {
       return usage(
           fmt::format("argument {}: {}, found {}, allowed UTF-8 without control characters",
-                      printable(argument), fault->what, fault->found),
-          err, "");
+                      argument, fault->what, fault->found),
+          terminal.err, "");
     }
   }
   CLI::App app("Rigwire makes simulated field machines speak the wire protocols of real devices.",
@@ -303,39 +331,74 @@ int run_command_line(const std::vector<std::string>& arguments, std::ostream& ou
   Parsed parsed;
   declare(app, parsed);
   app.require_subcommand(1);
+  const auto empty_value = [&]() -> std::optional<std::string> {
+    const auto used = app.get_subcommands();
+    return used.empty() || used.front()->get_name() == "bench"
+               ? std::nullopt
+               : find_empty(*used.front(), arguments);
+  };
+  const auto refuse_empty = [&](const std::string& name) {
+    return usage(fmt::format("{}: empty, allowed a value; leave it out where none is meant", name),
+                 terminal.err, app.get_subcommands().front()->get_name());
+  };
   try {
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
     app.parse(reversed);
   } catch (const CLI::CallForVersion& version) {
-    out << version.what() << "\n";
+    terminal.out << version.what() << "\n";
     return static_cast<int>(ExitCode::done);
   } catch (const CLI::CallForHelp&) {
     const auto used = app.get_subcommands();
-    out << (used.empty() ? app.help() : used.front()->help());
+    terminal.out << (used.empty() ? app.help() : used.front()->help());
     return static_cast<int>(ExitCode::done);
   } catch (const CLI::ParseError& error) {
+    if (const auto name = empty_value()) {
+      return refuse_empty(*name);
+    }
     const auto used = app.get_subcommands();
     const std::string verb = used.empty() ? "" : used.front()->get_name();
-    return usage(find_typo(app, arguments).value_or(error.what()), err, verb);
+    return usage(find_typo(app, arguments).value_or(error.what()), terminal.err, verb);
+  }
+  if (const auto name = empty_value()) {
+    return refuse_empty(*name);
   }
   try {
-    return dispatch(app, parsed, {out, err});
+    return dispatch(app, parsed, terminal);
   } catch (const ConfigurationError& error) {
-    err << error.what() << "\n";
+    terminal.err << error.what() << "\n";
     const std::size_t count = error.problems().size();
-    err << fmt::format("rigwire: {} {} in the configuration\n", count,
-                       count == 1 ? "problem" : "problems");
+    terminal.err << fmt::format("rigwire: {} {} in the configuration\n", count,
+                                count == 1 ? "problem" : "problems");
     return static_cast<int>(ExitCode::usage);
   } catch (const drivers::EndpointError& error) {
-    err << "rigwire: " << error.what() << "\n";
+    terminal.err << "rigwire: " << error.what() << "\n";
     return static_cast<int>(ExitCode::environment);
   } catch (const std::invalid_argument& error) {
-    err << "rigwire: " << error.what() << "\n";
+    terminal.err << "rigwire: " << error.what() << "\n";
     return static_cast<int>(ExitCode::usage);
   } catch (const std::exception& error) {
-    err << "rigwire: " << error.what() << "\n";
+    terminal.err << "rigwire: " << error.what() << "\n";
     return static_cast<int>(ExitCode::failure);
   }
+}
+
+}  // namespace
+
+int run_command_line(const std::vector<std::string>& arguments, std::ostream& out,
+                     std::ostream& err) {
+  constexpr std::string_view kLayout = "\n\t";
+  std::ostringstream results;
+  std::ostringstream complaints;
+  int code = parse_and_dispatch(arguments, {results, complaints});
+  errno = 0;
+  out << printable(results.str(), kLayout) << std::flush;
+  const int error = errno;
+  err << printable(complaints.str(), kLayout) << std::flush;
+  if (!out) {
+    err << "rigwire: standard output is not complete: " << std::strerror(error) << std::endl;
+    code = code == static_cast<int>(ExitCode::done) ? static_cast<int>(ExitCode::failure) : code;
+  }
+  return code;
 }
 
 }  // namespace rigwire::hil

@@ -1,108 +1,264 @@
 #include "hil/command_line/status_reporter.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
-#include <cstdio>
+#include <charconv>
+#include <system_error>
 
-#include "hil/command_line/status_table.h"
+#include "hil/command_line/run_summary.h"
+#include "hil/configuration/plain_text.h"
+#include "hil/record/complain.h"
 
 namespace rigwire::hil {
+namespace {
 
-StatusReporter::StatusReporter(boost::asio::io_context& io, std::function<RigStatus()> snapshot,
-                               std::vector<StateQuantity> machine, StatusStyle style, bool colour,
-                               Duration period)
-    : io_(io),
-      snapshot_(std::move(snapshot)),
-      machine_(std::move(machine)),
-      style_(style),
-      colour_(colour),
-      period_(period),
-      history_(1) {
-  if (style_ != StatusStyle::none) {
-    thread_ = std::thread([this] { loop(); });
+using Clock = std::chrono::steady_clock;
+using drivers::WriteEnd;
+
+/// How often the window is looked at between two pictures.
+constexpr std::chrono::milliseconds kWindowPeriod{100};
+/// Of a terminal that does not tell its window (VT100).
+constexpr std::size_t kUsualColumns = 80;
+constexpr std::size_t kUsualLines = 24;
+
+// Control sequences (ECMA-48: ED, EL, CUU, CUP).
+constexpr std::string_view kEraseBelow = "\x1b[J";
+constexpr std::string_view kEraseLine = "\x1b[K";
+constexpr std::string_view kClearScreen = "\x1b[H\x1b[2J";
+constexpr std::string_view kLineEnd = "\r\n";
+
+/// The window, but for the line on which the cursor waits.
+TableLook window_of(int descriptor, bool colour) {
+  winsize window{};
+  const bool known = ::ioctl(descriptor, TIOCGWINSZ, &window) == 0;
+  TableLook look;
+  look.colour = colour;
+  look.columns = known && window.ws_col > 0 ? window.ws_col : kUsualColumns;
+  look.lines =
+      std::max<std::size_t>(known && window.ws_row > 0 ? window.ws_row : kUsualLines, 2) - 1;
+  return look;
+}
+
+/// Where the cursor's row is after `text`, which holds whole control sequences.
+std::size_t row_after(std::size_t row, std::string_view text) {
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text[at] == '\n') {
+      ++row;
+    } else if (text.substr(at).starts_with("\x1b[H")) {
+      row = 0;
+    } else if (text.substr(at).starts_with("\x1b[")) {
+      std::size_t up = 0;
+      const auto [end, error] =
+          std::from_chars(text.data() + at + 2, text.data() + text.size(), up);
+      if (error == std::errc{} && end != text.data() + text.size() && *end == 'A') {
+        row -= std::min(row, up);
+      }
+    }
+  }
+  return row;
+}
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) {
+    text += line + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string LivePicture::text(const std::vector<std::string>& lines) const {
+  std::string text = rest_of_line();
+  if (const std::size_t row = row_after(row_, line_); row > 0) {
+    text += fmt::format("\x1b[{}A", row);
+  }
+  text += "\r";
+  for (const std::string& line : lines) {
+    // Erased before it is written: a line as wide as the window leaves the cursor in it.
+    text.append(kEraseLine).append(line).append(kLineEnd);
+  }
+  return text.append(kEraseBelow);
+}
+
+std::string LivePicture::afresh(const std::vector<std::string>& lines) const {
+  std::string text = rest_of_line().append(kClearScreen);
+  for (const std::string& line : lines) {
+    text.append(line).append(kLineEnd);
+  }
+  return text;
+}
+
+void LivePicture::written(std::string_view text, std::size_t bytes) {
+  const std::string all = line_.substr(0, line_written_) + std::string(text);
+  const std::size_t end = line_written_ + bytes;
+  const std::size_t newline = end == 0 ? std::string::npos : all.rfind('\n', end - 1);
+  const std::size_t begin = newline == std::string::npos ? 0 : newline + 1;
+  row_ = row_after(row_, std::string_view(all).substr(0, begin));
+  line_.clear();
+  line_written_ = 0;
+  if (begin < end && end < all.size()) {
+    const std::size_t stop = all.find('\n', end);
+    line_ = all.substr(begin, stop == std::string::npos ? stop : stop + 1 - begin);
+    line_written_ = end - begin;
+  } else {
+    row_ = row_after(row_, std::string_view(all).substr(begin, end - begin));
   }
 }
 
+StatusReporter::StatusReporter(RunView run, std::string head, StatusStyle style, bool colour,
+                               int descriptor)
+    : run_(std::move(run)),
+      head_(std::move(head)),
+      style_(style),
+      colour_(colour),
+      descriptor_(descriptor),
+      output_(descriptor),
+      period_(run_.configuration.status.period),
+      history_(1),
+      look_(window_of(descriptor, colour)),
+      thread_([this] { loop(); }) {}
+
 StatusReporter::~StatusReporter() {
+  stop();
+}
+
+void StatusReporter::stop() {
   {
     const std::scoped_lock lock(mailbox_->mutex);
     mailbox_->ended = true;
   }
   mailbox_->arrived.notify_one();
+  interrupt_.raise();
   if (thread_.joinable()) {
     thread_.join();
   }
 }
 
-void StatusReporter::loop() {
-  std::unique_lock lock(mailbox_->mutex);
-  while (!mailbox_->arrived.wait_for(lock, period_, [this] { return mailbox_->ended; })) {
-    lock.unlock();
-    // The mailbox outlives this object: the wire thread may come to the request after the run.
-    boost::asio::post(io_, [mailbox = mailbox_, snapshot = snapshot_] {
-      {
-        const std::scoped_lock guard(mailbox->mutex);
-        if (mailbox->ended) {
-          return;
-        }
-        mailbox->status = snapshot();
+void StatusReporter::request() {
+  // The mailbox outlives this object: the wire thread may come to the request after the run.
+  boost::asio::post(run_.io, [mailbox = mailbox_, snapshot = run_.status] {
+    {
+      const std::scoped_lock guard(mailbox->mutex);
+      if (mailbox->ended) {
+        return;
       }
-      mailbox->arrived.notify_one();
-    });
-    lock.lock();
-    mailbox_->arrived.wait_for(lock, period_,
-                               [this] { return mailbox_->ended || mailbox_->status; });
-    if (mailbox_->status && !mailbox_->ended) {
-      const RigStatus status = std::move(*mailbox_->status);
-      mailbox_->status.reset();
-      lock.unlock();
-      show(status);
-      lock.lock();
+      mailbox->status = snapshot();
     }
+    mailbox->arrived.notify_one();
+  });
+}
+
+void StatusReporter::loop() {
+  if (!put(head_, Clock::time_point::max(), &interrupt_)) {
+    return;
   }
+  live_.leave();
+  std::unique_lock lock(mailbox_->mutex);
+  auto next = Clock::now() + period_;
+  bool requested = false;
+  while (!mailbox_->ended && !over_) {
+    const bool resizable = style_ == StatusStyle::live && history_.size() > 1;
+    const auto wake = resizable ? std::min(next, Clock::now() + kWindowPeriod) : next;
+    mailbox_->arrived.wait_until(lock, wake,
+                                 [this] { return mailbox_->ended || mailbox_->status; });
+    if (mailbox_->ended) {
+      break;
+    }
+    const std::optional<RigStatus> status = std::exchange(mailbox_->status, std::nullopt);
+    lock.unlock();
+    if (status) {
+      requested = false;
+      history_.push_back(*status);
+      while (history_.size() > 2 && status->now - history_[1].now >= kRateWindow) {
+        history_.pop_front();
+      }
+      show(*status);
+    } else if (resizable && window_of(descriptor_, colour_) != look_) {
+      show(history_.back());
+    }
+    if (Clock::now() >= next) {
+      if (!requested) {
+        request();
+        requested = true;
+      }
+      next = Clock::now() + period_;
+    }
+    lock.lock();
+  }
+}
+
+std::string StatusReporter::picture(const RigStatus& status) {
+  const auto draw = [&](const TableLook& look) {
+    return draw_status_table(history_.front(), status, run_.quantities, look);
+  };
+  if (style_ == StatusStyle::plain) {
+    return live_.rest_of_line() + joined(draw({.colour = colour_})) + "\n";
+  }
+  const TableLook look = window_of(descriptor_, colour_);
+  const bool resized = look != look_;
+  look_ = look;
+  return resized ? live_.afresh(draw(look)) : live_.text(draw(look));
 }
 
 void StatusReporter::show(const RigStatus& status) {
-  while (history_.size() > 1 && status.now - history_[1].now >= kRateWindow) {
-    history_.pop_front();
-  }
-  std::string text = draw_status_table(history_.front(), status, machine_, colour_);
-  if (style_ == StatusStyle::live) {
-    // Cursor to where the table began; every line clears its rest, what is below is cleared too.
-    std::string lines;
-    std::size_t count = 0;
-    for (const char c : text) {
-      if (c == '\n') {
-        lines += "\x1b[K";
-        ++count;
-      }
-      lines += c;
-    }
-    const std::string up = drawn_ ? "\x1b[" + std::to_string(count) + "A\r" : "";
-    text = up + lines + "\x1b[J";
-    drawn_ = true;
-  } else {
-    text += "\n";
-  }
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  std::fflush(stdout);
-  history_.push_back(status);
+  put(picture(status), Clock::now() + period_, &interrupt_);
 }
 
-Onlooker status_onlooker(StatusStyle style, bool colour, const ClockMode& clock) {
-  if (style == StatusStyle::none) {
-    return {};
+bool StatusReporter::put(const std::string& text, drivers::Output::Deadline until,
+                         const drivers::Interrupt* interrupt) {
+  const drivers::Written written = output_.write(text, until, interrupt);
+  live_.written(text, written.bytes);
+  switch (written.end) {
+    case WriteEnd::whole:
+    case WriteEnd::late:
+      break;
+    case WriteEnd::interrupted:
+      return false;
+    case WriteEnd::closed:
+      over_ = true;
+      run_.reader_gone();
+      return false;
+    case WriteEnd::failed:
+      over_ = true;
+      run_.failed("standard output is not complete: " +
+                  std::generic_category().message(written.error));
+      return false;
   }
-  return [style, colour, clock](const RunView& run) -> std::shared_ptr<void> {
-    fmt::print("{}: seed {}, configuration {}, clock {}\n", run.configuration.name,
-               run.configuration.seed, config_hash(run.configuration), to_string(clock));
+  return true;
+}
+
+void StatusReporter::conclude(const RunReport& report) {
+  stop();
+  if (over_) {
+    return;
+  }
+  const std::string text = live_.rest_of_line() + joined(draw_summary(report, colour_));
+  const auto until = Clock::now() + kSummaryPatience;
+  const drivers::Written written = output_.write(text, until);
+  if (written.end == WriteEnd::late) {
+    complain("standard output is not read; the summary is left out");
+  } else if (written.end == WriteEnd::closed) {
+    run_.reader_gone();
+  } else if (written.end == WriteEnd::failed) {
+    run_.failed("standard output is not complete: " +
+                std::generic_category().message(written.error));
+  }
+}
+
+MakeOnlooker status_onlooker(StatusStyle style, bool colour, const ClockMode& clock) {
+  return [style, colour, clock](const RunView& run) -> std::unique_ptr<Onlooker> {
+    std::string head =
+        fmt::format("{}: seed {}, configuration {}, clock {}\n", printable(run.configuration.name),
+                    run.configuration.seed, config_hash(run.configuration), to_string(clock));
     for (const std::string& wire : run.wires) {
-      fmt::print("{}\n", wire);
+      head += printable(wire) + "\n";
     }
-    std::fflush(stdout);
-    return std::make_shared<StatusReporter>(run.io, run.status, run.quantities, style, colour,
-                                            run.configuration.status.period);
+    return std::make_unique<StatusReporter>(run, std::move(head), style, colour, STDOUT_FILENO);
   };
 }
 

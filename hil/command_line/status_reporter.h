@@ -1,5 +1,10 @@
 // Shows the status of a running rig from a thread of its own, so that a slow terminal never holds
-// up a wire. It asks the wire thread for a snapshot and draws it itself.
+// up a wire, and at its end what it came to. It asks the wire thread for a snapshot and draws it
+// itself.
+//
+// The reader of the output may stall (a pager, a stopped terminal): a picture that is not whole
+// within its period is abandoned, and the next one begins where a new line does. A reader that
+// closes ends the run; another failure is told, and the pictures end.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -9,34 +14,56 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
+#include "drivers/output.h"
+#include "hil/command_line/status_table.h"
 #include "hil/control/run.h"
-#include "hil/executive/truth_source.h"
 #include "hil/rig/rig_status.h"
 
 namespace rigwire::hil {
 
 enum class StatusStyle {
-  live,   ///< A table refreshed in place; needs a terminal.
-  plain,  ///< One block of lines per period, for logs.
-  none
+  live,   ///< A table refreshed in place, as large as the terminal's window.
+  plain,  ///< One block of lines per period, for logs; not clipped.
 };
 
-class StatusReporter {
+/// Where the next picture of a table that is refreshed in place goes, when any of those before may
+/// have been cut off at any byte. Lines end in CR LF.
+class LivePicture {
+ public:
+  /// What is to be written to have `lines` on the screen instead of the picture before.
+  [[nodiscard]] std::string text(const std::vector<std::string>& lines) const;
+  /// The same on a screen that was cleared, as after a change of its size.
+  [[nodiscard]] std::string afresh(const std::vector<std::string>& lines) const;
+  /// What is to be written first, to end the line that was cut off; empty when none was.
+  [[nodiscard]] std::string rest_of_line() const { return line_.substr(line_written_); }
+  /// So many bytes of `text` were written.
+  void written(std::string_view text, std::size_t bytes);
+  /// What follows stands below, and is not replaced.
+  void leave() { row_ = 0; }
+
+ private:
+  std::size_t row_ = 0;  ///< Of the cursor where `line_` began, counted from the picture's top.
+  std::string line_;     ///< The line that was cut off, whole; empty: none was.
+  std::size_t line_written_ = 0;
+};
+
+class StatusReporter final : public Onlooker {
  public:
   /// Rates are means over this much simulated time: a receiver of 1 Hz sends in bursts.
   static constexpr Duration kRateWindow = std::chrono::seconds{5};
+  /// How long the summary waits for a reader that does not read.
+  static constexpr std::chrono::seconds kSummaryPatience{2};
 
-  /// `snapshot` is called on the thread that runs `io`. Writes to standard output.
-  StatusReporter(boost::asio::io_context& io, std::function<RigStatus()> snapshot,
-                 std::vector<StateQuantity> machine, StatusStyle style, bool colour,
-                 Duration period);
-  /// Stops the thread; it never waits for the wire thread for longer than one period.
-  ~StatusReporter();
-  StatusReporter(const StatusReporter&) = delete;
-  StatusReporter& operator=(const StatusReporter&) = delete;
+  /// Begins with `head`. Writes to `descriptor`.
+  StatusReporter(RunView run, std::string head, StatusStyle style, bool colour, int descriptor);
+  /// Stops the thread at once, whatever the reader does.
+  ~StatusReporter() override;
+
+  void conclude(const RunReport& report) override;
 
  private:
   struct Mailbox {
@@ -47,22 +74,32 @@ class StatusReporter {
   };
 
   void loop();
+  void request();
+  void stop();
   void show(const RigStatus& status);
+  [[nodiscard]] std::string picture(const RigStatus& status);
+  /// Whether there is somebody to write for.
+  bool put(const std::string& text, drivers::Output::Deadline until,
+           const drivers::Interrupt* interrupt);
 
-  boost::asio::io_context& io_;
-  std::function<RigStatus()> snapshot_;
-  std::vector<StateQuantity> machine_;
+  RunView run_;
+  std::string head_;
   StatusStyle style_;
   bool colour_;
+  int descriptor_;
+  drivers::Output output_;
+  drivers::Interrupt interrupt_;
   Duration period_;
   std::shared_ptr<Mailbox> mailbox_ = std::make_shared<Mailbox>();
   std::deque<RigStatus> history_;  ///< Of the last kRateWindow of simulated time; never empty.
-  bool drawn_ = false;
+  TableLook look_;                 ///< Of the picture before.
+  LivePicture live_;
+  bool over_ = false;  ///< The reader is gone or the output has failed.
   std::thread thread_;
 };
 
-/// Tells what is run and by which wires, then shows the table as long as the run lasts. Empty for
-/// StatusStyle::none. `colour`: not with NO_COLOR, nor when the output is no terminal.
-[[nodiscard]] Onlooker status_onlooker(StatusStyle style, bool colour, const ClockMode& clock);
+/// Tells what is run and by which wires, then shows the table as long as the run lasts, and at last
+/// the summary. `colour`: not with NO_COLOR, nor when the output is no terminal.
+[[nodiscard]] MakeOnlooker status_onlooker(StatusStyle style, bool colour, const ClockMode& clock);
 
 }  // namespace rigwire::hil

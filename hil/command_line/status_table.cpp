@@ -5,14 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/command_line/text_table.h"
+#include "hil/configuration/plain_text.h"
+
 namespace rigwire::hil {
 namespace {
 
 constexpr double kRateTolerance = 0.1;
-
-std::string paint(const std::string& text, const char* code, bool colour) {
-  return colour ? fmt::format("\x1b[{}m{}\x1b[0m", code, text) : text;
-}
+constexpr const char* kYellow = "33";  // SGR parameters (ECMA-48, 8.3.117)
+constexpr const char* kRed = "31";
 
 std::string byte_rate(double bytes_per_s) {
   if (bytes_per_s >= 1e6) {
@@ -29,59 +30,83 @@ std::string microseconds(Duration span) {
 }
 
 std::string client_text(const DeviceStatus& device) {
+  std::string text = device.client_present ? "listens" : "none";
   if (device.since_client_activity) {
-    return fmt::format("{:.1f} s ago", to_seconds(*device.since_client_activity));
+    text = fmt::format("{:.1f} s ago", to_seconds(*device.since_client_activity));
   }
-  return device.client_present ? "listens" : "none";
+  return device.last_request ? text + ", " + printable(device.last_request->text) : text;
+}
+
+std::vector<Cell> device_row(const DeviceStatus& earlier, const DeviceStatus& device,
+                             double simulated_s) {
+  const double per_s = simulated_s > 0.0 ? 1.0 / simulated_s : 0.0;
+  const double rate = static_cast<double>(device.frames - earlier.frames) * per_s;
+  const bool off_rate =
+      device.nominal_rate_hz > 0.0 && std::abs(rate - device.nominal_rate_hz) >
+                                          std::max(1.0, kRateTolerance * device.nominal_rate_hz);
+  return {
+      {printable(device.name)},
+      {printable(device.wire)},
+      {fmt::format("{:.1f}", rate), off_rate ? kYellow : nullptr},
+      {device.nominal_rate_hz > 0.0 ? fmt::format("{:.1f}", device.nominal_rate_hz) : "on demand"},
+      {byte_rate(static_cast<double>(device.bytes - earlier.bytes) * per_s)},
+      {fmt::format("{}/{}/{}", microseconds(device.lateness_p50), microseconds(device.lateness_p99),
+                   microseconds(device.lateness_max))},
+      {std::to_string(device.dropped), device.dropped > 0 ? kRed : nullptr},
+      {client_text(device)}};
 }
 
 }  // namespace
 
-std::string draw_status_table(const RigStatus& before, const RigStatus& now,
-                              const std::vector<StateQuantity>& machine, bool colour) {
+std::vector<std::string> draw_status_table(const RigStatus& before, const RigStatus& now,
+                                           const std::vector<StateQuantity>& machine,
+                                           const TableLook& look) {
+  const auto fitting = [&](const std::string& text, const char* colour = nullptr) {
+    return painted(look.columns == 0 ? text : clipped(text, look.columns), colour, look.colour);
+  };
   const double simulated_s = to_seconds(now.now - before.now);
   const double wall_s = now.wall_s - before.wall_s;
-  std::size_t wire_width = 4;
-  for (const auto& device : now.devices) {
-    wire_width = std::max(wire_width, device.wire.size());
-  }
-
-  std::string text = fmt::format("t = {:9.3f} s   real-time factor {:.2f}", to_seconds(now.now),
-                                 wall_s > 0.0 ? simulated_s / wall_s : 0.0);
+  std::vector<std::string> lines;
+  const std::string clock =
+      fmt::format("t = {:9.3f} s   real-time factor {:.2f}", to_seconds(now.now),
+                  wall_s > 0.0 ? simulated_s / wall_s : 0.0);
+  lines.push_back(fitting(clock));
   if (now.slipped > Duration{0}) {
-    text += paint(fmt::format("   clock slipped {:.3f} s", to_seconds(now.slipped)), "33", colour);
+    lines.push_back(
+        fitting(fmt::format("clock slipped {:.3f} s", to_seconds(now.slipped)), kYellow));
   }
-  text += "\n";
-  text += paint(fmt::format("{:<12} {:<{}} {:>8} {:>8} {:>11} {:>23} {:>6}  {}", "device", "wire",
-                            wire_width, "frames/s", "nominal", "bytes", "late p50/p99/max us",
-                            "drops", "client"),
-                "1", colour) +
-          "\n";
+  TextTable table({{"device", false, 0, 12},
+                   {"wire", false, 0, 24},
+                   {"frames/s", true},
+                   {"nominal", true, 1},
+                   {"bytes", true, 2},
+                   {"late p50/p99/max us", true, 3},
+                   {"drops", true},
+                   {"client", false, 0, 9}});
   for (std::size_t i = 0; i < now.devices.size(); ++i) {
-    const DeviceStatus& device = now.devices[i];
     const DeviceStatus empty;
-    const DeviceStatus& earlier = i < before.devices.size() ? before.devices[i] : empty;
-    const double per_s = simulated_s > 0.0 ? 1.0 / simulated_s : 0.0;
-    const double rate = static_cast<double>(device.frames - earlier.frames) * per_s;
-    const bool off_rate =
-        device.nominal_rate_hz > 0.0 && std::abs(rate - device.nominal_rate_hz) >
-                                            std::max(1.0, kRateTolerance * device.nominal_rate_hz);
-    const auto lateness =
-        fmt::format("{}/{}/{}", microseconds(device.lateness_p50),
-                    microseconds(device.lateness_p99), microseconds(device.lateness_max));
-    text += fmt::format(
-        "{:<12} {:<{}} {} {:>8} {:>11} {:>23} {}  {}\n", device.name, device.wire, wire_width,
-        paint(fmt::format("{:>8.1f}", rate), "33", colour && off_rate),
-        device.nominal_rate_hz > 0.0 ? fmt::format("{:.1f}", device.nominal_rate_hz) : "on demand",
-        byte_rate(static_cast<double>(device.bytes - earlier.bytes) * per_s), lateness,
-        paint(fmt::format("{:>6}", device.dropped), "31", colour && device.dropped > 0),
-        client_text(device));
+    table.add(device_row(i < before.devices.size() ? before.devices[i] : empty, now.devices[i],
+                         simulated_s));
   }
-  std::string line = "machine     ";
+  for (std::string& line : table.lines(look.columns, look.colour)) {
+    lines.push_back(std::move(line));
+  }
+  for (const FaultWindow& fault : now.faults) {
+    lines.push_back(fitting(fmt::format("fault: {} {}, until {:.3f} s", printable(fault.where),
+                                        printable(fault.type), to_seconds(fault.end)),
+                            kYellow));
+  }
+  std::string state = "machine";
   for (std::size_t i = 0; i < std::min(machine.size(), now.machine.size()); ++i) {
-    line += fmt::format(" {} {:.1f} {} ", machine[i].name, now.machine[i], machine[i].unit);
+    state += fmt::format("  {} {:.1f} {}", machine[i].name, now.machine[i], machine[i].unit);
   }
-  return text + line + "\n";
+  lines.push_back(fitting(printable(state)));
+  if (look.lines != 0 && lines.size() > look.lines) {
+    const std::size_t missing = lines.size() - (look.lines - 1);
+    lines.resize(look.lines - 1);
+    lines.push_back(fitting(fmt::format("+{} more", missing)));
+  }
+  return lines;
 }
 
 }  // namespace rigwire::hil

@@ -9,9 +9,22 @@
 
 namespace rigwire::hil {
 
-/// Rates are those between `before` and `now` (per simulated second). `colour` adds ANSI colours:
-/// red for drops, yellow for a rate more than 10 % off its nominal value. Lines end in '\n'.
-[[nodiscard]] std::string draw_status_table(const RigStatus& before, const RigStatus& now,
-                                            const std::vector<StateQuantity>& machine, bool colour);
+/// Where the table is shown.
+struct TableLook {
+  bool colour = false;      ///< ANSI: red for drops, yellow for what is out of order.
+  std::size_t columns = 0;  ///< No line is wider; 0: as wide as it gets.
+  std::size_t lines = 0;    ///< Not more; the last one says how many are missing. 0: any number.
+
+  friend bool operator==(const TableLook&, const TableLook&) = default;
+};
+
+/// Lines without their ends. Rates are those between `before` and `now` (per simulated second); one
+/// is out of order when it is more than 10 % off its nominal value. A narrow window leaves out
+/// lateness, then bytes, then nominal rates, and cuts what clients asked and wires. Nothing in it
+/// but the colours can steer a terminal.
+[[nodiscard]] std::vector<std::string> draw_status_table(const RigStatus& before,
+                                                         const RigStatus& now,
+                                                         const std::vector<StateQuantity>& machine,
+                                                         const TableLook& look);
 
 }  // namespace rigwire::hil

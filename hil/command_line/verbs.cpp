@@ -1,13 +1,16 @@
 #include "hil/command_line/verbs.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "drivers/endpoints.h"
 #include "hil/command_line/config_files.h"
 #include "hil/command_line/doctor.h"
+#include "hil/command_line/text_table.h"
 #include "hil/configuration/suggest.h"
 #include "hil/devices/device_types.h"
 #include "hil/rig/rig.h"
@@ -46,6 +49,18 @@ Json problems_json(const std::vector<Problem>& problems) {
   return list;
 }
 
+/// Set-up with fewer would fail somewhere on its way, and each place would blame another thing.
+void require_open_files() {
+  constexpr rlim_t kNeeded = 32;  // a small rig's: files within files, event loop, wires
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_cur < kNeeded) {
+    throw drivers::EndpointError(
+        fmt::format("open files permitted: found {}, allowed {} or more; raise the limit of open "
+                    "files (ulimit -n)",
+                    limit.rlim_cur, kNeeded));
+  }
+}
+
 }  // namespace
 
 std::string table_text(const std::vector<std::vector<std::string>>& rows) {
@@ -53,7 +68,7 @@ std::string table_text(const std::vector<std::vector<std::string>>& rows) {
   for (const auto& row : rows) {
     widths.resize(std::max(widths.size(), row.size()));
     for (std::size_t i = 0; i < row.size(); ++i) {
-      widths[i] = std::max(widths[i], row[i].size());
+      widths[i] = std::max(widths[i], display_width(row[i]));
     }
   }
   std::string text;
@@ -62,7 +77,7 @@ std::string table_text(const std::vector<std::vector<std::string>>& rows) {
     for (std::size_t i = 0; i < row.size(); ++i) {
       line += row[i];
       if (i + 1 < row.size()) {
-        line.append(widths[i] - row[i].size() + 2, ' ');
+        line.append(widths[i] - display_width(row[i]) + 2, ' ');
       }
     }
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
@@ -72,6 +87,7 @@ std::string table_text(const std::vector<std::vector<std::string>>& rows) {
 
 int run_verb(const RigArguments& arguments, const RunOptions& options, bool dry_run,
              Terminal terminal) {
+  require_open_files();
   const LoadedRig rig = load_rig(find_rig(arguments.rig), arguments.sets);
   if (dry_run) {
     terminal.out << fmt::format("{}, seed {}, config {}, clock {}\n\n", rig.configuration.name,
@@ -84,6 +100,7 @@ int run_verb(const RigArguments& arguments, const RunOptions& options, bool dry_
 }
 
 int check_verb(const RigArguments& arguments, bool print, bool json, Terminal terminal) {
+  require_open_files();
   try {
     const LoadedRig rig = load_rig(find_rig(arguments.rig), arguments.sets);
     check_start(rig);

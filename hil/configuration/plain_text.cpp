@@ -2,80 +2,83 @@
 
 #include <fmt/format.h>
 
-#include <cstdint>
-
 namespace rigwire::hil {
 namespace {
 
-struct CodePoint {
-  std::size_t bytes = 0;  ///< 0: not UTF-8.
-  std::uint32_t value = 0;
-};
-
-/// The code point that a text, which is not empty, begins with.
-CodePoint first_of(std::string_view text) {
-  const auto byte = [&](std::size_t at) {
-    return at < text.size() ? static_cast<std::uint8_t>(text[at]) : std::uint8_t{0};
-  };
-  const std::uint8_t lead = byte(0);
-  if (lead < 0x80) {
-    return {1, lead};
-  }
-  const std::size_t bytes = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
-  if (lead < 0xC2 || lead > 0xF4) {
-    return {};
-  }
-  // The lead's own bits, then six of each byte that continues it.
-  std::uint32_t value = lead & (0x7FU >> bytes);
-  for (std::size_t i = 1; i < bytes; ++i) {
-    if ((byte(i) & 0xC0U) != 0x80U) {
-      return {};
-    }
-    value = (value << 6U) | (byte(i) & 0x3FU);
-  }
-  const bool overlong = (bytes == 3 && value < 0x800) || (bytes == 4 && value < 0x10000);
-  const bool surrogate = value >= 0xD800 && value <= 0xDFFF;
-  return overlong || surrogate || value > 0x10FFFF ? CodePoint{} : CodePoint{bytes, value};
+bool is_control(char32_t code) {
+  return code < 0x20 || (code >= 0x7F && code < 0xA0);
 }
 
-bool is_control(std::uint32_t value) {
-  return value < 0x20 || (value >= 0x7F && value < 0xA0);
+bool is_layout(char32_t code) {
+  return code == '\t' || code == '\n' || code == '\r';
 }
 
-bool is_layout(std::uint32_t value) {
-  return value == '\t' || value == '\n' || value == '\r';
+/// Marks and isolates of bidirectional text, line and paragraph separators.
+bool steers_direction(char32_t code) {
+  return code == 0x061C || code == 0x200E || code == 0x200F || (code >= 0x2028 && code <= 0x202E) ||
+         (code >= 0x2066 && code <= 0x2069);
 }
 
 }  // namespace
 
+Character first_character(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned head = byte(0);
+  if (head < 0x80) {
+    return {head, 1, true};
+  }
+  // Length by the leading byte; the least code that needs it, so that no other spelling passes.
+  const std::size_t length = head >= 0xF0 ? 4 : head >= 0xE0 ? 3 : 2;
+  if (head < 0xC2 || head > 0xF4 || text.size() < length) {
+    return {head, 1, false};
+  }
+  char32_t code = head & (0x7FU >> length);
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0U) != 0x80U) {
+      return {head, 1, false};
+    }
+    code = (code << 6U) | (byte(i) & 0x3FU);
+  }
+  const char32_t least = length == 4 ? 0x10000 : length == 3 ? 0x800 : 0x80;
+  const bool surrogate = code >= 0xD800 && code <= 0xDFFF;
+  if (code < least || code > 0x10FFFF || surrogate) {
+    return {head, 1, false};
+  }
+  return {code, length, true};
+}
+
 std::optional<TextFault> find_fault(std::string_view text, TextShape shape) {
   for (std::size_t at = 0; at < text.size();) {
-    const CodePoint point = first_of(text.substr(at));
-    if (point.bytes == 0) {
+    const Character next = first_character(text.substr(at));
+    if (!next.valid) {
       return TextFault{at, "not UTF-8",
-                       fmt::format("byte 0x{:02X}", static_cast<std::uint8_t>(text[at]))};
+                       fmt::format("byte 0x{:02X}", static_cast<unsigned>(next.code))};
     }
-    if (is_control(point.value) && (shape == TextShape::one_line || !is_layout(point.value))) {
-      return TextFault{at, "a control character", fmt::format("U+{:04X}", point.value)};
+    if (is_control(next.code) && (shape == TextShape::one_line || !is_layout(next.code))) {
+      return TextFault{at, "a control character",
+                       fmt::format("U+{:04X}", static_cast<unsigned>(next.code))};
     }
-    at += point.bytes;
+    at += next.bytes;
   }
   return std::nullopt;
 }
 
-std::string printable(std::string_view text) {
+std::string printable(std::string_view text, std::string_view kept) {
   std::string shown;
-  while (!text.empty()) {
-    const CodePoint point = first_of(text);
-    const std::size_t bytes = point.bytes == 0 ? 1 : point.bytes;
-    if (point.bytes == 0 || is_control(point.value)) {
-      for (const char byte : text.substr(0, bytes)) {
-        shown += fmt::format("\\x{:02X}", static_cast<std::uint8_t>(byte));
-      }
+  shown.reserve(text.size());
+  for (std::size_t at = 0; at < text.size();) {
+    const Character next = first_character(text.substr(at));
+    const std::string_view bytes = text.substr(at, next.bytes);
+    if (kept.find(bytes.front()) != std::string_view::npos && next.bytes == 1) {
+      shown += bytes;
+    } else if (!next.valid) {
+      shown += fmt::format("\\x{:02x}", static_cast<unsigned>(next.code));
+    } else if (is_control(next.code) || steers_direction(next.code)) {
+      shown += fmt::format("\\u{:04x}", static_cast<unsigned>(next.code));
     } else {
-      shown += text.substr(0, bytes);
+      shown += bytes;
     }
-    text.remove_prefix(bytes);
+    at += next.bytes;
   }
   return shown;
 }

@@ -2,13 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <boost/asio/signal_set.hpp>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
+#include <iterator>
+#include <mutex>
 
 #include "drivers/endpoints.h"
-#include "hil/record/report.h"
+#include "hil/record/complain.h"
+#include "hil/record/output_failures.h"
+#include "hil/record/output_file.h"
 #include "hil/rig/rig.h"
 
 namespace rigwire::hil {
@@ -16,13 +20,21 @@ namespace {
 
 constexpr int kSignalExit = 128;
 
-void complain(const std::string& what) {
-  fmt::print(stderr, "rigwire: {}\n", what);
-}
-
 int exit_code(ExitCode code) {
   return static_cast<int>(code);
 }
+
+/// A reader that has closed is told by the write, not by a signal that would leave links behind.
+class WithoutSigpipe {
+ public:
+  WithoutSigpipe() : before_(std::signal(SIGPIPE, SIG_IGN)) {}
+  ~WithoutSigpipe() { std::signal(SIGPIPE, before_); }
+  WithoutSigpipe(const WithoutSigpipe&) = delete;
+  WithoutSigpipe& operator=(const WithoutSigpipe&) = delete;
+
+ private:
+  void (*before_)(int);
+};
 
 /// First signal: ends the run cleanly, also when it comes before the run has begun. Second: ends
 /// the process at once.
@@ -33,22 +45,34 @@ class Interrupts {
       if (error) {
         return;
       }
-      received_ = number;
-      fmt::print(stderr, "\nrigwire: stopping, closing wires (again to stop at once)\n");
+      complain("stopping, closing wires (again to stop at once)");
       for (const int next : {SIGINT, SIGTERM, SIGHUP}) {
         std::signal(next, SIG_DFL);
       }
-      if (executive_ != nullptr) {
-        executive_->stop();
-      }
+      end_by(number);
     });
   }
-  /// What to stop. To be called before the io_context runs.
-  void govern(Executive& executive) { executive_ = &executive; }
-  [[nodiscard]] int received() const { return received_; }
+  /// What to stop, null once it is gone. First to be called before the io_context runs.
+  void govern(Executive* executive) {
+    const std::scoped_lock lock(mutex_);
+    executive_ = executive;
+  }
+  /// From any thread: ends the run as that signal would; the first one counts.
+  void end_by(int number) {
+    const std::scoped_lock lock(mutex_);
+    received_ = received_ == 0 ? number : received_;
+    if (executive_ != nullptr) {
+      executive_->stop();
+    }
+  }
+  [[nodiscard]] int received() const {
+    const std::scoped_lock lock(mutex_);
+    return received_;
+  }
 
  private:
   boost::asio::signal_set signals_;
+  mutable std::mutex mutex_;
   Executive* executive_ = nullptr;
   int received_ = 0;
 };
@@ -64,50 +88,89 @@ RunOutcome execute(Rig& rig, const RigConfiguration& configuration, const RunOpt
   return rig.executive().run_paced(settings, end);
 }
 
-int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
-  boost::asio::io_context io;
-  Interrupts interrupts(io);  // before the first wire is opened, so that none is left behind
+RunReport report_of(const Rig& rig, const WireStages& wire, const RigConfiguration& configuration,
+                    const RunOptions& options, const RunOutcome& outcome) {
+  RunReport report;
+  report.rig = configuration.name;
+  report.seed = configuration.seed;
+  report.config_hash = config_hash(configuration);
+  report.clock = options.clock;
+  report.outcome = outcome;
+  report.cpu_s = process_cpu_seconds();
+  report.peak_rss_mb = peak_resident_megabytes();
+  report.truth = rig.truth().stages();
+  report.wire = wire;
+  report.devices = rig.device_reports();
+  std::copy_if(rig.faults().begin(), rig.faults().end(), std::back_inserter(report.faults),
+               [&](const FaultWindow& fault) { return fault.begin < outcome.reached; });
+  return report;
+}
+
+TruthFiles truth_files(const RigConfiguration& configuration, const RunOptions& options,
+                       OutputFailures& failures) {
   const auto chosen = [](const std::string& option, const std::string& configured) {
     return option.empty() ? configured : option;
   };
-  Rig rig(configuration, io,
-          {chosen(options.truth_path, configuration.truth.path),
-           chosen(options.lidar_truth_path, configuration.truth.lidar_path)});
-  interrupts.govern(rig.executive());
+  TruthFiles files;
+  files.machine = chosen(options.truth_path, configuration.truth.path);
+  files.lidar = chosen(options.lidar_truth_path, configuration.truth.lidar_path);
+  files.failures = &failures;
+  // Simulated time can wait for a reader only where it does not follow the wall's.
+  files.patience =
+      options.clock.kind == ClockMode::Kind::free ? kReaderPatience : std::chrono::milliseconds{0};
+  return files;
+}
 
-  RunOutcome outcome;
-  {
-    const auto start = std::chrono::steady_clock::now();
-    std::shared_ptr<void> onlooker;
-    if (options.onlooker) {
-      onlooker = options.onlooker(
-          {io, configuration, rig.wires(), rig.truth().state_quantities(), [&rig, start] {
-             RigStatus status = rig.status();
-             status.wall_s =
-                 std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-             return status;
-           }});
-    }
-    outcome = execute(rig, configuration, options);
-  }
-
+int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
+  const WithoutSigpipe without_sigpipe;
+  OutputFailures failures([](const std::string& what) { complain(what); });
+  boost::asio::io_context io;
+  Interrupts interrupts(io);  // before the first wire is opened, so that none is left behind
+  std::optional<WholeFile> report_file;
   if (!options.report_path.empty()) {
-    RunReport report;
-    report.rig = configuration.name;
-    report.seed = configuration.seed;
-    report.config_hash = config_hash(configuration);
-    report.clock = options.clock;
-    report.outcome = outcome;
-    report.cpu_s = process_cpu_seconds();
-    report.peak_rss_mb = peak_resident_megabytes();
-    report.truth = rig.truth().stages();
-    report.wire = rig.executive().wire_stages();
-    report.devices = rig.device_reports();
-    write_report(report, options.report_path);
+    report_file.emplace("the report", options.report_path);
+  }
+  auto rig =
+      std::make_unique<Rig>(configuration, io, truth_files(configuration, options, failures));
+  interrupts.govern(&rig->executive());
+
+  std::unique_ptr<Onlooker> onlooker;
+  if (options.onlooker) {
+    const auto start = std::chrono::steady_clock::now();
+    onlooker = options.onlooker(
+        {io, configuration, rig->wires(), rig->truth().state_quantities(),
+         [&rig, start] {
+           RigStatus status = rig->status();
+           status.wall_s =
+               std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+           return status;
+         },
+         [&interrupts] { interrupts.end_by(SIGPIPE); },
+         [&failures](const std::string& what) { failures.report(what); }});
+  }
+  const RunOutcome outcome = execute(*rig, configuration, options);
+  const RunReport report =
+      report_of(*rig, rig->executive().wire_stages(), configuration, options, outcome);
+  interrupts.govern(nullptr);
+  rig.reset();  // wires and truth are closed before anybody's reader is waited for
+
+  if (report_file) {
+    try {
+      report_file->write(to_json(report));
+    } catch (const std::runtime_error& error) {
+      failures.report(error.what());
+    }
+  }
+  if (onlooker) {
+    onlooker->conclude(report);
   }
   if (outcome.fault) {
     complain(
-        fmt::format("the run ended at {:.3f} s: {}", to_seconds(outcome.reached), *outcome.fault));
+        fmt::format("the run ended at {:.3f} s: {}", to_seconds(outcome.reached), *outcome.fault),
+        kReaderPatience);
+    return exit_code(ExitCode::failure);
+  }
+  if (failures.any()) {
     return exit_code(ExitCode::failure);
   }
   return interrupts.received() != 0 ? kSignalExit + interrupts.received()
@@ -117,17 +180,20 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
 }  // namespace
 
 int run(const RigConfiguration& configuration, const RunOptions& options) {
+  const auto refuse = [](const std::exception& error, ExitCode code) {
+    complain(error.what(), kReaderPatience);
+    return exit_code(code);
+  };
   try {
     return run_rig(configuration, options);
   } catch (const drivers::EndpointError& error) {
-    complain(error.what());
-    return exit_code(ExitCode::environment);
+    return refuse(error, ExitCode::environment);
+  } catch (const boost::system::system_error& error) {  // Asio: no descriptor left for its own
+    return refuse(error, ExitCode::environment);
   } catch (const std::invalid_argument& error) {
-    complain(error.what());
-    return exit_code(ExitCode::usage);
+    return refuse(error, ExitCode::usage);
   } catch (const std::exception& error) {
-    complain(error.what());
-    return exit_code(ExitCode::failure);
+    return refuse(error, ExitCode::failure);
   }
 }
 

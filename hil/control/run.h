@@ -10,6 +10,7 @@
 
 #include "hil/executive/clock.h"
 #include "hil/executive/truth_source.h"
+#include "hil/record/report.h"
 #include "hil/rig/rig_configuration.h"
 #include "hil/rig/rig_status.h"
 #include "sim/samples/time.h"
@@ -23,25 +24,42 @@ struct RunView {
   std::vector<std::string> wires;         ///< What carries each bus, a line each.
   std::vector<StateQuantity> quantities;  ///< What RigStatus::machine holds.
   std::function<RigStatus()> status;      ///< To be called on the wire thread.
+  /// From any thread: the reader of standard output is gone, and the run ends as by SIGPIPE.
+  std::function<void()> reader_gone;
+  /// From any thread: something of it cannot be shown, and the run ends with exit code 1.
+  std::function<void(const std::string& what)> failed;
 };
 
-/// Called once, when every wire is open; what it returns lives to the end of the run.
-using Onlooker = std::function<std::shared_ptr<void>(const RunView& run)>;
+/// Somebody who looks on, from when every wire is open to the end of the run.
+class Onlooker {
+ public:
+  virtual ~Onlooker() = default;
+  Onlooker(const Onlooker&) = delete;
+  Onlooker& operator=(const Onlooker&) = delete;
+
+  /// Once, when the wires are closed and the report is written; RunView::status is over then.
+  virtual void conclude(const RunReport& report) = 0;
+
+ protected:
+  Onlooker() = default;
+};
+using MakeOnlooker = std::function<std::unique_ptr<Onlooker>(const RunView& run)>;
 
 struct RunOptions {
   ClockMode clock;
   std::optional<Duration> duration;  ///< Simulated time; without it until a signal.
-  std::string report_path;           ///< Empty: no report.
+  std::string report_path;           ///< Empty: no report; "-": standard output.
   std::string truth_path;            ///< Empty: as the rig says.
   std::string lidar_truth_path;      ///< Empty: as the rig says.
-  Onlooker onlooker;                 ///< May be empty.
+  MakeOnlooker onlooker;             ///< May be empty.
 };
 
 /// Exit codes of every verb (docs/command-line.md). 128 + n after signal n.
 enum class ExitCode : int { done = 0, failure = 1, usage = 2, environment = 3 };
 
-/// Opens the wires, runs, closes them, writes the report. Returns the exit code; prints what went
-/// wrong to standard error.
+/// Opens the wires, runs, closes them, writes the report. Returns the exit code; says what went
+/// wrong on standard error. No reader of what it writes holds it up (hil/record/output_file.h): a
+/// signal always ends it.
 [[nodiscard]] int run(const RigConfiguration& configuration, const RunOptions& options);
 
 }  // namespace rigwire::hil

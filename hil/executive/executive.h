@@ -91,6 +91,10 @@ class Executive {
 
   /// Present simulated time: of the wire side.
   [[nodiscard]] SimTime now() const { return now_; }
+  /// Given up so far against wall time because the host stalled.
+  [[nodiscard]] Duration slipped() const {
+    return clock_ == nullptr ? Duration{0} : clock_->slipped();
+  }
   /// The machine's state at the newest sample batch; empty before the first.
   [[nodiscard]] const std::vector<double>& machine_state() const { return machine_state_; }
   [[nodiscard]] const WireStages& wire_stages() const { return wire_stages_; }

@@ -1,39 +1,31 @@
 #include "hil/record/lidar_truth_tap.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <cerrno>
-#include <cstring>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <utility>
 
 namespace rigwire::hil {
 namespace {
 
 template <class Integer>
-void put(std::vector<unsigned char>& bytes, Integer value) {
+void put(std::string& bytes, Integer value) {
   for (std::size_t i = 0; i < sizeof(Integer); ++i) {
-    bytes.push_back(static_cast<unsigned char>(value >> (8 * i)));
+    bytes.push_back(static_cast<char>(static_cast<unsigned char>(value >> (8 * i))));
   }
 }
 
-void put(std::vector<unsigned char>& bytes, float value) {
+void put(std::string& bytes, float value) {
   put(bytes, std::bit_cast<std::uint32_t>(value));
 }
 
 }  // namespace
 
 LidarTruthTap::LidarTruthTap(const std::filesystem::path& path, const Calendar& calendar,
-                             const sim::Scene& scene, std::vector<std::string> lidars)
-    : file_(std::fopen(path.c_str(), "we")), lidars_(std::move(lidars)) {
-  if (file_ == nullptr) {
-    throw std::runtime_error(
-        fmt::format("cannot write the lidar truth {}: {}", path.string(), std::strerror(errno)));
-  }
+                             const sim::Scene& scene, std::vector<std::string> lidars,
+                             OutputFailures* failures, std::chrono::milliseconds patience)
+    : file_("the lidar truth", path.string(), failures, patience), lidars_(std::move(lidars)) {
   nlohmann::ordered_json header{
       {"rigwire_lidar_truth", 1},
       {"record_bytes", kLidarTruthRecordSize},
@@ -44,12 +36,7 @@ LidarTruthTap::LidarTruthTap(const std::filesystem::path& path, const Calendar& 
   for (sim::Scene::InstanceId id = 0; id < scene.instance_count(); ++id) {
     header["instances"].push_back({{"name", scene.name(id)}, {"label", scene.material(id).label}});
   }
-  const std::string line = header.dump() + "\n";
-  std::fwrite(line.data(), 1, line.size(), file_);
-}
-
-LidarTruthTap::~LidarTruthTap() {
-  std::fclose(file_);
+  file_.write(header.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 void LidarTruthTap::record(std::string_view lidar, const LidarPattern& pattern,
@@ -75,7 +62,7 @@ void LidarTruthTap::record(std::string_view lidar, const LidarPattern& pattern,
       put(records_, firing.strongest[i].reflectivity);
     }
   }
-  std::fwrite(records_.data(), 1, records_.size(), file_);
+  file_.write(records_);
 }
 
 }  // namespace rigwire::hil

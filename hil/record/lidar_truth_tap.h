@@ -17,12 +17,12 @@
 // start_time_of_hour_us + ns / 1000, modulo one hour, as long as the sensor's clock is locked.
 #pragma once
 
-#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "hil/record/output_file.h"
 #include "hil/world/truth_observer.h"
 #include "sim/samples/calendar.h"
 #include "sim/scene/scene.h"
@@ -42,12 +42,12 @@ static_assert(kLidarTruthRecordSize == 32);
 class LidarTruthTap final : public LidarTruthObserver {
  public:
   /// `lidars`: the names of all that will be recorded; their order numbers them. Throws
-  /// std::runtime_error with path and reason when the file cannot be created.
+  /// drivers::EndpointError with path and reason when the file cannot be opened. What cannot be
+  /// written later is told to `failures`, which may be null.
   LidarTruthTap(const std::filesystem::path& path, const Calendar& calendar,
-                const sim::Scene& scene, std::vector<std::string> lidars);
-  ~LidarTruthTap() override;
-  LidarTruthTap(const LidarTruthTap&) = delete;
-  LidarTruthTap& operator=(const LidarTruthTap&) = delete;
+                const sim::Scene& scene, std::vector<std::string> lidars,
+                OutputFailures* failures = nullptr,
+                std::chrono::milliseconds patience = kReaderPatience);
 
   /// Precondition: `lidar` is one of the names.
   void record(std::string_view lidar, const LidarPattern& pattern,
@@ -55,9 +55,9 @@ class LidarTruthTap final : public LidarTruthObserver {
               const std::vector<sim::LidarBankTruth>& truth) override;
 
  private:
-  std::FILE* file_;
+  GrowingFile file_;
   std::vector<std::string> lidars_;
-  std::vector<unsigned char> records_;
+  std::string records_;  ///< Of one call; kept for its memory.
 };
 
 }  // namespace rigwire::hil

@@ -4,11 +4,7 @@
 #include <sys/resource.h>
 #include <sys/utsname.h>
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 namespace rigwire::hil {
 namespace {
@@ -65,23 +61,21 @@ std::string to_json(const RunReport& report) {
         {"bytes", device.statistics.bytes},
         {"dropped", device.statistics.dropped},
         {"lateness_us", lateness_us(device.statistics.lateness)},
+        {"last_request", device.last_request ? Json{{"sim_s", to_seconds(device.last_request->at)},
+                                                    {"text", device.last_request->text}}
+                                             : Json(nullptr)},
         {"stream_hash", fmt::format("{:016x}", device.statistics.hash.value())}};
   }
   json["devices"] = std::move(devices);
-  return json.dump(2) + "\n";
-}
-
-void write_report(const RunReport& report, const std::filesystem::path& path) {
-  std::filesystem::path temporary = path;
-  temporary += ".tmp";
-  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-  file << to_json(report);
-  file.close();
-  if (!file) {
-    throw std::runtime_error(
-        fmt::format("cannot write the report {}: {}", path.string(), std::strerror(errno)));
+  json["faults"] = Json::array();
+  for (const FaultWindow& fault : report.faults) {
+    json["faults"].push_back({{"where", fault.where},
+                              {"type", fault.type},
+                              {"begin_s", to_seconds(fault.begin)},
+                              {"end_s", to_seconds(fault.end)}});
   }
-  std::filesystem::rename(temporary, path);
+  // What clients sent need not be UTF-8; the report must not be lost by it.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 double process_cpu_seconds() {

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "hil/configuration/fault_window.h"
 #include "hil/executive/clock.h"
 #include "hil/executive/executive.h"
 #include "hil/executive/truth_source.h"
@@ -18,6 +19,7 @@ struct DeviceReport {
   std::string wire;
   std::uint64_t frames = 0;
   WireStatistics statistics;
+  std::optional<ClientRequest> last_request;
 };
 
 struct RunReport {
@@ -31,15 +33,12 @@ struct RunReport {
   TruthStages truth;
   WireStages wire;
   std::vector<DeviceReport> devices;
+  std::vector<FaultWindow> faults;  ///< Of the rig's file, those that acted in this run.
 };
 
 /// The report as JSON text, keys as docs/command-line.md lists them. Lateness is 0 when
 /// free-running: simulated time waits for the write there.
 [[nodiscard]] std::string to_json(const RunReport& report);
-
-/// Writes to a temporary file beside `path` and renames it, so that a reader never sees half a
-/// report. Throws std::runtime_error with path and reason.
-void write_report(const RunReport& report, const std::filesystem::path& path);
 
 /// User and system CPU time of this process so far, and its peak resident memory.
 [[nodiscard]] double process_cpu_seconds();

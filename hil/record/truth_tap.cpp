@@ -3,11 +3,8 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <iterator>
-#include <stdexcept>
 #include <string>
 
 namespace rigwire::hil {
@@ -34,19 +31,11 @@ std::string list(std::span<const double> values) {
 }  // namespace
 
 TruthTap::TruthTap(const std::filesystem::path& path, const Calendar& calendar,
-                   std::span<const sim::TruthField> fields)
-    : file_(std::fopen(path.c_str(), "we")),
+                   std::span<const sim::TruthField> fields, OutputFailures* failures,
+                   std::chrono::milliseconds patience)
+    : file_("the truth", path.string(), failures, patience),
       calendar_(calendar),
-      fields_(fields.begin(), fields.end()) {
-  if (file_ == nullptr) {
-    throw std::runtime_error(
-        fmt::format("cannot write the truth tap {}: {}", path.string(), std::strerror(errno)));
-  }
-}
-
-TruthTap::~TruthTap() {
-  std::fclose(file_);
-}
+      fields_(fields.begin(), fields.end()) {}
 
 void TruthTap::record(const TruthRecord& record) {
   std::string line =
@@ -78,7 +67,7 @@ void TruthTap::record(const TruthRecord& record) {
     line += '}';
   }
   line += "}\n";
-  std::fwrite(line.data(), 1, line.size(), file_);
+  file_.write(line);
 }
 
 }  // namespace rigwire::hil

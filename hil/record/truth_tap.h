@@ -1,18 +1,18 @@
 // The one place where ground truth leaves: a file of JSON lines, never a device.
 #pragma once
 
-#include <cstdio>
 #include <filesystem>
 #include <span>
 #include <vector>
 
+#include "hil/record/output_file.h"
 #include "hil/world/truth_observer.h"
 #include "sim/machine.h"
 #include "sim/samples/calendar.h"
 
 namespace rigwire::hil {
 
-/// Writes one line per record, buffered by the system. A record has: sim_s, utc, time_of_hour_us,
+/// Writes one line per record. A record has: sim_s, utc, time_of_hour_us,
 /// position_m (east, north, up of the map origin), attitude_wxyz (unit quaternion), velocity_mps
 /// and rate_radps (in the world's axes) of the machine's first link, the machine's truth fields (a
 /// number, or a list when a field has several), antenna {latitude_deg, longitude_deg, height_m} of
@@ -20,17 +20,16 @@ namespace rigwire::hil {
 /// the ellipsoid.
 class TruthTap final : public TruthObserver {
  public:
-  /// Throws std::runtime_error with path and reason when the file cannot be created.
+  /// Throws drivers::EndpointError with path and reason when the file cannot be opened. What cannot
+  /// be written later is told to `failures`, which may be null.
   TruthTap(const std::filesystem::path& path, const Calendar& calendar,
-           std::span<const sim::TruthField> fields);
-  ~TruthTap() override;
-  TruthTap(const TruthTap&) = delete;
-  TruthTap& operator=(const TruthTap&) = delete;
+           std::span<const sim::TruthField> fields, OutputFailures* failures = nullptr,
+           std::chrono::milliseconds patience = kReaderPatience);
 
   void record(const TruthRecord& record) override;
 
  private:
-  std::FILE* file_;
+  GrowingFile file_;
   Calendar calendar_;
   std::vector<sim::TruthField> fields_;
 };

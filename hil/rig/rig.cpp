@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 
 #include "fields/check.h"
 #include "hil/files/geoid_file.h"
 #include "hil/files/mesh_file.h"
+#include "hil/record/complain.h"
 #include "hil/record/lidar_truth_tap.h"
 #include "hil/record/truth_tap.h"
 #include "hil/wires/can_hop.h"
@@ -97,7 +99,7 @@ SensorMount sensor_mount(const MachineConfiguration& machine, const MountConfigu
 MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
   const SceneFiles files = load_scene_files(configuration.scene.description, configuration.origin);
   for (const std::string& line : files.report) {
-    fmt::print(stderr, "rigwire: {}\n", line);
+    complain(line);
   }
   sim::BuiltScene built = sim::build_scene(files.description, files.meshes, configuration.seed);
   const MachineConfiguration& machine = configuration.machine;
@@ -229,7 +231,8 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
       frame_(make_local_frame(configuration.origin)),
       satellites_(make_satellites(configuration.satellites, calendar_)),
       world_(make_world(configuration)),
-      executive_(io, world_) {
+      executive_(io, world_),
+      faults_(fault_windows(configuration)) {
   for (const auto& [name, bus] : configuration_.buses) {
     open_bus(name, bus);
   }
@@ -259,7 +262,8 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
 void Rig::open_taps(const TruthFiles& files) {
   if (!files.machine.empty()) {
     world_.set_truth_observer(
-        std::make_unique<TruthTap>(files.machine, calendar_, world_.machine().truth_fields()),
+        std::make_unique<TruthTap>(files.machine, calendar_, world_.machine().truth_fields(),
+                                   files.failures, files.patience),
         configuration_.truth.period);
   }
   if (!files.lidar.empty()) {
@@ -269,8 +273,8 @@ void Rig::open_taps(const TruthFiles& files) {
         lidars.push_back(device.name);
       }
     }
-    world_.set_lidar_truth_observer(
-        std::make_unique<LidarTruthTap>(files.lidar, calendar_, world_.scene(), std::move(lidars)));
+    world_.set_lidar_truth_observer(std::make_unique<LidarTruthTap>(
+        files.lidar, calendar_, world_.scene(), std::move(lidars), files.failures, files.patience));
   }
 }
 
@@ -324,10 +328,13 @@ UsbBus& Rig::usb() {
 RigStatus Rig::status() const {
   RigStatus status;
   status.now = executive_.now();
+  status.slipped = executive_.slipped();
   status.machine = executive_.machine_state();
   for (const NamedDevice& device : devices_) {
     status.devices.push_back(device.device->status(device.name, status.now));
   }
+  std::copy_if(faults_.begin(), faults_.end(), std::back_inserter(status.faults),
+               [&](const FaultWindow& fault) { return fault.acts_at(status.now); });
   return status;
 }
 
@@ -335,7 +342,7 @@ std::vector<DeviceReport> Rig::device_reports() const {
   std::vector<DeviceReport> reports;
   for (const NamedDevice& device : devices_) {
     DeviceReport report{device.name, device.device->endpoint().address, device.device->frames(),
-                        device.device->statistics()};
+                        device.device->statistics(), device.device->last_request()};
     report.statistics.dropped = device.device->dropped();
     reports.push_back(std::move(report));
   }

@@ -41,6 +41,7 @@
 #include <vector>
 
 #include "hil/executive/executive.h"
+#include "hil/record/output_file.h"
 #include "hil/record/report.h"
 #include "hil/rig/rig_configuration.h"
 #include "hil/rig/rig_status.h"
@@ -78,8 +79,10 @@ class RigUsb;
 
 /// Where ground truth goes.
 struct TruthFiles {
-  std::filesystem::path machine;  ///< hil/record/truth_tap.h
-  std::filesystem::path lidar;    ///< hil/record/lidar_truth_tap.h
+  std::filesystem::path machine{};                       ///< hil/record/truth_tap.h
+  std::filesystem::path lidar{};                         ///< hil/record/lidar_truth_tap.h
+  OutputFailures* failures = nullptr;                    ///< May be null; outlives the rig.
+  std::chrono::milliseconds patience = kReaderPatience;  ///< With a reader that stalls.
 };
 
 class Rig {
@@ -99,6 +102,8 @@ class Rig {
   [[nodiscard]] std::vector<std::string> wires() const;
   /// On the thread that runs the executive; `wall_s` is filled by the caller.
   [[nodiscard]] RigStatus status() const;
+  /// Every fault of the rig's file, by name of the device, bus or line.
+  [[nodiscard]] const std::vector<FaultWindow>& faults() const { return faults_; }
   /// After the run.
   [[nodiscard]] std::vector<DeviceReport> device_reports() const;
 
@@ -128,6 +133,7 @@ class Rig {
   std::map<std::string, std::unique_ptr<Bus>> buses_;
   std::map<std::string, std::unique_ptr<RigModbus>> modbus_lines_;
   std::vector<NamedDevice> devices_;
+  std::vector<FaultWindow> faults_;
   /// Null while nothing is on USB. Last, because what is plugged into it must outlive it.
   std::unique_ptr<RigUsb> usb_;
 };

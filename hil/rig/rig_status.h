@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "hil/configuration/fault_window.h"
 #include "hil/devices/device.h"
 #include "sim/samples/time.h"
 
@@ -13,7 +14,8 @@ struct RigStatus {
   double wall_s = 0.0;  ///< Since the start of the run.
   Duration slipped{0};
   std::vector<DeviceStatus> devices;
-  std::vector<double> machine;  ///< In the order of TruthSource::state_quantities().
+  std::vector<FaultWindow> faults;  ///< That act now.
+  std::vector<double> machine;      ///< In the order of TruthSource::state_quantities().
 };
 
 }  // namespace rigwire::hil

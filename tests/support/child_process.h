@@ -34,7 +34,9 @@ inline bool eventually(const std::function<bool()>& condition,
 
 class ChildProcess {
  public:
-  ChildProcess(const std::vector<std::string>& command, std::filesystem::path output)
+  /// Standard output and error go to the file `output`; with `standard_output` only error does.
+  ChildProcess(const std::vector<std::string>& command, std::filesystem::path output,
+               int standard_output = -1)
       : output_(std::move(output)) {
     std::vector<char*> arguments;
     for (const auto& argument : command) {
@@ -46,7 +48,7 @@ class ChildProcess {
       const int log = ::open(output_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       const int nothing = ::open("/dev/null", O_RDONLY);
       ::dup2(nothing, 0);
-      ::dup2(log, 1);
+      ::dup2(standard_output >= 0 ? standard_output : log, 1);
       ::dup2(log, 2);
       ::execvp(arguments[0], arguments.data());
       ::_exit(127);

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "hil/devices/device_types.h"
 
@@ -14,17 +16,18 @@ namespace {
 
 using rigwire::hil::device_types;
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 
 struct Result {
   int code = -1;
-  std::string output;  ///< Standard output and error.
+  std::string output;  ///< Standard output and error; error alone where output is redirected.
 };
 
-/// Bounded: `timeout` ends a program that does not.
-Result rigwire(const std::string& arguments) {
+/// After what a shell does first. Bounded: `timeout` ends a program that does not.
+Result in_shell(const std::string& first, const std::string& arguments) {
   const std::string command =
-      "NO_COLOR=1 timeout 60 " RIGWIRE_BINARY_DIR "/rigwire " + arguments + " 2>&1 </dev/null";
+      first + "NO_COLOR=1 timeout 60 " RIGWIRE_BINARY_DIR "/rigwire 2>&1 </dev/null " + arguments;
   Result result;
   FILE* pipe = ::popen(command.c_str(), "r");
   if (pipe == nullptr) {
@@ -37,6 +40,10 @@ Result rigwire(const std::string& arguments) {
   const int status = ::pclose(pipe);
   result.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return result;
+}
+
+Result rigwire(const std::string& arguments) {
+  return in_shell("", arguments);
 }
 
 TEST(CommandLine, help_and_version_are_done) {
@@ -67,6 +74,77 @@ TEST(CommandLine, bad_option_values_are_usage) {
         "--duration 5kg", "--status blinking", "--seed x", "--seed -1"}) {
     EXPECT_EQ(rigwire(std::string("run excavator_pit --dry-run ") + bad).code, 2) << bad;
   }
+}
+
+TEST(CommandLine, an_empty_value_is_refused_for_every_option_and_word_of_every_verb) {
+  for (const auto& [arguments, name] : std::vector<std::pair<std::string, std::string>>{
+           {"run excavator_pit --dry-run --duration ''", "--duration"},
+           {"run excavator_pit --dry-run --duration=", "--duration"},
+           {"run excavator_pit --dry-run --seed ''", "--seed"},
+           {"run excavator_pit --dry-run --seed=", "--seed"},
+           {"run excavator_pit --dry-run --set ''", "--set"},
+           {"run excavator_pit --dry-run --set seed=2 --set ''", "--set"},
+           {"run excavator_pit --dry-run --clock ''", "--clock"},
+           {"run excavator_pit --dry-run --status ''", "--status"},
+           {"run excavator_pit --dry-run --report ''", "--report"},
+           {"run excavator_pit --dry-run --report= --seed 2", "--report"},
+           {"run excavator_pit --dry-run --truth ''", "--truth"},
+           {"run excavator_pit --dry-run --lidar-truth ''", "--lidar-truth"},
+           {"run ''", "rig"},
+           {"check '' --json", "rig"},
+           {"check excavator_pit --set ''", "--set"},
+           {"list ''", "kind"},
+           {"describe ''", "device"},
+           {"describe --dbc ''", "--dbc"},
+           {"describe --dbc unimog_forest --bus ''", "--bus"},
+           {"describe --valve-map ''", "--valve-map"},
+           {"schema ''", "of"},
+           {"completion ''", "shell"}}) {
+    const Result result = rigwire(arguments);
+    EXPECT_EQ(result.code, 2) << arguments;
+    EXPECT_THAT(result.output, StartsWith("rigwire: " + name + ": empty")) << arguments;
+  }
+}
+
+TEST(CommandLine, results_that_find_the_disk_full_are_a_failure_that_says_so) {
+  for (const char* verb :
+       {"list rigs", "check excavator_pit --print", "run excavator_pit --dry-run", "schema"}) {
+    const Result result = rigwire(std::string(verb) + " >/dev/full");
+    EXPECT_EQ(result.code, 1) << verb;
+    EXPECT_THAT(result.output, HasSubstr("standard output is not complete: No space left")) << verb;
+  }
+}
+
+TEST(CommandLine, what_a_terminal_would_obey_is_never_printed_raw) {
+  for (const char* arguments :
+       {"run \"$(printf 'pit\\033[2J')\"", "check excavator_pit --set \"$(printf 'a\\033]0;b=1')\"",
+        "list \"$(printf 'r\\233igs')\"", "run excavator_pit --duration \"$(printf '\\033[2J')\"",
+        "\"$(printf 'r\\033un')\""}) {
+    const Result result = rigwire(arguments);
+    EXPECT_EQ(result.code, 2) << arguments;
+    EXPECT_THAT(result.output, Not(HasSubstr("\x1b")));
+    EXPECT_THAT(result.output, Not(HasSubstr("\x9b")));
+    EXPECT_THAT(result.output, testing::AnyOf(HasSubstr("\\u001b"), HasSubstr("\\x9b")));
+  }
+}
+
+TEST(CommandLine, too_few_open_files_is_the_environments_fault_whatever_they_are_for) {
+  for (const char* arguments :
+       {"run excavator_pit --duration 100ms --clock free", "check excavator_pit"}) {
+    const Result result = in_shell("ulimit -n 8; ", arguments);
+    EXPECT_EQ(result.code, 3) << result.output;
+    EXPECT_THAT(result.output, HasSubstr("open files permitted: found 8, allowed 32 or more"));
+  }
+}
+
+TEST(CommandLine, a_working_folder_that_is_deleted_is_told_in_words) {
+  const std::string gone = "cd $(mktemp -d) && rmdir $PWD && ";
+  const Result check = in_shell(gone, "check excavator_pit --set seed=2");
+  EXPECT_EQ(check.code, 0) << check.output;
+  const Result run = in_shell(gone, "run excavator_pit --set devices.gnss.path=gnss --duration 1s");
+  EXPECT_EQ(run.code, 3) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("the working folder cannot be told"));
+  EXPECT_THAT(run.output, Not(HasSubstr("filesystem error")));
 }
 
 TEST(CommandLine, describe_takes_a_type_or_the_name_of_a_rigs_device) {

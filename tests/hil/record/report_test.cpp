@@ -1,10 +1,7 @@
 #include "hil/record/report.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 namespace rigwire::hil {
@@ -20,7 +17,7 @@ RunReport example() {
   report.clock = {ClockMode::Kind::scaled, 2.0};
   report.outcome.reached = kStart + 10s;
   report.outcome.wall_s = 5.0;
-  DeviceReport gnss{"gnss", "/tmp/gnss", 70, {}};
+  DeviceReport gnss{"gnss", "/tmp/gnss", 70, {}, {}};
   gnss.statistics.bytes = 5730;
   gnss.statistics.lateness.record(100us);
   report.devices.push_back(gnss);
@@ -52,23 +49,27 @@ TEST(Report, AnEmptyRunHasNoInfiniteFactor) {
   EXPECT_EQ(nlohmann::json::parse(to_json(report))["realtime_factor"], 0.0);
 }
 
-TEST(Report, AFolderThatIsMissingIsNamed) {
-  try {
-    write_report(example(), "/nonexistent/report.json");
-    FAIL() << "was written";
-  } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string(error.what()).find("/nonexistent/report.json"), std::string::npos);
-  }
+TEST(Report, HasWhatClientsAskedAndWhichFaultsActed) {
+  RunReport report = example();
+  report.devices[0].last_request = ClientRequest{kStart + 2500ms, "UBX CFG 0x08"};
+  report.faults.push_back({"gnss", "jamming", kStart + 5s, kStart + 10s});
+  const auto json = nlohmann::json::parse(to_json(report));
+  EXPECT_EQ(json["devices"]["gnss"]["last_request"]["text"], "UBX CFG 0x08");
+  EXPECT_EQ(json["devices"]["gnss"]["last_request"]["sim_s"], 2.5);
+  EXPECT_EQ(json["faults"][0]["where"], "gnss");
+  EXPECT_EQ(json["faults"][0]["type"], "jamming");
+  EXPECT_EQ(json["faults"][0]["begin_s"], 5.0);
+  EXPECT_EQ(json["faults"][0]["end_s"], 10.0);
+  EXPECT_TRUE(
+      nlohmann::json::parse(to_json(example()))["devices"]["gnss"]["last_request"].is_null());
 }
 
-TEST(Report, ReplacesAnOlderOneWhole) {
-  const auto path = std::filesystem::temp_directory_path() /
-                    ("rigwire-report-" + std::to_string(::getpid()) + ".json");
-  std::ofstream(path) << std::string(100'000, 'x');
-  write_report(example(), path);
-  std::ifstream file(path);
-  EXPECT_EQ(nlohmann::json::parse(file)["rig"], "example");
-  std::filesystem::remove(path);
+TEST(Report, ARequestThatIsNotUtf8DoesNotLoseTheReport) {
+  RunReport report = example();
+  report.devices[0].last_request = ClientRequest{kStart,
+                                                 "GET /Stra\xdf"
+                                                 "e"};
+  EXPECT_EQ(nlohmann::json::parse(to_json(report))["rig"], "example");
 }
 
 }  // namespace

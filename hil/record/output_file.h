@@ -1,0 +1,87 @@
+// Files that a run writes for people and scripts: its report, whole at the end, and its truth,
+// while it goes on. What stands at the path decides how:
+//
+//   regular file, nothing   report: a temporary file beside it takes its place (rename), so that a
+//                           reader sees the old report or the new one, and the old one's
+//                           permissions stay. Truth: the file itself, from its beginning, so that
+//                           it can be followed and is there when the run is killed.
+//   symbolic link           what it leads to, be that there or not; the link stays.
+//   FIFO, terminal, device  written through, never replaced. A FIFO needs a reader.
+//   standard output's or    written through that, behind what is there.
+//   error's own file
+//   directory, socket       refused.
+//
+// A regular file in a folder that takes no new file is written in place.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "drivers/output.h"
+#include "hil/record/output_failures.h"
+
+namespace rigwire::hil {
+
+/// How long a FIFO's reader may take to come, and any reader to read, before it is given up.
+inline constexpr std::chrono::seconds kReaderPatience{2};
+
+/// The report's, or another text that is written at once.
+class WholeFile {
+ public:
+  /// `path` "-" is standard output; `what` it is in messages ("the report"). Tries that it can be
+  /// written, and leaves everything as it was. Throws drivers::EndpointError with path and reason.
+  WholeFile(std::string what, const std::string& path);
+
+  /// Throws std::runtime_error with path and reason; no temporary file is left then.
+  void write(std::string_view text) const;
+
+ private:
+  enum class Way { standard_output, replaced, in_place, through };
+  void write_beside(std::string_view text) const;
+  void write_in_place(std::string_view text) const;
+  void write_through(const drivers::Output& output, std::string_view text) const;
+  [[nodiscard]] std::string cannot(const std::string& why) const;
+
+  std::string what_;
+  std::string shown_;           ///< The path as the user wrote it.
+  std::filesystem::path file_;  ///< With links resolved.
+  Way way_ = Way::replaced;
+};
+
+/// The truth's: grows with the run. What it cannot write is reported once; what follows is dropped.
+class GrowingFile {
+ public:
+  /// Opens and empties it. `failures` may be null; it must outlive the file. A reader that stalls
+  /// is waited for `patience` when what was not yet taken is more than `kBacklogBytes`. Throws
+  /// drivers::EndpointError.
+  GrowingFile(std::string what, const std::string& path, OutputFailures* failures,
+              std::chrono::milliseconds patience);
+  /// Gives the reader kReaderPatience for the rest.
+  ~GrowingFile();
+  GrowingFile(const GrowingFile&) = delete;
+  GrowingFile& operator=(const GrowingFile&) = delete;
+
+  void write(std::string_view bytes);
+
+  static constexpr std::size_t kPieceBytes = 4096;  ///< Collected before the system is called.
+  static constexpr std::size_t kBacklogBytes = 32 * 1024 * 1024;  ///< For a reader that is slow.
+
+ private:
+  void hand_over(drivers::Output::Deadline until, std::size_t may_stay);
+  void fail(const std::string& why);
+
+  std::string what_;
+  std::string shown_;
+  OutputFailures* failures_;
+  std::chrono::milliseconds patience_;
+  std::optional<drivers::Output> output_;
+  std::string waiting_;  ///< From `taken_` on.
+  std::size_t taken_ = 0;
+  bool failed_ = false;
+};
+
+}  // namespace rigwire::hil

@@ -51,6 +51,8 @@ class VehiclePort {
   /// out of range are clamped; a gear that does not exist is not engaged.
   virtual void command(const VehicleCommand& command) = 0;
   [[nodiscard]] virtual VehicleSample vehicle_sample(SimTime time) const = 0;
+  /// Data sheet of its engine.
+  [[nodiscard]] virtual EngineData engine_data() const = 0;
 };
 
 /// One number of the status table.

@@ -28,16 +28,9 @@ const StarFireSettings& checked(const StarFireSettings& settings) {
 }
 
 J1939NodeSettings make_node(const StarFireSettings& settings) {
-  // Manufacturer code and function of the real one are not known: none, and "navigation".
-  constexpr std::uint8_t kNavigation = 26;
-  constexpr std::uint8_t kAgriculture = 2;
-  j1939::Name name;
-  name.identity = settings.serial;
-  name.function = kNavigation;
-  name.industry_group = kAgriculture;
   J1939NodeSettings node;
   node.address.preferred = settings.source_address;
-  node.address.name = pack(name);
+  node.address.name = pack(make_name(settings.name, settings.serial, false));
   node.address.first_claim = kStart + settings.power_on;
   return node;
 }

@@ -58,6 +58,7 @@ void visit(fields::Visitor& v, StarFireSettings& p) {
   v.integer("source_address", p.source_address, fields::IntegerRule{0, 253}, "J1939 address.");
   v.integer("serial", p.serial, fields::IntegerRule{1, (1 << 21) - 1},
             "Identity number in the NAME; unique on a bus.");
+  visit(v, p.name);
   v.duration("power_on", p.power_on, {0, 86'400'000'000'000},
              "When the supply comes, from the start of the run.");
   v.duration("start_up", p.start_up, {0, 600'000'000'000}, "From power-on to the first position.");

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "emulators/j1939/name_settings.h"
 #include "fields/rules.h"
 #include "sim/samples/time.h"
 
@@ -27,6 +28,8 @@ struct StarFireSettings {
   // The node.
   std::uint8_t source_address = 28;  ///< 0 .. 253.
   std::uint32_t serial = 1;          ///< 1 .. 2097151; identity in the NAME, unique on a bus.
+  /// The real one's are not known: what it is, by the standard; nobody's manufacturer code.
+  J1939NameSettings name{.function = kVehicleNavigation, .industry_group = kAgriculture};
 };
 
 void visit(fields::Visitor& v, StarFireSettings& p);

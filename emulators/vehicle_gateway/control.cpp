@@ -14,8 +14,8 @@ using vehicle::Switch;
 namespace {
 
 constexpr std::array<VehicleRequest, kVehicleRequests> kRequests{
-    VehicleRequest::engine, VehicleRequest::gearbox, VehicleRequest::brake,
-    VehicleRequest::guidance, VehicleRequest::speed};
+    VehicleRequest::engine,   VehicleRequest::gearbox, VehicleRequest::brake,
+    VehicleRequest::guidance, VehicleRequest::speed,   VehicleRequest::implement};
 constexpr std::size_t kGearFault = kVehicleRequests;
 
 constexpr SteeringMode first_mode(SteeringLayout layout) {
@@ -58,8 +58,8 @@ void VehicleControl::advance(SimTime now) {
 
 Duration VehicleControl::timeout(VehicleRequest source) const {
   const VehicleTimeouts& t = settings_.timeouts;
-  const std::array<Duration, kVehicleRequests> timeouts{t.engine, t.gearbox, t.brake, t.guidance,
-                                                        t.speed};
+  const std::array<Duration, kVehicleRequests> timeouts{t.engine,   t.gearbox, t.brake,
+                                                        t.guidance, t.speed,   t.implement};
   return timeouts[index(source)];
 }
 
@@ -83,6 +83,7 @@ void VehicleControl::lose(SimTime now, VehicleRequest source) {
   count(occurrences_[index(source)]);
   switch (source) {
     case VehicleRequest::engine:
+      clear_engine_limit();
       asked_.engine_control = EngineControl::torque;
       asked_.engine_torque_share = 0.0;
       asked_.engine_speed_radps = 0.0;
@@ -97,6 +98,12 @@ void VehicleControl::lose(SimTime now, VehicleRequest source) {
       break;
     case VehicleRequest::speed:
       asked_.travel_speed_mps = 0.0;
+      speed_exit_ = ExitReason::command_timeout;
+      speed_clipped_ = false;
+      break;
+    case VehicleRequest::implement:
+      asked_.hitch_share = {};
+      asked_.power_take_off = {};
       break;
   }
 }
@@ -110,26 +117,48 @@ void VehicleControl::fail_guidance(SimTime now, ExitReason reason) {
   }
 }
 
+void VehicleControl::clear_engine_limit() {
+  asked_.engine_speed_limit_radps = VehicleCommand{}.engine_speed_limit_radps;
+  asked_.engine_torque_limit_share = VehicleCommand{}.engine_torque_limit_share;
+}
+
 bool VehicleControl::take(SimTime now, const vehicle::Tsc1& request) {
-  switch (static_cast<vehicle::OverrideMode>(request.override_mode)) {
+  const auto mode = static_cast<vehicle::OverrideMode>(request.override_mode);
+  const bool has_speed = std::isfinite(request.speed_radps);
+  const bool has_torque = std::isfinite(request.torque_share);
+  if ((mode == vehicle::OverrideMode::speed && !has_speed) ||
+      (mode == vehicle::OverrideMode::torque && !has_torque) ||
+      (mode == vehicle::OverrideMode::limit && !has_speed && !has_torque)) {
+    return false;
+  }
+  const bool drives = mode == vehicle::OverrideMode::speed || mode == vehicle::OverrideMode::torque;
+  if (drives && !in_force(VehicleRequest::engine) && !in_force(VehicleRequest::speed)) {
+    asked_.travel_speed_mps.reset();  // somebody takes over who does not ask for a speed
+  }
+  clear_engine_limit();
+  switch (mode) {
     case vehicle::OverrideMode::speed:
-      if (!std::isfinite(request.speed_radps)) {
-        return false;
-      }
       asked_.engine_control = EngineControl::speed;
       asked_.engine_speed_radps = request.speed_radps;
       asked_.engine_torque_share = 0.0;
       break;
     case vehicle::OverrideMode::torque:
-      if (!std::isfinite(request.torque_share)) {
-        return false;
-      }
       asked_.engine_control = EngineControl::torque;
       asked_.engine_torque_share = std::clamp(request.torque_share, 0.0, 1.0);
       asked_.engine_speed_radps = 0.0;
       break;
+    case vehicle::OverrideMode::limit:  // of what the travel speed asks of the engine
+      if (has_speed) {
+        asked_.engine_speed_limit_radps = request.speed_radps;
+      }
+      if (has_torque) {
+        asked_.engine_torque_limit_share = std::clamp(request.torque_share, 0.0, 1.0);
+      }
+      asked_.engine_control = EngineControl::torque;
+      asked_.engine_torque_share = 0.0;
+      asked_.engine_speed_radps = 0.0;
+      break;
     case vehicle::OverrideMode::disabled:
-    case vehicle::OverrideMode::limit:  // nobody else's demand is there to be limited
       asked_.engine_control = EngineControl::torque;
       asked_.engine_torque_share = 0.0;
       asked_.engine_speed_radps = 0.0;
@@ -223,7 +252,22 @@ bool VehicleControl::take(SimTime now, const vehicle::GuidanceCommand& request) 
 
 bool VehicleControl::take(SimTime now, const vehicle::MachineSelectedSpeedCommand& request) {
   const bool forward = request.forward == Switch::on;
+  if (std::isnan(request.speed_mps) && request.forward == Switch::not_available) {
+    if (in_force(VehicleRequest::speed)) {
+      // Released: to TSC1 if that is there, else the machine is held.
+      end(VehicleRequest::speed);
+      asked_.travel_speed_mps =
+          in_force(VehicleRequest::engine) ? std::nullopt : std::optional<double>(0.0);
+      speed_exit_ = ExitReason::released;
+      speed_clipped_ = false;
+      compose(now);
+    }
+    return true;
+  }
   if (!std::isfinite(request.speed_mps) || (!forward && request.forward != Switch::off)) {
+    if (request.speed_mps == vehicle::kError || request.forward == Switch::error) {
+      speed_exit_ = ExitReason::out_of_range;
+    }
     return false;
   }
   double limit = forward ? settings_.maximum_speed_mps : settings_.maximum_reverse_speed_mps;
@@ -231,7 +275,8 @@ bool VehicleControl::take(SimTime now, const vehicle::MachineSelectedSpeedComman
     limit = std::min(limit, request.speed_limit_mps);
   }
   const double speed_mps = std::min(request.speed_mps, limit);
-  speed_limit_ = request.speed_mps > limit ? LimitStatus::limited_high : LimitStatus::not_limited;
+  speed_clipped_ = request.speed_mps > limit;
+  speed_exit_ = ExitReason::none;
   asked_.travel_speed_mps = forward ? speed_mps : -speed_mps;
   renew(now, VehicleRequest::speed);
   compose(now);
@@ -299,6 +344,60 @@ bool VehicleControl::take(SimTime now, const vehicle::MachineFunctionCommand& re
   return true;
 }
 
+bool VehicleControl::take(SimTime now, const vehicle::HitchPowerTakeOffCommand& request) {
+  struct End {
+    double hitch_share;
+    double speed_radps;
+    Switch engage;
+    Switch economy;
+    Switch mode;
+  };
+  const std::array<End, kImplementEnds> ends{
+      {{request.front_hitch_share, request.front_speed_radps, request.front_engage,
+        request.front_economy, request.front_mode},
+       {request.rear_hitch_share, request.rear_speed_radps, request.rear_engage,
+        request.rear_economy, request.rear_mode}}};
+  const auto asks = [](Switch one) { return one == Switch::on || one == Switch::off; };
+  bool any = false;
+  for (std::size_t i = 0; i < kImplementEnds; ++i) {
+    if (settings_.has_hitch[i] && std::isfinite(ends[i].hitch_share)) {
+      asked_.hitch_share[i] = std::clamp(ends[i].hitch_share, 0.0, 1.0);
+      any = true;
+    }
+    if (settings_.has_power_take_off[i]) {
+      if (asks(ends[i].engage)) {
+        asked_.power_take_off[i].engaged = ends[i].engage == Switch::on;
+        any = true;
+      }
+      if (std::isfinite(ends[i].speed_radps)) {
+        asked_.power_take_off[i].speed_radps = ends[i].speed_radps;
+        any = true;
+      }
+      economy_refused_[i] = asks(ends[i].economy);
+      mode_refused_[i] = asks(ends[i].mode);
+    }
+  }
+  if (!any) {
+    return false;
+  }
+  renew(now, VehicleRequest::implement);
+  compose(now);
+  return true;
+}
+
+void VehicleControl::switch_off(SimTime now) {
+  key_off_ = true;
+  compose(now);
+}
+
+void VehicleControl::lose_supply(SimTime now) {
+  asked_.parking_brake = true;
+  asked_.gear = 0;
+  asked_.hitch_share = {};
+  asked_.power_take_off = {};
+  compose(now);
+}
+
 void VehicleControl::steer() {
   // Reference point: rear axle for front steering, half-way between the axles otherwise. With
   // tan(front) = t + d and tan(rear) = t - d the reference point moves at the angle atan(t) with
@@ -323,7 +422,11 @@ void VehicleControl::steer() {
                                            : LimitStatus::limited_low;
 }
 
-void VehicleControl::observe(SimTime now, double speed_mps) {
+void VehicleControl::observe(SimTime now, double speed_mps, bool drives) {
+  if (drives != drives_) {
+    drives_ = drives;
+    compose(now);
+  }
   if (!(std::abs(speed_mps) < settings_.standstill_speed_mps)) {
     standing_since_ = kNever;
     return;
@@ -338,16 +441,49 @@ void VehicleControl::observe(SimTime now, double speed_mps) {
   }
 }
 
+void VehicleControl::travel(VehicleCommand& next) {
+  const bool commanded = in_force(VehicleRequest::speed);
+  speed_limit_ = speed_clipped_ ? LimitStatus::limited_high : LimitStatus::not_limited;
+  if (commanded && (speed_exit_ == ExitReason::gear || speed_exit_ == ExitReason::function_fault)) {
+    speed_exit_ = ExitReason::none;
+  }
+  if (!drives_) {
+    next.travel_speed_mps.reset();
+    speed_limit_ = LimitStatus::not_recoverable;
+    speed_exit_ = ExitReason::function_fault;
+    return;
+  }
+  if (!next.travel_speed_mps) {
+    return;
+  }
+  if (stopping_ && commanded && asked_.travel_speed_mps.value_or(0.0) != 0.0) {
+    speed_limit_ = LimitStatus::operator_limited;
+  }
+  // The gear that somebody holds, and the parking brake, decide whether it may travel that way.
+  const bool held = in_force(VehicleRequest::gearbox);
+  const double speed_mps = *next.travel_speed_mps;
+  next.automatic_gear = !held;
+  if (speed_mps != 0.0 && (next.parking_brake || (held && next.gear * speed_mps <= 0.0))) {
+    next.travel_speed_mps = 0.0;
+    speed_limit_ = LimitStatus::operator_limited;
+    speed_exit_ = ExitReason::gear;
+  }
+}
+
 void VehicleControl::compose(SimTime now) {
-  const auto is_in_force = [this](VehicleRequest source) { return in_force(source); };
-  // A gear that is no longer asked for just stays: that alone is no reason to stop.
+  // A gear that is no longer asked for just stays: that alone is no reason to stop. Implements do
+  // not drive.
   const bool any_lost = std::ranges::any_of(kRequests, [this](VehicleRequest source) {
-    return source != VehicleRequest::gearbox && lost_[index(source)];
+    return source != VehicleRequest::gearbox && source != VehicleRequest::implement &&
+           lost_[index(source)];
   });
-  const bool none_left = std::ranges::none_of(kRequests, is_in_force);
-  stopping_ =
-      (any_lost && none_left) || (guidance_ == Guidance::fault && settings_.stop_without_guidance);
+  const bool none_left = std::ranges::none_of(kRequests, [this](VehicleRequest source) {
+    return source != VehicleRequest::implement && in_force(source);
+  });
+  stopping_ = key_off_ || (any_lost && none_left) ||
+              (guidance_ == Guidance::fault && settings_.stop_without_guidance);
   VehicleCommand next = asked_;
+  next.ignition = !key_off_;
   if (stopping_) {
     next.engine_control = EngineControl::torque;
     next.engine_torque_share = 0.0;
@@ -355,6 +491,7 @@ void VehicleControl::compose(SimTime now) {
     next.travel_speed_mps = 0.0;
     next.brake_share = std::max(next.brake_share, settings_.stop_brake_share);
   }
+  travel(next);
   next.time = command_.time;
   if (next != command_) {
     command_ = next;

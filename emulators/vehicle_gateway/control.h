@@ -7,14 +7,21 @@
 // XBR                  brake released                                            SPN 2920, FMI 9
 // guidance, intended   steering stays where it is; the machine stops; one        SPN 5237, FMI 9
 //                      "not intended" is needed before the next "intended"
-// speed command        travel speed 0                                            SPN 4310, FMI 9
-// the last of them     the machine stops, unless it was TC1 alone
+// speed command        travel speed 0: the machine stops and is held             SPN 4310, FMI 9
+// hitches, PTO         hitches stay, shafts are disengaged                       SPN 1874, FMI 9
+// the last of them     the machine stops, unless it was TC1 or an implement's alone
 //
 // A machine that stops by itself idles, has travel speed 0 and its service brake at
 // stop_brake_share; when it has stood for park_delay, the parking brake is on and the gear neutral,
 // until somebody asks otherwise. A source that ends properly (TSC1 and XBR "disabled", guidance
-// "not intended") is no longer in force and no fault. A request whose value is not available or in
-// error does not count as one.
+// "not intended", speed command with neither speed nor direction) is no longer in force and no
+// fault. A request whose value is not available or in error does not count as one.
+//
+// While the speed command is in force the machine's own controller has engine and brake, and the
+// gear, too, unless TC1 is in force: then that gear stays. TSC1 can only limit the engine. A gear
+// of the other direction, neutral or the parking brake refuse a speed other than 0: the machine is
+// stopped and held, and the speed's status says why. After its end the machine stays held until the
+// next speed command, or until a TSC1 that was not in force before.
 #pragma once
 
 #include <array>
@@ -25,6 +32,7 @@
 #include "protocols/vehicle/condition.h"
 #include "protocols/vehicle/diagnostics.h"
 #include "protocols/vehicle/engine.h"
+#include "protocols/vehicle/implement.h"
 #include "protocols/vehicle/machine.h"
 #include "protocols/vehicle/speed.h"
 #include "protocols/vehicle/steering.h"
@@ -35,8 +43,8 @@
 namespace rigwire::emulators {
 
 /// Whose silence matters.
-enum class VehicleRequest : std::size_t { engine, gearbox, brake, guidance, speed };
-inline constexpr std::size_t kVehicleRequests = 5;
+enum class VehicleRequest : std::size_t { engine, gearbox, brake, guidance, speed, implement };
+inline constexpr std::size_t kVehicleRequests = 6;
 
 class VehicleControl {
  public:
@@ -55,9 +63,16 @@ class VehicleControl {
   bool take(SimTime now, const protocols::vehicle::MachineSelectedSpeedCommand& request);
   bool take(SimTime now, const protocols::vehicle::Tprs& request);
   bool take(SimTime now, const protocols::vehicle::MachineFunctionCommand& request);
+  bool take(SimTime now, const protocols::vehicle::HitchPowerTakeOffCommand& request);
 
-  /// The machine's speed at `now`, for parking after a stop; NaN when it is not known.
-  void observe(SimTime now, double speed_mps);
+  /// The key is off: no fuel, and the machine stops for good.
+  void switch_off(SimTime now);
+  /// The supply ends: what is held by springs engages.
+  void lose_supply(SimTime now);
+
+  /// The machine's speed at `now`, for parking after a stop; NaN when it is not known. `drives`:
+  /// whether it is one that travels at all.
+  void observe(SimTime now, double speed_mps, bool drives);
 
   [[nodiscard]] const VehicleCommand& command() const { return command_; }
   [[nodiscard]] bool in_force(VehicleRequest source) const;
@@ -68,8 +83,20 @@ class VehicleControl {
   [[nodiscard]] bool guidance_engaged() const { return guidance_ == Guidance::engaged; }
   [[nodiscard]] protocols::vehicle::ExitReason guidance_exit() const { return guidance_exit_; }
   [[nodiscard]] protocols::vehicle::LimitStatus guidance_limit() const { return guidance_limit_; }
+  [[nodiscard]] protocols::vehicle::ExitReason implement_exit() const {
+    return lost_[index(VehicleRequest::implement)] ? protocols::vehicle::ExitReason::command_timeout
+                                                   : protocols::vehicle::ExitReason::none;
+  }
+  /// Whether the last request for economy or mode of that shaft was not honoured: there is none.
+  [[nodiscard]] bool economy_refused(ImplementEnd end) const {
+    return economy_refused_[static_cast<std::size_t>(end)];
+  }
+  [[nodiscard]] bool mode_refused(ImplementEnd end) const {
+    return mode_refused_[static_cast<std::size_t>(end)];
+  }
+  [[nodiscard]] protocols::vehicle::ExitReason speed_exit() const { return speed_exit_; }
+  /// As far as gear, brake and set point decide it.
   [[nodiscard]] protocols::vehicle::LimitStatus speed_limit() const { return speed_limit_; }
-  [[nodiscard]] bool speed_lost() const { return lost_[index(VehicleRequest::speed)]; }
 
   static constexpr std::size_t kFaults = kVehicleRequests + 1;
   /// The active faults: time-outs in the order of VehicleRequest, then a refused gear.
@@ -107,6 +134,9 @@ class VehicleControl {
   void fail_guidance(SimTime now, protocols::vehicle::ExitReason reason);
   [[nodiscard]] bool allows(protocols::vehicle::SteeringMode mode) const;
   void steer();
+  /// The part of a composed command that the travel speed is.
+  void travel(VehicleCommand& next);
+  void clear_engine_limit();
   /// Puts the command together; it counts as changed at `now` when anything differs.
   void compose(SimTime now);
 
@@ -123,7 +153,13 @@ class VehicleControl {
   Guidance guidance_ = Guidance::idle;
   protocols::vehicle::ExitReason guidance_exit_ = protocols::vehicle::ExitReason::none;
   protocols::vehicle::LimitStatus guidance_limit_ = protocols::vehicle::LimitStatus::not_limited;
+  protocols::vehicle::ExitReason speed_exit_ = protocols::vehicle::ExitReason::none;
   protocols::vehicle::LimitStatus speed_limit_ = protocols::vehicle::LimitStatus::not_limited;
+  bool speed_clipped_ = false;  ///< The set point was above a limit.
+  bool drives_ = true;
+  bool key_off_ = false;
+  std::array<bool, kImplementEnds> economy_refused_{};
+  std::array<bool, kImplementEnds> mode_refused_{};
   protocols::vehicle::SteeringMode mode_ = protocols::vehicle::SteeringMode::front;
   double curvature_1pm_ = 0.0;
   double crab_angle_rad_ = 0.0;

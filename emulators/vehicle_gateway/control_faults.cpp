@@ -20,6 +20,7 @@ constexpr std::array<Fault, VehicleControl::kFaults> kFaultCodes{
      {2920, FailureMode::abnormal_update_rate},
      {5237, FailureMode::abnormal_update_rate},
      {4310, FailureMode::abnormal_update_rate},
+     {1874, FailureMode::abnormal_update_rate},
      {525, FailureMode::received_data_in_error}}};
 
 }  // namespace

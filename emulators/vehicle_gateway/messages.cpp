@@ -37,7 +37,12 @@ std::vector<MessageLayout> VehicleGateway::messages(std::string_view name) const
   const LayoutEnds sent{name, node_.address(), j1939::kGlobalAddress};
   append<Etc1, Vdc2, Sas, Hrw, Eec1, Esc1, Eec2, Hpg, GuidanceMachineInfo, MachineSelectedSpeed,
          WheelBasedSpeed, Ebc2, Ccvs1, Etc2, Ebc1, MachineFunctionState, Eac1, Eflp1, Et1, Dd1,
-         VehicleFluids, Tire1, Tire2, Tpri, Tp1, Tp2, Tp3, Hours>(list, sent);
+         VehicleFluids, Tire1, Tire2, Tpri, Tp1, Tp2, Tp3, Hours, Eec3, Vep1, Lfe1, Lfc1,
+         RearHitchStatus, FrontHitchStatus, RearPowerTakeOffStatus, FrontPowerTakeOffStatus,
+         LanguageCommand>(list, sent);
+  if (settings_.has_ground_radar) {
+    append<GroundBasedSpeed>(list, sent);
+  }
   constexpr std::chrono::milliseconds kTroublePeriod =
       VehicleDiagnostics::kPeriodTicks * std::chrono::milliseconds{10};
   list.push_back(trouble_layout({"DM1", kDm1Pgn, kTroublePriority, kTroublePeriod}, sent));
@@ -47,11 +52,10 @@ std::vector<MessageLayout> VehicleGateway::messages(std::string_view name) const
     list.push_back(scheduled<VehiclePosition>(sent, schedule));
     list.push_back(scheduled<VehicleDirectionSpeed>(sent, schedule));
     list.push_back(scheduled<VehiclePosition2>(sent, schedule));
-    list.push_back(scheduled<GroundBasedSpeed>(sent, schedule));
   }
   const LayoutEnds taken{"", j1939::kNullAddress, node_.address()};
-  append<Tsc1, Tc1, Xbr, GuidanceCommand, MachineSelectedSpeedCommand, Tprs,
-         MachineFunctionCommand>(list, taken);
+  append<Tsc1, Tc1, Xbr, GuidanceCommand, MachineSelectedSpeedCommand, Tprs, MachineFunctionCommand,
+         HitchPowerTakeOffCommand, MaintainPower>(list, taken);
   return list;
 }
 

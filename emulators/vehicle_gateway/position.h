@@ -1,8 +1,7 @@
 // What the vehicle gateway knows by satellites, when a receiver is wired to it: VP and VDS every
-// second, VP2 every five, and the ground-based speed (GBSD) ten times a second.
+// second, VP2 every five.
 //
-// The latest fix counts until it is kStale old; then everything is not available. The distance adds
-// up the speed over ground from fix to fix.
+// The latest fix counts until it is kStale old; then everything is not available.
 #pragma once
 
 #include <cstdint>
@@ -23,16 +22,13 @@ class VehicleSatellites {
   [[nodiscard]] static std::span<const VehicleReport::Entry> schedule();
 
   void take(const GnssSample& sample);
-  /// The frame of group `pgn`, if it is one of schedule(). `vehicle_speed_mps` tells forward from
-  /// reverse, which satellites do not; NaN when it is not known.
+  /// The frame of group `pgn`, if it is one of schedule().
   [[nodiscard]] std::optional<protocols::can::Frame> frame(SimTime now, std::uint32_t pgn,
-                                                           std::uint8_t source,
-                                                           double vehicle_speed_mps) const;
+                                                           std::uint8_t source) const;
 
  private:
   PositionReport report_;
   std::optional<SimTime> taken_at_;
-  double distance_m_ = 0.0;
 };
 
 }  // namespace rigwire::emulators

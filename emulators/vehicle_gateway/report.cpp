@@ -39,6 +39,13 @@ constexpr std::array kSchedule{
     VehicleReport::Entry{vehicle::GuidanceMachineInfo::kGroup, 0},
     VehicleReport::Entry{vehicle::MachineSelectedSpeed::kGroup, 1},
     VehicleReport::Entry{vehicle::WheelBasedSpeed::kGroup, 3},
+    VehicleReport::Entry{vehicle::GroundBasedSpeed::kGroup, 7},
+    VehicleReport::Entry{vehicle::RearHitchStatus::kGroup, 2},
+    VehicleReport::Entry{vehicle::FrontHitchStatus::kGroup, 2},
+    VehicleReport::Entry{vehicle::RearPowerTakeOffStatus::kGroup, 7},
+    VehicleReport::Entry{vehicle::FrontPowerTakeOffStatus::kGroup, 7},
+    VehicleReport::Entry{vehicle::Lfe1::kGroup, 4},
+    VehicleReport::Entry{vehicle::Eec3::kGroup, 12},
     VehicleReport::Entry{vehicle::Ebc2::kGroup, 4},
     VehicleReport::Entry{vehicle::Ccvs1::kGroup, 5},
     VehicleReport::Entry{vehicle::Etc2::kGroup, 6},
@@ -49,6 +56,7 @@ constexpr std::array kSchedule{
     VehicleReport::Entry{vehicle::Et1::kGroup, 33},
     VehicleReport::Entry{vehicle::Dd1::kGroup, 53},
     VehicleReport::Entry{vehicle::VehicleFluids::kGroup, 73},
+    VehicleReport::Entry{vehicle::Vep1::kGroup, 93},
     VehicleReport::Entry{vehicle::Tire1::kGroup, 30},
     VehicleReport::Entry{vehicle::Tire2::kGroup, 40},
     VehicleReport::Entry{vehicle::Tpri::kGroup, 0},
@@ -56,6 +64,7 @@ constexpr std::array kSchedule{
     VehicleReport::Entry{vehicle::Tp2::kGroup, 0},
     VehicleReport::Entry{vehicle::Tp3::kGroup, 0},
     VehicleReport::Entry{vehicle::Hours::kGroup, 0},
+    VehicleReport::Entry{vehicle::Lfc1::kGroup, 0},
 };
 
 constexpr std::uint64_t ticks(const vehicle::Group& group) {
@@ -65,6 +74,23 @@ static_assert(std::ranges::all_of(kSchedule, [](const VehicleReport::Entry& entr
   return entry.group.period % VehicleReport::kTick == Duration{0} &&
          (ticks(entry.group) == 0 || entry.phase < ticks(entry.group));
 }));
+
+/// What gear, brake and set point leave, or else what the machine can do.
+vehicle::LimitStatus speed_limit(const VehicleSample& sample, const VehicleControl& control) {
+  const vehicle::LimitStatus limit = control.speed_limit();
+  if (limit != vehicle::LimitStatus::not_limited || !control.in_force(VehicleRequest::speed)) {
+    return limit;
+  }
+  switch (sample.travel_limit) {
+    case TravelLimit::none:
+      return limit;
+    case TravelLimit::power:
+      return vehicle::LimitStatus::limited_high;
+    case TravelLimit::braking:
+      return vehicle::LimitStatus::limited_low;
+  }
+  return limit;
+}
 
 double speed_of(const VehicleSample& sample, std::size_t wheel) {
   return sample.wheel_rate_radps[wheel] * sample.wheel_radius_m[wheel];
@@ -115,17 +141,21 @@ std::span<const Quantity> VehicleReport::quantities() {
 }
 
 VehicleReport::VehicleReport(const VehicleGatewaySettings& settings)
-    : settings_(settings), engine_s_(to_seconds(settings.engine_hours)) {}
+    : settings_(settings), power_(settings), engine_s_(to_seconds(settings.engine_hours)) {}
 
 void VehicleReport::take(const VehicleSample& sample) {
   if (sample_ && std::isfinite(sample.odometry.speed_mps)) {
     distance_m_ += std::abs(sample.odometry.speed_mps) * to_seconds(sample.time - sample_->time);
   }
-  if (sample_ && sample.engine_speed_radps >= kEngineRuns_radps) {
+  if (sample_ && std::isfinite(sample.ground_speed_mps)) {
+    ground_distance_m_ +=
+        std::abs(sample.ground_speed_mps) * to_seconds(sample.time - sample_->time);
+  }
+  if (sample_ && sample.engine.speed_radps >= kEngineRuns_radps) {
     const double past_s = to_seconds(sample.time - sample_->time);
     // Hours and turns by the rectangle rule over the samples.
     engine_s_ += past_s;
-    engine_turns_ += sample.engine_speed_radps * past_s / (2.0 * std::numbers::pi);
+    engine_turns_ += sample.engine.speed_radps * past_s / (2.0 * std::numbers::pi);
   }
   sample_ = sample;
 }
@@ -139,9 +169,26 @@ double VehicleReport::speed_mps(SimTime now) const {
   return sample != nullptr ? sample->odometry.speed_mps : kNotAvailable;
 }
 
+bool VehicleReport::sends(const Entry& entry) const {
+  const bool rear = is<vehicle::RearPowerTakeOffStatus>(entry.group.pgn);
+  const bool shaft = rear || is<vehicle::FrontPowerTakeOffStatus>(entry.group.pgn);
+  return count(entry.group.pgn) != 0 &&
+         (!shaft || (sample_ && sample_->power_take_off[rear ? 1 : 0].engaged));
+}
+
 std::size_t VehicleReport::count(std::uint32_t pgn) const {
   if (is<vehicle::Tire1>(pgn) || is<vehicle::Tire2>(pgn) || is<vehicle::Tpri>(pgn)) {
     return kWheels;
+  }
+  const auto one = [](bool there) { return there ? std::size_t{1} : std::size_t{0}; };
+  if (is<vehicle::GroundBasedSpeed>(pgn)) {
+    return one(settings_.has_ground_radar);
+  }
+  if (is<vehicle::FrontHitchStatus>(pgn) || is<vehicle::RearHitchStatus>(pgn)) {
+    return one(settings_.has_hitch[is<vehicle::RearHitchStatus>(pgn)]);
+  }
+  if (is<vehicle::FrontPowerTakeOffStatus>(pgn) || is<vehicle::RearPowerTakeOffStatus>(pgn)) {
+    return one(settings_.has_power_take_off[is<vehicle::RearPowerTakeOffStatus>(pgn)]);
   }
   return is<vehicle::Esc1>(pgn) && settings_.steering != SteeringLayout::front_only ? 2 : 1;
 }
@@ -150,15 +197,19 @@ std::span<const protocols::can::Frame> VehicleReport::frames(SimTime now, std::u
                                                              std::uint8_t source,
                                                              const VehicleControl& control) {
   frame_count_ = 0;
+  if (count(pgn) == 0) {
+    return {};
+  }
   const VehicleSample* sample = fresh(now);
   put_engine(pgn, source, sample, control);
   put_gearbox(pgn, source, sample, control);
-  put_speed(pgn, source, sample, control);
+  put_speed(now, pgn, source, sample, control);
   put_steering(pgn, source, sample, control);
   put_tyres(pgn, source, sample, control);
   put_channels(pgn, source, sample);
   put_condition(pgn, source, sample);
   put_machine(pgn, source, sample);
+  put_implements(pgn, source, sample, control);
   return std::span(frames_).first(frame_count_);
 }
 
@@ -168,27 +219,53 @@ void VehicleReport::put_engine(std::uint32_t pgn, std::uint8_t source, const Veh
   constexpr std::uint8_t kNoRequest = 0;
   constexpr std::uint8_t kGovernor = 3;
   constexpr std::uint8_t kRemoteAccelerator = 11;
+  constexpr std::uint8_t kCruiseControl = 2;
   const VehicleCommand& command = control.command();
-  const bool by_speed = command.engine_control == EngineControl::speed;
+  const bool travels = command.travel_speed_mps.has_value();
+  const bool by_speed = !travels && command.engine_control == EngineControl::speed;
+  // Shares of the reference torque, the engine's own friction included (SPN 513, 544).
+  const auto indicated_share = [&](double torque_nm) {
+    const double reference_nm = settings_.engine.reference_torque_nm;
+    return reference_nm > 0.0 ? reading(torque_nm / reference_nm) : kNotAvailable;
+  };
   if (is<vehicle::Eec1>(pgn)) {
     vehicle::Eec1 message;
     if (sample != nullptr) {
-      message.torque_mode = by_speed                            ? kGovernor
+      const EngineSample& engine = sample->engine;
+      message.torque_mode = travels                             ? kCruiseControl
+                            : by_speed                          ? kGovernor
                             : command.engine_torque_share > 0.0 ? kRemoteAccelerator
                                                                 : kNoRequest;
-      message.demand_torque_share = by_speed ? kNotAvailable : command.engine_torque_share;
-      message.actual_torque_share = reading(sample->engine_torque_share);
-      message.speed_radps = magnitude(sample->engine_speed_radps);
+      message.actual_torque_share =
+          indicated_share(std::max(0.0, engine.torque_nm + engine.friction_nm));
+      message.demand_torque_share =
+          by_speed || travels ? kNotAvailable : command.engine_torque_share;
+      message.speed_radps = magnitude(engine.speed_radps);
+      // The idle governor asks, too.
       message.engine_demand_torque_share =
-          by_speed ? message.actual_torque_share : command.engine_torque_share;
-      message.controlling_address = control.requester(VehicleRequest::engine);
+          by_speed || travels ? message.actual_torque_share
+                              : std::max(command.engine_torque_share, message.actual_torque_share);
+      message.controlling_address = control.requester(
+          control.in_force(VehicleRequest::speed) ? VehicleRequest::speed : VehicleRequest::engine);
     }
     put(message, source);
   } else if (is<vehicle::Eec2>(pgn)) {
     vehicle::Eec2 message;
     if (sample != nullptr) {
-      message.pedal_share = by_speed ? kNotAvailable : command.engine_torque_share;
-      message.load_share = reading(std::max(sample->engine_torque_share, 0.0));
+      message.pedal_share = by_speed ? kNotAvailable : travels ? 0.0 : command.engine_torque_share;
+      // Of the greatest indicated torque at this speed (SPN 92).
+      const EngineSample& engine = sample->engine;
+      const double most_nm = engine.full_load_nm + engine.friction_nm;
+      message.load_share =
+          most_nm > 0.0 ? reading(std::max(0.0, engine.torque_nm + engine.friction_nm) / most_nm)
+                        : kNotAvailable;
+    }
+    put(message, source);
+  } else if (is<vehicle::Eec3>(pgn)) {
+    vehicle::Eec3 message;
+    if (sample != nullptr) {
+      message.friction_torque_share = indicated_share(sample->engine.friction_nm);
+      message.desired_speed_radps = sample->engine.desired_radps;
     }
     put(message, source);
   }
@@ -204,7 +281,8 @@ void VehicleReport::put_gearbox(std::uint32_t pgn, std::uint8_t source, const Ve
       message.output_shaft_radps = magnitude(sample->output_shaft_radps);
       message.clutch_slip_share = reading(sample->clutch_slip_share);
       message.input_shaft_radps = magnitude(sample->input_shaft_radps);
-      message.controlling_address = control.requester(VehicleRequest::gearbox);
+      message.controlling_address = control.requester(
+          control.command().automatic_gear ? VehicleRequest::speed : VehicleRequest::gearbox);
     }
     put(message, source);
   } else if (is<vehicle::Etc2>(pgn)) {
@@ -238,8 +316,8 @@ void VehicleReport::put_gearbox(std::uint32_t pgn, std::uint8_t source, const Ve
   }
 }
 
-void VehicleReport::put_speed(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
-                              const VehicleControl& control) {
+void VehicleReport::put_speed(SimTime now, std::uint32_t pgn, std::uint8_t source,
+                              const VehicleSample* sample, const VehicleControl& control) {
   if (is<vehicle::Ebc2>(pgn)) {
     vehicle::Ebc2 message;
     if (sample != nullptr) {
@@ -272,7 +350,7 @@ void VehicleReport::put_speed(std::uint32_t pgn, std::uint8_t source, const Vehi
       message.wheel_based_speed_mps = magnitude(sample->odometry.speed_mps);
       message.brake_switch = to_switch(sample->brake_share > kBrakeApplied);
       if (control.in_force(VehicleRequest::speed)) {
-        message.set_speed_mps = std::abs(control.command().travel_speed_mps);
+        message.set_speed_mps = std::abs(control.command().travel_speed_mps.value_or(0.0));
       }
     }
     put(message, source);
@@ -291,15 +369,30 @@ void VehicleReport::put_speed(std::uint32_t pgn, std::uint8_t source, const Vehi
                             ? to_switch(sample->odometry.speed_mps >= 0.0)
                             : Switch::error;
       message.source = static_cast<std::uint8_t>(vehicle::SpeedSource::wheel_based);
-      message.limit_status = static_cast<std::uint8_t>(control.speed_limit());
-      message.exit_reason = static_cast<std::uint8_t>(
-          control.speed_lost() ? vehicle::ExitReason::command_timeout : vehicle::ExitReason::none);
+      message.limit_status = static_cast<std::uint8_t>(speed_limit(*sample, control));
+      message.exit_reason = static_cast<std::uint8_t>(control.speed_exit());
     }
     if (is<vehicle::MachineSelectedSpeed>(pgn)) {
       put(message, source);
     } else {
-      put(vehicle::WheelBasedSpeed{message.speed_mps, message.distance_m, message.forward}, source);
+      vehicle::WheelBasedSpeed wheels{message.speed_mps, message.distance_m, message.forward};
+      // No operator sits there who could start implements; he would look ahead.
+      wheels.power_time_s = to_seconds(power_.longest(now));
+      wheels.key_switch = to_switch(power_.key_on(now));
+      wheels.operator_reversed = Switch::off;
+      put(wheels, source);
     }
+  } else if (is<vehicle::GroundBasedSpeed>(pgn)) {
+    vehicle::GroundBasedSpeed message;
+    if (sample != nullptr) {
+      message.speed_mps = magnitude(sample->ground_speed_mps);
+      message.distance_m = ground_distance_m_;
+      // A radar does not see which way: the wheels do.
+      if (std::isfinite(sample->odometry.speed_mps)) {
+        message.forward = to_switch(sample->odometry.speed_mps >= 0.0);
+      }
+    }
+    put(message, source);
   }
 }
 

@@ -14,6 +14,7 @@
 
 #include "emulators/device.h"
 #include "emulators/vehicle_gateway/control.h"
+#include "emulators/vehicle_gateway/tractor_power.h"
 #include "protocols/can/frame.h"
 #include "protocols/vehicle/message.h"
 #include "sim/samples/vehicle_sample.h"
@@ -38,7 +39,15 @@ class VehicleReport {
 
   explicit VehicleReport(const VehicleGatewaySettings& settings);
 
-  /// Takes a sample, and adds up the distance travelled, the engine's hours and its revolutions.
+  /// Key and supply, which the wheel-based speed reports.
+  [[nodiscard]] TractorPower& power() { return power_; }
+  [[nodiscard]] const TractorPower& power() const { return power_; }
+
+  /// Whether the entry's message is sent by itself: the machine has what it is about, and a power
+  /// take-off is engaged.
+  [[nodiscard]] bool sends(const Entry& entry) const;
+
+  /// Takes a sample, and adds up distances, the engine's hours and its revolutions.
   void take(const VehicleSample& sample);
   [[nodiscard]] double distance_m() const { return distance_m_; }
   /// Speed of the machine as its odometry has it; NaN when it is not known at `now`.
@@ -64,7 +73,7 @@ class VehicleReport {
                   const VehicleControl& control);
   void put_gearbox(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
                    const VehicleControl& control);
-  void put_speed(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
+  void put_speed(SimTime now, std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
                  const VehicleControl& control);
   void put_steering(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
                     const VehicleControl& control);
@@ -73,10 +82,14 @@ class VehicleReport {
   void put_channels(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample);
   void put_condition(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample);
   void put_machine(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample);
+  void put_implements(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
+                      const VehicleControl& control);
 
   VehicleGatewaySettings settings_;
+  TractorPower power_;
   std::optional<VehicleSample> sample_;
   double distance_m_ = 0.0;
+  double ground_distance_m_ = 0.0;
   double engine_s_;
   double engine_turns_ = 0.0;
   std::uint8_t sensor_counter_ = 0;  ///< Of SAS; 4 bits.

@@ -1,6 +1,4 @@
-// Tyres, the channels of their inflation, and how the machine is doing.
-#include <algorithm>
-
+// Tyres, the channels of their inflation, how the machine is doing, and its implements.
 #include "emulators/vehicle_gateway/report.h"
 #include "emulators/vehicle_gateway/report_values.h"
 
@@ -34,13 +32,6 @@ std::uint8_t channel_mode(const VehicleSample& sample, Axle axle) {
                                : missing_pa < -kHeld_pa   ? TyreChannelMode::deflate
                                                           : TyreChannelMode::maintain;
   return static_cast<std::uint8_t>(mode);
-}
-
-/// Of a gear pump with a relief valve. *Ours*: the simulation has no oil.
-double oil_pressure_pa(double engine_speed_radps) {
-  constexpr double kRelief_pa = 400e3;
-  constexpr double kReliefSpeed_radps = 1200.0 * vehicle::kRevolutionPerMinute_radps;
-  return kRelief_pa * std::clamp(engine_speed_radps / kReliefSpeed_radps, 0.0, 1.0);
 }
 
 }  // namespace
@@ -104,17 +95,91 @@ void VehicleReport::put_condition(std::uint32_t pgn, std::uint8_t source,
   if (is<vehicle::Eflp1>(pgn)) {
     vehicle::Eflp1 message;
     if (sample != nullptr) {
-      message.oil_pressure_pa = reading(oil_pressure_pa(sample->engine_speed_radps));
+      const EngineSample& engine = sample->engine;
+      message.fuel_pressure_pa = engine.fuel_pressure_pa;
+      message.oil_level_share = engine.oil_level_share;
+      message.oil_pressure_pa = engine.oil_pressure_pa;
+      message.coolant_level_share = engine.coolant_level_share;
     }
     put(message, source);
   } else if (is<vehicle::Et1>(pgn)) {
-    put(vehicle::Et1{}, source);
+    vehicle::Et1 message;
+    if (sample != nullptr) {
+      message.coolant_c = sample->engine.coolant_c;
+      message.oil_c = sample->engine.oil_c;
+    }
+    put(message, source);
   } else if (is<vehicle::Dd1>(pgn)) {
-    put(vehicle::Dd1{}, source);
+    vehicle::Dd1 message;
+    if (sample != nullptr) {
+      message.fuel_level_share = sample->engine.fuel_level_share;
+    }
+    put(message, source);
+  } else if (is<vehicle::Vep1>(pgn)) {
+    vehicle::Vep1 message;
+    if (sample != nullptr) {
+      const EngineSample& engine = sample->engine;
+      message = {engine.battery_a, engine.alternator_a, engine.battery_v, engine.battery_v,
+                 engine.battery_v};
+    }
+    put(message, source);
+  } else if (is<vehicle::Lfe1>(pgn)) {
+    put(vehicle::Lfe1{sample != nullptr ? sample->engine.fuel_rate_m3ps : kNotAvailable}, source);
+  } else if (is<vehicle::Lfc1>(pgn)) {
+    const double used_m3 = sample != nullptr ? sample->engine.fuel_used_m3 : kNotAvailable;
+    put(vehicle::Lfc1{used_m3, used_m3}, source);
   } else if (is<vehicle::VehicleFluids>(pgn)) {
     put(vehicle::VehicleFluids{}, source);
   } else if (is<vehicle::Hours>(pgn)) {
     put(vehicle::Hours{engine_s_, engine_turns_}, source);
+  }
+}
+
+void VehicleReport::put_implements(std::uint32_t pgn, std::uint8_t source,
+                                   const VehicleSample* sample, const VehicleControl& control) {
+  const auto exit = static_cast<std::uint8_t>(control.implement_exit());
+  const auto put_hitch = [&]<class Message>(ImplementEnd end) {
+    Message message;
+    if (sample != nullptr) {
+      constexpr double kWorks = 0.5;  // below this height an implement is at work
+      const HitchReading& hitch = sample->hitch[static_cast<std::size_t>(end)];
+      message.position_share = reading(hitch.height_share);
+      message.in_work = vehicle::to_switch(hitch.height_share < kWorks);
+      message.limit_status = static_cast<std::uint8_t>(vehicle::LimitStatus::not_limited);
+      message.exit_reason = exit;
+    }
+    put(message, source);
+  };
+  const auto put_shaft = [&]<class Message>(ImplementEnd end) {
+    Message message;
+    if (sample != nullptr) {
+      constexpr std::uint8_t kAccepted = 0;
+      constexpr std::uint8_t kOverridden = 1;
+      const auto i = static_cast<std::size_t>(end);
+      const PowerTakeOffReading& shaft = sample->power_take_off[i];
+      const PowerTakeOffCommand& asked = control.command().power_take_off[i];
+      message.speed_radps = reading(shaft.speed_radps);
+      message.set_point_radps = asked.speed_radps.value_or(kNotAvailable);
+      message.engaged = vehicle::to_switch(shaft.engaged);
+      message.engagement_request = kAccepted;
+      message.economy_request = control.economy_refused(end) ? kOverridden : kAccepted;
+      message.mode_request = control.mode_refused(end) ? kOverridden : kAccepted;
+      // The engine belongs to the travel speed while one is asked for.
+      const bool limited = asked.speed_radps && control.command().travel_speed_mps;
+      message.limit_status = static_cast<std::uint8_t>(
+          limited ? vehicle::LimitStatus::operator_limited : vehicle::LimitStatus::not_limited);
+      message.exit_reason = exit;
+    }
+    put(message, source);
+  };
+  if (is<vehicle::FrontHitchStatus>(pgn)) {
+    put_hitch.operator()<vehicle::FrontHitchStatus>(ImplementEnd::front);
+  } else if (is<vehicle::RearHitchStatus>(pgn)) {
+    put_hitch.operator()<vehicle::RearHitchStatus>(ImplementEnd::rear);
+  } else if (is<vehicle::FrontPowerTakeOffStatus>(pgn)) {
+    put_shaft.operator()<vehicle::FrontPowerTakeOffStatus>(ImplementEnd::front);
+  } else if (is<vehicle::RearPowerTakeOffStatus>(pgn)) {
+    put_shaft.operator()<vehicle::RearPowerTakeOffStatus>(ImplementEnd::rear);
   }
 }
 

@@ -20,6 +20,26 @@ constexpr std::array<fields::Choice<SteeringLayout>, 3> kSteeringLayouts{
      {SteeringLayout::counter, "counter", "Both axles steer, also against each other."},
      {SteeringLayout::crab, "crab", "Both axles steer, against each other and alike."}}};
 
+constexpr std::array<fields::Choice<DisplayUnits>, 3> kDisplayUnits{
+    {{DisplayUnits::metric, "metric", "Metric units."},
+     {DisplayUnits::imperial, "imperial", "Imperial units."},
+     {DisplayUnits::us, "us", "Units of the United States."}}};
+
+bool is_vin_character(char c) {
+  return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z' && c != 'I' && c != 'O' && c != 'Q');
+}
+
+/// Two letters from `first` on: 'a' or 'A'.
+void visit_letters(fields::Visitor& v, std::string_view key, std::string& value, char first,
+                   std::string_view text) {
+  v.text(key, value, text);
+  const bool two = value.size() == 2 && std::ranges::all_of(value, [first](char c) {
+                     return c >= first && c < first + 26;
+                   });
+  v.check(two, key, "is no code", "\"" + value + "\"",
+          first == 'a' ? "two small letters" : "two capitals");
+}
+
 /// A text of the answers that name the device.
 void visit_readable(fields::Visitor& v, std::string_view key, std::string& value,
                     std::string_view text) {
@@ -42,16 +62,15 @@ void visit(fields::Visitor& v, VehicleTimeouts& p) {
              "Without a guidance command for so long the steering stays where it is.");
   v.duration("speed", p.speed, kRule,
              "Without a machine selected speed command for so long the machine stops.");
+  v.duration("implement", p.implement, kRule,
+             "Without a hitch and PTO command for so long hitches stop and shafts disengage.");
 }
 
 void visit(fields::Visitor& v, VehicleGatewaySettings& p) {
   v.integer("source_address", p.source_address, IntegerRule{0, 253}, "Preferred J1939 address.");
   v.integer("serial", p.serial, IntegerRule{1, (1 << 21) - 1},
             "Identity number in the NAME; unique on a bus.");
-  v.integer("manufacturer", p.manufacturer, IntegerRule{0, 2047},
-            "Manufacturer code in the NAME; 0 is reserved and nobody's.");
-  v.integer("function", p.function, IntegerRule{0, 255},
-            "Function in the NAME; 26 = vehicle navigation.");
+  visit(v, p.name);
   v.boolean("arbitrary_address", p.arbitrary_address,
             "Takes another address when it loses its own; else it falls silent.");
   v.duration("power_on", p.power_on, {0, 86'400'000'000'000},
@@ -65,6 +84,19 @@ void visit(fields::Visitor& v, VehicleGatewaySettings& p) {
   visit_readable(v, "unit_number", p.unit_number,
                  "Unit number, in the answer to component identification.");
   visit_readable(v, "software", p.software, "Answer to requests for software identification.");
+  v.text("vehicle_identification_number", p.vehicle_identification_number,
+         "Answer to requests for the machine's identification (VIN); empty = none.");
+  const std::string& vin = p.vehicle_identification_number;
+  v.check(vin.empty() || (vin.size() == 17 && std::ranges::all_of(vin, is_vin_character)),
+          "vehicle_identification_number", "is no VIN", "\"" + vin + "\"",
+          "17 digits and capitals without I, O and Q (ISO 3779), or nothing");
+  visit_letters(v, "language", p.language, 'a', "Language that displays shall use, ISO 639.");
+  visit_letters(v, "country", p.country, 'A', "Country whose habits displays shall use, ISO 3166.");
+  v.choice("units", p.units, kDisplayUnits, "Units that displays shall use.");
+  v.duration("key_off", p.key_off, {0, 86'400'000'000'000},
+             "When the key is switched off, from the start of the run; 0 s = never.");
+  v.duration("maximum_power_time", p.maximum_power_time, {2'000'000'000, 15'000'000'000'000},
+             "Longest time that power stays for implements once the key is off.");
   v.duration("engine_hours", p.engine_hours, {0, 720'000'000'000'000'000},
              "Hours of the engine when the run begins.");
   v.integer("gears_forward", p.gears_forward, IntegerRule{0, 125},

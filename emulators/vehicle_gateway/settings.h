@@ -1,11 +1,15 @@
 // What the vehicle gateway is told about its node, its machine and its patience.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 
+#include "emulators/j1939/name_settings.h"
 #include "fields/rules.h"
+#include "sim/samples/engine_sample.h"
 #include "sim/samples/time.h"
+#include "sim/samples/vehicle_sample.h"
 
 namespace rigwire::emulators {
 
@@ -16,14 +20,18 @@ enum class SteeringLayout : std::uint8_t {
   crab,        ///< Front, counter and crab.
 };
 
+/// What displays shall write.
+enum class DisplayUnits : std::uint8_t { metric, imperial, us };
+
 /// How long a command stays in force without being repeated. Figures of this project, each some
 /// periods of its message: the standards that were at hand do not give them.
 struct VehicleTimeouts {
-  Duration engine = std::chrono::milliseconds{100};    ///< TSC1, every 10 ms.
-  Duration gearbox = std::chrono::milliseconds{500};   ///< TC1, every 50 ms.
-  Duration brake = std::chrono::milliseconds{200};     ///< XBR, every 40 ms.
-  Duration guidance = std::chrono::milliseconds{150};  ///< Guidance command, every 100 ms.
-  Duration speed = std::chrono::milliseconds{300};     ///< Speed command, every 100 ms.
+  Duration engine = std::chrono::milliseconds{100};     ///< TSC1, every 10 ms.
+  Duration gearbox = std::chrono::milliseconds{500};    ///< TC1, every 50 ms.
+  Duration brake = std::chrono::milliseconds{200};      ///< XBR, every 40 ms.
+  Duration guidance = std::chrono::milliseconds{150};   ///< Guidance command, every 100 ms.
+  Duration speed = std::chrono::milliseconds{300};      ///< Speed command, every 100 ms.
+  Duration implement = std::chrono::milliseconds{300};  ///< Hitch and PTO command, every 100 ms.
 };
 
 void visit(fields::Visitor& v, VehicleTimeouts& p);
@@ -32,11 +40,9 @@ struct VehicleGatewaySettings {
   // The node.
   std::uint8_t source_address = 0x00;  ///< Preferred; 0 .. 253.
   std::uint32_t serial = 1;            ///< 1 .. 2097151; identity in the NAME, unique on a bus.
-  std::uint16_t manufacturer = 0;      ///< 0 .. 2047; 0 is reserved, and so no maker's.
-  std::uint8_t function = 26;          ///< In the NAME; 26 is "vehicle navigation" [general
-                                       ///< knowledge].
-  bool arbitrary_address = false;      ///< Takes another address when it loses its own.
-  Duration power_on{0};                ///< From the start of the run to the claim.
+  J1939NameSettings name{.function = kTractorEcu, .industry_group = kAgriculture};
+  bool arbitrary_address = false;  ///< Takes another address when it loses its own.
+  Duration power_on{0};            ///< From the start of the run to the claim.
   Duration sensor_start_up = std::chrono::milliseconds{200};   ///< From there to the first sample.
   Duration processing_delay = std::chrono::microseconds{500};  ///< From an event to the frame; 0
                                                                ///< .. 5 ms.
@@ -45,9 +51,23 @@ struct VehicleGatewaySettings {
   std::string model = "vehicle gateway";
   std::string unit_number;
   std::string software = "1.0";
+  /// Of the whole machine: 17 letters (no I, O, Q) and digits; empty: none. Nobody's.
+  std::string vehicle_identification_number = "RGWRE0SM000000001";
+  // What it tells displays until one tells it otherwise.
+  std::string language = "en";  ///< ISO 639.
+  std::string country = "DE";   ///< ISO 3166.
+  DisplayUnits units = DisplayUnits::metric;
+  // The key.
+  Duration key_off{0};  ///< From the start of the run; 0: never.
+  Duration maximum_power_time = std::chrono::minutes{3};
   // The machine.
+  // What the machine says; no keys.
+  EngineData engine;
+  bool has_ground_radar = false;  ///< Ground-based speed.
+  std::array<bool, kImplementEnds> has_hitch{};
+  std::array<bool, kImplementEnds> has_power_take_off{};
   Duration engine_hours{0};   ///< Of the engine when the run begins; 0 .. 200 000 h.
-  bool has_position = false;  ///< A satellite receiver is wired to it: VP, VDS, VP2 and GBSD.
+  bool has_position = false;  ///< A satellite receiver is wired to it: VP, VDS and VP2.
   int gears_forward = 8;      ///< 0 .. 125; the numbers that TC1 may ask for.
   int gears_reverse = 6;      ///< 0 .. 125.
   SteeringLayout steering = SteeringLayout::front_only;

@@ -1,12 +1,13 @@
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <type_traits>
 
 #include "protocols/j1939/message.h"
 #include "protocols/j1939/name.h"
-#include "protocols/vehicle/identification.h"
+#include "protocols/vehicle/engine_configuration.h"
 
 namespace rigwire::emulators {
 
@@ -16,19 +17,56 @@ using protocols::can::Frame;
 
 namespace {
 
-std::uint64_t make_name(const VehicleGatewaySettings& settings) {
-  j1939::Name name;
-  name.identity = settings.serial;
-  name.manufacturer = settings.manufacturer;
-  name.function = settings.function;
-  name.arbitrary_address = settings.arbitrary_address;
-  return pack(name);
+/// A message of these groups that came by transport is too long for its frame, and so malformed.
+template <class Message>
+protocols::Decoded<Message> decoded(const J1939Message& message) {
+  return message.payload.size() > vehicle::kMessageBytes
+             ? protocols::Decoded<Message>(protocols::Malformed{"the message has exactly 8 bytes"})
+             : vehicle::decode<Message>(j1939::make_frame(message.identifier, message.payload));
+}
+
+/// For those that do not ask the machine for anything.
+template <class Message, class Take>
+J1939Reception take_decoded(const J1939Message& message, const Take& take) {
+  const auto request = decoded<Message>(message);
+  if (!request.ok()) {
+    return J1939Reception::malformed;
+  }
+  take(*request);
+  return J1939Reception::accepted;
+}
+
+/// Until a terminal says otherwise: 24 hours and the units' own habits.
+vehicle::LanguageCommand make_language(const VehicleGatewaySettings& settings) {
+  constexpr std::uint8_t kComma = 0;
+  constexpr std::uint8_t kPoint = 1;
+  constexpr std::uint8_t kDayFirst = 0;
+  constexpr std::uint8_t kMonthFirst = 3;
+  const auto letter = [](const std::string& text, std::size_t index) {
+    return static_cast<std::uint8_t>(text[index]);
+  };
+  const bool us = settings.units == DisplayUnits::us;
+  const auto units = static_cast<std::uint8_t>(settings.units);
+  // Where there is one kind of units beside the metric ones.
+  const std::uint8_t two = settings.units == DisplayUnits::metric ? 0 : 1;
+  vehicle::LanguageCommand command;
+  command.language_first = letter(settings.language, 0);
+  command.language_second = letter(settings.language, 1);
+  command.time_format = us ? 1 : 0;
+  command.decimal_symbol = settings.units == DisplayUnits::metric ? kComma : kPoint;
+  command.date_format = us ? kMonthFirst : kDayFirst;
+  command.mass_units = command.volume_units = command.general_units = units;
+  command.area_units = command.distance_units = command.force_units = two;
+  command.pressure_units = command.temperature_units = two;
+  command.country_first = letter(settings.country, 0);
+  command.country_second = letter(settings.country, 1);
+  return command;
 }
 
 J1939NodeSettings make_node(const VehicleGatewaySettings& settings) {
   J1939NodeSettings node;
   node.address.preferred = settings.source_address;
-  node.address.name = make_name(settings);
+  node.address.name = pack(make_name(settings.name, settings.serial, settings.arbitrary_address));
   node.address.arbitrary_address = settings.arbitrary_address;
   node.address.first_claim = kStart + settings.power_on;
   node.address.answer_delay = settings.processing_delay;
@@ -47,6 +85,7 @@ VehicleGateway::VehicleGateway(const VehicleGatewaySettings& settings, FrameOutp
       node_(make_node(settings), *this, output),
       control_(settings),
       report_(settings),
+      language_(make_language(settings)),
       next_tick_(kStart + settings.power_on + kTickOffset) {}
 
 SamplePlan VehicleGateway::sample_plan() const {
@@ -62,7 +101,7 @@ double VehicleGateway::nominal_rate_hz() const {
                    to_seconds(VehicleDiagnostics::kPeriodTicks * kTick);  // trouble codes
   const auto add = [&](std::span<const VehicleReport::Entry> schedule) {
     for (const VehicleReport::Entry& entry : schedule) {
-      if (entry.group.period.count() != 0) {
+      if (entry.group.period.count() != 0 && report_.sends(entry)) {
         rate_hz += static_cast<double>(report_.count(entry.group.pgn)) /
                    to_seconds(Duration{entry.group.period});
       }
@@ -76,7 +115,24 @@ double VehicleGateway::nominal_rate_hz() const {
 }
 
 SimTime VehicleGateway::next_event() const {
-  return std::min({node_.next_event(), control_.next_event(), next_tick_});
+  return unsupplied_ ? kNever
+                     : std::min({node_.next_event(), control_.next_event(), next_tick_,
+                                 next_power_change()});
+}
+
+SimTime VehicleGateway::next_power_change() const {
+  const TractorPower& power = report_.power();
+  return key_off_ ? power.off_at() : power.key_off_at();
+}
+
+void VehicleGateway::change_power(SimTime now) {
+  if (key_off_) {
+    unsupplied_ = true;
+    control_.lose_supply(now);
+  } else {
+    key_off_ = true;
+    control_.switch_off(now);
+  }
 }
 
 void VehicleGateway::advance(SimTime now) {
@@ -88,23 +144,31 @@ void VehicleGateway::advance(SimTime now) {
       next_tick_ += kTick;
       tick(instant);
     }
+    if (next_power_change() == instant) {
+      change_power(instant);
+    }
   }
 }
 
 void VehicleGateway::update(const VehicleSample& sample) {
   advance(sample.time);
+  if (unsupplied_) {
+    return;
+  }
   report_.take(sample);
-  control_.observe(sample.time, report_.speed_mps(sample.time));
+  control_.observe(sample.time, report_.speed_mps(sample.time), sample.drives);
 }
 
 void VehicleGateway::receive(SimTime now, const Frame& frame) {
   advance(now);
-  node_.receive(now, frame);
+  if (!unsupplied_) {
+    node_.receive(now, frame);
+  }
 }
 
 bool VehicleGateway::send_group(SimTime now, std::uint32_t pgn) {
   if (settings_.has_position) {
-    if (const auto frame = satellites_.frame(now, pgn, node_.address(), report_.speed_mps(now))) {
+    if (const auto frame = satellites_.frame(now, pgn, node_.address())) {
       node_.send(now, *frame);
       return true;
     }
@@ -118,7 +182,7 @@ bool VehicleGateway::send_group(SimTime now, std::uint32_t pgn) {
 
 void VehicleGateway::send_due(SimTime now, std::span<const VehicleReport::Entry> schedule) {
   for (const VehicleReport::Entry& entry : schedule) {
-    if (VehicleReport::is_due(entry, ticks_)) {
+    if (VehicleReport::is_due(entry, ticks_) && report_.sends(entry)) {
       send_group(now, entry.group.pgn);
     }
   }
@@ -135,6 +199,15 @@ void VehicleGateway::tick(SimTime now) {
                   VehicleDiagnostics::active(control_).payload()) != J1939Answer::sent) {
       diagnostics_.postpone();
     }
+    // The engine's configuration goes out when nothing else of that length is on its way.
+    constexpr auto kConfigurationTicks =
+        static_cast<std::uint64_t>(vehicle::kEngineConfigurationPeriod / kTick);
+    constexpr std::uint64_t kConfigurationPhase = 70;
+    configuration_due_ = configuration_due_ || ticks_ % kConfigurationTicks == kConfigurationPhase;
+    if (configuration_due_ &&
+        send_engine_configuration(now, j1939::kGlobalAddress) != J1939Answer::busy) {
+      configuration_due_ = false;
+    }
   }
   ++ticks_;
 }
@@ -143,6 +216,49 @@ J1939Answer VehicleGateway::send_long(SimTime now, std::uint32_t pgn, std::uint8
                                       std::span<const std::uint8_t> payload) {
   const bool sent = node_.send(now, {vehicle::kTroublePriority, pgn, destination, 0}, payload);
   return sent ? J1939Answer::sent : J1939Answer::busy;
+}
+
+J1939Answer VehicleGateway::send_engine_configuration(SimTime now, std::uint8_t destination) {
+  const EngineData& engine = settings_.engine;
+  const double reference_nm = engine.reference_torque_nm;
+  if (reference_nm <= 0.0) {
+    return J1939Answer::unknown;
+  }
+  vehicle::EngineConfiguration configuration;
+  // Idle, the end of full load, then the points between them.
+  constexpr std::array<std::size_t, EngineData::kPoints> kOrder{0, EngineData::kPoints - 1, 1, 2,
+                                                                3};
+  static_assert(EngineData::kPoints == vehicle::EngineConfiguration::kPoints);
+  for (std::size_t i = 0; i < kOrder.size(); ++i) {
+    const EnginePoint& point = engine.full_load[kOrder[i]];
+    configuration.speed_radps[i] = point.speed_radps;
+    configuration.torque_share[i] = (point.torque_nm + point.friction_nm) / reference_nm;
+  }
+  configuration.high_idle_radps = engine.high_idle_radps;
+  configuration.governor_gain_prad = engine.governor_nmsprad / reference_nm;
+  configuration.reference_torque_nm = reference_nm;
+  configuration.least_speed_radps = engine.full_load.front().speed_radps;
+  configuration.greatest_speed_radps = engine.full_load.back().speed_radps;
+  configuration.least_torque_share = 0.0;
+  configuration.greatest_torque_share = 1.0;
+  configuration.inertia_kgm2 = engine.inertia_kgm2;
+  return send_long(now, vehicle::kEngineConfigurationPgn, destination,
+                   vehicle::encode_engine_configuration(configuration));
+}
+
+vehicle::Identification VehicleGateway::functionalities() const {
+  constexpr auto kFront = static_cast<std::size_t>(ImplementEnd::front);
+  constexpr auto kRear = static_cast<std::size_t>(ImplementEnd::rear);
+  // Class 1 needs hitch and power take-off at the rear; guidance is always there.
+  std::uint8_t options = vehicle::kTractorGuidance;
+  const auto add = [&options](bool there, std::uint8_t option) {
+    options = static_cast<std::uint8_t>(options | (there ? option : 0U));
+  };
+  add(settings_.has_hitch[kRear] && settings_.has_power_take_off[kRear], vehicle::kTractorClass1);
+  add(settings_.has_position, vehicle::kTractorNavigation);
+  add(settings_.has_hitch[kFront], vehicle::kTractorFrontHitch);
+  return vehicle::make_functionalities(
+      {{vehicle::kMinimumControlFunction}, {vehicle::kBasicTractorServer, 1, options}});
 }
 
 J1939Answer VehicleGateway::answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) {
@@ -164,18 +280,28 @@ J1939Answer VehicleGateway::answer(SimTime now, std::uint32_t pgn, std::uint8_t 
     case vehicle::kDm11Pgn:
       return clear(&VehicleControl::clear_active_faults);
     case vehicle::kSoftwareIdentificationPgn:
-      return send_long(now, pgn, destination,
-                       vehicle::make_software_identification({settings_.software}).payload());
+      return send_text(now, pgn, destination,
+                       vehicle::make_software_identification({settings_.software}));
     case vehicle::kComponentIdentificationPgn:
-      return send_long(now, pgn, destination,
+      return send_text(now, pgn, destination,
                        vehicle::make_identification(
-                           {settings_.make, settings_.model, serial, settings_.unit_number})
-                           .payload());
+                           {settings_.make, settings_.model, serial, settings_.unit_number}));
     case vehicle::kEcuIdentificationPgn:
-      return send_long(
+      return send_text(
           now, pgn, destination,
-          vehicle::make_identification({"", serial, "", settings_.model, settings_.make, "", ""})
-              .payload());
+          vehicle::make_identification({"", serial, "", settings_.model, settings_.make, "", ""}));
+    case vehicle::kVehicleIdentificationPgn: {
+      const std::string& vin = settings_.vehicle_identification_number;
+      return vin.empty() ? J1939Answer::unknown
+                         : send_text(now, pgn, destination, vehicle::make_identification({vin}));
+    }
+    case vehicle::kFunctionalitiesPgn:
+      return send_text(now, pgn, destination, functionalities());
+    case vehicle::kEngineConfigurationPgn:
+      return send_engine_configuration(now, destination);
+    case vehicle::LanguageCommand::kGroup.pgn:
+      node_.send(now, vehicle::encode(language_, node_.address()));
+      return J1939Answer::sent;
     default:
       return send_group(now, pgn) ? J1939Answer::sent : J1939Answer::unknown;
   }
@@ -198,6 +324,19 @@ J1939Reception VehicleGateway::take(SimTime now, const J1939Message& message) {
       return take_command<vehicle::Tprs>(now, message, true);
     case vehicle::MachineFunctionCommand::kGroup.pgn:
       return take_command<vehicle::MachineFunctionCommand>(now, message, true);
+    case vehicle::HitchPowerTakeOffCommand::kGroup.pgn:
+      return take_command<vehicle::HitchPowerTakeOffCommand>(now, message,
+                                                             VehicleRequest::implement);
+    case vehicle::MaintainPower::kGroup.pgn:
+      return take_decoded<vehicle::MaintainPower>(message, [&](const auto& request) {
+        if (request.ecu_power == vehicle::Switch::on ||
+            request.actuator_power == vehicle::Switch::on) {
+          report_.power().maintain(now);
+        }
+      });
+    case vehicle::LanguageCommand::kGroup.pgn:
+      return take_decoded<vehicle::LanguageCommand>(
+          message, [this](const auto& command) { language_ = command; });
     default:
       return J1939Reception::ignored;
   }
@@ -206,11 +345,7 @@ J1939Reception VehicleGateway::take(SimTime now, const J1939Message& message) {
 template <class Message>
 J1939Reception VehicleGateway::take_command(SimTime now, const J1939Message& message,
                                             bool refuse_it) {
-  // A message of these groups that came by transport is too long for its frame, and so malformed.
-  const auto request =
-      message.payload.size() > vehicle::kMessageBytes
-          ? protocols::Decoded<Message>(protocols::Malformed{"the message has exactly 8 bytes"})
-          : vehicle::decode<Message>(j1939::make_frame(message.identifier, message.payload));
+  const auto request = decoded<Message>(message);
   if (!request.ok()) {
     return J1939Reception::malformed;
   }

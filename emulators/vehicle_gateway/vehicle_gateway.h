@@ -24,6 +24,8 @@
 #include "emulators/vehicle_gateway/position.h"
 #include "emulators/vehicle_gateway/report.h"
 #include "emulators/vehicle_gateway/settings.h"
+#include "protocols/vehicle/identification.h"
+#include "protocols/vehicle/implement.h"
 
 namespace rigwire::emulators {
 
@@ -71,6 +73,14 @@ class VehicleGateway final : public CanDevice, public VehicleBackend, J1939Appli
                         std::span<const std::uint8_t> payload);
   void send_due(SimTime now, std::span<const VehicleReport::Entry> schedule);
   void tick(SimTime now);
+  [[nodiscard]] SimTime next_power_change() const;
+  void change_power(SimTime now);
+  [[nodiscard]] J1939Answer send_text(SimTime now, std::uint32_t pgn, std::uint8_t destination,
+                                      const protocols::vehicle::Identification& text) {
+    return send_long(now, pgn, destination, text.payload());
+  }
+  [[nodiscard]] protocols::vehicle::Identification functionalities() const;
+  [[nodiscard]] J1939Answer send_engine_configuration(SimTime now, std::uint8_t destination);
   /// Decodes and takes; a request that cannot be honoured is refused to its sender where `refuse`
   /// says so.
   template <class Message>
@@ -85,6 +95,10 @@ class VehicleGateway final : public CanDevice, public VehicleBackend, J1939Appli
   VehicleReport report_;
   VehicleSatellites satellites_;
   VehicleDiagnostics diagnostics_;
+  protocols::vehicle::LanguageCommand language_;
+  bool configuration_due_ = false;
+  bool key_off_ = false;
+  bool unsupplied_ = false;
   std::uint64_t ticks_ = 0;
   SimTime next_tick_;
 };

@@ -143,6 +143,7 @@ struct Parsed {
   bool json = false;
   std::string word;  ///< Kind, device or shell.
   std::string bus;
+  std::string units = "si";
   std::string node;  ///< Whose electronic data sheet.
   std::string valve_map;
   RigArguments eds;
@@ -201,6 +202,12 @@ void declare(CLI::App& app, Parsed& parsed) {
           ->excludes(json)
           ->excludes(valve_map);
   describe_app->add_option("--bus", parsed.bus, "Of the rig, when it has several")->needs(dbc);
+  describe_app
+      ->add_option("--units", parsed.units,
+                   "Of the DBC file: si, or sae as SAE J1939 has them (rpm, %, kPa, km/h, deg)")
+      ->check(CLI::IsMember({"si", "sae"}))
+      ->capture_default_str()
+      ->needs(dbc);
   CLI::Option* eds =
       describe_app
           ->add_option("--eds", parsed.eds.rig, "RIG: print the EDS file of its CANopen node")
@@ -213,7 +220,7 @@ void declare(CLI::App& app, Parsed& parsed) {
   describe_app->footer(
       "\nExamples:\n  rigwire describe --dbc unimog_forest > unimog.dbc\n"
       "  rigwire describe --eds excavator_pit > encoder.eds");
-  describe_app->require_option(1, 2);
+  describe_app->require_option(1, 3);
 
   CLI::App* schema_app =
       app.add_subcommand("schema", "Print a JSON Schema, for editors and validators of YAML");
@@ -297,7 +304,7 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
       return eds_verb(parsed.eds, parsed.node, terminal);
     }
     if (!parsed.rig.rig.empty() && parsed.word.empty() && parsed.valve_map.empty()) {
-      return dbc_verb(parsed.rig, parsed.bus, terminal);
+      return dbc_verb(parsed.rig, parsed.bus, parsed.units, terminal);
     }
     if (parsed.word.empty() == parsed.valve_map.empty()) {
       return usage("describe: allowed a device or --valve-map FILE", terminal.err, "describe");

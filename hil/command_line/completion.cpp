@@ -29,7 +29,7 @@ _rigwire() {
     run) local options="--clock --duration --seed --set --report --truth --lidar-truth --status --dry-run --help" ;;
     check) local options="--set --print --json --help" ;;
     list) local options="devices machines scenes rigs --json --help" ;;
-    describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --dbc --bus --eds --device --help" ;;
+    describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --dbc --bus --units --eds --device --help" ;;
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
     schema) local options="rig machine scene valve-map --help" ;;
     completion) local options="bash zsh fish" ;;
@@ -62,7 +62,7 @@ _rigwire() {
     run) compadd -- --clock --duration --seed --set --report --truth --lidar-truth --status --dry-run --help ;;
     check) compadd -- --set --print --json --help ;;
     list) compadd -- devices machines scenes rigs --json --help ;;
-    describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json --dbc --bus --eds --device ;;
+    describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json --dbc --bus --units --eds --device ;;
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
     schema) compadd -- rig machine scene valve-map ;;
     completion) compadd -- bash zsh fish ;;

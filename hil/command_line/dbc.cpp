@@ -10,7 +10,8 @@
 
 namespace rigwire::hil {
 
-int dbc_verb(const RigArguments& arguments, const std::string& bus, Terminal terminal) {
+int dbc_verb(const RigArguments& arguments, const std::string& bus, const std::string& units,
+             Terminal terminal) {
   const LoadedRig rig = load_rig(find_rig(arguments.rig), arguments.sets);
   const auto& buses = rig.configuration.buses;
   std::vector<std::string> names;
@@ -30,7 +31,9 @@ int dbc_verb(const RigArguments& arguments, const std::string& bus, Terminal ter
   }
   const std::string& name = bus.empty() ? names.front() : bus;
   const auto messages = bus_messages(rig.configuration, name);
-  terminal.out << protocols::dbc::write({name, buses.at(name).bus.bit_rate_bps, messages});
+  terminal.out << protocols::dbc::write(
+      {name, buses.at(name).bus.bit_rate_bps, messages},
+      units == "sae" ? protocols::dbc::Units::document : protocols::dbc::Units::si);
   return static_cast<int>(ExitCode::done);
 }
 

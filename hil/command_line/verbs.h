@@ -32,7 +32,8 @@ struct Terminal {
 /// A JSON Schema of files: rig, machine, scene, valve-map.
 [[nodiscard]] int schema_verb(const std::string& of, Terminal terminal);
 /// The DBC file of a bus; of the only one when `bus` is empty.
-[[nodiscard]] int dbc_verb(const RigArguments& rig, const std::string& bus, Terminal terminal);
+[[nodiscard]] int dbc_verb(const RigArguments& rig, const std::string& bus,
+                           const std::string& units, Terminal terminal);
 /// The EDS file of a CANopen node; of the only one when `device` is empty.
 [[nodiscard]] int eds_verb(const RigArguments& rig, const std::string& device, Terminal terminal);
 [[nodiscard]] int doctor_verb(bool json, Terminal terminal);

@@ -9,6 +9,7 @@
 #include "hil/devices/can_device.h"
 #include "hil/devices/rig_check.h"
 #include "hil/world/ports.h"
+#include "protocols/vehicle/engine_configuration.h"
 #include "protocols/vehicle/identification.h"
 
 namespace rigwire::hil {
@@ -18,6 +19,22 @@ namespace {
 emulators::VehicleGatewaySettings settings_of(const VehicleGatewayConfiguration& p) {
   emulators::VehicleGatewaySettings settings = p.gateway;
   settings.has_position = !p.position_from.empty();
+  settings.has_ground_radar = p.sensor.ground_radar.fitted;
+  return settings;
+}
+
+/// The same on that machine.
+emulators::VehicleGatewaySettings settings_on(const VehicleGatewayConfiguration& p,
+                                              const sim::VehiclePort* port) {
+  emulators::VehicleGatewaySettings settings = settings_of(p);
+  if (port != nullptr) {
+    settings.engine = port->engine_data();
+    const VehicleSample sample = port->vehicle_sample(kStart);
+    for (std::size_t i = 0; i < kImplementEnds; ++i) {
+      settings.has_hitch[i] = sample.hitch[i].present;
+      settings.has_power_take_off[i] = sample.power_take_off[i].present;
+    }
+  }
   return settings;
 }
 
@@ -26,7 +43,8 @@ class VehicleGatewayDevice final
       private FixListener {
  public:
   VehicleGatewayDevice(Site& site, const VehicleGatewayConfiguration& configuration)
-      : CanDeviceOf(site, configuration.bus, configuration.clock, settings_of(configuration)),
+      : CanDeviceOf(site, configuration.bus, configuration.clock,
+                    settings_on(configuration, site.world().machine().vehicle_port())),
         position_from_(configuration.position_from) {}
 
   void connect(const Neighbours& neighbours) override {
@@ -51,7 +69,7 @@ class VehicleGatewayDevice final
 void VehicleGatewayConfiguration::visit(fields::Visitor& v) {
   visit_node(v, bus, clock);
   v.text("position_from", position_from,
-         "The satellite receiver whose fixes it reports (VP, VDS, VP2, GBSD); empty = none.");
+         "The satellite receiver whose fixes it reports (VP, VDS, VP2); empty = none.");
   emulators::visit(v, gateway);
   v.section("sensor", sensor, "How well the machine's own sensors measure.");
   v.section("odometry", odometry, "Speed and curvature from wheels and steering.");
@@ -112,6 +130,10 @@ DeviceDescription VehicleGatewayConfiguration::describe() const {
   for (const auto& entry : emulators::VehicleSatellites::schedule()) {
     add(entry.group.pgn, entry.group.name, "with position_from", "sent");
   }
+  add(vehicle::kEngineConfigurationPgn, "EC1", "0.2 Hz", "engine configuration, by transport");
+  add(vehicle::kVehicleIdentificationPgn, "VI", "on request", "VIN, by transport");
+  add(vehicle::kFunctionalitiesPgn, "functionalities", "on request", "by transport");
+  add(vehicle::LanguageCommand::kGroup.pgn, "LANG", "on request", "language of displays");
   add(vehicle::kSoftwareIdentificationPgn, "SOFT", "on request", "by transport");
   add(vehicle::kComponentIdentificationPgn, "CI", "on request", "by transport");
   add(vehicle::kEcuIdentificationPgn, "ECUID", "on request", "by transport");

@@ -30,7 +30,11 @@ struct SignalLayout {
   double offset = 0.0;
   double lower = 0.0;  ///< Physical, of the valid range.
   double upper = 0.0;
-  std::string unit;  ///< As on the wire; empty for bare numbers.
+  std::string unit;  ///< Of the physical value; empty for bare numbers.
+  /// The unit that the document gives it in, where that is another one, and its size in `unit`;
+  /// negative where its sign is the other one, too.
+  std::string document_unit;
+  double document_size = 1.0;
   std::vector<NamedValue> values;
   std::string text;       ///< What it means; source (SPN, document).
   std::uint32_t spn = 0;  ///< Suspect parameter number of J1939; 0: none.

@@ -114,19 +114,49 @@ struct Names {
   std::vector<NamedMessage> messages;
 };
 
-std::string messages_text(const Names& names) {
+/// What rounding of the units' sizes leaves is taken off.
+double plain(double value) {
+  constexpr int kDigits = 12;
+  std::array<char, 32> text{};
+  const auto written = std::to_chars(text.data(), text.data() + text.size(), value,
+                                     std::chars_format::general, kDigits);
+  double rounded = value;
+  (void)std::from_chars(text.data(), written.ptr, rounded);
+  return rounded;
+}
+
+/// A signal's numbers and unit as the file has them.
+struct Physical {
+  double scale;
+  double offset;
+  double lower;
+  double upper;
+  std::string unit;
+};
+
+Physical physical(const SignalLayout& signal, Units units) {
+  if (units == Units::si || signal.document_unit.empty()) {
+    return {signal.scale, signal.offset, signal.lower, signal.upper, signal.unit};
+  }
+  const double size = signal.document_size;
+  const double ends[] = {plain(signal.lower / size), plain(signal.upper / size)};
+  return {plain(signal.scale / size), plain(signal.offset / size), std::min(ends[0], ends[1]),
+          std::max(ends[0], ends[1]), signal.document_unit};
+}
+
+std::string messages_text(const Names& names, Units units) {
   std::string text;
   for (const NamedMessage& message : names.messages) {
     text += "BO_ " + message.id + ' ' + message.name + ": " +
             std::to_string(message.layout->length) + ' ' + message.sender + '\n';
     for (const auto& [signal, name] : message.signals) {
+      const Physical of = physical(*signal, units);
       const bool little = signal->order == can::ByteOrder::little_endian;
       text += " SG_ " + name + " : " + std::to_string(start_bit(*signal)) + '|' +
               std::to_string(signal->width) + (little ? "@1" : "@0") +
-              (signal->is_signed ? '-' : '+') + " (" + number_text(signal->scale) + ',' +
-              number_text(signal->offset) + ") [" + number_text(signal->lower) + '|' +
-              number_text(signal->upper) + "] " + quoted(signal->unit) + ' ' +
-              std::string(kNobody) + '\n';
+              (signal->is_signed ? '-' : '+') + " (" + number_text(of.scale) + ',' +
+              number_text(of.offset) + ") [" + number_text(of.lower) + '|' + number_text(of.upper) +
+              "] " + quoted(of.unit) + ' ' + std::string(kNobody) + '\n';
     }
     text += '\n';
   }
@@ -215,13 +245,13 @@ std::string values_text(const Names& names) {
 
 }  // namespace
 
-std::string write(const Bus& bus) {
+std::string write(const Bus& bus, Units units) {
   const Names names(bus);
   std::string text = "VERSION \"\"\n\n\nNS_ :\n\nBS_:\n\nBU_:";
   for (const auto& [device, node] : names.nodes) {
     text += ' ' + node;
   }
-  text += "\n\n\n" + messages_text(names) + '\n';
+  text += "\n\n\n" + messages_text(names, units) + '\n';
   text += "CM_ " + quoted("Bus " + std::string(bus.name) + ", written by Rigwire") + ";\n";
   text += comments_text(names) + attributes_text(bus, names) + values_text(names);
   return text;

@@ -17,6 +17,12 @@
 
 namespace rigwire::protocols::dbc {
 
+/// In which units and with which signs physical values are written.
+enum class Units : std::uint8_t {
+  si,        ///< SI, as this library has them.
+  document,  ///< As the messages' own document: rpm, %, kPa, km/h, deg for SAE J1939.
+};
+
 /// A bus with everything that is said on it.
 struct Bus {
   std::string_view name;
@@ -28,6 +34,6 @@ inline constexpr std::size_t kLongestName = 32;
 
 /// The whole file; lines end with a line feed. Preconditions: every signal lies within its message
 /// and is 1 .. 64 bits wide, with a scale other than 0.
-[[nodiscard]] std::string write(const Bus& bus);
+[[nodiscard]] std::string write(const Bus& bus, Units units = Units::si);
 
 }  // namespace rigwire::protocols::dbc

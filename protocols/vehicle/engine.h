@@ -1,4 +1,4 @@
-// Engine: its state (EEC1, EEC2) and the request to it (TSC1).
+// Engine: its state (EEC1, EEC2, EEC3) and the request to it (TSC1).
 #pragma once
 
 #include "protocols/vehicle/message.h"
@@ -6,11 +6,11 @@
 namespace rigwire::protocols::vehicle {
 
 /// One count of 1/8 rpm; shared by all shaft speeds.
-inline constexpr Scale kShaftSpeed{0.125 * kRevolutionPerMinute_radps, 0.0, "rad/s"};
+inline constexpr Scale kShaftSpeed{0.125 * kRevolutionPerMinute_radps, 0.0, "rad/s", kInRpm};
 /// One count of 1 %, from -125 %.
-inline constexpr Scale kTorqueShare{kPercent, -1.25, "1"};
+inline constexpr Scale kTorqueShare{kPercent, -1.25, "1", kInPercent};
 /// One count of 0.4 %.
-inline constexpr Scale kShare{0.4 * kPercent, 0.0, "1"};
+inline constexpr Scale kShare{0.4 * kPercent, 0.0, "1", kInPercent};
 
 /// Electronic Engine Controller 1. Torques are shares of the engine's reference torque.
 struct Eec1 {
@@ -49,11 +49,28 @@ struct Eec2 {
   static constexpr auto parameters() {
     return std::array{
         number("accelerator pedal position", 91, {2}, 8, kShare, &Eec2::pedal_share),
-        number("load at current speed", 92, {3}, 8, {kPercent, 0.0, "1"}, &Eec2::load_share),
+        number("load at current speed", 92, {3}, 8, {kPercent, 0.0, "1", kInPercent},
+               &Eec2::load_share),
     };
   }
 };
 static_assert(is_well_formed<Eec2>());
+
+/// Electronic Engine Controller 3.
+struct Eec3 {
+  static constexpr Group kGroup{"EEC3", 65247, 6, std::chrono::milliseconds{250}};
+
+  double friction_torque_share = kNotAvailable;  ///< The engine's own, of the reference torque.
+  double desired_speed_radps = kNotAvailable;
+
+  static constexpr auto parameters() {
+    return std::array{
+        number("nominal friction", 514, {1}, 8, kTorqueShare, &Eec3::friction_torque_share),
+        number("desired operating speed", 515, {2}, 16, kShaftSpeed, &Eec3::desired_speed_radps),
+    };
+  }
+};
+static_assert(is_well_formed<Eec3>());
 
 /// What TSC1 asks of the engine.
 enum class OverrideMode : std::uint8_t {

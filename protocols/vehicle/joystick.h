@@ -16,7 +16,7 @@
 namespace rigwire::protocols::vehicle {
 
 /// One count of 0.1 %, ten bits.
-inline constexpr Scale kAxis{0.1 * kPercent, 0.0, "1"};
+inline constexpr Scale kAxis{0.1 * kPercent, 0.0, "1", kInPercent};
 
 /// Basic Joystick Message 1 or 2: the stick itself. x: right positive, y: forward positive.
 template <unsigned Stick>

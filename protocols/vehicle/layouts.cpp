@@ -52,13 +52,15 @@ can::MessageLayout begin_layout(const Group& group, const LayoutEnds& ends) {
   return message;
 }
 
-can::SignalLayout number_layout(const j1939::Field& field, double sign) {
+can::SignalLayout number_layout(const j1939::Field& field, double sign, const SaeUnit& sae) {
   can::SignalLayout signal = begin_signal(field);
   signal.scale = sign * field.scale;
   signal.offset = sign * field.offset;
   signal.lower = std::min(sign * field.lower, sign * field.upper);
   signal.upper = std::max(sign * field.lower, sign * field.upper);
   signal.unit = field.unit == "1" ? std::string_view() : field.unit;
+  signal.document_unit = sae.unit.empty() ? std::string_view(signal.unit) : sae.unit;
+  signal.document_size = sign * sae.size;
   constexpr unsigned kWidestNamed = 16;  // wider values do not fit the readers' integers
   if (field.width <= kWidestNamed) {
     signal.values = {{j1939::error_value(field.width), "error"},

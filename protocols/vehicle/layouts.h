@@ -1,6 +1,6 @@
 // The messages of this folder in the common form (protocols/can/message_layout.h), made from the
 // tables that encoder and decoder use. Physical values are those of the structures' members: SI
-// units, angles and curvatures left positive.
+// units, angles and curvatures left positive. The document's units and signs are SAE's.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,8 @@ struct LayoutEnds {
 
 // The parts that no message changes.
 [[nodiscard]] can::MessageLayout begin_layout(const Group& group, const LayoutEnds& ends);
-[[nodiscard]] can::SignalLayout number_layout(const j1939::Field& field, double sign);
+[[nodiscard]] can::SignalLayout number_layout(const j1939::Field& field, double sign,
+                                              const SaeUnit& sae);
 [[nodiscard]] can::SignalLayout switch_layout(const j1939::Field& field);
 [[nodiscard]] can::SignalLayout code_layout(const j1939::Field& field);
 
@@ -33,7 +34,7 @@ template <class Message>
                                         const Group& group = Message::kGroup) {
   can::MessageLayout message = begin_layout(group, ends);
   for (const Parameter<Message>& row : Message::parameters()) {
-    message.fields.push_back(row.number != nullptr  ? number_layout(row.field, row.sign)
+    message.fields.push_back(row.number != nullptr  ? number_layout(row.field, row.sign, row.sae)
                              : row.state != nullptr ? switch_layout(row.field)
                                                     : code_layout(row.field));
   }

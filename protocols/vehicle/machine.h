@@ -16,7 +16,8 @@ struct Hpg {
 
   static constexpr auto parameters() {
     return std::array{
-        number("hydraulic pressure", 1762, {1}, 16, {2000.0, 0.0, "Pa"}, &Hpg::pressure_pa),
+        number("hydraulic pressure", 1762, {1}, 16, {2000.0, 0.0, "Pa", kInKilopascal},
+               &Hpg::pressure_pa),
     };
   }
 };
@@ -31,7 +32,7 @@ enum class SteeringMode : std::uint8_t {
 };
 
 /// One count of 1/256 degree, from -125 degrees.
-inline constexpr Scale kMachineAngle{kDegree_rad / 256.0, -125.0 * kDegree_rad, "rad"};
+inline constexpr Scale kMachineAngle{kDegree_rad / 256.0, -125.0 * kDegree_rad, "rad", kInDegree};
 /// One count of 1 g/m2.
 inline constexpr Scale kSpreaderRate{0.001, 0.0, "kg/m2"};
 

@@ -51,6 +51,7 @@ enum class Switch : std::uint8_t { off = 0, on = 1, error = 2, not_available = 3
 inline constexpr double kPercent = 0.01;
 inline constexpr double kKilometrePerHour_mps = 1.0 / 3.6;
 inline constexpr double kRevolutionPerMinute_radps = 2.0 * std::numbers::pi / 60.0;
+inline constexpr double kLitrePerHour_m3ps = 1e-3 / 3600.0;
 inline constexpr double kDegree_rad = std::numbers::pi / 180.0;
 
 /// Number and manner of a message.
@@ -61,6 +62,12 @@ struct Group {
   std::chrono::milliseconds period{0};  ///< 0: on request or on change.
 };
 
+/// A unit that SAE J1939 gives a parameter in, and its size in the SI unit.
+struct SaeUnit {
+  std::string_view unit{};
+  double size = 1.0;
+};
+
 /// One row: a field and the member that holds its value. Exactly one of the pointers is set.
 template <class Message>
 struct Parameter {
@@ -69,6 +76,7 @@ struct Parameter {
   Switch Message::*state = nullptr;       ///< Two bits.
   std::uint8_t Message::*code = nullptr;  ///< 1 .. 8 bits as they are; all ones: not available.
   double sign = 1.0;                      ///< -1: positive on the wire is negative here.
+  SaeUnit sae{};                          ///< Of a number, where it is not the field's unit.
 };
 
 /// Where a parameter begins: byte and bit, both counted from 1 as in the standard.
@@ -81,11 +89,22 @@ struct Position {
   }
 };
 
-/// One count, the value of raw 0, and the unit that both are in.
+inline constexpr SaeUnit kInRpm{"rpm", kRevolutionPerMinute_radps};
+inline constexpr SaeUnit kInPercent{"%", kPercent};
+inline constexpr SaeUnit kInKilopascal{"kPa", 1000.0};
+inline constexpr SaeUnit kInKilometrePerHour{"km/h", kKilometrePerHour_mps};
+inline constexpr SaeUnit kInDegree{"deg", kDegree_rad};
+inline constexpr SaeUnit kPerKilometre{"1/km", 1e-3};
+inline constexpr SaeUnit kInHour{"h", 3600.0};
+inline constexpr SaeUnit kInMinute{"min", 60.0};
+
+/// One count, the value of raw 0, and the unit that both are in; `sae` where the standard's unit is
+/// another one.
 struct Scale {
   double count = 1.0;
   double offset = 0.0;
   std::string_view unit;
+  SaeUnit sae{};
 };
 
 /// A measurement over the whole valid range of its width.
@@ -96,7 +115,11 @@ template <class Message>
   const double upper = scale.offset + j1939::greatest_valid(width) * scale.count;
   return {{name, spn, position.lowest(), width, scale.count, scale.offset, scale.offset, upper,
            scale.unit},
-          member};
+          member,
+          nullptr,
+          nullptr,
+          1.0,
+          scale.sae};
 }
 /// The same with the opposite sign on the wire.
 template <class Message>

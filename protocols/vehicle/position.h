@@ -13,11 +13,12 @@ namespace rigwire::protocols::vehicle {
 /// One count of 1e-7 degree, from -210 degrees.
 inline constexpr Scale kGeodetic{1e-7, -210.0, "deg"};
 /// One count of 1/128 degree.
-inline constexpr Scale kBearing{kDegree_rad / 128.0, 0.0, "rad"};
+inline constexpr Scale kBearing{kDegree_rad / 128.0, 0.0, "rad", kInDegree};
 /// One count of 1/128 degree, from -200 degrees.
-inline constexpr Scale kPitch{kDegree_rad / 128.0, -200.0 * kDegree_rad, "rad"};
+inline constexpr Scale kPitch{kDegree_rad / 128.0, -200.0 * kDegree_rad, "rad", kInDegree};
 /// One count of 1/256 km/h.
-inline constexpr Scale kNavigationSpeed{kKilometrePerHour_mps / 256.0, 0.0, "m/s"};
+inline constexpr Scale kNavigationSpeed{kKilometrePerHour_mps / 256.0, 0.0, "m/s",
+                                        kInKilometrePerHour};
 /// One count of 1/8 m, from -2500 m.
 inline constexpr Scale kAltitude{0.125, -2500.0, "m"};
 inline constexpr Scale kDilution{0.1, 0.0, "1"};

@@ -9,10 +9,10 @@
 namespace rigwire::protocols::vehicle {
 
 /// One count of 1/256 km/h.
-inline constexpr Scale kWheelSpeed{kKilometrePerHour_mps / 256.0, 0.0, "m/s"};
+inline constexpr Scale kWheelSpeed{kKilometrePerHour_mps / 256.0, 0.0, "m/s", kInKilometrePerHour};
 /// One count of 1/16 km/h, from -7.8125 km/h.
 inline constexpr Scale kRelativeSpeed{kKilometrePerHour_mps / 16.0, -7.8125 * kKilometrePerHour_mps,
-                                      "m/s"};
+                                      "m/s", kInKilometrePerHour};
 /// One count of 1 mm/s, 1 mm.
 inline constexpr Scale kMachineSpeed{0.001, 0.0, "m/s"};
 inline constexpr Scale kMachineDistance{0.001, 0.0, "m"};
@@ -81,8 +81,8 @@ struct Ccvs1 {
         number("wheel-based speed", 84, {2}, 16, kWheelSpeed, &Ccvs1::wheel_based_speed_mps),
         state("brake switch", 597, {4, 5}, &Ccvs1::brake_switch),
         state("clutch switch", 598, {4, 7}, &Ccvs1::clutch_switch),
-        number("cruise set speed", 86, {6}, 8, {kKilometrePerHour_mps, 0.0, "m/s"},
-               &Ccvs1::set_speed_mps),
+        number("cruise set speed", 86, {6}, 8,
+               {kKilometrePerHour_mps, 0.0, "m/s", kInKilometrePerHour}, &Ccvs1::set_speed_mps),
         code("power take-off governor state", 976, {7, 1}, 5, &Ccvs1::power_take_off_state),
         code("cruise control state", 527, {7, 6}, 3, &Ccvs1::cruise_state),
     };
@@ -90,20 +90,30 @@ struct Ccvs1 {
 };
 static_assert(is_well_formed<Ccvs1>());
 
-/// ISO 11783-7 wheel-based speed and distance. Direction: on = forward, off = reverse.
+/// ISO 11783-7 wheel-based speed and distance, with what implements ask of the tractor's power.
+/// Direction: on = forward, off = reverse.
 struct WheelBasedSpeed {
   static constexpr Group kGroup{"WBSD", 65096, 3, std::chrono::milliseconds{100}};
 
   double speed_mps = kNotAvailable;
   double distance_m = kNotAvailable;
   Switch forward = Switch::not_available;
+  double power_time_s = kNotAvailable;  ///< The longest that power is kept once the key is off.
+  Switch key_switch = Switch::not_available;  ///< On: not off.
+  Switch start_stop = Switch::not_available;  ///< Implement operations, by the operator.
+  Switch operator_reversed = Switch::not_available;
 
   static constexpr auto parameters() {
     return std::array{
         number("wheel-based speed", 1862, {1}, 16, kMachineSpeed, &WheelBasedSpeed::speed_mps),
         number("wheel-based distance", 1863, {3}, 32, kMachineDistance,
                &WheelBasedSpeed::distance_m),
+        number("maximum time of tractor power", 1866, {7}, 8, {60.0, 0.0, "s", kInMinute},
+               &WheelBasedSpeed::power_time_s),
         state("wheel-based direction", 1864, {8, 1}, &WheelBasedSpeed::forward),
+        state("key switch", 1865, {8, 3}, &WheelBasedSpeed::key_switch),
+        state("implement start/stop", 5203, {8, 5}, &WheelBasedSpeed::start_stop),
+        state("operator direction reversed", 5244, {8, 7}, &WheelBasedSpeed::operator_reversed),
     };
   }
 };

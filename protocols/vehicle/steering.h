@@ -10,7 +10,7 @@
 namespace rigwire::protocols::vehicle {
 
 /// One count of 1/4 per km, from -8032 per km.
-inline constexpr Scale kCurvature{0.25e-3, -8.032, "1/m"};
+inline constexpr Scale kCurvature{0.25e-3, -8.032, "1/m", kPerKilometre};
 
 /// Vehicle Dynamic Stability Control 2: the steering wheel, and motion where it is measured.
 struct Vdc2 {
@@ -78,7 +78,7 @@ struct Esc1 {
   static constexpr auto parameters() {
     return std::array{
         number("inner wheel angle", 2927, {1}, 16,
-               {kDegree_rad / 256.0, -125.0 * kDegree_rad, "rad"}, &Esc1::steer_rad),
+               {kDegree_rad / 256.0, -125.0 * kDegree_rad, "rad", kInDegree}, &Esc1::steer_rad),
         code("axle location", 2928, {3}, 8, &Esc1::location),
     };
   }
@@ -89,8 +89,11 @@ static_assert(is_well_formed<Esc1>());
 /// this project sends.
 enum class ExitReason : std::uint8_t {
   none = 0,
+  released = 2,  ///< By whoever commanded.
   command_timeout = 5,
   out_of_range = 6,
+  function_fault = 9,
+  gear = 22,  ///< Gear or parking brake do not allow it.
   other_error = 62,
   not_available = 63,
 };

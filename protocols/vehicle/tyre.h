@@ -21,7 +21,7 @@ inline constexpr std::array<std::uint8_t, 4> kTyreLocations{0x00, 0x01, 0x10, 0x
 }
 
 /// One count of 8 kPa.
-inline constexpr Scale kReferencePressure{8000.0, 0.0, "Pa"};
+inline constexpr Scale kReferencePressure{8000.0, 0.0, "Pa", kInKilopascal};
 
 /// Tire Condition 1.
 struct Tire1 {
@@ -40,7 +40,8 @@ struct Tire1 {
   static constexpr auto parameters() {
     return std::array{
         code("tyre location", 929, {1}, 8, &Tire1::location),
-        number("tyre pressure", 241, {2}, 8, {4000.0, 0.0, "Pa"}, &Tire1::pressure_pa),
+        number("tyre pressure", 241, {2}, 8, {4000.0, 0.0, "Pa", kInKilopascal},
+               &Tire1::pressure_pa),
         number("tyre temperature", 242, {3}, 16, {1.0 / 32.0, -273.0, "degC"},
                &Tire1::temperature_c),
         state("sensor enabled", 1699, {5, 1}, &Tire1::sensor_enabled),
@@ -65,9 +66,9 @@ struct Tire2 {
   static constexpr auto parameters() {
     return std::array{
         code("tyre location", 6987, {1}, 8, &Tire2::location),
-        number("tyre pressure, extended range", 6988, {2}, 16, {1000.0, 0.0, "Pa"},
+        number("tyre pressure, extended range", 6988, {2}, 16, {1000.0, 0.0, "Pa", kInKilopascal},
                &Tire2::pressure_pa),
-        number("required tyre pressure", 6989, {4}, 16, {1000.0, 0.0, "Pa"},
+        number("required tyre pressure", 6989, {4}, 16, {1000.0, 0.0, "Pa", kInKilopascal},
                &Tire2::required_pressure_pa),
     };
   }
@@ -109,7 +110,7 @@ struct Tprs {
 static_assert(is_well_formed<Tprs>());
 
 /// One count of 0.5 kPa.
-inline constexpr Scale kChannelPressure{500.0, 0.0, "Pa"};
+inline constexpr Scale kChannelPressure{500.0, 0.0, "Pa", kInKilopascal};
 
 /// What a channel of central tyre inflation does. Source of the codes: general knowledge of
 /// J1939-71 (maintain, inflate, deflate, confirm).
@@ -138,7 +139,7 @@ struct Tp1 {
 
   static constexpr auto parameters() {
     return std::array{
-        number("check interval", 39, {1}, 8, {60.0, 0.0, "s"}, &Tp1::check_interval_s),
+        number("check interval", 39, {1}, 8, {60.0, 0.0, "s", kInMinute}, &Tp1::check_interval_s),
         code("steer channel mode", 1466, {2, 1}, 4, &Tp1::steer_mode),
         code("trailer channel mode", 1467, {3, 1}, 4, &Tp1::trailer_mode),
         code("drive channel mode", 1468, {3, 5}, 4, &Tp1::drive_mode),

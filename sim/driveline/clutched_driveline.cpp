@@ -41,7 +41,8 @@ void ClutchedDriveline::command(const VehicleCommand& command) {
 EngineDemand ClutchedDriveline::driver_demand() const {
   const EngineParameters& p = engine_.engine().parameters();
   return {command_.engine_control, command_.engine_torque_share,
-          std::clamp(command_.engine_speed_radps, p.idle_radps, p.maximum_radps), 1.0};
+          std::clamp(command_.engine_speed_radps, p.idle_radps, p.maximum_radps), 1.0,
+          command_.ignition};
 }
 
 void ClutchedDriveline::begin(double h, double wheel_inertia_kgm2, WheelVector& rates) {
@@ -108,8 +109,7 @@ void ClutchedDriveline::read(VehicleSample& sample) const {
   const double engine = engine_.speed_radps();
   const bool coupled = transmission_.ratio != 0.0;
   const double input = coupled ? transmission_.ratio * output_radps_ : engine;
-  sample.engine_speed_radps = engine;
-  sample.engine_torque_share = engine_.torque_nm() / engine_.engine().reference_torque_nm();
+  sample.engine = engine_.sample();
   sample.gear = transmission_.gear;
   sample.gear_requested = command_.gear;
   sample.crawler_group = transmission_.crawler_group;
@@ -122,6 +122,32 @@ void ClutchedDriveline::read(VehicleSample& sample) const {
   sample.clutch_slip_share =
       std::clamp(std::abs(engine - input) / std::max({engine, std::abs(input), 1e-3}), 0.0, 1.0);
   sample.lock = locks_.engaged();
+}
+
+EngineData ClutchedDriveline::engine_data() const {
+  return sim::engine_data(engine_.engine().parameters());
+}
+
+DriveState ClutchedDriveline::state() const {
+  const Engine& engine = engine_.engine();
+  const double axle = axles_.ratio();
+  const double ratio = overall_ratio();
+  const EngineTorque limits = engine.torque(engine_.speed_radps());
+  DriveState state;
+  state.gear = transmission_.gear;
+  state.shifting = transmission_.shifting;
+  state.rate_radps = output_radps_ / axle;
+  state.ratio = ratio;
+  state.torque_nm = engine_.clutch_torque_nm() * ratio;
+  // Reflected to the wheels, i^2 J.
+  state.inertia_kgm2 = axles_.output_inertia_kgm2 * axle * axle +
+                       (engine_.sticks() ? engine_.inertia_kgm2() * ratio * ratio : 0.0);
+  state.engine_radps = engine_.speed_radps();
+  state.maximum_radps = engine.parameters().maximum_radps;
+  state.least_nm = limits.least_nm;
+  state.greatest_nm = limits.greatest_nm;
+  state.governor_nmsprad = engine.parameters().governor_nmsprad;
+  return state;
 }
 
 DrivelineEnergy ClutchedDriveline::energy() const {

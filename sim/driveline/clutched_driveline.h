@@ -31,6 +31,8 @@ class ClutchedDriveline : public Driveline {
   bool accept(double h, const WheelVector& rates) final;
   void finish(double h, const WheelVector& rates) final;
   void read(VehicleSample& sample) const final;
+  [[nodiscard]] EngineData engine_data() const final;
+  [[nodiscard]] DriveState state() const final;
 
   [[nodiscard]] DrivelineEnergy energy() const;
   [[nodiscard]] double engine_speed_radps() const { return engine_.speed_radps(); }

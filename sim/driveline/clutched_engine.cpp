@@ -6,7 +6,10 @@
 namespace rigwire::sim {
 
 ClutchedEngine::ClutchedEngine(const EngineParameters& engine, const ClutchParameters& clutch)
-    : engine_(engine), clutch_(clutch), speed_radps_(engine.idle_radps) {}
+    : engine_(engine),
+      clutch_(clutch),
+      speed_radps_(engine.idle_radps),
+      condition_(engine.condition) {}
 
 /// Clutch capacity's share 0 .. 1, linear between open and full engagement speed.
 double ClutchedEngine::law(double speed_radps) const {
@@ -149,6 +152,23 @@ void ClutchedEngine::finish(double h, double input_radps) {
   clutch_heat_j_ += h * clutch_torque_nm_ * (mean - 0.5 * (input_radps_ + input_radps));
   capacity_nm_ = coupled_ ? capacity_at(next, input_radps) : 0.0;
   speed_radps_ = next;
+  const double indicated_nm = torque_nm_ + engine_.friction_nm(next);
+  const double most_nm = engine_.full_load_nm(next) + engine_.friction_nm(next);
+  condition_.step(h, next, indicated_nm, indicated_nm / most_nm);
+}
+
+EngineSample ClutchedEngine::sample() const {
+  EngineSample sample;
+  sample.speed_radps = speed_radps_;
+  sample.torque_nm = torque_nm_;
+  sample.friction_nm = speed_radps_ > 0.0 ? engine_.friction_nm(speed_radps_) : 0.0;
+  sample.full_load_nm = engine_.full_load_nm(speed_radps_);
+  const EngineDemand& demand = engine_.demand();
+  sample.desired_radps = !demand.fuel                             ? 0.0
+                         : demand.control == EngineControl::speed ? demand.speed_radps
+                                                                  : engine_.parameters().idle_radps;
+  condition_.read(sample);
+  return sample;
 }
 
 void ClutchedEngine::follow(double input_radps) {

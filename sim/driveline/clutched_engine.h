@@ -46,6 +46,7 @@ class ClutchedEngine {
   [[nodiscard]] double capacity_nm() const { return capacity_nm_; }
   /// Below the speed at which the clutch begins to close.
   [[nodiscard]] bool idling() const { return speed_radps_ <= clutch_.open_radps; }
+  [[nodiscard]] EngineSample sample() const;
   /// Work of the engine's torque, and heat of the clutch, since the start.
   [[nodiscard]] double work_j() const { return work_j_; }
   [[nodiscard]] double clutch_heat_j() const { return clutch_heat_j_; }
@@ -81,6 +82,7 @@ class ClutchedEngine {
   double capacity_nm_ = 0.0;
   double work_j_ = 0.0;
   double clutch_heat_j_ = 0.0;
+  EngineCondition condition_;
 };
 
 }  // namespace rigwire::sim

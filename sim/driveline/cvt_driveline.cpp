@@ -7,6 +7,8 @@
 namespace rigwire::sim {
 namespace {
 
+constexpr double kUsed = 0.9;  // of the engine's greatest speed, before the next range
+
 const CvtParameters& checked(const CvtParameters& parameters) {
   validate(parameters);
   return parameters;
@@ -24,6 +26,25 @@ double CvtDriveline::range_ratio(int gear) const {
     return 0.0;
   }
   return gear > 0 ? variator_.ranges[static_cast<std::size_t>(gear - 1)] : -variator_.reverse_range;
+}
+
+int CvtDriveline::select_gear(double rate_radps, double target_radps, int lower) const {
+  const int ranges = static_cast<int>(variator_.ranges.size());
+  if (target_radps < 0.0) {
+    return variator_.reverse_range > 0.0 ? -1 : 0;
+  }
+  if (target_ > 0 && std::abs(rate_radps) >= variator_.range_change_radps) {
+    return target_;
+  }
+  const double most = kUsed * engine().engine().parameters().maximum_radps;
+  int range = 1;
+  while (range < ranges && target_radps * axle_ratio() *
+                                   variator_.ranges[static_cast<std::size_t>(range - 1)] *
+                                   variator_.top_ratio >
+                               most) {
+    ++range;
+  }
+  return std::max(1, range - lower);
 }
 
 void CvtDriveline::request(const VehicleCommand& command) {

@@ -16,6 +16,9 @@ class CvtDriveline final : public ClutchedDriveline {
 
   [[nodiscard]] double variator_ratio() const { return variator_ratio_; }
 
+  /// The slowest range that reaches the target with its variator at top; only near standstill.
+  [[nodiscard]] int select_gear(double rate_radps, double target_radps, int lower) const override;
+
  private:
   void request(const VehicleCommand& command) override;
   void advance(double h, double output_radps, Transmission& transmission) override;

@@ -32,6 +32,23 @@ struct SpinEquations {
   int coordinates = 4;
 };
 
+/// What a controller of the travel speed knows of a drive line. Rates and torques of the wheels are
+/// those of its driven wheels together, forward positive.
+struct DriveState {
+  int gear = 0;
+  bool shifting = false;
+  double rate_radps = 0.0;    ///< Mean of the wheels.
+  double ratio = 0.0;         ///< Engine to wheels; reverse negative, 0 in neutral.
+  double torque_nm = 0.0;     ///< On the wheels, through the clutch.
+  double inertia_kgm2 = 0.0;  ///< At the wheels, of what turns with them: the engine, too, while
+                              ///< the clutch sticks.
+  double engine_radps = 0.0;
+  double maximum_radps = 0.0;  ///< Up to which the engine has its full torque.
+  double least_nm = 0.0;       ///< Of the engine at its speed: without fuel ...
+  double greatest_nm = 0.0;    ///< ... and at full load.
+  double governor_nmsprad = 0.0;
+};
+
 class Driveline {
  public:
   virtual ~Driveline() = default;
@@ -60,6 +77,15 @@ class Driveline {
 
   /// Fills engine, gearbox and lock members.
   virtual void read(VehicleSample& sample) const = 0;
+  /// Its engine's data sheet.
+  [[nodiscard]] virtual EngineData engine_data() const = 0;
+
+  [[nodiscard]] virtual DriveState state() const = 0;
+  /// The gear for wheels that turn at `rate_radps` now and shall come to `target_radps` (not 0),
+  /// both with their sign; the one that is engaged or asked for where another would not help.
+  /// `lower` gears below the usual one, where those exist: for a climb.
+  [[nodiscard]] virtual int select_gear(double rate_radps, double target_radps,
+                                        int lower) const = 0;
 
  protected:
   Driveline() = default;

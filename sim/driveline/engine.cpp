@@ -41,6 +41,31 @@ double Engine::friction_nm(double speed_radps) const {
   return parameters_.drag_nm + parameters_.drag_nmsprad * std::max(0.0, speed_radps);
 }
 
+EngineData engine_data(const EngineParameters& parameters) {
+  const Engine engine(parameters);
+  const auto point = [&engine](double speed_radps) {
+    return EnginePoint{speed_radps, engine.full_load_nm(speed_radps),
+                       engine.friction_nm(speed_radps)};
+  };
+  EngineData data;
+  for (std::size_t i = 0; i < EngineData::kPoints; ++i) {
+    const double way = static_cast<double>(i) / (EngineData::kPoints - 1);
+    data.full_load[i] =
+        point(parameters.idle_radps + way * (parameters.maximum_radps - parameters.idle_radps));
+    data.reference_torque_nm = std::max(
+        data.reference_torque_nm, data.full_load[i].torque_nm + data.full_load[i].friction_nm);
+  }
+  // The greatest indicated torque is at a corner of the curve.
+  for (const TorquePoint& corner : parameters.full_load) {
+    data.reference_torque_nm = std::max(data.reference_torque_nm,
+                                        corner.torque_nm + engine.friction_nm(corner.speed_radps));
+  }
+  data.high_idle_radps = parameters.cut_off_radps;
+  data.governor_nmsprad = parameters.governor_nmsprad;
+  data.inertia_kgm2 = parameters.inertia_kgm2;
+  return data;
+}
+
 void Engine::advance(double h, double speed_radps, const EngineDemand& demand) {
   if (demand.control == EngineControl::speed) {
     const bool taken_over = demand_.control != EngineControl::speed;
@@ -82,6 +107,10 @@ EngineTorque Engine::torque(double speed_radps) const {
   if (demand_.limit_share < 1.0 && greatest.value > 0.0) {
     greatest.value *= demand_.limit_share;
     greatest.slope *= demand_.limit_share;
+  }
+
+  if (!demand_.fuel) {
+    return {least.value, p.drag_nmsprad, least.value, greatest.value};
   }
 
   // Proportional plus integral about the set speed, or the lagged share between the two limits.

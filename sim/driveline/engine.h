@@ -16,6 +16,7 @@ struct EngineDemand {
   double torque_share = 0.0;  ///< 0 .. 1 between friction and full load.
   double speed_radps = 0.0;   ///< With EngineControl::speed.
   double limit_share = 1.0;   ///< 0 .. 1 of full load that is not exceeded: a shift's ramp.
+  bool fuel = true;           ///< Without it the engine drags, whatever is asked for.
 };
 
 /// Torque near a speed: torque_nm - damping (speed' - speed), to be cut to the limits.
@@ -39,6 +40,7 @@ class Engine {
   [[nodiscard]] double full_load_nm(double speed_radps) const;
   [[nodiscard]] double friction_nm(double speed_radps) const;
   [[nodiscard]] double reference_torque_nm() const { return reference_torque_nm_; }
+  [[nodiscard]] const EngineDemand& demand() const { return demand_; }
   [[nodiscard]] const EngineParameters& parameters() const { return parameters_; }
 
  private:

@@ -35,6 +35,36 @@ double GearedDriveline::gear_ratio(const GearSelection& selection) const {
              : -gearbox_.reverse[static_cast<std::size_t>(-(selection.gear + 1))] * factor;
 }
 
+int GearedDriveline::select_gear(double rate_radps, double target_radps, int lower) const {
+  const int way = target_radps < 0.0 ? -1 : 1;
+  const std::vector<double>& gears = way < 0 ? gearbox_.reverse : gearbox_.forward;
+  const int asked = shift_.target().gear;
+  if (gears.empty()) {
+    return 0;
+  }
+  const EngineParameters& p = engine().engine().parameters();
+  const double crawler = shift_.target().crawler_group ? gearbox_.crawler_factor : 1.0;
+  const double selected = p.idle_radps + kSelected * (p.maximum_radps - p.idle_radps);
+  // Engine speed in a gear: ratio times the gearbox's output.
+  const auto turns = [&](int gear, double wheel_radps) {
+    return gears[static_cast<std::size_t>(gear - 1)] * crawler * axle_ratio() *
+           std::max(0.0, way * wheel_radps);
+  };
+  const int count = static_cast<int>(gears.size());
+  int best = 1;
+  int reached = 1;
+  for (int gear = 2; gear <= count; ++gear) {
+    best = turns(gear, target_radps) >= selected ? gear : best;
+    const bool launches = gears[static_cast<std::size_t>(gear - 1)] >= kLaunches * gears.front();
+    reached = launches || turns(gear, rate_radps) >= selected ? gear : reached;
+  }
+  const int wanted = std::max(1, std::min(best - lower, reached));
+  const int present = way * asked;
+  const bool keeps = present > wanted && present <= best - lower && present <= count &&
+                     turns(present, rate_radps) >= kLeft * selected;
+  return way * (keeps ? present : wanted);
+}
+
 void GearedDriveline::request(const VehicleCommand& command) {
   const GearSelection wanted{command.gear, command.crawler_group};
   if (has(wanted)) {

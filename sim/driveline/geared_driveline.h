@@ -21,7 +21,18 @@ class GearedDriveline final : public ClutchedDriveline {
   /// Gearbox input to output, reverse negative; 0 in neutral and for a gear that does not exist.
   [[nodiscard]] double gear_ratio(const GearSelection& selection) const;
 
+  /// The highest gear in which the engine has kSelected of its speeds at the target, reached gear
+  /// by gear as the wheels speed up; at standstill no higher than the launching gear.
+  [[nodiscard]] int select_gear(double rate_radps, double target_radps, int lower) const override;
+
  private:
+  /// Share of the engine's way from idle to maximum that a gear is chosen for.
+  static constexpr double kSelected = 0.35;
+  /// A gear is left for a lower one below this share of that speed.
+  static constexpr double kLeft = 0.75;
+  /// Gears with at least this share of the first one's ratio launch.
+  static constexpr double kLaunches = 0.45;
+
   void request(const VehicleCommand& command) override;
   void advance(double h, double output_radps, Transmission& transmission) override;
   [[nodiscard]] bool permitted(double output_radps) const;

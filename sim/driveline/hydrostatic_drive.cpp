@@ -43,6 +43,10 @@ void visit(fields::Visitor& v, HydrostaticDriveParameters& p) {
   v.number("engine_idle", p.engine_idle_radps, in("rpm").above(0), "Governor's least speed.");
   v.number("engine_rated", p.engine_rated_radps, in("rpm").above(0), "Governor's greatest speed.");
   v.number("engine_torque", p.engine_torque_nm, in("N m").above(0), "Engine's greatest torque.");
+  v.number("engine_drag", p.engine_drag_nm, in("N m").at_least(0),
+           "Engine's own friction, beside its torque; reported only.");
+  v.number("engine_inertia", p.engine_inertia_kgm2, in("kg m2").above(0),
+           "Inertia of crank and flywheel; reported only.");
   v.number("engine_droop", p.engine_droop, plain().between(0, 0.5),
            "Share of the engine's speed lost at greatest torque.");
   v.number("engine_time_constant", p.engine_time_constant_s, in("ms").at_least(0),
@@ -74,7 +78,7 @@ void HydrostaticDrive::begin(double h) {
   set_point_mps_ = after;
 
   // Droop: the governed speed falls by droop x load share; then the engine's lag.
-  const double governor = governor_radps();
+  const double governor = demand_.ignition ? governor_radps() : 0.0;
   const double load = std::clamp(pump_torque_nm() / p.engine_torque_nm, -1.0, 1.0) * p.engine_droop;
   engine_speed_radps_ =
       lag(engine_speed_radps_, governor * (1.0 - load), h, p.engine_time_constant_s);
@@ -181,7 +185,7 @@ HydrostaticDrive::Present HydrostaticDrive::present(const HydrostaticState& stat
   // Pump torque D alpha p, the engine's droop under it, flow w D alpha.
   const double torque = p.pump_displacement_m3prad * at.limited_swash * at.pressure_pa;
   const double load = std::clamp(torque / p.engine_torque_nm, -1.0, 1.0) * p.engine_droop;
-  at.governed_radps = governor_radps() * (1.0 - load);
+  at.governed_radps = demand_.ignition ? governor_radps() * (1.0 - load) : 0.0;
   at.engine_radps = p.engine_time_constant_s > 0.0 ? state.engine_speed_radps : at.governed_radps;
   at.flow_m3ps = at.engine_radps * p.pump_displacement_m3prad * at.limited_swash;
   return at;
@@ -255,6 +259,34 @@ double HydrostaticDrive::gauge_pressure_pa() const {
 
 double HydrostaticDrive::pump_torque_nm() const {
   return parameters_.pump_displacement_m3prad * limited_swash_ * pressure_pa();
+}
+
+EngineData HydrostaticDrive::engine_data() const {
+  const HydrostaticDriveParameters& p = parameters_;
+  EngineData data;
+  for (std::size_t i = 0; i < EngineData::kPoints; ++i) {
+    const double way = static_cast<double>(i) / (EngineData::kPoints - 1);
+    // Full load is reached with the droop.
+    const double last_radps = p.engine_rated_radps * (1.0 - p.engine_droop);
+    data.full_load[i] = {p.engine_idle_radps + way * (last_radps - p.engine_idle_radps),
+                         p.engine_torque_nm, p.engine_drag_nm};
+  }
+  data.high_idle_radps = p.engine_rated_radps;
+  data.reference_torque_nm = p.engine_torque_nm + p.engine_drag_nm;
+  const double droop_radps = p.engine_droop * p.engine_rated_radps;
+  data.governor_nmsprad = droop_radps > 0.0 ? p.engine_torque_nm / droop_radps : kNotMeasured;
+  data.inertia_kgm2 = p.engine_inertia_kgm2;
+  return data;
+}
+
+EngineSample HydrostaticDrive::engine_sample() const {
+  EngineSample sample;
+  sample.speed_radps = engine_speed_radps_;
+  sample.torque_nm = pump_torque_nm();
+  sample.friction_nm = engine_speed_radps_ > 0.0 ? parameters_.engine_drag_nm : 0.0;
+  sample.full_load_nm = parameters_.engine_torque_nm;
+  sample.desired_radps = demand_.ignition ? governor_radps() : 0.0;
+  return sample;
 }
 
 double HydrostaticDrive::engine_torque_share() const {

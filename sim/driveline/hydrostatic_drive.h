@@ -25,6 +25,7 @@
 
 #include "fields/rules.h"
 #include "sim/contact/bristle.h"
+#include "sim/samples/engine_sample.h"
 
 namespace rigwire::sim {
 
@@ -42,8 +43,10 @@ struct HydrostaticDriveParameters {
   double speed_max_mps = 11.5 / 3.6;
   double engine_idle_radps = 900.0 * std::numbers::pi / 30.0;
   double engine_rated_radps = 2200.0 * std::numbers::pi / 30.0;
-  double engine_torque_nm = 265.0;  ///< Greatest.
-  double engine_droop = 0.06;       ///< Share of speed lost at greatest torque.
+  double engine_torque_nm = 265.0;   ///< Greatest.
+  double engine_drag_nm = 40.0;      ///< The engine's own friction, beside that torque.
+  double engine_inertia_kgm2 = 0.6;  ///< For its data sheet.
+  double engine_droop = 0.06;        ///< Share of speed lost at greatest torque.
   double engine_time_constant_s = 0.4;
   bool flow_divider = false;  ///< Closed from the start, whatever the command.
   bool bypass = false;        ///< Towing valves open: no pressure, drums turn freely.
@@ -68,6 +71,7 @@ struct HydrostaticDemand {
   double travel_speed_mps = 0.0;    ///< Of the drums' surface, mean of both.
   double engine_speed_radps = 0.0;  ///< Of the governor; clamped to idle .. rated.
   bool flow_divider = false;
+  bool ignition = true;  ///< Off: the engine comes to rest.
 };
 
 /// What moves on in time beside the set point; also its rates.
@@ -130,6 +134,9 @@ class HydrostaticDrive {
   [[nodiscard]] double engine_speed_radps() const { return engine_speed_radps_; }
   /// Share of the engine's greatest torque that the pump takes; negative when it drives the engine.
   [[nodiscard]] double engine_torque_share() const;
+  /// What stands of the engine in data sheet and sample; the rest of the latter is not filled.
+  [[nodiscard]] EngineData engine_data() const;
+  [[nodiscard]] EngineSample engine_sample() const;
   [[nodiscard]] bool divided() const { return divided_; }
   [[nodiscard]] const HydrostaticDriveParameters& parameters() const { return parameters_; }
 

@@ -71,6 +71,26 @@ std::vector<double> GearboxParameters::geometric(int gears, double top, double s
   return ratios;
 }
 
+namespace {
+
+/// Diesel of 0.85 litres and 17 kW on 12 V; estimates.
+EngineConditionParameters utility_vehicle_engine() {
+  EngineConditionParameters p;
+  p.tank_m3 = 0.020;
+  p.indicated_efficiency = 0.40;
+  p.water_equivalent_kg = 12.0;
+  p.closed_kpw = 0.15;
+  p.open_kpw = 4.0e-3;
+  p.oil_relief_pa = 3.5e5;
+  p.fuel_pressure_pa = 3.0e4;
+  p.charging_v = 14.2;
+  p.rest_v = 12.6;
+  p.consumers_a = 8.0;
+  return p;
+}
+
+}  // namespace
+
 CvtParameters::CvtParameters() {
   // 50.7 Nm at 3200 rpm are the maker's 17 kW.
   engine.full_load = {
@@ -83,6 +103,7 @@ CvtParameters::CvtParameters() {
   engine.cut_off_radps = 3500 * kRadpsPerRpm;
   engine.governor_nmsprad = 6.0;
   engine.torque_lag_s = 0.1;
+  engine.condition = utility_vehicle_engine();
   clutch.centrifugal = true;
   clutch.capacity_nm = 90.0;
   clutch.open_radps = 1450 * kRadpsPerRpm;
@@ -127,6 +148,7 @@ void visit(fields::Visitor& v, EngineParameters& p) {
   v.number("governor_integral", p.governor_integral_s, in("s").above(0),
            "Time in which the set-speed governor repeats its torque.");
   v.number("torque_lag", p.torque_lag_s, in("ms").at_least(0), "Lag from accelerator to torque.");
+  v.section("condition", p.condition, "Temperatures, pressures, fuel and battery.");
 }
 
 void visit(fields::Visitor& v, ClutchParameters& p) {

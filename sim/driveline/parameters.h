@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "fields/rules.h"
+#include "sim/engine/engine_condition.h"
 #include "sim/samples/vehicle_sample.h"
 
 namespace rigwire::sim {
@@ -44,6 +45,7 @@ struct EngineParameters {
   double governor_nmsprad = 180.0;   ///< Idle and set-speed governor: torque per missing speed.
   double governor_integral_s = 1.0;  ///< Time in which the set-speed governor repeats it.
   double torque_lag_s = 0.15;        ///< Accelerator to torque, first order.
+  EngineConditionParameters condition;
 
   [[nodiscard]] double greatest_torque_nm() const;
 
@@ -52,6 +54,8 @@ struct EngineParameters {
 void visit(fields::Visitor& v, EngineParameters& p);
 /// Throws std::invalid_argument.
 void validate(const EngineParameters& parameters);
+/// Its data sheet.
+[[nodiscard]] EngineData engine_data(const EngineParameters& parameters);
 
 /// A friction clutch that an automatic or a centrifugal weight closes with speed: open below
 /// open_radps, in between in proportion, full capacity from full_radps on. As it opens above the

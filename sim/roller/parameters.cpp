@@ -72,6 +72,19 @@ void visit(fields::Visitor& v, DrumParameters& p) {
            "Coefficient of rolling resistance on hard ground.");
 }
 
+EngineConditionParameters roller_engine() {
+  EngineConditionParameters p;
+  p.tank_m3 = 0.150;
+  p.indicated_efficiency = 0.42;
+  p.water_equivalent_kg = 45.0;
+  p.closed_kpw = 0.03;
+  p.open_kpw = 1.0e-3;
+  p.charging_v = 14.2;
+  p.rest_v = 12.6;
+  p.consumers_a = 15.0;
+  return p;
+}
+
 void visit(fields::Visitor& v, RollerParameters& p) {
   v.choice("level", p.level, kRollerLevels, "What is modelled.");
   v.number("mass", p.mass_kg, in("kg").above(0), "Mass with drums, without water and chips.");
@@ -86,6 +99,7 @@ void visit(fields::Visitor& v, RollerParameters& p) {
   v.section("drum", p.drum, "Both drums.");
   v.section("steering", p.steering, "Both pivots.");
   v.section("drive", p.drive, "Engine, pump and motors.");
+  v.section("engine", p.engine, "Temperatures, pressures, fuel and battery.");
   v.number("brake_torque", p.brake_torque_nm, in("kN m").at_least(0),
            "Torque of each drum's service brake, fully applied.");
   v.number("parking_brake_torque", p.parking_brake_torque_nm, in("kN m").at_least(0),

@@ -13,6 +13,7 @@
 
 #include "fields/rules.h"
 #include "sim/driveline/hydrostatic_drive.h"
+#include "sim/engine/engine_condition.h"
 #include "sim/integration_scheme.h"
 #include "sim/roller/steering.h"
 #include "sim/roller/supplements.h"
@@ -45,6 +46,9 @@ struct DrumParameters {
 };
 void visit(fields::Visitor& v, DrumParameters& p);
 
+/// Diesel of 3.6 litres on 12 V; estimates.
+[[nodiscard]] EngineConditionParameters roller_engine();
+
 struct RollerParameters {
   RollerLevel level = RollerLevel::dynamic;
   double mass_kg = 8700.0;          ///< With both drums, without water and chips.
@@ -55,6 +59,7 @@ struct RollerParameters {
   DrumParameters drum;
   PivotSteeringParameters steering;
   HydrostaticDriveParameters drive;
+  EngineConditionParameters engine = roller_engine();
   double brake_torque_nm = 1.7e4;          ///< Of each drum, service brake fully applied.
   double parking_brake_torque_nm = 1.7e4;  ///< Of each drum.
   double brake_stiffness_nmprad = 1.2e7;   ///< Of a held drum against the frame.

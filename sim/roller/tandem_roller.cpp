@@ -52,6 +52,7 @@ TandemRoller::TandemRoller(const RollerParameters& parameters, const Ground& gro
     : parameters_(validated(parameters)),
       ground_(&ground),
       inner_span_(std::max(Duration{1}, from_seconds(parameters.step_s))),
+      engine_(parameters.engine),
       steering_{PivotSteering(parameters.steering), PivotSteering(parameters.steering)},
       vibration_{DrumVibration(parameters.front_vibration),
                  DrumVibration(parameters.rear_vibration)},
@@ -100,8 +101,16 @@ void TandemRoller::command(const VehicleCommand& command) {
   command_.engine_control = command.engine_control;
   take(command_.engine_torque_share, command.engine_torque_share, 0.0, 1.0);
   take(command_.engine_speed_radps, command.engine_speed_radps, 0.0, p.drive.engine_rated_radps);
-  take(command_.travel_speed_mps, command.travel_speed_mps, -p.drive.speed_max_mps,
-       p.drive.speed_max_mps);
+  command_.ignition = command.ignition;
+  if (!command.travel_speed_mps) {
+    command_.travel_speed_mps.reset();
+  } else if (std::isfinite(*command.travel_speed_mps)) {
+    command_.travel_speed_mps =
+        std::clamp(*command.travel_speed_mps, -p.drive.speed_max_mps, p.drive.speed_max_mps);
+  }
+  if (command.engine_speed_limit_radps >= 0.0) {
+    command_.engine_speed_limit_radps = command.engine_speed_limit_radps;
+  }
   take(command_.brake_share, command.brake_share, 0.0, 1.0);
   command_.parking_brake = command.parking_brake;
   take(command_.front_steer_rad, command.front_steer_rad, -p.steering.angle_max_rad,
@@ -116,12 +125,22 @@ void TandemRoller::command(const VehicleCommand& command) {
   vibration_[1].command(command_.vibration[1]);
   cutter_.command(command.edge_cutter_share);
   spreader_.command(command.spreader_rate_kgpm2);
+  command_drive();
+}
 
+void TandemRoller::command_drive() {
+  const RollerParameters& p = parameters_;
   HydrostaticDemand demand;
-  demand.travel_speed_mps = command_.parking_brake ? 0.0 : command_.travel_speed_mps;
+  const double wanted = command_.parking_brake ? 0.0 : command_.travel_speed_mps.value_or(0.0);
+  demand.travel_speed_mps = wanted + trim_mps_;
+  demand.ignition = command_.ignition;
   const double idle = p.drive.engine_idle_radps;
   const double rated = p.drive.engine_rated_radps;
-  if (command_.engine_control == EngineControl::speed && command_.engine_speed_radps > 0.0) {
+  if (command_.travel_speed_mps) {
+    // The engine is the drive's: rated while it travels.
+    demand.engine_speed_radps =
+        std::min(command_.parking_brake ? idle : rated, command_.engine_speed_limit_radps);
+  } else if (command_.engine_control == EngineControl::speed && command_.engine_speed_radps > 0.0) {
     demand.engine_speed_radps = command_.engine_speed_radps;
   } else if (command_.engine_control == EngineControl::torque &&
              command_.engine_torque_share > 0.0) {
@@ -156,7 +175,50 @@ void TandemRoller::step(Duration span) {
   update_dust();
 }
 
+void TandemRoller::hold_travel_speed(double h) {
+  constexpr double kRest_mps = 0.02;
+  constexpr double kTrimPerS = 0.5;
+  constexpr double kMostTrim_mps = 0.3;
+  constexpr double kBrakePerS = 4.0;
+  constexpr double kMissing_mps = 0.1;
+  constexpr double kMissing_s = 1.0;
+  const double before_mps = trim_mps_;
+  bool holds = false;
+  if (!command_.travel_speed_mps || command_.parking_brake) {
+    trim_mps_ = 0.0;
+    missing_s_ = 0.0;
+  } else {
+    const double wanted_mps = *command_.travel_speed_mps;
+    const double speed_mps = odometry().speed_mps;
+    const double ramped_mps = drive_.set_point_mps() - trim_mps_;
+    holds = wanted_mps == 0.0 && std::abs(ramped_mps) < kRest_mps &&
+            (holding_ || std::abs(speed_mps) < kRest_mps);
+    const double missing_mps = ramped_mps - speed_mps;
+    // Integral of what is missing, as a trim of the set point; none at rest.
+    trim_mps_ = wanted_mps == 0.0 ? 0.0
+                                  : std::clamp(trim_mps_ + h * kTrimPerS * missing_mps,
+                                               -kMostTrim_mps, kMostTrim_mps);
+    missing_s_ = std::abs(missing_mps) > kMissing_mps ? missing_s_ + h : 0.0;
+    travel_limit_ = missing_s_ < kMissing_s          ? TravelLimit::none
+                    : missing_mps * wanted_mps > 0.0 ? TravelLimit::power
+                                                     : TravelLimit::braking;
+  }
+  if (missing_s_ == 0.0) {
+    travel_limit_ = TravelLimit::none;
+  }
+  holding_ = holds;
+  const double held = std::max(command_.brake_share, holding_ ? 1.0 : 0.0);
+  // The service brake's way; opening and closing take time.
+  brake_share_ = command_.travel_speed_mps && std::abs(held - brake_share_) > kBrakePerS * h
+                     ? brake_share_ + std::copysign(kBrakePerS * h, held - brake_share_)
+                     : held;
+  if (trim_mps_ != before_mps) {
+    command_drive();
+  }
+}
+
 void TandemRoller::inner_step(double h) {
+  hold_travel_speed(h);
   const Eigen::Matrix3d R_WB = state_.q_WB.toRotationMatrix();
   const Eigen::Vector3d v_B = R_WB.transpose() * state_.v_WB_W;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -188,6 +250,10 @@ void TandemRoller::inner_step(double h) {
     return;
   }
   state_ = next;
+  const EngineSample engine = drive_.engine_sample();
+  const double indicated_nm = engine.torque_nm + engine.friction_nm;
+  engine_.step(h, engine.speed_radps, indicated_nm,
+               indicated_nm / (engine.full_load_nm + engine.friction_nm));
   for (std::size_t i = 0; i < 2; ++i) {
     spin_acceleration_radps2_[i] = (spin_radps_[i] - spin_before[i]) / h;
     spin_angle_rad_[i] += h * spin_radps_[i];
@@ -265,7 +331,7 @@ void TandemRoller::load_strips(const Eigen::Matrix3d& R_WB, double speed_mps) {
     }
     loads_.rolling_limit_nm[i] = rolling_n * p.drum.radius_m;
     loads_.brake_limit_nm[i] = std::max(command_.parking_brake ? p.parking_brake_torque_nm : 0.0,
-                                        command_.brake_share * p.brake_torque_nm);
+                                        brake_share_ * p.brake_torque_nm);
   }
 }
 

@@ -68,6 +68,7 @@ class TandemRoller final : public Machine, public VehiclePort {
 
   void command(const VehicleCommand& command) override;
   [[nodiscard]] VehicleSample vehicle_sample(SimTime time) const override;
+  [[nodiscard]] EngineData engine_data() const override { return drive_.engine_data(); }
 
   /// Sets the motion of the frame in its own plane, for tests: forward and left at the origin,
   /// yaw rate; the drums roll along.
@@ -101,6 +102,10 @@ class TandemRoller final : public Machine, public VehiclePort {
   };
 
   void inner_step(double h);
+  /// Holds the travel speed that is commanded: trims the drive's set point by what the drums are
+  /// slower than it, and applies the brake at rest.
+  void hold_travel_speed(double h);
+  void command_drive();
   void supplements(double h, double speed_mps);
   /// Loads and friction limits of all strips, weight, supplements.
   void load_strips(const Eigen::Matrix3d& R_WB, double speed_mps);
@@ -120,6 +125,12 @@ class TandemRoller final : public Machine, public VehiclePort {
   Eigen::Vector3d start_W_ = Eigen::Vector3d::Zero();
   Duration inner_span_{};
   VehicleCommand command_;
+  EngineCondition engine_;
+  bool holding_ = false;
+  double brake_share_ = 0.0;  ///< With what holds the machine at rest.
+  double trim_mps_ = 0.0;
+  double missing_s_ = 0.0;  ///< Since when the speed is missed.
+  TravelLimit travel_limit_ = TravelLimit::none;
 
   std::array<PivotSteering, 2> steering_;
   std::array<DrumVibration, 2> vibration_;

@@ -133,14 +133,14 @@ OdometryReading TandemRoller::odometry() const {
 VehicleSample TandemRoller::vehicle_sample(SimTime time) const {
   VehicleSample sample;
   sample.time = time;
-  sample.engine_speed_radps = drive_.engine_speed_radps();
-  sample.engine_torque_share = drive_.engine_torque_share();
+  sample.engine = drive_.engine_sample();
+  engine_.read(sample.engine);
   sample.driveline_engaged = !parameters_.drive.bypass;
   sample.wheel_rate_radps = {spin_radps_[0], spin_radps_[0], spin_radps_[1], spin_radps_[1]};
   sample.wheel_radius_m.fill(parameters_.drum.radius_m);
   sample.front_steer_rad = steering_[0].angle_rad();
   sample.rear_steer_rad = steering_[1].angle_rad();
-  sample.brake_share = command_.brake_share;
+  sample.brake_share = brake_share_;
   sample.parking_brake = command_.parking_brake;
   sample.lock[static_cast<std::size_t>(Differential::centre)] = drive_.divided();
   sample.hydraulic_pressure_pa = pressure_pa_;
@@ -149,6 +149,8 @@ VehicleSample TandemRoller::vehicle_sample(SimTime time) const {
   sample.spreader_rate_kgpm2 = spreader_.rate_kgpm2();
   sample.hopper_mass_kg = spreader_.mass_kg();
   sample.odometry = odometry();
+  sample.ground_speed_mps = links_[0].X_WL.linear().col(0).dot(links_[0].v_WL_W);
+  sample.travel_limit = travel_limit_;
   return sample;
 }
 

@@ -8,7 +8,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
+#include "sim/samples/engine_sample.h"
 #include "sim/samples/time.h"
 
 namespace rigwire {
@@ -24,14 +26,35 @@ enum class EngineControl : std::uint8_t {
   speed,   ///< The governor holds a speed.
 };
 
+/// Ends of the machine that implements hang on, and their places in the arrays below.
+enum class ImplementEnd : std::size_t { front = 0, rear = 1 };
+inline constexpr std::size_t kImplementEnds = 2;
+
+/// Of one end's power take-off shaft.
+struct PowerTakeOffCommand {
+  bool engaged = false;
+  /// Of the shaft, which the engine's governor then holds; nothing: as the engine turns.
+  std::optional<double> speed_radps;
+
+  friend bool operator==(const PowerTakeOffCommand&, const PowerTakeOffCommand&) = default;
+};
+
 /// Everything holds until the next command. The default is a machine that stands with its brake on.
 struct VehicleCommand {
-  SimTime time{};  ///< When the controller's output changed.
+  SimTime time{};        ///< When the controller's output changed.
+  bool ignition = true;  ///< Off: the engine gets no fuel.
   EngineControl engine_control = EngineControl::torque;
   double engine_torque_share = 0.0;  ///< 0 .. 1, with EngineControl::torque.
   double engine_speed_radps = 0.0;   ///< With EngineControl::speed.
-  double travel_speed_mps = 0.0;     ///< Set point of a hydrostatic drive; reverse negative.
-  double brake_share = 0.0;          ///< 0 .. 1 of the service brake's torque.
+  /// Travel speed that the machine's own controller holds through engine, gear and brakes, or
+  /// through its hydrostatic drive; reverse negative, 0 stops and holds. Nothing: engine, gear and
+  /// brakes are as asked for above and below. While it is given, the engine is the controller's.
+  std::optional<double> travel_speed_mps;
+  /// Of the engine while travel_speed_mps is given.
+  double engine_speed_limit_radps = std::numeric_limits<double>::infinity();
+  double engine_torque_limit_share = 1.0;
+  bool automatic_gear = false;  ///< With travel_speed_mps: the controller shifts, `gear` is left.
+  double brake_share = 0.0;     ///< 0 .. 1 of the service brake's torque.
   bool parking_brake = true;
   int gear = 0;                  ///< 0 neutral, reverse negative.
   bool crawler_group = false;    ///< The transmission's low group; changes at standstill only.
@@ -42,6 +65,9 @@ struct VehicleCommand {
   std::array<bool, 2> vibration{};                 ///< Front and rear drum.
   double edge_cutter_share = 0.0;                  ///< 0 raised .. 1 pressed down.
   double spreader_rate_kgpm2 = 0.0;                ///< Of the chip spreader.
+  /// Height of each hitch, 0 down .. 1 up; nothing: it stays where it is.
+  std::array<std::optional<double>, kImplementEnds> hitch_share{};
+  std::array<PowerTakeOffCommand, kImplementEnds> power_take_off{};
 
   friend bool operator==(const VehicleCommand&, const VehicleCommand&) = default;
 };
@@ -54,12 +80,31 @@ struct OdometryReading {
   double slip_angle_rad = 0.0;  ///< Of the reference point's velocity against the body's x.
 };
 
+/// Why a travel speed that is asked for is not held.
+enum class TravelLimit : std::uint8_t {
+  none,
+  power,    ///< Slower than asked for, with all that drive and gear can give.
+  braking,  ///< Faster than asked for, with all that drive and brakes can take.
+};
+
+struct HitchReading {
+  bool present = false;
+  double height_share = 0.0;  ///< 0 down .. 1 up.
+};
+
+struct PowerTakeOffReading {
+  bool present = false;
+  bool engaged = false;
+  double speed_radps = 0.0;
+};
+
 /// What the machine's own sensors read at one instant.
 struct VehicleSample {
   SimTime time{};
-  double engine_speed_radps = 0.0;
-  double engine_torque_share =
-      0.0;       ///< Of the reference (greatest) torque; negative when dragging.
+  EngineSample engine;
+  /// Whether the machine travels by these commands; without, only engine, hitches and power
+  /// take-offs mean anything.
+  bool drives = true;
   int gear = 0;  ///< Engaged.
   int gear_requested = 0;
   bool crawler_group = false;
@@ -84,6 +129,10 @@ struct VehicleSample {
   double spreader_rate_kgpm2 = 0.0;
   double hopper_mass_kg = 0.0;
   OdometryReading odometry;
+  double ground_speed_mps = kNotMeasured;  ///< Over the ground, forward, whatever the wheels do.
+  TravelLimit travel_limit = TravelLimit::none;
+  std::array<HitchReading, kImplementEnds> hitch{};
+  std::array<PowerTakeOffReading, kImplementEnds> power_take_off{};
 };
 
 }  // namespace rigwire

@@ -7,7 +7,6 @@ namespace rigwire::sim {
 namespace {
 
 constexpr int kMostPasses = 6;
-constexpr double kTravelLag_s = 0.5;
 constexpr double kHoldDampingRatio = 0.7;
 
 }  // namespace
@@ -117,11 +116,7 @@ void KinematicVehicle::inner_step(double h) {
   update_geometry();
   WheelVector rates = rate_per_speed_ * speed_mps_;
   driveline_->begin(h, axle(0).wheel_spin_inertia_kgm2, rates);
-  double found = drive(h);
-  if (command_.travel_speed_mps != 0.0) {
-    // First-order lag to the commanded speed, exact over h.
-    found = speed_mps_ - (command_.travel_speed_mps - speed_mps_) * std::expm1(-h / kTravelLag_s);
-  }
+  const double found = drive(h);
   if (!std::isfinite(found)) {
     record_non_finite("speed", "body");
     return;

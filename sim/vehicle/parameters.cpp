@@ -144,6 +144,10 @@ double fastest_mode_radps(const WheeledVehicleParameters& parameters) {
 }
 
 WheeledVehicleParameters::WheeledVehicleParameters() {
+  for (std::size_t i = 0; i < kImplementEnds; ++i) {
+    implements.hitch[i].fitted = true;
+    implements.power_take_off[i].fitted = true;
+  }
   front.position_x_m = 3.85;
   front.steering.angle_max_rad = 32.0 * kDegree;
   rear.parking_brake_nm = 3.2e4;
@@ -180,6 +184,7 @@ StaticLoads static_loads(const WheeledVehicleParameters& parameters) {
 
 WheeledVehicleParameters gator_855d() {
   WheeledVehicleParameters p;
+  p.implements = {};
   p.body = {880.0, {0.95, 0.0, 0.66}, {230.0, 640.0, 730.0}};
   for (VehicleAxleParameters* axle : {&p.front, &p.rear}) {
     axle->type = AxleType::independent;
@@ -335,6 +340,25 @@ void visit(fields::Visitor& v, ChassisContactParameters& p) {
   v.number("damping", p.damping_nspm, in("N s/m").at_least(0), "Damping of each corner.");
 }
 
+void visit(fields::Visitor& v, HitchParameters& p) {
+  v.boolean("fitted", p.fitted, "Whether there is a hitch.");
+  v.number("travel_time", p.travel_time_s, in("s").above(0), "Time from down to up.");
+}
+
+void visit(fields::Visitor& v, PowerTakeOffParameters& p) {
+  v.boolean("fitted", p.fitted, "Whether there is a power take-off.");
+  v.number("ratio", p.ratio, plain().above(0), "Engine's speed over the shaft's.");
+  v.number("engage_time", p.engage_time_s, in("s").above(0),
+           "Time in which its clutch brings the shaft to speed, and to rest.");
+}
+
+void visit(fields::Visitor& v, ImplementParameters& p) {
+  v.section("front_hitch", p.hitch[0], "Hitch at the front.");
+  v.section("rear_hitch", p.hitch[1], "Hitch at the rear.");
+  v.section("front_power_take_off", p.power_take_off[0], "Power take-off at the front.");
+  v.section("rear_power_take_off", p.power_take_off[1], "Power take-off at the rear.");
+}
+
 void visit(fields::Visitor& v, WheeledVehicleParameters& p) {
   v.choice("level", p.level, kVehicleLevels, "How much of the vehicle is computed.");
   v.section("body", p.body, "What the springs carry.");
@@ -344,6 +368,8 @@ void visit(fields::Visitor& v, WheeledVehicleParameters& p) {
            "Stiffness of a brake that holds, at the wheel.");
   v.section("tyre_pressure", p.tyre_pressure, "Central tyre inflation.");
   v.section("chassis", p.chassis, "Corners that may hit something.");
+  v.section("travel", p.travel, "Controller of the travel speed.");
+  v.section("implements", p.implements, "Hitches and power take-offs.");
   v.number("air_drag", p.air_drag_ns2pm2, plain().at_least(0),
            "Air drag per speed squared, N per (m/s)^2.");
   v.choice("scheme", p.scheme, kIntegrationSchemes, "How level full steps its equations.");

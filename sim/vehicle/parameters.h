@@ -22,6 +22,7 @@
 #include "sim/integration_scheme.h"
 #include "sim/samples/vehicle_sample.h"
 #include "sim/tyre/tyre.h"
+#include "sim/vehicle/travel_control.h"
 
 namespace rigwire::sim {
 
@@ -141,6 +142,28 @@ void visit(fields::Visitor& v, ChassisContactParameters& p);
 /// Throws std::invalid_argument.
 void validate(const ChassisContactParameters& parameters);
 
+/// A three-point hitch without its implement: its own way only, no load on it and no mass.
+struct HitchParameters {
+  bool fitted = false;
+  double travel_time_s = 3.0;  ///< From down to up.
+};
+void visit(fields::Visitor& v, HitchParameters& p);
+
+/// A power take-off shaft that turns with the engine, nothing on it.
+struct PowerTakeOffParameters {
+  bool fitted = false;
+  double ratio = 2.0;          ///< Engine's speed over the shaft's.
+  double engage_time_s = 1.0;  ///< Of its clutch.
+};
+void visit(fields::Visitor& v, PowerTakeOffParameters& p);
+
+/// What implements hang on and are driven by, front and rear.
+struct ImplementParameters {
+  std::array<HitchParameters, kImplementEnds> hitch;
+  std::array<PowerTakeOffParameters, kImplementEnds> power_take_off;
+};
+void visit(fields::Visitor& v, ImplementParameters& p);
+
 struct WheeledVehicleParameters {
   VehicleLevel level = VehicleLevel::full;
   SprungBodyParameters body;
@@ -149,6 +172,8 @@ struct WheeledVehicleParameters {
   double brake_stiffness_nmprad = 4.0e5;  ///< Of a brake that holds, at the wheel.
   TyrePressureParameters tyre_pressure;
   ChassisContactParameters chassis;
+  TravelControlParameters travel;
+  ImplementParameters implements;
   double air_drag_ns2pm2 = 3.3;  ///< Force per speed squared, at the centre of mass.
   /// Of level full; the others know linearly_implicit_euler only.
   IntegrationScheme scheme = IntegrationScheme::linearly_implicit_euler;

@@ -40,6 +40,13 @@ double finite_or(double value, double otherwise) {
   return std::isfinite(value) ? value : otherwise;
 }
 
+TravelMachine travel_machine(const WheeledVehicleParameters& p, const StaticLoads& loads) {
+  return {p.mass_kg(), loads.wheel_height_m[1],
+          p.front.brake_torque_nm / loads.wheel_height_m[0] +
+              p.rear.brake_torque_nm / loads.wheel_height_m[1],
+          p.gravity_mps2};
+}
+
 }  // namespace
 
 WheeledVehicle::WheeledVehicle(const WheeledVehicleParameters& parameters, const Ground& ground,
@@ -50,6 +57,7 @@ WheeledVehicle::WheeledVehicle(const WheeledVehicleParameters& parameters, const
       static_(static_loads(parameters)),
       steering_{SteeringActuator(parameters.front.steering),
                 SteeringActuator(parameters.rear.steering)},
+      travel_(parameters.travel, travel_machine(parameters, static_)),
       road_dust_kgpm_(road_dust_kgpm(parameters.mass_kg())),
       inner_span_(std::max(Duration{1}, from_seconds(parameters.step_s))) {
   if (driveline_ == nullptr) {
@@ -90,7 +98,34 @@ void WheeledVehicle::update_dust() {
   }
 }
 
+void WheeledVehicle::step_travel(double h) {
+  if (!command_.travel_speed_mps) {
+    return;
+  }
+  drive_ = command_;
+  travel_.step(h, *driveline_, links_[0].X_WL.linear()(2, 0), drive_);
+  driveline_->command(drive_);
+}
+
+void WheeledVehicle::step_implements(double h) {
+  const ImplementParameters& p = parameters_.implements;
+  const auto approach = [](double& share, double target, double most) {
+    share += std::clamp(target - share, -most, most);
+  };
+  for (std::size_t i = 0; i < kImplementEnds; ++i) {
+    if (p.hitch[i].fitted && command_.hitch_share[i]) {
+      approach(hitch_share_[i], *command_.hitch_share[i], h / p.hitch[i].travel_time_s);
+    }
+    if (p.power_take_off[i].fitted) {
+      approach(shaft_share_[i], command_.power_take_off[i].engaged ? 1.0 : 0.0,
+               h / p.power_take_off[i].engage_time_s);
+    }
+  }
+}
+
 void WheeledVehicle::step_actuators(double h) {
+  step_travel(h);
+  step_implements(h);
   steering_[0].step(h);
   steering_[1].step(h);
   update_steering();
@@ -124,7 +159,7 @@ void WheeledVehicle::update_steering() {
 double WheeledVehicle::brake_limit_nm(std::size_t wheel) const {
   const VehicleAxleParameters& a = axle(wheel / 2);
   // Half of its axle's torque each: service brake by its share, and the parking brake.
-  return 0.5 * (command_.brake_share * a.brake_torque_nm +
+  return 0.5 * (drive_.brake_share * a.brake_torque_nm +
                 (command_.parking_brake ? a.parking_brake_nm : 0.0));
 }
 
@@ -135,7 +170,15 @@ void WheeledVehicle::command(const VehicleCommand& command) {
       std::clamp(finite_or(command.engine_torque_share, old.engine_torque_share), 0.0, 1.0);
   command_.engine_speed_radps =
       std::max(0.0, finite_or(command.engine_speed_radps, old.engine_speed_radps));
-  command_.travel_speed_mps = finite_or(command.travel_speed_mps, old.travel_speed_mps);
+  if (command.travel_speed_mps && !std::isfinite(*command.travel_speed_mps)) {
+    command_.travel_speed_mps = old.travel_speed_mps;
+  }
+  command_.engine_speed_limit_radps =
+      std::isnan(command.engine_speed_limit_radps) || command.engine_speed_limit_radps < 0.0
+          ? old.engine_speed_limit_radps
+          : command.engine_speed_limit_radps;
+  command_.engine_torque_limit_share = std::clamp(
+      finite_or(command.engine_torque_limit_share, old.engine_torque_limit_share), 0.0, 1.0);
   command_.brake_share = std::clamp(finite_or(command.brake_share, old.brake_share), 0.0, 1.0);
   command_.front_steer_rad = finite_or(command.front_steer_rad, old.front_steer_rad);
   command_.rear_steer_rad = finite_or(command.rear_steer_rad, old.rear_steer_rad);
@@ -152,7 +195,30 @@ void WheeledVehicle::command(const VehicleCommand& command) {
   }
   steering_[0].command(command_.front_steer_rad);
   steering_[1].command(command_.rear_steer_rad);
-  driveline_->command(command_);
+  for (std::size_t i = 0; i < kImplementEnds; ++i) {
+    std::optional<double>& share = command_.hitch_share[i];
+    if (share) {
+      share = std::clamp(finite_or(*share, hitch_share_[i]), 0.0, 1.0);
+    }
+    std::optional<double>& speed = command_.power_take_off[i].speed_radps;
+    if (speed && !std::isfinite(*speed)) {
+      speed.reset();
+    }
+  }
+  if (!command_.travel_speed_mps) {
+    travel_.release();
+    drive_ = command_;
+    for (std::size_t i = 0; i < kImplementEnds; ++i) {
+      const PowerTakeOffCommand& shaft = command_.power_take_off[i];
+      if (parameters_.implements.power_take_off[i].fitted && shaft.engaged && shaft.speed_radps) {
+        // The governor holds the shaft's speed.
+        drive_.engine_control = EngineControl::speed;
+        drive_.engine_speed_radps =
+            *shaft.speed_radps * parameters_.implements.power_take_off[i].ratio;
+      }
+    }
+    driveline_->command(drive_);
+  }
 }
 
 VehicleSample WheeledVehicle::vehicle_sample(SimTime time) const {
@@ -167,11 +233,20 @@ VehicleSample WheeledVehicle::vehicle_sample(SimTime time) const {
   sample.tyre_pressure_target_pa = pressure_target_pa_;
   sample.front_steer_rad = steering_[0].angle_rad();
   sample.rear_steer_rad = steering_[1].angle_rad();
-  sample.brake_share = command_.brake_share;
+  sample.brake_share = drive_.brake_share;
   sample.parking_brake = command_.parking_brake;
   const OdometryParameters model{parameters_.front.position_x_m, -parameters_.rear.position_x_m,
                                  parameters_.front.track_m, OdometryWheels::all};
   sample.odometry = odometry(model, sample);
+  const LinkMotion& body = links_[0];
+  sample.ground_speed_mps = body.X_WL.linear().col(0).dot(body.v_WL_W);
+  sample.travel_limit = travel_.limit();
+  for (std::size_t i = 0; i < kImplementEnds; ++i) {
+    const PowerTakeOffParameters& shaft = parameters_.implements.power_take_off[i];
+    sample.hitch[i] = {parameters_.implements.hitch[i].fitted, hitch_share_[i]};
+    sample.power_take_off[i] = {shaft.fitted, shaft_share_[i] > 0.0,
+                                shaft_share_[i] * sample.engine.speed_radps / shaft.ratio};
+  }
   return sample;
 }
 
@@ -191,7 +266,7 @@ void WheeledVehicle::read_status(std::span<double> values) const {
   const LinkMotion& body = links_[0];
   const Eigen::Matrix3d& R = body.X_WL.linear();
   values[0] = 3.6 * R.col(0).dot(body.v_WL_W);
-  values[1] = sample.engine_speed_radps * 30.0 / std::numbers::pi;
+  values[1] = sample.engine.speed_radps * 30.0 / std::numbers::pi;
   values[2] = sample.gear;
   values[3] = steering_[0].angle_rad() / kDegree;
   // Pitch, x above the horizon, and roll about x: of the rotation z-y-x.

@@ -20,6 +20,7 @@
 #include "sim/machine.h"
 #include "sim/vehicle/parameters.h"
 #include "sim/vehicle/steering.h"
+#include "sim/vehicle/travel_control.h"
 
 namespace rigwire::sim {
 
@@ -75,6 +76,7 @@ class WheeledVehicle : public Machine, public VehiclePort {
   /// Exact readings; what a real sensor makes of them is sim/vehicle_sensors' matter. Radii are
   /// those of the design position, as a controller has them; odometry is that of B's origin.
   [[nodiscard]] VehicleSample vehicle_sample(SimTime time) const final;
+  [[nodiscard]] EngineData engine_data() const final { return driveline_->engine_data(); }
 
   /// Along the body's x, all wheels rolling; for tests and for rigs that begin on the move.
   virtual void start_rolling(double speed_mps) = 0;
@@ -112,7 +114,8 @@ class WheeledVehicle : public Machine, public VehiclePort {
   const Ground* ground_;
   std::unique_ptr<Driveline> driveline_;
   StaticLoads static_;
-  VehicleCommand command_;
+  VehicleCommand command_;  ///< As it was asked for.
+  VehicleCommand drive_;    ///< The same with what the travel control makes of it.
   std::array<WheelState, kWheels> wheels_;
   std::array<double, 4> suspension_{};
   std::array<LinkMotion, kWheeledLinks.size()> links_;
@@ -120,8 +123,13 @@ class WheeledVehicle : public Machine, public VehiclePort {
 
  private:
   void step_actuators(double h);
+  void step_travel(double h);
+  void step_implements(double h);
   void update_dust();
 
+  TravelControl travel_;
+  std::array<double, kImplementEnds> hitch_share_{};  ///< 0 down .. 1 up.
+  std::array<double, kImplementEnds> shaft_share_{};  ///< Of the speed that the engine gives it.
   double road_dust_kgpm_;
   std::array<DustEmitter, kWheels> dust_;
   Duration inner_span_;

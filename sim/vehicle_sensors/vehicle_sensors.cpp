@@ -33,6 +33,19 @@ const OdometryParameters& checked(const OdometryParameters& parameters) {
 
 }  // namespace
 
+void visit(fields::Visitor& v, GroundRadarParameters& p) {
+  v.boolean("fitted", p.fitted, "Whether there is one; without, no ground-based speed.");
+  v.number("least_speed", p.least_mps, in("m/s").between(0, 10),
+           "Speed below which it gives no pulses.");
+  v.number("greatest_speed", p.greatest_mps, in("m/s").above(0),
+           "Speed above which its pulses come no faster.");
+  v.number("pulses_per_metre", p.pulses_pm, fields::plain().above(0),
+           "Doppler pulses in a metre of way.");
+  v.number("gate", p.gate_s, in("ms").above(0), "Time over which pulses are counted.");
+  v.number("scale_error", p.scale_error, in("%").between(0, 20),
+           "Standard deviation of its scale: of the angle that it is mounted at.");
+}
+
 void visit(fields::Visitor& v, VehicleSensorParameters& p) {
   v.boolean("perfect", p.perfect, "No error at all, whatever the other keys say.");
   v.integer("ticks_per_revolution", p.ticks_per_revolution, IntegerRule{0, 1000000},
@@ -54,6 +67,7 @@ void visit(fields::Visitor& v, VehicleSensorParameters& p) {
            "Standard deviation of each pressure's offset.");
   v.number("pressure_quantum", p.pressure_quantum_pa, in("kPa").at_least(0),
            "Step of the pressures; 0 = continuous.");
+  v.section("ground_radar", p.ground_radar, "Speed over the ground by Doppler radar.");
 }
 
 void validate(const VehicleSensorParameters& p) {
@@ -74,6 +88,9 @@ VehicleSensors::VehicleSensors(const VehicleSensorParameters& parameters,
   for (Steering& axle : steering_) {
     axle.offset_rad = parameters_.steer_offset_rad * steering.gaussian();
   }
+  RandomStream radar(seed, prefix + "/ground_radar");
+  radar_.factor =
+      1.0 + parameters_.ground_radar.scale_error * std::clamp(radar.gaussian(), -4.9, 4.9);
   RandomStream pressure(seed, prefix + "/pressure");
   for (double& offset : pressure_offset_pa_) {
     offset = parameters_.pressure_offset_pa * pressure.gaussian();
@@ -107,6 +124,31 @@ void VehicleSensors::count(const VehicleSample& exact) {
   if (gate_ends) {
     gate_elapsed_s_ = 0.0;
   }
+}
+
+double VehicleSensors::ground_speed(const VehicleSample& exact) {
+  const GroundRadarParameters& p = parameters_.ground_radar;
+  if (!p.fitted || !std::isfinite(exact.ground_speed_mps)) {
+    return p.fitted ? exact.ground_speed_mps : kNotMeasured;
+  }
+  const double speed_mps = std::abs(exact.ground_speed_mps);
+  const double seen_mps =
+      speed_mps < p.least_mps ? 0.0 : radar_.factor * std::min(speed_mps, p.greatest_mps);
+  const double span_s = started_ ? std::max(0.0, to_seconds(exact.time - last_time_)) : 0.0;
+  if (!started_) {
+    radar_.reading_mps = std::round(seen_mps * p.gate_s * p.pulses_pm) / (p.gate_s * p.pulses_pm);
+  }
+  // Way by the trapezoidal rule, in pulses; whole ones of a gate over its time.
+  radar_.pulses += 0.5 * (radar_.last_mps + seen_mps) * span_s * p.pulses_pm;
+  radar_.last_mps = seen_mps;
+  radar_.elapsed_s += span_s;
+  if (radar_.elapsed_s >= p.gate_s - 1e-9) {
+    const double whole = std::floor(radar_.pulses + 1e-9);
+    radar_.reading_mps = whole / (p.pulses_pm * radar_.elapsed_s);
+    radar_.pulses -= whole;
+    radar_.elapsed_s = 0.0;
+  }
+  return radar_.reading_mps;
 }
 
 double VehicleSensors::steering_angle(Steering& steering, double angle_rad) const {
@@ -153,6 +195,7 @@ VehicleSample VehicleSensors::measure(const VehicleSample& exact) {
           (known > 0.0 ? known : exact.wheel_radius_m[i]) * radius_factor_[i];
       reading.tyre_pressure_pa[i] = pressure(exact.tyre_pressure_pa[i], pressure_offset_pa_[i]);
     }
+    reading.ground_speed_mps = ground_speed(exact);
     reading.hydraulic_pressure_pa =
         pressure(exact.hydraulic_pressure_pa, pressure_offset_pa_[kWheels]);
     reading.front_steer_rad = steering_angle(steering_[0], exact.front_steer_rad);

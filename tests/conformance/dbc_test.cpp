@@ -100,8 +100,8 @@ TEST_F(Dbc, CanmatrixDecodesADrivingUnimog) {
   settings.has_position = true;
   emulators::VehicleGateway gateway(settings, bus);
   VehicleSample sample;
-  sample.engine_speed_radps = 188.5;
-  sample.engine_torque_share = -0.2;
+  sample.engine.speed_radps = 188.5;
+  sample.engine.torque_nm = 300.0;
   sample.wheel_radius_m.fill(0.5);
   sample.wheel_rate_radps = {9.0, 10.0, 11.0, 12.0};
   sample.front_steer_rad = 0.2;

@@ -34,10 +34,13 @@ class VehicleGatewayConformance : public testing::Test {
     VehicleGatewaySettings settings;
     settings.source_address = kSource;
     settings.steering = SteeringLayout::crab;
+    settings.engine.reference_torque_nm = 1000.0;
     VehicleGateway gateway(settings, capture);
     VehicleSample sample;
-    sample.engine_speed_radps = 1800.0 * 2.0 * 3.14159265358979 / 60.0;
-    sample.engine_torque_share = 0.40;
+    sample.engine.speed_radps = 1800.0 * 2.0 * 3.14159265358979 / 60.0;
+    sample.engine.torque_nm = 340.0;
+    sample.engine.friction_nm = 60.0;
+    sample.engine.full_load_nm = 740.0;
     sample.gear = sample.gear_requested = 3;
     sample.gear_ratio = 2.5;
     sample.wheel_radius_m.fill(0.5);

@@ -87,7 +87,7 @@ void VehicleRig::obey(const VehicleCommand& command) {
   plant.brake_mps2 = parking_brake_ ? kFullBrake_mps2 : command.brake_share * kFullBrake_mps2;
   plant.wish_mps = 0.0;
   if (kind_ == Kind::roller) {
-    plant.wish_mps = command.travel_speed_mps;
+    plant.wish_mps = command.travel_speed_mps.value_or(0.0);
   } else if (gear_ > 0 && command.engine_control == EngineControl::speed &&
              command.engine_speed_radps > 80.0) {
     const path_follow::SpeedControlSettings drive;
@@ -105,7 +105,7 @@ VehicleSample VehicleRig::sample() const {
   sample.wheel_rate_radps.fill(plant.speed_mps / kWheelRadius_m);
   sample.front_steer_rad = plant.front_rad;
   sample.rear_steer_rad = plant.rear_rad;
-  sample.engine_speed_radps = 100.0;
+  sample.engine.speed_radps = 100.0;
   sample.odometry = {plant.speed_mps * std::cos(plant.slip_rad), 0.0, plant.slip_rad};
   return sample;
 }

@@ -11,6 +11,8 @@
 #include "protocols/vehicle/condition.h"
 #include "protocols/vehicle/diagnostics.h"
 #include "protocols/vehicle/engine.h"
+#include "protocols/vehicle/engine_configuration.h"
+#include "protocols/vehicle/implement.h"
 #include "protocols/vehicle/joystick.h"
 #include "protocols/vehicle/machine.h"
 #include "protocols/vehicle/position.h"
@@ -62,6 +64,7 @@ void check_all(const Frame& frame) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   (void)vehicle::decode_trouble_report(std::span(data, size));
+  (void)vehicle::decode_engine_configuration(std::span(data, size));
   constexpr std::size_t kRecord = 1 + 1 + 8;  // format, length, data
   for (; size >= kRecord; data += kRecord, size -= kRecord) {
     Frame frame;
@@ -75,7 +78,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
               GuidanceMachineInfo, GuidanceCommand, Tire1, Tire2, Tpri, Tprs, Hpg,
               MachineFunctionCommand, MachineFunctionState, Sas, GroundBasedSpeed, Tp1, Tp2, Tp3,
               Eflp1, Et1, Dd1, VehicleFluids, Hours, Bjm1, Bjm2, Ejm1, Ejm2, VehiclePosition,
-              VehicleDirectionSpeed, VehiclePosition2>(frame);
+              VehicleDirectionSpeed, VehiclePosition2, Eec3, Vep1, Lfe1, Lfc1, RearHitchStatus,
+              FrontHitchStatus, RearPowerTakeOffStatus, FrontPowerTakeOffStatus,
+              HitchPowerTakeOffCommand, MaintainPower, LanguageCommand>(frame);
   }
   return 0;
 }

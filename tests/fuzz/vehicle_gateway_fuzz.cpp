@@ -27,8 +27,9 @@ void check(const rigwire::VehicleCommand& command, const emulators::VehicleGatew
   share(command.edge_cutter_share);
   require(command.time <= now);
   require(command.engine_speed_radps >= 0.0 && command.engine_speed_radps < 1000.0);
-  require(command.travel_speed_mps <= limits.maximum_speed_mps &&
-          command.travel_speed_mps >= -limits.maximum_reverse_speed_mps);
+  const double travel_mps = command.travel_speed_mps.value_or(0.0);
+  require(travel_mps <= limits.maximum_speed_mps &&
+          travel_mps >= -limits.maximum_reverse_speed_mps);
   require(command.gear <= limits.gears_forward && command.gear >= -limits.gears_reverse);
   require(std::abs(command.front_steer_rad) <= limits.maximum_front_steer_rad);
   require(std::abs(command.rear_steer_rad) <= limits.maximum_rear_steer_rad);

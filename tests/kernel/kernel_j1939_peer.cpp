@@ -84,7 +84,7 @@ void run(const std::string& interface, std::uint8_t address, std::uint32_t seria
   settings.serial = serial;
   emulators::VehicleGateway gateway(settings, bus);
   VehicleSample sample;
-  sample.engine_speed_radps = 800.0 * protocols::vehicle::kRevolutionPerMinute_radps;
+  sample.engine.speed_radps = 800.0 * protocols::vehicle::kRevolutionPerMinute_radps;
   SimTime next_sample = gateway.sample_plan().first;
   const auto start = WallClock::now();
   while (stopped == 0 && WallClock::now() < start + limit) {

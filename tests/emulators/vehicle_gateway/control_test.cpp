@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "protocols/j1939/transport.h"
 #include "requests.h"
 #include "rig.h"
@@ -139,16 +141,16 @@ TEST(VehicleControl, TravelSpeedWithItsLimits) {
   VehicleRig rig(settings);
   rig.run(50ms);
   rig.ask(travel(1.5));
-  EXPECT_NEAR(rig.command().travel_speed_mps, 1.5, 5e-4);
+  EXPECT_NEAR(rig.command().travel_speed_mps.value(), 1.5, 5e-4);
   rig.ask(travel(5.0));
   EXPECT_EQ(rig.command().travel_speed_mps, 3.0);
   EXPECT_EQ(rig.gateway.control().speed_limit(), LimitStatus::limited_high);
   rig.ask(travel(-5.0));
   EXPECT_EQ(rig.command().travel_speed_mps, -2.0);
   rig.ask(vehicle::MachineSelectedSpeedCommand{2.5, 1.0, Switch::on});
-  EXPECT_NEAR(rig.command().travel_speed_mps, 1.0, 5e-4);
+  EXPECT_NEAR(rig.command().travel_speed_mps.value(), 1.0, 5e-4);
   rig.ask(vehicle::MachineSelectedSpeedCommand{0.5, vehicle::kNotAvailable, Switch::error});
-  EXPECT_NEAR(rig.command().travel_speed_mps, 1.0, 5e-4);  // without a direction it is none
+  EXPECT_NEAR(rig.command().travel_speed_mps.value(), 1.0, 5e-4);  // without a direction it is none
 }
 
 TEST(VehicleControl, TravelSpeedIsZeroWhenItsRequestsStop) {
@@ -253,6 +255,236 @@ TEST(VehicleTroubleCodes, SeveralAreBroadcastInPackets) {
   EXPECT_EQ(announced[0].data[1], 2 + 3 * 4);
   ASSERT_EQ(times.size(), 2U);
   EXPECT_EQ(times[1] - times[0], 50ms);
+}
+
+/// After half a second the parking brake is released.
+void get_ready(VehicleRig& rig) {
+  rig.run(500ms);
+  rig.ask(parking(false));
+}
+
+/// What the selected speed says of the command.
+std::pair<LimitStatus, ExitReason> verdict(VehicleRig& rig, const VehicleSample& sample) {
+  rig.ask(vehicle::Tsc1{});  // nothing but time
+  rig.run(100ms, sample);
+  const auto state = rig.output.latest<vehicle::MachineSelectedSpeed>();
+  return {static_cast<LimitStatus>(state.limit_status), static_cast<ExitReason>(state.exit_reason)};
+}
+
+TEST(SpeedCommand, ZeroIsACommandAndNotItsAbsence) {
+  VehicleRig rig;
+  get_ready(rig);
+  EXPECT_FALSE(rig.command().travel_speed_mps.has_value());
+  rig.ask(travel(0.0));
+  EXPECT_EQ(rig.command().travel_speed_mps, 0.0);
+  EXPECT_TRUE(rig.command().automatic_gear);
+}
+
+TEST(SpeedCommand, TimeOutHoldsTheMachineUntilSomebodyTakesOver) {
+  VehicleRig rig;
+  get_ready(rig);
+  rig.ask(travel(2.0));
+  for (int i = 0; i < 10; ++i) {
+    rig.ask(torque(0.4));  // competes, and has no say
+    rig.run(40ms, rolling(2.0));
+  }
+  EXPECT_EQ(rig.command().travel_speed_mps, 0.0);
+  EXPECT_EQ(rig.gateway.control().speed_exit(), ExitReason::command_timeout);
+  EXPECT_EQ(rig.gateway.control().faults().codes[0].spn, 4310U);
+  rig.ask(torque(0.4));  // it was in force all the time: still held
+  EXPECT_EQ(rig.command().travel_speed_mps, 0.0);
+  rig.ask(vehicle::Tsc1{});
+  rig.ask(torque(0.4));  // begins anew
+  EXPECT_FALSE(rig.command().travel_speed_mps.has_value());
+}
+
+TEST(SpeedCommand, EngineRequestsDoNotOverrideItButLimitIt) {
+  VehicleRig rig;
+  get_ready(rig);
+  rig.ask(travel(2.0));
+  rig.ask(torque(1.0));
+  EXPECT_NEAR(rig.command().travel_speed_mps.value(), 2.0, 1e-3);
+  rig.run(20ms, rolling(1.0));
+  // Who has the engine is told.
+  EXPECT_EQ(rig.output.latest<vehicle::Eec1>().torque_mode, 2);
+  vehicle::Tsc1 limit;
+  limit.override_mode = static_cast<std::uint8_t>(vehicle::OverrideMode::limit);
+  limit.speed_radps = 1500.0 * kRpm;
+  limit.torque_share = 0.5;
+  rig.ask(limit);
+  EXPECT_NEAR(rig.command().engine_speed_limit_radps, 1500.0 * kRpm, 0.1);
+  EXPECT_NEAR(rig.command().engine_torque_limit_share, 0.5, 0.01);
+  rig.ask(vehicle::Tsc1{});
+  EXPECT_EQ(rig.command().engine_torque_limit_share, 1.0);
+}
+
+TEST(SpeedCommand, GearThatIsHeldRefusesTheOtherDirection) {
+  VehicleRig rig;
+  get_ready(rig);
+  rig.ask(gear(2));
+  rig.ask(travel(-1.0));
+  EXPECT_EQ(rig.command().travel_speed_mps, 0.0);
+  EXPECT_FALSE(rig.command().automatic_gear);
+  EXPECT_EQ(verdict(rig, standing()), std::pair(LimitStatus::operator_limited, ExitReason::gear));
+  rig.ask(gear(2));
+  rig.ask(travel(1.0));
+  EXPECT_NEAR(rig.command().travel_speed_mps.value(), 1.0, 1e-3);
+  EXPECT_EQ(rig.command().gear, 2);
+  EXPECT_EQ(verdict(rig, standing()), std::pair(LimitStatus::not_limited, ExitReason::none));
+}
+
+TEST(SpeedCommand, ParkingBrakeRefusesIt) {
+  VehicleRig rig;
+  rig.run(500ms);
+  rig.ask(travel(1.0));
+  EXPECT_EQ(rig.command().travel_speed_mps, 0.0);
+  EXPECT_EQ(verdict(rig, standing()), std::pair(LimitStatus::operator_limited, ExitReason::gear));
+}
+
+TEST(SpeedCommand, MachineThatCannotFollowSaysSo) {
+  VehicleRig rig;
+  get_ready(rig);
+  VehicleSample climbing = rolling(1.0);
+  climbing.travel_limit = TravelLimit::power;
+  rig.ask(travel(3.0));
+  EXPECT_EQ(verdict(rig, climbing).first, LimitStatus::limited_high);
+  climbing.travel_limit = TravelLimit::braking;
+  rig.ask(travel(3.0));
+  EXPECT_EQ(verdict(rig, climbing).first, LimitStatus::limited_low);
+}
+
+TEST(SpeedCommand, MachineWithoutADriveRefusesIt) {
+  VehicleRig rig;
+  get_ready(rig);
+  VehicleSample fixed = standing();
+  fixed.drives = false;
+  rig.run(100ms, fixed);
+  rig.ask(travel(1.0));
+  EXPECT_FALSE(rig.command().travel_speed_mps.has_value());
+  EXPECT_EQ(verdict(rig, fixed),
+            std::pair(LimitStatus::not_recoverable, ExitReason::function_fault));
+}
+
+TEST(SpeedCommand, NotAvailableAndErrorAreNoCommands) {
+  VehicleRig rig;
+  get_ready(rig);
+  rig.ask(travel(1.0));
+  rig.ask(vehicle::MachineSelectedSpeedCommand{vehicle::kNotAvailable, vehicle::kNotAvailable,
+                                               Switch::on});
+  EXPECT_NEAR(rig.command().travel_speed_mps.value(), 1.0, 1e-3);
+  rig.ask(
+      vehicle::MachineSelectedSpeedCommand{vehicle::kError, vehicle::kNotAvailable, Switch::on});
+  EXPECT_EQ(rig.gateway.control().speed_exit(), ExitReason::out_of_range);
+  for (int i = 0; i < 8; ++i) {  // they keep nothing in force
+    rig.ask(vehicle::MachineSelectedSpeedCommand{vehicle::kNotAvailable, vehicle::kNotAvailable,
+                                                 Switch::on});
+    rig.run(50ms, rolling(1.0));
+  }
+  EXPECT_EQ(rig.command().travel_speed_mps, 0.0);
+}
+
+TEST(SpeedCommand, ReleasedItIsNoFaultAndTheMachineStaysHeld) {
+  VehicleRig rig;
+  get_ready(rig);
+  rig.ask(travel(1.0));
+  rig.ask(vehicle::MachineSelectedSpeedCommand{});
+  EXPECT_EQ(rig.command().travel_speed_mps, 0.0);
+  EXPECT_EQ(rig.gateway.control().speed_exit(), ExitReason::released);
+  rig.run(1s);
+  EXPECT_EQ(rig.gateway.control().faults().count, 0U);
+}
+
+VehicleGatewaySettings tractor() {
+  VehicleGatewaySettings settings;
+  settings.has_hitch = {true, true};
+  settings.has_power_take_off = {true, true};
+  return settings;
+}
+
+VehicleSample working() {
+  VehicleSample sample = standing();
+  sample.hitch[0] = {true, 0.8};
+  sample.hitch[1] = {true, 0.2};
+  sample.power_take_off[0] = {true, false, 0.0};
+  sample.power_take_off[1] = {true, true, 540.0 * kRpm};
+  return sample;
+}
+
+TEST(VehicleImplements, HitchesAndShaftsAreReportedAndCommanded) {
+  VehicleRig rig(tractor());
+  rig.run(1s, working());
+  EXPECT_NEAR(rig.output.latest<vehicle::FrontHitchStatus>().position_share, 0.8, 0.003);
+  EXPECT_EQ(rig.output.latest<vehicle::FrontHitchStatus>().in_work, Switch::off);
+  EXPECT_NEAR(rig.output.latest<vehicle::RearHitchStatus>().position_share, 0.2, 0.003);
+  EXPECT_EQ(rig.output.latest<vehicle::RearHitchStatus>().in_work, Switch::on);
+  // Every 100 ms while it is engaged, else on request.
+  EXPECT_GE(rig.output.of(vehicle::RearPowerTakeOffStatus::kGroup.pgn).size(), 7U);
+  EXPECT_TRUE(rig.output.of(vehicle::FrontPowerTakeOffStatus::kGroup.pgn).empty());
+  const auto shaft = rig.output.latest<vehicle::RearPowerTakeOffStatus>();
+  EXPECT_NEAR(shaft.speed_radps, 540.0 * kRpm, 0.07 * kRpm);
+  EXPECT_EQ(shaft.engaged, Switch::on);
+
+  vehicle::HitchPowerTakeOffCommand command;
+  command.rear_hitch_share = 0.6;
+  command.front_engage = Switch::on;
+  command.front_speed_radps = 1000.0 * kRpm;
+  command.front_mode = Switch::on;
+  rig.ask(command);
+  EXPECT_NEAR(rig.command().hitch_share[1].value(), 0.6, 0.003);
+  EXPECT_FALSE(rig.command().hitch_share[0].has_value());
+  EXPECT_TRUE(rig.command().power_take_off[0].engaged);
+  EXPECT_NEAR(rig.command().power_take_off[0].speed_radps.value(), 1000.0 * kRpm, 0.07 * kRpm);
+  EXPECT_TRUE(rig.gateway.control().mode_refused(ImplementEnd::front));
+
+  rig.run(500ms, working());  // silence: hitches stay, shafts are let go, nothing stops
+  EXPECT_FALSE(rig.command().hitch_share[1].has_value());
+  EXPECT_FALSE(rig.command().power_take_off[0].engaged);
+  EXPECT_FALSE(rig.gateway.control().stopping());
+  EXPECT_EQ(rig.output.latest<vehicle::RearHitchStatus>().exit_reason, 5);
+}
+
+TEST(VehicleImplements, WhatIsNotFittedIsNeitherSentNorTaken) {
+  VehicleRig rig;
+  rig.run(1s, working());
+  EXPECT_TRUE(rig.output.of(vehicle::RearHitchStatus::kGroup.pgn).empty());
+  vehicle::HitchPowerTakeOffCommand command;
+  command.rear_hitch_share = 0.6;
+  rig.ask(command);
+  EXPECT_FALSE(rig.command().hitch_share[1].has_value());
+}
+
+TEST(VehiclePower, KeyOffStopsTheMachineAndPowerLastsAsLongAsImplementsAsk) {
+  VehicleGatewaySettings settings;
+  settings.key_off = 2s;
+  settings.maximum_power_time = 10s;
+  VehicleRig rig(settings);
+  rig.run(1500ms);
+  EXPECT_EQ(rig.output.latest<vehicle::WheelBasedSpeed>().key_switch, Switch::on);
+  rig.run(1500ms);
+  EXPECT_EQ(rig.output.latest<vehicle::WheelBasedSpeed>().key_switch, Switch::off);
+  EXPECT_FALSE(rig.command().ignition);
+  EXPECT_EQ(rig.command().travel_speed_mps, 0.0);
+  vehicle::MaintainPower maintain;
+  maintain.ecu_power = Switch::on;
+  for (int i = 0; i < 30; ++i) {  // asked for ever, power ends 10 s after the key
+    rig.ask(maintain);
+    rig.run(500ms);
+  }
+  const SimTime last = rig.output.frames.back().first;
+  EXPECT_LE(last, kStart + 12s + 10ms);
+  EXPECT_GE(last, kStart + 11900ms);
+  EXPECT_TRUE(rig.command().parking_brake);
+}
+
+TEST(VehiclePower, NobodyAskingItLastsTwoSeconds) {
+  VehicleGatewaySettings settings;
+  settings.key_off = 1s;
+  VehicleRig rig(settings);
+  rig.run(900ms);
+  EXPECT_NEAR(rig.output.latest<vehicle::WheelBasedSpeed>().power_time_s, 180.0, 1e-9);
+  rig.run(5s);
+  EXPECT_LE(rig.output.frames.back().first, kStart + 3010ms);
+  EXPECT_GE(rig.output.frames.back().first, kStart + 2900ms);
 }
 
 }  // namespace

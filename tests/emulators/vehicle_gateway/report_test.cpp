@@ -20,14 +20,17 @@ constexpr double kDegree = vehicle::kDegree_rad;
 VehicleGatewaySettings crab_machine() {
   VehicleGatewaySettings settings;
   settings.steering = SteeringLayout::crab;
+  settings.engine.reference_torque_nm = 1000.0;
   return settings;
 }
 
 /// Everything different from everything else.
 VehicleSample driving() {
   VehicleSample s;
-  s.engine_speed_radps = 1800.0 * kRpm;
-  s.engine_torque_share = 0.4;
+  s.engine.speed_radps = 1800.0 * kRpm;
+  s.engine.torque_nm = 340.0;
+  s.engine.friction_nm = 60.0;
+  s.engine.full_load_nm = 740.0;
   s.gear = 3;
   s.gear_requested = 4;
   s.crawler_group = true;
@@ -69,7 +72,7 @@ TEST_F(VehicleReportTest, Engine) {
   const auto first = latest<vehicle::Eec1>();
   EXPECT_NEAR(first.speed_radps, 1800.0 * kRpm, 0.07 * kRpm);
   EXPECT_NEAR(first.actual_torque_share, 0.4, 0.005);
-  EXPECT_NEAR(latest<vehicle::Eec2>().load_share, 0.4, 0.005);
+  EXPECT_NEAR(latest<vehicle::Eec2>().load_share, 0.5, 0.005);
 }
 
 TEST_F(VehicleReportTest, Gearbox) {
@@ -201,7 +204,7 @@ TEST_F(VehicleReportTest, TyresAndMachine) {
 TEST_F(VehicleReportTest, WhatTheFormatCannotCarrySaturates) {
   VehicleSample sample = driving();
   sample.wheel_rate_radps = {100.0, 100.0, 200.0, 0.0};  // 50, 50, 100, 0 m/s
-  sample.engine_speed_radps = 1e6;
+  sample.engine.speed_radps = 1e6;
   sample.hopper_mass_kg = 1e9;
   rig.run(200ms, sample);
   EXPECT_NEAR(latest<vehicle::Hrw>().rear_left_mps, 64255.0 / 256.0 * kKmph, 1e-6);

@@ -61,7 +61,7 @@ struct VehicleBus final : FrameOutput {
 /// A machine that stands with its engine at idle.
 inline VehicleSample standing() {
   VehicleSample sample;
-  sample.engine_speed_radps = 800.0 * kRpm;
+  sample.engine.speed_radps = 800.0 * kRpm;
   sample.wheel_radius_m.fill(0.565);
   sample.tyre_pressure_pa.fill(300e3);
   return sample;

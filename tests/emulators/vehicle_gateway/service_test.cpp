@@ -5,10 +5,12 @@
 
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "protocols/j1939/transport.h"
+#include "protocols/vehicle/engine_configuration.h"
 #include "protocols/vehicle/identification.h"
 #include "rig.h"
 
@@ -154,10 +156,10 @@ TEST_F(VehicleService, HoursCountWhileTheEngineRuns) {
   settings.engine_hours = 100h;
   start(settings);
   VehicleSample off = standing();
-  off.engine_speed_radps = 0.0;
+  off.engine.speed_radps = 0.0;
   rig->run(600s, off);
   VehicleSample on = standing();
-  on.engine_speed_radps = 1000.0 * kRpm;
+  on.engine.speed_radps = 1000.0 * kRpm;
   rig->run(3600s, on);
   request(vehicle::Hours::kGroup.pgn);
   const auto hours = rig->output.latest<vehicle::Hours>();
@@ -236,12 +238,155 @@ TEST_F(VehicleService, PositionIsSentOnlyWithAReceiver) {
               ElementsAre(0x00, 0x80, 0x96, 0x98, 0x80, 0x92, 0x57, 0x81));
   EXPECT_NEAR(rig->output.latest<vehicle::VehicleDirectionSpeed>().bearing_rad, std::acos(0.0),
               1e-3);
+}
+
+TEST_F(VehicleService, GroundBasedSpeedIsTheRadarsAndTheDirectionTheWheels) {
+  VehicleGatewaySettings settings;
+  settings.has_ground_radar = true;
+  start(settings);
+  VehicleSample reversing = standing();
+  reversing.odometry.speed_mps = -2.5;  // the wheels slip
+  reversing.ground_speed_mps = 2.0;
+  rig->run(2s, reversing);
   const auto ground = rig->output.latest<vehicle::GroundBasedSpeed>();
   EXPECT_NEAR(ground.speed_mps, 2.0, 1e-3);
   EXPECT_EQ(ground.forward, vehicle::Switch::off);
-  EXPECT_NEAR(ground.distance_m, 3.8, 1e-9);  // 19 intervals, as of the last fix
-  rig->run(3s);
-  EXPECT_TRUE(std::isnan(rig->output.latest<vehicle::GroundBasedSpeed>().speed_mps));
+  EXPECT_NEAR(ground.distance_m, 4.0, 0.25);
+  VehicleSample parked = standing();
+  parked.ground_speed_mps = 0.0;
+  rig->run(1s, parked);
+  const double before_m = rig->output.latest<vehicle::GroundBasedSpeed>().distance_m;
+  rig->run(40s, parked);
+  EXPECT_EQ(rig->output.latest<vehicle::GroundBasedSpeed>().speed_mps, 0.0);
+  EXPECT_EQ(rig->output.latest<vehicle::GroundBasedSpeed>().distance_m, before_m);
+}
+
+TEST_F(VehicleService, WithoutARadarThereIsNoGroundBasedSpeed) {
+  start();
+  rig->run(1s);
+  EXPECT_TRUE(rig->output.of(vehicle::GroundBasedSpeed::kGroup.pgn).empty());
+  request(vehicle::GroundBasedSpeed::kGroup.pgn);
+  EXPECT_EQ(rig->output.of(j1939::kAcknowledgementPgn).size(), 1U);
+}
+
+/// An engine of 1000 Nm.
+VehicleGatewaySettings with_engine() {
+  VehicleGatewaySettings settings;
+  settings.engine.reference_torque_nm = 1000.0;
+  for (std::size_t i = 0; i < EngineData::kPoints; ++i) {
+    settings.engine.full_load[i] = {(800.0 + 300.0 * static_cast<double>(i)) * kRpm,
+                                    900.0 - 50.0 * static_cast<double>(i), 100.0};
+  }
+  settings.engine.high_idle_radps = 2300.0 * kRpm;
+  settings.engine.governor_nmsprad = 180.0;
+  settings.engine.inertia_kgm2 = 1.3;
+  return settings;
+}
+
+TEST_F(VehicleService, ScanToolReadsTheEnginesConfiguration) {
+  start(with_engine());
+  const auto bytes = read(vehicle::kEngineConfigurationPgn);
+  const auto configuration = vehicle::decode_engine_configuration(bytes);
+  ASSERT_TRUE(configuration.ok());
+  EXPECT_EQ(bytes.size(), 40U);
+  // Idle, the end of full load, and three between.
+  EXPECT_NEAR(configuration->speed_radps[0], 800.0 * kRpm, 0.07 * kRpm);
+  EXPECT_NEAR(configuration->torque_share[0], 1.0, 0.005);
+  EXPECT_NEAR(configuration->speed_radps[1], 2000.0 * kRpm, 0.07 * kRpm);
+  EXPECT_NEAR(configuration->torque_share[1], 0.8, 0.005);
+  EXPECT_NEAR(configuration->speed_radps[2], 1100.0 * kRpm, 0.07 * kRpm);
+  EXPECT_NEAR(configuration->reference_torque_nm, 1000.0, 0.5);
+  EXPECT_NEAR(configuration->governor_gain_prad, 0.18, 1e-4);
+  EXPECT_NEAR(configuration->inertia_kgm2, 1.3, 0.002);
+  EXPECT_EQ(bytes[0], 0x00);  // 800 rpm are 6400 counts, 1900 hex
+  EXPECT_EQ(bytes[1], 0x19);
+  EXPECT_EQ(bytes[19], 1000 % 256);
+  EXPECT_EQ(bytes[20], 1000 / 256);
+}
+
+TEST_F(VehicleService, EnginesConfigurationIsBroadcastEveryFiveSeconds) {
+  start(with_engine());
+  rig->output.frames.clear();
+  rig->run(11s);
+  std::size_t announced = 0;
+  for (const auto& frame : rig->output.of(j1939::kTransportManagementPgn)) {
+    announced += frame.data[0] == 32 && frame.data[5] == 0xE3 && frame.data[6] == 0xFE ? 1 : 0;
+  }
+  EXPECT_EQ(announced, 2U);
+}
+
+TEST_F(VehicleService, ScanToolReadsTheVin) {
+  VehicleGatewaySettings settings;
+  settings.vehicle_identification_number = "W09XYZ12345678901";
+  start(settings);
+  EXPECT_EQ(text(vehicle::kVehicleIdentificationPgn), "W09XYZ12345678901*");
+  settings.vehicle_identification_number.clear();
+  start(settings);
+  request(vehicle::kVehicleIdentificationPgn);
+  EXPECT_EQ(rig->output.of(j1939::kAcknowledgementPgn).size(), 1U);
+}
+
+TEST_F(VehicleService, VinOfOtherLettersIsRefused) {
+  for (const char* wrong : {"W09XYZ1234567890", "W09XYZ1234567890I", "w09xyz12345678901"}) {
+    VehicleGatewaySettings settings;
+    settings.vehicle_identification_number = wrong;
+    EXPECT_THROW(start(settings), std::invalid_argument) << wrong;
+  }
+}
+
+TEST_F(VehicleService, IdlingEngineHasTorqueAndLoad) {
+  start(with_engine());
+  VehicleSample idling = standing();
+  idling.engine.torque_nm = 0.0;
+  idling.engine.friction_nm = 90.0;
+  idling.engine.full_load_nm = 810.0;
+  idling.engine.desired_radps = 800.0 * kRpm;
+  idling.engine.coolant_c = 85.0;
+  idling.engine.coolant_level_share = 1.0;
+  idling.engine.oil_level_share = 0.9;
+  idling.engine.fuel_level_share = 0.8;
+  idling.engine.battery_v = 28.2;
+  idling.engine.fuel_rate_m3ps = 1.5 * vehicle::kLitrePerHour_m3ps;
+  rig->run(1100ms, idling);
+  EXPECT_NEAR(rig->output.latest<vehicle::Eec1>().actual_torque_share, 0.09, 0.005);
+  EXPECT_NEAR(rig->output.latest<vehicle::Eec2>().load_share, 0.1, 0.005);
+  EXPECT_NEAR(rig->output.latest<vehicle::Eec3>().friction_torque_share, 0.09, 0.005);
+  EXPECT_NEAR(rig->output.latest<vehicle::Eec3>().desired_speed_radps, 800.0 * kRpm, 0.07 * kRpm);
+  EXPECT_NEAR(rig->output.latest<vehicle::Et1>().coolant_c, 85.0, 0.5);
+  EXPECT_NEAR(rig->output.latest<vehicle::Eflp1>().coolant_level_share, 1.0, 0.003);
+  EXPECT_NEAR(rig->output.latest<vehicle::Eflp1>().oil_level_share, 0.9, 0.003);
+  EXPECT_NEAR(rig->output.latest<vehicle::Dd1>().fuel_level_share, 0.8, 0.003);
+  EXPECT_NEAR(rig->output.latest<vehicle::Vep1>().battery_v, 28.2, 0.03);
+  EXPECT_NEAR(rig->output.latest<vehicle::Lfe1>().fuel_rate_m3ps, 1.5 * vehicle::kLitrePerHour_m3ps,
+              0.03 * vehicle::kLitrePerHour_m3ps);
+}
+
+TEST_F(VehicleService, SaysWhatItIsGoodFor) {
+  VehicleGatewaySettings settings;
+  settings.has_hitch = {true, true};
+  settings.has_power_take_off = {false, true};
+  settings.has_position = true;
+  start(settings);
+  // FF, two functionalities: minimum control function, tractor server with class 1, navigation,
+  // front hitch, guidance.
+  EXPECT_THAT(read(vehicle::kFunctionalitiesPgn),
+              ElementsAre(0xFF, 2, 0, 1, 1, 0x00, 13, 1, 1, 0x39));
+  start();
+  EXPECT_THAT(read(vehicle::kFunctionalitiesPgn),
+              ElementsAre(0xFF, 2, 0, 1, 1, 0x00, 13, 1, 1, 0x20));
+}
+
+TEST_F(VehicleService, LanguageOfATerminalIsKept) {
+  start();
+  request(vehicle::LanguageCommand::kGroup.pgn);
+  EXPECT_EQ(rig->output.latest<vehicle::LanguageCommand>().language_first, 'e');
+  vehicle::LanguageCommand french;
+  french.language_first = 'f';
+  french.language_second = 'r';
+  french.decimal_symbol = 0;
+  rig->ask(french);
+  request(vehicle::LanguageCommand::kGroup.pgn);
+  EXPECT_EQ(rig->output.latest<vehicle::LanguageCommand>(), french);
 }
 
 TEST_F(VehicleService, SteeringSensorCountsItsMessages) {

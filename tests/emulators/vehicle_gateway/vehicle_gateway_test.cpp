@@ -10,6 +10,7 @@
 #include <string>
 
 #include "emulators/can/can_bus.h"
+#include "protocols/j1939/name.h"
 #include "rig.h"
 
 namespace rigwire::emulators {
@@ -32,8 +33,34 @@ TEST(VehicleGateway, ClaimsBeforeItSaysAnythingElse) {
   const auto& [due, claim] = rig.output.frames.front();
   EXPECT_EQ(due, kStart + 100ms + 500us);
   EXPECT_EQ(claim.id, 0x18EEFF00U);
-  EXPECT_THAT(claim.payload(), ElementsAre(0x45, 0x23, 0x01, 0x00, 0x00, 0x1A, 0x00, 0x00));
+  EXPECT_THAT(claim.payload(), ElementsAre(0x45, 0x23, 0x01, 0x00, 0x00, 0x86, 0x00, 0x20));
   EXPECT_EQ(rig.output.of(j1939::kAddressClaimedPgn).size(), 1U);
+}
+
+TEST(VehicleGateway, PartnerThatLooksForATractorEcuFindsIt) {
+  VehicleBus output;
+  const VehicleGateway gateway(VehicleGatewaySettings{}, output);
+  const j1939::Name name = j1939::unpack_name(gateway.name());
+  EXPECT_EQ(name.industry_group, 2);
+  EXPECT_EQ(name.vehicle_system, 0);  // in class 1 function 134 is a centre hitch
+  EXPECT_EQ(name.function, 134);
+}
+
+TEST(VehicleGateway, EveryPartOfTheNameIsAKey) {
+  VehicleGatewaySettings settings;
+  settings.name = {.manufacturer = 1234,
+                   .function = 30,
+                   .function_instance = 3,
+                   .device_class = 16,
+                   .industry_group = 3};
+  VehicleBus output;
+  const VehicleGateway gateway(settings, output);
+  const j1939::Name name = j1939::unpack_name(gateway.name());
+  EXPECT_EQ(name.manufacturer, 1234);
+  EXPECT_EQ(name.function, 30);
+  EXPECT_EQ(name.function_instance, 3);
+  EXPECT_EQ(name.vehicle_system, 16);
+  EXPECT_EQ(name.industry_group, 3);
 }
 
 TEST(VehicleGateway, EverythingIsNotAvailableUntilTheFirstSample) {
@@ -59,11 +86,15 @@ TEST(VehicleGateway, SamplesThatStopComingAreNotAvailableAgain) {
 }
 
 TEST(VehicleGateway, EveryMessageKeepsItsPeriod) {
-  VehicleRig rig;
+  VehicleGatewaySettings settings;
+  settings.has_ground_radar = true;
+  settings.has_hitch = {true, true};
+  VehicleRig rig(settings);
   rig.run(30s);
+  const VehicleReport report(settings);
   for (const VehicleReport::Entry& entry : VehicleReport::schedule()) {
     const auto times = rig.output.times(entry.group.pgn);
-    if (entry.group.period.count() == 0) {
+    if (entry.group.period.count() == 0 || !report.sends(entry)) {
       EXPECT_TRUE(times.empty()) << entry.group.name;
       continue;
     }
@@ -124,7 +155,11 @@ TEST(VehicleGateway, TakesLessThanHalfOfTheBus) {
 }
 
 TEST(VehicleGatewayRequests, PeriodicMessagesComeOnDemandToo) {
-  VehicleRig rig;
+  VehicleGatewaySettings settings;
+  settings.has_ground_radar = true;
+  settings.has_hitch = {true, true};
+  settings.has_power_take_off = {true, true};
+  VehicleRig rig(settings);
   rig.run(300ms);
   for (const VehicleReport::Entry& entry : VehicleReport::schedule()) {
     const std::size_t before = rig.output.of(entry.group.pgn).size();
@@ -233,7 +268,7 @@ TEST(VehicleGatewayHostile, SampleThatIsNoNumberIsSentAsError) {
   VehicleRig rig;
   VehicleSample broken = standing();
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  broken.engine_speed_radps = kNan;
+  broken.engine.speed_radps = kNan;
   broken.wheel_rate_radps.fill(kNan);
   broken.odometry = {kNan, kNan, kNan};
   rig.run(500ms, broken);
@@ -261,7 +296,7 @@ TEST(VehicleGatewaySettings, RefusedWithTheValueFound) {
   EXPECT_NO_THROW(validate(VehicleGatewaySettings{}));
   refused([](auto& s) { s.source_address = 254; }, "source_address: found 254, allowed 0 .. 253");
   refused([](auto& s) { s.serial = 0; }, "serial: found 0");
-  refused([](auto& s) { s.manufacturer = 2048; }, "manufacturer");
+  refused([](auto& s) { s.name.manufacturer = 2048; }, "manufacturer");
   refused([](auto& s) { s.power_on = -1ns; }, "power_on");
   refused([](auto& s) { s.processing_delay = 6ms; }, "processing_delay");
   refused([](auto& s) { s.gears_forward = 126; }, "gears_forward");

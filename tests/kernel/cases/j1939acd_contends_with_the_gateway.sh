@@ -7,7 +7,7 @@ set -euo pipefail
 record dump
 "$BINARY_DIR/tests/kernel/kernel_j1939_peer" "$CAN" 0x80 0x12345 >peer.log 2>&1 &
 peer=$!
-expect_line dump ' 18EEFF80#45230100001A0000' 20 # NAME 00001A0000012345
+expect_line dump ' 18EEFF80#4523010000860020' 20 # NAME 2000860000012345
 
 # It asks who is there, so it knows that 0x80 is taken by a lower NAME.
 j1939acd -r 128-136 -c higher.cache 8000830066e12345 "$CAN" >higher.log 2>&1 &
@@ -15,13 +15,13 @@ higher=$!
 expect_line dump ' 18EA..FE#00EE00' 20
 expect_line dump ' 18EEFF8[1-8]#4523E16600830080' 20
 kill "$higher"
-[ "$(count dump ' 18EEFFFE#45230100001A0000')" = 0 ]
+[ "$(count dump ' 18EEFFFE#4523010000860020')" = 0 ]
 
 # The gateway loses to NAME 0000000000000042: "cannot claim", and silence.
 j1939acd -r 128-128 -a 128 -c lower.cache 42 "$CAN" >lower.log 2>&1 &
 lower=$!
 expect_line dump ' 18EEFF80#4200000000000000' 20
-expect_line dump ' 18EEFFFE#45230100001A0000' 20
+expect_line dump ' 18EEFFFE#4523010000860020' 20
 frames=$(count dump '^.* 0CF00480#')
 sleep 0.5
 check_range "engine messages after the loss" $(($(count dump '^.* 0CF00480#') - frames)) 0 0

@@ -12,7 +12,7 @@ wait_until 10 "the J1939 socket" grep -q "$CAN" /proc/net/can/rcvlist_all /proc/
   /proc/net/can/rcvlist_eff
 "$BINARY_DIR/tests/kernel/kernel_j1939_peer" "$CAN" 0x27 0x12345 >peer.log 2>&1 &
 peer=$!
-expect_line dump ' 18EEFF27#45230100001A0000' 20
+expect_line dump ' 18EEFF27#4523010000860020' 20
 
 # Three requests that are never repeated: three codes (TSC1, XBR, guidance fall silent).
 cansend "$CAN" 0C0027F9#CEFFFFA5FFFFFFFF

@@ -41,6 +41,16 @@ TEST(DbcWriter, OppositeSignOnTheWireIsANegativeScale) {
   EXPECT_THAT(text, HasSubstr(": 8 Vector__XXX\n"));
 }
 
+TEST(DbcWriter, DocumentsUnitsAndSignsWhereTheyAreAskedFor) {
+  const std::vector<can::MessageLayout> messages{vehicle::layout<vehicle::Eec1>({}),
+                                                 vehicle::layout<vehicle::GuidanceCommand>({})};
+  const auto text = write({"field", 250'000, messages}, Units::document);
+  EXPECT_THAT(text, HasSubstr(" SG_ engine_speed : 24|16@1+ (0.125,0) [0|8031.875] \"rpm\" "));
+  EXPECT_THAT(text, HasSubstr(" SG_ actual_torque : 16|8@1+ (1,-125) [-125|125] \"%\" "));
+  EXPECT_THAT(text,
+              HasSubstr(" SG_ curvature_command : 0|16@1+ (0.25,-8032) [-8032|8031.75] \"1/km\" "));
+}
+
 can::MessageLayout message(std::string name, std::uint32_t id, std::string sender = "imu") {
   can::MessageLayout layout;
   layout.name = std::move(name);

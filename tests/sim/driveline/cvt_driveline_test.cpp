@@ -47,7 +47,7 @@ TEST(BeltVariator, OverallRatioGoesFrom40InLowToSevenPointSixInHigh) {
   }
   EXPECT_NEAR(driveline.overall_ratio(), 7.6, 1e-6);
   EXPECT_TRUE(driveline.clutch_sticks());
-  EXPECT_NEAR(read(driveline).engine_speed_radps, 7.6 * bench.rates.mean(), 1e-6);
+  EXPECT_NEAR(read(driveline).engine.speed_radps, 7.6 * bench.rates.mean(), 1e-6);
 }
 
 TEST(BeltVariator, TopSpeedIsReachedWhereTheTopRatioMeetsRatedSpeed) {

@@ -37,7 +37,7 @@ void checked_step(GearedDriveline& driveline, test::SpinBench& bench, double h) 
   bench.step(h);
   const double ratio = driveline.overall_ratio();
   const GearedParameters p;
-  const double torque_nm = read(driveline).engine_torque_share * 900.0;
+  const double torque_nm = read(driveline).engine.torque_nm;
   const double wheels = kVehicleInertia_kgm2 * (bench.rates - rates).sum() +
                         h * (bench.load_nm.sum() + bench.viscous_nmsprad * bench.rates.sum());
   const double output = p.axles.ratio() * bench.rates.mean();
@@ -65,8 +65,8 @@ TEST(GearShift, AllFourteenGearsUpAndDownUnderLoad) {
     for (int i = 0; i < 60000; ++i) {
       ASSERT_NO_FATAL_FAILURE(checked_step(driveline, bench, h));
       const VehicleSample sample = read(driveline);
-      const bool there = rising ? sample.engine_speed_radps >= until_radps
-                                : sample.engine_speed_radps <= until_radps;
+      const bool there = rising ? sample.engine.speed_radps >= until_radps
+                                : sample.engine.speed_radps <= until_radps;
       if (sample.gear == gear && !sample.shifting && sample.driveline_engaged && there) {
         break;
       }
@@ -77,7 +77,7 @@ TEST(GearShift, AllFourteenGearsUpAndDownUnderLoad) {
     const double steps = std::abs(gear);
     const double expected = std::copysign(5.2 * std::pow(1.44, 8.0 - steps), gear);
     EXPECT_NEAR(driveline.overall_ratio() / expected, 1.0, 1e-12);
-    EXPECT_NEAR(sample.engine_speed_radps / bench.rates.mean() / expected, 1.0, 1e-9);
+    EXPECT_NEAR(sample.engine.speed_radps / bench.rates.mean() / expected, 1.0, 1e-9);
     EXPECT_NEAR(sample.input_shaft_radps / sample.output_shaft_radps, sample.gear_ratio, 1e-12);
   };
   for (int gear = 1; gear <= 8; ++gear) {
@@ -123,7 +123,7 @@ TEST(GearShift, CrawlerGroupTurnsTheWheelsOnceIn5808TurnsAndHoldsUnderLoad) {
   EXPECT_TRUE(sample.crawler_group);
   EXPECT_TRUE(sample.driveline_engaged);
   EXPECT_NEAR(driveline.overall_ratio() / (5.2 * std::pow(1.44, 7) * 87.0), 1.0, 1e-12);
-  EXPECT_NEAR(sample.engine_speed_radps, 2200 * kRadpsPerRpm, 1e-3);
+  EXPECT_NEAR(sample.engine.speed_radps, 2200 * kRadpsPerRpm, 1e-3);
   // About 80 m/h, as the maker says.
   EXPECT_NEAR(bench.rates.mean() * 0.565 * 3600.0, 80.7, 0.1);
   EXPECT_NEAR(driveline.clutch_torque_nm() * driveline.overall_ratio(),
@@ -274,7 +274,7 @@ TEST(BadCommand, AStepWithoutDurationChangesNothing) {
     driveline.finish(h, rates);
   }
   EXPECT_EQ(driveline.equations().torque_nm, before.torque_nm);
-  EXPECT_EQ(read(driveline).engine_speed_radps, 700 * kRadpsPerRpm);
+  EXPECT_EQ(read(driveline).engine.speed_radps, 700 * kRadpsPerRpm);
   EXPECT_EQ(read(driveline).gear, 0);
 }
 
@@ -296,7 +296,7 @@ TEST(DrivelineCost, AStepDoesNotAllocate) {
       driveline->read(sample);
     }
     EXPECT_EQ(test::allocations(), before);
-    EXPECT_TRUE(std::isfinite(sample.engine_speed_radps));
+    EXPECT_TRUE(std::isfinite(sample.engine.speed_radps));
   }
 }
 

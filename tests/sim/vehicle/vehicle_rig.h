@@ -36,6 +36,9 @@ class BareDriveline final : public Driveline {
   bool accept(double, const WheelVector&) override { return true; }
   void finish(double, const WheelVector&) override {}
   void read(VehicleSample&) const override {}
+  [[nodiscard]] EngineData engine_data() const override { return {}; }
+  [[nodiscard]] DriveState state() const override { return {}; }
+  [[nodiscard]] int select_gear(double, double, int) const override { return 0; }
 
  private:
   SpinEquations* equations_;

@@ -132,6 +132,45 @@ TEST(PressureSensor, ReadsInItsStepsAndNeverBelowZero) {
   }
 }
 
+TEST(GroundRadar, HoldsZeroBelowItsLeastSpeedAndItsWayDoesNotCreep) {
+  VehicleSensorParameters p;
+  VehicleSensors under_test = sensors(p);
+  double way_m = 0.0;
+  for (int i = 0; i < 4400; ++i) {
+    VehicleSample exact = at(0.01 * i, 0.0);
+    exact.ground_speed_mps = (i % 2 == 0 ? 1.0 : -1.0) * 0.13;
+    const double reading = under_test.measure(exact).ground_speed_mps;
+    EXPECT_EQ(reading, 0.0);
+    way_m += 0.01 * reading;
+  }
+  EXPECT_EQ(way_m, 0.0);
+}
+
+TEST(GroundRadar, CountsPulsesOverItsGateWithoutLosingWay) {
+  VehicleSensorParameters p;
+  p.ground_radar.scale_error = 0.0;
+  VehicleSensors under_test = sensors(p);
+  const double quantum_mps = 1.0 / (p.ground_radar.pulses_pm * p.ground_radar.gate_s);
+  double way_m = 0.0;
+  for (int i = 0; i <= 3000; ++i) {
+    VehicleSample exact = at(0.01 * i, 0.0);
+    exact.ground_speed_mps = -2.34;  // it knows no direction
+    const double reading = under_test.measure(exact).ground_speed_mps;
+    EXPECT_NEAR(reading, 2.34, quantum_mps);
+    way_m += i > 0 ? 0.01 * reading : 0.0;
+  }
+  EXPECT_NEAR(way_m, 2.34 * 30.0, 2.0 * 2.34 * p.ground_radar.gate_s);
+}
+
+TEST(GroundRadar, WithoutOneNothingIsMeasured) {
+  VehicleSensorParameters p;
+  p.ground_radar.fitted = false;
+  VehicleSensors under_test = sensors(p);
+  VehicleSample exact = at(0.0, 1.0);
+  exact.ground_speed_mps = 1.0;
+  EXPECT_TRUE(std::isnan(under_test.measure(exact).ground_speed_mps));
+}
+
 TEST(VehicleSensorsTest, PerfectOnesChangeNothingButComputeOdometry) {
   VehicleSensorParameters p;
   p.perfect = true;

@@ -1,0 +1,76 @@
+// The machine's own controller of its travel speed, through engine, gear and service brake: what
+// stands behind "machine selected speed command" where no hydrostatic drive does.
+//
+// The set point passes a ramp. A force is asked for,
+//     F = (m + J / r^2) (ramp's slope + gain (v_ref - v)) + integral + pull of the slope,
+// v by the driven wheels' rate. What of it drives is asked of the engine as torque through the
+// ratio that is engaged; what brakes beyond the engine's drag is left to the service brake, and so
+// is everything while gears change or no gear fits. The slope is what an inclination sensor of the
+// frame reads, behind a lag. At rest with set point 0 the brake is applied and stays: there is no
+// rolling on a slope. Starting on one, the brake opens as far as the clutch carries. For the other
+// direction the machine is brought to rest first, then shifts.
+//
+// Somebody else's brake demand wins over the engine and does not wind the integral up. Without
+// limit of what the ground carries: a wheel that spins is held at its own speed.
+#pragma once
+
+#include "fields/rules.h"
+#include "sim/driveline/driveline.h"
+
+namespace rigwire::sim {
+
+/// Estimates; docs/machines/drive-lines.md has what they give.
+struct TravelControlParameters {
+  double acceleration_mps2 = 1.0;  ///< Of the ramp, away from 0 ...
+  double deceleration_mps2 = 2.0;  ///< ... and towards it.
+  double gain_per_s = 1.5;
+  double integral_per_s2 = 0.5;
+  double inclination_lag_s = 0.3;
+  double brake_rate_per_s = 8.0;  ///< Of the brake's share.
+};
+void visit(fields::Visitor& v, TravelControlParameters& p);
+
+/// What of the machine the controller knows.
+struct TravelMachine {
+  double mass_kg = 0.0;
+  double radius_m = 0.0;  ///< Of the driven wheels.
+  double brake_n = 0.0;   ///< At the ground, service brake fully applied.
+  double gravity_mps2 = 0.0;
+};
+
+class TravelControl {
+ public:
+  TravelControl(const TravelControlParameters& parameters, const TravelMachine& machine);
+
+  /// Engine, gear and brake in place of `command`'s, whose travel_speed_mps is given;
+  /// `slope` is the sine of the frame's pitch, nose up positive.
+  void step(double h, const Driveline& driveline, double slope, VehicleCommand& command);
+  /// As long as no travel speed is asked for.
+  void release();
+
+  [[nodiscard]] TravelLimit limit() const { return limit_; }
+
+ private:
+  [[nodiscard]] int choose_gear(const Driveline& driveline, const DriveState& state,
+                                const VehicleCommand& command, double target_mps);
+  /// Whether what is missing is missing for good; and if so tries another gear: a lower one while
+  /// the machine gets no faster, a higher one again where the engine turns as fast as it may.
+  void judge(double h, const DriveState& state, bool all, bool all_brake, double missing_mps);
+
+  TravelControlParameters parameters_;
+  TravelMachine machine_;
+  bool active_ = false;
+  bool holding_ = false;
+  double slope_ = 0.0;
+  double reference_mps_ = 0.0;
+  double integral_n_ = 0.0;
+  double brake_share_ = 0.0;
+  double set_point_mps_ = 0.0;
+  double last_mps_ = 0.0;
+  double acceleration_mps2_ = 0.0;  ///< Behind a lag, away from 0 positive.
+  int lower_gears_ = 0;
+  double limited_s_ = 0.0;
+  TravelLimit limit_ = TravelLimit::none;
+};
+
+}  // namespace rigwire::sim

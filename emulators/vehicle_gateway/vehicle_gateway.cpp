@@ -5,12 +5,14 @@
 #include <string>
 #include <type_traits>
 
+#include "protocols/iso11783/functionalities.h"
 #include "protocols/j1939/message.h"
 #include "protocols/j1939/name.h"
 #include "protocols/vehicle/engine_configuration.h"
 
 namespace rigwire::emulators {
 
+namespace iso = protocols::iso11783;
 namespace j1939 = protocols::j1939;
 namespace vehicle = protocols::vehicle;
 using protocols::can::Frame;
@@ -246,19 +248,20 @@ J1939Answer VehicleGateway::send_engine_configuration(SimTime now, std::uint8_t 
                    vehicle::encode_engine_configuration(configuration));
 }
 
-vehicle::Identification VehicleGateway::functionalities() const {
+std::vector<std::uint8_t> VehicleGateway::functionalities() const {
   constexpr auto kFront = static_cast<std::size_t>(ImplementEnd::front);
   constexpr auto kRear = static_cast<std::size_t>(ImplementEnd::rear);
   // Class 1 needs hitch and power take-off at the rear; guidance is always there.
-  std::uint8_t options = vehicle::kTractorGuidance;
+  std::uint8_t options = iso::kTractorGuidance;
   const auto add = [&options](bool there, std::uint8_t option) {
     options = static_cast<std::uint8_t>(options | (there ? option : 0U));
   };
-  add(settings_.has_hitch[kRear] && settings_.has_power_take_off[kRear], vehicle::kTractorClass1);
-  add(settings_.has_position, vehicle::kTractorNavigation);
-  add(settings_.has_hitch[kFront], vehicle::kTractorFrontHitch);
-  return vehicle::make_functionalities(
-      {{vehicle::kMinimumControlFunction}, {vehicle::kBasicTractorServer, 1, options}});
+  add(settings_.has_hitch[kRear] && settings_.has_power_take_off[kRear], iso::kTractorClass1);
+  add(settings_.has_position, iso::kTractorNavigation);
+  add(settings_.has_hitch[kFront], iso::kTractorFrontHitch);
+  const std::array<iso::SupportedFunctionality, 2> supported{
+      {{}, {iso::Functionality::basic_tractor_ecu_server, 1, {options}}}};
+  return iso::make_functionalities(supported);
 }
 
 J1939Answer VehicleGateway::answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) {
@@ -295,8 +298,8 @@ J1939Answer VehicleGateway::answer(SimTime now, std::uint32_t pgn, std::uint8_t 
       return vin.empty() ? J1939Answer::unknown
                          : send_text(now, pgn, destination, vehicle::make_identification({vin}));
     }
-    case vehicle::kFunctionalitiesPgn:
-      return send_text(now, pgn, destination, functionalities());
+    case iso::kFunctionalitiesPgn:
+      return send_long(now, pgn, destination, functionalities());
     case vehicle::kEngineConfigurationPgn:
       return send_engine_configuration(now, destination);
     case vehicle::LanguageCommand::kGroup.pgn:

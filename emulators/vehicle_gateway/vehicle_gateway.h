@@ -79,7 +79,7 @@ class VehicleGateway final : public CanDevice, public VehicleBackend, J1939Appli
                                       const protocols::vehicle::Identification& text) {
     return send_long(now, pgn, destination, text.payload());
   }
-  [[nodiscard]] protocols::vehicle::Identification functionalities() const;
+  [[nodiscard]] std::vector<std::uint8_t> functionalities() const;
   [[nodiscard]] J1939Answer send_engine_configuration(SimTime now, std::uint8_t destination);
   /// Decodes and takes; a request that cannot be honoured is refused to its sender where `refuse`
   /// says so.

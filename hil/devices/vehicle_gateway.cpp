@@ -9,6 +9,7 @@
 #include "hil/devices/can_device.h"
 #include "hil/devices/rig_check.h"
 #include "hil/world/ports.h"
+#include "protocols/iso11783/functionalities.h"
 #include "protocols/vehicle/engine_configuration.h"
 #include "protocols/vehicle/identification.h"
 
@@ -132,7 +133,7 @@ DeviceDescription VehicleGatewayConfiguration::describe() const {
   }
   add(vehicle::kEngineConfigurationPgn, "EC1", "0.2 Hz", "engine configuration, by transport");
   add(vehicle::kVehicleIdentificationPgn, "VI", "on request", "VIN, by transport");
-  add(vehicle::kFunctionalitiesPgn, "functionalities", "on request", "by transport");
+  add(protocols::iso11783::kFunctionalitiesPgn, "functionalities", "on request", "by transport");
   add(vehicle::LanguageCommand::kGroup.pgn, "LANG", "on request", "language of displays");
   add(vehicle::kSoftwareIdentificationPgn, "SOFT", "on request", "by transport");
   add(vehicle::kComponentIdentificationPgn, "CI", "on request", "by transport");

@@ -23,6 +23,12 @@ enum class Functionality : std::uint8_t {
   tractor_implement_management_server = 15,
 };
 
+/// Options of the basic tractor server; none: less than class 1.
+inline constexpr std::uint8_t kTractorClass1 = 0x01;
+inline constexpr std::uint8_t kTractorNavigation = 0x08;
+inline constexpr std::uint8_t kTractorFrontHitch = 0x10;
+inline constexpr std::uint8_t kTractorGuidance = 0x20;
+
 struct SupportedFunctionality {
   Functionality functionality = Functionality::minimum_control_function;
   std::uint8_t generation = 1;

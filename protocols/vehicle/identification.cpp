@@ -29,25 +29,6 @@ Identification make_identification(std::initializer_list<std::string_view> field
   return identification;
 }
 
-Identification make_functionalities(std::initializer_list<Functionality> functionalities) {
-  Identification identification;
-  const auto add = [&](std::uint8_t byte) { put(identification, static_cast<char>(byte)); };
-  add(0xFF);
-  add(static_cast<std::uint8_t>(functionalities.size()));
-  for (const Functionality& one : functionalities) {
-    constexpr std::uint8_t kOptionBytes = 1;
-    add(one.functionality);
-    add(one.generation);
-    add(kOptionBytes);
-    add(one.options);
-  }
-  constexpr std::size_t kLeast = 8;
-  while (identification.size < kLeast) {
-    add(0xFF);
-  }
-  return identification;
-}
-
 Identification make_software_identification(std::initializer_list<std::string_view> fields) {
   Identification identification;
   put(identification, static_cast<char>(fields.size()));

@@ -1,6 +1,5 @@
 // Who a node is, in words: software (SOFT), component (CI), ECU (ECUID) and vehicle identification
-// (VI), in ASCII, each field ended by "*"; and what it is good for (functionalities). Longer than a
-// frame as a rule, and so sent by transport.
+// (VI), in ASCII, each field ended by "*". Longer than a frame as a rule, and so sent by transport.
 //
 // Sources: SAE J1939 digital annex (fields and their order); J1939-71, 5.2.5 (a field that is not
 // known has no characters, but its "*"). Software identification has a byte with the number of its
@@ -19,7 +18,6 @@ inline constexpr std::uint32_t kSoftwareIdentificationPgn = 65242;   ///< FEDA, 
 inline constexpr std::uint32_t kComponentIdentificationPgn = 65259;  ///< FEEB, CI.
 inline constexpr std::uint32_t kEcuIdentificationPgn = 64965;        ///< FDC5, ECUID.
 inline constexpr std::uint32_t kVehicleIdentificationPgn = 65260;    ///< FEEC, VI.
-inline constexpr std::uint32_t kFunctionalitiesPgn = 64654;          ///< FC8E.
 
 /// The payload of one of them, at most kGreatest bytes.
 struct Identification {
@@ -39,23 +37,5 @@ struct Identification {
 /// The same after the number of fields.
 [[nodiscard]] Identification make_software_identification(
     std::initializer_list<std::string_view> fields);
-
-/// What a control function is good for (ISO 11783-7, control function functionalities).
-struct Functionality {
-  std::uint8_t functionality = 0;
-  std::uint8_t generation = 1;
-  std::uint8_t options = 0;
-};
-inline constexpr std::uint8_t kMinimumControlFunction = 0;
-inline constexpr std::uint8_t kBasicTractorServer = 13;
-// Options of the basic tractor server. None: less than class 1.
-inline constexpr std::uint8_t kTractorClass1 = 0x01;
-inline constexpr std::uint8_t kTractorNavigation = 0x08;
-inline constexpr std::uint8_t kTractorFrontHitch = 0x10;
-inline constexpr std::uint8_t kTractorGuidance = 0x20;
-/// FF, their number, then each with one byte of options; at least eight bytes, filled with FF.
-/// Source: AgIsoStack, ControlFunctionFunctionalities.
-[[nodiscard]] Identification make_functionalities(
-    std::initializer_list<Functionality> functionalities);
 
 }  // namespace rigwire::protocols::vehicle

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "protocols/iso11783/functionalities.h"
 #include "protocols/j1939/transport.h"
 #include "protocols/vehicle/engine_configuration.h"
 #include "protocols/vehicle/identification.h"
@@ -369,10 +370,10 @@ TEST_F(VehicleService, SaysWhatItIsGoodFor) {
   start(settings);
   // FF, two functionalities: minimum control function, tractor server with class 1, navigation,
   // front hitch, guidance.
-  EXPECT_THAT(read(vehicle::kFunctionalitiesPgn),
+  EXPECT_THAT(read(protocols::iso11783::kFunctionalitiesPgn),
               ElementsAre(0xFF, 2, 0, 1, 1, 0x00, 13, 1, 1, 0x39));
   start();
-  EXPECT_THAT(read(vehicle::kFunctionalitiesPgn),
+  EXPECT_THAT(read(protocols::iso11783::kFunctionalitiesPgn),
               ElementsAre(0xFF, 2, 0, 1, 1, 0x00, 13, 1, 1, 0x20));
 }
 

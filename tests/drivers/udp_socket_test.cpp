@@ -2,7 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <array>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -48,6 +53,47 @@ TEST_F(UdpSocketTest, RefusesAnAddressOfAnotherMachine) {
 TEST_F(UdpSocketTest, BroadcastMustBeAskedFor) {
   EXPECT_THAT(refusal({.destination = UdpEndpoint{"255.255.255.255", 2368}}),
               HasSubstr("must be asked for"));
+}
+
+TEST_F(UdpSocketTest, SendersOfOneMachineShareASourcePortWhereBothAgree) {
+  UdpSocket first(context, {.bind = UdpEndpoint{}, .shares_source = true});
+  const UdpEndpoint same{.port = first.local_port()};
+  const UdpSocket second(context, {.bind = same, .shares_source = true});
+  EXPECT_EQ(second.local_port(), first.local_port());
+  EXPECT_THAT(refusal({.bind = same}), HasSubstr("Address already in use"));
+}
+
+TEST_F(UdpSocketTest, HeaderHasTheTimeToLiveOfTheSettings) {
+  const int receiver = ::socket(AF_INET, SOCK_DGRAM, 0);
+  const int on = 1;
+  ASSERT_EQ(::setsockopt(receiver, IPPROTO_IP, IP_RECVTTL, &on, sizeof(on)), 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof(address);
+  ASSERT_EQ(::bind(receiver, reinterpret_cast<sockaddr*>(&address), size), 0);
+  ASSERT_EQ(::getsockname(receiver, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  for (const std::uint8_t wanted : {std::uint8_t{128}, std::uint8_t{255}}) {
+    UdpSocket sender(context, {.destination = UdpEndpoint{.port = ntohs(address.sin_port)},
+                               .time_to_live = wanted,
+                               .dont_fragment = true});
+    ASSERT_TRUE(sender.send(std::vector<std::uint8_t>{1, 2, 3}));
+    std::array<char, 16> bytes{};
+    alignas(cmsghdr) std::array<char, 64> control{};
+    iovec piece{bytes.data(), bytes.size()};
+    msghdr message{};
+    message.msg_iov = &piece;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    ASSERT_EQ(::recvmsg(receiver, &message, 0), 3);
+    const cmsghdr* head = CMSG_FIRSTHDR(&message);
+    ASSERT_NE(head, nullptr);
+    int found = 0;
+    std::memcpy(&found, CMSG_DATA(head), sizeof(found));
+    EXPECT_EQ(found, wanted);
+  }
+  ::close(receiver);
 }
 
 TEST_F(UdpSocketTest, SendsFromThePortThatItIsBoundTo) {

@@ -37,7 +37,7 @@ void visit(fields::Visitor& v, SoilParameters& p) {
   v.number("cohesion", p.cohesion_pa, in("kPa").at_least(0), "Shear strength without load.");
   v.number("internal_friction", p.internal_friction_rad, in("deg").between(0, kSteepest_deg),
            "Angle by which shear strength grows with load.");
-  v.number("shear_modulus", p.shear_modulus_m, in("mm").above(0),
+  v.number("shear_modulus", p.shear_modulus_m, in("mm").above(0).at_most(1000),
            "K of Janosi and Hanamoto: way to 63 % of the shear strength.");
   v.number("density", p.density_kgpm3, in("kg/m3").above(0), "Density of the soil as it lies.");
   v.number("repose", p.repose_rad, in("deg").above(0).at_most(kSteepest_deg),

@@ -259,7 +259,8 @@ void visit(fields::Visitor& v, BeamAxleParameters& p) {
   v.number("rebound_travel", p.rebound_travel_m, in("mm").above(0).at_most(10'000),
            "Travel down to the rebound stop.");
   v.group(
-      "bump_stop", [&](fields::Visitor& w) { visit_stop(w, p.bump_stop, in("N/m"), in("m")); },
+      "bump_stop",
+      [&](fields::Visitor& w) { visit_stop(w, p.bump_stop, in("N/m"), in("m").at_most(100)); },
       "Spring at both ends of the travel.");
   v.number("articulation", p.articulation_rad, in("deg").above(0).at_most(60),
            "Roll against the body, to each side, up to the limiter.");
@@ -283,7 +284,8 @@ void visit(fields::Visitor& v, IndependentAxleParameters& p) {
   v.number("rebound_travel", p.rebound_travel_m, in("mm").above(0).at_most(10'000),
            "Travel down to the rebound stop.");
   v.group(
-      "bump_stop", [&](fields::Visitor& w) { visit_stop(w, p.bump_stop, in("N/m"), in("m")); },
+      "bump_stop",
+      [&](fields::Visitor& w) { visit_stop(w, p.bump_stop, in("N/m"), in("m").at_most(100)); },
       "Spring at both ends of the travel.");
   v.number("camber_gain", p.camber_gain_radpm, in("rad/m").between(-5, 5),
            "Camber per bump travel, top outward positive.");
@@ -305,7 +307,8 @@ void visit(fields::Visitor& v, VehicleAxleParameters& p) {
   v.number("position", p.position_x_m, in("m").between(-100, 100),
            "x of the axle in the body's frame.");
   v.number("track", p.track_m, in("m").above(0).at_most(100), "Between the wheels' centres.");
-  v.number("portal_offset", p.portal_offset_m, in("mm"), "Wheel's centre below the beam's.");
+  v.number("portal_offset", p.portal_offset_m, in("mm").between(-10'000, 10'000),
+           "Wheel's centre below the beam's.");
   v.number("wheel_spin_inertia", p.wheel_spin_inertia_kgm2, in("kg m2").above(0),
            "Inertia of one wheel with tyre and hub about its axle.");
   v.section("beam", p.beam, "With type beam.");

@@ -31,6 +31,9 @@ class EndpointError : public std::runtime_error {
 struct EndpointStatus {
   std::string address;          ///< What a client opens: "/tmp/rigwire/gnss", "udp 127.0.0.1:2368".
   bool client_present = false;  ///< Somebody has it open, is connected, or has answered.
+  /// Programs that share a line with one plug; 0: not known, or nobody (drivers/line_readers.h).
+  unsigned readers = 0;
+  unsigned further_ports = 0;  ///< Open beside `address`, under its name with ".1", ".2" ...
 };
 
 /// The far end of a serial line.
@@ -118,6 +121,9 @@ class StreamServer {
     std::function<void(ConnectionId)> connected;
     std::function<void(ConnectionId, std::span<const std::uint8_t>)> received;
     std::function<void(ConnectionId)> disconnected;
+    /// The client sends nothing more and may still read: what is due to it is to be sent, then
+    /// close() to be called. Empty: the connection ends when what was sent so far has left.
+    std::function<void(ConnectionId)> half_closed{};
   };
   virtual ~StreamServer() = default;
   virtual void start(Handler handler) = 0;

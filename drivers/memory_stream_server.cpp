@@ -82,6 +82,14 @@ void MemoryStreamServer::client_close(ConnectionId connection) {
   close(connection);
 }
 
+void MemoryStreamServer::client_half_close(ConnectionId connection) {
+  if (open(connection) && handler_.half_closed) {
+    handler_.half_closed(connection);
+  } else {
+    close(connection);
+  }
+}
+
 bool MemoryStreamServer::open(ConnectionId connection) const {
   return connection >= 1 && connection <= clients_.size() && clients_[connection - 1].open;
 }

@@ -34,6 +34,8 @@ class MemoryStreamServer final : public StreamServer {
   /// What the server sent since the last call; still readable after a close.
   [[nodiscard]] std::vector<std::uint8_t> client_take(ConnectionId connection);
   void client_close(ConnectionId connection);
+  /// The client sends nothing more, and still reads.
+  void client_half_close(ConnectionId connection);
   [[nodiscard]] bool open(ConnectionId connection) const;
 
  private:

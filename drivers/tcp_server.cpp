@@ -104,6 +104,10 @@ struct TcpServer::State : std::enable_shared_from_this<State> {
           if (client->ended || self->stopped) {
             return;
           }
+          if (error == asio::error::eof) {
+            self->half_close(client);
+            return;
+          }
           if (error) {
             self->end(client);
             return;
@@ -114,6 +118,22 @@ struct TcpServer::State : std::enable_shared_from_this<State> {
           }
           self->read(client);
         });
+  }
+
+  /// The client has closed its sending half, or both: which one is seen when something is sent.
+  void half_close(const ClientPointer& client) {
+    if (!client->closing && handler.half_closed) {
+      handler.half_closed(client->id);
+    } else {
+      close(client);
+    }
+  }
+
+  void close(const ClientPointer& client) {
+    client->closing = true;
+    if (client->leaving.empty()) {
+      end(client);
+    }
   }
 
   bool send(const ClientPointer& client, std::span<const std::uint8_t> bytes) {
@@ -213,12 +233,8 @@ bool TcpServer::send(ConnectionId connection, std::span<const std::uint8_t> byte
 
 void TcpServer::close(ConnectionId connection) {
   const auto client = state_->find(connection);
-  if (client == nullptr) {
-    return;
-  }
-  client->closing = true;
-  if (client->leaving.empty()) {
-    state_->end(client);
+  if (client != nullptr) {
+    state_->close(client);
   }
 }
 

@@ -87,9 +87,22 @@ void ModbusServer::consume_frames(SimTime now, Connection& connection) {
 }
 
 void ModbusServer::close(SimTime now, Connection& connection) {
+  close_at(now + delay_.draw(), connection);
+}
+
+void ModbusServer::close_at(SimTime due, Connection& connection) {
   connection.closing = true;
-  connection.last_due = std::max(connection.last_due, now + delay_.draw());
+  connection.last_due = std::max(connection.last_due, due);
   give(connection.last_due, connection.id, {}, true);
+}
+
+void ModbusServer::half_closed(SimTime now, ConnectionId id) {
+  nothing_before_ = now + delay_.minimum();
+  Connection* connection = find(id);
+  if (connection != nullptr && !connection->closing) {
+    close_at(nothing_before_, *connection);
+  }
+  release(now);
 }
 
 void ModbusServer::handle(SimTime now, Connection& connection, const Adu& adu) {

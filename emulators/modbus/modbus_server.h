@@ -64,6 +64,9 @@ class ModbusServer {
   void connected(SimTime now, ConnectionId connection);
   void receive(SimTime now, ConnectionId connection, std::span<const std::uint8_t> bytes);
   void disconnected(SimTime now, ConnectionId connection);
+  /// The client sends nothing more: it is given the answers that are still due, then the connection
+  /// is closed.
+  void half_closed(SimTime now, ConnectionId connection);
 
   /// Hands over what is due until `now`, and closes who has been idle.
   void advance(SimTime now);
@@ -97,6 +100,7 @@ class ModbusServer {
   void give_pieces(Connection& connection, std::span<const std::uint8_t> bytes,
                    const ModbusFaultEffects& effects);
   void close(SimTime now, Connection& connection);
+  void close_at(SimTime due, Connection& connection);
 
   // The way out: straight into the batch where nothing can come before, else by the queue.
   void give(SimTime due, ConnectionId connection, std::span<const std::uint8_t> bytes, bool close);

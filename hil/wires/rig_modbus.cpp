@@ -38,6 +38,10 @@ class RigModbusTcp final : public RigModbus {
             [this, &executive](emulators::ConnectionId connection) {
               server_.disconnected(executive.arrive(), connection);
             },
+        .half_closed =
+            [this, &executive](emulators::ConnectionId connection) {
+              server_.half_closed(executive.arrive(), connection);
+            },
     });
   }
 

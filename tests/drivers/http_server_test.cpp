@@ -38,6 +38,7 @@ class Client {
       return sent == text.size() || (error && error != asio::error::would_block);
     }));
   }
+  void send_no_more() { socket_.shutdown(tcp::socket::shutdown_send); }
   /// What has come so far.
   const std::string& received() {
     std::array<char, 4096> piece{};
@@ -109,6 +110,17 @@ TEST_F(HttpServerTest, AnswersAndKeepsTheConnection) {
   EXPECT_EQ(requests_[0].target, "/a?b=c");
   EXPECT_TRUE(server_->status().client_present);
   EXPECT_EQ(server_->requests(), 3U);
+}
+
+TEST_F(HttpServerTest, AClientThatClosedItsSendingHalfGetsEveryAnswer) {
+  open();
+  auto one = client();
+  one.send("GET /a HTTP/1.1\r\nHost: x\r\n\r\nGET /b HTTP/1.1\r\nHost: x\r\n\r\n");
+  one.send_no_more();
+  EXPECT_TRUE(wait([&] { return one.closed(); }));
+  ASSERT_EQ(requests_.size(), 2U);
+  EXPECT_EQ(requests_[1].target, "/b");
+  EXPECT_THAT(one.received(), AllOf(StartsWith("HTTP/1.1 200 OK\r\n"), EndsWith("hello")));
 }
 
 TEST_F(HttpServerTest, ClosesWhenTheClientWishesOrIsOld) {

@@ -33,6 +33,28 @@ TEST(MemoryStreamServer, CarriesBytesBothWays) {
   EXPECT_EQ(server.client_connect(), 2U) << "numbers are never reused";
 }
 
+TEST(MemoryStreamServer, AHalfClosedClientIsToldAndStillServed) {
+  MemoryStreamServer server;
+  std::vector<StreamServer::ConnectionId> half_closed;
+  server.start({.connected = {}, .received = {}, .disconnected = {}, .half_closed = [&](auto id) {
+                  half_closed.push_back(id);
+                }});
+  const auto id = server.client_connect();
+  server.client_half_close(id);
+  EXPECT_EQ(half_closed, (std::vector<StreamServer::ConnectionId>{id}));
+  const std::vector<std::uint8_t> answer{1, 2};
+  EXPECT_TRUE(server.send(id, answer));
+  server.close(id);
+  EXPECT_EQ(server.client_take(id), answer);
+  EXPECT_FALSE(server.open(id));
+
+  MemoryStreamServer plain;
+  plain.start({});
+  const auto other = plain.client_connect();
+  plain.client_half_close(other);
+  EXPECT_FALSE(plain.open(other));
+}
+
 TEST(MemoryStreamServer, AFullBacklogEndsTheConnection) {
   MemoryStreamServer server({32, 4});
   const auto id = server.client_connect();

@@ -116,6 +116,55 @@ TEST_F(TcpServerTest, CloseLetsWhatWasSentLeave) {
   ASSERT_TRUE(run_until([&] { return disconnected_.size() == 1; }));
 }
 
+TEST_F(TcpServerTest, AClientThatClosedItsSendingHalfIsStillGivenWhatIsDue) {
+  std::vector<StreamServer::ConnectionId> half_closed;
+  open();
+  server_->start({[this](auto id) { connected_.push_back(id); }, [](auto, auto) {},
+                  [this](auto id) { disconnected_.push_back(id); },
+                  [&](auto id) { half_closed.push_back(id); }});
+  auto socket = client();
+  asio::write(socket, asio::buffer("abc", 3));
+  socket.shutdown(tcp::socket::shutdown_send);
+  ASSERT_TRUE(run_until([&] { return half_closed.size() == 1; }));
+  EXPECT_TRUE(disconnected_.empty());
+  EXPECT_TRUE(server_->send(half_closed[0], Bytes{1, 2, 3}));
+  server_->close(half_closed[0]);
+  Bytes answer(3);
+  asio::read(socket, asio::buffer(answer));
+  EXPECT_EQ(answer, (Bytes{1, 2, 3}));
+  boost::system::error_code error;
+  EXPECT_EQ(socket.read_some(asio::buffer(answer), error), 0U);
+  EXPECT_EQ(error, asio::error::eof) << "and no reset";
+  ASSERT_TRUE(run_until([&] { return disconnected_.size() == 1; }));
+}
+
+TEST_F(TcpServerTest, WhoDoesNotAskForHalfClosedClientsEndsThemWhenAllHasLeft) {
+  TcpServerSettings settings;
+  settings.backlog_bytes = 16U << 20U;
+  open(settings);
+  auto socket = client();
+  ASSERT_TRUE(run_until([&] { return !connected_.empty(); }));
+  const Bytes much(8U << 20U, 7);  // more than the system's buffers hold
+  ASSERT_TRUE(server_->send(1, much));
+  socket.shutdown(tcp::socket::shutdown_send);
+  socket.non_blocking(true);
+  std::size_t got = 0;
+  Bytes block(65536);
+  boost::system::error_code error;
+  ASSERT_TRUE(run_until([&] {
+    while (true) {
+      const std::size_t size = socket.read_some(asio::buffer(block), error);
+      got += size;
+      if (error) {
+        return error != asio::error::would_block;
+      }
+    }
+  }));
+  EXPECT_EQ(error, asio::error::eof);
+  EXPECT_EQ(got, much.size());
+  ASSERT_TRUE(run_until([&] { return disconnected_.size() == 1; }));
+}
+
 TEST_F(TcpServerTest, AClientThatDoesNotReadIsCutOffWhenItsBacklogIsFull) {
   TcpServerSettings settings;
   settings.backlog_bytes = 4096;

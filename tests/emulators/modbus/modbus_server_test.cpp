@@ -58,6 +58,31 @@ TEST_F(ModbusServerTest, AnswersAfterTheProcessingDelayWithTheTransactionEchoed)
   EXPECT_EQ(unit_.holding[2], 77);
 }
 
+TEST_F(ModbusServerTest, AClientThatClosedItsSendingHalfGetsTheAnswersThatAreDueThenTheEnd) {
+  send(adu_of(WriteRegister{2, 77}, 1) + adu_of(WriteRegister{3, 78}, 2), at(5ms));
+  server_.half_closed(at(5ms), 1);
+  server_.advance(at(6ms));
+  ASSERT_EQ(output_.sent.size(), 2U);
+  EXPECT_EQ(unit_.holding[3], 78);
+  ASSERT_EQ(output_.closed.size(), 1U);
+  EXPECT_EQ(output_.closed[0].connection, 1U);
+  EXPECT_GE(output_.closed[0].due, output_.sent[1].due);
+  send(adu_of(WriteRegister{2, 1}), at(7ms));
+  EXPECT_EQ(unit_.holding[2], 77) << "nothing can come from a closed half";
+}
+
+TEST_F(ModbusServerTest, AClientThatClosedItsSendingHalfAndAskedNothingIsClosed) {
+  const Bytes request = adu_of(WriteRegister{2, 77});
+  send(Bytes(request.begin(), request.begin() + 5), at(5ms));  // and never the rest
+  server_.half_closed(at(6ms), 1);
+  server_.advance(at(7ms));
+  EXPECT_TRUE(output_.sent.empty());
+  EXPECT_EQ(output_.closed.size(), 1U);
+  server_.half_closed(at(8ms), 1);
+  server_.half_closed(at(8ms), 99);
+  EXPECT_EQ(output_.closed.size(), 1U);
+}
+
 TEST_F(ModbusServerTest, ServesEveryFunction) {
   unit_.holding = {10, 11, 12, 13, 14};
   const std::uint16_t words[] = {5, 6};

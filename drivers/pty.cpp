@@ -4,16 +4,13 @@
 #include <grp.h>
 #include <poll.h>
 #include <stdlib.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <functional>
 #include <system_error>
 #include <utility>
 
@@ -29,87 +26,8 @@ constexpr std::size_t kReadSize = 4096;
 /// Reads per wake-up, so that a client that floods cannot keep the loop.
 constexpr int kReadsPerTurn = 8;
 
-[[noreturn]] void fail(const fs::path& link, const std::string& what, const std::string& mend) {
-  throw EndpointError("pty " + link.string() + ": " + what + "; " + mend);
-}
-
 std::string reason(int error) {
   return std::generic_category().message(error);
-}
-
-/// What helps against a descriptor that the system would not open.
-std::string mend_of(int error, const std::string& otherwise) {
-  return error == EMFILE   ? "raise the limit of open files (ulimit -n)"
-         : error == ENFILE ? "raise the machine's limit of open files (/proc/sys/fs/file-max)"
-                           : otherwise;
-}
-
-/// Takes the name for this process; the kernel gives it back however the process ends.
-int take_ownership(const fs::path& link) {
-  Descriptor socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-  if (!socket.open()) {
-    fail(link, "cannot create a socket: " + reason(errno),
-         mend_of(errno, "permit sockets of the family AF_UNIX"));
-  }
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  // A path longer than the address holds is told apart by its hash.
-  std::error_code lost;
-  const std::string full = fs::absolute(link, lost).lexically_normal().string();
-  if (lost) {
-    fail(link, "the working folder cannot be told: " + lost.message(),
-         "change to a folder that exists, or give an absolute path");
-  }
-  std::string name = "rigwire/pty/" + full;
-  constexpr std::size_t kRoom = sizeof(address.sun_path) - 1;  // after the leading NUL
-  if (name.size() > kRoom) {
-    name = "rigwire/pty#" + std::to_string(std::hash<std::string>{}(full));
-  }
-  std::memcpy(address.sun_path + 1, name.data(), name.size());
-  const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
-  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), length) != 0) {
-    const int error = errno;
-    if (error == EADDRINUSE) {
-      fail(link, "another running rigwire publishes this path",
-           "stop that one or choose another path");
-    }
-    fail(link, "cannot take the path's name: " + reason(error), "choose another path");
-  }
-  return socket.release();
-}
-
-/// Throws unless `link` is free or a leftover.
-void require_replaceable(const fs::path& link) {
-  struct stat own {};
-  if (::lstat(link.c_str(), &own) != 0) {
-    if (errno == ENOENT || errno == ENOTDIR) {
-      return;
-    }
-    fail(link, "cannot look at it: " + reason(errno), "choose a path that this user can reach");
-  }
-  if (!S_ISLNK(own.st_mode)) {
-    fail(link, S_ISDIR(own.st_mode) ? "a directory is there" : "a file is there",
-         "remove it or choose another path");
-  }
-  std::error_code error;
-  const fs::path target = fs::read_symlink(link, error);
-  struct stat terminal {};
-  if (::stat(link.c_str(), &terminal) != 0) {
-    return;  // dangling
-  }
-  if (target.parent_path() != "/dev/pts") {
-    fail(link, "a link to " + target.string() + " is there, which is no pseudo-terminal",
-         "remove it or choose another path");
-  }
-  // The numbers of pseudo-terminals are used again. A terminal younger than the link is somebody
-  // else's, and the link a leftover.
-  const auto earlier = [](const timespec& a, const timespec& b) {
-    return std::pair(a.tv_sec, a.tv_nsec) < std::pair(b.tv_sec, b.tv_nsec);
-  };
-  if (!earlier(own.st_mtim, terminal.st_ctim)) {
-    fail(link, "a running program publishes " + target.string() + " there",
-         "stop that program or choose another path");
-  }
 }
 
 /// Gives the slave the group and mode of a real serial line, so that daemons which have dropped
@@ -137,10 +55,10 @@ std::string mend_of_master(int error) {
 int open_master(const fs::path& link) {
   Descriptor master(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!master.open()) {
-    fail(link, "cannot open a pseudo-terminal: " + reason(errno), mend_of_master(errno));
+    refuse_line(link, "cannot open a pseudo-terminal: " + reason(errno), mend_of_master(errno));
   }
   if (::grantpt(master.get()) != 0 || ::unlockpt(master.get()) != 0) {
-    fail(link, "cannot unlock the pseudo-terminal: " + reason(errno), "check /dev/pts");
+    refuse_line(link, "cannot unlock the pseudo-terminal: " + reason(errno), "check /dev/pts");
   }
   share_with_serial_group(master.get());
   return master.release();
@@ -168,61 +86,27 @@ bool clean_slave(const std::string& name, std::optional<std::uint32_t> baud = {}
 
 Pty::Pty(boost::asio::io_context& context, fs::path link, std::optional<std::uint32_t> baud)
     : link_(std::move(link)),
+      watched_(link_.empty() ? nullptr : line_watch(context).add(link_)),
       master_(context),
-      ownership_(context),
       presence_timer_(context),
       buffer_(kReadSize) {
-  if (!link_.empty()) {
-    ownership_.assign(take_ownership(link_));
-    require_replaceable(link_);
-  }
   descriptor_ = open_master(link_);
   master_.assign(descriptor_);
   slave_name_ = name_of_slave(descriptor_);
   // Opening and closing it once also makes the kernel report that nobody has it open.
   if (slave_name_.empty() || !clean_slave(slave_name_, baud)) {
-    fail(link_, "cannot open the slave " + slave_name_ + ": " + reason(errno),
-         mend_of(errno, "check the permissions of /dev/pts"));
+    refuse_line(link_, "cannot open the slave " + slave_name_ + ": " + reason(errno),
+                mend_of(errno, "check the permissions of /dev/pts"));
   }
-  if (!link_.empty()) {
-    publish();
+  if (watched_ != nullptr) {
+    watched_->link.publish(slave_name_);
   }
 }
 
 Pty::~Pty() {
-  if (published_) {
-    std::error_code error;
-    if (fs::read_symlink(link_, error) == slave_name_ && !error) {
-      fs::remove(link_, error);
-    }
+  if (watched_ != nullptr) {
+    watched_->link.withdraw();  // at once, even while the watch still looks at it
   }
-}
-
-void Pty::publish() {
-  std::error_code error;
-  const fs::path parent = link_.has_parent_path() ? link_.parent_path() : fs::path(".");
-  fs::create_directories(parent, error);
-  if (error) {
-    fail(link_, "cannot create the directory " + parent.string() + ": " + error.message(),
-         "choose a path in a directory that this user can write, such as /tmp/rigwire");
-  }
-  // A rename puts the link in place at once, whether or not a leftover is there.
-  fs::path temporary = link_;
-  temporary += ".new-" + std::to_string(::getpid());
-  fs::remove(temporary, error);
-  fs::create_symlink(slave_name_, temporary, error);
-  if (!error) {
-    fs::rename(temporary, link_, error);
-    if (error) {
-      std::error_code ignored;
-      fs::remove(temporary, ignored);
-    }
-  }
-  if (error) {
-    fail(link_, "cannot create the link: " + error.message(),
-         "choose a path in a directory that this user can write, such as /tmp/rigwire");
-  }
-  published_ = true;
 }
 
 void Pty::start(Receiver receiver) {
@@ -248,7 +132,9 @@ std::size_t Pty::write(std::span<const std::uint8_t> bytes) {
 }
 
 EndpointStatus Pty::status() const {
-  return {link_.empty() ? slave_name_ : link_.string(), !hung_up()};
+  EndpointStatus status{link_.empty() ? slave_name_ : link_.string(), !hung_up()};
+  status.readers = watched_ != nullptr ? watched_->readers.load() : 0;
+  return status;
 }
 
 std::uint32_t Pty::client_baud() const {
@@ -265,6 +151,9 @@ void Pty::note_presence(bool present) {
     prepare_for_next_client();
   }
   present_ = present;
+  if (watched_ != nullptr) {
+    watched_->in_use = present;
+  }
   if (present_ && receiver_ && !reading_) {
     wait_readable();
   }
@@ -291,8 +180,8 @@ void Pty::replace_pair() {
     descriptor_ = fresh.release();
     master_.assign(descriptor_);
     slave_name_ = name;
-    if (!link_.empty()) {
-      publish();
+    if (watched_ != nullptr) {
+      watched_->link.publish(slave_name_);
     }
   } catch (const std::exception&) {
     // Out of terminals or the directory has gone: the line stays as a dead one.

@@ -21,11 +21,9 @@
 // - Nothing blocks. With a client that does not read, the kernel takes about 16 KiB and then
 //   refuses; write() then returns less than was offered.
 //
-// The path is a symbolic link, replaced at once when it is dangling or older than the terminal that
-// it names (left by a process that was killed), refused when it is anything else's: a file, a link
-// to something that is no pseudo-terminal, or a link that a running program keeps. Ownership is
-// held by an abstract Unix socket, which the kernel releases however the process ends; it is seen
-// within one network namespace.
+// The path is a symbolic link with one owner (drivers/published_link.h). Where somebody has started
+// the io_context's LineWatch (drivers/line_watch.h), it is put back when it is removed, and
+// programs that share the line are counted (EndpointStatus::readers) and told.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -41,6 +39,7 @@
 #include <vector>
 
 #include "drivers/endpoints.h"
+#include "drivers/line_watch.h"
 
 namespace rigwire::drivers {
 
@@ -69,7 +68,6 @@ class Pty final : public ByteStream {
   [[nodiscard]] const std::string& slave_name() const { return slave_name_; }
 
  private:
-  void publish();
   void wait_readable();
   void wait_presence();
   /// Reads what there is, then knows whether the slave is open.
@@ -83,16 +81,15 @@ class Pty final : public ByteStream {
   [[nodiscard]] bool hung_up() const;
 
   std::filesystem::path link_;
+  std::shared_ptr<WatchedLine> watched_;  ///< Null without a link.
   std::string slave_name_;
   int descriptor_ = -1;  ///< Of the master; owned by master_.
   boost::asio::posix::stream_descriptor master_;
-  boost::asio::posix::stream_descriptor ownership_;  ///< The abstract socket.
   boost::asio::steady_timer presence_timer_;
   Receiver receiver_;
   ClientWatcher watcher_;
   LineClient told_;
   std::vector<std::uint8_t> buffer_;
-  bool published_ = false;
   bool present_ = false;
   bool reading_ = false;  ///< A wait for bytes is pending.
   /// Handlers that the system already queued find out by this that the object has gone.

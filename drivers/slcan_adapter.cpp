@@ -147,8 +147,10 @@ bool SlcanAdapter::report(const ControllerReport& report, Stamp stamp) {
 }
 
 EndpointStatus SlcanAdapter::status() const {
-  return {"slcan " + line_.status().address,
-          session_.channel != Channel::closed && line_.status().client_present};
+  EndpointStatus status = line_.status();
+  status.address = "slcan " + status.address;
+  status.client_present = session_.channel != Channel::closed && status.client_present;
+  return status;
 }
 
 void SlcanAdapter::take_line(const slcan::LineSplitter::Line& line) {

@@ -30,6 +30,9 @@ std::string microseconds(Duration span) {
 }
 
 std::string client_text(const DeviceStatus& device) {
+  if (device.readers > 1) {
+    return fmt::format("{} readers", device.readers);  // each gets a part of the bytes
+  }
   std::string text = device.client_present ? "listens" : "none";
   if (device.since_client_activity) {
     text = fmt::format("{:.1f} s ago", to_seconds(*device.since_client_activity));

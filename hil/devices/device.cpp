@@ -28,6 +28,10 @@ DeviceStatus Device::status(const std::string& name, SimTime now) const {
   DeviceStatus status;
   status.name = name;
   status.wire = wire.address;
+  if (wire.further_ports > 0) {
+    status.wire += " +" + std::to_string(wire.further_ports);
+  }
+  status.readers = wire.readers;
   status.client_present = wire.client_present;
   status.frames = frames();
   status.bytes = known.bytes;

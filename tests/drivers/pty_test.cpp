@@ -55,7 +55,7 @@ TEST_F(PtyTest, a_line_for_which_no_file_may_be_opened_names_the_limit_of_open_f
   }
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
-  // One descriptor more than there are, for the socket that owns the name, then none.
+  // One descriptor more than there are, for the lock that owns the name, then none.
   const int next = ::dup(STDERR_FILENO);
   ASSERT_GE(next, 0);
   ::close(next);

@@ -1,0 +1,67 @@
+// Looks after the published serial lines of an io_context, away from the thread that runs it: links
+// that somebody removed are put back, and a second program on one line is told.
+//
+// A service of the io_context: lines find it there and add themselves. Nothing is looked at before
+// start(). Deterministic for tests: look() does by hand what the thread does every period.
+#pragma once
+
+#include <atomic>
+#include <boost/asio/execution_context.hpp>
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "drivers/published_link.h"
+
+namespace rigwire::drivers {
+
+/// What a line and its watch share.
+struct WatchedLine {
+  explicit WatchedLine(std::filesystem::path path) : link(std::move(path)) {}
+  PublishedLink link;
+  std::atomic<bool> in_use{false};     ///< Told by the line: somebody has it open.
+  std::atomic<unsigned> readers{0};    ///< Told by the watch: programs that hold it open.
+  std::atomic<bool> told_once{false};  ///< Of several readers.
+};
+
+class LineWatch final : public boost::asio::execution_context::service {
+ public:
+  using key_type = LineWatch;
+  /// Between two looks; the second reader of a line is told at most this much later.
+  static constexpr std::chrono::seconds kPeriod{1};
+  /// Called from the watch's own thread.
+  using Teller = std::function<void(const std::string& news)>;
+
+  explicit LineWatch(boost::asio::execution_context& context);
+  ~LineWatch() override;
+
+  /// The line that is published at `path`. Throws EndpointError.
+  [[nodiscard]] std::shared_ptr<WatchedLine> add(const std::filesystem::path& path);
+  /// Begins to look, every kPeriod, until the io_context ends or stop().
+  void start(Teller teller);
+  void stop();
+  /// One look; what there is to tell.
+  [[nodiscard]] std::vector<std::string> look();
+
+ private:
+  void shutdown() override;
+  void loop(const Teller& teller);
+  [[nodiscard]] std::vector<std::shared_ptr<WatchedLine>> lines();
+
+  std::mutex mutex_;
+  std::condition_variable stop_;
+  bool stopped_ = false;
+  std::vector<std::weak_ptr<WatchedLine>> lines_;
+  std::thread thread_;
+};
+
+[[nodiscard]] LineWatch& line_watch(boost::asio::io_context& context);
+
+}  // namespace rigwire::drivers

@@ -1,0 +1,276 @@
+#include "drivers/published_link.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "drivers/descriptor.h"
+#include "drivers/endpoints.h"
+
+namespace rigwire::drivers {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kElsewhere =
+    "choose a path in a directory that this user can write, such as /tmp/rigwire";
+
+std::string reason(int error) {
+  return std::generic_category().message(error);
+}
+
+fs::path folder_of(const fs::path& link) {
+  return link.has_parent_path() ? link.parent_path() : fs::path(".");
+}
+
+/// Empty, or why there is none.
+std::string create_folder_of(const fs::path& link) {
+  std::error_code error;
+  fs::create_directories(folder_of(link), error);
+  return error ? "cannot create the directory " + folder_of(link).string() + ": " + error.message()
+               : "";
+}
+
+/// What stands where the link belongs and is no leftover.
+struct Obstacle {
+  std::string what;
+  std::string mend;
+};
+
+std::optional<Obstacle> obstacle_at(const fs::path& link) {
+  struct stat own {};
+  if (::lstat(link.c_str(), &own) != 0) {
+    if (errno == ENOENT || errno == ENOTDIR) {
+      return std::nullopt;
+    }
+    return Obstacle{"cannot look at it: " + reason(errno),
+                    "choose a path that this user can reach"};
+  }
+  if (!S_ISLNK(own.st_mode)) {
+    return Obstacle{S_ISDIR(own.st_mode) ? "a directory is there" : "a file is there",
+                    "remove it or choose another path"};
+  }
+  std::error_code error;
+  const fs::path target = fs::read_symlink(link, error);
+  struct stat terminal {};
+  if (::stat(link.c_str(), &terminal) != 0) {
+    return std::nullopt;  // dangling
+  }
+  if (target.parent_path() != "/dev/pts") {
+    return Obstacle{"a link to " + target.string() + " is there, which is no pseudo-terminal",
+                    "remove it or choose another path"};
+  }
+  // The numbers of pseudo-terminals are used again. A terminal younger than the link is somebody
+  // else's, and the link a leftover.
+  const auto earlier = [](const timespec& a, const timespec& b) {
+    return std::pair(a.tv_sec, a.tv_nsec) < std::pair(b.tv_sec, b.tv_nsec);
+  };
+  if (!earlier(own.st_mtim, terminal.st_ctim)) {
+    return Obstacle{"a running program publishes " + target.string() + " there",
+                    "stop that program or choose another path"};
+  }
+  return std::nullopt;
+}
+
+/// Puts a link to `terminal` in the place of nothing, or of a leftover. Empty, or what failed.
+std::string place(const fs::path& link, const std::string& terminal) {
+  if (std::string failed = create_folder_of(link); !failed.empty()) {
+    return failed;
+  }
+  if (::symlink(terminal.c_str(), link.c_str()) == 0) {
+    return {};
+  }
+  if (errno != EEXIST) {
+    return "cannot create the link: " + reason(errno);
+  }
+  // A rename replaces the leftover at once.
+  fs::path temporary = link;
+  temporary += ".new-" + std::to_string(::getpid());
+  std::error_code error;
+  fs::remove(temporary, error);
+  fs::create_symlink(terminal, temporary, error);
+  if (!error) {
+    fs::rename(temporary, link, error);
+    if (error) {
+      std::error_code ignored;
+      fs::remove(temporary, ignored);
+    }
+  }
+  return error ? "cannot create the link: " + error.message() : "";
+}
+
+bool same_file(const struct stat& a, const struct stat& b) {
+  return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+}
+
+}  // namespace
+
+void refuse_line(const fs::path& path, const std::string& what, const std::string& mend) {
+  throw EndpointError("pty " + path.string() + ": " + what + "; " + mend);
+}
+
+std::string mend_of(int error, const std::string& otherwise) {
+  return error == EMFILE   ? "raise the limit of open files (ulimit -n)"
+         : error == ENFILE ? "raise the machine's limit of open files (/proc/sys/fs/file-max)"
+                           : otherwise;
+}
+
+/// The lock on the file beside the link. Who finds that the file which he has locked is no longer
+/// the one of that name, because its owner removed it meanwhile, tries again.
+class PublishedLink::NameLock {
+ public:
+  enum class Result { taken, held_by_another, failed };
+
+  explicit NameLock(const fs::path& link)
+      : path_(folder_of(link) / ("." + link.filename().string() + ".lock")) {}
+  ~NameLock() { release(); }
+  NameLock(const NameLock&) = delete;
+  NameLock& operator=(const NameLock&) = delete;
+
+  /// errno tells why it failed.
+  Result take() {
+    constexpr int kTries = 100;
+    for (int i = 0; i < kTries; ++i) {
+      Descriptor file(open_file());
+      if (!file.open()) {
+        return Result::failed;
+      }
+      if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0) {
+        return errno == EWOULDBLOCK ? Result::held_by_another : Result::failed;
+      }
+      if (is_in_place(file.get())) {
+        const Descriptor former(std::exchange(file_, file.release()));
+        return Result::taken;
+      }
+    }
+    return Result::held_by_another;
+  }
+  [[nodiscard]] bool in_place() const { return file_ >= 0 && is_in_place(file_); }
+
+  void release() {
+    if (file_ >= 0) {
+      if (in_place()) {
+        ::unlink(path_.c_str());
+      }
+      ::close(std::exchange(file_, -1));
+    }
+  }
+
+ private:
+  /// Another user's file can be locked without being written.
+  [[nodiscard]] int open_file() const {
+    constexpr int kFlags = O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
+    const int file = ::open(path_.c_str(), O_RDWR | O_CREAT | kFlags, 0644);
+    return file >= 0 || errno != EACCES ? file : ::open(path_.c_str(), O_RDONLY | kFlags);
+  }
+  [[nodiscard]] bool is_in_place(int file) const {
+    struct stat held {};
+    struct stat named {};
+    return ::fstat(file, &held) == 0 && ::lstat(path_.c_str(), &named) == 0 &&
+           same_file(held, named);
+  }
+
+  fs::path path_;
+  int file_ = -1;
+};
+
+PublishedLink::PublishedLink(fs::path path)
+    : path_(std::move(path)), lock_(std::make_unique<NameLock>(path_)) {
+  std::error_code lost;
+  if (path_.is_relative() && fs::current_path(lost).empty()) {
+    refuse_line(path_, "the working folder cannot be told: " + lost.message(),
+                "change to a folder that exists, or give an absolute path");
+  }
+  if (const std::string failed = create_folder_of(path_); !failed.empty()) {
+    refuse_line(path_, failed, kElsewhere);
+  }
+  switch (lock_->take()) {
+    case NameLock::Result::taken:
+      break;
+    case NameLock::Result::held_by_another:
+      refuse_line(path_, "another running rigwire publishes this path",
+                  "stop that one or choose another path");
+    case NameLock::Result::failed:
+      refuse_line(path_, "cannot lock the path's name: " + reason(errno),
+                  mend_of(errno, kElsewhere));
+  }
+  if (const auto obstacle = obstacle_at(path_)) {
+    refuse_line(path_, obstacle->what, obstacle->mend);
+  }
+}
+
+PublishedLink::~PublishedLink() {
+  withdraw();
+}
+
+void PublishedLink::publish(const std::string& terminal) {
+  const std::lock_guard guard(mutex_);
+  if (const std::string failed = place(path_, terminal); !failed.empty()) {
+    refuse_line(path_, failed, kElsewhere);
+  }
+  terminal_ = terminal;
+}
+
+void PublishedLink::withdraw() {
+  const std::lock_guard guard(mutex_);
+  std::error_code error;
+  if (!terminal_.empty() && fs::read_symlink(path_, error) == terminal_ && !error) {
+    fs::remove(path_, error);
+  }
+  terminal_.clear();
+  lock_->release();
+}
+
+std::string PublishedLink::terminal() const {
+  const std::lock_guard guard(mutex_);
+  return terminal_;
+}
+
+/// The lock file may have been removed together with the link.
+bool PublishedLink::locked() {
+  return lock_->in_place() ||
+         (create_folder_of(path_).empty() && lock_->take() == NameLock::Result::taken);
+}
+
+std::string PublishedLink::news(State state, const std::string& what) {
+  return std::exchange(state_, state) == state ? "" : "pty " + path_.string() + ": " + what;
+}
+
+std::string PublishedLink::look() try {
+  const std::lock_guard guard(mutex_);
+  if (terminal_.empty()) {
+    return {};
+  }
+  const bool owned = locked();
+  std::error_code error;
+  if (fs::read_symlink(path_, error) == terminal_ && !error) {
+    state_ = State::in_place;
+    return {};
+  }
+  if (const auto obstacle = obstacle_at(path_)) {
+    return news(State::taken, "the link was removed, and " + obstacle->what +
+                                  "; it stays, clients find the device at " + terminal_);
+  }
+  if (!owned) {
+    return news(State::missing,
+                "the link was removed and cannot be put back: the path's name is "
+                "not ours any more; clients find the device at " +
+                    terminal_);
+  }
+  if (const std::string failed = place(path_, terminal_); !failed.empty()) {
+    return news(State::missing, "the link was removed and cannot be put back: " + failed +
+                                    "; clients find the device at " + terminal_);
+  }
+  state_ = State::in_place;
+  return "pty " + path_.string() + ": the link was removed; it is there again";
+} catch (const std::exception&) {
+  return {};  // no memory: the next look is soon
+}
+
+}  // namespace rigwire::drivers

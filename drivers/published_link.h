@@ -1,0 +1,63 @@
+// A symbolic link to a pseudo-terminal under a path of the user's choice, owned by one process.
+//
+// - The link replaces at once what is dangling or older than the terminal that it names (left by a
+//   process that was killed). Anything else is somebody's and stays: a file, a link to something
+//   that is no pseudo-terminal, a link that a running program keeps.
+// - Ownership is an advisory lock (flock) on the file ".NAME.lock" beside the link, whatever
+//   namespaces the owners live in, as long as they share the directory. The kernel gives the lock
+//   back however the process ends; a lock file that was left behind hinders nobody.
+// - look() puts back a link that was removed, or that names a terminal which has gone. What
+// somebody
+//   else has put in its place stays, and is told.
+// - May be used from two threads.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+
+namespace rigwire::drivers {
+
+/// Throws EndpointError: what is wrong with the line at that path, and what mends it.
+[[noreturn]] void refuse_line(const std::filesystem::path& path, const std::string& what,
+                              const std::string& mend);
+/// What helps against a descriptor that the system would not open.
+[[nodiscard]] std::string mend_of(int error, const std::string& otherwise);
+
+class PublishedLink {
+ public:
+  /// Takes the name; its parent directories are created. Throws EndpointError when another running
+  /// process has it, or when something that is no leftover is in its place.
+  explicit PublishedLink(std::filesystem::path path);
+  ~PublishedLink();
+  PublishedLink(const PublishedLink&) = delete;
+  PublishedLink& operator=(const PublishedLink&) = delete;
+
+  /// From now on the link names `terminal`. Throws EndpointError.
+  void publish(const std::string& terminal);
+  /// Removes the link, where it is still ours, and gives the name back.
+  void withdraw();
+  /// Whether the link is in place; puts it back where it may. Returns what there is to tell that
+  /// was not told before, else nothing. Never throws.
+  [[nodiscard]] std::string look();
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// Empty before publish() and after withdraw().
+  [[nodiscard]] std::string terminal() const;
+
+ private:
+  class NameLock;
+  enum class State { in_place, missing, taken };
+
+  [[nodiscard]] bool locked();
+  [[nodiscard]] std::string news(State state, const std::string& what);
+
+  std::filesystem::path path_;
+  std::unique_ptr<NameLock> lock_;
+  mutable std::mutex mutex_;
+  std::string terminal_;
+  State state_ = State::in_place;
+};
+
+}  // namespace rigwire::drivers

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "hil/configuration/suggest.h"
+#include "hil/wires/line_ports.h"
 #include "protocols/canopen/lss.h"
 
 namespace rigwire::hil {
@@ -62,6 +63,13 @@ void RigCheck::file_path(const std::string& path, const std::string& file) {
     report(path, "must be an absolute path", quoted(file), "a path like /tmp/rigwire/gnss");
   }
   claim(path, "path " + file, file);
+}
+
+void RigCheck::port_paths(const std::string& path, const std::string& file, unsigned ports) {
+  file_path(path + ".path", file);
+  for (unsigned port = 1; port < ports; ++port) {
+    claim(path + ".ports", "path " + port_path(file, port), port_path(file, port));
+  }
 }
 
 void RigCheck::address(const std::string& path, const std::string& address, bool allow_remote) {

@@ -33,6 +33,8 @@ class RigCheck {
   void link(const std::string& path, const std::string& link);
   /// An absolute path that is free.
   void file_path(const std::string& path, const std::string& file);
+  /// Keys `path` and `ports` below `path`: absolute paths that are free.
+  void port_paths(const std::string& path, const std::string& file, unsigned ports);
   /// An IPv4 address, of this machine unless `allow_remote`.
   void address(const std::string& path, const std::string& address, bool allow_remote);
   /// Keys `address` and `port` below `path`: a TCP server.

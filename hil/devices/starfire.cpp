@@ -6,7 +6,6 @@
 #include <optional>
 #include <stdexcept>
 
-#include "drivers/pty.h"
 #include "emulators/null_output.h"
 #include "emulators/starfire/node.h"
 #include "emulators/starfire/receiver.h"
@@ -17,6 +16,7 @@
 #include "hil/devices/mounting.h"
 #include "hil/devices/rig_check.h"
 #include "hil/executive/station.h"
+#include "hil/wires/line_ports.h"
 #include "hil/wires/outlets.h"
 
 namespace rigwire::hil {
@@ -111,8 +111,9 @@ class StarFireDevice final : public Device, private FixSource {
   StarFireDevice(const StarFireConfiguration& configuration, Site& site, RigCan* bus)
       : check_baud_(configuration.check_baud), bus_(bus) {
     if (!configuration.path.empty()) {
-      pty_.emplace(site.io(), configuration.path, configuration.receiver.baud);
-      outlet_.emplace(*pty_, own_statistics());
+      line_ = open_serial_ports(site.io(), configuration.path, configuration.ports,
+                                configuration.receiver.baud);
+      outlet_.emplace(*line_, own_statistics());
       quality_.emplace(*outlet_, site.device_seed());
       quality_->set_device_baud(configuration.receiver.baud);
       receiver_.emplace(configuration.receiver, site.calendar(), *quality_);
@@ -128,13 +129,13 @@ class StarFireDevice final : public Device, private FixSource {
 
   [[nodiscard]] StationIndex enlist(Executive& executive) {
     const StationIndex index = executive.add(station_);
-    if (pty_) {
+    if (line_ != nullptr) {
       executive.add(*outlet_);
-      pty_->on_client([this, &executive](const drivers::LineClient& client) {
+      line_->on_client([this, &executive](const drivers::LineClient& client) {
         executive.arrive();
         quality_->set_client_baud(seen_baud(check_baud_, client.baud));
       });
-      pty_->start([this, &executive](std::span<const std::uint8_t> bytes) {
+      line_->start([this, &executive](std::span<const std::uint8_t> bytes) {
         receiver_->receive(client_arrived(executive), bytes);
       });
     }
@@ -143,7 +144,7 @@ class StarFireDevice final : public Device, private FixSource {
 
   [[nodiscard]] FixSource* fixes() override { return this; }
   [[nodiscard]] drivers::EndpointStatus endpoint() const override {
-    return pty_ ? pty_->status() : bus_->endpoint();
+    return line_ != nullptr ? line_->status() : bus_->endpoint();
   }
   [[nodiscard]] std::uint64_t frames() const override {
     return (receiver_ ? receiver_->messages_sent() : 0) + on_bus().sent;
@@ -165,7 +166,7 @@ class StarFireDevice final : public Device, private FixSource {
 
   BaudCheck check_baud_;
   RigCan* bus_;
-  std::optional<drivers::Pty> pty_;  ///< With what follows: only with a serial line.
+  std::unique_ptr<drivers::ByteStream> line_;  ///< With what follows: only with a serial line.
   std::optional<StreamOutlet> outlet_;
   std::optional<emulators::UbloxLineQuality> quality_;
   std::optional<emulators::StarFireReceiver> receiver_;
@@ -185,6 +186,8 @@ StarFireConfiguration::StarFireConfiguration() {
 
 void StarFireConfiguration::visit(fields::Visitor& v) {
   v.text("path", path, "Symbolic link to the pty; what a client opens; empty = no serial line.");
+  v.integer("ports", ports, kPorts, kSerialPortsText);
+  v.check(ports == 1 || !path.empty(), "ports", "there is no serial line", {}, "1, or a `path`");
   v.choice("check_baud", check_baud, kBaudChecks, "When a client hears garbage.");
   v.text("bus", bus, "Name of the rig's bus that the device is on; empty = on none.");
   emulators::visit(v, receiver);
@@ -203,7 +206,7 @@ void StarFireConfiguration::validate() const {
 
 void StarFireConfiguration::check(const std::string& at, RigCheck& check) const {
   if (!path.empty()) {
-    check.file_path(at + ".path", path);
+    check.port_paths(at, path, ports);
   }
   if (!bus.empty()) {
     check.j1939_node(at, bus, receiver.source_address, receiver.serial);
@@ -223,8 +226,9 @@ std::vector<FaultWindow> StarFireConfiguration::fault_windows(std::string_view n
 }
 
 DevicePlan StarFireConfiguration::plan(const RigView& /*rig*/) const {
-  std::string wires =
-      path.empty() ? std::string() : fmt::format("pty {} at {} baud", path, receiver.baud);
+  std::string wires = path.empty()
+                          ? std::string()
+                          : fmt::format("pty {} at {} baud", port_list(path, ports), receiver.baud);
   std::string frames;
   if (const auto share = bus_share({})) {
     wires += fmt::format("{}can {}, address 0x{:02X}", wires.empty() ? "" : "; ", bus,

@@ -4,7 +4,6 @@
 
 #include <array>
 
-#include "drivers/pty.h"
 #include "emulators/null_output.h"
 #include "emulators/ublox/receiver.h"
 #include "emulators/usb/ublox_usb.h"
@@ -14,6 +13,7 @@
 #include "hil/devices/rig_check.h"
 #include "hil/devices/site.h"
 #include "hil/executive/station.h"
+#include "hil/wires/line_ports.h"
 #include "hil/wires/outlets.h"
 #include "hil/wires/usb_serial_stream.h"
 
@@ -66,8 +66,8 @@ class UbloxDevice final : public Device, private FixSource {
   static std::unique_ptr<drivers::ByteStream> open_line(const UbloxConfiguration& configuration,
                                                         Site& site) {
     if (configuration.wire == SerialWire::pty) {
-      return std::make_unique<drivers::Pty>(site.io(), configuration.path,
-                                            configuration.receiver.baud);
+      return open_serial_ports(site.io(), configuration.path, configuration.ports,
+                               configuration.receiver.baud);
     }
     UsbBus& bus = site.usb();
     auto stream = std::make_unique<UsbSerialStream>(
@@ -130,6 +130,7 @@ UbloxConfiguration::UbloxConfiguration(const emulators::UbloxProfile& profile) {
 void UbloxConfiguration::visit(fields::Visitor& v) {
   v.choice("wire", wire, kSerialWires, "What carries the bytes.");
   v.text("path", path, "Symbolic link to the pty; what a client opens.");
+  v.integer("ports", ports, kPorts, kSerialPortsText);
   v.choice("check_baud", check_baud, kBaudChecks, "When a client hears garbage.");
   emulators::visit(v, receiver);
   v.section("mount", mount, "Where on the machine the antenna sits.");
@@ -147,7 +148,7 @@ void UbloxConfiguration::validate() const {
 
 void UbloxConfiguration::check(const std::string& at, RigCheck& check) const {
   if (wire == SerialWire::pty) {
-    check.file_path(at + ".path", path);
+    check.port_paths(at, path, ports);
   } else {
     check.usb();
   }
@@ -172,7 +173,8 @@ DevicePlan UbloxConfiguration::plan(const RigView& rig) const {
     }
   }
   constexpr double kBitsPerByte = 10.0;  // 8N1
-  const std::string line = wire == SerialWire::pty ? "pty " + path : usb_wire(rig);
+  const std::string line =
+      wire == SerialWire::pty ? "pty " + port_list(path, ports) : usb_wire(rig);
   return {fmt::format("{} at {} baud", line, receiver.baud),
           fmt::format("{:.3g} epochs/s", rate_hz), fmt::format("<= {:.0f} B/s", bytes),
           fmt::format("{:.0f} % of the line", 100.0 * bytes * kBitsPerByte / receiver.baud)};

@@ -69,6 +69,10 @@ void CanBusModel::attach(FrameOutput& output, CanDevice& device) {
   node_of(output).attach(device);
 }
 
+void CanBusModel::attach(FrameOutput& output, CanOutside& outside) {
+  node_of(output).attach(outside);
+}
+
 void CanBusModel::set_outside(CanOutside& outside) {
   nodes_.front()->attach(outside);
 }
@@ -78,11 +82,20 @@ void CanBusModel::set_client(SimTime now, const OutsideController& client) {
     return;
   }
   client_ = client;
+  configure(now, *nodes_.front(), client);
+}
+
+void CanBusModel::set_client(SimTime now, FrameOutput& output, const OutsideController& client) {
+  configure(now, node_of(output), client);
+}
+
+void CanBusModel::configure(SimTime now, CanController& node,
+                            const OutsideController& client) const {
   OutsideController allowed = client;
   if (client.bit_rate_bps != 0) {
     allowed.bit_rate_bps = std::clamp(client.bit_rate_bps, kLeastRate_bps, kGreatestRate_bps);
   }
-  nodes_.front()->configure(now, allowed, settings_.bit_rate_bps);
+  node.configure(now, allowed, settings_.bit_rate_bps);
 }
 
 void CanBusModel::restart_outside(SimTime now) {

@@ -84,6 +84,9 @@ class CanBusModel {
   /// Names the device that hears what the others send. `output` is one of add_node()'s; the device
   /// must outlive the bus's last advance().
   void attach(FrameOutput& output, CanDevice& device);
+  /// Names who hears what becomes of the node's frames, and of its controller: for a node that is
+  /// a further client's.
+  void attach(FrameOutput& output, CanOutside& outside);
 
   /// Optional, once.
   void set_outside(CanOutside& outside);
@@ -91,6 +94,8 @@ class CanBusModel {
   /// what it still had to send while it closes is lost. Before the first call it is
   /// OutsideController{}. A bit rate out of range is taken as the nearest one that is allowed.
   void set_client(SimTime now, const OutsideController& client);
+  /// The same for a further client's node, which is one of add_node()'s; each call is a change.
+  void set_client(SimTime now, FrameOutput& output, const OutsideController& client);
   /// The client asks its controller to come back from bus-off.
   void restart_outside(SimTime now);
 
@@ -129,6 +134,7 @@ class CanBusModel {
 
  private:
   [[nodiscard]] CanController& node_of(const FrameOutput& output) const;
+  void configure(SimTime now, CanController& node, const OutsideController& client) const;
   CanController& connect(const CanNodeSettings& settings, FrameOutput* exit);
 
   CanBusSettings settings_;

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <iterator>
 #include <stdexcept>
 
+#include "drivers/line_watch.h"
 #include "fields/check.h"
 #include "hil/files/geoid_file.h"
 #include "hil/files/mesh_file.h"
@@ -45,6 +47,15 @@ sim::Scene::MeshId add_shape(sim::Scene& scene, const Shape& shape) {
     vertex *= static_cast<float>(mesh.scale);
   }
   return scene.add_mesh(loaded);
+}
+
+/// Without leap seconds, as computers count.
+std::chrono::microseconds unix_time(const UtcTime& utc) {
+  using namespace std::chrono;
+  const sys_days day =
+      year{utc.year} / static_cast<unsigned>(utc.month) / static_cast<unsigned>(utc.day);
+  return day.time_since_epoch() + hours{utc.hour} + minutes{utc.minute} + seconds{utc.second} +
+         microseconds{utc.nanosecond / 1000};
 }
 
 SimulatedWorld make_world(const RigConfiguration& configuration) {
@@ -257,6 +268,7 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
     device.device->connect(neighbours);
   }
   open_taps(truth);
+  drivers::line_watch(io_).start([](const std::string& news) { complain(news); });
 }
 
 void Rig::open_taps(const TruthFiles& files) {
@@ -278,11 +290,14 @@ void Rig::open_taps(const TruthFiles& files) {
   }
 }
 
-Rig::~Rig() = default;
+Rig::~Rig() {
+  drivers::line_watch(io_).stop();
+}
 
 void Rig::open_bus(const std::string& name, const BusConfiguration& configuration) {
   auto bus = std::make_unique<Bus>(
-      open_can_hop(configuration, examine_can_host(), io_, [this]() -> UsbBus& { return usb(); }),
+      open_can_hop(name, configuration, examine_can_host(), io_, unix_time(configuration_.start),
+                   [this]() -> UsbBus& { return usb(); }),
       configuration);
   executive_.add(bus->line);
   executive_.add(bus->line.outlet());
@@ -293,6 +308,17 @@ void Rig::open_bus(const std::string& name, const BusConfiguration& configuratio
   endpoint.start([this, &line = bus->line](const protocols::can::Frame& frame) {
     line.receive(executive_.arrive(), frame);
   });
+  for (const CanHop::Further& further : bus->hop.further) {
+    RigCan::Port& port =
+        bus->line.add_port(further.node, *further.endpoint, further.client_is_known);
+    executive_.add(port.outlet());
+    further.endpoint->on_client([this, &port](const drivers::CanClient& client) {
+      port.client(executive_.arrive(), client);
+    });
+    further.endpoint->start([this, &port](const protocols::can::Frame& frame) {
+      port.receive_from_client(executive_.arrive(), frame);
+    });
+  }
   buses_.emplace(name, std::move(bus));
 }
 
@@ -309,6 +335,10 @@ std::vector<std::string> Rig::wires() const {
   for (const auto& [name, bus] : buses_) {
     lines.push_back(
         fmt::format("bus {}: {} ({})", name, bus->line.endpoint().address, bus->hop.choice.why));
+    for (const CanHop::Further& further : bus->hop.further) {
+      lines.push_back(
+          fmt::format("bus {}: {} (a further port)", name, further.endpoint->status().address));
+    }
   }
   for (const NamedDevice& device : devices_) {
     if (const std::string remark = device.device->remark(); !remark.empty()) {

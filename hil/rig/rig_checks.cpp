@@ -146,7 +146,7 @@ class Checker {
       check_.usb();
     }
     if (bus.wire == CanWire::slcan || bus.wire == CanWire::automatic) {
-      check_.file_path(path + ".path", bus.path);
+      check_.port_paths(path, bus.path, bus.ports);
     }
     if (bus.wire == CanWire::socketcan || bus.wire == CanWire::automatic) {
       constexpr std::size_t kLongestInterface = 15;  // IFNAMSIZ - 1
@@ -156,16 +156,26 @@ class Checker {
       }
       check_.claim(path + ".interface", "interface " + bus.interface, bus.interface);
     }
+    if (bus.socketcand.port != 0) {
+      check_.listener(path + ".socketcand", bus.socketcand.address, bus.socketcand.port,
+                      bus.socketcand.allow_remote);
+    }
     for (std::size_t i = 0; i < bus.faults.size(); ++i) {
-      check_bus_fault(fmt::format("{}.faults.{}", path, i), name, bus.faults[i]);
+      check_bus_fault(fmt::format("{}.faults.{}", path, i), name, bus, bus.faults[i]);
     }
   }
 
-  void check_bus_fault(const std::string& path, const std::string& bus,
-                       const CanFaultConfiguration& fault) {
+  void check_bus_fault(const std::string& path, const std::string& name,
+                       const BusConfiguration& bus, const CanFaultConfiguration& fault) {
     if (const std::string device = device_of(fault); !device.empty()) {
-      std::vector<std::string> names = devices_on(rig_, bus);
-      names.emplace_back(kClientNode);
+      std::vector<std::string> names = devices_on(rig_, name);
+      // Which wire `auto` takes is known when it runs; a port that is not there then is refused.
+      for (unsigned port = 0; port < bus.ports; ++port) {
+        names.push_back(client_node(port));
+      }
+      if (bus.socketcand.port != 0) {
+        names.emplace_back(kSocketcandNode);
+      }
       check_.one_of(path + ".device", "not on this bus", device, names);
     }
     if (const auto* intruder = std::get_if<IntruderFault>(&fault.settings)) {

@@ -9,6 +9,7 @@
 #include "emulators/can/can_bus.h"
 #include "fields/visitor.h"
 #include "hil/configuration/can_fault.h"
+#include "hil/wires/line_ports.h"
 
 namespace rigwire::hil {
 
@@ -27,12 +28,33 @@ inline constexpr std::array<fields::Choice<drivers::SlcanDialect>, 3> kSlcanDial
      {drivers::SlcanDialect::kernel, "kernel", "With lines for states and errors."},
      {drivers::SlcanDialect::lawicel, "lawicel", "States and errors only when asked by F."}}};
 
+/// The daemon socketcand on a further node of the bus: CAN over TCP for any number of programs.
+struct SocketcandConfiguration {
+  std::uint16_t port = 0;  ///< 0: none.
+  std::string address = "127.0.0.1";
+  bool allow_remote = false;  ///< Needed to listen where other machines reach it.
+  bool beacon = false;
+  std::uint32_t error_mask = 0;
+};
+
+inline void visit(fields::Visitor& v, SocketcandConfiguration& p) {
+  v.integer("port", p.port, fields::IntegerRule{0, 65535},
+            "TCP port; 0 = no server. The daemon's own is 29536.");
+  v.text("address", p.address, "Address at which it listens.");
+  v.boolean("allow_remote", p.allow_remote, "Permits listening where other machines reach it.");
+  v.boolean("beacon", p.beacon, "Makes itself known by a datagram to UDP port 42000.");
+  v.integer("error_mask", p.error_mask, fields::IntegerRule{0, 0x1FFF'FFFF},
+            "Classes of error frames that clients are told, as the kernel numbers them; 0 = none.");
+}
+
 /// One CAN bus that devices share.
 struct BusConfiguration {
   CanWire wire = CanWire::automatic;
   std::string interface = "vcan0";        ///< SocketCAN.
   std::string path = "/tmp/rigwire/can";  ///< slcan: symbolic link to the pty.
-  bool attach = true;                     ///< gs_usb: to this machine's kernel.
+  unsigned ports = 1;                     ///< slcan.
+  SocketcandConfiguration socketcand;
+  bool attach = true;  ///< gs_usb: to this machine's kernel.
   drivers::SlcanDialect slcan_dialect = drivers::SlcanDialect::automatic;
   emulators::CanBusSettings bus;
   emulators::CanQueueOrder order = emulators::CanQueueOrder::fifo;  ///< Of the devices' queues.
@@ -48,6 +70,10 @@ inline void visit(fields::Visitor& v, BusConfiguration& p) {
   v.choice("wire", p.wire, kCanWires, "What carries the frames.");
   v.text("interface", p.interface, "socketcan: the interface's name.");
   v.text("path", p.path, "slcan: symbolic link to the pty, what a client opens.");
+  v.integer("ports", p.ports, kPorts,
+            "slcan: ports of the bus, `path`, `path.1` ...: each a node of its own, for a program "
+            "of its own. A SocketCAN interface takes any number of programs as it is.");
+  v.section("socketcand", p.socketcand, "The bus on TCP, beside whatever else carries it.");
   v.boolean("attach", p.attach,
             "gs_usb: attach the adapter to this machine's kernel where that is permitted.");
   v.choice("slcan_dialect", p.slcan_dialect, kSlcanDialects, "What a slcan client is told.");
@@ -69,5 +95,11 @@ inline void visit(fields::Visitor& v, BusConfiguration& p) {
 inline void validate(const BusConfiguration& p) {
   validate(p.bus);
 }
+
+/// The node of a further slcan port, 1 .. ports - 1, and of the socketcand, as faults know them.
+[[nodiscard]] inline std::string client_node(unsigned port) {
+  return port_path(std::string(kClientNode), port);
+}
+inline constexpr const char* kSocketcandNode = "client.socketcand";
 
 }  // namespace rigwire::hil

@@ -8,6 +8,8 @@
 #include "drivers/pty.h"
 #include "drivers/slcan_adapter.h"
 #include "drivers/socketcan.h"
+#include "drivers/socketcand_server.h"
+#include "drivers/tcp_server.h"
 #include "hil/wires/gs_usb_can.h"
 
 namespace rigwire::hil {
@@ -56,9 +58,10 @@ CanHop open_gs_usb(const BusConfiguration& bus, const CanHost& host, boost::asio
   return hop;
 }
 
-CanHop open_slcan(const BusConfiguration& bus, boost::asio::io_context& io) {
-  CanHop hop;
-  auto pty = std::make_unique<drivers::Pty>(io, bus.path);
+/// Fills in one port.
+void open_slcan(CanPort& port, const BusConfiguration& bus, const std::string& path,
+                boost::asio::io_context& io) {
+  auto pty = std::make_unique<drivers::Pty>(io, path);
   drivers::SlcanAdapterSettings settings;
   settings.bit_rate_bps = bus.bus.bit_rate_bps;
   settings.dialect = bus.slcan_dialect;
@@ -66,10 +69,48 @@ CanHop open_slcan(const BusConfiguration& bus, boost::asio::io_context& io) {
     return drivers::slcan_attached(line->slave_name());
   };
   settings.transmit_queue_frames = bus.bus.queue_frames;
-  hop.endpoint = std::make_unique<drivers::SlcanAdapter>(*pty, std::move(settings));
-  hop.line = std::move(pty);
-  hop.client_is_known = true;
+  port.endpoint = std::make_unique<drivers::SlcanAdapter>(*pty, std::move(settings));
+  port.line = std::move(pty);
+  port.client_is_known = true;
+}
+
+CanHop open_slcan(const BusConfiguration& bus, boost::asio::io_context& io) {
+  CanHop hop;
+  open_slcan(hop, bus, bus.path, io);
+  for (unsigned port = 1; port < bus.ports; ++port) {
+    CanHop::Further& further = hop.further.emplace_back();
+    further.node = client_node(port);
+    open_slcan(further, bus, port_path(bus.path, port), io);
+  }
   return hop;
+}
+
+CanHop::Further open_socketcand(const std::string& name, const BusConfiguration& bus,
+                                std::chrono::microseconds epoch, boost::asio::io_context& io) {
+  const SocketcandConfiguration& wanted = bus.socketcand;
+  drivers::TcpServerSettings listener;
+  listener.address = wanted.address;
+  listener.port = wanted.port;
+  listener.allow_remote = wanted.allow_remote;
+  drivers::SocketcandSettings settings;
+  settings.buses = {name};
+  if (bus.interface != name) {
+    settings.buses.push_back(bus.interface);
+  }
+  settings.epoch = epoch;
+  settings.error_mask = wanted.error_mask;
+  settings.transmit_queue_frames = bus.bus.queue_frames;
+  CanHop::Further port;
+  port.node = kSocketcandNode;
+  port.server = std::make_unique<drivers::TcpServer>(io, listener);
+  if (wanted.beacon) {
+    port.beacon = std::make_unique<drivers::SocketcandBeacon>(io, wanted.address, wanted.port,
+                                                              settings.buses);
+  }
+  port.endpoint =
+      std::make_unique<drivers::SocketcandServer>(io, *port.server, std::move(settings));
+  port.client_is_known = true;
+  return port;
 }
 
 }  // namespace
@@ -96,8 +137,9 @@ CanWireChoice choose_can_wire(const BusConfiguration& configuration, const CanHo
   return {CanWire::slcan, fmt::format("{}; {}", no_socketcan, host.gs_usb_obstacle)};
 }
 
-CanHop open_can_hop(const BusConfiguration& configuration, const CanHost& host,
-                    boost::asio::io_context& io, const std::function<UsbBus&()>& usb) {
+CanHop open_can_hop(const std::string& name, const BusConfiguration& configuration,
+                    const CanHost& host, boost::asio::io_context& io,
+                    std::chrono::microseconds epoch, const std::function<UsbBus&()>& usb) {
   CanHost offered = host;
   if (!usb && offered.gs_usb_obstacle.empty()) {
     offered.gs_usb_obstacle = "the rig has no USB bus";
@@ -117,6 +159,9 @@ CanHop open_can_hop(const BusConfiguration& configuration, const CanHost& host,
       break;
   }
   hop.choice = std::move(choice);
+  if (configuration.socketcand.port != 0) {
+    hop.further.push_back(open_socketcand(name, configuration, epoch, io));
+  }
   return hop;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "drivers/can_interface.h"
 #include "drivers/endpoints.h"
+#include "drivers/socketcand_beacon.h"
 #include "hil/wires/can_bus_configuration.h"
 #include "hil/wires/usb_bus.h"
 
@@ -35,21 +37,32 @@ struct CanWireChoice {
 [[nodiscard]] CanWireChoice choose_can_wire(const BusConfiguration& configuration,
                                             const CanHost& host);
 
-/// An open hop; owns what it has opened.
-struct CanHop {
-  CanWireChoice choice;
-  std::unique_ptr<drivers::ByteStream> line;  ///< Below slcan; else null.
+/// One open way to clients; owns what it has opened.
+struct CanPort {
+  std::unique_ptr<drivers::ByteStream> line;      ///< Below slcan; else null.
+  std::unique_ptr<drivers::StreamServer> server;  ///< Below socketcand; else null.
+  std::unique_ptr<drivers::SocketcandBeacon> beacon;
   std::unique_ptr<drivers::CanBus> endpoint;
   /// The endpoint knows whether a client is there (CanBus::on_client).
   bool client_is_known = false;
 };
 
+/// An open hop: the first way to a client, and the further ports of the bus.
+struct CanHop : CanPort {
+  struct Further : CanPort {
+    std::string node;  ///< Of the bus model.
+  };
+  CanWireChoice choice;
+  std::vector<Further> further;
+};
+
 /// Throws drivers::EndpointError (environment), std::invalid_argument (an interface of another bit
 /// rate).
 /// `usb` gives the rig's USB bus, for gs_usb; the hop must outlive it. Without one there is no
-/// gs_usb.
-[[nodiscard]] CanHop open_can_hop(const BusConfiguration& configuration, const CanHost& host,
-                                  boost::asio::io_context& io,
+/// gs_usb. `name`: of the bus; `epoch`: time since 1970 at the start of the run, for stamps.
+[[nodiscard]] CanHop open_can_hop(const std::string& name, const BusConfiguration& configuration,
+                                  const CanHost& host, boost::asio::io_context& io,
+                                  std::chrono::microseconds epoch = {},
                                   const std::function<UsbBus&()>& usb = {});
 
 }  // namespace rigwire::hil

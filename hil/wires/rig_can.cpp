@@ -1,6 +1,16 @@
 #include "hil/wires/rig_can.h"
 
+#include <algorithm>
+
 namespace rigwire::hil {
+namespace {
+
+/// The queue, the frame on the wire, and those refused within one look at the endpoint.
+std::size_t unsettled_frames(const emulators::CanBusSettings& settings) {
+  return 2 * settings.queue_frames + 64;
+}
+
+}  // namespace
 
 /// Where the frames of one node leave the bus.
 class RigCan::NodeExit final : public emulators::FrameOutput {
@@ -21,8 +31,7 @@ RigCan::RigCan(const emulators::CanBusSettings& settings, drivers::CanBus& endpo
                RigCanSettings line)
     : endpoint_(endpoint),
       line_(std::move(line)),
-      // The queue, the frame on the wire, and those refused within one look at the endpoint.
-      outlet_(endpoint, 2 * settings.queue_frames + 64),
+      outlet_(endpoint, unsettled_frames(settings)),
       bus_(settings) {
   bus_.set_outside(*this);
   client(kStart, drivers::CanClient{.open = !line_.client_is_known});
@@ -60,12 +69,48 @@ void RigCan::set_faults(const emulators::CanBusFaults& faults) {
   bus_.set_faults(faults, exit_to(intruder_));
 }
 
+emulators::OutsideController RigCan::controller(const drivers::CanClient& client) const {
+  return {.present = client.open,
+          .bit_rate_bps = client.bit_rate_bps,
+          .listen_only = client.listen_only,
+          .one_shot = client.one_shot,
+          .restart_after = line_.client_restart_after};
+}
+
 void RigCan::client(SimTime now, const drivers::CanClient& client) {
-  bus_.set_client(now, {.present = client.open,
-                        .bit_rate_bps = client.bit_rate_bps,
-                        .listen_only = client.listen_only,
-                        .one_shot = client.one_shot,
-                        .restart_after = line_.client_restart_after});
+  bus_.set_client(now, controller(client));
+}
+
+drivers::EndpointStatus RigCan::endpoint() const {
+  drivers::EndpointStatus status = endpoint_.status();
+  for (const auto& port : ports_) {
+    const drivers::EndpointStatus other = port->endpoint();
+    status.client_present = status.client_present || other.client_present;
+    status.readers = std::max(status.readers, other.readers);
+  }
+  status.further_ports = static_cast<unsigned>(ports_.size());
+  return status;
+}
+
+RigCan::Port& RigCan::add_port(const std::string& name, drivers::CanBus& endpoint,
+                               bool client_is_known) {
+  ports_.push_back(std::make_unique<Port>(*this, name, endpoint, client_is_known));
+  return *ports_.back();
+}
+
+RigCan::Port::Port(RigCan& can, const std::string& name, drivers::CanBus& endpoint,
+                   bool client_is_known)
+    : can_(can),
+      endpoint_(endpoint),
+      outlet_(endpoint, unsettled_frames(can.bus_.settings())),
+      node_(can.bus_.add_node(can.exit_to(sent_), {.name = name})) {
+  can.bus_.attach(node_, static_cast<emulators::CanDevice&>(*this));
+  can.bus_.attach(node_, static_cast<emulators::CanOutside&>(*this));
+  client(kStart, drivers::CanClient{.open = !client_is_known});
+}
+
+void RigCan::Port::client(SimTime now, const drivers::CanClient& client) {
+  can_.bus_.set_client(now, node_, can_.controller(client));
 }
 
 }  // namespace rigwire::hil

@@ -1,9 +1,13 @@
 // One CAN bus of the rig at run time: the bus model, its devices, and the way outside.
 //
 // Nodes are added device by device, in the order of the devices' names; faults come last. The bus
-// goes to the executive first, then its outlet: a frame is due on the wire only when the bus has
-// sent it. Owns model, nodes and outlet. The endpoint must outlive it; devices and their statistics
-// must live to its last advance().
+// goes to the executive first, then its outlets: a frame is due on the wire only when the bus has
+// sent it. Owns model, nodes and outlets. The endpoints must outlive it; devices and their
+// statistics must live to its last advance().
+//
+// The bus has one way outside, and further ports as wanted: each is a node of its own with its own
+// client, bit rate, error counters and acknowledgement, as a second adapter on the bus is. What one
+// port's client sends, all others hear.
 #pragma once
 
 #include <memory>
@@ -55,13 +59,20 @@ class RigCan final : public EventSource, private emulators::CanOutside {
   /// After the last add_node(), before the run. Throws std::invalid_argument.
   void set_faults(const emulators::CanBusFaults& faults);
 
+  /// A further port; `name` is its node's, by which faults know it. Before the first device.
+  /// `client_is_known`: as in RigCanSettings, of this endpoint. Throws std::invalid_argument.
+  class Port;
+  [[nodiscard]] Port& add_port(const std::string& name, drivers::CanBus& endpoint,
+                               bool client_is_known);
+
   /// A frame that came in from the endpoint.
   void receive(SimTime now, const protocols::can::Frame& frame) { bus_.receive(now, frame); }
   /// What the endpoint's on_client() tells.
   void client(SimTime now, const drivers::CanClient& client);
 
   [[nodiscard]] Outlet& outlet() { return outlet_; }
-  [[nodiscard]] drivers::EndpointStatus endpoint() const { return endpoint_.status(); }
+  /// The first way outside; a client is there when any port has one.
+  [[nodiscard]] drivers::EndpointStatus endpoint() const;
   [[nodiscard]] const emulators::CanBusModel& bus() const { return bus_; }
   /// Of what goes to the client besides frames of devices.
   [[nodiscard]] const WireStatistics& controller_statistics() const {
@@ -81,6 +92,7 @@ class RigCan final : public EventSource, private emulators::CanOutside {
     outlet_.report(now, report);
   }
   [[nodiscard]] emulators::FrameOutput& exit_to(WireStatistics& statistics);
+  [[nodiscard]] emulators::OutsideController controller(const drivers::CanClient& client) const;
 
   drivers::CanBus& endpoint_;
   RigCanSettings line_;
@@ -90,6 +102,49 @@ class RigCan final : public EventSource, private emulators::CanOutside {
   WireStatistics intruder_;
   std::vector<std::unique_ptr<NodeExit>> exits_;
   emulators::CanBusModel bus_;
+  std::vector<std::unique_ptr<Port>> ports_;
+};
+
+/// A port as its endpoint meets it.
+class RigCan::Port final : private emulators::CanDevice, private emulators::CanOutside {
+ public:
+  Port(RigCan& can, const std::string& name, drivers::CanBus& endpoint, bool client_is_known);
+
+  void receive_from_client(SimTime now, const protocols::can::Frame& frame) {
+    node_.send(now, frame);
+  }
+  void client(SimTime now, const drivers::CanClient& client);
+  [[nodiscard]] Outlet& outlet() { return outlet_; }
+  [[nodiscard]] drivers::EndpointStatus endpoint() const { return endpoint_.status(); }
+  /// Frames of others that its client was given.
+  [[nodiscard]] const WireStatistics& statistics() const { return heard_; }
+
+ private:
+  void receive(SimTime now, const protocols::can::Frame& frame) override {
+    outlet_.send(now, heard_, frame);
+  }
+  void confirm(SimTime now, bool sent) override { outlet_.confirm(now, sent); }
+  void report(SimTime now, const protocols::can::ControllerReport& report) override {
+    outlet_.report(now, report);
+  }
+  // It is no device: it does nothing by itself.
+  void advance(SimTime /*now*/) override {}
+  [[nodiscard]] SimTime next_event() const override { return kNever; }
+  [[nodiscard]] SamplePlan sample_plan() const override { return {}; }
+  [[nodiscard]] emulators::ReceiveCounters received() const override { return {}; }
+  [[nodiscard]] double nominal_rate_hz() const override { return 0.0; }
+  [[nodiscard]] std::span<const emulators::Quantity> quantities() const override { return {}; }
+  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+      std::string_view /*name*/) const override {
+    return {};
+  }
+
+  RigCan& can_;
+  drivers::CanBus& endpoint_;
+  FrameOutlet outlet_;
+  WireStatistics heard_;
+  WireStatistics sent_;  ///< Its client's frames, on the first way outside.
+  emulators::FrameOutput& node_;
 };
 
 }  // namespace rigwire::hil

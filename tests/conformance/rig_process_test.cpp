@@ -2,6 +2,7 @@
 // what is left when things end badly. Clients are Debian's, unmodified, and required.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -103,6 +104,87 @@ TEST_F(RigProcess, ASecondRigOnTheSameWiresIsRefusedAndTheFirstGoesOn) {
   EXPECT_TRUE(wires_are_up());
   first.signal(SIGTERM);
   EXPECT_EQ(first.wait(10s), 128 + SIGTERM);
+}
+
+TEST_F(RigProcess, ASecondRigInAnotherNetworkNamespaceIsRefusedToo) {
+  ChildProcess first(command(), file("first.log"));
+  ASSERT_TRUE(eventually([&] { return wires_are_up(); })) << first.output();
+  std::vector<std::string> words{"unshare", "--net"};
+  if (::geteuid() != 0) {
+    words.emplace_back("--map-root-user");
+  }
+  ChildProcess permitted({words[0], words[1], words.back(), "true"}, file("permitted.log"));
+  if (permitted.wait(10s) != 0) {
+    GTEST_SKIP() << "this host permits no namespaces";
+  }
+  const auto rig = command({"--duration", "1s"});
+  words.insert(words.end(), rig.begin(), rig.end());
+  ChildProcess second(words, file("second.log"));
+  EXPECT_EQ(second.wait(20s), 3) << second.output();
+  EXPECT_THAT(second.output(), HasSubstr("another running rigwire publishes this path"));
+}
+
+TEST_F(RigProcess, LinksThatAreRemovedDuringARunAreToldAndPutBack) {
+  ChildProcess rig(command(), file("rig.log"));
+  ASSERT_TRUE(eventually([&] { return wires_are_up(); })) << rig.output();
+  std::filesystem::remove(wires_.gnss());
+  std::filesystem::remove(wires_.can());
+  std::ofstream(wires_.can()) << "precious";
+  EXPECT_TRUE(eventually([&] { return std::filesystem::is_symlink(wires_.gnss()); }));
+  EXPECT_TRUE(eventually([&] {
+    const std::string said = rig.output();
+    return said.find("pty " + wires_.gnss() + ": the link was removed; it is there again") !=
+               std::string::npos &&
+           said.find("a file is there; it stays") != std::string::npos;
+  })) << rig.output();
+  rig.signal(SIGINT);
+  EXPECT_EQ(rig.wait(10s), 130) << rig.output();
+  EXPECT_EQ(text_of(wires_.can()), "precious");
+  EXPECT_FALSE(std::filesystem::is_symlink(wires_.gnss()));
+}
+
+TEST_F(RigProcess, TwoProgramsOnOneLineAreTold) {
+  ChildProcess rig(command(), file("rig.log"));
+  ASSERT_TRUE(eventually([&] { return wires_are_up(); })) << rig.output();
+  ChildProcess one({"cat", wires_.gnss()}, file("one.log"));
+  ChildProcess other({"cat", wires_.gnss()}, file("other.log"));
+  EXPECT_TRUE(eventually([&] {
+    return rig.output().find("pty " + wires_.gnss() + ": 2 programs have it open: cat (") !=
+           std::string::npos;
+  })) << rig.output();
+  rig.signal(SIGINT);
+  EXPECT_EQ(rig.wait(10s), 130) << rig.output();
+}
+
+// What the README shows: gpsd for a map, on the port beside the one of the program that digs.
+TEST_F(RigProcess, GpsdOnTheSecondPortAndTheFieldProgramOnTheFirstBothHearTheReceiver) {
+  ChildProcess rig(command(), file("rig.log"));
+  ASSERT_TRUE(eventually([&] { return wires_are_up(); })) << rig.output();
+  ChildProcess field({"cat", wires_.gnss()}, file("field.log"));
+  const std::string port = std::to_string(test::free_port(SOCK_STREAM));
+  ChildProcess gpsd({"gpsd", "-N", "-n", "-S", port, wires_.gnss() + ".1"}, file("gpsd.log"));
+  ChildProcess pipe({"gpspipe", "-w", "-n", "60", "localhost:" + port}, file("pipe.log"));
+  EXPECT_TRUE(eventually(
+      [&] {
+        // gpspipe is too early for a daemon that does not listen yet.
+        if (pipe.wait(0s)) {
+          ChildProcess again({"gpspipe", "-w", "-n", "8", "localhost:" + port}, file("pipe.log"));
+          (void)again.wait(30s);
+        }
+        return pipe.output().find("\"class\":\"TPV\"") != std::string::npos &&
+               pipe.output().find("\"lat\"") != std::string::npos;
+      },
+      60s))
+      << gpsd.output() << pipe.output();
+  // The field program misses nothing: one GGA for each second, all of them whole.
+  std::string heard = field.output();
+  std::size_t sentences = 0;
+  for (std::size_t at = heard.find("$GPGGA"); at != std::string::npos;
+       at = heard.find("$GPGGA", at + 1)) {
+    ++sentences;
+  }
+  EXPECT_GE(sentences, 3U);
+  EXPECT_THAT(rig.output(), testing::Not(HasSubstr("programs have it open")));
 }
 
 TEST_F(RigProcess, AMissingCanInterfaceIsAnEnvironmentErrorThatSaysTheMend) {

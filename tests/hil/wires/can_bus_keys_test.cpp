@@ -48,6 +48,36 @@ TEST_F(CanBusKeys, NodesAndClient) {
   EXPECT_EQ(bus.wire, CanWire::gs_usb);
 }
 
+TEST_F(CanBusKeys, PortsAndServer) {
+  const auto bus = load(
+                       "    ports: 3\n    socketcand: {port: 29536, beacon: true, "
+                       "error_mask: 0x1FFFFFFF}\n    faults:\n"
+                       "      - {type: disconnected, at: 1 s, device: client.2}\n"
+                       "      - {type: disconnected, at: 1 s, device: client.socketcand}\n")
+                       .buses.at("can");
+  EXPECT_EQ(bus.ports, 3U);
+  EXPECT_EQ(bus.socketcand.port, 29536U);
+  EXPECT_TRUE(bus.socketcand.beacon);
+  EXPECT_EQ(bus.socketcand.error_mask, 0x1FFFFFFFU);
+  EXPECT_EQ(BusConfiguration{}.ports, 1U);
+  EXPECT_EQ(BusConfiguration{}.socketcand.port, 0U) << "nobody listens unless told to";
+}
+
+TEST_F(CanBusKeys, PortsThatAreTakenOrAreNotThereAreRefused) {
+  EXPECT_THAT(complaints("    ports: 2\n  other: {path: /tmp/rigwire/can.1}\n"),
+              HasSubstr("already taken by"));
+  EXPECT_THAT(complaints("    socketcand: {port: 1502}\n"), HasSubstr("already taken by"));
+  EXPECT_THAT(complaints("    socketcand: {port: 29536, address: 192.168.1.5}\n"),
+              HasSubstr("allow_remote"));
+  EXPECT_THAT(complaints("    ports: 2\n    faults:\n"
+                         "      - {type: disconnected, at: 1 s, device: client.2}\n"),
+              HasSubstr("client.1"));
+  EXPECT_THAT(complaints("    faults:\n"
+                         "      - {type: disconnected, at: 1 s, device: client.socketcand}\n"),
+              HasSubstr("not on this bus"));
+  EXPECT_THAT(complaints("    ports: 17\n"), HasSubstr("allowed 1 .. 16"));
+}
+
 TEST_F(CanBusKeys, FaultsAsTheBusModelTakesThem) {
   const auto bus = load(R"(    faults:
       - {type: bit_errors, at: 1 s, for: 2 s, probability: 0.001}

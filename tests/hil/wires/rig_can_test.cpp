@@ -173,5 +173,110 @@ TEST(RigCan, FaultsFindADeviceByItsName) {
   EXPECT_EQ(bus.statistics.units, 1U);
 }
 
+// ---- Further ports.
+
+/// A bus with one further port.
+class TwoPorts {
+ public:
+  explicit TwoPorts(RigCanSettings settings = {.client_is_known = true}) : first(settings) {}
+  /// Both ways outside, in order of time.
+  void run_until(SimTime end) {
+    for (;;) {
+      Outlet* const outlet = first.line.outlet().next_due() <= port.outlet().next_due()
+                                 ? &first.line.outlet()
+                                 : &port.outlet();
+      const SimTime next = std::min(first.line.next_event(), outlet->next_due());
+      if (next > end) {
+        return;
+      }
+      if (next == outlet->next_due()) {
+        outlet->transmit_front({});
+      } else {
+        first.line.advance(next);
+      }
+    }
+  }
+  Line first;
+  Endpoint second;
+  RigCan::Port& port = first.line.add_port("client.1", second, true);
+};
+
+TEST(RigCanPorts, EveryPortHearsTheDevicesAndWhatTheOthersSend) {
+  TwoPorts bus;
+  emulators::FrameOutput& node = bus.first.line.add_node(bus.first.statistics);
+  bus.first.line.client(kStart, {.open = true});
+  bus.port.client(kStart, {.open = true});
+  node.send(kStart + 1ms, frame(0x100));
+  bus.first.line.receive(kStart + 1ms, frame(0x101));
+  bus.port.receive_from_client(kStart + 1ms, frame(0x102));
+  bus.run_until(kStart + 10ms);
+  EXPECT_THAT(bus.first.endpoint.log, ElementsAre("frame 256", "sent", "frame 258"));
+  EXPECT_THAT(bus.second.log, ElementsAre("frame 256", "frame 257", "sent"));
+  EXPECT_EQ(bus.second.stamps[0], bus.first.endpoint.stamps[0]) << "at one instant";
+  EXPECT_EQ(bus.first.statistics.units, 1U) << "of the device alone";
+}
+
+TEST(RigCanPorts, APortThatNobodyHasOpenIsNotOnTheBus) {
+  TwoPorts bus;
+  emulators::FrameOutput& node = bus.first.line.add_node(bus.first.statistics);
+  node.send(kStart + 1ms, frame(0x100));
+  bus.run_until(kStart + 100ms);
+  EXPECT_TRUE(bus.second.log.empty());
+  EXPECT_EQ(bus.first.line.bus().controller(node).state, ErrorState::passive)
+      << "nobody acknowledges";
+  bus.port.client(kStart + 100ms, {.open = true});
+  bus.run_until(kStart + 110ms);
+  EXPECT_THAT(bus.second.log, ElementsAre("frame 256"));
+  EXPECT_THAT(bus.first.endpoint.log, ElementsAre("frame 256")) << "closed: taken and forgotten";
+}
+
+TEST(RigCanPorts, APortHasItsOwnBitRateAndItsOwnErrors) {
+  TwoPorts bus;
+  emulators::FrameOutput& node = bus.first.line.add_node(bus.first.statistics);
+  bus.first.line.client(kStart, {.open = true});
+  bus.port.client(kStart, {.open = true, .bit_rate_bps = 500'000});
+  for (int i = 0; i < 40; ++i) {
+    node.send(kStart + i * 10ms, frame(0x100));
+  }
+  bus.run_until(kStart + 400ms);
+  EXPECT_TRUE(bus.second.was_in(ErrorState::passive)) << "who is at the wrong rate is told";
+  EXPECT_TRUE(bus.second.log.empty());
+  EXPECT_FALSE(bus.first.endpoint.log.empty()) << "once it is passive the others go on";
+}
+
+TEST(RigCanPorts, APortThatListensOnlySendsNothing) {
+  TwoPorts bus;
+  bus.first.line.client(kStart, {.open = true});
+  bus.port.client(kStart, {.open = true, .listen_only = true});
+  bus.port.receive_from_client(kStart + 1ms, frame(0x102));
+  bus.run_until(kStart + 10ms);
+  EXPECT_THAT(bus.second.log, ElementsAre("unsent"));
+  EXPECT_TRUE(bus.first.endpoint.log.empty());
+}
+
+TEST(RigCanPorts, AFaultMayMeanAPort) {
+  TwoPorts bus;
+  emulators::FrameOutput& node = bus.first.line.add_node(bus.first.statistics);
+  emulators::CanBusFaults faults;
+  faults.list.push_back({.kind = emulators::CanBusFaultKind::disconnected,
+                         .begin = 0ms,
+                         .end = 50ms,
+                         .node = "client.1"});
+  bus.first.line.set_faults(faults);
+  bus.first.line.client(kStart, {.open = true});
+  bus.port.client(kStart, {.open = true});
+  node.send(kStart + 10ms, frame(0x100));
+  node.send(kStart + 60ms, frame(0x101));
+  bus.run_until(kStart + 100ms);
+  EXPECT_THAT(bus.first.endpoint.log, ElementsAre("frame 256", "frame 257"));
+  EXPECT_THAT(bus.second.log, ElementsAre("frame 257"));
+}
+
+TEST(RigCanPorts, StatusCountsPortsAndTheirClients) {
+  TwoPorts bus;
+  EXPECT_EQ(bus.first.line.endpoint().further_ports, 1U);
+  EXPECT_EQ(bus.first.line.endpoint().address, "endpoint");
+}
+
 }  // namespace
 }  // namespace rigwire::hil

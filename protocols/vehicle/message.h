@@ -12,6 +12,7 @@
 // ISO 11783-7 as shown by isobus.net and the Danfoss PVED-CL protocol description.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -200,10 +201,14 @@ template <class Message>
     return *refusal;
   }
   static constexpr auto kRows = Message::parameters();
+  // Known here, so that no code is made for numbers of a message that has none (GCC 12 warns of
+  // it).
+  static constexpr bool kNumbers = std::any_of(
+      kRows.begin(), kRows.end(), [](const auto& row) { return row.number != nullptr; });
   const auto payload = frame.payload();
   Message message;
   for (const Parameter<Message>& row : kRows) {
-    if (row.number != nullptr) {
+    if (kNumbers && row.number != nullptr) {
       const double value = get_number(row.field, payload);
       message.*row.number = value == kError ? kError : row.sign * value;
     } else if (row.state != nullptr) {

@@ -99,6 +99,8 @@ void visit(fields::Visitor& v, RollerParameters& p) {
   v.section("drum", p.drum, "Both drums.");
   v.section("steering", p.steering, "Both pivots.");
   v.section("drive", p.drive, "Engine, pump and motors.");
+  v.boolean("travel_control", p.travel_control,
+            "Whether a controller holds a commanded travel speed and brakes at rest.");
   v.section("engine", p.engine, "Temperatures, pressures, fuel and battery.");
   v.number("brake_torque", p.brake_torque_nm, in("kN m").at_least(0),
            "Torque of each drum's service brake, fully applied.");

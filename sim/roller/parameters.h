@@ -59,6 +59,9 @@ struct RollerParameters {
   DrumParameters drum;
   PivotSteeringParameters steering;
   HydrostaticDriveParameters drive;
+  /// A speed controller trims the drive by what the drums miss of a commanded travel speed, and
+  /// brakes at rest. Without it the set point of the pump is all: the machine creeps by leakage.
+  bool travel_control = true;
   EngineConditionParameters engine = roller_engine();
   double brake_torque_nm = 1.7e4;          ///< Of each drum, service brake fully applied.
   double parking_brake_torque_nm = 1.7e4;  ///< Of each drum.

@@ -184,7 +184,8 @@ void TandemRoller::hold_travel_speed(double h) {
   constexpr double kMissing_s = 1.0;
   const double before_mps = trim_mps_;
   bool holds = false;
-  if (!command_.travel_speed_mps || command_.parking_brake) {
+  const bool controls = parameters_.travel_control && command_.travel_speed_mps.has_value();
+  if (!controls || command_.parking_brake) {
     trim_mps_ = 0.0;
     missing_s_ = 0.0;
   } else {
@@ -209,7 +210,7 @@ void TandemRoller::hold_travel_speed(double h) {
   holding_ = holds;
   const double held = std::max(command_.brake_share, holding_ ? 1.0 : 0.0);
   // The service brake's way; opening and closing take time.
-  brake_share_ = command_.travel_speed_mps && std::abs(held - brake_share_) > kBrakePerS * h
+  brake_share_ = controls && std::abs(held - brake_share_) > kBrakePerS * h
                      ? brake_share_ + std::copysign(kBrakePerS * h, held - brake_share_)
                      : held;
   if (trim_mps_ != before_mps) {

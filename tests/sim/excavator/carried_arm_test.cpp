@@ -108,8 +108,9 @@ TEST(CarriedArm, WheelLoadsAtRestAreTheLeversOfTheCentreOfMass) {
 // The tip is loaded, slowly, until the rear wheels lift.
 TEST(CarriedArm, RearWheelsLiftAtTheLoadOfTheClosedForm) {
   const Ground ground;
-  Excavator machine(moving(), Eigen::Isometry3d::Identity(), &ground);
-  const ExcavatorParameters p;
+  ExcavatorParameters p = moving();
+  p.initial.boom_rad = 0.35;
+  Excavator machine(p, Eigen::Isometry3d::Identity(), &ground);
   machine.step(seconds(5));
   const double moment = arm_moment_kgm(machine.joint_angles_rad(), 0.0);
   const double reach = machine.tip_W().x();

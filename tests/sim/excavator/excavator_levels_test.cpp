@@ -90,6 +90,7 @@ TEST(ExcavatorLevels, EveryLevelWithForcesStallsAtReliefUnderALoadItCannotLift) 
        {ExcavatorLevel::quasi_static, ExcavatorLevel::dynamic, ExcavatorLevel::chambers}) {
     ExcavatorParameters parameters = at_level(level);
     parameters.payload_max_kg = 20000.0;
+    parameters.initial.boom_rad = 0.35;
     Excavator machine(parameters, Eigen::Isometry3d::Identity());
     machine.set_payload_kg(20000.0);
     machine.command(openings(0.0, 1.0, 0.0, 0.0));

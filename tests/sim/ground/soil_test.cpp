@@ -120,7 +120,7 @@ TEST(SoilParameters, BadOnesAreRefusedByName) {
   refused([](SoilParameters& s) { s.friction_modulus = 0.0; },
           "friction_modulus: found 0, allowed > 0");
   refused([](SoilParameters& s) { s.shear_modulus_m = 0.0; },
-          "shear_modulus: found 0 mm, allowed > 0 mm");
+          "shear_modulus: found 0 mm, allowed above 0 .. 1000 mm");
   refused([](SoilParameters& s) { s.internal_friction_rad = std::numbers::pi / 2.0; },
           "internal_friction: found 90 deg, allowed 0 .. 89 deg");
   refused([](SoilParameters& s) { s.cohesion_pa = std::numeric_limits<double>::quiet_NaN(); },

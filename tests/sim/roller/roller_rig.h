@@ -29,13 +29,15 @@ inline Ground level(double friction = 0.8) {
   return Ground::plane(Eigen::Vector3d::UnitZ(), surface(friction));
 }
 
-/// Neither water nor chips, drums with the ground's whole friction, no rolling resistance.
+/// Neither water nor chips, drums with the ground's whole friction, no rolling resistance, and
+/// nothing but the pump that follows a travel speed.
 inline RollerParameters bare() {
   RollerParameters p;
   p.sprinkler.initial_kg = 0.0;
   p.spreader.initial_kg = 0.0;
   p.drum.friction_factor = 1.0;
   p.drum.rolling_resistance = 0.0;
+  p.travel_control = false;
   return p;
 }
 

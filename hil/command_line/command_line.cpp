@@ -394,11 +394,12 @@ int parse_and_dispatch(const std::vector<std::string>& arguments, Terminal termi
 int run_command_line(const std::vector<std::string>& arguments, std::ostream& out,
                      std::ostream& err) {
   constexpr std::string_view kLayout = "\n\t";
+  constexpr std::string_view kFileLayout = "\r\n\t";  // what an EDS file must have
   std::ostringstream results;
   std::ostringstream complaints;
   int code = parse_and_dispatch(arguments, {results, complaints});
   errno = 0;
-  out << printable(results.str(), kLayout) << std::flush;
+  out << printable(results.str(), kFileLayout) << std::flush;
   const int error = errno;
   err << printable(complaints.str(), kLayout) << std::flush;
   if (!out) {

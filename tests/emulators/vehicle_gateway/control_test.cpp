@@ -139,7 +139,8 @@ TEST(VehicleControl, TravelSpeedWithItsLimits) {
   settings.maximum_speed_mps = 3.0;
   settings.maximum_reverse_speed_mps = 2.0;
   VehicleRig rig(settings);
-  rig.run(50ms);
+  rig.run(300ms);
+  rig.ask(parking(false));
   rig.ask(travel(1.5));
   EXPECT_NEAR(rig.command().travel_speed_mps.value(), 1.5, 5e-4);
   rig.ask(travel(5.0));

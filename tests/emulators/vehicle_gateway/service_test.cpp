@@ -308,7 +308,7 @@ TEST_F(VehicleService, ScanToolReadsTheEnginesConfiguration) {
 TEST_F(VehicleService, EnginesConfigurationIsBroadcastEveryFiveSeconds) {
   start(with_engine());
   rig->output.frames.clear();
-  rig->run(11s);
+  rig->run(10s);
   std::size_t announced = 0;
   for (const auto& frame : rig->output.of(j1939::kTransportManagementPgn)) {
     announced += frame.data[0] == 32 && frame.data[5] == 0xE3 && frame.data[6] == 0xFE ? 1 : 0;

@@ -187,7 +187,7 @@ TEST(Document, text_of_an_argument_that_is_not_utf8_is_refused) {
   Problems problems;
   apply_set(document, "name=caf\xE9", problems);
   EXPECT_EQ(complaints(problems),
-            "--set name=caf\\xE9: not UTF-8, found byte 0xE9, allowed UTF-8 without control "
+            "--set name=caf\\xe9: not UTF-8, found byte 0xE9, allowed UTF-8 without control "
             "characters");
   EXPECT_TRUE(document.entries.empty());
 }
@@ -195,7 +195,7 @@ TEST(Document, text_of_an_argument_that_is_not_utf8_is_refused) {
 TEST_F(Files, name_of_a_file_that_is_not_utf8_is_refused) {
   Problems problems;
   (void)load_document(write("caf\xE9.yaml", "a: 1\n"), problems);
-  EXPECT_THAT(complaints(problems), HasSubstr("caf\\xE9.yaml: the file's name has byte 0xE9"));
+  EXPECT_THAT(complaints(problems), HasSubstr("caf\\xe9.yaml: the file's name has byte 0xE9"));
 }
 
 TEST_F(Files, includes_without_end_are_refused) {

@@ -74,7 +74,8 @@ TEST(LidarTruth, TellsObjectExactRangeAndInstantOfEveryShot) {
   }
   EXPECT_THAT(seen, testing::IsSupersetOf({"ground", "crown", "trunk"}));
   ASSERT_GT(compared, records / 3);
-  EXPECT_NEAR(std::sqrt(squares / static_cast<double>(compared)), 0.02, 0.001)
+  // An HDL-32E's: 5.3 mm from shot to shot, and biases of its lasers that spread by 7.9 mm.
+  EXPECT_NEAR(std::sqrt(squares / static_cast<double>(compared)), 0.0095, 0.0025)
       << "the noise alone is between them";
 }
 
@@ -110,8 +111,7 @@ TEST(LidarTruth, RefusesAFileThatCannotBeMade) {
       [&] {
         Rig rig(loaded.configuration, io, {{}, wires.folder / "no" / "where"});
       },
-      testing::ThrowsMessage<std::runtime_error>(
-          testing::HasSubstr("cannot write the lidar truth")));
+      testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("cannot be written")));
 }
 
 }  // namespace

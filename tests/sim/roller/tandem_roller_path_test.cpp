@@ -193,6 +193,7 @@ TEST(RollerPath, DynamicErrorIsOfFirstOrderInTheStep) {
   const auto end = [&ground](double step_s) {
     RollerParameters p;
     p.step_s = step_s;
+    p.travel_control = false;
     TandemRoller machine(p, ground, {0.0, 0.0}, 0.0);
     machine.command(travel(1.5, 0.3, -0.3));
     machine.step(6s);

@@ -98,6 +98,7 @@ TEST_F(Dbc, CanmatrixDecodesADrivingUnimog) {
   settings.source_address = 0x17;
   settings.steering = emulators::SteeringLayout::crab;
   settings.has_position = true;
+  settings.engine.reference_torque_nm = 1000.0;
   emulators::VehicleGateway gateway(settings, bus);
   VehicleSample sample;
   sample.engine.speed_radps = 188.5;
@@ -164,7 +165,7 @@ TEST_F(Dbc, CanmatrixDecodesADrivingUnimog) {
     return by_name.at(message).at(signal).get<double>();
   };
   EXPECT_NEAR(value("eec1", "engine_speed"), 188.5, 0.007);
-  EXPECT_NEAR(value("eec1", "actual_torque"), -0.2, 0.005);
+  EXPECT_NEAR(value("eec1", "actual_torque"), 0.3, 0.005);
   EXPECT_NEAR(value("hrw", "rear_right_wheel"), 6.0, 0.001);
   EXPECT_NEAR(value("ebc2", "front_axle_speed"), 4.75, 0.001);
   EXPECT_NEAR(value("ebc2", "relative_rear_1_left"), 0.75, 0.01);

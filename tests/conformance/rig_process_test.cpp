@@ -176,14 +176,16 @@ TEST_F(RigProcess, GpsdOnTheSecondPortAndTheFieldProgramOnTheFirstBothHearTheRec
       },
       60s))
       << gpsd.output() << pipe.output();
-  // The field program misses nothing: one GGA for each second, all of them whole.
-  std::string heard = field.output();
-  std::size_t sentences = 0;
-  for (std::size_t at = heard.find("$GPGGA"); at != std::string::npos;
-       at = heard.find("$GPGGA", at + 1)) {
-    ++sentences;
-  }
-  EXPECT_GE(sentences, 3U);
+  // The field program goes on hearing whole sentences beside it.
+  EXPECT_TRUE(eventually([&] {
+    const std::string heard = field.output();
+    std::size_t sentences = 0;
+    for (std::size_t at = heard.find("$GPGGA"); at != std::string::npos;
+         at = heard.find("$GPGGA", at + 1)) {
+      ++sentences;
+    }
+    return sentences >= 3;
+  })) << field.output();
   EXPECT_THAT(rig.output(), testing::Not(HasSubstr("programs have it open")));
 }
 
@@ -298,7 +300,7 @@ TEST_F(RigProcess, DigCycleKnowsFromTheWiresWhereTheMachineIs) {
   ASSERT_FALSE(truth.records.empty());
   std::ifstream beliefs(file("belief.jsonl"));
   std::array<double, 4> square_sum{};
-  double lowest_tip_m = 1e9;
+  double greatest_payload_kg = 0.0;
   double greatest_swing_deg = 0.0;
   std::size_t count = 0;
   for (std::string line; std::getline(beliefs, line);) {
@@ -313,7 +315,7 @@ TEST_F(RigProcess, DigCycleKnowsFromTheWiresWhereTheMachineIs) {
                            record["joint_rad"][joint].get<double>() * degrees;
       square_sum[joint] += error * error;
     }
-    lowest_tip_m = std::min(lowest_tip_m, record["bucket_tip_m"][2].get<double>());
+    greatest_payload_kg = std::max(greatest_payload_kg, record["payload_kg"].get<double>());
     greatest_swing_deg = std::max(greatest_swing_deg,
                                   record["joint_rad"][0].get<double>() * 180.0 / std::numbers::pi);
     const double metres_per_deg = 111'200.0;
@@ -326,7 +328,7 @@ TEST_F(RigProcess, DigCycleKnowsFromTheWiresWhereTheMachineIs) {
   for (std::size_t joint = 0; joint < 4; ++joint) {
     EXPECT_LT(std::sqrt(square_sum[joint] / static_cast<double>(count)), 3.0) << "joint " << joint;
   }
-  EXPECT_LT(lowest_tip_m, 0.5) << "it never dug";
+  EXPECT_GT(greatest_payload_kg, 200.0) << "it never dug";
   EXPECT_GT(greatest_swing_deg, 80.0) << "it never swung to the truck";
 }
 

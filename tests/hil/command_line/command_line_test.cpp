@@ -26,9 +26,9 @@ struct Result {
 
 /// After what a shell does first. Bounded: `timeout` ends a program that does not.
 Result in_shell(const std::string& first, const std::string& arguments) {
-  const std::string command =
-      first + "exec env NO_COLOR=1 timeout 60 " RIGWIRE_BINARY_DIR "/rigwire 2>&1 </dev/null " +
-      arguments;
+  const std::string command = "exec 2>&1 </dev/null; " + first +
+                              "exec env NO_COLOR=1 timeout 60 " RIGWIRE_BINARY_DIR "/rigwire " +
+                              arguments;
   Result result;
   FILE* pipe = ::popen(command.c_str(), "r");
   if (pipe == nullptr) {

@@ -72,7 +72,7 @@ SimulatedWorld make_world(const RigConfiguration& configuration) {
   return world;
 }
 
-RigCanSettings line_settings(const BusConfiguration& bus, const CanHop& hop) {
+RigCanSettings can_settings(const BusConfiguration& bus, const CanHop& hop) {
   RigCanSettings settings;
   settings.node.order = bus.order;
   settings.node.one_shot = bus.one_shot;
@@ -166,10 +166,10 @@ void check_start(const LoadedRig& rig) {
 struct Rig::Bus {
   Bus(CanHop opened, const BusConfiguration& configuration)
       : hop(std::move(opened)),
-        line(configuration.bus, *hop.endpoint, line_settings(configuration, hop)) {}
+        can(configuration.bus, *hop.endpoint, can_settings(configuration, hop)) {}
 
   CanHop hop;
-  RigCan line;
+  RigCan can;
 };
 
 /// The rig as one of its devices sees it while it is made.
@@ -185,7 +185,7 @@ class Rig::DeviceSite final : public Site {
   [[nodiscard]] const Calendar& calendar() const override { return rig_.calendar_; }
   [[nodiscard]] boost::asio::io_context& io() override { return rig_.io_; }
   [[nodiscard]] Executive& executive() override { return rig_.executive_; }
-  [[nodiscard]] RigCan& bus(const std::string& bus) override { return rig_.buses_.at(bus)->line; }
+  [[nodiscard]] RigCan& bus(const std::string& bus) override { return rig_.buses_.at(bus)->can; }
   [[nodiscard]] RigModbus& modbus(const std::string& line) override {
     return *rig_.modbus_lines_.at(line);
   }
@@ -252,14 +252,14 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
   }
   for (const auto& [name, device] : configuration_.devices) {
     for (const auto& [bus_name, bus] : buses_) {
-      bus->line.begin_device(name);
+      bus->can.begin_device(name);
     }
     DeviceSite site(*this, name);
     devices_.push_back({name, device->make(site)});
   }
   for (const auto& [name, bus] : configuration_.buses) {
     if (!bus.faults.empty()) {
-      buses_.at(name)->line.set_faults(can_bus_faults(
+      buses_.at(name)->can.set_faults(can_bus_faults(
           bus.faults, sim::RandomStream(configuration_.seed, name + "/faults").bits()));
     }
   }
@@ -299,18 +299,18 @@ void Rig::open_bus(const std::string& name, const BusConfiguration& configuratio
       open_can_hop(name, configuration, examine_can_host(), io_, unix_time(configuration_.start),
                    [this]() -> UsbBus& { return usb(); }),
       configuration);
-  executive_.add(bus->line);
-  executive_.add(bus->line.outlet());
+  executive_.add(bus->can);
+  executive_.add(bus->can.outlet());
   drivers::CanBus& endpoint = *bus->hop.endpoint;
-  endpoint.on_client([this, &line = bus->line](const drivers::CanClient& client) {
-    line.client(executive_.arrive(), client);
+  endpoint.on_client([this, &can = bus->can](const drivers::CanClient& client) {
+    can.client(executive_.arrive(), client);
   });
-  endpoint.start([this, &line = bus->line](const protocols::can::Frame& frame) {
-    line.receive(executive_.arrive(), frame);
+  endpoint.start([this, &can = bus->can](const protocols::can::Frame& frame) {
+    can.receive(executive_.arrive(), frame);
   });
   for (const CanHop::Further& further : bus->hop.further) {
     RigCan::Port& port =
-        bus->line.add_port(further.node, *further.endpoint, further.client_is_known);
+        bus->can.add_port(further.node, *further.endpoint, further.client_is_known);
     executive_.add(port.outlet());
     further.endpoint->on_client([this, &port](const drivers::CanClient& client) {
       port.client(executive_.arrive(), client);
@@ -334,7 +334,7 @@ std::vector<std::string> Rig::wires() const {
   std::vector<std::string> lines;
   for (const auto& [name, bus] : buses_) {
     lines.push_back(
-        fmt::format("bus {}: {} ({})", name, bus->line.endpoint().address, bus->hop.choice.why));
+        fmt::format("bus {}: {} ({})", name, bus->can.endpoint().address, bus->hop.choice.why));
     for (const CanHop::Further& further : bus->hop.further) {
       lines.push_back(
           fmt::format("bus {}: {} (a further port)", name, further.endpoint->status().address));

@@ -28,14 +28,14 @@ class RigCan::NodeExit final : public emulators::FrameOutput {
 };
 
 RigCan::RigCan(const emulators::CanBusSettings& settings, drivers::CanBus& endpoint,
-               RigCanSettings line)
+               RigCanSettings outside)
     : endpoint_(endpoint),
-      line_(std::move(line)),
+      outside_settings_(std::move(outside)),
       outlet_(endpoint, unsettled_frames(settings)),
       bus_(settings) {
   bus_.set_outside(*this);
-  client(kStart, drivers::CanClient{.open = !line_.client_is_known});
-  if (line_.acknowledging_node) {
+  client(kStart, drivers::CanClient{.open = !outside_settings_.client_is_known});
+  if (outside_settings_.acknowledging_node) {
     (void)bus_.add_node(exit_to(intruder_), {.name = "acknowledger"});
   }
 }
@@ -54,11 +54,11 @@ void RigCan::begin_device(const std::string& name) {
 
 emulators::FrameOutput& RigCan::add_node(WireStatistics& statistics) {
   ++nodes_of_device_;
-  line_.node.name = device_;
+  outside_settings_.node.name = device_;
   if (!device_.empty() && nodes_of_device_ > 1) {
-    line_.node.name += " " + std::to_string(nodes_of_device_);
+    outside_settings_.node.name += " " + std::to_string(nodes_of_device_);
   }
-  return bus_.add_node(exit_to(statistics), line_.node);
+  return bus_.add_node(exit_to(statistics), outside_settings_.node);
 }
 
 void RigCan::attach(emulators::FrameOutput& output, emulators::CanDevice& device) {
@@ -74,7 +74,7 @@ emulators::OutsideController RigCan::controller(const drivers::CanClient& client
           .bit_rate_bps = client.bit_rate_bps,
           .listen_only = client.listen_only,
           .one_shot = client.one_shot,
-          .restart_after = line_.client_restart_after};
+          .restart_after = outside_settings_.client_restart_after};
 }
 
 void RigCan::client(SimTime now, const drivers::CanClient& client) {

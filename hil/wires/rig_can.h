@@ -43,7 +43,7 @@ class RigCan final : public EventSource, private emulators::CanOutside {
  public:
   /// `endpoint` must outlive it. Throws std::invalid_argument.
   RigCan(const emulators::CanBusSettings& settings, drivers::CanBus& endpoint,
-         RigCanSettings line = {});
+         RigCanSettings outside = {});
   ~RigCan() override;
   RigCan(const RigCan&) = delete;
   RigCan& operator=(const RigCan&) = delete;
@@ -95,7 +95,7 @@ class RigCan final : public EventSource, private emulators::CanOutside {
   [[nodiscard]] emulators::OutsideController controller(const drivers::CanClient& client) const;
 
   drivers::CanBus& endpoint_;
-  RigCanSettings line_;
+  RigCanSettings outside_settings_;
   std::string device_;
   int nodes_of_device_ = 0;
   FrameOutlet outlet_;

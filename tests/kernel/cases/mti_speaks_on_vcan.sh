@@ -35,4 +35,4 @@ check_range "quaternion y" "$(signed "$line" 4)" -1434 -1424
 # Sample times, 10 ms apart.
 grep ' 005#' dump | tail -n 2 | sed 's/.*#//' >times
 mapfile -t times <times
-check_range "us between two samples" $((16#${times[1]} - 16#${times[0]})) 10000 10000
+check_range "ticks of 100 us between two samples" $((16#${times[1]} - 16#${times[0]})) 99 101

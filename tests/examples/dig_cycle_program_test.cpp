@@ -189,6 +189,7 @@ TEST_P(DigCycleSilence, WithWaitHoldsNeutralAndResumes) {
   which.set(rig.mute, true);
   ASSERT_TRUE(until([&] { return rig.neutral() && !rig.valves().enabled(); }, which.limit + 2s))
       << messages();
+  (void)until([] { return false; }, 300ms);  // what was commanded before is still carried out
   const PerJoint held = rig.angles_rad();
   (void)until([] { return false; }, 300ms);
   EXPECT_EQ(rig.angles_rad(), held);

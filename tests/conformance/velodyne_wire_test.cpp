@@ -181,7 +181,7 @@ TEST_P(VelodyneConformance, IndependentDissectorReadsTheTruth) {
                 " -Y velodyne_position -T fields -e velodyne_position.pulse -e "
                 "velodyne_position.sentence 2>/dev/null");
   EXPECT_THAT(sentences,
-              HasSubstr("2\tGPRMC,085959,A,3315.0000,S,15107.5000,E,000.0,000.0,010626,,,A"));
+              HasSubstr("2\tGPRMC,085959,A,3315.0000,S,15107.5000,E,000.0,000.0,010626,000.0,E,A"));
   std::filesystem::remove(file);
 }
 

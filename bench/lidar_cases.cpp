@@ -45,7 +45,8 @@ LidarPattern bench_head() {
   // Lasers alternate between the lower and the upper half (HDL-32E manual 63-9113).
   LidarPattern head;
   for (int i = 0; i < 32; ++i) {
-    const double elevation_deg = (i % 2 == 0 ? -92.0 / 3.0 : -28.0 / 3.0) + 4.0 / 3.0 * (i / 2);
+    const double elevation_deg =
+        (i % 2 == 0 ? -92.0 / 3.0 : -28.0 / 3.0) + 4.0 / 3.0 * std::floor(0.5 * i);
     const double elevation_rad = elevation_deg * kDegree;
     head.lasers.push_back({.elevation_rad = elevation_rad,
                            .vertical_offset_m = -0.02883 * std::tan(elevation_rad),

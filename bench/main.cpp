@@ -102,7 +102,9 @@ int run(const Options& options) {
 }  // namespace
 }  // namespace rigwire::bench
 
-int main(int count, char** arguments) {
+namespace {
+
+int run(int count, char** arguments) {
   using rigwire::hil::ExitCode;
   CLI::App app("Measures speed and error of Rigwire's models, devices and wires.", "rigwire-bench");
   rigwire::bench::Options options;
@@ -118,10 +120,16 @@ int main(int count, char** arguments) {
     std::cerr << "rigwire-bench: " << error.what() << "\nTry: rigwire-bench --help\n";
     return static_cast<int>(ExitCode::usage);
   }
+  return rigwire::bench::run(options);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
   try {
-    return rigwire::bench::run(options);
+    return run(count, arguments);
   } catch (const std::exception& error) {
     std::cerr << "rigwire-bench: " << error.what() << "\n";
-    return static_cast<int>(ExitCode::failure);
+    return static_cast<int>(rigwire::hil::ExitCode::failure);
   }
 }

@@ -50,6 +50,7 @@ void compare(const WeatherCase& weather_case, const sim::SceneWeather& weather,
              const std::vector<sim::WeatherBeam>& beams, WeatherCost& cost) {
   const double begin_s = hil::thread_cpu_seconds();
   std::vector<MarchedBeam> marched;
+  marched.reserve(kCompared);
   for (int i = 0; i < kCompared; ++i) {
     marched.push_back(march_beam(weather_case.parameters, weather.dust().puffs(),
                                  beams[static_cast<std::size_t>(i)], kStep_m));

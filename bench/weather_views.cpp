@@ -38,7 +38,9 @@ std::vector<TransmissionCurve> transmission_curves() {
   for (const Medium& medium : media) {
     const sim::SceneWeather weather(medium.parameters, 1);
     TransmissionCurve curve{medium.name, {}, {}};
-    for (double range_m = 0.0; range_m <= kBenchReach_m; range_m += kStep_m) {
+    const int steps = static_cast<int>(kBenchReach_m / kStep_m);
+    for (int step = 0; step <= steps; ++step) {
+      const double range_m = step * kStep_m;
       sim::WeatherBeam beam;
       beam.far_m = range_m;
       curve.range_m.push_back(range_m);

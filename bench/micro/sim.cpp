@@ -75,7 +75,7 @@ BENCHMARK(gnss_sample);
 LidarPattern fan() {
   LidarPattern pattern;
   for (int j = 0; j < 32; ++j) {
-    const double elevation_deg = (j % 2 == 0 ? -30.67 : -9.33) + 4.0 / 3.0 * (j / 2);
+    const double elevation_deg = (j % 2 == 0 ? -30.67 : -9.33) + 4.0 / 3.0 * std::floor(0.5 * j);
     pattern.lasers.push_back({.elevation_rad = elevation_deg * std::numbers::pi / 180.0,
                               .vertical_offset_m = 0.0,
                               .time_offset = std::chrono::nanoseconds{1152 * j}});

@@ -247,7 +247,7 @@ HttpServer::~HttpServer() {
   state_->stopped = true;
   error_code ignored;
   state_->acceptor.close(ignored);
-  state_->retry.cancel();
+  state_->retry.cancel(ignored);
   for (const auto& session : std::exchange(state_->sessions, {})) {
     session->end();
   }

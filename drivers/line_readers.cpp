@@ -117,6 +117,7 @@ std::vector<std::vector<LineReader>> readers_of(std::span<const std::string> ter
     }
   }
   std::vector<std::vector<LineReader>> result;
+  result.reserve(holders.size());
   for (const auto& list : holders) {
     result.push_back(independent(list));
   }

@@ -212,7 +212,7 @@ TcpServer::~TcpServer() {
   state_->handler = {};
   error_code ignored;
   state_->acceptor.close(ignored);
-  state_->retry.cancel();
+  state_->retry.cancel(ignored);
   for (const auto& client : state_->clients) {
     client->ended = true;
     client->socket.shutdown(tcp::socket::shutdown_both, ignored);

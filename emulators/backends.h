@@ -14,6 +14,7 @@
 #include "sim/samples/imu_sample.h"
 #include "sim/samples/joystick_sample.h"
 #include "sim/samples/lidar_sample.h"
+#include "sim/samples/power_unit_sample.h"
 #include "sim/samples/valve_sample.h"
 #include "sim/samples/vehicle_sample.h"
 
@@ -68,6 +69,17 @@ class ValveBackend {
   virtual ~ValveBackend() = default;
   virtual void update(const Sample& sample) = 0;
   /// The set points that the driver's output stage holds at present.
+  [[nodiscard]] virtual const Command& command() const = 0;
+};
+
+/// An engine that drives pumps: readings of both in, what its controller asks of it out.
+class PowerUnitBackend {
+ public:
+  using Sample = PowerUnitSample;
+  using Command = PowerUnitCommand;
+
+  virtual ~PowerUnitBackend() = default;
+  virtual void update(const Sample& sample) = 0;
   [[nodiscard]] virtual const Command& command() const = 0;
 };
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "sim/link_motion.h"
+#include "sim/samples/power_unit_sample.h"
 #include "sim/samples/time.h"
 #include "sim/samples/valve_sample.h"
 #include "sim/samples/vehicle_sample.h"
@@ -51,6 +52,17 @@ class VehiclePort {
   /// out of range are clamped; a gear that does not exist is not engaged.
   virtual void command(const VehicleCommand& command) = 0;
   [[nodiscard]] virtual VehicleSample vehicle_sample(SimTime time) const = 0;
+  /// Data sheet of its engine.
+  [[nodiscard]] virtual EngineData engine_data() const = 0;
+};
+
+/// Requests to an engine that drives pumps, readings of both.
+class PowerUnitPort {
+ public:
+  virtual ~PowerUnitPort() = default;
+  /// Valid until the next. What is not a number keeps its old value; the rest is clamped.
+  virtual void command(const PowerUnitCommand& command) = 0;
+  [[nodiscard]] virtual PowerUnitSample power_unit_sample(SimTime time) const = 0;
   /// Data sheet of its engine.
   [[nodiscard]] virtual EngineData engine_data() const = 0;
 };
@@ -117,6 +129,7 @@ class Machine {
   /// Nothing when the machine has no such port. Owned by the machine.
   [[nodiscard]] virtual ValvePort* valve_port() { return nullptr; }
   [[nodiscard]] virtual VehiclePort* vehicle_port() { return nullptr; }
+  [[nodiscard]] virtual PowerUnitPort* power_unit_port() { return nullptr; }
 
  protected:
   Machine() = default;

@@ -2,69 +2,93 @@
 
 #include <stdexcept>
 
+#include "fields/check.h"
+#include "protocols/can/frame_text.h"
 #include "protocols/can/wire_frame.h"
 
 namespace rigwire::emulators {
-namespace {
 
-[[noreturn]] void refuse(const char* quantity, const std::string& found, const char* allowed) {
-  throw std::invalid_argument(std::string("CAN bus fault: ") + quantity + " is " + found +
-                              ", allowed is " + allowed);
+namespace can = protocols::can;
+using fields::in;
+using fields::IntegerRule;
+
+void visit(fields::Visitor& v, BitErrorsFault& p) {
+  v.number("probability", p.probability, in("1").above(0).at_most(0.1),
+           "Probability with which each bit is turned over.");
 }
 
-void require_rate(std::uint32_t bit_rate_bps) {
-  if (bit_rate_bps < 10'000 || bit_rate_bps > 1'000'000) {
-    refuse("bit_rate_bps", std::to_string(bit_rate_bps), "10000 .. 1000000");
-  }
+void visit(fields::Visitor& v, DisturbanceFault& p) {
+  constexpr unsigned kBits = can::kMostStuffedBits + can::kTrailerBits;
+  v.integer("bit", p.bit, IntegerRule{-1, kBits - 1},
+            "Number of the bit, start of frame = 0, stuff bits counted; -1 = another one in every "
+            "frame.");
 }
 
-void require_frame(const protocols::can::Frame& frame) {
-  if (frame.id > (frame.extended ? 0x1FFF'FFFFU : 0x7FFU)) {
-    refuse("frame.id", std::to_string(frame.id), frame.extended ? "29 bits" : "11 bits");
-  }
-  if (frame.length > 8) {
-    refuse("frame.length", std::to_string(frame.length), "0 .. 8");
-  }
+void visit(fields::Visitor& v, WrongRateFault& p) {
+  v.required("device");
+  v.text("device", p.device, "Device whose node it is; client = the client's controller.");
+  v.required("bitrate");
+  v.integer("bitrate", p.bit_rate_bps, IntegerRule{10'000, 1'000'000, fields::unit("bit/s")},
+            "Bit rate at which the node works.");
 }
 
-void require(const CanBusFault& fault) {
-  if (fault.begin < Duration{0} || fault.end <= fault.begin) {
-    refuse("end", std::to_string(fault.end.count()) + " ns",
-           "later than begin, which is not negative");
-  }
-  switch (fault.kind) {
-    case CanBusFaultKind::bit_errors:
-      if (!(fault.probability > 0.0 && fault.probability <= 0.1)) {
-        refuse("probability", std::to_string(fault.probability), "above 0 .. 0.1");
-      }
-      break;
-    case CanBusFaultKind::disturbance:
-      if (fault.bit &&
-          *fault.bit >= protocols::can::kMostStuffedBits + protocols::can::kTrailerBits) {
-        refuse("bit", std::to_string(*fault.bit), "0 .. 156");
-      }
-      break;
-    case CanBusFaultKind::short_circuit:
-      break;
-    case CanBusFaultKind::wrong_rate:
-      require_rate(fault.bit_rate_bps);
-      break;
-    case CanBusFaultKind::disconnected:
-      break;
-    case CanBusFaultKind::intruder:
-      require_frame(fault.frame);
-      if (fault.period < std::chrono::microseconds{10} || fault.period > std::chrono::hours{1}) {
-        refuse("period", std::to_string(fault.period.count()) + " ns", "10 us .. 1 h");
-      }
-      break;
-  }
+void visit(fields::Visitor& v, DisconnectedFault& p) {
+  v.required("device");
+  v.text("device", p.device, "Device whose node it is; client = the client's controller.");
 }
 
-}  // namespace
+void visit(fields::Visitor& v, IntruderFault& p) {
+  v.required("frame");
+  v.text("frame", p.frame, "The frame as candump writes it: 18EAFFFE#00EE00.");
+  v.duration("period", p.period, {10'000, 3'600'000'000'000}, "Time from frame to frame.");
+}
+
+void visit(fields::Visitor& v, DuplicateAddressFault& p) {
+  v.required("address");
+  v.integer("address", p.address, IntegerRule{0, 253}, "J1939 source address that is claimed.");
+  v.integer("name", p.name, IntegerRule{0},
+            "NAME of the other node; the lower NAME wins the address.");
+  v.duration("period", p.period, {10'000, 3'600'000'000'000}, "Time from claim to claim.");
+}
+
+void visit(fields::Visitor& v, CanFault& p) {
+  visit_fault(v, p);
+}
+
+std::string node_of(const CanFault& fault) {
+  return std::visit(
+      [](const auto& what) -> std::string {
+        if constexpr (requires { what.device; }) {
+          return what.device;
+        } else {
+          return {};
+        }
+      },
+      fault.what);
+}
+
+can::Frame frame_of(const IntruderFault& fault) {
+  return can::parse_frame_text(fault.frame).value_or(can::Frame{});
+}
+
+can::Frame frame_of(const DuplicateAddressFault& fault) {
+  constexpr std::uint32_t kAddressClaimed = 0x18EEFF00;
+  can::Frame frame{kAddressClaimed | fault.address, true, false, 8, {}};
+  std::uint64_t name = fault.name;
+  for (std::uint8_t& byte : frame.data) {
+    byte = static_cast<std::uint8_t>(name);
+    name >>= 8U;
+  }
+  return frame;
+}
 
 void validate(const CanBusFaults& faults) {
-  for (const CanBusFault& fault : faults.list) {
-    require(fault);
+  for (const CanFault& fault : faults.list) {
+    fields::check(fault);
+    const auto* const intruder = std::get_if<IntruderFault>(&fault.what);
+    fields::require(intruder == nullptr || can::parse_frame_text(intruder->frame).has_value(),
+                    "frame", intruder == nullptr ? "" : "\"" + intruder->frame + "\"",
+                    "18EAFFFE#00EE00, 123#, 123#R4");
   }
 }
 

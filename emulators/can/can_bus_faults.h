@@ -1,48 +1,96 @@
 // What can be made to go wrong on a CAN bus, and when.
 //
+//   faults:
+//     - {type: bit_errors, at: 10 s, for: 5 s, probability: 0.001}
+//     - {type: wrong_rate, at: 20 s, for: 5 s, device: imu_boom, bitrate: 500000}
+//     - {type: duplicate_address, at: 30 s, for: 5 s, address: 0x81}
+//
 // The bit-level consequences are not scripted: a fault changes levels, rates or who is connected,
 // and the nodes' own error handling does the rest (can_bit_level.h).
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "fields/rules.h"
 #include "protocols/can/frame.h"
-#include "sim/samples/time.h"
+#include "sim/samples/fault_book.h"
 
 namespace rigwire::emulators {
 
-enum class CanBusFaultKind : std::uint8_t {
-  bit_errors,     ///< Bits of frames are inverted for all nodes, each with `probability`.
-  disturbance,    ///< One bit of every frame is inverted: `bit`, or one drawn for each frame.
-  short_circuit,  ///< CAN_H on CAN_L: whatever is sent, every node reads recessive.
-  wrong_rate,     ///< `node` works at `bit_rate_bps`.
-  disconnected,   ///< `node` is alone on its stub. It hears itself, nobody acknowledges.
-  intruder,       ///< One node more sends `frame` every `period`: a babbling one, or a duplicate of
-                  ///< an identifier that is in use.
+struct BitErrorsFault {
+  static constexpr fields::Named kNamed{"bit_errors", "Bits are turned over for all nodes."};
+
+  double probability = 1e-3;
+};
+struct DisturbanceFault {
+  static constexpr fields::Named kNamed{"disturbance", "One bit of every frame is turned over."};
+
+  int bit = -1;
+};
+struct ShortCircuitFault {
+  static constexpr fields::Named kNamed{
+      "short_circuit", "CAN_H on CAN_L: whatever is sent, every node reads recessive."};
+};
+struct WrongRateFault {
+  static constexpr fields::Named kNamed{"wrong_rate", "One node works at another bit rate."};
+
+  std::string device;
+  std::uint32_t bit_rate_bps = 500'000;
+};
+struct DisconnectedFault {
+  static constexpr fields::Named kNamed{"disconnected", "One node is alone on its stub."};
+
+  std::string device;
+};
+struct IntruderFault {
+  static constexpr fields::Named kNamed{"intruder", "Somebody sends a frame again and again."};
+
+  std::string frame = "000#";  ///< As candump writes it.
+  Duration period = std::chrono::milliseconds{10};
+};
+struct DuplicateAddressFault {
+  static constexpr fields::Named kNamed{"duplicate_address",
+                                        "Somebody claims a J1939 address that is taken."};
+
+  unsigned address = 0x80;
+  std::uint64_t name = 1;
+  Duration period = std::chrono::milliseconds{250};
 };
 
-struct CanBusFault {
-  CanBusFaultKind kind = CanBusFaultKind::disturbance;
-  Duration begin{0};                  ///< Since the start of the run.
-  Duration end{0};                    ///< Later than begin; the fault holds in [begin, end).
-  double probability = 0.0;           ///< bit_errors: (0, 0.1], of each bit.
-  std::optional<std::uint8_t> bit{};  ///< disturbance: from start of frame 0, stuff bits counted.
-  std::string node{};                 ///< wrong_rate, disconnected: CanNodeSettings::name.
-  std::uint32_t bit_rate_bps = 0;     ///< wrong_rate: 10 000 .. 1 000 000.
-  protocols::can::Frame frame{};      ///< intruder.
-  Duration period{0};                 ///< intruder: 10 us .. 1 h.
+void visit(fields::Visitor& v, BitErrorsFault& p);
+void visit(fields::Visitor& v, DisturbanceFault& p);
+inline void visit(fields::Visitor&, ShortCircuitFault&) {}
+void visit(fields::Visitor& v, WrongRateFault& p);
+void visit(fields::Visitor& v, DisconnectedFault& p);
+void visit(fields::Visitor& v, IntruderFault& p);
+void visit(fields::Visitor& v, DuplicateAddressFault& p);
+
+struct CanFault {
+  FaultPeriod when;
+  std::variant<BitErrorsFault, DisturbanceFault, ShortCircuitFault, WrongRateFault,
+               DisconnectedFault, IntruderFault, DuplicateAddressFault>
+      what;
 };
+void visit(fields::Visitor& v, CanFault& p);
+
+/// The node that the fault is about (CanNodeSettings::name); empty for those of the whole bus.
+[[nodiscard]] std::string node_of(const CanFault& fault);
+
+/// What an intruder sends. Precondition: validate() accepts it.
+[[nodiscard]] protocols::can::Frame frame_of(const IntruderFault& fault);
+/// Address claimed (SAE J1939-81, 4.2.2), to everybody.
+[[nodiscard]] protocols::can::Frame frame_of(const DuplicateAddressFault& fault);
 
 struct CanBusFaults {
-  std::vector<CanBusFault> list;
+  std::vector<CanFault> list;
   std::uint64_t seed = 1;  ///< Of everything that is drawn.
 };
 
 /// Throws std::invalid_argument with the quantity, the value found and what is allowed. Whether
-/// `node` exists is the bus's to say (CanBusModel::set_faults).
+/// a node exists is the bus's to say (CanBusModel::set_faults).
 void validate(const CanBusFaults& faults);
 
 }  // namespace rigwire::emulators

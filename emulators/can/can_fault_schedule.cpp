@@ -7,16 +7,16 @@
 namespace rigwire::emulators {
 namespace {
 
-CanController& node_of(const CanBusFault& fault, std::span<CanController* const> nodes) {
+CanController& find_node(const std::string& name, std::span<CanController* const> nodes) {
   std::string names;
   for (CanController* node : nodes) {
-    const std::string& name = node->settings().name;
-    if (name == fault.node) {
+    const std::string& other = node->settings().name;
+    if (other == name) {
       return *node;
     }
-    names += name.empty() ? "" : (names.empty() ? "" : ", ") + name;
+    names += other.empty() ? "" : (names.empty() ? "" : ", ") + other;
   }
-  throw std::invalid_argument("CAN bus fault: node is '" + fault.node + "', allowed is " + names);
+  throw std::invalid_argument("CAN bus fault: node is '" + name + "', allowed is " + names);
 }
 
 }  // namespace
@@ -26,45 +26,51 @@ CanFaultSchedule::CanFaultSchedule(const CanBusFaults& faults, std::uint32_t bit
                                    FrameOutput& intruder_exit)
     : wire_(wire), bit_rate_bps_(bit_rate_bps) {
   wire.set_noise(CanNoise(faults));
-  for (const CanBusFault& fault : faults.list) {
-    const SimTime begin = kStart + fault.begin;
-    const SimTime end = kStart + fault.end;
-    if (fault.kind == CanBusFaultKind::wrong_rate || fault.kind == CanBusFaultKind::disconnected) {
-      CanController& node = node_of(fault, nodes);
-      CanSegment* stub = nullptr;
-      for (const Change& other : changes_) {
-        if (other.begins && other.node == &node && other.kind == fault.kind && other.at < end) {
-          const auto other_end = std::ranges::find_if(changes_, [&](const Change& change) {
-            return !change.begins && change.node == &node && change.kind == fault.kind &&
-                   change.at > other.at;
-          });
-          if (other_end != changes_.end() && other_end->at > begin) {
-            throw std::invalid_argument("CAN bus fault: two of one kind on node '" + fault.node +
-                                        "' overlap, allowed is one at a time");
-          }
-        }
-      }
-      if (fault.kind == CanBusFaultKind::disconnected) {
-        stubs_.push_back(std::make_unique<CanSegment>(node.bit_rate_bps()));
-        stub = stubs_.back().get();
-        stub->reserve(1);
-      }
-      changes_.push_back({begin, &node, fault.kind, true, fault.bit_rate_bps, stub});
-      changes_.push_back({end, &node, fault.kind, false, fault.bit_rate_bps, stub});
-    } else if (fault.kind == CanBusFaultKind::intruder) {
-      CanNodeSettings settings;
-      settings.name = "intruder " + std::to_string(intruders_.size() + 1);
-      settings.bit_rate_bps = bit_rate_bps;
-      settings.queue_frames = 1;
-      intruders_.push_back({std::make_unique<CanController>(settings, &intruder_exit), fault.frame,
-                            begin, end, fault.period});
-      CanController& node = *intruders_.back().node;
-      node.configure(kStart, {.present = false}, bit_rate_bps);
-      wire.connect(kStart, node);
-      intruder_nodes_.push_back(&node);
+  for (const CanFault& fault : faults.list) {
+    if (const auto* wrong = std::get_if<WrongRateFault>(&fault.what)) {
+      change_node(fault.when, find_node(wrong->device, nodes), wrong->bit_rate_bps, nullptr);
+    } else if (const auto* broken = std::get_if<DisconnectedFault>(&fault.what)) {
+      CanController& node = find_node(broken->device, nodes);
+      stubs_.push_back(std::make_unique<CanSegment>(node.bit_rate_bps()));
+      stubs_.back()->reserve(1);
+      change_node(fault.when, node, 0, stubs_.back().get());
+    } else if (const auto* intruder = std::get_if<IntruderFault>(&fault.what)) {
+      add_intruder(fault.when, frame_of(*intruder), intruder->period, intruder_exit);
+    } else if (const auto* claim = std::get_if<DuplicateAddressFault>(&fault.what)) {
+      add_intruder(fault.when, frame_of(*claim), claim->period, intruder_exit);
     }
   }
   std::ranges::stable_sort(changes_, {}, &Change::at);
+}
+
+void CanFaultSchedule::change_node(const FaultPeriod& when, CanController& node,
+                                   std::uint32_t bit_rate_bps, CanSegment* stub) {
+  // Begin and end of a fault stand one after the other.
+  for (std::size_t i = 0; i + 1 < changes_.size(); i += 2) {
+    const Change& other = changes_[i];
+    const bool same_kind = (other.stub == nullptr) == (stub == nullptr);
+    if (other.node == &node && same_kind && other.at < when.end() &&
+        changes_[i + 1].at > when.begin()) {
+      throw std::invalid_argument("CAN bus fault: two of one kind on node '" +
+                                  node.settings().name + "' overlap, allowed is one at a time");
+    }
+  }
+  changes_.push_back({when.begin(), &node, true, bit_rate_bps, stub});
+  changes_.push_back({when.end(), &node, false, bit_rate_bps, stub});
+}
+
+void CanFaultSchedule::add_intruder(const FaultPeriod& when, const protocols::can::Frame& frame,
+                                    Duration period, FrameOutput& exit) {
+  CanNodeSettings settings;
+  settings.name = "intruder " + std::to_string(intruders_.size() + 1);
+  settings.bit_rate_bps = bit_rate_bps_;
+  settings.queue_frames = 1;
+  intruders_.push_back(
+      {std::make_unique<CanController>(settings, &exit), frame, when.begin(), when.end(), period});
+  CanController& node = *intruders_.back().node;
+  node.configure(kStart, {.present = false}, bit_rate_bps_);
+  wire_.connect(kStart, node);
+  intruder_nodes_.push_back(&node);
 }
 
 SimTime CanFaultSchedule::next_change() const {
@@ -107,7 +113,7 @@ void CanFaultSchedule::step(SimTime now) {
 }
 
 void CanFaultSchedule::change(SimTime now, const Change& change) {
-  if (change.kind == CanBusFaultKind::wrong_rate) {
+  if (change.stub == nullptr) {
     change.node->override_rate(change.begins ? std::optional(change.bit_rate_bps) : std::nullopt);
   } else if (change.begins) {
     wire_.disconnect(*change.node);

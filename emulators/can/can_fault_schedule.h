@@ -32,10 +32,9 @@ class CanFaultSchedule {
   struct Change {
     SimTime at;
     CanController* node;
-    CanBusFaultKind kind;
     bool begins;
-    std::uint32_t bit_rate_bps;
-    CanSegment* stub;
+    std::uint32_t bit_rate_bps;  ///< Of a wrong rate.
+    CanSegment* stub;            ///< Of a node that is disconnected; else null.
   };
   struct Intruder {
     std::unique_ptr<CanController> node;
@@ -45,6 +44,11 @@ class CanFaultSchedule {
     Duration period;
   };
 
+  /// Throws std::invalid_argument where another of its kind holds on the node meanwhile.
+  void change_node(const FaultPeriod& when, CanController& node, std::uint32_t bit_rate_bps,
+                   CanSegment* stub);
+  void add_intruder(const FaultPeriod& when, const protocols::can::Frame& frame, Duration period,
+                    FrameOutput& exit);
   [[nodiscard]] SimTime next_change() const;
   void change(SimTime now, const Change& change);
   void intrude(SimTime now, Intruder& intruder);

@@ -25,7 +25,7 @@ inline constexpr std::array<fields::Choice<CanQueueOrder>, 2> kCanQueueOrders{
      {CanQueueOrder::priority, "priority", "The most urgent identifier first."}}};
 
 /// Name of the node that stands for the client.
-inline constexpr const char* kCanOutsideName = "outside";
+inline constexpr const char* kCanOutsideName = "client";
 
 struct CanNodeSettings {
   std::string name{};              ///< By which faults and reports know it; may be empty.

@@ -20,9 +20,10 @@ unsigned bit_from(const CanBitClock& clock, SimTime instant) {
 
 CanNoise::CanNoise(const CanBusFaults& faults) {
   std::uint64_t seed = faults.seed;
-  for (const CanBusFault& fault : faults.list) {
-    if (fault.kind == CanBusFaultKind::bit_errors || fault.kind == CanBusFaultKind::disturbance ||
-        fault.kind == CanBusFaultKind::short_circuit) {
+  for (const CanFault& fault : faults.list) {
+    if (std::holds_alternative<BitErrorsFault>(fault.what) ||
+        std::holds_alternative<DisturbanceFault>(fault.what) ||
+        std::holds_alternative<ShortCircuitFault>(fault.what)) {
       sources_.push_back({fault, RandomBits(RandomBits(seed).bits())});
       draw_gap(sources_.back());
     }
@@ -32,9 +33,9 @@ CanNoise::CanNoise(const CanBusFaults& faults) {
 
 /// Geometric distribution of the good bits between two errors.
 void CanNoise::draw_gap(Source& source) {
-  if (source.fault.kind == CanBusFaultKind::bit_errors) {
+  if (const auto* errors = std::get_if<BitErrorsFault>(&source.fault.what)) {
     const double gap =
-        std::floor(std::log(1.0 - source.random.uniform()) / std::log1p(-source.fault.probability));
+        std::floor(std::log(1.0 - source.random.uniform()) / std::log1p(-errors->probability));
     source.good_bits_left = static_cast<std::uint64_t>(std::min(gap, 1e18));
   }
 }
@@ -42,44 +43,36 @@ void CanNoise::draw_gap(Source& source) {
 CanLineState CanNoise::attempt(const CanBitClock& clock, unsigned bits) {
   CanLineState line;
   for (Source& source : sources_) {
-    const SimTime begin = kStart + source.fault.begin;
-    const SimTime end = kStart + source.fault.end;
+    const SimTime begin = source.fault.when.begin();
+    const SimTime end = source.fault.when.end();
     if (end <= clock.now() || begin >= clock.after(bits)) {
       continue;
     }
     const unsigned first = bit_from(clock, begin);
     const unsigned behind = bit_from(clock, end);
     unsigned inverted = CanLineState::kNoBit;
-    switch (source.fault.kind) {
-      case CanBusFaultKind::bit_errors:
-        if (first > 0) {
-          break;
-        }
-        if (source.good_bits_left >= bits) {
-          source.good_bits_left -= bits;
-        } else {
-          // The error falls into this attempt; the next gap is drawn for those after it.
-          inverted = static_cast<unsigned>(source.good_bits_left);
-          draw_gap(source);
-        }
-        break;
-      case CanBusFaultKind::disturbance: {
-        const unsigned last = std::min(behind, bits);
-        if (source.fault.bit) {
-          const unsigned bit = *source.fault.bit;
-          inverted = bit >= first && bit < last ? bit : inverted;
-        } else if (first < last) {
-          inverted = first + source.random.below(last - first);
-        }
-        break;
+    if (std::holds_alternative<BitErrorsFault>(source.fault.what)) {
+      if (first > 0) {
+        // Begins within this attempt: errors are of those after it.
+      } else if (source.good_bits_left >= bits) {
+        source.good_bits_left -= bits;
+      } else {
+        // The error falls into this attempt; the next gap is drawn for those after it.
+        inverted = static_cast<unsigned>(source.good_bits_left);
+        draw_gap(source);
       }
-      case CanBusFaultKind::short_circuit:
-        line.short_begin = std::min(line.short_begin, first);
-        line.short_end =
-            line.short_end == CanLineState::kNoBit ? behind : std::max(line.short_end, behind);
-        break;
-      default:
-        break;
+    } else if (const auto* disturbance = std::get_if<DisturbanceFault>(&source.fault.what)) {
+      const unsigned last = std::min(behind, bits);
+      if (disturbance->bit >= 0) {
+        const auto bit = static_cast<unsigned>(disturbance->bit);
+        inverted = bit >= first && bit < last ? bit : inverted;
+      } else if (first < last) {
+        inverted = first + source.random.below(last - first);
+      }
+    } else {
+      line.short_begin = std::min(line.short_begin, first);
+      line.short_end =
+          line.short_end == CanLineState::kNoBit ? behind : std::max(line.short_end, behind);
     }
     line.inverted_bit = std::min(line.inverted_bit, inverted);
   }

@@ -24,7 +24,7 @@ class CanNoise {
 
  private:
   struct Source {
-    CanBusFault fault;
+    CanFault fault;
     RandomBits random;
     std::uint64_t good_bits_left = 0;  ///< bit_errors.
   };

@@ -54,7 +54,7 @@ void CanopenNode::describe(const std::string& file, const std::string& descripti
 
 canopen::LssIdentity CanopenNode::identity() const {
   canopen::LssIdentity numbers{};
-  for (std::uint8_t i = 0; i < numbers.size(); ++i) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
     numbers[i] = static_cast<std::uint32_t>(dictionary_.value(
         {object::kVendor.index, static_cast<std::uint8_t>(object::kVendor.sub + i)}));
   }

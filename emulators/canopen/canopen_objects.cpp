@@ -85,7 +85,7 @@ Refusal CanopenNode::write(SimTime now, ObjectAddress address, std::span<const s
     return command(address, value);
   }
   if (entry->lower == entry->upper && value != entry->upper) {
-    return SdoAbort::value_range;  // 1003:0 (CiA 301, 7.5.2.6)
+    return SdoAbort::value_range;  // 1003:0 (CiA 301, object 1003)
   }
   if (value > entry->upper) {
     return SdoAbort::value_too_high;
@@ -180,8 +180,9 @@ Refusal CanopenNode::check_mapping(ObjectAddress address, std::int64_t value) co
     return value == 0 || mapped(value) != nullptr ? Refusal{} : SdoAbort::not_mappable;
   }
   std::size_t bytes = 0;
-  for (std::uint8_t i = 1; i <= value; ++i) {
-    const canopen::ObjectEntry* entry = mapped(dictionary_.value({address.index, i}));
+  for (std::int64_t i = 1; i <= value; ++i) {
+    const canopen::ObjectEntry* entry =
+        mapped(dictionary_.value({address.index, static_cast<std::uint8_t>(i)}));
     if (entry == nullptr) {
       return SdoAbort::not_mappable;
     }

@@ -73,7 +73,7 @@ IsoValves::IsoValves(const IsoValveSettings& settings, FrameOutput& output)
 }
 
 SamplePlan IsoValves::sample_plan() const {
-  return {kStart, settings_.sample_period};
+  return {kStart + settings_.power_on, settings_.sample_period};
 }
 
 double IsoValves::nominal_rate_hz() const {
@@ -349,7 +349,7 @@ J1939Answer IsoValves::answer(SimTime now, std::uint32_t pgn, std::uint8_t desti
   const std::array functionalities{iso::SupportedFunctionality{}};
   if (const auto answered =
           answer_identification(node_, now, pgn, destination, settings_.identification,
-                                settings_.serial, "auxiliary valve control", functionalities)) {
+                                settings_.serial, functionalities)) {
     return *answered;
   }
   if (pgn == vehicle::kDm1Pgn) {

@@ -32,7 +32,7 @@ struct IsoValveSettings {
   std::uint32_t serial = 1;            ///< In the NAME; 21 bits.
   std::uint16_t manufacturer = 2047;   ///< In the NAME; 11 bits. 2047: no number assigned.
   std::uint8_t function = 255;         ///< In the NAME. 255: not specified.
-  IdentificationSettings identification{.model = "valve block"};
+  IdentificationSettings identification{.model = "valve block", .type = "auxiliary valve control"};
   std::uint8_t first_valve = 0;              ///< Auxiliary valve of section 1; the others follow.
   std::uint8_t general_purpose_section = 0;  ///< Of the general-purpose valve, from 1; 0 = none.
   Duration command_timeout = std::chrono::milliseconds(300);   ///< 100 ms .. 10 s.

@@ -66,6 +66,14 @@ bool J1939Node::send(SimTime now, j1939::Identifier identifier,
   return true;
 }
 
+J1939Answer J1939Node::send_answer(SimTime now, std::uint32_t pgn, std::uint8_t destination,
+                                   std::span<const std::uint8_t> payload) {
+  j1939::Identifier identifier;
+  identifier.pgn = pgn;
+  identifier.destination = destination;
+  return send(now, identifier, payload) ? J1939Answer::sent : J1939Answer::busy;
+}
+
 void J1939Node::acknowledge(SimTime now, j1939::Acknowledge control, std::uint8_t requester,
                             std::uint32_t pgn) {
   if (!held()) {

@@ -79,6 +79,10 @@ class J1939Node final : J1939TransportSink {
   /// message to that destination is on its way. identifier.source is not looked at.
   bool send(SimTime now, protocols::j1939::Identifier identifier,
             std::span<const std::uint8_t> payload);
+  /// A payload of group `pgn` as answer to whoever asked, or kGlobalAddress: `busy` where send()
+  /// says false.
+  [[nodiscard]] J1939Answer send_answer(SimTime now, std::uint32_t pgn, std::uint8_t destination,
+                                        std::span<const std::uint8_t> payload);
   /// To everybody, naming `requester` as the one who is answered.
   void acknowledge(SimTime now, protocols::j1939::Acknowledge control, std::uint8_t requester,
                    std::uint32_t pgn);

@@ -21,7 +21,7 @@ bool AnswerQueue::later(std::uint32_t a, std::uint32_t b) const {
 bool AnswerQueue::push(SimTime due, ConnectionId connection, std::span<const std::uint8_t> bytes,
                        bool close) {
   if (free_.empty()) {
-    if (items_.size() == capacity_) {
+    if (items_.size() >= capacity_ && !close) {
       return false;
     }
     free_.push_back(static_cast<std::uint32_t>(items_.size()));

@@ -1,5 +1,6 @@
 // Answers of a Modbus TCP server that wait for their instants, over all connections, in order of
-// time. All memory is reserved at construction; what does not fit is refused.
+// time. The memory of answers is reserved at construction; an answer that does not fit is refused.
+// The end of a connection, which comes once for each, is never.
 #pragma once
 
 #include <array>
@@ -31,7 +32,7 @@ class AnswerQueue {
 
   explicit AnswerQueue(std::size_t capacity);
 
-  /// At most one data unit of bytes. False when the queue is full.
+  /// At most one data unit of bytes. False when the queue is full of answers.
   bool push(SimTime due, ConnectionId connection, std::span<const std::uint8_t> bytes, bool close);
   [[nodiscard]] bool empty() const { return heap_.empty(); }
   /// kNever when empty.

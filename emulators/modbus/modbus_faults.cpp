@@ -6,79 +6,121 @@
 #include <string>
 #include <utility>
 
+#include "fields/check.h"
 #include "protocols/modbus/rtu.h"
 
 namespace rigwire::emulators {
 
 using namespace protocols::modbus;
+using fields::in;
+using fields::IntegerRule;
 
 namespace {
 
-constexpr std::array<std::string_view, 13> kNames{
-    "delay",      "exception", "silence",        "lost_answer", "junk",
-    "split",      "truncated", "stuck",          "wrong_check", "wrong_transaction",
-    "disconnect", "noise",     "parity_mismatch"};
+constexpr std::array<fields::Choice<ModbusFaultTable>, 5> kTables{
+    {{ModbusFaultTable::any, "any", "Every request."},
+     {ModbusFaultTable::coils, "coils", "Those that touch these coils."},
+     {ModbusFaultTable::discrete_inputs, "discrete", "Those that read these discrete inputs."},
+     {ModbusFaultTable::holding, "holding", "Those that touch these holding registers."},
+     {ModbusFaultTable::input, "input", "Those that read these input registers."}}};
+
+constexpr std::array<fields::Choice<ModbusException>, 9> kExceptions{
+    {{ModbusException::illegal_function, "illegal_function", "01"},
+     {ModbusException::illegal_data_address, "illegal_address", "02"},
+     {ModbusException::illegal_data_value, "illegal_value", "03"},
+     {ModbusException::server_device_failure, "device_failure", "04"},
+     {ModbusException::acknowledge, "acknowledge", "05; the request is carried out all the same."},
+     {ModbusException::server_device_busy, "busy", "06"},
+     {ModbusException::memory_parity_error, "memory_parity", "08"},
+     {ModbusException::gateway_path_unavailable, "path_unavailable", "0A"},
+     {ModbusException::gateway_target_failed, "target_failed", "0B"}}};
 
 [[noreturn]] void refuse(const ModbusFault& fault, const std::string& quantity,
                          const std::string& found, const std::string& allowed) {
-  throw std::invalid_argument("modbus fault " + std::string(name(fault.kind)) + ", " + quantity +
-                              ": found " + found + ", allowed " + allowed);
+  throw std::invalid_argument("modbus fault " + std::string(fields::chosen_name(fault.what)) +
+                              ", " + quantity + ": found " + found + ", allowed " + allowed);
 }
 
-void check_size(const ModbusFault& fault, const char* quantity, std::size_t value,
-                std::size_t lower, std::size_t upper) {
-  if (value < lower || value > upper) {
-    refuse(fault, quantity, std::to_string(value),
-           std::to_string(lower) + " .. " + std::to_string(upper));
+bool is_register_table(ModbusFaultTable table) {
+  return table == ModbusFaultTable::holding || table == ModbusFaultTable::input;
+}
+
+ModbusFaultTable fault_table(Table table) {
+  switch (table) {
+    case Table::coils:
+      return ModbusFaultTable::coils;
+    case Table::discrete_inputs:
+      return ModbusFaultTable::discrete_inputs;
+    case Table::input_registers:
+      return ModbusFaultTable::input;
+    case Table::holding_registers:
+      break;
   }
+  return ModbusFaultTable::holding;
 }
 
-bool of_whole_line(ModbusFaultKind kind) {
-  return kind == ModbusFaultKind::noise || kind == ModbusFaultKind::parity_mismatch;
+void check_scope(const ModbusFault& fault) {
+  const ModbusFaultScope& scope = fault.scope;
+  const bool whole_line = std::visit(
+      []<class What>(const What&) {
+        return requires {
+          What::kWholeLine;
+        };
+      },
+      fault.what);
+  if (whole_line && (scope.unit != 0 || scope.table != ModbusFaultTable::any)) {
+    refuse(fault, "scope", "a unit or registers", "the whole line");
+  }
+  if (scope.table == ModbusFaultTable::any && (scope.first != 0 || scope.last != 65535)) {
+    refuse(fault, "first and last", "no table", "with table: coils, discrete, holding, input");
+  }
+  if (scope.last < scope.first) {
+    refuse(fault, "last", std::to_string(scope.last), std::to_string(scope.first) + " .. 65535");
+  }
+  if (std::holds_alternative<ModbusStuckFault>(fault.what)) {
+    if (!is_register_table(scope.table)) {
+      refuse(fault, "table", scope.table == ModbusFaultTable::any ? "none" : "bits",
+             "holding, input");
+    }
+    if (scope.last - scope.first >= static_cast<int>(ModbusFaultSchedule::kStuckMaximum)) {
+      refuse(fault, "last", std::to_string(scope.last),
+             "at most " + std::to_string(ModbusFaultSchedule::kStuckMaximum) + " registers");
+    }
+  }
 }
 
 void check_wire(const ModbusFault& fault, ModbusWire wire) {
-  const bool tcp_only =
-      fault.kind == ModbusFaultKind::wrong_transaction || fault.kind == ModbusFaultKind::disconnect;
-  const bool rtu_only = fault.kind == ModbusFaultKind::wrong_check || of_whole_line(fault.kind);
-  if ((tcp_only && wire == ModbusWire::rtu) || (rtu_only && wire == ModbusWire::tcp)) {
-    refuse(fault, "wire", wire == ModbusWire::tcp ? "tcp" : "rtu", tcp_only ? "tcp" : "rtu");
+  const auto only = std::visit(
+      []<class What>(const What&) -> std::optional<ModbusWire> {
+        if constexpr (requires { What::kWire; }) {
+          return What::kWire;
+        } else {
+          return std::nullopt;
+        }
+      },
+      fault.what);
+  if (only && *only != wire) {
+    refuse(fault, "wire", wire == ModbusWire::tcp ? "tcp" : "rtu",
+           *only == ModbusWire::tcp ? "tcp" : "rtu");
   }
 }
 
-void check_registers(const ModbusFault& fault) {
-  if (fault.registers && fault.registers->last < fault.registers->first) {
-    refuse(fault, "last register", std::to_string(fault.registers->last),
-           std::to_string(fault.registers->first) + " .. 65535");
-  }
-  if (fault.kind != ModbusFaultKind::stuck) {
-    return;
-  }
-  if (!fault.registers || fault.registers->table == Table::coils ||
-      fault.registers->table == Table::discrete_inputs) {
-    refuse(fault, "registers", fault.registers ? "bits" : "none", "holding or input registers");
-  }
-  check_size(fault, "number of registers",
-             std::size_t{fault.registers->last} - fault.registers->first + 1, 1,
-             ModbusFaultSchedule::kStuckMaximum);
-}
-
-bool overlaps(std::uint16_t address, std::size_t count, const ModbusRegisters& range) {
+bool overlaps(std::uint16_t address, std::size_t count, const ModbusFaultScope& range) {
   return address <= range.last && address + count > range.first;
 }
 
 /// Whether a request reads or writes one of `range`.
 struct Touches {
-  const ModbusRegisters& range;
+  const ModbusFaultScope& range;
 
   bool operator()(const ReadBits& r) const {
     const Table table = r.table == BitTable::coils ? Table::coils : Table::discrete_inputs;
-    return table == range.table && overlaps(r.address, r.quantity, range);
+    return fault_table(table) == range.table && overlaps(r.address, r.quantity, range);
   }
   bool operator()(const ReadRegisters& r) const {
     const Table table =
         r.table == RegisterTable::holding ? Table::holding_registers : Table::input_registers;
-    return table == range.table && overlaps(r.address, r.quantity, range);
+    return fault_table(table) == range.table && overlaps(r.address, r.quantity, range);
   }
   bool operator()(const WriteCoil& r) const { return coils(r.address, 1); }
   bool operator()(const WriteCoils& r) const { return coils(r.address, r.coils.count); }
@@ -93,135 +135,152 @@ struct Touches {
 
  private:
   bool coils(std::uint16_t address, std::size_t count) const {
-    return range.table == Table::coils && overlaps(address, count, range);
+    return range.table == ModbusFaultTable::coils && overlaps(address, count, range);
   }
   bool holding(std::uint16_t address, std::size_t count) const {
-    return range.table == Table::holding_registers && overlaps(address, count, range);
+    return range.table == ModbusFaultTable::holding && overlaps(address, count, range);
   }
 };
 
-void add(const ModbusFault& fault, ModbusFaultEffects& effects) {
-  switch (fault.kind) {
-    case ModbusFaultKind::delay:
-      effects.delay = fault.delay;
-      break;
-    case ModbusFaultKind::exception:
-      effects.code = fault.code;
-      break;
-    case ModbusFaultKind::silence:
-      effects.silence = true;
-      break;
-    case ModbusFaultKind::lost_answer:
-      effects.lost_answer = true;
-      break;
-    case ModbusFaultKind::junk:
-      effects.junk_bytes = fault.bytes;
-      break;
-    case ModbusFaultKind::split:
-      effects.pieces = fault.pieces;
-      effects.pause = fault.delay;
-      break;
-    case ModbusFaultKind::truncated:
-      effects.missing_bytes = fault.bytes;
-      break;
-    case ModbusFaultKind::wrong_check:
-      effects.wrong_check = true;
-      break;
-    case ModbusFaultKind::wrong_transaction:
-      effects.wrong_transaction = true;
-      break;
-    case ModbusFaultKind::disconnect:
-      effects.disconnect = true;
-      break;
-    case ModbusFaultKind::stuck:
-    case ModbusFaultKind::noise:
-    case ModbusFaultKind::parity_mismatch:
-      break;
+/// What a fault does to one transaction; those of registers and of the line act elsewhere.
+struct Add {
+  ModbusFaultEffects& effects;
+
+  void operator()(const ModbusDelayFault& p) const { effects.delay = p.delay; }
+  void operator()(const ModbusExceptionFault& p) const { effects.code = p.code; }
+  void operator()(const ModbusSilenceFault&) const { effects.silence = true; }
+  void operator()(const ModbusLostAnswerFault&) const { effects.lost_answer = true; }
+  void operator()(const ModbusJunkFault& p) const {
+    effects.junk_bytes = static_cast<std::size_t>(p.bytes);
   }
-}
+  void operator()(const ModbusSplitFault& p) const {
+    effects.pieces = static_cast<std::size_t>(p.pieces);
+    effects.pause = p.pause;
+  }
+  void operator()(const ModbusTruncatedFault& p) const {
+    effects.missing_bytes = static_cast<std::size_t>(p.bytes);
+  }
+  void operator()(const ModbusWrongCheckFault&) const { effects.wrong_check = true; }
+  void operator()(const ModbusWrongTransactionFault&) const { effects.wrong_transaction = true; }
+  void operator()(const ModbusDisconnectFault&) const { effects.disconnect = true; }
+  void operator()(const ModbusStuckFault&) const {}
+  void operator()(const ModbusNoiseFault&) const {}
+  void operator()(const ModbusParityFault&) const {}
+};
 
 }  // namespace
 
-std::string_view name(ModbusFaultKind kind) {
-  return kNames[static_cast<std::size_t>(kind)];
+void visit(fields::Visitor& v, ModbusDelayFault& p) {
+  v.duration("delay", p.delay, {1, 60'000'000'000}, "Delay on top of the line's response delay.");
+}
+
+void visit(fields::Visitor& v, ModbusExceptionFault& p) {
+  v.choice("code", p.code, kExceptions, "Exception that is answered.");
+}
+
+void visit(fields::Visitor& v, ModbusJunkFault& p) {
+  v.integer("bytes", p.bytes, fields::IntegerRule{1, 64}, "How many random bytes there are.");
+}
+
+void visit(fields::Visitor& v, ModbusSplitFault& p) {
+  v.integer("pieces", p.pieces, fields::IntegerRule{2, 16}, "Parts that the answer comes in.");
+  v.duration("pause", p.pause, {1, 60'000'000'000}, "Pause between two parts of the answer.");
+}
+
+void visit(fields::Visitor& v, ModbusTruncatedFault& p) {
+  v.integer("bytes", p.bytes, fields::IntegerRule{1, 260},
+            "Bytes that are missing at the answer's end.");
+}
+
+void visit(fields::Visitor& v, ModbusStuckFault& p) {
+  v.integer("value", p.value, fields::IntegerRule{-1, 65535},
+            "What the registers read as; -1 = what was read first.");
+}
+
+void visit(fields::Visitor& v, ModbusNoiseFault& p) {
+  v.number("bit_error_rate", p.bit_error_rate, fields::in("1").above(0).at_most(0.5),
+           "Probability with which each bit is turned over.");
+}
+
+void visit(fields::Visitor& v, ModbusFault& p) {
+  visit(v, p.when);
+  v.integer("unit", p.scope.unit, IntegerRule{0, kUnitMaximum},
+            "Unit that it concerns; 0 = every unit of the line.");
+  v.choice("table", p.scope.table, kTables, "Which requests it concerns.");
+  v.integer("first", p.scope.first, IntegerRule{0, 65535},
+            "First address that it concerns, from 0, with a table.");
+  v.integer("last", p.scope.last, IntegerRule{0, 65535},
+            "Last address that it concerns, included.");
+  v.number("probability", p.scope.probability, in("%").above(0).at_most(100),
+           "Probability with which each request is concerned.");
+  v.required("type");
+  v.variant("type", p.what, "Which fault it is.");
 }
 
 void validate(const ModbusFault& fault, ModbusWire wire) {
+  fields::check(fault);
   check_wire(fault, wire);
-  if (fault.begin < Duration{0} || fault.end <= fault.begin) {
-    refuse(fault, "end", std::to_string(to_seconds(fault.end)) + " s",
-           "later than its begin, " + std::to_string(to_seconds(fault.begin)) + " s");
-  }
-  check_size(fault, "unit", fault.unit, 0, kUnitMaximum);
-  if (of_whole_line(fault.kind) && (fault.unit != 0 || fault.registers)) {
-    refuse(fault, "scope", "a unit or registers", "the whole line");
-  }
-  check_registers(fault);
-  if (!(fault.probability > 0.0 && fault.probability <= 1.0)) {
-    refuse(fault, "probability", std::to_string(fault.probability), "above 0 .. 1");
-  }
-  if (fault.delay <= Duration{0} || fault.delay > std::chrono::minutes(1)) {
-    refuse(fault, "delay", std::to_string(to_seconds(fault.delay)) + " s", "above 0 .. 60 s");
-  }
-  if (fault.kind == ModbusFaultKind::junk) {
-    check_size(fault, "bytes", fault.bytes, 1, ModbusFaultSchedule::kJunkMaximum);
-  }
-  if (fault.kind == ModbusFaultKind::truncated) {
-    check_size(fault, "bytes", fault.bytes, 1, kTcpAduMaximum);
-  }
-  if (fault.kind == ModbusFaultKind::split) {
-    check_size(fault, "pieces", fault.pieces, 2, 16);
-  }
-  if (fault.kind == ModbusFaultKind::noise &&
-      !(fault.bit_error_rate > 0.0 && fault.bit_error_rate <= 0.5)) {
-    refuse(fault, "bit_error_rate", std::to_string(fault.bit_error_rate), "above 0 .. 0.5");
+  check_scope(fault);
+}
+
+ModbusFaultSchedule::ModbusFaultSchedule(const std::vector<ModbusFault>& faults, ModbusWire wire,
+                                         std::uint64_t seed)
+    : wire_(wire), random_(seed) {
+  for (const ModbusFault& fault : faults) {
+    begin(fault);
   }
 }
 
-ModbusFaultSchedule::ModbusFaultSchedule(std::vector<ModbusFault> faults, ModbusWire wire,
-                                         std::uint64_t seed)
-    : faults_(std::move(faults)), memories_(faults_.size()), random_(seed) {
-  for (std::size_t i = 0; i < faults_.size(); ++i) {
-    const ModbusFault& fault = faults_[i];
-    validate(fault, wire);
-    if (fault.kind == ModbusFaultKind::stuck) {
-      memories_[i].values.resize(std::size_t{fault.registers->last} - fault.registers->first + 1,
-                                 fault.value);
+FaultBook<ModbusFault>::Id ModbusFaultSchedule::begin(const ModbusFault& fault) {
+  validate(fault, wire_);
+  const auto* stuck = std::get_if<ModbusStuckFault>(&fault.what);
+  std::vector<std::optional<std::uint16_t>> values;
+  if (stuck != nullptr) {
+    values.resize(std::size_t{fault.scope.last} - fault.scope.first + 1);
+    if (stuck->value >= 0) {
+      std::ranges::fill(values, static_cast<std::uint16_t>(stuck->value));
     }
   }
+  const auto id = book_.add(fault);
+  if (!values.empty()) {
+    stuck_.emplace(id, std::move(values));
+  }
+  return id;
 }
 
 ModbusFaultEffects ModbusFaultSchedule::effects(SimTime now, std::uint8_t unit,
                                                 const Request* request) {
   ModbusFaultEffects effects;
-  std::array<bool, kNames.size()> decided{};
-  for (const ModbusFault& fault : faults_) {
-    bool& seen = decided[static_cast<std::size_t>(fault.kind)];
-    const bool concerned = !seen && fault.holds(now) && (fault.unit == 0 || fault.unit == unit) &&
-                           (!fault.registers || (request != nullptr &&
-                                                 std::visit(Touches{*fault.registers}, *request)));
-    if (concerned) {
-      seen = true;
-      if (fault.probability >= 1.0 || random_.uniform() < fault.probability) {
-        add(fault, effects);
-      }
+  std::array<bool, std::variant_size_v<decltype(ModbusFault::what)>> decided{};
+  book_.each(now, [&](const ModbusFault& fault) {
+    const ModbusFaultScope& scope = fault.scope;
+    bool& seen = decided[fault.what.index()];
+    if (seen || (scope.unit != 0 && scope.unit != unit) ||
+        (scope.table != ModbusFaultTable::any &&
+         (request == nullptr || !std::visit(Touches{scope}, *request)))) {
+      return;
     }
-  }
+    seen = true;
+    if (scope.probability >= 1.0 || random_.uniform() < scope.probability) {
+      std::visit(Add{effects}, fault.what);
+    }
+  });
   return effects;
 }
 
 void ModbusFaultSchedule::hold_stuck(SimTime now, std::uint8_t unit, Table table,
                                      std::uint16_t address, std::span<std::uint16_t> values) {
-  for (std::size_t i = 0; i < faults_.size(); ++i) {
-    const ModbusFault& fault = faults_[i];
-    if (fault.kind != ModbusFaultKind::stuck || !fault.holds(now) ||
-        (fault.unit != 0 && fault.unit != unit) || fault.registers->table != table) {
+  for (auto& [id, memory] : stuck_) {
+    const ModbusFault& fault = book_.find(id);
+    const ModbusFaultScope& scope = fault.scope;
+    if (!fault.when.holds(now) || (scope.unit != 0 && scope.unit != unit) ||
+        scope.table != fault_table(table)) {
       continue;
     }
     for (std::size_t k = 0; k < values.size(); ++k) {
       const std::size_t at = address + k;
-      if (at >= fault.registers->first && at <= fault.registers->last) {
-        auto& held = memories_[i].values[at - fault.registers->first];
+      if (at >= scope.first && at <= scope.last) {
+        auto& held = memory[at - scope.first];
         held = held.value_or(values[k]);
         values[k] = *held;
       }
@@ -229,18 +288,12 @@ void ModbusFaultSchedule::hold_stuck(SimTime now, std::uint8_t unit, Table table
   }
 }
 
-const ModbusFault* ModbusFaultSchedule::of_line(ModbusFaultKind kind, SimTime now) const {
-  const auto found = std::ranges::find_if(
-      faults_, [&](const ModbusFault& fault) { return fault.kind == kind && fault.holds(now); });
-  return found == faults_.end() ? nullptr : &*found;
-}
-
 bool ModbusFaultSchedule::parity_mismatch(SimTime now) const {
-  return of_line(ModbusFaultKind::parity_mismatch, now) != nullptr;
+  return book_.first<ModbusParityFault>(now) != nullptr;
 }
 
 void ModbusFaultSchedule::disturb(SimTime now, std::span<std::uint8_t> bytes) {
-  const ModbusFault* noise = of_line(ModbusFaultKind::noise, now);
+  const auto* noise = book_.first<ModbusNoiseFault>(now);
   if (noise == nullptr) {
     return;
   }

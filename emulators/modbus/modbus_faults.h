@@ -1,5 +1,10 @@
 // Defects of a Modbus line and of what hangs on it, each for a stretch of the run.
 //
+//   faults:
+//     - {type: delay, at: 10 s, for: 5 s, unit: 1, delay: 300 ms}
+//     - {type: exception, at: 20 s, code: busy, table: holding, first: 0, last: 9}
+//     - {type: stuck, at: 30 s, table: input, first: 2, last: 2}
+//
 // A fault concerns the requests to one unit (or all), and if it names registers only the requests
 // that touch one of them. Where several of a kind hold at once, the first counts. Faults of
 // different kinds add up: an answer may come late, in parts, and with a wrong check.
@@ -8,16 +13,18 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
-#include <string_view>
+#include <variant>
 #include <vector>
 
 #include "emulators/random_bits.h"
 #include "fields/rules.h"
+#include "fields/visitor.h"
 #include "protocols/modbus/constants.h"
 #include "protocols/modbus/pdu.h"
-#include "sim/samples/time.h"
+#include "sim/samples/fault_book.h"
 
 namespace rigwire::emulators {
 
@@ -26,51 +33,109 @@ inline constexpr std::array<fields::Choice<ModbusWire>, 2> kModbusWires{
     {{ModbusWire::tcp, "tcp", "A TCP server."},
      {ModbusWire::rtu, "rtu", "A serial line on a pty, RTU."}}};
 
-enum class ModbusFaultKind : std::uint8_t {
-  delay,              ///< Answers come `delay` later.
-  exception,          ///< `code` instead of the answer; the device does nothing, but for code 05.
-  silence,            ///< The unit hears nothing.
-  lost_answer,        ///< The unit acts, its answer is lost.
-  junk,               ///< `bytes` random bytes right before the answer.
-  split,              ///< The answer in `pieces` parts with `delay` between them.
-  truncated,          ///< The last `bytes` bytes of the answer are missing.
-  stuck,              ///< Registers read as `value`, or as what they were when first read.
-  wrong_check,        ///< RTU: the answer's CRC is wrong.
-  wrong_transaction,  ///< TCP: the answer carries the next transaction identifier.
-  disconnect,         ///< TCP: the connection is closed instead of an answer.
-  noise,              ///< RTU, whole line: bits are turned over, both ways.
-  parity_mismatch,    ///< RTU, whole line: the masters' parity is another; nothing is understood.
+/// Which requests a fault concerns by what they touch.
+enum class ModbusFaultTable : std::uint8_t { any, coils, discrete_inputs, holding, input };
+
+struct ModbusFaultScope {
+  std::uint8_t unit = 0;  ///< 1 .. 247; 0: every unit of the line.
+  ModbusFaultTable table = ModbusFaultTable::any;
+  std::uint16_t first = 0;
+  std::uint16_t last = 65535;  ///< Included.
+  double probability = 1.0;    ///< Of each request, (0, 1].
 };
 
-struct ModbusRegisters {
-  protocols::modbus::Table table = protocols::modbus::Table::holding_registers;
-  std::uint16_t first = 0;
-  std::uint16_t last = 0;  ///< Included.
+using ModbusException = protocols::modbus::ExceptionCode;
+
+struct ModbusDelayFault {
+  static constexpr fields::Named kNamed{"delay", "Answers come later."};
+
+  Duration delay = std::chrono::milliseconds(100);
 };
+struct ModbusExceptionFault {
+  static constexpr fields::Named kNamed{"exception", "An exception instead of the answer."};
+
+  ModbusException code = ModbusException::server_device_failure;
+};
+struct ModbusSilenceFault {
+  static constexpr fields::Named kNamed{"silence", "The unit hears nothing."};
+};
+struct ModbusLostAnswerFault {
+  static constexpr fields::Named kNamed{"lost_answer", "The unit acts, its answer is lost."};
+};
+struct ModbusJunkFault {
+  static constexpr fields::Named kNamed{"junk", "Random bytes right before the answer."};
+
+  int bytes = 4;
+};
+struct ModbusSplitFault {
+  static constexpr fields::Named kNamed{"split", "The answer in parts with pauses between."};
+
+  int pieces = 2;
+  Duration pause = std::chrono::milliseconds(20);
+};
+struct ModbusTruncatedFault {
+  static constexpr fields::Named kNamed{"truncated", "The end of the answer is missing."};
+
+  int bytes = 1;
+};
+struct ModbusStuckFault {
+  static constexpr fields::Named kNamed{"stuck", "Registers read the same, whatever happens."};
+
+  int value = -1;  ///< -1: what was read first.
+};
+struct ModbusWrongCheckFault {
+  static constexpr ModbusWire kWire = ModbusWire::rtu;
+  static constexpr fields::Named kNamed{"wrong_check", "rtu: the answer's CRC is wrong."};
+};
+struct ModbusWrongTransactionFault {
+  static constexpr ModbusWire kWire = ModbusWire::tcp;
+  static constexpr fields::Named kNamed{"wrong_transaction",
+                                        "tcp: the answer carries another transaction identifier."};
+};
+struct ModbusDisconnectFault {
+  static constexpr ModbusWire kWire = ModbusWire::tcp;
+  static constexpr fields::Named kNamed{"disconnect",
+                                        "tcp: the connection is closed instead of an answer."};
+};
+struct ModbusNoiseFault {
+  static constexpr ModbusWire kWire = ModbusWire::rtu;
+  static constexpr bool kWholeLine = true;
+  static constexpr fields::Named kNamed{"noise",
+                                        "rtu, whole line: bits are turned over, both ways."};
+
+  double bit_error_rate = 1e-4;
+};
+struct ModbusParityFault {
+  static constexpr ModbusWire kWire = ModbusWire::rtu;
+  static constexpr bool kWholeLine = true;
+  static constexpr fields::Named kNamed{"parity_mismatch",
+                                        "rtu, whole line: the masters use another parity."};
+};
+
+void visit(fields::Visitor& v, ModbusDelayFault& p);
+void visit(fields::Visitor& v, ModbusExceptionFault& p);
+inline void visit(fields::Visitor&, ModbusSilenceFault&) {}
+inline void visit(fields::Visitor&, ModbusLostAnswerFault&) {}
+void visit(fields::Visitor& v, ModbusJunkFault& p);
+void visit(fields::Visitor& v, ModbusSplitFault& p);
+void visit(fields::Visitor& v, ModbusTruncatedFault& p);
+void visit(fields::Visitor& v, ModbusStuckFault& p);
+inline void visit(fields::Visitor&, ModbusWrongCheckFault&) {}
+inline void visit(fields::Visitor&, ModbusWrongTransactionFault&) {}
+inline void visit(fields::Visitor&, ModbusDisconnectFault&) {}
+void visit(fields::Visitor& v, ModbusNoiseFault& p);
+inline void visit(fields::Visitor&, ModbusParityFault&) {}
 
 struct ModbusFault {
-  ModbusFaultKind kind = ModbusFaultKind::silence;
-  Duration begin{0};                         ///< Since the start of the run.
-  Duration end{0};                           ///< Later than begin; the fault holds in [begin, end).
-  std::uint8_t unit = 0;                     ///< 1 .. 247; 0: every unit of the line.
-  std::optional<ModbusRegisters> registers;  ///< Without: every request.
-  double probability = 1.0;                  ///< Of each request, (0, 1].
-  Duration delay = std::chrono::milliseconds(100);  ///< delay, split: above 0 .. 60 s.
-  protocols::modbus::ExceptionCode code = protocols::modbus::ExceptionCode::server_device_failure;
-  std::size_t bytes = 1;               ///< junk: 1 .. 64; truncated: 1 .. 260.
-  std::size_t pieces = 2;              ///< 2 .. 16.
-  std::optional<std::uint16_t> value;  ///< stuck.
-  double bit_error_rate = 0.0;         ///< noise: above 0 .. 0.5.
-
-  [[nodiscard]] bool holds(SimTime instant) const {
-    const Duration since_start = instant - kStart;
-    return since_start >= begin && since_start < end;
-  }
+  FaultPeriod when;
+  ModbusFaultScope scope;
+  std::variant<ModbusDelayFault, ModbusExceptionFault, ModbusSilenceFault, ModbusLostAnswerFault,
+               ModbusJunkFault, ModbusSplitFault, ModbusTruncatedFault, ModbusStuckFault,
+               ModbusWrongCheckFault, ModbusWrongTransactionFault, ModbusDisconnectFault,
+               ModbusNoiseFault, ModbusParityFault>
+      what;
 };
-
-/// The word for it in messages and configurations, for example "lost_answer".
-[[nodiscard]] std::string_view name(ModbusFaultKind kind);
-
+void visit(fields::Visitor& v, ModbusFault& p);
 /// Throws std::invalid_argument when a value is out of range or the fault has no meaning on that
 /// wire.
 void validate(const ModbusFault& fault, ModbusWire wire);
@@ -78,7 +143,7 @@ void validate(const ModbusFault& fault, ModbusWire wire);
 /// What the faults of the moment do to one transaction.
 struct ModbusFaultEffects {
   Duration delay{0};
-  std::optional<protocols::modbus::ExceptionCode> code;
+  std::optional<ModbusException> code;
   bool silence = false;
   bool lost_answer = false;
   std::size_t junk_bytes = 0;
@@ -96,9 +161,14 @@ class ModbusFaultSchedule {
   static constexpr std::size_t kStuckMaximum = 125;
 
   /// Throws std::invalid_argument.
-  ModbusFaultSchedule(std::vector<ModbusFault> faults, ModbusWire wire, std::uint64_t seed);
+  ModbusFaultSchedule(const std::vector<ModbusFault>& faults, ModbusWire wire, std::uint64_t seed);
 
-  [[nodiscard]] bool empty() const { return faults_.empty(); }
+  [[nodiscard]] bool empty() const { return book_.empty(); }
+  [[nodiscard]] const FaultBook<ModbusFault>& book() const { return book_; }
+  /// Throws as the constructor does.
+  FaultBook<ModbusFault>::Id begin(const ModbusFault& fault);
+  bool end(FaultBook<ModbusFault>::Id id, SimTime now) { return book_.end(id, now); }
+
   /// `request` is null when the PDU was not understood: faults with registers do not concern it.
   [[nodiscard]] ModbusFaultEffects effects(SimTime now, std::uint8_t unit,
                                            const protocols::modbus::Request* request);
@@ -112,15 +182,10 @@ class ModbusFaultSchedule {
   void fill_junk(std::span<std::uint8_t> bytes);
 
  private:
-  /// What a stuck register read when it was first read in its fault.
-  struct Memory {
-    std::vector<std::optional<std::uint16_t>> values;
-  };
-
-  [[nodiscard]] const ModbusFault* of_line(ModbusFaultKind kind, SimTime now) const;
-
-  std::vector<ModbusFault> faults_;
-  std::vector<Memory> memories_;  ///< One per fault.
+  ModbusWire wire_;
+  FaultBook<ModbusFault> book_;
+  /// What stuck registers read when they were first read in their fault.
+  std::map<FaultBook<ModbusFault>::Id, std::vector<std::optional<std::uint16_t>>> stuck_;
   RandomBits random_;
 };
 

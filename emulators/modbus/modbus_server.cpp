@@ -188,7 +188,7 @@ void ModbusServer::give(SimTime due, ConnectionId connection, std::span<const st
       append(due, connection, bytes);
     }
   } else if (!bytes.empty() || close) {
-    (void)waiting_.push(due, connection, bytes, close);  // refused: lost, as by a full device
+    (void)waiting_.push(due, connection, bytes, close);  // an answer lost, as by a full device
   }
 }
 

@@ -24,8 +24,9 @@ bool writes_only(const Request& request) {
 
 }  // namespace
 
-ModbusService::ModbusService(ModbusWire wire, std::vector<ModbusFault> faults, std::uint64_t seed)
-    : wire_(wire), faults_(std::move(faults), wire, seed) {}
+ModbusService::ModbusService(ModbusWire wire, const std::vector<ModbusFault>& faults,
+                             std::uint64_t seed)
+    : wire_(wire), faults_(faults, wire, seed) {}
 
 void ModbusService::add_unit(std::uint8_t number, ModbusUnit& unit) {
   if (number < 1 || number > kUnitMaximum) {

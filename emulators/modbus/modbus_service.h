@@ -31,7 +31,7 @@ struct ModbusAnswer {
 class ModbusService {
  public:
   /// Throws std::invalid_argument for a fault that the wire cannot have.
-  ModbusService(ModbusWire wire, std::vector<ModbusFault> faults, std::uint64_t seed);
+  ModbusService(ModbusWire wire, const std::vector<ModbusFault>& faults, std::uint64_t seed);
 
   /// `unit` must outlive the service. Throws std::invalid_argument when the number is not 1 .. 247
   /// or is taken.

@@ -102,8 +102,8 @@ MonHw hardware(const UbloxMonitorView& view) {
 std::size_t put_bands(const UbloxMonitorView& view, std::span<std::uint8_t> out) {
   const MonHw hearing = hardware(view);
   std::array<MonRfBlock, 2> bands;
-  for (std::uint8_t band = 0; band < bands.size(); ++band) {
-    bands[band].block = band;
+  for (std::size_t band = 0; band < bands.size(); ++band) {
+    bands[band].block = static_cast<std::uint8_t>(band);
     bands[band].flags = hearing.flags >> 2U & 3U;
     bands[band].antenna_status = hearing.antenna_status;
     bands[band].antenna_power = hearing.antenna_power;

@@ -31,6 +31,7 @@ std::vector<std::uint8_t> version_of(const UbloxProfile& profile) {
 UbloxReceiver::UbloxReceiver(const UbloxSettings& settings, const Calendar& calendar,
                              ByteOutput& output)
     : settings_(validated(settings)),
+      faults_(settings_.faults),
       profile_(*settings_.profile),
       calendar_(calendar),
       configuration_(settings_),
@@ -168,17 +169,9 @@ void UbloxReceiver::greet(SimTime now) {
   }
 }
 
-const UbloxFault* UbloxReceiver::fault(UbloxFaultKind kind, SimTime now) const {
-  const Duration at = now - kStart;
-  const auto found = std::ranges::find_if(settings_.faults, [&](const UbloxFault& f) {
-    return f.kind == kind && f.begin <= at && at < f.end;
-  });
-  return found == settings_.faults.end() ? nullptr : &*found;
-}
-
 void UbloxReceiver::follow_line_noise(SimTime now) {
-  const UbloxFault* const noise = fault(UbloxFaultKind::line_noise, now);
-  quality_.set_bit_error_rate(noise == nullptr ? 0.0 : noise->value);
+  const auto* const noise = faults_.first<UartNoiseFault>(now);
+  quality_.set_bit_error_rate(noise == nullptr ? 0.0 : noise->bit_error_rate);
 }
 
 void UbloxReceiver::solve(SimTime now) {
@@ -186,9 +179,9 @@ void UbloxReceiver::solve(SimTime now) {
   pending_head_ = (pending_head_ + 1) % kPending;
   --pending_count_;
   UbloxNavigationFaults faults;
-  faults.frozen = fault(UbloxFaultKind::frozen_fix, latest_.time) != nullptr;
-  if (const auto* leap = fault(UbloxFaultKind::wrong_leap_second, latest_.time)) {
-    faults.leap_error_s = static_cast<std::int32_t>(leap->value);
+  faults.frozen = faults_.first<FrozenFixFault>(latest_.time) != nullptr;
+  if (const auto* leap = faults_.first<WrongLeapSecondFault>(latest_.time)) {
+    faults.leap_error_s = leap->seconds;
   }
   const ubx::CfgRate& rate = configuration_.rate();
   constexpr std::int64_t kMillisecond_ns = 1'000'000;

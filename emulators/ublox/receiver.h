@@ -95,8 +95,6 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   void watch_antenna(SimTime now);
   void follow_line_noise(SimTime now);
   void set_baud(std::uint32_t baud);
-  /// The active fault of that kind; null when there is none.
-  [[nodiscard]] const UbloxFault* fault(UbloxFaultKind kind, SimTime now) const;
 
   // receiver_output.cpp: what it says.
   /// At a navigation epoch all, at a measurement between two of them what is measured.
@@ -136,6 +134,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   [[nodiscard]] bool handle_query(SimTime now, const protocols::nmea::SentenceView& s);
 
   UbloxSettings settings_;
+  FaultBook<UbloxFault> faults_;
   const UbloxProfile& profile_;
   Calendar calendar_;
   UbloxConfiguration configuration_;

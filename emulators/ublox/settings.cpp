@@ -32,27 +32,6 @@ std::string listed(const Range& numbers) {
   throw std::invalid_argument("ublox receiver: " + what);
 }
 
-void check(const UbloxFault& fault) {
-  if (fault.begin < 0s) {
-    reject("faults begin is " + std::to_string(to_seconds(fault.begin)) +
-           " s, allowed is 0 or more");
-  }
-  if (fault.end <= fault.begin) {
-    reject("faults end is " + std::to_string(to_seconds(fault.end)) +
-           " s, allowed is later than begin, " + std::to_string(to_seconds(fault.begin)) + " s");
-  }
-  if (fault.kind == UbloxFaultKind::wrong_leap_second &&
-      (std::abs(fault.value) > 10.0 || fault.value == 0.0 ||
-       std::round(fault.value) != fault.value)) {
-    reject("faults value of wrong_leap_second is " + std::to_string(fault.value) +
-           " s, allowed are whole seconds -10 .. 10 but 0");
-  }
-  if (fault.kind == UbloxFaultKind::line_noise && !(fault.value >= 0.0 && fault.value <= 0.5)) {
-    reject("faults value of line_noise is " + std::to_string(fault.value) +
-           ", allowed are 0 .. 0.5 errors per bit");
-  }
-}
-
 std::size_t bytes_of(const UbloxProfile& profile, const std::vector<std::string>& names,
                      bool sentences, const char* setting) {
   std::size_t sum = 0;
@@ -121,7 +100,7 @@ void validate(const UbloxSettings& settings) {
   fields::check(settings);
   const UbloxProfile& profile = *settings.profile;
   for (const auto& fault : settings.faults) {
-    check(fault);
+    fields::check(fault);
   }
   const std::size_t epoch_bytes =
       bytes_of(profile, settings.nmea_sentences, true, "nmea_sentences") +

@@ -8,25 +8,12 @@
 #include <string_view>
 #include <vector>
 
+#include "emulators/ublox/fault.h"
 #include "emulators/ublox/profile.h"
 #include "fields/rules.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
-
-/// Defects of the device itself; those of its surroundings come with the samples.
-enum class UbloxFaultKind : std::uint8_t {
-  frozen_fix,         ///< Position, velocity and satellites are repeated; time goes on.
-  wrong_leap_second,  ///< `value` seconds too many; whole, -10 .. 10, not 0.
-  line_noise,         ///< Each bit is turned over with probability `value`, both ways; 0 .. 0.5.
-};
-
-struct UbloxFault {
-  UbloxFaultKind kind = UbloxFaultKind::frozen_fix;
-  Duration begin{0};  ///< Since the start of the run.
-  Duration end{0};    ///< Later than begin.
-  double value = 0.0;
-};
 
 struct UbloxSettings {
   const UbloxProfile* profile = &ublox_neo_7p();          ///< The type of receiver.
@@ -51,7 +38,7 @@ struct UbloxSettings {
   /// Keeps time, orbits and the saved configuration while the supply is off.
   bool backup_battery = true;
   std::vector<UbloxFault> faults;
-  std::uint64_t noise_seed = 1;  ///< Of line_noise; the chip's number and its radio follow it, too.
+  std::uint64_t noise_seed = 1;  ///< Of uart_noise; the chip's number and its radio follow it, too.
 };
 
 /// Precondition: the profile is not null; it sets the ranges of `rate` and `baud`.

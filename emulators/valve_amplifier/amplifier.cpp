@@ -215,7 +215,8 @@ void ValveAmplifier::latch(SimTime now, ValveFault fault, std::optional<std::siz
 
 void ValveAmplifier::take_defects(SimTime now) {
   const ValveElectronics& electronics = settings_.electronics;
-  defect_ = defects_.at(now, electronics.supply_voltage_v, electronics.ambient_temperature_c);
+  defect_ =
+      defect_state(defects_, now, electronics.supply_voltage_v, electronics.ambient_temperature_c);
   next_defect_ = defects_.next_change(now);
   refresh_output(now);
 }

@@ -123,7 +123,7 @@ class ValveAmplifier {
   [[nodiscard]] double carried(std::size_t section) const;
 
   const ValveAmplifierSettings settings_;
-  const ValveDefects defects_;
+  ValveDefects defects_;
   ValveAmplifierParameters parameters_;
   std::array<ValveStage, kValveSections> stages_{};
   std::array<ValveCoil, kValveSections> coils_;

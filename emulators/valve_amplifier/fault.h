@@ -4,10 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+#include <optional>
+#include <variant>
 
 #include "fields/rules.h"
-#include "sim/samples/time.h"
+#include "sim/samples/fault_book.h"
 #include "sim/samples/valve_sample.h"
 
 namespace rigwire::emulators {
@@ -26,30 +27,60 @@ enum class ValveFault : std::uint16_t {
 };
 inline constexpr std::size_t kValveFaults = 9;
 
-/// What happens to the amplifier's surroundings.
-enum class ValveDefectKind : std::uint8_t {
-  open_coil,            ///< Of one section: a broken wire.
-  short_circuit,        ///< Of one section's coil.
-  stuck_spool,          ///< Of one section: the spool stays where it is then.
-  sensor_failure,       ///< Of one section: no position.
-  connector_off,        ///< Of one section: neither coil nor sensor.
-  supply_voltage,       ///< `value`, V, in place of the supply's own.
-  ambient_temperature,  ///< `value`, degC, in place of the driver's surroundings.
-};
+/// Defects of one section.
+struct SectionDefect {
+  std::size_t section = 0;  ///< From 0.
 
-/// One of them, from an instant for a while.
+  friend bool operator==(const SectionDefect&, const SectionDefect&) = default;
+};
+void visit(fields::Visitor& v, SectionDefect& p);
+
+struct OpenCoilDefect : SectionDefect {
+  static constexpr fields::Named kNamed{"open_coil", "A wire of a section's coil is broken."};
+};
+struct ShortedCoilDefect : SectionDefect {
+  static constexpr fields::Named kNamed{"short_circuit", "A section's coil is a short circuit."};
+};
+struct StuckSpoolDefect : SectionDefect {
+  static constexpr fields::Named kNamed{"stuck_spool", "A section's spool stays where it is."};
+};
+struct LostSensorDefect : SectionDefect {
+  static constexpr fields::Named kNamed{"sensor_failure", "A section's position is not measured."};
+};
+struct ConnectorOffDefect : SectionDefect {
+  static constexpr fields::Named kNamed{"connector_off",
+                                        "Neither coil nor sensor of a section is connected."};
+};
+/// In place of the supply's own voltage.
+struct SupplyVoltageDefect {
+  static constexpr fields::Named kNamed{"supply_voltage", "The supply's voltage is `value`."};
+
+  double value_v = 0.0;
+};
+/// In place of that of the driver's surroundings.
+struct AmbientTemperatureDefect {
+  static constexpr fields::Named kNamed{"ambient_temperature",
+                                        "The temperature around the driver is `value`."};
+
+  double value_c = 0.0;
+};
+void visit(fields::Visitor& v, SupplyVoltageDefect& p);
+void visit(fields::Visitor& v, AmbientTemperatureDefect& p);
+
+/// What happens to the amplifier and its surroundings, by default to the end of the run.
 struct ValveDefect {
-  ValveDefectKind kind = ValveDefectKind::open_coil;
-  std::size_t section = 0;  ///< From 0; not of supply and surroundings.
-  Duration start{0};        ///< After the start of the run.
-  Duration duration{0};     ///< 0: to the end of the run.
-  double value = 0.0;
-
-  friend bool operator==(const ValveDefect&, const ValveDefect&) = default;
+  FaultPeriod when{.at = Duration{0}, .length = std::nullopt};
+  std::variant<OpenCoilDefect, ShortedCoilDefect, StuckSpoolDefect, LostSensorDefect,
+               ConnectorOffDefect, SupplyVoltageDefect, AmbientTemperatureDefect>
+      what;
 };
-
-/// The unit of `value` is the kind's own, its range also.
 void visit(fields::Visitor& v, ValveDefect& p);
+
+/// Of several that set the same voltage or temperature the last listed holds.
+using ValveDefects = FaultBook<ValveDefect>;
+
+/// The section that a defect is of; nothing for those of the surroundings.
+[[nodiscard]] std::optional<std::size_t> section_of(const ValveDefect& defect);
 
 /// What holds at one instant.
 struct ValveDefectState {
@@ -61,19 +92,8 @@ struct ValveDefectState {
   double ambient_c = 0.0;
 };
 
-/// The defects of a run. Of several that set the same voltage or temperature the last listed holds.
-class ValveDefects {
- public:
-  explicit ValveDefects(std::vector<ValveDefect> defects) : defects_(std::move(defects)) {}
-
-  /// From its start on, up to but without its end. `supply_voltage_v` and `ambient_c`: without
-  /// defects.
-  [[nodiscard]] ValveDefectState at(SimTime now, double supply_voltage_v, double ambient_c) const;
-  /// The next start or end later than `now`.
-  [[nodiscard]] SimTime next_change(SimTime now) const;
-
- private:
-  std::vector<ValveDefect> defects_;
-};
+/// `supply_voltage_v` and `ambient_c`: without defects.
+[[nodiscard]] ValveDefectState defect_state(const ValveDefects& defects, SimTime now,
+                                            double supply_voltage_v, double ambient_c);
 
 }  // namespace rigwire::emulators

@@ -134,8 +134,8 @@ void validate(const ValveAmplifierSettings& settings) {
   check("under_voltage", settings.electronics.under_voltage_v, 0.0,
         settings.electronics.supply_voltage_v, "V");
   for (const ValveDefect& defect : settings.defects) {
-    if (defect.section >= settings.sections.size()) {
-      refuse("faults: section", std::to_string(defect.section + 1),
+    if (const auto section = section_of(defect); section >= settings.sections.size()) {
+      refuse("faults: section", std::to_string(*section + 1),
              "1 .. " + std::to_string(settings.sections.size()));
     }
   }

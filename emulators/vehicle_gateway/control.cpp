@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocols/j1939/identifier.h"
+
 namespace rigwire::emulators {
 
 namespace vehicle = protocols::vehicle;
 using vehicle::ExitReason;
+using vehicle::FailureMode;
 using vehicle::LimitStatus;
 using vehicle::SteeringMode;
 using vehicle::Switch;
@@ -16,14 +19,24 @@ namespace {
 constexpr std::array<VehicleRequest, kVehicleRequests> kRequests{
     VehicleRequest::engine,   VehicleRequest::gearbox, VehicleRequest::brake,
     VehicleRequest::guidance, VehicleRequest::speed,   VehicleRequest::implement};
-constexpr std::size_t kGearFault = kVehicleRequests;
+constexpr std::size_t kGearRefused = kVehicleRequests;
+constexpr std::size_t kEngineRequestInError = kGearRefused + 1;
+
+// The parameters whose absence is reported, in the order of VehicleRequest, then those that were
+// not understood.
+constexpr std::array<TroubleMemory::Kind, kEngineRequestInError + 1> kTroubles{
+    {{695, FailureMode::abnormal_update_rate},
+     {525, FailureMode::abnormal_update_rate},
+     {2920, FailureMode::abnormal_update_rate},
+     {5237, FailureMode::abnormal_update_rate},
+     {4310, FailureMode::abnormal_update_rate},
+     {1874, FailureMode::abnormal_update_rate},
+     {525, FailureMode::received_data_in_error},
+     {695, FailureMode::received_data_in_error}}};
+static_assert(kTroubles.size() <= TroubleMemory::kGreatest);
 
 constexpr SteeringMode first_mode(SteeringLayout layout) {
   return layout == SteeringLayout::front_only ? SteeringMode::front : SteeringMode::counter;
-}
-
-void count(std::uint8_t& occurrences) {
-  occurrences = static_cast<std::uint8_t>(std::min(occurrences + 1, 126));
 }
 
 /// On or off; what is neither leaves `value` alone.
@@ -36,7 +49,7 @@ void set(bool& value, Switch request) {
 }  // namespace
 
 VehicleControl::VehicleControl(const VehicleGatewaySettings& settings)
-    : settings_(settings), mode_(first_mode(settings.steering)) {
+    : settings_(settings), troubles_(kTroubles), mode_(first_mode(settings.steering)) {
   deadline_.fill(kNever);
 }
 
@@ -63,24 +76,31 @@ Duration VehicleControl::timeout(VehicleRequest source) const {
   return timeouts[index(source)];
 }
 
+void VehicleControl::note_engine_request(bool right) {
+  troubles_.set(kEngineRequestInError, !right);
+}
+
+std::uint8_t VehicleControl::requester(VehicleRequest source) const {
+  return in_force(source) ? requester_[index(source)] : protocols::j1939::kGlobalAddress;
+}
+
 bool VehicleControl::in_force(VehicleRequest source) const {
   return deadline_[index(source)] != kNever;
 }
 
 void VehicleControl::renew(SimTime now, VehicleRequest source) {
   deadline_[index(source)] = now + timeout(source);
-  lost_[index(source)] = false;
+  troubles_.set(index(source), false);
 }
 
 void VehicleControl::end(VehicleRequest source) {
   deadline_[index(source)] = kNever;
-  lost_[index(source)] = false;
+  troubles_.set(index(source), false);
 }
 
 void VehicleControl::lose(SimTime now, VehicleRequest source) {
   deadline_[index(source)] = kNever;
-  lost_[index(source)] = true;
-  count(occurrences_[index(source)]);
+  troubles_.set(index(source), true);
   switch (source) {
     case VehicleRequest::engine:
       clear_engine_limit();
@@ -124,11 +144,7 @@ void VehicleControl::clear_engine_limit() {
 
 bool VehicleControl::take(SimTime now, const vehicle::Tsc1& request) {
   const auto mode = static_cast<vehicle::OverrideMode>(request.override_mode);
-  const bool has_speed = std::isfinite(request.speed_radps);
-  const bool has_torque = std::isfinite(request.torque_share);
-  if ((mode == vehicle::OverrideMode::speed && !has_speed) ||
-      (mode == vehicle::OverrideMode::torque && !has_torque) ||
-      (mode == vehicle::OverrideMode::limit && !has_speed && !has_torque)) {
+  if (!is_complete(request)) {
     return false;
   }
   const bool drives = mode == vehicle::OverrideMode::speed || mode == vehicle::OverrideMode::torque;
@@ -148,10 +164,10 @@ bool VehicleControl::take(SimTime now, const vehicle::Tsc1& request) {
       asked_.engine_speed_radps = 0.0;
       break;
     case vehicle::OverrideMode::limit:  // of what the travel speed asks of the engine
-      if (has_speed) {
+      if (std::isfinite(request.speed_radps)) {
         asked_.engine_speed_limit_radps = request.speed_radps;
       }
-      if (has_torque) {
+      if (std::isfinite(request.torque_share)) {
         asked_.engine_torque_limit_share = std::clamp(request.torque_share, 0.0, 1.0);
       }
       asked_.engine_control = EngineControl::torque;
@@ -176,17 +192,14 @@ bool VehicleControl::take(SimTime now, const vehicle::Tc1& request) {
   const bool park = request.requested_gear == vehicle::kGearPark;
   renew(now, VehicleRequest::gearbox);
   if (gear && (*gear < -settings_.gears_reverse || *gear > settings_.gears_forward)) {
-    if (!gear_refused_) {
-      count(occurrences_[kGearFault]);
-    }
-    gear_refused_ = true;
+    troubles_.set(kGearRefused, true);
     compose(now);
     return false;
   }
   if (gear || park) {
     asked_.gear = gear.value_or(0);
     asked_.parking_brake = asked_.parking_brake || park;
-    gear_refused_ = false;
+    troubles_.set(kGearRefused, false);
   }
   const auto lock = [this](Differential differential, Switch disengage) {
     if (disengage == Switch::off || disengage == Switch::on) {
@@ -474,8 +487,7 @@ void VehicleControl::compose(SimTime now) {
   // A gear that is no longer asked for just stays: that alone is no reason to stop. Implements do
   // not drive.
   const bool any_lost = std::ranges::any_of(kRequests, [this](VehicleRequest source) {
-    return source != VehicleRequest::gearbox && source != VehicleRequest::implement &&
-           lost_[index(source)];
+    return source != VehicleRequest::gearbox && source != VehicleRequest::implement && lost(source);
   });
   const bool none_left = std::ranges::none_of(kRequests, [this](VehicleRequest source) {
     return source != VehicleRequest::implement && in_force(source);

@@ -27,10 +27,10 @@
 #include <array>
 #include <cstdint>
 
+#include "emulators/j1939/trouble_memory.h"
 #include "emulators/vehicle_gateway/settings.h"
 #include "protocols/vehicle/brake.h"
 #include "protocols/vehicle/condition.h"
-#include "protocols/vehicle/diagnostics.h"
 #include "protocols/vehicle/engine.h"
 #include "protocols/vehicle/implement.h"
 #include "protocols/vehicle/machine.h"
@@ -84,8 +84,8 @@ class VehicleControl {
   [[nodiscard]] protocols::vehicle::ExitReason guidance_exit() const { return guidance_exit_; }
   [[nodiscard]] protocols::vehicle::LimitStatus guidance_limit() const { return guidance_limit_; }
   [[nodiscard]] protocols::vehicle::ExitReason implement_exit() const {
-    return lost_[index(VehicleRequest::implement)] ? protocols::vehicle::ExitReason::command_timeout
-                                                   : protocols::vehicle::ExitReason::none;
+    return lost(VehicleRequest::implement) ? protocols::vehicle::ExitReason::command_timeout
+                                           : protocols::vehicle::ExitReason::none;
   }
   /// Whether the last request for economy or mode of that shaft was not honoured: there is none.
   [[nodiscard]] bool economy_refused(ImplementEnd end) const {
@@ -98,23 +98,16 @@ class VehicleControl {
   /// As far as gear, brake and set point decide it.
   [[nodiscard]] protocols::vehicle::LimitStatus speed_limit() const { return speed_limit_; }
 
-  static constexpr std::size_t kFaults = kVehicleRequests + 1;
-  /// The active faults: time-outs in the order of VehicleRequest, then a refused gear.
-  struct Faults {
-    std::array<protocols::vehicle::TroubleCode, kFaults> codes{};
-    std::size_t count = 0;
+  /// Time-outs in the order of VehicleRequest, then a refused gear, then a TSC1 in error.
+  [[nodiscard]] TroubleMemory& troubles() { return troubles_; }
+  [[nodiscard]] const TroubleMemory& troubles() const { return troubles_; }
 
-    friend bool operator==(const Faults&, const Faults&) = default;
-  };
-  [[nodiscard]] Faults faults() const;
-  /// Those that were active and are no longer.
-  [[nodiscard]] Faults previous_faults() const;
-  void clear_previous_faults();
-  /// What is wrong stays wrong: the active faults count their occurrences anew from 1.
-  void clear_active_faults();
-
+  /// Whether counter and checksum of the last TSC1 were right.
+  void note_engine_request(bool right);
   /// Says whose request take() took last.
-  void note_requester(VehicleRequest source, std::uint8_t address);
+  void note_requester(VehicleRequest source, std::uint8_t address) {
+    requester_[index(source)] = address;
+  }
   /// Address of the node whose request is in force; 0xFF when none is.
   [[nodiscard]] std::uint8_t requester(VehicleRequest source) const;
 
@@ -128,9 +121,9 @@ class VehicleControl {
   void renew(SimTime now, VehicleRequest source);
   void end(VehicleRequest source);
   void lose(SimTime now, VehicleRequest source);
-  /// Faults in the order of occurrences_: the requests, then the gear.
-  [[nodiscard]] bool is_active(std::size_t fault) const;
-  [[nodiscard]] Faults select(bool active) const;
+  [[nodiscard]] bool lost(VehicleRequest source) const {
+    return troubles_.is_active(index(source));
+  }
   void fail_guidance(SimTime now, protocols::vehicle::ExitReason reason);
   [[nodiscard]] bool allows(protocols::vehicle::SteeringMode mode) const;
   void steer();
@@ -144,10 +137,8 @@ class VehicleControl {
   VehicleCommand command_;
   VehicleCommand asked_;  ///< As if nobody had fallen silent.
   std::array<SimTime, kVehicleRequests> deadline_;
-  std::array<bool, kVehicleRequests> lost_{};
-  std::array<std::uint8_t, kFaults> occurrences_{};
+  TroubleMemory troubles_;
   std::array<std::uint8_t, kVehicleRequests> requester_{};
-  bool gear_refused_ = false;
   bool stopping_ = false;
   SimTime standing_since_ = kNever;
   Guidance guidance_ = Guidance::idle;

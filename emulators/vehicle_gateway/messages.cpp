@@ -11,12 +11,6 @@ using vehicle::layout;
 
 namespace {
 
-/// Appends the layouts of several messages, each in its own group.
-template <class... Messages>
-void append(std::vector<MessageLayout>& list, const vehicle::LayoutEnds& ends) {
-  (list.push_back(layout<Messages>(ends)), ...);
-}
-
 /// With the period of its place in the schedule.
 template <class Message>
 MessageLayout scheduled(const vehicle::LayoutEnds& ends,
@@ -35,18 +29,15 @@ std::vector<MessageLayout> VehicleGateway::messages(std::string_view name) const
   using namespace vehicle;
   std::vector<MessageLayout> list;
   const LayoutEnds sent{name, node_.address(), j1939::kGlobalAddress};
-  append<Etc1, Vdc2, Sas, Hrw, Eec1, Esc1, Eec2, Hpg, GuidanceMachineInfo, MachineSelectedSpeed,
-         WheelBasedSpeed, Ebc2, Ccvs1, Etc2, Ebc1, MachineFunctionState, Eac1, Eflp1, Et1, Dd1,
-         VehicleFluids, Tire1, Tire2, Tpri, Tp1, Tp2, Tp3, Hours, Eec3, Vep1, Lfe1, Lfc1,
-         RearHitchStatus, FrontHitchStatus, RearPowerTakeOffStatus, FrontPowerTakeOffStatus,
-         LanguageCommand>(list, sent);
+  append_layouts<Etc1, Vdc2, Sas, Hrw, Eec1, Esc1, Eec2, Hpg, GuidanceMachineInfo,
+                 MachineSelectedSpeed, WheelBasedSpeed, Ebc2, Ccvs1, Etc2, Ebc1,
+                 MachineFunctionState, Eac1, Eflp1, Et1, Dd1, VehicleFluids, Tire1, Tire2, Tpri,
+                 Tp1, Tp2, Tp3, Hours, Eec3, Vep1, Lfe1, Lfc1, RearHitchStatus, FrontHitchStatus,
+                 RearPowerTakeOffStatus, FrontPowerTakeOffStatus, LanguageCommand>(list, sent);
   if (settings_.has_ground_radar) {
-    append<GroundBasedSpeed>(list, sent);
+    append_layouts<GroundBasedSpeed>(list, sent);
   }
-  constexpr std::chrono::milliseconds kTroublePeriod =
-      VehicleDiagnostics::kPeriodTicks * std::chrono::milliseconds{10};
-  list.push_back(trouble_layout({"DM1", kDm1Pgn, kTroublePriority, kTroublePeriod}, sent));
-  list.push_back(trouble_layout({"DM2", kDm2Pgn, kTroublePriority}, sent));
+  TroubleMemory::append_layouts(list, sent);
   if (settings_.has_position) {
     const auto schedule = VehicleSatellites::schedule();
     list.push_back(scheduled<VehiclePosition>(sent, schedule));
@@ -54,8 +45,8 @@ std::vector<MessageLayout> VehicleGateway::messages(std::string_view name) const
     list.push_back(scheduled<VehiclePosition2>(sent, schedule));
   }
   const LayoutEnds taken{"", j1939::kNullAddress, node_.address()};
-  append<Tsc1, Tc1, Xbr, GuidanceCommand, MachineSelectedSpeedCommand, Tprs, MachineFunctionCommand,
-         HitchPowerTakeOffCommand, MaintainPower>(list, taken);
+  append_layouts<Tsc1, Tc1, Xbr, GuidanceCommand, MachineSelectedSpeedCommand, Tprs,
+                 MachineFunctionCommand, HitchPowerTakeOffCommand, MaintainPower>(list, taken);
   return list;
 }
 

@@ -4,12 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "emulators/vehicle_gateway/report_values.h"
+#include "emulators/j1939/reading.h"
 
 namespace rigwire::emulators {
 
 namespace vehicle = protocols::vehicle;
-using vehicle::kError;
 using vehicle::kNotAvailable;
 using vehicle::Switch;
 using vehicle::to_switch;
@@ -17,7 +16,6 @@ using vehicle::to_switch;
 namespace {
 
 constexpr double kBrakeApplied = 0.005;  // share above which the brake switch is on
-constexpr double kEngineRuns_radps = 300.0 * vehicle::kRevolutionPerMinute_radps;
 
 /// Full turns of the steering wheel as they are counted on the wire: 32 is none.
 std::uint8_t turns(double angle_rad) {
@@ -141,7 +139,7 @@ std::span<const Quantity> VehicleReport::quantities() {
 }
 
 VehicleReport::VehicleReport(const VehicleGatewaySettings& settings)
-    : settings_(settings), power_(settings), engine_s_(to_seconds(settings.engine_hours)) {}
+    : settings_(settings), power_(settings), engine_(settings.engine, settings.engine_hours) {}
 
 void VehicleReport::take(const VehicleSample& sample) {
   if (sample_ && std::isfinite(sample.odometry.speed_mps)) {
@@ -151,12 +149,7 @@ void VehicleReport::take(const VehicleSample& sample) {
     ground_distance_m_ +=
         std::abs(sample.ground_speed_mps) * to_seconds(sample.time - sample_->time);
   }
-  if (sample_ && sample.engine.speed_radps >= kEngineRuns_radps) {
-    const double past_s = to_seconds(sample.time - sample_->time);
-    // Hours and turns by the rectangle rule over the samples.
-    engine_s_ += past_s;
-    engine_turns_ += sample.engine.speed_radps * past_s / (2.0 * std::numbers::pi);
-  }
+  engine_.take(sample.time, sample.engine);
   sample_ = sample;
 }
 
@@ -201,13 +194,16 @@ std::span<const protocols::can::Frame> VehicleReport::frames(SimTime now, std::u
     return {};
   }
   const VehicleSample* sample = fresh(now);
+  if (const auto frame =
+          engine_.frame(pgn, source, sample != nullptr ? &sample->engine : nullptr)) {
+    frames_[frame_count_++] = *frame;
+  }
   put_engine(pgn, source, sample, control);
   put_gearbox(pgn, source, sample, control);
   put_speed(now, pgn, source, sample, control);
   put_steering(pgn, source, sample, control);
   put_tyres(pgn, source, sample, control);
   put_channels(pgn, source, sample);
-  put_condition(pgn, source, sample);
   put_machine(pgn, source, sample);
   put_implements(pgn, source, sample, control);
   return std::span(frames_).first(frame_count_);
@@ -223,24 +219,17 @@ void VehicleReport::put_engine(std::uint32_t pgn, std::uint8_t source, const Veh
   const VehicleCommand& command = control.command();
   const bool travels = command.travel_speed_mps.has_value();
   const bool by_speed = !travels && command.engine_control == EngineControl::speed;
-  // Shares of the reference torque, the engine's own friction included (SPN 513, 544).
-  const auto indicated_share = [&](double torque_nm) {
-    const double reference_nm = settings_.engine.reference_torque_nm;
-    return reference_nm > 0.0 ? reading(torque_nm / reference_nm) : kNotAvailable;
-  };
   if (is<vehicle::Eec1>(pgn)) {
     vehicle::Eec1 message;
     if (sample != nullptr) {
-      const EngineSample& engine = sample->engine;
       message.torque_mode = travels                             ? kCruiseControl
                             : by_speed                          ? kGovernor
                             : command.engine_torque_share > 0.0 ? kRemoteAccelerator
                                                                 : kNoRequest;
-      message.actual_torque_share =
-          indicated_share(std::max(0.0, engine.torque_nm + engine.friction_nm));
+      message.actual_torque_share = engine_.torque_share(sample->engine);
       message.demand_torque_share =
           by_speed || travels ? kNotAvailable : command.engine_torque_share;
-      message.speed_radps = magnitude(engine.speed_radps);
+      message.speed_radps = magnitude(sample->engine.speed_radps);
       // The idle governor asks, too.
       message.engine_demand_torque_share =
           by_speed || travels ? message.actual_torque_share
@@ -253,19 +242,7 @@ void VehicleReport::put_engine(std::uint32_t pgn, std::uint8_t source, const Veh
     vehicle::Eec2 message;
     if (sample != nullptr) {
       message.pedal_share = by_speed ? kNotAvailable : travels ? 0.0 : command.engine_torque_share;
-      // Of the greatest indicated torque at this speed (SPN 92).
-      const EngineSample& engine = sample->engine;
-      const double most_nm = engine.full_load_nm + engine.friction_nm;
-      message.load_share =
-          most_nm > 0.0 ? reading(std::max(0.0, engine.torque_nm + engine.friction_nm) / most_nm)
-                        : kNotAvailable;
-    }
-    put(message, source);
-  } else if (is<vehicle::Eec3>(pgn)) {
-    vehicle::Eec3 message;
-    if (sample != nullptr) {
-      message.friction_torque_share = indicated_share(sample->engine.friction_nm);
-      message.desired_speed_radps = sample->engine.desired_radps;
+      message.load_share = EngineReport::load_share(sample->engine);
     }
     put(message, source);
   }
@@ -447,6 +424,8 @@ void VehicleReport::put_machine(std::uint32_t pgn, std::uint8_t source,
   if (is<vehicle::Hpg>(pgn)) {
     put(vehicle::Hpg{sample != nullptr ? reading(sample->hydraulic_pressure_pa) : kNotAvailable},
         source);
+  } else if (is<vehicle::VehicleFluids>(pgn)) {
+    put(vehicle::VehicleFluids{}, source);
   } else if (is<vehicle::MachineFunctionState>(pgn)) {
     vehicle::MachineFunctionState message;
     if (sample != nullptr) {

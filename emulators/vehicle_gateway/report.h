@@ -13,6 +13,7 @@
 #include <span>
 
 #include "emulators/device.h"
+#include "emulators/j1939/engine_report.h"
 #include "emulators/vehicle_gateway/control.h"
 #include "emulators/vehicle_gateway/tractor_power.h"
 #include "protocols/can/frame.h"
@@ -39,6 +40,7 @@ class VehicleReport {
 
   explicit VehicleReport(const VehicleGatewaySettings& settings);
 
+  [[nodiscard]] EngineReport& engine() { return engine_; }
   /// Key and supply, which the wheel-based speed reports.
   [[nodiscard]] TractorPower& power() { return power_; }
   [[nodiscard]] const TractorPower& power() const { return power_; }
@@ -80,7 +82,6 @@ class VehicleReport {
   void put_tyres(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
                  const VehicleControl& control);
   void put_channels(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample);
-  void put_condition(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample);
   void put_machine(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample);
   void put_implements(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
                       const VehicleControl& control);
@@ -90,8 +91,7 @@ class VehicleReport {
   std::optional<VehicleSample> sample_;
   double distance_m_ = 0.0;
   double ground_distance_m_ = 0.0;
-  double engine_s_;
-  double engine_turns_ = 0.0;
+  EngineReport engine_;
   std::uint8_t sensor_counter_ = 0;  ///< Of SAS; 4 bits.
   std::array<protocols::can::Frame, kGreatestFrames> frames_{};
   std::size_t frame_count_ = 0;

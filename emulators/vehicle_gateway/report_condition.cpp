@@ -1,6 +1,6 @@
-// Tyres, the channels of their inflation, how the machine is doing, and its implements.
+// Tyres, the channels of their inflation, and implements.
+#include "emulators/j1939/reading.h"
 #include "emulators/vehicle_gateway/report.h"
-#include "emulators/vehicle_gateway/report_values.h"
 
 namespace rigwire::emulators {
 
@@ -87,51 +87,6 @@ void VehicleReport::put_channels(std::uint32_t pgn, std::uint8_t source,
       message.drive_pa = mean(sample->tyre_pressure_pa, rear_axle);
     }
     put(message, source);
-  }
-}
-
-void VehicleReport::put_condition(std::uint32_t pgn, std::uint8_t source,
-                                  const VehicleSample* sample) {
-  if (is<vehicle::Eflp1>(pgn)) {
-    vehicle::Eflp1 message;
-    if (sample != nullptr) {
-      const EngineSample& engine = sample->engine;
-      message.fuel_pressure_pa = engine.fuel_pressure_pa;
-      message.oil_level_share = engine.oil_level_share;
-      message.oil_pressure_pa = engine.oil_pressure_pa;
-      message.coolant_level_share = engine.coolant_level_share;
-    }
-    put(message, source);
-  } else if (is<vehicle::Et1>(pgn)) {
-    vehicle::Et1 message;
-    if (sample != nullptr) {
-      message.coolant_c = sample->engine.coolant_c;
-      message.oil_c = sample->engine.oil_c;
-    }
-    put(message, source);
-  } else if (is<vehicle::Dd1>(pgn)) {
-    vehicle::Dd1 message;
-    if (sample != nullptr) {
-      message.fuel_level_share = sample->engine.fuel_level_share;
-    }
-    put(message, source);
-  } else if (is<vehicle::Vep1>(pgn)) {
-    vehicle::Vep1 message;
-    if (sample != nullptr) {
-      const EngineSample& engine = sample->engine;
-      message = {engine.battery_a, engine.alternator_a, engine.battery_v, engine.battery_v,
-                 engine.battery_v};
-    }
-    put(message, source);
-  } else if (is<vehicle::Lfe1>(pgn)) {
-    put(vehicle::Lfe1{sample != nullptr ? sample->engine.fuel_rate_m3ps : kNotAvailable}, source);
-  } else if (is<vehicle::Lfc1>(pgn)) {
-    const double used_m3 = sample != nullptr ? sample->engine.fuel_used_m3 : kNotAvailable;
-    put(vehicle::Lfc1{used_m3, used_m3}, source);
-  } else if (is<vehicle::VehicleFluids>(pgn)) {
-    put(vehicle::VehicleFluids{}, source);
-  } else if (is<vehicle::Hours>(pgn)) {
-    put(vehicle::Hours{engine_s_, engine_turns_}, source);
   }
 }
 

@@ -25,10 +25,6 @@ constexpr std::array<fields::Choice<DisplayUnits>, 3> kDisplayUnits{
      {DisplayUnits::imperial, "imperial", "Imperial units."},
      {DisplayUnits::us, "us", "Units of the United States."}}};
 
-bool is_vin_character(char c) {
-  return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z' && c != 'I' && c != 'O' && c != 'Q');
-}
-
 /// Two letters from `first` on: 'a' or 'A'.
 void visit_letters(fields::Visitor& v, std::string_view key, std::string& value, char first,
                    std::string_view text) {
@@ -38,17 +34,6 @@ void visit_letters(fields::Visitor& v, std::string_view key, std::string& value,
                    });
   v.check(two, key, "is no code", "\"" + value + "\"",
           first == 'a' ? "two small letters" : "two capitals");
-}
-
-/// A text of the answers that name the device.
-void visit_readable(fields::Visitor& v, std::string_view key, std::string& value,
-                    std::string_view text) {
-  constexpr std::size_t kGreatest = 32;
-  v.text(key, value, text);
-  const bool plain =
-      std::ranges::all_of(value, [](char c) { return c >= ' ' && c <= '~' && c != '*'; });
-  v.check(plain && value.size() <= kGreatest, key, "cannot be sent", "\"" + value + "\"",
-          "up to 32 printable ASCII characters without *");
 }
 
 }  // namespace
@@ -79,17 +64,7 @@ void visit(fields::Visitor& v, VehicleGatewaySettings& p) {
              "From power-on to the first reading; not available until then.");
   v.duration("processing_delay", p.processing_delay, {0, 5'000'000},
              "Time from an event to its frame.");
-  visit_readable(v, "make", p.make, "Make, in the answer to component identification.");
-  visit_readable(v, "model", p.model, "Model, in the answer to component identification.");
-  visit_readable(v, "unit_number", p.unit_number,
-                 "Unit number, in the answer to component identification.");
-  visit_readable(v, "software", p.software, "Answer to requests for software identification.");
-  v.text("vehicle_identification_number", p.vehicle_identification_number,
-         "Answer to requests for the machine's identification (VIN); empty = none.");
-  const std::string& vin = p.vehicle_identification_number;
-  v.check(vin.empty() || (vin.size() == 17 && std::ranges::all_of(vin, is_vin_character)),
-          "vehicle_identification_number", "is no VIN", "\"" + vin + "\"",
-          "17 digits and capitals without I, O and Q (ISO 3779), or nothing");
+  visit(v, p.identification);
   visit_letters(v, "language", p.language, 'a', "Language that displays shall use, ISO 639.");
   visit_letters(v, "country", p.country, 'A', "Country whose habits displays shall use, ISO 3166.");
   v.choice("units", p.units, kDisplayUnits, "Units that displays shall use.");

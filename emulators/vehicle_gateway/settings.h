@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "emulators/j1939/identification.h"
 #include "emulators/j1939/name_settings.h"
 #include "fields/rules.h"
 #include "sim/samples/engine_sample.h"
@@ -46,13 +47,9 @@ struct VehicleGatewaySettings {
   Duration sensor_start_up = std::chrono::milliseconds{200};   ///< From there to the first sample.
   Duration processing_delay = std::chrono::microseconds{500};  ///< From an event to the frame; 0
                                                                ///< .. 5 ms.
-  // What it says of itself when it is asked: printable ASCII without "*", up to 32 characters each.
-  std::string make = "Rigwire";
-  std::string model = "vehicle gateway";
-  std::string unit_number;
-  std::string software = "1.0";
-  /// Of the whole machine: 17 letters (no I, O, Q) and digits; empty: none. Nobody's.
-  std::string vehicle_identification_number = "RGWRE0SM000000001";
+  IdentificationSettings identification{.model = "vehicle gateway",
+                                        .type = "tractor ECU",
+                                        .vehicle_identification_number = "RGWRE0SM000000001"};
   // What it tells displays until one tells it otherwise.
   std::string language = "en";  ///< ISO 639.
   std::string country = "DE";   ///< ISO 3166.

@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <string>
 #include <type_traits>
 
-#include "protocols/iso11783/functionalities.h"
 #include "protocols/j1939/message.h"
 #include "protocols/j1939/name.h"
-#include "protocols/vehicle/engine_configuration.h"
 
 namespace rigwire::emulators {
 
@@ -99,8 +96,7 @@ std::span<const Quantity> VehicleGateway::quantities() const {
 }
 
 double VehicleGateway::nominal_rate_hz() const {
-  double rate_hz = to_seconds(std::chrono::seconds{1}) /
-                   to_seconds(VehicleDiagnostics::kPeriodTicks * kTick);  // trouble codes
+  double rate_hz = TroubleMemory::kRate_hz;
   const auto add = [&](std::span<const VehicleReport::Entry> schedule) {
     for (const VehicleReport::Entry& entry : schedule) {
       if (entry.group.period.count() != 0 && report_.sends(entry)) {
@@ -196,59 +192,13 @@ void VehicleGateway::tick(SimTime now) {
     if (settings_.has_position) {
       send_due(now, VehicleSatellites::schedule());
     }
-    if (diagnostics_.is_due(ticks_, control_) &&
-        send_long(now, vehicle::kDm1Pgn, j1939::kGlobalAddress,
-                  VehicleDiagnostics::active(control_).payload()) != J1939Answer::sent) {
-      diagnostics_.postpone();
-    }
-    // The engine's configuration goes out when nothing else of that length is on its way.
-    constexpr auto kConfigurationTicks =
-        static_cast<std::uint64_t>(vehicle::kEngineConfigurationPeriod / kTick);
-    constexpr std::uint64_t kConfigurationPhase = 70;
-    configuration_due_ = configuration_due_ || ticks_ % kConfigurationTicks == kConfigurationPhase;
-    if (configuration_due_ &&
-        send_engine_configuration(now, j1939::kGlobalAddress) != J1939Answer::busy) {
-      configuration_due_ = false;
-    }
+    control_.troubles().send_due(node_, now, ticks_, control_.stopping());
+    report_.engine().send_due(node_, now, ticks_);
   }
   ++ticks_;
 }
 
-J1939Answer VehicleGateway::send_long(SimTime now, std::uint32_t pgn, std::uint8_t destination,
-                                      std::span<const std::uint8_t> payload) {
-  const bool sent = node_.send(now, {vehicle::kTroublePriority, pgn, destination, 0}, payload);
-  return sent ? J1939Answer::sent : J1939Answer::busy;
-}
-
-J1939Answer VehicleGateway::send_engine_configuration(SimTime now, std::uint8_t destination) {
-  const EngineData& engine = settings_.engine;
-  const double reference_nm = engine.reference_torque_nm;
-  if (reference_nm <= 0.0) {
-    return J1939Answer::unknown;
-  }
-  vehicle::EngineConfiguration configuration;
-  // Idle, the end of full load, then the points between them.
-  constexpr std::array<std::size_t, EngineData::kPoints> kOrder{0, EngineData::kPoints - 1, 1, 2,
-                                                                3};
-  static_assert(EngineData::kPoints == vehicle::EngineConfiguration::kPoints);
-  for (std::size_t i = 0; i < kOrder.size(); ++i) {
-    const EnginePoint& point = engine.full_load[kOrder[i]];
-    configuration.speed_radps[i] = point.speed_radps;
-    configuration.torque_share[i] = (point.torque_nm + point.friction_nm) / reference_nm;
-  }
-  configuration.high_idle_radps = engine.high_idle_radps;
-  configuration.governor_gain_prad = engine.governor_nmsprad / reference_nm;
-  configuration.reference_torque_nm = reference_nm;
-  configuration.least_speed_radps = engine.full_load.front().speed_radps;
-  configuration.greatest_speed_radps = engine.full_load.back().speed_radps;
-  configuration.least_torque_share = 0.0;
-  configuration.greatest_torque_share = 1.0;
-  configuration.inertia_kgm2 = engine.inertia_kgm2;
-  return send_long(now, vehicle::kEngineConfigurationPgn, destination,
-                   vehicle::encode_engine_configuration(configuration));
-}
-
-std::vector<std::uint8_t> VehicleGateway::functionalities() const {
+iso::SupportedFunctionality VehicleGateway::tractor() const {
   constexpr auto kFront = static_cast<std::size_t>(ImplementEnd::front);
   constexpr auto kRear = static_cast<std::size_t>(ImplementEnd::rear);
   // Class 1 needs hitch and power take-off at the rear; guidance is always there.
@@ -259,61 +209,36 @@ std::vector<std::uint8_t> VehicleGateway::functionalities() const {
   add(settings_.has_hitch[kRear] && settings_.has_power_take_off[kRear], iso::kTractorClass1);
   add(settings_.has_position, iso::kTractorNavigation);
   add(settings_.has_hitch[kFront], iso::kTractorFrontHitch);
-  const std::array<iso::SupportedFunctionality, 2> supported{
-      {{}, {iso::Functionality::basic_tractor_ecu_server, 1, {options}}}};
-  return iso::make_functionalities(supported);
+  return {iso::Functionality::basic_tractor_ecu_server, 1, {options}};
 }
 
 J1939Answer VehicleGateway::answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) {
-  const auto clear = [&](void (VehicleControl::*forget)()) {
-    (control_.*forget)();
-    if (destination != j1939::kGlobalAddress) {  // to everybody: cleared without a word
-      node_.acknowledge(now, j1939::Acknowledge::positive, destination, pgn);
-    }
-    return J1939Answer::sent;
-  };
-  const auto serial = std::to_string(settings_.serial);
+  if (const auto answered =
+          control_.troubles().answer(node_, now, pgn, destination, control_.stopping())) {
+    return *answered;
+  }
   switch (pgn) {
-    case vehicle::kDm1Pgn:
-      return send_long(now, pgn, destination, VehicleDiagnostics::active(control_).payload());
-    case vehicle::kDm2Pgn:
-      return send_long(now, pgn, destination, VehicleDiagnostics::previous(control_).payload());
-    case vehicle::kDm3Pgn:
-      return clear(&VehicleControl::clear_previous_faults);
-    case vehicle::kDm11Pgn:
-      return clear(&VehicleControl::clear_active_faults);
-    case vehicle::kSoftwareIdentificationPgn:
-      return send_text(now, pgn, destination,
-                       vehicle::make_software_identification({settings_.software}));
-    case vehicle::kComponentIdentificationPgn:
-      return send_text(now, pgn, destination,
-                       vehicle::make_identification(
-                           {settings_.make, settings_.model, serial, settings_.unit_number}));
-    case vehicle::kEcuIdentificationPgn:
-      return send_text(
-          now, pgn, destination,
-          vehicle::make_identification({"", serial, "", settings_.model, settings_.make, "", ""}));
-    case vehicle::kVehicleIdentificationPgn: {
-      const std::string& vin = settings_.vehicle_identification_number;
-      return vin.empty() ? J1939Answer::unknown
-                         : send_text(now, pgn, destination, vehicle::make_identification({vin}));
-    }
-    case iso::kFunctionalitiesPgn:
-      return send_long(now, pgn, destination, functionalities());
     case vehicle::kEngineConfigurationPgn:
-      return send_engine_configuration(now, destination);
+      return report_.engine().send_configuration(node_, now, destination);
     case vehicle::LanguageCommand::kGroup.pgn:
       node_.send(now, vehicle::encode(language_, node_.address()));
       return J1939Answer::sent;
     default:
-      return send_group(now, pgn) ? J1939Answer::sent : J1939Answer::unknown;
+      break;
   }
+  const std::array functionalities{iso::SupportedFunctionality{}, tractor()};
+  if (const auto answered =
+          answer_identification(node_, now, pgn, destination, settings_.identification,
+                                settings_.serial, functionalities)) {
+    return *answered;
+  }
+  return send_group(now, pgn) ? J1939Answer::sent : J1939Answer::unknown;
 }
 
 J1939Reception VehicleGateway::take(SimTime now, const J1939Message& message) {
   switch (message.identifier.pgn) {
     case vehicle::Tsc1::kGroup.pgn:
-      return take_command<vehicle::Tsc1>(now, message, VehicleRequest::engine);
+      return take_engine_request(now, message);
     case vehicle::Tc1::kGroup.pgn:
       return take_command<vehicle::Tc1>(now, message, VehicleRequest::gearbox);
     case vehicle::Xbr::kGroup.pgn:
@@ -343,6 +268,18 @@ J1939Reception VehicleGateway::take(SimTime now, const J1939Message& message) {
     default:
       return J1939Reception::ignored;
   }
+}
+
+J1939Reception VehicleGateway::take_engine_request(SimTime now, const J1939Message& message) {
+  const auto request = decoded<vehicle::Tsc1>(message);
+  if (!request.ok()) {
+    return J1939Reception::malformed;
+  }
+  const Frame frame = j1939::make_frame(message.identifier, message.payload);
+  const bool right = check_.passes(frame, *request, message.identifier.source);
+  control_.note_engine_request(right);
+  return right ? take_command<vehicle::Tsc1>(now, message, VehicleRequest::engine)
+               : J1939Reception::ignored;
 }
 
 template <class Message>

@@ -19,12 +19,12 @@
 #include "emulators/backends.h"
 #include "emulators/device.h"
 #include "emulators/j1939/j1939_node.h"
+#include "emulators/j1939/torque_speed_check.h"
 #include "emulators/vehicle_gateway/control.h"
-#include "emulators/vehicle_gateway/diagnostics.h"
 #include "emulators/vehicle_gateway/position.h"
 #include "emulators/vehicle_gateway/report.h"
 #include "emulators/vehicle_gateway/settings.h"
-#include "protocols/vehicle/identification.h"
+#include "protocols/iso11783/functionalities.h"
 #include "protocols/vehicle/implement.h"
 
 namespace rigwire::emulators {
@@ -69,18 +69,13 @@ class VehicleGateway final : public CanDevice, public VehicleBackend, J1939Appli
 
   /// False when the group is none that is sent in frames.
   bool send_group(SimTime now, std::uint32_t pgn);
-  J1939Answer send_long(SimTime now, std::uint32_t pgn, std::uint8_t destination,
-                        std::span<const std::uint8_t> payload);
   void send_due(SimTime now, std::span<const VehicleReport::Entry> schedule);
   void tick(SimTime now);
   [[nodiscard]] SimTime next_power_change() const;
   void change_power(SimTime now);
-  [[nodiscard]] J1939Answer send_text(SimTime now, std::uint32_t pgn, std::uint8_t destination,
-                                      const protocols::vehicle::Identification& text) {
-    return send_long(now, pgn, destination, text.payload());
-  }
-  [[nodiscard]] std::vector<std::uint8_t> functionalities() const;
-  [[nodiscard]] J1939Answer send_engine_configuration(SimTime now, std::uint8_t destination);
+  /// What of ISO 11783-12's functionalities it has.
+  [[nodiscard]] protocols::iso11783::SupportedFunctionality tractor() const;
+  J1939Reception take_engine_request(SimTime now, const J1939Message& message);
   /// Decodes and takes; a request that cannot be honoured is refused to its sender where `refuse`
   /// says so.
   template <class Message>
@@ -94,9 +89,8 @@ class VehicleGateway final : public CanDevice, public VehicleBackend, J1939Appli
   VehicleControl control_;
   VehicleReport report_;
   VehicleSatellites satellites_;
-  VehicleDiagnostics diagnostics_;
+  TorqueSpeedCheck check_{false};
   protocols::vehicle::LanguageCommand language_;
-  bool configuration_due_ = false;
   bool key_off_ = false;
   bool unsupplied_ = false;
   std::uint64_t ticks_ = 0;

@@ -18,7 +18,7 @@ class FaultyCable final : public ByteOutput {
   enum class Swapping : std::uint8_t { never, as_the_faults_say };
 
   /// Keeps references to the faults and the output. The same seed makes the same choices.
-  FaultyCable(ByteOutput& output, std::span<const VelodyneFault> faults, std::uint64_t seed,
+  FaultyCable(ByteOutput& output, const VelodyneFaults& faults, std::uint64_t seed,
               Swapping swapping);
 
   /// Precondition: at most one data packet of bytes.
@@ -29,10 +29,12 @@ class FaultyCable final : public ByteOutput {
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
 
  private:
-  [[nodiscard]] bool happens(VelodyneFaultKind kind, SimTime now);
+  /// Draws where a `Fault` holds.
+  template <class Fault>
+  [[nodiscard]] bool happens(SimTime now);
 
   ByteOutput& output_;
-  std::span<const VelodyneFault> faults_;
+  const VelodyneFaults& faults_;
   RandomBits random_;
   Swapping swapping_;
   std::array<std::uint8_t, protocols::velodyne::kDataPacketSize> held_{};

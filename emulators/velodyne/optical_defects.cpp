@@ -16,10 +16,10 @@ void remove(LidarFiring& bank, std::size_t i) {
   bank.second[i] = {};
 }
 
-void kill_lasers(const VelodyneFault& fault, std::size_t lasers, LidarFiring& bank) {
+void kill_lasers(const DeadLaserFault& fault, std::size_t lasers, LidarFiring& bank) {
   for (std::size_t i = 0; i < lasers; ++i) {
     const auto laser = static_cast<int>(bank.first_laser + i);
-    if (laser >= fault.first_laser && laser <= fault.last_laser) {
+    if (laser >= fault.first && laser <= fault.last) {
       remove(bank, i);
     }
   }
@@ -39,17 +39,17 @@ void dim(LidarReturn& echo, double transmission, double reference_range_m) {
   echo.reflectivity = static_cast<float>(reported);
 }
 
-void dim_sector(const VelodyneFault& fault, const LidarPattern& pattern, double reference_range_m,
-                std::size_t lasers, LidarFiring& bank) {
+void dim_sector(const DirtyWindowFault& fault, const LidarPattern& pattern,
+                double reference_range_m, std::size_t lasers, LidarFiring& bank) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
-  const double width_deg = std::fmod(fault.sector_end_deg - fault.sector_start_deg + 720.0, 360.0);
+  const double width_deg = std::fmod(fault.to_deg - fault.from_deg + 720.0, 360.0);
   const bool all_round = width_deg == 0.0;
   for (std::size_t i = 0; i < lasers; ++i) {
     const LaserGeometry& laser = pattern.lasers[bank.first_laser + i];
     const double azimuth_rad = bank.rotor_azimuth_rad + laser.azimuth_offset_rad +
                                bank.rotor_rate_radps * to_seconds(laser.time_offset);
     const double after_start_deg =
-        std::fmod(azimuth_rad * kDegrees - fault.sector_start_deg + 1080.0, 360.0);
+        std::fmod(azimuth_rad * kDegrees - fault.from_deg + 1080.0, 360.0);
     if (all_round || after_start_deg < width_deg) {
       dim(bank.strongest[i], fault.transmission, reference_range_m);
       dim(bank.last[i], fault.transmission, reference_range_m);
@@ -60,19 +60,16 @@ void dim_sector(const VelodyneFault& fault, const LidarPattern& pattern, double 
 
 }  // namespace
 
-void apply_optical_defects(std::span<const VelodyneFault> faults, const LidarPattern& pattern,
+void apply_optical_defects(const VelodyneFaults& faults, const LidarPattern& pattern,
                            double reference_range_m, LidarFiring& bank) {
   const std::size_t lasers = std::min(kBankLasers, pattern.lasers.size() - bank.first_laser);
-  for (const VelodyneFault& fault : faults) {
-    if (!fault.holds(bank.time)) {
-      continue;
+  faults.each(bank.time, [&](const VelodyneFault& fault) {
+    if (const auto* dead = std::get_if<DeadLaserFault>(&fault.what)) {
+      kill_lasers(*dead, lasers, bank);
+    } else if (const auto* dirt = std::get_if<DirtyWindowFault>(&fault.what)) {
+      dim_sector(*dirt, pattern, reference_range_m, lasers, bank);
     }
-    if (fault.kind == VelodyneFaultKind::dead_laser) {
-      kill_lasers(fault, lasers, bank);
-    } else if (fault.kind == VelodyneFaultKind::dirty_window) {
-      dim_sector(fault, pattern, reference_range_m, lasers, bank);
-    }
-  }
+  });
 }
 
 }  // namespace rigwire::emulators

@@ -11,15 +11,13 @@
 // retro-reflector only the part above 1 is scaled.
 #pragma once
 
-#include <span>
-
 #include "emulators/velodyne/velodyne_fault.h"
 #include "sim/samples/lidar_sample.h"
 
 namespace rigwire::emulators {
 
 /// Applies what of the faults holds at the bank's time. `reference_range_m` is R.
-void apply_optical_defects(std::span<const VelodyneFault> faults, const LidarPattern& pattern,
+void apply_optical_defects(const VelodyneFaults& faults, const LidarPattern& pattern,
                            double reference_range_m, LidarFiring& bank);
 
 }  // namespace rigwire::emulators

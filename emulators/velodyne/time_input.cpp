@@ -29,8 +29,10 @@ bool is_finite(const GnssSample& sample) {
 
 }  // namespace
 
-TimeInput::TimeInput(const VelodyneSettings& settings, const Calendar& calendar)
+TimeInput::TimeInput(const VelodyneSettings& settings, const VelodyneFaults& faults,
+                     const Calendar& calendar)
     : settings_(settings),
+      faults_(faults),
       calendar_(calendar),
       sentence_complete_after_(settings.pulse_length + settings.sentence_delay + kTransmission) {}
 
@@ -102,7 +104,7 @@ bool TimeInput::receiver_speaks(SimTime now) const {
 }
 
 bool TimeInput::pulse_arrives(SimTime now) const {
-  if (find_fault(settings_.faults, VelodyneFaultKind::pulse_loss, now) != nullptr) {
+  if (faults_.first<PulseLossFault>(now) != nullptr) {
     return false;
   }
   switch (settings_.time_source) {
@@ -118,7 +120,7 @@ bool TimeInput::pulse_arrives(SimTime now) const {
 }
 
 bool TimeInput::sentence_arrives(SimTime now) const {
-  if (find_fault(settings_.faults, VelodyneFaultKind::sentence_loss, now) != nullptr) {
+  if (faults_.first<SentenceLossFault>(now) != nullptr) {
     return false;
   }
   return settings_.time_source == VelodyneTimeSource::ideal ||
@@ -128,7 +130,7 @@ bool TimeInput::sentence_arrives(SimTime now) const {
 void TimeInput::handle_pulse(SimTime pulse, SensorClock& clock) {
   const PulseState before = state(pulse);
   last_pulse_ = pulse;
-  if (find_fault(settings_.faults, VelodyneFaultKind::pulse_noise, pulse) != nullptr) {
+  if (faults_.first<PulseNoiseFault>(pulse) != nullptr) {
     state_ = PulseState::error;
     return;
   }

@@ -32,8 +32,9 @@ namespace rigwire::emulators {
 
 class TimeInput {
  public:
-  /// Keeps references; both must outlive it. The settings are valid.
-  TimeInput(const VelodyneSettings& settings, const Calendar& calendar);
+  /// Keeps references; all must outlive it. The settings are valid.
+  TimeInput(const VelodyneSettings& settings, const VelodyneFaults& faults,
+            const Calendar& calendar);
 
   /// Forgets everything; sets the clock: to zero, or to true time with an ideal source.
   void power_up(SimTime now, SensorClock& clock);
@@ -78,6 +79,7 @@ class TimeInput {
   void write_sentence(SimTime of_pulse);
 
   const VelodyneSettings& settings_;
+  const VelodyneFaults& faults_;
   const Calendar& calendar_;
   Duration sentence_complete_after_;
   SimTime next_second_{};

@@ -1,25 +1,63 @@
 #include "emulators/velodyne/velodyne_fault.h"
 
-#include <algorithm>
-#include <array>
-#include <cstddef>
-
 namespace rigwire::emulators {
 
-std::string_view name(VelodyneFaultKind kind) {
-  static constexpr std::array<std::string_view, 12> kNames{
-      "lost_packets",  "swapped_packets", "duplicated_packets", "dead_laser",
-      "dirty_window",  "motor_stall",     "pulse_loss",         "pulse_noise",
-      "sentence_loss", "clock_offset",    "hour_overrun",       "factory_bytes"};
-  return kNames[static_cast<std::size_t>(kind)];
+using fields::in;
+using fields::IntegerRule;
+
+namespace {
+
+void visit_probability(fields::Visitor& v, double& probability) {
+  v.number("probability", probability, in("%").above(0).at_most(100),
+           "Probability with which it happens to each packet.");
 }
 
-const VelodyneFault* find_fault(std::span<const VelodyneFault> faults, VelodyneFaultKind kind,
-                                SimTime instant) {
-  const auto found = std::ranges::find_if(faults, [&](const VelodyneFault& fault) {
-    return fault.kind == kind && fault.holds(instant);
-  });
-  return found == faults.end() ? nullptr : &*found;
+}  // namespace
+
+void visit(fields::Visitor& v, LostPacketsFault& p) {
+  visit_probability(v, p.probability);
+}
+
+void visit(fields::Visitor& v, SwappedPacketsFault& p) {
+  visit_probability(v, p.probability);
+}
+
+void visit(fields::Visitor& v, DuplicatedPacketsFault& p) {
+  visit_probability(v, p.probability);
+}
+
+void visit(fields::Visitor& v, DeadLaserFault& p) {
+  v.integer("first", p.first, IntegerRule{0, 127},
+            "First laser that sees nothing, by the model's numbers, which count from 0.");
+  v.integer("last", p.last, IntegerRule{0, 127}, "Last laser that sees nothing, included.");
+}
+
+void visit(fields::Visitor& v, DirtyWindowFault& p) {
+  v.number("from", p.from_deg, in("deg").stored_as("deg").between(0, 360),
+           "Azimuth at which the dirt begins, clockwise.");
+  v.number("to", p.to_deg, in("deg").stored_as("deg").between(0, 360),
+           "Azimuth at which the dirt ends; may lie beyond 0.");
+  v.number("transmission", p.transmission, in("%").between(0, 100),
+           "Share of the light that passes the dirt, one way.");
+}
+
+void visit(fields::Visitor& v, ClockOffsetFault& p) {
+  v.number("offset", p.offset_s, in("s").between(-3600, 3600),
+           "How far the timestamps are off; not 0.");
+}
+
+void visit(fields::Visitor& v, HourOverrunFault& p) {
+  v.number("overrun", p.overrun_s, in("s").above(0).at_most(1),
+           "How far the timestamp passes the hour.");
+}
+
+void visit(fields::Visitor& v, FactoryBytesFault& p) {
+  v.integer("return_mode", p.return_mode, IntegerRule{0, 255}, "Byte in place of the return mode.");
+  v.integer("product", p.product, IntegerRule{0, 255}, "Byte in place of the product's number.");
+}
+
+void visit(fields::Visitor& v, VelodyneFault& p) {
+  visit_fault(v, p);
 }
 
 }  // namespace rigwire::emulators

@@ -1,57 +1,106 @@
-// Defects of the sensor itself, of its window, of its time input and of the cable behind it; each
-// one holds for a stretch of the run. What the air does to the beams is the weather's
-// (sim/weather/weather.h).
+// Defects of the sensor itself, of its window, of its time input and of the cable behind it. What
+// the air does to the beams is the weather's (sim/weather/weather.h).
+//
+//   faults:
+//     - {type: lost_packets, at: 10 s, for: 5 s, probability: 1 %}
+//     - {type: dirty_window, at: 20 s, for: 60 s, from: 40 deg, to: 60 deg, transmission: 20 %}
+//
+// Where several of a type hold at once, the first counts; of dead lasers and dirt all.
 #pragma once
 
 #include <cstdint>
-#include <span>
-#include <string_view>
+#include <variant>
 
-#include "sim/samples/time.h"
+#include "fields/rules.h"
+#include "fields/visitor.h"
+#include "sim/samples/fault_book.h"
 
 namespace rigwire::emulators {
 
-enum class VelodyneFaultKind : std::uint8_t {
-  lost_packets,        ///< Each packet of either port is lost with `probability`.
-  swapped_packets,     ///< A data packet changes places with the next one with `probability`.
-  duplicated_packets,  ///< Each packet of either port is sent twice with `probability`.
-  dead_laser,          ///< Lasers `first_laser` .. `last_laser` see nothing.
-  /// Dirt on the window between two azimuths: light passes it with `transmission`, out and back.
-  dirty_window,
-  motor_stall,    ///< The rotor runs down; the setting stands.
-  pulse_loss,     ///< No pulse per second arrives; sentences do.
-  pulse_noise,    ///< Pulses at wrong times between the right ones: the input reports an error.
-  sentence_loss,  ///< No sentence arrives; pulses do.
-  clock_offset,   ///< Timestamps are off by `seconds`.
-  hour_overrun,   ///< The timestamp wraps `seconds` too late and so passes 3600 s.
-  factory_bytes,  ///< The last two bytes of data packets are `return_mode_byte`, `product_id`.
+struct LostPacketsFault {
+  static constexpr fields::Named kNamed{"lost_packets", "Packets are lost on the way."};
+
+  double probability = 0.01;  ///< Of each packet of either port.
 };
+struct SwappedPacketsFault {
+  static constexpr fields::Named kNamed{"swapped_packets",
+                                        "Data packets change places with their successors."};
+
+  double probability = 0.01;  ///< Of each data packet.
+};
+struct DuplicatedPacketsFault {
+  static constexpr fields::Named kNamed{"duplicated_packets", "Packets arrive twice."};
+
+  double probability = 0.01;  ///< Of each packet of either port.
+};
+struct DeadLaserFault {
+  static constexpr fields::Named kNamed{"dead_laser", "Some lasers see nothing."};
+
+  int first = 0;  ///< By the model's numbers, which count from 0.
+  int last = 0;   ///< Included.
+};
+struct DirtyWindowFault {
+  static constexpr fields::Named kNamed{"dirty_window", "Dirt on a sector of the window."};
+
+  double from_deg = 0.0;      ///< Azimuth, clockwise; the sector may contain 0.
+  double to_deg = 10.0;       ///< Not `from_deg`; 0 and 360 are all round.
+  double transmission = 0.5;  ///< Of light, one way.
+};
+struct MotorStallFault {
+  static constexpr fields::Named kNamed{"motor_stall", "The rotor runs down."};
+};
+struct PulseLossFault {
+  static constexpr fields::Named kNamed{"pulse_loss", "No pulse per second arrives."};
+};
+/// The input reports an error.
+struct PulseNoiseFault {
+  static constexpr fields::Named kNamed{"pulse_noise",
+                                        "Pulses at wrong times between the right ones."};
+};
+struct SentenceLossFault {
+  static constexpr fields::Named kNamed{"sentence_loss", "No sentence arrives."};
+};
+struct ClockOffsetFault {
+  static constexpr fields::Named kNamed{"clock_offset", "Timestamps are off."};
+
+  double offset_s = 1.0;
+};
+struct HourOverrunFault {
+  static constexpr fields::Named kNamed{"hour_overrun",
+                                        "The timestamp passes 3600 s before it wraps."};
+
+  double overrun_s = 0.05;
+};
+struct FactoryBytesFault {
+  static constexpr fields::Named kNamed{"factory_bytes",
+                                        "The last two bytes of data packets are wrong."};
+
+  std::uint8_t return_mode = 0;
+  std::uint8_t product = 0;
+};
+
+void visit(fields::Visitor& v, LostPacketsFault& p);
+void visit(fields::Visitor& v, SwappedPacketsFault& p);
+void visit(fields::Visitor& v, DuplicatedPacketsFault& p);
+void visit(fields::Visitor& v, DeadLaserFault& p);
+void visit(fields::Visitor& v, DirtyWindowFault& p);
+inline void visit(fields::Visitor&, MotorStallFault&) {}
+inline void visit(fields::Visitor&, PulseLossFault&) {}
+inline void visit(fields::Visitor&, PulseNoiseFault&) {}
+inline void visit(fields::Visitor&, SentenceLossFault&) {}
+void visit(fields::Visitor& v, ClockOffsetFault& p);
+void visit(fields::Visitor& v, HourOverrunFault& p);
+void visit(fields::Visitor& v, FactoryBytesFault& p);
 
 struct VelodyneFault {
-  VelodyneFaultKind kind = VelodyneFaultKind::lost_packets;
-  Duration begin{0};              ///< Since the start of the run.
-  Duration end{0};                ///< Later than begin; the fault holds in [begin, end).
-  double probability = 0.0;       ///< (0, 1]
-  int first_laser = 0;            ///< By the model's numbers, which count from 0.
-  int last_laser = 0;             ///< Included.
-  double sector_start_deg = 0.0;  ///< Azimuth, [0, 360), clockwise; the sector may contain 0.
-  double sector_end_deg = 0.0;    ///< [0, 360], not the start.
-  double transmission = 1.0;      ///< One way, [0, 1].
-  double seconds = 0.0;  ///< clock_offset: -3600 .. 3600, not 0; hour_overrun: above 0 .. 1.
-  std::uint8_t return_mode_byte = 0;
-  std::uint8_t product_id = 0;
-
-  [[nodiscard]] bool holds(SimTime instant) const {
-    const Duration since_start = instant - kStart;
-    return since_start >= begin && since_start < end;
-  }
+  FaultPeriod when;
+  std::variant<LostPacketsFault, SwappedPacketsFault, DuplicatedPacketsFault, DeadLaserFault,
+               DirtyWindowFault, MotorStallFault, PulseLossFault, PulseNoiseFault,
+               SentenceLossFault, ClockOffsetFault, HourOverrunFault, FactoryBytesFault>
+      what;
 };
+void visit(fields::Visitor& v, VelodyneFault& p);
 
-/// The word for it in messages and configurations, for example "lost_packets".
-[[nodiscard]] std::string_view name(VelodyneFaultKind kind);
-
-/// The first fault of a kind that holds at an instant; nullptr without one.
-[[nodiscard]] const VelodyneFault* find_fault(std::span<const VelodyneFault> faults,
-                                              VelodyneFaultKind kind, SimTime instant);
+using VelodyneFaults = FaultBook<VelodyneFault>;
 
 }  // namespace rigwire::emulators

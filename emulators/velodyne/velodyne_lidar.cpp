@@ -57,12 +57,13 @@ VelodyneLidar::VelodyneLidar(const VelodyneSettings& settings, const Calendar& c
                              ByteOutput& data, ByteOutput& position)
     : settings_(settings),
       model_(checked_model(settings_)),
-      data_(data, settings_.faults, settings_.seed, FaultyCable::Swapping::as_the_faults_say),
-      position_(position, settings_.faults, ~settings_.seed, FaultyCable::Swapping::never),
+      faults_(settings_.faults),
+      data_(data, faults_, settings_.seed, FaultyCable::Swapping::as_the_faults_say),
+      position_(position, faults_, ~settings_.seed, FaultyCable::Swapping::never),
       live_(saved_settings(settings_)),
       saved_(live_),
       clock_(settings_.clock_drift_ppm),
-      time_input_(settings_, calendar),
+      time_input_(settings_, faults_, calendar),
       calibration_(unit_calibration(settings_, model_)),
       encode_(model_, range_window(settings_, model_), settings_.reflectivity, calibration_),
       assembly_(model_, encode_, no_return_bytes(model_, settings_.seed)),
@@ -84,10 +85,6 @@ VelodyneLidar::VelodyneLidar(const VelodyneSettings& settings, const Calendar& c
                   {"azimuth", "deg", 0.0, 359.99, 0.01},
                   {"reflectivity", "%", 0.0, 100.0, 1.0},
                   {"time of hour", "us", 0.0, 3599999999.0, 1.0}}};
-  optical_defects_ = std::ranges::any_of(settings_.faults, [](const VelodyneFault& fault) {
-    return fault.kind == VelodyneFaultKind::dead_laser ||
-           fault.kind == VelodyneFaultKind::dirty_window;
-  });
   power_up(kStart, settings_.start_up);
 }
 
@@ -196,7 +193,7 @@ void VelodyneLidar::handle_time_input() {
 
 void VelodyneLidar::command_head(SimTime now) {
   const bool running = !starting_up(now);
-  const bool stalled = find_fault(settings_.faults, VelodyneFaultKind::motor_stall, now) != nullptr;
+  const bool stalled = faults_.first<MotorStallFault>(now) != nullptr;
   command_.rotor_rate_radps = running && !stalled ? live_.rotor_rpm / 60.0 * kTurn : 0.0;
   command_.laser_on = running && live_.laser_on;
   command_.several_echoes = live_.return_mode != ReturnMode::strongest;
@@ -213,21 +210,8 @@ void VelodyneLidar::command_head(SimTime now) {
   } else if (!command_.phase_lock || command_.phase_lock->azimuth_rad != phase_rad) {
     command_.phase_lock = PhaseLock{phase_rad, *pulse};
   }
-  next_command_ = running ? next_stall_edge(now) : std::min(running_from_, next_stall_edge(now));
-}
-
-SimTime VelodyneLidar::next_stall_edge(SimTime after) const {
-  SimTime next = kNever;
-  for (const VelodyneFault& fault : settings_.faults) {
-    if (fault.kind == VelodyneFaultKind::motor_stall) {
-      for (const Duration edge : {fault.begin, fault.end}) {
-        if (kStart + edge > after) {
-          next = std::min(next, kStart + edge);
-        }
-      }
-    }
-  }
-  return next;
+  const SimTime next_stall = faults_.next_change<MotorStallFault>(now);
+  next_command_ = running ? next_stall : std::min(running_from_, next_stall);
 }
 
 void VelodyneLidar::update(const LidarFiring& bank) {
@@ -291,9 +275,10 @@ void VelodyneLidar::add(const LidarFiring& bank) {
     begin_packet(bank.time);
   }
   const LidarFiring* seen = &bank;
-  if (optical_defects_ || !live_.laser_on) {
+  if (faults_.first<DeadLaserFault>(bank.time) != nullptr ||
+      faults_.first<DirtyWindowFault>(bank.time) != nullptr || !live_.laser_on) {
     defective_ = bank;
-    apply_optical_defects(settings_.faults, pattern_, reference_range_m_, defective_);
+    apply_optical_defects(faults_, pattern_, reference_range_m_, defective_);
     if (!live_.laser_on) {
       defective_.strongest.fill({});
       defective_.several = false;
@@ -311,9 +296,8 @@ void VelodyneLidar::begin_packet(SimTime first_firing) {
   assembly_.begin(live_.return_mode);
   assembly_.write().timestamp(
       microseconds_of_hour(first_firing + Duration{model_.timestamp_lag_ns}));
-  if (const auto* wrong =
-          find_fault(settings_.faults, VelodyneFaultKind::factory_bytes, first_firing)) {
-    assembly_.write().factory_bytes(wrong->return_mode_byte, wrong->product_id);
+  if (const auto* wrong = faults_.first<FactoryBytesFault>(first_firing)) {
+    assembly_.write().factory_bytes(wrong->return_mode, wrong->product);
   } else if (settings_.legacy_factory_bytes) {
     assembly_.write().factory_bytes(0, 0);
   } else {
@@ -349,11 +333,11 @@ void VelodyneLidar::send_position(SimTime due) {
 
 std::uint32_t VelodyneLidar::microseconds_of_hour(SimTime instant) const {
   std::int64_t hour_ns = clock_.hour_ns(instant);
-  if (const auto* fault = find_fault(settings_.faults, VelodyneFaultKind::clock_offset, instant)) {
-    hour_ns = (hour_ns + from_seconds(fault->seconds).count() + kHour_ns) % kHour_ns;
+  if (const auto* fault = faults_.first<ClockOffsetFault>(instant)) {
+    hour_ns = (hour_ns + from_seconds(fault->offset_s).count() + kHour_ns) % kHour_ns;
   }
-  if (const auto* fault = find_fault(settings_.faults, VelodyneFaultKind::hour_overrun, instant);
-      fault != nullptr && hour_ns < from_seconds(fault->seconds).count()) {
+  if (const auto* fault = faults_.first<HourOverrunFault>(instant);
+      fault != nullptr && hour_ns < from_seconds(fault->overrun_s).count()) {
     hour_ns += kHour_ns;
   }
   return static_cast<std::uint32_t>(hour_ns / 1000);

@@ -103,7 +103,6 @@ class VelodyneLidar final : public Device, public LidarBackend, public VelodyneC
   void power_up(SimTime now, Duration start_up);
   void take(const VelodyneLiveSettings& settings);
   void command_head(SimTime now);
-  [[nodiscard]] SimTime next_stall_edge(SimTime after) const;
   void handle_time_input();
   [[nodiscard]] bool in_view(double azimuth_rad) const;
   [[nodiscard]] bool continues(const LidarFiring& bank) const;
@@ -118,13 +117,13 @@ class VelodyneLidar final : public Device, public LidarBackend, public VelodyneC
 
   const VelodyneSettings settings_;
   const protocols::velodyne::Model& model_;
+  VelodyneFaults faults_;
   FaultyCable data_;
   FaultyCable position_;
   LidarPattern pattern_;
   double reference_range_m_ = 0.0;
   Duration last_shot_after_{0};
   std::array<Quantity, 4> quantities_;
-  bool optical_defects_ = false;
 
   VelodyneLiveSettings live_;
   VelodyneLiveSettings saved_;

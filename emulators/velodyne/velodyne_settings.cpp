@@ -70,82 +70,52 @@ void check_direction(const char* member, const Vector3& v) {
   }
 }
 
-void check_laser_range(const VelodyneFault& fault, const velodyne::Model& model) {
-  const int count = static_cast<int>(model.lasers.size());
-  check("dead_laser first_laser", fault.first_laser, 0, count - 1);
-  check("dead_laser last_laser", fault.last_laser, fault.first_laser, count - 1);
-}
+/// What a fault needs of the unit that it is to happen to; each alternative's own rules are kept.
+struct FaultCheck {
+  const VelodyneSettings& settings;
+  const velodyne::Model& model;
 
-void check_sector(const VelodyneFault& fault) {
-  check("dirty_window sector_start_deg", fault.sector_start_deg, 0.0, 360.0);
-  check("dirty_window sector_end_deg", fault.sector_end_deg, 0.0, 360.0);
-  if (fault.sector_start_deg == fault.sector_end_deg) {
-    refuse(
-        "dirty_window sector_end_deg is the sector's start, allowed: any other azimuth; 0 and "
-        "360 are all round");
+  void operator()(const DeadLaserFault& fault) const {
+    const int count = static_cast<int>(model.lasers.size());
+    check("dead_laser first", fault.first, 0, count - 1);
+    check("dead_laser last", fault.last, fault.first, count - 1);
   }
-  if (!(fault.transmission >= 0.0 && fault.transmission <= 1.0)) {
-    refuse("dirty_window transmission is " + std::to_string(fault.transmission) +
-           ", allowed: 0 <= transmission <= 1");
+  void operator()(const DirtyWindowFault& fault) const {
+    if (fault.from_deg == fault.to_deg) {
+      refuse(
+          "dirty_window to is where it begins, allowed: any other azimuth; 0 and 360 are all "
+          "round");
+    }
   }
-}
+  void operator()(const PulseLossFault& fault) const { needs_pulse(fault.kNamed.name); }
+  void operator()(const PulseNoiseFault& fault) const { needs_pulse(fault.kNamed.name); }
+  void operator()(const SentenceLossFault&) const {
+    if (settings.time_source == VelodyneTimeSource::none ||
+        settings.time_source == VelodyneTimeSource::pulse_only) {
+      refuse("fault sentence_loss needs sentences, but time_source gives none");
+    }
+  }
+  void operator()(const ClockOffsetFault& fault) const {
+    if (fault.offset_s == 0.0) {
+      refuse("clock_offset offset is 0, which is no offset");
+    }
+  }
+  void operator()(const FactoryBytesFault&) const {
+    if (model.status_channel) {
+      refuse("fault factory_bytes: the " + std::string(model.name) +
+             " has a status channel in their place");
+    }
+  }
+  template <class Other>
+  void operator()(const Other&) const {}
 
-void check_fault(const VelodyneFault& fault, const VelodyneSettings& settings,
-                 const velodyne::Model& model) {
-  const std::string kind(name(fault.kind));
-  if (fault.begin < Duration::zero() || fault.end <= fault.begin) {
-    refuse("fault " + kind + " lasts from " + std::to_string(fault.begin.count()) + " ns to " +
-           std::to_string(fault.end.count()) + " ns, allowed: 0 <= begin < end");
+ private:
+  void needs_pulse(std::string_view name) const {
+    if (settings.time_source == VelodyneTimeSource::none) {
+      refuse("fault " + std::string(name) + " needs a pulse, but time_source is none");
+    }
   }
-  switch (fault.kind) {
-    case VelodyneFaultKind::lost_packets:
-    case VelodyneFaultKind::swapped_packets:
-    case VelodyneFaultKind::duplicated_packets:
-      if (!(fault.probability > 0.0 && fault.probability <= 1.0)) {
-        refuse("fault " + kind + " has the probability " + std::to_string(fault.probability) +
-               ", allowed: 0 < probability <= 1");
-      }
-      break;
-    case VelodyneFaultKind::dead_laser:
-      check_laser_range(fault, model);
-      break;
-    case VelodyneFaultKind::dirty_window:
-      check_sector(fault);
-      break;
-    case VelodyneFaultKind::motor_stall:
-      break;
-    case VelodyneFaultKind::pulse_loss:
-    case VelodyneFaultKind::pulse_noise:
-      if (settings.time_source == VelodyneTimeSource::none) {
-        refuse("fault " + kind + " needs a pulse, but time_source is none");
-      }
-      break;
-    case VelodyneFaultKind::sentence_loss:
-      if (settings.time_source == VelodyneTimeSource::none ||
-          settings.time_source == VelodyneTimeSource::pulse_only) {
-        refuse("fault " + kind + " needs sentences, but time_source gives none");
-      }
-      break;
-    case VelodyneFaultKind::clock_offset:
-      check("clock_offset seconds", fault.seconds, -3600.0, 3600.0);
-      if (fault.seconds == 0.0) {
-        refuse("clock_offset seconds is 0, which is no offset");
-      }
-      break;
-    case VelodyneFaultKind::hour_overrun:
-      if (!(fault.seconds > 0.0 && fault.seconds <= 1.0)) {
-        refuse("hour_overrun seconds is " + std::to_string(fault.seconds) +
-               ", allowed: 0 < seconds <= 1");
-      }
-      break;
-    case VelodyneFaultKind::factory_bytes:
-      if (model.status_channel) {
-        refuse("fault factory_bytes: the " + std::string(model.name) +
-               " has a status channel in their place");
-      }
-      break;
-  }
-}
+};
 
 void visit_clock(fields::Visitor& v, VelodyneSettings& p) {
   v.number("drift", p.clock_drift_ppm, in("ppm").stored_as("ppm").between(-200, 200),
@@ -320,7 +290,8 @@ void validate(const VelodyneSettings& settings) {
            " m, allowed: minimum < maximum");
   }
   for (const VelodyneFault& fault : settings.faults) {
-    check_fault(fault, settings, model);
+    fields::check(fault);
+    std::visit(FaultCheck{settings, model}, fault.what);
   }
 }
 

@@ -2,34 +2,17 @@
 
 #include <cmath>
 
+#include "protocols/markup.h"
+
 namespace rigwire::emulators {
 namespace {
 
+using protocols::escape_markup;
 using protocols::velodyne::ReturnMode;
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '<':
-        result += "&lt;";
-        break;
-      case '&':
-        result += "&amp;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
 
 std::string input(std::string_view name, std::string_view value) {
   return std::string("<label>") + std::string(name) + " <input size=16 name=" + std::string(name) +
-         " value=\"" + escaped(value) + "\"></label> ";
+         " value=\"" + escape_markup(value) + "\"></label> ";
 }
 
 std::string input(std::string_view name, int value) {
@@ -55,10 +38,10 @@ std::string form(std::string_view path, std::string_view inputs, std::string_vie
 std::string control_page(SimTime now, const VelodyneControl& control) {
   const VelodyneLiveSettings& s = control.live_settings();
   const VelodyneReadings r = control.readings(now);
-  const std::string title = "Simulated " + escaped(control.model_name());
+  const std::string title = "Simulated " + escape_markup(control.model_name());
   std::string page = "<!DOCTYPE html>\n<html lang=en><head><meta charset=utf-8><title>" + title +
                      "</title></head><body>\n<h1>" + title + "</h1>\n<p>Serial number " +
-                     escaped(control.serial_number()) + ", rotor at " +
+                     escape_markup(control.serial_number()) + ", rotor at " +
                      std::to_string(std::lround(r.motor_rpm)) +
                      " rpm. A setting that is taken answers with an empty page.</p>\n";
   page += form("/cgi/setting",

@@ -189,9 +189,10 @@ void Mti600::send(const ImuSample& sample, const MtiOutput& output) {
       break;
     case MessageId::utc: {
       const UtcTime utc = calendar_.utc(sample.time);
+      const auto ticks = utc.nanosecond / 100'000;
       emit(std::array{static_cast<double>(utc.year % 100), double(utc.month), double(utc.day),
                       double(utc.hour), double(utc.minute), double(utc.second),
-                      static_cast<double>(utc.nanosecond / 100'000) * 1e-4});
+                      static_cast<double>(ticks) * 1e-4});
       break;
     }
     case MessageId::status_word:

@@ -95,9 +95,11 @@ std::vector<std::string> draw_status_table(const RigStatus& before, const RigSta
     lines.push_back(std::move(line));
   }
   for (const FaultWindow& fault : now.faults) {
-    lines.push_back(fitting(fmt::format("fault: {} {}, until {:.3f} s", printable(fault.where),
-                                        printable(fault.type), to_seconds(fault.end)),
-                            kYellow));
+    const std::string end = fault.end == kNever ? std::string("the end")
+                                                : fmt::format("{:.3f} s", to_seconds(fault.end));
+    lines.push_back(fitting(
+        fmt::format("fault: {} {}, until {}", printable(fault.where), printable(fault.type), end),
+        kYellow));
   }
   std::string state = "machine";
   for (std::size_t i = 0; i < std::min(machine.size(), now.machine.size()); ++i) {

@@ -56,7 +56,7 @@ template <class Settings>
   }
   if constexpr (requires { settings.amplifier; }) {
     for (emulators::ValveDefect& defect : settings.amplifier.defects) {
-      defect.start = clock.own_time(defect.start);
+      defect.when.at = clock.own_time(defect.when.at);
     }
   }
   return settings;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "hil/devices/engine_controller.h"
 #include "hil/devices/inclinometer.h"
 #include "hil/devices/iso_valves.h"
 #include "hil/devices/openimu.h"
@@ -80,6 +81,8 @@ constexpr std::array kTypes{
                openimu<OpenImuVariant::openimu335ri>},
     DeviceType{{"valve-driver", "Eight-section hydraulic valve driver, Modbus TCP server."},
                fresh<ValveDriverConfiguration>},
+    DeviceType{{"engine-controller", "Controller of an engine that drives pumps, on J1939."},
+               fresh<EngineControllerConfiguration>},
     DeviceType{{"vehicle-gateway",
                 "Drive train, steering and brakes of a machine that drives, on CAN (J1939)."},
                fresh<VehicleGatewayConfiguration>},

@@ -44,8 +44,8 @@ void IsoValvesConfiguration::check(const std::string& at, RigCheck& check) const
   check.valve_block(at, valves.amplifier.sections);
 }
 
-std::vector<FaultWindow> IsoValvesConfiguration::fault_windows(std::string_view /*name*/) const {
-  return {};
+std::vector<FaultWindow> IsoValvesConfiguration::fault_windows(std::string_view name) const {
+  return valve_fault_windows(valves.amplifier, name);
 }
 
 DevicePlan IsoValvesConfiguration::plan(const RigView& rig) const {

@@ -8,10 +8,9 @@
 namespace rigwire::hil {
 
 void mount_antenna(Site& site, StationIndex station, const MountConfiguration& mount,
-                   const sim::GnssParameters& sensor,
-                   const std::vector<GnssFaultConfiguration>& faults) {
+                   const sim::GnssParameters& sensor, const std::vector<sim::GnssFault>& faults) {
   sim::GnssParameters parameters = sensor;
-  parameters.faults = signal_faults(faults);
+  parameters.faults = faults;
   site.world().add(make_world_gnss(station, site.name(), site.mount(mount), site.frame(),
                                    sim::GnssSensor(parameters, site.satellites(), site.calendar(),
                                                    site.frame(), site.seed(), site.name())));

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "hil/configuration/gnss_fault.h"
 #include "hil/devices/site.h"
 #include "sim/gnss/gnss_sensor.h"
 #include "sim/imu/imu_sensor.h"
@@ -13,8 +12,7 @@ namespace rigwire::hil {
 
 /// A satellite antenna, with what happens to its signals.
 void mount_antenna(Site& site, StationIndex station, const MountConfiguration& mount,
-                   const sim::GnssParameters& sensor,
-                   const std::vector<GnssFaultConfiguration>& faults);
+                   const sim::GnssParameters& sensor, const std::vector<sim::GnssFault>& faults);
 
 /// An inertial unit, with its magnetometer where it has one.
 void mount_inertial_unit(Site& site, StationIndex station, const MountConfiguration& mount,

@@ -33,6 +33,7 @@ struct RigView {
   std::vector<std::string> links;      ///< Of the machine.
   std::vector<std::string> actuators;  ///< Of the machine's valve block; empty: it has none.
   bool drives = false;                 ///< The machine has a drive train.
+  bool has_power_unit = false;         ///< The machine has an engine that drives pumps.
   std::vector<std::string> receivers;  ///< Names of the devices that receive satellites.
 };
 

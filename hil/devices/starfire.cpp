@@ -22,13 +22,6 @@
 namespace rigwire::hil {
 namespace {
 
-/// Faults of the device that it does not have; everything else of the list it does.
-bool implements(const GnssFaultConfiguration& fault) {
-  return !std::holds_alternative<FrozenFixFault>(fault.settings) &&
-         !std::holds_alternative<WrongLeapSecondFault>(fault.settings) &&
-         !std::holds_alternative<UartNoiseFault>(fault.settings);
-}
-
 /// Both sides of the receiver as one device: they share the antenna's samples, each taking the
 /// epochs of its own plan. Both plans are multiples of GPS time, one period a multiple of the
 /// other.
@@ -212,13 +205,6 @@ void StarFireConfiguration::check(const std::string& at, RigCheck& check) const 
     check.j1939_node(at, bus, receiver.source_address, receiver.serial);
   }
   check.link(at + ".mount.link", mount.link);
-  for (std::size_t i = 0; i < faults.size(); ++i) {
-    if (!implements(faults[i])) {
-      check.report(fmt::format("{}.faults.{}.type", at, i),
-                   "this device does not implement that fault",
-                   fmt::format("\"{}\"", faults[i].type()), "those of signals and antenna");
-    }
-  }
 }
 
 std::vector<FaultWindow> StarFireConfiguration::fault_windows(std::string_view name) const {

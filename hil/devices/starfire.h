@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "emulators/starfire/settings.h"
-#include "hil/configuration/gnss_fault.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/wires/baud_check.h"
 #include "hil/world/mount.h"
@@ -24,7 +23,7 @@ struct StarFireConfiguration final : DeviceConfigurationOf<StarFireConfiguration
   MountConfiguration mount;  ///< Of the antenna.
   emulators::StarFireSettings receiver;
   sim::GnssParameters sensor;
-  std::vector<GnssFaultConfiguration> faults;
+  std::vector<sim::GnssFault> faults;
 
   StarFireConfiguration();
 

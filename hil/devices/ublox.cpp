@@ -73,8 +73,8 @@ class UbloxDevice final : public Device, private FixSource {
     auto stream = std::make_unique<UsbSerialStream>(
         site.io(), bus, emulators::ublox_usb(configuration.receiver.profile->generation),
         site.name());
-    for (const UnplugConfiguration& unplug : configuration.unplugged) {
-      bus.schedule_unplug(stream->socket(), kStart + unplug.at, kStart + unplug.at + unplug.length);
+    for (const FaultPeriod& unplug : configuration.unplugged) {
+      bus.schedule_unplug(stream->socket(), unplug.begin(), unplug.end());
     }
     return stream;
   }
@@ -82,7 +82,7 @@ class UbloxDevice final : public Device, private FixSource {
   static emulators::UbloxSettings settings(const UbloxConfiguration& configuration,
                                            const Site& site) {
     emulators::UbloxSettings settings = configuration.receiver;
-    settings.faults = ublox_faults(configuration.faults);
+    settings.faults = those_of<emulators::UbloxFault>(configuration.faults);
     settings.noise_seed = site.device_seed();
     return settings;
   }
@@ -217,7 +217,8 @@ DeviceDescription UbloxConfiguration::describe() const {
 
 std::unique_ptr<Device> UbloxConfiguration::make(Site& site) const {
   auto device = std::make_unique<UbloxDevice>(*this, site);
-  mount_antenna(site, device->enlist(site.executive()), mount, sensor, faults);
+  mount_antenna(site, device->enlist(site.executive()), mount, sensor,
+                those_of<sim::GnssFault>(faults));
   return device;
 }
 

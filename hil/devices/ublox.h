@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "emulators/ublox/settings.h"
-#include "hil/configuration/gnss_fault.h"
+#include "hil/configuration/mixed_faults.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/wires/baud_check.h"
 #include "hil/wires/usb_configuration.h"
@@ -26,8 +26,8 @@ struct UbloxConfiguration final : DeviceConfigurationOf<UbloxConfiguration> {
   MountConfiguration mount;  ///< Of the antenna.
   emulators::UbloxSettings receiver;
   sim::GnssParameters sensor;
-  std::vector<GnssFaultConfiguration> faults;
-  std::vector<UnplugConfiguration> unplugged;  ///< On USB.
+  std::vector<MixedFault<sim::GnssFault, emulators::UbloxFault>> faults;
+  std::vector<FaultPeriod> unplugged;  ///< On USB.
 
   explicit UbloxConfiguration(const emulators::UbloxProfile& profile = emulators::ublox_neo_7p());
 

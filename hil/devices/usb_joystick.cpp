@@ -70,8 +70,8 @@ class UsbJoystickDevice final : public Device {
         levers_(configuration.joystick),
         mover_(configuration, levers_),
         socket_(bus_.plug(levers_, site.name())) {
-    for (const UnplugConfiguration& unplug : configuration.unplugged) {
-      bus_.schedule_unplug(socket_, kStart + unplug.at, kStart + unplug.at + unplug.length);
+    for (const FaultPeriod& unplug : configuration.unplugged) {
+      bus_.schedule_unplug(socket_, unplug.begin(), unplug.end());
     }
     // The bus lets the device live; there is nothing to be routed to it, so that it is no station.
     site.executive().add(mover_);

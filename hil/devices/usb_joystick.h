@@ -36,7 +36,7 @@ struct UsbJoystickConfiguration final : DeviceConfigurationOf<UsbJoystickConfigu
   LeverSource source = LeverSource::script;
   bool repeat = false;
   std::vector<LeverKeyframeConfiguration> script;
-  std::vector<UnplugConfiguration> unplugged;
+  std::vector<FaultPeriod> unplugged;
 
   void visit(fields::Visitor& v) override;
   void validate() const override;

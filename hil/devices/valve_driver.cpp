@@ -132,8 +132,8 @@ void ValveDriverConfiguration::check(const std::string& at, RigCheck& check) con
   check.valve_block(at, driver.amplifier.sections);
 }
 
-std::vector<FaultWindow> ValveDriverConfiguration::fault_windows(std::string_view /*name*/) const {
-  return {};
+std::vector<FaultWindow> ValveDriverConfiguration::fault_windows(std::string_view name) const {
+  return valve_fault_windows(driver.amplifier, name);
 }
 
 DevicePlan ValveDriverConfiguration::plan(const RigView& rig) const {

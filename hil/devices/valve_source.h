@@ -1,11 +1,15 @@
-// What a device's client asks of the machine's valves, for others of the rig that follow it.
+// What all devices that drive valves have: what their client asks of the machine's valves, for
+// others of the rig that follow it, and the faults of their amplifier.
 #pragma once
 
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "emulators/backends.h"
+#include "emulators/valve_amplifier/settings.h"
+#include "hil/configuration/fault_window.h"
 #include "hil/world/valve_sections.h"
 
 namespace rigwire::hil {
@@ -24,5 +28,17 @@ class ValveSource {
   const emulators::ValveBackend& valves_;
   ValveSections sections_;
 };
+
+/// With the section's name: "open_coil boom".
+[[nodiscard]] inline std::vector<FaultWindow> valve_fault_windows(
+    const emulators::ValveAmplifierSettings& settings, std::string_view device) {
+  std::vector<FaultWindow> windows = fault_windows(settings.defects, device);
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    if (const auto section = section_of(settings.defects[i])) {
+      windows[i].type += " " + settings.sections.at(*section);
+    }
+  }
+  return windows;
+}
 
 }  // namespace rigwire::hil

@@ -61,7 +61,6 @@ VelodyneTimeSource time_source_of(const VelodyneConfiguration& p) {
 emulators::VelodyneSettings settings_but_calibration(const VelodyneConfiguration& p) {
   emulators::VelodyneSettings settings = p.lidar;
   settings.time_source = time_source_of(p);
-  settings.faults = velodyne_faults(p.faults);
   settings.reference_range_m = p.sensor.beam.reference_range_m;
   return settings;
 }
@@ -394,7 +393,7 @@ void VelodyneConfiguration::visit(fields::Visitor& v) {
          "Satellite receiver; auto = the first one, locked; or ideal, pulse, none.");
   v.section("mount", mount, "Where on the machine the spin axis stands, and how it is turned.");
   v.section("sensor", sensor, "How well it measures.");
-  v.list("faults", faults, "What goes wrong with the device, and when.");
+  v.list("faults", lidar.faults, "What goes wrong with the device, and when.");
 }
 
 void VelodyneConfiguration::validate() const {
@@ -436,7 +435,7 @@ void VelodyneConfiguration::check(const std::string& at, RigCheck& check) const 
 }
 
 std::vector<FaultWindow> VelodyneConfiguration::fault_windows(std::string_view name) const {
-  return hil::fault_windows(faults, name);
+  return hil::fault_windows(lidar.faults, name);
 }
 
 DevicePlan VelodyneConfiguration::plan(const RigView& /*rig*/) const {

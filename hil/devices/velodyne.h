@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "emulators/velodyne/velodyne_settings.h"
-#include "hil/configuration/velodyne_fault.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/world/lidar_sensor_configuration.h"
 #include "hil/world/mount.h"
@@ -40,7 +39,6 @@ struct VelodyneConfiguration final : DeviceConfigurationOf<VelodyneConfiguration
   MountConfiguration mount;           ///< Frame S: x forward, y left, z up, on the spin axis.
   emulators::VelodyneSettings lidar;  ///< But for what settings_of() fills in from the others.
   LidarSensorConfiguration sensor;
-  std::vector<VelodyneFaultConfiguration> faults;
 
   static constexpr std::string_view kAutomaticTimeSource = "auto";
   static constexpr std::string_view kIdealTimeSource = "ideal";

@@ -69,10 +69,11 @@ std::string to_json(const RunReport& report) {
   json["devices"] = std::move(devices);
   json["faults"] = Json::array();
   for (const FaultWindow& fault : report.faults) {
-    json["faults"].push_back({{"where", fault.where},
-                              {"type", fault.type},
-                              {"begin_s", to_seconds(fault.begin)},
-                              {"end_s", to_seconds(fault.end)}});
+    json["faults"].push_back(
+        {{"where", fault.where},
+         {"type", fault.type},
+         {"begin_s", to_seconds(fault.begin)},
+         {"end_s", fault.end == kNever ? Json(nullptr) : Json(to_seconds(fault.end))}});
   }
   // What clients sent need not be UTF-8; the report must not be lost by it.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -259,8 +259,8 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
   }
   for (const auto& [name, bus] : configuration_.buses) {
     if (!bus.faults.empty()) {
-      buses_.at(name)->can.set_faults(can_bus_faults(
-          bus.faults, sim::RandomStream(configuration_.seed, name + "/faults").bits()));
+      buses_.at(name)->can.set_faults(
+          {bus.faults, sim::RandomStream(configuration_.seed, name + "/faults").bits()});
     }
   }
   const DeviceNeighbours neighbours(*this);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <variant>
@@ -12,7 +13,6 @@
 #include "hil/devices/rig_check.h"
 #include "hil/files/mesh_file.h"
 #include "hil/rig/rig_configuration.h"
-#include "protocols/can/frame_text.h"
 #include "sim/scene/mesh_repair.h"
 
 namespace rigwire::hil {
@@ -160,30 +160,48 @@ class Checker {
       check_.listener(path + ".socketcand", bus.socketcand.address, bus.socketcand.port,
                       bus.socketcand.allow_remote);
     }
+    const std::vector<std::string> devices = devices_on(name);
+    const std::vector<std::string> clients = client_nodes(bus);
+    for (const std::string& device : devices) {
+      if (std::ranges::find(clients, device) != clients.end()) {
+        check_.report("devices." + device, "the name of a client's node on its bus", "",
+                      "any other name");
+      }
+    }
+    std::vector<std::string> nodes = devices;
+    std::ranges::copy(clients, std::back_inserter(nodes));
     for (std::size_t i = 0; i < bus.faults.size(); ++i) {
-      check_bus_fault(fmt::format("{}.faults.{}", path, i), name, bus, bus.faults[i]);
+      if (const std::string node = emulators::node_of(bus.faults[i]); !node.empty()) {
+        check_.one_of(fmt::format("{}.faults.{}.device", path, i), "not on this bus", node, nodes);
+      }
     }
   }
 
-  void check_bus_fault(const std::string& path, const std::string& name,
-                       const BusConfiguration& bus, const CanFaultConfiguration& fault) {
-    if (const std::string device = device_of(fault); !device.empty()) {
-      std::vector<std::string> names = devices_on(rig_, name);
-      // Which wire `auto` takes is known when it runs; a port that is not there then is refused.
-      for (unsigned port = 0; port < bus.ports; ++port) {
-        names.push_back(client_node(port));
-      }
-      if (bus.socketcand.port != 0) {
-        names.emplace_back(kSocketcandNode);
-      }
-      check_.one_of(path + ".device", "not on this bus", device, names);
+  /// Which wire `auto` takes is known when it runs; a port that is not there then is refused.
+  static std::vector<std::string> client_nodes(const BusConfiguration& bus) {
+    std::vector<std::string> names;
+    for (unsigned port = 0; port < bus.ports; ++port) {
+      names.push_back(client_node(port));
     }
-    if (const auto* intruder = std::get_if<IntruderFault>(&fault.settings)) {
-      if (!protocols::can::parse_frame_text(intruder->frame)) {
-        check_.report(path + ".frame", "not a frame", "\"" + intruder->frame + "\"",
-                      "18EAFFFE#00EE00, 123#, 123#R4");
+    if (bus.socketcand.port != 0) {
+      names.emplace_back(kSocketcandNode);
+    }
+    return names;
+  }
+
+  /// Those that are refused make no device, and have no place on a bus to ask for.
+  [[nodiscard]] std::vector<std::string> devices_on(const std::string& bus) const {
+    std::vector<std::string> names;
+    for (const auto& [name, device] : rig_.devices) {
+      if (faulty("devices." + name)) {
+        continue;
+      }
+      const auto share = device->bus_share(name);
+      if (share && share->bus == bus) {
+        names.push_back(name);
       }
     }
+    return names;
   }
 
   void check_modbus_line(const std::string& path, const ModbusLineConfiguration& line) {
@@ -198,7 +216,8 @@ class Checker {
   void check_load(const std::string& name, const BusConfiguration& bus) {
     // Extended data frame with 8 bytes: 67 bits of frame and interframe space around 64 bits of
     // data, and at worst one stuff bit for every four of the 118 bits that are stuffed.
-    constexpr double kBitsPerFrame = 67 + 64 + 118 / 4;
+    constexpr int kStuffBits = 118 / 4;
+    constexpr double kBitsPerFrame = 67 + 64 + kStuffBits;
     double frames = 0.0;
     for (const auto& [device_name, device] : rig_.devices) {
       if (faulty("devices." + device_name)) {

@@ -39,6 +39,7 @@ RigView view_of(const RigConfiguration& configuration) {
                {machine.links().begin(), machine.links().end()},
                {machine.actuators().begin(), machine.actuators().end()},
                machine.drives(),
+               machine.has_power_unit(),
                {}};
   for (const auto& [name, device] : configuration.devices) {
     if (device->is_receiver()) {
@@ -59,7 +60,7 @@ std::vector<FaultWindow> fault_windows(const RigConfiguration& configuration) {
   for (const auto& [name, bus] : configuration.buses) {
     std::vector<FaultWindow> windows = fault_windows(bus.faults, "bus " + name);
     for (std::size_t i = 0; i < windows.size(); ++i) {
-      if (const std::string device = device_of(bus.faults[i]); !device.empty()) {
+      if (const std::string device = emulators::node_of(bus.faults[i]); !device.empty()) {
         windows[i].type += " " + device;
       }
     }
@@ -69,17 +70,6 @@ std::vector<FaultWindow> fault_windows(const RigConfiguration& configuration) {
     append(fault_windows(line.faults, "modbus " + name));
   }
   return all;
-}
-
-std::vector<std::string> devices_on(const RigConfiguration& configuration, const std::string& bus) {
-  std::vector<std::string> names;
-  for (const auto& [name, device] : configuration.devices) {
-    const auto share = device->bus_share(name);
-    if (share && share->bus == bus) {
-      names.push_back(name);
-    }
-  }
-  return names;
 }
 
 std::vector<protocols::can::MessageLayout> bus_messages(const RigConfiguration& configuration,

@@ -114,10 +114,6 @@ struct LoadedRig {
 /// Every fault of devices, buses and lines, in the order of their kinds and names.
 [[nodiscard]] std::vector<FaultWindow> fault_windows(const RigConfiguration& configuration);
 
-/// The names of the devices on the bus.
-[[nodiscard]] std::vector<std::string> devices_on(const RigConfiguration& configuration,
-                                                  const std::string& bus);
-
 /// How the messages on a bus are laid out, each device under its name in the rig and with its
 /// configured address. Empty when the rig has no such bus. Throws std::invalid_argument for
 /// settings that make no device.

@@ -8,7 +8,6 @@
 #include "drivers/slcan_adapter.h"
 #include "emulators/can/can_bus.h"
 #include "fields/visitor.h"
-#include "hil/configuration/can_fault.h"
 #include "hil/wires/line_ports.h"
 
 namespace rigwire::hil {
@@ -63,7 +62,7 @@ struct BusConfiguration {
   Duration restart_after = std::chrono::milliseconds{100};
   bool acknowledger = true;
   bool duplicate_addresses = false;
-  std::vector<CanFaultConfiguration> faults;
+  std::vector<emulators::CanFault> faults;
 };
 
 inline void visit(fields::Visitor& v, BusConfiguration& p) {
@@ -94,11 +93,12 @@ inline void visit(fields::Visitor& v, BusConfiguration& p) {
 
 inline void validate(const BusConfiguration& p) {
   validate(p.bus);
+  validate(emulators::CanBusFaults{p.faults});
 }
 
 /// The node of a further slcan port, 1 .. ports - 1, and of the socketcand, as faults know them.
 [[nodiscard]] inline std::string client_node(unsigned port) {
-  return port_path(std::string(kClientNode), port);
+  return port_path(std::string(emulators::kCanOutsideName), port);
 }
 inline constexpr const char* kSocketcandNode = "client.socketcand";
 

@@ -18,7 +18,6 @@
 #include "emulators/modbus/modbus_rtu_server.h"
 #include "emulators/modbus/modbus_server.h"
 #include "fields/visitor.h"
-#include "hil/configuration/modbus_fault.h"
 #include "hil/wires/baud_check.h"
 
 namespace rigwire::hil {
@@ -34,20 +33,20 @@ struct ModbusLineConfiguration {
   emulators::RtuFramerSettings line;
   BaudCheck check_baud = BaudCheck::lenient;
   emulators::ResponseDelaySettings response_delay;
-  std::vector<ModbusFaultConfiguration> faults;
+  std::vector<emulators::ModbusFault> faults;
 };
 
 [[nodiscard]] inline emulators::ModbusServerSettings server_settings(
     const ModbusLineConfiguration& p, std::uint64_t seed) {
   emulators::ModbusServerSettings settings = p.server;
   settings.response_delay = p.response_delay;
-  settings.faults = modbus_faults(p.faults);
+  settings.faults = p.faults;
   settings.seed = seed;
   return settings;
 }
 [[nodiscard]] inline emulators::ModbusRtuSettings rtu_settings(const ModbusLineConfiguration& p,
                                                                std::uint64_t seed) {
-  return {p.line, p.response_delay, modbus_faults(p.faults), seed};
+  return {p.line, p.response_delay, p.faults, seed};
 }
 
 namespace detail {
@@ -92,13 +91,8 @@ inline void validate(const ModbusLineConfiguration& p) {
   } else {
     validate(rtu_settings(p, 0));
   }
-  for (const ModbusFaultConfiguration& fault : p.faults) {
-    validate(modbus_fault(fault), p.wire);
-    if (fault.table == ModbusFaultTable::any && (fault.first != 0 || fault.last != 65535)) {
-      throw std::invalid_argument(
-          "modbus fault, first and last: found without a table, allowed "
-          "with table: coils, discrete, holding, input");
-    }
+  for (const emulators::ModbusFault& fault : p.faults) {
+    validate(fault, p.wire);
   }
 }
 

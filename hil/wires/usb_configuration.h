@@ -8,7 +8,7 @@
 #include "fields/visitor.h"
 #include "hil/configuration/fault_window.h"
 #include "protocols/usbip/constants.h"
-#include "sim/samples/time.h"
+#include "sim/samples/fault_book.h"
 
 namespace rigwire::hil {
 
@@ -19,18 +19,11 @@ struct UsbConfiguration {
   bool allow_remote = false;
 };
 
-/// The device is pulled out and put back.
-struct UnplugConfiguration {
-  Duration at{0};  ///< From the start of the run.
-  Duration length = std::chrono::seconds{10};
-};
-
+/// While the device is pulled out.
 inline void append_unplugged(std::vector<FaultWindow>& windows,
-                             const std::vector<UnplugConfiguration>& unplugged,
-                             std::string_view where) {
-  for (const UnplugConfiguration& unplug : unplugged) {
-    windows.push_back(
-        {std::string(where), "unplugged", kStart + unplug.at, kStart + unplug.at + unplug.length});
+                             const std::vector<FaultPeriod>& unplugged, std::string_view where) {
+  for (const FaultPeriod& period : unplugged) {
+    windows.push_back({std::string(where), "unplugged", period.begin(), period.end()});
   }
 }
 
@@ -38,13 +31,6 @@ inline void visit(fields::Visitor& v, UsbConfiguration& p) {
   v.text("address", p.address, "Where clients attach (usbip attach -r).");
   v.integer("port", p.port, fields::IntegerRule{1, 65535}, "TCP.");
   v.boolean("allow_remote", p.allow_remote, "Opt-in for addresses beyond this machine.");
-}
-
-inline void visit(fields::Visitor& v, UnplugConfiguration& p) {
-  v.required("at");
-  v.duration("at", p.at, {0, fields::kYear_ns},
-             "Instant at which it begins, from the start of the run.");
-  v.duration("for", p.length, {1'000'000, fields::kYear_ns}, "How long the plug is out.");
 }
 
 }  // namespace rigwire::hil

@@ -43,6 +43,8 @@ class MachineModel {
   [[nodiscard]] virtual std::span<const std::string_view> actuators() const { return {}; }
   /// Whether it has a drive train.
   [[nodiscard]] virtual bool drives() const = 0;
+  /// Whether an engine drives pumps there.
+  [[nodiscard]] virtual bool has_power_unit() const = 0;
   /// Whether it digs, so that the terrain must be kept in a form that can change.
   [[nodiscard]] virtual bool changes_ground() const = 0;
   /// Along world -z, for the inertial units.

@@ -32,6 +32,9 @@ struct ExcavatorMachine final : MachineModelOf<ExcavatorMachine> {
   [[nodiscard]] std::span<const std::string_view> standing_links() const override;
   [[nodiscard]] std::span<const std::string_view> actuators() const override;
   [[nodiscard]] bool drives() const override { return false; }
+  [[nodiscard]] bool has_power_unit() const override {
+    return excavator.pumps == sim::ExcavatorPumps::engine;
+  }
   [[nodiscard]] bool changes_ground() const override { return digs; }
   [[nodiscard]] double gravity_mps2() const override { return excavator.gravity_mps2; }
   [[nodiscard]] std::unique_ptr<sim::Machine> make(const MachineSite& site) const override;
@@ -45,6 +48,7 @@ struct WheeledMachine final : MachineModelOf<WheeledMachine> {
   [[nodiscard]] std::span<const std::string_view> links() const override;
   [[nodiscard]] std::span<const std::string_view> standing_links() const override;
   [[nodiscard]] bool drives() const override { return true; }
+  [[nodiscard]] bool has_power_unit() const override { return false; }
   [[nodiscard]] bool changes_ground() const override { return false; }
   [[nodiscard]] double gravity_mps2() const override { return wheeled.gravity_mps2; }
   [[nodiscard]] std::unique_ptr<sim::Machine> make(const MachineSite& site) const override;
@@ -57,6 +61,7 @@ struct RollerMachine final : MachineModelOf<RollerMachine> {
   [[nodiscard]] std::span<const std::string_view> links() const override;
   [[nodiscard]] std::span<const std::string_view> standing_links() const override;
   [[nodiscard]] bool drives() const override { return true; }
+  [[nodiscard]] bool has_power_unit() const override { return false; }
   [[nodiscard]] bool changes_ground() const override { return false; }
   [[nodiscard]] double gravity_mps2() const override { return roller.gravity_mps2; }
   [[nodiscard]] std::unique_ptr<sim::Machine> make(const MachineSite& site) const override;

@@ -1,12 +1,21 @@
 #include "hil/world/ports.h"
 
 #include <stdexcept>
-#include <utility>
 
 #include "hil/world/valve_sections.h"
 
 namespace rigwire::hil {
 namespace {
+
+/// What the station's device asked for since the last slice, to the machine's port.
+template <class Command, class Port>
+void hand_over(StationIndex station, const Shelves& requests, Port& port) {
+  if (const std::vector<Command>* commands = requests.find<Command>(station)) {
+    for (const Command& command : *commands) {
+      port.command(command);
+    }
+  }
+}
 
 class WorldValves final : public StepSensor<ValveSample> {
  public:
@@ -33,18 +42,32 @@ class WorldValves final : public StepSensor<ValveSample> {
   ValveSections sections_;
 };
 
-class WorldVehicle final : public StepSensor<VehicleSample> {
+class WorldPowerUnit final : public StepSensor<PowerUnitSample> {
  public:
-  WorldVehicle(StationIndex station, sim::VehiclePort& port, sim::VehicleSensors sensors)
-      : StepSensor(station), port_(port), sensors_(std::move(sensors)) {}
+  WorldPowerUnit(StationIndex station, sim::PowerUnitPort& port)
+      : StepSensor(station), port_(port) {}
 
   void take(SimTime frontier, const Shelves& requests) override {
     StepSensor::take(frontier, requests);
-    if (const std::vector<VehicleCommand>* commands = requests.find<VehicleCommand>(station())) {
-      for (const VehicleCommand& command : *commands) {
-        port_.command(command);
-      }
-    }
+    hand_over<PowerUnitCommand>(station(), requests, port_);
+  }
+
+ private:
+  PowerUnitSample measure(const WorldStep& /*step*/, SimTime time) override {
+    return port_.power_unit_sample(time);
+  }
+
+  sim::PowerUnitPort& port_;
+};
+
+class WorldVehicle final : public StepSensor<VehicleSample> {
+ public:
+  WorldVehicle(StationIndex station, sim::VehiclePort& port, sim::VehicleSensors sensors)
+      : StepSensor(station), port_(port), sensors_(sensors) {}
+
+  void take(SimTime frontier, const Shelves& requests) override {
+    StepSensor::take(frontier, requests);
+    hand_over<VehicleCommand>(station(), requests, port_);
   }
 
  private:
@@ -75,7 +98,14 @@ std::unique_ptr<WorldSensor> make_world_vehicle(StationIndex station, sim::Machi
   if (machine.vehicle_port() == nullptr) {
     throw std::invalid_argument("the machine has no drive train for a vehicle gateway");
   }
-  return std::make_unique<WorldVehicle>(station, *machine.vehicle_port(), std::move(sensors));
+  return std::make_unique<WorldVehicle>(station, *machine.vehicle_port(), sensors);
+}
+
+std::unique_ptr<WorldSensor> make_world_power_unit(StationIndex station, sim::Machine& machine) {
+  if (machine.power_unit_port() == nullptr) {
+    throw std::invalid_argument("the machine has no engine with pumps for an engine controller");
+  }
+  return std::make_unique<WorldPowerUnit>(station, *machine.power_unit_port());
 }
 
 }  // namespace rigwire::hil

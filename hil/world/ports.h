@@ -30,4 +30,9 @@ namespace rigwire::hil {
                                                               sim::Machine& machine,
                                                               sim::VehicleSensors sensors);
 
+/// Engine and pumps: a PowerUnitSample for each instant of the plan, every PowerUnitCommand to the
+/// machine. The machine must outlive it. Throws std::invalid_argument when it has none.
+[[nodiscard]] std::unique_ptr<WorldSensor> make_world_power_unit(StationIndex station,
+                                                                 sim::Machine& machine);
+
 }  // namespace rigwire::hil

@@ -60,7 +60,7 @@ struct Reading {
   if (width == 10) {
     return 1000;
   }
-  return width == 4 ? 0xDU : (0xFBU << (width - 8)) - 1U;
+  return width < 8 ? 0xDU : (0xFBU << (width - 8)) - 1U;
 }
 /// The raw value sent for an error; the least of the error values.
 [[nodiscard]] constexpr std::uint32_t error_value(unsigned width) {

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <span>
 
+#include "protocols/markup.h"
+
 namespace rigwire::protocols::socketcand {
 namespace {
 
@@ -170,27 +172,6 @@ std::string time_text(Stamp stamp) {
                static_cast<long long>(stamp.count() % kPerSecond));
 }
 
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '<':
-        result += "&lt;";
-        break;
-      case '&':
-        result += "&amp;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-        break;
-    }
-  }
-  return result;
-}
-
 }  // namespace
 
 Command parse_command(std::string_view element) {
@@ -249,11 +230,12 @@ std::string statistics_element(const Statistics& s) {
 
 std::string beacon(std::string_view name, std::string_view description, std::string_view address,
                    std::uint16_t port, const std::vector<std::string>& buses) {
-  std::string text = "<CANBeacon name=\"" + escaped(name) + "\" type=\"SocketCAN\" description=\"" +
-                     escaped(description) + "\">\n<URL>can://" + std::string(address) + ":" +
-                     std::to_string(port) + "</URL>";
+  std::string text = "<CANBeacon name=\"" + escape_markup(name) +
+                     "\" type=\"SocketCAN\" description=\"" + escape_markup(description) +
+                     "\">\n<URL>can://" + std::string(address) + ":" + std::to_string(port) +
+                     "</URL>";
   for (const std::string& bus : buses) {
-    text += "<Bus name=\"" + escaped(bus) + "\"/>";
+    text += "<Bus name=\"" + escape_markup(bus) + "\"/>";
   }
   return text + "</CANBeacon>";
 }

@@ -1,6 +1,7 @@
 // Engine: its state (EEC1, EEC2, EEC3) and the request to it (TSC1).
 #pragma once
 
+#include "protocols/can/frame.h"
 #include "protocols/vehicle/message.h"
 
 namespace rigwire::protocols::vehicle {
@@ -80,7 +81,7 @@ enum class OverrideMode : std::uint8_t {
   limit = 3,  ///< Speed and torque are upper limits for somebody else's demand.
 };
 
-/// Torque/Speed Control 1, addressed. Counter and checksum are sent as ones (not used).
+/// Torque/Speed Control 1, addressed.
 struct Tsc1 {
   static constexpr Group kGroup{"TSC1", 0, 3, std::chrono::milliseconds{10}};
 
@@ -89,6 +90,8 @@ struct Tsc1 {
   std::uint8_t priority = 3;            ///< 2 bits: 0 highest .. 3 lowest.
   double speed_radps = kNotAvailable;   ///< Requested, or limit.
   double torque_share = kNotAvailable;  ///< Requested, or limit.
+  std::uint8_t counter = 0xF;           ///< 4 bits, 0 .. 7 in turn; ones: not used.
+  std::uint8_t checksum = 0xF;          ///< 4 bits, torque_speed_checksum(); ones: not used.
 
   static constexpr auto parameters() {
     return std::array{
@@ -97,9 +100,18 @@ struct Tsc1 {
         code("override mode priority", 897, {1, 5}, 2, &Tsc1::priority),
         number("requested speed", 898, {2}, 16, kShaftSpeed, &Tsc1::speed_radps),
         number("requested torque", 518, {4}, 8, kTorqueShare, &Tsc1::torque_share),
+        code("message counter", 4206, {8, 1}, 4, &Tsc1::counter),
+        code("message checksum", 4207, {8, 5}, 4, &Tsc1::checksum),
     };
   }
 };
 static_assert(is_well_formed<Tsc1>());
+
+/// Whether a request has the numbers that its mode is about.
+[[nodiscard]] bool is_complete(const Tsc1& request);
+
+/// What closes a TSC1: over the first seven bytes of its frame, its counter and the four bytes of
+/// its identifier. Source: SAE J1939-71, SPN 4207, as Deutz, Parker and Enovation cite it.
+[[nodiscard]] std::uint8_t torque_speed_checksum(const can::Frame& frame);
 
 }  // namespace rigwire::protocols::vehicle

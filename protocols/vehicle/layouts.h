@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "protocols/can/message_layout.h"
 #include "protocols/vehicle/message.h"
@@ -39,6 +40,12 @@ template <class Message>
                                                     : code_layout(row.field));
   }
   return message;
+}
+
+/// Appends those of several messages, each with its own period.
+template <class... Messages>
+void append_layouts(std::vector<can::MessageLayout>& list, const LayoutEnds& ends) {
+  (list.push_back(layout<Messages>(ends)), ...);
 }
 
 /// DM1 or DM2 with at most one code, which is one frame.

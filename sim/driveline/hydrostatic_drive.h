@@ -21,7 +21,6 @@
 
 #include <array>
 #include <cstddef>
-#include <numbers>
 
 #include "fields/rules.h"
 #include "sim/contact/bristle.h"
@@ -41,8 +40,8 @@ struct HydrostaticDriveParameters {
   double ramp_mps2 = 0.8;                     ///< Of the set point.
   double swash_time_constant_s = 0.1;
   double speed_max_mps = 11.5 / 3.6;
-  double engine_idle_radps = 900.0 * std::numbers::pi / 30.0;
-  double engine_rated_radps = 2200.0 * std::numbers::pi / 30.0;
+  double engine_idle_radps = rpm(900);
+  double engine_rated_radps = rpm(2200);
   double engine_torque_nm = 265.0;   ///< Greatest.
   double engine_drag_nm = 40.0;      ///< The engine's own friction, beside that torque.
   double engine_inertia_kgm2 = 0.6;  ///< For its data sheet.

@@ -26,7 +26,7 @@ constexpr auto kFront = static_cast<std::size_t>(Differential::front);
 constexpr auto kCentre = static_cast<std::size_t>(Differential::centre);
 constexpr auto kRear = static_cast<std::size_t>(Differential::rear);
 
-std::string rpm(double rate_radps) {
+std::string in_rpm(double rate_radps) {
   return in("rpm").print(rate_radps);
 }
 
@@ -40,19 +40,19 @@ void check_gears(const std::vector<double>& ratios, const char* key, std::size_t
 void check_clutch(const ClutchParameters& clutch, const EngineParameters& engine) {
   fields::require(
       clutch.open_radps > 0.5 * engine.idle_radps && clutch.open_radps < engine.maximum_radps,
-      "clutch.open", rpm(clutch.open_radps),
-      "between half of engine.idle, " + rpm(0.5 * engine.idle_radps) + ", and engine.maximum, " +
-          rpm(engine.maximum_radps));
+      "clutch.open", in_rpm(clutch.open_radps),
+      "between half of engine.idle, " + in_rpm(0.5 * engine.idle_radps) + ", and engine.maximum, " +
+          in_rpm(engine.maximum_radps));
 }
 
 }  // namespace
 
 std::vector<TorquePoint> unimog_full_load() {
-  return {{600 * kRadpsPerRpm, 450.0},
-          {1000 * kRadpsPerRpm, 760.0},
-          {1200 * kRadpsPerRpm, 900.0},
-          {1600 * kRadpsPerRpm, 900.0},
-          {2200 * kRadpsPerRpm, 737.9}};
+  return {{rpm(600), 450.0},
+          {rpm(1000), 760.0},
+          {rpm(1200), 900.0},
+          {rpm(1600), 900.0},
+          {rpm(2200), 737.9}};
 }
 
 double EngineParameters::greatest_torque_nm() const {
@@ -93,21 +93,20 @@ EngineConditionParameters utility_vehicle_engine() {
 
 CvtParameters::CvtParameters() {
   // 50.7 Nm at 3200 rpm are the maker's 17 kW.
-  engine.full_load = {
-      {1200 * kRadpsPerRpm, 44.0}, {2200 * kRadpsPerRpm, 56.0}, {3200 * kRadpsPerRpm, 50.7}};
+  engine.full_load = {{rpm(1200), 44.0}, {rpm(2200), 56.0}, {rpm(3200), 50.7}};
   engine.inertia_kgm2 = 0.12;
   engine.drag_nm = 4.0;
   engine.drag_nmsprad = 0.02;
-  engine.idle_radps = 1250 * kRadpsPerRpm;
-  engine.maximum_radps = 3200 * kRadpsPerRpm;
-  engine.cut_off_radps = 3500 * kRadpsPerRpm;
+  engine.idle_radps = rpm(1250);
+  engine.maximum_radps = rpm(3200);
+  engine.cut_off_radps = rpm(3500);
   engine.governor_nmsprad = 6.0;
   engine.torque_lag_s = 0.1;
   engine.condition = utility_vehicle_engine();
   clutch.centrifugal = true;
   clutch.capacity_nm = 90.0;
-  clutch.open_radps = 1450 * kRadpsPerRpm;
-  clutch.full_radps = 2000 * kRadpsPerRpm;
+  clutch.open_radps = rpm(1450);
+  clutch.full_radps = rpm(2000);
   // Overall 40 (low, launch) to 7.6 (high, top).
   axles.drive = AxleDrive::switchable_front;
   axles.lockable = {false, true, true};
@@ -232,19 +231,19 @@ void validate(const EngineParameters& p) {
   for (std::size_t i = 1; i < p.full_load.size(); ++i) {
     const double before_radps = p.full_load[i - 1].speed_radps;
     fields::require(p.full_load[i].speed_radps > before_radps,
-                    "full_load." + std::to_string(i) + ".speed", rpm(p.full_load[i].speed_radps),
-                    "above the point before, " + rpm(before_radps));
+                    "full_load." + std::to_string(i) + ".speed", in_rpm(p.full_load[i].speed_radps),
+                    "above the point before, " + in_rpm(before_radps));
   }
-  fields::require(p.maximum_radps > p.idle_radps, "maximum", rpm(p.maximum_radps),
-                  "above idle, " + rpm(p.idle_radps));
-  fields::require(p.cut_off_radps > p.maximum_radps, "cut_off", rpm(p.cut_off_radps),
-                  "above maximum, " + rpm(p.maximum_radps));
+  fields::require(p.maximum_radps > p.idle_radps, "maximum", in_rpm(p.maximum_radps),
+                  "above idle, " + in_rpm(p.idle_radps));
+  fields::require(p.cut_off_radps > p.maximum_radps, "cut_off", in_rpm(p.cut_off_radps),
+                  "above maximum, " + in_rpm(p.maximum_radps));
 }
 
 void validate(const ClutchParameters& p) {
   fields::check(p);
-  fields::require(p.full_radps > p.open_radps, "full", rpm(p.full_radps),
-                  "above open, " + rpm(p.open_radps));
+  fields::require(p.full_radps > p.open_radps, "full", in_rpm(p.full_radps),
+                  "above open, " + in_rpm(p.open_radps));
 }
 
 void validate(const AxleParameters& p) {
@@ -266,8 +265,8 @@ void validate(const VariatorParameters& p) {
   check_gears(p.ranges, "ranges", 1);
   fields::require(p.launch_ratio >= p.top_ratio, "launch_ratio", plain().print(p.launch_ratio),
                   "at least top_ratio, " + plain().print(p.top_ratio));
-  fields::require(p.shift_to_radps > p.shift_from_radps, "shift_to", rpm(p.shift_to_radps),
-                  "above shift_from, " + rpm(p.shift_from_radps));
+  fields::require(p.shift_to_radps > p.shift_from_radps, "shift_to", in_rpm(p.shift_to_radps),
+                  "above shift_from, " + in_rpm(p.shift_from_radps));
 }
 
 void validate(const GearedParameters& p) {

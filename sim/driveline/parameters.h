@@ -9,7 +9,6 @@
 #pragma once
 
 #include <array>
-#include <numbers>
 #include <variant>
 #include <vector>
 
@@ -18,8 +17,6 @@
 #include "sim/samples/vehicle_sample.h"
 
 namespace rigwire::sim {
-
-inline constexpr double kRadpsPerRpm = std::numbers::pi / 30.0;
 
 /// A point of the full-load curve; linear between points, constant outside them.
 struct TorquePoint {
@@ -39,9 +36,9 @@ struct EngineParameters {
   double inertia_kgm2 = 1.3;   ///< Crank, flywheel, clutch disc.
   double drag_nm = 60.0;       ///< Friction at standstill, extrapolated.
   double drag_nmsprad = 0.35;  ///< Growth of the friction with speed.
-  double idle_radps = 700 * kRadpsPerRpm;
-  double maximum_radps = 2200 * kRadpsPerRpm;  ///< Full torque up to here, ...
-  double cut_off_radps = 2400 * kRadpsPerRpm;  ///< ... none from here on.
+  double idle_radps = rpm(700);
+  double maximum_radps = rpm(2200);  ///< Full torque up to here, ...
+  double cut_off_radps = rpm(2400);  ///< ... none from here on.
   double governor_nmsprad = 180.0;   ///< Idle and set-speed governor: torque per missing speed.
   double governor_integral_s = 1.0;  ///< Time in which the set-speed governor repeats it.
   double torque_lag_s = 0.15;        ///< Accelerator to torque, first order.
@@ -63,8 +60,8 @@ void validate(const EngineParameters& parameters);
 struct ClutchParameters {
   bool centrifugal = false;  ///< Goes by the engine's speed; an automatic by the faster side's.
   double capacity_nm = 1400.0;
-  double open_radps = 740 * kRadpsPerRpm;
-  double full_radps = 1050 * kRadpsPerRpm;
+  double open_radps = rpm(740);
+  double full_radps = rpm(1050);
 
   friend bool operator==(const ClutchParameters&, const ClutchParameters&) = default;
 };
@@ -135,8 +132,8 @@ void visit(fields::Visitor& v, GearedParameters& p);
 struct VariatorParameters {
   double launch_ratio = 2.8;
   double top_ratio = 0.8;
-  double shift_from_radps = 2000 * kRadpsPerRpm;
-  double shift_to_radps = 3200 * kRadpsPerRpm;
+  double shift_from_radps = rpm(2000);
+  double shift_to_radps = rpm(3200);
   double lag_s = 0.25;  ///< Of the sheaves, first order.
   /// Range groups: gear 1, 2 ...; their ratio between variator and axle.
   std::vector<double> ranges = std::vector<double>(1, 1.0);

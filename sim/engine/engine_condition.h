@@ -35,14 +35,14 @@ struct EngineConditionParameters {
   double oil_rise_k = 20.0;
   double oil_lag_s = 120.0;
   double oil_relief_pa = 4.0e5;
-  double oil_relief_radps = 125.66370614359172;  ///< 1200 rpm.
+  double oil_relief_radps = rpm(1200);
   double fuel_pressure_pa = 5.0e5;
   double coolant_level = 1.0;
   double oil_level = 0.9;
   double charging_v = 28.2;
   double rest_v = 25.2;
   double consumers_a = 20.0;
-  double alternator_radps = 52.35987755982989;  ///< 500 rpm; below it does not charge.
+  double alternator_radps = rpm(500);  ///< Below it does not charge.
 
   friend bool operator==(const EngineConditionParameters&,
                          const EngineConditionParameters&) = default;

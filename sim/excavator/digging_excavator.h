@@ -49,6 +49,7 @@ class DiggingExcavator final : public Machine {
   /// The excavator's, and the ends of the bucket's lip.
   [[nodiscard]] std::vector<BodyPoint> body_points() const override;
   [[nodiscard]] ValvePort* valve_port() override { return excavator_.valve_port(); }
+  [[nodiscard]] PowerUnitPort* power_unit_port() override { return excavator_.power_unit_port(); }
   /// The lip of the bucket, while soil goes in or out: dust by the height from which it falls. The
   /// flow is smoothed over a tenth of a second, which keeps its volume.
   [[nodiscard]] std::span<const DustEmitter> dust_emitters() const override { return {&dust_, 1}; }

@@ -19,8 +19,14 @@ constexpr std::array<StatusQuantity, 6> kStatusQuantities{{{"swing", "deg"},
                                                            {"bucket", "deg"},
                                                            {"tip height", "m"},
                                                            {"supply", "bar"}}};
-constexpr std::array<TruthField, 4> kTruthFields{
-    {{"joint_rad", 4}, {"joint_rate_radps", 4}, {"spool", 4}, {"bucket_tip_m", 3}}};
+constexpr std::array<TruthField, 7> kTruthFields{{{"joint_rad", 4},
+                                                  {"joint_rate_radps", 4},
+                                                  {"spool", 4},
+                                                  {"bucket_tip_m", 3},
+                                                  {"engine_radps", 1},
+                                                  {"engine_torque_nm", 1},
+                                                  {"pump_flow_m3ps", 1}}};
+constexpr std::size_t kWithoutEngine = 4;  ///< Of these, on pumps constant.
 
 const ExcavatorParameters& validated(const ExcavatorParameters& parameters) {
   validate(parameters);
@@ -56,6 +62,9 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
       spools_{Spool(parameters.swing_spool), Spool(parameters.boom_spool),
               Spool(parameters.stick_spool), Spool(parameters.bucket_spool)},
       inner_span_(std::max(Duration{1}, from_seconds(parameters.step_s))) {
+  if (parameters.pumps == ExcavatorPumps::engine) {
+    power_unit_.emplace(parameters.power_unit, parameters.supply);
+  }
   // Force per pressure: a cylinder's areas; for the swing motor, torque by displacement per radian.
   areas_[0] = {parameters.swing_displacement_m3prad, parameters.swing_displacement_m3prad};
   const CylinderParameters* cylinders[] = {&parameters.boom_cylinder, &parameters.stick_cylinder,
@@ -84,7 +93,7 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
     };
     const double low_lever = std::abs(linkages().at(joint, range.q_min_rad()).lever_m);
     const double high_lever = std::abs(linkages().at(joint, range.q_max_rad()).lever_m);
-    const auto at = static_cast<std::size_t>(2 * (joint + 1));
+    const auto at = 2 * (static_cast<std::size_t>(joint) + 1);
     hard_limits_rad_[at] = angle(range.q_min_rad(), low_lever, -1.0);
     hard_limits_rad_[at + 1] = angle(range.q_max_rad(), high_lever, 1.0);
   }
@@ -200,6 +209,13 @@ ValveSample Excavator::valve_sample(SimTime time) const {
   return sample;
 }
 
+PowerUnitSample Excavator::power_unit_sample(SimTime time) const {
+  PowerUnitSample sample = power_unit_->sample();
+  sample.time = time;
+  sample.pump_pressure_pa = supply_pressure_pa_;
+  return sample;
+}
+
 std::span<const std::string_view> Excavator::link_names() const {
   return kExcavatorLinks;
 }
@@ -217,7 +233,7 @@ void Excavator::read_status(std::span<double> values) const {
 }
 
 std::span<const TruthField> Excavator::truth_fields() const {
-  return kTruthFields;
+  return std::span(kTruthFields).first(power_unit_ ? kTruthFields.size() : kWithoutEngine);
 }
 
 void Excavator::read_truth(std::span<double> values) const {
@@ -228,6 +244,11 @@ void Excavator::read_truth(std::span<double> values) const {
   }
   const Eigen::Vector3d tip = tip_W();
   std::copy_n(tip.data(), 3, values.begin() + 12);
+  if (power_unit_) {
+    values[15] = power_unit_->speed_radps();
+    values[16] = power_unit_->torque_nm();
+    values[17] = power_unit_->pump_flow_m3ps();
+  }
 }
 
 std::vector<BodyPoint> Excavator::body_points() const {

@@ -1,8 +1,9 @@
 // The excavator as its sensors and its valve driver meet it: spool commands in, motion of every
 // link and the readings of the valve block out.
 //
-// Chain per inner step: spool lag and dead band -> requested flows -> pump's share -> the drives of
-// the level asked for (ExcavatorLevel) with relief and end stops -> joint motion (driven_arm.h).
+// Chain per inner step: spool lag and dead band -> requested flows -> pump's share, of what the
+// engine lets it give (power_unit.h) -> the drives of the level asked for (ExcavatorLevel) with
+// relief and end stops -> joint motion (driven_arm.h) -> the pumps' load on the engine.
 // Valve sections, everywhere in this class: 0 swing, 1 boom, 2 stick, 3 bucket; sections 4 .. 7 are
 // empty. A positive opening turns left, lifts the boom, and draws in stick and bucket: it sends oil
 // to port A and extends the cylinder.
@@ -25,6 +26,7 @@
 #include "sim/excavator/carried_arm.h"
 #include "sim/excavator/driven_arm.h"
 #include "sim/excavator/parameters.h"
+#include "sim/excavator/power_unit.h"
 #include "sim/hydraulics/chambers.h"
 #include "sim/hydraulics/spool.h"
 #include "sim/hydraulics/supply.h"
@@ -45,7 +47,7 @@ inline constexpr std::array<std::string_view, kLinks> kExcavatorLinks{"undercarr
 inline constexpr std::array<std::string_view, kArmJoints> kExcavatorActuators{"swing", "boom",
                                                                               "stick", "bucket"};
 
-class Excavator final : public Machine, public ValvePort {
+class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
  public:
   /// X_WC: the undercarriage's pose in the world. The machine starts at rest in parameters.initial,
   /// valves closed, drives carrying the load. Throws std::invalid_argument as validate does, and
@@ -62,6 +64,8 @@ class Excavator final : public Machine, public ValvePort {
   [[nodiscard]] std::span<const std::string_view> actuators() const override {
     return kExcavatorActuators;
   }
+  /// What the engine's controller asks for. Precondition: pumps engine, as of the three below.
+  void command(const PowerUnitCommand& command) override { power_unit_->command(command); }
 
   /// Advances the machine, dividing `span` into inner steps of parameters.step_s and a remainder:
   /// one call with N steps gives the same bits as N calls. span <= 0 changes nothing, not one bit.
@@ -84,7 +88,8 @@ class Excavator final : public Machine, public ValvePort {
   [[nodiscard]] std::span<const StatusQuantity> status_quantities() const override;
   void read_status(std::span<double> values) const override;
 
-  /// joint_rad 4, joint_rate_radps 4, spool 4, bucket_tip_m 3 (in the world).
+  /// joint_rad 4, joint_rate_radps 4, spool 4, bucket_tip_m 3 (in the world); of pumps engine
+  /// engine_radps 1, engine_torque_nm 1, pump_flow_m3ps 1.
   [[nodiscard]] std::span<const TruthField> truth_fields() const override;
   void read_truth(std::span<double> values) const override;
 
@@ -92,6 +97,11 @@ class Excavator final : public Machine, public ValvePort {
   [[nodiscard]] std::vector<BodyPoint> body_points() const override;
 
   [[nodiscard]] ValvePort* valve_port() override { return this; }
+  /// None of pumps constant.
+  [[nodiscard]] PowerUnitPort* power_unit_port() override { return power_unit_ ? this : nullptr; }
+  [[nodiscard]] PowerUnitSample power_unit_sample(SimTime time) const override;
+  [[nodiscard]] EngineData engine_data() const override { return power_unit_->engine_data(); }
+  [[nodiscard]] const PowerUnit& power_unit() const { return *power_unit_; }
 
   /// What the transducers read, stamped with `time`. Pressures are the chambers' own at that level,
   /// tank pressure at level kinematic, and otherwise the drives' forces over the areas (supply.h);
@@ -152,6 +162,7 @@ class Excavator final : public Machine, public ValvePort {
 
   void inner_step(double h);
   void share_flow();
+  void drive_pumps(double h);
   /// Target speed that the cushion and the stroke's end allow.
   [[nodiscard]] double limited_flow(std::size_t section, double flow_m3ps) const;
   /// Speeds of the drives that the granted flows make, the stroke's ends left whole.
@@ -199,6 +210,7 @@ class Excavator final : public Machine, public ValvePort {
   std::array<double, kArmJoints> flow_{};
   std::array<PortPressures, kArmJoints> ports_{};
   double supply_pressure_pa_ = 0.0;
+  std::optional<PowerUnit> power_unit_;
   BucketLoad bucket_load_;
   std::array<double, kTipResistances> resistance_n_{};
   std::array<LinkMotion, kLinks> links_;

@@ -41,13 +41,25 @@ void Excavator::inner_step(double h) {
       break;
   }
   update_pressures(h);
+  if (power_unit_) {
+    drive_pumps(h);
+  }
+}
+
+void Excavator::drive_pumps(double h) {
+  double taken_m3ps = 0.0;
+  for (const double flow : flow_) {
+    taken_m3ps += std::abs(flow);
+  }
+  power_unit_->step(h, taken_m3ps, supply_pressure_pa_);
 }
 
 void Excavator::share_flow() {
   for (std::size_t i = 0; i < kArmJoints; ++i) {
     flow_[i] = floating_[i] ? 0.0 : limited_flow(i, spools_[i].flow_request_m3ps());
   }
-  const double share = flow_share(parameters_.supply, flow_, supply_pressure_pa_);
+  const SupplyParameters& supply = power_unit_ ? power_unit_->supply() : parameters_.supply;
+  const double share = flow_share(supply, flow_, supply_pressure_pa_);
   for (double& flow : flow_) {
     flow *= share;
   }

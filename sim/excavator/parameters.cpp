@@ -29,6 +29,10 @@ constexpr std::array<fields::Choice<ExcavatorCarrier>, 2> kExcavatorCarriers{
     {{ExcavatorCarrier::fixed, "fixed", "The undercarriage stands still."},
      {ExcavatorCarrier::moving, "moving", "It stands on tyres: rocks, slides, tips."}}};
 
+constexpr std::array<fields::Choice<ExcavatorPumps>, 2> kExcavatorPumps{
+    {{ExcavatorPumps::constant, "constant", "They turn as fast as ever, whatever they take."},
+     {ExcavatorPumps::engine, "engine", "An engine drives them and gives way under load."}}};
+
 /// Of figures that are computed and only shown.
 std::string text(double value) {
   std::ostringstream stream;
@@ -187,6 +191,8 @@ void visit(fields::Visitor& v, ExcavatorParameters& p) {
   v.number("swing_displacement", p.swing_displacement_m3prad, in("m3/rad").above(0),
            "Oil that motor and gear take per angle of swing.");
   v.section("supply", p.supply, "Pump and pressures.");
+  v.choice("pumps", p.pumps, kExcavatorPumps, "What drives the pumps.");
+  v.section("power_unit", p.power_unit, "Engine of pumps engine.");
   v.section("swing_spool", p.swing_spool, "Valve section 1, the swing's.");
   v.section("boom_spool", p.boom_spool, "Valve section 2, the boom's.");
   v.section("stick_spool", p.stick_spool, "Valve section 3, the stick's.");
@@ -217,6 +223,7 @@ void validate(const ExcavatorParameters& p) {
   fields::check(p);
   fields::require(p.payload_max_kg >= 0.0, "payload_max", in("kg").print(p.payload_max_kg),
                   ">= 0 kg");
+  validate(p.power_unit);
   fields::require(p.carrier != ExcavatorCarrier::moving || p.level != ExcavatorLevel::kinematic,
                   "carrier", "moving",
                   "fixed where level is kinematic: without forces nothing rocks");

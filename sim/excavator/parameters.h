@@ -20,6 +20,7 @@
 #include <numbers>
 
 #include "fields/rules.h"
+#include "sim/excavator/power_unit.h"
 #include "sim/hydraulics/parameters.h"
 #include "sim/integration_scheme.h"
 #include "sim/tyre/tyre.h"
@@ -39,6 +40,12 @@ enum class ExcavatorLevel {
 enum class ExcavatorCarrier {
   fixed,   ///< Stands still where it was put.
   moving,  ///< Stands on its tyres: rocks, slides, tips.
+};
+
+/// What the pumps hang on.
+enum class ExcavatorPumps {
+  constant,  ///< They turn as fast as ever, whatever they take: no engine.
+  engine,    ///< PowerUnit's: speed and torque are states.
 };
 
 /// What a moving undercarriage stands on: four wheels with their brakes locked, axles rigid.
@@ -145,6 +152,8 @@ struct ExcavatorParameters {
   double swing_displacement_m3prad = 2.14e-3;
 
   SupplyParameters supply;
+  ExcavatorPumps pumps = ExcavatorPumps::engine;
+  PowerUnitParameters power_unit;                             ///< Of pumps engine.
   SpoolParameters swing_spool{.flow_max_m3ps = 148.0 / 6e4};  ///< 11 rpm.
   SpoolParameters boom_spool{.flow_max_m3ps = 320.0 / 6e4};
   SpoolParameters stick_spool{.flow_max_m3ps = 280.0 / 6e4};

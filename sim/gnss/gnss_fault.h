@@ -1,5 +1,8 @@
-// What is done to a receiver's signals: a schedule of faults, and what they amount to at an
-// instant.
+// What is done to a receiver's signals: a book of faults, and what they amount to at an instant.
+//
+//   faults:
+//     - {type: jamming, at: 30 s, for: 10 s, loss: 15 dB}
+//     - {type: jump, at: 60 s, for: 5 s, offset: [20 m, 0 m, 0 m]}
 //
 // Overlaps: antenna faults and an outage leave no signal, whatever else goes on (a short-circuited
 // antenna is reported before an open one); jamming adds up in dB; jumps and spoof drifts add up in
@@ -7,35 +10,61 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
+#include <variant>
 
+#include "fields/rules.h"
+#include "sim/samples/fault_book.h"
 #include "sim/samples/gnss_sample.h"
-#include "sim/samples/time.h"
 
 namespace rigwire::sim {
 
-enum class GnssFaultKind : unsigned char {
-  outage,             ///< No signal arrives; the antenna itself is well.
-  jamming,            ///< Carrier-to-noise density falls, the noise floor rises.
-  spoof_drift,        ///< Strong false signals of all satellites, consistent, drift away.
-  jump,               ///< Ranges of a place beside the true one; signals otherwise true.
-  antenna_short,      ///< No signal, the antenna supply reports a short circuit.
-  antenna_open,       ///< No signal, the antenna supply reports no current.
-  correction_outage,  ///< Corrections (SBAS, service, RTK base) no longer arrive.
+struct OutageFault {
+  static constexpr fields::Named kNamed{"outage", "No signal arrives; the antenna is well."};
 };
+struct JammingFault {
+  static constexpr fields::Named kNamed{"jamming",
+                                        "Carrier-to-noise density falls, the noise floor rises."};
+
+  double loss_db = 20.0;
+};
+struct SpoofDriftFault {
+  static constexpr fields::Named kNamed{
+      "spoof_drift", "Strong false signals, consistent with each other, drift away."};
+
+  Eigen::Vector3d velocity_mps = Eigen::Vector3d::UnitX();  ///< East, north, up.
+  double clock_rate_mps = 0.0;                              ///< Of all ranges.
+};
+struct JumpFault {
+  static constexpr fields::Named kNamed{"jump", "The signals of a place beside the true one."};
+
+  Eigen::Vector3d offset_m{10.0, 0.0, 0.0};  ///< East, north, up.
+};
+struct AntennaShortFault {
+  static constexpr fields::Named kNamed{"antenna_short", "Short circuit of the antenna's supply."};
+};
+struct AntennaOpenFault {
+  static constexpr fields::Named kNamed{"antenna_open", "Nothing on the antenna's plug."};
+};
+struct CorrectionOutageFault {
+  static constexpr fields::Named kNamed{"correction_outage",
+                                        "Corrections (SBAS, service, RTK) no longer arrive."};
+};
+
+inline void visit(fields::Visitor&, OutageFault&) {}
+void visit(fields::Visitor& v, JammingFault& p);
+void visit(fields::Visitor& v, SpoofDriftFault& p);
+void visit(fields::Visitor& v, JumpFault& p);
+inline void visit(fields::Visitor&, AntennaShortFault&) {}
+inline void visit(fields::Visitor&, AntennaOpenFault&) {}
+inline void visit(fields::Visitor&, CorrectionOutageFault&) {}
 
 struct GnssFault {
-  GnssFaultKind kind = GnssFaultKind::outage;
-  Duration start{0};  ///< From the start of the run.
-  Duration duration = std::chrono::seconds{10};
-  double jamming_db = 20.0;                              ///< [0, 80].
-  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();    ///< Jump: east, north, up.
-  Eigen::Vector3d drift_mps = Eigen::Vector3d::UnitX();  ///< Spoofing: east, north, up.
-  double clock_drift_mps = 0.0;                          ///< Spoofing: of all ranges.
+  FaultPeriod when;
+  std::variant<OutageFault, JammingFault, SpoofDriftFault, JumpFault, AntennaShortFault,
+               AntennaOpenFault, CorrectionOutageFault>
+      what;
 };
-
-/// Throws std::invalid_argument naming the value and what is allowed.
-void validate(const GnssFault& fault);
+void visit(fields::Visitor& v, GnssFault& p);
 
 /// What all faults amount to.
 struct GnssFaultState {
@@ -50,7 +79,6 @@ struct GnssFaultState {
   double clock_offset_rate_mps = 0.0;
 };
 
-/// A fault lasts from its start up to, but not including, its end.
-[[nodiscard]] GnssFaultState fault_state(const std::vector<GnssFault>& faults, SimTime time);
+[[nodiscard]] GnssFaultState fault_state(const FaultBook<GnssFault>& faults, SimTime time);
 
 }  // namespace rigwire::sim

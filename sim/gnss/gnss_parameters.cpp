@@ -84,7 +84,7 @@ void validate(const GnssParameters& p) {
   }
   validate(p.clock);
   for (const GnssFault& fault : p.faults) {
-    validate(fault);
+    fields::check(fault);
   }
 }
 

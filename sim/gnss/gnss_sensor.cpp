@@ -60,6 +60,7 @@ GnssSensor::GnssSensor(const GnssParameters& parameters,
                        std::shared_ptr<const Constellation> constellation, const Calendar& calendar,
                        const LocalFrame& frame, std::uint64_t seed, std::string_view name)
     : parameters_(parameters),
+      faults_(parameters.faults),
       constellation_(checked(parameters, std::move(constellation))),
       calendar_(calendar),
       frame_(frame),
@@ -78,7 +79,7 @@ GnssSensor::GnssSensor(const GnssParameters& parameters, const Calendar& calenda
 GnssSensor::Epoch GnssSensor::begin(SimTime time, const LinkMotion& antenna) {
   Epoch epoch;
   epoch.clock = clock_.measure(time);
-  epoch.fault = fault_state(parameters_.faults, time);
+  epoch.fault = fault_state(faults_, time);
   Reception& reception = epoch.reception;
   reception.time = time;
   reception.gps = calendar_.gps(time);

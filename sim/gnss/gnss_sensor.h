@@ -106,6 +106,7 @@ class GnssSensor {
   void measure(std::span<const ReceivedSatellite> received, const Epoch& epoch, GnssSample& sample);
 
   GnssParameters parameters_;
+  FaultBook<GnssFault> faults_;
   std::shared_ptr<const Constellation> constellation_;
   Calendar calendar_;
   LocalFrame frame_;

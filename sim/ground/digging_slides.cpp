@@ -91,8 +91,9 @@ void DiggableTerrain::slide_from(std::size_t at) {
       wanted > loose_[at] ? static_cast<double>(loose_[at]) / static_cast<double>(wanted) : 1.0;
   std::int64_t moved = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto amount = std::min(
-        static_cast<std::int64_t>(scale * static_cast<double>(excess[i] / parts)), loose_[at]);
+    const std::int64_t part = excess[i] / parts;
+    const auto amount =
+        std::min(static_cast<std::int64_t>(scale * static_cast<double>(part)), loose_[at]);
     if (amount <= 0) {
       continue;
     }

@@ -8,11 +8,17 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 
 namespace rigwire {
 
 /// What a machine has no sensor for.
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+
+/// Revolutions per minute in rad/s, rounded as a file's "n rpm" is.
+[[nodiscard]] constexpr double rpm(double value) {
+  return value * std::numbers::pi / 30.0;
+}
 
 /// A point of the full-load curve with the friction that goes with it.
 struct EnginePoint {

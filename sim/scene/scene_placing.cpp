@@ -16,14 +16,14 @@ Transform to_transform(const Eigen::Isometry3d& X_WM, double scale,
   const Eigen::Matrix3d linear = scale * X_WM.linear();
   const Eigen::Vector3d translation = X_WM.translation() - origin_W;
   Transform transform{};
-  for (int column = 0; column < 3; ++column) {
-    for (int row = 0; row < 3; ++row) {
-      transform[static_cast<std::size_t>(column * 3 + row)] =
-          static_cast<float>(linear(row, column));
+  for (std::size_t column = 0; column < 3; ++column) {
+    for (std::size_t row = 0; row < 3; ++row) {
+      transform[column * 3 + row] = static_cast<float>(
+          linear(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)));
     }
   }
-  for (int row = 0; row < 3; ++row) {
-    transform[static_cast<std::size_t>(9 + row)] = static_cast<float>(translation(row));
+  for (std::size_t row = 0; row < 3; ++row) {
+    transform[9 + row] = static_cast<float>(translation(static_cast<Eigen::Index>(row)));
   }
   return transform;
 }

@@ -213,8 +213,10 @@ void carve(HeightField& field, const Track& track, std::uint64_t seed) {
     if (!std::isfinite(distance_m[node])) {
       continue;
     }
-    const double x = field.origin_m.x() + field.cell_m * static_cast<double>(node % field.columns);
-    const double y = field.origin_m.y() + field.cell_m * static_cast<double>(node / field.columns);
+    const std::size_t column = node % field.columns;
+    const std::size_t row = node / field.columns;
+    const double x = field.origin_m.x() + field.cell_m * static_cast<double>(column);
+    const double y = field.origin_m.y() + field.cell_m * static_cast<double>(row);
     // Graded way, over the shoulder back into the natural ground.
     const double beside = distance_m[node] - 0.5 * track.width_m;
     const double natural =

@@ -10,6 +10,7 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -38,10 +39,20 @@ class PtyTest : public ::testing::Test {
   std::string refusal() {
     try {
       const Pty pty(context, link);
+    } catch (const EndpointError&) {
+      return told(std::current_exception());
+    }
+    return "no EndpointError";
+  }
+  static std::string told(const std::exception_ptr& refused) {
+    if (refused == nullptr) {
+      return "no EndpointError";
+    }
+    try {
+      std::rethrow_exception(refused);
     } catch (const EndpointError& error) {
       return error.what();
     }
-    return "no EndpointError";
   }
 
   boost::asio::io_context context;
@@ -62,8 +73,15 @@ TEST_F(PtyTest, a_line_for_which_no_file_may_be_opened_names_the_limit_of_open_f
   for (const int more : {0, 1}) {
     const rlimit few{static_cast<rlim_t>(next + more), before.rlim_max};
     ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
-    const std::string said = refusal();
+    // Looked at later: what a sanitizer does with an exception may need a file.
+    std::exception_ptr refused;
+    try {
+      const Pty pty(context, link);
+    } catch (...) {
+      refused = std::current_exception();
+    }
     ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+    const std::string said = told(refused);
     EXPECT_THAT(said, HasSubstr("raise the limit of open files (ulimit -n)")) << said;
     EXPECT_THAT(said, testing::Not(HasSubstr("devpts")));
   }

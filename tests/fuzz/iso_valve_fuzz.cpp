@@ -25,10 +25,9 @@ emulators::IsoValveSettings settings() {
   settings.first_valve = 3;
   settings.levers[static_cast<std::size_t>(emulators::JoystickAxis::x1)] = "swing";
   settings.levers[static_cast<std::size_t>(emulators::JoystickAxis::theta2)] = "-bucket";
-  settings.amplifier.defects = {{emulators::ValveDefectKind::open_coil, 1, std::chrono::seconds(2),
-                                 std::chrono::seconds(1), 0.0},
-                                {emulators::ValveDefectKind::supply_voltage, 0,
-                                 std::chrono::seconds(5), std::chrono::seconds(1), 3.0}};
+  settings.amplifier.defects = {
+      {{std::chrono::seconds(2), std::chrono::seconds(1)}, emulators::OpenCoilDefect{1}},
+      {{std::chrono::seconds(5), std::chrono::seconds(1)}, emulators::SupplyVoltageDefect{3.0}}};
   return settings;
 }
 

@@ -34,6 +34,15 @@ record() {
 listeners() { cat /proc/net/can/rcvlist_* | grep -c " *$CAN .*raw" || true; }
 more_listeners_than() { [ "$(listeners)" -gt "$1" ]; }
 
+# listen_j1939 FILE: prints what the kernel's J1939 stack hears at address 0x20 into FILE; returns
+# when the stack follows $CAN. Its process id is in $listener.
+listen_j1939() {
+  stdbuf -oL testj1939 -B -P -r "$CAN:0x20" >"$1" 2>&1 &
+  # shellcheck disable=SC2034  # for the caller
+  listener=$!
+  wait_until 10 "the J1939 stack to follow $CAN" grep -q "$CAN .*j1939" /proc/net/can/rcvlist_*
+}
+
 # expect_line FILE PATTERN SECONDS: FILE has or will have a line that matches.
 expect_line() {
   if wait_until "$3" "a line like '$2' in $1" grep -Eq "$2" "$1"; then

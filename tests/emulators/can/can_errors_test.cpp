@@ -5,6 +5,7 @@
 
 #include "can_test_nodes.h"
 #include "emulators/can/can_bus.h"
+#include "fault_period.h"
 #include "protocols/can/bits.h"
 
 namespace rigwire::emulators {
@@ -41,12 +42,7 @@ class CanErrors : public testing::Test {
     bus_.attach(b_, device_b_);
   }
   void invert(unsigned bit, Duration begin, Duration end) {
-    CanBusFault fault;
-    fault.kind = CanBusFaultKind::disturbance;
-    fault.begin = begin;
-    fault.end = end;
-    fault.bit = static_cast<std::uint8_t>(bit);
-    bus_.set_faults({{fault}}, outside_);
+    bus_.set_faults({{{between(begin, end), DisturbanceFault{static_cast<int>(bit)}}}}, outside_);
   }
   /// One attempt of the worked frame is disturbed: after how many bits the next one begins.
   long bits_to_retransmission(unsigned bit) {
@@ -197,10 +193,7 @@ TEST_F(CanErrors, OneShotNodeDoesNotRepeatWhatAnErrorEnded) {
   Recorder outside;
   CanBusModel bus({});
   FrameOutput& a = bus.add_node(outside, {.one_shot = true});
-  CanBusFault fault;
-  fault.end = 100us;
-  fault.bit = std::uint8_t{20};
-  bus.set_faults({{fault}}, outside);
+  bus.set_faults({{{between(0us, 100us), DisturbanceFault{20}}}}, outside);
   a.send(kStart, worked_frame());
   a.send(kStart, standard(0x123));
   bus.advance(kStart + 1s);
@@ -274,10 +267,7 @@ TEST(CanAlone, PassiveTransmitterLeavesOthersEightBits) {
   FrameOutput& b = bus.add_node(outside);
   Listener device;
   bus.attach(b, device);
-  CanBusFault fault;
-  fault.end = 100ms;
-  fault.bit = std::uint8_t{20};
-  bus.set_faults({{fault}}, outside);
+  bus.set_faults({{{between(0ms, 100ms), DisturbanceFault{20}}}}, outside);
   a.send(kStart, standard(0x123));
   bus.advance(kStart + 3500us);  // Past sixteen attempts, before the thirty-second.
   ASSERT_EQ(bus.controller(a).state, ErrorState::passive);

@@ -3,11 +3,13 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "can_test_nodes.h"
 #include "emulators/can/can_bus.h"
 #include "emulators/random_bits.h"
+#include "fault_period.h"
 #include "protocols/can/bits.h"
 
 namespace rigwire::emulators {
@@ -28,19 +30,8 @@ using test::time_of;
 
 constexpr Duration kBit = 4us;
 
-CanBusFault fault(CanBusFaultKind kind, Duration begin, Duration end) {
-  CanBusFault result;
-  result.kind = kind;
-  result.begin = begin;
-  result.end = end;
-  return result;
-}
-
-CanBusFault intruder(const Frame& frame, Duration period, Duration begin, Duration end) {
-  CanBusFault result = fault(CanBusFaultKind::intruder, begin, end);
-  result.frame = frame;
-  result.period = period;
-  return result;
+CanFault fault(decltype(CanFault::what) what, Duration begin, Duration end) {
+  return {between(begin, end), std::move(what)};
 }
 
 class CanFaults : public testing::Test {
@@ -68,7 +59,7 @@ class CanFaults : public testing::Test {
 };
 
 TEST_F(CanFaults, ShortedBusTakesASenderOffAtTheExactBitAndItComesBack) {
-  bus_.set_faults({{fault(CanBusFaultKind::short_circuit, 0ms, 50ms)}}, intruders_);
+  bus_.set_faults({{fault(ShortCircuitFault{}, 0ms, 50ms)}}, intruders_);
   a_.send(kStart, standard(0x100));
   bus_.advance(kStart + 50ms);
   // Every dominant bit that reads recessive counts: start of frame and sixteen bits of error flags
@@ -85,7 +76,7 @@ TEST_F(CanFaults, ShortedBusTakesASenderOffAtTheExactBitAndItComesBack) {
 }
 
 TEST_F(CanFaults, DisturbanceDestroysEveryFrameOfItsTimeAndNoOther) {
-  bus_.set_faults({{fault(CanBusFaultKind::disturbance, 100ms, 103ms)}}, intruders_);
+  bus_.set_faults({{fault(DisturbanceFault{}, 100ms, 103ms)}}, intruders_);
   live(kStart, kStart + 200ms);
   for (const auto& [time, frame] : outside_.frames) {
     const SimTime begin = time - (exact_bits(frame) - 4) * kBit;
@@ -96,8 +87,7 @@ TEST_F(CanFaults, DisturbanceDestroysEveryFrameOfItsTimeAndNoOther) {
 }
 
 TEST_F(CanFaults, BitErrorsComeAtTheirRate) {
-  CanBusFault noise = fault(CanBusFaultKind::bit_errors, 0ms, 1h);
-  noise.probability = 1e-4;
+  const CanFault noise = fault(BitErrorsFault{1e-4}, 0ms, 1h);
   bus_.set_faults({{noise}, 7}, intruders_);
   live(kStart, kStart + 100s);
   const double bits = 20'000.0 * (exact_bits(standard(0x100)) - 3);
@@ -108,9 +98,7 @@ TEST_F(CanFaults, BitErrorsComeAtTheirRate) {
 }
 
 TEST_F(CanFaults, SenderWithAnotherRateGoesOffAndTheOthersGoOn) {
-  CanBusFault wrong = fault(CanBusFaultKind::wrong_rate, 100ms, 5s);
-  wrong.node = "b";
-  wrong.bit_rate_bps = 500'000;
+  const CanFault wrong = fault(WrongRateFault{"b", 500'000}, 100ms, 5s);
   bus_.set_faults({{wrong}}, intruders_);
   live(kStart, kStart + 4s);
   EXPECT_GT(bus_.counters(b_).bus_offs, 0U);
@@ -129,9 +117,7 @@ TEST_F(CanFaults, SenderWithAnotherRateGoesOffAndTheOthersGoOn) {
 // for lost arbitration. The others' flags follow, so each attempt counts 1 + 8 for the culprit, and
 // the fifteenth makes it passive.
 TEST_F(CanFaults, QuickerReaderDestroysFramesUntilItIsPassive) {
-  CanBusFault wrong = fault(CanBusFaultKind::wrong_rate, 0ms, 5s);
-  wrong.node = "b";
-  wrong.bit_rate_bps = 500'000;
+  const CanFault wrong = fault(WrongRateFault{"b", 500'000}, 0ms, 5s);
   bus_.set_faults({{wrong}}, intruders_);
   a_.send(kStart, standard(0x155));
   bus_.advance(kStart + 1s);
@@ -144,9 +130,7 @@ TEST_F(CanFaults, QuickerReaderDestroysFramesUntilItIsPassive) {
 
 // Its flag lasts longer than what the others tolerate after their own: the sender pays.
 TEST_F(CanFaults, SlowerReaderTakesTheSenderOff) {
-  CanBusFault wrong = fault(CanBusFaultKind::wrong_rate, 0ms, 5s);
-  wrong.node = "b";
-  wrong.bit_rate_bps = 125'000;
+  const CanFault wrong = fault(WrongRateFault{"b", 125'000}, 0ms, 5s);
   bus_.set_faults({{wrong}}, intruders_);
   a_.send(kStart, standard(0x155));
   bus_.advance(kStart + 1s);
@@ -156,7 +140,8 @@ TEST_F(CanFaults, SlowerReaderTakesTheSenderOff) {
 }
 
 TEST_F(CanFaults, BabblerWithAnUrgentIdentifierSilencesEverybody) {
-  bus_.set_faults({{intruder(standard(0x000), 100us, 1s, 2s)}}, intruders_);
+  const IntruderFault babbler{"000#0000000000000000", 100us};
+  bus_.set_faults({{fault(babbler, 1s, 2s)}}, intruders_);
   live(kStart, kStart + 3s);
   std::uint64_t within = 0;
   for (const auto& [time, frame] : outside_.frames) {
@@ -166,14 +151,12 @@ TEST_F(CanFaults, BabblerWithAnUrgentIdentifierSilencesEverybody) {
   EXPECT_GT(bus_.counters(a_).overflowed, 50U);
   const double second_bits = 250'000.0;
   EXPECT_NEAR(static_cast<double>(intruders_.frames.size()),
-              second_bits / exact_bits(standard(0x000)), 2.0);
+              second_bits / exact_bits(frame_of(babbler)), 2.0);
   EXPECT_TRUE(conserved(bus_.counters(a_)));
 }
 
 TEST_F(CanFaults, DuplicateOfAnIdentifierInUseMakesCollisions) {
-  Frame duplicate = standard(0x100);
-  duplicate.data[7] = 0xFF;
-  bus_.set_faults({{intruder(duplicate, 10ms, 0s, 1s)}}, intruders_);
+  bus_.set_faults({{fault(IntruderFault{"100#00000000000000FF", 10ms}, 0s, 1s)}}, intruders_);
   live(kStart, kStart + 1s);
   EXPECT_GT(bus_.collisions(), 50U);
   EXPECT_GT(bus_.error_frames(), 50U);
@@ -181,8 +164,7 @@ TEST_F(CanFaults, DuplicateOfAnIdentifierInUseMakesCollisions) {
 }
 
 TEST_F(CanFaults, DisconnectedNodeIsAloneAndTheOthersDoNotNotice) {
-  CanBusFault broken = fault(CanBusFaultKind::disconnected, 100ms, 1s);
-  broken.node = "b";
+  const CanFault broken = fault(DisconnectedFault{"b"}, 100ms, 1s);
   bus_.set_faults({{broken}}, intruders_);
   live(kStart, kStart + 900ms);
   EXPECT_EQ(bus_.counters(b_).sent, 10U);
@@ -197,8 +179,7 @@ TEST_F(CanFaults, DisconnectedNodeIsAloneAndTheOthersDoNotNotice) {
 }
 
 TEST_F(CanFaults, ClientOnABrokenStubHearsNothing) {
-  CanBusFault broken = fault(CanBusFaultKind::disconnected, 0ms, 1s);
-  broken.node = "outside";
+  const CanFault broken = fault(DisconnectedFault{"client"}, 0ms, 1s);
   bus_.set_faults({{broken}}, intruders_);
   live(kStart, kStart + 990ms);
   EXPECT_TRUE(outside_.frames.empty());
@@ -208,24 +189,17 @@ TEST_F(CanFaults, ClientOnABrokenStubHearsNothing) {
 }
 
 TEST_F(CanFaults, AreCheckedAtSetUp) {
-  const auto refused = [this](const CanBusFault& bad) {
+  const auto refused = [this](const CanFault& bad) {
     EXPECT_THROW(bus_.set_faults({{bad}}, intruders_), std::invalid_argument);
   };
-  refused(fault(CanBusFaultKind::disturbance, 1s, 1s));
-  refused(fault(CanBusFaultKind::bit_errors, 0s, 1s));
-  CanBusFault nobody = fault(CanBusFaultKind::disconnected, 0s, 1s);
-  nobody.node = "c";
-  refused(nobody);
-  CanBusFault rate = fault(CanBusFaultKind::wrong_rate, 0s, 1s);
-  rate.node = "a";
-  rate.bit_rate_bps = 5000;
-  refused(rate);
-  refused(intruder(standard(0x800), 1ms, 0s, 1s));
-  refused(intruder(standard(0x100), 1us, 0s, 1s));
-  CanBusFault first = fault(CanBusFaultKind::disconnected, 0s, 2s);
-  first.node = "a";
-  CanBusFault second = fault(CanBusFaultKind::disconnected, 1s, 3s);
-  second.node = "a";
+  refused(fault(DisturbanceFault{}, 1s, 1s));
+  refused(fault(BitErrorsFault{0.0}, 0s, 1s));
+  refused(fault(DisconnectedFault{"c"}, 0s, 1s));
+  refused(fault(WrongRateFault{"a", 5000}, 0s, 1s));
+  refused(fault(IntruderFault{"800#", 1ms}, 0s, 1s));
+  refused(fault(IntruderFault{"100#", 1us}, 0s, 1s));
+  const CanFault first = fault(DisconnectedFault{"a"}, 0s, 2s);
+  const CanFault second = fault(DisconnectedFault{"a"}, 1s, 3s);
   EXPECT_THROW(bus_.set_faults({{first, second}}, intruders_), std::invalid_argument);
   EXPECT_THROW((void)bus_.add_node(outside_, {.name = "a"}), std::invalid_argument);
 }
@@ -239,13 +213,9 @@ struct Outcome {
 
 /// Everything at once: random traffic of five nodes and the client, and every fault.
 Outcome storm(bool by_events) {
-  CanBusFault noise = fault(CanBusFaultKind::bit_errors, 0ms, 1h);
-  noise.probability = 1e-3;
-  CanBusFault rate = fault(CanBusFaultKind::wrong_rate, 300ms, 500ms);
-  rate.node = "n1";
-  rate.bit_rate_bps = 200'000;
-  CanBusFault stub = fault(CanBusFaultKind::disconnected, 600ms, 900ms);
-  stub.node = "n2";
+  const CanFault noise = fault(BitErrorsFault{1e-3}, 0ms, 1h);
+  const CanFault rate = fault(WrongRateFault{"n1", 200'000}, 300ms, 500ms);
+  const CanFault stub = fault(DisconnectedFault{"n2"}, 600ms, 900ms);
   Recorder outside;
   Client client;
   CanBusModel bus({250'000, 8});
@@ -259,9 +229,9 @@ Outcome storm(bool by_events) {
     settings.restart_after = 10ms;
     nodes.push_back(&bus.add_node(outside, settings));
   }
-  bus.set_faults({{noise, rate, stub, fault(CanBusFaultKind::disturbance, 1000ms, 1020ms),
-                   fault(CanBusFaultKind::short_circuit, 1200ms, 1210ms),
-                   intruder(standard(0x080), 3ms, 100ms, 1400ms)},
+  bus.set_faults({{noise, rate, stub, fault(DisturbanceFault{}, 1000ms, 1020ms),
+                   fault(ShortCircuitFault{}, 1200ms, 1210ms),
+                   fault(IntruderFault{"080#0000000000000000", 3ms}, 100ms, 1400ms)},
                   3},
                  outside);
   RandomBits random(11);

@@ -5,6 +5,7 @@
 
 #include "can_test_nodes.h"
 #include "emulators/can/can_bus.h"
+#include "fault_period.h"
 #include "protocols/can/bits.h"
 
 namespace rigwire::emulators {
@@ -100,10 +101,7 @@ TEST_F(CanOutsideTest, OneShotFailureIsConfirmedAsSuch) {
 
 TEST_F(CanOutsideTest, BusOffWaitsForTheClientToAsk) {
   bus_.set_client(kStart, {.restart_after = std::nullopt});
-  CanBusFault fault;
-  fault.end = 50ms;
-  fault.bit = std::uint8_t{20};
-  bus_.set_faults({{fault}}, outside_);
+  bus_.set_faults({{{between(0ms, 50ms), DisturbanceFault{20}}}}, outside_);
   bus_.receive(kStart, standard(0x123));
   bus_.advance(kStart + 10s);
   EXPECT_NE(time_of(client_.reports, ErrorState::bus_off), kNever);
@@ -123,10 +121,7 @@ TEST_F(CanOutsideTest, BusOffWaitsForTheClientToAsk) {
 
 TEST_F(CanOutsideTest, ReopeningABusOffControllerBringsItBackAtOnce) {
   bus_.set_client(kStart, {.restart_after = std::nullopt});
-  CanBusFault fault;
-  fault.end = 50ms;
-  fault.bit = std::uint8_t{20};
-  bus_.set_faults({{fault}}, outside_);
+  bus_.set_faults({{{between(0ms, 50ms), DisturbanceFault{20}}}}, outside_);
   bus_.receive(kStart, standard(0x123));
   bus_.advance(kStart + 1s);
   ASSERT_EQ(bus_.outside_controller().state, ErrorState::bus_off);

@@ -81,7 +81,12 @@ class AskedIsoValves : public IsoValvesTest {
   static IsoValveSettings named() {
     IsoValveSettings settings;
     settings.serial = 4711;
-    settings.identification = {"Maker", "VB4", "unit 7", "2.13", "1234-5", "C"};
+    settings.identification.make = "Maker";
+    settings.identification.model = "VB4";
+    settings.identification.unit_number = "unit 7";
+    settings.identification.software = "2.13";
+    settings.identification.part_number = "1234-5";
+    settings.identification.hardware = "C";
     return settings;
   }
   AskedIsoValves() : IsoValvesTest(named()) {}
@@ -231,12 +236,7 @@ class FaultyIsoValves : public IsoValvesTest {
  protected:
   static IsoValveSettings settings() {
     IsoValveSettings settings;
-    ValveDefect open;
-    open.kind = ValveDefectKind::open_coil;
-    open.section = 1;
-    open.start = 1s;
-    open.duration = 1s;
-    settings.amplifier.defects = {open};
+    settings.amplifier.defects = {{{1s, 1s}, OpenCoilDefect{1}}};
     return settings;
   }
   FaultyIsoValves() : IsoValvesTest(settings()) {}

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "emulators/modbus/modbus_server.h"
+#include "fault_period.h"
 #include "rtu_line.h"
 #include "small_unit.h"
 
@@ -23,12 +24,8 @@ constexpr SimTime at(Duration since_start) {
 }
 
 /// Holds from the second on for ten.
-ModbusFault fault_of(ModbusFaultKind kind) {
-  ModbusFault fault;
-  fault.kind = kind;
-  fault.begin = 1s;
-  fault.end = 11s;
-  return fault;
+ModbusFault fault_of(decltype(ModbusFault::what) what, const ModbusFaultScope& scope = {}) {
+  return {between(1s, 11s), scope, what};
 }
 
 /// A TCP server with one fault, and its client.
@@ -79,9 +76,7 @@ const Request kWrite = WriteRegister{2, 77};
 const Request kRead = ReadRegisters{RegisterTable::holding, 2, 1};
 
 TEST(ModbusFaults, ADelayHoldsInItsStretchOnlyAndKeepsTheOrder) {
-  ModbusFault fault = fault_of(ModbusFaultKind::delay);
-  fault.delay = 250ms;
-  FaultyServer rig(fault);
+  FaultyServer rig(fault_of(ModbusDelayFault{250ms}));
   EXPECT_EQ(rig.ask(at(999ms), kRead)[0].due, at(999ms + 300us));
   EXPECT_EQ(rig.ask(at(1s), kRead)[0].due, at(1s + 250ms + 300us));
   rig.output.sent.clear();
@@ -95,38 +90,32 @@ TEST(ModbusFaults, ADelayHoldsInItsStretchOnlyAndKeepsTheOrder) {
 
 TEST(ModbusFaults, EveryExceptionCanBeGivenAndNothingActs) {
   for (const int code : {0x01, 0x02, 0x03, 0x04, 0x06, 0x08, 0x0A, 0x0B}) {
-    ModbusFault fault = fault_of(ModbusFaultKind::exception);
-    fault.code = static_cast<ExceptionCode>(code);
-    FaultyServer rig(fault);
+    const auto exception = static_cast<ExceptionCode>(code);
+    FaultyServer rig(fault_of(ModbusExceptionFault{exception}));
     rig.ask(at(2s), kWrite);
-    EXPECT_EQ(rig.output.latest(), Response(ExceptionResponse{6, fault.code}));
+    EXPECT_EQ(rig.output.latest(), Response(ExceptionResponse{6, exception}));
     EXPECT_EQ(rig.unit.served_count, 0);
   }
 }
 
 TEST(ModbusFaults, AcknowledgeIsGivenAndTheRequestCarriedOut) {
-  ModbusFault fault = fault_of(ModbusFaultKind::exception);
-  fault.code = ExceptionCode::acknowledge;
-  FaultyServer rig(fault);
+  FaultyServer rig(fault_of(ModbusExceptionFault{ExceptionCode::acknowledge}));
   rig.ask(at(2s), kWrite);
   EXPECT_EQ(rig.output.latest(), Response(ExceptionResponse{6, ExceptionCode::acknowledge}));
   EXPECT_EQ(rig.unit.holding[2], 77);
 }
 
 TEST(ModbusFaults, SilenceAndALostAnswerDifferInWhatTheDeviceDid) {
-  FaultyServer deaf(fault_of(ModbusFaultKind::silence));
+  FaultyServer deaf(fault_of(ModbusSilenceFault{}));
   EXPECT_THAT(deaf.ask(at(2s), kWrite), IsEmpty());
   EXPECT_EQ(deaf.unit.holding[2], 0);
-  FaultyServer mute(fault_of(ModbusFaultKind::lost_answer));
+  FaultyServer mute(fault_of(ModbusLostAnswerFault{}));
   EXPECT_THAT(mute.ask(at(2s), kWrite), IsEmpty());
   EXPECT_EQ(mute.unit.holding[2], 77);
 }
 
 TEST(ModbusFaults, AUnitAndRegistersNarrowAFaultDown) {
-  ModbusFault fault = fault_of(ModbusFaultKind::silence);
-  fault.unit = 7;
-  fault.registers = {Table::holding_registers, 3, 4};
-  FaultyServer rig(fault);
+  FaultyServer rig(fault_of(ModbusSilenceFault{}, {7, ModbusFaultTable::holding, 3, 4}));
   const auto silent = [&](const Request& request, std::uint8_t unit) {
     return rig.ask(at(2s), request, unit).empty();
   };
@@ -142,9 +131,7 @@ TEST(ModbusFaults, AUnitAndRegistersNarrowAFaultDown) {
 }
 
 TEST(ModbusFaults, JunkComesRightBeforeTheAnswer) {
-  ModbusFault fault = fault_of(ModbusFaultKind::junk);
-  fault.bytes = 5;
-  FaultyServer rig(fault);
+  FaultyServer rig(fault_of(ModbusJunkFault{5}));
   rig.server.receive(at(2s), 1, adu_of(kRead));
   const Bytes good = adu_of(Bytes{3, 2, 0, 0});
   Bytes all;
@@ -156,10 +143,7 @@ TEST(ModbusFaults, JunkComesRightBeforeTheAnswer) {
 }
 
 TEST(ModbusFaults, ASplitAnswerIsWholeAfterItsPauses) {
-  ModbusFault fault = fault_of(ModbusFaultKind::split);
-  fault.pieces = 3;
-  fault.delay = 40ms;
-  FaultyServer rig(fault);
+  FaultyServer rig(fault_of(ModbusSplitFault{3, 40ms}));
   const auto& sent = rig.ask(at(2s), kRead);
   ASSERT_EQ(sent.size(), 3U);
   Bytes all;
@@ -171,28 +155,24 @@ TEST(ModbusFaults, ASplitAnswerIsWholeAfterItsPauses) {
 }
 
 TEST(ModbusFaults, TruncatedAndWrongTransaction) {
-  ModbusFault fault = fault_of(ModbusFaultKind::truncated);
-  fault.bytes = 3;
-  FaultyServer cut(fault);
+  FaultyServer cut(fault_of(ModbusTruncatedFault{3}));
   EXPECT_EQ(cut.ask(at(2s), kRead)[0].bytes.size(), 11U - 3U);
-  fault.bytes = 260;
-  FaultyServer gone(fault);
+  FaultyServer gone(fault_of(ModbusTruncatedFault{260}));
   EXPECT_THAT(gone.ask(at(2s), kRead), IsEmpty());
-  FaultyServer wrong(fault_of(ModbusFaultKind::wrong_transaction));
+  FaultyServer wrong(fault_of(ModbusWrongTransactionFault{}));
   EXPECT_EQ(wrong.ask(at(2s), kRead)[0].bytes[1], 10);
 }
 
 TEST(ModbusFaults, DisconnectClosesInsteadOfAnAnswer) {
-  FaultyServer rig(fault_of(ModbusFaultKind::disconnect));
+  FaultyServer rig(fault_of(ModbusDisconnectFault{}));
   EXPECT_THAT(rig.ask(at(2s), kRead), IsEmpty());
   ASSERT_EQ(rig.output.closed.size(), 1U);
   EXPECT_EQ(rig.output.closed[0].due, at(2s + 300us));
 }
 
 TEST(ModbusFaults, AStuckRegisterReadsAsItFirstDidWhileTheDeviceGoesOn) {
-  ModbusFault fault = fault_of(ModbusFaultKind::stuck);
-  fault.registers = {Table::holding_registers, 2, 3};
-  FaultyServer rig(fault);
+  const ModbusFaultScope registers{.table = ModbusFaultTable::holding, .first = 2, .last = 3};
+  FaultyServer rig(fault_of(ModbusStuckFault{}, registers));
   rig.unit.holding = {1, 2, 3, 4, 5};
   const Request read = ReadRegisters{RegisterTable::holding, 1, 4};
   rig.ask(at(2s), read);
@@ -204,16 +184,14 @@ TEST(ModbusFaults, AStuckRegisterReadsAsItFirstDidWhileTheDeviceGoesOn) {
   rig.ask(at(12s), read);
   EXPECT_THAT(std::get<RegistersResponse>(rig.output.latest()).registers.view(),
               ElementsAre(9, 9, 9, 9));
-  fault.value = 500;
-  FaultyServer fixed(fault);
+  FaultyServer fixed(fault_of(ModbusStuckFault{500}, registers));
   fixed.ask(at(2s), ReadWriteRegisters{2, 2, 2, make_registers(std::array<std::uint16_t, 1>{8})});
   EXPECT_THAT(std::get<RegistersResponse>(fixed.output.latest()).registers.view(),
               ElementsAre(500, 500));
 }
 
 TEST(ModbusFaults, AProbabilityIsDrawnFromTheSeed) {
-  ModbusFault fault = fault_of(ModbusFaultKind::silence);
-  fault.probability = 0.25;
+  const ModbusFault fault = fault_of(ModbusSilenceFault{}, {.probability = 0.25});
   FaultyServer rig(fault);
   FaultyServer twin(fault);
   int silent = 0;
@@ -227,7 +205,7 @@ TEST(ModbusFaults, AProbabilityIsDrawnFromTheSeed) {
 }
 
 TEST(ModbusFaults, RtuWithAWrongCheck) {
-  FaultyRtu rig(fault_of(ModbusFaultKind::wrong_check));
+  FaultyRtu rig(fault_of(ModbusWrongCheckFault{}));
   EXPECT_TRUE(decode_rtu(rig.ask(kStart, kRead)).ok());
   const Bytes answer = rig.ask(at(2s), kRead);
   EXPECT_EQ(answer.size(), 7U);
@@ -235,7 +213,7 @@ TEST(ModbusFaults, RtuWithAWrongCheck) {
 }
 
 TEST(ModbusFaults, RtuWithAnotherParityUnderstandsNothing) {
-  FaultyRtu rig(fault_of(ModbusFaultKind::parity_mismatch));
+  FaultyRtu rig(fault_of(ModbusParityFault{}));
   EXPECT_THAT(rig.ask(at(2s), kWrite), IsEmpty());
   EXPECT_EQ(rig.unit.holding[2], 0);
   EXPECT_EQ(rig.server.received().malformed, 1U);
@@ -243,10 +221,7 @@ TEST(ModbusFaults, RtuWithAnotherParityUnderstandsNothing) {
 }
 
 TEST(ModbusFaults, RtuNoiseSpoilsAboutAsManyTransactionsAsItShould) {
-  ModbusFault fault = fault_of(ModbusFaultKind::noise);
-  fault.end = 1h;
-  fault.bit_error_rate = 1e-3;
-  FaultyRtu rig(fault);
+  FaultyRtu rig({between(1s, 1h), {}, ModbusNoiseFault{1e-3}});
   int answered = 0;
   constexpr int kTries = 1000;
   for (int i = 0; i < kTries; ++i) {
@@ -257,44 +232,52 @@ TEST(ModbusFaults, RtuNoiseSpoilsAboutAsManyTransactionsAsItShould) {
 }
 
 TEST(ModbusFaults, WhatHasNoMeaningIsRefused) {
-  const auto refused = [](ModbusFault fault, ModbusWire wire) {
-    EXPECT_THROW(validate(fault, wire), std::invalid_argument) << name(fault.kind);
+  using Table = ModbusFaultTable;
+  const auto refused = [](const ModbusFault& fault, ModbusWire wire) {
+    EXPECT_THROW(validate(fault, wire), std::invalid_argument) << fields::chosen_name(fault.what);
   };
-  refused(fault_of(ModbusFaultKind::wrong_check), ModbusWire::tcp);
-  refused(fault_of(ModbusFaultKind::noise), ModbusWire::tcp);
-  refused(fault_of(ModbusFaultKind::parity_mismatch), ModbusWire::tcp);
-  refused(fault_of(ModbusFaultKind::wrong_transaction), ModbusWire::rtu);
-  refused(fault_of(ModbusFaultKind::disconnect), ModbusWire::rtu);
-  refused(fault_of(ModbusFaultKind::stuck), ModbusWire::tcp);  // which registers?
-  const auto changed = [](ModbusFaultKind kind, auto change) {
-    ModbusFault fault = fault_of(kind);
-    change(fault);
-    return fault;
-  };
-  using Fault = ModbusFault;
-  using Kind = ModbusFaultKind;
-  refused(changed(Kind::silence, [](Fault& f) { f.end = f.begin; }), ModbusWire::tcp);
-  refused(changed(Kind::silence, [](Fault& f) { f.unit = 248; }), ModbusWire::tcp);
-  refused(changed(Kind::silence, [](Fault& f) { f.probability = 0; }), ModbusWire::tcp);
-  refused(changed(Kind::delay, [](Fault& f) { f.delay = 0s; }), ModbusWire::tcp);
-  refused(changed(Kind::junk, [](Fault& f) { f.bytes = 65; }), ModbusWire::tcp);
-  refused(changed(Kind::split, [](Fault& f) { f.pieces = 1; }), ModbusWire::tcp);
-  refused(changed(Kind::noise, [](Fault& f) { f.unit = 1; }), ModbusWire::rtu);
-  refused(changed(Kind::stuck,
-                  [](Fault& f) {
-                    f.registers = {Table::coils, 0, 1};
-                  }),
+  refused(fault_of(ModbusWrongCheckFault{}), ModbusWire::tcp);
+  refused(fault_of(ModbusNoiseFault{}), ModbusWire::tcp);
+  refused(fault_of(ModbusParityFault{}), ModbusWire::tcp);
+  refused(fault_of(ModbusWrongTransactionFault{}), ModbusWire::rtu);
+  refused(fault_of(ModbusDisconnectFault{}), ModbusWire::rtu);
+  refused({between(1s, 1s), {}, ModbusSilenceFault{}}, ModbusWire::tcp);
+  refused(fault_of(ModbusSilenceFault{}, {.unit = 248}), ModbusWire::tcp);
+  refused(fault_of(ModbusSilenceFault{}, {.probability = 0}), ModbusWire::tcp);
+  refused(fault_of(ModbusSilenceFault{}, {.first = 5}), ModbusWire::tcp);  // of which table?
+  refused(fault_of(ModbusSilenceFault{}, {.table = Table::coils, .first = 5, .last = 4}),
           ModbusWire::tcp);
-  refused(changed(Kind::stuck,
-                  [](Fault& f) {
-                    f.registers = {Table::input_registers, 0, 125};
-                  }),
-          ModbusWire::tcp);
-  for (const Kind kind : {Kind::delay, Kind::exception, Kind::silence, Kind::lost_answer,
-                          Kind::junk, Kind::split, Kind::truncated}) {
-    validate(fault_of(kind), ModbusWire::tcp);
-    validate(fault_of(kind), ModbusWire::rtu);
+  refused(fault_of(ModbusDelayFault{0s}), ModbusWire::tcp);
+  refused(fault_of(ModbusJunkFault{65}), ModbusWire::tcp);
+  refused(fault_of(ModbusSplitFault{1}), ModbusWire::tcp);
+  refused(fault_of(ModbusNoiseFault{}, {.unit = 1}), ModbusWire::rtu);
+  refused(fault_of(ModbusStuckFault{}), ModbusWire::tcp);  // which registers?
+  refused(fault_of(ModbusStuckFault{}, {.table = Table::coils, .last = 1}), ModbusWire::tcp);
+  refused(fault_of(ModbusStuckFault{}, {.table = Table::input, .last = 125}), ModbusWire::tcp);
+  validate(fault_of(ModbusStuckFault{}, {.table = Table::input, .last = 124}), ModbusWire::tcp);
+  const decltype(ModbusFault::what) both[] = {
+      ModbusDelayFault{}, ModbusExceptionFault{}, ModbusSilenceFault{},  ModbusLostAnswerFault{},
+      ModbusJunkFault{},  ModbusSplitFault{},     ModbusTruncatedFault{}};
+  for (const auto& what : both) {
+    validate(fault_of(what), ModbusWire::tcp);
+    validate(fault_of(what), ModbusWire::rtu);
   }
+}
+
+TEST(ModbusFaults, OneBegunInTheRunChangesNoOthersDraws) {
+  const ModbusFault half = fault_of(ModbusSilenceFault{}, {.probability = 0.5});
+  ModbusFaultSchedule alone({half}, ModbusWire::tcp, 5);
+  ModbusFaultSchedule with_another({half}, ModbusWire::tcp, 5);
+  const auto id = with_another.begin({between(3s, 4s), {}, ModbusJunkFault{}});
+  for (int i = 0; i < 200; ++i) {
+    const SimTime now = at(2s + i * 5ms);
+    EXPECT_EQ(alone.effects(now, 1, nullptr).silence, with_another.effects(now, 1, nullptr).silence)
+        << i;
+  }
+  EXPECT_TRUE(with_another.end(id, at(3s)));
+  EXPECT_EQ(with_another.effects(at(3500ms), 1, nullptr).junk_bytes, 0U);
+  EXPECT_THROW(with_another.begin({between(3s, 4s), {}, ModbusNoiseFault{}}),
+               std::invalid_argument);
 }
 
 }  // namespace

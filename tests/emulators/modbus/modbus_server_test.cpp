@@ -71,6 +71,19 @@ TEST_F(ModbusServerTest, AClientThatClosedItsSendingHalfGetsTheAnswersThatAreDue
   EXPECT_EQ(unit_.holding[2], 77) << "nothing can come from a closed half";
 }
 
+TEST_F(ModbusServerTest, TheEndOfAConnectionIsNotLostWhenTheDeviceIsFullOfAnswers) {
+  for (ConnectionId other = 2; other < 40; ++other) {
+    server_.connected(at(5ms), other);
+    for (int i = 0; i < 64; ++i) {
+      send(adu_of(ReadRegisters{RegisterTable::holding, 0, 1}), at(5ms), other);
+    }
+  }
+  server_.half_closed(at(5ms), 1);
+  server_.advance(at(1s));
+  ASSERT_EQ(output_.closed.size(), 1U);
+  EXPECT_EQ(output_.closed[0].connection, 1U);
+}
+
 TEST_F(ModbusServerTest, AClientThatClosedItsSendingHalfAndAskedNothingIsClosed) {
   const Bytes request = adu_of(WriteRegister{2, 77});
   send(Bytes(request.begin(), request.begin() + 5), at(5ms));  // and never the rest

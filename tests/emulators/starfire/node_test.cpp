@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "protocols/j1939/message.h"
+#include "protocols/j1939/name.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -175,6 +176,14 @@ TEST_F(StarFireNodeTest, AnswersRequestsForItsGroupsAndRefusesOthers) {
   EXPECT_EQ(refusal->pgn, 65265U);
   ask(j1939::kAddressClaimedPgn, j1939::kGlobalAddress);
   EXPECT_EQ(bus_.times(j1939::kAddressClaimedPgn).size(), 1U);
+}
+
+TEST_F(StarFireNodeTest, ItsNameSaysNavigationAndNotATractor) {
+  const j1939::Name name = j1939::unpack_name(node_.name());
+  EXPECT_EQ(name.function, 23) << "26 is body control, 134 the tractor ECU";
+  EXPECT_EQ(name.industry_group, 2);
+  EXPECT_EQ(name.vehicle_system, 0);
+  EXPECT_FALSE(name.arbitrary_address);
 }
 
 TEST_F(StarFireNodeTest, FallsSilentWhenALowerNameTakesItsAddress) {

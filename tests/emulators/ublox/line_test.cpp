@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "emulators/ublox/line_quality.h"
+#include "fault_period.h"
 #include "protocols/ubx/blocks.h"
 #include "protocols/ubx/monitor.h"
 #include "protocols/ubx/timing.h"
@@ -118,7 +119,7 @@ TEST_F(UbloxLineTest, NoiseTurnsBitsAtItsRate) {
 TEST_F(UbloxLineTest, NoiseIsAFaultWithAnEnd) {
   UbloxSettings settings = quiet();
   settings.ubx_messages = {"NAV-SOL"};
-  settings.faults = {{UbloxFaultKind::line_noise, 2500ms, 4500ms, 0.01}};
+  settings.faults = {{between(2500ms, 4500ms), UartNoiseFault{0.01}}};
   UbloxReceiver receiver(settings, calendar_, line_);
   run(receiver, kStart + 2400ms);
   EXPECT_EQ(line_.frames().size(), 2U);

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "fault_period.h"
 #include "protocols/ubx/navigation.h"
 #include "rig.h"
 
@@ -112,7 +113,7 @@ TEST_F(UbloxNavigatorTest, LeapSecondsAreTheFirmwaresUntilPage18) {
 
 TEST_F(UbloxNavigatorTest, WrongLeapSecondShiftsUtcOnly) {
   UbloxSettings settings = with({"NAV-TIMEGPS", "NAV-TIMEUTC"});
-  settings.faults = {{UbloxFaultKind::wrong_leap_second, 2s, 4s, 1.0}};
+  settings.faults = {{between(2s, 4s), WrongLeapSecondFault{1}}};
   UbloxReceiver receiver(settings, calendar_, line_);
   run(receiver, kStart + 5900ms);
   const auto gps = decoded<NavTimegps>();
@@ -175,7 +176,7 @@ TEST_F(UbloxNavigatorTest, AgeOfSbasCorrectionsIsNotTold) {
 
 TEST_F(UbloxNavigatorTest, FrozenFixRepeatsPositionWhileTimeGoesOn) {
   UbloxSettings settings = with({"NAV-POSLLH", "NAV-SOL"});
-  settings.faults = {{UbloxFaultKind::frozen_fix, 2500ms, 4500ms, 0.0}};
+  settings.faults = {{between(2500ms, 4500ms), FrozenFixFault{}}};
   UbloxReceiver receiver(settings, calendar_, line_);
   run(receiver, kStart + 5900ms,
       [](GnssSample& s) { s.latitude_deg += 1e-3 * to_seconds(s.time); });

@@ -163,10 +163,8 @@ TEST_F(GsUsbOnBus, TenFramesBackToBack) {
 // Whatever is sent during a short circuit reads recessive: the sender is off the bus after 32
 // attempts. The mailboxes' frames are lost then, those behind them go out after the restart.
 TEST_F(GsUsbOnBus, AShortCircuitEndsInBusOffAndComesBack) {
-  CanBusFault fault;
-  fault.kind = CanBusFaultKind::short_circuit;
-  fault.end = std::chrono::milliseconds{50};
-  bus_.set_faults({.list = {fault}}, joined_);
+  const FaultPeriod when{Duration{0}, std::chrono::milliseconds{50}};
+  bus_.set_faults({.list = {{when, ShortCircuitFault{}}}}, joined_);
   start(k250kbps);
   read(200);
   for (std::uint32_t echo = 0; echo < 5; ++echo) {

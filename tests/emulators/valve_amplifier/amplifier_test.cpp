@@ -51,9 +51,10 @@ ValveAmplifierSettings with(ValveDefect defect) {
   settings.defects = {defect};
   return settings;
 }
-ValveDefect defect(ValveDefectKind kind, Duration start, Duration duration, std::size_t section = 0,
-                   double value = 0.0) {
-  return {kind, section, start, duration, value};
+/// From an instant on, for a while or for ever.
+ValveDefect defect(decltype(ValveDefect::what) what, Duration start,
+                   std::optional<Duration> length = std::nullopt) {
+  return {{start, length}, what};
 }
 
 ValveSample following(const ValveAmplifier& amplifier, SimTime now) {
@@ -125,7 +126,7 @@ TEST(ValveAmplifierTest, TheLossPositionIsTakenAtOnceAndKeptUntilTheReset) {
 }
 
 TEST(ValveAmplifierTest, AnOpenCoilStopsTheMachineAtOnceAndIsFault2AfterItsDelay) {
-  ValveAmplifier amplifier(with(defect(ValveDefectKind::open_coil, 1s, 0s, 2)));
+  ValveAmplifier amplifier(with(defect(OpenCoilDefect{2}, 1s)));
   amplifier.request(at(0ms), drive({0.0, 0.0, 0.6}));
   amplifier.advance(at(1s));
   EXPECT_EQ(amplifier.command().opening[2], 0.0);
@@ -139,14 +140,14 @@ TEST(ValveAmplifierTest, AnOpenCoilStopsTheMachineAtOnceAndIsFault2AfterItsDelay
 }
 
 TEST(ValveAmplifierTest, AnUndrivenOpenCoilIsNotSeen) {
-  ValveAmplifier amplifier(with(defect(ValveDefectKind::open_coil, 0s, 0s, 2)));
+  ValveAmplifier amplifier(with(defect(OpenCoilDefect{2}, 0s)));
   amplifier.request(at(0ms), drive({0.5}));
   amplifier.advance(at(10s));
   EXPECT_EQ(amplifier.fault(), ValveFault::none);
 }
 
 TEST(ValveAmplifierTest, AResetWhileTheCauseIsThereHoldsForOneDelay) {
-  ValveAmplifier amplifier(with(defect(ValveDefectKind::open_coil, 0s, 5s)));
+  ValveAmplifier amplifier(with(defect(OpenCoilDefect{0}, 0s, 5s)));
   amplifier.request(at(0ms), drive({0.5}));
   amplifier.advance(at(1s));
   ASSERT_EQ(amplifier.fault(), ValveFault::open_coil);
@@ -164,7 +165,7 @@ TEST(ValveAmplifierTest, AResetWhileTheCauseIsThereHoldsForOneDelay) {
 }
 
 TEST(ValveAmplifierTest, AShortedCoilIsFault3Within2ms) {
-  ValveAmplifier amplifier(with(defect(ValveDefectKind::short_circuit, 1s, 0s, 1)));
+  ValveAmplifier amplifier(with(defect(ShortedCoilDefect{1}, 1s)));
   amplifier.request(at(0ms), drive({0.3, 0.3}));
   amplifier.advance(at(1s));
   EXPECT_EQ(amplifier.command().opening[1], 0.0);
@@ -176,8 +177,8 @@ TEST(ValveAmplifierTest, AShortedCoilIsFault3Within2ms) {
 
 TEST(ValveAmplifierTest, ADipOfTheSupplyIsFault4OnlyWhenItLasts) {
   ValveAmplifierSettings settings = without_watchdog();
-  settings.defects = {defect(ValveDefectKind::supply_voltage, 1s, 90ms, 0, 6.0),
-                      defect(ValveDefectKind::supply_voltage, 2s, 150ms, 0, 6.0)};
+  settings.defects = {defect(SupplyVoltageDefect{6.0}, 1s, 90ms),
+                      defect(SupplyVoltageDefect{6.0}, 2s, 150ms)};
   ValveAmplifier amplifier(settings);
   amplifier.request(at(0ms), drive({0.5}));
   amplifier.advance(at(1950ms));
@@ -193,7 +194,7 @@ TEST(ValveAmplifierTest, ADipOfTheSupplyIsFault4OnlyWhenItLasts) {
 
 TEST(ValveAmplifierTest, ALowSupplyOpensTheValveOnlyAsFarAsItsCurrentGoes) {
   // 9 V over the warm copper: about 409 mA, the current of 32 % opening.
-  ValveAmplifier amplifier(with(defect(ValveDefectKind::supply_voltage, 1s, 0s, 0, 9.0)));
+  ValveAmplifier amplifier(with(defect(SupplyVoltageDefect{9.0}, 1s)));
   amplifier.request(at(0ms), drive({-1.0, 0.2}));
   amplifier.advance(at(1s));
   const double warm_ohm = 21.0 * (1.0 + 0.00393 * (amplifier.coil_temperature_c(0) - 20.0));
@@ -205,7 +206,7 @@ TEST(ValveAmplifierTest, ALowSupplyOpensTheValveOnlyAsFarAsItsCurrentGoes) {
 }
 
 TEST(ValveAmplifierTest, AStuckSpoolKeepsTheOpeningThatTheMachineSees) {
-  ValveAmplifier amplifier(with(defect(ValveDefectKind::stuck_spool, 1s, 2s)));
+  ValveAmplifier amplifier(with(defect(StuckSpoolDefect{0}, 1s, 2s)));
   amplifier.request(at(0ms), drive({0.4}));
   amplifier.advance(at(1s));
   amplifier.request(at(1100ms), drive({-0.9}));
@@ -221,7 +222,7 @@ TEST(ValveAmplifierTest, AStuckSpoolKeepsTheOpeningThatTheMachineSees) {
 }
 
 TEST(ValveAmplifierTest, AStuckSpoolIsFault5) {
-  ValveAmplifier amplifier(with(defect(ValveDefectKind::stuck_spool, 1s, 0s)));
+  ValveAmplifier amplifier(with(defect(StuckSpoolDefect{0}, 1s)));
   amplifier.request(at(0ms), drive({0.0}));
   amplifier.advance(at(1s));
   amplifier.request(at(1s), drive({0.8}));
@@ -233,7 +234,7 @@ TEST(ValveAmplifierTest, AStuckSpoolIsFault5) {
 }
 
 TEST(ValveAmplifierTest, ALostSensorAndASampleThatIsNoNumberAreFault6) {
-  ValveAmplifier lost(with(defect(ValveDefectKind::sensor_failure, 1s, 0s, 3)));
+  ValveAmplifier lost(with(defect(LostSensorDefect{3}, 1s)));
   lost.update(following(lost, at(500ms)));
   EXPECT_EQ(lost.fault(), ValveFault::none);
   lost.update(following(lost, at(1s)));
@@ -253,7 +254,7 @@ TEST(ValveAmplifierTest, ALostSensorAndASampleThatIsNoNumberAreFault6) {
 }
 
 TEST(ValveAmplifierTest, AConnectorThatComesOffTakesCoilAndSensor) {
-  ValveAmplifier amplifier(with(defect(ValveDefectKind::connector_off, 1s, 0s)));
+  ValveAmplifier amplifier(with(defect(ConnectorOffDefect{0}, 1s)));
   amplifier.request(at(0ms), drive({0.5}));
   amplifier.advance(at(1s));
   EXPECT_EQ(amplifier.command().opening[0], 0.0);
@@ -262,8 +263,7 @@ TEST(ValveAmplifierTest, AConnectorThatComesOffTakesCoilAndSensor) {
 }
 
 TEST(ValveAmplifierTest, TheDriverWarmsByItsLossesAndStopsAtItsLimit) {
-  ValveAmplifierSettings settings =
-      with(defect(ValveDefectKind::ambient_temperature, 10s, 0s, 0, 90.0));
+  ValveAmplifierSettings settings = with(defect(AmbientTemperatureDefect{90.0}, 10s));
   settings.electronics.thermal_time_constant_s = 10.0;
   ValveAmplifier amplifier(settings);
   EXPECT_DOUBLE_EQ(amplifier.driver_temperature_c(), 32.0 + 4.0 * 2.0);
@@ -349,16 +349,11 @@ TEST(ValveAmplifierSettingsTest, OutOfRangeIsRefusedByName) {
   expect_refused([](Settings& s) { s.parameters.dither.frequency_hz = 1e9; }, "dither_frequency");
   expect_refused([](Settings& s) { s.parameters.stage[7].polarity = 0.5; }, "polarity");
   expect_refused([](Settings& s) { s.parameters.stage[0].gain = -1.0; }, "gain");
-  expect_refused([](Settings& s) { s.defects = {defect(ValveDefectKind::open_coil, 0s, 0s, 4)}; },
-                 "section");
-  expect_refused(
-      [](Settings& s) { s.defects = {defect(ValveDefectKind::supply_voltage, 0s, 0s, 0, 61.0)}; },
-      "faults.0.value: found 61 V, allowed 0 .. 60 V");
-  expect_refused(
-      [](Settings& s) {
-        s.defects = {defect(ValveDefectKind::ambient_temperature, 0s, 0s, 0, 201.0)};
-      },
-      "faults.0.value: found 201 degC, allowed -60 .. 200 degC");
+  expect_refused([](Settings& s) { s.defects = {defect(OpenCoilDefect{4}, 0s)}; }, "section");
+  expect_refused([](Settings& s) { s.defects = {defect(SupplyVoltageDefect{61.0}, 0s)}; },
+                 "faults.0.value: found 61 V, allowed 0 .. 60 V");
+  expect_refused([](Settings& s) { s.defects = {defect(AmbientTemperatureDefect{201.0}, 0s)}; },
+                 "faults.0.value: found 201 degC, allowed -60 .. 200 degC");
   validate(Settings{});
 }
 

@@ -40,6 +40,31 @@ TEST(VehicleControl, CommandCarriesTheInstantOfItsChange) {
   EXPECT_EQ(rig.command().time, kStart + 243ms);  // when it timed out
 }
 
+TEST(VehicleControl, EngineRequestWithAWrongChecksumIsIgnoredAndSaid) {
+  VehicleRig rig;
+  rig.run(50ms);
+  vehicle::Tsc1 request = torque(0.5);
+  request.counter = 1;
+  request.checksum = 0;
+  const auto right =
+      vehicle::torque_speed_checksum(vehicle::encode(request, kController, rig.gateway.address()));
+  request.checksum = static_cast<std::uint8_t>(right ^ 1U);
+  rig.ask(request);
+  EXPECT_EQ(rig.command().engine_torque_share, 0.0);
+  const auto troubles = rig.gateway.control().troubles().active();
+  ASSERT_EQ(troubles.count, 1U);
+  EXPECT_EQ(troubles.codes[0], (vehicle::TroubleCode{695, 19, 1}));
+  request.checksum = right;
+  rig.ask(request);
+  EXPECT_EQ(rig.command().engine_torque_share, 0.0) << "the same counter again";
+  request.counter = 2;
+  request.checksum =
+      vehicle::torque_speed_checksum(vehicle::encode(request, kController, rig.gateway.address()));
+  rig.ask(request);
+  EXPECT_EQ(rig.command().engine_torque_share, 0.5);
+  EXPECT_EQ(rig.gateway.control().troubles().active().count, 0U);
+}
+
 TEST(VehicleControl, EngineBySpeedOrTorque) {
   VehicleRig rig;
   rig.run(50ms);
@@ -55,7 +80,7 @@ TEST(VehicleControl, EngineBySpeedOrTorque) {
   rig.ask(vehicle::Tsc1{});  // disabled
   EXPECT_EQ(rig.command().engine_torque_share, 0.0);
   rig.run(1s);
-  EXPECT_EQ(rig.gateway.control().faults().count, 0U);  // ended, not lost
+  EXPECT_EQ(rig.gateway.control().troubles().active().count, 0U);  // ended, not lost
 }
 
 TEST(VehicleControl, GearsAndParkAndLocks) {
@@ -87,13 +112,14 @@ TEST(VehicleControl, GearThatDoesNotExistIsRefusedWithATroubleCode) {
   rig.ask(gear(4));
   rig.ask(gear(9));
   EXPECT_EQ(rig.command().gear, 4);
-  const auto faults = rig.gateway.control().faults();
+  const auto faults = rig.gateway.control().troubles().active();
   ASSERT_EQ(faults.count, 1U);
   EXPECT_EQ(faults.codes[0], (vehicle::TroubleCode{525, 19, 1}));
   rig.ask(gear(-7));
-  EXPECT_EQ(rig.gateway.control().faults().codes[0].occurrences, 1);  // still the same one
+  EXPECT_EQ(rig.gateway.control().troubles().active().codes[0].occurrences,
+            1);  // still the same one
   rig.ask(gear(8));
-  EXPECT_EQ(rig.gateway.control().faults().count, 0U);
+  EXPECT_EQ(rig.gateway.control().troubles().active().count, 0U);
   EXPECT_EQ(rig.command().gear, 8);
 }
 
@@ -104,7 +130,7 @@ TEST(VehicleControl, GearStaysWhenItsRequestsStop) {
   rig.run(2s);
   EXPECT_EQ(rig.command().gear, 3);
   EXPECT_FALSE(rig.gateway.control().stopping());
-  EXPECT_EQ(rig.gateway.control().faults().count, 1U);
+  EXPECT_EQ(rig.gateway.control().troubles().active().count, 1U);
 }
 
 TEST(VehicleControl, BrakeFollowsTheDemandedDeceleration) {
@@ -131,7 +157,7 @@ TEST(VehicleControl, BrakeIsReleasedWhenOnlyItsRequestsStop) {
   }
   EXPECT_EQ(rig.command().brake_share, 0.0);
   EXPECT_NEAR(rig.command().engine_torque_share, 0.1, 1e-9);
-  EXPECT_EQ(rig.gateway.control().faults().codes[0].spn, 2920U);
+  EXPECT_EQ(rig.gateway.control().troubles().active().codes[0].spn, 2920U);
 }
 
 TEST(VehicleControl, TravelSpeedWithItsLimits) {
@@ -291,7 +317,7 @@ TEST(SpeedCommand, TimeOutHoldsTheMachineUntilSomebodyTakesOver) {
   }
   EXPECT_EQ(rig.command().travel_speed_mps, 0.0);
   EXPECT_EQ(rig.gateway.control().speed_exit(), ExitReason::command_timeout);
-  EXPECT_EQ(rig.gateway.control().faults().codes[0].spn, 4310U);
+  EXPECT_EQ(rig.gateway.control().troubles().active().codes[0].spn, 4310U);
   rig.ask(torque(0.4));  // it was in force all the time: still held
   EXPECT_EQ(rig.command().travel_speed_mps, 0.0);
   rig.ask(vehicle::Tsc1{});
@@ -392,7 +418,7 @@ TEST(SpeedCommand, ReleasedItIsNoFaultAndTheMachineStaysHeld) {
   EXPECT_EQ(rig.command().travel_speed_mps, 0.0);
   EXPECT_EQ(rig.gateway.control().speed_exit(), ExitReason::released);
   rig.run(1s);
-  EXPECT_EQ(rig.gateway.control().faults().count, 0U);
+  EXPECT_EQ(rig.gateway.control().troubles().active().count, 0U);
 }
 
 VehicleGatewaySettings tractor() {

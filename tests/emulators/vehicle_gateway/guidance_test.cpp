@@ -111,7 +111,7 @@ TEST(VehicleGuidance, EndedProperlyIsNoFault) {
   rig.ask(curvature(0.05));
   rig.ask(not_intended());
   rig.run(1s);
-  EXPECT_EQ(rig.gateway.control().faults().count, 0U);
+  EXPECT_EQ(rig.gateway.control().troubles().active().count, 0U);
   EXPECT_FALSE(rig.gateway.control().stopping());
   EXPECT_GT(rig.command().front_steer_rad, 0.1);  // steering stays
 }

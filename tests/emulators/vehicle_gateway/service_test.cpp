@@ -93,17 +93,17 @@ struct VehicleService : testing::Test {
 
 TEST_F(VehicleService, SaysWhoItIs) {
   VehicleGatewaySettings settings;
-  settings.make = "ETH";
-  settings.model = "Unimog U 423";
+  settings.identification.make = "ETH";
+  settings.identification.model = "Unimog U 423";
   settings.serial = 12345;
-  settings.unit_number = "7";
-  settings.software = "2.1";
+  settings.identification.unit_number = "7";
+  settings.identification.software = "2.1";
   start(settings);
   EXPECT_EQ(text(vehicle::kComponentIdentificationPgn), "ETH*Unimog U 423*12345*7*");
   EXPECT_EQ(text(vehicle::kSoftwareIdentificationPgn).substr(0, 5),
             "\x01"
             "2.1*");
-  EXPECT_EQ(text(vehicle::kEcuIdentificationPgn), "*12345**Unimog U 423*ETH***");
+  EXPECT_EQ(text(vehicle::kEcuIdentificationPgn), "*12345**tractor ECU*ETH**");
 }
 
 TEST_F(VehicleService, EverybodyAskingIsAnsweredByABroadcast) {
@@ -318,10 +318,10 @@ TEST_F(VehicleService, EnginesConfigurationIsBroadcastEveryFiveSeconds) {
 
 TEST_F(VehicleService, ScanToolReadsTheVin) {
   VehicleGatewaySettings settings;
-  settings.vehicle_identification_number = "W09XYZ12345678901";
+  settings.identification.vehicle_identification_number = "W09XYZ12345678901";
   start(settings);
   EXPECT_EQ(text(vehicle::kVehicleIdentificationPgn), "W09XYZ12345678901*");
-  settings.vehicle_identification_number.clear();
+  settings.identification.vehicle_identification_number.clear();
   start(settings);
   request(vehicle::kVehicleIdentificationPgn);
   EXPECT_EQ(rig->output.of(j1939::kAcknowledgementPgn).size(), 1U);
@@ -330,7 +330,7 @@ TEST_F(VehicleService, ScanToolReadsTheVin) {
 TEST_F(VehicleService, VinOfOtherLettersIsRefused) {
   for (const char* wrong : {"W09XYZ1234567890", "W09XYZ1234567890I", "w09xyz12345678901"}) {
     VehicleGatewaySettings settings;
-    settings.vehicle_identification_number = wrong;
+    settings.identification.vehicle_identification_number = wrong;
     EXPECT_THROW(start(settings), std::invalid_argument) << wrong;
   }
 }

@@ -144,10 +144,8 @@ TEST_F(VelodyneTimeTest, ReceiverThatFallsSilentLeavesTheClockRunning) {
 TEST_F(VelodyneTimeTest, PulseLossAndNoiseRunThroughAllFourStates) {
   VelodyneSettings settings = with(VelodyneTimeSource::ideal);
   settings.clock_drift_ppm = 100.0;
-  settings.faults.push_back(
-      {.kind = VelodyneFaultKind::pulse_loss, .begin = seconds{5}, .end = seconds{15}});
-  settings.faults.push_back(
-      {.kind = VelodyneFaultKind::pulse_noise, .begin = seconds{30}, .end = seconds{35}});
+  settings.faults.push_back({.when = between(seconds{5}, seconds{15}), .what = PulseLossFault{}});
+  settings.faults.push_back({.when = between(seconds{30}, seconds{35}), .what = PulseNoiseFault{}});
   VelodyneLidar lidar(settings, calendar, data, position);
   lidar.advance(kStart + seconds{60});
   EXPECT_EQ(at(milliseconds{5400}).pulse_state, PulseState::locked);
@@ -168,7 +166,7 @@ TEST_F(VelodyneTimeTest, SentenceLossKeepsTheSecondsOfTheClock) {
   VelodyneSettings settings = with(VelodyneTimeSource::ideal);
   settings.clock_drift_ppm = 100.0;
   settings.faults.push_back(
-      {.kind = VelodyneFaultKind::sentence_loss, .begin = seconds{5}, .end = seconds{15}});
+      {.when = between(seconds{5}, seconds{15}), .what = SentenceLossFault{}});
   VelodyneLidar lidar(settings, calendar, data, position);
   lidar.advance(kStart + seconds{20});
   EXPECT_THAT(std::string(at(milliseconds{14900}).sentence()), HasSubstr("$GPRMC,085954,"));
@@ -216,14 +214,10 @@ TEST_F(VelodyneTimeTest, SentencesInTenthsWhenAsked) {
 
 TEST_F(VelodyneTimeTest, WrongClocksAreOffAndPassTheHour) {
   VelodyneSettings settings = with(VelodyneTimeSource::ideal);
-  settings.faults.push_back({.kind = VelodyneFaultKind::clock_offset,
-                             .begin = seconds{1},
-                             .end = seconds{2},
-                             .seconds = -0.25});
-  settings.faults.push_back({.kind = VelodyneFaultKind::hour_overrun,
-                             .begin = seconds{9},
-                             .end = seconds{20},
-                             .seconds = 0.15});
+  settings.faults.push_back(
+      {.when = between(seconds{1}, seconds{2}), .what = ClockOffsetFault{.offset_s = -0.25}});
+  settings.faults.push_back(
+      {.when = between(seconds{9}, seconds{20}), .what = HourOverrunFault{.overrun_s = 0.15}});
   VelodyneLidar lidar(settings, calendar, data, position);
   lidar.advance(kStart + seconds{12});
   EXPECT_EQ(at(milliseconds{900}).timestamp_us, 3'590'900'000U);

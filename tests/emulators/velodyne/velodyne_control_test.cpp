@@ -149,9 +149,6 @@ TEST_F(VelodyneControlTest, RefusesSettingsByName) {
         [&](VelodyneSettings& s) {
           s.model = model;
           s.time_source = source;
-          if (f.end == Duration{0}) {
-            f.end = seconds{1};
-          }
           s.faults.push_back(f);
         },
         text);
@@ -194,21 +191,22 @@ TEST_F(VelodyneControlTest, RefusesSettingsByName) {
         s.inertial_axes[1].gyro = {1, 1, 0};
       },
       "inertial.second: velodyne lidar: gyro");
-  fault({.kind = VelodyneFaultKind::lost_packets}, "lost_packets has the probability 0");
-  fault({.kind = VelodyneFaultKind::motor_stall, .begin = seconds{2}, .end = seconds{1}},
-        "motor_stall lasts from");
-  fault({.kind = VelodyneFaultKind::dead_laser, .first_laser = 16, .last_laser = 16},
-        "first_laser is 16, allowed: 0 to 15", "VLP-16");
-  fault({.kind = VelodyneFaultKind::dirty_window, .sector_end_deg = 0.0}, "sector_end_deg");
-  fault({.kind = VelodyneFaultKind::dirty_window, .sector_end_deg = 90.0, .transmission = 1.1},
-        "transmission is 1");
-  fault({.kind = VelodyneFaultKind::pulse_loss}, "needs a pulse", "VLP-16",
+  fault({.when = {}, .what = LostPacketsFault{.probability = 0.0}},
+        "probability: found 0 %, allowed above 0");
+  fault({.when = between(seconds{2}, seconds{1}), .what = MotorStallFault{}}, "for: found -1 s");
+  fault({.when = {}, .what = DeadLaserFault{.first = 16, .last = 16}},
+        "dead_laser first is 16, allowed: 0 to 15", "VLP-16");
+  fault({.when = {}, .what = DirtyWindowFault{.to_deg = 0.0}},
+        "dirty_window to is where it begins");
+  fault({.when = {}, .what = DirtyWindowFault{.to_deg = 90.0, .transmission = 1.1}},
+        "transmission: found 110 %");
+  fault({.when = {}, .what = PulseLossFault{}}, "needs a pulse", "VLP-16",
         VelodyneTimeSource::none);
-  fault({.kind = VelodyneFaultKind::sentence_loss}, "needs sentences", "VLP-16",
+  fault({.when = {}, .what = SentenceLossFault{}}, "needs sentences", "VLP-16",
         VelodyneTimeSource::pulse_only);
-  fault({.kind = VelodyneFaultKind::clock_offset}, "seconds is 0");
-  fault({.kind = VelodyneFaultKind::hour_overrun, .seconds = 2.0}, "hour_overrun seconds is 2");
-  fault({.kind = VelodyneFaultKind::factory_bytes}, "has a status channel", "HDL-64E S3");
+  fault({.when = {}, .what = ClockOffsetFault{.offset_s = 0.0}}, "offset is 0");
+  fault({.when = {}, .what = HourOverrunFault{.overrun_s = 2.0}}, "overrun: found 2 s");
+  fault({.when = {}, .what = FactoryBytesFault{}}, "has a status channel", "HDL-64E S3");
 }
 
 }  // namespace

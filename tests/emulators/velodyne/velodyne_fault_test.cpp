@@ -32,10 +32,8 @@ class VelodyneFaultTest : public VelodyneFixture {
 };
 
 TEST_F(VelodyneFaultTest, LostPacketsAreAsManyAsTheProbabilitySaysAndOnlyInTime) {
-  VelodyneLidar lidar(with({.kind = VelodyneFaultKind::lost_packets,
-                            .begin = seconds{1},
-                            .end = seconds{4},
-                            .probability = 0.25}),
+  VelodyneLidar lidar(with({.when = between(seconds{1}, seconds{4}),
+                            .what = LostPacketsFault{.probability = 0.25}}),
                       calendar, data, position);
   fire_until(lidar, kStart + seconds{5});
   std::size_t before = 0;
@@ -51,10 +49,8 @@ TEST_F(VelodyneFaultTest, LostPacketsAreAsManyAsTheProbabilitySaysAndOnlyInTime)
 }
 
 TEST_F(VelodyneFaultTest, SwappedPacketsChangePlacesInPairsAndNoneIsLost) {
-  VelodyneLidar lidar(with({.kind = VelodyneFaultKind::swapped_packets,
-                            .begin = milliseconds{0},
-                            .end = seconds{10},
-                            .probability = 1.0}),
+  VelodyneLidar lidar(with({.when = between(milliseconds{0}, seconds{10}),
+                            .what = SwappedPacketsFault{.probability = 1.0}}),
                       calendar, data, position);
   fire(lidar, 12 * 10);
   const std::vector<std::int64_t> order = numbers();
@@ -62,10 +58,8 @@ TEST_F(VelodyneFaultTest, SwappedPacketsChangePlacesInPairsAndNoneIsLost) {
 }
 
 TEST_F(VelodyneFaultTest, DuplicatedPacketsAreEqualAndComeAtOnce) {
-  VelodyneLidar lidar(with({.kind = VelodyneFaultKind::duplicated_packets,
-                            .begin = milliseconds{0},
-                            .end = seconds{10},
-                            .probability = 1.0}),
+  VelodyneLidar lidar(with({.when = between(milliseconds{0}, seconds{10}),
+                            .what = DuplicatedPacketsFault{.probability = 1.0}}),
                       calendar, data, position);
   fire(lidar, 12 * 20);
   ASSERT_EQ(data.sent.size(), 40U);
@@ -81,10 +75,8 @@ TEST_F(VelodyneFaultTest, SameSeedSameLossesAnotherSeedOthers) {
     data.sent.clear();
     position.sent.clear();
     next_firing = 0;
-    VelodyneLidar lidar(with({.kind = VelodyneFaultKind::lost_packets,
-                              .begin = milliseconds{0},
-                              .end = seconds{10},
-                              .probability = 0.5},
+    VelodyneLidar lidar(with({.when = between(milliseconds{0}, seconds{10}),
+                              .what = LostPacketsFault{.probability = 0.5}},
                              seed),
                         calendar, data, position);
     fire(lidar, 12 * 64);
@@ -101,11 +93,8 @@ TEST_F(VelodyneFaultTest, DeadLasersSeeNothingInAnyReturnMode) {
     data.sent.clear();
     position.sent.clear();
     next_firing = 0;
-    VelodyneSettings settings = with({.kind = VelodyneFaultKind::dead_laser,
-                                      .begin = Duration{0},
-                                      .end = seconds{1},
-                                      .first_laser = 34,
-                                      .last_laser = 35});
+    VelodyneSettings settings = with({.when = between(Duration{0}, seconds{1}),
+                                      .what = DeadLaserFault{.first = 34, .last = 35}});
     settings.model = "VLS-128";
     settings.return_mode = mode;
     VelodyneLidar lidar(settings, calendar, data, position);
@@ -128,12 +117,9 @@ TEST_F(VelodyneFaultTest, DeadLasersSeeNothingInAnyReturnMode) {
 
 TEST_F(VelodyneFaultTest, DirtTakesTheFarAndDullAndDimsTheRest) {
   // T = 0.7: reaches 100 m sqrt(rho / 0.9) 0.7, so 52 m of a surface of 50 %.
-  VelodyneSettings settings = with({.kind = VelodyneFaultKind::dirty_window,
-                                    .begin = Duration{0},
-                                    .end = seconds{1},
-                                    .sector_start_deg = 350.0,
-                                    .sector_end_deg = 20.0,
-                                    .transmission = 0.7});
+  VelodyneSettings settings =
+      with({.when = between(Duration{0}, seconds{1}),
+            .what = DirtyWindowFault{.from_deg = 350.0, .to_deg = 20.0, .transmission = 0.7}});
   settings.rotor_rpm = 0.0;
   VelodyneLidar lidar(settings, calendar, data, position);
   see = [](LidarFiring& bank) {
@@ -164,10 +150,9 @@ TEST_F(VelodyneFaultTest, DirtTakesTheFarAndDullAndDimsTheRest) {
 }
 
 TEST_F(VelodyneFaultTest, StallStopsTheRotorAndTheSettingStands) {
-  VelodyneLidar lidar(with({.kind = VelodyneFaultKind::motor_stall,
-                            .begin = milliseconds{500},
-                            .end = milliseconds{1500}}),
-                      calendar, data, position);
+  VelodyneLidar lidar(
+      with({.when = between(milliseconds{500}, milliseconds{1500}), .what = MotorStallFault{}}),
+      calendar, data, position);
   EXPECT_LE(lidar.next_event(), kStart + milliseconds{500});
   fire_until(lidar, kStart + milliseconds{500});
   EXPECT_GT(lidar.command().rotor_rate_radps, 0.0);
@@ -182,11 +167,8 @@ TEST_F(VelodyneFaultTest, StallStopsTheRotorAndTheSettingStands) {
 }
 
 TEST_F(VelodyneFaultTest, WrongFactoryBytesForTheirTime) {
-  VelodyneLidar lidar(with({.kind = VelodyneFaultKind::factory_bytes,
-                            .begin = milliseconds{1},
-                            .end = milliseconds{2},
-                            .return_mode_byte = 0x42,
-                            .product_id = 0x99}),
+  VelodyneLidar lidar(with({.when = between(milliseconds{1}, milliseconds{2}),
+                            .what = FactoryBytesFault{.return_mode = 0x42, .product = 0x99}}),
                       calendar, data, position);
   fire(lidar, 12 * 6);
   EXPECT_EQ(data.sent[0].bytes[1204], 0x37);

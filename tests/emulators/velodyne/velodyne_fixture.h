@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "emulators/velodyne/velodyne_lidar.h"
+#include "fault_period.h"
 
 namespace rigwire::emulators {
 

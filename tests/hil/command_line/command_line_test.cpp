@@ -177,7 +177,7 @@ TEST(CommandLine, findings_of_a_rig_are_usage_and_json_holds_them) {
   EXPECT_EQ(parsed["problems"][0]["suggestion"], "rate");
   const auto good = nlohmann::json::parse(rigwire("check excavator_pit --json").output);
   EXPECT_EQ(good["ok"], true);
-  EXPECT_EQ(good["devices"].size(), 8u);
+  EXPECT_EQ(good["devices"].size(), 9u);
 }
 
 TEST(CommandLine, print_says_where_values_came_from) {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hil/configuration/gnss_fault.h"
+#include "hil/configuration/mixed_faults.h"
 #include "hil/devices/ublox.h"
 #include "hil/rig/rig_configuration.h"
 
@@ -83,23 +83,20 @@ TEST_F(GnssKeys, FaultsOfTheSurroundingsGoToTheSignals) {
 )");
   ASSERT_EQ(complaints(), "");
   const auto& configured = receiver().faults;
-  const auto faults = signal_faults(configured);
+  const auto faults = those_of<sim::GnssFault>(configured);
   ASSERT_EQ(faults.size(), 7U);
-  EXPECT_EQ(faults[0].kind, sim::GnssFaultKind::outage);
-  EXPECT_EQ(faults[0].start, seconds(10));
-  EXPECT_EQ(faults[0].duration, seconds(5));
-  EXPECT_EQ(faults[1].kind, sim::GnssFaultKind::jamming);
-  EXPECT_EQ(faults[1].jamming_db, 15.0);
-  EXPECT_EQ(faults[2].kind, sim::GnssFaultKind::spoof_drift);
-  EXPECT_EQ(faults[2].drift_mps, Eigen::Vector3d(0.0, 2.0, 0.0));
-  EXPECT_EQ(faults[2].clock_drift_mps, 3.0);
-  EXPECT_EQ(faults[2].duration, seconds(10));
-  EXPECT_EQ(faults[3].kind, sim::GnssFaultKind::jump);
-  EXPECT_EQ(faults[3].offset_m, Eigen::Vector3d(1.0, 2.0, 3.0));
-  EXPECT_EQ(faults[4].kind, sim::GnssFaultKind::antenna_short);
-  EXPECT_EQ(faults[5].kind, sim::GnssFaultKind::antenna_open);
-  EXPECT_EQ(faults[6].kind, sim::GnssFaultKind::correction_outage);
-  EXPECT_TRUE(ublox_faults(configured).empty());
+  EXPECT_EQ(faults[0].when, (FaultPeriod{seconds(10), seconds(5)}));
+  EXPECT_TRUE(std::holds_alternative<sim::OutageFault>(faults[0].what));
+  EXPECT_EQ(std::get<sim::JammingFault>(faults[1].what).loss_db, 15.0);
+  const auto& spoof = std::get<sim::SpoofDriftFault>(faults[2].what);
+  EXPECT_EQ(spoof.velocity_mps, Eigen::Vector3d(0.0, 2.0, 0.0));
+  EXPECT_EQ(spoof.clock_rate_mps, 3.0);
+  EXPECT_EQ(faults[2].when.length, seconds(10));
+  EXPECT_EQ(std::get<sim::JumpFault>(faults[3].what).offset_m, Eigen::Vector3d(1.0, 2.0, 3.0));
+  EXPECT_TRUE(std::holds_alternative<sim::AntennaShortFault>(faults[4].what));
+  EXPECT_TRUE(std::holds_alternative<sim::AntennaOpenFault>(faults[5].what));
+  EXPECT_TRUE(std::holds_alternative<sim::CorrectionOutageFault>(faults[6].what));
+  EXPECT_TRUE(those_of<emulators::UbloxFault>(configured).empty());
 }
 
 TEST_F(GnssKeys, FaultsOfTheDeviceGoToTheEmulator) {
@@ -110,17 +107,14 @@ TEST_F(GnssKeys, FaultsOfTheDeviceGoToTheEmulator) {
 )");
   ASSERT_EQ(complaints(), "");
   const auto& configured = receiver().faults;
-  const auto faults = ublox_faults(configured);
+  const auto faults = those_of<emulators::UbloxFault>(configured);
   ASSERT_EQ(faults.size(), 3U);
-  EXPECT_EQ(faults[0].kind, emulators::UbloxFaultKind::frozen_fix);
-  EXPECT_EQ(faults[0].begin, seconds(1));
-  EXPECT_EQ(faults[0].end, seconds(3));
-  EXPECT_EQ(faults[1].kind, emulators::UbloxFaultKind::wrong_leap_second);
-  EXPECT_EQ(faults[1].value, -2.0);
-  EXPECT_EQ(faults[2].kind, emulators::UbloxFaultKind::line_noise);
-  EXPECT_EQ(faults[2].value, 0.01);
-  EXPECT_EQ(faults[2].end, seconds(11));
-  EXPECT_TRUE(signal_faults(configured).empty());
+  EXPECT_EQ(faults[0].when, (FaultPeriod{seconds(1), seconds(2)}));
+  EXPECT_TRUE(std::holds_alternative<emulators::FrozenFixFault>(faults[0].what));
+  EXPECT_EQ(std::get<emulators::WrongLeapSecondFault>(faults[1].what).seconds, -2);
+  EXPECT_EQ(std::get<emulators::UartNoiseFault>(faults[2].what).bit_error_rate, 0.01);
+  EXPECT_EQ(faults[2].when.end(), kStart + seconds(11));
+  EXPECT_TRUE(those_of<sim::GnssFault>(configured).empty());
 }
 
 TEST_F(GnssKeys, UnknownFaultsAndKeysAreRefusedWithWhatIsAllowed) {
@@ -148,8 +142,8 @@ TEST_F(GnssKeys, FaultsThatADeviceDoesNotImplementAreRefused) {
   EXPECT_EQ(complaints(), "");
   write_receiver("    faults: [{type: outage, at: 1 s}, {type: frozen_fix, at: 1 s}]\n",
                  "starfire-3000");
-  EXPECT_THAT(complaints(), AllOf(HasSubstr("devices.gnss.faults.1.type: this device does not"),
-                                  HasSubstr("\"frozen_fix\"")));
+  EXPECT_THAT(complaints(), AllOf(HasSubstr("devices.gnss.faults.1.type: unknown type"),
+                                  HasSubstr("\"frozen_fix\""), HasSubstr("jamming")));
 }
 
 TEST_F(GnssKeys, AStarFireNeedsAWire) {

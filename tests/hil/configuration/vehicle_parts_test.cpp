@@ -47,7 +47,7 @@ TEST(VehicleParts, AGatorIsWrittenShort) {
                         parts),
             "");
   const auto& cvt = std::get<sim::CvtParameters>(parts.driveline);
-  EXPECT_DOUBLE_EQ(cvt.engine.idle_radps, 1300 * sim::kRadpsPerRpm);
+  EXPECT_DOUBLE_EQ(cvt.engine.idle_radps, rpm(1300));
   EXPECT_EQ(cvt.axles.drive, sim::AxleDrive::rear);
   EXPECT_EQ(parts.sensors.gate_s, 0.05);
   EXPECT_EQ(parts.sensors.radius_error, 0.02);

@@ -12,7 +12,6 @@
 namespace rigwire::hil {
 namespace {
 
-using emulators::VelodyneFaultKind;
 using emulators::VelodyneTimeSource;
 using ::testing::HasSubstr;
 
@@ -133,14 +132,13 @@ TEST_F(LidarKeys, FaultsReachTheEmulator) {
         "      - {type: dirty_window, at: 0 s, from: 350 deg, to: 10 deg, transmission: 20 %}\n");
   const auto faults = settings().faults;
   ASSERT_EQ(faults.size(), 2U);
-  EXPECT_EQ(faults[0].kind, VelodyneFaultKind::lost_packets);
-  EXPECT_EQ(faults[0].begin, std::chrono::seconds(1));
-  EXPECT_EQ(faults[0].end, std::chrono::seconds(3));
-  EXPECT_DOUBLE_EQ(faults[0].probability, 0.05);
-  EXPECT_DOUBLE_EQ(faults[1].sector_start_deg, 350.0);
-  EXPECT_DOUBLE_EQ(faults[1].transmission, 0.2);
+  EXPECT_EQ(faults[0].when, (FaultPeriod{std::chrono::seconds(1), std::chrono::seconds(2)}));
+  EXPECT_DOUBLE_EQ(std::get<emulators::LostPacketsFault>(faults[0].what).probability, 0.05);
+  const auto& dirt = std::get<emulators::DirtyWindowFault>(faults[1].what);
+  EXPECT_DOUBLE_EQ(dirt.from_deg, 350.0);
+  EXPECT_DOUBLE_EQ(dirt.transmission, 0.2);
   write("velodyne-vlp-16", "    faults: [{type: dead_laser, at: 0 s, first: 16, last: 16}]\n");
-  EXPECT_THAT(complaints(), HasSubstr("dead_laser first_laser is 16"));
+  EXPECT_THAT(complaints(), HasSubstr("dead_laser first is 16"));
 }
 
 TEST_F(LidarKeys, AddressesAndPortsAreChecked) {

@@ -35,6 +35,16 @@ TEST(FaultWindows, every_rig_of_faults_tells_some) {
   }
 }
 
+TEST(FaultWindows, faults_of_valves_name_the_section_and_may_last_to_the_end) {
+  const auto windows =
+      fault_windows(load_rig(RIGWIRE_SOURCE_DIR "/configs/rigs/excavator_pit.yaml",
+                             {"devices.valves.faults=[{type: stuck_spool, at: 2 s, section: 2},"
+                              " {type: supply_voltage, at: 3 s, for: 1 s, value: 9 V}]"})
+                        .configuration);
+  EXPECT_THAT(windows, Contains(FaultWindow{"valves", "stuck_spool boom", kStart + 2s, kNever}));
+  EXPECT_THAT(windows, Contains(FaultWindow{"valves", "supply_voltage", kStart + 3s, kStart + 4s}));
+}
+
 TEST(FaultWindows, a_fault_acts_from_its_beginning_until_before_its_end) {
   const FaultWindow window{"gnss", "outage", kStart + 1s, kStart + 2s};
   EXPECT_FALSE(window.acts_at(kStart + 1s - 1ns));

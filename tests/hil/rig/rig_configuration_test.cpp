@@ -79,7 +79,7 @@ TEST(ExcavatorPit, has_the_devices_that_the_field_program_expects) {
   for (const auto& [name, device] : rig.devices) {
     names.push_back(name);
   }
-  EXPECT_THAT(names, testing::ElementsAre("gnss", "imu_boom", "imu_bucket", "imu_chassis",
+  EXPECT_THAT(names, testing::ElementsAre("engine", "gnss", "imu_boom", "imu_bucket", "imu_chassis",
                                           "imu_stick", "lidar", "swing_encoder", "valves"));
   const auto& gnss = *fields::as<UbloxConfiguration>(rig.devices.at("gnss"));
   EXPECT_EQ(gnss.path, "/tmp/rigwire/gnss");
@@ -139,8 +139,8 @@ TEST(ExcavatorPit, every_documented_key_can_be_set_to_its_printed_value) {
 TEST(BadRig, mistyped_device_and_key_on_the_command_line_are_told) {
   EXPECT_EQ(complaints({"devices.gnsss.rate=5"}),
             "--set devices.gnsss.rate=5: devices.gnsss: no such device, found \"gnsss\", allowed "
-            "gnss, lidar, imu_chassis, imu_boom, imu_stick, imu_bucket, swing_encoder, valves, did "
-            "you mean gnss?");
+            "gnss, lidar, imu_chassis, imu_boom, imu_stick, imu_bucket, swing_encoder, engine, "
+            "valves, did you mean gnss?");
   EXPECT_EQ(complaints({"devices.gnss.ratte=5"}),
             "--set devices.gnss.ratte=5: devices.gnss.ratte: unknown key, did you mean rate?");
 }
@@ -173,7 +173,7 @@ TEST(BadRig, line_too_slow_for_what_is_sent_is_refused_with_numbers) {
   EXPECT_THAT(complaints({"devices.gnss.baud=9600", "devices.gnss.rate=10"}),
               testing::ContainsRegex("devices.gnss: .*[0-9]+.*[0-9]+"));
   EXPECT_THAT(complaints({"buses.can.bitrate=100000"}),
-              HasSubstr("buses.can.bitrate: the devices of this bus send up to 1250 frames/s"));
+              HasSubstr("buses.can.bitrate: the devices of this bus send up to 1360 frames/s"));
 }
 
 TEST(BadRig, address_serial_port_or_path_taken_twice) {
@@ -225,6 +225,11 @@ TEST(BadRig, size_of_the_scene_on_the_command_line_is_not_blamed_on_the_scenes_f
 TEST(BadRig, payload_that_the_bucket_decides_is_refused) {
   EXPECT_THAT(complaints({"machine.excavator.payload_max=1200 kg"}),
               AllOf(HasSubstr("machine.excavator.payload_max"), HasSubstr("struck_capacity")));
+}
+
+TEST(BadRig, engines_controller_without_an_engine_is_refused) {
+  EXPECT_THAT(complaints({"machine.excavator.pumps=constant"}),
+              HasSubstr("devices.engine.type: the machine has no engine that drives pumps"));
 }
 
 TEST(BadRig, mesh_that_cannot_be_read_is_refused_with_key_and_file) {

@@ -11,7 +11,7 @@
 namespace rigwire::hil {
 namespace {
 
-using emulators::CanBusFaultKind;
+using testing::AllOf;
 using testing::HasSubstr;
 
 class CanBusKeys : public testing::Test {
@@ -90,22 +90,23 @@ TEST_F(CanBusKeys, FaultsAsTheBusModelTakesThem) {
       - {type: duplicate_address, at: 1 s, address: 0x81, name: 0x8000830066E12345}
 )")
                        .buses.at("can");
-  const auto faults = can_bus_faults(bus.faults, 7);
-  EXPECT_NO_THROW(emulators::validate(faults));
-  EXPECT_EQ(faults.seed, 7U);
-  ASSERT_EQ(faults.list.size(), 8U);
-  EXPECT_EQ(faults.list[0].begin, std::chrono::seconds(1));
-  EXPECT_EQ(faults.list[0].end, std::chrono::seconds(3));
-  EXPECT_FALSE(faults.list[1].bit);
-  EXPECT_EQ(faults.list[2].bit, 20);
-  EXPECT_EQ(faults.list[3].kind, CanBusFaultKind::short_circuit);
-  EXPECT_EQ(faults.list[4].node, "imu_boom");
-  EXPECT_EQ(faults.list[4].bit_rate_bps, 500'000U);
-  EXPECT_EQ(faults.list[5].node, emulators::kCanOutsideName);
-  EXPECT_EQ(faults.list[6].frame.id, 0x18EAFFFEU);
-  EXPECT_EQ(faults.list[6].period, std::chrono::milliseconds(5));
-  EXPECT_EQ(faults.list[7].frame.id, 0x18EEFF81U);
-  EXPECT_EQ(faults.list[7].frame.data,
+  using namespace emulators;
+  const auto& faults = bus.faults;
+  EXPECT_NO_THROW(validate(CanBusFaults{faults}));
+  ASSERT_EQ(faults.size(), 8U);
+  EXPECT_EQ(faults[0].when, (FaultPeriod{std::chrono::seconds(1), std::chrono::seconds(2)}));
+  EXPECT_EQ(std::get<DisturbanceFault>(faults[1].what).bit, -1);
+  EXPECT_EQ(std::get<DisturbanceFault>(faults[2].what).bit, 20);
+  EXPECT_TRUE(std::holds_alternative<ShortCircuitFault>(faults[3].what));
+  EXPECT_EQ(node_of(faults[4]), "imu_boom");
+  EXPECT_EQ(std::get<WrongRateFault>(faults[4].what).bit_rate_bps, 500'000U);
+  EXPECT_EQ(node_of(faults[5]), kCanOutsideName);
+  const auto& intruder = std::get<IntruderFault>(faults[6].what);
+  EXPECT_EQ(frame_of(intruder).id, 0x18EAFFFEU);
+  EXPECT_EQ(intruder.period, std::chrono::milliseconds(5));
+  const auto claim = frame_of(std::get<DuplicateAddressFault>(faults[7].what));
+  EXPECT_EQ(claim.id, 0x18EEFF81U);
+  EXPECT_EQ(claim.data,
             (std::array<std::uint8_t, 8>{0x45, 0x23, 0xE1, 0x66, 0x00, 0x83, 0x00, 0x80}));
 }
 
@@ -116,9 +117,16 @@ TEST_F(CanBusKeys, FaultOfADeviceThatIsNotOnTheBus) {
               HasSubstr("buses.can.faults.0.device: not on this bus"));
 }
 
+TEST_F(CanBusKeys, DeviceNamedAsTheClientsNodeIsRefusedBeforeTheRun) {
+  EXPECT_THAT(
+      complaints("    wire: slcan\n", {"devices.client={type: openimu335ri, bus: can, "
+                                       "source_address: 0x90, serial: 90, mount: {link: boom}}"}),
+      HasSubstr("devices.client: the name of a client's node on its bus"));
+}
+
 TEST_F(CanBusKeys, IntruderWithoutAFrame) {
   EXPECT_THAT(complaints("    faults: [{type: intruder, at: 1 s, frame: hello}]\n"),
-              HasSubstr("buses.can.faults.0.frame: not a frame"));
+              AllOf(HasSubstr("buses.can"), HasSubstr("frame"), HasSubstr("hello")));
 }
 
 TEST_F(CanBusKeys, OneAddressTwiceIsAnErrorUnlessItIsWanted) {

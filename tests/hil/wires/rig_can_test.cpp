@@ -161,11 +161,7 @@ TEST(RigCan, FaultsFindADeviceByItsName) {
   Line bus({.acknowledging_node = true});
   bus.line.begin_device("imu");
   emulators::FrameOutput& node = bus.line.add_node(bus.statistics);
-  emulators::CanBusFault fault;
-  fault.kind = emulators::CanBusFaultKind::disconnected;
-  fault.end = 50ms;
-  fault.node = "imu";
-  bus.line.set_faults({{fault}, 1});
+  bus.line.set_faults({{{{0ms, 50ms}, emulators::DisconnectedFault{"imu"}}}, 1});
   node.send(kStart + 1ms, frame(0x100));
   bus.run_until(kStart + 49ms);
   EXPECT_EQ(bus.statistics.units, 0U);
@@ -257,12 +253,7 @@ TEST(RigCanPorts, APortThatListensOnlySendsNothing) {
 TEST(RigCanPorts, AFaultMayMeanAPort) {
   TwoPorts bus;
   emulators::FrameOutput& node = bus.first.line.add_node(bus.first.statistics);
-  emulators::CanBusFaults faults;
-  faults.list.push_back({.kind = emulators::CanBusFaultKind::disconnected,
-                         .begin = 0ms,
-                         .end = 50ms,
-                         .node = "client.1"});
-  bus.first.line.set_faults(faults);
+  bus.first.line.set_faults({{{{0ms, 50ms}, emulators::DisconnectedFault{"client.1"}}}, 1});
   bus.first.line.client(kStart, {.open = true});
   bus.port.client(kStart, {.open = true});
   node.send(kStart + 10ms, frame(0x100));

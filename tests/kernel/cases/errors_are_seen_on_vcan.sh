@@ -6,7 +6,7 @@ set -euo pipefail
 
 record dump
 stdbuf -oL candump -L "$CAN,0:0,#FFFFFFFF" >with_errors &
-wait_until 10 "the error filter" grep -q "$CAN" /proc/net/can/rcvlist_err
+wait_until 10 "the error filter" grep -q "$CAN .*raw" /proc/net/can/rcvlist_err
 start_peer "socketcan:$CAN" 0x12345
 expect_error() { # expect_error WHAT PATTERN
   kill -USR1 "$peer"

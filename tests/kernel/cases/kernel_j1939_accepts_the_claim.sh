@@ -7,10 +7,7 @@ set -euo pipefail
 name=0x8000830066E12345
 record dump
 # A J1939 socket has to be open for the stack to follow claims on the interface.
-stdbuf -oL testj1939 -B -P -r "$CAN:0x20" >heard 2>&1 &
-listener=$!
-wait_until 10 "the J1939 socket" grep -q "$CAN" /proc/net/can/rcvlist_all /proc/net/can/rcvlist_fil \
-  /proc/net/can/rcvlist_eff
+listen_j1939 heard
 start_peer "socketcan:$CAN" 0x12345
 
 # The stack holds a claim for 250 ms before it believes it; ask until it does. (j1939cat 2020.11

@@ -6,10 +6,7 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 
 record dump
-stdbuf -oL testj1939 -B -P -r "$CAN:0x20" >heard 2>&1 &
-listener=$!
-wait_until 10 "the J1939 socket" grep -q "$CAN" /proc/net/can/rcvlist_all /proc/net/can/rcvlist_fil \
-  /proc/net/can/rcvlist_eff
+listen_j1939 heard
 "$BINARY_DIR/tests/kernel/kernel_j1939_peer" "$CAN" 0x27 0x12345 >peer.log 2>&1 &
 peer=$!
 expect_line dump ' 18EEFF27#4523010000860020' 20
@@ -24,11 +21,11 @@ expect_line dump ' 1CECFF27#200E0002FFCAFE00' 20 # announced: 14 bytes, 2 packet
 expect_line heard '^27 0feca: 14 ff b7 02 09 01 68 0b$' 20
 expect_line heard '^00008 +09 01 75 14 09 01$' 5
 
-# ECU identification to the kernel's address alone: "*74565**vehicle gateway*Rigwire***".
+# ECU identification to the kernel's address alone: "*74565**tractor ECU*Rigwire**".
 cansend "$CAN" 18EA2720#C5FD00
-expect_line dump ' 1CEC2027#10220005FFC5FD00' 10 # 34 bytes, 5 packets
+expect_line dump ' 1CEC2027#101D0005FFC5FD00' 10 # 29 bytes, 5 packets
 expect_line dump ' 1CEC2720#11' 10               # the kernel clears to send
-expect_line dump ' 1CEC2720#13220005FFC5FD00' 10 # and has it all
+expect_line dump ' 1CEC2720#131D0005FFC5FD00' 10 # and has it all
 expect_line heard '^27 0fdc5: 2a 37 34 35 36 35 2a 2a$' 10
 
 # A message to the gateway.
@@ -40,7 +37,7 @@ expect_line dump ' 1CEC2127#13140003FF00EF00' 10 # end of message
 
 # Nobody is at 0x55: the gateway waits 1.25 s for its clear to send, and aborts with "timeout".
 cansend "$CAN" 18EA2755#C5FD00
-expect_line dump ' 1CEC5527#10220005FFC5FD00' 10
+expect_line dump ' 1CEC5527#101D0005FFC5FD00' 10
 expect_line dump ' 1CEC5527#FF03FFFFFFC5FD00' 10
 
 kill "$peer" && wait "$peer" || true

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "protocols/vehicle/brake.h"
 #include "protocols/vehicle/condition.h"
@@ -316,6 +318,23 @@ TEST(VehicleGolden, ChannelsOfTyreInflation) {
   EXPECT_EQ(target.id, 0x18FE7900U);
   EXPECT_THAT(target.payload(), ElementsAre(0xFF, 0xFF, 0xF4, 0x01, 0x58, 0x02, 0xFF, 0xFF));
   EXPECT_EQ(encode(Tp3{}, kGateway).id, 0x18FE7A00U);
+}
+
+// Worked by the formula of SPN 4207 in another language.
+TEST(VehicleGolden, TorqueSpeedRequestIsClosedByCounterAndChecksum) {
+  const auto closed = [](std::uint32_t id, std::initializer_list<std::uint8_t> bytes,
+                         std::uint8_t counter) {
+    can::Frame frame;
+    frame.id = id;
+    frame.extended = true;
+    frame.length = 8;
+    std::copy(bytes.begin(), bytes.end(), frame.data.begin());
+    frame.data[7] = static_cast<std::uint8_t>(0xF0U | counter);
+    return torque_speed_checksum(frame);
+  };
+  EXPECT_EQ(closed(0x0C000011, {0x01, 0x00, 0x4B, 0x7D, 0xFF, 0xFF, 0xFF}, 3), 5);
+  EXPECT_EQ(closed(0x0C000003, {0xF1, 0xE0, 0x2E, 0xFF, 0xFF, 0xFF, 0xFF}, 0), 3);
+  EXPECT_EQ(closed(0x0C000027, {0x03, 0x80, 0x25, 0xAF, 0xFF, 0xFF, 0xFF}, 7), 1);
 }
 
 }  // namespace

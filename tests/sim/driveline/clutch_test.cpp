@@ -78,9 +78,9 @@ TEST(ClutchStall, BrakingToRestInGearLeavesTheEngineIdling) {
     bench.grip_nm.setConstant(12000.0);  // brakes
     for (int i = 0; i < std::lround(4.0 / h); ++i) {
       bench.step(h);
-      ASSERT_GT(driveline.engine_speed_radps(), 0.6 * 700 * kRadpsPerRpm);
+      ASSERT_GT(driveline.engine_speed_radps(), 0.6 * rpm(700));
     }
-    EXPECT_NEAR(driveline.engine_speed_radps(), 700 * kRadpsPerRpm, 0.1);
+    EXPECT_NEAR(driveline.engine_speed_radps(), rpm(700), 0.1);
     EXPECT_NEAR(bench.rates.cwiseAbs().maxCoeff(), 0.0, 1e-6);
   }
 }

@@ -52,7 +52,7 @@ TEST(BeltVariator, OverallRatioGoesFrom40InLowToSevenPointSixInHigh) {
 
 TEST(BeltVariator, TopSpeedIsReachedWhereTheTopRatioMeetsRatedSpeed) {
   // 52 km/h at 3200 rpm on 0.33 m.
-  EXPECT_NEAR(3200 * kRadpsPerRpm / 7.6 * 0.33 * 3.6, 52.0, 0.5);
+  EXPECT_NEAR(rpm(3200) / 7.6 * 0.33 * 3.6, 52.0, 0.5);
 }
 
 TEST(BeltVariator, EnergyBalanceHoldsWhileTheRatioMoves) {

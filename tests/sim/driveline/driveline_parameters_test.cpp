@@ -89,7 +89,7 @@ TEST(DrivelineParametersTest, TheVariantSaysWhichDrivelineIsMade) {
   VehicleSample sample;
   made->read(sample);
   EXPECT_EQ(sample.gear, 0);
-  EXPECT_DOUBLE_EQ(sample.engine.speed_radps, 700 * kRadpsPerRpm);
+  EXPECT_DOUBLE_EQ(sample.engine.speed_radps, rpm(700));
 }
 
 }  // namespace

@@ -32,13 +32,13 @@ TEST(EngineMap, IsLinearBetweenPointsAndConstantOutside) {
 TEST(EngineMap, UnimogHasItsRatedTorqueAndPower) {
   const Engine engine{EngineParameters{}};
   EXPECT_DOUBLE_EQ(engine.reference_torque_nm(), 900.0);
-  EXPECT_DOUBLE_EQ(engine.full_load_nm(1600 * kRadpsPerRpm), 900.0);
-  EXPECT_NEAR(engine.full_load_nm(2200 * kRadpsPerRpm) * 2200 * kRadpsPerRpm, 170e3, 20.0);
+  EXPECT_DOUBLE_EQ(engine.full_load_nm(rpm(1600)), 900.0);
+  EXPECT_NEAR(engine.full_load_nm(rpm(2200)) * rpm(2200), 170e3, 20.0);
 }
 
 TEST(EngineMap, GatorHasItsRatedPower) {
   const Engine engine{CvtParameters{}.engine};
-  EXPECT_NEAR(engine.full_load_nm(3200 * kRadpsPerRpm) * 3200 * kRadpsPerRpm, 17e3, 20.0);
+  EXPECT_NEAR(engine.full_load_nm(rpm(3200)) * rpm(3200), 17e3, 20.0);
 }
 
 TEST(EngineTorqueTest, SlopeIsTheDerivativeAndNeverNegativeDamping) {

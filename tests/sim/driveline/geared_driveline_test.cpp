@@ -111,7 +111,7 @@ TEST(GearShift, CrawlerGroupTurnsTheWheelsOnceIn5808TurnsAndHoldsUnderLoad) {
   test::SpinBench bench(driveline, kVehicleInertia_kgm2);
   VehicleCommand command = drive(1, 0.0, true);
   command.engine_control = EngineControl::speed;
-  command.engine_speed_radps = 2200 * kRadpsPerRpm;
+  command.engine_speed_radps = rpm(2200);
   driveline.command(command);
   for (int i = 0; i < 8000; ++i) {
     ASSERT_NO_FATAL_FAILURE(checked_step(driveline, bench, 0.002));
@@ -123,7 +123,7 @@ TEST(GearShift, CrawlerGroupTurnsTheWheelsOnceIn5808TurnsAndHoldsUnderLoad) {
   EXPECT_TRUE(sample.crawler_group);
   EXPECT_TRUE(sample.driveline_engaged);
   EXPECT_NEAR(driveline.overall_ratio() / (5.2 * std::pow(1.44, 7) * 87.0), 1.0, 1e-12);
-  EXPECT_NEAR(sample.engine.speed_radps, 2200 * kRadpsPerRpm, 1e-3);
+  EXPECT_NEAR(sample.engine.speed_radps, rpm(2200), 1e-3);
   // About 80 m/h, as the maker says.
   EXPECT_NEAR(bench.rates.mean() * 0.565 * 3600.0, 80.7, 0.1);
   EXPECT_NEAR(driveline.clutch_torque_nm() * driveline.overall_ratio(),
@@ -234,7 +234,7 @@ TEST(BadCommand, WhatIsNoNumberKeepsTheOldValueAndAbsurdOnesAreClamped) {
     if (i > 3000) {
       bad.engine_control = good.engine_control = EngineControl::speed;
       bad.engine_speed_radps = i % 2 == 0 ? std::numeric_limits<double>::max() : 1e6;
-      good.engine_speed_radps = 2200 * kRadpsPerRpm;
+      good.engine_speed_radps = rpm(2200);
     }
     driveline.command(bad);
     twin.command(good);
@@ -274,7 +274,7 @@ TEST(BadCommand, AStepWithoutDurationChangesNothing) {
     driveline.finish(h, rates);
   }
   EXPECT_EQ(driveline.equations().torque_nm, before.torque_nm);
-  EXPECT_EQ(read(driveline).engine.speed_radps, 700 * kRadpsPerRpm);
+  EXPECT_EQ(read(driveline).engine.speed_radps, rpm(700));
   EXPECT_EQ(read(driveline).gear, 0);
 }
 

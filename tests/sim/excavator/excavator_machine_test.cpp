@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <numbers>
+#include <span>
 
 #include "sim/excavator/excavator.h"
 #include "sim/machine.h"
@@ -42,7 +43,7 @@ TEST(ExcavatorMachine, StatusAndTruthAreTheStateInTheirUnits) {
   EXPECT_EQ(status[4], excavator.tip_W().z());
   EXPECT_NEAR(status[5] * 1e5, excavator.supply_pressure_pa(), 1e-6);
 
-  std::array<double, 15> truth{};
+  std::array<double, 18> truth{};
   std::size_t count = 0;
   for (const TruthField& field : machine.truth_fields()) {
     count += field.count;
@@ -53,6 +54,40 @@ TEST(ExcavatorMachine, StatusAndTruthAreTheStateInTheirUnits) {
   EXPECT_EQ(truth[4], excavator.joint_rates_radps()[0]);
   EXPECT_EQ(truth[10], excavator.valve_sample(machine.time()).spool_position[2]);
   EXPECT_EQ(truth[14], excavator.tip_W().z());
+  EXPECT_EQ(truth[15], excavator.power_unit().speed_radps());
+  EXPECT_EQ(truth[16], excavator.power_unit().torque_nm());
+  EXPECT_EQ(truth[17], excavator.power_unit().pump_flow_m3ps());
+}
+
+TEST(ExcavatorMachine, PumpsWithoutAnEngineMoveTheArmAlikeAndHaveNothingToCommand) {
+  ExcavatorParameters parameters;
+  Excavator with_engine(parameters, Eigen::Isometry3d::Identity());
+  parameters.pumps = ExcavatorPumps::constant;
+  Excavator without(parameters, Eigen::Isometry3d::Identity());
+  ASSERT_NE(with_engine.power_unit_port(), nullptr);
+  EXPECT_EQ(without.power_unit_port(), nullptr);
+
+  // Half of what the pumps give: neither the engine nor the supply binds.
+  ValveCommand command;
+  command.opening = {0.4, 0.3, -0.3, 0.3};
+  for (Excavator* excavator : {&with_engine, &without}) {
+    excavator->command(command);
+    excavator->step(std::chrono::milliseconds(700));
+  }
+  EXPECT_EQ(with_engine.joint_angles_rad(), without.joint_angles_rad());
+  EXPECT_NE(without.joint_rates_radps()[1], 0.0);
+
+  std::size_t count = 0;
+  for (const TruthField& field : without.truth_fields()) {
+    EXPECT_NE(field.key, "engine_radps");
+    count += field.count;
+  }
+  std::array<double, 16> truth{};
+  truth.back() = -1.0;
+  ASSERT_EQ(count, truth.size() - 1);
+  without.read_truth(std::span(truth).first(count));
+  EXPECT_EQ(truth[14], without.tip_W().z());
+  EXPECT_EQ(truth.back(), -1.0) << "written past its fields";
 }
 
 }  // namespace

@@ -5,37 +5,23 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "fields/check.h"
+
 namespace rigwire::sim {
 namespace {
 
 using namespace std::chrono_literals;
 
-GnssFault fault(GnssFaultKind kind, Duration start, Duration duration) {
-  GnssFault made;
-  made.kind = kind;
-  made.start = start;
-  made.duration = duration;
-  return made;
-}
-
-TEST(GnssFault, LastsFromItsStartToBeforeItsEnd) {
-  const std::vector<GnssFault> faults{fault(GnssFaultKind::outage, 10s, 5s)};
-  EXPECT_FALSE(fault_state(faults, kStart + 10s - 1ns).no_signal);
-  EXPECT_TRUE(fault_state(faults, kStart + 10s).no_signal);
-  EXPECT_TRUE(fault_state(faults, kStart + 15s - 1ns).no_signal);
-  EXPECT_FALSE(fault_state(faults, kStart + 15s).no_signal);
-}
+using Faults = FaultBook<GnssFault>;
 
 TEST(GnssFault, OverlapsAddUpAndAShortCircuitIsReportedFirst) {
-  std::vector<GnssFault> faults{
-      fault(GnssFaultKind::antenna_open, 0s, 10s), fault(GnssFaultKind::antenna_short, 0s, 10s),
-      fault(GnssFaultKind::jamming, 0s, 10s),      fault(GnssFaultKind::jamming, 5s, 10s),
-      fault(GnssFaultKind::jump, 0s, 10s),         fault(GnssFaultKind::spoof_drift, 0s, 10s)};
-  faults[2].jamming_db = 10.0;
-  faults[3].jamming_db = 5.0;
-  faults[4].offset_m = {1.0, 2.0, 3.0};
-  faults[5].drift_mps = {0.5, 0.0, 0.0};
-  faults[5].clock_drift_mps = 2.0;
+  const FaultPeriod always{0s, 10s};
+  const Faults faults({{always, AntennaOpenFault{}},
+                       {always, AntennaShortFault{}},
+                       {always, JammingFault{10.0}},
+                       {{5s, 10s}, JammingFault{5.0}},
+                       {always, JumpFault{{1.0, 2.0, 3.0}}},
+                       {always, SpoofDriftFault{{0.5, 0.0, 0.0}, 2.0}}});
   const GnssFaultState state = fault_state(faults, kStart + 6s);
   EXPECT_TRUE(state.no_signal);
   EXPECT_EQ(state.antenna, AntennaState::short_circuit);
@@ -43,15 +29,25 @@ TEST(GnssFault, OverlapsAddUpAndAShortCircuitIsReportedFirst) {
   EXPECT_TRUE(state.spoofed);
   EXPECT_TRUE(state.offset_m.isApprox(Eigen::Vector3d(4.0, 2.0, 3.0)));
   EXPECT_DOUBLE_EQ(state.clock_offset_m, 12.0);
-  EXPECT_EQ(fault_state({faults[1], faults[0]}, kStart).antenna, AntennaState::short_circuit);
+  const Faults turned({{always, AntennaShortFault{}}, {always, AntennaOpenFault{}}});
+  EXPECT_EQ(fault_state(turned, kStart).antenna, AntennaState::short_circuit);
+}
+
+TEST(GnssFault, DriftCountsFromItsOwnBegin) {
+  const Faults faults({{{10s, 5s}, SpoofDriftFault{{1.0, 0.0, 0.0}}}});
+  EXPECT_FALSE(fault_state(faults, kStart + 10s - 1ns).spoofed);
+  EXPECT_EQ(fault_state(faults, kStart + 10s).offset_m.x(), 0.0);
+  EXPECT_DOUBLE_EQ(fault_state(faults, kStart + 14s).offset_m.x(), 4.0);
 }
 
 TEST(GnssFault, RefusesWhatCannotBe) {
-  EXPECT_THROW(validate(fault(GnssFaultKind::outage, -1s, 1s)), std::invalid_argument);
-  EXPECT_THROW(validate(fault(GnssFaultKind::outage, 0s, 0s)), std::invalid_argument);
-  GnssFault jump = fault(GnssFaultKind::jump, 0s, 1s);
-  jump.offset_m.x() = std::nan("");
-  EXPECT_THROW(validate(jump), std::invalid_argument);
+  const auto refused = [](const GnssFault& fault) {
+    EXPECT_THROW(fields::check(fault), std::invalid_argument);
+  };
+  refused({{-1s, 1s}, OutageFault{}});
+  refused({{0s, 0s}, OutageFault{}});
+  refused({{0s, 1s}, JumpFault{{std::nan(""), 0.0, 0.0}}});
+  refused({{0s, 1s}, JammingFault{81.0}});
 }
 
 }  // namespace

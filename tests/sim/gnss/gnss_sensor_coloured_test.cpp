@@ -171,16 +171,8 @@ TEST_F(ColouredGnss, PositionIsWhatAClientComputesFromThePseudoranges) {
   parameters_.ionosphere = false;
   parameters_.troposphere = false;
   parameters_.sky.elevation_mask_deg = 0.0;
-  GnssFault jump;
-  jump.kind = GnssFaultKind::jump;
-  jump.start = 20s;
-  jump.offset_m = {40.0, -30.0, 5.0};
-  GnssFault spoof;
-  spoof.kind = GnssFaultKind::spoof_drift;
-  spoof.start = 40s;
-  spoof.duration = 100s;
-  spoof.clock_drift_mps = 3.0;
-  parameters_.faults = {jump, spoof};
+  parameters_.faults = {{{20s, 10s}, JumpFault{{40.0, -30.0, 5.0}}},
+                        {{40s, 100s}, SpoofDriftFault{Eigen::Vector3d::UnitX(), 3.0}}};
   const GnssSystem gps = GnssSystem::gps;
   const auto constellation = make_nominal_constellation({&gps, 1});
   GnssSensor gnss(parameters_, constellation, calendar_, frame_, 3, "gnss");

@@ -22,13 +22,7 @@ class FaultyGnss : public testing::Test {
     parameters_.faults = {fault};
     return {parameters_, calendar_, frame_, 1, "gnss"};
   }
-  static GnssFault from_ten_to_twenty(GnssFaultKind kind) {
-    GnssFault fault;
-    fault.kind = kind;
-    fault.start = 10s;
-    fault.duration = 10s;
-    return fault;
-  }
+  static GnssFault from_ten_to_twenty(decltype(GnssFault::what) what) { return {{10s, 10s}, what}; }
   GnssSample at(GnssSensor& gnss, Duration t) const {
     return gnss.sample(kStart + t, antenna_, kOpen);
   }
@@ -48,13 +42,13 @@ class FaultyGnss : public testing::Test {
 
 TEST_F(FaultyGnss, AntennaFaultsAndOutagesLeaveNoSignalAndSaySo) {
   struct Case {
-    GnssFaultKind kind;
+    decltype(GnssFault::what) what;
     AntennaState state;
   };
-  for (const Case& c : {Case{GnssFaultKind::outage, AntennaState::ok},
-                        Case{GnssFaultKind::antenna_open, AntennaState::open},
-                        Case{GnssFaultKind::antenna_short, AntennaState::short_circuit}}) {
-    GnssSensor gnss = with(from_ten_to_twenty(c.kind));
+  for (const Case& c :
+       {Case{OutageFault{}, AntennaState::ok}, Case{AntennaOpenFault{}, AntennaState::open},
+        Case{AntennaShortFault{}, AntennaState::short_circuit}}) {
+    GnssSensor gnss = with(from_ten_to_twenty(c.what));
     EXPECT_EQ(at(gnss, 9s).fix, GnssFix::three_d);
     const GnssSample during = at(gnss, 10s);
     EXPECT_EQ(during.fix, GnssFix::none);
@@ -72,9 +66,7 @@ TEST_F(FaultyGnss, AntennaFaultsAndOutagesLeaveNoSignalAndSaySo) {
 
 TEST_F(FaultyGnss, JammingTakesSignalsAccuracyAndThenTheFix) {
   parameters_.sky.cn0_sigma_db = 0.0;
-  GnssFault fault = from_ten_to_twenty(GnssFaultKind::jamming);
-  fault.jamming_db = 10.0;
-  GnssSensor mild = with(fault);
+  GnssSensor mild = with(from_ten_to_twenty(JammingFault{10.0}));
   const GnssSample before = at(mild, 9s);
   EXPECT_EQ(before.radio.jamming, 0.0);
   const GnssSample during = at(mild, 10s);
@@ -82,23 +74,20 @@ TEST_F(FaultyGnss, JammingTakesSignalsAccuracyAndThenTheFix) {
   EXPECT_GT(during.radio.jamming, 0.5);
   EXPECT_EQ(during.radio.noise_db, 10.0);
   EXPECT_GT(during.horizontal_accuracy_m, before.horizontal_accuracy_m);
-  fault.jamming_db = 40.0;
-  GnssSensor heavy = with(fault);
+  GnssSensor heavy = with(from_ten_to_twenty(JammingFault{40.0}));
   (void)at(heavy, 9s);
   EXPECT_EQ(at(heavy, 10s).fix, GnssFix::none);
 }
 
 TEST_F(FaultyGnss, ASpoofedReceiverDriftsOffWithStrongConsistentSignals) {
-  GnssFault fault = from_ten_to_twenty(GnssFaultKind::spoof_drift);
-  fault.drift_mps = {3.0, -4.0, 0.5};
-  fault.clock_drift_mps = 30.0;
-  GnssSensor spoofed = with(fault);
+  const Eigen::Vector3d velocity_mps(3.0, -4.0, 0.5);
+  GnssSensor spoofed = with(from_ten_to_twenty(SpoofDriftFault{velocity_mps, 30.0}));
   GnssSensor honest(parameters_, calendar_, frame_, 1, "gnss");
   const GnssSample during = at(spoofed, 18s);
   parameters_.faults.clear();
   GnssSensor truthful(parameters_, calendar_, frame_, 1, "gnss");
   const GnssSample truth = at(truthful, 18s);
-  const Eigen::Vector3d away = position(during) - fault.drift_mps * 8.0;
+  const Eigen::Vector3d away = position(during) - velocity_mps * 8.0;
   EXPECT_LT(away.norm(), 15.0) << "24 m east, 32 m south, and its own noise";
   EXPECT_NEAR(during.velocity_ned_mps.x, -4.0, 0.4);
   EXPECT_NEAR(during.velocity_ned_mps.y, 3.0, 0.4);
@@ -112,7 +101,7 @@ TEST_F(FaultyGnss, ASpoofedReceiverDriftsOffWithStrongConsistentSignals) {
 }
 
 TEST_F(FaultyGnss, SpoofedSignalsReachIndoors) {
-  GnssSensor gnss = with(from_ten_to_twenty(GnssFaultKind::spoof_drift));
+  GnssSensor gnss = with(from_ten_to_twenty(SpoofDriftFault{}));
   const FakeSky indoors = closed_sky();
   EXPECT_EQ(gnss.sample(kStart + 5s, antenna_, indoors).fix, GnssFix::none);
   (void)gnss.sample(kStart + 10s, antenna_, indoors);
@@ -120,13 +109,12 @@ TEST_F(FaultyGnss, SpoofedSignalsReachIndoors) {
 }
 
 TEST_F(FaultyGnss, AJumpMovesThePositionAtOnceAndBack) {
-  GnssFault fault = from_ten_to_twenty(GnssFaultKind::jump);
-  fault.offset_m = {100.0, 50.0, -20.0};
-  GnssSensor gnss = with(fault);
+  const Eigen::Vector3d offset_m(100.0, 50.0, -20.0);
+  GnssSensor gnss = with(from_ten_to_twenty(JumpFault{offset_m}));
   const Eigen::Vector3d before = position(at(gnss, 10s - 100ms));
   const Eigen::Vector3d during = position(at(gnss, 10s));
   const Eigen::Vector3d after = position(at(gnss, 20s));
-  EXPECT_LT((during - before - fault.offset_m).norm(), 3.0);
+  EXPECT_LT((during - before - offset_m).norm(), 3.0);
   EXPECT_LT((after - before).norm(), 10.0);
 }
 
@@ -134,7 +122,7 @@ TEST_F(FaultyGnss, WithoutCorrectionsRtkEndsWithTheirLargestAge) {
   parameters_.corrections.kind = CorrectionKind::rtk;
   parameters_.corrections.first_fix_s = 2.0;
   parameters_.corrections.largest_age_s = 5.0;
-  GnssSensor gnss = with(from_ten_to_twenty(GnssFaultKind::correction_outage));
+  GnssSensor gnss = with(from_ten_to_twenty(CorrectionOutageFault{}));
   for (int t = 1; t < 10; ++t) {
     (void)at(gnss, t * 1s);
   }

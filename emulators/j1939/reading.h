@@ -1,4 +1,4 @@
-// How readings become what goes on the wire; shared by the parts of the vehicle's report.
+// How readings become what goes on the wire, and which group a number is.
 #pragma once
 
 #include <cmath>

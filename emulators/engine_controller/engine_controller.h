@@ -1,0 +1,112 @@
+// The controller of an engine that drives hydraulic pumps, and of those pumps, on a J1939 bus:
+// engine state, condition and configuration, and pump pressure out, torque/speed requests (TSC1)
+// in.
+//
+// docs/devices/engine-controller.md has bytes, periods, sources and deviations. Life: J1939Node
+// claims the address; while it is held the schedule runs in ticks of 10 ms, each half a millisecond
+// after the instant of a sample. A request by TSC1 holds for `request_timeout`; of several nodes
+// the one with the higher priority counts, of equal ones the first, until it is silent. A request
+// whose counter repeats or whose checksum is wrong is ignored and an active trouble code; one
+// without them (all ones) counts unless `requires_checksum`.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "emulators/backends.h"
+#include "emulators/device.h"
+#include "emulators/j1939/engine_report.h"
+#include "emulators/j1939/identification.h"
+#include "emulators/j1939/j1939_node.h"
+#include "emulators/j1939/name_settings.h"
+#include "emulators/j1939/torque_speed_check.h"
+#include "emulators/j1939/trouble_memory.h"
+#include "fields/rules.h"
+#include "protocols/vehicle/engine.h"
+#include "sim/samples/power_unit_sample.h"
+
+namespace rigwire::emulators {
+
+struct EngineControllerSettings {
+  std::uint8_t source_address = 0x00;  ///< 0 .. 253; 0 is "engine #1".
+  std::uint32_t serial = 1;            ///< In the NAME; 21 bits.
+  J1939NameSettings name;              ///< Function 0 of the global group: engine.
+  IdentificationSettings identification{.model = "engine controller",
+                                        .type = "engine",
+                                        .vehicle_identification_number = "RGWRE0EX000000001"};
+  EngineData engine;         ///< What the machine says; no key.
+  Duration engine_hours{0};  ///< Of the engine when the run begins.
+  Duration power_on{0};      ///< From the start of the run.
+  Duration processing_delay = std::chrono::microseconds{500};  ///< From an event to its frame.
+  Duration request_timeout = std::chrono::milliseconds{100};   ///< Of TSC1, sent every 10 ms.
+  bool requires_checksum = false;  ///< Requests without counter and checksum are refused.
+};
+
+void visit(fields::Visitor& v, EngineControllerSettings& p);
+/// Throws std::invalid_argument with the value found and what is allowed.
+void validate(const EngineControllerSettings& settings);
+
+class EngineController final : public CanDevice, public PowerUnitBackend, J1939Application {
+ public:
+  static constexpr Duration kTick = std::chrono::milliseconds{10};
+  static constexpr Duration kTickOffset = std::chrono::microseconds{500};  ///< After a sample.
+
+  /// A group that it sends in one frame: by itself where it has a period, and on request.
+  struct Entry {
+    protocols::vehicle::Group group;
+    std::uint64_t phase = 0;  ///< Ticks; below the period.
+  };
+  [[nodiscard]] static std::span<const Entry> schedule();
+
+  /// `output` must outlive the device. Throws like validate(settings).
+  EngineController(const EngineControllerSettings& settings, FrameOutput& output);
+
+  void advance(SimTime now) override;
+  [[nodiscard]] SimTime next_event() const override;
+  [[nodiscard]] SamplePlan sample_plan() const override;
+  [[nodiscard]] ReceiveCounters received() const override { return node_.received(); }
+  [[nodiscard]] double nominal_rate_hz() const override;
+  [[nodiscard]] std::span<const Quantity> quantities() const override;
+  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+      std::string_view name) const override;
+  void receive(SimTime now, const protocols::can::Frame& frame) override;
+  void controller(SimTime now, const protocols::can::ControllerReport& report) override {
+    node_.controller(now, report);
+  }
+  void update(const PowerUnitSample& sample) override;
+  [[nodiscard]] const PowerUnitCommand& command() const override { return command_; }
+
+  [[nodiscard]] bool address_held() const { return node_.held(); }
+
+ private:
+  struct Request {
+    std::uint8_t source = 0xFF;
+    std::uint8_t priority = 3;
+    SimTime expires = kNever;
+  };
+
+  J1939Answer answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
+  J1939Reception take(SimTime now, const J1939Message& message) override;
+  J1939Reception take_request(SimTime now, const J1939Message& message);
+  void obey(SimTime now, const protocols::vehicle::Tsc1& request);
+  void end_request();
+  void tick(SimTime now);
+  /// False when the group is none of the schedule's.
+  bool send_group(SimTime now, std::uint32_t pgn);
+
+  EngineControllerSettings settings_;
+  J1939Node node_;
+  std::optional<PowerUnitSample> sample_;
+  PowerUnitCommand command_;
+  std::optional<Request> request_;
+  EngineReport report_;
+  TroubleMemory troubles_;
+  TorqueSpeedCheck check_;
+  std::uint64_t ticks_ = 0;
+  SimTime next_tick_;
+};
+
+}  // namespace rigwire::emulators

@@ -1,0 +1,60 @@
+// What every engine says of itself on a J1939 bus, whatever it drives: friction and desired speed
+// (EEC3), fluids (EFL/P1, ET1, DD1), battery (VEP1), fuel (LFE1, LFC1), hours (HOURS), and its
+// configuration (EC1), which it sends by itself. What depends on who asks it for what (EEC1, EEC2)
+// is its device's.
+//
+// Layouts and sources: protocols/vehicle/engine.h, condition.h, engine_configuration.h.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "emulators/j1939/j1939_node.h"
+#include "protocols/can/frame.h"
+#include "protocols/vehicle/engine_configuration.h"
+#include "sim/samples/engine_sample.h"
+#include "sim/samples/time.h"
+
+namespace rigwire::emulators {
+
+class EngineReport {
+ public:
+  /// `hours`: how long the engine has run in its life when the run begins.
+  EngineReport(const EngineData& engine, Duration hours);
+
+  /// Adds up the engine's hours and revolutions since the sample before.
+  void take(SimTime time, const EngineSample& sample);
+
+  /// The frame of group `pgn`, if it is one of these. Without a sample everything but the hours is
+  /// not available.
+  [[nodiscard]] std::optional<protocols::can::Frame> frame(std::uint32_t pgn, std::uint8_t source,
+                                                           const EngineSample* sample) const;
+
+  /// What the cylinders make, of the reference torque (SPN 513); not available for an engine
+  /// without one.
+  [[nodiscard]] double torque_share(const EngineSample& sample) const;
+  /// The same, of the most that they could make at this speed (SPN 92).
+  [[nodiscard]] static double load_share(const EngineSample& sample);
+
+  /// Sends EC1 where it is due in tick `tick` of 10 ms, or was while another message of that length
+  /// was on its way. Call once for every tick in which the node may send.
+  void send_due(J1939Node& node, SimTime now, std::uint64_t tick);
+  /// Sends EC1; `unknown` for an engine without a reference torque.
+  [[nodiscard]] J1939Answer send_configuration(J1939Node& node, SimTime now,
+                                               std::uint8_t destination) const;
+
+ private:
+  [[nodiscard]] std::optional<
+      std::array<std::uint8_t, protocols::vehicle::kEngineConfigurationBytes>>
+  configuration() const;
+  [[nodiscard]] double share(double torque_nm) const;
+
+  EngineData engine_;
+  double running_s_;
+  double turns_ = 0.0;
+  std::optional<SimTime> taken_;
+  bool configuration_due_ = false;
+};
+
+}  // namespace rigwire::emulators

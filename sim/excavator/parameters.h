@@ -27,7 +27,7 @@
 
 namespace rigwire::sim {
 
-/// How much of the drives is modelled. Cost rises downwards; excavator_levels.cpp has them all.
+/// How much of the drives is modelled. Cost rises downwards; excavator.cpp has them all.
 enum class ExcavatorLevel {
   kinematic,     ///< Cylinders move as the valves ask, whatever the load: no forces.
   quasi_static,  ///< Oil that does not give: inverse dynamics finds the loads, which limit force,

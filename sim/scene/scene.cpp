@@ -1,9 +1,12 @@
 #include "sim/scene/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
+#include <string>
 
 #include "fields/check.h"
 #include "fields/visitor.h"
@@ -20,6 +23,103 @@ void remember_error(void* user, RTCError /*code*/, const char* text) {
   if (first_error.empty()) {
     first_error = text != nullptr ? text : "unknown error";
   }
+}
+
+/// Lets the rays of a packet pass where the surface has a hole.
+void pass_holes(const RTCFilterFunctionNArguments* arguments) {
+  const auto& surface =
+      *static_cast<const Scene::Internals::MaskedSurface*>(arguments->geometryUserPtr);
+  const unsigned n = arguments->N;
+  for (unsigned i = 0; i < n; ++i) {
+    if (arguments->valid[i] != -1) {
+      continue;
+    }
+    const auto& corner = surface.triangles[RTCHitN_primID(arguments->hit, n, i)];
+    const float a = RTCHitN_u(arguments->hit, n, i);
+    const float b = RTCHitN_v(arguments->hit, n, i);
+    if (!surface.mask->opaque_at(corner[0] + a * corner[2] + b * corner[4],
+                                 corner[1] + a * corner[3] + b * corner[5])) {
+      arguments->valid[i] = 0;
+    }
+  }
+}
+
+/// Column-major 3x4, the form that Embree takes.
+using Transform = std::array<float, 12>;
+
+Transform to_transform(const Eigen::Isometry3d& X_WM, double scale,
+                       const Eigen::Vector3d& origin_W) {
+  const Eigen::Matrix3d linear = scale * X_WM.linear();
+  const Eigen::Vector3d translation = X_WM.translation() - origin_W;
+  Transform transform{};
+  for (std::size_t column = 0; column < 3; ++column) {
+    for (std::size_t row = 0; row < 3; ++row) {
+      transform[column * 3 + row] = static_cast<float>(
+          linear(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)));
+    }
+  }
+  for (std::size_t row = 0; row < 3; ++row) {
+    transform[9 + row] = static_cast<float>(translation(static_cast<Eigen::Index>(row)));
+  }
+  return transform;
+}
+
+void set_transform(RTCGeometry geometry, const Transform& transform) {
+  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform.data());
+  rtcCommitGeometry(geometry);
+}
+
+constexpr float kForever = std::numeric_limits<float>::infinity();
+/// A ray through an edge meets both of its triangles at the same place.
+constexpr float kSameCrossing_m = 1e-4F;
+constexpr std::size_t kMostCrossings = 256;
+
+struct Crossing {
+  float range_m = 0.0F;
+  bool inwards = false;
+};
+
+/// Crossings of foliage on one ray; farther ones than the buffer holds are not counted.
+struct CountingContext {
+  RTCIntersectContext context;  // the first member: Embree hands it back to the filter
+  std::array<Crossing, kMostCrossings> crossings;
+  std::size_t count = 0;
+};
+
+/// Notes the crossing and lets the ray go on.
+void note_crossing(const RTCFilterFunctionNArguments* arguments) {
+  auto* counting = reinterpret_cast<CountingContext*>(arguments->context);
+  const auto* ray = reinterpret_cast<const RTCRay*>(arguments->ray);
+  const auto* hit = reinterpret_cast<const RTCHit*>(arguments->hit);
+  if (counting->count < kMostCrossings) {
+    // Normal and direction are both in the mesh's frame here.
+    const float along = hit->Ng_x * ray->dir_x + hit->Ng_y * ray->dir_y + hit->Ng_z * ray->dir_z;
+    counting->crossings[counting->count++] = {ray->tfar, along < 0.0F};
+  }
+  arguments->valid[0] = 0;
+}
+
+/// Length within surfaces that are crossed at these places, from 0 to `end_m`; the ray leaves all
+/// of them in the end, so that what it does not enter it started in.
+double length_within(std::span<Crossing> crossings, double end_m) {
+  std::ranges::sort(crossings, {}, &Crossing::range_m);
+  const auto twin = [](const Crossing& a, const Crossing& b) {
+    return a.inwards == b.inwards && b.range_m - a.range_m < kSameCrossing_m;
+  };
+  const auto last = std::unique(crossings.begin(), crossings.end(), twin);
+  int depth = 0;
+  for (auto it = crossings.begin(); it != last; ++it) {
+    depth += it->inwards ? -1 : 1;
+  }
+  double length_m = 0.0;
+  double from_m = 0.0;
+  for (auto it = crossings.begin(); it != last && from_m < end_m; ++it) {
+    const double to_m = std::min(double{it->range_m}, end_m);
+    length_m += depth > 0 ? to_m - from_m : 0.0;
+    depth += it->inwards ? 1 : -1;
+    from_m = to_m;
+  }
+  return length_m;
 }
 
 }  // namespace
@@ -322,6 +422,335 @@ std::optional<SceneHit> Scene::cast(const Eigen::Vector3d& p_W, const Eigen::Vec
     hit.normal_W = -hit.normal_W;
   }
   return hit;
+}
+
+// Meshes as Embree takes them, with holes.
+
+GeometryHandle Scene::Internals::make_geometry(const TriangleMesh& mesh) {
+  validate(mesh);
+  const std::string doing = "mesh '" + mesh.name + "'";
+  GeometryHandle geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+  auto* vertices = static_cast<float*>(
+      rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                              3 * sizeof(float), mesh.vertices.size()));
+  auto* indices = static_cast<std::uint32_t*>(
+      rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              3 * sizeof(std::uint32_t), mesh.triangles.size()));
+  check(doing.c_str());
+  for (const auto& vertex : mesh.vertices) {
+    vertices = std::copy_n(vertex.data(), 3, vertices);
+  }
+  for (const auto& triangle : mesh.triangles) {
+    indices = std::ranges::copy(triangle, indices).out;
+  }
+  if (mesh.alpha) {
+    auto surface = std::make_unique<MaskedSurface>();
+    surface->mask = mesh.alpha;
+    surface->triangles.reserve(mesh.triangles.size());
+    for (const auto& [i, j, k] : mesh.triangles) {
+      const Eigen::Vector2f at = mesh.texture_coordinates[i];
+      const Eigen::Vector2f to_j = mesh.texture_coordinates[j] - at;
+      const Eigen::Vector2f to_k = mesh.texture_coordinates[k] - at;
+      surface->triangles.push_back({at.x(), at.y(), to_j.x(), to_j.y(), to_k.x(), to_k.y()});
+    }
+    rtcSetGeometryUserData(geometry.get(), surface.get());
+    rtcSetGeometryIntersectFilterFunction(geometry.get(), pass_holes);
+    rtcSetGeometryOccludedFilterFunction(geometry.get(), pass_holes);
+    masked.push_back(std::move(surface));
+  }
+  rtcCommitGeometry(geometry.get());
+  check(doing.c_str());
+  return geometry;
+}
+
+Scene::MeshId Scene::Internals::add_meshes(std::string name,
+                                           std::span<const TriangleMesh* const> parts,
+                                           std::vector<Material> surfaces) {
+  SceneHandle inner(rtcNewScene(device.get()));
+  // The context's filter is for rays that count the crossings of foliage.
+  rtcSetSceneFlags(inner.get(), static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST |
+                                                           RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const GeometryHandle geometry = make_geometry(*parts[i]);
+    if (!surfaces.empty()) {
+      rtcSetGeometryMask(geometry.get(), surface_mask(surfaces[i], kFixed));
+      rtcCommitGeometry(geometry.get());
+    }
+    rtcAttachGeometryByID(inner.get(), geometry.get(), static_cast<unsigned>(i));
+  }
+  rtcCommitScene(inner.get());
+  check(("mesh '" + name + "'").c_str());
+  meshes.push_back({std::move(inner), std::move(name), std::move(surfaces)});
+  return static_cast<MeshId>(meshes.size() - 1);
+}
+
+// The part of Scene and its internals that lets a terrain change.
+
+Scene::Internals::Terrain& Scene::Internals::terrain_of(std::uint32_t instance) {
+  const auto found = std::ranges::find(terrains, instance, &Terrain::instance);
+  if (found == terrains.end()) {
+    throw std::invalid_argument("scene: instance " + std::to_string(instance) + " is no terrain");
+  }
+  return *found;
+}
+
+Scene::Internals::Tile Scene::Internals::make_tile(const Terrain& terrain, std::size_t first_column,
+                                                   std::size_t first_row) {
+  const HeightField& field = terrain.field;
+  Tile tile;
+  tile.first_column = first_column;
+  tile.first_row = first_row;
+  // One cell over the next tile: no ray along the border may pass between the two.
+  tile.columns = std::min(terrain.tile_cells + 2, field.columns - first_column);
+  tile.rows = std::min(terrain.tile_cells + 2, field.rows - first_row);
+  tile.grid.reset(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_GRID));
+  tile.vertices = static_cast<float*>(
+      rtcSetNewGeometryBuffer(tile.grid.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                              3 * sizeof(float), tile.columns * tile.rows));
+  auto* grid = static_cast<RTCGrid*>(rtcSetNewGeometryBuffer(
+      tile.grid.get(), RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid), 1));
+  check("terrain tile");
+  float* vertex = tile.vertices;
+  // The same floats as in the undivided terrain.
+  for (std::size_t r = first_row; r < first_row + tile.rows; ++r) {
+    for (std::size_t c = first_column; c < first_column + tile.columns; ++c) {
+      *vertex++ = static_cast<float>(field.origin_m.x() - terrain.centre_W.x() +
+                                     field.cell_m * static_cast<double>(c));
+      *vertex++ = static_cast<float>(field.origin_m.y() - terrain.centre_W.y() +
+                                     field.cell_m * static_cast<double>(r));
+      *vertex++ = static_cast<float>(field.node(c, r) - terrain.centre_W.z());
+    }
+  }
+  *grid = {.startVertexID = 0,
+           .stride = static_cast<unsigned>(tile.columns),
+           .width = static_cast<unsigned short>(tile.columns),
+           .height = static_cast<unsigned short>(tile.rows)};
+  rtcCommitGeometry(tile.grid.get());
+  tile.inner.reset(rtcNewScene(device.get()));
+  rtcSetSceneFlags(tile.inner.get(),
+                   static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
+  rtcAttachGeometry(tile.inner.get(), tile.grid.get());
+  rtcCommitScene(tile.inner.get());
+  tile.placed.reset(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+  rtcSetGeometryInstancedScene(tile.placed.get(), tile.inner.get());
+  rtcSetGeometryMask(tile.placed.get(), 1U);
+  const Shading surface = shading[placed_of(terrain.instance).geometry_id];
+  rtcAttachGeometryByID(moving.get(), tile.placed.get(), new_moving_id(terrain.instance, surface));
+  check("terrain tile");
+  return tile;
+}
+
+void Scene::Internals::refresh_terrains() {
+  for (Terrain& terrain : terrains) {
+    if (!terrain.staged || (terrain.shown && t0 - *terrain.shown < terrain_period)) {
+      continue;
+    }
+    const NodeRectangle changed = *terrain.staged;
+    for (Tile& tile : terrain.tiles) {
+      const std::size_t first_column = std::max(changed.first_column, tile.first_column);
+      const std::size_t first_row = std::max(changed.first_row, tile.first_row);
+      const std::size_t end_column =
+          std::min(changed.last_column + 1, tile.first_column + tile.columns);
+      const std::size_t end_row = std::min(changed.last_row + 1, tile.first_row + tile.rows);
+      if (first_column >= end_column || first_row >= end_row) {
+        continue;
+      }
+      for (std::size_t r = first_row; r < end_row; ++r) {
+        for (std::size_t c = first_column; c < end_column; ++c) {
+          const std::size_t vertex = (r - tile.first_row) * tile.columns + (c - tile.first_column);
+          tile.vertices[3 * vertex + 2] =
+              static_cast<float>(terrain.field.node(c, r) - terrain.centre_W.z());
+        }
+      }
+      rtcUpdateGeometryBuffer(tile.grid.get(), RTC_BUFFER_TYPE_VERTEX, 0);
+      rtcCommitGeometry(tile.grid.get());
+      rtcCommitScene(tile.inner.get());
+      rtcCommitGeometry(tile.placed.get());
+    }
+    terrain.staged.reset();
+    terrain.shown = t0;
+  }
+}
+
+void Scene::make_changeable(InstanceId terrain) {
+  Internals& in = *internals_;
+  Internals::Terrain& changing = in.terrain_of(terrain);
+  if (!changing.tiles.empty()) {
+    return;
+  }
+  rtcDetachGeometry(in.fixed.get(), in.placed_of(terrain).geometry_id);
+  // Small tiles are quick to rebuild; every slice pays for their number.
+  constexpr std::size_t kLeastCells = 32;
+  constexpr std::size_t kTilesAlong = 16;
+  const std::size_t nodes = std::max(changing.field.columns, changing.field.rows);
+  changing.tile_cells = std::max(kLeastCells, (nodes + kTilesAlong - 1) / kTilesAlong);
+  for (std::size_t r = 0; r + 1 < changing.field.rows; r += changing.tile_cells) {
+    for (std::size_t c = 0; c + 1 < changing.field.columns; c += changing.tile_cells) {
+      changing.tiles.push_back(in.make_tile(changing, c, r));
+    }
+  }
+  in.ground_moves = true;
+  in.fixed_placed = false;
+}
+
+void Scene::set_terrain_period(Duration period) {
+  internals_->terrain_period = period;
+}
+
+void Scene::update_terrain(InstanceId terrain, const HeightField& field,
+                           const NodeRectangle& changed) {
+  Internals::Terrain& changing = internals_->terrain_of(terrain);
+  HeightField& staged = changing.field;
+  if (changing.tiles.empty()) {
+    throw std::invalid_argument("scene: terrain " + std::to_string(terrain) +
+                                " was not made changeable");
+  }
+  if (field.columns != staged.columns || field.rows != staged.rows ||
+      field.heights_m.size() != staged.heights_m.size() ||
+      changed.first_column > changed.last_column || changed.first_row > changed.last_row ||
+      changed.last_column >= field.columns || changed.last_row >= field.rows) {
+    throw std::invalid_argument("scene: the changed nodes do not lie in terrain " +
+                                std::to_string(terrain));
+  }
+  for (std::size_t r = changed.first_row; r <= changed.last_row; ++r) {
+    for (std::size_t c = changed.first_column; c <= changed.last_column; ++c) {
+      const double height_m = field.node(c, r);
+      if (!std::isfinite(height_m)) {
+        throw std::invalid_argument("scene: height at column " + std::to_string(c) + ", row " +
+                                    std::to_string(r) + " is not a finite number");
+      }
+      staged.heights_m[r * staged.columns + c] = height_m;
+    }
+  }
+  changing.staged = changing.staged ? changing.staged->joined(changed) : changed;
+}
+
+// Where things are in a slice of time: the part of Scene that tells Embree.
+
+void Scene::Internals::place_fixed() {
+  for (const Placed& thing : placed) {
+    if (thing.body == kFixed) {
+      set_transform(thing.geometry.get(), to_transform(thing.X_PM, thing.scale, origin_W));
+    }
+  }
+  for (const Terrain& terrain : terrains) {
+    const Placed& thing = placed_of(terrain.instance);
+    for (const Tile& tile : terrain.tiles) {
+      set_transform(tile.placed.get(), to_transform(thing.X_PM, thing.scale, origin_W));
+    }
+  }
+  rtcCommitScene(fixed.get());
+  if (has_canopy) {
+    rtcCommitScene(canopy.get());
+  }
+  fixed_placed = true;
+}
+
+void Scene::Internals::place_bodies(std::span<const BodyMotion> motions) {
+  for (const std::uint32_t index : on_bodies) {
+    const Placed& thing = placed[index];
+    const BodyMotion& motion = motions[thing.body];
+    const Transform start = to_transform(motion.X_WB_start * thing.X_PM, thing.scale, origin_W);
+    const Transform end = to_transform(motion.X_WB_end * thing.X_PM, thing.scale, origin_W);
+    RTCGeometry geometry = thing.geometry.get();
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, start.data());
+    rtcSetGeometryTransform(geometry, 1, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, end.data());
+    rtcCommitGeometry(geometry);
+    shading[thing.geometry_id].R_WM =
+        (motion.X_WB_end.linear() * thing.X_PM.linear()).cast<float>();
+  }
+}
+
+void Scene::begin_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W,
+                        std::span<const BodyMotion> motions) {
+  Internals& in = *internals_;
+  if (motions.size() != in.bodies.size()) {
+    throw std::invalid_argument("scene: " + std::to_string(motions.size()) + " motions for " +
+                                std::to_string(in.bodies.size()) + " bodies");
+  }
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    if (!motions[i].X_WB_start.matrix().allFinite() || !motions[i].X_WB_end.matrix().allFinite()) {
+      throw std::invalid_argument("scene: the pose of body '" + in.bodies[i] + "' is not finite");
+    }
+  }
+  if (t1 <= t0 || !focus_W.allFinite()) {
+    throw std::invalid_argument("scene: a slice needs t0 < t1 and a finite focus");
+  }
+  in.t0 = t0;
+  in.t1 = t1;
+  if ((focus_W - in.origin_W).norm() > kRebaseDistance_m) {
+    in.origin_W = focus_W.array().round();
+    in.fixed_placed = false;
+  }
+  if (!in.fixed_placed) {
+    in.place_fixed();
+  }
+  in.refresh_terrains();
+  in.place_bodies(motions);
+  rtcCommitScene(in.moving.get());
+  in.check("placing the bodies");
+}
+
+// The scene as satellite signals meet it: solid things stop them, crowns let them through.
+
+bool Scene::blocked(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
+                    double clearance_m) const {
+  const Internals& in = *internals_;
+  const FlushDenormals flush;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay ray =
+      make_ray(p_W - in.origin_W, direction_W, clearance_m, kForever, 1.0F, kSeeEverything);
+  rtcOccluded1(in.moving.get(), &context, &ray);
+  if (ray.tfar >= 0.0F) {
+    rtcOccluded1(in.fixed.get(), &context, &ray);
+  }
+  return ray.tfar < 0.0F;
+}
+
+SkyPath Scene::sky_path(const Eigen::Vector3d& p_W, const Eigen::Vector3d& direction_W,
+                        double clearance_m) const {
+  const Internals& in = *internals_;
+  SkyPath path;
+  double end_m = std::numeric_limits<double>::infinity();
+  if (const auto solid = surface(p_W, direction_W, clearance_m, end_m)) {
+    path.blocked = true;
+    end_m = solid->range_m;
+  }
+  if (!in.has_foliage && !in.has_canopy) {
+    return path;
+  }
+  const FlushDenormals flush;
+  CountingContext counting;
+  rtcInitIntersectContext(&counting.context);
+  counting.context.filter = note_crossing;
+  const auto count_in = [&](RTCScene scene, std::uint32_t mask) {
+    RTCRayHit query{};
+    query.ray = make_ray(p_W - in.origin_W, direction_W, 0.0, kForever, 1.0F, mask);
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene, &counting.context, &query);
+  };
+  if (in.has_foliage) {
+    count_in(in.moving.get(), foliage_mask());
+    count_in(in.fixed.get(), foliage_mask());
+  }
+  if (in.has_canopy) {
+    count_in(in.canopy.get(), kSeeEverything);
+  }
+  path.foliage_m = length_within({counting.crossings.data(), counting.count}, end_m);
+  return path;
+}
+
+std::optional<ReflectingSurface> Scene::surface(const Eigen::Vector3d& p_W,
+                                                const Eigen::Vector3d& direction_W,
+                                                double clearance_m, double reach_m) const {
+  const auto hit = cast(p_W, direction_W, clearance_m, reach_m, internals_->t1,
+                        ~(foliage_mask() | loose_leaves_mask()));
+  if (!hit) {
+    return std::nullopt;
+  }
+  return ReflectingSurface{hit->range_m, hit->normal_W};
 }
 
 }  // namespace rigwire::sim

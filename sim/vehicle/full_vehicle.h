@@ -12,7 +12,7 @@
 // prediction) and the attitude goes with the mean rate: second order in free flight.
 //
 // Linear in the step's error elsewhere. parameters.scheme chooses a step by stages instead, of
-// second or fourth order in smooth motion (full_vehicle_stages.cpp); the vehicle is always put on
+// second or fourth order in smooth motion; the vehicle is always put on
 // its wheels by the first. Cost and error: docs/machines/unimog-u5023.md.
 #pragma once
 
@@ -78,7 +78,7 @@ class FullVehicle final : public WheeledVehicle {
   void update_links() override;
 
   void implicit_step(double h);
-  /// By stages of the equations of motion as they stand (full_vehicle_stages.cpp).
+  /// By stages of the equations of motion as they stand.
   void staged_step(double h);
   [[nodiscard]] VehicleStage start_of_stages() const;
   void put(const FullVehicleState& from, const VehicleStage& at);

@@ -1,16 +1,31 @@
 #include "emulators/ublox/receiver.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
 
+#include "protocols/nmea/position_sentences.h"
+#include "protocols/nmea/pubx_sentences.h"
+#include "protocols/nmea/satellite_sentences.h"
+#include "protocols/ubx/aiding.h"
+#include "protocols/ubx/identity.h"
+#include "protocols/ubx/information.h"
+#include "protocols/ubx/layout.h"
 #include "protocols/ubx/monitor.h"
+#include "protocols/ubx/navigation.h"
+#include "protocols/ubx/raw_measurements.h"
+#include "protocols/ubx/timing.h"
 #include "protocols/ubx/version.h"
 
 namespace rigwire::emulators {
-namespace {
 
-using namespace std::chrono_literals;
 namespace nmea = protocols::nmea;
 namespace ubx = protocols::ubx;
+using namespace std::chrono_literals;
+
+namespace {
 
 /// Broadcast orbits are good for so long: IS-GPS-200, section 20.3.4.4.
 constexpr Duration kOrbitLife = 4h;
@@ -25,6 +40,28 @@ std::vector<std::uint8_t> version_of(const UbloxProfile& profile) {
                                std::string(profile.hardware),
                                {profile.extensions.begin(), profile.extensions.end()}});
 }
+
+constexpr std::uint8_t kClassConfiguration = 0x06;
+
+std::optional<std::uint32_t> to_unsigned(std::string_view text, int base) {
+  std::uint32_t value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value, base);
+  return text.empty() || error != std::errc{} || stop != end ? std::nullopt : std::optional(value);
+}
+
+constexpr std::array kQuantities{
+    Quantity{"latitude", "deg", -90.0, 90.0, 1e-7},
+    Quantity{"longitude", "deg", -180.0, 180.0, 1e-7},
+    Quantity{"height above ellipsoid", "m", -2'147'483.0, 2'147'483.0, 1e-3},
+    Quantity{"velocity north, east, down", "m/s", -2'147'483.0, 2'147'483.0, 1e-3},
+    Quantity{"heading of motion", "deg", 0.0, 360.0, 1e-5},
+    Quantity{"horizontal accuracy", "m", 0.0, 4'294'967.0, 1e-3},
+    Quantity{"dilution", "1", 0.0, 99.99, 0.01},
+    Quantity{"latitude (NMEA)", "deg", -90.0, 90.0, 1e-5 / 60.0},
+    Quantity{"longitude (NMEA)", "deg", -180.0, 180.0, 1e-5 / 60.0},
+    Quantity{"height above mean sea level (NMEA)", "m", -99'999.9, 99'999.9, 0.1},
+};
 
 }  // namespace
 
@@ -220,6 +257,581 @@ void UbloxReceiver::external_interrupt(SimTime now, bool rising) {
   mark_.fresh = true;
   (rising ? mark_.rising : mark_.falling) = calendar_.gps(now);
   mark_.count = static_cast<std::uint16_t>(mark_.count + (rising ? 1 : 0));
+}
+
+// What clients say in UBX.
+
+void UbloxReceiver::receive(SimTime now, std::span<const std::uint8_t> bytes) {
+  advance(now);
+  received_.bytes += bytes.size();
+  if (!running_) {
+    return;
+  }
+  port_.bytes += static_cast<std::uint32_t>(bytes.size());
+  if (!quality_.matched()) {
+    port_.framing_errors = static_cast<std::uint16_t>(port_.framing_errors + bytes.size());
+    ++received_.malformed;
+    return;
+  }
+  follow_line_noise(now);
+  if (!quality_.noisy()) {
+    take_in(now, bytes);
+  }
+  std::array<std::uint8_t, 256> disturbed{};
+  while (quality_.noisy() && !bytes.empty()) {
+    const std::size_t taken = std::min(bytes.size(), disturbed.size());
+    std::ranges::copy(bytes.first(taken), disturbed.begin());
+    const auto piece = std::span(disturbed).first(taken);
+    quality_.disturb(piece);
+    take_in(now, piece);
+    bytes = bytes.subspan(taken);
+  }
+  advance(now);
+}
+
+void UbloxReceiver::take_in(SimTime now, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty() && running_) {
+    const std::size_t taken = std::min(bytes.size(), kInputBytes - input_size_);
+    std::ranges::copy(bytes.first(taken),
+                      input_.begin() + static_cast<std::ptrdiff_t>(input_size_));
+    input_size_ += taken;
+    port_.peak_bytes = std::max(port_.peak_bytes, input_size_);
+    bytes = bytes.subspan(taken);
+    parse(now);
+  }
+}
+
+void UbloxReceiver::parse(SimTime now) {
+  std::size_t at = 0;
+  const auto garbage = [&]() {
+    received_.malformed += in_garbage_ ? 0 : 1;
+    in_garbage_ = true;
+    ++port_.skipped;
+    ++at;
+  };
+  while (at < input_size_) {
+    const auto rest = std::span<const std::uint8_t>(input_).subspan(at, input_size_ - at);
+    if (rest[0] == ubx::kSync1) {
+      const auto frame = ubx::decode_frame(rest, kMaximumPayload);
+      if (frame.incomplete()) {
+        break;
+      }
+      if (frame.ok()) {
+        in_garbage_ = false;
+        at += frame.consumed();
+        handle(now, *frame);
+        if (!running_) {  // reset: the rest of the line is lost
+          input_size_ = 0;
+          return;
+        }
+        continue;
+      }
+    } else if (rest[0] == '$') {
+      const auto sentence = nmea::decode_sentence(rest);
+      if (sentence.incomplete()) {
+        break;
+      }
+      if (sentence.ok()) {
+        in_garbage_ = false;
+        at += sentence.consumed();
+        handle(now, *sentence);
+        continue;
+      }
+    } else if (rest[0] == protocols::rtcm3::kPreamble &&
+               (configuration_.uart().input_protocols & ubx::kProtocolRtcm3) != 0) {
+      const auto frame = protocols::rtcm3::decode_frame(rest);
+      if (frame.incomplete()) {
+        break;
+      }
+      if (frame.ok()) {
+        in_garbage_ = false;
+        at += frame.consumed();
+        handle(now, *frame);
+        continue;
+      }
+    } else if (rest[0] == '\r' || rest[0] == '\n') {
+      ++at;
+      continue;
+    }
+    garbage();
+  }
+  std::copy(input_.begin() + static_cast<std::ptrdiff_t>(at),
+            input_.begin() + static_cast<std::ptrdiff_t>(input_size_), input_.begin());
+  input_size_ -= at;
+}
+
+void UbloxReceiver::handle(SimTime now, const ubx::FrameView& frame) {
+  if ((configuration_.uart().input_protocols & ubx::kProtocolUbx) == 0) {
+    ++received_.ignored;
+    return;
+  }
+  ++port_.messages[0];
+  last_request_.note(now, std::array{frame.id.message_class, frame.id.message_id});
+  if (frame.id.message_class == kClassConfiguration) {
+    handle_configuration(now, frame);
+    return;
+  }
+  if (handle_command(now, frame) || handle_aiding(now, frame) || answer_poll(now, frame)) {
+    ++received_.accepted;
+  } else {
+    // Acknowledgements exist for configuration only (R28, 32.5.1). A ZED-F9P stays silent, too: in
+    // u-center's log it leaves polls of 0A 05 and 0C 35 without any answer.
+    ++received_.ignored;
+  }
+}
+
+/// Commands of other classes that are acknowledged.
+bool UbloxReceiver::handle_command(SimTime now, const ubx::FrameView& frame) {
+  if (profile_.odometer && frame.id == ubx::kNavResetodo && frame.payload.empty()) {
+    navigator_.reset_odometer();
+    answer(now, frame.id, true);
+    return true;
+  }
+  constexpr std::array kOfLogger{ubx::kLogErase, ubx::kLogCreate, ubx::kLogRetrieve};
+  if (profile_.logger && std::ranges::find(kOfLogger, frame.id) != kOfLogger.end()) {
+    answer(now, frame.id, false);  // no data logger is emulated
+    return true;
+  }
+  return false;
+}
+
+void UbloxReceiver::handle(SimTime now, const protocols::rtcm3::FrameView& frame) {
+  constexpr std::size_t kProtocol = 5;
+  ++port_.messages[kProtocol];
+  ++received_.ignored;  // taken in, but no solution is made of it
+  const std::size_t index = message_index(profile_, ubx::RxmRtcm::kId);
+  if (index == profile_.messages.size() || configuration_.message_rate(index) == 0 ||
+      !speaks(ubx::kProtocolUbx)) {
+    return;
+  }
+  constexpr std::uint16_t kProprietary = 4072;
+  constexpr std::uint16_t kNoStation = 0xFFFF;
+  constexpr std::uint8_t kNotUsed = 1 << 1;
+  const bool subtyped = frame.message() == kProprietary;
+  const std::uint16_t second = frame.second_field();
+  send(now, ubx::encode(ubx::RxmRtcm{.flags = kNotUsed,
+                                     .subtype = subtyped ? second : std::uint16_t{0},
+                                     .station = subtyped ? kNoStation : second,
+                                     .message = frame.message()}));
+}
+
+bool UbloxReceiver::answer_raw(SimTime now, const ubx::FrameView& frame) {
+  const std::size_t answers = raw_.answers(frame.id, frame.payload);
+  std::array<std::uint8_t, kLongestRawFrame> answer{};
+  for (std::size_t i = 0; i < answers && speaks(ubx::kProtocolUbx); ++i) {
+    const std::size_t size = raw_.encode_answer(frame.id, frame.payload, i, answer);
+    send(now, std::span(answer).first(size));
+  }
+  return answers > 0;
+}
+
+/// Only what the type has is answered: UbloxProfile::messages says it.
+bool UbloxReceiver::answer_poll(SimTime now, const ubx::FrameView& frame) {
+  const UbloxMessage* const message = polled_message(profile_, frame.id);
+  if (message == nullptr) {
+    return false;
+  }
+  if (UbloxRawMessages::handles(frame.id)) {
+    return answer_raw(now, frame);
+  }
+  if (!frame.payload.empty()) {
+    return false;
+  }
+  if (frame.id != ubx::MonVerHead::kId) {
+    send_message(now, *message);
+  } else if (speaks(ubx::kProtocolUbx)) {
+    std::array<std::uint8_t, ubx::kOverheadBytes + 256> reply{};
+    const std::size_t size = ubx::encode_frame(frame.id, version_, reply);
+    send(now, std::span(reply).first(size));
+  }
+  return true;
+}
+
+bool UbloxReceiver::handle_aiding(SimTime now, const ubx::FrameView& frame) {
+  const auto aid = ubx::decode<ubx::AidIni>(frame);
+  if (!aid.ok() || polled_message(profile_, frame.id) == nullptr) {
+    return false;
+  }
+  const auto has = [&](unsigned bit) { return (aid->flags >> bit & 1U) != 0; };
+  if (has(0)) {
+    const bool geodetic = has(5);
+    const auto& p = aid->position;
+    const Geodetic given = geodetic ? Geodetic{p[0] * 1e-7, p[1] * 1e-7, p[2] * 0.01}
+                                    : geodetic_from_ecef({p[0] * 0.01, p[1] * 0.01, p[2] * 0.01});
+    if (std::abs(given.latitude_deg) <= 90.0 && std::abs(given.longitude_deg) <= 180.0) {
+      navigator_.aid_position(given, aid->position_accuracy_cm * 0.01);
+    }
+  }
+  if (has(1)) {
+    navigator_.aid_time(now, configuration_);
+  }
+  if (configuration_.expert().acknowledge_aiding != 0) {
+    answer(now, frame.id, true);
+  }
+  return true;
+}
+
+void UbloxReceiver::handle_configuration(SimTime now, const ubx::FrameView& frame) {
+  ++received_.accepted;
+  if (const auto request = ubx::decode<ubx::CfgRst>(frame); request.ok()) {
+    reset(now, *request);
+    return;
+  }
+  if (configuration_.is_poll(frame)) {
+    const auto payload = configuration_.poll(frame);
+    if (payload && speaks(ubx::kProtocolUbx)) {
+      std::array<std::uint8_t, ubx::kOverheadBytes + 1024> reply{};
+      const std::size_t size = ubx::encode_frame(frame.id, *payload, reply);
+      send(now, std::span(reply).first(size));
+    }
+    answer(now, frame.id, payload.has_value());
+    return;
+  }
+  const ubx::CfgRate before = configuration_.rate();
+  const bool accepted = configuration_.set(frame);
+  if (accepted) {
+    set_baud(configuration_.uart().baud);
+    if (configuration_.rate() != before) {
+      plan_from(now + 1ns);
+    }
+  }
+  answer(now, frame.id, accepted);
+}
+
+void UbloxReceiver::answer(SimTime now, ubx::MessageId request, bool accepted) {
+  accepted ? ++counters_.acknowledged : ++counters_.refused;
+  if (!speaks(ubx::kProtocolUbx)) {
+    return;
+  }
+  if (accepted) {
+    send(now, ubx::encode(ubx::AckAck{request.message_class, request.message_id}));
+  } else {
+    send(now, ubx::encode(ubx::AckNak{request.message_class, request.message_id}));
+  }
+}
+
+void UbloxReceiver::reset(SimTime now, const ubx::CfgRst& request) {
+  constexpr std::uint8_t kGnssOnly = 2;
+  constexpr std::uint8_t kStopGnss = 8;
+  constexpr std::uint8_t kStartGnss = 9;
+  const UbloxMemory memory = UbloxMemory::after_clearing(request.clear_mask);
+  ++counters_.resets;
+  switch (request.mode) {
+    case 0:
+    case 1:
+    case 4:
+      configuration_.reload();
+      start(now, memory);
+      return;
+    case kGnssOnly:
+      begin_navigation(now, memory);
+      return;
+    case kStopGnss:
+      navigating_ = false;
+      pending_count_ = 0;
+      plan_ = {};
+      return;
+    case kStartGnss:
+      navigating_ = true;
+      begin_navigation(now, memory);
+      plan_from(now + 1ns);
+      return;
+    default:
+      --counters_.resets;
+      answer(now, ubx::CfgRst::kId, false);
+  }
+}
+
+// What clients say in NMEA: PUBX commands and queries.
+
+void UbloxReceiver::handle(SimTime now, const nmea::SentenceView& sentence) {
+  if ((configuration_.uart().input_protocols & ubx::kProtocolNmea) == 0) {
+    ++received_.ignored;
+    return;
+  }
+  ++port_.messages[1];
+  note_request(now, sentence);
+  const bool known =
+      sentence.address == "PUBX" ? handle_proprietary(now, sentence) : handle_query(now, sentence);
+  if (known) {
+    ++received_.accepted;
+  } else {
+    ++received_.ignored;
+    send_text(now, nmea::TextKind::warning, "NMEA unknown msg");
+  }
+}
+
+void UbloxReceiver::note_request(SimTime now, const nmea::SentenceView& sentence) {
+  std::array<std::uint8_t, LastRequest::kHeadBytes> head{'$'};
+  std::size_t size = 1;
+  for (const std::string_view part : {sentence.address, std::string_view(","), sentence.field(0)}) {
+    const std::size_t count = std::min(part.size(), head.size() - size);
+    std::copy_n(part.begin(), count, head.begin() + static_cast<std::ptrdiff_t>(size));
+    size += count;
+  }
+  last_request_.note(now, std::span(head).first(size));
+}
+
+bool UbloxReceiver::handle_proprietary(SimTime now, const nmea::SentenceView& s) {
+  const std::string_view number = s.field(0);
+  if (number == "40") return handle_rate_command(s);
+  if (number == "41") return handle_port_command(s);
+  if (s.field_count == 1 && (number == "00" || number == "03" || number == "04")) {
+    send_sentence(now, number == "00" ? "PUBX,00" : number == "03" ? "PUBX,03" : "PUBX,04");
+    return true;
+  }
+  return false;
+}
+
+bool UbloxReceiver::handle_query(SimTime now, const nmea::SentenceView& s) {
+  if (s.address.size() != 5 || s.type() != "GPQ") {
+    return false;
+  }
+  const std::size_t index = message_index(profile_, s.field(0));
+  if (index == profile_.messages.size() || !profile_.messages[index].sentence) {
+    return false;
+  }
+  send_message(now, profile_.messages[index]);
+  return true;
+}
+
+bool UbloxReceiver::handle_rate_command(const nmea::SentenceView& s) {
+  const std::size_t index = message_index(profile_, s.field(1));
+  constexpr std::size_t kFirstRate = 2;
+  if (index == profile_.messages.size() || !profile_.messages[index].sentence ||
+      s.field_count < kFirstRate + ubx::kPorts) {
+    return false;
+  }
+  std::array<std::uint8_t, ubx::kPorts> rates{};
+  for (std::size_t port = 0; port < rates.size(); ++port) {
+    const auto rate = to_unsigned(s.field(kFirstRate + port), 10);
+    if (!rate || *rate > 255) {
+      return false;
+    }
+    rates[port] = static_cast<std::uint8_t>(*rate);
+  }
+  for (std::size_t port = 0; port < rates.size(); ++port) {
+    configuration_.set_rate(index, port, rates[port]);
+  }
+  return true;
+}
+
+bool UbloxReceiver::handle_port_command(const nmea::SentenceView& s) {
+  const auto port = to_unsigned(s.field(1), 10);
+  const auto input = to_unsigned(s.field(2), 16);
+  const auto output = to_unsigned(s.field(3), 16);
+  const auto baud = to_unsigned(s.field(4), 10);
+  if (!port || !input || !output || !baud || *port != ubx::kPortUart1) {
+    return false;
+  }
+  ubx::CfgPrt wanted = configuration_.uart();
+  wanted.baud = *baud;
+  wanted.input_protocols = static_cast<std::uint16_t>(*input & 0xFFFFU);
+  wanted.output_protocols = static_cast<std::uint16_t>(*output & 0xFFFFU);
+  if (!configuration_.set_port(wanted)) {
+    return false;
+  }
+  set_baud(configuration_.uart().baud);
+  return true;
+}
+
+// What the receiver says.
+
+bool UbloxReceiver::speaks(std::uint16_t protocol) const {
+  return (configuration_.uart().output_protocols & protocol) != 0;
+}
+
+void UbloxReceiver::publish(SimTime now, bool navigated) {
+  const auto messages = profile_.messages;
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    const std::uint8_t rate = configuration_.message_rate(i);
+    const bool due = navigated ? rate != 0 && epoch_number_ % rate == 0
+                               : rate == 1 && UbloxRawMessages::handles(messages[i].id);
+    if (due && !waits_for_event(messages[i].id)) {
+      send_message(now, messages[i]);
+    }
+  }
+  mark_.fresh = mark_.rose = mark_.fell = false;
+}
+
+bool UbloxReceiver::waits_for_event(ubx::MessageId id) const {
+  return (id == ubx::TimTm2::kId && !mark_.fresh) || id == ubx::MonRxr::kId ||
+         id == ubx::RxmRtcm::kId;
+}
+
+UbloxMonitorView UbloxReceiver::monitor_view() const {
+  return {navigator_.solution(), configuration_,       transmitter_, port_, antenna_, mark_,
+          kInputBytes,           settings_.noise_seed, epoch_number_};
+}
+
+std::size_t UbloxReceiver::encode(ubx::MessageId id, std::span<std::uint8_t> out) {
+  const UbloxSolution& solution = navigator_.solution();
+  if (profile_.encode != nullptr) {
+    if (const std::size_t size = profile_.encode(solution, id, out); size > 0) {
+      return size;
+    }
+  }
+  if (const std::size_t size = encode_solution(solution, profile_, id, out); size > 0) {
+    return size;
+  }
+  const std::size_t size = encode_monitor(monitor_view(), id, out);
+  if (id == ubx::MonTxbuf::kId) {
+    port_.overflow = false;
+  }
+  return size;
+}
+
+void UbloxReceiver::send_message(SimTime now, const UbloxMessage& message) {
+  if (message.sentence) {
+    send_sentence(now, message.name);
+  } else if (UbloxRawMessages::handles(message.id)) {
+    send_raw(now, message.id);
+  } else if (speaks(ubx::kProtocolUbx)) {
+    std::array<std::uint8_t, kLongestSolutionFrame> frame{};
+    const std::size_t size = encode(message.id, frame);
+    send(now, std::span(frame).first(size));
+  }
+}
+
+void UbloxReceiver::send_raw(SimTime now, ubx::MessageId id) {
+  if (!speaks(ubx::kProtocolUbx)) {
+    return;
+  }
+  std::array<std::uint8_t, kLongestRawFrame> frame{};
+  for (std::size_t i = 0; i < raw_.count(id); ++i) {
+    const std::size_t size = raw_.encode(id, i, frame);
+    send(now, std::span(frame).first(size));
+  }
+}
+
+void UbloxReceiver::send_sentence(SimTime now, std::string_view name) {
+  if (!speaks(ubx::kProtocolNmea)) {
+    return;
+  }
+  const nmea::Epoch epoch = nmea_epoch(navigator_.solution(), configuration_, in_view_);
+  if (name == "PUBX,04") {
+    send(now, nmea::write_pubx_time(epoch, pubx_time(navigator_.solution())).bytes());
+    return;
+  }
+  using Counter = int (*)(const nmea::Epoch&);
+  using PageWriter = nmea::Sentence (*)(const nmea::Epoch&, int);
+  struct Paged {
+    std::string_view type;
+    Counter pages;
+    PageWriter write;
+  };
+  constexpr std::array<Paged, 3> kPaged{{
+      {"GSA", nmea::gsa_sentences, nmea::write_gsa},
+      {"GSV", nmea::gsv_pages, nmea::write_gsv},
+      {"GRS", nmea::grs_sentences, nmea::write_grs},
+  }};
+  for (const auto& [type, pages, write] : kPaged) {
+    for (int page = 1; type == name && page <= pages(epoch); ++page) {
+      send(now, write(epoch, page).bytes());
+    }
+  }
+  using Writer = nmea::Sentence (*)(const nmea::Epoch&);
+  constexpr std::array<std::pair<std::string_view, Writer>, 11> kWriters{{
+      {"RMC", nmea::write_rmc},
+      {"VTG", nmea::write_vtg},
+      {"GGA", nmea::write_gga},
+      {"GLL", nmea::write_gll},
+      {"ZDA", nmea::write_zda},
+      {"GST", nmea::write_gst},
+      {"GBS", [](const nmea::Epoch& e) { return nmea::write_gbs(e); }},
+      {"DTM", nmea::write_dtm},
+      {"GNS", nmea::write_gns},
+      {"PUBX,00", nmea::write_pubx_position},
+      {"PUBX,03", nmea::write_pubx_satellites},
+  }};
+  for (const auto& [type, write] : kWriters) {
+    if (type == name) {
+      send(now, write(epoch).bytes());
+    }
+  }
+}
+
+void UbloxReceiver::send_text(SimTime now, nmea::TextKind kind, std::string_view text) {
+  constexpr std::uint8_t kUbx = 0;
+  constexpr std::uint8_t kNmea = 1;
+  const auto bit = static_cast<unsigned>(kind);
+  if (speaks(ubx::kProtocolUbx) && configuration_.text_enabled(kUbx, bit)) {
+    std::array<std::uint8_t, ubx::kOverheadBytes + 128> frame{};
+    const ubx::Information information{static_cast<ubx::InformationKind>(kind), text};
+    send(now, std::span(frame).first(ubx::encode_information(information, frame)));
+  }
+  if (speaks(ubx::kProtocolNmea) && configuration_.text_enabled(kNmea, bit)) {
+    send(now, nmea::write_txt(nmea_epoch(navigator_.solution(), configuration_, in_view_).talker,
+                              kind, text)
+                  .bytes());
+  }
+}
+
+void UbloxReceiver::send(SimTime now, std::span<const std::uint8_t> message) {
+  if (!message.empty() && !transmitter_.enqueue(now, message)) {
+    overflow_to_report_ = true;
+    port_.overflow = true;
+  }
+}
+
+std::span<const Quantity> UbloxReceiver::quantities() const {
+  return kQuantities;
+}
+
+double UbloxReceiver::nominal_rate_hz() const {
+  if (plan_.first == kNever) {
+    return 0.0;
+  }
+  double per_epoch = 0.0;
+  const auto messages = profile_.messages;
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    const bool spoken = speaks(messages[i].sentence ? ubx::kProtocolNmea : ubx::kProtocolUbx);
+    if (const std::uint8_t rate = configuration_.message_rate(i); rate > 0 && spoken) {
+      per_epoch += sentences_per_epoch(messages[i]) / rate;
+    }
+  }
+  return per_epoch / (to_seconds(plan_.period) * configuration_.rate().navigation_ratio);
+}
+
+double UbloxReceiver::sentences_per_epoch(const UbloxMessage& message) const {
+  if (message.greatest_bytes == 0 || waits_for_event(message.id) ||
+      (message.id == ubx::TimTm2::kId)) {
+    return 0.0;
+  }
+  if (message.name == "GSA" || message.name == "GSV" || message.name == "GRS") {
+    std::vector<nmea::SatelliteInView> list;
+    const nmea::Epoch epoch = nmea_epoch(navigator_.solution(), configuration_, list);
+    return message.name == "GSA"   ? nmea::gsa_sentences(epoch)
+           : message.name == "GSV" ? nmea::gsv_pages(epoch)
+                                   : nmea::grs_sentences(epoch);
+  }
+  if (!UbloxRawMessages::handles(message.id)) {
+    return 1.0;
+  }
+  const double measurements = configuration_.rate().navigation_ratio;
+  if (message.id == ubx::RxmRawHead::kId || message.id == ubx::RxmRawxHead::kId ||
+      message.id == ubx::RxmSvsiHead::kId) {
+    return measurements;
+  }
+  if (message.id != ubx::RxmSfrb::kId && message.id != ubx::RxmSfrbxHead::kId) {
+    return 0.0;  // orbits, when they are new
+  }
+  constexpr double kSubframe_s = 6.0;
+  constexpr double kSbasMessage_s = 1.0;
+  double per_s = 0.0;
+  for (const SatelliteView& view : navigator_.solution().satellites) {
+    const bool gps = view.system == GnssSystem::gps;
+    const bool sbas = view.system == GnssSystem::sbas;
+    per_s += !view.tracked ? 0.0 : gps ? 1.0 / kSubframe_s : sbas ? 1.0 / kSbasMessage_s : 0.0;
+  }
+  return per_s * to_seconds(plan_.period) * measurements;
+}
+
+UbloxCounters UbloxReceiver::counters() const {
+  UbloxCounters counters = counters_;
+  counters.messages_sent = transmitter_.messages_sent();
+  counters.messages_lost = transmitter_.messages_lost();
+  return counters;
 }
 
 }  // namespace rigwire::emulators

@@ -96,7 +96,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   void follow_line_noise(SimTime now);
   void set_baud(std::uint32_t baud);
 
-  // receiver_output.cpp: what it says.
+  // What it says.
   /// At a navigation epoch all, at a measurement between two of them what is measured.
   void publish(SimTime now, bool navigated);
   /// How often that message comes, per navigation epoch, when its rate is 1.
@@ -112,7 +112,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   [[nodiscard]] UbloxMonitorView monitor_view() const;
   [[nodiscard]] bool speaks(std::uint16_t protocol) const;
 
-  // receiver_input.cpp: what clients say.
+  // What clients say.
   void take_in(SimTime now, std::span<const std::uint8_t> bytes);
   void parse(SimTime now);
   void handle(SimTime now, const protocols::ubx::FrameView& frame);
@@ -125,7 +125,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   void reset(SimTime now, const protocols::ubx::CfgRst& request);
   void answer(SimTime now, protocols::ubx::MessageId request, bool accepted);
 
-  // receiver_sentences.cpp: what clients say in NMEA.
+  // What clients say in NMEA.
   void handle(SimTime now, const protocols::nmea::SentenceView& sentence);
   void note_request(SimTime now, const protocols::nmea::SentenceView& sentence);
   [[nodiscard]] bool handle_proprietary(SimTime now, const protocols::nmea::SentenceView& s);

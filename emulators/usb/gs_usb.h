@@ -123,7 +123,7 @@ class GsUsbAdapter final : public UsbDevice {
     std::size_t size = 0;
   };
 
-  // Requests (gs_usb_requests.cpp).
+  // Requests.
   void stall(SimTime now, UsbTransfer transfer);
   void answer(SimTime now, UsbTransfer transfer, const Setup& setup,
               std::span<const std::uint8_t> bytes);
@@ -136,7 +136,7 @@ class GsUsbAdapter final : public UsbDevice {
   [[nodiscard]] bool set_mode(SimTime now, const protocols::gs_usb::Mode& mode);
   [[nodiscard]] protocols::gs_usb::ControllerState state() const;
 
-  // Frames (gs_usb_frames.cpp).
+  // Frames.
   [[nodiscard]] std::size_t room() const;
   [[nodiscard]] bool asked(std::uint32_t feature) const { return (flags_ & feature) != 0; }
   void start(SimTime now);

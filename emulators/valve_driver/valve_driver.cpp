@@ -2,12 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
 
-#include "emulators/valve_driver/signal_units.h"
+#include "fields/check.h"
+#include "fields/visitor.h"
 
 namespace rigwire::emulators {
 
+using protocols::modbus::BitBlock;
+using protocols::modbus::ExceptionCode;
+using namespace std::chrono_literals;
+
 namespace {
+
+constexpr double kPercent = 100.0;  // of full command or travel
+// A position after loss of the master beyond this one means: hold.
+constexpr double kHold_percent = 100.0;
 
 const ValveDriverSettings& validated(const ValveDriverSettings& settings) {
   validate(settings);
@@ -22,6 +34,19 @@ bool is_boolean(ValveSignal signal) {
   using enum ValveSignal;
   return signal == enable || signal == enable_section || signal == fault_reset ||
          signal == floating || signal == quick_stop;
+}
+
+constexpr std::array<fields::Choice<ValveReaction>, 4> kReactions{
+    {{ValveReaction::neutral, "neutral", "Spools go to neutral."},
+     {ValveReaction::hold, "hold", "Spools stay where they are."},
+     {ValveReaction::floating, "floating", "Spools connect the ports to the tank."},
+     {ValveReaction::position, "position", "Spools go to loss_position, which the master sets."}}};
+
+constexpr double kPascalPerBar = 1e5;
+constexpr double kDegreesPerRadian = 57.295779513082320877;
+
+double milliseconds(Duration span) {
+  return to_seconds(span) * 1e3;
 }
 
 }  // namespace
@@ -299,6 +324,371 @@ void ValveDriver::describe_quantities() {
                              std::max(ends[0], ends[1]), std::abs(entry.scale)});
     }
   }
+}
+
+// Keys and checks of the valve driver's settings.
+
+void visit(fields::Visitor& v, ValveDriverSettings& p) {
+  v.duration("watchdog", p.amplifier.parameters.watchdog, {0, 3'600'000'000'000},
+             "Without a request for this long the reaction follows; 0 = never.");
+  v.choice("reaction", p.amplifier.parameters.reaction, kReactions,
+           "What the outputs do when the watchdog runs out.");
+  v.rate("rate", p.sample_period, fields::in("Hz").between(1, 1000),
+         "Readings of the transducers per second.");
+  visit(v, p.amplifier);
+}
+
+void validate(const ValveDriverSettings& settings) {
+  fields::check(settings);
+  validate(settings.amplifier);
+  if (settings.map) {
+    validate(*settings.map);
+    return;
+  }
+  const Duration watchdog = settings.amplifier.parameters.watchdog;
+  const bool fits = watchdog >= 20ms && watchdog <= 5s && watchdog % 1ms == 0ns;
+  if (watchdog != 0ns && !fits) {
+    throw std::invalid_argument("valve driver watchdog: found " +
+                                std::to_string(to_seconds(watchdog) * 1e3) +
+                                " ms, allowed 0 or 20 .. 5000 ms, whole milliseconds");
+  }
+}
+
+// What the valve driver's registers read: every signal's value in its map's units and counts.
+
+RegisterWords ValveDriver::words_of(const ValveRegister& entry, std::size_t index) const {
+  if (entry.writable) {
+    return image_.words(entry, index);
+  }
+  return encode_count(entry, count_of(entry, index));
+}
+
+double ValveDriver::count_of(const ValveRegister& entry, std::size_t index) const {
+  if (entry.signal == ValveSignal::constant || entry.signal == ValveSignal::stored) {
+    return entry.initial.value_or(0.0);
+  }
+  if (entry.signal == ValveSignal::bits) {
+    std::uint32_t word = 0;
+    for (const RegisterBit& bit : entry.bits) {
+      const bool on = value_of(bit.signal, bit.section.value_or(0)) != 0.0;
+      word |= (on != bit.inverted ? 1U : 0U) << bit.bit;
+    }
+    return word;
+  }
+  const std::size_t section = entry.section + index;
+  if (info(entry.signal).per_section && section >= amplifier_.sections()) {
+    return std::clamp(0.0, entry.least(), entry.greatest());
+  }
+  const double value = value_of(entry.signal, section);
+  if (std::isnan(value)) {
+    return entry.initial.value_or(0.0);  // nothing measured yet
+  }
+  const auto row = std::ranges::find(entry.values, value, &RegisterTranslation::value);
+  if (row != entry.values.end()) {
+    return row->count;
+  }
+  const double in_unit = value / unit_factor(entry.signal, entry.unit).value_or(1.0);
+  return (in_unit - entry.offset) / entry.scale;
+}
+
+double ValveDriver::value_of(ValveSignal signal, std::size_t section) const {
+  using enum ValveSignal;
+  const auto bit = [](bool on) { return on ? 1.0 : 0.0; };
+  switch (signal) {
+    case command:
+      return amplifier_.commanded(section) * kPercent;
+    case command_a:
+      return std::max(0.0, amplifier_.commanded(section)) * kPercent;
+    case command_b:
+      return std::max(0.0, -amplifier_.commanded(section)) * kPercent;
+    case enable:
+      return bit(map_.always_enabled);
+    case enable_section:
+      return bit(amplifier_.section_on(section));
+    case section_enabled:
+      return bit(amplifier_.section_enabled(section));
+    case heartbeat:
+    case heartbeat_echo:
+      return heartbeat_;
+    case watchdog_source:
+      return static_cast<double>(feed_);
+    case ready:
+      return bit(amplifier_.fault() == ValveFault::none);
+    case enabled:
+      return bit(amplifier_.enabled());
+    case fault:
+      return bit(amplifier_.fault() != ValveFault::none);
+    case watchdog_tripped:
+      return bit(amplifier_.watchdog_tripped());
+    case at_limit:
+      return bit(amplifier_.at_limit());
+    case fault_code:
+      return static_cast<double>(amplifier_.fault());
+    case fault_section:
+      return amplifier_.fault_section() ? static_cast<double>(*amplifier_.fault_section() + 1)
+                                        : 0.0;
+    case missed_cycles:
+      return missed_cycles_;
+    case measurement_count:
+      return static_cast<double>(amplifier_.measurements() & 0xFFFFU);
+    case set_point:
+      return amplifier_.set_point(section) * kPercent;
+    case coil_current:
+      return amplifier_.current_ma(now_, section);
+    case coil_temperature:
+      return amplifier_.coil_temperature_c(section);
+    case supply_voltage:
+      return amplifier_.supply_voltage_v();
+    case driver_temperature:
+      return amplifier_.driver_temperature_c();
+    case floating:
+      return bit(amplifier_.floating(section));
+    default:
+      return info(signal).commanded ? parameter_value(signal, section)
+                                    : measured_value(signal, section);
+  }
+}
+
+double ValveDriver::measured_value(ValveSignal signal, std::size_t section) const {
+  using enum ValveSignal;
+  if (amplifier_.measurements() == 0) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const ValveSample& measured = amplifier_.measured();
+  switch (signal) {
+    case spool_position:
+      return amplifier_.position(now_, section) * kPercent;
+    case port_a_pressure:
+      return measured.port_a_pressure_pa[section] / kPascalPerBar;
+    case port_b_pressure:
+      return measured.port_b_pressure_pa[section] / kPascalPerBar;
+    case supply_pressure:
+      return measured.supply_pressure_pa / kPascalPerBar;
+    case tank_pressure:
+      return measured.tank_pressure_pa / kPascalPerBar;
+    case oil_temperature:
+      return measured.oil_temperature_c;
+    case swing_angle:
+      return measured.swing_angle_rad * kDegreesPerRadian;
+    case swing_rate:
+      return measured.swing_rate_radps * kDegreesPerRadian;
+    default:
+      return 0.0;
+  }
+}
+
+double ValveDriver::parameter_value(ValveSignal signal, std::size_t section) const {
+  using enum ValveSignal;
+  const ValveAmplifierParameters& p = amplifier_.parameters();
+  const ValveStageParameters& stage = p.stage[section];
+  switch (signal) {
+    case watchdog:
+      return milliseconds(p.watchdog);
+    case reaction:
+      return static_cast<double>(p.reaction);
+    case loss_position:
+      return p.reaction == ValveReaction::hold ? kHold_percent + 1.0 : p.loss_position * kPercent;
+    case dead_band_positive:
+      return stage.dead_band_positive * kPercent;
+    case dead_band_negative:
+      return stage.dead_band_negative * kPercent;
+    case ramp_up:
+      return milliseconds(stage.ramp_up);
+    case ramp_down:
+      return milliseconds(stage.ramp_down);
+    case gain:
+      return stage.gain * kPercent;
+    case polarity:
+      return stage.polarity;
+    case current_start:
+      return p.current_start_ma;
+    case current_full:
+      return p.current_full_ma;
+    case dither_amplitude:
+      return p.dither.amplitude_ma;
+    case dither_frequency:
+      return p.dither.frequency_hz;
+    default:
+      return 0.0;
+  }
+}
+
+// The wire's view of the valve driver: which registers can be read and written.
+
+ValveDriver::Unit::Unit(ValveDriver& driver)
+    : driver_(driver),
+      objects_{IdentificationObject{0, driver.map_.vendor},
+               IdentificationObject{1, driver.map_.product_code},
+               IdentificationObject{2, driver.map_.revision},
+               IdentificationObject{4, driver.map_.product_name}},
+      server_id_(driver.map_.vendor + " " + driver.map_.product_code + " " + driver.map_.revision) {
+}
+
+ModbusUnit::Outcome ValveDriver::Unit::read_registers(RegisterTable table, std::uint16_t address,
+                                                      std::span<std::uint16_t> values) const {
+  if (table == RegisterTable::input) {
+    return driver_.read(ModbusTable::input_registers, address, values);
+  }
+  const auto mirror = driver_.map_.input_mirror;
+  if (mirror && address >= *mirror) {
+    return driver_.read(ModbusTable::input_registers, static_cast<std::size_t>(address - *mirror),
+                        values);
+  }
+  return driver_.read(ModbusTable::holding_registers, address, values);
+}
+
+ModbusUnit::Outcome ValveDriver::Unit::write_registers(SimTime now, std::uint16_t address,
+                                                       std::span<const std::uint16_t> values) {
+  return driver_.write(now, ModbusTable::holding_registers, address, values);
+}
+
+ModbusUnit::Outcome ValveDriver::Unit::read_bits(BitTable table, std::uint16_t address,
+                                                 BitBlock& bits) const {
+  for (std::size_t i = 0; i < bits.count; ++i) {
+    std::uint16_t value = 0;
+    if (const auto exception = driver_.read(
+            table == BitTable::coils ? ModbusTable::coils : ModbusTable::discrete_inputs,
+            address + i, std::span(&value, 1))) {
+      return exception;
+    }
+    bits.set(i, value != 0);
+  }
+  return std::nullopt;
+}
+
+ModbusUnit::Outcome ValveDriver::Unit::write_coils(SimTime now, std::uint16_t address,
+                                                   const BitBlock& coils) {
+  std::array<std::uint16_t, protocols::modbus::kReadBitsMaximum> values{};
+  for (std::size_t i = 0; i < coils.count; ++i) {
+    values[i] = coils.test(i) ? 1 : 0;
+  }
+  return driver_.write(now, ModbusTable::coils, address, std::span(values).first(coils.count));
+}
+
+std::string_view ValveDriver::Unit::server_id() const {
+  return server_id_;
+}
+
+std::span<const ModbusUnit::IdentificationObject> ValveDriver::Unit::identification() const {
+  return objects_;
+}
+
+bool ValveDriver::Unit::has_function(std::uint8_t function) const {
+  const std::vector<std::uint8_t>& has = driver_.map_.functions;
+  return has.empty() || std::ranges::find(has, function) != has.end();
+}
+
+void ValveDriver::Unit::served(SimTime now) {
+  if (driver_.feed_ == WatchdogFeed::any_request) {
+    driver_.feed(now);
+  }
+}
+
+ModbusUnit::Outcome ValveDriver::read(ModbusTable table, std::size_t address,
+                                      std::span<std::uint16_t> values) const {
+  if (!image_.has(table)) {
+    return ExceptionCode::illegal_function;
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto place = image_.find(table, address + i);
+    if (!place) {
+      if (!map_.gaps_read_zero || !image_.within(table, address, values.size())) {
+        return ExceptionCode::illegal_data_address;
+      }
+      values[i] = 0;
+    } else if (place->entry->format == RegisterFormat::text) {
+      const auto character = [&](std::size_t at) {
+        return at < place->entry->content.size()
+                   ? static_cast<std::uint8_t>(place->entry->content[at])
+                   : std::uint8_t{0};
+      };
+      values[i] =
+          in_order(*place->entry, static_cast<std::uint16_t>((character(2U * place->index) << 8U) |
+                                                             character(2U * place->index + 1U)));
+    } else {
+      values[i] = words_of(*place->entry, place->index)[place->word];
+    }
+  }
+  return std::nullopt;
+}
+
+ModbusUnit::Outcome ValveDriver::check_write(ModbusTable table, std::size_t address,
+                                             std::span<std::uint16_t> values) const {
+  if (!image_.has(table)) {
+    return ExceptionCode::illegal_function;
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto place = image_.find(table, address + i);
+    if (!place || !place->entry->writable) {
+      return ExceptionCode::illegal_data_address;
+    }
+  }
+  for (std::size_t i = 0; i < values.size();) {
+    const auto place = *image_.find(table, address + i);
+    RegisterWords words = image_.words(place);
+    const std::size_t here =
+        std::min<std::size_t>(place.entry->words() - place.word, values.size() - i);
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(i), here, words.begin() + place.word);
+    if (!accepts(*place.entry, place.index, words)) {
+      return ExceptionCode::illegal_data_value;
+    }
+    std::copy_n(words.begin() + place.word, here, values.begin() + static_cast<std::ptrdiff_t>(i));
+    i += here;
+  }
+  return std::nullopt;
+}
+
+ModbusUnit::Outcome ValveDriver::write(SimTime now, ModbusTable table, std::size_t address,
+                                       std::span<const std::uint16_t> values) {
+  std::array<std::uint16_t, protocols::modbus::kReadBitsMaximum> held{};
+  const std::span taken = std::span(held).first(values.size());
+  std::ranges::copy(values, taken.begin());
+  if (const auto exception = check_write(table, address, taken)) {
+    return exception;
+  }
+  Change change;
+  change.parameters = amplifier_.parameters();
+  for (std::size_t i = 0; i < taken.size();) {
+    const auto place = *image_.find(table, address + i);
+    RegisterWords words = image_.words(place);
+    const std::size_t here =
+        std::min<std::size_t>(place.entry->words() - place.word, taken.size() - i);
+    std::copy_n(taken.begin() + static_cast<std::ptrdiff_t>(i), here, words.begin() + place.word);
+    image_.set(*place.entry, place.index, words);
+    collect(*place.entry, place.index, change);
+    i += here;
+  }
+  act(now, change);
+  return std::nullopt;
+}
+
+bool ValveDriver::accepts(const ValveRegister& entry, std::size_t index,
+                          RegisterWords& words) const {
+  auto count = decode_count(entry, words);
+  if (!count) {
+    return false;
+  }
+  if (entry.signal == ValveSignal::bits && std::isnan(entry.upper)) {
+    const std::uint16_t used = in_order(entry, static_cast<std::uint16_t>(entry.greatest()));
+    if ((words[0] & ~used) != 0 && !entry.clip.value_or(map_.clip)) {
+      return false;
+    }
+    words[0] &= used;
+    return true;
+  }
+  if (!entry.allows(*count)) {
+    if (!entry.clip.value_or(map_.clip)) {
+      return false;
+    }
+    count = std::clamp(*count, entry.least(), entry.greatest());
+    if (!entry.allows(*count)) {
+      return false;
+    }
+    words = encode_count(entry, *count);
+  }
+  const bool fitted =
+      !info(entry.signal).per_section || entry.section + index < amplifier_.sections();
+  return fitted || !is_spool_command(entry.signal) || *count * entry.scale + entry.offset == 0.0;
 }
 
 }  // namespace rigwire::emulators

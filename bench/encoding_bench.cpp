@@ -152,9 +152,9 @@ MessageCost data_packet() {
 
 MessageCost angular_rate() {
   const auto fill = [](int i) {
-    return openimu::AngularRate{.pitch_dps = {0.37 * i - 90.0},
-                                .roll_dps = {-0.21 * i},
-                                .yaw_dps = {0.05 * i},
+    return openimu::AngularRate{.pitch_dps = 0.37 * i - 90.0,
+                                .roll_dps = -0.21 * i,
+                                .yaw_dps = 0.05 * i,
                                 .latency_ms = 1.0};
   };
   MessageCost cost{.message = "J1939 ARI", .wire = "CAN 250 kbit/s", .bytes = 8};
@@ -166,14 +166,13 @@ MessageCost angular_rate() {
   for (int i = 0; i < kCostVariants; ++i) {
     const protocols::can::Frame frame = openimu::encode(fill(i), 0x80);
     most_bits = std::max(most_bits, protocols::can::exact_bits(frame));
-    const auto read = openimu::decode_angular_rate(frame);
-    cost.worst_error =
-        std::max({cost.worst_error, std::abs(read->pitch_dps.value - fill(i).pitch_dps.value),
-                  std::abs(read->roll_dps.value - fill(i).roll_dps.value),
-                  std::abs(read->yaw_dps.value - fill(i).yaw_dps.value)});
+    const auto read = openimu::decode<openimu::AngularRate>(frame);
+    cost.worst_error = std::max({cost.worst_error, std::abs(read->pitch_dps - fill(i).pitch_dps),
+                                 std::abs(read->roll_dps - fill(i).roll_dps),
+                                 std::abs(read->yaw_dps - fill(i).yaw_dps)});
   }
   cost.error_unit = "deg/s";
-  cost.half_count = 0.5 * openimu::kRateScale_dps;
+  cost.half_count = 0.5 * openimu::kRate.count;
   cost.wire_limit_per_second = kCanBitRate / most_bits;
   return cost;
 }

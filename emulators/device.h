@@ -17,7 +17,7 @@
 
 #include "protocols/can/controller_report.h"
 #include "protocols/can/frame.h"
-#include "protocols/can/message_layout.h"
+#include "protocols/can/message.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {
@@ -39,6 +39,19 @@ struct Quantity {
   double upper = 0.0;       ///< Greatest value that the format can carry.
   double resolution = 0.0;  ///< One count.
 };
+
+/// What a signal carries; `name` where the quantity is called otherwise.
+[[nodiscard]] constexpr Quantity quantity(const protocols::can::Signal& signal,
+                                          std::string_view name = {}) {
+  return {name.empty() ? signal.name : name, signal.unit, signal.lower, signal.upper,
+          signal.scale < 0.0 ? -signal.scale : signal.scale};
+}
+/// The same of a device that measures less than its format carries.
+[[nodiscard]] constexpr Quantity within(Quantity quantity, double lower, double upper) {
+  quantity.lower = lower;
+  quantity.upper = upper;
+  return quantity;
+}
 
 class Device {
  public:
@@ -130,7 +143,7 @@ class CanDevice : public Device {
   /// How the messages that it sends and takes are laid out, for the bus's DBC file: as it is
   /// configured, before any client changes it. `name` is the device's in its rig: the sender of
   /// what it sends.
-  [[nodiscard]] virtual std::vector<protocols::can::MessageLayout> messages(
+  [[nodiscard]] virtual std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const = 0;
 };
 

@@ -171,7 +171,7 @@ class OnOwnClock final : public CanDevice,
   void controller(SimTime now, const protocols::can::ControllerReport& report) override {
     this->emulator_.controller(own(now), report);
   }
-  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+  [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override {
     return this->emulator_.messages(name);
   }

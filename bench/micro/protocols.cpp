@@ -115,7 +115,7 @@ BENCHMARK(velodyne_decode);
 void openimu_encode(benchmark::State& state) {
   openimu::AngularRate rate;
   for (auto _ : state) {
-    rate.pitch_dps.value = rate.pitch_dps.value > 100.0 ? -100.0 : rate.pitch_dps.value + 0.01;
+    rate.pitch_dps = rate.pitch_dps > 100.0 ? -100.0 : rate.pitch_dps + 0.01;
     benchmark::DoNotOptimize(openimu::encode(rate, 0x80));
   }
 }
@@ -124,7 +124,7 @@ BENCHMARK(openimu_encode);
 void openimu_decode(benchmark::State& state) {
   const can::Frame frame = openimu::encode(openimu::AngularRate{}, 0x80);
   for (auto _ : state) {
-    const auto rate = openimu::decode_angular_rate(frame);
+    const auto rate = openimu::decode<openimu::AngularRate>(frame);
     benchmark::DoNotOptimize(&rate);
   }
 }

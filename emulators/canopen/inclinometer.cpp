@@ -87,7 +87,7 @@ Inclinometer::Inclinometer(const InclinometerSettings& settings, NonvolatileMemo
                   {"slope_lateral", "rad", lower_rad, upper_rad, count_rad}}};
 }
 
-std::vector<protocols::can::MessageLayout> Inclinometer::messages(std::string_view name) const {
+std::vector<protocols::can::OwnedMessage> Inclinometer::messages(std::string_view name) const {
   if (settings_.node.node_id == canopen::kNoNodeId) {
     return {};
   }

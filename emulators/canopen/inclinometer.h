@@ -73,7 +73,7 @@ class Inclinometer final : public CanDevice, public ImuBackend, private CanopenP
   [[nodiscard]] double nominal_rate_hz() const override { return node_.nominal_rate_hz(); }
   [[nodiscard]] std::span<const Quantity> quantities() const override { return quantities_; }
   void receive(SimTime now, const protocols::can::Frame& frame) override;
-  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+  [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
   /// The angular rate and the magnetic field are not used.
   void update(const ImuSample& sample) override;

@@ -76,7 +76,7 @@ RotaryEncoder::RotaryEncoder(const RotaryEncoderSettings& settings, NonvolatileM
                   {"speed", "rad/s", -speed_radps, speed_radps, step_rad}}};
 }
 
-std::vector<protocols::can::MessageLayout> RotaryEncoder::messages(std::string_view name) const {
+std::vector<protocols::can::OwnedMessage> RotaryEncoder::messages(std::string_view name) const {
   if (settings_.node.node_id == canopen::kNoNodeId) {
     return {};
   }

@@ -59,7 +59,7 @@ class RotaryEncoder final : public CanDevice, public EncoderBackend, private Can
   [[nodiscard]] double nominal_rate_hz() const override { return node_.nominal_rate_hz(); }
   [[nodiscard]] std::span<const Quantity> quantities() const override { return quantities_; }
   void receive(SimTime now, const protocols::can::Frame& frame) override;
-  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+  [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
   void update(const EncoderSample& sample) override;
 

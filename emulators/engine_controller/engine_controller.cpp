@@ -38,12 +38,11 @@ constexpr std::array kSchedule{
     Entry{vehicle::Lfc1::kGroup, 0},
 };
 
-constexpr double kRpm = vehicle::kRevolutionPerMinute_radps;
 constexpr std::array kQuantities{
-    Quantity{"engine speed", "rad/s", 0.0, 64255 * 0.125 * kRpm, 0.125 * kRpm},
-    Quantity{"engine torque", "1", -1.25, 1.25, 0.01},
-    Quantity{"load", "1", 0.0, 2.5, 0.01},
-    Quantity{"pump pressure", "Pa", 0.0, 128.51e6, 2000.0},
+    quantity(vehicle::signal_of(&vehicle::Eec1::speed_radps)),
+    quantity(vehicle::signal_of(&vehicle::Eec1::actual_torque_share), "engine torque"),
+    quantity(vehicle::signal_of(&vehicle::Eec2::load_share), "load"),
+    quantity(vehicle::signal_of(&vehicle::Hpg::pressure_pa), "pump pressure"),
 };
 
 const EngineControllerSettings& checked(const EngineControllerSettings& settings) {
@@ -115,11 +114,11 @@ std::span<const Quantity> EngineController::quantities() const {
   return kQuantities;
 }
 
-std::vector<protocols::can::MessageLayout> EngineController::messages(std::string_view name) const {
+std::vector<protocols::can::OwnedMessage> EngineController::messages(std::string_view name) const {
   const vehicle::LayoutEnds sent{name, settings_.source_address, j1939::kGlobalAddress};
   const vehicle::LayoutEnds taken{"", j1939::kNullAddress, settings_.source_address};
   using namespace vehicle;
-  std::vector<protocols::can::MessageLayout> list;
+  std::vector<protocols::can::OwnedMessage> list;
   append_layouts<Eec1, Eec2, Hpg, Lfe1, Eec3, Eflp1, Et1, Dd1, Vep1, Hours, Lfc1>(list, sent);
   TroubleMemory::append_layouts(list, sent);
   append_layouts<Tsc1>(list, taken);

@@ -70,7 +70,7 @@ class EngineController final : public CanDevice, public PowerUnitBackend, J1939A
   [[nodiscard]] ReceiveCounters received() const override { return node_.received(); }
   [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::span<const Quantity> quantities() const override;
-  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+  [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
   void receive(SimTime now, const protocols::can::Frame& frame) override;
   void controller(SimTime now, const protocols::can::ControllerReport& report) override {

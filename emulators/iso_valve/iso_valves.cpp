@@ -13,14 +13,17 @@ namespace j1939 = protocols::j1939;
 namespace vehicle = protocols::vehicle;
 using protocols::can::Frame;
 
+using vehicle::signal_of;
+
 namespace {
 
 constexpr std::array kQuantities{
-    Quantity{"port flow", "1", 0.0, 1.0, 0.004},
-    Quantity{"measured flow", "1", -1.25, 1.25, 0.01},
-    Quantity{"port pressure", "Pa", 0.0, 321.275e6, 5e3},
-    Quantity{"spool position", "1", -1.0, 1.0, 0.001},
-    Quantity{"spool travel", "m", -0.032, 0.032, 1e-6},
+    quantity(signal_of<iso::AuxiliaryValveEstimate>(&iso::AuxiliaryValveEstimate::extend_share),
+             "port flow"),
+    quantity(signal_of(&iso::AuxiliaryValveMeasuredFlow::extend_share), "measured flow"),
+    quantity(signal_of(&iso::AuxiliaryValveMeasuredFlow::extend_pressure_pa), "port pressure"),
+    within(quantity(signal_of(&iso::AuxiliaryValveMeasuredPosition::position_share)), -1.0, 1.0),
+    within(quantity(signal_of(&iso::AuxiliaryValveMeasuredPosition::position_m)), -0.032, 0.032),
 };
 
 const IsoValveSettings& checked(const IsoValveSettings& settings) {
@@ -130,7 +133,7 @@ std::span<const Quantity> IsoValves::quantities() const {
   return kQuantities;
 }
 
-std::vector<protocols::can::MessageLayout> IsoValves::messages(std::string_view name) const {
+std::vector<protocols::can::OwnedMessage> IsoValves::messages(std::string_view name) const {
   return iso::message_layouts(settings_.first_valve, static_cast<unsigned>(channels_.size()),
                               settings_.source_address, std::string(name));
 }

@@ -42,7 +42,7 @@ class IsoValves final : public CanDevice, public ValveBackend, J1939Application 
   [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::span<const Quantity> quantities() const override;
 
-  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+  [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
 
   void receive(SimTime now, const protocols::can::Frame& frame) override;

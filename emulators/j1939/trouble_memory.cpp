@@ -88,7 +88,7 @@ std::optional<J1939Answer> TroubleMemory::answer(J1939Node& node, SimTime now, s
   return J1939Answer::sent;
 }
 
-void TroubleMemory::append_layouts(std::vector<protocols::can::MessageLayout>& list,
+void TroubleMemory::append_layouts(std::vector<protocols::can::OwnedMessage>& list,
                                    const vehicle::LayoutEnds& sent) {
   constexpr auto kPeriod = std::chrono::duration_cast<std::chrono::milliseconds>(
       static_cast<std::int64_t>(kPeriodTicks) * kTick);

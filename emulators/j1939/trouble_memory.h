@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "emulators/j1939/j1939_node.h"
-#include "protocols/can/message_layout.h"
+#include "protocols/can/message.h"
 #include "protocols/vehicle/diagnostics.h"
 #include "protocols/vehicle/layouts.h"
 
@@ -63,7 +63,7 @@ class TroubleMemory {
   [[nodiscard]] std::optional<J1939Answer> answer(J1939Node& node, SimTime now, std::uint32_t pgn,
                                                   std::uint8_t destination, bool stop = false);
   /// What it sends by itself and on request.
-  static void append_layouts(std::vector<protocols::can::MessageLayout>& list,
+  static void append_layouts(std::vector<protocols::can::OwnedMessage>& list,
                              const protocols::vehicle::LayoutEnds& sent);
 
  private:

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "protocols/j1939/message.h"
@@ -72,24 +71,17 @@ std::array<bool, 3> clamp(Triad& values, double range) {
   return saturated;
 }
 
-constexpr Quantity rate_quantity(std::string_view name) {
-  return {name, "deg/s", -openimu::kRateLimit_dps, openimu::kRateLimit_dps,
-          openimu::kRateScale_dps};
-}
-constexpr Quantity acceleration_quantity(std::string_view name) {
-  return {name, "m/s2", openimu::kAccelerationLower_mps2, openimu::kAccelerationUpper_mps2,
-          openimu::kAccelerationScale_mps2};
-}
-constexpr std::array<Quantity, 8> kQuantities{{
-    {"pitch", "deg", -90.0, 90.0, openimu::kSlopeScale_deg},
-    {"roll", "deg", -180.0, 180.0, openimu::kSlopeScale_deg},
-    rate_quantity("pitch rate"),
-    rate_quantity("roll rate"),
-    rate_quantity("yaw rate"),
-    acceleration_quantity("lateral acceleration"),
-    acceleration_quantity("longitudinal acceleration"),
-    acceleration_quantity("vertical acceleration"),
-}};
+using protocols::vehicle::signal_of;
+constexpr std::array kQuantities{
+    within(quantity(signal_of(&openimu::Slope::pitch_deg)), -90.0, 90.0),
+    within(quantity(signal_of(&openimu::Slope::roll_deg)), -180.0, 180.0),
+    quantity(signal_of(&openimu::AngularRate::pitch_dps)),
+    quantity(signal_of(&openimu::AngularRate::roll_dps)),
+    quantity(signal_of(&openimu::AngularRate::yaw_dps)),
+    quantity(signal_of(&openimu::Acceleration::lateral_mps2)),
+    quantity(signal_of(&openimu::Acceleration::longitudinal_mps2)),
+    quantity(signal_of(&openimu::Acceleration::vertical_mps2)),
+};
 
 }  // namespace
 
@@ -173,6 +165,10 @@ void OpenImu::rebuild_filters() {
   force_filter_ = LowPass(configuration_.acceleration_cut_off_hz, openimu::kTicksPerSecond);
 }
 
+double OpenImu::no_number() const {
+  return is_300() ? protocols::vehicle::kNotAvailable : protocols::vehicle::kError;
+}
+
 void OpenImu::sense(const ImuSample& sample) {
   const openimu::AxisMap housing = *openimu::orientation_axes(configuration_.orientation);
   const auto to_device = [&housing](const Vector3& v) {
@@ -190,8 +186,8 @@ void OpenImu::sense(const ImuSample& sample) {
   };
   latest_.fault = !finite(rate) || !finite(force);
   if (latest_.fault) {
-    latest_.rate_radps.fill(std::numeric_limits<double>::quiet_NaN());
-    latest_.specific_force_mps2.fill(std::numeric_limits<double>::quiet_NaN());
+    latest_.rate_radps.fill(no_number());
+    latest_.specific_force_mps2.fill(no_number());
     return;
   }
   latest_.rate_saturated = clamp(rate, settings_.rate_range_radps);

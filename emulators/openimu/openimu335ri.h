@@ -48,7 +48,7 @@ class OpenImu final : public CanDevice, public ImuBackend {
   [[nodiscard]] std::span<const Quantity> quantities() const override;
 
   void receive(SimTime now, const protocols::can::Frame& frame) override;
-  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+  [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
   /// One tick. Samples outside the element's range are clamped and marked; a sample that is not
   /// finite is sent as error (300RI: as not available).
@@ -78,8 +78,13 @@ class OpenImu final : public CanDevice, public ImuBackend {
   };
 
   [[nodiscard]] bool is_300() const { return settings_.variant == OpenImuVariant::openimu300ri; }
-  [[nodiscard]] protocols::openimu::FigureOfMerit merit(bool saturated) const;
-  [[nodiscard]] protocols::openimu::Measurement rate_measurement(std::size_t axis) const;
+  [[nodiscard]] std::uint8_t merit(bool saturated) const;
+  /// What stands for the values of failed elements.
+  [[nodiscard]] double no_number() const;
+  /// A value and its figure of merit.
+  void put(double value, bool saturated, double limit, double& number, std::uint8_t& figure) const;
+  template <class Message>
+  void put_rates(Message& message) const;
   [[nodiscard]] double latency_ms() const;
   [[nodiscard]] std::uint16_t status_word() const;
   void start(SimTime now);
@@ -88,7 +93,7 @@ class OpenImu final : public CanDevice, public ImuBackend {
   void sense(const ImuSample& sample);
   void send(SimTime now, const protocols::can::Frame& frame);
   void send_packets(SimTime now, std::uint16_t mask);
-  void send_rate(SimTime now);
+  void send_slopes(SimTime now, std::uint16_t mask);
   void send_acceleration(SimTime now);
   void send_trouble(SimTime now);
   /// False when it could not be written.

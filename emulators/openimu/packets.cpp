@@ -2,124 +2,135 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
 #include "emulators/openimu/openimu335ri.h"
 #include "protocols/bytes.h"
 #include "protocols/j1939/message.h"
+#include "protocols/vehicle/layouts.h"
 
 namespace rigwire::emulators {
 
 namespace j1939 = protocols::j1939;
 namespace openimu = protocols::openimu;
 using openimu::FigureOfMerit;
-using openimu::Measurement;
 using openimu::PacketBit;
 
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 bool any(const std::array<bool, 3>& flags) {
   return flags[0] || flags[1] || flags[2];
 }
 
-/// The 335RI says "error" of a value that its message cannot carry, and sends the limit.
-Measurement limited(Measurement measurement, double limit) {
-  if (measurement.merit != FigureOfMerit::not_available && std::abs(measurement.value) > limit) {
-    measurement = {std::clamp(measurement.value, -limit, limit), FigureOfMerit::error};
-  }
-  return measurement;
-}
-
 }  // namespace
 
-std::vector<protocols::can::MessageLayout> OpenImu::messages(std::string_view name) const {
-  struct Kind {
-    std::uint32_t pgn;
-    std::uint16_t of_300;  ///< Its bit in the packet mask; 0: not sent.
-    std::uint16_t of_335;
-  };
-  constexpr std::array<Kind, 6> kKinds{
-      {{openimu::kSlopePgn, PacketBit::kSlope, PacketBit::kSlope},
-       {openimu::kAngularRatePgn, PacketBit::kAngularRate, PacketBit::kAngularRate},
-       {openimu::kAccelerationPgn, PacketBit::kAcceleration, PacketBit::kAcceleration},
-       {openimu::kMagneticFieldPgn, PacketBit::kMagneticField, 0},
-       {openimu::kSlope1Pgn, 0, PacketBit::kSlope1},
-       {openimu::kFineRatePgn, 0, PacketBit::kFineRate}}};
-  constexpr std::uint32_t kFastest_ms = 10;
-  std::vector<protocols::can::MessageLayout> list;
-  for (auto& layout : openimu::layouts(settings_.source_address)) {
-    const std::uint32_t pgn = j1939::unpack(layout.id).pgn;
-    const auto* kind =
-        std::find_if(kKinds.begin(), kKinds.end(), [pgn](const Kind& k) { return k.pgn == pgn; });
-    const std::uint16_t bit = is_300() ? kind->of_300 : kind->of_335;
-    if (bit != 0) {
-      layout.sender = name;
-      if ((settings_.configuration.packet_mask & bit) != 0) {
-        layout.period_ms = kFastest_ms * settings_.configuration.rate_divider;
-      }
-      list.push_back(std::move(layout));
+std::vector<protocols::can::OwnedMessage> OpenImu::messages(std::string_view name) const {
+  const OpenImuConfiguration& c = settings_.configuration;
+  const protocols::vehicle::LayoutEnds sent{name, settings_.source_address};
+  std::vector<protocols::can::OwnedMessage> list;
+  const auto append = [&]<class Message>(const Message& /*kind*/, std::uint16_t bit) {
+    constexpr std::chrono::milliseconds kFastest{10};
+    protocols::vehicle::Group group = Message::kGroup;
+    if ((c.packet_mask & bit) != 0) {
+      group.period = kFastest * c.rate_divider;
     }
+    list.push_back(protocols::vehicle::layout<Message>(sent, group));
+    list.back().text = "ACEINNA OpenIMU, J1939";
+  };
+  append(openimu::Slope{}, PacketBit::kSlope);
+  append(openimu::AngularRate{}, PacketBit::kAngularRate);
+  append(openimu::Acceleration{}, PacketBit::kAcceleration);
+  if (is_300()) {
+    append(openimu::MagneticField{}, PacketBit::kMagneticField);
+  } else {
+    append(openimu::Slope1{}, PacketBit::kSlope1);
+    append(openimu::FineRate{}, PacketBit::kFineRate);
   }
   return list;
 }
 
-FigureOfMerit OpenImu::merit(bool saturated) const {
+std::uint8_t OpenImu::merit(bool saturated) const {
   if (is_300()) {
-    return FigureOfMerit::not_available;
+    return FigureOfMerit::kNotAvailable;
   }
   if (latest_.fault) {
-    return FigureOfMerit::error;
+    return FigureOfMerit::kError;
   }
-  return saturated ? FigureOfMerit::degraded : FigureOfMerit::functional;
+  return saturated ? FigureOfMerit::kDegraded : FigureOfMerit::kFunctional;
+}
+
+void OpenImu::put(double value, bool saturated, double limit, double& number,
+                  std::uint8_t& figure) const {
+  number = value;
+  figure = merit(saturated);
+  // The 335RI says "error" of a value that its message cannot carry, and sends the limit.
+  if (!is_300() && std::isfinite(value) && std::abs(value) > limit) {
+    number = std::clamp(value, -limit, limit);
+    figure = FigureOfMerit::kError;
+  }
 }
 
 double OpenImu::latency_ms() const {
   return is_300() ? 0.0 : to_seconds(settings_.processing_delay) * 1e3;
 }
 
-Measurement OpenImu::rate_measurement(std::size_t axis) const {
-  return limited({latest_.rate_radps[axis] * kDegrees, merit(latest_.rate_saturated[axis])},
-                 openimu::kRateLimit_dps);
+template <class Message>
+void OpenImu::put_rates(Message& message) const {
+  const openimu::AxisMap axes = openimu::rate_axes(configuration_.behaviour);
+  const auto put_axis = [&](std::size_t axis, double& number, std::uint8_t& figure) {
+    put(latest_.rate_radps[axis] * kDegrees, latest_.rate_saturated[axis],
+        openimu::kRateRange_dps.upper, number, figure);
+  };
+  put_axis(axes[0].axis, message.pitch_dps, message.pitch_merit);
+  put_axis(axes[1].axis, message.roll_dps, message.roll_merit);
+  put_axis(axes[2].axis, message.yaw_dps, message.yaw_merit);
+}
+
+void OpenImu::send_slopes(SimTime now, std::uint16_t mask) {
+  const bool doubtful =
+      tilt_.initialising() || any(latest_.rate_saturated) || any(latest_.force_saturated);
+  const double pitch_deg = latest_.fault ? no_number() : tilt_.pitch_rad() * kDegrees;
+  const double roll_deg = latest_.fault ? no_number() : tilt_.roll_rad() * kDegrees;
+  if ((mask & PacketBit::kSlope) != 0) {
+    openimu::Slope slope;
+    put(pitch_deg, doubtful, openimu::kSlopeRange_deg.upper, slope.pitch_deg, slope.pitch_merit);
+    put(roll_deg, doubtful, openimu::kSlopeRange_deg.upper, slope.roll_deg, slope.roll_merit);
+    slope.latency_ms = latency_ms();
+    if (!openimu::pitch_first(configuration_.behaviour)) {
+      std::swap(slope.pitch_deg, slope.roll_deg);
+    }
+    send(now, openimu::encode(slope, address_.address(), configuration_.slope_priority));
+  }
+  if ((mask & PacketBit::kSlope1) != 0) {
+    constexpr double kLimit = openimu::kSlope1Range_deg.upper;
+    openimu::Slope1 slope;
+    put(pitch_deg, doubtful, kLimit, slope.pitch_deg, slope.pitch_merit);
+    put(roll_deg, doubtful, kLimit, slope.roll_deg, slope.roll_merit);
+    put(latest_.rate_radps[1] * kDegrees, latest_.rate_saturated[1], kLimit, slope.pitch_rate_dps,
+        slope.pitch_rate_merit);
+    slope.latency_ms = latency_ms();
+    send(now, openimu::encode(slope, address_.address(), configuration_.slope_priority));
+  }
 }
 
 void OpenImu::send_packets(SimTime now, std::uint16_t mask) {
-  const bool algorithm = (configuration_.behaviour & openimu::Behaviour::kRunAlgorithm) != 0;
-  if ((mask & (PacketBit::kSlope | PacketBit::kSlope1)) != 0 && algorithm) {
-    const FigureOfMerit state =
-        merit(tilt_.initialising() || any(latest_.rate_saturated) || any(latest_.force_saturated));
-    const Measurement pitch{latest_.fault ? kUnknown : tilt_.pitch_rad() * kDegrees, state};
-    const Measurement roll{latest_.fault ? kUnknown : tilt_.roll_rad() * kDegrees, state};
-    if ((mask & PacketBit::kSlope) != 0) {
-      openimu::Slope slope{pitch, roll, 0, 0, latency_ms()};
-      if (!openimu::pitch_first(configuration_.behaviour)) {
-        std::swap(slope.pitch_deg, slope.roll_deg);
-      }
-      send(now, openimu::encode(slope, address_.address(), configuration_.slope_priority));
-    }
-    if ((mask & PacketBit::kSlope1) != 0) {
-      const Measurement rate{latest_.rate_radps[1] * kDegrees, merit(latest_.rate_saturated[1])};
-      send(now, openimu::encode(
-                    openimu::Slope1{limited(pitch, openimu::kSlope1Limit_deg),
-                                    limited(roll, openimu::kSlope1Limit_deg),
-                                    limited(rate, openimu::kSlope1Limit_deg), 0, latency_ms()},
-                    address_.address(), configuration_.slope_priority));
-    }
+  if ((configuration_.behaviour & openimu::Behaviour::kRunAlgorithm) != 0) {
+    send_slopes(now, mask);
   }
   if ((mask & PacketBit::kAngularRate) != 0) {
-    send_rate(now);
+    openimu::AngularRate rate;
+    put_rates(rate);
+    rate.latency_ms = latency_ms();
+    send(now, openimu::encode(rate, address_.address(), configuration_.rate_priority));
   }
   if (!is_300() && (mask & PacketBit::kFineRate) != 0) {
-    const openimu::AxisMap axes = openimu::rate_axes(configuration_.behaviour);
-    send(now, openimu::encode(
-                  openimu::FineRate{rate_measurement(axes[0].axis), rate_measurement(axes[1].axis),
-                                    rate_measurement(axes[2].axis)},
-                  address_.address(), configuration_.rate_priority,
-                  pgn_of(configuration_.commands, openimu::Command::fine_rate)));
+    openimu::FineRate rate;
+    put_rates(rate);
+    send(now, openimu::encode(rate, address_.address(), configuration_.rate_priority,
+                              pgn_of(configuration_.commands, openimu::Command::fine_rate)));
   }
   if ((mask & PacketBit::kAcceleration) != 0) {
     send_acceleration(now);
@@ -131,23 +142,14 @@ void OpenImu::send_packets(SimTime now, std::uint16_t mask) {
   }
 }
 
-void OpenImu::send_rate(SimTime now) {
-  const openimu::AxisMap axes = openimu::rate_axes(configuration_.behaviour);
-  send(now, openimu::encode(
-                openimu::AngularRate{rate_measurement(axes[0].axis), rate_measurement(axes[1].axis),
-                                     rate_measurement(axes[2].axis), latency_ms()},
-                address_.address(), configuration_.rate_priority));
-}
-
 void OpenImu::send_acceleration(SimTime now) {
   const openimu::AxisMap axes = openimu::acceleration_axes(configuration_.behaviour);
   const Triad force = openimu::map_axes(axes, latest_.specific_force_mps2);
-  const auto measurement = [&](std::size_t i) {
-    return Measurement{force[i], merit(latest_.force_saturated[axes[i].axis])};
-  };
-  send(now, openimu::encode(
-                openimu::Acceleration{measurement(0), measurement(1), measurement(2), latency_ms()},
-                address_.address(), configuration_.acceleration_priority));
+  const auto figure = [&](std::size_t i) { return merit(latest_.force_saturated[axes[i].axis]); };
+  openimu::Acceleration acceleration{force[0], force[1], force[2], figure(0), figure(1), figure(2)};
+  acceleration.latency_ms = latency_ms();
+  send(now,
+       openimu::encode(acceleration, address_.address(), configuration_.acceleration_priority));
 }
 
 void OpenImu::send_trouble(SimTime now) {

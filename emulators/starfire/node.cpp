@@ -14,12 +14,12 @@ namespace vehicle = protocols::vehicle;
 using protocols::can::Frame;
 
 constexpr std::array kQuantities{
-    Quantity{"latitude", "deg", -90.0, 90.0, 1e-7},
-    Quantity{"longitude", "deg", -180.0, 180.0, 1e-7},
+    within(quantity(vehicle::signal_of(&vehicle::VehiclePosition::latitude_deg)), -90.0, 90.0),
+    within(quantity(vehicle::signal_of(&vehicle::VehiclePosition::longitude_deg)), -180.0, 180.0),
     Quantity{"compass bearing", "deg", 0.0, 360.0, 1.0 / 128.0},
-    Quantity{"speed", "m/s", 0.0, 250.996 / 3.6, 1.0 / 256.0 / 3.6},
-    Quantity{"altitude", "m", -2500.0, 5531.875, 0.125},
-    Quantity{"dilution", "1", 0.0, 25.0, 0.1},
+    quantity(vehicle::signal_of(&vehicle::VehicleDirectionSpeed::speed_mps), "speed"),
+    quantity(vehicle::signal_of(&vehicle::VehicleDirectionSpeed::altitude_m)),
+    quantity(vehicle::signal_of(&vehicle::VehiclePosition2::position_dilution), "dilution"),
 };
 
 const StarFireSettings& checked(const StarFireSettings& settings) {
@@ -107,7 +107,7 @@ J1939Reception StarFireNode::take(SimTime /*now*/, const J1939Message& /*message
   return J1939Reception::ignored;
 }
 
-std::vector<protocols::can::MessageLayout> StarFireNode::messages(std::string_view name) const {
+std::vector<protocols::can::OwnedMessage> StarFireNode::messages(std::string_view name) const {
   const vehicle::LayoutEnds sent{name, node_.address(), j1939::kGlobalAddress};
   const auto every = [](vehicle::Group group, Duration period) {
     group.period = std::chrono::duration_cast<std::chrono::milliseconds>(period);

@@ -36,7 +36,7 @@ class StarFireNode final : public CanDevice, public GnssBackend, J1939Applicatio
   void controller(SimTime now, const protocols::can::ControllerReport& report) override {
     node_.controller(now, report);
   }
-  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+  [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
   void update(const GnssSample& sample) override;
 

@@ -6,15 +6,15 @@ namespace rigwire::emulators {
 
 namespace j1939 = protocols::j1939;
 namespace vehicle = protocols::vehicle;
-using protocols::can::MessageLayout;
+using protocols::can::OwnedMessage;
 using vehicle::layout;
 
 namespace {
 
 /// With the period of its place in the schedule.
 template <class Message>
-MessageLayout scheduled(const vehicle::LayoutEnds& ends,
-                        std::span<const VehicleReport::Entry> schedule) {
+OwnedMessage scheduled(const vehicle::LayoutEnds& ends,
+                       std::span<const VehicleReport::Entry> schedule) {
   for (const VehicleReport::Entry& entry : schedule) {
     if (entry.group.pgn == Message::kGroup.pgn) {
       return layout<Message>(ends, entry.group);
@@ -25,9 +25,9 @@ MessageLayout scheduled(const vehicle::LayoutEnds& ends,
 
 }  // namespace
 
-std::vector<MessageLayout> VehicleGateway::messages(std::string_view name) const {
+std::vector<OwnedMessage> VehicleGateway::messages(std::string_view name) const {
   using namespace vehicle;
-  std::vector<MessageLayout> list;
+  std::vector<OwnedMessage> list;
   const LayoutEnds sent{name, node_.address(), j1939::kGlobalAddress};
   append_layouts<Etc1, Vdc2, Sas, Hrw, Eec1, Esc1, Eec2, Hpg, GuidanceMachineInfo,
                  MachineSelectedSpeed, WheelBasedSpeed, Ebc2, Ccvs1, Etc2, Ebc1,

@@ -98,27 +98,26 @@ double speed_of(const VehicleSample& sample, std::size_t wheel) {
 enum Wheel : std::size_t { front_left, front_right, rear_left, rear_right };
 
 constexpr double kRpm = vehicle::kRevolutionPerMinute_radps;
-constexpr Quantity quantity(std::string_view name, std::string_view unit,
-                            const vehicle::Scale& scale, unsigned width) {
-  return {name, unit, scale.offset,
-          scale.offset + protocols::j1939::greatest_valid(width) * scale.count, scale.count};
+constexpr Quantity quantity(std::string_view name, const vehicle::Scale& scale,
+                            std::uint8_t width) {
+  return emulators::quantity(vehicle::number_signal(name, 0, {}, width, scale));
 }
 constexpr std::array kQuantities{
-    quantity("wheel speed", "m/s", vehicle::kWheelSpeed, 16),
-    quantity("machine selected speed", "m/s", vehicle::kMachineSpeed, 16),
-    quantity("engine speed", "rad/s", vehicle::kShaftSpeed, 16),
-    quantity("engine torque", "1", vehicle::kTorqueShare, 8),
-    quantity("shaft speed", "rad/s", vehicle::kShaftSpeed, 16),
+    quantity("wheel speed", vehicle::kWheelSpeed, 16),
+    quantity("machine selected speed", vehicle::kMachineSpeed, 16),
+    quantity("engine speed", vehicle::kShaftSpeed, 16),
+    quantity("engine torque", vehicle::kTorqueShare, 8),
+    quantity("shaft speed", vehicle::kShaftSpeed, 16),
     Quantity{"gear", "1", -125.0, 125.0, 1.0},
     Quantity{"gear ratio", "1", 0.0, 64.255, 0.001},
-    quantity("brake", "1", vehicle::kShare, 8),
-    quantity("steering angle", "rad", vehicle::kMachineAngle, 16),
-    quantity("curvature", "1/m", vehicle::kCurvature, 16),
-    quantity("slip angle", "rad", vehicle::kMachineAngle, 16),
+    quantity("brake", vehicle::kShare, 8),
+    quantity("steering angle", vehicle::kMachineAngle, 16),
+    quantity("curvature", vehicle::kCurvature, 16),
+    quantity("slip angle", vehicle::kMachineAngle, 16),
     Quantity{"tyre pressure", "Pa", 0.0, 64.255e6, 1000.0},
     Quantity{"hydraulic pressure", "Pa", 0.0, 128.51e6, 2000.0},
-    quantity("edge cutter", "1", vehicle::kShare, 8),
-    quantity("spreader rate", "kg/m2", vehicle::kSpreaderRate, 16),
+    quantity("edge cutter", vehicle::kShare, 8),
+    quantity("spreader rate", vehicle::kSpreaderRate, 16),
     Quantity{"hopper mass", "kg", 0.0, 64255.0, 1.0},
     Quantity{"requested engine speed", "rad/s", 0.0, 64255 * 0.125 * kRpm, 0.125 * kRpm},
     Quantity{"requested acceleration", "m/s2", -15.687, 15.687, 1.0 / 2048.0},

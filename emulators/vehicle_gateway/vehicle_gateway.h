@@ -49,7 +49,7 @@ class VehicleGateway final : public CanDevice, public VehicleBackend, J1939Appli
   void controller(SimTime now, const protocols::can::ControllerReport& report) override {
     node_.controller(now, report);
   }
-  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+  [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
 
   void update(const VehicleSample& sample) override;

@@ -49,24 +49,6 @@ bool is_housekeeping(MessageId id) {
          id == MessageId::status_word;
 }
 
-constexpr double kRateCount_radps = 1.0 / 512.0;
-constexpr double kForceCount_mps2 = 1.0 / 256.0;
-constexpr Quantity rate(std::string_view name) {
-  return {name, "rad/s", -64.0, 64.0 - kRateCount_radps, kRateCount_radps};
-}
-constexpr Quantity force(std::string_view name) {
-  return {name, "m/s2", -128.0, 128.0 - kForceCount_mps2, kForceCount_mps2};
-}
-constexpr std::array<Quantity, 9> kQuantities{{{"roll", "deg", -180.0, 180.0, 1.0 / 128.0},
-                                               {"pitch", "deg", -90.0, 90.0, 1.0 / 128.0},
-                                               {"yaw", "deg", -180.0, 180.0, 1.0 / 128.0},
-                                               rate("rate of turn x"),
-                                               rate("rate of turn y"),
-                                               rate("rate of turn z"),
-                                               force("acceleration x"),
-                                               force("acceleration y"),
-                                               force("acceleration z")}};
-
 /// What the unit's 400 samples a second give.
 constexpr std::array<fields::Choice<std::uint16_t>, 16> kRates{{{0, "off", "Not sent."},
                                                                 {400, "1 Hz", ""},
@@ -107,6 +89,17 @@ SamplePlan Mti600::sample_plan() const {
 }
 
 std::span<const Quantity> Mti600::quantities() const {
+  static const auto kQuantities = [] {
+    const auto angles = xsens::message(MessageId::euler_angles).signals;
+    const auto rates = xsens::message(MessageId::rate_of_turn).signals;
+    const auto forces = xsens::message(MessageId::acceleration).signals;
+    return std::array{
+        within(quantity(angles[0]), -180.0, 180.0), within(quantity(angles[1]), -90.0, 90.0),
+        within(quantity(angles[2]), -180.0, 180.0), quantity(rates[0], "rate of turn x"),
+        quantity(rates[1], "rate of turn y"),       quantity(rates[2], "rate of turn z"),
+        quantity(forces[0], "acceleration x"),      quantity(forces[1], "acceleration y"),
+        quantity(forces[2], "acceleration z")};
+  }();
   return kQuantities;
 }
 
@@ -118,9 +111,9 @@ double Mti600::nominal_rate_hz() const {
   return sum;
 }
 
-std::vector<protocols::can::MessageLayout> Mti600::messages(std::string_view name) const {
+std::vector<protocols::can::OwnedMessage> Mti600::messages(std::string_view name) const {
   constexpr double kPeriod_ms = 1e3 / kMtiSamplesPerSecond;
-  std::vector<protocols::can::MessageLayout> list;
+  std::vector<protocols::can::OwnedMessage> list;
   for (auto& layout :
        xsens::layouts(settings_.extended, 1.0 / ticks_per_second(settings_.sample_time))) {
     for (const MtiOutput& output : settings_.outputs) {

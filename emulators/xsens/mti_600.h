@@ -95,7 +95,7 @@ class Mti600 final : public CanDevice, public ImuBackend {
   [[nodiscard]] ReceiveCounters received() const override { return received_; }
   [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::span<const Quantity> quantities() const override;
-  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+  [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
   /// Counted as ignored.
   void receive(SimTime now, const protocols::can::Frame& frame) override;

@@ -14,9 +14,9 @@ namespace openimu = protocols::openimu;
 
 namespace {
 
-bool usable(const openimu::Measurement& measurement) {
+bool usable(double value, std::uint8_t merit) {
   // Merit 3 is what the 300RI always sends; only an error is one.
-  return std::isfinite(measurement.value) && measurement.merit != openimu::FigureOfMerit::error;
+  return std::isfinite(value) && merit != openimu::FigureOfMerit::kError;
 }
 
 }  // namespace
@@ -68,22 +68,23 @@ void ImuWire::receive(const protocols::can::Frame& frame) {
     return;
   }
   if (identifier->pgn == openimu::kAngularRatePgn) {
-    const auto rate = openimu::decode_angular_rate(frame);
-    if (rate.ok() && usable(rate->pitch_dps)) {
-      estimator_.imu_rate(*link, rate->pitch_dps.value * kDegree);
+    const auto rate = openimu::decode<openimu::AngularRate>(frame);
+    if (rate.ok() && usable(rate->pitch_dps, rate->pitch_merit)) {
+      estimator_.imu_rate(*link, rate->pitch_dps * kDegree);
     }
   } else if (identifier->pgn == openimu::kAccelerationPgn) {
-    const auto acceleration = openimu::decode_acceleration(frame);
-    if (acceleration.ok() && usable(acceleration->longitudinal_mps2) &&
-        usable(acceleration->vertical_mps2)) {
-      estimator_.imu_specific_force(*link, acceleration->longitudinal_mps2.value,
-                                    acceleration->vertical_mps2.value);
+    const auto acceleration = openimu::decode<openimu::Acceleration>(frame);
+    if (acceleration.ok() &&
+        usable(acceleration->longitudinal_mps2, acceleration->longitudinal_merit) &&
+        usable(acceleration->vertical_mps2, acceleration->vertical_merit)) {
+      estimator_.imu_specific_force(*link, acceleration->longitudinal_mps2,
+                                    acceleration->vertical_mps2);
       heard_(*link);
     }
   } else if (identifier->pgn == openimu::kSlopePgn) {
-    const auto slope = openimu::decode_slope(frame);
-    if (slope.ok() && usable(slope->pitch_deg)) {
-      device_pitch_deg_[*link] = slope->pitch_deg.value;
+    const auto slope = openimu::decode<openimu::Slope>(frame);
+    if (slope.ok() && usable(slope->pitch_deg, slope->pitch_merit)) {
+      device_pitch_deg_[*link] = slope->pitch_deg;
     }
   }
 }

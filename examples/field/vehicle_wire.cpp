@@ -43,10 +43,10 @@ void VehicleWire::receive(const protocols::can::Frame& frame) {
     return;
   }
   if (identifier->source == settings_.imu && identifier->pgn == openimu::kAngularRatePgn) {
-    const auto rate = openimu::decode_angular_rate(frame);
-    if (rate.ok() && std::isfinite(rate->yaw_dps.value) &&
-        rate->yaw_dps.merit != openimu::FigureOfMerit::error) {
-      yaw_sum_radps_ -= rate->yaw_dps.value * kDegree;  // Positive clockwise on the wire.
+    const auto rate = openimu::decode<openimu::AngularRate>(frame);
+    if (rate.ok() && std::isfinite(rate->yaw_dps) &&
+        rate->yaw_merit != openimu::FigureOfMerit::kError) {
+      yaw_sum_radps_ -= rate->yaw_dps * kDegree;  // Positive clockwise on the wire.
       ++yaw_count_;
       heard_.imu();
     }

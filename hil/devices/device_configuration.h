@@ -11,7 +11,7 @@
 
 #include "fields/rules.h"
 #include "hil/configuration/fault_window.h"
-#include "protocols/can/message_layout.h"
+#include "protocols/can/message.h"
 
 namespace rigwire::hil {
 
@@ -32,7 +32,7 @@ struct DevicePlan {
 struct BusShare {
   std::string bus;   ///< One of the rig's.
   double frames_hz;  ///< As configured, and as if a master had started it.
-  std::vector<protocols::can::MessageLayout> messages;  ///< For the bus's DBC file.
+  std::vector<protocols::can::OwnedMessage> messages;  ///< For the bus's DBC file.
 };
 
 struct DeviceMessage {

@@ -72,9 +72,9 @@ std::vector<FaultWindow> fault_windows(const RigConfiguration& configuration) {
   return all;
 }
 
-std::vector<protocols::can::MessageLayout> bus_messages(const RigConfiguration& configuration,
-                                                        const std::string& bus) {
-  std::vector<protocols::can::MessageLayout> all;
+std::vector<protocols::can::OwnedMessage> bus_messages(const RigConfiguration& configuration,
+                                                       const std::string& bus) {
+  std::vector<protocols::can::OwnedMessage> all;
   for (const auto& [name, device] : configuration.devices) {
     auto share = device->bus_share(name);
     if (share && share->bus == bus) {

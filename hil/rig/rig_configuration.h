@@ -117,7 +117,7 @@ struct LoadedRig {
 /// How the messages on a bus are laid out, each device under its name in the rig and with its
 /// configured address. Empty when the rig has no such bus. Throws std::invalid_argument for
 /// settings that make no device.
-[[nodiscard]] std::vector<protocols::can::MessageLayout> bus_messages(
+[[nodiscard]] std::vector<protocols::can::OwnedMessage> bus_messages(
     const RigConfiguration& configuration, const std::string& bus);
 
 /// What a single field cannot know: mounts on links that exist, buses that exist, addresses and

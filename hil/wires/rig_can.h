@@ -134,7 +134,7 @@ class RigCan::Port final : private emulators::CanDevice, private emulators::CanO
   [[nodiscard]] emulators::ReceiveCounters received() const override { return {}; }
   [[nodiscard]] double nominal_rate_hz() const override { return 0.0; }
   [[nodiscard]] std::span<const emulators::Quantity> quantities() const override { return {}; }
-  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+  [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view /*name*/) const override {
     return {};
   }

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "protocols/can/message_layout.h"
+#include "protocols/can/message.h"
 #include "protocols/canopen/identifiers.h"
 #include "protocols/canopen/object_entry.h"
 
@@ -155,17 +155,17 @@ template <std::size_t N, std::size_t M>
 }
 
 /// A message of that node without fields.
-[[nodiscard]] can::MessageLayout make_layout(std::string name, std::uint32_t base,
-                                             std::uint8_t node_id, std::uint8_t length,
-                                             std::string text);
+[[nodiscard]] can::OwnedMessage make_layout(std::string name, std::uint32_t base,
+                                            std::uint8_t node_id, std::uint8_t length,
+                                            std::string text);
 /// A number of the dictionary in a PDO, as raw counts of the whole width of its type; `profile` is
 /// the document that defines it.
-[[nodiscard]] can::SignalLayout make_signal(std::string name, const ObjectEntry& entry,
-                                            std::uint16_t bit, std::string_view profile);
+[[nodiscard]] can::OwnedSignal make_signal(std::string name, const ObjectEntry& entry,
+                                           std::uint16_t bit, std::string_view profile);
 /// Heartbeat and emergency; the names begin with `device`.
-[[nodiscard]] can::MessageLayout make_heartbeat_layout(const std::string& device,
-                                                       std::uint8_t node_id);
-[[nodiscard]] can::MessageLayout make_emergency_layout(const std::string& device,
-                                                       std::uint8_t node_id);
+[[nodiscard]] can::OwnedMessage make_heartbeat_layout(const std::string& device,
+                                                      std::uint8_t node_id);
+[[nodiscard]] can::OwnedMessage make_emergency_layout(const std::string& device,
+                                                      std::uint8_t node_id);
 
 }  // namespace rigwire::protocols::canopen

@@ -57,11 +57,11 @@ std::span<const ObjectEntry> inclinometer_objects() {
   return kObjects;
 }
 
-std::vector<can::MessageLayout> inclinometer_layouts(std::uint8_t node_id,
-                                                     std::uint16_t resolution_mdeg) {
+std::vector<can::OwnedMessage> inclinometer_layouts(std::uint8_t node_id,
+                                                    std::uint16_t resolution_mdeg) {
   const auto slope = [resolution_mdeg](const char* name, const SlopeObjects& objects,
                                        std::uint16_t bit) {
-    can::SignalLayout field =
+    can::OwnedSignal field =
         make_signal(name, *find(kObjects, objects.address(kSlopeValue)), bit, "CiA 410");
     field.scale = 1e-3 * resolution_mdeg;
     field.lower *= field.scale;
@@ -69,16 +69,16 @@ std::vector<can::MessageLayout> inclinometer_layouts(std::uint8_t node_id,
     field.unit = "deg";
     return field;
   };
-  std::vector<can::MessageLayout> list{
+  std::vector<can::OwnedMessage> list{
       make_layout("inclinometer_slopes", kTransmitPdo1Base, node_id, 4, "TPDO1, 16-bit slopes"),
       make_layout("inclinometer_slopes_32", kTransmitPdo1Base + 0x100, node_id, 8,
                   "TPDO2, 32-bit slopes, after SYNC"),
       make_heartbeat_layout("inclinometer", node_id),
       make_emergency_layout("inclinometer", node_id)};
-  list[0].fields = {slope("slope_longitudinal", kSlopes[0], 0),
-                    slope("slope_lateral", kSlopes[1], 16)};
-  list[1].fields = {slope("slope_longitudinal", kSlopes[2], 0),
-                    slope("slope_lateral", kSlopes[3], 32)};
+  list[0].signals = {slope("slope_longitudinal", kSlopes[0], 0),
+                     slope("slope_lateral", kSlopes[1], 16)};
+  list[1].signals = {slope("slope_longitudinal", kSlopes[2], 0),
+                     slope("slope_lateral", kSlopes[3], 32)};
   return list;
 }
 

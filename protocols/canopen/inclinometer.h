@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "protocols/can/message_layout.h"
+#include "protocols/can/message.h"
 #include "protocols/canopen/communication_objects.h"
 
 namespace rigwire::protocols::canopen {
@@ -76,7 +76,7 @@ inline constexpr std::uint16_t kLateralError = 0x5020;
 
 /// The two transmit PDOs as they are mapped at delivery, with 6000 as given, heartbeat and
 /// emergency of that node.
-[[nodiscard]] std::vector<can::MessageLayout> inclinometer_layouts(std::uint8_t node_id,
-                                                                   std::uint16_t resolution_mdeg);
+[[nodiscard]] std::vector<can::OwnedMessage> inclinometer_layouts(std::uint8_t node_id,
+                                                                  std::uint16_t resolution_mdeg);
 
 }  // namespace rigwire::protocols::canopen

@@ -50,16 +50,16 @@ std::span<const ObjectEntry> rotary_encoder_objects() {
   return kObjects;
 }
 
-std::vector<can::MessageLayout> rotary_encoder_layouts(std::uint8_t node_id) {
-  const can::SignalLayout position =
+std::vector<can::OwnedMessage> rotary_encoder_layouts(std::uint8_t node_id) {
+  const can::OwnedSignal position =
       make_signal("position", *find(kObjects, object::kPosition), 0, "CiA 406");
-  std::vector<can::MessageLayout> list{
+  std::vector<can::OwnedMessage> list{
       make_layout("encoder_position", kTransmitPdo1Base, node_id, 4, "TPDO1, on the event timer"),
       make_layout("encoder_position_synchronous", kTransmitPdo1Base + 0x100, node_id, 4,
                   "TPDO2, after SYNC"),
       make_heartbeat_layout("encoder", node_id), make_emergency_layout("encoder", node_id)};
-  list[0].fields = {position};
-  list[1].fields = {position};
+  list[0].signals = {position};
+  list[1].signals = {position};
   return list;
 }
 

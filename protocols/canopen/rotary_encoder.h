@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "protocols/can/message_layout.h"
+#include "protocols/can/message.h"
 #include "protocols/canopen/communication_objects.h"
 
 namespace rigwire::protocols::canopen {
@@ -46,6 +46,6 @@ struct EncoderAlarm {
 [[nodiscard]] std::span<const ObjectEntry> rotary_encoder_objects();
 
 /// The two transmit PDOs as they are mapped at delivery, heartbeat and emergency of that node.
-[[nodiscard]] std::vector<can::MessageLayout> rotary_encoder_layouts(std::uint8_t node_id);
+[[nodiscard]] std::vector<can::OwnedMessage> rotary_encoder_layouts(std::uint8_t node_id);
 
 }  // namespace rigwire::protocols::canopen

@@ -11,8 +11,8 @@
 namespace rigwire::protocols::dbc {
 namespace {
 
-using can::MessageLayout;
-using can::SignalLayout;
+using can::OwnedMessage;
+using can::OwnedSignal;
 
 constexpr std::uint32_t kExtendedFlag = 0x80000000U;
 /// Who sends what no node sends.
@@ -52,24 +52,12 @@ std::string unique_name(std::string_view wish, std::set<std::string>& taken) {
   return candidate;
 }
 
-/// Where the format lets a signal begin: little-endian ones with their least significant bit,
-/// big-endian ones with their most significant one.
-unsigned start_bit(const SignalLayout& signal) {
-  unsigned bit = signal.bit;
-  if (signal.order == can::ByteOrder::big_endian) {
-    for (unsigned i = 1; i < signal.width; ++i) {
-      bit = bit % 8 == 7 ? bit - 15 : bit + 1;
-    }
-  }
-  return bit;
-}
-
 struct NamedSignal {
-  const SignalLayout* layout;
+  const OwnedSignal* layout;
   std::string name;
 };
 struct NamedMessage {
-  const MessageLayout* layout;
+  const OwnedMessage* layout;
   std::string name;
   std::string sender;
   std::string id;
@@ -81,7 +69,7 @@ struct Names {
   explicit Names(const Bus& bus) {
     std::set<std::string> taken{std::string(kNobody)};
     std::map<std::string, int> uses;
-    for (const MessageLayout& message : bus.messages) {
+    for (const OwnedMessage& message : bus.messages) {
       ++uses[message.name];
       if (!message.sender.empty() && !nodes.contains(message.sender)) {
         nodes[message.sender] = unique_name(message.sender, taken);
@@ -89,7 +77,7 @@ struct Names {
     }
     std::set<std::string> message_names;
     std::set<std::string> ids;
-    for (const MessageLayout& message : bus.messages) {
+    for (const OwnedMessage& message : bus.messages) {
       const std::string id =
           std::to_string(message.extended ? message.id | kExtendedFlag : message.id);
       if (!ids.insert(id).second) {
@@ -103,7 +91,7 @@ struct Names {
       named.sender = message.sender.empty() ? std::string(kNobody) : nodes[message.sender];
       named.id = id;
       std::set<std::string> signal_names;
-      for (const SignalLayout& signal : message.fields) {
+      for (const OwnedSignal& signal : message.signals) {
         named.signals.push_back({&signal, unique_name(signal.name, signal_names)});
       }
       messages.push_back(std::move(named));
@@ -134,7 +122,7 @@ struct Physical {
   std::string unit;
 };
 
-Physical physical(const SignalLayout& signal, Units units) {
+Physical physical(const OwnedSignal& signal, Units units) {
   if (units == Units::si || signal.document_unit.empty()) {
     return {signal.scale, signal.offset, signal.lower, signal.upper, signal.unit};
   }
@@ -142,6 +130,75 @@ Physical physical(const SignalLayout& signal, Units units) {
   const double ends[] = {plain(signal.lower / size), plain(signal.upper / size)};
   return {plain(signal.scale / size), plain(signal.offset / size), std::min(ends[0], ends[1]),
           std::max(ends[0], ends[1]), signal.document_unit};
+}
+
+bool is_multiplexor(const OwnedMessage& message, const OwnedSignal& signal) {
+  const auto place = &signal - message.signals.data();
+  return std::ranges::any_of(message.signals, [place](const OwnedSignal& other) {
+    return other.multiplexor != can::kNoMultiplexor && other.multiplexor == place;
+  });
+}
+
+/// " M" of a multiplexor, " m3" of a signal that is there at its value 3, " m3M" of both.
+std::string multiplex_mark(const OwnedMessage& message, const OwnedSignal& signal) {
+  std::string mark;
+  if (signal.multiplexor != can::kNoMultiplexor && !signal.present_at.empty()) {
+    mark = " m" + std::to_string(signal.present_at.front().first);
+  }
+  if (is_multiplexor(message, signal)) {
+    mark += mark.empty() ? " M" : "M";
+  }
+  return mark;
+}
+
+/// The marks say all where one multiplexor has one value for each signal.
+bool needs_extended_multiplexing(const OwnedMessage& message) {
+  std::set<std::uint16_t> multiplexors;
+  for (const OwnedSignal& signal : message.signals) {
+    if (signal.multiplexor == can::kNoMultiplexor) {
+      continue;
+    }
+    multiplexors.insert(signal.multiplexor);
+    if (signal.present_at.size() != 1 || signal.present_at[0].first != signal.present_at[0].last) {
+      return true;
+    }
+  }
+  return multiplexors.size() > 1;
+}
+
+std::string multiplexing_text(const Names& names) {
+  std::string text;
+  for (const NamedMessage& message : names.messages) {
+    if (!needs_extended_multiplexing(*message.layout)) {
+      continue;
+    }
+    for (const auto& [signal, name] : message.signals) {
+      if (signal->multiplexor >= message.signals.size()) {
+        continue;
+      }
+      text += "SG_MUL_VAL_ " + message.id + ' ' + name + ' ' +
+              message.signals[signal->multiplexor].name;
+      for (const can::RawRange& range : signal->present_at) {
+        text += &range == signal->present_at.data() ? " " : ", ";
+        text += std::to_string(range.first) + '-' + std::to_string(range.last);
+      }
+      text += ";\n";
+    }
+  }
+  return text;
+}
+
+std::string float_text(const Names& names) {
+  std::string text;
+  for (const NamedMessage& message : names.messages) {
+    for (const auto& [signal, name] : message.signals) {
+      if (signal->is_float) {
+        text += "SIG_VALTYPE_ " + message.id + ' ' + name + " : " +
+                (signal->width == 32 ? '1' : '2') + ";\n";
+      }
+    }
+  }
+  return text;
 }
 
 std::string messages_text(const Names& names, Units units) {
@@ -152,11 +209,12 @@ std::string messages_text(const Names& names, Units units) {
     for (const auto& [signal, name] : message.signals) {
       const Physical of = physical(*signal, units);
       const bool little = signal->order == can::ByteOrder::little_endian;
-      text += " SG_ " + name + " : " + std::to_string(start_bit(*signal)) + '|' +
-              std::to_string(signal->width) + (little ? "@1" : "@0") +
-              (signal->is_signed ? '-' : '+') + " (" + number_text(of.scale) + ',' +
-              number_text(of.offset) + ") [" + number_text(of.lower) + '|' + number_text(of.upper) +
-              "] " + quoted(of.unit) + ' ' + std::string(kNobody) + '\n';
+      text += " SG_ " + name + multiplex_mark(*message.layout, *signal) + " : " +
+              std::to_string(signal->bit) + '|' + std::to_string(signal->width) +
+              (little ? "@1" : "@0") + (signal->is_signed ? '-' : '+') + " (" +
+              number_text(of.scale) + ',' + number_text(of.offset) + ") [" + number_text(of.lower) +
+              '|' + number_text(of.upper) + "] " + quoted(of.unit) + ' ' + std::string(kNobody) +
+              '\n';
     }
     text += '\n';
   }
@@ -195,21 +253,21 @@ constexpr std::string_view kAttributes =
     "BA_DEF_DEF_ \"SPN\" 0;\n";
 
 std::string attributes_text(const Bus& bus, const Names& names) {
-  const bool j1939 = std::ranges::any_of(bus.messages, &MessageLayout::j1939);
+  const bool j1939 = std::ranges::any_of(bus.messages, &OwnedMessage::j1939);
   std::string text(kAttributes);
   text += "BA_ \"BusType\" \"CAN\";\n";
   text += std::string("BA_ \"ProtocolType\" \"") + (j1939 ? "J1939" : "") + "\";\n";
   text += "BA_ \"Baudrate\" " + std::to_string(bus.bit_rate_bps) + ";\n";
   std::set<std::string> addressed;
   for (const NamedMessage& message : names.messages) {
-    const MessageLayout& layout = *message.layout;
+    const OwnedMessage& layout = *message.layout;
     if (layout.j1939 && !layout.sender.empty() && addressed.insert(message.sender).second) {
       text += "BA_ \"NmStationAddress\" BU_ " + message.sender + ' ' +
               std::to_string(layout.id & 0xFFU) + ";\n";
     }
   }
   for (const NamedMessage& message : names.messages) {
-    const MessageLayout& layout = *message.layout;
+    const OwnedMessage& layout = *message.layout;
     const int format = layout.j1939 ? 3 : layout.extended ? 1 : 0;
     text += "BA_ \"VFrameFormat\" BO_ " + message.id + ' ' + std::to_string(format) + ";\n";
     if (layout.period_ms != 0) {
@@ -234,7 +292,7 @@ std::string values_text(const Names& names) {
         continue;
       }
       text += "VAL_ " + message.id + ' ' + name;
-      for (const can::NamedValue& value : signal->values) {
+      for (const can::OwnedNamedValue& value : signal->values) {
         text += ' ' + std::to_string(value.raw) + ' ' + quoted(value.text);
       }
       text += " ;\n";
@@ -253,7 +311,8 @@ std::string write(const Bus& bus, Units units) {
   }
   text += "\n\n\n" + messages_text(names, units) + '\n';
   text += "CM_ " + quoted("Bus " + std::string(bus.name) + ", written by Rigwire") + ";\n";
-  text += comments_text(names) + attributes_text(bus, names) + values_text(names);
+  text += comments_text(names) + attributes_text(bus, names) + values_text(names) +
+          float_text(names) + multiplexing_text(names);
   return text;
 }
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-#include "protocols/can/message_layout.h"
+#include "protocols/can/message.h"
 
 namespace rigwire::protocols::dbc {
 
@@ -27,13 +27,13 @@ enum class Units : std::uint8_t {
 struct Bus {
   std::string_view name;
   std::uint32_t bit_rate_bps = 250'000;
-  std::span<const can::MessageLayout> messages;
+  std::span<const can::OwnedMessage> messages;
 };
 
 inline constexpr std::size_t kLongestName = 32;
 
-/// The whole file; lines end with a line feed. Preconditions: every signal lies within its message
-/// and is 1 .. 64 bits wide, with a scale other than 0.
+/// The whole file; lines end with a line feed. Precondition: no message has a defect
+/// (can::defect).
 [[nodiscard]] std::string write(const Bus& bus, Units units = Units::si);
 
 }  // namespace rigwire::protocols::dbc

@@ -34,33 +34,26 @@ std::string name_of(std::string_view group, unsigned valve) {
 }
 
 template <class Message>
-void append(std::vector<can::MessageLayout>& list, unsigned valve, std::uint8_t address,
+void append(std::vector<can::OwnedMessage>& list, unsigned valve, std::uint8_t address,
             const std::string& sender, const std::string& text) {
   const std::string name = name_of(Message::kGroup.name, valve);
   Group group = Message::kGroup;
   group.name = name;
-  can::MessageLayout layout = vehicle::layout<Message>({sender, address}, group);
-  layout.id += valve << 8U;
+  group.pgn += valve;
+  can::OwnedMessage layout = vehicle::layout<Message>({sender, address}, group);
   layout.text = "ISO 11783-7 " + text;
-  const auto rows = Message::parameters();
-  for (std::size_t i = 0; i < layout.fields.size(); ++i) {
-    can::SignalLayout& field = layout.fields[i];
-    if (field.name == "state") {
-      field.values = {{0, "neutral"}, {1, "extend"}, {2, "retract"},       {3, "float"},
-                      {10, "init"},   {14, "error"}, {15, "not available"}};
-    }
-    const unsigned number = parameter_number(rows[i].field.spn, valve);
-    field.text = number == 0 ? "ISO 11783-7" : "SPN " + std::to_string(number);
-    field.spn = number;
+  for (can::OwnedSignal& signal : layout.signals) {
+    signal.spn = parameter_number(signal.spn, valve);
+    signal.text = signal.spn == 0 ? "ISO 11783-7" : "SPN " + std::to_string(signal.spn);
   }
   list.push_back(std::move(layout));
 }
 
 }  // namespace
 
-std::vector<can::MessageLayout> message_layouts(unsigned first_valve, unsigned valves,
-                                                std::uint8_t address, const std::string& sender) {
-  std::vector<can::MessageLayout> list;
+std::vector<can::OwnedMessage> message_layouts(unsigned first_valve, unsigned valves,
+                                               std::uint8_t address, const std::string& sender) {
+  std::vector<can::OwnedMessage> list;
   const unsigned end = std::min(first_valve + valves, kAuxiliaryValves);
   for (unsigned valve = first_valve; valve < end; ++valve) {
     append<AuxiliaryValveEstimate>(list, valve, address, sender, "estimated flow");

@@ -13,7 +13,7 @@
 #include <optional>
 #include <vector>
 
-#include "protocols/can/message_layout.h"
+#include "protocols/can/message.h"
 #include "protocols/vehicle/message.h"
 
 namespace rigwire::protocols::iso11783 {
@@ -34,6 +34,15 @@ enum class ValveState : std::uint8_t {
   error = 14,
   not_available = 15,
 };
+
+/// Names of ValveState as messages have it.
+inline constexpr std::array<can::NamedValue, 7> kValveStates{{{0, "neutral"},
+                                                              {1, "extend"},
+                                                              {2, "retract"},
+                                                              {3, "float"},
+                                                              {10, "init"},
+                                                              {14, "error"},
+                                                              {15, "not available"}}};
 
 /// What a valve does without commands.
 enum class FailSafeMode : std::uint8_t {
@@ -93,7 +102,7 @@ struct AuxiliaryValveCommand : ValveCommandMembers {
     return std::array<vehicle::Parameter<M>, 5>{
         vehicle::number<M>("port flow", 1907, {1}, 8, kPortFlow, &M::flow_share),
         vehicle::code<M>("resolution mode", 7872, {2, 1}, 2, &M::resolution),
-        vehicle::code<M>("state", 1908, {3, 1}, 4, &M::state),
+        vehicle::code<M>("state", 1908, {3, 1}, 4, &M::state, kValveStates),
         vehicle::code<M>("fail-safe mode", 1909, {3, 7}, 2, &M::fail_safe),
         vehicle::number<M>("port flow, extended", 7856, {4}, 16, kExtendedFlow,
                            &M::extended_flow_share),
@@ -109,7 +118,7 @@ struct GeneralPurposeValveCommand : ValveCommandMembers {
     using M = GeneralPurposeValveCommand;
     return std::array<vehicle::Parameter<M>, 4>{
         vehicle::number<M>("port flow", 0, {1}, 8, kPortFlow, &M::flow_share),
-        vehicle::code<M>("state", 0, {3, 1}, 4, &M::state),
+        vehicle::code<M>("state", 0, {3, 1}, 4, &M::state, kValveStates),
         vehicle::code<M>("fail-safe mode", 0, {3, 7}, 2, &M::fail_safe),
         vehicle::number<M>("port flow, extended", 0, {4}, 16, kExtendedFlow,
                            &M::extended_flow_share),
@@ -129,10 +138,10 @@ struct ValveEstimateMembers {
 
 template <class M>
 [[nodiscard]] constexpr std::array<vehicle::Parameter<M>, 6> estimate_rows(
-    std::uint16_t limit_spn) {
+    std::uint32_t limit_spn) {
   return {vehicle::number<M>("extend port flow", 0, {1}, 8, kPortFlow, &M::extend_share),
           vehicle::number<M>("retract port flow", 0, {2}, 8, kPortFlow, &M::retract_share),
-          vehicle::code<M>("state", 0, {3, 1}, 4, &M::state),
+          vehicle::code<M>("state", 0, {3, 1}, 4, &M::state, kValveStates),
           vehicle::code<M>("fail-safe mode", 0, {3, 7}, 2, &M::fail_safe),
           vehicle::code<M>("limit status", limit_spn, {4, 6}, 3, &M::limit),
           vehicle::code<M>("exit/reason code", 0, {5, 1}, 6, &M::exit_reason)};
@@ -192,7 +201,7 @@ struct AuxiliaryValveMeasuredPosition {
     using M = AuxiliaryValveMeasuredPosition;
     return std::array{
         vehicle::number("spool position", 0, {1}, 16, kPositionShare, &M::position_share),
-        vehicle::code("state", 0, {3, 1}, 4, &M::state),
+        vehicle::code("state", 0, {3, 1}, 4, &M::state, kValveStates),
         vehicle::number("spool travel", 0, {4}, 16, kPosition, &M::position_m),
     };
   }
@@ -209,22 +218,21 @@ template <class Message>
 /// Valve `valve`'s message, 0 .. 15.
 template <class Message>
 [[nodiscard]] can::Frame encode(unsigned valve, const Message& message, std::uint8_t source) {
-  can::Frame frame = vehicle::encode(message, source);
-  frame.id += valve << 8U;  // the last byte of the parameter group
-  return frame;
+  Group group = Message::kGroup;
+  group.pgn += valve;
+  return vehicle::encode(message, source, j1939::kGlobalAddress, group);
 }
 
 /// Malformed unless the frame is a message of that kind and valve with eight bytes.
 template <class Message>
-[[nodiscard]] Decoded<Message> decode(unsigned valve, can::Frame frame) {
-  frame.id -= valve << 8U;
-  return vehicle::decode<Message>(frame);
+[[nodiscard]] Decoded<Message> decode(unsigned valve, const can::Frame& frame) {
+  return vehicle::decode<Message>(frame, Message::kGroup.pgn + valve);
 }
 
 /// The auxiliary valves' messages, for valves first_valve .. first_valve + valves - 1, as a device
 /// called `sender` with that address sends them (commands: sent to it by somebody, source FE).
-[[nodiscard]] std::vector<can::MessageLayout> message_layouts(unsigned first_valve, unsigned valves,
-                                                              std::uint8_t address,
-                                                              const std::string& sender);
+[[nodiscard]] std::vector<can::OwnedMessage> message_layouts(unsigned first_valve, unsigned valves,
+                                                             std::uint8_t address,
+                                                             const std::string& sender);
 
 }  // namespace rigwire::protocols::iso11783

@@ -17,17 +17,14 @@
 //
 // (The 335RI's fine acceleration is left out: firmware and description disagree on its group.)
 //
-// Signs and axes are those of the device's settings; axes.h holds them.
+// Signs and axes are those of the device's settings; axes.h holds them. Numbers are sent and read
+// as those of protocols/vehicle: NaN is not available, an infinity an error.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
-#include "protocols/can/frame.h"
-#include "protocols/can/message_layout.h"
-#include "protocols/j1939/field.h"
-#include "protocols/result.h"
+#include "protocols/vehicle/message.h"
 
 namespace rigwire::protocols::openimu {
 
@@ -44,135 +41,220 @@ inline constexpr std::uint8_t kAngularRatePriority = 3;
 inline constexpr std::uint8_t kAccelerationPriority = 2;
 inline constexpr std::uint8_t kMagneticFieldPriority = 6;
 
-/// How far a value can be trusted (SPN 3325 and its kin).
-enum class FigureOfMerit : std::uint8_t {
-  functional = 0,
-  degraded = 1,
-  error = 2,
-  not_available = 3
+/// How far a value can be trusted (SPN 3325 and its kin), 2 bits.
+struct FigureOfMerit {
+  static constexpr std::uint8_t kFunctional = 0;
+  static constexpr std::uint8_t kDegraded = 1;
+  static constexpr std::uint8_t kError = 2;
+  static constexpr std::uint8_t kNotAvailable = 3;
 };
+inline constexpr std::array<can::NamedValue, 4> kMeritValues{{
+    {FigureOfMerit::kFunctional, "functional"},
+    {FigureOfMerit::kDegraded, "degraded"},
+    {FigureOfMerit::kError, "error"},
+    {FigureOfMerit::kNotAvailable, "not available"},
+}};
 
-/// One measured value and its merit. When encoding, NaN becomes the error value with merit `error`,
-/// else "not available"; when decoding, everything that is no measurement becomes NaN.
-struct Measurement {
-  double value = 0.0;
-  FigureOfMerit merit = FigureOfMerit::functional;
-};
+// One count, and the value of raw 0.
+inline constexpr vehicle::Scale kSlopeAngle{1.0 / 32768.0, -250.0, "deg"};
+inline constexpr vehicle::Scale kRate{1.0 / 128.0, -250.0, "deg/s"};
+inline constexpr vehicle::Scale kForce{0.01, -320.0, "m/s2"};
+inline constexpr vehicle::Scale kMagnetic{0.00025, -8.0, "G"};
+inline constexpr vehicle::Scale kSlope1Angle{0.002, -64.0, "deg"};
+inline constexpr vehicle::Scale kSlope1Rate{0.002, -64.0, "deg/s"};
+inline constexpr vehicle::Scale kFineRate{1.0 / 1024.0, -250.0, "deg/s"};
+inline constexpr vehicle::Scale kLatency{0.5, 0.0, "ms"};
+// Where the firmware clamps, not where the scale ends.
+inline constexpr can::Range kSlopeRange_deg{-250.0, 250.0};
+inline constexpr can::Range kRateRange_dps{-250.0, 250.0};
+inline constexpr can::Range kForceRange_mps2{-320.0, 322.55};
+inline constexpr can::Range kSlope1Range_deg{-64.0, 64.0};  ///< And deg/s.
+inline constexpr can::Range kMagneticRange_gauss{-8.0, 8.0};
+
+/// A measurement within limits.
+template <class Message>
+[[nodiscard]] constexpr vehicle::Parameter<Message> measured(
+    std::string_view name, std::uint32_t spn, vehicle::Position position, std::uint8_t width,
+    const vehicle::Scale& scale, const can::Range& limits, double Message::*member) {
+  auto row = vehicle::number(name, spn, position, width, scale, member);
+  row.signal.lower = limits.lower;
+  row.signal.upper = limits.upper;
+  return row;
+}
+template <class Message>
+[[nodiscard]] constexpr vehicle::Parameter<Message> merit(std::string_view name,
+                                                          vehicle::Position position,
+                                                          std::uint8_t Message::*member) {
+  return vehicle::code(name, 0, position, 2, member, kMeritValues);
+}
 
 struct Slope {
-  Measurement pitch_deg;
-  Measurement roll_deg;
+  static constexpr vehicle::Group kGroup{"slope sensor 2", kSlopePgn, kSlopePriority, {}, 0};
+
+  double pitch_deg = 0.0;
+  double roll_deg = 0.0;
+  std::uint8_t pitch_merit = FigureOfMerit::kFunctional;
+  std::uint8_t roll_merit = FigureOfMerit::kFunctional;
   std::uint8_t pitch_compensation = 0;  ///< 2 bits: 0 off, 1 on, 3 not available.
   std::uint8_t roll_compensation = 0;
   double latency_ms = 0.0;  ///< From the measurement to the message, 0.5 ms per count.
+
+  static constexpr auto parameters() {
+    using M = Slope;
+    return std::array{
+        measured("pitch", 3318, {1}, 24, kSlopeAngle, kSlopeRange_deg, &M::pitch_deg),
+        measured("roll", 3319, {4}, 24, kSlopeAngle, kSlopeRange_deg, &M::roll_deg),
+        vehicle::code("pitch compensation", 0, {7, 1}, 2, &M::pitch_compensation),
+        vehicle::code("roll compensation", 0, {7, 5}, 2, &M::roll_compensation),
+        merit("pitch figure of merit", {7, 3}, &M::pitch_merit),
+        merit("roll figure of merit", {7, 7}, &M::roll_merit),
+        vehicle::number("latency", 0, {8}, 8, kLatency, &M::latency_ms),
+    };
+  }
 };
+static_assert(vehicle::is_well_formed<Slope>());
 
 struct AngularRate {
-  Measurement pitch_dps;
-  Measurement roll_dps;
-  Measurement yaw_dps;
+  static constexpr vehicle::Group kGroup{
+      "angular rate", kAngularRatePgn, kAngularRatePriority, {}, 0};
+
+  double pitch_dps = 0.0;
+  double roll_dps = 0.0;
+  double yaw_dps = 0.0;
+  std::uint8_t pitch_merit = FigureOfMerit::kFunctional;
+  std::uint8_t roll_merit = FigureOfMerit::kFunctional;
+  std::uint8_t yaw_merit = FigureOfMerit::kFunctional;
   double latency_ms = 0.0;
+
+  static constexpr auto parameters() {
+    using M = AngularRate;
+    return std::array{
+        measured("pitch rate", 3322, {1}, 16, kRate, kRateRange_dps, &M::pitch_dps),
+        measured("roll rate", 3323, {3}, 16, kRate, kRateRange_dps, &M::roll_dps),
+        measured("yaw rate", 3324, {5}, 16, kRate, kRateRange_dps, &M::yaw_dps),
+        merit("merit 1", {7, 1}, &M::pitch_merit),
+        merit("merit 2", {7, 3}, &M::roll_merit),
+        merit("merit 3", {7, 5}, &M::yaw_merit),
+        vehicle::number("latency", 0, {8}, 8, kLatency, &M::latency_ms),
+    };
+  }
 };
+static_assert(vehicle::is_well_formed<AngularRate>());
 
 struct Acceleration {
-  Measurement lateral_mps2;
-  Measurement longitudinal_mps2;
-  Measurement vertical_mps2;
-  double latency_ms = 0.0;  ///< The 300RI always sends 0 here.
+  static constexpr vehicle::Group kGroup{
+      "acceleration", kAccelerationPgn, kAccelerationPriority, {}, 0};
+
+  double lateral_mps2 = 0.0;
+  double longitudinal_mps2 = 0.0;
+  double vertical_mps2 = 0.0;
+  std::uint8_t lateral_merit = FigureOfMerit::kFunctional;
+  std::uint8_t longitudinal_merit = FigureOfMerit::kFunctional;
+  std::uint8_t vertical_merit = FigureOfMerit::kFunctional;
+  std::uint8_t variable_repetition_rate = 2;  ///< As both firmwares send it.
+  double latency_ms = 0.0;                    ///< The 300RI always sends 0 here.
+
+  static constexpr auto parameters() {
+    using M = Acceleration;
+    return std::array{
+        measured("lateral acceleration", 1809, {1}, 16, kForce, kForceRange_mps2, &M::lateral_mps2),
+        measured("longitudinal acceleration", 1810, {3}, 16, kForce, kForceRange_mps2,
+                 &M::longitudinal_mps2),
+        measured("vertical acceleration", 1811, {5}, 16, kForce, kForceRange_mps2,
+                 &M::vertical_mps2),
+        merit("merit 1", {7, 1}, &M::lateral_merit),
+        merit("merit 2", {7, 3}, &M::longitudinal_merit),
+        merit("merit 3", {7, 5}, &M::vertical_merit),
+        vehicle::code("support variable repetition rate", 0, {7, 7}, 2,
+                      &M::variable_repetition_rate),
+        vehicle::number("latency", 0, {8}, 8, kLatency, &M::latency_ms),
+    };
+  }
 };
+static_assert(vehicle::is_well_formed<Acceleration>());
 
 struct MagneticField {
-  double x_gauss = 0.0;  ///< NaN is "not available".
+  static constexpr vehicle::Group kGroup{
+      "magnetic field", kMagneticFieldPgn, kMagneticFieldPriority, {}, 0};
+
+  double x_gauss = 0.0;
   double y_gauss = 0.0;
   double z_gauss = 0.0;
+
+  static constexpr auto parameters() {
+    using M = MagneticField;
+    return std::array{
+        measured("magnetic field x", 0, {1}, 16, kMagnetic, kMagneticRange_gauss, &M::x_gauss),
+        measured("magnetic field y", 0, {3}, 16, kMagnetic, kMagneticRange_gauss, &M::y_gauss),
+        measured("magnetic field z", 0, {5}, 16, kMagnetic, kMagneticRange_gauss, &M::z_gauss),
+    };
+  }
 };
+static_assert(vehicle::is_well_formed<MagneticField>());
 
 struct Slope1 {
-  Measurement pitch_deg;
-  Measurement roll_deg;
-  Measurement pitch_rate_dps;
+  static constexpr vehicle::Group kGroup{"slope sensor 1", kSlope1Pgn, kSlopePriority, {}, 0};
+
+  double pitch_deg = 0.0;
+  double roll_deg = 0.0;
+  double pitch_rate_dps = 0.0;
+  std::uint8_t pitch_merit = FigureOfMerit::kFunctional;
+  std::uint8_t roll_merit = FigureOfMerit::kFunctional;
+  std::uint8_t pitch_rate_merit = FigureOfMerit::kFunctional;
   std::uint8_t compensation = 0;  ///< 2 bits, of both angles.
   double latency_ms = 0.0;
+
+  static constexpr auto parameters() {
+    using M = Slope1;
+    return std::array{
+        measured("pitch", 0, {1}, 16, kSlope1Angle, kSlope1Range_deg, &M::pitch_deg),
+        measured("roll", 0, {3}, 16, kSlope1Angle, kSlope1Range_deg, &M::roll_deg),
+        measured("pitch rate", 0, {5}, 16, kSlope1Rate, kSlope1Range_deg, &M::pitch_rate_dps),
+        merit("merit 1", {7, 1}, &M::pitch_merit),
+        merit("merit 2", {7, 3}, &M::roll_merit),
+        merit("merit 3", {7, 5}, &M::pitch_rate_merit),
+        vehicle::code("compensation", 0, {7, 7}, 2, &M::compensation),
+        vehicle::number("latency", 0, {8}, 8, kLatency, &M::latency_ms),
+    };
+  }
 };
+static_assert(vehicle::is_well_formed<Slope1>());
 
 struct FineRate {
-  Measurement pitch_dps;
-  Measurement roll_dps;
-  Measurement yaw_dps;
+  static constexpr vehicle::Group kGroup{
+      "fine angular rate", kFineRatePgn, kAngularRatePriority, {}, 0};
+
+  double pitch_dps = 0.0;
+  double roll_dps = 0.0;
+  double yaw_dps = 0.0;
+  std::uint8_t pitch_merit = FigureOfMerit::kFunctional;
+  std::uint8_t roll_merit = FigureOfMerit::kFunctional;
+  std::uint8_t yaw_merit = FigureOfMerit::kFunctional;
+
+  static constexpr auto parameters() {
+    using M = FineRate;
+    return std::array{
+        measured("pitch rate", 0, {1}, 19, kFineRate, kRateRange_dps, &M::pitch_dps),
+        measured("roll rate", 0, {3, 4}, 19, kFineRate, kRateRange_dps, &M::roll_dps),
+        measured("yaw rate", 0, {5, 7}, 19, kFineRate, kRateRange_dps, &M::yaw_dps),
+        merit("merit 1", {8, 2}, &M::pitch_merit),
+        merit("merit 2", {8, 4}, &M::roll_merit),
+        merit("merit 3", {8, 6}, &M::yaw_merit),
+    };
+  }
 };
+static_assert(vehicle::is_well_formed<FineRate>());
 
-/// The field tables, shared by encoder and decoder.
-inline constexpr double kSlopeScale_deg = 1.0 / 32768.0;
-inline constexpr double kRateScale_dps = 1.0 / 128.0;
-inline constexpr double kAccelerationScale_mps2 = 0.01;
-inline constexpr double kSlopeLimit_deg = 250.0;
-inline constexpr double kRateLimit_dps = 250.0;  ///< The firmware clamps here, not at 251.99.
-inline constexpr double kAccelerationLower_mps2 = -320.0;
-inline constexpr double kAccelerationUpper_mps2 = 322.55;
-
-inline constexpr std::array<j1939::Field, 2> kSlopeFields{{
-    {"pitch", 3318, 0, 24, kSlopeScale_deg, -250.0, -kSlopeLimit_deg, kSlopeLimit_deg, "deg"},
-    {"roll", 3319, 24, 24, kSlopeScale_deg, -250.0, -kSlopeLimit_deg, kSlopeLimit_deg, "deg"},
-}};
-inline constexpr std::array<j1939::Field, 3> kRateFields{{
-    {"pitch rate", 3322, 0, 16, kRateScale_dps, -250.0, -kRateLimit_dps, kRateLimit_dps, "deg/s"},
-    {"roll rate", 3323, 16, 16, kRateScale_dps, -250.0, -kRateLimit_dps, kRateLimit_dps, "deg/s"},
-    {"yaw rate", 3324, 32, 16, kRateScale_dps, -250.0, -kRateLimit_dps, kRateLimit_dps, "deg/s"},
-}};
-inline constexpr std::array<j1939::Field, 3> kAccelerationFields{{
-    {"lateral acceleration", 1809, 0, 16, kAccelerationScale_mps2, -320.0, kAccelerationLower_mps2,
-     kAccelerationUpper_mps2, "m/s2"},
-    {"longitudinal acceleration", 1810, 16, 16, kAccelerationScale_mps2, -320.0,
-     kAccelerationLower_mps2, kAccelerationUpper_mps2, "m/s2"},
-    {"vertical acceleration", 1811, 32, 16, kAccelerationScale_mps2, -320.0,
-     kAccelerationLower_mps2, kAccelerationUpper_mps2, "m/s2"},
-}};
-inline constexpr double kMagneticScale_gauss = 0.00025;
-inline constexpr std::array<j1939::Field, 3> kMagneticFields{{
-    {"magnetic field x", 0, 0, 16, kMagneticScale_gauss, -8.0, -8.0, 8.0, "G"},
-    {"magnetic field y", 0, 16, 16, kMagneticScale_gauss, -8.0, -8.0, 8.0, "G"},
-    {"magnetic field z", 0, 32, 16, kMagneticScale_gauss, -8.0, -8.0, 8.0, "G"},
-}};
-inline constexpr double kSlope1Scale_deg = 0.002;
-inline constexpr double kSlope1Limit_deg = 64.0;  ///< And deg/s. The firmware clamps here.
-inline constexpr std::array<j1939::Field, 3> kSlope1Fields{{
-    {"pitch", 0, 0, 16, kSlope1Scale_deg, -64.0, -kSlope1Limit_deg, kSlope1Limit_deg, "deg"},
-    {"roll", 0, 16, 16, kSlope1Scale_deg, -64.0, -kSlope1Limit_deg, kSlope1Limit_deg, "deg"},
-    {"pitch rate", 0, 32, 16, kSlope1Scale_deg, -64.0, -kSlope1Limit_deg, kSlope1Limit_deg,
-     "deg/s"},
-}};
-inline constexpr double kFineRateScale_dps = 1.0 / 1024.0;
-inline constexpr std::array<j1939::Field, 3> kFineRateFields{{
-    {"pitch rate", 0, 0, 19, kFineRateScale_dps, -250.0, -kRateLimit_dps, kRateLimit_dps, "deg/s"},
-    {"roll rate", 0, 19, 19, kFineRateScale_dps, -250.0, -kRateLimit_dps, kRateLimit_dps, "deg/s"},
-    {"yaw rate", 0, 38, 19, kFineRateScale_dps, -250.0, -kRateLimit_dps, kRateLimit_dps, "deg/s"},
-}};
-inline constexpr j1939::Field kLatencyField{"latency", 0, 56, 8, 0.5, 0.0, 0.0, 125.0, "ms"};
-
-/// `priority` as set in the device (335RI).
-[[nodiscard]] can::Frame encode(const Slope& slope, std::uint8_t source,
-                                std::uint8_t priority = kSlopePriority);
-[[nodiscard]] can::Frame encode(const AngularRate& rate, std::uint8_t source,
-                                std::uint8_t priority = kAngularRatePriority);
-[[nodiscard]] can::Frame encode(const Acceleration& acceleration, std::uint8_t source,
-                                std::uint8_t priority = kAccelerationPriority);
-[[nodiscard]] can::Frame encode(const MagneticField& field, std::uint8_t source);
-[[nodiscard]] can::Frame encode(const Slope1& slope, std::uint8_t source,
-                                std::uint8_t priority = kSlopePriority);
-[[nodiscard]] can::Frame encode(const FineRate& rate, std::uint8_t source,
-                                std::uint8_t priority = kAngularRatePriority,
-                                std::uint32_t pgn = kFineRatePgn);
-
-/// Malformed unless the frame is a 29-bit data frame of that group with eight bytes.
-[[nodiscard]] Decoded<Slope> decode_slope(const can::Frame& frame);
-[[nodiscard]] Decoded<AngularRate> decode_angular_rate(const can::Frame& frame);
-[[nodiscard]] Decoded<Acceleration> decode_acceleration(const can::Frame& frame);
-[[nodiscard]] Decoded<MagneticField> decode_magnetic_field(const can::Frame& frame);
-[[nodiscard]] Decoded<Slope1> decode_slope1(const can::Frame& frame);
-[[nodiscard]] Decoded<FineRate> decode_fine_rate(const can::Frame& frame,
-                                                 std::uint32_t pgn = kFineRatePgn);
-
-/// All of the above as layouts, as a device with that source address sends them.
-[[nodiscard]] std::vector<can::MessageLayout> layouts(std::uint8_t source);
+/// `priority` as set in the device, `pgn` where its group has been moved (335RI).
+template <class Message>
+[[nodiscard]] can::Frame encode(const Message& message, std::uint8_t source,
+                                std::uint8_t priority = Message::kGroup.priority,
+                                std::uint32_t pgn = Message::kGroup.pgn) {
+  vehicle::Group group = Message::kGroup;
+  group.priority = priority;
+  group.pgn = pgn;
+  return vehicle::encode(message, source, j1939::kGlobalAddress, group);
+}
+using vehicle::decode;
 
 }  // namespace rigwire::protocols::openimu

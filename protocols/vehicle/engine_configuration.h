@@ -35,7 +35,7 @@ struct EngineConfiguration {
   friend bool operator==(const EngineConfiguration&, const EngineConfiguration&) = default;
 };
 
-/// Clamped to the fields; NaN is not available.
+/// Clamped to the signals; NaN is not available, an infinity an error.
 [[nodiscard]] std::array<std::uint8_t, kEngineConfigurationBytes> encode_engine_configuration(
     const EngineConfiguration& configuration);
 [[nodiscard]] Decoded<EngineConfiguration> decode_engine_configuration(

@@ -51,7 +51,7 @@ struct BasicJoystick {
   static constexpr auto parameters() {
     using M = BasicJoystick;
     // The second stick's numbers are not in the extract at hand.
-    constexpr auto spn = [](std::uint16_t first) { return Stick == 1 ? first : std::uint16_t{0}; };
+    constexpr auto spn = [](std::uint32_t first) { return Stick == 1 ? first : 0U; };
     return std::array{
         state("x neutral", spn(2675), {1, 1}, &M::x_neutral),
         state("x negative", spn(2670), {1, 3}, &M::x_negative),
@@ -111,7 +111,7 @@ struct ExtendedJoystick {
 
   static constexpr auto parameters() {
     using M = ExtendedJoystick;
-    constexpr auto spn = [](std::uint16_t first) { return Stick == 1 ? first : std::uint16_t{0}; };
+    constexpr auto spn = [](std::uint32_t first) { return Stick == 1 ? first : 0U; };
     return std::array{
         state("grip x neutral", spn(2677), {1, 1}, &M::x_neutral),
         state("grip x negative", spn(2672), {1, 3}, &M::x_negative),

@@ -3,7 +3,7 @@
 //
 // A message is a structure of plain members with
 //   static constexpr Group kGroup        its number, priority and period;
-//   static constexpr auto parameters()   its rows, which tie a Field to a member.
+//   static constexpr auto parameters()   its rows, which tie a signal to a member.
 // Members are in SI units, angles and curvatures left positive; the rows hold scale and sign of the
 // wire. Every message of this folder is one frame of exactly eight bytes; bits without a row are
 // sent as ones. docs/devices/vehicle-gateway.md lists the bytes and the sources.
@@ -23,7 +23,7 @@
 #include <string_view>
 
 #include "protocols/can/frame.h"
-#include "protocols/j1939/field.h"
+#include "protocols/can/signal.h"
 #include "protocols/j1939/identifier.h"
 #include "protocols/result.h"
 
@@ -61,6 +61,7 @@ struct Group {
   std::uint32_t pgn = 0;
   std::uint8_t priority = 6;            ///< By default; receivers ignore it.
   std::chrono::milliseconds period{0};  ///< 0: on request or on change.
+  std::uint8_t fill = 0xFF;             ///< What bits hold that have no row.
 };
 
 /// A unit that SAE J1939 gives a parameter in, and its size in the SI unit.
@@ -69,15 +70,13 @@ struct SaeUnit {
   double size = 1.0;
 };
 
-/// One row: a field and the member that holds its value. Exactly one of the pointers is set.
+/// One row: a signal and the member that holds its value. Exactly one of the pointers is set.
 template <class Message>
 struct Parameter {
-  j1939::Field field;
+  can::Signal signal;
   double Message::*number = nullptr;      ///< A measurement; see kNotAvailable, kError.
   Switch Message::*state = nullptr;       ///< Two bits.
   std::uint8_t Message::*code = nullptr;  ///< 1 .. 8 bits as they are; all ones: not available.
-  double sign = 1.0;                      ///< -1: positive on the wire is negative here.
-  SaeUnit sae{};                          ///< Of a number, where it is not the field's unit.
 };
 
 /// Where a parameter begins: byte and bit, both counted from 1 as in the standard.
@@ -85,8 +84,8 @@ struct Position {
   unsigned byte = 1;
   unsigned bit = 1;
 
-  [[nodiscard]] constexpr std::uint8_t lowest() const {
-    return static_cast<std::uint8_t>(8 * (byte - 1) + bit - 1);
+  [[nodiscard]] constexpr std::uint16_t lowest() const {
+    return static_cast<std::uint16_t>(8 * (byte - 1) + bit - 1);
   }
 };
 
@@ -109,95 +108,150 @@ struct Scale {
 };
 
 /// A measurement over the whole valid range of its width.
+[[nodiscard]] constexpr can::Signal number_signal(std::string_view name, std::uint32_t spn,
+                                                  Position position, std::uint8_t width,
+                                                  const Scale& scale) {
+  can::Signal signal;
+  signal.bit = position.lowest();
+  signal.width = width;
+  signal.reserved = can::Reserved::j1939;
+  signal.scale = scale.count;
+  signal.offset = scale.offset;
+  signal.name = name;
+  signal.unit = scale.unit;
+  signal.spn = spn;
+  signal.document_unit = !scale.sae.unit.empty() ? scale.sae.unit
+                         : scale.unit != "1"     ? scale.unit
+                                                 : std::string_view();
+  signal.document_size = scale.sae.size;
+  return can::unlimited(signal);
+}
+/// A raw value, with names for some.
+[[nodiscard]] constexpr can::Signal code_signal(std::string_view name, std::uint32_t spn,
+                                                Position position, std::uint8_t width,
+                                                std::span<const can::NamedValue> values) {
+  can::Signal signal;
+  signal.bit = position.lowest();
+  signal.width = width;
+  signal.upper = static_cast<double>(can::greatest_raw(width));
+  signal.name = name;
+  signal.spn = spn;
+  signal.values = values;
+  return signal;
+}
+
+inline constexpr std::array<can::NamedValue, 4> kSwitchValues{
+    {{0, "off"}, {1, "on"}, {2, "error"}, {3, "not available"}}};
+/// All ones, by width.
+inline constexpr auto kCodeValues = [] {
+  std::array<can::NamedValue, 9> values{};
+  for (unsigned width = 0; width < values.size(); ++width) {
+    values[width] = {code_not_available(width), "not available"};
+  }
+  return values;
+}();
+
 template <class Message>
-[[nodiscard]] constexpr Parameter<Message> number(std::string_view name, std::uint16_t spn,
+[[nodiscard]] constexpr Parameter<Message> number(std::string_view name, std::uint32_t spn,
                                                   Position position, std::uint8_t width,
                                                   const Scale& scale, double Message::*member) {
-  const double upper = scale.offset + j1939::greatest_valid(width) * scale.count;
-  return {{name, spn, position.lowest(), width, scale.count, scale.offset, scale.offset, upper,
-           scale.unit},
-          member,
-          nullptr,
-          nullptr,
-          1.0,
-          scale.sae};
+  return {number_signal(name, spn, position, width, scale), member};
 }
 /// The same with the opposite sign on the wire.
 template <class Message>
 [[nodiscard]] constexpr Parameter<Message> mirrored(Parameter<Message> parameter) {
-  parameter.sign = -1.0;
+  can::Signal& signal = parameter.signal;
+  signal.scale = -signal.scale;
+  signal.offset = -signal.offset;
+  const double lower = -signal.upper;
+  signal.upper = -signal.lower;
+  signal.lower = lower;
+  signal.document_size = -signal.document_size;
   return parameter;
 }
 template <class Message>
-[[nodiscard]] constexpr Parameter<Message> state(std::string_view name, std::uint16_t spn,
+[[nodiscard]] constexpr Parameter<Message> state(std::string_view name, std::uint32_t spn,
                                                  Position position, Switch Message::*member) {
-  return {{name, spn, position.lowest(), 2, 1.0, 0.0, 0.0, 1.0, ""}, nullptr, member};
+  return {code_signal(name, spn, position, 2, kSwitchValues), nullptr, member};
 }
+/// `values` where more than "not available" has a name.
 template <class Message>
-[[nodiscard]] constexpr Parameter<Message> code(std::string_view name, std::uint16_t spn,
+[[nodiscard]] constexpr Parameter<Message> code(std::string_view name, std::uint32_t spn,
                                                 Position position, std::uint8_t width,
-                                                std::uint8_t Message::*member) {
-  const double greatest = code_not_available(width);
-  return {
-      {name, spn, position.lowest(), width, 1.0, 0.0, 0.0, greatest, ""}, nullptr, nullptr, member};
+                                                std::uint8_t Message::*member,
+                                                std::span<const can::NamedValue> values = {}) {
+  return {code_signal(name, spn, position, width,
+                      values.empty() ? std::span(&kCodeValues[width], 1) : values),
+          nullptr, nullptr, member};
+}
+
+/// The row of a number.
+template <class Message>
+[[nodiscard]] constexpr can::Signal signal_of(double Message::*number) {
+  for (const Parameter<Message>& row : Message::parameters()) {
+    if (row.number == number) {
+      return row.signal;
+    }
+  }
+  return {};
 }
 
 /// Whether every row lies within the message, is of a width that its kind can have, and shares no
 /// bit with another row.
 template <class Message>
 [[nodiscard]] constexpr bool is_well_formed() {
-  std::uint64_t taken = 0;
+  std::array<std::uint8_t, kMessageBytes> taken{};
   for (const Parameter<Message>& row : Message::parameters()) {
-    const j1939::Field& field = row.field;
-    const unsigned end = static_cast<unsigned>(field.bit) + field.width;
-    const bool width_ok = row.code != nullptr ? field.width >= 1 && field.width <= 8
-                                              : j1939::is_well_formed(field, kMessageBytes);
     const int members = (row.number != nullptr) + (row.state != nullptr) + (row.code != nullptr);
-    if (!width_ok || end > 8 * kMessageBytes || members != 1) {
+    if (members != 1 || (row.number == nullptr && row.signal.width > 8) ||
+        !can::defect(row.signal, kMessageBytes).empty()) {
       return false;
     }
-    const std::uint64_t bits = ((std::uint64_t{1} << field.width) - 1U) << field.bit;
-    if ((taken & bits) != 0) {
-      return false;
+    for (std::size_t byte = 0; byte < kMessageBytes; ++byte) {
+      const std::uint8_t bits = can::bits_in(row.signal, byte);
+      if ((taken[byte] & bits) != 0) {
+        return false;
+      }
+      taken[byte] |= bits;
     }
-    taken |= bits;
   }
   return true;
 }
 
 // The parts of encoder and decoder that no message changes.
-void put_number(const j1939::Field& field, Payload& payload, double value);
-[[nodiscard]] double get_number(const j1939::Field& field, std::span<const std::uint8_t> payload);
 /// Why the frame is not a message of this group; nothing when it is.
 [[nodiscard]] std::optional<Malformed> refuse(const can::Frame& frame, std::uint32_t pgn);
 [[nodiscard]] can::Frame finish(const Group& group, std::uint8_t source, std::uint8_t destination,
                                 const Payload& payload);
 
-/// The frame of a message. Numbers beyond the range of their field are clamped to it, NaN is sent
-/// as not available and an infinite number as error. `destination` counts where the group has one.
+/// The frame of a message. Numbers beyond the range of their signal are clamped to it, NaN is sent
+/// as not available and an infinite number as error. `destination` counts where the group has one;
+/// `group` where its number or priority is another than that of Message::kGroup.
 template <class Message>
 [[nodiscard]] can::Frame encode(const Message& message, std::uint8_t source,
-                                std::uint8_t destination = j1939::kGlobalAddress) {
+                                std::uint8_t destination = j1939::kGlobalAddress,
+                                const Group& group = Message::kGroup) {
   static constexpr auto kRows = Message::parameters();
   Payload payload;
-  payload.fill(0xFF);
+  payload.fill(group.fill);
   for (const Parameter<Message>& row : kRows) {
     if (row.number != nullptr) {
-      put_number(row.field, payload, row.sign * message.*row.number);
+      can::put(row.signal, payload, message.*row.number);
     } else if (row.state != nullptr) {
-      j1939::put_raw(row.field, payload, static_cast<std::uint32_t>(message.*row.state));
+      can::put_raw(row.signal, payload, static_cast<std::uint64_t>(message.*row.state));
     } else {
-      j1939::put_raw(row.field, payload, message.*row.code);
+      can::put_raw(row.signal, payload, message.*row.code);
     }
   }
-  return finish(Message::kGroup, source, destination, payload);
+  return finish(group, source, destination, payload);
 }
 
-/// Malformed unless the frame is a 29-bit data frame of that group with eight bytes. Who sent it
-/// and to whom: j1939::identify.
+/// Malformed unless the frame is a 29-bit data frame of that group with eight bytes. Numbers that
+/// are none: kError, kNotAvailable. Who sent it and to whom: j1939::identify.
 template <class Message>
-[[nodiscard]] Decoded<Message> decode(const can::Frame& frame) {
-  if (const auto refusal = refuse(frame, Message::kGroup.pgn)) {
+[[nodiscard]] Decoded<Message> decode(const can::Frame& frame,
+                                      std::uint32_t pgn = Message::kGroup.pgn) {
+  if (const auto refusal = refuse(frame, pgn)) {
     return *refusal;
   }
   static constexpr auto kRows = Message::parameters();
@@ -209,12 +263,11 @@ template <class Message>
   Message message;
   for (const Parameter<Message>& row : kRows) {
     if (kNumbers && row.number != nullptr) {
-      const double value = get_number(row.field, payload);
-      message.*row.number = value == kError ? kError : row.sign * value;
+      message.*row.number = can::get(row.signal, payload).number();
     } else if (row.state != nullptr) {
-      message.*row.state = static_cast<Switch>(j1939::get_raw(row.field, payload));
+      message.*row.state = static_cast<Switch>(can::get_raw(row.signal, payload));
     } else {
-      message.*row.code = static_cast<std::uint8_t>(j1939::get_raw(row.field, payload));
+      message.*row.code = static_cast<std::uint8_t>(can::get_raw(row.signal, payload));
     }
   }
   return {message, kMessageBytes};

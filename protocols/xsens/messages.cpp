@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <string>
+#include <utility>
 
 namespace rigwire::protocols::xsens {
 namespace {
+
+using can::Signal;
 
 constexpr double power_of_two(int exponent) {
   double value = 1.0;
@@ -16,22 +18,31 @@ constexpr double power_of_two(int exponent) {
   return value;
 }
 
-constexpr Field number(std::string_view name, std::uint8_t byte, std::uint8_t bytes,
-                       double scale = 1.0, std::string_view unit = "") {
-  return {name, byte, bytes, false, scale, unit};
+/// A big-endian number of `bytes` bytes from `byte` on, over its whole range.
+constexpr Signal number(std::string_view name, unsigned byte, unsigned bytes, double scale = 1.0,
+                        std::string_view unit = "", bool is_signed = false) {
+  Signal signal;
+  signal.bit = static_cast<std::uint16_t>(8 * byte + 7);
+  signal.width = static_cast<std::uint16_t>(8 * bytes);
+  signal.order = can::ByteOrder::big_endian;
+  signal.is_signed = is_signed;
+  signal.scale = scale;
+  signal.name = name;
+  signal.unit = unit;
+  return can::unlimited(signal);
 }
-constexpr Field fraction(std::string_view name, std::uint8_t byte, double scale,
-                         std::string_view unit = "", std::uint8_t bytes = 2) {
-  return {name, byte, bytes, true, scale, unit};
+constexpr Signal fraction(std::string_view name, unsigned byte, double scale,
+                          std::string_view unit = "", unsigned bytes = 2) {
+  return number(name, byte, bytes, scale, unit, true);
 }
-constexpr std::array<Field, 3> triad(double scale, std::string_view unit) {
-  return {{fraction("x", 0, scale, unit), fraction("y", 2, scale, unit),
-           fraction("z", 4, scale, unit)}};
+constexpr std::array<Signal, 3> triad(double scale, std::string_view unit) {
+  return {fraction("x", 0, scale, unit), fraction("y", 2, scale, unit),
+          fraction("z", 4, scale, unit)};
 }
-constexpr std::array<Field, 4> quaternion() {
+constexpr std::array<Signal, 4> quaternion() {
   constexpr double kScale = 1.0 / 32767.0;
-  return {{fraction("q0", 0, kScale), fraction("q1", 2, kScale), fraction("q2", 4, kScale),
-           fraction("q3", 6, kScale)}};
+  return {fraction("q0", 0, kScale), fraction("q1", 2, kScale), fraction("q2", 4, kScale),
+          fraction("q3", 6, kScale)};
 }
 
 constexpr std::array kError{number("error_code", 0, 1)};
@@ -46,22 +57,22 @@ constexpr std::array kUtc{number("year", 0, 1, 1.0, "a"),
                           number("second", 5, 1, 1.0, "s"),
                           number("fraction", 6, 2, 1e-4, "s")};
 constexpr std::array kStatusWord{number("status", 0, 4)};
-constexpr std::array<Field, 4> kQuaternion = quaternion();
+constexpr std::array<Signal, 4> kQuaternion = quaternion();
 constexpr std::array kEulerAngles{fraction("roll", 0, power_of_two(7), "deg"),
                                   fraction("pitch", 2, power_of_two(7), "deg"),
                                   fraction("yaw", 4, power_of_two(7), "deg")};
 constexpr std::array kVelocityIncrement{fraction("x", 0, 1.0), fraction("y", 2, 1.0),
                                         fraction("z", 4, 1.0), number("exponent", 6, 1)};
-constexpr std::array<Field, 3> kRate = triad(power_of_two(9), "rad/s");
-constexpr std::array<Field, 3> kAcceleration = triad(power_of_two(8), "m/s2");
-constexpr std::array<Field, 3> kMagneticField = triad(power_of_two(10), "");
+constexpr std::array<Signal, 3> kRate = triad(power_of_two(9), "rad/s");
+constexpr std::array<Signal, 3> kAcceleration = triad(power_of_two(8), "m/s2");
+constexpr std::array<Signal, 3> kMagneticField = triad(power_of_two(10), "");
 constexpr std::array kTemperature{fraction("temperature", 0, power_of_two(8), "degC")};
 constexpr std::array kPressure{number("pressure", 0, 4, power_of_two(15), "Pa")};
 constexpr std::array kLatitudeLongitude{fraction("latitude", 0, power_of_two(24), "deg", 4),
                                         fraction("longitude", 4, power_of_two(23), "deg", 4)};
 constexpr std::array kAltitude{fraction("altitude", 0, power_of_two(15), "m", 4)};
 constexpr std::array kPosition{fraction("position", 0, power_of_two(8), "m", 4)};
-constexpr std::array<Field, 3> kVelocity = triad(power_of_two(6), "m/s");
+constexpr std::array<Signal, 3> kVelocity = triad(power_of_two(6), "m/s");
 constexpr std::array kReceiverStatus{number("fix_type", 0, 1), number("satellites", 1, 1),
                                      number("flags", 2, 1), number("valid", 3, 1),
                                      number("satellites_seen", 4, 1)};
@@ -69,58 +80,56 @@ constexpr std::array kReceiverDilution{
     number("position_dilution", 0, 2, 0.01), number("time_dilution", 2, 2, 0.01),
     number("vertical_dilution", 4, 2, 0.01), number("horizontal_dilution", 6, 2, 0.01)};
 
-constexpr std::array<Message, 26> kMessages{{
-    {MessageId::error, "error", 1, kError},
-    {MessageId::warning, "warning", 1, kWarning},
-    {MessageId::sample_time, "sample_time", 4, kSampleTime},
-    {MessageId::group_counter, "group_counter", 2, kGroupCounter},
-    {MessageId::utc, "utc", 8, kUtc},
-    {MessageId::status_word, "status_word", 4, kStatusWord},
-    {MessageId::quaternion, "quaternion", 8, kQuaternion},
-    {MessageId::euler_angles, "euler_angles", 6, kEulerAngles},
-    {MessageId::velocity_increment, "velocity_increment", 7, kVelocityIncrement},
-    {MessageId::rate_of_turn, "rate_of_turn", 6, kRate},
-    {MessageId::orientation_increment, "orientation_increment", 8, kQuaternion},
-    {MessageId::acceleration, "acceleration", 6, kAcceleration},
-    {MessageId::free_acceleration, "free_acceleration", 6, kAcceleration},
-    {MessageId::magnetic_field, "magnetic_field", 6, kMagneticField},
-    {MessageId::temperature, "temperature", 2, kTemperature},
-    {MessageId::pressure, "pressure", 4, kPressure},
-    {MessageId::rate_of_turn_fast, "rate_of_turn_fast", 6, kRate},
-    {MessageId::acceleration_fast, "acceleration_fast", 6, kAcceleration},
-    {MessageId::latitude_longitude, "latitude_longitude", 8, kLatitudeLongitude},
-    {MessageId::altitude, "altitude", 4, kAltitude},
-    {MessageId::position_x, "position_x", 4, kPosition},
-    {MessageId::position_y, "position_y", 4, kPosition},
-    {MessageId::position_z, "position_z", 4, kPosition},
-    {MessageId::velocity, "velocity", 6, kVelocity},
-    {MessageId::receiver_status, "receiver_status", 5, kReceiverStatus},
-    {MessageId::receiver_dilution, "receiver_dilution", 8, kReceiverDilution},
-}};
-
-constexpr bool well_formed() {
-  std::uint8_t previous = 0;
-  for (const Message& row : kMessages) {
-    unsigned end = 0;
-    for (const Field& field : row.fields) {
-      if (field.byte != end) {
-        return false;  // fields follow each other without gap
-      }
-      end += field.bytes;
-    }
-    if (end != row.length || row.fields.size() > kMaximumFields ||
-        static_cast<std::uint8_t>(row.id) <= previous) {
-      return false;
-    }
-    previous = static_cast<std::uint8_t>(row.id);
+constexpr Message row(MessageId id, std::string_view name, std::span<const Signal> signals) {
+  Message message;
+  message.name = name;
+  message.id = static_cast<std::uint32_t>(id);
+  message.length = 0;
+  for (const Signal& signal : signals) {
+    message.length = static_cast<std::uint16_t>(message.length + signal.width / 8U);
   }
-  return true;
+  message.text = "Xsens MT1604P";
+  message.signals = signals;
+  return message;
 }
-static_assert(well_formed());
+constexpr std::array kMessages{
+    row(MessageId::error, "error", kError),
+    row(MessageId::warning, "warning", kWarning),
+    row(MessageId::sample_time, "sample_time", kSampleTime),
+    row(MessageId::group_counter, "group_counter", kGroupCounter),
+    row(MessageId::utc, "utc", kUtc),
+    row(MessageId::status_word, "status_word", kStatusWord),
+    row(MessageId::quaternion, "quaternion", kQuaternion),
+    row(MessageId::euler_angles, "euler_angles", kEulerAngles),
+    row(MessageId::velocity_increment, "velocity_increment", kVelocityIncrement),
+    row(MessageId::rate_of_turn, "rate_of_turn", kRate),
+    row(MessageId::orientation_increment, "orientation_increment", kQuaternion),
+    row(MessageId::acceleration, "acceleration", kAcceleration),
+    row(MessageId::free_acceleration, "free_acceleration", kAcceleration),
+    row(MessageId::magnetic_field, "magnetic_field", kMagneticField),
+    row(MessageId::temperature, "temperature", kTemperature),
+    row(MessageId::pressure, "pressure", kPressure),
+    row(MessageId::rate_of_turn_fast, "rate_of_turn_fast", kRate),
+    row(MessageId::acceleration_fast, "acceleration_fast", kAcceleration),
+    row(MessageId::latitude_longitude, "latitude_longitude", kLatitudeLongitude),
+    row(MessageId::altitude, "altitude", kAltitude),
+    row(MessageId::position_x, "position_x", kPosition),
+    row(MessageId::position_y, "position_y", kPosition),
+    row(MessageId::position_z, "position_z", kPosition),
+    row(MessageId::velocity, "velocity", kVelocity),
+    row(MessageId::receiver_status, "receiver_status", kReceiverStatus),
+    row(MessageId::receiver_dilution, "receiver_dilution", kReceiverDilution),
+};
 
-double counts(const Field& field) {
-  return std::ldexp(1.0, 8 * field.bytes);
+/// In the order of their identifiers; their signals lie within them, so follow each other.
+constexpr bool is_table(std::span<const Message> messages) {
+  std::uint32_t previous = 0;
+  return std::all_of(messages.begin(), messages.end(), [&previous](const Message& message) {
+    return message.id > std::exchange(previous, message.id) && can::well_formed(message) &&
+           message.length <= 8 && message.signals.size() <= kMaximumSignals;
+  });
 }
+static_assert(is_table(kMessages));
 
 }  // namespace
 
@@ -129,9 +138,8 @@ std::span<const Message> messages() {
 }
 
 const Message* find(std::uint32_t id) {
-  const auto* found = std::find_if(kMessages.begin(), kMessages.end(), [id](const Message& row) {
-    return static_cast<std::uint32_t>(row.id) == id;
-  });
+  const auto* found = std::find_if(kMessages.begin(), kMessages.end(),
+                                   [id](const Message& message) { return message.id == id; });
   return found == kMessages.end() ? nullptr : found;
 }
 
@@ -141,30 +149,9 @@ const Message& message(MessageId id) {
   return *found;
 }
 
-double lower(const Field& field) {
-  return field.is_signed ? -0.5 * counts(field) * field.scale : 0.0;
-}
-
-double upper(const Field& field) {
-  return ((field.is_signed ? 0.5 : 1.0) * counts(field) - 1.0) * field.scale;
-}
-
 can::Frame encode(MessageId id, std::span<const double> values, bool extended) {
-  const Message& row = message(id);
-  assert(values.size() == row.fields.size());
-  can::Frame frame;
-  frame.id = static_cast<std::uint32_t>(id);
+  can::Frame frame = can::encode(message(id), values);
   frame.extended = extended;
-  frame.length = row.length;
-  for (std::size_t i = 0; i < row.fields.size(); ++i) {
-    const Field& field = row.fields[i];
-    const double held = std::clamp(values[i], lower(field), upper(field));
-    auto raw = static_cast<std::uint64_t>(std::llround(held / field.scale));
-    for (unsigned byte = field.bytes; byte-- > 0;) {
-      frame.data[field.byte + byte] = static_cast<std::uint8_t>(raw & 0xFFU);
-      raw >>= 8U;
-    }
-  }
   return frame;
 }
 
@@ -177,17 +164,8 @@ Decoded<Reading> decode(const can::Frame& frame) {
   if (frame.length < reading.message->length) {
     return Malformed{"shorter than the message", frame.length};
   }
-  for (std::size_t i = 0; i < reading.message->fields.size(); ++i) {
-    const Field& field = reading.message->fields[i];
-    std::uint64_t raw = 0;
-    for (unsigned byte = 0; byte < field.bytes; ++byte) {
-      raw = (raw << 8U) | frame.data[field.byte + byte];
-    }
-    auto value = static_cast<double>(raw);
-    if (field.is_signed && value >= 0.5 * counts(field)) {
-      value -= counts(field);
-    }
-    reading.values[i] = value * field.scale;
+  for (std::size_t i = 0; i < reading.message->signals.size(); ++i) {
+    reading.values[i] = can::get(reading.message->signals[i], frame.payload()).value;
   }
   return {reading, frame.length};
 }
@@ -201,31 +179,17 @@ unsigned increment_exponent(double greatest_mps) {
   return exponent;
 }
 
-std::vector<can::MessageLayout> layouts(bool extended, double tick_s) {
-  std::vector<can::MessageLayout> list;
+std::vector<can::OwnedMessage> layouts(bool extended, double tick_s) {
+  std::vector<can::OwnedMessage> list;
   for (const Message& row : kMessages) {
-    can::MessageLayout layout;
-    layout.name = row.name;
-    layout.id = static_cast<std::uint32_t>(row.id);
-    layout.extended = extended;
-    layout.length = row.length;
-    layout.text = "Xsens MT1604P";
-    for (const Field& field : row.fields) {
-      can::SignalLayout signal;
-      signal.name = field.name;
-      // The least significant bit of a big-endian number is bit 0 of its last byte.
-      signal.bit = static_cast<std::uint16_t>(8 * (field.byte + field.bytes - 1));
-      signal.width = static_cast<std::uint16_t>(8 * field.bytes);
-      signal.order = can::ByteOrder::big_endian;
-      signal.is_signed = field.is_signed;
-      const bool ticks = row.id == MessageId::sample_time;
-      signal.scale = ticks ? tick_s : field.scale;
-      signal.lower = ticks ? lower(field) * tick_s : lower(field);
-      signal.upper = ticks ? upper(field) * tick_s : upper(field);
-      signal.unit = ticks ? "s" : field.unit;
-      layout.fields.push_back(std::move(signal));
+    can::OwnedMessage& message = list.emplace_back(can::owned(row));
+    message.extended = extended;
+    if (row.id == static_cast<std::uint32_t>(MessageId::sample_time)) {
+      can::OwnedSignal& ticks = message.signals.front();
+      ticks.scale = tick_s;
+      ticks.unit = "s";
+      ticks = can::unlimited(ticks);
     }
-    list.push_back(std::move(layout));
   }
   return list;
 }

@@ -1,4 +1,4 @@
-// The CAN messages of the Xsens MTi-600 series: one table for encoder, decoder, layouts and pages.
+// The CAN messages of the Xsens MTi-600 series.
 //
 // Sources: Xsens MT CAN Protocol Documentation MT1604P (September 2019); the maker's xsens.dbc as
 // the ROS driver for CAN carries it. Numbers are big-endian, signed ones two's complement, physical
@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "protocols/can/frame.h"
-#include "protocols/can/message_layout.h"
+#include "protocols/can/message.h"
 #include "protocols/result.h"
 
 namespace rigwire::protocols::xsens {
@@ -54,26 +54,11 @@ enum class MessageId : std::uint8_t {
   receiver_dilution = 0x7A,
 };
 
-/// One number of a message.
-struct Field {
-  std::string_view name;
-  std::uint8_t byte = 0;   ///< Of its most significant byte.
-  std::uint8_t bytes = 2;  ///< 1, 2 or 4.
-  bool is_signed = true;
-  double scale = 1.0;
-  std::string_view unit = {};
-};
+using can::Message;
 
-struct Message {
-  MessageId id = MessageId::error;
-  std::string_view name;
-  std::uint8_t length = 0;
-  std::span<const Field> fields;
-};
-
-inline constexpr std::size_t kMaximumFields = 7;
-/// Physical values in the order of the message's fields.
-using Values = std::array<double, kMaximumFields>;
+inline constexpr std::size_t kMaximumSignals = 7;
+/// Physical values in the order of the message's signals.
+using Values = std::array<double, kMaximumSignals>;
 
 /// All messages, by identifier.
 [[nodiscard]] std::span<const Message> messages();
@@ -81,21 +66,16 @@ using Values = std::array<double, kMaximumFields>;
 [[nodiscard]] const Message* find(std::uint32_t id);
 [[nodiscard]] const Message& message(MessageId id);
 
-/// Values beyond what a field carries are saturated. Precondition: values.size() is the number of
-/// the message's fields, and all are finite.
+/// Values beyond what a signal carries are saturated; in their order, as many as the message has.
 [[nodiscard]] can::Frame encode(MessageId id, std::span<const double> values, bool extended);
 
 struct Reading {
   const Message* message = nullptr;
-  Values values{};  ///< As many as the message has fields.
+  Values values{};  ///< As many as the message has signals.
 };
 /// Malformed unless the frame is a data frame of a known identifier with at least the message's
 /// length (the driver takes longer ones, too).
 [[nodiscard]] Decoded<Reading> decode(const can::Frame& frame);
-
-/// The least and greatest value that a field carries.
-[[nodiscard]] double lower(const Field& field);
-[[nodiscard]] double upper(const Field& field);
 
 /// The exponent with which `greatest`, a magnitude in m/s, still fits: value = mantissa *
 /// 2^-exponent. 17 (the DBC's fixed scale, up to 0.25 m/s) where possible.
@@ -115,7 +95,7 @@ struct StatusBit {
   static constexpr std::uint32_t kClipping = 1U << 19U;  ///< Any of the nine above.
 };
 
-/// The messages as layouts, in the table's order; `tick_s` is what the sample time counts.
-[[nodiscard]] std::vector<can::MessageLayout> layouts(bool extended, double tick_s);
+/// The table with the unit's settings; `tick_s` is what the sample time counts.
+[[nodiscard]] std::vector<can::OwnedMessage> layouts(bool extended, double tick_s);
 
 }  // namespace rigwire::protocols::xsens

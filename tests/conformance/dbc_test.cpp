@@ -22,7 +22,7 @@ namespace {
 using namespace std::chrono_literals;
 using Json = nlohmann::json;
 using protocols::can::Frame;
-using protocols::can::MessageLayout;
+using protocols::can::OwnedMessage;
 
 /// Decodes the frames of a file, one "identifier extended bytes" in each line, and prints an object
 /// for the bus and one for each frame.
@@ -45,7 +45,7 @@ for line in open(sys.argv[2]):
 class Dbc : public testing::Test {
  protected:
   /// What canmatrix makes of the messages' file and of the frames: the bus first.
-  std::vector<Json> read(const std::vector<MessageLayout>& messages,
+  std::vector<Json> read(const std::vector<OwnedMessage>& messages,
                          const std::vector<Frame>& frames) {
     const auto dbc = wires_.folder / "bus.dbc";
     const auto log = wires_.folder / "frames";
@@ -121,8 +121,8 @@ TEST_F(Dbc, CanmatrixDecodesADrivingUnimog) {
   }
 
   const auto messages = gateway.messages("vehicle");
-  std::map<std::uint32_t, const MessageLayout*> by_id;
-  for (const MessageLayout& message : messages) {
+  std::map<std::uint32_t, const OwnedMessage*> by_id;
+  for (const OwnedMessage& message : messages) {
     by_id[message.id] = &message;
   }
   std::vector<Frame> frames;
@@ -143,7 +143,7 @@ TEST_F(Dbc, CanmatrixDecodesADrivingUnimog) {
     EXPECT_EQ(frame.at("id"), messages[i].id);
     EXPECT_EQ(frame.at("j1939"), true) << frame;
     EXPECT_EQ(frame.at("cycle"), messages[i].period_ms) << frame;
-    EXPECT_EQ(frame.at("signals").size(), messages[i].fields.size()) << frame;
+    EXPECT_EQ(frame.at("signals").size(), messages[i].signals.size()) << frame;
     EXPECT_EQ(frame.at("sender").empty(), messages[i].sender.empty()) << frame;
   }
 
@@ -151,7 +151,7 @@ TEST_F(Dbc, CanmatrixDecodesADrivingUnimog) {
   std::map<std::string, Json> by_name;
   for (std::size_t i = 0; i < frames.size() && i + 1 < objects.size(); ++i) {
     const Json& values = objects[i + 1].at("values");
-    for (const auto& field : by_id.at(frames[i].id)->fields) {
+    for (const auto& field : by_id.at(frames[i].id)->signals) {
       const auto raw = static_cast<double>(bits(frames[i], field.bit, field.width));
       EXPECT_NEAR(values.at(field.name.substr(0, protocols::dbc::kLongestName)).get<double>(),
                   raw * field.scale + field.offset, std::abs(1e-9 * raw * field.scale) + 1e-9)
@@ -181,15 +181,15 @@ TEST_F(Dbc, CanmatrixDecodesADrivingUnimog) {
 }
 
 TEST_F(Dbc, CanmatrixDecodesBigEndianSignedSignals) {
-  MessageLayout rates;
+  OwnedMessage rates;
   rates.name = "rate_of_turn";
   rates.id = 0x32;
   rates.length = 6;
   rates.sender = "imu";
   for (std::uint16_t axis = 0; axis < 3; ++axis) {
-    protocols::can::SignalLayout signal;
+    protocols::can::OwnedSignal signal;
     signal.name = std::string("xyz").substr(axis, 1);
-    signal.bit = static_cast<std::uint16_t>(16 * axis + 8);  // of the second byte of each
+    signal.bit = static_cast<std::uint16_t>(16 * axis + 7);  // of the first byte of each
     signal.width = 16;
     signal.order = protocols::can::ByteOrder::big_endian;
     signal.is_signed = true;
@@ -197,7 +197,7 @@ TEST_F(Dbc, CanmatrixDecodesBigEndianSignedSignals) {
     signal.lower = -64.0;
     signal.upper = 63.998046875;
     signal.unit = "rad/s";
-    rates.fields.push_back(signal);
+    rates.signals.push_back(signal);
   }
   Frame frame;
   frame.id = 0x32;

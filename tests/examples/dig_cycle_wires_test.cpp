@@ -61,7 +61,7 @@ TEST(DigCycleGnssWire, DamagedSentenceIsNotHeard) {
 
 protocols::can::Frame level(std::uint8_t source) {
   openimu::Acceleration acceleration;
-  acceleration.vertical_mps2.value = 9.81;
+  acceleration.vertical_mps2 = 9.81;
   return openimu::encode(acceleration, source);
 }
 
@@ -81,13 +81,15 @@ TEST(DigCycleImuWire, ErrorAndMissingValuesAreNoSignOfLife) {
   int heard = 0;
   ImuWire wire(estimator, {}, [&](Link) { ++heard; });
   openimu::Acceleration acceleration;
-  acceleration.vertical_mps2.value = std::numeric_limits<double>::quiet_NaN();
+  acceleration.vertical_mps2 = std::numeric_limits<double>::quiet_NaN();
   wire.receive(openimu::encode(acceleration, 0x80));
-  acceleration.vertical_mps2 = {9.81, openimu::FigureOfMerit::error};
+  acceleration.vertical_mps2 = 9.81;
+  acceleration.vertical_merit = openimu::FigureOfMerit::kError;
   wire.receive(openimu::encode(acceleration, 0x80));
   EXPECT_EQ(heard, 0);
   // Merit "not available" is what the 300RI sends all its life.
-  acceleration.vertical_mps2 = {9.81, openimu::FigureOfMerit::not_available};
+  acceleration.vertical_mps2 = 9.81;
+  acceleration.vertical_merit = openimu::FigureOfMerit::kNotAvailable;
   wire.receive(openimu::encode(acceleration, 0x80));
   EXPECT_EQ(heard, 1);
 }

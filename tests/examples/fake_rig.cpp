@@ -128,10 +128,10 @@ void FakeRig::send_imus() {
     }
     const auto source = static_cast<std::uint8_t>(0x80 + link);
     openimu::AngularRate rate;
-    rate.pitch_dps.value = rate_radps / kDegree;
+    rate.pitch_dps = rate_radps / kDegree;
     openimu::Acceleration acceleration;
-    acceleration.longitudinal_mps2.value = kGravity_mps2 * std::sin(pitch_rad);
-    acceleration.vertical_mps2.value = kGravity_mps2 * std::cos(pitch_rad);
+    acceleration.longitudinal_mps2 = kGravity_mps2 * std::sin(pitch_rad);
+    acceleration.vertical_mps2 = kGravity_mps2 * std::cos(pitch_rad);
     (void)can_.send(openimu::encode(rate, source));
     (void)can_.send(openimu::encode(acceleration, source));
   }

@@ -118,7 +118,7 @@ void VehicleRig::step() {
   gateway_->update(sample());
   if (!mute.imu) {
     openimu::AngularRate rate;
-    rate.yaw_dps.value = -plant.yaw_rate_radps / kDegree;
+    rate.yaw_dps = -plant.yaw_rate_radps / kDegree;
     (void)can_.send(openimu::encode(rate, kImu));
   }
   if (!mute.gnss && steps_ % 20 == 0) {

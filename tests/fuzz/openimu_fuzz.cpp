@@ -37,9 +37,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     imu.receive(now, frame);
     require(output.count <= before + 1);
     ++fed;
-    (void)openimu::decode_slope(frame);
-    (void)openimu::decode_angular_rate(frame);
-    (void)openimu::decode_acceleration(frame);
+    (void)openimu::decode<openimu::Slope>(frame);
+    (void)openimu::decode<openimu::AngularRate>(frame);
+    (void)openimu::decode<openimu::Acceleration>(frame);
     (void)openimu::decode_setting(frame);
   }
   const auto counters = imu.received();

@@ -49,9 +49,9 @@ void check(Frame frame) {
     if (row.number == nullptr) {
       continue;
     }
-    const double value = row.sign * (*decoded).*row.number;
-    require(!std::isfinite(value) || (value >= row.field.lower - row.field.scale &&
-                                      value <= row.field.upper + row.field.scale));
+    const double value = (*decoded).*row.number;
+    require(!std::isfinite(value) || (value >= row.signal.lower - std::abs(row.signal.scale) &&
+                                      value <= row.signal.upper + std::abs(row.signal.scale)));
   }
 }
 

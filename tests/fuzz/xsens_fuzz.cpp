@@ -29,8 +29,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       continue;
     }
     const xsens::Message& message = *reading->message;
-    const auto again = xsens::encode(
-        message.id, std::span(reading->values).first(message.fields.size()), frame.extended);
+    const auto again =
+        xsens::encode(static_cast<xsens::MessageId>(message.id),
+                      std::span(reading->values).first(message.signals.size()), frame.extended);
     require(again.id == frame.id && again.length == message.length);
     require(
         std::equal(again.data.begin(), again.data.begin() + message.length, frame.data.begin()));

@@ -30,7 +30,7 @@ using Reports = std::vector<std::pair<SimTime, ControllerReport>>;
 /// A node that records what it hears, and understands one identifier.
 class Listener final : public CanDevice {
  public:
-  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+  [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view /*name*/) const override {
     return {};
   }

@@ -29,7 +29,7 @@ constexpr std::uint64_t kName = 0x1000;
 
 /// A device with its node.
 struct Unit : J1939Application, CanDevice {
-  [[nodiscard]] std::vector<protocols::can::MessageLayout> messages(
+  [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view /*name*/) const override {
     return {};
   }

@@ -96,16 +96,17 @@ TEST(OpenImuSigns, NoseUpRightDownClockwise) {
                                 kGravity * std::cos(pitch) * std::sin(roll),
                                 kGravity * std::cos(pitch) * std::cos(roll)};
   rig.run(2s, sample);
-  const auto slope = openimu::decode_slope(rig.output.of(openimu::kSlopePgn).back());
-  EXPECT_NEAR(slope->pitch_deg.value, 20.0, openimu::kSlopeScale_deg);
-  EXPECT_NEAR(slope->roll_deg.value, 10.0, openimu::kSlopeScale_deg);
+  const auto slope = openimu::decode<openimu::Slope>(rig.output.of(openimu::kSlopePgn).back());
+  EXPECT_NEAR(slope->pitch_deg, 20.0, openimu::kSlopeAngle.count);
+  EXPECT_NEAR(slope->roll_deg, 10.0, openimu::kSlopeAngle.count);
 
   sample.angular_rate_radps = {3.0 * kRadians, -5.0 * kRadians, -7.0 * kRadians};
   rig.run(1s, sample);
-  const auto rate = openimu::decode_angular_rate(rig.output.of(openimu::kAngularRatePgn).back());
-  EXPECT_NEAR(rate->pitch_dps.value, 5.0, openimu::kRateScale_dps);
-  EXPECT_NEAR(rate->roll_dps.value, 3.0, openimu::kRateScale_dps);
-  EXPECT_NEAR(rate->yaw_dps.value, 7.0, openimu::kRateScale_dps);
+  const auto rate =
+      openimu::decode<openimu::AngularRate>(rig.output.of(openimu::kAngularRatePgn).back());
+  EXPECT_NEAR(rate->pitch_dps, 5.0, openimu::kRate.count);
+  EXPECT_NEAR(rate->roll_dps, 3.0, openimu::kRate.count);
+  EXPECT_NEAR(rate->yaw_dps, 7.0, openimu::kRate.count);
 }
 
 TEST(OpenImuSigns, AccelerationIsLeftForwardUp) {
@@ -113,10 +114,11 @@ TEST(OpenImuSigns, AccelerationIsLeftForwardUp) {
   ImuSample sample = level();
   sample.specific_force_mps2 = {1.5, 2.5, 9.0};
   rig.run(1s, sample);
-  const auto force = openimu::decode_acceleration(rig.output.of(openimu::kAccelerationPgn).back());
-  EXPECT_NEAR(force->longitudinal_mps2.value, 1.5, 0.005 + 1e-9);
-  EXPECT_NEAR(force->lateral_mps2.value, 2.5, 0.005 + 1e-9);
-  EXPECT_NEAR(force->vertical_mps2.value, 9.0, 0.005 + 1e-9);
+  const auto force =
+      openimu::decode<openimu::Acceleration>(rig.output.of(openimu::kAccelerationPgn).back());
+  EXPECT_NEAR(force->longitudinal_mps2, 1.5, 0.005 + 1e-9);
+  EXPECT_NEAR(force->lateral_mps2, 2.5, 0.005 + 1e-9);
+  EXPECT_NEAR(force->vertical_mps2, 9.0, 0.005 + 1e-9);
 }
 
 TEST(OpenImuSaturation, RateBeyondTheMessageIsClampedAndAnError) {
@@ -125,10 +127,11 @@ TEST(OpenImuSaturation, RateBeyondTheMessageIsClampedAndAnError) {
   ImuSample fast = level();
   fast.angular_rate_radps.z = -300.0 * kRadians;
   rig.run(1s, fast);
-  const auto rate = openimu::decode_angular_rate(rig.output.of(openimu::kAngularRatePgn).back());
-  EXPECT_EQ(rate->yaw_dps.value, 250.0);
-  EXPECT_EQ(rate->yaw_dps.merit, FigureOfMerit::error);
-  EXPECT_EQ(rate->pitch_dps.merit, FigureOfMerit::functional);
+  const auto rate =
+      openimu::decode<openimu::AngularRate>(rig.output.of(openimu::kAngularRatePgn).back());
+  EXPECT_EQ(rate->yaw_dps, 250.0);
+  EXPECT_EQ(rate->yaw_merit, FigureOfMerit::kError);
+  EXPECT_EQ(rate->pitch_merit, FigureOfMerit::kFunctional);
 }
 
 TEST(OpenImuSaturation, ForceBeyondTheElementIsClampedAndDegraded) {
@@ -137,10 +140,11 @@ TEST(OpenImuSaturation, ForceBeyondTheElementIsClampedAndDegraded) {
   ImuSample hit = level();
   hit.specific_force_mps2.x = 500.0;
   rig.run(1s, hit);
-  const auto force = openimu::decode_acceleration(rig.output.of(openimu::kAccelerationPgn).back());
-  EXPECT_NEAR(force->longitudinal_mps2.value, 8.0 * kGravity, 0.01);
-  EXPECT_EQ(force->longitudinal_mps2.merit, FigureOfMerit::degraded);
-  EXPECT_EQ(force->lateral_mps2.merit, FigureOfMerit::functional);
+  const auto force =
+      openimu::decode<openimu::Acceleration>(rig.output.of(openimu::kAccelerationPgn).back());
+  EXPECT_NEAR(force->longitudinal_mps2, 8.0 * kGravity, 0.01);
+  EXPECT_EQ(force->longitudinal_merit, FigureOfMerit::kDegraded);
+  EXPECT_EQ(force->lateral_merit, FigureOfMerit::kFunctional);
 }
 
 TEST(OpenImuFault, SampleThatIsNoNumberIsSentAsErrorAndForgotten) {
@@ -153,8 +157,9 @@ TEST(OpenImuFault, SampleThatIsNoNumberIsSentAsErrorAndForgotten) {
   EXPECT_EQ(frame.data[1], 0xFE);
   EXPECT_EQ(frame.data[6], 0b1010'1010);
   rig.run(1s);
-  const auto force = openimu::decode_acceleration(rig.output.of(openimu::kAccelerationPgn).back());
-  EXPECT_NEAR(force->vertical_mps2.value, kGravity, 0.006);
+  const auto force =
+      openimu::decode<openimu::Acceleration>(rig.output.of(openimu::kAccelerationPgn).back());
+  EXPECT_NEAR(force->vertical_mps2, kGravity, 0.006);
 }
 
 TEST(OpenImuFault, TroubleMessageAtOnceThenEveryTenSeconds) {
@@ -183,10 +188,10 @@ TEST(OpenImuMagneticField, The300RiSendsItInGaussAndAerospaceAxes) {
   sample.magnetic_field_t = {20e-6, 5e-6, -44e-6};
   rig.run(20ms, sample);
   const auto field =
-      openimu::decode_magnetic_field(rig.output.of(openimu::kMagneticFieldPgn).back());
-  EXPECT_NEAR(field->x_gauss, 0.20, openimu::kMagneticScale_gauss);
-  EXPECT_NEAR(field->y_gauss, -0.05, openimu::kMagneticScale_gauss);
-  EXPECT_NEAR(field->z_gauss, 0.44, openimu::kMagneticScale_gauss);
+      openimu::decode<openimu::MagneticField>(rig.output.of(openimu::kMagneticFieldPgn).back());
+  EXPECT_NEAR(field->x_gauss, 0.20, openimu::kMagnetic.count);
+  EXPECT_NEAR(field->y_gauss, -0.05, openimu::kMagnetic.count);
+  EXPECT_NEAR(field->z_gauss, 0.44, openimu::kMagnetic.count);
 }
 
 TEST(OpenImuMemory, SavedSettingsAndAddressOutliveThePowerCycle) {

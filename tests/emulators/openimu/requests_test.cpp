@@ -40,11 +40,11 @@ TEST(OpenImuRequest, KnownGroupsAreAnsweredAfterTheProcessingDelay) {
               ElementsAre(0, 0, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
   EXPECT_THAT(ask(openimu::kSoftwareStatusPgn).payload(),
               ElementsAre(0, 0, 0, 0, 0xAA, 0xAA, 0xAA, 0xAA));
-  EXPECT_TRUE(openimu::decode_slope1(ask(openimu::kSlope1Pgn)).ok());
-  EXPECT_TRUE(openimu::decode_fine_rate(ask(openimu::kFineRatePgn)).ok());
-  EXPECT_TRUE(openimu::decode_slope(ask(openimu::kSlopePgn)).ok());
-  EXPECT_TRUE(openimu::decode_angular_rate(ask(openimu::kAngularRatePgn)).ok());
-  EXPECT_TRUE(openimu::decode_acceleration(ask(openimu::kAccelerationPgn)).ok());
+  EXPECT_TRUE(openimu::decode<openimu::Slope1>(ask(openimu::kSlope1Pgn)).ok());
+  EXPECT_TRUE(openimu::decode<openimu::FineRate>(ask(openimu::kFineRatePgn)).ok());
+  EXPECT_TRUE(openimu::decode<openimu::Slope>(ask(openimu::kSlopePgn)).ok());
+  EXPECT_TRUE(openimu::decode<openimu::AngularRate>(ask(openimu::kAngularRatePgn)).ok());
+  EXPECT_TRUE(openimu::decode<openimu::Acceleration>(ask(openimu::kAccelerationPgn)).ok());
   EXPECT_THAT(ask(openimu::kPacketRatePgn).payload(),
               ElementsAre(kTester, 1, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA));
   EXPECT_THAT(ask(openimu::kPacketMaskPgn).payload(),
@@ -155,9 +155,10 @@ TEST_F(OpenImuSetting, OrientationTurnsTheHousing) {
   ImuSample sample = level();
   sample.specific_force_mps2.x = 2.0;
   rig_.run(1s, sample);
-  const auto force = openimu::decode_acceleration(rig_.output.of(openimu::kAccelerationPgn).back());
-  EXPECT_NEAR(force->longitudinal_mps2.value, -2.0, 0.006);
-  EXPECT_NEAR(force->vertical_mps2.value, kGravity, 0.006);
+  const auto force =
+      openimu::decode<openimu::Acceleration>(rig_.output.of(openimu::kAccelerationPgn).back());
+  EXPECT_NEAR(force->longitudinal_mps2, -2.0, 0.006);
+  EXPECT_NEAR(force->vertical_mps2, kGravity, 0.006);
 }
 
 TEST_F(OpenImuSetting, LegacyRequestOrderWhenTheBehaviourBitIsCleared) {
@@ -167,7 +168,7 @@ TEST_F(OpenImuSetting, LegacyRequestOrderWhenTheBehaviourBitIsCleared) {
   Frame request = j1939::make_request(kTester, 0x80, 0);
   request.data = {0x00, 0xF0, 0x29, 0, 0, 0, 0, 0};
   rig_.receive(request);
-  EXPECT_TRUE(openimu::decode_slope(rig_.output.frames.back().second).ok());
+  EXPECT_TRUE(openimu::decode<openimu::Slope>(rig_.output.frames.back().second).ok());
 }
 
 TEST_F(OpenImuSetting, OtherMessagesOfThe335Ri) {

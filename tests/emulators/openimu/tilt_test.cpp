@@ -31,8 +31,8 @@ TEST(OpenImuTilt, FollowsAMovingBoomByItsRates) {
     rig.imu.update(sample);
     rig.now += OpenImu::kTick;
     if (i > 200 && i % 2 == 0) {
-      const auto slope = openimu::decode_slope(rig.output.of(openimu::kSlopePgn).back());
-      worst = std::max(worst, std::abs(slope->pitch_deg.value - pitch / kRadians));
+      const auto slope = openimu::decode<openimu::Slope>(rig.output.of(openimu::kSlopePgn).back());
+      worst = std::max(worst, std::abs(slope->pitch_deg - pitch / kRadians));
     }
     rig.output.frames.erase(rig.output.frames.begin(), rig.output.frames.end() - 3);
   }
@@ -46,11 +46,11 @@ TEST(OpenImuTilt, TurnOnBiasIsLearnt) {
   sample.angular_rate_radps.y = 0.5 * kRadians;
   rig.run(5s, sample);
   const double early =
-      openimu::decode_slope(rig.output.of(openimu::kSlopePgn).back())->pitch_deg.value;
+      openimu::decode<openimu::Slope>(rig.output.of(openimu::kSlopePgn).back())->pitch_deg;
   EXPECT_LT(std::abs(early), 0.5 * TiltFilter::kTimeConstant_s);
   rig.run(120s, sample);
   const double late =
-      openimu::decode_slope(rig.output.of(openimu::kSlopePgn).back())->pitch_deg.value;
+      openimu::decode<openimu::Slope>(rig.output.of(openimu::kSlopePgn).back())->pitch_deg;
   EXPECT_LT(std::abs(late), 0.05);
 }
 
@@ -60,8 +60,8 @@ TEST(OpenImuTilt, DigShocksDoNotTiltIt) {
   ImuSample shock = level();
   shock.specific_force_mps2.x = 8.0;  // half a second at almost 1 g forwards
   rig.run(500ms, shock);
-  const auto slope = openimu::decode_slope(rig.output.of(openimu::kSlopePgn).back());
-  EXPECT_LT(std::abs(slope->pitch_deg.value), 0.5);
+  const auto slope = openimu::decode<openimu::Slope>(rig.output.of(openimu::kSlopePgn).back());
+  EXPECT_LT(std::abs(slope->pitch_deg), 0.5);
 }
 
 TEST(OpenImuLowPass, CutOffIsMinusThreeDecibels) {

@@ -114,10 +114,10 @@ TEST(Mti600, SampleTimeCountsTicksOf100MicrosecondsUnlessTheUnitIsOld) {
   const auto layout_of = [](const MtiRig& rig) {
     for (auto& layout : rig.mti.messages("mti")) {
       if (layout.name == "sample_time") {
-        return layout.fields[0];
+        return layout.signals[0];
       }
     }
-    return protocols::can::SignalLayout{};
+    return protocols::can::OwnedSignal{};
   };
   MtiRig today(with({}));
   today.run(1s);

@@ -58,7 +58,7 @@ TEST(InclinometerLayouts, IdentifiersFollowTheNodeAndScalesTheResolution) {
   EXPECT_EQ(layouts[3].id, 0x08AU);
   EXPECT_EQ(layouts[0].length, 4);
   EXPECT_EQ(layouts[1].length, 8);
-  const can::SignalLayout& lateral = layouts[0].fields.at(1);
+  const can::OwnedSignal& lateral = layouts[0].signals.at(1);
   EXPECT_EQ(lateral.name, "slope_lateral");
   EXPECT_EQ(lateral.bit, 16);
   EXPECT_EQ(lateral.width, 16);
@@ -67,8 +67,8 @@ TEST(InclinometerLayouts, IdentifiersFollowTheNodeAndScalesTheResolution) {
   EXPECT_DOUBLE_EQ(lateral.lower, -3276.8);
   EXPECT_DOUBLE_EQ(lateral.upper, 3276.7);
   EXPECT_EQ(lateral.unit, "deg");
-  EXPECT_EQ(layouts[1].fields.at(1).bit, 32);
-  EXPECT_EQ(layouts[1].fields.at(1).width, 32);
+  EXPECT_EQ(layouts[1].signals.at(1).bit, 32);
+  EXPECT_EQ(layouts[1].signals.at(1).width, 32);
 }
 
 }  // namespace

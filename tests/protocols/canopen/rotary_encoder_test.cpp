@@ -38,7 +38,7 @@ TEST(RotaryEncoderLayouts, IdentifiersFollowTheNode) {
   EXPECT_EQ(layouts[1].id, 0x2A0U);
   EXPECT_EQ(layouts[2].id, 0x720U);
   EXPECT_EQ(layouts[3].id, 0x0A0U);
-  EXPECT_EQ(layouts[0].fields.at(0).width, 32);
+  EXPECT_EQ(layouts[0].signals.at(0).width, 32);
   EXPECT_EQ(layouts[0].length, 4);
 }
 

@@ -13,7 +13,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-std::string written(const std::vector<can::MessageLayout>& messages) {
+std::string written(const std::vector<can::OwnedMessage>& messages) {
   return write({"field", 250'000, messages});
 }
 
@@ -42,8 +42,8 @@ TEST(DbcWriter, OppositeSignOnTheWireIsANegativeScale) {
 }
 
 TEST(DbcWriter, DocumentsUnitsAndSignsWhereTheyAreAskedFor) {
-  const std::vector<can::MessageLayout> messages{vehicle::layout<vehicle::Eec1>({}),
-                                                 vehicle::layout<vehicle::GuidanceCommand>({})};
+  const std::vector<can::OwnedMessage> messages{vehicle::layout<vehicle::Eec1>({}),
+                                                vehicle::layout<vehicle::GuidanceCommand>({})};
   const auto text = write({"field", 250'000, messages}, Units::document);
   EXPECT_THAT(text, HasSubstr(" SG_ engine_speed : 24|16@1+ (0.125,0) [0|8031.875] \"rpm\" "));
   EXPECT_THAT(text, HasSubstr(" SG_ actual_torque : 16|8@1+ (1,-125) [-125|125] \"%\" "));
@@ -51,8 +51,8 @@ TEST(DbcWriter, DocumentsUnitsAndSignsWhereTheyAreAskedFor) {
               HasSubstr(" SG_ curvature_command : 0|16@1+ (0.25,-8032) [-8032|8031.75] \"1/km\" "));
 }
 
-can::MessageLayout message(std::string name, std::uint32_t id, std::string sender = "imu") {
-  can::MessageLayout layout;
+can::OwnedMessage message(std::string name, std::uint32_t id, std::string sender = "imu") {
+  can::OwnedMessage layout;
   layout.name = std::move(name);
   layout.id = id;
   layout.sender = std::move(sender);
@@ -60,18 +60,18 @@ can::MessageLayout message(std::string name, std::uint32_t id, std::string sende
 }
 
 TEST(DbcWriter, BigEndianSignalsBeginWithTheirMostSignificantBit) {
-  can::MessageLayout layout = message("rate", 0x32);
-  can::SignalLayout signal;
+  can::OwnedMessage layout = message("rate", 0x32);
+  can::OwnedSignal signal;
   signal.name = "x";
-  signal.bit = 8;  // of the second byte
+  signal.bit = 7;  // of the first byte
   signal.width = 16;
   signal.order = can::ByteOrder::big_endian;
   signal.is_signed = true;
-  layout.fields = {signal};
+  layout.signals = {signal};
   signal.name = "y";
-  signal.bit = 20;  // upper half of the third byte, four bits
+  signal.bit = 23;  // upper half of the third byte, four bits
   signal.width = 4;
-  layout.fields.push_back(signal);
+  layout.signals.push_back(signal);
   const auto text = written({layout});
   EXPECT_THAT(text, HasSubstr(" SG_ x : 7|16@0- "));
   EXPECT_THAT(text, HasSubstr(" SG_ y : 23|4@0- "));
@@ -79,11 +79,54 @@ TEST(DbcWriter, BigEndianSignalsBeginWithTheirMostSignificantBit) {
   EXPECT_THAT(text, HasSubstr("BA_ \"VFrameFormat\" BO_ 50 0;\n"));
 }
 
+can::OwnedSignal signal(std::string name, std::uint16_t bit) {
+  can::OwnedSignal row;
+  row.name = std::move(name);
+  row.bit = bit;
+  return row;
+}
+
+TEST(DbcWriter, OneMultiplexorIsSaidByMarks) {
+  can::OwnedMessage layout = message("pages", 5);
+  layout.signals = {signal("page", 0), signal("a", 8), signal("b", 8)};
+  layout.signals[1].multiplexor = layout.signals[2].multiplexor = 0;
+  layout.signals[1].present_at = {{3, 3}};
+  layout.signals[2].present_at = {{4, 4}};
+  const auto text = written({layout});
+  EXPECT_THAT(text, HasSubstr(" SG_ page M : 0|8@1+ "));
+  EXPECT_THAT(text, HasSubstr(" SG_ a m3 : 8|8@1+ "));
+  EXPECT_THAT(text, HasSubstr(" SG_ b m4 : 8|8@1+ "));
+  EXPECT_THAT(text, Not(HasSubstr("SG_MUL_VAL_")));
+}
+
+TEST(DbcWriter, RangesAndInnerMultiplexorsAreSaidAtTheEnd) {
+  can::OwnedMessage layout = message("pages", 5);
+  layout.signals = {signal("page", 0), signal("inner", 8), signal("deep", 16)};
+  layout.signals[1].multiplexor = 0;
+  layout.signals[1].present_at = {{3, 4}, {9, 9}};
+  layout.signals[2].multiplexor = 1;
+  layout.signals[2].present_at = {{1, 1}};
+  const auto text = written({layout});
+  EXPECT_THAT(text, HasSubstr(" SG_ inner m3M : "));
+  EXPECT_THAT(text, HasSubstr("SG_MUL_VAL_ 5 inner page 3-4, 9-9;\n"));
+  EXPECT_THAT(text, HasSubstr("SG_MUL_VAL_ 5 deep inner 1-1;\n"));
+}
+
+TEST(DbcWriter, FloatingPointSignalsHaveTheirType) {
+  can::OwnedMessage layout = message("m", 1);
+  layout.signals = {signal("single", 0), signal("plain", 32)};
+  layout.signals[0].width = 32;
+  layout.signals[0].is_float = layout.signals[0].is_signed = true;
+  const auto text = written({layout});
+  EXPECT_THAT(text, HasSubstr("SIG_VALTYPE_ 1 single : 1;\n"));
+  EXPECT_THAT(text, Not(HasSubstr("SIG_VALTYPE_ 1 plain")));
+}
+
 TEST(DbcWriter, NamesAreLegalShortAndUnique) {
-  can::MessageLayout wide = message("3rd axle, pressure", 1, "front imu");
-  can::SignalLayout signal;
+  can::OwnedMessage wide = message("3rd axle, pressure", 1, "front imu");
+  can::OwnedSignal signal;
   signal.name = "a_name_that_is_much_longer_than_thirty_two_characters";
-  wide.fields = {signal, signal};
+  wide.signals = {signal, signal};
   const auto text = written({wide, message("ari", 2, "imu-1"), message("ari", 3, "imu_1")});
   EXPECT_THAT(text, HasSubstr("BU_: front_imu imu_1 imu_1_2\n"));
   EXPECT_THAT(text, HasSubstr("BO_ 1 _3rd_axle__pressure: 8 front_imu\n"));
@@ -100,7 +143,7 @@ TEST(DbcWriter, OneIdentifierIsWrittenOnce) {
 }
 
 TEST(DbcWriter, TextsCannotLeaveTheirQuotationMarks) {
-  can::MessageLayout layout = message("m", 1);
+  can::OwnedMessage layout = message("m", 1);
   layout.text = "say \"hello\"\n\\ 20 \xC2\xB0";
   EXPECT_THAT(written({layout}), HasSubstr("CM_ BO_ 1 \"say 'hello''' 20 ''\";\n"));
 }

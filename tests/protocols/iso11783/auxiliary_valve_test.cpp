@@ -103,10 +103,10 @@ TEST(AuxiliaryValves, EveryByteOfACommandDecodesAndEncodesToTheSame) {
 TEST(AuxiliaryValveLayouts, CarryTheParameterNumbersThatAreListedForThem) {
   const auto layouts = message_layouts(0, kAuxiliaryValves, 0x80, "valves");
   const auto spn = [&](const char* message, const char* field) {
-    const auto layout = std::ranges::find(layouts, message, &can::MessageLayout::name);
+    const auto layout = std::ranges::find(layouts, message, &can::OwnedMessage::name);
     EXPECT_NE(layout, layouts.end()) << message;
-    const auto signal = std::ranges::find(layout->fields, field, &can::SignalLayout::name);
-    EXPECT_NE(signal, layout->fields.end()) << field;
+    const auto signal = std::ranges::find(layout->signals, field, &can::OwnedSignal::name);
+    EXPECT_NE(signal, layout->signals.end()) << field;
     return signal->text;
   };
   EXPECT_EQ(spn("av00c", "port_flow"), "SPN 1907");

@@ -62,11 +62,11 @@ TYPED_TEST(VehicleMessage, NumbersReturnWithinHalfACount) {
   for (const auto& row : numbers<TypeParam>()) {
     for (int i = 0; i <= kSteps; ++i) {
       const double share = static_cast<double>(i) / kSteps;
-      const double value = std::lerp(row.field.lower, row.field.upper, share) * row.sign;
+      const double value = std::lerp(row.signal.lower, row.signal.upper, share);
       TypeParam message;
       message.*row.number = value;
-      ASSERT_NEAR(returned(message, row.number), value, row.field.scale * (0.5 + 1e-6))
-          << row.field.name;
+      ASSERT_NEAR(returned(message, row.number), value, std::abs(row.signal.scale) * (0.5 + 1e-6))
+          << row.signal.name;
     }
   }
 }
@@ -74,10 +74,10 @@ TYPED_TEST(VehicleMessage, NumbersReturnWithinHalfACount) {
 TYPED_TEST(VehicleMessage, NumbersSaturateBelowTheIndicators) {
   for (const auto& row : numbers<TypeParam>()) {
     TypeParam message;
-    message.*row.number = row.sign * 1e30;
-    EXPECT_NEAR(returned(message, row.number), row.sign * row.field.upper, 1e-6 * row.field.scale);
-    message.*row.number = row.sign * -1e30;
-    EXPECT_NEAR(returned(message, row.number), row.sign * row.field.lower, 1e-6 * row.field.scale);
+    message.*row.number = 1e30;
+    EXPECT_NEAR(returned(message, row.number), row.signal.upper, 1e-6 * std::abs(row.signal.scale));
+    message.*row.number = -1e30;
+    EXPECT_NEAR(returned(message, row.number), row.signal.lower, 1e-6 * std::abs(row.signal.scale));
   }
 }
 
@@ -85,21 +85,21 @@ TYPED_TEST(VehicleMessage, NoMeasurementAndErrorAreKept) {
   for (const auto& row : numbers<TypeParam>()) {
     TypeParam message;
     message.*row.number = kError;
-    EXPECT_EQ(returned(message, row.number), kError) << row.field.name;
+    EXPECT_EQ(returned(message, row.number), kError) << row.signal.name;
     message.*row.number = -kError;
-    EXPECT_EQ(returned(message, row.number), kError) << row.field.name;
+    EXPECT_EQ(returned(message, row.number), kError) << row.signal.name;
     message.*row.number = kNotAvailable;
-    EXPECT_TRUE(std::isnan(returned(message, row.number))) << row.field.name;
+    EXPECT_TRUE(std::isnan(returned(message, row.number))) << row.signal.name;
   }
 }
 
 TYPED_TEST(VehicleMessage, CodesAndSwitchesReturnAsTheyWere) {
   for (const auto& row : TypeParam::parameters()) {
-    for (unsigned raw = 0; raw < (1U << std::min<unsigned>(row.field.width, 8)); ++raw) {
+    for (unsigned raw = 0; raw < (1U << std::min<unsigned>(row.signal.width, 8)); ++raw) {
       TypeParam message;
       if (row.code != nullptr) {
         message.*row.code = static_cast<std::uint8_t>(raw);
-        EXPECT_EQ(returned(message).*row.code, raw) << row.field.name;
+        EXPECT_EQ(returned(message).*row.code, raw) << row.signal.name;
       } else if (row.state != nullptr) {
         message.*row.state = static_cast<Switch>(raw);
         EXPECT_EQ(returned(message).*row.state, static_cast<Switch>(raw));

@@ -40,19 +40,20 @@ TEST(XsensMessages, KnownFrames) {
 
 TEST(XsensMessages, EveryFieldComesBackWithinHalfACountOverItsWholeRange) {
   for (const Message& message : messages()) {
-    for (std::size_t i = 0; i < message.fields.size(); ++i) {
-      const Field& field = message.fields[i];
+    for (std::size_t i = 0; i < message.signals.size(); ++i) {
+      const can::Signal& signal = message.signals[i];
       for (int step = 0; step <= 64; ++step) {
-        const double value = lower(field) + (upper(field) - lower(field)) * step / 64.0;
+        const double value = signal.lower + (signal.upper - signal.lower) * step / 64.0;
         Values values{};
         values[i] = value;
-        const auto read = decode(
-            encode(message.id, std::span(values).first(message.fields.size()), step % 2 == 0));
+        const auto read =
+            decode(encode(static_cast<MessageId>(message.id),
+                          std::span(values).first(message.signals.size()), step % 2 == 0));
         ASSERT_TRUE(read.ok());
         EXPECT_EQ(read->message, &message);
-        EXPECT_LE(std::abs(read->values[i] - value), 0.5 * field.scale * (1 + 1e-9))
-            << message.name << ' ' << field.name;
-        for (std::size_t other = 0; other < message.fields.size(); ++other) {
+        EXPECT_LE(std::abs(read->values[i] - value), 0.5 * signal.scale * (1 + 1e-9))
+            << message.name << ' ' << signal.name;
+        for (std::size_t other = 0; other < message.signals.size(); ++other) {
           EXPECT_TRUE(other == i || read->values[other] == 0.0) << message.name;
         }
       }
@@ -90,14 +91,14 @@ TEST(XsensMessages, ExponentOfTheIncrementIsTheGreatestThatFits) {
   EXPECT_EQ(increment_exponent(9.81), 11U);
 }
 
-TEST(XsensLayouts, BigEndianPositionsAreThoseOfTheLeastSignificantBit) {
+TEST(XsensLayouts, BigEndianPositionsAreThoseOfTheMostSignificantBit) {
   for (const auto& layout : layouts(false, 100e-6)) {
     if (layout.name == "rate_of_turn") {
-      ASSERT_EQ(layout.fields.size(), 3U);
-      EXPECT_EQ(layout.fields[0].bit, 8);  // byte 1
-      EXPECT_EQ(layout.fields[2].bit, 40);
-      EXPECT_EQ(layout.fields[0].scale, 0.001953125);
-      EXPECT_TRUE(layout.fields[0].is_signed);
+      ASSERT_EQ(layout.signals.size(), 3U);
+      EXPECT_EQ(layout.signals[0].bit, 7);  // byte 0
+      EXPECT_EQ(layout.signals[2].bit, 39);
+      EXPECT_EQ(layout.signals[0].scale, 0.001953125);
+      EXPECT_TRUE(layout.signals[0].is_signed);
     }
   }
 }

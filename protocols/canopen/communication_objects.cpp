@@ -5,13 +5,14 @@
 namespace rigwire::protocols::canopen {
 namespace {
 
-can::OwnedSignal unsigned_field(std::string name, std::uint16_t bit, std::uint16_t width) {
-  can::OwnedSignal field;
-  field.name = std::move(name);
-  field.bit = bit;
-  field.width = width;
-  field.upper = static_cast<double>((std::uint64_t{1} << width) - 1U);
-  return field;
+can::OwnedSignal counts(std::string name, std::uint16_t bit, std::uint16_t width,
+                        bool is_signed = false) {
+  can::OwnedSignal signal;
+  signal.name = std::move(name);
+  signal.bit = bit;
+  signal.width = width;
+  signal.is_signed = is_signed;
+  return can::unlimited(std::move(signal));
 }
 
 }  // namespace
@@ -29,13 +30,7 @@ can::OwnedMessage make_layout(std::string name, std::uint32_t base, std::uint8_t
 can::OwnedSignal make_signal(std::string name, const ObjectEntry& entry, std::uint16_t bit,
                              std::string_view profile) {
   const auto width = static_cast<std::uint16_t>(8 * size_of(entry.type));
-  can::OwnedSignal field = unsigned_field(std::move(name), bit, width);
-  field.is_signed = is_signed(entry.type);
-  if (field.is_signed) {
-    const auto half = static_cast<double>(std::uint64_t{1} << (width - 1U));
-    field.lower = -half;
-    field.upper = half - 1.0;
-  }
+  can::OwnedSignal field = counts(std::move(name), bit, width, is_signed(entry.type));
   field.unit = entry.unit;
   field.text = std::string(profile) + ": " + std::string(entry.name);
   return field;
@@ -44,7 +39,7 @@ can::OwnedSignal make_signal(std::string name, const ObjectEntry& entry, std::ui
 can::OwnedMessage make_heartbeat_layout(const std::string& device, std::uint8_t node_id) {
   auto layout = make_layout(device + "_heartbeat", kHeartbeatBase, node_id, 1,
                             "Boot-up and heartbeat, CiA 301");
-  layout.signals = {unsigned_field("node_state", 0, 8)};
+  layout.signals = {counts("node_state", 0, 8)};
   layout.signals[0].values = {
       {0, "boot-up"}, {4, "stopped"}, {5, "operational"}, {127, "pre-operational"}};
   return layout;
@@ -53,8 +48,8 @@ can::OwnedMessage make_heartbeat_layout(const std::string& device, std::uint8_t 
 can::OwnedMessage make_emergency_layout(const std::string& device, std::uint8_t node_id) {
   auto layout =
       make_layout(device + "_emergency", kEmergencyBase, node_id, 8, "Emergency, CiA 301");
-  layout.signals = {unsigned_field("error_code", 0, 16), unsigned_field("error_register", 16, 8),
-                    unsigned_field("detail", 24, 8)};
+  layout.signals = {counts("error_code", 0, 16), counts("error_register", 16, 8),
+                    counts("detail", 24, 8)};
   return layout;
 }
 

@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <string>
+#include <utility>
 
 namespace rigwire::protocols::canopen {
 namespace {
@@ -64,10 +65,8 @@ std::vector<can::OwnedMessage> inclinometer_layouts(std::uint8_t node_id,
     can::OwnedSignal field =
         make_signal(name, *find(kObjects, objects.address(kSlopeValue)), bit, "CiA 410");
     field.scale = 1e-3 * resolution_mdeg;
-    field.lower *= field.scale;
-    field.upper *= field.scale;
     field.unit = "deg";
-    return field;
+    return can::unlimited(std::move(field));
   };
   std::vector<can::OwnedMessage> list{
       make_layout("inclinometer_slopes", kTransmitPdo1Base, node_id, 4, "TPDO1, 16-bit slopes"),

@@ -8,9 +8,6 @@ namespace j1939 = protocols::j1939;
 
 namespace {
 
-constexpr unsigned kFirstArbitrary = 128;
-constexpr unsigned kLastArbitrary = 247;
-
 /// Addresses that a node may use at once.
 constexpr bool is_assigned(std::uint8_t address) {
   return address <= 127 || (address >= 248 && address <= 253);
@@ -20,6 +17,13 @@ constexpr bool is_assigned(std::uint8_t address) {
 
 J1939Address::J1939Address(const J1939AddressPolicy& policy, FrameOutput& output)
     : policy_(policy), output_(output), next_(policy.first_claim), address_(policy.preferred) {}
+
+void J1939Address::restart(std::uint8_t preferred, SimTime first_claim) {
+  state_ = State::off;
+  next_ = first_claim;
+  address_ = preferred;
+  taken_ = {};
+}
 
 void J1939Address::send(SimTime now, std::uint8_t source) {
   output_.send(now + policy_.answer_delay, j1939::make_address_claim(source, policy_.name));
@@ -31,8 +35,8 @@ void J1939Address::advance(SimTime now) {
     next_ = kNever;
     switch (state_) {
       case State::off:
-        if (taken_[address_] && holder_[address_] <= policy_.name) {
-          move(instant);
+        if (taken_[address_] && (policy_.gives_way || holder_[address_] <= policy_.name)) {
+          move(instant, Duration{0});
         } else {
           claim(instant);
         }
@@ -65,13 +69,16 @@ SimTime J1939Address::after_claim(SimTime now) const {
   return policy_.repeat > Duration{0} ? now + policy_.repeat : kNever;
 }
 
-void J1939Address::move(SimTime now) {
+void J1939Address::move(SimTime now, Duration delay) {
   state_ = State::off;
-  for (unsigned address = kFirstArbitrary; policy_.arbitrary_address && address <= kLastArbitrary;
-       ++address) {
+  for (unsigned address = kFirstArbitraryAddress;
+       policy_.arbitrary_address && address <= kLastArbitraryAddress; ++address) {
     if (!taken_[address]) {
       address_ = static_cast<std::uint8_t>(address);
-      claim(now);
+      next_ = now + delay;
+      if (delay == Duration{0}) {
+        claim(now);
+      }
       return;
     }
   }
@@ -117,7 +124,7 @@ void J1939Address::on_claim(SimTime now, std::uint8_t source, std::uint64_t name
   if (conflict && policy_.name == name) {
     give_up(now);
   } else if (conflict) {
-    move(now);
+    move(now, policy_.reclaim_delay);
   }
 }
 

@@ -20,6 +20,10 @@
 
 namespace rigwire::emulators {
 
+/// The addresses that a node may choose from.
+inline constexpr std::uint8_t kFirstArbitraryAddress = 128;
+inline constexpr std::uint8_t kLastArbitraryAddress = 247;
+
 struct J1939AddressPolicy {
   std::uint8_t preferred = 0;
   std::uint64_t name = 0;
@@ -30,6 +34,8 @@ struct J1939AddressPolicy {
   bool silent_after_claim = true;  ///< For 250 ms, with an address that asks for it.
   bool says_cannot_claim = true;   ///< Else it just falls silent.
   Duration repeat{0};              ///< The claim is repeated for ever at this period; 0: never.
+  Duration reclaim_delay{0};       ///< From the loss of an address to the claim of another.
+  bool gives_way = false;          ///< Before its own claim, even to a higher NAME.
 };
 
 class J1939Address {
@@ -37,6 +43,9 @@ class J1939Address {
   static constexpr Duration kSilence = std::chrono::milliseconds{250};
 
   J1939Address(const J1939AddressPolicy& policy, FrameOutput& output);
+
+  /// Forgets whom it has heard; claims `preferred` at `first_claim` (kNever: switched off).
+  void restart(std::uint8_t preferred, SimTime first_claim);
 
   void advance(SimTime now);
   /// The next claim, the end of the silence after one, or the next "cannot claim".
@@ -66,7 +75,8 @@ class J1939Address {
 
   void send(SimTime now, std::uint8_t source);
   void claim(SimTime now);
-  void move(SimTime now);
+  /// To the next free address, claimed after `delay`; gives up when there is none.
+  void move(SimTime now, Duration delay);
   void give_up(SimTime now);
   /// When an address that is held is claimed again by itself.
   [[nodiscard]] SimTime after_claim(SimTime now) const;

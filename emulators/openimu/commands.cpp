@@ -138,7 +138,7 @@ void OpenImu::apply_behaviour(const openimu::Setting& setting) {
     const unsigned cleared = setting.more[0] | (static_cast<unsigned>(setting.more[1]) << 8U);
     word = (configuration_.behaviour | setting.word) & ~cleared;
     const std::uint8_t address = setting.more[2];
-    if (address >= kFirstPoolAddress && address <= kLastPoolAddress) {
+    if (address >= kFirstArbitraryAddress && address <= kLastArbitraryAddress) {
       new_address_ = address;
     }
   }

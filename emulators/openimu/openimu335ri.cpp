@@ -42,10 +42,14 @@ Duration claim_delay(const OpenImuSettings& settings) {
   return (ticks == 0 ? kLongestClaimDelay : ticks) * OpenImu::kTick;
 }
 
-AddressPolicy make_policy(const OpenImuSettings& settings) {
-  AddressPolicy policy;
+/// As the firmware does it rather than SAE J1939-81 (docs/devices/openimu335ri.md).
+J1939AddressPolicy make_policy(const OpenImuSettings& settings) {
+  J1939AddressPolicy policy;
   policy.preferred = settings.source_address;
   policy.name = make_name(settings.serial);
+  policy.arbitrary_address = true;
+  policy.silent_after_claim = false;
+  policy.says_cannot_claim = false;
   policy.first_claim = kNever;
   policy.answer_delay = settings.processing_delay;
   if (settings.variant == OpenImuVariant::openimu335ri) {
@@ -145,6 +149,14 @@ void OpenImu::advance(SimTime now) {
   if (address_.held() && address_.address() != held_address_) {
     held_address_ = saved_.address = address_.address();
     (void)remember();
+  }
+}
+
+void OpenImu::controller(SimTime now, const protocols::can::ControllerReport& report) {
+  advance(now);
+  // A lost claim of the 300RI is mended by the next one.
+  if (report.restarted && !is_300()) {
+    address_.on_restart(now);
   }
 }
 

@@ -6,11 +6,12 @@
 // its packet mask. Its tilt comes from its own filter over the samples (inertial/filter.h), never
 // from truth.
 //
-// Life: the 335RI waits (serial & 0x1F) * 5 ms, 31 for 0, before it claims its address, the 300RI
-// claims at once; data follow from the next tick on. Requests (PGN 59904) and settings (FF50..FF5E,
-// FFF0..) are answered `processing_delay` after the frame that brought them. What "save" has
-// written, and an address won in contention, outlives the supply and a restart. Foreign and
-// malformed frames are counted and change nothing.
+// Life: the 335RI waits (serial & 0x1F) * 5 ms, 31 for 0, before it claims its address, and claims
+// again when it is back from bus-off; the 300RI claims at once and then every second. Data follow
+// from the next tick on. Requests (PGN 59904) and settings (FF50..FF5E, FFF0..) are answered
+// `processing_delay` after the frame that brought them. What "save" has written, and an address won
+// in contention, outlives the supply and a restart. Foreign and malformed frames are counted and
+// change nothing.
 #pragma once
 
 #include <array>
@@ -23,8 +24,8 @@
 #include "emulators/backends.h"
 #include "emulators/device.h"
 #include "emulators/inertial/filter.h"
+#include "emulators/j1939/j1939_address.h"
 #include "emulators/nonvolatile_memory.h"
-#include "emulators/openimu/address.h"
 #include "emulators/openimu/settings.h"
 #include "emulators/supply.h"
 
@@ -48,6 +49,7 @@ class OpenImu final : public CanDevice, public ImuBackend {
   [[nodiscard]] std::span<const Quantity> quantities() const override;
 
   void receive(SimTime now, const protocols::can::Frame& frame) override;
+  void controller(SimTime now, const protocols::can::ControllerReport& report) override;
   [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
   /// One tick. Samples outside the element's range are clamped and marked; a sample that is not
@@ -126,7 +128,7 @@ class OpenImu final : public CanDevice, public ImuBackend {
   bool memory_damaged_ = false;
   Supply supply_;
   SimTime restart_ = kNever;  ///< Asked for by a client.
-  OpenImuAddress address_;
+  J1939Address address_;
   LowPass rate_filter_;
   LowPass force_filter_;
   TiltFilter tilt_;

@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "emulators/j1939/j1939_address.h"
 #include "emulators/nonvolatile_memory.h"
-#include "emulators/openimu/address.h"
 #include "fields/check.h"
 #include "fields/visitor.h"
 #include "protocols/bytes.h"
@@ -101,7 +101,8 @@ void for_each_value(Memory& memory, Step&& step) {
 
 void visit(fields::Visitor& v, OpenImuSettings& p) {
   OpenImuConfiguration& c = p.configuration;
-  v.integer("source_address", p.source_address, IntegerRule{kFirstPoolAddress, kLastPoolAddress},
+  v.integer("source_address", p.source_address,
+            IntegerRule{kFirstArbitraryAddress, kLastArbitraryAddress},
             "Preferred J1939 address; another one is claimed when it is lost.");
   v.integer("serial", p.serial, IntegerRule{1, (1 << 21) - 1},
             "Identity number in the NAME; unique on a bus.");
@@ -166,7 +167,8 @@ std::optional<OpenImuMemory> unsealed(std::span<const std::uint8_t> block, OpenI
     value = load_little<Value>(*content, at);
     at += sizeof(Value);
   });
-  const bool of_pool = memory.address >= kFirstPoolAddress && memory.address <= kLastPoolAddress;
+  const bool of_pool =
+      memory.address >= kFirstArbitraryAddress && memory.address <= kLastArbitraryAddress;
   if (!of_pool || !is_of(memory.configuration, variant)) {
     return std::nullopt;
   }

@@ -1,10 +1,10 @@
-#include "emulators/openimu/address.h"
-
+// How an OpenIMU gets and keeps its address: as its firmware does it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "emulators/can/can_bus.h"
 #include "rig.h"
@@ -72,6 +72,70 @@ TEST(OpenImuAddress, FallsSilentWhenThePoolIsFull) {
   const std::size_t before = rig.output.frames.size();
   rig.run(100ms);
   rig.receive(j1939::make_request(kTester, j1939::kGlobalAddress, j1939::kAddressClaimedPgn));
+  EXPECT_EQ(rig.output.frames.size(), before);
+}
+
+protocols::can::ControllerReport back_from_bus_off() {
+  protocols::can::ControllerReport report;
+  report.restarted = true;
+  return report;
+}
+
+TEST(OpenImuAddress, The335RiClaimsAgainAfterBusOffBeforeItSendsData) {
+  OpenImuRig rig;
+  rig.run(100ms);
+  rig.output.frames.clear();
+  rig.imu.controller(rig.now, back_from_bus_off());
+  EXPECT_FALSE(rig.imu.address_held());
+  rig.run(200ms);
+  ASSERT_FALSE(rig.output.frames.empty());
+  EXPECT_EQ(rig.output.frames.front().second, j1939::make_address_claim(0x80, rig.imu.name()));
+  EXPECT_EQ(rig.output.of(j1939::kAddressClaimedPgn).size(), 1U);
+  EXPECT_FALSE(rig.output.of(openimu::kSlopePgn).empty());
+}
+
+TEST(OpenImuAddress, The335RiAvoidsWhoTookItsAddressDuringBusOff) {
+  OpenImuRig rig;
+  rig.run(100ms);
+  rig.imu.controller(rig.now, back_from_bus_off());
+  rig.receive(j1939::make_address_claim(0x80, 1));
+  rig.run(200ms);
+  EXPECT_TRUE(rig.imu.address_held());
+  EXPECT_EQ(rig.imu.address(), 0x81);
+}
+
+TEST(OpenImuAddress, BusOffWhileSwitchedOffIsNoStart) {
+  OpenImuSettings settings = settings_with(0x12341);
+  settings.supply.power_on = 1s;
+  OpenImuRig rig(settings);
+  rig.imu.controller(rig.now, back_from_bus_off());
+  rig.run(500ms);
+  EXPECT_TRUE(rig.output.frames.empty());
+}
+
+TEST(OpenImuAddress, The300RiRepeatsItsClaimEachSecondWhateverHappens) {
+  OpenImuRig rig(settings_with(0x12341, OpenImuVariant::openimu300ri));
+  rig.run(1500ms);
+  rig.imu.controller(rig.now, back_from_bus_off());
+  EXPECT_TRUE(rig.imu.address_held());
+  rig.run(2s);
+  std::vector<SimTime> claims;
+  for (const auto& [due, frame] : rig.output.frames) {
+    if (frame == j1939::make_address_claim(0x80, rig.imu.name())) {
+      claims.push_back(due);
+    }
+  }
+  EXPECT_THAT(claims, testing::ElementsAre(kStart + 1ms, kStart + 1001ms, kStart + 2001ms,
+                                           kStart + 3001ms));
+}
+
+TEST(OpenImuAddress, TheVerySameNameSilencesIt) {
+  OpenImuRig rig;
+  rig.run(50ms);
+  rig.receive(j1939::make_address_claim(0x80, rig.imu.name()));
+  const std::size_t before = rig.output.frames.size();
+  rig.run(100ms);
+  EXPECT_FALSE(rig.imu.address_held());
   EXPECT_EQ(rig.output.frames.size(), before);
 }
 

@@ -70,6 +70,7 @@ bool is_reserved(const Coding& signal) {
 }  // namespace
 
 Availability classify(unsigned width, std::uint64_t raw) {
+  width = width_of_patterns(width);
   if (raw <= greatest_valid(width)) {
     return Availability::valid;
   }

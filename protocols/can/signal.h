@@ -80,22 +80,27 @@ struct Reading {
   return width >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << width) - 1U;
 }
 
-// The reserved patterns of J1939, by width of 2 .. 64 bits.
+// The reserved patterns of J1939, by width: of 2 .. 64 bits, others count as the nearest of these.
+[[nodiscard]] constexpr unsigned width_of_patterns(unsigned width) {
+  return width < 2 ? 2 : width > 64 ? 64 : width;
+}
 /// The greatest raw value that is a measurement.
 [[nodiscard]] constexpr std::uint64_t greatest_valid(unsigned width) {
   if (width == 10) {
     return 1000;
   }
-  return width < 8 ? greatest_raw(width) - 2U : (std::uint64_t{0xFB} << (width - 8)) - 1U;
+  const unsigned bits = width_of_patterns(width);
+  return bits < 8 ? greatest_raw(bits) - 2U : (std::uint64_t{0xFB} << (bits - 8U)) - 1U;
 }
 /// The raw value sent for an error; the greatest of the error values.
 [[nodiscard]] constexpr std::uint64_t error_value(unsigned width) {
-  return width < 8 || width == 10 ? greatest_raw(width) - 1U
-                                  : greatest_raw(width) - (std::uint64_t{1} << (width - 8));
+  const unsigned bits = width_of_patterns(width);
+  return greatest_raw(bits) -
+         (bits < 8 || bits == 10 ? std::uint64_t{1} : std::uint64_t{1} << (bits - 8U));
 }
 /// The raw value sent for "not available": all ones.
 [[nodiscard]] constexpr std::uint64_t not_available_value(unsigned width) {
-  return greatest_raw(width);
+  return greatest_raw(width_of_patterns(width));
 }
 /// What a raw value of that width is.
 [[nodiscard]] Availability classify(unsigned width, std::uint64_t raw);

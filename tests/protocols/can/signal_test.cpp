@@ -302,7 +302,7 @@ TEST(Signal, RowsThatAreNoneAreNamedAndHarmless) {
   std::array<Coding, 10> rows;
   rows.fill(number(0, 16));
   rows[0].width = 0;
-  rows[1].width = 65;
+  rows[1].width = 134;
   rows[2].bit = 60;
   rows[3] = number(56, 9, false, ByteOrder::big_endian);
   rows[4].is_float = true;
@@ -318,6 +318,9 @@ TEST(Signal, RowsThatAreNoneAreNamedAndHarmless) {
       const Bytes data = bytes_of(row, value);
       (void)get(row, data);
       (void)from_raw(row, to_raw(row, value));
+      Coding reserved = row;
+      reserved.reserved = Reserved::j1939;
+      (void)get(unlimited(reserved), bytes_of(unlimited(reserved), value));
     }
   }
   EXPECT_THAT(bytes_of(rows[2], 65535.0), ElementsAre(0, 0, 0, 0, 0, 0, 0, 0));

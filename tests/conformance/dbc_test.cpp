@@ -211,5 +211,47 @@ TEST_F(Dbc, CanmatrixDecodesBigEndianSignedSignals) {
   EXPECT_EQ(objects[1].at("values").at("z"), -1.0);
 }
 
+/// What our codec writes, canmatrix reads: pages, a Motorola number across bytes, a float.
+TEST_F(Dbc, CanmatrixDecodesMultiplexedAndFloatingPointSignals) {
+  using protocols::can::OwnedSignal;
+  OwnedMessage pages;
+  pages.name = "pages";
+  pages.id = 0x45;
+  pages.sender = "unit";
+  OwnedSignal signal;
+  signal.name = "page";
+  pages.signals.push_back(unlimited(signal));
+  signal.multiplexor = 0;
+  signal.name = "pressure";
+  signal.present_at = {{3, 3}};
+  signal.bit = 12;
+  signal.width = 10;
+  signal.scale = 0.5;
+  pages.signals.push_back(unlimited(signal));
+  signal.name = "angle";
+  signal.present_at = {{4, 4}};
+  signal.bit = 10;
+  signal.width = 12;
+  signal.order = protocols::can::ByteOrder::big_endian;
+  signal.is_signed = true;
+  signal.offset = 100.0;
+  pages.signals.push_back(unlimited(signal));
+  OwnedSignal speed;
+  speed.name = "speed";
+  speed.bit = 32;
+  speed.width = 32;
+  speed.is_signed = speed.is_float = true;
+  speed.lower = -1e6;
+  speed.upper = 1e6;
+  pages.signals.push_back(speed);
+  ASSERT_TRUE(well_formed(pages));
+  const std::vector<double> third{3, 300.5, -700.5, -1.25};
+  const std::vector<double> fourth{4, 300.5, -700.5, 1e9};
+  const auto objects = read({pages}, {encode(pages, third), encode(pages, fourth)});
+  ASSERT_EQ(objects.size(), 3U);
+  EXPECT_EQ(objects[1].at("values"), Json({{"page", 3.0}, {"pressure", 300.5}, {"speed", -1.25}}));
+  EXPECT_EQ(objects[2].at("values"), Json({{"page", 4.0}, {"angle", -700.5}, {"speed", 1e6}}));
+}
+
 }  // namespace
 }  // namespace rigwire

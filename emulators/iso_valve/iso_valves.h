@@ -23,6 +23,7 @@
 #include "emulators/iso_valve/channel.h"
 #include "emulators/iso_valve/settings.h"
 #include "emulators/j1939/j1939_node.h"
+#include "emulators/j1939/trouble_memory.h"
 #include "emulators/valve_amplifier/amplifier.h"
 #include "protocols/vehicle/diagnostics.h"
 
@@ -68,12 +69,7 @@ class IsoValves final : public CanDevice, public ValveBackend, J1939Application 
     double sign = 1.0;
   };
 
-  struct Troubles {
-    std::array<protocols::vehicle::TroubleCode, protocols::vehicle::kGreatestCodes> codes{};
-    std::size_t count = 0;
-
-    friend bool operator==(const Troubles&, const Troubles&) = default;
-  };
+  using Troubles = TroubleMemory::Codes;
 
   J1939Answer answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
   J1939Reception take(SimTime now, const J1939Message& message) override;

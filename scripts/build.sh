@@ -2,13 +2,16 @@
 # Configures a preset of CMakePresets.json if it is not yet, and builds it.
 #
 #   scripts/build.sh PRESET [TARGET...]
+#
+# `release` and `check` share the folder build/: once `check` has added the tests to it, they stay,
+# and nothing that is built is built again.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 preset=$1
 shift
 case $preset in
-  release) directory=build ;;
+  release | check) directory=build ;;
   *) directory=build-$preset ;;
 esac
 
@@ -17,9 +20,13 @@ esac
 if [ -e "$directory/CMakeCache.txt" ] &&
   ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD" "$directory/CMakeCache.txt"; then
   echo "$directory was made for another place; configuring it anew"
-  rm -rf "$directory/CMakeCache.txt" "$directory/CMakeFiles"
+  rm -rf "$directory/CMakeCache.txt" "$directory/CMakeFiles" "$directory/build.ninja"
 fi
-if [ ! -e "$directory/build.ninja" ]; then
+without_tests() { # whether what ninja knows of the folder are the programs alone
+  [ ! -e "$directory/tests/CTestTestfile.cmake" ] ||
+    ! grep -qx 'RIGWIRE_TESTS:BOOL=ON' "$directory/CMakeCache.txt"
+}
+if [ ! -e "$directory/build.ninja" ] || { [ "$preset" = check ] && without_tests; }; then
   mkdir -p "$directory"
   if ! cmake --preset "$preset" >"$directory/configure.log" 2>&1; then
     cat "$directory/configure.log" >&2

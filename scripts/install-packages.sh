@@ -1,5 +1,8 @@
 #!/usr/bin/env bash
-# Installs what of packages.txt is missing. Says nothing and takes no rights when nothing is.
+# Installs what is missing of the lists of packages.txt that are named. Says nothing and takes no
+# rights when nothing is.
+#
+#   scripts/install-packages.sh LIST...      for example: build test
 #
 # Some packages bring a daemon (gpsd). Whether it starts on installation is decided by the
 # machine's own policy; so that this script starts none, it installs with a policy of its own that
@@ -9,7 +12,25 @@ set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
-mapfile -t wanted < <(sed 's/#.*//; s/[[:space:]]//g; /^$/d' "$root/packages.txt")
+# packages_of LIST: what stands under [LIST].
+packages_of() {
+  sed 's/#.*//; s/[[:space:]]//g; /^$/d' "$root/packages.txt" |
+    awk -v list="[$1]" '/^\[/ {inside = $0 == list; next} inside'
+}
+
+if [ $# = 0 ]; then
+  echo "install-packages: no list, allowed: $(sed -n 's/^\[\(.*\)\].*/\1/p' "$root/packages.txt" | xargs)" >&2
+  exit 2
+fi
+wanted=()
+for list in "$@"; do
+  mapfile -t of_list < <(packages_of "$list")
+  if [ ${#of_list[@]} = 0 ]; then
+    echo "install-packages: packages.txt has no list '$list'" >&2
+    exit 2
+  fi
+  wanted+=("${of_list[@]}")
+done
 # One line per installed package; dpkg-query complains about (and fails for) those it never saw.
 installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' "${wanted[@]}" 2>/dev/null |
   awk '$1 == "installed" {print $2}') || true

@@ -94,6 +94,7 @@ function(rigwire_test folder)
     endif()
   endforeach()
   target_link_libraries(${folder}_tests PRIVATE ${ARG_LINK} GTest::gmock_main)
-  gtest_discover_tests(${folder}_tests DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300 LABELS ${folder}
+  gtest_discover_tests(${folder}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES PROPERTIES TIMEOUT 300
+    LABELS ${folder}
     PROCESSORS ${processors})
 endfunction()

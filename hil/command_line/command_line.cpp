@@ -138,6 +138,7 @@ struct Parsed {
   std::string truth;
   std::string lidar_truth;
   std::string status;
+  std::string log_level = "info";
   bool dry_run = false;
   bool print = false;
   bool json = false;
@@ -160,6 +161,12 @@ void declare(CLI::App& app, Parsed& parsed) {
         ->allow_extra_args(false);
   };
 
+  const auto log_level = [&](CLI::App* verb) {
+    verb->add_option("--log-level", parsed.log_level,
+                     "Least of what is told on standard error: debug, info, warning or error")
+        ->capture_default_str();
+  };
+
   CLI::App* run_app = app.add_subcommand("run", "Run a rig until Ctrl-C or --duration");
   rig(run_app);
   run_app->add_option("--clock", parsed.clock, "real, free (as fast as possible) or scaled:X");
@@ -171,6 +178,7 @@ void declare(CLI::App& app, Parsed& parsed) {
   run_app->add_option("--lidar-truth", parsed.lidar_truth,
                       "Write the ground truth of every lidar shot to a file");
   run_app->add_option("--status", parsed.status, "live, plain or none");
+  log_level(run_app);
   run_app->add_flag("--dry-run", parsed.dry_run, "Check and print the plan; open nothing");
   run_app->footer(
       "\nExamples:\n  rigwire run excavator_pit --duration 20s --report report.json\n"
@@ -180,6 +188,7 @@ void declare(CLI::App& app, Parsed& parsed) {
   rig(check_app);
   check_app->add_flag("--print", parsed.print, "Print the effective configuration with origins");
   check_app->add_flag("--json", parsed.json, "Findings as JSON");
+  log_level(check_app);
   check_app->footer("\nExample:\n  rigwire check excavator_pit --set devices.gnss.rate=5 --print");
 
   CLI::App* list_app = app.add_subcommand("list", "List devices, machines, scenes or rigs");
@@ -243,8 +252,27 @@ void declare(CLI::App& app, Parsed& parsed) {
   completion_app->footer("\nExample:\n  source <(rigwire completion bash)");
 }
 
+std::optional<LogLevel> parse_log_level(const std::string& text) {
+  const auto it = std::ranges::find(kLogLevels, text);
+  return it == kLogLevels.end() ? std::nullopt
+                                : std::optional(static_cast<LogLevel>(it - kLogLevels.begin()));
+}
+
+int refuse_log_level(const std::string& found, Terminal terminal, const std::string& verb) {
+  const std::vector<std::string> levels(kLogLevels.begin(), kLogLevels.end());
+  const std::string near = nearest_word(found, levels);
+  return usage(fmt::format("--log-level: unknown level, found \"{}\", allowed {}{}", found,
+                           join_words(levels), near.empty() ? "" : ", did you mean " + near + "?"),
+               terminal.err, verb);
+}
+
 int dispatch_run(Parsed& parsed, Terminal terminal) {
   RunOptions options;
+  const auto level = parse_log_level(parsed.log_level);
+  if (!level) {
+    return refuse_log_level(parsed.log_level, terminal, "run");
+  }
+  options.log_level = *level;
   const auto clock = parse_clock_mode(parsed.clock);
   if (!clock) {
     return usage(fmt::format("--clock: unknown clock, found \"{}\", allowed real, free, scaled:X "
@@ -294,7 +322,9 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
     return dispatch_run(parsed, terminal);
   }
   if (app.got_subcommand("check")) {
-    return check_verb(parsed.rig, parsed.print, parsed.json, terminal);
+    const auto level = parse_log_level(parsed.log_level);
+    return level ? check_verb(parsed.rig, *level, parsed.print, parsed.json, terminal)
+                 : refuse_log_level(parsed.log_level, terminal, "check");
   }
   if (app.got_subcommand("list")) {
     return list_verb(parsed.word, parsed.json, terminal);

@@ -20,14 +20,15 @@ _rigwire() {
   case $before in
     --clock) COMPREPLY=($(compgen -W "real free scaled:" -- "$word")); return ;;
     --status) COMPREPLY=($(compgen -W "live plain none" -- "$word")); return ;;
+    --log-level) COMPREPLY=($(compgen -W "debug info warning error" -- "$word")); return ;;
     --report|--json|--truth|--lidar-truth)
       if [ "$verb" = run ] || [ "$verb" = bench ]; then
         COMPREPLY=($(compgen -f -- "$word")); return
       fi ;;
   esac
   case $verb in
-    run) local options="--clock --duration --seed --set --report --truth --lidar-truth --status --dry-run --help" ;;
-    check) local options="--set --print --json --help" ;;
+    run) local options="--clock --duration --seed --set --report --truth --lidar-truth --status --log-level --dry-run --help" ;;
+    check) local options="--set --log-level --print --json --help" ;;
     list) local options="devices machines scenes rigs --json --help" ;;
     describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --dbc --bus --units --eds --device --help" ;;
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
@@ -56,11 +57,12 @@ _rigwire() {
   case $words[CURRENT-1] in
     --clock) compadd -- real free scaled:; return ;;
     --status) compadd -- live plain none; return ;;
+    --log-level) compadd -- debug info warning error; return ;;
     --report|--truth|--lidar-truth) _files; return ;;
   esac
   case $words[2] in
-    run) compadd -- --clock --duration --seed --set --report --truth --lidar-truth --status --dry-run --help ;;
-    check) compadd -- --set --print --json --help ;;
+    run) compadd -- --clock --duration --seed --set --report --truth --lidar-truth --status --log-level --dry-run --help ;;
+    check) compadd -- --set --log-level --print --json --help ;;
     list) compadd -- devices machines scenes rigs --json --help ;;
     describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json --dbc --bus --units --eds --device ;;
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
@@ -92,6 +94,7 @@ complete -c rigwire -n "__fish_seen_subcommand_from run" -l report -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l truth -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l lidar-truth -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l status -x -a "live plain none"
+complete -c rigwire -n "__fish_seen_subcommand_from run check" -l log-level -x -a "debug info warning error"
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l dry-run
 complete -c rigwire -n "__fish_seen_subcommand_from check" -l print
 complete -c rigwire -n "__fish_seen_subcommand_from check list describe doctor" -l json

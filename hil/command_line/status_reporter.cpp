@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,7 +12,7 @@
 
 #include "hil/command_line/run_summary.h"
 #include "hil/configuration/plain_text.h"
-#include "hil/record/complain.h"
+#include "hil/record/run_log.h"
 
 namespace rigwire::hil {
 namespace {
@@ -62,6 +63,14 @@ std::size_t row_after(std::size_t row, std::string_view text) {
   return row;
 }
 
+/// Whether what is written to one descriptor moves what is on the other one's screen.
+bool same_terminal(int one, int other) {
+  struct stat a {};
+  struct stat b {};
+  return ::isatty(one) == 1 && ::isatty(other) == 1 && ::fstat(one, &a) == 0 &&
+         ::fstat(other, &b) == 0 && a.st_rdev == b.st_rdev;
+}
+
 std::string joined(const std::vector<std::string>& lines) {
   std::string text;
   for (const std::string& line : lines) {
@@ -83,6 +92,14 @@ std::string LivePicture::text(const std::vector<std::string>& lines) const {
     text.append(kEraseLine).append(line).append(kLineEnd);
   }
   return text.append(kEraseBelow);
+}
+
+std::string LivePicture::instead(const std::vector<std::string>& lines) const {
+  std::string text = this->text({});
+  for (const std::string& line : lines) {
+    text.append(line).append(kLineEnd);
+  }
+  return text;
 }
 
 std::string LivePicture::afresh(const std::vector<std::string>& lines) const {
@@ -120,14 +137,29 @@ StatusReporter::StatusReporter(RunView run, std::string head, StatusStyle style,
       output_(descriptor),
       period_(run_.configuration.status.period),
       history_(1),
-      look_(window_of(descriptor, colour)),
-      thread_([this] { loop(); }) {}
+      look_(window_of(descriptor, colour)) {
+  if (style == StatusStyle::live && same_terminal(descriptor, STDERR_FILENO)) {
+    run_.log.divert([mailbox = mailbox_](std::string_view line) {
+      {
+        const std::scoped_lock guard(mailbox->mutex);
+        if (mailbox->ended || mailbox->lines.size() >= kMostLines) {
+          return false;
+        }
+        mailbox->lines.emplace_back(line);
+      }
+      mailbox->arrived.notify_one();
+      return true;
+    });
+  }
+  thread_ = std::thread([this] { loop(); });
+}
 
 StatusReporter::~StatusReporter() {
   stop();
 }
 
 void StatusReporter::stop() {
+  run_.log.divert({});
   {
     const std::scoped_lock lock(mailbox_->mutex);
     mailbox_->ended = true;
@@ -136,6 +168,10 @@ void StatusReporter::stop() {
   interrupt_.raise();
   if (thread_.joinable()) {
     thread_.join();
+    const std::vector<std::string> lines = std::exchange(mailbox_->lines, {});
+    if (!lines.empty() && !over_) {
+      put(live_.rest_of_line() + joined(lines), Clock::now() + period_, nullptr);
+    }
   }
 }
 
@@ -164,13 +200,18 @@ void StatusReporter::loop() {
   while (!mailbox_->ended && !over_) {
     const bool resizable = style_ == StatusStyle::live && history_.size() > 1;
     const auto wake = resizable ? std::min(next, Clock::now() + kWindowPeriod) : next;
-    mailbox_->arrived.wait_until(lock, wake,
-                                 [this] { return mailbox_->ended || mailbox_->status; });
+    mailbox_->arrived.wait_until(lock, wake, [this] {
+      return mailbox_->ended || mailbox_->status || !mailbox_->lines.empty();
+    });
     if (mailbox_->ended) {
       break;
     }
     const std::optional<RigStatus> status = std::exchange(mailbox_->status, std::nullopt);
+    const std::vector<std::string> lines = std::exchange(mailbox_->lines, {});
     lock.unlock();
+    if (!lines.empty()) {
+      tell(lines);
+    }
     if (status) {
       requested = false;
       history_.push_back(*status);
@@ -209,6 +250,14 @@ void StatusReporter::show(const RigStatus& status) {
   put(picture(status), Clock::now() + period_, &interrupt_);
 }
 
+void StatusReporter::tell(const std::vector<std::string>& lines) {
+  put(live_.instead(lines), Clock::now() + period_, &interrupt_);
+  live_.leave();
+  if (history_.size() > 1) {
+    show(history_.back());
+  }
+}
+
 bool StatusReporter::put(const std::string& text, drivers::Output::Deadline until,
                          const drivers::Interrupt* interrupt) {
   const drivers::Written written = output_.write(text, until, interrupt);
@@ -241,7 +290,7 @@ void StatusReporter::conclude(const RunReport& report) {
   const auto until = Clock::now() + kSummaryPatience;
   const drivers::Written written = output_.write(text, until);
   if (written.end == WriteEnd::late) {
-    complain("standard output is not read; the summary is left out");
+    run_.log.warning("standard output is not read; the summary is left out");
   } else if (written.end == WriteEnd::closed) {
     run_.reader_gone();
   } else if (written.end == WriteEnd::failed) {

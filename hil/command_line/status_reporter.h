@@ -5,6 +5,9 @@
 // The reader of the output may stall (a pager, a stopped terminal): a picture that is not whole
 // within its period is abandoned, and the next one begins where a new line does. A reader that
 // closes ends the run; another failure is told, and the pictures end.
+//
+// Where standard error is the terminal of a table that is refreshed in place, lines of the log
+// would shift it: they are shown here, above the table, and scroll off with what was there before.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -42,6 +45,9 @@ class LivePicture {
   [[nodiscard]] std::string rest_of_line() const { return line_.substr(line_written_); }
   /// So many bytes of `text` were written.
   void written(std::string_view text, std::size_t bytes);
+  /// What is to be written to have `lines` where the picture begins, and it gone; leave() is to
+  /// follow. They may be wider than the screen.
+  [[nodiscard]] std::string instead(const std::vector<std::string>& lines) const;
   /// What follows stands below, and is not replaced.
   void leave() { row_ = 0; }
 
@@ -58,6 +64,9 @@ class StatusReporter final : public Onlooker {
   /// How long the summary waits for a reader that does not read.
   static constexpr std::chrono::seconds kSummaryPatience{2};
 
+  /// Lines of the log that a terminal that stalls may leave waiting.
+  static constexpr std::size_t kMostLines = 1000;
+
   /// Begins with `head`. Writes to `descriptor`.
   StatusReporter(RunView run, std::string head, StatusStyle style, bool colour, int descriptor);
   /// Stops the thread at once, whatever the reader does.
@@ -70,6 +79,7 @@ class StatusReporter final : public Onlooker {
     std::mutex mutex;
     std::condition_variable arrived;
     std::optional<RigStatus> status;
+    std::vector<std::string> lines;  ///< Of the log; at most kMostLines.
     bool ended = false;
   };
 
@@ -77,6 +87,8 @@ class StatusReporter final : public Onlooker {
   void request();
   void stop();
   void show(const RigStatus& status);
+  /// Lines of the log, with the table below them again.
+  void tell(const std::vector<std::string>& lines);
   [[nodiscard]] std::string picture(const RigStatus& status);
   /// Whether there is somebody to write for.
   bool put(const std::string& text, drivers::Output::Deadline until,

@@ -13,6 +13,7 @@
 #include "hil/command_line/text_table.h"
 #include "hil/configuration/suggest.h"
 #include "hil/devices/device_types.h"
+#include "hil/record/run_log.h"
 #include "hil/rig/rig.h"
 
 namespace rigwire::hil {
@@ -99,11 +100,13 @@ int run_verb(const RigArguments& arguments, const RunOptions& options, bool dry_
   return run(rig.configuration, options);
 }
 
-int check_verb(const RigArguments& arguments, bool print, bool json, Terminal terminal) {
+int check_verb(const RigArguments& arguments, LogLevel log_level, bool print, bool json,
+               Terminal terminal) {
   require_open_files();
   try {
     const LoadedRig rig = load_rig(find_rig(arguments.rig), arguments.sets);
-    check_start(rig);
+    RunLog log(log_level);
+    check_start(rig, &log);
     const std::string hash = config_hash(rig.configuration);
     if (json) {
       Json result{{"ok", true}, {"config_hash", hash}, {"devices", Json::array()}};

@@ -23,7 +23,8 @@ struct Terminal {
 /// Each returns an exit code. They may throw ConfigurationError and what run() throws.
 [[nodiscard]] int run_verb(const RigArguments& rig, const RunOptions& options, bool dry_run,
                            Terminal terminal);
-[[nodiscard]] int check_verb(const RigArguments& rig, bool print, bool json, Terminal terminal);
+[[nodiscard]] int check_verb(const RigArguments& rig, LogLevel log_level, bool print, bool json,
+                             Terminal terminal);
 [[nodiscard]] int list_verb(const std::string& kind, bool json, Terminal terminal);
 [[nodiscard]] int describe_verb(const std::string& device, bool json, Terminal terminal);
 /// The registers of a valve map's file (hil/files/valve_map_file.h), as the device pages print

@@ -40,12 +40,12 @@ class WithoutSigpipe {
 /// the process at once.
 class Interrupts {
  public:
-  explicit Interrupts(boost::asio::io_context& io) : signals_(io, SIGINT, SIGTERM, SIGHUP) {
-    signals_.async_wait([this](const boost::system::error_code& error, int number) {
+  Interrupts(boost::asio::io_context& io, RunLog& log) : signals_(io, SIGINT, SIGTERM, SIGHUP) {
+    signals_.async_wait([this, &log](const boost::system::error_code& error, int number) {
       if (error) {
         return;
       }
-      complain("stopping, closing wires (again to stop at once)");
+      log.info("stopping, closing wires (again to stop at once)");
       for (const int next : {SIGINT, SIGTERM, SIGHUP}) {
         std::signal(next, SIG_DFL);
       }
@@ -123,22 +123,26 @@ TruthFiles truth_files(const RigConfiguration& configuration, const RunOptions& 
 
 int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   const WithoutSigpipe without_sigpipe;
-  OutputFailures failures([](const std::string& what) { complain(what); });
+  RunLog log(options.log_level);
+  OutputFailures failures([&log](const std::string& what) { log.error(what); });
   boost::asio::io_context io;
-  Interrupts interrupts(io);  // before the first wire is opened, so that none is left behind
+  Interrupts interrupts(io, log);  // before the first wire is opened, so that none is left behind
   std::optional<WholeFile> report_file;
   if (!options.report_path.empty()) {
     report_file.emplace("the report", options.report_path);
   }
   auto rig =
-      std::make_unique<Rig>(configuration, io, truth_files(configuration, options, failures));
+      std::make_unique<Rig>(configuration, io, truth_files(configuration, options, failures), &log);
+  for (const std::string& wire : rig->wires()) {
+    log.debug(wire);
+  }
   interrupts.govern(&rig->executive());
 
   std::unique_ptr<Onlooker> onlooker;
   if (options.onlooker) {
     const auto start = std::chrono::steady_clock::now();
     onlooker = options.onlooker(
-        {io, configuration, rig->wires(), rig->truth().state_quantities(),
+        {log, io, configuration, rig->wires(), rig->truth().state_quantities(),
          [&rig, start] {
            RigStatus status = rig->status();
            status.wall_s =

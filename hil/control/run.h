@@ -11,6 +11,7 @@
 #include "hil/executive/clock.h"
 #include "hil/executive/truth_source.h"
 #include "hil/record/report.h"
+#include "hil/record/run_log.h"
 #include "hil/rig/rig_configuration.h"
 #include "hil/rig/rig_status.h"
 #include "sim/samples/time.h"
@@ -19,6 +20,7 @@ namespace rigwire::hil {
 
 /// A run as somebody sees it who looks on.
 struct RunView {
+  RunLog& log;
   boost::asio::io_context& io;  ///< Of the run; runs on the wire thread.
   const RigConfiguration& configuration;
   std::vector<std::string> wires;         ///< What carries each bus, a line each.
@@ -51,15 +53,16 @@ struct RunOptions {
   std::string report_path;           ///< Empty: no report; "-": standard output.
   std::string truth_path;            ///< Empty: as the rig says.
   std::string lidar_truth_path;      ///< Empty: as the rig says.
-  MakeOnlooker onlooker;             ///< May be empty.
+  LogLevel log_level = LogLevel::info;
+  MakeOnlooker onlooker;  ///< May be empty.
 };
 
 /// Exit codes of every verb (docs/command-line.md). 128 + n after signal n.
 enum class ExitCode : int { done = 0, failure = 1, usage = 2, environment = 3 };
 
-/// Opens the wires, runs, closes them, writes the report. Returns the exit code; says what went
-/// wrong on standard error. No reader of what it writes holds it up (hil/record/output_file.h): a
-/// signal always ends it.
+/// Opens the wires, runs, closes them, writes the report. Returns the exit code; says on standard
+/// error what it has to log, and always what kept it from running or ended it. No reader of what it
+/// writes holds it up (hil/record/output_file.h): a signal always ends it.
 [[nodiscard]] int run(const RigConfiguration& configuration, const RunOptions& options);
 
 }  // namespace rigwire::hil

@@ -205,13 +205,18 @@ void Executive::run_events(SimTime until) {
     if (first == nullptr || at > until) {
       break;
     }
-    now_ = std::max(now_, at);
+    advance_to(std::max(now_, at));
     first->advance(now_);
     if (first->next_event() <= now_) {
       fail(fmt::format("a device does not move on from {:.9f} s", to_seconds(now_)));
     }
   }
-  now_ = std::max(now_, until);
+  advance_to(std::max(now_, until));
+}
+
+void Executive::advance_to(SimTime instant) {
+  now_ = instant;
+  reached_.store(instant, std::memory_order_relaxed);
 }
 
 void Executive::transmit_due(SimTime until) {

@@ -91,6 +91,8 @@ class Executive {
 
   /// Present simulated time: of the wire side.
   [[nodiscard]] SimTime now() const { return now_; }
+  /// As now(), from any thread.
+  [[nodiscard]] SimTime reached() const { return reached_.load(std::memory_order_relaxed); }
   /// Given up so far against wall time because the host stalled.
   [[nodiscard]] Duration slipped() const {
     return clock_ == nullptr ? Duration{0} : clock_->slipped();
@@ -104,6 +106,7 @@ class Executive {
   class TruthThread;
 
   void route(const SampleBatch& batch);
+  void advance_to(SimTime instant);
   void run_events(SimTime until);
   void transmit_due(SimTime until);
   void collect_requests(TruthRequests& requests);
@@ -117,9 +120,10 @@ class Executive {
   std::vector<EventSource*> sources_;
   std::vector<Outlet*> outlets_;
 
-  SimTime now_ = kStart;         ///< Devices have been run up to here.
-  SimTime frontier_ = kStart;    ///< Samples are known up to here.
-  PacedClock* clock_ = nullptr;  ///< Set while paced.
+  SimTime now_ = kStart;                  ///< Devices have been run up to here.
+  std::atomic<SimTime> reached_{kStart};  ///< The same for other threads.
+  SimTime frontier_ = kStart;             ///< Samples are known up to here.
+  PacedClock* clock_ = nullptr;           ///< Set while paced.
   WireStages wire_stages_;
   std::vector<double> machine_state_;
   std::optional<std::string> fault_;

@@ -1,4 +1,5 @@
-// What a run has to say to people while it goes on: a line on standard error, from any thread.
+// Why a run did not begin or ended before it should: a line on standard error, whatever the level of
+// the log (hil/record/run_log.h).
 #pragma once
 
 #include <chrono>

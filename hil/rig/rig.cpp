@@ -11,7 +11,6 @@
 #include "fields/check.h"
 #include "hil/files/geoid_file.h"
 #include "hil/files/mesh_file.h"
-#include "hil/record/complain.h"
 #include "hil/record/lidar_truth_tap.h"
 #include "hil/record/truth_tap.h"
 #include "hil/wires/can_hop.h"
@@ -58,8 +57,8 @@ std::chrono::microseconds unix_time(const UtcTime& utc) {
          microseconds{utc.nanosecond / 1000};
 }
 
-SimulatedWorld make_world(const RigConfiguration& configuration) {
-  MachineInScene built = build_machine_in_scene(configuration);
+SimulatedWorld make_world(const RigConfiguration& configuration, RunLog* log) {
+  MachineInScene built = build_machine_in_scene(configuration, log);
   WorldSettings settings;
   settings.step = configuration.step;
   settings.slice = configuration.slice;
@@ -107,10 +106,12 @@ SensorMount sensor_mount(const MachineConfiguration& machine, const MountConfigu
   return {static_cast<std::size_t>(found - names.begin()), pose(mount.position_m, mount.rotation)};
 }
 
-MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
+MachineInScene build_machine_in_scene(const RigConfiguration& configuration, RunLog* log) {
   const SceneFiles files = load_scene_files(configuration.scene.description, configuration.origin);
   for (const std::string& line : files.report) {
-    complain(line);
+    if (log != nullptr) {
+      log->warning(line);
+    }
   }
   sim::BuiltScene built = sim::build_scene(files.description, files.meshes, configuration.seed);
   const MachineConfiguration& machine = configuration.machine;
@@ -144,7 +145,7 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration) {
   return result;
 }
 
-void check_start(const LoadedRig& rig) {
+void check_start(const LoadedRig& rig, RunLog* log) {
   const RigConfiguration& configuration = rig.configuration;
   Problems problems;
   const auto make = [&](auto&& part) {
@@ -159,7 +160,7 @@ void check_start(const LoadedRig& rig) {
   };
   make([&] { (void)make_local_frame(configuration.origin); });
   make([&] { (void)make_satellites(configuration.satellites, Calendar(configuration.start)); });
-  make([&] { (void)build_machine_in_scene(configuration); });
+  make([&] { (void)build_machine_in_scene(configuration, log); });
   problems.throw_if_any();
 }
 
@@ -235,13 +236,14 @@ class Rig::DeviceNeighbours final : public Neighbours {
 };
 
 Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
-         const TruthFiles& truth)
+         const TruthFiles& truth, RunLog* log)
     : configuration_(configuration),
       io_(io),
+      log_(log),
       calendar_(configuration.start),
       frame_(make_local_frame(configuration.origin)),
       satellites_(make_satellites(configuration.satellites, calendar_)),
-      world_(make_world(configuration)),
+      world_(make_world(configuration, log)),
       executive_(io, world_),
       faults_(fault_windows(configuration)) {
   for (const auto& [name, bus] : configuration_.buses) {
@@ -268,7 +270,14 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
     device.device->connect(neighbours);
   }
   open_taps(truth);
-  drivers::line_watch(io_).start([](const std::string& news) { complain(news); });
+  drivers::line_watch(io_).start([log](const std::string& news) {
+    if (log != nullptr) {
+      log->warning(news);
+    }
+  });
+  if (log_ != nullptr) {
+    log_->follow([this] { return executive_.reached(); });
+  }
 }
 
 void Rig::open_taps(const TruthFiles& files) {
@@ -292,6 +301,9 @@ void Rig::open_taps(const TruthFiles& files) {
 
 Rig::~Rig() {
   drivers::line_watch(io_).stop();
+  if (log_ != nullptr) {
+    log_->follow([end = executive_.reached()] { return end; });
+  }
 }
 
 void Rig::open_bus(const std::string& name, const BusConfiguration& configuration) {

@@ -43,6 +43,7 @@
 #include "hil/executive/executive.h"
 #include "hil/record/output_file.h"
 #include "hil/record/report.h"
+#include "hil/record/run_log.h"
 #include "hil/rig/rig_configuration.h"
 #include "hil/rig/rig_status.h"
 #include "hil/wires/rig_can.h"
@@ -60,7 +61,9 @@ namespace rigwire::hil {
 /// The machine in its scene, without devices: what every rig and every benchmark starts from.
 /// Throws std::invalid_argument or std::runtime_error naming what is wrong, also where the machine
 /// does not stand free (hil/world/standing_free.h).
-[[nodiscard]] MachineInScene build_machine_in_scene(const RigConfiguration& configuration);
+/// `log`: what was left out of files; may be null.
+[[nodiscard]] MachineInScene build_machine_in_scene(const RigConfiguration& configuration,
+                                                    RunLog* log = nullptr);
 
 /// The world frame on Earth, with its geoid. Throws std::runtime_error when the geoid's file cannot
 /// be read.
@@ -69,7 +72,7 @@ namespace rigwire::hil {
 /// Makes once what a run starts from, wires apart: terrain, meshes, the machine where it stands,
 /// geoid and satellites. What passes here and load_rig() can be run wherever its wires can be
 /// opened. Throws ConfigurationError with the place of the key that is wrong.
-void check_start(const LoadedRig& rig);
+void check_start(const LoadedRig& rig, RunLog* log = nullptr);
 
 /// Throws std::invalid_argument when the machine has no such link.
 [[nodiscard]] SensorMount sensor_mount(const MachineConfiguration& machine,
@@ -89,8 +92,10 @@ class Rig {
  public:
   /// Opens every wire, in the order above. Throws drivers::EndpointError (environment),
   /// std::invalid_argument or std::runtime_error (configuration); nothing stays open then. Empty
-  /// paths: no truth tap.
-  Rig(const RigConfiguration& configuration, boost::asio::io_context& io, const TruthFiles& truth);
+  /// paths: no truth tap. `log` hears what the rig has to say, with the simulated time, which it
+  /// keeps from the rig's end on; it must outlive the rig. Null: nobody is told.
+  Rig(const RigConfiguration& configuration, boost::asio::io_context& io, const TruthFiles& truth,
+      RunLog* log = nullptr);
   ~Rig();
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
@@ -125,6 +130,7 @@ class Rig {
 
   RigConfiguration configuration_;
   boost::asio::io_context& io_;
+  RunLog* log_;
   Calendar calendar_;
   sim::LocalFrame frame_;
   std::shared_ptr<const sim::Constellation> satellites_;

@@ -71,8 +71,8 @@ TEST(CommandLine, mistyped_verb_or_option_is_usage_with_a_suggestion) {
 
 TEST(CommandLine, bad_option_values_are_usage) {
   for (const char* bad :
-       {"--clock warp", "--clock scaled:0", "--duration -5s", "--duration 0", "--duration nan",
-        "--duration 5kg", "--status blinking", "--seed x", "--seed -1"}) {
+       {"--clock warp", "--log-level loud", "--clock scaled:0", "--duration -5s", "--duration 0",
+        "--duration nan", "--duration 5kg", "--status blinking", "--seed x", "--seed -1"}) {
     EXPECT_EQ(rigwire(std::string("run excavator_pit --dry-run ") + bad).code, 2) << bad;
   }
 }

@@ -68,5 +68,22 @@ TEST(LivePicture, what_follows_stands_below_the_last_picture) {
               ElementsAre("device  rate", "gnss     2.0", "machine", "ran 2.000 s"));
 }
 
+TEST(LivePicture, lines_that_are_said_stand_above_the_picture_and_leave_nothing_of_the_one_before) {
+  test::Screen screen(20, 10);
+  LivePicture live;
+  const auto show = [&](const std::string& text) {
+    live.written(text, text.size());
+    screen.feed(text);
+  };
+  show(live.text(kFirst));
+  show(live.instead({"a line wider than the screen", "b"}));
+  live.leave();
+  for (const auto& lines : {kFirst, kSecond, kFirst, kSecond}) {
+    show(live.text(lines));
+  }
+  EXPECT_THAT(screen.lines(), ElementsAre("a line wider than th", "e screen", "b", "device  rate",
+                                          "gnss     2.0", "machine"));
+}
+
 }  // namespace
 }  // namespace rigwire::hil

@@ -252,6 +252,7 @@ class Terminal {
   Terminal& operator=(const Terminal&) = delete;
 
   [[nodiscard]] int program_end() const { return slave_->get(); }
+  [[nodiscard]] fs::path name() const { return ::ttyname(slave_->get()); }
   void resize(unsigned short columns, unsigned short rows) {
     const std::scoped_lock lock(mutex_);
     screen_ = test::Screen(columns, rows);
@@ -306,6 +307,50 @@ TEST_F(RunProcess, in_a_window_of_sixty_columns_there_is_one_table_and_no_line_w
   rig->signal(SIGINT);
   EXPECT_EQ(rig->wait(20s), 130) << rig->output();
   EXPECT_TRUE(eventually([&] { return count_of(terminal.lines(), "client asked last") == 1; }));
+}
+
+TEST_F(RunProcess, lines_of_the_log_on_the_terminal_of_the_table_do_not_shift_it) {
+  Terminal terminal(100, 30);
+  ChildProcess rig(command({}), terminal.name(), terminal.program_end());
+  ASSERT_TRUE(eventually([&] { return seconds_shown(terminal.lines()) > 0.0; }, 60s));
+  for (std::size_t times = 1; times <= 2; ++times) {
+    fs::remove(file("gnss"));  // the link; the run puts it back and says so
+    ASSERT_TRUE(eventually([&] { return count_of(terminal.lines(), "warning: ") == times; }));
+  }
+  const double then = seconds_shown(terminal.lines());
+  ASSERT_TRUE(eventually([&] { return seconds_shown(terminal.lines()) > then + 0.5; }));
+  const auto lines = terminal.lines();
+  EXPECT_EQ(count_of(lines, "real-time factor"), 1U);
+  EXPECT_EQ(count_of(lines, "fault: gnss jamming"), 1U);
+  EXPECT_EQ(count_of(lines, "warning: "), 2U);
+  const auto place = [&](const std::string& text) {
+    return std::find_if(lines.begin(), lines.end(),
+                        [&](const std::string& line) { return line.find(text) != line.npos; }) -
+           lines.begin();
+  };
+  EXPECT_LT(place("warning: "), place("real-time factor"));
+  rig.signal(SIGINT);
+  EXPECT_EQ(rig.wait(20s), 130);
+  EXPECT_TRUE(eventually([&] { return count_of(terminal.lines(), "client asked last") == 1; }));
+  EXPECT_EQ(count_of(terminal.lines(), "s: info: stopping, closing wires"), 1U);
+}
+
+TEST_F(RunProcess, the_log_has_simulated_time_and_the_level_that_was_asked_for) {
+  for (const bool quiet : {false, true}) {
+    ChildProcess rig(command({"--status", "none", "--clock", "scaled:10", "--log-level",
+                              quiet ? "warning" : "info"}),
+                     file("err"));
+    ASSERT_TRUE(eventually([&] { return line_is_there(); })) << rig.output();
+    std::this_thread::sleep_for(500ms);
+    rig.signal(SIGINT);
+    EXPECT_EQ(rig.wait(20s), 130) << rig.output();
+    if (quiet) {
+      EXPECT_EQ(rig.output(), "");
+    } else {
+      EXPECT_THAT(rig.output(), testing::MatchesRegex(
+                                    "rigwire: [0-9]+.[0-9]+ s: info: stopping, closing wires .*"));
+    }
+  }
 }
 
 TEST_F(RunProcess, a_window_that_becomes_smaller_is_followed_at_once) {

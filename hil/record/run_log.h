@@ -1,0 +1,77 @@
+// What a run has to say to people while it goes on: a line each, from any thread, with level and
+// simulated time.
+//
+//   rigwire: 12.345 s: warning: pty /tmp/rigwire/gnss: the link was removed; it is there again
+//
+// Before the first instant and after the end of a run the time is left out. Nobody logs but who is
+// given a log; without one a rig is silent. What keeps a run from beginning, and what ends it, is
+// no line of the log: it is always told (hil/record/complain.h).
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "sim/samples/time.h"
+
+namespace spdlog {
+class logger;
+namespace sinks {
+class sink;
+}
+}  // namespace spdlog
+
+namespace rigwire::hil {
+
+/// Of a line, and least of those that are said. As --log-level has them.
+enum class LogLevel {
+  debug,    ///< What the run does by itself, for who looks for a mistake.
+  info,     ///< What the run did as it was asked to.
+  warning,  ///< Something is not as it was asked for; the run goes on as it should.
+  error     ///< Something that was asked for is missing from now on.
+};
+inline constexpr std::array<std::string_view, 4> kLogLevels{"debug", "info", "warning", "error"};
+
+class RunLog {
+ public:
+  /// Lines from `least` on, to standard error or where divert() says. A reader that does not read
+  /// is not waited for: the line is lost, for a run waits for nobody.
+  explicit RunLog(LogLevel least);
+  /// Lines from `least` on, to a sink of the caller's, whose pattern is set here.
+  RunLog(LogLevel least, std::shared_ptr<spdlog::sinks::sink> sink);
+  ~RunLog();
+  RunLog(const RunLog&) = delete;
+  RunLog& operator=(const RunLog&) = delete;
+
+  /// From any thread. What a terminal would obey in the text is spelled out.
+  void debug(std::string_view text) { say(LogLevel::debug, text); }
+  void info(std::string_view text) { say(LogLevel::info, text); }
+  void warning(std::string_view text) { say(LogLevel::warning, text); }
+  void error(std::string_view text) { say(LogLevel::error, text); }
+
+  /// Where the simulated time of the lines to come is from, called by whoever logs; empty: they
+  /// have none.
+  void follow(std::function<SimTime()> now);
+
+  /// Takes whole lines without their ends in place of standard error; false: it does not take this
+  /// one. Must not log.
+  using Taker = std::function<bool(std::string_view line)>;
+  /// Empty: back to standard error. Returns when no line is on its way to the taker before. Without
+  /// effect on a sink of the caller's.
+  void divert(Taker taker);
+
+ private:
+  class StandardError;
+  void say(LogLevel level, std::string_view text);
+
+  std::mutex mutex_;
+  std::function<SimTime()> now_;
+  std::shared_ptr<StandardError> standard_error_;  ///< Null with a sink of the caller's.
+  std::unique_ptr<spdlog::logger> logger_;
+};
+
+}  // namespace rigwire::hil

@@ -41,14 +41,19 @@ if(RIGWIRE_SANITIZE MATCHES thread)
   list(APPEND RIGWIRE_WARNINGS -Wno-tsan)  # Asio's thread fences, which the sanitizer cannot see
 endif()
 
-# rigwire_library(<folder> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>])
+include(GNUInstallDirs)
+
+# rigwire_library(<folder> [INTERNAL] SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>])
 #
 # Declares one folder of the house as the static library rigwire_<folder> with the alias
 # rigwire::<folder>. Its headers are reachable as "<folder>/name.h", and only by targets that link
 # it: the include directory is a link of its own per folder, so that an include against the design
 # (docs/architecture.md, "One way through the house") does not compile.
+#
+# It is installed with its headers, as a component of the package rigwire (cmake/package.cmake);
+# INTERNAL: it is not.
 function(rigwire_library folder)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "INTERNAL" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   string(REPLACE "/" "_" name ${folder})
   set(include_root ${PROJECT_BINARY_DIR}/include/${name})
   get_filename_component(parent ${include_root}/${folder} DIRECTORY)
@@ -58,9 +63,20 @@ function(rigwire_library folder)
   add_library(rigwire_${name} STATIC ${ARG_SOURCES})
   get_filename_component(leaf ${folder} NAME)
   add_library(rigwire::${leaf} ALIAS rigwire_${name})
-  target_include_directories(rigwire_${name} PUBLIC ${include_root})
+  target_include_directories(rigwire_${name} PUBLIC
+    $<BUILD_INTERFACE:${include_root}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/rigwire>)
+  target_compile_features(rigwire_${name} PUBLIC cxx_std_20)
   target_compile_options(rigwire_${name} PRIVATE ${RIGWIRE_WARNINGS})
   target_link_libraries(rigwire_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  if(NOT ARG_INTERNAL)
+    set_target_properties(rigwire_${name} PROPERTIES EXPORT_NAME ${leaf})
+    install(TARGETS rigwire_${name} EXPORT rigwire-${leaf} COMPONENT library
+      ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+    install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/ COMPONENT library
+      DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rigwire/${folder} FILES_MATCHING PATTERN "*.h")
+    install(EXPORT rigwire-${leaf} NAMESPACE rigwire:: COMPONENT library
+      DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/rigwire)
+  endif()
 endfunction()
 
 # rigwire_test(<folder> [ALONE] [LINK <targets>])

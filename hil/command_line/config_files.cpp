@@ -28,14 +28,14 @@ std::vector<fs::path> config_folders() {
     }
     candidates.emplace_back(folder);
   }
-#ifdef RIGWIRE_CONFIG_DIR
-  candidates.emplace_back(RIGWIRE_CONFIG_DIR);
-#endif
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   if (!error) {
     candidates.push_back(program.parent_path().parent_path() / "share/rigwire/configs");
   }
+#ifdef RIGWIRE_CONFIG_DIR
+  candidates.emplace_back(RIGWIRE_CONFIG_DIR);
+#endif
   std::erase_if(candidates, [](const fs::path& path) {
     std::error_code ignored;
     return !fs::is_directory(path, ignored);

@@ -15,8 +15,8 @@ struct ConfigFile {
 };
 
 /// Folders that hold rigs/, machines/ and scenes/, the first match winning: that of the environment
-/// variable RIGWIRE_CONFIGS, the source tree that the program was built from, ../share/rigwire/
-/// configs beside the program.
+/// variable RIGWIRE_CONFIGS, ../share/rigwire/configs beside the program, as it is installed, the
+/// source tree that it was built from.
 [[nodiscard]] std::vector<std::filesystem::path> config_folders();
 
 /// All files of the kind, sorted by name; a name that two folders have counts once.

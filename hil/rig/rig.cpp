@@ -165,11 +165,14 @@ void check_start(const LoadedRig& rig, RunLog* log) {
 }
 
 struct Rig::Bus {
-  Bus(CanHop opened, const BusConfiguration& configuration)
+  /// `own`: the caller's end, in place of the hop's.
+  Bus(CanHop opened, const BusConfiguration& configuration, drivers::CanBus* own)
       : hop(std::move(opened)),
-        can(configuration.bus, *hop.endpoint, can_settings(configuration, hop)) {}
+        endpoint(own != nullptr ? *own : *hop.endpoint),
+        can(configuration.bus, endpoint, can_settings(configuration, hop)) {}
 
   CanHop hop;
+  drivers::CanBus& endpoint;
   RigCan can;
 };
 
@@ -236,7 +239,7 @@ class Rig::DeviceNeighbours final : public Neighbours {
 };
 
 Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
-         const TruthFiles& truth, RunLog* log)
+         const TruthFiles& truth, RunLog* log, const OwnEnds& own)
     : configuration_(configuration),
       io_(io),
       log_(log),
@@ -246,8 +249,15 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
       world_(make_world(configuration, log)),
       executive_(io, world_),
       faults_(fault_windows(configuration)) {
+  for (const auto& [name, end] : own.buses) {
+    if (!configuration_.buses.contains(name)) {
+      throw std::invalid_argument(
+          fmt::format("the rig has no bus '{}' for an end of its own", name));
+    }
+  }
   for (const auto& [name, bus] : configuration_.buses) {
-    open_bus(name, bus);
+    const auto end = own.buses.find(name);
+    open_bus(name, bus, end == own.buses.end() ? nullptr : end->second);
   }
   for (const auto& [name, line] : configuration_.modbus) {
     open_modbus_line(name, line);
@@ -306,14 +316,25 @@ Rig::~Rig() {
   }
 }
 
-void Rig::open_bus(const std::string& name, const BusConfiguration& configuration) {
-  auto bus = std::make_unique<Bus>(
-      open_can_hop(name, configuration, examine_can_host(), io_, unix_time(configuration_.start),
-                   [this]() -> UsbBus& { return usb(); }),
-      configuration);
+void Rig::open_bus(const std::string& name, const BusConfiguration& configuration,
+                   drivers::CanBus* own) {
+  if (own != nullptr && (configuration.ports != 1 || configuration.socketcand.port != 0)) {
+    throw std::invalid_argument(
+        fmt::format("bus {}: its end is in this program, found {} ports and socketcand port {}, "
+                    "allowed 1 and 0",
+                    name, configuration.ports, configuration.socketcand.port));
+  }
+  CanHop hop;
+  if (own == nullptr) {
+    hop = open_can_hop(name, configuration, examine_can_host(), io_,
+                       unix_time(configuration_.start), [this]() -> UsbBus& { return usb(); });
+  } else {
+    hop.choice.why = "in this program";
+  }
+  auto bus = std::make_unique<Bus>(std::move(hop), configuration, own);
   executive_.add(bus->can);
   executive_.add(bus->can.outlet());
-  drivers::CanBus& endpoint = *bus->hop.endpoint;
+  drivers::CanBus& endpoint = bus->endpoint;
   endpoint.on_client([this, &can = bus->can](const drivers::CanClient& client) {
     can.client(executive_.arrive(), client);
   });

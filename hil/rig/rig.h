@@ -40,6 +40,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/endpoints.h"
 #include "hil/executive/executive.h"
 #include "hil/record/output_file.h"
 #include "hil/record/report.h"
@@ -88,14 +89,23 @@ struct TruthFiles {
   std::chrono::milliseconds patience = kReaderPatience;  ///< With a reader that stalls.
 };
 
+/// Ends of wires in the caller's own program, in place of the system's: by name of the bus. What a
+/// device sends is delivered to it with its simulated time, on the thread that runs the executive;
+/// what it gives to its receiver there comes in as from a client. They must outlive the rig.
+struct OwnEnds {
+  std::map<std::string, drivers::CanBus*> buses;
+};
+
 class Rig {
  public:
   /// Opens every wire, in the order above. Throws drivers::EndpointError (environment),
   /// std::invalid_argument or std::runtime_error (configuration); nothing stays open then. Empty
   /// paths: no truth tap. `log` hears what the rig has to say, with the simulated time, which it
-  /// keeps from the rig's end on; it must outlive the rig. Null: nobody is told.
+  /// keeps from the rig's end on; it must outlive the rig. Null: nobody is told. A bus of `own` is
+  /// opened nowhere else: std::invalid_argument where its configuration asks for further ports or a
+  /// socketcand, or where the rig has no such bus.
   Rig(const RigConfiguration& configuration, boost::asio::io_context& io, const TruthFiles& truth,
-      RunLog* log = nullptr);
+      RunLog* log = nullptr, const OwnEnds& own = {});
   ~Rig();
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
@@ -122,7 +132,8 @@ class Rig {
   class DeviceSite;
   class DeviceNeighbours;
 
-  void open_bus(const std::string& name, const BusConfiguration& configuration);
+  void open_bus(const std::string& name, const BusConfiguration& configuration,
+                drivers::CanBus* own);
   void open_modbus_line(const std::string& name, const ModbusLineConfiguration& configuration);
   /// Opens the server when the first bus or device asks for it.
   [[nodiscard]] UsbBus& usb();

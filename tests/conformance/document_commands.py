@@ -43,6 +43,7 @@ GATOR = ("gator_campus", "path_follow --gnss /tmp/rigwire/starfire --gnss-baud 1
 COMMANDS = [
     (r"\./(demo|check)\b.*", BUILDS, None, None),
     (r"scripts/build\.sh .*", BUILDS, None, None),
+    (r"cmake --install build .*", "tests/install does so, to a folder of its own", None, None),
     # Verbs.
     (r"cp configs/rigs/excavator_pit\.yaml configs/rigs/my_rig\.yaml", "ends", None, None),
     (r"build/rigwire check my_rig --print", "ends", None, "devices:"),

@@ -1,5 +1,5 @@
-// Why a run did not begin or ended before it should: a line on standard error, whatever the level of
-// the log (hil/record/run_log.h).
+// Why a run did not begin or ended before it should: a line on standard error, whatever the level
+// of the log (hil/record/run_log.h).
 #pragma once
 
 #include <chrono>

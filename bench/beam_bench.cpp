@@ -9,6 +9,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "emulators/null_output.h"
 #include "emulators/velodyne/velodyne_lidar.h"
 #include "hil/executive/cpu_time.h"
 #include "hil/rig/rig_configuration.h"
@@ -28,12 +29,6 @@ constexpr int kReference = 1000;
 constexpr int kRounds = 5;
 constexpr double kSensorHeight_m = 2.0;
 constexpr double kHalfPulse_m = 0.75;
-
-/// Nobody listens: the emulator is here for its firing pattern alone.
-class Silence final : public emulators::ByteOutput {
- public:
-  void send(SimTime /*due*/, std::span<const std::uint8_t> /*bytes*/) override {}
-};
 
 sim::Material paint(double reflectance, const char* label) {
   sim::Material material;
@@ -202,7 +197,7 @@ std::vector<SubRayError> measure_sub_rays(Duration sector_length) {
         fmt::format("sub-rays: found a sector of {} ns, allowed >= 1 ms", sector_length.count()));
   }
   const Calendar calendar(hil::RigConfiguration{}.start);
-  Silence silence;
+  emulators::NullByteOutput silence;
   const emulators::VelodyneLidar device(emulators::VelodyneSettings{}, calendar, silence, silence);
   LidarPattern pattern = device.pattern();
   pattern.beam = {.horizontal_divergence_rad = 3e-3, .vertical_divergence_rad = 1.5e-3};

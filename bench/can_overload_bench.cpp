@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "emulators/can/can_bus.h"
+#include "emulators/null_output.h"
 #include "protocols/can/bits.h"
 
 namespace rigwire::bench {
@@ -15,11 +16,6 @@ constexpr std::size_t kNodes = 8;
 constexpr std::size_t kQueue = 8;
 constexpr double kOfferedLoad = 1.3;
 constexpr Duration kStagger = std::chrono::microseconds(137);
-
-class Nowhere final : public emulators::FrameOutput {
- public:
-  void send(SimTime /*due*/, const Frame& /*frame*/) override {}
-};
 
 Frame frame_of(std::size_t node) {
   Frame frame;
@@ -41,7 +37,7 @@ struct Load {
 
 CanOverload measure_can_overload(int seconds) {
   emulators::CanBusModel bus({kBitRate_bps, kQueue});
-  Nowhere nowhere;
+  emulators::NullFrameOutput nowhere;
   std::vector<Load> loads(kNodes);
   CanOverload result;
   for (std::size_t i = 0; i < kNodes; ++i) {

@@ -5,6 +5,7 @@
 
 #include "bench/carried_machine.h"
 #include "bench/gnss_bench.h"
+#include "emulators/null_output.h"
 #include "emulators/ublox/receiver.h"
 #include "hil/devices/ublox.h"
 #include "hil/executive/cpu_time.h"
@@ -25,17 +26,6 @@ const hil::UbloxConfiguration& ublox_of(const hil::RigConfiguration& rig) {
   }
   throw std::invalid_argument("the rig has no u-blox receiver to measure");
 }
-
-/// Nobody listens.
-class Silence final : public emulators::ByteOutput {
- public:
-  void send(SimTime /*due*/, std::span<const std::uint8_t> bytes) override {
-    bytes_ += bytes.size();
-  }
-
- private:
-  std::uint64_t bytes_ = 0;
-};
 
 sim::SkySamples sky_samples(int count) {
   switch (count) {
@@ -96,7 +86,7 @@ ReceiverLoad measure_load(const hil::RigConfiguration& rig, const std::string& m
   settings.measurement_period = from_seconds(1.0 / rate_hz);
   settings.baud = 230'400;
   settings.start_up = Duration{0};
-  Silence silence;
+  emulators::NullByteOutput silence;
   CarriedMachine machine(rig, kSpeed_mps);
   std::vector<sim::GnssSensor> sensors;
   std::vector<std::unique_ptr<emulators::UbloxReceiver>> devices;

@@ -1,21 +1,14 @@
 #include "bench/lidar_plan.h"
 
+#include "emulators/null_output.h"
 #include "hil/executive/cpu_time.h"
 #include "hil/rig/rig_configuration.h"
 
 namespace rigwire::bench {
-namespace {
-
-class Silence final : public emulators::ByteOutput {
- public:
-  void send(SimTime /*due*/, std::span<const std::uint8_t> /*bytes*/) override {}
-};
-
-}  // namespace
 
 FiringPlan firing_plan(const emulators::VelodyneSettings& settings) {
   const Calendar calendar(hil::RigConfiguration{}.start);
-  Silence silence;
+  emulators::NullByteOutput silence;
   const emulators::VelodyneLidar device(settings, calendar, silence, silence);
   return {device.pattern(), device.sample_plan(), device.command()};
 }
@@ -24,7 +17,7 @@ double encoding_ns_per_firing(const emulators::VelodyneSettings& settings,
                               std::span<const LidarFiring> firings) {
   constexpr double kSpan_s = 0.04;
   const Calendar calendar(hil::RigConfiguration{}.start);
-  Silence silence;
+  emulators::NullByteOutput silence;
   emulators::VelodyneLidar device(settings, calendar, silence, silence);
   double spent_s = 0.0;
   std::size_t count = 0;

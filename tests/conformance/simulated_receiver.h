@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
-#include <span>
 #include <string>
-#include <utility>
 
 #include "emulators/ublox/receiver.h"
+#include "recorder.h"
 #include "sim/samples/calendar.h"
 #include "sim/samples/gnss_sample.h"
 
@@ -51,14 +50,7 @@ struct Recording {
 [[nodiscard]] inline Recording run_receiver(const emulators::UbloxSettings& settings,
                                             const Calendar& calendar, const Sky& sky,
                                             Duration span) {
-  class Sink final : public emulators::ByteOutput {
-   public:
-    void send(SimTime, std::span<const std::uint8_t> bytes) override {
-      all.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    }
-    std::string all;
-  };
-  Sink sink;
+  test::ByteRecorder sink;
   emulators::UbloxReceiver receiver(settings, calendar, sink);
   receiver.set_client(kStart, {true, settings.baud});
   SimTime now = kStart;
@@ -73,7 +65,7 @@ struct Recording {
       receiver.update(sky(planned));
     }
   }
-  return {std::move(sink.all), receiver.counters()};
+  return {sink.text(), receiver.counters()};
 }
 
 }  // namespace rigwire::test

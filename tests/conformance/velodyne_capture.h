@@ -10,6 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "emulators/device.h"
+
 namespace rigwire {
 
 class UdpCapture {
@@ -74,6 +76,21 @@ class UdpCapture {
                static_cast<std::streamsize>(bytes.size()));
   }
   std::ofstream out_;
+};
+
+/// A lidar's output into the capture, to one port.
+class CaptureOutput final : public emulators::ByteOutput {
+ public:
+  CaptureOutput(UdpCapture& capture, std::uint16_t port) : capture_(capture), port_(port) {}
+  void send(SimTime due, std::span<const std::uint8_t> bytes) override {
+    capture_.add(due.time_since_epoch().count() / 1000, port_, bytes);
+    ++sent;
+  }
+  std::int64_t sent = 0;
+
+ private:
+  UdpCapture& capture_;
+  std::uint16_t port_;
 };
 
 }  // namespace rigwire

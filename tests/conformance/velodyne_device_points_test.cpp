@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "emulators/null_output.h"
 #include "emulators/velodyne/velodyne_lidar.h"
 #include "velodyne_capture.h"
 #include "velodyne_comparison.h"
@@ -30,21 +31,6 @@ constexpr std::int64_t kPacketsWithReturns = 40;
 struct Case {
   const char* model;
   ReturnMode mode;
-};
-
-class CaptureOutput : public ByteOutput {
- public:
-  explicit CaptureOutput(UdpCapture* capture) : capture_(capture) {}
-  void send(SimTime due, std::span<const std::uint8_t> bytes) override {
-    ++sent;
-    if (capture_ != nullptr) {
-      capture_->add(due.time_since_epoch().count() / 1000, 2368, bytes);
-    }
-  }
-  std::int64_t sent = 0;
-
- private:
-  UdpCapture* capture_;
 };
 
 /// What the laser sees, as a bank's three echoes and as the returns that a client is to read.
@@ -129,8 +115,8 @@ TEST_P(VelodyneDevice, IndependentDecoderReadsWhatTheHeadSaw) {
                     ("rigwire_device_" + std::to_string(getpid()) + ".pcap");
   const Calendar calendar(parse_utc("2026-06-01T08:59:59.98Z"));
   UdpCapture capture(file);
-  CaptureOutput data(&capture);
-  CaptureOutput position(nullptr);
+  CaptureOutput data(capture, 2368);
+  NullByteOutput position;
   VelodyneSettings settings;
   settings.model = model.name;
   settings.return_mode = GetParam().mode;

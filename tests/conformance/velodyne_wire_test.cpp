@@ -22,20 +22,6 @@ namespace {
 
 using testing::HasSubstr;
 
-class CaptureOutput : public ByteOutput {
- public:
-  CaptureOutput(UdpCapture& capture, std::uint16_t port) : capture_(capture), port_(port) {}
-  void send(SimTime due, std::span<const std::uint8_t> bytes) override {
-    capture_.add(due.time_since_epoch().count() / 1000, port_, bytes);
-    ++sent;
-  }
-  int sent = 0;
-
- private:
-  UdpCapture& capture_;
-  std::uint16_t port_;
-};
-
 std::string output_of(const std::string& command) {
   std::string text;
   FILE* pipe = popen(command.c_str(), "r");

@@ -8,25 +8,17 @@
 #include <cmath>
 #include <cstdint>
 #include <set>
-#include <utility>
 #include <vector>
 
 #include "emulators/iso_valve/iso_valves.h"
 #include "emulators/xsens/mti_600.h"
+#include "recorder.h"
 
 namespace rigwire::emulators {
 namespace {
 
 using namespace std::chrono_literals;
 using protocols::can::Frame;
-
-struct Wire final : FrameOutput {
-  void send(SimTime due, const Frame& frame) override {
-    EXPECT_GE(due, frames.empty() ? kStart : frames.back().first);
-    frames.emplace_back(due, frame);
-  }
-  std::vector<std::pair<SimTime, Frame>> frames;
-};
 
 /// A unit of which only the sample time and one vector are on, every 10 ms.
 MtiSettings two_messages() {
@@ -70,7 +62,7 @@ struct Node {
   }
 
   Calendar calendar{UtcTime{2026, 6, 1, 8, 0, 0, 0}};
-  Wire wire;
+  test::FrameRecorder wire;
   OwnClock clock;
   OwnClockOutput output;
   Mti600 unit;
@@ -111,7 +103,7 @@ TEST(OwnClock, ShowsTheRunsTimeUntilItsSupplyComes) {
 TEST(OwnClock, WithoutErrorAndJitterChangesNothing) {
   Node node(0.0, 0ns);
   node.run(kStart + 1s);
-  Wire wire;
+  test::FrameRecorder wire;
   Mti600 bare(two_messages(), node.calendar, wire);
   for (SimTime next = kStart; next <= kStart + 1s; next += Mti600::kTick) {
     ImuSample sample;
@@ -214,7 +206,7 @@ TEST(OwnClock, SameSeedGivesTheSameJitter) {
 TEST(OwnClock, TimersOfADeviceRunByIt) {
   // The valve block's ticks are its own; samples have nothing to do with them.
   const OwnClock clock(-500e-6, kStart, 10ms);
-  Wire wire;
+  test::FrameRecorder wire;
   OwnClockOutput output(clock, 0ns, 1, wire);
   IsoValves block(IsoValveSettings{}, output);
   OnOwnClock<IsoValves, ValveBackend> node(clock, block);

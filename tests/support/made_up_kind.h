@@ -34,11 +34,6 @@ class MoistureBackend {
   [[nodiscard]] virtual const Command& command() const = 0;
 };
 
-class NoOutput final : public emulators::ByteOutput {
- public:
-  void send(SimTime /*due*/, std::span<const std::uint8_t> /*bytes*/) override {}
-};
-
 /// Remembers what it was given; sends one byte per sample, 3 ms after it.
 class MoistureProbe final : public emulators::Device, public MoistureBackend {
  public:

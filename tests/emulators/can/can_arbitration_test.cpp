@@ -15,9 +15,9 @@ namespace {
 using namespace std::chrono_literals;
 using protocols::can::exact_bits;
 using protocols::can::Frame;
+using rigwire::test::FrameRecorder;
 using test::extended;
 using test::Listener;
-using test::Recorder;
 using test::standard;
 
 TEST(CanArbitration, FollowsTheBitsOnTheWireForMixedFormats) {
@@ -39,7 +39,7 @@ TEST(CanArbitration, FollowsTheBitsOnTheWireForMixedFormats) {
   }};
   // In three orders of attachment, none of them the expected one.
   for (const std::size_t step : {5U, 7U, 11U}) {
-    Recorder outside;
+    FrameRecorder outside;
     CanBusModel bus({});
     for (std::size_t i = 0; i < order.size(); ++i) {
       bus.add_node(outside).send(kStart, order[(i * step + 3) % order.size()]);
@@ -53,7 +53,7 @@ TEST(CanArbitration, FollowsTheBitsOnTheWireForMixedFormats) {
 }
 
 TEST(CanArbitration, LosersAreCountedAndAreNotRetransmissions) {
-  Recorder outside;
+  FrameRecorder outside;
   CanBusModel bus({});
   FrameOutput& a = bus.add_node(outside);
   FrameOutput& b = bus.add_node(outside);
@@ -69,7 +69,7 @@ TEST(CanArbitration, LosersAreCountedAndAreNotRetransmissions) {
 }
 
 TEST(CanArbitration, OneShotNodeGivesUpWhatLost) {
-  Recorder outside;
+  FrameRecorder outside;
   CanBusModel bus({});
   FrameOutput& a = bus.add_node(outside);
   FrameOutput& b = bus.add_node(outside, {.one_shot = true});
@@ -92,7 +92,7 @@ TEST(CanArbitration, OneShotNodeGivesUpWhatLost) {
 
 /// An urgent frame behind one that everybody else beats.
 std::size_t place_of_urgent(CanQueueOrder order) {
-  Recorder outside;
+  FrameRecorder outside;
   CanBusModel bus({});
   FrameOutput& a = bus.add_node(outside, {.order = order});
   FrameOutput& b = bus.add_node(outside);
@@ -113,7 +113,7 @@ TEST(CanArbitration, AQueueInOrderOfArrivalInvertsPriorities) {
 }
 
 TEST(CanArbitration, AFrameOnTheWireIsFinishedBeforeAMoreUrgentOneOfItsNode) {
-  Recorder outside;
+  FrameRecorder outside;
   CanBusModel bus({});
   FrameOutput& a = bus.add_node(outside, {.order = CanQueueOrder::priority});
   a.send(kStart, standard(0x700));
@@ -125,7 +125,7 @@ TEST(CanArbitration, AFrameOnTheWireIsFinishedBeforeAMoreUrgentOneOfItsNode) {
 }
 
 TEST(CanArbitration, AllIdentifiersEqualAndAllFramesEqual) {
-  Recorder outside;
+  FrameRecorder outside;
   CanBusModel bus({});
   std::vector<FrameOutput*> nodes;
   for (int i = 0; i < 8; ++i) {
@@ -143,7 +143,7 @@ TEST(CanArbitration, AllIdentifiersEqualAndAllFramesEqual) {
 }
 
 TEST(CanArbitration, AllIdentifiersEqualWithDifferentDataEndsInErrorsAndAllArrive) {
-  Recorder outside;
+  FrameRecorder outside;
   CanBusModel bus({});
   std::vector<FrameOutput*> nodes;
   for (std::uint8_t i = 0; i < 4; ++i) {

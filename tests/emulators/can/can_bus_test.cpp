@@ -15,16 +15,16 @@ namespace {
 using namespace std::chrono_literals;
 using protocols::can::exact_bits;
 using protocols::can::Frame;
+using rigwire::test::FrameRecorder;
 using test::extended;
 using test::Listener;
-using test::Recorder;
 using test::standard;
 
 constexpr Duration kBit = 4us;  // at 250 kbit/s
 
 class CanBus : public testing::Test {
  protected:
-  Recorder outside_;
+  FrameRecorder outside_;
   CanBusModel bus_{CanBusSettings{250'000, 4}};
   FrameOutput& a_ = bus_.add_node(outside_);
   FrameOutput& b_ = bus_.add_node(outside_);
@@ -138,7 +138,7 @@ TEST_F(CanBus, EqualFramesOfTwoNodesAreBothSentAndHeardOnce) {
 }
 
 TEST_F(CanBus, SteppingByEventsOrAtOnceGivesTheSame) {
-  Recorder other_outside;
+  FrameRecorder other_outside;
   CanBusModel other(CanBusSettings{250'000, 4});
   FrameOutput& x = other.add_node(other_outside);
   FrameOutput& y = other.add_node(other_outside);
@@ -192,7 +192,7 @@ TEST_F(CanBus, LoadCountsExactBitsOverTheLastSecond) {
 }
 
 TEST(CanBusSettings, AreChecked) {
-  Recorder outside;
+  FrameRecorder outside;
   EXPECT_THROW(CanBusModel(CanBusSettings{0, 4}), std::invalid_argument);
   EXPECT_THROW(CanBusModel(CanBusSettings{250'000, 0}), std::invalid_argument);
   CanBusModel bus(CanBusSettings{});

@@ -18,9 +18,9 @@ using protocols::can::ErrorState;
 using protocols::can::exact_bits;
 using protocols::can::Frame;
 using protocols::can::FrameField;
+using rigwire::test::FrameRecorder;
 using test::conserved;
 using test::Listener;
-using test::Recorder;
 using test::standard;
 using test::time_of;
 using test::worked_frame;
@@ -31,7 +31,7 @@ constexpr SimTime kEnd = kStart + 1h;
 /// Two devices and a client that is there.
 class CanErrors : public testing::Test {
  protected:
-  Recorder outside_;
+  FrameRecorder outside_;
   CanBusModel bus_{CanBusSettings{250'000, 16}};
   FrameOutput& a_ = bus_.add_node(outside_, {.name = "a", .restart_after = std::nullopt});
   FrameOutput& b_ = bus_.add_node(outside_, {.name = "b"});
@@ -190,7 +190,7 @@ TEST_F(CanErrors, OnABusyBusEachFrameGivesOneOfTheSequences) {
 }
 
 TEST_F(CanErrors, OneShotNodeDoesNotRepeatWhatAnErrorEnded) {
-  Recorder outside;
+  FrameRecorder outside;
   CanBusModel bus({});
   FrameOutput& a = bus.add_node(outside, {.one_shot = true});
   bus.set_faults({{{between(0us, 100us), DisturbanceFault{20}}}}, outside);
@@ -204,7 +204,7 @@ TEST_F(CanErrors, OneShotNodeDoesNotRepeatWhatAnErrorEnded) {
 }
 
 TEST(CanAlone, NodeWithoutAnyOtherBecomesPassiveAndNeverBusOff) {
-  Recorder outside;
+  FrameRecorder outside;
   CanBusModel bus({});
   FrameOutput& a = bus.add_node(outside);
   Listener device;
@@ -244,7 +244,7 @@ TEST(CanAlone, NodeWithoutAnyOtherBecomesPassiveAndNeverBusOff) {
 // The flag of a passive transmitter cannot be told from the end of frame: who does not acknowledge
 // still reads a good frame, again and again.
 TEST(CanAlone, ListenersDoNotAcknowledgeWhatTheyHear) {
-  Recorder outside;
+  FrameRecorder outside;
   CanBusModel bus({});
   FrameOutput& a = bus.add_node(outside);
   (void)bus.add_node(outside, {.listen_only = true});
@@ -261,7 +261,7 @@ TEST(CanAlone, ListenersDoNotAcknowledgeWhatTheyHear) {
 TEST(CanAlone, PassiveTransmitterLeavesOthersEightBits) {
   // All attempts are disturbed. While it is passive the one waits after each, so the other goes,
   // whatever the identifiers say.
-  Recorder outside;
+  FrameRecorder outside;
   CanBusModel bus({});
   FrameOutput& a = bus.add_node(outside);
   FrameOutput& b = bus.add_node(outside);
@@ -282,7 +282,7 @@ TEST(CanAlone, PassiveTransmitterLeavesOthersEightBits) {
 }
 
 TEST(CanCollision, DifferentDataIsABitErrorOfTheRecessiveOne) {
-  Recorder outside;
+  FrameRecorder outside;
   CanBusModel bus({});
   FrameOutput& a = bus.add_node(outside);
   FrameOutput& b = bus.add_node(outside);

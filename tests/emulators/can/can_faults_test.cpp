@@ -19,12 +19,12 @@ using namespace std::chrono_literals;
 using protocols::can::ErrorState;
 using protocols::can::exact_bits;
 using protocols::can::Frame;
+using rigwire::test::FrameRecorder;
 using test::Client;
 using test::conserved;
 using test::Counter;
 using test::extended;
 using test::Listener;
-using test::Recorder;
 using test::standard;
 using test::time_of;
 
@@ -36,8 +36,8 @@ CanFault fault(decltype(CanFault::what) what, Duration begin, Duration end) {
 
 class CanFaults : public testing::Test {
  protected:
-  Recorder outside_;
-  Recorder intruders_;
+  FrameRecorder outside_;
+  FrameRecorder intruders_;
   CanBusModel bus_{CanBusSettings{250'000, 16}};
   FrameOutput& a_ = bus_.add_node(outside_, {.name = "a"});
   FrameOutput& b_ = bus_.add_node(outside_, {.name = "b"});
@@ -216,7 +216,7 @@ Outcome storm(bool by_events) {
   const CanFault noise = fault(BitErrorsFault{1e-3}, 0ms, 1h);
   const CanFault rate = fault(WrongRateFault{"n1", 200'000}, 300ms, 500ms);
   const CanFault stub = fault(DisconnectedFault{"n2"}, 600ms, 900ms);
-  Recorder outside;
+  FrameRecorder outside;
   Client client;
   CanBusModel bus({250'000, 8});
   bus.set_outside(client);

@@ -14,10 +14,10 @@ namespace {
 using namespace std::chrono_literals;
 using protocols::can::ErrorState;
 using protocols::can::exact_bits;
+using rigwire::test::FrameRecorder;
 using test::Client;
 using test::conserved;
 using test::Listener;
-using test::Recorder;
 using test::standard;
 using test::time_of;
 
@@ -25,7 +25,7 @@ constexpr Duration kBit = 4us;
 
 class CanOutsideTest : public testing::Test {
  protected:
-  Recorder outside_;
+  FrameRecorder outside_;
   Client client_;
   CanBusModel bus_{CanBusSettings{250'000, 4}};
   FrameOutput& a_ = bus_.add_node(outside_, {.name = "a"});
@@ -86,7 +86,7 @@ TEST_F(CanOutsideTest, ListenerHearsButCannotSend) {
 }
 
 TEST_F(CanOutsideTest, OneShotFailureIsConfirmedAsSuch) {
-  Recorder outside;
+  FrameRecorder outside;
   Client client;
   CanBusModel bus({});
   bus.set_outside(client);

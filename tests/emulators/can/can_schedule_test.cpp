@@ -14,9 +14,9 @@ namespace {
 using namespace std::chrono_literals;
 using protocols::can::exact_bits;
 using protocols::can::Frame;
+using rigwire::test::FrameRecorder;
 using test::conserved;
 using test::Counter;
-using test::Recorder;
 using test::standard;
 
 /// Hands a node one frame more whenever one has left, and checks the instant of each.

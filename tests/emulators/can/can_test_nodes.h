@@ -7,17 +7,12 @@
 #include <vector>
 
 #include "emulators/can/can_bus.h"
+#include "recorder.h"
 
 namespace rigwire::emulators::test {
 
 using protocols::can::ControllerReport;
 using protocols::can::Frame;
-
-/// An exit to the outside.
-struct Recorder final : FrameOutput {
-  void send(SimTime due, const Frame& frame) override { frames.emplace_back(due, frame); }
-  std::vector<std::pair<SimTime, Frame>> frames;
-};
 
 /// An exit that only counts.
 struct Counter final : FrameOutput {

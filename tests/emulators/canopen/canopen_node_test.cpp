@@ -47,7 +47,7 @@ TEST(CanopenNode, ObeysItsMasterAndNotCommandsForOthers) {
   EXPECT_EQ(rig.output.frames.size(), before);
   rig.command(NetworkCommand::reset_node);
   rig.run(300ms);
-  EXPECT_EQ(rig.output.of(0x720).size(), 2U);
+  EXPECT_EQ(rig.output.with_id(0x720).size(), 2U);
 }
 
 TEST(CanopenNode, StartsItselfWhenToldSo) {
@@ -56,7 +56,7 @@ TEST(CanopenNode, StartsItselfWhenToldSo) {
   EncoderRig rig(settings);
   rig.run(1200ms);
   EXPECT_EQ(rig.encoder.node().state(), NodeState::operational);
-  EXPECT_EQ(rig.output.of(0x1A0).size(), 51U);  // at the start, then every 20 ms
+  EXPECT_EQ(rig.output.with_id(0x1A0).size(), 51U);  // at the start, then every 20 ms
 }
 
 TEST(CanopenNode, HeartbeatSaysTheState) {
@@ -64,39 +64,39 @@ TEST(CanopenNode, HeartbeatSaysTheState) {
   rig.boot();
   EXPECT_EQ(rig.write(0x1017, 0, 100, 2), 0U);
   rig.run(1s);
-  auto beats = rig.output.of(0x720);
+  auto beats = rig.output.with_id(0x720);
   ASSERT_EQ(beats.size(), 11U);
   EXPECT_EQ(beats[2].first - beats[1].first, 100ms);
   EXPECT_EQ(beats.back().second.data[0], 0x7F);
   rig.command(NetworkCommand::stop);
   rig.run(100ms);
-  EXPECT_EQ(rig.output.of(0x720).back().second.data[0], 0x04);
+  EXPECT_EQ(rig.output.with_id(0x720).back().second.data[0], 0x04);
 }
 
 TEST(CanopenNode, EventTimerInhibitAndChange) {
   EncoderRig rig;
   rig.start();
   rig.run(1s);
-  EXPECT_EQ(rig.output.of(0x1A0).size(), 51U);
+  EXPECT_EQ(rig.output.with_id(0x1A0).size(), 51U);
   EXPECT_EQ(rig.write(0x1800, 5, 0, 2), 0U);
   EXPECT_EQ(rig.write(0x1800, 2, 254, 1), 0U);
-  const std::size_t before = rig.output.of(0x1A0).size();
+  const std::size_t before = rig.output.with_id(0x1A0).size();
   rig.run(100ms);
-  EXPECT_EQ(rig.output.of(0x1A0).size(), before);  // stands still
+  EXPECT_EQ(rig.output.with_id(0x1A0).size(), before);  // stands still
   rig.angle_rad = 0.1;
   rig.run(100ms);
-  EXPECT_EQ(rig.output.of(0x1A0).size(), before + 1);
+  EXPECT_EQ(rig.output.with_id(0x1A0).size(), before + 1);
   // Inhibit time: only while the PDO does not exist.
   EXPECT_EQ(rig.write(0x1800, 3, 500, 2), code(SdoAbort::not_in_this_state));
   EXPECT_EQ(rig.write(0x1800, 1, 0xC00001A0, 4), 0U);
   EXPECT_EQ(rig.write(0x1800, 3, 500, 2), 0U);  // 50 ms
   EXPECT_EQ(rig.write(0x1800, 1, 0x400001A0, 4), 0U);
-  const std::size_t again = rig.output.of(0x1A0).size();
+  const std::size_t again = rig.output.with_id(0x1A0).size();
   for (int i = 0; i < 100; ++i) {
     rig.angle_rad += 0.01;
     rig.run(10ms);
   }
-  EXPECT_NEAR(static_cast<double>(rig.output.of(0x1A0).size() - again), 20.0, 1.0);
+  EXPECT_NEAR(static_cast<double>(rig.output.with_id(0x1A0).size() - again), 20.0, 1.0);
 }
 
 TEST(CanopenNode, SynchronousPdoAfterEachNthSync) {
@@ -106,14 +106,14 @@ TEST(CanopenNode, SynchronousPdoAfterEachNthSync) {
   for (int i = 0; i < 9; ++i) {
     rig.receive(0x80, {});
   }
-  EXPECT_EQ(rig.output.of(0x2A0).size(), 3U);
+  EXPECT_EQ(rig.output.with_id(0x2A0).size(), 3U);
   EXPECT_EQ(rig.write(0x1801, 2, 0, 1), 0U);  // acyclic: on SYNC, if changed
   rig.receive(0x80, {});
-  EXPECT_EQ(rig.output.of(0x2A0).size(), 3U);
+  EXPECT_EQ(rig.output.with_id(0x2A0).size(), 3U);
   rig.angle_rad = 1.0;
   rig.run(10ms);
   rig.receive(0x80, {});
-  EXPECT_EQ(rig.output.of(0x2A0).size(), 4U);
+  EXPECT_EQ(rig.output.with_id(0x2A0).size(), 4U);
 }
 
 TEST(CanopenNode, MappingIsChangedTheStandardsWay) {
@@ -131,7 +131,7 @@ TEST(CanopenNode, MappingIsChangedTheStandardsWay) {
   EXPECT_EQ(rig.write(0x1A00, 0, 2, 1), 0U);
   EXPECT_EQ(rig.write(0x1800, 1, 0x400001A0, 4), 0U);
   rig.command(NetworkCommand::start);
-  EXPECT_EQ(rig.output.of(0x1A0).back().second.length, 6);
+  EXPECT_EQ(rig.output.with_id(0x1A0).back().second.length, 6);
 }
 
 TEST(CanopenNode, AbortCodesAreExact) {

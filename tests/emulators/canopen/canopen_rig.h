@@ -6,37 +6,17 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <utility>
-#include <vector>
 
 #include "emulators/device.h"
 #include "emulators/nonvolatile_memory.h"
 #include "protocols/bytes.h"
 #include "protocols/canopen/identifiers.h"
 #include "protocols/canopen/sdo.h"
+#include "recorder.h"
 
 namespace rigwire::emulators {
 
 using namespace std::chrono_literals;
-
-struct CanopenBus final : FrameOutput {
-  void send(SimTime due, const protocols::can::Frame& frame) override {
-    EXPECT_GE(due, last);
-    last = due;
-    frames.emplace_back(due, frame);
-  }
-  [[nodiscard]] std::vector<std::pair<SimTime, protocols::can::Frame>> of(std::uint32_t id) const {
-    std::vector<std::pair<SimTime, protocols::can::Frame>> result;
-    for (const auto& entry : frames) {
-      if (entry.second.id == id) {
-        result.push_back(entry);
-      }
-    }
-    return result;
-  }
-  SimTime last = kStart;
-  std::vector<std::pair<SimTime, protocols::can::Frame>> frames;
-};
 
 /// `Device` is a CanDevice made from settings, memory and output. Who derives feeds it.
 template <class Device>
@@ -97,7 +77,7 @@ struct CanopenRig {
   }
 
   SimTime now = kStart;
-  CanopenBus output;
+  test::FrameRecorder output;
   VolatileMemory memory;
   Device device;
 };

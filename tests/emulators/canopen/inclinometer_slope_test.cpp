@@ -72,7 +72,7 @@ TEST(Inclinometer, SixteenBitsSaturateAndThirtyTwoCarryTheFullResolution) {
   rig.measure();
   EXPECT_EQ(rig.slope16(0x6010), -32768);
   EXPECT_EQ(rig.slope32(0x6110), -60000);
-  EXPECT_TRUE(rig.output.of(0xA0).empty());
+  EXPECT_TRUE(rig.output.with_id(0xA0).empty());
 }
 
 TEST(Inclinometer, AccelerationTiltsIt) {

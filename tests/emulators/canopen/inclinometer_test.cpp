@@ -27,7 +27,7 @@ std::uint32_t code(SdoAbort abort) {
 TEST(Inclinometer, BootsUpAsNodeTenAndSaysWhatItIs) {
   InclinometerSettings settings;
   EXPECT_EQ(settings.node.node_id, 10);
-  CanopenBus output;
+  test::FrameRecorder output;
   VolatileMemory memory;
   Inclinometer device(settings, memory, output);
   device.advance(kStart + 1s);
@@ -64,13 +64,13 @@ TEST(Inclinometer, PdosCarryTheSlopesAfterEachSync) {
                kGravity_mps2 * std::sqrt(1.0 - 2.0 * sine * sine)};
   rig.start();
   rig.run(1s);
-  EXPECT_TRUE(rig.output.of(0x1A0).empty());
+  EXPECT_TRUE(rig.output.with_id(0x1A0).empty());
   rig.receive(0x80, {});
-  ASSERT_EQ(rig.output.of(0x1A0).size(), 1U);
-  EXPECT_EQ(rig.output.of(0x1A0)[0].first, rig.now + 200us);
-  EXPECT_THAT(rig.output.of(0x1A0)[0].second.payload(), ElementsAre(0xD2, 0x04, 0x2E, 0xFB));
-  ASSERT_EQ(rig.output.of(0x2A0).size(), 1U);
-  EXPECT_THAT(rig.output.of(0x2A0)[0].second.payload(),
+  ASSERT_EQ(rig.output.with_id(0x1A0).size(), 1U);
+  EXPECT_EQ(rig.output.with_id(0x1A0)[0].first, rig.now + 200us);
+  EXPECT_THAT(rig.output.with_id(0x1A0)[0].second.payload(), ElementsAre(0xD2, 0x04, 0x2E, 0xFB));
+  ASSERT_EQ(rig.output.with_id(0x2A0).size(), 1U);
+  EXPECT_THAT(rig.output.with_id(0x2A0)[0].second.payload(),
               ElementsAre(0xD2, 0x04, 0, 0, 0x2E, 0xFB, 0xFF, 0xFF));
 }
 
@@ -83,20 +83,20 @@ TEST(Inclinometer, PdoOnItsTimerAndOnChange) {
   EXPECT_DOUBLE_EQ(rig.device.nominal_rate_hz(), 52.0);
   rig.start();
   rig.run(1s);
-  EXPECT_EQ(rig.output.of(0x1A0).size(), 51U);
+  EXPECT_EQ(rig.output.with_id(0x1A0).size(), 51U);
   EXPECT_EQ(rig.write(0x1800, 5, 0, 2), 0U);
   EXPECT_EQ(rig.write(0x1800, 2, 254, 1), 0U);
-  const std::size_t before = rig.output.of(0x1A0).size();
+  const std::size_t before = rig.output.with_id(0x1A0).size();
   rig.run(100ms);
-  EXPECT_EQ(rig.output.of(0x1A0).size(), before);
+  EXPECT_EQ(rig.output.with_id(0x1A0).size(), before);
   rig.tilt(1.0 * kDegree, 0.0);
   rig.run(100ms);
-  EXPECT_EQ(rig.output.of(0x1A0).size(), before + 1);
+  EXPECT_EQ(rig.output.with_id(0x1A0).size(), before + 1);
   // A write that turns the value is a change, too; the PDO leaves before the answer.
   rig.receive(0x620,
               protocols::canopen::make_download({0x6011, 0}, std::array<std::uint8_t, 1>{1}));
-  EXPECT_EQ(rig.output.of(0x1A0).size(), before + 2);
-  EXPECT_THAT(rig.output.of(0x1A0).back().second.payload(), ElementsAre(0x9C, 0xFF, 0, 0));
+  EXPECT_EQ(rig.output.with_id(0x1A0).size(), before + 2);
+  EXPECT_THAT(rig.output.with_id(0x1A0).back().second.payload(), ElementsAre(0x9C, 0xFF, 0, 0));
 }
 
 TEST(Inclinometer, FreeFallHoldsTheSlopesAndRaisesBothErrors) {
@@ -108,7 +108,7 @@ TEST(Inclinometer, FreeFallHoldsTheSlopesAndRaisesBothErrors) {
   rig.run(100ms);
   EXPECT_EQ(rig.slope16(0x6010), 700);
   EXPECT_EQ(rig.read(0x1001), 1U);
-  const auto told = rig.output.of(0xA0);
+  const auto told = rig.output.with_id(0xA0);
   ASSERT_EQ(told.size(), 2U);
   EXPECT_THAT(told[0].second.payload(), ElementsAre(0x10, 0x50, 0x01, 0, 0, 0, 0, 0));
   EXPECT_THAT(told[1].second.payload(), ElementsAre(0x20, 0x50, 0x01, 0, 0, 0, 0, 0));
@@ -122,7 +122,8 @@ TEST(Inclinometer, FreeFallHoldsTheSlopesAndRaisesBothErrors) {
   rig.measure();
   EXPECT_EQ(rig.slope16(0x6010), 0);
   EXPECT_EQ(rig.read(0x1001), 0U);
-  EXPECT_THAT(rig.output.of(0xA0).back().second.payload(), ElementsAre(0, 0, 0, 0, 0, 0, 0, 0));
+  EXPECT_THAT(rig.output.with_id(0xA0).back().second.payload(),
+              ElementsAre(0, 0, 0, 0, 0, 0, 0, 0));
 }
 
 TEST(Inclinometer, BeyondItsRangeTheSlopeStaysAtTheLimitAndOneAxisComplains) {
@@ -132,21 +133,21 @@ TEST(Inclinometer, BeyondItsRangeTheSlopeStaysAtTheLimitAndOneAxisComplains) {
   rig.boot();
   rig.tilt(44.9 * kDegree, 0.0);
   rig.measure();
-  EXPECT_TRUE(rig.output.of(0xA0).empty());
+  EXPECT_TRUE(rig.output.with_id(0xA0).empty());
   rig.tilt(-60.0 * kDegree, 0.0);
   rig.measure();
   EXPECT_EQ(rig.slope16(0x6010), -4500);
-  ASSERT_EQ(rig.output.of(0xA0).size(), 1U);
-  EXPECT_THAT(rig.output.of(0xA0)[0].second.payload(),
+  ASSERT_EQ(rig.output.with_id(0xA0).size(), 1U);
+  EXPECT_THAT(rig.output.with_id(0xA0)[0].second.payload(),
               ElementsAre(0x10, 0x50, 0x01, 0, 0, 0, 0, 0));
   EXPECT_EQ(rig.write(0x6022, 0, 0, 2), 0U);  // the other axis measures
   // The other axis leaves its range, then the first comes back: the register keeps its bit.
   rig.tilt(0.0, 50.0 * kDegree);
   rig.measure();
-  ASSERT_EQ(rig.output.of(0xA0).size(), 3U);
-  EXPECT_THAT(rig.output.of(0xA0)[1].second.payload(),
+  ASSERT_EQ(rig.output.with_id(0xA0).size(), 3U);
+  EXPECT_THAT(rig.output.with_id(0xA0)[1].second.payload(),
               ElementsAre(0x20, 0x50, 0x01, 0, 0, 0, 0, 0));
-  EXPECT_THAT(rig.output.of(0xA0)[2].second.payload(), ElementsAre(0, 0, 0x01, 0, 0, 0, 0, 0));
+  EXPECT_THAT(rig.output.with_id(0xA0)[2].second.payload(), ElementsAre(0, 0, 0x01, 0, 0, 0, 0, 0));
   EXPECT_EQ(rig.slope16(0x6020), 4500);
 }
 
@@ -224,7 +225,7 @@ TEST(InclinometerSettings, RefusedWithTheValueFound) {
 
 TEST(InclinometerQuantities, AreWhatTheSixteenBitSlopesCarry) {
   const auto upper_deg = [](const InclinometerSettings& settings) {
-    CanopenBus output;
+    test::FrameRecorder output;
     VolatileMemory memory;
     const Inclinometer device(settings, memory, output);
     EXPECT_EQ(device.quantities().size(), 2U);

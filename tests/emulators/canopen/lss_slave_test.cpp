@@ -48,9 +48,9 @@ class LssRig : public testing::Test {
     payload[5] = six;
     payload[6] = seven;
     payload[7] = eight;
-    const std::size_t before = rig_->output.of(0x7E4).size();
+    const std::size_t before = rig_->output.with_id(0x7E4).size();
     rig_->receive(0x7E5, payload);
-    const auto answers = rig_->output.of(0x7E4);
+    const auto answers = rig_->output.with_id(0x7E4);
     if (answers.size() == before) {
       return std::nullopt;
     }
@@ -109,10 +109,10 @@ TEST_F(LssRig, ConfiguredNodeIdActsAfterTheNextResetOfCommunication) {
   EXPECT_EQ(rig_->read(0x1018, 4), kSerial) << "still answers at 20";
   rig_->command(NetworkCommand::reset_communication);
   rig_->run(300ms);
-  ASSERT_EQ(rig_->output.of(0x733).size(), 1U) << "boots up as 33";
+  ASSERT_EQ(rig_->output.with_id(0x733).size(), 1U) << "boots up as 33";
   // Its SDO server, its default identifiers and its messages are those of node 33.
   rig_->command(NetworkCommand::start, 0x33);
-  EXPECT_EQ(rig_->output.of(0x1B3).size(), 1U);
+  EXPECT_EQ(rig_->output.with_id(0x1B3).size(), 1U);
   rig_->output.frames.clear();
   rig_->receive(0x633, canopen::make_upload({0x1014, 0}));
   ASSERT_EQ(rig_->output.frames.size(), 1U);
@@ -142,7 +142,8 @@ TEST_F(LssRig, StoredNodeIdAndSavedParametersDoNotTouchEachOther) {
   EncoderRig next(settings(0x20));
   next.memory = rig_->memory;
   next.run(1s);
-  EXPECT_EQ(next.output.of(0x733).size(), 9U) << "boot-up at 200 ms, then a heartbeat each 100 ms";
+  EXPECT_EQ(next.output.with_id(0x733).size(), 9U)
+      << "boot-up at 200 ms, then a heartbeat each 100 ms";
 }
 
 TEST_F(LssRig, ImpossibleNodeIdsAndBitRatesAreRefused) {
@@ -174,12 +175,12 @@ TEST_F(LssRig, IsSilentWhileTheBusChangesItsRate) {
   start(0x20);
   EXPECT_EQ(rig_->write(0x1017, 0, 10, 2), 0U);
   global(true);
-  const std::size_t before = rig_->output.of(0x720).size();
+  const std::size_t before = rig_->output.with_id(0x720).size();
   EXPECT_FALSE(ask(LssCommand::activate_bit_timing, 100));
   rig_->run(199ms);
-  EXPECT_EQ(rig_->output.of(0x720).size(), before);
+  EXPECT_EQ(rig_->output.with_id(0x720).size(), before);
   rig_->run(100ms);
-  EXPECT_NEAR(static_cast<double>(rig_->output.of(0x720).size() - before), 10.0, 1.0);
+  EXPECT_NEAR(static_cast<double>(rig_->output.with_id(0x720).size() - before), 10.0, 1.0);
 }
 
 TEST_F(LssRig, AnswersIdentificationWithinItsRanges) {
@@ -208,7 +209,7 @@ TEST_F(LssRig, NodeWithoutNodeIdSaysNothingUntilLssGivesItOne) {
   EXPECT_EQ(configure(LssCommand::configure_node_id, 7), 0);
   global(false);
   rig_->run(300ms);
-  EXPECT_EQ(rig_->output.of(0x707).size(), 1U) << "boots up by itself";
+  EXPECT_EQ(rig_->output.with_id(0x707).size(), 1U) << "boots up by itself";
   EXPECT_EQ(rig_->encoder.node().state(), NodeState::pre_operational);
 }
 

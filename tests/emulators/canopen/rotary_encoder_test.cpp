@@ -110,9 +110,9 @@ TEST(RotaryEncoder, CyclicTimerIsTheEventTimerOfTheFirstPdo) {
   rig.start();
   EXPECT_EQ(rig.write(0x6200, 0, 10, 2), 0U);
   EXPECT_EQ(rig.read(0x1800, 5), 10U);
-  const std::size_t before = rig.output.of(0x1A0).size();
+  const std::size_t before = rig.output.with_id(0x1A0).size();
   rig.run(1s);
-  EXPECT_EQ(rig.output.of(0x1A0).size() - before, 100U);
+  EXPECT_EQ(rig.output.with_id(0x1A0).size() - before, 100U);
   EXPECT_EQ(rig.write(0x1800, 5, 25, 2), 0U);
   EXPECT_EQ(rig.read(0x6200), 25U);
 }
@@ -122,7 +122,7 @@ TEST(RotaryEncoder, PdoCarriesThePosition) {
   rig.angle_rad = kTurn * 0x1234 / 8192.0;
   rig.start();
   rig.run(20ms);
-  EXPECT_THAT(rig.output.of(0x1A0).back().second.payload(), ElementsAre(0x34, 0x12, 0, 0));
+  EXPECT_THAT(rig.output.with_id(0x1A0).back().second.payload(), ElementsAre(0x34, 0x12, 0, 0));
 }
 
 TEST(RotaryEncoder, ReadingThatIsNoNumberRaisesAnEmergency) {
@@ -132,8 +132,8 @@ TEST(RotaryEncoder, ReadingThatIsNoNumberRaisesAnEmergency) {
   const std::uint32_t held = rig.read(0x6004);
   rig.angle_rad = std::numeric_limits<double>::quiet_NaN();
   rig.run(4ms);
-  ASSERT_EQ(rig.output.of(0xA0).size(), 1U);
-  EXPECT_THAT(rig.output.of(0xA0)[0].second.payload(),
+  ASSERT_EQ(rig.output.with_id(0xA0).size(), 1U);
+  EXPECT_THAT(rig.output.with_id(0xA0)[0].second.payload(),
               ElementsAre(0x00, 0x50, 0x81, 0, 0, 0, 0, 0));
   EXPECT_EQ(rig.read(0x6503), 1U);
   EXPECT_EQ(rig.read(0x1001), 0x81U);
@@ -141,7 +141,8 @@ TEST(RotaryEncoder, ReadingThatIsNoNumberRaisesAnEmergency) {
   EXPECT_EQ(rig.read(0x6004), held);
   rig.angle_rad = 1.0;
   rig.run(4ms);
-  EXPECT_THAT(rig.output.of(0xA0).back().second.payload(), ElementsAre(0, 0, 0, 0, 0, 0, 0, 0));
+  EXPECT_THAT(rig.output.with_id(0xA0).back().second.payload(),
+              ElementsAre(0, 0, 0, 0, 0, 0, 0, 0));
   EXPECT_EQ(rig.read(0x6503), 0U);
   EXPECT_EQ(rig.write(0x1003, 0, 0, 1), 0U);
   EXPECT_EQ(rig.read(0x1003), 0U);
@@ -179,14 +180,14 @@ TEST(RotaryEncoder, ErrorThatIsThereAtBootIsToldAfterwards) {
   EncoderRig rig;
   rig.angle_rad = std::numeric_limits<double>::quiet_NaN();
   rig.run(300ms);
-  const auto told = rig.output.of(0xA0);
+  const auto told = rig.output.with_id(0xA0);
   ASSERT_EQ(told.size(), 1U);
-  EXPECT_GE(told[0].first, rig.output.of(0x720)[0].first);
+  EXPECT_GE(told[0].first, rig.output.with_id(0x720)[0].first);
   EXPECT_EQ(rig.read(0x1001), 0x81U);
   EXPECT_EQ(rig.read(0x1003, 1) & 0xFFFFU, 0x5000U);
   rig.command(protocols::canopen::NetworkCommand::reset_node);
   rig.run(300ms);
-  EXPECT_EQ(rig.output.of(0xA0).size(), 2U) << "told again after a reset";
+  EXPECT_EQ(rig.output.with_id(0xA0).size(), 2U) << "told again after a reset";
 }
 
 TEST(RotaryEncoder, PositionFollowsAScalingThatAClientSetsAtOnce) {

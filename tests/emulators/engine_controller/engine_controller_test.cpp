@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -15,6 +14,7 @@
 #include "protocols/vehicle/condition.h"
 #include "protocols/vehicle/engine_configuration.h"
 #include "protocols/vehicle/machine.h"
+#include "recorder.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -26,22 +26,6 @@ using protocols::can::Frame;
 
 constexpr double kRpm = vehicle::kRevolutionPerMinute_radps;
 constexpr std::uint8_t kField = 0x27;
-
-struct EngineBus final : FrameOutput {
-  void send(SimTime due, const Frame& frame) override {
-    EXPECT_GE(due, last);
-    last = due;
-    frames.push_back(frame);
-  }
-  [[nodiscard]] std::vector<Frame> of(std::uint32_t pgn) const {
-    std::vector<Frame> result;
-    std::ranges::copy_if(frames, std::back_inserter(result),
-                         [pgn](const Frame& frame) { return j1939::unpack(frame.id).pgn == pgn; });
-    return result;
-  }
-  SimTime last = kStart;
-  std::vector<Frame> frames;
-};
 
 class EngineControllerTest : public testing::Test {
  protected:
@@ -89,9 +73,7 @@ class EngineControllerTest : public testing::Test {
   }
   template <class Message>
   Message latest() {
-    const auto frames = bus_.of(Message::kGroup.pgn);
-    EXPECT_FALSE(frames.empty()) << Message::kGroup.name;
-    return frames.empty() ? Message{} : *vehicle::decode<Message>(frames.back());
+    return bus_.latest<Message>();
   }
   /// With counter and checksum unless `counter` is 15.
   void ask(const vehicle::Tsc1& request, unsigned counter = 15, unsigned wrong = 0,
@@ -129,7 +111,7 @@ class EngineControllerTest : public testing::Test {
     return *vehicle::decode_trouble_report(bus_.of(vehicle::kDm1Pgn).back().payload());
   }
 
-  EngineBus bus_;
+  test::FrameRecorder bus_;
   EngineController engine_;
   SimTime now_ = kStart;
 };

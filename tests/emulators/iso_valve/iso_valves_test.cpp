@@ -3,12 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <limits>
 #include <stdexcept>
 
 #include "protocols/j1939/message.h"
 #include "protocols/vehicle/joystick.h"
+#include "recorder.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -24,21 +24,6 @@ constexpr SimTime at(Duration since_start) {
   return kStart + since_start;
 }
 constexpr std::uint8_t kController = 0x26;
-
-struct Sent {
-  SimTime due;
-  Frame frame;
-};
-struct RecordedFrames final : FrameOutput {
-  void send(SimTime due, const Frame& frame) override { frames.push_back({due, frame}); }
-  [[nodiscard]] std::vector<Sent> of(std::uint32_t pgn) const {
-    std::vector<Sent> found;
-    std::ranges::copy_if(frames, std::back_inserter(found),
-                         [&](const Sent& sent) { return j1939::identify(sent.frame)->pgn == pgn; });
-    return found;
-  }
-  std::vector<Sent> frames;
-};
 
 class IsoValvesTest : public ::testing::Test {
  protected:
@@ -61,17 +46,17 @@ class IsoValvesTest : public ::testing::Test {
   }
   double opening(std::size_t section) const { return valves_.command().opening[section]; }
   iso::AuxiliaryValveEstimate estimate(unsigned valve) const {
-    return *iso::decode<iso::AuxiliaryValveEstimate>(valve, output_.of(65040 + valve).back().frame);
+    return *iso::decode<iso::AuxiliaryValveEstimate>(valve, output_.of(65040 + valve).back());
   }
 
-  RecordedFrames output_;
+  test::FrameRecorder output_;
   IsoValves valves_;
 };
 
 TEST_F(IsoValvesTest, ClaimsItsAddressBeforeItSaysAnything) {
-  EXPECT_EQ(j1939::identify(output_.frames.front().frame)->pgn, j1939::kAddressClaimedPgn);
-  const auto flows = output_.of(65040);
-  EXPECT_TRUE(flows.empty() || flows.front().due >= at(250ms));
+  EXPECT_EQ(j1939::identify(output_.frames.front().second)->pgn, j1939::kAddressClaimedPgn);
+  const auto flows = output_.times(65040);
+  EXPECT_TRUE(flows.empty() || flows.front() >= at(250ms));
   EXPECT_TRUE(valves_.address_held());
 }
 
@@ -99,7 +84,7 @@ class AskedIsoValves : public IsoValvesTest {
     valves_.receive(at(now_), j1939::make_request(kController, block, pgn));
     const auto single = output_.of(pgn);
     if (!single.empty()) {
-      const auto payload = single[0].frame.payload();
+      const auto payload = single[0].payload();
       return {payload.begin(), payload.end()};
     }
     const auto opened = output_.of(j1939::kTransportManagementPgn);
@@ -107,8 +92,8 @@ class AskedIsoValves : public IsoValvesTest {
       EXPECT_EQ(output_.of(j1939::kAcknowledgementPgn).size(), 1U);
       return {};
     }
-    EXPECT_EQ(j1939::identify(opened[0].frame)->destination, kController);
-    const auto request = j1939::decode_transport_management(opened[0].frame.payload());
+    EXPECT_EQ(j1939::identify(opened[0])->destination, kController);
+    const auto request = j1939::decode_transport_management(opened[0].payload());
     EXPECT_EQ(request->pgn, pgn);
     j1939::TransportManagement clear;
     clear.control = j1939::TransportControl::clear_to_send;
@@ -123,8 +108,8 @@ class AskedIsoValves : public IsoValvesTest {
     end.control = j1939::TransportControl::end_of_message;
     valves_.receive(at(now_), j1939::make_transport_management(kController, block, end));
     std::string text;
-    for (const Sent& data : output_.of(j1939::kTransportDataPgn)) {
-      text.append(data.frame.data.begin() + 1, data.frame.data.end());
+    for (const Frame& packet : output_.of(j1939::kTransportDataPgn)) {
+      text.append(packet.data.begin() + 1, packet.data.end());
     }
     EXPECT_GE(text.size(), request->size);
     return text.substr(0, request->size);
@@ -150,7 +135,7 @@ TEST_F(AskedIsoValves, TellsEverybodyWhoItIsByBroadcast) {
   valves_.advance(at(900ms));
   const auto opened = output_.of(j1939::kTransportManagementPgn);
   ASSERT_EQ(opened.size(), 1U);
-  EXPECT_EQ(j1939::identify(opened[0].frame)->destination, j1939::kGlobalAddress);
+  EXPECT_EQ(j1939::identify(opened[0])->destination, j1939::kGlobalAddress);
   EXPECT_EQ(output_.of(j1939::kTransportDataPgn).size(), 4U);
 }
 
@@ -173,10 +158,10 @@ TEST_F(IsoValvesTest, EveryValveReportsThreeMessagesEach100ms) {
   valves_.advance(at(2300ms));
   for (unsigned valve = 0; valve < 4; ++valve) {
     for (const std::uint32_t first : {65040U, 65056U, 65312U}) {
-      const auto sent = output_.of(first + valve);
+      const auto sent = output_.times(first + valve);
       ASSERT_EQ(sent.size(), 10U) << first + valve;
       for (std::size_t i = 1; i < sent.size(); ++i) {
-        EXPECT_EQ(sent[i].due - sent[i - 1].due, 100ms);
+        EXPECT_EQ(sent[i] - sent[i - 1], 100ms);
       }
     }
   }
@@ -212,14 +197,13 @@ TEST_F(IsoValvesTest, MeasuredFlowCarriesPressuresAndPosition) {
   sample.port_a_pressure_pa[1] = 12.5e6;
   valves_.update(sample);
   valves_.advance(at(450ms));
-  const auto flow =
-      *iso::decode<iso::AuxiliaryValveMeasuredFlow>(1, output_.of(65057).back().frame);
+  const auto flow = *iso::decode<iso::AuxiliaryValveMeasuredFlow>(1, output_.of(65057).back());
   EXPECT_NEAR(flow.extend_share, -0.25, 0.005);
   EXPECT_NEAR(flow.retract_share, 0.25, 0.005);
   EXPECT_NEAR(flow.extend_pressure_pa, 12.5e6, 2.5e3);
   EXPECT_TRUE(std::isnan(flow.return_pressure_pa));
   const auto position =
-      *iso::decode<iso::AuxiliaryValveMeasuredPosition>(1, output_.of(65313).back().frame);
+      *iso::decode<iso::AuxiliaryValveMeasuredPosition>(1, output_.of(65313).back());
   EXPECT_NEAR(position.position_share, -0.25, 0.0005);
   EXPECT_NEAR(position.position_m, -0.25 * 0.007, 0.5e-6);
 }
@@ -257,8 +241,7 @@ TEST_F(FaultyIsoValves, AFaultStopsEverythingUntilItsValveIsCommandedNeutral) {
   EXPECT_EQ(valves_.amplifier().fault_section(), 1U);
   EXPECT_THAT(valves_.command().opening, Each(0.0));
   EXPECT_EQ(estimate(1).state, static_cast<std::uint8_t>(iso::ValveState::error));
-  const auto dm1 =
-      vehicle::decode_trouble_report(output_.of(vehicle::kDm1Pgn).back().frame.payload());
+  const auto dm1 = vehicle::decode_trouble_report(output_.of(vehicle::kDm1Pgn).back().payload());
   ASSERT_EQ(dm1->count, 1U);
   EXPECT_EQ(dm1->codes[0].spn, 520193U);
   EXPECT_EQ(dm1->codes[0].failure_mode, 5);

@@ -101,7 +101,7 @@ TEST(VehicleAddress, AddressOutsideTheAssignedOnesIsSilentFirst) {
 }
 
 TEST(VehicleAddress, TwoGatewaysOnOneBusSortThemselvesOut) {
-  VehicleBus outside;
+  test::FrameRecorder outside;
   CanBusModel bus(CanBusSettings{});
   FrameOutput& first_output = bus.add_node(outside);
   FrameOutput& second_output = bus.add_node(outside);

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "emulators/can/can_bus.h"
+#include "emulators/null_output.h"
+#include "recorder.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -66,16 +68,6 @@ struct Unit : J1939Application, CanDevice {
   std::vector<std::pair<j1939::Identifier, std::vector<std::uint8_t>>> taken;
 };
 
-struct Record final : FrameOutput {
-  void send(SimTime due, const Frame& frame) override {
-    EXPECT_GE(due, last);
-    last = due;
-    frames.push_back(frame);
-  }
-  SimTime last = kStart;
-  std::vector<Frame> frames;
-};
-
 J1939NodeSettings settings(std::uint8_t address = kOwn, std::uint64_t name = kName,
                            bool arbitrary = false) {
   J1939NodeSettings s;
@@ -110,13 +102,13 @@ struct J1939NodeTest : testing::Test {
   }
   [[nodiscard]] std::vector<std::uint32_t> sent() const {
     std::vector<std::uint32_t> ids;
-    for (const Frame& frame : output.frames) {
+    for (const auto& [due, frame] : output.frames) {
       ids.push_back(frame.id);
     }
     return ids;
   }
 
-  Record output;
+  test::FrameRecorder output;
   std::unique_ptr<Unit> unit;
   SimTime now = kStart;
 };
@@ -129,7 +121,7 @@ TEST_F(J1939NodeTest, AnswersWhatItHasAndRefusesWhatItHasNot) {
   give(j1939::make_request(kPeer, j1939::kGlobalAddress, 0xFE11));
   give(j1939::make_request(kPeer, 0x21, kShortGroup));
   EXPECT_THAT(sent(), ElementsAre(0x18FE1020U, 0x18FE1020U, 0x18E8FF20U));
-  const auto refusal = j1939::decode_acknowledgement(output.frames.back());
+  const auto refusal = j1939::decode_acknowledgement(output.frames.back().second);
   ASSERT_TRUE(refusal.ok());
   EXPECT_EQ(*refusal, (j1939::Acknowledgement{j1939::Acknowledge::negative, 0xFF, kPeer, 0xFE11}));
 }
@@ -139,15 +131,15 @@ TEST_F(J1939NodeTest, LongAnswerGoesToTheRequesterOrToEverybody) {
   give(j1939::make_request(kPeer, kOwn, kLongGroup));
   give(j1939::make_request(kPeer, j1939::kGlobalAddress, kLongGroup));
   EXPECT_THAT(sent(), ElementsAre(0x1CECF920U, 0x1CECFF20U));
-  EXPECT_EQ(output.frames[0].data[0], 16);
-  EXPECT_EQ(output.frames[1].data[0], 32);
+  EXPECT_EQ(output.frames[0].second.data[0], 16);
+  EXPECT_EQ(output.frames[1].second.data[0], 32);
 }
 
 TEST_F(J1939NodeTest, AskedAgainWhileItAnswersItIsBusy) {
   start();
   give(j1939::make_request(kPeer, kOwn, kLongGroup));
   give(j1939::make_request(kPeer, kOwn, kLongGroup));
-  const auto busy = j1939::decode_acknowledgement(output.frames.back());
+  const auto busy = j1939::decode_acknowledgement(output.frames.back().second);
   ASSERT_TRUE(busy.ok());
   EXPECT_EQ(busy->control, j1939::Acknowledge::busy);
 }
@@ -246,7 +238,7 @@ TEST_F(J1939NodeTest, StormOfLowerNamesIsAnsweredOncePerLossAndEnds) {
   EXPECT_EQ(losses, 1U + (247U - 128U + 1U));
   run(1s);
   EXPECT_EQ(output.frames.size(), losses);  // a claim for each move, "cannot claim" at last
-  EXPECT_EQ(output.frames.back().id, 0x18EEFFFEU);
+  EXPECT_EQ(output.frames.back().second.id, 0x18EEFFFEU);
 }
 
 TEST_F(J1939NodeTest, LateJoinerHearsTheClaimThatIsThere) {
@@ -259,9 +251,7 @@ TEST_F(J1939NodeTest, LateJoinerHearsTheClaimThatIsThere) {
 }
 
 TEST(J1939Nodes, ManyOfOneKindShareABus) {
-  struct Outside final : FrameOutput {
-    void send(SimTime, const Frame&) override {}
-  } outside;
+  NullFrameOutput outside;
   CanBusModel bus(CanBusSettings{});
   std::vector<std::unique_ptr<Unit>> units;
   for (std::uint64_t i = 0; i < 8; ++i) {  // all want the same address at once
@@ -286,9 +276,7 @@ TEST(J1939Nodes, ManyOfOneKindShareABus) {
 }
 
 TEST(J1939Nodes, LongMessageCrossesTheBusBothWaysAtOnce) {
-  struct Outside final : FrameOutput {
-    void send(SimTime, const Frame&) override {}
-  } outside;
+  NullFrameOutput outside;
   CanBusModel bus(CanBusSettings{});
   FrameOutput& first_output = bus.add_node(outside);
   FrameOutput& second_output = bus.add_node(outside);

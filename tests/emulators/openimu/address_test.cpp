@@ -140,7 +140,7 @@ TEST(OpenImuAddress, TheVerySameNameSilencesIt) {
 }
 
 TEST(OpenImuAddress, TwoDevicesOnOneBusSortThemselvesOut) {
-  OpenImuBus outside;
+  test::FrameRecorder outside;
   CanBusModel bus(CanBusSettings{});
   FrameOutput& first_output = bus.add_node(outside);
   FrameOutput& second_output = bus.add_node(outside);

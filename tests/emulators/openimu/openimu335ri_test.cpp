@@ -38,7 +38,7 @@ TEST(OpenImu, ClaimsAfterItsSerialDelayAndSendsNothingBefore) {
 }
 
 TEST(OpenImu, ClaimsWithoutSamplesToo) {
-  OpenImuBus output;
+  test::FrameRecorder output;
   OpenImu imu(settings_with(3), output);
   imu.advance(kStart);
   EXPECT_EQ(imu.next_event(), kStart + 15ms);
@@ -214,7 +214,7 @@ TEST(OpenImuMemory, SavedSettingsAndAddressOutliveThePowerCycle) {
   EXPECT_EQ(rig.imu.configuration().rate_divider, 4);
   EXPECT_EQ(rig.imu.configuration().rate_cut_off_hz, 25);
   // A second device with the same memory is the same device.
-  OpenImuBus output;
+  test::FrameRecorder output;
   OpenImu again(settings, rig.memory, output);
   again.advance(kStart + 1s);
   EXPECT_EQ(again.configuration().rate_divider, 4);
@@ -275,7 +275,7 @@ TEST(OpenImuSettings, RefusedWithTheValueFound) {
   const auto refused = [](auto change) {
     OpenImuSettings settings;
     change(settings);
-    OpenImuBus output;
+    test::FrameRecorder output;
     EXPECT_THROW(OpenImu(settings, output), std::invalid_argument);
   };
   EXPECT_NO_THROW(validate(OpenImuSettings{}));
@@ -294,7 +294,7 @@ TEST(OpenImuSettings, RefusedWithTheValueFound) {
 }
 
 TEST(OpenImuBusLoad, DefaultMessagesAtRestTake17Percent) {
-  OpenImuBus outside;
+  test::FrameRecorder outside;
   CanBusModel bus(CanBusSettings{});
   FrameOutput& output = bus.add_node(outside);
   OpenImu imu(settings_with(0x12345, OpenImuVariant::openimu300ri), output);

@@ -1,39 +1,14 @@
 // An emulated inclination sensor under test: its ticks, its one constant sample, and what it sends.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdint>
-#include <utility>
-#include <vector>
 
 #include "emulators/openimu/openimu335ri.h"
-#include "protocols/j1939/message.h"
+#include "recorder.h"
 
 namespace rigwire::emulators {
 
 constexpr double kGravity = 9.80665;
-
-/// Records the frames that a node sends, and holds that they are due in order.
-struct OpenImuBus final : FrameOutput {
-  void send(SimTime due, const protocols::can::Frame& frame) override {
-    EXPECT_GE(due, last);
-    last = due;
-    frames.emplace_back(due, frame);
-  }
-  /// Frames of one group, oldest first.
-  [[nodiscard]] std::vector<protocols::can::Frame> of(std::uint32_t pgn) const {
-    std::vector<protocols::can::Frame> result;
-    for (const auto& [due, frame] : frames) {
-      if (protocols::j1939::unpack(frame.id).pgn == pgn) {
-        result.push_back(frame);
-      }
-    }
-    return result;
-  }
-  SimTime last = kStart;
-  std::vector<std::pair<SimTime, protocols::can::Frame>> frames;
-};
 
 /// A sample of a housing that stands level and still.
 inline ImuSample level(SimTime time = kStart) {
@@ -62,7 +37,7 @@ struct OpenImuRig {
   void receive(const protocols::can::Frame& frame) { imu.receive(now, frame); }
 
   VolatileMemory memory;
-  OpenImuBus output;
+  test::FrameRecorder output;
   OpenImu imu;
   SimTime now = kStart;
 };

@@ -7,11 +7,10 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "protocols/j1939/message.h"
 #include "protocols/j1939/name.h"
+#include "recorder.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -23,35 +22,6 @@ using protocols::can::Frame;
 
 constexpr std::uint8_t kController = 0x27;
 constexpr std::uint8_t kStarFire = 28;
-
-struct Bus final : FrameOutput {
-  void send(SimTime due, const Frame& frame) override {
-    EXPECT_GE(due, last);
-    last = due;
-    frames.emplace_back(due, frame);
-  }
-  [[nodiscard]] std::vector<SimTime> times(std::uint32_t pgn) const {
-    std::vector<SimTime> found;
-    for (const auto& [due, frame] : frames) {
-      if (j1939::unpack(frame.id).pgn == pgn) {
-        found.push_back(due);
-      }
-    }
-    return found;
-  }
-  template <class Message>
-  [[nodiscard]] Message latest() const {
-    for (auto it = frames.rbegin(); it != frames.rend(); ++it) {
-      if (const auto message = vehicle::decode<Message>(it->second); message.ok()) {
-        return *message;
-      }
-    }
-    ADD_FAILURE() << "no " << Message::kGroup.name;
-    return {};
-  }
-  SimTime last = kStart;
-  std::vector<std::pair<SimTime, Frame>> frames;
-};
 
 class StarFireNodeTest : public testing::Test {
  protected:
@@ -97,7 +67,7 @@ class StarFireNodeTest : public testing::Test {
   }
 
   Calendar calendar_{UtcTime{2026, 6, 1, 8, 0, 0, 0}};
-  Bus bus_;
+  test::FrameRecorder bus_;
   StarFireNode node_{settings(), calendar_, bus_};
   SimTime now_ = kStart;
 };

@@ -8,35 +8,27 @@
 #include <vector>
 
 #include "protocols/nmea/sentence.h"
+#include "recorder.h"
 
 namespace rigwire::emulators {
 namespace {
 
 using namespace std::chrono_literals;
 
-struct Line final : ByteOutput {
-  void send(SimTime due, std::span<const std::uint8_t> bytes) override {
-    EXPECT_GE(due, last);
-    last = due;
-    text.append(bytes.begin(), bytes.end());
-  }
-  [[nodiscard]] std::vector<std::string> sentences() const {
-    std::vector<std::string> found;
-    const std::vector<std::uint8_t> all(text.begin(), text.end());
-    for (std::size_t at = 0; at < all.size();) {
-      const auto s = protocols::nmea::decode_sentence(std::span(all).subspan(at));
-      if (!s.ok()) {
-        ADD_FAILURE() << "garbage at " << at;
-        break;
-      }
-      found.emplace_back(text.substr(at, s.consumed() - 2));
-      at += s.consumed();
+std::vector<std::string> sentences(const std::string& text) {
+  std::vector<std::string> found;
+  const std::vector<std::uint8_t> all(text.begin(), text.end());
+  for (std::size_t at = 0; at < all.size();) {
+    const auto s = protocols::nmea::decode_sentence(std::span(all).subspan(at));
+    if (!s.ok()) {
+      ADD_FAILURE() << "garbage at " << at;
+      break;
     }
-    return found;
+    found.emplace_back(text.substr(at, s.consumed() - 2));
+    at += s.consumed();
   }
-  SimTime last = kStart;
-  std::string text;
-};
+  return found;
+}
 
 class StarFireReceiverTest : public testing::Test {
  protected:
@@ -64,11 +56,11 @@ class StarFireReceiverTest : public testing::Test {
   }
   /// Sentences of one epoch.
   std::vector<std::string> epoch(const StarFireSettings& of, const GnssSample& s) {
-    Line line;
+    test::ByteRecorder line;
     StarFireReceiver receiver(of, calendar_, line);
     receiver.update(s);
     receiver.advance(s.time + 900ms);
-    return line.sentences();
+    return sentences(line.text());
   }
   static std::string field(const std::string& sentence, int index) {
     std::size_t at = 0;
@@ -124,7 +116,7 @@ TEST_F(StarFireReceiverTest, TalkerIsTheOneThatIsSet) {
 
 TEST_F(StarFireReceiverTest, NoByteFromAClientChangesAnything) {
   const auto talk = [&](bool noise) {
-    Line line;
+    test::ByteRecorder line;
     StarFireReceiver receiver(settings(), calendar_, line);
     std::mt19937 random(7);
     for (int i = 0; i < 20; ++i) {
@@ -139,20 +131,20 @@ TEST_F(StarFireReceiverTest, NoByteFromAClientChangesAnything) {
       }
     }
     receiver.advance(kStart + 20s);
-    return line.text;
+    return line.text();
   };
   EXPECT_EQ(talk(true), talk(false));
 }
 
 TEST_F(StarFireReceiverTest, BytesTakeTheirTimeOnTheLine) {
-  Line line;
+  test::ByteRecorder line;
   StarFireSettings s = settings();
   s.baud = 4800;
   StarFireReceiver receiver(s, calendar_, line);
   receiver.update(sample(kStart));
   receiver.advance(kStart + 900ms);
-  const double seconds = to_seconds(line.last - kStart - s.latency);
-  EXPECT_NEAR(seconds, static_cast<double>(line.text.size()) * 10.0 / 4800.0, 0.02);
+  const double seconds = to_seconds(line.sent.back().due - kStart - s.latency);
+  EXPECT_NEAR(seconds, static_cast<double>(line.text().size()) * 10.0 / 4800.0, 0.02);
 }
 
 }  // namespace

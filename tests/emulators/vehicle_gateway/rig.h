@@ -1,62 +1,15 @@
 // A vehicle gateway under test: its samples, the controller that talks to it, and what it sends.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdint>
-#include <utility>
-#include <vector>
 
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
-#include "protocols/j1939/message.h"
+#include "recorder.h"
 
 namespace rigwire::emulators {
 
 constexpr std::uint8_t kController = 0x27;
 constexpr double kRpm = protocols::vehicle::kRevolutionPerMinute_radps;
-
-/// Records the frames that a node sends, and holds that they are due in order.
-struct VehicleBus final : FrameOutput {
-  void send(SimTime due, const protocols::can::Frame& frame) override {
-    EXPECT_GE(due, last);
-    last = due;
-    frames.emplace_back(due, frame);
-  }
-  /// When frames of one group were due.
-  [[nodiscard]] std::vector<SimTime> times(std::uint32_t pgn) const {
-    std::vector<SimTime> result;
-    for (const auto& [due, frame] : frames) {
-      if (protocols::j1939::unpack(frame.id).pgn == pgn) {
-        result.push_back(due);
-      }
-    }
-    return result;
-  }
-  /// Frames of one group, oldest first.
-  [[nodiscard]] std::vector<protocols::can::Frame> of(std::uint32_t pgn) const {
-    std::vector<protocols::can::Frame> result;
-    for (const auto& [due, frame] : frames) {
-      if (protocols::j1939::unpack(frame.id).pgn == pgn) {
-        result.push_back(frame);
-      }
-    }
-    return result;
-  }
-  /// The latest message of its kind; everything not available when there is none.
-  template <class Message>
-  [[nodiscard]] Message latest() const {
-    const auto found = of(Message::kGroup.pgn);
-    if (found.empty()) {
-      ADD_FAILURE() << "no " << Message::kGroup.name;
-      return {};
-    }
-    const auto decoded = protocols::vehicle::decode<Message>(found.back());
-    EXPECT_TRUE(decoded.ok());
-    return decoded.ok() ? *decoded : Message{};
-  }
-  SimTime last = kStart;
-  std::vector<std::pair<SimTime, protocols::can::Frame>> frames;
-};
 
 /// A machine that stands with its engine at idle.
 inline VehicleSample standing() {
@@ -88,7 +41,7 @@ struct VehicleRig {
   }
   [[nodiscard]] const VehicleCommand& command() const { return gateway.command(); }
 
-  VehicleBus output;
+  test::FrameRecorder output;
   VehicleGateway gateway;
   SimTime now = kStart;
 };

@@ -38,7 +38,7 @@ TEST(VehicleGateway, ClaimsBeforeItSaysAnythingElse) {
 }
 
 TEST(VehicleGateway, PartnerThatLooksForATractorEcuFindsIt) {
-  VehicleBus output;
+  test::FrameRecorder output;
   const VehicleGateway gateway(VehicleGatewaySettings{}, output);
   const j1939::Name name = j1939::unpack_name(gateway.name());
   EXPECT_EQ(name.industry_group, 2);
@@ -53,7 +53,7 @@ TEST(VehicleGateway, EveryPartOfTheNameIsAKey) {
                    .function_instance = 3,
                    .device_class = 16,
                    .industry_group = 3};
-  VehicleBus output;
+  test::FrameRecorder output;
   const VehicleGateway gateway(settings, output);
   const j1939::Name name = j1939::unpack_name(gateway.name());
   EXPECT_EQ(name.manufacturer, 1234);
@@ -134,7 +134,7 @@ TEST(VehicleGateway, NominalRateIsWhatItSends) {
 }
 
 TEST(VehicleGateway, TakesLessThanHalfOfTheBus) {
-  VehicleBus outside;
+  test::FrameRecorder outside;
   CanBusModel bus(CanBusSettings{});
   FrameOutput& output = bus.add_node(outside);
   VehicleGatewaySettings settings;
@@ -284,7 +284,7 @@ TEST(VehicleGatewaySettings, RefusedWithTheValueFound) {
   const auto refused = [](auto change, const std::string& key) {
     VehicleGatewaySettings settings;
     change(settings);
-    VehicleBus output;
+    test::FrameRecorder output;
     try {
       VehicleGateway gateway(settings, output);
       ADD_FAILURE() << key << " was accepted";

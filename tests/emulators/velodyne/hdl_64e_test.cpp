@@ -98,7 +98,7 @@ TEST_F(Hdl64eTest, StatusChannelTellsCalibrationTimeAndSettings) {
   std::optional<velodyne::StatusRecord> record;
   see = [](LidarFiring&) {};
   fire(lidar, 6 * 2 * 4160);
-  for (const SentDatagram& sent : data.sent) {
+  for (const auto& sent : data.sent) {
     if (auto complete = reader.add({sent.bytes[1204], sent.bytes[1205]})) {
       record = complete;
     }
@@ -123,7 +123,7 @@ TEST_F(Hdl64eTest, StatusChannelWithoutReceiverSaysSo) {
   VelodyneLidar lidar(alone, calendar, data, position);
   velodyne::StatusReader reader;
   fire(lidar, 6 * 40);
-  for (const SentDatagram& sent : data.sent) {
+  for (const auto& sent : data.sent) {
     reader.add({sent.bytes[1204], sent.bytes[1205]});
   }
   EXPECT_EQ(reader.live().gps, velodyne::StatusGps::none);

@@ -38,7 +38,7 @@ TEST_F(VelodyneFaultTest, LostPacketsAreAsManyAsTheProbabilitySaysAndOnlyInTime)
   fire_until(lidar, kStart + seconds{5});
   std::size_t before = 0;
   std::size_t during = 0;
-  for (const SentDatagram& sent : data.sent) {
+  for (const auto& sent : data.sent) {
     before += sent.due < kStart + seconds{1} ? 1 : 0;
     during += sent.due >= kStart + seconds{1} && sent.due < kStart + seconds{4} ? 1 : 0;
   }

@@ -12,22 +12,9 @@
 
 #include "emulators/velodyne/velodyne_lidar.h"
 #include "fault_period.h"
+#include "recorder.h"
 
 namespace rigwire::emulators {
-
-struct SentDatagram {
-  SimTime due;
-  std::vector<std::uint8_t> bytes;
-};
-
-class DatagramRecorder : public ByteOutput {
- public:
-  void send(SimTime due, std::span<const std::uint8_t> bytes) override {
-    EXPECT_TRUE(sent.empty() || due >= sent.back().due) << "due times went back";
-    sent.push_back({due, {bytes.begin(), bytes.end()}});
-  }
-  std::vector<SentDatagram> sent;
-};
 
 /// The bytes of a data packet, read by hand.
 struct RawPacket {
@@ -49,8 +36,8 @@ struct RawPacket {
 class VelodyneFixture : public testing::Test {
  protected:
   Calendar calendar{parse_utc("2026-06-01T08:59:50Z")};
-  DatagramRecorder data;
-  DatagramRecorder position;
+  test::ByteRecorder data;
+  test::ByteRecorder position;
   std::int64_t next_firing = 0;
   double azimuth_rad = 0.0;
   /// Fills the echoes of a bank; by default every laser sees a grey wall at 10 m.

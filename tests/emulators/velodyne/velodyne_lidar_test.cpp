@@ -6,7 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <vector>
+
+#include "recorder.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -18,24 +19,11 @@ using std::chrono::nanoseconds;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-struct Sent {
-  SimTime due;
-  std::vector<std::uint8_t> bytes;
-};
-
-class Recorder : public ByteOutput {
- public:
-  void send(SimTime due, std::span<const std::uint8_t> bytes) override {
-    sent.push_back({due, {bytes.begin(), bytes.end()}});
-  }
-  std::vector<Sent> sent;
-};
-
 class VelodyneLidarTest : public testing::Test {
  protected:
   Calendar calendar{parse_utc("2026-06-01T08:59:59.9Z")};
-  Recorder data;
-  Recorder position;
+  test::ByteRecorder data;
+  test::ByteRecorder position;
 
   static LidarFiring firing(const VelodyneLidar& lidar, std::int64_t number, float range,
                             float reflectivity = 0.5F) {
@@ -54,7 +42,7 @@ class VelodyneLidarTest : public testing::Test {
     }
   }
 
-  static velodyne::DataPacket packet(const Sent& sent) {
+  static velodyne::DataPacket packet(const test::ByteRecorder::Sent& sent) {
     const auto decoded = velodyne::decode_data_packet(sent.bytes);
     EXPECT_TRUE(decoded.ok());
     return *decoded;
@@ -173,7 +161,7 @@ TEST_F(VelodyneLidarTest, PositionPacketsCarryTheSecondBeforeAndTheFix) {
   EXPECT_THAT(std::string(early->sentence()), HasSubstr("$GPRMC,085959,V,,,,,,,010626"));
   // The sentence of 09:00:00 comes 225 ms after its pulse: 0.325 s after this start.
   const auto at = [&](int ms) {
-    for (const Sent& sent : position.sent) {
+    for (const test::ByteRecorder::Sent& sent : position.sent) {
       if (sent.due >= kStart + milliseconds{ms}) {
         return std::string(velodyne::decode_position_packet(sent.bytes)->sentence());
       }

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "recorder.h"
+
 namespace rigwire::emulators {
 namespace {
 
@@ -22,26 +24,15 @@ namespace xsens = protocols::xsens;
 constexpr double kGravity = 9.80665;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-struct MtiBus final : FrameOutput {
-  void send(SimTime due, const protocols::can::Frame& frame) override {
-    EXPECT_GE(due, last);
-    last = due;
-    frames.emplace_back(due, frame);
+std::vector<xsens::Reading> readings(const test::FrameRecorder& output, MessageId id) {
+  std::vector<xsens::Reading> result;
+  for (const auto& [due, frame] : output.with_id(static_cast<std::uint32_t>(id))) {
+    const auto reading = xsens::decode(frame);
+    EXPECT_TRUE(reading.ok());
+    result.push_back(*reading);
   }
-  [[nodiscard]] std::vector<xsens::Reading> of(MessageId id) const {
-    std::vector<xsens::Reading> result;
-    for (const auto& [due, frame] : frames) {
-      if (frame.id == static_cast<std::uint32_t>(id)) {
-        const auto reading = xsens::decode(frame);
-        EXPECT_TRUE(reading.ok());
-        result.push_back(*reading);
-      }
-    }
-    return result;
-  }
-  SimTime last = kStart;
-  std::vector<std::pair<SimTime, protocols::can::Frame>> frames;
-};
+  return result;
+}
 
 ImuSample level() {
   return {kStart, {0.0, 0.0, kGravity}, {0.0, 0.0, 0.0}, 31.5};
@@ -66,7 +57,7 @@ struct MtiRig {
     }
   }
   Calendar calendar{UtcTime{2026, 6, 1, 8, 30, 59, 0}};
-  MtiBus output;
+  test::FrameRecorder output;
   SimTime now = kStart;
   Mti600 mti;
 };
@@ -90,22 +81,22 @@ TEST(Mti600, EachMessageHasItsOwnRate) {
                    {MessageId::temperature, 400},
                    {MessageId::utc, 40}}));
   rig.run(2s);
-  EXPECT_EQ(rig.output.of(MessageId::acceleration).size(), 800U);
-  EXPECT_EQ(rig.output.of(MessageId::quaternion).size(), 0U);
-  EXPECT_EQ(rig.output.of(MessageId::temperature).size(), 2U);
-  EXPECT_EQ(rig.output.of(MessageId::temperature)[0].values[0], 31.5);
-  EXPECT_EQ(rig.output.of(MessageId::utc).size(), 20U);
+  EXPECT_EQ(readings(rig.output, MessageId::acceleration).size(), 800U);
+  EXPECT_EQ(readings(rig.output, MessageId::quaternion).size(), 0U);
+  EXPECT_EQ(readings(rig.output, MessageId::temperature).size(), 2U);
+  EXPECT_EQ(readings(rig.output, MessageId::temperature)[0].values[0], 31.5);
+  EXPECT_EQ(readings(rig.output, MessageId::utc).size(), 20U);
 }
 
 TEST(Mti600, TimesOfASample) {
   MtiRig rig(with({{MessageId::utc, 4}}));
   rig.run(1500ms);
-  const auto times = rig.output.of(MessageId::sample_time);
+  const auto times = readings(rig.output, MessageId::sample_time);
   EXPECT_EQ(times[0].values[0], 0.0);
   EXPECT_EQ(times[1].values[0], 100.0);
   EXPECT_EQ(times[150 - 1].values[0], 14'900.0);
-  EXPECT_EQ(rig.output.of(MessageId::group_counter)[149].values[0], 149.0);
-  const auto utc = rig.output.of(MessageId::utc)[101].values;  // 1.01 s later
+  EXPECT_EQ(readings(rig.output, MessageId::group_counter)[149].values[0], 149.0);
+  const auto utc = readings(rig.output, MessageId::utc)[101].values;  // 1.01 s later
   EXPECT_THAT(std::vector(utc.begin(), utc.begin() + 6), ElementsAre(26, 6, 1, 8, 31, 0));
   EXPECT_NEAR(utc[6], 0.01, 1e-12);
 }
@@ -122,14 +113,14 @@ TEST(Mti600, SampleTimeCountsTicksOf100MicrosecondsUnlessTheUnitIsOld) {
   MtiRig today(with({}));
   today.run(1s);
   // 0.99 s after the first sample.
-  EXPECT_EQ(today.output.of(MessageId::sample_time)[99].values[0], 9'900.0);
+  EXPECT_EQ(readings(today.output, MessageId::sample_time)[99].values[0], 9'900.0);
   EXPECT_EQ(layout_of(today).scale, 100e-6);
   EXPECT_EQ(layout_of(today).unit, "s");
   MtiSettings settings;
   settings.sample_time = MtiSampleTime::microseconds;
   MtiRig old(settings);
   old.run(1s);
-  EXPECT_EQ(old.output.of(MessageId::sample_time)[99].values[0], 990'000.0);
+  EXPECT_EQ(readings(old.output, MessageId::sample_time)[99].values[0], 990'000.0);
   EXPECT_EQ(layout_of(old).scale, 1e-6);
   // What a client computes with the DBC of either is the same time.
   EXPECT_NEAR(9'900.0 * layout_of(today).scale, 990'000.0 * layout_of(old).scale, 1e-12);
@@ -145,7 +136,7 @@ TEST(Mti600Signs, NoseUpRightDownClockwise) {
                                 kGravity * std::cos(pitch) * std::sin(roll),
                                 kGravity * std::cos(pitch) * std::cos(roll)};
   rig.run(2s, sample);
-  const auto angles = rig.output.of(MessageId::euler_angles).back().values;
+  const auto angles = readings(rig.output, MessageId::euler_angles).back().values;
   EXPECT_NEAR(angles[0], 10.0, 0.01);   // right side down is positive
   EXPECT_NEAR(angles[1], -20.0, 0.01);  // nose up is negative
   // Clockwise from above is negative about z up.
@@ -153,10 +144,11 @@ TEST(Mti600Signs, NoseUpRightDownClockwise) {
   ImuSample turn = level();
   turn.angular_rate_radps = {0.0, 0.0, -10.0 * kDegree};
   turning.run(3s, turn);
-  EXPECT_NEAR(turning.output.of(MessageId::euler_angles).back().values[2], -30.0, 0.2);
-  EXPECT_NEAR(turning.output.of(MessageId::rate_of_turn).back().values[2], -10.0 * kDegree,
+  EXPECT_NEAR(readings(turning.output, MessageId::euler_angles).back().values[2], -30.0, 0.2);
+  EXPECT_NEAR(readings(turning.output, MessageId::rate_of_turn).back().values[2], -10.0 * kDegree,
               1.0 / 1024.0);
-  EXPECT_NEAR(turning.output.of(MessageId::acceleration).back().values[2], kGravity, 1.0 / 512.0);
+  EXPECT_NEAR(readings(turning.output, MessageId::acceleration).back().values[2], kGravity,
+              1.0 / 512.0);
 }
 
 TEST(Mti600, FreeAccelerationIsWithoutGravityInTheLocalFrame) {
@@ -167,7 +159,7 @@ TEST(Mti600, FreeAccelerationIsWithoutGravityInTheLocalFrame) {
   ImuSample push = level();
   push.specific_force_mps2.x = 4.0;
   rig.run(10ms, push);
-  const auto free = rig.output.of(MessageId::free_acceleration).back().values;
+  const auto free = readings(rig.output, MessageId::free_acceleration).back().values;
   EXPECT_NEAR(free[0], 0.0, 0.02);
   EXPECT_NEAR(free[1], 4.0, 0.02);
   EXPECT_NEAR(free[2], 0.0, 0.02);
@@ -178,48 +170,51 @@ TEST(Mti600, IncrementsSumUpBetweenMessages) {
   ImuSample turn = level();
   turn.angular_rate_radps = {0.0, 0.0, 1.0};
   rig.run(1s, turn);
-  const auto increment = rig.output.of(MessageId::velocity_increment).back().values;
+  const auto increment = readings(rig.output, MessageId::velocity_increment).back().values;
   EXPECT_NEAR(std::ldexp(increment[2], -static_cast<int>(increment[3])), 0.02 * kGravity, 1e-5);
-  EXPECT_NEAR(rig.output.of(MessageId::orientation_increment).back().values[3], std::sin(0.01),
-              1.0 / 32767.0);
+  EXPECT_NEAR(readings(rig.output, MessageId::orientation_increment).back().values[3],
+              std::sin(0.01), 1.0 / 32767.0);
 }
 
 TEST(Mti600, StatusWordTellsFilterAndClipping) {
   MtiRig rig;
   rig.run(500ms);
-  EXPECT_EQ(rig.output.of(MessageId::status_word).back().values[0], 1.0);  // filter not yet valid
+  EXPECT_EQ(readings(rig.output, MessageId::status_word).back().values[0],
+            1.0);  // filter not yet valid
   rig.run(1s);
-  EXPECT_EQ(rig.output.of(MessageId::status_word).back().values[0], 3.0);
+  EXPECT_EQ(readings(rig.output, MessageId::status_word).back().values[0], 3.0);
   ImuSample hit = level();
   hit.specific_force_mps2.y = -500.0;
   rig.run(10ms, hit);
-  EXPECT_EQ(static_cast<std::uint32_t>(rig.output.of(MessageId::status_word).back().values[0]),
-            StatusBit::kSelfTest | StatusBit::kFilterValid | StatusBit::kClipping |
-                (StatusBit::kClipAccelerationX << 1U));
-  EXPECT_NEAR(rig.output.of(MessageId::acceleration).back().values[1], -10.0 * kGravity, 0.01);
+  EXPECT_EQ(
+      static_cast<std::uint32_t>(readings(rig.output, MessageId::status_word).back().values[0]),
+      StatusBit::kSelfTest | StatusBit::kFilterValid | StatusBit::kClipping |
+          (StatusBit::kClipAccelerationX << 1U));
+  EXPECT_NEAR(readings(rig.output, MessageId::acceleration).back().values[1], -10.0 * kGravity,
+              0.01);
 }
 
 TEST(Mti600, FailedElementsAreSilentAndSaidSo) {
   MtiRig rig;
   rig.run(2s);
-  const std::size_t before = rig.output.of(MessageId::acceleration).size();
+  const std::size_t before = readings(rig.output, MessageId::acceleration).size();
   ImuSample broken = level();
   broken.angular_rate_radps.y = std::numeric_limits<double>::quiet_NaN();
   rig.run(1s, broken);
-  EXPECT_EQ(rig.output.of(MessageId::acceleration).size(), before);
-  EXPECT_EQ(rig.output.of(MessageId::status_word).back().values[0], 0.0);
+  EXPECT_EQ(readings(rig.output, MessageId::acceleration).size(), before);
+  EXPECT_EQ(readings(rig.output, MessageId::status_word).back().values[0], 0.0);
   rig.run(10ms);
-  EXPECT_EQ(rig.output.of(MessageId::acceleration).size(), before + 1);
+  EXPECT_EQ(readings(rig.output, MessageId::acceleration).size(), before + 1);
 }
 
 TEST(Mti600, MagneticFieldOnlyWithAMagnetometer) {
   MtiRig rig(with({{MessageId::magnetic_field, 4}}));
   rig.run(100ms);
-  EXPECT_TRUE(rig.output.of(MessageId::magnetic_field).empty());
+  EXPECT_TRUE(readings(rig.output, MessageId::magnetic_field).empty());
   ImuSample sample = level();
   sample.magnetic_field_t = {48.7e-6, 0.0, -24.35e-6};
   rig.run(10ms, sample);
-  const auto field = rig.output.of(MessageId::magnetic_field).back().values;
+  const auto field = readings(rig.output, MessageId::magnetic_field).back().values;
   EXPECT_EQ(field[0], 1.0);
   EXPECT_EQ(field[2], -0.5);
 }
@@ -232,8 +227,8 @@ TEST(Mti600, OverflowIsReportedOnce) {
   report.transmit_overflow = true;
   rig.mti.controller(rig.now, report);
   rig.run(100ms);
-  ASSERT_EQ(rig.output.of(MessageId::error).size(), 1U);
-  EXPECT_EQ(rig.output.of(MessageId::error)[0].values[0], 1.0);
+  ASSERT_EQ(readings(rig.output, MessageId::error).size(), 1U);
+  EXPECT_EQ(readings(rig.output, MessageId::error)[0].values[0], 1.0);
 }
 
 TEST(Mti600, PowerCycleStartsTimeAndHeadingAgain) {
@@ -242,10 +237,10 @@ TEST(Mti600, PowerCycleStartsTimeAndHeadingAgain) {
   settings.supply.off = 500ms;
   MtiRig rig(settings);
   rig.run(1400ms);
-  EXPECT_EQ(rig.output.of(MessageId::sample_time).size(), 100U);
+  EXPECT_EQ(readings(rig.output, MessageId::sample_time).size(), 100U);
   rig.run(200ms);
-  EXPECT_EQ(rig.output.of(MessageId::sample_time)[100].values[0], 0.0);
-  EXPECT_EQ(rig.output.of(MessageId::group_counter)[100].values[0], 0.0);
+  EXPECT_EQ(readings(rig.output, MessageId::sample_time)[100].values[0], 0.0);
+  EXPECT_EQ(readings(rig.output, MessageId::group_counter)[100].values[0], 0.0);
 }
 
 TEST(Mti600, HearsNothing) {

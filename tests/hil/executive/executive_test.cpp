@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "emulators/null_output.h"
 #include "hil/wires/outlets.h"
 #include "made_up_kind.h"
 
@@ -103,7 +104,7 @@ struct Rig {
   RecordingStream stream;
   WireStatistics statistics;
   StreamOutlet outlet;
-  test::NoOutput nowhere;
+  emulators::NullByteOutput nowhere;
   test::MoistureProbe deaf{1ms, nowhere};
   test::MoistureProbe probe;
   StationOf<test::MoistureBackend> deaf_station{deaf, deaf};

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "allocation_counter.h"
+#include "emulators/null_output.h"
 #include "made_up_kind.h"
 
 namespace rigwire::hil {
@@ -37,7 +38,7 @@ TEST(SampleInbox, DoesNotGrowWhileItIsNeverQuiteEmpty) {
 }
 
 TEST(Station, TakesWhatIsOfItsTypeOnItsShelfAndGivesItInTime) {
-  test::NoOutput output;
+  emulators::NullByteOutput output;
   MoistureProbe probe(1ms, output);
   StationOf<test::MoistureBackend> station(probe, probe);
   Shelves samples;
@@ -57,7 +58,7 @@ TEST(Station, TakesWhatIsOfItsTypeOnItsShelfAndGivesItInTime) {
 }
 
 TEST(Station, AsksOnceForEachPlanAndCommand) {
-  test::NoOutput output;
+  emulators::NullByteOutput output;
   MoistureProbe probe(5ms, output);
   StationOf<test::MoistureBackend> station(probe, probe);
   Shelves requests;
@@ -115,7 +116,7 @@ TEST(Station, WakesUpForTheWholeAndNotForEachSample) {
 }
 
 TEST(Station, DoesNotAllocateOnceItsShelvesAndInboxAreThere) {
-  test::NoOutput output;
+  emulators::NullByteOutput output;
   MoistureProbe probe(1ms, output);
   probe.samples.reserve(100'000);
   StationOf<test::MoistureBackend> station(probe, probe);

@@ -17,7 +17,8 @@ namespace rigwire::emulators {
 
 /// Settings that a client can change while the sensor runs.
 struct VelodyneLiveSettings {
-  int rotor_rpm = 600;  ///< 0: motor off; otherwise 300 to 1200.
+  /// Whole; 0 (motor off) or within the model's limits; VLP family: steps of 60.
+  double rotor_rpm = 600.0;
   protocols::velodyne::ReturnMode return_mode = protocols::velodyne::ReturnMode::strongest;
   bool laser_on = true;
   int view_start_deg = 0;  ///< 0 .. 359, clockwise; the window may contain 0.

@@ -61,7 +61,7 @@ VelodyneLidar::VelodyneLidar(const VelodyneSettings& settings, const Calendar& c
       faults_(settings_.faults),
       data_(data, faults_, settings_.seed, FaultyCable::Swapping::as_the_faults_say),
       position_(position, faults_, ~settings_.seed, FaultyCable::Swapping::never),
-      live_(saved_settings(settings_)),
+      live_(settings_.saved),
       saved_(live_),
       clock_(settings_.clock_drift_ppm),
       time_input_(settings_, faults_, calendar),

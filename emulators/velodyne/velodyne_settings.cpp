@@ -195,31 +195,33 @@ void visit(fields::Visitor& v, VelodyneSettings& p) {
     v.choice("firmware", p.firmware, kFirmwares, "Firmware, by its timing.");
   }
   const velodyne::Model& model = model_of(p);
-  v.text("address", p.host_address, "Where the packets go, an IPv4 address.");
-  v.integer("port", p.data_port, IntegerRule{1, 65535}, "UDP port of the data packets.");
+  v.text("address", p.saved.host_address, "Where the packets go, an IPv4 address.");
+  v.integer("port", p.saved.data_port, IntegerRule{1, 65535}, "UDP port of the data packets.");
   if (model.position_layout != PositionLayout::none) {
-    v.integer("position_port", p.telemetry_port, IntegerRule{1, 65535},
+    v.integer("position_port", p.saved.telemetry_port, IntegerRule{1, 65535},
               "UDP port of the position packets.");
   }
-  v.number("rate", p.rotor_rpm, in("rpm").stored_as("rpm").between(0, model.maximum_rotor_rpm),
+  v.number("rate", p.saved.rotor_rpm,
+           in("rpm").stored_as("rpm").between(0, model.maximum_rotor_rpm),
            "Speed of the rotor; 10 Hz is 600 rpm; 0 = it stands.");
-  v.choice("return_mode", p.return_mode, kReturnModes, "Which echoes are sent.");
-  v.boolean("laser", p.laser_on, "Whether the lasers fire.");
+  v.choice("return_mode", p.saved.return_mode, kReturnModes, "Which echoes are sent.");
+  v.boolean("laser", p.saved.laser_on, "Whether the lasers fire.");
   v.group(
       "fov",
       [&p](fields::Visitor& w) {
         const IntegerRule azimuth{0, 359, fields::unit("deg")};
-        w.integer("start", p.view_start_deg, azimuth,
+        w.integer("start", p.saved.view_start_deg, azimuth,
                   "First azimuth at which it fires, clockwise.");
-        w.integer("end", p.view_end_deg, azimuth,
+        w.integer("end", p.saved.view_end_deg, azimuth,
                   "Last azimuth at which it fires, included; may lie beyond 0.");
       },
       "Where it fires; whole degrees.");
   v.group(
       "phase_lock",
       [&p](fields::Visitor& w) {
-        w.boolean("enabled", p.phase_lock, "The rotor passes the offset at each full second.");
-        w.integer("offset", p.phase_lock_offset_centideg, IntegerRule{0, 35999},
+        w.boolean("enabled", p.saved.phase_lock,
+                  "The rotor passes the offset at each full second.");
+        w.integer("offset", p.saved.phase_lock_offset_centideg, IntegerRule{0, 35999},
                   "Azimuth at the full second, in hundredths of a degree.");
       },
       "Locks the rotor to the pulse per second.");
@@ -269,8 +271,8 @@ void visit(fields::Visitor& v, VelodyneSettings& p) {
 void validate(const VelodyneSettings& settings) {
   fields::check(settings);
   const velodyne::Model& model = model_of(settings);
-  check_rotor(settings.rotor_rpm, model);
-  if (settings.return_mode == velodyne::ReturnMode::dual && !model.dual_return) {
+  check_rotor(settings.saved.rotor_rpm, model);
+  if (settings.saved.return_mode == velodyne::ReturnMode::dual && !model.dual_return) {
     refuse("return_mode is dual, which the " + std::string(model.name) +
            " cannot; allowed: strongest, last");
   }
@@ -293,23 +295,6 @@ void validate(const VelodyneSettings& settings) {
     fields::check(fault);
     std::visit(FaultCheck{settings, model}, fault.what);
   }
-}
-
-VelodyneLiveSettings saved_settings(const VelodyneSettings& settings) {
-  return {.rotor_rpm = static_cast<int>(std::lround(settings.rotor_rpm)),
-          .return_mode = settings.return_mode,
-          .laser_on = settings.laser_on,
-          .view_start_deg = settings.view_start_deg,
-          .view_end_deg = settings.view_end_deg,
-          .phase_lock = settings.phase_lock,
-          .phase_lock_offset_centideg = settings.phase_lock_offset_centideg,
-          .host_address = settings.host_address,
-          .data_port = settings.data_port,
-          .telemetry_port = settings.telemetry_port,
-          .net_address = settings.net_address,
-          .net_mask = settings.net_mask,
-          .net_gateway = settings.net_gateway,
-          .net_dhcp = settings.net_dhcp};
 }
 
 }  // namespace rigwire::emulators

@@ -67,21 +67,8 @@ struct VelodyneSettings {
   VelodyneFirmware firmware = VelodyneFirmware::newest;
   std::string serial_number = "11001210145135";
 
-  // What the sensor has saved: in force from power-up and after every reset.
-  double rotor_rpm = 600.0;  ///< Whole, 0 or within the model's limits; VLP family: steps of 60.
-  protocols::velodyne::ReturnMode return_mode = protocols::velodyne::ReturnMode::strongest;
-  bool laser_on = true;
-  int view_start_deg = 0;  ///< 0 .. 359, clockwise; the window may contain 0.
-  int view_end_deg = 359;  ///< 0 .. 359, that whole degree included.
-  bool phase_lock = false;
-  int phase_lock_offset_centideg = 0;  ///< 0 .. 35999
-  std::string host_address = "255.255.255.255";
-  std::uint16_t data_port = 2368;
-  std::uint16_t telemetry_port = 8308;
-  std::string net_address = "192.168.1.201";
-  std::string net_mask = "255.255.255.0";
-  std::string net_gateway = "192.168.1.1";
-  bool net_dhcp = false;
+  /// What the sensor has saved: in force from power-up and after every reset.
+  VelodyneLiveSettings saved;
 
   /// Firmware before 2.2.20.0: both factory bytes are zero.
   bool legacy_factory_bytes = false;
@@ -139,9 +126,6 @@ void validate(const VelodyneSettings& settings);
 
 /// Its model table. Throws std::invalid_argument for an unknown one.
 [[nodiscard]] const protocols::velodyne::Model& model_of(const VelodyneSettings& settings);
-
-/// The part that clients can change, as saved.
-[[nodiscard]] VelodyneLiveSettings saved_settings(const VelodyneSettings& settings);
 
 /// Limits of what is reported: the setting, or the model's own.
 struct VelodyneRangeWindow {

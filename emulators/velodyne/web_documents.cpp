@@ -118,7 +118,7 @@ std::string settings_document(const VelodyneLiveSettings& s) {
   return Object()
       .text("laser", switch_name(s.laser_on))
       .text("returns", name_of(s.return_mode))
-      .number("rpm", s.rotor_rpm)
+      .number("rpm", static_cast<std::int64_t>(s.rotor_rpm))
       .add("fov", Object().number("start", s.view_start_deg).number("end", s.view_end_deg).end())
       .add("phaselock", Object()
                             .text("enabled", switch_name(s.phase_lock))

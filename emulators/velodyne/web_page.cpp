@@ -49,7 +49,7 @@ std::string control_page(SimTime now, const VelodyneControl& control) {
                    option("Strongest", s.return_mode == ReturnMode::strongest) +
                    option("Last", s.return_mode == ReturnMode::last) +
                    option("Dual", s.return_mode == ReturnMode::dual) + "</select></label> " +
-                   input("rpm", s.rotor_rpm),
+                   input("rpm", static_cast<int>(s.rotor_rpm)),
                "Set");
   page += form("/cgi/setting/fov", input("start", s.view_start_deg) + input("end", s.view_end_deg),
                "Set the field of view");

@@ -108,7 +108,7 @@ bool is_here(boost::asio::io_context& io, const std::string& address) {
 drivers::UdpSettings as_the_model(const VelodyneConfiguration& configuration, std::uint16_t port,
                                   std::uint16_t fixed) {
   drivers::UdpSettings settings;
-  settings.destination = drivers::UdpEndpoint{configuration.lidar.host_address, port};
+  settings.destination = drivers::UdpEndpoint{configuration.lidar.saved.host_address, port};
   settings.broadcast = true;  // where it may go is checked against the rig's permission
   const std::string& source = configuration.source_address;
   settings.bind = drivers::UdpEndpoint{source.empty() ? "0.0.0.0" : source, fixed};
@@ -167,7 +167,7 @@ drivers::UdpSettings data_settings(const VelodyneConfiguration& configuration,
                                    boost::asio::io_context& io, std::string& remark) {
   const velodyne::Model& model = model_of(configuration);
   drivers::UdpSettings settings =
-      as_the_model(configuration, configuration.lidar.data_port, model.source_port);
+      as_the_model(configuration, configuration.lidar.saved.data_port, model.source_port);
   settings.time_to_live = model.headers.data_time_to_live;
   settings.dont_fragment = model.headers.data_unfragmented;
   return chosen_source(configuration, io, std::move(settings), &remark);
@@ -177,7 +177,7 @@ drivers::UdpSettings position_settings(const VelodyneConfiguration& configuratio
                                        boost::asio::io_context& io) {
   const velodyne::Model& model = model_of(configuration);
   drivers::UdpSettings settings =
-      as_the_model(configuration, configuration.lidar.telemetry_port, 0);
+      as_the_model(configuration, configuration.lidar.saved.telemetry_port, 0);
   settings.time_to_live = model.headers.position_time_to_live;
   if (model.position_layout == velodyne::PositionLayout::none) {
     return from_any_port(configuration, std::move(settings));  // sends nothing
@@ -348,7 +348,7 @@ std::string document_of(std::string_view model) {
 
 VelodyneConfiguration::VelodyneConfiguration(std::string_view model) {
   lidar.model = model;
-  lidar.host_address = "127.0.0.1";
+  lidar.saved.host_address = "127.0.0.1";
   lidar.position_wait =
       Duration{velodyne::packet_period_ns(model_of(*this), velodyne::ReturnMode::strongest)};
   const sim::SpinningHead head = sim::velodyne_head(model);
@@ -401,7 +401,7 @@ void VelodyneConfiguration::validate() const {
   sim::validate(sensor.beam);
   sim::validate(sensor.images);
   sim::validate(sensor.rotor);
-  if (lidar.return_mode != velodyne::ReturnMode::strongest && !tells_echoes_apart(sensor)) {
+  if (lidar.saved.return_mode != velodyne::ReturnMode::strongest && !tells_echoes_apart(sensor)) {
     throw fields::Refused(
         sensor.method == LidarMethod::rays ? "sensor.sub_rays" : "sensor.method",
         sensor.method == LidarMethod::rays
@@ -416,11 +416,11 @@ void VelodyneConfiguration::check(const std::string& at, RigCheck& check) const 
   const auto claim_port = [&](const char* key, const std::string& where, std::uint16_t port) {
     check.claim(at + key, fmt::format("{}:{}", where, port), std::to_string(port));
   };
-  check.address(at + ".address", lidar.host_address, allow_remote);
+  check.address(at + ".address", lidar.saved.host_address, allow_remote);
   check.link(at + ".mount.link", mount.link);
-  claim_port(".port", "udp " + lidar.host_address, lidar.data_port);
+  claim_port(".port", "udp " + lidar.saved.host_address, lidar.saved.data_port);
   if (model_of(*this).position_layout != velodyne::PositionLayout::none) {
-    claim_port(".position_port", "udp " + lidar.host_address, lidar.telemetry_port);
+    claim_port(".position_port", "udp " + lidar.saved.host_address, lidar.saved.telemetry_port);
   }
   if (!source_address.empty()) {
     check.address(at + ".source_address", source_address, true);
@@ -439,17 +439,18 @@ std::vector<FaultWindow> VelodyneConfiguration::fault_windows(std::string_view n
 }
 
 DevicePlan VelodyneConfiguration::plan(const RigView& /*rig*/) const {
-  const double packets_hz = 1e9 / velodyne::packet_period_ns(model_of(*this), lidar.return_mode);
-  std::string wire = fmt::format("udp {}:{}", lidar.host_address, lidar.data_port);
+  const double packets_hz =
+      1e9 / velodyne::packet_period_ns(model_of(*this), lidar.saved.return_mode);
+  std::string wire = fmt::format("udp {}:{}", lidar.saved.host_address, lidar.saved.data_port);
   if (model_of(*this).position_layout != velodyne::PositionLayout::none) {
-    wire += fmt::format(" and {}", lidar.telemetry_port);
+    wire += fmt::format(" and {}", lidar.saved.telemetry_port);
   }
   if (web.port != 0) {
     wire += fmt::format("; http {}:{}", web.address, web.port);
   }
   return {wire, fmt::format("{:.1f} packets/s", packets_hz),
           fmt::format("{:.0f} B/s", packets_hz * velodyne::kDataPacketSize),
-          fmt::format("{:.0f} rpm", lidar.rotor_rpm)};
+          fmt::format("{:.0f} rpm", lidar.saved.rotor_rpm)};
 }
 
 std::optional<BusShare> VelodyneConfiguration::bus_share(std::string_view /*name*/) const {

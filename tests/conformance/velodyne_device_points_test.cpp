@@ -119,7 +119,7 @@ TEST_P(VelodyneDevice, IndependentDecoderReadsWhatTheHeadSaw) {
   NullByteOutput position;
   VelodyneSettings settings;
   settings.model = model.name;
-  settings.return_mode = GetParam().mode;
+  settings.saved.return_mode = GetParam().mode;
   VelodyneLidar lidar(settings, calendar, data, position);
   const std::vector<velodyne::Laser> lasers = lasers_of(lidar.pattern());
   const KnownScene scene(model, GetParam().mode);

@@ -65,7 +65,7 @@ TEST_P(VelodyneConformance, IndependentDissectorReadsTheTruth) {
   CaptureOutput position(capture, 8308);
   VelodyneSettings settings;
   settings.model = GetParam().model;
-  settings.rotor_rpm = 1200.0;
+  settings.saved.rotor_rpm = 1200.0;
   VelodyneLidar lidar(settings, calendar, data, position);
   GnssSample fix;
   fix.fix = GnssFix::three_d;

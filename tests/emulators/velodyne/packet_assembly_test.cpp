@@ -16,7 +16,7 @@ class PacketAssemblyTest : public VelodyneFixture {
   static VelodyneSettings of(const char* model, ReturnMode mode) {
     VelodyneSettings settings;
     settings.model = model;
-    settings.return_mode = mode;
+    settings.saved.return_mode = mode;
     return settings;
   }
   /// Laser n of the head at 10 + n / 10 m (last: 20 + n / 10; second: 15 + n / 10).

@@ -239,8 +239,8 @@ TEST_F(VelodyneTimeTest, NoFixOfNumbersThatAreNone) {
 
 TEST_F(VelodyneTimeTest, PhaseLockNeedsALockedInputAndTellsTheHeadOnce) {
   VelodyneSettings settings = with(VelodyneTimeSource::receiver);
-  settings.phase_lock = true;
-  settings.phase_lock_offset_centideg = 9000;
+  settings.saved.phase_lock = true;
+  settings.saved.phase_lock_offset_centideg = 9000;
   VelodyneLidar lidar(settings, calendar, data, position);
   hear(lidar, 0, 5);
   EXPECT_FALSE(lidar.command().phase_lock.has_value());
@@ -257,8 +257,8 @@ TEST_F(VelodyneTimeTest, PhaseLockNeedsALockedInputAndTellsTheHeadOnce) {
 
 TEST_F(VelodyneTimeTest, ReadingsTellThePhaseAtTheTopOfTheSecond) {
   VelodyneSettings settings = with(VelodyneTimeSource::ideal);
-  settings.phase_lock = true;
-  settings.phase_lock_offset_centideg = 4500;
+  settings.saved.phase_lock = true;
+  settings.saved.phase_lock_offset_centideg = 4500;
   VelodyneLidar lidar(settings, calendar, data, position);
   // 600 rpm is ten turns a second, so the phase at the start comes back.
   azimuth_rad = 0.25 * std::numbers::pi;

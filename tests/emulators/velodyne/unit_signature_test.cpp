@@ -20,7 +20,7 @@ class UnitSignature : public VelodyneFixture {
     VelodyneSettings settings;
     settings.model = model;
     settings.seed = seed;
-    settings.return_mode = mode;
+    settings.saved.return_mode = mode;
     VelodyneLidar lidar(settings, calendar, data, position);
     see = [&](LidarFiring& bank) {
       bank.strongest.fill({});

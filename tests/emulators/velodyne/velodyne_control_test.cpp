@@ -154,26 +154,27 @@ TEST_F(VelodyneControlTest, RefusesSettingsByName) {
         text);
   };
   refused([](auto& s) { s.model = "HDL-65"; }, "allowed: HDL-32E, VLP-16");
-  refused([](auto& s) { s.rotor_rpm = 299.0; }, "rotor_rpm is 299");
-  refused([](auto& s) { s.rotor_rpm = 600.5; }, "in steps of 1");
-  refused([](auto& s) { s.rotor_rpm = std::nan(""); },
+  refused([](auto& s) { s.saved.rotor_rpm = 299.0; }, "rotor_rpm is 299");
+  refused([](auto& s) { s.saved.rotor_rpm = 600.5; }, "in steps of 1");
+  refused([](auto& s) { s.saved.rotor_rpm = std::nan(""); },
           "rate: found nan rpm, allowed 0 .. 1200 rpm");
   refused(
       [](auto& s) {
         s.model = "VLP-16";
-        s.rotor_rpm = 601.0;
+        s.saved.rotor_rpm = 601.0;
       },
       "rotor_rpm is 601.000000, allowed: 0 or 300.000000 to 1200.000000 in steps of 60");
   refused(
       [](auto& s) {
         s.model = "HDL-64E S2";
-        s.return_mode = ReturnMode::dual;
+        s.saved.return_mode = ReturnMode::dual;
       },
       "return_mode is dual, which the HDL-64E S2 cannot");
-  refused([](auto& s) { s.view_start_deg = 360; },
+  refused([](auto& s) { s.saved.view_start_deg = 360; },
           "fov.start: found 360 deg, allowed 0 .. 359 deg");
-  refused([](auto& s) { s.view_end_deg = -1; }, "fov.end: found -1 deg");
-  refused([](auto& s) { s.phase_lock_offset_centideg = 36000; }, "phase_lock.offset: found 36000");
+  refused([](auto& s) { s.saved.view_end_deg = -1; }, "fov.end: found -1 deg");
+  refused([](auto& s) { s.saved.phase_lock_offset_centideg = 36000; },
+          "phase_lock.offset: found 36000");
   refused([](auto& s) { s.maximum_range_m = 140.0; },
           "maximum_range: found 140 m, allowed 0 .. 131.07 m");
   refused([](auto& s) { s.minimum_range_m = 120.0; }, "range limits");

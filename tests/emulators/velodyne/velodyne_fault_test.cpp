@@ -96,7 +96,7 @@ TEST_F(VelodyneFaultTest, DeadLasersSeeNothingInAnyReturnMode) {
     VelodyneSettings settings = with({.when = between(Duration{0}, seconds{1}),
                                       .what = DeadLaserFault{.first = 34, .last = 35}});
     settings.model = "VLS-128";
-    settings.return_mode = mode;
+    settings.saved.return_mode = mode;
     VelodyneLidar lidar(settings, calendar, data, position);
     see = [](LidarFiring& bank) {
       bank.several = true;
@@ -120,7 +120,7 @@ TEST_F(VelodyneFaultTest, DirtTakesTheFarAndDullAndDimsTheRest) {
   VelodyneSettings settings =
       with({.when = between(Duration{0}, seconds{1}),
             .what = DirtyWindowFault{.from_deg = 350.0, .to_deg = 20.0, .transmission = 0.7}});
-  settings.rotor_rpm = 0.0;
+  settings.saved.rotor_rpm = 0.0;
   VelodyneLidar lidar(settings, calendar, data, position);
   see = [](LidarFiring& bank) {
     bank.strongest.fill({50.0F, 0.5F});

@@ -18,8 +18,8 @@ class VelodyneViewTest : public VelodyneFixture {
   static VelodyneSettings view(int start_deg, int end_deg, const char* model = "HDL-32E") {
     VelodyneSettings settings;
     settings.model = model;
-    settings.view_start_deg = start_deg;
-    settings.view_end_deg = end_deg;
+    settings.saved.view_start_deg = start_deg;
+    settings.saved.view_end_deg = end_deg;
     return settings;
   }
   /// Azimuths of all blocks sent, in counts.
@@ -108,7 +108,7 @@ TEST_F(VelodyneViewTest, Vlp16KeepsTheSecondFiringOfABlockAtTheEdge) {
 
 TEST_F(VelodyneViewTest, StandingRotorRepeatsItsAzimuthAndPacketsGoOn) {
   VelodyneSettings settings;
-  settings.rotor_rpm = 0.0;
+  settings.saved.rotor_rpm = 0.0;
   VelodyneLidar lidar(settings, calendar, data, position);
   EXPECT_EQ(lidar.command().rotor_rate_radps, 0.0);
   azimuth_rad = 1.0;
@@ -137,7 +137,7 @@ TEST_F(VelodyneViewTest, AzimuthThatTrembledIsHeldInsteadOfTurnedBack) {
 
 TEST_F(VelodyneViewTest, AzimuthOfNearlyATurnIsZero) {
   VelodyneSettings settings;
-  settings.rotor_rpm = 0.0;
+  settings.saved.rotor_rpm = 0.0;
   VelodyneLidar lidar(settings, calendar, data, position);
   for (const double degrees : {359.996, 360.0, 720.004, -0.004, 359.994}) {
     see = [&](LidarFiring& bank) { bank.rotor_azimuth_rad = degrees * std::numbers::pi / 180.0; };

@@ -85,8 +85,8 @@ TEST(ExcavatorPit, has_the_devices_that_the_field_program_expects) {
   EXPECT_EQ(gnss.path, "/tmp/rigwire/gnss");
   EXPECT_EQ(gnss.receiver.baud, 115200u);
   const auto& lidar = *fields::as<VelodyneConfiguration>(rig.devices.at("lidar"));
-  EXPECT_EQ(lidar.lidar.data_port, 2368);
-  EXPECT_EQ(lidar.lidar.telemetry_port, 8308);
+  EXPECT_EQ(lidar.lidar.saved.data_port, 2368);
+  EXPECT_EQ(lidar.lidar.saved.telemetry_port, 8308);
   const auto& valves = *fields::as<ValveDriverConfiguration>(rig.devices.at("valves"));
   EXPECT_EQ(valves.port, 1502);
   const std::vector<std::string> sections{"swing", "boom", "stick", "bucket"};

@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <map>
 #include <set>
 #include <vector>
@@ -124,7 +125,10 @@ struct Physical {
 
 Physical physical(const OwnedSignal& signal, Units units) {
   if (units == Units::si || signal.document_unit.empty()) {
-    return {signal.scale, signal.offset, signal.lower, signal.upper, signal.unit};
+    // The format has no infinity; 0 .. 0 is how it says "no limits".
+    const bool limited = std::isfinite(signal.lower) && std::isfinite(signal.upper);
+    return {signal.scale, signal.offset, limited ? signal.lower : 0.0,
+            limited ? signal.upper : 0.0, signal.unit};
   }
   const double size = signal.document_size;
   const double ends[] = {plain(signal.lower / size), plain(signal.upper / size)};

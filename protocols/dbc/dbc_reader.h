@@ -1,0 +1,81 @@
+// A bus as somebody else's DBC file describes it.
+//
+// Format: Vector DBC File Format Documentation 1.0.5. Read are nodes (BU_), messages and signals
+// (BO_, SG_), multiplexing (SG_, SG_MUL_VAL_), further senders (BO_TX_BU_), floating-point
+// signals (SIG_VALTYPE_), named values (VAL_), comments (CM_) and these attributes (BA_, with their
+// defaults), as Vector's own database templates name them:
+//
+//   GenMsgCycleTime       ms from frame to frame
+//   GenMsgSendType        name of how it is sent: "Cyclic", "OnChange", ...
+//   GenMsgDelayTime       ms that lie between two frames at least
+//   GenMsgStartDelayTime  ms from power-up to the first frame
+//   GenSigStartValue      raw value before the first measurement
+//   VFrameFormat          "J1939PG": the identifier is priority, parameter group and source
+//   SPN, SystemSignalLongSymbol, SystemMessageLongSymbol
+//
+// Everything else of the format is passed over. Text that is not UTF-8 is taken as ISO 8859-1,
+// which is what the common tools write.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocols/can/message.h"
+
+namespace rigwire::protocols::dbc {
+
+/// What a file says of a signal beside its row.
+struct FileSignal {
+  std::optional<double> start_value;  ///< Raw.
+  int line = 0;                       ///< In the file, from 1.
+};
+
+struct FileMessage {
+  /// Limits that say nothing (0 .. 0) are what the bits carry. In J1939 messages patterns are
+  /// reserved, and bits of no signal are 1. The sender is the first of `senders`.
+  can::OwnedMessage layout;
+  std::vector<FileSignal> signals;   ///< In the order of layout.signals.
+  std::vector<std::string> senders;  ///< Nodes; none: whoever.
+  std::string send_type;             ///< As the file names it; empty: not said.
+  double period_ms = 0.0;            ///< 0: not given.
+  double least_distance_ms = 0.0;
+  double start_delay_ms = 0.0;
+  int line = 0;
+};
+
+struct FileContent {
+  std::vector<std::string> nodes;
+  std::vector<FileMessage> messages;
+
+  [[nodiscard]] const FileMessage* find(std::string_view message) const;
+};
+
+/// Something that is no DBC, with its place.
+struct Finding {
+  int line = 0;
+  int column = 0;
+  std::string what;
+  std::string found;
+  std::string allowed;
+};
+
+struct Reading {
+  FileContent content;
+  std::vector<Finding> findings;  ///< Empty: all is well.
+};
+
+/// Never throws but for want of memory. After a finding it goes on with the next statement.
+[[nodiscard]] Reading read(std::string_view text);
+
+/// What keeps a message from being sent and taken with these of its signals and its multiplexor:
+/// more bytes than its kind of frame has, signals outside it, wider than a number, of one name, on
+/// each other, there by a signal that is not there. Files that are in use have all of that
+/// in messages that nobody looks at. By line.
+[[nodiscard]] std::vector<Finding> faults_of(const FileMessage& message,
+                                             std::span<const std::string_view> used);
+
+}  // namespace rigwire::protocols::dbc

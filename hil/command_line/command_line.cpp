@@ -147,6 +147,7 @@ struct Parsed {
   std::string units = "si";
   std::string node;  ///< Whose electronic data sheet.
   std::string valve_map;
+  std::string dbc_node;
   RigArguments eds;
 };
 
@@ -204,12 +205,19 @@ void declare(CLI::App& app, Parsed& parsed) {
                                ->add_option("--valve-map", parsed.valve_map,
                                             "A valve driver's registers from a file, as tables")
                                ->excludes(device);
+  CLI::Option* dbc_node =
+      describe_app
+          ->add_option("--dbc-node", parsed.dbc_node,
+                       "The messages of a CAN device of your own from its binding, as a table")
+          ->excludes(device)
+          ->excludes(valve_map);
   CLI::Option* json = describe_app->add_flag("--json", parsed.json, "As JSON");
   CLI::Option* dbc =
       describe_app->add_option("--dbc", parsed.rig.rig, "RIG: print the DBC file of its CAN bus")
           ->excludes(device)
           ->excludes(json)
-          ->excludes(valve_map);
+          ->excludes(valve_map)
+          ->excludes(dbc_node);
   describe_app->add_option("--bus", parsed.bus, "Of the rig, when it has several")->needs(dbc);
   describe_app
       ->add_option("--units", parsed.units,
@@ -223,6 +231,7 @@ void declare(CLI::App& app, Parsed& parsed) {
           ->excludes(device)
           ->excludes(json)
           ->excludes(valve_map)
+          ->excludes(dbc_node)
           ->excludes(dbc);
   describe_app->add_option("--device", parsed.node, "Of the rig, when it has several nodes")
       ->needs(eds);
@@ -233,7 +242,8 @@ void declare(CLI::App& app, Parsed& parsed) {
 
   CLI::App* schema_app =
       app.add_subcommand("schema", "Print a JSON Schema, for editors and validators of YAML");
-  schema_app->add_option("of", parsed.word, "rig (the default), machine, scene or valve-map");
+  schema_app->add_option("of", parsed.word,
+                         "rig (the default), machine, scene, valve-map or dbc-node");
   schema_app->footer(
       "\nExample:\n  rigwire schema > rig.schema.json\n"
       "and in a rig's first line: # yaml-language-server: $schema=rig.schema.json");
@@ -336,8 +346,12 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
     if (!parsed.rig.rig.empty() && parsed.word.empty() && parsed.valve_map.empty()) {
       return dbc_verb(parsed.rig, parsed.bus, parsed.units, terminal);
     }
+    if (!parsed.dbc_node.empty()) {
+      return describe_dbc_node_verb(parsed.dbc_node, terminal);
+    }
     if (parsed.word.empty() == parsed.valve_map.empty()) {
-      return usage("describe: allowed a device or --valve-map FILE", terminal.err, "describe");
+      return usage("describe: allowed a device, --valve-map FILE or --dbc-node FILE", terminal.err,
+                   "describe");
     }
     return parsed.valve_map.empty() ? describe_verb(parsed.word, parsed.json, terminal)
                                     : describe_valve_map_verb(parsed.valve_map, terminal);

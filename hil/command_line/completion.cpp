@@ -32,7 +32,7 @@ _rigwire() {
     list) local options="devices machines scenes rigs --json --help" ;;
     describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --dbc --bus --units --eds --device --help" ;;
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
-    schema) local options="rig machine scene valve-map --help" ;;
+    schema) local options="rig machine scene valve-map dbc-node --help" ;;
     completion) local options="bash zsh fish" ;;
     *) local options="--json --help" ;;
   esac
@@ -66,7 +66,7 @@ _rigwire() {
     list) compadd -- devices machines scenes rigs --json --help ;;
     describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json --dbc --bus --units --eds --device ;;
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
-    schema) compadd -- rig machine scene valve-map ;;
+    schema) compadd -- rig machine scene valve-map dbc-node ;;
     completion) compadd -- bash zsh fish ;;
     doctor) compadd -- --json --help ;;
   esac
@@ -102,7 +102,7 @@ complete -c rigwire -n "__fish_seen_subcommand_from list" -a "devices machines s
 complete -c rigwire -n "__fish_seen_subcommand_from describe" -a "(rigwire list devices | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -a "(rigwire bench --list | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -l json -r -F
-complete -c rigwire -n "__fish_seen_subcommand_from schema" -a "rig machine scene valve-map"
+complete -c rigwire -n "__fish_seen_subcommand_from schema" -a "rig machine scene valve-map dbc-node"
 complete -c rigwire -n "__fish_seen_subcommand_from completion" -a "bash zsh fish"
 )sh";
 

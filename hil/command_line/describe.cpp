@@ -12,6 +12,7 @@
 #include "hil/configuration/schema.h"
 #include "hil/configuration/suggest.h"
 #include "hil/devices/device_types.h"
+#include "hil/files/dbc_node_file.h"
 #include "hil/files/valve_map_file.h"
 #include "hil/rig/rig_configuration.h"
 
@@ -214,6 +215,14 @@ int describe_valve_map_verb(const std::string& file, Terminal terminal) {
   return static_cast<int>(ExitCode::done);
 }
 
+int describe_dbc_node_verb(const std::string& file, Terminal terminal) {
+  const DbcNodeDescription device = load_dbc_node(file);
+  terminal.out << fmt::format("{}{}Attached to: {}.\n\n{}", device.text,
+                              device.text.empty() ? "" : "\n\n", device.attachment,
+                              markdown_table(device));
+  return static_cast<int>(ExitCode::done);
+}
+
 int schema_verb(const std::string& of, Terminal terminal) {
   if (of == "rig") {
     terminal.out << schema_of(RigConfiguration{}, "Rigwire: a rig");
@@ -223,8 +232,10 @@ int schema_verb(const std::string& of, Terminal terminal) {
     terminal.out << schema_of(SceneConfiguration{}, "Rigwire: a scene");
   } else if (of == "valve-map") {
     terminal.out << schema_of(emulators::ValveMap{}, "Rigwire: the registers of a valve driver");
+  } else if (of == "dbc-node") {
+    terminal.out << schema_of(DbcNodeBinding{}, "Rigwire: the binding of a CAN device");
   } else {
-    const std::vector<std::string> kinds{"rig", "machine", "scene", "valve-map"};
+    const std::vector<std::string> kinds{"rig", "machine", "scene", "valve-map", "dbc-node"};
     const std::string near = nearest_word(of, kinds);
     terminal.err << fmt::format("rigwire: unknown kind of file, found \"{}\", allowed {}{}\n", of,
                                 join_words(kinds),

@@ -30,7 +30,9 @@ struct Terminal {
 /// The registers of a valve map's file (hil/files/valve_map_file.h), as the device pages print
 /// them.
 [[nodiscard]] int describe_valve_map_verb(const std::string& file, Terminal terminal);
-/// A JSON Schema of files: rig, machine, scene, valve-map.
+/// The messages of a CAN device of the user's own (hil/files/dbc_node_file.h).
+[[nodiscard]] int describe_dbc_node_verb(const std::string& file, Terminal terminal);
+/// A JSON Schema of files: rig, machine, scene, valve-map, dbc-node.
 [[nodiscard]] int schema_verb(const std::string& of, Terminal terminal);
 /// The DBC file of a bus; of the only one when `bus` is empty.
 [[nodiscard]] int dbc_verb(const RigArguments& rig, const std::string& bus,

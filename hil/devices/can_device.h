@@ -59,6 +59,11 @@ template <class Settings>
       defect.when.at = clock.own_time(defect.when.at);
     }
   }
+  if constexpr (requires { settings.faults; }) {
+    for (auto& fault : settings.faults) {
+      fault.when.at = clock.own_time(fault.when.at);
+    }
+  }
   return settings;
 }
 

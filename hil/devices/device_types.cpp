@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "hil/devices/dbc_node.h"
 #include "hil/devices/engine_controller.h"
 #include "hil/devices/inclinometer.h"
 #include "hil/devices/iso_valves.h"
@@ -97,6 +98,8 @@ constexpr std::array kTypes{
                fresh<InclinometerConfiguration>},
     DeviceType{{"iso-valves", "Block of auxiliary valves with joysticks, on CAN (ISO 11783)."},
                fresh<IsoValvesConfiguration>},
+    DeviceType{{"dbc-node", "A device of your own on CAN, described by a DBC file and a binding."},
+               fresh<DbcNodeConfiguration>},
     DeviceType{
         {"usb-joystick", "Levers, pedals and buttons of an excavator's operator, a USB joystick."},
         fresh<UsbJoystickConfiguration>},

@@ -12,8 +12,11 @@
 #include <vector>
 
 #include "child_process.h"
+#include "emulators/dbc_node/dbc_node.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
+#include "hil/files/dbc_node_file.h"
 #include "private_wires.h"
+#include "protocols/dbc/dbc_reader.h"
 #include "protocols/dbc/dbc_writer.h"
 
 namespace rigwire {
@@ -48,8 +51,12 @@ class Dbc : public testing::Test {
   std::vector<Json> read(const std::vector<OwnedMessage>& messages,
                          const std::vector<Frame>& frames) {
     const auto dbc = wires_.folder / "bus.dbc";
-    const auto log = wires_.folder / "frames";
     std::ofstream(dbc) << protocols::dbc::write({"can", 250'000, messages});
+    return read_file(dbc.string(), frames);
+  }
+  /// The same with somebody's own file.
+  std::vector<Json> read_file(const std::string& dbc, const std::vector<Frame>& frames) {
+    const auto log = wires_.folder / "frames";
     std::ofstream lines(log);
     for (const Frame& frame : frames) {
       lines << std::hex << frame.id << ' ' << (frame.extended ? 1 : 0) << ' ';
@@ -60,7 +67,7 @@ class Dbc : public testing::Test {
       lines << '\n';
     }
     lines.close();
-    test::ChildProcess reader({"/usr/bin/python3", "-c", kReader, dbc.string(), log.string()},
+    test::ChildProcess reader({"/usr/bin/python3", "-c", kReader, dbc, log.string()},
                               wires_.folder / "output");
     EXPECT_EQ(reader.wait(30s), 0) << reader.output();
     std::vector<Json> objects;
@@ -251,6 +258,92 @@ TEST_F(Dbc, CanmatrixDecodesMultiplexedAndFloatingPointSignals) {
   ASSERT_EQ(objects.size(), 3U);
   EXPECT_EQ(objects[1].at("values"), Json({{"page", 3.0}, {"pressure", 300.5}, {"speed", -1.25}}));
   EXPECT_EQ(objects[2].at("values"), Json({{"page", 4.0}, {"angle", -700.5}, {"speed", 1e6}}));
+}
+
+// A DBC file that is none of ours: what canmatrix brings along of J1939, 357 messages of many
+// hands.
+constexpr const char* kPublicFile = "/usr/lib/python3/dist-packages/canmatrix/j1939.dbc";
+
+TEST_F(Dbc, ThePublicJ1939FileIsReadAsCanmatrixReadsIt) {
+  std::ifstream file(kPublicFile);
+  ASSERT_TRUE(file.good()) << kPublicFile;
+  std::ostringstream text;
+  text << file.rdbuf();
+  const protocols::dbc::Reading reading = protocols::dbc::read(text.str());
+  EXPECT_TRUE(reading.findings.empty());
+  const auto objects = read_file(kPublicFile, {});
+  ASSERT_EQ(objects.size(), 1U);
+  const Json& frames = objects[0].at("frames");
+  ASSERT_EQ(reading.content.messages.size(), frames.size());
+  std::size_t signals = 0;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const OwnedMessage& message = reading.content.messages[i].layout;
+    EXPECT_EQ(frames[i].at("id"), message.id) << message.name;
+    EXPECT_EQ(frames[i].at("name"), message.name);
+    EXPECT_EQ(frames[i].at("size"), message.length) << message.name;
+    ASSERT_EQ(frames[i].at("signals").size(), message.signals.size()) << message.name;
+    signals += message.signals.size();
+  }
+  EXPECT_GT(signals, 2000U);
+}
+
+TEST_F(Dbc, ANodeOfThePublicFileIsDecodedByCanmatrix) {
+  const auto binding = wires_.folder / "slope.yaml";
+  std::ofstream(binding) << "dbc: " << kPublicFile << R"yaml(
+sends:
+  - message: SSI
+    period: 10 ms
+    priority: 3
+    signals:
+      - {signal: Pitch_Angle, quantity: inertial.pitch, layout: {scale: 0.002, offset: -64, unit: deg}}
+      - {signal: Roll_Angle, quantity: inertial.roll, layout: {scale: 0.002, offset: -64, unit: deg}}
+)yaml";
+  const hil::DbcNodeDescription device = hil::load_dbc_node(binding.string());
+  LastFrames bus;
+  emulators::DbcNode<emulators::ImuBackend> node(device.settings, bus);
+  ImuSample sample;
+  sample.time = kStart + 1ms;
+  sample.specific_force_mps2 = {9.80665 * std::sin(0.1), 0.0, 9.80665 * std::cos(0.1)};
+  node.update(sample);
+  node.advance(kStart + 20ms);
+  ASSERT_EQ(bus.last.size(), 1U);
+  Frame frame = bus.last.begin()->second;
+  EXPECT_EQ(frame.id, 0x0CF01300U) << "the priority that was asked for";
+  frame.id = 0x00F01300;  // as the file has it
+  const auto objects = read_file(kPublicFile, {frame});
+  ASSERT_EQ(objects.size(), 2U);
+  EXPECT_EQ(objects[1].at("name"), "SSI");
+  const Json& values = objects[1].at("values");  // counts: the file knows no scale
+  const auto degrees = [&](const char* name) {
+    return values.at(name).get<double>() * 0.002 - 64.0;
+  };
+  EXPECT_NEAR(degrees("Pitch_Angle"), 0.1 * 180.0 / 3.141592653589793, 0.001);
+  EXPECT_NEAR(degrees("Roll_Angle"), 0.0, 0.001);
+  EXPECT_EQ(values.at("Pitch_Rate"), 65535.0) << "nobody measures it: not available";
+}
+
+TEST_F(Dbc, CanmatrixDecodesTheShippedSlopeSensorByItsOwnFile) {
+  const hil::DbcNodeDescription device =
+      hil::load_dbc_node(RIGWIRE_SOURCE_DIR "/configs/can/slope_sensor.yaml");
+  LastFrames bus;
+  emulators::DbcNode<emulators::ImuBackend> node(device.settings, bus);
+  ImuSample sample;
+  sample.time = kStart;
+  sample.temperature_c = 31.0;
+  sample.specific_force_mps2 = {-9.80665 * std::sin(0.2), 9.80665 * std::cos(0.2) * std::sin(0.3),
+                                9.80665 * std::cos(0.2) * std::cos(0.3)};
+  node.update(sample);
+  node.advance(kStart + 50ms);
+  ASSERT_TRUE(bus.last.contains(0x185));
+  const auto objects =
+      read_file(RIGWIRE_SOURCE_DIR "/configs/can/slope_sensor.dbc", {bus.last.at(0x185)});
+  ASSERT_EQ(objects.size(), 2U);
+  const Json& values = objects[1].at("values");
+  EXPECT_NEAR(values.at("Pitch").get<double>(), -0.2 * 180.0 / 3.141592653589793, 0.005);
+  EXPECT_NEAR(values.at("Roll").get<double>(), 0.3 * 180.0 / 3.141592653589793, 0.005);
+  EXPECT_EQ(values.at("Temperature"), 31.0);
+  EXPECT_EQ(values.at("State"), 2.0);
+  EXPECT_EQ(values.at("Counter"), 2.0);
 }
 
 }  // namespace

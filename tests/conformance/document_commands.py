@@ -53,6 +53,7 @@ COMMANDS = [
     (r"build/rigwire doctor", "ends", None, None),
     (r"(build/)?rigwire schema( machine)? > \S+", "ends", None, None),
     (r"rigwire describe --dbc unimog_forest > unimog\.dbc", "ends", None, None),
+    (r"rigwire describe --dbc-node configs/can/slope_sensor\.yaml", "ends", None, "inertial.pitch"),
     (r"rigwire describe --valve-map configs/valves/my_valve\.yaml", "ends", None, "Holding registers"),
     # Rigs and field programs.
     (r"build/rigwire run configs/rigs/unimog_forest\.yaml", "goes on", None, None),

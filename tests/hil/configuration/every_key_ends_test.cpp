@@ -337,6 +337,8 @@ TEST(EveryKeyEnds, of_devices_are_where_describe_says) {
       JointRefusal{"vehicle-gateway.maximum_tyre_pressure", End::lower,
                    "below minimum_tyre_pressure"},
       JointRefusal{"vehicle-gateway.odometry.*_distance", End::lower, "no wheelbase is left"},
+      JointRefusal{"dbc-node.attached.vehicle.odometry.*_distance", End::lower,
+                   "no wheelbase is left"},
       JointRefusal{"iso-valves.first_valve", End::upper, "all sections need a valve number"},
       JointRefusal{"iso-valves.general_purpose_section", End::upper,
                    "the block has fewer sections"},

@@ -1,0 +1,97 @@
+// A device of the user's own on CAN: its files, its bus, and what of the machine it is attached to.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "emulators/dbc_node/fault.h"
+#include "emulators/own_clock.h"
+#include "emulators/supply.h"
+#include "fields/visitor.h"
+#include "hil/devices/device_configuration.h"
+#include "hil/files/dbc_node_file.h"
+#include "hil/world/mount.h"
+#include "sim/gnss/gnss_parameters.h"
+#include "sim/imu/imu_sensor.h"
+#include "sim/odometry/odometry.h"
+#include "sim/vehicle_sensors/vehicle_sensors.h"
+
+namespace rigwire::hil {
+
+// What the device is attached to; names as in emulators/dbc_node/quantities.h.
+struct AttachedToNothing {
+  static constexpr fields::Named kNamed{"nothing", "It measures and moves nothing."};
+};
+struct AttachedToJoint {
+  static constexpr fields::Named kNamed{"joint", "The angle between two links of the machine."};
+
+  std::string base = "undercarriage";  ///< Link that carries the housing.
+  std::string link = "upper";          ///< Link that turns the shaft.
+  char axis = 'z';                     ///< Of the base link.
+};
+struct AttachedToLink {
+  static constexpr fields::Named kNamed{"inertial", "A link, whose motion it feels."};
+
+  MountConfiguration mount;
+  sim::ImuParameters sensor;
+};
+struct AttachedToSky {
+  static constexpr fields::Named kNamed{"satellites", "A link, with an antenna."};
+
+  MountConfiguration mount;
+  sim::GnssParameters sensor;
+};
+struct AttachedToValves {
+  static constexpr fields::Named kNamed{"valves", "The machine's valve block."};
+
+  /// Actuators of the machine; number 1 of the binding's names is the first.
+  std::vector<std::string> sections{"swing", "boom", "stick", "bucket"};
+};
+struct AttachedToPowerUnit {
+  static constexpr fields::Named kNamed{"power_unit", "An engine that drives pumps."};
+};
+struct AttachedToVehicle {
+  static constexpr fields::Named kNamed{"vehicle", "Drive train, steering and brakes."};
+
+  sim::VehicleSensorParameters sensor;
+  sim::OdometryParameters odometry;
+};
+inline void visit(fields::Visitor&, AttachedToNothing&) {}
+void visit(fields::Visitor& v, AttachedToJoint& p);
+void visit(fields::Visitor& v, AttachedToLink& p);
+void visit(fields::Visitor& v, AttachedToSky& p);
+void visit(fields::Visitor& v, AttachedToValves& p);
+inline void visit(fields::Visitor&, AttachedToPowerUnit&) {}
+void visit(fields::Visitor& v, AttachedToVehicle& p);
+
+struct DbcNodeConfiguration final : DeviceConfigurationOf<DbcNodeConfiguration> {
+  std::string bus = "can";  ///< One of the rig's buses.
+  emulators::OwnClockSettings clock;
+  std::string file;  ///< The binding (hil/files/dbc_node_file.h).
+  /// In place of the binding's, so that several of one kind can be on a bus; 254: as it says.
+  std::uint8_t source_address = 254;
+  std::variant<AttachedToNothing, AttachedToJoint, AttachedToLink, AttachedToSky, AttachedToValves,
+               AttachedToPowerUnit, AttachedToVehicle>
+      attached;
+  emulators::SupplySettings supply;
+  std::vector<emulators::DbcNodeFault> faults;
+
+  void visit(fields::Visitor& v) override;
+  void validate() const override;
+  void check(const std::string& at, RigCheck& check) const override;
+  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override;
+  [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
+  [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;
+  [[nodiscard]] DeviceDescription describe() const override;
+  [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
+
+ private:
+  /// Both files, with what the rig says. Throws ConfigurationError.
+  [[nodiscard]] DbcNodeDescription description() const;
+};
+
+}  // namespace rigwire::hil

@@ -1,0 +1,117 @@
+// A user's own device on CAN: the messages from a DBC file, and a YAML file that binds their
+// signals to what the device measures and moves, without C++.
+//
+// docs/your-own-can-device.md walks through one; configs/can/ has examples. Names of quantities:
+// emulators/dbc_node/quantities.h (`rigwire describe dbc-node` lists them).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "emulators/dbc_node/settings.h"
+#include "emulators/j1939/name_settings.h"
+#include "fields/rules.h"
+
+namespace rigwire::hil {
+
+/// What a binding says in place of the DBC file, where that is poor.
+struct DbcLayoutBinding {
+  double scale = 0.0;   ///< Per count; 0: as the file says, and so are the next two.
+  double offset = 0.0;  ///< Of raw 0.
+  std::string unit;     ///< Empty: as the file says.
+};
+void visit(fields::Visitor& v, DbcLayoutBinding& p);
+
+enum class DbcChecksumBinding : std::uint8_t { none, sum8, xor8, crc8_j1850 };
+
+/// A signal of a message that is sent. At most one source; without any its start value.
+struct DbcSentBinding {
+  std::string signal;
+  std::string quantity;  ///< "joint.angle"
+  double factor = 1.0;   ///< Of the quantity.
+  double offset = 0.0;   ///< Added to it, in the signal's unit.
+  Duration filter{0};    ///< Time constant.
+  std::string value;     ///< A number in the signal's unit, or one of its names.
+  bool counter = false;
+  DbcChecksumBinding checksum = DbcChecksumBinding::none;
+  std::string echo;  ///< "Message.Signal" of one that is taken.
+  DbcLayoutBinding layout;
+};
+void visit(fields::Visitor& v, DbcSentBinding& p);
+
+enum class DbcSendingBinding : std::uint8_t {
+  as_file,
+  cyclic,
+  on_change,
+  cyclic_and_on_change,
+  on_request,
+  never
+};
+
+struct DbcSentMessageBinding {
+  std::string message;
+  DbcSendingBinding send = DbcSendingBinding::as_file;
+  Duration period{0};  ///< 0: as the file says.
+  std::string after;   ///< A message that is taken: this one follows it.
+  int priority = -1;   ///< Of J1939; -1: as the file says.
+  std::vector<DbcSentBinding> signals;
+};
+void visit(fields::Visitor& v, DbcSentMessageBinding& p);
+
+/// A signal of a message that is taken.
+struct DbcTakenBinding {
+  std::string signal;
+  std::string moves;    ///< "valves.opening_1"
+  double factor = 1.0;  ///< Of the signal's value.
+  double offset = 0.0;  ///< Added after it, in the quantity's SI unit.
+  std::string safe;     ///< A quantity: "0 %"; empty: the neutral one.
+  bool clip = true;     ///< A value beyond the signal's limits counts as the limit.
+  bool counter = false;
+  DbcChecksumBinding checksum = DbcChecksumBinding::none;
+  DbcLayoutBinding layout;
+};
+void visit(fields::Visitor& v, DbcTakenBinding& p);
+
+struct DbcTakenMessageBinding {
+  std::string message;
+  Duration timeout = std::chrono::milliseconds{500};  ///< 0: none.
+  std::vector<DbcTakenBinding> signals;
+};
+void visit(fields::Visitor& v, DbcTakenMessageBinding& p);
+
+/// The YAML file.
+struct DbcNodeBinding {
+  std::string text;
+  std::string dbc;   ///< The file's path.
+  std::string node;  ///< Of the DBC file; empty: it sends what is listed here alone.
+  bool claims_address = false;
+  std::uint8_t source_address = 0x80;
+  bool arbitrary_address = true;
+  std::uint32_t serial = 1;
+  emulators::J1939NameSettings name;
+  Duration sample_period = std::chrono::milliseconds{10};
+  Duration processing_delay = std::chrono::microseconds{200};
+  std::vector<DbcSentMessageBinding> sends;
+  std::vector<DbcTakenMessageBinding> takes;
+};
+void visit(fields::Visitor& v, DbcNodeBinding& p);
+
+/// What both files together say.
+struct DbcNodeDescription {
+  std::string text;
+  std::string attachment = "nothing";  ///< What its quantities are of.
+  std::uint32_t serial = 0;            ///< In its NAME, where it claims an address.
+  emulators::DbcNodeSettings settings;
+};
+
+/// Throws ConfigurationError with every finding of both files, each with file, line and column:
+/// what the reader finds, what is no DBC, messages, signals and quantities that are not there (with
+/// the nearest one), units that do not belong to the quantity, quantities of several attachments,
+/// messages of which neither file says when they are sent, a quantity that two signals move.
+[[nodiscard]] DbcNodeDescription load_dbc_node(const std::string& file);
+
+/// Its messages and signals as tables in Markdown, as docs/your-own-can-device.md shows them.
+[[nodiscard]] std::string markdown_table(const DbcNodeDescription& device);
+
+}  // namespace rigwire::hil

@@ -127,8 +127,8 @@ Physical physical(const OwnedSignal& signal, Units units) {
   if (units == Units::si || signal.document_unit.empty()) {
     // The format has no infinity; 0 .. 0 is how it says "no limits".
     const bool limited = std::isfinite(signal.lower) && std::isfinite(signal.upper);
-    return {signal.scale, signal.offset, limited ? signal.lower : 0.0,
-            limited ? signal.upper : 0.0, signal.unit};
+    return {signal.scale, signal.offset, limited ? signal.lower : 0.0, limited ? signal.upper : 0.0,
+            signal.unit};
   }
   const double size = signal.document_size;
   const double ends[] = {plain(signal.lower / size), plain(signal.upper / size)};

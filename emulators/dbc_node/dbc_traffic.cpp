@@ -135,6 +135,18 @@ double DbcTraffic::nominal_rate_hz() const {
   return rate;
 }
 
+ReceiveCounters DbcTraffic::received() const {
+  ReceiveCounters all = received_;
+  if (node_) {
+    const ReceiveCounters& own = node_->received();
+    all.bytes += own.bytes;
+    all.accepted += own.accepted;
+    all.ignored += own.ignored;
+    all.malformed += own.malformed;
+  }
+  return all;
+}
+
 std::uint8_t DbcTraffic::address() const {
   return node_ && node_->held() ? node_->address() : j1939::kNullAddress;
 }
@@ -202,6 +214,7 @@ void DbcTraffic::power_up(SimTime now) {
 }
 
 void DbcTraffic::power_down() {
+  received_ = received();
   node_.reset();
   measured_at_ = kNever;
   std::ranges::fill(measured_, std::numeric_limits<double>::quiet_NaN());
@@ -294,6 +307,7 @@ void DbcTraffic::send(SimTime now, std::size_t message) {
   state.next_extra = kNever;
   compose(now, message, state.body);
   state.shown = true;
+  state.shown_page = state.page;
   scratch_ = state.body;
   const bool counting = fault_of<StoppedCounterFault>(now, message, 0) == nullptr;
   for (std::size_t s = 0; s < sent.shows.size(); ++s) {
@@ -338,6 +352,9 @@ bool DbcTraffic::transmit(SimTime now, const can::OwnedMessage& layout,
     return node_->send(now, identifier, payload);
   }
   can::Frame wire;
+  if (payload.size() > wire.data.size()) {
+    return false;
+  }
   wire.id = layout.id;
   wire.extended = layout.extended;
   wire.length = static_cast<std::uint8_t>(payload.size());
@@ -380,12 +397,16 @@ void DbcTraffic::note_changes(SimTime now) {
     if (!settings_.sent[m].on_change || sent_[m].next_extra != kNever) {
       continue;
     }
-    const std::vector<std::uint64_t> before = sent_[m].raw;
+    // As the last one would be now: on its page, and without a trace.
+    SentState& state = sent_[m];
+    raw_scratch_ = state.raw;
+    std::swap(state.page, state.shown_page);
     compose(now, m, scratch_);
-    if (sent_[m].shown && scratch_ != sent_[m].body) {
+    std::swap(state.page, state.shown_page);
+    state.raw = raw_scratch_;
+    if (state.shown && scratch_ != state.body) {
       request(now, m);
     }
-    sent_[m].raw = before;
   }
 }
 
@@ -407,20 +428,21 @@ void DbcTraffic::controller(SimTime now, const can::ControllerReport& report) {
   }
 }
 
+bool DbcTraffic::is_plain(const can::Frame& frame) const {
+  return std::ranges::any_of(settings_.taken, [&](const DbcTakenMessage& taken) {
+    return !taken.layout.j1939 && taken.layout.id == frame.id &&
+           taken.layout.extended == frame.extended;
+  });
+}
+
 void DbcTraffic::receive(SimTime now, const can::Frame& frame) {
   advance(now);
   if (!supply_.on()) {
     return;
   }
-  if (node_) {
+  if (node_ && frame.extended && !frame.remote && !is_plain(frame)) {
     node_->receive(now, frame);
-    if (frame.extended && !frame.remote) {
-      const bool known = std::ranges::any_of(
-          settings_.taken, [](const DbcTakenMessage& m) { return !m.layout.j1939; });
-      if (!known) {
-        return;
-      }
-    }
+    return;
   }
   received_.bytes += frame.payload().size();
   if (frame.remote) {

@@ -42,7 +42,7 @@ class DbcTraffic final : J1939Application {
 
   /// In the order of DbcNodeSettings::moved, in SI.
   [[nodiscard]] std::span<const double> moved() const { return moved_; }
-  [[nodiscard]] const ReceiveCounters& received() const { return received_; }
+  [[nodiscard]] ReceiveCounters received() const;
   /// Frames that go out by time, per second.
   [[nodiscard]] double nominal_rate_hz() const;
   /// The address it holds; kNullAddress without one, or when it claims none.
@@ -64,6 +64,7 @@ class DbcTraffic final : J1939Application {
     std::size_t turning = protocols::can::kNoMultiplexor;  ///< A multiplexor without a source.
     std::vector<std::uint64_t> pages;                      ///< Its values that the file knows.
     std::size_t page = 0;
+    std::size_t shown_page = 0;  ///< Of the last one.
   };
   struct TakenState {
     SimTime expires = kNever;
@@ -76,6 +77,8 @@ class DbcTraffic final : J1939Application {
   void power_up(SimTime now);
   void power_down();
   void request(SimTime now, std::size_t message);
+  /// Whether the frame asks a message for itself that is none of a claimed address's.
+  [[nodiscard]] bool is_plain(const protocols::can::Frame& frame) const;
   void send(SimTime now, std::size_t message);
   bool transmit(SimTime now, const protocols::can::OwnedMessage& layout,
                 std::span<const std::uint8_t> payload);
@@ -104,6 +107,7 @@ class DbcTraffic final : J1939Application {
   std::vector<SentState> sent_;
   std::vector<TakenState> taken_;
   std::vector<std::uint8_t> scratch_;
+  std::vector<std::uint64_t> raw_scratch_;
   ReceiveCounters received_;
 };
 

@@ -66,9 +66,13 @@ constexpr std::array kInertial{
 bool has_position(const GnssSample& sample) {
   return sample.fix == GnssFix::two_d || sample.fix == GnssFix::three_d;
 }
-template <auto kMember, double kScale = 1.0>
+template <auto kMember>
 double of_position(const GnssSample& sample) {
-  return has_position(sample) ? sample.*kMember * kScale : kNotMeasured;
+  return has_position(sample) ? sample.*kMember : kNotMeasured;
+}
+template <auto kMember>
+double of_degrees(const GnssSample& sample) {
+  return of_position<kMember>(sample) * kDegree_rad;
 }
 template <auto kComponent>
 double of_velocity(const GnssSample& sample) {
@@ -78,9 +82,8 @@ double of_velocity(const GnssSample& sample) {
 using Fix = SampleQuantity<GnssSample>;
 constexpr std::array kSatellites{
     Fix{"latitude", Dimension::angle, "WGS-84, north positive.",
-        of_position<&GnssSample::latitude_deg, kDegree_rad>},
-    Fix{"longitude", Dimension::angle, "East positive.",
-        of_position<&GnssSample::longitude_deg, kDegree_rad>},
+        of_degrees<&GnssSample::latitude_deg>},
+    Fix{"longitude", Dimension::angle, "East positive.", of_degrees<&GnssSample::longitude_deg>},
     Fix{"ellipsoid_height", Dimension::length, "Above the WGS-84 ellipsoid.",
         of_position<&GnssSample::ellipsoid_height_m>},
     Fix{"height", Dimension::length, "Above mean sea level.",

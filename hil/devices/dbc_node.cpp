@@ -23,7 +23,6 @@ using fields::IntegerRule;
 
 namespace {
 
-namespace can = protocols::can;
 using emulators::DbcNode;
 
 constexpr std::array<Choice<char>, 3> kAxes{

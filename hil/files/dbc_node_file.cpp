@@ -336,7 +336,8 @@ class Binder {
 
   void take(const std::string& path, const DbcTakenMessageBinding& binding) {
     const dbc::FileMessage* found = message(path + ".message", binding.message);
-    if (found == nullptr || !is_sound(*found, binding.signals)) {
+    if (found == nullptr || !is_sound(*found, binding.signals) ||
+        !check_length(path + ".message", found->layout)) {
       return;
     }
     emulators::DbcTakenMessage taken;
@@ -448,6 +449,9 @@ class Binder {
         report(findings.front());
         continue;
       }
+      if (!check_length("node", message.layout)) {
+        continue;
+      }
       emulators::DbcSentMessage sent = sent_as(message);
       sent.on_request = sent.period == Duration{0} && !sent.on_change;
       device_.settings.sent.push_back(std::move(sent));
@@ -535,11 +539,18 @@ class Binder {
       identifier.priority = static_cast<std::uint8_t>(binding.priority);
       sent.layout.id = j1939::pack(identifier);
     }
+    check_length(path + ".message", sent.layout);
+  }
+
+  /// Longer messages go by transport, which wants an address.
+  bool check_length(const std::string& path, const can::OwnedMessage& layout) {
     constexpr unsigned kFrameBytes = 8;
-    if (sent.layout.length > kFrameBytes && !binding_.claims_address) {
-      report(path + ".message", "longer than a frame, and the device claims no address",
-             fmt::format("{} bytes", sent.layout.length), std::string("claims_address: true"));
+    const bool fits = layout.length <= kFrameBytes || binding_.claims_address;
+    if (!fits) {
+      report(path, layout.name + " is longer than a frame, and the device claims no address",
+             fmt::format("{} bytes", layout.length), std::string("claims_address: true"));
     }
+    return fits;
   }
 
   void show(const std::string& path, const DbcSentBinding& binding, can::OwnedSignal& row,

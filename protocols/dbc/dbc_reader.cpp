@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <tuple>
 #include <utility>
 
 namespace rigwire::protocols::dbc {
@@ -163,7 +164,9 @@ struct Owner {
   std::uint32_t message = 0;  ///< As the file has it, with bit 31.
   std::string signal;
 
-  friend auto operator<=>(const Owner&, const Owner&) = default;
+  friend bool operator<(const Owner& a, const Owner& b) {
+    return std::tie(a.message, a.signal) < std::tie(b.message, b.signal);
+  }
 };
 
 /// Statements end with a semicolon, but for these: they end where a further one begins.

@@ -160,6 +160,38 @@ TEST(DbcTraffic, SendsOnChangeNoCloserThanItsDistance) {
   EXPECT_EQ(bus.frames.size(), 4U) << "nothing changed";
 }
 
+TEST(DbcTraffic, ATurnedPageIsNoChange) {
+  Bus bus;
+  DbcNodeSettings settings;
+  OwnedMessage layout =
+      message("Pages", 0x285, {row("Page", 0, 8), row("A", 8, 8), row("B", 8, 8)});
+  for (const std::size_t s : {1U, 2U}) {
+    layout.signals[s].multiplexor = 0;
+    layout.signals[s].present_at = {{s - 1, s - 1}};
+  }
+  settings.measured = {0};
+  settings.sent = {sent(layout, {{0, DbcHeld{}}, {0x11, DbcHeld{}}, {0, DbcMeasured{0}}})};
+  settings.sent[0].on_change = true;
+  DbcTraffic node(settings, bus);
+  for (int i = 0; i < 20; ++i) {
+    node.measure(kStart + i * 10ms, std::array{5.0});
+  }
+  EXPECT_LE(bus.frames.size(), 2U);
+}
+
+TEST(DbcTraffic, ALongMessageWithoutAnAddressStaysAway) {
+  Bus bus;
+  DbcNodeSettings settings;
+  OwnedMessage layout = message("Long", 0x18FEEC00, {row("A", 8, 8)});
+  layout.length = 1785;
+  layout.j1939 = layout.extended = true;
+  settings.sent = {sent(layout, {{1, DbcHeld{}}})};
+  settings.sent[0].period = 10ms;
+  DbcTraffic node(settings, bus);
+  node.advance(kStart + 100ms);
+  EXPECT_TRUE(bus.frames.empty());
+}
+
 TEST(DbcTraffic, ARemoteFrameIsAnsweredWithTheNextPage) {
   Bus bus;
   DbcNodeSettings settings;

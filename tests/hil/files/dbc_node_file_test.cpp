@@ -150,6 +150,14 @@ TEST_F(DbcNodeFile, SignalsThatAreUsedMayNotLieOnEachOther) {
               AllOf(HasSubstr("node.dbc:6"), HasSubstr("Over lies on Angle")));
 }
 
+TEST_F(DbcNodeFile, ALongMessageWantsAnAddress) {
+  write("node.dbc",
+        "BU_: A\nBO_ 2566842112 Long: 20 A\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" A\n"
+        "BA_DEF_ BO_ \"VFrameFormat\" ENUM \"J1939PG\";\nBA_ \"VFrameFormat\" BO_ 2566842112 0;\n");
+  EXPECT_THAT(complaints("node: A\n"), HasSubstr("claims no address"));
+  EXPECT_EQ(complaints("node: A\nclaims_address: true\n"), "");
+}
+
 TEST_F(DbcNodeFile, WhatIsNoDbcIsNamedWithItsLine) {
   write("node.dbc", "BU_: A\nBO_ 1 M: 8 A\n SG_ S : 0|8@1+ (1;0) [0|0] \"\" A\n");
   EXPECT_THAT(complaints("node: A\n"), AllOf(HasSubstr("node.dbc:3:"), HasSubstr("expected here")));

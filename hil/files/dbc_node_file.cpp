@@ -655,15 +655,14 @@ void visit(fields::Visitor& v, DbcSentBinding& p) {
   v.required("signal");
   v.text("signal", p.signal, "Of the message.");
   v.text("quantity", p.quantity, "What it shows, for example joint.angle.");
-  if (!p.quantity.empty()) {
-    v.number("factor", p.factor, plain(), "The quantity is multiplied by it.");
-    v.number("offset", p.offset, plain(), "Added to it, in the signal's unit.");
-    v.duration("filter", p.filter, {0, kHour_ns}, "Time constant of a low-pass; 0 = none.");
-  } else {
-    for (const char* key : {"factor", "offset", "filter"}) {
-      v.refused(key, "it shows no quantity");
-    }
-  }
+  v.number("factor", p.factor, plain(), "The quantity is multiplied by it.");
+  v.number("offset", p.offset, plain(), "Added to it, in the signal's unit.");
+  v.duration("filter", p.filter, {0, kHour_ns}, "Time constant of a low-pass; 0 = none.");
+  const bool shows = !p.quantity.empty();
+  constexpr const char* kShowsNone = "it shows no quantity";
+  v.check(shows || p.factor == 1.0, "factor", kShowsNone);
+  v.check(shows || p.offset == 0.0, "offset", kShowsNone);
+  v.check(shows || p.filter == Duration{0}, "filter", kShowsNone);
   v.text("value", p.value, "What it always shows: a number in its unit, or a name of the file.");
   v.boolean("counter", p.counter, "It counts frames.");
   v.choice("checksum", p.checksum, kChecksums, "It is a checksum of the other bytes.");
@@ -685,16 +684,16 @@ void visit(fields::Visitor& v, DbcTakenBinding& p) {
   v.required("signal");
   v.text("signal", p.signal, "Of the message.");
   v.text("moves", p.moves, "What it moves, for example valves.opening_1.");
-  if (!p.moves.empty()) {
-    v.number("factor", p.factor, plain(), "The signal's value is multiplied by it.");
-    v.number("offset", p.offset, plain(), "Added to it, in the quantity's SI unit.");
-    v.text("safe", p.safe, "Before the first message and after the time-out; empty = neutral.");
-    v.boolean("clip", p.clip, "Beyond its limits the limit counts; else what came before does.");
-  } else {
-    for (const char* key : {"factor", "offset", "safe", "clip"}) {
-      v.refused(key, "it moves nothing");
-    }
-  }
+  v.number("factor", p.factor, plain(), "The signal's value is multiplied by it.");
+  v.number("offset", p.offset, plain(), "Added to it, in the quantity's SI unit.");
+  v.text("safe", p.safe, "Before the first message and after the time-out; empty = neutral.");
+  v.boolean("clip", p.clip, "Beyond its limits the limit counts; else what came before does.");
+  const bool moves = !p.moves.empty();
+  constexpr const char* kMovesNothing = "it moves nothing";
+  v.check(moves || p.factor == 1.0, "factor", kMovesNothing);
+  v.check(moves || p.offset == 0.0, "offset", kMovesNothing);
+  v.check(moves || p.safe.empty(), "safe", kMovesNothing);
+  v.check(moves || p.clip, "clip", kMovesNothing);
   v.boolean("counter", p.counter, "A frame in which it is not one more is refused.");
   v.choice("checksum", p.checksum, kChecksums, "A frame in which it is wrong is refused.");
   v.section("layout", p.layout, "In place of what the DBC file says.");
@@ -713,17 +712,22 @@ void visit(fields::Visitor& v, DbcNodeBinding& p) {
   v.file("dbc", p.dbc, "The DBC file, relative to this one.");
   v.text("node", p.node, "Its node in the DBC file: it sends what that one does; empty = none.");
   v.boolean("claims_address", p.claims_address, "It claims an address (SAE J1939-81).");
-  if (p.claims_address) {
-    v.integer("source_address", p.source_address, IntegerRule{0, 253}, "Preferred address.");
-    v.boolean("arbitrary_address", p.arbitrary_address, "It may take another one when it loses.");
-    v.integer("serial", p.serial, IntegerRule{0, 0x1FFFFF}, "Serial number in the NAME.");
-    emulators::visit(v, p.name);
-  } else {
-    for (const char* key : {"source_address", "arbitrary_address", "serial", "manufacturer",
-                            "function", "function_instance", "device_class", "industry_group"}) {
-      v.refused(key, "it claims no address");
-    }
-  }
+  v.integer("source_address", p.source_address, IntegerRule{0, 253}, "Preferred address.");
+  v.boolean("arbitrary_address", p.arbitrary_address, "It may take another one when it loses.");
+  v.integer("serial", p.serial, IntegerRule{0, 0x1FFFFF}, "Serial number in the NAME.");
+  emulators::visit(v, p.name);
+  const DbcNodeBinding fresh;
+  constexpr const char* kClaimsNone = "it claims no address";
+  const bool claims = p.claims_address;
+  v.check(claims || p.source_address == fresh.source_address, "source_address", kClaimsNone);
+  v.check(claims || p.arbitrary_address == fresh.arbitrary_address, "arbitrary_address",
+          kClaimsNone);
+  v.check(claims || p.serial == fresh.serial, "serial", kClaimsNone);
+  v.check(claims || p.name.manufacturer == 0, "manufacturer", kClaimsNone);
+  v.check(claims || p.name.function == 0, "function", kClaimsNone);
+  v.check(claims || p.name.function_instance == 0, "function_instance", kClaimsNone);
+  v.check(claims || p.name.device_class == 0, "device_class", kClaimsNone);
+  v.check(claims || p.name.industry_group == 0, "industry_group", kClaimsNone);
   v.duration("sample_period", p.sample_period, {kMillisecond_ns, 10 * kSecond_ns},
              "How often it measures.");
   v.duration("processing_delay", p.processing_delay, {0, kSecond_ns},

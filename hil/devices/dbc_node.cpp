@@ -44,38 +44,6 @@ class DbcValvesDevice final : public DbcNodeDevice<emulators::ValveBackend> {
   ValveSource source_;
 };
 
-// The backend of each attachment.
-template <class Attached>
-struct BackendOf;
-template <>
-struct BackendOf<AttachedToNothing> {
-  using Type = emulators::NothingBackend;
-};
-template <>
-struct BackendOf<AttachedToJoint> {
-  using Type = emulators::EncoderBackend;
-};
-template <>
-struct BackendOf<AttachedToLink> {
-  using Type = emulators::ImuBackend;
-};
-template <>
-struct BackendOf<AttachedToSky> {
-  using Type = emulators::GnssBackend;
-};
-template <>
-struct BackendOf<AttachedToValves> {
-  using Type = emulators::ValveBackend;
-};
-template <>
-struct BackendOf<AttachedToPowerUnit> {
-  using Type = emulators::PowerUnitBackend;
-};
-template <>
-struct BackendOf<AttachedToVehicle> {
-  using Type = emulators::VehicleBackend;
-};
-
 /// What senses for it, for the station.
 struct Attach {
   Site& site;
@@ -275,8 +243,8 @@ std::unique_ptr<Device> DbcNodeConfiguration::make(Site& site) const {
         if constexpr (std::is_same_v<Attached, AttachedToValves>) {
           return attach(std::make_unique<DbcValvesDevice>(site, bus, clock, settings, to.sections));
         } else {
-          using Backend = typename BackendOf<Attached>::Type;
-          return attach(std::make_unique<DbcNodeDevice<Backend>>(site, bus, clock, settings));
+          return attach(std::make_unique<DbcNodeDevice<typename Attached::Backend>>(
+              site, bus, clock, settings));
         }
       },
       attached);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "emulators/dbc_node/fault.h"
+#include "emulators/dbc_node/quantities.h"
 #include "emulators/own_clock.h"
 #include "emulators/supply.h"
 #include "fields/visitor.h"
@@ -22,40 +23,54 @@
 
 namespace rigwire::hil {
 
-// What the device is attached to; names as in emulators/dbc_node/quantities.h.
+// What the device is attached to, each by its backend.
 struct AttachedToNothing {
-  static constexpr fields::Named kNamed{"nothing", "It measures and moves nothing."};
+  using Backend = emulators::NothingBackend;
+  static constexpr fields::Named kNamed{emulators::Attachment<Backend>::kName,
+                                        "It measures and moves nothing."};
 };
 struct AttachedToJoint {
-  static constexpr fields::Named kNamed{"joint", "The angle between two links of the machine."};
+  using Backend = emulators::EncoderBackend;
+  static constexpr fields::Named kNamed{emulators::Attachment<Backend>::kName,
+                                        "The angle between two links of the machine."};
 
   std::string base = "undercarriage";  ///< Link that carries the housing.
   std::string link = "upper";          ///< Link that turns the shaft.
   char axis = 'z';                     ///< Of the base link.
 };
 struct AttachedToLink {
-  static constexpr fields::Named kNamed{"inertial", "A link, whose motion it feels."};
+  using Backend = emulators::ImuBackend;
+  static constexpr fields::Named kNamed{emulators::Attachment<Backend>::kName,
+                                        "A link, whose motion it feels."};
 
   MountConfiguration mount;
   sim::ImuParameters sensor;
 };
 struct AttachedToSky {
-  static constexpr fields::Named kNamed{"satellites", "A link, with an antenna."};
+  using Backend = emulators::GnssBackend;
+  static constexpr fields::Named kNamed{emulators::Attachment<Backend>::kName,
+                                        "A link, with an antenna."};
 
   MountConfiguration mount;
   sim::GnssParameters sensor;
 };
 struct AttachedToValves {
-  static constexpr fields::Named kNamed{"valves", "The machine's valve block."};
+  using Backend = emulators::ValveBackend;
+  static constexpr fields::Named kNamed{emulators::Attachment<Backend>::kName,
+                                        "The machine's valve block."};
 
   /// Actuators of the machine; number 1 of the binding's names is the first.
   std::vector<std::string> sections{"swing", "boom", "stick", "bucket"};
 };
 struct AttachedToPowerUnit {
-  static constexpr fields::Named kNamed{"power_unit", "An engine that drives pumps."};
+  using Backend = emulators::PowerUnitBackend;
+  static constexpr fields::Named kNamed{emulators::Attachment<Backend>::kName,
+                                        "An engine that drives pumps."};
 };
 struct AttachedToVehicle {
-  static constexpr fields::Named kNamed{"vehicle", "Drive train, steering and brakes."};
+  using Backend = emulators::VehicleBackend;
+  static constexpr fields::Named kNamed{emulators::Attachment<Backend>::kName,
+                                        "Drive train, steering and brakes."};
 
   sim::VehicleSensorParameters sensor;
   sim::OdometryParameters odometry;

@@ -6,11 +6,10 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
+#include "bench/published_arm.h"
 #include "hil/executive/cpu_time.h"
-#include "sim/excavator/driven_arm.h"
 #include "sim/excavator/excavator.h"
 
 namespace rigwire::bench {
@@ -18,60 +17,24 @@ namespace {
 
 using sim::ArmState;
 using sim::DrivenArm;
-using sim::IntegrationScheme;
 using sim::JointVector;
 
 constexpr double kGrid_s = 0.02;
 constexpr int kGridPoints = 200;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr IntegrationScheme kSchemes[] = {IntegrationScheme::linearly_implicit_euler,
-                                          IntegrationScheme::rosenbrock2,
-                                          IntegrationScheme::runge_kutta4};
-
-const JointVector kStart(0.0, 0.35, -1.4, 0.6);
-
-class CosineTargets final : public sim::TargetMotion {
- public:
-  explicit CosineTargets(const DrivenArm& arm) {
-    JointVector lever;
-    arm.coordinates(kStart, start_, lever);
-  }
-  void at(double time_s, JointVector& target, JointVector& rate) const override {
-    constexpr double kFrequency_hz[] = {0.15, 0.2, 0.25, 0.3};
-    constexpr double kAmplitude[] = {0.8, -0.35, 0.5, 0.2};
-    for (int i = 0; i < sim::kArmJoints; ++i) {
-      const double w = 2.0 * std::numbers::pi * kFrequency_hz[i];
-      target[i] = start_[i] + 0.5 * kAmplitude[i] * (1.0 - std::cos(w * time_s));
-      rate[i] = 0.5 * kAmplitude[i] * w * std::sin(w * time_s);
-    }
-  }
-
- private:
-  JointVector start_;
-};
-
-DrivenArm arm_with_stiffness(double factor) {
-  sim::ExcavatorParameters parameters;
-  parameters.bucket_linkage.lug_angle_rad = 0.0;
-  parameters.bucket.center_of_mass_m = {0.60, 0.0, -0.20};
-  parameters.initial = {kStart[0], kStart[1], kStart[2], kStart[3]};
-  DrivenArm arm(parameters, {0.0, 0.0, -9.81});
-  arm.gains.stiffness *= factor;
-  arm.gains.damping *= std::sqrt(factor);
-  return arm;
-}
+constexpr int kReferenceOrder = 4;
 
 /// States on the 20 ms grid; the last is the one at 4 s.
-std::vector<JointVector> run(const DrivenArm& arm, IntegrationScheme scheme, int steps_per_point) {
+std::vector<JointVector> run(const DrivenArm& arm, int order, int steps_per_point) {
   const CosineTargets targets(arm);
   const double h = kGrid_s / steps_per_point;
-  ArmState state{kStart, JointVector::Zero()};
+  ArmState state{kPublishedPose, JointVector::Zero()};
   std::vector<JointVector> points;
   points.reserve(kGridPoints);
   long step = 0;
   for (int point = 0; point < kGridPoints; ++point) {
     for (int i = 0; i < steps_per_point; ++i, ++step) {
-      arm.step(scheme, static_cast<double>(step) * h, h, targets, state);
+      step_arm(arm, order, static_cast<double>(step) * h, h, targets, state);
     }
     points.push_back(state.q_rad);
   }
@@ -92,23 +55,16 @@ double median(std::vector<double>& values) {
   return values[values.size() / 2];
 }
 
-/// Runge-Kutta 4 must stay well inside its stability limit, which shrinks with the frequency.
-std::vector<JointVector> reference_run(const DrivenArm& arm, double factor, double step_s) {
-  const double finer = std::max(1.0, std::sqrt(factor) / 10.0);
-  return run(arm, IntegrationScheme::runge_kutta4,
-             static_cast<int>(std::ceil(finer * kGrid_s / step_s - 1e-9)));
-}
-
-WorkPrecisionRow measure_row(const DrivenArm& arm, double factor, IntegrationScheme scheme,
+WorkPrecisionRow measure_row(const DrivenArm& arm, double factor, const StepMethod& method,
                              double step_s, int repetitions,
                              const std::vector<JointVector>& reference) {
-  WorkPrecisionRow row{.scheme = scheme, .stiffness_factor = factor, .step_s = step_s};
+  WorkPrecisionRow row{.method = method, .stiffness_factor = factor, .step_s = step_s};
   const int per_point = steps_per_point(step_s);
   std::vector<JointVector> points;
   std::vector<double> spans;
   for (int i = 0; i < repetitions; ++i) {
     const double begin = hil::thread_cpu_seconds();
-    points = run(arm, scheme, per_point);
+    points = run(arm, method.order, per_point);
     spans.push_back(hil::thread_cpu_seconds() - begin);
   }
   const double span_s = median(spans);
@@ -127,9 +83,8 @@ WorkPrecisionRow measure_row(const DrivenArm& arm, double factor, IntegrationSch
   return row;
 }
 
-sim::ExcavatorParameters stiffened(IntegrationScheme scheme, double factor) {
+sim::ExcavatorParameters stiffened(double factor) {
   sim::ExcavatorParameters parameters;
-  parameters.scheme = scheme;
   parameters.step_s = 1e-3;
   parameters.drives.swing_stiffness_nmprad *= factor;
   parameters.drives.boom_stiffness_npm *= factor;
@@ -183,55 +138,42 @@ std::vector<WorkPrecisionRow> measure_work_precision(const WorkPrecisionSettings
   }
   std::vector<WorkPrecisionRow> rows;
   for (const double factor : settings.stiffness_factors) {
-    const DrivenArm arm = arm_with_stiffness(factor);
+    const DrivenArm arm = published_arm(factor);
     const std::vector<JointVector> reference =
-        reference_run(arm, factor, settings.reference_step_s);
-    for (const IntegrationScheme scheme : kSchemes) {
+        run(arm, kReferenceOrder, steps_per_point(settings.reference_step_s));
+    for (const StepMethod& method : kArmMethods) {
       for (const double step_s : settings.steps_s) {
-        rows.push_back(measure_row(arm, factor, scheme, step_s, settings.repetitions, reference));
+        rows.push_back(measure_row(arm, factor, method, step_s, settings.repetitions, reference));
       }
     }
   }
   return rows;
 }
 
-std::vector<StiffestDrive> measure_stiffest_drives() {
+StiffestDrive measure_stiffest_drive() {
   constexpr double kStep_s = 1e-3;
-  constexpr double kLeast = 1e-4;
-  constexpr double kGreatest = 1e8;
   constexpr double kResolution = 1.01;
   constexpr int kRepetitions = 3;
-  std::vector<StiffestDrive> drives;
-  for (const IntegrationScheme scheme : kSchemes) {
-    StiffestDrive drive{.scheme = scheme};
-    double refused = kGreatest;
-    if (refusal_of(stiffened(scheme, kLeast)).empty()) {
-      double allowed = kLeast;
-      while (refused > allowed * kResolution) {
-        const double middle = std::sqrt(allowed * refused);
-        (refusal_of(stiffened(scheme, middle)).empty() ? allowed : refused) = middle;
-      }
-      drive.factor = allowed;
-      const DrivenArm arm = arm_with_stiffness(allowed);
-      drive.row =
-          measure_row(arm, allowed, scheme, kStep_s, kRepetitions,
-                      reference_run(arm, allowed, WorkPrecisionSettings{}.reference_step_s));
-      drive.machine_stable = machine_stays_sound(stiffened(scheme, allowed));
-      drive.refused_factor = 1.02 * allowed;
-    } else {
-      drive.refused_factor = kLeast;
-    }
-    drive.refusal = refusal_of(stiffened(scheme, drive.refused_factor));
-    drives.push_back(drive);
+  StiffestDrive drive{.factor = 1.0};
+  double refused = 1e8;
+  while (refused > drive.factor * kResolution) {
+    const double middle = std::sqrt(drive.factor * refused);
+    (refusal_of(stiffened(middle)).empty() ? drive.factor : refused) = middle;
   }
-  return drives;
+  const DrivenArm arm = published_arm(drive.factor);
+  drive.row = measure_row(
+      arm, drive.factor, kArmMethods.front(), kStep_s, kRepetitions,
+      run(arm, kReferenceOrder, steps_per_point(WorkPrecisionSettings{}.reference_step_s)));
+  drive.machine_stable = machine_stays_sound(stiffened(drive.factor));
+  drive.refused_factor = 1.02 * drive.factor;
+  drive.refusal = refusal_of(stiffened(drive.refused_factor));
+  return drive;
 }
 
 double reference_pose_error_rad(double reference_step_s) {
-  const JointVector simbody(0.736274963, 0.176523521, -1.399930624, 0.357101577);
-  const std::vector<JointVector> points = run(
-      arm_with_stiffness(1.0), IntegrationScheme::runge_kutta4, steps_per_point(reference_step_s));
-  return (points.back() - simbody).cwiseAbs().maxCoeff();
+  const std::vector<JointVector> points =
+      run(published_arm(), kReferenceOrder, steps_per_point(reference_step_s));
+  return (points.back() - kSimbodyPose).cwiseAbs().maxCoeff();
 }
 
 ExcavatorStepCost measure_excavator_step(int steps, sim::ExcavatorLevel level,
@@ -258,18 +200,6 @@ ExcavatorStepCost measure_excavator_step(int steps, sim::ExcavatorLevel level,
   cost.median_us = median(spans_us);
   cost.p999_us = spans_us[spans_us.size() - 1 - spans_us.size() / 1000];
   return cost;
-}
-
-const char* name_of(IntegrationScheme scheme) {
-  switch (scheme) {
-    case IntegrationScheme::rosenbrock2:
-      return "rosenbrock2";
-    case IntegrationScheme::runge_kutta4:
-      return "runge_kutta4";
-    case IntegrationScheme::linearly_implicit_euler:
-      break;
-  }
-  return "linearly_implicit_euler";
 }
 
 }  // namespace rigwire::bench

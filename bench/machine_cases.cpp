@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "bench/excavator_bench.h"
 #include "sim/driveline/make_driveline.h"
 #include "sim/excavator/excavator.h"
 #include "sim/roller/tandem_roller.h"
@@ -13,16 +12,9 @@
 namespace rigwire::bench {
 namespace {
 
-using sim::IntegrationScheme;
-
 constexpr double kSlope_rad = 5.0 * std::numbers::pi / 180.0;
 constexpr double kCoasting_mps = 3.0;
 constexpr std::array kStiffnessFactors{1.0, 100.0, 1e4};
-
-/// What a machine can be integrated with; the first is the default.
-constexpr std::array kAllSchemes{IntegrationScheme::linearly_implicit_euler,
-                                 IntegrationScheme::rosenbrock2, IntegrationScheme::runge_kutta4};
-constexpr std::array kOneScheme{IntegrationScheme::linearly_implicit_euler};
 
 enum class Scene { smooth, switches };
 constexpr std::array kScenes{Scene::smooth, Scene::switches};
@@ -102,51 +94,44 @@ void stiffen(sim::DriveParameters& drives, double factor) {
 }
 
 MachineCase excavator(sim::ExcavatorLevel level, const char* level_name, Scene scene, double factor,
-                      std::span<const IntegrationScheme> schemes,
                       sim::ExcavatorCarrier carrier = sim::ExcavatorCarrier::fixed,
                       const Change& change = {}) {
   const bool moving = carrier == sim::ExcavatorCarrier::moving;
-  MachineCase result{.machine = moving ? "excavator on tyres" : "excavator",
-                     .level = level_name,
-                     .scene = name_of(scene),
-                     .stiffness_factor = factor,
-                     .methods = {},
-                     .drive = scene == Scene::smooth ? dig_gently : dig_hard};
   const auto ground = moving ? slope() : nullptr;
-  for (const IntegrationScheme scheme : schemes) {
-    result.methods.push_back(
-        {bench::name_of(scheme), [=](double step_s) -> std::unique_ptr<sim::Machine> {
-           sim::ExcavatorParameters parameters;
-           parameters.level = level;
-           parameters.scheme = scheme;
-           parameters.step_s = step_s;
-           parameters.carrier = carrier;
-           stiffen(parameters.drives, factor);
-           if (change) {
-             change(parameters);
-           }
-           Eigen::Isometry3d X_WC = Eigen::Isometry3d::Identity();
-           if (moving) {
-             X_WC.rotate(Eigen::AngleAxisd(-kSlope_rad, Eigen::Vector3d::UnitY()));
-           }
-           return std::make_unique<sim::Excavator>(parameters, X_WC, ground.get());
-         }});
-  }
-  return result;
+  const auto make = [=](double step_s) -> std::unique_ptr<sim::Machine> {
+    sim::ExcavatorParameters parameters;
+    parameters.level = level;
+    parameters.step_s = step_s;
+    parameters.carrier = carrier;
+    stiffen(parameters.drives, factor);
+    if (change) {
+      change(parameters);
+    }
+    Eigen::Isometry3d X_WC = Eigen::Isometry3d::Identity();
+    if (moving) {
+      X_WC.rotate(Eigen::AngleAxisd(-kSlope_rad, Eigen::Vector3d::UnitY()));
+    }
+    return std::make_unique<sim::Excavator>(parameters, X_WC, ground.get());
+  };
+  return {.machine = moving ? "excavator on tyres" : "excavator",
+          .level = level_name,
+          .scene = name_of(scene),
+          .stiffness_factor = factor,
+          .make = make,
+          .drive = scene == Scene::smooth ? dig_gently : dig_hard};
 }
 
 void add_excavators(std::vector<MachineCase>& cases) {
   using sim::ExcavatorLevel;
   for (const Scene scene : kScenes) {
-    cases.push_back(excavator(ExcavatorLevel::kinematic, "kinematic", scene, 1.0, kOneScheme));
-    cases.push_back(
-        excavator(ExcavatorLevel::quasi_static, "quasi_static", scene, 1.0, kOneScheme));
+    cases.push_back(excavator(ExcavatorLevel::kinematic, "kinematic", scene, 1.0));
+    cases.push_back(excavator(ExcavatorLevel::quasi_static, "quasi_static", scene, 1.0));
     for (const double factor : kStiffnessFactors) {
-      cases.push_back(excavator(ExcavatorLevel::dynamic, "dynamic", scene, factor, kAllSchemes));
+      cases.push_back(excavator(ExcavatorLevel::dynamic, "dynamic", scene, factor));
     }
-    cases.push_back(excavator(ExcavatorLevel::chambers, "chambers", scene, 1.0, kOneScheme));
-    cases.push_back(excavator(ExcavatorLevel::dynamic, "dynamic", scene, 1.0, kOneScheme,
-                              sim::ExcavatorCarrier::moving));
+    cases.push_back(excavator(ExcavatorLevel::chambers, "chambers", scene, 1.0));
+    cases.push_back(
+        excavator(ExcavatorLevel::dynamic, "dynamic", scene, 1.0, sim::ExcavatorCarrier::moving));
   }
 }
 
@@ -180,38 +165,26 @@ Vehicle gator() {
 
 MachineCase wheeled(const Vehicle& vehicle, sim::VehicleLevel level, const char* level_name,
                     Scene scene, double factor) {
-  MachineCase result{.machine = vehicle.name,
-                     .level = level_name,
-                     .scene = name_of(scene),
-                     .stiffness_factor = factor,
-                     .methods = {},
-                     .drive = scene == Scene::smooth ? coast<Drive::accelerator>
-                                                     : start_swerve_stop<Drive::accelerator>};
-  const auto ground = slope();
-  const bool choice = level == sim::VehicleLevel::full;
-  if (choice) {
-    result.reference_method = 1;  // ROS2: ten times nearer than the default at the same step.
-    result.reference_coarsening = 2.0;
-  }
-  for (const IntegrationScheme scheme :
-       choice ? std::span<const IntegrationScheme>(kAllSchemes) : kOneScheme) {
-    result.methods.push_back(
-        {bench::name_of(scheme), [=](double step_s) -> std::unique_ptr<sim::Machine> {
-           sim::WheeledVehicleParameters parameters = vehicle.parameters;
-           parameters.level = level;
-           parameters.scheme = scheme;
-           parameters.step_s = step_s;
-           stiffen(parameters.front, factor);
-           stiffen(parameters.rear, factor);
-           auto machine = sim::make_wheeled_vehicle(parameters, *ground,
-                                                    sim::make_driveline(vehicle.driveline), {});
-           if (scene == Scene::smooth) {
-             machine->start_rolling(kCoasting_mps);
-           }
-           return machine;
-         }});
-  }
-  return result;
+  const auto make = [=, ground = slope()](double step_s) -> std::unique_ptr<sim::Machine> {
+    sim::WheeledVehicleParameters parameters = vehicle.parameters;
+    parameters.level = level;
+    parameters.step_s = step_s;
+    stiffen(parameters.front, factor);
+    stiffen(parameters.rear, factor);
+    auto machine =
+        sim::make_wheeled_vehicle(parameters, *ground, sim::make_driveline(vehicle.driveline), {});
+    if (scene == Scene::smooth) {
+      machine->start_rolling(kCoasting_mps);
+    }
+    return machine;
+  };
+  return {.machine = vehicle.name,
+          .level = level_name,
+          .scene = name_of(scene),
+          .stiffness_factor = factor,
+          .make = make,
+          .drive = scene == Scene::smooth ? coast<Drive::accelerator>
+                                          : start_swerve_stop<Drive::accelerator>};
 }
 
 void add_vehicle(std::vector<MachineCase>& cases, const Vehicle& vehicle) {
@@ -234,32 +207,23 @@ void stiffen(sim::RollerParameters& parameters, double factor) {
 
 MachineCase roller(sim::RollerLevel level, const char* level_name, Scene scene, double factor,
                    const std::function<void(sim::RollerParameters&)>& change = {}) {
-  MachineCase result{.machine = "roller",
-                     .level = level_name,
-                     .scene = name_of(scene),
-                     .stiffness_factor = factor,
-                     .methods = {},
-                     .drive = scene == Scene::smooth ? coast<Drive::hydrostatic>
-                                                     : start_swerve_stop<Drive::hydrostatic>};
-  const auto ground = slope();
-  const bool choice = level == sim::RollerLevel::dynamic;
-  for (const IntegrationScheme scheme :
-       choice ? std::span<const IntegrationScheme>(kAllSchemes) : kOneScheme) {
-    result.methods.push_back(
-        {bench::name_of(scheme), [=](double step_s) -> std::unique_ptr<sim::Machine> {
-           sim::RollerParameters parameters;
-           parameters.level = level;
-           parameters.scheme = scheme;
-           parameters.step_s = step_s;
-           stiffen(parameters, factor);
-           if (change) {
-             change(parameters);
-           }
-           return std::make_unique<sim::TandemRoller>(parameters, *ground, Eigen::Vector2d::Zero(),
-                                                      0.0);
-         }});
-  }
-  return result;
+  const auto make = [=, ground = slope()](double step_s) -> std::unique_ptr<sim::Machine> {
+    sim::RollerParameters parameters;
+    parameters.level = level;
+    parameters.step_s = step_s;
+    stiffen(parameters, factor);
+    if (change) {
+      change(parameters);
+    }
+    return std::make_unique<sim::TandemRoller>(parameters, *ground, Eigen::Vector2d::Zero(), 0.0);
+  };
+  return {.machine = "roller",
+          .level = level_name,
+          .scene = name_of(scene),
+          .stiffness_factor = factor,
+          .make = make,
+          .drive = scene == Scene::smooth ? coast<Drive::hydrostatic>
+                                          : start_swerve_stop<Drive::hydrostatic>};
 }
 
 void add_rollers(std::vector<MachineCase>& cases) {
@@ -294,7 +258,7 @@ std::vector<MachineVariation> machine_variations() {
   std::vector<MachineVariation> variations;
   const auto digging = [&](const char* quantity, const Change& change) {
     const auto one = [](const Change& of) {
-      return excavator(sim::ExcavatorLevel::dynamic, "dynamic", Scene::smooth, 1.0, kOneScheme,
+      return excavator(sim::ExcavatorLevel::dynamic, "dynamic", Scene::smooth, 1.0,
                        sim::ExcavatorCarrier::fixed, of);
     };
     variations.push_back({quantity, one({}), one(change)});

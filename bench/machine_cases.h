@@ -1,5 +1,5 @@
-// What the dynamics suite drives: every machine of the house at every level, with every method that
-// the level has, on ground without surprises.
+// What the dynamics suite drives: every machine of the house at every level, on ground without
+// surprises.
 //
 // Two scenes for each. "smooth": nothing reaches a limit, nothing slides, stops or lets go, so that
 // a method shows its order. The excavator moves all four functions gently; vehicles coast at

@@ -16,7 +16,7 @@ constexpr Duration kGrid = std::chrono::milliseconds(20);
 constexpr double kLost_m = 10.0;
 
 /// Origins of all links, grid point after grid point.
-using Trace = std::vector<Eigen::Vector3d>;
+using Trace = Eigen::Matrix3Xd;
 
 struct Run {
   Trace trace;
@@ -25,14 +25,15 @@ struct Run {
   bool finite = true;
 };
 
-/// Steps the machine `call` at a time.
-Run run(const MachineCase& of, const MachineMethod& method, double step_s, Duration call = kGrid) {
+/// The machine's own step, `call` at a time.
+Run run(const MachineCase& of, double step_s, Duration call = kGrid) {
   Run result;
-  const auto machine = method.make(step_s);
+  const auto machine = of.make(step_s);
   result.links = machine->links().size();
   const auto points = static_cast<std::size_t>(of.span / kGrid);
   const auto calls = static_cast<int>(kGrid / call);
-  result.trace.reserve(points * result.links);
+  result.trace.resize(3, static_cast<Eigen::Index>(points * result.links));
+  Eigen::Index place = 0;
   for (std::size_t i = 0; i < points; ++i) {
     of.drive(*machine, SimTime{static_cast<int>(i) * kGrid});
     const double begin_s = hil::thread_cpu_seconds();
@@ -41,11 +42,24 @@ Run run(const MachineCase& of, const MachineMethod& method, double step_s, Durat
     }
     result.cpu_s += hil::thread_cpu_seconds() - begin_s;
     for (const sim::LinkMotion& link : machine->links()) {
-      result.trace.push_back(link.X_WL.translation());
+      result.trace.col(place++) = link.X_WL.translation();
     }
   }
   result.finite = !machine->non_finite().has_value();
   return result;
+}
+
+/// Of that order, from runs of step_s and its parts.
+Run run_extrapolated(const MachineCase& of, int order, double step_s) {
+  Run sum;
+  sum.trace = extrapolated(order, [&](int parts) {
+    Run part = run(of, step_s / parts);
+    sum.links = part.links;
+    sum.cpu_s += part.cpu_s;
+    sum.finite = sum.finite && part.finite;
+    return part.trace;
+  });
+  return sum;
 }
 
 double median_cpu_s(std::vector<double> spans_s) {
@@ -56,10 +70,10 @@ double median_cpu_s(std::vector<double> spans_s) {
 MachineDistance distance(const Run& one, const Run& other) {
   MachineDistance result;
   const auto greater = [](double a, double b) { return a > b || std::isnan(a) ? a : b; };
-  for (std::size_t i = 0; i < one.trace.size(); ++i) {
-    const double apart = (one.trace[i] - other.trace[i]).norm();
+  for (Eigen::Index i = 0; i < one.trace.cols(); ++i) {
+    const double apart = (one.trace.col(i) - other.trace.col(i)).norm();
     result.greatest_m = greater(result.greatest_m, apart);
-    if (i + one.links >= one.trace.size()) {
+    if (i + static_cast<Eigen::Index>(one.links) >= one.trace.cols()) {
       result.final_m = greater(result.final_m, apart);
     }
   }
@@ -84,7 +98,7 @@ void check_span(const MachineCase& machine_case) {
   }
 }
 
-MachinePrecisionRow measure_row(const MachineCase& of, const MachineMethod& method, double step_s,
+MachinePrecisionRow measure_row(const MachineCase& of, const StepMethod& method, double step_s,
                                 const Run& reference, int most_repetitions) {
   constexpr double kStepsWanted = 30000.0;
   MachinePrecisionRow row;
@@ -98,7 +112,7 @@ MachinePrecisionRow measure_row(const MachineCase& of, const MachineMethod& meth
     std::vector<double> spans_s;
     Run found;
     for (int i = 0; i < repetitions; ++i) {
-      found = run(of, method, step_s);
+      found = run_extrapolated(of, method.order, step_s);
       spans_s.push_back(found.cpu_s);
     }
     row.microseconds_per_step = 1e6 * median_cpu_s(spans_s) / steps;
@@ -118,7 +132,7 @@ MachinePrecisionRow measure_row(const MachineCase& of, const MachineMethod& meth
 MachinePrecision measure_machine_precision(const MachineCase& machine_case,
                                            const MachinePrecisionSettings& settings) {
   check_span(machine_case);
-  const double reference_step_s = settings.reference_step_s * machine_case.reference_coarsening;
+  const double reference_step_s = settings.reference_step_s;
   check_step(reference_step_s);
   check_step(2.0 * reference_step_s);
   for (const double step_s : settings.steps_s) {
@@ -129,16 +143,13 @@ MachinePrecision measure_machine_precision(const MachineCase& machine_case,
                       reference_step_s, step_s));
     }
   }
-  const MachineMethod& best = machine_case.methods.at(machine_case.reference_method);
-  const Run reference = run(machine_case, best, reference_step_s);
+  const int order = kMachineMethods.back().order;
+  const Run reference = run_extrapolated(machine_case, order, reference_step_s);
 
-  MachinePrecision result{.reference_method = best.name,
-                          .reference_step_s = reference_step_s,
-                          .reference_gap_m = 0.0,
-                          .rows = {}};
+  MachinePrecision result;
   result.reference_gap_m =
-      distance(run(machine_case, best, 2.0 * reference_step_s), reference).greatest_m;
-  for (const MachineMethod& method : machine_case.methods) {
+      distance(run_extrapolated(machine_case, order, 2.0 * reference_step_s), reference).greatest_m;
+  for (const StepMethod& method : kMachineMethods) {
     for (const double step_s : settings.steps_s) {
       result.rows.push_back(
           measure_row(machine_case, method, step_s, reference, settings.most_repetitions));
@@ -179,8 +190,8 @@ MachineDistance machine_distance(const MachineCase& one, const MachineCase& othe
   check_step(step_s);
   MachineCase follower = other;
   follower.drive = one.drive;
-  const Run a = run(one, one.methods.at(0), step_s);
-  const Run b = run(follower, follower.methods.at(0), step_s);
+  const Run a = run(one, step_s);
+  const Run b = run(follower, step_s);
   if (a.trace.size() != b.trace.size() || a.links != b.links) {
     throw std::invalid_argument(
         fmt::format("machines: found {} and {} with different links or spans, allowed: the same",
@@ -194,7 +205,7 @@ double machine_step_us(const MachineCase& machine_case) {
   constexpr Duration kStep = std::chrono::milliseconds(1);
   std::vector<double> spans_s;
   for (int i = 0; i < 5; ++i) {
-    spans_s.push_back(run(machine_case, machine_case.methods.at(0), 1e-3, kStep).cpu_s);
+    spans_s.push_back(run(machine_case, 1e-3, kStep).cpu_s);
   }
   return 1e6 * median_cpu_s(spans_s) / static_cast<double>(machine_case.span / kStep);
 }

@@ -1,7 +1,11 @@
 // Speed against error of whole machines: the same machine, the same commands, at several inner
 // steps against itself at a fine one.
 //
-// Integration error only: what a coarser step or another method changes in the machine's own
+// Two methods: the machine's own step, and its extrapolation to second order (extrapolated_step.h)
+// of where the links are, from a run with that step and one with half of it. The reference is the
+// latter at a fine step.
+//
+// Integration error only: what a coarser step or the other method changes in the machine's own
 // equations. What another level or another parameter changes is machine_distance(). Error: distance
 // of a link's origin from the reference's, the greatest over all links, at the end and over a 20 ms
 // grid. Commands change on that grid only, so that every step sees the same ones.
@@ -11,6 +15,7 @@
 // Making the machine, with whatever it settles before time 0, is not counted.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -18,26 +23,22 @@
 #include <string>
 #include <vector>
 
+#include "bench/extrapolated_step.h"
 #include "sim/machine.h"
 
 namespace rigwire::bench {
 
-/// One way to integrate a machine.
-struct MachineMethod {
-  std::string name;
-  /// Throws std::invalid_argument where the machine refuses the step.
-  std::function<std::unique_ptr<sim::Machine>(double step_s)> make;
-};
+inline constexpr std::array kMachineMethods{StepMethod{"linearly_implicit_euler", 1},
+                                            StepMethod{"extrapolated_2", 2}};
 
-/// One machine at one level, what it is asked to do, and the methods that it can do it with.
+/// One machine at one level, and what it is asked to do.
 struct MachineCase {
   std::string machine;
   std::string level;
   std::string scene;              ///< "smooth", or "switches": limits and friction that let go.
   double stiffness_factor = 1.0;  ///< On drives, or on tyres and springs.
-  std::vector<MachineMethod> methods;
-  std::size_t reference_method = 0;   ///< Of `methods`, which all are compared with.
-  double reference_coarsening = 1.0;  ///< Times the settings' reference step, for a costly method.
+  /// Throws std::invalid_argument where the machine refuses the step.
+  std::function<std::unique_ptr<sim::Machine>(double step_s)> make;
   /// Called every 20 ms with the time since the start.
   std::function<void(sim::Machine& machine, SimTime now)> drive;
   Duration span = std::chrono::seconds(3);  ///< A multiple of 20 ms.
@@ -54,10 +55,8 @@ struct MachinePrecisionRow {
 };
 
 struct MachinePrecision {
-  std::string reference_method;
-  double reference_step_s = 0.0;
-  /// Greatest distance of the reference from a run with twice its step. With a method of order p
-  /// the reference's own error is about 1 / (2^p - 1) of it. Errors near it say nothing.
+  /// Greatest distance of the reference from that with twice its step: in smooth motion three times
+  /// its own error. Errors near it say nothing.
   double reference_gap_m = 0.0;
   std::vector<MachinePrecisionRow> rows;  ///< Method by method, steps as asked for.
 };
@@ -65,7 +64,7 @@ struct MachinePrecision {
 struct MachinePrecisionSettings {
   /// Each must divide 20 ms.
   std::vector<double> steps_s{1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2};
-  double reference_step_s = 1e-5;  ///< At most a fifth of the finest step.
+  double reference_step_s = 2e-5;  ///< At most a fifth of the finest step.
   int most_repetitions = 9;        ///< Timed runs of the short ones; long ones fewer.
 };
 
@@ -84,13 +83,13 @@ struct MachineDistance {
   double greatest_m = 0.0;
 };
 
-/// How far apart two machines with the same links end when both do as `one` is told, with the first
-/// method of each. Not finite when one of them is not. Throws as measure_machine_precision, and
+/// How far apart two machines with the same links end when both do as `one` is told, each by its
+/// own step. Not finite when one of them is not. Throws as measure_machine_precision, and
 /// std::invalid_argument for machines with different numbers of links or spans.
 [[nodiscard]] MachineDistance machine_distance(const MachineCase& one, const MachineCase& other,
                                                double step_s);
 
-/// CPU time of one step of 1 ms with the first method, called 1 ms at a time as a rig does; median
+/// CPU time of one step of 1 ms of the machine's own, called 1 ms at a time as a rig does; median
 /// of five runs, microseconds.
 [[nodiscard]] double machine_step_us(const MachineCase& machine_case);
 

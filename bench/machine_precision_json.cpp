@@ -29,13 +29,10 @@ nlohmann::json precision_json(const MachineCase& of, const MachinePrecision& fou
                       {"scene", of.scene},
                       {"stiffness_factor", of.stiffness_factor},
                       {"span_s", to_seconds(of.span)},
-                      {"reference",
-                       {{"method", found.reference_method},
-                        {"step_s", found.reference_step_s},
-                        {"gap_m", number_or_null(found.reference_gap_m)}}},
+                      {"gap_m", number_or_null(found.reference_gap_m)},
                       {"order", nlohmann::json::object()},
                       {"rows", nlohmann::json::array()}};
-  for (const MachineMethod& method : of.methods) {
+  for (const StepMethod& method : kMachineMethods) {
     json["order"][method.name] =
         number_or_null(measured_order(found, method.name).value_or(std::nan("")));
   }

@@ -119,7 +119,7 @@ def host_line(bench):
 
 def work_precision(bench, path):
     rows = bench["excavator"]["work_precision"]
-    schemes = list(dict.fromkeys(row["scheme"] for row in rows))
+    methods = list(dict.fromkeys(row["method"] for row in rows))
     factors = sorted({row["stiffness_factor"] for row in rows})
     sound = [row for row in rows if not row["diverged"]]
 
@@ -137,18 +137,18 @@ def work_precision(bench, path):
               (lambda v: with_unit(v, "m")) if i == 0 else (lambda v: ""))
         svg.text((x_axis.start + x_axis.end) / 2, 80, f"stiffness of the oil × {factor:g}",
                  "middle")
-        for scheme, colour in zip(schemes, COLOURS):
+        for method, colour in zip(methods, COLOURS):
             points = [(x_axis.at(cost(row)), y_axis.at(row["greatest_error_m"]))
                       for row in sound
-                      if row["scheme"] == scheme and row["stiffness_factor"] == factor]
+                      if row["method"] == method and row["stiffness_factor"] == factor]
             svg.path(points, colour)
             for point in points:
                 svg.dot(*point, colour)
     svg.text(20, 390, "CPU time per simulated second; points are steps of 0.1, 1, 2, 5, 10, 20 ms; "
              "diverged runs have no point", kind="s")
-    for i, (scheme, colour) in enumerate(zip(schemes, COLOURS)):
+    for i, (method, colour) in enumerate(zip(methods, COLOURS)):
         svg.dot(28 + 230 * i, 410, colour)
-        svg.text(38 + 230 * i, 414, scheme)
+        svg.text(38 + 230 * i, 414, method)
     svg.write(path)
 
 

@@ -18,8 +18,6 @@ constexpr std::uint64_t kSeed = 1;
 
 void excavator_step(benchmark::State& state) {
   ExcavatorParameters parameters;
-  parameters.scheme = static_cast<IntegrationScheme>(state.range(0));
-  // Soft enough for the explicit scheme, so that all three take the same machine.
   parameters.step_s = 0.5e-3;
   Excavator machine(parameters, Eigen::Isometry3d::Identity());
   ValveCommand command;
@@ -37,11 +35,7 @@ void excavator_step(benchmark::State& state) {
     state.SkipWithError("the machine's state is no number");
   }
 }
-BENCHMARK(excavator_step)
-    ->ArgName("scheme")
-    ->Arg(static_cast<int>(IntegrationScheme::linearly_implicit_euler))
-    ->Arg(static_cast<int>(IntegrationScheme::rosenbrock2))
-    ->Arg(static_cast<int>(IntegrationScheme::runge_kutta4));
+BENCHMARK(excavator_step);
 
 void imu_sample(benchmark::State& state) {
   ImuSensor sensor(ImuParameters{}, kSeed, "imu");

@@ -37,40 +37,23 @@ struct BristleParameters {
   double relaxation_length = 0.0;  ///< sigma, m; only used where V is not 0.
 };
 
-/// The same in continuous time: z' = u - renewal z, F = -(stiffness z + damping u).
-struct BristleLaw {
-  double stiffness = 0.0;
-  double damping = 0.0;
-  double renewal = 0.0;  ///< |V| / sigma, 1/s.
-};
-
-/// Preconditions and reduced damping as Bristle::force().
-[[nodiscard]] inline BristleLaw bristle_law(const BristleParameters& parameters,
-                                            double rolling_speed) {
-  const double renewal =
-      rolling_speed == 0.0 ? 0.0 : std::abs(rolling_speed) / parameters.relaxation_length;
-  const double damping = renewal == 0.0
-                             ? parameters.damping
-                             : std::min(parameters.damping, parameters.stiffness / renewal);
-  return {parameters.stiffness - damping * renewal, damping, renewal};
-}
-
 class Bristle {
  public:
   /// Precondition: h > 0, parameters.stiffness > 0; relaxation_length > 0 where rolling_speed != 0.
   /// The damping is reduced where c |V| / sigma would exceed k, so that A stays positive.
   [[nodiscard]] ImplicitForce force(const BristleParameters& parameters, double h,
                                     double rolling_speed) const {
-    const BristleLaw law = bristle_law(parameters, rolling_speed);
-    const double share = law.stiffness / (1.0 + h * law.renewal);
-    return {-share * deflection_, share * h + law.damping};
+    const double renewal = renewal_1ps(parameters, rolling_speed);
+    const double damping = renewal == 0.0
+                               ? parameters.damping
+                               : std::min(parameters.damping, parameters.stiffness / renewal);
+    const double share = (parameters.stiffness - damping * renewal) / (1.0 + h * renewal);
+    return {-share * deflection_, share * h + damping};
   }
 
   /// Ends the step with the sliding velocity found. Not clamped.
   void slide(const BristleParameters& parameters, double h, double rolling_speed, double u) {
-    const double renewal =
-        rolling_speed == 0.0 ? 0.0 : std::abs(rolling_speed) / parameters.relaxation_length;
-    deflection_ = (deflection_ + h * u) / (1.0 + h * renewal);
+    deflection_ = (deflection_ + h * u) / (1.0 + h * renewal_1ps(parameters, rolling_speed));
   }
 
   /// Ends the step with the force at its limit.
@@ -79,10 +62,14 @@ class Bristle {
   }
 
   void reset() { deflection_ = 0.0; }
-  void set_deflection(double deflection) { deflection_ = deflection; }
   [[nodiscard]] double deflection() const { return deflection_; }
 
  private:
+  /// |V| / sigma.
+  static double renewal_1ps(const BristleParameters& parameters, double rolling_speed) {
+    return rolling_speed == 0.0 ? 0.0 : std::abs(rolling_speed) / parameters.relaxation_length;
+  }
+
   double deflection_ = 0.0;
 };
 

@@ -73,8 +73,14 @@ HydrostaticDrive::HydrostaticDrive(const HydrostaticDriveParameters& parameters,
 
 void HydrostaticDrive::begin(double h) {
   const HydrostaticDriveParameters& p = parameters_;
-  const auto [after, mean] = ramp(h);
-  mean_set_point_mps_ = mean;
+  const double wanted = std::clamp(demand_.travel_speed_mps, -p.speed_max_mps, p.speed_max_mps);
+  const double away = wanted - set_point_mps_;
+  const double ramp_s = std::min(h, std::abs(away) / p.ramp_mps2);
+  // Over the step: the ramp's mean while it lasts, then its end.
+  const double after = std::abs(away) <= p.ramp_mps2 * h
+                           ? wanted
+                           : set_point_mps_ + std::copysign(p.ramp_mps2 * h, away);
+  mean_set_point_mps_ = after - (after - set_point_mps_) * 0.5 * ramp_s / h;
   set_point_mps_ = after;
 
   // Droop: the governed speed falls by droop x load share; then the engine's lag.
@@ -83,8 +89,7 @@ void HydrostaticDrive::begin(double h) {
   engine_speed_radps_ =
       lag(engine_speed_radps_, governor * (1.0 - load), h, p.engine_time_constant_s);
 
-  swash_ =
-      lag(swash_, asked_swash(set_point_mps_, engine_speed_radps_), h, p.swash_time_constant_s);
+  swash_ = lag(swash_, asked_swash(), h, p.swash_time_constant_s);
   connect();
 
   // Torque limit: displacement times pressure is at most the engine's torque. The flow's slope
@@ -108,25 +113,12 @@ void HydrostaticDrive::begin(double h) {
     const double scale = 1.0 / (1.0 + h * share * (p.leakage_m3pspa + slope) / capacity);
     circuit.law.offset = (pressure_pa_[i] + h * flow / capacity) * scale;
     circuit.law.gain = h / capacity * scale;
-    circuit.displacement_m3prad = displacement_m3prad(i);
+    circuit.displacement_m3prad = {divided_ && i == 1 ? 0.0 : p.motor_displacement_m3prad,
+                                   divided_ && i == 0 ? 0.0 : p.motor_displacement_m3prad};
     if (p.bypass) {
       circuit.law = {};
     }
   }
-}
-
-std::array<double, 2> HydrostaticDrive::ramp(double after_s) const {
-  const HydrostaticDriveParameters& p = parameters_;
-  const double wanted = std::clamp(demand_.travel_speed_mps, -p.speed_max_mps, p.speed_max_mps);
-  const double away = wanted - set_point_mps_;
-  const double ramp_s = std::min(after_s, std::abs(away) / p.ramp_mps2);
-  // Over the step: the ramp's mean while it lasts, then its end.
-  const double after = std::abs(away) <= p.ramp_mps2 * after_s
-                           ? wanted
-                           : set_point_mps_ + std::copysign(p.ramp_mps2 * after_s, away);
-  const double mean =
-      after_s > 0.0 ? after - (after - set_point_mps_) * 0.5 * ramp_s / after_s : after;
-  return {after, mean};
 }
 
 double HydrostaticDrive::governor_radps() const {
@@ -136,19 +128,13 @@ double HydrostaticDrive::governor_radps() const {
 
 // The lever asks for a displacement: flow follows the engine's droop. An engine that still runs
 // down from a higher speed gets less of it.
-double HydrostaticDrive::asked_swash(double set_point_mps, double engine_radps) const {
+double HydrostaticDrive::asked_swash() const {
   const HydrostaticDriveParameters& p = parameters_;
   // Flow that moves both drums' surface at the set point, 2 D v / R, over the pump's full flow.
-  const double asked_flow = 2.0 * p.motor_displacement_m3prad * set_point_mps / radius_m_;
+  const double asked_flow = 2.0 * p.motor_displacement_m3prad * set_point_mps_ / radius_m_;
   const double asked =
-      asked_flow / (std::max(governor_radps(), engine_radps) * p.pump_displacement_m3prad);
+      asked_flow / (std::max(governor_radps(), engine_speed_radps_) * p.pump_displacement_m3prad);
   return std::clamp(asked, -1.0, 1.0);
-}
-
-double HydrostaticDrive::allowed_swash(double swash, double pressure_pa) const {
-  // Hyperbola of constant torque, D alpha p <= T_max.
-  const double full = parameters_.pump_displacement_m3prad * swash * pressure_pa;
-  return full > parameters_.engine_torque_nm ? swash * parameters_.engine_torque_nm / full : swash;
 }
 
 void HydrostaticDrive::connect() {
@@ -158,90 +144,6 @@ void HydrostaticDrive::connect() {
       pressure_pa_.fill(0.5 * (pressure_pa_[0] + pressure_pa_[1]));
     }
   }
-}
-
-HydrostaticState HydrostaticDrive::state() const {
-  return {pressure_pa_, engine_speed_radps_, swash_};
-}
-
-double HydrostaticDrive::capacity_m3ppa() const {
-  return (divided_ ? 0.5 : 1.0) * parameters_.oil_volume_m3 / parameters_.bulk_modulus_pa;
-}
-
-std::array<double, 2> HydrostaticDrive::displacement_m3prad(std::size_t circuit) const {
-  return {divided_ && circuit == 1 ? 0.0 : parameters_.motor_displacement_m3prad,
-          divided_ && circuit == 0 ? 0.0 : parameters_.motor_displacement_m3prad};
-}
-
-HydrostaticDrive::Present HydrostaticDrive::present(const HydrostaticState& state,
-                                                    double after_s) const {
-  const HydrostaticDriveParameters& p = parameters_;
-  Present at;
-  at.pressure_pa = 0.5 * (state.pressure_pa[0] + state.pressure_pa[1]);
-  const double asked = asked_swash(ramp(after_s)[0], state.engine_speed_radps);
-  at.swash = p.swash_time_constant_s > 0.0 ? state.swash : asked;
-  at.asked_swash = asked;
-  at.limited_swash = allowed_swash(at.swash, at.pressure_pa);
-  // Pump torque D alpha p, the engine's droop under it, flow w D alpha.
-  const double torque = p.pump_displacement_m3prad * at.limited_swash * at.pressure_pa;
-  const double load = std::clamp(torque / p.engine_torque_nm, -1.0, 1.0) * p.engine_droop;
-  at.governed_radps = demand_.ignition ? governor_radps() * (1.0 - load) : 0.0;
-  at.engine_radps = p.engine_time_constant_s > 0.0 ? state.engine_speed_radps : at.governed_radps;
-  at.flow_m3ps = at.engine_radps * p.pump_displacement_m3prad * at.limited_swash;
-  return at;
-}
-
-HydrostaticState HydrostaticDrive::rates(const HydrostaticState& state, double after_s,
-                                         const std::array<double, 2>& drum_radps) const {
-  const HydrostaticDriveParameters& p = parameters_;
-  const Present at = present(state, after_s);
-  HydrostaticState rate;
-  if (p.engine_time_constant_s > 0.0) {
-    rate.engine_speed_radps =
-        (at.governed_radps - state.engine_speed_radps) / p.engine_time_constant_s;
-  }
-  if (p.swash_time_constant_s > 0.0) {
-    rate.swash = (at.asked_swash - state.swash) / p.swash_time_constant_s;
-  }
-  if (p.bypass) {
-    return rate;
-  }
-  const double share = divided_ ? 0.5 : 1.0;
-  for (std::size_t i = 0; i < circuits(); ++i) {
-    const std::array<double, 2> d = displacement_m3prad(i);
-    // Continuity of each circuit: C dp/dt = Q_pump - k_leak p - sum(D_i w_i).
-    rate.pressure_pa[i] = (share * (at.flow_m3ps - p.leakage_m3pspa * state.pressure_pa[i]) -
-                           d[0] * drum_radps[0] - d[1] * drum_radps[1]) /
-                          capacity_m3ppa();
-  }
-  if (!divided_) {
-    rate.pressure_pa[1] = rate.pressure_pa[0];
-  }
-  return rate;
-}
-
-HydrostaticSlopes HydrostaticDrive::slopes(const HydrostaticState& state) const {
-  const HydrostaticDriveParameters& p = parameters_;
-  const Present at = present(state, 0.0);
-  const bool limited = at.limited_swash != at.swash;
-  // Along the hyperbola Q = w T_max / p falls with p as a leak of Q / p does.
-  const double slope = limited ? std::abs(at.flow_m3ps / at.pressure_pa) : 0.0;
-  const double scale = (divided_ ? 0.5 : 1.0) / capacity_m3ppa();
-  return {scale * (p.leakage_m3pspa + slope), scale * p.pump_displacement_m3prad * at.limited_swash,
-          limited ? 0.0 : scale * p.pump_displacement_m3prad * at.engine_radps};
-}
-
-void HydrostaticDrive::advance(double h, const HydrostaticState& found) {
-  const Present at = present(found, h);
-  const auto [after, mean] = ramp(h);
-  set_point_mps_ = after;
-  mean_set_point_mps_ = mean;
-  engine_speed_radps_ = at.engine_radps;
-  swash_ = at.swash;
-  limited_swash_ = at.limited_swash;
-  pump_flow_m3ps_ = at.flow_m3ps;
-  finish({std::clamp(found.pressure_pa[0], -limit_pa_, limit_pa_),
-          std::clamp(found.pressure_pa[1], -limit_pa_, limit_pa_)});
 }
 
 void HydrostaticDrive::finish(const std::array<double, 2>& pressures_pa) {

@@ -73,20 +73,6 @@ struct HydrostaticDemand {
   bool ignition = true;  ///< Off: the engine comes to rest.
 };
 
-/// What moves on in time beside the set point; also its rates.
-struct HydrostaticState {
-  std::array<double, 2> pressure_pa{};  ///< Of each circuit; equal while there is one.
-  double engine_speed_radps = 0.0;
-  double swash = 0.0;  ///< -1 .. 1, before the torque limit.
-};
-
-/// How a circuit's pressure rate changes with pressure, engine speed and swash.
-struct HydrostaticSlopes {
-  double decay_per_s = 0.0;  ///< Through leaks and along the hyperbola of constant torque.
-  double per_engine_pa = 0.0;
-  double per_swash_paps = 0.0;
-};
-
 class HydrostaticDrive {
  public:
   /// `radius_m`: of the drums, with which speeds are turned into flows. Engine idling, no pressure.
@@ -105,21 +91,6 @@ class HydrostaticDrive {
   [[nodiscard]] double pressure_limit_pa() const { return limit_pa_; }
   /// Ends the step with the pressures that the solve found, limited.
   void finish(const std::array<double, 2>& pressures_pa);
-
-  /// The same in continuous time, for schemes with stages; in the place of begin() and finish():
-  /// connect(), state(), any number of rates(), advance(). The relief valve is the caller's.
-  void connect();
-  [[nodiscard]] HydrostaticState state() const;
-  /// Of `state` at `after_s` seconds from now, with the drums turning at these rates. A time
-  /// constant of 0 makes a value follow at once, whatever `state` holds.
-  [[nodiscard]] HydrostaticState rates(const HydrostaticState& state, double after_s,
-                                       const std::array<double, 2>& drum_radps) const;
-  [[nodiscard]] HydrostaticSlopes slopes(const HydrostaticState& state) const;
-  /// Of one circuit: volume over bulk modulus.
-  [[nodiscard]] double capacity_m3ppa() const;
-  /// Torque on the drums per pressure of a circuit.
-  [[nodiscard]] std::array<double, 2> displacement_m3prad(std::size_t circuit) const;
-  void advance(double h, const HydrostaticState& found);
 
   /// After its ramp: what the pump is asked for.
   [[nodiscard]] double set_point_mps() const { return set_point_mps_; }
@@ -140,24 +111,11 @@ class HydrostaticDrive {
   [[nodiscard]] const HydrostaticDriveParameters& parameters() const { return parameters_; }
 
  private:
-  /// Everything that follows from a state at once.
-  struct Present {
-    double pressure_pa = 0.0;  ///< Mean of both circuits.
-    double asked_swash = 0.0;
-    double swash = 0.0;
-    double limited_swash = 0.0;
-    double governed_radps = 0.0;  ///< Towards which the engine goes.
-    double engine_radps = 0.0;
-    double flow_m3ps = 0.0;
-  };
-  [[nodiscard]] Present present(const HydrostaticState& state, double after_s) const;
   [[nodiscard]] double pump_torque_nm() const;
-  /// Set point `after_s` seconds from now, and its mean until then.
-  [[nodiscard]] std::array<double, 2> ramp(double after_s) const;
   [[nodiscard]] double governor_radps() const;
-  /// Swash that is asked for and swash that the engine's torque allows.
-  [[nodiscard]] double asked_swash(double set_point_mps, double engine_radps) const;
-  [[nodiscard]] double allowed_swash(double swash, double pressure_pa) const;
+  [[nodiscard]] double asked_swash() const;
+  /// Opens or closes the flow divider.
+  void connect();
 
   HydrostaticDriveParameters parameters_;
   double radius_m_;

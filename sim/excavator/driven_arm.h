@@ -1,19 +1,16 @@
-// The arm with its four drives, and the schemes that step it.
+// The arm with its four drives, and the step that moves them together.
 //
 // A drive is the paper's Eq. 5, F = k (x_t - x) + d (v_t - dx/dt), between a moving target x_t and
 // the drive's coordinate x: the joint angle for swing, the cylinder length for boom, stick and
 // bucket. One-sided stiff end stops bound the cylinders, relief valves bound F.
 //
-// Schemes (h step, J = dx/dq, diagonal):
-//   linearly_implicit_euler  (M + h d J^2 + h^2 k J^2) a = rest + J (k (x_t(t+h) - x - h J v)
-//                            + d (v_t - J v)); v += h a; q += h v. Order 1, one solve per active
-//                            set. Forces that leave their limits are set to the limit and the step
-//                            is solved again (clamp last); end stops enter the same way.
-//   rosenbrock2              two stages, gamma = 1 - 1/sqrt(2), L-stable, order 2 for any
-//                            approximation of the Jacobian (Verwer et al., SIAM J. Sci. Comput. 20,
-//                            1999, ROS2); here M, J and the drives' k and d at the step's start.
-//   runge_kutta4             the classical explicit one, order 4.
-// Limits make the right-hand side non-smooth: every scheme falls to order 1 at their switches.
+// The step is the linearly implicit Euler rule (h step, J = dx/dq, diagonal):
+//
+//     (M + h d J^2 + h^2 k J^2) a = rest + J (k (x_t(t+h) - x - h J v) + d (v_t - J v))
+//     v += h a,   q += h v
+//
+// Of order 1, one solve per active set. Forces that leave their limits are set to the limit and the
+// step is solved again (clamp last); end stops enter the same way.
 #pragma once
 
 #include "sim/contact/bristle.h"
@@ -42,25 +39,6 @@ struct DriveLaws {
   std::array<ImplicitForce, kArmJoints> force;
   JointVector least = JointVector::Constant(-1e300);
   JointVector greatest = JointVector::Constant(1e300);
-};
-
-/// Where the drives' targets are. Cylinders in metres, swing in radians.
-class TargetMotion {
- public:
-  virtual ~TargetMotion() = default;
-  virtual void at(double time_s, JointVector& target, JointVector& rate) const = 0;
-};
-
-/// Targets that move at constant rates from where they are at `start_s`.
-class LinearTargets final : public TargetMotion {
- public:
-  void at(double time_s, JointVector& target, JointVector& rate) const override {
-    target = start + (time_s - start_s) * rates;
-    rate = rates;
-  }
-  double start_s = 0.0;
-  JointVector start = JointVector::Zero();
-  JointVector rates = JointVector::Zero();
 };
 
 /// The drives' gains and limits; units per drive as its coordinate has them.
@@ -104,8 +82,7 @@ class DrivenArm {
 
   DriveGains gains;
 
-  /// Acts during every step until it is changed. linearly_implicit_euler solves the resistances;
-  /// the schemes for comparison take them at the state they have.
+  /// Acts during every step until it is changed.
   ArmLoad load;
 
   /// d = 2 ratio sqrt(k m), m the mass each drive feels at q with the other joints free.
@@ -118,24 +95,6 @@ class DrivenArm {
                                                const JointVector& stiffness) const;
 
   [[nodiscard]] ArmPose pose(const JointVector& q_rad) const;
-  /// Drive coordinates x and levers J = dx/dq at q.
-  void coordinates(const JointVector& q_rad, JointVector& x, JointVector& lever) const;
-
-  /// Drive forces, clamped to their limits, without end stops.
-  [[nodiscard]] JointVector forces(const ArmState& state, const JointVector& target,
-                                   const JointVector& rate) const;
-  /// Forces of the end stops, zero while off them or when gains.end_stops is false.
-  [[nodiscard]] JointVector stop_forces(const ArmState& state) const;
-
-  [[nodiscard]] JointVector acceleration(const ArmState& state, const JointVector& target,
-                                         const JointVector& rate) const;
-
-  /// Steps the state from time_s to time_s + h; h <= 0 leaves it as it is. Accelerations and forces
-  /// are the solver's own unknowns for linearly_implicit_euler, the right-hand side at the end for
-  /// the others. The distinction matters for stiff drives: the spring evaluated at the new state
-  /// also sees the linkage's curvature over the step, which times k is no force that ever acted.
-  ArmStep step(IntegrationScheme scheme, double time_s, double h, const TargetMotion& targets,
-               ArmState& state) const;
 
   /// Eq. 5 as a law of one step of h seconds that ends with this target and rate.
   [[nodiscard]] DriveLaws laws(const ArmPose& at, double h, const JointVector& target,
@@ -145,8 +104,10 @@ class DrivenArm {
   /// Lengths at which the stops begin, without bounds for swing.
   [[nodiscard]] const JointVector& length_least_m() const { return length_least_; }
   [[nodiscard]] const JointVector& length_greatest_m() const { return length_greatest_; }
-  /// One step of linearly_implicit_euler, h > 0, from the pose of state.q_rad with any laws, and
-  /// with end stops and the load.
+  /// One step of h > 0 from `at`, the pose of state.q_rad, with any laws, and with end stops and
+  /// the load. Accelerations and forces are the solver's own unknowns: the springs evaluated at the
+  /// new state also see the linkage's curvature over the step, which times k is no force that ever
+  /// acted.
   ArmStep advance(double h, const ArmPose& at, const DriveLaws& laws, ArmState& state) const;
 
  private:
@@ -155,16 +116,6 @@ class DrivenArm {
     JointVector lever;    ///< J
   };
   [[nodiscard]] Inertia inertia_at(const JointVector& q_rad) const;
-  ArmStep step_rosenbrock2(double time_s, double h, const TargetMotion& targets,
-                           ArmState& state) const;
-  ArmStep step_runge_kutta4(double time_s, double h, const TargetMotion& targets,
-                            ArmState& state) const;
-  [[nodiscard]] ArmStep at_end(const ArmState& state, const JointVector& target,
-                               const JointVector& rate) const;
-  /// Generalised force -bias + J F + J F_stop, with M, and the gains that act at this state.
-  void right_hand_side(const ArmState& state, const JointVector& target, const JointVector& rate,
-                       JointMatrix& mass_matrix, JointVector& force, JointVector& stiffness_q,
-                       JointVector& damping_q) const;
 
   ArmDynamics dynamics_;
   Linkages linkages_;

@@ -429,17 +429,8 @@ void Excavator::step_quasi_static(double h, const JointVector& rate) {
 
 void Excavator::step_dynamic(double h, const JointVector& rate) {
   ArmState next = state_;
-  ArmStep step;
-  if (parameters_.scheme == IntegrationScheme::linearly_implicit_euler) {
-    // Eq. 5 with the target moved on by the oil, x_t(t + h) = x_t + h Q / A.
-    const DriveLaws laws = arm_.laws(pose_, h, target_ + h * rate, rate);
-    step = advance(h, laws, next);
-  } else {
-    LinearTargets targets;
-    targets.start = target_;
-    targets.rates = rate;
-    step = arm_.step(parameters_.scheme, 0.0, h, targets, next);
-  }
+  // Eq. 5 with the target moved on by the oil, x_t(t + h) = x_t + h Q / A.
+  const ArmStep step = advance(h, arm_.laws(pose_, h, target_ + h * rate, rate), next);
   if (!accept(next, step)) {
     return;
   }

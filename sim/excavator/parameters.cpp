@@ -56,11 +56,7 @@ void check_initial(const ExcavatorPose& pose, const Linkages& linkages) {
 }
 
 // The stiffest pose is searched on a grid of strokes, because levers and masses vary with it.
-double stiffest_radps(const ExcavatorParameters& p, const DrivenArm& arm) {
-  JointVector stiffness = arm.gains.stiffness;
-  if (p.scheme == IntegrationScheme::runge_kutta4) {
-    stiffness.tail<3>().array() += p.drives.end_stop_stiffness_npm;
-  }
+double stiffest_radps(const DrivenArm& arm) {
   double highest = 0.0;
   for (int boom = 0; boom <= 4; ++boom) {
     for (int stick = 0; stick <= 4; ++stick) {
@@ -72,7 +68,7 @@ double stiffest_radps(const ExcavatorParameters& p, const DrivenArm& arm) {
           const double share = 0.25 * at[static_cast<std::size_t>(joint)];
           q[joint + 1] = range.q_min_rad() + share * (range.q_max_rad() - range.q_min_rad());
         }
-        highest = std::max(highest, arm.highest_frequency_radps(q, stiffness));
+        highest = std::max(highest, arm.highest_frequency_radps(q, arm.gains.stiffness));
       }
     }
   }
@@ -80,18 +76,6 @@ double stiffest_radps(const ExcavatorParameters& p, const DrivenArm& arm) {
 }
 
 }  // namespace
-
-double drive_step_limit(IntegrationScheme scheme) {
-  switch (scheme) {
-    case IntegrationScheme::rosenbrock2:
-      return 2.0;
-    case IntegrationScheme::runge_kutta4:
-      return 1.4;
-    case IntegrationScheme::linearly_implicit_euler:
-      break;
-  }
-  return 30.0;
-}
 
 void visit(fields::Visitor& v, RigidBodyParameters& p) {
   v.number("mass", p.mass_kg, in("kg").above(0), "Mass of the link.");
@@ -202,7 +186,6 @@ void visit(fields::Visitor& v, ExcavatorParameters& p) {
   v.choice("level", p.level, kExcavatorLevels, "How much of the drives is modelled.");
   v.choice("carrier", p.carrier, kExcavatorCarriers, "What the undercarriage does.");
   v.section("wheels", p.wheels, "What a moving carrier stands on, its brakes locked.");
-  v.choice("scheme", p.scheme, kIntegrationSchemes, "How the arm's equations are stepped.");
   v.number("step", p.step_s, in("ms").between(0.001, 50), "Longest inner step of the arm.");
   v.number("gravity", p.gravity_mps2, in("m/s2").at_least(0),
            "Acceleration of gravity, downwards.");
@@ -227,24 +210,20 @@ void validate(const ExcavatorParameters& p) {
   fields::require(p.carrier != ExcavatorCarrier::moving || p.level != ExcavatorLevel::kinematic,
                   "carrier", "moving",
                   "fixed where level is kinematic: without forces nothing rocks");
-  fields::require(p.scheme == IntegrationScheme::linearly_implicit_euler ||
-                      (p.level == ExcavatorLevel::dynamic && p.carrier == ExcavatorCarrier::fixed),
-                  "scheme", "another than linearly_implicit_euler",
-                  "linearly_implicit_euler, unless level is dynamic and carrier is fixed");
 
   const DrivenArm arm(p, Eigen::Vector3d(0.0, 0.0, -p.gravity_mps2));
   check_initial(p.initial, arm.linkages());
   if (p.level != ExcavatorLevel::dynamic) {
     return;  // No springs.
   }
-  const double frequency = stiffest_radps(p, arm);
-  const double limit = drive_step_limit(p.scheme);
-  fields::require(p.step_s * frequency <= limit, "drives",
+  const double frequency = stiffest_radps(arm);
+  fields::require(p.step_s * frequency <= kDriveStepLimit, "drives",
                   "stiffnesses with a mode of " + text(frequency) + " rad/s, at a step of " +
                       in("ms").print(p.step_s) + " a product of " + text(p.step_s * frequency),
-                  "at most " + text(limit) + " for this scheme: a step of at most " +
-                      text(1e3 * limit / frequency) + " ms, or stiffnesses " +
-                      text(std::pow(p.step_s * frequency / limit, 2.0)) + " times smaller");
+                  "at most " + text(kDriveStepLimit) + ": a step of at most " +
+                      text(1e3 * kDriveStepLimit / frequency) + " ms, or stiffnesses " +
+                      text(std::pow(p.step_s * frequency / kDriveStepLimit, 2.0)) +
+                      " times smaller");
 }
 
 }  // namespace rigwire::sim

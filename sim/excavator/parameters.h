@@ -22,7 +22,6 @@
 #include "fields/rules.h"
 #include "sim/excavator/power_unit.h"
 #include "sim/hydraulics/parameters.h"
-#include "sim/integration_scheme.h"
 #include "sim/tyre/tyre.h"
 
 namespace rigwire::sim {
@@ -163,27 +162,21 @@ struct ExcavatorParameters {
   ChamberParameters chambers;
   ExcavatorLevel level = ExcavatorLevel::dynamic;
   ExcavatorCarrier carrier = ExcavatorCarrier::fixed;
-  CarrierParameters wheels;  ///< Of carrier moving.
-  /// Of level dynamic on a fixed carrier; everything else knows linearly_implicit_euler only.
-  IntegrationScheme scheme = IntegrationScheme::linearly_implicit_euler;
+  CarrierParameters wheels;       ///< Of carrier moving.
   double step_s = 1e-3;           ///< Longest inner step; longer calls of step() are divided.
   double gravity_mps2 = 9.80665;  ///< Along world -z.
   ExcavatorPose initial;
 };
 
-/// The largest product of step and drive frequency (rad) that a scheme is allowed. Runge-Kutta 4:
-/// 1.4, half of where it turns unstable, since it is finite but wrong just below. ROS2: 2; it is
-/// stable far beyond, but its forces are the springs at the new state and would open the relief
-/// valves on the linkage's curvature over a step (tip 11 mm off at a product of 6, metres at 20).
-/// Linearly implicit Euler: 30, measured to 0.1 mm there.
-[[nodiscard]] double drive_step_limit(IntegrationScheme scheme);
+/// The largest product of step and drive frequency (rad) that is allowed: measured to 0.1 mm there.
+inline constexpr double kDriveStepLimit = 30.0;
 
 void visit(fields::Visitor& v, ExcavatorParameters& p);
 
 /// Throws std::invalid_argument that names the key, the value found and what is allowed. Checked:
 /// every member by its rule; inertias that obey the triangle inequality; every cylinder length
 /// reachable with its pins, on one branch and with a margin from dead centre; initial pose inside
-/// the strokes; drives no stiffer than step and scheme allow.
+/// the strokes; drives no stiffer than the step allows.
 void validate(const ExcavatorParameters& parameters);
 
 }  // namespace rigwire::sim

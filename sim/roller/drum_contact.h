@@ -33,33 +33,6 @@ struct DrumSituation {
   std::array<double, kDrumStripsMax> limit_n{};  ///< Of the tangential force.
 };
 
-/// A drum at one instant inside a step.
-struct DrumInstant {
-  double steer_rad = 0.0;
-  double steer_rate_radps = 0.0;
-  Eigen::Vector4d velocity = Eigen::Vector4d::Zero();  ///< (u, v, r, w).
-};
-
-/// Deflections of a drum's bristles, or their rates: along for all strips, then across.
-struct DrumBristles {
-  std::array<double, kDrumStripsMax> along{};
-  std::array<double, kDrumStripsMax> across{};
-};
-
-/// How a drum's force changes with velocity and deflection, for schemes with stages: of z' = u -
-/// renewal z, F = -(stiffness z + damping u) in each direction.
-struct DrumTangent {
-  struct Law {
-    double stiffness = 0.0;
-    double damping = 0.0;
-    double renewal = 0.0;
-  };
-  Law along;
-  Law across;
-  Eigen::Vector4d along_row = Eigen::Vector4d::Zero();  ///< Of a strip at y = 0.
-  Eigen::Vector4d across_row = Eigen::Vector4d::Zero();
-};
-
 /// Sums of one drum over its strips: generalised force offset - gain (u, v, r, w).
 struct DrumForces {
   Eigen::Matrix4d gain = Eigen::Matrix4d::Zero();
@@ -86,28 +59,6 @@ class DrumContact {
   void settle(const Eigen::Vector4d& velocity);
   /// Bristles that carry these forces at rest, spread evenly over the strips.
   void preload(double along_n, double across_n);
-
-  // In continuous time, each strip holding or sliding as the last step left it. A sliding strip
-  // pushes with its whole friction against its velocity, its bristle only follows.
-  [[nodiscard]] DrumBristles bristles() const;
-  /// Generalised force and rates of the bristles; only x, loads and limits of `situation` are used.
-  /// False when a strip is to change between holding and sliding, slides slower than
-  /// `slowest_mps`, or slides with unlike stiffnesses, where its direction is not that of its
-  /// velocity: then a step with limits is needed.
-  [[nodiscard]] bool rates(const DrumSituation& situation, const DrumInstant& at,
-                           const DrumBristles& bristles, double slowest_mps,
-                           Eigen::Vector4d& generalised, DrumBristles& rate) const;
-  [[nodiscard]] DrumTangent tangent(const DrumSituation& situation, const DrumInstant& at) const;
-  /// What a stage that looks `ahead_s` has on its left: gain, and on its right for the bristles'
-  /// right-hand sides `right`: offset.
-  [[nodiscard]] DrumForces stage(const DrumTangent& tangent, double ahead_s,
-                                 const DrumBristles& right) const;
-  /// The bristles' part of a stage solved for its velocities.
-  [[nodiscard]] DrumBristles stage_bristles(const DrumTangent& tangent, double ahead_s,
-                                            const DrumBristles& right,
-                                            const Eigen::Vector4d& velocity) const;
-  /// Ends a step of such a scheme.
-  void adopt(const DrumSituation& situation, const DrumInstant& at, const DrumBristles& bristles);
 
   /// Of the last step; on the drum, along and across its own direction.
   [[nodiscard]] double along_n() const { return along_n_; }
@@ -136,8 +87,6 @@ class DrumContact {
   [[nodiscard]] double slide_along(const Eigen::Vector4d& velocity, std::size_t strip) const;
   [[nodiscard]] double slide_across(const Eigen::Vector4d& velocity) const;
   void limit(Strip& strip, double limit_n);
-  /// Adds up the strips' forces; rows and situation are those of the step's end.
-  void sum_up(const Eigen::Vector4d& velocity);
 
   DrumParameters parameters_;
   std::size_t count_;

@@ -2,12 +2,9 @@
 
 #include <array>
 #include <cmath>
-#include <sstream>
-#include <string>
 
 #include "fields/check.h"
 #include "fields/visitor.h"
-#include "sim/roller/stability.h"
 
 namespace rigwire::sim {
 
@@ -20,32 +17,6 @@ namespace {
 constexpr std::array<fields::Choice<RollerLevel>, 2> kRollerLevels{
     {{RollerLevel::kinematic, "kinematic", "Drums roll without slip."},
      {RollerLevel::dynamic, "dynamic", "Slip, scrub, drive and brakes."}}};
-
-/// Of figures that are computed and only shown.
-std::string text(double value) {
-  std::ostringstream stream;
-  stream << value;
-  return stream.str();
-}
-
-void check_scheme(const RollerParameters& p) {
-  if (p.scheme == IntegrationScheme::linearly_implicit_euler) {
-    return;
-  }
-  fields::require(p.level != RollerLevel::kinematic, "scheme",
-                  "another than linearly_implicit_euler",
-                  "linearly_implicit_euler where level is kinematic: its steps are exact arcs");
-  if (p.scheme == IntegrationScheme::runge_kutta4) {
-    const double rate_radps = fastest_rate_radps(p);
-    const double greatest_s = kRollerExplicitLimit / rate_radps;
-    fields::require(p.step_s <= greatest_s, "step", in("ms").print(p.step_s),
-                    "at most " + text(1e3 * greatest_s) +
-                        " ms with scheme runge_kutta4: times the fastest rate of drums, brakes "
-                        "and oil, " +
-                        text(rate_radps) + " rad/s, a step must stay below " +
-                        text(kRollerExplicitLimit));
-  }
-}
 
 }  // namespace
 
@@ -117,7 +88,6 @@ void visit(fields::Visitor& v, RollerParameters& p) {
            "Frequency of heave, pitch and roll on mat and mounts.");
   v.number("rest_damping_ratio", p.rest_damping_ratio, plain().between(0, 10),
            "Damping ratio of heave, pitch and roll on mat and mounts.");
-  v.choice("scheme", p.scheme, kIntegrationSchemes, "How level dynamic steps its equations.");
   v.number("step", p.step_s, in("ms").between(0.001, 50), "Longest inner step of the roller.");
   v.number("gravity", p.gravity_mps2, in("m/s2").at_least(0),
            "Acceleration of gravity, downwards.");
@@ -128,7 +98,6 @@ void validate(const RollerParameters& p) {
   fields::require(std::abs(p.center_of_mass_x_m) < p.pivot_x_m, "center_of_mass_x",
                   in("m").print(p.center_of_mass_x_m),
                   "between the pivots, " + in("m").print(p.pivot_x_m) + " to either side");
-  check_scheme(p);
 }
 
 RollerMass loaded_mass(const RollerParameters& p, double water_kg, double chips_kg) {

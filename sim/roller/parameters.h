@@ -14,7 +14,6 @@
 #include "fields/rules.h"
 #include "sim/driveline/hydrostatic_drive.h"
 #include "sim/engine/engine_condition.h"
-#include "sim/integration_scheme.h"
 #include "sim/roller/steering.h"
 #include "sim/roller/supplements.h"
 #include "sim/roller/vibration.h"
@@ -74,8 +73,6 @@ struct RollerParameters {
   /// How heave, pitch and roll follow the ground under the drums: the mat and the mounts give.
   double rest_frequency_hz = 10.0;
   double rest_damping_ratio = 0.7;
-  /// Of level dynamic; kinematic knows linearly_implicit_euler only, its steps are exact arcs.
-  IntegrationScheme scheme = IntegrationScheme::linearly_implicit_euler;
   double step_s = 1e-3;  ///< Longest inner step.
   double gravity_mps2 = 9.80665;
 
@@ -83,12 +80,7 @@ struct RollerParameters {
 };
 void visit(fields::Visitor& v, RollerParameters& p);
 
-/// Greatest product of step and fastest rate (stability.h) for Runge-Kutta 4: what its region of
-/// stability holds of the left half plane, 2.6, less a little.
-inline constexpr double kRollerExplicitLimit = 2.5;
-
-/// Throws std::invalid_argument that names the key, the value and what is allowed; also where the
-/// level does not know the scheme, or an explicit step would be unstable.
+/// Throws std::invalid_argument that names the key, the value and what is allowed.
 void validate(const RollerParameters& parameters);
 
 /// Mass, centre and inertia with what the machine carries now.

@@ -83,45 +83,6 @@ void SpinFriction::settle(double rate_radps) {
   }
 }
 
-bool SpinFriction::rates(double limit_nm, double deflection_rad, double rate_radps,
-                         double& torque_nm, double& deflection_rate_radps) const {
-  torque_nm = 0.0;
-  deflection_rate_radps = 0.0;
-  if (limit_nm == 0.0) {
-    return true;
-  }
-  if (side_ != 0) {
-    torque_nm = side_ * limit_nm;
-    return side_ * rate_radps < 0.0;
-  }
-  torque_nm = -(parameters_.stiffness * deflection_rad + parameters_.damping * rate_radps);
-  deflection_rate_radps = rate_radps;
-  return std::abs(torque_nm) <= limit_nm;
-}
-
-ImplicitForce SpinFriction::stage(double limit_nm, double ahead_s, double right) const {
-  if (!follows(limit_nm)) {
-    return {};
-  }
-  return {-parameters_.stiffness * right, parameters_.stiffness * ahead_s + parameters_.damping};
-}
-
-void SpinFriction::adopt(double limit_nm, double deflection_rad, double rate_radps) {
-  limit_nm_ = limit_nm;
-  if (limit_nm == 0.0) {
-    bristle_.reset();
-    law_ = {};
-    side_ = 0;
-    torque_nm_ = 0.0;
-  } else if (side_ != 0) {
-    torque_nm_ = side_ * limit_nm;
-    bristle_.yield(parameters_, torque_nm_);
-  } else {
-    torque_nm_ = -(parameters_.stiffness * deflection_rad + parameters_.damping * rate_radps);
-    bristle_.yield(parameters_, -parameters_.stiffness * deflection_rad);
-  }
-}
-
 std::array<BristleParameters, 2> spin_bristles(const RollerParameters& p) {
   return {held(p.brake_stiffness_nmprad, 0.7, p.drum.spin_inertia_kgm2),
           held(0.1 * p.brake_stiffness_nmprad, 0.7, p.drum.spin_inertia_kgm2)};

@@ -10,9 +10,6 @@
 // changes state is solved again until nothing does (an active set on a convex problem, so that
 // neither order nor history of the tests matters). Twelve rounds at most; see unsettled_steps().
 //
-// ROS2 and Runge-Kutta 4 step the same equations in continuous time wherever no limit is met on
-// the way (smooth_step()); a step that meets one is the one above.
-//
 // The basis in which u and v are written is that at the start of the step: there is no centrifugal
 // term, momentum is kept by construction.
 #pragma once
@@ -22,7 +19,6 @@
 #include <cstdint>
 
 #include "sim/driveline/hydrostatic_drive.h"
-#include "sim/integration_scheme.h"
 #include "sim/roller/drum_contact.h"
 #include "sim/roller/parameters.h"
 
@@ -44,19 +40,6 @@ class SpinFriction {
   void settle(double rate_radps);
   void preload(double torque_nm) { bristle_.yield(parameters_, torque_nm); }
 
-  // In continuous time, holding or slipping as the last step left it.
-  /// Angle of the bristle.
-  [[nodiscard]] double deflection_rad() const { return bristle_.deflection(); }
-  /// False when it is to change between holding and slipping.
-  [[nodiscard]] bool rates(double limit_nm, double deflection_rad, double rate_radps,
-                           double& torque_nm, double& deflection_rate_radps) const;
-  /// Whether its bristle moves with the drum: it holds.
-  [[nodiscard]] bool follows(double limit_nm) const { return limit_nm > 0.0 && side_ == 0; }
-  /// For a stage that looks `ahead_s`: torque = offset - gain rate, for the bristle's `right`.
-  [[nodiscard]] ImplicitForce stage(double limit_nm, double ahead_s, double right) const;
-  /// Ends a step of a scheme with stages.
-  void adopt(double limit_nm, double deflection_rad, double rate_radps);
-
   /// Torque on the drum = offset - gain rate.
   [[nodiscard]] ImplicitForce law() const {
     return side_ == 0 ? law_ : ImplicitForce{side_ * limit_nm_, 0.0};
@@ -74,12 +57,6 @@ class SpinFriction {
   double torque_nm_ = 0.0;
 };
 
-/// A pivot at one instant.
-struct SteerInstant {
-  double angle_rad = 0.0;
-  double rate_radps = 0.0;
-};
-
 /// What acts on the roller in one step.
 struct RollerLoads {
   RollerMass mass;
@@ -88,8 +65,6 @@ struct RollerLoads {
   std::array<DrumSituation, 2> drum;
   std::array<double, 2> brake_limit_nm{};
   std::array<double, 2> rolling_limit_nm{};
-  /// Of both drums at the start, the middle and the end of the step; for smooth_step().
-  std::array<std::array<SteerInstant, 2>, 3> steer;
 };
 
 class RollerDynamics {
@@ -98,13 +73,6 @@ class RollerDynamics {
 
   /// One step of h > 0. drive.begin() has been called; drive.finish() is called here.
   void step(double h, const RollerLoads& loads, HydrostaticDrive& drive, RollerVelocity& velocity);
-  /// One step of ROS2 or Runge-Kutta 4 (roller_schemes.cpp), as long as within it nothing changes
-  /// between holding and its limit; otherwise false, with nothing changed, and step() is to be
-  /// taken. drive.connect() has been called, drive.advance() is called here. `moved`: way of the
-  /// centre of mass (m, m) in the frame's axes at the start, and yaw (rad).
-  [[nodiscard]] bool smooth_step(IntegrationScheme scheme, double h, const RollerLoads& loads,
-                                 HydrostaticDrive& drive, RollerVelocity& velocity,
-                                 Eigen::Vector3d& moved);
   /// Holds the machine against gravity in the frame's plane by brakes and strips, as far as they
   /// can, so that it starts without a lurch.
   void preload(const RollerLoads& loads, const std::array<double, 2>& normal_n);
@@ -120,23 +88,16 @@ class RollerDynamics {
   [[nodiscard]] Eigen::Vector2d ground_force_n() const;
   /// Steps whose limits still changed in the last round allowed.
   [[nodiscard]] std::uint64_t unsettled_steps() const { return unsettled_steps_; }
-  /// Calls of smooth_step() so far, and those that could make the step.
-  [[nodiscard]] std::uint64_t smooth_tried() const { return smooth_tried_; }
-  [[nodiscard]] std::uint64_t smooth_steps() const { return smooth_steps_; }
   /// Linear solves of step() so far.
   [[nodiscard]] std::uint64_t solves() const { return solves_; }
 
  private:
-  friend class RollerStages;
-
   RollerParameters parameters_;
   std::array<DrumContact, 2> drums_;
   std::array<SpinFriction, 2> brakes_;
   std::array<SpinFriction, 2> rolling_;
   std::uint64_t unsettled_steps_ = 0;
   std::uint64_t solves_ = 0;
-  std::uint64_t smooth_tried_ = 0;
-  std::uint64_t smooth_steps_ = 0;
 };
 
 }  // namespace rigwire::sim

@@ -28,17 +28,6 @@ void PivotSteering::command(double angle_rad) {
   }
 }
 
-double PivotSteering::present_rate_radps() const {
-  const double error = set_point_rad_ - angle_rad_;
-  if (error == 0.0) {
-    return 0.0;
-  }
-  const double limit = parameters_.rate_max_radps;
-  return parameters_.time_constant_s > 0.0
-             ? std::clamp(error / parameters_.time_constant_s, -limit, limit)
-             : std::copysign(limit, error);
-}
-
 void PivotSteering::step(double h) {
   const double before = angle_rad_;
   const double error = set_point_rad_ - angle_rad_;

@@ -36,8 +36,6 @@ class PivotSteering {
 
   [[nodiscard]] double angle_rad() const { return angle_rad_; }
   [[nodiscard]] double set_point_rad() const { return set_point_rad_; }
-  /// As the set point commanded now moves it.
-  [[nodiscard]] double present_rate_radps() const;
   /// At the end of the last step.
   [[nodiscard]] double rate_radps() const { return rate_radps_; }
   [[nodiscard]] double acceleration_radps2() const { return acceleration_radps2_; }

@@ -277,14 +277,7 @@ void TandemRoller::inner_step(double h) {
   const Eigen::Matrix3d R_WB = state_.q_WB.toRotationMatrix();
   const Eigen::Vector3d v_B = R_WB.transpose() * state_.v_WB_W;
   for (std::size_t i = 0; i < 2; ++i) {
-    if (parameters_.scheme != IntegrationScheme::linearly_implicit_euler) {
-      PivotSteering middle = steering_[i];
-      middle.step(0.5 * h);
-      loads_.steer[0][i] = {steering_[i].angle_rad(), steering_[i].present_rate_radps()};
-      loads_.steer[1][i] = {middle.angle_rad(), middle.rate_radps()};
-    }
     steering_[i].step(h);
-    loads_.steer[2][i] = {steering_[i].angle_rad(), steering_[i].rate_radps()};
     vibration_[i].step(h);
   }
   supplements(h, v_B.x());
@@ -398,15 +391,9 @@ void TandemRoller::move_dynamic(double h, const Eigen::Matrix3d& R_WB, const Res
   const Eigen::Vector3d v_WC_B = R_WB.transpose() * v_WC_W;
   RollerVelocity x;
   x << v_WC_B.x(), v_WC_B.y(), state_.w_WB_B.z(), spin_radps_[0], spin_radps_[1];
-  Eigen::Vector3d moved;
-  drive_.connect();
-  const bool smooth = parameters_.scheme != IntegrationScheme::linearly_implicit_euler &&
-                      dynamics_.smooth_step(parameters_.scheme, h, loads_, drive_, x, moved);
-  if (!smooth) {
-    drive_.begin(h);
-    dynamics_.step(h, loads_, drive_, x);
-    moved = h * x.head<3>();
-  }
+  drive_.begin(h);
+  dynamics_.step(h, loads_, drive_, x);
+  const Eigen::Vector3d moved = h * x.head<3>();
   spin_radps_ = {x[3], x[4]};
   pressure_pa_ = drive_.gauge_pressure_pa();
 

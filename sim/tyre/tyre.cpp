@@ -166,7 +166,6 @@ TyreLaws Tyre::laws(double h, const std::optional<WheelContact>& contact,
   const double deflection = contact->depth_m - vertical.sinkage_m;
 
   laws.touching = true;
-  laws.vertical_stiffness_npm = vertical.slope_npm;
   laws.sinkage_m = vertical.sinkage_m;
   laws.rolling_speed_mps = std::abs(rolling_speed_mps);
   // F = k(p) d + c d', linear in the centre's speed away from the ground at the step's end.
@@ -266,13 +265,6 @@ void Tyre::settle(double h, const TyreLaws& laws, const TyreResult& result) {
   last_slip_ = sliding < kGreatestSlip * laws.rolling_speed_mps
                    ? sliding / laws.rolling_speed_mps
                    : (sliding > 0.0 && laws.rolling_speed_mps > 0.0 ? kGreatestSlip : 0.0);
-}
-
-void Tyre::set_deflections(const TyreDeflections& deflections) {
-  along_.set_deflection(deflections.along_m);
-  across_.set_deflection(deflections.across_m);
-  turning_.set_deflection(deflections.turning_rad);
-  last_rate_radps_ = deflections.wheel_rate_radps;
 }
 
 double Tyre::contact_area_m2(double deflection_m) const {

@@ -70,9 +70,8 @@ struct TyreLaws {
   ImplicitForce rolling;
   double friction = 0.0;  ///< Limit = friction x normal force + cohesion.
   double cohesion_n = 0.0;
-  double rolling_arm_m = 0.0;           ///< Limit of the rolling moment per normal force.
-  double rolling_radius_m = 0.0;        ///< Loaded: lever of the tangential forces about the axle.
-  double vertical_stiffness_npm = 0.0;  ///< Of `normal`, without its damping.
+  double rolling_arm_m = 0.0;     ///< Limit of the rolling moment per normal force.
+  double rolling_radius_m = 0.0;  ///< Loaded: lever of the tangential forces about the axle.
   double sinkage_m = 0.0;
   double rolling_speed_mps = 0.0;  ///< |V| that the bristles saw.
   BristleParameters along;
@@ -95,14 +94,6 @@ struct TyreResult {
   double wheel_rate_radps = 0.0;
   bool slipping = false;         ///< The tangential force was held at its limit.
   bool rolling_limited = false;  ///< The rolling moment was.
-};
-
-/// What the bristles remember.
-struct TyreDeflections {
-  double along_m = 0.0;
-  double across_m = 0.0;
-  double turning_rad = 0.0;
-  double wheel_rate_radps = 0.0;  ///< For which the rolling moment's secant is taken.
 };
 
 /// The tyre's vertical spring, alone or with soft soil in a row.
@@ -132,12 +123,6 @@ class Tyre {
   /// Load over mean ground pressure (inflation and carcass), at most chord times width.
   [[nodiscard]] double contact_area_m2(double deflection_m) const;
   [[nodiscard]] const TyreParameters& parameters() const { return parameters_; }
-  [[nodiscard]] TyreDeflections deflections() const {
-    return {along_.deflection(), across_.deflection(), turning_.deflection(), last_rate_radps_};
-  }
-  /// For schemes that step the bristles themselves: they ask for laws with h = 0, which then hold
-  /// at these deflections.
-  void set_deflections(const TyreDeflections& deflections);
   [[nodiscard]] double longitudinal_deflection_m() const { return along_.deflection(); }
   [[nodiscard]] double lateral_deflection_m() const { return across_.deflection(); }
 

@@ -64,7 +64,7 @@ void ChassisContact::begin(double h, const Ground& ground, const Eigen::Vector3d
       point.tangent[k] = point.across[k].force(bristle_, h, 0.0);
     }
     // First guess while sliding: last step's direction at mu times this load.
-    if (point.sliding && h > 0.0) {
+    if (point.sliding) {
       const double limit =
           point.friction * std::max(0.0, point.normal.at(point.normal_row.of(start)));
       const double held = std::hypot(point.held_n[0], point.held_n[1]);
@@ -132,66 +132,6 @@ bool ChassisContact::changes(const Velocities& found) {
     }
   }
   return changed;
-}
-
-void ChassisContact::stage(const Ground& ground, const Eigen::Vector3d& p_WC,
-                           const Eigen::Matrix3d& R_WB, const Velocities& velocities,
-                           const Deflections& at, StageForces& forces, Deflections& rates) {
-  begin(0.0, ground, p_WC, R_WB, velocities);
-  for (std::size_t i = 0; active_ > 0 && i < count_; ++i) {
-    Point& point = points_[i];
-    if (!point.touching) {
-      continue;
-    }
-    const double load = point.normal.at(point.normal_row.of(velocities));
-    point.released = load < 0.0;
-    if (point.released) {
-      continue;
-    }
-    forces.add(
-        {point.normal_row, load, stiffness_npm_, damping_nspm_, 0.0, DeflectionOf::place, 0});
-    const std::size_t first = kChassisBristle + 2 * i;
-    std::array<double, 2> speed;
-    std::array<double, 2> trial;
-    for (std::size_t k = 0; k < 2; ++k) {
-      speed[k] = point.tangent_row[k].of(velocities);
-      trial[k] = -(bristle_.stiffness * at[first + k] + bristle_.damping * speed[k]);
-    }
-    // Coulomb's cone: one share for both directions where the trial force is beyond it.
-    const double limit = point.friction * load;
-    const double whole = std::hypot(trial[0], trial[1]);
-    point.sliding = whole > limit;
-    const double share = point.sliding ? limit / whole : 1.0;
-    for (std::size_t k = 0; k < 2; ++k) {
-      point.held_n[k] = share * trial[k];
-      forces.add({point.tangent_row[k], point.held_n[k], share * bristle_.stiffness,
-                  share * bristle_.damping, 0.0,
-                  point.sliding ? DeflectionOf::limited : DeflectionOf::bristle, first + k});
-      rates[first + k] = point.sliding ? 0.0 : speed[k];
-    }
-  }
-}
-
-void ChassisContact::read_deflections(Deflections& at) const {
-  for (std::size_t i = 0; i < count_; ++i) {
-    at[kChassisBristle + 2 * i] = points_[i].across[0].deflection();
-    at[kChassisBristle + 2 * i + 1] = points_[i].across[1].deflection();
-  }
-}
-
-void ChassisContact::keep_deflections(const Deflections& at) {
-  for (std::size_t i = 0; i < count_; ++i) {
-    Point& point = points_[i];
-    for (std::size_t k = 0; k < 2; ++k) {
-      if (!point.touching || point.released) {
-        point.across[k].reset();
-      } else if (point.sliding) {
-        point.across[k].yield(bristle_, point.held_n[k]);
-      } else {
-        point.across[k].set_deflection(at[kChassisBristle + 2 * i + k]);
-      }
-    }
-  }
 }
 
 void ChassisContact::settle(double h, const Velocities& found) {

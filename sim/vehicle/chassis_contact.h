@@ -9,7 +9,6 @@
 #include "sim/contact/bristle.h"
 #include "sim/ground/ground.h"
 #include "sim/vehicle/parameters.h"
-#include "sim/vehicle/stage_forces.h"
 #include "sim/vehicle/velocity_system.h"
 
 namespace rigwire::sim {
@@ -28,14 +27,6 @@ class ChassisContact {
   [[nodiscard]] bool changes(const Velocities& found);
   void settle(double h, const Velocities& found);
 
-  /// Instead of begin(), add(), changes() and settle(): forces at a state, `at` being the bristles'
-  /// deflections (stage_forces.h), and the deflections' rates.
-  void stage(const Ground& ground, const Eigen::Vector3d& p_WC, const Eigen::Matrix3d& R_WB,
-             const Velocities& velocities, const Deflections& at, StageForces& forces,
-             Deflections& rates);
-  void read_deflections(Deflections& at) const;
-  /// Ends the step at these deflections; those whose force was limited in the last stage yield.
-  void keep_deflections(const Deflections& at);
   [[nodiscard]] bool touching() const { return active_ > 0; }
 
  private:

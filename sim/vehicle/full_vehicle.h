@@ -11,16 +11,13 @@
 // Gyroscopic terms of the body are taken at the rate in the middle of the step (torque-free
 // prediction) and the attitude goes with the mean rate: second order in free flight.
 //
-// Linear in the step's error elsewhere. parameters.scheme chooses a step by stages instead, of
-// second or fourth order in smooth motion; the vehicle is always put on
-// its wheels by the first. Cost and error: docs/machines/unimog-u5023.md.
+// Linear in the step's error elsewhere. Cost and error: docs/machines/unimog-u5023.md.
 #pragma once
 
 #include <Eigen/Geometry>
 #include <array>
 
 #include "sim/vehicle/chassis_contact.h"
-#include "sim/vehicle/stage_forces.h"
 #include "sim/vehicle/suspension.h"
 #include "sim/vehicle/velocity_system.h"
 #include "sim/vehicle/wheel_terms.h"
@@ -38,15 +35,6 @@ struct FullVehicleState {
   std::array<double, 4> suspension_rate{};
   std::array<double, kWheels> wheel_rate_radps{};
   std::array<double, kWheels> wheel_angle_rad{};
-};
-
-/// Unknowns of a stage, or their rates. Place since the start of the step: of the body in its axes
-/// there (translation, rotation vector), of the suspension, of the wheels' angles. The body's
-/// velocity also in its axes there, its rate in its axes now.
-struct VehicleStage {
-  Velocities place{};
-  Velocities velocity{};
-  Deflections deflection{};
 };
 
 /// Of everything, about the world's origin.
@@ -77,21 +65,6 @@ class FullVehicle final : public WheeledVehicle {
   void inner_step(double h) override;
   void update_links() override;
 
-  void implicit_step(double h);
-  /// By stages of the equations of motion as they stand.
-  void staged_step(double h);
-  [[nodiscard]] VehicleStage start_of_stages() const;
-  void put(const FullVehicleState& from, const VehicleStage& at);
-  /// Rates of a stage; puts the vehicle there. Leaves masses in base_.matrix and forces in
-  /// `forces`.
-  [[nodiscard]] VehicleStage rates(const FullVehicleState& from, const WheelVector& start_rates,
-                                   const VehicleStage& at, StageForces& forces);
-  void stage_suspension(StageForces& forces) const;
-  [[nodiscard]] VehicleStage runge_kutta4(const FullVehicleState& from, const VehicleStage& start,
-                                          double h);
-  [[nodiscard]] VehicleStage rosenbrock2(const FullVehicleState& from, const VehicleStage& start,
-                                         double h);
-
   void stand(const VehiclePlace& place);
   void update_kinematics(const Eigen::Vector3d& w_B);
   void assemble(double h, const Eigen::Vector3d& w_B, const Velocities& start);
@@ -111,9 +84,6 @@ class FullVehicle final : public WheeledVehicle {
   Eigen::Vector3d half_turn_ = Eigen::Vector3d::Zero();  ///< Mid-step rate less start rate.
   Velocities acceleration_{};
   VelocitySystem base_;
-  VelocitySystem masses_;  ///< Of the first stage.
-  StageForces forces_;     ///< Of the first stage.
-  StageForces later_forces_;
   int passes_ = 0;
   bool settling_ = false;
 };

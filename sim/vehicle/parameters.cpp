@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <string>
 
 #include "fields/check.h"
@@ -26,14 +25,6 @@ constexpr std::array<fields::Choice<VehicleLevel>, 3> kVehicleLevels{
 constexpr std::array<fields::Choice<AxleType>, 2> kAxleTypes{
     {{AxleType::beam, "beam", "Rigid axle on a push tube: heave and roll."},
      {AxleType::independent, "independent", "Each wheel has its own travel."}}};
-
-/// Of figures that are computed and only shown.
-std::string text(double value) {
-  std::ostringstream stream;
-  stream.precision(9);
-  stream << value;
-  return stream.str();
-}
 
 void visit_stop(fields::Visitor& v, StopParameters& p, const fields::NumberRule& stiffness,
                 const fields::NumberRule& ramp) {
@@ -66,82 +57,7 @@ void check_axle(const std::string& name, const VehicleAxleParameters& axle,
                   "enough to carry the wheel's static load off the rim");
 }
 
-/// Larger |eigenvalue| of inertia x'' + damping x' + stiffness x = 0.
-double fastest_radps(double inertia, double damping, double stiffness) {
-  const double half = 0.5 * damping / inertia;
-  const double square = stiffness / inertia;
-  return half * half > square ? half + std::sqrt(half * half - square) : std::sqrt(square);
-}
-
-double fastest_mode_radps(const WheeledVehicleParameters& parameters,
-                          const VehicleAxleParameters& axle, double wheel_n) {
-  constexpr double kLoadFactor = 2.0;
-  const TyreParameters& tyre = axle.tyre;
-  const double pressure = parameters.tyre_pressure.adjustable
-                              ? parameters.tyre_pressure.pressure_max_pa
-                              : axle.initial_pressure_pa;
-  const double tyre_npm = tyre.carcass_stiffness_npm + tyre.stiffness_per_pressure_m * pressure;
-  const double tyre_nspm = tyre.vertical_damping_nspm;
-  const double share = kLoadFactor * wheel_n / tyre.reference_load_n;
-  const double carried_kg = wheel_n / std::max(parameters.gravity_mps2, 1e-3);
-  const auto bristle_damping = [&](double stiffness) {
-    return 2.0 * tyre.damping_ratio * std::sqrt(stiffness * carried_kg);
-  };
-
-  double fastest = 0.0;
-  if (axle.type == AxleType::beam) {
-    const BeamAxleParameters& beam = axle.beam;
-    fastest = fastest_radps(beam.mass_kg, 2.0 * (tyre_nspm + beam.damper_nspm),
-                            2.0 * (tyre_npm + beam.spring_npm) + beam.bump_stop.stiffness);
-    const double track2 = 0.5 * axle.track_m * axle.track_m;
-    const double base2 = 0.5 * beam.spring_base_m * beam.spring_base_m;
-    const double lateral = share * tyre.lateral_stiffness_npm;
-    const double drop = beam.roll_centre_rise_m + axle.portal_offset_m + tyre.unloaded_radius_m;
-    fastest = std::max(
-        fastest, fastest_radps(beam.roll_inertia_kgm2,
-                               tyre_nspm * track2 + beam.damper_nspm * base2 +
-                                   2.0 * bristle_damping(lateral) * drop * drop,
-                               tyre_npm * track2 + beam.spring_npm * base2 + beam.roll_bar_nmprad +
-                                   beam.articulation_stop.stiffness + 2.0 * lateral * drop * drop));
-  } else {
-    const IndependentAxleParameters& corner = axle.independent;
-    fastest = fastest_radps(
-        corner.corner_mass_kg, tyre_nspm + corner.damper_nspm,
-        tyre_npm + corner.spring_npm + 2.0 * corner.roll_bar_npm + corner.bump_stop.stiffness);
-  }
-  const double inertia = axle.wheel_spin_inertia_kgm2;
-  const double radius2 = tyre.unloaded_radius_m * tyre.unloaded_radius_m;
-  const double along = share * tyre.longitudinal_stiffness_npm;
-  const double brake_damping = 1.4 * std::sqrt(parameters.brake_stiffness_nmprad * inertia);
-  return std::max(fastest, fastest_radps(inertia, bristle_damping(along) * radius2 + brake_damping,
-                                         along * radius2 + parameters.brake_stiffness_nmprad));
-}
-
-void check_scheme(const WheeledVehicleParameters& parameters) {
-  if (parameters.scheme == IntegrationScheme::linearly_implicit_euler) {
-    return;
-  }
-  fields::require(parameters.level == VehicleLevel::full, "scheme",
-                  "another than linearly_implicit_euler",
-                  "that alone unless level is full: the other levels have steps of their own");
-  if (parameters.scheme != IntegrationScheme::runge_kutta4) {
-    return;
-  }
-  const double fastest = fastest_mode_radps(parameters);
-  fields::require(parameters.step_s * fastest <= kRungeKutta4StepLimit, "step",
-                  in("ms").print(parameters.step_s),
-                  "at most " + text(1e3 * kRungeKutta4StepLimit / fastest) +
-                      " ms with runge_kutta4, whose stability the fastest mode (estimated " +
-                      text(fastest / (2.0 * std::numbers::pi)) + " Hz) bounds");
-}
-
 }  // namespace
-
-double fastest_mode_radps(const WheeledVehicleParameters& parameters) {
-  const StaticLoads loads = static_loads(parameters);
-  return std::max(fastest_mode_radps(parameters, parameters.front, loads.wheel_n[0]),
-                  fastest_mode_radps(parameters, parameters.rear, loads.wheel_n[1]));
-}
 
 WheeledVehicleParameters::WheeledVehicleParameters() {
   for (std::size_t i = 0; i < kImplementEnds; ++i) {
@@ -375,7 +291,6 @@ void visit(fields::Visitor& v, WheeledVehicleParameters& p) {
   v.section("implements", p.implements, "Hitches and power take-offs.");
   v.number("air_drag", p.air_drag_ns2pm2, plain().at_least(0),
            "Air drag per speed squared, N per (m/s)^2.");
-  v.choice("scheme", p.scheme, kIntegrationSchemes, "How level full steps its equations.");
   v.number("step", p.step_s, in("ms").above(0).at_most(20), "Longest inner step of the vehicle.");
   v.number("gravity", p.gravity_mps2, in("m/s2").at_least(0),
            "Acceleration of gravity, downwards.");
@@ -395,8 +310,9 @@ void validate(const TyrePressureParameters& p) {
 
 void validate(const ChassisContactParameters& p) {
   fields::check(p);
-  fields::require(p.points.size() <= 16, "points", std::to_string(p.points.size()) + " points",
-                  "at most 16 points");
+  fields::require(p.points.size() <= kChassisPoints, "points",
+                  std::to_string(p.points.size()) + " points",
+                  "at most " + std::to_string(kChassisPoints) + " points");
 }
 
 void validate(const WheeledVehicleParameters& p) {
@@ -409,7 +325,6 @@ void validate(const WheeledVehicleParameters& p) {
   const StaticLoads loads = static_loads(p);
   check_axle("front", p.front, p.tyre_pressure, loads.wheel_height_m[0]);
   check_axle("rear", p.rear, p.tyre_pressure, loads.wheel_height_m[1]);
-  check_scheme(p);
 }
 
 }  // namespace rigwire::sim

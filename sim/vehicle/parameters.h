@@ -19,7 +19,6 @@
 #include <vector>
 
 #include "fields/rules.h"
-#include "sim/integration_scheme.h"
 #include "sim/samples/vehicle_sample.h"
 #include "sim/tyre/tyre.h"
 #include "sim/vehicle/travel_control.h"
@@ -132,9 +131,11 @@ struct ChassisPoint {
 };
 void visit(fields::Visitor& v, ChassisPoint& p);
 
-/// Corners of body and underbody that may hit the ground or an obstacle; at most 16.
+inline constexpr std::size_t kChassisPoints = 16;
+
+/// Corners of body and underbody that may hit the ground or an obstacle.
 struct ChassisContactParameters {
-  std::vector<ChassisPoint> points;
+  std::vector<ChassisPoint> points;  ///< At most kChassisPoints.
   double stiffness_npm = 1.0e6;
   double damping_nspm = 2.0e4;
 };
@@ -175,9 +176,7 @@ struct WheeledVehicleParameters {
   TravelControlParameters travel;
   ImplementParameters implements;
   double air_drag_ns2pm2 = 3.3;  ///< Force per speed squared, at the centre of mass.
-  /// Of level full; the others know linearly_implicit_euler only.
-  IntegrationScheme scheme = IntegrationScheme::linearly_implicit_euler;
-  double step_s = 1e-3;  ///< Longest inner step; longer calls of step() are divided.
+  double step_s = 1e-3;          ///< Longest inner step; longer calls of step() are divided.
   double gravity_mps2 = 9.80665;
 
   /// The Unimog U5023.
@@ -204,16 +203,6 @@ struct StaticLoads {
 
 /// John Deere Gator XUV 855D with driver and sensors.
 [[nodiscard]] WheeledVehicleParameters gator_855d();
-
-/// The fastest mode of level full, as |eigenvalue| in rad/s, by estimates from pairs of mass and
-/// stiffness: wheel against ground and body (heave and roll of the axle, stops included), and the
-/// wheel's spin against bristles and brake at twice the static load. Drive line and chassis contact
-/// are not looked at.
-[[nodiscard]] double fastest_mode_radps(const WheeledVehicleParameters& parameters);
-
-/// Most that step_s times fastest_mode_radps() may be with runge_kutta4, whose stability ends at
-/// 2.8.
-inline constexpr double kRungeKutta4StepLimit = 2.5;
 
 /// Throws std::invalid_argument that names the key, the value found and what is allowed.
 void validate(const WheeledVehicleParameters& parameters);

@@ -90,28 +90,6 @@ void VelocitySystem::add(const VelocityRow& row, double weight, double impulse) 
   right[w] += impulse * value[8];
 }
 
-void VelocitySystem::add_impulse(const VelocityRow& row, double impulse) {
-  const std::size_t s = kBodyVelocities + 2 * row.axle;
-  for (std::size_t i = 0; i < kBodyVelocities; ++i) {
-    right[i] += impulse * row.value[i];
-  }
-  right[s] += impulse * row.value[6];
-  right[s + 1] += impulse * row.value[7];
-  right[kWheelVelocity + row.wheel] += impulse * row.value[8];
-}
-
-Velocities VelocitySystem::times(const Velocities& v) const {
-  Velocities product{};
-  for (std::size_t i = 0; i < kVelocities; ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      product[i] += matrix[i][j] * v[j];
-      product[j] += matrix[i][j] * v[i];
-    }
-    product[i] += matrix[i][i] * v[i];
-  }
-  return product;
-}
-
 void VelocitySystem::add_wheels(const WheelMatrix& weights, const WheelVector& impulses) {
   for (std::size_t i = 0; i < 4; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {

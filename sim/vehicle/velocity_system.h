@@ -49,10 +49,6 @@ class VelocitySystem {
   void add_without_wheel(const VelocityRow& row, double weight, double impulse);
   /// The same for a row that has the body only.
   void add_body(const VelocityRow& row, double weight, double impulse);
-  /// right += impulse J^T.
-  void add_impulse(const VelocityRow& row, double impulse);
-  /// matrix times v.
-  [[nodiscard]] Velocities times(const Velocities& v) const;
   /// Equations of the wheels' coupling: matrix += weights, right += impulses.
   void add_wheels(const WheelMatrix& weights, const WheelVector& impulses);
 

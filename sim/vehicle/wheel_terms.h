@@ -5,7 +5,6 @@
 
 #include "sim/contact/bristle.h"
 #include "sim/tyre/tyre.h"
-#include "sim/vehicle/stage_forces.h"
 #include "sim/vehicle/suspension.h"
 #include "sim/vehicle/velocity_system.h"
 #include "sim/vehicle/wheeled_vehicle.h"
@@ -28,20 +27,6 @@ class WheelTerms {
   /// Ends the step and tells what the wheel did in it.
   void settle(double h, const Velocities& found, WheelState& state);
 
-  /// Instead of begin(), add(), changes() and settle(): forces at a state, `at` being the bristles'
-  /// deflections (stage_forces.h), and the deflections' rates. The wheel's inertia of spin stands
-  /// in spin().
-  void stage(const WheelFrame& frame, const Eigen::Matrix3d& R_WB,
-             const std::optional<WheelContact>& contact, const SoilParameters& soil,
-             double pressure_pa, double brake_limit_nm, const Velocities& velocities,
-             const Deflections& at, StageForces& forces, Deflections& rates);
-  void read_deflections(Deflections& at) const;
-  /// Ends the step at these deflections; those whose force was limited in the last stage yield.
-  /// The state tells the last stage's forces.
-  void keep_deflections(const Deflections& at, const Velocities& velocities, WheelState& state);
-
-  /// Absolute rate about the axle.
-  [[nodiscard]] const VelocityRow& spin() const { return spin_; }
   [[nodiscard]] double spin_inertia_kgm2() const { return spin_inertia_kgm2_; }
   [[nodiscard]] const Tyre& tyre() const { return tyre_; }
 

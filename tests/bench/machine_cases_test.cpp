@@ -41,11 +41,9 @@ TEST(MachineCases, DynamicLevelsHaveThreeStiffnesses) {
   }
 }
 
-TEST(MachineCases, EveryCaseRunsAMomentWithEveryMethodOrSaysWhyNot) {
+TEST(MachineCases, EveryCaseRunsAMomentOrSaysWhyNot) {
   for (MachineCase each : machine_cases()) {
     SCOPED_TRACE(each.machine + ' ' + each.level + ' ' + each.scene);
-    ASSERT_FALSE(each.methods.empty());
-    ASSERT_LT(each.reference_method, each.methods.size());
     each.span = std::chrono::milliseconds(40);
     MachinePrecisionSettings settings;
     settings.steps_s = {2e-3};
@@ -70,9 +68,6 @@ TEST(MachineCases, SmoothScenesShowFirstOrderAtEveryLevel) {
     }
     SCOPED_TRACE(each.machine + ' ' + each.level);
     each.span = std::chrono::milliseconds(400);
-    each.methods.resize(1);
-    each.reference_method = 0;
-    each.reference_coarsening = 1.0;
     MachinePrecisionSettings settings;
     settings.steps_s = {5e-4, 1e-3, 2e-3};
     settings.reference_step_s = 1e-4;
@@ -80,7 +75,7 @@ TEST(MachineCases, SmoothScenesShowFirstOrderAtEveryLevel) {
     const auto order =
         measured_order(measure_machine_precision(each, settings), "linearly_implicit_euler");
     ASSERT_TRUE(order.has_value());
-    EXPECT_NEAR(*order, 1.1, 0.3);
+    EXPECT_NEAR(*order, 1.0, 0.2);
   }
 }
 

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "sim/cosine_targets.h"
+#include "bench/published_arm.h"
 
 namespace rigwire::sim {
 namespace {
@@ -76,7 +76,7 @@ Eigen::Vector2d turned(const Eigen::Vector2d& v, double angle) {
 
 std::string describe(const ExcavatorParameters& p, const DriveGains& gains, bool looped,
                      double step_s, const std::string& integrator) {
-  const JointVector& q = kPublishedPose;
+  const JointVector& q = bench::kPublishedPose;
   Xml xml;
   xml << "<mujoco><compiler angle='radian' inertiafromgeom='false'/><option timestep='" << step_s
       << "' gravity='0 0 " << -p.gravity_mps2 << "' integrator='" << integrator << "'/><worldbody>";
@@ -167,7 +167,7 @@ MujocoArm::MujocoArm(const ExcavatorParameters& parameters, const DriveGains& ga
       data_(mj_makeData(model_.get())),
       gains_(gains),
       start_x_(DrivenArm(parameters, Eigen::Vector3d(0.0, 0.0, -parameters.gravity_mps2))
-                   .pose(kPublishedPose)
+                   .pose(bench::kPublishedPose)
                    .x) {
   mj_forward(model_.get(), data_.get());
 }
@@ -185,7 +185,7 @@ JointVector MujocoArm::bias() {
 }
 
 JointVector MujocoArm::joint_angles_rad() const {
-  JointVector q = kPublishedPose;
+  JointVector q = bench::kPublishedPose;
   for (int i = 0; i < kArmJoints; ++i) {
     const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, kHinges[static_cast<std::size_t>(i)]);
     q[i] += data_->qpos[model_->jnt_qposadr[joint]];

@@ -1,18 +1,12 @@
 #include <gtest/gtest.h>
 
+#include "bench/published_arm.h"
 #include "mujoco_arm.h"
-#include "sim/cosine_targets.h"
-#include "sim/excavator_published_set.h"
 
 namespace rigwire::sim {
 namespace {
 
-DrivenArm free_arm() {
-  DrivenArm arm(published_set(), kPublishedGravity);
-  arm.gains.stiffness.setZero();
-  arm.gains.damping.setZero();
-  return arm;
-}
+using namespace bench;  // published_arm.h
 
 TEST(MujocoOracle, MassMatrixAndGravityLoadAgree) {
   MujocoArm mujoco(published_set(), {}, MujocoArmKind::open_chain, 1e-3, "Euler");
@@ -26,12 +20,11 @@ TEST(MujocoOracle, MassMatrixAndGravityLoadAgree) {
 
 TEST(MujocoOracle, FreeFallByRungeKutta4IsTheSame) {
   MujocoArm mujoco(published_set(), {}, MujocoArmKind::open_chain, 1e-3, "RK4");
-  const DrivenArm arm = free_arm();
+  const DrivenArm arm = published_free_arm();
   ArmState state{kPublishedPose, JointVector::Zero()};
-  const LinearTargets targets;
   for (int i = 0; i < 1000; ++i) {
     mujoco.step();
-    arm.step(IntegrationScheme::runge_kutta4, 0.0, 1e-3, targets, state);
+    step_arm(arm, 6, 0.0, 1e-3, no_targets, state);
   }
   EXPECT_LT((mujoco.joint_angles_rad() - state.q_rad).cwiseAbs().maxCoeff(), 1e-9);
 }
@@ -39,18 +32,17 @@ TEST(MujocoOracle, FreeFallByRungeKutta4IsTheSame) {
 // Without forces on the left-hand side the linearly implicit step is the semi-implicit one.
 TEST(MujocoOracle, FreeFallByEulerIsTheSameStepForStep) {
   MujocoArm mujoco(published_set(), {}, MujocoArmKind::open_chain, 1e-3, "Euler");
-  const DrivenArm arm = free_arm();
+  const DrivenArm arm = published_free_arm();
   ArmState state{kPublishedPose, JointVector::Zero()};
-  const LinearTargets targets;
   for (int i = 0; i < 2000; ++i) {
     mujoco.step();
-    arm.step(IntegrationScheme::linearly_implicit_euler, 0.0, 1e-3, targets, state);
+    step_arm(arm, 1, 0.0, 1e-3, no_targets, state);
   }
   EXPECT_LT((mujoco.joint_angles_rad() - state.q_rad).cwiseAbs().maxCoeff(), 1e-8);
 }
 
 TEST(MujocoOracle, LoopedArmFollowsTheClosedFormsWithinItsLoopGap) {
-  const DrivenArm arm(published_set(), kPublishedGravity);
+  const DrivenArm arm = published_arm();
   const CosineTargets targets(arm);
   MujocoArm mujoco(published_set(), arm.gains, MujocoArmKind::looped, 5e-4, "Euler");
   EXPECT_EQ(mujoco.degrees_of_freedom(), 12);
@@ -59,13 +51,11 @@ TEST(MujocoOracle, LoopedArmFollowsTheClosedFormsWithinItsLoopGap) {
   ArmState state{kPublishedPose, JointVector::Zero()};
   double gap = 0.0;
   for (int i = 0; i < 4000; ++i) {
-    JointVector target;
-    JointVector rate;
-    targets.at(5e-4 * i, target, rate);
-    mujoco.command(target, rate);
+    const DriveTargets at = targets(5e-4 * i);
+    mujoco.command(at.position, at.rate);
     mujoco.step();
     gap = std::max(gap, mujoco.loop_gap_m());
-    arm.step(IntegrationScheme::runge_kutta4, 5e-4 * i, 5e-4, targets, state);
+    step_arm(arm, 2, 5e-4 * i, 5e-4, targets, state);
   }
   EXPECT_EQ(mujoco.warnings(), 0);
   EXPECT_LT(gap, 5e-3);

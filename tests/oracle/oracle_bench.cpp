@@ -4,7 +4,7 @@
 //     oracle_bench [--json] [STEP_MS]
 //
 // One thread, CPU time, runs of the two interleaved, median of seven. The scenario is the published
-// driven one (tests/support/sim/cosine_targets.h), 4 s.
+// driven one (bench/published_arm.h), 4 s.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -13,12 +13,12 @@
 #include <string>
 #include <vector>
 
+#include "bench/published_arm.h"
 #include "mujoco_arm.h"
-#include "sim/cosine_targets.h"
-#include "sim/excavator_published_set.h"
 
 namespace {
 
+using namespace rigwire::bench;
 using namespace rigwire::sim;
 
 constexpr int kRuns = 7;
@@ -41,28 +41,26 @@ struct Run {
   int warnings = 0;
 };
 
-Run run_own(const DrivenArm& arm, const TargetMotion& targets, double step_s, int steps) {
+Run run_own(const DrivenArm& arm, const CosineTargets& targets, double step_s, int steps) {
   ArmState state{kPublishedPose, JointVector::Zero()};
   const double begin = cpu_seconds();
   for (int i = 0; i < steps; ++i) {
-    arm.step(IntegrationScheme::linearly_implicit_euler, step_s * i, step_s, targets, state);
+    step_arm(arm, 1, step_s * i, step_s, targets, state);
   }
   return {1e6 * (cpu_seconds() - begin) / steps, state.q_rad};
 }
 
-Run run_mujoco(const DrivenArm& arm, const TargetMotion& targets, double step_s, int steps,
+Run run_mujoco(const DrivenArm& arm, const CosineTargets& targets, double step_s, int steps,
                const char* integrator) {
   MujocoArm mujoco(published_set(), arm.gains, MujocoArmKind::looped, step_s, integrator);
-  JointVector target;
-  JointVector rate;
   Run run;
   double spent = 0.0;
   for (int i = 0; i < steps;) {
     // The gap is looked at every 100 steps, outside the measured time.
     const double begin = cpu_seconds();
     for (const int end = std::min(steps, i + 100); i < end; ++i) {
-      targets.at(step_s * i, target, rate);
-      mujoco.command(target, rate);
+      const DriveTargets at = targets(step_s * i);
+      mujoco.command(at.position, at.rate);
       mujoco.step();
     }
     spent += cpu_seconds() - begin;
@@ -91,7 +89,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   const int steps = static_cast<int>(4.0 / step_s + 0.5);
-  const DrivenArm arm(published_set(), kPublishedGravity);
+  const DrivenArm arm = published_arm();
   const CosineTargets targets(arm);
 
   const std::vector<const char*> integrators{"Euler", "implicit", "RK4"};
@@ -114,7 +112,7 @@ int main(int argc, char** argv) {
   if (json) {
     std::printf(
         "{\"step_s\":%g,\"flags\":\"%s\",\"compiler\":\"%s\",\"mujoco\":\"%s\","
-        "\"own\":{\"scheme\":\"linearly_implicit_euler\",\"us_per_step\":%.4f,"
+        "\"own\":{\"us_per_step\":%.4f,"
         "\"loop_gap_m\":0},\"mujoco_looped\":[",
         step_s, RIGWIRE_COMPILER_FLAGS, __VERSION__, mj_versionString(), own_median);
   } else {

@@ -1,11 +1,12 @@
 #include <gtest/gtest.h>
 
-#include "sim/cosine_targets.h"
-#include "sim/excavator_published_set.h"
+#include "bench/published_arm.h"
 #include "simbody_arm.h"
 
 namespace rigwire::sim {
 namespace {
+
+using namespace bench;  // published_arm.h
 
 oracle::SimbodyModel model_of(const ExcavatorParameters& p) {
   oracle::SimbodyModel model;
@@ -29,15 +30,6 @@ oracle::SimbodyModel model_of(const ExcavatorParameters& p) {
   return model;
 }
 
-JointVector own_run(const DrivenArm& arm, const TargetMotion& targets, int steps_per_second) {
-  ArmState state{kPublishedPose, JointVector::Zero()};
-  for (int i = 0; i < 4 * steps_per_second; ++i) {
-    arm.step(IntegrationScheme::runge_kutta4, static_cast<double>(i) / steps_per_second,
-             1.0 / steps_per_second, targets, state);
-  }
-  return state.q_rad;
-}
-
 TEST(SimbodyOracle, MassMatrixAndGravityLoadAgreeInManyPoses) {
   const ExcavatorParameters parameters = published_set();
   const oracle::SimbodyArm simbody(model_of(parameters));
@@ -54,32 +46,33 @@ TEST(SimbodyOracle, MassMatrixAndGravityLoadAgreeInManyPoses) {
 
 TEST(SimbodyOracle, DrivenTrajectoryIsTheSameToNineDigits) {
   const ExcavatorParameters parameters = published_set();
-  const DrivenArm arm(parameters, kPublishedGravity);
+  const DrivenArm arm = published_arm();
   const CosineTargets targets(arm);
   oracle::SimbodyArm simbody(model_of(parameters));
   const JointVector theirs =
       simbody.run(kPublishedPose, 4.0, 1e-10,
                   {arm.gains.stiffness, arm.gains.damping,
                    [&](double time_s, JointVector& target, JointVector& rate) {
-                     targets.at(time_s, target, rate);
+                     const DriveTargets at = targets(time_s);
+                     target = at.position;
+                     rate = at.rate;
                    }});
-  const JointVector ours = own_run(arm, targets, 5000);
-  EXPECT_LT((theirs - ours).cwiseAbs().maxCoeff(), 1e-9) << theirs.transpose();
-  const JointVector published(0.736274963, 0.176523521, -1.399930624, 0.357101577);
-  EXPECT_LT((theirs - published).cwiseAbs().maxCoeff(), 2e-9) << theirs.transpose();
+  ArmState state{kPublishedPose, JointVector::Zero()};
+  for (int i = 0; i < 4000; ++i) {
+    step_arm(arm, 4, 1e-3 * i, 1e-3, targets, state);
+  }
+  EXPECT_LT((theirs - state.q_rad).cwiseAbs().maxCoeff(), 1e-9) << theirs.transpose();
+  EXPECT_LT((theirs - kSimbodyPose).cwiseAbs().maxCoeff(), 2e-9) << theirs.transpose();
 }
 
 // A free arm is chaotic: one second, before small differences have grown.
 TEST(SimbodyOracle, FreeFallIsTheSameToNineDigits) {
-  DrivenArm arm(published_set(), kPublishedGravity);
-  arm.gains.stiffness.setZero();
-  arm.gains.damping.setZero();
+  const DrivenArm arm = published_free_arm();
   oracle::SimbodyArm simbody(model_of(published_set()));
   const JointVector theirs = simbody.run(kPublishedPose, 1.0, 1e-11, {});
   ArmState state{kPublishedPose, JointVector::Zero()};
-  const LinearTargets targets;
-  for (int i = 0; i < 2000; ++i) {
-    arm.step(IntegrationScheme::runge_kutta4, 0.0, 5e-4, targets, state);
+  for (int i = 0; i < 1000; ++i) {
+    step_arm(arm, 6, 0.0, 1e-3, no_targets, state);
   }
   EXPECT_LT((theirs - state.q_rad).cwiseAbs().maxCoeff(), 1e-9) << theirs.transpose();
 }

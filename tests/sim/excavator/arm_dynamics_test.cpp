@@ -4,11 +4,13 @@
 
 #include <cmath>
 
-#include "sim/excavator_published_set.h"
+#include "bench/published_arm.h"
 #include "sim/general_arm_dynamics.h"
 
 namespace rigwire::sim {
 namespace {
+
+using namespace bench;  // published_arm.h
 
 const JointVector kPose(0.0, 0.35, -1.4, 0.6);
 

@@ -30,11 +30,10 @@ TEST(DigCycle, BucketFillsIsWeighedIsDumpedAndNothingIsLost) {
 
   // At rest the cylinders carry arm and soil: F = tau_g / lever.
   const Excavator& arm = site.machine.excavator();
-  JointVector x;
-  JointVector lever;
-  arm.arm().coordinates(arm.joint_angles_rad(), x, lever);
-  const JointVector loaded =
-      arm.arm().dynamics().gravity_load(arm.joint_angles_rad()).cwiseQuotient(lever);
+  const JointVector loaded = arm.arm()
+                                 .dynamics()
+                                 .gravity_load(arm.joint_angles_rad())
+                                 .cwiseQuotient(arm.arm().pose(arm.joint_angles_rad()).lever);
   for (int i = 1; i < 4; ++i) {
     EXPECT_NEAR(arm.drive_forces()[i] / loaded[i], 1.0, 1e-3) << i;
   }

@@ -6,48 +6,19 @@
 #include <cmath>
 #include <random>
 
-#include "sim/excavator_published_set.h"
+#include "bench/published_arm.h"
 
 namespace rigwire::sim {
 namespace {
 
-const JointVector kPose(0.0, 0.35, -1.4, 0.6);
-constexpr IntegrationScheme kSchemes[] = {IntegrationScheme::linearly_implicit_euler,
-                                          IntegrationScheme::rosenbrock2,
-                                          IntegrationScheme::runge_kutta4};
+using namespace bench;  // published_arm.h
 
-class CosineTargets final : public TargetMotion {
- public:
-  explicit CosineTargets(const DrivenArm& arm) {
-    JointVector lever;
-    arm.coordinates(kPose, start_, lever);
-  }
-  void at(double time_s, JointVector& target, JointVector& rate) const override {
-    const JointVector w = 2.0 * std::numbers::pi * JointVector(0.15, 0.2, 0.25, 0.3);
-    const JointVector half = 0.5 * JointVector(0.8, -0.35, 0.5, 0.2);
-    for (int i = 0; i < kArmJoints; ++i) {
-      target[i] = start_[i] + half[i] * (1.0 - std::cos(w[i] * time_s));
-      rate[i] = half[i] * w[i] * std::sin(w[i] * time_s);
-    }
-  }
-
- private:
-  JointVector start_;
-};
-
-DrivenArm arm_with_stiffness(double factor) {
-  DrivenArm arm(published_set(), kPublishedGravity);
-  arm.gains.stiffness *= factor;
-  arm.gains.damping *= std::sqrt(factor);
-  return arm;
-}
-
-JointVector after_4s(const DrivenArm& arm, IntegrationScheme scheme, int steps_per_second) {
+JointVector after_4s(const DrivenArm& arm, int order, int steps_per_second) {
   const CosineTargets targets(arm);
-  ArmState state{kPose, JointVector::Zero()};
+  ArmState state{kPublishedPose, JointVector::Zero()};
+  const double h = 1.0 / steps_per_second;
   for (int i = 0; i < 4 * steps_per_second; ++i) {
-    arm.step(scheme, static_cast<double>(i) / steps_per_second, 1.0 / steps_per_second, targets,
-             state);
+    step_arm(arm, order, static_cast<double>(i) / steps_per_second, h, targets, state);
   }
   return state.q_rad;
 }
@@ -56,55 +27,35 @@ double tip_error_m(const DrivenArm& arm, const JointVector& q, const JointVector
   return (arm.dynamics().tip_C(q) - arm.dynamics().tip_C(reference)).norm();
 }
 
-// Simbody (Merson and CPODES at 1e-10) gives the same nine digits.
-const JointVector kSimbody(0.736274963, 0.176523521, -1.399930624, 0.357101577);
-
 TEST(DrivenArm, TrajectoryOfFourDrivesIsSimbodysToNineDigits) {
-  const JointVector q = after_4s(arm_with_stiffness(1.0), IntegrationScheme::runge_kutta4, 5000);
+  const JointVector q = after_4s(published_arm(), 4, 1000);
   for (int i = 0; i < kArmJoints; ++i) {
-    EXPECT_NEAR(q[i], kSimbody[i], 6e-10) << i;
+    EXPECT_NEAR(q[i], kSimbodyPose[i], 6e-10) << i;
   }
 }
 
-TEST(DrivenArm, EverySchemeConvergesWithItsOrder) {
-  const DrivenArm arm = arm_with_stiffness(1.0);
-  const JointVector reference = after_4s(arm, IntegrationScheme::runge_kutta4, 5000);
-  const double orders[] = {1.0, 2.0, 4.0};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double coarse = tip_error_m(arm, after_4s(arm, kSchemes[i], 100), reference);
-    const double fine = tip_error_m(arm, after_4s(arm, kSchemes[i], 200), reference);
-    EXPECT_NEAR(std::log2(coarse / fine), orders[i], 0.4) << i;
+TEST(DrivenArm, ConvergesWithTheFirstOrderOfItsStep) {
+  for (const double factor : {1.0, 100.0}) {
+    const DrivenArm arm = published_arm(factor);
+    const JointVector reference = after_4s(arm, 4, 1000);
+    const double coarse = tip_error_m(arm, after_4s(arm, 1, 100), reference);
+    const double fine = tip_error_m(arm, after_4s(arm, 1, 200), reference);
+    EXPECT_NEAR(coarse / fine, 2.0, 0.2) << factor;
   }
 }
 
 // Research case 3: a drive 10^4 times as stiff as oil on a bucket of 310 kg m2.
 TEST(DrivenArm, StiffDriveOnALightLinkStaysWithin200MicrometresAt20Milliseconds) {
-  const DrivenArm arm = arm_with_stiffness(1e4);
-  const JointVector reference = after_4s(arm, IntegrationScheme::rosenbrock2, 10000);
-  EXPECT_LT(
-      tip_error_m(arm, after_4s(arm, IntegrationScheme::linearly_implicit_euler, 50), reference),
-      2e-4);
-  EXPECT_LT(
-      tip_error_m(arm, after_4s(arm, IntegrationScheme::linearly_implicit_euler, 1000), reference),
-      2e-6);
-}
-
-TEST(DrivenArm, RungeKutta4IsFiniteButWrongJustBelowItsLimit) {
-  // Why validate() stops it at half the stability limit.
-  const DrivenArm arm = arm_with_stiffness(100.0);
-  const JointVector reference = after_4s(arm, IntegrationScheme::rosenbrock2, 10000);
-  EXPECT_GT(tip_error_m(arm, after_4s(arm, IntegrationScheme::runge_kutta4, 500), reference), 1e-3);
-  EXPECT_LT(tip_error_m(arm, after_4s(arm, IntegrationScheme::runge_kutta4, 2000), reference),
-            1e-6);
+  const DrivenArm arm = published_arm(1e4);
+  const JointVector reference = after_4s(arm, 2, 10000);
+  EXPECT_LT(tip_error_m(arm, after_4s(arm, 1, 50), reference), 2e-4);
+  EXPECT_LT(tip_error_m(arm, after_4s(arm, 1, 1000), reference), 2e-6);
 }
 
 // Research case 36 and the energy row of section 3.2.
 TEST(DrivenArm, FreeArmKeepsItsEnergyAndFindsTheChaoticReference) {
-  DrivenArm arm(published_set(), kPublishedGravity);
-  arm.gains.stiffness.setZero();
-  arm.gains.damping.setZero();
-  ArmState state{kPose, JointVector::Zero()};
-  const LinearTargets targets;
+  const DrivenArm arm = published_free_arm();
+  ArmState state{kPublishedPose, JointVector::Zero()};
   const ArmDynamics& dynamics = arm.dynamics();
   const auto energy = [&] {
     return dynamics.kinetic_energy_j(state.q_rad, state.v_radps) +
@@ -112,7 +63,7 @@ TEST(DrivenArm, FreeArmKeepsItsEnergyAndFindsTheChaoticReference) {
   };
   const double at_start = energy();
   for (int i = 0; i < 4000; ++i) {
-    arm.step(IntegrationScheme::runge_kutta4, 1e-3 * i, 1e-3, targets, state);
+    step_arm(arm, 6, 1e-3 * i, 1e-3, no_targets, state);
   }
   EXPECT_LT(std::abs(energy() - at_start), 2e-5);
   EXPECT_NEAR(state.q_rad[1], -2.233331, 2e-6);
@@ -121,36 +72,21 @@ TEST(DrivenArm, FreeArmKeepsItsEnergyAndFindsTheChaoticReference) {
 }
 
 TEST(DrivenArm, DampedArmNeverGainsEnergyWhateverTheStep) {
+  const DrivenArm arm = published_arm(100.0);
+  const JointVector start = arm.pose(kPublishedPose).x;
+  const auto targets = [&](double /*time_s*/) { return DriveTargets{start, JointVector::Zero()}; };
   for (const double h : {1e-4, 1e-3, 5e-3, 2e-2}) {
-    DrivenArm arm = arm_with_stiffness(100.0);
-    ArmState state{kPose, JointVector(0.5, 0.3, -0.4, 0.8)};
-    LinearTargets targets;
-    JointVector lever;
-    arm.coordinates(kPose, targets.start, lever);
+    ArmState state{kPublishedPose, JointVector(0.5, 0.3, -0.4, 0.8)};
     const auto energy = [&] {
-      JointVector x;
-      arm.coordinates(state.q_rad, x, lever);
       return arm.dynamics().kinetic_energy_j(state.q_rad, state.v_radps) +
              arm.dynamics().potential_energy_j(state.q_rad) +
-             0.5 * arm.gains.stiffness.dot((targets.start - x).cwiseAbs2());
+             0.5 * arm.gains.stiffness.dot((start - arm.pose(state.q_rad).x).cwiseAbs2());
     };
     const double at_start = energy();
     for (int i = 0; i < static_cast<int>(2.0 / h); ++i) {
-      arm.step(IntegrationScheme::linearly_implicit_euler, 0.0, h, targets, state);
+      step_arm(arm, 1, 0.0, h, targets, state);
       ASSERT_LE(energy(), at_start + 1.0) << "h " << h << " step " << i;
     }
-  }
-}
-
-TEST(DrivenArm, ZeroStepLeavesEveryBitOfTheState) {
-  const DrivenArm arm = arm_with_stiffness(1.0);
-  const CosineTargets targets(arm);
-  for (const IntegrationScheme scheme : kSchemes) {
-    ArmState state{kPose, JointVector(0.1, 0.2, 0.3, 0.4)};
-    const ArmStep step = arm.step(scheme, 1.0, 0.0, targets, state);
-    EXPECT_EQ(state.q_rad, kPose);
-    EXPECT_EQ(state.v_radps, JointVector(0.1, 0.2, 0.3, 0.4));
-    EXPECT_TRUE(step.acceleration_radps2.allFinite() && step.force.allFinite());
   }
 }
 

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "excavator_rig.h"
-#include "sim/excavator_published_set.h"
 
 namespace rigwire::sim {
 namespace {

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/excavator_published_set.h"
+#include "bench/published_arm.h"
 
 namespace rigwire::sim {
 namespace {
+
+using namespace bench;  // published_arm.h
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 

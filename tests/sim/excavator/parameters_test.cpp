@@ -55,13 +55,6 @@ TEST(ExcavatorParameters, DrivesTooStiffForTheStepAreRefusedWithTheStepThatWould
   EXPECT_THAT(text, HasSubstr("drives: found stiffnesses with a mode of"));
   EXPECT_THAT(text, HasSubstr("a step of at most"));
   EXPECT_EQ(refusal([](auto& p) { p.drives.bucket_stiffness_npm *= 1e4; }), "accepted");
-  EXPECT_THAT(refusal([](auto& p) {
-                p.drives.bucket_stiffness_npm *= 1e4;
-                p.scheme = IntegrationScheme::rosenbrock2;
-              }),
-              HasSubstr("at most 2 for this scheme"));
-  EXPECT_THAT(refusal([](auto& p) { p.scheme = IntegrationScheme::runge_kutta4; }),
-              HasSubstr("at most 1.4 for this scheme"));
 }
 
 TEST(ExcavatorParameters, ValuesThatAreNotNumbersAreRefused) {

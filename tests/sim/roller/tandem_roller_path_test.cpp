@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "bench/extrapolated_step.h"
 #include "roller_rig.h"
 
 namespace rigwire::sim {
@@ -205,6 +206,39 @@ TEST(RollerPath, DynamicErrorIsOfFirstOrderInTheStep) {
   EXPECT_LT(fine, 2e-3);
   EXPECT_LT(coarse, 20e-3);
   EXPECT_NEAR(coarse / fine, 11.0, 2.5);  // (10 - 0.1) / (1 - 0.1)
+}
+
+// Grip without end, so that no strip ever slides: starts on a slope, then accelerates into a
+// counter-steered turn.
+Eigen::Vector3d gripping_turn(double step_s, double bulk_modulus_factor = 1.0) {
+  RollerParameters p = bare();
+  p.drum.friction_factor = 50.0;
+  p.drive.bulk_modulus_pa *= bulk_modulus_factor;
+  p.step_s = step_s;
+  const Ground ground = rising(0.05, 0.8);
+  TandemRoller machine(p, ground, {0.0, 0.0}, 0.3);
+  machine.command(travel(1.0));
+  machine.step(400ms);
+  machine.command(travel(3.0, 0.3, -0.25));
+  machine.step(1600ms);
+  return position(machine);
+}
+
+TEST(RollerPath, WithoutSlidingTheStepsExtrapolationTakesItsErrorAway) {
+  const auto second = [](double step_s) {
+    return bench::extrapolated(2, [&](int parts) { return gripping_turn(step_s / parts); });
+  };
+  const Eigen::Vector3d reference = second(1e-4);
+  const double coarse = (gripping_turn(2e-3) - reference).norm();
+  const double fine = (gripping_turn(1e-3) - reference).norm();
+  EXPECT_NEAR(coarse / fine, 2.0, 0.1);
+  EXPECT_LT((second(2e-3) - reference).norm(), 0.05 * fine);
+}
+
+TEST(RollerPath, StandsStiffOilAndLongSteps) {
+  const Eigen::Vector3d reference = gripping_turn(1e-4, 1e4);
+  EXPECT_LT((gripping_turn(0.02, 1e4) - reference).norm(), 0.05);
+  EXPECT_LT((gripping_turn(1e-3, 1e4) - reference).norm(), 3e-3);
 }
 
 }  // namespace

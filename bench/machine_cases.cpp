@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "bench/gator.h"
 #include "sim/driveline/make_driveline.h"
 #include "sim/excavator/excavator.h"
 #include "sim/roller/tandem_roller.h"
@@ -157,10 +158,10 @@ struct Vehicle {
 };
 
 Vehicle unimog() {
-  return {"Unimog", sim::WheeledVehicleParameters{}, sim::unimog_u5023_driveline()};
+  return {"Unimog", {}, {}};  // The defaults.
 }
 Vehicle gator() {
-  return {"Gator", sim::gator_855d(), sim::gator_855d_driveline()};
+  return {"Gator", gator_855d().vehicle, gator_855d().driveline};
 }
 
 MachineCase wheeled(const Vehicle& vehicle, sim::VehicleLevel level, const char* level_name,

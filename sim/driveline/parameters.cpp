@@ -118,14 +118,6 @@ CvtParameters::CvtParameters() {
   variator.reverse_range = variator.ranges.front();
 }
 
-DrivelineParameters unimog_u5023_driveline() {
-  return GearedParameters{};
-}
-
-DrivelineParameters gator_855d_driveline() {
-  return CvtParameters{};
-}
-
 void visit(fields::Visitor& v, TorquePoint& p) {
   v.number("speed", p.speed_radps, in("rpm").at_least(0), "Speed of the crank.");
   v.number("torque", p.torque_nm, in("N m").above(0), "Torque at full load.");

@@ -166,9 +166,6 @@ using DrivelineParameters = std::variant<GearedParameters, CvtParameters>;
 /// `type` beside the keys of that type.
 void visit(fields::Visitor& v, DrivelineParameters& p);
 
-[[nodiscard]] DrivelineParameters unimog_u5023_driveline();
-[[nodiscard]] DrivelineParameters gator_855d_driveline();
-
 /// Each throws std::invalid_argument that names the key, the value found and what is allowed.
 void validate(const GearedParameters& parameters);
 void validate(const CvtParameters& parameters);

@@ -98,53 +98,6 @@ StaticLoads static_loads(const WheeledVehicleParameters& parameters) {
   return loads;
 }
 
-WheeledVehicleParameters gator_855d() {
-  WheeledVehicleParameters p;
-  p.implements = {};
-  p.body = {880.0, {0.95, 0.0, 0.66}, {230.0, 640.0, 730.0}};
-  for (VehicleAxleParameters* axle : {&p.front, &p.rear}) {
-    axle->type = AxleType::independent;
-    axle->track_m = 1.29;
-    axle->portal_offset_m = 0.0;
-    axle->wheel_spin_inertia_kgm2 = 1.1;
-    axle->brake_torque_nm = 1.6e3;
-    axle->parking_brake_nm = 0.0;
-    axle->initial_pressure_pa = 1.0e5;
-    TyreParameters& tyre = axle->tyre;
-    tyre.unloaded_radius_m = 0.330;
-    tyre.width_m = 0.229;
-    tyre.rim_radius_m = 0.152;
-    tyre.carcass_stiffness_npm = 4.0e4;
-    tyre.stiffness_per_pressure_m = 0.6;
-    tyre.vertical_damping_nspm = 600.0;
-    tyre.reference_load_n = 2.45e3;
-    tyre.reference_pressure_pa = 1.0e5;
-    tyre.slip_stiffness_n = 2.2e4;
-    tyre.cornering_stiffness_nprad = 1.8e4;
-    tyre.longitudinal_stiffness_npm = 1.0e5;
-    tyre.lateral_stiffness_npm = 7.0e4;
-    tyre.rolling_resistance = 0.018;
-  }
-  p.front.position_x_m = 2.0;
-  p.front.steering = {27.0 * kDegree, 1.2, 0.05};
-  p.rear.steering = {0.0, 1.2, 0.05};
-  p.rear.tyre.width_m = 0.279;
-  p.rear.independent.spring_npm = 3.0e4;
-  p.rear.parking_brake_nm = 3.2e3;
-  p.brake_stiffness_nmprad = 2.0e4;
-  p.tyre_pressure.adjustable = false;
-  p.tyre_pressure.pressure_min_pa = 0.3e5;
-  p.tyre_pressure.pressure_max_pa = 2.5e5;
-  p.chassis.stiffness_npm = 2.0e5;
-  p.chassis.damping_nspm = 4.0e3;
-  p.chassis.points = {{{2.45, 0.6, 0.5}},   {{2.45, -0.6, 0.5}}, {{-0.55, 0.7, 0.6}},
-                      {{-0.55, -0.7, 0.6}}, {{1.3, 0.6, 1.9}},   {{1.3, -0.6, 1.9}},
-                      {{0.5, 0.6, 1.9}},    {{0.5, -0.6, 1.9}},  {{1.0, 0.3, 0.3}},
-                      {{1.0, -0.3, 0.3}}};
-  p.air_drag_ns2pm2 = 1.2;
-  return p;
-}
-
 void visit(fields::Visitor& v, SprungBodyParameters& p) {
   v.number("mass", p.mass_kg, in("kg").above(0), "All that the springs carry.");
   v.vector3("center_of_mass", p.center_of_mass_m, in("m").between(-100, 100),

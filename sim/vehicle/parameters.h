@@ -1,6 +1,6 @@
 // Everything that makes one wheeled vehicle of two axles: masses, axles, springs, tyres, steering,
-// brakes, tyre pressure system. Defaults: Mercedes-Benz Unimog U5023; gator_855d() is the John
-// Deere Gator XUV 855D.
+// brakes, tyre pressure system. Defaults: Mercedes-Benz Unimog U5023, of independent wheels the
+// John Deere Gator XUV 855D.
 //
 // Sources: few numbers are makers' (docs/machines/unimog-u5023.md and gator-855d.md say which); the
 // others are estimates, and stay estimates until a data sheet is in hand. Drive line: of its own
@@ -200,9 +200,6 @@ struct StaticLoads {
   Eigen::Vector3d center_of_mass_m = Eigen::Vector3d::Zero();  ///< Of everything, in B.
 };
 [[nodiscard]] StaticLoads static_loads(const WheeledVehicleParameters& parameters);
-
-/// John Deere Gator XUV 855D with driver and sensors.
-[[nodiscard]] WheeledVehicleParameters gator_855d();
 
 /// Throws std::invalid_argument that names the key, the value found and what is allowed.
 void validate(const WheeledVehicleParameters& parameters);

@@ -279,7 +279,8 @@ TEST(BadCommand, AStepWithoutDurationChangesNothing) {
 }
 
 TEST(DrivelineCost, AStepDoesNotAllocate) {
-  for (const DrivelineParameters& parameters : {unimog_u5023_driveline(), gator_855d_driveline()}) {
+  for (const DrivelineParameters& parameters :
+       {DrivelineParameters(GearedParameters{}), DrivelineParameters(CvtParameters{})}) {
     const std::unique_ptr<Driveline> driveline = make_driveline(parameters);
     WheelVector rates = WheelVector::Constant(0.1);
     VehicleSample sample;

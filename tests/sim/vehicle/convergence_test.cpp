@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/extrapolated_step.h"
+#include "bench/gator.h"
 #include "vehicle_rig.h"
 
 namespace rigwire::sim::test {
@@ -30,7 +31,8 @@ Eigen::Vector3d manoeuvre(Duration step, WheeledVehicleParameters parameters) {
 }
 
 TEST(VehicleConvergence, TheStepIsOfFirstOrderAndItsExtrapolationOfSecond) {
-  for (const WheeledVehicleParameters& parameters : {WheeledVehicleParameters(), gator_855d()}) {
+  for (const WheeledVehicleParameters& parameters :
+       {WheeledVehicleParameters(), bench::gator_855d().vehicle}) {
     const auto end = [&](int order, Duration step) {
       return bench::extrapolated(order,
                                  [&](int parts) { return manoeuvre(step / parts, parameters); });

@@ -3,6 +3,7 @@
 
 #include <tuple>
 
+#include "bench/gator.h"
 #include "sim/driveline/make_driveline.h"
 #include "vehicle_rig.h"
 
@@ -15,11 +16,12 @@ struct Driven {
   explicit Driven(const Ground& ground_under, VehicleLevel level = VehicleLevel::full,
                   bool gator = false)
       : ground(ground_under) {
-    WheeledVehicleParameters parameters = gator ? gator_855d() : WheeledVehicleParameters();
+    WheeledVehicleParameters parameters =
+        gator ? bench::gator_855d().vehicle : WheeledVehicleParameters();
     parameters.level = level;
     machine = make_wheeled_vehicle(
         parameters, ground,
-        make_driveline(gator ? gator_855d_driveline() : unimog_u5023_driveline()), {});
+        make_driveline(gator ? bench::gator_855d().driveline : DrivelineParameters()), {});
   }
   [[nodiscard]] double speed() const {
     const LinkMotion& body = machine->links()[0];

@@ -1,6 +1,7 @@
 // Standing still on slopes for ever, and stopping: dynamics cases 8, 10, 26, 31.
 #include <gtest/gtest.h>
 
+#include "bench/gator.h"
 #include "number_word.h"
 #include "vehicle_rig.h"
 
@@ -20,7 +21,7 @@ TEST(VehicleStandstill, LevelLoadsAreTheStatics) {
 }
 
 TEST(VehicleStandstill, GatorStandsInItsDesignPosition) {
-  const BareVehicle rig(slope(0.0), gator_855d());
+  const BareVehicle rig(slope(0.0), bench::gator_855d().vehicle);
   EXPECT_NEAR(rig.total_load(), 1000.0 * kGravity, 1e-3);
   EXPECT_NEAR(rig.position().z(), 0.0, 1e-9);
 }

@@ -1,6 +1,7 @@
 // The machine's own controller of its travel speed, at every level and with both drive lines: what
 // a machine selected speed command comes down to.
 #include "sim/vehicle/travel_control.h"
+#include "bench/gator.h"
 
 #include <gtest/gtest.h>
 
@@ -28,11 +29,12 @@ struct Course {
 /// One machine on a slope that rises ahead.
 struct Driven {
   Driven(bool gator, VehicleLevel level, double slope_rad = 0.0) : ground(test::slope(slope_rad)) {
-    WheeledVehicleParameters parameters = gator ? gator_855d() : WheeledVehicleParameters();
+    WheeledVehicleParameters parameters =
+        gator ? bench::gator_855d().vehicle : WheeledVehicleParameters();
     parameters.level = level;
     machine = make_wheeled_vehicle(
         parameters, ground,
-        make_driveline(gator ? gator_855d_driveline() : unimog_u5023_driveline()), {});
+        make_driveline(gator ? bench::gator_855d().driveline : DrivelineParameters()), {});
     command.parking_brake = false;
     command.automatic_gear = true;
   }

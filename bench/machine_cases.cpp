@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "bench/gator.h"
-#include "sim/driveline/make_driveline.h"
+#include "sim/driveline/driveline.h"
 #include "sim/excavator/excavator.h"
 #include "sim/roller/tandem_roller.h"
 #include "sim/vehicle/wheeled_vehicle.h"

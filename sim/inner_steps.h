@@ -1,4 +1,4 @@
-// A step of a machine as a run of inner steps, short enough for its integration scheme.
+// A step of a machine as a run of inner steps, none longer than the machine wants.
 #pragma once
 
 #include <algorithm>

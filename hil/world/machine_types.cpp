@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/driveline/make_driveline.h"
+#include "sim/driveline/driveline.h"
 #include "sim/excavator/digging_excavator.h"
 #include "sim/roller/tandem_roller.h"
 #include "sim/vehicle/wheeled_vehicle.h"

@@ -14,6 +14,7 @@
 #include <Eigen/Core>
 #include <memory>
 
+#include "sim/driveline/parameters.h"
 #include "sim/samples/vehicle_sample.h"
 
 namespace rigwire::sim {
@@ -90,5 +91,8 @@ class Driveline {
  protected:
   Driveline() = default;
 };
+
+/// In neutral, engine at idle. Throws as validate() does.
+[[nodiscard]] std::unique_ptr<Driveline> make_driveline(const DrivelineParameters& parameters);
 
 }  // namespace rigwire::sim

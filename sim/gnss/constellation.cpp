@@ -1,15 +1,45 @@
 #include "sim/gnss/constellation.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <mutex>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
-#include "sim/gnss/broadcast_cache.h"
 #include "sim/gnss/ephemeris.h"
 #include "sim/gnss/nominal_slots.h"
 
 namespace rigwire::sim {
 namespace {
+
+/// The last few broadcasts that were asked for, so that all receivers at about one time share one
+/// object, which stays the same as long as nothing changes. `Key` says which sets are on the air.
+/// Any thread may ask.
+template <typename Key>
+class BroadcastCache {
+ public:
+  /// The broadcast of `key`, made by make() when it is not at hand.
+  template <typename Make>
+  std::shared_ptr<const GpsNavigation> get(const Key& key, Make make) {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& entry : entries_) {
+      if (entry.second && entry.first == key) {
+        return entry.second;
+      }
+    }
+    auto& entry = entries_[next_];
+    next_ = (next_ + 1) % entries_.size();
+    entry = {key, std::make_shared<const GpsNavigation>(make())};
+    return entry.second;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::array<std::pair<Key, std::shared_ptr<const GpsNavigation>>, 4> entries_;
+  std::size_t next_ = 0;
+};
 
 class NominalConstellation final : public Constellation {
  public:
@@ -73,11 +103,137 @@ class NominalConstellation final : public Constellation {
   mutable BroadcastCache<std::int64_t> broadcasts_;
 };
 
+constexpr std::int64_t kPeriod_s = 7'200;
+
+/// What a satellite has on the air.
+struct Selection {
+  std::size_t set = 0;
+  std::int64_t periods = 0;  ///< How many periods later it is issued again.
+  friend bool operator==(const Selection&, const Selection&) = default;
+};
+
+/// Sets out of a file. A set is broadcast as it stands within two hours of its toe; where the file
+/// has none so near, the nearest is issued anew every two hours.
+class FileConstellation final : public Constellation {
+ public:
+  FileConstellation(std::span<const GpsEphemeris> sets, const KlobucharParameters& ionosphere,
+                    const GpsUtcParameters& utc)
+      : ionosphere_(ionosphere), utc_(utc) {
+    std::array<std::vector<GpsEphemeris>, 32> by_prn;
+    for (const GpsEphemeris& set : sets) {
+      if (set.prn < 1 || set.prn > by_prn.size()) {
+        throw std::invalid_argument("constellation: PRN is " + std::to_string(set.prn) +
+                                    ", allowed are 1 .. 32");
+      }
+      by_prn[set.prn - 1U].push_back(quantised(set));
+    }
+    for (auto& of_one : by_prn) {
+      if (of_one.empty()) {
+        continue;
+      }
+      tidy(of_one);
+      satellites_.push_back({GnssSystem::gps, of_one.front().prn});
+      sets_.push_back(std::move(of_one));
+    }
+    if (sets_.empty()) {
+      throw std::invalid_argument("constellation: no broadcast set is given, one is needed");
+    }
+  }
+
+  std::span<const Satellite> satellites() const override { return satellites_; }
+
+  SatelliteState state(std::size_t index, const GpsTime& time, double offset_s) const override {
+    return satellite_state(issue(index, select(index, time, offset_s)), time, offset_s);
+  }
+
+  std::shared_ptr<const GpsNavigation> navigation(const GpsTime& time) const override {
+    std::array<Selection, 32> selections;
+    for (std::size_t i = 0; i < sets_.size(); ++i) {
+      selections[i] = select(i, time, 0.0);
+    }
+    return broadcasts_.get(selections, [&] {
+      GpsNavigation navigation;
+      for (std::size_t i = 0; i < sets_.size(); ++i) {
+        navigation.ephemerides[satellites_[i].number - 1U] = issue(i, selections[i]);
+      }
+      navigation.ionosphere = ionosphere_;
+      navigation.utc = utc_;
+      return navigation;
+    });
+  }
+
+ private:
+  /// By time, one set of each toe (the last given), and no two neighbours of the same issue.
+  static void tidy(std::vector<GpsEphemeris>& sets) {
+    const auto toe = [](const GpsEphemeris& set) {
+      return std::pair(set.week, set.ephemeris_time_s);
+    };
+    std::ranges::stable_sort(sets, {}, toe);
+    std::vector<GpsEphemeris> kept;
+    for (const GpsEphemeris& set : sets) {
+      if (!kept.empty() && toe(kept.back()) == toe(set)) {
+        kept.pop_back();
+      }
+      kept.push_back(set);
+    }
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      GpsEphemeris& set = kept[i];
+      if (i > 0 && set.issue_of_ephemeris == kept[i - 1].issue_of_ephemeris) {
+        set.issue_of_ephemeris = static_cast<std::uint8_t>(set.issue_of_ephemeris % 255 + 1);
+      }
+      set.issue_of_clock =
+          static_cast<std::uint16_t>((set.issue_of_clock & 0x300) | set.issue_of_ephemeris);
+    }
+    sets = std::move(kept);
+  }
+
+  Selection select(std::size_t index, const GpsTime& time, double offset_s) const {
+    const auto& sets = sets_[index];
+    const auto age_s = [&](const GpsEphemeris& set) {
+      return seconds_between(set.week, set.ephemeris_time_s, time, offset_s);
+    };
+    // The set nearest by its time of ephemeris; of two equally near, the older.
+    const auto after = std::ranges::partition_point(
+        sets, [&](const GpsEphemeris& set) { return age_s(set) >= 0.0; });
+    auto nearest = after;
+    if (after == sets.end() ||
+        (after != sets.begin() && age_s(*std::prev(after)) <= -age_s(*after))) {
+      --nearest;
+    }
+    const double age = age_s(*nearest);
+    Selection selection;
+    selection.set = static_cast<std::size_t>(nearest - sets.begin());
+    if (std::abs(age) > double{kPeriod_s}) {
+      // Issued anew every two hours: the number of the nearest issue.
+      selection.periods = std::llround(age / double{kPeriod_s});
+    }
+    return selection;
+  }
+
+  GpsEphemeris issue(std::size_t index, const Selection& selection) const {
+    const GpsEphemeris& set = sets_[index][selection.set];
+    return selection.periods == 0 ? set
+                                  : reissued(set, selection.periods * kPeriod_s, selection.periods);
+  }
+
+  std::vector<Satellite> satellites_;
+  std::vector<std::vector<GpsEphemeris>> sets_;  ///< As satellites_.
+  KlobucharParameters ionosphere_;
+  GpsUtcParameters utc_;
+  mutable BroadcastCache<std::array<Selection, 32>> broadcasts_;
+};
+
 }  // namespace
 
 std::shared_ptr<const Constellation> make_nominal_constellation(
     std::span<const GnssSystem> systems) {
   return std::make_shared<NominalConstellation>(systems);
+}
+
+std::shared_ptr<const Constellation> make_gps_constellation(std::span<const GpsEphemeris> sets,
+                                                            const KlobucharParameters& ionosphere,
+                                                            const GpsUtcParameters& utc) {
+  return std::make_shared<FileConstellation>(sets, ionosphere, utc);
 }
 
 }  // namespace rigwire::sim

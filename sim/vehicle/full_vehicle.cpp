@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/vehicle/ground_plane.h"
-
 namespace rigwire::sim {
 
 using Eigen::Matrix3d;

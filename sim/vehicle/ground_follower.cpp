@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "sim/vehicle/ground_plane.h"
-
 namespace rigwire::sim {
 namespace {
 

@@ -6,6 +6,9 @@
 
 #include "sim/inner_steps.h"
 #include "sim/odometry/odometry.h"
+#include "sim/vehicle/full_vehicle.h"
+#include "sim/vehicle/kinematic_vehicle.h"
+#include "sim/vehicle/planar_vehicle.h"
 
 namespace rigwire::sim {
 namespace {
@@ -309,6 +312,90 @@ std::vector<BodyPoint> WheeledVehicle::body_points() const {
     points.push_back({kWheeledLinks[0], links_[0].X_WL * point.position_m});
   }
   return points;
+}
+
+// Steering.
+
+SteeringActuator::SteeringActuator(const SteeringParameters& parameters)
+    : parameters_(parameters) {}
+
+void SteeringActuator::command(double angle_rad) {
+  if (!std::isnan(angle_rad)) {
+    set_point_rad_ = std::clamp(angle_rad, -parameters_.angle_max_rad, parameters_.angle_max_rad);
+  }
+}
+
+void SteeringActuator::step(double span_s) {
+  const double error = set_point_rad_ - angle_rad_;
+  // At full rate while |error| > rate x time constant, then exp(-t / time constant): exact.
+  const double knee = parameters_.rate_max_radps * parameters_.time_constant_s;
+  double left_s = span_s;
+  double rest = std::abs(error);
+  if (rest > knee) {
+    const double ramp_s = std::min(left_s, (rest - knee) / parameters_.rate_max_radps);
+    rest -= parameters_.rate_max_radps * ramp_s;
+    left_s -= ramp_s;
+  }
+  if (left_s > 0.0) {
+    rest *=
+        parameters_.time_constant_s > 0.0 ? std::exp(-left_s / parameters_.time_constant_s) : 0.0;
+  }
+  angle_rad_ = set_point_rad_ - std::copysign(rest, error);
+}
+
+std::array<double, 2> ackermann_rad(double angle_rad, double track_m, double curvature_1pm) {
+  // Ackermann: tan(wheel) = tan(angle) / (1 -+ curvature track / 2).
+  const double tangent = std::tan(angle_rad);
+  const double part = 0.5 * track_m * curvature_1pm;
+  return {std::atan(tangent / (1.0 - part)), std::atan(tangent / (1.0 + part))};
+}
+
+// Placing, and making.
+
+Eigen::Isometry3d place_on_ground(const Ground& ground, const WheeledVehicleParameters& parameters,
+                                  const VehiclePlace& place) {
+  if (!std::isfinite(place.x_m) || !std::isfinite(place.y_m) || !std::isfinite(place.yaw_rad)) {
+    throw std::invalid_argument("place: found a value that is not finite, allowed: finite numbers");
+  }
+  const Eigen::Vector2d ahead(std::cos(place.yaw_rad), std::sin(place.yaw_rad));
+  const Eigen::Vector2d left(-ahead.y(), ahead.x());
+  std::array<Eigen::Vector3d, 4> foot;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const VehicleAxleParameters& axle = i < 2 ? parameters.front : parameters.rear;
+    const double side = (i % 2 == 0 ? 0.5 : -0.5) * axle.track_m;
+    const Eigen::Vector2d at = Eigen::Vector2d(place.x_m, place.y_m) +
+                               (axle.position_x_m - parameters.rear.position_x_m) * ahead +
+                               side * left;
+    const double ceiling = ground.height_m(at.x(), at.y()) + axle.tyre.unloaded_radius_m;
+    foot[i] = {at.x(), at.y(), ground.at(at.x(), at.y(), ceiling).height_m};
+  }
+  // x through the axles' mean feet, z square to x and to the sides' mean difference.
+  const Eigen::Vector3d front = 0.5 * (foot[0] + foot[1]);
+  const Eigen::Vector3d rear = 0.5 * (foot[2] + foot[3]);
+  const Eigen::Vector3d across = 0.5 * (foot[0] + foot[2]) - 0.5 * (foot[1] + foot[3]);
+  const Eigen::Vector3d x = (front - rear).normalized();
+  const Eigen::Vector3d z = x.cross(across).normalized();
+  Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
+  X_WB.linear().col(0) = x;
+  X_WB.linear().col(1) = z.cross(x);
+  X_WB.linear().col(2) = z;
+  X_WB.translation() = rear - parameters.rear.position_x_m * x;
+  return X_WB;
+}
+
+std::unique_ptr<WheeledVehicle> make_wheeled_vehicle(const WheeledVehicleParameters& parameters,
+                                                     const Ground& ground,
+                                                     std::unique_ptr<Driveline> driveline,
+                                                     const VehiclePlace& place) {
+  switch (parameters.level) {
+    case VehicleLevel::kinematic:
+      return std::make_unique<KinematicVehicle>(parameters, ground, std::move(driveline), place);
+    case VehicleLevel::planar:
+      return std::make_unique<PlanarVehicle>(parameters, ground, std::move(driveline), place);
+    case VehicleLevel::full:
+      break;
+  }
+  return std::make_unique<FullVehicle>(parameters, ground, std::move(driveline), place);
 }
 
 }  // namespace rigwire::sim

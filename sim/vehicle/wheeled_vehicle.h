@@ -19,7 +19,6 @@
 #include "sim/ground/ground.h"
 #include "sim/machine.h"
 #include "sim/vehicle/parameters.h"
-#include "sim/vehicle/steering.h"
 #include "sim/vehicle/travel_control.h"
 
 namespace rigwire::sim {
@@ -31,6 +30,31 @@ inline constexpr std::array<std::string_view, 7> kWheeledLinks{"body",
                                                                "front_right_wheel",
                                                                "rear_left_wheel",
                                                                "rear_right_wheel"};
+
+/// The angle follows its set point by angle' = (set point - angle) / time_constant, |angle'| at
+/// most the rate. step() is the exact solution, so that dividing a step changes nothing beyond
+/// rounding.
+class SteeringActuator {
+ public:
+  explicit SteeringActuator(const SteeringParameters& parameters);
+
+  /// Clamped to the greatest angle; not-a-number keeps the old set point.
+  void command(double angle_rad);
+  void step(double span_s);
+  [[nodiscard]] double angle_rad() const { return angle_rad_; }
+
+ private:
+  SteeringParameters parameters_;
+  double set_point_rad_ = 0.0;
+  double angle_rad_ = 0.0;
+};
+
+/// Angles of the left and the right wheel of an axle so that all wheels turn about one centre:
+/// tan(wheel) = tan(angle) / (1 -+ curvature track / 2). `curvature_1pm`: of the path of the point
+/// where the turning centre's foot stands on the vehicle's long axis, (tan front - tan rear) over
+/// wheelbase, left positive.
+[[nodiscard]] std::array<double, 2> ackermann_rad(double angle_rad, double track_m,
+                                                  double curvature_1pm);
 
 /// What one wheel does; for tests, status and truth.
 struct WheelState {
@@ -139,6 +163,14 @@ class WheeledVehicle : public Machine, public VehiclePort {
   std::array<double, kWheels> pressure_pa_{};
   std::array<double, kWheels> pressure_target_pa_{};
 };
+
+/// Pose of B with the rear axle's middle over the place and the wheels' undersides on the ground,
+/// by the heights under the four wheels: x along the middles of the axles' ground points, y
+/// levelled across by the mean of front and rear. Throws std::invalid_argument when the place is
+/// not finite.
+[[nodiscard]] Eigen::Isometry3d place_on_ground(const Ground& ground,
+                                                const WheeledVehicleParameters& parameters,
+                                                const VehiclePlace& place);
 
 /// The vehicle of that level, standing on the ground, brakes on, engine idle. `ground` must outlive
 /// it. Throws std::invalid_argument as validate() does, and when the place is not finite or the

@@ -4,8 +4,8 @@
 #include <limits>
 #include <string>
 
+#include "sim/driveline/driveline.h"
 #include "sim/driveline/geared_driveline.h"
-#include "sim/driveline/make_driveline.h"
 #include "sim/driveline/parameters.h"
 
 namespace rigwire::sim {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "allocation_counter.h"
-#include "sim/driveline/make_driveline.h"
+#include "sim/driveline/driveline.h"
 #include "spin_bench.h"
 
 namespace rigwire::sim {

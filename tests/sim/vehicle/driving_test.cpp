@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "bench/gator.h"
-#include "sim/driveline/make_driveline.h"
+#include "sim/driveline/driveline.h"
 #include "vehicle_rig.h"
 
 namespace rigwire::sim::test {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "allocation_counter.h"
-#include "sim/driveline/make_driveline.h"
+#include "sim/driveline/driveline.h"
 #include "vehicle_rig.h"
 
 namespace rigwire::sim::test {

@@ -11,7 +11,7 @@
 #include <string>
 #include <tuple>
 
-#include "sim/driveline/make_driveline.h"
+#include "sim/driveline/driveline.h"
 #include "vehicle_rig.h"
 
 namespace rigwire::sim {

@@ -1,4 +1,4 @@
-#include "sim/driveline/make_driveline.h"
+#include "sim/driveline/driveline.h"
 
 #include "sim/driveline/cvt_driveline.h"
 #include "sim/driveline/geared_driveline.h"

@@ -14,8 +14,6 @@ class CvtDriveline final : public ClutchedDriveline {
   /// In neutral, at idle, the variator at launch. Throws as validate() does.
   explicit CvtDriveline(const CvtParameters& parameters);
 
-  [[nodiscard]] double variator_ratio() const { return variator_ratio_; }
-
   /// The slowest range that reaches the target with its variator at top; only near standstill.
   [[nodiscard]] int select_gear(double rate_radps, double target_radps, int lower) const override;
 

@@ -166,10 +166,6 @@ const SoilParameters& DiggableTerrain::soil_at(double x_m, double y_m) const {
                                  nearest_inner(y_m, field.origin_m.y(), rows_))]);
 }
 
-double DiggableTerrain::loose_m(std::size_t column, std::size_t row) const {
-  return to_metres(loose_[node(column, row)]);
-}
-
 std::int64_t DiggableTerrain::gained_units() const {
   std::int64_t gained = 0;
   for (std::size_t at = 0; at < surface_.size(); ++at) {

@@ -97,7 +97,6 @@ class DiggableTerrain {
   [[nodiscard]] const SoilParameters& soil_at(double x_m, double y_m) const;
   /// Of all soils that lie here.
   [[nodiscard]] double density_greatest_kgpm3() const { return density_greatest_kgpm3_; }
-  [[nodiscard]] double loose_m(std::size_t column, std::size_t row) const;
 
   /// What the terrain holds more than at the start, in units: minus all that was taken, plus all
   /// that was poured. Summed anew over all columns.

@@ -19,13 +19,16 @@ double ActuatorChambers::force() const {
   return size_.bottom_area * pressures_.a_pa - size_.rod_side_area * pressures_.b_pa;
 }
 
-double ActuatorChambers::stiffness(double x) const {
+std::array<double, 2> ActuatorChambers::volumes_m3(double x) const {
   const double at = std::clamp(x, size_.x_min, size_.x_max);
+  return {parameters_.hose_volume_m3 + size_.bottom_area * (at - size_.x_min),
+          parameters_.hose_volume_m3 + size_.rod_side_area * (size_.x_max - at)};
+}
+
+double ActuatorChambers::stiffness(double x) const {
   const double a = size_.bottom_area;
   const double b = size_.rod_side_area;
-  // Volumes between piston and end, hose included.
-  const double volume_a = parameters_.hose_volume_m3 + a * (at - size_.x_min);
-  const double volume_b = parameters_.hose_volume_m3 + b * (size_.x_max - at);
+  const auto [volume_a, volume_b] = volumes_m3(x);
   return parameters_.bulk_modulus_pa * (a * a / volume_a + b * b / volume_b);
 }
 
@@ -72,11 +75,9 @@ ActuatorChambers::Flow ActuatorChambers::inflow(double pressure_pa, double into_
 }
 
 ImplicitForce ActuatorChambers::law(double h, double x, const ValveDemand& demand) {
-  const double at = std::clamp(x, size_.x_min, size_.x_max);
   const double a = size_.bottom_area;
   const double b = size_.rod_side_area;
-  const double volume_a = parameters_.hose_volume_m3 + a * (at - size_.x_min);
-  const double volume_b = parameters_.hose_volume_m3 + b * (size_.x_max - at);
+  const auto [volume_a, volume_b] = volumes_m3(x);
   const double flow = demand.flow_m3ps;
   demanded_ = flow;
   if (flow >= 0.0) {

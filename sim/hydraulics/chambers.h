@@ -18,6 +18,8 @@
 // Systems, 1967, chapters 3 and 6.
 #pragma once
 
+#include <array>
+
 #include "sim/contact/bristle.h"
 #include "sim/hydraulics/parameters.h"
 #include "sim/hydraulics/supply.h"
@@ -68,6 +70,8 @@ class ActuatorChambers {
     double value = 0.0;
     double slope = 0.0;
   };
+  /// Between piston and each end, hose included.
+  [[nodiscard]] std::array<double, 2> volumes_m3(double x) const;
   [[nodiscard]] Flow opening_flow(double most, double drop_pa, double full_drop_pa) const;
   [[nodiscard]] Flow inflow(double pressure_pa, double into_m3ps, double out_m3ps,
                             const ValveDemand& demand) const;

@@ -44,7 +44,6 @@ struct CylinderParameters {
   /// Pressurised areas of all `count` cylinders together.
   [[nodiscard]] double bottom_area_m2() const;
   [[nodiscard]] double rod_side_area_m2() const;
-  [[nodiscard]] double stroke_m() const { return length_max_m - length_min_m; }
 
   friend bool operator==(const CylinderParameters&, const CylinderParameters&) = default;
 };

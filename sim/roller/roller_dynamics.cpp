@@ -151,7 +151,6 @@ void RollerDynamics::step(double h, const RollerLoads& loads, HydrostaticDrive& 
     }
     // (M + h G) x' = M x + h (offsets + gravity + supplements), clamp last (roller_dynamics.h).
     x = A.llt().solve(b);
-    ++solves_;
 
     changed = false;
     for (std::size_t i = 0; i < 2; ++i) {

@@ -78,9 +78,6 @@ class RollerDynamics {
   void preload(const RollerLoads& loads, const std::array<double, 2>& normal_n);
 
   [[nodiscard]] const DrumContact& drum(std::size_t which) const { return drums_[which]; }
-  [[nodiscard]] double brake_torque_nm(std::size_t which) const {
-    return brakes_[which].torque_nm();
-  }
   [[nodiscard]] double rolling_torque_nm(std::size_t which) const {
     return rolling_[which].torque_nm();
   }
@@ -88,8 +85,6 @@ class RollerDynamics {
   [[nodiscard]] Eigen::Vector2d ground_force_n() const;
   /// Steps whose limits still changed in the last round allowed.
   [[nodiscard]] std::uint64_t unsettled_steps() const { return unsettled_steps_; }
-  /// Linear solves of step() so far.
-  [[nodiscard]] std::uint64_t solves() const { return solves_; }
 
  private:
   RollerParameters parameters_;
@@ -97,7 +92,6 @@ class RollerDynamics {
   std::array<SpinFriction, 2> brakes_;
   std::array<SpinFriction, 2> rolling_;
   std::uint64_t unsettled_steps_ = 0;
-  std::uint64_t solves_ = 0;
 };
 
 }  // namespace rigwire::sim

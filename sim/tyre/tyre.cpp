@@ -15,7 +15,6 @@ using fields::plain;
 
 namespace {
 
-constexpr double kStandardGravity_mps2 = 9.80665;
 constexpr double kLeastPressure_pa = 1.0e4;  // a flat tyre still has its carcass
 constexpr double kLeastShare = 1e-3;         // of the reference load, keeps stiffnesses above 0
 /// Angle over which the rolling resistance winds up; small against every turn that matters.
@@ -71,16 +70,6 @@ void validate(const TyreParameters& p) {
   fields::require(p.carcass_stiffness_npm + p.stiffness_per_pressure_m > 0.0, "carcass_stiffness",
                   in("kN/m").print(p.carcass_stiffness_npm),
                   "> 0 kN/m where stiffness_per_pressure is 0");
-}
-
-double rhyne_stiffness_npm(double pressure_pa, double width_m, double aspect_ratio,
-                           double rim_diameter_m) {
-  // Rhyne 2005, mm: kg/mm = 0.00028 p[kPa] sqrt((1.03 - 0.004 AR) w (w AR / 50 + D)) + 3.45.
-  const double width_mm = 1e3 * width_m;
-  const double round = (1.03 - 0.004 * aspect_ratio) * width_mm *
-                       (width_mm * aspect_ratio / 50.0 + 1e3 * rim_diameter_m);
-  const double kilogram_per_mm = 0.00028 * (1e-3 * pressure_pa) * std::sqrt(round) + 3.45;
-  return 1e3 * kStandardGravity_mps2 * kilogram_per_mm;
 }
 
 Tyre::Tyre(const TyreParameters& parameters, double carried_mass_kg)

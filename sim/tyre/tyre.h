@@ -52,12 +52,6 @@ void visit(fields::Visitor& v, TyreParameters& p);
 /// Throws std::invalid_argument that names the key, the value found and what is allowed.
 void validate(const TyreParameters& parameters);
 
-/// Vertical stiffness of a radial tyre after T. B. Rhyne (Tire Science and Technology 33, 2005): p
-/// in Pa, section width and rim diameter in metres, aspect ratio in per cent. Quoted from memory of
-/// the paper in the project's research; plausible, not checked against a tyre.
-[[nodiscard]] double rhyne_stiffness_npm(double pressure_pa, double width_m, double aspect_ratio,
-                                         double rim_diameter_m);
-
 /// The laws of one step. Signs: `normal` in the speed of the wheel's centre along the contact's
 /// normal, away from the ground positive; `longitudinal` and `lateral` in the sliding velocity of
 /// the tyre's contact patch against the ground (forward, left); `rolling` in the wheel's rate, a

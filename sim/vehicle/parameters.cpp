@@ -32,6 +32,19 @@ void visit_stop(fields::Visitor& v, StopParameters& p, const fields::NumberRule&
   v.number("ramp", p.ramp, ramp.above(0), "Travel over which the stiffness grows to that.");
 }
 
+/// Of a beam's side and of an independent wheel alike.
+template <class Axle>
+void visit_travel(fields::Visitor& v, Axle& p) {
+  v.number("bump_travel", p.bump_travel_m, in("mm").above(0).at_most(10'000),
+           "Travel up to the bump stop.");
+  v.number("rebound_travel", p.rebound_travel_m, in("mm").above(0).at_most(10'000),
+           "Travel down to the rebound stop.");
+  v.group(
+      "bump_stop",
+      [&](fields::Visitor& w) { visit_stop(w, p.bump_stop, in("N/m"), in("m").at_most(100)); },
+      "Spring at both ends of the travel.");
+}
+
 void check_beam(const std::string& axle, const BeamAxleParameters& beam, double track_m) {
   fields::require(beam.pitch_inertia_kgm2 <= 2.0 * beam.roll_inertia_kgm2,
                   axle + ".beam.pitch_inertia", in("kg m2").print(beam.pitch_inertia_kgm2),
@@ -123,14 +136,7 @@ void visit(fields::Visitor& v, BeamAxleParameters& p) {
   v.number("spring_base", p.spring_base_m, in("m").above(0).at_most(100), "Left to right spring.");
   v.number("roll_bar", p.roll_bar_nmprad, in("N m/rad").at_least(0),
            "Roll bar between the two sides.");
-  v.number("bump_travel", p.bump_travel_m, in("mm").above(0).at_most(10'000),
-           "Travel up to the bump stop.");
-  v.number("rebound_travel", p.rebound_travel_m, in("mm").above(0).at_most(10'000),
-           "Travel down to the rebound stop.");
-  v.group(
-      "bump_stop",
-      [&](fields::Visitor& w) { visit_stop(w, p.bump_stop, in("N/m"), in("m").at_most(100)); },
-      "Spring at both ends of the travel.");
+  visit_travel(v, p);
   v.number("articulation", p.articulation_rad, in("deg").above(0).at_most(60),
            "Roll against the body, to each side, up to the limiter.");
   v.group(
@@ -148,14 +154,7 @@ void visit(fields::Visitor& v, IndependentAxleParameters& p) {
   v.number("damper", p.damper_nspm, in("N s/m").at_least(0), "Damper of each side, at the wheel.");
   v.number("roll_bar", p.roll_bar_npm, in("N/m").at_least(0),
            "Force of the roll bar per difference of travels.");
-  v.number("bump_travel", p.bump_travel_m, in("mm").above(0).at_most(10'000),
-           "Travel up to the bump stop.");
-  v.number("rebound_travel", p.rebound_travel_m, in("mm").above(0).at_most(10'000),
-           "Travel down to the rebound stop.");
-  v.group(
-      "bump_stop",
-      [&](fields::Visitor& w) { visit_stop(w, p.bump_stop, in("N/m"), in("m").at_most(100)); },
-      "Spring at both ends of the travel.");
+  visit_travel(v, p);
   v.number("camber_gain", p.camber_gain_radpm, in("rad/m").between(-5, 5),
            "Camber per bump travel, top outward positive.");
   v.number("toe_gain", p.toe_gain_radpm, in("rad/m").between(-5, 5),

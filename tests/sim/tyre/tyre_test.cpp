@@ -25,6 +25,18 @@ SoilParameters soft_soil(double exponent = 1.1) {
   return soil;
 }
 
+/// Vertical stiffness of a radial tyre after T. B. Rhyne (Tire Science and Technology 33, 2005): p
+/// in Pa, section width and rim diameter in metres, aspect ratio in per cent. Quoted from memory of
+/// the paper in the project's research; plausible, not checked against a tyre.
+double rhyne_stiffness_npm(double pressure_pa, double width_m, double aspect_ratio,
+                           double rim_diameter_m) {
+  // In mm: kg/mm = 0.00028 p[kPa] sqrt((1.03 - 0.004 AR) w (w AR / 50 + D)) + 3.45.
+  const double width_mm = 1e3 * width_m;
+  const double round = (1.03 - 0.004 * aspect_ratio) * width_mm *
+                       (width_mm * aspect_ratio / 50.0 + 1e3 * rim_diameter_m);
+  return 1e3 * 9.80665 * (0.00028 * (1e-3 * pressure_pa) * std::sqrt(round) + 3.45);
+}
+
 TEST(TyreStiffness, OfThe395Of85R20FollowsRhyne) {
   EXPECT_NEAR(rhyne_stiffness_npm(kRoad_pa, 0.395, 85.0, 0.508), 7.34e5, 1e3);
   EXPECT_NEAR(rhyne_stiffness_npm(kField_pa, 0.395, 85.0, 0.508), 2.21e5, 1e3);

@@ -74,7 +74,6 @@ class TimeInput {
   [[nodiscard]] bool receiver_speaks(SimTime now) const;
   [[nodiscard]] bool pulse_arrives(SimTime now) const;
   [[nodiscard]] bool sentence_arrives(SimTime now) const;
-  void handle_second(SensorClock& clock);
   void handle_pulse(SimTime pulse, SensorClock& clock);
   void write_sentence(SimTime of_pulse);
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "emulators/velodyne/optical_defects.h"
-
 namespace rigwire::emulators {
 
 namespace velodyne = protocols::velodyne;
@@ -50,6 +48,101 @@ NoReturnBytes no_return_bytes(const velodyne::Model& model, std::uint64_t seed) 
 double wrapped(double value, double turn) {
   const double rest = std::fmod(value, turn);
   return rest < 0.0 ? rest + turn : rest;
+}
+
+double along(const Vector3& axis, const Vector3& v) {
+  return axis.x * v.x + axis.y * v.y + axis.z * v.z;
+}
+
+/// The sample is expressed in the sensor's frame. Readings stop at 200 deg/s and 2.5 g, the span of
+/// the manual (63-9113 Rev. H, "Position packet"); what is not a number reads 0.
+InertialWords inertial_words(
+    const ImuSample& sample,
+    const std::array<VelodyneInertialAxes, velodyne::kInertialGroups>& axes) {
+  InertialWords words;
+  for (std::size_t g = 0; g < words.size(); ++g) {
+    words[g] = velodyne::to_counts(
+        {.rate_radps = along(axes[g].gyro, sample.angular_rate_radps),
+         .temperature_c = sample.temperature_c,
+         .acceleration_x_mps2 = along(axes[g].acceleration_x, sample.specific_force_mps2),
+         .acceleration_y_mps2 = along(axes[g].acceleration_y, sample.specific_force_mps2)});
+  }
+  return words;
+}
+
+// What a defective head sees: dead lasers, dirt on the window.
+//
+// Dirt takes light twice, on the way out and back: with transmission T an echo of reflectivity rho
+// at range r is still found when
+//
+//   rho T^2 / r^2 >= 0.9 / R^2
+//
+// where R is the range at which the sensor just finds a white surface of 90 % (Goodin et al.,
+// Electronics 8(1):89, 2019, eq. for the least detectable power). Its reflectivity is reported as
+// rho T^2, because the sensor makes up for range but does not know of the dirt; of a
+// retro-reflector only the part above 1 is scaled.
+
+constexpr double kWhite = 0.9;
+
+void remove(LidarFiring& bank, std::size_t i) {
+  bank.strongest[i] = {};
+  bank.last[i] = {};
+  bank.second[i] = {};
+}
+
+void kill_lasers(const DeadLaserFault& fault, std::size_t lasers, LidarFiring& bank) {
+  for (std::size_t i = 0; i < lasers; ++i) {
+    const auto laser = static_cast<int>(bank.first_laser + i);
+    if (laser >= fault.first && laser <= fault.last) {
+      remove(bank, i);
+    }
+  }
+}
+
+void dim(LidarReturn& echo, double transmission, double reference_range_m) {
+  // Light passes the dirt twice; an echo is found while rho T^2 R^2 >= 0.9 r^2 (link_budget.h).
+  const double passed = transmission * transmission;
+  const double range_m = echo.range_m;
+  const double found = echo.reflectivity * passed * reference_range_m * reference_range_m;
+  if (!(found >= kWhite * range_m * range_m) || range_m == 0.0) {
+    echo = {};
+    return;
+  }
+  const double reported = echo.reflectivity <= 1.0F ? echo.reflectivity * passed
+                                                    : 1.0 + (echo.reflectivity - 1.0) * passed;
+  echo.reflectivity = static_cast<float>(reported);
+}
+
+void dim_sector(const DirtyWindowFault& fault, const LidarPattern& pattern,
+                double reference_range_m, std::size_t lasers, LidarFiring& bank) {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  const double width_deg = std::fmod(fault.to_deg - fault.from_deg + 720.0, 360.0);
+  const bool all_round = width_deg == 0.0;
+  for (std::size_t i = 0; i < lasers; ++i) {
+    const LaserGeometry& laser = pattern.lasers[bank.first_laser + i];
+    const double azimuth_rad = bank.rotor_azimuth_rad + laser.azimuth_offset_rad +
+                               bank.rotor_rate_radps * to_seconds(laser.time_offset);
+    const double after_start_deg =
+        std::fmod(azimuth_rad * kDegrees - fault.from_deg + 1080.0, 360.0);
+    if (all_round || after_start_deg < width_deg) {
+      dim(bank.strongest[i], fault.transmission, reference_range_m);
+      dim(bank.last[i], fault.transmission, reference_range_m);
+      dim(bank.second[i], fault.transmission, reference_range_m);
+    }
+  }
+}
+
+/// Applies what of the faults holds at the bank's time. `reference_range_m` is R.
+void apply_optical_defects(const VelodyneFaults& faults, const LidarPattern& pattern,
+                           double reference_range_m, LidarFiring& bank) {
+  const std::size_t lasers = std::min(kBankLasers, pattern.lasers.size() - bank.first_laser);
+  faults.each(bank.time, [&](const VelodyneFault& fault) {
+    if (const auto* dead = std::get_if<DeadLaserFault>(&fault.what)) {
+      kill_lasers(*dead, lasers, bank);
+    } else if (const auto* dirt = std::get_if<DirtyWindowFault>(&fault.what)) {
+      dim_sector(*dirt, pattern, reference_range_m, lasers, bank);
+    }
+  });
 }
 
 }  // namespace

@@ -25,7 +25,6 @@
 #include "emulators/device.h"
 #include "emulators/random_bits.h"
 #include "emulators/velodyne/faulty_cable.h"
-#include "emulators/velodyne/inertial_words.h"
 #include "emulators/velodyne/packet_assembly.h"
 #include "emulators/velodyne/return_encoder.h"
 #include "emulators/velodyne/sensor_clock.h"
@@ -37,8 +36,13 @@
 #include "protocols/velodyne/model.h"
 #include "protocols/velodyne/position_packet.h"
 #include "sim/samples/calendar.h"
+#include "sim/samples/imu_sample.h"
 
 namespace rigwire::emulators {
+
+/// What the HDL-32E's three gyroscopes, accelerometer pairs and thermometers read.
+using InertialWords =
+    std::array<protocols::velodyne::InertialGroup, protocols::velodyne::kInertialGroups>;
 
 /// Where the sensor's host settings want packets to go.
 struct VelodyneDestination {

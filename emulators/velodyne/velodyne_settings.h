@@ -11,7 +11,6 @@
 #include "emulators/velodyne/velodyne_control.h"
 #include "emulators/velodyne/velodyne_fault.h"
 #include "fields/rules.h"
-#include "protocols/velodyne/data_packet.h"
 #include "protocols/velodyne/hdl_64e_calibration.h"
 #include "protocols/velodyne/model.h"
 #include "protocols/velodyne/position_packet.h"

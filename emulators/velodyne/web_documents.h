@@ -1,6 +1,7 @@
-// The JSON documents that the sensor's web interface serves, member by member in the order and with
-// the types of real sensors: ports and the offset of the phase lock are strings, speeds and angles
-// are numbers. docs/devices/velodyne-web.md names the recordings and clients they come from.
+// What the sensor's web interface serves: a page, and JSON documents, member by member in the order
+// and with the types of real sensors: ports and the offset of the phase lock are strings, speeds
+// and angles are numbers. docs/devices/velodyne-web.md names the recordings and clients they come
+// from.
 #pragma once
 
 #include <string>
@@ -17,6 +18,10 @@ namespace rigwire::emulators {
 [[nodiscard]] std::string info_document(const VelodyneControl& control);
 /// All four, under "info", "config", "status" and "diag".
 [[nodiscard]] std::string snapshot_document(SimTime now, const VelodyneControl& control);
+
+/// The page at "/", for somebody who wants to look and to try, with the settings as forms. The
+/// words are ours; only the requests that the forms send are the sensor's.
+[[nodiscard]] std::string control_page(SimTime now, const VelodyneControl& control);
 
 /// Whether that sensor's diagnostics have arrays.
 [[nodiscard]] bool has_diagnostic_arrays(const VelodyneControl& control);

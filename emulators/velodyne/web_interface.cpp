@@ -6,8 +6,6 @@
 
 #include "emulators/velodyne/web_documents.h"
 #include "emulators/velodyne/web_form.h"
-#include "emulators/velodyne/web_page.h"
-#include "emulators/velodyne/web_settings.h"
 
 namespace rigwire::emulators {
 namespace {

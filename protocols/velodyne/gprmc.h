@@ -9,11 +9,17 @@
 // preceding pulse; status 'V', empty position and variation without a fix.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <string_view>
 
-#include "protocols/velodyne/nmea_text.h"
-
 namespace rigwire::protocols::velodyne {
+
+/// How the receiver writes the time of day. Velodyne sensors take both.
+enum class NmeaTimeForm {
+  whole_seconds,  ///< hhmmss
+  tenths,         ///< hhmmss.s
+};
 
 struct RecommendedMinimum {
   int year = 1980;  ///< UTC, four digits.
@@ -31,14 +37,22 @@ struct RecommendedMinimum {
   double course_deg = 0.0;     ///< Clockwise from true north, [0, 360).
 };
 
-/// Room for any sentence, and the text in it.
+/// The text, built in place without allocation: never longer than the 128 bytes that the extended
+/// position packet has for it.
 class GprmcText {
  public:
   explicit GprmcText(const RecommendedMinimum& values);
-  [[nodiscard]] std::string_view view() const { return text_.view(); }
+  [[nodiscard]] std::string_view view() const { return {text_.data(), size_}; }
 
  private:
-  NmeaText text_;
+  /// As printf; what does not fit is cut off.
+  [[gnu::format(printf, 2, 3)]] void append(const char* format, ...);
+  /// "ddmm.mmmm,N,dddmm.mmmm,E,", clamped to the globe. Rounded once, on the whole angle, so that
+  /// 60 minutes cannot appear.
+  void append_position(double latitude_deg, double longitude_deg);
+
+  std::array<char, 128> text_{};
+  std::size_t size_ = 0;
 };
 
 }  // namespace rigwire::protocols::velodyne

@@ -1,6 +1,6 @@
-// The laser tables of the models, one file per family: lasers_<family>.cpp. Each row is one laser
-// as the family's documents print it; when it fires is the family's rule and stands in the same
-// file. In the order of the lasers' numbers, which is their order in the blocks of a packet.
+// The laser tables of the models. Each row is one laser as its family's documents print it; when it
+// fires is the family's rule and stands beside its rows. In the order of the lasers' numbers, which
+// is their order in the blocks of a packet.
 #pragma once
 
 #include <array>
@@ -23,14 +23,5 @@ extern const std::array<Laser, 128> kVls128LasersUntil517;  ///< Firmware up to 
 /// Groups of eight of a VLS-128 follow each other so fast, by firmware.
 inline constexpr std::int32_t kVls128Group_ns = 2889;
 inline constexpr std::int32_t kVls128GroupUntil517_ns = 2665;
-
-/// The rows with the time of each laser filled in: `fires_at_ns(laser)`, after the first laser.
-template <std::size_t Count, class FiresAt>
-constexpr std::array<Laser, Count> timed(std::array<Laser, Count> rows, FiresAt fires_at_ns) {
-  for (std::size_t laser = 0; laser < Count; ++laser) {
-    rows[laser].time_offset_ns = fires_at_ns(static_cast<std::int32_t>(laser));
-  }
-  return rows;
-}
 
 }  // namespace rigwire::protocols::velodyne

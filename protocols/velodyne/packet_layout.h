@@ -67,22 +67,6 @@ struct Shot {
 [[nodiscard]] Shot shot(const Model& model, ReturnMode mode, std::size_t block,
                         std::size_t channel);
 
-/// What the two blocks of a dual return say of one laser.
-struct DualChannels {
-  Channel last;
-  Channel strongest;
-
-  friend bool operator==(const DualChannels&, const DualChannels&) = default;
-};
-
-/// The rule of the manuals: where the strongest echo is also the last, the second strongest stands
-/// for it; where there is but one echo, both say the same. Channels without echo are all zero.
-[[nodiscard]] constexpr DualChannels dual_channels(const Channel& strongest, const Channel& last,
-                                                   const Channel& second) {
-  const bool strongest_is_last = strongest == last;
-  return {last, strongest_is_last && second.distance_counts != 0 ? second : strongest};
-}
-
 /// What a single packet says about its sender.
 struct Recognition {
   const Model* model = nullptr;  ///< Null when there is a doubt.

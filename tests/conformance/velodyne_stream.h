@@ -15,6 +15,21 @@
 
 namespace rigwire {
 
+/// What the two blocks of a dual return say of one laser.
+struct DualChannels {
+  protocols::velodyne::Channel last;
+  protocols::velodyne::Channel strongest;
+};
+
+/// The rule of the manuals: where the strongest echo is also the last, the second strongest stands
+/// for it; where there is but one echo, both say the same. Channels without echo are all zero.
+[[nodiscard]] inline DualChannels dual_channels(const protocols::velodyne::Channel& strongest,
+                                                const protocols::velodyne::Channel& last,
+                                                const protocols::velodyne::Channel& second) {
+  const bool strongest_is_last = strongest == last;
+  return {last, strongest_is_last && second.distance_counts != 0 ? second : strongest};
+}
+
 /// One return as it truly was.
 struct TrueReturn {
   std::size_t packet = 0;

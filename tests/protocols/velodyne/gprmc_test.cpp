@@ -5,8 +5,6 @@
 #include <array>
 #include <cstdio>
 
-#include "protocols/velodyne/gpgga.h"
-
 namespace rigwire::protocols::velodyne {
 namespace {
 
@@ -48,43 +46,6 @@ TEST(VelodyneGprmc, NeverPrintsSixtyMinutes) {
 TEST(VelodyneGprmc, WritesTenthsWhereTheReceiverDoes) {
   const GprmcText text({.hour = 1, .second = 2, .tenth = 3, .time_form = NmeaTimeForm::tenths});
   EXPECT_EQ(text.view().substr(0, 18), "$GPRMC,010002.3,V,");
-}
-
-TEST(VelodyneGpgga, WritesTheSentenceOfAFix) {
-  const GpggaText text({.hour = 17,
-                        .minute = 28,
-                        .second = 14,
-                        .time_form = NmeaTimeForm::tenths,
-                        .valid = true,
-                        .latitude_deg = 37.3919,
-                        .longitude_deg = -122.03781,
-                        .quality = 2,
-                        .satellites = 6,
-                        .horizontal_dilution = 1.2,
-                        .altitude_m = 18.893,
-                        .geoid_separation_m = -25.669});
-  // Checksum by an independent exclusive or over the characters between $ and *.
-  EXPECT_EQ(text.view(),
-            "$GPGGA,172814.0,3723.5140,N,12202.2686,W,2,06,1.2,18.9,M,-25.7,M,,*50\r\n");
-}
-
-TEST(VelodyneGpgga, LeavesThePositionEmptyWithoutAFix) {
-  const GpggaText text({.hour = 1, .minute = 2, .second = 3, .satellites = 2});
-  EXPECT_EQ(text.view().substr(0, text.view().find('*')), "$GPGGA,010203,,,,,0,02,,,M,,M,,");
-}
-
-TEST(VelodyneGpgga, LongestSentenceFitsTheExtendedPacket) {
-  const GpggaText text({.hour = 23,
-                        .time_form = NmeaTimeForm::tenths,
-                        .valid = true,
-                        .latitude_deg = -1e30,
-                        .longitude_deg = -1e30,
-                        .satellites = 1000,
-                        .horizontal_dilution = 1e30,
-                        .altitude_m = -1e30,
-                        .geoid_separation_m = -1e30});
-  EXPECT_LE(text.view().size(), 128U);
-  EXPECT_TRUE(text.view().ends_with("\r\n"));
 }
 
 }  // namespace

@@ -85,15 +85,6 @@ TEST(VelodynePacketLayout, PacketsOfTwoReturnsComeTwiceAsOften) {
   EXPECT_EQ(packet_period_ns(model("HDL-64E S3"), ReturnMode::dual), 172800);
 }
 
-TEST(VelodynePacketLayout, SecondStrongestStandsInWhereTheStrongestIsTheLast) {
-  const Channel near{1000, 80};
-  const Channel far{2000, 20};
-  EXPECT_EQ(dual_channels(near, far, far), (DualChannels{far, near}));
-  EXPECT_EQ(dual_channels(far, far, near), (DualChannels{far, near}));
-  EXPECT_EQ(dual_channels(near, near, {}), (DualChannels{near, near})) << "one echo twice";
-  EXPECT_EQ(dual_channels({}, {}, {}), DualChannels{});
-}
-
 TEST(VelodyneRecognition, TellsTheModelOrTheDoubt) {
   DataPacket packet;
   packet.product_id = 0x28;

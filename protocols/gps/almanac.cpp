@@ -24,14 +24,14 @@ constexpr BitRange kInclinationBits{4, 9, 16};
 constexpr BitRange kHealth{5, 17, 8};
 
 constexpr std::array kFields{
-    Field{"e", &Almanac::eccentricity, 3, 9, {16, false, -21, false}},
-    Field{"toa", &Almanac::almanac_time_s, 4, 1, {8, false, 12, false}},
-    Field{"OMEGADOT", &Almanac::ascending_node_rate, 5, 1, {16, true, -38, true}},
-    Field{"sqrt A", &Almanac::sqrt_semi_major_axis, 6, 1, {24, false, -11, false}},
-    Field{"OMEGA0", &Almanac::ascending_node_rad, 7, 1, {24, true, -23, true}},
-    Field{"omega", &Almanac::argument_of_perigee_rad, 8, 1, {24, true, -23, true}},
-    Field{"M0", &Almanac::mean_anomaly_rad, 9, 1, {24, true, -23, true}},
-    Field{"af1", &Almanac::clock_drift, 10, 9, {11, true, -38, false}},
+    Field{&Almanac::eccentricity, 3, 9, {16, false, -21, false}},
+    Field{&Almanac::almanac_time_s, 4, 1, {8, false, 12, false}},
+    Field{&Almanac::ascending_node_rate, 5, 1, {16, true, -38, true}},
+    Field{&Almanac::sqrt_semi_major_axis, 6, 1, {24, false, -11, false}},
+    Field{&Almanac::ascending_node_rad, 7, 1, {24, true, -23, true}},
+    Field{&Almanac::argument_of_perigee_rad, 8, 1, {24, true, -23, true}},
+    Field{&Almanac::mean_anomaly_rad, 9, 1, {24, true, -23, true}},
+    Field{&Almanac::clock_drift, 10, 9, {11, true, -38, false}},
 };
 
 constexpr Scale kHealthTime{8, false, 12, false};
@@ -76,24 +76,6 @@ void put_almanac(SubframeData& data, const Almanac& almanac) {
   put_bits(data, kInclinationBits,
            kInclination.count(almanac.inclination_rad - kReferenceInclination_rad));
   put_bits(data, kHealth, almanac.health);
-}
-
-std::string_view unrepresentable(const Almanac& almanac) {
-  for (const Field& field : kFields) {
-    if (!field.scale.holds(almanac.*field.member)) {
-      return field.name;
-    }
-  }
-  if (almanac.almanac_time_s >= kWeekSeconds) {
-    return "toa";
-  }
-  if (!kClockBias.holds(almanac.clock_bias_s)) {
-    return "af0";
-  }
-  if (!kInclination.holds(almanac.inclination_rad - kReferenceInclination_rad)) {
-    return "delta i";
-  }
-  return almanac.prn < 1 || almanac.prn > kSatellites ? "SV id" : std::string_view{};
 }
 
 Almanac quantised(const Almanac& almanac) {

@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string_view>
 
 #include "protocols/gps/ephemeris.h"
 #include "protocols/gps/subframe.h"
@@ -38,9 +37,6 @@ struct Almanac {
 
 /// Words 3..10 of a satellite's almanac page. Values beyond a field are clamped to it.
 void put_almanac(SubframeData& data, const Almanac& almanac);
-
-/// The document's name of the first field that cannot carry its value; empty when all can.
-[[nodiscard]] std::string_view unrepresentable(const Almanac& almanac);
 
 [[nodiscard]] Almanac quantised(const Almanac& almanac);
 

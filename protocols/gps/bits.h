@@ -58,11 +58,6 @@ struct Scale {
   [[nodiscard]] double greatest() const {
     return std::ldexp(step(), negative ? bits - 1 : bits) - step();
   }
-  /// Whether the nearest step lies within the field.
-  [[nodiscard]] bool holds(double value) const {
-    const double half = 0.5 * step();
-    return value > least() - half && value < greatest() + half;
-  }
   /// The nearest step within the field, as its bits; NaN gives 0.
   [[nodiscard]] std::uint32_t count(double value) const {
     if (std::isnan(value)) {
@@ -81,10 +76,9 @@ struct Scale {
   }
 };
 
-/// A member of Record, its name, place and scale.
+/// A member of Record, its place and scale.
 template <class Record>
 struct ScaledField {
-  const char* name = "";
   double Record::*member = nullptr;
   std::uint8_t word = 1;
   std::uint8_t first = 1;

@@ -23,33 +23,33 @@ constexpr Scale angle(std::uint8_t bits, int exponent) {
 }
 
 constexpr std::array kClock{
-    Field{"TGD", &Ephemeris::group_delay_s, 7, 17, negative(8, -31)},
-    Field{"toc", &Ephemeris::clock_time_s, 8, 9, plain(16, 4)},
-    Field{"af2", &Ephemeris::clock_drift_rate, 9, 1, negative(8, -55)},
-    Field{"af1", &Ephemeris::clock_drift, 9, 9, negative(16, -43)},
-    Field{"af0", &Ephemeris::clock_bias_s, 10, 1, negative(22, -31)},
+    Field{&Ephemeris::group_delay_s, 7, 17, negative(8, -31)},
+    Field{&Ephemeris::clock_time_s, 8, 9, plain(16, 4)},
+    Field{&Ephemeris::clock_drift_rate, 9, 1, negative(8, -55)},
+    Field{&Ephemeris::clock_drift, 9, 9, negative(16, -43)},
+    Field{&Ephemeris::clock_bias_s, 10, 1, negative(22, -31)},
 };
 
 constexpr std::array kOrbit2{
-    Field{"Crs", &Ephemeris::radius_sine_m, 3, 9, negative(16, -5)},
-    Field{"Delta n", &Ephemeris::mean_motion_difference, 4, 1, angle(16, -43)},
-    Field{"M0", &Ephemeris::mean_anomaly_rad, 4, 17, angle(32, -31)},
-    Field{"Cuc", &Ephemeris::latitude_cosine_rad, 6, 1, negative(16, -29)},
-    Field{"e", &Ephemeris::eccentricity, 6, 17, plain(32, -33)},
-    Field{"Cus", &Ephemeris::latitude_sine_rad, 8, 1, negative(16, -29)},
-    Field{"sqrt A", &Ephemeris::sqrt_semi_major_axis, 8, 17, plain(32, -19)},
-    Field{"toe", &Ephemeris::ephemeris_time_s, 10, 1, plain(16, 4)},
+    Field{&Ephemeris::radius_sine_m, 3, 9, negative(16, -5)},
+    Field{&Ephemeris::mean_motion_difference, 4, 1, angle(16, -43)},
+    Field{&Ephemeris::mean_anomaly_rad, 4, 17, angle(32, -31)},
+    Field{&Ephemeris::latitude_cosine_rad, 6, 1, negative(16, -29)},
+    Field{&Ephemeris::eccentricity, 6, 17, plain(32, -33)},
+    Field{&Ephemeris::latitude_sine_rad, 8, 1, negative(16, -29)},
+    Field{&Ephemeris::sqrt_semi_major_axis, 8, 17, plain(32, -19)},
+    Field{&Ephemeris::ephemeris_time_s, 10, 1, plain(16, 4)},
 };
 
 constexpr std::array kOrbit3{
-    Field{"Cic", &Ephemeris::inclination_cosine_rad, 3, 1, negative(16, -29)},
-    Field{"OMEGA0", &Ephemeris::ascending_node_rad, 3, 17, angle(32, -31)},
-    Field{"Cis", &Ephemeris::inclination_sine_rad, 5, 1, negative(16, -29)},
-    Field{"i0", &Ephemeris::inclination_rad, 5, 17, angle(32, -31)},
-    Field{"Crc", &Ephemeris::radius_cosine_m, 7, 1, negative(16, -5)},
-    Field{"omega", &Ephemeris::argument_of_perigee_rad, 7, 17, angle(32, -31)},
-    Field{"OMEGADOT", &Ephemeris::ascending_node_rate, 9, 1, angle(24, -43)},
-    Field{"IDOT", &Ephemeris::inclination_rate, 10, 9, angle(14, -43)},
+    Field{&Ephemeris::inclination_cosine_rad, 3, 1, negative(16, -29)},
+    Field{&Ephemeris::ascending_node_rad, 3, 17, angle(32, -31)},
+    Field{&Ephemeris::inclination_sine_rad, 5, 1, negative(16, -29)},
+    Field{&Ephemeris::inclination_rad, 5, 17, angle(32, -31)},
+    Field{&Ephemeris::radius_cosine_m, 7, 1, negative(16, -5)},
+    Field{&Ephemeris::argument_of_perigee_rad, 7, 17, angle(32, -31)},
+    Field{&Ephemeris::ascending_node_rate, 9, 1, angle(24, -43)},
+    Field{&Ephemeris::inclination_rate, 10, 9, angle(14, -43)},
 };
 
 constexpr BitRange kWeek{3, 1, 10};
@@ -122,37 +122,6 @@ void put_ephemeris(SubframeData& data, std::uint8_t id, const Ephemeris& ephemer
       put_bits(data, kIssueOfEphemeris3, ephemeris.issue_of_ephemeris);
       break;
   }
-}
-
-std::string_view unrepresentable(const Ephemeris& ephemeris) {
-  std::string_view name;
-  for_each_field([&](const Field& field) {
-    if (name.empty() && !field.scale.holds(ephemeris.*field.member)) {
-      name = field.name;
-    }
-  });
-  if (!name.empty()) {
-    return name;
-  }
-  if (ephemeris.clock_time_s >= kWeekSeconds) {
-    return "toc";
-  }
-  if (ephemeris.ephemeris_time_s >= kWeekSeconds) {
-    return "toe";
-  }
-  if (ephemeris.accuracy_index > 15) {
-    return "URA";
-  }
-  if (ephemeris.health > 63) {
-    return "SV health";
-  }
-  if (ephemeris.issue_of_clock > 1023) {
-    return "IODC";
-  }
-  if (ephemeris.l2_code > 3) {
-    return "code on L2";
-  }
-  return ephemeris.age_of_data_offset > 31 ? "AODO" : std::string_view{};
 }
 
 Ephemeris quantised(const Ephemeris& ephemeris) {

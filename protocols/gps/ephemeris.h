@@ -7,7 +7,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
 
 #include "protocols/gps/subframe.h"
 #include "protocols/result.h"
@@ -54,10 +53,6 @@ struct Ephemeris {
 /// the week in which the subframe leaves. Values beyond a field are clamped to it.
 void put_ephemeris(SubframeData& data, std::uint8_t id, const Ephemeris& ephemeris,
                    std::int32_t sent_week);
-
-/// The document's name of the first field that cannot carry its value within half a step; empty
-/// when all can.
-[[nodiscard]] std::string_view unrepresentable(const Ephemeris& ephemeris);
 
 /// The same with every field a whole number of the message's steps, as a receiver finds it.
 [[nodiscard]] Ephemeris quantised(const Ephemeris& ephemeris);

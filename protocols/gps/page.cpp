@@ -13,29 +13,27 @@ constexpr BitRange kPageId{3, 3, 6};
 constexpr std::uint32_t kDataIdOfNow = 1;
 
 struct Place {
-  const char* name;
   BitRange bits;
   Scale scale;
 };
 
-constexpr Place place(const char* name, std::uint8_t word, std::uint8_t first, std::uint8_t bits,
-                      bool negative, int exponent) {
-  return {name, {word, first, bits}, {bits, negative, exponent, false}};
+constexpr Place place(std::uint8_t word, std::uint8_t first, std::uint8_t bits, bool negative,
+                      int exponent) {
+  return {{word, first, bits}, {bits, negative, exponent, false}};
 }
 
-constexpr std::array kAlpha{
-    place("alpha0", 3, 9, 8, true, -30), place("alpha1", 3, 17, 8, true, -27),
-    place("alpha2", 4, 1, 8, true, -24), place("alpha3", 4, 9, 8, true, -24)};
-constexpr std::array kBeta{place("beta0", 4, 17, 8, true, 11), place("beta1", 5, 1, 8, true, 14),
-                           place("beta2", 5, 9, 8, true, 16), place("beta3", 5, 17, 8, true, 16)};
-constexpr Place kA1 = place("A1", 6, 1, 24, true, -50);
-constexpr Place kA0 = place("A0", 7, 1, 32, true, -30);
-constexpr Place kReferenceTime = place("tot", 8, 9, 8, false, 12);
+constexpr std::array kAlpha{place(3, 9, 8, true, -30), place(3, 17, 8, true, -27),
+                            place(4, 1, 8, true, -24), place(4, 9, 8, true, -24)};
+constexpr std::array kBeta{place(4, 17, 8, true, 11), place(5, 1, 8, true, 14),
+                           place(5, 9, 8, true, 16), place(5, 17, 8, true, 16)};
+constexpr Place kA1 = place(6, 1, 24, true, -50);
+constexpr Place kA0 = place(7, 1, 32, true, -30);
+constexpr Place kReferenceTime = place(8, 9, 8, false, 12);
 constexpr BitRange kReferenceWeek{8, 17, 8};
-constexpr Place kLeap = place("Delta tLS", 9, 1, 8, true, 0);
+constexpr Place kLeap = place(9, 1, 8, true, 0);
 constexpr BitRange kLeapWeek{9, 9, 8};
 constexpr BitRange kLeapDay{9, 17, 8};
-constexpr Place kLeapFuture = place("Delta tLSF", 10, 1, 8, true, 0);
+constexpr Place kLeapFuture = place(10, 1, 8, true, 0);
 constexpr std::int32_t kWeekModulus = 256;
 
 void put(SubframeData& data, const Place& place, double value) {
@@ -74,34 +72,6 @@ void put_ionosphere_utc(SubframeData& data, const IonosphereUtc& parameters) {
   put_bits(data, kLeapWeek, static_cast<std::uint32_t>(parameters.leap_week % kWeekModulus));
   put_bits(data, kLeapDay, static_cast<std::uint32_t>(parameters.leap_day));
   put(data, kLeapFuture, parameters.leap_seconds_future);
-}
-
-std::string_view unrepresentable(const IonosphereUtc& parameters) {
-  for (std::size_t i = 0; i < 4; ++i) {
-    if (!kAlpha[i].scale.holds(parameters.alpha[i])) {
-      return kAlpha[i].name;
-    }
-    if (!kBeta[i].scale.holds(parameters.beta[i])) {
-      return kBeta[i].name;
-    }
-  }
-  if (!kA1.scale.holds(parameters.utc_a1)) {
-    return kA1.name;
-  }
-  if (!kA0.scale.holds(parameters.utc_a0_s)) {
-    return kA0.name;
-  }
-  if (!kReferenceTime.scale.holds(parameters.utc_reference_time_s) ||
-      parameters.utc_reference_time_s >= kWeekSeconds) {
-    return kReferenceTime.name;
-  }
-  if (!kLeap.scale.holds(parameters.leap_seconds)) {
-    return kLeap.name;
-  }
-  if (!kLeapFuture.scale.holds(parameters.leap_seconds_future)) {
-    return kLeapFuture.name;
-  }
-  return parameters.leap_day < 1 || parameters.leap_day > 7 ? "DN" : std::string_view{};
 }
 
 Decoded<IonosphereUtc> decode_ionosphere_utc(const SubframeData& data, std::int32_t week_hint) {

@@ -7,7 +7,6 @@
 
 #include <array>
 #include <cstdint>
-#include <string_view>
 
 #include "protocols/gps/subframe.h"
 #include "protocols/result.h"
@@ -43,8 +42,6 @@ void begin_page(SubframeData& data, std::uint8_t id);
 
 /// Words 3..10 of subframe 4 page 18. Values beyond a field are clamped to it.
 void put_ionosphere_utc(SubframeData& data, const IonosphereUtc& parameters);
-/// The document's name of the first field that cannot carry its value; empty when all can.
-[[nodiscard]] std::string_view unrepresentable(const IonosphereUtc& parameters);
 /// Malformed for another page id (offset 2, counted in words). `week_hint` within 127 weeks.
 [[nodiscard]] Decoded<IonosphereUtc> decode_ionosphere_utc(const SubframeData& data,
                                                            std::int32_t week_hint);

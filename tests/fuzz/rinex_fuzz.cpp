@@ -33,7 +33,8 @@ void navigation(std::string_view text) {
     require(e.ephemeris_time_s >= 0.0 && e.ephemeris_time_s < gps::kWeekSeconds);
     require(e.clock_time_s >= 0.0 && e.clock_time_s < gps::kWeekSeconds);
     const gps::Ephemeris quantised = gps::quantised(e);
-    if (gps::unrepresentable(quantised).empty() && quantised.sqrt_semi_major_axis > 0.0 &&
+    if (quantised.ephemeris_time_s < gps::kWeekSeconds &&
+        quantised.clock_time_s < gps::kWeekSeconds && quantised.sqrt_semi_major_axis > 0.0 &&
         quantised.week >= 0 && quantised.week < 99'999) {
       exact.records.push_back({quantised, 0.0});
     }

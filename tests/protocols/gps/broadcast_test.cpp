@@ -106,7 +106,6 @@ TEST(GpsBroadcast, PageIdsAreThoseOfTable20V) {
 
 TEST(GpsBroadcast, IonosphereAndUtcComeBackAtTheirLimits) {
   const Broadcast broadcast = example();
-  EXPECT_EQ(unrepresentable(broadcast.ionosphere_utc), "");
   const auto back = decode_ionosphere_utc(sent(broadcast, 4, 18), 2300);
   ASSERT_TRUE(back.ok());
   EXPECT_EQ(*back, broadcast.ionosphere_utc);
@@ -162,7 +161,6 @@ TEST(GpsAlmanac, EveryFieldComesBackAtItsLimits) {
                      .argument_of_perigee_rad = 0x7FFFFF * std::ldexp(semi, -23),
                      .ascending_node_rate = 0x7FFF * std::ldexp(semi, -38)};
   for (const Almanac& almanac : {low, high}) {
-    EXPECT_EQ(unrepresentable(almanac), "");
     EXPECT_EQ(quantised(almanac), almanac);
   }
 }
@@ -196,7 +194,6 @@ TEST(GpsAlmanac, ReducedOrbitFollowsTheEphemeris) {
 
 TEST(GpsAlmanac, ExtendedAndReducedAgainIsTheSame) {
   const Almanac almanac = reduced(orbit(1), 2297, 294'912.0);
-  EXPECT_EQ(unrepresentable(extended(almanac)), "");
   EXPECT_EQ(reduced(quantised(extended(almanac)), 2297, 294'912.0), almanac);
 }
 

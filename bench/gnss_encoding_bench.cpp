@@ -5,9 +5,8 @@
 
 #include "bench/gnss_bench.h"
 #include "emulators/ublox/receiver.h"
-#include "protocols/nmea/position_sentences.h"
+#include "protocols/nmea/readers.h"
 #include "protocols/ubx/navigation.h"
-#include "protocols/ubx/navigation_precise.h"
 #include "sim/local_frame.h"
 #include "sim/random.h"
 

@@ -6,7 +6,8 @@
 
 #include "protocols/modbus/mbap.h"
 #include "protocols/modbus/pdu.h"
-#include "protocols/nmea/position_sentences.h"
+#include "protocols/nmea/readers.h"
+#include "protocols/nmea/writers.h"
 #include "protocols/openimu/messages.h"
 #include "protocols/ubx/navigation.h"
 #include "protocols/velodyne/data_packet.h"

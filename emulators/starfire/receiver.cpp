@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "protocols/nmea/satellite_numbers.h"
+#include "protocols/nmea/writers.h"
 
 namespace rigwire::emulators {
 namespace {
@@ -49,18 +50,6 @@ std::optional<nmea::SatelliteInView> in_view(const SatelliteView& view) {
   }
   satellite.used = view.used;
   return satellite;
-}
-
-nmea::CarrierFix carrier_fix(CarrierSolution carrier) {
-  switch (carrier) {
-    case CarrierSolution::none:
-      return nmea::CarrierFix::none;
-    case CarrierSolution::floating:
-      return nmea::CarrierFix::floating;
-    case CarrierSolution::fixed:
-      return nmea::CarrierFix::fixed;
-  }
-  return nmea::CarrierFix::none;
 }
 
 std::optional<double> known(double dilution) {
@@ -124,7 +113,7 @@ nmea::Epoch StarFireReceiver::epoch() {
   e.fix_dimensions = s.fix == GnssFix::three_d ? 3 : s.fix == GnssFix::two_d ? 2 : 0;
   e.differential = s.differential;
   e.differential_age_s = s.differential_age_s;
-  e.carrier = carrier_fix(s.carrier);
+  e.carrier = static_cast<nmea::CarrierFix>(s.carrier);
   e.latitude_deg = s.latitude_deg;
   e.longitude_deg = s.longitude_deg;
   e.altitude_m = s.ellipsoid_height_m - s.geoid_separation_m;

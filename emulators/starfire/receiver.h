@@ -13,7 +13,7 @@
 #include "emulators/device.h"
 #include "emulators/starfire/settings.h"
 #include "emulators/ublox/transmitter.h"
-#include "protocols/nmea/position_sentences.h"
+#include "protocols/nmea/epoch.h"
 #include "sim/samples/calendar.h"
 
 namespace rigwire::emulators {

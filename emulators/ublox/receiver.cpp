@@ -6,9 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "protocols/nmea/position_sentences.h"
-#include "protocols/nmea/pubx_sentences.h"
-#include "protocols/nmea/satellite_sentences.h"
+#include "protocols/nmea/writers.h"
 #include "protocols/ubx/aiding.h"
 #include "protocols/ubx/identity.h"
 #include "protocols/ubx/information.h"

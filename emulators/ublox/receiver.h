@@ -26,7 +26,7 @@
 #include "emulators/ublox/settings.h"
 #include "emulators/ublox/solution.h"
 #include "emulators/ublox/transmitter.h"
-#include "protocols/nmea/position_sentences.h"
+#include "protocols/nmea/writers.h"
 #include "protocols/rtcm3/frame.h"
 #include "protocols/ubx/frame.h"
 #include "sim/samples/calendar.h"

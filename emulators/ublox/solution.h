@@ -13,7 +13,7 @@
 
 #include "emulators/ublox/profile.h"
 #include "protocols/nmea/epoch.h"
-#include "protocols/nmea/pubx_sentences.h"
+#include "protocols/nmea/writers.h"
 #include "protocols/ubx/frame.h"
 #include "sim/samples/calendar.h"
 #include "sim/samples/gnss_sample.h"

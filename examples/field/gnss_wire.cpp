@@ -3,6 +3,8 @@
 #include <numbers>
 #include <utility>
 
+#include "protocols/nmea/readers.h"
+
 namespace rigwire::field {
 
 namespace nmea = protocols::nmea;

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "protocols/nmea/position_sentences.h"
+#include "protocols/nmea/sentence.h"
 
 namespace rigwire::field {
 

@@ -61,16 +61,10 @@ struct SatelliteInView {
 
 /// Expected errors, one standard deviation.
 struct ErrorStatistics {
-  struct Ellipse {
-    double major_m = 0.0;
-    double minor_m = 0.0;
-    double orientation_deg = 0.0;  ///< Of the major axis, clockwise from north.
-  };
   double range_m = 0.0;  ///< Root mean square of the ranges' standard deviations.
   double latitude_m = 0.0;
   double longitude_m = 0.0;
   double altitude_m = 0.0;
-  std::optional<Ellipse> ellipse{};  ///< Most u-blox receivers leave it empty.
 };
 
 enum class CarrierFix : std::uint8_t { none, floating, fixed };
@@ -89,15 +83,13 @@ struct Epoch {
   /// Systems that are switched on (system_bit). 0: one system, that of the talker, whatever the
   /// satellites say; GSV then has the main talker and there is one GSA.
   unsigned systems = 0;
-  bool gsv_main_talker = false;           ///< GSV has the main talker, not its system's.
-  std::string_view beidou_talker = "GB";  ///< Of GSV.
-  int maximum_satellites = 0;             ///< In GSV, for each talker; 0 = no limit.
+  bool gsv_main_talker = false;  ///< GSV has the main talker, not its system's.
+  int maximum_satellites = 0;    ///< In GSV, for each talker; 0 = no limit.
 
   std::optional<TimeOfDay> time;
   std::optional<Date> date;
-  int fix_dimensions = 0;       ///< 0 (no fix), 2 or 3. Without fix the position is not printed.
-  bool differential = false;    ///< Quality 2 and mode D instead of 1 and A.
-  bool dead_reckoning = false;  ///< The fix is an estimate without satellites: quality 6, mode E.
+  int fix_dimensions = 0;     ///< 0 (no fix), 2 or 3. Without fix the position is not printed.
+  bool differential = false;  ///< Quality 2 and mode D instead of 1 and A.
   CarrierFix carrier = CarrierFix::none;     ///< Quality 5 or 4, mode F or R; from version 4.0 on.
   std::optional<double> differential_age_s;  ///< Printed with differential fixes only.
   int station = 0;                           ///< Printed with differential fixes only, 0..9999.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "protocols/nmea/position_sentences.h"
+#include "protocols/nmea/writers.h"
 #include "protocols/openimu/messages.h"
 #include "protocols/velodyne/data_packet.h"
 #include "protocols/velodyne/model.h"

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "path_follow/speed_control.h"
-#include "protocols/nmea/position_sentences.h"
+#include "protocols/nmea/writers.h"
 #include "protocols/openimu/messages.h"
 
 namespace rigwire::field {

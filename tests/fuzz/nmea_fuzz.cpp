@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "protocols/nmea/position_sentences.h"
+#include "protocols/nmea/readers.h"
 #include "protocols/nmea/sentence.h"
 
 namespace {

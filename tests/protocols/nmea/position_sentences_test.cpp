@@ -1,4 +1,5 @@
-#include "protocols/nmea/position_sentences.h"
+#include "protocols/nmea/readers.h"
+#include "protocols/nmea/writers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,7 +23,7 @@ TEST(NmeaWriters, PrintTheRecordedEpochByteForByte) {
   EXPECT_EQ(text(write_vtg(epoch)), "$GPVTG,,T,,M,0.039,N,0.072,K,D*29\r\n");
   EXPECT_EQ(text(write_gga(epoch)),
             "$GPGGA,195318.00,3401.21530,N,11817.41346,W,2,11,1.37,86.1,M,-32.8,M,,0000*5D\r\n");
-  EXPECT_EQ(text(write_gsa(epoch)),
+  EXPECT_EQ(text(write_gsa(epoch, 1)),
             "$GPGSA,A,3,03,23,10,07,27,32,48,51,30,16,09,,2.59,1.37,2.19*06\r\n");
 }
 
@@ -31,7 +32,7 @@ TEST(NmeaWriters, ColdStartIsPrintedAsTheRealReceiverDoes) {
   EXPECT_EQ(text(write_rmc(epoch)), "$GPRMC,,V,,,,,,,,,,N*53\r\n");
   EXPECT_EQ(text(write_vtg(epoch)), "$GPVTG,,,,,,,,,N*30\r\n");
   EXPECT_EQ(text(write_gga(epoch)), "$GPGGA,,,,,,0,00,99.99,,,,,,*48\r\n");
-  EXPECT_EQ(text(write_gsa(epoch)), "$GPGSA,A,1,,,,,,,,,,,,,99.99,99.99,99.99*30\r\n");
+  EXPECT_EQ(text(write_gsa(epoch, 1)), "$GPGSA,A,1,,,,,,,,,,,,,99.99,99.99,99.99*30\r\n");
   EXPECT_EQ(text(write_gsv(epoch, 1)), "$GPGSV,1,1,00*79\r\n");
   EXPECT_EQ(text(write_gll(epoch)), "$GPGLL,,,,,,V,N*64\r\n");
 }
@@ -152,16 +153,6 @@ TEST(NmeaWriters, CarrierSolutionsAreToldByVersion) {
     EXPECT_THAT(text(write_gll(epoch)), testing::HasSubstr(",A,D*"));
     EXPECT_THAT(text(write_vtg(epoch)), testing::HasSubstr(",K,D*"));
   }
-}
-
-TEST(NmeaWriters, DeadReckoningIsEstimatedAndVersion21DoesNotKnowIt) {
-  Epoch epoch = examples();
-  epoch.dead_reckoning = true;
-  EXPECT_THAT(text(write_gga(epoch)), testing::HasSubstr(",E,6,"));
-  EXPECT_THAT(text(write_gll(epoch)), testing::HasSubstr(",A,E*"));
-  epoch.version = Version::v21;
-  EXPECT_THAT(text(write_gga(epoch)), testing::HasSubstr(",E,1,"));
-  EXPECT_THAT(text(write_gll(epoch)), testing::EndsWith(",083559.00,A*06\r\n"));
 }
 
 TEST(NmeaWriters, StationOfSbasCorrectionsIsItsPrnAndEmptyWithoutCorrections) {

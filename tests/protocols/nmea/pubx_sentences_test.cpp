@@ -1,4 +1,4 @@
-#include "protocols/nmea/pubx_sentences.h"
+#include "protocols/nmea/writers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -52,8 +52,6 @@ TEST(NmeaPubx, StatesOfTheFix) {
   EXPECT_THAT(text(write_pubx_position(epoch)), testing::HasSubstr(",D2,"));
   epoch.fix_dimensions = 3;
   EXPECT_THAT(text(write_pubx_position(epoch)), testing::HasSubstr(",D3,"));
-  epoch.dead_reckoning = true;
-  EXPECT_THAT(text(write_pubx_position(epoch)), testing::HasSubstr(",DR,"));
 }
 
 SatelliteInView tracked(int number, bool used, bool ephemeris, int locked_s) {

@@ -9,9 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "protocols/nmea/position_sentences.h"
-#include "protocols/nmea/pubx_sentences.h"
 #include "protocols/nmea/satellite_numbers.h"
+#include "protocols/nmea/writers.h"
 #include "sentences.h"
 
 namespace rigwire::protocols::nmea {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "protocols/nmea/position_sentences.h"
+#include "protocols/nmea/writers.h"
 #include "sentences.h"
 
 namespace rigwire::protocols::nmea {

@@ -70,12 +70,12 @@ void UbloxKeyStore::clear(Layer& layer) {
 }
 
 bool UbloxKeyStore::handles(MessageId id) const {
-  return id == CfgValsetHead::kId || id == CfgValgetHead::kId || id == CfgValdelHead::kId ||
+  return id == kCfgValset || id == kCfgValget || id == kCfgValdel ||
          id == CfgCfg::kId;
 }
 
 bool UbloxKeyStore::is_poll(const FrameView& frame) const {
-  return frame.id == CfgValgetHead::kId;
+  return frame.id == kCfgValget;
 }
 
 std::optional<std::uint64_t> UbloxKeyStore::value(const UbloxConfiguration& configuration,
@@ -132,7 +132,7 @@ bool UbloxKeyStore::set(UbloxConfiguration& configuration, const FrameView& fram
     interrupt();
     return set_store(configuration, frame.payload);
   }
-  const Action action = frame.id == CfgValsetHead::kId ? Action::set : Action::remove;
+  const Action action = frame.id == kCfgValset ? Action::set : Action::remove;
   const auto wanted = action == Action::set ? decode_valset(frame) : decode_valdel(frame);
   if (!wanted.ok() || !change(configuration, action, *wanted)) {
     interrupt();

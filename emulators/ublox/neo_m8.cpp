@@ -18,8 +18,6 @@
 #include "protocols/ubx/identity.h"
 #include "protocols/ubx/monitor.h"
 #include "protocols/ubx/navigation.h"
-#include "protocols/ubx/navigation_precise.h"
-#include "protocols/ubx/navigation_satellites.h"
 #include "protocols/ubx/raw_measurements.h"
 #include "protocols/ubx/timing.h"
 

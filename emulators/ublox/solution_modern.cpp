@@ -10,7 +10,6 @@
 #include "emulators/ublox/wire_units.h"
 #include "protocols/ubx/blocks.h"
 #include "protocols/ubx/navigation.h"
-#include "protocols/ubx/navigation_precise.h"
 #include "protocols/ubx/precise_position.h"
 
 namespace rigwire::emulators {

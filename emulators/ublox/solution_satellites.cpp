@@ -5,7 +5,7 @@
 #include "emulators/ublox/solution.h"
 #include "emulators/ublox/wire_units.h"
 #include "protocols/ubx/blocks.h"
-#include "protocols/ubx/navigation_satellites.h"
+#include "protocols/ubx/navigation.h"
 
 namespace rigwire::emulators {
 namespace {

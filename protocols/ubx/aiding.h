@@ -33,15 +33,11 @@ struct AidIni {
   /// b0 position, b1 time, b2 drift, b3 time mark, b4 frequency, b5 geodetic, b6 no altitude.
   std::uint32_t flags = 0;
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &AidIni::position), at(12, &AidIni::position_accuracy_cm),
-                           at(16, &AidIni::time_mark), at(18, &AidIni::week),
-                           at(20, &AidIni::time_of_week_ms), at(24, &AidIni::time_of_week_rest_ns),
-                           at(28, &AidIni::time_accuracy_ms), at(32, &AidIni::time_accuracy_ns),
-                           at(36, &AidIni::clock_drift), at(40, &AidIni::clock_drift_accuracy),
-                           at(44, &AidIni::flags));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.position, m.position_accuracy_cm, m.time_mark, m.week, m.time_of_week_ms,
+                    m.time_of_week_rest_ns, m.time_accuracy_ms, m.time_accuracy_ns, m.clock_drift,
+                    m.clock_drift_accuracy, m.flags);
   }
-  friend bool operator==(const AidIni&, const AidIni&) = default;
 };
 
 /// AID-HUI: health, UTC and ionosphere of GPS.
@@ -63,15 +59,11 @@ struct AidHui {
   std::array<float, 4> klobuchar_beta{};
   std::uint32_t flags = 0;  ///< b0 health, b1 UTC, b2 ionosphere valid.
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &AidHui::health), at(4, &AidHui::utc_a0_s),
-                           at(12, &AidHui::utc_a1), at(20, &AidHui::utc_reference_s),
-                           at(24, &AidHui::utc_reference_week), at(26, &AidHui::leap_seconds),
-                           at(28, &AidHui::leap_week), at(30, &AidHui::leap_day),
-                           at(32, &AidHui::leap_seconds_future), at(36, &AidHui::klobuchar_alpha),
-                           at(52, &AidHui::klobuchar_beta), at(68, &AidHui::flags));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.health, m.utc_a0_s, m.utc_a1, m.utc_reference_s, m.utc_reference_week,
+                    m.leap_seconds, m.leap_week, m.leap_day, m.leap_seconds_future, gap<2>,
+                    m.klobuchar_alpha, m.klobuchar_beta, m.flags);
   }
-  friend bool operator==(const AidHui&, const AidHui&) = default;
 };
 
 /// AID-ALM without an almanac: what a receiver answers that has none.
@@ -82,10 +74,7 @@ struct AidAlmHead {
   std::uint32_t satellite = 0;
   std::uint32_t week = 0;  ///< 0 = no almanac.
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &AidAlmHead::satellite), at(4, &AidAlmHead::week));
-  }
-  friend bool operator==(const AidAlmHead&, const AidAlmHead&) = default;
+  static constexpr auto fields(auto& m) { return std::tie(m.satellite, m.week); }
 };
 
 /// AID-ALM with one.
@@ -98,10 +87,7 @@ struct AidAlm {
   /// Words 3..10 of the almanac page, 24 bits each, no parity.
   std::array<std::uint32_t, 8> words{};
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &AidAlm::satellite), at(4, &AidAlm::week), at(8, &AidAlm::words));
-  }
-  friend bool operator==(const AidAlm&, const AidAlm&) = default;
+  static constexpr auto fields(auto& m) { return std::tie(m.satellite, m.week, m.words); }
 };
 
 /// AID-EPH without an ephemeris: what a receiver answers that has none.
@@ -112,10 +98,7 @@ struct AidEphHead {
   std::uint32_t satellite = 0;
   std::uint32_t handover_word = 0;  ///< 0 = no ephemeris.
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &AidEphHead::satellite), at(4, &AidEphHead::handover_word));
-  }
-  friend bool operator==(const AidEphHead&, const AidEphHead&) = default;
+  static constexpr auto fields(auto& m) { return std::tie(m.satellite, m.handover_word); }
 };
 
 /// AID-EPH with one.
@@ -129,27 +112,9 @@ struct AidEph {
   std::array<std::uint32_t, 8> subframe2{};
   std::array<std::uint32_t, 8> subframe3{};
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &AidEph::satellite), at(4, &AidEph::handover_word),
-                           at(8, &AidEph::subframe1), at(40, &AidEph::subframe2),
-                           at(72, &AidEph::subframe3));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.satellite, m.handover_word, m.subframe1, m.subframe2, m.subframe3);
   }
-  friend bool operator==(const AidEph&, const AidEph&) = default;
-};
-
-/// AID-AOP: orbits extrapolated by the receiver, of one satellite; the content is not documented.
-struct AidAop {
-  static constexpr MessageId kId{0x0B, 0x33};
-  static constexpr std::size_t kLength = 2 /*satellite*/ + 2 /*reserved*/ + 64 /*data*/;
-
-  std::uint8_t system = 0;
-  std::uint8_t satellite = 0;
-  std::array<std::uint8_t, 64> data{};
-
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &AidAop::system), at(1, &AidAop::satellite), at(4, &AidAop::data));
-  }
-  friend bool operator==(const AidAop&, const AidAop&) = default;
 };
 
 }  // namespace rigwire::protocols::ubx

@@ -93,16 +93,5 @@ inline constexpr std::size_t kMessageRatePorts = 5;
 
 /// By key.
 [[nodiscard]] std::span<const MessageRateKeys> message_rate_keys();
-/// The first of a message's five keys; 0 when it has none.
-[[nodiscard]] std::uint32_t message_rate_key(MessageId message);
-
-namespace detail {
-
-// The tables behind configuration_keys(), each by group and item.
-[[nodiscard]] std::span<const ConfigurationKey> interface_keys();
-[[nodiscard]] std::span<const ConfigurationKey> navigation_keys();
-[[nodiscard]] std::span<const ConfigurationKey> base_station_keys();
-
-}  // namespace detail
 
 }  // namespace rigwire::protocols::ubx

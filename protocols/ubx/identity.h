@@ -22,10 +22,7 @@ struct SecUniqid {
   std::uint8_t version = 1;
   std::array<std::uint8_t, 5> number{};
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &SecUniqid::version), at(4, &SecUniqid::number));
-  }
-  friend bool operator==(const SecUniqid&, const SecUniqid&) = default;
+  static constexpr auto fields(auto& m) { return std::tie(m.version, gap<3>, m.number); }
 };
 
 /// Class of the data logger's messages; LOG-CREATE, LOG-ERASE and LOG-RETRIEVE among them are
@@ -49,13 +46,10 @@ struct LogInfo {
   std::uint32_t entries = 0;
   std::uint8_t status = 0;  ///< b3 recording, b4 inactive (no log), b5 circular.
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &LogInfo::version), at(4, &LogInfo::capacity_bytes),
-                           at(8, &LogInfo::reserved), at(16, &LogInfo::greatest_log_bytes),
-                           at(20, &LogInfo::log_bytes), at(24, &LogInfo::entries),
-                           at(44, &LogInfo::status));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.version, gap<3>, m.capacity_bytes, m.reserved, m.greatest_log_bytes,
+                    m.log_bytes, m.entries, gap<16>, m.status, gap<3>);
   }
-  friend bool operator==(const LogInfo&, const LogInfo&) = default;
 };
 
 }  // namespace rigwire::protocols::ubx

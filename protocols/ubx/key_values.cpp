@@ -9,7 +9,7 @@ constexpr std::size_t kKeyBytes = 4;
 constexpr Malformed kOtherMessage{"another UBX message", 2};
 constexpr Malformed kTooShort{"UBX payload length", 4};
 constexpr Malformed kWrongVersion{"unknown version of a key list", kHeaderBytes};
-constexpr Malformed kBadList{"cut or too long key list", kHeaderBytes + CfgValsetHead::kLength};
+constexpr Malformed kBadList{"cut or too long key list", kHeaderBytes + kKeyListHeadBytes};
 
 using Payload = std::span<const std::uint8_t>;
 
@@ -33,12 +33,13 @@ std::size_t frame_bytes(const FrameView& frame) {
   return kOverheadBytes + frame.payload.size();
 }
 
-Decoded<KeyChange> decode_change(const FrameView& frame, MessageId id,
-                                 std::optional<std::size_t> (*count)(Payload)) {
+using Count = std::optional<std::size_t> (*)(Payload);
+
+Decoded<KeyChange> decode_change(const FrameView& frame, MessageId id, Count count) {
   if (frame.id != id) {
     return kOtherMessage;
   }
-  if (frame.payload.size() < CfgValsetHead::kLength) {
+  if (frame.payload.size() < kKeyListHeadBytes) {
     return kTooShort;
   }
   KeyChange change;
@@ -50,13 +51,35 @@ Decoded<KeyChange> decode_change(const FrameView& frame, MessageId id,
   if (change.version == 1) {
     change.transaction = static_cast<Transaction>(frame.payload[2] & 3U);
   }
-  change.list = frame.payload.subspan(CfgValsetHead::kLength);
+  change.list = frame.payload.subspan(kKeyListHeadBytes);
   const auto found = count(change.list);
   if (!found) {
     return kBadList;
   }
   change.count = *found;
   return {change, frame_bytes(frame)};
+}
+
+Decoded<KeyQuery> decode_query(const FrameView& frame, std::uint8_t version, Count count) {
+  if (frame.id != kCfgValget) {
+    return kOtherMessage;
+  }
+  if (frame.payload.size() < kKeyListHeadBytes) {
+    return kTooShort;
+  }
+  if (frame.payload[0] != version) {
+    return kWrongVersion;
+  }
+  KeyQuery query;
+  query.layer = frame.payload[1];
+  query.position = load_little<std::uint16_t>(frame.payload, 2);
+  query.list = frame.payload.subspan(kKeyListHeadBytes);
+  const auto found = count(query.list);
+  if (!found) {
+    return kBadList;
+  }
+  query.count = *found;
+  return {query, frame_bytes(frame)};
 }
 
 }  // namespace
@@ -88,13 +111,13 @@ std::optional<std::uint32_t> KeyReader::next() {
 }
 
 bool KeyListWriter::head(std::uint8_t version, std::uint8_t layer, std::uint16_t rest) {
-  if (out_.size() < size_ + CfgValsetHead::kLength) {
+  if (out_.size() < size_ + kKeyListHeadBytes) {
     return false;
   }
   out_[size_] = version;
   out_[size_ + 1] = layer;
   store_little(out_, size_ + 2, rest);
-  size_ += CfgValsetHead::kLength;
+  size_ += kKeyListHeadBytes;
   return true;
 }
 
@@ -121,55 +144,19 @@ bool KeyListWriter::value(const KeyValue& pair) {
 }
 
 Decoded<KeyChange> decode_valset(const FrameView& frame) {
-  return decode_change(frame, CfgValsetHead::kId, count_pairs);
+  return decode_change(frame, kCfgValset, count_pairs);
 }
 
 Decoded<KeyChange> decode_valdel(const FrameView& frame) {
-  return decode_change(frame, CfgValdelHead::kId, count_keys);
+  return decode_change(frame, kCfgValdel, count_keys);
 }
 
 Decoded<KeyQuery> decode_valget(const FrameView& frame) {
-  if (frame.id != CfgValgetHead::kId) {
-    return kOtherMessage;
-  }
-  if (frame.payload.size() < CfgValsetHead::kLength) {
-    return kTooShort;
-  }
-  if (frame.payload[0] != 0) {
-    return kWrongVersion;
-  }
-  KeyQuery query;
-  query.layer = frame.payload[1];
-  query.position = load_little<std::uint16_t>(frame.payload, 2);
-  query.list = frame.payload.subspan(CfgValsetHead::kLength);
-  const auto count = count_keys(query.list);
-  if (!count) {
-    return kBadList;
-  }
-  query.count = *count;
-  return {query, frame_bytes(frame)};
+  return decode_query(frame, 0, count_keys);
 }
 
-Decoded<KeyAnswer> decode_valget_reply(const FrameView& frame) {
-  if (frame.id != CfgValgetHead::kId) {
-    return kOtherMessage;
-  }
-  if (frame.payload.size() < CfgValsetHead::kLength) {
-    return kTooShort;
-  }
-  if (frame.payload[0] != 1) {
-    return kWrongVersion;
-  }
-  KeyAnswer answer;
-  answer.layer = frame.payload[1];
-  answer.position = load_little<std::uint16_t>(frame.payload, 2);
-  answer.list = frame.payload.subspan(CfgValsetHead::kLength);
-  const auto count = count_pairs(answer.list);
-  if (!count) {
-    return kBadList;
-  }
-  answer.count = *count;
-  return {answer, frame_bytes(frame)};
+Decoded<KeyQuery> decode_valget_reply(const FrameView& frame) {
+  return decode_query(frame, 1, count_pairs);
 }
 
 }  // namespace rigwire::protocols::ubx

@@ -18,22 +18,32 @@
 
 #include "protocols/result.h"
 #include "protocols/ubx/configuration_keys.h"
-#include "protocols/ubx/configuration_values.h"
 #include "protocols/ubx/frame.h"
 
 namespace rigwire::protocols::ubx {
 
-inline constexpr std::size_t kLongestValue = 8;
+inline constexpr MessageId kCfgValset{0x06, 0x8A};
+inline constexpr MessageId kCfgValget{0x06, 0x8B};
+inline constexpr MessageId kCfgValdel{0x06, 0x8C};
+
+/// Layers as CFG-VALSET and CFG-VALDEL mask them.
+inline constexpr std::uint8_t kLayerMaskRam = 0x01;
+inline constexpr std::uint8_t kLayerMaskBattery = 0x02;
+inline constexpr std::uint8_t kLayerMaskFlash = 0x04;
+/// Layers as CFG-VALGET numbers them.
+inline constexpr std::uint8_t kLayerRam = 0;
+inline constexpr std::uint8_t kLayerBattery = 1;
+inline constexpr std::uint8_t kLayerFlash = 2;
+inline constexpr std::uint8_t kLayerDefault = 7;
+
+/// Most items of one message.
+inline constexpr std::size_t kMaximumConfigurationItems = 64;
+inline constexpr std::size_t kKeyListHeadBytes = 4 /*version, layer, transaction or position*/;
 /// The longest payload of all three.
 inline constexpr std::size_t kLongestKeyList =
-    CfgValsetHead::kLength + kMaximumConfigurationItems * (4 /*key*/ + kLongestValue);
+    kKeyListHeadBytes + kMaximumConfigurationItems * (4 /*key*/ + 8 /*value*/);
 
-enum class Transaction : std::uint8_t {
-  none = kTransactionNone,
-  start = kTransactionStart,
-  ongoing = kTransactionGoOn,
-  apply = kTransactionApply,
-};
+enum class Transaction : std::uint8_t { none = 0, start = 1, ongoing = 2, apply = 3 };
 
 struct KeyValue {
   std::uint32_t key = 0;
@@ -52,10 +62,10 @@ struct KeyChange {
   std::size_t count = 0;
 };
 
-/// VALGET's request; `list` holds keys, for KeyReader.
+/// VALGET: the request's keys, for KeyReader, or the answer's keys and values, for KeyValueReader.
 struct KeyQuery {
-  std::uint8_t layer = 0;  ///< As it came; kLayerRam and the following ones exist.
-  std::uint16_t position = 0;
+  std::uint8_t layer = 0;      ///< As it came; kLayerRam and the following ones exist.
+  std::uint16_t position = 0;  ///< So many items are left out at the beginning.
   std::span<const std::uint8_t> list;
   std::size_t count = 0;
 };
@@ -65,14 +75,8 @@ struct KeyQuery {
 [[nodiscard]] Decoded<KeyChange> decode_valset(const FrameView& frame);
 [[nodiscard]] Decoded<KeyChange> decode_valdel(const FrameView& frame);
 [[nodiscard]] Decoded<KeyQuery> decode_valget(const FrameView& frame);
-/// VALGET's reply, for clients: keys and values in `list`.
-struct KeyAnswer {
-  std::uint8_t layer = 0;
-  std::uint16_t position = 0;
-  std::span<const std::uint8_t> list;
-  std::size_t count = 0;
-};
-[[nodiscard]] Decoded<KeyAnswer> decode_valget_reply(const FrameView& frame);
+/// VALGET's reply, for clients.
+[[nodiscard]] Decoded<KeyQuery> decode_valget_reply(const FrameView& frame);
 
 /// Walks a list of keys and values; stops at the first one that is cut or has no size.
 class KeyValueReader {

@@ -1,12 +1,12 @@
-// One field table per UBX message, shared by encoder and decoder.
+// One list of fields per UBX message, shared by encoder and decoder.
 //
 // A message is a plain struct in wire units with
 //   static constexpr MessageId kId;  static constexpr std::size_t kLength;  (payload bytes)
-//   static constexpr auto fields()   a tuple of at(offset, &Message::member)
+//   static constexpr auto fields(auto& m)   std::tie of its members in the order of the payload
 // A member is a number (integer, float, double: U, I, R4, R8), or a std::array of numbers
-// (consecutive). Bytes that no field covers are
-// reserved: written as zero, ignored on reading. Messages with a repeated part are two such
-// structs, a head and a block.
+// (consecutive). gap<n> stands for n reserved bytes: written as zero, ignored on reading. Fields
+// and gaps together have kLength bytes. Messages with a repeated part are two such structs, a head
+// and a block.
 #pragma once
 
 #include <algorithm>
@@ -25,16 +25,12 @@
 
 namespace rigwire::protocols::ubx {
 
-template <class Message, class Value>
-struct Field {
-  std::size_t offset = 0;
-  Value Message::*member = nullptr;
+template <std::size_t kBytes>
+struct Gap {
+  friend constexpr bool operator==(const Gap&, const Gap&) = default;
 };
-
-template <class Message, class Value>
-[[nodiscard]] constexpr Field<Message, Value> at(std::size_t offset, Value Message::*member) {
-  return {offset, member};
-}
+template <std::size_t kBytes>
+inline constexpr Gap<kBytes> gap{};
 
 namespace detail {
 
@@ -77,46 +73,65 @@ constexpr void load(std::span<const std::uint8_t> bytes, std::size_t offset,
   }
 }
 
+template <std::size_t kBytes>
+constexpr void store(std::span<std::uint8_t> bytes, std::size_t offset, const Gap<kBytes>&) {
+  std::ranges::fill(bytes.subspan(offset, kBytes), std::uint8_t{0});
+}
+template <std::size_t kBytes>
+constexpr void load(std::span<const std::uint8_t>, std::size_t, const Gap<kBytes>&) {}
+
+template <class Field>
+inline constexpr std::size_t kFieldBytes = sizeof(Field);
+template <std::size_t kBytes>
+inline constexpr std::size_t kFieldBytes<Gap<kBytes>> = kBytes;
+
+/// Calls visit(offset, field) for each field and gap; returns the offset behind the last one.
+template <class Fields, class Visit>
+constexpr std::size_t for_each_field(const Fields& fields, [[maybe_unused]] const Visit& visit) {
+  std::size_t offset = 0;
+  std::apply(
+      [&](auto&... field) {
+        ((visit(offset, field), offset += kFieldBytes<std::remove_cvref_t<decltype(field)>>), ...);
+      },
+      fields);
+  return offset;
+}
+
 }  // namespace detail
 
-/// True when every field lies within the message and no two overlap; for static_assert.
+/// Messages are equal when all their fields are.
+template <class Message>
+requires requires(const Message& m) {
+  Message::fields(m);
+}
+[[nodiscard]] constexpr bool operator==(const Message& left, const Message& right) {
+  return Message::fields(left) == Message::fields(right);
+}
+
+/// True when fields and gaps have the length of the message; for static_assert.
 template <class Message>
 [[nodiscard]] constexpr bool layout_is_sound() {
-  std::array<int, Message::kLength> uses{};
-  bool inside = true;
-  const auto mark = [&](auto field) {
-    using Value = std::remove_cvref_t<decltype(std::declval<Message>().*field.member)>;
-    for (std::size_t i = field.offset; i < field.offset + sizeof(Value); ++i) {
-      if (i < uses.size()) {
-        ++uses[i];
-      } else {
-        inside = false;
-      }
-    }
-  };
-  std::apply([&](auto... field) { (mark(field), ...); }, Message::fields());
-  return inside && std::ranges::all_of(uses, [](int n) { return n <= 1; });
+  const Message message;
+  return detail::for_each_field(Message::fields(message), [](std::size_t, auto&) {}) ==
+         Message::kLength;
 }
 
 /// Writes the payload; exactly Message::kLength bytes. Precondition: the span has that size.
 template <class Message>
-constexpr void write_payload([[maybe_unused]] const Message& message,
-                             std::span<std::uint8_t> payload) {
+constexpr void write_payload(const Message& message, std::span<std::uint8_t> payload) {
   static_assert(layout_is_sound<Message>());
-  std::ranges::fill(payload, std::uint8_t{0});
-  std::apply(
-      [&](auto... field) { (detail::store(payload, field.offset, message.*field.member), ...); },
-      Message::fields());
+  detail::for_each_field(Message::fields(message), [&](std::size_t offset, auto& field) {
+    detail::store(payload, offset, field);
+  });
 }
 
 /// Reads the fields of a payload of at least Message::kLength bytes (precondition).
 template <class Message>
-[[nodiscard]] constexpr Message read_payload(
-    [[maybe_unused]] std::span<const std::uint8_t> payload) {
+[[nodiscard]] constexpr Message read_payload(std::span<const std::uint8_t> payload) {
   Message message;
-  std::apply(
-      [&](auto... field) { (detail::load(payload, field.offset, message.*field.member), ...); },
-      Message::fields());
+  detail::for_each_field(Message::fields(message), [&](std::size_t offset, auto& field) {
+    detail::load(payload, offset, field);
+  });
   return message;
 }
 
@@ -143,6 +158,17 @@ template <class Message>
   write_payload(message, std::span(frame).subspan(kHeaderBytes, Message::kLength));
   seal_frame(Message::kId, frame);
   return frame;
+}
+
+/// The same into `out`, which has room for it (precondition); under another id where one message
+/// has two. Returns its size.
+template <class Message>
+std::size_t encode(const Message& message, std::span<std::uint8_t> out,
+                   MessageId id = Message::kId) {
+  const auto frame = out.first(frame_size<Message>());
+  write_payload(message, frame.subspan(kHeaderBytes, Message::kLength));
+  seal_frame(id, frame);
+  return frame.size();
 }
 
 }  // namespace rigwire::protocols::ubx

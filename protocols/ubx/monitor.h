@@ -26,10 +26,7 @@ struct MonVerHead {
   std::array<std::uint8_t, 30> software{};  ///< Text, padded with zeros.
   std::array<std::uint8_t, 10> hardware{};
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &MonVerHead::software), at(30, &MonVerHead::hardware));
-  }
-  friend bool operator==(const MonVerHead&, const MonVerHead&) = default;
+  static constexpr auto fields(auto& m) { return std::tie(m.software, m.hardware); }
 };
 
 /// MON-VER: one extension.
@@ -38,8 +35,7 @@ struct MonVerExtension {
 
   std::array<std::uint8_t, 30> text{};
 
-  static constexpr auto fields() { return std::make_tuple(at(0, &MonVerExtension::text)); }
-  friend bool operator==(const MonVerExtension&, const MonVerExtension&) = default;
+  static constexpr auto fields(auto& m) { return std::tie(m.text); }
 };
 
 /// MON-IO: one port; the message is kMonitorPorts of them behind an empty head.
@@ -55,13 +51,10 @@ struct MonIoPort {
   std::uint8_t receiving = 0;
   std::uint8_t sending = 0;
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &MonIoPort::received_bytes), at(4, &MonIoPort::sent_bytes),
-                           at(8, &MonIoPort::parity_errors), at(10, &MonIoPort::framing_errors),
-                           at(12, &MonIoPort::overrun_errors), at(14, &MonIoPort::break_conditions),
-                           at(16, &MonIoPort::receiving), at(17, &MonIoPort::sending));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.received_bytes, m.sent_bytes, m.parity_errors, m.framing_errors,
+                    m.overrun_errors, m.break_conditions, m.receiving, m.sending, gap<2>);
   }
-  friend bool operator==(const MonIoPort&, const MonIoPort&) = default;
 };
 
 /// MON-IO: the empty head.
@@ -69,8 +62,7 @@ struct MonIoHead {
   static constexpr MessageId kId{0x0A, 0x02};
   static constexpr std::size_t kLength = 0 /*nothing*/;
 
-  static constexpr auto fields() { return std::make_tuple(); }
-  friend bool operator==(const MonIoHead&, const MonIoHead&) = default;
+  static constexpr auto fields([[maybe_unused]] auto& m) { return std::tie(); }
 };
 
 /// MON-MSGPP: messages taken on each port, by protocol.
@@ -82,10 +74,7 @@ struct MonMsgpp {
   std::array<std::uint16_t, 48> messages{};
   std::array<std::uint32_t, 6> skipped_bytes{};
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &MonMsgpp::messages), at(96, &MonMsgpp::skipped_bytes));
-  }
-  friend bool operator==(const MonMsgpp&, const MonMsgpp&) = default;
+  static constexpr auto fields(auto& m) { return std::tie(m.messages, m.skipped_bytes); }
 };
 
 /// MON-RXBUF: receive buffers by port.
@@ -97,11 +86,9 @@ struct MonRxbuf {
   std::array<std::uint8_t, 6> usage_percent{};       ///< Highest of the last second.
   std::array<std::uint8_t, 6> peak_usage_percent{};  ///< Highest since start.
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &MonRxbuf::pending_bytes), at(12, &MonRxbuf::usage_percent),
-                           at(18, &MonRxbuf::peak_usage_percent));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.pending_bytes, m.usage_percent, m.peak_usage_percent);
   }
-  friend bool operator==(const MonRxbuf&, const MonRxbuf&) = default;
 };
 
 /// MON-TXBUF: send buffers by port.
@@ -117,13 +104,10 @@ struct MonTxbuf {
   std::uint8_t total_peak_usage_percent = 0;
   std::uint8_t errors = 0;  ///< b0-5 limit of that port reached, b6 memory, b7 allocation.
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &MonTxbuf::pending_bytes), at(12, &MonTxbuf::usage_percent),
-                           at(18, &MonTxbuf::peak_usage_percent),
-                           at(24, &MonTxbuf::total_usage_percent),
-                           at(25, &MonTxbuf::total_peak_usage_percent), at(26, &MonTxbuf::errors));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.pending_bytes, m.usage_percent, m.peak_usage_percent, m.total_usage_percent,
+                    m.total_peak_usage_percent, m.errors, gap<1>);
   }
-  friend bool operator==(const MonTxbuf&, const MonTxbuf&) = default;
 };
 
 /// MON-HW in the 60-byte form of u-blox 7 and 8.
@@ -150,15 +134,12 @@ struct MonHw {
   std::uint32_t pull_high = 0;
   std::uint32_t pull_low = 0;
 
-  static constexpr auto fields() {
-    return std::make_tuple(
-        at(0, &MonHw::pin_select), at(4, &MonHw::pin_bank), at(8, &MonHw::pin_direction),
-        at(12, &MonHw::pin_value), at(16, &MonHw::noise_per_ms), at(18, &MonHw::gain_control),
-        at(20, &MonHw::antenna_status), at(21, &MonHw::antenna_power), at(22, &MonHw::flags),
-        at(24, &MonHw::used_mask), at(28, &MonHw::pin_function), at(45, &MonHw::jamming_indicator),
-        at(48, &MonHw::pin_interrupt), at(52, &MonHw::pull_high), at(56, &MonHw::pull_low));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.pin_select, m.pin_bank, m.pin_direction, m.pin_value, m.noise_per_ms,
+                    m.gain_control, m.antenna_status, m.antenna_power, m.flags, gap<1>, m.used_mask,
+                    m.pin_function, m.jamming_indicator, gap<2>, m.pin_interrupt, m.pull_high,
+                    m.pull_low);
   }
-  friend bool operator==(const MonHw&, const MonHw&) = default;
 };
 
 /// MON-HW2: the radio part.
@@ -175,13 +156,10 @@ struct MonHw2 {
   std::uint32_t low_level_configuration = 0;
   std::uint32_t self_test = 0;
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &MonHw2::offset_i), at(1, &MonHw2::magnitude_i),
-                           at(2, &MonHw2::offset_q), at(3, &MonHw2::magnitude_q),
-                           at(4, &MonHw2::configuration_source),
-                           at(8, &MonHw2::low_level_configuration), at(20, &MonHw2::self_test));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.offset_i, m.magnitude_i, m.offset_q, m.magnitude_q, m.configuration_source,
+                    gap<3>, m.low_level_configuration, gap<8>, m.self_test, gap<4>);
   }
-  friend bool operator==(const MonHw2&, const MonHw2&) = default;
 };
 
 /// MON-GNSS: major systems, one bit each: b0 GPS, b1 GLONASS, b2 BeiDou, b3 Galileo. u-blox 8 and
@@ -196,12 +174,9 @@ struct MonGnss {
   std::uint8_t enabled = 0;
   std::uint8_t simultaneous = 0;  ///< So many at once at most.
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &MonGnss::version), at(1, &MonGnss::supported),
-                           at(2, &MonGnss::default_on), at(3, &MonGnss::enabled),
-                           at(4, &MonGnss::simultaneous));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.version, m.supported, m.default_on, m.enabled, m.simultaneous, gap<3>);
   }
-  friend bool operator==(const MonGnss&, const MonGnss&) = default;
 };
 
 /// MON-PATCH: the head, followed by `entries` patches of 16 bytes. u-blox 8 and later.
@@ -212,10 +187,7 @@ struct MonPatchHead {
   std::uint16_t version = 1;
   std::uint16_t entries = 0;
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &MonPatchHead::version), at(2, &MonPatchHead::entries));
-  }
-  friend bool operator==(const MonPatchHead&, const MonPatchHead&) = default;
+  static constexpr auto fields(auto& m) { return std::tie(m.version, m.entries); }
 };
 
 /// MON-COMMS: the head, followed by `ports` ports. F9.
@@ -228,12 +200,10 @@ struct MonCommsHead {
   std::uint8_t errors = 0;  ///< b0 memory, b1 transmit buffer full, b2-4 port of this message.
   std::array<std::uint8_t, 4> protocols{0, 1, 5, 6};  ///< UBX, NMEA, RTCM 3, SPARTN.
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &MonCommsHead::version), at(1, &MonCommsHead::ports),
-                           at(2, &MonCommsHead::errors), at(4, &MonCommsHead::protocols));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.version, m.ports, m.errors, gap<1>, m.protocols);
   }
   [[nodiscard]] constexpr std::size_t block_count() const { return ports; }
-  friend bool operator==(const MonCommsHead&, const MonCommsHead&) = default;
 };
 
 /// MON-COMMS: one port.
@@ -254,16 +224,12 @@ struct MonCommsPort {
   std::array<std::uint16_t, 4> messages{};  ///< In the order of MonCommsHead::protocols.
   std::uint32_t skipped_bytes = 0;
 
-  static constexpr auto fields() {
-    return std::make_tuple(
-        at(0, &MonCommsPort::port), at(2, &MonCommsPort::sending_bytes),
-        at(4, &MonCommsPort::sent_bytes), at(8, &MonCommsPort::sending_percent),
-        at(9, &MonCommsPort::sending_peak_percent), at(10, &MonCommsPort::received_pending_bytes),
-        at(12, &MonCommsPort::received_bytes), at(16, &MonCommsPort::received_percent),
-        at(17, &MonCommsPort::received_peak_percent), at(18, &MonCommsPort::overruns),
-        at(20, &MonCommsPort::messages), at(36, &MonCommsPort::skipped_bytes));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.port, m.sending_bytes, m.sent_bytes, m.sending_percent,
+                    m.sending_peak_percent, m.received_pending_bytes, m.received_bytes,
+                    m.received_percent, m.received_peak_percent, m.overruns, m.messages, gap<8>,
+                    m.skipped_bytes);
   }
-  friend bool operator==(const MonCommsPort&, const MonCommsPort&) = default;
 };
 
 /// MON-RXR: the receiver wakes or goes to sleep.
@@ -273,8 +239,7 @@ struct MonRxr {
 
   std::uint8_t flags = 0;  ///< b0 awake.
 
-  static constexpr auto fields() { return std::make_tuple(at(0, &MonRxr::flags)); }
-  friend bool operator==(const MonRxr&, const MonRxr&) = default;
+  static constexpr auto fields(auto& m) { return std::tie(m.flags); }
 };
 
 /// MON-RF: the head, followed by `blocks` blocks. F9.
@@ -285,11 +250,8 @@ struct MonRfHead {
   std::uint8_t version = 0;
   std::uint8_t blocks = 0;
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &MonRfHead::version), at(1, &MonRfHead::blocks));
-  }
+  static constexpr auto fields(auto& m) { return std::tie(m.version, m.blocks, gap<2>); }
   [[nodiscard]] constexpr std::size_t block_count() const { return blocks; }
-  friend bool operator==(const MonRfHead&, const MonRfHead&) = default;
 };
 
 /// MON-RF: one band.
@@ -311,16 +273,11 @@ struct MonRfBlock {
   std::int8_t offset_q = 0;
   std::uint8_t magnitude_q = 0;
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &MonRfBlock::block), at(1, &MonRfBlock::flags),
-                           at(2, &MonRfBlock::antenna_status), at(3, &MonRfBlock::antenna_power),
-                           at(4, &MonRfBlock::self_test), at(12, &MonRfBlock::noise_per_ms),
-                           at(14, &MonRfBlock::gain_control),
-                           at(16, &MonRfBlock::jamming_indicator), at(17, &MonRfBlock::offset_i),
-                           at(18, &MonRfBlock::magnitude_i), at(19, &MonRfBlock::offset_q),
-                           at(20, &MonRfBlock::magnitude_q));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.block, m.flags, m.antenna_status, m.antenna_power, m.self_test, gap<4>,
+                    m.noise_per_ms, m.gain_control, m.jamming_indicator, m.offset_i, m.magnitude_i,
+                    m.offset_q, m.magnitude_q, gap<3>);
   }
-  friend bool operator==(const MonRfBlock&, const MonRfBlock&) = default;
 };
 
 }  // namespace rigwire::protocols::ubx

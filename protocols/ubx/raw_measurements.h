@@ -23,12 +23,10 @@ struct RxmRawHead {
   std::int16_t week = 0;
   std::uint8_t satellites = 0;
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &RxmRawHead::time_of_week_ms), at(4, &RxmRawHead::week),
-                           at(6, &RxmRawHead::satellites));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.time_of_week_ms, m.week, m.satellites, gap<1>);
   }
   [[nodiscard]] constexpr std::size_t block_count() const { return satellites; }
-  friend bool operator==(const RxmRawHead&, const RxmRawHead&) = default;
 };
 
 /// RXM-RAW: one satellite.
@@ -45,13 +43,10 @@ struct RxmRawBlock {
   std::int8_t cn0_dbhz = 0;
   std::uint8_t loss_of_lock = 0;  ///< As in RINEX.
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &RxmRawBlock::carrier_phase_cycles),
-                           at(8, &RxmRawBlock::pseudorange_m), at(16, &RxmRawBlock::doppler_hz),
-                           at(20, &RxmRawBlock::satellite), at(21, &RxmRawBlock::quality),
-                           at(22, &RxmRawBlock::cn0_dbhz), at(23, &RxmRawBlock::loss_of_lock));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.carrier_phase_cycles, m.pseudorange_m, m.doppler_hz, m.satellite, m.quality,
+                    m.cn0_dbhz, m.loss_of_lock);
   }
-  friend bool operator==(const RxmRawBlock&, const RxmRawBlock&) = default;
 };
 
 /// RXM-SFRB: one subframe. u-blox 7.
@@ -63,11 +58,7 @@ struct RxmSfrb {
   std::uint8_t satellite = 0;             ///< GPS 1..32, SBAS 120..158.
   std::array<std::uint32_t, 10> words{};  ///< GPS: 24 data bits, sign-extended, no parity.
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &RxmSfrb::channel), at(1, &RxmSfrb::satellite),
-                           at(2, &RxmSfrb::words));
-  }
-  friend bool operator==(const RxmSfrb&, const RxmSfrb&) = default;
+  static constexpr auto fields(auto& m) { return std::tie(m.channel, m.satellite, m.words); }
 };
 
 /// RXM-SFRBX: the head, followed by `words` words. u-blox 8 and later.
@@ -83,14 +74,11 @@ struct RxmSfrbxHead {
   std::uint8_t channel = 0;
   std::uint8_t version = 2;
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &RxmSfrbxHead::system), at(1, &RxmSfrbxHead::satellite),
-                           at(2, &RxmSfrbxHead::signal), at(3, &RxmSfrbxHead::frequency_slot),
-                           at(4, &RxmSfrbxHead::words), at(5, &RxmSfrbxHead::channel),
-                           at(6, &RxmSfrbxHead::version));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.system, m.satellite, m.signal, m.frequency_slot, m.words, m.channel,
+                    m.version, gap<1>);
   }
   [[nodiscard]] constexpr std::size_t block_count() const { return words; }
-  friend bool operator==(const RxmSfrbxHead&, const RxmSfrbxHead&) = default;
 };
 
 /// RXM-SFRBX: one word.
@@ -99,8 +87,7 @@ struct RxmSfrbxWord {
 
   std::uint32_t word = 0;  ///< GPS: two bits of padding, 24 of data, 6 of parity.
 
-  static constexpr auto fields() { return std::make_tuple(at(0, &RxmSfrbxWord::word)); }
-  friend bool operator==(const RxmSfrbxWord&, const RxmSfrbxWord&) = default;
+  static constexpr auto fields(auto& m) { return std::tie(m.word); }
 };
 
 /// RXM-RTCM: an RTCM 3 message came in. F9.
@@ -114,12 +101,9 @@ struct RxmRtcm {
   std::uint16_t station = 0;
   std::uint16_t message = 0;
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &RxmRtcm::version), at(1, &RxmRtcm::flags),
-                           at(2, &RxmRtcm::subtype), at(4, &RxmRtcm::station),
-                           at(6, &RxmRtcm::message));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.version, m.flags, m.subtype, m.station, m.message);
   }
-  friend bool operator==(const RxmRtcm&, const RxmRtcm&) = default;
 };
 
 /// RxmRawxHead::status.
@@ -148,13 +132,11 @@ struct RxmRawxHead {
   std::uint8_t status = 0;   ///< kRawxLeapSecondsKnown, ...
   std::uint8_t version = 1;  ///< 0 before F9.
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &RxmRawxHead::time_of_week_s), at(8, &RxmRawxHead::week),
-                           at(10, &RxmRawxHead::leap_seconds), at(11, &RxmRawxHead::measurements),
-                           at(12, &RxmRawxHead::status), at(13, &RxmRawxHead::version));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.time_of_week_s, m.week, m.leap_seconds, m.measurements, m.status, m.version,
+                    gap<2>);
   }
   [[nodiscard]] constexpr std::size_t block_count() const { return measurements; }
-  friend bool operator==(const RxmRawxHead&, const RxmRawxHead&) = default;
 };
 
 /// RXM-RAWX: one signal.
@@ -176,17 +158,11 @@ struct RxmRawxBlock {
   std::uint8_t doppler_sigma = 0;                    ///< n of 0.002 * 2^n Hz.
   std::uint8_t status = 0;                           ///< kRawxRangeValid, ...
 
-  static constexpr auto fields() {
-    return std::make_tuple(
-        at(0, &RxmRawxBlock::pseudorange_m), at(8, &RxmRawxBlock::carrier_phase_cycles),
-        at(16, &RxmRawxBlock::doppler_hz), at(20, &RxmRawxBlock::system),
-        at(21, &RxmRawxBlock::satellite), at(22, &RxmRawxBlock::signal),
-        at(23, &RxmRawxBlock::frequency_slot), at(24, &RxmRawxBlock::locked_ms),
-        at(26, &RxmRawxBlock::cn0_dbhz), at(27, &RxmRawxBlock::pseudorange_sigma),
-        at(28, &RxmRawxBlock::carrier_sigma), at(29, &RxmRawxBlock::doppler_sigma),
-        at(30, &RxmRawxBlock::status));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.pseudorange_m, m.carrier_phase_cycles, m.doppler_hz, m.system, m.satellite,
+                    m.signal, m.frequency_slot, m.locked_ms, m.cn0_dbhz, m.pseudorange_sigma,
+                    m.carrier_sigma, m.doppler_sigma, m.status, gap<1>);
   }
-  friend bool operator==(const RxmRawxBlock&, const RxmRawxBlock&) = default;
 };
 
 /// RXM-SVSI: the head, followed by `satellites` blocks.
@@ -199,12 +175,10 @@ struct RxmSvsiHead {
   std::uint8_t visible = 0;
   std::uint8_t satellites = 0;
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &RxmSvsiHead::time_of_week_ms), at(4, &RxmSvsiHead::week),
-                           at(6, &RxmSvsiHead::visible), at(7, &RxmSvsiHead::satellites));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.time_of_week_ms, m.week, m.visible, m.satellites);
   }
   [[nodiscard]] constexpr std::size_t block_count() const { return satellites; }
-  friend bool operator==(const RxmSvsiHead&, const RxmSvsiHead&) = default;
 };
 
 /// RXM-SVSI: one satellite.
@@ -219,12 +193,9 @@ struct RxmSvsiBlock {
   std::int8_t elevation_deg = 0;
   std::uint8_t age = 0;  ///< b0-3 almanac in days + 4, b4-7 ephemeris in hours + 4.
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &RxmSvsiBlock::satellite), at(1, &RxmSvsiBlock::flags),
-                           at(2, &RxmSvsiBlock::azimuth_deg), at(4, &RxmSvsiBlock::elevation_deg),
-                           at(5, &RxmSvsiBlock::age));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.satellite, m.flags, m.azimuth_deg, m.elevation_deg, m.age);
   }
-  friend bool operator==(const RxmSvsiBlock&, const RxmSvsiBlock&) = default;
 };
 
 }  // namespace rigwire::protocols::ubx

@@ -25,12 +25,10 @@ struct TimTp {
   std::uint8_t flags = 0;      ///< b0 time base: 0 GNSS, 1 UTC; b1 UTC available.
   std::uint8_t reference = 0;  ///< b0-3 system when the base is GNSS, b4-7 whose UTC.
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &TimTp::time_of_week_ms), at(4, &TimTp::time_of_week_rest_e32ms),
-                           at(8, &TimTp::quantisation_error_ps), at(12, &TimTp::week),
-                           at(14, &TimTp::flags), at(15, &TimTp::reference));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.time_of_week_ms, m.time_of_week_rest_e32ms, m.quantisation_error_ps, m.week,
+                    m.flags, m.reference);
   }
-  friend bool operator==(const TimTp&, const TimTp&) = default;
 };
 
 /// TIM-TM2: an edge on an external interrupt.
@@ -51,14 +49,11 @@ struct TimTm2 {
   std::uint32_t falling_rest_ns = 0;
   std::uint32_t accuracy_ns = 0;
 
-  static constexpr auto fields() {
-    return std::make_tuple(at(0, &TimTm2::channel), at(1, &TimTm2::flags), at(2, &TimTm2::count),
-                           at(4, &TimTm2::rising_week), at(6, &TimTm2::falling_week),
-                           at(8, &TimTm2::rising_time_of_week_ms), at(12, &TimTm2::rising_rest_ns),
-                           at(16, &TimTm2::falling_time_of_week_ms),
-                           at(20, &TimTm2::falling_rest_ns), at(24, &TimTm2::accuracy_ns));
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.channel, m.flags, m.count, m.rising_week, m.falling_week,
+                    m.rising_time_of_week_ms, m.rising_rest_ns, m.falling_time_of_week_ms,
+                    m.falling_rest_ns, m.accuracy_ns);
   }
-  friend bool operator==(const TimTm2&, const TimTm2&) = default;
 };
 
 }  // namespace rigwire::protocols::ubx

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "protocols/ubx/configuration.h"
+#include "protocols/ubx/monitor.h"
 
 namespace rigwire::protocols::ubx {
 namespace {

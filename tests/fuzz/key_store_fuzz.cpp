@@ -6,8 +6,9 @@
 #include <cstdlib>
 #include <span>
 
-#include "emulators/ublox/key_store.h"
+#include "emulators/ublox/configuration.h"
 #include "emulators/ublox/settings.h"
+#include "protocols/ubx/configuration.h"
 #include "protocols/ubx/key_values.h"
 
 namespace {
@@ -34,8 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   emulators::UbloxConfiguration configuration(settings);
   std::span<const std::uint8_t> rest(data, size);
   while (rest.size() >= 2) {
-    constexpr MessageId kMessages[]{CfgValsetHead::kId, CfgValgetHead::kId, CfgValdelHead::kId,
-                                    CfgCfg::kId};
+    constexpr MessageId kMessages[]{kCfgValset, kCfgValget, kCfgValdel, CfgCfg::kId};
     const MessageId id = kMessages[rest[0] & 3U];
     const std::size_t length = std::min<std::size_t>(rest[1], rest.size() - 2);
     const FrameView frame{id, rest.subspan(2, length)};

@@ -12,6 +12,7 @@
 #include "protocols/ubx/frame.h"
 #include "protocols/ubx/identity.h"
 #include "protocols/ubx/information.h"
+#include "protocols/ubx/monitor.h"
 #include "protocols/ubx/navigation.h"
 #include "protocols/ubx/raw_measurements.h"
 #include "protocols/ubx/timing.h"
@@ -71,14 +72,13 @@ void block_round_trip(const FrameView& frame) {
 void every_message(const FrameView& frame) {
   round_trips<NavPosecef, NavPosllh, NavStatus, NavDop, NavSol, NavPvt, NavPvt92, NavVelecef,
               NavVelned, NavTimegps, NavTimeutc, NavClock, NavTimels, NavEoe, NavAopstatus,
-              NavHpposecef, NavHpposllh, NavCov, NavRelposned40, NavRelposned, NavTimeglo,
-              NavTimebds, NavTimegal, NavOdo, NavSvin>(frame);
+              NavHpposecef, NavHpposllh, NavCov, NavRelposned, NavTimeglo, NavTimebds, NavTimegal,
+              NavOdo, NavSvin>(frame);
   round_trips<MonHw, MonHw2, MonMsgpp, MonRxbuf, MonTxbuf, MonRxr, TimTp, TimTm2, RxmSfrb, AidIni,
-              AidHui, AidAlmHead, AidAlm, AidEphHead, AidEph, AidAop, AckAck, AckNak, MonGnss,
-              MonPatchHead, SecUniqid, LogInfo, RxmRtcm>(frame);
-  round_trips<CfgPrt, CfgMsg, CfgMsgRate, CfgInf, CfgRst, CfgRate, CfgCfg, CfgCfgDevices, CfgRxm,
-              CfgAnt, CfgSbas, CfgNmea4, CfgNmea, CfgNmea20, CfgNavx5, CfgNav5, CfgTp5, CfgDat,
-              CfgDatSet, CfgPm2, CfgUsb, CfgItfm, CfgLogfilter, CfgOdo, CfgPms>(frame);
+              AidHui, AidAlmHead, AidAlm, AidEphHead, AidEph, AckAck, AckNak, MonGnss, MonPatchHead,
+              SecUniqid, LogInfo, RxmRtcm>(frame);
+  round_trips<CfgPrt, CfgMsg, CfgInf, CfgRst, CfgRate, CfgCfg, CfgRxm, CfgAnt, CfgSbas, CfgNmea,
+              CfgNavx5, CfgNav5, CfgTp5, CfgDat, CfgPm2, CfgUsb, CfgOdo, CfgPms>(frame);
   block_round_trip<NavSvinfoHead, NavSvinfoChannel>(frame);
   block_round_trip<NavSatHead, NavSatBlock>(frame);
   block_round_trip<NavSigHead, NavSigBlock>(frame);

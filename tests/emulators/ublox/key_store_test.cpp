@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "emulators/ublox/configuration.h"
 #include "emulators/ublox/settings.h"
 #include "protocols/ubx/key_values.h"
 
@@ -41,7 +42,7 @@ class KeyStore : public testing::Test {
   }
   bool valset(std::uint8_t layers, std::initializer_list<Item> items,
               std::optional<Transaction> step = std::nullopt) {
-    return set(CfgValsetHead::kId, layers, step, [&](KeyListWriter& writer) {
+    return set(kCfgValset, layers, step, [&](KeyListWriter& writer) {
       for (const Item& item : items) {
         ASSERT_TRUE(writer.value({id(item.name), item.value}));
       }
@@ -49,7 +50,7 @@ class KeyStore : public testing::Test {
   }
   bool valdel(std::uint8_t layers, std::initializer_list<std::uint32_t> keys,
               std::optional<Transaction> step = std::nullopt) {
-    return set(CfgValdelHead::kId, layers, step, [&](KeyListWriter& writer) {
+    return set(kCfgValdel, layers, step, [&](KeyListWriter& writer) {
       for (const std::uint32_t key : keys) {
         ASSERT_TRUE(writer.key(key));
       }
@@ -73,11 +74,11 @@ class KeyStore : public testing::Test {
     for (const std::uint32_t key : keys) {
       writer.key(key);
     }
-    const auto reply = configuration_.poll({CfgValgetHead::kId, writer.payload()});
+    const auto reply = configuration_.poll({kCfgValget, writer.payload()});
     if (!reply) {
       return std::nullopt;
     }
-    const auto answer = decode_valget_reply({CfgValgetHead::kId, *reply});
+    const auto answer = decode_valget_reply({kCfgValget, *reply});
     EXPECT_TRUE(answer.ok());
     EXPECT_EQ(answer->layer, layer);
     EXPECT_EQ(answer->position, position);
@@ -170,9 +171,9 @@ TEST_F(KeyStore, OneBadItemRefusesTheWholeList) {
   EXPECT_FALSE(valset(kRam, {{"CFG-RATE-MEAS", 24}}));
   EXPECT_FALSE(valset(0, {{"CFG-RATE-MEAS", 200}})) << "no layer";
   const Bytes unknown{0, kRam, 0, 0, 0x01, 0x00, 0x21, 0x30, 200, 0, 0xFE, 0xFF, 0x21, 0x30, 1, 0};
-  EXPECT_FALSE(configuration_.set({CfgValsetHead::kId, unknown}));
+  EXPECT_FALSE(configuration_.set({kCfgValset, unknown}));
   const Bytes wrong_size{0, kRam, 0, 0, 0x01, 0x00, 0x21, 0x20, 200};
-  EXPECT_FALSE(configuration_.set({CfgValsetHead::kId, wrong_size}));
+  EXPECT_FALSE(configuration_.set({kCfgValset, wrong_size}));
   EXPECT_EQ(configuration_.rate().measurement_period_ms, 1000);
 }
 
@@ -315,9 +316,9 @@ TEST_F(KeyStore, OlderReceiversDoNotKnowTheseMessages) {
     settings.profile = profile;
     UbloxConfiguration old(settings);
     const Bytes set{0, kRam, 0, 0, 0x01, 0x00, 0x21, 0x30, 200, 0};
-    EXPECT_FALSE(old.set({CfgValsetHead::kId, set})) << profile->name;
+    EXPECT_FALSE(old.set({kCfgValset, set})) << profile->name;
     const Bytes get{0, 0, 0, 0, 0x01, 0x00, 0x21, 0x30};
-    const FrameView query{CfgValgetHead::kId, get};
+    const FrameView query{kCfgValget, get};
     EXPECT_FALSE(old.is_poll(query) ? old.poll(query).has_value() : old.set(query))
         << profile->name;
   }

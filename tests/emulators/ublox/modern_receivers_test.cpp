@@ -9,8 +9,7 @@
 #include "protocols/ubx/blocks.h"
 #include "protocols/ubx/key_values.h"
 #include "protocols/ubx/monitor.h"
-#include "protocols/ubx/navigation_precise.h"
-#include "protocols/ubx/navigation_satellites.h"
+#include "protocols/ubx/navigation.h"
 #include "protocols/ubx/version.h"
 #include "rig.h"
 
@@ -51,7 +50,7 @@ class UbloxModernTest : public UbloxReceiverTest {
       EXPECT_TRUE(writer.value({ubx::configuration_keys()[index].id, item.value}));
     }
     const auto payload = writer.payload();
-    return acknowledged(receiver, ubx::CfgValsetHead::kId, {payload.begin(), payload.end()});
+    return acknowledged(receiver, ubx::kCfgValset, {payload.begin(), payload.end()});
   }
   bool acknowledged(UbloxReceiver& receiver, ubx::MessageId id, const Bytes& payload) {
     const std::uint64_t before = receiver.counters().acknowledged;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "protocols/ubx/monitor.h"
 #include "protocols/ubx/version.h"
 #include "rig.h"
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "protocols/ubx/monitor.h"
 #include "rig.h"
 
 namespace rigwire::emulators {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "protocols/ubx/configuration.h"
+#include "protocols/ubx/monitor.h"
 #include "protocols/ubx/navigation.h"
 #include "protocols/ubx/version.h"
 

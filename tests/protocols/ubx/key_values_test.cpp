@@ -1,4 +1,5 @@
 #include "protocols/ubx/key_values.h"
+#include "protocols/ubx/configuration.h"
 
 #include <gtest/gtest.h>
 
@@ -40,8 +41,7 @@ TEST(ConfigurationKeys, NumbersThatClientsWriteAreThoseOfTheTable) {
   EXPECT_EQ(key("CFG-NAVHPG-DGNSSMODE").id, 0x20140011U);
   EXPECT_EQ(key("CFG-SIGNAL-GPS_ENA").id, 0x1031001FU);
   EXPECT_EQ(key("CFG-TMODE-MODE").id, 0x20030001U);
-  EXPECT_EQ(message_rate_key({0x01, 0x07}), 0x20910006U);
-  EXPECT_EQ(message_rate_key({0x01, 0x06}), 0U) << "NAV-SOL has no key";
+  EXPECT_EQ(key("CFG-MSGOUT-UBX_NAV_PVT_I2C").id, 0x20910006U);
 }
 
 TEST(ConfigurationKeys, EachKeyIsFoundByNumberAndNameAndItsSizeFitsItsType) {
@@ -114,7 +114,7 @@ TEST(KeyValues, ValsetByHandDecodes) {
   const Bytes payload{0x00, 0x07, 0x00, 0x00,              // version, RAM + BBR + flash
                       0x01, 0x00, 0x21, 0x30, 0xC8, 0x00,  // CFG-RATE-MEAS 200
                       0x01, 0x00, 0x52, 0x40, 0x00, 0xC2, 0x01, 0x00};  // 115200
-  const auto change = decode_valset(frame(CfgValsetHead::kId, payload));
+  const auto change = decode_valset(frame(kCfgValset, payload));
   ASSERT_TRUE(change.ok());
   EXPECT_EQ(change->layers, kLayerMaskRam | kLayerMaskBattery | kLayerMaskFlash);
   EXPECT_EQ(change->count, 2U);
@@ -130,26 +130,24 @@ TEST(KeyValues, EveryTruncationIsMalformedOrAShorterList) {
                     0x00, 0x01, 0x00, 0x52, 0x40, 0x00, 0xC2, 0x01, 0x00};
   for (std::size_t size = 0; size < whole.size(); ++size) {
     const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
-    const auto change = decode_valset(frame(CfgValsetHead::kId, part));
+    const auto change = decode_valset(frame(kCfgValset, part));
     EXPECT_EQ(change.ok(), size == 4 || size == 10) << size;
   }
 }
 
 TEST(KeyValues, VersionsSizesAndCountsBeyondTheDocumentAreRefused) {
-  EXPECT_TRUE(decode_valset(frame(CfgValsetHead::kId, {2, 1, 0, 0})).malformed());
-  EXPECT_TRUE(decode_valget(frame(CfgValgetHead::kId, {1, 0, 0, 0})).malformed());
-  EXPECT_TRUE(decode_valdel(frame(CfgValsetHead::kId, {0, 2, 0, 0})).malformed())
-      << "another message";
-  EXPECT_TRUE(
-      decode_valset(frame(CfgValsetHead::kId, {0, 1, 0, 0, 1, 0, 0x21, 0x00, 1})).malformed())
+  EXPECT_TRUE(decode_valset(frame(kCfgValset, {2, 1, 0, 0})).malformed());
+  EXPECT_TRUE(decode_valget(frame(kCfgValget, {1, 0, 0, 0})).malformed());
+  EXPECT_TRUE(decode_valdel(frame(kCfgValset, {0, 2, 0, 0})).malformed()) << "another message";
+  EXPECT_TRUE(decode_valset(frame(kCfgValset, {0, 1, 0, 0, 1, 0, 0x21, 0x00, 1})).malformed())
       << "a key of no size";
   Bytes keys{0, 0, 0, 0};
   for (std::size_t i = 0; i < kMaximumConfigurationItems; ++i) {
     keys.insert(keys.end(), {0x01, 0x00, 0x21, 0x30});
   }
-  EXPECT_TRUE(decode_valget(frame(CfgValgetHead::kId, keys)).ok());
+  EXPECT_TRUE(decode_valget(frame(kCfgValget, keys)).ok());
   keys.insert(keys.end(), {0x01, 0x00, 0x21, 0x30});
-  EXPECT_TRUE(decode_valget(frame(CfgValgetHead::kId, keys)).malformed());
+  EXPECT_TRUE(decode_valget(frame(kCfgValget, keys)).malformed());
 }
 
 TEST(KeyValues, WriterAndReaderAgreeOnEveryKeyAtItsExtremes) {
@@ -161,7 +159,7 @@ TEST(KeyValues, WriterAndReaderAgreeOnEveryKeyAtItsExtremes) {
       KeyListWriter writer(room);
       ASSERT_TRUE(writer.head(1, 0, 0));
       ASSERT_TRUE(writer.value({item.id, value}));
-      const auto answer = decode_valget_reply({CfgValgetHead::kId, writer.payload()});
+      const auto answer = decode_valget_reply({kCfgValget, writer.payload()});
       ASSERT_TRUE(answer.ok());
       KeyValueReader reader(answer->list);
       EXPECT_EQ(reader.next(), (KeyValue{item.id, value})) << item.name;
@@ -170,11 +168,11 @@ TEST(KeyValues, WriterAndReaderAgreeOnEveryKeyAtItsExtremes) {
 }
 
 TEST(KeyValues, WriterRefusesWhatDoesNotFitAndKeepsTheRest) {
-  std::array<std::uint8_t, CfgValsetHead::kLength + 5> room{};
+  std::array<std::uint8_t, kKeyListHeadBytes + 5> room{};
   KeyListWriter writer(room);
   ASSERT_TRUE(writer.head(0, 1, 0));
   EXPECT_FALSE(writer.value({kRateMeas, 1000})) << "six bytes into five";
-  EXPECT_EQ(writer.payload().size(), CfgValsetHead::kLength);
+  EXPECT_EQ(writer.payload().size(), kKeyListHeadBytes);
   EXPECT_TRUE(writer.key(kRateMeas));
   EXPECT_FALSE(writer.key(kRateMeas));
 }

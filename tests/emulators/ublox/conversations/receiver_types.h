@@ -22,7 +22,7 @@ struct ReceiverType {
   UbloxSettings settings;
   settings.profile = &profile;
   settings.baud = profile.baud;
-  return {std::move(name), profile.generation, profile.pvt_bytes, settings};
+  return {std::move(name), profile.generation, profile.generation < 8 ? 84U : 92U, settings};
 }
 
 [[nodiscard]] inline std::vector<ReceiverType> receiver_types() {

@@ -11,11 +11,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 
 #include "emulators/ublox/configuration_state.h"
+#include "emulators/ublox/key_store.h"
 #include "emulators/ublox/settings.h"
 #include "protocols/ubx/configuration.h"
 
@@ -46,13 +46,7 @@ class UbloxConfiguration {
   void forget();
 
   [[nodiscard]] const UbloxProfile& profile() const { return *profile_; }
-  /// The layers, for UbloxKeyMessages. Whoever writes them holds to what set() would accept.
-  [[nodiscard]] const UbloxConfigurationState& defaults() const { return default_; }
-  [[nodiscard]] const UbloxConfigurationState& saved() const { return saved_; }
   [[nodiscard]] const UbloxConfigurationState& present() const { return present_; }
-  [[nodiscard]] UbloxConfigurationState& saved() { return saved_; }
-  [[nodiscard]] UbloxConfigurationState& present() { return present_; }
-
   [[nodiscard]] const protocols::ubx::CfgPrt& uart() const {
     return present_.ports[protocols::ubx::kPortUart1];
   }
@@ -69,15 +63,14 @@ class UbloxConfiguration {
   /// Texts of that kind (bit of CFG-INF) over a protocol: 0 UBX, 1 NMEA.
   [[nodiscard]] bool text_enabled(std::uint8_t protocol, unsigned kind_bit) const;
   [[nodiscard]] bool enabled(GnssSystem system) const;
-  [[nodiscard]] bool gps_enabled() const { return enabled(GnssSystem::gps); }
 
  private:
-  // configuration_ports.cpp
+  // Ports and memory.
   [[nodiscard]] bool set_ports(std::span<const std::uint8_t> payload);
   [[nodiscard]] bool set_message(std::span<const std::uint8_t> payload);
   [[nodiscard]] bool set_information(std::span<const std::uint8_t> payload);
   [[nodiscard]] bool set_store(std::span<const std::uint8_t> payload);
-  // configuration_navigation.cpp
+  // Navigation and sentences.
   [[nodiscard]] bool set_rate(const protocols::ubx::CfgRate& wanted);
   [[nodiscard]] bool set_navigation(const protocols::ubx::CfgNav5& wanted);
   [[nodiscard]] bool set_expert(const protocols::ubx::CfgNavx5& wanted);
@@ -96,10 +89,10 @@ class UbloxConfiguration {
   [[nodiscard]] std::span<const std::uint8_t> reply_sentences();
 
   const UbloxProfile* profile_;
-  std::unique_ptr<UbloxKeyMessages> keys_;  ///< Null where the type has none.
   UbloxConfigurationState default_;
   UbloxConfigurationState saved_;
   UbloxConfigurationState present_;
+  std::optional<UbloxKeyStore> keys_;  ///< Where the type has CFG-VALSET.
   std::array<std::uint8_t, 1024> reply_{};
 };
 

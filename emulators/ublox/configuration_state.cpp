@@ -119,6 +119,22 @@ void set_opaque(UbloxConfigurationState& s) {
 
 }  // namespace
 
+bool line_is_sound(const UbloxProfile& profile, const CfgPrt& uart) {
+  constexpr std::uint32_t kFramingMask = 0x3EC0;
+  constexpr std::uint32_t kFraming8N1 = 0x08C0;
+  return (uart.mode & kFramingMask) == kFraming8N1 && uart.baud <= profile.greatest_baud &&
+         std::ranges::find(ublox_bauds(), uart.baud) != ublox_bauds().end();
+}
+
+bool has_major_system(std::span<const CfgGnssBlock> systems) {
+  return std::ranges::any_of(systems, [](const CfgGnssBlock& block) {
+    constexpr std::array kMajor{GnssSystem::gps, GnssSystem::galileo, GnssSystem::beidou,
+                                GnssSystem::glonass};
+    return (block.flags & 1U) != 0 &&
+           std::ranges::find(kMajor, static_cast<GnssSystem>(block.system)) != kMajor.end();
+  });
+}
+
 UbloxConfigurationState default_state(const UbloxSettings& settings) {
   const UbloxProfile& profile = *settings.profile;
   UbloxConfigurationState s;

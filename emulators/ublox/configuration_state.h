@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "emulators/ublox/profile.h"
 #include "emulators/ublox/settings.h"
@@ -61,6 +62,11 @@ inline constexpr std::uint32_t kSectionReceiver = 0x0010;
 inline constexpr std::uint32_t kSectionInventory = 0x0200;
 inline constexpr std::uint32_t kSectionAntenna = 0x0400;
 inline constexpr std::uint32_t kSectionLogging = 0x0800;
+
+/// What both ways of writing it must respect: the UART has 8N1 and a speed that the type has ...
+[[nodiscard]] bool line_is_sound(const UbloxProfile& profile, const protocols::ubx::CfgPrt& uart);
+/// ... and one of the systems that are on gives a position without another one.
+[[nodiscard]] bool has_major_system(std::span<const protocols::ubx::CfgGnssBlock> systems);
 
 /// The state of a receiver of that type with nothing saved. Precondition: validate(settings).
 [[nodiscard]] UbloxConfigurationState default_state(const UbloxSettings& settings);

@@ -1,11 +1,17 @@
-// Where each configuration item lives in the state of one type of receiver.
+// Where each configuration item lives in the state of one type of receiver: which items and which
+// fields of the older CFG messages are the same thing.
+//
+// Source: u-blox F9 HPG 1.50 interface description, UBXDOC-963802114-12815, section 6.10 "Legacy
+// UBX message fields reference". Time pulse: CFG-TP-PERIOD and LEN are the fields of CFG-TP5
+// whatever its flags say, FREQ and DUTY stand for themselves. CFG-PRT, CFG-RATE and the others keep
+// their meaning on a ZED-F9P; either way of writing is seen by the other.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "emulators/ublox/key_bindings.h"
+#include "emulators/ublox/configuration_state.h"
 
 namespace rigwire::emulators {
 
@@ -21,8 +27,10 @@ class UbloxKeyMap {
   void write(UbloxConfigurationState& state, std::size_t index, std::uint64_t value) const;
 
  private:
+  /// A field, or the rate of a message over a port.
   struct Entry {
-    const UbloxKeyBinding* field = nullptr;
+    std::uint64_t (*read)(const UbloxConfigurationState& state) = nullptr;
+    void (*write)(UbloxConfigurationState& state, std::uint64_t value) = nullptr;
     std::int16_t message = -1;  ///< Index in UbloxProfile::messages.
     std::uint8_t port = 0;
   };

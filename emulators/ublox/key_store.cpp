@@ -10,51 +10,25 @@ using Payload = std::span<const std::uint8_t>;
 
 constexpr std::uint8_t kSavedLayers = kLayerMaskBattery | kLayerMaskFlash;
 constexpr std::uint8_t kAllLayers = kLayerMaskRam | kSavedLayers;
-constexpr std::uint32_t kFramingMask = 0x3EC0;
-constexpr std::uint32_t kFraming8N1 = 0x08C0;
-
-bool is_major(std::uint8_t system) {
-  switch (static_cast<GnssSystem>(system)) {
-    case GnssSystem::gps:
-    case GnssSystem::galileo:
-    case GnssSystem::beidou:
-    case GnssSystem::glonass:
-      return true;
-    default:
-      return false;
-  }
-}
-
 /// Every enabled system has a signal, and one of them gives a position by itself.
 bool systems_are_sound(std::span<const CfgGnssBlock> systems) {
   constexpr std::uint32_t kSignals = 0x00FF0000;
-  bool major = false;
-  for (const CfgGnssBlock& block : systems) {
-    if ((block.flags & 1U) != 0) {
-      if ((block.flags & kSignals) == 0) {
-        return false;
-      }
-      major |= is_major(block.system);
-    }
-  }
-  return major;
-}
-
-bool line_is_sound(const UbloxProfile& profile, const CfgPrt& uart) {
-  return (uart.mode & kFramingMask) == kFraming8N1 && uart.baud <= profile.greatest_baud &&
-         std::ranges::find(ublox_bauds(), uart.baud) != ublox_bauds().end();
+  return has_major_system(systems) && std::ranges::all_of(systems, [](const CfgGnssBlock& block) {
+           return (block.flags & 1U) == 0 || (block.flags & kSignals) != 0;
+         });
 }
 
 bool sentences_are_sound(const CfgNmea& nmea) {
-  constexpr std::uint8_t kHighPrecision = 0x08;
-  constexpr std::uint8_t kExcludesIt = 0x01 /*compatible*/ | 0x04 /*82 characters*/;
-  return (nmea.flags & kHighPrecision) == 0 || (nmea.flags & kExcludesIt) == 0;
+  constexpr std::uint8_t kExcludesIt = kNmeaCompatible | kNmeaLimit82;
+  return (nmea.flags & kNmeaHighPrecision) == 0 || (nmea.flags & kExcludesIt) == 0;
 }
 
 }  // namespace
 
-UbloxKeyStore::UbloxKeyStore(const UbloxProfile& profile)
-    : map_(profile),
+UbloxKeyStore::UbloxKeyStore(const UbloxProfile& profile, const UbloxConfigurationState& defaults)
+    : profile_(&profile),
+      defaults_(defaults),
+      map_(profile),
       backup_(configuration_keys().size()),
       flash_(configuration_keys().size()),
       staged_(configuration_keys().size()),
@@ -69,33 +43,31 @@ void UbloxKeyStore::clear(Layer& layer) {
   std::ranges::fill(layer, std::nullopt);
 }
 
-bool UbloxKeyStore::handles(MessageId id) const {
-  return id == kCfgValset || id == kCfgValget || id == kCfgValdel ||
-         id == CfgCfg::kId;
+bool UbloxKeyStore::handles(MessageId id) {
+  return id == kCfgValset || id == kCfgValget || id == kCfgValdel || id == CfgCfg::kId;
 }
 
-bool UbloxKeyStore::is_poll(const FrameView& frame) const {
+bool UbloxKeyStore::is_poll(const FrameView& frame) {
   return frame.id == kCfgValget;
 }
 
-std::optional<std::uint64_t> UbloxKeyStore::value(const UbloxConfiguration& configuration,
+std::optional<std::uint64_t> UbloxKeyStore::value(const UbloxConfigurationState& present,
                                                   std::uint8_t layer, std::size_t index) const {
   switch (layer) {
     case kLayerRam:
-      return map_.bound(index) ? map_.read(configuration.present(), index) : others_[index];
+      return map_.bound(index) ? map_.read(present, index) : others_[index];
     case kLayerBattery:
       return backup_[index];
     case kLayerFlash:
       return flash_[index];
     case kLayerDefault:
-      return map_.bound(index) ? map_.read(configuration.defaults(), index)
-                               : configuration_keys()[index].initial;
+      return map_.bound(index) ? map_.read(defaults_, index) : configuration_keys()[index].initial;
     default:
       return std::nullopt;
   }
 }
 
-std::size_t UbloxKeyStore::poll(const UbloxConfiguration& configuration, const FrameView& frame,
+std::size_t UbloxKeyStore::poll(const UbloxConfigurationState& present, const FrameView& frame,
                                 std::span<std::uint8_t> out) {
   interrupt();
   const auto query = decode_valget(frame);
@@ -114,10 +86,10 @@ std::size_t UbloxKeyStore::poll(const UbloxConfiguration& configuration, const F
         continue;
       }
       known = true;
-      const auto present = value(configuration, query->layer, i);
-      if (present && found++ >= query->position &&
+      const auto found_value = value(present, query->layer, i);
+      if (found_value && found++ >= query->position &&
           found <= query->position + kMaximumConfigurationItems) {
-        writer.value({keys[i].id, *present});
+        writer.value({keys[i].id, *found_value});
       }
     }
     if (!known) {
@@ -127,21 +99,21 @@ std::size_t UbloxKeyStore::poll(const UbloxConfiguration& configuration, const F
   return query->count > 0 && found == 0 ? 0 : writer.payload().size();
 }
 
-bool UbloxKeyStore::set(UbloxConfiguration& configuration, const FrameView& frame) {
+bool UbloxKeyStore::set(UbloxConfigurationState& present, const FrameView& frame) {
   if (frame.id == CfgCfg::kId) {
     interrupt();
-    return set_store(configuration, frame.payload);
+    return set_store(present, frame.payload);
   }
   const Action action = frame.id == kCfgValset ? Action::set : Action::remove;
   const auto wanted = action == Action::set ? decode_valset(frame) : decode_valdel(frame);
-  if (!wanted.ok() || !change(configuration, action, *wanted)) {
+  if (!wanted.ok() || !change(present, action, *wanted)) {
     interrupt();
     return false;
   }
   return true;
 }
 
-bool UbloxKeyStore::change(UbloxConfiguration& configuration, Action action,
+bool UbloxKeyStore::change(UbloxConfigurationState& present, Action action,
                            const KeyChange& change) {
   const std::uint8_t layers = change.layers & (action == Action::set ? kAllLayers : kSavedLayers);
   if (layers == 0) {
@@ -152,7 +124,7 @@ bool UbloxKeyStore::change(UbloxConfiguration& configuration, Action action,
     case Transaction::none:
       interrupt();
       clear(staged_);
-      return stage(action, change.list) && apply(configuration, action, layers);
+      return stage(action, change.list) && apply(present, action, layers);
     case Transaction::start:
       clear(staged_);
       open_ = Open{action, layers};
@@ -161,7 +133,7 @@ bool UbloxKeyStore::change(UbloxConfiguration& configuration, Action action,
       return continues && change.count > 0 && stage(action, change.list);
     case Transaction::apply:
       interrupt();
-      return continues && apply(configuration, action, layers);
+      return continues && apply(present, action, layers);
   }
   return false;
 }
@@ -195,8 +167,8 @@ bool UbloxKeyStore::stage(Action action, Payload list) {
   return true;
 }
 
-bool UbloxKeyStore::apply(UbloxConfiguration& configuration, Action action, std::uint8_t layers) {
-  if ((layers & kLayerMaskRam) != 0 && !apply_to_ram(configuration)) {
+bool UbloxKeyStore::apply(UbloxConfigurationState& present, Action action, std::uint8_t layers) {
+  if ((layers & kLayerMaskRam) != 0 && !apply_to_ram(present)) {
     return false;
   }
   const auto write = [&](Layer& layer) {
@@ -211,8 +183,8 @@ bool UbloxKeyStore::apply(UbloxConfiguration& configuration, Action action, std:
   return true;
 }
 
-bool UbloxKeyStore::apply_to_ram(UbloxConfiguration& configuration) {
-  UbloxConfigurationState state = configuration.present();
+bool UbloxKeyStore::apply_to_ram(UbloxConfigurationState& present) {
+  UbloxConfigurationState state = present;
   candidate_ = others_;
   for (std::size_t i = 0; i < staged_.size(); ++i) {
     if (!staged_[i]) {
@@ -224,37 +196,36 @@ bool UbloxKeyStore::apply_to_ram(UbloxConfiguration& configuration) {
       candidate_[i] = *staged_[i];
     }
   }
-  if (!can_be_honoured(configuration.profile(), state, candidate_)) {
+  if (!can_be_honoured(state, candidate_)) {
     return false;
   }
-  configuration.present() = state;
+  present = state;
   others_ = candidate_;
   return true;
 }
 
-bool UbloxKeyStore::can_be_honoured(const UbloxProfile& profile,
-                                    const UbloxConfigurationState& state,
+bool UbloxKeyStore::can_be_honoured(const UbloxConfigurationState& state,
                                     const Values& others) const {
-  return line_is_sound(profile, state.ports[kPortUart1]) && others[uart1_enabled_] != 0 &&
-         std::chrono::milliseconds{state.rate.measurement_period_ms} >= profile.shortest_period &&
-         systems_are_sound(std::span(state.systems).first(profile.systems.size())) &&
+  return line_is_sound(*profile_, state.ports[kPortUart1]) && others[uart1_enabled_] != 0 &&
+         std::chrono::milliseconds{state.rate.measurement_period_ms} >= profile_->shortest_period &&
+         systems_are_sound(std::span(state.systems).first(profile_->systems.size())) &&
          sentences_are_sound(state.nmea) &&
          (state.odometer.flags & kOdoLowSpeedCourse) == 0 &&  // not emulated
          state.navx5.minimum_satellites <= state.navx5.maximum_satellites;
 }
 
-void UbloxKeyStore::reload(UbloxConfiguration& configuration) {
+void UbloxKeyStore::reload(UbloxConfigurationState& present) {
   interrupt();
-  configuration.present() = configuration.defaults();
+  present = defaults_;
   for (std::size_t i = 0; i < others_.size(); ++i) {
     others_[i] = configuration_keys()[i].initial;
     staged_[i] = backup_[i] ? backup_[i] : flash_[i];
   }
   // Saved items that cannot be honoured together leave the defaults in force.
-  static_cast<void>(apply_to_ram(configuration));
+  static_cast<void>(apply_to_ram(present));
 }
 
-bool UbloxKeyStore::set_store(UbloxConfiguration& configuration, Payload payload) {
+bool UbloxKeyStore::set_store(UbloxConfigurationState& present, Payload payload) {
   constexpr std::uint8_t kBackupDevice = 0x01;
   constexpr std::uint8_t kFlashDevice = 0x02;
   if (payload.size() != CfgCfg::kLength && payload.size() != CfgCfg::kLength + 1 /*devices*/) {
@@ -278,12 +249,12 @@ bool UbloxKeyStore::set_store(UbloxConfiguration& configuration, Payload payload
     }
     if (masks.save_mask != 0) {
       for (std::size_t i = 0; i < layer->size(); ++i) {
-        (*layer)[i] = value(configuration, kLayerRam, i);
+        (*layer)[i] = value(present, kLayerRam, i);
       }
     }
   }
   if (masks.load_mask != 0) {
-    reload(configuration);
+    reload(present);
   }
   return true;
 }

@@ -1,7 +1,7 @@
 // The configuration items of a receiver in four layers, and what CFG-VALSET, VALGET, VALDEL and
 // CFG-CFG do to them.
 //
-//   RAM       in force; items that an older CFG message has live in UbloxConfiguration's state
+//   RAM       in force; items that an older CFG message has live in UbloxConfigurationState
 //   BBR       battery-backed memory: single items, in force after a reset, above flash
 //   flash     the same, and kept without supply
 //   default   of the firmware, with what UbloxSettings switches on
@@ -23,31 +23,31 @@
 #include <span>
 #include <vector>
 
-#include "emulators/ublox/configuration.h"
+#include "emulators/ublox/configuration_state.h"
 #include "emulators/ublox/key_map.h"
 #include "protocols/ubx/key_values.h"
 
 namespace rigwire::emulators {
 
-class UbloxKeyStore final : public UbloxKeyMessages {
+class UbloxKeyStore {
  public:
-  explicit UbloxKeyStore(const UbloxProfile& profile);
+  /// The default layer is `defaults`, and what it does not hold the firmware's.
+  UbloxKeyStore(const UbloxProfile& profile, const UbloxConfigurationState& defaults);
 
-  [[nodiscard]] bool handles(protocols::ubx::MessageId id) const override;
-  [[nodiscard]] bool is_poll(const protocols::ubx::FrameView& frame) const override;
-  [[nodiscard]] std::size_t poll(const UbloxConfiguration& configuration,
+  [[nodiscard]] static bool handles(protocols::ubx::MessageId id);
+  [[nodiscard]] static bool is_poll(const protocols::ubx::FrameView& frame);
+  /// Payload size of the answer, written into `out`; 0 when the poll is refused.
+  [[nodiscard]] std::size_t poll(const UbloxConfigurationState& present,
                                  const protocols::ubx::FrameView& frame,
-                                 std::span<std::uint8_t> out) override;
-  [[nodiscard]] bool set(UbloxConfiguration& configuration,
-                         const protocols::ubx::FrameView& frame) override;
-  void interrupt() override { open_.reset(); }
-  void reload(UbloxConfiguration& configuration) override;
-  void forget() override { clear(backup_); }
-
-  /// The item's value in a layer; nothing where that layer does not hold it. Precondition: index <
-  /// configuration_keys().size().
-  [[nodiscard]] std::optional<std::uint64_t> value(const UbloxConfiguration& configuration,
-                                                   std::uint8_t layer, std::size_t index) const;
+                                 std::span<std::uint8_t> out);
+  /// False when it is refused, and then nothing has changed.
+  [[nodiscard]] bool set(UbloxConfigurationState& present, const protocols::ubx::FrameView& frame);
+  /// Another configuration message came: what waits in a transaction is dropped.
+  void interrupt() { open_.reset(); }
+  /// After a reset: what the layers below say is in force again.
+  void reload(UbloxConfigurationState& present);
+  /// The battery-backed memory lost its supply.
+  void forget() { clear(backup_); }
 
  private:
   using Layer = std::vector<std::optional<std::uint64_t>>;  ///< By index of the item.
@@ -60,18 +60,22 @@ class UbloxKeyStore final : public UbloxKeyMessages {
   };
 
   static void clear(Layer& layer);
-  [[nodiscard]] bool change(UbloxConfiguration& configuration, Action action,
+  /// The item's value in a layer; nothing where that layer does not hold it.
+  [[nodiscard]] std::optional<std::uint64_t> value(const UbloxConfigurationState& present,
+                                                   std::uint8_t layer, std::size_t index) const;
+  [[nodiscard]] bool change(UbloxConfigurationState& present, Action action,
                             const protocols::ubx::KeyChange& change);
   /// Adds the message's items to what waits; false when one of them is refused.
   [[nodiscard]] bool stage(Action action, std::span<const std::uint8_t> list);
-  [[nodiscard]] bool apply(UbloxConfiguration& configuration, Action action, std::uint8_t layers);
-  [[nodiscard]] bool apply_to_ram(UbloxConfiguration& configuration);
-  [[nodiscard]] bool set_store(UbloxConfiguration& configuration,
+  [[nodiscard]] bool apply(UbloxConfigurationState& present, Action action, std::uint8_t layers);
+  [[nodiscard]] bool apply_to_ram(UbloxConfigurationState& present);
+  [[nodiscard]] bool set_store(UbloxConfigurationState& present,
                                std::span<const std::uint8_t> payload);
-  [[nodiscard]] bool can_be_honoured(const UbloxProfile& profile,
-                                     const UbloxConfigurationState& state,
+  [[nodiscard]] bool can_be_honoured(const UbloxConfigurationState& state,
                                      const Values& others) const;
 
+  const UbloxProfile* profile_;
+  UbloxConfigurationState defaults_;
   UbloxKeyMap map_;
   Values others_;     ///< RAM values of the items that are not part of the state.
   Values candidate_;  ///< The same, being changed.

@@ -1,13 +1,17 @@
-// How one row of UbloxProfile::messages is written.
+// How UbloxProfile::messages is written: single rows, and runs of rows that several types have in
+// common, in the order in which one epoch puts them out.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
 
 #include "emulators/ublox/profile.h"
-#include "protocols/ubx/layout.h"
+#include "protocols/ubx/identity.h"
 #include "protocols/ubx/monitor.h"
+#include "protocols/ubx/navigation.h"
 
 namespace rigwire::emulators {
 
@@ -52,6 +56,75 @@ template <class Head, class Block>
 /// CFG-MSG takes a rate, and nothing ever comes: what they would tell is not emulated.
 [[nodiscard]] constexpr UbloxMessage silent(std::uint8_t message_class, std::uint8_t id) {
   return {{message_class, id}, {}, 0, message_class >= 0xF0, true, false};
+}
+
+/// Bytes of the longest forms that are not the same for all types: they follow the version of NMEA
+/// and the number of systems and satellites.
+struct SentenceLengths {
+  std::size_t rmc = 0;
+  std::size_t gga = 0;
+  std::size_t gsa = 0;  ///< All sentences of one epoch; so gsv and grs.
+  std::size_t gsv = 0;
+  std::size_t gll = 0;
+  std::size_t gbs = 0;
+  std::size_t grs = 0;
+  std::size_t gns = 0;
+  std::size_t pubx03 = 0;
+};
+[[nodiscard]] constexpr std::array<UbloxMessage, 15> all_sentences(const SentenceLengths& longest) {
+  return {sentence(0x04, "RMC", longest.rmc), sentence(0x05, "VTG", 46),
+          sentence(0x00, "GGA", longest.gga), sentence(0x02, "GSA", longest.gsa),
+          sentence(0x03, "GSV", longest.gsv), sentence(0x01, "GLL", longest.gll),
+          sentence(0x07, "GST", 72),          sentence(0x08, "ZDA", 40),
+          sentence(0x09, "GBS", longest.gbs), sentence(0x06, "GRS", longest.grs),
+          sentence(0x0A, "DTM", 48),          sentence(0x0D, "GNS", longest.gns),
+          proprietary(0x00, "PUBX,00", 130),  proprietary(0x03, "PUBX,03", longest.pubx03),
+          proprietary(0x04, "PUBX,04", 72)};
+}
+
+/// Tracking channels of u-blox 8, and the usual most of u-blox 9.
+inline constexpr std::size_t kModernSatellites = 32;
+
+/// From u-blox 8 on.
+inline constexpr std::array kModernTimes{
+    produced<protocols::ubx::NavTimegps>("NAV-TIMEGPS"),
+    produced<protocols::ubx::NavTimeutc>("NAV-TIMEUTC"),
+    produced<protocols::ubx::NavTimeglo>("NAV-TIMEGLO"),
+    produced<protocols::ubx::NavTimebds>("NAV-TIMEBDS"),
+    produced<protocols::ubx::NavTimegal>("NAV-TIMEGAL"),
+    produced<protocols::ubx::NavTimels>("NAV-TIMELS"),
+    produced<protocols::ubx::NavClock>("NAV-CLOCK"),
+    listed<protocols::ubx::NavSbasHead, protocols::ubx::NavSbasBlock>("NAV-SBAS",
+                                                                      kModernSatellites),
+};
+
+/// Hardware and buffers.
+inline constexpr std::array kHardware{
+    produced<protocols::ubx::MonHw>("MON-HW"),
+    produced<protocols::ubx::MonHw2>("MON-HW2"),
+    listed<protocols::ubx::MonIoHead, protocols::ubx::MonIoPort>("MON-IO",
+                                                                 protocols::ubx::kMonitorPorts),
+    produced<protocols::ubx::MonMsgpp>("MON-MSGPP"),
+    produced<protocols::ubx::MonRxbuf>("MON-RXBUF"),
+    produced<protocols::ubx::MonTxbuf>("MON-TXBUF"),
+    unasked(produced<protocols::ubx::MonRxr>("MON-RXR")),
+};
+
+/// What a receiver is, from u-blox 8 on.
+inline constexpr std::array kModernIdentity{
+    on_demand(version_row()),
+    on_demand(produced<protocols::ubx::MonGnss>("MON-GNSS")),
+    on_demand(produced<protocols::ubx::MonPatchHead>("MON-PATCH")),
+    on_demand(produced<protocols::ubx::SecUniqid>("SEC-UNIQID")),
+};
+
+/// The rows of several arrays in one.
+template <std::size_t... kRows>
+[[nodiscard]] constexpr auto joined(const std::array<UbloxMessage, kRows>&... runs) {
+  std::array<UbloxMessage, (kRows + ...)> all{};
+  auto at = all.begin();
+  ((at = std::ranges::copy(runs, at).out), ...);
+  return all;
 }
 
 }  // namespace rigwire::emulators

@@ -211,7 +211,7 @@ std::size_t put_communications(const UbloxMonitorView& view, std::span<std::uint
     port.messages[i] = view.port.messages[head.protocols[i]];
   }
   port.skipped_bytes = view.port.skipped;
-  return encode_blocks<MonCommsHead, MonCommsPort>(head, std::span(&port, 1), out);
+  return encode_blocks(head, std::span<const MonCommsPort>(&port, 1), out);
 }
 
 MonGnss major_systems(const UbloxMonitorView& view) {
@@ -257,35 +257,47 @@ SecUniqid unique_number(const UbloxMonitorView& view) {
   return m;
 }
 
-template <class Message>
-std::size_t put(const Message& message, std::span<std::uint8_t> out) {
-  const auto frame = encode(message);
-  std::ranges::copy(frame, out.begin());
-  return frame.size();
-}
-
 }  // namespace
+
+UbloxAntenna supervise(AntennaState state, const CfgAnt& settings) {
+  const auto has = [&](unsigned bit) { return (settings.flags >> bit & 1U) != 0; };
+  const bool controls = has(0);
+  const bool detects_short = has(1);
+  const bool detects_open = has(2);
+  const bool powers_down = has(3);
+  const std::uint8_t power = controls ? 1 : 2;
+  if (state == AntennaState::short_circuit && detects_short) {
+    return {3, powers_down ? std::uint8_t{0} : power, "ANTSTATUS=SHORT"};
+  }
+  if (state == AntennaState::open && detects_open) {
+    return {4, power, "ANTSTATUS=OPEN"};
+  }
+  if (!detects_short && !detects_open) {
+    return {1, power, "ANTSTATUS=DONTKNOW"};
+  }
+  return {2, power, "ANTSTATUS=OK"};
+}
 
 std::size_t encode_monitor(const UbloxMonitorView& view, MessageId id,
                            std::span<std::uint8_t> out) {
   if (id == MonIoHead::kId) return put_ports(view, out);
-  if (id == MonMsgpp::kId) return put(parsed(view), out);
-  if (id == MonRxbuf::kId) return put(receive_buffer(view), out);
-  if (id == MonTxbuf::kId) return put(transmit_buffer(view), out);
+  if (id == MonMsgpp::kId) return encode(parsed(view), out);
+  if (id == MonRxbuf::kId) return encode(receive_buffer(view), out);
+  if (id == MonTxbuf::kId) return encode(transmit_buffer(view), out);
   if (id == MonRfHead::kId) return put_bands(view, out);
   if (id == MonCommsHead::kId) return put_communications(view, out);
-  if (id == MonGnss::kId) return put(major_systems(view), out);
-  if (id == MonPatchHead::kId) return put(MonPatchHead{}, out);
-  if (id == SecUniqid::kId) return put(unique_number(view), out);
-  if (id == LogInfo::kId) return put(empty_log(), out);
-  if (id == MonHw::kId) return put(hardware(view), out);
-  if (id == MonHw2::kId) return put(radio_part(), out);
-  if (id == MonRxr::kId) return put(MonRxr{1}, out);
-  if (id == AidIni::kId) return put(initial_state(view), out);
-  if (id == TimTm2::kId) return put(time_mark(view), out);
+  if (id == MonGnss::kId) return encode(major_systems(view), out);
+  if (id == MonPatchHead::kId) return encode(MonPatchHead{}, out);
+  if (id == SecUniqid::kId) return encode(unique_number(view), out);
+  if (id == LogInfo::kId) return encode(empty_log(), out);
+  if (id == MonHw::kId) return encode(hardware(view), out);
+  if (id == MonHw2::kId) return encode(radio_part(), out);
+  if (id == MonRxr::kId) return encode(MonRxr{1}, out);
+  if (id == AidIni::kId) return encode(initial_state(view), out);
+  if (id == TimTm2::kId) return encode(time_mark(view), out);
   if (id == TimTp::kId) {
     const auto pulse = next_pulse(view);
-    return pulse ? put(*pulse, out) : 0;
+    return pulse ? encode(*pulse, out) : 0;
   }
   return 0;
 }

@@ -9,14 +9,28 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
-#include "emulators/ublox/antenna.h"
 #include "emulators/ublox/configuration.h"
+#include "emulators/ublox/navigation_messages.h"
 #include "emulators/ublox/solution.h"
 #include "emulators/ublox/transmitter.h"
 #include "protocols/ubx/frame.h"
 
 namespace rigwire::emulators {
+
+/// What the antenna supervisor reports: R28 section 14.1.
+struct UbloxAntenna {
+  std::uint8_t status = 2;  ///< MON-HW aStatus: 1 unknown, 2 OK, 3 short, 4 open.
+  std::uint8_t power = 1;   ///< MON-HW aPower: 0 off, 1 on, 2 unknown.
+  std::string_view text = "ANTSTATUS=OK";
+
+  friend bool operator==(const UbloxAntenna&, const UbloxAntenna&) = default;
+};
+
+/// A NEO-7P detects shorts and switches the supply off; open circuits only when CFG-ANT says so. A
+/// receiver that looks for neither (a ZED-F9P as delivered) does not know.
+[[nodiscard]] UbloxAntenna supervise(AntennaState state, const protocols::ubx::CfgAnt& settings);
 
 /// What came in on the UART since power-on or reset.
 struct UbloxPortStatistics {
@@ -53,7 +67,7 @@ struct UbloxMonitorView {
 
 /// Writes the UBX frame of MON-IO, MSGPP, RXBUF, TXBUF, HW, HW2, RXR, RF, COMMS, GNSS, PATCH,
 /// TIM-TP, TIM-TM2, AID-INI, LOG-INFO or SEC-UNIQID and returns its size; 0 when it is none of
-/// them. Precondition: out.size() >= kLongestSolutionFrame.
+/// them. Precondition: out.size() >= kLongestNavigationFrame.
 [[nodiscard]] std::size_t encode_monitor(const UbloxMonitorView& view, protocols::ubx::MessageId id,
                                          std::span<std::uint8_t> out);
 

@@ -4,10 +4,7 @@
 #include <array>
 
 #include "emulators/ublox/message_rows.h"
-#include "emulators/ublox/profile.h"
 #include "protocols/ubx/aiding.h"
-#include "protocols/ubx/monitor.h"
-#include "protocols/ubx/navigation.h"
 #include "protocols/ubx/raw_measurements.h"
 #include "protocols/ubx/timing.h"
 
@@ -16,69 +13,40 @@ namespace {
 
 namespace ubx = protocols::ubx;
 
-// Longest forms: three digits of knots, five of altitude; GSV of 16 satellites.
-constexpr std::size_t kRmc = 76;
-constexpr std::size_t kVtg = 46;
-constexpr std::size_t kGga = 84;
-constexpr std::size_t kGsa = 69;
-constexpr std::size_t kGsv = 4 /*pages*/ * 70;
-constexpr std::size_t kGll = 53;
-constexpr std::size_t kZda = 40;
-constexpr std::size_t kGst = 72;
-constexpr std::size_t kGbs = 64;
-constexpr std::size_t kGrs = 32 + 12 /*slots*/ * 7;
-constexpr std::size_t kDtm = 48;
-constexpr std::size_t kGns = 90;
-constexpr std::size_t kPubx00 = 130;
-constexpr std::size_t kPubx03 = 20 + 16 /*satellites*/ * 20;
-constexpr std::size_t kPubx04 = 72;
 constexpr std::size_t kTrackable = 16;  // more than 24 slots ever show at once
 
-constexpr std::array kMessages{
-    produced<ubx::NavPvt>("NAV-PVT"),
-    produced<ubx::NavPosecef>("NAV-POSECEF"),
-    produced<ubx::NavPosllh>("NAV-POSLLH"),
-    produced<ubx::NavStatus>("NAV-STATUS"),
-    produced<ubx::NavVelecef>("NAV-VELECEF"),
-    produced<ubx::NavVelned>("NAV-VELNED"),
-    sentence(0x04, "RMC", kRmc),
-    sentence(0x05, "VTG", kVtg),
-    sentence(0x00, "GGA", kGga),
-    sentence(0x02, "GSA", kGsa),
-    sentence(0x03, "GSV", kGsv),
-    sentence(0x01, "GLL", kGll),
-    sentence(0x07, "GST", kGst),
-    sentence(0x08, "ZDA", kZda),
-    sentence(0x09, "GBS", kGbs),
-    sentence(0x06, "GRS", kGrs),
-    sentence(0x0A, "DTM", kDtm),
-    sentence(0x0D, "GNS", kGns),
-    proprietary(0x00, "PUBX,00", kPubx00),
-    proprietary(0x03, "PUBX,03", kPubx03),
-    proprietary(0x04, "PUBX,04", kPubx04),
+// Longest forms: three digits of knots, five of altitude; GSV of 16 satellites.
+constexpr SentenceLengths kLongest{.rmc = 76,
+                                   .gga = 84,
+                                   .gsa = 69,
+                                   .gsv = 4 /*pages*/ * 70,
+                                   .gll = 53,
+                                   .gbs = 64,
+                                   .grs = 32 + 12 /*slots*/ * 7,
+                                   .gns = 90,
+                                   .pubx03 = 20 + 16 /*satellites*/ * 20};
+
+constexpr std::array kFix{
+    produced<ubx::NavPvt>("NAV-PVT"),         produced<ubx::NavPosecef>("NAV-POSECEF"),
+    produced<ubx::NavPosllh>("NAV-POSLLH"),   produced<ubx::NavStatus>("NAV-STATUS"),
+    produced<ubx::NavVelecef>("NAV-VELECEF"), produced<ubx::NavVelned>("NAV-VELNED"),
+};
+constexpr std::array kMore{
     produced<ubx::NavSol>("NAV-SOL"),
-    produced<ubx::NavSvinfoHead>("NAV-SVINFO", kTrackable* ubx::NavSvinfoChannel::kLength),
+    listed<ubx::NavSvinfoHead, ubx::NavSvinfoChannel>("NAV-SVINFO", kTrackable),
     produced<ubx::NavDop>("NAV-DOP"),
     produced<ubx::NavTimegps>("NAV-TIMEGPS"),
     produced<ubx::NavTimeutc>("NAV-TIMEUTC"),
     produced<ubx::NavClock>("NAV-CLOCK"),
-    listed(ubx::NavSbasHead::kId, "NAV-SBAS",
-           ubx::NavSbasHead::kLength + kTrackable * ubx::NavSbasBlock::kLength),
+    listed<ubx::NavSbasHead, ubx::NavSbasBlock>("NAV-SBAS", kTrackable),
     produced<ubx::NavDgpsHead>("NAV-DGPS"),
     produced<ubx::NavAopstatus>("NAV-AOPSTATUS"),
-    produced<ubx::MonHw>("MON-HW"),
-    produced<ubx::MonHw2>("MON-HW2"),
-    listed(ubx::MonIoHead::kId, "MON-IO", ubx::kMonitorPorts* ubx::MonIoPort::kLength),
-    produced<ubx::MonMsgpp>("MON-MSGPP"),
-    produced<ubx::MonRxbuf>("MON-RXBUF"),
-    produced<ubx::MonTxbuf>("MON-TXBUF"),
-    unasked(produced<ubx::MonRxr>("MON-RXR")),
-    listed(ubx::RxmRawHead::kId, "RXM-RAW",
-           ubx::RxmRawHead::kLength + kTrackable * ubx::RxmRawBlock::kLength),
+};
+constexpr std::array kRaw{
+    listed<ubx::RxmRawHead, ubx::RxmRawBlock>("RXM-RAW", kTrackable),
     unasked(listed(ubx::RxmSfrb::kId, "RXM-SFRB",
                    kTrackable* ubx::frame_size<ubx::RxmSfrb>() - ubx::kOverheadBytes)),
-    listed(ubx::RxmSvsiHead::kId, "RXM-SVSI",
-           ubx::RxmSvsiHead::kLength + 32 * ubx::RxmSvsiBlock::kLength),
+    listed<ubx::RxmSvsiHead, ubx::RxmSvsiBlock>("RXM-SVSI", 32),
     produced<ubx::AidIni>("AID-INI"),
     listed({0x0B, 0x30}, "AID-ALM", 32 * 48 - ubx::kOverheadBytes),
     listed({0x0B, 0x31}, "AID-EPH", 32 * 112 - ubx::kOverheadBytes),
@@ -93,6 +61,8 @@ constexpr std::array kMessages{
     silent(0x0B, 0x33),
     silent(0x21, 0x08),
 };
+
+constexpr auto kMessages = joined(kFix, all_sentences(kLongest), kMore, kHardware, kRaw);
 
 constexpr std::array<std::string_view, 6> kExtensions{"1.00 (59842)", "PROTVER 14.00",
                                                       "FIS 0xEF4015", "MOD NEO-7P-0",

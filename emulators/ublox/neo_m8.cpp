@@ -7,17 +7,13 @@
 // different NMEA versions, C.12 is followed: 4.0. Order within an epoch: recordings. Texts of the
 // NEO-M8T: what such receivers answered to others; its timing messages (survey-in, TIM-SVIN ...)
 // are not emulated.
-#include <algorithm>
 #include <array>
+#include <span>
 
 #include "emulators/ublox/configuration_state.h"
 #include "emulators/ublox/message_rows.h"
-#include "emulators/ublox/profile.h"
-#include "emulators/ublox/solution_modern.h"
 #include "protocols/ubx/aiding.h"
 #include "protocols/ubx/identity.h"
-#include "protocols/ubx/monitor.h"
-#include "protocols/ubx/navigation.h"
 #include "protocols/ubx/raw_measurements.h"
 #include "protocols/ubx/timing.h"
 
@@ -26,27 +22,20 @@ namespace {
 
 namespace ubx = protocols::ubx;
 
-constexpr std::size_t kSatellites = 32;  // tracking channels
+constexpr std::size_t kSatellites = kModernSatellites;
 
 // Longest forms with NMEA 4.1: several systems, each with its own GSA and GSV.
-constexpr std::size_t kRmc = 80;
-constexpr std::size_t kVtg = 46;
-constexpr std::size_t kGga = 84;
-constexpr std::size_t kGsa = 3 /*systems*/ * 71;
-constexpr std::size_t kGsv = 8 /*pages*/ * 70;
-constexpr std::size_t kGll = 53;
-constexpr std::size_t kZda = 40;
+constexpr SentenceLengths kLongest{.rmc = 80,
+                                   .gga = 84,
+                                   .gsa = 3 /*systems*/ * 71,
+                                   .gsv = 8 /*pages*/ * 70,
+                                   .gll = 53,
+                                   .gbs = 70,
+                                   .grs = 3 /*systems*/ * (36 + 12 /*slots*/ * 7),
+                                   .gns = 96,
+                                   .pubx03 = 20 + kSatellites * 18};
 
-constexpr std::size_t kGst = 72;
-constexpr std::size_t kGbs = 70;
-constexpr std::size_t kGrs = 3 /*systems*/ * (36 + 12 /*slots*/ * 7);
-constexpr std::size_t kDtm = 48;
-constexpr std::size_t kGns = 96;
-constexpr std::size_t kPubx00 = 130;
-constexpr std::size_t kPubx03 = 20 + kSatellites * 18;
-constexpr std::size_t kPubx04 = 72;
-
-constexpr std::array kMessages{
+constexpr std::array kFix{
     produced<ubx::NavPvt92>("NAV-PVT"),
     listed<ubx::NavOrbHead, ubx::NavOrbBlock>("NAV-ORB", kSatellites),
     listed<ubx::NavSatHead, ubx::NavSatBlock>("NAV-SAT", kSatellites),
@@ -54,44 +43,23 @@ constexpr std::array kMessages{
     produced<ubx::NavPosllh>("NAV-POSLLH"),
     produced<ubx::NavStatus>("NAV-STATUS"),
     produced<ubx::NavSol>("NAV-SOL"),
-    sentence(0x04, "RMC", kRmc),
-    sentence(0x05, "VTG", kVtg),
-    sentence(0x00, "GGA", kGga),
-    sentence(0x02, "GSA", kGsa),
-    sentence(0x03, "GSV", kGsv),
-    sentence(0x01, "GLL", kGll),
-    sentence(0x07, "GST", kGst),
-    sentence(0x08, "ZDA", kZda),
-    sentence(0x09, "GBS", kGbs),
-    sentence(0x06, "GRS", kGrs),
-    sentence(0x0A, "DTM", kDtm),
-    sentence(0x0D, "GNS", kGns),
-    proprietary(0x00, "PUBX,00", kPubx00),
-    proprietary(0x03, "PUBX,03", kPubx03),
-    proprietary(0x04, "PUBX,04", kPubx04),
+};
+constexpr std::array kVelocity{
     listed<ubx::NavSvinfoHead, ubx::NavSvinfoChannel>("NAV-SVINFO", kSatellites),
     produced<ubx::NavDop>("NAV-DOP"),
     produced<ubx::NavVelecef>("NAV-VELECEF"),
     produced<ubx::NavVelned>("NAV-VELNED"),
-    produced<ubx::NavTimegps>("NAV-TIMEGPS"),
-    produced<ubx::NavTimeutc>("NAV-TIMEUTC"),
-    produced<ubx::NavTimeglo>("NAV-TIMEGLO"),
-    produced<ubx::NavTimebds>("NAV-TIMEBDS"),
-    produced<ubx::NavTimegal>("NAV-TIMEGAL"),
-    produced<ubx::NavTimels>("NAV-TIMELS"),
-    produced<ubx::NavClock>("NAV-CLOCK"),
-    listed<ubx::NavSbasHead, ubx::NavSbasBlock>("NAV-SBAS", kSatellites),
+};
+constexpr std::array kState{
     produced<ubx::NavDgpsHead>("NAV-DGPS"),
     produced<ubx::NavAopstatus>("NAV-AOPSTATUS"),
     produced<ubx::NavOdo>("NAV-ODO"),
     unasked(produced<ubx::NavEoe>("NAV-EOE")),
-    produced<ubx::MonHw>("MON-HW"),
-    produced<ubx::MonHw2>("MON-HW2"),
-    listed(ubx::MonIoHead::kId, "MON-IO", ubx::kMonitorPorts* ubx::MonIoPort::kLength),
-    produced<ubx::MonMsgpp>("MON-MSGPP"),
-    produced<ubx::MonRxbuf>("MON-RXBUF"),
-    produced<ubx::MonTxbuf>("MON-TXBUF"),
-    unasked(produced<ubx::MonRxr>("MON-RXR")),
+};
+constexpr auto kMeasured =
+    joined(kFix, all_sentences(kLongest), kVelocity, kModernTimes, kState, kHardware);
+
+constexpr std::array kSubframes{
     unasked(listed({0x02, 0x13}, "RXM-SFRBX", kSatellites * 56 - ubx::kOverheadBytes)),
     listed({0x02, 0x20}, "RXM-SVSI", 8 + 6 * kSatellites),
     listed({0x0B, 0x30}, "AID-ALM", 32 * 48 - ubx::kOverheadBytes),
@@ -99,10 +67,8 @@ constexpr std::array kMessages{
     produced<ubx::TimTm2>("TIM-TM2"),
     produced<ubx::TimTp>("TIM-TP"),
     produced<ubx::LogInfo>("LOG-INFO"),
-    on_demand(version_row()),
-    on_demand(produced<ubx::MonGnss>("MON-GNSS")),
-    on_demand(produced<ubx::MonPatchHead>("MON-PATCH")),
-    on_demand(produced<ubx::SecUniqid>("SEC-UNIQID")),
+};
+constexpr std::array kSilent{
     on_demand(produced<ubx::AidHui>("AID-HUI")),
     on_demand(produced<ubx::AidIni>("AID-INI")),
     silent(0x01, 0x39),
@@ -113,21 +79,19 @@ constexpr std::array kMessages{
     silent(0xF0, 0x0F),
 };
 
+constexpr auto kReceived = joined(kSubframes, kModernIdentity, kSilent);
+
+constexpr auto kMessages = joined(kMeasured, kReceived);
 /// The raw measurements come last but for the subframes, as recordings show.
-constexpr auto kTimingMessages = [] {
-  std::array<UbloxMessage, kMessages.size() + 1> messages{};
-  const auto subframes =
-      std::ranges::find(kMessages, std::string_view("RXM-SFRBX"), &UbloxMessage::name);
-  auto at = std::copy(kMessages.begin(), subframes, messages.begin());
-  *at++ = listed<ubx::RxmRawxHead, ubx::RxmRawxBlock>("RXM-RAWX", kSatellites);
-  std::copy(subframes, kMessages.end(), at);
-  return messages;
-}();
+constexpr auto kTimingMessages = joined(
+    kMeasured, std::array{listed<ubx::RxmRawxHead, ubx::RxmRawxBlock>("RXM-RAWX", kSatellites)},
+    kReceived);
 static_assert(kTimingMessages.size() <= kMaximumMessages);
 
-constexpr std::array<std::string_view, 7> kExtensions{
-    "ROM BASE 3.01 (107888)", "FWVER=SPG 3.01",  "PROTVER=18.00", "MOD=NEO-M8N-0",
-    "FIS=0xEF4015 (100111)",  "GPS;GLO;GAL;BDS", "SBAS;IMES;QZSS"};
+/// Of the texts at power-on, those that MON-VER repeats.
+constexpr std::span<const std::string_view> extensions(std::span<const std::string_view> banner) {
+  return banner.subspan(3 /*maker, hardware, software*/, 7);
+}
 
 constexpr std::array<std::string_view, 15> kBanner{
     "u-blox AG - www.u-blox.com",
@@ -146,10 +110,6 @@ constexpr std::array<std::string_view, 15> kBanner{
     "ANTSTATUS=OK",
     "PF=3FB",
 };
-
-constexpr std::array<std::string_view, 7> kTimingExtensions{
-    "ROM BASE 2.01 (75331)", "FWVER=TIM 1.10",  "PROTVER=22.00", "MOD=NEO-M8T-0",
-    "FIS=0xEF4015 (100111)", "GPS;GLO;GAL;BDS", "SBAS;IMES;QZSS"};
 
 constexpr std::array<std::string_view, 14> kTimingBanner{
     "u-blox AG - www.u-blox.com",
@@ -197,15 +157,6 @@ void adjust_defaults(UbloxConfigurationState& s) {
   s.ports[ubx::kPortSpi].output_protocols = 0;
 }
 
-std::size_t encode(const UbloxSolution& solution, ubx::MessageId id, std::span<std::uint8_t> out) {
-  return encode_modern_solution(solution, ublox_neo_m8(), id, out);
-}
-
-std::size_t encode_timing(const UbloxSolution& solution, ubx::MessageId id,
-                          std::span<std::uint8_t> out) {
-  return encode_modern_solution(solution, ublox_neo_m8t(), id, out);
-}
-
 }  // namespace
 
 const UbloxProfile& ublox_neo_m8t() {
@@ -214,10 +165,9 @@ const UbloxProfile& ublox_neo_m8t() {
     timing.name = "NEO-M8T";
     timing.protocol_e2 = 2200;
     timing.software = "EXT CORE 3.01 (111141)";
-    timing.extensions = kTimingExtensions;
+    timing.extensions = extensions(kTimingBanner);
     timing.banner = kTimingBanner;
     timing.messages = kTimingMessages;
-    timing.encode = encode_timing;
     return timing;
   }();
   return profile;
@@ -230,7 +180,7 @@ const UbloxProfile& ublox_neo_m8() {
       .protocol_e2 = 1800,
       .software = "EXT CORE 3.01 (107900)",
       .hardware = "00080000",
-      .extensions = kExtensions,
+      .extensions = extensions(kBanner),
       .banner = kBanner,
       .messages = kMessages,
       .systems = kSystems,
@@ -239,7 +189,6 @@ const UbloxProfile& ublox_neo_m8() {
       .nmea_version = 0x40,
       .nmea_versions = kNmeaVersions,
       .cfg_nmea_bytes = 20,
-      .pvt_bytes = 92,
       .navigation_ratio = true,
       .odometer = true,
       .power_modes = true,
@@ -253,7 +202,6 @@ const UbloxProfile& ublox_neo_m8() {
                     .jamming_floor = 3,
                     .jamming_span = 19},
       .adjust_defaults = adjust_defaults,
-      .encode = encode,
   };
   return profile;
 }

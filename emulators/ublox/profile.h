@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <string_view>
 
@@ -15,9 +14,6 @@
 namespace rigwire::emulators {
 
 struct UbloxConfigurationState;
-struct UbloxSolution;
-class UbloxConfiguration;
-class UbloxKeyMessages;
 
 /// A message that a type of receiver has, and by what it comes. What a type does not list, it
 /// neither sends nor answers.
@@ -49,7 +45,7 @@ struct UbloxFrontEnd {
 
 struct UbloxProfile {
   std::string_view name;      ///< "NEO-7P".
-  int generation = 7;         ///< 7, 8, 9.
+  int generation = 7;         ///< 7, 8, 9; from 8 on messages have their newer form.
   int protocol_e2 = 1400;     ///< Protocol version, hundredths.
   std::string_view software;  ///< MON-VER.
   std::string_view hardware;
@@ -64,12 +60,12 @@ struct UbloxProfile {
   std::span<const std::uint8_t> nmea_versions;  ///< Those that CFG-NMEA accepts.
   bool high_precision = false;                  ///< NMEA with 7 decimals of minutes.
   std::size_t cfg_nmea_bytes = 12;              ///< 12 or 20.
-  std::size_t pvt_bytes = 84;                   ///< NAV-PVT: 84 or 92.
   Duration shortest_period = std::chrono::milliseconds{50};
   bool navigation_ratio = false;  ///< CFG-RATE navRate is honoured.
   bool carrier_solution = false;  ///< RTK float and fixed are reported.
   bool odometer = false;          ///< CFG-ODO, NAV-RESETODO.
   bool power_modes = false;       ///< CFG-PMS; full power alone is accepted.
+  bool key_items = false;         ///< CFG-VALSET, VALGET, VALDEL.
   bool logger = false;            ///< LOG-CREATE and others are refused, not ignored.
   std::uint32_t baud = 9600;
   std::uint32_t greatest_baud = 460'800;
@@ -83,40 +79,10 @@ struct UbloxProfile {
 
   /// What other defaults of the type differ from those of a NEO-7P; may be null.
   void (*adjust_defaults)(UbloxConfigurationState& state) = nullptr;
-  /// Messages that this type has of its own, or in another form: asked before the common ones, for
-  /// output and for polls. Writes a whole frame and returns its size, 0 when it is not one of them.
-  /// May be null. `out` holds at least kLongestSolutionFrame.
-  std::size_t (*encode)(const UbloxSolution& solution, protocols::ubx::MessageId id,
-                        std::span<std::uint8_t> out) = nullptr;
-  /// CFG-VALSET, VALGET, VALDEL of one receiver; null where they are refused like any unknown
-  /// message.
-  std::unique_ptr<UbloxKeyMessages> (*make_keys)(const UbloxProfile& profile) = nullptr;
 };
 
 inline constexpr std::size_t kMaximumSystems = 8;
 inline constexpr std::size_t kMaximumMessages = 128;
-
-/// The configuration messages that address single items by key, and the layers behind them. The
-/// state in force stays UbloxConfiguration's; items that no older message has are kept here.
-class UbloxKeyMessages {
- public:
-  virtual ~UbloxKeyMessages() = default;
-  [[nodiscard]] virtual bool handles(protocols::ubx::MessageId id) const = 0;
-  [[nodiscard]] virtual bool is_poll(const protocols::ubx::FrameView& frame) const = 0;
-  /// Payload size of the answer, written into `out`; 0 when the poll is refused.
-  [[nodiscard]] virtual std::size_t poll(const UbloxConfiguration& configuration,
-                                         const protocols::ubx::FrameView& frame,
-                                         std::span<std::uint8_t> out) = 0;
-  /// False when it is refused, and then nothing has changed.
-  [[nodiscard]] virtual bool set(UbloxConfiguration& configuration,
-                                 const protocols::ubx::FrameView& frame) = 0;
-  /// Another configuration message came: what waits in a transaction is dropped.
-  virtual void interrupt() = 0;
-  /// After a reset: what the layers below say is in force again.
-  virtual void reload(UbloxConfiguration& configuration) = 0;
-  /// The battery-backed memory lost its supply.
-  virtual void forget() = 0;
-};
 
 /// Index in profile.messages; its size when unknown.
 [[nodiscard]] std::size_t message_index(const UbloxProfile& profile, protocols::ubx::MessageId id);

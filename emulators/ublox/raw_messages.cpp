@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "emulators/ublox/aiding.h"
 #include "protocols/ubx/aiding.h"
 #include "protocols/ubx/blocks.h"
 
@@ -129,11 +128,128 @@ void say_orbits(const SubframeReception& reception, const GpsTime& now, ubx::Rxm
   }
 }
 
-bool per_satellite(MessageId id) {
-  return id == ubx::AidEph::kId || id == kRxmEph || id == ubx::AidAlm::kId || id == kRxmAlm;
+// AID-EPH, AID-ALM and AID-HUI: whole frames of what was collected of the navigation message, under
+// the id asked for; without data the short form.
+
+// Words 3..10.
+std::array<std::uint32_t, 8> content(const gps::SubframeData& data) {
+  std::array<std::uint32_t, 8> words{};
+  std::copy(data.words.begin() + 2, data.words.end(), words.begin());
+  return words;
 }
-bool is_ephemeris(MessageId id) {
-  return id == ubx::AidEph::kId || id == kRxmEph;
+
+std::size_t encode_aiding_ephemeris(const SubframeReception& reception, std::size_t prn,
+                                    MessageId id, std::span<std::uint8_t> out) {
+  const auto& known = reception.ephemeris(prn);
+  const auto satellite = static_cast<std::uint32_t>(prn);
+  if (!known) {
+    return ubx::encode(ubx::AidEphHead{.satellite = satellite}, out, id);
+  }
+  gps::Ephemeris decoded = *known;
+  decoded.l2_code = 0;
+  decoded.l2_p_data_off = false;
+  decoded.age_of_data_offset = 0;
+  ubx::AidEph message{.satellite = satellite};
+  gps::SubframeData data;
+  gps::set_head(data, {.next_step = static_cast<std::uint32_t>(decoded.ephemeris_time_s) /
+                                    gps::kStepSeconds % gps::kStepsPerWeek,
+                       .anti_spoof = false,
+                       .subframe_id = 1});
+  message.handover_word = data.words[1];
+  gps::put_ephemeris(data, 1, decoded, decoded.week);
+  message.subframe1 = content(data);
+  gps::put_ephemeris(data, 2, decoded, decoded.week);
+  message.subframe2 = content(data);
+  gps::put_ephemeris(data, 3, decoded, decoded.week);
+  message.subframe3 = content(data);
+  return ubx::encode(message, out, id);
+}
+
+std::size_t encode_aiding_almanac(const SubframeReception& reception, std::size_t prn, MessageId id,
+                                  std::span<std::uint8_t> out) {
+  const auto& known = reception.almanac(prn);
+  const auto satellite = static_cast<std::uint32_t>(prn);
+  if (!known) {
+    return ubx::encode(ubx::AidAlmHead{.satellite = satellite}, out, id);
+  }
+  gps::SubframeData data;
+  gps::put_almanac(data, *known);
+  return ubx::encode(ubx::AidAlm{.satellite = satellite,
+                                 .week = static_cast<std::uint32_t>(known->week),
+                                 .words = content(data)},
+                     out, id);
+}
+
+std::size_t encode_aiding_health(const SubframeReception& reception, std::span<std::uint8_t> out) {
+  constexpr std::uint32_t kHealthValid = 0x1;
+  constexpr std::uint32_t kUtcValid = 0x2;
+  constexpr std::uint32_t kIonosphereValid = 0x4;
+  ubx::AidHui message;
+  if (const auto& health = reception.health(); health) {
+    for (std::size_t i = 0; i < gps::kSatellites; ++i) {
+      message.health |= health->health[i] == 0 ? 1U << i : 0U;
+    }
+    message.flags |= kHealthValid;
+  }
+  if (const auto& page = reception.ionosphere_utc(); page) {
+    message.utc_a0_s = page->utc_a0_s;
+    message.utc_a1 = page->utc_a1;
+    message.utc_reference_s = static_cast<std::int32_t>(page->utc_reference_time_s);
+    message.utc_reference_week = static_cast<std::int16_t>(page->utc_reference_week);
+    message.leap_seconds = static_cast<std::int16_t>(page->leap_seconds);
+    message.leap_week = static_cast<std::int16_t>(page->leap_week);
+    message.leap_day = static_cast<std::int16_t>(page->leap_day);
+    message.leap_seconds_future = static_cast<std::int16_t>(page->leap_seconds_future);
+    for (std::size_t i = 0; i < page->alpha.size(); ++i) {
+      message.klobuchar_alpha[i] = static_cast<float>(page->alpha[i]);
+      message.klobuchar_beta[i] = static_cast<float>(page->beta[i]);
+    }
+    message.flags |= kUtcValid | kIonosphereValid;
+  }
+  return ubx::encode(message, out);
+}
+
+/// Frames of ten words of GPS, or eight of SBAS, that were received.
+std::size_t put_subframe(const ReceivedSubframe& received, std::span<std::uint8_t> out) {
+  constexpr std::uint32_t kSign = 0x80'0000;
+  constexpr std::uint32_t kSignExtension = 0xFF00'0000;
+  ubx::RxmSfrb message{.channel = received.channel, .satellite = received.prn};
+  const auto words = gps::true_polarity(received.subframe);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::uint32_t data = (words[i] >> gps::kParityBits) & gps::kDataMask;
+    message.words[i] = (data & kSign) != 0U ? data | kSignExtension : data;
+  }
+  return ubx::encode(message, out);
+}
+
+std::size_t put_subframe(const ReceivedSbas& received, std::span<std::uint8_t> out) {
+  ubx::RxmSfrb message{.channel = received.channel, .satellite = received.prn};
+  std::ranges::copy(received.message.words, message.words.begin());
+  return ubx::encode(message, out);
+}
+
+template <class Received, std::size_t kCount>
+std::size_t put_words(GnssSystem system, const Received& received,
+                      const std::array<std::uint32_t, kCount>& words, std::span<std::uint8_t> out) {
+  std::array<ubx::RxmSfrbxWord, kCount> blocks;
+  std::ranges::transform(words, blocks.begin(),
+                         [](std::uint32_t word) { return ubx::RxmSfrbxWord{word}; });
+  const ubx::RxmSfrbxHead head{.system = static_cast<std::uint8_t>(system),
+                               .satellite = received.prn,
+                               .words = static_cast<std::uint8_t>(kCount),
+                               .channel = received.channel};
+  return ubx::encode_blocks(head, std::span<const ubx::RxmSfrbxWord>(blocks), out);
+}
+
+std::size_t put_words(const ReceivedSubframe& received, std::span<std::uint8_t> out) {
+  return put_words(GnssSystem::gps, received, gps::true_polarity(received.subframe), out);
+}
+
+std::size_t put_words(const ReceivedSbas& received, std::span<std::uint8_t> out) {
+  constexpr unsigned kMissingInLast = 32 * protocols::sbas::kWords - protocols::sbas::kMessageBits;
+  auto words = received.message.words;
+  words.back() <<= kMissingInLast;
+  return put_words(GnssSystem::sbas, received, words, out);
 }
 
 std::size_t nth_set(const std::bitset<32>& bits, std::size_t index) {
@@ -227,25 +343,32 @@ void UbloxRawMessages::follow_phases(const GnssSample& sample) {
   }
 }
 
-bool UbloxRawMessages::handles(MessageId id) {
-  return per_satellite(id) || id == ubx::RxmRawHead::kId || id == ubx::RxmRawxHead::kId ||
-         id == ubx::RxmSfrb::kId || id == ubx::RxmSfrbxHead::kId || id == ubx::RxmSvsiHead::kId ||
-         id == ubx::AidHui::kId;
+UbloxRawMessages::Kind UbloxRawMessages::kind(MessageId id) {
+  if (id == ubx::RxmRawHead::kId || id == ubx::RxmRawxHead::kId || id == ubx::RxmSvsiHead::kId) {
+    return Kind::measurements;
+  }
+  if (id == ubx::RxmSfrb::kId || id == ubx::RxmSfrbxHead::kId) return Kind::subframes;
+  if (id == ubx::AidEph::kId || id == kRxmEph) return Kind::ephemeris;
+  if (id == ubx::AidAlm::kId || id == kRxmAlm) return Kind::almanac;
+  return id == ubx::AidHui::kId ? Kind::health : Kind::other;
 }
 
 std::size_t UbloxRawMessages::count(MessageId id) const {
   if (!heard_) {
     return 0;
   }
-  if (id == ubx::RxmRawHead::kId || id == ubx::RxmRawxHead::kId || id == ubx::RxmSvsiHead::kId) {
-    return 1;
-  }
-  if (id == ubx::RxmSfrb::kId || id == ubx::RxmSfrbxHead::kId) {
-    return reception_.subframes().size() + sbas_.messages().size();
-  }
-  if (per_satellite(id)) {
-    return is_ephemeris(id) ? reception_.new_ephemerides().count()
-                            : reception_.new_almanacs().count();
+  switch (kind(id)) {
+    case Kind::measurements:
+      return 1;
+    case Kind::subframes:
+      return reception_.subframes().size() + sbas_.messages().size();
+    case Kind::ephemeris:
+      return reception_.new_ephemerides().count();
+    case Kind::almanac:
+      return reception_.new_almanacs().count();
+    case Kind::health:
+    case Kind::other:
+      break;
   }
   return 0;
 }
@@ -255,45 +378,43 @@ std::size_t UbloxRawMessages::encode(MessageId id, std::size_t index,
   if (index >= count(id)) {
     return 0;
   }
+  switch (kind(id)) {
+    case Kind::measurements:
+      return encode_measurements(id, out);
+    case Kind::ephemeris:
+      return encode_aiding_ephemeris(reception_, nth_set(reception_.new_ephemerides(), index) + 1,
+                                     id, out);
+    case Kind::almanac:
+      return encode_aiding_almanac(reception_, nth_set(reception_.new_almanacs(), index) + 1, id,
+                                   out);
+    default:
+      break;
+  }
+  const auto put = [&](const auto& received) {
+    return id == ubx::RxmSfrb::kId ? put_subframe(received, out) : put_words(received, out);
+  };
+  const std::size_t of_gps = reception_.subframes().size();
+  return index < of_gps ? put(reception_.subframes()[index])
+                        : put(sbas_.messages()[index - of_gps]);
+}
+
+std::size_t UbloxRawMessages::encode_measurements(MessageId id, std::span<std::uint8_t> out) const {
   if (id == ubx::RxmRawHead::kId) {
     return encode_raw(out);
   }
-  if (id == ubx::RxmRawxHead::kId) {
-    return encode_rawx(out);
-  }
-  if (id == ubx::RxmSvsiHead::kId) {
-    return encode_svsi(out);
-  }
-  const bool of_satellites = id == ubx::RxmSfrb::kId || id == ubx::RxmSfrbxHead::kId;
-  if (of_satellites && index >= reception_.subframes().size()) {
-    return encode_sbas(id, sbas_.messages()[index - reception_.subframes().size()], out);
-  }
-  if (id == ubx::RxmSfrb::kId) {
-    return encode_sfrb(reception_.subframes()[index], out);
-  }
-  if (id == ubx::RxmSfrbxHead::kId) {
-    return encode_sfrbx(reception_.subframes()[index], out);
-  }
-  return is_ephemeris(id)
-             ? encode_aiding_ephemeris(reception_, nth_set(reception_.new_ephemerides(), index) + 1,
-                                       id, out)
-             : encode_aiding_almanac(reception_, nth_set(reception_.new_almanacs(), index) + 1, id,
-                                     out);
+  return id == ubx::RxmRawxHead::kId ? encode_rawx(out) : encode_svsi(out);
 }
 
 std::size_t UbloxRawMessages::answers(MessageId id, std::span<const std::uint8_t> selector) const {
-  if (per_satellite(id)) {
+  const Kind kind = UbloxRawMessages::kind(id);
+  if (kind == Kind::ephemeris || kind == Kind::almanac) {
     if (selector.empty()) {
       return gps::kSatellites;
     }
     return selector.size() == 1 && selector[0] >= 1 && selector[0] <= gps::kSatellites ? 1 : 0;
   }
-  if (!selector.empty()) {
-    return 0;
-  }
-  const bool measured =
-      id == ubx::RxmRawHead::kId || id == ubx::RxmRawxHead::kId || id == ubx::RxmSvsiHead::kId;
-  return id == ubx::AidHui::kId || (measured && heard_) ? 1 : 0;
+  const bool told = kind == Kind::health || (kind == Kind::measurements && heard_);
+  return told && selector.empty() ? 1 : 0;
 }
 
 std::size_t UbloxRawMessages::encode_answer(MessageId id, std::span<const std::uint8_t> selector,
@@ -301,15 +422,17 @@ std::size_t UbloxRawMessages::encode_answer(MessageId id, std::span<const std::u
   if (index >= answers(id, selector)) {
     return 0;
   }
-  if (id == ubx::AidHui::kId) {
-    return encode_aiding_health(reception_, out);
+  const std::size_t prn = selector.empty() ? index + 1 : selector[0];
+  switch (kind(id)) {
+    case Kind::health:
+      return encode_aiding_health(reception_, out);
+    case Kind::ephemeris:
+      return encode_aiding_ephemeris(reception_, prn, id, out);
+    case Kind::almanac:
+      return encode_aiding_almanac(reception_, prn, id, out);
+    default:
+      return encode(id, index, out);
   }
-  if (per_satellite(id)) {
-    const std::size_t prn = selector.empty() ? index + 1 : selector[0];
-    return is_ephemeris(id) ? encode_aiding_ephemeris(reception_, prn, id, out)
-                            : encode_aiding_almanac(reception_, prn, id, out);
-  }
-  return encode(id, index, out);
 }
 
 std::size_t UbloxRawMessages::encode_raw(std::span<std::uint8_t> out) const {
@@ -333,8 +456,7 @@ std::size_t UbloxRawMessages::encode_raw(std::span<std::uint8_t> out) const {
   const ubx::RxmRawHead head{.time_of_week_ms = static_cast<std::int32_t>(label_.time_of_week_ms),
                              .week = static_cast<std::int16_t>(label_.week),
                              .satellites = static_cast<std::uint8_t>(n)};
-  return ubx::encode_blocks<ubx::RxmRawHead, ubx::RxmRawBlock>(head, std::span(blocks).first(n),
-                                                               out);
+  return ubx::encode_blocks(head, std::span<const ubx::RxmRawBlock>(blocks).first(n), out);
 }
 
 std::size_t UbloxRawMessages::encode_rawx(std::span<std::uint8_t> out) const {
@@ -351,8 +473,7 @@ std::size_t UbloxRawMessages::encode_rawx(std::span<std::uint8_t> out) const {
       .status = static_cast<std::uint8_t>((time_.leap_known ? ubx::kRawxLeapSecondsKnown : 0U) |
                                           (clock_reset_ ? ubx::kRawxClockReset : 0U)),
       .version = static_cast<std::uint8_t>(generation_ >= 8 ? 1 : 0)};
-  return ubx::encode_blocks<ubx::RxmRawxHead, ubx::RxmRawxBlock>(head, std::span(blocks).first(n),
-                                                                 out);
+  return ubx::encode_blocks(head, std::span<const ubx::RxmRawxBlock>(blocks).first(n), out);
 }
 
 std::size_t UbloxRawMessages::encode_svsi(std::span<std::uint8_t> out) const {
@@ -361,60 +482,7 @@ std::size_t UbloxRawMessages::encode_svsi(std::span<std::uint8_t> out) const {
                               .week = static_cast<std::int16_t>(label_.week),
                               .visible = static_cast<std::uint8_t>(n),
                               .satellites = static_cast<std::uint8_t>(n)};
-  return ubx::encode_blocks<ubx::RxmSvsiHead, ubx::RxmSvsiBlock>(head, std::span(views_).first(n),
-                                                                 out);
-}
-
-std::size_t UbloxRawMessages::encode_sfrb(const ReceivedSubframe& received,
-                                          std::span<std::uint8_t> out) const {
-  constexpr std::uint32_t kSign = 0x80'0000;
-  constexpr std::uint32_t kSignExtension = 0xFF00'0000;
-  ubx::RxmSfrb message{.channel = received.channel, .satellite = received.prn};
-  const auto words = gps::true_polarity(received.subframe);
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::uint32_t data = (words[i] >> gps::kParityBits) & gps::kDataMask;
-    message.words[i] = (data & kSign) != 0U ? data | kSignExtension : data;
-  }
-  const auto frame = ubx::encode(message);
-  std::ranges::copy(frame, out.begin());
-  return frame.size();
-}
-
-std::size_t UbloxRawMessages::encode_sbas(MessageId id, const ReceivedSbas& received,
-                                          std::span<std::uint8_t> out) {
-  const auto& words = received.message.words;
-  if (id == ubx::RxmSfrb::kId) {
-    ubx::RxmSfrb message{.channel = received.channel, .satellite = received.prn};
-    std::ranges::copy(words, message.words.begin());
-    const auto frame = ubx::encode(message);
-    std::ranges::copy(frame, out.begin());
-    return frame.size();
-  }
-  std::array<ubx::RxmSfrbxWord, protocols::sbas::kWords> blocks{};
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    blocks[i].word = words[i];
-  }
-  constexpr unsigned kMissingInLast = 32 * protocols::sbas::kWords - protocols::sbas::kMessageBits;
-  blocks.back().word <<= kMissingInLast;
-  const ubx::RxmSfrbxHead head{.system = static_cast<std::uint8_t>(GnssSystem::sbas),
-                               .satellite = received.prn,
-                               .words = static_cast<std::uint8_t>(blocks.size()),
-                               .channel = received.channel};
-  return ubx::encode_blocks<ubx::RxmSfrbxHead, ubx::RxmSfrbxWord>(head, blocks, out);
-}
-
-std::size_t UbloxRawMessages::encode_sfrbx(const ReceivedSubframe& received,
-                                           std::span<std::uint8_t> out) const {
-  std::array<ubx::RxmSfrbxWord, gps::kWords> blocks{};
-  const auto words = gps::true_polarity(received.subframe);
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    blocks[i].word = words[i];
-  }
-  const ubx::RxmSfrbxHead head{.system = static_cast<std::uint8_t>(GnssSystem::gps),
-                               .satellite = received.prn,
-                               .words = static_cast<std::uint8_t>(blocks.size()),
-                               .channel = received.channel};
-  return ubx::encode_blocks<ubx::RxmSfrbxHead, ubx::RxmSfrbxWord>(head, blocks, out);
+  return ubx::encode_blocks(head, std::span<const ubx::RxmSvsiBlock>(views_).first(n), out);
 }
 
 }  // namespace rigwire::emulators

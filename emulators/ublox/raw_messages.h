@@ -68,8 +68,12 @@ class UbloxRawMessages {
   /// so to the next one that does not.
   void update(const GnssSample& sample, const UbloxTimeKnowledge& time);
 
-  /// Whether this file knows the message.
-  [[nodiscard]] static bool handles(protocols::ubx::MessageId id);
+  /// What a message tells; `other` is none of this file.
+  enum class Kind : std::uint8_t { other, measurements, subframes, ephemeris, almanac, health };
+  [[nodiscard]] static Kind kind(protocols::ubx::MessageId id);
+  [[nodiscard]] static bool handles(protocols::ubx::MessageId id) {
+    return kind(id) != Kind::other;
+  }
 
   /// Frames of the message that are due at this epoch when it is switched on: one of RXM-RAW,
   /// RXM-RAWX, RXM-SVSI; one for each subframe and SBAS message that became complete of RXM-SFRB,
@@ -112,17 +116,11 @@ class UbloxRawMessages {
   void set_label(const GnssSample& sample);
   void follow_phases(const GnssSample& sample);
   void list_views(const GnssSample& sample, const GpsTime& now);
+  [[nodiscard]] std::size_t encode_measurements(protocols::ubx::MessageId id,
+                                                std::span<std::uint8_t> out) const;
   [[nodiscard]] std::size_t encode_raw(std::span<std::uint8_t> out) const;
   [[nodiscard]] std::size_t encode_rawx(std::span<std::uint8_t> out) const;
   [[nodiscard]] std::size_t encode_svsi(std::span<std::uint8_t> out) const;
-  [[nodiscard]] std::size_t encode_sfrb(const ReceivedSubframe& received,
-                                        std::span<std::uint8_t> out) const;
-  [[nodiscard]] std::size_t encode_sfrbx(const ReceivedSubframe& received,
-                                         std::span<std::uint8_t> out) const;
-  [[nodiscard]] static std::size_t encode_sbas(protocols::ubx::MessageId id,
-                                               const ReceivedSbas& received,
-                                               std::span<std::uint8_t> out);
-
   const Calendar calendar_;
   int generation_;
   SubframeReception reception_;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 
+#include "emulators/ublox/navigation_messages.h"
+#include "emulators/ublox/nmea_epoch.h"
 #include "protocols/nmea/writers.h"
 #include "protocols/ubx/aiding.h"
 #include "protocols/ubx/identity.h"
@@ -60,6 +62,41 @@ constexpr std::array kQuantities{
     Quantity{"longitude (NMEA)", "deg", -180.0, 180.0, 1e-5 / 60.0},
     Quantity{"height above mean sea level (NMEA)", "m", -99'999.9, 99'999.9, 0.1},
 };
+
+int one_page(const nmea::Epoch& /*epoch*/) {
+  return 1;
+}
+template <nmea::Sentence (*kWrite)(const nmea::Epoch&)>
+nmea::Sentence only_page(const nmea::Epoch& epoch, int /*page*/) {
+  return kWrite(epoch);
+}
+
+/// How a sentence is written that comes in one or more pages, numbered from 1.
+struct SentenceForm {
+  std::string_view name;
+  int (*pages)(const nmea::Epoch& epoch);
+  nmea::Sentence (*write)(const nmea::Epoch& epoch, int page);
+};
+constexpr std::array<SentenceForm, 14> kSentenceForms{{
+    {"RMC", one_page, only_page<nmea::write_rmc>},
+    {"VTG", one_page, only_page<nmea::write_vtg>},
+    {"GGA", one_page, only_page<nmea::write_gga>},
+    {"GSA", nmea::gsa_sentences, nmea::write_gsa},
+    {"GSV", nmea::gsv_pages, nmea::write_gsv},
+    {"GLL", one_page, only_page<nmea::write_gll>},
+    {"GST", one_page, only_page<nmea::write_gst>},
+    {"ZDA", one_page, only_page<nmea::write_zda>},
+    {"GBS", one_page, only_page<nmea::write_gbs>},
+    {"GRS", nmea::grs_sentences, nmea::write_grs},
+    {"DTM", one_page, only_page<nmea::write_dtm>},
+    {"GNS", one_page, only_page<nmea::write_gns>},
+    {"PUBX,00", one_page, only_page<nmea::write_pubx_position>},
+    {"PUBX,03", one_page, only_page<nmea::write_pubx_satellites>},
+}};
+const SentenceForm* form_of(std::string_view name) {
+  const auto* const found = std::ranges::find(kSentenceForms, name, &SentenceForm::name);
+  return found == kSentenceForms.end() ? nullptr : found;
+}
 
 }  // namespace
 
@@ -663,13 +700,8 @@ UbloxMonitorView UbloxReceiver::monitor_view() const {
 }
 
 std::size_t UbloxReceiver::encode(ubx::MessageId id, std::span<std::uint8_t> out) {
-  const UbloxSolution& solution = navigator_.solution();
-  if (profile_.encode != nullptr) {
-    if (const std::size_t size = profile_.encode(solution, id, out); size > 0) {
-      return size;
-    }
-  }
-  if (const std::size_t size = encode_solution(solution, profile_, id, out); size > 0) {
+  if (const std::size_t size = encode_navigation(navigator_.solution(), profile_, id, out);
+      size > 0) {
     return size;
   }
   const std::size_t size = encode_monitor(monitor_view(), id, out);
@@ -685,7 +717,7 @@ void UbloxReceiver::send_message(SimTime now, const UbloxMessage& message) {
   } else if (UbloxRawMessages::handles(message.id)) {
     send_raw(now, message.id);
   } else if (speaks(ubx::kProtocolUbx)) {
-    std::array<std::uint8_t, kLongestSolutionFrame> frame{};
+    std::array<std::uint8_t, kLongestNavigationFrame> frame{};
     const std::size_t size = encode(message.id, frame);
     send(now, std::span(frame).first(size));
   }
@@ -711,40 +743,9 @@ void UbloxReceiver::send_sentence(SimTime now, std::string_view name) {
     send(now, nmea::write_pubx_time(epoch, pubx_time(navigator_.solution())).bytes());
     return;
   }
-  using Counter = int (*)(const nmea::Epoch&);
-  using PageWriter = nmea::Sentence (*)(const nmea::Epoch&, int);
-  struct Paged {
-    std::string_view type;
-    Counter pages;
-    PageWriter write;
-  };
-  constexpr std::array<Paged, 3> kPaged{{
-      {"GSA", nmea::gsa_sentences, nmea::write_gsa},
-      {"GSV", nmea::gsv_pages, nmea::write_gsv},
-      {"GRS", nmea::grs_sentences, nmea::write_grs},
-  }};
-  for (const auto& [type, pages, write] : kPaged) {
-    for (int page = 1; type == name && page <= pages(epoch); ++page) {
-      send(now, write(epoch, page).bytes());
-    }
-  }
-  using Writer = nmea::Sentence (*)(const nmea::Epoch&);
-  constexpr std::array<std::pair<std::string_view, Writer>, 11> kWriters{{
-      {"RMC", nmea::write_rmc},
-      {"VTG", nmea::write_vtg},
-      {"GGA", nmea::write_gga},
-      {"GLL", nmea::write_gll},
-      {"ZDA", nmea::write_zda},
-      {"GST", nmea::write_gst},
-      {"GBS", [](const nmea::Epoch& e) { return nmea::write_gbs(e); }},
-      {"DTM", nmea::write_dtm},
-      {"GNS", nmea::write_gns},
-      {"PUBX,00", nmea::write_pubx_position},
-      {"PUBX,03", nmea::write_pubx_satellites},
-  }};
-  for (const auto& [type, write] : kWriters) {
-    if (type == name) {
-      send(now, write(epoch).bytes());
+  if (const SentenceForm* const form = form_of(name)) {
+    for (int page = 1; page <= form->pages(epoch); ++page) {
+      send(now, form->write(epoch, page).bytes());
     }
   }
 }
@@ -796,23 +797,26 @@ double UbloxReceiver::sentences_per_epoch(const UbloxMessage& message) const {
       (message.id == ubx::TimTm2::kId)) {
     return 0.0;
   }
-  if (message.name == "GSA" || message.name == "GSV" || message.name == "GRS") {
+  if (message.sentence) {
+    const SentenceForm* const form = form_of(message.name);
     std::vector<nmea::SatelliteInView> list;
-    const nmea::Epoch epoch = nmea_epoch(navigator_.solution(), configuration_, list);
-    return message.name == "GSA"   ? nmea::gsa_sentences(epoch)
-           : message.name == "GSV" ? nmea::gsv_pages(epoch)
-                                   : nmea::grs_sentences(epoch);
+    return form == nullptr || form->pages == one_page
+               ? 1.0
+               : form->pages(nmea_epoch(navigator_.solution(), configuration_, list));
   }
-  if (!UbloxRawMessages::handles(message.id)) {
-    return 1.0;
-  }
+  using Kind = UbloxRawMessages::Kind;
   const double measurements = configuration_.rate().navigation_ratio;
-  if (message.id == ubx::RxmRawHead::kId || message.id == ubx::RxmRawxHead::kId ||
-      message.id == ubx::RxmSvsiHead::kId) {
-    return measurements;
-  }
-  if (message.id != ubx::RxmSfrb::kId && message.id != ubx::RxmSfrbxHead::kId) {
-    return 0.0;  // orbits, when they are new
+  switch (UbloxRawMessages::kind(message.id)) {
+    case Kind::other:
+      return 1.0;
+    case Kind::measurements:
+      return measurements;
+    case Kind::ephemeris:
+    case Kind::almanac:
+    case Kind::health:
+      return 0.0;  // orbits, when they are new
+    case Kind::subframes:
+      break;
   }
   constexpr double kSubframe_s = 6.0;
   constexpr double kSbasMessage_s = 1.0;

@@ -66,6 +66,22 @@ std::span<const std::uint32_t> ublox_bauds() {
   return kBauds;
 }
 
+void visit(fields::Visitor& v, WrongLeapSecondFault& p) {
+  v.integer("seconds", p.seconds, fields::IntegerRule{-10, 10, fields::unit("s")},
+            "Leap seconds that are too many; not 0.");
+  v.check(p.seconds != 0, "seconds", "0 is the right number of leap seconds", "0",
+          "-10 .. -1, 1 .. 10");
+}
+
+void visit(fields::Visitor& v, UartNoiseFault& p) {
+  v.number("bit_error_rate", p.bit_error_rate, fields::in("1").above(0).at_most(0.5),
+           "Probability with which each bit is turned over.");
+}
+
+void visit(fields::Visitor& v, UbloxFault& p) {
+  visit_fault(v, p);
+}
+
 void visit(fields::Visitor& v, UbloxSettings& p) {
   const UbloxProfile& profile = *p.profile;
   v.rate("rate", p.measurement_period,

@@ -1,20 +1,13 @@
-// What an emulated u-blox receiver knows at one navigation epoch, and its form in every message
-// that it prints: conversion from SI to wire units happens here, once.
+// What an emulated u-blox receiver knows at one navigation epoch, in SI units:
+// navigation_messages.h and nmea_epoch.h say it on the wire.
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <span>
-#include <string_view>
 #include <vector>
 
-#include "emulators/ublox/profile.h"
-#include "protocols/nmea/epoch.h"
-#include "protocols/nmea/writers.h"
-#include "protocols/ubx/frame.h"
 #include "sim/samples/calendar.h"
 #include "sim/samples/gnss_sample.h"
 
@@ -74,10 +67,6 @@ struct UbloxSolution {
   const GnssSample* sample = nullptr;
 };
 
-/// Room for the longest UBX frame of this file.
-inline constexpr std::size_t kMostSatellites = 64;
-inline constexpr std::size_t kLongestSolutionFrame = 8 + 16 + 32 * kMostSatellites;
-
 /// How a receiver resolves what the satellites do not say, and what it has heard so far.
 struct UbloxTimeBase {
   std::int32_t first_week = 1691;  ///< The 10-bit week is that of the 1024 weeks from here on.
@@ -89,26 +78,5 @@ struct UbloxTimeBase {
 /// later; by since_start_ms while time is unknown.
 void set_time(UbloxSolution& solution, const Calendar& calendar, const UbloxTimeBase& base,
               SimTime epoch, Duration measured_after);
-
-/// Writes the UBX frame of a message of class NAV and returns its size; 0 when there is
-/// no such message here. Values beyond a field's range are clamped to it. Precondition: out.size()
-/// >= kLongestSolutionFrame.
-[[nodiscard]] std::size_t encode_solution(const UbloxSolution& solution,
-                                          const UbloxProfile& profile, protocols::ubx::MessageId id,
-                                          std::span<std::uint8_t> out);
-
-/// The messages among them that list satellites; 0 when it is none of those.
-[[nodiscard]] std::size_t encode_satellites(const UbloxSolution& solution,
-                                            const UbloxProfile& profile,
-                                            protocols::ubx::MessageId id,
-                                            std::span<std::uint8_t> out);
-
-/// The same epoch for the NMEA writers, as CFG-NMEA wants it; `list` holds its satellites.
-[[nodiscard]] protocols::nmea::Epoch nmea_epoch(
-    const UbloxSolution& solution, const UbloxConfiguration& configuration,
-    std::vector<protocols::nmea::SatelliteInView>& list);
-
-/// What PUBX,04 says besides.
-[[nodiscard]] protocols::nmea::PubxTime pubx_time(const UbloxSolution& solution);
 
 }  // namespace rigwire::emulators

@@ -6,16 +6,13 @@
 // its numbers of channels are of no consequence here and not verified.
 #include <algorithm>
 #include <array>
+#include <span>
 #include <vector>
 
 #include "emulators/ublox/configuration_state.h"
-#include "emulators/ublox/key_store.h"
 #include "emulators/ublox/message_rows.h"
-#include "emulators/ublox/profile.h"
-#include "emulators/ublox/solution_modern.h"
+#include "protocols/ubx/configuration_keys.h"
 #include "protocols/ubx/identity.h"
-#include "protocols/ubx/monitor.h"
-#include "protocols/ubx/navigation.h"
 #include "protocols/ubx/raw_measurements.h"
 #include "protocols/ubx/timing.h"
 
@@ -24,27 +21,20 @@ namespace {
 
 namespace ubx = protocols::ubx;
 
-constexpr std::size_t kSatellites = 32;  // usual at most
+constexpr std::size_t kSatellites = kModernSatellites;
 
 // Longest forms with NMEA 4.11 and high precision: four systems, each with its own GSA and GSV.
-constexpr std::size_t kRmc = 84;
-constexpr std::size_t kVtg = 46;
-constexpr std::size_t kGga = 94;
-constexpr std::size_t kGsa = 4 /*systems*/ * 71;
-constexpr std::size_t kGsv = 15 /*pages*/ * 72;
-constexpr std::size_t kGll = 57;
-constexpr std::size_t kZda = 40;
+constexpr SentenceLengths kLongest{.rmc = 84,
+                                   .gga = 94,
+                                   .gsa = 4 /*systems*/ * 71,
+                                   .gsv = 15 /*pages*/ * 72,
+                                   .gll = 57,
+                                   .gbs = 70,
+                                   .grs = 4 /*systems*/ * (36 + 12 /*slots*/ * 7),
+                                   .gns = 96,
+                                   .pubx03 = 20 + kSatellites * 18};
 
-constexpr std::size_t kGst = 72;
-constexpr std::size_t kGbs = 70;
-constexpr std::size_t kGrs = 4 /*systems*/ * (36 + 12 /*slots*/ * 7);
-constexpr std::size_t kDtm = 48;
-constexpr std::size_t kGns = 96;
-constexpr std::size_t kPubx00 = 130;
-constexpr std::size_t kPubx03 = 20 + kSatellites * 18;
-constexpr std::size_t kPubx04 = 72;
-
-constexpr std::array kProduced{
+constexpr std::array kFix{
     listed<ubx::RxmRawxHead, ubx::RxmRawxBlock>("RXM-RAWX", kSatellites),
     produced<ubx::NavPvt92>("NAV-PVT"),
     listed<ubx::NavOrbHead, ubx::NavOrbBlock>("NAV-ORB", kSatellites),
@@ -55,32 +45,13 @@ constexpr std::array kProduced{
     produced<ubx::NavHpposllh>("NAV-HPPOSLLH"),
     produced<ubx::NavVelecef>("NAV-VELECEF"),
     produced<ubx::NavVelned>("NAV-VELNED"),
-    sentence(0x04, "RMC", kRmc),
-    sentence(0x05, "VTG", kVtg),
-    sentence(0x00, "GGA", kGga),
-    sentence(0x02, "GSA", kGsa),
-    sentence(0x03, "GSV", kGsv),
-    sentence(0x01, "GLL", kGll),
-    sentence(0x07, "GST", kGst),
-    sentence(0x08, "ZDA", kZda),
-    sentence(0x09, "GBS", kGbs),
-    sentence(0x06, "GRS", kGrs),
-    sentence(0x0A, "DTM", kDtm),
-    sentence(0x0D, "GNS", kGns),
-    proprietary(0x00, "PUBX,00", kPubx00),
-    proprietary(0x03, "PUBX,03", kPubx03),
-    proprietary(0x04, "PUBX,04", kPubx04),
+};
+constexpr std::array kSatellitesInView{
     listed<ubx::NavSatHead, ubx::NavSatBlock>("NAV-SAT", kSatellites),
     listed<ubx::NavSigHead, ubx::NavSigBlock>("NAV-SIG", kSatellites),
     produced<ubx::NavDop>("NAV-DOP"),
-    produced<ubx::NavTimegps>("NAV-TIMEGPS"),
-    produced<ubx::NavTimeutc>("NAV-TIMEUTC"),
-    produced<ubx::NavTimeglo>("NAV-TIMEGLO"),
-    produced<ubx::NavTimebds>("NAV-TIMEBDS"),
-    produced<ubx::NavTimegal>("NAV-TIMEGAL"),
-    produced<ubx::NavTimels>("NAV-TIMELS"),
-    produced<ubx::NavClock>("NAV-CLOCK"),
-    listed<ubx::NavSbasHead, ubx::NavSbasBlock>("NAV-SBAS", kSatellites),
+};
+constexpr std::array kState{
     produced<ubx::NavCov>("NAV-COV"),
     produced<ubx::NavOdo>("NAV-ODO"),
     produced<ubx::NavSvin>("NAV-SVIN"),
@@ -88,23 +59,19 @@ constexpr std::array kProduced{
     unasked(produced<ubx::NavEoe>("NAV-EOE")),
     listed<ubx::MonRfHead, ubx::MonRfBlock>("MON-RF", 2),
     listed<ubx::MonCommsHead, ubx::MonCommsPort>("MON-COMMS", 1),
-    produced<ubx::MonHw>("MON-HW"),
-    produced<ubx::MonHw2>("MON-HW2"),
-    listed(ubx::MonIoHead::kId, "MON-IO", ubx::kMonitorPorts* ubx::MonIoPort::kLength),
-    produced<ubx::MonMsgpp>("MON-MSGPP"),
-    produced<ubx::MonRxbuf>("MON-RXBUF"),
-    produced<ubx::MonTxbuf>("MON-TXBUF"),
-    unasked(produced<ubx::MonRxr>("MON-RXR")),
+};
+constexpr std::array kReceived{
     unasked(listed({0x02, 0x13}, "RXM-SFRBX", kSatellites * 56 - ubx::kOverheadBytes)),
     unasked(produced<ubx::RxmRtcm>("RXM-RTCM")),
     produced<ubx::LogInfo>("LOG-INFO"),
-    on_demand(version_row()),
-    on_demand(produced<ubx::MonGnss>("MON-GNSS")),
-    on_demand(produced<ubx::MonPatchHead>("MON-PATCH")),
-    on_demand(produced<ubx::SecUniqid>("SEC-UNIQID")),
+};
+constexpr std::array kPulses{
     produced<ubx::TimTm2>("TIM-TM2"),
     produced<ubx::TimTp>("TIM-TP"),
 };
+
+constexpr auto kProduced = joined(kFix, all_sentences(kLongest), kSatellitesInView, kModernTimes,
+                                  kState, kHardware, kReceived, kModernIdentity, kPulses);
 
 /// What is produced, then everything else that has a rate.
 std::vector<UbloxMessage> all_messages() {
@@ -116,10 +83,6 @@ std::vector<UbloxMessage> all_messages() {
   }
   return messages;
 }
-
-constexpr std::array<std::string_view, 6> kExtensions{"ROM BASE 0x118B2060", "FWVER=HPG 1.50",
-                                                      "PROTVER=27.50",       "MOD=ZED-F9P",
-                                                      "GPS;GLO;GAL;BDS",     "SBAS;QZSS"};
 
 constexpr std::array<std::string_view, 11> kBanner{
     "u-blox AG - www.u-blox.com",
@@ -167,10 +130,6 @@ void adjust_defaults(UbloxConfigurationState& s) {
   s.ports[ubx::kPortUart2] = {2, 0, framing, 38'400, 0x0061, 0x0020, 0};
 }
 
-std::size_t encode(const UbloxSolution& solution, ubx::MessageId id, std::span<std::uint8_t> out) {
-  return encode_modern_solution(solution, ublox_zed_f9p(), id, out);
-}
-
 }  // namespace
 
 const UbloxProfile& ublox_zed_f9p() {
@@ -181,7 +140,7 @@ const UbloxProfile& ublox_zed_f9p() {
       .protocol_e2 = 2750,
       .software = "EXT CORE 1.00 (5949d2)",
       .hardware = "00190000",
-      .extensions = kExtensions,
+      .extensions = std::span(kBanner).subspan(2 /*maker, software*/, 6),
       .banner = kBanner,
       .messages = messages,
       .systems = kSystems,
@@ -190,11 +149,11 @@ const UbloxProfile& ublox_zed_f9p() {
       .nmea_version = 0x4B,
       .nmea_versions = kNmeaVersions,
       .cfg_nmea_bytes = 20,
-      .pvt_bytes = 92,
       .shortest_period = std::chrono::milliseconds{25},
       .navigation_ratio = true,
       .carrier_solution = true,
       .odometer = true,
+      .key_items = true,
       .logger = true,
       .baud = 38'400,
       .greatest_baud = 921'600,
@@ -206,10 +165,6 @@ const UbloxProfile& ublox_zed_f9p() {
       .default_leap_seconds = 18,
       .front_end = {.noise_per_ms = 74.0, .gain_control = 5'616.0, .jamming_floor = 8},
       .adjust_defaults = adjust_defaults,
-      .encode = encode,
-      .make_keys = [](const UbloxProfile& type) -> std::unique_ptr<UbloxKeyMessages> {
-        return std::make_unique<UbloxKeyStore>(type);
-      },
   };
   return profile;
 }

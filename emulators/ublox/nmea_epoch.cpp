@@ -1,10 +1,9 @@
-// The epoch in the words of the NMEA writers, as CFG-NMEA wants it.
+#include "emulators/ublox/nmea_epoch.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "emulators/ublox/configuration.h"
-#include "emulators/ublox/solution.h"
 #include "emulators/ublox/wire_units.h"
 #include "protocols/nmea/satellite_numbers.h"
 
@@ -12,6 +11,7 @@ namespace rigwire::emulators {
 namespace {
 
 namespace nmea = protocols::nmea;
+namespace ubx = protocols::ubx;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::int64_t kHundredth_ns = 10'000'000;
@@ -21,9 +21,6 @@ constexpr unsigned kInvalidTime = 2;
 constexpr unsigned kInvalidDate = 3;
 constexpr unsigned kGpsOnly = 4;
 constexpr unsigned kFrozenCourse = 5;
-// CFG-NMEA flags.
-constexpr unsigned kCompatible = 0;
-constexpr unsigned kHighPrecision = 3;
 
 bool has(std::uint8_t bits, unsigned bit) {
   return (bits >> bit & 1U) != 0;
@@ -114,9 +111,9 @@ nmea::Epoch nmea_epoch(const UbloxSolution& s, const UbloxConfiguration& configu
   const auto& settings = configuration.nmea();
   nmea::Epoch epoch;
   epoch.version = static_cast<nmea::Version>(settings.version);
-  epoch.precision = has(settings.flags, kHighPrecision) ? nmea::Precision::high
-                    : has(settings.flags, kCompatible)  ? nmea::Precision::compatible
-                                                        : nmea::Precision::normal;
+  epoch.precision = (settings.flags & ubx::kNmeaHighPrecision) != 0 ? nmea::Precision::high
+                    : (settings.flags & ubx::kNmeaCompatible) != 0  ? nmea::Precision::compatible
+                                                                    : nmea::Precision::normal;
   const unsigned systems = enabled_systems(configuration);
   constexpr int kSeveralSystems = 8;  // from that generation on sentences tell systems apart
   epoch.systems = configuration.profile().generation >= kSeveralSystems ? systems : 0;

@@ -1,5 +1,6 @@
 #include "emulators/supply.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -37,6 +38,47 @@ void validate(const SupplySettings& settings) {
                                   " ns, when the supply is back");
     }
     free = cut + settings.off;
+  }
+}
+
+std::vector<SupplyFault> SupplySettings::faults() const {
+  std::vector<SupplyFault> faults;
+  for (const Duration cut : cuts) {
+    faults.push_back({{cut, off}, NoSupplyFault{}});
+  }
+  return faults;
+}
+
+Supply::Supply(const SupplySettings& settings)
+    : power_on_(kStart + settings.power_on), book_(settings.faults()) {
+  find_next(power_on_);
+}
+
+void Supply::change() {
+  on_ = !on_;
+  changed_ = next_;
+  find_next(changed_);
+}
+
+FaultBook<SupplyFault>::Id Supply::begin(const SupplyFault& fault) {
+  fields::check(fault);
+  const auto id = book_.add(fault);
+  find_next(std::max(changed_, power_on_));
+  return id;
+}
+
+bool Supply::end(FaultBook<SupplyFault>::Id id, SimTime now) {
+  const bool ended = book_.end(id, now);
+  find_next(std::max(changed_, power_on_));
+  return ended;
+}
+
+/// The first instant from `from` on at which it is to be otherwise than it is: `from` itself, or
+/// where a fault begins or ends.
+void Supply::find_next(SimTime from) {
+  next_ = from;
+  while (next_ != kNever && (book_.first<NoSupplyFault>(next_) == nullptr) == on_) {
+    next_ = book_.next_change(next_);
   }
 }
 

@@ -1,19 +1,36 @@
-// A device's supply as a fault: cut at given instants, back after a given time.
+// A device's supply: when it comes, and the faults in which there is none.
+//
+// The keys have a short form for the usual case: instants at which the supply fails, all for one
+// length. They fill the same book as faults that are begun during the run.
 #pragma once
 
-#include <cstddef>
-#include <utility>
+#include <variant>
 #include <vector>
 
 #include "fields/rules.h"
-#include "sim/samples/time.h"
+#include "sim/samples/fault_book.h"
 
 namespace rigwire::emulators {
+
+struct NoSupplyFault {
+  static constexpr fields::Named kNamed{"no_supply", "The device has no supply."};
+};
+inline void visit(fields::Visitor&, NoSupplyFault&) {}
+
+struct SupplyFault {
+  FaultPeriod when;
+  std::variant<NoSupplyFault> what;
+};
+inline void visit(fields::Visitor& v, SupplyFault& p) {
+  visit_fault(v, p);
+}
 
 struct SupplySettings {
   Duration power_on{0};        ///< From the start of the run.
   std::vector<Duration> cuts;  ///< From the start of the run, rising, after power-on.
   Duration off = std::chrono::milliseconds{500};  ///< How long each cut lasts.
+
+  [[nodiscard]] std::vector<SupplyFault> faults() const;
 };
 
 /// The keys of a device that can lose its supply, to be called within the device's visit().
@@ -21,28 +38,29 @@ void visit(fields::Visitor& v, SupplySettings& p);
 /// Throws std::invalid_argument with the value found and what is allowed.
 void validate(const SupplySettings& settings);
 
+/// Off until `power_on`, and then whenever a fault holds.
 class Supply {
  public:
-  explicit Supply(SupplySettings settings) : settings_(std::move(settings)) {
-    next_ = kStart + settings_.power_on;
-  }
+  explicit Supply(const SupplySettings& settings);
 
   [[nodiscard]] bool on() const { return on_; }
   /// When it is switched next; kNever when no more.
   [[nodiscard]] SimTime next_change() const { return next_; }
   /// Switches. To be called at next_change().
-  void change() {
-    on_ = !on_;
-    if (on_) {
-      next_ = cut_ < settings_.cuts.size() ? kStart + settings_.cuts[cut_++] : kNever;
-    } else {
-      next_ += settings_.off;
-    }
-  }
+  void change();
+
+  [[nodiscard]] const FaultBook<SupplyFault>& book() const { return book_; }
+  /// One more. It begins no earlier than the device was advanced to. Throws std::invalid_argument.
+  FaultBook<SupplyFault>::Id begin(const SupplyFault& fault);
+  /// As FaultBook::end().
+  bool end(FaultBook<SupplyFault>::Id id, SimTime now);
 
  private:
-  SupplySettings settings_;
-  std::size_t cut_ = 0;  ///< The next one of settings_.cuts.
+  void find_next(SimTime from);
+
+  SimTime power_on_;
+  FaultBook<SupplyFault> book_;
+  SimTime changed_ = kStart;  ///< The last change.
   SimTime next_ = kNever;
   bool on_ = false;
 };

@@ -102,6 +102,8 @@ class CanBusModel {
   /// What will go wrong. Frames of intruders leave by `intruder_exit`. To be called once, after the
   /// last add_node() and before the first advance(). Throws std::invalid_argument.
   void set_faults(const CanBusFaults& faults, FrameOutput& intruder_exit);
+  /// For those that are begun and ended while the bus runs. Precondition: set_faults().
+  [[nodiscard]] CanFaultSchedule& faults() { return *faults_; }
 
   /// A frame from outside, wanting to be sent from `now` on.
   void receive(SimTime now, const protocols::can::Frame& frame);

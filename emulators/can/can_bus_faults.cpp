@@ -67,6 +67,12 @@ std::string node_of(const CanFault& fault) {
       fault.what);
 }
 
+bool is_of_wire(const CanFault& fault) {
+  return std::holds_alternative<BitErrorsFault>(fault.what) ||
+         std::holds_alternative<DisturbanceFault>(fault.what) ||
+         std::holds_alternative<ShortCircuitFault>(fault.what);
+}
+
 can::Frame frame_of(const IntruderFault& fault) {
   return can::parse_frame_text(fault.frame).value_or(can::Frame{});
 }
@@ -82,13 +88,17 @@ can::Frame frame_of(const DuplicateAddressFault& fault) {
   return frame;
 }
 
+void validate(const CanFault& fault) {
+  fields::check(fault);
+  const auto* const intruder = std::get_if<IntruderFault>(&fault.what);
+  fields::require(intruder == nullptr || can::parse_frame_text(intruder->frame).has_value(),
+                  "frame", intruder == nullptr ? "" : "\"" + intruder->frame + "\"",
+                  "18EAFFFE#00EE00, 123#, 123#R4");
+}
+
 void validate(const CanBusFaults& faults) {
   for (const CanFault& fault : faults.list) {
-    fields::check(fault);
-    const auto* const intruder = std::get_if<IntruderFault>(&fault.what);
-    fields::require(intruder == nullptr || can::parse_frame_text(intruder->frame).has_value(),
-                    "frame", intruder == nullptr ? "" : "\"" + intruder->frame + "\"",
-                    "18EAFFFE#00EE00, 123#, 123#R4");
+    validate(fault);
   }
 }
 

@@ -79,6 +79,9 @@ void visit(fields::Visitor& v, CanFault& p);
 /// The node that the fault is about (CanNodeSettings::name); empty for those of the whole bus.
 [[nodiscard]] std::string node_of(const CanFault& fault);
 
+/// Whether it turns bits over, whoever sends them.
+[[nodiscard]] bool is_of_wire(const CanFault& fault);
+
 /// What an intruder sends. Precondition: validate() accepts it.
 [[nodiscard]] protocols::can::Frame frame_of(const IntruderFault& fault);
 /// Address claimed (SAE J1939-81, 4.2.2), to everybody.
@@ -90,7 +93,8 @@ struct CanBusFaults {
 };
 
 /// Throws std::invalid_argument with the quantity, the value found and what is allowed. Whether
-/// a node exists is the bus's to say (CanBusModel::set_faults).
+/// a node exists is the bus's to say (can_fault_schedule.h).
+void validate(const CanFault& fault);
 void validate(const CanBusFaults& faults);
 
 }  // namespace rigwire::emulators

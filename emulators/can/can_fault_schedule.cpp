@@ -5,11 +5,25 @@
 #include <string>
 
 namespace rigwire::emulators {
-namespace {
 
-CanController& find_node(const std::string& name, std::span<CanController* const> nodes) {
+CanFaultSchedule::CanFaultSchedule(const CanBusFaults& faults, std::uint32_t bit_rate_bps,
+                                   std::span<CanController* const> nodes, CanSegment& wire,
+                                   FrameOutput& intruder_exit)
+    : noise_(book_, faults.seed),
+      nodes_(nodes.begin(), nodes.end()),
+      wire_(wire),
+      intruder_exit_(intruder_exit),
+      bit_rate_bps_(bit_rate_bps) {
+  for (const CanFault& fault : faults.list) {
+    begin(fault);
+  }
+  wire.set_noise(noise_);
+}
+
+CanController& CanFaultSchedule::find_node(const CanFault& fault) const {
+  const std::string name = node_of(fault);
   std::string names;
-  for (CanController* node : nodes) {
+  for (CanController* node : nodes_) {
     const std::string& other = node->settings().name;
     if (other == name) {
       return *node;
@@ -19,73 +33,106 @@ CanController& find_node(const std::string& name, std::span<CanController* const
   throw std::invalid_argument("CAN bus fault: node is '" + name + "', allowed is " + names);
 }
 
-}  // namespace
-
-CanFaultSchedule::CanFaultSchedule(const CanBusFaults& faults, std::uint32_t bit_rate_bps,
-                                   std::span<CanController* const> nodes, CanSegment& wire,
-                                   FrameOutput& intruder_exit)
-    : wire_(wire), bit_rate_bps_(bit_rate_bps) {
-  wire.set_noise(CanNoise(faults));
-  for (const CanFault& fault : faults.list) {
-    if (const auto* wrong = std::get_if<WrongRateFault>(&fault.what)) {
-      change_node(fault.when, find_node(wrong->device, nodes), wrong->bit_rate_bps, nullptr);
-    } else if (const auto* broken = std::get_if<DisconnectedFault>(&fault.what)) {
-      CanController& node = find_node(broken->device, nodes);
-      stubs_.push_back(std::make_unique<CanSegment>(node.bit_rate_bps()));
-      stubs_.back()->reserve(1);
-      change_node(fault.when, node, 0, stubs_.back().get());
-    } else if (const auto* intruder = std::get_if<IntruderFault>(&fault.what)) {
-      add_intruder(fault.when, frame_of(*intruder), intruder->period, intruder_exit);
-    } else if (const auto* claim = std::get_if<DuplicateAddressFault>(&fault.what)) {
-      add_intruder(fault.when, frame_of(*claim), claim->period, intruder_exit);
-    }
+CanSegment& CanFaultSchedule::stub_of(CanController& node) {
+  const auto found = std::ranges::find(stubs_, &node, &Stub::node);
+  if (found != stubs_.end()) {
+    return *found->wire;
   }
-  std::ranges::stable_sort(changes_, {}, &Change::at);
+  stubs_.push_back({&node, std::make_unique<CanSegment>(node.settings().bit_rate_bps)});
+  stubs_.back().wire->reserve(1);
+  return *stubs_.back().wire;
 }
 
-void CanFaultSchedule::change_node(const FaultPeriod& when, CanController& node,
-                                   std::uint32_t bit_rate_bps, CanSegment* stub) {
-  // Begin and end of a fault stand one after the other.
-  for (std::size_t i = 0; i + 1 < changes_.size(); i += 2) {
-    const Change& other = changes_[i];
-    const bool same_kind = (other.stub == nullptr) == (stub == nullptr);
-    if (other.node == &node && same_kind && other.at < when.end() &&
-        changes_[i + 1].at > when.begin()) {
-      throw std::invalid_argument("CAN bus fault: two of one kind on node '" +
-                                  node.settings().name + "' overlap, allowed is one at a time");
+CanFaultSchedule::Book::Id CanFaultSchedule::begin(const CanFault& fault) {
+  validate(fault);
+  const bool cuts = std::holds_alternative<DisconnectedFault>(fault.what);
+  const bool of_node = cuts || std::holds_alternative<WrongRateFault>(fault.what);
+  CanController* const node = of_node ? &find_node(fault) : nullptr;
+  for (const Book::Entry& entry : book_.list()) {
+    const CanFault& other = entry.fault;
+    const SimTime both = std::max(other.when.begin(), fault.when.begin());
+    if (of_node && other.what.index() == fault.what.index() && node_of(other) == node_of(fault) &&
+        other.when.holds(both) && fault.when.holds(both)) {
+      throw std::invalid_argument("CAN bus fault: two of one kind on node '" + node_of(fault) +
+                                  "' overlap, allowed is one at a time");
     }
   }
-  changes_.push_back({when.begin(), &node, true, bit_rate_bps, stub});
-  changes_.push_back({when.end(), &node, false, bit_rate_bps, stub});
+  const Book::Id id = book_.add(fault);
+  noise_.add_newest();
+  if (of_node) {
+    node_faults_.push_back({id, node, cuts ? &stub_of(*node) : nullptr});
+    due_ = std::min(due_, fault.when.begin());
+    find_due();
+  } else if (const auto* intruder = std::get_if<IntruderFault>(&fault.what)) {
+    add_intruder(id, frame_of(*intruder), intruder->period);
+  } else if (const auto* claim = std::get_if<DuplicateAddressFault>(&fault.what)) {
+    add_intruder(id, frame_of(*claim), claim->period);
+  } else {
+    wire_.reconsider();
+  }
+  return id;
 }
 
-void CanFaultSchedule::add_intruder(const FaultPeriod& when, const protocols::can::Frame& frame,
-                                    Duration period, FrameOutput& exit) {
+bool CanFaultSchedule::end(Book::Id id, SimTime now) {
+  if (!book_.end(id, now)) {
+    return false;
+  }
+  due_ = std::min(due_, now);
+  find_due();
+  const auto intruder = std::ranges::find(intruders_, id, &Intruder::id);
+  if (intruder != intruders_.end()) {
+    intruder->next = std::min(intruder->next, now);
+  }
+  if (is_of_wire(book_.find(id))) {
+    wire_.reconsider();
+  }
+  return true;
+}
+
+void CanFaultSchedule::add_intruder(Book::Id id, const protocols::can::Frame& frame,
+                                    Duration period) {
   CanNodeSettings settings;
   settings.name = "intruder " + std::to_string(intruders_.size() + 1);
   settings.bit_rate_bps = bit_rate_bps_;
   settings.queue_frames = 1;
-  intruders_.push_back(
-      {std::make_unique<CanController>(settings, &exit), frame, when.begin(), when.end(), period});
+  intruders_.push_back({id, std::make_unique<CanController>(settings, &intruder_exit_), frame,
+                        period, book_.find(id).when.begin()});
   CanController& node = *intruders_.back().node;
   node.configure(kStart, {.present = false}, bit_rate_bps_);
   wire_.connect(kStart, node);
   intruder_nodes_.push_back(&node);
 }
 
+/// The next instant at which the book says otherwise of a node than is acted out. What ends goes
+/// first: the same node may have the next one at once.
+void CanFaultSchedule::find_due() {
+  for (pending_ = kNone; due_ != kNever;
+       due_ = book_.next_change<WrongRateFault, DisconnectedFault>(due_)) {
+    for (std::size_t i = 0; i < node_faults_.size(); ++i) {
+      const NodeFault& fault = node_faults_[i];
+      if (book_.find(fault.id).when.holds(due_) != fault.acts &&
+          (pending_ == kNone || (fault.acts && !node_faults_[pending_].acts))) {
+        pending_ = i;
+      }
+    }
+    if (pending_ != kNone) {
+      return;
+    }
+  }
+}
+
 SimTime CanFaultSchedule::next_change() const {
-  if (next_change_ == changes_.size()) {
+  if (pending_ == kNone) {
     return kNever;
   }
-  const Change& change = changes_[next_change_];
-  const bool waits = wire_.busy() || (change.stub != nullptr && change.stub->busy());
-  return waits ? kNever : change.at;
+  const CanSegment* stub = node_faults_[pending_].stub;
+  return wire_.busy() || (stub != nullptr && stub->busy()) ? kNever : due_;
 }
 
 SimTime CanFaultSchedule::next_event() const {
   SimTime next = next_change();
-  for (const auto& stub : stubs_) {
-    next = std::min(next, stub->next_event());
+  for (const Stub& stub : stubs_) {
+    next = std::min(next, stub.wire->next_event());
   }
   for (const Intruder& intruder : intruders_) {
     next = std::min(next, intruder.next);
@@ -95,7 +142,8 @@ SimTime CanFaultSchedule::next_event() const {
 
 void CanFaultSchedule::step(SimTime now) {
   if (next_change() <= now) {
-    change(now, changes_[next_change_++]);
+    change(now, node_faults_[pending_]);
+    find_due();
     return;
   }
   for (Intruder& intruder : intruders_) {
@@ -104,28 +152,31 @@ void CanFaultSchedule::step(SimTime now) {
       return;
     }
   }
-  for (const auto& stub : stubs_) {
-    if (stub->next_event() <= now) {
-      stub->step();
+  for (const Stub& stub : stubs_) {
+    if (stub.wire->next_event() <= now) {
+      stub.wire->step();
       return;
     }
   }
 }
 
-void CanFaultSchedule::change(SimTime now, const Change& change) {
-  if (change.stub == nullptr) {
-    change.node->override_rate(change.begins ? std::optional(change.bit_rate_bps) : std::nullopt);
-  } else if (change.begins) {
-    wire_.disconnect(*change.node);
-    change.stub->connect(now, *change.node);
+void CanFaultSchedule::change(SimTime now, NodeFault& fault) {
+  fault.acts = !fault.acts;
+  if (fault.stub == nullptr) {
+    const auto& wrong = std::get<WrongRateFault>(book_.find(fault.id).what);
+    fault.node->override_rate(fault.acts ? std::optional(wrong.bit_rate_bps) : std::nullopt);
+  } else if (fault.acts) {
+    wire_.disconnect(*fault.node);
+    fault.stub->connect(now, *fault.node);
   } else {
-    change.stub->disconnect(*change.node);
-    wire_.connect(now, *change.node);
+    fault.stub->disconnect(*fault.node);
+    wire_.connect(now, *fault.node);
   }
 }
 
 void CanFaultSchedule::intrude(SimTime now, Intruder& intruder) {
-  if (intruder.next >= intruder.end) {
+  const SimTime end = book_.find(intruder.id).when.end();
+  if (intruder.next >= end) {
     intruder.node->configure(now, {.present = false}, bit_rate_bps_);
     intruder.next = kNever;
     return;
@@ -134,7 +185,7 @@ void CanFaultSchedule::intrude(SimTime now, Intruder& intruder) {
     intruder.node->configure(now, {}, bit_rate_bps_);
   }
   intruder.node->send(intruder.next, intruder.frame);
-  intruder.next = std::min(intruder.next + intruder.period, intruder.end);
+  intruder.next = std::min(intruder.next + intruder.period, end);
 }
 
 }  // namespace rigwire::emulators

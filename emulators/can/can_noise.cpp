@@ -16,58 +16,59 @@ unsigned bit_from(const CanBitClock& clock, SimTime instant) {
   return clock.after(bit) < instant ? bit + 1 : bit;
 }
 
+/// Geometric distribution of the good bits between two errors.
+std::uint64_t draw_gap(const BitErrorsFault& errors, RandomBits& random) {
+  const double gap = std::floor(std::log(1.0 - random.uniform()) / std::log1p(-errors.probability));
+  return static_cast<std::uint64_t>(std::min(gap, 1e18));
+}
+
 }  // namespace
 
-CanNoise::CanNoise(const CanBusFaults& faults) {
-  std::uint64_t seed = faults.seed;
-  for (const CanFault& fault : faults.list) {
-    if (std::holds_alternative<BitErrorsFault>(fault.what) ||
-        std::holds_alternative<DisturbanceFault>(fault.what) ||
-        std::holds_alternative<ShortCircuitFault>(fault.what)) {
-      sources_.push_back({fault, RandomBits(RandomBits(seed).bits())});
-      draw_gap(sources_.back());
-    }
-    ++seed;
+void CanNoise::add_newest() {
+  const std::size_t entry = book_.list().size() - 1;
+  if (is_of_wire(book_.list()[entry].fault)) {
+    const State state{RandomBits(RandomBits(seed_ + entry).bits()), std::nullopt};
+    sources_.push_back({entry, state, state});
   }
 }
 
-/// Geometric distribution of the good bits between two errors.
-void CanNoise::draw_gap(Source& source) {
-  if (const auto* errors = std::get_if<BitErrorsFault>(&source.fault.what)) {
-    const double gap =
-        std::floor(std::log(1.0 - source.random.uniform()) / std::log1p(-errors->probability));
-    source.good_bits_left = static_cast<std::uint64_t>(std::min(gap, 1e18));
+unsigned CanNoise::first_bit_error(const BitErrorsFault& errors, State& state, unsigned bits) {
+  if (!state.good_bits_left) {
+    state.good_bits_left = draw_gap(errors, state.random);
   }
+  if (*state.good_bits_left >= bits) {
+    *state.good_bits_left -= bits;
+    return CanLineState::kNoBit;
+  }
+  // The error falls into this attempt; the next gap is drawn for those after it.
+  const auto bit = static_cast<unsigned>(*state.good_bits_left);
+  state.good_bits_left = draw_gap(errors, state.random);
+  return bit;
 }
 
 CanLineState CanNoise::attempt(const CanBitClock& clock, unsigned bits) {
   CanLineState line;
   for (Source& source : sources_) {
-    const SimTime begin = source.fault.when.begin();
-    const SimTime end = source.fault.when.end();
-    if (end <= clock.now() || begin >= clock.after(bits)) {
+    source.before_attempt = source.state;
+    const CanFault& fault = book_.list()[source.entry].fault;
+    const SimTime begin = fault.when.begin();
+    const SimTime end = fault.when.end();
+    if (end <= clock.now() || begin >= std::min(end, clock.after(bits))) {
       continue;
     }
     const unsigned first = bit_from(clock, begin);
     const unsigned behind = bit_from(clock, end);
     unsigned inverted = CanLineState::kNoBit;
-    if (std::holds_alternative<BitErrorsFault>(source.fault.what)) {
-      if (first > 0) {
-        // Begins within this attempt: errors are of those after it.
-      } else if (source.good_bits_left >= bits) {
-        source.good_bits_left -= bits;
-      } else {
-        // The error falls into this attempt; the next gap is drawn for those after it.
-        inverted = static_cast<unsigned>(source.good_bits_left);
-        draw_gap(source);
-      }
-    } else if (const auto* disturbance = std::get_if<DisturbanceFault>(&source.fault.what)) {
+    if (const auto* errors = std::get_if<BitErrorsFault>(&fault.what)) {
+      // Where it begins within this attempt, errors are of those after it.
+      inverted = first == 0 ? first_bit_error(*errors, source.state, bits) : inverted;
+    } else if (const auto* disturbance = std::get_if<DisturbanceFault>(&fault.what)) {
       const unsigned last = std::min(behind, bits);
       if (disturbance->bit >= 0) {
         const auto bit = static_cast<unsigned>(disturbance->bit);
         inverted = bit >= first && bit < last ? bit : inverted;
       } else if (first < last) {
-        inverted = first + source.random.below(last - first);
+        inverted = first + source.state.random.below(last - first);
       }
     } else {
       line.short_begin = std::min(line.short_begin, first);
@@ -77,6 +78,13 @@ CanLineState CanNoise::attempt(const CanBitClock& clock, unsigned bits) {
     line.inverted_bit = std::min(line.inverted_bit, inverted);
   }
   return line;
+}
+
+CanLineState CanNoise::attempt_again(const CanBitClock& clock, unsigned bits) {
+  for (Source& source : sources_) {
+    source.state = source.before_attempt;
+  }
+  return attempt(clock, bits);
 }
 
 }  // namespace rigwire::emulators

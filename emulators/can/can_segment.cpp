@@ -130,13 +130,32 @@ void CanSegment::arbitrate(SimTime start) {
   for (const Contender& loser : losers_) {
     loser.node->begin(start, offered_at);
   }
-  const CanLineState line = noise_.attempt(clock_, contenders_.front().bits - kInterframeBits);
+  const unsigned bits = contenders_.front().bits - kInterframeBits;
+  begin_attempt(noise_ != nullptr ? noise_->attempt(clock_, bits) : CanLineState{});
+}
+
+void CanSegment::begin_attempt(const CanLineState& line) {
+  told_ = false;
   if (goes_well(line)) {
     attempt_ = Attempt::good;
-    load_.occupy(clock_.now(), clock_.after(contenders_.front().bits));
+    occupy(contenders_.front().bits);
   } else {
     begin_bit_by_bit(line);
   }
+}
+
+void CanSegment::reconsider() {
+  if (noise_ != nullptr && attempt_ != Attempt::none && !told_) {
+    error_frames_ -= attempt_ == Attempt::bit_by_bit ? 1U : 0U;
+    stale_ = true;
+    begin_attempt(noise_->attempt_again(clock_, contenders_.front().bits - kInterframeBits));
+  }
+}
+
+void CanSegment::occupy(unsigned bits) {
+  const SimTime end = clock_.after(bits);
+  load_.occupy(std::max(clock_.now(), loaded_until_), end);
+  loaded_until_ = std::max(loaded_until_, end);
 }
 
 /// All that start in the same bit; of those only the most urgent, where all read each other.
@@ -239,13 +258,14 @@ void CanSegment::begin_bit_by_bit(const CanLineState& line) {
 void CanSegment::go_on_bit_by_bit() {
   if (!bits_.run()) {
     settle_losers(clock_.after(bits_.length()));
-    load_.occupy(clock_.now(), clock_.after(bits_.length()));
+    occupy(bits_.length());
     end_attempt(bits_.length(), bits_.recessive_from());
   }
 }
 
 void CanSegment::happen(SimTime now) {
   using enum CanHappening::Kind;
+  told_ = true;
   const Contender& sender = contenders_[bits_.read_transmitter()];
   bool complete = false;
   bool good = false;

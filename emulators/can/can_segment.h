@@ -27,7 +27,11 @@ class CanSegment {
   void connect(SimTime now, CanController& node);
   /// Precondition: not busy().
   void disconnect(CanController& node);
-  void set_noise(const CanNoise& noise) { noise_ = noise; }
+  /// `noise` must outlive it.
+  void set_noise(CanNoise& noise) { noise_ = &noise; }
+  /// What the noise says of the frame on the wire may be otherwise: as if it had been so when the
+  /// frame began, unless nodes have been told of an error in it.
+  void reconsider();
 
   [[nodiscard]] SimTime next_event() const {
     if (stale_) {
@@ -57,8 +61,10 @@ class CanSegment {
     return node.bit_rate_bps() == clock_.bit_rate_bps();
   }
   void arbitrate(SimTime start);
+  void begin_attempt(const CanLineState& line);
   void choose_winners(SimTime offered_at);
   void synchronise(SimTime start);
+  void occupy(unsigned bits);
   [[nodiscard]] bool goes_well(const CanLineState& line) const;
   void complete();
   void begin_bit_by_bit(const CanLineState& line);
@@ -76,13 +82,14 @@ class CanSegment {
   };
   CanBitClock clock_;
   CanBitLevel bits_;
-  CanNoise noise_;
+  CanNoise* noise_ = nullptr;
   CanBusLoad load_;
   std::vector<CanController*> nodes_;
   std::vector<Contender> contenders_;  ///< Of the attempt: those whose frame goes onto the wire,
   std::vector<Contender> losers_;      ///< and one-shot controllers that lost at once.
   Attempt attempt_ = Attempt::none;
-  bool delivered_ = false;
+  bool told_ = false;              ///< Nodes know of what has happened in it.
+  SimTime loaded_until_ = kStart;  ///< What `load_` has been told.
   mutable bool stale_ = true;
   mutable SimTime next_ = kNever;
   std::uint64_t frames_ = 0;

@@ -79,6 +79,7 @@ class Inclinometer final : public CanDevice, public ImuBackend, private CanopenP
   void update(const ImuSample& sample) override;
 
   [[nodiscard]] const CanopenNode& node() const { return node_; }
+  [[nodiscard]] Supply& supply() { return supply_; }
 
  private:
   using Force = std::array<double, 3>;  ///< m/s2.

@@ -64,6 +64,7 @@ class RotaryEncoder final : public CanDevice, public EncoderBackend, private Can
   void update(const EncoderSample& sample) override;
 
   [[nodiscard]] const CanopenNode& node() const { return node_; }
+  [[nodiscard]] Supply& supply() { return supply_; }
   /// As 6004 says it at present.
   [[nodiscard]] std::uint32_t position() const { return position_; }
 

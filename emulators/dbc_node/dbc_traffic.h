@@ -50,6 +50,7 @@ class DbcTraffic final : J1939Application {
 
   [[nodiscard]] const DbcNodeSettings& settings() const { return settings_; }
   [[nodiscard]] DbcNodeFaults& faults() { return faults_; }
+  [[nodiscard]] Supply& supply() { return supply_; }
 
  private:
   struct SentState {

@@ -67,6 +67,7 @@ class OpenImu final : public CanDevice, public ImuBackend {
   }
   /// Vehicle messages that would aid the 335RI's algorithm; they are taken and change nothing.
   [[nodiscard]] std::uint64_t aiding_messages() const { return aiding_messages_; }
+  [[nodiscard]] Supply& supply() { return supply_; }
 
  private:
   /// The values and merits of the latest tick, device axes.

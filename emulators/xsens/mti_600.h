@@ -105,6 +105,7 @@ class Mti600 final : public CanDevice, public ImuBackend {
   void controller(SimTime /*now*/, const protocols::can::ControllerReport& report) override {
     overflowed_ = overflowed_ || report.transmit_overflow;
   }
+  [[nodiscard]] Supply& supply() { return supply_; }
   [[nodiscard]] const Quaternion& attitude() const { return filter_.attitude(); }
 
  private:

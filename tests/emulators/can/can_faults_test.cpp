@@ -8,6 +8,7 @@
 
 #include "can_test_nodes.h"
 #include "emulators/can/can_bus.h"
+#include "emulators/can/can_fault_schedule.h"
 #include "emulators/random_bits.h"
 #include "fault_period.h"
 #include "protocols/can/bits.h"
@@ -204,6 +205,45 @@ TEST_F(CanFaults, AreCheckedAtSetUp) {
   EXPECT_THROW((void)bus_.add_node(outside_, {.name = "a"}), std::invalid_argument);
 }
 
+TEST_F(CanFaults, OneEndedEarlyActsNoLongerAndStaysInTheList) {
+  bus_.set_faults(
+      {{fault(IntruderFault{"080#00", 10ms}, 100ms, 10s), fault(DisconnectedFault{"b"}, 100ms, 10s),
+        fault(ShortCircuitFault{}, 5s, 10s)}},
+      intruders_);
+  live(kStart, kStart + 500ms);
+  EXPECT_EQ(intruders_.frames.size(), 40U);
+  EXPECT_EQ(bus_.counters(b_).sent, 10U);
+  const auto list = bus_.faults().book().list();
+  ASSERT_EQ(list.size(), 3U);
+  for (const auto& entry : list) {
+    EXPECT_TRUE(bus_.faults().end(entry.id, kStart + 500ms));
+    EXPECT_FALSE(bus_.faults().end(entry.id, kStart + 500ms)) << "it is over";
+  }
+  EXPECT_FALSE(bus_.faults().end(99, kStart + 500ms)) << "no such fault";
+  live(kStart + 500ms, kStart + 6s);
+  EXPECT_EQ(intruders_.frames.size(), 40U);
+  EXPECT_GE(bus_.counters(b_).sent, 560U);
+  EXPECT_EQ(bus_.error_frames(), 0U);
+  EXPECT_EQ(bus_.faults().book().list()[0].fault.when, between(100ms, 500ms));
+}
+
+TEST_F(CanFaults, OneOfANodeThatIsThereAlreadyIsRefusedInTheRunToo) {
+  bus_.set_faults({{fault(DisconnectedFault{"b"}, 0s, 2s)}}, intruders_);
+  live(kStart, kStart + 100ms);
+  const auto refused = [this](const CanFault& bad) {
+    EXPECT_THROW(bus_.faults().begin(bad), std::invalid_argument);
+  };
+  refused(fault(DisconnectedFault{"b"}, 1s, 3s));
+  refused(fault(DisconnectedFault{"c"}, 3s, 4s));
+  refused(fault(IntruderFault{"800#", 1ms}, 3s, 4s));
+  EXPECT_EQ(bus_.faults().book().list().size(), 1U);
+  bus_.faults().begin(fault(DisconnectedFault{"b"}, 2s, 3s));
+  live(kStart + 100ms, kStart + 2900ms);
+  EXPECT_EQ(bus_.counters(b_).sent, 0U) << "the second begins where the first ends";
+  live(kStart + 3s, kStart + 4s);
+  EXPECT_GE(bus_.counters(b_).sent, 90U);
+}
+
 struct Outcome {
   std::vector<std::pair<SimTime, Frame>> frames;
   std::vector<CanNodeCounters> counters;
@@ -211,11 +251,17 @@ struct Outcome {
   friend bool operator==(const Outcome&, const Outcome&) = default;
 };
 
+/// How the faults of a storm come about.
+enum class Told { before_the_run, when_they_begin, when_they_begin_and_end };
+
 /// Everything at once: random traffic of five nodes and the client, and every fault.
-Outcome storm(bool by_events) {
-  const CanFault noise = fault(BitErrorsFault{1e-3}, 0ms, 1h);
-  const CanFault rate = fault(WrongRateFault{"n1", 200'000}, 300ms, 500ms);
-  const CanFault stub = fault(DisconnectedFault{"n2"}, 600ms, 900ms);
+Outcome storm(bool by_events, Told told = Told::before_the_run) {
+  const std::vector<CanFault> all{fault(BitErrorsFault{1e-3}, 0ms, 1h),
+                                  fault(IntruderFault{"080#0000000000000000", 3ms}, 100ms, 1400ms),
+                                  fault(WrongRateFault{"n1", 200'000}, 300ms, 500ms),
+                                  fault(DisconnectedFault{"n2"}, 600ms, 900ms),
+                                  fault(DisturbanceFault{}, 1000ms, 1020ms),
+                                  fault(ShortCircuitFault{}, 1200ms, 1210ms)};
   FrameRecorder outside;
   Client client;
   CanBusModel bus({250'000, 8});
@@ -229,11 +275,10 @@ Outcome storm(bool by_events) {
     settings.restart_after = 10ms;
     nodes.push_back(&bus.add_node(outside, settings));
   }
-  bus.set_faults({{noise, rate, stub, fault(DisturbanceFault{}, 1000ms, 1020ms),
-                   fault(ShortCircuitFault{}, 1200ms, 1210ms),
-                   fault(IntruderFault{"080#0000000000000000", 3ms}, 100ms, 1400ms)},
-                  3},
-                 outside);
+  // The number of a fault is its place among those that were told, and seeds what it draws.
+  const bool live = told != Told::before_the_run;
+  bus.set_faults({live ? std::vector<CanFault>{} : all, 3}, outside);
+  std::vector<CanFaultSchedule::Book::Id> ids;
   RandomBits random(11);
   for (SimTime now = kStart; now < kStart + 1500ms; now += 100us) {
     if (by_events) {
@@ -242,6 +287,18 @@ Outcome storm(bool by_events) {
       }
     } else {
       bus.advance(now - 1ns);
+    }
+    while (live && ids.size() < all.size() && all[ids.size()].when.begin() <= now) {
+      CanFault next = all[ids.size()];
+      if (told == Told::when_they_begin_and_end) {
+        next.when.length.reset();
+      }
+      ids.push_back(bus.faults().begin(next));
+    }
+    for (std::size_t i = 0; told == Told::when_they_begin_and_end && i < ids.size(); ++i) {
+      if (all[i].when.end() == now) {
+        EXPECT_TRUE(bus.faults().end(ids[i], now));
+      }
     }
     if (random.below(4) == 0) {
       nodes[random.below(5)]->send(now, extended(random.below(64) << 18U));
@@ -273,6 +330,8 @@ TEST(CanStorm, CountersConserveAndNothingDependsOnTheSteps) {
   const Outcome outcome = storm(true);
   EXPECT_EQ(outcome, storm(true));
   EXPECT_EQ(outcome, storm(false));
+  EXPECT_EQ(outcome, storm(true, Told::when_they_begin));
+  EXPECT_EQ(outcome, storm(true, Told::when_they_begin_and_end));
   EXPECT_GT(outcome.frames.size(), 500U);
 }
 

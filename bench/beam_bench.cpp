@@ -9,7 +9,7 @@
 #include <span>
 #include <stdexcept>
 
-#include "emulators/null_output.h"
+#include "emulators/device.h"
 #include "emulators/velodyne/velodyne_lidar.h"
 #include "hil/executive/cpu_time.h"
 #include "hil/rig/rig_configuration.h"

@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "emulators/can/can_bus.h"
-#include "emulators/null_output.h"
+#include "emulators/device.h"
 #include "protocols/can/bits.h"
 
 namespace rigwire::bench {

@@ -5,7 +5,7 @@
 
 #include "bench/carried_machine.h"
 #include "bench/gnss_bench.h"
-#include "emulators/null_output.h"
+#include "emulators/device.h"
 #include "emulators/ublox/receiver.h"
 #include "hil/devices/ublox.h"
 #include "hil/executive/cpu_time.h"

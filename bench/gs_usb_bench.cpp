@@ -8,7 +8,7 @@
 #include "emulators/usb/gs_usb.h"
 #include "emulators/usb/usbip_server.h"
 #include "protocols/can/bits.h"
-#include "protocols/usb/setup.h"
+#include "protocols/usb/transfer.h"
 
 namespace rigwire::bench {
 namespace {

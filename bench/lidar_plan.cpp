@@ -1,6 +1,6 @@
 #include "bench/lidar_plan.h"
 
-#include "emulators/null_output.h"
+#include "emulators/device.h"
 #include "hil/executive/cpu_time.h"
 #include "hil/rig/rig_configuration.h"
 

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "protocols/slcan/bit_rate.h"
-#include "protocols/slcan/controller_lines.h"
+#include "protocols/slcan/slcan.h"
 
 namespace rigwire::drivers {
 

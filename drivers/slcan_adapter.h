@@ -16,7 +16,7 @@
 //   last as long as the state; the others since the last F.
 // - M, m and W set the acceptance filter (protocols/slcan/acceptance_filter.h), while closed.
 // - The kernel's dialect differs in one thing: changes of state and errors are announced by lines
-//   of their own (protocols/slcan/controller_lines.h). LAWICEL masters take every line for the
+//   of their own (protocols/slcan/slcan.h). LAWICEL masters take every line for the
 //   answer to their command, so that they get none.
 // - Z, X and U are taken in any state of the channel, where LAWICEL wants it closed; U changes
 //   nothing.

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "protocols/slcan/bit_rate.h"
-#include "protocols/slcan/controller_lines.h"
+#include "protocols/slcan/slcan.h"
 
 namespace rigwire::drivers {
 

@@ -11,7 +11,7 @@
 
 #include "drivers/endpoints.h"
 #include "protocols/usb/descriptor_reader.h"
-#include "protocols/usb/setup.h"
+#include "protocols/usb/transfer.h"
 
 namespace rigwire::drivers {
 

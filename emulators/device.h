@@ -10,6 +10,9 @@
 // Steady state never throws and does not allocate per message.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -51,6 +54,30 @@ struct Quantity {
   quantity.lower = lower;
   quantity.upper = upper;
   return quantity;
+}
+
+/// What a client asked of a device last, for people who look on: when, and the bytes by which its
+/// protocol names the request.
+struct LastRequest {
+  static constexpr std::size_t kHeadBytes = 16;
+
+  SimTime at = kNever;  ///< kNever: nobody has asked yet.
+  std::array<std::uint8_t, kHeadBytes> head{};
+  std::size_t size = 0;  ///< Bytes of `head`; what is longer is cut off.
+
+  void note(SimTime now, std::span<const std::uint8_t> bytes) {
+    at = now;
+    size = std::min(bytes.size(), kHeadBytes);
+    std::copy_n(bytes.begin(), size, head.begin());
+  }
+  [[nodiscard]] std::span<const std::uint8_t> bytes() const { return std::span(head).first(size); }
+};
+
+/// For a constructor's member list: the settings, when their validate() does not throw.
+template <class Settings>
+[[nodiscard]] const Settings& checked(const Settings& settings) {
+  validate(settings);
+  return settings;
 }
 
 class Device {
@@ -154,6 +181,16 @@ class StreamDevice : public Device {
   virtual void receive(SimTime now, ConnectionId connection,
                        std::span<const std::uint8_t> bytes) = 0;
   virtual void disconnected(SimTime now, ConnectionId connection) = 0;
+};
+
+// Outputs that lead nowhere: for an emulator that is only built to be asked what it can say.
+class NullByteOutput final : public ByteOutput {
+ public:
+  void send(SimTime /*due*/, std::span<const std::uint8_t> /*bytes*/) override {}
+};
+class NullFrameOutput final : public FrameOutput {
+ public:
+  void send(SimTime /*due*/, const protocols::can::Frame& /*frame*/) override {}
 };
 
 }  // namespace rigwire::emulators

@@ -21,9 +21,102 @@
 #include <vector>
 
 #include "emulators/can/can_controller.h"
-#include "emulators/can/can_wire_view.h"
+#include "protocols/can/wire_frame.h"
+#include "sim/samples/time.h"
 
 namespace rigwire::emulators {
+
+/// Where a bus is in its bits, as exact simulated time.
+///
+/// Positions are whole bits since the last synchronisation, never sums of rounded spans: an instant
+/// is rounded once, to the nearest nanosecond, whatever the bit rate and however long the bus has
+/// been busy.
+class CanBitClock {
+ public:
+  explicit CanBitClock(std::uint32_t bit_rate_bps) : rate_(bit_rate_bps) {}
+
+  /// The present position: begin of a frame, or the bit from which the bus is free.
+  [[nodiscard]] SimTime now() const { return after(0); }
+  /// The begin of the bit that many bits later. Precondition: bits < 2^33.
+  [[nodiscard]] SimTime after(std::uint64_t bits) const { return anchor_ + span(bit_ + bits); }
+  /// As a duration, to the nearest nanosecond. Precondition: bits < 2^34.
+  [[nodiscard]] Duration span(std::uint64_t bits) const {
+    return Duration{static_cast<std::int64_t>((bits * kSecond_ns + rate_ / 2) / rate_)};
+  }
+  /// Bits in a span, to the nearest; spans beyond a second count as one. Precondition: not
+  /// negative.
+  [[nodiscard]] std::uint64_t bits_in(Duration span) const {
+    const auto ns = static_cast<std::uint64_t>(span.count());
+    return ((ns < kSecond_ns ? ns : kSecond_ns) * rate_ + kSecond_ns / 2) / kSecond_ns;
+  }
+
+  void advance(std::uint64_t bits) {
+    bit_ += bits;
+    while (bit_ >= rate_) {
+      bit_ -= rate_;
+      anchor_ += Duration{static_cast<std::int64_t>(kSecond_ns)};
+    }
+  }
+  /// A frame begins on an idle bus: everybody synchronises to its edge.
+  void synchronise(SimTime instant) {
+    anchor_ = instant;
+    bit_ = 0;
+  }
+  [[nodiscard]] std::uint32_t bit_rate_bps() const { return static_cast<std::uint32_t>(rate_); }
+
+ private:
+  static constexpr std::uint64_t kSecond_ns = 1'000'000'000;
+  std::uint64_t rate_;
+  SimTime anchor_ = kStart;
+  std::uint64_t bit_ = 0;  ///< Since anchor_, below rate_.
+};
+
+/// A frame as nodes with the segment's bit rate read it off the wire.
+///
+/// That of a sender with the same rate is the frame itself. One with another rate is sampled at
+/// 80 % of each of the segment's bits, from the edge of its start of frame on, without
+/// resynchronisation.
+class CanWireView {
+ public:
+  CanWireView() = default;
+  CanWireView(const protocols::can::Frame& frame, std::uint32_t sender_bps,
+              std::uint32_t segment_bps)
+      : wire_(frame), sender_bps_(sender_bps), segment_bps_(segment_bps) {}
+
+  [[nodiscard]] bool readable() const { return sender_bps_ == segment_bps_; }
+  [[nodiscard]] const protocols::can::WireFrame& wire() const { return wire_; }
+  /// The sender's bit in the segment's bit of that number.
+  [[nodiscard]] unsigned bit_at(unsigned bit) const {
+    return readable() ? bit : sampled(bit, segment_bps_, sender_bps_);
+  }
+  [[nodiscard]] bool recessive(unsigned bit) const { return wire_.recessive(bit_at(bit)); }
+
+  /// In which of the segment's bits a node with another rate finds the frame wrong: a stuff error
+  /// in what it samples, or the checksum at the end.
+  [[nodiscard]] unsigned misread_at(std::uint32_t reader_bps) const {
+    unsigned run = 0;
+    bool last = true;
+    for (unsigned sample = 0;; ++sample) {
+      const unsigned bit = sampled(sample, reader_bps, segment_bps_);
+      const bool level = recessive(bit);
+      run = level == last && run > 0 ? run + 1 : 1;
+      last = level;
+      if (run == 6 || bit_at(bit) > wire_.acknowledge_slot()) {
+        return bit;
+      }
+    }
+  }
+
+ private:
+  static constexpr unsigned sampled(unsigned bit, std::uint32_t reader_bps,
+                                    std::uint32_t writer_bps) {
+    return static_cast<unsigned>((bit * 10ULL + 8U) * writer_bps / (10ULL * reader_bps));
+  }
+
+  protocols::can::WireFrame wire_;
+  std::uint32_t sender_bps_ = 1;
+  std::uint32_t segment_bps_ = 1;
+};
 
 /// What is wrong with the wire during one attempt; bits from start of frame 0.
 struct CanLineState {

@@ -10,7 +10,7 @@
 // - A frame occupies its exact number of bits, stuff bits and interframe space included. It is
 //   complete, and delivered, at the end of its end-of-frame field; the bus is free again three bits
 //   later. Instants are whole bits from the synchronising edge, rounded to the nanosecond once
-//   (can_bit_clock.h): error 0.5 ns, without drift.
+//   (can_bit_level.h): error 0.5 ns, without drift.
 // - Somebody has to acknowledge: another node at the same bit rate that is neither listen-only nor
 //   bus-off. The client's controller is a node like the others, and does not while nobody is there
 //   (OutsideController). A node that is alone tries for ever, becomes passive and not bus-off.
@@ -41,7 +41,6 @@
 
 #include "emulators/can/can_bus_faults.h"
 #include "emulators/can/can_node.h"
-#include "emulators/can/can_outside.h"
 #include "emulators/can/can_segment.h"
 #include "emulators/device.h"
 #include "fields/rules.h"

@@ -30,7 +30,8 @@ class CanFaultSchedule {
   /// before. Allocates. Throws std::invalid_argument when it is out of range, names a node that is
   /// none of the bus, or is the second of its kind on a node at a time.
   Book::Id begin(const CanFault& fault);
-  /// As FaultBook::end().
+  /// As FaultBook::end(). Which bit of its last frame a disturbance turns over at random may be
+  /// another one than if the end had been known beforehand.
   bool end(Book::Id id, SimTime now);
   [[nodiscard]] const Book& book() const { return book_; }
 

@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "emulators/can/can_bit_clock.h"
 #include "emulators/can/can_bit_level.h"
 #include "emulators/can/can_bus_faults.h"
 #include "emulators/random_bits.h"

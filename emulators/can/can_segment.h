@@ -6,16 +6,34 @@
 // different data, another bit rate, a fault of the wire.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "emulators/can/can_bit_clock.h"
 #include "emulators/can/can_bit_level.h"
-#include "emulators/can/can_bus_load.h"
 #include "emulators/can/can_controller.h"
 #include "emulators/can/can_noise.h"
+#include "sim/samples/time.h"
 
 namespace rigwire::emulators {
+
+/// Which share of the last second a bus was occupied.
+class CanBusLoad {
+ public:
+  /// The bus is occupied in [begin, end). Spans come in order and do not overlap.
+  void occupy(SimTime begin, SimTime end);
+  /// Share of the second before `now`, 0..1, in steps of 10 ms: counted are the hundred whole
+  /// hundredths of a second that ended last.
+  [[nodiscard]] double share(SimTime now) const;
+
+ private:
+  static constexpr Duration kBucket = std::chrono::milliseconds{10};
+  static constexpr std::int64_t kBuckets = 100;
+
+  std::array<std::int64_t, kBuckets + 2> busy_ns_{};  ///< Per 10 ms, by number modulo size.
+  std::int64_t newest_ = 0;
+};
 
 class CanSegment {
  public:

@@ -29,7 +29,6 @@
 #include "emulators/canopen/object_dictionary.h"
 #include "emulators/canopen/sdo_server.h"
 #include "emulators/device.h"
-#include "fields/rules.h"
 #include "protocols/canopen/communication_objects.h"
 #include "protocols/canopen/eds.h"
 #include "protocols/canopen/identifiers.h"
@@ -57,14 +56,6 @@ struct CanopenNodeSettings {
   Duration processing_delay = std::chrono::microseconds{200};  ///< From an event to the frame.
   bool starts_itself = false;  ///< Operational without a master's command.
 };
-
-/// The keys that every CANopen node has, to be called within the device's visit(). The last four
-/// are at delivery: of TPDO1, of the heartbeat (0: none), of the identity object.
-void visit_canopen(fields::Visitor& v, CanopenNodeSettings& node, std::uint8_t& transmission_type,
-                   std::uint16_t& event_timer_ms, std::uint16_t& heartbeat_ms,
-                   std::uint32_t& serial);
-/// What joins several of them. Throws std::invalid_argument.
-void validate(const CanopenNodeSettings& settings);
 
 class CanopenNode final : private SdoObjects, private LssNode {
  public:

@@ -23,17 +23,11 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr std::uint32_t kDeviceTypeWord = 0x0004'019A;  // two axes of 32 bits, profile 410
-constexpr std::uint32_t kRevision = 0x0001'0000;
 constexpr std::uint8_t kGenericError = 0x01;
 constexpr const char* kVendorName = "ifm electronic";
 constexpr std::int64_t kTurn_mdeg = 360'000;
 constexpr std::array<std::uint16_t, 2> kEmergencies{canopen::kLongitudinalError,
                                                     canopen::kLateralError};
-
-const InclinometerSettings& checked(const InclinometerSettings& settings) {
-  validate(settings);
-  return settings;
-}
 
 double radians(double resolution_mdeg) {
   return resolution_mdeg * 1e-3 * kPi / 180.0;
@@ -58,23 +52,13 @@ std::int64_t most(canopen::DataType type) {
 
 Inclinometer::Inclinometer(const InclinometerSettings& settings, NonvolatileMemory& memory,
                            FrameOutput& output)
-    : settings_(checked(settings)),
-      dictionary_(canopen::inclinometer_objects(), settings.node.node_id),
-      node_(settings.node, dictionary_, *this, memory, output),
-      supply_(settings.supply) {
-  dictionary_.set_delivered(object::kDeviceType, kDeviceTypeWord);
+    : CanopenDevice(checked(settings), canopen::inclinometer_objects(), memory, output),
+      settings_(settings) {
   dictionary_.set_delivered(object::kQuadrantCorrection, settings_.quadrants);
   dictionary_.set_delivered(object::kFilterStep, settings_.filter_step);
   dictionary_.set_delivered(object::kSlopeResolution, settings_.resolution_mdeg);
-  dictionary_.set_delivered({object::kTransmitPdo, canopen::kPdoEventTimer_ms},
-                            settings_.event_timer_ms);
-  dictionary_.set_delivered({object::kTransmitPdo, canopen::kPdoType}, settings_.transmission_type);
-  dictionary_.set_delivered(object::kHeartbeatTime, settings_.heartbeat_ms);
-  dictionary_.set_delivered(object::kVendor, settings_.vendor);
-  dictionary_.set_delivered(object::kProductCode, settings_.product);
-  dictionary_.set_delivered(object::kRevisionNumber, kRevision);
-  dictionary_.set_delivered(object::kSerialNumber, settings_.serial);
-  node_.describe("cia410-inclinometer.eds", "Two-axis inclinometer, CiA 410", kVendorName);
+  deliver(settings_, kDeviceTypeWord, settings_.product, "cia410-inclinometer.eds",
+          "Two-axis inclinometer, CiA 410", kVendorName);
   // What the 16-bit slopes carry: the quadrants, the range, and the counts of their type.
   const double count_rad = radians(settings_.resolution_mdeg);
   const double widest_rad = settings_.quadrants == QuadrantCorrection::kOff ? kPi / 2.0 : kPi;
@@ -91,43 +75,14 @@ std::vector<protocols::can::OwnedMessage> Inclinometer::messages(std::string_vie
   if (settings_.node.node_id == canopen::kNoNodeId) {
     return {};
   }
-  auto list = canopen::inclinometer_layouts(settings_.node.node_id, settings_.resolution_mdeg);
-  for (auto& layout : list) {
-    layout.sender = name;
-    if (layout.id == canopen::kTransmitPdo1Base + settings_.node.node_id &&
-        settings_.transmission_type >= canopen::kOnChange) {
-      layout.period_ms = settings_.event_timer_ms;
-    } else if (layout.id == canopen::kHeartbeatBase + settings_.node.node_id) {
-      layout.period_ms = settings_.heartbeat_ms;
-    }
-  }
-  return list;
+  return sent_by(name, settings_, settings_.transmission_type >= canopen::kOnChange,
+                 canopen::inclinometer_layouts(settings_.node.node_id, settings_.resolution_mdeg));
 }
 
-SamplePlan Inclinometer::sample_plan() const {
-  return {kStart + settings_.supply.power_on, settings_.sampling};
-}
-
-SimTime Inclinometer::next_event() const {
-  return std::min(supply_.next_change(), node_.next_event());
-}
-
-void Inclinometer::advance(SimTime now) {
-  while (supply_.next_change() <= now) {
-    const SimTime instant = supply_.next_change();
-    node_.advance(instant);
-    supply_.change();
-    node_.power(instant, supply_.on());
-    settled_ = false;
-    up_ = {0.0, 0.0, 1.0};
-    errors_ = {};
-  }
-  node_.advance(now);
-}
-
-void Inclinometer::receive(SimTime now, const protocols::can::Frame& frame) {
-  advance(now);
-  node_.receive(now, frame);
+void Inclinometer::switched(SimTime /*now*/) {
+  settled_ = false;
+  up_ = {0.0, 0.0, 1.0};
+  errors_ = {};
 }
 
 void Inclinometer::update(const ImuSample& sample) {
@@ -264,7 +219,7 @@ std::optional<SdoAbort> Inclinometer::preset(const SlopeObjects& slope, std::int
 // Keys and checks of the inclinometer's settings.
 
 void visit(fields::Visitor& v, InclinometerSettings& p) {
-  visit_canopen(v, p.node, p.transmission_type, p.event_timer_ms, p.heartbeat_ms, p.serial);
+  visit_canopen(v, p);
   v.integer(
       "resolution", p.resolution_mdeg,
       IntegerRule{canopen::kSlopeResolutions_mdeg.front(), canopen::kSlopeResolutions_mdeg.back()},
@@ -286,8 +241,7 @@ void visit(fields::Visitor& v, InclinometerSettings& p) {
 
 void validate(const InclinometerSettings& settings) {
   fields::check(settings);
-  validate(settings.supply);
-  validate(settings.node);
+  validate_canopen(settings);
 }
 
 }  // namespace rigwire::emulators

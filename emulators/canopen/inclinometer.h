@@ -29,35 +29,30 @@
 #include <vector>
 
 #include "emulators/backends.h"
-#include "emulators/canopen/canopen_node.h"
-#include "emulators/device.h"
-#include "emulators/supply.h"
+#include "emulators/canopen/canopen_device.h"
 #include "fields/rules.h"
 #include "protocols/canopen/inclinometer.h"
 
 namespace rigwire::emulators {
 
-struct InclinometerSettings {
-  CanopenNodeSettings node{.node_id = 10};
+/// As ifm electronic delivers it: node 10, its first message after each SYNC.
+struct InclinometerSettings : CanopenDeviceSettings {
+  InclinometerSettings()
+      : CanopenDeviceSettings{
+            .node = {.node_id = 10}, .transmission_type = 1, .vendor = 0x159, .supply = {}} {}
+
   std::uint16_t resolution_mdeg = 10;   ///< 6000 at delivery: 1, 10, 100 or 1000.
   std::uint8_t filter_step = 1;         ///< 2043 at delivery: 0 off, 1..4 are 10, 5, 1, 0.5 Hz.
   std::uint8_t quadrants = 0;           ///< 2040 at delivery: 0 +-90, 1 +-180, 2 0..360 deg.
   double range_rad = std::numbers::pi;  ///< Measured to both sides; more is an error.
-  std::uint8_t transmission_type = 1;   ///< Of TPDO1 at delivery: 0..240, 254 or 255.
-  std::uint16_t event_timer_ms = 0;     ///< Of TPDO1 at delivery.
-  std::uint16_t heartbeat_ms = 0;       ///< At delivery; 0 is none.
-  std::uint32_t serial = 1;
-  std::uint32_t vendor = 0x159;  ///< Of the CiA's list; this is ifm electronic.
   std::uint32_t product = 0;
-  SupplySettings supply;
-  Duration sampling = std::chrono::milliseconds{5};  ///< Between two readings.
 };
 
 void visit(fields::Visitor& v, InclinometerSettings& p);
 /// Throws std::invalid_argument with the value found and what is allowed.
 void validate(const InclinometerSettings& settings);
 
-class Inclinometer final : public CanDevice, public ImuBackend, private CanopenProfile {
+class Inclinometer final : public CanopenDevice, public ImuBackend {
  public:
   /// A hundredth of gravity: a shorter specific force has no direction.
   static constexpr double kLeastForce_mps2 = 0.0980665;
@@ -66,20 +61,11 @@ class Inclinometer final : public CanDevice, public ImuBackend, private CanopenP
   Inclinometer(const InclinometerSettings& settings, NonvolatileMemory& memory,
                FrameOutput& output);
 
-  void advance(SimTime now) override;
-  [[nodiscard]] SimTime next_event() const override;
-  [[nodiscard]] SamplePlan sample_plan() const override;
-  [[nodiscard]] ReceiveCounters received() const override { return node_.received(); }
-  [[nodiscard]] double nominal_rate_hz() const override { return node_.nominal_rate_hz(); }
   [[nodiscard]] std::span<const Quantity> quantities() const override { return quantities_; }
-  void receive(SimTime now, const protocols::can::Frame& frame) override;
   [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
   /// The angular rate and the magnetic field are not used.
   void update(const ImuSample& sample) override;
-
-  [[nodiscard]] const CanopenNode& node() const { return node_; }
-  [[nodiscard]] Supply& supply() { return supply_; }
 
  private:
   using Force = std::array<double, 3>;  ///< m/s2.
@@ -91,6 +77,7 @@ class Inclinometer final : public CanDevice, public ImuBackend, private CanopenP
   [[nodiscard]] std::optional<protocols::canopen::SdoAbort> write(
       protocols::canopen::ObjectAddress address, std::int64_t value) override;
 
+  void switched(SimTime now) override;
   void filter(SimTime now, const Force& force);
   [[nodiscard]] double angle_rad(std::size_t axis) const;
   /// Counts of the present resolution, inverted as told, without offsets.
@@ -101,9 +88,6 @@ class Inclinometer final : public CanDevice, public ImuBackend, private CanopenP
   void report(SimTime now, const std::array<bool, kAxes>& errors);
 
   InclinometerSettings settings_;
-  ObjectDictionary dictionary_;
-  CanopenNode node_;
-  Supply supply_;
   std::array<Quantity, kAxes> quantities_;
   bool settled_ = false;          ///< The filter has had a sample since power-on.
   SimTime filtered_at_ = kStart;  ///< The sample before.

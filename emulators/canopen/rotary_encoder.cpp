@@ -24,15 +24,9 @@ namespace {
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr std::uint32_t kSingleTurn = 0x0001'0196;  // profile 406
 constexpr std::uint32_t kMultiTurn = 0x0002'0196;
-constexpr std::uint32_t kRevision = 0x0001'0000;
 constexpr std::uint16_t kHardwareError = 0x5000;
 constexpr std::uint8_t kGenericError = 0x81;  // bit 0 generic, bit 7 of the maker
 constexpr const char* kVendorName = "Rigwire";
-
-const RotaryEncoderSettings& checked(const RotaryEncoderSettings& settings) {
-  validate(settings);
-  return settings;
-}
 
 std::int64_t modulo(std::int64_t value, std::int64_t range) {
   const std::int64_t rest = value % range;
@@ -47,31 +41,21 @@ constexpr std::array<fields::Choice<bool>, 2> kDirections{
 
 RotaryEncoder::RotaryEncoder(const RotaryEncoderSettings& settings, NonvolatileMemory& memory,
                              FrameOutput& output)
-    : settings_(checked(settings)),
-      dictionary_(canopen::rotary_encoder_objects(), settings.node.node_id),
-      node_(settings.node, dictionary_, *this, memory, output),
-      supply_(settings.supply) {
+    : CanopenDevice(checked(settings), canopen::rotary_encoder_objects(), memory, output),
+      settings_(settings) {
   const std::int64_t range = steps() * settings_.revolutions;
-  dictionary_.set_delivered(object::kDeviceType,
-                            settings_.revolutions > 1 ? kMultiTurn : kSingleTurn);
   dictionary_.set_delivered(object::kOperatingParameters,
                             settings_.counter_clockwise ? EncoderOperation::kCounterClockwise : 0);
   dictionary_.set_delivered(object::kUnitsPerRevolution, steps());
   dictionary_.set_delivered(object::kTotalRange, range);
   dictionary_.set_delivered(object::kSingleTurnResolution, steps());
   dictionary_.set_delivered(object::kRevolutions, settings_.revolutions);
-  dictionary_.set_delivered({object::kTransmitPdo, canopen::kPdoEventTimer_ms},
-                            settings_.event_timer_ms);
-  dictionary_.set_delivered({object::kTransmitPdo, canopen::kPdoType}, settings_.transmission_type);
-  dictionary_.set_delivered(object::kHeartbeatTime, settings_.heartbeat_ms);
-  dictionary_.set_delivered(object::kVendor, settings_.vendor);
-  dictionary_.set_delivered(object::kProductCode, settings_.resolution_bits);
-  dictionary_.set_delivered(object::kRevisionNumber, kRevision);
-  dictionary_.set_delivered(object::kSerialNumber, settings_.serial);
   dictionary_.set_delivered(object::kEncoderSerial, settings_.serial);
+  deliver(settings_, settings_.revolutions > 1 ? kMultiTurn : kSingleTurn,
+          settings_.resolution_bits, "cia406-encoder.eds", "Absolute rotary encoder, CiA 406",
+          kVendorName);
   const double step_rad = kTurn_rad / static_cast<double>(steps());
   const double speed_radps = step_rad * std::numeric_limits<std::int16_t>::max();
-  node_.describe("cia406-encoder.eds", "Absolute rotary encoder, CiA 406", kVendorName);
   quantities_ = {{{"position", "rad", 0.0, kTurn_rad * settings_.revolutions, step_rad},
                   {"speed", "rad/s", -speed_radps, speed_radps, step_rad}}};
 }
@@ -80,43 +64,22 @@ std::vector<protocols::can::OwnedMessage> RotaryEncoder::messages(std::string_vi
   if (settings_.node.node_id == canopen::kNoNodeId) {
     return {};
   }
-  auto list = canopen::rotary_encoder_layouts(settings_.node.node_id);
-  for (auto& layout : list) {
-    layout.sender = name;
-    if (layout.id == canopen::kTransmitPdo1Base + settings_.node.node_id) {
-      layout.period_ms = settings_.event_timer_ms;
-    } else if (layout.id == canopen::kHeartbeatBase + settings_.node.node_id) {
-      layout.period_ms = settings_.heartbeat_ms;
-    }
-  }
-  return list;
+  return sent_by(name, settings_, true, canopen::rotary_encoder_layouts(settings_.node.node_id));
 }
 
-SamplePlan RotaryEncoder::sample_plan() const {
-  return {kStart + settings_.supply.power_on, settings_.sampling};
-}
-
-SimTime RotaryEncoder::next_event() const {
-  return std::min(supply_.next_change(), node_.next_event());
+void RotaryEncoder::switched(SimTime now) {
+  powered_since_ = now;
+  faulty_ = false;
+  evaluate();
 }
 
 void RotaryEncoder::advance(SimTime now) {
-  for (; supply_.next_change() <= now;) {
-    const SimTime instant = supply_.next_change();
-    node_.advance(instant);
-    supply_.change();
-    node_.power(instant, supply_.on());
-    powered_since_ = instant;
-    faulty_ = false;
-    evaluate();
-  }
-  node_.advance(now);
+  CanopenDevice::advance(now);
   now_ = now;
 }
 
 void RotaryEncoder::receive(SimTime now, const protocols::can::Frame& frame) {
-  advance(now);
-  node_.receive(now, frame);
+  CanopenDevice::receive(now, frame);
   evaluate();
   node_.changed(now);
 }
@@ -220,7 +183,7 @@ std::optional<canopen::SdoAbort> RotaryEncoder::write(ObjectAddress address, std
 // Keys and checks of the encoder's settings.
 
 void visit(fields::Visitor& v, RotaryEncoderSettings& p) {
-  visit_canopen(v, p.node, p.transmission_type, p.event_timer_ms, p.heartbeat_ms, p.serial);
+  visit_canopen(v, p);
   v.integer("resolution", p.resolution_bits, IntegerRule{13, 16}, "Bits per revolution.");
   v.integer("revolutions", p.revolutions, IntegerRule{1, 32768},
             "Revolutions that it tells apart; 1 = a single-turn encoder.");
@@ -234,8 +197,7 @@ void visit(fields::Visitor& v, RotaryEncoderSettings& p) {
 
 void validate(const RotaryEncoderSettings& settings) {
   fields::check(settings);
-  validate(settings.supply);
-  validate(settings.node);
+  validate_canopen(settings);
 }
 
 }  // namespace rigwire::emulators

@@ -19,52 +19,42 @@
 #include <vector>
 
 #include "emulators/backends.h"
-#include "emulators/canopen/canopen_node.h"
-#include "emulators/device.h"
-#include "emulators/supply.h"
+#include "emulators/canopen/canopen_device.h"
 #include "fields/rules.h"
 #include "protocols/canopen/rotary_encoder.h"
 
 namespace rigwire::emulators {
 
-struct RotaryEncoderSettings {
-  CanopenNodeSettings node;
-  std::uint8_t resolution_bits = 13;     ///< 13..16.
-  std::uint16_t revolutions = 1;         ///< That it tells apart; 1 is a single-turn encoder.
-  bool counter_clockwise = false;        ///< Bit 0 of 6000 at delivery.
-  double offset_rad = 0.0;               ///< Of step 0, on the sample's scale.
-  std::uint16_t event_timer_ms = 20;     ///< Of TPDO1 at delivery.
-  std::uint8_t transmission_type = 255;  ///< Of TPDO1 at delivery: 0..240, 254 or 255.
-  std::uint16_t heartbeat_ms = 0;        ///< At delivery; 0 is none.
-  std::uint32_t serial = 1;
-  std::uint32_t vendor = 0;  ///< Of the CiA's list; 0 belongs to nobody.
-  SupplySettings supply;
-  Duration sampling = std::chrono::milliseconds{2};  ///< Between two readings of the disc.
+struct RotaryEncoderSettings : CanopenDeviceSettings {
+  RotaryEncoderSettings()
+      : CanopenDeviceSettings{.node = {},
+                              .event_timer_ms = 20,
+                              .supply = {},
+                              .sampling = std::chrono::milliseconds{2}} {}
+
+  std::uint8_t resolution_bits = 13;  ///< 13..16.
+  std::uint16_t revolutions = 1;      ///< That it tells apart; 1 is a single-turn encoder.
+  bool counter_clockwise = false;     ///< Bit 0 of 6000 at delivery.
+  double offset_rad = 0.0;            ///< Of step 0, on the sample's scale.
 };
 
 void visit(fields::Visitor& v, RotaryEncoderSettings& p);
 /// Throws std::invalid_argument with the value found and what is allowed.
 void validate(const RotaryEncoderSettings& settings);
 
-class RotaryEncoder final : public CanDevice, public EncoderBackend, private CanopenProfile {
+class RotaryEncoder final : public CanopenDevice, public EncoderBackend {
  public:
   /// `memory` and `output` must outlive the encoder.
   RotaryEncoder(const RotaryEncoderSettings& settings, NonvolatileMemory& memory,
                 FrameOutput& output);
 
   void advance(SimTime now) override;
-  [[nodiscard]] SimTime next_event() const override;
-  [[nodiscard]] SamplePlan sample_plan() const override;
-  [[nodiscard]] ReceiveCounters received() const override { return node_.received(); }
-  [[nodiscard]] double nominal_rate_hz() const override { return node_.nominal_rate_hz(); }
   [[nodiscard]] std::span<const Quantity> quantities() const override { return quantities_; }
   void receive(SimTime now, const protocols::can::Frame& frame) override;
   [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
   void update(const EncoderSample& sample) override;
 
-  [[nodiscard]] const CanopenNode& node() const { return node_; }
-  [[nodiscard]] Supply& supply() { return supply_; }
   /// As 6004 says it at present.
   [[nodiscard]] std::uint32_t position() const { return position_; }
 
@@ -75,6 +65,7 @@ class RotaryEncoder final : public CanDevice, public EncoderBackend, private Can
   [[nodiscard]] std::optional<protocols::canopen::SdoAbort> write(
       protocols::canopen::ObjectAddress address, std::int64_t value) override;
 
+  void switched(SimTime now) override;
   [[nodiscard]] std::int64_t steps() const { return std::int64_t{1} << settings_.resolution_bits; }
   /// Measuring units before the offset, and of the whole range, with these operating parameters.
   struct Scale {
@@ -87,9 +78,6 @@ class RotaryEncoder final : public CanDevice, public EncoderBackend, private Can
   void evaluate();
 
   RotaryEncoderSettings settings_;
-  ObjectDictionary dictionary_;
-  CanopenNode node_;
-  Supply supply_;
   std::array<Quantity, 2> quantities_;
   SimTime now_ = kStart;
   SimTime powered_since_ = kStart;

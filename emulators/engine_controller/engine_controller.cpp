@@ -4,14 +4,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "emulators/j1939/reading.h"
 #include "fields/check.h"
 #include "fields/visitor.h"
 #include "protocols/j1939/message.h"
 #include "protocols/vehicle/condition.h"
 #include "protocols/vehicle/engine_configuration.h"
-#include "protocols/vehicle/layouts.h"
 #include "protocols/vehicle/machine.h"
+#include "protocols/vehicle/message.h"
 
 namespace rigwire::emulators {
 
@@ -20,6 +19,9 @@ namespace vehicle = protocols::vehicle;
 using fields::IntegerRule;
 using protocols::can::Frame;
 using vehicle::FailureMode;
+using vehicle::is;
+using vehicle::magnitude;
+using vehicle::reading;
 
 namespace {
 
@@ -44,20 +46,6 @@ constexpr std::array kQuantities{
     quantity(vehicle::signal_of(&vehicle::Eec2::load_share), "load"),
     quantity(vehicle::signal_of(&vehicle::Hpg::pressure_pa), "pump pressure"),
 };
-
-const EngineControllerSettings& checked(const EngineControllerSettings& settings) {
-  validate(settings);
-  return settings;
-}
-
-J1939NodeSettings node_of(const EngineControllerSettings& settings) {
-  J1939NodeSettings node;
-  node.address.preferred = settings.source_address;
-  node.address.name = pack(make_name(settings.name, settings.serial, false));
-  node.address.first_claim = kStart + settings.power_on;
-  node.address.answer_delay = settings.processing_delay;
-  return node;
-}
 
 }  // namespace
 
@@ -85,12 +73,15 @@ void validate(const EngineControllerSettings& settings) {
 }
 
 EngineController::EngineController(const EngineControllerSettings& settings, FrameOutput& output)
-    : settings_(checked(settings)),
-      node_(node_of(settings_), *this, output),
+    : J1939Device(make_name(settings.name, settings.serial, false), settings.source_address,
+                  kStart + settings.power_on, settings.processing_delay, output),
+      settings_(checked(settings)),
       report_(settings_.engine, settings_.engine_hours),
       troubles_(kTroubles),
       check_(settings_.requires_checksum),
-      next_tick_(kStart + settings_.power_on + kTickOffset) {}
+      next_tick_(kStart + settings_.power_on + kTickOffset) {
+  identify_as({settings_.identification, settings_.serial});
+}
 
 std::span<const Entry> EngineController::schedule() {
   return kSchedule;
@@ -151,11 +142,6 @@ void EngineController::update(const PowerUnitSample& sample) {
   sample_ = sample;
 }
 
-void EngineController::receive(SimTime now, const Frame& frame) {
-  advance(now);
-  node_.receive(now, frame);
-}
-
 void EngineController::tick(SimTime now) {
   if (node_.held()) {
     for (const Entry& entry : kSchedule) {
@@ -208,16 +194,10 @@ bool EngineController::send_group(SimTime now, std::uint32_t pgn) {
   return false;
 }
 
-J1939Answer EngineController::answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) {
-  if (const auto answered = troubles_.answer(node_, now, pgn, destination)) {
-    return *answered;
-  }
+J1939Answer EngineController::answer_group(SimTime now, std::uint32_t pgn,
+                                           std::uint8_t destination) {
   if (pgn == vehicle::kEngineConfigurationPgn) {
     return report_.send_configuration(node_, now, destination);
-  }
-  if (const auto answered = answer_identification(node_, now, pgn, destination,
-                                                  settings_.identification, settings_.serial, {})) {
-    return *answered;
   }
   return send_group(now, pgn) ? J1939Answer::sent : J1939Answer::unknown;
 }

@@ -17,13 +17,8 @@
 #include <vector>
 
 #include "emulators/backends.h"
-#include "emulators/device.h"
 #include "emulators/j1939/engine_report.h"
-#include "emulators/j1939/identification.h"
-#include "emulators/j1939/j1939_node.h"
-#include "emulators/j1939/name_settings.h"
-#include "emulators/j1939/torque_speed_check.h"
-#include "emulators/j1939/trouble_memory.h"
+#include "emulators/j1939/j1939_device.h"
 #include "fields/rules.h"
 #include "protocols/vehicle/engine.h"
 #include "sim/samples/power_unit_sample.h"
@@ -49,7 +44,7 @@ void visit(fields::Visitor& v, EngineControllerSettings& p);
 /// Throws std::invalid_argument with the value found and what is allowed.
 void validate(const EngineControllerSettings& settings);
 
-class EngineController final : public CanDevice, public PowerUnitBackend, J1939Application {
+class EngineController final : public J1939Device, public PowerUnitBackend {
  public:
   static constexpr Duration kTick = std::chrono::milliseconds{10};
   static constexpr Duration kTickOffset = std::chrono::microseconds{500};  ///< After a sample.
@@ -67,19 +62,12 @@ class EngineController final : public CanDevice, public PowerUnitBackend, J1939A
   void advance(SimTime now) override;
   [[nodiscard]] SimTime next_event() const override;
   [[nodiscard]] SamplePlan sample_plan() const override;
-  [[nodiscard]] ReceiveCounters received() const override { return node_.received(); }
   [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::span<const Quantity> quantities() const override;
   [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
-  void receive(SimTime now, const protocols::can::Frame& frame) override;
-  void controller(SimTime now, const protocols::can::ControllerReport& report) override {
-    node_.controller(now, report);
-  }
   void update(const PowerUnitSample& sample) override;
   [[nodiscard]] const PowerUnitCommand& command() const override { return command_; }
-
-  [[nodiscard]] bool address_held() const { return node_.held(); }
 
  private:
   struct Request {
@@ -88,7 +76,8 @@ class EngineController final : public CanDevice, public PowerUnitBackend, J1939A
     SimTime expires = kNever;
   };
 
-  J1939Answer answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
+  J1939Answer answer_group(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
+  TroubleMemory* troubles() override { return &troubles_; }
   J1939Reception take(SimTime now, const J1939Message& message) override;
   J1939Reception take_request(SimTime now, const J1939Message& message);
   void obey(SimTime now, const protocols::vehicle::Tsc1& request);
@@ -98,7 +87,6 @@ class EngineController final : public CanDevice, public PowerUnitBackend, J1939A
   bool send_group(SimTime now, std::uint32_t pgn);
 
   EngineControllerSettings settings_;
-  J1939Node node_;
   std::optional<PowerUnitSample> sample_;
   PowerUnitCommand command_;
   std::optional<Request> request_;

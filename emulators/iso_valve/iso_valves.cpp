@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string_view>
 
-#include "protocols/j1939/name.h"
+#include "fields/check.h"
+#include "fields/visitor.h"
+#include "protocols/iso11783/auxiliary_valve.h"
 #include "protocols/vehicle/joystick.h"
 
 namespace rigwire::emulators {
@@ -11,11 +15,22 @@ namespace rigwire::emulators {
 namespace iso = protocols::iso11783;
 namespace j1939 = protocols::j1939;
 namespace vehicle = protocols::vehicle;
+using fields::in;
+using fields::IntegerRule;
 using protocols::can::Frame;
-
 using vehicle::signal_of;
 
 namespace {
+
+/// In the order of JoystickAxis.
+constexpr std::array<std::string_view, kJoystickAxes> kAxisNames{
+    "x1", "y1", "grip_x1", "grip_y1", "theta1", "x2", "y2", "grip_x2", "grip_y2", "theta2"};
+
+[[noreturn]] void refuse(const std::string& setting, const std::string& found,
+                         const std::string& allowed) {
+  throw std::invalid_argument("iso valves " + setting + ": found " + found + ", allowed " +
+                              allowed);
+}
 
 constexpr std::array kQuantities{
     quantity(signal_of<iso::AuxiliaryValveEstimate>(&iso::AuxiliaryValveEstimate::extend_share),
@@ -26,83 +41,140 @@ constexpr std::array kQuantities{
     within(quantity(signal_of(&iso::AuxiliaryValveMeasuredPosition::position_m)), -0.032, 0.032),
 };
 
-const IsoValveSettings& checked(const IsoValveSettings& settings) {
-  validate(settings);
-  return settings;
-}
-
 ValveAmplifierSettings amplifier_of(const IsoValveSettings& settings) {
   ValveAmplifierSettings amplifier = settings.amplifier;
   amplifier.parameters.watchdog = Duration{0};
   return amplifier;
 }
 
-J1939NodeSettings node_of(const IsoValveSettings& settings) {
-  constexpr std::uint8_t kAgriculture = 2;
-  j1939::Name name;
-  name.identity = settings.serial;
-  name.manufacturer = settings.manufacturer;
-  name.function = settings.function;
-  name.industry_group = kAgriculture;
-  name.arbitrary_address = true;
-  J1939NodeSettings node;
-  node.address.preferred = settings.source_address;
-  node.address.name = pack(name);
-  node.address.arbitrary_address = true;
-  node.address.first_claim = kStart + settings.power_on;
-  node.address.answer_delay = settings.processing_delay;
-  return node;
+// What can be wrong, in this order: of the block, of each section's output, of each section's
+// commands. Proprietary parameter numbers (J1939-73: 520192 .. 524287) are this project's own; 168
+// and 1136 are the standard's supply voltage and control unit temperature.
+using Trouble = TroubleMemory::Kind;
+using vehicle::FailureMode;
+enum BlockTrouble : std::size_t { set_up, supply_voltage, temperature };
+constexpr std::array kBlockTroubles{Trouble{520240, FailureMode::out_of_calibration},
+                                    Trouble{168, FailureMode::voltage_low},
+                                    Trouble{1136, FailureMode::above_normal}};
+enum OutputTrouble : std::size_t { coil_open, coil_current, not_following, no_position };
+constexpr std::array kOutputTroubles{Trouble{520192, FailureMode::current_low},   // each + section
+                                     Trouble{520192, FailureMode::current_high},  //
+                                     Trouble{520208, FailureMode::mechanical},    //
+                                     Trouble{520208, FailureMode::erratic}};
+constexpr Trouble kNoCommand{520224, FailureMode::abnormal_update_rate};  // + section
+
+std::vector<Trouble> troubles_of(std::size_t sections) {
+  std::vector<Trouble> troubles(kBlockTroubles.begin(), kBlockTroubles.end());
+  for (std::uint32_t section = 0; section < sections; ++section) {
+    for (const Trouble& trouble : kOutputTroubles) {
+      troubles.push_back({trouble.spn + section, trouble.mode});
+    }
+  }
+  for (std::uint32_t section = 0; section < sections; ++section) {
+    troubles.push_back({kNoCommand.spn + section, kNoCommand.mode});
+  }
+  return troubles;
 }
 
-// Proprietary parameter numbers (J1939-73: 520192 .. 524287), this project's own; 168 and 1136 are
-// the standard's supply voltage and control unit temperature.
-constexpr std::uint32_t kCoilSpn = 520192;      // + section
-constexpr std::uint32_t kPositionSpn = 520208;  // + section
-constexpr std::uint32_t kCommandSpn = 520224;   // + section
-constexpr std::uint32_t kSetUpSpn = 520240;
-constexpr std::uint32_t kSupplyVoltageSpn = 168;
-constexpr std::uint32_t kTemperatureSpn = 1136;
-
-// Failure modes of J1939-73, annex A.
-constexpr std::uint8_t kAboveNormal = 0;
-constexpr std::uint8_t kErratic = 2;
-constexpr std::uint8_t kVoltageLow = 4;
-constexpr std::uint8_t kCurrentLow = 5;
-constexpr std::uint8_t kCurrentHigh = 6;
-constexpr std::uint8_t kMechanical = 7;
-constexpr std::uint8_t kAbnormalRate = 9;
-constexpr std::uint8_t kOutOfCalibration = 13;
-
-vehicle::TroubleCode code_of(ValveFault fault, std::uint32_t section) {
+std::size_t trouble_of(ValveFault fault, std::size_t section) {
+  const std::size_t output = kBlockTroubles.size() + section * kOutputTroubles.size();
   switch (fault) {
     case ValveFault::open_coil:
-      return {kCoilSpn + section, kCurrentLow, 1};
+      return output + coil_open;
     case ValveFault::over_current:
-      return {kCoilSpn + section, kCurrentHigh, 1};
-    case ValveFault::under_voltage:
-      return {kSupplyVoltageSpn, kVoltageLow, 1};
+      return output + coil_current;
     case ValveFault::spool_not_following:
-      return {kPositionSpn + section, kMechanical, 1};
+      return output + not_following;
     case ValveFault::sensor:
-      return {kPositionSpn + section, kErratic, 1};
+      return output + no_position;
+    case ValveFault::under_voltage:
+      return supply_voltage;
     case ValveFault::over_temperature:
-      return {kTemperatureSpn, kAboveNormal, 1};
+      return temperature;
     case ValveFault::none:
     case ValveFault::watchdog:
     case ValveFault::configuration:
       break;
   }
-  return {kSetUpSpn, kOutOfCalibration, 1};
+  return set_up;
 }
 
 }  // namespace
 
+void visit(fields::Visitor& v, IsoValveSettings& p) {
+  v.integer("source_address", p.source_address, IntegerRule{128, 247},
+            "Preferred J1939 address; another one is claimed when it is lost.");
+  v.integer("serial", p.serial, IntegerRule{0, (1 << 21) - 1},
+            "Identity number in the NAME; unique on a bus.");
+  v.integer("manufacturer", p.manufacturer, IntegerRule{0, 2047},
+            "Manufacturer code in the NAME; 2047 = no number assigned.");
+  v.integer("function", p.function, IntegerRule{0, 255},
+            "Function in the NAME; 255 = not specified.");
+  visit(v, p.identification);
+  v.integer("first_valve", p.first_valve, IntegerRule{0, 15},
+            "Auxiliary valve of section 1; the others follow.");
+  v.integer("general_purpose_section", p.general_purpose_section, IntegerRule{0, 8},
+            "Section of the general-purpose valve, from 1; 0 = none.");
+  v.duration("command_timeout", p.command_timeout, {100'000'000, 10'000'000'000},
+             "Without a command for this long a valve goes to its fail-safe mode.");
+  v.duration("power_on", p.power_on, {0, fields::kYear_ns},
+             "When the supply comes, from the start of the run.");
+  v.duration("processing_delay", p.processing_delay, {0, 4'000'000},
+             "Time from an event to its frame.");
+  v.rate("rate", p.sample_period, in("Hz").between(1, 1000),
+         "Readings of the transducers per second.");
+  v.number("spool_travel", p.spool_travel_m, in("mm").between(0.1, 30),
+           "Travel of a spool from neutral to full opening.");
+  v.group(
+      "joysticks",
+      [&p](fields::Visitor& w) {
+        for (std::size_t axis = 0; axis < kAxisNames.size(); ++axis) {
+          w.text(kAxisNames[axis], p.levers[axis],
+                 "Section that this axis moves; -section: turned round; empty: none.");
+        }
+      },
+      "The operator's levers: BJM1, EJM1 and BJM2, EJM2.");
+  visit(v, p.amplifier);
+}
+
+void validate(const IsoValveSettings& settings) {
+  fields::check(settings);
+  validate(settings.amplifier);
+  const auto& names = settings.amplifier.sections;
+  const std::size_t last_first = protocols::iso11783::kAuxiliaryValves - names.size();
+  if (settings.first_valve > last_first) {
+    refuse("first_valve", std::to_string(settings.first_valve),
+           "0 .. " + std::to_string(last_first));
+  }
+  if (settings.general_purpose_section > names.size()) {
+    refuse("general_purpose_section", std::to_string(settings.general_purpose_section),
+           "0 .. " + std::to_string(names.size()));
+  }
+  for (const std::string& lever : settings.levers) {
+    const std::string name = lever.starts_with("-") ? lever.substr(1) : lever;
+    if (!lever.empty() && std::ranges::find(names, name) == names.end()) {
+      std::string allowed = "a section, or - and a section:";
+      for (const std::string& section : names) {
+        allowed.append(" ").append(section);
+      }
+      refuse("joysticks", "\"" + lever + "\"", allowed);
+    }
+  }
+}
+
 IsoValves::IsoValves(const IsoValveSettings& settings, FrameOutput& output)
-    : settings_(checked(settings)),
+    : J1939Device(make_name({.manufacturer = settings.manufacturer,
+                             .function = settings.function,
+                             .industry_group = kAgriculture},
+                            settings.serial, true),
+                  settings.source_address, kStart + settings.power_on, settings.processing_delay,
+                  output),
+      settings_(checked(settings)),
       amplifier_(amplifier_of(settings_)),
-      node_(node_of(settings_), *this, output),
       channels_(amplifier_.sections(), IsoValveChannel(settings_.command_timeout)),
+      troubles_(troubles_of(amplifier_.sections())),
       next_tick_(kStart + settings_.power_on + kTick) {
+  identify_as({settings_.identification, settings_.serial, {{}}});
   const auto& names = settings_.amplifier.sections;
   for (std::size_t axis = 0; axis < kJoystickAxes; ++axis) {
     const std::string& lever = settings_.levers[axis];
@@ -125,8 +197,7 @@ double IsoValves::nominal_rate_hz() const {
   constexpr double kMessagesPerValve = 3.0;
   const double valves = kMessagesPerValve * static_cast<double>(amplifier_.sections());
   const double general = settings_.general_purpose_section != 0 ? 1.0 : 0.0;
-  return (valves + general) / to_seconds(kSlots * kTick) +
-         1.0 / to_seconds(kDiagnosticTicks * kTick);
+  return (valves + general) / to_seconds(kSlots * kTick) + TroubleMemory::kRate_hz;
 }
 
 std::span<const Quantity> IsoValves::quantities() const {
@@ -134,8 +205,16 @@ std::span<const Quantity> IsoValves::quantities() const {
 }
 
 std::vector<protocols::can::OwnedMessage> IsoValves::messages(std::string_view name) const {
-  return iso::message_layouts(settings_.first_valve, static_cast<unsigned>(channels_.size()),
-                              settings_.source_address, std::string(name));
+  auto list = iso::message_layouts(settings_.first_valve, static_cast<unsigned>(channels_.size()),
+                                   settings_.source_address, std::string(name));
+  const vehicle::LayoutEnds sent{name, settings_.source_address};
+  TroubleMemory::append_layouts(list, sent);
+  if (settings_.general_purpose_section != 0) {
+    vehicle::append_layouts<iso::GeneralPurposeValveEstimate>(list, sent);
+    vehicle::append_layouts<iso::GeneralPurposeValveCommand>(
+        list, {"", j1939::kNullAddress, settings_.source_address});
+  }
+  return list;
 }
 
 SimTime IsoValves::next_event() const {
@@ -182,6 +261,17 @@ void IsoValves::follow_address(SimTime now) {
 }
 
 void IsoValves::follow_fault() {
+  const ValveFault fault = amplifier_.fault();
+  const std::size_t commands = kBlockTroubles.size() + kOutputTroubles.size() * channels_.size();
+  const std::size_t wrong = fault != ValveFault::none
+                                ? trouble_of(fault, amplifier_.fault_section().value_or(0))
+                                : commands;
+  for (std::size_t i = 0; i < commands; ++i) {
+    troubles_.set(i, i == wrong);
+  }
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    troubles_.set(commands + i, channels_[i].timed_out());
+  }
   if (amplifier_.fault() == seen_fault_) {
     return;
   }
@@ -195,8 +285,7 @@ void IsoValves::follow_fault() {
 }
 
 void IsoValves::receive(SimTime now, const Frame& frame) {
-  advance(now);
-  node_.receive(now, frame);
+  J1939Device::receive(now, frame);
   follow_address(now);
 }
 
@@ -316,12 +405,9 @@ void IsoValves::tick(SimTime now) {
     } else if (slot == kValveSections && settings_.general_purpose_section != 0) {
       send_general_purpose(now);
     } else if (slot == kSlots - 1) {
-      const bool changed = troubles() != reported_;
-      if (ticks_ % kDiagnosticTicks == kSlots - 1 ||
-          (changed && ticks_ - last_change_tick_ >= kDiagnosticTicks)) {
-        last_change_tick_ = changed ? ticks_ : last_change_tick_;
-        (void)send_diagnostics(now);
-      }
+      // In the last slot of a second where nothing changes.
+      constexpr std::uint64_t kAhead = TroubleMemory::kPhaseTicks - (kSlots - 1);
+      troubles_.send_due(node_, now, ticks_ + kAhead, is_stopped());
     }
   }
   ++ticks_;
@@ -386,20 +472,11 @@ void IsoValves::send_position(SimTime now, std::size_t section) {
   node_.send(now, iso::encode(valve_of(section), message, node_.address()));
 }
 
-J1939Answer IsoValves::answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) {
+J1939Answer IsoValves::answer_group(SimTime now, std::uint32_t pgn, std::uint8_t /*destination*/) {
   const auto section_of = [&](std::optional<unsigned> valve) -> std::optional<std::size_t> {
     const unsigned section = valve ? *valve - settings_.first_valve : 0xFFU;
     return section < channels_.size() ? std::optional<std::size_t>(section) : std::nullopt;
   };
-  const std::array functionalities{iso::SupportedFunctionality{}};
-  if (const auto answered =
-          answer_identification(node_, now, pgn, destination, settings_.identification,
-                                settings_.serial, functionalities)) {
-    return *answered;
-  }
-  if (pgn == vehicle::kDm1Pgn) {
-    return send_diagnostics(now) ? J1939Answer::sent : J1939Answer::busy;
-  }
   if (const auto section = section_of(iso::valve_of<iso::AuxiliaryValveEstimate>(pgn))) {
     send_estimate(now, *section);
   } else if (const auto measured =
@@ -415,43 +492,6 @@ J1939Answer IsoValves::answer(SimTime now, std::uint32_t pgn, std::uint8_t desti
     return J1939Answer::unknown;
   }
   return J1939Answer::sent;
-}
-
-// What the ISO 11783 valve block says in its trouble codes.
-
-IsoValves::Troubles IsoValves::troubles() const {
-  Troubles troubles;
-  const auto add = [&](const vehicle::TroubleCode& code) {
-    if (troubles.count < troubles.codes.size()) {
-      troubles.codes[troubles.count++] = code;
-    }
-  };
-  if (amplifier_.fault() != ValveFault::none) {
-    const auto section = static_cast<std::uint32_t>(amplifier_.fault_section().value_or(0));
-    add(code_of(amplifier_.fault(), section));
-  }
-  for (std::size_t i = 0; i < channels_.size(); ++i) {
-    if (channels_[i].timed_out()) {
-      add({kCommandSpn + static_cast<std::uint32_t>(i), kAbnormalRate, 1});
-    }
-  }
-  return troubles;
-}
-
-bool IsoValves::send_diagnostics(SimTime now) {
-  const Troubles troubles = this->troubles();
-  vehicle::Lamps lamps;
-  lamps.amber_warning = troubles.count != 0;
-  lamps.red_stop = amplifier_.fault() != ValveFault::none;
-  const vehicle::TroubleReport report =
-      vehicle::make_trouble_report(lamps, std::span(troubles.codes).first(troubles.count));
-  protocols::j1939::Identifier identifier;
-  identifier.pgn = vehicle::kDm1Pgn;
-  const bool sent = node_.send(now, identifier, report.payload());
-  if (sent) {
-    reported_ = troubles;
-  }
-  return sent;
 }
 
 }  // namespace rigwire::emulators

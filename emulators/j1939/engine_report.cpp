@@ -3,15 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
-#include "emulators/j1939/reading.h"
 #include "protocols/vehicle/condition.h"
-#include "protocols/vehicle/engine.h"
 
 namespace rigwire::emulators {
 
 namespace vehicle = protocols::vehicle;
+using vehicle::is;
 using vehicle::kNotAvailable;
+using vehicle::reading;
 
 namespace {
 
@@ -130,6 +131,19 @@ EngineReport::configuration() const {
   configuration.greatest_torque_share = 1.0;
   configuration.inertia_kgm2 = engine_.inertia_kgm2;
   return vehicle::encode_engine_configuration(configuration);
+}
+
+bool TorqueSpeedCheck::passes(const protocols::can::Frame& frame,
+                              const protocols::vehicle::Tsc1& request, std::uint8_t source) {
+  constexpr std::uint8_t kNotUsed = 0xF;
+  constexpr std::uint8_t kGreatestCounter = 7;
+  if (request.counter == kNotUsed && request.checksum == kNotUsed) {
+    counters_[source] = kNone;
+    return !required_;
+  }
+  const std::uint8_t last = std::exchange(counters_[source], request.counter);
+  return request.counter != last && request.counter <= kGreatestCounter &&
+         request.checksum == protocols::vehicle::torque_speed_checksum(frame);
 }
 
 }  // namespace rigwire::emulators

@@ -24,11 +24,6 @@ void in_range(std::string_view key, Duration value, Duration lower, Duration upp
   }
 }
 
-const J1939TransportSettings& checked(const J1939TransportSettings& settings) {
-  validate(settings);
-  return settings;
-}
-
 }  // namespace
 
 void validate(const J1939TransportSettings& settings) {

@@ -6,35 +6,41 @@ namespace rigwire::emulators {
 
 namespace vehicle = protocols::vehicle;
 
+TroubleMemory::TroubleMemory(std::span<const Kind> kinds) {
+  for (const Kind& kind : kinds) {
+    entries_.push_back({kind});
+  }
+}
+
 void TroubleMemory::set(std::size_t kind, bool active) {
   constexpr std::uint8_t kMostOccurrences = 126;
-  State& state = states_[kind];
-  if (active && !state.active && state.occurrences < kMostOccurrences) {
-    ++state.occurrences;
+  Entry& entry = entries_[kind];
+  if (active && !entry.active && entry.occurrences < kMostOccurrences) {
+    ++entry.occurrences;
   }
-  state.active = active;
+  entry.active = active;
 }
 
 TroubleMemory::Codes TroubleMemory::select(bool active) const {
   Codes codes;
-  for (std::size_t i = 0; i < kinds_.size(); ++i) {
-    if (states_[i].active == active && states_[i].occurrences != 0) {
-      codes.codes[codes.count++] = {kinds_[i].spn, static_cast<std::uint8_t>(kinds_[i].mode),
-                                    states_[i].occurrences};
+  for (const Entry& entry : entries_) {
+    if (entry.active == active && entry.occurrences != 0 && codes.count < codes.codes.size()) {
+      codes.codes[codes.count++] = {entry.kind.spn, static_cast<std::uint8_t>(entry.kind.mode),
+                                    entry.occurrences};
     }
   }
   return codes;
 }
 
 void TroubleMemory::clear_active() {
-  for (State& state : states_) {
-    state.occurrences = state.active ? std::uint8_t{1} : state.occurrences;
+  for (Entry& entry : entries_) {
+    entry.occurrences = entry.active ? std::uint8_t{1} : entry.occurrences;
   }
 }
 
 void TroubleMemory::clear_previous() {
-  for (State& state : states_) {
-    state.occurrences = state.active ? state.occurrences : std::uint8_t{0};
+  for (Entry& entry : entries_) {
+    entry.occurrences = entry.active ? entry.occurrences : std::uint8_t{0};
   }
 }
 

@@ -16,13 +16,12 @@
 #include "emulators/j1939/j1939_node.h"
 #include "protocols/can/message.h"
 #include "protocols/vehicle/diagnostics.h"
-#include "protocols/vehicle/layouts.h"
+#include "protocols/vehicle/message.h"
 
 namespace rigwire::emulators {
 
 class TroubleMemory {
  public:
-  static constexpr std::size_t kGreatest = protocols::vehicle::kGreatestCodes;
   static constexpr Duration kTick = std::chrono::milliseconds{10};
   static constexpr std::uint64_t kPeriodTicks = 100;
   static constexpr std::uint64_t kPhaseTicks = 50;
@@ -34,19 +33,20 @@ class TroubleMemory {
     std::uint32_t spn;
     protocols::vehicle::FailureMode mode;
   };
+  /// In the order of their kinds; of more than a report holds the first.
   struct Codes {
-    std::array<protocols::vehicle::TroubleCode, kGreatest> codes{};
+    std::array<protocols::vehicle::TroubleCode, protocols::vehicle::kGreatestCodes> codes{};
     std::size_t count = 0;
 
     friend bool operator==(const Codes&, const Codes&) = default;
   };
 
-  /// Up to kGreatest kinds, which must outlive it; below they are known by their place.
-  explicit TroubleMemory(std::span<const Kind> kinds) : kinds_(kinds) {}
+  /// Below, kinds are known by their place.
+  explicit TroubleMemory(std::span<const Kind> kinds);
 
   /// Each time that a kind becomes active is an occurrence.
   void set(std::size_t kind, bool active);
-  [[nodiscard]] bool is_active(std::size_t kind) const { return states_[kind].active; }
+  [[nodiscard]] bool is_active(std::size_t kind) const { return entries_[kind].active; }
 
   [[nodiscard]] Codes active() const { return select(true); }
   /// Those that were and are no longer.
@@ -67,7 +67,8 @@ class TroubleMemory {
                              const protocols::vehicle::LayoutEnds& sent);
 
  private:
-  struct State {
+  struct Entry {
+    Kind kind;
     bool active = false;
     std::uint8_t occurrences = 0;
   };
@@ -75,8 +76,7 @@ class TroubleMemory {
   [[nodiscard]] bool is_due(std::uint64_t tick);
   [[nodiscard]] protocols::vehicle::TroubleReport report(const Codes& codes, bool stop) const;
 
-  std::span<const Kind> kinds_;
-  std::array<State, kGreatest> states_{};
+  std::vector<Entry> entries_;
   Codes reported_;
   std::optional<std::uint64_t> last_change_;
   bool postponed_ = false;

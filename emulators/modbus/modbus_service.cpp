@@ -1,10 +1,10 @@
 #include "emulators/modbus/modbus_service.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "emulators/modbus/modbus_dispatch.h"
 #include "protocols/modbus/rtu.h"
 
 namespace rigwire::emulators {
@@ -12,6 +12,154 @@ namespace rigwire::emulators {
 using namespace protocols::modbus;
 
 namespace {
+
+ExceptionResponse refuse(Function function, ExceptionCode code) {
+  return {static_cast<std::uint8_t>(function), code};
+}
+
+/// Carries out a request to one unit. Function 23 checks that the read will be possible, then
+/// writes, then reads (V1.1b3, section 6.17: the write comes first), so that a refused read writes
+/// nothing. Function 22 reads and writes one holding register.
+struct Dispatcher {
+  SimTime now;
+  ModbusUnit& unit;
+
+  Response operator()(const ReadBits& request) const {
+    ReadBitsResponse response{request.table, {}};
+    response.bits.count = request.quantity;
+    if (const auto exception = unit.read_bits(request.table, request.address, response.bits)) {
+      return refuse(
+          request.table == BitTable::coils ? Function::read_coils : Function::read_discrete_inputs,
+          *exception);
+    }
+    return response;
+  }
+
+  Response operator()(const ReadRegisters& request) const {
+    const Function function = request.table == RegisterTable::holding
+                                  ? Function::read_holding_registers
+                                  : Function::read_input_registers;
+    return read(function, request.table, request.address, request.quantity);
+  }
+
+  Response operator()(const WriteCoil& request) const {
+    BitBlock coil;
+    coil.count = 1;
+    coil.set(0, request.on);
+    if (const auto exception = unit.write_coils(now, request.address, coil)) {
+      return refuse(Function::write_coil, *exception);
+    }
+    return request;
+  }
+
+  Response operator()(const WriteRegister& request) const {
+    if (const auto exception =
+            unit.write_registers(now, request.address, std::span(&request.value, 1))) {
+      return refuse(Function::write_register, *exception);
+    }
+    return request;
+  }
+
+  Response operator()(const WriteCoils& request) const {
+    if (const auto exception = unit.write_coils(now, request.address, request.coils)) {
+      return refuse(Function::write_coils, *exception);
+    }
+    return WriteManyResponse{Function::write_coils, request.address,
+                             static_cast<std::uint16_t>(request.coils.count)};
+  }
+
+  Response operator()(const WriteRegisters& request) const {
+    if (const auto exception =
+            unit.write_registers(now, request.address, request.registers.view())) {
+      return refuse(Function::write_registers, *exception);
+    }
+    return WriteManyResponse{Function::write_registers, request.address,
+                             static_cast<std::uint16_t>(request.registers.count)};
+  }
+
+  Response operator()(const ReportServerId&) const {
+    constexpr std::uint8_t kRunning = 0xFF;
+    ServerIdResponse response;
+    const std::string_view id = unit.server_id().substr(0, response.data.size() - 1);
+    std::ranges::copy(id, response.data.begin());
+    response.data[id.size()] = kRunning;
+    response.size = id.size() + 1;
+    return response;
+  }
+
+  Response operator()(const MaskWriteRegister& request) const {
+    std::uint16_t value = 0;
+    auto exception =
+        unit.read_registers(RegisterTable::holding, request.address, std::span(&value, 1));
+    if (!exception) {
+      value = request.apply(value);
+      exception = unit.write_registers(now, request.address, std::span(&value, 1));
+    }
+    if (exception) {
+      return refuse(Function::mask_write_register, *exception);
+    }
+    return request;
+  }
+
+  Response operator()(const ReadWriteRegisters& request) const {
+    constexpr Function kFunction = Function::read_write_registers;
+    Response probe =
+        read(kFunction, RegisterTable::holding, request.read_address, request.read_quantity);
+    if (std::holds_alternative<ExceptionResponse>(probe)) {
+      return probe;
+    }
+    if (const auto exception =
+            unit.write_registers(now, request.write_address, request.registers.view())) {
+      return refuse(kFunction, *exception);
+    }
+    return read(kFunction, RegisterTable::holding, request.read_address, request.read_quantity);
+  }
+
+  Response operator()(const ReadDeviceIdentification& request) const {
+    // Which objects an access code covers (table in section 6.21).
+    constexpr std::uint8_t kLastBasic = 0x02;
+    constexpr std::uint8_t kLastRegular = 0x7F;
+    constexpr std::uint8_t kRegularStreamAndIndividual = 0x82;
+    const auto objects = unit.identification();
+    DeviceIdentificationResponse response;
+    response.access = request.access;
+    response.conformity = kRegularStreamAndIndividual;
+    const auto start =
+        std::ranges::find(objects, request.object, &ModbusUnit::IdentificationObject::object);
+    if (request.access == IdentificationAccess::individual) {
+      if (start == objects.end() || !response.append(start->object, start->text)) {
+        return refuse(Function::encapsulated_interface, ExceptionCode::illegal_data_address);
+      }
+      return response;
+    }
+    const std::uint8_t last =
+        request.access == IdentificationAccess::basic ? kLastBasic : kLastRegular;
+    // An unknown object restarts the stream at the beginning, as the section asks.
+    for (auto at = start == objects.end() ? objects.begin() : start; at != objects.end(); ++at) {
+      if (at->object > last) {
+        break;
+      }
+      if (!response.append(at->object, at->text)) {
+        response.more_follows = true;
+        response.next_object = at->object;
+        break;
+      }
+    }
+    return response;
+  }
+
+ private:
+  Response read(Function function, RegisterTable table, std::uint16_t address,
+                std::uint16_t quantity) const {
+    RegistersResponse response{function, {}};
+    response.registers.count = quantity;
+    const auto values = std::span(response.registers.values).first(quantity);
+    if (const auto exception = unit.read_registers(table, address, values)) {
+      return refuse(function, *exception);
+    }
+    return response;
+  }
+};
 
 /// Of broadcast requests only those that ask for no answer's content.
 bool writes_only(const Request& request) {
@@ -23,6 +171,51 @@ bool writes_only(const Request& request) {
 }
 
 }  // namespace
+
+void SerialDiagnostics::exception(ExceptionCode code) {
+  constexpr ExceptionCode kNegativeAcknowledge{0x07};
+  count(SubFunction::bus_exception_error_count);
+  if (code == kNegativeAcknowledge) {
+    count(SubFunction::server_nak_count);
+  }
+  if (code == ExceptionCode::server_device_busy) {
+    count(SubFunction::server_busy_count);
+  }
+}
+
+std::optional<Pdu> SerialDiagnostics::diagnose(const Diagnostics& request) {
+  switch (request.sub_function) {
+    case SubFunction::return_query_data: {
+      Pdu echo = encode_diagnostics(SubFunction::return_query_data, 0);
+      echo.size -= 2;
+      std::ranges::copy(request.query, echo.bytes.begin() + static_cast<std::ptrdiff_t>(echo.size));
+      echo.size += request.query.size();
+      return echo;
+    }
+    case SubFunction::restart_communications: {
+      const bool silent = listen_only_;
+      *this = {};
+      return silent ? std::nullopt
+                    : std::optional(encode_diagnostics(request.sub_function, request.data));
+    }
+    case SubFunction::force_listen_only:
+      listen_only_ = true;
+      return std::nullopt;
+    case SubFunction::clear_counters:
+      counters_ = {};
+      events_ = 0;
+      return encode_diagnostics(request.sub_function, request.data);
+    case SubFunction::clear_overrun_counter:
+      counters_.back() = 0;
+      return encode_diagnostics(request.sub_function, request.data);
+    case SubFunction::return_diagnostic_register:
+      return encode_diagnostics(request.sub_function, 0);
+    default: {
+      const auto counter = static_cast<std::size_t>(request.sub_function) - kFirst;
+      return encode_diagnostics(request.sub_function, counters_[counter]);
+    }
+  }
+}
 
 ModbusService::ModbusService(ModbusWire wire, const std::vector<ModbusFault>& faults,
                              std::uint64_t seed)
@@ -146,7 +339,7 @@ void ModbusService::count_served(SimTime now, Unit& unit) {
 
 void ModbusService::carry_out(SimTime now, Unit& unit, const Request& request,
                               ModbusAnswer& answer) {
-  Response response = dispatch(now, *unit.unit, request);
+  Response response = std::visit(Dispatcher{now, *unit.unit}, request);
   if (const auto* exception = std::get_if<ExceptionResponse>(&response)) {
     refuse(unit, exception->function, exception->code, false, answer);
     return;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -15,7 +16,6 @@
 #include "emulators/device.h"
 #include "emulators/modbus/modbus_faults.h"
 #include "emulators/modbus/modbus_unit.h"
-#include "emulators/modbus/serial_diagnostics.h"
 #include "protocols/modbus/pdu.h"
 #include "sim/samples/time.h"
 
@@ -26,6 +26,47 @@ struct ModbusAnswer {
   bool silent = false;  ///< Nothing is.
   protocols::modbus::Pdu pdu;
   ModbusFaultEffects effects;
+};
+
+/// What one unit of a serial Modbus line knows of its communication: the counters of function 8,
+/// the event counter of function 11, and whether it only listens.
+///
+/// Source: MODBUS Application Protocol Specification V1.1b3, sections 6.8 and 6.9; MODBUS over
+/// Serial Line V1.02, section 6.1 (management of the counters). All counters wrap at 65535 and are
+/// 0 at power-up.
+class SerialDiagnostics {
+ public:
+  /// A frame with a right check went over the line, for whomever.
+  void bus_message() { count(SubFunction::bus_message_count); }
+  /// A frame with a wrong check, too short, or with characters in error.
+  void communication_error() { count(SubFunction::bus_communication_error_count); }
+  /// A request to this unit, or to all, is being worked on.
+  void server_message() { count(SubFunction::server_message_count); }
+  /// It ended without an answer.
+  void no_response() { count(SubFunction::server_no_response_count); }
+  void exception(protocols::modbus::ExceptionCode code);
+  /// It was carried out without an exception; function 11 itself does not count.
+  void event() { ++events_; }
+
+  [[nodiscard]] bool listen_only() const { return listen_only_; }
+  [[nodiscard]] std::uint16_t events() const { return events_; }
+
+  /// Carries out function 8; nothing when it is not answered (the unit listens only, before or
+  /// after).
+  [[nodiscard]] std::optional<protocols::modbus::Pdu> diagnose(
+      const protocols::modbus::Diagnostics& request);
+
+ private:
+  using SubFunction = protocols::modbus::SubFunction;
+  static constexpr auto kFirst = static_cast<std::size_t>(SubFunction::bus_message_count);
+  static constexpr auto kLast = static_cast<std::size_t>(SubFunction::bus_character_overrun_count);
+
+  void count(SubFunction counter) { ++counters_[static_cast<std::size_t>(counter) - kFirst]; }
+
+  /// By sub-function; the last one never counts: every byte that is on the line is taken.
+  std::array<std::uint16_t, kLast - kFirst + 1> counters_{};
+  std::uint16_t events_ = 0;
+  bool listen_only_ = false;
 };
 
 class ModbusService {

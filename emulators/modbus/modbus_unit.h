@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "emulators/device.h"
-#include "emulators/last_request.h"
 #include "protocols/modbus/constants.h"
 #include "protocols/modbus/pdu.h"
 #include "sim/samples/time.h"
@@ -32,17 +31,26 @@ class ModbusUnit {
   virtual void advance(SimTime /*now*/) {}
 
   /// Fills `values`. Without side effects: function 23 probes with it before it writes.
-  virtual Outcome read_registers(protocols::modbus::RegisterTable table, std::uint16_t address,
-                                 std::span<std::uint16_t> values) const;
+  virtual Outcome read_registers(protocols::modbus::RegisterTable /*table*/,
+                                 std::uint16_t /*address*/,
+                                 std::span<std::uint16_t> /*values*/) const {
+    return kNoTable;
+  }
   /// Holding registers, all or none.
-  virtual Outcome write_registers(SimTime now, std::uint16_t address,
-                                  std::span<const std::uint16_t> values);
+  virtual Outcome write_registers(SimTime /*now*/, std::uint16_t /*address*/,
+                                  std::span<const std::uint16_t> /*values*/) {
+    return kNoTable;
+  }
   /// Fills bits.count items.
-  virtual Outcome read_bits(protocols::modbus::BitTable table, std::uint16_t address,
-                            protocols::modbus::BitBlock& bits) const;
+  virtual Outcome read_bits(protocols::modbus::BitTable /*table*/, std::uint16_t /*address*/,
+                            protocols::modbus::BitBlock& /*bits*/) const {
+    return kNoTable;
+  }
   /// Coils, all or none.
-  virtual Outcome write_coils(SimTime now, std::uint16_t address,
-                              const protocols::modbus::BitBlock& coils);
+  virtual Outcome write_coils(SimTime /*now*/, std::uint16_t /*address*/,
+                              const protocols::modbus::BitBlock& /*coils*/) {
+    return kNoTable;
+  }
   /// Function 17; the device is reported as running.
   [[nodiscard]] virtual std::string_view server_id() const = 0;
   /// Function 43/14, ascending by object, the first three (vendor, product code, revision) always.
@@ -64,8 +72,18 @@ class ModbusUnit {
   [[nodiscard]] LastRequest& last_request() { return last_request_; }
 
  private:
+  static constexpr auto kNoTable = protocols::modbus::ExceptionCode::illegal_function;
+
   ReceiveCounters received_;
   LastRequest last_request_;
+};
+
+/// A device that is a unit of a Modbus line. The line (ModbusServer on TCP) frames and answers; the
+/// device only knows its registers, so that it is the same on every kind of line.
+class ModbusDevice : public Device {
+ public:
+  /// What the line asks. Lives as long as the device; its advance() is this device's.
+  [[nodiscard]] virtual ModbusUnit& unit() = 0;
 };
 
 }  // namespace rigwire::emulators

@@ -2,16 +2,13 @@
 
 #include <algorithm>
 
-#include "protocols/j1939/message.h"
-#include "protocols/j1939/name.h"
-#include "protocols/vehicle/layouts.h"
+#include "protocols/vehicle/message.h"
 
 namespace rigwire::emulators {
 namespace {
 
 namespace j1939 = protocols::j1939;
 namespace vehicle = protocols::vehicle;
-using protocols::can::Frame;
 
 constexpr std::array kQuantities{
     within(quantity(vehicle::signal_of(&vehicle::VehiclePosition::latitude_deg)), -90.0, 90.0),
@@ -22,25 +19,13 @@ constexpr std::array kQuantities{
     quantity(vehicle::signal_of(&vehicle::VehiclePosition2::position_dilution), "dilution"),
 };
 
-const StarFireSettings& checked(const StarFireSettings& settings) {
-  validate(settings);
-  return settings;
-}
-
-J1939NodeSettings make_node(const StarFireSettings& settings) {
-  J1939NodeSettings node;
-  node.address.preferred = settings.source_address;
-  node.address.name = pack(make_name(settings.name, settings.serial, false));
-  node.address.first_claim = kStart + settings.power_on;
-  return node;
-}
-
 }  // namespace
 
 StarFireNode::StarFireNode(const StarFireSettings& settings, const Calendar& calendar,
                            FrameOutput& output)
-    : settings_(checked(settings)),
-      node_(make_node(settings_), *this, output),
+    : J1939Device(make_name(settings.name, settings.serial, false), settings.source_address,
+                  kStart + settings.power_on, Duration{0}, output),
+      settings_(checked(settings)),
       plan_{
           calendar.align_to_gps(kStart + settings_.power_on + settings_.start_up, kStarFirePeriod),
           kStarFirePeriod} {}
@@ -83,7 +68,8 @@ void StarFireNode::update(const GnssSample& sample) {
   advance(sample.time);
 }
 
-J1939Answer StarFireNode::answer(SimTime now, std::uint32_t pgn, std::uint8_t /*destination*/) {
+J1939Answer StarFireNode::answer_group(SimTime now, std::uint32_t pgn,
+                                       std::uint8_t /*destination*/) {
   switch (pgn) {
     case vehicle::VehiclePosition::kGroup.pgn:
       node_.send(now, vehicle::encode(report_.position, address()));
@@ -100,7 +86,7 @@ J1939Answer StarFireNode::answer(SimTime now, std::uint32_t pgn, std::uint8_t /*
 }
 
 void StarFireNode::send_group(SimTime now, std::uint32_t pgn) {
-  (void)answer(now, pgn, j1939::kGlobalAddress);
+  (void)answer_group(now, pgn, j1939::kGlobalAddress);
 }
 
 J1939Reception StarFireNode::take(SimTime /*now*/, const J1939Message& /*message*/) {
@@ -119,11 +105,6 @@ std::vector<protocols::can::OwnedMessage> StarFireNode::messages(std::string_vie
           vehicle::layout<VehicleDirectionSpeed>(
               sent, every(VehicleDirectionSpeed::kGroup, kStarFirePeriod)),
           vehicle::layout<vehicle::VehiclePosition2>(sent)};
-}
-
-void StarFireNode::receive(SimTime now, const Frame& frame) {
-  advance(now);
-  node_.receive(now, frame);
 }
 
 }  // namespace rigwire::emulators

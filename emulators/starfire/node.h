@@ -6,20 +6,18 @@
 // docs/devices/starfire-3000.md has bytes, sources and deviations.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 
 #include "emulators/backends.h"
-#include "emulators/device.h"
-#include "emulators/j1939/j1939_node.h"
+#include "emulators/j1939/j1939_device.h"
 #include "emulators/j1939/position_report.h"
 #include "emulators/starfire/settings.h"
 #include "sim/samples/calendar.h"
 
 namespace rigwire::emulators {
 
-class StarFireNode final : public CanDevice, public GnssBackend, J1939Application {
+class StarFireNode final : public J1939Device, public GnssBackend {
  public:
   /// `output` must outlive the node. Throws like validate(settings).
   StarFireNode(const StarFireSettings& settings, const Calendar& calendar, FrameOutput& output);
@@ -28,33 +26,22 @@ class StarFireNode final : public CanDevice, public GnssBackend, J1939Applicatio
   [[nodiscard]] SimTime next_event() const override;
   /// Aligned to GPS time.
   [[nodiscard]] SamplePlan sample_plan() const override { return plan_; }
-  [[nodiscard]] ReceiveCounters received() const override { return node_.received(); }
   [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::span<const Quantity> quantities() const override;
-
-  void receive(SimTime now, const protocols::can::Frame& frame) override;
-  void controller(SimTime now, const protocols::can::ControllerReport& report) override {
-    node_.controller(now, report);
-  }
   [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
   void update(const GnssSample& sample) override;
-
-  [[nodiscard]] std::uint8_t address() const { return node_.address(); }
-  [[nodiscard]] bool address_held() const { return node_.held(); }
-  [[nodiscard]] std::uint64_t name() const { return node_.name(); }
 
  private:
   /// Epochs between two VP2.
   static constexpr std::uint64_t kQualityEpochs = 25;
 
   /// Sends one group of the last report.
-  J1939Answer answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
+  J1939Answer answer_group(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
   J1939Reception take(SimTime now, const J1939Message& message) override;
   void send_group(SimTime now, std::uint32_t pgn);
 
   StarFireSettings settings_;
-  J1939Node node_;
   SamplePlan plan_;
   PositionReport report_;
   SimTime publish_at_ = kNever;

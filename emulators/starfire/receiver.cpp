@@ -28,11 +28,6 @@ constexpr std::array kQuantities{
     Quantity{"dilution", "1", 0.0, 99.99, 0.01},
 };
 
-const StarFireSettings& checked(const StarFireSettings& settings) {
-  validate(settings);
-  return settings;
-}
-
 /// Nothing when version 4.0 has no number for it.
 std::optional<nmea::SatelliteInView> in_view(const SatelliteView& view) {
   nmea::SatelliteInView satellite;

@@ -9,8 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "emulators/j1939/name_settings.h"
-#include "fields/rules.h"
+#include "emulators/j1939/identity.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::emulators {

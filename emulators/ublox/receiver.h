@@ -16,7 +16,6 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
-#include "emulators/last_request.h"
 #include "emulators/ublox/configuration.h"
 #include "emulators/ublox/line_quality.h"
 #include "emulators/ublox/monitor.h"

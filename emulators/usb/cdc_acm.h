@@ -133,4 +133,12 @@ class CdcAcm final : public UsbDevice {
   std::uint64_t lost_bytes_ = 0;
 };
 
+/// How u-blox receivers present themselves on their USB socket: generation 7 byte for byte as such
+/// a device was read. Generations 8 and 9 differ from it by what is commonly reported of them
+/// (product id, product name, release); their other descriptors were not read from a device and are
+/// taken to be the same. A receiver ignores the line coding: its USB port has no speed.
+///
+/// `generation` is UbloxProfile::generation: 7, 8 or 9. Throws std::invalid_argument.
+[[nodiscard]] CdcAcmSettings ublox_usb(int generation);
+
 }  // namespace rigwire::emulators

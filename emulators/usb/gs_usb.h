@@ -27,7 +27,7 @@
 #include <string>
 
 #include "emulators/bounded_queue.h"
-#include "emulators/can/can_outside.h"
+#include "emulators/can/can_node.h"
 #include "emulators/usb/usb_device.h"
 #include "protocols/can/controller_report.h"
 #include "protocols/can/frame.h"

@@ -7,7 +7,7 @@
 #include "fields/check.h"
 #include "fields/visitor.h"
 #include "protocols/bytes.h"
-#include "protocols/usb/descriptor_bytes.h"
+#include "protocols/usb/descriptors.h"
 #include "protocols/usb/hid.h"
 
 namespace rigwire::emulators {

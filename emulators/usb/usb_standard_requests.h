@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "emulators/usb/usb_device.h"
-#include "protocols/usb/descriptor_bytes.h"
-#include "protocols/usb/setup.h"
+#include "protocols/usb/descriptors.h"
+#include "protocols/usb/transfer.h"
 
 namespace rigwire::emulators {
 

@@ -35,11 +35,32 @@
 #include "emulators/valve_amplifier/coil.h"
 #include "emulators/valve_amplifier/fault.h"
 #include "emulators/valve_amplifier/settings.h"
-#include "emulators/valve_amplifier/stage.h"
 #include "sim/samples/time.h"
 #include "sim/samples/valve_sample.h"
 
 namespace rigwire::emulators {
+
+/// One section's output stage: ramp, gain, dead band jump and polarity between a command and the
+/// spool set point. Pure arithmetic over time; the valve amplifier owns one per section.
+class ValveStage {
+ public:
+  /// The command to go to, -1 .. 1, from `now` on. Without a ramp it is reached at once.
+  void set_target(SimTime now, double command, const ValveStageParameters& parameters);
+  /// Moves along the ramp until `now`. Times must not decrease.
+  void advance(SimTime now, const ValveStageParameters& parameters);
+  /// To neutral at once, past every ramp.
+  void neutral(SimTime now);
+
+  [[nodiscard]] bool ramping() const { return ramped_ != target_; }
+  /// Spool set point, -1 .. 1: with c the ramped command times gain, held within -1 .. 1, and b the
+  /// dead band of its sign, polarity * sign(c) * (b + (1 - b) |c|); 0 for c = 0.
+  [[nodiscard]] double opening(const ValveStageParameters& parameters) const;
+
+ private:
+  SimTime moved_until_{};
+  double target_ = 0.0;
+  double ramped_ = 0.0;
+};
 
 /// What one request of the master changes, all at the same instant. What has no value stays.
 struct ValveRequest {

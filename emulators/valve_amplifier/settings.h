@@ -8,12 +8,23 @@
 
 #include "emulators/valve_amplifier/coil.h"
 #include "emulators/valve_amplifier/fault.h"
-#include "emulators/valve_amplifier/stage.h"
 #include "fields/rules.h"
 #include "sim/samples/time.h"
 #include "sim/samples/valve_sample.h"
 
 namespace rigwire::emulators {
+
+/// Of the output stage of one section, as fractions.
+struct ValveStageParameters {
+  double dead_band_positive = 0.0;  ///< 0 .. 0.5 of spool travel.
+  double dead_band_negative = 0.0;  ///< 0 .. 0.5 of spool travel.
+  Duration ramp_up{0};              ///< Neutral to full command; 0 = at once.
+  Duration ramp_down{0};            ///< Full command to neutral; 0 = at once.
+  double gain = 1.0;                ///< 0 .. 2.
+  double polarity = 1.0;            ///< 1 or -1.
+
+  friend bool operator==(const ValveStageParameters&, const ValveStageParameters&) = default;
+};
 
 /// What the outputs do when the watchdog trips.
 enum class ValveReaction : std::uint16_t {

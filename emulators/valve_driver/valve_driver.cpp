@@ -21,11 +21,6 @@ constexpr double kPercent = 100.0;  // of full command or travel
 // A position after loss of the master beyond this one means: hold.
 constexpr double kHold_percent = 100.0;
 
-const ValveDriverSettings& validated(const ValveDriverSettings& settings) {
-  validate(settings);
-  return settings;
-}
-
 Duration milliseconds(double count) {
   return from_seconds(std::clamp(count, 0.0, 3.6e6) * 1e-3);
 }
@@ -49,10 +44,53 @@ double milliseconds(Duration span) {
   return to_seconds(span) * 1e3;
 }
 
+/// The parameter that a signal is, of one section or of all, where it is a plain number of the
+/// signal's unit or of a hundredth; nullptr for others.
+template <class Parameters>
+auto number_of(Parameters& p, std::size_t section, ValveSignal signal)
+    -> decltype(&p.current_start_ma) {
+  using enum ValveSignal;
+  switch (signal) {
+    case dead_band_positive:
+      return &p.stage[section].dead_band_positive;
+    case dead_band_negative:
+      return &p.stage[section].dead_band_negative;
+    case gain:
+      return &p.stage[section].gain;
+    case current_start:
+      return &p.current_start_ma;
+    case current_full:
+      return &p.current_full_ma;
+    case dither_amplitude:
+      return &p.dither.amplitude_ma;
+    case dither_frequency:
+      return &p.dither.frequency_hz;
+    default:
+      return nullptr;
+  }
+}
+double per_number(const ValveSignalInfo& signal) {
+  return signal.unit == "%" ? kPercent : 1.0;
+}
+/// The same of spans, in ms.
+template <class Parameters>
+auto span_of(Parameters& p, std::size_t section, ValveSignal signal) -> decltype(&p.watchdog) {
+  switch (signal) {
+    case ValveSignal::watchdog:
+      return &p.watchdog;
+    case ValveSignal::ramp_up:
+      return &p.stage[section].ramp_up;
+    case ValveSignal::ramp_down:
+      return &p.stage[section].ramp_down;
+    default:
+      return nullptr;
+  }
+}
+
 }  // namespace
 
 ValveDriver::ValveDriver(const ValveDriverSettings& settings)
-    : settings_(validated(settings)),
+    : settings_(checked(settings)),
       map_(settings.map ? *settings.map
                         : valve_registers::map(settings.amplifier.sections.size(),
                                                settings.amplifier.parameters)),
@@ -265,54 +303,36 @@ void ValveDriver::collect(ValveSignal signal, std::optional<std::size_t> section
       change.watchdog_written = true;
       change.feed = static_cast<WatchdogFeed>(std::clamp(value, 0.0, 3.0));
       return;
-    default:
-      break;
-  }
-  change.parameters_written = true;
-  switch (signal) {
-    case watchdog:
-      change.watchdog_written = true;
-      p.watchdog = milliseconds(value);
-      return;
     case reaction:
+      change.parameters_written = true;
       p.reaction = static_cast<ValveReaction>(std::clamp(value, 0.0, 3.0));
       return;
     case loss_position:
+      change.parameters_written = true;
       p.reaction = value > kHold_percent ? ValveReaction::hold : ValveReaction::position;
       p.loss_position =
           value > kHold_percent ? p.loss_position : std::clamp(value / kPercent, -1.0, 1.0);
       return;
-    case dead_band_positive:
-      return each([&](std::size_t i) {
-        p.stage[i].dead_band_positive = std::clamp(value / kPercent, 0.0, 0.5);
-      });
-    case dead_band_negative:
-      return each([&](std::size_t i) {
-        p.stage[i].dead_band_negative = std::clamp(value / kPercent, 0.0, 0.5);
-      });
-    case ramp_up:
-      return each([&](std::size_t i) { p.stage[i].ramp_up = milliseconds(value); });
-    case ramp_down:
-      return each([&](std::size_t i) { p.stage[i].ramp_down = milliseconds(value); });
-    case gain:
-      return each([&](std::size_t i) { p.stage[i].gain = std::clamp(value / kPercent, 0.0, 2.0); });
     case polarity:
+      change.parameters_written = true;
       return each([&](std::size_t i) { p.stage[i].polarity = value < 0.0 ? -1.0 : 1.0; });
-    case current_start:
-      p.current_start_ma = std::clamp(value, 0.0, 65535.0);
-      return;
-    case current_full:
-      p.current_full_ma = std::clamp(value, 0.0, 65535.0);
-      return;
-    case dither_amplitude:
-      p.dither.amplitude_ma = std::clamp(value, 0.0, 500.0);
-      return;
-    case dither_frequency:
-      p.dither.frequency_hz = std::clamp(value, 20.0, 400.0);
-      return;
     default:
-      change.parameters_written = false;  // stored: nothing acts
+      break;
   }
+  const ValveSignalInfo& row = info(signal);
+  each([&](std::size_t i) {
+    auto* const number = number_of(p, i, signal);
+    auto* const span = span_of(p, i, signal);
+    if (number != nullptr) {
+      *number = std::clamp(value, row.least, row.greatest) / per_number(row);
+    } else if (span != nullptr) {
+      *span = milliseconds(value);
+    } else {
+      return;  // stored: nothing acts
+    }
+    change.parameters_written = true;
+  });
+  change.watchdog_written = change.watchdog_written || signal == watchdog;
 }
 
 void ValveDriver::describe_quantities() {
@@ -478,39 +498,22 @@ double ValveDriver::measured_value(ValveSignal signal, std::size_t section) cons
 }
 
 double ValveDriver::parameter_value(ValveSignal signal, std::size_t section) const {
-  using enum ValveSignal;
   const ValveAmplifierParameters& p = amplifier_.parameters();
-  const ValveStageParameters& stage = p.stage[section];
   switch (signal) {
-    case watchdog:
-      return milliseconds(p.watchdog);
-    case reaction:
+    case ValveSignal::reaction:
       return static_cast<double>(p.reaction);
-    case loss_position:
+    case ValveSignal::loss_position:
       return p.reaction == ValveReaction::hold ? kHold_percent + 1.0 : p.loss_position * kPercent;
-    case dead_band_positive:
-      return stage.dead_band_positive * kPercent;
-    case dead_band_negative:
-      return stage.dead_band_negative * kPercent;
-    case ramp_up:
-      return milliseconds(stage.ramp_up);
-    case ramp_down:
-      return milliseconds(stage.ramp_down);
-    case gain:
-      return stage.gain * kPercent;
-    case polarity:
-      return stage.polarity;
-    case current_start:
-      return p.current_start_ma;
-    case current_full:
-      return p.current_full_ma;
-    case dither_amplitude:
-      return p.dither.amplitude_ma;
-    case dither_frequency:
-      return p.dither.frequency_hz;
+    case ValveSignal::polarity:
+      return p.stage[section].polarity;
     default:
-      return 0.0;
+      break;
   }
+  if (const double* number = number_of(p, section, signal)) {
+    return *number * per_number(info(signal));
+  }
+  const Duration* const span = span_of(p, section, signal);
+  return span != nullptr ? milliseconds(*span) : 0.0;
 }
 
 // The wire's view of the valve driver: which registers can be read and written.

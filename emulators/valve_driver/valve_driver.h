@@ -21,7 +21,7 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
-#include "emulators/modbus/modbus_device.h"
+#include "emulators/modbus/modbus_unit.h"
 #include "emulators/valve_amplifier/amplifier.h"
 #include "emulators/valve_driver/register_image.h"
 #include "emulators/valve_driver/registers.h"

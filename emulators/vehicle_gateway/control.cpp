@@ -33,7 +33,6 @@ constexpr std::array<TroubleMemory::Kind, kEngineRequestInError + 1> kTroubles{
      {1874, FailureMode::abnormal_update_rate},
      {525, FailureMode::received_data_in_error},
      {695, FailureMode::received_data_in_error}}};
-static_assert(kTroubles.size() <= TroubleMemory::kGreatest);
 
 constexpr SteeringMode first_mode(SteeringLayout layout) {
   return layout == SteeringLayout::front_only ? SteeringMode::front : SteeringMode::counter;

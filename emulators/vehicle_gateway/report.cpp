@@ -4,12 +4,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "emulators/j1939/reading.h"
-
 namespace rigwire::emulators {
 
 namespace vehicle = protocols::vehicle;
+using vehicle::is;
 using vehicle::kNotAvailable;
+using vehicle::magnitude;
+using vehicle::reading;
 using vehicle::Switch;
 using vehicle::to_switch;
 using vehicle::TyreChannelMode;
@@ -221,19 +222,20 @@ std::span<const protocols::can::Frame> VehicleReport::frames(SimTime now, std::u
           engine_.frame(pgn, source, sample != nullptr ? &sample->engine : nullptr)) {
     frames_[frame_count_++] = *frame;
   }
-  put_engine(pgn, source, sample, control);
-  put_gearbox(pgn, source, sample, control);
-  put_speed(now, pgn, source, sample, control);
-  put_steering(pgn, source, sample, control);
-  put_tyres(pgn, source, sample, control);
-  put_channels(pgn, source, sample);
-  put_machine(pgn, source, sample);
-  put_implements(pgn, source, sample, control);
+  const Wanted wanted{now, pgn, source, sample, control};
+  put_engine(wanted);
+  put_gearbox(wanted);
+  put_speed(wanted);
+  put_steering(wanted);
+  put_tyres(wanted);
+  put_channels(wanted);
+  put_machine(wanted);
+  put_implements(wanted);
   return std::span(frames_).first(frame_count_);
 }
 
-void VehicleReport::put_engine(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
-                               const VehicleControl& control) {
+void VehicleReport::put_engine(const Wanted& wanted) {
+  const VehicleControl& control = wanted.control;
   // SPN 899: 0 no request, 3 a governor holds the speed, 11 remote accelerator.
   constexpr std::uint8_t kNoRequest = 0;
   constexpr std::uint8_t kGovernor = 3;
@@ -242,237 +244,192 @@ void VehicleReport::put_engine(std::uint32_t pgn, std::uint8_t source, const Veh
   const VehicleCommand& command = control.command();
   const bool travels = command.travel_speed_mps.has_value();
   const bool by_speed = !travels && command.engine_control == EngineControl::speed;
-  if (is<vehicle::Eec1>(pgn)) {
-    vehicle::Eec1 message;
-    if (sample != nullptr) {
-      message.torque_mode = travels                             ? kCruiseControl
-                            : by_speed                          ? kGovernor
-                            : command.engine_torque_share > 0.0 ? kRemoteAccelerator
-                                                                : kNoRequest;
-      message.actual_torque_share = engine_.torque_share(sample->engine);
-      message.demand_torque_share =
-          by_speed || travels ? kNotAvailable : command.engine_torque_share;
-      message.speed_radps = magnitude(sample->engine.speed_radps);
-      // The idle governor asks, too.
-      message.engine_demand_torque_share =
-          by_speed || travels ? message.actual_torque_share
-                              : std::max(command.engine_torque_share, message.actual_torque_share);
-      message.controlling_address = control.requester(
-          control.in_force(VehicleRequest::speed) ? VehicleRequest::speed : VehicleRequest::engine);
-    }
-    put(message, source);
-  } else if (is<vehicle::Eec2>(pgn)) {
-    vehicle::Eec2 message;
-    if (sample != nullptr) {
-      message.pedal_share = by_speed ? kNotAvailable : travels ? 0.0 : command.engine_torque_share;
-      message.load_share = EngineReport::load_share(sample->engine);
-    }
-    put(message, source);
-  }
+  report<vehicle::Eec1>(wanted, [&](auto& message, const VehicleSample& sample) {
+    message.torque_mode = travels                             ? kCruiseControl
+                          : by_speed                          ? kGovernor
+                          : command.engine_torque_share > 0.0 ? kRemoteAccelerator
+                                                              : kNoRequest;
+    message.actual_torque_share = engine_.torque_share(sample.engine);
+    message.demand_torque_share = by_speed || travels ? kNotAvailable : command.engine_torque_share;
+    message.speed_radps = magnitude(sample.engine.speed_radps);
+    // The idle governor asks, too.
+    message.engine_demand_torque_share =
+        by_speed || travels ? message.actual_torque_share
+                            : std::max(command.engine_torque_share, message.actual_torque_share);
+    message.controlling_address = control.requester(
+        control.in_force(VehicleRequest::speed) ? VehicleRequest::speed : VehicleRequest::engine);
+  });
+  report<vehicle::Eec2>(wanted, [&](auto& message, const VehicleSample& sample) {
+    message.pedal_share = by_speed ? kNotAvailable : travels ? 0.0 : command.engine_torque_share;
+    message.load_share = EngineReport::load_share(sample.engine);
+  });
 }
 
-void VehicleReport::put_gearbox(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
-                                const VehicleControl& control) {
-  if (is<vehicle::Etc1>(pgn)) {
-    vehicle::Etc1 message;
-    if (sample != nullptr) {
-      message.driveline_engaged = to_switch(sample->driveline_engaged);
-      message.shift_in_process = to_switch(sample->shifting);
-      message.output_shaft_radps = magnitude(sample->output_shaft_radps);
-      message.clutch_slip_share = reading(sample->clutch_slip_share);
-      message.input_shaft_radps = magnitude(sample->input_shaft_radps);
-      message.controlling_address = control.requester(
-          control.command().automatic_gear ? VehicleRequest::speed : VehicleRequest::gearbox);
-    }
-    put(message, source);
-  } else if (is<vehicle::Etc2>(pgn)) {
+void VehicleReport::put_gearbox(const Wanted& wanted) {
+  const VehicleControl& control = wanted.control;
+  report<vehicle::Etc1>(wanted, [&](auto& message, const VehicleSample& sample) {
+    message.driveline_engaged = to_switch(sample.driveline_engaged);
+    message.shift_in_process = to_switch(sample.shifting);
+    message.output_shaft_radps = magnitude(sample.output_shaft_radps);
+    message.clutch_slip_share = reading(sample.clutch_slip_share);
+    message.input_shaft_radps = magnitude(sample.input_shaft_radps);
+    message.controlling_address = control.requester(
+        control.command().automatic_gear ? VehicleRequest::speed : VehicleRequest::gearbox);
+  });
+  report<vehicle::Etc2>(wanted, [&](auto& message, const VehicleSample& sample) {
     // Range: direction, then the group. This project's own letters.
     const auto direction = [](int gear) -> std::uint8_t {
       return gear == 0 ? 'N' : gear > 0 ? 'D' : 'R';
     };
     const auto group = [](bool crawler) -> std::uint8_t { return crawler ? 'C' : ' '; };
-    vehicle::Etc2 message;
-    if (sample != nullptr) {
-      message.selected_gear = vehicle::gear_code(sample->gear_requested);
-      message.current_gear = vehicle::gear_code(sample->gear);
-      message.ratio = sample->gear_ratio == 0.0 ? kNotAvailable : magnitude(sample->gear_ratio);
-      message.requested_range_first = direction(sample->gear_requested);
-      message.requested_range_second = group(control.command().crawler_group);
-      message.current_range_first = direction(sample->gear);
-      message.current_range_second = group(sample->crawler_group);
-    }
-    put(message, source);
-  } else if (is<vehicle::Eac1>(pgn)) {
-    vehicle::Eac1 message;
-    if (sample != nullptr) {
-      const auto lock = [sample](Differential differential) {
-        return to_switch(sample->lock[static_cast<std::size_t>(differential)]);
-      };
-      message.front_lock_1 = lock(Differential::front);
-      message.central_lock = lock(Differential::centre);
-      message.rear_lock_1 = lock(Differential::rear);
-    }
-    put(message, source);
-  }
+    message.selected_gear = vehicle::gear_code(sample.gear_requested);
+    message.current_gear = vehicle::gear_code(sample.gear);
+    message.ratio = sample.gear_ratio == 0.0 ? kNotAvailable : magnitude(sample.gear_ratio);
+    message.requested_range_first = direction(sample.gear_requested);
+    message.requested_range_second = group(control.command().crawler_group);
+    message.current_range_first = direction(sample.gear);
+    message.current_range_second = group(sample.crawler_group);
+  });
+  report<vehicle::Eac1>(wanted, [&](auto& message, const VehicleSample& sample) {
+    const auto lock = [&sample](Differential differential) {
+      return to_switch(sample.lock[static_cast<std::size_t>(differential)]);
+    };
+    message.front_lock_1 = lock(Differential::front);
+    message.central_lock = lock(Differential::centre);
+    message.rear_lock_1 = lock(Differential::rear);
+  });
 }
 
-void VehicleReport::put_speed(SimTime now, std::uint32_t pgn, std::uint8_t source,
-                              const VehicleSample* sample, const VehicleControl& control) {
-  if (is<vehicle::Ebc2>(pgn)) {
-    vehicle::Ebc2 message;
-    if (sample != nullptr) {
-      const double axle_mps =
-          0.5 * (speed_of(*sample, front_left) + speed_of(*sample, front_right));
-      const double direction = axle_mps < 0.0 ? -1.0 : 1.0;
-      const auto relative = [&](Wheel wheel) {
-        return reading(direction * (speed_of(*sample, wheel) - axle_mps));
-      };
-      message.front_axle_mps = magnitude(axle_mps);
-      message.front_left_mps = relative(front_left);
-      message.front_right_mps = relative(front_right);
-      message.rear_1_left_mps = relative(rear_left);
-      message.rear_1_right_mps = relative(rear_right);
+void VehicleReport::put_speed(const Wanted& wanted) {
+  const VehicleControl& control = wanted.control;
+  report<vehicle::Ebc2>(wanted, [&](auto& message, const VehicleSample& sample) {
+    const double axle_mps = 0.5 * (speed_of(sample, front_left) + speed_of(sample, front_right));
+    const double direction = axle_mps < 0.0 ? -1.0 : 1.0;
+    const auto relative = [&](Wheel wheel) {
+      return reading(direction * (speed_of(sample, wheel) - axle_mps));
+    };
+    message.front_axle_mps = magnitude(axle_mps);
+    message.front_left_mps = relative(front_left);
+    message.front_right_mps = relative(front_right);
+    message.rear_1_left_mps = relative(rear_left);
+    message.rear_1_right_mps = relative(rear_right);
+  });
+  report<vehicle::Hrw>(wanted, [&](auto& message, const VehicleSample& sample) {
+    message.front_left_mps = magnitude(speed_of(sample, front_left));
+    message.front_right_mps = magnitude(speed_of(sample, front_right));
+    message.rear_left_mps = magnitude(speed_of(sample, rear_left));
+    message.rear_right_mps = magnitude(speed_of(sample, rear_right));
+  });
+  report<vehicle::Ccvs1>(wanted, [&](auto& message, const VehicleSample& sample) {
+    message.parking_brake = to_switch(sample.parking_brake);
+    message.wheel_based_speed_mps = magnitude(sample.odometry.speed_mps);
+    message.brake_switch = to_switch(sample.brake_share > kBrakeApplied);
+    if (control.in_force(VehicleRequest::speed)) {
+      message.set_speed_mps = std::abs(control.command().travel_speed_mps.value_or(0.0));
     }
-    put(message, source);
-  } else if (is<vehicle::Hrw>(pgn)) {
-    vehicle::Hrw message;
-    if (sample != nullptr) {
-      message.front_left_mps = magnitude(speed_of(*sample, front_left));
-      message.front_right_mps = magnitude(speed_of(*sample, front_right));
-      message.rear_left_mps = magnitude(speed_of(*sample, rear_left));
-      message.rear_right_mps = magnitude(speed_of(*sample, rear_right));
+  });
+  report<vehicle::Ebc1>(wanted, [&](auto& message, const VehicleSample& sample) {
+    message.pedal_share = reading(sample.brake_share);
+  });
+  const auto by_wheels = [&](auto& message, const VehicleSample& sample) {
+    message.speed_mps = magnitude(sample.odometry.speed_mps);
+    message.distance_m = distance_m_;
+    message.forward = std::isfinite(sample.odometry.speed_mps)
+                          ? to_switch(sample.odometry.speed_mps >= 0.0)
+                          : Switch::error;
+  };
+  report<vehicle::MachineSelectedSpeed>(wanted, [&](auto& message, const VehicleSample& sample) {
+    by_wheels(message, sample);
+    message.source = static_cast<std::uint8_t>(vehicle::SpeedSource::wheel_based);
+    message.limit_status = static_cast<std::uint8_t>(speed_limit(sample, control));
+    message.exit_reason = static_cast<std::uint8_t>(control.speed_exit());
+  });
+  if (is<vehicle::WheelBasedSpeed>(wanted.pgn)) {
+    vehicle::WheelBasedSpeed message;
+    if (wanted.sample != nullptr) {
+      by_wheels(message, *wanted.sample);
     }
-    put(message, source);
-  } else if (is<vehicle::Ccvs1>(pgn)) {
-    vehicle::Ccvs1 message;
-    if (sample != nullptr) {
-      message.parking_brake = to_switch(sample->parking_brake);
-      message.wheel_based_speed_mps = magnitude(sample->odometry.speed_mps);
-      message.brake_switch = to_switch(sample->brake_share > kBrakeApplied);
-      if (control.in_force(VehicleRequest::speed)) {
-        message.set_speed_mps = std::abs(control.command().travel_speed_mps.value_or(0.0));
-      }
-    }
-    put(message, source);
-  } else if (is<vehicle::Ebc1>(pgn)) {
-    vehicle::Ebc1 message;
-    if (sample != nullptr) {
-      message.pedal_share = reading(sample->brake_share);
-    }
-    put(message, source);
-  } else if (is<vehicle::WheelBasedSpeed>(pgn) || is<vehicle::MachineSelectedSpeed>(pgn)) {
-    vehicle::MachineSelectedSpeed message;
-    if (sample != nullptr) {
-      message.speed_mps = magnitude(sample->odometry.speed_mps);
-      message.distance_m = distance_m_;
-      message.forward = std::isfinite(sample->odometry.speed_mps)
-                            ? to_switch(sample->odometry.speed_mps >= 0.0)
-                            : Switch::error;
-      message.source = static_cast<std::uint8_t>(vehicle::SpeedSource::wheel_based);
-      message.limit_status = static_cast<std::uint8_t>(speed_limit(*sample, control));
-      message.exit_reason = static_cast<std::uint8_t>(control.speed_exit());
-    }
-    if (is<vehicle::MachineSelectedSpeed>(pgn)) {
-      put(message, source);
-    } else {
-      vehicle::WheelBasedSpeed wheels{message.speed_mps, message.distance_m, message.forward};
-      // No operator sits there who could start implements; he would look ahead.
-      wheels.power_time_s = to_seconds(power_.longest(now));
-      wheels.key_switch = to_switch(power_.key_on(now));
-      wheels.operator_reversed = Switch::off;
-      put(wheels, source);
-    }
-  } else if (is<vehicle::GroundBasedSpeed>(pgn)) {
-    vehicle::GroundBasedSpeed message;
-    if (sample != nullptr) {
-      message.speed_mps = magnitude(sample->ground_speed_mps);
-      message.distance_m = ground_distance_m_;
-      // A radar does not see which way: the wheels do.
-      if (std::isfinite(sample->odometry.speed_mps)) {
-        message.forward = to_switch(sample->odometry.speed_mps >= 0.0);
-      }
-    }
-    put(message, source);
+    // No operator sits there who could start implements; he would look ahead.
+    message.power_time_s = to_seconds(power_.longest(wanted.now));
+    message.key_switch = to_switch(power_.key_on(wanted.now));
+    message.operator_reversed = Switch::off;
+    put(message, wanted.source);
   }
+  report<vehicle::GroundBasedSpeed>(wanted, [&](auto& message, const VehicleSample& sample) {
+    message.speed_mps = magnitude(sample.ground_speed_mps);
+    message.distance_m = ground_distance_m_;
+    // A radar does not see which way: the wheels do.
+    if (std::isfinite(sample.odometry.speed_mps)) {
+      message.forward = to_switch(sample.odometry.speed_mps >= 0.0);
+    }
+  });
 }
 
-void VehicleReport::put_steering(std::uint32_t pgn, std::uint8_t source,
-                                 const VehicleSample* sample, const VehicleControl& control) {
-  const double wheel_rad =
-      sample != nullptr ? sample->front_steer_rad * settings_.steering_ratio : kNotAvailable;
-  if (is<vehicle::Vdc2>(pgn)) {
-    vehicle::Vdc2 message;
-    if (sample != nullptr) {
-      message.steering_wheel_rad = reading(wheel_rad);
-      message.turn_counter = turns(wheel_rad);
-    }
-    put(message, source);
-  } else if (is<vehicle::Sas>(pgn)) {
-    vehicle::Sas message;
-    if (sample != nullptr) {
-      message.steering_wheel_rad = reading(wheel_rad);
-      message.range_counter = turns(wheel_rad);
-      message.active = Switch::on;
-      message.calibrated = Switch::on;
-      message.counter = sensor_counter_;
-      sensor_counter_ = (sensor_counter_ + 1U) & 0xFU;
-    }
-    put(message, source);
-  } else if (is<vehicle::Esc1>(pgn)) {
+void VehicleReport::put_steering(const Wanted& wanted) {
+  const VehicleControl& control = wanted.control;
+  const auto wheel_rad = [this](const VehicleSample& sample) {
+    return sample.front_steer_rad * settings_.steering_ratio;
+  };
+  report<vehicle::Vdc2>(wanted, [&](auto& message, const VehicleSample& sample) {
+    message.steering_wheel_rad = reading(wheel_rad(sample));
+    message.turn_counter = turns(wheel_rad(sample));
+  });
+  report<vehicle::Sas>(wanted, [&](auto& message, const VehicleSample& sample) {
+    message.steering_wheel_rad = reading(wheel_rad(sample));
+    message.range_counter = turns(wheel_rad(sample));
+    message.active = Switch::on;
+    message.calibrated = Switch::on;
+    message.counter = sensor_counter_;
+    sensor_counter_ = (sensor_counter_ + 1U) & 0xFU;
+  });
+  if (is<vehicle::Esc1>(wanted.pgn)) {
+    const VehicleSample* const sample = wanted.sample;
     put(vehicle::Esc1{sample != nullptr ? reading(sample->front_steer_rad) : kNotAvailable,
                       vehicle::kFrontAxle},
-        source);
+        wanted.source);
     if (settings_.steering != SteeringLayout::front_only) {
       put(vehicle::Esc1{sample != nullptr ? reading(sample->rear_steer_rad) : kNotAvailable,
                         vehicle::kRearAxle},
-          source);
+          wanted.source);
     }
-  } else if (is<vehicle::GuidanceMachineInfo>(pgn)) {
-    vehicle::GuidanceMachineInfo message;
-    if (sample != nullptr) {
-      message.curvature_1pm = reading(sample->odometry.curvature_1pm);
-      message.lockout = Switch::off;
-      message.ready = to_switch(!control.guidance_needs_reset());
-      message.input_position_correct = Switch::on;
-      message.reset_required = to_switch(control.guidance_needs_reset());
-      message.limit_status = static_cast<std::uint8_t>(control.guidance_limit());
-      message.exit_reason = static_cast<std::uint8_t>(control.guidance_exit());
-    }
-    put(message, source);
   }
+  report<vehicle::GuidanceMachineInfo>(wanted, [&](auto& message, const VehicleSample& sample) {
+    message.curvature_1pm = reading(sample.odometry.curvature_1pm);
+    message.lockout = Switch::off;
+    message.ready = to_switch(!control.guidance_needs_reset());
+    message.input_position_correct = Switch::on;
+    message.reset_required = to_switch(control.guidance_needs_reset());
+    message.limit_status = static_cast<std::uint8_t>(control.guidance_limit());
+    message.exit_reason = static_cast<std::uint8_t>(control.guidance_exit());
+  });
 }
 
-void VehicleReport::put_machine(std::uint32_t pgn, std::uint8_t source,
-                                const VehicleSample* sample) {
-  if (is<vehicle::Hpg>(pgn)) {
-    put(vehicle::Hpg{sample != nullptr ? reading(sample->hydraulic_pressure_pa) : kNotAvailable},
-        source);
-  } else if (is<vehicle::VehicleFluids>(pgn)) {
-    put(vehicle::VehicleFluids{}, source);
-  } else if (is<vehicle::MachineFunctionState>(pgn)) {
-    vehicle::MachineFunctionState message;
-    if (sample != nullptr) {
-      message.parking_brake = to_switch(sample->parking_brake);
-      message.crawler_group = to_switch(sample->crawler_group);
-      message.vibration_front = to_switch(sample->vibration[0]);
-      message.vibration_rear = to_switch(sample->vibration[1]);
-      message.edge_cutter_share = reading(sample->edge_cutter_share);
-      message.spreader_rate_kgpm2 = reading(sample->spreader_rate_kgpm2);
-      message.hopper_mass_kg = reading(sample->hopper_mass_kg);
-      message.slip_angle_rad = reading(sample->odometry.slip_angle_rad);
-    }
-    put(message, source);
-  }
+void VehicleReport::put_machine(const Wanted& wanted) {
+  report<vehicle::Hpg>(wanted, [](auto& message, const VehicleSample& sample) {
+    message.pressure_pa = reading(sample.hydraulic_pressure_pa);
+  });
+  report<vehicle::VehicleFluids>(wanted, [](auto&, const VehicleSample&) {});
+  report<vehicle::MachineFunctionState>(wanted, [&](auto& message, const VehicleSample& sample) {
+    message.parking_brake = to_switch(sample.parking_brake);
+    message.crawler_group = to_switch(sample.crawler_group);
+    message.vibration_front = to_switch(sample.vibration[0]);
+    message.vibration_rear = to_switch(sample.vibration[1]);
+    message.edge_cutter_share = reading(sample.edge_cutter_share);
+    message.spreader_rate_kgpm2 = reading(sample.spreader_rate_kgpm2);
+    message.hopper_mass_kg = reading(sample.hopper_mass_kg);
+    message.slip_angle_rad = reading(sample.odometry.slip_angle_rad);
+  });
 }
 
 // Tyres, the channels of their inflation, and implements.
 
-void VehicleReport::put_tyres(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
-                              const VehicleControl& control) {
+void VehicleReport::put_tyres(const Wanted& wanted) {
+  const std::uint32_t pgn = wanted.pgn;
+  const VehicleSample* const sample = wanted.sample;
   if (!is<vehicle::Tire1>(pgn) && !is<vehicle::Tire2>(pgn) && !is<vehicle::Tpri>(pgn)) {
     return;
   }
-  const auto& asked_pa = control.command().tyre_pressure_pa;
+  const auto& asked_pa = wanted.control.command().tyre_pressure_pa;
   for (std::size_t tyre = 0; tyre < kWheels; ++tyre) {
     const std::uint8_t location = vehicle::kTyreLocations[tyre];
     const double pressure_pa =
@@ -486,63 +443,49 @@ void VehicleReport::put_tyres(std::uint32_t pgn, std::uint8_t source, const Vehi
       message.location = location;
       message.pressure_pa = pressure_pa;
       message.extended_support = sample != nullptr ? Switch::on : Switch::not_available;
-      put(message, source);
+      put(message, wanted.source);
     } else if (is<vehicle::Tire2>(pgn)) {
-      put(vehicle::Tire2{location, pressure_pa, target_pa}, source);
+      put(vehicle::Tire2{location, pressure_pa, target_pa}, wanted.source);
     } else {
-      put(vehicle::Tpri{location, target_pa}, source);
+      put(vehicle::Tpri{location, target_pa}, wanted.source);
     }
   }
 }
 
-void VehicleReport::put_channels(std::uint32_t pgn, std::uint8_t source,
-                                 const VehicleSample* sample) {
-  if (is<vehicle::Tp1>(pgn)) {
-    vehicle::Tp1 message;
-    if (sample != nullptr) {
-      message.steer_mode = channel_mode(*sample, front_axle);
-      message.drive_mode = channel_mode(*sample, rear_axle);
-    }
-    put(message, source);
-  } else if (is<vehicle::Tp2>(pgn)) {
-    vehicle::Tp2 message;
-    if (sample != nullptr) {
-      message.steer_pa = target(*sample, front_axle);
-      message.drive_pa = target(*sample, rear_axle);
-    }
-    put(message, source);
-  } else if (is<vehicle::Tp3>(pgn)) {
-    vehicle::Tp3 message;
-    if (sample != nullptr) {
-      message.steer_pa = mean(sample->tyre_pressure_pa, front_axle);
-      message.drive_pa = mean(sample->tyre_pressure_pa, rear_axle);
-    }
-    put(message, source);
-  }
+void VehicleReport::put_channels(const Wanted& wanted) {
+  report<vehicle::Tp1>(wanted, [&](auto& message, const VehicleSample& sample) {
+    message.steer_mode = channel_mode(sample, front_axle);
+    message.drive_mode = channel_mode(sample, rear_axle);
+  });
+  report<vehicle::Tp2>(wanted, [&](auto& message, const VehicleSample& sample) {
+    message.steer_pa = target(sample, front_axle);
+    message.drive_pa = target(sample, rear_axle);
+  });
+  report<vehicle::Tp3>(wanted, [&](auto& message, const VehicleSample& sample) {
+    message.steer_pa = mean(sample.tyre_pressure_pa, front_axle);
+    message.drive_pa = mean(sample.tyre_pressure_pa, rear_axle);
+  });
 }
 
-void VehicleReport::put_implements(std::uint32_t pgn, std::uint8_t source,
-                                   const VehicleSample* sample, const VehicleControl& control) {
+void VehicleReport::put_implements(const Wanted& wanted) {
+  const VehicleControl& control = wanted.control;
   const auto exit = static_cast<std::uint8_t>(control.implement_exit());
   const auto put_hitch = [&]<class Message>(ImplementEnd end) {
-    Message message;
-    if (sample != nullptr) {
+    report<Message>(wanted, [&](Message& message, const VehicleSample& sample) {
       constexpr double kWorks = 0.5;  // below this height an implement is at work
-      const HitchReading& hitch = sample->hitch[static_cast<std::size_t>(end)];
+      const HitchReading& hitch = sample.hitch[static_cast<std::size_t>(end)];
       message.position_share = reading(hitch.height_share);
       message.in_work = vehicle::to_switch(hitch.height_share < kWorks);
       message.limit_status = static_cast<std::uint8_t>(vehicle::LimitStatus::not_limited);
       message.exit_reason = exit;
-    }
-    put(message, source);
+    });
   };
   const auto put_shaft = [&]<class Message>(ImplementEnd end) {
-    Message message;
-    if (sample != nullptr) {
+    report<Message>(wanted, [&](Message& message, const VehicleSample& sample) {
       constexpr std::uint8_t kAccepted = 0;
       constexpr std::uint8_t kOverridden = 1;
       const auto i = static_cast<std::size_t>(end);
-      const PowerTakeOffReading& shaft = sample->power_take_off[i];
+      const PowerTakeOffReading& shaft = sample.power_take_off[i];
       const PowerTakeOffCommand& asked = control.command().power_take_off[i];
       message.speed_radps = reading(shaft.speed_radps);
       message.set_point_radps = asked.speed_radps.value_or(kNotAvailable);
@@ -555,18 +498,12 @@ void VehicleReport::put_implements(std::uint32_t pgn, std::uint8_t source,
       message.limit_status = static_cast<std::uint8_t>(
           limited ? vehicle::LimitStatus::operator_limited : vehicle::LimitStatus::not_limited);
       message.exit_reason = exit;
-    }
-    put(message, source);
+    });
   };
-  if (is<vehicle::FrontHitchStatus>(pgn)) {
-    put_hitch.operator()<vehicle::FrontHitchStatus>(ImplementEnd::front);
-  } else if (is<vehicle::RearHitchStatus>(pgn)) {
-    put_hitch.operator()<vehicle::RearHitchStatus>(ImplementEnd::rear);
-  } else if (is<vehicle::FrontPowerTakeOffStatus>(pgn)) {
-    put_shaft.operator()<vehicle::FrontPowerTakeOffStatus>(ImplementEnd::front);
-  } else if (is<vehicle::RearPowerTakeOffStatus>(pgn)) {
-    put_shaft.operator()<vehicle::RearPowerTakeOffStatus>(ImplementEnd::rear);
-  }
+  put_hitch.operator()<vehicle::FrontHitchStatus>(ImplementEnd::front);
+  put_hitch.operator()<vehicle::RearHitchStatus>(ImplementEnd::rear);
+  put_shaft.operator()<vehicle::FrontPowerTakeOffStatus>(ImplementEnd::front);
+  put_shaft.operator()<vehicle::RearPowerTakeOffStatus>(ImplementEnd::rear);
 }
 
 }  // namespace rigwire::emulators

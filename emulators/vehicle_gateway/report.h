@@ -7,6 +7,7 @@
 // speed and in the gear.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -15,12 +16,48 @@
 #include "emulators/device.h"
 #include "emulators/j1939/engine_report.h"
 #include "emulators/vehicle_gateway/control.h"
-#include "emulators/vehicle_gateway/tractor_power.h"
+#include "emulators/vehicle_gateway/settings.h"
 #include "protocols/can/frame.h"
 #include "protocols/vehicle/message.h"
 #include "sim/samples/vehicle_sample.h"
 
 namespace rigwire::emulators {
+
+/// What becomes of the supply when the key is switched off (ISO 11783-7, maintain power; ISO
+/// 11783-9 as far as isobus.net tells it).
+///
+/// The key goes off once, at key_off from the start of the run; 0: never. From then on power stays
+/// for kLeast, and for kLeast more after each request of an implement ("maintain power" that
+/// requires ECU or actuator power), but no longer than maximum_power_time in all. Then it is gone.
+class TractorPower {
+ public:
+  static constexpr Duration kLeast = std::chrono::seconds{2};
+
+  explicit TractorPower(const VehicleGatewaySettings& settings)
+      : key_off_(settings.key_off == Duration{0} ? kNever : kStart + settings.key_off),
+        longest_(settings.maximum_power_time),
+        off_(key_off_ == kNever ? kNever : key_off_ + std::min(kLeast, longest_)) {}
+
+  [[nodiscard]] bool key_on(SimTime now) const { return now < key_off_; }
+  [[nodiscard]] bool supplied(SimTime now) const { return now < off_; }
+  [[nodiscard]] SimTime key_off_at() const { return key_off_; }
+  [[nodiscard]] SimTime off_at() const { return off_; }
+  /// An implement asks for more time; without effect while the key is on.
+  void maintain(SimTime now) {
+    if (!key_on(now) && supplied(now)) {
+      off_ = std::max(off_, std::min(now + kLeast, key_off_ + longest_));
+    }
+  }
+  /// For how long power would last, or lasts, at most.
+  [[nodiscard]] Duration longest(SimTime now) const {
+    return key_on(now) ? longest_ : std::max(Duration{0}, key_off_ + longest_ - now);
+  }
+
+ private:
+  SimTime key_off_;
+  Duration longest_;
+  SimTime off_;
+};
 
 class VehicleReport {
  public:
@@ -71,20 +108,33 @@ class VehicleReport {
   void put(const Message& message, std::uint8_t source) {
     frames_[frame_count_++] = protocols::vehicle::encode(message, source);
   }
-  void put_engine(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
-                  const VehicleControl& control);
-  void put_gearbox(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
-                   const VehicleControl& control);
-  void put_speed(SimTime now, std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
-                 const VehicleControl& control);
-  void put_steering(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
-                    const VehicleControl& control);
-  void put_tyres(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
-                 const VehicleControl& control);
-  void put_channels(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample);
-  void put_machine(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample);
-  void put_implements(std::uint32_t pgn, std::uint8_t source, const VehicleSample* sample,
-                      const VehicleControl& control);
+  /// The group that is asked for, by whom it is sent, and what it tells of.
+  struct Wanted {
+    SimTime now;
+    std::uint32_t pgn;
+    std::uint8_t source;
+    const VehicleSample* sample;  ///< Null: everything is not available.
+    const VehicleControl& control;
+  };
+  /// Puts the message if it is the one that is wanted: fill(message, sample) where there is one.
+  template <class Message, class Fill>
+  void report(const Wanted& wanted, const Fill& fill) {
+    if (wanted.pgn == Message::kGroup.pgn) {
+      Message message;
+      if (wanted.sample != nullptr) {
+        fill(message, *wanted.sample);
+      }
+      put(message, wanted.source);
+    }
+  }
+  void put_engine(const Wanted& wanted);
+  void put_gearbox(const Wanted& wanted);
+  void put_speed(const Wanted& wanted);
+  void put_steering(const Wanted& wanted);
+  void put_tyres(const Wanted& wanted);
+  void put_channels(const Wanted& wanted);
+  void put_machine(const Wanted& wanted);
+  void put_implements(const Wanted& wanted);
 
   VehicleGatewaySettings settings_;
   TractorPower power_;

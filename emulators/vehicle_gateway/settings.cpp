@@ -28,12 +28,11 @@ constexpr std::array<fields::Choice<DisplayUnits>, 3> kDisplayUnits{
 /// Two letters from `first` on: 'a' or 'A'.
 void visit_letters(fields::Visitor& v, std::string_view key, std::string& value, char first,
                    std::string_view text) {
-  v.text(key, value, text);
-  const bool two = value.size() == 2 && std::ranges::all_of(value, [first](char c) {
-                     return c >= first && c < first + 26;
-                   });
-  v.check(two, key, "is no code", "\"" + value + "\"",
-          first == 'a' ? "two small letters" : "two capitals");
+  const auto fits = [first](const std::string& letters) {
+    return letters.size() == 2 &&
+           std::ranges::all_of(letters, [first](char c) { return c >= first && c < first + 26; });
+  };
+  visit_sendable(v, key, value, text, fits, first == 'a' ? "two small letters" : "two capitals");
 }
 
 }  // namespace

@@ -5,9 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "emulators/j1939/identification.h"
-#include "emulators/j1939/name_settings.h"
-#include "fields/rules.h"
+#include "emulators/j1939/identity.h"
 #include "sim/samples/engine_sample.h"
 #include "sim/samples/time.h"
 #include "sim/samples/vehicle_sample.h"

@@ -5,7 +5,7 @@
 #include <type_traits>
 
 #include "protocols/j1939/message.h"
-#include "protocols/j1939/name.h"
+#include "protocols/vehicle/message.h"
 
 namespace rigwire::emulators {
 
@@ -13,8 +13,21 @@ namespace iso = protocols::iso11783;
 namespace j1939 = protocols::j1939;
 namespace vehicle = protocols::vehicle;
 using protocols::can::Frame;
+using protocols::can::OwnedMessage;
 
 namespace {
+
+constexpr vehicle::Group every(vehicle::Group group, std::chrono::milliseconds period) {
+  group.period = period;
+  return group;
+}
+
+using namespace std::chrono_literals;
+constexpr std::array kSchedule{
+    VehicleReport::Entry{every(vehicle::VehiclePosition::kGroup, 1s), 12},
+    VehicleReport::Entry{every(vehicle::VehicleDirectionSpeed::kGroup, 1s), 22},
+    VehicleReport::Entry{every(vehicle::VehiclePosition2::kGroup, 5s), 32},
+};
 
 /// A message of these groups that came by transport is too long for its frame, and so malformed.
 template <class Message>
@@ -62,30 +75,56 @@ vehicle::LanguageCommand make_language(const VehicleGatewaySettings& settings) {
   return command;
 }
 
-J1939NodeSettings make_node(const VehicleGatewaySettings& settings) {
-  J1939NodeSettings node;
-  node.address.preferred = settings.source_address;
-  node.address.name = pack(make_name(settings.name, settings.serial, settings.arbitrary_address));
-  node.address.arbitrary_address = settings.arbitrary_address;
-  node.address.first_claim = kStart + settings.power_on;
-  node.address.answer_delay = settings.processing_delay;
-  return node;
-}
-
-const VehicleGatewaySettings& checked(const VehicleGatewaySettings& settings) {
-  validate(settings);
-  return settings;
+/// With the period of its place in the schedule.
+template <class Message>
+OwnedMessage scheduled(const vehicle::LayoutEnds& ends,
+                       std::span<const VehicleReport::Entry> schedule) {
+  for (const VehicleReport::Entry& entry : schedule) {
+    if (entry.group.pgn == Message::kGroup.pgn) {
+      return vehicle::layout<Message>(ends, entry.group);
+    }
+  }
+  return vehicle::layout<Message>(ends);
 }
 
 }  // namespace
 
+std::span<const VehicleReport::Entry> VehicleSatellites::schedule() {
+  return kSchedule;
+}
+
+void VehicleSatellites::take(const GnssSample& sample) {
+  report_.take(sample);
+  taken_at_ = sample.time;
+}
+
+std::optional<protocols::can::Frame> VehicleSatellites::frame(SimTime now, std::uint32_t pgn,
+                                                              std::uint8_t source) const {
+  const bool fresh = taken_at_ && now - *taken_at_ <= kStale;
+  const PositionReport report = fresh ? report_ : PositionReport{};
+  switch (pgn) {
+    case vehicle::VehiclePosition::kGroup.pgn:
+      return vehicle::encode(report.position, source);
+    case vehicle::VehicleDirectionSpeed::kGroup.pgn:
+      return vehicle::encode(report.direction, source);
+    case vehicle::VehiclePosition2::kGroup.pgn:
+      return vehicle::encode(report.quality, source);
+    default:
+      return std::nullopt;
+  }
+}
+
 VehicleGateway::VehicleGateway(const VehicleGatewaySettings& settings, FrameOutput& output)
-    : settings_(checked(settings)),
-      node_(make_node(settings), *this, output),
+    : J1939Device(make_name(settings.name, settings.serial, settings.arbitrary_address),
+                  settings.source_address, kStart + settings.power_on, settings.processing_delay,
+                  output),
+      settings_(checked(settings)),
       control_(settings),
       report_(settings),
       language_(make_language(settings)),
-      next_tick_(kStart + settings.power_on + kTickOffset) {}
+      next_tick_(kStart + settings.power_on + kTickOffset) {
+  identify_as({settings_.identification, settings_.serial, {{}, tractor()}});
+}
 
 SamplePlan VehicleGateway::sample_plan() const {
   return {kStart + settings_.power_on + settings_.sensor_start_up, kTick};
@@ -110,6 +149,31 @@ double VehicleGateway::nominal_rate_hz() const {
     add(VehicleSatellites::schedule());
   }
   return rate_hz;
+}
+
+std::vector<OwnedMessage> VehicleGateway::messages(std::string_view name) const {
+  using namespace vehicle;
+  std::vector<OwnedMessage> list;
+  const LayoutEnds sent{name, node_.address(), j1939::kGlobalAddress};
+  append_layouts<Etc1, Vdc2, Sas, Hrw, Eec1, Esc1, Eec2, Hpg, GuidanceMachineInfo,
+                 MachineSelectedSpeed, WheelBasedSpeed, Ebc2, Ccvs1, Etc2, Ebc1,
+                 MachineFunctionState, Eac1, Eflp1, Et1, Dd1, VehicleFluids, Tire1, Tire2, Tpri,
+                 Tp1, Tp2, Tp3, Hours, Eec3, Vep1, Lfe1, Lfc1, RearHitchStatus, FrontHitchStatus,
+                 RearPowerTakeOffStatus, FrontPowerTakeOffStatus, LanguageCommand>(list, sent);
+  if (settings_.has_ground_radar) {
+    append_layouts<GroundBasedSpeed>(list, sent);
+  }
+  TroubleMemory::append_layouts(list, sent);
+  if (settings_.has_position) {
+    const auto schedule = VehicleSatellites::schedule();
+    list.push_back(scheduled<VehiclePosition>(sent, schedule));
+    list.push_back(scheduled<VehicleDirectionSpeed>(sent, schedule));
+    list.push_back(scheduled<VehiclePosition2>(sent, schedule));
+  }
+  const LayoutEnds taken{"", j1939::kNullAddress, node_.address()};
+  append_layouts<Tsc1, Tc1, Xbr, GuidanceCommand, MachineSelectedSpeedCommand, Tprs,
+                 MachineFunctionCommand, HitchPowerTakeOffCommand, MaintainPower>(list, taken);
+  return list;
 }
 
 SimTime VehicleGateway::next_event() const {
@@ -212,11 +276,7 @@ iso::SupportedFunctionality VehicleGateway::tractor() const {
   return {iso::Functionality::basic_tractor_ecu_server, 1, {options}};
 }
 
-J1939Answer VehicleGateway::answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) {
-  if (const auto answered =
-          control_.troubles().answer(node_, now, pgn, destination, control_.stopping())) {
-    return *answered;
-  }
+J1939Answer VehicleGateway::answer_group(SimTime now, std::uint32_t pgn, std::uint8_t destination) {
   switch (pgn) {
     case vehicle::kEngineConfigurationPgn:
       return report_.engine().send_configuration(node_, now, destination);
@@ -224,15 +284,8 @@ J1939Answer VehicleGateway::answer(SimTime now, std::uint32_t pgn, std::uint8_t 
       node_.send(now, vehicle::encode(language_, node_.address()));
       return J1939Answer::sent;
     default:
-      break;
+      return send_group(now, pgn) ? J1939Answer::sent : J1939Answer::unknown;
   }
-  const std::array functionalities{iso::SupportedFunctionality{}, tractor()};
-  if (const auto answered =
-          answer_identification(node_, now, pgn, destination, settings_.identification,
-                                settings_.serial, functionalities)) {
-    return *answered;
-  }
-  return send_group(now, pgn) ? J1939Answer::sent : J1939Answer::unknown;
 }
 
 J1939Reception VehicleGateway::take(SimTime now, const J1939Message& message) {

@@ -4,8 +4,8 @@
 // No maker's device, but what such a node speaks: the messages of SAE J1939-71 and ISO 11783-7 for
 // engine, gearbox, brakes, wheels, steering and tyres, and one proprietary message each way
 // (protocols/vehicle/). docs/devices/vehicle-gateway.md has the bytes, periods, time-outs and known
-// deviations; control.h says what requests and silence do, report.h what is sent, position.h what a
-// satellite receiver adds, docs/j1939.md what every node does.
+// deviations; control.h says what requests and silence do, report.h what is sent, VehicleSatellites
+// what a satellite receiver adds, docs/j1939.md what every node does.
 //
 // Life: at power-on it claims its address; from the next tick on, if it may, it sends on schedule,
 // first everything as not available, from sensor_start_up on what the samples say. A tick is half a
@@ -14,22 +14,43 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "emulators/backends.h"
-#include "emulators/device.h"
-#include "emulators/j1939/j1939_node.h"
-#include "emulators/j1939/torque_speed_check.h"
+#include "emulators/j1939/engine_report.h"
+#include "emulators/j1939/j1939_device.h"
+#include "emulators/j1939/position_report.h"
 #include "emulators/vehicle_gateway/control.h"
-#include "emulators/vehicle_gateway/position.h"
 #include "emulators/vehicle_gateway/report.h"
 #include "emulators/vehicle_gateway/settings.h"
-#include "protocols/iso11783/functionalities.h"
+#include "protocols/can/frame.h"
 #include "protocols/vehicle/implement.h"
+#include "sim/samples/gnss_sample.h"
 
 namespace rigwire::emulators {
 
-class VehicleGateway final : public CanDevice, public VehicleBackend, J1939Application {
+/// What the vehicle gateway knows by satellites, when a receiver is wired to it: VP and VDS every
+/// second, VP2 every five.
+///
+/// The latest fix counts until it is kStale old; then everything is not available.
+class VehicleSatellites {
+ public:
+  static constexpr Duration kStale = std::chrono::seconds{2};
+
+  [[nodiscard]] static std::span<const VehicleReport::Entry> schedule();
+
+  void take(const GnssSample& sample);
+  /// The frame of group `pgn`, if it is one of schedule().
+  [[nodiscard]] std::optional<protocols::can::Frame> frame(SimTime now, std::uint32_t pgn,
+                                                           std::uint8_t source) const;
+
+ private:
+  PositionReport report_;
+  std::optional<SimTime> taken_at_;
+};
+
+class VehicleGateway final : public J1939Device, public VehicleBackend {
  public:
   static constexpr Duration kTick = VehicleReport::kTick;
   static constexpr Duration kTickOffset = std::chrono::microseconds{500};  ///< After a sample.
@@ -40,15 +61,11 @@ class VehicleGateway final : public CanDevice, public VehicleBackend, J1939Appli
   void advance(SimTime now) override;
   [[nodiscard]] SimTime next_event() const override;
   [[nodiscard]] SamplePlan sample_plan() const override;
-  [[nodiscard]] ReceiveCounters received() const override { return node_.received(); }
   /// Of the schedule and the trouble codes.
   [[nodiscard]] double nominal_rate_hz() const override;
   [[nodiscard]] std::span<const Quantity> quantities() const override;
 
   void receive(SimTime now, const protocols::can::Frame& frame) override;
-  void controller(SimTime now, const protocols::can::ControllerReport& report) override {
-    node_.controller(now, report);
-  }
   [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
       std::string_view name) const override;
 
@@ -57,14 +74,12 @@ class VehicleGateway final : public CanDevice, public VehicleBackend, J1939Appli
   void observe_fix(const GnssSample& sample) { satellites_.take(sample); }
   [[nodiscard]] const VehicleCommand& command() const override { return control_.command(); }
 
-  [[nodiscard]] std::uint8_t address() const { return node_.address(); }
-  [[nodiscard]] bool address_held() const { return node_.held(); }
-  [[nodiscard]] std::uint64_t name() const { return node_.name(); }
-  [[nodiscard]] std::uint64_t address_conflicts() const { return node_.address_conflicts(); }
   [[nodiscard]] const VehicleControl& control() const { return control_; }
 
  private:
-  J1939Answer answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
+  J1939Answer answer_group(SimTime now, std::uint32_t pgn, std::uint8_t destination) override;
+  TroubleMemory* troubles() override { return &control_.troubles(); }
+  [[nodiscard]] bool is_stopped() const override { return control_.stopping(); }
   J1939Reception take(SimTime now, const J1939Message& message) override;
 
   /// False when the group is none that is sent in frames.
@@ -85,7 +100,6 @@ class VehicleGateway final : public CanDevice, public VehicleBackend, J1939Appli
   J1939Reception take_command(SimTime now, const J1939Message& message, VehicleRequest source);
 
   VehicleGatewaySettings settings_;
-  J1939Node node_;
   VehicleControl control_;
   VehicleReport report_;
   VehicleSatellites satellites_;

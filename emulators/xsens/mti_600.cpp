@@ -22,11 +22,6 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kGravity_mps2 = 9.80665;
 constexpr double kPeriod_s = 1.0 / kMtiSamplesPerSecond;
 
-const MtiSettings& checked(const MtiSettings& settings) {
-  validate(settings);
-  return settings;
-}
-
 bool finite(const Triad& v) {
   return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
 }

@@ -9,8 +9,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "emulators/device.h"
 #include "emulators/nonvolatile_memory.h"
-#include "emulators/null_output.h"
 #include "emulators/own_clock.h"
 #include "emulators/valve_amplifier/fault.h"
 #include "hil/devices/device.h"

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "emulators/can/can_node.h"
-#include "emulators/last_request.h"
+#include "emulators/device.h"
 #include "emulators/usb/usb_device.h"
 #include "hil/wires/wire_statistics.h"
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "emulators/iso_valve/settings.h"
+#include "emulators/iso_valve/iso_valves.h"
 #include "emulators/own_clock.h"
 #include "hil/devices/device_configuration.h"
 

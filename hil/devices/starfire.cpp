@@ -6,7 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "emulators/null_output.h"
+#include "emulators/device.h"
 #include "emulators/starfire/node.h"
 #include "emulators/starfire/receiver.h"
 #include "emulators/ublox/line_quality.h"

@@ -4,9 +4,9 @@
 
 #include <array>
 
-#include "emulators/null_output.h"
+#include "emulators/device.h"
 #include "emulators/ublox/receiver.h"
-#include "emulators/usb/ublox_usb.h"
+#include "emulators/usb/cdc_acm.h"
 #include "fields/visitor.h"
 #include "hil/devices/device.h"
 #include "hil/devices/mounting.h"

@@ -10,7 +10,7 @@
 
 #include "drivers/http_server.h"
 #include "drivers/udp_socket.h"
-#include "emulators/null_output.h"
+#include "emulators/device.h"
 #include "emulators/velodyne/velodyne_lidar.h"
 #include "emulators/velodyne/web_interface.h"
 #include "fields/check.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "emulators/dbc_node/settings.h"
-#include "emulators/j1939/name_settings.h"
+#include "emulators/j1939/identity.h"
 #include "fields/rules.h"
 
 namespace rigwire::hil {

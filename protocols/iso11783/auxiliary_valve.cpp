@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "protocols/vehicle/layouts.h"
+#include "protocols/vehicle/message.h"
 
 namespace rigwire::protocols::iso11783 {
 namespace {

@@ -109,7 +109,6 @@ struct AuxiliaryValveCommand : ValveCommandMembers {
     };
   }
 };
-static_assert(vehicle::is_well_formed<AuxiliaryValveCommand>());
 
 /// General-purpose valve command, to one node.
 struct GeneralPurposeValveCommand : ValveCommandMembers {
@@ -125,7 +124,6 @@ struct GeneralPurposeValveCommand : ValveCommandMembers {
     };
   }
 };
-static_assert(vehicle::is_well_formed<GeneralPurposeValveCommand>());
 
 struct ValveEstimateMembers {
   double extend_share = kNotAvailable;   ///< 0 .. 1.
@@ -152,14 +150,12 @@ struct AuxiliaryValveEstimate : ValveEstimateMembers {
   static constexpr Group kGroup{"AV00EF", 65040, 3, std::chrono::milliseconds{100}};
   static constexpr auto parameters() { return estimate_rows<AuxiliaryValveEstimate>(0); }
 };
-static_assert(vehicle::is_well_formed<AuxiliaryValveEstimate>());
 
 /// General-purpose valve estimated flow.
 struct GeneralPurposeValveEstimate : ValveEstimateMembers {
   static constexpr Group kGroup{"GPVEF", 50688, 3, std::chrono::milliseconds{100}};
   static constexpr auto parameters() { return estimate_rows<GeneralPurposeValveEstimate>(0); }
 };
-static_assert(vehicle::is_well_formed<GeneralPurposeValveEstimate>());
 
 /// Auxiliary valve 0 measured flow.
 struct AuxiliaryValveMeasuredFlow {
@@ -187,7 +183,6 @@ struct AuxiliaryValveMeasuredFlow {
     };
   }
 };
-static_assert(vehicle::is_well_formed<AuxiliaryValveMeasuredFlow>());
 
 /// Auxiliary valve 0 measured position (Proprietary B).
 struct AuxiliaryValveMeasuredPosition {
@@ -206,7 +201,6 @@ struct AuxiliaryValveMeasuredPosition {
     };
   }
 };
-static_assert(vehicle::is_well_formed<AuxiliaryValveMeasuredPosition>());
 
 /// The valve whose group of that kind (its valve 0's number) `pgn` is; nothing when none is.
 template <class Message>

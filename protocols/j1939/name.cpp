@@ -3,50 +3,39 @@
 namespace rigwire::protocols::j1939 {
 namespace {
 
-struct Slot {
-  unsigned position;
-  unsigned width;
-};
-constexpr Slot kIdentity{0, 21};
-constexpr Slot kManufacturer{21, 11};
-constexpr Slot kEcuInstance{32, 3};
-constexpr Slot kFunctionInstance{35, 5};
-constexpr Slot kFunction{40, 8};
-constexpr Slot kVehicleSystem{49, 7};
-constexpr Slot kSystemInstance{56, 4};
-constexpr Slot kIndustryGroup{60, 3};
-constexpr Slot kArbitraryAddress{63, 1};
-
-constexpr std::uint64_t put(Slot slot, std::uint64_t value) {
-  return (value & ((std::uint64_t{1} << slot.width) - 1U)) << slot.position;
+/// each(member, lowest bit, width) for every field of a NAME.
+template <class AnyName, class Each>
+constexpr void each_field(AnyName& name, const Each& each) {
+  each(name.identity, 0U, 21U);
+  each(name.manufacturer, 21U, 11U);
+  each(name.ecu_instance, 32U, 3U);
+  each(name.function_instance, 35U, 5U);
+  each(name.function, 40U, 8U);
+  each(name.vehicle_system, 49U, 7U);
+  each(name.system_instance, 56U, 4U);
+  each(name.industry_group, 60U, 3U);
+  each(name.arbitrary_address, 63U, 1U);
 }
 
-template <class Integer>
-constexpr Integer get(Slot slot, std::uint64_t bits) {
-  return static_cast<Integer>((bits >> slot.position) & ((std::uint64_t{1} << slot.width) - 1U));
+constexpr std::uint64_t mask(unsigned width) {
+  return (std::uint64_t{1} << width) - 1U;
 }
 
 }  // namespace
 
 std::uint64_t pack(const Name& name) {
-  return put(kIdentity, name.identity) | put(kManufacturer, name.manufacturer) |
-         put(kEcuInstance, name.ecu_instance) | put(kFunctionInstance, name.function_instance) |
-         put(kFunction, name.function) | put(kVehicleSystem, name.vehicle_system) |
-         put(kSystemInstance, name.system_instance) | put(kIndustryGroup, name.industry_group) |
-         put(kArbitraryAddress, name.arbitrary_address ? 1U : 0U);
+  std::uint64_t bits = 0;
+  each_field(name, [&bits](auto value, unsigned lowest, unsigned width) {
+    bits |= (std::uint64_t{value} & mask(width)) << lowest;
+  });
+  return bits;
 }
 
 Name unpack_name(std::uint64_t bits) {
   Name name;
-  name.identity = get<std::uint32_t>(kIdentity, bits);
-  name.manufacturer = get<std::uint16_t>(kManufacturer, bits);
-  name.ecu_instance = get<std::uint8_t>(kEcuInstance, bits);
-  name.function_instance = get<std::uint8_t>(kFunctionInstance, bits);
-  name.function = get<std::uint8_t>(kFunction, bits);
-  name.vehicle_system = get<std::uint8_t>(kVehicleSystem, bits);
-  name.system_instance = get<std::uint8_t>(kSystemInstance, bits);
-  name.industry_group = get<std::uint8_t>(kIndustryGroup, bits);
-  name.arbitrary_address = get<std::uint8_t>(kArbitraryAddress, bits) != 0;
+  each_field(name, [bits]<class Member>(Member& member, unsigned lowest, unsigned width) {
+    member = static_cast<Member>((bits >> lowest) & mask(width));
+  });
   return name;
 }
 

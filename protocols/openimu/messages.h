@@ -112,7 +112,6 @@ struct Slope {
     };
   }
 };
-static_assert(vehicle::is_well_formed<Slope>());
 
 struct AngularRate {
   static constexpr vehicle::Group kGroup{
@@ -139,7 +138,6 @@ struct AngularRate {
     };
   }
 };
-static_assert(vehicle::is_well_formed<AngularRate>());
 
 struct Acceleration {
   static constexpr vehicle::Group kGroup{
@@ -171,7 +169,6 @@ struct Acceleration {
     };
   }
 };
-static_assert(vehicle::is_well_formed<Acceleration>());
 
 struct MagneticField {
   static constexpr vehicle::Group kGroup{
@@ -190,7 +187,6 @@ struct MagneticField {
     };
   }
 };
-static_assert(vehicle::is_well_formed<MagneticField>());
 
 struct Slope1 {
   static constexpr vehicle::Group kGroup{"slope sensor 1", kSlope1Pgn, kSlopePriority, {}, 0};
@@ -218,7 +214,6 @@ struct Slope1 {
     };
   }
 };
-static_assert(vehicle::is_well_formed<Slope1>());
 
 struct FineRate {
   static constexpr vehicle::Group kGroup{
@@ -243,7 +238,6 @@ struct FineRate {
     };
   }
 };
-static_assert(vehicle::is_well_formed<FineRate>());
 
 /// `priority` as set in the device, `pgn` where its group has been moved (335RI).
 template <class Message>

@@ -1,8 +1,8 @@
 // Settings of the OpenIMU family over J1939: what a client may set, and what it may ask for.
 //
 // Source: openIMU300-lib and openIMU335RI-lib (open firmware), settings messages. Settings are
-// proprietary-B groups FF50..FF5E (command_map.h), broadcast, whose first byte is the address of
-// the device meant (reset and save: second byte, after a zero that says "request").
+// proprietary-B groups FF50..FF5E, which can be moved, broadcast, whose first byte is the address
+// of the device meant (reset and save: second byte, after a zero that says "request").
 //
 // The two devices answer differently. 300RI: the answer's first byte is its own address, the
 // filters come back in reverse order, messages are as long as what they say. 335RI: the first byte
@@ -13,12 +13,64 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "protocols/can/frame.h"
-#include "protocols/openimu/command_map.h"
 #include "protocols/result.h"
 
 namespace rigwire::protocols::openimu {
+
+// Under which groups an OpenIMU hears its commands and sends its proprietary messages: all are
+// FFxx, and a client may move xx (groups FFF0, FFF1, FFF2, "bank" messages: byte 1 the device, then
+// one byte per command, in an order that differs between the two devices) to keep out of somebody
+// else's way.
+
+/// What has a group that can be moved.
+enum class Command : std::uint8_t {
+  reset_algorithm,
+  save_configuration,
+  hardware_status,  ///< 335RI, as the next.
+  software_status,
+  master_status,
+  packet_rate,
+  packet_mask,
+  filters,
+  orientation,
+  behaviour,
+  trouble_code,        ///< 335RI: what DM1 says.
+  magnetic_alignment,  ///< 300RI.
+  fine_rate,           ///< 335RI: a data message.
+};
+inline constexpr std::size_t kCommands = 13;
+
+inline constexpr std::uint32_t kBank0Pgn = 0xFFF0;
+inline constexpr std::uint32_t kBank1Pgn = 0xFFF1;
+inline constexpr std::uint32_t kBank2Pgn = 0xFFF2;  ///< 335RI.
+
+inline constexpr std::uint8_t kLowestSpecific = 0x40;
+inline constexpr std::uint8_t kHighestSpecific300 = 0x6A;
+inline constexpr std::uint8_t kHighestSpecific335 = 0x6C;
+
+/// The low byte of each command's group.
+using CommandMap = std::array<std::uint8_t, kCommands>;
+inline constexpr CommandMap kDeliveredCommands{0x50, 0x51, 0x52, 0x53, 0x54, 0x55, 0x56,
+                                               0x57, 0x58, 0x59, 0x5A, 0x5E, 0x6B};
+
+[[nodiscard]] constexpr std::uint32_t pgn_of(const CommandMap& map, Command command) {
+  return 0xFF00U | map[static_cast<std::size_t>(command)];
+}
+/// The command of a group; nothing when there is none.
+[[nodiscard]] std::optional<Command> command_of(const CommandMap& map, std::uint32_t pgn);
+
+/// Which commands the bytes after the address of a bank message move, in their order; bytes beyond
+/// have no meaning. Empty when the device has no such bank.
+[[nodiscard]] std::span<const Command> bank_commands(std::uint32_t pgn, bool is_300);
+
+/// Takes a bank message's bytes (those after the address). The 300RI refuses all of them when one
+/// is neither 0 (back to delivery) nor 0x40..0x6A; the 335RI takes each that is 0x40..0x6C. Returns
+/// whether anything was taken.
+bool apply_bank(CommandMap& map, std::uint32_t pgn, std::span<const std::uint8_t> bytes,
+                bool is_300);
 
 /// Groups that a client asks for with a J1939 request.
 inline constexpr std::uint32_t kSoftwareVersionPgn = 65242;    ///< FEDA; 5 bytes (335RI: 8).

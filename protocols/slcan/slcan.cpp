@@ -1,14 +1,36 @@
 #include "protocols/slcan/slcan.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
 #include <string_view>
 
 namespace rigwire::protocols::slcan {
-namespace {
 
 using Line = std::span<const std::uint8_t>;
+using can::BusError;
+using can::ControllerReport;
+
+namespace {
+
+unsigned letter_of(const ControllerReport& report) {
+  switch (report.error) {
+    case BusError::acknowledgement:
+      return kNoAcknowledge;
+    case BusError::bit:
+      return report.dominant ? kDominantBit : kRecessiveBit;
+    case BusError::crc:
+      return kCrcError;
+    case BusError::form:
+      return kFormError;
+    case BusError::stuff:
+      return kStuffError;
+    case BusError::none:
+      break;
+  }
+  return 0;
+}
 
 constexpr std::string_view kStateLetters = "awpb";
 constexpr std::string_view kErrorLetters = "abBcfoOs";
@@ -97,26 +119,21 @@ Decoded<can::Frame> parse_frame(Line line) {
   return {frame, position};
 }
 
-Decoded<Command> bare(Line line, Verb verb) {
-  if (line.size() != 1) {
-    return Malformed{"the command has no argument", 1};
-  }
-  return {Command{verb, 0, {}}, 1};
-}
+/// A command that is no frame, in the order of Verb: its letter, and how many digits follow. One
+/// digit is decimal and at most `greatest`, more are registers.
+struct Form {
+  char letter;
+  unsigned digits = 0;
+  char greatest = '0';
+};
+constexpr std::array kForms{
+    Form{'O'}, Form{'L'}, Form{'C'},    Form{'S', 1, '9'}, Form{'s', 4},      Form{'t'},
+    Form{'F'}, Form{'V'}, Form{'v'},    Form{'N'},         Form{'Z', 1, '1'}, Form{'X', 1, '1'},
+    Form{'P'}, Form{'A'}, Form{'M', 8}, Form{'m', 8},      Form{'W', 1, '1'}, Form{'U', 1, '6'}};
+static_assert(kForms.size() == static_cast<std::size_t>(Verb::line_speed) + 1);
 
-Decoded<Command> with_digit(Line line, Verb verb, unsigned greatest) {
-  if (line.size() != 2 || line[1] < '0' || line[1] > '0' + greatest) {
-    return Malformed{"the argument is one digit within its range", 1};
-  }
-  return {Command{verb, static_cast<std::uint32_t>(line[1] - '0'), {}}, 2};
-}
-
-Decoded<Command> with_registers(Line line, Verb verb, std::size_t digits) {
-  const auto registers = hexadecimal(line, 1, digits);
-  if (!registers || line.size() != 1 + digits) {
-    return Malformed{"register values are two digits per byte", 1};
-  }
-  return {Command{verb, *registers, {}}, line.size()};
+bool begins_frame(Line line) {
+  return line[0] == 't' || line[0] == 'T' || line[0] == 'r' || line[0] == 'R';
 }
 
 Decoded<Reply> parse_bus_state(Line line) {
@@ -158,61 +175,90 @@ Decoded<Reply> parse_bus_errors(Line line) {
 
 }  // namespace
 
+std::optional<Reply> state_line(const ControllerReport& report) {
+  if (!report.state_changed && !report.restarted) {
+    return std::nullopt;
+  }
+  Reply reply;
+  reply.kind = ReplyKind::bus_state;
+  reply.state = report.state;
+  reply.receive_errors = report.receive_errors;
+  reply.transmit_errors = report.transmit_errors;
+  return reply;
+}
+
+std::optional<Reply> error_line(const ControllerReport& report) {
+  const unsigned letters = letter_of(report) |
+                           (report.receive_overflow ? unsigned{kReceiveOverflow} : 0U) |
+                           (report.transmit_overflow ? unsigned{kTransmitOverflow} : 0U);
+  if (letters == 0) {
+    return std::nullopt;
+  }
+  Reply reply;
+  reply.kind = ReplyKind::bus_errors;
+  reply.number = static_cast<std::uint16_t>(letters);
+  return reply;
+}
+
+ControllerReport report_of(const Reply& reply) {
+  assert(reply.kind == ReplyKind::bus_state || reply.kind == ReplyKind::bus_errors);
+  ControllerReport report;
+  if (reply.kind == ReplyKind::bus_state) {
+    report.state = reply.state;
+    report.state_changed = true;
+    report.receive_errors = reply.receive_errors;
+    report.transmit_errors = reply.transmit_errors;
+    return report;
+  }
+  const unsigned letters = reply.number;
+  const auto take = [&](unsigned letter, BusError error) {
+    if ((letters & letter) != 0) {
+      report.error = error;
+    }
+  };
+  take(kNoAcknowledge, BusError::acknowledgement);
+  take(kDominantBit | kRecessiveBit, BusError::bit);
+  take(kCrcError, BusError::crc);
+  take(kFormError, BusError::form);
+  take(kStuffError, BusError::stuff);
+  // The driver's own order: these concern a frame that was being sent.
+  report.transmitting = (letters & (kNoAcknowledge | kDominantBit | kRecessiveBit)) != 0;
+  report.dominant = (letters & kDominantBit) != 0;
+  report.receive_overflow = (letters & kReceiveOverflow) != 0;
+  report.transmit_overflow = (letters & kTransmitOverflow) != 0;
+  return report;
+}
+
 Decoded<Command> parse_command(Line line) {
   if (line.empty()) {
     return Malformed{"empty line", 0};
   }
-  switch (line[0]) {
-    case 'O':
-      return bare(line, Verb::open);
-    case 'L':
-      return bare(line, Verb::listen_only);
-    case 'C':
-      return bare(line, Verb::close);
-    case 'F':
-      return bare(line, Verb::status_flags);
-    case 'V':
-      return bare(line, Verb::version);
-    case 'v':
-      return bare(line, Verb::detailed_version);
-    case 'N':
-      return bare(line, Verb::serial_number);
-    case 'S':
-      return with_digit(line, Verb::bit_rate, 9);
-    case 'Z':
-      return with_digit(line, Verb::time_stamps, 1);
-    case 'X':
-      return with_digit(line, Verb::auto_poll, 1);
-    case 'W':
-      return with_digit(line, Verb::filter_mode, 1);
-    case 'U':
-      return with_digit(line, Verb::line_speed, 6);
-    case 'P':
-      return bare(line, Verb::poll);
-    case 'A':
-      return bare(line, Verb::poll_all);
-    case 's':
-      return with_registers(line, Verb::bit_timing, 4);
-    case 'M':
-      return with_registers(line, Verb::acceptance_code, 8);
-    case 'm':
-      return with_registers(line, Verb::acceptance_mask, 8);
-    case 't':
-    case 'T':
-    case 'r':
-    case 'R': {
-      const auto frame = parse_frame(line);
-      if (!frame.ok()) {
-        return frame.fault();
-      }
-      if (frame.consumed() != line.size()) {
-        return Malformed{"more digits than the length says", frame.consumed()};
-      }
-      return {Command{Verb::frame, 0, *frame}, line.size()};
+  if (begins_frame(line)) {
+    const auto frame = parse_frame(line);
+    if (!frame.ok()) {
+      return frame.fault();
     }
-    default:
-      return Malformed{"unknown command", 0};
+    if (frame.consumed() != line.size()) {
+      return Malformed{"more digits than the length says", frame.consumed()};
+    }
+    return {Command{Verb::frame, 0, *frame}, line.size()};
   }
+  const auto form = std::ranges::find(kForms, static_cast<char>(line[0]), &Form::letter);
+  if (form == kForms.end()) {
+    return Malformed{"unknown command", 0};
+  }
+  const bool whole = line.size() == 1 + form->digits;
+  const auto number = whole ? hexadecimal(line, 1, form->digits) : std::nullopt;
+  if (form->digits == 0 && !whole) {
+    return Malformed{"the command has no argument", 1};
+  }
+  if (form->digits == 1 && (!number || line[1] > form->greatest)) {
+    return Malformed{"the argument is one digit within its range", 1};
+  }
+  if (!number) {
+    return Malformed{"register values are two digits per byte", 1};
+  }
+  return {Command{static_cast<Verb>(form - kForms.begin()), *number, {}}, line.size()};
 }
 
 Decoded<Reply> parse_reply(Line line) {
@@ -255,10 +301,10 @@ Decoded<Reply> parse_reply(Line line) {
       return parse_bus_state(line);
     case 'e':
       return parse_bus_errors(line);
-    case 't':
-    case 'T':
-    case 'r':
-    case 'R': {
+    default: {
+      if (!begins_frame(line)) {
+        return Malformed{"unknown reply", 0};
+      }
       const auto frame = parse_frame(line);
       if (!frame.ok()) {
         return frame.fault();
@@ -277,8 +323,6 @@ Decoded<Reply> parse_reply(Line line) {
       }
       return {reply, line.size()};
     }
-    default:
-      return Malformed{"unknown reply", 0};
   }
 }
 
@@ -307,27 +351,13 @@ Text write_command(const Command& command) {
   if (command.verb == Verb::frame) {
     return write_frame(command.frame);
   }
-  constexpr std::string_view kLetters = "OLCSs.FVvNZXPAMmWU";
-  static_assert(kLetters.size() == static_cast<std::size_t>(Verb::line_speed) + 1);
+  const Form& form = kForms[static_cast<std::size_t>(command.verb)];
   Text text;
-  text.push(static_cast<std::uint8_t>(kLetters[static_cast<std::size_t>(command.verb)]));
-  switch (command.verb) {
-    case Verb::bit_rate:
-    case Verb::time_stamps:
-    case Verb::auto_poll:
-    case Verb::filter_mode:
-    case Verb::line_speed:
-      text.push(static_cast<std::uint8_t>('0' + command.number % 10));
-      break;
-    case Verb::bit_timing:
-      put_hexadecimal(text, command.number, 4);
-      break;
-    case Verb::acceptance_code:
-    case Verb::acceptance_mask:
-      put_hexadecimal(text, command.number, 8);
-      break;
-    default:
-      break;
+  text.push(static_cast<std::uint8_t>(form.letter));
+  if (form.digits == 1) {
+    text.push(static_cast<std::uint8_t>('0' + command.number % 10));
+  } else {
+    put_hexadecimal(text, command.number, form.digits);
   }
   text.push(kEnd);
   return text;

@@ -12,7 +12,7 @@
 //   Tiiiiiiiildd..  29-bit                   T.. r.. R.. likewise
 //   riiil Riiiiiiiil  remote frames          Fxx       status flags
 //   F V v N     status, versions, serial     Vxxxx vxxxx Nxxxx
-//   Z0 Z1       time stamps off, on          sxrrrttt  bus state and counters (controller_lines.h)
+//   Z0 Z1       time stamps off, on          sxrrrttt  bus state and counters (kernel)
 //   X0 X1       auto-poll off, on            enc..     n bus errors by letter
 //   P A         fetch one frame, all         A CR      after the last frame that A fetched
 //   Mxxxxxxxx mxxxxxxxx W0 W1  filter (acceptance_filter.h)
@@ -148,5 +148,24 @@ class LineSplitter {
   std::size_t size_ = 0;
   bool too_long_ = false;
 };
+
+// The lines by which an adapter in the Linux kernel's dialect tells of its controller: s with state
+// and counters, e with errors (slc_bump_state and slc_bump_err of its slcan-core.c).
+//
+//   sw000097   warning, receive counter 0, transmit counter 97; a w p b = active .. bus-off
+//   e2as       two errors: no acknowledge, stuff error
+//   letters    a acknowledge, b dominant bit, B recessive bit, c CRC, f form, s stuff error;
+//              o receive overflow, O transmit overflow
+//
+// What has no letter (where in the frame, a lost arbitration) is not carried.
+
+/// The state line of a report that is about the state.
+[[nodiscard]] std::optional<Reply> state_line(const can::ControllerReport& report);
+/// The error line of a report that is about errors or overflows.
+[[nodiscard]] std::optional<Reply> error_line(const can::ControllerReport& report);
+
+/// What a state line (state, counters) or an error line (one error, overflows) says; of several
+/// errors in one line the last letter's. Precondition: reply is of one of the two kinds.
+[[nodiscard]] can::ControllerReport report_of(const Reply& reply);
 
 }  // namespace rigwire::protocols::slcan

@@ -11,7 +11,7 @@
 #include <span>
 
 #include "protocols/bytes.h"
-#include "protocols/usb/setup.h"
+#include "protocols/usb/transfer.h"
 
 namespace rigwire::protocols::usb::cdc {
 

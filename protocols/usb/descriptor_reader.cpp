@@ -4,8 +4,8 @@
 #include <bitset>
 
 #include "protocols/bytes.h"
-#include "protocols/usb/constants.h"
-#include "protocols/usb/utf16.h"
+#include "protocols/usb/descriptors.h"
+#include "protocols/usb/transfer.h"
 
 namespace rigwire::protocols::usb {
 namespace {

@@ -11,7 +11,7 @@
 #include <variant>
 
 #include "protocols/result.h"
-#include "protocols/usb/setup.h"
+#include "protocols/usb/transfer.h"
 #include "protocols/usbip/constants.h"
 
 namespace rigwire::protocols::usbip {

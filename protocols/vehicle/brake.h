@@ -28,7 +28,6 @@ struct Ebc1 {
     };
   }
 };
-static_assert(is_well_formed<Ebc1>());
 
 /// How an external demand joins the driver's.
 enum class BrakeControlMode : std::uint8_t { disabled = 0, addition = 1, maximum = 2 };
@@ -55,6 +54,5 @@ struct Xbr {
     };
   }
 };
-static_assert(is_well_formed<Xbr>());
 
 }  // namespace rigwire::protocols::vehicle

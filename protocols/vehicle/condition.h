@@ -34,7 +34,6 @@ struct Eflp1 {
     };
   }
 };
-static_assert(is_well_formed<Eflp1>());
 
 /// Engine Temperature 1.
 struct Et1 {
@@ -52,7 +51,6 @@ struct Et1 {
     };
   }
 };
-static_assert(is_well_formed<Et1>());
 
 /// Dash Display 1.
 struct Dd1 {
@@ -68,7 +66,6 @@ struct Dd1 {
     };
   }
 };
-static_assert(is_well_formed<Dd1>());
 
 /// Vehicle Fluids.
 struct VehicleFluids {
@@ -87,7 +84,6 @@ struct VehicleFluids {
     };
   }
 };
-static_assert(is_well_formed<VehicleFluids>());
 
 /// Vehicle Electrical Power 1.
 struct Vep1 {
@@ -110,7 +106,6 @@ struct Vep1 {
     };
   }
 };
-static_assert(is_well_formed<Vep1>());
 
 /// Fuel Economy (Liquid).
 struct Lfe1 {
@@ -125,7 +120,6 @@ struct Lfe1 {
     };
   }
 };
-static_assert(is_well_formed<Lfe1>());
 
 /// Fuel Consumption (Liquid) 1.
 struct Lfc1 {
@@ -142,7 +136,6 @@ struct Lfc1 {
     };
   }
 };
-static_assert(is_well_formed<Lfc1>());
 
 /// Engine Hours, Revolutions.
 struct Hours {
@@ -159,6 +152,5 @@ struct Hours {
     };
   }
 };
-static_assert(is_well_formed<Hours>());
 
 }  // namespace rigwire::protocols::vehicle

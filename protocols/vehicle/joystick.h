@@ -80,7 +80,6 @@ struct BasicJoystick {
 };
 using Bjm1 = BasicJoystick<1>;
 using Bjm2 = BasicJoystick<2>;
-static_assert(is_well_formed<Bjm1>() && is_well_formed<Bjm2>());
 
 /// Extended Joystick Message 1 or 2: the grip on the stick. theta: clockwise positive.
 template <unsigned Stick>
@@ -137,7 +136,6 @@ struct ExtendedJoystick {
 };
 using Ejm1 = ExtendedJoystick<1>;
 using Ejm2 = ExtendedJoystick<2>;
-static_assert(is_well_formed<Ejm1>() && is_well_formed<Ejm2>());
 
 /// What three switches and a magnitude mean: -1 .. 1; not available unless they agree (exactly one
 /// switch on; in neutral the magnitude does not count).

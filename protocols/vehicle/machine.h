@@ -21,7 +21,6 @@ struct Hpg {
     };
   }
 };
-static_assert(is_well_formed<Hpg>());
 
 /// Which axles (or drums) steer, and how.
 enum class SteeringMode : std::uint8_t {
@@ -64,7 +63,6 @@ struct MachineFunctionCommand {
     };
   }
 };
-static_assert(is_well_formed<MachineFunctionCommand>());
 
 /// Machine function state: Proprietary B (65408), to everybody.
 struct MachineFunctionState {
@@ -93,6 +91,5 @@ struct MachineFunctionState {
     };
   }
 };
-static_assert(is_well_formed<MachineFunctionState>());
 
 }  // namespace rigwire::protocols::vehicle

@@ -15,14 +15,17 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "protocols/can/frame.h"
+#include "protocols/can/message.h"
 #include "protocols/can/signal.h"
 #include "protocols/j1939/identifier.h"
 #include "protocols/result.h"
@@ -35,6 +38,15 @@ using Payload = std::array<std::uint8_t, kMessageBytes>;
 /// Numbers that are no measurement. Decoders give kNotAvailable for indicator values, too.
 inline constexpr double kNotAvailable = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double kError = std::numeric_limits<double>::infinity();
+
+/// What is no number is an error.
+[[nodiscard]] inline double reading(double value) {
+  return std::isfinite(value) ? value : kError;
+}
+/// The same without its sign.
+[[nodiscard]] inline double magnitude(double value) {
+  return reading(std::abs(value));
+}
 
 /// Parameters of two bits.
 enum class Switch : std::uint8_t { off = 0, on = 1, error = 2, not_available = 3 };
@@ -63,6 +75,12 @@ struct Group {
   std::chrono::milliseconds period{0};  ///< 0: on request or on change.
   std::uint8_t fill = 0xFF;             ///< What bits hold that have no row.
 };
+
+/// Whether `pgn` is the message's group.
+template <class Message>
+[[nodiscard]] constexpr bool is(std::uint32_t pgn) {
+  return Message::kGroup.pgn == pgn;
+}
 
 /// A unit that SAE J1939 gives a parameter in, and its size in the SI unit.
 struct SaeUnit {
@@ -218,6 +236,13 @@ template <class Message>
   return true;
 }
 
+/// The rows of a message. One whose rows are not well formed does not compile.
+template <class Message>
+inline constexpr auto kRows = [] {
+  static_assert(is_well_formed<Message>());
+  return Message::parameters();
+}();
+
 // The parts of encoder and decoder that no message changes.
 /// Why the frame is not a message of this group; nothing when it is.
 [[nodiscard]] std::optional<Malformed> refuse(const can::Frame& frame, std::uint32_t pgn);
@@ -231,10 +256,9 @@ template <class Message>
 [[nodiscard]] can::Frame encode(const Message& message, std::uint8_t source,
                                 std::uint8_t destination = j1939::kGlobalAddress,
                                 const Group& group = Message::kGroup) {
-  static constexpr auto kRows = Message::parameters();
   Payload payload;
   payload.fill(group.fill);
-  for (const Parameter<Message>& row : kRows) {
+  for (const Parameter<Message>& row : kRows<Message>) {
     if (row.number != nullptr) {
       can::put(row.signal, payload, message.*row.number);
     } else if (row.state != nullptr) {
@@ -254,14 +278,14 @@ template <class Message>
   if (const auto refusal = refuse(frame, pgn)) {
     return *refusal;
   }
-  static constexpr auto kRows = Message::parameters();
   // Known here, so that no code is made for numbers of a message that has none (GCC 12 warns of
   // it).
-  static constexpr bool kNumbers = std::any_of(
-      kRows.begin(), kRows.end(), [](const auto& row) { return row.number != nullptr; });
+  static constexpr bool kNumbers =
+      std::any_of(kRows<Message>.begin(), kRows<Message>.end(),
+                  [](const auto& row) { return row.number != nullptr; });
   const auto payload = frame.payload();
   Message message;
-  for (const Parameter<Message>& row : kRows) {
+  for (const Parameter<Message>& row : kRows<Message>) {
     if (kNumbers && row.number != nullptr) {
       message.*row.number = can::get(row.signal, payload).number();
     } else if (row.state != nullptr) {
@@ -272,5 +296,39 @@ template <class Message>
   }
   return {message, kMessageBytes};
 }
+
+// The messages of this folder in the common form (protocols/can/message.h), made from the tables
+// that encoder and decoder use. Physical values are those of the structures' members: SI units,
+// angles and curvatures left positive. The document's units and signs are SAE's.
+
+/// Who sends a message to whom, as its identifier and its table say.
+struct LayoutEnds {
+  std::string_view sender;  ///< Name of a device; empty: whoever controls it.
+  std::uint8_t source = j1939::kNullAddress;
+  std::uint8_t destination = j1939::kGlobalAddress;
+};
+
+/// The message of that group without its signals.
+[[nodiscard]] can::OwnedMessage begin_layout(const Group& group, const LayoutEnds& ends);
+
+/// `group` where the period is another than that of Message::kGroup.
+template <class Message>
+[[nodiscard]] can::OwnedMessage layout(const LayoutEnds& ends,
+                                       const Group& group = Message::kGroup) {
+  can::OwnedMessage message = begin_layout(group, ends);
+  for (const Parameter<Message>& row : kRows<Message>) {
+    message.signals.push_back(can::owned(row.signal));
+  }
+  return message;
+}
+
+/// Appends those of several messages, each with its own period.
+template <class... Messages>
+void append_layouts(std::vector<can::OwnedMessage>& list, const LayoutEnds& ends) {
+  (list.push_back(layout<Messages>(ends)), ...);
+}
+
+/// DM1 or DM2 with at most one code, which is one frame.
+[[nodiscard]] can::OwnedMessage trouble_layout(const Group& group, const LayoutEnds& ends);
 
 }  // namespace rigwire::protocols::vehicle

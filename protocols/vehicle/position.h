@@ -38,7 +38,6 @@ struct VehiclePosition {
     };
   }
 };
-static_assert(is_well_formed<VehiclePosition>());
 
 /// Vehicle Direction/Speed. Sent on request or as often as its sender likes.
 struct VehicleDirectionSpeed {
@@ -59,7 +58,6 @@ struct VehicleDirectionSpeed {
     };
   }
 };
-static_assert(is_well_formed<VehicleDirectionSpeed>());
 
 /// Vehicle Position 2: how good the position is.
 struct VehiclePosition2 {
@@ -82,6 +80,5 @@ struct VehiclePosition2 {
     };
   }
 };
-static_assert(is_well_formed<VehiclePosition2>());
 
 }  // namespace rigwire::protocols::vehicle

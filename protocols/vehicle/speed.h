@@ -41,7 +41,6 @@ struct Ebc2 {
     };
   }
 };
-static_assert(is_well_formed<Ebc2>());
 
 /// High Resolution Wheel Speed.
 struct Hrw {
@@ -61,7 +60,6 @@ struct Hrw {
     };
   }
 };
-static_assert(is_well_formed<Hrw>());
 
 /// Cruise Control / Vehicle Speed 1.
 struct Ccvs1 {
@@ -88,7 +86,6 @@ struct Ccvs1 {
     };
   }
 };
-static_assert(is_well_formed<Ccvs1>());
 
 /// ISO 11783-7 wheel-based speed and distance, with what implements ask of the tractor's power.
 /// Direction: on = forward, off = reverse.
@@ -117,7 +114,6 @@ struct WheelBasedSpeed {
     };
   }
 };
-static_assert(is_well_formed<WheelBasedSpeed>());
 
 /// ISO 11783-7 ground-based speed and distance: by radar or satellites, free of wheel slip.
 /// Direction: on = forward, off = reverse.
@@ -137,7 +133,6 @@ struct GroundBasedSpeed {
     };
   }
 };
-static_assert(is_well_formed<GroundBasedSpeed>());
 
 /// Where the machine selected speed comes from.
 enum class SpeedSource : std::uint8_t { wheel_based = 0, ground_based = 1, navigation = 2 };
@@ -166,7 +161,6 @@ struct MachineSelectedSpeed {
     };
   }
 };
-static_assert(is_well_formed<MachineSelectedSpeed>());
 
 /// ISO 11783-7 machine selected speed command.
 struct MachineSelectedSpeedCommand {
@@ -185,6 +179,5 @@ struct MachineSelectedSpeedCommand {
     };
   }
 };
-static_assert(is_well_formed<MachineSelectedSpeedCommand>());
 
 }  // namespace rigwire::protocols::vehicle

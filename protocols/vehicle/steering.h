@@ -35,7 +35,6 @@ struct Vdc2 {
     };
   }
 };
-static_assert(is_well_formed<Vdc2>());
 
 /// Steering Angle Sensor Information. The checksum's rule is in none of the documents at hand: it
 /// is sent as not available.
@@ -61,7 +60,6 @@ struct Sas {
     };
   }
 };
-static_assert(is_well_formed<Sas>());
 
 /// Places of an axle, front to rear in the high four bits; the low four (left to right) are ones,
 /// as an axle has no side. Source: general knowledge of J1939-71.
@@ -83,7 +81,6 @@ struct Esc1 {
     };
   }
 };
-static_assert(is_well_formed<Esc1>());
 
 /// Why steering left a command or limits it; ISO 11783-7 exit/reason codes and limit states that
 /// this project sends.
@@ -133,7 +130,6 @@ struct GuidanceMachineInfo {
     };
   }
 };
-static_assert(is_well_formed<GuidanceMachineInfo>());
 
 /// ISO 11783-7 guidance system command.
 struct GuidanceCommand {
@@ -150,6 +146,5 @@ struct GuidanceCommand {
     };
   }
 };
-static_assert(is_well_formed<GuidanceCommand>());
 
 }  // namespace rigwire::protocols::vehicle

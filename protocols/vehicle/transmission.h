@@ -47,7 +47,6 @@ struct Etc1 {
     };
   }
 };
-static_assert(is_well_formed<Etc1>());
 
 /// Electronic Transmission Controller 2. Gears: gear_code, gear_of. Ranges: two ASCII characters.
 struct Etc2 {
@@ -73,7 +72,6 @@ struct Etc2 {
     };
   }
 };
-static_assert(is_well_formed<Etc2>());
 
 /// Transmission Control 1, addressed. J1939 has no request to engage a differential lock, only one
 /// to disengage it: off permits engagement, on asks for disengagement.
@@ -104,7 +102,6 @@ struct Tc1 {
     };
   }
 };
-static_assert(is_well_formed<Tc1>());
 
 /// Electronic Axle Controller 1: differential locks, on = engaged.
 struct Eac1 {
@@ -138,6 +135,5 @@ struct Eac1 {
     };
   }
 };
-static_assert(is_well_formed<Eac1>());
 
 }  // namespace rigwire::protocols::vehicle

@@ -20,9 +20,6 @@ inline constexpr std::array<std::uint8_t, 4> kTyreLocations{0x00, 0x01, 0x10, 0x
   return std::nullopt;
 }
 
-/// One count of 8 kPa.
-inline constexpr Scale kReferencePressure{8000.0, 0.0, "Pa", kInKilopascal};
-
 /// Tire Condition 1.
 struct Tire1 {
   static constexpr Group kGroup{"TIRE1", 65268, 6, std::chrono::seconds{10}};
@@ -53,7 +50,6 @@ struct Tire1 {
     };
   }
 };
-static_assert(is_well_formed<Tire1>());
 
 /// Tire Condition 2.
 struct Tire2 {
@@ -73,44 +69,31 @@ struct Tire2 {
     };
   }
 };
-static_assert(is_well_formed<Tire2>());
 
+inline constexpr Group kTpri{"TPRI", 64953, 6, std::chrono::milliseconds{0}};
+inline constexpr Group kTprs{"TPRS", 44544, 6, std::chrono::milliseconds{0}};
+
+/// A tyre's reference pressure; `first` and the next are its SPN.
+template <const Group& group, std::uint32_t first>
+struct TyreReference {
+  static constexpr Group kGroup = group;
+
+  std::uint8_t location = 0xFF;
+  double reference_pressure_pa = kNotAvailable;
+
+  static constexpr auto parameters() {
+    using M = TyreReference;
+    return std::array{
+        code("tyre location", first, {1}, 8, &M::location),
+        number("reference tyre pressure", first + 1, {2}, 8, {8000.0, 0.0, "Pa", kInKilopascal},
+               &M::reference_pressure_pa),
+    };
+  }
+};
 /// Tire Pressure Reference Information.
-struct Tpri {
-  static constexpr Group kGroup{"TPRI", 64953, 6, std::chrono::milliseconds{0}};
-
-  std::uint8_t location = 0xFF;
-  double reference_pressure_pa = kNotAvailable;
-
-  static constexpr auto parameters() {
-    return std::array{
-        code("tyre location", 3190, {1}, 8, &Tpri::location),
-        number("reference tyre pressure", 3191, {2}, 8, kReferencePressure,
-               &Tpri::reference_pressure_pa),
-    };
-  }
-};
-static_assert(is_well_formed<Tpri>());
-
+using Tpri = TyreReference<kTpri, 3190>;
 /// Tire Pressure Reference Setting, addressed: the set point of central tyre inflation.
-struct Tprs {
-  static constexpr Group kGroup{"TPRS", 44544, 6, std::chrono::milliseconds{0}};
-
-  std::uint8_t location = 0xFF;
-  double reference_pressure_pa = kNotAvailable;
-
-  static constexpr auto parameters() {
-    return std::array{
-        code("tyre location", 3192, {1}, 8, &Tprs::location),
-        number("reference tyre pressure", 3193, {2}, 8, kReferencePressure,
-               &Tprs::reference_pressure_pa),
-    };
-  }
-};
-static_assert(is_well_formed<Tprs>());
-
-/// One count of 0.5 kPa.
-inline constexpr Scale kChannelPressure{500.0, 0.0, "Pa", kInKilopascal};
+using Tprs = TyreReference<kTprs, 3192>;
 
 /// What a channel of central tyre inflation does. Source of the codes: general knowledge of
 /// J1939-71 (maintain, inflate, deflate, confirm).
@@ -153,42 +136,42 @@ struct Tp1 {
     };
   }
 };
-static_assert(is_well_formed<Tp1>());
 
-/// Tire Pressure Control Unit Target Pressures. Steer: front axle; drive: rear axle.
-struct Tp2 {
-  static constexpr Group kGroup{"TP2", 65145, 6, std::chrono::milliseconds{0}};
+/// The pressures of the channels. Steer: front axle; drive: rear axle.
+struct ChannelNumbers {
+  Group group;
+  std::array<std::string_view, 3> names;
+  std::uint32_t first_spn;
+};
+inline constexpr ChannelNumbers kTp2{
+    {"TP2", 65145, 6, std::chrono::milliseconds{0}},
+    {"trailer channel target", "drive channel target", "steer channel target"},
+    141};
+inline constexpr ChannelNumbers kTp3{
+    {"TP3", 65146, 6, std::chrono::milliseconds{0}},
+    {"trailer channel pressure", "drive channel pressure", "steer channel pressure"},
+    144};
+template <const ChannelNumbers& numbers>
+struct ChannelPressures {
+  static constexpr Group kGroup = numbers.group;
 
   double trailer_pa = kNotAvailable;
   double drive_pa = kNotAvailable;
   double steer_pa = kNotAvailable;
 
   static constexpr auto parameters() {
+    using M = ChannelPressures;
+    constexpr Scale kPressure{500.0, 0.0, "Pa", kInKilopascal};
+    constexpr std::uint32_t kFirst = numbers.first_spn;
     return std::array{
-        number("trailer channel target", 141, {1}, 16, kChannelPressure, &Tp2::trailer_pa),
-        number("drive channel target", 142, {3}, 16, kChannelPressure, &Tp2::drive_pa),
-        number("steer channel target", 143, {5}, 16, kChannelPressure, &Tp2::steer_pa),
+        number(numbers.names[0], kFirst, {1}, 16, kPressure, &M::trailer_pa),
+        number(numbers.names[1], kFirst + 1, {3}, 16, kPressure, &M::drive_pa),
+        number(numbers.names[2], kFirst + 2, {5}, 16, kPressure, &M::steer_pa),
     };
   }
 };
-static_assert(is_well_formed<Tp2>());
-
-/// Tire Pressure Control Unit Current Pressures.
-struct Tp3 {
-  static constexpr Group kGroup{"TP3", 65146, 6, std::chrono::milliseconds{0}};
-
-  double trailer_pa = kNotAvailable;
-  double drive_pa = kNotAvailable;
-  double steer_pa = kNotAvailable;
-
-  static constexpr auto parameters() {
-    return std::array{
-        number("trailer channel pressure", 144, {1}, 16, kChannelPressure, &Tp3::trailer_pa),
-        number("drive channel pressure", 145, {3}, 16, kChannelPressure, &Tp3::drive_pa),
-        number("steer channel pressure", 146, {5}, 16, kChannelPressure, &Tp3::steer_pa),
-    };
-  }
-};
-static_assert(is_well_formed<Tp3>());
+/// Tire Pressure Control Unit Target Pressures, and Current Pressures.
+using Tp2 = ChannelPressures<kTp2>;
+using Tp3 = ChannelPressures<kTp3>;
 
 }  // namespace rigwire::protocols::vehicle

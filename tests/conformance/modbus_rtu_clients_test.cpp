@@ -19,7 +19,6 @@
 #include "modbus_programs.h"
 #include "modbus_rtu_rig.h"
 #include "protocols/modbus/pdu.h"
-#include "protocols/modbus/serial_functions.h"
 
 namespace rigwire::conformance {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "emulators/null_output.h"
+#include "emulators/device.h"
 #include "emulators/velodyne/velodyne_lidar.h"
 #include "velodyne_capture.h"
 #include "velodyne_comparison.h"

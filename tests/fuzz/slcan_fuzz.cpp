@@ -6,7 +6,6 @@
 
 #include "protocols/slcan/acceptance_filter.h"
 #include "protocols/slcan/bit_rate.h"
-#include "protocols/slcan/controller_lines.h"
 #include "protocols/slcan/slcan.h"
 
 namespace slcan = rigwire::protocols::slcan;

@@ -2,9 +2,8 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "protocols/usb/descriptor_bytes.h"
 #include "protocols/usb/descriptor_reader.h"
-#include "protocols/usb/utf16.h"
+#include "protocols/usb/descriptors.h"
 
 namespace {
 

@@ -23,7 +23,6 @@
 #include "emulators/ublox/receiver.h"
 #include "emulators/usb/cdc_acm.h"
 #include "emulators/usb/hid_joystick.h"
-#include "emulators/usb/ublox_usb.h"
 #include "emulators/usb/usbip_server.h"
 #include "to_clients.h"
 

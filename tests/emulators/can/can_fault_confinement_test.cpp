@@ -1,4 +1,4 @@
-#include "emulators/can/can_fault_confinement.h"
+#include "emulators/can/can_controller.h"
 
 #include <gtest/gtest.h>
 

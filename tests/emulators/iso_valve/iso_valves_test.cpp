@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 
@@ -133,10 +134,13 @@ TEST_F(AskedIsoValves, TellsEverybodyWhoItIsByBroadcast) {
   output_.frames.clear();
   valves_.receive(at(310ms), j1939::make_request(kController, j1939::kGlobalAddress, 65259));
   valves_.advance(at(900ms));
+  // Its trouble codes follow, as nobody commands the valves any more.
   const auto opened = output_.of(j1939::kTransportManagementPgn);
-  ASSERT_EQ(opened.size(), 1U);
+  ASSERT_EQ(opened.size(), 2U);
   EXPECT_EQ(j1939::identify(opened[0])->destination, j1939::kGlobalAddress);
-  EXPECT_EQ(output_.of(j1939::kTransportDataPgn).size(), 4U);
+  EXPECT_EQ(j1939::decode_transport_management(opened[0].payload())->pgn, 65259U);
+  EXPECT_EQ(j1939::decode_transport_management(opened[0].payload())->packets, 4);
+  EXPECT_EQ(j1939::decode_transport_management(opened[1].payload())->pgn, vehicle::kDm1Pgn);
 }
 
 TEST_F(IsoValvesTest, ACommandMovesItsSectionAtTheInstantOfItsFrame) {
@@ -253,6 +257,66 @@ TEST_F(FaultyIsoValves, AFaultStopsEverythingUntilItsValveIsCommandedNeutral) {
   command(2520ms, 0, 0.0);
   command(2530ms, 0, 0.5);
   EXPECT_NEAR(opening(0), 0.5, 1e-12);
+}
+
+TEST_F(FaultyIsoValves, WhatWasWrongIsToldOnRequestAndCleared) {
+  const auto asked = [this](Duration now, std::uint32_t pgn) {
+    output_.frames.clear();
+    valves_.receive(at(now), j1939::make_request(kController, valves_.address(), pgn));
+    const auto reports = output_.of(pgn);
+    return reports.empty() ? vehicle::TroubleCodes{}
+                           : *vehicle::decode_trouble_report(reports.back().payload());
+  };
+  EXPECT_EQ(asked(310ms, vehicle::kDm2Pgn).count, 0U);
+  keep(400ms, 2500ms, 0.5);
+  EXPECT_EQ(asked(2500ms, vehicle::kDm2Pgn).count, 0U) << "it is active";
+  EXPECT_TRUE(asked(2500ms, vehicle::kDm1Pgn).lamps.red_stop);
+  command(2510ms, 1, 0.0);
+  const auto was = asked(2520ms, vehicle::kDm2Pgn);
+  ASSERT_EQ(was.count, 1U);
+  EXPECT_EQ(was.codes[0], (vehicle::TroubleCode{520193, 5, 1}));
+  EXPECT_FALSE(was.lamps.amber_warning);
+  (void)asked(2530ms, vehicle::kDm3Pgn);
+  const auto acknowledged = output_.of(j1939::kAcknowledgementPgn);
+  ASSERT_EQ(acknowledged.size(), 1U);
+  EXPECT_EQ(acknowledged[0].data[0], static_cast<std::uint8_t>(j1939::Acknowledge::positive));
+  EXPECT_EQ(asked(2540ms, vehicle::kDm2Pgn).count, 0U);
+}
+
+TEST_F(IsoValvesTest, EachSilenceIsAnOccurrenceUntilTheyAreCountedAnew) {
+  const auto occurrences = [this](Duration now) {
+    valves_.receive(at(now), j1939::make_request(kController, 0x80, vehicle::kDm1Pgn));
+    const auto dm1 = vehicle::decode_trouble_report(output_.of(vehicle::kDm1Pgn).back().payload());
+    for (const vehicle::TroubleCode& code : dm1->codes) {
+      if (code.spn == 520224) {
+        return int{code.occurrences};
+      }
+    }
+    return 0;
+  };
+  const auto only_first_is_silent = [this](Duration from, Duration to) {
+    for (Duration now = from; now <= to; now += 100ms) {
+      for (unsigned section = 1; section < 4; ++section) {
+        command(now, section, 0.0);
+      }
+    }
+  };
+  only_first_is_silent(400ms, 700ms);
+  EXPECT_EQ(occurrences(710ms), 1);
+  command(720ms, 0, 0.0);
+  only_first_is_silent(800ms, 1200ms);
+  EXPECT_EQ(occurrences(1210ms), 2);
+  valves_.receive(at(1220ms), j1939::make_request(kController, 0x80, vehicle::kDm11Pgn));
+  EXPECT_EQ(occurrences(1230ms), 1) << "it is still silent";
+}
+
+TEST_F(IsoValvesTest, TroubleCodesAreAmongItsMessages) {
+  const auto messages = valves_.messages("valves");
+  for (const std::uint32_t pgn : {vehicle::kDm1Pgn, vehicle::kDm2Pgn}) {
+    EXPECT_TRUE(std::ranges::any_of(messages, [pgn](const auto& message) {
+      return j1939::unpack(message.id).pgn == pgn && message.sender == "valves";
+    })) << pgn;
+  }
 }
 
 class LeverIsoValves : public IsoValvesTest {

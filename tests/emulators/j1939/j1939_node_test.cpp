@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "emulators/can/can_bus.h"
-#include "emulators/null_output.h"
+#include "emulators/device.h"
 #include "recorder.h"
 
 namespace rigwire::emulators {

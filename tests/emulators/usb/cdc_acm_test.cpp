@@ -6,9 +6,8 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "emulators/usb/ublox_usb.h"
-#include "protocols/usb/descriptor_bytes.h"
 #include "protocols/usb/descriptor_reader.h"
+#include "protocols/usb/descriptors.h"
 #include "usb_probe.h"
 
 namespace rigwire::emulators {

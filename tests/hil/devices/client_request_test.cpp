@@ -5,8 +5,8 @@
 #include <array>
 #include <vector>
 
+#include "emulators/device.h"
 #include "emulators/modbus/modbus_service.h"
-#include "emulators/null_output.h"
 #include "emulators/ublox/receiver.h"
 #include "emulators/valve_driver/valve_driver.h"
 #include "hil/devices/device.h"

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "emulators/null_output.h"
+#include "emulators/device.h"
 #include "hil/wires/outlets.h"
 #include "made_up_kind.h"
 

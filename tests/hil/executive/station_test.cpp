@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "allocation_counter.h"
-#include "emulators/null_output.h"
+#include "emulators/device.h"
 #include "made_up_kind.h"
 
 namespace rigwire::hil {

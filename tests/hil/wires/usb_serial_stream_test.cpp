@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "emulators/usb/ublox_usb.h"
+#include "emulators/usb/cdc_acm.h"
 #include "emulators/usb/usb_port.h"
 
 namespace rigwire::hil {

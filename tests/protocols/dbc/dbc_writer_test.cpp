@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "protocols/vehicle/engine.h"
-#include "protocols/vehicle/layouts.h"
+#include "protocols/vehicle/message.h"
 #include "protocols/vehicle/steering.h"
 
 namespace rigwire::protocols::dbc {

@@ -1,4 +1,4 @@
-#include "protocols/modbus/serial_functions.h"
+#include "protocols/modbus/pdu.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

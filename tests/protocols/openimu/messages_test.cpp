@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "protocols/vehicle/layouts.h"
+#include "protocols/vehicle/message.h"
 
 namespace rigwire::protocols::openimu {
 namespace {

@@ -1,4 +1,4 @@
-#include "protocols/slcan/controller_lines.h"
+#include "protocols/slcan/slcan.h"
 
 #include <gtest/gtest.h>
 

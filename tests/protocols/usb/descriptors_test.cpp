@@ -1,4 +1,4 @@
-#include "protocols/usb/descriptor_bytes.h"
+#include "protocols/usb/descriptors.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,6 @@
 #include <string>
 
 #include "protocols/usb/descriptor_reader.h"
-#include "protocols/usb/utf16.h"
 
 namespace rigwire::protocols::usb {
 namespace {

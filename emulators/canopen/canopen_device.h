@@ -1,0 +1,74 @@
+// A CANopen sensor on its bus: what is the same for every profile. Its node and dictionary, its
+// supply, and what it is at delivery; the profile says what it measures (CanopenProfile).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "emulators/canopen/canopen_node.h"
+#include "emulators/device.h"
+#include "emulators/supply.h"
+#include "fields/rules.h"
+#include "fields/rules.h"
+#include "protocols/canopen/object_entry.h"
+
+namespace rigwire::emulators {
+
+struct CanopenDeviceSettings {
+  CanopenNodeSettings node;
+  std::uint8_t transmission_type = 255;  ///< Of TPDO1 at delivery: 0..240, 254 or 255.
+  std::uint16_t event_timer_ms = 0;      ///< Of TPDO1 at delivery.
+  std::uint16_t heartbeat_ms = 0;        ///< At delivery; 0 is none.
+  std::uint32_t serial = 1;
+  std::uint32_t vendor = 0;  ///< Of the CiA's list; 0 belongs to nobody.
+  SupplySettings supply;
+  Duration sampling = std::chrono::milliseconds{5};  ///< Between two readings.
+};
+
+/// The keys of node and identity; supply and sampling follow those of the profile.
+void visit_canopen(fields::Visitor& v, CanopenDeviceSettings& p);
+/// What joins several of them. Throws std::invalid_argument.
+void validate_canopen(const CanopenDeviceSettings& settings);
+
+class CanopenDevice : public CanDevice, protected CanopenProfile {
+ public:
+  void advance(SimTime now) override;
+  [[nodiscard]] SimTime next_event() const final;
+  [[nodiscard]] SamplePlan sample_plan() const final { return plan_; }
+  [[nodiscard]] ReceiveCounters received() const final { return node_.received(); }
+  [[nodiscard]] double nominal_rate_hz() const final { return node_.nominal_rate_hz(); }
+  void receive(SimTime now, const protocols::can::Frame& frame) override;
+
+  [[nodiscard]] const CanopenNode& node() const { return node_; }
+  [[nodiscard]] Supply& supply() { return supply_; }
+
+ protected:
+  /// `objects`, `memory` and `output` must outlive the device.
+  CanopenDevice(const CanopenDeviceSettings& settings,
+                std::span<const protocols::canopen::ObjectEntry> objects, NonvolatileMemory& memory,
+                FrameOutput& output);
+  /// Once, when the dictionary holds what is delivered of the profile: the rest of it, and the
+  /// electronic data sheet.
+  void deliver(const CanopenDeviceSettings& settings, std::uint32_t device_type,
+               std::uint32_t product, const std::string& file, const std::string& description,
+               const std::string& vendor_name);
+  /// The supply came or went at `now`.
+  virtual void switched(SimTime now) = 0;
+
+  ObjectDictionary dictionary_;
+  CanopenNode node_;
+
+ private:
+  Supply supply_;
+  SamplePlan plan_;
+};
+
+/// The profile's messages as device `name` sends them: heartbeats by time, and TPDO1 where `timed`.
+[[nodiscard]] std::vector<protocols::can::OwnedMessage> sent_by(
+    std::string_view name, const CanopenDeviceSettings& settings, bool timed,
+    std::vector<protocols::can::OwnedMessage> layouts);
+
+}  // namespace rigwire::emulators

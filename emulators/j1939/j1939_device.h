@@ -1,0 +1,63 @@
+// A device that is one node of a J1939 bus: what is the same for all of them. Its node; that it
+// says who it is when it is asked, by software, component, ECU and vehicle identification, on an
+// ISO 11783 bus by its functionalities; that its trouble codes are asked for and cleared
+// (trouble_memory.h). Answers longer than a frame go by transport, to the one who asked.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "emulators/device.h"
+#include "emulators/j1939/identity.h"
+#include "emulators/j1939/j1939_node.h"
+#include "emulators/j1939/trouble_memory.h"
+#include "protocols/iso11783/functionalities.h"
+
+namespace rigwire::emulators {
+
+class J1939Device : public CanDevice, J1939Application {
+ public:
+  [[nodiscard]] ReceiveCounters received() const final { return node_.received(); }
+  void receive(SimTime now, const protocols::can::Frame& frame) override;
+  void controller(SimTime now, const protocols::can::ControllerReport& report) final {
+    node_.controller(now, report);
+  }
+
+  [[nodiscard]] std::uint8_t address() const { return node_.address(); }
+  [[nodiscard]] bool address_held() const { return node_.held(); }
+  [[nodiscard]] std::uint64_t name() const { return node_.name(); }
+  [[nodiscard]] std::uint64_t address_conflicts() const { return node_.address_conflicts(); }
+
+ protected:
+  /// What a request for identification is answered with. Without functionalities that group is not
+  /// answered, and without a number the vehicle identification is not.
+  struct Identity {
+    IdentificationSettings texts;
+    std::uint32_t serial = 0;
+    std::vector<protocols::iso11783::SupportedFunctionality> functionalities{};
+  };
+
+  /// Claims its preferred address at `power_on`; what it sends is due `delay` after its cause.
+  /// `output` must outlive the device.
+  J1939Device(const protocols::j1939::Name& name, std::uint8_t preferred, SimTime power_on,
+              Duration delay, FrameOutput& output);
+  void identify_as(const Identity& identity) { identity_ = identity; }
+
+  /// A request for a group that is none of the above (J1939Application::answer).
+  virtual J1939Answer answer_group(SimTime now, std::uint32_t pgn, std::uint8_t destination) = 0;
+  /// Its trouble codes; nullptr: it tells none.
+  virtual TroubleMemory* troubles() { return nullptr; }
+  /// Whether they light the red lamp.
+  [[nodiscard]] virtual bool is_stopped() const { return false; }
+
+  J1939Node node_;
+
+ private:
+  J1939Answer answer(SimTime now, std::uint32_t pgn, std::uint8_t destination) final;
+  J1939Answer answer_identification(SimTime now, std::uint32_t pgn, std::uint8_t destination);
+
+  std::optional<Identity> identity_;
+};
+
+}  // namespace rigwire::emulators

@@ -12,7 +12,6 @@
 #include "emulators/device.h"
 #include "emulators/supply.h"
 #include "fields/rules.h"
-#include "fields/rules.h"
 #include "protocols/canopen/object_entry.h"
 
 namespace rigwire::emulators {

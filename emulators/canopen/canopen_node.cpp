@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <string>
 
-
 namespace rigwire::emulators {
 
 namespace canopen = protocols::canopen;

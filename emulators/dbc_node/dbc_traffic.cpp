@@ -10,10 +10,11 @@
 #include "protocols/j1939/message.h"
 
 namespace rigwire::emulators {
-namespace {
 
 namespace can = protocols::can;
 namespace j1939 = protocols::j1939;
+
+namespace {
 
 J1939NodeSettings node_of(const DbcNodeSettings& settings, SimTime first_claim) {
   J1939NodeSettings node;
@@ -23,11 +24,6 @@ J1939NodeSettings node_of(const DbcNodeSettings& settings, SimTime first_claim) 
   node.address.first_claim = first_claim;
   node.address.answer_delay = settings.processing_delay;
   return node;
-}
-
-const SupplySettings& checked(const SupplySettings& supply) {
-  validate(supply);
-  return supply;
 }
 
 bool is_checked(const DbcSource& source) {
@@ -57,6 +53,34 @@ std::size_t depth(const can::OwnedMessage& layout, std::size_t signal) {
 }
 
 }  // namespace
+
+std::uint8_t checksum(DbcChecksum method, std::span<const std::uint8_t> data, std::size_t at) {
+  constexpr unsigned kPolynomial = 0x1D;
+  unsigned value = method == DbcChecksum::crc8_j1850 ? 0xFFU : 0U;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    if (i == at) {
+      continue;
+    }
+    switch (method) {
+      case DbcChecksum::none:
+        break;
+      case DbcChecksum::sum8:
+        value += data[i];
+        break;
+      case DbcChecksum::xor8:
+        value ^= data[i];
+        break;
+      case DbcChecksum::crc8_j1850:
+        value ^= data[i];
+        for (int bit = 0; bit < 8; ++bit) {
+          value = (value << 1U) ^ ((value & 0x80U) != 0 ? kPolynomial : 0U);
+        }
+        value &= 0xFFU;
+        break;
+    }
+  }
+  return static_cast<std::uint8_t>(method == DbcChecksum::crc8_j1850 ? value ^ 0xFFU : value);
+}
 
 DbcTraffic::DbcTraffic(const DbcNodeSettings& settings, FrameOutput& output)
     : settings_(settings),

@@ -372,12 +372,12 @@ std::span<const NamedQuantity> moved_quantities() {
   return all().moved;
 }
 
+std::string NamedQuantity::full_name() const {
+  return std::string(attachment).append(1, '.').append(name);
+}
+
 const NamedQuantity* find_quantity(std::span<const NamedQuantity> among, std::string_view name) {
-  const auto found = std::ranges::find_if(among, [name](const NamedQuantity& quantity) {
-    return name.size() == quantity.attachment.size() + 1 + quantity.name.size() &&
-           name.starts_with(quantity.attachment) && name[quantity.attachment.size()] == '.' &&
-           name.ends_with(quantity.name);
-  });
+  const auto found = std::ranges::find(among, name, &NamedQuantity::full_name);
   return found == among.end() ? nullptr : &*found;
 }
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "emulators/backends.h"
@@ -109,6 +110,8 @@ struct NamedQuantity {
   std::string_view text;
   std::size_t index;     ///< In the table of its attachment.
   double neutral = 0.0;  ///< Of what is moved.
+
+  [[nodiscard]] std::string full_name() const;  ///< "joint.angle"
 };
 
 /// All of them, by attachment.

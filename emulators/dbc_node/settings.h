@@ -3,6 +3,7 @@
 // a DBC file and its binding by hil/files/dbc_node_file.h.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -18,12 +19,14 @@
 
 namespace rigwire::emulators {
 
-enum class DbcChecksum : std::uint8_t {
-  sum8,        ///< Sum of the other bytes, modulo 256.
-  xor8,        ///< Exclusive or of the other bytes.
-  crc8_j1850,  ///< SAE J1850: polynomial 0x1D, begins with 0xFF, inverted.
-};
-/// Over `data` without the byte `at`.
+enum class DbcChecksum : std::uint8_t { none, sum8, xor8, crc8_j1850 };
+inline constexpr std::array<fields::Choice<DbcChecksum>, 4> kDbcChecksums{
+    {{DbcChecksum::none, "none", "It is none."},
+     {DbcChecksum::sum8, "sum8", "Sum of the other bytes, modulo 256."},
+     {DbcChecksum::xor8, "xor8", "Exclusive or of the other bytes."},
+     {DbcChecksum::crc8_j1850, "crc8_j1850",
+      "SAE J1850 over the other bytes: polynomial 0x1D, from 0xFF, inverted."}}};
+/// Over `data` without the byte `at`; `none`: 0.
 [[nodiscard]] std::uint8_t checksum(DbcChecksum method, std::span<const std::uint8_t> data,
                                     std::size_t at);
 

@@ -13,6 +13,7 @@
 #include "hil/configuration/suggest.h"
 #include "hil/devices/device_types.h"
 #include "hil/files/dbc_node_file.h"
+#include "hil/files/dbc_node_table.h"
 #include "hil/files/valve_map_file.h"
 #include "hil/rig/rig_configuration.h"
 

@@ -2,31 +2,23 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <stdexcept>
 
 #include "emulators/dbc_node/dbc_node.h"
 #include "hil/configuration/problems.h"
 #include "hil/devices/can_device.h"
-#include "hil/devices/mounting.h"
 #include "hil/devices/rig_check.h"
 #include "hil/devices/valve_source.h"
-#include "hil/world/joint.h"
 #include "hil/world/ports.h"
 #include "protocols/j1939/identifier.h"
-#include "sim/encoder/joint_angle.h"
 
 namespace rigwire::hil {
 
-using fields::Choice;
 using fields::IntegerRule;
 
 namespace {
 
 using emulators::DbcNode;
-
-constexpr std::array<Choice<char>, 3> kAxes{
-    {{'x', "x", "Forward."}, {'y', "y", "To the left."}, {'z', "z", "Up."}}};
 
 template <class Backend>
 using DbcNodeDevice = CanDeviceOf<DbcNode<Backend>, Backend>;
@@ -50,10 +42,7 @@ struct Attach {
   StationIndex station;
 
   void operator()(const AttachedToNothing&) const {}
-  void operator()(const AttachedToJoint& p) const {
-    site.world().add(make_world_joint(station, site.link(p.base), site.link(p.link),
-                                      sim::JointAngle(p.axis - 'x')));
-  }
+  void operator()(const AttachedToJoint& p) const { mount_encoder(site, station, p); }
   void operator()(const AttachedToLink& p) const {
     mount_inertial_unit(site, station, p.mount, p.sensor, {});
   }
@@ -79,14 +68,7 @@ struct CheckAttached {
   RigCheck& check;
 
   void operator()(const AttachedToNothing&) const {}
-  void operator()(const AttachedToJoint& p) const {
-    check.link(at + ".attached.base", p.base);
-    check.link(at + ".attached.link", p.link);
-    if (p.base == p.link) {
-      check.report(at + ".attached.link", "turns against itself", "\"" + p.link + "\"",
-                   "another link than `base`");
-    }
-  }
+  void operator()(const AttachedToJoint& p) const { check_joint(p, at + ".attached", check); }
   void operator()(const AttachedToLink& p) const {
     check.link(at + ".attached.mount.link", p.mount.link);
   }
@@ -112,11 +94,6 @@ struct CheckAttached {
 
 }  // namespace
 
-void visit(fields::Visitor& v, AttachedToJoint& p) {
-  v.text("base", p.base, "Link of the machine that carries the housing.");
-  v.text("link", p.link, "Link of the machine that turns the shaft.");
-  v.choice("axis", p.axis, kAxes, "Axis of the base link about which the shaft turns.");
-}
 void visit(fields::Visitor& v, AttachedToLink& p) {
   v.section("mount", p.mount, "Where on the machine the sensor sits, and how it is turned.");
   v.section("sensor", p.sensor, "How well it measures.");
@@ -139,7 +116,7 @@ void DbcNodeConfiguration::visit(fields::Visitor& v) {
   visit_node(v, bus, clock);
   v.required("file");
   v.file("file", file, "Its binding (docs/your-own-can-device.md).");
-  v.integer("source_address", source_address, IntegerRule{0, 254},
+  v.integer("source_address", source_address, IntegerRule{0, kAddressOfBinding},
             "Preferred address of one that claims; 254 = as its binding says.");
   v.group(
       "attached", [this](fields::Visitor& w) { w.variant("type", attached, "To what."); },
@@ -160,9 +137,10 @@ void DbcNodeConfiguration::validate() const {
           "attached.type: the binding's quantities are of another, found {}, allowed {}", type,
           device.attachment));
     }
-    if (source_address != 254 && !device.settings.claim) {
-      throw std::invalid_argument(fmt::format(
-          "source_address: the binding claims no address, found {}, allowed 254", source_address));
+    if (source_address != kAddressOfBinding && !device.settings.claim) {
+      throw std::invalid_argument(
+          fmt::format("source_address: the binding claims no address, found {}, allowed {}",
+                      source_address, kAddressOfBinding));
     }
     (void)asked<DbcNode<emulators::NothingBackend>>([](const auto&) { return 0; }, device.settings);
   } catch (const ConfigurationError& error) {
@@ -174,7 +152,7 @@ DbcNodeDescription DbcNodeConfiguration::description() const {
   DbcNodeDescription device = load_dbc_node(file);
   device.settings.supply = supply;
   device.settings.faults = faults;
-  if (device.settings.claim && source_address != 254) {
+  if (device.settings.claim && source_address != kAddressOfBinding) {
     device.settings.claim->source_address = source_address;
   }
   return device;
@@ -222,7 +200,7 @@ DeviceDescription DbcNodeConfiguration::describe() const {
   const auto add = [&](std::span<const emulators::NamedQuantity> quantities, const char* key) {
     for (const emulators::NamedQuantity& quantity : quantities) {
       const std::string_view unit = fields::detail::si_unit(quantity.dimension).symbol;
-      description.messages.push_back({fmt::format("{}.{}", quantity.attachment, quantity.name),
+      description.messages.push_back({quantity.full_name(),
                                       fmt::format("{}, {}", key, unit.empty() ? "a number" : unit),
                                       std::string(quantity.text)});
     }

@@ -14,6 +14,7 @@
 #include "emulators/supply.h"
 #include "fields/visitor.h"
 #include "hil/devices/device_configuration.h"
+#include "hil/devices/mounting.h"
 #include "hil/files/dbc_node_file.h"
 #include "hil/world/mount.h"
 #include "sim/gnss/gnss_parameters.h"
@@ -29,14 +30,10 @@ struct AttachedToNothing {
   static constexpr fields::Named kNamed{emulators::Attachment<Backend>::kName,
                                         "It measures and moves nothing."};
 };
-struct AttachedToJoint {
+struct AttachedToJoint : JointConfiguration {
   using Backend = emulators::EncoderBackend;
   static constexpr fields::Named kNamed{emulators::Attachment<Backend>::kName,
                                         "The angle between two links of the machine."};
-
-  std::string base = "undercarriage";  ///< Link that carries the housing.
-  std::string link = "upper";          ///< Link that turns the shaft.
-  char axis = 'z';                     ///< Of the base link.
 };
 struct AttachedToLink {
   using Backend = emulators::ImuBackend;
@@ -76,19 +73,21 @@ struct AttachedToVehicle {
   sim::OdometryParameters odometry;
 };
 inline void visit(fields::Visitor&, AttachedToNothing&) {}
-void visit(fields::Visitor& v, AttachedToJoint& p);
 void visit(fields::Visitor& v, AttachedToLink& p);
 void visit(fields::Visitor& v, AttachedToSky& p);
 void visit(fields::Visitor& v, AttachedToValves& p);
 inline void visit(fields::Visitor&, AttachedToPowerUnit&) {}
 void visit(fields::Visitor& v, AttachedToVehicle& p);
 
+/// The source address of a rig's device that has its binding's.
+inline constexpr std::uint8_t kAddressOfBinding = 254;
+
 struct DbcNodeConfiguration final : DeviceConfigurationOf<DbcNodeConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
   std::string file;  ///< The binding (hil/files/dbc_node_file.h).
-  /// In place of the binding's, so that several of one kind can be on a bus; 254: as it says.
-  std::uint8_t source_address = 254;
+  /// In place of the binding's, so that several of one kind can be on a bus.
+  std::uint8_t source_address = kAddressOfBinding;
   std::variant<AttachedToNothing, AttachedToJoint, AttachedToLink, AttachedToSky, AttachedToValves,
                AttachedToPowerUnit, AttachedToVehicle>
       attached;

@@ -1,11 +1,20 @@
 #include "hil/devices/mounting.h"
 
+#include <array>
 #include <optional>
 
 #include "hil/world/gnss.h"
 #include "hil/world/imu.h"
+#include "hil/world/joint.h"
+#include "sim/encoder/joint_angle.h"
 
 namespace rigwire::hil {
+namespace {
+
+constexpr std::array<fields::Choice<char>, 3> kAxes{
+    {{'x', "x", "Forward."}, {'y', "y", "To the left."}, {'z', "z", "Up."}}};
+
+}  // namespace
 
 void mount_antenna(Site& site, StationIndex station, const MountConfiguration& mount,
                    const sim::GnssParameters& sensor, const std::vector<sim::GnssFault>& faults) {
@@ -26,6 +35,26 @@ void mount_inertial_unit(Site& site, StationIndex station, const MountConfigurat
   site.world().add(make_world_imu(station, site.mount(mount),
                                   sim::ImuSensor(sensor, site.seed(), site.name()),
                                   std::move(field)));
+}
+
+void visit(fields::Visitor& v, JointConfiguration& p) {
+  v.text("base", p.base, "Link of the machine that carries the housing.");
+  v.text("link", p.link, "Link of the machine that turns the shaft.");
+  v.choice("axis", p.axis, kAxes, "Axis of the base link about which the shaft turns.");
+}
+
+void check_joint(const JointConfiguration& joint, const std::string& at, RigCheck& check) {
+  check.link(at + ".base", joint.base);
+  check.link(at + ".link", joint.link);
+  if (joint.base == joint.link) {
+    check.report(at + ".link", "turns against itself", "\"" + joint.link + "\"",
+                 "another link than `base`");
+  }
+}
+
+void mount_encoder(Site& site, StationIndex station, const JointConfiguration& joint) {
+  site.world().add(make_world_joint(station, site.link(joint.base), site.link(joint.link),
+                                    sim::JointAngle(joint.axis - 'x')));
 }
 
 }  // namespace rigwire::hil

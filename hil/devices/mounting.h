@@ -1,8 +1,11 @@
 // Sensors that several types of devices carry, put on the machine for the station of a device.
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "fields/visitor.h"
+#include "hil/devices/rig_check.h"
 #include "hil/devices/site.h"
 #include "sim/gnss/gnss_sensor.h"
 #include "sim/imu/imu_sensor.h"
@@ -18,5 +21,17 @@ void mount_antenna(Site& site, StationIndex station, const MountConfiguration& m
 void mount_inertial_unit(Site& site, StationIndex station, const MountConfiguration& mount,
                          const sim::ImuParameters& sensor,
                          const sim::MagnetometerConfiguration& magnetometer);
+
+/// A joint of the machine whose angle is read.
+struct JointConfiguration {
+  std::string base = "undercarriage";  ///< Link that carries the housing.
+  std::string link = "upper";          ///< Link that turns the shaft.
+  char axis = 'z';                     ///< Of the base link.
+};
+/// Its keys, among those of the device.
+void visit(fields::Visitor& v, JointConfiguration& p);
+/// `at`: the path of those keys.
+void check_joint(const JointConfiguration& joint, const std::string& at, RigCheck& check);
+void mount_encoder(Site& site, StationIndex station, const JointConfiguration& joint);
 
 }  // namespace rigwire::hil

@@ -2,24 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <array>
-
 #include "fields/visitor.h"
 #include "hil/devices/can_device.h"
 #include "hil/devices/rig_check.h"
 #include "hil/files/settings_file.h"
-#include "hil/world/joint.h"
 #include "protocols/canopen/rotary_encoder.h"
-#include "sim/encoder/joint_angle.h"
 
 namespace rigwire::hil {
 
-using fields::Choice;
-
 namespace {
-
-constexpr std::array<Choice<char>, 3> kEncoderAxes{
-    {{'x', "x", "Forward."}, {'y', "y", "To the left."}, {'z', "z", "Up."}}};
 
 using EncoderDevice = CanDeviceOf<emulators::RotaryEncoder, emulators::EncoderBackend>;
 
@@ -27,9 +18,7 @@ using EncoderDevice = CanDeviceOf<emulators::RotaryEncoder, emulators::EncoderBa
 
 void EncoderConfiguration::visit(fields::Visitor& v) {
   visit_node(v, bus, clock);
-  v.text("base", base, "Link of the machine that carries the housing.");
-  v.text("link", link, "Link of the machine that turns the shaft.");
-  v.choice("axis", axis, kEncoderAxes, "Axis of the base link about which the shaft turns.");
+  hil::visit(v, joint);
   emulators::visit(v, encoder);
   v.text("settings_file", settings_file,
          "What a client saved, for the next run; empty: as long as the run.");
@@ -40,12 +29,7 @@ void EncoderConfiguration::validate() const {
 }
 
 void EncoderConfiguration::check(const std::string& at, RigCheck& check) const {
-  check.link(at + ".base", base);
-  check.link(at + ".link", link);
-  if (base == link) {
-    check.report(at + ".link", "turns against itself", "\"" + link + "\"",
-                 "another link than `base`");
-  }
+  check_joint(joint, at, check);
   check.canopen_node(at, bus, encoder.node.node_id);
 }
 
@@ -56,7 +40,7 @@ std::vector<FaultWindow> EncoderConfiguration::fault_windows(std::string_view /*
 DevicePlan EncoderConfiguration::plan(const RigView& rig) const {
   return {can_wire(rig, bus, fmt::format("node {}", encoder.node.node_id)),
           fmt::format("{:.0f} frames/s", bus_share({})->frames_hz), "",
-          fmt::format("{} bits, {} against {}", encoder.resolution_bits, link, base)};
+          fmt::format("{} bits, {} against {}", encoder.resolution_bits, joint.link, joint.base)};
 }
 
 std::optional<BusShare> EncoderConfiguration::bus_share(std::string_view name) const {
@@ -90,8 +74,7 @@ std::unique_ptr<Device> EncoderConfiguration::make(Site& site) const {
   on_bus.node.bit_rate_bps = site.bus(bus).bus().settings().bit_rate_bps;
   auto device =
       std::make_unique<EncoderDevice>(site, bus, clock, on_bus, open_settings(settings_file));
-  site.world().add(make_world_joint(device->enlist(site.executive()), site.link(base),
-                                    site.link(link), sim::JointAngle(axis - 'x')));
+  mount_encoder(site, device->enlist(site.executive()), joint);
   return device;
 }
 

@@ -7,6 +7,7 @@
 #include "emulators/canopen/rotary_encoder.h"
 #include "emulators/own_clock.h"
 #include "hil/devices/device_configuration.h"
+#include "hil/devices/mounting.h"
 
 namespace rigwire::hil {
 
@@ -14,9 +15,7 @@ namespace rigwire::hil {
 struct EncoderConfiguration final : DeviceConfigurationOf<EncoderConfiguration> {
   std::string bus = "can";  ///< One of the rig's buses.
   emulators::OwnClockSettings clock;
-  std::string base = "undercarriage";  ///< Link that carries the housing.
-  std::string link = "upper";          ///< Link that turns the shaft.
-  char axis = 'z';                     ///< Of the base link.
+  JointConfiguration joint;
   emulators::RotaryEncoderSettings encoder;
   std::string settings_file;  ///< What "save" writes; empty: kept for the run.
 

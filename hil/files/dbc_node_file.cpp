@@ -34,14 +34,8 @@ namespace {
 namespace can = protocols::can;
 namespace dbc = protocols::dbc;
 namespace j1939 = protocols::j1939;
+using emulators::DbcChecksum;
 using emulators::NamedQuantity;
-
-constexpr std::array<Choice<DbcChecksumBinding>, 4> kChecksums{
-    {{DbcChecksumBinding::none, "none", "It is none."},
-     {DbcChecksumBinding::sum8, "sum8", "Sum of the other bytes, modulo 256."},
-     {DbcChecksumBinding::xor8, "xor8", "Exclusive or of the other bytes."},
-     {DbcChecksumBinding::crc8_j1850, "crc8_j1850",
-      "SAE J1850 over the other bytes: polynomial 0x1D, from 0xFF, inverted."}}};
 
 constexpr std::array<Choice<DbcSendingBinding>, 6> kSendings{
     {{DbcSendingBinding::as_file, "as_file", "As GenMsgSendType and GenMsgCycleTime say."},
@@ -87,10 +81,6 @@ std::optional<double> size_of(std::string unit, fields::Dimension dimension) {
   }
   const fields::Unit* found = fields::find_unit(unit, dimension);
   return found == nullptr ? std::nullopt : std::optional(found->numerator / found->denominator);
-}
-
-std::string full_name(const NamedQuantity& quantity) {
-  return fmt::format("{}.{}", quantity.attachment, quantity.name);
 }
 
 std::string lower(std::string text) {
@@ -247,7 +237,7 @@ class Binder {
     if (found == nullptr) {
       std::vector<std::string> names;
       for (const NamedQuantity& one : among) {
-        names.push_back(full_name(one));
+        names.push_back(one.full_name());
       }
       report(path, "no such quantity", name, names);
       return nullptr;
@@ -266,26 +256,22 @@ class Binder {
                              const NamedQuantity& quantity) {
     const auto size = size_of(row.unit, quantity.dimension);
     if (!size) {
-      report(path, "the signal's unit is none of the quantity " + full_name(quantity),
+      report(path, "the signal's unit is none of the quantity " + quantity.full_name(),
              row.unit.empty() ? "none" : "\"" + row.unit + "\"",
              fields::allowed_units(quantity.dimension) + "; layout.unit says another");
     }
     return size;
   }
 
-  bool is_checksum(const std::string& path, DbcChecksumBinding method,
-                   const can::OwnedSignal& row) {
+  bool is_checksum(const std::string& path, DbcChecksum method, const can::OwnedSignal& row) {
     const bool fits =
         row.width == 8 && !row.is_float &&
         (row.order == can::ByteOrder::little_endian ? row.bit % 8 == 0 : row.bit % 8 == 7);
-    if (method != DbcChecksumBinding::none && !fits) {
+    if (method != DbcChecksum::none && !fits) {
       report(path + ".checksum", "a checksum is a byte of its own",
              fmt::format("{} bits from bit {}", row.width, row.bit), std::string("one byte"));
     }
-    return method != DbcChecksumBinding::none && fits;
-  }
-  static emulators::DbcSum sum(DbcChecksumBinding method) {
-    return {static_cast<emulators::DbcChecksum>(static_cast<int>(method) - 1)};
+    return method != DbcChecksum::none && fits;
   }
   /// Counts through all that its bits carry.
   bool make_counter(const std::string& path, bool counter, can::OwnedSignal& row) {
@@ -358,11 +344,11 @@ class Binder {
     lay_out(row, binding.layout);
     if (!one_of(path, {{"moves", !binding.moves.empty()},
                        {"counter", binding.counter},
-                       {"checksum", binding.checksum != DbcChecksumBinding::none}})) {
+                       {"checksum", binding.checksum != DbcChecksum::none}})) {
       return;
     }
     if (is_checksum(path, binding.checksum, row)) {
-      use = sum(binding.checksum);
+      use = emulators::DbcSum{binding.checksum};
     } else if (make_counter(path, binding.counter, row)) {
       use = emulators::DbcCounter{};
     } else if (!binding.moves.empty()) {
@@ -401,7 +387,7 @@ class Binder {
                           ? std::optional(1.0)
                           : size_of(std::string(written->unit), quantity.dimension);
     if (!size || !std::isfinite(written->value)) {
-      report(path + ".safe", "no value of " + full_name(quantity), "\"" + text + "\"",
+      report(path + ".safe", "no value of " + quantity.full_name(), "\"" + text + "\"",
              "a number in " + fields::allowed_units(quantity.dimension));
       return quantity.neutral;
     }
@@ -559,12 +545,12 @@ class Binder {
     if (!one_of(path, {{"quantity", !binding.quantity.empty()},
                        {"value", !binding.value.empty()},
                        {"counter", binding.counter},
-                       {"checksum", binding.checksum != DbcChecksumBinding::none},
+                       {"checksum", binding.checksum != DbcChecksum::none},
                        {"echo", !binding.echo.empty()}})) {
       return;
     }
     if (is_checksum(path, binding.checksum, row)) {
-      shown.source = sum(binding.checksum);
+      shown.source = emulators::DbcSum{binding.checksum};
     } else if (make_counter(path, binding.counter, row)) {
       shown.start_raw = 0;
       shown.source = emulators::DbcCounter{};
@@ -665,7 +651,8 @@ void visit(fields::Visitor& v, DbcSentBinding& p) {
   v.check(shows || p.filter == Duration{0}, "filter", kShowsNone);
   v.text("value", p.value, "What it always shows: a number in its unit, or a name of the file.");
   v.boolean("counter", p.counter, "It counts frames.");
-  v.choice("checksum", p.checksum, kChecksums, "It is a checksum of the other bytes.");
+  v.choice("checksum", p.checksum, emulators::kDbcChecksums,
+           "It is a checksum of the other bytes.");
   v.text("echo", p.echo, "It repeats what came in: Message.Signal of `takes`.");
   v.section("layout", p.layout, "In place of what the DBC file says.");
 }
@@ -695,7 +682,8 @@ void visit(fields::Visitor& v, DbcTakenBinding& p) {
   v.check(moves || p.safe.empty(), "safe", kMovesNothing);
   v.check(moves || p.clip, "clip", kMovesNothing);
   v.boolean("counter", p.counter, "A frame in which it is not one more is refused.");
-  v.choice("checksum", p.checksum, kChecksums, "A frame in which it is wrong is refused.");
+  v.choice("checksum", p.checksum, emulators::kDbcChecksums,
+           "A frame in which it is wrong is refused.");
   v.section("layout", p.layout, "In place of what the DBC file says.");
 }
 
@@ -750,62 +738,6 @@ DbcNodeDescription load_dbc_node(const std::string& file) {
   }
   problems.throw_if_any();
   return device;
-}
-
-std::string markdown_table(const DbcNodeDescription& device) {
-  std::string text =
-      "| message | identifier | when | signal | bits | count | unit | shows or moves |\n"
-      "| --- | --- | --- | --- | --- | --- | --- | --- |\n";
-  const auto head = [](const can::OwnedMessage& layout) {
-    return fmt::format("| `{}` | {:0{}X} |", layout.name, layout.id, layout.extended ? 8 : 3);
-  };
-  const auto bits = [](const can::OwnedSignal& row) {
-    return fmt::format("`{}` | {}\\|{}{} | {}{} | {} |", row.name, row.bit, row.width,
-                       row.order == can::ByteOrder::little_endian ? "" : " Motorola",
-                       fields::shortest(row.scale),
-                       row.offset == 0.0 ? "" : fmt::format(" {:+g}", row.offset), row.unit);
-  };
-  const auto name = [&](std::span<const NamedQuantity> among, std::size_t index) {
-    const auto found = std::ranges::find_if(among, [&](const NamedQuantity& quantity) {
-      return quantity.attachment == device.attachment && quantity.index == index;
-    });
-    return found == among.end() ? std::string() : full_name(*found);
-  };
-  for (const emulators::DbcSentMessage& sent : device.settings.sent) {
-    std::string when =
-        sent.period > Duration{0} ? "every " + fields::print_duration(sent.period.count()) : "";
-    for (const auto& [is_it, word] :
-         {std::pair{sent.on_change, "on change"}, std::pair{sent.on_request, "on request"},
-          std::pair{sent.after.has_value(), "after another"}}) {
-      when += is_it ? (when.empty() ? "" : ", ") + std::string(word) : "";
-    }
-    for (std::size_t s = 0; s < sent.shows.size(); ++s) {
-      const emulators::DbcSource& source = sent.shows[s].source;
-      std::string shows = fmt::format("0x{:X}", sent.shows[s].start_raw);
-      if (const auto* measured = std::get_if<emulators::DbcMeasured>(&source)) {
-        shows =
-            name(emulators::measured_quantities(), device.settings.measured[measured->quantity]);
-      } else if (std::holds_alternative<emulators::DbcCounter>(source)) {
-        shows = "counter";
-      } else if (std::holds_alternative<emulators::DbcSum>(source)) {
-        shows = "checksum";
-      } else if (std::holds_alternative<emulators::DbcEcho>(source)) {
-        shows = "echo";
-      }
-      text += fmt::format("{} {} | {} {} |\n", head(sent.layout), when,
-                          bits(sent.layout.signals[s]), shows);
-    }
-  }
-  for (const emulators::DbcTakenMessage& taken : device.settings.taken) {
-    for (std::size_t s = 0; s < taken.uses.size(); ++s) {
-      if (const auto* move = std::get_if<emulators::DbcMove>(&taken.uses[s])) {
-        text +=
-            fmt::format("{} taken | {} {} |\n", head(taken.layout), bits(taken.layout.signals[s]),
-                        name(emulators::moved_quantities(), device.settings.moved[move->quantity]));
-      }
-    }
-  }
-  return text;
 }
 
 }  // namespace rigwire::hil

@@ -23,8 +23,6 @@ struct DbcLayoutBinding {
 };
 void visit(fields::Visitor& v, DbcLayoutBinding& p);
 
-enum class DbcChecksumBinding : std::uint8_t { none, sum8, xor8, crc8_j1850 };
-
 /// A signal of a message that is sent. At most one source; without any its start value.
 struct DbcSentBinding {
   std::string signal;
@@ -34,7 +32,7 @@ struct DbcSentBinding {
   Duration filter{0};    ///< Time constant.
   std::string value;     ///< A number in the signal's unit, or one of its names.
   bool counter = false;
-  DbcChecksumBinding checksum = DbcChecksumBinding::none;
+  emulators::DbcChecksum checksum = emulators::DbcChecksum::none;
   std::string echo;  ///< "Message.Signal" of one that is taken.
   DbcLayoutBinding layout;
 };
@@ -68,7 +66,7 @@ struct DbcTakenBinding {
   std::string safe;     ///< A quantity: "0 %"; empty: the neutral one.
   bool clip = true;     ///< A value beyond the signal's limits counts as the limit.
   bool counter = false;
-  DbcChecksumBinding checksum = DbcChecksumBinding::none;
+  emulators::DbcChecksum checksum = emulators::DbcChecksum::none;
   DbcLayoutBinding layout;
 };
 void visit(fields::Visitor& v, DbcTakenBinding& p);
@@ -110,8 +108,5 @@ struct DbcNodeDescription {
 /// the nearest one), units that do not belong to the quantity, quantities of several attachments,
 /// messages of which neither file says when they are sent, a quantity that two signals move.
 [[nodiscard]] DbcNodeDescription load_dbc_node(const std::string& file);
-
-/// Its messages and signals as tables in Markdown, as docs/your-own-can-device.md shows them.
-[[nodiscard]] std::string markdown_table(const DbcNodeDescription& device);
 
 }  // namespace rigwire::hil

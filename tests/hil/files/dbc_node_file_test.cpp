@@ -1,5 +1,6 @@
 // A user's own CAN device: what its two files say together, and what is said of their slips.
 #include "hil/files/dbc_node_file.h"
+#include "hil/files/dbc_node_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

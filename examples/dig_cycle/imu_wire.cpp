@@ -81,11 +81,6 @@ void ImuWire::receive(const protocols::can::Frame& frame) {
                                     acceleration->vertical_mps2);
       heard_(*link);
     }
-  } else if (identifier->pgn == openimu::kSlopePgn) {
-    const auto slope = openimu::decode<openimu::Slope>(frame);
-    if (slope.ok() && usable(slope->pitch_deg, slope->pitch_merit)) {
-      device_pitch_deg_[*link] = slope->pitch_deg;
-    }
   }
 }
 

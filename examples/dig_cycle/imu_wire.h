@@ -32,10 +32,6 @@ class ImuWire {
   /// To send now and then while addresses are unknown: asks every node to claim its address.
   [[nodiscard]] std::optional<protocols::can::Frame> question() const;
 
-  /// The device's own pitch from SSI2, degrees; for comparison in the log only.
-  [[nodiscard]] std::optional<double> device_pitch_deg(Link link) const {
-    return device_pitch_deg_[link];
-  }
   [[nodiscard]] std::optional<std::uint8_t> address(Link link) const { return addresses_[link]; }
 
  private:
@@ -46,7 +42,6 @@ class ImuWire {
   std::function<void(Link)> heard_;
   std::optional<std::array<std::uint32_t, kLinks>> identities_;
   std::array<std::optional<std::uint8_t>, kLinks> addresses_;
-  std::array<std::optional<double>, kLinks> device_pitch_deg_;
 };
 
 }  // namespace rigwire::dig_cycle

@@ -50,8 +50,4 @@ std::optional<PerJoint> reach(const Machine& machine, PlanePoint tip, double buc
   return angles;
 }
 
-double wrapped(double angle_rad) {
-  return std::remainder(angle_rad, 2.0 * std::numbers::pi);
-}
-
 }  // namespace rigwire::dig_cycle

@@ -10,13 +10,15 @@
 
 #include <array>
 #include <cstddef>
-#include <numbers>
 #include <optional>
 #include <string_view>
 
+#include "field/geometry.h"
+
 namespace rigwire::dig_cycle {
 
-inline constexpr double kDegree = std::numbers::pi / 180.0;
+using field::kDegree;
+using field::wrapped;
 
 enum Joint : std::size_t { swing, boom, stick, bucket };
 inline constexpr std::size_t kJoints = 4;
@@ -60,8 +62,5 @@ struct ArmShape {
 /// with the stick hanging (elbow up). Empty when out of reach or beyond a joint's stop.
 [[nodiscard]] std::optional<PerJoint> reach(const Machine& machine, PlanePoint tip,
                                             double bucket_rad);
-
-/// The same angle within (-pi, pi].
-[[nodiscard]] double wrapped(double angle_rad);
 
 }  // namespace rigwire::dig_cycle

@@ -182,19 +182,36 @@ void Program::work(double step_s) {
 }
 
 void Program::log(const CycleOutput& output) {
-  LogEntry entry;
-  entry.uptime_s = std::chrono::duration<double>(now()).count();
-  entry.time_of_hour_us = lidar_.time_of_hour_us();
-  entry.state = name(state_);
-  entry.phase = dig_cycle::name(cycle_.phase());
-  entry.cycles = cycle_.completed();
-  entry.belief = estimator_.belief();
-  entry.output = output;
-  entry.spool = valve_state_ ? valve_state_->spool : PerJoint{};
-  entry.gnss = gnss_.fix();
-  entry.nearest_range_m = surroundings_.nearest_range_m();
-  entry.ground_z_m = surroundings_.view().ground_z_m;
-  log_.write(to_json(entry));
+  constexpr double kPerDegree = 1.0 / kDegree;
+  const Belief belief = estimator_.belief();
+  const field::GnssFixBelief& gnss = gnss_.fix();
+  field::JsonLine line;
+  line.number("uptime_s", std::chrono::duration<double>(now()).count(), 3);
+  if (const auto time_of_hour_us = lidar_.time_of_hour_us()) {
+    line.whole("time_of_hour_us", *time_of_hour_us);
+  } else {
+    line.null("time_of_hour_us");
+  }
+  line.text("state", name(state_));
+  line.text("phase", dig_cycle::name(cycle_.phase()));
+  line.whole("cycles", static_cast<std::int64_t>(cycle_.completed()));
+  line.numbers("joints_deg", belief.angles_rad, kPerDegree, 4);
+  line.numbers("joint_rates_dps", belief.rates_radps, kPerDegree, 3);
+  line.number("chassis_pitch_deg", belief.chassis_pitch_rad * kPerDegree, 4);
+  line.numbers("targets_deg", output.target_rad, kPerDegree, 3);
+  line.numbers("openings", output.openings, 1.0, 4);
+  line.numbers("spools", valve_state_ ? valve_state_->spool : PerJoint{}, 1.0, 3);
+  line.boolean("held_by_obstacle", output.held_by_obstacle);
+  line.open("gnss");
+  line.whole("quality", gnss.quality);
+  line.number("latitude_deg", gnss.latitude_deg, 8);
+  line.number("longitude_deg", gnss.longitude_deg, 8);
+  line.number("altitude_m", gnss.altitude_m, 2);
+  line.whole("satellites", gnss.satellites);
+  line.close();
+  line.number("lidar_nearest_m", surroundings_.nearest_range_m(), 3);
+  line.number("ground_z_m", surroundings_.view().ground_z_m, 3);
+  log_.write(std::move(line).take());
 }
 
 void Program::stop(int status, const std::string& why) {

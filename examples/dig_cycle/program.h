@@ -21,7 +21,6 @@
 #include "dig_cycle/estimator.h"
 #include "dig_cycle/imu_wire.h"
 #include "dig_cycle/lidar_wire.h"
-#include "dig_cycle/log.h"
 #include "dig_cycle/options.h"
 #include "dig_cycle/sensor_watch.h"
 #include "dig_cycle/surroundings.h"
@@ -60,6 +59,8 @@ class Program {
   void work(double step_s);
   void stop(int status, const std::string& why);
   void say(const std::string& text) const;
+  /// What it believes, one JSON object per line; docs/field-program.md lists the keys. The figures
+  /// are those of the wires: nothing here knows the truth.
   void log(const CycleOutput& output);
   [[nodiscard]] std::chrono::nanoseconds now() const { return Clock::now() - started_; }
   [[nodiscard]] static std::string_view name(State state);

@@ -5,7 +5,7 @@
 #include <csignal>
 #include <cstdio>
 
-#include "field/angle.h"
+#include "field/geometry.h"
 
 namespace rigwire::field {
 namespace {

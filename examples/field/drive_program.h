@@ -16,14 +16,15 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "drivers/serial_port.h"
 #include "field/can_wire.h"
+#include "field/geometry.h"
 #include "field/gnss_wire.h"
 #include "field/json_line.h"
-#include "field/local_plane.h"
 #include "field/mission.h"
 #include "field/option_parser.h"
 #include "field/pose_estimator.h"
@@ -46,11 +47,11 @@ struct DriveOptions {
   bool help = false;
 };
 
-/// Adds the options that all driving programs share; `Options` derives from DriveOptions.
+/// Reads a program's own options and those that all driving programs share; `Options` derives from
+/// DriveOptions. Throws UsageError.
 template <class Options>
-void add_drive_setters(Setters<Options>& setters);
-template <class Options>
-void add_drive_flags(Flags<Options>& flags);
+[[nodiscard]] Options parse_drive(std::span<const std::string_view> arguments,
+                                  Setters<Options> setters);
 /// Their help.
 inline constexpr std::string_view kDriveUsage = R"(wires
   --gnss PATH             serial line of the GNSS receiver, NMEA   (/tmp/rigwire/gnss)
@@ -133,7 +134,7 @@ class DriveProgram {
 // --- templates -----------------------------------------------------------------------------------
 
 template <class Options>
-void add_drive_setters(Setters<Options>& setters) {
+Options parse_drive(std::span<const std::string_view> arguments, Setters<Options> setters) {
   const auto address = [](std::uint8_t VehicleWireSettings::*member) {
     return [member](Options& o, std::string_view n, std::string_view v) {
       o.vehicle.*member = static_cast<std::uint8_t>(whole(n, v, 0xFD, "a J1939 address, 0..0xFD"));
@@ -161,13 +162,9 @@ void add_drive_setters(Setters<Options>& setters) {
   };
   setters["--log"] = [](Options& o, auto, auto v) { o.log = v; };
   setters["--duration"] = [](Options& o, auto n, auto v) { o.duration = seconds(n, v); };
-}
-
-template <class Options>
-void add_drive_flags(Flags<Options>& flags) {
-  flags["--help"] = static_cast<bool Options::*>(&DriveOptions::help);
-  flags["-h"] = static_cast<bool Options::*>(&DriveOptions::help);
-  flags["--quiet"] = static_cast<bool Options::*>(&DriveOptions::quiet);
+  const Flags<Options> flags{
+      {"--help", &Options::help}, {"-h", &Options::help}, {"--quiet", &Options::quiet}};
+  return parse(arguments, setters, flags);
 }
 
 }  // namespace rigwire::field

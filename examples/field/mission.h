@@ -1,6 +1,7 @@
 // What a driving field program decides: orders from beliefs. Knows neither wires nor clocks.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 
@@ -9,6 +10,22 @@
 #include "field/vehicle_wire.h"
 
 namespace rigwire::field {
+
+/// A vehicle that does not move for 15 s, asked to, is stuck.
+class StuckWatch {
+ public:
+  /// Slower than this is not moving.
+  explicit StuckWatch(double moving_mps) : moving_mps_(moving_mps) {}
+  void update(double wish_mps, double speed_mps, double step_s) {
+    const bool held = std::abs(wish_mps) > moving_mps_ && std::abs(speed_mps) < moving_mps_;
+    held_s_ = held ? held_s_ + step_s : 0.0;
+  }
+  [[nodiscard]] bool stuck() const { return held_s_ > 15.0; }
+
+ private:
+  double moving_mps_;
+  double held_s_ = 0.0;
+};
 
 class Mission {
  public:

@@ -3,6 +3,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <cstdio>
+#include <exception>
 #include <functional>
 #include <map>
 #include <span>
@@ -77,6 +79,32 @@ template <class Options>
     setter->second(options, read.name, read.value);
   }
   return options;
+}
+
+/// What main() of a field program does: reads the options, helps, runs, and turns what is thrown
+/// into a message and an exit status. `run` is given the options and returns the status.
+template <class Parse, class Run>
+[[nodiscard]] int run_program(const char* name, int count, char** values, Parse parse_options,
+                              std::string_view usage, Run run) {
+  const auto complain = [name](const std::exception& error, ExitStatus status) {
+    (void)std::fprintf(stderr, "%s: %s\n", name, error.what());
+    return status;
+  };
+  try {
+    const std::vector<std::string_view> arguments(values + 1, values + count);
+    const auto options = parse_options(arguments);
+    if (options.help) {
+      (void)std::fwrite(usage.data(), 1, usage.size(), stdout);
+      return exit_done;
+    }
+    return run(options);
+  } catch (const UsageError& error) {
+    return complain(error, exit_usage);
+  } catch (const std::invalid_argument& error) {
+    return complain(error, exit_usage);
+  } catch (const std::exception& error) {
+    return complain(error, exit_wire);
+  }
 }
 
 }  // namespace rigwire::field

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "field/angle.h"
+#include "field/geometry.h"
 
 namespace rigwire::field {
 namespace {

@@ -16,7 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "field/local_plane.h"
+#include "field/geometry.h"
 
 namespace rigwire::field {
 

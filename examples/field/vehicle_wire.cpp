@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "field/angle.h"
+#include "field/geometry.h"
 #include "protocols/j1939/message.h"
 #include "protocols/openimu/messages.h"
 #include "protocols/vehicle/brake.h"

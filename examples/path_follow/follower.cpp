@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-#include <string>
 #include <utility>
 
-#include "field/angle.h"
+#include "field/geometry.h"
+#include "field/require.h"
 
 namespace rigwire::path_follow {
 namespace {
@@ -22,13 +21,7 @@ constexpr double kWindow_m = 6.0;
 }  // namespace
 
 void FollowerSettings::validate() const {
-  const auto require = [](double value, double lower, double upper, const char* member) {
-    if (!(value >= lower && value <= upper)) {
-      throw std::invalid_argument(std::string("follower: ") + member + " is " +
-                                  std::to_string(value) + ", allowed " + std::to_string(lower) +
-                                  " to " + std::to_string(upper));
-    }
-  };
+  const auto require = [](auto... check) { field::require_between("follower", check...); };
   require(cruise_mps, 0.1, 30.0, "cruise_mps");
   require(acceleration_mps2, 0.01, 10.0, "acceleration_mps2");
   require(braking_mps2, 0.01, 10.0, "braking_mps2");

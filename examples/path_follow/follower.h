@@ -2,7 +2,7 @@
 // that the path's curvature, the way that is left and the deviation allow.
 #pragma once
 
-#include "field/polyline.h"
+#include "field/geometry.h"
 #include "field/pose_estimator.h"
 
 namespace rigwire::path_follow {

@@ -1,43 +1,81 @@
 // path_follow: a field program. It knows wires only: NMEA on a serial line, J1939 and ISO 11783
 // frames on CAN. Whether a real vehicle or an emulated one is at the other ends, it cannot tell.
 #include <boost/asio/io_context.hpp>
-#include <cstdio>
-#include <exception>
-#include <stdexcept>
-#include <string_view>
-#include <vector>
+#include <string>
 
 #include "field/drive_program.h"
-#include "path_follow/options.h"
+#include "field/geometry.h"
 #include "path_follow/path_file.h"
 #include "path_follow/path_mission.h"
 
+namespace rigwire::path_follow {
+namespace {
+
+struct Options : field::DriveOptions {
+  std::string path;
+  PathMissionSettings mission;
+};
+
+field::Setters<Options> make_setters() {
+  using field::number;
+  field::Setters<Options> setters;
+  setters["--path"] = [](Options& o, auto, auto v) { o.path = v; };
+  setters["--speed"] = [](Options& o, auto n, auto v) {
+    o.mission.follower.cruise_mps = number(n, v, 0.3, 15, "m/s, 0.3..15");
+  };
+  setters["--laps"] = [](Options& o, auto n, auto v) {
+    o.mission.follower.laps = number(n, v, 0, 1e6, "a number, 0 = for ever");
+  };
+  setters["--gear"] = [](Options& o, auto n, auto v) {
+    o.mission.gear = static_cast<int>(field::whole(n, v, 8, "a gear, 1..8"));
+  };
+  setters["--off-path"] = [](Options& o, auto n, auto v) {
+    o.mission.follower.off_path_m = number(n, v, 0.2, 100, "metres, 0.2..100");
+  };
+  setters["--heading"] = [](Options& o, auto n, auto v) {
+    o.mission.start_heading_rad =
+        field::turned_compass(number(n, v, -360, 360, "degrees, -360..360") * field::kDegree);
+  };
+  return setters;
+}
+
+Options parse_options(std::span<const std::string_view> arguments) {
+  Options options = field::parse_drive(arguments, make_setters());
+  if (options.path.empty() && !options.help) {
+    throw field::UsageError("--path: missing, allowed a file of latitudes and longitudes");
+  }
+  return options;
+}
+
+const std::string kUsage =
+    std::string(R"(path_follow: drives a vehicle along a path by GNSS, odometry and a yaw gyroscope.
+
+usage: path_follow --path FILE [options]
+
+work
+  --path FILE             "latitude,longitude" lines; a line "closed" joins the ends
+  --speed V               at most, m/s                             (2)
+  --laps N                of a closed path, 0 = for ever           (1)
+  --gear N                to drive in; chosen by the speed when not given
+  --off-path M            farther off than this it stops           (3.5)
+  --heading DEG           compass heading at the start; along the path when not given
+)") +
+    std::string(field::kDriveUsage) +
+    "example: path_follow --path configs/paths/forest_track.csv --log /tmp/driven.jsonl\n";
+
+int run(const Options& options) {
+  const PathFile file = load_path(options.path);
+  const field::LocalPlane plane(file.points.front());
+  PathMission mission(to_polyline(file, plane), options.mission);
+  boost::asio::io_context context(1);
+  return field::DriveProgram(context, "path_follow", options, plane, mission).run();
+}
+
+}  // namespace
+}  // namespace rigwire::path_follow
+
 int main(int count, char** values) {
   using namespace rigwire;
-  const auto complain = [](const std::exception& error) {
-    (void)std::fprintf(stderr, "path_follow: %s\n", error.what());
-  };
-  try {
-    const std::vector<std::string_view> arguments(values + 1, values + count);
-    const path_follow::Options options = path_follow::parse_options(arguments);
-    if (options.help) {
-      (void)std::fputs(path_follow::usage().c_str(), stdout);
-      return field::exit_done;
-    }
-    const path_follow::PathFile file = path_follow::load_path(options.path);
-    const field::LocalPlane plane(file.points.front());
-    path_follow::PathMission mission(path_follow::to_polyline(file, plane), options.mission);
-    boost::asio::io_context context(1);
-    field::DriveProgram program(context, "path_follow", options, plane, mission);
-    return program.run();
-  } catch (const field::UsageError& error) {
-    complain(error);
-    return field::exit_usage;
-  } catch (const std::invalid_argument& error) {
-    complain(error);
-    return field::exit_usage;
-  } catch (const std::exception& error) {
-    complain(error);
-    return field::exit_wire;
-  }
+  return field::run_program("path_follow", count, values, path_follow::parse_options,
+                            path_follow::kUsage, path_follow::run);
 }

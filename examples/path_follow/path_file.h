@@ -6,8 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "field/local_plane.h"
-#include "field/polyline.h"
+#include "field/geometry.h"
 
 namespace rigwire::path_follow {
 

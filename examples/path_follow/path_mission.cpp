@@ -4,15 +4,12 @@
 #include <cstdio>
 #include <utility>
 
-#include "field/angle.h"
+#include "field/geometry.h"
 
 namespace rigwire::path_follow {
 namespace {
 
 constexpr double kHaltBrake_mps2 = 2.5;
-/// A vehicle that does not move for this long, asked to, is stuck.
-constexpr double kStuck_s = 15.0;
-constexpr double kMoving_mps = 0.1;
 
 }  // namespace
 
@@ -37,7 +34,7 @@ field::VehicleOrders PathMission::update(const field::Pose& pose,
       speed_.update(wanted.speed_mps, pose.speed_mps, readings.engine_speed_radps, in_gear, step_s);
   wish_mps_ = wanted.speed_mps;
   last_curvature_1pm_ = wanted.curvature_1pm;
-  stuck_s_ = std::abs(pose.speed_mps) < kMoving_mps ? stuck_s_ + step_s : 0.0;
+  stuck_.update(wanted.speed_mps, pose.speed_mps, step_s);
   field::VehicleOrders orders;
   orders.engine_speed_radps = speed.engine_radps;
   orders.gear = speed_.gear();
@@ -64,7 +61,7 @@ std::optional<std::string> PathMission::fault() const {
                         std::abs(follower_.offset_m()), settings_.follower.off_path_m);
     return text;
   }
-  if (stuck_s_ > kStuck_s) {
+  if (stuck_.stuck()) {
     return "the vehicle does not move";
   }
   return std::nullopt;

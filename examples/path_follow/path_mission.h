@@ -35,7 +35,7 @@ class PathMission final : public field::Mission {
   Follower follower_;
   SpeedControl speed_;
   double wish_mps_ = 0.0;
-  double stuck_s_ = 0.0;
+  field::StuckWatch stuck_{0.1};
   double last_curvature_1pm_ = 0.0;
 };
 

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
-#include "field/angle.h"
+#include "field/geometry.h"
+#include "field/require.h"
 
 namespace rigwire::roll_lane {
 namespace {
@@ -20,13 +19,7 @@ constexpr double kCourseLimit_rad = 0.5;
 }  // namespace
 
 void LaneControlSettings::validate() const {
-  const auto require = [](double value, double lower, double upper, const char* member) {
-    if (!(value >= lower && value <= upper)) {
-      throw std::invalid_argument(std::string("lane control: ") + member + " is " +
-                                  std::to_string(value) + ", allowed " + std::to_string(lower) +
-                                  " to " + std::to_string(upper));
-    }
-  };
+  const auto require = [](auto... check) { field::require_between("lane control", check...); };
   require(speed_mps, 0.2, 4.0, "speed_mps");
   require(acceleration_mps2, 0.01, 5.0, "acceleration_mps2");
   require(braking_mps2, 0.01, 5.0, "braking_mps2");

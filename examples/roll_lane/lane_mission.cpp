@@ -4,15 +4,12 @@
 #include <cmath>
 #include <cstdio>
 
-#include "field/angle.h"
+#include "field/geometry.h"
 
 namespace rigwire::roll_lane {
 namespace {
 
 constexpr double kHaltBrake_mps2 = 1.5;
-/// A machine that does not move for this long, asked to, is stuck.
-constexpr double kStuck_s = 15.0;
-constexpr double kMoving_mps = 0.05;
 
 }  // namespace
 
@@ -29,8 +26,7 @@ field::VehicleOrders LaneMission::update(const field::Pose& pose, const field::V
                                          double step_s) {
   const LaneOutput wanted = control_.update(pose, step_s);
   crab_rad_ = wanted.crab_rad;
-  const bool asked = std::abs(wanted.speed_mps) > kMoving_mps;
-  stuck_s_ = asked && std::abs(pose.speed_mps) < kMoving_mps ? stuck_s_ + step_s : 0.0;
+  stuck_.update(wanted.speed_mps, pose.speed_mps, step_s);
   field::VehicleOrders orders;
   orders.travel_speed_mps = wanted.speed_mps;
   orders.curvature_1pm = wanted.curvature_1pm;
@@ -64,7 +60,7 @@ std::optional<std::string> LaneMission::fault() const {
                         std::abs(control_.offset_m()), settings_.control.off_line_m);
     return text;
   }
-  if (stuck_s_ > kStuck_s) {
+  if (stuck_.stuck()) {
     return "the machine does not move";
   }
   return std::nullopt;

@@ -33,7 +33,7 @@ class LaneMission final : public field::Mission {
   LaneMissionSettings settings_;
   LaneControl control_;
   double crab_rad_ = 0.0;
-  double stuck_s_ = 0.0;
+  field::StuckWatch stuck_{0.05};
 };
 
 }  // namespace rigwire::roll_lane

@@ -2,19 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
+
+#include "field/require.h"
 
 namespace rigwire::roll_lane {
 namespace {
-
-void require(double value, double lower, double upper, const char* member) {
-  if (!(value >= lower && value <= upper)) {
-    throw std::invalid_argument(std::string("lanes: ") + member + " is " + std::to_string(value) +
-                                ", allowed " + std::to_string(lower) + " to " +
-                                std::to_string(upper));
-  }
-}
 
 /// From 0 to 1 with the first and second derivative 0 at both ends.
 struct Blend {
@@ -36,6 +28,7 @@ Blend blend(double t) {
 }  // namespace
 
 void LaneSettings::validate() const {
+  const auto require = [](auto... check) { field::require_between("lanes", check...); };
   require(lanes, 1, 1000, "lanes");
   require(length_m, 5.0, 5000.0, "length_m");
   require(transition_m, 2.0, length_m, "transition_m");

@@ -5,9 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "field/angle.h"
-#include "field/local_plane.h"
-#include "field/polyline.h"
+#include "field/geometry.h"
 #include "path_follow/path_file.h"
 
 namespace rigwire::field {

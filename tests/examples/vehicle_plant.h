@@ -7,8 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "field/angle.h"
-#include "field/local_plane.h"
+#include "field/geometry.h"
 
 namespace rigwire::field {
 

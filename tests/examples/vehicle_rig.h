@@ -12,7 +12,7 @@
 #include "drivers/pty.h"
 #include "drivers/slcan_adapter.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
-#include "field/local_plane.h"
+#include "field/geometry.h"
 #include "vehicle_plant.h"
 
 namespace rigwire::field {

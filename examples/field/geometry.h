@@ -1,14 +1,56 @@
-// A path as a chain of points in the plane: place along it, direction and curvature.
+// Angles, places and paths of field programs, in a plane: metres east and north, angles in rad,
+// left positive from east; compass courses are clockwise from north.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <optional>
 #include <vector>
 
-#include "field/local_plane.h"
-
 namespace rigwire::field {
 
+inline constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// The same angle within [-pi, pi].
+[[nodiscard]] inline double wrapped(double angle_rad) {
+  return std::remainder(angle_rad, 2.0 * std::numbers::pi);
+}
+/// Between compass and left from east, either way.
+[[nodiscard]] inline double turned_compass(double angle_rad) {
+  return wrapped(0.5 * std::numbers::pi - angle_rad);
+}
+
+struct LatLon {
+  double latitude_deg = 0.0;
+  double longitude_deg = 0.0;
+};
+
+struct PlanePosition {
+  double east_m = 0.0;
+  double north_m = 0.0;
+};
+
+/// Latitude and longitude as metres east and north of a reference point: radii of curvature of the
+/// WGS-84 ellipsoid at the reference, the parallel's at the point itself. Within 2 km the error
+/// stays below 1 cm at heights up to 500 m.
+class LocalPlane {
+ public:
+  /// `height_m` above the ellipsoid.
+  explicit LocalPlane(const LatLon& reference, double height_m = 0.0);
+
+  [[nodiscard]] PlanePosition to_plane(const LatLon& point) const;
+  [[nodiscard]] LatLon to_geodetic(const PlanePosition& position) const;
+
+ private:
+  LatLon reference_;
+  double height_m_;
+  double metres_per_degree_north_;
+
+  [[nodiscard]] double metres_per_degree_east(double latitude_deg) const;
+};
+
+/// A path as a chain of points in the plane: place along it, direction and curvature.
 class Polyline {
  public:
   /// Throws std::invalid_argument with fewer than two points (three when closed), points that are

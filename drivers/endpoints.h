@@ -31,7 +31,7 @@ class EndpointError : public std::runtime_error {
 struct EndpointStatus {
   std::string address;          ///< What a client opens: "/tmp/rigwire/gnss", "udp 127.0.0.1:2368".
   bool client_present = false;  ///< Somebody has it open, is connected, or has answered.
-  /// Programs that share a line with one plug; 0: not known, or nobody (drivers/line_readers.h).
+  /// Programs that share a line with one plug; 0: not known, or nobody (drivers/line_watch.h).
   unsigned readers = 0;
   unsigned further_ports = 0;  ///< Open beside `address`, under its name with ".1", ".2" ...
 };

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/parser.hpp>
@@ -12,7 +11,6 @@
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/version.hpp>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -27,15 +25,6 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 namespace {
-
-template <class Number>
-void check(const char* setting, Number value, Number lower, Number upper) {
-  if (value < lower || value > upper) {
-    throw std::invalid_argument(std::string("http server ") + setting + ": found " +
-                                std::to_string(value) + ", allowed " + std::to_string(lower) +
-                                " .. " + std::to_string(upper));
-  }
-}
 
 /// The server's own answer to what is no request; nothing when there is nobody to answer.
 std::optional<HttpResponse> complaint(const error_code& error) {
@@ -54,20 +43,16 @@ std::optional<HttpResponse> complaint(const error_code& error) {
 
 }  // namespace
 
-/// Shared with the handlers that the io_context still holds when the server is destroyed.
-struct HttpServer::State : std::enable_shared_from_this<State> {
+struct HttpServer::State : Listening, std::enable_shared_from_this<State> {
   State(asio::io_context& context, HttpServerSettings wanted)
-      : settings(std::move(wanted)), acceptor(context), retry(context) {}
+      : Listening(context), settings(std::move(wanted)) {}
 
   void admit(tcp::socket socket);
 
   HttpServerSettings settings;
-  tcp::acceptor acceptor;
-  asio::steady_timer retry;
   Handler handler;
   std::vector<std::shared_ptr<Session>> sessions;
   std::uint64_t requests = 0;
-  bool stopped = false;
 };
 
 /// One connection: read a request, answer it, read the next.
@@ -233,10 +218,13 @@ void HttpServer::State::admit(tcp::socket socket) {
 }
 
 HttpServer::HttpServer(asio::io_context& context, const HttpServerSettings& settings) {
-  check<std::size_t>("clients_max", settings.clients_max, 1, 1024);
-  check<std::size_t>("header_bytes", settings.header_bytes, 256, std::size_t{64} << 10U);
-  check<std::size_t>("body_bytes", settings.body_bytes, 256, std::size_t{16} << 20U);
-  check<std::int64_t>("patience in ms", settings.patience.count(), 1, 3'600'000);
+  constexpr const char* kServer = "http server";
+  check_setting<std::size_t>(kServer, "clients_max", settings.clients_max, 1, 1024);
+  check_setting<std::size_t>(kServer, "header_bytes", settings.header_bytes, 256,
+                             std::size_t{64} << 10U);
+  check_setting<std::size_t>(kServer, "body_bytes", settings.body_bytes, 256,
+                             std::size_t{16} << 20U);
+  check_setting<std::int64_t>(kServer, "patience in ms", settings.patience.count(), 1, 3'600'000);
   auto state = std::make_shared<State>(context, settings);
   state->settings.port =
       listen(state->acceptor, "http", settings.address, settings.port, settings.allow_remote);
@@ -244,10 +232,7 @@ HttpServer::HttpServer(asio::io_context& context, const HttpServerSettings& sett
 }
 
 HttpServer::~HttpServer() {
-  state_->stopped = true;
-  error_code ignored;
-  state_->acceptor.close(ignored);
-  state_->retry.cancel(ignored);
+  state_->stop();
   for (const auto& session : std::exchange(state_->sessions, {})) {
     session->end();
   }

@@ -5,6 +5,8 @@
 // start(). Deterministic for tests: look() does by hand what the thread does every period.
 #pragma once
 
+#include <sys/types.h>
+
 #include <atomic>
 #include <boost/asio/execution_context.hpp>
 #include <boost/asio/io_context.hpp>
@@ -14,6 +16,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -21,6 +24,21 @@
 #include "drivers/published_link.h"
 
 namespace rigwire::drivers {
+
+/// Who holds a pseudo-terminal open: a serial line has one plug, and several programs that read one
+/// share its bytes as the kernel deals them out.
+struct LineReader {
+  pid_t process = 0;
+  std::string program;  ///< As the kernel names it, 15 characters at most.
+};
+
+/// The processes but this one that hold each of `terminals` ("/dev/pts/3") open. A process whose
+/// ancestor holds it, too, has inherited it and counts with that one. Takes milliseconds, in
+/// proportion to the descriptors that all these processes have open. Found by what /proc tells of
+/// processes: a user of his own ones only, root of all, both of those in their PID namespace; a
+/// program of another user is not seen. Linux.
+[[nodiscard]] std::vector<std::vector<LineReader>> readers_of(
+    std::span<const std::string> terminals);
 
 /// What a line and its watch share.
 struct WatchedLine {

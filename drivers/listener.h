@@ -3,10 +3,13 @@
 #pragma once
 
 #include <boost/asio/error.hpp>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -23,9 +26,37 @@ namespace rigwire::drivers {
 std::uint16_t listen(boost::asio::ip::tcp::acceptor& acceptor, std::string_view protocol,
                      const std::string& address, std::uint16_t port, bool allow_remote);
 
-/// Hands one client after the other to server->admit(socket), until server->stopped. `Server` has
-/// an `acceptor` that listens, a steady timer `retry`, and is kept alive meanwhile. When the system
-/// has no descriptors left it goes on every 100 ms.
+/// Throws std::invalid_argument unless the setting of that server lies between.
+template <class Number>
+void check_setting(const char* server, const char* setting, Number value, Number lower,
+                   Number upper) {
+  if (value < lower || value > upper) {
+    throw std::invalid_argument(std::string(server) + " " + setting + ": found " +
+                                std::to_string(value) + ", allowed " + std::to_string(lower) +
+                                " .. " + std::to_string(upper));
+  }
+}
+
+/// What lets clients in; the base of a server's state, which the handlers that the io_context still
+/// holds share when the server is destroyed.
+struct Listening {
+  explicit Listening(boost::asio::io_context& context) : acceptor(context), retry(context) {}
+  /// Nobody is let in any more.
+  void stop() {
+    stopped = true;
+    boost::system::error_code ignored;
+    acceptor.close(ignored);
+    retry.cancel(ignored);
+  }
+
+  boost::asio::ip::tcp::acceptor acceptor;
+  boost::asio::steady_timer retry;
+  bool stopped = false;
+};
+
+/// Hands one client after the other to server->admit(socket), until server->stopped. `Server` is
+/// Listening, and is kept alive meanwhile. When the system has no descriptors left it goes on every
+/// 100 ms.
 template <class Server>
 void accept_clients(const std::shared_ptr<Server>& server) {
   server->acceptor.async_accept(

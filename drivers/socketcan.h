@@ -70,7 +70,6 @@ class SocketCanBus final : public CanBus {
   [[nodiscard]] EndpointStatus status() const override;
 
   [[nodiscard]] const SocketCanCounters& counters() const { return counters_; }
-  [[nodiscard]] const CanTransmitCounters& transmit_counters() const { return queue_.counters(); }
   /// As last seen; a downed interface that came up is noticed with the next frame or status().
   [[nodiscard]] CanLink link() const { return queue_.link(); }
 

@@ -26,6 +26,7 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <cstdint>
@@ -117,6 +118,27 @@ class SocketcandServer final : public CanBus {
   std::deque<Sent> waiting_;
   protocols::socketcand::Statistics statistics_;
   Stamp newest_stamp_{0};
+  std::shared_ptr<char> alive_ = std::make_shared<char>();
+};
+
+/// The datagram by which a socketcand makes itself known: every three seconds to UDP port 42000 of
+/// its network's broadcast address.
+class SocketcandBeacon {
+ public:
+  static constexpr std::chrono::seconds kPeriod{3};
+
+  /// Of a server at `address`, a numeric IPv4 address of this machine, and `port`. Throws
+  /// EndpointError. What the system does not send is not sent.
+  SocketcandBeacon(boost::asio::io_context& context, const std::string& address, std::uint16_t port,
+                   const std::vector<std::string>& buses);
+
+ private:
+  void send();
+
+  boost::asio::ip::udp::socket socket_;
+  boost::asio::ip::udp::endpoint everybody_;
+  boost::asio::steady_timer timer_;
+  std::string text_;
   std::shared_ptr<char> alive_ = std::make_shared<char>();
 };
 

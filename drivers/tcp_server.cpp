@@ -8,11 +8,9 @@
 #include <array>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 #include <chrono>
 #include <optional>
-#include <stdexcept>
 #include <vector>
 
 #include "drivers/listener.h"
@@ -24,14 +22,6 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 namespace {
-
-void check(const char* setting, std::size_t value, std::size_t lower, std::size_t upper) {
-  if (value < lower || value > upper) {
-    throw std::invalid_argument(std::string("tcp server ") + setting + ": found " +
-                                std::to_string(value) + ", allowed " + std::to_string(lower) +
-                                " .. " + std::to_string(upper));
-  }
-}
 
 /// A vanished peer is found out after 10 s + 4 * 5 s.
 void set_keep_alive(tcp::socket& socket) {
@@ -47,8 +37,7 @@ void set_keep_alive(tcp::socket& socket) {
 
 }  // namespace
 
-/// Shared with the handlers that the io_context still holds when the server is destroyed.
-struct TcpServer::State : std::enable_shared_from_this<State> {
+struct TcpServer::State : Listening, std::enable_shared_from_this<State> {
   struct Client {
     Client(ConnectionId number, tcp::socket accepted) : id(number), socket(std::move(accepted)) {}
     ConnectionId id;
@@ -63,15 +52,12 @@ struct TcpServer::State : std::enable_shared_from_this<State> {
   using ClientPointer = std::shared_ptr<Client>;
 
   State(asio::io_context& context, TcpServerSettings wanted)
-      : settings(std::move(wanted)), acceptor(context), retry(context) {}
+      : Listening(context), settings(std::move(wanted)) {}
 
   TcpServerSettings settings;
-  tcp::acceptor acceptor;
-  asio::steady_timer retry;
   Handler handler;
   std::vector<ClientPointer> clients;
   ConnectionId next_id = 1;
-  bool stopped = false;
 
   ClientPointer find(ConnectionId id) const {
     const auto found = std::ranges::find(clients, id, [](const auto& c) { return c->id; });
@@ -200,19 +186,18 @@ struct TcpServer::State : std::enable_shared_from_this<State> {
 };
 
 TcpServer::TcpServer(asio::io_context& context, const TcpServerSettings& settings) {
-  check("clients_max", settings.clients_max, 1, 1024);
-  check("backlog_bytes", settings.backlog_bytes, 1024, std::size_t{16} << 20U);
+  check_setting<std::size_t>("tcp server", "clients_max", settings.clients_max, 1, 1024);
+  check_setting<std::size_t>("tcp server", "backlog_bytes", settings.backlog_bytes, 1024,
+                             std::size_t{16} << 20U);
   state_ = std::make_shared<State>(context, settings);
   state_->settings.port =
       listen(state_->acceptor, "tcp", settings.address, settings.port, settings.allow_remote);
 }
 
 TcpServer::~TcpServer() {
-  state_->stopped = true;
+  state_->stop();
   state_->handler = {};
   error_code ignored;
-  state_->acceptor.close(ignored);
-  state_->retry.cancel(ignored);
   for (const auto& client : state_->clients) {
     client->ended = true;
     client->socket.shutdown(tcp::socket::shutdown_both, ignored);

@@ -2,9 +2,13 @@
 
 // The kernel's own header: <termios.h> cannot be included beside it.
 #include <asm/termbits.h>
+#include <fcntl.h>
+#include <linux/tty.h>
 #include <sys/ioctl.h>
 
 #include <cstring>
+
+#include "drivers/descriptor.h"
 
 namespace rigwire::drivers {
 
@@ -43,6 +47,12 @@ std::optional<std::uint32_t> terminal_baud(int descriptor) {
 
 void discard_terminal_input(int descriptor) {
   (void)::ioctl(descriptor, TCFLSH, TCIFLUSH);
+}
+
+bool slcan_attached(const std::string& terminal) {
+  const Descriptor line(::open(terminal.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  int discipline = 0;
+  return line.open() && ::ioctl(line.get(), TIOCGETD, &discipline) == 0 && discipline == N_SLCAN;
 }
 
 }  // namespace rigwire::drivers

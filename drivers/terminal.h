@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 namespace rigwire::drivers {
 
@@ -19,5 +20,9 @@ namespace rigwire::drivers {
 
 /// Throws away what has arrived and was not read.
 void discard_terminal_input(int descriptor);
+
+/// Whether the kernel's slcan driver is attached to this terminal, as slcand attaches it. False
+/// when the terminal cannot be opened.
+[[nodiscard]] bool slcan_attached(const std::string& terminal);
 
 }  // namespace rigwire::drivers

@@ -9,6 +9,11 @@ class Checker final : public Visitor {
  public:
   void required(std::string_view) override {}
   void refused(std::string_view, std::string_view) override {}
+  void conditional(bool holds, std::string_view, std::string_view, const Part& keys) override {
+    if (holds) {
+      keys.show(*this);
+    }
+  }
   void check(bool holds, std::string_view key, const std::string& what, const std::string& found,
              const std::string& allowed) override {
     if (!holds) {
@@ -50,7 +55,7 @@ class Checker final : public Visitor {
   void boolean(std::string_view, bool&, std::string_view) override {}
   void text(std::string_view, std::string&, std::string_view) override {}
   void texts(std::string_view, std::vector<std::string>&, std::string_view) override {}
-  void file(std::string_view, std::string&, std::string_view) override {}
+  void file(std::string_view, std::string&, FileKind, std::string_view) override {}
   void duration(std::string_view key, std::chrono::nanoseconds& value, const DurationRule& rule,
                 std::string_view) override {
     if (!rule.contains(value.count())) {

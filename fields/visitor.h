@@ -13,9 +13,10 @@
 //
 // `visit` and `validate` are free functions in the structure's own namespace, declared under it and
 // defined in its source. The member's value at construction is the field's default. A visit
-// function may leave out keys by what other members hold (`if (model.has_web) v.section(...)`);
-// keys that are then without meaning it says to be refused(). It must not depend on a key that it
-// names only later, and leaves the structure as it was when the visitor changes nothing.
+// function may leave out keys by what the device is (`if (model.has_web) v.section(...)`); keys
+// that only some values of another key give a meaning it names in only_if(). It must not depend on
+// a key that it names only later, and leaves the structure as it was when the visitor changes
+// nothing.
 #pragma once
 
 #include <algorithm>
@@ -108,6 +109,16 @@ struct Spelling {
   std::function<void(const std::string&)> parse;  ///< Throws std::invalid_argument.
 };
 
+/// What a file is, for whoever must know all that it brings in.
+enum class FileKind {
+  data,       ///< It stands for itself.
+  mesh,       ///< Triangles, with the files of its materials, textures and buffers.
+  geoid,      ///< A grid of geoid heights; without a name the one that is installed.
+  valve_map,  ///< YAML, which may include others, as the next.
+  dbc_node,   ///< A binding, which names a DBC file.
+  memory,     ///< What a device has saved: it need not be there, and a run may write it.
+};
+
 inline constexpr std::size_t kNoChoice = std::numeric_limits<std::size_t>::max();
 
 /// Keys are unique within a structure. Every function may change the member.
@@ -117,8 +128,11 @@ class Visitor {
 
   /// The next call is for this key, and a file must write it.
   virtual void required(std::string_view key) = 0;
-  /// The key means nothing with what was chosen before; `why` says so.
+  /// The key means nothing here, whatever was chosen; `why` says so.
   virtual void refused(std::string_view key, std::string_view why) = 0;
+  /// See only_if().
+  virtual void conditional(bool holds, std::string_view choice, std::string_view needs,
+                           const Part& keys) = 0;
   /// Of one key, by what several members hold: wrong unless it `holds`.
   virtual void check(bool holds, std::string_view key, const std::string& what,
                      const std::string& found = {}, const std::string& allowed = {}) = 0;
@@ -142,8 +156,9 @@ class Visitor {
   virtual void texts(std::string_view key, std::vector<std::string>& values,
                      std::string_view text) = 0;
   /// An existing file, relative to the file that names it; empty: none. The member holds the full
-  /// path.
-  virtual void file(std::string_view key, std::string& value, std::string_view text) = 0;
+  /// path. Of a memory the path as it is written.
+  virtual void file(std::string_view key, std::string& value, FileKind kind,
+                    std::string_view text) = 0;
   /// A span of time, exact to the nanosecond.
   virtual void duration(std::string_view key, std::chrono::nanoseconds& value,
                         const DurationRule& rule, std::string_view text) = 0;
@@ -185,6 +200,11 @@ class Visitor {
   /// Keys under a key of their own that are no structure: `keys(v)` names them.
   template <std::invocable<Visitor&> Keys>
   void group(std::string_view key, Keys keys, std::string_view text);
+  /// The keys that `keys(v)` names have an effect only while it `holds`, which the key `choice`
+  /// beside them decides; `needs` is what it must be, as a file writes it: "pumps: engine". A file
+  /// that writes such a key in vain is refused; one that includes it and chooses otherwise is not.
+  template <std::invocable<Visitor&> Keys>
+  void only_if(bool holds, std::string_view choice, std::string_view needs, Keys keys);
   template <class Struct>
   void list(std::string_view key, std::vector<Struct>& values, std::string_view text);
   template <class Struct>
@@ -361,6 +381,12 @@ template <std::invocable<Visitor&> Keys>
 void Visitor::group(std::string_view key, Keys keys, std::string_view text) {
   detail::Group<Keys> group{std::move(keys)};
   part(key, Part::of(group), text);
+}
+
+template <std::invocable<Visitor&> Keys>
+void Visitor::only_if(bool holds, std::string_view choice, std::string_view needs, Keys keys) {
+  detail::Group<Keys> group{std::move(keys)};
+  conditional(holds, choice, needs, Part::of(group));
 }
 
 template <class Struct>

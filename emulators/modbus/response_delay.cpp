@@ -22,10 +22,20 @@ constexpr std::array<fields::Choice<DelayDistribution>, 3> kDistributions{
 void visit(fields::Visitor& v, ResponseDelaySettings& p) {
   constexpr fields::DurationRule kRule{0, 10'000'000'000};
   v.choice("distribution", p.distribution, kDistributions, "How the delay is drawn.");
-  v.duration("typical", p.typical, kRule, "The delay when constant, its mean when normal.");
-  v.duration("sigma", p.sigma, kRule, "Standard deviation of the delay when normal.");
-  v.duration("minimum", p.minimum, kRule, "Shortest delay when uniform or normal.");
-  v.duration("maximum", p.maximum, kRule, "Longest delay when uniform or normal.");
+  v.only_if(p.distribution != DelayDistribution::uniform, "distribution",
+            "distribution: constant or normal", [&p, &kRule](fields::Visitor& w) {
+              w.duration("typical", p.typical, kRule,
+                         "The delay when constant, its mean when normal.");
+            });
+  v.only_if(p.distribution == DelayDistribution::normal, "distribution", "distribution: normal",
+            [&p, &kRule](fields::Visitor& w) {
+              w.duration("sigma", p.sigma, kRule, "Standard deviation of the delay.");
+            });
+  v.only_if(p.distribution != DelayDistribution::constant, "distribution",
+            "distribution: uniform or normal", [&p, &kRule](fields::Visitor& w) {
+              w.duration("minimum", p.minimum, kRule, "Shortest delay.");
+              w.duration("maximum", p.maximum, kRule, "Longest delay.");
+            });
 }
 
 void validate(const ResponseDelaySettings& settings) {

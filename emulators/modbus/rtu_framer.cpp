@@ -25,8 +25,10 @@ void visit(fields::Visitor& v, RtuFramerSettings& p) {
   v.choice("parity", p.timing.character, kParities, "Parity and stop bits of a character.");
   v.boolean("strict_gaps", p.strict_gaps,
             "More than 1.5 characters of silence inside a request spoil it, as on a wire.");
-  v.duration("gap_tolerance", p.gap_tolerance, {0, 5'000'000'000},
-             "Without strict gaps: how long the rest of a request may take to come.");
+  v.only_if(!p.strict_gaps, "strict_gaps", "strict_gaps: false", [&p](fields::Visitor& w) {
+    w.duration("gap_tolerance", p.gap_tolerance, {0, 5'000'000'000},
+               "How long the rest of a request may take to come.");
+  });
 }
 
 RtuFramer::RtuFramer(const RtuFramerSettings& settings, RtuListener& listener)

@@ -1,9 +1,6 @@
 // Shell completion: verbs, options, rigs, device types. The scripts ask `rigwire list` for names,
 // so that they need no renewal when rigs are added.
-#include <algorithm>
-
 #include "hil/command_line/verbs.h"
-#include "hil/configuration/suggest.h"
 
 namespace rigwire::hil {
 
@@ -116,11 +113,7 @@ int completion_verb(const std::string& shell, Terminal terminal) {
   } else if (shell == "fish") {
     terminal.out << kFish;
   } else {
-    const std::vector<std::string> shells{"bash", "zsh", "fish"};
-    const std::string near = nearest_word(shell, shells);
-    terminal.err << "rigwire: unknown shell, found \"" << shell << "\", allowed bash, zsh, fish"
-                 << (near.empty() ? "" : ", did you mean " + near + "?") << "\n";
-    return static_cast<int>(ExitCode::usage);
+    return refuse_word("shell", shell, {"bash", "zsh", "fish"}, terminal);
   }
   return static_cast<int>(ExitCode::done);
 }

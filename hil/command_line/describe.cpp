@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "fields/visitor.h"
 #include "hil/command_line/config_files.h"
@@ -16,6 +18,7 @@
 #include "hil/files/dbc_node_table.h"
 #include "hil/files/valve_map_file.h"
 #include "hil/rig/rig_configuration.h"
+#include "protocols/dbc/dbc_writer.h"
 
 namespace rigwire::hil {
 
@@ -153,6 +156,26 @@ const ConfigFile* named_file(const std::vector<ConfigFile>& files, const std::st
   return found == files.end() ? nullptr : &*found;
 }
 
+/// The one of `names` that is chosen, or the only one there is; nothing after complaining.
+std::optional<std::string> chosen(const std::string& rig, const std::string& noun,
+                                  const std::string& nouns, const std::vector<std::string>& names,
+                                  const std::string& choice, const std::string& option,
+                                  Terminal terminal) {
+  const bool known = choice.empty() || std::ranges::find(names, choice) != names.end();
+  if (names.empty() || !known) {
+    terminal.err << fmt::format("rigwire: {} has no {}{}{}\n", rig, noun,
+                                choice.empty() ? "" : " \"" + choice + "\"",
+                                names.empty() ? "" : ", allowed " + join_words(names));
+    return std::nullopt;
+  }
+  if (choice.empty() && names.size() > 1) {
+    terminal.err << fmt::format("rigwire: {} has several {}, choose one with {}: {}\n", rig, nouns,
+                                option, join_words(names));
+    return std::nullopt;
+  }
+  return choice.empty() ? names.front() : choice;
+}
+
 }  // namespace
 
 int describe_verb(const std::string& device, bool json, Terminal terminal) {
@@ -202,11 +225,7 @@ int describe_verb(const std::string& device, bool json, Terminal terminal) {
   for (const ConfigFile& known : scenes) {
     names.push_back(known.name);
   }
-  const std::string near = nearest_word(device, names);
-  terminal.err << fmt::format(
-      "rigwire: unknown device, machine or scene, found \"{}\", allowed {}{}\n", device,
-      join_words(names), near.empty() ? "" : ", did you mean " + near + "?");
-  return static_cast<int>(ExitCode::usage);
+  return refuse_word("device, machine or scene", device, names, terminal);
 }
 
 int describe_valve_map_verb(const std::string& file, Terminal terminal) {
@@ -224,6 +243,44 @@ int describe_dbc_node_verb(const std::string& file, Terminal terminal) {
   return static_cast<int>(ExitCode::done);
 }
 
+int dbc_verb(const RigArguments& arguments, const std::string& bus, const std::string& units,
+             Terminal terminal) {
+  const LoadedRig rig = load_rig(find_rig(arguments.rig), arguments.sets);
+  const auto& buses = rig.configuration.buses;
+  std::vector<std::string> names;
+  for (const auto& [name, configuration] : buses) {
+    names.push_back(name);
+  }
+  const auto name = chosen(arguments.rig, "CAN bus", "CAN buses", names, bus, "--bus", terminal);
+  if (!name) {
+    return static_cast<int>(ExitCode::usage);
+  }
+  const auto messages = bus_messages(rig.configuration, *name);
+  terminal.out << protocols::dbc::write(
+      {*name, buses.at(*name).bus.bit_rate_bps, messages},
+      units == "sae" ? protocols::dbc::Units::document : protocols::dbc::Units::si);
+  return static_cast<int>(ExitCode::done);
+}
+
+int eds_verb(const RigArguments& arguments, const std::string& device, Terminal terminal) {
+  const LoadedRig rig = load_rig(find_rig(arguments.rig), arguments.sets);
+  std::map<std::string, std::string> sheets;
+  std::vector<std::string> names;
+  for (const auto& [name, configuration] : rig.configuration.devices) {
+    if (const auto eds = configuration->electronic_data_sheet()) {
+      names.push_back(name);
+      sheets[name] = *eds;
+    }
+  }
+  const auto name =
+      chosen(arguments.rig, "CANopen node", "CANopen nodes", names, device, "--device", terminal);
+  if (!name) {
+    return static_cast<int>(ExitCode::usage);
+  }
+  terminal.out << sheets.at(*name);
+  return static_cast<int>(ExitCode::done);
+}
+
 int schema_verb(const std::string& of, Terminal terminal) {
   if (of == "rig") {
     terminal.out << schema_of(RigConfiguration{}, "Rigwire: a rig");
@@ -236,12 +293,8 @@ int schema_verb(const std::string& of, Terminal terminal) {
   } else if (of == "dbc-node") {
     terminal.out << schema_of(DbcNodeBinding{}, "Rigwire: the binding of a CAN device");
   } else {
-    const std::vector<std::string> kinds{"rig", "machine", "scene", "valve-map", "dbc-node"};
-    const std::string near = nearest_word(of, kinds);
-    terminal.err << fmt::format("rigwire: unknown kind of file, found \"{}\", allowed {}{}\n", of,
-                                join_words(kinds),
-                                near.empty() ? "" : ", did you mean " + near + "?");
-    return static_cast<int>(ExitCode::usage);
+    return refuse_word("kind of file", of, {"rig", "machine", "scene", "valve-map", "dbc-node"},
+                       terminal);
   }
   return static_cast<int>(ExitCode::done);
 }

@@ -10,7 +10,7 @@
 #include <charconv>
 #include <system_error>
 
-#include "hil/command_line/run_summary.h"
+#include "hil/command_line/status_table.h"
 #include "hil/configuration/plain_text.h"
 #include "hil/record/run_log.h"
 
@@ -303,7 +303,7 @@ MakeOnlooker status_onlooker(StatusStyle style, bool colour, const ClockMode& cl
   return [style, colour, clock](const RunView& run) -> std::unique_ptr<Onlooker> {
     std::string head =
         fmt::format("{}: seed {}, configuration {}, clock {}\n", printable(run.configuration.name),
-                    run.configuration.seed, config_hash(run.configuration), to_string(clock));
+                    run.configuration.seed, run.config_hash, to_string(clock));
     for (const std::string& wire : run.wires) {
       head += printable(wire) + "\n";
     }

@@ -1,10 +1,11 @@
-// Draws a RigStatus as a table for people.
+// What a rig does, and what a run came to, as tables for people.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "hil/executive/truth_source.h"
+#include "hil/record/report.h"
 #include "hil/rig/rig_status.h"
 
 namespace rigwire::hil {
@@ -18,13 +19,19 @@ struct TableLook {
   friend bool operator==(const TableLook&, const TableLook&) = default;
 };
 
-/// Lines without their ends. Rates are those between `before` and `now` (per simulated second); one
-/// is out of order when it is more than 10 % off its nominal value. A narrow window leaves out
-/// lateness, then bytes, then nominal rates, and cuts what clients asked and wires. Nothing in it
-/// but the colours can steer a terminal.
+/// A RigStatus; lines without their ends. Rates are those between `before` and `now` (per simulated
+/// second); one is out of order when it is more than 10 % off its nominal value. A narrow window
+/// leaves out lateness, then bytes, then nominal rates, and cuts what clients asked and wires.
+/// Nothing in it but the colours can steer a terminal.
 [[nodiscard]] std::vector<std::string> draw_status_table(const RigStatus& before,
                                                          const RigStatus& now,
                                                          const std::vector<StateQuantity>& machine,
                                                          const TableLook& look);
+
+/// The same figures as in the report; lines without their ends: the run as a whole (time, slips of
+/// the clock, a fault that ended it), a row for each device (frames, bytes, drops, worst lateness,
+/// what a client asked last), and each fault of the rig's file that acted, with its window. Nothing
+/// in it but the colours can steer a terminal.
+[[nodiscard]] std::vector<std::string> draw_summary(const RunReport& report, bool colour);
 
 }  // namespace rigwire::hil

@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -13,6 +17,7 @@
 #include "hil/command_line/text_table.h"
 #include "hil/configuration/suggest.h"
 #include "hil/devices/device_types.h"
+#include "hil/devices/site.h"
 #include "hil/record/run_log.h"
 #include "hil/rig/rig.h"
 
@@ -24,15 +29,6 @@ using Json = nlohmann::ordered_json;
 
 int code(ExitCode exit_code) {
   return static_cast<int>(exit_code);
-}
-
-int refuse_word(const std::string& what, const std::string& word,
-                const std::vector<std::string>& known, Terminal terminal) {
-  const std::string near = nearest_word(word, known);
-  terminal.err << fmt::format("rigwire: unknown {}, found \"{}\", allowed {}{}\n", what, word,
-                              join_words(known),
-                              near.empty() ? "" : ", did you mean " + near + "?");
-  return code(ExitCode::usage);
 }
 
 Json problems_json(const std::vector<Problem>& problems) {
@@ -63,6 +59,15 @@ void require_open_files() {
 }
 
 }  // namespace
+
+int refuse_word(const std::string& what, const std::string& word,
+                const std::vector<std::string>& known, Terminal terminal) {
+  const std::string near = nearest_word(word, known);
+  terminal.err << fmt::format("rigwire: unknown {}, found \"{}\", allowed {}{}\n", what, word,
+                              join_words(known),
+                              near.empty() ? "" : ", did you mean " + near + "?");
+  return code(ExitCode::usage);
+}
 
 std::string table_text(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;
@@ -175,6 +180,36 @@ int doctor_verb(bool json, Terminal terminal) {
   }
   terminal.out << (json ? list.dump(2) + "\n" : table_text(rows));
   return code(missing ? ExitCode::environment : ExitCode::done);
+}
+
+int bench_verb(const std::vector<std::string>& arguments, Terminal terminal) {
+  const std::filesystem::path program =
+      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "rigwire-bench";
+  // argv as execv() takes it: the program's name first, a null pointer last.
+  std::vector<std::string> words{program.string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) {
+    pointers.push_back(word.data());
+  }
+  pointers.push_back(nullptr);
+  terminal.out.flush();
+  ::execv(words.front().c_str(), pointers.data());
+  const int error = errno;
+  terminal.err << fmt::format("rigwire: cannot start {}: {}", words.front(), std::strerror(error))
+               << (error == ENOENT ? "; build it: scripts/build.sh release rigwire-bench\n" : "\n");
+  return static_cast<int>(ExitCode::environment);
+}
+
+std::string plan_text(const RigConfiguration& configuration) {
+  const RigView rig = view_of(configuration);
+  std::vector<std::vector<std::string>> rows{{"device", "type", "wire", "sends", "bytes", "with"}};
+  for (const auto& [name, device] : configuration.devices) {
+    const DevicePlan plan = device->plan(rig);
+    rows.push_back(
+        {name, std::string(device.type()), plan.wire, plan.sends, plan.bytes, plan.with});
+  }
+  return table_text(rows);
 }
 
 }  // namespace rigwire::hil

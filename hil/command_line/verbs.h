@@ -47,6 +47,10 @@ struct Terminal {
 /// One row per device: name, type, wire, what it sends by itself. For --dry-run.
 [[nodiscard]] std::string plan_text(const RigConfiguration& configuration);
 
+/// Complains that `word` is none of the `known` ones: "unknown kind". The exit code.
+[[nodiscard]] int refuse_word(const std::string& what, const std::string& word,
+                              const std::vector<std::string>& known, Terminal terminal);
+
 /// Columns padded to their widest cell, two spaces between.
 [[nodiscard]] std::string table_text(const std::vector<std::vector<std::string>>& rows);
 

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <sstream>
 #include <unordered_map>
 
@@ -64,8 +65,23 @@ namespace {
 struct Extent {
   std::size_t nodes = 0;
   std::size_t includes = 0;
+  int files = 0;  ///< Read to their end.
   bool too_big = false;
 };
+
+/// Whoever includes a file beats it, and is at its end later: what the file itself wrote gets the
+/// next layer.
+void settle_layer(Value& tree, int layer) {
+  if (tree.where.layer == 0) {
+    tree.where.layer = layer;
+  }
+  for (Value& item : tree.items) {
+    settle_layer(item, layer);
+  }
+  for (Value::Entry& entry : tree.entries) {
+    settle_layer(entry.value, layer);
+  }
+}
 
 struct Parser {
   std::shared_ptr<const std::string> source;
@@ -139,6 +155,7 @@ Value parse_text(const std::string& text, const std::string& name, const std::st
     result.where = Location{parser.source, 1, 1};
     result.folder = folder;
   }
+  settle_layer(result, ++extent.files);
   return result;
 }
 
@@ -364,7 +381,7 @@ void overlay(Value& base, Value over) {
 
 void apply_set(Value& document, const std::string& argument, Problems& problems) {
   const auto source = std::make_shared<const std::string>("--set " + argument);
-  const Location where{source, 0, 0};
+  const Location where{source, 0, 0, std::numeric_limits<int>::max()};
   if (const auto fault = find_fault(argument, TextShape::lines)) {
     problems.add({where, "", fault->what, fault->found, "UTF-8 without control characters", ""});
     return;

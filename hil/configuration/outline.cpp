@@ -4,9 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <utility>
 
 #include "sim/samples/time.h"
@@ -47,16 +44,6 @@ std::string canonical_number(double value) {
   return fmt::format("{}", value == 0.0 ? 0.0 : value);
 }
 
-std::string content_hash(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
-    return std::filesystem::path(file).filename().string();
-  }
-  std::ostringstream bytes;
-  bytes << stream.rdbuf();
-  return fmt::format("{:016x}", fnv1a(bytes.str()));
-}
-
 /// Whole numbers of a std::uint64_t come in two's complement.
 std::string whole_text(std::int64_t value, bool unsigned_64) {
   return unsigned_64 ? std::to_string(static_cast<std::uint64_t>(value)) : std::to_string(value);
@@ -73,6 +60,18 @@ class Outliner final : public fields::Visitor {
 
   void required(std::string_view key) override { required_ = key; }
   void refused(std::string_view, std::string_view) override {}
+  void conditional(bool holds, std::string_view, std::string_view needs,
+                   const fields::Part& keys) override {
+    if (!holds && !everything_) {
+      return;
+    }
+    std::vector<OutlineNode>& nodes = stack_.back()->children;
+    const std::size_t first = nodes.size();
+    keys.show(*this);
+    for (std::size_t i = first; everything_ && i < nodes.size(); ++i) {
+      nodes[i].needs = nodes[i].needs.empty() ? needs : std::string(needs) + ", " + nodes[i].needs;
+    }
+  }
   void check(bool, std::string_view, const std::string&, const std::string&,
              const std::string&) override {}
 
@@ -129,9 +128,10 @@ class Outliner final : public fields::Visitor {
     }
     node.value = fmt::format("[{}]", node.value);
   }
-  void file(std::string_view key, std::string& value, std::string_view text) override {
+  void file(std::string_view key, std::string& value, fields::FileKind kind,
+            std::string_view text) override {
     name(key, "file", value, "", text);
-    stack_.back()->children.back().canonical = value.empty() ? "" : content_hash(value);
+    stack_.back()->children.back().file = kind;
   }
   void duration(std::string_view key, std::chrono::nanoseconds& value,
                 const fields::DurationRule& rule, std::string_view text) override {
@@ -337,14 +337,16 @@ class YamlPrinter {
   std::string text_;
 };
 
-void collect(const OutlineNode& node, const std::string& path, std::vector<std::string>& lines) {
+void collect(const OutlineNode& node, const std::string& path, const FileContent& content,
+             std::vector<std::string>& lines) {
   for (const OutlineNode& child : node.children) {
     const std::string below = child_path(path, child.key);
     if (child.kind == OutlineNode::Kind::scalar || child.kind == OutlineNode::Kind::flow_list) {
-      lines.push_back(below + "=" + child.canonical);
+      lines.push_back(below + "=" +
+                      (child.file ? content(child.canonical, *child.file) : child.canonical));
     } else {
       lines.push_back(below + ":");
-      collect(child, below, lines);
+      collect(child, below, content, lines);
     }
   }
 }
@@ -357,6 +359,7 @@ void refer(const OutlineNode& node, std::size_t indent, std::string& text) {
     line += child.allowed.empty() ? "" : ", " + child.allowed;
     line += child.value.empty() ? "" : ", default " + child.value;
     line += child.required ? ", required" : "";
+    line += child.needs.empty() ? "" : ", with " + child.needs;
     text += line + "\n";
     text += child.text.empty() ? "" : std::string(indent + 4, ' ') + child.text + "\n";
     refer(child, indent + 2, text);
@@ -371,9 +374,9 @@ std::string print_yaml(const OutlineNode& tree, const Origins& origins) {
   return std::move(printer).take();
 }
 
-std::string hash_text(const OutlineNode& tree) {
+std::string hash_text(const OutlineNode& tree, const FileContent& content) {
   std::vector<std::string> lines;
-  collect(tree, "", lines);
+  collect(tree, "", content, lines);
   std::sort(lines.begin(), lines.end());
   std::uint64_t hash = fnv1a("");
   for (const std::string& line : lines) {

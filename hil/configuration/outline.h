@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "fields/visitor.h"
-#include "hil/configuration/origins.h"
+#include "hil/configuration/problems.h"
 
 namespace rigwire::hil {
 
@@ -23,7 +25,9 @@ struct OutlineNode {
   std::string unit;       ///< Unit of a bare number; empty without.
   std::string allowed;    ///< Range or names.
   std::string value;      ///< As YAML, in the field's unit.
-  std::string canonical;  ///< What enters the hash.
+  std::string canonical;  ///< What enters the hash; of a file its full path.
+  std::optional<fields::FileKind> file;
+  std::string needs;  ///< Without it the key has no effect: "pumps: engine".
   bool required = false;
   std::vector<OutlineNode> children;
 };
@@ -49,10 +53,13 @@ template <class Struct>
 /// ("default", "rigs/pit.yaml:12", "--set ...").
 [[nodiscard]] std::string print_yaml(const OutlineNode& tree, const Origins& origins);
 
+/// Stands in the hash for a file and all that it brings in (hil/files/file_content.h).
+using FileContent = std::function<std::string(const std::string& path, fields::FileKind kind)>;
+
 /// 64 bits in 16 hexadecimal digits: FNV-1a over the sorted lines "path=value". Independent of the
 /// order of keys, of comments, of units as written and of which layer a value came from. Of a file
 /// that a value names, its content counts and its place does not.
-[[nodiscard]] std::string hash_text(const OutlineNode& tree);
+[[nodiscard]] std::string hash_text(const OutlineNode& tree, const FileContent& content);
 
 /// Reference of the keys, indented text: key, type, unit, range, default, meaning.
 [[nodiscard]] std::string reference_text(const OutlineNode& tree);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -21,6 +22,7 @@ struct Location {
   std::shared_ptr<const std::string> source;  ///< File as the user named it, or "--set KEY=VALUE".
   int line = 0;
   int column = 0;
+  int layer = 0;  ///< Of two sources of one configuration the one with the higher beats the other.
 
   [[nodiscard]] bool is_default() const { return source == nullptr; }
   /// Written by a --set, not in a file.
@@ -76,6 +78,19 @@ class ConfigurationError : public std::runtime_error {
 
  private:
   std::vector<Problem> problems_;
+};
+
+/// Where each value that somebody wrote stands, by key path.
+class Origins {
+ public:
+  void set(const std::string& path, const Location& where) { places_[path] = where; }
+  /// The place of that very key; a default location when nobody wrote it.
+  [[nodiscard]] Location of(const std::string& path) const;
+  /// The place of the key, or of the nearest key above it that somebody wrote.
+  [[nodiscard]] Location nearest(std::string path) const;
+
+ private:
+  std::map<std::string, Location> places_;
 };
 
 }  // namespace rigwire::hil

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <utility>
 
 #include "fields/check.h"
 #include "fields/units.h"
@@ -68,6 +69,18 @@ std::string by_the_turn(const fields::Quantity& quantity, const NumberRule& rule
     default:
       return {};
   }
+}
+
+/// Of the last source that wrote any of it.
+int last_layer(const Value& tree) {
+  int layer = tree.where.layer;
+  for (const Value& item : tree.items) {
+    layer = std::max(layer, last_layer(item));
+  }
+  for (const Value::Entry& entry : tree.entries) {
+    layer = std::max(layer, last_layer(entry.value));
+  }
+  return layer;
 }
 
 /// The place of the first value in the tree that a --set wrote; null without one.
@@ -139,6 +152,10 @@ const Value* Reader::find(std::string_view key) {
   Frame& frame = frames_.back();
   frame.known.emplace_back(key);
   const Value* value = frame.map->find(key);
+  if (without_effect_) {
+    refuse_without_effect(key, value);
+    return nullptr;
+  }
   if (value == nullptr) {
     if (is_required) {
       report(*frame.map, path_of(key), "missing key");
@@ -250,7 +267,7 @@ void Reader::numbers(std::string_view key, std::span<double> values, const Numbe
 void Reader::number_list(std::string_view key, std::vector<double>& values, const NumberRule& rule,
                          std::string_view text) {
   const Value* written = frames_.back().map->find(key);
-  if (written != nullptr && written->kind == Value::Kind::list) {
+  if (!without_effect_ && written != nullptr && written->kind == Value::Kind::list) {
     values.assign(written->items.size(), 0.0);
   }
   numbers(key, values, rule, text);
@@ -367,7 +384,12 @@ void Reader::texts(std::string_view key, std::vector<std::string>& values, std::
   }
 }
 
-void Reader::file(std::string_view key, std::string& value, std::string_view) {
+void Reader::file(std::string_view key, std::string& value, fields::FileKind kind,
+                  std::string_view text) {
+  if (kind == fields::FileKind::memory) {
+    this->text(key, value, text);
+    return;
+  }
   const Value* written = find_scalar(key);
   if (written == nullptr) {
     return;
@@ -470,7 +492,7 @@ void Reader::part(std::string_view key, const fields::Part& part, std::string_vi
   const Value* map = find_map(key);
   if (map != nullptr) {
     read_map(*map, path_of(key), part);
-  } else if (missing) {
+  } else if (missing && !without_effect_) {
     nothing_.where = frames_.back().map->where;
     read_map(nothing_, path_of(key), part);
   }
@@ -519,8 +541,8 @@ void Reader::alternatives(std::string_view key, fields::Alternatives& types, std
       return;
     }
     types.choose(index);
-  } else if (!missing) {
-    return;  // a key without a value, already reported
+  } else if (!missing || without_effect_) {
+    return;  // a key without a value or without effect, already reported
   }
   const fields::Part chosen = types.chosen();
   const std::size_t before = problems_.size();
@@ -606,13 +628,50 @@ void Reader::refused(std::string_view key, std::string_view why) {
   }
 }
 
+void Reader::conditional(bool holds, std::string_view choice, std::string_view needs,
+                         const fields::Part& keys) {
+  if (holds) {
+    keys.show(*this);
+    return;
+  }
+  const auto before = std::exchange(without_effect_, Condition{choice, needs});
+  keys.show(*this);
+  without_effect_ = before;
+}
+
+void Reader::refuse_without_effect(std::string_view key, const Value* value) {
+  const Value* choice = frames_.back().map->find(without_effect_->choice);
+  if (value == nullptr || (choice != nullptr && choice->where.layer > last_layer(*value))) {
+    return;
+  }
+  std::string with;
+  if (choice != nullptr && choice->kind == Value::Kind::scalar) {
+    with = fmt::format(" with {}: {}", without_effect_->choice,
+                       choice->scalar.empty() ? "\"\"" : choice->scalar);
+  }
+  report(*value, path_of(key),
+         fmt::format("has no effect{}; it needs {}", with, without_effect_->needs));
+}
+
 void Reader::check(bool holds, std::string_view key, const std::string& what,
                    const std::string& found, const std::string& allowed) {
-  if (holds) {
+  if (holds || without_effect_) {
     return;
   }
   const Value* value = frames_.back().map->find(key);
   report(value != nullptr ? *value : *frames_.back().map, path_of(key), what, found, allowed);
+}
+
+fields::Spelling utc_spelling(UtcTime& time) {
+  return {.type = "UTC",
+          .allowed = "UTC like 2026-06-01T08:00:00Z",
+          .print = [&time] { return format_utc(time); },
+          .parse =
+              [&time](const std::string& text) {
+                const UtcTime parsed = parse_utc(text);
+                static_cast<void>(Calendar(parsed));  // throws beyond what it can count
+                time = parsed;
+              }};
 }
 
 }  // namespace rigwire::hil

@@ -13,13 +13,15 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "fields/visitor.h"
 #include "hil/configuration/document.h"
-#include "hil/configuration/origins.h"
+#include "hil/configuration/problems.h"
+#include "sim/samples/calendar.h"
 
 namespace rigwire::hil {
 
@@ -33,6 +35,9 @@ class Reader final : public fields::Visitor {
 
   void required(std::string_view key) override;
   void refused(std::string_view key, std::string_view why) override;
+  /// Keys without effect are findings, unless what excludes them was written over them.
+  void conditional(bool holds, std::string_view choice, std::string_view needs,
+                   const fields::Part& keys) override;
   void check(bool holds, std::string_view key, const std::string& what, const std::string& found,
              const std::string& allowed) override;
   /// The range is checked in the member's unit, bounds converted as the value is.
@@ -49,7 +54,8 @@ class Reader final : public fields::Visitor {
   void text(std::string_view key, std::string& value, std::string_view text) override;
   void texts(std::string_view key, std::vector<std::string>& values,
              std::string_view text) override;
-  void file(std::string_view key, std::string& value, std::string_view text) override;
+  void file(std::string_view key, std::string& value, fields::FileKind kind,
+            std::string_view text) override;
   /// A bare number is in seconds.
   void duration(std::string_view key, std::chrono::nanoseconds& value,
                 const fields::DurationRule& rule, std::string_view text) override;
@@ -75,9 +81,15 @@ class Reader final : public fields::Visitor {
     std::vector<std::string> known;
     bool report_unknown = true;
   };
+  /// Of keys that have no effect.
+  struct Condition {
+    std::string_view choice;
+    std::string_view needs;
+  };
 
   [[nodiscard]] std::string path_of(std::string_view key) const;
   const Value* find(std::string_view key);
+  void refuse_without_effect(std::string_view key, const Value* value);
   const Value* find_scalar(std::string_view key);
   const Value* find_map(std::string_view key);
   const Value* find_list(std::string_view key);
@@ -109,6 +121,7 @@ class Reader final : public fields::Visitor {
   Value nothing_;  ///< An empty map, read in place of a section that nobody wrote.
   std::vector<Frame> frames_;
   std::string required_;
+  std::optional<Condition> without_effect_;  ///< While keys are named that have none.
 };
 
 /// Reads `value` from the document's top.
@@ -116,5 +129,8 @@ template <class Struct>
 void read(const Value& document, Struct& value, Problems& problems, Origins& origins) {
   Reader(document, problems, origins).read(fields::Part::of(value));
 }
+
+/// "2026-06-01T08:00:00Z". Refers to `time`, which must outlive it.
+[[nodiscard]] fields::Spelling utc_spelling(UtcTime& time);
 
 }  // namespace rigwire::hil

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <utility>
 
 namespace rigwire::hil {
@@ -84,6 +85,11 @@ struct Trial {
   std::size_t index;
 };
 
+/// A written value that is one of `names`.
+Json is_named(std::span<const Named> names, bool is_boolean) {
+  return is_boolean ? Json{{"const", names.front().name == "true"}} : names_schema(names);
+}
+
 class Writer final : public fields::Visitor {
  public:
   explicit Writer(std::optional<Trial> trial = std::nullopt) : trial_(trial) {}
@@ -113,7 +119,18 @@ class Writer final : public fields::Visitor {
   }
 
   void required(std::string_view key) override { required_.push_back(key); }
-  void refused(std::string_view, std::string_view) override { has_refused_ = true; }
+  void refused(std::string_view, std::string_view) override {}
+  void conditional(bool holds, std::string_view choice, std::string_view,
+                   const fields::Part& keys) override {
+    // What a number or a text decides only the program itself checks.
+    const bool is_picked = std::ranges::find(picks_, choice, &Pick::key) != picks_.end();
+    if (is_picked) {
+      deciders_.insert(choice);
+    }
+    if (holds || !is_picked) {
+      keys.show(*this);
+    }
+  }
   void check(bool, std::string_view, const std::string&, const std::string&,
              const std::string&) override {}
 
@@ -154,7 +171,11 @@ class Writer final : public fields::Visitor {
     }
   }
   void boolean(std::string_view key, bool& value, std::string_view text) override {
-    add(key, {{"type", "boolean"}}, text)["default"] = value;
+    picks_.push_back({key, value ? 1U : 0U, {{"false", ""}, {"true", ""}}, true});
+    if (trial_ && trial_->key == key) {
+      value = trial_->index == 1;
+    }
+    add(key, {{"type", "boolean"}}, text)["default"] = picks_.back().index == 1;
   }
   void text(std::string_view key, std::string& value, std::string_view text) override {
     add(key, {{"type", {"string", "number", "boolean"}}}, text)["default"] = value;
@@ -164,7 +185,7 @@ class Writer final : public fields::Visitor {
     add(key, {{"type", "array"}, {"items", {{"type", {"string", "number", "boolean"}}}}},
         text)["default"] = values;
   }
-  void file(std::string_view key, std::string&, std::string_view text) override {
+  void file(std::string_view key, std::string&, fields::FileKind, std::string_view text) override {
     add(key, {{"type", "string"}}, text);
   }
   void duration(std::string_view key, std::chrono::nanoseconds& value,
@@ -186,7 +207,7 @@ class Writer final : public fields::Visitor {
   }
   void pick(std::string_view key, std::size_t& index, std::span<const Named> names,
             std::string_view text) override {
-    picks_.push_back({key, index, {names.begin(), names.end()}});
+    picks_.push_back({key, index, {names.begin(), names.end()}, false});
     if (trial_ && trial_->key == key) {
       index = trial_->index;
     }
@@ -234,7 +255,7 @@ class Writer final : public fields::Visitor {
       cases.push_back(keys_of([&](Visitor& v) { types.chosen().show(v); }));
     }
     const bool must_be_written = std::ranges::find(required_, key) != required_.end();
-    add_cases(key, names, cases, must_be_written ? fields::kNoChoice : chosen);
+    add_cases(key, names, false, cases, must_be_written ? fields::kNoChoice : chosen);
     types.choose(chosen);
   }
 
@@ -243,6 +264,7 @@ class Writer final : public fields::Visitor {
     std::string_view key;
     std::size_t index;
     std::vector<Named> names;
+    bool is_boolean;
   };
 
   Json& add(std::string_view key, Json schema, std::string_view text) {
@@ -280,8 +302,8 @@ class Writer final : public fields::Visitor {
   static Keys keys_of(const Show& show) {
     Writer writer;
     show(static_cast<Visitor&>(writer));
-    if (writer.has_refused_) {
-      for (const Pick& pick : writer.picks_) {
+    for (const Pick& pick : std::vector(writer.picks_)) {
+      if (writer.deciders_.contains(pick.key)) {
         try_choices(show, pick, writer);
       }
     }
@@ -291,7 +313,8 @@ class Writer final : public fields::Visitor {
     return {writer.properties_, writer.cases_, writer.needs_};
   }
 
-  /// The keys that depend on a choice move from `writer` under conditions.
+  /// Keys that have no effect with some names of a choice are refused where one of those is
+  /// written.
   template <class Show>
   static void try_choices(const Show& show, const Pick& pick, Writer& writer) {
     std::vector<Keys> cases;
@@ -310,30 +333,28 @@ class Writer final : public fields::Visitor {
       }
       return names;
     };
-    const bool differ = std::ranges::any_of(
-        cases, [&](const Keys& one) { return names_of(one) != names_of(cases.front()); });
-    if (!differ) {
-      return;
-    }
     // What every case has is no matter of the choice.
     for (const std::string& key : names_of(cases.front())) {
       const bool common =
           std::ranges::all_of(cases, [&](const Keys& one) { return one.properties.contains(key); });
-      if (common) {
-        for (Keys& one : cases) {
+      for (Keys& one : cases) {
+        if (common) {
           one.properties.erase(key);
         }
-      } else {
-        writer.properties_.erase(key);
       }
     }
-    writer.add_cases(pick.key, pick.names, cases, pick.index);
+    for (const Keys& one : cases) {
+      for (const auto& [key, schema] : one.properties.items()) {
+        writer.properties_[key] = schema;
+      }
+    }
+    writer.add_cases(pick.key, pick.names, pick.is_boolean, cases, fields::kNoChoice);
   }
 
   /// Keys that are there when `key` has the name of their case, or is not written and the case is
   /// the `otherwise`.
-  void add_cases(std::string_view key, std::span<const Named> names, std::span<const Keys> cases,
-                 std::size_t otherwise) {
+  void add_cases(std::string_view key, std::span<const Named> names, bool is_boolean,
+                 std::span<const Keys> cases, std::size_t otherwise) {
     Json nobody = Json::object();
     for (const Keys& one : cases) {
       for (const auto& [name, schema] : one.properties.items()) {
@@ -344,8 +365,9 @@ class Writer final : public fields::Visitor {
       }
     }
     for (std::size_t i = 0; i < cases.size(); ++i) {
-      Json condition{{"properties", {{std::string(key), names_schema(names.subspan(i, 1))}}},
-                     {"required", {key}}};
+      Json condition{
+          {"properties", {{std::string(key), is_named(names.subspan(i, 1), is_boolean)}}},
+          {"required", {key}}};
       if (!cases[i].needs.empty()) {
         needs_["allOf"].push_back({{"if", condition}, {"then", cases[i].needs}});
       }
@@ -369,7 +391,7 @@ class Writer final : public fields::Visitor {
   Json needs_ = Json::object();
   std::vector<std::string_view> required_;
   std::vector<Pick> picks_;
-  bool has_refused_ = false;
+  std::set<std::string_view> deciders_;  ///< Picks that give other keys an effect.
 };
 
 }  // namespace

@@ -10,9 +10,8 @@
 #include <mutex>
 
 #include "drivers/endpoints.h"
-#include "hil/record/complain.h"
-#include "hil/record/output_failures.h"
 #include "hil/record/output_file.h"
+#include "hil/record/run_log.h"
 #include "hil/rig/rig.h"
 
 namespace rigwire::hil {
@@ -89,11 +88,11 @@ RunOutcome execute(Rig& rig, const RigConfiguration& configuration, const RunOpt
 }
 
 RunReport report_of(const Rig& rig, const WireStages& wire, const RigConfiguration& configuration,
-                    const RunOptions& options, const RunOutcome& outcome) {
+                    const std::string& hash, const RunOptions& options, const RunOutcome& outcome) {
   RunReport report;
   report.rig = configuration.name;
   report.seed = configuration.seed;
-  report.config_hash = config_hash(configuration);
+  report.config_hash = hash;
   report.clock = options.clock;
   report.outcome = outcome;
   report.cpu_s = process_cpu_seconds();
@@ -131,6 +130,9 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   if (!options.report_path.empty()) {
     report_file.emplace("the report", options.report_path);
   }
+  // Before a device saves what it is told.
+  const bool is_told = report_file || options.onlooker;
+  const std::string hash = is_told ? config_hash(configuration) : std::string();
   auto rig =
       std::make_unique<Rig>(configuration, io, truth_files(configuration, options, failures), &log);
   for (const std::string& wire : rig->wires()) {
@@ -142,7 +144,7 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   if (options.onlooker) {
     const auto start = std::chrono::steady_clock::now();
     onlooker = options.onlooker(
-        {log, io, configuration, rig->wires(), rig->truth().state_quantities(),
+        {log, io, configuration, hash, rig->wires(), rig->truth().state_quantities(),
          [&rig, start] {
            RigStatus status = rig->status();
            status.wall_s =
@@ -154,7 +156,7 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   }
   const RunOutcome outcome = execute(*rig, configuration, options);
   const RunReport report =
-      report_of(*rig, rig->executive().wire_stages(), configuration, options, outcome);
+      report_of(*rig, rig->executive().wire_stages(), configuration, hash, options, outcome);
   interrupts.govern(nullptr);
   rig.reset();  // wires and truth are closed before anybody's reader is waited for
 

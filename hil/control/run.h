@@ -23,6 +23,7 @@ struct RunView {
   RunLog& log;
   boost::asio::io_context& io;  ///< Of the run; runs on the wire thread.
   const RigConfiguration& configuration;
+  std::string config_hash;                ///< Of what the run began with.
   std::vector<std::string> wires;         ///< What carries each bus, a line each.
   std::vector<StateQuantity> quantities;  ///< What RigStatus::machine holds.
   std::function<RigStatus()> status;      ///< To be called on the wire thread.

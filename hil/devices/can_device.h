@@ -2,6 +2,8 @@
 // station, its own clock, and the memory that outlives its supply.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +15,7 @@
 #include "emulators/nonvolatile_memory.h"
 #include "emulators/own_clock.h"
 #include "emulators/valve_amplifier/fault.h"
+#include "fields/visitor.h"
 #include "hil/devices/device.h"
 #include "hil/devices/site.h"
 #include "hil/executive/station.h"
@@ -161,13 +164,45 @@ class CanDeviceOf : public Device {
 }
 
 /// The keys of every device on a CAN bus.
-void visit_node(fields::Visitor& v, std::string& bus, emulators::OwnClockSettings& clock);
+inline void visit_node(fields::Visitor& v, std::string& bus, emulators::OwnClockSettings& clock) {
+  v.text("bus", bus, "Name of the rig's bus that the device is on.");
+  v.section("clock", clock, "The device's own clock: how far it runs from the true one.");
+}
 
 /// "can NAME at 250000 bit/s, WHO".
-[[nodiscard]] std::string can_wire(const RigView& rig, const std::string& bus,
-                                   const std::string& who);
+[[nodiscard]] inline std::string can_wire(const RigView& rig, const std::string& bus,
+                                          const std::string& who) {
+  const auto found = rig.buses.find(bus);
+  return found == rig.buses.end()
+             ? bus
+             : fmt::format("can {} at {} bit/s, {}", bus, found->second.bus.bit_rate_bps, who);
+}
+
 /// A J1939 node that sends frames of 8 bytes.
-[[nodiscard]] DevicePlan j1939_plan(const RigView& rig, const std::string& bus, unsigned address,
-                                    double frames_hz, const std::string& with);
+[[nodiscard]] inline DevicePlan j1939_plan(const RigView& rig, const std::string& bus,
+                                           unsigned address, double frames_hz,
+                                           const std::string& with) {
+  return {can_wire(rig, bus, fmt::format("address 0x{:02X}", address)),
+          fmt::format("{:.0f} frames/s", frames_hz), fmt::format("{:.0f} B/s", frames_hz * 8),
+          with};
+}
+
+/// A J1939 message as describe() lists it.
+inline void add_message(DeviceDescription& description, std::uint32_t pgn, std::string_view name,
+                        std::string rate, std::string content) {
+  description.messages.push_back(
+      {fmt::format("{} {:04X} {}", pgn, pgn, name), std::move(rate), std::move(content)});
+}
+/// Those that a J1939 device sends by a schedule; a group without a period is asked for.
+template <class Schedule>
+void add_schedule(DeviceDescription& description, const Schedule& schedule) {
+  for (const auto& entry : schedule) {
+    const auto period = entry.group.period.count();
+    add_message(
+        description, entry.group.pgn, entry.group.name,
+        period == 0 ? "on request" : fmt::format("{:g} Hz", 1e3 / static_cast<double>(period)),
+        "sent");
+  }
+}
 
 }  // namespace rigwire::hil

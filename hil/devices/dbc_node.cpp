@@ -115,7 +115,7 @@ void visit(fields::Visitor& v, AttachedToVehicle& p) {
 void DbcNodeConfiguration::visit(fields::Visitor& v) {
   visit_node(v, bus, clock);
   v.required("file");
-  v.file("file", file, "Its binding (docs/your-own-can-device.md).");
+  v.file("file", file, fields::FileKind::dbc_node, "Its binding (docs/your-own-can-device.md).");
   v.integer("source_address", source_address, IntegerRule{0, kAddressOfBinding},
             "Preferred address of one that claims; 254 = as its binding says.");
   v.group(

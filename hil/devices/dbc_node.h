@@ -16,7 +16,7 @@
 #include "hil/devices/device_configuration.h"
 #include "hil/devices/mounting.h"
 #include "hil/files/dbc_node_file.h"
-#include "hil/world/mount.h"
+#include "hil/world/shapes.h"
 #include "sim/gnss/gnss_parameters.h"
 #include "sim/imu/imu_sensor.h"
 #include "sim/odometry/odometry.h"

@@ -4,19 +4,12 @@
 #include <array>
 
 #include "hil/devices/dbc_node.h"
-#include "hil/devices/engine_controller.h"
-#include "hil/devices/inclinometer.h"
-#include "hil/devices/iso_valves.h"
-#include "hil/devices/openimu.h"
 #include "hil/devices/rotary_encoder.h"
 #include "hil/devices/starfire.h"
 #include "hil/devices/ublox.h"
 #include "hil/devices/usb_joystick.h"
-#include "hil/devices/usb_passthrough.h"
 #include "hil/devices/valve_driver.h"
-#include "hil/devices/vehicle_gateway.h"
 #include "hil/devices/velodyne.h"
-#include "hil/devices/xsens.h"
 
 namespace rigwire::hil {
 namespace {
@@ -44,7 +37,7 @@ Fresh velodyne() {
 }
 template <emulators::OpenImuVariant kVariant>
 Fresh openimu() {
-  return std::make_unique<OpenImuDeviceConfiguration>(kVariant);
+  return fresh_openimu(kVariant);
 }
 
 using emulators::OpenImuVariant;
@@ -83,21 +76,20 @@ constexpr std::array kTypes{
     DeviceType{{"valve-driver", "Eight-section hydraulic valve driver, Modbus TCP server."},
                fresh<ValveDriverConfiguration>},
     DeviceType{{"engine-controller", "Controller of an engine that drives pumps, on J1939."},
-               fresh<EngineControllerConfiguration>},
+               fresh_engine_controller},
     DeviceType{{"vehicle-gateway",
                 "Drive train, steering and brakes of a machine that drives, on CAN (J1939)."},
-               fresh<VehicleGatewayConfiguration>},
+               fresh_vehicle_gateway},
     DeviceType{
         {"openimu300ri", "ACEINNA OpenIMU300RI inertial unit on CAN (J1939), with magnetometer."},
         openimu<OpenImuVariant::openimu300ri>},
-    DeviceType{{"xsens-mti-600", "Xsens MTi-600 inertial unit on CAN."},
-               fresh<XsensMtiConfiguration>},
+    DeviceType{{"xsens-mti-600", "Xsens MTi-600 inertial unit on CAN."}, fresh_xsens},
     DeviceType{{"cia406-encoder", "Absolute rotary encoder on CANopen (CiA 406), at a joint."},
                fresh<EncoderConfiguration>},
     DeviceType{{"cia410-inclinometer", "Two-axis inclinometer on CANopen (CiA 410), on a link."},
-               fresh<InclinometerConfiguration>},
+               fresh_inclinometer},
     DeviceType{{"iso-valves", "Block of auxiliary valves with joysticks, on CAN (ISO 11783)."},
-               fresh<IsoValvesConfiguration>},
+               fresh_iso_valves},
     DeviceType{{"dbc-node", "A device of your own on CAN, described by a DBC file and a binding."},
                fresh<DbcNodeConfiguration>},
     DeviceType{
@@ -105,7 +97,7 @@ constexpr std::array kTypes{
         fresh<UsbJoystickConfiguration>},
     DeviceType{
         {"usb-passthrough", "A real USB device of this machine, passed on by the rig's USB bus."},
-        fresh<UsbPassThroughConfiguration>},
+        fresh_usb_passthrough},
 };
 
 }  // namespace

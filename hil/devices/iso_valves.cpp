@@ -1,13 +1,17 @@
-#include "hil/devices/iso_valves.h"
-
+// Hydraulic valves on ISO 11783: bus, valves, levers, amplifier.
 #include <fmt/format.h>
 
 #include <array>
+#include <memory>
+#include <string>
 #include <string_view>
 
 #include "emulators/iso_valve/iso_valves.h"
+#include "emulators/own_clock.h"
 #include "fields/visitor.h"
 #include "hil/devices/can_device.h"
+#include "hil/devices/device_configuration.h"
+#include "hil/devices/device_types.h"
 #include "hil/devices/rig_check.h"
 #include "hil/devices/valve_source.h"
 #include "hil/world/ports.h"
@@ -28,66 +32,76 @@ class IsoValvesDevice final : public CanDeviceOf<emulators::IsoValves, emulators
   ValveSource source_;
 };
 
+/// A block of auxiliary valves on a J1939 bus.
+struct IsoValvesConfiguration final : DeviceConfigurationOf<IsoValvesConfiguration> {
+  std::string bus = "can";  ///< One of the rig's buses.
+  emulators::OwnClockSettings clock;
+  emulators::IsoValveSettings valves;
+
+  void visit(fields::Visitor& v) override {
+    visit_node(v, bus, clock);
+    emulators::visit(v, valves);
+  }
+
+  void validate() const override { emulators::validate(valves); }
+
+  void check(const std::string& at, RigCheck& check) const override {
+    check.j1939_node(at, bus, valves.source_address, valves.serial);
+    check.valve_block(at, valves.amplifier.sections);
+  }
+
+  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
+    return valve_fault_windows(valves.amplifier, name);
+  }
+
+  [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
+    return j1939_plan(rig, bus, valves.source_address, bus_share({})->frames_hz,
+                      fmt::format("{} sections, neutral {} after the last command",
+                                  valves.amplifier.sections.size(),
+                                  fields::print_duration(valves.command_timeout.count())));
+  }
+
+  [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override {
+    return asked<emulators::IsoValves>(bus_share_of(bus, name), valves);
+  }
+
+  [[nodiscard]] DeviceDescription describe() const override {
+    DeviceDescription description;
+    description.quantities = asked<emulators::IsoValves>(quantities_of, valves);
+    description.wire = "CAN 2.0B at 250 kbit/s, J1939: SocketCAN or slcan on a pty";
+    description.document =
+        "ISO 11783-7 auxiliary valves as listed by isobus.net; SAE J1939 digital annex "
+        "(joysticks); "
+        "layouts in docs/devices/iso-valves.md";
+    const auto layouts = asked<emulators::IsoValves>(
+        [](const emulators::IsoValves& block) { return block.messages("valves"); }, valves);
+    for (const auto& layout : layouts) {
+      const bool sent = !layout.sender.empty();
+      description.messages.push_back({fmt::format("{:08X} {}", layout.id, layout.name),
+                                      fmt::format("{:g} Hz", 1e3 / layout.period_ms),
+                                      (sent ? "sent: " : "received: ") + layout.text});
+    }
+    description.messages.push_back({"64982-64985 BJM1, EJM1, BJM2, EJM2", "10 Hz",
+                                    "received: joysticks, where they are mapped"});
+    description.messages.push_back({"65226 FECA DM1", "1 Hz", "sent: active trouble codes"});
+    description.messages.push_back(
+        {"65242, 65259, 64965, 64654", "on request",
+         "sent: software, component, ECU identification, functionalities"});
+    return description;
+  }
+
+  [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override {
+    auto device = std::make_unique<IsoValvesDevice>(site, bus, clock, valves);
+    site.world().add(make_world_valves(device->enlist(site.executive()), site.world().machine(),
+                                       valves.amplifier.sections));
+    return device;
+  }
+};
+
 }  // namespace
 
-void IsoValvesConfiguration::visit(fields::Visitor& v) {
-  visit_node(v, bus, clock);
-  emulators::visit(v, valves);
-}
-
-void IsoValvesConfiguration::validate() const {
-  emulators::validate(valves);
-}
-
-void IsoValvesConfiguration::check(const std::string& at, RigCheck& check) const {
-  check.j1939_node(at, bus, valves.source_address, valves.serial);
-  check.valve_block(at, valves.amplifier.sections);
-}
-
-std::vector<FaultWindow> IsoValvesConfiguration::fault_windows(std::string_view name) const {
-  return valve_fault_windows(valves.amplifier, name);
-}
-
-DevicePlan IsoValvesConfiguration::plan(const RigView& rig) const {
-  return j1939_plan(rig, bus, valves.source_address, bus_share({})->frames_hz,
-                    fmt::format("{} sections, neutral {} after the last command",
-                                valves.amplifier.sections.size(),
-                                fields::print_duration(valves.command_timeout.count())));
-}
-
-std::optional<BusShare> IsoValvesConfiguration::bus_share(std::string_view name) const {
-  return asked<emulators::IsoValves>(bus_share_of(bus, name), valves);
-}
-
-DeviceDescription IsoValvesConfiguration::describe() const {
-  DeviceDescription description;
-  description.quantities = asked<emulators::IsoValves>(quantities_of, valves);
-  description.wire = "CAN 2.0B at 250 kbit/s, J1939: SocketCAN or slcan on a pty";
-  description.document =
-      "ISO 11783-7 auxiliary valves as listed by isobus.net; SAE J1939 digital annex (joysticks); "
-      "layouts in docs/devices/iso-valves.md";
-  const auto layouts = asked<emulators::IsoValves>(
-      [](const emulators::IsoValves& block) { return block.messages("valves"); }, valves);
-  for (const auto& layout : layouts) {
-    const bool sent = !layout.sender.empty();
-    description.messages.push_back({fmt::format("{:08X} {}", layout.id, layout.name),
-                                    fmt::format("{:g} Hz", 1e3 / layout.period_ms),
-                                    (sent ? "sent: " : "received: ") + layout.text});
-  }
-  description.messages.push_back({"64982-64985 BJM1, EJM1, BJM2, EJM2", "10 Hz",
-                                  "received: joysticks, where they are mapped"});
-  description.messages.push_back({"65226 FECA DM1", "1 Hz", "sent: active trouble codes"});
-  description.messages.push_back(
-      {"65242, 65259, 64965, 64654", "on request",
-       "sent: software, component, ECU identification, functionalities"});
-  return description;
-}
-
-std::unique_ptr<Device> IsoValvesConfiguration::make(Site& site) const {
-  auto device = std::make_unique<IsoValvesDevice>(site, bus, clock, valves);
-  site.world().add(make_world_valves(device->enlist(site.executive()), site.world().machine(),
-                                     valves.amplifier.sections));
-  return device;
+std::unique_ptr<DeviceConfiguration> fresh_iso_valves() {
+  return std::make_unique<IsoValvesConfiguration>();
 }
 
 }  // namespace rigwire::hil

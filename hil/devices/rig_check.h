@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/configuration/origins.h"
+#include "hil/configuration/problems.h"
 #include "hil/devices/site.h"
 
 namespace rigwire::hil {

@@ -20,7 +20,7 @@ void EncoderConfiguration::visit(fields::Visitor& v) {
   visit_node(v, bus, clock);
   hil::visit(v, joint);
   emulators::visit(v, encoder);
-  v.text("settings_file", settings_file,
+  v.file("settings_file", settings_file, fields::FileKind::memory,
          "What a client saved, for the next run; empty: as long as the run.");
 }
 

@@ -17,7 +17,7 @@
 #include "hil/wires/rig_modbus.h"
 #include "hil/wires/usb_bus.h"
 #include "hil/wires/usb_configuration.h"
-#include "hil/world/mount.h"
+#include "hil/world/shapes.h"
 #include "hil/world/simulated_world.h"
 #include "sim/gnss/constellation.h"
 #include "sim/local_frame.h"

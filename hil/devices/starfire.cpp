@@ -179,9 +179,10 @@ StarFireConfiguration::StarFireConfiguration() {
 
 void StarFireConfiguration::visit(fields::Visitor& v) {
   v.text("path", path, "Symbolic link to the pty; what a client opens; empty = no serial line.");
-  v.integer("ports", ports, kPorts, kSerialPortsText);
-  v.check(ports == 1 || !path.empty(), "ports", "there is no serial line", {}, "1, or a `path`");
-  v.choice("check_baud", check_baud, kBaudChecks, "When a client hears garbage.");
+  v.only_if(!path.empty(), "path", "a path: there is no serial line", [this](fields::Visitor& w) {
+    w.integer("ports", ports, kPorts, kSerialPortsText);
+    w.choice("check_baud", check_baud, kBaudChecks, "When a client hears garbage.");
+  });
   v.text("bus", bus, "Name of the rig's bus that the device is on; empty = on none.");
   emulators::visit(v, receiver);
   v.section("mount", mount, "Where on the machine the antenna sits.");

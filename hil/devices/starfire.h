@@ -7,8 +7,8 @@
 
 #include "emulators/starfire/settings.h"
 #include "hil/devices/device_configuration.h"
-#include "hil/wires/baud_check.h"
-#include "hil/world/mount.h"
+#include "hil/wires/line_ports.h"
+#include "hil/world/shapes.h"
 #include "sim/gnss/gnss_sensor.h"
 
 namespace rigwire::hil {

@@ -129,16 +129,18 @@ UbloxConfiguration::UbloxConfiguration(const emulators::UbloxProfile& profile) {
 
 void UbloxConfiguration::visit(fields::Visitor& v) {
   v.choice("wire", wire, kSerialWires, "What carries the bytes.");
-  v.text("path", path, "Symbolic link to the pty; what a client opens.");
-  v.integer("ports", ports, kPorts, kSerialPortsText);
-  v.choice("check_baud", check_baud, kBaudChecks, "When a client hears garbage.");
+  v.only_if(wire == SerialWire::pty, "wire", "wire: pty", [this](fields::Visitor& w) {
+    w.text("path", path, "Symbolic link to the pty; what a client opens.");
+    w.integer("ports", ports, kPorts, kSerialPortsText);
+    w.choice("check_baud", check_baud, kBaudChecks, "When a client hears garbage.");
+  });
   emulators::visit(v, receiver);
   v.section("mount", mount, "Where on the machine the antenna sits.");
   v.section("sensor", sensor, "How well it knows where it is.");
   v.list("faults", faults, "What goes wrong with the device, and when.");
-  v.list("unplugged", unplugged, "When the plug of a device on USB is out.");
-  v.check(unplugged.empty() || wire == SerialWire::usb, "unplugged",
-          "only a device on USB has a plug that can be out", {}, "`wire: usb`");
+  v.only_if(wire == SerialWire::usb, "wire", "wire: usb", [this](fields::Visitor& w) {
+    w.list("unplugged", unplugged, "When the plug is out.");
+  });
 }
 
 void UbloxConfiguration::validate() const {

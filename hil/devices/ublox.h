@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "emulators/ublox/settings.h"
-#include "hil/configuration/mixed_faults.h"
+#include "hil/configuration/fault_window.h"
 #include "hil/devices/device_configuration.h"
-#include "hil/wires/baud_check.h"
+#include "hil/wires/line_ports.h"
 #include "hil/wires/usb_configuration.h"
-#include "hil/world/mount.h"
+#include "hil/world/shapes.h"
 #include "sim/gnss/gnss_sensor.h"
 
 namespace rigwire::hil {

@@ -142,8 +142,10 @@ void visit(fields::Visitor& v, LeverKeyframeConfiguration& p) {
 void UsbJoystickConfiguration::visit(fields::Visitor& v) {
   emulators::visit(v, joystick);
   v.choice("source", source, kLeverSources, "What moves the levers.");
-  v.boolean("repeat", repeat, "The script begins again at its last keyframe.");
-  v.list("script", script, "Keyframes; linear between them.");
+  v.only_if(source == LeverSource::script, "source", "source: script", [this](fields::Visitor& w) {
+    w.boolean("repeat", repeat, "The script begins again at its last keyframe.");
+    w.list("script", script, "Keyframes; linear between them.");
+  });
   v.list("unplugged", unplugged, "When the plug is out.");
 }
 

@@ -1,9 +1,13 @@
-#include "hil/devices/usb_passthrough.h"
+// A real USB device of this machine as a device of the rig: opened by libusb, exported by the rig's
+// USB bus.
+#include <memory>
+#include <string>
 
 #include "drivers/usb_host.h"
-#include "drivers/usb_selector.h"
 #include "fields/visitor.h"
 #include "hil/devices/device.h"
+#include "hil/devices/device_configuration.h"
+#include "hil/devices/device_types.h"
 #include "hil/devices/rig_check.h"
 #include "hil/devices/site.h"
 #include "hil/wires/usb_passthrough.h"
@@ -24,10 +28,10 @@ class PassedOn final : public emulators::Device {
 
 class UsbPassThroughDevice final : public Device {
  public:
-  UsbPassThroughDevice(const UsbPassThroughConfiguration& configuration, Site& site)
+  UsbPassThroughDevice(const std::string& device, Site& site)
       : bus_(site.usb()),
         host_(site.io()),
-        real_(host_.open(drivers::parse_usb_selector(configuration.device))),
+        real_(host_.open(drivers::parse_usb_selector(device))),
         socket_(bus_.plug(real_, site.name())) {}
 
   // The bus lets the device live; there is nothing to be routed to it, so that it is no station.
@@ -47,48 +51,55 @@ class UsbPassThroughDevice final : public Device {
   PassedOn nothing_;
 };
 
+/// A real USB device of this machine as a device of the rig: opened by libusb, exported by the
+/// rig's
+struct UsbPassThroughConfiguration final : DeviceConfigurationOf<UsbPassThroughConfiguration> {
+  std::string device;  ///< See drivers/usb_selector.h.
+
+  void visit(fields::Visitor& v) override {
+    v.required("device");
+    v.text("device", device,
+           "vendor:product, vendor:product:serial number, or the place where it is plugged in "
+           "(1-1.4).");
+  }
+
+  void validate() const override { static_cast<void>(drivers::parse_usb_selector(device)); }
+
+  void check(const std::string& at, RigCheck& check) const override {
+    check.usb();
+    check.claim(at + ".device", "USB device " + device, device);
+  }
+
+  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view /*name*/) const override {
+    return {};
+  }
+
+  [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
+    return {usb_wire(rig), "as it does", "", "the real " + device};
+  }
+
+  [[nodiscard]] std::optional<BusShare> bus_share(std::string_view /*name*/) const override {
+    return std::nullopt;
+  }
+
+  [[nodiscard]] DeviceDescription describe() const override {
+    DeviceDescription description;
+    description.wire = "USB as the real device's, by USB/IP, default 127.0.0.1:3240";
+    description.document = "the real device; Universal Serial Bus 2.0";
+    description.page = "docs/usb.md";
+    description.messages = {{"transfers", "as it does", "control, bulk, interrupt"}};
+    return description;
+  }
+
+  [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override {
+    return std::make_unique<UsbPassThroughDevice>(device, site);
+  }
+};
+
 }  // namespace
 
-void UsbPassThroughConfiguration::visit(fields::Visitor& v) {
-  v.required("device");
-  v.text("device", device,
-         "vendor:product, vendor:product:serial number, or the place where it is plugged in "
-         "(1-1.4).");
-}
-
-void UsbPassThroughConfiguration::validate() const {
-  static_cast<void>(drivers::parse_usb_selector(device));
-}
-
-void UsbPassThroughConfiguration::check(const std::string& at, RigCheck& check) const {
-  check.usb();
-  check.claim(at + ".device", "USB device " + device, device);
-}
-
-std::vector<FaultWindow> UsbPassThroughConfiguration::fault_windows(
-    std::string_view /*name*/) const {
-  return {};
-}
-
-DevicePlan UsbPassThroughConfiguration::plan(const RigView& rig) const {
-  return {usb_wire(rig), "as it does", "", "the real " + device};
-}
-
-std::optional<BusShare> UsbPassThroughConfiguration::bus_share(std::string_view /*name*/) const {
-  return std::nullopt;
-}
-
-DeviceDescription UsbPassThroughConfiguration::describe() const {
-  DeviceDescription description;
-  description.wire = "USB as the real device's, by USB/IP, default 127.0.0.1:3240";
-  description.document = "the real device; Universal Serial Bus 2.0";
-  description.page = "docs/usb.md";
-  description.messages = {{"transfers", "as it does", "control, bulk, interrupt"}};
-  return description;
-}
-
-std::unique_ptr<Device> UsbPassThroughConfiguration::make(Site& site) const {
-  return std::make_unique<UsbPassThroughDevice>(*this, site);
+std::unique_ptr<DeviceConfiguration> fresh_usb_passthrough() {
+  return std::make_unique<UsbPassThroughConfiguration>();
 }
 
 }  // namespace rigwire::hil

@@ -100,18 +100,15 @@ emulators::ValveDriverSettings driver_settings(const ValveDriverConfiguration& c
 void ValveDriverConfiguration::visit(fields::Visitor& v) {
   v.text("line", line, "One of the rig's Modbus lines; empty = a TCP server of its own.");
   v.integer("unit", unit, IntegerRule{1, 247}, "Number of the Modbus unit on its line.");
-  if (line.empty()) {
-    v.text("address", address, "Address at which the server listens.");
-    v.integer("port", port, IntegerRule{1, 65535}, "TCP; the standard port 502 needs privileges.");
-    v.boolean("allow_remote", allow_remote, "Permits listening where other machines reach it.");
-    v.duration("processing_delay", processing_delay, {0, 1'000'000'000},
+  v.only_if(line.empty(), "line", "no line, which has its own", [this](fields::Visitor& w) {
+    w.text("address", address, "Address at which the server listens.");
+    w.integer("port", port, IntegerRule{1, 65535}, "TCP; the standard port 502 needs privileges.");
+    w.boolean("allow_remote", allow_remote, "Permits listening where other machines reach it.");
+    w.duration("processing_delay", processing_delay, {0, 1'000'000'000},
                "Time from a request to its answer.");
-  } else {
-    for (const char* key : {"address", "port", "allow_remote", "processing_delay"}) {
-      v.refused(key, "the line has its own");
-    }
-  }
-  v.file("map", map, "Registers from a file (docs/your-own-valve.md); empty: Rigwire's own.");
+  });
+  v.file("map", map, fields::FileKind::valve_map,
+         "Registers from a file (docs/your-own-valve.md); empty: Rigwire's own.");
   emulators::visit(v, driver);
 }
 

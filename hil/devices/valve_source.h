@@ -10,7 +10,7 @@
 #include "emulators/backends.h"
 #include "emulators/valve_amplifier/settings.h"
 #include "hil/configuration/fault_window.h"
-#include "hil/world/valve_sections.h"
+#include "hil/world/ports.h"
 
 namespace rigwire::hil {
 

@@ -369,10 +369,12 @@ const protocols::velodyne::Model& model_of(const VelodyneConfiguration& p) {
 }
 
 void visit(fields::Visitor& v, LidarWebConfiguration& p) {
-  v.text("address", p.address, "IPv4 address at which the web interface listens.");
   v.integer("port", p.port, IntegerRule{0, 65535},
             "TCP port of the web interface; 0 = there is none.");
-  v.boolean("silent_refusals", p.silent_refusals, "Answers success to what it refuses, too.");
+  v.only_if(p.port != 0, "port", "a port", [&p](fields::Visitor& w) {
+    w.text("address", p.address, "IPv4 address at which the web interface listens.");
+    w.boolean("silent_refusals", p.silent_refusals, "Answers success to what it refuses, too.");
+  });
 }
 
 void VelodyneConfiguration::visit(fields::Visitor& v) {
@@ -386,7 +388,7 @@ void VelodyneConfiguration::visit(fields::Visitor& v) {
     v.section("web", web, "The sensor's web interface.");
   }
   if (has_status_channel) {
-    v.file("calibration", calibration_file,
+    v.file("calibration", calibration_file, fields::FileKind::data,
            "File of the unit's calibration, YAML; empty = the nominal unit.");
   }
   v.text("time_source", time_source,

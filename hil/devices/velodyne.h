@@ -11,8 +11,8 @@
 
 #include "emulators/velodyne/velodyne_settings.h"
 #include "hil/devices/device_configuration.h"
-#include "hil/world/lidar_sensor_configuration.h"
-#include "hil/world/mount.h"
+#include "hil/world/lidar.h"
+#include "hil/world/shapes.h"
 
 namespace rigwire::hil {
 

@@ -13,12 +13,66 @@
 #include <mutex>
 #include <thread>
 #include <utility>
+#include <vector>
 
-#include "hil/executive/batch_ring.h"
 #include "hil/executive/cpu_time.h"
+#include "hil/executive/truth_source.h"
 
 namespace rigwire::hil {
 namespace {
+
+/// The hand-over of sample batches from the thread that computes truth to the thread that owns the
+/// devices: a ring of reused slots, bounded, so that truth never runs further ahead than the ring.
+/// First in, first out. The ring owns the slots; a pointer to one holds until publish() or
+/// release(). One producer thread, one consumer thread.
+class BatchRing {
+ public:
+  explicit BatchRing(std::size_t slots) : slots_(slots) {}
+
+  /// Producer: the slot to fill next; waits while all are full. nullptr after close().
+  SampleBatch* acquire() {
+    std::unique_lock lock(mutex_);
+    room_.wait(lock, [this] { return closed_ || count_ < slots_.size(); });
+    return closed_ ? nullptr : &slots_[(first_ + count_) % slots_.size()];
+  }
+  /// Producer: hands over the acquired slot.
+  void publish() {
+    const std::scoped_lock lock(mutex_);
+    ++count_;
+  }
+
+  /// Consumer: the oldest batch, or nullptr.
+  const SampleBatch* front() {
+    const std::scoped_lock lock(mutex_);
+    return count_ == 0 ? nullptr : &slots_[first_];
+  }
+  /// Consumer: gives the front slot back. Precondition: front() != nullptr.
+  void release() {
+    {
+      const std::scoped_lock lock(mutex_);
+      first_ = (first_ + 1) % slots_.size();
+      --count_;
+    }
+    room_.notify_one();
+  }
+
+  /// Wakes and ends the producer.
+  void close() {
+    {
+      const std::scoped_lock lock(mutex_);
+      closed_ = true;
+    }
+    room_.notify_one();
+  }
+
+ private:
+  std::vector<SampleBatch> slots_;
+  std::size_t first_ = 0;
+  std::size_t count_ = 0;
+  bool closed_ = false;
+  std::mutex mutex_;
+  std::condition_variable room_;
+};
 
 /// One absolute deadline that sets a flag. Arming it again for the same instant costs nothing.
 class DeadlineTimer {

@@ -31,7 +31,6 @@
 
 #include "hil/executive/clock.h"
 #include "hil/executive/event_source.h"
-#include "hil/executive/outlet.h"
 #include "hil/executive/station.h"
 #include "hil/executive/truth_source.h"
 
@@ -100,7 +99,6 @@ class Executive {
   /// The machine's state at the newest sample batch; empty before the first.
   [[nodiscard]] const std::vector<double>& machine_state() const { return machine_state_; }
   [[nodiscard]] const WireStages& wire_stages() const { return wire_stages_; }
-  [[nodiscard]] const std::vector<Station*>& stations() const { return stations_; }
 
  private:
   class TruthThread;

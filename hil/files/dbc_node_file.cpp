@@ -697,7 +697,7 @@ void visit(fields::Visitor& v, DbcTakenMessageBinding& p) {
 void visit(fields::Visitor& v, DbcNodeBinding& p) {
   v.text("text", p.text, "What the device is.");
   v.required("dbc");
-  v.file("dbc", p.dbc, "The DBC file, relative to this one.");
+  v.file("dbc", p.dbc, fields::FileKind::data, "The DBC file, relative to this one.");
   v.text("node", p.node, "Its node in the DBC file: it sends what that one does; empty = none.");
   v.boolean("claims_address", p.claims_address, "It claims an address (SAE J1939-81).");
   v.integer("source_address", p.source_address, IntegerRule{0, 253}, "Preferred address.");

@@ -5,6 +5,7 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
+#include <assimp/DefaultIOSystem.h>
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cctype>
@@ -27,6 +28,22 @@ Eigen::Vector3f ours(const aiVector3D& p, bool gltf) {
   return gltf ? Eigen::Vector3f(p.z, p.x, p.y) : Eigen::Vector3f(p.x, p.y, p.z);
 }
 
+/// Remembers what assimp opens.
+class OpenedFiles final : public Assimp::DefaultIOSystem {
+ public:
+  explicit OpenedFiles(std::vector<std::string>& names) : names_(names) {}
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
+    if (stream != nullptr && std::ranges::find(names_, file) == names_.end()) {
+      names_.emplace_back(file);
+    }
+    return stream;
+  }
+
+ private:
+  std::vector<std::string>& names_;
+};
+
 class File {
  public:
   File(const std::filesystem::path& file, const std::string& name)
@@ -34,6 +51,7 @@ class File {
     if (!std::filesystem::is_regular_file(file)) {
       throw std::invalid_argument(who_ + "there is no such file");
     }
+    importer_.SetIOHandler(new OpenedFiles(files_));  // the importer's from here on
     const std::string extension = lower_case(file.extension().string());
     gltf_ = extension == ".gltf" || extension == ".glb";
     importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
@@ -47,6 +65,8 @@ class File {
   }
 
   [[nodiscard]] const aiScene& scene() const { return *scene_; }
+  /// Opened so far.
+  [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
 
   void append(const aiMesh& part, sim::TriangleMesh& mesh) const {
     const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -63,7 +83,7 @@ class File {
   }
 
   /// Null when the material has no holes.
-  [[nodiscard]] std::shared_ptr<const sim::AlphaMask> mask(const aiMaterial& material) const {
+  [[nodiscard]] std::shared_ptr<const sim::AlphaMask> mask(const aiMaterial& material) {
     aiString mode;
     if (material.Get(AI_MATKEY_GLTF_ALPHAMODE, mode) == AI_SUCCESS &&
         std::string(mode.C_Str()) == "OPAQUE") {
@@ -103,8 +123,7 @@ class File {
 
  private:
   /// Nothing for an image that is no PNG: it has no alpha.
-  [[nodiscard]] std::unique_ptr<Image> open(const aiString& texture,
-                                            const std::string& what) const {
+  [[nodiscard]] std::unique_ptr<Image> open(const aiString& texture, const std::string& what) {
     if (const aiTexture* embedded = scene_->GetEmbeddedTexture(texture.C_Str())) {
       if (embedded->mHeight != 0 || lower_case(embedded->achFormatHint) != "png") {
         return nullptr;
@@ -118,12 +137,14 @@ class File {
     if (lower_case(file.extension().string()) != ".png") {
       return nullptr;
     }
+    files_.push_back(file.string());
     return std::make_unique<Image>(read_png(file, what));
   }
 
   std::filesystem::path path_;
   std::string who_;
   bool gltf_ = false;
+  std::vector<std::string> files_;
   Assimp::Importer importer_;
   const aiScene* scene_ = nullptr;
 };
@@ -150,7 +171,7 @@ sim::TriangleMesh load_mesh(const std::filesystem::path& file, const std::string
 }
 
 LoadedModel load_model(const std::filesystem::path& file, const std::string& name) {
-  const File opened(file, name);
+  File opened(file, name);
   const aiScene& scene = opened.scene();
   LoadedModel model;
   for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
@@ -191,6 +212,14 @@ LoadedModel load_model(const std::filesystem::path& file, const std::string& nam
         sim::kFarthestVertex_m, model.dropped.no_area));
   }
   return model;
+}
+
+std::vector<std::string> mesh_files(const std::filesystem::path& file) {
+  File opened(file, file.string());
+  for (unsigned i = 0; i < opened.scene().mNumMaterials; ++i) {
+    (void)opened.mask(*opened.scene().mMaterials[i]);
+  }
+  return opened.files();
 }
 
 std::vector<sim::TriangleMesh> load_meshes(const std::vector<sim::FixedObject>& objects,

@@ -32,6 +32,10 @@ struct LoadedModel {
 /// damaged, naming it, and when no good triangle is left.
 [[nodiscard]] LoadedModel load_model(const std::filesystem::path& file, const std::string& name);
 
+/// The files that load_model() opens, the mesh's own first: those of its materials, buffers and PNG
+/// textures too. Throws as load_model() does for a file that is none.
+[[nodiscard]] std::vector<std::string> mesh_files(const std::filesystem::path& file);
+
 /// The meshes of all objects, each file once, for sim::build_scene(). `report` gets a line for each
 /// file of which triangles were left out.
 [[nodiscard]] std::vector<sim::TriangleMesh> load_meshes(

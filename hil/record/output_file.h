@@ -14,17 +14,40 @@
 // A regular file in a folder that takes no new file is written in place.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "drivers/output.h"
-#include "hil/record/output_failures.h"
 
 namespace rigwire::hil {
+
+/// What a run promised to write and could not: said once for each file, at once; the run goes on
+/// and ends with exit code 1.
+class OutputFailures {
+ public:
+  /// `say` is called on the thread that failed and must not wait for anybody.
+  explicit OutputFailures(std::function<void(const std::string&)> say) : say_(std::move(say)) {}
+  OutputFailures(const OutputFailures&) = delete;
+  OutputFailures& operator=(const OutputFailures&) = delete;
+
+  /// From any thread.
+  void report(const std::string& what) {
+    any_ = true;
+    say_(what);
+  }
+  [[nodiscard]] bool any() const { return any_; }
+
+ private:
+  std::function<void(const std::string&)> say_;
+  std::atomic<bool> any_{false};
+};
 
 /// How long a FIFO's reader may take to come, and any reader to read, before it is given up.
 inline constexpr std::chrono::seconds kReaderPatience{2};

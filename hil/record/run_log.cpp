@@ -108,4 +108,11 @@ void RunLog::say(LogLevel level, std::string_view text) {
   logger_->log(level_of(level), printable(text));
 }
 
+void complain(const std::string& text, std::chrono::milliseconds patience) {
+  const std::string line = "rigwire: " + printable(text, "\n") + "\n";
+  // Nobody is left to be told when this fails, too.
+  static_cast<void>(
+      drivers::Output(STDERR_FILENO).write(line, std::chrono::steady_clock::now() + patience));
+}
+
 }  // namespace rigwire::hil

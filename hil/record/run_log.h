@@ -5,10 +5,11 @@
 //
 // Before the first instant and after the end of a run the time is left out. Nobody logs but who is
 // given a log; without one a rig is silent. What keeps a run from beginning, and what ends it, is
-// no line of the log: it is always told (hil/record/complain.h).
+// no line of the log: it is always told, by complain().
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -73,5 +74,11 @@ class RunLog {
   std::shared_ptr<StandardError> standard_error_;  ///< Null with a sink of the caller's.
   std::unique_ptr<spdlog::logger> logger_;
 };
+
+/// Why a run did not begin or ended before it should, whatever the level of the log: writes
+/// "rigwire: TEXT" to standard error; what a terminal would obey in it is spelled out. A reader
+/// that does not read is waited for `patience`, then the line is lost: a run waits for nobody.
+void complain(const std::string& text,
+              std::chrono::milliseconds patience = std::chrono::milliseconds{0});
 
 }  // namespace rigwire::hil

@@ -17,7 +17,6 @@
 #include "hil/wires/rig_usb.h"
 #include "hil/world/machine.h"
 #include "hil/world/scene.h"
-#include "hil/world/scene_fall_obstacle.h"
 #include "hil/world/sky.h"
 #include "hil/world/standing_free.h"
 #include "sim/excavator/bucket_soil.h"
@@ -47,6 +46,31 @@ sim::Scene::MeshId add_shape(sim::Scene& scene, const Shape& shape) {
   }
   return scene.add_mesh(loaded);
 }
+
+/// What soil that is poured out may fall on: the fixed objects of the scene, found by a ray. A
+/// truck's box catches what falls into it; the machine's own links do not.
+class SceneFallObstacle final : public sim::FallObstacle {
+ public:
+  /// `scene` must outlive it. Nothing is caught before the scene's first slice.
+  explicit SceneFallObstacle(const sim::Scene& scene) : scene_(scene) {}
+
+  [[nodiscard]] bool catches(const Eigen::Vector3d& from_W, double terrain_m) const override {
+    constexpr double kClear_m = 0.1;  // The rays' terrain lags behind the one that is dug.
+    const double reach_m = from_W.z() - terrain_m - kClear_m;
+    const auto now = scene_.slice_end();
+    if (!now || !(reach_m > 0.0)) {
+      return false;
+    }
+    std::uint32_t mask = sim::Scene::kSeeEverything;
+    for (sim::Scene::BodyId body = 0; body < scene_.body_count(); ++body) {
+      mask &= ~sim::Scene::body_mask(body);
+    }
+    return scene_.cast(from_W, -Eigen::Vector3d::UnitZ(), 0.0, reach_m, *now, mask).has_value();
+  }
+
+ private:
+  const sim::Scene& scene_;
+};
 
 /// Without leap seconds, as computers count.
 std::chrono::microseconds unix_time(const UtcTime& utc) {

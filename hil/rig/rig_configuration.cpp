@@ -4,6 +4,7 @@
 
 #include "hil/configuration/document.h"
 #include "hil/configuration/reader.h"
+#include "hil/files/file_content.h"
 
 namespace rigwire::hil {
 
@@ -24,7 +25,7 @@ LoadedRig load_rig(const std::string& file, const std::vector<std::string>& sets
 }
 
 std::string config_hash(const RigConfiguration& configuration) {
-  return hash_text(outline(configuration));
+  return hash_text(outline(configuration), file_content);
 }
 
 std::string print_rig(const LoadedRig& rig) {

@@ -39,11 +39,14 @@ struct SocketcandConfiguration {
 inline void visit(fields::Visitor& v, SocketcandConfiguration& p) {
   v.integer("port", p.port, fields::IntegerRule{0, 65535},
             "TCP port; 0 = no server. The daemon's own is 29536.");
-  v.text("address", p.address, "Address at which it listens.");
-  v.boolean("allow_remote", p.allow_remote, "Permits listening where other machines reach it.");
-  v.boolean("beacon", p.beacon, "Makes itself known by a datagram to UDP port 42000.");
-  v.integer("error_mask", p.error_mask, fields::IntegerRule{0, 0x1FFF'FFFF},
-            "Classes of error frames that clients are told, as the kernel numbers them; 0 = none.");
+  v.only_if(p.port != 0, "port", "a port", [&p](fields::Visitor& w) {
+    w.text("address", p.address, "Address at which it listens.");
+    w.boolean("allow_remote", p.allow_remote, "Permits listening where other machines reach it.");
+    w.boolean("beacon", p.beacon, "Makes itself known by a datagram to UDP port 42000.");
+    w.integer(
+        "error_mask", p.error_mask, fields::IntegerRule{0, 0x1FFF'FFFF},
+        "Classes of error frames that clients are told, as the kernel numbers them; 0 = none.");
+  });
 }
 
 /// One CAN bus that devices share.
@@ -67,22 +70,32 @@ struct BusConfiguration {
 
 inline void visit(fields::Visitor& v, BusConfiguration& p) {
   v.choice("wire", p.wire, kCanWires, "What carries the frames.");
-  v.text("interface", p.interface, "socketcan: the interface's name.");
-  v.text("path", p.path, "slcan: symbolic link to the pty, what a client opens.");
-  v.integer("ports", p.ports, kPorts,
-            "slcan: ports of the bus, `path`, `path.1` ...: each a node of its own, for a program "
-            "of its own. A SocketCAN interface takes any number of programs as it is.");
+  const auto may_be = [&p](CanWire wire) { return p.wire == wire || p.wire == CanWire::automatic; };
+  v.only_if(
+      may_be(CanWire::socketcan), "wire", "wire: socketcan or auto",
+      [&p](fields::Visitor& w) { w.text("interface", p.interface, "The interface's name."); });
+  v.only_if(may_be(CanWire::slcan), "wire", "wire: slcan or auto", [&p](fields::Visitor& w) {
+    w.text("path", p.path, "Symbolic link to the pty, what a client opens.");
+    w.integer(
+        "ports", p.ports, kPorts,
+        "Ports of the bus, `path`, `path.1` ...: each a node of its own, for a program of its "
+        "own. A SocketCAN interface takes any number of programs as it is.");
+    w.choice("slcan_dialect", p.slcan_dialect, kSlcanDialects, "What a client is told.");
+  });
+  v.only_if(may_be(CanWire::gs_usb), "wire", "wire: gs_usb or auto", [&p](fields::Visitor& w) {
+    w.boolean("attach", p.attach,
+              "Attach the adapter to this machine's kernel where that is permitted.");
+  });
   v.section("socketcand", p.socketcand, "The bus on TCP, beside whatever else carries it.");
-  v.boolean("attach", p.attach,
-            "gs_usb: attach the adapter to this machine's kernel where that is permitted.");
-  v.choice("slcan_dialect", p.slcan_dialect, kSlcanDialects, "What a slcan client is told.");
   visit(v, p.bus);
   v.choice("order", p.order, emulators::kCanQueueOrders,
            "Which waiting frame a device sends next.");
   v.boolean("one_shot", p.one_shot, "Devices try every frame once only.");
   v.boolean("restarts", p.restarts, "Controllers come back from bus-off by themselves.");
-  v.duration("restart_after", p.restart_after, {0, 3'600'000'000'000},
-             "From bus-off to the beginning of the recovery.");
+  v.only_if(p.restarts, "restarts", "restarts: true", [&p](fields::Visitor& w) {
+    w.duration("restart_after", p.restart_after, {0, 3'600'000'000'000},
+               "From bus-off to the beginning of the recovery.");
+  });
   v.boolean("acknowledger", p.acknowledger,
             "A further node acknowledges, as the rest of a machine does; without it a device that "
             "is alone repeats its first frame until a client comes.");

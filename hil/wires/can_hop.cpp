@@ -4,12 +4,12 @@
 
 #include <algorithm>
 
-#include "drivers/line_discipline.h"
 #include "drivers/pty.h"
 #include "drivers/slcan_adapter.h"
 #include "drivers/socketcan.h"
 #include "drivers/socketcand_server.h"
 #include "drivers/tcp_server.h"
+#include "drivers/terminal.h"
 #include "hil/wires/gs_usb_can.h"
 
 namespace rigwire::hil {

@@ -10,7 +10,7 @@
 
 #include "drivers/can_interface.h"
 #include "drivers/endpoints.h"
-#include "drivers/socketcand_beacon.h"
+#include "drivers/socketcand_server.h"
 #include "hil/wires/can_bus_configuration.h"
 #include "hil/wires/usb_bus.h"
 

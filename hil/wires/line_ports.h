@@ -1,6 +1,7 @@
-// A wire with several ports on pseudo-terminals: `path`, `path.1`, `path.2` ...
+// Serial lines on pseudo-terminals, and wires with several ports: `path`, `path.1`, `path.2` ...
 #pragma once
 
+#include <array>
 #include <boost/asio/io_context.hpp>
 #include <cstdint>
 #include <memory>
@@ -10,6 +11,27 @@
 #include "fields/visitor.h"
 
 namespace rigwire::hil {
+
+/// Whether a serial line minds that its client is set to another speed.
+enum class BaudCheck {
+  /// As strict, but 9600 bit/s passes: gpsd sets it on every pseudo-terminal and never hunts for
+  /// another speed there, and libraries set it for programs that ask for none.
+  lenient,
+  strict,  ///< As on a wire: a client at another speed hears garbage and is heard as garbage.
+  none,    ///< Every client is understood.
+};
+inline constexpr std::array<fields::Choice<BaudCheck>, 3> kBaudChecks{
+    {{BaudCheck::lenient, "lenient", "At another speed than the device's, 9600 bit/s excepted."},
+     {BaudCheck::strict, "strict", "At another speed than the device's, as on a wire."},
+     {BaudCheck::none, "none", "Never."}}};
+
+/// The client's speed as the device is to see it; 0 = not known, so that it matches.
+[[nodiscard]] constexpr std::uint32_t seen_baud(BaudCheck check, std::uint32_t client_baud) {
+  constexpr std::uint32_t kUnchosen = 9600;
+  const bool passes =
+      check == BaudCheck::none || (check == BaudCheck::lenient && client_baud == kUnchosen);
+  return passes ? 0 : client_baud;
+}
 
 /// Of one wire.
 inline constexpr fields::IntegerRule kPorts{1, 16};

@@ -18,7 +18,7 @@
 #include "emulators/modbus/modbus_rtu_server.h"
 #include "emulators/modbus/modbus_server.h"
 #include "fields/visitor.h"
-#include "hil/wires/baud_check.h"
+#include "hil/wires/line_ports.h"
 
 namespace rigwire::hil {
 
@@ -49,38 +49,24 @@ struct ModbusLineConfiguration {
   return {p.line, p.response_delay, p.faults, seed};
 }
 
-namespace detail {
-inline void visit_tcp(fields::Visitor& v, ModbusLineConfiguration& p) {
-  v.text("address", p.address, "Address at which it listens.");
-  v.integer("port", p.port, fields::IntegerRule{1, 65535},
-            "TCP port; the standard port 502 needs privileges.");
-  v.boolean("allow_remote", p.allow_remote, "Permits listening where other machines reach it.");
-  v.integer("clients_max", p.clients_max, fields::IntegerRule{1, 1024},
-            "When all places are taken, the client silent longest makes room.");
-  visit(v, p.server);
-}
-inline void visit_rtu(fields::Visitor& v, ModbusLineConfiguration& p) {
-  v.text("path", p.path, "Symbolic link to the pty; what a client opens.");
-  visit(v, p.line);
-  v.choice("check_baud", p.check_baud, kBaudChecks, "When a client hears garbage.");
-}
-}  // namespace detail
-
 inline void visit(fields::Visitor& v, ModbusLineConfiguration& p) {
   v.choice("wire", p.wire, emulators::kModbusWires, "What carries the requests.");
-  if (p.wire == emulators::ModbusWire::tcp) {
-    detail::visit_tcp(v, p);
-    for (const char* key :
-         {"path", "baud", "parity", "strict_gaps", "gap_tolerance", "check_baud"}) {
-      v.refused(key, "only with wire: rtu");
-    }
-  } else {
-    detail::visit_rtu(v, p);
-    for (const char* key :
-         {"address", "port", "allow_remote", "clients_max", "transactions_max", "idle_timeout"}) {
-      v.refused(key, "only with wire: tcp");
-    }
-  }
+  const bool is_tcp = p.wire == emulators::ModbusWire::tcp;
+  v.only_if(is_tcp, "wire", "wire: tcp", [&p](fields::Visitor& keys) {
+    keys.text("address", p.address, "Address at which it listens.");
+    keys.integer("port", p.port, fields::IntegerRule{1, 65535},
+                 "TCP port; the standard port 502 needs privileges.");
+    keys.boolean("allow_remote", p.allow_remote,
+                 "Permits listening where other machines reach it.");
+    keys.integer("clients_max", p.clients_max, fields::IntegerRule{1, 1024},
+                 "When all places are taken, the client silent longest makes room.");
+    visit(keys, p.server);
+  });
+  v.only_if(!is_tcp, "wire", "wire: rtu", [&p](fields::Visitor& keys) {
+    keys.text("path", p.path, "Symbolic link to the pty; what a client opens.");
+    visit(keys, p.line);
+    keys.choice("check_baud", p.check_baud, kBaudChecks, "When a client hears garbage.");
+  });
   v.section("response_delay", p.response_delay, "Time from a request to its answer.");
   v.list("faults", p.faults, "What goes wrong on the line, and when.");
 }

@@ -10,7 +10,7 @@
 
 #include "drivers/endpoints.h"
 #include "emulators/device.h"
-#include "hil/executive/outlet.h"
+#include "hil/executive/event_source.h"
 #include "hil/wires/emission_queue.h"
 #include "hil/wires/wire_statistics.h"
 

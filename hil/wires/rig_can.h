@@ -78,8 +78,6 @@ class RigCan final : public EventSource, private emulators::CanOutside {
   [[nodiscard]] const WireStatistics& controller_statistics() const {
     return outlet_.controller_statistics();
   }
-  /// Frames of intruders.
-  [[nodiscard]] const WireStatistics& intruder_statistics() const { return intruder_; }
 
   [[nodiscard]] SimTime next_event() const override { return bus_.next_event(); }
   [[nodiscard]] SimTime next_wakeup() const override { return bus_.next_event(); }

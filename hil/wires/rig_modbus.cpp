@@ -9,22 +9,44 @@
 namespace rigwire::hil {
 namespace {
 
-class RigModbusTcp final : public RigModbus {
+/// A line over its endpoint, what waits to leave by it, and the devices' server.
+template <class Endpoint, class Exit, class Server>
+class RigModbusOf : public RigModbus {
  public:
-  RigModbusTcp(const ModbusLineConfiguration& configuration, boost::asio::io_context& io,
-               std::uint64_t seed)
-      : listener_(io, listener_settings(configuration)),
-        outlet_(listener_, own_statistics()),
-        server_(server_settings(configuration, seed), outlet_) {}
-
   void add_unit(std::uint8_t number, emulators::ModbusUnit& unit) override {
     server_.add_unit(number, unit);
   }
-
   void start(Executive& executive) override {
     executive.add(*this);
     executive.add(outlet_);
-    listener_.start({
+    listen(executive);
+  }
+  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return endpoint_.status(); }
+  [[nodiscard]] SimTime next_event() const override { return server_.next_event(); }
+  void advance(SimTime now) override { server_.advance(now); }
+
+ protected:
+  template <class Open, class Settings>
+  RigModbusOf(const Open& open, const Settings& settings)
+      : endpoint_(open()), outlet_(endpoint_, own_statistics()), server_(settings, outlet_) {}
+  virtual void listen(Executive& executive) = 0;
+
+  Endpoint endpoint_;
+  Exit outlet_;
+  Server server_;
+};
+
+class RigModbusTcp final
+    : public RigModbusOf<drivers::TcpServer, ServerOutlet, emulators::ModbusServer> {
+ public:
+  RigModbusTcp(const ModbusLineConfiguration& configuration, boost::asio::io_context& io,
+               std::uint64_t seed)
+      : RigModbusOf([&] { return drivers::TcpServer(io, listener_settings(configuration)); },
+                    server_settings(configuration, seed)) {}
+
+ private:
+  void listen(Executive& executive) override {
+    endpoint_.start({
         .connected =
             [this, &executive](emulators::ConnectionId connection) {
               server_.connected(executive.arrive(), connection);
@@ -45,11 +67,6 @@ class RigModbusTcp final : public RigModbus {
     });
   }
 
-  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return listener_.status(); }
-  [[nodiscard]] SimTime next_event() const override { return server_.next_event(); }
-  void advance(SimTime now) override { server_.advance(now); }
-
- private:
   static drivers::TcpServerSettings listener_settings(
       const ModbusLineConfiguration& configuration) {
     drivers::TcpServerSettings settings;
@@ -59,45 +76,29 @@ class RigModbusTcp final : public RigModbus {
     settings.clients_max = configuration.clients_max;
     return settings;
   }
-
-  drivers::TcpServer listener_;
-  ServerOutlet outlet_;
-  emulators::ModbusServer server_;
 };
 
-class RigModbusRtu final : public RigModbus {
+class RigModbusRtu final
+    : public RigModbusOf<drivers::Pty, StreamOutlet, emulators::ModbusRtuServer> {
  public:
   RigModbusRtu(const ModbusLineConfiguration& configuration, boost::asio::io_context& io,
                std::uint64_t seed)
-      : check_baud_(configuration.check_baud),
-        pty_(io, configuration.path, configuration.line.timing.baud),
-        outlet_(pty_, own_statistics()),
-        server_(rtu_settings(configuration, seed), outlet_) {}
+      : RigModbusOf(
+            [&] { return drivers::Pty(io, configuration.path, configuration.line.timing.baud); },
+            rtu_settings(configuration, seed)),
+        check_baud_(configuration.check_baud) {}
 
-  void add_unit(std::uint8_t number, emulators::ModbusUnit& unit) override {
-    server_.add_unit(number, unit);
-  }
-
-  void start(Executive& executive) override {
-    executive.add(*this);
-    executive.add(outlet_);
-    pty_.on_client([this, &executive](const drivers::LineClient& client) {
+ private:
+  void listen(Executive& executive) override {
+    endpoint_.on_client([this, &executive](const drivers::LineClient& client) {
       server_.set_client(executive.arrive(), {client.present, seen_baud(check_baud_, client.baud)});
     });
-    pty_.start([this, &executive](std::span<const std::uint8_t> bytes) {
+    endpoint_.start([this, &executive](std::span<const std::uint8_t> bytes) {
       server_.receive(client_arrived(executive), bytes);
     });
   }
 
-  [[nodiscard]] drivers::EndpointStatus endpoint() const override { return pty_.status(); }
-  [[nodiscard]] SimTime next_event() const override { return server_.next_event(); }
-  void advance(SimTime now) override { server_.advance(now); }
-
- private:
   BaudCheck check_baud_;
-  drivers::Pty pty_;
-  StreamOutlet outlet_;
-  emulators::ModbusRtuServer server_;
 };
 
 }  // namespace

@@ -1,14 +1,38 @@
 #include "hil/world/lidar.h"
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "fields/check.h"
+#include "fields/visitor.h"
 #include "hil/world/truth_observer.h"
 #include "sim/lidar/depth_image_lidar.h"
 #include "sim/lidar/spinning_lidar.h"
 
 namespace rigwire::hil {
+
+namespace {
+
+constexpr std::array<fields::Choice<LidarMethod>, 2> kLidarMethods{
+    {{LidarMethod::rays, "rays", "Every shot is a ray at its own instant."},
+     {LidarMethod::depth_image, "depth_image", "Shots are read from images of virtual cameras."}}};
+
+}  // namespace
+
+void visit(fields::Visitor& v, LidarSensorConfiguration& p) {
+  v.choice("method", p.method, kLidarMethods, "How shots are simulated.");
+  visit(v, p.beam);
+  v.only_if(p.method == LidarMethod::depth_image, "method", "method: depth_image",
+            [&p](fields::Visitor& w) { w.section("images", p.images, "Virtual cameras."); });
+  v.section("rotor", p.rotor, "The head's motor.");
+}
+
+void validate(const LidarSensorConfiguration& configuration) {
+  fields::check(configuration);
+  validate(configuration.beam);
+}
 namespace {
 
 class WorldLidar final : public WorldSensor {

@@ -6,12 +6,31 @@
 #include <memory>
 #include <string_view>
 
-#include "hil/world/lidar_sensor_configuration.h"
+#include "fields/rules.h"
 #include "hil/world/world_sensor.h"
+#include "sim/lidar/depth_image_parameters.h"
+#include "sim/lidar/lidar_parameters.h"
 #include "sim/lidar/lidar_sensor.h"
+#include "sim/lidar/rotor.h"
 #include "sim/samples/lidar_sample.h"
 
 namespace rigwire::hil {
+
+enum class LidarMethod {
+  rays,         ///< sim::SpinningLidar
+  depth_image,  ///< sim::DepthImageLidar
+};
+
+struct LidarSensorConfiguration {
+  LidarMethod method = LidarMethod::rays;
+  sim::SpinningLidarParameters beam;
+  sim::DepthImageParameters images;  ///< Means nothing with LidarMethod::rays.
+  sim::RotorParameters rotor;
+};
+void visit(fields::Visitor& v, LidarSensorConfiguration& p);
+
+/// Throws std::invalid_argument naming the key, the value found and what is allowed.
+void validate(const LidarSensorConfiguration& configuration);
 
 /// What the device says of its head.
 struct LidarHead {

@@ -37,7 +37,9 @@ std::span<const MachineType> machine_types() {
 void ExcavatorMachine::visit(fields::Visitor& v) {
   v.section("excavator", excavator, "Masses, pins, cylinders, hydraulics, drives.");
   v.boolean("digs", digs, "Whether the bucket moves the ground; else it passes through.");
-  v.section("digging", digging, "The bucket as a tool, and the ground's limits.");
+  v.only_if(digs, "digs", "digs: true", [this](fields::Visitor& w) {
+    w.section("digging", digging, "The bucket as a tool, and the ground's limits.");
+  });
 }
 
 std::span<const std::string_view> ExcavatorMachine::links() const {
@@ -70,10 +72,6 @@ std::span<const std::string_view> WheeledMachine::links() const {
   return sim::kWheeledLinks;
 }
 
-std::span<const std::string_view> WheeledMachine::standing_links() const {
-  return std::span(sim::kWheeledLinks).subspan(1);
-}
-
 std::unique_ptr<sim::Machine> WheeledMachine::make(const MachineSite& site) const {
   const Eigen::Vector2d place_m = site.X_WB.translation().head<2>();
   return sim::make_wheeled_vehicle(wheeled, site.ground, sim::make_driveline(driveline),
@@ -86,10 +84,6 @@ void RollerMachine::visit(fields::Visitor& v) {
 
 std::span<const std::string_view> RollerMachine::links() const {
   return sim::kRollerLinks;
-}
-
-std::span<const std::string_view> RollerMachine::standing_links() const {
-  return std::span(sim::kRollerLinks).subspan(1);
 }
 
 std::unique_ptr<sim::Machine> RollerMachine::make(const MachineSite& site) const {

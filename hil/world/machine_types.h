@@ -40,29 +40,33 @@ struct ExcavatorMachine final : MachineModelOf<ExcavatorMachine> {
   [[nodiscard]] std::unique_ptr<sim::Machine> make(const MachineSite& site) const override;
 };
 
-struct WheeledMachine final : MachineModelOf<WheeledMachine> {
+/// Of machines with a drive train and nothing that digs; all links but the first stand.
+template <class Type>
+class DrivingMachineOf : public MachineModelOf<Type> {
+ public:
+  [[nodiscard]] std::span<const std::string_view> standing_links() const override {
+    return this->links().subspan(1);
+  }
+  [[nodiscard]] bool drives() const override { return true; }
+  [[nodiscard]] bool has_power_unit() const override { return false; }
+  [[nodiscard]] bool changes_ground() const override { return false; }
+};
+
+struct WheeledMachine final : DrivingMachineOf<WheeledMachine> {
   sim::WheeledVehicleParameters wheeled;
   sim::DrivelineParameters driveline;
 
   void visit(fields::Visitor& v) override;
   [[nodiscard]] std::span<const std::string_view> links() const override;
-  [[nodiscard]] std::span<const std::string_view> standing_links() const override;
-  [[nodiscard]] bool drives() const override { return true; }
-  [[nodiscard]] bool has_power_unit() const override { return false; }
-  [[nodiscard]] bool changes_ground() const override { return false; }
   [[nodiscard]] double gravity_mps2() const override { return wheeled.gravity_mps2; }
   [[nodiscard]] std::unique_ptr<sim::Machine> make(const MachineSite& site) const override;
 };
 
-struct RollerMachine final : MachineModelOf<RollerMachine> {
+struct RollerMachine final : DrivingMachineOf<RollerMachine> {
   sim::RollerParameters roller;
 
   void visit(fields::Visitor& v) override;
   [[nodiscard]] std::span<const std::string_view> links() const override;
-  [[nodiscard]] std::span<const std::string_view> standing_links() const override;
-  [[nodiscard]] bool drives() const override { return true; }
-  [[nodiscard]] bool has_power_unit() const override { return false; }
-  [[nodiscard]] bool changes_ground() const override { return false; }
   [[nodiscard]] double gravity_mps2() const override { return roller.gravity_mps2; }
   [[nodiscard]] std::unique_ptr<sim::Machine> make(const MachineSite& site) const override;
 };

@@ -7,11 +7,25 @@
 #include <vector>
 
 #include "fields/rules.h"
-#include "hil/world/origin.h"
+#include "sim/geoid.h"
 #include "sim/scene/scene_description.h"
 #include "sim/weather/weather_parameters.h"
 
 namespace rigwire::hil {
+
+enum class GeoidSource { constant, egm96 };
+
+/// Where the origin of the world frame W lies on Earth (WGS 84).
+struct OriginConfiguration {
+  double latitude_deg = 49.4247;
+  double longitude_deg = 7.7517;
+  double height_m = 240.0;  ///< Above the ellipsoid.
+  GeoidSource geoid = GeoidSource::constant;
+  double geoid_separation_m = 48.0;  ///< Geoid above the ellipsoid there; constant only.
+  std::string geoid_file;            ///< GTX; empty = EGM96 of the package proj-data.
+  sim::GeoidInterpolation geoid_interpolation = sim::GeoidInterpolation::bilinear;
+};
+void visit(fields::Visitor& v, OriginConfiguration& p);
 
 struct SceneConfiguration {
   std::string name = "scene";

@@ -31,7 +31,8 @@ void visit(fields::Visitor& v, BoxShape& p) {
 
 void visit(fields::Visitor& v, MeshShape& p) {
   v.required("file");
-  v.file("file", p.file, "Mesh file, relative to this file: OBJ, STL, PLY or glTF, in metres.");
+  v.file("file", p.file, fields::FileKind::mesh,
+         "Mesh file, relative to this file: OBJ, STL, PLY or glTF, in metres.");
   v.number("scale", p.scale, plain().between(1e-6, 1e6), "Metres per unit of the file.");
 }
 
@@ -42,6 +43,15 @@ void visit(fields::Visitor& v, PlacedShape& p) {
   v.section("rotation", p.rotation, "Rotation of the shape's axes.");
   v.number("reflectance", p.reflectance, plain().between(0, 1), "Diffuse reflectance at 905 nm.");
   v.text("label", p.label, "What the surface is, for recordings.");
+}
+
+using fields::in;
+
+void visit(fields::Visitor& v, MountConfiguration& p) {
+  v.text("link", p.link, "Link of the machine that carries it.");
+  v.vector3("position", p.position_m, in("m").between(-100, 100),
+            "Place in the link's frame: x forward, y left, z up.");
+  v.section("rotation", p.rotation, "Rotation of the sensor's axes against the link's.");
 }
 
 }  // namespace rigwire::hil

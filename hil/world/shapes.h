@@ -52,4 +52,12 @@ struct PlacedShape {
 };
 void visit(fields::Visitor& v, PlacedShape& p);
 
+/// Where a sensor sits: pose of its frame S in the frame of a link L of the machine (X_LS).
+struct MountConfiguration {
+  std::string link = "upper";
+  Vector3 position_m;
+  RollPitchYaw rotation;
+};
+void visit(fields::Visitor& v, MountConfiguration& p);
+
 }  // namespace rigwire::hil

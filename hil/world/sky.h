@@ -3,12 +3,28 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
-#include "hil/world/satellites_configuration.h"
+#include "fields/rules.h"
 #include "sim/gnss/constellation.h"
 #include "sim/samples/calendar.h"
+#include "sim/samples/gnss_sample.h"
 
 namespace rigwire::hil {
+
+struct SatellitesConfiguration {
+  /// In their published nominal slots; without a file.
+  std::vector<std::string> systems{"gps", "sbas", "galileo", "beidou", "qzss", "glonass"};
+  std::string file;  ///< GPS alone, from a RINEX navigation file or a YUMA almanac.
+};
+void visit(fields::Visitor& v, SatellitesConfiguration& p);
+
+/// Throws std::invalid_argument for unknown or no systems.
+void validate(const SatellitesConfiguration& configuration);
+
+/// Throws as validate().
+[[nodiscard]] std::vector<GnssSystem> systems_of(const SatellitesConfiguration& configuration);
 
 /// GPS satellites from a RINEX navigation file (2.x, 3.x) or a YUMA almanac; the first line tells
 /// which. Weeks that a YUMA file states modulo 1024 are taken near `start`; so is UTC when the file

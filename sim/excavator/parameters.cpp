@@ -176,7 +176,9 @@ void visit(fields::Visitor& v, ExcavatorParameters& p) {
            "Oil that motor and gear take per angle of swing.");
   v.section("supply", p.supply, "Pump and pressures.");
   v.choice("pumps", p.pumps, kExcavatorPumps, "What drives the pumps.");
-  v.section("power_unit", p.power_unit, "Engine of pumps engine.");
+  v.only_if(p.pumps == ExcavatorPumps::engine, "pumps", "pumps: engine", [&p](fields::Visitor& w) {
+    w.section("power_unit", p.power_unit, "Engine that drives the pumps.");
+  });
   v.section("swing_spool", p.swing_spool, "Valve section 1, the swing's.");
   v.section("boom_spool", p.boom_spool, "Valve section 2, the boom's.");
   v.section("stick_spool", p.stick_spool, "Valve section 3, the stick's.");

@@ -31,33 +31,41 @@ void visit(fields::Visitor& v, CorrectionParameters& p) {
   constexpr fields::NumberRule kMetres = in("m").between(0, 1000);
   constexpr fields::NumberRule kSeconds = in("s").between(0, 86'400);
   v.choice("kind", p.kind, kCorrectionKinds, "Which corrections arrive.");
-  v.number("interval", p.interval_s, in("s").between(0.01, 86'400), "Between two corrections.");
-  v.number("latency", p.latency_s, kSeconds,
-           "From the measurement of a correction to its arrival.");
-  v.number("largest_age", p.largest_age_s, kSeconds, "Older corrections are not applied.");
-  v.number("sbas_share", p.sbas_share, plain().between(0, 1),
-           "Of orbit, clock and ionosphere errors that SBAS leaves.");
-  v.number("baseline", p.baseline_m, in("m").between(0, 1e6),
-           "RTK: distance from the base station.");
-  v.number("fixed_horizontal", p.fixed_horizontal_m, kMetres,
-           "RTK fixed: horizontal error, radial, 1 sigma, without the baseline's part.");
-  v.number("fixed_vertical", p.fixed_vertical_m, kMetres,
-           "RTK fixed: vertical error, 1 sigma, without the baseline's part.");
-  v.number("fixed_per_baseline", p.fixed_per_baseline, in("ppm").between(0, 1e6),
-           "RTK fixed: share of the baseline that is added to both errors.");
-  v.number("float_start", p.float_start_m, kMetres,
-           "RTK float: error per axis when it begins, 1 sigma.");
-  v.number("float_end", p.float_end_m, kMetres,
-           "RTK float: error per axis that it converges to, 1 sigma.");
-  v.number("float_decay", p.float_decay_s, in("s").between(0.001, 86'400),
-           "RTK float: time constant of its convergence.");
-  v.number("first_fix", p.first_fix_s, kSeconds, "RTK: from float to fixed, the first time.");
-  v.number("refix_shortest", p.refix_shortest_s, kSeconds,
-           "RTK: shortest time from a loss to fixed again.");
-  v.number("refix_longest", p.refix_longest_s, kSeconds,
-           "RTK: longest time from a loss to fixed again.");
-  v.integer("least_satellites", p.least_satellites, IntegerRule{kLeastForFloat, 40},
-            "RTK fixed: satellites in line of sight that it needs.");
+  v.only_if(p.kind != CorrectionKind::none, "kind", "a kind", [&p, &kSeconds](fields::Visitor& w) {
+    w.number("interval", p.interval_s, in("s").between(0.01, 86'400), "Between two corrections.");
+    w.number("latency", p.latency_s, kSeconds,
+             "From the measurement of a correction to its arrival.");
+    w.number("largest_age", p.largest_age_s, kSeconds, "Older corrections are not applied.");
+  });
+  v.only_if(p.kind == CorrectionKind::sbas, "kind", "kind: sbas", [&p](fields::Visitor& w) {
+    w.number("sbas_share", p.sbas_share, plain().between(0, 1),
+             "Of orbit, clock and ionosphere errors that SBAS leaves.");
+  });
+  v.only_if(p.kind == CorrectionKind::rtk, "kind", "kind: rtk",
+            [&p, &kSeconds, &kMetres](fields::Visitor& w) {
+              w.number("baseline", p.baseline_m, in("m").between(0, 1e6),
+                       "Distance from the base station.");
+              w.number("fixed_horizontal", p.fixed_horizontal_m, kMetres,
+                       "Fixed: horizontal error, radial, 1 sigma, without the baseline's part.");
+              w.number("fixed_vertical", p.fixed_vertical_m, kMetres,
+                       "Fixed: vertical error, 1 sigma, without the baseline's part.");
+              w.number("fixed_per_baseline", p.fixed_per_baseline, in("ppm").between(0, 1e6),
+                       "Fixed: share of the baseline that is added to both errors.");
+              w.number("float_start", p.float_start_m, kMetres,
+                       "Float: error per axis when it begins, 1 sigma.");
+              w.number("float_end", p.float_end_m, kMetres,
+                       "Float: error per axis that it converges to, 1 sigma.");
+              w.number("float_decay", p.float_decay_s, in("s").between(0.001, 86'400),
+                       "Float: time constant of its convergence.");
+              w.number("first_fix", p.first_fix_s, kSeconds,
+                       "From float to fixed, the first time.");
+              w.number("refix_shortest", p.refix_shortest_s, kSeconds,
+                       "Shortest time from a loss to fixed again.");
+              w.number("refix_longest", p.refix_longest_s, kSeconds,
+                       "Longest time from a loss to fixed again.");
+              w.integer("least_satellites", p.least_satellites, IntegerRule{kLeastForFloat, 40},
+                        "Fixed: satellites in line of sight that it needs.");
+            });
   v.number("service_start", p.service_start_m, kMetres,
            "Service: error per axis when it begins, 1 sigma.");
   v.number("service_end", p.service_end_m, kMetres,

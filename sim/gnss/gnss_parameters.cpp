@@ -60,20 +60,29 @@ void visit(fields::Visitor& v, GnssParameters& p) {
   v.choice("quadrant_rule", p.quadrant_rule, kQuadrantRules, "The paper's rule on empty sectors.");
   v.section("systems", p.systems, "Satellite systems received.");
   visit(v, p.sky);
-  v.number("circular_error", p.circular_error_m, in("m").between(0, 1000),
-           "CEP under open sky, as in the data sheet; error model paper.");
-  v.number("correlation_time", p.correlation_time_s, in("s").between(0, 86'400),
-           "Time constant of the position error; 0 = white noise; error model paper.");
-  v.section("ranges", p.ranges, "Errors of pseudoranges; error model coloured.");
-  v.section("multipath", p.multipath, "Reflections; error model coloured.");
+  v.only_if(p.error_model == ErrorModel::paper, "error_model", "error_model: paper",
+            [&p](fields::Visitor& w) {
+              w.number("circular_error", p.circular_error_m, in("m").between(0, 1000),
+                       "CEP under open sky, as in the data sheet.");
+              w.number("correlation_time", p.correlation_time_s, in("s").between(0, 86'400),
+                       "Time constant of the position error; 0 = white noise.");
+            });
+  v.only_if(p.error_model == ErrorModel::coloured, "error_model", "error_model: coloured",
+            [&p](fields::Visitor& w) {
+              w.section("ranges", p.ranges, "Errors of pseudoranges.");
+              w.section("multipath", p.multipath, "Reflections.");
+            });
   v.number("speed_sigma", p.speed_sigma_mps, in("m/s").between(0, 100),
            "White noise of the velocity, per axis at dilution 1.");
   v.boolean("errors", p.errors, "False: position, velocity and ranges are exact.");
   v.section("corrections", p.corrections, "SBAS, services, RTK.");
   visit(v, p.clock);
   v.boolean("raw_measurements", p.raw_measurements, "Pseudoranges, phases and Doppler shifts too.");
-  v.boolean("ionosphere", p.ionosphere, "Raw ranges are delayed by the broadcast model.");
-  v.boolean("troposphere", p.troposphere, "Raw ranges are delayed by Saastamoinen's model.");
+  v.only_if(
+      p.raw_measurements, "raw_measurements", "raw_measurements: true", [&p](fields::Visitor& w) {
+        w.boolean("ionosphere", p.ionosphere, "Raw ranges are delayed by the broadcast model.");
+        w.boolean("troposphere", p.troposphere, "Raw ranges are delayed by Saastamoinen's model.");
+      });
 }
 
 void validate(const GnssParameters& p) {

@@ -50,16 +50,18 @@ std::array<Eigen::Vector3d, kDirections> make_directions() {
 
 void visit(fields::Visitor& v, MultipathParameters& p) {
   v.boolean("enabled", p.enabled, "Reflections are searched by rays.");
-  v.number("reach", p.reach_m, in("m").between(0.1, 500),
-           "Surfaces farther away are not searched for reflections.");
-  v.number("reflection_loss", p.reflection_loss_db, in("dB").between(0, 40),
-           "Loss of a reflected against the direct signal.");
-  v.number("correlator_spacing", p.correlator_spacing_m, in("m").between(1, 300),
-           "From the early to the late correlator.");
-  v.number("search_distance", p.search_distance_m, in("m").between(0, 1000),
-           "Motion after which reflections are searched again.");
-  v.number("search_period", p.search_period_s, in("s").between(0, 86'400),
-           "Time after which reflections are searched again; 0 = every epoch.");
+  v.only_if(p.enabled, "enabled", "enabled: true", [&p](fields::Visitor& w) {
+    w.number("reach", p.reach_m, in("m").between(0.1, 500),
+             "Surfaces farther away are not searched for reflections.");
+    w.number("reflection_loss", p.reflection_loss_db, in("dB").between(0, 40),
+             "Loss of a reflected against the direct signal.");
+    w.number("correlator_spacing", p.correlator_spacing_m, in("m").between(1, 300),
+             "From the early to the late correlator.");
+    w.number("search_distance", p.search_distance_m, in("m").between(0, 1000),
+             "Motion after which reflections are searched again.");
+    w.number("search_period", p.search_period_s, in("s").between(0, 86'400),
+             "Time after which reflections are searched again; 0 = every epoch.");
+  });
 }
 
 void validate(const MultipathParameters& p) {

@@ -67,8 +67,12 @@ void visit(fields::Visitor& v, SkyViewParameters& p) {
   v.number("foliage_attenuation", p.foliage_attenuation_dbpm, in("dB/m").between(0, 100),
            "What tree crowns take from a signal on its way through them.");
   v.choice("sky_samples", p.samples, kSkySamples, "Rays per satellite.");
-  v.number("cone_half_angle", p.cone_half_angle_deg, in("deg").stored_as("deg").between(0, 10),
-           "Half angle of the cone of rays to a satellite.");
+  v.only_if(p.samples != SkySamples::one, "sky_samples", "more than one ray",
+            [&p](fields::Visitor& w) {
+              w.number("cone_half_angle", p.cone_half_angle_deg,
+                       in("deg").stored_as("deg").between(0, 10),
+                       "Half angle of the cone of rays to a satellite.");
+            });
   v.integer("maximum_channels", p.maximum_channels, IntegerRule{1, 184},
             "Satellites that are tracked at once, at most.");
 }

@@ -46,13 +46,15 @@ void visit(fields::Visitor& v, MagnetometerParameters& p) {
 
 void visit(fields::Visitor& v, MagnetometerConfiguration& p) {
   v.boolean("present", p.present, "Whether the unit has a magnetometer.");
-  v.number("strength", p.strength_t, in("T").between(0, 1e-3),
-           "Strength of the Earth's field, one vector for the whole scene.");
-  v.number("declination", p.declination_rad, in("deg").between(-180, 180),
-           "From true to magnetic north, east positive.");
-  v.number("inclination", p.inclination_rad, in("deg").between(-90, 90),
-           "Dip of the Earth's field below the horizontal.");
-  visit(v, p.sensor);
+  v.only_if(p.present, "present", "present: true", [&p](fields::Visitor& w) {
+    w.number("strength", p.strength_t, in("T").between(0, 1e-3),
+             "Strength of the Earth's field, one vector for the whole scene.");
+    w.number("declination", p.declination_rad, in("deg").between(-180, 180),
+             "From true to magnetic north, east positive.");
+    w.number("inclination", p.inclination_rad, in("deg").between(-90, 90),
+             "Dip of the Earth's field below the horizontal.");
+    visit(w, p.sensor);
+  });
 }
 
 MagnetometerParameters parameters_of(const MagnetometerConfiguration& configuration) {

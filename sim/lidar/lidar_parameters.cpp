@@ -29,8 +29,11 @@ void visit(fields::Visitor& v, SpinningLidarParameters& p) {
   v.integer("sub_rays", p.sub_rays, IntegerRule{0, 1000},
             "Rays per beam: 1, 5 or 19; 1000 to compare with; 0 = 1, or 5 for several echoes.");
   v.choice("range_noise", p.range_noise, kRangeNoises, "How range noise is made.");
-  v.number("range_resolution", p.range_resolution_m, in("mm").between(0, 1000),
-           "With noise by signal: sqrt(2) times the spread of an echo that is just seen.");
+  v.only_if(p.range_noise == RangeNoise::signal, "range_noise", "range_noise: signal",
+            [&p](fields::Visitor& w) {
+              w.number("range_resolution", p.range_resolution_m, in("mm").between(0, 1000),
+                       "sqrt(2) times the spread of an echo that is just seen.");
+            });
   v.number("laser_bias_sigma", p.laser_bias_sigma_m, in("mm").between(0, 1000),
            "Spread of the lasers' constant errors.");
   v.number("reference_range", p.reference_range_m, in("m").between(0, 1000),

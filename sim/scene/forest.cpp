@@ -214,8 +214,10 @@ void visit(fields::Visitor& v, Forest& p) {
   constexpr fields::NumberRule kPerHectare = in("1/ha").stored_as("1/ha").between(0, 20'000);
   v.integer("count", p.count, IntegerRule{0, static_cast<std::int64_t>(kMostTrees)},
             "Number of trees; 0 = by density.");
-  v.number("density", p.density_per_ha, kPerHectare,
-           "Trees per area of the rectangle, tracks included.");
+  v.only_if(p.count == 0, "count", "count: 0", [&p, &kPerHectare](fields::Visitor& w) {
+    w.number("density", p.density_per_ha, kPerHectare,
+             "Trees per area of the rectangle, tracks included.");
+  });
   v.integer("seed", p.seed, IntegerRule{0}, "Another forest on the same ground.");
   v.vector2("centre", p.centre_m, in("m").between(-4000, 4000), "[east, north] of the rectangle.");
   v.vector2("half_lengths", p.half_lengths_m, in("m").between(0.5, 4000),

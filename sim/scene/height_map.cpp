@@ -40,7 +40,8 @@ constexpr std::array<fields::Choice<HeightMapPlace>, 2> kHeightMapPlaces{
 
 void visit(fields::Visitor& v, HeightMapTerrain& p) {
   v.required("file");
-  v.file("file", p.file, "PNG of 8 or 16 bit, or GeoTIFF; relative to this file.");
+  v.file("file", p.file, fields::FileKind::data,
+         "PNG of 8 or 16 bit, or GeoTIFF; relative to this file.");
   v.choice("place", p.place, kHeightMapPlaces, "Where the map lies.");
   v.number("scale", p.scale, plain().between(-1e4, 1e4), "Metres for each unit of the file.");
   v.number("offset", p.offset_m, in("m").between(-1e5, 1e5), "Added to all heights.");

@@ -101,7 +101,8 @@ void visit(fields::Visitor& v, NamedMaterial& p) {
 void visit(fields::Visitor& v, FixedObject& p) {
   v.text("name", p.name, "Name of the object.");
   v.required("mesh");
-  v.file("mesh", p.mesh, "glTF, OBJ, STL or PLY, relative to this file; x forward, y left, z up.");
+  v.file("mesh", p.mesh, fields::FileKind::mesh,
+         "glTF, OBJ, STL or PLY, relative to this file; x forward, y left, z up.");
   v.vector3("position", p.position_m, in("m").between(-10'000, 10'000),
             "[east, north, up] of the mesh's origin.");
   v.number("yaw", p.yaw_rad, in("deg").between(-360, 360),

@@ -179,8 +179,12 @@ void visit(fields::Visitor& v, VehicleAxleParameters& p) {
            "Wheel's centre below the beam's.");
   v.number("wheel_spin_inertia", p.wheel_spin_inertia_kgm2, in("kg m2").above(0),
            "Inertia of one wheel with tyre and hub about its axle.");
-  v.section("beam", p.beam, "With type beam.");
-  v.section("independent", p.independent, "With type independent.");
+  v.only_if(p.type == AxleType::beam, "type", "type: beam", [&p](fields::Visitor& w) {
+    w.section("beam", p.beam, "Beam with its springs and dampers.");
+  });
+  v.only_if(p.type == AxleType::independent, "type", "type: independent", [&p](fields::Visitor& w) {
+    w.section("independent", p.independent, "Springs and dampers of each wheel.");
+  });
   v.section("tyre", p.tyre, "Both tyres.");
   v.section("steering", p.steering, "Actuator and linkage.");
   v.number("brake_torque", p.brake_torque_nm, in("N m").at_least(0),
@@ -213,14 +217,18 @@ void visit(fields::Visitor& v, ChassisContactParameters& p) {
 
 void visit(fields::Visitor& v, HitchParameters& p) {
   v.boolean("fitted", p.fitted, "Whether there is a hitch.");
-  v.number("travel_time", p.travel_time_s, in("s").above(0), "Time from down to up.");
+  v.only_if(p.fitted, "fitted", "fitted: true", [&p](fields::Visitor& w) {
+    w.number("travel_time", p.travel_time_s, in("s").above(0), "Time from down to up.");
+  });
 }
 
 void visit(fields::Visitor& v, PowerTakeOffParameters& p) {
   v.boolean("fitted", p.fitted, "Whether there is a power take-off.");
-  v.number("ratio", p.ratio, plain().above(0), "Engine's speed over the shaft's.");
-  v.number("engage_time", p.engage_time_s, in("s").above(0),
-           "Time in which its clutch brings the shaft to speed, and to rest.");
+  v.only_if(p.fitted, "fitted", "fitted: true", [&p](fields::Visitor& w) {
+    w.number("ratio", p.ratio, plain().above(0), "Engine's speed over the shaft's.");
+    w.number("engage_time", p.engage_time_s, in("s").above(0),
+             "Time in which its clutch brings the shaft to speed, and to rest.");
+  });
 }
 
 void visit(fields::Visitor& v, ImplementParameters& p) {

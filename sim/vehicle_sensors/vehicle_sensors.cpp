@@ -35,39 +35,43 @@ const OdometryParameters& checked(const OdometryParameters& parameters) {
 
 void visit(fields::Visitor& v, GroundRadarParameters& p) {
   v.boolean("fitted", p.fitted, "Whether there is one; without, no ground-based speed.");
-  v.number("least_speed", p.least_mps, in("m/s").between(0, 10),
-           "Speed below which it gives no pulses.");
-  v.number("greatest_speed", p.greatest_mps, in("m/s").above(0),
-           "Speed above which its pulses come no faster.");
-  v.number("pulses_per_metre", p.pulses_pm, fields::plain().above(0),
-           "Doppler pulses in a metre of way.");
-  v.number("gate", p.gate_s, in("ms").above(0), "Time over which pulses are counted.");
-  v.number("scale_error", p.scale_error, in("%").between(0, 20),
-           "Standard deviation of its scale: of the angle that it is mounted at.");
+  v.only_if(p.fitted, "fitted", "fitted: true", [&p](fields::Visitor& w) {
+    w.number("least_speed", p.least_mps, in("m/s").between(0, 10),
+             "Speed below which it gives no pulses.");
+    w.number("greatest_speed", p.greatest_mps, in("m/s").above(0),
+             "Speed above which its pulses come no faster.");
+    w.number("pulses_per_metre", p.pulses_pm, fields::plain().above(0),
+             "Doppler pulses in a metre of way.");
+    w.number("gate", p.gate_s, in("ms").above(0), "Time over which pulses are counted.");
+    w.number("scale_error", p.scale_error, in("%").between(0, 20),
+             "Standard deviation of its scale: of the angle that it is mounted at.");
+  });
 }
 
 void visit(fields::Visitor& v, VehicleSensorParameters& p) {
-  v.boolean("perfect", p.perfect, "No error at all, whatever the other keys say.");
-  v.integer("ticks_per_revolution", p.ticks_per_revolution, IntegerRule{0, 1000000},
-            "Ticks of a wheel's encoder in a revolution; 0 = continuous.");
-  v.number("gate", p.gate_s, in("ms").above(0), "Time over which ticks are counted.");
-  v.number("dead_rate", p.dead_rate_radps, in("rad/s").at_least(0),
-           "Wheel rate below which there are no ticks.");
-  v.number("known_radius", p.known_radius_m, in("m").at_least(0).at_most(100),
-           "The controller's wheel radius at every pressure; 0 = the true one.");
-  v.number("radius_error", p.radius_error, in("%").between(0, 20),
-           "Standard deviation of the radius that the controller knows.");
-  v.number("steer_offset", p.steer_offset_rad, in("deg").at_least(0),
-           "Standard deviation of each axle's steering offset.");
-  v.number("steer_quantum", p.steer_quantum_rad, in("deg").at_least(0),
-           "Step of the steering angle; 0 = continuous.");
-  v.number("steer_play", p.steer_play_rad, in("deg").at_least(0),
-           "Width of the steering sensor's backlash.");
-  v.number("pressure_offset", p.pressure_offset_pa, in("kPa").at_least(0),
-           "Standard deviation of each pressure's offset.");
-  v.number("pressure_quantum", p.pressure_quantum_pa, in("kPa").at_least(0),
-           "Step of the pressures; 0 = continuous.");
-  v.section("ground_radar", p.ground_radar, "Speed over the ground by Doppler radar.");
+  v.boolean("perfect", p.perfect, "No error at all.");
+  v.only_if(!p.perfect, "perfect", "perfect: false", [&p](fields::Visitor& w) {
+    w.integer("ticks_per_revolution", p.ticks_per_revolution, IntegerRule{0, 1000000},
+              "Ticks of a wheel's encoder in a revolution; 0 = continuous.");
+    w.number("gate", p.gate_s, in("ms").above(0), "Time over which ticks are counted.");
+    w.number("dead_rate", p.dead_rate_radps, in("rad/s").at_least(0),
+             "Wheel rate below which there are no ticks.");
+    w.number("known_radius", p.known_radius_m, in("m").at_least(0).at_most(100),
+             "The controller's wheel radius at every pressure; 0 = the true one.");
+    w.number("radius_error", p.radius_error, in("%").between(0, 20),
+             "Standard deviation of the radius that the controller knows.");
+    w.number("steer_offset", p.steer_offset_rad, in("deg").at_least(0),
+             "Standard deviation of each axle's steering offset.");
+    w.number("steer_quantum", p.steer_quantum_rad, in("deg").at_least(0),
+             "Step of the steering angle; 0 = continuous.");
+    w.number("steer_play", p.steer_play_rad, in("deg").at_least(0),
+             "Width of the steering sensor's backlash.");
+    w.number("pressure_offset", p.pressure_offset_pa, in("kPa").at_least(0),
+             "Standard deviation of each pressure's offset.");
+    w.number("pressure_quantum", p.pressure_quantum_pa, in("kPa").at_least(0),
+             "Step of the pressures; 0 = continuous.");
+    w.section("ground_radar", p.ground_radar, "Speed over the ground by Doppler radar.");
+  });
 }
 
 void validate(const VehicleSensorParameters& p) {

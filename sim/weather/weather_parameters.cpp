@@ -67,14 +67,17 @@ void visit(fields::Visitor& v, WeatherFrame& p) {
 
 void visit(fields::Visitor& v, RainParameters& p) {
   v.choice("model", p.model, kRainModels, "What rain does.");
-  v.number("extinction_efficiency", p.extinction_efficiency, plain().between(0.1, 4),
-           "Q_ext of a drop: light taken over light that meets it.");
-  v.number("refractive_index", p.refractive_index, plain().between(1, 3),
-           "Refractive index of water.");
-  v.number("smallest_drop", p.smallest_drop_m, in("mm").between(1e-3, 5),
-           "Diameter of the smallest drop.");
-  v.number("nearest_echo", p.nearest_echo_m, in("m").between(0.1, 1000),
-           "Nearest range at which a drop makes an echo.");
+  v.only_if(p.model == RainModel::marshall_palmer, "model", "model: marshall_palmer",
+            [&p](fields::Visitor& w) {
+              w.number("extinction_efficiency", p.extinction_efficiency, plain().between(0.1, 4),
+                       "Q_ext of a drop: light taken over light that meets it.");
+              w.number("refractive_index", p.refractive_index, plain().between(1, 3),
+                       "Refractive index of water.");
+              w.number("smallest_drop", p.smallest_drop_m, in("mm").between(1e-3, 5),
+                       "Diameter of the smallest drop.");
+              w.number("nearest_echo", p.nearest_echo_m, in("m").between(0.1, 1000),
+                       "Nearest range at which a drop makes an echo.");
+            });
 }
 
 void visit(fields::Visitor& v, SnowParameters& p) {
@@ -118,8 +121,11 @@ void visit(fields::Visitor& v, DustParameters& p) {
            "How dust spreads: puffs grow with the root of twice this times their age.");
   v.number("settling", p.settling_mps, in("m/s").between(0, 10),
            "Speed at which the particles settle.");
-  v.number("threshold_depth", p.threshold_depth, plain().between(0.01, 10),
-           "Optical depth at which an echo is certain, in the echo model optical_depth.");
+  v.only_if(p.echo == DustEchoModel::optical_depth, "echo", "echo: optical_depth",
+            [&p](fields::Visitor& w) {
+              w.number("threshold_depth", p.threshold_depth, plain().between(0.01, 10),
+                       "Optical depth at which an echo is certain.");
+            });
 }
 
 void visit(fields::Visitor& v, WindParameters& p) {

@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "drivers/descriptor.h"
-#include "drivers/line_readers.h"
 #include "drivers/pty.h"
 #include "run_until.h"
 

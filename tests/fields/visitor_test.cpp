@@ -28,6 +28,11 @@ class Doubling final : public Visitor {
 
   void required(std::string_view) override {}
   void refused(std::string_view, std::string_view) override {}
+  void conditional(bool holds, std::string_view choice, std::string_view needs,
+                   const Part& keys) override {
+    seen.push_back(std::string(choice) + (holds ? " is " : " is not ") + std::string(needs));
+    keys.show(*this);
+  }
   void check(bool, std::string_view, const std::string&, const std::string&,
              const std::string&) override {}
   void number(std::string_view key, double& value, const NumberRule&, std::string_view) override {
@@ -51,7 +56,7 @@ class Doubling final : public Visitor {
   void boolean(std::string_view, bool&, std::string_view) override {}
   void text(std::string_view, std::string&, std::string_view) override {}
   void texts(std::string_view, std::vector<std::string>&, std::string_view) override {}
-  void file(std::string_view, std::string&, std::string_view) override {}
+  void file(std::string_view, std::string&, FileKind, std::string_view) override {}
   void duration(std::string_view, std::chrono::nanoseconds&, const DurationRule&,
                 std::string_view) override {}
   void rate(std::string_view, std::chrono::nanoseconds&, const NumberRule&,
@@ -130,6 +135,14 @@ TEST(Groups, are_checked_with_their_key_in_the_path) {
   } catch (const Refused& refused) {
     EXPECT_EQ(refused.path(), "range.near");
   }
+}
+
+TEST(Groups, that_are_conditional_stand_beside_the_choice) {
+  double speed = 1;
+  Doubling v;
+  v.only_if(false, "drive", "motor", [&](Visitor& w) { w.number("speed", speed, in("m/s"), ""); });
+  EXPECT_EQ(speed, 2);
+  EXPECT_EQ(v.seen, (std::vector<std::string>{"drive is not motor", "speed"}));
 }
 
 TEST(Choices, a_member_that_holds_no_name_is_left_as_it_is) {

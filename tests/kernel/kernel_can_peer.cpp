@@ -25,10 +25,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "drivers/line_discipline.h"
 #include "drivers/pty.h"
 #include "drivers/slcan_adapter.h"
 #include "drivers/socketcan.h"
+#include "drivers/terminal.h"
 #include "emulators/can/can_bus.h"
 #include "emulators/canopen/rotary_encoder.h"
 #include "emulators/openimu/openimu335ri.h"

@@ -1,7 +1,7 @@
 // The host side of USB on a real kernel, for the cases of tests/kernel.
 //
 //   kernel_usb_host list
-//   kernel_usb_host read DEVICE            DEVICE as in drivers/usb_selector.h, a gs_usb adapter:
+//   kernel_usb_host read DEVICE            DEVICE as in drivers/usb_host.h, a gs_usb adapter:
 //                                          takes it from the kernel's driver, reads its
 //                                          configuration, receives 50 frames from a bus of 250
 //                                          kbit/s and sends one, and gives it back

@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "hil/configuration/origins.h"
 #include "hil/configuration/problems.h"
 #include "hil/configuration/reader.h"
 

@@ -1,4 +1,4 @@
-#include "hil/command_line/run_summary.h"
+#include "hil/command_line/status_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -310,9 +310,6 @@ TEST(EveryKeyEnds, defaults_lie_between_them) {
 }
 
 TEST(EveryKeyEnds, of_devices_are_where_describe_says) {
-  static constexpr std::array kCompanions{
-      Companion{"ublox-*", "wire", "usb"},  // a list of unplugged times is for USB
-  };
   static constexpr std::array kJoint{
       JointRefusal{"starfire-3000.rate", End::upper, "the line is too slow for the sentences"},
       JointRefusal{"ublox-*.rate", End::upper, "the line is too slow for the messages"},
@@ -347,7 +344,7 @@ TEST(EveryKeyEnds, of_devices_are_where_describe_says) {
       Meaningless{"velodyne-hdl-64e*.faults.0.factory_bytes.*",
                   "the model has a status channel in their place"},
   };
-  EveryKey keys(subject<ConfiguredDevice>(), kCompanions, kJoint, kMeaningless);
+  EveryKey keys(subject<ConfiguredDevice>(), {}, kJoint, kMeaningless);
   EXPECT_GT(keys.run(), 900u);
 }
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hil/configuration/mixed_faults.h"
+#include "hil/configuration/fault_window.h"
 #include "hil/devices/ublox.h"
 #include "hil/rig/rig_configuration.h"
 
@@ -167,9 +167,10 @@ TEST_F(GnssKeys, GeoidIsAConstantOrAGridAndNeverBoth) {
   write(machine + "origin: {geoid: egm96}\n");
   EXPECT_EQ(rig().origin.geoid, GeoidSource::egm96);
   write(machine + "origin: {geoid: egm96, geoid_separation: 40 m}\n");
-  EXPECT_THAT(complaints(), HasSubstr("origin.geoid_separation: the geoid comes from a grid"));
+  EXPECT_THAT(complaints(), HasSubstr("origin.geoid_separation: has no effect with geoid: egm96"));
   write(machine + "origin: {geoid_interpolation: bicubic}\n");
-  EXPECT_THAT(complaints(), HasSubstr("origin.geoid_interpolation: the geoid is constant"));
+  EXPECT_THAT(complaints(),
+              HasSubstr("origin.geoid_interpolation: has no effect; it needs geoid: egm96"));
   write(machine + "origin: {geoid: egm96, geoid_file: nowhere.gtx}\n");
   EXPECT_THAT(complaints(), HasSubstr("origin.geoid_file: no such file"));
 }
@@ -194,7 +195,7 @@ TEST_F(GnssKeys, SatellitesStandInTheirSlotsOrComeFromAFile) {
   write(machine + "satellites: {systems: []}\n");
   EXPECT_THAT(complaints(), HasSubstr("systems is empty"));
   write(machine + "satellites: {file: " + file.string() + ", systems: [gps]}\n");
-  EXPECT_THAT(complaints(), HasSubstr("satellites.systems: the satellites come from a file"));
+  EXPECT_THAT(complaints(), HasSubstr("satellites.systems: has no effect with file: "));
   write(machine + "satellites: {file: nowhere.rnx}\n");
   EXPECT_THAT(complaints(), HasSubstr("satellites.file: no such file"));
 }

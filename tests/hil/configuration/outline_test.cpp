@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hil/files/file_content.h"
 #include "sample_struct.h"
 
 namespace rigwire::hil {
@@ -27,7 +28,7 @@ constexpr const char* kFull =
 std::string hash_of(const std::string& yaml, const std::vector<std::string>& sets = {}) {
   Sample sample;
   EXPECT_EQ(findings(yaml, sample, sets), "");
-  return hash_text(outline(sample));
+  return hash_text(outline(sample), file_content);
 }
 
 TEST(Outline, printed_configuration_loads_to_the_same_values) {
@@ -37,7 +38,8 @@ TEST(Outline, printed_configuration_loads_to_the_same_values) {
   const std::string printed = print_yaml(outline(sample), origins);
   Sample again;
   ASSERT_EQ(findings(printed, again), "") << printed;
-  EXPECT_EQ(hash_text(outline(again)), hash_text(outline(sample))) << printed;
+  EXPECT_EQ(hash_text(outline(again), file_content), hash_text(outline(sample), file_content))
+      << printed;
   EXPECT_EQ(again.name, "a: b # c");
   EXPECT_EQ(again.angle_rad, sample.angle_rad);
   EXPECT_EQ(std::get<Lamp>(again.gadgets.at("b").settings).period,
@@ -86,7 +88,7 @@ TEST(Outline, every_documented_key_can_be_set_to_its_printed_value) {
   Sample sample;
   ASSERT_EQ(findings(kFull, sample), "");
   const OutlineNode tree = outline(sample);
-  const std::string hash = hash_text(tree);
+  const std::string hash = hash_text(tree, file_content);
   int leaves = 0;
   const auto walk = [&](auto&& self, const OutlineNode& node, const std::string& path) -> void {
     for (const OutlineNode& child : node.children) {

@@ -123,12 +123,20 @@ class RangedKeys final : public fields::Visitor {
 
   void required(std::string_view) override {}
   void refused(std::string_view, std::string_view) override {}
+  void conditional(bool holds, std::string_view, std::string_view,
+                   const fields::Part& keys) override {
+    if (holds) {
+      keys.show(*this);
+    }
+  }
   void check(bool, std::string_view, const std::string&, const std::string&,
              const std::string&) override {}
-  void boolean(std::string_view, bool&, std::string_view) override {}
+  void boolean(std::string_view key, bool& value, std::string_view) override {
+    value = form(key, 2, value ? 1 : 0) == 1;
+  }
   void text(std::string_view, std::string&, std::string_view) override {}
   void texts(std::string_view, std::vector<std::string>&, std::string_view) override {}
-  void file(std::string_view, std::string&, std::string_view) override {}
+  void file(std::string_view, std::string&, fields::FileKind, std::string_view) override {}
   void spelled(std::string_view, const fields::Spelling&, std::string_view) override {}
 
   void number(std::string_view key, double& value, const fields::NumberRule& rule,
@@ -302,7 +310,7 @@ inline OutlineNode least(const OutlineNode& tree) {
       if (!child.children.empty()) {
         kept.children.push_back(child);
       }
-    } else if (child.required || child.type == "choice") {
+    } else if (child.required || child.type == "choice" || child.type == "yes or no") {
       kept.children.push_back(child);
     }
   }

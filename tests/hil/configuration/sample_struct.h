@@ -12,7 +12,6 @@
 #include "fields/visitor.h"
 #include "hil/configuration/outline.h"
 #include "hil/configuration/reader.h"
-#include "hil/configuration/utc.h"
 #include "sim/samples/time.h"
 #include "sim/samples/vector3.h"
 
@@ -88,7 +87,7 @@ struct Sample {
 
 inline void visit(fields::Visitor& v, Sample& sample) {
   v.text("name", sample.name, "Any text.");
-  v.file("mesh", sample.mesh, "A file.");
+  v.file("mesh", sample.mesh, fields::FileKind::data, "A file.");
   v.number("angle", sample.angle_rad, fields::in("deg").between(-180, 180), "An angle.");
   v.choice("flavour", sample.flavour, kFlavours, "Taste.");
   v.duration("step", sample.step, {1000, 1'000'000'000}, "A span.");

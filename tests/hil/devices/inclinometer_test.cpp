@@ -15,7 +15,7 @@
 #include <string>
 
 #include "hil/configuration/problems.h"
-#include "hil/devices/inclinometer.h"
+#include "hil/devices/device_types.h"
 #include "hil/rig/rig.h"
 #include "private_wires.h"
 
@@ -170,7 +170,7 @@ TEST_F(InclinometerRig, PlanAndBusKnowIt) {
 }
 
 TEST(InclinometerDescription, NamesMessagesAndQuantities) {
-  const DeviceDescription description = InclinometerConfiguration().describe();
+  const DeviceDescription description = fresh_inclinometer()->describe();
   ASSERT_EQ(description.messages.size(), 5U);
   EXPECT_EQ(description.messages[0].name, "18A inclinometer_slopes");
   ASSERT_EQ(description.quantities.size(), 2U);

@@ -9,7 +9,6 @@
 #include "hil/devices/device_types.h"
 #include "hil/devices/ublox.h"
 #include "hil/devices/usb_joystick.h"
-#include "hil/devices/usb_passthrough.h"
 
 namespace rigwire::hil {
 namespace {

@@ -15,6 +15,7 @@
 #include "hil/configuration/document.h"
 #include "hil/configuration/reader.h"
 #include "hil/files/dbc_node_file.h"
+#include "hil/files/file_content.h"
 #include "hil/files/valve_map_file.h"
 
 namespace rigwire::hil {
@@ -99,7 +100,8 @@ TEST(ExcavatorPit, has_the_devices_that_the_field_program_expects) {
 TEST(ExcavatorPit, machine_file_repeats_the_defaults_of_the_reference_machine) {
   const RigConfiguration rig = load_rig(kPit, {}).configuration;
   const ExcavatorMachine& machine = *fields::as<ExcavatorMachine>(rig.machine.model);
-  EXPECT_EQ(hash_text(outline(machine.excavator)), hash_text(outline(sim::ExcavatorParameters{})));
+  EXPECT_EQ(hash_text(outline(machine.excavator), file_content),
+            hash_text(outline(sim::ExcavatorParameters{}), file_content));
 }
 
 TEST(ExcavatorPit, rate_of_the_receiver_can_be_set_on_the_command_line) {
@@ -120,7 +122,7 @@ TEST(ExcavatorPit, printed_rig_loads_to_the_same_hash) {
 
 TEST(ExcavatorPit, every_documented_key_can_be_set_to_its_printed_value) {
   const OutlineNode tree = outline(load_rig(kPit, {}).configuration);
-  const std::string hash = hash_text(tree);
+  const std::string hash = hash_text(tree, file_content);
   std::vector<std::string> sets;
   const auto walk = [&](auto&& self, const OutlineNode& node, const std::string& path) -> void {
     for (const OutlineNode& child : node.children) {

@@ -38,14 +38,14 @@ TEST_F(CanBusKeys, NodesAndClient) {
   const auto bus =
       load(
           "    order: priority\n    one_shot: true\n    restarts: false\n    acknowledger: false\n"
-          "    slcan_dialect: kernel\n    wire: gs_usb\n")
+          "    slcan_dialect: kernel\n    wire: slcan\n")
           .buses.at("can");
   EXPECT_EQ(bus.order, emulators::CanQueueOrder::priority);
   EXPECT_TRUE(bus.one_shot);
   EXPECT_FALSE(bus.restarts);
   EXPECT_FALSE(bus.acknowledger);
   EXPECT_EQ(bus.slcan_dialect, drivers::SlcanDialect::kernel);
-  EXPECT_EQ(bus.wire, CanWire::gs_usb);
+  EXPECT_EQ(bus.wire, CanWire::slcan);
 }
 
 TEST_F(CanBusKeys, PortsAndServer) {

@@ -5,7 +5,7 @@
 
 #include "findings_of.h"
 #include "hil/configuration/outline.h"
-#include "hil/world/lidar_sensor_configuration.h"
+#include "hil/world/lidar.h"
 
 namespace rigwire::hil {
 namespace {

@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# clang-tidy over the named sources, as build/compile_commands.json compiles them, but without GCC's
-# precompiled headers, which clang cannot read.
+# clang-tidy over the named sources, as build/compile_commands.json compiles them.
 #
 #   scripts/tidy.sh FILE...
 set -euo pipefail
@@ -14,12 +13,9 @@ if [ ${#compiled[@]} = 0 ]; then
   echo "tidy: none of the named files is in build/compile_commands.json" >&2
   exit 1
 fi
-mkdir -p build/tidy
-sed -E 's/ -Winvalid-pch( -include [^ ]*cmake_pch\.hxx)?//' build/compile_commands.json \
-  >build/tidy/compile_commands.json
 # The compile commands are GCC's: options that clang does not know are not its business here.
 printf '%s\0' "${compiled[@]}" |
-  xargs -0 -n 1 -P "$(nproc)" clang-tidy --quiet -p build/tidy \
+  xargs -0 -n 1 -P "$(nproc)" clang-tidy --quiet -p build \
     --extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-unused-command-line-argument \
     2> >(grep -v 'warnings\? generated' >&2)
 echo "${#compiled[@]} files are tidy, found in $SECONDS s"

@@ -1,0 +1,33 @@
+// A camera: its lens, its sensor, and how dear its pictures are.
+#pragma once
+
+#include <vector>
+
+#include "fields/rules.h"
+#include "sim/camera/image_sensor.h"
+#include "sim/camera/lens.h"
+#include "sim/camera/surface_look.h"
+
+namespace rigwire::sim {
+
+struct CameraParameters {
+  LensParameters lens;
+  ImageSensorParameters sensor;
+  AutoExposureParameters auto_exposure;
+  /// Rays per pixel, spread over its area and over the exposure; 1: through its middle, at the
+  /// middle of the exposure, so that nothing is blurred.
+  int samples = 1;
+  /// Rays per sample that look for the sky, in place of the lattice of sky_visibility.h: dearer,
+  /// noisy, and right below what moves. 0: the lattice.
+  int sky_rays = 0;
+  double near_m = 0.05;   ///< Nearer than this nothing is seen.
+  double far_m = 2000.0;  ///< Beyond this only sky and far ground.
+  int threads = 1;        ///< That render, the caller's included. Does not change pictures.
+  std::vector<SurfaceLook> looks;
+};
+void visit(fields::Visitor& v, CameraParameters& p);
+
+/// Throws std::invalid_argument naming the key, the value found and what is allowed.
+void validate(const CameraParameters& parameters);
+
+}  // namespace rigwire::sim

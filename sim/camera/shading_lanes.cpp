@@ -1,0 +1,284 @@
+#include "sim/camera/shading_lanes.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "sim/lidar/beam_hits.h"
+#include "sim/lidar/hit_surface.h"
+
+namespace rigwire::sim {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+/// Grain never takes more than this of a surface's brightness.
+constexpr float kDarkestGrain = 0.2F;
+/// Of a wet surface's albedo against the dry one's (J. Lekner, M. C. Dorf, "Why some things are
+/// darker when wet", Applied Optics 27, 1988, for albedos of 0.2 to 0.4).
+constexpr float kWetAlbedo = 0.55F;
+constexpr float kWater = 0.02F;  ///< Reflectance of water, head on.
+constexpr float kWaterSharpness = 120.0F;
+
+inline float fifth(float x) {
+  return x * x * x * x * x;
+}
+
+}  // namespace
+
+LightTerms light_terms(const Daylight& light, double wetness) {
+  LightTerms terms;
+  for (int i = 0; i < 3; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    terms.to_sun[at] = light.to_sun_W()[i];
+    terms.sun_lx[at] = light.sun_lx()[i];
+    for (std::size_t k = 0; k < 9; ++k) {
+      terms.diffuse[at][k] = light.diffuse_terms()[k][i];
+    }
+  }
+  terms.albedo_around = static_cast<float>(light.parameters().ground_albedo);
+  terms.wetness = static_cast<float>(wetness);
+  return terms;
+}
+
+// Neighbours mostly meet the same things: one after the other is worked out for all lanes, and each
+// lane keeps what is its own.
+RIGWIRE_WIDE_VECTORS void meet(const Scene::Internals::Shading* shading, const SurfaceInfo* infos,
+                               const PreparedLook* looks, const RTCRayHit8& packet,
+                               MetSurfaces& met) {
+  const RTCRay8& ray = packet.ray;
+  const RTCHit8& hit = packet.hit;
+  const SurfaceNumbers number(hit);
+  met.gx.fill(0.0F);
+  met.gy.fill(0.0F);
+  met.gz.fill(0.0F);
+  unsigned done = RTC_INVALID_GEOMETRY_ID;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    if (number[lane] == done || number[lane] == RTC_INVALID_GEOMETRY_ID) {
+      continue;
+    }
+    done = number[lane];
+    const float* const R = shading[done].R_WM.data();
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const bool mine = number[i] == done;
+      const float x = R[0] * hit.Ng_x[i] + R[3] * hit.Ng_y[i] + R[6] * hit.Ng_z[i];
+      const float y = R[1] * hit.Ng_x[i] + R[4] * hit.Ng_y[i] + R[7] * hit.Ng_z[i];
+      const float z = R[2] * hit.Ng_x[i] + R[5] * hit.Ng_y[i] + R[8] * hit.Ng_z[i];
+      met.gx[i] = mine ? x : met.gx[i];
+      met.gy[i] = mine ? y : met.gy[i];
+      met.gz[i] = mine ? z : met.gz[i];
+    }
+  }
+  alignas(32) std::array<std::uint32_t, kLanes> look;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    look[i] = number[i] == RTC_INVALID_GEOMETRY_ID ? ~0U : infos[number[i]].look;
+  }
+  // A lane without a hit keeps the first look, and its normal of no length.
+  const auto take = [&](const PreparedLook& from, std::uint32_t which, bool all) {
+    const Shade& s = from.shade;
+    const auto set = [&](LaneArray& lanes, float value) {
+#pragma GCC ivdep
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        lanes[i] = all || look[i] == which ? value : lanes[i];
+      }
+    };
+    set(met.red, s.red), set(met.green, s.green), set(met.blue, s.blue);
+    set(met.red2, s.red2), set(met.green2, s.green2), set(met.blue2, s.blue2);
+    set(met.grain, s.grain), set(met.relief, s.relief), set(met.gloss, s.gloss);
+    set(met.sharpness, s.sharpness), set(met.transmission, s.transmission);
+    set(met.variation, s.variation), set(met.soaks, s.soaks);
+    set(met.points.frequency_pm, s.frequency_pm), set(met.points.persistence, s.persistence);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      set(met.anchor.share[axis], from.share[axis]);
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        met.anchor.cell[axis][i] =
+            all || look[i] == which ? from.cell[axis] : met.anchor.cell[axis][i];
+      }
+    }
+  };
+  bool first = true;
+  std::uint32_t taken = ~0U;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    if (look[lane] != taken && look[lane] != ~0U) {
+      taken = look[lane];
+      take(looks[taken], taken, first);
+      first = false;
+    }
+  }
+  if (first) {
+    take(looks[0], 0, true);
+  }
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const float t = number[i] == RTC_INVALID_GEOMETRY_ID ? 0.0F : ray.tfar[i];
+    met.x[i] = ray.org_x[i] + t * ray.dir_x[i];
+    met.y[i] = ray.org_y[i] + t * ray.dir_y[i];
+    met.z[i] = ray.org_z[i] + t * ray.dir_z[i];
+    met.points.x[i] = met.x[i];
+    met.points.y[i] = met.y[i];
+    met.points.z[i] = met.z[i];
+    const float square = met.gx[i] * met.gx[i] + met.gy[i] * met.gy[i] + met.gz[i] * met.gz[i];
+    const float along =
+        met.gx[i] * ray.dir_x[i] + met.gy[i] * ray.dir_y[i] + met.gz[i] * ray.dir_z[i];
+    const float size = square > 0.0F ? 1.0F / std::sqrt(square) : 0.0F;
+    const float scale = along > 0.0F ? -size : size;
+    met.gx[i] *= scale;
+    met.gy[i] *= scale;
+    met.gz[i] *= scale;
+    met.nx[i] = met.gx[i];
+    met.ny[i] = met.gy[i];
+    met.nz[i] = met.gz[i];
+    std::uint32_t mixed = number[i] * 0x9E3779B1U ^ hit.primID[i] * 0x85EBCA77U;
+    mixed ^= mixed >> 15U;
+    mixed *= 0x2C1B3C6DU;
+    met.draw[i] = static_cast<float>(static_cast<std::int32_t>(mixed)) * 0x1.0p-31F;
+  }
+}
+
+RIGWIRE_WIDE_VECTORS void texture(const MetSurfaces& met, const Grain& grain,
+                                  const LightTerms& light, LitLanes& lit) {
+  const float sx = light.to_sun[0];
+  const float sy = light.to_sun[1];
+  const float sz = light.to_sun[2];
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    // Relief bends the normal against its slope along the surface.
+    const float along =
+        grain.slope_x[i] * met.nx[i] + grain.slope_y[i] * met.ny[i] + grain.slope_z[i] * met.nz[i];
+    float x = met.nx[i] - met.relief[i] * (grain.slope_x[i] - along * met.nx[i]);
+    float y = met.ny[i] - met.relief[i] * (grain.slope_y[i] - along * met.ny[i]);
+    float z = met.nz[i] - met.relief[i] * (grain.slope_z[i] - along * met.nz[i]);
+    const float square = x * x + y * y + z * z;
+    const float size = square > 0.0F ? 1.0F / std::sqrt(square) : 0.0F;
+    x *= size;
+    y *= size;
+    z *= size;
+    lit.nx[i] = x;
+    lit.ny[i] = y;
+    lit.nz[i] = z;
+    float blend = 0.5F + 0.7F * grain.patch[i];
+    blend = blend < 0.0F ? 0.0F : (blend > 1.0F ? 1.0F : blend);
+    float bright = (1.0F + met.grain[i] * grain.brightness[i] * 2.5F) *
+                   (1.0F + 1.7F * met.variation[i] * met.draw[i]);
+    bright = bright < kDarkestGrain ? kDarkestGrain : bright;
+    const float wet = light.wetness * met.soaks[i];
+    bright *= 1.0F - (1.0F - kWetAlbedo) * wet;
+    const float red = bright * (met.red[i] + blend * (met.red2[i] - met.red[i]));
+    const float green = bright * (met.green[i] + blend * (met.green2[i] - met.green[i]));
+    const float blue = bright * (met.blue[i] + blend * (met.blue2[i] - met.blue[i]));
+    lit.red[i] = red < 0.9F ? red : 0.9F;
+    lit.green[i] = green < 0.9F ? green : 0.9F;
+    lit.blue[i] = blue < 0.9F ? blue : 0.9F;
+    const float film = kWater * wet;
+    lit.gloss[i] = met.gloss[i] > film ? met.gloss[i] : film;
+    lit.sharpness[i] = met.gloss[i] > film ? met.sharpness[i] : kWaterSharpness;
+    const float facing = x * sx + y * sy + z * sz;
+    const float front = facing > 0.0F ? facing : 0.0F;
+    const float back = facing < 0.0F ? -facing : 0.0F;
+    lit.sun[i] = (1.0F - met.transmission[i]) * front + met.transmission[i] * back;
+  }
+}
+
+RIGWIRE_WIDE_VECTORS bool aim_at_sun(const MetSurfaces& met, const LitLanes& lit,
+                                     const RTCRayHit8& packet, const Eigen::Vector3f& to_sun,
+                                     RTCRay8& rays, std::array<int, kLanes>& active) {
+  const float sx = to_sun.x();
+  const float sy = to_sun.y();
+  const float sz = to_sun.z();
+  int any = 0;
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    // Off the surface by what its point may be wrong: 2 mm and 1e-4 of the range. Where light comes
+    // through a leaf, off its other side.
+    const float facing = met.gx[i] * sx + met.gy[i] * sy + met.gz[i] * sz;
+    float off = 2e-3F + 1e-4F * packet.ray.tfar[i];
+    off = facing < 0.0F && met.transmission[i] > 0.0F ? -off : off;
+    rays.org_x[i] = met.x[i] + off * met.gx[i];
+    rays.org_y[i] = met.y[i] + off * met.gy[i];
+    rays.org_z[i] = met.z[i] + off * met.gz[i];
+    rays.dir_x[i] = sx;
+    rays.dir_y[i] = sy;
+    rays.dir_z[i] = sz;
+    rays.tnear[i] = 0.0F;
+    rays.tfar[i] = std::numeric_limits<float>::infinity();
+    rays.time[i] = packet.ray.time[i];
+    rays.mask[i] = Scene::kSeeEverything;
+    rays.id[i] = 0;
+    rays.flags[i] = 0;
+    const int lights = lit.sun[i] > 0.0F ? -1 : 0;
+    active[i] = lights;
+    any |= lights;
+  }
+  return any != 0;
+}
+
+RIGWIRE_WIDE_VECTORS void light_up(const MetSurfaces& met, const LitLanes& lit,
+                                   const RTCRayHit8& packet, const LightTerms& light,
+                                   const LaneArray& seen, const LaneArray& sky,
+                                   std::array<LaneArray, 3>& luminance) {
+  const RTCRay8& ray = packet.ray;
+  const std::array<const LaneArray*, 3> albedo{&lit.red, &lit.green, &lit.blue};
+  LaneArray open;        // share of the diffuse light that arrives
+  LaneArray glint;       // of the sun's illuminance, in the coat
+  LaneArray fresnel;     // of the sky in the coat
+  LaneArray mx, my, mz;  // mirror direction
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    open[i] = sky[i] + (1.0F - sky[i]) * light.albedo_around;
+    const float along =
+        lit.nx[i] * ray.dir_x[i] + lit.ny[i] * ray.dir_y[i] + lit.nz[i] * ray.dir_z[i];
+    mx[i] = ray.dir_x[i] - 2.0F * along * lit.nx[i];
+    my[i] = ray.dir_y[i] - 2.0F * along * lit.ny[i];
+    mz[i] = ray.dir_z[i] - 2.0F * along * lit.nz[i];
+    float cosine = along < 0.0F ? -along : 0.0F;
+    cosine = cosine < 1.0F ? cosine : 1.0F;
+    // Rough coats do not mirror at grazing incidence as smooth ones do: half the rise.
+    const float rise = lit.gloss[i] > 0.0F ? 0.5F : 0.0F;
+    fresnel[i] = lit.gloss[i] + rise * (1.0F - lit.gloss[i]) * fifth(1.0F - cosine);
+    // Half way between sun and eye.
+    const float hx = light.to_sun[0] - ray.dir_x[i];
+    const float hy = light.to_sun[1] - ray.dir_y[i];
+    const float hz = light.to_sun[2] - ray.dir_z[i];
+    const float square = hx * hx + hy * hy + hz * hz;
+    float half = (lit.nx[i] * hx + lit.ny[i] * hy + lit.nz[i] * hz) /
+                 std::sqrt(square > 1e-12F ? square : 1e-12F);
+    half = half > 0.0F ? half : 0.0F;
+    const float n = lit.sharpness[i];
+    float lobe = 1.0F - (1.0F - half) * n * (1.0F / 16.0F);
+    lobe = lobe > 0.0F ? lobe : 0.0F;
+    lobe *= lobe;
+    lobe *= lobe;
+    lobe *= lobe;
+    lobe *= lobe * (n + 8.0F) * (1.0F / (8.0F * kPi));
+    const float facing =
+        lit.nx[i] * light.to_sun[0] + lit.ny[i] * light.to_sun[1] + lit.nz[i] * light.to_sun[2];
+    glint[i] = facing > 0.0F ? fresnel[i] * lobe * facing * seen[i] : 0.0F;
+  }
+  for (std::size_t band = 0; band < 3; ++band) {
+    const float* const a = albedo[band]->data();
+    const std::array<float, 9>& c = light.diffuse[band];
+    const float sun = light.sun_lx[band];
+    float* const out = luminance[band].data();
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const float x = lit.nx[i];
+      const float y = lit.ny[i];
+      const float z = lit.nz[i];
+      // Nine harmonics; even ones are the same from behind.
+      const float even = c[0] + x * y * c[4] + y * z * c[5] + (3.0F * z * z - 1.0F) * c[6] +
+                         x * z * c[7] + (x * x - y * y) * c[8];
+      const float odd = y * c[1] + z * c[2] + x * c[3];
+      const float one_way = 1.0F - 2.0F * met.transmission[i];
+      float diffuse = even + one_way * odd;
+      diffuse = diffuse > 0.0F ? diffuse : 0.0F;
+      float mirrored = c[0] + my[i] * c[1] + mz[i] * c[2] + mx[i] * c[3] + mx[i] * my[i] * c[4] +
+                       my[i] * mz[i] * c[5] + (3.0F * mz[i] * mz[i] - 1.0F) * c[6] +
+                       mx[i] * mz[i] * c[7] + (mx[i] * mx[i] - my[i] * my[i]) * c[8];
+      mirrored = mirrored > 0.0F ? mirrored : 0.0F;
+      out[i] = a[i] * (1.0F / kPi) * (sun * lit.sun[i] * seen[i] + diffuse * open[i]) +
+               sun * glint[i] + fresnel[i] * mirrored * (1.0F / kPi) * open[i];
+    }
+  }
+}
+
+}  // namespace rigwire::sim

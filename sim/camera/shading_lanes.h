@@ -1,0 +1,86 @@
+// Light on eight points side by side, between the ray caster's calls.
+//
+//   L = albedo / pi (E_sun max(0, n.s) V + E_sky(n) (v + (1 - v) a)) + gloss
+// n is the surface's normal bent by its relief, V whether the sun is seen, v the share of the sky
+// that is seen, a the mean albedo around (what hides the sky is as bright as that share of the sky
+// it hides). Leaves take light from both sides. Gloss: the lobe cos^n of J. F. Blinn ("Models of
+// light reflection for computer synthesized pictures", SIGGRAPH 1977), normalized, its power as
+// (1 - (1 - c) n / 16)^16, and the sky in the mirror's direction, blurred to nine spherical
+// harmonics; both by the Fresnel term of C. Schlick (Eurographics 1994).
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <Eigen/Core>
+#include <array>
+
+#include "sim/camera/daylight.h"
+#include "sim/camera/surface_grain.h"
+#include "sim/camera/surface_look.h"
+#include "sim/lidar/ray_lanes.h"
+#include "sim/scene/scene_internals.h"
+
+namespace rigwire::sim {
+
+/// A surface look made ready: its grain's lattice where the scene stands still.
+struct PreparedLook {
+  Shade shade;
+  std::array<std::int32_t, 3> cell{};
+  std::array<float, 3> share{};
+};
+
+/// Light as the lanes take it.
+struct LightTerms {
+  std::array<float, 3> to_sun{};
+  std::array<float, 3> sun_lx{};
+  std::array<std::array<float, 9>, 3> diffuse{};  ///< By band.
+  float albedo_around = 0.2F;
+  float wetness = 0.0F;
+};
+[[nodiscard]] LightTerms light_terms(const Daylight& light, double wetness);
+
+/// What eight rays met.
+struct MetSurfaces {
+  LaneArray x, y, z;     ///< Hit points, in Embree's coordinates.
+  LaneArray gx, gy, gz;  ///< Flat normals, unit, towards the viewer; 0 where nothing is.
+  LaneArray nx, ny, nz;  ///< Smooth normals, the same unless they were replaced.
+  LaneArray red, green, blue, red2, green2, blue2;
+  LaneArray grain, relief, gloss, sharpness, transmission, variation, soaks;
+  LaneArray draw;      ///< -1 .. 1, of the triangle that was hit.
+  GrainPoints points;  ///< Footprint filled by the caller before.
+  GrainAnchor anchor;
+};
+
+/// By surface number (surface_number()).
+struct SurfaceInfo {
+  std::uint16_t look = 0;
+  std::uint8_t terrain = 0;  ///< 0: none; else its number plus 1.
+  bool on_body = false;
+};
+
+/// Normals, points and looks of what a cast packet met.
+void meet(const Scene::Internals::Shading* shading, const SurfaceInfo* infos,
+          const PreparedLook* looks, const RTCRayHit8& packet, MetSurfaces& met);
+
+/// A point that is lit.
+struct LitLanes {
+  LaneArray nx, ny, nz;        ///< Bent by the relief.
+  LaneArray red, green, blue;  ///< Albedo, grain in it.
+  LaneArray gloss, sharpness;
+  LaneArray sun;  ///< Cosine of incidence, leaves from behind included; 0: no sun.
+};
+
+/// Albedos and normals with their grain.
+void texture(const MetSurfaces& met, const Grain& grain, const LightTerms& light, LitLanes& lit);
+
+/// Rays towards the sun from points that it may light; `active` -1 there and 0 elsewhere. Returns
+/// whether there is one.
+bool aim_at_sun(const MetSurfaces& met, const LitLanes& lit, const RTCRayHit8& packet,
+                const Eigen::Vector3f& to_sun, RTCRay8& rays, std::array<int, kLanes>& active);
+
+/// Luminance, cd/m2. `seen`: share of the sun, `sky`: share of the sky.
+void light_up(const MetSurfaces& met, const LitLanes& lit, const RTCRayHit8& packet,
+              const LightTerms& light, const LaneArray& seen, const LaneArray& sky,
+              std::array<LaneArray, 3>& luminance);
+
+}  // namespace rigwire::sim

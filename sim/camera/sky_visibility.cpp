@@ -1,0 +1,124 @@
+#include "sim/camera/sky_visibility.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "sim/lidar/counter_noise.h"
+#include "sim/lidar/ray_lanes.h"
+#include "sim/scene/scene_internals.h"
+
+namespace rigwire::sim {
+namespace {
+
+constexpr std::array<float, SkyVisibility::kHeights> kHeights_m{0.3F, 3.0F, 10.0F};
+constexpr double kLeastCell_m = 1.0;
+constexpr float kFarthest_m = 80.0F;
+constexpr int kMostNodes = 96;
+
+}  // namespace
+
+SkyVisibility::SkyVisibility(const Scene& scene) {
+  const Scene::Internals& in = scene.internals();
+  if (in.terrains.empty()) {
+    return;
+  }
+  const HeightField& field = in.terrains.front().field;
+  const double width_m = field.cell_m * static_cast<double>(field.columns - 1);
+  const double depth_m = field.cell_m * static_cast<double>(field.rows - 1);
+  const double cell_m = std::max(kLeastCell_m, std::max(width_m, depth_m) / (kMostNodes - 1));
+  origin_m_ = field.origin_m;
+  per_m_ = static_cast<float>(1.0 / cell_m);
+  columns_ = std::max(2, static_cast<int>(width_m / cell_m) + 1);
+  rows_ = std::max(2, static_cast<int>(depth_m / cell_m) + 1);
+  nodes_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
+
+  const FlushDenormals flush;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);  // incoherent: see camera_renderer.cpp
+  alignas(32) std::array<int, kLanes> valid;
+  valid.fill(-1);
+  for (int row = 0; row < rows_; ++row) {
+    for (int column = 0; column < columns_; ++column) {
+      const std::size_t number =
+          static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+          static_cast<std::size_t>(column);
+      const double x_m = field.origin_m.x() + column * cell_m;
+      const double y_m = field.origin_m.y() + row * cell_m;
+      Node& node = nodes_[number];
+      node.ground_m = static_cast<float>(field.height_m(x_m, y_m));
+      for (std::size_t height = 0; height < kHeights_m.size(); ++height) {
+        const Eigen::Vector3f p = (Eigen::Vector3d(x_m, y_m,
+                                                   static_cast<double>(node.ground_m) +
+                                                       static_cast<double>(kHeights_m[height])) -
+                                   in.origin_W)
+                                      .cast<float>();
+        const double turn = counter_uniform(number, height);
+        int open = 0;
+        for (int first = 0; first < kRays; first += static_cast<int>(kLanes)) {
+          alignas(32) RTCRay8 rays{};
+          for (std::size_t i = 0; i < kLanes; ++i) {
+            // By the golden angle; equal areas of the unit disc are equal shares of the light.
+            const double place = (first + static_cast<double>(i) + 0.5) / kRays;
+            const double angle = 2.0 * std::numbers::pi *
+                                 (turn + (first + static_cast<double>(i)) * std::numbers::phi);
+            const double across = std::sqrt(place);
+            rays.org_x[i] = p.x();
+            rays.org_y[i] = p.y();
+            rays.org_z[i] = p.z();
+            rays.dir_x[i] = static_cast<float>(across * std::cos(angle));
+            rays.dir_y[i] = static_cast<float>(across * std::sin(angle));
+            rays.dir_z[i] = static_cast<float>(std::sqrt(1.0 - place));
+            rays.tnear[i] = 0.0F;
+            rays.tfar[i] = kFarthest_m;
+            rays.time[i] = 0.0F;
+            rays.mask[i] = Scene::kSeeEverything;
+          }
+          rtcOccluded8(valid.data(), in.fixed.get(), &context, &rays);
+          if (in.ground_moves) {
+            rtcOccluded8(valid.data(), in.moving.get(), &context, &rays);
+          }
+          for (std::size_t i = 0; i < kLanes; ++i) {
+            open += rays.tfar[i] >= 0.0F ? 1 : 0;
+          }
+        }
+        node.share[height] = static_cast<float>(open) / kRays;
+      }
+    }
+  }
+}
+
+float SkyVisibility::at(float x_m, float y_m, float z_m) const {
+  if (nodes_.empty()) {
+    return 1.0F;
+  }
+  const float x = std::clamp(x_m * per_m_, 0.0F, static_cast<float>(columns_ - 1) - 1e-3F);
+  const float y = std::clamp(y_m * per_m_, 0.0F, static_cast<float>(rows_ - 1) - 1e-3F);
+  const int column = static_cast<int>(x);
+  const int row = static_cast<int>(y);
+  const float a = x - static_cast<float>(column);
+  const float b = y - static_cast<float>(row);
+  const std::array<const Node*, 4> corner{&node(column, row), &node(column + 1, row),
+                                          &node(column, row + 1), &node(column + 1, row + 1)};
+  const std::array<float, 4> weight{(1.0F - a) * (1.0F - b), a * (1.0F - b), (1.0F - a) * b, a * b};
+  float sum = 0.0F;
+  for (std::size_t i = 0; i < 4; ++i) {
+    // Each corner at the point's height above the corner's own ground: by a slope the corner uphill
+    // counts as low, the one downhill as high.
+    const Node& n = *corner[i];
+    const float h = z_m - n.ground_m;
+    float share = n.share[0];
+    if (h > kHeights_m[1]) {
+      const float t = std::min((h - kHeights_m[1]) / (kHeights_m[2] - kHeights_m[1]), 1.0F);
+      share = n.share[1] + t * (n.share[2] - n.share[1]);
+    } else if (h > kHeights_m[0]) {
+      share = n.share[0] +
+              (h - kHeights_m[0]) / (kHeights_m[1] - kHeights_m[0]) * (n.share[1] - n.share[0]);
+    }
+    sum += weight[i] * share;
+  }
+  return sum;
+}
+
+}  // namespace rigwire::sim

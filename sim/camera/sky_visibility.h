@@ -1,0 +1,56 @@
+// How much of the sky a point near the ground sees past what stands still in a scene: terrain,
+// rocks, buildings, trees.
+//
+// A lattice over the terrain, three heights above it; at each node rays towards the sky, spread by
+// the cosine of the zenith angle and turned differently from node to node, are cast at what is
+// fixed, leaves with their gaps. In between it is interpolated. What moves, and ground that is dug,
+// does not count: sky_rays of the camera (camera_parameters.h) ask for every pixel instead.
+// Standard error of a node: 0.5 / sqrt(kRays), 12 %, smoothed by neighbours; a ditch narrower than
+// a cell is not seen, nor anything beyond 80 m. Built once: about 0.1 s for 120 m of pit, 1.5 s for
+// a forest of single leaves; memory 150 kB at most.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "sim/scene/scene.h"
+
+namespace rigwire::sim {
+
+class SkyVisibility {
+ public:
+  static constexpr int kRays = 16;
+  static constexpr int kHeights = 3;
+
+  SkyVisibility() = default;  ///< All of it, everywhere.
+  /// Casts into the scene, which must be ready (Scene::begin_slice). A scene without terrain: all
+  /// of the sky everywhere.
+  explicit SkyVisibility(const Scene& scene);
+
+  /// Share of the sky's light on level ground that comes through, 0 .. 1. Beyond the terrain's edge
+  /// that of the nearest point.
+  [[nodiscard]] float at(float x_m, float y_m, float z_m) const;
+  [[nodiscard]] bool everywhere() const { return nodes_.empty(); }
+
+ private:
+  struct Node {
+    float ground_m;
+    float share[kHeights];
+  };
+  [[nodiscard]] const Node& node(int column, int row) const {
+    return nodes_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+                  static_cast<std::size_t>(column)];
+  }
+
+  Eigen::Vector2d origin_m_ = Eigen::Vector2d::Zero();
+  float per_m_ = 1.0F;
+  int columns_ = 0;
+  int rows_ = 0;
+  std::vector<Node> nodes_;
+
+ public:
+  /// Of the lattice's first node: what at() counts x and y from. Heights count from the world's.
+  [[nodiscard]] const Eigen::Vector2d& origin_m() const { return origin_m_; }
+};
+
+}  // namespace rigwire::sim

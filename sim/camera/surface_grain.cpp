@@ -1,0 +1,148 @@
+#include "sim/camera/surface_grain.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rigwire::sim {
+namespace {
+
+constexpr float kWholeCell_px = 1.5F;
+constexpr float kLeastCell_px = 0.75F;
+constexpr int kPatchOctaves = 3;
+/// Coarser relief is the mesh's own.
+constexpr int kFirstRelief = 2;
+
+constexpr std::uint32_t kX = 0x9E3779B1U;
+constexpr std::uint32_t kY = 0x85EBCA77U;
+constexpr std::uint32_t kZ = 0xC2B2AE3DU;
+
+/// A value in [-1, 1) of a lattice point.
+inline float lattice(std::uint32_t mixed) {
+  mixed ^= mixed >> 15U;
+  return static_cast<float>(static_cast<std::int32_t>(mixed * 0x2C1B3C6DU)) * 0x1.0p-31F;
+}
+
+}  // namespace
+
+void GrainAnchor::set(std::size_t lane, const Eigen::Vector3d& anchor_m, double frequency_pm) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double cells = anchor_m[static_cast<int>(axis)] * frequency_pm;
+    const double whole = std::floor(cells);
+    cell[axis][lane] =
+        static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(whole)));
+    share[axis][lane] = static_cast<float>(cells - whole);
+  }
+}
+
+RIGWIRE_WIDE_VECTORS void sum_grain(const GrainPoints& points, const GrainAnchor& anchor,
+                                    Grain& grain) {
+  std::array<LaneArray, 3> place;
+  LaneArray weight;
+  LaneArray cell_px;
+  float widest_px = 0.0F;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    place[0][i] = points.x[i] * points.frequency_pm[i] + anchor.share[0][i];
+    place[1][i] = points.y[i] * points.frequency_pm[i] + anchor.share[1][i];
+    place[2][i] = points.z[i] * points.frequency_pm[i] + anchor.share[2][i];
+    cell_px[i] = 1.0F / (points.frequency_pm[i] * points.footprint_m[i]);
+    weight[i] = 1.0F;
+    grain.patch[i] = 0.0F;
+    grain.brightness[i] = 0.0F;
+    grain.slope_x[i] = 0.0F;
+    grain.slope_y[i] = 0.0F;
+    grain.slope_z[i] = 0.0F;
+  }
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    widest_px = std::max(widest_px, cell_px[i]);
+  }
+  const std::array<LaneArray*, 3> slope{&grain.slope_x, &grain.slope_y, &grain.slope_z};
+  float scale = 1.0F;
+  for (int octave = 0; octave < kMostOctaves && widest_px > kLeastCell_px; ++octave) {
+    // Axes change places from octave to octave.
+    const auto turn = static_cast<std::size_t>(octave % 3);
+    const std::size_t ax = turn;
+    const std::size_t ay = (turn + 1) % 3;
+    const std::size_t az = (turn + 2) % 3;
+    const float* const px = place[ax].data();
+    const float* const py = place[ay].data();
+    const float* const pz = place[az].data();
+    const std::int32_t* const cx = anchor.cell[ax].data();
+    const std::int32_t* const cy = anchor.cell[ay].data();
+    const std::int32_t* const cz = anchor.cell[az].data();
+    float* const sx = slope[ax]->data();
+    float* const sy = slope[ay]->data();
+    float* const sz = slope[az]->data();
+    const auto shift = static_cast<float>(octave) * 0.3819660F;
+    const auto seed = static_cast<std::uint32_t>(octave + 1) * 0x7FEB352DU;
+    const std::uint32_t times = 1U << static_cast<unsigned>(octave);
+    const float in_patch = octave < kPatchOctaves ? 1.0F : 0.0F;
+    const float in_relief = octave < kFirstRelief ? 0.0F : 1.0F;
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const float x = px[i] * scale + shift;
+      const float y = py[i] * scale + shift;
+      const float z = pz[i] * scale + shift;
+      // Cell, and place in it.
+      std::int32_t ix = static_cast<std::int32_t>(x);
+      std::int32_t iy = static_cast<std::int32_t>(y);
+      std::int32_t iz = static_cast<std::int32_t>(z);
+      ix -= static_cast<float>(ix) > x ? 1 : 0;
+      iy -= static_cast<float>(iy) > y ? 1 : 0;
+      iz -= static_cast<float>(iz) > z ? 1 : 0;
+      const float a = x - static_cast<float>(ix);
+      const float b = y - static_cast<float>(iy);
+      const float c = z - static_cast<float>(iz);
+      const std::uint32_t hx =
+          (static_cast<std::uint32_t>(ix) + static_cast<std::uint32_t>(cx[i]) * times) * kX + seed;
+      const std::uint32_t hy =
+          (static_cast<std::uint32_t>(iy) + static_cast<std::uint32_t>(cy[i]) * times) * kY;
+      const std::uint32_t hz =
+          (static_cast<std::uint32_t>(iz) + static_cast<std::uint32_t>(cz[i]) * times) * kZ;
+      const float v000 = lattice(hx ^ hy ^ hz);
+      const float v100 = lattice((hx + kX) ^ hy ^ hz);
+      const float v010 = lattice(hx ^ (hy + kY) ^ hz);
+      const float v110 = lattice((hx + kX) ^ (hy + kY) ^ hz);
+      const float v001 = lattice(hx ^ hy ^ (hz + kZ));
+      const float v101 = lattice((hx + kX) ^ hy ^ (hz + kZ));
+      const float v011 = lattice(hx ^ (hy + kY) ^ (hz + kZ));
+      const float v111 = lattice((hx + kX) ^ (hy + kY) ^ (hz + kZ));
+      // Quintic blends 6 t^5 - 15 t^4 + 10 t^3 and their slopes.
+      const float u = a * a * a * (a * (a * 6.0F - 15.0F) + 10.0F);
+      const float v = b * b * b * (b * (b * 6.0F - 15.0F) + 10.0F);
+      const float w = c * c * c * (c * (c * 6.0F - 15.0F) + 10.0F);
+      const float du = 30.0F * a * a * (a * (a - 2.0F) + 1.0F);
+      const float dv = 30.0F * b * b * (b * (b - 2.0F) + 1.0F);
+      const float dw = 30.0F * c * c * (c * (c - 2.0F) + 1.0F);
+      const float e00 = v100 - v000;
+      const float e10 = v110 - v010;
+      const float e01 = v101 - v001;
+      const float e11 = v111 - v011;
+      const float f00 = v000 + u * e00;
+      const float f10 = v010 + u * e10;
+      const float f01 = v001 + u * e01;
+      const float f11 = v011 + u * e11;
+      const float g0 = f00 + v * (f10 - f00);
+      const float g1 = f01 + v * (f11 - f01);
+      const float value = g0 + w * (g1 - g0);
+      const float e0 = e00 + v * (e10 - e00);
+      const float e1 = e01 + v * (e11 - e01);
+      const float by_x = du * (e0 + w * (e1 - e0));
+      const float by_y = dv * ((f10 - f00) + w * ((f11 - f01) - (f10 - f00)));
+      const float by_z = dw * (g1 - g0);
+      // Fades out before the cell comes down to a pixel.
+      float there = (cell_px[i] - kLeastCell_px) * (1.0F / (kWholeCell_px - kLeastCell_px));
+      there = there < 0.0F ? 0.0F : (there > 1.0F ? 1.0F : there);
+      grain.brightness[i] += there * weight[i] * value;
+      grain.patch[i] += in_patch * there * value;
+      sx[i] += in_relief * there * by_x;
+      sy[i] += in_relief * there * by_y;
+      sz[i] += in_relief * there * by_z;
+      weight[i] *= points.persistence[i];
+      cell_px[i] *= 0.5F;
+    }
+    scale *= 2.0F;
+    widest_px *= 0.5F;
+  }
+}
+
+}  // namespace rigwire::sim

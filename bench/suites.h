@@ -11,6 +11,7 @@ nlohmann::json bench_pacing(std::ostream& text);
 nlohmann::json bench_lidar(std::ostream& text);
 nlohmann::json bench_lidar_peer(std::ostream& text);
 nlohmann::json bench_weather(std::ostream& text);
+nlohmann::json bench_camera(std::ostream& text);
 nlohmann::json bench_excavator(std::ostream& text);
 nlohmann::json bench_dynamics(std::ostream& text);
 nlohmann::json bench_gnss(std::ostream& text);

@@ -1,0 +1,357 @@
+#include "bench/camera_bench.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "hil/command_line/config_files.h"
+#include "hil/executive/cpu_time.h"
+#include "hil/rig/rig.h"
+#include "sim/scene/scene_description.h"
+
+namespace rigwire::bench {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint64_t kSeed = 1;
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kView_rad = 75.0 * kDegree;
+constexpr double kMeanLevel = 100.0;
+const SimTime kSliceEnd = kStart + 50ms;
+
+Eigen::Isometry3d looking(double x_m, double y_m, double z_m, double yaw_deg, double pitch_deg) {
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.translation() << x_m, y_m, z_m;
+  X.linear() = (Eigen::AngleAxisd(yaw_deg * kDegree, Eigen::Vector3d::UnitZ()) *
+                Eigen::AngleAxisd(pitch_deg * kDegree, Eigen::Vector3d::UnitY()))
+                   .toRotationMatrix();
+  return X;
+}
+
+Eigen::Vector3d to_sun() {
+  const double elevation = 40.0 * kDegree;
+  const double azimuth = 210.0 * kDegree;
+  return {std::cos(elevation) * std::sin(azimuth), std::cos(elevation) * std::cos(azimuth),
+          std::sin(elevation)};
+}
+
+/// CPU seconds of this thread that `work` takes.
+template <class Work>
+double timed(const Work& work) {
+  const double before_s = hil::thread_cpu_seconds();
+  work();
+  return hil::thread_cpu_seconds() - before_s;
+}
+
+/// Least of a few.
+template <class Work>
+double least_of(int rounds, const Work& work) {
+  double least_s = timed(work);
+  for (int i = 1; i < rounds; ++i) {
+    least_s = std::min(least_s, timed(work));
+  }
+  return least_s;
+}
+
+/// Green of each pixel as a grey level: `scale` levels for each cd/m2, cut off at 255.
+std::vector<double> levels(const sim::RenderedPicture& picture, double scale) {
+  std::vector<double> result;
+  for (std::size_t i = 1; i < picture.luminance.size(); i += 3) {
+    result.push_back(std::min(255.0, scale * static_cast<double>(picture.luminance[i])));
+  }
+  return result;
+}
+
+double level_scale(const sim::RenderedPicture& picture) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i < picture.luminance.size(); i += 3) {
+    sum += static_cast<double>(picture.luminance[i]);
+  }
+  return kMeanLevel * static_cast<double>(picture.luminance.size() / 3) / sum;
+}
+
+struct Difference {
+  double rms = 0.0;
+  double mean = 0.0;
+};
+
+Difference difference(const std::vector<double>& a, const std::vector<double>& b) {
+  Difference d;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    d.mean += a[i] - b[i];
+    d.rms += (a[i] - b[i]) * (a[i] - b[i]);
+  }
+  d.mean /= static_cast<double>(a.size());
+  d.rms = std::sqrt(d.rms / static_cast<double>(a.size()));
+  return d;
+}
+
+}  // namespace
+
+CameraCase::CameraCase(std::string name, const hil::RigConfiguration& rig,
+                       const Eigen::Isometry3d& X_WS)
+    : name_(std::move(name)),
+      built_(hil::build_machine_in_scene(rig)),
+      X_WS_(X_WS),
+      light_({}, to_sun()) {
+  built_.machine->step(1s);
+  X_WS_.translation().z() +=
+      built_.ground->height_m(X_WS.translation().x(), X_WS.translation().y());
+  place();
+}
+
+CameraCase::CameraCase(std::string name, const Eigen::Isometry3d& X_WS)
+    : name_(std::move(name)), X_WS_(X_WS), light_({}, to_sun()) {
+  sim::SceneDescription description;
+  description.terrain = sim::PitTerrain{};
+  sim::BuiltScene built = sim::build_scene(description, {}, kSeed);
+  X_WS_.translation().z() += built.ground.height_m(X_WS.translation().x(), X_WS.translation().y());
+  built_.scene = std::move(built.scene);
+  place();
+}
+
+void CameraCase::place() {
+  std::vector<sim::BodyMotion> motions;
+  if (built_.machine) {
+    for (const sim::LinkMotion& link : built_.machine->links()) {
+      motions.push_back({link.X_WL, link.X_WL});
+    }
+  }
+  built_.scene->begin_slice(kStart, kSliceEnd, X_WS_.translation(), motions);
+  sky_ = sim::SkyVisibility(*built_.scene);
+}
+
+sim::PictureJob CameraCase::job(const sim::CameraParameters& camera) const {
+  sim::PictureJob job;
+  job.read_out.region = {0, 0, camera.sensor.width_px, camera.sensor.height_px};
+  job.read_out.exposure = 200us;
+  job.exposure_start = kStart + 10ms;
+  sim::CameraPose pose;
+  pose.time = kStart;
+  pose.mount.X_WL = X_WS_;
+  job.poses = {pose, pose};
+  job.poses.back().time = kSliceEnd;
+  job.light = &light_;
+  job.sky = &sky_;
+  return job;
+}
+
+std::vector<CameraCase> camera_cases() {
+  std::vector<CameraCase> cases;
+  cases.reserve(3);
+  cases.emplace_back("pit", hil::load_rig(hil::find_rig("excavator_pit"), {}).configuration,
+                     looking(-14.0, -8.0, 2.2, 28.0, 3.0));
+  cases.emplace_back("forest", hil::load_rig(hil::find_rig("forest_lidar"), {}).configuration,
+                     looking(34.0, 0.0, 2.2, 10.0, 2.0));
+  cases.emplace_back("terrain", looking(-14.0, -8.0, 2.2, 28.0, 3.0));
+  return cases;
+}
+
+sim::CameraParameters bench_camera(int width_px, int samples, int sky_rays) {
+  sim::CameraParameters camera;
+  camera.sensor.width_px = width_px;
+  camera.sensor.height_px = width_px * 3 / 4;
+  camera.lens.focal_length_m =
+      0.5 * width_px / std::tan(0.5 * kView_rad) * camera.sensor.pixel_pitch_m;
+  camera.samples = samples;
+  camera.sky_rays = sky_rays;
+  return camera;
+}
+
+PictureCost measure_picture(const CameraCase& scene, int width_px, int samples, int rounds) {
+  sim::CameraRenderer camera(bench_camera(width_px, samples), kSeed, "bench");
+  const sim::PictureJob job = scene.job(camera.parameters());
+  sim::RenderedPicture picture;
+  sim::RecordedPictureRays rays = camera.record(scene.scene(), job);
+  PictureCost cost;
+  cost.scene = scene.name();
+  cost.samples = samples;
+  cost.shadow_share =
+      static_cast<double>(rays.shadow_rays()) / static_cast<double>(rays.primary_rays());
+  std::vector<double> ratios;
+  for (int round = 0; round < rounds; ++round) {
+    double picture_s = 0.0;
+    double bare_s = 0.0;
+    const auto render = [&] {
+      picture_s = timed([&] { camera.render(scene.scene(), job, picture); });
+    };
+    const auto bare = [&] {
+      rays.reset();
+      bare_s = timed([&] { rays.cast_bare(scene.scene()); });
+    };
+    // In turns, because the second one finds the scene in the caches.
+    if (round % 2 == 0) {
+      bare();
+      render();
+    } else {
+      render();
+      bare();
+    }
+    cost.picture_s += picture_s / rounds;
+    cost.bare_s += bare_s / rounds;
+    ratios.push_back(bare_s / picture_s);
+  }
+  cost.pixels = picture.numbers.size();
+  std::ranges::sort(ratios);
+  cost.ratio = ratios[ratios.size() / 2];
+  cost.least_ratio = ratios.front();
+  cost.greatest_ratio = ratios.back();
+  return cost;
+}
+
+std::vector<SamplingError> measure_sampling(const CameraCase& scene, int width_px,
+                                            const std::vector<int>& samples,
+                                            int reference_samples) {
+  const auto render = [&](int count) {
+    sim::CameraRenderer camera(bench_camera(width_px, count), kSeed, "bench");
+    sim::PictureJob job = scene.job(camera.parameters());
+    job.read_out.frame = count == reference_samples ? 1 : 0;
+    sim::RenderedPicture picture;
+    camera.render(scene.scene(), job, picture);
+    return picture;
+  };
+  const sim::RenderedPicture reference = render(reference_samples);
+  const double scale = level_scale(reference);
+  const std::vector<double> true_levels = levels(reference, scale);
+  std::vector<SamplingError> errors;
+  for (const int count : samples) {
+    errors.push_back(
+        {scene.name(), count, difference(levels(render(count), scale), true_levels).rms});
+  }
+  return errors;
+}
+
+std::vector<SkyCost> measure_sky(const CameraCase& scene, int width_px,
+                                 const std::vector<int>& sky_rays, int reference) {
+  sim::RenderedPicture picture;
+  const auto render = [&](int rays, int rounds) {
+    sim::CameraRenderer camera(bench_camera(width_px, 1, std::max(rays, 0)), kSeed, "bench");
+    sim::PictureJob job = scene.job(camera.parameters());
+    if (rays < 0) {
+      job.sky = nullptr;
+    }
+    return least_of(rounds, [&] { camera.render(scene.scene(), job, picture); });
+  };
+  render(reference, 1);
+  const double scale = level_scale(picture);
+  const std::vector<double> true_levels = levels(picture, scale);
+  std::vector<SkyCost> costs;
+  for (const int rays : sky_rays) {
+    SkyCost cost;
+    cost.scene = scene.name();
+    cost.sky_rays = rays;
+    cost.pixel_ns = 1e9 * render(rays, 3) / static_cast<double>(true_levels.size());
+    const Difference d = difference(levels(picture, scale), true_levels);
+    cost.rms_levels = d.rms;
+    cost.bias_levels = d.mean;
+    costs.push_back(cost);
+  }
+  return costs;
+}
+
+std::vector<AirCost> measure_air(const CameraCase& scene, int width_px) {
+  sim::CameraRenderer camera(bench_camera(width_px), kSeed, "bench");
+  sim::WeatherParameters fog;
+  fog.course = {{.fog_visibility_m = 100.0}};
+  sim::WeatherParameters layer = fog;
+  layer.fog.scale_height_m = 10.0;
+  sim::WeatherParameters rain;
+  rain.course = {{.rain_mmph = 10.0}};
+  // A plume that has drifted for a while: as many puffs as a drive leaves behind.
+  sim::DustCloud dust({});
+  std::vector<sim::DustEmitter> emitters(1);
+  for (int i = 0; i < 500; ++i) {
+    emitters[0].position_W = {-10.0 + 0.06 * i, 0.0, 1.0};
+    emitters[0].mass_rate_kgps = 0.05;
+    dust.advance(0.02, {0.5, 0.5}, 1.0, emitters);
+  }
+  const std::array<std::pair<const char*, sim::CameraAir>, 5> airs{
+      {{"clear", {}},
+       {"fog", {fog, kStart, nullptr}},
+       {"fog, layered", {layer, kStart, nullptr}},
+       {"rain", {rain, kStart, nullptr}},
+       {"dust", {{}, kStart, &dust}}}};
+  sim::RenderedPicture picture;
+  std::vector<AirCost> costs;
+  for (const auto& [medium, air] : airs) {
+    sim::PictureJob job = scene.job(camera.parameters());
+    job.air = &air;
+    const double seconds = least_of(5, [&] { camera.render(scene.scene(), job, picture); });
+    const double pixel_ns = 1e9 * seconds / static_cast<double>(picture.numbers.size());
+    costs.push_back({medium, pixel_ns, costs.empty() ? 0.0 : pixel_ns - costs.front().pixel_ns});
+  }
+  return costs;
+}
+
+std::vector<SensorFigure> measure_sensor() {
+  sim::ImageSensorParameters p;
+  p.photo_response_nonuniformity = 0.0;
+  p.dark_signal_nonuniformity = 0.0;
+  const sim::ImageSensor sensor(p, 2.8, kSeed, "bench");
+  const auto pixels = static_cast<std::size_t>(p.width_px) * static_cast<std::size_t>(p.height_px);
+  const std::vector<float> falloff(pixels, 1.0F);
+  constexpr std::array<float, 3> kHaze{};
+  sim::ReadOut r;
+  r.region = {0, 0, p.width_px, p.height_px};
+  r.exposure = 10ms;
+  r.bits = 12;
+  r.black_level = 8.0;
+  struct Point {
+    double mean = 0.0;
+    double variance = 0.0;
+  };
+  // Mean of two frames, temporal variance by their difference (EMVA 1288, section 6).
+  const auto measure = [&](double electrons) {
+    const std::vector<float> light(
+        3 * pixels, static_cast<float>(electrons / sensor.electrons(1.0, r.exposure)));
+    std::array<std::vector<std::uint16_t>, 2> frames;
+    for (std::vector<std::uint16_t>& frame : frames) {
+      frame.resize(pixels);
+      ++r.frame;
+      sensor.expose(light, falloff, kHaze, r, 0, p.height_px, frame);
+    }
+    double sum = 0.0;
+    double apart = 0.0;
+    double squares = 0.0;
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const double a = frames[0][i];
+      const double b = frames[1][i];
+      sum += a + b;
+      apart += a - b;
+      squares += (a - b) * (a - b);
+    }
+    const auto n = static_cast<double>(pixels);
+    return Point{0.5 * sum / n, 0.5 * (squares / n - apart * apart / (n * n))};
+  };
+  const Point dark = measure(0.0);
+  double xy = 0.0;
+  double xx = 0.0;
+  double peak_variance = 0.0;
+  double saturation = 0.0;
+  const double gain = sensor.numbers_per_electron(0.0, r.bits);
+  for (double share = 0.02; share < 1.1; share += 0.01) {
+    const Point point = measure(share * p.saturation_capacity);
+    const double mean = point.mean - dark.mean;
+    if (share <= 0.7) {
+      xy += mean * (point.variance - dark.variance);
+      xx += mean * mean;
+    }
+    // Saturation is where the variance is greatest.
+    if (point.variance > peak_variance) {
+      peak_variance = point.variance;
+      saturation = mean / gain;
+    }
+  }
+  // What the black level takes of the range is lost to the signal; the variance begins to fall
+  // where the brightest pixels reach the end, three times the shot noise before it.
+  const double end = p.saturation_capacity - (8.0 * 16.0) / gain;
+  const double expected_saturation = end - 3.0 * std::sqrt(end);
+  return {{"gain, numbers per electron", gain, xy / xx},
+          {"read noise, electrons", p.read_noise, std::sqrt(dark.variance - 1.0 / 12.0) / gain},
+          {"saturation, electrons", expected_saturation, saturation}};
+}
+
+}  // namespace rigwire::bench

@@ -1,0 +1,103 @@
+// What pictures cost and how wrong the cheap ones are: rays against bare Embree, samples against
+// many, the lattice of the sky against rays that look for it, air, and the sensor's noise against
+// its own figures.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hil/rig/rig_configuration.h"
+#include "hil/world/simulated_world.h"
+#include "sim/camera/camera_renderer.h"
+
+namespace rigwire::bench {
+
+/// A scene, its machine standing in it, seen from one place.
+class CameraCase {
+ public:
+  /// The rig's scene and machine.
+  CameraCase(std::string name, const hil::RigConfiguration& rig, const Eigen::Isometry3d& X_WS);
+  /// The pit's terrain alone.
+  CameraCase(std::string name, const Eigen::Isometry3d& X_WS);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const sim::Scene& scene() const { return *built_.scene; }
+  /// Of all of the sensor, in even daylight, the sun 40 degrees high.
+  [[nodiscard]] sim::PictureJob job(const sim::CameraParameters& camera) const;
+  [[nodiscard]] const sim::SkyVisibility& sky() const { return sky_; }
+
+ private:
+  void place();
+
+  std::string name_;
+  hil::MachineInScene built_;
+  Eigen::Isometry3d X_WS_;
+  sim::Daylight light_;
+  sim::SkyVisibility sky_;
+};
+
+/// Excavator in the pit, forest track, the pit's terrain alone.
+[[nodiscard]] std::vector<CameraCase> camera_cases();
+
+/// A pinhole camera of that width, 4 : 3, 75 degrees across.
+[[nodiscard]] sim::CameraParameters bench_camera(int width_px, int samples = 1, int sky_rays = 0);
+
+struct PictureCost {
+  std::string scene;
+  int samples = 1;
+  std::size_t pixels = 0;
+  double shadow_share = 0.0;  ///< Rays towards the sun for each one of the camera.
+  double picture_s = 0.0;     ///< CPU time of the whole picture, sensor included; one thread.
+  double bare_s = 0.0;        ///< Of Embree's calls alone with the same rays.
+  double ratio = 0.0;         ///< Bare over picture, median of the rounds.
+  double least_ratio = 0.0;
+  double greatest_ratio = 0.0;
+};
+
+[[nodiscard]] PictureCost measure_picture(const CameraCase& scene, int width_px, int samples,
+                                          int rounds);
+
+/// Rms difference of the scene's light, in grey levels of 8 bits when the mean is at 100, from a
+/// picture of `reference_samples`.
+struct SamplingError {
+  std::string scene;
+  int samples = 1;
+  double rms_levels = 0.0;
+};
+
+[[nodiscard]] std::vector<SamplingError> measure_sampling(const CameraCase& scene, int width_px,
+                                                          const std::vector<int>& samples,
+                                                          int reference_samples);
+
+/// Ways to know how much of the sky is seen, against many rays.
+struct SkyCost {
+  std::string scene;
+  int sky_rays = 0;  ///< 0: the lattice; -1: all of it, everywhere.
+  double pixel_ns = 0.0;
+  double rms_levels = 0.0;
+  double bias_levels = 0.0;
+};
+
+[[nodiscard]] std::vector<SkyCost> measure_sky(const CameraCase& scene, int width_px,
+                                               const std::vector<int>& sky_rays, int reference);
+
+/// What air costs each pixel above clear air.
+struct AirCost {
+  std::string medium;
+  double pixel_ns = 0.0;
+  double above_clear_ns = 0.0;
+};
+
+[[nodiscard]] std::vector<AirCost> measure_air(const CameraCase& scene, int width_px);
+
+/// A figure of the sensor as set and as a photon transfer measurement finds it (EMVA 1288).
+struct SensorFigure {
+  std::string figure;
+  double set = 0.0;
+  double found = 0.0;
+};
+
+[[nodiscard]] std::vector<SensorFigure> measure_sensor();
+
+}  // namespace rigwire::bench

@@ -1,0 +1,122 @@
+#include <fmt/format.h>
+
+#include "bench/camera_bench.h"
+#include "bench/suites.h"
+#include "bench/table.h"
+
+namespace rigwire::bench {
+namespace {
+
+constexpr int kWidth_px = 640;
+constexpr int kSmall_px = 200;
+constexpr int kRounds = 5;
+constexpr int kReferenceSamples = 64;
+constexpr int kReferenceSkyRays = 64;
+constexpr double kGoalRatio = 0.8;
+
+void cost_table(const std::vector<CameraCase>& cases, std::ostream& text, nlohmann::json& json) {
+  const Table table(text, {{"scene", "<9"},
+                           {"samples", ">8"},
+                           {"Mpx/s", ">7"},
+                           {"ms", ">8"},
+                           {"shadow rays", ">12"},
+                           {"bare ms", ">9"},
+                           {"ratio", ">6"},
+                           {"least..most", ">13"}});
+  table.head();
+  for (const CameraCase& scene : cases) {
+    for (const int samples : {1, 4}) {
+      const PictureCost cost =
+          measure_picture(scene, kWidth_px, samples, samples == 1 ? kRounds : 3);
+      json["pictures"].push_back(table.row(
+          {word("scene", cost.scene), count("samples", cost.samples),
+           number("pixels_per_s", static_cast<double>(cost.pixels) / cost.picture_s, "{:.2f}",
+                  1e-6),
+           number("picture_s", cost.picture_s, "{:.1f}", 1e3),
+           number("shadow_share", cost.shadow_share, "{:.2f}"),
+           number("bare_s", cost.bare_s, "{:.1f}", 1e3), number("ratio", cost.ratio, "{:.3f}"),
+           shown(fmt::format("{:.3f}..{:.3f}", cost.least_ratio, cost.greatest_ratio)),
+           stored("pixels", cost.pixels), stored("least_ratio", cost.least_ratio),
+           stored("greatest_ratio", cost.greatest_ratio)}));
+    }
+  }
+  json["ratio_goal"] = kGoalRatio;
+  text << fmt::format(
+      "640 x 480, one thread, CPU time; ratio: Embree's calls alone with the same rays over the\n"
+      "picture with shading and sensor; goal: ratio >= {:g}\n\n",
+      kGoalRatio);
+}
+
+void sampling_table(const std::vector<CameraCase>& cases, std::ostream& text,
+                    nlohmann::json& json) {
+  const Table table(text, {{"scene", "<9"}, {"samples", ">8"}, {"rms levels", ">11"}});
+  table.head();
+  for (const CameraCase& scene : cases) {
+    for (const SamplingError& error :
+         measure_sampling(scene, kSmall_px, {1, 4, 16}, kReferenceSamples)) {
+      json["sampling"].push_back(
+          table.row({word("scene", error.scene), count("samples", error.samples),
+                     number("rms_levels", error.rms_levels, "{:.2f}")}));
+    }
+  }
+  text << fmt::format("grey levels of 255, mean 100, against {} samples\n\n", kReferenceSamples);
+}
+
+void sky_table(const std::vector<CameraCase>& cases, std::ostream& text, nlohmann::json& json) {
+  const Table table(
+      text,
+      {{"scene", "<9"}, {"sky", "<12"}, {"ns/px", ">8"}, {"rms levels", ">11"}, {"bias", ">7"}});
+  table.head();
+  for (const CameraCase& scene : cases) {
+    for (const SkyCost& cost : measure_sky(scene, kSmall_px, {-1, 0, 1, 4}, kReferenceSkyRays)) {
+      json["sky"].push_back(
+          table.row({word("scene", cost.scene),
+                     cell("sky_rays", cost.sky_rays,
+                          cost.sky_rays < 0    ? "everywhere"
+                          : cost.sky_rays == 0 ? "lattice"
+                                               : fmt::format("{} rays", cost.sky_rays)),
+                     number("pixel_ns", cost.pixel_ns, "{:.0f}"),
+                     number("rms_levels", cost.rms_levels, "{:.2f}"),
+                     number("bias_levels", cost.bias_levels, "{:+.2f}")}));
+    }
+  }
+  text << fmt::format("against {} rays per pixel\n\n", kReferenceSkyRays);
+}
+
+void air_table(const CameraCase& scene, std::ostream& text, nlohmann::json& json) {
+  const Table table(text, {{"air", "<14"}, {"ns/px", ">8"}, {"above clear", ">12"}});
+  table.head();
+  for (const AirCost& cost : measure_air(scene, kSmall_px)) {
+    json["air"].push_back(
+        table.row({word("medium", cost.medium), number("pixel_ns", cost.pixel_ns, "{:.0f}"),
+                   number("above_clear_ns", cost.above_clear_ns, "{:.0f}")}));
+  }
+  text << "in the scene " << scene.name() << "\n\n";
+}
+
+void sensor_table(std::ostream& text, nlohmann::json& json) {
+  const Table table(text, {{"sensor", "<28"}, {"set", ">10"}, {"found", ">10"}, {"error", ">8"}});
+  table.head();
+  for (const SensorFigure& figure : measure_sensor()) {
+    json["sensor"].push_back(
+        table.row({word("figure", figure.figure), number("set", figure.set, "{:.4g}"),
+                   number("found", figure.found, "{:.4g}"),
+                   number("error", figure.found / figure.set - 1.0, "{:+.2f}%", 100.0)}));
+  }
+  text << "photon transfer from flat frames as EMVA 1288 measures it\n";
+}
+
+}  // namespace
+
+nlohmann::json bench_camera(std::ostream& text) {
+  nlohmann::json json;
+  const std::vector<CameraCase> cases = camera_cases();
+  cost_table(cases, text, json);
+  sampling_table(cases, text, json);
+  sky_table(cases, text, json);
+  air_table(cases.front(), text, json);
+  sensor_table(text, json);
+  return json;
+}
+
+}  // namespace rigwire::bench

@@ -140,8 +140,10 @@ struct CameraCommand {
   double gain_db = 0.0;
   bool gain_auto = false;    ///< The sensor chooses the gain.
   double black_level = 0.0;  ///< Added to every pixel, in grey levels of an 8-bit picture.
-  bool intensity = true;     ///< Which parts a picture has; a camera that cannot make one leaves
-  bool disparity = false;    ///< it out of its pictures.
+  /// Which parts a picture has, in this order; a camera asks only for what its sensor can make.
+  bool intensity = true;
+  bool intensity_right = false;  ///< The right image of a stereo camera.
+  bool disparity = false;
   bool range = false;
   bool confidence = false;
   /// Rises by one for each exposure that a client has triggered: it starts at once, which is the

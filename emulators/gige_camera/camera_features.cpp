@@ -273,8 +273,7 @@ void chunk_control(Table& t) {
             reg::kChunkModeActive, 4, Visibility::expert)
       .locked_by_stream = true;
   t.setting("ChunkSelector", "Chunk that ChunkEnable is of.",
-            choice({{static_cast<int>(CameraChunk::image), "Image"},
-                    {static_cast<int>(CameraChunk::timestamp), "Timestamp"},
+            choice({{static_cast<int>(CameraChunk::timestamp), "Timestamp"},
                     {static_cast<int>(CameraChunk::frame), "FrameID"},
                     {static_cast<int>(CameraChunk::exposure), "ExposureTime"},
                     {static_cast<int>(CameraChunk::gain), "Gain"}}),

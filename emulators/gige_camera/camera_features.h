@@ -2,6 +2,7 @@
 // names after SFNC 2.x. Registers of floating-point features are of eight bytes.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -100,12 +101,14 @@ inline constexpr std::uint32_t kDescriptionAddress = 0x0001'0000;
 enum class AcquisitionMode : std::uint8_t { continuous, single_frame, multi_frame };
 enum class TriggerSource : std::uint8_t { software, line };
 
-/// Values of ChunkSelector; identifiers of the chunks are kChunkIds.
-enum class CameraChunk : std::uint8_t { image, timestamp, frame, exposure, gain };
-inline constexpr std::size_t kChunkKinds = 5;
-/// Of the maker's own choice: clients learn them from the description.
+/// Values of ChunkSelector. The image is a chunk that cannot be switched off, and none of them.
+enum class CameraChunk : std::uint8_t { timestamp, frame, exposure, gain };
+inline constexpr std::array kCameraChunks{CameraChunk::timestamp, CameraChunk::frame,
+                                          CameraChunk::exposure, CameraChunk::gain};
+/// Identifiers are of the maker's own choice: clients learn them from the description.
+inline constexpr std::uint32_t kImageChunkId = 0x5257'0000;
 [[nodiscard]] constexpr std::uint32_t chunk_id(CameraChunk chunk) {
-  return 0x5257'0000U + static_cast<std::uint32_t>(chunk);
+  return kImageChunkId + 1 + static_cast<std::uint32_t>(chunk);
 }
 
 /// A component that a camera can send: its row in ComponentSelector.

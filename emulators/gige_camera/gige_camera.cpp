@@ -44,6 +44,10 @@ constexpr std::uint32_t kIpConfigurations =
 /// Of a chunk's value, and of the tags around it.
 constexpr std::size_t kChunkValueBytes = 8;
 
+std::uint32_t chunk_enable_register(CameraChunk chunk) {
+  return reg::kChunkEnable + 4 * static_cast<std::uint32_t>(chunk);
+}
+
 double microseconds(Duration span) {
   return static_cast<double>(span.count()) * 1e-3;
 }
@@ -166,8 +170,8 @@ void GigeCamera::power_up() {
   bank_.set_real(reg::kGain, settings_.gain_db);
   bank_.set_real(reg::kBlackLevel, settings_.black_level);
   bank_.set_word(reg::kChunkModeActive, 0);
-  for (std::uint32_t chunk = 0; chunk < kChunkKinds; ++chunk) {
-    bank_.set_word(reg::kChunkEnable + 4 * chunk, 1);
+  for (const CameraChunk chunk : kCameraChunks) {
+    bank_.set_word(chunk_enable_register(chunk), 1);
   }
   bank_.set_word(reg::kThroughputMode, 1);
   bank_.set_word(reg::kThroughputLimit,
@@ -558,13 +562,11 @@ Status GigeCamera::written_feature(const BankRegister& target) {
     case reg::kGainAuto:
       asked_gain_db_ = bank_.real(reg::kGain);
       break;
-    case reg::kChunkEnable:  // of the image, which is always there
-      return bank_.word(address) == 1 ? Status::success : Status::invalid_parameter;
     case reg::kChunkModeActive:
       ++chunk_layout_;
       break;
     default:
-      if (address > reg::kChunkEnable && address < reg::kChunkEnable + 4 * kChunkKinds) {
+      if (target.feature->name == "ChunkEnable") {
         ++chunk_layout_;
       }
       break;
@@ -843,20 +845,19 @@ void GigeCamera::offer(StreamBlock block, const Picture& exposed) {
 void GigeCamera::append_chunks(StreamBlock& block, const Picture& exposed) const {
   const std::span<std::uint8_t> out(block.chunks);
   std::size_t at = 0;
-  const auto tag = [&](CameraChunk chunk, std::size_t length) {
-    at += gev::write_chunk_tag(out.subspan(at),
-                               {chunk_id(chunk), static_cast<std::uint32_t>(length)});
+  const auto tag = [&](std::uint32_t id, std::size_t length) {
+    at += gev::write_chunk_tag(out.subspan(at), {id, static_cast<std::uint32_t>(length)});
   };
   const auto value = [&](CameraChunk chunk, std::uint64_t bits) {
     if (chunk_enabled(chunk)) {
       store_big(out, at, bits);
       at += kChunkValueBytes;
-      tag(chunk, kChunkValueBytes);
+      tag(chunk_id(chunk), kChunkValueBytes);
     }
   };
   // The image is the first chunk; in a multi-part block it is a part of its own.
   if (!block.multipart) {
-    tag(CameraChunk::image, block.picture->parts[block.parts[0]].bytes.size());
+    tag(kImageChunkId, block.picture->parts[block.parts[0]].bytes.size());
   }
   value(CameraChunk::timestamp, ticks(exposed.exposure_start));
   value(CameraChunk::frame, stream_.next_number());

@@ -61,13 +61,13 @@ Duration StreamChannel::time_of(std::size_t packet_size) const {
 
 void StreamChannel::offer(SimTime now, StreamBlock block) {
   assert(is_open());
+  wake(now);
   const std::uint64_t number = next_number_++;
   if (number - sending_ >= queued_maximum_) {
     ++counters_.lost_blocks;
     // A gap in the numbers: what is in its place is older and stays for those who ask for it.
     return;
   }
-  wake(now);
   block.number = number;
   block.next = 0;
   block.divide();

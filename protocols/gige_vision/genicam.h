@@ -52,15 +52,16 @@ struct IntegerFeature {
   std::int64_t minimum = 0;
   std::int64_t maximum = 0xFFFF'FFFF;
   std::int64_t increment = 1;
-  std::string_view maximum_of;  ///< Name of the integer feature that holds it at present.
-  std::string_view unit;
-  std::string_view representation;  ///< "HexNumber", "IPV4Address", "MACAddress"; empty: linear.
+  std::string_view maximum_of = {};  ///< Name of the integer feature that holds it at present.
+  std::string_view unit = {};
+  std::string_view representation =
+      {};  ///< "HexNumber", "IPV4Address", "MACAddress"; empty: linear.
 };
 struct FloatFeature {
   double minimum = 0.0;
   double maximum = 0.0;
-  std::string_view maximum_of;  ///< Name of the float feature that holds it at present.
-  std::string_view unit;
+  std::string_view maximum_of = {};  ///< Name of the float feature that holds it at present.
+  std::string_view unit = {};
 };
 struct Entry {
   std::int64_t value = 0;

@@ -221,10 +221,15 @@ void GigeCamera::recall() {
   bank_.set_word(boot::kPersistentAddress, word(1));
   bank_.set_word(boot::kPersistentMask, word(2));
   bank_.set_word(boot::kPersistentGateway, word(3));
-  const bool persistent = (word(0) & gev::IpConfiguration::kPersistent) != 0;
-  if (persistent && settings_.permitted.contains(word(1))) {
-    set_address({word(1), word(2), word(3)});
-  }
+  set_address(configured_address());
+}
+
+CameraAddress GigeCamera::configured_address() const {
+  const CameraAddress persistent{bank_.word(boot::kPersistentAddress),
+                                 bank_.word(boot::kPersistentMask),
+                                 bank_.word(boot::kPersistentGateway)};
+  const bool used = (bank_.word(boot::kIpConfiguration) & gev::IpConfiguration::kPersistent) != 0;
+  return used && settings_.permitted.contains(persistent.address) ? persistent : settings_.address;
 }
 
 bool GigeCamera::keep() {
@@ -346,11 +351,9 @@ Status GigeCamera::force_ip(SimTime /*now*/, const gev::ForceIp& command) {
   if (command.mac != settings_.mac) {
     return Status::invalid_address;
   }
-  CameraAddress wanted{command.address, command.mask, command.gateway};
-  if (command.address == 0) {
-    wanted = {bank_.word(boot::kPersistentAddress), bank_.word(boot::kPersistentMask),
-              bank_.word(boot::kPersistentGateway)};
-  }
+  const CameraAddress wanted = command.address == 0
+                                   ? configured_address()
+                                   : CameraAddress{command.address, command.mask, command.gateway};
   if (!settings_.permitted.contains(wanted.address)) {
     return Status::invalid_parameter;
   }

@@ -99,6 +99,8 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
 
   void power_up();
   void recall();
+  /// Where its registers put it when it looks for an address.
+  [[nodiscard]] CameraAddress configured_address() const;
   [[nodiscard]] bool keep();
   void identify();
   void live_until(SimTime now);

@@ -70,11 +70,6 @@ const BankRegister& RegisterBank::at(std::uint32_t address) const {
   return *target;
 }
 
-bool RegisterBank::has(std::uint32_t address) const {
-  const BankRegister* const target = covering(address);
-  return target != nullptr && target->row.address == address;
-}
-
 std::span<std::uint8_t> RegisterBank::memory(const BankRegister& target) {
   return std::span(memory_).subspan(target.offset, target.row.length);
 }

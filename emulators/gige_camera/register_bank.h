@@ -56,10 +56,6 @@ class RegisterBank {
   [[nodiscard]] std::string_view text(std::uint32_t address) const;
   /// Cut off where it does not fit beside a final zero.
   void set_text(std::uint32_t address, std::string_view text);
-  [[nodiscard]] bool has(std::uint32_t address) const;
-  [[nodiscard]] const std::vector<protocols::gige_vision::Feature>& features() const {
-    return features_;
-  }
 
   // --- The client's side. Precondition: addresses and sizes are multiples of 4.
 

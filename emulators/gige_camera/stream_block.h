@@ -38,7 +38,6 @@ class StreamBlock {
   void divide();
   [[nodiscard]] std::uint32_t packets() const { return packets_; }
   [[nodiscard]] bool sent() const { return next >= packets_; }
-  [[nodiscard]] std::uint64_t payload_bytes() const { return payload_bytes_; }
 
   /// Writes packet `index` and returns its length. Precondition: index < packets(), room for a
   /// packet in `out`.

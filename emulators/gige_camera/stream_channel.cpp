@@ -74,16 +74,6 @@ void StreamChannel::offer(SimTime now, StreamBlock block) {
   blocks_[number % blocks_.size()] = std::move(block);
 }
 
-void StreamChannel::discard_queue() {
-  for (std::uint64_t number = sending_; number < next_number_; ++number) {
-    StreamBlock& block = blocks_[number % blocks_.size()];
-    if (block.number == number) {
-      block = {};
-    }
-  }
-  sending_ = next_number_;
-}
-
 const StreamBlock* StreamChannel::kept(std::uint64_t number) const {
   const StreamBlock& block = blocks_[number % blocks_.size()];
   return number != 0 && block.number == number ? &block : nullptr;

@@ -52,8 +52,6 @@ class StreamChannel {
   /// Gives the block the next number and queues it. Precondition: is_open(), all but the number
   /// set.
   void offer(SimTime now, StreamBlock block);
-  /// What has not been sent will not be.
-  void discard_queue();
   void resend(SimTime now, const protocols::gige_vision::PacketResend& request);
   /// One packet of `packet_size` bytes with IP and UDP headers, out of turn.
   void fire_test_packet(SimTime now, const UdpEnd& to, std::uint32_t packet_size);

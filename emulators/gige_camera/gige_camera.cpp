@@ -315,7 +315,8 @@ double GigeCamera::nominal_rate_hz() const {
   }
   const std::size_t room = gev::payload_room(packet_size(), false, false);
   const std::size_t payload = bank_.word(reg::kPayloadSize);
-  return static_cast<double>(2 + (payload + room - 1) / room) / to_seconds(plan_.period);
+  const std::size_t packets = 2 + (payload + room - 1) / room;  // with leader and trailer
+  return static_cast<double>(packets) / to_seconds(plan_.period);
 }
 
 std::span<const Quantity> GigeCamera::quantities() const {

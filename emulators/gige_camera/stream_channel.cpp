@@ -8,7 +8,6 @@ namespace rigwire::emulators {
 namespace {
 
 namespace gev = protocols::gige_vision;
-using gev::Status;
 
 /// Preamble and start, Ethernet header, check sum, gap.
 constexpr std::size_t kEthernetBytes = 8 + 14 + 4 + 12;

@@ -14,7 +14,6 @@
 #include "sim/samples/imu_sample.h"
 #include "sim/samples/joystick_sample.h"
 #include "sim/samples/lidar_sample.h"
-#include "sim/samples/picture_sample.h"
 #include "sim/samples/power_unit_sample.h"
 #include "sim/samples/valve_sample.h"
 #include "sim/samples/vehicle_sample.h"
@@ -60,19 +59,6 @@ class LidarBackend {
   /// than the time that the device has lived up to. The executive takes firings at that instant,
   /// not one by one.
   [[nodiscard]] virtual SimTime packet_complete_at() const = 0;
-};
-
-/// Exposures are the device's sample plan and its command's triggers
-/// (sim/samples/picture_sample.h).
-class CameraBackend {
- public:
-  using Sample = PictureSample;
-  using Command = CameraCommand;
-
-  virtual ~CameraBackend() = default;
-  /// What the camera wants of its sensor at present.
-  [[nodiscard]] virtual const Command& command() const = 0;
-  virtual void update(const Sample& sample) = 0;
 };
 
 class ValveBackend {

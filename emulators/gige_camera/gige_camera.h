@@ -6,8 +6,7 @@
 //
 // What it does:
 // - It is found (DISCOVERY), described (GenICam XML at 0x10000), controlled by one application with
-// a
-//   heartbeat (control_channel.h), and streams to where that application says (stream_channel.h).
+//   a heartbeat (control_channel.h), and streams to where that application says (stream_channel.h).
 // - Time stamps are nanoseconds of simulated time since the start or the last reset.
 // - Settings that change the size of a block are refused while it acquires; the others act from the
 //   next exposure on.
@@ -28,9 +27,9 @@
 #include <string>
 #include <vector>
 
-#include "emulators/backends.h"
 #include "emulators/device.h"
 #include "emulators/gige_camera/acquisition.h"
+#include "emulators/gige_camera/camera_backend.h"
 #include "emulators/gige_camera/camera_features.h"
 #include "emulators/gige_camera/control_channel.h"
 #include "emulators/gige_camera/faulty_stream.h"

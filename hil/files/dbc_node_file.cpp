@@ -149,12 +149,8 @@ class Binder {
            std::move(near));
   }
   void report(const dbc::Finding& finding) {
-    problems_.add({{dbc_name_, finding.line, finding.column},
-                   "",
-                   finding.what,
-                   finding.found,
-                   finding.allowed,
-                   {}});
+    const Location where{dbc_name_, finding.line, finding.column};
+    problems_.add({where, "", finding.what, finding.found, finding.allowed, {}});
   }
 
   bool read_dbc() {

@@ -13,6 +13,7 @@
 #include "field/gnss_wire.h"
 #include "protocols/j1939/message.h"
 #include "protocols/j1939/name.h"
+#include "protocols/nmea/writers.h"
 #include "protocols/openimu/messages.h"
 
 namespace rigwire::dig_cycle {

@@ -121,9 +121,11 @@ TEST(CarrierEngine, SbasShrinksWhatItKnowsAbout) {
 
 TEST(CarrierEngine, RefusesStrangeParameters) {
   CorrectionParameters parameters;
+  parameters.kind = CorrectionKind::rtk;  // the figures of what does not arrive have no effect
   parameters.refix_shortest_s = 40.0;
   EXPECT_THROW(validate(parameters), std::invalid_argument);
   parameters = {};
+  parameters.kind = CorrectionKind::sbas;
   parameters.interval_s = 0.0;
   EXPECT_THROW(validate(parameters), std::invalid_argument);
 }

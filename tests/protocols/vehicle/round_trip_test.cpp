@@ -25,16 +25,16 @@ namespace {
 template <class Message>
 class VehicleMessage : public testing::Test {};
 
-using Messages =
-    testing::Types<Ebc1, Ebc2, Hrw, Ccvs1, WheelBasedSpeed, MachineSelectedSpeed,
-                   MachineSelectedSpeedCommand, Eec1, Eec2, Tsc1, Etc1, Etc2, Tc1, Eac1, Xbr, Vdc2,
-                   Esc1, GuidanceMachineInfo, GuidanceCommand, Tire1, Tire2, Tpri, Tprs, Hpg,
-                   MachineFunctionCommand, MachineFunctionState, Sas, GroundBasedSpeed, Tp1, Tp2,
-                   Tp3, Eflp1, Et1, Dd1, VehicleFluids, Hours, BasicJoystick<1>, BasicJoystick<2>,
-                   ExtendedJoystick<1>, ExtendedJoystick<2>, VehiclePosition, VehicleDirectionSpeed,
-                   VehiclePosition2, Eec3, Vep1, Lfe1, Lfc1, RearHitchStatus, FrontHitchStatus,
-                   RearPowerTakeOffStatus, FrontPowerTakeOffStatus, HitchPowerTakeOffCommand,
-                   MaintainPower, LanguageCommand>;
+using Messages = testing::Types<
+    Ebc1, Ebc2, Hrw, Ccvs1, WheelBasedSpeed, MachineSelectedSpeed, MachineSelectedSpeedCommand,
+    Eec1, Eec2, Tsc1, Etc1, Etc2, Tc1, Eac1, Xbr, Vdc2, Esc1, GuidanceMachineInfo, GuidanceCommand,
+    Tire1, Tire2, TyreReference<kTpri, 3190>, TyreReference<kTprs, 3192>, Hpg,
+    MachineFunctionCommand, MachineFunctionState, Sas, GroundBasedSpeed, Tp1,
+    ChannelPressures<kTp2>, ChannelPressures<kTp3>, Eflp1, Et1, Dd1, VehicleFluids, Hours,
+    BasicJoystick<1>, BasicJoystick<2>, ExtendedJoystick<1>, ExtendedJoystick<2>, VehiclePosition,
+    VehicleDirectionSpeed, VehiclePosition2, Eec3, Vep1, Lfe1, Lfc1, RearHitchStatus,
+    FrontHitchStatus, RearPowerTakeOffStatus, FrontPowerTakeOffStatus, HitchPowerTakeOffCommand,
+    MaintainPower, LanguageCommand>;
 TYPED_TEST_SUITE(VehicleMessage, Messages);
 
 constexpr int kSteps = 2000;

@@ -70,7 +70,8 @@ double level_scale(const sim::RenderedPicture& picture) {
   for (std::size_t i = 1; i < picture.luminance.size(); i += 3) {
     sum += static_cast<double>(picture.luminance[i]);
   }
-  return kMeanLevel * static_cast<double>(picture.luminance.size() / 3) / sum;
+  const std::size_t pixels = picture.luminance.size() / 3;
+  return kMeanLevel * static_cast<double>(pixels) / sum;
 }
 
 struct Difference {

@@ -82,7 +82,8 @@ constexpr ConfigurationKey real8(std::uint32_t id, std::string_view name, double
   return number(id, KeyType::r8, name, std::bit_cast<std::uint64_t>(initial), count);
 }
 
-constexpr std::array kKeys{
+// Clang deduces no std::array of so many.
+constexpr ConfigurationKey kKeys[] = {
     // Interfaces, antenna supervision, texts and identity
     number(0x20510001, KeyType::u1, "CFG-I2C-ADDRESS", 132),
     flag(0x10510002, "CFG-I2C-EXTENDEDTIMEOUT", false),
@@ -521,7 +522,7 @@ class Table {
 
  private:
   std::vector<std::string> names_;
-  std::vector<ConfigurationKey> keys_{kKeys.begin(), kKeys.end()};
+  std::vector<ConfigurationKey> keys_{std::begin(kKeys), std::end(kKeys)};
 };
 
 std::int64_t signed_value(KeyType type, std::uint64_t value) {

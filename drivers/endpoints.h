@@ -1,6 +1,6 @@
 // The endpoints that a device or a field program holds: byte streams, datagrams, CAN buses, stream
-// servers. Each has an implementation on the operating system and an in-memory twin with the same
-// behaviour, so that deterministic tests need no system.
+// servers. Each has an implementation on the operating system and, among the tests, an in-memory
+// twin with the same behaviour, so that deterministic tests need no system.
 //
 // All endpoints belong to one Asio io_context and are used from the thread that runs it. Received
 // data and news of clients are handed on from within io_context::poll()/run() only. Writing

@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "drivers/memory_byte_stream.h"
 #include "drivers/pty.h"
 #include "drivers/serial_port.h"
+#include "memory_byte_stream.h"
 #include "run_until.h"
 
 namespace rigwire::drivers {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "drivers/memory_datagram.h"
 #include "drivers/udp_socket.h"
+#include "memory_datagram.h"
 #include "run_until.h"
 
 namespace rigwire::drivers {

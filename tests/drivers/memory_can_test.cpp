@@ -1,4 +1,4 @@
-#include "drivers/memory_can.h"
+#include "memory_can.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "drivers/memory_byte_stream.h"
+#include "memory_byte_stream.h"
 #include "run_until.h"
 
 namespace rigwire::drivers {

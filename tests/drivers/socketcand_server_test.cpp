@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "drivers/memory_stream_server.h"
+#include "memory_stream_server.h"
 #include "run_until.h"
 
 namespace rigwire::drivers {

@@ -1,4 +1,4 @@
-#include "drivers/memory_datagram.h"
+#include "memory_datagram.h"
 
 #include <boost/asio/post.hpp>
 #include <deque>

@@ -1,4 +1,4 @@
-#include "drivers/memory_stream_server.h"
+#include "memory_stream_server.h"
 
 #include <algorithm>
 #include <stdexcept>

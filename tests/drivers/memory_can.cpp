@@ -1,4 +1,4 @@
-#include "drivers/memory_can.h"
+#include "memory_can.h"
 
 #include <boost/asio/post.hpp>
 #include <utility>

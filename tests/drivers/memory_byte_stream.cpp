@@ -1,4 +1,4 @@
-#include "drivers/memory_byte_stream.h"
+#include "memory_byte_stream.h"
 
 #include <algorithm>
 #include <boost/asio/post.hpp>

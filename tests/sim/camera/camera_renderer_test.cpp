@@ -241,9 +241,7 @@ TEST(CameraRenderer, LooksAreChosenByLabel) {
 TEST(CameraRenderer, ShadowPacketsComeBack) {
   // Embree 3.13.5 loops for ever in coherent packets of shadow rays where a mesh and instances mix
   // and few lanes are active. Grazing sun, a camera among the rocks, from many places.
-  auto done = std::make_shared<std::promise<int>>();
-  std::future<int> finished = done->get_future();
-  std::thread([done] {
+  std::packaged_task<int()> task([] {
     Site site;
     CameraParameters parameters = small_camera();
     CameraRenderer camera(parameters, 1, "camera");
@@ -258,10 +256,15 @@ TEST(CameraRenderer, ShadowPacketsComeBack) {
         ++pictures;
       }
     }
-    done->set_value(pictures);
-  }).detach();
-  ASSERT_EQ(finished.wait_for(120s), std::future_status::ready)
-      << "a packet of shadow rays does not come back";
+    return pictures;
+  });
+  std::future<int> finished = task.get_future();
+  std::thread renderer(std::move(task));
+  if (finished.wait_for(120s) != std::future_status::ready) {
+    renderer.detach();
+    FAIL() << "a packet of shadow rays does not come back";
+  }
+  renderer.join();
   EXPECT_EQ(finished.get(), 36);
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <stdexcept>
 
 #include "emulators/dbc_node/dbc_node.h"
@@ -172,7 +174,9 @@ void DbcNodeConfiguration::check(const std::string& at, RigCheck& check) const {
 }
 
 std::vector<FaultWindow> DbcNodeConfiguration::fault_windows(std::string_view name) const {
-  return hil::fault_windows(faults, name);
+  std::vector<FaultWindow> windows = hil::fault_windows(faults, name);
+  std::ranges::copy(hil::fault_windows(supply.faults(), name), std::back_inserter(windows));
+  return windows;
 }
 
 DevicePlan DbcNodeConfiguration::plan(const RigView& rig) const {

@@ -50,8 +50,8 @@ struct InclinometerConfiguration final : DeviceConfigurationOf<InclinometerConfi
     check.canopen_node(at, bus, inclinometer.node.node_id);
   }
 
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view /*name*/) const override {
-    return {};
+  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
+    return hil::fault_windows(inclinometer.supply.faults(), name);
   }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {

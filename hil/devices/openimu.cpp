@@ -59,8 +59,8 @@ struct OpenImuDeviceConfiguration final : DeviceConfigurationOf<OpenImuDeviceCon
     check.j1939_node(at, bus, imu.source_address, imu.serial);
   }
 
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view /*name*/) const override {
-    return {};
+  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
+    return hil::fault_windows(imu.supply.faults(), name);
   }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {

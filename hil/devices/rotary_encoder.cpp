@@ -33,8 +33,8 @@ void EncoderConfiguration::check(const std::string& at, RigCheck& check) const {
   check.canopen_node(at, bus, encoder.node.node_id);
 }
 
-std::vector<FaultWindow> EncoderConfiguration::fault_windows(std::string_view /*name*/) const {
-  return {};
+std::vector<FaultWindow> EncoderConfiguration::fault_windows(std::string_view name) const {
+  return hil::fault_windows(encoder.supply.faults(), name);
 }
 
 DevicePlan EncoderConfiguration::plan(const RigView& rig) const {

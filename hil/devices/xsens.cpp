@@ -49,8 +49,8 @@ struct XsensMtiConfiguration final : DeviceConfigurationOf<XsensMtiConfiguration
     check.claim(at + ".bus", fmt::format("{} mti {}", bus, mti.extended), bus);
   }
 
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view /*name*/) const override {
-    return {};
+  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
+    return hil::fault_windows(mti.supply.faults(), name);
   }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {

@@ -45,6 +45,15 @@ TEST(FaultWindows, faults_of_valves_name_the_section_and_may_last_to_the_end) {
   EXPECT_THAT(windows, Contains(FaultWindow{"valves", "supply_voltage", kStart + 3s, kStart + 4s}));
 }
 
+TEST(FaultWindows, a_supply_that_fails_is_told_as_a_fault) {
+  const auto windows = windows_of("can");
+  EXPECT_THAT(windows, Contains(FaultWindow{"imu", "no_supply", kStart + 11s, kStart + 11500ms}));
+  EXPECT_THAT(windows, Contains(FaultWindow{"imu_300", "no_supply", kStart + 4500ms, kStart + 5s}));
+  EXPECT_THAT(windows, Contains(FaultWindow{"mti", "no_supply", kStart + 2s, kStart + 2300ms}));
+  EXPECT_THAT(windows,
+              Contains(FaultWindow{"wheel", "no_supply", kStart + 2500ms, kStart + 2700ms}));
+}
+
 TEST(FaultWindows, a_fault_acts_from_its_beginning_until_before_its_end) {
   const FaultWindow window{"gnss", "outage", kStart + 1s, kStart + 2s};
   EXPECT_FALSE(window.acts_at(kStart + 1s - 1ns));

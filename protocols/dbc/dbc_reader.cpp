@@ -294,6 +294,13 @@ class Parser {
     }
   }
 
+  /// Past the semicolon. Files that are in use leave it out where another statement begins.
+  void end_of_statement() {
+    if (token_.kind != Token::Kind::end && !is_statement(token_)) {
+      expect(';');
+    }
+  }
+
   void statement() {
     const Token keyword = take();
     if (keyword.kind == Token::Kind::mark && keyword.text == ";") {
@@ -485,12 +492,18 @@ class Parser {
   }
 
   void comment() {
+    std::optional<Owner> owner;
     if (token_.kind == Token::Kind::word && (token_.text == "BO_" || token_.text == "SG_")) {
-      const auto [owner, is_message] = read_owner();
-      const std::string text = string();
-      comments_[owner] = text;
+      owner = read_owner().first;
+    } else if (token_.kind == Token::Kind::word) {
+      take();
+      (void)word("the name of a node or an environment variable");
     }
-    skip(false);
+    const std::string text = string();
+    if (owner) {
+      comments_[*owner] = text;
+    }
+    end_of_statement();
   }
 
   /// "BO_ 12" or "SG_ 12 Name".
@@ -524,7 +537,7 @@ class Parser {
   void preset() {
     Attribute& attribute = attributes_[string()];
     attribute.preset = attribute_value();
-    skip(false);
+    end_of_statement();
   }
 
   std::string attribute_value() {
@@ -539,8 +552,10 @@ class Parser {
     if (token_.kind == Token::Kind::word && (token_.text == "BO_" || token_.text == "SG_")) {
       const Owner owner = read_owner().first;
       given_[{name, owner}] = attribute_value();
+      end_of_statement();
+    } else {
+      skip(false);
     }
-    skip(false);
   }
 
   void values() {

@@ -146,6 +146,22 @@ struct Wrong {
   const char* what;
 };
 
+TEST(DbcReader, AMissingSemicolonLosesNoMessage) {
+  const Reading reading = read(R"dbc(BU_: RADAR
+CM_ "Front target"
+BO_ 1664 Front: 8 RADAR
+ SG_ Distance : 7|13@1+ (0.03,0) [0|255] "m" ECU
+CM_ BU_ RADAR "In the middle"
+BO_ 1665 Left: 8 RADAR
+BA_ "GenMsgCycleTime" BO_ 1665 20
+BO_ 1666 Right: 8 RADAR
+)dbc");
+  EXPECT_TRUE(reading.findings.empty());
+  ASSERT_EQ(reading.content.messages.size(), 3U);
+  EXPECT_EQ(reading.content.messages[0].signals.size(), 1U);
+  EXPECT_EQ(reading.content.messages[1].period_ms, 20);
+}
+
 TEST(DbcReader, WhatIsWrongIsSaidWithItsPlace) {
   const std::array cases{
       Wrong{"", 1, "no DBC file"},

@@ -73,13 +73,8 @@ bool Supply::end(FaultBook<SupplyFault>::Id id, SimTime now) {
   return ended;
 }
 
-/// The first instant from `from` on at which it is to be otherwise than it is: `from` itself, or
-/// where a fault begins or ends.
 void Supply::find_next(SimTime from) {
-  next_ = from;
-  while (next_ != kNever && (book_.first<NoSupplyFault>(next_) == nullptr) == on_) {
-    next_ = book_.next_change(next_);
-  }
+  next_ = book_.next_turn<NoSupplyFault>(from, !on_);
 }
 
 }  // namespace rigwire::emulators

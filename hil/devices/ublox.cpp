@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 
 #include "emulators/device.h"
 #include "emulators/ublox/receiver.h"
@@ -73,8 +75,8 @@ class UbloxDevice final : public Device, private FixSource {
     auto stream = std::make_unique<UsbSerialStream>(
         site.io(), bus, emulators::ublox_usb(configuration.receiver.profile->generation),
         site.name());
-    for (const FaultPeriod& unplug : configuration.unplugged) {
-      bus.schedule_unplug(stream->socket(), unplug.begin(), unplug.end());
+    for (const PlugFault& fault : plug_faults(configuration.unplugged)) {
+      bus.begin(stream->socket(), fault);
     }
     return stream;
   }
@@ -159,7 +161,7 @@ void UbloxConfiguration::check(const std::string& at, RigCheck& check) const {
 
 std::vector<FaultWindow> UbloxConfiguration::fault_windows(std::string_view name) const {
   std::vector<FaultWindow> windows = hil::fault_windows(faults, name);
-  append_unplugged(windows, unplugged, name);
+  std::ranges::move(hil::fault_windows(plug_faults(unplugged), name), std::back_inserter(windows));
   return windows;
 }
 

@@ -70,8 +70,8 @@ class UsbJoystickDevice final : public Device {
         levers_(configuration.joystick),
         mover_(configuration, levers_),
         socket_(bus_.plug(levers_, site.name())) {
-    for (const FaultPeriod& unplug : configuration.unplugged) {
-      bus_.schedule_unplug(socket_, unplug.begin(), unplug.end());
+    for (const PlugFault& fault : plug_faults(configuration.unplugged)) {
+      bus_.begin(socket_, fault);
     }
     // The bus lets the device live; there is nothing to be routed to it, so that it is no station.
     site.executive().add(mover_);
@@ -162,9 +162,7 @@ void UsbJoystickConfiguration::check(const std::string& at, RigCheck& check) con
 }
 
 std::vector<FaultWindow> UsbJoystickConfiguration::fault_windows(std::string_view name) const {
-  std::vector<FaultWindow> windows;
-  append_unplugged(windows, unplugged, name);
-  return windows;
+  return hil::fault_windows(plug_faults(unplugged), name);
 }
 
 DevicePlan UsbJoystickConfiguration::plan(const RigView& rig) const {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "fields/check.h"
+
 namespace rigwire::hil {
 namespace {
 
@@ -43,17 +45,28 @@ RigUsb::RigUsb(const UsbConfiguration& configuration, boost::asio::io_context& i
 }
 
 UsbBus::Socket RigUsb::plug(emulators::UsbDevice& device, std::string_view name) {
-  return server_.add(device, name);
+  const Socket socket = server_.add(device, name);
+  plugs_.try_emplace(socket);
+  return socket;
 }
 
-void RigUsb::set_plugged(SimTime now, Socket socket, bool plugged) {
-  plugged ? server_.plug(now, socket) : server_.unplug(now, socket);
+FaultBook<PlugFault>::Id RigUsb::begin(Socket socket, const PlugFault& fault) {
+  fields::check(fault);
+  Plug& plug = plugs_.at(socket);
+  const auto id = plug.faults.add(fault);
+  find_next_change(plug);
+  return id;
 }
 
-void RigUsb::schedule_unplug(Socket socket, SimTime from, SimTime until) {
-  changes_.push_back({from, socket, false});
-  changes_.push_back({until, socket, true});
-  std::ranges::stable_sort(changes_, {}, &PlugChange::time);
+bool RigUsb::end(Socket socket, FaultBook<PlugFault>::Id id, SimTime now) {
+  Plug& plug = plugs_.at(socket);
+  const bool ended = plug.faults.end(id, now);
+  find_next_change(plug);
+  return ended;
+}
+
+void RigUsb::find_next_change(Plug& plug) const {
+  plug.next_change = plug.faults.next_turn<UnpluggedFault>(advanced_, plug.out);
 }
 
 std::string RigUsb::address(Socket socket) const {
@@ -61,16 +74,28 @@ std::string RigUsb::address(Socket socket) const {
 }
 
 SimTime RigUsb::next_event() const {
-  const SimTime change = next_change_ < changes_.size() ? changes_[next_change_].time : kNever;
-  return std::min(change, server_.next_event());
+  SimTime next = server_.next_event();
+  for (const auto& [socket, plug] : plugs_) {
+    next = std::min(next, plug.next_change);
+  }
+  return next;
 }
 
 void RigUsb::advance(SimTime now) {
-  for (; next_change_ < changes_.size() && changes_[next_change_].time <= now; ++next_change_) {
-    const PlugChange& change = changes_[next_change_];
-    server_.advance(change.time);
-    set_plugged(change.time, change.socket, change.plugged);
+  const auto earliest = [this] {
+    return std::ranges::min_element(
+        plugs_, {}, [](const auto& socket_and_plug) { return socket_and_plug.second.next_change; });
+  };
+  for (auto next = earliest(); next != plugs_.end() && next->second.next_change <= now;
+       next = earliest()) {
+    auto& [socket, plug] = *next;
+    advanced_ = plug.next_change;
+    server_.advance(advanced_);
+    plug.out = !plug.out;
+    plug.out ? server_.unplug(advanced_, socket) : server_.plug(advanced_, socket);
+    find_next_change(plug);
   }
+  advanced_ = now;
   server_.advance(now);
 }
 

@@ -3,8 +3,7 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
-#include <memory>
-#include <vector>
+#include <map>
 
 #include "drivers/tcp_server.h"
 #include "emulators/usb/usbip_server.h"
@@ -26,8 +25,8 @@ class RigUsb final : public UsbBus, public EventSource {
   RigUsb(const UsbConfiguration& configuration, boost::asio::io_context& io, Executive& executive);
 
   Socket plug(emulators::UsbDevice& device, std::string_view name) override;
-  void set_plugged(SimTime now, Socket socket, bool plugged) override;
-  void schedule_unplug(Socket socket, SimTime from, SimTime until) override;
+  FaultBook<PlugFault>::Id begin(Socket socket, const PlugFault& fault) override;
+  bool end(Socket socket, FaultBook<PlugFault>::Id id, SimTime now) override;
   [[nodiscard]] bool imported(Socket socket) const override { return server_.imported(socket); }
   [[nodiscard]] std::string address(Socket socket) const override;
   [[nodiscard]] SimTime now() const override { return executive_.now(); }
@@ -51,18 +50,19 @@ class RigUsb final : public UsbBus, public EventSource {
     drivers::StreamServer& endpoint;
     WireStatistics statistics;
   };
-  struct PlugChange {
-    SimTime time{};
-    Socket socket = 0;
-    bool plugged = false;
+  struct Plug {
+    FaultBook<PlugFault> faults;
+    bool out = false;
+    SimTime next_change = kNever;
   };
+  void find_next_change(Plug& plug) const;
 
   Executive& executive_;
   drivers::TcpServer endpoint_;
   Output output_;
   emulators::UsbipServer server_;
-  std::vector<PlugChange> changes_;  ///< In order of time.
-  std::size_t next_change_ = 0;
+  std::map<Socket, Plug> plugs_;
+  SimTime advanced_ = kStart;
 };
 
 }  // namespace rigwire::hil

@@ -1,13 +1,29 @@
-// Where a rig's USB devices are plugged in, whatever exports them.
+// Where a rig's USB devices are plugged in, whatever exports them, and what can happen to a plug.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <variant>
 
 #include "emulators/usb/usb_device.h"
+#include "fields/visitor.h"
+#include "sim/samples/fault_book.h"
 
 namespace rigwire::hil {
+
+struct UnpluggedFault {
+  static constexpr fields::Named kNamed{"unplugged", "The plug is out."};
+};
+inline void visit(fields::Visitor&, UnpluggedFault&) {}
+
+struct PlugFault {
+  FaultPeriod when;
+  std::variant<UnpluggedFault> what;
+};
+inline void visit(fields::Visitor& v, PlugFault& p) {
+  visit_fault(v, p);
+}
 
 class UsbBus {
  public:
@@ -19,10 +35,11 @@ class UsbBus {
   /// what a client sees in the list. The bus lets the device live (advance) from then on. Throws
   /// std::invalid_argument when the device's description is not valid.
   virtual Socket plug(emulators::UsbDevice& device, std::string_view name) = 0;
-  /// Pulls the device out, or puts it back.
-  virtual void set_plugged(SimTime now, Socket socket, bool plugged) = 0;
-  /// The device is out from `from` until before `until`. To be called before the run.
-  virtual void schedule_unplug(Socket socket, SimTime from, SimTime until) = 0;
+  /// One more fault of that plug. It begins no earlier than the bus was advanced to. Throws
+  /// std::invalid_argument.
+  virtual FaultBook<PlugFault>::Id begin(Socket socket, const PlugFault& fault) = 0;
+  /// As FaultBook::end().
+  virtual bool end(Socket socket, FaultBook<PlugFault>::Id id, SimTime now) = 0;
   /// A client has the device.
   [[nodiscard]] virtual bool imported(Socket socket) const = 0;
   /// What a client attaches: "usb 127.0.0.1:3240 1-1".

@@ -1,4 +1,4 @@
-// The USB/IP server of a rig, and what can happen to the plugs of its devices.
+// The keys of a rig's USB/IP server and of its devices' plugs.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "fields/visitor.h"
-#include "hil/configuration/fault_window.h"
+#include "hil/wires/usb_bus.h"
 #include "protocols/usbip/constants.h"
 #include "sim/samples/fault_book.h"
 
@@ -19,12 +19,13 @@ struct UsbConfiguration {
   bool allow_remote = false;
 };
 
-/// While the device is pulled out.
-inline void append_unplugged(std::vector<FaultWindow>& windows,
-                             const std::vector<FaultPeriod>& unplugged, std::string_view where) {
+/// The short form of a device's keys: when its plug is out.
+[[nodiscard]] inline std::vector<PlugFault> plug_faults(const std::vector<FaultPeriod>& unplugged) {
+  std::vector<PlugFault> faults;
   for (const FaultPeriod& period : unplugged) {
-    windows.push_back({std::string(where), "unplugged", period.begin(), period.end()});
+    faults.push_back({period, UnpluggedFault{}});
   }
+  return faults;
 }
 
 inline void visit(fields::Visitor& v, UsbConfiguration& p) {

@@ -130,6 +130,15 @@ class FaultBook {
     }
     return next;
   }
+  /// The first instant from `from` on at which it is otherwise than `held` whether a `What` holds;
+  /// kNever: it stays so.
+  template <class What>
+  [[nodiscard]] SimTime next_turn(SimTime from, bool held) const {
+    while (from != kNever && (first<What>(from) != nullptr) == held) {
+      from = next_change<What>(from);
+    }
+    return from;
+  }
 
  private:
   std::vector<Entry> entries_;

@@ -26,8 +26,8 @@ class OneSocket final : public UsbBus, public emulators::UsbHost {
     port_.emplace(device);
     return 1;
   }
-  void set_plugged(SimTime, Socket, bool) override {}
-  void schedule_unplug(Socket, SimTime, SimTime) override {}
+  FaultBook<PlugFault>::Id begin(Socket, const PlugFault&) override { return 0; }
+  bool end(Socket, FaultBook<PlugFault>::Id, SimTime) override { return false; }
   [[nodiscard]] bool imported(Socket) const override { return port_->attached(); }
   [[nodiscard]] std::string address(Socket) const override { return where; }
   [[nodiscard]] SimTime now() const override { return kStart; }

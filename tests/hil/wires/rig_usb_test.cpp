@@ -117,7 +117,7 @@ TEST_F(UsbServerLineTest, AClientFindsTheDeviceWhereTheAddressSays) {
 
 TEST_F(UsbServerLineTest, APlugIsPulledAndPutBackInSimulatedTime) {
   const auto socket = line.plug(joystick, "levers");
-  line.schedule_unplug(socket, kStart + 2s, kStart + 3s);
+  line.begin(socket, {{2s, 1s}, UnpluggedFault{}});
   EXPECT_EQ(line.next_event(), kStart + 2s);
   Client before(io, line.port());
   ASSERT_EQ(before.import()->status, usbip::OperationStatus::ok);
@@ -129,6 +129,29 @@ TEST_F(UsbServerLineTest, APlugIsPulledAndPutBackInSimulatedTime) {
   line.advance(kStart + 3s);
   EXPECT_EQ(meanwhile.import()->status, usbip::OperationStatus::ok);
   EXPECT_EQ(line.next_event(), kNever);
+}
+
+TEST_F(UsbServerLineTest, APlugStaysOutAsLongAsOneOfItsFaultsHolds) {
+  const auto socket = line.plug(joystick, "levers");
+  line.begin(socket, {{1s, 2s}, UnpluggedFault{}});
+  line.begin(socket, {{2s, 3s}, UnpluggedFault{}});
+  line.advance(kStart + 4s);
+  Client client(io, line.port());
+  EXPECT_EQ(client.import()->status, usbip::OperationStatus::failed);
+  EXPECT_EQ(line.next_event(), kStart + 5s);
+}
+
+TEST_F(UsbServerLineTest, APlugIsPulledAndPutBackWhenToldWhileTheRunGoesOn) {
+  const auto socket = line.plug(joystick, "levers");
+  line.advance(kStart + 1s);
+  const auto fault = line.begin(socket, {{1s, std::nullopt}, UnpluggedFault{}});
+  line.advance(kStart + 2s);
+  Client client(io, line.port());
+  EXPECT_EQ(client.import()->status, usbip::OperationStatus::failed);
+  EXPECT_TRUE(line.end(socket, fault, kStart + 3s));
+  line.advance(kStart + 3s);
+  EXPECT_EQ(client.import()->status, usbip::OperationStatus::ok);
+  EXPECT_FALSE(line.end(socket, fault, kStart + 4s)) << "it is over";
 }
 
 TEST_F(UsbServerLineTest, TheDeviceLivesWithTheExecutive) {

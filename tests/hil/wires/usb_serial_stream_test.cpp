@@ -24,8 +24,8 @@ class OneSocket final : public UsbBus, public emulators::UsbHost {
     port = std::make_unique<emulators::UsbPort>(device);
     return 1;
   }
-  void set_plugged(SimTime /*now*/, Socket /*socket*/, bool /*plugged*/) override {}
-  void schedule_unplug(Socket /*socket*/, SimTime /*from*/, SimTime /*until*/) override {}
+  FaultBook<PlugFault>::Id begin(Socket, const PlugFault&) override { return 0; }
+  bool end(Socket, FaultBook<PlugFault>::Id, SimTime) override { return false; }
   bool imported(Socket /*socket*/) const override { return port->attached(); }
   std::string address(Socket /*socket*/) const override { return "usb test 1-1"; }
   SimTime now() const override { return kStart; }

@@ -11,6 +11,10 @@ using fields::IntegerRule;
 void visit(fields::Visitor& v, CameraParameters& p) {
   v.section("lens", p.lens, "In front of the sensor.");
   v.section("image_sensor", p.sensor, "What turns light into numbers.");
+  visit_pictures(v, p);
+}
+
+void visit_pictures(fields::Visitor& v, CameraParameters& p) {
   v.section("auto_exposure", p.auto_exposure, "How exposure and gain are chosen.");
   v.integer("samples", p.samples, IntegerRule{1, 1024},
             "Rays per pixel, over its area and the exposure; 1 = no blur.");

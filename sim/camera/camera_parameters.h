@@ -11,6 +11,8 @@
 namespace rigwire::sim {
 
 struct CameraParameters {
+  static constexpr fields::Named kNamed{"camera", "One image."};
+
   LensParameters lens;
   ImageSensorParameters sensor;
   AutoExposureParameters auto_exposure;
@@ -26,6 +28,8 @@ struct CameraParameters {
   std::vector<SurfaceLook> looks;
 };
 void visit(fields::Visitor& v, CameraParameters& p);
+/// Those of its keys that are neither of the lens nor of the sensor.
+void visit_pictures(fields::Visitor& v, CameraParameters& p);
 
 /// Throws std::invalid_argument naming the key, the value found and what is allowed.
 void validate(const CameraParameters& parameters);

@@ -23,7 +23,6 @@ namespace {
 
 /// Of daylight, 400 .. 700 nm, per second, m2 and lux.
 constexpr double kPhotonsPerLuxSecond = 1.114e16;
-constexpr int kMostPixels = 16384;
 constexpr float kExactBelow = 12.0F;
 /// Pixels that are worked on together.
 constexpr std::size_t kBatch = 64;
@@ -50,8 +49,16 @@ std::uint64_t key_of(std::uint64_t seed, std::string_view name, std::string_view
 }  // namespace
 
 void visit(fields::Visitor& v, ImageSensorParameters& p) {
-  v.integer("width", p.width_px, IntegerRule{2, kMostPixels}, "Pixels in a row.");
-  v.integer("height", p.height_px, IntegerRule{2, kMostPixels}, "Rows.");
+  visit_size(v, p);
+  visit_figures(v, p);
+}
+
+void visit_size(fields::Visitor& v, ImageSensorParameters& p) {
+  v.integer("width", p.width_px, kPictureSide, "Pixels in a row.");
+  v.integer("height", p.height_px, kPictureSide, "Rows.");
+}
+
+void visit_figures(fields::Visitor& v, ImageSensorParameters& p) {
   v.number("pixel_pitch", p.pixel_pitch_m, in("um").between(0.5, 100), "Edge of a pixel.");
   v.boolean("colour", p.colour, "Bayer mosaic RGGB in front of the sensor.");
   v.number("quantum_efficiency", p.quantum_efficiency, in("%").above(0).at_most(100),

@@ -58,6 +58,12 @@ struct ImageSensorParameters {
 };
 void visit(fields::Visitor& v, ImageSensorParameters& p);
 
+/// The same keys in two parts, for cameras whose pictures have a size of their own.
+void visit_size(fields::Visitor& v, ImageSensorParameters& p);
+void visit_figures(fields::Visitor& v, ImageSensorParameters& p);
+/// What the width or the height of a picture may be, of any kind of camera.
+inline constexpr fields::IntegerRule kPictureSide{2, 16384};
+
 /// Throws std::invalid_argument naming the key, the value found and what is allowed.
 void validate(const ImageSensorParameters& parameters);
 

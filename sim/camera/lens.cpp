@@ -55,7 +55,7 @@ double first_fold(double last, const Slope& slope) {
 void visit(fields::Visitor& v, LensParameters& p) {
   v.choice("model", p.model, kLensModels, "How directions become places on the sensor.");
   v.number("focal_length", p.focal_length_m, in("mm").between(0.1, 1000), "Of the lens.");
-  v.number("f_number", p.f_number, plain().between(0.7, 64), "Focal length over its opening.");
+  visit_light(v, p);
   v.number("k1", p.k1, plain().between(-10, 10), "Radial distortion, second order.");
   v.number("k2", p.k2, plain().between(-10, 10), "Radial distortion, fourth order.");
   if (p.model == LensModel::brown_conrady) {
@@ -74,6 +74,10 @@ void visit(fields::Visitor& v, LensParameters& p) {
             "Where the axis meets the sensor, from its middle, in pixels right and down.");
   v.number("image_circle", p.image_circle_rad, in("deg").between(0, 180),
            "Farther from the axis than this the picture is black; 0 = the sensor is filled.");
+}
+
+void visit_light(fields::Visitor& v, LensParameters& p) {
+  v.number("f_number", p.f_number, plain().between(0.7, 64), "Focal length over its opening.");
   v.number("vignetting", p.vignetting, plain().between(0, 1),
            "Fall-off of light to the edge: 1 as cos^4 of the angle, 0 none.");
 }

@@ -46,6 +46,8 @@ struct LensParameters {
   double vignetting = 1.0;
 };
 void visit(fields::Visitor& v, LensParameters& p);
+/// Those of its keys that say how much light comes through, for cameras that know the rest.
+void visit_light(fields::Visitor& v, LensParameters& p);
 
 /// Throws std::invalid_argument naming the key, the value found and what is allowed.
 void validate(const LensParameters& parameters);

@@ -1,0 +1,25 @@
+// What a camera with a third coordinate says of itself, so that its numbers can be turned into
+// points: the calibration to which its pictures are rectified.
+//
+// Of the whole picture, without binning. Pixels are counted as in lens.h, the middle of the first
+// one at 0. Point of pixel (u, v) in the frame C of lens.h:
+//   stereo   Z = focal_length_px * baseline_m / disparity
+//   depth    Z = the coordinate itself
+//   X = (u - principal_u_px) Z / focal_length_px, Y likewise
+#pragma once
+
+#include "sim/samples/picture_sample.h"
+
+namespace rigwire::sim {
+
+struct ReportedGeometry {
+  double focal_length_px = 0.0;
+  double baseline_m = 0.0;  ///< Of stereo; else 0.
+  double principal_u_px = 0.0;
+  double principal_v_px = 0.0;
+  CoordinateCoding coding;
+
+  friend bool operator==(const ReportedGeometry&, const ReportedGeometry&) = default;
+};
+
+}  // namespace rigwire::sim

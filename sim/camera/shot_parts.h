@@ -1,0 +1,58 @@
+// What all kinds of camera do with a shot: ask whether it fits, and lay pictures out as parts.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/camera/camera_renderer.h"
+#include "sim/camera/camera_sensor.h"
+
+namespace rigwire::sim {
+
+/// Which parts a kind of camera can make; those of CameraCommand.
+struct PictureParts {
+  bool intensity = true;
+  bool intensity_right = false;
+  bool disparity = false;
+  bool range = false;
+  bool confidence = false;
+};
+inline constexpr PictureParts kStereoParts{true, true, true, false, true};
+inline constexpr PictureParts kDepthParts{true, false, false, true, true};
+
+/// Throws std::invalid_argument unless the command asks for at least one part, for none that the
+/// kind does not make, and for one of its formats. `kind`: for the message.
+void require_fits(const CameraCommand& command, std::string_view kind, const PictureParts& made,
+                  std::span<const PixelFormat> formats);
+/// Throws std::invalid_argument for binning, or for a region that is not within the picture; of
+/// kinds whose pictures are made from several others.
+void require_region(const CameraCommand& command, std::string_view kind, int width, int height);
+
+/// "mono8", as GenICam calls it.
+[[nodiscard]] std::string_view format_name(PixelFormat format);
+/// Formats of a grey sensor, or of one behind a Bayer mosaic.
+[[nodiscard]] std::span<const PixelFormat> sensor_formats(bool colour);
+
+/// How a sensor is read out for a shot: region and binning as the command has them.
+[[nodiscard]] ReadOut read_out_of(const CameraShot& shot);
+/// Likewise, but all of the sensor.
+[[nodiscard]] ReadOut whole_read_out(const CameraShot& shot, const ImageSensorParameters& sensor);
+/// The rest of a job; `X_SC`: a camera's own mount frame C, standing in the shot's S.
+[[nodiscard]] PictureJob job_of(const CameraShot& shot, const ReadOut& read_out,
+                                const Eigen::Isometry3d& X_SC = Eigen::Isometry3d::Identity());
+
+/// A picture with the shot's times and no parts.
+[[nodiscard]] Picture empty_picture(const CameraShot& shot);
+/// That rectangle of a picture of `width` columns, pixel by pixel of `pixel_bytes`.
+void crop(std::span<const std::uint8_t> bytes, int width, const PictureRegion& region,
+          std::size_t pixel_bytes, std::vector<std::uint8_t>& cropped);
+/// That rectangle of what is true of a picture.
+[[nodiscard]] CameraTruth crop(const CameraTruth& truth, const PictureRegion& region);
+
+/// Sixteen bits, the least significant first.
+void put_16(std::uint16_t value, std::uint8_t* to);
+
+}  // namespace rigwire::sim

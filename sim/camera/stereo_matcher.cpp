@@ -1,0 +1,82 @@
+#include "sim/camera/stereo_matcher.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "fields/check.h"
+#include "fields/visitor.h"
+
+namespace rigwire::sim {
+
+using fields::IntegerRule;
+
+namespace {
+
+constexpr std::array<fields::Choice<MatchingMethod>, 2> kMethods{
+    {{MatchingMethod::semi_global, "semi_global", "OpenCV's StereoSGBM on what the heads saw."},
+     {MatchingMethod::truth, "truth", "The true depth, where both heads see the point."}}};
+constexpr std::array<fields::Choice<MatchingPaths>, 2> kPaths{
+    {{MatchingPaths::five, "five", "One pass over the picture."},
+     {MatchingPaths::eight, "eight", "Two passes, twice the time."}}};
+
+/// Costs are summed up in 16 bits.
+constexpr int kGreatestSum = 32767;
+/// Of OpenCV's difference of two intensities, a quarter of it.
+constexpr int kGreatestIntensityCost = 63;
+
+}  // namespace
+
+void visit(fields::Visitor& v, StereoMatchingParameters& p) {
+  v.choice("method", p.method, kMethods, "How a disparity is found.");
+  v.integer("least_disparity", p.least_disparity, IntegerRule{0, 2048},
+            "Pixels; farther surfaces are not found.");
+  v.integer("disparities", p.disparities, IntegerRule{16, 1024},
+            "How many are searched, a multiple of 16; nearer surfaces are not found.");
+  v.only_if(p.method == MatchingMethod::semi_global, "method", "method: semi_global",
+            [&p](fields::Visitor& keys) {
+              keys.choice("paths", p.paths, kPaths, "Directions from which costs are summed up.");
+              keys.integer("block", p.block_px, IntegerRule{1, 11},
+                           "Side of the square that is compared, pixels, odd.");
+              keys.integer("small_step_cost", p.small_step_cost, IntegerRule{1, 30000},
+                           "P1, of a step by one pixel between neighbours.");
+              keys.integer("large_step_cost", p.large_step_cost, IntegerRule{2, 30000},
+                           "P2, of every larger step.");
+              keys.integer("uniqueness", p.uniqueness_percent, IntegerRule{0, 100},
+                           "By how many % the best cost must be below the next one.");
+              keys.integer("gradient_limit", p.gradient_limit, IntegerRule{1, 63},
+                           "Gradients are cut off here before they are compared.");
+              keys.integer("left_right_difference", p.left_right_difference, IntegerRule{0, 64},
+                           "Pixels between both directions beyond which there is no disparity.");
+              keys.integer("speckle", p.speckle_px, IntegerRule{0, 10000},
+                           "Islands up to so many pixels are taken out; 0 = none.");
+              keys.integer("speckle_difference", p.speckle_difference, IntegerRule{1, 64},
+                           "A greater step than this, pixels, is an island's edge.");
+            });
+}
+
+void validate(const StereoMatchingParameters& p) {
+  fields::check(p);
+  fields::require(p.disparities % 16 == 0, "disparities", std::to_string(p.disparities),
+                  "multiples of 16");
+  if (p.method != MatchingMethod::semi_global) {
+    return;
+  }
+  fields::require(p.block_px % 2 == 1, "block", std::to_string(p.block_px), "odd numbers");
+  fields::require(p.large_step_cost > p.small_step_cost, "large_step_cost",
+                  std::to_string(p.large_step_cost),
+                  "above small_step_cost, " + std::to_string(p.small_step_cost));
+  // The greatest cost of a block, with its step, once for each direction.
+  const int paths = p.paths == MatchingPaths::five ? 5 : 8;
+  const int block_cost = p.block_px * p.block_px * (2 * p.gradient_limit + kGreatestIntensityCost);
+  const int greatest = kGreatestSum / paths - block_cost;
+  fields::require(p.large_step_cost <= greatest, "large_step_cost",
+                  std::to_string(p.large_step_cost),
+                  greatest < 2 ? "none with such blocks: costs would overflow 16 bits; a smaller "
+                                 "block or gradient_limit"
+                               : "up to " + std::to_string(greatest) +
+                                     ", or costs overflow 16 bits with blocks of " +
+                                     std::to_string(p.block_px));
+}
+
+}  // namespace rigwire::sim

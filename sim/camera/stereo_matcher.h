@@ -1,0 +1,91 @@
+// From two rectified pictures to a disparity: one interface, two ways.
+//
+//   semi_global  OpenCV's StereoSGBM (H. Hirschmueller, "Stereo processing by semiglobal matching
+//                and mutual information", IEEE PAMI 30(2), 2008, with the costs of S. Birchfield,
+//                C. Tomasi, IEEE PAMI 20(4), 1998), with its holes, fattened edges, streaks and
+//                pixel locking. They come from the matching of what the cameras saw.
+//   truth        Disparity of the true depth of each pixel's middle, none where the right camera
+//                does not see the point: what matching is measured against, at a tenth of its cost.
+//
+// Confidence is how well left and right agree: the right picture is matched against the left one,
+// too, and a pixel that comes back to itself within a sixteenth has 255, one that is off by
+// kDisagreement_px or more has 0. Errors that both directions share (repeated patterns, pixel
+// locking) do not show in it.
+//
+// The matcher runs on the calling thread alone and is the same whatever OpenCV's thread count.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "fields/rules.h"
+
+namespace rigwire::sim {
+
+enum class MatchingMethod : std::uint8_t { semi_global, truth };
+/// Directions from which the costs of a pixel are summed up.
+enum class MatchingPaths : std::uint8_t { five, eight };
+
+/// Defaults are those that OpenCV's documentation advises for grey pictures and blocks of 5 pixels
+/// (P1 = 8 b^2, P2 = 32 b^2, uniqueness 5 .. 15 %, speckles of 50 .. 200 pixels within 1 or 2).
+struct StereoMatchingParameters {
+  MatchingMethod method = MatchingMethod::semi_global;
+  /// Disparities from `least_disparity` up to before `least_disparity + disparities` are searched.
+  /// Nearer surfaces come out wrong or not at all, and so many columns on the left have none.
+  int least_disparity = 0;
+  int disparities = 128;
+  MatchingPaths paths = MatchingPaths::five;
+  int block_px = 5;               ///< Side of the square that is compared, odd.
+  int small_step_cost = 200;      ///< P1, of a step by one between neighbours.
+  int large_step_cost = 800;      ///< P2, of every larger one.
+  int uniqueness_percent = 10;    ///< By which the best cost must be below the next one.
+  int gradient_limit = 31;        ///< Gradients are cut off here before they are compared.
+  int left_right_difference = 1;  ///< More than this between both directions: no disparity.
+  int speckle_px = 100;           ///< Islands up to this size are taken out; 0: none.
+  int speckle_difference = 2;     ///< An island's edge is a greater step than this.
+};
+void visit(fields::Visitor& v, StereoMatchingParameters& p);
+/// Throws std::invalid_argument naming the key, the value found and what is allowed.
+void validate(const StereoMatchingParameters& parameters);
+
+/// Two pictures whose rows are the same lines of sight, grey of 8 bits, row by row.
+struct StereoPair {
+  int width = 0;
+  int height = 0;
+  std::span<const std::uint8_t> left;
+  std::span<const std::uint8_t> right;
+  /// True depth along the axis, 0: nothing. Empty unless the matcher needs_truth().
+  std::span<const float> left_depth_m;
+  std::span<const float> right_depth_m;
+  double focal_baseline_px_m = 0.0;  ///< Disparity = this over depth.
+};
+
+/// Of the left picture.
+struct DisparityPicture {
+  static constexpr float kNone = -1.0F;
+  std::vector<float> disparity_px;       ///< kNone where there is none.
+  std::vector<std::uint8_t> confidence;  ///< 0 where there is none; empty unless asked for.
+};
+
+/// Between a disparity and the one that leads back to it: none is believed beyond.
+inline constexpr float kDisagreement_px = 2.0F;
+
+class StereoMatcher {
+ public:
+  StereoMatcher() = default;
+  virtual ~StereoMatcher() = default;
+  StereoMatcher(const StereoMatcher&) = delete;
+  StereoMatcher& operator=(const StereoMatcher&) = delete;
+
+  [[nodiscard]] virtual bool needs_truth() const = 0;
+  /// Memory of `found` is used again. The pictures must be wider than all disparities.
+  virtual void match(const StereoPair& pair, bool confidence, DisparityPicture& found) = 0;
+};
+
+/// Throws std::invalid_argument as validate() does.
+[[nodiscard]] std::unique_ptr<StereoMatcher> make_stereo_matcher(
+    const StereoMatchingParameters& parameters);
+
+}  // namespace rigwire::sim

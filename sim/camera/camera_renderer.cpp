@@ -26,6 +26,7 @@ constexpr int kPacketHeight = 2;
 constexpr int kTileWidth = 32;
 constexpr int kTileHeight = 8;
 constexpr int kRowsAtOnce = 8;
+constexpr int kMostRays = 1024;
 /// Where a path through fog or rain ends for rays that meet nothing.
 constexpr double kFarthestAir_m = 5000.0;
 constexpr double kAirHeight_m = 1500.0;
@@ -145,6 +146,16 @@ void occlude(const Scene::Internals& scene, const int* valid, RTCRay8& rays) {
   RTCIntersectContext context = incoherent();
   rtcOccluded8(valid, scene.moving.get(), &context, &rays);
   rtcOccluded8(valid, scene.fixed.get(), &context, &rays);
+}
+
+void resize(RenderedPicture& picture, int width, int height, std::size_t seen, std::size_t known) {
+  picture.width = width;
+  picture.height = height;
+  picture.numbers.resize(seen);
+  picture.luminance.resize(3 * seen);
+  picture.range_m.resize(known);
+  picture.depth_m.resize(known);
+  picture.instance.resize(known);
 }
 
 struct ShadowPacket {
@@ -267,6 +278,13 @@ struct CameraRenderer::Internals {
   void see_nothing(Packet& packet, std::size_t lane) const;
   void pass_air(Packet& packet) const;
   void tell_truth(int column, int row) const;
+  template <class Work>
+  void each_packet(std::size_t tile, const Work& work) const;
+  void collect_rays(int column, int row, PictureRays& found) const;
+  [[nodiscard]] std::size_t tiles() const {
+    return static_cast<std::size_t>((frame.width + kTileWidth - 1) / kTileWidth) *
+           static_cast<std::size_t>((frame.height + kTileHeight - 1) / kTileHeight);
+  }
 
   CameraParameters parameters;
   Lens lens;
@@ -307,6 +325,8 @@ struct CameraRenderer::Internals::Packet {
 void CameraRenderer::Internals::look_through_lens() {
   const int width = sensor_width();
   const int height = parameters.sensor.height_px;
+  const bool all_round = parameters.lens.model == LensModel::equirectangular;
+  const auto upright_rad = static_cast<float>(1.0 / lens.focal_length_px());
   directions.resize(static_cast<std::size_t>(width + 2) * static_cast<std::size_t>(height + 2) +
                     kPacketWidth);
   falloff.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
@@ -329,7 +349,8 @@ void CameraRenderer::Internals::look_through_lens() {
                                             (before.y - to.y) * (before.y - to.y) +
                                             (before.z - to.z) * (before.z - to.z));
           // The last one of a row has that of its neighbour; pixels are never wider than 0.2 rad.
-          to.angle_rad = std::clamp(angle_rad, 1e-7F, 0.2F);
+          // Near the poles of an equirectangular picture they are as high as everywhere.
+          to.angle_rad = std::clamp(all_round ? upright_rad : angle_rad, 1e-7F, 0.2F);
           before.angle_rad = before.angle_rad > 0.0F ? to.angle_rad : 0.0F;
         }
       }
@@ -827,52 +848,95 @@ void CameraRenderer::Internals::tell_truth(int column, int row) const {
   }
 }
 
-void CameraRenderer::Internals::render_tile(std::size_t tile) const {
+template <class Work>
+void CameraRenderer::Internals::each_packet(std::size_t tile, const Work& work) const {
   const FlushDenormals flush;
   const int tiles_across = (frame.width + kTileWidth - 1) / kTileWidth;
   const int first_column = static_cast<int>(tile) % tiles_across * kTileWidth;
   const int first_row = static_cast<int>(tile) / tiles_across * kTileHeight;
   const int end_column = std::min(first_column + kTileWidth, frame.width);
   const int end_row = std::min(first_row + kTileHeight, frame.height);
-  const float weight = 1.0F / static_cast<float>(parameters.samples);
-  RTCIntersectContext context = coherent();
-  Packet packet;
   for (int row = first_row; row < end_row; row += kPacketHeight) {
     for (int column = first_column; column < end_column; column += kPacketWidth) {
-      std::array<LaneArray, 3> sum;
-      for (LaneArray& band : sum) {
-        band.fill(0.0F);
+      work(column, row);
+    }
+  }
+}
+
+void CameraRenderer::Internals::collect_rays(int column, int row, PictureRays& found) const {
+  Packet packet;
+  HitSurfaces surfaces;
+  for (int k = 0; k < found.rays; ++k) {
+    aim(column, row, k, found.rays, packet);
+    RTCIntersectContext context = coherent();
+    frame.in->intersect(packet.active.data(), context, packet.rays);
+    meet_surfaces(frame.in->shading.data(), packet.rays, surfaces);
+    const SurfaceNumbers number(packet.rays.hit);
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      if (packet.valid[i] == 0) {
+        continue;
       }
-      for (int sample = 0; sample < parameters.samples; ++sample) {
-        aim(column, row, sample, parameters.samples, packet);
-        if (frame.record != nullptr) {
-          frame.record->primary.push_back({packet.rays, packet.active});
-        }
-        frame.in->intersect(packet.active.data(), context, packet.rays);
-        shade(packet);
-        for (std::size_t band = 0; band < 3; ++band) {
-          for (std::size_t i = 0; i < kLanes; ++i) {
-            sum[band][i] += packet.active[i] != 0 ? packet.luminance[band][i] * weight : 0.0F;
-          }
-        }
-      }
-      for (std::size_t i = 0; i < kLanes; ++i) {
-        if (packet.valid[i] != 0) {
-          const std::size_t at =
-              static_cast<std::size_t>(row + static_cast<int>(i) / kPacketWidth) *
-                  static_cast<std::size_t>(frame.width) +
-              static_cast<std::size_t>(column + static_cast<int>(i) % kPacketWidth);
-          float* const to = frame.picture->luminance.data() + 3 * at;
-          for (std::size_t band = 0; band < 3; ++band) {
-            to[band] = sum[band][i];
-          }
-        }
-      }
-      if (frame.job->truth) {
-        tell_truth(column, row);
+      const std::size_t pixel =
+          static_cast<std::size_t>(row + static_cast<int>(i) / kPacketWidth) *
+              static_cast<std::size_t>(frame.width) +
+          static_cast<std::size_t>(column + static_cast<int>(i) % kPacketWidth);
+      const std::size_t at =
+          pixel * static_cast<std::size_t>(found.rays) + static_cast<std::size_t>(k);
+      const bool met = packet.active[i] != 0 && number[i] != RTC_INVALID_GEOMETRY_ID;
+      const RTCRay8& ray = packet.rays.ray;
+      found.range_m[at] = met ? ray.tfar[i] : 0.0F;
+      found.cosine[at] = met ? surfaces.cosine[i] : 0.0F;
+      found.reflectance[at] = met ? surfaces.reflectance[i] : 0.0F;
+      if (met && !found.depth.empty()) {
+        const CameraAir::Depth depth = frame.job->air->depth(
+            frame.in->origin_W +
+                Eigen::Vector3f(ray.org_x[i], ray.org_y[i], ray.org_z[i]).cast<double>(),
+            Eigen::Vector3f(ray.dir_x[i], ray.dir_y[i], ray.dir_z[i]).cast<double>(),
+            static_cast<double>(ray.tfar[i]));
+        found.depth[at] = static_cast<float>(depth.even + depth.dust);
       }
     }
   }
+}
+
+void CameraRenderer::Internals::render_tile(std::size_t tile) const {
+  const float weight = 1.0F / static_cast<float>(parameters.samples);
+  RTCIntersectContext context = coherent();
+  Packet packet;
+  each_packet(tile, [&](int column, int row) {
+    std::array<LaneArray, 3> sum;
+    for (LaneArray& band : sum) {
+      band.fill(0.0F);
+    }
+    for (int sample = 0; sample < parameters.samples; ++sample) {
+      aim(column, row, sample, parameters.samples, packet);
+      if (frame.record != nullptr) {
+        frame.record->primary.push_back({packet.rays, packet.active});
+      }
+      frame.in->intersect(packet.active.data(), context, packet.rays);
+      shade(packet);
+      for (std::size_t band = 0; band < 3; ++band) {
+        for (std::size_t i = 0; i < kLanes; ++i) {
+          sum[band][i] += packet.active[i] != 0 ? packet.luminance[band][i] * weight : 0.0F;
+        }
+      }
+    }
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      if (packet.valid[i] != 0) {
+        const std::size_t at =
+            static_cast<std::size_t>(row + static_cast<int>(i) / kPacketWidth) *
+                static_cast<std::size_t>(frame.width) +
+            static_cast<std::size_t>(column + static_cast<int>(i) % kPacketWidth);
+        float* const to = frame.picture->luminance.data() + 3 * at;
+        for (std::size_t band = 0; band < 3; ++band) {
+          to[band] = sum[band][i];
+        }
+      }
+    }
+    if (frame.job->truth) {
+      tell_truth(column, row);
+    }
+  });
 }
 
 CameraRenderer::CameraRenderer(const CameraParameters& parameters, std::uint64_t seed,
@@ -898,16 +962,8 @@ void CameraRenderer::render(const Scene& scene, const PictureJob& job, RenderedP
   const int width = in.frame.width;
   const int height = in.frame.height;
   const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  picture.width = width;
-  picture.height = height;
-  picture.numbers.resize(pixels);
-  picture.luminance.resize(3 * pixels);
-  picture.range_m.resize(job.truth ? pixels : 0);
-  picture.depth_m.resize(job.truth ? pixels : 0);
-  picture.instance.resize(job.truth ? pixels : 0);
-  const auto tiles = static_cast<std::size_t>((width + kTileWidth - 1) / kTileWidth) *
-                     static_cast<std::size_t>((height + kTileHeight - 1) / kTileHeight);
-  in.pool.run(tiles, [&in](std::size_t tile) { in.render_tile(tile); });
+  resize(picture, width, height, pixels, job.truth ? pixels : 0);
+  in.pool.run(in.tiles(), [&in](std::size_t tile) { in.render_tile(tile); });
 
   std::array<float, 3> haze{};
   for (int band = 0; band < 3; ++band) {
@@ -930,6 +986,41 @@ void CameraRenderer::render(const Scene& scene, const PictureJob& job, RenderedP
   in.frame = {};
 }
 
+void CameraRenderer::measure(const Scene& scene, const PictureJob& job, RenderedPicture& picture) {
+  Internals& in = *internals_;
+  in.prepare(scene, job);
+  in.frame.picture = &picture;
+  resize(picture, in.frame.width, in.frame.height, 0,
+         static_cast<std::size_t>(in.frame.width) * static_cast<std::size_t>(in.frame.height));
+  in.pool.run(in.tiles(), [&in](std::size_t tile) {
+    in.each_packet(tile, [&in](int column, int row) { in.tell_truth(column, row); });
+  });
+  picture.mean = 0.0;
+  in.frame = {};
+}
+
+void CameraRenderer::cast(const Scene& scene, const PictureJob& job, int rays, PictureRays& found) {
+  Internals& in = *internals_;
+  require(rays >= 1 && rays <= kMostRays, "found " + std::to_string(rays) +
+                                              " rays per pixel, allowed 1 .. " +
+                                              std::to_string(kMostRays));
+  in.prepare(scene, job);
+  found.width = in.frame.width;
+  found.height = in.frame.height;
+  found.rays = rays;
+  const std::size_t all = static_cast<std::size_t>(found.width) *
+                          static_cast<std::size_t>(found.height) * static_cast<std::size_t>(rays);
+  found.range_m.resize(all);
+  found.cosine.resize(all);
+  found.reflectance.resize(all);
+  found.depth.assign(job.air != nullptr && !job.air->clear() ? all : 0, 0.0F);
+  in.pool.run(in.tiles(), [&in, &found](std::size_t tile) {
+    in.each_packet(tile,
+                   [&in, &found](int column, int row) { in.collect_rays(column, row, found); });
+  });
+  in.frame = {};
+}
+
 RecordedPictureRays CameraRenderer::record(const Scene& scene, const PictureJob& job) {
   Internals& in = *internals_;
   in.prepare(scene, job);
@@ -942,9 +1033,7 @@ RecordedPictureRays CameraRenderer::record(const Scene& scene, const PictureJob&
   in.frame.job = &without_truth;
   in.frame.picture = &picture;
   in.frame.record = recorded.packets_.get();
-  const auto tiles = static_cast<std::size_t>((in.frame.width + kTileWidth - 1) / kTileWidth) *
-                     static_cast<std::size_t>((in.frame.height + kTileHeight - 1) / kTileHeight);
-  for (std::size_t tile = 0; tile < tiles; ++tile) {
+  for (std::size_t tile = 0; tile < in.tiles(); ++tile) {
     in.render_tile(tile);
   }
   in.frame = {};

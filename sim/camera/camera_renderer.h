@@ -69,6 +69,17 @@ struct RenderedPicture {
   std::vector<std::uint32_t> instance;  ///< Scene::InstanceId; ~0: none.
 };
 
+/// What several rays of each pixel met: pixel by pixel, a pixel's rays beside each other.
+struct PictureRays {
+  int width = 0;
+  int height = 0;
+  int rays = 0;                    ///< Per pixel.
+  std::vector<float> range_m;      ///< 0: nothing.
+  std::vector<float> cosine;       ///< Of the angle of incidence, 0 .. 1.
+  std::vector<float> reflectance;  ///< Diffuse, at the lidar's wavelength.
+  std::vector<float> depth;        ///< Optical depth of the air on the way; empty: clear.
+};
+
 /// All rays of a picture, primary and towards the sun, to be cast bare: for benchmarks.
 class RecordedPictureRays {
  public:
@@ -102,6 +113,13 @@ class CameraRenderer {
   /// One call at a time. Memory of `picture` is used again. Throws std::invalid_argument for a job
   /// that does not fit: read-out, poses that are not finite or do not span the exposure, no light.
   void render(const Scene& scene, const PictureJob& job, RenderedPicture& picture);
+
+  /// Of `picture` only size, range, depth and instance, as render() with `job.truth` has them.
+  void measure(const Scene& scene, const PictureJob& job, RenderedPicture& picture);
+
+  /// `rays` per pixel, spread over its area and the exposure as render()'s samples are; 1: through
+  /// its middle. Errors as render()'s.
+  void cast(const Scene& scene, const PictureJob& job, int rays, PictureRays& found);
 
   /// The rays that render() would cast.
   [[nodiscard]] RecordedPictureRays record(const Scene& scene, const PictureJob& job);

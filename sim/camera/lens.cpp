@@ -18,9 +18,10 @@ using fields::plain;
 
 namespace {
 
-constexpr std::array<fields::Choice<LensModel>, 2> kLensModels{
+constexpr std::array<fields::Choice<LensModel>, 3> kLensModels{
     {{LensModel::brown_conrady, "brown_conrady", "Radial and tangential; up to 120 degrees."},
-     {LensModel::kannala_brandt, "kannala_brandt", "Fisheye: radius by the angle."}}};
+     {LensModel::kannala_brandt, "kannala_brandt", "Fisheye: radius by the angle."},
+     {LensModel::equirectangular, "equirectangular", "Column by azimuth, row by elevation."}}};
 
 constexpr double kHalfTurn = std::numbers::pi;
 /// Rays of a brown_conrady lens farther from its axis than this are no picture.
@@ -29,6 +30,8 @@ constexpr int kLimitSteps = 4096;
 constexpr int kMostNewtonSteps = 60;
 /// Of the inverse, in focal lengths: 1e-9 pixels at 16384 pixels.
 constexpr double kResidual = 2e-14;
+/// By which an equirectangular picture may pass a pole or the full turn, rounding.
+constexpr double kRounding_rad = 1e-9;
 
 /// First root of `slope` in (0, last], by steps and bisection; `last` without one.
 template <class Slope>
@@ -50,11 +53,31 @@ double first_fold(double last, const Slope& slope) {
   return last;
 }
 
+void visit_opening(fields::Visitor& v, LensParameters& p) {
+  v.number("f_number", p.f_number, plain().between(0.7, 64), "Focal length over its opening.");
+}
+
+void visit_offset(fields::Visitor& v, LensParameters& p) {
+  v.vector2("principal_offset", p.principal_offset_px, plain().between(-10000, 10000),
+            "Where the axis meets the sensor, from its middle, in pixels right and down.");
+}
+
 }  // namespace
 
 void visit(fields::Visitor& v, LensParameters& p) {
   v.choice("model", p.model, kLensModels, "How directions become places on the sensor.");
-  v.number("focal_length", p.focal_length_m, in("mm").between(0.1, 1000), "Of the lens.");
+  v.number("focal_length", p.focal_length_m, in("mm").between(0.01, 1000), "Of the lens.");
+  if (p.model == LensModel::equirectangular) {
+    for (const char* const key : {"k1", "k2", "k3", "image_circle", "vignetting"}) {
+      v.refused(key, "equirectangular pictures have none");
+    }
+    visit_opening(v, p);
+    v.refused("p1", "only brown_conrady has it");
+    v.refused("p2", "only brown_conrady has it");
+    v.refused("k4", "only kannala_brandt has it");
+    visit_offset(v, p);
+    return;
+  }
   visit_light(v, p);
   v.number("k1", p.k1, plain().between(-10, 10), "Radial distortion, second order.");
   v.number("k2", p.k2, plain().between(-10, 10), "Radial distortion, fourth order.");
@@ -70,14 +93,13 @@ void visit(fields::Visitor& v, LensParameters& p) {
   if (p.model == LensModel::kannala_brandt) {
     v.number("k4", p.k4, plain().between(-10, 10), "Radial distortion, eighth order.");
   }
-  v.vector2("principal_offset", p.principal_offset_px, plain().between(-10000, 10000),
-            "Where the axis meets the sensor, from its middle, in pixels right and down.");
+  visit_offset(v, p);
   v.number("image_circle", p.image_circle_rad, in("deg").between(0, 180),
            "Farther from the axis than this the picture is black; 0 = the sensor is filled.");
 }
 
 void visit_light(fields::Visitor& v, LensParameters& p) {
-  v.number("f_number", p.f_number, plain().between(0.7, 64), "Focal length over its opening.");
+  visit_opening(v, p);
   v.number("vignetting", p.vignetting, plain().between(0, 1),
            "Fall-off of light to the edge: 1 as cos^4 of the angle, 0 none.");
 }
@@ -107,6 +129,9 @@ Lens::Lens(const LensParameters& parameters, double pixel_pitch_m, int width_px,
 
 void Lens::find_limit() {
   const LensParameters& p = parameters_;
+  if (p.model == LensModel::equirectangular) {
+    return;
+  }
   if (p.model == LensModel::kannala_brandt) {
     const double last = std::min(circle_rad_, kHalfTurn);
     limit_ = first_fold(last, [this](double theta) { return image_radius_slope(theta); });
@@ -123,6 +148,20 @@ void Lens::find_limit() {
 }
 
 void Lens::require_whole_picture() const {
+  if (parameters_.model == LensModel::equirectangular) {
+    const double across_rad = width_px_ / focal_px_;
+    const double upper_rad = (centre_.y() + 0.5) / focal_px_;
+    const double lower_rad = upper_rad - height_px_ / focal_px_;
+    const double quarter = 0.5 * kHalfTurn + kRounding_rad;
+    if (across_rad > 2.0 * kHalfTurn + kRounding_rad || upper_rad > quarter ||
+        lower_rad < -quarter) {
+      const auto degrees = [](double rad) { return std::to_string(rad * 180.0 / kHalfTurn); };
+      throw std::invalid_argument("lens: found a picture of " + degrees(across_rad) +
+                                  " degrees round, from " + degrees(upper_rad) + " down to " +
+                                  degrees(lower_rad) + ", allowed is up to 360, from 90 to -90");
+    }
+    return;
+  }
   const auto refuse = [&](const Eigen::Vector2d& pixel) {
     throw std::invalid_argument(
         "lens: the distortion (k1 " + std::to_string(parameters_.k1) + ", k2 " +
@@ -250,6 +289,15 @@ std::optional<Eigen::Vector3d> Lens::direction(const Eigen::Vector2d& pixel) con
     }
     return Eigen::Vector3d(ideal->x(), ideal->y(), 1.0).normalized();
   }
+  if (parameters_.model == LensModel::equirectangular) {
+    const double azimuth = seen.x();
+    const double depression = seen.y();
+    if (std::abs(depression) > 0.5 * kHalfTurn + kRounding_rad) {
+      return std::nullopt;
+    }
+    return Eigen::Vector3d(std::cos(depression) * std::sin(azimuth), std::sin(depression),
+                           std::cos(depression) * std::cos(azimuth));
+  }
   const double radius = seen.norm();
   const auto theta = angle_at(radius);
   if (!theta) {
@@ -278,6 +326,10 @@ std::optional<Eigen::Vector2d> Lens::project(const Eigen::Vector3d& p_C) const {
     }
     return centre_ + focal_px_ * distorted(ideal);
   }
+  if (parameters_.model == LensModel::equirectangular) {
+    return centre_ + focal_px_ * Eigen::Vector2d(std::atan2(p_C.x(), p_C.z()),
+                                                 std::atan2(p_C.y(), std::hypot(p_C.x(), p_C.z())));
+  }
   if (theta > limit_) {
     return std::nullopt;
   }
@@ -287,6 +339,9 @@ std::optional<Eigen::Vector2d> Lens::project(const Eigen::Vector3d& p_C) const {
 }
 
 double Lens::falloff(const Eigen::Vector3d& direction_C) const {
+  if (parameters_.model == LensModel::equirectangular) {
+    return 1.0;
+  }
   // The cosine law of illumination, cos^4 theta.
   const double cosine = std::max(0.0, direction_C.z());
   return 1.0 - parameters_.vignetting * (1.0 - cosine * cosine * cosine * cosine);

@@ -12,6 +12,9 @@
 //                   angle from the axis   (J. Kannala, S. S. Brandt, "A generic camera model and
 //                   calibration method for conventional, wide-angle, and fish-eye lenses", IEEE
 //                   PAMI 28(8), 2006, with the coefficients of OpenCV's fisheye model)
+//   equirectangular column by the angle to the right of the axis, row by the angle below its plane,
+//                   focal length in pixels for each rad: no lens, but the picture that cameras
+//                   which see all round are joined to. Up to 360 by 180 degrees.
 // Directions come from the model's own inverse, by Newton's method from a bracketed start: what
 // project(direction(pixel)) returns differs from `pixel` by less than 1e-9 pixels (up to 16384
 // pixels a side; tested). Both models fold over where their polynomial turns; a lens whose picture
@@ -26,13 +29,13 @@
 
 namespace rigwire::sim {
 
-enum class LensModel : std::uint8_t { brown_conrady, kannala_brandt };
+enum class LensModel : std::uint8_t { brown_conrady, kannala_brandt, equirectangular };
 
 struct LensParameters {
   LensModel model = LensModel::brown_conrady;
   double focal_length_m = 0.004;
   double f_number = 4.0;
-  double k1 = 0.0;
+  double k1 = 0.0;  ///< Of brown_conrady and kannala_brandt, as k2 and k3.
   double k2 = 0.0;
   double p1 = 0.0;  ///< Of brown_conrady alone.
   double p2 = 0.0;
@@ -61,7 +64,7 @@ class Lens {
   /// In front of a sensor of square pixels. Throws std::invalid_argument as validate() does; when
   /// the model folds over within the picture; when a brown_conrady lens sees more than
   /// kWidestBrownConrady_rad; when a kannala_brandt one would see more than 180 degrees from its
-  /// axis.
+  /// axis; when an equirectangular picture goes more than once round, or beyond a pole.
   Lens(const LensParameters& parameters, double pixel_pitch_m, int width_px, int height_px);
 
   /// Unit vector in C; nothing where the lens has no picture (beyond the image circle, or a point
@@ -70,7 +73,8 @@ class Lens {
   /// Where a point or a direction in C is seen, on or off the sensor; nothing when it is not.
   [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_C) const;
 
-  /// Share of the light on the axis that comes to a pixel in that direction.
+  /// Share of the light on the axis that comes to a pixel in that direction; of an equirectangular
+  /// picture all of it.
   [[nodiscard]] double falloff(const Eigen::Vector3d& direction_C) const;
 
   [[nodiscard]] double focal_length_px() const { return focal_px_; }

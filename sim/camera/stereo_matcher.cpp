@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 
 #include "fields/check.h"
 #include "fields/visitor.h"
+#include "sim/camera/semi_global_matcher.h"
 
 namespace rigwire::sim {
 
@@ -24,6 +26,55 @@ constexpr std::array<fields::Choice<MatchingPaths>, 2> kPaths{
 constexpr int kGreatestSum = 32767;
 /// Of OpenCV's difference of two intensities, a quarter of it.
 constexpr int kGreatestIntensityCost = 63;
+
+/// Depths that differ by less than this share are one surface.
+constexpr float kSameSurface = 0.02F;
+
+class TruthMatcher final : public StereoMatcher {
+ public:
+  explicit TruthMatcher(const StereoMatchingParameters& parameters) : parameters_(parameters) {}
+
+  [[nodiscard]] bool needs_truth() const override { return true; }
+
+  void match(const StereoPair& pair, bool confidence, DisparityPicture& found) override {
+    const auto pixels = pair.left_depth_m.size();
+    found.disparity_px.assign(pixels, DisparityPicture::kNone);
+    found.confidence.assign(confidence ? pixels : 0, 0);
+    const auto focal_baseline = static_cast<float>(pair.focal_baseline_px_m);
+    const auto least = static_cast<float>(parameters_.least_disparity);
+    const auto end = static_cast<float>(parameters_.least_disparity + parameters_.disparities);
+    const auto width = static_cast<std::size_t>(pair.width);
+    for (std::size_t at = 0; at < pixels; ++at) {
+      const float depth_m = pair.left_depth_m[at];
+      if (!(depth_m > 0.0F)) {
+        continue;
+      }
+      // d = f B / Z; the point lies between two columns of the right picture, one of which shows
+      // its surface unless something nearer hides it.
+      const float disparity_px = focal_baseline / depth_m;
+      const float column = static_cast<float>(at % width) - disparity_px;
+      if (disparity_px < least || disparity_px >= end || column < 0.0F) {
+        continue;
+      }
+      const std::size_t row = at / width * width;
+      const auto before = static_cast<std::size_t>(column);
+      const std::size_t after = std::min(before + 1, width - 1);
+      const auto same = [&](std::size_t where) {
+        const float other_m = pair.right_depth_m[row + where];
+        return std::abs(other_m - depth_m) <= kSameSurface * depth_m;
+      };
+      if (same(before) || same(after)) {
+        found.disparity_px[at] = disparity_px;
+        if (confidence) {
+          found.confidence[at] = 255;
+        }
+      }
+    }
+  }
+
+ private:
+  StereoMatchingParameters parameters_;
+};
 
 }  // namespace
 
@@ -77,6 +128,14 @@ void validate(const StereoMatchingParameters& p) {
                                : "up to " + std::to_string(greatest) +
                                      ", or costs overflow 16 bits with blocks of " +
                                      std::to_string(p.block_px));
+}
+
+std::unique_ptr<StereoMatcher> make_stereo_matcher(const StereoMatchingParameters& parameters) {
+  validate(parameters);
+  if (parameters.method == MatchingMethod::truth) {
+    return std::make_unique<TruthMatcher>(parameters);
+  }
+  return make_semi_global_matcher(parameters);
 }
 
 }  // namespace rigwire::sim

@@ -62,7 +62,8 @@ struct StereoPair {
   double focal_baseline_px_m = 0.0;  ///< Disparity = this over depth.
 };
 
-/// Of the left picture.
+/// Of the left picture. A disparity of 0, at infinity, is none: it is what surfaces without texture
+/// get.
 struct DisparityPicture {
   static constexpr float kNone = -1.0F;
   std::vector<float> disparity_px;       ///< kNone where there is none.

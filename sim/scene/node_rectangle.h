@@ -15,6 +15,10 @@ struct NodeRectangle {
 
   friend bool operator==(const NodeRectangle&, const NodeRectangle&) = default;
 
+  /// How many they are.
+  [[nodiscard]] std::size_t nodes() const {
+    return (last_column + 1 - first_column) * (last_row + 1 - first_row);
+  }
   /// The least rectangle that holds both.
   [[nodiscard]] NodeRectangle joined(const NodeRectangle& other) const {
     return {std::min(first_column, other.first_column), std::min(first_row, other.first_row),

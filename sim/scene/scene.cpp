@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cassert>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "fields/check.h"
 #include "fields/visitor.h"
@@ -19,9 +21,10 @@ using fields::plain;
 namespace {
 
 void remember_error(void* user, RTCError /*code*/, const char* text) {
-  auto& first_error = *static_cast<std::string*>(user);
-  if (first_error.empty()) {
-    first_error = text != nullptr ? text : "unknown error";
+  auto& error = *static_cast<RayCasterError*>(user);
+  const std::scoped_lock lock(error.mutex);
+  if (error.text.empty()) {
+    error.text = text != nullptr ? text : "unknown error";
   }
 }
 
@@ -122,6 +125,18 @@ double length_within(std::span<Crossing> crossings, double end_m) {
   return length_m;
 }
 
+/// Row by row.
+std::vector<double> heights_in(const HeightField& field, const NodeRectangle& nodes) {
+  std::vector<double> heights_m;
+  heights_m.reserve(nodes.nodes());
+  for (std::size_t r = nodes.first_row; r <= nodes.last_row; ++r) {
+    for (std::size_t c = nodes.first_column; c <= nodes.last_column; ++c) {
+      heights_m.push_back(field.node(c, r));
+    }
+  }
+  return heights_m;
+}
+
 }  // namespace
 
 void visit(fields::Visitor& v, Material& p) {
@@ -148,10 +163,10 @@ std::uint32_t surface_mask(const Material& material, std::uint32_t body) {
 }
 
 void Scene::Internals::check(const char* doing) {
-  if (!first_error.empty()) {
-    const std::string text = "scene: " + std::string(doing) + ": " + first_error;
-    first_error.clear();
-    throw std::runtime_error(text);
+  const std::scoped_lock lock(error->mutex);
+  if (!error->text.empty()) {
+    throw std::runtime_error("scene: " + std::string(doing) + ": " +
+                             std::exchange(error->text, {}));
   }
 }
 
@@ -180,7 +195,19 @@ std::uint32_t Scene::Internals::new_moving_id(std::uint32_t instance, const Shad
   return low_numbers_used++;
 }
 
-Scene::InstanceId Scene::Internals::add_instance(const Mesh& mesh, std::uint32_t body,
+GeometryHandle Scene::Internals::place_instance(RTCScene scene, const Placed& thing,
+                                                const Mesh& mesh) const {
+  GeometryHandle geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+  rtcSetGeometryInstancedScene(geometry.get(), mesh.scene.get());
+  rtcSetGeometryMask(geometry.get(), thing.mask);
+  if (thing.body != kFixed) {
+    rtcSetGeometryTimeStepCount(geometry.get(), 2);
+  }
+  rtcAttachGeometryByID(scene, geometry.get(), thing.geometry_id);
+  return geometry;
+}
+
+Scene::InstanceId Scene::Internals::add_instance(MeshId mesh, std::uint32_t body,
                                                  const Eigen::Isometry3d& X_PM, double scale,
                                                  std::span<const Material> surfaces,
                                                  std::string_view name) {
@@ -201,12 +228,6 @@ Scene::InstanceId Scene::Internals::add_instance(const Mesh& mesh, std::uint32_t
     validate(surface);
     mask |= surface_mask(surface, body);
   }
-  GeometryHandle geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
-  rtcSetGeometryInstancedScene(geometry.get(), mesh.scene.get());
-  rtcSetGeometryMask(geometry.get(), mask);
-  if (body != kFixed) {
-    rtcSetGeometryTimeStepCount(geometry.get(), 2);
-  }
   const auto first = static_cast<InstanceId>(instances.size());
   std::uint32_t geometry_id = RTC_INVALID_GEOMETRY_ID;  // of the first part
   for (const Material& surface : surfaces) {
@@ -218,31 +239,34 @@ Scene::InstanceId Scene::Internals::add_instance(const Mesh& mesh, std::uint32_t
     instances.push_back({static_cast<std::uint32_t>(placed.size()), material_index(surface)});
     has_foliage = has_foliage || surface.foliage;
   }
-  rtcAttachGeometryByID(body == kFixed ? fixed.get() : moving.get(), geometry.get(), geometry_id);
+  Placed thing{nullptr, X_PM, scale, body, geometry_id, std::string(name), mesh, mask};
+  thing.geometry = place_instance(body == kFixed ? fixed.get() : moving.get(), thing, meshes[mesh]);
   check("adding an object");
   if (body != kFixed) {
     on_bodies.push_back(static_cast<std::uint32_t>(placed.size()));
   } else {
     fixed_placed = false;
   }
-  placed.push_back({std::move(geometry), X_PM, scale, body, geometry_id, std::string(name)});
+  placed.push_back(std::move(thing));
   return first;
 }
 
 Scene::Scene() : internals_(std::make_unique<Internals>()) {
-  // One thread builds: the scene is small, and the executive owns the machine's other cores.
-  internals_->device.reset(rtcNewDevice("threads=1"));
+  // Who builds, builds alone: the scene is small, and the executive owns the machine's other cores.
+  // As many may build at once, each for itself, as there are threads of users: twins.
+  internals_->error = std::make_shared<RayCasterError>();
+  internals_->device.reset(rtcNewDevice("threads=8,user_threads=8"), ReleaseDevice{});
   if (!internals_->device) {
     throw std::runtime_error("scene: the ray caster (Embree) cannot start on this machine");
   }
-  rtcSetDeviceErrorFunction(internals_->device.get(), remember_error, &internals_->first_error);
+  rtcSetDeviceErrorFunction(internals_->device.get(), remember_error, internals_->error.get());
   if (rtcGetDeviceProperty(internals_->device.get(), RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) == 0) {
     throw std::runtime_error("scene: this build of Embree has no ray masks");
   }
   internals_->moving.reset(rtcNewScene(internals_->device.get()));
   rtcSetSceneFlags(internals_->moving.get(),
                    static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
-  internals_->fixed.reset(rtcNewScene(internals_->device.get()));
+  internals_->fixed.reset(rtcNewScene(internals_->device.get()), ReleaseScene{});
   rtcSetSceneFlags(internals_->fixed.get(), RTC_SCENE_FLAG_ROBUST);
   internals_->canopy.reset(rtcNewScene(internals_->device.get()));
   rtcSetSceneFlags(internals_->canopy.get(), RTC_SCENE_FLAG_ROBUST);
@@ -305,8 +329,8 @@ Scene::InstanceId Scene::add_terrain(const HeightField& field, const Material& m
   in.meshes.push_back({std::move(inner), "terrain", {}});
   Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
   X_WM.translation() = centre;
-  const InstanceId id =
-      in.add_instance(in.meshes.back(), Internals::kFixed, X_WM, 1.0, {&material, 1}, "terrain");
+  const InstanceId id = in.add_instance(static_cast<MeshId>(in.meshes.size() - 1),
+                                        Internals::kFixed, X_WM, 1.0, {&material, 1}, "terrain");
   Internals::Terrain terrain;
   terrain.instance = id;
   terrain.field = field;
@@ -321,7 +345,7 @@ Scene::InstanceId Scene::add_object(MeshId mesh, const Eigen::Isometry3d& X_WM, 
   if (!plain.materials.empty()) {
     throw std::invalid_argument("scene: '" + plain.name + "' is a model, with its own materials");
   }
-  return internals_->add_instance(plain, Internals::kFixed, X_WM, scale, {&material, 1},
+  return internals_->add_instance(mesh, Internals::kFixed, X_WM, scale, {&material, 1},
                                   name.empty() ? plain.name : name);
 }
 
@@ -331,7 +355,7 @@ Scene::InstanceId Scene::add_model_object(MeshId model, const Eigen::Isometry3d&
   if (parts.materials.empty()) {
     throw std::invalid_argument("scene: '" + parts.name + "' is a plain mesh, no model");
   }
-  return internals_->add_instance(parts, Internals::kFixed, X_WM, scale, parts.materials,
+  return internals_->add_instance(model, Internals::kFixed, X_WM, scale, parts.materials,
                                   name.empty() ? parts.name : name);
 }
 
@@ -342,7 +366,7 @@ void Scene::add_canopy(const TriangleMesh& closed, const Eigen::Isometry3d& X_WM
   rtcSetGeometryInstancedScene(geometry.get(), in.meshes[mesh].scene.get());
   rtcAttachGeometry(in.canopy.get(), geometry.get());
   in.check("adding a canopy");
-  in.placed.push_back({std::move(geometry), X_WM, 1.0, Internals::kFixed, 0, closed.name});
+  in.placed.push_back({std::move(geometry), X_WM, 1.0, Internals::kFixed, 0, closed.name, mesh, 0});
   in.has_canopy = true;
   in.fixed_placed = false;
 }
@@ -361,7 +385,7 @@ Scene::InstanceId Scene::add_body_part(BodyId body, MeshId mesh, const Eigen::Is
   if (!plain.materials.empty()) {
     throw std::invalid_argument("scene: '" + plain.name + "' is a model; bodies take meshes");
   }
-  return internals_->add_instance(plain, body, X_BM, 1.0, {&material, 1},
+  return internals_->add_instance(mesh, body, X_BM, 1.0, {&material, 1},
                                   name.empty() ? internals_->bodies[body] : name);
 }
 
@@ -444,7 +468,7 @@ GeometryHandle Scene::Internals::make_geometry(const TriangleMesh& mesh) {
     indices = std::ranges::copy(triangle, indices).out;
   }
   if (mesh.alpha) {
-    auto surface = std::make_unique<MaskedSurface>();
+    auto surface = std::make_shared<MaskedSurface>();
     surface->mask = mesh.alpha;
     surface->triangles.reserve(mesh.triangles.size());
     for (const auto& [i, j, k] : mesh.triangles) {
@@ -495,7 +519,7 @@ Scene::Internals::Terrain& Scene::Internals::terrain_of(std::uint32_t instance) 
 }
 
 Scene::Internals::Tile Scene::Internals::make_tile(const Terrain& terrain, std::size_t first_column,
-                                                   std::size_t first_row) {
+                                                   std::size_t first_row, std::uint32_t number) {
   const HeightField& field = terrain.field;
   Tile tile;
   tile.first_column = first_column;
@@ -534,8 +558,8 @@ Scene::Internals::Tile Scene::Internals::make_tile(const Terrain& terrain, std::
   tile.placed.reset(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
   rtcSetGeometryInstancedScene(tile.placed.get(), tile.inner.get());
   rtcSetGeometryMask(tile.placed.get(), 1U);
-  const Shading surface = shading[placed_of(terrain.instance).geometry_id];
-  rtcAttachGeometryByID(moving.get(), tile.placed.get(), new_moving_id(terrain.instance, surface));
+  tile.number = number;
+  rtcAttachGeometryByID(moving.get(), tile.placed.get(), number);
   check("terrain tile");
   return tile;
 }
@@ -578,15 +602,18 @@ void Scene::make_changeable(InstanceId terrain) {
   if (!changing.tiles.empty()) {
     return;
   }
-  rtcDetachGeometry(in.fixed.get(), in.placed_of(terrain).geometry_id);
+  Internals::Placed& whole = in.placed[in.instances[terrain].placed];
+  rtcDetachGeometry(in.fixed.get(), whole.geometry_id);
+  whole.mask = 0;
   // Small tiles are quick to rebuild; every slice pays for their number.
   constexpr std::size_t kLeastCells = 32;
   constexpr std::size_t kTilesAlong = 16;
+  const Internals::Shading surface = in.shading[whole.geometry_id];
   const std::size_t nodes = std::max(changing.field.columns, changing.field.rows);
   changing.tile_cells = std::max(kLeastCells, (nodes + kTilesAlong - 1) / kTilesAlong);
   for (std::size_t r = 0; r + 1 < changing.field.rows; r += changing.tile_cells) {
     for (std::size_t c = 0; c + 1 < changing.field.columns; c += changing.tile_cells) {
-      changing.tiles.push_back(in.make_tile(changing, c, r));
+      changing.tiles.push_back(in.make_tile(changing, c, r, in.new_moving_id(terrain, surface)));
     }
   }
   in.ground_moves = true;
@@ -599,27 +626,39 @@ void Scene::set_terrain_period(Duration period) {
 
 void Scene::update_terrain(InstanceId terrain, const HeightField& field,
                            const NodeRectangle& changed) {
+  const HeightField& staged = internals_->terrain_of(terrain).field;
+  if (field.columns != staged.columns || field.rows != staged.rows ||
+      field.heights_m.size() != staged.heights_m.size() ||
+      changed.first_column > changed.last_column || changed.last_column >= field.columns ||
+      changed.first_row > changed.last_row || changed.last_row >= field.rows) {
+    throw std::invalid_argument("scene: the changed nodes do not lie in terrain " +
+                                std::to_string(terrain));
+  }
+  update_terrain(terrain, changed, heights_in(field, changed));
+}
+
+void Scene::update_terrain(InstanceId terrain, const NodeRectangle& changed,
+                           std::span<const double> heights_m) {
   Internals::Terrain& changing = internals_->terrain_of(terrain);
   HeightField& staged = changing.field;
   if (changing.tiles.empty()) {
     throw std::invalid_argument("scene: terrain " + std::to_string(terrain) +
                                 " was not made changeable");
   }
-  if (field.columns != staged.columns || field.rows != staged.rows ||
-      field.heights_m.size() != staged.heights_m.size() ||
-      changed.first_column > changed.last_column || changed.first_row > changed.last_row ||
-      changed.last_column >= field.columns || changed.last_row >= field.rows) {
+  if (changed.first_column > changed.last_column || changed.first_row > changed.last_row ||
+      changed.last_column >= staged.columns || changed.last_row >= staged.rows ||
+      heights_m.size() != changed.nodes()) {
     throw std::invalid_argument("scene: the changed nodes do not lie in terrain " +
                                 std::to_string(terrain));
   }
+  const double* height = heights_m.data();
   for (std::size_t r = changed.first_row; r <= changed.last_row; ++r) {
-    for (std::size_t c = changed.first_column; c <= changed.last_column; ++c) {
-      const double height_m = field.node(c, r);
-      if (!std::isfinite(height_m)) {
+    for (std::size_t c = changed.first_column; c <= changed.last_column; ++c, ++height) {
+      if (!std::isfinite(*height)) {
         throw std::invalid_argument("scene: height at column " + std::to_string(c) + ", row " +
                                     std::to_string(r) + " is not a finite number");
       }
-      staged.heights_m[r * staged.columns + c] = height_m;
+      staged.heights_m[r * staged.columns + c] = *height;
     }
   }
   changing.staged = changing.staged ? changing.staged->joined(changed) : changed;
@@ -628,22 +667,37 @@ void Scene::update_terrain(InstanceId terrain, const HeightField& field,
 // Where things are in a slice of time: the part of Scene that tells Embree.
 
 void Scene::Internals::place_fixed() {
-  for (const Placed& thing : placed) {
-    if (thing.body == kFixed) {
-      set_transform(thing.geometry.get(), to_transform(thing.X_PM, thing.scale, origin_W));
-    }
+  // Others may be casting into the present one; it is theirs then.
+  const bool shared = fixed.use_count() > 1;
+  std::atomic_thread_fence(std::memory_order_acquire);
+  if (shared) {
+    fixed.reset(rtcNewScene(device.get()), ReleaseScene{});
+    rtcSetSceneFlags(fixed.get(), RTC_SCENE_FLAG_ROBUST);
   }
+  for (Placed& thing : placed) {
+    if (thing.body != kFixed) {
+      continue;
+    }
+    if (shared && thing.mask != 0) {
+      thing.geometry = place_instance(fixed.get(), thing, meshes[thing.mesh]);
+    }
+    set_transform(thing.geometry.get(), to_transform(thing.X_PM, thing.scale, origin_W));
+  }
+  place_tiles();
+  rtcCommitScene(fixed.get());
+  if (has_canopy) {
+    rtcCommitScene(canopy.get());
+  }
+  fixed_placed = true;
+}
+
+void Scene::Internals::place_tiles() {
   for (const Terrain& terrain : terrains) {
     const Placed& thing = placed_of(terrain.instance);
     for (const Tile& tile : terrain.tiles) {
       set_transform(tile.placed.get(), to_transform(thing.X_PM, thing.scale, origin_W));
     }
   }
-  rtcCommitScene(fixed.get());
-  if (has_canopy) {
-    rtcCommitScene(canopy.get());
-  }
-  fixed_placed = true;
 }
 
 void Scene::Internals::place_bodies(std::span<const BodyMotion> motions) {
@@ -661,23 +715,39 @@ void Scene::Internals::place_bodies(std::span<const BodyMotion> motions) {
   }
 }
 
-void Scene::begin_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W,
-                        std::span<const BodyMotion> motions) {
-  Internals& in = *internals_;
-  if (motions.size() != in.bodies.size()) {
+void Scene::Internals::check_slice(SimTime begin, SimTime end,
+                                   std::span<const BodyMotion> motions) const {
+  if (motions.size() != bodies.size()) {
     throw std::invalid_argument("scene: " + std::to_string(motions.size()) + " motions for " +
-                                std::to_string(in.bodies.size()) + " bodies");
+                                std::to_string(bodies.size()) + " bodies");
   }
   for (std::size_t i = 0; i < motions.size(); ++i) {
     if (!motions[i].X_WB_start.matrix().allFinite() || !motions[i].X_WB_end.matrix().allFinite()) {
-      throw std::invalid_argument("scene: the pose of body '" + in.bodies[i] + "' is not finite");
+      throw std::invalid_argument("scene: the pose of body '" + bodies[i] + "' is not finite");
     }
   }
-  if (t1 <= t0 || !focus_W.allFinite()) {
-    throw std::invalid_argument("scene: a slice needs t0 < t1 and a finite focus");
+  if (end <= begin) {
+    throw std::invalid_argument("scene: a slice needs t0 < t1");
   }
-  in.t0 = t0;
-  in.t1 = t1;
+}
+
+void Scene::Internals::place_moving(SimTime begin, SimTime end,
+                                    std::span<const BodyMotion> motions) {
+  t0 = begin;
+  t1 = end;
+  refresh_terrains();
+  place_bodies(motions);
+  rtcCommitScene(moving.get());
+  check("placing the bodies");
+}
+
+void Scene::begin_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W,
+                        std::span<const BodyMotion> motions) {
+  Internals& in = *internals_;
+  in.check_slice(t0, t1, motions);
+  if (!focus_W.allFinite()) {
+    throw std::invalid_argument("scene: a slice needs a finite focus");
+  }
   if ((focus_W - in.origin_W).norm() > kRebaseDistance_m) {
     in.origin_W = focus_W.array().round();
     in.fixed_placed = false;
@@ -685,10 +755,72 @@ void Scene::begin_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W,
   if (!in.fixed_placed) {
     in.place_fixed();
   }
-  in.refresh_terrains();
-  in.place_bodies(motions);
-  rtcCommitScene(in.moving.get());
-  in.check("placing the bodies");
+  in.place_moving(t0, t1, motions);
+}
+
+// A second scene of the same things.
+
+Scene::Scene(Twin) : internals_(std::make_unique<Internals>()) {}
+
+std::unique_ptr<Scene> Scene::twin() const {
+  const Internals& from = *internals_;
+  std::unique_ptr<Scene> scene(new Scene(Twin{}));
+  Internals& in = *scene->internals_;
+  in.error = from.error;
+  in.device = from.device;
+  in.moving.reset(rtcNewScene(in.device.get()));
+  rtcSetSceneFlags(in.moving.get(),
+                   static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
+  in.canopy.reset(rtcNewScene(in.device.get()));
+  in.masked = from.masked;
+  in.on_bodies = from.on_bodies;
+  in.instances = from.instances;
+  in.materials = from.materials;
+  in.shading = from.shading;
+  in.instance_of = from.instance_of;
+  in.bodies = from.bodies;
+  in.ground_moves = from.ground_moves;
+  in.has_foliage = from.has_foliage;
+  in.placed.reserve(from.placed.size());
+  for (const Internals::Placed& thing : from.placed) {
+    in.placed.push_back({nullptr, thing.X_PM, thing.scale, thing.body, thing.geometry_id,
+                         thing.name, thing.mesh, thing.mask});
+  }
+  for (const std::uint32_t index : in.on_bodies) {
+    Internals::Placed& thing = in.placed[index];
+    thing.geometry = in.place_instance(in.moving.get(), thing, from.meshes[thing.mesh]);
+  }
+  for (const Internals::Terrain& terrain : from.terrains) {
+    Internals::Terrain own;
+    own.instance = terrain.instance;
+    own.field = terrain.field;
+    own.centre_W = terrain.centre_W;
+    own.tile_cells = terrain.tile_cells;
+    // Numbered as there: bodies' parts and tiles have the numbers of their surfaces.
+    for (const Internals::Tile& tile : terrain.tiles) {
+      own.tiles.push_back(in.make_tile(own, tile.first_column, tile.first_row, tile.number));
+    }
+    in.terrains.push_back(std::move(own));
+  }
+  in.low_numbers_used = from.low_numbers_used;
+  in.check("making a twin");
+  return scene;
+}
+
+ScenePlacement Scene::placement() const {
+  return {internals_->fixed, internals_->origin_W};
+}
+
+void Scene::begin_slice(SimTime t0, SimTime t1, const ScenePlacement& placement,
+                        std::span<const BodyMotion> motions) {
+  Internals& in = *internals_;
+  in.check_slice(t0, t1, motions);
+  if (in.fixed != placement.fixed) {
+    in.fixed = placement.fixed;
+    in.origin_W = placement.origin_W;
+    in.place_tiles();
+  }
+  in.place_moving(t0, t1, motions);
 }
 
 // The scene as satellite signals meet it: solid things stop them, crowns let them through.

@@ -20,7 +20,10 @@
 // one is built again when the local origin moves.
 //
 // Thread use: casting is const and may run on many threads; building and begin_slice() may not run
-// beside it.
+// beside it. For rays of another thread, at other instants, there is twin(): a scene that shares
+// meshes and everything fixed with this one, and has bodies and dug terrain of its own. Embree
+// builds what moves in both at the same time, and what is fixed is never changed while a twin casts
+// into it. A twin costs the memory of its terrain's tiles and some 100 bytes for each instance.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -38,6 +41,8 @@
 #include "sim/scene/node_rectangle.h"
 #include "sim/scene/triangle_mesh.h"
 #include "sim/visibility.h"
+
+struct RTCSceneTy;  // Embree's
 
 namespace rigwire::sim {
 
@@ -70,6 +75,13 @@ struct MeshPart {
 struct BodyMotion {
   Eigen::Isometry3d X_WB_start = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d X_WB_end = Eigen::Isometry3d::Identity();
+};
+
+/// What is fixed in a scene, as it is placed around a local origin. Whoever holds it can have a
+/// twin cast into it.
+struct ScenePlacement {
+  std::shared_ptr<RTCSceneTy> fixed;
+  Eigen::Vector3d origin_W = Eigen::Vector3d::Zero();
 };
 
 /// What a single ray met.
@@ -126,12 +138,25 @@ class Scene final : public Visibility {
   /// Throws std::invalid_argument when the terrain is not changeable, the field's shape differs,
   /// the nodes are not in it, or a height is not a finite number.
   void update_terrain(InstanceId terrain, const HeightField& field, const NodeRectangle& changed);
+  /// The same from the heights of these nodes alone, row by row.
+  void update_terrain(InstanceId terrain, const NodeRectangle& changed,
+                      std::span<const double> heights_m);
 
   /// Places the bodies for rays with times in [t0, t1] and makes the scene ready to cast.
   /// `motions[i]` is of body i; `focus_W` is where the sensors are (any point within some hundred
   /// metres of them). Must be called before the first cast, with t0 < t1. Throws
   /// std::invalid_argument when motions do not match the bodies or are not finite.
   void begin_slice(SimTime t0, SimTime t1, const Eigen::Vector3d& focus_W,
+                   std::span<const BodyMotion> motions);
+
+  /// A scene with the same instances and bodies, for rays of another thread. Nothing can be added
+  /// to either from now on. Canopies are left out: sky_path() of a twin knows closed crowns only.
+  [[nodiscard]] std::unique_ptr<Scene> twin() const;
+  /// What is fixed as it is placed at present; after the first begin_slice().
+  [[nodiscard]] ScenePlacement placement() const;
+  /// Of a twin: begin_slice() with what is fixed as that scene had it placed. Terrain that was
+  /// staged is shown at once.
+  void begin_slice(SimTime t0, SimTime t1, const ScenePlacement& placement,
                    std::span<const BodyMotion> motions);
 
   [[nodiscard]] std::size_t instance_count() const;
@@ -174,6 +199,9 @@ class Scene final : public Visibility {
   [[nodiscard]] const Internals& internals() const { return *internals_; }
 
  private:
+  struct Twin {};
+  explicit Scene(Twin);
+
   std::unique_ptr<Internals> internals_;
 };
 

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -43,9 +44,16 @@ struct ReleaseScene {
 struct ReleaseGeometry {
   void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
 };
-using DeviceHandle = std::unique_ptr<RTCDeviceTy, ReleaseDevice>;
+/// Twins share it, and what is fixed.
+using DeviceHandle = std::shared_ptr<RTCDeviceTy>;
 using SceneHandle = std::unique_ptr<RTCSceneTy, ReleaseScene>;
 using GeometryHandle = std::unique_ptr<RTCGeometryTy, ReleaseGeometry>;
+
+/// What Embree complains of first, on whichever thread.
+struct RayCasterError {
+  std::mutex mutex;
+  std::string text;
+};
 
 /// `p` in Embree's coordinates; `time` as share of the slice.
 inline RTCRay make_ray(const Eigen::Vector3d& p, const Eigen::Vector3d& direction, double near_m,
@@ -88,6 +96,8 @@ struct Scene::Internals {
     std::uint32_t body = kFixed;
     std::uint32_t geometry_id = 0;  ///< Embree's number of it: its first part's in `shading`.
     std::string name;
+    MeshId mesh = 0;
+    std::uint32_t mask = 0;  ///< 0: rays do not meet it in `fixed` nor on a body.
   };
   struct Instance {
     std::uint32_t placed = 0;
@@ -112,6 +122,7 @@ struct Scene::Internals {
     std::size_t first_row = 0;
     std::size_t columns = 0;  ///< Nodes; neighbours share those of one cell.
     std::size_t rows = 0;
+    std::uint32_t number = 0;   ///< Embree's of it.
     float* vertices = nullptr;  ///< Of the grid, x y z each.
     GeometryHandle grid;
     SceneHandle inner;
@@ -133,13 +144,15 @@ struct Scene::Internals {
     float retro_gain = 0.0F;
   };
 
-  std::string first_error;  ///< Written by Embree's error callback.
+  std::shared_ptr<RayCasterError> error;  ///< Written by Embree's error callback.
   DeviceHandle device;
   /// What changes from slice to slice: bodies, and terrain that is dug.
   SceneHandle moving;
-  SceneHandle fixed;   ///< Everything else that rays meet.
+  /// Everything else that rays meet. Twins cast into the same one: while one does, what is placed
+  /// anew is another one.
+  std::shared_ptr<RTCSceneTy> fixed;
   SceneHandle canopy;  ///< Surfaces that only radio signals meet.
-  std::vector<std::unique_ptr<MaskedSurface>> masked;
+  std::vector<std::shared_ptr<MaskedSurface>> masked;
   std::vector<Mesh> meshes;
   std::vector<Placed> placed;
   std::vector<std::uint32_t> on_bodies;  ///< Which of `placed` bodies carry.
@@ -163,14 +176,16 @@ struct Scene::Internals {
   void check(const char* doing);
   /// Triangles as Embree takes them, committed, with the filter for their holes.
   GeometryHandle make_geometry(const TriangleMesh& mesh);
+  /// Of the mesh, with the mask of `thing`, attached to `scene` by its number.
+  GeometryHandle place_instance(RTCScene scene, const Placed& thing, const Mesh& mesh) const;
   /// Surfaces: one for each part, or none.
   MeshId add_meshes(std::string name, std::span<const TriangleMesh* const> parts,
                     std::vector<Material> surfaces);
   /// The first hit on anything, moving or fixed; read by surface_number(). What the first scene
   /// stops is short in the second one; ground in tiles comes last, which is measured to be quicker.
   void intersect(const int* valid, RTCIntersectContext& context, RTCRayHit8& packet) const {
-    rtcIntersect8(valid, (ground_moves ? fixed : moving).get(), &context, &packet);
-    rtcIntersect8(valid, (ground_moves ? moving : fixed).get(), &context, &packet);
+    rtcIntersect8(valid, ground_moves ? fixed.get() : moving.get(), &context, &packet);
+    rtcIntersect8(valid, ground_moves ? moving.get() : fixed.get(), &context, &packet);
   }
   void intersect(RTCIntersectContext& context, RTCRayHit& ray) const {
     rtcIntersect1(moving.get(), &context, &ray);
@@ -178,7 +193,7 @@ struct Scene::Internals {
   }
 
   /// An instance with a part for each of the materials, in `fixed` or on a body.
-  InstanceId add_instance(const Mesh& mesh, std::uint32_t body, const Eigen::Isometry3d& X_PM,
+  InstanceId add_instance(MeshId mesh, std::uint32_t body, const Eigen::Isometry3d& X_PM,
                           double scale, std::span<const Material> surfaces, std::string_view name);
   std::uint32_t material_index(const Material& material);
   const Placed& placed_of(std::uint32_t instance) const {
@@ -187,11 +202,18 @@ struct Scene::Internals {
   /// The next of Embree's numbers, for a part of this instance in `fixed` or in `moving`.
   std::uint32_t new_fixed_id(std::uint32_t instance, const Shading& surface);
   std::uint32_t new_moving_id(std::uint32_t instance, const Shading& surface);
-  Tile make_tile(const Terrain& terrain, std::size_t first_column, std::size_t first_row);
+  /// `number`: Embree's, in `moving`.
+  Tile make_tile(const Terrain& terrain, std::size_t first_column, std::size_t first_row,
+                 std::uint32_t number);
   Terrain& terrain_of(std::uint32_t instance);
   /// Shows staged heights to the rays when they are due.
   void refresh_terrains();
   void place_fixed();
+  /// Of changeable terrains, at the present origin.
+  void place_tiles();
+  /// Beginning and placing of what moves, when the rest is placed.
+  void place_moving(SimTime begin, SimTime end, std::span<const BodyMotion> motions);
+  void check_slice(SimTime begin, SimTime end, std::span<const BodyMotion> motions) const;
   void place_bodies(std::span<const BodyMotion> motions);
 
   /// Share of the slice that has passed at `time`, 0 .. 1.

@@ -72,6 +72,26 @@ class DatagramSocket {
   [[nodiscard]] virtual EndpointStatus status() const = 0;
 };
 
+/// One UDP port that answers whoever asks.
+class DatagramPort {
+ public:
+  /// An end of UDP on IPv4. Addresses are numbers: 127.0.0.2 is 0x7F000002.
+  struct Peer {
+    std::uint32_t address = 0;
+    std::uint16_t port = 0;
+
+    friend bool operator==(const Peer&, const Peer&) = default;
+  };
+  using Receiver = std::function<void(const Peer& from, std::span<const std::uint8_t>)>;
+  virtual ~DatagramPort() = default;
+  virtual void start(Receiver receiver) = 0;
+  /// False when the system refused the datagram: buffer full, no route, or longer than the path
+  /// carries in one piece with `do_not_fragment`.
+  virtual bool send(const Peer& to, std::span<const std::uint8_t> datagram,
+                    bool do_not_fragment) = 0;
+  [[nodiscard]] virtual EndpointStatus status() const = 0;
+};
+
 /// How the far end has set its controller.
 struct CanClient {
   bool open = false;               ///< Takes part in the bus.

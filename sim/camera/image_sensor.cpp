@@ -316,6 +316,11 @@ AutoExposure::AutoExposure(const AutoExposureParameters& parameters, const Choic
   queue_.assign(static_cast<std::size_t>(parameters.lag), start);
 }
 
+void AutoExposure::unmeasured() {
+  queue_.push_back(queue_.back());
+  queue_.erase(queue_.begin());
+}
+
 void AutoExposure::taken(double mean, bool exposure_free, bool gain_free, const Choice& fixed) {
   const AutoExposureParameters& p = parameters_;
   const Choice measured = queue_.front();

@@ -165,8 +165,12 @@ class AutoExposure {
   /// Throws std::invalid_argument as validate() does.
   AutoExposure(const AutoExposureParameters& parameters, const Choice& start);
 
-  /// What the next picture is taken with.
-  [[nodiscard]] const Choice& next() const { return queue_.front(); }
+  /// What the next picture is taken with; or of those after it, `ahead` of them later, as far as
+  /// that is known: less than the lag.
+  [[nodiscard]] const Choice& next(std::size_t ahead = 0) const { return queue_.at(ahead); }
+  [[nodiscard]] std::size_t known() const { return queue_.size(); }
+  /// A picture was taken with next(), and nobody measured it.
+  void unmeasured();
   /// A picture was taken with next(), and this was its mean, share of full scale (black level taken
   /// off). `exposure_free`, `gain_free`: what may be changed; the other stays as in `fixed`.
   void taken(double mean, bool exposure_free, bool gain_free, const Choice& fixed);

@@ -16,6 +16,9 @@ constexpr std::array<float, SkyVisibility::kHeights> kHeights_m{0.3F, 3.0F, 10.0
 constexpr double kLeastCell_m = 1.0;
 constexpr float kFarthest_m = 80.0F;
 constexpr int kMostNodes = 96;
+/// Dug ground is among what moves; bodies are there as well.
+const std::uint32_t kFixed = surface_mask(Material{}, Scene::Internals::kFixed) |
+                             Scene::foliage_mask() | Scene::loose_leaves_mask();
 
 }  // namespace
 
@@ -73,7 +76,7 @@ SkyVisibility::SkyVisibility(const Scene& scene) {
             rays.tnear[i] = 0.0F;
             rays.tfar[i] = kFarthest_m;
             rays.time[i] = 0.0F;
-            rays.mask[i] = Scene::kSeeEverything;
+            rays.mask[i] = kFixed;
           }
           rtcOccluded8(valid.data(), in.fixed.get(), &context, &rays);
           if (in.ground_moves) {

@@ -333,6 +333,7 @@ RunOutcome Executive::run_free(SimTime end) {
   const WallTime start = std::chrono::steady_clock::now();
   SampleBatch batch;
   TruthRequests requests;
+  truth_.begin(false);
   while (!stopped_ && now_ < end) {
     requests.clear();
     collect_requests(requests);
@@ -354,6 +355,7 @@ RunOutcome Executive::run_free(SimTime end) {
 }
 
 RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
+  truth_.begin(true);
   TruthThread truth(io_, truth_, settings, woken_);
   TruthRequests requests;
   collect_requests(requests);

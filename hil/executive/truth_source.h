@@ -51,6 +51,10 @@ class TruthSource {
  public:
   virtual ~TruthSource() = default;
 
+  /// Once, before the first advance(): whether simulated time follows a clock. Where it does, truth
+  /// waits for nothing that is computed beside it.
+  virtual void begin(bool /*paced*/) {}
+
   /// The length of one slice, the grain in which truth is produced.
   [[nodiscard]] virtual Duration slice() const = 0;
 

@@ -10,6 +10,7 @@
 #include "hil/world/truth_observer.h"
 #include "sim/lidar/depth_image_lidar.h"
 #include "sim/lidar/spinning_lidar.h"
+#include "sim/weather/scene_weather.h"
 
 namespace rigwire::hil {
 

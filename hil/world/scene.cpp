@@ -47,6 +47,7 @@ void visit(fields::Visitor& v, SceneConfiguration& p) {
   v.text("text", p.text, "One line for `rigwire list scenes`.");
   visit(v, p.description);
   v.section("weather", p.weather, "What is in the air, and how it changes.");
+  v.section("daylight", p.daylight, "Sky and clouds, as cameras see them.");
 }
 
 SceneFiles load_scene_files(const sim::SceneDescription& description,

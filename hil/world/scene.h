@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fields/rules.h"
+#include "sim/camera/daylight.h"
 #include "sim/geoid.h"
 #include "sim/scene/scene_description.h"
 #include "sim/weather/weather_parameters.h"
@@ -33,6 +34,7 @@ struct SceneConfiguration {
   /// Each object's `mesh` is the full path of a file (hil/files/mesh_file.h).
   sim::SceneDescription description;
   sim::WeatherParameters weather;
+  sim::DaylightParameters daylight;
 };
 void visit(fields::Visitor& v, SceneConfiguration& p);
 

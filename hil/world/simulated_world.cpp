@@ -89,6 +89,11 @@ std::optional<std::string> SimulatedWorld::advance(const TruthRequests& requests
   }
   prepare_scene(batch.from, batch.until);
   sample_slice(batch.from, batch.until, batch.samples);
+  for (const auto& sensor : sensors_) {
+    if (auto fault = sensor->fault()) {
+      return fault;
+    }
+  }
   frontier_ = batch.until;
   batch.state.resize(state_quantities_.size());
   content_.machine->read_status(batch.state);
@@ -122,8 +127,9 @@ void SimulatedWorld::prepare_scene(SimTime t0, SimTime t1) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     bodies_[i] = {slice_start_[i].X_WL, after_[i].X_WL};
   }
-  if (const auto changed = content_.machine->take_ground_changes()) {
-    content_.scene->update_terrain(content_.terrain, content_.ground->field(), *changed);
+  dug_ = content_.machine->take_ground_changes();
+  if (dug_) {
+    content_.scene->update_terrain(content_.terrain, content_.ground->field(), *dug_);
   }
   content_.scene->begin_slice(t0, t1, after_.front().X_WL.translation(), bodies_);
   if (weather_ != nullptr) {
@@ -138,7 +144,10 @@ void SimulatedWorld::sample_slice(SimTime t0, SimTime t1, Shelves& samples) {
                          .links_at_t1 = after_,
                          .scene = *content_.scene,
                          .weather = weather_.get(),
-                         .lidar_truth = lidar_observer_.get()};
+                         .lidar_truth = lidar_observer_.get(),
+                         .ground = content_.ground ? &content_.ground->field() : nullptr,
+                         .dug = dug_,
+                         .paced = paced_};
   const auto ask = [&](bool casting, double& account_s) {
     const StageTimer timer(account_s);
     for (const auto& sensor : sensors_) {

@@ -62,9 +62,12 @@ class SimulatedWorld final : public TruthSource {
   void set_lidar_truth_observer(std::unique_ptr<LidarTruthObserver> observer);
 
   [[nodiscard]] const sim::Scene& scene() const { return *content_.scene; }
+  /// That the machine digs in, if it does.
+  [[nodiscard]] sim::Scene::InstanceId terrain() const { return content_.terrain; }
   /// For sensors that stand at its ports; lives as long as the world, also when that is moved.
   [[nodiscard]] sim::Machine& machine() { return *content_.machine; }
   [[nodiscard]] Duration slice() const override { return settings_.slice; }
+  void begin(bool paced) override { paced_ = paced; }
   std::optional<std::string> advance(const TruthRequests& requests, SampleBatch& batch) override;
   [[nodiscard]] const std::vector<StateQuantity>& state_quantities() const override {
     return state_quantities_;
@@ -89,6 +92,8 @@ class SimulatedWorld final : public TruthSource {
   TruthRecord truth_;  ///< Filled anew each time.
 
   SimTime frontier_ = kStart;
+  bool paced_ = false;
+  std::optional<sim::NodeRectangle> dug_;     ///< In the present slice.
   std::vector<sim::LinkMotion> slice_start_;  ///< At the start of the slice.
   std::vector<sim::LinkMotion> before_;       ///< At the start of the step.
   std::vector<sim::LinkMotion> after_;        ///< At the end of the step.

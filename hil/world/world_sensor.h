@@ -12,16 +12,20 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "hil/executive/shelves.h"
 #include "sim/link_motion.h"
 #include "sim/samples/time.h"
+#include "sim/scene/node_rectangle.h"
 
 namespace rigwire::sim {
 class Scene;
-class Weather;
+class SceneWeather;
+struct HeightField;
 }  // namespace rigwire::sim
 
 namespace rigwire::hil {
@@ -57,8 +61,12 @@ struct WorldSlice {
   LinkMotions links_at_t0;
   LinkMotions links_at_t1;
   const sim::Scene& scene;
-  const sim::Weather* weather = nullptr;      ///< Null: clear air.
-  LidarTruthObserver* lidar_truth = nullptr;  ///< Null: nobody asks.
+  const sim::SceneWeather* weather = nullptr;  ///< Null: clear air.
+  LidarTruthObserver* lidar_truth = nullptr;   ///< Null: nobody asks.
+  const sim::HeightField* ground = nullptr;    ///< As it is at t1; null: it never changes.
+  std::optional<sim::NodeRectangle> dug;       ///< Where it has changed in this slice.
+  /// Time follows a clock: what is computed beside the run is not waited for.
+  bool paced = false;
 };
 
 class WorldSensor {
@@ -79,6 +87,8 @@ class WorldSensor {
   /// Adds what is true of the sensor at `time` within the step, where that is no property of the
   /// machine.
   virtual void tell(const WorldStep& /*step*/, SimTime /*time*/, TruthRecord& /*truth*/) const {}
+  /// What it failed by, which ends the run.
+  [[nodiscard]] virtual std::optional<std::string> fault() const { return std::nullopt; }
 };
 
 /// The instants at which a station's device wants to be sampled.

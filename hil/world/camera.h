@@ -1,0 +1,44 @@
+// Cameras in the simulated world, of any kind.
+//
+// At each instant of its device's sample plan, and for each exposure that a client has triggered
+// (CameraCommand::software_triggers; from the truth's frontier on), an exposure begins: where the
+// camera is during it comes from the physics' steps. When it is over, the picture is rendered
+// beside the loop (hil/world/camera_worker.h), and handed over when it has been read out and
+// processed, `processing` after the end of the last row's exposure.
+//
+// Free-running, every picture is there: the run waits for it at that instant. Paced, the run never
+// waits: what is not rendered by then is told as a sample without a picture.
+//
+// Automatic exposure acts with its lag, counted in exposures. It is clipped to the plan's period;
+// paced, a picture that is not there when its lag is over is not measured.
+//
+// Bodies move linearly between where they were at the beginning and at the end of an exposure with
+// its read-out (error: sim/scene/scene.h); ground, dust and air are those at its end.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string_view>
+
+#include "hil/world/camera_worker.h"
+#include "hil/world/world_sensor.h"
+#include "sim/camera/camera_sensor.h"
+#include "sim/camera/image_sensor.h"
+
+namespace rigwire::hil {
+
+struct WorldCameraSettings {
+  SensorMount mount;
+  bool sees_own_link = false;  ///< The body that it is mounted on.
+  Duration processing{0};      ///< From the end of the exposure to when the picture is handed over.
+  sim::AutoExposureParameters auto_exposure;
+};
+
+/// Puts a PictureSample on the station's shelf for each exposure. `terrain` is the first of the
+/// scene. Throws what `make` throws.
+[[nodiscard]] std::unique_ptr<WorldSensor> make_world_camera(
+    StationIndex station, const WorldCameraSettings& settings, const sim::Scene& scene,
+    sim::Scene::InstanceId terrain, std::shared_ptr<CameraSurroundings> surroundings,
+    const CameraWorker::MakeSensor& make);
+
+}  // namespace rigwire::hil

@@ -1,0 +1,221 @@
+#include "hil/world/camera_worker.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <exception>
+#include <future>
+#include <utility>
+
+#include "sim/camera/sun.h"
+
+namespace rigwire::hil {
+namespace {
+
+constexpr Duration kLightPeriod = std::chrono::seconds(10);
+/// Between two looks at how much of the sky dug ground sees, which costs a tenth of a second.
+constexpr Duration kSkyPeriod = std::chrono::seconds(10);
+constexpr int kNiceness = 10;
+
+}  // namespace
+
+CameraSurroundings::CameraSurroundings(const Calendar& calendar, double latitude_deg,
+                                       double longitude_deg, const sim::DaylightParameters& sky,
+                                       const sim::WeatherParameters& air)
+    : calendar_(calendar),
+      latitude_deg_(latitude_deg),
+      longitude_deg_(longitude_deg),
+      daylight_(sky),
+      weather_(air) {}
+
+sim::Daylight CameraSurroundings::light_at(SimTime time) const {
+  const SimTime held = light_changes(time) - kLightPeriod;
+  return {daylight_, sim::sun_direction(
+                         sim::sun_position(calendar_.utc(held), latitude_deg_, longitude_deg_))};
+}
+
+SimTime CameraSurroundings::light_changes(SimTime after) {
+  return kStart + ((after - kStart) / kLightPeriod + 1) * kLightPeriod;
+}
+
+sim::CameraAir CameraSurroundings::air_at(SimTime time, const sim::DustCloud* dust) const {
+  return {weather_, time, dust};
+}
+
+std::shared_ptr<const sim::SkyVisibility> CameraSurroundings::sky(const sim::Scene& scene) {
+  const std::scoped_lock lock(mutex_);
+  if (!sky_) {
+    sky_ = std::make_shared<const sim::SkyVisibility>(scene);
+  }
+  return sky_;
+}
+
+CameraWorker::CameraWorker(const sim::Scene& scene, sim::Scene::InstanceId terrain,
+                           std::shared_ptr<CameraSurroundings> surroundings, const MakeSensor& make)
+    : scene_(scene.twin()), terrain_(terrain), surroundings_(std::move(surroundings)) {
+  std::promise<void> ready;
+  std::future<void> made = ready.get_future();
+  thread_ = std::thread([this, &make, ready = std::move(ready)]() mutable {
+    // Of this thread alone, and of those that the sensor starts.
+    (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceness);
+    try {
+      sensor_ = make();
+    } catch (...) {
+      ready.set_exception(std::current_exception());
+      return;
+    }
+    ready.set_value();
+    run();
+    sensor_.reset();
+  });
+  try {
+    made.get();
+  } catch (...) {
+    thread_.join();
+    throw;
+  }
+}
+
+CameraWorker::~CameraWorker() {
+  {
+    const std::scoped_lock lock(mutex_);
+    stopping_ = true;
+  }
+  work_.notify_one();
+  thread_.join();
+}
+
+CameraWorker::Number CameraWorker::submit(CameraJob job) {
+  const std::scoped_lock lock(mutex_);
+  auto made = std::make_unique<Entry>();
+  made->job = std::move(job);
+  made->waited = busy_ || next_ < first_ + entries_.size();
+  entries_.push_back(std::move(made));
+  work_.notify_one();
+  return first_ + entries_.size() - 1;
+}
+
+void CameraWorker::reach(SimTime now, bool paced) {
+  const std::scoped_lock lock(mutex_);
+  now_ = now;
+  paced_ = paced;
+}
+
+std::optional<sim::CameraSensor::Taken> CameraWorker::take(Number job) {
+  const std::scoped_lock lock(mutex_);
+  Entry& asked = entry(job);
+  if (!asked.taken) {
+    return std::nullopt;
+  }
+  auto taken = std::move(asked.taken);
+  asked.taken.emplace();
+  asked.forgotten = true;
+  drop_front();
+  return taken;
+}
+
+sim::CameraSensor::Taken CameraWorker::wait(Number job) {
+  std::unique_lock lock(mutex_);
+  Entry& asked = entry(job);
+  done_.wait(lock, [&asked] { return asked.taken.has_value(); });
+  sim::CameraSensor::Taken taken = std::move(*asked.taken);
+  asked.taken.emplace();
+  asked.forgotten = true;
+  drop_front();
+  return taken;
+}
+
+void CameraWorker::forget(Number job) {
+  const std::scoped_lock lock(mutex_);
+  entry(job).forgotten = true;
+  drop_front();
+}
+
+std::optional<std::string> CameraWorker::fault() const {
+  const std::scoped_lock lock(mutex_);
+  return fault_;
+}
+
+/// Entries that are done and that nobody asks for any more.
+void CameraWorker::drop_front() {
+  while (first_ < next_ && entries_.front()->forgotten && entries_.front()->taken) {
+    entries_.pop_front();
+    ++first_;
+  }
+}
+
+void CameraWorker::run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    work_.wait(lock, [this] { return stopping_ || next_ < first_ + entries_.size(); });
+    if (stopping_) {
+      return;
+    }
+    Entry& present = *entries_[next_ - first_];
+    const bool late = paced_ && present.waited && now_ + last_cost_ > present.job.due;
+    const bool wanted = present.job.shot && !present.forgotten && !late;
+    const SimTime begun = now_;
+    busy_ = true;
+    lock.unlock();
+    sim::CameraSensor::Taken taken;
+    std::string failed;
+    try {
+      if (wanted) {
+        taken = make_picture(present.job);
+      } else {
+        make_ready(present.job);
+      }
+    } catch (const std::exception& error) {
+      failed = error.what();
+    }
+    present.job = {};
+    lock.lock();
+    busy_ = false;
+    if (wanted) {
+      last_cost_ = now_ - begun;
+    }
+    if (!failed.empty() && !fault_) {
+      fault_ = failed;
+    }
+    present.taken = std::move(taken);
+    ++next_;
+    drop_front();
+    done_.notify_one();
+  }
+}
+
+/// Also what is passed over says where the ground was dug.
+void CameraWorker::make_ready(const CameraJob& job) {
+  if (job.dug) {
+    scene_->update_terrain(terrain_, job.dug->nodes, job.dug->heights_m);
+    dug_since_ = true;
+  }
+  if (!sky_) {
+    scene_->begin_slice(job.begin, job.end, job.placement, job.bodies);
+    sky_ = surroundings_->sky(*scene_);
+    sky_made_ = job.begin;
+  }
+}
+
+sim::CameraSensor::Taken CameraWorker::make_picture(CameraJob& job) {
+  make_ready(job);
+  scene_->begin_slice(job.begin, job.end, job.placement, job.bodies);
+  if (dug_since_ && job.begin - sky_made_ >= kSkyPeriod) {
+    sky_ = std::make_shared<const sim::SkyVisibility>(*scene_);
+    sky_made_ = job.begin;
+    dug_since_ = false;
+  }
+  sim::CameraShot& shot = *job.shot;
+  if (!light_ || shot.start >= light_until_) {
+    light_.emplace(surroundings_->light_at(shot.start));
+    light_until_ = CameraSurroundings::light_changes(shot.start);
+  }
+  const sim::CameraAir air = surroundings_->air_at(shot.start, job.dust ? &*job.dust : nullptr);
+  shot.light = &*light_;
+  shot.air = air.clear() ? nullptr : &air;
+  shot.sky = sky_.get();
+  shot.wetness = sim::wetness_of(air.rain_mmph());
+  return sensor_->take(*scene_, shot, nullptr);
+}
+
+}  // namespace rigwire::hil

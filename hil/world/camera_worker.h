@@ -1,0 +1,154 @@
+// Pictures beside the loop: one worker for each camera, on a thread of its own.
+//
+// What a picture is of is settled when its exposure is over: where camera and bodies were, dug
+// ground, dust, where everything fixed was placed. All of it goes into a job, so that the live
+// scene can go on; the worker renders the job in a twin of that scene (sim/scene/scene.h), which
+// shares meshes and everything fixed with it. A second scene, built whole, would cost a scene's
+// memory for each camera; the live one itself could be cast into only while it stands still.
+//
+// Jobs are done in the order in which they came. A picture depends on its job, on the jobs before
+// it as far as they say where the ground was dug, and on nothing else: not on how fast the worker
+// is, nor on its threads.
+//
+// The thread is nicer to others than the rest of the program, so that on a busy machine pictures
+// wait, and wires do not.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "sim/camera/camera_sensor.h"
+#include "sim/camera/daylight.h"
+#include "sim/camera/sky_visibility.h"
+#include "sim/samples/calendar.h"
+#include "sim/scene/node_rectangle.h"
+#include "sim/scene/scene.h"
+#include "sim/weather/dust_cloud.h"
+#include "sim/weather/weather_parameters.h"
+
+namespace rigwire::hil {
+
+/// What is around all cameras of a rig.
+class CameraSurroundings {
+ public:
+  CameraSurroundings(const Calendar& calendar, double latitude_deg, double longitude_deg,
+                     const sim::DaylightParameters& sky, const sim::WeatherParameters& air);
+
+  /// Sun and sky at that time. The sun's place is that of every tenth second.
+  [[nodiscard]] sim::Daylight light_at(SimTime time) const;
+  [[nodiscard]] sim::CameraAir air_at(SimTime time, const sim::DustCloud* dust) const;
+  /// Of the scene as it stands at first; made by the first who asks, from any thread.
+  [[nodiscard]] std::shared_ptr<const sim::SkyVisibility> sky(const sim::Scene& scene);
+
+  /// When light_at() changes next.
+  [[nodiscard]] static SimTime light_changes(SimTime after);
+
+ private:
+  Calendar calendar_;
+  double latitude_deg_;
+  double longitude_deg_;
+  sim::DaylightParameters daylight_;
+  sim::WeatherParameters weather_;
+  std::mutex mutex_;
+  std::shared_ptr<const sim::SkyVisibility> sky_;
+};
+
+/// Heights of the nodes that were dug since the job before, row by row.
+struct DugGround {
+  sim::NodeRectangle nodes;
+  std::vector<double> heights_m;
+};
+
+struct CameraJob {
+  /// But for light, air, sky and wetness, which are the worker's. Nothing: no picture, only what
+  /// can be made ready beforehand.
+  std::optional<sim::CameraShot> shot;
+  SimTime begin{};  ///< Of the twin's slice, which spans the exposure.
+  SimTime end{};
+  SimTime due{};  ///< When the picture is wanted.
+  sim::ScenePlacement placement;
+  std::vector<sim::BodyMotion> bodies;
+  std::optional<DugGround> dug;
+  std::optional<sim::DustCloud> dust;
+};
+
+class CameraWorker {
+ public:
+  using MakeSensor = std::function<std::unique_ptr<sim::CameraSensor>()>;
+  using Number = std::uint64_t;  ///< Of a job, from 0.
+
+  /// Has a twin of the scene made, whose first terrain is `terrain`, and calls `make` on the
+  /// worker's thread; throws what they throw. `surroundings` are shared by all cameras of a rig.
+  CameraWorker(const sim::Scene& scene, sim::Scene::InstanceId terrain,
+               std::shared_ptr<CameraSurroundings> surroundings, const MakeSensor& make);
+  ~CameraWorker();
+  CameraWorker(const CameraWorker&) = delete;
+  CameraWorker& operator=(const CameraWorker&) = delete;
+
+  /// Never waits.
+  Number submit(CameraJob job);
+  /// How far simulated time has come. `paced`: jobs that cannot be done in time are passed over; by
+  /// what the last one took, and only when another one has kept the worker.
+  void reach(SimTime now, bool paced);
+  /// What has been made of it; a null picture: it was passed over, or failed. Nothing: not yet.
+  /// Once for each job.
+  [[nodiscard]] std::optional<sim::CameraSensor::Taken> take(Number job);
+  /// The same, waiting for it.
+  [[nodiscard]] sim::CameraSensor::Taken wait(Number job);
+  /// Nobody wants it any more; take() of it is not called again.
+  void forget(Number job);
+  /// What a job failed by, the first one.
+  [[nodiscard]] std::optional<std::string> fault() const;
+
+  [[nodiscard]] const sim::CameraSensor& sensor() const { return *sensor_; }
+
+ private:
+  struct Entry {
+    CameraJob job;
+    bool waited = false;     ///< For the worker.
+    bool forgotten = false;  ///< Before it was done.
+    std::optional<sim::CameraSensor::Taken> taken;
+  };
+
+  void run();
+  [[nodiscard]] sim::CameraSensor::Taken make_picture(CameraJob& job);
+  void make_ready(const CameraJob& job);
+  [[nodiscard]] Entry& entry(Number job) { return *entries_[job - first_]; }
+  void drop_front();
+
+  std::unique_ptr<sim::Scene> scene_;
+  sim::Scene::InstanceId terrain_;
+  std::shared_ptr<CameraSurroundings> surroundings_;
+  std::unique_ptr<sim::CameraSensor> sensor_;
+
+  // Of the worker's thread.
+  std::optional<sim::Daylight> light_;
+  SimTime light_until_{};
+  std::shared_ptr<const sim::SkyVisibility> sky_;
+  SimTime sky_made_{};
+  bool dug_since_ = false;
+
+  mutable std::mutex mutex_;
+  std::condition_variable work_;
+  std::condition_variable done_;
+  std::deque<std::unique_ptr<Entry>> entries_;
+  Number first_ = 0;  ///< Of entries_.
+  Number next_ = 0;   ///< To be done.
+  bool busy_ = false;
+  bool paced_ = false;
+  SimTime now_{};
+  Duration last_cost_{0};  ///< Of a picture, in simulated time.
+  std::optional<std::string> fault_;
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace rigwire::hil

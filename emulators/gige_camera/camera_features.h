@@ -18,6 +18,7 @@ namespace rigwire::emulators {
 inline constexpr int kWidthStep = 4;
 inline constexpr int kHeightStep = 2;
 inline constexpr int kSmallestSide = 16;
+inline constexpr int kLongestSide = 16'384;
 inline constexpr int kPacketSizeMinimum = 576;
 inline constexpr int kPacketSizeMaximum = 16356;
 inline constexpr int kPacketSizeStep = 4;

@@ -84,6 +84,9 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
   [[nodiscard]] bool controlled() const { return control_.primary().has_value(); }
   [[nodiscard]] bool acquiring() const { return acquisition_.running(); }
   [[nodiscard]] GigeCameraCounters counters() const;
+  /// From exposure to exposure: what sensor and network allow as it is set, and what it keeps.
+  [[nodiscard]] Duration shortest_period() const;
+  [[nodiscard]] Duration frame_period() const;
 
  private:
   using Status = protocols::gige_vision::Status;
@@ -123,9 +126,6 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
   void derive_command();
   void reset_region();
   [[nodiscard]] AcquisitionMeans means() const;
-  /// From exposure to exposure: what sensor and network allow, and what is asked as well.
-  [[nodiscard]] Duration shortest_period() const;
-  [[nodiscard]] Duration frame_period() const;
 
   [[nodiscard]] std::uint64_t ticks(SimTime instant) const;
   [[nodiscard]] bool on(std::uint32_t address) const { return bank_.word(address) != 0; }

@@ -31,6 +31,14 @@ void check_multiple(const char* member, int value, int of) {
   }
 }
 
+void check_side(const char* member, int value, int of) {
+  if (value < kSmallestSide || value > kLongestSide) {
+    refuse(std::string(member) + " is " + std::to_string(value) + ", allowed: " +
+           std::to_string(kSmallestSide) + " to " + std::to_string(kLongestSide));
+  }
+  check_multiple(member, value, of);
+}
+
 bool is_image(PixelFormat format) {
   return format != PixelFormat::coord3d_c16 && format != PixelFormat::confidence8;
 }
@@ -47,9 +55,6 @@ void visit(fields::Visitor& v, CameraLine& p) {
 void visit(fields::Visitor& v, GigeCameraSettings& p) {
   v.text("serial", p.serial_number, "Serial number, at most 15 bytes.");
   v.text("user_name", p.user_name, "User-defined name at delivery, at most 15 bytes.");
-  v.integer("width", p.width, IntegerRule{kSmallestSide, 8192}, "Columns of the sensor.");
-  v.integer("height", p.height, IntegerRule{kSmallestSide, 8192}, "Rows of the sensor.");
-  v.duration("row_time", p.row_time, {100, 1'000'000}, "To read one row out of the sensor.");
   v.rate("rate", p.frame_period, in("Hz").between(0.01, 1000), "Frames per second at power-on.");
   v.duration("exposure", p.exposure, {1'000, 10'000'000'000}, "Exposure at power-on.");
   v.boolean("exposure_auto", p.exposure_auto, "Whether the camera chooses the exposure.");
@@ -78,8 +83,12 @@ void validate(const GigeCameraSettings& settings) {
   check_length("model", settings.model, 31);
   check_length("serial_number", settings.serial_number, 15);
   check_length("user_name", settings.user_name, 15);
-  check_multiple("width", settings.width, 2 * kWidthStep);
-  check_multiple("height", settings.height, 2 * kHeightStep);
+  check_side("width", settings.width, 2 * kWidthStep);
+  check_side("height", settings.height, 2 * kHeightStep);
+  if (settings.row_time <= Duration::zero()) {
+    refuse("row_time is " + fields::print_duration(settings.row_time.count()) +
+           ", allowed: above 0");
+  }
   check_multiple("packet_size", settings.packet_size, kPacketSizeStep);
   if (settings.formats.empty() || !std::ranges::all_of(settings.formats, is_image)) {
     refuse(

@@ -106,7 +106,7 @@ struct GigeCameraSettings {
   std::uint64_t seed = 1;  ///< Of the faults that have a probability.
 };
 
-/// Keys of the camera's own; identity and network come from elsewhere.
+/// Keys of the camera's own; network, and what its sensor is, come from elsewhere.
 void visit(fields::Visitor& v, CameraLine& p);
 void visit(fields::Visitor& v, GigeCameraSettings& p);
 /// Throws std::invalid_argument naming the member, the value found and what is allowed.

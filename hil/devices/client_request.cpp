@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "protocols/can/frame_text.h"
+#include "protocols/gige_vision/gvcp.h"
 #include "protocols/j1939/identifier.h"
 #include "protocols/j1939/message.h"
 #include "protocols/modbus/constants.h"
@@ -125,6 +126,49 @@ std::optional<ClientRequest> client_request(const std::optional<emulators::UsbRe
   return ClientRequest{request->at,
                        fmt::format("control {:02x} {:02x} {:04x} {:04x} {}", setup.request_type,
                                    setup.request, setup.value, setup.index, setup.length)};
+}
+
+namespace {
+
+namespace gev = protocols::gige_vision;
+
+std::string words_of(const gev::Discovery& /*command*/) {
+  return "Discovery";
+}
+std::string words_of(const gev::ForceIp& command) {
+  return fmt::format("ForceIp {}.{}.{}.{}", command.address >> 24U, command.address >> 16U & 0xFFU,
+                     command.address >> 8U & 0xFFU, command.address & 0xFFU);
+}
+std::string words_of(const gev::PacketResend& command) {
+  return fmt::format("PacketResend {}: {} .. {}", command.block, command.first, command.last);
+}
+std::string words_of(const gev::ReadRegisters& command) {
+  return fmt::format("ReadReg 0x{:04X}{}", command.addresses[0],
+                     command.addresses.size() > 1 ? " ..." : "");
+}
+std::string words_of(const gev::WriteRegisters& command) {
+  return fmt::format("WriteReg 0x{:04X} = {}{}", command.address(0), command.value(0),
+                     command.size() > 1 ? " ..." : "");
+}
+std::string words_of(const gev::ReadMemory& command) {
+  return fmt::format("ReadMem 0x{:04X} of {}", command.address, command.count);
+}
+std::string words_of(const gev::WriteMemory& command) {
+  return fmt::format("WriteMem 0x{:04X} of {}", command.address, command.bytes.size());
+}
+
+}  // namespace
+
+std::optional<std::string> gvcp_request(std::span<const std::uint8_t> datagram) {
+  const auto packet = gev::decode_command(datagram);
+  if (!packet.ok()) {
+    return std::nullopt;
+  }
+  const auto command = gev::interpret(packet.value());
+  const auto* const known = std::get_if<gev::Command>(&command);
+  return known == nullptr
+             ? std::nullopt
+             : std::optional(std::visit([](const auto& one) { return words_of(one); }, *known));
 }
 
 }  // namespace rigwire::hil

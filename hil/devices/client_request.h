@@ -1,7 +1,10 @@
 // Texts of ClientRequest, by the protocol that the request came by.
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
+#include <string>
 
 #include "emulators/can/can_node.h"
 #include "emulators/device.h"
@@ -21,5 +24,9 @@ namespace rigwire::hil {
 /// the order of the SETUP packet (USB 2.0, 9.3).
 [[nodiscard]] std::optional<ClientRequest> client_request(
     const std::optional<emulators::UsbRequest>& request);
+
+/// "ReadReg 0x0A00", "WriteReg 0xA104 = 1", "ReadMem 0x10000 of 512", "PacketResend 17: 3 .. 5", of
+/// a datagram to a GigE Vision device; nothing when it is no command that is known.
+[[nodiscard]] std::optional<std::string> gvcp_request(std::span<const std::uint8_t> datagram);
 
 }  // namespace rigwire::hil

@@ -72,6 +72,9 @@ class Device {
   [[nodiscard]] virtual std::uint64_t dropped() const { return statistics_.dropped; }
   [[nodiscard]] virtual const WireStatistics& statistics() const { return statistics_; }
 
+  /// What else it counts, for the report.
+  [[nodiscard]] virtual std::vector<NamedCount> counts() const { return {}; }
+
   /// What a client asked last, as far as the device understood it; nothing before the first.
   [[nodiscard]] virtual std::optional<ClientRequest> last_request() const = 0;
 

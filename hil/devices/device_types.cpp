@@ -4,6 +4,7 @@
 #include <array>
 
 #include "hil/devices/dbc_node.h"
+#include "hil/devices/gige_camera.h"
 #include "hil/devices/rotary_encoder.h"
 #include "hil/devices/starfire.h"
 #include "hil/devices/ublox.h"
@@ -34,6 +35,10 @@ struct Text {
 template <Text kModel>
 Fresh velodyne() {
   return std::make_unique<VelodyneConfiguration>(kModel.characters);
+}
+template <class Kind, Text kModel>
+Fresh camera() {
+  return std::make_unique<GigeCameraConfiguration>(Kind(), kModel.characters);
 }
 template <emulators::OpenImuVariant kVariant>
 Fresh openimu() {
@@ -92,6 +97,8 @@ constexpr std::array kTypes{
                fresh_iso_valves},
     DeviceType{{"dbc-node", "A device of your own on CAN, described by a DBC file and a binding."},
                fresh<DbcNodeConfiguration>},
+    DeviceType{{"gige-camera", "Camera of one image, grey or colour, on GigE Vision."},
+               camera<sim::CameraParameters, "AreaCamera">},
     DeviceType{
         {"usb-joystick", "Levers, pedals and buttons of an excavator's operator, a USB joystick."},
         fresh<UsbJoystickConfiguration>},

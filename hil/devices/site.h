@@ -17,6 +17,7 @@
 #include "hil/wires/rig_modbus.h"
 #include "hil/wires/usb_bus.h"
 #include "hil/wires/usb_configuration.h"
+#include "hil/world/camera_worker.h"
 #include "hil/world/shapes.h"
 #include "hil/world/simulated_world.h"
 #include "sim/gnss/constellation.h"
@@ -63,6 +64,8 @@ class Site {
   [[nodiscard]] virtual UsbBus& usb() = 0;
 
   [[nodiscard]] virtual SimulatedWorld& world() = 0;
+  /// Light and air of the rig's cameras.
+  [[nodiscard]] virtual const std::shared_ptr<CameraSurroundings>& surroundings() const = 0;
   [[nodiscard]] virtual const std::shared_ptr<const sim::Constellation>& satellites() const = 0;
   [[nodiscard]] virtual const sim::LocalFrame& frame() const = 0;
   /// Throws std::invalid_argument when the machine has no such link.

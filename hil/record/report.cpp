@@ -65,6 +65,9 @@ std::string to_json(const RunReport& report) {
                                                     {"text", device.last_request->text}}
                                              : Json(nullptr)},
         {"stream_hash", fmt::format("{:016x}", device.statistics.hash.value())}};
+    for (const NamedCount& counted : device.counts) {
+      devices[device.name]["counts"][std::string(counted.name)] = counted.count;
+    }
   }
   json["devices"] = std::move(devices);
   json["faults"] = Json::array();

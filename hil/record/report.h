@@ -20,6 +20,7 @@ struct DeviceReport {
   std::uint64_t frames = 0;
   WireStatistics statistics;
   std::optional<ClientRequest> last_request;
+  std::vector<NamedCount> counts;  ///< Of the device's own, beside frames.
 };
 
 struct RunReport {

@@ -219,6 +219,9 @@ class Rig::DeviceSite final : public Site {
   }
   [[nodiscard]] UsbBus& usb() override { return rig_.usb(); }
   [[nodiscard]] SimulatedWorld& world() override { return rig_.world_; }
+  [[nodiscard]] const std::shared_ptr<CameraSurroundings>& surroundings() const override {
+    return rig_.surroundings_;
+  }
   [[nodiscard]] const std::shared_ptr<const sim::Constellation>& satellites() const override {
     return rig_.satellites_;
   }
@@ -270,6 +273,9 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
       calendar_(configuration.start),
       frame_(make_local_frame(configuration.origin)),
       satellites_(make_satellites(configuration.satellites, calendar_)),
+      surroundings_(std::make_shared<CameraSurroundings>(
+          calendar_, configuration.origin.latitude_deg, configuration.origin.longitude_deg,
+          configuration.scene.daylight, configuration.scene.weather)),
       world_(make_world(configuration, log)),
       executive_(io, world_),
       faults_(fault_windows(configuration)) {
@@ -429,7 +435,8 @@ std::vector<DeviceReport> Rig::device_reports() const {
   std::vector<DeviceReport> reports;
   for (const NamedDevice& device : devices_) {
     DeviceReport report{device.name, device.device->endpoint().address, device.device->frames(),
-                        device.device->statistics(), device.device->last_request()};
+                        device.device->statistics(), device.device->last_request(),
+                        device.device->counts()};
     report.statistics.dropped = device.device->dropped();
     reports.push_back(std::move(report));
   }

@@ -145,6 +145,7 @@ class Rig {
   Calendar calendar_;
   sim::LocalFrame frame_;
   std::shared_ptr<const sim::Constellation> satellites_;
+  std::shared_ptr<CameraSurroundings> surroundings_;
   SimulatedWorld world_;
   Executive executive_;
   std::map<std::string, std::unique_ptr<Bus>> buses_;

@@ -68,6 +68,24 @@ bool DatagramOutlet::transmit(std::uint64_t /*tag*/, std::span<const std::uint8_
   return socket_.send(bytes);
 }
 
+AddressedOutlet::AddressedOutlet(drivers::DatagramPort& port, WireStatistics& statistics,
+                                 std::size_t units, std::size_t bytes)
+    : QueuedOutlet(units, bytes), port_(&port), statistics_(statistics) {}
+
+void AddressedOutlet::send(SimTime due, const emulators::UdpEnd& to,
+                           std::span<const std::uint8_t> bytes, bool do_not_fragment) {
+  // Address, port and flag side by side.
+  const std::uint64_t tag = std::uint64_t{to.address} << 32U | std::uint64_t{to.port} << 16U |
+                            (do_not_fragment ? 1U : 0U);
+  queue().push(due, tag, statistics_, bytes);
+}
+
+bool AddressedOutlet::transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) {
+  return port_->send(
+      {static_cast<std::uint32_t>(tag >> 32U), static_cast<std::uint16_t>(tag >> 16U)}, bytes,
+      (tag & 1U) != 0);
+}
+
 ServerOutlet::ServerOutlet(drivers::StreamServer& server, WireStatistics& statistics)
     : QueuedOutlet(kServerUnits, kServerBytes), server_(server), statistics_(statistics) {}
 

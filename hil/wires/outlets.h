@@ -10,6 +10,7 @@
 
 #include "drivers/endpoints.h"
 #include "emulators/device.h"
+#include "emulators/gige_camera/datagram.h"
 #include "hil/executive/event_source.h"
 #include "hil/wires/emission_queue.h"
 #include "hil/wires/wire_statistics.h"
@@ -54,6 +55,22 @@ class DatagramOutlet final : public QueuedOutlet, public emulators::ByteOutput {
  private:
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
   drivers::DatagramSocket& socket_;
+  WireStatistics& statistics_;
+};
+
+/// One UDP port whose datagrams each say where they go. `units` and `bytes`: how much may wait.
+class AddressedOutlet final : public QueuedOutlet, public emulators::DatagramOutput {
+ public:
+  AddressedOutlet(drivers::DatagramPort& port, WireStatistics& statistics, std::size_t units,
+                  std::size_t bytes);
+  void send(SimTime due, const emulators::UdpEnd& to, std::span<const std::uint8_t> bytes,
+            bool do_not_fragment) override;
+  /// From now on they leave there; it must outlive the outlet.
+  void lead_to(drivers::DatagramPort& port) { port_ = &port; }
+
+ private:
+  bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
+  drivers::DatagramPort* port_;
   WireStatistics& statistics_;
 };
 

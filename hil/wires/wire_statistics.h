@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "hil/wires/latency_histogram.h"
 #include "sim/samples/time.h"
@@ -41,6 +42,12 @@ struct ClientRequest {
   std::string text;  ///< May hold what a client sent: not yet printable.
 
   friend bool operator==(const ClientRequest&, const ClientRequest&) = default;
+};
+
+/// Something that a device counts for itself: "skipped_pictures".
+struct NamedCount {
+  std::string_view name;
+  std::uint64_t count = 0;
 };
 
 struct WireStatistics {

@@ -1,0 +1,50 @@
+// A GigE Vision camera of a rig: where it is on the network, what kind it is, its mount, what the
+// device does and how well it sees. One structure for all kinds.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "emulators/gige_camera/gige_camera_settings.h"
+#include "hil/devices/device_configuration.h"
+#include "hil/world/shapes.h"
+#include "sim/camera/camera_kinds.h"
+
+namespace rigwire::hil {
+
+struct GigeCameraConfiguration final : DeviceConfigurationOf<GigeCameraConfiguration> {
+  std::string address = "127.0.0.2";  ///< Of the camera; clients ask at its port 3956.
+  bool allow_remote = false;          ///< Needed for addresses outside this machine.
+  std::string netmask = "255.0.0.0";  ///< With allow_remote: who is answered.
+  std::string gateway = "0.0.0.0";    ///< With allow_remote: what the camera tells of it.
+  std::string mac;                    ///< Empty: 02:52 and the address.
+  std::string settings_file;          ///< What a client saved; empty: lasts as long as the run.
+  MountConfiguration mount;           ///< Frame S: x forward along the optical axis.
+  bool sees_own_link = false;         ///< Whether shapes of the mount's link can be seen.
+  Duration processing = std::chrono::milliseconds(100);
+  emulators::GigeCameraSettings camera;  ///< But for what settings_of() fills in from the others.
+  sim::CameraKind sensor;
+
+  /// The kind's values stand for its defaults; `model` is what the device calls itself.
+  explicit GigeCameraConfiguration(sim::CameraKind kind = sim::CameraParameters(),
+                                   std::string_view model = "AreaCamera");
+
+  void visit(fields::Visitor& v) override;
+  void validate() const override;
+  void check(const std::string& at, RigCheck& check) const override;
+  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override;
+  [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
+  [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;
+  [[nodiscard]] DeviceDescription describe() const override;
+  [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
+};
+
+/// What the emulator is to be given: with what its sensor can do and where it is on the network.
+/// Throws std::invalid_argument for addresses that are none, and for sensors that make no camera.
+[[nodiscard]] emulators::GigeCameraSettings settings_of(
+    const GigeCameraConfiguration& configuration);
+
+}  // namespace rigwire::hil

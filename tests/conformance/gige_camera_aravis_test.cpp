@@ -1,0 +1,192 @@
+// libaravis against cameras of a running rig: time stamps, chunks, triggers, several parts, several
+// cameras.
+#include <arv.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gige_camera_rig.h"
+
+namespace rigwire::conformance {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Release {
+  void operator()(void* object) const { g_object_unref(object); }
+};
+using Buffer = std::unique_ptr<ArvBuffer, Release>;
+
+/// Fails the test where Aravis tells of an error.
+class Outcome {
+ public:
+  explicit Outcome(const char* doing) : doing_(doing) {}
+  ~Outcome() {
+    if (error_ != nullptr) {
+      ADD_FAILURE() << doing_ << ": " << error_->message;
+      g_error_free(error_);
+    }
+  }
+  Outcome(const Outcome&) = delete;
+  Outcome& operator=(const Outcome&) = delete;
+  operator GError**() { return &error_; }  // NOLINT: as Aravis takes it
+
+ private:
+  const char* doing_;
+  GError* error_ = nullptr;
+};
+
+/// One camera under our control.
+class Client {
+ public:
+  /// Tries until it is there.
+  explicit Client(const std::string& address) {
+    EXPECT_TRUE(test::eventually(
+        [&] {
+          GError* error = nullptr;
+          camera_.reset(arv_camera_new(address.c_str(), &error));
+          g_clear_error(&error);
+          return camera_ != nullptr;
+        },
+        60s))
+        << "no camera at " << address;
+    arv_camera_gv_set_stream_options(camera_.get(), ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
+    arv_camera_gv_set_packet_size_adjustment(camera_.get(), ARV_GV_PACKET_SIZE_ADJUSTMENT_NEVER);
+  }
+  [[nodiscard]] ArvCamera* get() const { return camera_.get(); }
+
+  void start() {
+    stream_.reset(arv_camera_create_stream(get(), nullptr, nullptr, Outcome("stream")));
+    ASSERT_NE(stream_, nullptr);
+    // Patience: the machine of a test may be busy.
+    g_object_set(stream_.get(), "frame-retention", 3'000'000U, "packet-request-ratio", 2.0,
+                 nullptr);
+    const guint payload = arv_camera_get_payload(get(), Outcome("payload"));
+    for (int i = 0; i < 30; ++i) {
+      arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(payload));
+    }
+    arv_camera_start_acquisition(get(), Outcome("start"));
+  }
+  void stop() { arv_camera_stop_acquisition(get(), Outcome("stop")); }
+
+  /// The next picture, whole; null when none comes within the patience.
+  Buffer next(std::chrono::milliseconds patience = 20s) {
+    Buffer buffer(arv_stream_timeout_pop_buffer(
+        stream_.get(), static_cast<guint64>(std::chrono::microseconds(patience).count())));
+    if (buffer) {
+      EXPECT_EQ(arv_buffer_get_status(buffer.get()), ARV_BUFFER_STATUS_SUCCESS);
+    }
+    return buffer;
+  }
+
+ private:
+  std::unique_ptr<ArvCamera, Release> camera_;
+  std::unique_ptr<ArvStream, Release> stream_;
+};
+
+TEST(GigeCameraAravis, time_stamps_are_simulated_time_to_the_nanosecond) {
+  const std::string address = own_address();
+  GigeCameraRig rig(camera_yaml("stamp", "gige-camera", address));
+  Client client(address);
+  arv_camera_set_frame_rate(client.get(), 20.0, Outcome("rate"));
+  client.start();
+  guint64 before = 0;
+  for (int i = 0; i < 20; ++i) {
+    const Buffer picture = client.next();
+    ASSERT_TRUE(picture) << i;
+    const guint64 stamp = arv_buffer_get_timestamp(picture.get());
+    if (i > 0) {
+      EXPECT_GT(stamp, before);
+      EXPECT_EQ((stamp - before) % 50'000'000, 0U) << i;
+    }
+    before = stamp;
+    EXPECT_EQ(arv_buffer_get_image_width(picture.get()), 640);
+    EXPECT_EQ(arv_buffer_get_image_height(picture.get()), 480);
+    EXPECT_EQ(arv_buffer_get_image_pixel_format(picture.get()), ARV_PIXEL_FORMAT_MONO_8);
+  }
+}
+
+TEST(GigeCameraAravis, chunks_say_what_the_picture_was_taken_with) {
+  const std::string address = own_address();
+  GigeCameraRig rig(camera_yaml("chunk", "gige-camera", address));
+  Client client(address);
+  arv_camera_set_exposure_time(client.get(), 1500.0, Outcome("exposure"));
+  arv_camera_set_gain(client.get(), 6.5, Outcome("gain"));
+  arv_camera_set_chunks(client.get(), "Timestamp,FrameID,ExposureTime,Gain", Outcome("chunks"));
+  const std::unique_ptr<ArvChunkParser, Release> parser(
+      arv_camera_create_chunk_parser(client.get()));
+  client.start();
+  for (int i = 0; i < 5; ++i) {
+    const Buffer picture = client.next();
+    ASSERT_TRUE(picture) << i;
+    ASSERT_TRUE(arv_buffer_has_chunks(picture.get()));
+    const auto integer = [&](const char* chunk) {
+      return arv_chunk_parser_get_integer_value(parser.get(), picture.get(), chunk, Outcome(chunk));
+    };
+    const auto real = [&](const char* chunk) {
+      return arv_chunk_parser_get_float_value(parser.get(), picture.get(), chunk, Outcome(chunk));
+    };
+    EXPECT_EQ(static_cast<guint64>(integer("ChunkTimestamp")),
+              arv_buffer_get_timestamp(picture.get()));
+    EXPECT_EQ(static_cast<guint64>(integer("ChunkFrameID")),
+              arv_buffer_get_frame_id(picture.get()));
+    EXPECT_DOUBLE_EQ(real("ChunkExposureTime"), 1500.0);
+    EXPECT_DOUBLE_EQ(real("ChunkGain"), 6.5);
+  }
+}
+
+TEST(GigeCameraAravis, trigger_by_software_makes_one_picture_and_none_comes_without) {
+  const std::string address = own_address();
+  GigeCameraRig rig(camera_yaml("soft", "gige-camera", address, "    processing: 1 s\n"));
+  Client client(address);
+  arv_camera_set_trigger(client.get(), "Software", Outcome("trigger"));
+  client.start();
+  EXPECT_FALSE(client.next(1500ms));
+  guint64 before = 0;
+  for (int i = 0; i < 3; ++i) {
+    arv_camera_software_trigger(client.get(), Outcome("software trigger"));
+    const Buffer picture = client.next();
+    ASSERT_TRUE(picture) << i;
+    EXPECT_GT(arv_buffer_get_timestamp(picture.get()), before);
+    before = arv_buffer_get_timestamp(picture.get());
+    EXPECT_FALSE(client.next(300ms)) << "a second picture of trigger " << i;
+  }
+}
+
+TEST(GigeCameraAravis, cameras_on_one_line_expose_together) {
+  const std::string left = own_address();
+  const std::string right = own_address();
+  const std::string line = "    line: {first: 130 ms, period: 200 ms}\n    processing: 1 s\n";
+  GigeCameraRig rig(camera_yaml("left", "gige-camera", left, line) +
+                    camera_yaml("right", "gige-camera", right, line));
+  Client a(left);
+  Client b(right);
+  for (const Client* client : {&a, &b}) {
+    arv_camera_set_trigger(client->get(), "Line0", Outcome("trigger"));
+  }
+  a.start();
+  b.start();
+  std::vector<guint64> of_a;
+  std::vector<guint64> of_b;
+  for (int i = 0; i < 10; ++i) {
+    const Buffer one = a.next();
+    const Buffer other = b.next();
+    ASSERT_TRUE(one && other) << i;
+    of_a.push_back(arv_buffer_get_timestamp(one.get()));
+    of_b.push_back(arv_buffer_get_timestamp(other.get()));
+    EXPECT_EQ(of_a.back() % 200'000'000, 130'000'000U);
+    EXPECT_EQ(of_b.back() % 200'000'000, 130'000'000U);
+  }
+  // One started a little later; after that they saw the same pulses.
+  std::size_t both = 0;
+  for (const guint64 stamp : of_a) {
+    both += static_cast<std::size_t>(std::ranges::count(of_b, stamp));
+  }
+  EXPECT_GE(both, 5U);
+}
+
+}  // namespace
+}  // namespace rigwire::conformance

@@ -1,0 +1,183 @@
+// Aravis' own programs, unmodified, against cameras of a running rig: found, described, set,
+// streamed from; with packets that are lost, and with clients that are killed. A program that is
+// not installed is a failure.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <string>
+
+#include "gige_camera_rig.h"
+
+namespace rigwire::conformance {
+namespace {
+
+using namespace std::chrono_literals;
+using test::ChildProcess;
+using test::eventually;
+using ::testing::HasSubstr;
+
+class GigeCameraPrograms : public ::testing::Test {
+ protected:
+  /// What a program has said, when it has ended; it must end well.
+  std::string run(const std::vector<std::string>& command) {
+    const auto log = scratch_.folder / ("program" + std::to_string(++runs_) + ".log");
+    ChildProcess program(command, log);
+    EXPECT_EQ(program.wait(60s), 0) << command[0] << ": " << program.output();
+    return program.output();
+  }
+  std::string tool(const std::string& address, std::vector<std::string> arguments) {
+    std::vector<std::string> command{"arv-tool-0.8"};
+    if (!address.empty()) {
+      command.insert(command.end(), {"-a", address});
+    }
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return run(command);
+  }
+  /// By broadcast, until a camera at that address has answered.
+  void await(GigeCameraRig& rig, const std::string& address) {
+    ASSERT_TRUE(eventually([&] { return tool("", {}).find(address) != std::string::npos; }, 60s))
+        << rig.process->output();
+  }
+  static std::vector<std::string> camera_test(const std::string& address, int seconds,
+                                              const std::vector<std::string>& more = {}) {
+    std::vector<std::string> command{
+        "arv-camera-test-0.8", "--no-packet-socket",   "-n", address, "-f", "20",
+        "--duration",          std::to_string(seconds)};
+    command.insert(command.end(), more.begin(), more.end());
+    return command;
+  }
+  /// A number of the summary: "n_completed_buffers    = 97".
+  static int number(const std::string& text, const std::string& name) {
+    const std::size_t at = text.rfind(name);
+    int value = -1;
+    if (at != std::string::npos) {
+      (void)std::sscanf(text.c_str() + at + name.size(), " = %d", &value);
+    }
+    EXPECT_GE(value, 0) << name << " is not in: " << text;
+    return value;
+  }
+
+  test::PrivateWires scratch_;
+  int runs_ = 0;
+};
+
+TEST_F(GigeCameraPrograms, arv_tool_finds_describes_reads_and_writes) {
+  const std::string address = own_address();
+  const std::string other = own_address();
+  GigeCameraRig rig(camera_yaml("left", "gige-camera", address) +
+                    camera_yaml("right", "gige-camera", other));
+  await(rig, address);
+  const std::string list = tool("", {});
+  EXPECT_THAT(list, HasSubstr("Rigwire-AreaCamera-left"));
+  EXPECT_THAT(list, HasSubstr(other));
+
+  EXPECT_THAT(tool(address, {"genicam"}), HasSubstr("<RegisterDescription"));
+  EXPECT_THAT(tool(address, {"features"}), HasSubstr("AcquisitionFrameRate"));
+  const std::string values =
+      tool(address, {"control", "Width=320", "OffsetX=64", "Width", "OffsetX", "ExposureTime=2500",
+                     "ExposureTime", "PixelFormat=Mono12", "PixelFormat", "DeviceVendorName"});
+  EXPECT_THAT(values, HasSubstr("Width = 320"));
+  EXPECT_THAT(values, HasSubstr("OffsetX = 64"));
+  EXPECT_THAT(values, HasSubstr("ExposureTime = 2500"));
+  EXPECT_THAT(values, HasSubstr("PixelFormat = Mono12"));
+  EXPECT_THAT(values, HasSubstr("DeviceVendorName = Rigwire"));
+  // The one beside it has heard nothing of that.
+  EXPECT_THAT(tool(other, {"control", "Width"}), HasSubstr("Width = 640"));
+}
+
+TEST_F(GigeCameraPrograms, arv_camera_test_streams_without_a_failed_buffer) {
+  const std::string address = own_address();
+  GigeCameraRig rig(camera_yaml("steady", "gige-camera", address));
+  await(rig, address);
+  const std::string said = run(camera_test(address, 6));
+  EXPECT_GT(number(said, "n_completed_buffers"), 20) << said;
+  EXPECT_EQ(number(said, "n_failures"), 0) << said;
+  EXPECT_THAT(rig.report(), HasSubstr("\"skipped_pictures\""));
+}
+
+TEST_F(GigeCameraPrograms, lost_packets_are_sent_again_where_they_are_asked_for) {
+  const std::string address = own_address();
+  GigeCameraRig rig(camera_yaml("lossy", "gige-camera", address,
+                                "    faults: [{type: lost_packets, at: 0 s, for: 1000 s, "
+                                "probability: 1 %}]\n"));
+  await(rig, address);
+  // Small packets, so that each picture loses some; and patience, since the machine of a test may
+  // be busy.
+  const std::vector<std::string> small{"-i", "1500", "-j", "never", "-m", "3000", "-q", "2"};
+  const std::string patched = run(camera_test(address, 6, small));
+  EXPECT_GT(number(patched, "n_completed_buffers"), 20) << patched;
+  EXPECT_EQ(number(patched, "n_failures"), 0) << patched;
+  const std::string torn = run(camera_test(address, 4, {"-i", "1500", "-j", "never", "-r"}));
+  EXPECT_GT(number(torn, "n_failures"), 0) << torn;
+}
+
+TEST_F(GigeCameraPrograms, client_that_is_killed_leaves_the_camera_to_the_next) {
+  const std::string address = own_address();
+  GigeCameraRig rig(camera_yaml("left_alone", "gige-camera", address));
+  await(rig, address);
+  {
+    std::vector<std::string> command = camera_test(address, 100);
+    command.insert(command.begin(), {"stdbuf", "-oL"});
+    ChildProcess killed(command, scratch_.folder / "killed.log");
+    ASSERT_TRUE(
+        eventually([&] { return killed.output().find("frames/s") != std::string::npos; }, 60s))
+        << killed.output();
+    killed.signal(SIGKILL);
+    killed.wait();
+  }
+  // Its heartbeat has to run out first: 3 s.
+  std::this_thread::sleep_for(4s);
+  const std::string said = run(camera_test(address, 4));
+  EXPECT_GT(number(said, "n_completed_buffers"), 10) << said;
+  EXPECT_EQ(number(said, "n_failures"), 0) << said;
+}
+
+/// As an ordinary user, whose clients cannot open packet sockets.
+std::vector<std::string> unprivileged(const std::vector<std::string>& command) {
+  std::vector<std::string> all;
+  if (::getuid() == 0) {
+    all = {"setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"};
+  }
+  all.insert(all.end(), command.begin(), command.end());
+  return all;
+}
+
+TEST_F(GigeCameraPrograms, gstreamer_and_opencv_read_pictures) {
+  const std::string address = own_address();
+  GigeCameraRig rig(
+      camera_yaml("gst", "gige-camera", address, "    rate: 5 Hz\n    exposure_auto: true\n"));
+  await(rig, address);
+  std::filesystem::permissions(scratch_.folder, std::filesystem::perms::all);
+  ::setenv("GST_REGISTRY", (scratch_.folder / "registry.bin").c_str(), 1);
+  const auto png = scratch_.folder / "picture.png";
+  run(unprivileged({"gst-launch-1.0", "aravissrc", "camera-name=" + address, "num-buffers=3", "!",
+                    "video/x-raw,format=GRAY8,width=640,height=480", "!", "videoconvert", "!",
+                    "pngenc", "snapshot=true", "!", "filesink", "location=" + png.string()}));
+  ASSERT_TRUE(std::filesystem::exists(png));
+  EXPECT_GT(std::filesystem::file_size(png), 20'000U);
+
+  const auto script = scratch_.folder / "read.py";
+  std::ofstream(script) << R"(
+import sys, cv2
+still = cv2.imread(sys.argv[2], cv2.IMREAD_GRAYSCALE)
+assert still.shape == (480, 640)
+assert still.std() > 5, 'nothing to see'
+stream = cv2.VideoCapture('aravissrc camera-name=' + sys.argv[1] +
+                          ' ! video/x-raw,format=GRAY8,width=640,height=480 ! appsink',
+                          cv2.CAP_GSTREAMER)
+assert stream.isOpened()
+for i in range(5):
+    ok, picture = stream.read()
+    assert ok and picture.shape[:2] == (480, 640)
+# The machine stands: but for noise the stream shows what the still shows.
+difference = cv2.absdiff(still, picture if picture.ndim == 2 else picture[:, :, 0])
+assert difference.mean() < 4, difference.mean()
+print('seen')
+)";
+  EXPECT_THAT(run(unprivileged({"/usr/bin/python3", script.string(), address, png.string()})),
+              HasSubstr("seen"));
+}
+
+}  // namespace
+}  // namespace rigwire::conformance

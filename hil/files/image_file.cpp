@@ -3,6 +3,7 @@
 #include <png.h>
 
 #include <algorithm>
+#include <array>
 #include <csetjmp>
 #include <cstring>
 #include <fstream>
@@ -65,6 +66,41 @@ bool decode(png_structp png, png_infop info, Image& image, std::vector<std::uint
   return true;
 }
 
+/// What libpng's callbacks share with encode().
+struct Writing {
+  std::vector<std::uint8_t>& bytes;
+  char error[160] = {};
+};
+
+void give(png_structp png, png_bytep data, std::size_t count) {
+  auto& bytes = static_cast<Writing*>(png_get_io_ptr(png))->bytes;
+  bytes.insert(bytes.end(), data, data + count);
+}
+
+void nothing_to_flush(png_structp /*png*/) {}
+
+[[noreturn]] void fail_writing(png_structp png, png_const_charp text) {
+  auto& writing = *static_cast<Writing*>(png_get_error_ptr(png));
+  std::strncpy(writing.error, text, sizeof writing.error - 1);
+  png_longjmp(png, 1);
+}
+
+/// False with writing.error set. `rows` belong to the caller.
+bool encode(png_structp png, png_infop info, const Image& image, std::vector<png_bytep>& rows) {
+  if (setjmp(png_jmpbuf(png)) != 0) {  // NOLINT: the library's way
+    return false;
+  }
+  constexpr std::array<int, 4> kColourTypes{PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA,
+                                            PNG_COLOR_TYPE_RGB, PNG_COLOR_TYPE_RGB_ALPHA};
+  png_set_IHDR(png, info, static_cast<png_uint_32>(image.columns),
+               static_cast<png_uint_32>(image.rows), image.bits, kColourTypes[image.channels - 1],
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, info);
+  png_write_image(png, rows.data());
+  png_write_end(png, nullptr);
+  return true;
+}
+
 }  // namespace
 
 Image decode_png(std::span<const std::uint8_t> bytes, const std::string& who) {
@@ -102,6 +138,46 @@ Image read_png(const std::filesystem::path& file, const std::string& who) {
   }
   const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
   return decode_png(bytes, who);
+}
+
+std::vector<std::uint8_t> encode_png(const Image& image) {
+  const bool shaped = image.columns > 0 && image.rows > 0 && image.columns <= kMostPixels &&
+                      image.rows <= kMostPixels && image.channels >= 1 && image.channels <= 4 &&
+                      (image.bits == 8 || image.bits == 16) &&
+                      image.samples.size() == image.columns * image.rows * image.channels;
+  if (!shaped) {
+    throw std::invalid_argument("an image of " + std::to_string(image.columns) + " x " +
+                                std::to_string(image.rows) + " pixels, " +
+                                std::to_string(image.channels) + " channels of " +
+                                std::to_string(image.bits) + " bits is none that PNG holds");
+  }
+  const std::size_t row_samples = image.columns * image.channels;
+  const std::size_t row_bytes = row_samples * static_cast<std::size_t>(image.bits) / 8;
+  std::vector<std::uint8_t> pixels(row_bytes * image.rows);
+  for (std::size_t i = 0; i < image.samples.size(); ++i) {
+    if (image.bits == 16) {
+      pixels[2 * i] = static_cast<std::uint8_t>(image.samples[i] >> 8U);
+      pixels[2 * i + 1] = static_cast<std::uint8_t>(image.samples[i] & 0xFFU);
+    } else {
+      pixels[i] = static_cast<std::uint8_t>(image.samples[i]);
+    }
+  }
+  std::vector<png_bytep> rows(image.rows);
+  for (std::size_t r = 0; r < image.rows; ++r) {
+    rows[r] = pixels.data() + r * row_bytes;
+  }
+  std::vector<std::uint8_t> bytes;
+  Writing writing{bytes};
+  png_structp png =
+      png_create_write_struct(PNG_LIBPNG_VER_STRING, &writing, fail_writing, ignore_warning);
+  png_infop info = png_create_info_struct(png);
+  png_set_write_fn(png, &writing, give, nothing_to_flush);
+  const bool good = encode(png, info, image, rows);
+  png_destroy_write_struct(&png, &info);
+  if (!good) {
+    throw std::runtime_error(std::string("a PNG image cannot be made: ") + writing.error);
+  }
+  return bytes;
 }
 
 }  // namespace rigwire::hil

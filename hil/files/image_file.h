@@ -1,4 +1,4 @@
-// Images from PNG files (ISO/IEC 15948): textures' alpha, and heights.
+// Images in PNG files (ISO/IEC 15948): textures' alpha, heights, pictures of cameras.
 #pragma once
 
 #include <cstddef>
@@ -31,5 +31,10 @@ struct Image {
 [[nodiscard]] Image decode_png(std::span<const std::uint8_t> bytes, const std::string& who);
 /// The same from a file, also when it cannot be read.
 [[nodiscard]] Image read_png(const std::filesystem::path& file, const std::string& who);
+
+/// The image as a PNG file has it, of the same samples; the same image gives the same bytes. Throws
+/// std::invalid_argument when it has no pixels, more than 16384 along a side, or samples that do
+/// not match its shape; std::runtime_error when libpng refuses it.
+[[nodiscard]] std::vector<std::uint8_t> encode_png(const Image& image);
 
 }  // namespace rigwire::hil

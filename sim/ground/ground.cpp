@@ -27,10 +27,22 @@ void check_obstacle(const Obstacle& obstacle, std::size_t index) {
       !(R_WO.transpose() * R_WO).isApprox(Eigen::Matrix3d::Identity(), 1e-9)) {
     refuse(name + ": X_WO is not a finite pose");
   }
-  // A sphere has one length, a cylinder two.
+  if ((obstacle.shape == ObstacleShape::hull) != (obstacle.hull != nullptr)) {
+    refuse(name + ": a hull needs its shape, and no other has one");
+  }
+  if (!(obstacle.strength_nm > 0.0)) {
+    refuse(name + ": strength_nm is " + std::to_string(obstacle.strength_nm) +
+           ", allowed: greater than 0");
+  }
+  if (!std::isfinite(obstacle.stiffness_npm) || obstacle.stiffness_npm < 0.0) {
+    refuse(name + ": stiffness_npm is " + std::to_string(obstacle.stiffness_npm) +
+           ", allowed: finite and at least 0");
+  }
+  // A sphere has one length, a cylinder two, a hull none.
   for (const Eigen::Index i : {0, 1, 2}) {
-    const bool used = i == 0 || obstacle.shape == ObstacleShape::box ||
-                      (i == 2 && obstacle.shape == ObstacleShape::cylinder);
+    const bool used = obstacle.shape != ObstacleShape::hull &&
+                      (i == 0 || obstacle.shape == ObstacleShape::box ||
+                       (i == 2 && obstacle.shape == ObstacleShape::cylinder));
     const double half = obstacle.half_lengths_m[i];
     if (used && (!std::isfinite(half) || !(half > 0.0))) {
       refuse(name + ": half_lengths_m[" + std::to_string(i) + "] is " + std::to_string(half) +
@@ -74,6 +86,7 @@ Ground::Ground(HeightField field, SoilMap soils, std::vector<Obstacle> obstacles
   }
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
     check_obstacle(obstacles_[i], i);
+    shapes_.push_back(shape_of(obstacles_[i]));
   }
   fill_bins();
 }
@@ -162,6 +175,13 @@ void Ground::near_obstacles(const Eigen::Vector2d& lower_m, const Eigen::Vector2
       }
     }
   }
+}
+
+void Ground::obstacles_near(const Eigen::Vector2d& lower_m, const Eigen::Vector2d& upper_m,
+                            std::vector<std::uint32_t>& found) const {
+  near_obstacles(lower_m, upper_m, [&](const Obstacle& obstacle) {
+    found.push_back(static_cast<std::uint32_t>(&obstacle - obstacles_.data()));
+  });
 }
 
 Ground::TerrainPoint Ground::terrain(double x_m, double y_m) const {

@@ -8,9 +8,13 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "sim/contact/convex_shape.h"
 #include "sim/ground/soil.h"
 #include "sim/scene/height_field.h"
 
@@ -20,6 +24,7 @@ enum class ObstacleShape : std::uint8_t {
   box,       ///< Half lengths along its axes.
   sphere,    ///< half_lengths_m.x() is the radius.
   cylinder,  ///< Upright in its frame: x() the radius, z() half the height.
+  hull,      ///< Obstacle::hull.
 };
 
 /// A solid thing that wheels roll over and bodies run into.
@@ -28,6 +33,15 @@ struct Obstacle {
   Eigen::Isometry3d X_WO = Eigen::Isometry3d::Identity();
   Eigen::Vector3d half_lengths_m = Eigen::Vector3d::Constant(0.5);
   double friction = 0.7;
+  std::shared_ptr<const ConvexShape> hull;  ///< Of that shape alone.
+  /// The moment about its foot that it bears before it breaks or is uprooted; infinite: any.
+  double strength_nm = std::numeric_limits<double>::infinity();
+  double stiffness_npm = 0.0;  ///< Of itself, where a machine hits it; 0: rigid.
+
+  /// The lower end of its own z axis.
+  [[nodiscard]] Eigen::Vector3d foot_W() const {
+    return X_WO.translation() - half_lengths_m.z() * X_WO.linear().col(2);
+  }
 };
 
 /// Which soil lies where: index into the list of soils, one byte per cell of the terrain, row by
@@ -81,6 +95,12 @@ class Ground {
   /// Whether the point lies inside the terrain or an obstacle; the deepest when in several.
   [[nodiscard]] std::optional<Penetration> penetration(const Eigen::Vector3d& p_W) const;
 
+  [[nodiscard]] std::span<const Obstacle> obstacles() const { return obstacles_; }
+  [[nodiscard]] const ConvexShape& shape(std::size_t obstacle) const { return shapes_[obstacle]; }
+  /// Appends the indices of those that may touch the rectangle, some twice.
+  void obstacles_near(const Eigen::Vector2d& lower_m, const Eigen::Vector2d& upper_m,
+                      std::vector<std::uint32_t>& found) const;
+
   /// Where a wheel meets the surface: the disc of that radius about `centre_W`, square to the unit
   /// `axis_W`, so that banks, steps and rocks are felt in front. Nothing when it does not touch.
   ///
@@ -124,6 +144,7 @@ class Ground {
   HeightField field_;
   SoilMap soils_;
   std::vector<Obstacle> obstacles_;
+  std::vector<ConvexShape> shapes_;  ///< Of the obstacles.
   // A grid over the obstacles, so that a look-up costs the same with one and with thousands.
   double bin_m_ = 4.0;
   Eigen::Vector2d bin_origin_m_ = Eigen::Vector2d::Zero();

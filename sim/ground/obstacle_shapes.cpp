@@ -10,6 +10,39 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
+/// Nearest point of a hull to a point in front of one of its faces: on that face or its rim.
+Vector nearest_on(const ConvexShape& hull, const Vector& p) {
+  Vector best = p;
+  double least = std::numeric_limits<double>::infinity();
+  for (const ConvexShape::Face& face : hull.faces()) {
+    const double height = face.normal.dot(p) - face.offset_m;
+    if (height <= 0.0) {
+      continue;
+    }
+    Vector foot = p - height * face.normal;
+    bool within = true;
+    const std::size_t corners = face.around.size();
+    for (std::size_t i = 0; i < corners; ++i) {
+      const Vector& from = face.around[i];
+      const Vector edge = face.around[(i + 1) % corners] - from;
+      if (face.normal.cross(edge).dot(foot - from) < 0.0) {
+        within = false;
+        const double t = std::clamp(edge.dot(p - from) / edge.squaredNorm(), 0.0, 1.0);
+        const Vector on_edge = from + t * edge;
+        if ((p - on_edge).squaredNorm() < least) {
+          least = (p - on_edge).squaredNorm();
+          best = on_edge;
+        }
+      }
+    }
+    if (within && height * height < least) {
+      least = height * height;
+      best = foot;
+    }
+  }
+  return best;
+}
+
 /// Nearest point of the solid to p, both in the obstacle's frame.
 Vector nearest(const Obstacle& obstacle, const Vector& p) {
   const Vector& half = obstacle.half_lengths_m;
@@ -25,6 +58,8 @@ Vector nearest(const Obstacle& obstacle, const Vector& p) {
       const double scale = distance > half.x() ? half.x() / distance : 1.0;
       return {scale * p.x(), scale * p.y(), std::clamp(p.z(), -half.z(), half.z())};
     }
+    case ObstacleShape::hull:
+      return nearest_on(*obstacle.hull, p);
   }
   return p;
 }
@@ -40,6 +75,8 @@ double reach(const Obstacle& obstacle, const Vector& direction) {
     case ObstacleShape::cylinder:
       return half.x() * std::hypot(direction.x(), direction.y()) +
              half.z() * std::abs(direction.z());
+    case ObstacleShape::hull:
+      return obstacle.hull->support(direction).dot(direction);
   }
   return 0.0;
 }
@@ -72,6 +109,13 @@ Depth depth_inside(const Obstacle& obstacle, const Vector& p) {
       const Vector outward =
           distance > 0.0 ? Vector(p.x() / distance, p.y() / distance, 0.0) : Vector::UnitX();
       return lesser(axis_depth(2), {half.x() - distance, outward});
+    }
+    case ObstacleShape::hull: {
+      Depth least{std::numeric_limits<double>::infinity(), Vector::UnitZ()};
+      for (const ConvexShape::Face& face : obstacle.hull->faces()) {
+        least = lesser(least, {face.offset_m - face.normal.dot(p), face.normal});
+      }
+      return least;
     }
   }
   return {-1.0, Vector::UnitZ()};
@@ -119,6 +163,20 @@ bool clip_line(const Obstacle& obstacle, const Vector& p, const Vector& d, doubl
     case ObstacleShape::cylinder:
       return clip(p.z(), d.z(), half.z(), t_in, t_out) &&
              clip_round({p.x(), p.y(), 0.0}, {d.x(), d.y(), 0.0}, half.x(), t_in, t_out);
+    case ObstacleShape::hull:
+      for (const ConvexShape::Face& face : obstacle.hull->faces()) {
+        // Behind the face's plane: normal . (p + t d) <= offset.
+        const double rise = face.normal.dot(d);
+        const double room = face.offset_m - face.normal.dot(p);
+        if (rise > 0.0) {
+          t_out = std::min(t_out, room / rise);
+        } else if (rise < 0.0) {
+          t_in = std::max(t_in, room / rise);
+        } else if (room < 0.0) {
+          return false;
+        }
+      }
+      return t_in <= t_out;
   }
   return false;
 }
@@ -162,11 +220,27 @@ double plane_multiplier(const Obstacle& obstacle, const Vector& c, const Vector&
 
 }  // namespace
 
+ConvexShape shape_of(const Obstacle& obstacle) {
+  const Vector& half = obstacle.half_lengths_m;
+  switch (obstacle.shape) {
+    case ObstacleShape::box:
+      break;
+    case ObstacleShape::sphere:
+      return ConvexShape::sphere(half.x());
+    case ObstacleShape::cylinder:
+      return ConvexShape::cylinder(half.x(), half.z());
+    case ObstacleShape::hull:
+      return *obstacle.hull;
+  }
+  return ConvexShape::box(half);
+}
+
 ObstacleBounds bounds(const Obstacle& obstacle) {
   const Eigen::Matrix3d R_OW = obstacle.X_WO.linear().transpose();
-  const Eigen::Vector2d half(reach(obstacle, R_OW.col(0)), reach(obstacle, R_OW.col(1)));
+  const Eigen::Vector2d upper(reach(obstacle, R_OW.col(0)), reach(obstacle, R_OW.col(1)));
+  const Eigen::Vector2d lower(reach(obstacle, -R_OW.col(0)), reach(obstacle, -R_OW.col(1)));
   const Eigen::Vector2d middle = obstacle.X_WO.translation().head<2>();
-  return {middle - half, middle + half};
+  return {middle - lower, middle + upper};
 }
 
 std::optional<ObstacleTop> top(const Obstacle& obstacle, double x_m, double y_m) {

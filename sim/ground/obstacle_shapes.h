@@ -1,4 +1,4 @@
-// Geometry of one obstacle (box, sphere, cylinder): what the ground asks of its shape.
+// Geometry of one obstacle (box, sphere, cylinder, hull): what the ground asks of its shape.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -7,6 +7,9 @@
 #include "sim/ground/ground.h"
 
 namespace rigwire::sim {
+
+/// The obstacle as contact sees it, in its own frame.
+[[nodiscard]] ConvexShape shape_of(const Obstacle& obstacle);
 
 /// The rectangle of the horizontal plane in which the obstacle lies.
 struct ObstacleBounds {

@@ -1,0 +1,182 @@
+// One point at which a machine's body meets something solid, as a solver of velocities sees it:
+// three directions, in each a force linear in the velocity at the step's end, and limits.
+//
+// Along the normal, with overlap d (negative: a gap) and u the speed at which the bodies part,
+//
+//     F = k (d - h u) - c(d) u,    0 <= F <= greatest
+//
+// implicit, so that no stiffness asks for a smaller step; the gap counts, so that the force begins
+// where the gap would close within the step (speculative); the damping c sets in over the first
+// millimetre of overlap, so that the force is continuous in the depth. Across: a bristle in each of
+// two directions (bristle.h), together within the cone of friction. The solver puts acting() on
+// both sides of its system and calls changes() with the velocities found until nothing does
+// (clamp last), then settle().
+//
+// Energy: the spring is stored, all else is lost; lost_j() never falls by more than the solver's
+// order of step (docs/accuracy).
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "sim/contact/bristle.h"
+
+namespace rigwire::sim {
+
+/// How a pair of bodies pushes at one of its points.
+struct ContactLaw {
+  double stiffness_npm = 1e6;
+  double damping_nspm = 1e4;
+  double friction = 0.6;
+  double greatest_n = 1e300;  ///< What the weaker one bears before it gives way.
+};
+
+/// Friction that a point carries from step to step.
+struct ContactFriction {
+  std::array<Bristle, 2> across;
+  Eigen::Vector3d first_W = Eigen::Vector3d::Zero();  ///< Direction of across[0].
+  std::array<double, 2> held_n{};
+  bool sliding = false;
+};
+
+struct ContactPoint {
+  std::size_t body = 0;      ///< Of the machine (ContactSet).
+  std::size_t link = 0;      ///< Of the machine's.
+  std::size_t obstacle = 0;  ///< Of the ground's.
+  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
+  /// Unit: away from the obstacle, and two across.
+  std::array<Eigen::Vector3d, 3> direction_W;
+  double gap_m = 0.0;
+  ContactLaw law;
+  ContactFriction friction;
+  std::array<ImplicitForce, 3> force;
+  std::array<double, 3> force_n{};  ///< As found.
+  std::array<double, 3> start_mps{};
+  std::array<double, 3> end_mps{};
+  bool released = false;
+  bool yielding = false;  ///< At greatest_n.
+  int switches = 0;
+
+  [[nodiscard]] BristleParameters bristle() const {
+    return {0.5 * law.stiffness_npm, law.damping_nspm, 1.0};
+  }
+
+  /// Laws of a step of h seconds, from the velocities at its start along the three directions.
+  void begin(double h, const std::array<double, 3>& start) {
+    constexpr double kDampingFrom_m = 1e-3;
+    const double depth = -gap_m;
+    const double damping = law.damping_nspm * std::clamp(depth / kDampingFrom_m, 0.0, 1.0);
+    force[0] = {law.stiffness_npm * depth, law.stiffness_npm * h + damping};
+    for (std::size_t i = 0; i < 2; ++i) {
+      force[i + 1] = friction.across[i].force(bristle(), h, 0.0);
+    }
+    start_mps = start;
+    switches = 0;
+    const double first = force[0].at(start[0]);
+    released = first < 0.0;
+    yielding = first > law.greatest_n;
+    // First guess while sliding: last step's direction under this load.
+    const double limit = law.friction * std::clamp(first, 0.0, law.greatest_n);
+    const double held = std::hypot(friction.held_n[0], friction.held_n[1]);
+    for (double& n : friction.held_n) {
+      n *= held > 0.0 ? limit / held : 0.0;
+    }
+  }
+
+  /// What holds along direction i in this pass.
+  [[nodiscard]] ImplicitForce acting(std::size_t i) const {
+    if (released) {
+      return {};
+    }
+    if (i == 0) {
+      return yielding ? ImplicitForce{law.greatest_n, 0.0} : force[0];
+    }
+    return friction.sliding ? ImplicitForce{friction.held_n[i - 1], 0.0} : force[i];
+  }
+
+  /// True when a force is at another limit than in the pass that found these velocities.
+  [[nodiscard]] bool changes(const std::array<double, 3>& found) {
+    constexpr int kSwitchesMax = 6;
+    const double free = force[0].at(found[0]);
+    bool changed = false;
+    if (((free < 0.0) != released || (free > law.greatest_n) != yielding) &&
+        switches < kSwitchesMax) {
+      ++switches;
+      released = free < 0.0;
+      yielding = free > law.greatest_n;
+      changed = true;
+    }
+    force_n[0] = released ? 0.0 : std::clamp(free, 0.0, law.greatest_n);
+    if (released) {
+      force_n[1] = force_n[2] = 0.0;
+      return changed;
+    }
+    // Coulomb's cone on the trial force of both bristles, clamped last.
+    const double limit = law.friction * force_n[0];
+    const double first = force[1].at(found[1]);
+    const double second = force[2].at(found[2]);
+    const double trial = std::hypot(first, second);
+    if (trial <= limit) {
+      changed = changed || friction.sliding;
+      friction.sliding = false;
+      force_n[1] = first;
+      force_n[2] = second;
+      return changed;
+    }
+    const std::array<double, 2> held{limit * first / trial, limit * second / trial};
+    if (!friction.sliding || std::abs(held[0] - friction.held_n[0]) > 1e-2 * limit ||
+        std::abs(held[1] - friction.held_n[1]) > 1e-2 * limit) {
+      friction.sliding = true;
+      friction.held_n = held;
+      changed = true;
+    }
+    force_n[1] = friction.held_n[0];
+    force_n[2] = friction.held_n[1];
+    return changed;
+  }
+
+  /// Ends the step with the velocities found. The work that the point has done on the machine over
+  /// it, J.
+  double settle(double h, const std::array<double, 3>& found) {
+    double work = 0.0;
+    end_mps = found;
+    for (std::size_t i = 0; i < 3; ++i) {
+      force_n[i] = acting(i).at(found[i]);
+      work += h * force_n[i] * 0.5 * (start_mps[i] + found[i]);
+    }
+    if (released) {
+      friction = {.across = {}, .first_W = friction.first_W, .held_n = {}, .sliding = false};
+      return work;
+    }
+    for (std::size_t i = 0; i < 2; ++i) {
+      friction.across[i].slide(bristle(), h, 0.0, found[i + 1]);
+    }
+    // A bristle yields as far as it was bent, not as far as its damper pushed: what it gives back
+    // was put in.
+    const double bent_n = bristle().stiffness * std::hypot(friction.across[0].deflection(),
+                                                           friction.across[1].deflection());
+    const double limit = law.friction * std::max(0.0, force_n[0]);
+    if (bent_n > limit) {
+      for (Bristle& bristle_across : friction.across) {
+        bristle_across.yield(bristle(),
+                             -bristle().stiffness * (limit / bent_n) * bristle_across.deflection());
+      }
+    }
+    return work;
+  }
+
+  /// In spring and bristles, at an overlap.
+  [[nodiscard]] double stored_j(double depth_m) const {
+    const double overlap = std::min(std::max(0.0, depth_m), law.greatest_n / law.stiffness_npm);
+    double sum = 0.5 * law.stiffness_npm * overlap * overlap;
+    for (const Bristle& bristle_across : friction.across) {
+      sum += 0.25 * law.stiffness_npm * bristle_across.deflection() * bristle_across.deflection();
+    }
+    return sum;
+  }
+};
+
+}  // namespace rigwire::sim

@@ -1,0 +1,316 @@
+#include "sim/contact/contact_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace rigwire::sim {
+namespace {
+
+using Vector = Eigen::Vector3d;
+
+constexpr std::size_t kMostPairs = 512;
+constexpr std::size_t kMostPoints = 48;
+constexpr std::size_t kMostLeaning = 64;
+constexpr double kSamePlace_m = 0.05;  // A point found again at its place on the link.
+constexpr double kHinge_rad = 0.1;     // Up to here an obstacle that yields keeps its moment,
+constexpr double kDown_rad = 0.4;      // from here on it has none.
+constexpr double kLeastHeight_m = 0.3;
+
+/// Half lengths, along the world's axes, of the box about a placed shape.
+Vector half_box(const ConvexShape& shape, const Eigen::Matrix3d& R) {
+  return R.cwiseAbs() * shape.half_lengths_m();
+}
+
+}  // namespace
+
+ContactSet::ContactSet(std::vector<ContactBody> bodies, std::size_t links, const Ground& ground)
+    : ground_(&ground), bodies_(std::move(bodies)), links_(links) {
+  for (const ContactBody& body : bodies_) {
+    if (body.link >= links_ || !(body.stiffness_npm > 0.0) || !(body.damping_nspm >= 0.0)) {
+      throw std::invalid_argument("contact: body '" + std::string(body.name) +
+                                  "' needs a link below " + std::to_string(links_) +
+                                  ", a stiffness above 0 and a damping of at least 0");
+    }
+  }
+  pairs_.reserve(kMostPairs);
+  others_.reserve(kMostPairs);
+  found_.reserve(4 * kMostPairs);
+  points_.reserve(kMostPoints);
+  pair_of_.reserve(kMostPoints);
+  leaning_.reserve(kMostLeaning);
+  at_.resize(links_);
+}
+
+Eigen::Isometry3d ContactSet::pose_of(std::size_t obstacle) const {
+  const Obstacle& still = ground_->obstacles()[obstacle];
+  Eigen::Isometry3d X_WO = still.X_WO;
+  for (const Lean& lean : leaning_) {
+    if (lean.obstacle == obstacle) {
+      // Turned about its foot, the lower end of its axis.
+      const Vector foot = still.foot_W();
+      const Eigen::Matrix3d turn = Eigen::AngleAxisd(lean.angle_rad, lean.axis_W).matrix();
+      X_WO.linear() = turn * still.X_WO.linear();
+      X_WO.translation() = foot + turn * (still.X_WO.translation() - foot);
+    }
+  }
+  return X_WO;
+}
+
+double ContactSet::strength_of(std::size_t obstacle) const {
+  const double strength = ground_->obstacles()[obstacle].strength_nm;
+  for (const Lean& lean : leaning_) {
+    if (lean.obstacle == obstacle) {
+      const double left = (kDown_rad - lean.angle_rad) / (kDown_rad - kHinge_rad);
+      return lean.down ? 0.0 : strength * std::clamp(left, 0.0, 1.0);
+    }
+  }
+  return strength;
+}
+
+ContactSet::Lean* ContactSet::lean_of(std::size_t obstacle) {
+  for (Lean& lean : leaning_) {
+    if (lean.obstacle == obstacle) {
+      return &lean;
+    }
+  }
+  return nullptr;
+}
+
+void ContactSet::look(std::span<const ContactLink> links) {
+  std::swap(pairs_, others_);
+  pairs_.clear();
+  travelled_m_ = 0.0;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const ContactBody& body = bodies_[i];
+    const Eigen::Isometry3d X_WS = links[body.link].X_WL * body.X_LS;
+    const Vector middle = X_WS * body.shape.middle_m();
+    const Vector half = half_box(body.shape, X_WS.linear()) + Vector::Constant(kSlack_m);
+    found_.clear();
+    ground_->obstacles_near(middle.head<2>() - half.head<2>(), middle.head<2>() + half.head<2>(),
+                            found_);
+    std::ranges::sort(found_);
+    found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
+    for (const std::uint32_t obstacle : found_) {
+      const Lean* lean = lean_of(obstacle);
+      const Eigen::Isometry3d X_WO = pose_of(obstacle);
+      const ConvexShape& shape = ground_->shape(obstacle);
+      const Vector way = X_WO * shape.middle_m() - middle;
+      const Vector room = half + half_box(shape, X_WO.linear());
+      if ((lean != nullptr && lean->down) || (way.cwiseAbs().array() > room.array()).any()) {
+        continue;
+      }
+      if (pairs_.size() == kMostPairs) {
+        ++dropped_;
+        continue;
+      }
+      // In the order of bodies, then obstacles, as the list of before.
+      const auto before = std::ranges::lower_bound(
+          others_, std::pair{static_cast<std::uint32_t>(i), obstacle}, {}, [](const Pair& pair) {
+            return std::pair{pair.body, pair.obstacle};
+          });
+      if (before != others_.end() && before->body == i && before->obstacle == obstacle) {
+        pairs_.push_back(*before);
+      } else {
+        Pair& pair = pairs_.emplace_back();
+        pair.body = static_cast<std::uint32_t>(i);
+        pair.obstacle = obstacle;
+      }
+    }
+  }
+}
+
+void ContactSet::begin(double h, std::span<const ContactLink> links) {
+  std::copy(links.begin(), links.end(), at_.begin());
+  points_.clear();
+  pair_of_.clear();
+  double fastest = 0.0;
+  for (const ContactBody& body : bodies_) {
+    const ContactLink& link = links[body.link];
+    const double arm = body.X_LS.translation().norm() + body.shape.reach_m();
+    fastest = std::max(fastest, link.v_WL_W.norm() + arm * link.w_WL_W.norm());
+  }
+  if (travelled_m_ > kSlack_m - kReach_m - 2.0 * h * fastest) {
+    look(links);
+  }
+  for (Pair& pair : pairs_) {
+    meet(pair, h, links);
+  }
+}
+
+void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) {
+  const ContactBody& body = bodies_[pair.body];
+  const ContactLink& link = links[body.link];
+  const Obstacle& obstacle = ground_->obstacles()[pair.obstacle];
+  const PlacedShape a{&body.shape, link.X_WL * body.X_LS};
+  const PlacedShape b{&ground_->shape(pair.obstacle), pose_of(pair.obstacle)};
+  const Vector middle = a.X_WS * body.shape.middle_m();
+  const double arm = body.X_LS.translation().norm() + body.shape.reach_m();
+  const double reach = kReach_m + h * (link.v_WL_W.norm() + arm * link.w_WL_W.norm());
+  const double strength = strength_of(pair.obstacle);
+  std::optional<Separation> found;
+  if (strength > 0.0 &&
+      !(body.least_top_m && b.support_W(Vector::UnitZ()).z() < middle.z() + *body.least_top_m)) {
+    found = closest(a, b, reach, pair.axis_W);
+  }
+  if (!found) {
+    pair.axis_W.reset();
+    pair.remembered = 0;
+    pair.pushing = false;
+    return;
+  }
+  pair.axis_W = found->normal_W;
+  const Vector& n = found->normal_W;
+  const Manifold touch = manifold(a, b, *found, reach);
+  std::array<Memory, kManifoldPoints> memory;
+  std::size_t remembered = 0;
+  // A soft obstacle in series with the body.
+  const double stiffness =
+      1.0 / (1.0 / body.stiffness_npm +
+             (obstacle.stiffness_npm > 0.0 ? 1.0 / obstacle.stiffness_npm : 0.0));
+  for (std::size_t i = 0; i < touch.count; ++i) {
+    if (points_.size() == kMostPoints) {
+      ++dropped_;
+      break;
+    }
+    ContactPoint& point = points_.emplace_back();
+    pair_of_.push_back(static_cast<std::uint32_t>(&pair - pairs_.data()));
+    point.body = pair.body;
+    point.link = body.link;
+    point.obstacle = pair.obstacle;
+    point.p_W = touch.points[i].p_W;
+    point.gap_m = touch.points[i].gap_m;
+    point.law.stiffness_npm = stiffness;
+    point.law.damping_nspm = body.damping_nspm * std::sqrt(stiffness / body.stiffness_npm);
+    point.law.friction = obstacle.friction;
+    if (std::isfinite(strength) && strength < 1e299) {
+      // The moment about the foot, shared by the points.
+      const double height = std::max(kLeastHeight_m, point.p_W.z() - obstacle.foot_W().z());
+      const double level = std::max(0.1, n.head<2>().norm());
+      point.law.greatest_n = strength / (height * level * static_cast<double>(touch.count));
+    }
+    // Friction of the nearest point of before, its directions turned with the normal.
+    const Vector p_L = link.X_WL.inverse(Eigen::Isometry) * point.p_W;
+    const Memory* near = nullptr;
+    double least = kSamePlace_m * kSamePlace_m;
+    for (std::size_t k = 0; k < pair.remembered; ++k) {
+      const double distance2 = (pair.memory[k].p_L - p_L).squaredNorm();
+      if (distance2 < least) {
+        least = distance2;
+        near = &pair.memory[k];
+      }
+    }
+    Vector across = std::abs(n.x()) < 0.8 ? Vector::UnitX() : Vector::UnitY();
+    if (near != nullptr) {
+      point.friction = near->friction;
+      if (near->friction.first_W.cross(n).squaredNorm() > 0.25) {
+        across = near->friction.first_W;
+      } else {
+        point.friction = {};
+      }
+    }
+    const Vector t1 = (across - across.dot(n) * n).normalized();
+    point.friction.first_W = t1;
+    point.direction_W = {n, t1, n.cross(t1)};
+    const Vector velocity = link.velocity_W(point.p_W);
+    point.begin(h, {n.dot(velocity), t1.dot(velocity), point.direction_W[2].dot(velocity)});
+    memory[remembered].p_L = p_L;
+    ++remembered;
+  }
+  pair.memory = memory;
+  pair.remembered = remembered;
+}
+
+void ContactSet::finish(double h, double work_j) {
+  report_.points = 0;
+  report_.force_W.setZero();
+  report_.body = {};
+  report_.obstacle.reset();
+  report_.deepest_m = 0.0;
+  work_j_ += work_j;
+  double stored = 0.0;
+  double most = 0.0;
+  std::size_t seen = 0;
+  for (Pair& pair : pairs_) {
+    const bool before = pair.pushing;
+    pair.pushing = false;
+    std::size_t i = 0;
+    for (; seen < points_.size() && &pairs_[pair_of_[seen]] == &pair; ++seen, ++i) {
+      const ContactPoint& point = points_[seen];
+      pair.memory[i].friction = point.friction;
+      const Vector force = point.force_n[0] * point.direction_W[0] +
+                           point.force_n[1] * point.direction_W[1] +
+                           point.force_n[2] * point.direction_W[2];
+      // The overlap that the step has ended with.
+      const double depth = -point.gap_m - h * point.end_mps[0];
+      stored += point.stored_j(depth);
+      report_.force_W += force;
+      report_.deepest_m = std::max(report_.deepest_m, depth);
+      if (point.force_n[0] > 0.0) {
+        pair.pushing = true;
+        ++report_.points;
+        if (force.norm() > most) {
+          most = force.norm();
+          report_.body = bodies_[point.body].name;
+          report_.obstacle = point.obstacle;
+          report_.p_W = point.p_W;
+        }
+      }
+    }
+    report_.touches += pair.pushing && !before ? 1 : 0;
+  }
+  report_.force_n = report_.force_W.norm();
+  report_.deepest_ever_m = std::max(report_.deepest_ever_m, report_.deepest_m);
+  stored_j_ = stored;
+  report_.lost_j = -work_j_ - stored_j_;
+  give_way(h);
+}
+
+void ContactSet::give_way(double h) {
+  for (const ContactPoint& point : points_) {
+    if (!point.yielding) {
+      continue;
+    }
+    // What the overlap has beyond the elastic one at the limit moves the obstacle instead.
+    const double excess =
+        -point.gap_m - h * point.end_mps[0] - point.law.greatest_n / point.law.stiffness_npm;
+    const Vector& n = point.direction_W[0];
+    const double level = n.head<2>().norm();
+    if (!(excess > 0.0) || level < 0.1) {
+      continue;
+    }
+    Lean* lean = lean_of(point.obstacle);
+    if (lean == nullptr) {
+      if (leaning_.size() == kMostLeaning) {
+        ++dropped_;
+        continue;
+      }
+      lean = &leaning_.emplace_back();
+      lean->obstacle = point.obstacle;
+    }
+    const double height =
+        std::max(kLeastHeight_m, point.p_W.z() - ground_->obstacles()[point.obstacle].foot_W().z());
+    // About the level axis square to the push, through the foot.
+    const Vector axis = Vector::UnitZ().cross(Vector(-n.x(), -n.y(), 0.0)) / level;
+    const Vector turn = lean->angle_rad * lean->axis_W + excess * level / height * axis;
+    lean->angle_rad = turn.norm();
+    lean->axis_W = lean->angle_rad > 0.0 ? Vector(turn / lean->angle_rad) : Vector::UnitX();
+    if (lean->angle_rad > kDown_rad && !lean->down) {
+      lean->down = true;
+      ++report_.felled;
+    }
+  }
+}
+
+void ContactSet::forget() {
+  pairs_.clear();
+  points_.clear();
+  pair_of_.clear();
+  travelled_m_ = kSlack_m;
+  stored_j_ = 0.0;
+  work_j_ = -report_.lost_j;
+}
+
+}  // namespace rigwire::sim

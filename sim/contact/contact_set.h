@@ -1,0 +1,166 @@
+// A machine's bodies against the solid things of its ground, step by step.
+//
+// The machine names its bodies once, each a convex shape on one of its links; the links of one
+// machine do not meet each other (their end stops do). In every inner step:
+//
+//     begin()    poses at the step's start -> who is near -> points with their laws
+//     points()   the solver puts acting() of each into its equations, asks changes() in each pass
+//     settle()   the step's end: bristles, trunks that give way, the account of energy
+//
+// Broad phase: the ground's bins, asked with boxes grown by half a metre, and asked again when the
+// fastest point of the machine can have come that far. While nothing is in there a step costs one
+// comparison. Narrow phase: closest.h with the axis kept from the step before; manifold.h.
+//
+// What an obstacle bears: Obstacle::strength_nm, a moment about its foot. Where the sum of the
+// points' horizontal forces times their heights would pass it, the obstacle gives way: it leans
+// away from the push about its foot, at constant moment up to 0.1 rad, at one that falls to nothing
+// at 0.4 rad; from there on it is down and met no more (contact.md 7; estimates).
+//
+// Deterministic; after construction begin(), settle() and all queries allocate nothing and throw
+// nothing. Pairs and points beyond the room reserved are counted in dropped().
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sim/contact/contact_point.h"
+#include "sim/contact/convex_shape.h"
+#include "sim/contact/manifold.h"
+#include "sim/ground/ground.h"
+
+namespace rigwire::sim {
+
+/// One convex body of a machine.
+struct ContactBody {
+  std::string_view name;  ///< "bucket back"; outlives the set.
+  std::size_t link = 0;
+  Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();
+  ConvexShape shape;
+  double stiffness_npm = 1.5e6;  ///< Of one point of contact.
+  double damping_nspm = 3e4;
+  /// Meets only obstacles whose top is higher than this above the body's middle: the rest is
+  /// rolled over, by wheels.
+  std::optional<double> least_top_m;
+};
+
+/// Where a link is and how it moves.
+struct ContactLink {
+  Eigen::Isometry3d X_WL = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d v_WL_W = Eigen::Vector3d::Zero();
+  Eigen::Vector3d w_WL_W = Eigen::Vector3d::Zero();
+
+  /// Of a point of the link at p_W.
+  [[nodiscard]] Eigen::Vector3d velocity_W(const Eigen::Vector3d& p_W) const {
+    return v_WL_W + w_WL_W.cross(p_W - X_WL.translation());
+  }
+};
+
+/// What a machine feels of solid things: of the last step, and since the start.
+struct ContactReport {
+  std::size_t points = 0;  ///< That push.
+  double force_n = 0.0;    ///< Magnitude of the sum on the machine.
+  std::string_view body;   ///< Of the point that pushes most; empty: none.
+  std::optional<std::size_t> obstacle;
+  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();      ///< Of that point.
+  Eigen::Vector3d force_W = Eigen::Vector3d::Zero();  ///< Sum, on the machine.
+  double deepest_m = 0.0;                             ///< Overlap.
+  double lost_j = 0.0;  ///< Since the start, turned into heat and broken wood.
+  double deepest_ever_m = 0.0;
+  std::uint64_t touches = 0;  ///< Pairs that began to push, since the start.
+  std::uint32_t felled = 0;   ///< Obstacles that gave way altogether.
+};
+
+class ContactSet {
+ public:
+  /// `links`: how many the bodies' indices may name. `ground` must outlive the set.
+  ContactSet(std::vector<ContactBody> bodies, std::size_t links, const Ground& ground);
+
+  /// Whether anything solid can be within reach of a machine no point of which has moved faster
+  /// than `fastest_mps` for h seconds. Where not, neither begin() nor settle() is due.
+  [[nodiscard]] bool near(double h, double fastest_mps) {
+    travelled_m_ += h * fastest_mps;
+    return !pairs_.empty() || travelled_m_ > kSlack_m - kReach_m - h * fastest_mps;
+  }
+  /// Precondition: near() said so in this step; links as many as at construction.
+  void begin(double h, std::span<const ContactLink> links);
+
+  [[nodiscard]] std::span<ContactPoint> points() { return {points_.data(), points_.size()}; }
+  [[nodiscard]] std::span<const ContactPoint> points() const {
+    return {points_.data(), points_.size()};
+  }
+  /// Any point whose gap may close within this step.
+  [[nodiscard]] bool touching() const { return !points_.empty(); }
+
+  /// Ends the step: velocities along its three directions per point, in the order of points().
+  template <class VelocitiesOf>
+  void settle(double h, VelocitiesOf&& of) {
+    double work = 0.0;
+    for (ContactPoint& point : points_) {
+      work += point.settle(h, of(point));
+    }
+    finish(h, work);
+  }
+  /// No point pushes any more: the machine was put elsewhere.
+  void forget();
+
+  [[nodiscard]] const ContactReport& report() const { return report_; }
+  [[nodiscard]] std::span<const ContactBody> bodies() const { return bodies_; }
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+
+  /// Obstacles that lean or are down, since the last call: for the scene.
+  struct Lean {
+    std::size_t obstacle = 0;
+    double angle_rad = 0.0;
+    Eigen::Vector3d axis_W = Eigen::Vector3d::UnitX();  ///< About which it leans, through its foot.
+    bool down = false;
+  };
+  [[nodiscard]] std::span<const Lean> leaning() const { return leaning_; }
+
+ private:
+  static constexpr double kSlack_m = 0.5;
+  static constexpr double kReach_m = 0.02;
+
+  struct Memory {
+    Eigen::Vector3d p_L = Eigen::Vector3d::Zero();
+    ContactFriction friction;
+  };
+  struct Pair {
+    std::uint32_t body = 0;
+    std::uint32_t obstacle = 0;
+    std::optional<Eigen::Vector3d> axis_W;
+    std::array<Memory, kManifoldPoints> memory;
+    std::size_t remembered = 0;
+    bool pushing = false;
+  };
+
+  void look(std::span<const ContactLink> links);
+  void meet(Pair& pair, double h, std::span<const ContactLink> links);
+  [[nodiscard]] Eigen::Isometry3d pose_of(std::size_t obstacle) const;
+  [[nodiscard]] double strength_of(std::size_t obstacle) const;
+  Lean* lean_of(std::size_t obstacle);
+  void finish(double h, double work_j);
+  void give_way(double h);
+
+  const Ground* ground_;
+  std::vector<ContactBody> bodies_;
+  std::size_t links_;
+  std::vector<Pair> pairs_;
+  std::vector<Pair> others_;  ///< The list of before, while a new one is made.
+  std::vector<std::uint32_t> found_;
+  std::vector<ContactPoint> points_;
+  std::vector<std::uint32_t> pair_of_;  ///< Of each point.
+  std::vector<Lean> leaning_;
+  std::vector<ContactLink> at_;  ///< Links of this step.
+  double travelled_m_ = kSlack_m;
+  double work_j_ = 0.0;
+  double stored_j_ = 0.0;
+  std::uint64_t dropped_ = 0;
+  ContactReport report_;
+};
+
+}  // namespace rigwire::sim

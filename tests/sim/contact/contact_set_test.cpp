@@ -1,0 +1,243 @@
+// The law of contact on one free body: drops, slides, rolls, rests, impacts, trunks that give way.
+#include "sim/contact/contact_set.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "allocation_counter.h"
+#include "sim/random.h"
+#include "tests/sim/contact/free_body.h"
+
+namespace rigwire::sim {
+namespace {
+
+using Vector = Eigen::Vector3d;
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kGravity_mps2 = 9.80665;
+
+Vector box_inertia(double mass_kg, const Vector& half) {
+  const Vector squares = half.cwiseProduct(half);
+  return mass_kg / 3.0 *
+         Vector(squares.y() + squares.z(), squares.x() + squares.z(), squares.x() + squares.y());
+}
+
+/// The most that the body's energy and what its contacts have stored have ever risen by, J.
+double greatest_gain_j(FreeBody& body, double h, double span_s) {
+  double gain = 0.0;
+  double lowest_lost = body.contact().report().lost_j;
+  double most_lost = lowest_lost;
+  const auto steps = static_cast<int>(span_s / h);
+  for (int i = 0; i < steps; ++i) {
+    body.step(h);
+    const double lost = body.contact().report().lost_j;
+    gain = std::max(gain, most_lost - lost);
+    most_lost = std::max(most_lost, lost);
+  }
+  return gain;
+}
+
+class StepSize : public testing::TestWithParam<double> {};
+
+TEST_P(StepSize, ACrateDroppedOnEdgeOrCornerGainsNoEnergyAndComesToRest) {
+  const double h = GetParam();
+  const Ground ground = ground_with({box_obstacle({0.0, 0.0, -1.0}, {20.0, 20.0, 1.0})});
+  const Vector half(0.5, 0.4, 0.3);
+  for (const Vector& axis :
+       {Vector(1.0, 0.0, 0.0), Vector(1.0, 0.6, 0.2), Vector(0.3, -1.0, 0.0)}) {
+    FreeBody crate(ground, ConvexShape::box(half), 1000.0, box_inertia(1000.0, half), 5e6, 4e4);
+    crate.X_WB.linear() = Eigen::AngleAxisd(40.0 * kDegree, axis.normalized()).matrix();
+    crate.X_WB.translation().z() = 1.5;
+    const double start = crate.energy_j();
+    const double gain = greatest_gain_j(crate, h, 6.0);
+    EXPECT_LT(gain, 2e-3 * start) << axis.transpose();
+    EXPECT_LT(crate.energy_j(), start);
+    EXPECT_LT(crate.v_W.norm(), 1e-3) << axis.transpose();
+    EXPECT_LT(crate.contact().report().deepest_m, 1e-3);
+    // It lies on a face.
+    EXPECT_GT(crate.X_WB.linear().row(2).cwiseAbs().maxCoeff(), 0.9999);
+  }
+}
+
+TEST_P(StepSize, ACrateAtRestDoesNotCreepOnASlope) {
+  const double h = GetParam();
+  Obstacle slope = box_obstacle({0.0, 0.0, 0.0}, {20.0, 20.0, 1.0}, 0.6);
+  slope.X_WO.linear() = Eigen::AngleAxisd(20.0 * kDegree, Vector::UnitY()).matrix();
+  const Ground ground = ground_with({slope});
+  const Vector half(0.5, 0.4, 0.3);
+  FreeBody crate(ground, ConvexShape::box(half), 1000.0, box_inertia(1000.0, half), 5e6, 4e4);
+  crate.X_WB.linear() = slope.X_WO.linear();
+  crate.X_WB.translation() = slope.X_WO * Vector(0.0, 0.0, 1.2999);
+  for (int i = 0; i < static_cast<int>(2.0 / h); ++i) {
+    crate.step(h);
+  }
+  const Vector before = crate.X_WB.translation();
+  for (int i = 0; i < static_cast<int>(20.0 / h); ++i) {
+    crate.step(h);
+  }
+  EXPECT_LT((crate.X_WB.translation() - before).norm(), 1e-6);
+}
+
+TEST_P(StepSize, ACrateSlidesDownASteepSlopeByCoulombsLaw) {
+  const double h = GetParam();
+  const double angle = 40.0 * kDegree;
+  const double friction = 0.5;
+  Obstacle slope = box_obstacle({0.0, 0.0, 0.0}, {40.0, 20.0, 1.0}, friction);
+  slope.X_WO.linear() = Eigen::AngleAxisd(angle, Vector::UnitY()).matrix();
+  const Ground ground = ground_with({slope});
+  const Vector half(0.5, 0.4, 0.1);
+  FreeBody crate(ground, ConvexShape::box(half), 1000.0, box_inertia(1000.0, half), 5e6, 4e4);
+  crate.X_WB.linear() = slope.X_WO.linear();
+  crate.X_WB.translation() = slope.X_WO * Vector(0.0, 0.0, 1.0999);
+  for (int i = 0; i < static_cast<int>(1.0 / h); ++i) {
+    crate.step(h);
+  }
+  const double before = crate.v_W.norm();
+  for (int i = 0; i < static_cast<int>(1.0 / h); ++i) {
+    crate.step(h);
+  }
+  EXPECT_NEAR(crate.v_W.norm() - before,
+              kGravity_mps2 * (std::sin(angle) - friction * std::cos(angle)), 0.02);
+}
+
+TEST_P(StepSize, ABallRollsDownASlopeAsTheClosedFormSays) {
+  const double h = GetParam();
+  const double angle = 15.0 * kDegree;
+  Obstacle slope = box_obstacle({0.0, 0.0, 0.0}, {40.0, 20.0, 1.0}, 0.6);
+  slope.X_WO.linear() = Eigen::AngleAxisd(angle, Vector::UnitY()).matrix();
+  const Ground ground = ground_with({slope});
+  const double mass = 500.0;
+  const double radius = 0.4;
+  FreeBody ball(ground, ConvexShape::sphere(radius), mass,
+                Vector::Constant(0.4 * mass * radius * radius), 5e6, 3e4);
+  ball.X_WB.translation() = slope.X_WO * Vector(-10.0, 0.0, 1.0 + radius - 1e-4);
+  for (int i = 0; i < static_cast<int>(2.0 / h); ++i) {
+    ball.step(h);
+  }
+  // a = g sin / (1 + 2/5).
+  EXPECT_NEAR(ball.v_W.norm(), 2.0 * kGravity_mps2 * std::sin(angle) / 1.4, 0.02);
+}
+
+TEST_P(StepSize, ATipThatComesSidewaysIntoARockIsNotThrownUp) {
+  const double h = GetParam();
+  const Ground ground = ground_with({rock_at({2.0, 0.0, 0.2}, 0.7)});
+  for (const double mass : {500.0, 3000.0}) {
+    for (const double height : {-0.2, 0.0, 0.2, 0.4, 0.6}) {
+      for (const double speed : {0.5, 1.5, 3.0}) {
+        const Vector half(0.1, 0.5, 0.1);
+        FreeBody tip(ground, ConvexShape::box(half), mass, box_inertia(mass, half), 2e7, 1e5);
+        tip.gravity_mps2 = 0.0;
+        tip.X_WB.translation() << 0.9, 0.0, height;
+        tip.v_W.x() = speed;
+        const double start = tip.energy_j();
+        const double gain = greatest_gain_j(tip, h, 1.5);
+        const std::string what = std::to_string(mass) + " kg at " + std::to_string(height) +
+                                 " m, " + std::to_string(speed) + " m/s";
+        EXPECT_LT(gain, (h > 1e-3 ? 1e-2 : 1e-3) * start) << what;
+        EXPECT_LT(tip.energy_j(), start * (1.0 + 1e-9)) << what;
+        // Never faster upward than it came.
+        EXPECT_LE(std::abs(tip.v_W.z()), speed) << what;
+      }
+    }
+  }
+}
+
+TEST_P(StepSize, ATruckIsStoppedByAThickTrunkWithoutPassingIt) {
+  const double h = GetParam();
+  const Ground ground = ground_with({trunk_at(5.0, 0.0, 0.4, 10.0)});
+  const Vector half(2.0, 1.1, 0.4);
+  for (const double speed : {1.0, 5.0, 13.9}) {
+    FreeBody truck(ground, ConvexShape::box(half), 5600.0, box_inertia(5600.0, half), 1.5e6, 3e4);
+    truck.gravity_mps2 = 0.0;
+    truck.X_WB.translation() << 0.0, 0.0, 1.0;
+    truck.v_W.x() = speed;
+    const double start = truck.energy_j();
+    const double gain = greatest_gain_j(truck, h, 4.0);
+    EXPECT_LT(gain, 1e-3 * start);
+    EXPECT_LT(truck.X_WB.translation().x(), 2.6);
+    EXPECT_LT(truck.v_W.x(), 0.0);
+    EXPECT_GT(truck.contact().report().touches, 0U);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, StepSize, testing::Values(1e-4, 1e-3, 2e-3, 5e-3),
+                         [](const auto& step) {
+                           return "step_" + std::to_string(std::lround(1e4 * step.param)) +
+                                  "_tenths_of_ms";
+                         });
+
+TEST(ContactSet, ATrunkGivesWayBeyondItsMomentAndNotBefore) {
+  Obstacle trunk = trunk_at(5.0, 0.0, 0.1, 15.0);
+  trunk.strength_nm = 21e3;
+  trunk.stiffness_npm = 1.7e6;
+  const Ground ground = ground_with({trunk});
+  const Vector half(2.0, 1.1, 0.4);
+  FreeBody truck(ground, ConvexShape::box(half), 5600.0, box_inertia(5600.0, half), 1.5e6, 3e4);
+  truck.gravity_mps2 = 0.0;
+  truck.X_WB.translation() << 2.899, 0.0, 0.8;
+  const auto push = [&](double force_n, double span_s) {
+    truck.push_W.x() = force_n;
+    for (int i = 0; i < static_cast<int>(span_s / 1e-3); ++i) {
+      truck.step(1e-3);
+    }
+  };
+  // 21 kNm shared by 1.2 m, the front's upper edge, and 0.4 m, its lower: 35 kN together.
+  push(8e3, 4.0);
+  EXPECT_EQ(truck.contact().report().felled, 0U);
+  EXPECT_TRUE(truck.contact().leaning().empty());
+  EXPECT_LT(truck.X_WB.translation().x(), 3.0);
+  push(45e3, 4.0);
+  EXPECT_EQ(truck.contact().report().felled, 1U);
+  EXPECT_GT(truck.X_WB.translation().x(), 5.0);
+  // The work that the trunk took: about its moment times a quarter of a radian.
+  EXPECT_NEAR(truck.contact().report().lost_j, 21e3 * 0.25, 0.5 * 21e3 * 0.25);
+}
+
+TEST(ContactSet, NothingNearCostsNothingAndAllocatesNothing) {
+  std::vector<Obstacle> trunks;
+  for (int i = 0; i < 400; ++i) {
+    trunks.push_back(trunk_at(3.0 * (i % 20) - 30.0, 3.0 * (i / 20) - 30.0, 0.2, 10.0));
+  }
+  const Ground ground = ground_with(trunks);
+  const Vector half(2.0, 0.8, 0.4);
+  FreeBody truck(ground, ConvexShape::box(half), 5600.0, box_inertia(5600.0, half), 1.5e6, 3e4);
+  truck.gravity_mps2 = 0.0;
+  truck.X_WB.translation() << -28.5, -28.5, 1.0;
+  truck.v_W << 5.0, 2.0, 0.0;
+  truck.step(1e-3);
+  const std::uint64_t before = test::allocations();
+  for (int i = 0; i < 5000; ++i) {
+    truck.step(1e-3);
+  }
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_GT(truck.contact().report().touches, 0U);
+  EXPECT_EQ(truck.contact().dropped(), 0U);
+}
+
+TEST(ContactSet, TheSameTwiceGivesTheSameBits) {
+  const auto run = [] {
+    const Ground ground =
+        ground_with({box_obstacle({0.0, 0.0, -1.0}, {20.0, 20.0, 1.0}),
+                     trunk_at(1.5, 0.2, 0.2, 5.0), rock_at({-1.2, 0.3, 0.1}, 0.5)});
+    const Vector half(0.5, 0.4, 0.3);
+    FreeBody crate(ground, ConvexShape::box(half), 1000.0, box_inertia(1000.0, half), 5e6, 4e4);
+    crate.X_WB.linear() = Eigen::AngleAxisd(0.7, Vector(1.0, 0.6, 0.2).normalized()).matrix();
+    crate.X_WB.translation().z() = 1.5;
+    crate.v_W << 2.0, 0.3, 0.0;
+    for (int i = 0; i < 3000; ++i) {
+      crate.step(1e-3);
+    }
+    return crate;
+  };
+  const FreeBody a = run();
+  const FreeBody b = run();
+  EXPECT_EQ(a.X_WB.matrix(), b.X_WB.matrix());
+  EXPECT_EQ(a.contact().report().lost_j, b.contact().report().lost_j);
+  EXPECT_GT(a.contact().report().touches, 1U);
+}
+
+}  // namespace
+}  // namespace rigwire::sim

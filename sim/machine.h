@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/contact/contact_report.h"
 #include "sim/link_motion.h"
 #include "sim/samples/power_unit_sample.h"
 #include "sim/samples/time.h"
@@ -125,6 +126,9 @@ class Machine {
 
   /// Where it stirs up dust at present.
   [[nodiscard]] virtual std::span<const DustEmitter> dust_emitters() const { return {}; }
+
+  /// What solid things do to it; null: it meets none.
+  [[nodiscard]] virtual const ContactReport* contact_report() const { return nullptr; }
 
   /// Nothing when the machine has no such port. Owned by the machine.
   [[nodiscard]] virtual ValvePort* valve_port() { return nullptr; }

@@ -58,6 +58,7 @@ struct ContactPoint {
   std::array<double, 3> end_mps{};
   bool released = false;
   bool yielding = false;  ///< At greatest_n.
+  bool blocks = false;    ///< Holds up a machine whose model has no forces.
   int switches = 0;
 
   [[nodiscard]] BristleParameters bristle() const {

@@ -12,7 +12,6 @@ namespace {
 using Vector = Eigen::Vector3d;
 
 constexpr std::size_t kMostPairs = 512;
-constexpr std::size_t kMostPoints = 48;
 constexpr std::size_t kMostLeaning = 64;
 constexpr double kSamePlace_m = 0.05;  // A point found again at its place on the link.
 constexpr double kHinge_rad = 0.1;     // Up to here an obstacle that yields keeps its moment,
@@ -30,16 +29,16 @@ ContactSet::ContactSet(std::vector<ContactBody> bodies, std::size_t links, const
     : ground_(&ground), bodies_(std::move(bodies)), links_(links) {
   for (const ContactBody& body : bodies_) {
     if (body.link >= links_ || !(body.stiffness_npm > 0.0) || !(body.damping_nspm >= 0.0)) {
-      throw std::invalid_argument("contact: body '" + std::string(body.name) +
-                                  "' needs a link below " + std::to_string(links_) +
+      throw std::invalid_argument("contact: body '" + body.name + "' needs a link below " +
+                                  std::to_string(links_) +
                                   ", a stiffness above 0 and a damping of at least 0");
     }
   }
   pairs_.reserve(kMostPairs);
   others_.reserve(kMostPairs);
   found_.reserve(4 * kMostPairs);
-  points_.reserve(kMostPoints);
-  pair_of_.reserve(kMostPoints);
+  points_.reserve(kMostContactPoints);
+  pair_of_.reserve(kMostContactPoints);
   leaning_.reserve(kMostLeaning);
   at_.resize(links_);
 }
@@ -171,7 +170,7 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
       1.0 / (1.0 / body.stiffness_npm +
              (obstacle.stiffness_npm > 0.0 ? 1.0 / obstacle.stiffness_npm : 0.0));
   for (std::size_t i = 0; i < touch.count; ++i) {
-    if (points_.size() == kMostPoints) {
+    if (points_.size() == kMostContactPoints) {
       ++dropped_;
       break;
     }
@@ -248,10 +247,10 @@ void ContactSet::finish(double h, double work_j) {
       stored += point.stored_j(depth);
       report_.force_W += force;
       report_.deepest_m = std::max(report_.deepest_m, depth);
-      if (point.force_n[0] > 0.0) {
+      if (point.force_n[0] > 0.0 || point.blocks) {
         pair.pushing = true;
         ++report_.points;
-        if (force.norm() > most) {
+        if (force.norm() > most || report_.body.empty()) {
           most = force.norm();
           report_.body = bodies_[point.body].name;
           report_.obstacle = point.obstacle;

@@ -25,19 +25,23 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "sim/contact/contact_point.h"
+#include "sim/contact/contact_report.h"
 #include "sim/contact/convex_shape.h"
 #include "sim/contact/manifold.h"
 #include "sim/ground/ground.h"
 
 namespace rigwire::sim {
 
+inline constexpr std::size_t kMostContactPoints = 48;
+
 /// One convex body of a machine.
 struct ContactBody {
-  std::string_view name;  ///< "bucket back"; outlives the set.
+  std::string name;  ///< "bucket back".
   std::size_t link = 0;
   Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();
   ConvexShape shape;
@@ -58,21 +62,6 @@ struct ContactLink {
   [[nodiscard]] Eigen::Vector3d velocity_W(const Eigen::Vector3d& p_W) const {
     return v_WL_W + w_WL_W.cross(p_W - X_WL.translation());
   }
-};
-
-/// What a machine feels of solid things: of the last step, and since the start.
-struct ContactReport {
-  std::size_t points = 0;  ///< That push.
-  double force_n = 0.0;    ///< Magnitude of the sum on the machine.
-  std::string_view body;   ///< Of the point that pushes most; empty: none.
-  std::optional<std::size_t> obstacle;
-  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();      ///< Of that point.
-  Eigen::Vector3d force_W = Eigen::Vector3d::Zero();  ///< Sum, on the machine.
-  double deepest_m = 0.0;                             ///< Overlap.
-  double lost_j = 0.0;  ///< Since the start, turned into heat and broken wood.
-  double deepest_ever_m = 0.0;
-  std::uint64_t touches = 0;  ///< Pairs that began to push, since the start.
-  std::uint32_t felled = 0;   ///< Obstacles that gave way altogether.
 };
 
 class ContactSet {

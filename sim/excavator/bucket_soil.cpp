@@ -10,10 +10,9 @@ namespace rigwire::sim {
 namespace {
 
 constexpr double kAhead = 0.75;  // Cells ahead of the lip, where the surface is as yet uncut.
-constexpr double kSupportDepth_m = 0.1;   // From which on the soil ahead closes the opening.
-constexpr double kHardForceMax_n = 4e6;   // Far beyond what a cylinder can push.
-constexpr double kObstacleReach_m = 0.5;  // Obstacles whose top is higher above the lip are passed.
-constexpr double kLeastOutflow = 0.02;    // Of the heaped capacity for each outflow time.
+constexpr double kSupportDepth_m = 0.1;  // From which on the soil ahead closes the opening.
+constexpr double kHardForceMax_n = 4e6;  // Far beyond what a cylinder can push.
+constexpr double kLeastOutflow = 0.02;   // Of the heaped capacity for each outflow time.
 constexpr int kDegrees = 360;
 constexpr int kPoints = 48;  // Counted along each side of the cross-section.
 
@@ -151,13 +150,7 @@ void BucketSoil::resist(const Eigen::Vector3d& direction_W, ForceRange range, do
 double BucketSoil::hard_depth_m(const Lip& lip) const {
   double depth_m = 0.0;
   for (const Eigen::Vector3d& corner : {lip.edge.left_W, lip.edge.right_W}) {
-    double top_m = terrain_.floor_height_m(corner.x(), corner.y());
-    const GroundPoint over =
-        terrain_.ground().at(corner.x(), corner.y(), corner.z() + kObstacleReach_m);
-    if (over.obstacle) {
-      top_m = std::max(top_m, over.height_m);
-    }
-    depth_m = std::max(depth_m, top_m - corner.z());
+    depth_m = std::max(depth_m, terrain_.floor_height_m(corner.x(), corner.y()) - corner.z());
   }
   return depth_m;
 }

@@ -9,9 +9,10 @@
 // content as surcharge, plus the teeth's own resistance; downward with the teeth's; sideways with
 // P of the side plates. Each acts against the lip's speed along its direction only, between 0 and
 // its limit: it rises over ramp_speed_mps, is zero at rest and when the lip is withdrawn, and never
-// pushes. Rock under the soil, hard ground and the tops of obstacles push the lip up (penalty,
-// never pull), with friction. All enter the arm's implicit solve and are clamped after it
-// (bucket_load.h); directions and limits depend on the pose alone, so that nothing chatters.
+// pushes. Rock under the soil and hard ground push the lip up (penalty, never pull), with friction;
+// obstacles are the excavator's own matter (sim/contact). All enter the arm's implicit solve and
+// are clamped after it (bucket_load.h); directions and limits depend on the pose alone, so that
+// nothing chatters.
 //
 // Soil. What the lip cuts goes into the bucket; what passes the heaped capacity is pushed ahead.
 // What the bucket cannot hold at its pitch runs out over its lower lip, all of it within a few

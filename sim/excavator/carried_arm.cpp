@@ -58,6 +58,7 @@ CarriedArm::CarriedArm(const ExcavatorParameters& parameters, const Ground& grou
     mass += link->mass_kg;
   }
   const CarrierParameters& wheels = parameters.wheels;
+  contact_rows_.reserve(kMostContactPoints);
   tyres_.assign(kCarrierWheels, Tyre(wheels.tyre, mass / kCarrierWheels));
   // So high that with a quarter of the weight on each the origin lies on the ground.
   const double deflection = mass * parameters.gravity_mps2 / kCarrierWheels /
@@ -162,7 +163,7 @@ bool CarriedArm::clamp(Terms& terms, std::array<Footing, kCarrierWheels>& footin
 }
 
 ArmStep CarriedArm::step(double h, const DrivenArm& arm, const ArmPose& at, const DriveLaws& laws,
-                         const BucketLoad& load, ArmState& state) {
+                         const BucketLoad& load, ContactSet* contacts, ArmState& state) {
   velocity_.tail<4>() = state.v_radps;
   Placement placed;
   Matrix mass_matrix;
@@ -204,6 +205,21 @@ ArmStep CarriedArm::step(double h, const DrivenArm& arm, const ArmPose& at, cons
     rest += on_bucket(load.point_B, load.force_W);
   }
 
+  const std::span<ContactPoint> points =
+      contacts != nullptr ? contacts->points() : std::span<ContactPoint>{};
+  contact_rows_.clear();
+  for (const ContactPoint& point : points) {
+    const Eigen::Vector3d p_C = R_CW * (point.p_W - X_WC_.translation());
+    auto& rows = contact_rows_.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i) {
+      rows[i] = point_row(placed, p_C, R_CW * point.direction_W[i], point.link);
+    }
+  }
+  const auto contact_speeds = [&](std::size_t i, const Velocities& v) {
+    const auto& rows = contact_rows_[i];
+    return std::array<double, 3>{rows[0].dot(v), rows[1].dot(v), rows[2].dot(v)};
+  };
+
   Velocities found = velocity_;
   // (M + h sum g J^T J) a = -bias + sum J^T F(start), clamp last (carried_arm.h).
   for (int pass = 0; pass < kPassesMax; ++pass) {
@@ -218,11 +234,28 @@ ArmStep CarriedArm::step(double h, const DrivenArm& arm, const ArmPose& at, cons
         right += term.law.at(term.row.dot(velocity_)) * term.row;
       }
     }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const ImplicitForce law = points[i].acting(k);
+        const Velocities& row = contact_rows_[i][k];
+        left.noalias() += h * law.gain * row * row.transpose();
+        right += law.at(row.dot(velocity_)) * row;
+      }
+    }
     acceleration_ = left.llt().solve(right);
     found = velocity_ + h * acceleration_;
-    if (!clamp(terms, footings, found)) {
+    bool changed = clamp(terms, footings, found);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      changed = points[i].changes(contact_speeds(i, found)) || changed;
+    }
+    if (!changed) {
       break;
     }
+  }
+  if (contacts != nullptr) {
+    contacts->settle(h, [&](const ContactPoint& point) {
+      return contact_speeds(static_cast<std::size_t>(&point - points.data()), found);
+    });
   }
 
   for (std::size_t i = 0; i < kCarrierWheels; ++i) {
@@ -373,6 +406,23 @@ CarriedArm::Velocities CarriedArm::point_row(const Placement& at, const Eigen::V
     row[static_cast<Eigen::Index>(i + 6)] = at.axis[i].dot(along);
   }
   return row;
+}
+
+void CarriedArm::place_contact_links(const ArmState& state, std::span<ContactLink> links) const {
+  const Placement at = place_links(state.q_rad);
+  const Eigen::Matrix3d R_WC = X_WC_.linear();
+  SpatialVector v = velocity_.head<6>();
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    if (i > 0) {
+      v += at.axis[i - 1] * state.v_radps[static_cast<Eigen::Index>(i) - 1];
+    }
+    const Eigen::Vector3d w = v.head<3>();
+    ContactLink& link = links[i];
+    link.X_WL.linear() = R_WC * at.R_CB[i];
+    link.X_WL.translation() = X_WC_ * at.origin_C[i];
+    link.v_WL_W = R_WC * (v.tail<3>() + w.cross(at.origin_C[i]));
+    link.w_WL_W = R_WC * w;
+  }
 }
 
 std::array<LinkMotion, 5> CarriedArm::motion(const ArmState& state) const {

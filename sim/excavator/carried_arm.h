@@ -18,8 +18,10 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "sim/contact/contact_set.h"
 #include "sim/excavator/driven_arm.h"
 #include "sim/ground/ground.h"
 #include "sim/link_motion.h"
@@ -40,8 +42,12 @@ class CarriedArm {
 
   /// One step of h > 0 seconds from `state`, which is moved, with laws that belong to `at`, its
   /// pose. The arm gives masses, stops and gains; its own gravity and load are not used.
+  /// `contacts`: points on the links, whose forces are found and settled here.
   ArmStep step(double h, const DrivenArm& arm, const ArmPose& at, const DriveLaws& laws,
-               const BucketLoad& load, ArmState& state);
+               const BucketLoad& load, ContactSet* contacts, ArmState& state);
+
+  /// Poses and velocities of the links now, for the contact.
+  void place_contact_links(const ArmState& state, std::span<ContactLink> links) const;
 
   /// Undercarriage and links at the last step's end.
   [[nodiscard]] std::array<LinkMotion, 5> motion(const ArmState& state) const;
@@ -115,6 +121,7 @@ class CarriedArm {
   ExcavatorParameters parameters_;
   ArmDynamics::Moments undercarriage_;
   const Ground* ground_;
+  std::vector<std::array<Velocities, 3>> contact_rows_;
   std::vector<Tyre> tyres_;
   std::array<Eigen::Vector3d, kCarrierWheels> wheel_C_;
   Eigen::Isometry3d X_WC_;

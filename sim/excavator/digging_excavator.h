@@ -48,6 +48,9 @@ class DiggingExcavator final : public Machine {
   }
   /// The excavator's, and the ends of the bucket's lip.
   [[nodiscard]] std::vector<BodyPoint> body_points() const override;
+  [[nodiscard]] const ContactReport* contact_report() const override {
+    return excavator_.contact_report();
+  }
   [[nodiscard]] ValvePort* valve_port() override { return excavator_.valve_port(); }
   [[nodiscard]] PowerUnitPort* power_unit_port() override { return excavator_.power_unit_port(); }
   /// The lip of the bucket, while soil goes in or out: dust by the height from which it falls. The

@@ -167,6 +167,14 @@ ArmStep DrivenArm::advance(double h, const ArmPose& at, const DriveLaws& laws,
         right += yielded[i] * each.limit * each.jacobian;
       }
     }
+    for (const ArmContact& contact : load.contacts) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        const ImplicitForce law = contact.point->acting(i);
+        const JointVector& row = contact.rows[i];
+        left.noalias() += h * law.gain * row * row.transpose();
+        right += law.at(row.dot(state.v_radps)) * row;
+      }
+    }
     a = solve_joints(left, right);
 
     bool changed = false;
@@ -216,6 +224,9 @@ ArmStep DrivenArm::advance(double h, const ArmPose& at, const DriveLaws& laws,
       } else if (yielded[i] == 0) {
         force = std::clamp(free, -each.limit, each.limit);
       }
+    }
+    for (const ArmContact& contact : load.contacts) {
+      changed = contact.point->changes(contact.along(state.v_radps + h * a)) || changed;
     }
     if (!changed) {
       break;

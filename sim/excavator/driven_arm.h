@@ -13,7 +13,10 @@
 // step is solved again (clamp last); end stops enter the same way.
 #pragma once
 
+#include <span>
+
 #include "sim/contact/bristle.h"
+#include "sim/contact/contact_point.h"
 #include "sim/excavator/arm_dynamics.h"
 #include "sim/excavator/bucket_load.h"
 #include "sim/excavator/linkage.h"
@@ -50,6 +53,16 @@ struct DriveGains {
   bool end_stops = false;
 };
 
+/// One point of contact as the joints feel it: speeds along its three directions are rows . v.
+struct ArmContact {
+  ContactPoint* point = nullptr;
+  std::array<JointVector, 3> rows;
+
+  [[nodiscard]] std::array<double, 3> along(const JointVector& v_radps) const {
+    return {rows[0].dot(v_radps), rows[1].dot(v_radps), rows[2].dot(v_radps)};
+  }
+};
+
 /// A bucket's load (bucket_load.h) as the joints feel it during one step.
 struct ArmLoad {
   JointVector torque = JointVector::Zero();  ///< Given.
@@ -62,6 +75,7 @@ struct ArmLoad {
   };
   std::array<Resistance, kTipResistances> resistances;
   std::size_t resistance_count = 0;
+  std::span<const ArmContact> contacts;  ///< Of this step; their points find their forces.
 };
 
 /// What one step found.

@@ -54,7 +54,8 @@ Eigen::Index row(std::size_t section) {
   return static_cast<Eigen::Index>(section);
 }
 
-constexpr double kCushionFloor = 0.1;  // Share of the flow left at the very end of the stroke.
+constexpr double kTipMass_kg = 1500.0;  // What the teeth move as, by which contacts are damped.
+constexpr double kCushionFloor = 0.1;   // Share of the flow left at the very end of the stroke.
 // Level quasi_static: within this time a cylinder is back where the oil it got says it is.
 constexpr double kReturn_s = 0.1;
 constexpr std::array<const char*, kArmJoints> kJointNames{"swing", "boom", "stick", "bucket"};
@@ -131,6 +132,11 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
                                               parameters.supply.tank_pressure_pa));
   }
   update_pressures(std::numeric_limits<double>::infinity());
+  if (ground != nullptr && !ground->obstacles().empty()) {
+    contact_.emplace(contact_bodies(parameters.solid, kExcavatorLinks, kTipMass_kg), kLinks,
+                     *ground);
+    arm_contacts_.reserve(kMostContactPoints);
+  }
   if (parameters.carrier == ExcavatorCarrier::moving) {
     if (ground == nullptr) {
       throw std::invalid_argument("excavator: carrier moving needs a ground to stand on");
@@ -319,6 +325,7 @@ void Excavator::inner_step(double h) {
   if (!bucket_load_.empty() && !carried_) {
     place_bucket_load();
   }
+  meet_obstacles(h);
   switch (parameters_.level) {
     case ExcavatorLevel::kinematic:
       step_kinematic(h, target_rates(h));
@@ -391,7 +398,85 @@ JointVector Excavator::target_rates(double h) const {
   return rates;
 }
 
-void Excavator::step_kinematic(double h, const JointVector& rate) {
+void Excavator::meet_obstacles(double h) {
+  arm_.load.contacts = {};
+  near_ = false;
+  if (!contact_) {
+    return;
+  }
+  // No point of the machine is faster than its arm stretched out at the sum of all rates.
+  const double reach_m =
+      3.0 + parameters_.boom_length_m + parameters_.stick_length_m + 2.0 * parameters_.bucket_tip_m;
+  double fastest_mps = reach_m * state_.v_radps.cwiseAbs().sum();
+  if (carried_) {
+    // Half as much again for what has changed since the links were last looked at.
+    fastest_mps += 1.5 * (links_[0].v_WL_W.norm() + reach_m * links_[0].w_WL_W.norm()) + 0.1;
+  }
+  near_ = contact_->near(h, fastest_mps);
+  if (!near_) {
+    return;
+  }
+  if (carried_) {
+    carried_->place_contact_links(state_, contact_links_);
+    contact_->begin(h, contact_links_);
+    return;
+  }
+  const auto motion = arm_.dynamics().motion(state_.q_rad, state_.v_radps, JointVector::Zero());
+  const Eigen::Matrix3d R_WC = X_WC_.linear();
+  contact_links_[0].X_WL = X_WC_;
+  for (std::size_t i = 0; i < kArmJoints; ++i) {
+    ContactLink& link = contact_links_[i + 1];
+    link.X_WL.linear() = R_WC * motion[i].R_CB;
+    link.X_WL.translation() = X_WC_ * motion[i].p_CB_C;
+    link.v_WL_W = R_WC * motion[i].v_CB_C;
+    link.w_WL_W = R_WC * motion[i].w_CB_C;
+  }
+  contact_->begin(h, contact_links_);
+  // A joint turns what hangs on it about its axis: row_j = direction . (axis_j x (p - origin_j)).
+  arm_contacts_.clear();
+  const Eigen::Vector3d raise_W = -contact_links_[1].X_WL.linear().col(1);
+  for (ContactPoint& point : contact_->points()) {
+    ArmContact& contact = arm_contacts_.emplace_back();
+    contact.point = &point;
+    for (std::size_t k = 0; k < 3; ++k) {
+      contact.rows[k].setZero();
+      for (std::size_t j = 0; j < point.link; ++j) {
+        const Eigen::Vector3d axis_W = j == 0 ? Eigen::Vector3d(R_WC.col(2)) : raise_W;
+        const Eigen::Vector3d arm_W = point.p_W - contact_links_[j + 1].X_WL.translation();
+        contact.rows[k][row(j)] = point.direction_W[k].dot(axis_W.cross(arm_W));
+      }
+    }
+  }
+  arm_.load.contacts = arm_contacts_;
+}
+
+void Excavator::settle_contacts(double h, const ArmState& next) {
+  if (near_ && !carried_) {
+    contact_->settle(h, [&](const ContactPoint& point) {
+      return arm_contacts_[static_cast<std::size_t>(&point - contact_->points().data())].along(
+          next.v_radps);
+    });
+  }
+}
+
+double Excavator::free_share(double h, const JointVector& rate) {
+  const JointVector v = rate.cwiseQuotient(pose_.lever);
+  double share = 1.0;
+  for (const ArmContact& contact : arm_.load.contacts) {
+    ContactPoint& point = *contact.point;
+    point.released = true;
+    const double closing_m = -h * contact.rows[0].dot(v);
+    const double room_m = std::max(0.0, point.gap_m);
+    if (closing_m > room_m) {
+      share = std::min(share, room_m / closing_m);
+      point.blocks = true;
+    }
+  }
+  return share;
+}
+
+void Excavator::step_kinematic(double h, const JointVector& wanted) {
+  const JointVector rate = free_share(h, wanted) * wanted;
   // Newton's step towards the length that the oil makes: what is left of it is of second order and
   // belongs to the next step.
   ArmState next = state_;
@@ -400,6 +485,7 @@ void Excavator::step_kinematic(double h, const JointVector& rate) {
   next.v_radps = rate.cwiseQuotient(there.lever);
   ArmStep step;
   step.acceleration_radps2 = (next.v_radps - state_.v_radps) / h;
+  settle_contacts(h, next);
   if (accept(next, step)) {
     target_ += h * rate;
   }
@@ -471,8 +557,12 @@ void Excavator::step_chambers(double h) {
 }
 
 ArmStep Excavator::advance(double h, const DriveLaws& laws, ArmState& next) {
-  return carried_ ? carried_->step(h, arm_, pose_, laws, bucket_load_, next)
-                  : arm_.advance(h, pose_, laws, next);
+  if (carried_) {
+    return carried_->step(h, arm_, pose_, laws, bucket_load_, near_ ? &*contact_ : nullptr, next);
+  }
+  const ArmStep step = arm_.advance(h, pose_, laws, next);
+  settle_contacts(h, next);
+  return step;
 }
 
 bool Excavator::accept(const ArmState& next, const ArmStep& step) {

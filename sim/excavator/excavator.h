@@ -8,6 +8,10 @@
 // empty. A positive opening turns left, lifts the boom, and draws in stick and bucket: it sends oil
 // to port A and extends the cylinder.
 //
+// Its boxes (SolidBodyParameters) meet the ground's obstacles: each point of contact is a force in
+// the same solve (sim/contact). On level kinematic, where nothing has a force, all drives are
+// slowed together so that no gap closes beyond touching.
+//
 // The undercarriage stands still where it is put, or on its tyres (ExcavatorCarrier,
 // carried_arm.h). What the ground does to the bucket comes from outside: set_bucket_force,
 // set_bucket_resistances (bucket_load.h). Deterministic: the same parameters, commands and calls
@@ -22,6 +26,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/contact/contact_set.h"
 #include "sim/excavator/bucket_load.h"
 #include "sim/excavator/carried_arm.h"
 #include "sim/excavator/driven_arm.h"
@@ -36,13 +41,6 @@
 
 namespace rigwire::sim {
 
-/// The machine's rigid links, frames as in parameters.h.
-enum class Link { undercarriage, upper, boom, stick, bucket };
-inline constexpr std::size_t kLinks = 5;
-/// Their names, in that order.
-inline constexpr std::array<std::string_view, kLinks> kExcavatorLinks{"undercarriage", "upper",
-                                                                      "boom", "stick", "bucket"};
-
 /// What the valve sections move, from section 0 on.
 inline constexpr std::array<std::string_view, kArmJoints> kExcavatorActuators{"swing", "boom",
                                                                               "stick", "bucket"};
@@ -52,8 +50,9 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   /// X_WC: the undercarriage's pose in the world. The machine starts at rest in parameters.initial,
   /// valves closed, drives carrying the load. Throws std::invalid_argument as validate does, and
   /// when X_WC is not a finite rigid pose.
-  /// With carrier moving `ground` must be given and outlive the machine, which first sinks into its
-  /// tyres from X_WC with the arm held (5 s, before time 0).
+  /// `ground` must outlive the machine; without one nothing is in its way. With carrier moving it
+  /// must be given, and the machine first sinks into its tyres from X_WC with the arm held (5 s,
+  /// before time 0).
   Excavator(const ExcavatorParameters& parameters, const Eigen::Isometry3d& X_WC,
             const Ground* ground = nullptr);
 
@@ -153,6 +152,11 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   /// Nothing on a fixed carrier.
   [[nodiscard]] const CarriedArm* carried() const { return carried_ ? &*carried_ : nullptr; }
   [[nodiscard]] const Linkages& linkages() const { return arm_.linkages(); }
+  [[nodiscard]] const ContactReport* contact_report() const override {
+    return contact_ ? &contact_->report() : nullptr;
+  }
+  /// Nothing without a ground.
+  [[nodiscard]] const ContactSet* contact() const { return contact_ ? &*contact_ : nullptr; }
 
  private:
   struct Areas {
@@ -179,6 +183,11 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   [[nodiscard]] bool accept(const ArmState& next, const ArmStep& step);
   /// The bucket's load as torques of the joints, in the pose of now.
   void place_bucket_load();
+  /// Points of contact for the next solve, and their rows where the carrier is fixed.
+  void meet_obstacles(double h);
+  void settle_contacts(double h, const ArmState& next);
+  /// Of all drives, 0 .. 1: level kinematic in front of an obstacle.
+  [[nodiscard]] double free_share(double h, const JointVector& rate);
   void hold_strokes();
   /// `h` seconds after the last time; infinite: at rest for long.
   void update_pressures(double h);
@@ -211,6 +220,10 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   std::array<PortPressures, kArmJoints> ports_{};
   double supply_pressure_pa_ = 0.0;
   std::optional<PowerUnit> power_unit_;
+  std::optional<ContactSet> contact_;
+  std::array<ContactLink, kLinks> contact_links_;
+  std::vector<ArmContact> arm_contacts_;  ///< Of a fixed carrier.
+  bool near_ = false;                     ///< Obstacles may be within reach in this step.
   BucketLoad bucket_load_;
   std::array<double, kTipResistances> resistance_n_{};
   std::array<LinkMotion, kLinks> links_;

@@ -192,6 +192,24 @@ void visit(fields::Visitor& v, ExcavatorParameters& p) {
   v.number("gravity", p.gravity_mps2, in("m/s2").at_least(0),
            "Acceleration of gravity, downwards.");
   v.section("initial", p.initial, "Joint angles at the start.");
+  v.section("solid", p.solid, "What of the machine meets trunks, rocks, walls and trucks.");
+}
+
+SolidBodyParameters excavator_boxes() {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  SolidBodyParameters solid;
+  solid.stiffness_npm = 1e8;
+  solid.boxes = {
+      {"undercarriage", "undercarriage", {0.0, 0.0, 0.8}, {4.2, 1.5, 0.6}, 0.0},
+      {"house", "upper", {-0.9, 0.0, 0.95}, {3.2, 2.4, 1.6}, 0.0},
+      {"boom", "boom", {2.5, 0.0, 0.35}, {5.2, 0.45, 0.6}, 0.0},
+      {"stick", "stick", {0.95, 0.0, 0.12}, {3.0, 0.35, 0.45}, 0.0},
+      {"bucket floor", "bucket", {1.11, 0.0, 0.255}, {0.75, 1.1, 0.1}, 34.4 * kDegree},
+      {"bucket back", "bucket", {0.43, 0.0, 0.46}, {0.85, 1.1, 0.2}, -6.0 * kDegree},
+      {"bucket left cheek", "bucket", {0.7, 0.51, 0.22}, {0.9, 0.08, 0.4}, 0.0},
+      {"bucket right cheek", "bucket", {0.7, -0.51, 0.22}, {0.9, 0.08, 0.4}, 0.0},
+  };
+  return solid;
 }
 
 void validate(const RigidBodyParameters& p) {
@@ -209,6 +227,8 @@ void validate(const ExcavatorParameters& p) {
   fields::require(p.payload_max_kg >= 0.0, "payload_max", in("kg").print(p.payload_max_kg),
                   ">= 0 kg");
   validate(p.power_unit);
+  validate(p.solid, kExcavatorLinks, std::min({p.boom.mass_kg, p.stick.mass_kg, p.bucket.mass_kg}),
+           p.step_s);
   fields::require(p.carrier != ExcavatorCarrier::moving || p.level != ExcavatorLevel::kinematic,
                   "carrier", "moving",
                   "fixed where level is kinematic: without forces nothing rocks");

@@ -18,8 +18,10 @@
 #include <Eigen/Core>
 #include <array>
 #include <numbers>
+#include <string_view>
 
 #include "fields/rules.h"
+#include "sim/contact/contact_boxes.h"
 #include "sim/excavator/power_unit.h"
 #include "sim/hydraulics/parameters.h"
 #include "sim/tyre/tyre.h"
@@ -59,6 +61,13 @@ struct CarrierParameters {
                       .reference_load_n = 4.5e4};
 };
 void visit(fields::Visitor& v, CarrierParameters& p);
+
+/// The machine's rigid links.
+enum class Link { undercarriage, upper, boom, stick, bucket };
+inline constexpr std::size_t kLinks = 5;
+/// Their names, in that order.
+inline constexpr std::array<std::string_view, kLinks> kExcavatorLinks{"undercarriage", "upper",
+                                                                      "boom", "stick", "bucket"};
 
 /// One rigid link.
 struct RigidBodyParameters {
@@ -123,6 +132,10 @@ struct ExcavatorPose {
 };
 void visit(fields::Visitor& v, ExcavatorPose& p);
 
+/// Undercarriage, upper with counterweight, boom, stick, and the bucket in four pieces so that its
+/// hollow stays hollow. Estimates of the lengths below. The teeth touch rock at 100 MN/m.
+[[nodiscard]] SolidBodyParameters excavator_boxes();
+
 struct ExcavatorParameters {
   RigidBodyParameters undercarriage{8000.0, {0.0, 0.0, 0.7}, {7.0e3, 1.5e4, 1.8e4}};
   RigidBodyParameters upper{7500.0, {-0.9, 0.0, 0.9}, {1.2e4, 1.6e4, 1.7e4}};
@@ -166,6 +179,7 @@ struct ExcavatorParameters {
   double step_s = 1e-3;           ///< Longest inner step; longer calls of step() are divided.
   double gravity_mps2 = 9.80665;  ///< Along world -z.
   ExcavatorPose initial;
+  SolidBodyParameters solid = excavator_boxes();
 };
 
 /// The largest product of step and drive frequency (rad) that is allowed: measured to 0.1 mm there.

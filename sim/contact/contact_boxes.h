@@ -1,0 +1,45 @@
+// The solid body of a machine, as its file gives it: boxes on its links.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fields/rules.h"
+#include "sim/contact/contact_set.h"
+
+namespace rigwire::sim {
+
+/// A box on a link.
+struct ContactBox {
+  std::string name;
+  std::string link;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< Of its middle, in the link's frame.
+  Eigen::Vector3d size_m = Eigen::Vector3d::Ones();      ///< Full lengths.
+  double pitch_rad = 0.0;  ///< About the link's y, nose down positive.
+};
+void visit(fields::Visitor& v, ContactBox& p);
+
+/// What of a machine meets obstacles, and how hard it is.
+struct SolidBodyParameters {
+  std::vector<ContactBox> boxes;
+  double stiffness_npm = 1.5e6;  ///< Of each point of contact.
+  double damping_ratio = 0.3;    ///< With the machine's mass on one point.
+};
+void visit(fields::Visitor& v, SolidBodyParameters& p);
+
+/// Throws std::invalid_argument naming the box whose link the machine does not have, and a
+/// stiffness whose frequency with `least_kg`, the lightest link of those with a box, is more than
+/// one radian per step of `step_s`: the contact would still be stable and lose energy, but what it
+/// pushed with would be the step's doing.
+void validate(const SolidBodyParameters& parameters, std::span<const std::string_view> links,
+              double least_kg, double step_s);
+
+/// Bodies of those boxes; damping 2 zeta sqrt(k m) with `mass_kg`.
+[[nodiscard]] std::vector<ContactBody> contact_bodies(const SolidBodyParameters& parameters,
+                                                      std::span<const std::string_view> links,
+                                                      double mass_kg);
+
+}  // namespace rigwire::sim

@@ -1,0 +1,27 @@
+// What a machine tells of its contacts with solid things, for truth tap, status and report.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace rigwire::sim {
+
+/// What a machine feels of solid things: of the last step, and since the start.
+struct ContactReport {
+  std::size_t points = 0;  ///< That push.
+  double force_n = 0.0;    ///< Magnitude of the sum on the machine.
+  std::string_view body;   ///< Of the point that pushes most; empty: none.
+  std::optional<std::size_t> obstacle;
+  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();      ///< Of that point.
+  Eigen::Vector3d force_W = Eigen::Vector3d::Zero();  ///< Sum, on the machine.
+  double deepest_m = 0.0;                             ///< Overlap.
+  double lost_j = 0.0;  ///< Since the start, turned into heat and broken wood.
+  double deepest_ever_m = 0.0;
+  std::uint64_t touches = 0;  ///< Pairs that began to push, since the start.
+  std::uint32_t felled = 0;   ///< Obstacles that gave way altogether.
+};
+
+}  // namespace rigwire::sim

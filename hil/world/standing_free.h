@@ -3,8 +3,7 @@
 //
 // Looked at are the points that the machine itself names (sim/machine.h) and the surfaces of its
 // shapes, boxes every 0.25 m and meshes at their vertices. Not looked at are the shapes of links
-// that stand on the ground, as wheels and drums do, and objects of the scene that are meshes,
-// which nothing runs into (sim/scene/scene_description.h).
+// that stand on the ground, as wheels and drums do, and objects of the scene that are not solid.
 #pragma once
 
 #include "hil/world/machine.h"

@@ -14,7 +14,7 @@
 namespace rigwire::sim {
 
 inline constexpr std::size_t kMostHullPoints = 64;
-inline constexpr std::size_t kMostFeaturePoints = 16;
+inline constexpr std::size_t kMostFeaturePoints = 24;
 
 /// A flat part of a shape's surface: one point, a segment, or a polygon in order.
 struct Feature {

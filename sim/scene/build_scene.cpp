@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/scene/convex_pieces.h"
 #include "sim/scene/mesh_repair.h"
 #include "sim/scene/scene_description.h"
 
@@ -160,6 +161,19 @@ void add_objects(const SceneDescription& description, const std::vector<Triangle
     }
     built.scene->add_model_object(alike->second, object_pose(object, built.ground), object.scale,
                                   object.name);
+    if (!object.solid) {
+      continue;
+    }
+    std::vector<TriangleMesh> own;
+    std::ranges::copy_if(meshes, std::back_inserter(own),
+                         [&](const TriangleMesh& mesh) { return mesh.name == object.mesh; });
+    for (const auto& piece : convex_pieces(own, object.scale)) {
+      Obstacle& obstacle = built.obstacles.emplace_back();
+      obstacle.shape = ObstacleShape::hull;
+      obstacle.X_WO = object_pose(object, built.ground);
+      obstacle.half_lengths_m = piece->half_lengths_m();
+      obstacle.hull = piece;
+    }
   }
 }
 

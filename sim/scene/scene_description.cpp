@@ -109,6 +109,7 @@ void visit(fields::Visitor& v, FixedObject& p) {
            "Direction of its x from east, left positive.");
   v.boolean("on_ground", p.on_ground, "Whether `up` counts from the terrain under it.");
   v.number("scale", p.scale, plain().between(1e-6, 1e6), "Metres for each unit of the mesh.");
+  v.boolean("solid", p.solid, "Whether machines meet it, each connected part as its convex hull.");
   v.section("material", p.material, "What its surface is.");
   v.list("materials", p.materials, "Surfaces of parts, by the names in the mesh's file.");
 }

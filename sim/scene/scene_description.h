@@ -90,6 +90,7 @@ struct FixedObject {
   double yaw_rad = 0.0;                                  ///< Left from east.
   bool on_ground = true;  ///< Then position_m.z() counts from the terrain's height.
   double scale = 1.0;     ///< Metres for each unit of the mesh.
+  bool solid = true;      ///< Machines meet it (sim/scene/convex_pieces.h).
   Material material{.reflectance = 0.6, .label = "object"};
   std::vector<NamedMaterial> materials;  ///< Of parts; the rest is of `material`.
 };
@@ -161,8 +162,8 @@ struct BuiltScene {
   Scene::InstanceId terrain = 0;
   HeightField ground;
   SoilMap soils;
-  /// Rocks as spheres that reach as high as they on average do, trunks as cylinders, boxes. Mesh
-  /// objects are no obstacles.
+  /// Rocks as spheres that reach as high as they on average do, trunks as cylinders, boxes, and
+  /// solid mesh objects as the convex hulls of their parts.
   std::vector<Obstacle> obstacles;
 };
 

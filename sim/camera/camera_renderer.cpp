@@ -77,6 +77,59 @@ struct TerrainSlopes {
   }
 };
 
+/// How terrain looks: by the soil of a cell and by its slope.
+struct TerrainLooks {
+  const Scene::Internals::Cover* cover = nullptr;  ///< Null: the material everywhere.
+  std::vector<std::uint16_t> of_label;             ///< Look by the cover's label.
+};
+
+/// Coordinates of something with panes, and how they stand in its sides.
+struct PaneFrame {
+  std::array<float, 12> X{};  ///< Of the mesh in Embree's coordinates, column by column.
+  Eigen::AlignedBox3f bounds_M;
+  Panes panes;
+};
+
+/// A value in [-1, 1) that wavers over the plane: one octave of value noise.
+float waver(float x, float y, std::uint32_t seed) {
+  const float fx = std::floor(x);
+  const float fy = std::floor(y);
+  const auto value = [&](float dx, float dy) {
+    const auto ix = static_cast<std::uint32_t>(static_cast<std::int32_t>(fx + dx));
+    const auto iy = static_cast<std::uint32_t>(static_cast<std::int32_t>(fy + dy));
+    std::uint32_t mixed = ix * 0x9E3779B1U ^ iy * 0x85EBCA77U ^ seed;
+    mixed ^= mixed >> 15U;
+    mixed *= 0x2C1B3C6DU;
+    mixed ^= mixed >> 13U;
+    return static_cast<float>(static_cast<std::int32_t>(mixed * 0x297A2D39U)) * 0x1.0p-31F;
+  };
+  const float a = x - fx;
+  const float b = y - fy;
+  const float u = a * a * (3.0F - 2.0F * a);
+  const float v = b * b * (3.0F - 2.0F * b);
+  return (1.0F - v) * ((1.0F - u) * value(0.0F, 0.0F) + u * value(1.0F, 0.0F)) +
+         v * ((1.0F - u) * value(0.0F, 1.0F) + u * value(1.0F, 1.0F));
+}
+
+/// Share of the stretch [from, from + length] that lies in [begin, end] of a period of 1.
+float share_within(float from, float length, float begin, float end) {
+  const auto sum = [&](float x) {
+    const float whole = std::floor(x);
+    return whole * (end - begin) + std::clamp(x - whole - begin, 0.0F, end - begin);
+  };
+  return (sum(from + length) - sum(from)) / length;
+}
+
+const Stones& no_stones() {
+  static const Stones kNone = [] {
+    Stones none{};
+    none.tone.fill(1.0F);
+    none.gap.fill(1.0F);
+    return none;
+  }();
+  return kNone;
+}
+
 TerrainSlopes slopes_of(const HeightField& field, const Eigen::Vector3d& origin_W) {
   TerrainSlopes slopes;
   slopes.offset_m = (origin_W.head<2>() - field.origin_m).cast<float>();
@@ -274,7 +327,11 @@ struct CameraRenderer::Internals {
   void aim(int column, int row, int sample, int samples, Packet& packet) const;
   void aim_sample(Packet& packet, LaneArray& sx, LaneArray& sy, LaneArray& sz, LaneArray& dt) const;
   void shade(Packet& packet) const;
+  LookLanes find_looks(Packet& packet) const;
+  [[nodiscard]] std::uint32_t ground_look(const SurfaceInfo& info, const Slopes& slope,
+                                          const Eigen::Vector2f& at_m, float footprint_m) const;
   void refine(Packet& packet) const;
+  void glaze(const Packet& packet, LitLanes& lit) const;
   void see_nothing(Packet& packet, std::size_t lane) const;
   void pass_air(Packet& packet) const;
   void tell_truth(int column, int row) const;
@@ -300,6 +357,10 @@ struct CameraRenderer::Internals {
   std::vector<SurfaceInfo> infos;
   std::vector<PreparedLook> looks;
   std::vector<TerrainSlopes> terrains;
+  std::vector<TerrainLooks> terrain_looks;
+  std::uint16_t face = 0;  ///< Look of bare slopes.
+  std::vector<PaneFrame> pane_frames;
+  StoneAnchor stone_anchor;
 };
 
 struct CameraRenderer::Internals::Packet {
@@ -316,6 +377,9 @@ struct CameraRenderer::Internals::Packet {
   alignas(32) std::array<int, kLanes> active;   ///< Those that the lens fills.
   LaneArray pixel_rad;                          ///< Angle between neighbours.
   bool on_bodies = false;                       ///< Some met what moves: X is filled there.
+  bool stony = false;                           ///< Some have stones,
+  bool glazed = false;                          ///< some panes.
+  std::array<Slopes, kLanes> slope;             ///< Of terrain.
   std::array<std::array<float, 12>, kLanes> X;  ///< Poses of the links, column by column.
   RTCRayHit8 rays;
   MetSurfaces met;
@@ -365,19 +429,24 @@ void CameraRenderer::Internals::look_through_lens() {
 
 void CameraRenderer::Internals::prepare_looks(const Scene::Internals& in) {
   looks.clear();
-  for (const Material& material : in.materials) {
+  const auto add_look = [&](const Shade& shade) {
     PreparedLook& look = looks.emplace_back();
-    look.shade = shade_of(material.label, material.reflectance, parameters.looks);
+    look.shade = shade;
     GrainAnchor anchor;
-    anchor.set(0, in.origin_W, static_cast<double>(look.shade.frequency_pm));
+    anchor.set(0, in.origin_W, static_cast<double>(shade.frequency_pm),
+               static_cast<double>(shade.upright));
     for (std::size_t axis = 0; axis < 3; ++axis) {
       look.cell[axis] = anchor.cell[axis][0];
       look.share[axis] = anchor.share[axis][0];
     }
+    return static_cast<std::uint16_t>(looks.size() - 1);
+  };
+  for (const Material& material : in.materials) {
+    add_look(shade_of(material, parameters.looks));
   }
-  if (looks.empty()) {
-    looks.emplace_back();
-  }
+  face = add_look(cut_face());
+  stone_anchor = StoneAnchor(in.origin_W);
+  pane_frames.clear();
   infos.assign(in.instance_of.size(), {});
   for (std::size_t i = 0; i < infos.size(); ++i) {
     const std::uint32_t instance = in.instance_of[i];
@@ -385,16 +454,40 @@ void CameraRenderer::Internals::prepare_looks(const Scene::Internals& in) {
       continue;
     }
     infos[i].look = static_cast<std::uint16_t>(in.instances[instance].material);
-    infos[i].on_body = in.placed_of(instance).body != Scene::Internals::kFixed;
+    const Scene::Internals::Placed& placed = in.placed_of(instance);
+    infos[i].on_body = placed.body != Scene::Internals::kFixed;
     for (std::size_t t = 0; t < in.terrains.size(); ++t) {
       if (in.terrains[t].instance == instance) {
         infos[i].terrain = static_cast<std::uint8_t>(t + 1);
       }
     }
+    const Panes& panes = looks[infos[i].look].shade.panes;
+    if (panes.across_m > 0.0F) {
+      PaneFrame& frame_of = pane_frames.emplace_back();
+      const Eigen::Matrix3f R = placed.X_PM.linear().cast<float>();
+      const Eigen::Vector3f p = (placed.X_PM.translation() - in.origin_W).cast<float>();
+      std::copy_n(R.data(), 9, frame_of.X.data());
+      std::copy_n(p.data(), 3, frame_of.X.data() + 9);
+      const auto scale = static_cast<float>(placed.scale);
+      frame_of.bounds_M = {scale * placed.bounds_M.min(), scale * placed.bounds_M.max()};
+      frame_of.panes = panes;
+      infos[i].panes = static_cast<std::uint32_t>(pane_frames.size());
+    }
   }
   terrains.clear();
+  terrain_looks.clear();
   for (const Scene::Internals::Terrain& terrain : in.terrains) {
     terrains.push_back(slopes_of(terrain.field, in.origin_W));
+    TerrainLooks& of = terrain_looks.emplace_back();
+    const auto own = static_cast<std::uint16_t>(in.instances[terrain.instance].material);
+    if (!terrain.cover) {
+      continue;
+    }
+    of.cover = terrain.cover.get();
+    for (const std::string& label : terrain.cover->labels) {
+      const auto shade = shade_of_soil(label, parameters.looks);
+      of.of_label.push_back(shade ? add_look(*shade) : own);
+    }
   }
 }
 
@@ -594,6 +687,170 @@ void CameraRenderer::Internals::aim(int column, int row, int sample, int samples
   }
 }
 
+/// Of ground at a place of the plane, in Embree's coordinates. Soils meet in ragged edges, and
+/// steep slopes are bare.
+std::uint32_t CameraRenderer::Internals::ground_look(const SurfaceInfo& info, const Slopes& slope,
+                                                     const Eigen::Vector2f& at_m,
+                                                     float footprint_m) const {
+  const std::size_t t = info.terrain - 1U;
+  const TerrainSlopes& field = terrains[t];
+  const TerrainLooks& ground = terrain_looks[t];
+  // What wavers ends at the pixel as grain does.
+  const auto fading = [&](float cell_m) {
+    return std::clamp(cell_m / footprint_m * (1.0F / 1.5F) - 0.5F, 0.0F, 1.0F);
+  };
+  const auto place = [&](const Eigen::Vector2f& p) {
+    return Eigen::Vector2f((p + field.offset_m) * field.per_m);
+  };
+  Eigen::Vector2f at = place(at_m);
+  std::uint32_t look = info.look;
+  if (ground.cover != nullptr) {
+    const Scene::Internals::Cover& cover = *ground.cover;
+    const int columns = field.columns - 1;
+    const int rows_there = field.rows - 1;
+    const auto cell = [&](float x, float y) {
+      return static_cast<std::size_t>(std::clamp(static_cast<int>(y), 0, rows_there - 1)) *
+                 static_cast<std::size_t>(columns) +
+             static_cast<std::size_t>(std::clamp(static_cast<int>(x), 0, columns - 1));
+    };
+    std::size_t here = cell(at.x(), at.y());
+    if (cover.near_edge[here] != 0) {
+      constexpr float kCoarse_m = 0.9F;
+      constexpr float kFine_m = 0.16F;
+      const Eigen::Vector2f world = at / field.per_m;
+      // Hard surfaces are laid along a line.
+      constexpr auto kReach = static_cast<float>(Scene::Internals::kCoverReach);
+      bool laid = false;
+      for (const float dx : {-kReach, 0.0F, kReach}) {
+        for (const float dy : {-kReach, 0.0F, kReach}) {
+          laid =
+              laid ||
+              looks[ground.of_label[cover.cells[cell(at.x() + dx, at.y() + dy)]]].shade.bare_from ==
+                  0.0F;
+        }
+      }
+      const float coarse = (laid ? 0.04F : 0.25F) * fading(kCoarse_m);
+      const float fine = (laid ? 0.03F : 0.07F) * fading(kFine_m);
+      const Eigen::Vector2f aside(coarse * waver(world.x() / kCoarse_m, world.y() / kCoarse_m, 1U) +
+                                      fine * waver(world.x() / kFine_m, world.y() / kFine_m, 2U),
+                                  coarse * waver(world.x() / kCoarse_m, world.y() / kCoarse_m, 3U) +
+                                      fine * waver(world.x() / kFine_m, world.y() / kFine_m, 4U));
+      at += aside * field.per_m;
+      // The one of the four nearest cells that weighs most here.
+      const float x = at.x() - 0.5F;
+      const float y = at.y() - 0.5F;
+      const float a = x - std::floor(x);
+      const float b = y - std::floor(y);
+      const std::array<std::size_t, 4> corner{cell(std::floor(x), std::floor(y)),
+                                              cell(std::floor(x) + 1.0F, std::floor(y)),
+                                              cell(std::floor(x), std::floor(y) + 1.0F),
+                                              cell(std::floor(x) + 1.0F, std::floor(y) + 1.0F)};
+      const std::array<float, 4> weight{(1.0F - a) * (1.0F - b), a * (1.0F - b), (1.0F - a) * b,
+                                        a * b};
+      float most = 0.0F;
+      for (std::size_t i = 0; i < 4; ++i) {
+        float sum = 0.0F;
+        for (std::size_t k = 0; k < 4; ++k) {
+          sum += cover.cells[corner[k]] == cover.cells[corner[i]] ? weight[k] : 0.0F;
+        }
+        if (sum > most) {
+          most = sum;
+          here = corner[i];
+        }
+      }
+    }
+    look = ground.of_label[cover.cells[here]];
+  }
+  const float bare_from = looks[look].shade.bare_from;
+  if (bare_from > 0.0F) {
+    const float steep = std::sqrt(slope.x * slope.x + slope.y * slope.y);
+    constexpr float kPatch_m = 0.5F;
+    if (steep > 0.75F * bare_from) {
+      const float ragged =
+          0.25F * bare_from * fading(kPatch_m) *
+          waver(at.x() / field.per_m / kPatch_m, at.y() / field.per_m / kPatch_m, 5U);
+      look = steep + ragged > bare_from ? face : look;
+    }
+  }
+  return look;
+}
+
+/// Looks of what was met, slopes of terrain by the way.
+LookLanes CameraRenderer::Internals::find_looks(Packet& packet) const {
+  const SurfaceNumbers number(packet.rays.hit);
+  const RTCRay8& ray = packet.rays.ray;
+  LookLanes look;
+  packet.stony = false;
+  packet.glazed = false;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    if (number[i] == RTC_INVALID_GEOMETRY_ID) {
+      look[i] = ~0U;
+      continue;
+    }
+    const SurfaceInfo& info = infos[number[i]];
+    look[i] = info.look;
+    if (info.terrain != 0) {
+      const float t = ray.tfar[i];
+      const Eigen::Vector2f at(ray.org_x[i] + t * ray.dir_x[i], ray.org_y[i] + t * ray.dir_y[i]);
+      packet.slope[i] = terrains[info.terrain - 1U].at(at.x(), at.y());
+      // Ground lies flatter than the ray mostly: a pixel is as long there as the slant makes it.
+      const float cosine = std::max(std::abs(ray.dir_z[i]), 0.05F);
+      look[i] = ground_look(info, packet.slope[i], at,
+                            t * packet.pixel_rad[i] / std::sqrt(cosine) + 1e-6F);
+    }
+    packet.stony = packet.stony || looks[look[i]].shade.stones > 0.0F;
+    packet.glazed = packet.glazed || info.panes != 0;
+  }
+  return look;
+}
+
+/// Panes of glass in what is lit.
+void CameraRenderer::Internals::glaze(const Packet& packet, LitLanes& lit) const {
+  const SurfaceNumbers number(packet.rays.hit);
+  const MetSurfaces& met = packet.met;
+  static const Shade kGlass = shade_of(SurfaceKind::glass);
+  constexpr float kUpright = 0.35F;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    if (number[i] == RTC_INVALID_GEOMETRY_ID || infos[number[i]].panes == 0) {
+      continue;
+    }
+    const SurfaceInfo& info = infos[number[i]];
+    const PaneFrame& pane = pane_frames[info.panes - 1U];
+    const std::array<float, 12>& X = info.on_body ? packet.X[i] : pane.X;
+    const auto turned_back = [&](float x, float y, float z) {
+      return Eigen::Vector3f(X[0] * x + X[1] * y + X[2] * z, X[3] * x + X[4] * y + X[5] * z,
+                             X[6] * x + X[7] * y + X[8] * z);
+    };
+    const Eigen::Vector3f n = turned_back(met.gx[i], met.gy[i], met.gz[i]);
+    if (std::abs(n.z()) > kUpright) {
+      continue;
+    }
+    const Eigen::Vector3f p =
+        turned_back(met.x[i] - X[9], met.y[i] - X[10], met.z[i] - X[11]) - pane.bounds_M.min();
+    const Eigen::Vector3f size = pane.bounds_M.sizes();
+    const int along = std::abs(n.x()) > std::abs(n.y()) ? 1 : 0;
+    const float columns = std::max(1.0F, std::round(size[along] / pane.panes.across_m));
+    const float rows_of = std::max(1.0F, std::round(size.z() / pane.panes.up_m));
+    const float per_x = columns / size[along];
+    const float per_z = rows_of / size.z();
+    // Averaged over the pixel's width.
+    const float wide = met.points.footprint_m[i];
+    const float u = p[along] * per_x;
+    const float v = p.z() * per_z;
+    const float glass =
+        share_within(u - 0.5F * wide * per_x, wide * per_x, pane.panes.left, pane.panes.right) *
+        share_within(v - 0.5F * wide * per_z, wide * per_z, pane.panes.bottom, pane.panes.top);
+    lit.red[i] += glass * (kGlass.red - lit.red[i]);
+    lit.green[i] += glass * (kGlass.green - lit.green[i]);
+    lit.blue[i] += glass * (kGlass.blue - lit.blue[i]);
+    lit.gloss[i] += glass * (kGlass.gloss - lit.gloss[i]);
+    lit.sharpness[i] += glass * (kGlass.sharpness - lit.sharpness[i]);
+    lit.nx[i] += glass * (met.nx[i] - lit.nx[i]);
+    lit.ny[i] += glass * (met.ny[i] - lit.ny[i]);
+    lit.nz[i] += glass * (met.nz[i] - lit.nz[i]);
+  }
+}
+
 /// Smooth normals of terrain, and the own frame of what moves.
 void CameraRenderer::Internals::refine(Packet& packet) const {
   const SurfaceNumbers number(packet.rays.hit);
@@ -605,7 +862,7 @@ void CameraRenderer::Internals::refine(Packet& packet) const {
     }
     const SurfaceInfo& info = infos[number[i]];
     if (info.terrain != 0) {
-      const Slopes slope = terrains[info.terrain - 1U].at(met.x[i], met.y[i]);
+      const Slopes& slope = packet.slope[i];
       const float size = 1.0F / std::sqrt(1.0F + slope.x * slope.x + slope.y * slope.y);
       const float side = met.gz[i] < 0.0F ? -size : size;
       met.nx[i] = -slope.x * side;
@@ -702,7 +959,7 @@ void CameraRenderer::Internals::shade(Packet& packet) const {
   }
   if (any) {
     MetSurfaces& met = packet.met;
-    meet(in.shading.data(), infos.data(), looks.data(), packet.rays, met);
+    meet(in.shading.data(), looks.data(), find_looks(packet), packet.rays, met);
     refine(packet);
     const RTCRay8& ray = packet.rays.ray;
     for (std::size_t i = 0; i < kLanes; ++i) {
@@ -726,8 +983,15 @@ void CameraRenderer::Internals::shade(Packet& packet) const {
         grain.slope_z[i] = X[2] * x + X[5] * y + X[8] * z;
       }
     }
+    Stones stones;
+    if (packet.stony) {
+      lay_stones(met.points, stone_anchor, met.stones, stones);
+    }
     LitLanes lit;
-    texture(met, grain, frame.light, lit);
+    texture(met, grain, packet.stony ? stones : no_stones(), frame.light, lit);
+    if (packet.glazed) {
+      glaze(packet, lit);
+    }
     LaneArray seen;
     seen.fill(0.0F);
     if (job.light->sun_shines()) {

@@ -35,6 +35,11 @@ Eigen::Vector3f to_rgb(float luminance, float x, float y) {
   return rgb.cwiseMax(0.0F);
 }
 
+/// y of daylight with that x (CIE 15:2004, 3.1).
+float daylight_locus(float x) {
+  return -0.275F + x * (2.870F - 3.0F * x);
+}
+
 /// (1 + A exp(B / cos z)) (1 + C exp(D g) + E cos^2 g).
 float perez(const std::array<float, 5>& p, float cosine_zenith, float cosine_sun) {
   const float angle = std::acos(std::clamp(cosine_sun, -1.0F, 1.0F));
@@ -174,8 +179,9 @@ Eigen::Vector3f Daylight::clear_luminance(const Eigen::Vector3f& direction_W) co
   const float z = std::max(direction_W.z(), 0.01F);
   const float cosine_sun = direction_W.dot(shape_sun_);
   const float luminance = clear_scale_ * zenith_[0] * perez(perez_[0], z, cosine_sun);
-  return to_rgb(luminance, zenith_[1] * perez(perez_[1], z, cosine_sun),
-                zenith_[2] * perez(perez_[2], z, cosine_sun));
+  const float x = zenith_[1] * perez(perez_[1], z, cosine_sun);
+  const float y = zenith_[2] * perez(perez_[2], z, cosine_sun);
+  return to_rgb(luminance, x, std::max(y, daylight_locus(x)));
 }
 
 void Daylight::tabulate() {

@@ -11,7 +11,10 @@
 //           1999, appendix, without ozone and vapour) over the air mass of F. Kasten and A. T.
 //           Young, 1989
 //   sky     what is left of the total, at least 15 % of the sun's part, spread as Preetham et al.
-//           spread it by their five Perez numbers and chromaticities; with the sun below 2 degrees,
+//           spread it by their five Perez numbers and chromaticities; these no more purple than the
+//           CIE's daylight locus, which real skies keep to (J. Hernandez-Andres, J. Romero, J. L.
+//           Nieves, R. L. Lee, "Color and spectral analysis of daylight in southern Europe", JOSA A
+//           18(6), 2001), while the fit leaves it near the horizon; with the sun below 2 degrees,
 //           as if it stood there
 //   clouds  total times 1 - 0.75 c^3.4 (F. Kasten, G. Czeplak, 1980), sun times 1 - c, sky blended
 //           into the standard overcast one, (1 + 2 sin e) / 3 (P. Moon, D. E. Spencer, 1942)

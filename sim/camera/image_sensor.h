@@ -142,7 +142,7 @@ void pack_numbers(std::span<const std::uint16_t> numbers, int bits,
 /// compared with the target, the change acts some pictures later, and between dead bands nothing
 /// moves. Exposure first, gain when exposure is at its end.
 struct AutoExposureParameters {
-  double target = 0.40;     ///< Mean of the picture, share of full scale.
+  double target = 0.28;     ///< Mean of the picture, share of full scale.
   double dead_band = 0.10;  ///< Relative error that is left alone.
   double damping = 0.5;     ///< Share of the error, in stops, that is left after one step.
   int lag = 2;              ///< Pictures between one that is measured and the first that differs.

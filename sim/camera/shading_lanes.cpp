@@ -42,9 +42,8 @@ LightTerms light_terms(const Daylight& light, double wetness) {
 
 // Neighbours mostly meet the same things: one after the other is worked out for all lanes, and each
 // lane keeps what is its own.
-RIGWIRE_WIDE_VECTORS void meet(const Scene::Internals::Shading* shading, const SurfaceInfo* infos,
-                               const PreparedLook* looks, const RTCRayHit8& packet,
-                               MetSurfaces& met) {
+RIGWIRE_WIDE_VECTORS void meet(const Scene::Internals::Shading* shading, const PreparedLook* looks,
+                               const LookLanes& look, const RTCRayHit8& packet, MetSurfaces& met) {
   const RTCRay8& ray = packet.ray;
   const RTCHit8& hit = packet.hit;
   const SurfaceNumbers number(hit);
@@ -69,10 +68,6 @@ RIGWIRE_WIDE_VECTORS void meet(const Scene::Internals::Shading* shading, const S
       met.gz[i] = mine ? z : met.gz[i];
     }
   }
-  alignas(32) std::array<std::uint32_t, kLanes> look;
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    look[i] = number[i] == RTC_INVALID_GEOMETRY_ID ? ~0U : infos[number[i]].look;
-  }
   // A lane without a hit keeps the first look, and its normal of no length.
   const auto take = [&](const PreparedLook& from, std::uint32_t which, bool all) {
     const Shade& s = from.shade;
@@ -86,8 +81,11 @@ RIGWIRE_WIDE_VECTORS void meet(const Scene::Internals::Shading* shading, const S
     set(met.red2, s.red2), set(met.green2, s.green2), set(met.blue2, s.blue2);
     set(met.grain, s.grain), set(met.relief, s.relief), set(met.gloss, s.gloss);
     set(met.sharpness, s.sharpness), set(met.transmission, s.transmission);
-    set(met.variation, s.variation), set(met.soaks, s.soaks);
+    set(met.variation, s.variation), set(met.soaks, s.soaks), set(met.film, s.film);
     set(met.points.frequency_pm, s.frequency_pm), set(met.points.persistence, s.persistence);
+    set(met.points.upright, s.upright), set(met.stones, s.stones);
+    set(met.stone_red, s.stone_red), set(met.stone_green, s.stone_green);
+    set(met.stone_blue, s.stone_blue);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       set(met.anchor.share[axis], from.share[axis]);
       for (std::size_t i = 0; i < kLanes; ++i) {
@@ -135,7 +133,7 @@ RIGWIRE_WIDE_VECTORS void meet(const Scene::Internals::Shading* shading, const S
   }
 }
 
-RIGWIRE_WIDE_VECTORS void texture(const MetSurfaces& met, const Grain& grain,
+RIGWIRE_WIDE_VECTORS void texture(const MetSurfaces& met, const Grain& grain, const Stones& stones,
                                   const LightTerms& light, LitLanes& lit) {
   const float sx = light.to_sun[0];
   const float sy = light.to_sun[1];
@@ -143,11 +141,13 @@ RIGWIRE_WIDE_VECTORS void texture(const MetSurfaces& met, const Grain& grain,
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
     // Relief bends the normal against its slope along the surface.
-    const float along =
-        grain.slope_x[i] * met.nx[i] + grain.slope_y[i] * met.ny[i] + grain.slope_z[i] * met.nz[i];
-    float x = met.nx[i] - met.relief[i] * (grain.slope_x[i] - along * met.nx[i]);
-    float y = met.ny[i] - met.relief[i] * (grain.slope_y[i] - along * met.ny[i]);
-    float z = met.nz[i] - met.relief[i] * (grain.slope_z[i] - along * met.nz[i]);
+    const float slope_x = met.relief[i] * grain.slope_x[i] + stones.slope_x[i];
+    const float slope_y = met.relief[i] * grain.slope_y[i] + stones.slope_y[i];
+    const float slope_z = met.relief[i] * grain.slope_z[i] + stones.slope_z[i];
+    const float along = slope_x * met.nx[i] + slope_y * met.ny[i] + slope_z * met.nz[i];
+    float x = met.nx[i] - (slope_x - along * met.nx[i]);
+    float y = met.ny[i] - (slope_y - along * met.ny[i]);
+    float z = met.nz[i] - (slope_z - along * met.nz[i]);
     const float square = x * x + y * y + z * z;
     const float size = square > 0.0F ? 1.0F / std::sqrt(square) : 0.0F;
     x *= size;
@@ -162,14 +162,18 @@ RIGWIRE_WIDE_VECTORS void texture(const MetSurfaces& met, const Grain& grain,
                    (1.0F + 1.7F * met.variation[i] * met.draw[i]);
     bright = bright < kDarkestGrain ? kDarkestGrain : bright;
     const float wet = light.wetness * met.soaks[i];
-    bright *= 1.0F - (1.0F - kWetAlbedo) * wet;
-    const float red = bright * (met.red[i] + blend * (met.red2[i] - met.red[i]));
-    const float green = bright * (met.green[i] + blend * (met.green2[i] - met.green[i]));
-    const float blue = bright * (met.blue[i] + blend * (met.blue2[i] - met.blue[i]));
+    bright *= (1.0F - (1.0F - kWetAlbedo) * wet) * stones.gap[i];
+    float red = met.red[i] + blend * (met.red2[i] - met.red[i]);
+    float green = met.green[i] + blend * (met.green2[i] - met.green[i]);
+    float blue = met.blue[i] + blend * (met.blue2[i] - met.blue[i]);
+    const float tone = stones.tone[i];
+    red = bright * (red + stones.share[i] * (tone * met.stone_red[i] - red));
+    green = bright * (green + stones.share[i] * (tone * met.stone_green[i] - green));
+    blue = bright * (blue + stones.share[i] * (tone * met.stone_blue[i] - blue));
     lit.red[i] = red < 0.9F ? red : 0.9F;
     lit.green[i] = green < 0.9F ? green : 0.9F;
     lit.blue[i] = blue < 0.9F ? blue : 0.9F;
-    const float film = kWater * wet;
+    const float film = kWater * wet * met.film[i];
     lit.gloss[i] = met.gloss[i] > film ? met.gloss[i] : film;
     lit.sharpness[i] = met.gloss[i] > film ? met.sharpness[i] : kWaterSharpness;
     const float facing = x * sx + y * sy + z * sz;
@@ -232,8 +236,9 @@ RIGWIRE_WIDE_VECTORS void light_up(const MetSurfaces& met, const LitLanes& lit,
     mz[i] = ray.dir_z[i] - 2.0F * along * lit.nz[i];
     float cosine = along < 0.0F ? -along : 0.0F;
     cosine = cosine < 1.0F ? cosine : 1.0F;
-    // Rough coats do not mirror at grazing incidence as smooth ones do: half the rise.
-    const float rise = lit.gloss[i] > 0.0F ? 0.5F : 0.0F;
+    // Rough coats do not mirror at grazing incidence as smooth ones do: half the rise, less where
+    // there is less of them than water would reflect.
+    const float rise = lit.gloss[i] < kWater ? lit.gloss[i] * (0.5F / kWater) : 0.5F;
     fresnel[i] = lit.gloss[i] + rise * (1.0F - lit.gloss[i]) * fifth(1.0F - cosine);
     // Half way between sun and eye.
     const float hx = light.to_sun[0] - ray.dir_x[i];

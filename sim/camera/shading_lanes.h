@@ -45,7 +45,8 @@ struct MetSurfaces {
   LaneArray gx, gy, gz;  ///< Flat normals, unit, towards the viewer; 0 where nothing is.
   LaneArray nx, ny, nz;  ///< Smooth normals, the same unless they were replaced.
   LaneArray red, green, blue, red2, green2, blue2;
-  LaneArray grain, relief, gloss, sharpness, transmission, variation, soaks;
+  LaneArray grain, relief, gloss, sharpness, transmission, variation, soaks, film;
+  LaneArray stones, stone_red, stone_green, stone_blue;
   LaneArray draw;      ///< -1 .. 1, of the triangle that was hit.
   GrainPoints points;  ///< Footprint filled by the caller before.
   GrainAnchor anchor;
@@ -56,11 +57,15 @@ struct SurfaceInfo {
   std::uint16_t look = 0;
   std::uint8_t terrain = 0;  ///< 0: none; else its number plus 1.
   bool on_body = false;
+  std::uint32_t panes = 0;  ///< 0: none; else the number of their frame plus 1.
 };
 
+/// Which look each lane has; ~0 where nothing was met.
+struct alignas(32) LookLanes : std::array<std::uint32_t, kLanes> {};
+
 /// Normals, points and looks of what a cast packet met.
-void meet(const Scene::Internals::Shading* shading, const SurfaceInfo* infos,
-          const PreparedLook* looks, const RTCRayHit8& packet, MetSurfaces& met);
+void meet(const Scene::Internals::Shading* shading, const PreparedLook* looks,
+          const LookLanes& look, const RTCRayHit8& packet, MetSurfaces& met);
 
 /// A point that is lit.
 struct LitLanes {
@@ -70,8 +75,9 @@ struct LitLanes {
   LaneArray sun;  ///< Cosine of incidence, leaves from behind included; 0: no sun.
 };
 
-/// Albedos and normals with their grain.
-void texture(const MetSurfaces& met, const Grain& grain, const LightTerms& light, LitLanes& lit);
+/// Albedos and normals with their grain and stones.
+void texture(const MetSurfaces& met, const Grain& grain, const Stones& stones,
+             const LightTerms& light, LitLanes& lit);
 
 /// Rays towards the sun from points that it may light; `active` -1 there and 0 elsewhere. Returns
 /// whether there is one.

@@ -16,6 +16,24 @@ constexpr std::uint32_t kX = 0x9E3779B1U;
 constexpr std::uint32_t kY = 0x85EBCA77U;
 constexpr std::uint32_t kZ = 0xC2B2AE3DU;
 
+constexpr float kStoneFrequency_pm = 1.25F;
+constexpr int kStoneLattices = 7;
+/// Of the shade beside a stone, in its radii.
+constexpr float kShadeReach = 1.3F;
+constexpr float kWholeStone_px = 5.0F;
+constexpr float kLeastStone_px = 2.5F;
+/// Of the cells of each lattice, those that hold a stone at a density of 1.
+constexpr std::array<float, kStoneLattices> kFilled{0.03F, 0.09F, 0.22F, 0.45F, 0.75F, 1.0F, 1.0F};
+/// Axes of the stones' lattices: a rotation.
+constexpr std::array<std::array<float, 3>, 3> kStoneAxes{
+    {{0.36F, 0.48F, -0.8F}, {-0.8F, 0.6F, 0.0F}, {0.48F, 0.64F, 0.6F}}};
+
+void split(double cells, std::int32_t& cell, float& share) {
+  const double whole = std::floor(cells);
+  cell = static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(whole)));
+  share = static_cast<float>(cells - whole);
+}
+
 /// A value in [-1, 1) of a lattice point.
 inline float lattice(std::uint32_t mixed) {
   mixed ^= mixed >> 15U;
@@ -24,13 +42,21 @@ inline float lattice(std::uint32_t mixed) {
 
 }  // namespace
 
-void GrainAnchor::set(std::size_t lane, const Eigen::Vector3d& anchor_m, double frequency_pm) {
+void GrainAnchor::set(std::size_t lane, const Eigen::Vector3d& anchor_m, double frequency_pm,
+                      double upright) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double cells = anchor_m[static_cast<int>(axis)] * frequency_pm;
-    const double whole = std::floor(cells);
-    cell[axis][lane] =
-        static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(whole)));
-    share[axis][lane] = static_cast<float>(cells - whole);
+    split(anchor_m[static_cast<int>(axis)] * frequency_pm * (axis == 2 ? upright : 1.0),
+          cell[axis][lane], share[axis][lane]);
+  }
+}
+
+StoneAnchor::StoneAnchor(const Eigen::Vector3d& anchor_m) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double cells = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      cells += static_cast<double>(kStoneAxes[axis][k]) * anchor_m[static_cast<int>(k)];
+    }
+    split(cells * static_cast<double>(kStoneFrequency_pm), cell[axis], share[axis]);
   }
 }
 
@@ -43,8 +69,9 @@ RIGWIRE_WIDE_VECTORS void sum_grain(const GrainPoints& points, const GrainAnchor
   for (std::size_t i = 0; i < kLanes; ++i) {
     place[0][i] = points.x[i] * points.frequency_pm[i] + anchor.share[0][i];
     place[1][i] = points.y[i] * points.frequency_pm[i] + anchor.share[1][i];
-    place[2][i] = points.z[i] * points.frequency_pm[i] + anchor.share[2][i];
-    cell_px[i] = 1.0F / (points.frequency_pm[i] * points.footprint_m[i]);
+    place[2][i] = points.z[i] * points.frequency_pm[i] * points.upright[i] + anchor.share[2][i];
+    const float finest = points.upright[i] > 1.0F ? points.upright[i] : 1.0F;
+    cell_px[i] = 1.0F / (points.frequency_pm[i] * finest * points.footprint_m[i]);
     weight[i] = 1.0F;
     grain.patch[i] = 0.0F;
     grain.brightness[i] = 0.0F;
@@ -138,6 +165,106 @@ RIGWIRE_WIDE_VECTORS void sum_grain(const GrainPoints& points, const GrainAnchor
       sy[i] += in_relief * there * by_y;
       sz[i] += in_relief * there * by_z;
       weight[i] *= points.persistence[i];
+      cell_px[i] *= 0.5F;
+    }
+    scale *= 2.0F;
+    widest_px *= 0.5F;
+  }
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    grain.slope_z[i] *= points.upright[i];
+  }
+}
+
+RIGWIRE_WIDE_VECTORS void lay_stones(const GrainPoints& points, const StoneAnchor& anchor,
+                                     const LaneArray& density, Stones& stones) {
+  std::array<LaneArray, 3> place;
+  LaneArray cell_px;
+  float widest_px = 0.0F;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      place[axis][i] = (kStoneAxes[axis][0] * points.x[i] + kStoneAxes[axis][1] * points.y[i] +
+                        kStoneAxes[axis][2] * points.z[i]) *
+                           kStoneFrequency_pm +
+                       anchor.share[axis];
+    }
+    cell_px[i] = density[i] > 0.0F ? 1.0F / (kStoneFrequency_pm * points.footprint_m[i]) : 0.0F;
+    stones.share[i] = 0.0F;
+    stones.tone[i] = 1.0F;
+    stones.gap[i] = 1.0F;
+    stones.slope_x[i] = 0.0F;
+    stones.slope_y[i] = 0.0F;
+    stones.slope_z[i] = 0.0F;
+  }
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    widest_px = std::max(widest_px, cell_px[i]);
+  }
+  float scale = 1.0F;
+  for (int k = 0; k < kStoneLattices && widest_px > kLeastStone_px; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    const std::uint32_t times = 1U << static_cast<unsigned>(k);
+    const std::uint32_t cx = static_cast<std::uint32_t>(anchor.cell[0]) * times;
+    const std::uint32_t cy = static_cast<std::uint32_t>(anchor.cell[1]) * times;
+    const std::uint32_t cz = static_cast<std::uint32_t>(anchor.cell[2]) * times;
+    const std::uint32_t seed = static_cast<std::uint32_t>(k + 1) * 0x27D4EB2FU;
+    const float filled = kFilled[at];
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const float x = place[0][i] * scale;
+      const float y = place[1][i] * scale;
+      const float z = place[2][i] * scale;
+      std::int32_t ix = static_cast<std::int32_t>(x);
+      std::int32_t iy = static_cast<std::int32_t>(y);
+      std::int32_t iz = static_cast<std::int32_t>(z);
+      ix -= static_cast<float>(ix) > x ? 1 : 0;
+      iy -= static_cast<float>(iy) > y ? 1 : 0;
+      iz -= static_cast<float>(iz) > z ? 1 : 0;
+      std::uint32_t one = ((static_cast<std::uint32_t>(ix) + cx) * kX) ^
+                          ((static_cast<std::uint32_t>(iy) + cy) * kY) ^
+                          ((static_cast<std::uint32_t>(iz) + cz) * kZ) ^ seed;
+      one ^= one >> 15U;
+      one *= 0x2C1B3C6DU;
+      one ^= one >> 13U;
+      const std::uint32_t two = one * 0x297A2D39U;
+      // Radius, presence and brightness; then the centre, so that the stone and the shade beside it
+      // stay in their cell.
+      const auto byte = [](std::uint32_t bits, unsigned from) {
+        return static_cast<float>(static_cast<std::int32_t>(bits >> from & 0xFFU)) *
+               (1.0F / 255.0F);
+      };
+      const float radius = 0.14F + 0.24F * byte(two, 24U);
+      const float margin = kShadeReach * radius;
+      const float room = 1.0F - 2.0F * margin;
+      const float dx = x - static_cast<float>(ix) - margin - room * byte(one, 0U);
+      const float dy = y - static_cast<float>(iy) - margin - room * byte(one, 8U);
+      const float dz = z - static_cast<float>(iz) - margin - room * byte(one, 16U);
+      const float out = 1.0F / radius;
+      // Broken stones: the sphere less what a slanting octahedron leaves of it.
+      const float lean = byte(two, 8U) - 0.5F;
+      const float corner =
+          std::abs(dx + lean * dy) + std::abs(dy - lean * dz) + std::abs(dz + 0.7F * lean * dx);
+      const float ball = dx * dx + dy * dy + dz * dz;
+      const float edged = 0.62F * corner * corner;
+      const float square = (ball > edged ? ball : edged) * out * out;
+      float there = (cell_px[i] - kLeastStone_px) * (1.0F / (kWholeStone_px - kLeastStone_px));
+      there = there < 0.0F ? 0.0F : (there > 1.0F ? 1.0F : there);
+      there = byte(one, 24U) < density[i] * filled ? there * (1.0F - stones.share[i]) : 0.0F;
+      // An edge one pixel wide, and the shade beside it.
+      float cover = (1.0F - square) * 0.5F * radius * cell_px[i];
+      cover = cover < 0.0F ? 0.0F : (cover > 1.0F ? 1.0F : cover);
+      float beside = 1.0F - (square - 1.0F) * (1.0F / (kShadeReach * kShadeReach - 1.0F));
+      beside = beside < 0.0F ? 0.0F : (beside > 1.0F ? 1.0F : beside);
+      const float mine = there * cover;
+      const float tone = 0.70F + 0.60F * byte(two, 16U);
+      stones.tone[i] += mine * (tone - stones.tone[i]);
+      stones.share[i] += mine;
+      stones.gap[i] *= 1.0F - 0.35F * there * (1.0F - cover) * beside;
+      const float bend = -1.1F * mine * out;
+      stones.slope_x[i] +=
+          bend * (kStoneAxes[0][0] * dx + kStoneAxes[1][0] * dy + kStoneAxes[2][0] * dz);
+      stones.slope_y[i] +=
+          bend * (kStoneAxes[0][1] * dx + kStoneAxes[1][1] * dy + kStoneAxes[2][1] * dz);
+      stones.slope_z[i] +=
+          bend * (kStoneAxes[0][2] * dx + kStoneAxes[1][2] * dy + kStoneAxes[2][2] * dz);
       cell_px[i] *= 0.5F;
     }
     scale *= 2.0F;

@@ -25,6 +25,7 @@ inline constexpr int kMostOctaves = 14;
 struct GrainPoints {
   LaneArray x, y, z;       ///< m, from the anchor.
   LaneArray frequency_pm;  ///< Of the first octave.
+  LaneArray upright;       ///< Frequency along z against that.
   LaneArray footprint_m;   ///< Width of a pixel on the surface, above 0.
   LaneArray persistence;   ///< Of an octave against the coarser one before it.
 };
@@ -37,7 +38,8 @@ struct GrainAnchor {
   std::array<LaneArray, 3> share{};
 
   /// Of one lane.
-  void set(std::size_t lane, const Eigen::Vector3d& anchor_m, double frequency_pm);
+  void set(std::size_t lane, const Eigen::Vector3d& anchor_m, double frequency_pm,
+           double upright = 1.0);
 };
 
 struct Grain {
@@ -47,5 +49,33 @@ struct Grain {
 };
 
 void sum_grain(const GrainPoints& points, const GrainAnchor& anchor, Grain& grain);
+
+/// Where stones lie: the anchor of their own lattice, in its first cells, by axis.
+struct StoneAnchor {
+  std::array<std::int32_t, 3> cell{};
+  std::array<float, 3> share{};
+
+  StoneAnchor() = default;
+  explicit StoneAnchor(const Eigen::Vector3d& anchor_m);
+};
+
+/// Stones in the ground at eight points.
+struct Stones {
+  LaneArray share;                      ///< 0 .. 1 of the point is stone.
+  LaneArray tone;                       ///< Brightness of that stone against the mean one.
+  LaneArray gap;                        ///< Light that is left between stones.
+  LaneArray slope_x, slope_y, slope_z;  ///< Of the stone's dome, in space.
+};
+
+/// `density`: share of the lattice's cells that hold a stone; 0 in lanes without stones.
+///
+/// Seven lattices of cubes, cells of 0.8 m down to 12.5 mm, turned so that their rows do not run
+/// with the world's; a cell holds one stone at most, a sphere of 0.14 .. 0.38 of its edge in radius
+/// with corners broken off, all of it within the cell, so that a point asks one cell of each
+/// lattice. Fewer cells of the coarse lattices are filled: the number of stones above a size falls
+/// with its 3rd power and faster. Ground cuts the spheres: larger stones lie over smaller ones. A
+/// lattice counts in full where a cell is 5 pixels wide, and not at all from 2.5 on.
+void lay_stones(const GrainPoints& points, const StoneAnchor& anchor, const LaneArray& density,
+                Stones& stones);
 
 }  // namespace rigwire::sim

@@ -10,27 +10,35 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "fields/rules.h"
+#include "sim/scene/scene.h"
 
 namespace rigwire::sim {
 
 enum class SurfaceKind : std::uint8_t {
   gravel,
+  soil,
+  mud,
   litter,
   rock,
   grass,
   leaves,
+  canopy,
   bark,
   asphalt,
   concrete,
   plaster,
+  facade,
   paint,
   rubber,
+  cab,
   steel,
+  glass,
   reflector,
 };
 
@@ -48,11 +56,21 @@ void visit(fields::Visitor& v, SurfaceLook& p);
 /// Throws std::invalid_argument naming the key, the value found and what is allowed.
 void validate(const SurfaceLook& look);
 
+/// Panes of glass in the upright sides of a thing, evenly over its length and its height: as many
+/// as come nearest to the spacing.
+struct Panes {
+  float across_m = 0.0F;  ///< Spacing along a side; 0: none.
+  float up_m = 3.2F;      ///< Spacing of rows.
+  /// Edges of a pane, as shares of the spacing.
+  float left = 0.24F, right = 0.76F, bottom = 0.30F, top = 0.80F;
+};
+
 /// A surface as it is shaded.
 struct Shade {
   float red = 0.3F, green = 0.3F, blue = 0.3F;     ///< Albedo of one tint,
   float red2 = 0.3F, green2 = 0.3F, blue2 = 0.3F;  ///< and of the other, blended in patches.
   float frequency_pm = 1.0F;  ///< Of the coarsest octave of the grain: one over its cell.
+  float upright = 1.0F;       ///< Frequency along z against that: below 1 fibres, above 1 beds.
   float grain = 0.0F;         ///< Rms of one octave of brightness at the coarsest one.
   float persistence = 0.8F;   ///< Of the next finer one.
   float relief = 0.0F;        ///< Slope of one octave, from the third one on, all alike.
@@ -60,14 +78,27 @@ struct Shade {
   float sharpness = 1.0F;     ///< Exponent of its lobe.
   float transmission = 0.0F;  ///< Share of the diffuse light that leaves on the other side.
   float variation = 0.0F;     ///< Rms difference in brightness from triangle to triangle.
-  float soaks = 0.0F;         ///< 1: rain darkens it and lays a film of water over it.
+  float soaks = 0.0F;         ///< 1: rain darkens it.
+  float film = 0.0F;          ///< Of the wet surface, share under a film of water.
+  float stones = 0.0F;        ///< Share of the lattice's cells with a stone in them, 0 .. 1.
+  float stone_red = 0.3F, stone_green = 0.3F, stone_blue = 0.3F;  ///< Mean albedo of stones.
+  Panes panes;
+  /// Slope of terrain from which on it is bare: a cut face shows there; 0: nowhere.
+  float bare_from = 0.0F;
 };
+
+/// What terrain shows where it is steeper than its surface holds.
+[[nodiscard]] Shade cut_face();
 
 [[nodiscard]] Shade shade_of(SurfaceKind kind);
 
 /// By the label: from `looks` where it is there, else what is built in; a label that nobody knows
-/// is paint as grey as `reflectance` says.
-[[nodiscard]] Shade shade_of(std::string_view label, double reflectance,
-                             const std::vector<SurfaceLook>& looks);
+/// is paint as grey as the reflectance says. Closed surfaces of foliage are canopy.
+[[nodiscard]] Shade shade_of(const Material& material, const std::vector<SurfaceLook>& looks);
+
+/// A soil by its name, from `looks` or built in; nothing when nobody knows it: then it looks like
+/// the terrain's material.
+[[nodiscard]] std::optional<Shade> shade_of_soil(std::string_view name,
+                                                 const std::vector<SurfaceLook>& looks);
 
 }  // namespace rigwire::sim

@@ -111,6 +111,19 @@ void add_boxes(const SceneDescription& description, BuiltScene& built) {
   }
 }
 
+/// What cameras see of the soils: each by its name.
+void cover_with_soils(BuiltScene& built) {
+  std::vector<std::string> names;
+  for (const SoilParameters& soil : built.soils.soils) {
+    names.push_back(soil.name);
+  }
+  std::vector<std::uint8_t> cells = built.soils.cells;
+  if (cells.empty()) {
+    cells.assign((built.ground.columns - 1) * (built.ground.rows - 1), 0);
+  }
+  built.scene->cover_terrain(built.terrain, std::move(names), std::move(cells));
+}
+
 template <class Range, class Name>
 std::string listed(const Range& range, Name&& name) {
   std::string names;
@@ -212,6 +225,7 @@ BuiltScene build_scene(const SceneDescription& description, const std::vector<Tr
   built.terrain = built.scene->add_terrain(built.ground, material(description.terrain));
   const std::vector<LaidTrack> tracks = lay(description.tracks);
   built.soils = make_soil_map(built.ground, description.soils, tracks, description.soil_regions);
+  cover_with_soils(built);
   add_rocks(description, seed, built);
   const Clearings clear = clearings(description, tracks);
   add_trees(description, clear, seed, built);

@@ -239,7 +239,18 @@ Scene::InstanceId Scene::Internals::add_instance(MeshId mesh, std::uint32_t body
     instances.push_back({static_cast<std::uint32_t>(placed.size()), material_index(surface)});
     has_foliage = has_foliage || surface.foliage;
   }
-  Placed thing{nullptr, X_PM, scale, body, geometry_id, std::string(name), mesh, mask};
+  RTCBounds bounds{};
+  rtcGetSceneBounds(meshes[mesh].scene.get(), &bounds);
+  Placed thing{nullptr,
+               X_PM,
+               scale,
+               body,
+               geometry_id,
+               std::string(name),
+               mesh,
+               mask,
+               {Eigen::Vector3f(bounds.lower_x, bounds.lower_y, bounds.lower_z),
+                Eigen::Vector3f(bounds.upper_x, bounds.upper_y, bounds.upper_z)}};
   thing.geometry = place_instance(body == kFixed ? fixed.get() : moving.get(), thing, meshes[mesh]);
   check("adding an object");
   if (body != kFixed) {
@@ -339,6 +350,54 @@ Scene::InstanceId Scene::add_terrain(const HeightField& field, const Material& m
   return id;
 }
 
+void Scene::cover_terrain(InstanceId terrain, std::vector<std::string> labels,
+                          std::vector<std::uint8_t> cells) {
+  Internals::Terrain& covered = internals_->terrain_of(terrain);
+  const auto columns = static_cast<int>(covered.field.columns) - 1;
+  const auto rows = static_cast<int>(covered.field.rows) - 1;
+  const auto count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  if (cells.size() != count ||
+      std::ranges::any_of(cells, [&](std::uint8_t cell) { return cell >= labels.size(); })) {
+    throw std::invalid_argument("scene: the cover of a terrain has " +
+                                std::to_string(cells.size()) + " cells and " +
+                                std::to_string(labels.size()) + " labels, allowed are " +
+                                std::to_string(count) + " cells that name one of the labels each");
+  }
+  const auto at = [&](int column, int row) {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(column);
+  };
+  // Along the rows, then along the columns of what differs there.
+  constexpr int kReach = Internals::kCoverReach;
+  std::vector<std::uint8_t> in_row(count, 0);
+  std::vector<std::uint8_t> near_edge(count, 0);
+  const auto mark = [](std::vector<std::uint8_t>& marks, const auto& index, int place, int end) {
+    for (int k = std::max(0, place - kReach + 1); k <= std::min(end - 1, place + kReach); ++k) {
+      marks[index(k)] = 1;
+    }
+  };
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column + 1 < columns; ++column) {
+      if (cells[at(column, row)] != cells[at(column + 1, row)]) {
+        mark(
+            in_row, [&](int k) { return at(k, row); }, column, columns);
+      }
+    }
+  }
+  for (int column = 0; column < columns; ++column) {
+    for (int row = 0; row < rows; ++row) {
+      const bool differs = row + 1 < rows && cells[at(column, row)] != cells[at(column, row + 1)];
+      if (differs || in_row[at(column, row)] != 0) {
+        mark(
+            near_edge, [&](int k) { return at(column, k); }, row, rows);
+        near_edge[at(column, row)] = 1;
+      }
+    }
+  }
+  covered.cover = std::make_shared<const Internals::Cover>(std::move(labels), std::move(cells),
+                                                           std::move(near_edge));
+}
+
 Scene::InstanceId Scene::add_object(MeshId mesh, const Eigen::Isometry3d& X_WM, double scale,
                                     const Material& material, std::string_view name) {
   const Internals::Mesh& plain = internals_->meshes.at(mesh);
@@ -366,7 +425,8 @@ void Scene::add_canopy(const TriangleMesh& closed, const Eigen::Isometry3d& X_WM
   rtcSetGeometryInstancedScene(geometry.get(), in.meshes[mesh].scene.get());
   rtcAttachGeometry(in.canopy.get(), geometry.get());
   in.check("adding a canopy");
-  in.placed.push_back({std::move(geometry), X_WM, 1.0, Internals::kFixed, 0, closed.name, mesh, 0});
+  in.placed.push_back(
+      {std::move(geometry), X_WM, 1.0, Internals::kFixed, 0, closed.name, mesh, 0, {}});
   in.has_canopy = true;
   in.fixed_placed = false;
 }
@@ -784,7 +844,7 @@ std::unique_ptr<Scene> Scene::twin() const {
   in.placed.reserve(from.placed.size());
   for (const Internals::Placed& thing : from.placed) {
     in.placed.push_back({nullptr, thing.X_PM, thing.scale, thing.body, thing.geometry_id,
-                         thing.name, thing.mesh, thing.mask});
+                         thing.name, thing.mesh, thing.mask, thing.bounds_M});
   }
   for (const std::uint32_t index : in.on_bodies) {
     Internals::Placed& thing = in.placed[index];
@@ -793,6 +853,7 @@ std::unique_ptr<Scene> Scene::twin() const {
   for (const Internals::Terrain& terrain : from.terrains) {
     Internals::Terrain own;
     own.instance = terrain.instance;
+    own.cover = terrain.cover;
     own.field = terrain.field;
     own.centre_W = terrain.centre_W;
     own.tile_cells = terrain.tile_cells;

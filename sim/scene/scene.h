@@ -111,6 +111,12 @@ class Scene final : public Visibility {
   /// calls, from 0. `name` is for people and recordings; empty: the mesh's, or the body's.
   MeshId add_mesh(const TriangleMesh& mesh);
   InstanceId add_terrain(const HeightField& field, const Material& material);
+  /// What lies on the cells of a terrain, for cameras: for each cell, row by row, the place of its
+  /// label in `labels`. Rays measure the terrain's own material as before. Throws
+  /// std::invalid_argument when `terrain` is no terrain, or there is not one cell for each of its
+  /// own, or a cell names no label.
+  void cover_terrain(InstanceId terrain, std::vector<std::string> labels,
+                     std::vector<std::uint8_t> cells);
   InstanceId add_object(MeshId mesh, const Eigen::Isometry3d& X_WM, double scale,
                         const Material& material, std::string_view name = {});
   BodyId add_body(std::string_view name);

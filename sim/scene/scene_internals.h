@@ -97,7 +97,8 @@ struct Scene::Internals {
     std::uint32_t geometry_id = 0;  ///< Embree's number of it: its first part's in `shading`.
     std::string name;
     MeshId mesh = 0;
-    std::uint32_t mask = 0;  ///< 0: rays do not meet it in `fixed` nor on a body.
+    std::uint32_t mask = 0;        ///< 0: rays do not meet it in `fixed` nor on a body.
+    Eigen::AlignedBox3f bounds_M;  ///< Of the mesh; empty for a canopy.
   };
   struct Instance {
     std::uint32_t placed = 0;
@@ -128,8 +129,21 @@ struct Scene::Internals {
     SceneHandle inner;
     GeometryHandle placed;
   };
+  /// What lies on a terrain's cells, row by row.
+  struct Cover {
+    Cover(std::vector<std::string> of_labels, std::vector<std::uint8_t> of_cells,
+          std::vector<std::uint8_t> edges)
+        : labels(std::move(of_labels)), cells(std::move(of_cells)), near_edge(std::move(edges)) {}
+
+    std::vector<std::string> labels;
+    std::vector<std::uint8_t> cells;
+    /// 1 where another label lies within kCoverReach cells.
+    std::vector<std::uint8_t> near_edge;
+  };
+  static constexpr int kCoverReach = 2;
   struct Terrain {
     std::uint32_t instance = 0;
+    Cover cover;               ///< Without labels: the material everywhere.
     HeightField field;         ///< Shape and staged heights.
     Eigen::Vector3d centre_W;  ///< Origin of the vertices.
     std::size_t tile_cells = 0;

@@ -87,6 +87,27 @@ TEST(Daylight, TheSunReddensAndTheSkyIsBlue) {
   EXPECT_GT(high.luminance(sun_at(55.0).cast<float>()).y(), 2.0F * zenith.y());
 }
 
+TEST(Daylight, NoSkyIsPurple) {
+  // Chromaticities by the inverse of IEC 61966-2-1: y no lower than the daylight locus.
+  for (const double turbidity : {2.0, 3.0, 6.0}) {
+    for (const double elevation : {8.0, 30.0, 60.0}) {
+      const Daylight light({.turbidity = turbidity}, sun_at(elevation, 200.0));
+      for (int azimuth = 0; azimuth < 360; azimuth += 15) {
+        for (const double height : {3.0, 10.0, 40.0}) {
+          const Eigen::Vector3f rgb = light.luminance(sun_at(height, azimuth).cast<float>());
+          const float x = 0.4124F * rgb.x() + 0.3576F * rgb.y() + 0.1805F * rgb.z();
+          const float y = 0.2126F * rgb.x() + 0.7152F * rgb.y() + 0.0722F * rgb.z();
+          const float z = 0.0193F * rgb.x() + 0.1192F * rgb.y() + 0.9505F * rgb.z();
+          const float chroma_x = x / (x + y + z);
+          const float locus = -0.275F + chroma_x * (2.870F - 3.0F * chroma_x);
+          EXPECT_GT(y / (x + y + z), locus - 2e-3F)
+              << turbidity << ", " << elevation << ", " << azimuth << ", " << height;
+        }
+      }
+    }
+  }
+}
+
 TEST(Daylight, OvercastSkyIsThreeTimesAsBrightAtTheZenith) {
   const Daylight light({.cloud_cover = 1.0}, sun_at(40.0));
   EXPECT_FALSE(light.sun_shines());

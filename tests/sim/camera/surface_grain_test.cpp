@@ -17,6 +17,7 @@ GrainPoints points_at(RandomStream& random, float footprint_m, float reach_m = 2
     points.z[i] = static_cast<float>(random.uniform(-1.0, 1.0)) * reach_m;
     points.frequency_pm[i] = 0.5F;
     points.footprint_m[i] = footprint_m;
+    points.upright[i] = 1.0F;
     points.persistence[i] = 1.0F;
   }
   return points;
@@ -123,6 +124,109 @@ TEST(SurfaceGrain, SlopeIsTheGradientOfItsOctaves) {
       EXPECT_NEAR(grain.slope_z[k], z[k], 0.01);
     }
   }
+}
+
+LaneArray density_of(float share) {
+  LaneArray density;
+  density.fill(share);
+  return density;
+}
+
+TEST(SurfaceStones, EndAtThePixel) {
+  RandomStream random(4, "stones");
+  const StoneAnchor anchor(Eigen::Vector3d::Zero());
+  const auto covered = [&](float footprint_m) {
+    double sum = 0.0;
+    for (int i = 0; i < 500; ++i) {
+      Stones stones;
+      lay_stones(points_at(random, footprint_m), anchor, density_of(1.0F), stones);
+      for (std::size_t k = 0; k < kLanes; ++k) {
+        EXPECT_GE(stones.share[k], 0.0F);
+        EXPECT_LE(stones.share[k], 1.0F);
+        EXPECT_GT(stones.gap[k], 0.0F);
+        sum += static_cast<double>(stones.share[k]) / (500.0 * kLanes);
+      }
+    }
+    return sum;
+  };
+  // The coarsest cells are 0.8 m; 2.5 pixels of 0.32 m.
+  EXPECT_EQ(covered(0.33F), 0.0);
+  const double coarse = covered(0.05F);
+  EXPECT_GT(coarse, 0.002);
+  EXPECT_GT(covered(0.002F), 3.0 * coarse);
+}
+
+TEST(SurfaceStones, AreNotCutByTheirCells) {
+  // On the way along a line the share never jumps: no stone reaches over the edge of its cell.
+  const StoneAnchor anchor({12.3, -4.5, 6.7});
+  constexpr float kStep_m = 1e-4F;
+  float before = -1.0F;
+  float greatest = 0.0F;
+  float most = 0.0F;
+  for (int i = 0; i < 60000; i += static_cast<int>(kLanes)) {
+    GrainPoints points{};
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      points.x[k] = kStep_m * static_cast<float>(i + static_cast<int>(k));
+      points.y[k] = 0.31F * points.x[k];
+      points.z[k] = 0.1F;
+      points.footprint_m[k] = 0.01F;
+    }
+    Stones stones;
+    lay_stones(points, anchor, density_of(1.0F), stones);
+    for (const float share : stones.share) {
+      greatest = before < 0.0F ? 0.0F : std::max(greatest, std::abs(share - before));
+      most = std::max(most, share);
+      before = share;
+    }
+  }
+  EXPECT_GT(most, 0.9F);
+  EXPECT_LT(greatest, 0.1F);
+}
+
+TEST(SurfaceStones, LieWhereverTheLocalOriginIs) {
+  RandomStream random(5, "stones");
+  double apart = 0.0;
+  double covered = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    const GrainPoints points = points_at(random, 0.02F);
+    const Eigen::Vector3d place(1e6 + 37.0, -4e5 - 11.0, 230.0);
+    Stones here;
+    lay_stones(points, StoneAnchor(place), density_of(1.0F), here);
+    GrainPoints shifted = points;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      shifted.x[k] -= 12.0F;
+      shifted.y[k] += 5.0F;
+    }
+    Stones there;
+    lay_stones(shifted, StoneAnchor(place + Eigen::Vector3d(12.0, -5.0, 0.0)), density_of(1.0F),
+               there);
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      apart += static_cast<double>(std::abs(here.share[k] - there.share[k]));
+      covered += static_cast<double>(here.share[k]);
+    }
+  }
+  EXPECT_GT(covered, 20.0);
+  EXPECT_LT(apart, 0.01 * covered);
+}
+
+TEST(SurfaceStones, AreThereOnlyWhereTheGroundHasSome) {
+  RandomStream random(6, "stones");
+  LaneArray density = density_of(0.0F);
+  density[3] = 1.0F;
+  float sum = 0.0F;
+  for (int i = 0; i < 300; ++i) {
+    Stones stones;
+    lay_stones(points_at(random, 0.01F), StoneAnchor(Eigen::Vector3d::Zero()), density, stones);
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      if (k != 3) {
+        ASSERT_EQ(stones.share[k], 0.0F);
+        ASSERT_EQ(stones.gap[k], 1.0F);
+        ASSERT_EQ(stones.slope_z[k], 0.0F);
+      }
+    }
+    sum += stones.share[3];
+  }
+  EXPECT_GT(sum, 3.0F);
 }
 
 }  // namespace

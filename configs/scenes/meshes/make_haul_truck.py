@@ -2,6 +2,7 @@
 """Writes haul_truck.obj: a two-axle rigid dump truck of the 30 t class, by formula.
 
 Frame: x forward, y left, z up, metres; origin on the ground below the middle of the wheelbase.
+Surfaces are named for the scene's `materials`: body, cab, tyre.
 Usage: ./make_haul_truck.py > haul_truck.obj
 """
 import math
@@ -74,5 +75,6 @@ for x, y, z in vertices:
     print(f"v {x:.5f} {y:.5f} {z:.5f}")
 for name, polygons in parts:
     print(f"o {name}")
+    print("usemtl " + ("tyre" if name.endswith("wheel") else name if name == "cab" else "body"))
     for polygon in polygons:
         print("f " + " ".join(str(i) for i in polygon))

@@ -99,6 +99,8 @@ constexpr std::array kTypes{
                fresh<DbcNodeConfiguration>},
     DeviceType{{"gige-camera", "Camera of one image, grey or colour, on GigE Vision."},
                camera<sim::CameraParameters, "AreaCamera">},
+    DeviceType{{"gige-stereo", "Stereo camera with disparity and confidence on GigE Vision."},
+               camera<sim::StereoCameraParameters, "StereoCamera">},
     DeviceType{
         {"usb-joystick", "Levers, pedals and buttons of an excavator's operator, a USB joystick."},
         fresh<UsbJoystickConfiguration>},

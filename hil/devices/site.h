@@ -17,7 +17,6 @@
 #include "hil/wires/rig_modbus.h"
 #include "hil/wires/usb_bus.h"
 #include "hil/wires/usb_configuration.h"
-#include "hil/world/camera_worker.h"
 #include "hil/world/shapes.h"
 #include "hil/world/simulated_world.h"
 #include "sim/gnss/constellation.h"
@@ -25,6 +24,8 @@
 #include "sim/samples/calendar.h"
 
 namespace rigwire::hil {
+
+class CameraSurroundings;
 
 /// The rig as it is configured. Refers to its configuration.
 struct RigView {

@@ -15,6 +15,7 @@
 #include "hil/record/truth_tap.h"
 #include "hil/wires/can_hop.h"
 #include "hil/wires/rig_usb.h"
+#include "hil/world/camera_surroundings.h"
 #include "hil/world/machine.h"
 #include "hil/world/scene.h"
 #include "hil/world/sky.h"

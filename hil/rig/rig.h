@@ -79,6 +79,7 @@ void check_start(const LoadedRig& rig, RunLog* log = nullptr);
 [[nodiscard]] SensorMount sensor_mount(const MachineConfiguration& machine,
                                        const MountConfiguration& mount);
 
+class CameraSurroundings;
 class RigUsb;
 
 /// Where ground truth goes.

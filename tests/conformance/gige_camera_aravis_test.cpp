@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -186,6 +187,64 @@ TEST(GigeCameraAravis, cameras_on_one_line_expose_together) {
     both += static_cast<std::size_t>(std::ranges::count(of_b, stamp));
   }
   EXPECT_GE(both, 5U);
+}
+
+/// Of ComponentIDValue (SFNC).
+constexpr guint kIntensity = 1;
+constexpr guint kConfidence = 6;
+constexpr guint kDisparity = 8;
+
+TEST(GigeCameraAravis, stereo_camera_sends_image_disparity_and_confidence_in_one_block) {
+  const std::string address = own_address();
+  GigeCameraRig rig(camera_yaml("pair", "gige-stereo", address,
+                                "    rate: 2 Hz\n    processing: 2 s\n    exposure_auto: true\n"));
+  Client client(address);
+  arv_camera_gv_set_multipart(client.get(), TRUE, Outcome("multipart"));
+  const double scale =
+      arv_camera_get_float(client.get(), "Scan3dCoordinateScale", Outcome("scale"));
+  const double focal_px =
+      arv_camera_get_float(client.get(), "Scan3dFocalLength", Outcome("focal length"));
+  const double baseline_m =
+      arv_camera_get_float(client.get(), "Scan3dBaseline", Outcome("baseline"));
+  client.start();
+  Buffer picture;
+  for (int i = 0; i < 4; ++i) {  // automatic exposure settles
+    picture = client.next(60s);
+    ASSERT_TRUE(picture) << i;
+  }
+  ASSERT_EQ(arv_buffer_get_n_parts(picture.get()), 3U);
+  const auto part = [&](guint component) {
+    const gint found = arv_buffer_find_component(picture.get(), component);
+    EXPECT_GE(found, 0) << component;
+    return static_cast<guint>(std::max(found, 0));
+  };
+  const guint disparity = part(kDisparity);
+  EXPECT_EQ(arv_buffer_get_part_pixel_format(picture.get(), part(kIntensity)),
+            ARV_PIXEL_FORMAT_MONO_8);
+  EXPECT_EQ(arv_buffer_get_part_pixel_format(picture.get(), disparity),
+            ARV_PIXEL_FORMAT_COORD3D_C_16);
+  EXPECT_NE(part(kConfidence), disparity);
+  const gint width = arv_buffer_get_part_width(picture.get(), disparity);
+  const gint height = arv_buffer_get_part_height(picture.get(), disparity);
+  std::size_t bytes = 0;
+  const auto* data =
+      static_cast<const std::uint8_t*>(arv_buffer_get_part_data(picture.get(), disparity, &bytes));
+  ASSERT_EQ(bytes, static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 2);
+  // The box ahead begins at 7 m, 5.5 m before the camera; its middle is 1 m to the left.
+  std::vector<double> depths_m;
+  for (gint row = height / 2 - 20; row < height / 2 + 20; ++row) {
+    for (gint column = width / 2 - 80; column < width / 2; ++column) {
+      const std::size_t at = 2 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+                                  static_cast<std::size_t>(column));
+      if (const int value = data[at] | data[at + 1] << 8; value != 0) {
+        depths_m.push_back(focal_px * baseline_m / (scale * value));
+      }
+    }
+  }
+  ASSERT_GT(depths_m.size(), 300U);
+  std::ranges::nth_element(depths_m,
+                           depths_m.begin() + static_cast<std::ptrdiff_t>(depths_m.size() / 2));
+  EXPECT_NEAR(depths_m[depths_m.size() / 2], 5.5, 0.4);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "sim/camera/plain_camera.h"
 #include "sim/scene/height_field.h"
 
 namespace rigwire::hil {
@@ -344,6 +345,45 @@ TEST_F(WorldCameraTest, automatic_exposure_acts_with_its_lag_however_slow_the_wo
   EXPECT_EQ(chosen[0][1], Duration{1ms});
   EXPECT_GT(chosen[0][2], Duration{1ms});
   EXPECT_NEAR(to_seconds(chosen[0].back()), 0.004, 0.0006);
+}
+
+TEST_F(WorldCameraTest, real_pictures_are_the_same_whatever_the_threads) {
+  const auto pictures = [this](int threads) {
+    sim::CameraParameters parameters;
+    parameters.sensor.width_px = 96;
+    parameters.sensor.height_px = 64;
+    parameters.sensor.row_time = 20us;
+    parameters.samples = 2;
+    parameters.threads = threads;
+    parameters.lens.focal_length_m = 5e-4;
+    WorldCameraSettings settings;
+    settings.mount.X_LS.translation().z() = 3.0;
+    settings.mount.X_LS.linear() =
+        Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    settings.processing = 5ms;
+    camera_ = make_world_camera(
+        kStation, settings, scene_, terrain_,
+        std::make_shared<CameraSurroundings>(Calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0}), 49.4, 7.75,
+                                             sim::DaylightParameters{}, sim::WeatherParameters{}),
+        [&] { return sim::make_plain_camera(parameters, 1, "eye"); });
+    now_ = kStart;
+    handed_over_.clear();
+    CameraCommand command = exposing(1ms);
+    command.region = {0, 0, 96, 64};
+    command.exposure_auto = true;
+    this->command(command);
+    plan(kStart, 10ms);
+    run(kStart + 120ms);
+    std::vector<std::vector<std::uint8_t>> bytes;
+    for (const PictureSample& sample : handed_over_) {
+      bytes.push_back(sample.picture->parts.at(0).bytes);
+    }
+    return bytes;
+  };
+  const auto alone = pictures(1);
+  ASSERT_GE(alone.size(), 10U);
+  EXPECT_NE(alone[3], alone[4]);
+  EXPECT_EQ(pictures(3), alone);
 }
 
 TEST_F(WorldCameraTest, a_picture_that_fails_ends_the_run_with_its_reason) {

@@ -26,7 +26,7 @@ constexpr int kPacketHeight = 2;
 constexpr int kTileWidth = 32;
 constexpr int kTileHeight = 8;
 constexpr int kRowsAtOnce = 8;
-constexpr int kMostRays = 1024;
+constexpr int kMostRaysAcross = 32;
 /// Where a path through fog or rain ends for rays that meet nothing.
 constexpr double kFarthestAir_m = 5000.0;
 constexpr double kAirHeight_m = 1500.0;
@@ -368,6 +368,7 @@ struct CameraRenderer::Internals::Packet {
   int row = 0;
   int sample = 0;
   int samples = 1;
+  int lattice = 0;  ///< Samples across a pixel that stand in rows; 0: they are scattered.
   /// Of the packet among the samples of a picture.
   [[nodiscard]] std::uint64_t number() const {
     return (static_cast<std::uint64_t>(row) << 30U) + (static_cast<std::uint64_t>(column) << 12U) +
@@ -582,6 +583,10 @@ void CameraRenderer::Internals::aim_sample(Packet& packet, LaneArray& sx, LaneAr
       across = wrap(0.7548776662466927 * sample + static_cast<double>(own & 0xFFFFU) * 0x1.0p-16);
       down =
           wrap(0.5698402909980532 * sample + static_cast<double>(own >> 16U & 0xFFFFU) * 0x1.0p-16);
+      if (packet.lattice > 0) {
+        across = (sample % packet.lattice + 0.5) / packet.lattice;
+        down = (sample / packet.lattice + 0.5) / packet.lattice;
+      }
       const std::uint64_t stratum =
           (static_cast<std::uint64_t>(sample) + (own >> 56U)) % static_cast<std::uint64_t>(samples);
       when =
@@ -1129,6 +1134,7 @@ void CameraRenderer::Internals::each_packet(std::size_t tile, const Work& work) 
 
 void CameraRenderer::Internals::collect_rays(int column, int row, PictureRays& found) const {
   Packet packet;
+  packet.lattice = static_cast<int>(std::lround(std::sqrt(found.rays)));
   HitSurfaces surfaces;
   for (int k = 0; k < found.rays; ++k) {
     aim(column, row, k, found.rays, packet);
@@ -1263,17 +1269,19 @@ void CameraRenderer::measure(const Scene& scene, const PictureJob& job, Rendered
   in.frame = {};
 }
 
-void CameraRenderer::cast(const Scene& scene, const PictureJob& job, int rays, PictureRays& found) {
+void CameraRenderer::cast(const Scene& scene, const PictureJob& job, int rays_across,
+                          PictureRays& found) {
   Internals& in = *internals_;
-  require(rays >= 1 && rays <= kMostRays, "found " + std::to_string(rays) +
-                                              " rays per pixel, allowed 1 .. " +
-                                              std::to_string(kMostRays));
+  require(rays_across >= 1 && rays_across <= kMostRaysAcross,
+          "found " + std::to_string(rays_across) + " rays across a pixel, allowed 1 .. " +
+              std::to_string(kMostRaysAcross));
   in.prepare(scene, job);
   found.width = in.frame.width;
   found.height = in.frame.height;
-  found.rays = rays;
+  found.rays = rays_across * rays_across;
   const std::size_t all = static_cast<std::size_t>(found.width) *
-                          static_cast<std::size_t>(found.height) * static_cast<std::size_t>(rays);
+                          static_cast<std::size_t>(found.height) *
+                          static_cast<std::size_t>(found.rays);
   found.range_m.resize(all);
   found.cosine.resize(all);
   found.reflectance.resize(all);

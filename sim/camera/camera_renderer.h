@@ -73,7 +73,7 @@ struct RenderedPicture {
 struct PictureRays {
   int width = 0;
   int height = 0;
-  int rays = 0;                    ///< Per pixel.
+  int rays = 0;                    ///< Per pixel: a square number.
   std::vector<float> range_m;      ///< 0: nothing.
   std::vector<float> cosine;       ///< Of the angle of incidence, 0 .. 1.
   std::vector<float> reflectance;  ///< Diffuse, at the lidar's wavelength.
@@ -117,9 +117,9 @@ class CameraRenderer {
   /// Of `picture` only size, range, depth and instance, as render() with `job.truth` has them.
   void measure(const Scene& scene, const PictureJob& job, RenderedPicture& picture);
 
-  /// `rays` per pixel, spread over its area and the exposure as render()'s samples are; 1: through
-  /// its middle. Errors as render()'s.
-  void cast(const Scene& scene, const PictureJob& job, int rays, PictureRays& found);
+  /// A lattice of so many by so many rays in each pixel, spread over the exposure as render()'s
+  /// samples are; 1: through its middle. Errors as render()'s.
+  void cast(const Scene& scene, const PictureJob& job, int rays_across, PictureRays& found);
 
   /// The rays that render() would cast.
   [[nodiscard]] RecordedPictureRays record(const Scene& scene, const PictureJob& job);

@@ -1,11 +1,17 @@
 #include "sim/camera/depth_camera.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
+#include <utility>
 
 #include "fields/check.h"
 #include "fields/visitor.h"
 #include "sim/camera/shot_parts.h"
+#include "sim/lidar/counter_noise.h"
+#include "sim/random.h"
 
 namespace rigwire::sim {
 
@@ -16,6 +22,229 @@ using fields::plain;
 namespace {
 
 constexpr double kGreatestValue = 65535.0;
+constexpr std::string_view kKind = "depth camera";
+/// Nearer than this own light is as bright as there.
+constexpr float kNearest_m = 0.01F;
+
+DepthCameraParameters valid(const DepthCameraParameters& parameters) {
+  validate(parameters);
+  return parameters;
+}
+
+/// A standard normal number of (key, counter).
+double gaussian(std::uint64_t key, std::uint64_t counter) {
+  const double q = counter_uniform(key, counter) - 0.5;
+  if (std::abs(q) <= kCentralHalfWidth) {
+    return central_normal_quantile<double>(q);
+  }
+  const double root = std::sqrt(-std::log(0.5 - std::abs(q)));
+  return std::copysign(outer_normal_quantile<double>(root), q);
+}
+
+class DepthCamera final : public CameraSensor {
+ public:
+  DepthCamera(const DepthCameraParameters& parameters, std::uint64_t seed, std::string_view name)
+      : parameters_(valid(parameters)),
+        renderer_(parameters.camera, seed, name),
+        noise_key_(RandomStream(seed, std::string(name) + "/range").bits()) {
+    // Range along the axis, for each unit along the ray.
+    const ImageSensorParameters& sensor = parameters.camera.sensor;
+    for (int row = 0; row < sensor.height_px; ++row) {
+      for (int column = 0; column < sensor.width_px; ++column) {
+        const auto direction = renderer_.lens().direction(Eigen::Vector2d(column, row));
+        along_axis_.push_back(direction ? static_cast<float>(direction->z()) : 0.0F);
+        falloff_.push_back(direction ? static_cast<float>(renderer_.lens().falloff(*direction))
+                                     : 0.0F);
+      }
+    }
+  }
+
+  [[nodiscard]] Duration span(const CameraCommand& command, Duration exposure) const override {
+    CameraShot shot;
+    shot.command = command;
+    shot.exposure = exposure;
+    const ImageSensorParameters& sensor = parameters_.camera.sensor;
+    return exposure_span(job_of(shot, whole_read_out(shot, sensor)), sensor);
+  }
+
+  [[nodiscard]] Taken take(const Scene& scene, const CameraShot& shot,
+                           CameraTruth* truth) override {
+    const CameraCommand& command = shot.command;
+    const ImageSensorParameters& sensor = parameters_.camera.sensor;
+    require_fits(command, kKind, kDepthParts, sensor_formats(false));
+    require_region(command, kKind, sensor.width_px, sensor.height_px);
+    PictureJob job = job_of(shot, whole_read_out(shot, sensor));
+    job.truth = truth != nullptr;
+    renderer_.render(scene, job, rendered_);
+    renderer_.cast(scene, job, parameters_.rays_across, rays_);
+    add_up(shot.exposure);
+    const double mean = expose(job);
+    measure(shot);
+
+    Picture picture = empty_picture(shot);
+    if (command.intensity) {
+      pack_numbers(numbers_, job.read_out.bits, packed_);
+      add_part(picture, command, PictureComponent::intensity, command.format);
+    }
+    if (command.range) {
+      packed_.resize(2 * values_.size());
+      for (std::size_t i = 0; i < values_.size(); ++i) {
+        put_16(values_[i], packed_.data() + 2 * i);
+      }
+      add_part(picture, command, PictureComponent::range, PixelFormat::coord3d_c16);
+    }
+    if (command.confidence) {
+      packed_ = confidence_;
+      add_part(picture, command, PictureComponent::confidence, PixelFormat::confidence8);
+    }
+    if (truth != nullptr) {
+      const CameraTruth whole{rendered_.width, rendered_.height, rendered_.range_m,
+                              rendered_.depth_m, rendered_.instance};
+      *truth = crop(whole, command.region);
+    }
+    return {std::make_shared<const Picture>(std::move(picture)), mean};
+  }
+
+ private:
+  /// Own light as a pixel sees it.
+  struct Echo {
+    float strength = 0.0F;  ///< S, of the vector sum.
+    float sum = 0.0F;       ///< Of the strengths: what the image sees.
+    float range_m = 0.0F;
+  };
+
+  void add_up(Duration exposure) {
+    const DepthCameraParameters& p = parameters_;
+    const auto pixels =
+        static_cast<std::size_t>(rays_.width) * static_cast<std::size_t>(rays_.height);
+    const auto rays = static_cast<std::size_t>(rays_.rays);
+    echoes_.resize(pixels);
+    const double longer = to_seconds(exposure) / to_seconds(p.noise_exposure);
+    const auto reference =
+        static_cast<float>(longer * p.noise_distance_m * p.noise_distance_m / p.noise_reflectance);
+    // A turn of the phase is the range without ambiguity.
+    const auto wave_pm = static_cast<float>(2.0 * std::numbers::pi / p.unambiguous_m);
+    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+      const std::size_t first = pixel * rays;
+      float cosine = 0.0F;
+      float sine = 0.0F;
+      Echo& echo = echoes_[pixel];
+      echo = {};
+      // Phases are told from that of the first echo, so that equal ones add up without rounding.
+      float from_m = 0.0F;
+      for (std::size_t at = first; at < first + rays; ++at) {
+        const float range_m = rays_.range_m[at];
+        if (range_m <= 0.0F) {
+          continue;
+        }
+        const float near_m = std::max(range_m, kNearest_m);
+        float strength = reference * rays_.reflectance[at] * rays_.cosine[at] / (near_m * near_m) *
+                         falloff_[pixel] / static_cast<float>(rays);
+        if (!rays_.depth.empty()) {
+          strength *= std::exp(-2.0F * rays_.depth[at]);  // There and back.
+        }
+        from_m = echo.sum == 0.0F ? range_m : from_m;
+        cosine += strength * std::cos(wave_pm * (range_m - from_m));
+        sine += strength * std::sin(wave_pm * (range_m - from_m));
+        echo.sum += strength;
+      }
+      echo.strength = std::hypot(cosine, sine);
+      echo.range_m = from_m + std::atan2(sine, cosine) / wave_pm;
+    }
+  }
+
+  /// The image: own light and a share of the day's on the sensor. Mean share of full scale.
+  double expose(const PictureJob& job) {
+    const DepthCameraParameters& p = parameters_;
+    const auto day = static_cast<float>(p.daylight_share);
+    // Strengths grow with the exposure; the sensor multiplies by it once more.
+    const double longer = to_seconds(job.read_out.exposure) / to_seconds(p.noise_exposure);
+    const auto own = static_cast<float>(p.own_luminance_cd / longer);
+    luminance_.resize(rendered_.luminance.size());
+    for (std::size_t i = 0; i < echoes_.size(); ++i) {
+      // The echo has passed the lens once already.
+      const float through = falloff_[i] > 0.0F ? 1.0F / falloff_[i] : 0.0F;
+      for (std::size_t band = 0; band < 3; ++band) {
+        luminance_[3 * i + band] =
+            own * echoes_[i].sum * through + day * rendered_.luminance[3 * i + band];
+      }
+    }
+    std::array<float, 3> haze{};
+    for (int band = 0; band < 3; ++band) {
+      haze[static_cast<std::size_t>(band)] =
+          day * job.light->total_lx()[band] * std::numbers::inv_pi_v<float>;
+    }
+    numbers_.resize(echoes_.size());
+    renderer_.sensor().expose(luminance_, falloff_, haze, job.read_out, 0, rays_.height, numbers_);
+    double sum = 0.0;
+    for (const std::uint16_t number : numbers_) {
+      sum += number;
+    }
+    const double black = job.read_out.black_level * (1 << (job.read_out.bits - 8));
+    return std::max(0.0, sum / static_cast<double>(numbers_.size()) - black) /
+           ((1 << job.read_out.bits) - 1);
+  }
+
+  void measure(const CameraShot& shot) {
+    const DepthCameraParameters& p = parameters_;
+    const ImageSensor& sensor = renderer_.sensor();
+    const std::uint64_t key = counter_bits(noise_key_, shot.frame);
+    const double full = sensor.parameters().full_well / sensor.electrons(1.0, shot.exposure);
+    values_.assign(echoes_.size(), 0);
+    confidence_.assign(echoes_.size(), 0);
+    for (std::size_t i = 0; i < echoes_.size(); ++i) {
+      const Echo& echo = echoes_[i];
+      if (!(echo.strength > 0.0F)) {
+        continue;
+      }
+      const float* const light = rendered_.luminance.data() + 3 * i;
+      const double day_cd =
+          static_cast<double>((light[0] + light[1] + light[2]) * (1.0F / 3.0F) * falloff_[i]);
+      const double noise_m =
+          range_noise_m(p, static_cast<double>(echo.strength), day_cd, shot.exposure);
+      const double lit_cd = static_cast<double>(luminance_[3 * i] * falloff_[i]);
+      double range_m = static_cast<double>(echo.range_m);
+      range_m += noise_m * gaussian(key, i) +
+                 p.cyclic_error_m * std::sin(2.0 * std::numbers::pi * range_m / p.cycle_m);
+      // Beyond the range without ambiguity the phase begins again.
+      range_m -= p.unambiguous_m * std::floor(range_m / p.unambiguous_m);
+      if (noise_m > p.greatest_noise_m || lit_cd >= full || range_m < p.nearest_m ||
+          range_m > p.farthest_m) {
+        continue;
+      }
+      const double steps = range_m * static_cast<double>(along_axis_[i]) / p.step_m;
+      values_[i] = static_cast<std::uint16_t>(std::clamp(std::round(steps), 0.0, kGreatestValue));
+      confidence_[i] = values_[i] == 0 ? std::uint8_t{0}
+                                       : static_cast<std::uint8_t>(std::lround(
+                                             255.0 * (1.0 - noise_m / p.greatest_noise_m)));
+    }
+  }
+
+  void add_part(Picture& picture, const CameraCommand& command, PictureComponent component,
+                PixelFormat format) const {
+    PicturePart& part = picture.parts.emplace_back();
+    part.component = component;
+    part.format = format;
+    part.region = command.region;
+    crop(packed_, rays_.width, command.region, bytes_per_pixel(format), part.bytes);
+  }
+
+  DepthCameraParameters parameters_;
+  CameraRenderer renderer_;
+  std::uint64_t noise_key_;
+  std::vector<float> along_axis_;
+  std::vector<float> falloff_;
+
+  // Of one shot; memory is used again.
+  RenderedPicture rendered_;
+  PictureRays rays_;
+  std::vector<Echo> echoes_;
+  std::vector<float> luminance_;
+  std::vector<std::uint16_t> numbers_;
+  std::vector<std::uint16_t> values_;
+  std::vector<std::uint8_t> confidence_;
+  std::vector<std::uint8_t> packed_;
+};
 
 }  // namespace
 
@@ -31,7 +260,8 @@ CameraParameters DepthCameraParameters::optics() {
 
 void visit(fields::Visitor& v, DepthCameraParameters& p) {
   visit(v, p.camera);
-  v.integer("rays", p.rays, IntegerRule{1, 64}, "Rays per pixel that its range comes from.");
+  v.integer("rays_across", p.rays_across, IntegerRule{1, 8},
+            "Rays across a pixel, and as many down, that its range comes from.");
   v.number("nearest", p.nearest_m, in("m").between(0, 100), "Nearer there is no range.");
   v.number("farthest", p.farthest_m, in("m").between(0.1, 1000), "Farther there is no range.");
   v.number("unambiguous", p.unambiguous_m, in("m").between(0.1, 10000),
@@ -66,7 +296,7 @@ void validate(const DepthCameraParameters& p) {
   fields::require(!p.camera.sensor.colour, "image_sensor.colour", "true",
                   "false: it sees its own light");
   const LensParameters& lens = p.camera.lens;
-  fields::require(lens.model == LensModel::brown_conrady, "lens.model", "kannala_brandt",
+  fields::require(lens.model == LensModel::brown_conrady, "lens.model", "another",
                   "brown_conrady: a pinhole camera is reported");
   for (const auto& [key, value] : {std::pair{"lens.k1", lens.k1},
                                    {"lens.k2", lens.k2},
@@ -105,6 +335,11 @@ double range_noise_m(const DepthCameraParameters& p, double strength, double lum
   const double variance = (1.0 + luminance_cd / p.doubling_luminance_cd * longer) /
                           (strength * strength) * p.noise_m * p.noise_m;
   return std::sqrt(p.noise_floor_m * p.noise_floor_m + variance);
+}
+
+std::unique_ptr<CameraSensor> make_depth_camera(const DepthCameraParameters& parameters,
+                                                std::uint64_t seed, std::string_view name) {
+  return std::make_unique<DepthCamera>(parameters, seed, name);
 }
 
 }  // namespace rigwire::sim

@@ -1,7 +1,7 @@
 // A depth camera: time of flight of its own light, by its phase, for each pixel.
 //
-// Each pixel casts several rays over its area and over the exposure. What comes back of a ray has
-// the strength
+// Each pixel casts a lattice of rays over its area and over the exposure. What comes back of a ray
+// has the strength
 //   s = rho cos(a) / rho0  (r0 / r)^2  t / t0
 // (rho reflectance at 905 nm and a angle of incidence of the surface, r distance, t exposure; with
 // index 0 the reference of the data sheet: a surface seen straight on) and a phase by its distance;
@@ -50,7 +50,7 @@ struct DepthCameraParameters {
   static constexpr fields::Named kNamed{"depth", "Range and its confidence, with an image."};
 
   CameraParameters camera = optics();
-  int rays = 4;  ///< Per pixel, for its range.
+  int rays_across = 2;  ///< A pixel, and as many down, for its range.
   double nearest_m = 0.3;
   double farthest_m = 10.0;
   double unambiguous_m = 30.0;  ///< Distances beyond fold back.
@@ -72,7 +72,7 @@ struct DepthCameraParameters {
 
   /// Luminance of the reference surface by the camera's own light, cd/m2, and the share of the
   /// light of day that comes through the filter: of the image.
-  double own_luminance_cd = 5.0;
+  double own_luminance_cd = 1.0;
   double daylight_share = 0.002;
 
  private:

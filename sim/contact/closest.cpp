@@ -20,6 +20,7 @@ using Vector = Eigen::Vector3d;
 constexpr double kSame_m = 1e-6;   // GJK's number and its normal's gap agree.
 constexpr double kShift_m = 2e-4;  // Of A, before GJK is asked again.
 constexpr double kKeptShare = 1.0 / 3.0;
+constexpr double kNearKept = 0.866;  // Cosine of 30 degrees.
 
 btVector3 bullet(const Vector& v) {
   return {v.x(), v.y(), v.z()};
@@ -143,7 +144,7 @@ double gap_along(const PlacedShape& a, const PlacedShape& b, const Vector& norma
 }
 
 std::optional<Separation> closest(const PlacedShape& a, const PlacedShape& b, double reach_m,
-                                  const std::optional<Vector>& kept) {
+                                  std::span<const Vector> kept) {
   const Pair pair(a, b);
   const Eigen::Matrix3d R_WB = b.X_WS.linear();
   Vector best = Vector::UnitZ();
@@ -156,19 +157,24 @@ std::optional<Separation> closest(const PlacedShape& a, const PlacedShape& b, do
     }
     return gap;
   };
-  if (kept) {
-    const double gap = consider(R_WB.transpose() * *kept);
-    if (gap > reach_m) {
+  bool deep = false;
+  for (const Vector& axis_W : kept) {
+    if (consider(R_WB.transpose() * axis_W) > reach_m) {
       return std::nullopt;
     }
+  }
+  Vector near = Vector::Zero();
+  if (!kept.empty()) {
     const double thinner = std::min(a.shape->least_width_m(), b.shape->least_width_m());
-    if (gap < -kKeptShare * thinner) {
-      return Separation{*kept, gap};
-    }
+    deep = best_gap < -kKeptShare * thinner;
+    near = best;
   }
   const auto agreed = [&](const std::optional<Separation>& proposal, const Vector& shift) {
     if (!proposal) {
       return false;
+    }
+    if (deep && proposal->normal_W.dot(near) < kNearKept) {
+      return true;  // Another way out, perhaps a shorter one: not while it is this deep in.
     }
     const double gap = consider(proposal->normal_W);
     return std::abs(gap + shift.dot(proposal->normal_W) - proposal->gap_m) < kSame_m;

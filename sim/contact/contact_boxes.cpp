@@ -57,12 +57,9 @@ std::vector<ContactBody> contact_bodies(const SolidBodyParameters& p,
     X_LS.translation() = box.position_m;
     X_LS.linear() = Eigen::AngleAxisd(box.pitch_rad, Eigen::Vector3d::UnitY()).matrix();
     bodies.push_back({box.name.empty() ? box.link : box.name,
-                      static_cast<std::size_t>(link - links.begin()),
-                      X_LS,
-                      ConvexShape::box(0.5 * box.size_m),
-                      p.stiffness_npm,
-                      2.0 * p.damping_ratio * std::sqrt(p.stiffness_npm * mass_kg),
-                      {}});
+                      static_cast<std::size_t>(link - links.begin()), X_LS,
+                      ConvexShape::box(0.5 * box.size_m), p.stiffness_npm,
+                      2.0 * p.damping_ratio * std::sqrt(p.stiffness_npm * mass_kg)});
   }
   return bodies;
 }

@@ -150,17 +150,19 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
   const double reach = kReach_m + h * (link.v_WL_W.norm() + arm * link.w_WL_W.norm());
   const double strength = strength_of(pair.obstacle);
   std::optional<Separation> found;
-  if (strength > 0.0 &&
-      !(body.least_top_m && b.support_W(Vector::UnitZ()).z() < middle.z() + *body.least_top_m)) {
-    found = closest(a, b, reach, pair.axis_W);
+  if (strength > 0.0 && !(body.rolls && !ground_->too_high(pair.obstacle, middle.z()))) {
+    const std::array<Vector, 2> kept{pair.axis_W, link.X_WL.linear() * pair.axis_L};
+    found = closest(a, b, reach, std::span(kept).first(pair.met ? 2 : 0));
   }
   if (!found) {
-    pair.axis_W.reset();
+    pair.met = false;
     pair.remembered = 0;
     pair.pushing = false;
     return;
   }
+  pair.met = true;
   pair.axis_W = found->normal_W;
+  pair.axis_L = link.X_WL.linear().transpose() * found->normal_W;
   const Vector& n = found->normal_W;
   const Manifold touch = manifold(a, b, *found, reach);
   std::array<Memory, kManifoldPoints> memory;
@@ -269,7 +271,7 @@ void ContactSet::finish(double h, double work_j) {
 
 void ContactSet::give_way(double h) {
   for (const ContactPoint& point : points_) {
-    if (!point.yielding) {
+    if (!point.yielding || !(point.law.greatest_n > 0.0)) {
       continue;
     }
     // What the overlap has beyond the elastic one at the limit moves the obstacle instead.

@@ -47,9 +47,7 @@ struct ContactBody {
   ConvexShape shape;
   double stiffness_npm = 1.5e6;  ///< Of one point of contact.
   double damping_nspm = 3e4;
-  /// Meets only obstacles whose top is higher than this above the body's middle: the rest is
-  /// rolled over, by wheels.
-  std::optional<double> least_top_m;
+  bool rolls = false;  ///< A wheel: meets only what it cannot roll over (Ground::too_high).
 };
 
 /// Where a link is and how it moves.
@@ -121,7 +119,9 @@ class ContactSet {
   struct Pair {
     std::uint32_t body = 0;
     std::uint32_t obstacle = 0;
-    std::optional<Eigen::Vector3d> axis_W;
+    bool met = false;  ///< In the step before, along:
+    Eigen::Vector3d axis_W = Eigen::Vector3d::UnitZ();
+    Eigen::Vector3d axis_L = Eigen::Vector3d::UnitZ();  ///< The same in the link.
     std::array<Memory, kManifoldPoints> memory;
     std::size_t remembered = 0;
     bool pushing = false;

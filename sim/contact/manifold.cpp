@@ -8,6 +8,7 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
+constexpr double kBeside_m = 1e-3;
 constexpr double kParallel = 0.05;  // Sine, below which two lines share a stretch, not a crossing.
 
 /// Places across the normal in x and y, heights along it in z.
@@ -79,7 +80,9 @@ Outline clipped(Outline subject, const Outline& polygon) {
   for (std::size_t i = 0; i < polygon.count && subject.count > 0; ++i) {
     const Vector& from = polygon.corners[i];
     const Vector edge = polygon.corners[(i + 1) % polygon.count] - from;
-    const auto inside = [&](const Vector& p) { return cross(edge, p - from); };
+    // A trunk's line lies on the very edge of a corner that it meets: within, by a millimetre.
+    const double beside = kBeside_m * edge.head<2>().norm();
+    const auto inside = [&](const Vector& p) { return cross(edge, p - from) + beside; };
     Outline next;
     const std::size_t sides = subject.count == 2 ? 1 : subject.count;
     for (std::size_t k = 0; k < sides; ++k) {

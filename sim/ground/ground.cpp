@@ -87,6 +87,10 @@ Ground::Ground(HeightField field, SoilMap soils, std::vector<Obstacle> obstacles
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
     check_obstacle(obstacles_[i], i);
     shapes_.push_back(shape_of(obstacles_[i]));
+    // What a wheel rolls over whatever its height counts as low.
+    tops_m_.push_back(obstacles_[i].shape == ObstacleShape::sphere
+                          ? -std::numeric_limits<double>::infinity()
+                          : top_m(obstacles_[i]));
   }
   fill_bins();
 }
@@ -248,16 +252,20 @@ GroundPoint Ground::at(double x_m, double y_m, double ceiling_m) const {
   return result;
 }
 
-std::optional<Penetration> Ground::penetration(const Eigen::Vector3d& p_W) const {
-  std::optional<Penetration> deepest;
+std::optional<Penetration> Ground::terrain_penetration(const Eigen::Vector3d& p_W) const {
   const TerrainPoint point = terrain(p_W.x(), p_W.y());
   if (p_W.z() < point.height_m) {
     const Eigen::Vector3d normal =
         Eigen::Vector3d(-point.slope_x, -point.slope_y, 1.0).normalized();
     // Distance to the tangent plane: vertical depth times the normal's z.
-    deepest = Penetration{(point.height_m - p_W.z()) * normal.z(), normal,
-                          soils_.soils[soil_of(point)].friction};
+    return Penetration{(point.height_m - p_W.z()) * normal.z(), normal,
+                       soils_.soils[soil_of(point)].friction};
   }
+  return std::nullopt;
+}
+
+std::optional<Penetration> Ground::penetration(const Eigen::Vector3d& p_W) const {
+  std::optional<Penetration> deepest = terrain_penetration(p_W);
   const Eigen::Vector2d place = p_W.head<2>();
   near_obstacles(place, place, [&](const Obstacle& obstacle) {
     const std::optional<Penetration> found = inside(obstacle, p_W);
@@ -347,13 +355,16 @@ std::optional<WheelContact> Ground::wheel_contact(const Eigen::Vector3d& centre_
     on_terrain = true;
   }
   const Eigen::Vector2d reach = Eigen::Vector2d::Constant(radius_m);
-  near_obstacles(centre_W.head<2>() - reach, centre_W.head<2>() + reach,
-                 [&](const Obstacle& obstacle) {
-                   const auto found = disc_overlap(obstacle, centre_W, axis_W, radius_m);
-                   if (found && count < kMost) {
-                     overlaps[count++] = {found->depth_m, found->normal_W, obstacle.friction};
-                   }
-                 });
+  near_obstacles(
+      centre_W.head<2>() - reach, centre_W.head<2>() + reach, [&](const Obstacle& obstacle) {
+        if (tops_m_[static_cast<std::size_t>(&obstacle - obstacles_.data())] > centre_W.z()) {
+          return;
+        }
+        const auto found = disc_overlap(obstacle, centre_W, axis_W, radius_m);
+        if (found && count < kMost) {
+          overlaps[count++] = {found->depth_m, found->normal_W, obstacle.friction};
+        }
+      });
   if (count == 0) {
     return std::nullopt;
   }

@@ -92,11 +92,18 @@ class Ground {
   /// The terrain alone.
   [[nodiscard]] double height_m(double x_m, double y_m) const;
 
+  /// Whether the point lies inside the terrain.
+  [[nodiscard]] std::optional<Penetration> terrain_penetration(const Eigen::Vector3d& p_W) const;
+
   /// Whether the point lies inside the terrain or an obstacle; the deepest when in several.
   [[nodiscard]] std::optional<Penetration> penetration(const Eigen::Vector3d& p_W) const;
 
   [[nodiscard]] std::span<const Obstacle> obstacles() const { return obstacles_; }
   [[nodiscard]] const ConvexShape& shape(std::size_t obstacle) const { return shapes_[obstacle]; }
+  /// Whether a wheel with its centre at that height cannot roll over it (wheel_contact()).
+  [[nodiscard]] bool too_high(std::size_t obstacle, double centre_m) const {
+    return tops_m_[obstacle] > centre_m;
+  }
   /// Appends the indices of those that may touch the rectangle, some twice.
   void obstacles_near(const Eigen::Vector2d& lower_m, const Eigen::Vector2d& upper_m,
                       std::vector<std::uint32_t>& found) const;
@@ -109,7 +116,9 @@ class Ground {
   /// that of the plane which cuts off the same area, scaled so that a force in proportion to it is
   /// conservative: as a tyre swallows an edge. Obstacles: nearest point in the disc's plane, exact.
   /// Together: the shortest way that frees the disc from all of them. Depth and normal are
-  /// continuous in the wheel's position, whatever it drives over; on a plane of any slope and with
+  /// continuous in the wheel's position, whatever it drives over. Boxes, cylinders and hulls whose
+  /// top is above the disc's centre are not driven over but against: they are sim/contact's. On a
+  /// plane of any slope and with
   /// any tilt of the wheel they are exact to rounding. The disc has no width. A wheel with a
   /// vertical axis (a machine on its side) has no contact.
   [[nodiscard]] std::optional<WheelContact> wheel_contact(const Eigen::Vector3d& centre_W,
@@ -145,6 +154,7 @@ class Ground {
   SoilMap soils_;
   std::vector<Obstacle> obstacles_;
   std::vector<ConvexShape> shapes_;  ///< Of the obstacles.
+  std::vector<double> tops_m_;       ///< Their highest points; -infinity of balls.
   // A grid over the obstacles, so that a look-up costs the same with one and with thousands.
   double bin_m_ = 4.0;
   Eigen::Vector2d bin_origin_m_ = Eigen::Vector2d::Zero();

@@ -235,6 +235,11 @@ ConvexShape shape_of(const Obstacle& obstacle) {
   return ConvexShape::box(half);
 }
 
+double top_m(const Obstacle& obstacle) {
+  return obstacle.X_WO.translation().z() +
+         reach(obstacle, obstacle.X_WO.linear().transpose().col(2));
+}
+
 ObstacleBounds bounds(const Obstacle& obstacle) {
   const Eigen::Matrix3d R_OW = obstacle.X_WO.linear().transpose();
   const Eigen::Vector2d upper(reach(obstacle, R_OW.col(0)), reach(obstacle, R_OW.col(1)));

@@ -16,6 +16,8 @@ struct ObstacleBounds {
   Eigen::Vector2d lower_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d upper_m = Eigen::Vector2d::Zero();
 };
+/// Its highest point, in the world.
+[[nodiscard]] double top_m(const Obstacle& obstacle);
 [[nodiscard]] ObstacleBounds bounds(const Obstacle& obstacle);
 
 /// Where the vertical line at (x, y) leaves the obstacle, upward.

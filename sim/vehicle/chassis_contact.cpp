@@ -35,7 +35,7 @@ void ChassisContact::begin(double h, const Ground& ground, const Eigen::Vector3d
   active_ = 0;
   for (std::size_t i = 0; i < count_; ++i) {
     Point& point = points_[i];
-    const auto found = ground.penetration(p_WC + R_WB * point.position_m);
+    const auto found = ground.terrain_penetration(p_WC + R_WB * point.position_m);
     if (!found || !(found->depth_m > 0.0)) {
       if (point.touching) {
         point.across[0].reset();

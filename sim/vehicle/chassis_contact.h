@@ -1,5 +1,5 @@
-// Corners of the body that run into the ground or an obstacle: a spring with damping along the
-// surface's normal and dry friction that can stand still across it.
+// Corners of the body that run into the ground (obstacles meet its boxes, obstacle_contact.h): a
+// spring with damping along the surface's normal and dry friction that can stand still across it.
 #pragma once
 
 #include <Eigen/Geometry>

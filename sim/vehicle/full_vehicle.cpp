@@ -219,6 +219,45 @@ void FullVehicle::contacts(double h, const Velocities& start) {
                           settling_ ? kLocked_nm : brake_limit_nm(i), start);
   }
   chassis_.begin(h, *ground_, state_.p_WC, R_WB, start);
+  meet_obstacles(h, start);
+}
+
+void FullVehicle::meet_obstacles(double h, const Velocities& start) {
+  near_ = contact_.near(h, state_.v_WC_W.norm() + 2.0 * reach_m_ * state_.w_WB_B.norm() + 0.1);
+  if (!near_) {
+    return;
+  }
+  const Matrix3d R_WB = state_.q_WB.toRotationMatrix();
+  const Vector3d v_C = part_of(start, 0);
+  const Vector3d w = part_of(start, 3);
+  const Vector3d origin = -parameters_.body.center_of_mass_m;
+  const auto put = [&](ContactLink& link, const Vector3d& p, const Matrix3d& R_BL,
+                       const Vector3d& v_B, const Vector3d& w_B) {
+    link.X_WL.linear() = R_WB * R_BL;
+    link.X_WL.translation() = state_.p_WC + R_WB * p;
+    link.v_WL_W = R_WB * v_B;
+    link.w_WL_W = R_WB * w_B;
+  };
+  put(contact_links_[0], origin, Matrix3d::Identity(), v_C + w.cross(origin), w);
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    const WheelFrame& frame = axles_[i / 2].wheel(i % 2);
+    const double r0 = state_.suspension_rate[2 * (i / 2)];
+    const double r1 = state_.suspension_rate[2 * (i / 2) + 1];
+    put(contact_links_[3 + i], frame.hub_m, frame.R_BH(),
+        v_C + w.cross(frame.hub_m) + frame.velocity_by_s[0] * r0 + frame.velocity_by_s[1] * r1,
+        frame.rate + state_.wheel_rate_radps[i] * frame.axis);
+  }
+  contact_links_[1] = contact_links_[2] = contact_links_[0];
+  contact_.begin(h, contact_links_);
+  contact_rows_.clear();
+  for (ContactPoint& point : contact_.points()) {
+    const bool wheel = point.link >= 3;
+    const std::size_t index = wheel ? point.link - 3 : 0;
+    const Vector3d p_C = R_WB.transpose() * (point.p_W - state_.p_WC);
+    contact_rows_.push_back(contact_rows(
+        point, R_WB, p_C, wheel ? &axles_[index / 2].wheel(index % 2) : nullptr, index));
+    point.begin(h, contact_rows_.back().of(start));
+  }
 }
 
 void FullVehicle::inner_step(double h) {
@@ -259,6 +298,9 @@ void FullVehicle::inner_step(double h) {
       wheel.add(h, start, system);
     }
     chassis_.add(h, start, system);
+    if (near_) {
+      add_contacts(h, start, contact_.points(), contact_rows_, system);
+    }
     const SpinEquations& drive = settling_ ? kNoDriveline : driveline_->equations();
     if (!settling_) {
       system.add_wheels(drive.inertia + h * drive.damping, h * drive.torque_nm);
@@ -271,6 +313,9 @@ void FullVehicle::inner_step(double h) {
       break;
     }
     bool changed = chassis_.changes(found);
+    if (near_) {
+      changed = contacts_change(found, contact_.points(), contact_rows_) || changed;
+    }
     for (WheelTerms& wheel : wheel_terms_) {
       changed = wheel.changes(found) || changed;
     }
@@ -313,6 +358,11 @@ void FullVehicle::advance(double h, const Velocities& found, const Velocities& c
   }
   suspension_ = state_.suspension;
   chassis_.settle(h, found);
+  if (near_) {
+    contact_.settle(h, [&](const ContactPoint& point) {
+      return contact_rows_[static_cast<std::size_t>(&point - contact_.points().data())].of(found);
+    });
+  }
   state_.v_WC_W = state_.q_WB * Vector3d(found[0], found[1], found[2]);
   state_.p_WC += h * state_.v_WC_W;
   state_.w_WB_B = Vector3d(found[3], found[4], found[5]);
@@ -346,6 +396,7 @@ FullVehicle::FullVehicle(const WheeledVehicleParameters& parameters, const Groun
                    WheelTerms(parameters.rear, carried_kg(parameters, 1), 3,
                               parameters.brake_stiffness_nmprad)},
       chassis_(parameters) {
+  contact_rows_.reserve(kMostContactPoints);
   update_kinematics(Vector3d::Zero());
   // About the common centre of mass; it moves with the suspension, which the prediction neglects.
   Matrix3d inertia = parameters.body.principal_inertia_kgm2.asDiagonal();
@@ -411,6 +462,7 @@ void FullVehicle::start_rolling(double speed_mps) {
 void FullVehicle::set_state(const FullVehicleState& state) {
   state_ = state;
   state_.q_WB.normalize();
+  contact_.forget();
   suspension_ = state.suspension;
   acceleration_ = {};
   update_links();

@@ -18,6 +18,7 @@
 #include <array>
 
 #include "sim/vehicle/chassis_contact.h"
+#include "sim/vehicle/obstacle_contact.h"
 #include "sim/vehicle/suspension.h"
 #include "sim/vehicle/velocity_system.h"
 #include "sim/vehicle/wheel_terms.h"
@@ -72,12 +73,16 @@ class FullVehicle final : public WheeledVehicle {
                 const Eigen::Vector3d& gravity_B);
   void add_suspension(double h, const Velocities& start);
   void contacts(double h, const Velocities& start);
+  void meet_obstacles(double h, const Velocities& start);
   [[nodiscard]] bool finite(const Velocities& change);
   void advance(double h, const Velocities& found, const Velocities& change);
 
   std::array<AxleSuspension, 2> axles_;
   std::array<WheelTerms, kWheels> wheel_terms_;
   ChassisContact chassis_;
+  std::array<ContactLink, kWheeledLinks.size()> contact_links_;
+  std::vector<VehicleContactRows> contact_rows_;
+  bool near_ = false;                      ///< Obstacles may be within reach in this step.
   Eigen::Matrix3d whole_inertia_inverse_;  ///< In design position; for the gyroscopic prediction.
   Eigen::Matrix3d whole_inertia_;
   FullVehicleState state_;

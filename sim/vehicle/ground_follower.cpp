@@ -121,6 +121,20 @@ Vector3d wheel_centre_m(const WheeledVehicleParameters& parameters, const Static
           loads.wheel_height_m[wheel / 2]};
 }
 
+void place_rigid_links(const WheeledVehicleParameters& parameters, const StaticLoads& loads,
+                       const std::array<double, 4>& steer_rad, const LinkMotion& body,
+                       std::array<ContactLink, 7>& links) {
+  links.fill({body.X_WL, body.v_WL_W, body.w_WL_W});
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    Eigen::Isometry3d X_BH = Eigen::Isometry3d::Identity();
+    X_BH.translation() = wheel_centre_m(parameters, loads, i);
+    X_BH.linear() = Eigen::AngleAxisd(steer_rad[i], Vector3d::UnitZ()).toRotationMatrix();
+    ContactLink& link = links[3 + i];
+    link.X_WL = body.X_WL * X_BH;
+    link.v_WL_W += body.w_WL_W.cross(body.X_WL.linear() * X_BH.translation());
+  }
+}
+
 void rigid_links(const WheeledVehicleParameters& parameters, const StaticLoads& loads,
                  const std::array<double, 4>& steer_rad, const std::array<double, 4>& spin_rad,
                  const std::array<double, 4>& rate_radps, const std::array<double, 4>& rate_radps2,

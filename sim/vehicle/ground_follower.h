@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <array>
 
+#include "sim/contact/contact_set.h"
 #include "sim/ground/ground.h"
 #include "sim/link_motion.h"
 #include "sim/vehicle/parameters.h"
@@ -59,6 +60,11 @@ void rigid_links(const WheeledVehicleParameters& parameters, const StaticLoads& 
                  const std::array<double, 4>& steer_rad, const std::array<double, 4>& spin_rad,
                  const std::array<double, 4>& rate_radps, const std::array<double, 4>& rate_radps2,
                  const LinkMotion& body, std::array<LinkMotion, 7>& links);
+
+/// The same poses and velocities for the contact, wheels without their spin.
+void place_rigid_links(const WheeledVehicleParameters& parameters, const StaticLoads& loads,
+                       const std::array<double, 4>& steer_rad, const LinkMotion& body,
+                       std::array<ContactLink, 7>& links);
 
 /// Middle of a wheel in B, in design position.
 [[nodiscard]] Eigen::Vector3d wheel_centre_m(const WheeledVehicleParameters& parameters,

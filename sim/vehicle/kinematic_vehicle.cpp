@@ -8,12 +8,14 @@ namespace {
 
 constexpr int kMostPasses = 6;
 constexpr double kHoldDampingRatio = 0.7;
+constexpr double kSteep = 0.87;  // Cosine, 30 degrees about the body's z.
 
 }  // namespace
 
 KinematicVehicle::KinematicVehicle(const WheeledVehicleParameters& parameters, const Ground& ground,
                                    std::unique_ptr<Driveline> driveline, const VehiclePlace& place)
     : WheeledVehicle(parameters, ground, std::move(driveline)), follower_(parameters_) {
+  contact_rows_.reserve(kMostContactPoints);
   follower_.reset(ground, place);
   for (std::size_t i = 0; i < kWheels; ++i) {
     wheels_[i].radius_m = static_.wheel_height_m[i / 2];
@@ -37,6 +39,36 @@ void KinematicVehicle::update_geometry() {
     const double left = sideways_ + curvature_1pm_ * centre.x();
     rate_per_speed_[static_cast<Eigen::Index>(i)] =
         (ahead * std::cos(steer) + left * std::sin(steer)) / static_.wheel_height_m[i / 2];
+  }
+}
+
+void KinematicVehicle::meet_obstacles(double h) {
+  const LinkMotion& body = follower_.body();
+  near_ = contact_.near(h, body.v_WL_W.norm() + 2.0 * reach_m_ * body.w_WL_W.norm() + 0.1);
+  if (!near_) {
+    return;
+  }
+  place_rigid_links(parameters_, static_,
+                    {steer_rad(0)[0], steer_rad(0)[1], steer_rad(1)[0], steer_rad(1)[1]}, body,
+                    contact_links_);
+  contact_.begin(h, contact_links_);
+  contact_rows_.clear();
+  const Eigen::Matrix3d R_WB = follower_.R_WB();
+  for (ContactPoint& point : contact_.points()) {
+    const Eigen::Vector3d p_B = R_WB.transpose() * (point.p_W - body.X_WL.translation());
+    // Of the point per speed ahead, v + w x p in the body's plane.
+    const Eigen::Vector3d way(1.0 - curvature_1pm_ * p_B.y(), sideways_ + curvature_1pm_ * p_B.x(),
+                              0.0);
+    const bool steep = std::abs(R_WB.col(2).dot(point.direction_W[0])) > kSteep;
+    std::array<double, 3>& rows = contact_rows_.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      rows[k] = steep ? 0.0 : (R_WB * way).dot(point.direction_W[k]);
+    }
+    point.begin(h, {rows[0] * speed_mps_, rows[1] * speed_mps_, rows[2] * speed_mps_});
+    if (steep) {
+      point.law.greatest_n = 0.0;
+      point.blocks = point.gap_m < 0.0;
+    }
   }
 }
 
@@ -86,6 +118,14 @@ double KinematicVehicle::drive(double h) {
       weight += h * law.gain;
       impulse += h * law.at(v);
     }
+    for (std::size_t i = 0; near_ && i < contact_rows_.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const ImplicitForce push = contact_.points()[i].acting(k);
+        const double row = contact_rows_[i][k];
+        weight += h * push.gain * row * row;
+        impulse += h * push.at(row * v) * row;
+      }
+    }
     change = impulse / weight;
     if (pass >= kMostPasses) {
       break;
@@ -96,6 +136,11 @@ double KinematicVehicle::drive(double h) {
     bool changed = beyond != held_at_limit_ || (beyond && clamped != held);
     held_at_limit_ = beyond;
     held = clamped;
+    for (std::size_t i = 0; near_ && i < contact_rows_.size(); ++i) {
+      const double end = v + change;
+      const auto& row = contact_rows_[i];
+      changed = contact_.points()[i].changes({row[0] * end, row[1] * end, row[2] * end}) || changed;
+    }
     if (!changed) {
       changed = !driveline_->accept(h, g * (v + change));
     }
@@ -104,6 +149,12 @@ double KinematicVehicle::drive(double h) {
     }
   }
   const double found = v + change;
+  if (near_) {
+    contact_.settle(h, [&](const ContactPoint& point) {
+      const auto& row = contact_rows_[static_cast<std::size_t>(&point - contact_.points().data())];
+      return std::array<double, 3>{row[0] * found, row[1] * found, row[2] * found};
+    });
+  }
   if (held_at_limit_) {
     hold_.yield(hold, held);
   } else {
@@ -114,6 +165,7 @@ double KinematicVehicle::drive(double h) {
 
 void KinematicVehicle::inner_step(double h) {
   update_geometry();
+  meet_obstacles(h);
   WheelVector rates = rate_per_speed_ * speed_mps_;
   driveline_->begin(h, axle(0).wheel_spin_inertia_kgm2, rates);
   const double found = drive(h);

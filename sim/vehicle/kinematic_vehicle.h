@@ -30,8 +30,12 @@ class KinematicVehicle final : public WheeledVehicle {
   void update_geometry();
   /// Speed at the end of the step.
   [[nodiscard]] double drive(double h);
+  void meet_obstacles(double h);
 
   GroundFollower follower_;
+  std::array<ContactLink, kWheeledLinks.size()> contact_links_;
+  std::vector<std::array<double, 3>> contact_rows_;  ///< Speeds per speed along the path.
+  bool near_ = false;                                ///< Obstacles may be within reach.
   Bristle hold_;  ///< Brakes and rolling resistance together, along the path.
   bool held_at_limit_ = false;
   double speed_mps_ = 0.0;  ///< Of B's origin, along its x.

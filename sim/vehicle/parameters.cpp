@@ -86,6 +86,9 @@ WheeledVehicleParameters::WheeledVehicleParameters() {
                     {{-1.05, -1.1, 0.95}}, {{4.6, 1.1, 2.7}},    {{4.6, -1.1, 2.7}},
                     {{-1.0, 1.2, 1.9}},    {{-1.0, -1.2, 1.9}},  {{1.9, 0.4, 0.62}},
                     {{1.9, -0.4, 0.62}}};
+  solid.boxes = {{"cab", "body", {3.97, 0.0, 1.75}, {1.56, 2.2, 1.8}, 0.0},
+                 {"frame", "body", {1.78, 0.0, 0.85}, {5.66, 0.9, 0.42}, 0.0},
+                 {"bed", "body", {1.07, 0.0, 1.43}, {4.24, 2.4, 0.94}, 0.0}};
 }
 
 StaticLoads static_loads(const WheeledVehicleParameters& parameters) {
@@ -210,7 +213,7 @@ void visit(fields::Visitor& v, ChassisPoint& p) {
 }
 
 void visit(fields::Visitor& v, ChassisContactParameters& p) {
-  v.list("points", p.points, "Corners that may hit something, at most 16.");
+  v.list("points", p.points, "Corners that may hit the ground, at most 16.");
   v.number("stiffness", p.stiffness_npm, in("N/m").above(0), "Stiffness of each corner.");
   v.number("damping", p.damping_nspm, in("N s/m").at_least(0), "Damping of each corner.");
 }
@@ -246,7 +249,8 @@ void visit(fields::Visitor& v, WheeledVehicleParameters& p) {
   v.number("brake_stiffness", p.brake_stiffness_nmprad, in("N m/rad").above(0),
            "Stiffness of a brake that holds, at the wheel.");
   v.section("tyre_pressure", p.tyre_pressure, "Central tyre inflation.");
-  v.section("chassis", p.chassis, "Corners that may hit something.");
+  v.section("chassis", p.chassis, "Corners that may hit the ground.");
+  v.section("solid", p.solid, "What of the machine meets trunks, rocks, walls and trucks.");
   v.section("travel", p.travel, "Controller of the travel speed.");
   v.section("implements", p.implements, "Hitches and power take-offs.");
   v.number("air_drag", p.air_drag_ns2pm2, plain().at_least(0),
@@ -282,6 +286,7 @@ void validate(const WheeledVehicleParameters& p) {
   const double center_x_m = p.body.center_of_mass_m.x();
   fields::require(center_x_m > p.rear.position_x_m && center_x_m < p.front.position_x_m,
                   "body.center_of_mass.0", in("m").print(center_x_m), "between the axles");
+  validate(p.solid, kWheeledLinks, p.body.mass_kg, p.step_s);
   const StaticLoads loads = static_loads(p);
   check_axle("front", p.front, p.tyre_pressure, loads.wheel_height_m[0]);
   check_axle("rear", p.rear, p.tyre_pressure, loads.wheel_height_m[1]);

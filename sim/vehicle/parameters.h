@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "fields/rules.h"
+#include "sim/contact/contact_boxes.h"
 #include "sim/samples/vehicle_sample.h"
 #include "sim/tyre/tyre.h"
 #include "sim/vehicle/travel_control.h"
@@ -133,7 +134,7 @@ void visit(fields::Visitor& v, ChassisPoint& p);
 
 inline constexpr std::size_t kChassisPoints = 16;
 
-/// Corners of body and underbody that may hit the ground or an obstacle.
+/// Corners of body and underbody that may hit the ground. Obstacles meet the boxes.
 struct ChassisContactParameters {
   std::vector<ChassisPoint> points;  ///< At most kChassisPoints.
   double stiffness_npm = 1.0e6;
@@ -165,6 +166,14 @@ struct ImplementParameters {
 };
 void visit(fields::Visitor& v, ImplementParameters& p);
 
+inline constexpr std::array<std::string_view, 7> kWheeledLinks{"body",
+                                                               "front_axle",
+                                                               "rear_axle",
+                                                               "front_left_wheel",
+                                                               "front_right_wheel",
+                                                               "rear_left_wheel",
+                                                               "rear_right_wheel"};
+
 struct WheeledVehicleParameters {
   VehicleLevel level = VehicleLevel::full;
   SprungBodyParameters body;
@@ -173,6 +182,7 @@ struct WheeledVehicleParameters {
   double brake_stiffness_nmprad = 4.0e5;  ///< Of a brake that holds, at the wheel.
   TyrePressureParameters tyre_pressure;
   ChassisContactParameters chassis;
+  SolidBodyParameters solid;  ///< Against obstacles, as the wheels are.
   TravelControlParameters travel;
   ImplementParameters implements;
   double air_drag_ns2pm2 = 3.3;  ///< Force per speed squared, at the centre of mass.

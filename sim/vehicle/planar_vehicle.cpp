@@ -13,6 +13,7 @@ using Eigen::Vector3d;
 
 constexpr int kMostPasses = 12;
 constexpr double kLoadLag_s = 0.1;
+constexpr double kSteep = 0.87;  // Cosine, 30 degrees about the body's z.
 // The unknowns of this level among those of VelocitySystem: ahead, left, yaw, wheels.
 constexpr std::array<std::size_t, 3> kPlane{0, 1, 5};
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
@@ -42,6 +43,7 @@ PlanarVehicle::PlanarVehicle(const WheeledVehicleParameters& parameters, const G
                               parameters.brake_stiffness_nmprad),
                    WheelTerms(parameters.rear, 0.25 * parameters.mass_kg(), 3,
                               parameters.brake_stiffness_nmprad)} {
+  contact_rows_.reserve(kMostContactPoints);
   const Vector3d& centre = static_.center_of_mass_m;
   // Yaw inertia about the common centre of mass: own inertias and Steiner's terms.
   yaw_inertia_kgm2_ =
@@ -88,6 +90,41 @@ void PlanarVehicle::load_wheels(double h) {
   }
 }
 
+void PlanarVehicle::meet_obstacles(double h, const Velocities& start) {
+  const LinkMotion& body = follower_.body();
+  near_ =
+      contact_.near(h, body.v_WL_W.norm() +
+                           2.0 * reach_m_ * (body.w_WL_W.norm() + std::abs(yaw_rate_radps_)) + 0.1);
+  if (!near_) {
+    return;
+  }
+  place_rigid_links(parameters_, static_,
+                    {steer_rad(0)[0], steer_rad(0)[1], steer_rad(1)[0], steer_rad(1)[1]}, body,
+                    contact_links_);
+  contact_.begin(h, contact_links_);
+  contact_rows_.clear();
+  const Matrix3d R_WB = follower_.R_WB();
+  for (ContactPoint& point : contact_.points()) {
+    const Vector3d p_C = R_WB.transpose() * (point.p_W - body.X_WL.translation()) -
+                         Vector3d(static_.center_of_mass_m);
+    VehicleContactRows& rows =
+        contact_rows_.emplace_back(contact_rows(point, R_WB, p_C, nullptr, 0));
+    // Moves in its plane only: what pushes it up or down more than along it does not hold it.
+    const bool steep = std::abs(R_WB.col(2).dot(point.direction_W[0])) > kSteep;
+    for (VelocityRow& row : rows.rows) {
+      row.value[2] = row.value[3] = row.value[4] = 0.0;
+      if (steep) {
+        row.value = {};
+      }
+    }
+    point.begin(h, rows.of(start));
+    if (steep) {
+      point.law.greatest_n = 0.0;
+      point.blocks = point.gap_m < 0.0;
+    }
+  }
+}
+
 void PlanarVehicle::inner_step(double h) {
   WheelVector rates(rate_radps_.data());
   driveline_->begin(h, wheel_terms_[0].spin_inertia_kgm2(), rates);
@@ -124,6 +161,7 @@ void PlanarVehicle::inner_step(double h) {
                           brake_limit_nm(i), start);
   }
 
+  meet_obstacles(h, start);
   const double m = parameters_.mass_kg();
   const Vector3d gravity_B = -parameters_.gravity_mps2 * R_WB.row(2).transpose();
   // Weight along the plane, quadratic air drag.
@@ -135,6 +173,9 @@ void PlanarVehicle::inner_step(double h) {
     VelocitySystem system;
     for (const WheelTerms& wheel : wheel_terms_) {
       wheel.add(h, start, system);
+    }
+    if (near_) {
+      add_contacts(h, start, contact_.points(), contact_rows_, system);
     }
     const SpinEquations& drive = driveline_->equations();
     system.add_wheels(drive.inertia + h * drive.damping, h * drive.torque_nm);
@@ -179,7 +220,7 @@ void PlanarVehicle::inner_step(double h) {
     if (pass >= kMostPasses) {
       break;
     }
-    bool changed = false;
+    bool changed = near_ && contacts_change(found, contact_.points(), contact_rows_);
     for (WheelTerms& wheel : wheel_terms_) {
       changed = wheel.changes(found) || changed;
     }
@@ -199,6 +240,11 @@ void PlanarVehicle::inner_step(double h) {
     }
   }
 
+  if (near_) {
+    contact_.settle(h, [&](const ContactPoint& point) {
+      return contact_rows_[static_cast<std::size_t>(&point - contact_.points().data())].of(found);
+    });
+  }
   acceleration_mps2_ = change.head<2>() / h;
   yaw_rate_radps_ = found[5];
   const Vector2d new_velocity(found[0], found[1]);

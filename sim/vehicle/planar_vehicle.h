@@ -10,6 +10,7 @@
 #include <array>
 
 #include "sim/vehicle/ground_follower.h"
+#include "sim/vehicle/obstacle_contact.h"
 #include "sim/vehicle/suspension.h"
 #include "sim/vehicle/velocity_system.h"
 #include "sim/vehicle/wheel_terms.h"
@@ -28,10 +29,14 @@ class PlanarVehicle final : public WheeledVehicle {
   void inner_step(double h) override;
   void update_links() override;
   void load_wheels(double h);
+  void meet_obstacles(double h, const Velocities& start);
 
   GroundFollower follower_;
   std::array<WheelTerms, kWheels> wheel_terms_;
   std::array<WheelFrame, kWheels> frames_;
+  std::array<ContactLink, kWheeledLinks.size()> contact_links_;
+  std::vector<VehicleContactRows> contact_rows_;
+  bool near_ = false;  ///< Obstacles may be within reach in this step.
   double yaw_inertia_kgm2_ = 0.0;
   std::array<double, 2> roll_share_{};                      ///< Of the axles.
   Eigen::Vector2d velocity_mps_ = Eigen::Vector2d::Zero();  ///< Of the centre of mass, axes of B.

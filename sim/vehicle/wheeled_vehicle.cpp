@@ -8,6 +8,7 @@
 #include "sim/odometry/odometry.h"
 #include "sim/vehicle/full_vehicle.h"
 #include "sim/vehicle/kinematic_vehicle.h"
+#include "sim/vehicle/obstacle_contact.h"
 #include "sim/vehicle/planar_vehicle.h"
 
 namespace rigwire::sim {
@@ -58,6 +59,8 @@ WheeledVehicle::WheeledVehicle(const WheeledVehicleParameters& parameters, const
       ground_(&ground),
       driveline_(std::move(driveline)),
       static_(static_loads(parameters)),
+      contact_(vehicle_contact(parameters, static_, ground)),
+      reach_m_(vehicle_reach_m(parameters)),
       steering_{SteeringActuator(parameters.front.steering),
                 SteeringActuator(parameters.rear.steering)},
       travel_(parameters.travel, travel_machine(parameters, static_)),

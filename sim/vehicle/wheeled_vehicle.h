@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/contact/contact_set.h"
 #include "sim/driveline/driveline.h"
 #include "sim/ground/ground.h"
 #include "sim/machine.h"
@@ -22,14 +23,6 @@
 #include "sim/vehicle/travel_control.h"
 
 namespace rigwire::sim {
-
-inline constexpr std::array<std::string_view, 7> kWheeledLinks{"body",
-                                                               "front_axle",
-                                                               "rear_axle",
-                                                               "front_left_wheel",
-                                                               "front_right_wheel",
-                                                               "rear_left_wheel",
-                                                               "rear_right_wheel"};
 
 /// The angle follows its set point by angle' = (set point - angle) / time_constant, |angle'| at
 /// most the rate. step() is the exact solution, so that dividing a step changes nothing beyond
@@ -91,6 +84,8 @@ class WheeledVehicle : public Machine, public VehiclePort {
   [[nodiscard]] std::span<const TruthField> truth_fields() const final;
   void read_truth(std::span<double> values) const final;
   [[nodiscard]] VehiclePort* vehicle_port() final { return this; }
+  [[nodiscard]] const ContactReport* contact_report() const final { return &contact_.report(); }
+  [[nodiscard]] const ContactSet& contact() const { return contact_; }
   /// The corners of the body that run into things (ChassisContactParameters).
   [[nodiscard]] std::vector<BodyPoint> body_points() const final;
   /// The wheels, in their order: dust of a road by load and speed, or by slip where that is faster.
@@ -138,6 +133,8 @@ class WheeledVehicle : public Machine, public VehiclePort {
   const Ground* ground_;
   std::unique_ptr<Driveline> driveline_;
   StaticLoads static_;
+  ContactSet contact_;
+  double reach_m_;          ///< No point of the vehicle is farther from B's origin.
   VehicleCommand command_;  ///< As it was asked for.
   VehicleCommand drive_;    ///< The same with what the travel control makes of it.
   std::array<WheelState, kWheels> wheels_;

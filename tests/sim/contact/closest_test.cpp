@@ -192,7 +192,7 @@ TEST(Closest, DepthAndNormalDoNotJumpWhileAHullTurnsPastATrunk) {
   const ConvexShape hull = ConvexShape::hull(points);
   const ConvexShape trunk = ConvexShape::cylinder(0.2, 5.0);
   const PlacedShape b{&trunk, Pose::Identity()};
-  std::optional<Vector> kept;
+  std::vector<Vector> kept;
   std::optional<Separation> before;
   double jump_m = 0.0;
   for (int i = 0; i < 4000; ++i) {
@@ -204,7 +204,10 @@ TEST(Closest, DepthAndNormalDoNotJumpWhileAHullTurnsPastATrunk) {
       jump_m = std::max(jump_m, std::abs(found->gap_m - before->gap_m));
     }
     before = found;
-    kept = found ? std::optional(found->normal_W) : std::nullopt;
+    kept.clear();
+    if (found) {
+      kept.push_back(found->normal_W);
+    }
   }
   EXPECT_LT(jump_m, 0.7e-3);
 }
@@ -213,14 +216,14 @@ TEST(Closest, AThinPostIsNotPushedOutAtItsFarSide) {
   const ConvexShape post = ConvexShape::cylinder(0.1, 1.5);
   const ConvexShape front = ConvexShape::box({0.3, 1.0, 0.3});
   const PlacedShape b{&post, Pose::Identity()};
-  std::optional<Vector> kept;
+  std::vector<Vector> kept;
   for (double x = -0.45; x < 0.1; x += 0.005) {
     const PlacedShape a{&front, at({x, 0.0, 0.5})};
     const auto found = closest(a, b, 0.1, kept);
     ASSERT_TRUE(found);
     EXPECT_LT(found->normal_W.x(), -0.999) << x;
     EXPECT_NEAR(found->gap_m, -x - 0.4, 1e-9) << x;
-    kept = found->normal_W;
+    kept.assign(1, found->normal_W);
   }
 }
 

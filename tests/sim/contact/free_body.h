@@ -20,13 +20,8 @@ class FreeBody {
            double stiffness_npm, double damping_nspm)
       : mass_kg_(mass_kg),
         inertia_(inertia_kgm2),
-        contact_({{"body",
-                   0,
-                   Eigen::Isometry3d::Identity(),
-                   std::move(shape),
-                   stiffness_npm,
-                   damping_nspm,
-                   {}}},
+        contact_({{"body", 0, Eigen::Isometry3d::Identity(), std::move(shape), stiffness_npm,
+                   damping_nspm}},
                  1, ground) {}
 
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();

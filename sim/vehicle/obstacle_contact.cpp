@@ -1,0 +1,98 @@
+#include "sim/vehicle/obstacle_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace rigwire::sim {
+
+namespace {
+
+constexpr std::size_t kFirstWheel = kWheeledLinks.size() - kWheels;
+constexpr double kTyreDampingRatio = 0.3;
+
+}  // namespace
+
+ContactSet vehicle_contact(const WheeledVehicleParameters& parameters, const StaticLoads& loads,
+                           const Ground& ground) {
+  std::vector<ContactBody> bodies =
+      contact_bodies(parameters.solid, kWheeledLinks, parameters.mass_kg());
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    const VehicleAxleParameters& axle = i < 2 ? parameters.front : parameters.rear;
+    const double carried_kg =
+        std::max(1.0, loads.wheel_n[i / 2] / std::max(1e-3, parameters.gravity_mps2));
+    const double stiffness = Tyre(axle.tyre, carried_kg).stiffness_npm(axle.initial_pressure_pa);
+    ContactBody& wheel = bodies.emplace_back(
+        ContactBody{std::string(kWheeledLinks[kFirstWheel + i]),
+                    kFirstWheel + i,
+                    {},
+                    ConvexShape::cylinder(axle.tyre.unloaded_radius_m, 0.5 * axle.tyre.width_m),
+                    stiffness,
+                    2.0 * kTyreDampingRatio * std::sqrt(stiffness * carried_kg),
+                    true});
+    // The cylinder's z along the axle.
+    wheel.X_LS = Eigen::AngleAxisd(-0.5 * std::numbers::pi, Eigen::Vector3d::UnitX());
+  }
+  return ContactSet(std::move(bodies), kWheeledLinks.size(), ground);
+}
+
+double vehicle_reach_m(const WheeledVehicleParameters& parameters) {
+  double reach = 0.0;
+  for (const ContactBox& box : parameters.solid.boxes) {
+    reach = std::max(reach, box.position_m.norm() + 0.5 * box.size_m.norm());
+  }
+  for (const VehicleAxleParameters* axle : {&parameters.front, &parameters.rear}) {
+    reach = std::max(reach, std::hypot(axle->position_x_m, 0.5 * axle->track_m) +
+                                2.0 * axle->tyre.unloaded_radius_m + axle->tyre.width_m);
+  }
+  return reach;
+}
+
+VehicleContactRows contact_rows(const ContactPoint& point, const Eigen::Matrix3d& R_WB,
+                                const Eigen::Vector3d& p_C, const WheelFrame* wheel,
+                                std::size_t index) {
+  VehicleContactRows result;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::Vector3d d = R_WB.transpose() * point.direction_W[k];
+    VelocityRow& row = result.rows[k];
+    // J v = d . (v_C + w x p), and of a wheel its carrier's coordinates and its spin.
+    const Eigen::Vector3d moment = p_C.cross(d);
+    for (std::size_t i = 0; i < 3; ++i) {
+      row.value[i] = d[static_cast<Eigen::Index>(i)];
+      row.value[i + 3] = moment[static_cast<Eigen::Index>(i)];
+    }
+    if (wheel == nullptr) {
+      continue;
+    }
+    const Eigen::Vector3d arm = p_C - wheel->hub_m;
+    row.axle = index / 2;
+    row.wheel = index;
+    for (std::size_t s = 0; s < 2; ++s) {
+      row.value[6 + s] = d.dot(wheel->velocity_by_s[s] + wheel->rate_by_s[s].cross(arm));
+    }
+    row.value[8] = d.dot(wheel->axis.cross(arm));
+  }
+  return result;
+}
+
+void add_contacts(double h, const Velocities& start, std::span<const ContactPoint> points,
+                  std::span<const VehicleContactRows> rows, VelocitySystem& system) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t k = 0; k < 3 && !points[i].released; ++k) {
+      const ImplicitForce law = points[i].acting(k);
+      const VelocityRow& row = rows[i].rows[k];
+      system.add(row, h * law.gain, h * law.at(row.of(start)));
+    }
+  }
+}
+
+bool contacts_change(const Velocities& found, std::span<ContactPoint> points,
+                     std::span<const VehicleContactRows> rows) {
+  bool changed = false;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    changed = points[i].changes(rows[i].of(found)) || changed;
+  }
+  return changed;
+}
+
+}  // namespace rigwire::sim

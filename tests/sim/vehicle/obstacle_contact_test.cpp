@@ -1,0 +1,189 @@
+// Vehicles of every level against trunks, walls and posts: stopped or pushing, never through.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "allocation_counter.h"
+#include "sim/driveline/parameters.h"
+#include "sim/random.h"
+#include "tests/sim/contact/free_body.h"
+#include "tests/sim/vehicle/vehicle_rig.h"
+
+namespace rigwire::sim::test {
+namespace {
+
+using Vector = Eigen::Vector3d;
+
+Ground firm_with(std::vector<Obstacle> obstacles) {
+  HeightField field;
+  field.origin_m = {-100.0, -100.0};
+  field.cell_m = 5.0;
+  field.columns = field.rows = 41;
+  field.heights_m.assign(41 * 41, 0.0);
+  SoilParameters soil;
+  soil.friction = 0.8;
+  return Ground(field, SoilMap{{soil}, {}}, std::move(obstacles));
+}
+
+struct Drive {
+  explicit Drive(Ground with, VehicleLevel level, double speed_mps, bool engine = false,
+                 const VehiclePlace& place = {})
+      : ground(std::move(with)) {
+    WheeledVehicleParameters parameters;
+    parameters.level = level;
+    std::unique_ptr<Driveline> driveline;
+    if (engine) {
+      driveline = make_driveline(DrivelineParameters{});
+    } else {
+      driveline = std::make_unique<BareDriveline>(&equations);
+    }
+    machine = make_wheeled_vehicle(parameters, ground, std::move(driveline), place);
+    machine->command(released());
+    machine->start_rolling(speed_mps);
+  }
+
+  void run(double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds / 1e-3); ++i) {
+      machine->step(std::chrono::milliseconds(1));
+      const ContactReport& report = *machine->contact_report();
+      gain_j = std::max(gain_j, lost_j - report.lost_j);
+      lost_j = std::max(lost_j, report.lost_j);
+      deepest_m = std::max(deepest_m, report.deepest_m);
+      const LinkMotion& body = machine->links()[0];
+      fastest_mps = std::max(fastest_mps, body.v_WL_W.norm());
+      farthest_m = std::max(farthest_m, body.X_WL.translation().x());
+    }
+  }
+  [[nodiscard]] double x_m() const { return machine->links()[0].X_WL.translation().x(); }
+
+  SpinEquations equations;
+  Ground ground;
+  std::unique_ptr<WheeledVehicle> machine;
+  double gain_j = 0.0;
+  double lost_j = 0.0;
+  double deepest_m = 0.0;
+  double fastest_mps = 0.0;
+  double farthest_m = -1e9;
+};
+
+constexpr double kFront_m = 4.75;  // Of the cab, before the rear axle.
+
+class EveryLevel : public testing::TestWithParam<VehicleLevel> {};
+
+TEST_P(EveryLevel, AThickTrunkIsNotDrivenThrough) {
+  for (const double speed : {0.5, 5.0, 13.9}) {
+    for (const double aside : {0.0, 0.6, -1.0}) {
+      Drive run(firm_with({trunk_at(5.5, aside, 0.4, 12.0)}), GetParam(), speed);
+      run.run(4.0);
+      const std::string what = std::to_string(speed) + " m/s, " + std::to_string(aside) + " m";
+      ASSERT_FALSE(run.machine->non_finite()) << what;
+      EXPECT_GT(run.machine->contact_report()->touches, 0U) << what;
+      // The front, bent in by what 14 m/s do to it, and not a trunk's width farther.
+      EXPECT_LT(run.farthest_m, 5.5 - 0.4 - kFront_m + 0.75) << what;
+      EXPECT_LT(run.fastest_mps, 1.01 * speed + 0.01) << what;
+      EXPECT_LT(run.gain_j, 0.02 * 0.5 * 5600.0 * speed * speed) << what;
+    }
+  }
+}
+
+TEST_P(EveryLevel, AWallStopsIt) {
+  Drive run(firm_with({box_obstacle({15.0, 0.0, 1.5}, {1.0, 8.0, 1.5})}), GetParam(), 13.9);
+  run.run(4.0);
+  EXPECT_LT(run.farthest_m, 14.0 - kFront_m + 0.6);
+  EXPECT_GT(run.lost_j, 0.3 * 0.5 * 5000.0 * 13.9 * 13.9);
+}
+
+TEST_P(EveryLevel, ATrunkBesideTheFrameIsMetByTheTyre) {
+  // Outside the cab's and the bed's width, within the tyre's.
+  WheeledVehicleParameters parameters;
+  const double outside = 0.5 * parameters.front.track_m + 0.5 * parameters.front.tyre.width_m;
+  if (outside < 1.15) {
+    GTEST_SKIP() << "the cab is wider than its tyres";
+  }
+  Drive run(firm_with({trunk_at(8.0, outside + 0.05, 0.1, 8.0)}), GetParam(), 2.0);
+  run.run(4.0);
+  EXPECT_GT(run.machine->contact_report()->touches, 0U);
+}
+
+TEST_P(EveryLevel, AYoungTreeIsRunOver) {
+  Obstacle tree = trunk_at(10.0, 0.2, 0.05, 8.0);
+  tree.strength_nm = 2.9e3;
+  tree.stiffness_npm = 1e5;
+  Drive run(firm_with({tree}), GetParam(), 5.0);
+  run.run(3.0);
+  EXPECT_EQ(run.machine->contact_report()->felled, 1U);
+  EXPECT_GT(run.x_m(), 11.0);
+  EXPECT_LT(run.machine->links()[0].v_WL_W.norm(), 5.0);
+}
+
+TEST_P(EveryLevel, NothingNearChangesNotOneBit) {
+  Drive alone(firm_with({}), GetParam(), 5.0, true);
+  Drive beside(firm_with({trunk_at(10.0, 3.0, 0.4, 12.0), trunk_at(14.0, -2.5, 0.2, 12.0)}),
+               GetParam(), 5.0, true);
+  alone.run(3.0);
+  beside.run(3.0);
+  EXPECT_EQ(alone.machine->links()[0].X_WL.matrix(), beside.machine->links()[0].X_WL.matrix());
+  EXPECT_EQ(alone.machine->links()[6].X_WL.matrix(), beside.machine->links()[6].X_WL.matrix());
+  EXPECT_EQ(beside.machine->contact_report()->touches, 0U);
+}
+
+TEST_P(EveryLevel, WedgedBetweenTwoTrunksAtFullThrottleItStaysWhereItIs) {
+  Drive run(firm_with({trunk_at(9.0, 0.95, 0.3, 12.0), trunk_at(9.0, -0.95, 0.3, 12.0)}),
+            GetParam(), 0.0, true);
+  VehicleCommand command = released();
+  command.gear = 1;
+  command.engine_torque_share = 0.6;
+  run.machine->command(command);
+  const std::uint64_t before = rigwire::test::allocations();
+  run.run(15.0);
+  EXPECT_EQ(rigwire::test::allocations(), before);
+  ASSERT_FALSE(run.machine->non_finite());
+  EXPECT_GT(run.machine->contact_report()->points, 0U);
+  EXPECT_GT(run.machine->contact_report()->force_n, 5e3);
+  EXPECT_LT(run.farthest_m, 9.0 - kFront_m + 0.05);
+  EXPECT_LT(run.machine->links()[0].v_WL_W.norm(), 0.05);
+  EXPECT_LT(run.gain_j, 50.0);
+  const ContactReport& report = *run.machine->contact_report();
+  EXPECT_EQ(report.body, "cab");
+  EXPECT_TRUE(report.obstacle);
+}
+
+TEST_P(EveryLevel, StraightDrivesThroughAForestEnterNoTrunk) {
+  RandomStream random(4, "trunks");
+  std::vector<Obstacle> trunks;
+  for (int i = 0; i < 200; ++i) {
+    const Vector place(random.uniform(-60.0, 60.0), random.uniform(-60.0, 60.0), 0.0);
+    if (place.norm() > 8.0) {
+      trunks.push_back(trunk_at(place.x(), place.y(), random.uniform(0.08, 0.3), 10.0));
+    }
+  }
+  int stopped = 0;
+  for (int i = 0; i < 8; ++i) {
+    Drive run(firm_with(trunks), GetParam(), 5.0, false,
+              {0.0, 0.0, 2.0 * std::numbers::pi * i / 8.0});
+    run.run(10.0);
+    ASSERT_FALSE(run.machine->non_finite()) << i;
+    EXPECT_LT(run.gain_j, 0.02 * 0.5 * 5600.0 * 25.0) << i;
+    EXPECT_LT(run.fastest_mps, 5.1) << i;
+    EXPECT_EQ(run.machine->contact().dropped(), 0U);
+    stopped += run.machine->contact_report()->touches > 0 ? 1 : 0;
+    // No trunk's middle inside the cab.
+    for (const Obstacle& trunk : trunks) {
+      const Vector p = run.machine->links()[0].X_WL.inverse() *
+                       Vector(trunk.X_WO.translation().x(), trunk.X_WO.translation().y(), 1.5);
+      EXPECT_FALSE(p.x() > -0.9 && p.x() < 4.6 && std::abs(p.y()) < 0.95) << i;
+    }
+  }
+  EXPECT_GT(stopped, 4);
+}
+
+INSTANTIATE_TEST_SUITE_P(Levels, EveryLevel,
+                         testing::Values(VehicleLevel::kinematic, VehicleLevel::planar,
+                                         VehicleLevel::full),
+                         testing::PrintToStringParamName());
+
+}  // namespace
+}  // namespace rigwire::sim::test

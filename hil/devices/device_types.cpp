@@ -101,6 +101,10 @@ constexpr std::array kTypes{
                camera<sim::CameraParameters, "AreaCamera">},
     DeviceType{{"gige-stereo", "Stereo camera with disparity and confidence on GigE Vision."},
                camera<sim::StereoCameraParameters, "StereoCamera">},
+    DeviceType{{"gige-depth", "Depth camera by time of flight, with an image, on GigE Vision."},
+               camera<sim::DepthCameraParameters, "DepthCamera">},
+    DeviceType{{"gige-360", "Camera of one picture all round, on GigE Vision."},
+               camera<sim::AllRoundCameraParameters, "PanoramaCamera">},
     DeviceType{
         {"usb-joystick", "Levers, pedals and buttons of an excavator's operator, a USB joystick."},
         fresh<UsbJoystickConfiguration>},

@@ -45,6 +45,9 @@ constexpr double kThroughput_bps = 200e6;
 /// Loopback carries it in one piece, at half the cost of packets of 1500 bytes.
 constexpr int kPacketSize = 8192;
 
+/// In the sun, at the aperture of a lens as it is by itself.
+constexpr Duration kDaylightExposure = std::chrono::milliseconds(1);
+
 /// Of a sensor whose rows all begin together, to read one of them out.
 constexpr Duration kGlobalRowTime = std::chrono::microseconds(10);
 
@@ -261,6 +264,8 @@ GigeCameraConfiguration::GigeCameraConfiguration(sim::CameraKind kind, std::stri
   camera.model = model;
   camera.throughput_bps = kThroughput_bps;
   camera.packet_size = kPacketSize;
+  const auto* const depth = std::get_if<sim::DepthCameraParameters>(&sensor);
+  camera.exposure = depth != nullptr ? depth->noise_exposure : kDaylightExposure;
 }
 
 GigeCameraSettings settings_of(const GigeCameraConfiguration& p) {

@@ -30,6 +30,11 @@ enum FrameOutletTag : std::uint64_t { kFrameUnit, kSentUnit, kUnsentUnit, kRepor
 
 }  // namespace
 
+SimTime QueuedOutlet::next_due() const {
+  const SimTime due = queue_.next_due();
+  return apart_ && due != kNever ? std::max(due, last_left_ + (due - last_due_) / 2) : due;
+}
+
 void QueuedOutlet::transmit_front(std::optional<Duration> lateness) {
   const EmissionQueue::Unit unit = queue_.front();
   WireStatistics& statistics = *unit.statistics;
@@ -40,9 +45,14 @@ void QueuedOutlet::transmit_front(std::optional<Duration> lateness) {
   } else {
     ++statistics.dropped;
   }
+  Duration late{0};
   if (lateness) {
-    statistics.lateness.record(*lateness);
+    // What was held back counts as late as well.
+    late = *lateness + (next_due() - unit.due);
+    statistics.lateness.record(late);
   }
+  last_due_ = unit.due;
+  last_left_ = unit.due + std::max(late, Duration{0});
   queue_.pop();
 }
 
@@ -70,7 +80,9 @@ bool DatagramOutlet::transmit(std::uint64_t /*tag*/, std::span<const std::uint8_
 
 AddressedOutlet::AddressedOutlet(drivers::DatagramPort& port, WireStatistics& statistics,
                                  std::size_t units, std::size_t bytes)
-    : QueuedOutlet(units, bytes), port_(&port), statistics_(statistics) {}
+    : QueuedOutlet(units, bytes), port_(&port), statistics_(statistics) {
+  keep_apart();
+}
 
 void AddressedOutlet::send(SimTime due, const emulators::UdpEnd& to,
                            std::span<const std::uint8_t> bytes, bool do_not_fragment) {

@@ -21,17 +21,24 @@ namespace rigwire::hil {
 /// of endpoint.
 class QueuedOutlet : public Outlet {
  public:
-  [[nodiscard]] SimTime next_due() const final { return queue_.next_due(); }
+  [[nodiscard]] SimTime next_due() const final;
   void transmit_front(std::optional<Duration> lateness) final;
 
  protected:
   QueuedOutlet(std::size_t units, std::size_t bytes) : queue_(units, bytes) {}
+  /// From now on what follows a late unit keeps half of its distance from it: a wire that nothing
+  /// leaves in heaps, because the far end has little room. Lateness is that against the due time
+  /// all the same.
+  void keep_apart() { apart_ = true; }
   [[nodiscard]] EmissionQueue& queue() { return queue_; }
 
  private:
   /// False when any part of the unit was refused.
   virtual bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) = 0;
   EmissionQueue queue_;
+  bool apart_ = false;
+  SimTime last_due_{};   ///< Of the unit that left last,
+  SimTime last_left_{};  ///< and when it did.
 };
 
 /// A serial line: what the line does not take is lost.
@@ -59,6 +66,7 @@ class DatagramOutlet final : public QueuedOutlet, public emulators::ByteOutput {
 };
 
 /// One UDP port whose datagrams each say where they go. `units` and `bytes`: how much may wait.
+/// They keep apart: a client's system holds back some 200 kB for it.
 class AddressedOutlet final : public QueuedOutlet, public emulators::DatagramOutput {
  public:
   AddressedOutlet(drivers::DatagramPort& port, WireStatistics& statistics, std::size_t units,

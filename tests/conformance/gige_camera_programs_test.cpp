@@ -146,7 +146,7 @@ std::vector<std::string> unprivileged(const std::vector<std::string>& command) {
 TEST_F(GigeCameraPrograms, gstreamer_and_opencv_read_pictures) {
   const std::string address = own_address();
   GigeCameraRig rig(
-      camera_yaml("gst", "gige-camera", address, "    rate: 5 Hz\n    exposure_auto: true\n"));
+      camera_yaml("gst", "gige-camera", address, "    rate: 5 Hz\n    exposure: 600 us\n"));
   await(rig, address);
   std::filesystem::permissions(scratch_.folder, std::filesystem::perms::all);
   ::setenv("GST_REGISTRY", (scratch_.folder / "registry.bin").c_str(), 1);

@@ -62,7 +62,8 @@ class CameraRig : public ::testing::Test {
   }
   [[nodiscard]] std::map<std::string, std::uint64_t> counts() const {
     std::map<std::string, std::uint64_t> all;
-    for (const NamedCount& counted : rig->device_reports().at(0).counts) {
+    const std::vector<DeviceReport> reports = rig->device_reports();
+    for (const NamedCount& counted : reports.at(0).counts) {
       all.emplace(counted.name, counted.count);
     }
     return all;

@@ -143,9 +143,9 @@ struct Scene::Internals {
   static constexpr int kCoverReach = 2;
   struct Terrain {
     std::uint32_t instance = 0;
-    Cover cover;               ///< Without labels: the material everywhere.
-    HeightField field;         ///< Shape and staged heights.
-    Eigen::Vector3d centre_W;  ///< Origin of the vertices.
+    std::shared_ptr<const Cover> cover;  ///< Null: the material everywhere. Twins share it.
+    HeightField field;                   ///< Shape and staged heights.
+    Eigen::Vector3d centre_W;            ///< Origin of the vertices.
     std::size_t tile_cells = 0;
     std::vector<Tile> tiles;  ///< Empty: cannot change.
     std::optional<NodeRectangle> staged;

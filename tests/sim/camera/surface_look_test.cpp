@@ -79,6 +79,18 @@ TEST(SurfaceLook, SoilsThatNobodyKnowsLookLikeTheTerrain) {
   EXPECT_NE(from_above(plain, parameters).luminance, from_above(covered, parameters).luminance);
 }
 
+TEST(SurfaceLook, TwinsShowTheSameSoils) {
+  Scene scene;
+  add_halves(scene, {"lawn", "gravel"});
+  scene.add_object(scene.add_mesh(make_box("house", {2.0, 2.0, 2.0})), at(1.0, 1.0, 1.0), 1.0,
+                   surface("building"));
+  ready(scene);
+  const std::unique_ptr<Scene> twin = scene.twin();
+  twin->begin_slice(kStart, kStart + 100ms, scene.placement(), {});
+  EXPECT_EQ(from_above(scene, small_camera()).luminance,
+            from_above(*twin, small_camera()).luminance);
+}
+
 TEST(SurfaceLook, SoilsMeetInOneEdge) {
   Scene scene;
   add_halves(scene, {"forest_floor", "gravel"});

@@ -34,6 +34,7 @@ Examples:
   rigwire run excavator_pit                         run a rig by name, or by path
   rigwire run excavator_pit --duration 20s --clock free --report report.json
   rigwire run excavator_pit --set devices.gnss.rate=5 --seed 7
+  rigwire picture excavator_vision -o pit.png       what a camera sees
   rigwire check my_rig.yaml --print                 every value and where it came from
   rigwire describe velodyne-hdl-32e                 messages, units, ranges, keys
   rigwire doctor                                    what this machine can offer
@@ -41,8 +42,8 @@ Examples:
 Exit codes: 0 done, 1 run-time failure, 2 usage or configuration, 3 environment or permission,
 128 + n after signal n.)";
 
-constexpr std::array kVerbs{"run",    "check",  "list",  "describe",
-                            "schema", "doctor", "bench", "completion"};
+constexpr std::array kVerbs{"run",    "picture", "check", "list",      "describe",
+                            "schema", "doctor",  "bench", "completion"};
 
 int usage(const std::string& message, std::ostream& err, const std::string& help = "") {
   err << "rigwire: " << message << "\n"
@@ -149,6 +150,12 @@ struct Parsed {
   std::string valve_map;
   std::string dbc_node;
   RigArguments eds;
+  std::string camera;
+  std::string at = "1s";
+  std::string travel;
+  std::string layer = "image";
+  bool raw = false;
+  std::string output;
 };
 
 void declare(CLI::App& app, Parsed& parsed) {
@@ -184,6 +191,30 @@ void declare(CLI::App& app, Parsed& parsed) {
   run_app->footer(
       "\nExamples:\n  rigwire run excavator_pit --duration 20s --report report.json\n"
       "  rigwire run excavator_pit --clock scaled:2 --set devices.gnss.rate=5");
+
+  CLI::App* picture_app =
+      app.add_subcommand("picture", "One picture of a rig's camera as PNG, without a client");
+  rig(picture_app);
+  picture_app->add_option("--device", parsed.camera, "Of the rig, when it has several cameras");
+  picture_app
+      ->add_option("--at", parsed.at, "Simulated time at which the exposure begins: 12.5s, 1min")
+      ->capture_default_str();
+  picture_app
+      ->add_option("--layer", parsed.layer,
+                   "image, right, disparity, range or confidence, as the camera has them;\n"
+                   "depth or labels, which are ground truth")
+      ->capture_default_str();
+  picture_app->add_flag("--raw", parsed.raw,
+                        "Numbers instead of colours for a screen: as they leave the camera, depth\n"
+                        "in mm, labels by number");
+  picture_app->add_option("--travel", parsed.travel,
+                          "Speed at which the machine drives straight ahead from the start, for\n"
+                          "example 20km/h; it stands without");
+  picture_app->add_option("-o,--output", parsed.output, "The PNG file; - is standard output")
+      ->required();
+  picture_app->footer(
+      "\nExamples:\n  rigwire picture excavator_vision -o pit.png\n"
+      "  rigwire picture unimog_vision --at 8s --travel 30km/h --layer depth --raw -o depth.png");
 
   CLI::App* check_app = app.add_subcommand("check", "Check a rig; every finding in one pass");
   rig(check_app);
@@ -327,7 +358,60 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
   return run_verb(parsed.rig, options, parsed.dry_run, terminal);
 }
 
+/// A speed, forward positive.
+std::optional<double> parse_speed(const std::string& text) {
+  const auto quantity = fields::split_quantity(text);
+  if (!quantity) {
+    return std::nullopt;
+  }
+  const fields::Unit* unit =
+      fields::find_unit(quantity->unit.empty() ? "m/s" : quantity->unit, fields::Dimension::speed);
+  if (unit == nullptr) {
+    return std::nullopt;
+  }
+  constexpr double kFastest_mps = 100.0;
+  const double speed_mps = quantity->value * unit->numerator / unit->denominator;
+  return std::abs(speed_mps) <= kFastest_mps ? std::optional(speed_mps) : std::nullopt;
+}
+
+int dispatch_picture(const Parsed& parsed, Terminal terminal) {
+  PictureRequest request;
+  request.device = parsed.camera;
+  const auto at = parse_duration(parsed.at);
+  if (!at) {
+    return usage(fmt::format("--at: not a time above 0, found \"{}\", allowed for example 12.5s, "
+                             "500 ms, 5min",
+                             parsed.at),
+                 terminal.err, "picture");
+  }
+  request.at = kStart + *at;
+  if (!parsed.travel.empty()) {
+    request.travel_mps = parse_speed(parsed.travel);
+    if (!request.travel_mps) {
+      return usage(fmt::format("--travel: not a speed, found \"{}\", allowed for example 20km/h, "
+                               "3 m/s, up to 100 m/s",
+                               parsed.travel),
+                   terminal.err, "picture");
+    }
+  }
+  const auto layer = std::ranges::find(kPictureLayers, parsed.layer);
+  if (layer == kPictureLayers.end()) {
+    const std::vector<std::string> layers(kPictureLayers.begin(), kPictureLayers.end());
+    const std::string near = nearest_word(parsed.layer, layers);
+    return usage(
+        fmt::format("--layer: unknown layer, found \"{}\", allowed {}{}", parsed.layer,
+                    join_words(layers), near.empty() ? "" : ", did you mean " + near + "?"),
+        terminal.err, "picture");
+  }
+  return picture_verb(parsed.rig, request,
+                      static_cast<PictureLayer>(layer - kPictureLayers.begin()), parsed.raw,
+                      parsed.output, terminal);
+}
+
 int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
+  if (app.got_subcommand("picture")) {
+    return dispatch_picture(parsed, terminal);
+  }
   if (app.got_subcommand("run")) {
     return dispatch_run(parsed, terminal);
   }

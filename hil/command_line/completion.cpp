@@ -11,13 +11,15 @@ _rigwire() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=${COMP_WORDS[1]}
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W "run check list describe schema doctor bench completion --help --version" -- "$word"))
+    COMPREPLY=($(compgen -W "run picture check list describe schema doctor bench completion --help --version" -- "$word"))
     return
   fi
   case $before in
     --clock) COMPREPLY=($(compgen -W "real free scaled:" -- "$word")); return ;;
     --status) COMPREPLY=($(compgen -W "live plain none" -- "$word")); return ;;
     --log-level) COMPREPLY=($(compgen -W "debug info warning error" -- "$word")); return ;;
+    --layer) COMPREPLY=($(compgen -W "image right disparity range confidence depth labels" -- "$word")); return ;;
+    -o|--output) COMPREPLY=($(compgen -f -- "$word")); return ;;
     --report|--json|--truth|--lidar-truth)
       if [ "$verb" = run ] || [ "$verb" = bench ]; then
         COMPREPLY=($(compgen -f -- "$word")); return
@@ -25,6 +27,7 @@ _rigwire() {
   esac
   case $verb in
     run) local options="--clock --duration --seed --set --report --truth --lidar-truth --status --log-level --dry-run --help" ;;
+    picture) local options="--device --at --layer --raw --travel --set --output --help" ;;
     check) local options="--set --log-level --print --json --help" ;;
     list) local options="devices machines scenes rigs --json --help" ;;
     describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --dbc --bus --units --eds --device --help" ;;
@@ -34,7 +37,7 @@ _rigwire() {
     *) local options="--json --help" ;;
   esac
   COMPREPLY=($(compgen -W "$options" -- "$word"))
-  if [ "$verb" = run ] || [ "$verb" = check ]; then
+  if [ "$verb" = run ] || [ "$verb" = check ] || [ "$verb" = picture ]; then
     COMPREPLY+=($(compgen -W "$(rigwire list rigs 2>/dev/null | cut -d' ' -f1)" -- "$word"))
     COMPREPLY+=($(compgen -f -X '!*.yaml' -- "$word") $(compgen -d -S / -- "$word"))
   fi
@@ -46,7 +49,7 @@ constexpr const char* kZsh = R"sh(#compdef rigwire
 # rigwire completion for zsh:  rigwire completion zsh > ~/.zfunc/_rigwire
 _rigwire() {
   local -a verbs
-  verbs=(run check list describe schema doctor bench completion)
+  verbs=(run picture check list describe schema doctor bench completion)
   if (( CURRENT == 2 )); then
     compadd -- $verbs --help --version
     return
@@ -55,10 +58,12 @@ _rigwire() {
     --clock) compadd -- real free scaled:; return ;;
     --status) compadd -- live plain none; return ;;
     --log-level) compadd -- debug info warning error; return ;;
-    --report|--truth|--lidar-truth) _files; return ;;
+    --layer) compadd -- image right disparity range confidence depth labels; return ;;
+    --report|--truth|--lidar-truth|-o|--output) _files; return ;;
   esac
   case $words[2] in
     run) compadd -- --clock --duration --seed --set --report --truth --lidar-truth --status --log-level --dry-run --help ;;
+    picture) compadd -- --device --at --layer --raw --travel --set --output --help ;;
     check) compadd -- --set --log-level --print --json --help ;;
     list) compadd -- devices machines scenes rigs --json --help ;;
     describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json --dbc --bus --units --eds --device ;;
@@ -68,7 +73,7 @@ _rigwire() {
     doctor) compadd -- --json --help ;;
   esac
   case $words[2] in
-    run|check)
+    run|picture|check)
       compadd -- ${(f)"$(rigwire list rigs 2>/dev/null | cut -d' ' -f1)"}
       _files -g '*.yaml' ;;
   esac
@@ -78,12 +83,18 @@ if [ "$funcstack[1]" = "_rigwire" ]; then _rigwire "$@"; else compdef _rigwire r
 
 constexpr const char* kFish = R"sh(# rigwire completion for fish:  rigwire completion fish | source
 complete -c rigwire -f
-complete -c rigwire -n __fish_use_subcommand -a "run check list describe schema doctor bench completion"
+complete -c rigwire -n __fish_use_subcommand -a "run picture check list describe schema doctor bench completion"
 complete -c rigwire -n __fish_use_subcommand -l help -d "Help"
 complete -c rigwire -n __fish_use_subcommand -l version -d "Version"
-complete -c rigwire -n "__fish_seen_subcommand_from run check" -a "(rigwire list rigs | string replace -r ' .*' '')"
-complete -c rigwire -n "__fish_seen_subcommand_from run check" -k -a "(__fish_complete_suffix .yaml)"
-complete -c rigwire -n "__fish_seen_subcommand_from run check" -l set -x -d "key.path=value"
+complete -c rigwire -n "__fish_seen_subcommand_from run picture check" -a "(rigwire list rigs | string replace -r ' .*' '')"
+complete -c rigwire -n "__fish_seen_subcommand_from run picture check" -k -a "(__fish_complete_suffix .yaml)"
+complete -c rigwire -n "__fish_seen_subcommand_from run picture check" -l set -x -d "key.path=value"
+complete -c rigwire -n "__fish_seen_subcommand_from picture" -l device -x
+complete -c rigwire -n "__fish_seen_subcommand_from picture" -l at -x
+complete -c rigwire -n "__fish_seen_subcommand_from picture" -l layer -x -a "image right disparity range confidence depth labels"
+complete -c rigwire -n "__fish_seen_subcommand_from picture" -l raw
+complete -c rigwire -n "__fish_seen_subcommand_from picture" -l travel -x
+complete -c rigwire -n "__fish_seen_subcommand_from picture" -s o -l output -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l clock -x -a "real free scaled:"
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l duration -x
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l seed -x

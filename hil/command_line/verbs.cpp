@@ -18,6 +18,7 @@
 #include "hil/configuration/suggest.h"
 #include "hil/devices/device_types.h"
 #include "hil/devices/site.h"
+#include "hil/record/output_file.h"
 #include "hil/record/run_log.h"
 #include "hil/rig/rig.h"
 
@@ -103,6 +104,39 @@ int run_verb(const RigArguments& arguments, const RunOptions& options, bool dry_
     return code(ExitCode::done);
   }
   return run(rig.configuration, options);
+}
+
+int picture_verb(const RigArguments& arguments, const PictureRequest& request, PictureLayer layer,
+                 bool raw, const std::string& file, Terminal terminal) {
+  require_open_files();
+  const LoadedRig rig = load_rig(find_rig(arguments.rig), arguments.sets);
+  const WholeFile output("the picture", file);
+  const TakenPicture taken = take_picture(rig.configuration, request);
+  const Image image = layer_image(taken.kept, layer, raw);
+  const std::vector<std::uint8_t> bytes = encode_png(image);
+  output.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  if (file == "-") {
+    return code(ExitCode::done);
+  }
+  const Picture& picture = *taken.kept.picture;
+  terminal.out << fmt::format("{}: {} of {} at {:.3f} s, {} x {}, exposure {}, gain {:.1f} dB\n",
+                              file, kPictureLayers[static_cast<std::size_t>(layer)], taken.device,
+                              to_seconds(picture.exposure_start - kStart), image.columns,
+                              image.rows, fields::print_duration(picture.exposure.count()),
+                              picture.gain_db);
+  if (layer == PictureLayer::labels) {
+    std::vector<std::vector<std::string>> rows{{"number", "colour", "share", "label"}};
+    const std::vector<LabelShare> shares = label_shares(taken.kept);
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      const auto& [red, green, blue] = shares[i].colour;
+      rows.push_back({std::to_string(i + 1), fmt::format("#{:02x}{:02x}{:02x}", red, green, blue),
+                      fmt::format("{:.1f} %", 100.0 * static_cast<double>(shares[i].pixels) /
+                                                  static_cast<double>(image.columns * image.rows)),
+                      shares[i].label});
+    }
+    terminal.out << table_text(rows);
+  }
+  return code(ExitCode::done);
 }
 
 int check_verb(const RigArguments& arguments, LogLevel log_level, bool print, bool json,

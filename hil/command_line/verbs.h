@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hil/control/run.h"
+#include "hil/rig/picture.h"
 
 namespace rigwire::hil {
 
@@ -23,6 +24,10 @@ struct Terminal {
 /// Each returns an exit code. They may throw ConfigurationError and what run() throws.
 [[nodiscard]] int run_verb(const RigArguments& rig, const RunOptions& options, bool dry_run,
                            Terminal terminal);
+/// Writes one layer of a camera's picture as a PNG file; "-" is standard output.
+[[nodiscard]] int picture_verb(const RigArguments& rig, const PictureRequest& request,
+                               PictureLayer layer, bool raw, const std::string& file,
+                               Terminal terminal);
 [[nodiscard]] int check_verb(const RigArguments& rig, LogLevel log_level, bool print, bool json,
                              Terminal terminal);
 [[nodiscard]] int list_verb(const std::string& kind, bool json, Terminal terminal);

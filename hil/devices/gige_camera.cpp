@@ -288,6 +288,11 @@ GigeCameraSettings settings_of(const GigeCameraConfiguration& p) {
   return settings;
 }
 
+CameraCommand power_on_command(const GigeCameraConfiguration& configuration) {
+  return asked_of(settings_of(configuration),
+                  [](const emulators::GigeCamera& device) { return device.command(); });
+}
+
 void GigeCameraConfiguration::visit(fields::Visitor& v) {
   v.text("address", address, "IPv4 address that is the camera's own, in 127.0.0.0/8.");
   v.boolean("allow_remote", allow_remote, "Permits addresses and clients outside this machine.");

@@ -47,4 +47,7 @@ struct GigeCameraConfiguration final : DeviceConfigurationOf<GigeCameraConfigura
 [[nodiscard]] emulators::GigeCameraSettings settings_of(
     const GigeCameraConfiguration& configuration);
 
+/// What it wants of its sensor at power-on. Throws likewise.
+[[nodiscard]] CameraCommand power_on_command(const GigeCameraConfiguration& configuration);
+
 }  // namespace rigwire::hil

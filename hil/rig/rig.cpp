@@ -82,20 +82,6 @@ std::chrono::microseconds unix_time(const UtcTime& utc) {
          microseconds{utc.nanosecond / 1000};
 }
 
-SimulatedWorld make_world(const RigConfiguration& configuration, RunLog* log) {
-  MachineInScene built = build_machine_in_scene(configuration, log);
-  WorldSettings settings;
-  settings.step = configuration.step;
-  settings.slice = configuration.slice;
-  settings.gravity_mps2 = configuration.machine.model->gravity_mps2();
-  SimulatedWorld world(settings, std::move(built));
-  if (configuration.scene.weather.any()) {
-    world.set_weather(
-        std::make_unique<sim::SceneWeather>(configuration.scene.weather, configuration.seed));
-  }
-  return world;
-}
-
 RigCanSettings can_settings(const BusConfiguration& bus, const CanHop& hop) {
   RigCanSettings settings;
   settings.node.order = bus.order;
@@ -110,6 +96,27 @@ RigCanSettings can_settings(const BusConfiguration& bus, const CanHop& hop) {
 }
 
 }  // namespace
+
+SimulatedWorld make_world(const RigConfiguration& configuration, RunLog* log) {
+  MachineInScene built = build_machine_in_scene(configuration, log);
+  WorldSettings settings;
+  settings.step = configuration.step;
+  settings.slice = configuration.slice;
+  settings.gravity_mps2 = configuration.machine.model->gravity_mps2();
+  SimulatedWorld world(settings, std::move(built));
+  if (configuration.scene.weather.any()) {
+    world.set_weather(
+        std::make_unique<sim::SceneWeather>(configuration.scene.weather, configuration.seed));
+  }
+  return world;
+}
+
+std::shared_ptr<CameraSurroundings> make_surroundings(const RigConfiguration& configuration) {
+  return std::make_shared<CameraSurroundings>(
+      Calendar(configuration.start), configuration.origin.latitude_deg,
+      configuration.origin.longitude_deg, configuration.scene.daylight,
+      configuration.scene.weather);
+}
 
 sim::LocalFrame make_local_frame(const OriginConfiguration& origin) {
   std::shared_ptr<const sim::GeoidGrid> geoid;
@@ -274,9 +281,7 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
       calendar_(configuration.start),
       frame_(make_local_frame(configuration.origin)),
       satellites_(make_satellites(configuration.satellites, calendar_)),
-      surroundings_(std::make_shared<CameraSurroundings>(
-          calendar_, configuration.origin.latitude_deg, configuration.origin.longitude_deg,
-          configuration.scene.daylight, configuration.scene.weather)),
+      surroundings_(make_surroundings(configuration)),
       world_(make_world(configuration, log)),
       executive_(io, world_),
       faults_(fault_windows(configuration)) {
@@ -435,8 +440,11 @@ RigStatus Rig::status() const {
 std::vector<DeviceReport> Rig::device_reports() const {
   std::vector<DeviceReport> reports;
   for (const NamedDevice& device : devices_) {
-    DeviceReport report{device.name, device.device->endpoint().address, device.device->frames(),
-                        device.device->statistics(), device.device->last_request(),
+    DeviceReport report{device.name,
+                        device.device->endpoint().address,
+                        device.device->frames(),
+                        device.device->statistics(),
+                        device.device->last_request(),
                         device.device->counts()};
     report.statistics.dropped = device.device->dropped();
     reports.push_back(std::move(report));

@@ -66,6 +66,14 @@ namespace rigwire::hil {
 [[nodiscard]] MachineInScene build_machine_in_scene(const RigConfiguration& configuration,
                                                     RunLog* log = nullptr);
 
+/// The same with weather and clock of its physics, without sensors. Throws likewise.
+[[nodiscard]] SimulatedWorld make_world(const RigConfiguration& configuration,
+                                        RunLog* log = nullptr);
+
+/// Light and air of the rig's cameras.
+[[nodiscard]] std::shared_ptr<CameraSurroundings> make_surroundings(
+    const RigConfiguration& configuration);
+
 /// The world frame on Earth, with its geoid. Throws std::runtime_error when the geoid's file cannot
 /// be read.
 [[nodiscard]] sim::LocalFrame make_local_frame(const OriginConfiguration& origin);

@@ -770,10 +770,12 @@ std::uint32_t CameraRenderer::Internals::ground_look(const SurfaceInfo& info, co
   if (bare_from > 0.0F) {
     const float steep = std::sqrt(slope.x * slope.x + slope.y * slope.y);
     constexpr float kPatch_m = 0.5F;
-    if (steep > 0.75F * bare_from) {
-      const float ragged =
-          0.25F * bare_from * fading(kPatch_m) *
-          waver(at.x() / field.per_m / kPatch_m, at.y() / field.per_m / kPatch_m, 5U);
+    const float reach = 0.25F * bare_from;
+    if (steep > bare_from + reach) {
+      look = face;
+    } else if (steep > bare_from - reach) {
+      const Eigen::Vector2f patch = at / (field.per_m * kPatch_m);
+      const float ragged = reach * fading(kPatch_m) * waver(patch.x(), patch.y(), 5U);
       look = steep + ragged > bare_from ? face : look;
     }
   }

@@ -1,0 +1,179 @@
+#include "hil/rig/picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "hil/devices/gige_camera.h"
+#include "hil/rig/rig.h"
+#include "hil/world/camera.h"
+#include "hil/world/simulated_world.h"
+
+namespace rigwire::hil {
+namespace {
+
+/// Before the one that is wanted, for automatic exposure.
+constexpr int kPicturesBefore = 32;
+/// The only one.
+constexpr StationIndex kStation = 0;
+
+/// A camera that keeps what is true behind the one picture that is wanted.
+class KeepingCamera final : public sim::CameraSensor {
+ public:
+  KeepingCamera(std::unique_ptr<sim::CameraSensor> camera, SimTime wanted, KeptPicture& kept)
+      : camera_(std::move(camera)), wanted_(wanted), kept_(kept) {}
+
+  [[nodiscard]] Duration span(const CameraCommand& command, Duration exposure) const override {
+    return camera_->span(command, exposure);
+  }
+
+  [[nodiscard]] Taken take(const sim::Scene& scene, const sim::CameraShot& shot,
+                           sim::CameraTruth* /*truth*/) override {
+    if (shot.start != wanted_) {
+      return camera_->take(scene, shot, nullptr);
+    }
+    Taken taken = camera_->take(scene, shot, &kept_.truth);
+    for (const std::uint32_t instance : kept_.truth.instance) {
+      if (instance >= scene.instance_count()) {
+        continue;
+      }
+      if (instance >= kept_.labels.size()) {
+        kept_.labels.resize(instance + 1);
+      }
+      kept_.labels[instance] = scene.label(instance);
+    }
+    return taken;
+  }
+
+ private:
+  std::unique_ptr<sim::CameraSensor> camera_;
+  SimTime wanted_;
+  KeptPicture& kept_;
+};
+
+std::map<std::string, const GigeCameraConfiguration*> cameras_of(const RigConfiguration& rig) {
+  std::map<std::string, const GigeCameraConfiguration*> cameras;
+  for (const auto& [name, device] : rig.devices) {
+    if (const auto* camera = fields::as<GigeCameraConfiguration>(device)) {
+      cameras.emplace(name, camera);
+    }
+  }
+  return cameras;
+}
+
+/// Its name and what it is.
+std::pair<std::string, const GigeCameraConfiguration*> find_camera(const RigConfiguration& rig,
+                                                                   const std::string& name) {
+  const auto cameras = cameras_of(rig);
+  if (cameras.empty()) {
+    throw std::invalid_argument("the rig has no camera, found 0, allowed 1 or more");
+  }
+  std::vector<std::string> names;
+  for (const auto& [camera, configuration] : cameras) {
+    names.push_back(camera);
+  }
+  if (name.empty() && cameras.size() == 1) {
+    return *cameras.begin();
+  }
+  const auto found = cameras.find(name);
+  if (found == cameras.end()) {
+    throw std::invalid_argument(fmt::format(
+        "camera: found {}, allowed {}",
+        name.empty() ? fmt::format("{} of them", cameras.size()) : fmt::format("\"{}\"", name),
+        fmt::join(names, ", ")));
+  }
+  return *found;
+}
+
+/// As at power-on, with every part that the kind makes.
+CameraCommand command_of(const GigeCameraConfiguration& camera) {
+  const sim::CameraAbilities abilities = sim::abilities_of(camera.sensor);
+  CameraCommand command = power_on_command(camera);
+  command.intensity = abilities.parts.intensity;
+  command.intensity_right = abilities.parts.intensity_right;
+  command.disparity = abilities.parts.disparity;
+  command.range = abilities.parts.range;
+  command.confidence = abilities.parts.confidence;
+  return command;
+}
+
+/// Pictures at the camera's rate up to the one that is wanted, and none after it.
+SamplePlan plan_of(const CameraCommand& command, Duration period, SimTime at) {
+  const bool settles = command.exposure_auto || command.gain_auto;
+  const auto room = (at - kStart) / period;
+  const auto before = settles ? std::min<Duration::rep>(room, kPicturesBefore) : 0;
+  return {at - before * period, period};
+}
+
+void drive(sim::Machine& machine, double travel_mps) {
+  if (machine.vehicle_port() == nullptr) {
+    throw std::invalid_argument(
+        fmt::format("travel: found {:g} m/s, allowed for machines that drive alone", travel_mps));
+  }
+  VehicleCommand command;
+  command.travel_speed_mps = travel_mps;
+  command.automatic_gear = true;
+  command.parking_brake = false;
+  machine.vehicle_port()->command(command);
+}
+
+}  // namespace
+
+TakenPicture take_picture(const RigConfiguration& configuration, const PictureRequest& request,
+                          RunLog* log) {
+  const auto [name, camera] = find_camera(configuration, request.device);
+  if (request.at < kStart) {
+    throw std::invalid_argument(fmt::format("at: found {}, allowed 0 s or later",
+                                            fields::print_duration((request.at - kStart).count())));
+  }
+  TakenPicture taken;
+  taken.device = name;
+  taken.kept.geometry = sim::abilities_of(camera->sensor).geometry;
+  SimulatedWorld world = make_world(configuration, log);
+  WorldCameraSettings settings;
+  settings.mount = sensor_mount(configuration.machine, camera->mount);
+  settings.sees_own_link = camera->sees_own_link;
+  settings.auto_exposure = sim::optics_of(camera->sensor).auto_exposure;
+  world.add(make_world_camera(kStation, settings, world.scene(), world.terrain(),
+                              make_surroundings(configuration), [&, camera = camera] {
+                                return std::make_unique<KeepingCamera>(
+                                    sim::make_camera(camera->sensor, configuration.seed, name),
+                                    request.at, taken.kept);
+                              }));
+  if (request.travel_mps) {
+    drive(world.machine(), *request.travel_mps);
+  }
+
+  const CameraCommand command = command_of(*camera);
+  TruthRequests requests;
+  SampleBatch batch;
+  requests.of<CameraCommand>(kStation).push_back(command);
+  requests.of<SamplePlan>(kStation).push_back(
+      plan_of(command, camera->camera.frame_period, request.at));
+  world.begin(false);
+  while (true) {
+    if (const auto fault = world.advance(requests, batch)) {
+      throw std::runtime_error(*fault);
+    }
+    requests.clear();
+    if (batch.until >= request.at && batch.from < request.at) {
+      requests.of<SamplePlan>(kStation).push_back({});
+    }
+    const auto* const samples = batch.samples.find<PictureSample>(kStation);
+    if (samples == nullptr) {
+      continue;
+    }
+    for (const PictureSample& sample : *samples) {
+      if (sample.exposure_start == request.at) {
+        taken.kept.picture = sample.picture;
+        return taken;
+      }
+    }
+  }
+}
+
+}  // namespace rigwire::hil

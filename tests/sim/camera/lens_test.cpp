@@ -149,6 +149,35 @@ TEST(Lens, BrownConradyStopsAt120Degrees) {
   EXPECT_NE(text.find("kannala_brandt"), std::string::npos) << text;
 }
 
+TEST(Lens, EquirectangularPicturesAreAngles) {
+  // A full turn, 60 degrees up and 30 down: the horizon is two thirds down.
+  LensParameters p;
+  p.model = LensModel::equirectangular;
+  constexpr double kPerRad = 1440.0 / (2.0 * std::numbers::pi);
+  p.focal_length_m = kPerRad * 4.8e-6;
+  p.principal_offset_px = {0.0, 60.0};
+  const Lens lens(p, 4.8e-6, 1440, 360);
+  // Pixel (c, r): azimuth (c + 0.5) / 4 - 180 degrees to the right, elevation 60 - (r + 0.5) / 4.
+  for (const auto& [column, row] : {std::pair{0, 0}, {719, 239}, {1080, 100}, {1439, 359}}) {
+    const double right = ((column + 0.5) / 4.0 - 180.0) * std::numbers::pi / 180.0;
+    const double up = (60.0 - (row + 0.5) / 4.0) * std::numbers::pi / 180.0;
+    const Eigen::Vector3d expected(std::cos(up) * std::sin(right), -std::sin(up),
+                                   std::cos(up) * std::cos(right));
+    const auto direction = lens.direction(Eigen::Vector2d(column, row));
+    ASSERT_TRUE(direction);
+    EXPECT_LT((*direction - expected).norm(), 1e-12) << column;
+    EXPECT_LT((*lens.project(*direction) - Eigen::Vector2d(column, row)).norm(), 1e-9);
+    EXPECT_EQ(lens.falloff(*direction), 1.0);
+  }
+  EXPECT_THROW(Lens(p, 4.8e-6, 1448, 360), std::invalid_argument);  // more than once round
+  p.principal_offset_px.y() = 190.0;                                // beyond the upper pole
+  EXPECT_THROW(Lens(p, 4.8e-6, 1440, 360), std::invalid_argument);
+  p.principal_offset_px.y() = -190.0;
+  EXPECT_THROW(Lens(p, 4.8e-6, 1440, 360), std::invalid_argument);
+  p.principal_offset_px.y() = 0.0;
+  EXPECT_NO_THROW(Lens(p, 4.8e-6, 1440, 720));  // the whole sphere
+}
+
 TEST(Lens, RefusesWhatIsNoNumber) {
   LensParameters bad = pinhole();
   bad.k1 = std::numeric_limits<double>::quiet_NaN();

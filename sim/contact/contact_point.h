@@ -32,6 +32,7 @@ struct ContactLaw {
   double damping_nspm = 1e4;
   double friction = 0.6;
   double greatest_n = 1e300;  ///< What the weaker one bears before it gives way.
+  double bristle_npm = 5e5;   ///< Stiffness across.
 };
 
 /// Friction that a point carries from step to step.
@@ -62,7 +63,7 @@ struct ContactPoint {
   int switches = 0;
 
   [[nodiscard]] BristleParameters bristle() const {
-    return {0.5 * law.stiffness_npm, law.damping_nspm, 1.0};
+    return {law.bristle_npm, law.damping_nspm, 1.0};
   }
 
   /// Laws of a step of h seconds, from the velocities at its start along the three directions.
@@ -169,12 +170,16 @@ struct ContactPoint {
     return work;
   }
 
-  /// In spring and bristles, at an overlap.
-  [[nodiscard]] double stored_j(double depth_m) const {
+  /// In the spring, at an overlap.
+  [[nodiscard]] double spring_j(double depth_m) const {
     const double overlap = std::min(std::max(0.0, depth_m), law.greatest_n / law.stiffness_npm);
-    double sum = 0.5 * law.stiffness_npm * overlap * overlap;
+    return 0.5 * law.stiffness_npm * overlap * overlap;
+  }
+  /// In the bristles.
+  [[nodiscard]] double bent_j() const {
+    double sum = 0.0;
     for (const Bristle& bristle_across : friction.across) {
-      sum += 0.25 * law.stiffness_npm * bristle_across.deflection() * bristle_across.deflection();
+      sum += 0.5 * law.bristle_npm * bristle_across.deflection() * bristle_across.deflection();
     }
     return sum;
   }

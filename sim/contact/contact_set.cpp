@@ -13,9 +13,10 @@ using Vector = Eigen::Vector3d;
 
 constexpr std::size_t kMostPairs = 512;
 constexpr std::size_t kMostLeaning = 64;
-constexpr double kSamePlace_m = 0.05;  // A point found again at its place on the link.
-constexpr double kHinge_rad = 0.1;     // Up to here an obstacle that yields keeps its moment,
-constexpr double kDown_rad = 0.4;      // from here on it has none.
+constexpr double kFreshOverlap_m = 1e-4;  // A spring may always hold so much.
+constexpr double kSamePlace_m = 0.05;     // A point found again at its place on the link.
+constexpr double kHinge_rad = 0.1;        // Up to here an obstacle that yields keeps its moment,
+constexpr double kDown_rad = 0.4;         // from here on it has none.
 constexpr double kLeastHeight_m = 0.3;
 
 /// Half lengths, along the world's axes, of the box about a placed shape.
@@ -157,9 +158,9 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
   if (!found) {
     pair.met = false;
     pair.remembered = 0;
-    pair.pushing = false;
     return;
   }
+  const bool met_before = pair.met;
   pair.met = true;
   pair.axis_W = found->normal_W;
   pair.axis_L = link.X_WL.linear().transpose() * found->normal_W;
@@ -171,6 +172,7 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
   const double stiffness =
       1.0 / (1.0 / body.stiffness_npm +
              (obstacle.stiffness_npm > 0.0 ? 1.0 / obstacle.stiffness_npm : 0.0));
+  const std::size_t first = points_.size();
   for (std::size_t i = 0; i < touch.count; ++i) {
     if (points_.size() == kMostContactPoints) {
       ++dropped_;
@@ -186,6 +188,7 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
     point.law.stiffness_npm = stiffness;
     point.law.damping_nspm = body.damping_nspm * std::sqrt(stiffness / body.stiffness_npm);
     point.law.friction = obstacle.friction;
+    point.law.bristle_npm = 0.5 * stiffness;
     if (std::isfinite(strength) && strength < 1e299) {
       // The moment about the foot, shared by the points.
       const double height = std::max(kLeastHeight_m, point.p_W.z() - obstacle.foot_W().z());
@@ -194,7 +197,7 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
     }
     // Friction of the nearest point of before, its directions turned with the normal.
     const Vector p_L = link.X_WL.inverse(Eigen::Isometry) * point.p_W;
-    const Memory* near = nullptr;
+    Memory* near = nullptr;
     double least = kSamePlace_m * kSamePlace_m;
     for (std::size_t k = 0; k < pair.remembered; ++k) {
       const double distance2 = (pair.memory[k].p_L - p_L).squaredNorm();
@@ -211,14 +214,27 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
       } else {
         point.friction = {};
       }
+      near->p_L.setConstant(1e300);  // One point's alone.
     }
     const Vector t1 = (across - across.dot(n) * n).normalized();
     point.friction.first_W = t1;
     point.direction_W = {n, t1, n.cross(t1)};
-    const Vector velocity = link.velocity_W(point.p_W);
-    point.begin(h, {n.dot(velocity), t1.dot(velocity), point.direction_W[2].dot(velocity)});
     memory[remembered].p_L = p_L;
     ++remembered;
+  }
+  const std::span<ContactPoint> own(points_.data() + first, points_.size() - first);
+  double spring = 0.0;
+  for (const ContactPoint& point : own) {
+    spring += point.spring_j(-point.gap_m);
+  }
+  // No more in the springs than at the end of the step before.
+  const double allowed = pair.spring_j + 0.5 * stiffness * kFreshOverlap_m * kFreshOverlap_m;
+  const double share = met_before && spring > allowed ? allowed / spring : 1.0;
+  for (ContactPoint& point : own) {
+    point.law.stiffness_npm *= share;
+    const Vector velocity = link.velocity_W(point.p_W);
+    point.begin(h, {point.direction_W[0].dot(velocity), point.direction_W[1].dot(velocity),
+                    point.direction_W[2].dot(velocity)});
   }
   pair.memory = memory;
   pair.remembered = remembered;
@@ -237,6 +253,7 @@ void ContactSet::finish(double h, double work_j) {
   for (Pair& pair : pairs_) {
     const bool before = pair.pushing;
     pair.pushing = false;
+    pair.spring_j = 0.0;
     std::size_t i = 0;
     for (; seen < points_.size() && &pairs_[pair_of_[seen]] == &pair; ++seen, ++i) {
       const ContactPoint& point = points_[seen];
@@ -246,7 +263,9 @@ void ContactSet::finish(double h, double work_j) {
                            point.force_n[2] * point.direction_W[2];
       // The overlap that the step has ended with.
       const double depth = -point.gap_m - h * point.end_mps[0];
-      stored += point.stored_j(depth);
+      const double spring = point.spring_j(depth);
+      pair.spring_j += spring;
+      stored += spring + point.bent_j();
       report_.force_W += force;
       report_.deepest_m = std::max(report_.deepest_m, depth);
       if (point.force_n[0] > 0.0 || point.blocks) {

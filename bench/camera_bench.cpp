@@ -140,6 +140,19 @@ sim::PictureJob CameraCase::job(const sim::CameraParameters& camera) const {
   return job;
 }
 
+sim::CameraShot CameraCase::shot(int width_px, int height_px) const {
+  const sim::PictureJob alike = job({});
+  sim::CameraShot shot;
+  shot.command.format = PixelFormat::mono12;
+  shot.command.region = {0, 0, width_px, height_px};
+  shot.exposure = alike.read_out.exposure;
+  shot.start = alike.exposure_start;
+  shot.poses = alike.poses;
+  shot.light = alike.light;
+  shot.sky = alike.sky;
+  return shot;
+}
+
 std::vector<CameraCase> camera_cases() {
   std::vector<CameraCase> cases;
   cases.reserve(3);

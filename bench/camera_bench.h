@@ -10,6 +10,7 @@
 #include "hil/rig/rig_configuration.h"
 #include "hil/world/simulated_world.h"
 #include "sim/camera/camera_renderer.h"
+#include "sim/camera/camera_sensor.h"
 
 namespace rigwire::bench {
 
@@ -25,6 +26,8 @@ class CameraCase {
   [[nodiscard]] const sim::Scene& scene() const { return *built_.scene; }
   /// Of all of the sensor, in even daylight, the sun 40 degrees high.
   [[nodiscard]] sim::PictureJob job(const sim::CameraParameters& camera) const;
+  /// The same for a camera of any kind: its image alone, of 12 bits.
+  [[nodiscard]] sim::CameraShot shot(int width_px, int height_px) const;
   [[nodiscard]] const sim::SkyVisibility& sky() const { return sky_; }
 
  private:

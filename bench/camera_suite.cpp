@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "bench/camera_bench.h"
+#include "bench/camera_kinds_bench.h"
 #include "bench/suites.h"
 #include "bench/table.h"
 
@@ -103,7 +106,105 @@ void sensor_table(std::ostream& text, nlohmann::json& json) {
                    number("found", figure.found, "{:.4g}"),
                    number("error", figure.found / figure.set - 1.0, "{:+.2f}%", 100.0)}));
   }
-  text << "photon transfer from flat frames as EMVA 1288 measures it\n";
+  text << "photon transfer from flat frames as EMVA 1288 measures it\n\n";
+}
+
+void stereo_table(const std::vector<CameraCase>& cases, std::ostream& text, nlohmann::json& json) {
+  const Table table(text, {{"scene", "<9"},
+                           {"matcher", "<12"},
+                           {"depth m", "<8"},
+                           {"match ms", ">9"},
+                           {"confidence", ">11"},
+                           {"shot ms", ">8"},
+                           {"density", ">8"},
+                           {"bad1", ">7"},
+                           {"median px", ">10"},
+                           {"median m", ">9"}});
+  table.head();
+  for (const CameraCase& scene : cases) {
+    sim::StereoMatchingParameters five;
+    sim::StereoMatchingParameters eight;
+    eight.paths = sim::MatchingPaths::eight;
+    sim::StereoMatchingParameters truth;
+    truth.method = sim::MatchingMethod::truth;
+    for (const auto& [name, matching] :
+         {std::pair{"5 paths", five}, {"8 paths", eight}, {"truth", truth}}) {
+      const StereoCost cost = measure_stereo(scene, name, matching, 3);
+      const auto row = [&](const DepthBand& band, const std::string& depths, bool first) {
+        json["stereo"].push_back(
+            table.row({word("scene", cost.scene), word("matcher", cost.matcher), shown(depths),
+                       shown(first ? fmt::format("{:.0f}", 1e3 * cost.disparity_s) : ""),
+                       shown(first ? fmt::format("{:.0f}", 1e3 * cost.confidence_s) : ""),
+                       shown(first ? fmt::format("{:.0f}", 1e3 * cost.take_s) : ""),
+                       number("density", band.density, "{:.1f}%", 100.0),
+                       number("bad1", band.bad1, "{:.1f}%", 100.0),
+                       number("median_px", band.median_px, "{:.2f}"),
+                       number("median_m", band.median_m, "{:.3f}"), stored("from_m", band.from_m),
+                       stored("to_m", band.to_m), stored("match_s", cost.disparity_s),
+                       stored("confidence_s", cost.confidence_s), stored("shot_s", cost.take_s)}));
+      };
+      row(cost.all, "all", true);
+      for (const DepthBand& band : cost.bands) {
+        row(band, fmt::format("{:g}..{:g}", band.from_m, band.to_m), false);
+      }
+    }
+  }
+  text << "640 x 480, 128 disparities, baseline 0.16 m, one thread, CPU time; bad1: share of the\n"
+          "disparities that are off by more than a pixel; depths nearer than the search left "
+          "out\n\n";
+}
+
+void all_round_table(const std::vector<CameraCase>& cases, std::ostream& text,
+                     nlohmann::json& json) {
+  const Table table(text, {{"scene", "<9"},
+                           {"all round by", "<15"},
+                           {"samples", ">8"},
+                           {"ms", ">8"},
+                           {"Mrays", ">7"},
+                           {"seen", ">7"},
+                           {"rms levels", ">11"},
+                           {"bias", ">7"}});
+  table.head();
+  for (const CameraCase& scene : cases) {
+    for (const AllRoundCost& cost : measure_all_round(scene, kReferenceSamples, 3)) {
+      json["all_round"].push_back(table.row(
+          {word("scene", cost.scene), word("way", cost.way), count("samples", cost.samples),
+           number("picture_s", cost.picture_s, "{:.0f}", 1e3),
+           number("rays", static_cast<double>(cost.rays), "{:.2f}", 1e-6),
+           number("seen", cost.seen, "{:.1f}%", 100.0),
+           number("rms_levels", cost.rms_levels, "{:.2f}"),
+           number("bias_levels", cost.bias_levels, "{:+.2f}")}));
+    }
+  }
+  text << fmt::format(
+      "1024 x 256, 90 degrees high, one thread, CPU time; grey levels of 255, mean 100, against "
+      "rays\n"
+      "with {} samples, the sensor's noise in it\n\n",
+      kReferenceSamples);
+}
+
+void depth_table(const CameraCase& scene, std::ostream& text, nlohmann::json& json) {
+  const Table table(text, {{"surface", "<13"},
+                           {"distance", ">9"},
+                           {"set mm", ">8"},
+                           {"found mm", ">9"},
+                           {"error", ">7"},
+                           {"valid", ">7"}});
+  table.head();
+  for (const RangeNoise& noise : measure_range_noise()) {
+    json["range_noise"].push_back(
+        table.row({word("surface", noise.surface), number("distance_m", noise.distance_m, "{:.1f}"),
+                   number("set_m", noise.set_m, "{:.2f}", 1e3),
+                   number("found_m", noise.found_m, "{:.2f}", 1e3),
+                   number("error", noise.found_m / noise.set_m - 1.0, "{:+.1f}%", 100.0),
+                   number("valid", noise.valid, "{:.0f}%", 100.0)}));
+  }
+  const double shot_s = measure_depth_shot(scene, 3);
+  json["depth_shot_s"] = shot_s;
+  text << fmt::format(
+      "time of flight, standard deviation of the range; above 20 mm there is none. A shot of\n"
+      "640 x 480 in the scene {}: {:.0f} ms, one thread, CPU time\n",
+      scene.name(), 1e3 * shot_s);
 }
 
 }  // namespace
@@ -116,6 +217,9 @@ nlohmann::json bench_camera(std::ostream& text) {
   sky_table(cases, text, json);
   air_table(cases.front(), text, json);
   sensor_table(text, json);
+  stereo_table(cases, text, json);
+  all_round_table(cases, text, json);
+  depth_table(cases.front(), text, json);
   return json;
 }
 

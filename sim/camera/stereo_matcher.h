@@ -5,7 +5,8 @@
 //                C. Tomasi, IEEE PAMI 20(4), 1998), with its holes, fattened edges, streaks and
 //                pixel locking. They come from the matching of what the cameras saw.
 //   truth        Disparity of the true depth of each pixel's middle, none where the right camera
-//                does not see the point: what matching is measured against, at a tenth of its cost.
+//                does not see the point: what matching is measured against. It needs the first rays
+//                of both pictures and no light.
 //
 // Confidence is how well left and right agree: the right picture is matched against the left one,
 // too, and a pixel that comes back to itself within a sixteenth has 255, one that is off by

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <utility>
 
 #include "shot_site.h"
 
@@ -94,6 +96,42 @@ TEST(PlainCamera, SpanIsThatOfTheRowsThatAreRead) {
   command.region = {0, 0, 80, 60};
   command.binning_horizontal = command.binning_vertical = 2;
   EXPECT_EQ(camera->span(command, 1ms), 1ms + 59 * 40us);
+}
+
+TEST(PlainCamera, NumbersFallOffToTheCornersAboveTheirBlackLevel) {
+  // An even wall under an even sky, with and without the lens's cos^4.
+  Scene scene;
+  const auto wall = scene.add_mesh(make_box("wall", {0.2, 80.0, 80.0}));
+  scene.add_object(wall, at(5.0, 0.0, 0.0), 1.0, surface("wall"));
+  ready(scene);
+  const Daylight light({.cloud_cover = 1.0}, sun_at(40.0, 200.0));
+  const auto means = [&](double vignetting) {
+    CameraParameters parameters = small_camera();
+    parameters.lens.vignetting = vignetting;
+    parameters.looks = {{.label = "wall", .kind = SurfaceKind::plaster, .colour = {0.3, 0.3, 0.3}}};
+    const auto camera = make_plain_camera(parameters, 7, "front");
+    CameraShot shot = shot_for(160, 120, at(0.0, 0.0, 0.0), light);
+    shot.command.format = PixelFormat::mono12;
+    shot.command.black_level = 16.0;
+    const auto picture = camera->take(scene, shot, nullptr).picture;
+    const auto mean = [&](int x0, int y0) {
+      double sum = 0.0;
+      for (int y = y0; y < y0 + 12; ++y) {
+        for (int x = x0; x < x0 + 12; ++x) {
+          sum += number_at(picture->parts[0], x, y) - 16.0 * 16.0;
+        }
+      }
+      return sum / 144.0;
+    };
+    return std::pair{mean(74, 54), mean(2, 2)};
+  };
+  const auto [even_middle, even_corner] = means(0.0);
+  const auto [middle, corner] = means(1.0);
+  ASSERT_GT(even_middle, 200.0);
+  // The middle of the corner's square is 72 columns and 52 rows from the axis, at 80 a unit.
+  const double cosine = 1.0 / std::sqrt(1.0 + (72.0 * 72.0 + 52.0 * 52.0) / (80.0 * 80.0));
+  EXPECT_NEAR(middle / even_middle, 1.0, 0.02);
+  EXPECT_NEAR(corner / even_corner, std::pow(cosine, 4), 0.03 * std::pow(cosine, 4));
 }
 
 TEST(PlainCamera, RefusesShotsThatDoNotFit) {

@@ -1,0 +1,69 @@
+// What cameras of several kinds cost, and how far from the truth their pictures are: matching
+// against the true disparity, all round by views against rays, ranges against their own figures.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/camera_bench.h"
+#include "sim/camera/all_round_camera.h"
+#include "sim/camera/depth_camera.h"
+#include "sim/camera/stereo_camera.h"
+
+namespace rigwire::bench {
+
+/// Of a band of true depths: what matching makes of it.
+struct DepthBand {
+  double from_m = 0.0;
+  double to_m = 0.0;
+  double density = 0.0;         ///< Share of its pixels with a disparity.
+  double bad1 = 0.0;            ///< Share of those that are off by more than a pixel.
+  double median_px = 0.0;       ///< Of the disparity's error.
+  double median_m = 0.0;        ///< Of the depth's error.
+  double median_depth_m = 0.0;  ///< Of the true depths.
+};
+
+struct StereoCost {
+  std::string scene;
+  std::string matcher;
+  double disparity_s = 0.0;   ///< CPU time of matching alone; one thread.
+  double confidence_s = 0.0;  ///< Likewise, what confidence adds.
+  double take_s = 0.0;        ///< Of all of a shot: two pictures, matched.
+  DepthBand all;
+  std::vector<DepthBand> bands;
+};
+
+/// With the default stereo camera; depths beyond the search are left out.
+[[nodiscard]] StereoCost measure_stereo(const CameraCase& scene, const std::string& matcher,
+                                        const sim::StereoMatchingParameters& matching, int rounds);
+
+/// A way to an all-round picture against the rays of many samples.
+struct AllRoundCost {
+  std::string scene;
+  std::string way;
+  int samples = 1;
+  double picture_s = 0.0;  ///< CPU time; one thread.
+  std::size_t rays = 0;    ///< Of the camera.
+  double seen = 0.0;       ///< Share of the picture that is not black.
+  /// Of what is seen, in grey levels of 255 with the mean at 100; the sensor's noise in it.
+  double rms_levels = 0.0;
+  double bias_levels = 0.0;
+};
+
+[[nodiscard]] std::vector<AllRoundCost> measure_all_round(const CameraCase& scene,
+                                                          int reference_samples, int rounds);
+
+/// Standard deviation of ranges to a wall, as the parameters say and as frames show it.
+struct RangeNoise {
+  std::string surface;
+  double distance_m = 0.0;
+  double set_m = 0.0;
+  double found_m = 0.0;  ///< Not a number: no range.
+  double valid = 0.0;    ///< Share of the pixels.
+};
+
+[[nodiscard]] std::vector<RangeNoise> measure_range_noise();
+/// CPU time of a shot of the default depth camera, s; one thread.
+[[nodiscard]] double measure_depth_shot(const CameraCase& scene, int rounds);
+
+}  // namespace rigwire::bench

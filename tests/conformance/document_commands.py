@@ -23,7 +23,8 @@ source, binaries, scratch = (pathlib.Path(argument) for argument in sys.argv[1:4
 
 PROGRAMS = (r"(build/|scripts/|\./(demo|check)\b|(sudo|rigwire|dig_cycle|path_follow|roll_lane|gpsd|cgps|"
             r"gpspipe|ubxtool|candump|cansend|canbusload|ip|slcand|socketcand|mbpoll|tshark|curl|nc|"
-            r"j1939acd|testj1939|j1939cat|usbip|evtest|modprobe|cp|while|python3|ros2)\s)")
+            r"j1939acd|testj1939|j1939cat|usbip|evtest|modprobe|cp|while|python3|ros2|arv-[a-z-]+0\.8|"
+            r"gst-launch-1\.0)\s)")
 
 KERNEL_CAN = "needs a kernel with CAN; tests/kernel runs its tools"
 ROOT = "needs root on the whole machine"
@@ -72,6 +73,11 @@ COMMANDS = [
     (r"mbpoll -m rtu .*", "ends", ("modbus_rtu",), r"\[0\]:"),
     (r"dig_cycle --modbus rtu:.*", "goes on", ("modbus_rtu",), None),
     (r"curl http://127\.0\.0\.1:8081/.*", "ends", ("lidar_park",), None),
+    (r"rigwire run excavator_vision", "goes on", None, None),
+    (r"arv-tool-0\.8", "ends", ("excavator_vision",), r"EX-02"),
+    (r"arv-tool-0\.8 -a .*", "ends", ("excavator_vision",), "ExposureTime = 2000"),
+    (r"arv-camera-test-0\.8 .*", "ends", ("excavator_vision",), "n_completed_buffers +="),
+    (r"gst-launch-1\.0 .*", "gige_camera_programs_test.cpp runs it as an ordinary user", None, None),
     (r"python3 -m can\.logger -i slcan .*", "goes on", PIT, "ID: "),
     (r"python3 -m can\.logger -i socketcand .*", "goes on", ("socketcand",), "ID: "),
     # What cannot be run here.

@@ -70,6 +70,70 @@ TEST(StreamOutlet, AUnitThatTheLineTakesInPartIsLostAndCounted) {
   EXPECT_EQ(outlet.next_due(), kNever);
 }
 
+class RecordingPort final : public drivers::DatagramPort {
+ public:
+  struct Sent {
+    Peer to;
+    Bytes bytes;
+    bool whole = false;
+    friend bool operator==(const Sent&, const Sent&) = default;
+  };
+  void start(Receiver) override {}
+  bool send(const Peer& to, std::span<const std::uint8_t> datagram, bool whole) override {
+    sent.push_back({to, {datagram.begin(), datagram.end()}, whole});
+    return sent.size() != 3;
+  }
+  [[nodiscard]] drivers::EndpointStatus status() const override { return {"port", true}; }
+  std::vector<Sent> sent;
+};
+
+TEST(AddressedOutlet, EachDatagramGoesWhereItSays) {
+  RecordingPort port;
+  RecordingPort moved;
+  WireStatistics statistics;
+  AddressedOutlet outlet(port, statistics, 8, 4096);
+  outlet.send(kStart, {0x7F00'0001, 40000}, Bytes{1}, true);
+  outlet.send(kStart, {0xFFFF'FFFF, 65535}, Bytes{2, 3}, false);
+  outlet.transmit_front(std::nullopt);
+  outlet.lead_to(moved);
+  outlet.transmit_front(std::nullopt);
+  ASSERT_EQ(port.sent.size(), 1U);
+  ASSERT_EQ(moved.sent.size(), 1U);
+  EXPECT_EQ(port.sent[0], (RecordingPort::Sent{{0x7F00'0001, 40000}, {1}, true}));
+  EXPECT_EQ(moved.sent[0], (RecordingPort::Sent{{0xFFFF'FFFF, 65535}, {2, 3}, false}));
+}
+
+TEST(AddressedOutlet, WhatIsLateIsCaughtUpWithAtTwiceTheSpeedNotInAHeap) {
+  RecordingPort port;
+  WireStatistics statistics;
+  AddressedOutlet outlet(port, statistics, 16, 4096);
+  for (int i = 0; i < 8; ++i) {
+    outlet.send(kStart + i * 100us, {0x7F00'0001, 40000}, Bytes{1}, true);
+  }
+  // The loop was away for 400 us, and is back for good.
+  SimTime now = kStart + 400us;
+  std::vector<SimTime> left;
+  while (outlet.next_due() != kNever) {
+    now = std::max(now, outlet.next_due());
+    outlet.transmit_front(now - outlet.next_due());
+    left.push_back(now);
+  }
+  ASSERT_EQ(left.size(), 8U);
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_EQ(left[static_cast<std::size_t>(i)], kStart + 400us + i * 50us) << i;
+  }
+  EXPECT_EQ(statistics.lateness.max(), 400us);
+  EXPECT_EQ(statistics.dropped, 1U);
+  // Free-running nothing is late.
+  for (int i = 0; i < 3; ++i) {
+    outlet.send(kStart + 2ms + i * 1us, {0x7F00'0001, 40000}, Bytes{1}, true);
+  }
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(outlet.next_due(), kStart + 2ms + i * 1us);
+    outlet.transmit_front(std::nullopt);
+  }
+}
+
 TEST(FrameOutlet, EveryShapeOfFrameArrivesAsItWasSent) {
   RecordingBus bus;
   WireStatistics first;

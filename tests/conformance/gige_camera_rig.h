@@ -31,7 +31,8 @@ class GigeCameraRig {
                            "scene:\n"
                            "  terrain: {type: level, size: 60 m, cell: 1 m}\n"
                            "  boxes:\n"
-                           "    - {position: [8 m, 1 m, 0 m], size: [2 m, 3 m, 2 m]}\n"
+                           "    - {position: [8 m, 1 m, 0 m], size: [2 m, 3 m, 2 m], "
+                           "material: {label: rock}}\n"
                            "    - {position: [15 m, -4 m, 0 m], size: [4 m, 4 m, 5 m]}\n"
                            "devices:\n"
                         << devices;

@@ -44,6 +44,7 @@ class CameraRig : public ::testing::Test {
   }
   void open(const std::vector<std::string>& sets = {}) {
     rig.reset();
+    next_ = 1;
     rig = std::make_unique<Rig>(load_rig(file, sets).configuration, io, TruthFiles{});
   }
   void ask(unsigned camera, const gev::GvcpPacket& packet) {

@@ -228,4 +228,10 @@ std::uint16_t UdpSocket::local_port() const {
   return error ? std::uint16_t{0} : local.port();
 }
 
+std::string UdpSocket::local_address() const {
+  boost::system::error_code error;
+  const udp::endpoint local = socket_.local_endpoint(error);
+  return error ? std::string("0.0.0.0") : local.address().to_string();
+}
+
 }  // namespace rigwire::drivers

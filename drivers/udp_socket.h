@@ -66,6 +66,8 @@ class UdpSocket final : public DatagramSocket {
 
   /// The port it is bound to; useful when port 0 asked for any.
   [[nodiscard]] std::uint16_t local_port() const;
+  /// The address it is bound to, dotted; of a sender the one that its datagrams come from.
+  [[nodiscard]] std::string local_address() const;
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -1,0 +1,78 @@
+// Rocks in a disparity picture: what stands out above the ground by the height and extent of a
+// rock.
+//
+// Pixels that are higher above the ground than it is rough, and than their disparity may err, are
+// joined to heaps in the picture; a heap is a rock when
+// - it is at least as wide and as high as a rock of the least size, and no larger than the largest,
+// - it stands on the ground: nothing that hangs in the air (a boom) and nothing that the edge of
+//   what has disparities cuts,
+// - and it is not of the machine itself: within a box or a part of the picture that was named.
+//
+// What cannot be told from a rock is taken for one: a bush, a bucket on the ground outside of the
+// box, a heap of the size and steepness of a rock.
+#pragma once
+
+#include <vector>
+
+#include "find_rocks/ground_surface.h"
+#include "find_rocks/stereo_picture.h"
+
+namespace rigwire::find_rocks {
+
+/// A rectangle of the picture, pixels, its end excluded.
+struct PictureArea {
+  int left = 0;
+  int top = 0;
+  int right = 0;
+  int bottom = 0;
+};
+
+/// A box beside the camera's axes, metres: where the machine's own arm moves. An arm that turns
+/// with the cab never leaves its plane, and so neither its box.
+struct OwnBox {
+  double left_from_m = 0.0;  ///< Of the camera, left positive.
+  double left_to_m = 0.0;
+  double ahead_to_m = 0.0;
+};
+
+struct RockSettings {
+  double least_m = 0.4;     ///< Diameter of the smallest rock that is reported.
+  double largest_m = 2.5;   ///< Larger is no rock: a truck, a wall, a tree.
+  double nearest_m = 2.0;   ///< Ahead along the ground.
+  double farthest_m = 0.0;  ///< 0: as far as the least rock can be told from noise.
+  std::vector<PictureArea> own_areas;
+  std::vector<OwnBox> own_boxes;
+  GroundSettings ground;
+};
+
+/// A rock in one picture. Frame as that of a camera's mount: x ahead along the axis, y left, z up.
+struct SeenRock {
+  double x_m = 0.0;  ///< Of its middle, as deep as it is wide.
+  double y_m = 0.0;
+  double z_m = 0.0;
+  double width_m = 0.0;   ///< Across the line of sight.
+  double height_m = 0.0;  ///< Above the ground.
+  int pixels = 0;
+  /// How far its height is above what noise makes, 0 .. 1: 1 from six standard deviations on.
+  double contrast = 0.0;
+  PictureArea area;  ///< That it covers.
+};
+
+struct FoundRocks {
+  std::vector<SeenRock> rocks;  ///< From near to far.
+  bool ground = false;          ///< There was ground that could be told.
+  double camera_height_m = 0.0;
+  double pitch_rad = 0.0;    ///< Of the axis below the ground's plane.
+  double farthest_m = 0.0;   ///< That was looked at.
+  double disparities = 0.0;  ///< Share of pixels that had one.
+};
+
+/// How far ahead a rock of the least size stands out of the noise: where its height, two thirds of
+/// its diameter, is four standard deviations of a pixel's, and disparities are six pixels or more:
+/// below, what matching does to all of them alike (pixel locking) bends the ground.
+[[nodiscard]] double resolvable_m(const RockSettings& settings, double focal_baseline,
+                                  double camera_height_m);
+
+[[nodiscard]] FoundRocks find_rocks(const StereoPicture& picture, const RockSettings& settings);
+
+}  // namespace rigwire::find_rocks

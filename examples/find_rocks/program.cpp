@@ -194,11 +194,11 @@ void Program::seen(const Taken& picture, const FoundRocks& found) {
 
 void Program::print_table() const {
   const field::GigeStreamCounters stream = camera_.client().stream_counters();
-  std::string table =
-      text("%7.1f s  %llu pictures, %llu passed over, %llu lost  ",
-           std::chrono::duration<double>(now()).count(), static_cast<unsigned long long>(pictures_),
-           static_cast<unsigned long long>(passed_over_),
-           static_cast<unsigned long long>(stream.dropped));
+  std::string table = text(
+      "%7.1f s  %llu pictures, %llu passed over, %llu lost, %llu unusable  ",
+      std::chrono::duration<double>(now()).count(), static_cast<unsigned long long>(pictures_),
+      static_cast<unsigned long long>(passed_over_),
+      static_cast<unsigned long long>(stream.dropped), static_cast<unsigned long long>(unusable_));
   if (!found_.ground) {
     table += "no ground to be told\n";
   } else {

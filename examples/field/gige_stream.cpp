@@ -67,6 +67,7 @@ GigeStream::Block* GigeStream::block_of(Instant now, const gev::StreamPacket& pa
   block.extended_ids = packet.header.extended_ids;
   block.wire_number = packet.header.block;
   block.payload = spare();
+  block.heard = now;
   // What an older block still lacks at its end does not come by itself any more.
   for (auto& [older, waiting] : blocks_) {
     if (older < number && !waiting.ask_at) {

@@ -32,7 +32,7 @@ struct CameraMount {
 };
 
 struct GroundSettings {
-  double disparity_sigma_px = 0.12;  ///< Of the camera's matching.
+  double disparity_sigma_px = 0.15;  ///< Of the camera's matching.
   double steepest_deg = 40.0;        ///< Ground is no steeper: loose material rests at 30 to 40.
   double farthest_m = 25.0;          ///< Along the ground; beyond, nothing is looked at.
   double aside_m = 15.0;             ///< To either side.

@@ -13,14 +13,13 @@ namespace {
 constexpr double kLeastHeightShare = 0.3;
 constexpr double kUsualHeightShare = 2.0 / 3.0;
 /// Of a rock's width: flatter is a crest of the ground.
-constexpr double kLeastSlenderness = 0.25;
+constexpr double kLeastSlenderness = 0.3;
 /// Of a rock's diameter: how wide it is seen, at least.
 constexpr double kLeastWidthShare = 0.5;
 /// Standard deviations of a pixel's height: beyond the first it may be of a rock, beyond the second
 /// a heap has a height, six of them are contrast enough.
 constexpr double kPixelSigmas = 2.0;
-constexpr double kHeapSigmas = 3.0;
-constexpr double kResolvedSigmas = 4.0;
+constexpr double kHeapSigmas = 3.5;
 constexpr double kLeastDisparity_px = 6.0;
 constexpr double kFullContrastSigmas = 6.0;
 constexpr double kRoughness_m = 0.08;
@@ -221,10 +220,10 @@ class Finder {
 }  // namespace
 
 double resolvable_m(const RockSettings& settings, double focal_baseline, double camera_height_m) {
-  const double height_m = kUsualHeightShare * settings.least_m;
+  const double above_m = std::max(0.0, kUsualHeightShare * settings.least_m - kRoughness_m);
   return std::min({settings.ground.farthest_m, focal_baseline / kLeastDisparity_px,
-                   height_m * focal_baseline /
-                       (kResolvedSigmas * settings.ground.disparity_sigma_px * camera_height_m)});
+                   above_m * focal_baseline /
+                       (kHeapSigmas * settings.ground.disparity_sigma_px * camera_height_m)});
 }
 
 FoundRocks find_rocks(const StereoPicture& picture, const RockSettings& settings) {

@@ -67,9 +67,9 @@ struct FoundRocks {
   double disparities = 0.0;  ///< Share of pixels that had one.
 };
 
-/// How far ahead a rock of the least size stands out of the noise: where its height, two thirds of
-/// its diameter, is four standard deviations of a pixel's, and disparities are six pixels or more:
-/// below, what matching does to all of them alike (pixel locking) bends the ground.
+/// How far ahead a rock of the least size is found: where two thirds of its diameter are above the
+/// ground's roughness by 3.5 standard deviations of a pixel's height, and disparities are six
+/// pixels or more: below, what matching does to all of them alike (pixel locking) bends the ground.
 [[nodiscard]] double resolvable_m(const RockSettings& settings, double focal_baseline,
                                   double camera_height_m);
 

@@ -32,7 +32,7 @@ std::array<double, 3> in_camera(const Stage& stage, double x, double y, double z
 
 TEST(FindRocks, BouldersAreWhereTheyAreAndAsLarge) {
   Stage stage;
-  stage.boulders = {boulder(6.0, -1.0, 0.6), boulder(8.0, 1.5, 1.0), boulder(11.0, -0.5, 1.4)};
+  stage.boulders = {boulder(6.0, -1.0, 0.6), boulder(7.5, 1.5, 1.0), boulder(9.0, -0.5, 1.4)};
   const FoundRocks found = find_rocks(stage_picture(stage), {});
   EXPECT_TRUE(found.ground);
   EXPECT_NEAR(found.camera_height_m, 3.0, 0.05);
@@ -150,9 +150,12 @@ TEST(FindRocks, RocksBeyondWhatNoiseLetsTellAreNotReported) {
   stage.boulders = {boulder(18.0, 0.0, 0.5)};
   EXPECT_THAT(rocks_of(stage), testing::IsEmpty());
   const RockSettings settings;
-  // Two thirds of 0.4 m are four deviations: x H s / (f B).
-  const double expected = (2.0 / 3.0 * 0.4) * 85.28 / (4.0 * 0.12 * 3.0);
-  EXPECT_NEAR(resolvable_m(settings, 85.28, 3.0), std::min(expected, 85.28 / 6.0), 1e-9);
+  // Two thirds of 0.4 m are the roughness and 3.5 deviations: x H s / (f B).
+  const double expected = (2.0 / 3.0 * 0.4 - 0.08) * 85.28 / (3.5 * 0.15 * 3.0);
+  EXPECT_NEAR(resolvable_m(settings, 85.28, 3.0), expected, 1e-9);
+  RockSettings large;
+  large.least_m = 1.0;
+  EXPECT_NEAR(resolvable_m(large, 85.28, 3.0), 85.28 / 6.0, 1e-9);
 }
 
 TEST(FindRocks, PicturesWithoutGroundHaveNone) {

@@ -131,7 +131,7 @@ output
   --quiet                 no table
 
 exit status: 0 done or interrupted, 2 usage, 3 a wire does not open, 4 the camera is silent
-example: find_rocks --mount 3.1,17 --own-box -1.6,-0.1,9 --least 0.4 --log /tmp/rocks.jsonl
+example: find_rocks --mount 3.1,17 --own-box -1.7,0,9 --least 0.4 --log /tmp/rocks.jsonl
 )";
 }
 

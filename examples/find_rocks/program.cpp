@@ -16,7 +16,11 @@ using namespace std::chrono_literals;
 namespace gev = protocols::gige_vision;
 
 constexpr auto kTick = 100ms;
-constexpr auto kSayPeriod = 2s;
+/// A camera that is silent for so long is spoken of.
+constexpr auto kSilence = 5s;
+/// The camera has settled when the exposures of so many pictures are within this share.
+constexpr std::size_t kSettledPictures = 4;
+constexpr double kSettledShare = 0.05;
 
 constexpr std::string_view kGeometry[] = {"Scan3dFocalLength",     "Scan3dBaseline",
                                           "Scan3dPrincipalPointU", "Scan3dPrincipalPointV",
@@ -93,7 +97,7 @@ void Program::tick() {
     return stop(field::exit_done, "time is over");
   }
   const bool silent =
-      time - heard_ > std::min<std::chrono::nanoseconds>(kSayPeriod, options_.patience);
+      time - heard_ > std::min<std::chrono::nanoseconds>(kSilence, options_.patience);
   const std::string& client_trouble = camera_.client().trouble();
   const std::string why = !geometry_trouble_.empty() ? geometry_trouble_
                           : !client_trouble.empty()  ? client_trouble
@@ -163,9 +167,25 @@ void Program::take(const field::GigeBlock& block) {
       confidence->info.height == disparity->info.height) {
     picture.confidence.assign(confidence->bytes.begin(), confidence->bytes.end());
   }
+  if (!settled(picture.exposure_us)) {
+    ++unsettled_;
+    return;
+  }
   passed_over_ += next_ ? 1U : 0U;
   next_ = std::move(picture);
   look();
+}
+
+bool Program::settled(std::optional<double> exposure_us) {
+  if (!exposure_us) {
+    return true;  // it does not tell
+  }
+  exposures_us_.push_back(*exposure_us);
+  if (exposures_us_.size() > kSettledPictures) {
+    exposures_us_.pop_front();
+  }
+  const auto [least, most] = std::ranges::minmax(exposures_us_);
+  return exposures_us_.size() == kSettledPictures && most - least <= kSettledShare * most;
 }
 
 void Program::look() {
@@ -195,9 +215,9 @@ void Program::seen(const Taken& picture, const FoundRocks& found) {
 void Program::print_table() const {
   const field::GigeStreamCounters stream = camera_.client().stream_counters();
   std::string table = text(
-      "%7.1f s  %llu pictures, %llu passed over, %llu lost, %llu unusable  ",
+      "%7.1f s  %llu pictures, %llu passed over, %llu unsettled, %llu lost, %llu unusable  ",
       std::chrono::duration<double>(now()).count(), static_cast<unsigned long long>(pictures_),
-      static_cast<unsigned long long>(passed_over_),
+      static_cast<unsigned long long>(passed_over_), static_cast<unsigned long long>(unsettled_),
       static_cast<unsigned long long>(stream.dropped), static_cast<unsigned long long>(unusable_));
   if (!found_.ground) {
     table += "no ground to be told\n";

@@ -4,6 +4,9 @@
 //   waiting --a picture--> looking     waiting, looking --no picture for --patience--> ended (4)
 //   any --interrupt, time over--> ended (0)
 //
+// While the camera is choosing its exposure, as after it was switched on, its pictures are too
+// bright or too dark to be matched in, and are passed over as well.
+//
 // Pictures are looked at in a thread of their own, so that packets are taken and the camera hears
 // of its controller meanwhile. Pictures that come while one is looked at are passed over but for
 // the newest.
@@ -15,6 +18,7 @@
 #include <boost/asio/thread_pool.hpp>
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -57,6 +61,8 @@ class Program {
   };
 
   void take(const field::GigeBlock& block);
+  /// Whether the camera has settled on an exposure; notes that of the newest picture.
+  [[nodiscard]] bool settled(std::optional<double> exposure_us);
   void look();
   void seen(const Taken& picture, const FoundRocks& found);
   void tick();
@@ -76,10 +82,12 @@ class Program {
   boost::asio::steady_timer timer_;
   RockTracker tracker_;
   FoundRocks found_;
-  std::optional<Taken> next_;  ///< To be looked at.
+  std::deque<double> exposures_us_;  ///< Of the last pictures.
+  std::optional<Taken> next_;        ///< To be looked at.
   bool looking_ = false;
   std::uint64_t pictures_ = 0;     ///< Looked at.
   std::uint64_t passed_over_ = 0;  ///< While another one was looked at.
+  std::uint64_t unsettled_ = 0;    ///< While the camera was choosing its exposure.
   std::uint64_t unusable_ = 0;     ///< Blocks without a disparity that can be read.
   std::string geometry_trouble_;
   std::chrono::nanoseconds heard_{0};

@@ -23,6 +23,11 @@ class WorldGnss final : public WorldSensor {
 
   void take(SimTime frontier, const Shelves& requests) override {
     instants_.take(frontier, requests);
+    if (const auto* commands = requests.find<GnssCommand>(station_)) {
+      for (const GnssCommand& command : *commands) {
+        sensor_.command(command);
+      }
+    }
   }
 
   void step(const WorldStep& step, Shelves& /*samples*/) override {

@@ -18,10 +18,12 @@ constexpr std::array<fields::Choice<QuadrantRule>, 3> kQuadrantRules{
     {{QuadrantRule::off, "off", "Eq. 3 by count alone."},
      {QuadrantRule::cardinal, "cardinal", "2D when a sector around N, E, S or W is empty."},
      {QuadrantRule::diagonal, "diagonal", "2D when a sector around NE, SE, SW or NW is empty."}}};
-constexpr std::array<fields::Choice<ErrorModel>, 2> kErrorModels{
-    {{ErrorModel::paper, "paper", "Dilution times noise: the paper's Eq. 2."},
+constexpr std::array<fields::Choice<ErrorModel>, 3> kErrorModels{
+    {{ErrorModel::engine, "engine",
+      "Errors of each pseudorange and range rate, and a receiver's filter over them."},
      {ErrorModel::coloured, "coloured",
-      "Errors of each pseudorange, and the position solved from them."}}};
+      "Errors of each pseudorange, and every epoch's position solved from them alone."},
+     {ErrorModel::paper, "paper", "Dilution times noise: the paper's Eq. 1 to 3."}}};
 
 }  // namespace
 
@@ -56,24 +58,32 @@ void visit(fields::Visitor& v, GnssSystems& p) {
 
 void visit(fields::Visitor& v, GnssParameters& p) {
   v.choice("error_model", p.error_model, kErrorModels, "How errors of the position arise.");
-  v.choice("dilution", p.dilution, kDilutionKinds, "How dilution of precision is found.");
-  v.choice("quadrant_rule", p.quadrant_rule, kQuadrantRules, "The paper's rule on empty sectors.");
-  v.section("systems", p.systems, "Satellite systems received.");
-  visit(v, p.sky);
   v.only_if(p.error_model == ErrorModel::paper, "error_model", "error_model: paper",
             [&p](fields::Visitor& w) {
+              w.choice("dilution", p.dilution, kDilutionKinds,
+                       "How dilution of precision is found; the other models go by geometry.");
               w.number("circular_error", p.circular_error_m, in("m").between(0, 1000),
                        "CEP under open sky, as in the data sheet.");
               w.number("correlation_time", p.correlation_time_s, in("s").between(0, 86'400),
                        "Time constant of the position error; 0 = white noise.");
             });
-  v.only_if(p.error_model == ErrorModel::coloured, "error_model", "error_model: coloured",
+  v.choice("quadrant_rule", p.quadrant_rule, kQuadrantRules, "The paper's rule on empty sectors.");
+  v.section("systems", p.systems, "Satellite systems received.");
+  visit(v, p.sky);
+  v.only_if(p.error_model != ErrorModel::paper, "error_model", "error_model: engine or coloured",
             [&p](fields::Visitor& w) {
-              w.section("ranges", p.ranges, "Errors of pseudoranges.");
+              w.section("ranges", p.ranges, "Errors of pseudoranges and range rates.");
               w.section("multipath", p.multipath, "Reflections.");
             });
-  v.number("speed_sigma", p.speed_sigma_mps, in("m/s").between(0, 100),
-           "White noise of the velocity, per axis at dilution 1.");
+  v.only_if(p.error_model == ErrorModel::engine, "error_model", "error_model: engine",
+            [&p](fields::Visitor& w) {
+              w.section("navigation", p.navigation, "The receiver's filter.");
+            });
+  v.only_if(p.error_model != ErrorModel::engine, "error_model", "error_model: paper or coloured",
+            [&p](fields::Visitor& w) {
+              w.number("speed_sigma", p.speed_sigma_mps, in("m/s").between(0, 100),
+                       "White noise of the velocity, per axis at dilution 1.");
+            });
   v.boolean("errors", p.errors, "False: position, velocity and ranges are exact.");
   v.section("corrections", p.corrections, "SBAS, services, RTK.");
   visit(v, p.clock);

@@ -9,6 +9,7 @@
 #include "sim/gnss/dilution.h"
 #include "sim/gnss/gnss_fault.h"
 #include "sim/gnss/multipath.h"
+#include "sim/gnss/navigation_filter.h"
 #include "sim/gnss/range_errors.h"
 #include "sim/gnss/receiver_clock.h"
 #include "sim/gnss/sky_view.h"
@@ -24,8 +25,9 @@ enum class QuadrantRule : unsigned char {
 };
 
 enum class ErrorModel : unsigned char {
-  paper,     ///< Wolf et al. 2020, Eq. 2: dilution times noise; crowns block, edges are sharp.
-  coloured,  ///< Errors of each pseudorange in parts, and the position that follows from them.
+  engine,    ///< Default. Errors of each measurement, and what a receiver's filter makes of them.
+  coloured,  ///< The same errors of pseudoranges; each epoch by least squares of its own.
+  paper,     ///< Wolf et al. 2020, Eq. 1 to 3: dilution times noise; crowns block, edges are sharp.
 };
 
 /// Satellite systems that the receiver uses.
@@ -42,16 +44,17 @@ struct GnssSystems {
 void visit(fields::Visitor& v, GnssSystems& p);
 
 struct GnssParameters {
-  ErrorModel error_model = ErrorModel::paper;
-  DilutionKind dilution = DilutionKind::regression;
+  ErrorModel error_model = ErrorModel::engine;
+  DilutionKind dilution = DilutionKind::regression;  ///< Paper; the others go by geometry.
   QuadrantRule quadrant_rule = QuadrantRule::off;
   GnssSystems systems;
   SkyViewParameters sky;
   double circular_error_m = 2.5;     ///< Paper: CEP under open sky, data sheet, GPS only; >= 0.
   double correlation_time_s = 60.0;  ///< Paper: of the position error; 0 = white.
-  RangeErrorParameters ranges;       ///< Coloured.
-  MultipathParameters multipath;     ///< Coloured.
-  double speed_sigma_mps = 0.05;     ///< White, of a range rate: times the dilution per axis.
+  RangeErrorParameters ranges;       ///< Engine and coloured.
+  MultipathParameters multipath;     ///< Engine and coloured.
+  NavigationParameters navigation;   ///< Engine.
+  double speed_sigma_mps = 0.05;     ///< Paper and coloured: of a range rate, white.
   bool errors = true;                ///< False: position, velocity and ranges without any error.
   CorrectionParameters corrections;
   std::vector<GnssFault> faults;

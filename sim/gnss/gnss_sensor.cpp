@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -20,6 +22,9 @@ constexpr double kCarrierCn0_dbhz = 32.0;
 /// the ground while it moves.
 constexpr double kUnknownHeightSigma_m = 10.0;
 constexpr double kSlope = 0.1;
+/// No fix where the satellites' directions are worse.
+constexpr double kWorstDilution = 100.0;
+constexpr double kLeastCarrierSigma_m = 1e-3;
 
 constexpr std::array kSystems{GnssSystem::gps,    GnssSystem::sbas, GnssSystem::galileo,
                               GnssSystem::beidou, GnssSystem::qzss, GnssSystem::glonass};
@@ -45,6 +50,21 @@ std::string below(std::string_view name, const char* what) {
   return std::string(name) + what;
 }
 
+void list_directions(std::span<ReceivedSatellite* const> satellites,
+                     std::vector<Eigen::Vector3d>& directions_enu) {
+  directions_enu.clear();
+  for (const ReceivedSatellite* satellite : satellites) {
+    const Eigen::Vector3d& ned = satellite->direction_ned;
+    directions_enu.emplace_back(ned.y(), ned.x(), -ned.z());
+  }
+}
+
+/// As the paper's table has it, or by geometry, which the other models always go by.
+std::unique_ptr<DilutionModel> dilution_of(const GnssParameters& parameters) {
+  return make_dilution(parameters.error_model == ErrorModel::paper ? parameters.dilution
+                                                                   : DilutionKind::geometric);
+}
+
 }  // namespace
 
 GnssFix fix_by_count(int satellites) {
@@ -65,13 +85,14 @@ GnssSensor::GnssSensor(const GnssParameters& parameters,
       constellation_(checked(parameters, std::move(constellation))),
       calendar_(calendar),
       frame_(frame),
-      dilution_(make_dilution(parameters.dilution)),
+      dilution_(dilution_of(parameters)),
       random_(seed, name),
       held_random_(seed, below(name, "/height")),
       clock_(parameters.clock, seed, below(name, "/clock")),
       channels_(parameters, constellation_, seed, name),
       carrier_(parameters.corrections, seed, name),
-      observations_(constellation_->satellites().size(), seed, below(name, "/carrier_phase")) {}
+      observations_(constellation_->satellites().size(), seed, below(name, "/carrier_phase")),
+      engine_(parameters.navigation, constellation_->satellites().size()) {}
 
 GnssSensor::GnssSensor(const GnssParameters& parameters, const Calendar& calendar,
                        const LocalFrame& frame, std::uint64_t seed, std::string_view name)
@@ -103,11 +124,34 @@ void GnssSensor::select(std::span<ReceivedSatellite> received, Epoch& epoch) con
   for (ReceivedSatellite& satellite : received) {
     epoch.augmented |= satellite.tracked && satellite.satellite.system == GnssSystem::sbas &&
                        satellite.elevation_rad >= mask_rad;
-    if (satellite.usable) {
+    satellite.used = satellite.usable && command_.uses(satellite.satellite.system) &&
+                     satellite.elevation_rad >= command_.minimum_elevation_rad &&
+                     satellite.cn0_dbhz >= command_.minimum_cn0_dbhz;
+    if (satellite.used) {
       epoch.used.push_back(&satellite);
-      epoch.line_of_sight += satellite.direct && satellite.cn0_dbhz >= kCarrierCn0_dbhz ? 1 : 0;
     }
   }
+  if (epoch.used.size() > command_.maximum_satellites) {
+    // The strongest stay, in their order.
+    std::vector<ReceivedSatellite*> by_strength = epoch.used;
+    std::ranges::stable_sort(by_strength, std::ranges::greater{}, &ReceivedSatellite::cn0_dbhz);
+    for (std::size_t i = command_.maximum_satellites; i < by_strength.size(); ++i) {
+      by_strength[i]->used = false;
+    }
+    std::erase_if(epoch.used, [](const ReceivedSatellite* satellite) { return !satellite->used; });
+  }
+  epoch.line_of_sight =
+      static_cast<int>(std::ranges::count_if(epoch.used, [](const ReceivedSatellite* satellite) {
+        return satellite->direct && satellite->cn0_dbhz >= kCarrierCn0_dbhz;
+      }));
+}
+
+void GnssSensor::command(const GnssCommand& command) {
+  if (command.starts != command_.starts) {
+    engine_.forget();
+    held_.reset();
+  }
+  command_ = command;
 }
 
 bool GnssSensor::quadrants_filled(const Epoch& epoch) const {
@@ -125,8 +169,9 @@ GnssFix GnssSensor::fix_of(const Epoch& epoch) const {
   const bool coloured = parameters_.error_model == ErrorModel::coloured;
   const int count = coloured ? effective_count(equations_) : static_cast<int>(epoch.used.size());
   const GnssFix fix = fix_by_count(count);
-  const bool degraded = fix == GnssFix::three_d && parameters_.quadrant_rule != QuadrantRule::off &&
-                        !quadrants_filled(epoch);
+  const bool degraded = fix == GnssFix::three_d &&
+                        (command_.altitude_m || (parameters_.quadrant_rule != QuadrantRule::off &&
+                                                 !quadrants_filled(epoch)));
   return degraded ? GnssFix::two_d : fix;
 }
 
@@ -158,24 +203,21 @@ void GnssSensor::put_dilution(const Dilution& geometric, GnssSample& sample) con
   sample.time_dilution = geometric.time;
   sample.north_dilution = geometric.north;
   sample.east_dilution = geometric.east;
-  if (parameters_.dilution == DilutionKind::regression && sample.fix == GnssFix::two_d) {
+  const bool regression = parameters_.error_model == ErrorModel::paper &&
+                          parameters_.dilution == DilutionKind::regression;
+  if (regression && sample.fix == GnssFix::two_d) {
     sample.position_dilution = 0.0;  // the paper's rule for 2D
   }
 }
 
 void GnssSensor::solve_paper(Epoch& epoch, GnssSample& sample) {
-  std::vector<Eigen::Vector3d> directions_enu;
-  directions_enu.reserve(epoch.used.size());
-  for (const ReceivedSatellite* satellite : epoch.used) {
-    const Eigen::Vector3d& ned = satellite->direction_ned;
-    directions_enu.emplace_back(ned.y(), ned.x(), -ned.z());
-  }
-  const Dilution amplitude = dilution_->amplitude(directions_enu);
+  list_directions(epoch.used, directions_enu_);
+  const Dilution amplitude = dilution_->amplitude(directions_enu_);
   if (!std::isfinite(amplitude.horizontal)) {  // the satellites lie on a cone
     sample.fix = GnssFix::none;
     return;
   }
-  put_dilution(dilution_->reported(directions_enu), sample);
+  put_dilution(dilution_->reported(directions_enu_), sample);
 
   // Per unit of horizontal dilution; a held height keeps the horizontal scale.
   const bool sbas = parameters_.corrections.kind == CorrectionKind::sbas && sample.differential;
@@ -201,6 +243,11 @@ void GnssSensor::solve_paper(Epoch& epoch, GnssSample& sample) {
 }
 
 HeldHeight GnssSensor::held_height(const Epoch& epoch) {
+  if (command_.altitude_m) {
+    constexpr double kGivenHeightSigma_m = 1.0;
+    const double geoid_m = frame_.geoid_separation_m();
+    return {*command_.altitude_m + geoid_m - epoch.height_m, kGivenHeightSigma_m};
+  }
   if (!held_) {
     const double off_m = parameters_.errors ? kUnknownHeightSigma_m * held_random_.gaussian() : 0.0;
     held_ = {epoch.height_m + off_m, kUnknownHeightSigma_m, epoch.reception.ranges_p_W};
@@ -223,10 +270,7 @@ void GnssSensor::solve_coloured(Epoch& epoch, GnssSample& sample) {
     sample.fix = GnssFix::none;
     return;
   }
-  std::vector<Eigen::Vector3d> none(equations_.size());
-  put_dilution(parameters_.dilution == DilutionKind::geometric ? solution->dilution
-                                                               : dilution_->reported(none),
-               sample);
+  put_dilution(solution->dilution, sample);
   epoch.error_ned_m = solution->error_ned_m;
   const Eigen::Matrix3d& c = solution->covariance_ned_m2;
   sample.position_covariance_ned_m2 = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
@@ -234,7 +278,9 @@ void GnssSensor::solve_coloured(Epoch& epoch, GnssSample& sample) {
   sample.vertical_accuracy_m = std::sqrt(c(2, 2));
   sample.time_accuracy_s = solution->clock_sigma_m / kLightSpeed_mps;
   sample.clock_bias_s += solution->clock_error_m / kLightSpeed_mps;
-  residuals_m_ = std::move(solution->residuals_m);
+  for (std::size_t i = 0; i < epoch.used.size(); ++i) {
+    epoch.used[i]->residual_m = solution->residuals_m[i];
+  }
   if (sample.fix == GnssFix::three_d) {
     held_ = {epoch.height_m - epoch.error_ned_m.z(), sample.vertical_accuracy_m,
              epoch.reception.ranges_p_W};
@@ -262,6 +308,106 @@ void GnssSensor::solve_velocity(Epoch& epoch, GnssSample& sample) {
   }
 }
 
+NavigationEngine::Epoch GnssSensor::engine_epoch(const Epoch& epoch) const {
+  NavigationEngine::Epoch e;
+  const Reception& reception = epoch.reception;
+  e.time = reception.time + epoch.clock.measured_after;
+  e.truth = {
+      .p_W = reception.ranges_p_W,
+      .v_W = epoch.v_W,
+      .clock_m = kLightSpeed_mps * epoch.clock.bias_s + epoch.fault.clock_offset_m,
+      .clock_rate_mps = kLightSpeed_mps * epoch.clock.drift + epoch.fault.clock_offset_rate_mps,
+      .clock_reset = epoch.clock.reset,
+      .ned_from_world = epoch.ned_from_world};
+  e.noise.horizontal = command_.horizontal_acceleration;
+  e.noise.vertical = command_.vertical_acceleration;
+  // A Gauss-Markov rate grows at first like a random walk of 2 sigma^2 / tau.
+  const double wander_mps = kLightSpeed_mps * parameters_.clock.wander_sigma;
+  e.noise.clock_rate_mps2s =
+      std::max(e.noise.clock_rate_mps2s,
+               2.0 * wander_mps * wander_mps / parameters_.clock.wander_correlation_s);
+  const RangeErrorParameters& r = parameters_.ranges;
+  const double rest_s = r.multipath_correlation_s;
+  e.correlation = {
+      .ionosphere_s = r.ionosphere_correlation_s,
+      .troposphere_s = r.troposphere_correlation_s,
+      .orbit_s = r.orbit_clock_correlation_s,
+      .multipath_s = rest_s / (1.0 + rest_s * reception.speed_mps / r.multipath_length_m)};
+  e.still = command_.stationary;
+  return e;
+}
+
+void GnssSensor::solve_engine(Epoch& epoch, GnssSample& sample) {
+  list_directions(epoch.used, directions_enu_);
+  if (!(dilution_->reported(directions_enu_).position <= kWorstDilution)) {
+    sample.fix = GnssFix::none;
+    return;
+  }
+  engine_signals_.clear();
+  for (const ReceivedSatellite* satellite : epoch.used) {
+    const RangeError& error = satellite->error;
+    engine_signals_.push_back({.source = satellite->index,
+                               .system = satellite->satellite.system,
+                               .direction_W = satellite->direction_W,
+                               .range_error_m = error.total_m(),
+                               .rate_error_mps = error.range_rate_mps,
+                               .noise_sigma_m = error.noise_sigma_m,
+                               .multipath_sigma_m = error.multipath_sigma_m,
+                               .orbit_sigma_m = error.orbit_sigma_m,
+                               .common_m = error.common_m,
+                               .mistrust_sigma_m = error.mistrust_sigma_m,
+                               .rate_noise_mps = error.range_rate_noise_mps});
+  }
+  std::optional<NavigationFilter::Position> position;
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  HeldHeight height;
+  if (sample.fix == GnssFix::two_d) {
+    height = held_height(epoch);
+    position = {{0.0, 0.0, -height.error_m}, {kUnknown, kUnknown, height.sigma_m}};
+  } else if (epoch.corrections.error_ned_m && !epoch.fault.spoofed) {
+    // The filter follows the carrier's position, so that it goes on from there when that is lost.
+    const double level_m = std::max(epoch.corrections.horizontal_sigma_m, kLeastCarrierSigma_m);
+    position = {
+        *epoch.corrections.error_ned_m * (parameters_.errors ? 1.0 : 0.0),
+        {level_m, level_m, std::max(epoch.corrections.vertical_sigma_m, kLeastCarrierSigma_m)}};
+  }
+  const NavigationEngine::Epoch now = engine_epoch(epoch);
+  NavigationFix fix = engine_.fix(now, engine_signals_, position);
+  if (!parameters_.errors) {
+    engine_.set(now.truth);
+    fix.p_W = now.truth.p_W;
+    fix.v_W = now.truth.v_W;
+    fix.clock_m = now.truth.clock_m;
+    fix.clock_rate_mps = now.truth.clock_rate_mps;
+  }
+  const NavigationFilter& filter = engine_.filter();
+  for (std::size_t i = 0; i < epoch.used.size(); ++i) {
+    epoch.used[i]->used = !filter.left_out()[i];
+    epoch.used[i]->residual_m = filter.residuals_m()[i];
+  }
+  std::erase_if(epoch.used, [](const ReceivedSatellite* satellite) { return !satellite->used; });
+  list_directions(epoch.used, directions_enu_);
+  Dilution dilution = dilution_->reported(directions_enu_);
+  if (sample.fix == GnssFix::two_d) {
+    // The height is held, whatever the number of satellites.
+    dilution.vertical = std::numeric_limits<double>::quiet_NaN();
+    dilution.position = dilution.horizontal;
+  }
+  put_dilution(dilution, sample);
+  put_fix(fix, epoch, sample);
+  const double height_m = frame_.to_geodetic(fix.p_W).ellipsoid_height_m;
+  if (sample.fix == GnssFix::three_d) {
+    held_ = {height_m, sample.vertical_accuracy_m, epoch.reception.ranges_p_W};
+  }
+}
+
+void GnssSensor::coast(const Epoch& epoch, GnssSample& sample) {
+  if (const auto fix = engine_.coast(engine_epoch(epoch))) {
+    sample.predicted = true;
+    put_fix(*fix, epoch, sample);
+  }
+}
+
 GnssSample GnssSensor::sample(SimTime time, const LinkMotion& antenna,
                               const Visibility& visibility) {
   // The same draws at every epoch, whatever is visible: one device's sky never shifts its noise.
@@ -276,7 +422,6 @@ GnssSample GnssSensor::sample(SimTime time, const LinkMotion& antenna,
   const std::span<ReceivedSatellite> received =
       channels_.receive(epoch.reception, frame_, visibility, epoch.fault);
   select(received, epoch);
-  residuals_m_.clear();
 
   GnssSample sample;
   sample.time = time;
@@ -292,15 +437,23 @@ GnssSample GnssSensor::sample(SimTime time, const LinkMotion& antenna,
   correct(epoch, sample);
   sample.fix = fix_of(epoch);
   if (sample.fix == GnssFix::two_d || sample.fix == GnssFix::three_d) {
-    if (parameters_.error_model == ErrorModel::paper) {
-      solve_paper(epoch, sample);
-    } else {
-      solve_coloured(epoch, sample);
+    switch (parameters_.error_model) {
+      case ErrorModel::engine:
+        solve_engine(epoch, sample);
+        break;
+      case ErrorModel::coloured:
+        solve_coloured(epoch, sample);
+        break;
+      case ErrorModel::paper:
+        solve_paper(epoch, sample);
+        break;
     }
     put_carrier(epoch, sample);
   }
   if (sample.fix == GnssFix::two_d || sample.fix == GnssFix::three_d) {
     put_position(epoch, sample);
+  } else if (parameters_.error_model == ErrorModel::engine) {
+    coast(epoch, sample);
   }
   put_satellites(received, epoch, sample);
   if (parameters_.raw_measurements) {
@@ -326,19 +479,45 @@ void GnssSensor::put_carrier(Epoch& epoch, GnssSample& sample) const {
   sample.vertical_accuracy_m = corrections.vertical_sigma_m;
 }
 
+void GnssSensor::put_fix(const NavigationFix& fix, const Epoch& epoch, GnssSample& sample) const {
+  const Eigen::Matrix3d& c = fix.covariance_ned_m2;
+  sample.position_covariance_ned_m2 = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
+  sample.horizontal_accuracy_m = fix.horizontal_sigma_m;
+  sample.vertical_accuracy_m = fix.vertical_sigma_m;
+  sample.speed_accuracy_mps = fix.speed_sigma_mps;
+  sample.time_accuracy_s = fix.clock_sigma_m / kLightSpeed_mps;
+  sample.clock_bias_s = fix.clock_m / kLightSpeed_mps;
+  sample.clock_drift = fix.clock_rate_mps / kLightSpeed_mps;
+  const Eigen::Vector3d v_ned = epoch.ned_from_world * fix.v_W;
+  sample.velocity_ned_mps = {v_ned.x(), v_ned.y(), v_ned.z()};
+  put_place(fix.p_W, sample);
+}
+
+void GnssSensor::put_place(const Eigen::Vector3d& p_W, GnssSample& sample) const {
+  const GeodeticPoint point = frame_.to_geodetic(p_W);
+  sample.latitude_deg = point.latitude_deg;
+  sample.longitude_deg = point.longitude_deg;
+  sample.ellipsoid_height_m = point.ellipsoid_height_m;
+  sample.geoid_separation_m = frame_.geoid_separation_m(point.latitude_deg, point.longitude_deg);
+}
+
 void GnssSensor::put_position(const Epoch& epoch, GnssSample& sample) const {
+  if (parameters_.error_model == ErrorModel::engine) {
+    if (sample.carrier != CarrierSolution::none) {
+      const double switched = parameters_.errors ? 1.0 : 0.0;
+      put_place(epoch.reception.ranges_p_W +
+                    epoch.ned_from_world.transpose() * (switched * epoch.error_ned_m),
+                sample);
+    }
+    return;  // solve_engine() put it
+  }
   const double switched = parameters_.errors ? 1.0 : 0.0;
   // A held height is off even without range errors.
   const Eigen::Vector3d error_ned_m =
       parameters_.error_model == ErrorModel::coloured && sample.carrier == CarrierSolution::none
           ? epoch.error_ned_m
           : Eigen::Vector3d(switched * epoch.error_ned_m);
-  const GeodeticPoint point = frame_.to_geodetic(epoch.reception.ranges_p_W +
-                                                 epoch.ned_from_world.transpose() * error_ned_m);
-  sample.latitude_deg = point.latitude_deg;
-  sample.longitude_deg = point.longitude_deg;
-  sample.ellipsoid_height_m = point.ellipsoid_height_m;
-  sample.geoid_separation_m = frame_.geoid_separation_m(point.latitude_deg, point.longitude_deg);
+  put_place(epoch.reception.ranges_p_W + epoch.ned_from_world.transpose() * error_ned_m, sample);
   const Eigen::Vector3d error_mps = parameters_.error_model == ErrorModel::coloured
                                         ? epoch.velocity_error_ned_mps
                                         : Eigen::Vector3d(switched * epoch.velocity_error_ned_mps);
@@ -350,7 +529,6 @@ void GnssSensor::put_satellites(std::span<const ReceivedSatellite> received, con
                                 GnssSample& sample) const {
   const bool fixed = sample.fix == GnssFix::two_d || sample.fix == GnssFix::three_d;
   sample.satellites.reserve(received.size());
-  std::size_t used = 0;
   for (const ReceivedSatellite& satellite : received) {
     SatelliteView& view = sample.satellites.emplace_back();
     view.system = satellite.satellite.system;
@@ -359,11 +537,8 @@ void GnssSensor::put_satellites(std::span<const ReceivedSatellite> received, con
     view.elevation_rad = satellite.elevation_rad;
     view.cn0_dbhz = satellite.cn0_dbhz;
     view.tracked = satellite.tracked;
-    if (satellite.usable) {
-      view.used = fixed;
-      view.residual_m = fixed && used < residuals_m_.size() ? residuals_m_[used] : 0.0;
-      ++used;
-    }
+    view.used = fixed && satellite.used;
+    view.residual_m = view.used ? satellite.residual_m : 0.0;
     view.corrected = view.used && epoch.corrections.differential;
   }
 }
@@ -393,14 +568,16 @@ void GnssSensor::measure(std::span<const ReceivedSatellite> received, const Epoc
       signal.troposphere_m =
           saastamoinen_delay_m(latitude, point.ellipsoid_height_m, satellite.elevation_rad);
     }
-    if (parameters_.error_model == ErrorModel::coloured) {
+    if (parameters_.error_model != ErrorModel::paper) {
       const RangeError& error = satellite.error;
       signal.ionosphere_m += error.ionosphere_m;
       signal.troposphere_m += error.troposphere_m;
       // Code has orbit, detour and local errors; the carrier none of the local ones.
       signal.code_error_m = error.orbit_clock_m + error.detour_m + error.local_m;
       signal.carrier_error_m = error.orbit_clock_m + error.detour_m;
-      signal.range_rate_error_mps = parameters_.speed_sigma_mps * error.rate_mps;
+      signal.range_rate_error_mps = parameters_.error_model == ErrorModel::engine
+                                        ? error.range_rate_mps
+                                        : parameters_.speed_sigma_mps * error.rate_mps;
     }
     signal.code_error_m += epoch.fault.clock_offset_m;
     signal.carrier_error_m += epoch.fault.clock_offset_m;

@@ -1,7 +1,13 @@
 // A satellite receiver's antenna and navigation engine: which satellites it sees past the scene,
 // how good its position is, and the position with its error.
 //
-// Two models behind one interface.
+// Three models behind one interface.
+//
+// Engine, the default: every pseudorange and range rate has its own error (range_errors.h,
+// multipath.h), and a receiver's filter makes position, velocity and clock of them
+// (navigation_filter.h, navigation_engine.h), with accuracies from its covariance, integrity, and
+// prediction when satellites are gone. Dilutions are those of the satellites used, with one clock
+// for all systems. A 2D fix holds the height of the last 3D fix.
 //
 // Paper (Wolf, Groll, Hemer, Berns, SIMULTECH 2020): one ray per satellite, which crowns stop too;
 // dilution by Eq. 1 and Table 1; error by Eq. 2; kind of fix by Eq. 3. The paper's open points are
@@ -12,16 +18,16 @@
 // there is none without a fix. Consecutive errors are correlated (first-order Gauss-Markov, exact
 // discretisation) unless correlation_time_s is 0, the paper's white noise.
 //
-// Coloured: every pseudorange has its own error (range_errors.h, multipath.h), and the position is
-// what weighted least squares make of them (position_solution.h): correlation in time, jumps where
-// satellites come and go, and residuals follow by themselves. Accuracies follow the error model,
-// not the error. A 2D fix holds the height of the last 3D fix. The velocity is solved from Doppler
-// errors in the same way. Eq. 3 counts satellites less one for each further system's clock. The
-// receiver here neither filters in time nor throws out ranges that contradict the rest.
+// Coloured, the engine's cheaper neighbour: the same errors, and the position is what weighted
+// least squares make of them (position_solution.h): correlation in time, jumps where satellites
+// come and go, and residuals follow by themselves. Accuracies follow the error model, not the
+// error. A 2D fix holds the height of the last 3D fix. The velocity is solved from Doppler errors
+// in the same way. Eq. 3 counts satellites less one for each further system's clock. The receiver
+// here neither filters in time nor throws out ranges that contradict the rest.
 //
 // Both: corrections (carrier_solution.h), faults (gnss_fault.h), the receiver's clock
 // (receiver_clock.h; position and velocity are of the instant at which it measures), and raw
-// measurements (observations.h), whose pseudoranges have the very errors of the coloured solution.
+// measurements (observations.h), whose pseudoranges have the very errors of the solution.
 // The paper's model has no range errors, so raw ranges are exact in it.
 //
 // Known limits: errors of two receivers are independent, even where satellites and atmosphere would
@@ -40,6 +46,7 @@
 #include "sim/gnss/constellation.h"
 #include "sim/gnss/dilution.h"
 #include "sim/gnss/gnss_parameters.h"
+#include "sim/gnss/navigation_engine.h"
 #include "sim/gnss/observations.h"
 #include "sim/gnss/position_solution.h"
 #include "sim/gnss/receiver_clock.h"
@@ -66,6 +73,9 @@ class GnssSensor {
   /// The same with the nominal slots of the systems received.
   GnssSensor(const GnssParameters& parameters, const Calendar& calendar, const LocalFrame& frame,
              std::uint64_t seed, std::string_view name);
+
+  /// What the receiver's settings ask, from the next epoch on.
+  void command(const GnssCommand& command);
 
   /// One navigation epoch at `time` (not earlier than the one before). `antenna`: motion of the
   /// antenna's phase centre, X_WL its frame. Position and velocity are meaningful for 2D and 3D.
@@ -98,9 +108,14 @@ class GnssSensor {
   void solve_coloured(Epoch& epoch, GnssSample& sample);
   [[nodiscard]] HeldHeight held_height(const Epoch& epoch);
   void solve_velocity(Epoch& epoch, GnssSample& sample);
+  void solve_engine(Epoch& epoch, GnssSample& sample);
+  void coast(const Epoch& epoch, GnssSample& sample);
+  [[nodiscard]] NavigationEngine::Epoch engine_epoch(const Epoch& epoch) const;
   void put_dilution(const Dilution& geometric, GnssSample& sample) const;
   void put_carrier(Epoch& epoch, GnssSample& sample) const;
   void put_position(const Epoch& epoch, GnssSample& sample) const;
+  void put_fix(const NavigationFix& fix, const Epoch& epoch, GnssSample& sample) const;
+  void put_place(const Eigen::Vector3d& p_W, GnssSample& sample) const;
   void put_satellites(std::span<const ReceivedSatellite> received, const Epoch& epoch,
                       GnssSample& sample) const;
   void measure(std::span<const ReceivedSatellite> received, const Epoch& epoch, GnssSample& sample);
@@ -119,7 +134,10 @@ class GnssSensor {
   Observations observations_;
   std::vector<TrackedSignal> signals_;
   std::vector<RangeEquation> equations_;
-  std::vector<double> residuals_m_;                          ///< Of Epoch::used, when solved.
+  GnssCommand command_;
+  NavigationEngine engine_;
+  std::vector<NavigationSignal> engine_signals_;
+  std::vector<Eigen::Vector3d> directions_enu_;
   std::array<GaussMarkov, 3> unit_error_;                    ///< Paper: east, north, up.
   Eigen::Vector3d unit_velocity_ = Eigen::Vector3d::Zero();  ///< Paper: white.
   SimTime last_ = kNever;

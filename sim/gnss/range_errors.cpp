@@ -17,6 +17,10 @@ namespace {
 constexpr double kReferenceCn0_dbhz = 45.0;
 constexpr double kFadingCorrelation_s = 6.0;
 constexpr double kFadingLength_m = 15.0;
+constexpr double kRateCorrelation_s = 2.5;  // of reflections in a range rate, at rest ...
+constexpr double kRateLength_m = 8.0;       // ... and over this way in motion
+/// Of the mistrust of a weak signal, what errors of weak signals are like.
+constexpr double kWeakShare = 0.5;
 constexpr double kUsual_db = 3.0;      // fading of an open sky: no reason to distrust a signal
 constexpr double kLowestSine = 0.087;  // 5 degrees: below, mappings are held
 constexpr double kEarthRadius_km = 6371.0;
@@ -68,6 +72,12 @@ void visit(fields::Visitor& v, RangeErrorParameters& p) {
            "Way over which multipath stays correlated in motion.");
   v.number("weak_signal_sigma", p.weak_signal_sigma_mpdb, in("m/dB").between(0, 1000),
            "Added to the receiver's own belief for what a signal is too weak beyond 3 dB.");
+  v.number("foliage_multipath", p.foliage_multipath_mpdb, in("m/dB").between(0, 100),
+           "Multipath for each dB that tree crowns take from a signal, standard deviation.");
+  v.number("rate_noise", p.rate_noise_mps, in("m/s").between(0, 100),
+           "White noise of a range rate at 45 dBHz; doubles every 6 dB below.");
+  v.number("rate_multipath", p.rate_multipath_mps, in("m/s").between(0, 100),
+           "What reflections add to a range rate, standard deviation.");
 }
 
 void validate(const RangeErrorParameters& p) {
@@ -108,7 +118,9 @@ double AtmosphereErrors::troposphere_m(const RangeErrorParameters& p, double ele
 }
 
 SatelliteErrors::SatelliteErrors(std::uint64_t seed, std::string_view name)
-    : random_(seed, name), fading_random_(seed, std::string(name) + "/fading") {}
+    : random_(seed, name),
+      fading_random_(seed, std::string(name) + "/fading"),
+      rate_random_(seed, std::string(name) + "/rate") {}
 
 void SatelliteErrors::fade(double step_s, double speed_mps) {
   // 1 / tau = 1 / tau_rest + speed / length.
@@ -125,6 +137,10 @@ void SatelliteErrors::advance(const RangeErrorParameters& p, double step_s, doub
   const double moving_s = rest_s / (1.0 + rest_s * speed_mps / p.multipath_length_m);
   multipath_.advance(step_s, moving_s, random_);
   rate_.advance(step_s, 0.0, random_);
+  rate_noise_.advance(step_s, 0.0, rate_random_);
+  rate_multipath_.advance(
+      step_s, kRateCorrelation_s / (1.0 + kRateCorrelation_s * speed_mps / kRateLength_m),
+      rate_random_);
 }
 
 void SatelliteErrors::acquired() {
@@ -140,13 +156,19 @@ RangeError SatelliteErrors::error(const RangeErrorParameters& p, const Atmospher
   const double open_multipath_m = p.multipath_sigma_m * over_sine(elevation);
   // An envelope is a sine's amplitude, amplitude / sqrt(2) its deviation.
   const double multipath_sigma_m =
-      std::hypot(open_multipath_m, arrival.reflection_envelope_m / std::numbers::sqrt2);
+      std::hypot(open_multipath_m, arrival.reflection_envelope_m / std::numbers::sqrt2,
+                 p.foliage_multipath_mpdb * arrival.foliage_db);
   RangeError error;
   error.orbit_clock_m = orbit_sigma_m * orbit_clock_.value();
   error.ionosphere_m =
       share.ionosphere * atmosphere.ionosphere_m(p, arrival.azimuth_rad, elevation);
   error.troposphere_m = atmosphere.troposphere_m(p, elevation);
   error.rate_mps = rate_.value();
+  const double rate_noise_mps =
+      p.rate_noise_mps * std::pow(10.0, (kReferenceCn0_dbhz - arrival.cn0_dbhz) / 20.0);
+  error.range_rate_mps =
+      rate_noise_mps * rate_noise_.value() + p.rate_multipath_mps * rate_multipath_.value();
+  error.range_rate_noise_mps = std::hypot(rate_noise_mps, p.rate_multipath_mps);
   error.local_m = noise_sigma_m * code_noise_.value() + multipath_sigma_m * multipath_.value();
   error.detour_m = arrival.extra_path_m;
   const double slant = share.ionosphere * ionosphere_mapping(elevation);
@@ -157,6 +179,10 @@ RangeError SatelliteErrors::error(const RangeErrorParameters& p, const Atmospher
                     p.troposphere_sigma_m * troposphere_mapping(elevation)};
   const double weak_m = p.weak_signal_sigma_mpdb * std::max(0.0, arrival.missing_db - kUsual_db);
   // What the receiver believes: the variances of own and common parts.
+  error.noise_sigma_m = noise_sigma_m;
+  error.multipath_sigma_m = std::hypot(open_multipath_m, kWeakShare * weak_m);
+  error.orbit_sigma_m = orbit_sigma_m;
+  error.mistrust_sigma_m = weak_m;
   double variance_m2 = orbit_sigma_m * orbit_sigma_m + noise_sigma_m * noise_sigma_m +
                        open_multipath_m * open_multipath_m + weak_m * weak_m;
   for (const double common_m : error.common_m) {

@@ -12,6 +12,10 @@
 //   multipath         at the zenith 0.5 m, over sin E; minutes at rest, seconds in motion, since
 //   the
 //                     reflections change with the place: 1/tau = 1/tau_rest + speed / length
+//   foliage           0.3 m of multipath for each dB that crowns take: errors of several metres
+//                     under trees (recalled, not measured here)
+//   range rate        white 15 mm/s at 45 dBHz, and 20 mm/s that stay 2.5 s at rest, 1 s in motion
+//                     (u-blox receivers at rest show speeds of 14 to 24 mm/s)
 //   reflections       found by rays (multipath.h): a direct signal gains an error of that envelope
 //                     as multipath does; a signal that arrives only by reflection is long by its
 //                     extra path
@@ -51,6 +55,10 @@ struct RangeErrorParameters {
   /// What the receiver adds to its sigma for each dB that a signal is weaker than its elevation
   /// lets expect, beyond 3 dB: how receivers mistrust signals that came by a detour.
   double weak_signal_sigma_mpdb = 1.0;
+  /// Multipath of the crowns that a signal comes through, for each dB that they take.
+  double foliage_multipath_mpdb = 0.3;
+  double rate_noise_mps = 0.015;     ///< Of a range rate: white, at 45 dBHz ...
+  double rate_multipath_mps = 0.02;  ///< ... and what reflections add, seconds at rest.
 };
 void visit(fields::Visitor& v, RangeErrorParameters& p);
 
@@ -92,19 +100,28 @@ struct SignalArrival {
   double elevation_rad = 0.0;
   double cn0_dbhz = 45.0;
   double missing_db = 0.0;             ///< Weaker by so much than under an open sky.
+  double foliage_db = 0.0;             ///< Of it, what crowns take.
   double reflection_envelope_m = 0.0;  ///< Of reflections that join the direct signal.
   double extra_path_m = 0.0;           ///< Of a signal without line of sight.
 };
 
 /// The error of one pseudorange in parts, and what the receiver believes of it.
 struct RangeError {
-  double orbit_clock_m = 0.0;  ///< In code and carrier alike.
-  double ionosphere_m = 0.0;   ///< Delays the code, advances the carrier.
-  double troposphere_m = 0.0;  ///< In code and carrier alike.
-  double local_m = 0.0;        ///< Noise and multipath: the code's alone.
-  double detour_m = 0.0;       ///< Extra path without line of sight, in code and carrier alike.
-  double rate_mps = 0.0;       ///< Of the Doppler measurement, for sigma 1.
-  double sigma_m = 1.0;        ///< 1 sigma by elevation and C/N0; knows nothing of reflections.
+  double orbit_clock_m = 0.0;   ///< In code and carrier alike.
+  double ionosphere_m = 0.0;    ///< Delays the code, advances the carrier.
+  double troposphere_m = 0.0;   ///< In code and carrier alike.
+  double local_m = 0.0;         ///< Noise and multipath: the code's alone.
+  double detour_m = 0.0;        ///< Extra path without line of sight, in code and carrier alike.
+  double rate_mps = 0.0;        ///< Of the Doppler measurement, for sigma 1: coloured model.
+  double range_rate_mps = 0.0;  ///< The same by its own parameters: engine.
+  double range_rate_noise_mps = 0.0;  ///< What the receiver believes of that.
+  double sigma_m = 1.0;  ///< 1 sigma by elevation and C/N0; knows nothing of reflections.
+  /// What the engine knows of it: noise, multipath (by C/N0, too), the satellite's orbit and clock;
+  /// and what makes its weight smaller still.
+  double noise_sigma_m = 0.0;
+  double multipath_sigma_m = 0.0;
+  double orbit_sigma_m = 0.0;
+  double mistrust_sigma_m = 0.0;
   /// Of it, what all satellites share: ionosphere at the zenith, its gradients north and east,
   /// troposphere.
   std::array<double, kCommonErrors> common_m{};
@@ -137,6 +154,9 @@ class SatelliteErrors {
   GaussMarkov multipath_;
   GaussMarkov fading_;
   GaussMarkov rate_;
+  RandomStream rate_random_;
+  GaussMarkov rate_noise_;
+  GaussMarkov rate_multipath_;
 };
 
 }  // namespace rigwire::sim

@@ -239,6 +239,7 @@ void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) 
         direct_cn0_dbhz(parameters_.sky, std::sin(received.elevation_rad), SkyArrival{}) -
         (received.cn0_dbhz - channel.fade_db);
     if (!spoofed) {
+      arrival.foliage_db = parameters_.sky.foliage_attenuation_dbpm * channel.arrival.foliage_m;
       arrival.reflection_envelope_m = channel.envelope_m;
       arrival.extra_path_m = channel.extra_path_m;
     }
@@ -249,10 +250,9 @@ void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) 
       received.error.troposphere_m = 0.0;
     }
     if (!parameters_.errors) {
-      const RangeError believed = received.error;
-      received.error = {};
-      received.error.sigma_m = believed.sigma_m;
-      received.error.common_m = believed.common_m;
+      RangeError& error = received.error;  // what is believed of them stays
+      error.orbit_clock_m = error.ionosphere_m = error.troposphere_m = 0.0;
+      error.local_m = error.detour_m = error.rate_mps = error.range_rate_mps = 0.0;
     }
   }
 }

@@ -40,11 +40,13 @@ struct ReceivedSatellite {
   double elevation_rad = 0.0;
   double cn0_dbhz = 0.0;
   bool tracked = false;
-  bool acquired = false;  ///< Since this epoch.
-  bool direct = false;    ///< In line of sight, not by a reflection alone.
-  bool slipped = false;   ///< Acquired, or changed between direct and reflected signal.
-  bool usable = false;    ///< Tracked, healthy, above the mask.
-  RangeError error;       ///< When tracked, coloured model.
+  bool acquired = false;    ///< Since this epoch.
+  bool direct = false;      ///< In line of sight, not by a reflection alone.
+  bool slipped = false;     ///< Acquired, or changed between direct and reflected signal.
+  bool usable = false;      ///< Tracked, healthy, above the mask.
+  bool used = false;        ///< Takes part in the fix: the sensor's business.
+  double residual_m = 0.0;  ///< The same: what the fix does not explain.
+  RangeError error;         ///< When tracked, coloured model.
 };
 
 class SatelliteChannels {

@@ -75,8 +75,30 @@ struct RadioState {
   double noise_db = 0.0;  ///< Noise floor above that of an undisturbed receiver.
 };
 
+/// What a receiver's settings ask of its navigation engine.
+struct GnssCommand {
+  /// Bit by GnssSystem: whose satellites may take part in the fix.
+  std::uint8_t systems = 0xFF;
+  double minimum_elevation_rad = 0.0;
+  double minimum_cn0_dbhz = 0.0;
+  std::uint32_t maximum_satellites = 255;  ///< In the fix; the strongest ones.
+  /// Fixes in two dimensions at this height above the geoid, m; empty: in three where possible.
+  std::optional<double> altitude_m;
+  /// Accelerations that it reckons with: white, m/s per sqrt(s), per axis.
+  double horizontal_acceleration = 0.45;
+  double vertical_acceleration = 0.32;
+  bool stationary = false;   ///< It takes its velocity for zero.
+  std::uint32_t starts = 0;  ///< Grows when the receiver starts anew: its engine forgets.
+
+  [[nodiscard]] bool uses(GnssSystem system) const {
+    return (systems >> static_cast<unsigned>(system) & 1U) != 0;
+  }
+  friend bool operator==(const GnssCommand&, const GnssCommand&) = default;
+};
+
 /// One navigation epoch. Position, velocity and accuracies are meaningful only when `fix` is two_d
-/// or three_d; dilutions are NaN when not available.
+/// or three_d, or what the receiver goes on saying of them when `predicted`; dilutions are NaN when
+/// not available.
 struct GnssSample {
   SimTime time{};  ///< The epoch that the receiver wanted.
   /// The receiver measures when its own clock shows a whole millisecond, the one nearest to `time`:
@@ -88,6 +110,9 @@ struct GnssSample {
   bool clock_reset =
       false;  ///< The receiver's clock was set by a millisecond since the last epoch.
   GnssFix fix = GnssFix::none;
+  /// No fix, but the engine's prediction since the last one: the last position, the velocity that
+  /// it holds, and accuracies that grow.
+  bool predicted = false;
   CarrierSolution carrier = CarrierSolution::none;
   bool differential = false;  ///< Corrections (SBAS, RTCM, a service) are applied.
   std::optional<double> differential_age_s;

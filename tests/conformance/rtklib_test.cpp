@@ -162,7 +162,6 @@ TEST_P(Rtklib, TheAtmosphereThatIsBroadcastIsTakenOutAgain) {
 TEST_P(Rtklib, WithErrorsItsFixStaysWithinTheBudget) {
   sim::GnssParameters parameters;
   parameters.error_model = sim::ErrorModel::coloured;
-  parameters.dilution = sim::DilutionKind::geometric;
   parameters.raw_measurements = true;
   record(parameters, kWithPage18);
   const auto points = solve(kBroadcastModels);

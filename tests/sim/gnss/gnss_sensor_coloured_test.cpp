@@ -25,10 +25,7 @@ double quantile(std::vector<double> values, double share) {
 
 class ColouredGnss : public testing::Test {
  protected:
-  ColouredGnss() {
-    parameters_.error_model = ErrorModel::coloured;
-    parameters_.dilution = DilutionKind::geometric;
-  }
+  ColouredGnss() { parameters_.error_model = ErrorModel::coloured; }
   GnssSensor sensor(std::uint64_t seed = 1) const {
     return {parameters_, calendar_, frame_, seed, "gnss"};
   }

@@ -14,10 +14,7 @@ using namespace std::chrono_literals;
 
 class FaultyGnss : public testing::Test {
  protected:
-  FaultyGnss() {
-    parameters_.error_model = ErrorModel::coloured;
-    parameters_.dilution = DilutionKind::geometric;
-  }
+  FaultyGnss() { parameters_.error_model = ErrorModel::coloured; }
   GnssSensor with(const GnssFault& fault) {
     parameters_.faults = {fault};
     return {parameters_, calendar_, frame_, 1, "gnss"};

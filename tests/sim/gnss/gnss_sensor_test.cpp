@@ -35,6 +35,11 @@ class GnssSensorTest : public testing::Test {
   GnssSensor sensor(const GnssParameters& parameters, double latitude_deg = 49.42) const {
     return {parameters, calendar_, LocalFrame({latitude_deg, 7.75, 280.0, 48.0}), 1, "gnss"};
   }
+  static GnssParameters paper() {
+    GnssParameters parameters;
+    parameters.error_model = ErrorModel::paper;
+    return parameters;
+  }
   static int used(const GnssSample& sample) {
     return static_cast<int>(std::ranges::count(sample.satellites, true, &SatelliteView::used));
   }
@@ -52,7 +57,7 @@ TEST_F(GnssSensorTest, FixFollowsTheCount) {
 
 TEST_F(GnssSensorTest, OpenSkyAtKaiserslauternShowsTheNominalCounts) {
   // 24 h of the nominal slots: 6 .. 10, mean 7.7 above 5 degrees; dilutions' medians 1.02, 1.47.
-  GnssParameters parameters;
+  GnssParameters parameters = paper();
   parameters.dilution = DilutionKind::geometric;
   GnssSensor gnss = sensor(parameters);
   std::vector<double> horizontal;
@@ -82,7 +87,8 @@ TEST_F(GnssSensorTest, OpenSkyAtKaiserslauternShowsTheNominalCounts) {
 TEST_F(GnssSensorTest, QuadrantRuleCostsAThirdOfTheDay) {
   calendar_ = Calendar(UtcTime{1993, 7, 1, 0, 0, 0, 0});  // the day of the nominal slots
   const auto share_2d = [&](QuadrantRule rule) {
-    GnssParameters parameters;
+    GnssParameters parameters = paper();
+    parameters.error_model = ErrorModel::paper;
     parameters.quadrant_rule = rule;
     GnssSensor gnss = sensor(parameters);
     int flat = 0;
@@ -102,7 +108,7 @@ TEST_F(GnssSensorTest, QuadrantRuleCostsAThirdOfTheDay) {
 }
 
 TEST_F(GnssSensorTest, NothingIsSeenIndoors) {
-  GnssSensor gnss = sensor({});
+  GnssSensor gnss = sensor(paper());
   const GnssSample sample = gnss.sample(kStart, antenna_, kIndoors);
   EXPECT_EQ(sample.fix, GnssFix::none);
   EXPECT_TRUE(std::isnan(sample.horizontal_dilution));
@@ -111,7 +117,7 @@ TEST_F(GnssSensorTest, NothingIsSeenIndoors) {
 }
 
 TEST_F(GnssSensorTest, OneToFourHolesInTheRoof) {
-  GnssSensor probe = sensor({});
+  GnssSensor probe = sensor(paper());
   const GnssSample open = probe.sample(kStart, antenna_, kOpenSky);
   for (std::size_t holes = 1; holes <= 4; ++holes) {
     std::vector<Eigen::Vector3d> free;
@@ -125,7 +131,7 @@ TEST_F(GnssSensorTest, OneToFourHolesInTheRoof) {
     const Sky roof([&](const Eigen::Vector3d& direction) {
       return std::ranges::none_of(free, [&](const auto& f) { return f.dot(direction) > 0.9999; });
     });
-    GnssSensor gnss = sensor({});
+    GnssSensor gnss = sensor(paper());
     const GnssSample sample = gnss.sample(kStart, antenna_, roof);
     EXPECT_EQ(sample.fix, fix_by_count(static_cast<int>(holes))) << holes;
     EXPECT_EQ(used(sample), holes < 3 ? 0 : static_cast<int>(holes));
@@ -141,7 +147,7 @@ TEST_F(GnssSensorTest, OneToFourHolesInTheRoof) {
 }
 
 TEST_F(GnssSensorTest, ErrorHasTheSizeThatItDeclares) {
-  GnssParameters parameters;
+  GnssParameters parameters = paper();
   parameters.correlation_time_s = 0.0;
   GnssSensor gnss = sensor(parameters);
   const LocalFrame frame({49.42, 7.75, 280.0, 48.0});
@@ -160,7 +166,7 @@ TEST_F(GnssSensorTest, ErrorHasTheSizeThatItDeclares) {
 }
 
 TEST_F(GnssSensorTest, ConsecutiveErrorsDoNotJump) {
-  GnssSensor gnss = sensor({});
+  GnssSensor gnss = sensor(paper());
   const LocalFrame frame({49.42, 7.75, 280.0, 48.0});
   const auto position = [&](SimTime time) {
     const GnssSample s = gnss.sample(time, antenna_, kOpenSky);
@@ -179,7 +185,7 @@ TEST_F(GnssSensorTest, ConsecutiveErrorsDoNotJump) {
 }
 
 TEST_F(GnssSensorTest, VelocityIsNorthEastDown) {
-  GnssParameters parameters;
+  GnssParameters parameters = paper();
   parameters.speed_sigma_mps = 0.0;
   GnssSensor gnss = sensor(parameters);
   antenna_.v_WL_W = {1.0, 2.0, 3.0};
@@ -190,8 +196,8 @@ TEST_F(GnssSensorTest, VelocityIsNorthEastDown) {
 }
 
 TEST_F(GnssSensorTest, SameSeedSameSamples) {
-  GnssSensor one = sensor({});
-  GnssSensor two = sensor({});
+  GnssSensor one = sensor(paper());
+  GnssSensor two = sensor(paper());
   for (int i = 0; i < 20; ++i) {
     EXPECT_EQ(one.sample(kStart + i * 1s, antenna_, kOpenSky).latitude_deg,
               two.sample(kStart + i * 1s, antenna_, kOpenSky).latitude_deg);
@@ -199,7 +205,7 @@ TEST_F(GnssSensorTest, SameSeedSameSamples) {
 }
 
 TEST_F(GnssSensorTest, WorksAtThePole) {
-  GnssSensor gnss = sensor({}, 90.0);
+  GnssSensor gnss = sensor(paper(), 90.0);
   const GnssSample sample = gnss.sample(kStart, antenna_, kOpenSky);
   EXPECT_EQ(sample.fix, GnssFix::three_d);
   EXPECT_GT(sample.latitude_deg, 89.99);
@@ -209,7 +215,7 @@ TEST_F(GnssSensorTest, WorksAtThePole) {
 }
 
 TEST_F(GnssSensorTest, RefusesStrangeParameters) {
-  GnssParameters parameters;
+  GnssParameters parameters = paper();
   parameters.circular_error_m = -1.0;
   EXPECT_THROW(validate(parameters), std::invalid_argument);
   parameters = {};

@@ -61,7 +61,6 @@ void drive(std::uint64_t seed, Statistics& statistics) {
   const LocalFrame frame({49.42, 7.75, 280.0, 48.0});
   GnssParameters parameters;
   parameters.error_model = ErrorModel::coloured;
-  parameters.dilution = DilutionKind::geometric;
   GnssSensor gnss(parameters, calendar, frame, seed, "gnss");
   double way_m = 0.0;
   int before = -1;

@@ -23,8 +23,14 @@ namespace rigwire::emulators {
 class GnssBackend {
  public:
   using Sample = GnssSample;
+  using Command = GnssCommand;
 
   virtual ~GnssBackend() = default;
+  /// What its settings ask of the navigation engine; devices without such settings ask nothing.
+  [[nodiscard]] virtual const Command& command() const {
+    static constexpr Command kNothing;
+    return kNothing;
+  }
   virtual void update(const Sample& sample) = 0;
 };
 

@@ -114,7 +114,8 @@ class DbcNode final : public CanDevice, public dbc_node_details::Face<Backend> {
  private:
   /// What it moves is what the traffic asks for at present.
   void follow([[maybe_unused]] SimTime now) {
-    if constexpr (requires { typename Backend::Command; }) {
+    // Of a receiver nothing can be moved: its command stays as it is.
+    if constexpr (!std::is_same_v<typename Of::Command, NoCommand>) {
       typename Backend::Command command;
       for (std::size_t i = 0; i < traffic_.moved().size(); ++i) {
         Of::commanded()[traffic_.settings().moved[i]].set(command, traffic_.moved()[i]);

@@ -2,11 +2,12 @@
 // receiver claims to know. Start-up ladder, limits and masks of CFG-NAV5 and CFG-NAVX5, position
 // hold, frozen course, accuracy without fix.
 //
-// The sample's own position stands: masks change which satellites count and whether there is a fix,
-// not where it is.
-//
-// After a start without ephemerides a fix begins with four satellites, and the others join as their
-// orbits are heard; dilutions and accuracies are then greater by the ratio of the two geometries.
+// What the settings allow (systems, masks, counts, dynamic model) goes to the engine behind the
+// samples as a GnssCommand, which holds from the next epoch on; position, dilutions and accuracies
+// are then of the satellites that it used. Where fewer count here than there (an epoch's time after
+// a setting, and after a start without ephemerides, when a fix begins with four satellites and the
+// others join as their orbits are heard), dilutions and accuracies are greater by the ratio of the
+// two geometries, and the position stays.
 //
 // Sources: u-blox M8 receiver description, UBX-13003221 R28, sections 8 "Navigation Configuration
 // Settings Description", 21 "Odometer" and 32.10.18 "UBX-CFG-NAV5"; the ladder from a recorded cold
@@ -59,6 +60,9 @@ class UbloxNavigator {
   void take(const GnssSample& sample, const UbloxConfiguration& configuration,
             const UbloxNavigationFaults& faults);
 
+  /// What the settings ask of the engine.
+  [[nodiscard]] GnssCommand command(const UbloxConfiguration& configuration) const;
+
   /// NAV-RESETODO.
   void reset_odometer();
 
@@ -85,7 +89,7 @@ class UbloxNavigator {
   [[nodiscard]] bool within_limits(const GnssSample& sample,
                                    const UbloxConfiguration& configuration) const;
   void take_dilutions(const GnssSample& sample);
-  void lose_position(const UbloxConfiguration& configuration);
+  void lose_position(const GnssSample& sample, const UbloxConfiguration& configuration);
   void take_position(const GnssSample& sample, const UbloxConfiguration& configuration);
   void hold_position(const protocols::ubx::CfgNav5& limits);
   void filter_speed(const protocols::ubx::CfgOdo& odometer);
@@ -102,6 +106,7 @@ class UbloxNavigator {
   SimTime searching_ = kStart;
   Duration time_to_first_fix_{0};
   bool begun_ = false;
+  std::uint32_t starts_ = 0;  ///< After the first.
   bool had_fix_ = false;
   bool had_3d_fix_ = false;
   std::int64_t tracking_since_s_ = -1;  ///< GPS time of week; < 0 while nothing is tracked.

@@ -135,6 +135,7 @@ void UbloxReceiver::start(SimTime now, const UbloxMemory& memory) {
 void UbloxReceiver::begin_navigation(SimTime now, const UbloxMemory& memory) {
   pending_count_ = 0;
   navigator_.begin(now, memory, configuration_);
+  command_ = navigator_.command(configuration_);
   raw_.begin(memory.ephemerides, memory.almanac);
 }
 
@@ -524,6 +525,7 @@ void UbloxReceiver::handle_configuration(SimTime now, const ubx::FrameView& fram
   }
   const ubx::CfgRate before = configuration_.rate();
   const bool accepted = configuration_.set(frame);
+  command_ = navigator_.command(configuration_);
   if (accepted) {
     set_baud(configuration_.uart().baud);
     if (configuration_.rate() != before) {

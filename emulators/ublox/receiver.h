@@ -48,6 +48,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
 
   void receive(SimTime now, std::span<const std::uint8_t> bytes) override;
   void update(const GnssSample& sample) override;
+  [[nodiscard]] const Command& command() const override { return command_; }
   void advance(SimTime now) override;
   [[nodiscard]] SimTime next_event() const override;
   void set_client(SimTime now, const SerialClient& client) override;
@@ -139,6 +140,7 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   UbloxLineQuality quality_;
   UbloxTransmitter transmitter_;
   UbloxNavigator navigator_;
+  Command command_;
   UbloxRawMessages raw_;
   std::vector<std::uint8_t> version_;  ///< Payload of MON-VER.
 

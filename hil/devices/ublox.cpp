@@ -94,6 +94,7 @@ class UbloxDevice final : public Device, private FixSource {
   /// The receiver's backend, with those who hear of its fixes.
   struct Backend final : emulators::GnssBackend {
     explicit Backend(emulators::UbloxReceiver& of) : receiver(of) {}
+    [[nodiscard]] const Command& command() const override { return receiver.command(); }
     void update(const GnssSample& sample) override {
       receiver.update(sample);
       for (FixListener* listener : listeners) {

@@ -457,6 +457,9 @@ void UbloxNavigator::take_dilutions(const GnssSample& sample) {
   s.time_dilution = shown ? time * sample.time_dilution : kNone;
   s.north_dilution = shown ? horizontal * sample.north_dilution : kNone;
   s.east_dilution = shown ? horizontal * sample.east_dilution : kNone;
+  if (!hearing_orbits_) {
+    dilution_ratio_ = {1.0, 1.0, 1.0};
+  }
 }
 
 void UbloxNavigator::lose_position(const GnssSample& sample,

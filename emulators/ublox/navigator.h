@@ -6,8 +6,8 @@
 // samples as a GnssCommand, which holds from the next epoch on; position, dilutions and accuracies
 // are then of the satellites that it used. Where fewer count here than there (an epoch's time after
 // a setting, and after a start without ephemerides, when a fix begins with four satellites and the
-// others join as their orbits are heard), dilutions and accuracies are greater by the ratio of the
-// two geometries, and the position stays.
+// others join as their orbits are heard), dilutions are greater by the ratio of the two geometries,
+// after such a start the accuracies, too; the position stays.
 //
 // Sources: u-blox M8 receiver description, UBX-13003221 R28, sections 8 "Navigation Configuration
 // Settings Description", 21 "Odometer" and 32.10.18 "UBX-CFG-NAV5"; the ladder from a recorded cold
@@ -116,8 +116,7 @@ class UbloxNavigator {
   std::vector<std::pair<GnssSystem, std::uint8_t>> heard_;
   bool had_course_ = false;
   SimTime counted_ = kNever;  ///< The odometer's last fix.
-  /// Dilution by the satellites that count over that by those of the sample: horizontal, vertical,
-  /// time.
+  /// By which accuracies are greater than the sample's: horizontal, vertical, time.
   std::array<double, 3> dilution_ratio_{1.0, 1.0, 1.0};
 };
 

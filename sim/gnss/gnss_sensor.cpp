@@ -572,9 +572,9 @@ void GnssSensor::measure(std::span<const ReceivedSatellite> received, const Epoc
       const RangeError& error = satellite.error;
       signal.ionosphere_m += error.ionosphere_m;
       signal.troposphere_m += error.troposphere_m;
-      // Code has orbit, detour and local errors; the carrier none of the local ones.
+      // Code and carrier have orbit and detour, and local errors each of its own.
       signal.code_error_m = error.orbit_clock_m + error.detour_m + error.local_m;
-      signal.carrier_error_m = error.orbit_clock_m + error.detour_m;
+      signal.carrier_error_m = error.orbit_clock_m + error.detour_m + error.carrier_m;
       signal.range_rate_error_mps = parameters_.error_model == ErrorModel::engine
                                         ? error.range_rate_mps
                                         : parameters_.speed_sigma_mps * error.rate_mps;

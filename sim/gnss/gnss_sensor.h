@@ -30,8 +30,10 @@
 // measurements (observations.h), whose pseudoranges have the very errors of the solution.
 // The paper's model has no range errors, so raw ranges are exact in it.
 //
-// Known limits: errors of two receivers are independent, even where satellites and atmosphere would
-// make them common; raw measurements are of GPS L1 C/A only.
+// Of all receivers with one seed the errors of satellites and air are one function of satellite,
+// place and time (error_field.h); multipath and noise are each one's own.
+//
+// Known limits: raw measurements are of GPS L1 C/A only.
 #pragma once
 
 #include <Eigen/Core>
@@ -65,8 +67,8 @@ namespace rigwire::sim {
 
 class GnssSensor {
  public:
-  /// Throws as validate(), and std::invalid_argument without a constellation. The random streams
-  /// are named `name` and below. Calendar and frame are copied.
+  /// Throws as validate(), and std::invalid_argument without a constellation. The receiver's own
+  /// random streams are named `name` and below. Calendar and frame are copied.
   GnssSensor(const GnssParameters& parameters, std::shared_ptr<const Constellation> constellation,
              const Calendar& calendar, const LocalFrame& frame, std::uint64_t seed,
              std::string_view name);

@@ -7,6 +7,7 @@
 
 #include "fields/check.h"
 #include "fields/visitor.h"
+#include "sim/gnss/observations.h"
 
 namespace rigwire::sim {
 
@@ -74,6 +75,8 @@ void visit(fields::Visitor& v, RangeErrorParameters& p) {
            "Added to the receiver's own belief for what a signal is too weak beyond 3 dB.");
   v.number("foliage_multipath", p.foliage_multipath_mpdb, in("m/dB").between(0, 100),
            "Multipath for each dB that tree crowns take from a signal, standard deviation.");
+  v.number("carrier_multipath", p.carrier_multipath_m, in("mm").between(0, 100),
+           "Multipath of the carrier phase at the zenith; over sin E at elevation E.");
   v.number("rate_noise", p.rate_noise_mps, in("m/s").between(0, 100),
            "White noise of a range rate at 45 dBHz; doubles every 6 dB below.");
   v.number("rate_multipath", p.rate_multipath_mps, in("m/s").between(0, 100),
@@ -93,30 +96,6 @@ double troposphere_mapping(double elevation_rad) {
   return over_sine(elevation_rad);
 }
 
-AtmosphereErrors::AtmosphereErrors(std::uint64_t seed, std::string_view name)
-    : random_(seed, name) {}
-
-void AtmosphereErrors::advance(const RangeErrorParameters& p, double step_s) {
-  zenith_.advance(step_s, p.ionosphere_correlation_s, random_);
-  north_.advance(step_s, p.ionosphere_correlation_s, random_);
-  east_.advance(step_s, p.ionosphere_correlation_s, random_);
-  troposphere_.advance(step_s, p.troposphere_correlation_s, random_);
-}
-
-double AtmosphereErrors::ionosphere_m(const RangeErrorParameters& p, double azimuth_rad,
-                                      double elevation_rad) const {
-  const double distance_km = pierce_distance_km(elevation_rad);
-  const double gradient =
-      north_.value() * std::cos(azimuth_rad) + east_.value() * std::sin(azimuth_rad);
-  return ionosphere_mapping(elevation_rad) *
-         (p.ionosphere_sigma_m * zenith_.value() +
-          p.ionosphere_gradient_sigma_mpkm * distance_km * gradient);
-}
-
-double AtmosphereErrors::troposphere_m(const RangeErrorParameters& p, double elevation_rad) const {
-  return p.troposphere_sigma_m * troposphere_.value() * troposphere_mapping(elevation_rad);
-}
-
 SatelliteErrors::SatelliteErrors(std::uint64_t seed, std::string_view name)
     : random_(seed, name),
       fading_random_(seed, std::string(name) + "/fading"),
@@ -130,12 +109,13 @@ void SatelliteErrors::fade(double step_s, double speed_mps) {
 }
 
 void SatelliteErrors::advance(const RangeErrorParameters& p, double step_s, double speed_mps) {
-  orbit_clock_.advance(step_s, p.orbit_clock_correlation_s, random_);
   code_noise_.advance(step_s, p.code_noise_correlation_s, random_);
   const double rest_s = p.multipath_correlation_s;
   // 1 / tau = 1 / tau_rest + speed / length.
   const double moving_s = rest_s / (1.0 + rest_s * speed_mps / p.multipath_length_m);
   multipath_.advance(step_s, moving_s, random_);
+  carrier_noise_.advance(step_s, 0.0, rate_random_);
+  carrier_multipath_.advance(step_s, moving_s, rate_random_);
   rate_.advance(step_s, 0.0, random_);
   rate_noise_.advance(step_s, 0.0, rate_random_);
   rate_multipath_.advance(
@@ -148,8 +128,8 @@ void SatelliteErrors::acquired() {
   multipath_.redraw(random_);
 }
 
-RangeError SatelliteErrors::error(const RangeErrorParameters& p, const AtmosphereErrors& atmosphere,
-                                  const SignalArrival& arrival, const CorrectedShare& share) const {
+RangeError SatelliteErrors::error(const RangeErrorParameters& p, const SignalArrival& arrival,
+                                  const CorrectedShare& share) const {
   const double elevation = arrival.elevation_rad;
   const double orbit_sigma_m = share.orbit_clock * p.orbit_clock_sigma_m;
   const double noise_sigma_m = code_sigma_m(p, arrival.cn0_dbhz);
@@ -159,10 +139,14 @@ RangeError SatelliteErrors::error(const RangeErrorParameters& p, const Atmospher
       std::hypot(open_multipath_m, arrival.reflection_envelope_m / std::numbers::sqrt2,
                  p.foliage_multipath_mpdb * arrival.foliage_db);
   RangeError error;
-  error.orbit_clock_m = orbit_sigma_m * orbit_clock_.value();
-  error.ionosphere_m =
-      share.ionosphere * atmosphere.ionosphere_m(p, arrival.azimuth_rad, elevation);
-  error.troposphere_m = atmosphere.troposphere_m(p, elevation);
+  error.orbit_clock_m = orbit_sigma_m * arrival.shared.orbit_clock;
+  error.ionosphere_m = share.ionosphere * ionosphere_mapping(elevation) * p.ionosphere_sigma_m *
+                       arrival.shared.ionosphere;
+  error.troposphere_m =
+      p.troposphere_sigma_m * arrival.shared.troposphere * troposphere_mapping(elevation);
+  error.carrier_m =
+      kGpsL1Wavelength_m * carrier_sigma_cycles(arrival.cn0_dbhz) * carrier_noise_.value() +
+      p.carrier_multipath_m * over_sine(elevation) * carrier_multipath_.value();
   error.rate_mps = rate_.value();
   const double rate_noise_mps =
       p.rate_noise_mps * std::pow(10.0, (kReferenceCn0_dbhz - arrival.cn0_dbhz) / 20.0);
@@ -172,18 +156,26 @@ RangeError SatelliteErrors::error(const RangeErrorParameters& p, const Atmospher
   error.local_m = noise_sigma_m * code_noise_.value() + multipath_sigma_m * multipath_.value();
   error.detour_m = arrival.extra_path_m;
   const double slant = share.ionosphere * ionosphere_mapping(elevation);
-  const double gradient_m =
-      slant * p.ionosphere_gradient_sigma_mpkm * pierce_distance_km(elevation);
-  error.common_m = {slant * p.ionosphere_sigma_m, gradient_m * std::cos(arrival.azimuth_rad),
+  // A smooth field at distance d from the zenith's pierce point, rho = exp(-d^2 / 2 L^2): what is
+  // that of the zenith, what grows along the azimuth, and the rest, a satellite's own.
+  const double lengths =
+      p.ionosphere_sigma_m > 0.0
+          ? p.ionosphere_gradient_sigma_mpkm * pierce_distance_km(elevation) / p.ionosphere_sigma_m
+          : 0.0;
+  const double rho = std::exp(-0.5 * lengths * lengths);
+  const double ionosphere_m = slant * p.ionosphere_sigma_m;
+  const double gradient_m = ionosphere_m * rho * std::sqrt(1.0 - rho * rho);
+  const double rest_m = ionosphere_m * (1.0 - rho * rho);
+  error.common_m = {ionosphere_m * rho, gradient_m * std::cos(arrival.azimuth_rad),
                     gradient_m * std::sin(arrival.azimuth_rad),
                     p.troposphere_sigma_m * troposphere_mapping(elevation)};
   const double weak_m = p.weak_signal_sigma_mpdb * std::max(0.0, arrival.missing_db - kUsual_db);
   // What the receiver believes: the variances of own and common parts.
   error.noise_sigma_m = noise_sigma_m;
   error.multipath_sigma_m = std::hypot(open_multipath_m, kWeakShare * weak_m);
-  error.orbit_sigma_m = orbit_sigma_m;
+  error.orbit_sigma_m = std::hypot(orbit_sigma_m, rest_m);
   error.mistrust_sigma_m = weak_m;
-  double variance_m2 = orbit_sigma_m * orbit_sigma_m + noise_sigma_m * noise_sigma_m +
+  double variance_m2 = error.orbit_sigma_m * error.orbit_sigma_m + noise_sigma_m * noise_sigma_m +
                        open_multipath_m * open_multipath_m + weak_m * weak_m;
   for (const double common_m : error.common_m) {
     variance_m2 += common_m * common_m;

@@ -1,13 +1,14 @@
 // What a single-frequency receiver's pseudoranges are off by, satellite by satellite, when
-// broadcast orbits, clocks and atmosphere have been applied: zero-mean terms, each a Gauss-Markov
-// process of its own discretised exactly, and the exact delay of reflected signals on top.
+// broadcast orbits, clocks and atmosphere have been applied: zero-mean terms, and the exact delay
+// of reflected signals on top. The first three are the same for every receiver (error_field.h); the
+// others are each receiver's own, Gauss-Markov processes discretised exactly.
 //
 //   orbit and clock   per satellite, hours: signal-in-space error of 0.5 .. 1 m (GPS performance
 //                     standard's order of magnitude; recalled)
 //   ionosphere        what Klobuchar's model leaves: half of the delay (as RTKLIB's ERR_BRDCI
-//                     assumes), common to all satellites up to a gradient, 30 .. 60 min; mapped by
-//                     1 + 16 (0.53 - E / pi)^3, IS-GPS-200 section 20.3.3.5.2.5
-//   troposphere       0.12 m at the zenith after Saastamoinen's model, 1 / sin E; half an hour
+//                     assumes), common to all satellites up to its gradient, 30 .. 60 min; mapped
+//                     by 1 + 16 (0.53 - E / pi)^3, IS-GPS-200 section 20.3.3.5.2.5
+//   troposphere       0.05 m at the zenith after Saastamoinen's model, 1 / sin E; half an hour
 //   code noise        0.3 m at 45 dBHz, times 10^((45 - C/N0) / 20)
 //   multipath         at the zenith 0.5 m, over sin E; minutes at rest, seconds in motion, since
 //   the
@@ -16,6 +17,7 @@
 //                     under trees (recalled, not measured here)
 //   range rate        white 15 mm/s at 45 dBHz, and 20 mm/s that stay 2.5 s at rest, 1 s in motion
 //                     (u-blox receivers at rest show speeds of 14 to 24 mm/s)
+//   carrier           thermal noise of its loop, and 2 mm over sin E of multipath
 //   reflections       found by rays (multipath.h): a direct signal gains an error of that envelope
 //                     as multipath does; a signal that arrives only by reflection is long by its
 //                     extra path
@@ -45,7 +47,7 @@ struct RangeErrorParameters {
   double ionosphere_sigma_m = 1.5;                 ///< Vertical, what the model leaves.
   double ionosphere_gradient_sigma_mpkm = 1.5e-3;  ///< Per axis, m per km of the pierce point.
   double ionosphere_correlation_s = 2400.0;
-  double troposphere_sigma_m = 0.12;  ///< Vertical, what the model leaves.
+  double troposphere_sigma_m = 0.05;  ///< Vertical, what the model leaves.
   double troposphere_correlation_s = 1800.0;
   double code_noise_m = 0.3;               ///< At 45 dBHz.
   double code_noise_correlation_s = 0.5;   ///< Of the code loop.
@@ -57,8 +59,9 @@ struct RangeErrorParameters {
   double weak_signal_sigma_mpdb = 1.0;
   /// Multipath of the crowns that a signal comes through, for each dB that they take.
   double foliage_multipath_mpdb = 0.3;
-  double rate_noise_mps = 0.015;     ///< Of a range rate: white, at 45 dBHz ...
-  double rate_multipath_mps = 0.02;  ///< ... and what reflections add, seconds at rest.
+  double rate_noise_mps = 0.015;       ///< Of a range rate: white, at 45 dBHz ...
+  double carrier_multipath_m = 0.002;  ///< Of the carrier, at the zenith; over sin E.
+  double rate_multipath_mps = 0.02;    ///< ... and what reflections add, seconds at rest.
 };
 void visit(fields::Visitor& v, RangeErrorParameters& p);
 
@@ -75,23 +78,11 @@ struct CorrectedShare {
   double ionosphere = 1.0;
 };
 
-/// Errors that all satellites share.
-class AtmosphereErrors {
- public:
-  AtmosphereErrors(std::uint64_t seed, std::string_view name);
-  void advance(const RangeErrorParameters& parameters, double step_s);
-  /// Slant, m; azimuth from north.
-  [[nodiscard]] double ionosphere_m(const RangeErrorParameters& parameters, double azimuth_rad,
-                                    double elevation_rad) const;
-  [[nodiscard]] double troposphere_m(const RangeErrorParameters& parameters,
-                                     double elevation_rad) const;
-
- private:
-  RandomStream random_;
-  GaussMarkov zenith_;
-  GaussMarkov north_;
-  GaussMarkov east_;
-  GaussMarkov troposphere_;
+/// What the field of errors says of a signal, each of variance 1: see error_field.h.
+struct SharedErrors {
+  double orbit_clock = 0.0;
+  double ionosphere = 0.0;   ///< Vertical, where the signal passes it.
+  double troposphere = 0.0;  ///< Vertical.
 };
 
 /// How a satellite's signal arrives.
@@ -103,6 +94,7 @@ struct SignalArrival {
   double foliage_db = 0.0;             ///< Of it, what crowns take.
   double reflection_envelope_m = 0.0;  ///< Of reflections that join the direct signal.
   double extra_path_m = 0.0;           ///< Of a signal without line of sight.
+  SharedErrors shared{};
 };
 
 /// The error of one pseudorange in parts, and what the receiver believes of it.
@@ -111,13 +103,14 @@ struct RangeError {
   double ionosphere_m = 0.0;    ///< Delays the code, advances the carrier.
   double troposphere_m = 0.0;   ///< In code and carrier alike.
   double local_m = 0.0;         ///< Noise and multipath: the code's alone.
+  double carrier_m = 0.0;       ///< Noise and multipath of the carrier, not in the total.
   double detour_m = 0.0;        ///< Extra path without line of sight, in code and carrier alike.
   double rate_mps = 0.0;        ///< Of the Doppler measurement, for sigma 1: coloured model.
   double range_rate_mps = 0.0;  ///< The same by its own parameters: engine.
   double range_rate_noise_mps = 0.0;  ///< What the receiver believes of that.
   double sigma_m = 1.0;  ///< 1 sigma by elevation and C/N0; knows nothing of reflections.
-  /// What the engine knows of it: noise, multipath (by C/N0, too), the satellite's orbit and clock;
-  /// and what makes its weight smaller still.
+  /// What the engine knows of it: noise, multipath (by C/N0, too), what is the satellite's own
+  /// (orbit, clock, its part of the ionosphere); and what makes its weight smaller still.
   double noise_sigma_m = 0.0;
   double multipath_sigma_m = 0.0;
   double orbit_sigma_m = 0.0;
@@ -141,15 +134,13 @@ class SatelliteErrors {
   /// The satellite was acquired anew: what belongs to the receiver's lock is drawn afresh.
   void acquired();
   [[nodiscard]] RangeError error(const RangeErrorParameters& parameters,
-                                 const AtmosphereErrors& atmosphere, const SignalArrival& arrival,
-                                 const CorrectedShare& share) const;
+                                 const SignalArrival& arrival, const CorrectedShare& share) const;
   /// Unit fading of C/N0.
   [[nodiscard]] double fading() const { return fading_.value(); }
 
  private:
   RandomStream random_;
   RandomStream fading_random_;
-  GaussMarkov orbit_clock_;
   GaussMarkov code_noise_;
   GaussMarkov multipath_;
   GaussMarkov fading_;
@@ -157,6 +148,8 @@ class SatelliteErrors {
   RandomStream rate_random_;
   GaussMarkov rate_noise_;
   GaussMarkov rate_multipath_;
+  GaussMarkov carrier_noise_;
+  GaussMarkov carrier_multipath_;
 };
 
 }  // namespace rigwire::sim

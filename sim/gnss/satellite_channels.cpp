@@ -38,7 +38,7 @@ SatelliteChannels::SatelliteChannels(const GnssParameters& parameters,
                                      std::uint64_t seed, std::string_view name)
     : parameters_(parameters),
       constellation_(std::move(constellation)),
-      atmosphere_(seed, std::string(name) + "/atmosphere"),
+      field_(constellation_->satellites(), seed),
       reflections_(parameters.multipath) {
   const auto satellites = constellation_->satellites();
   for (std::size_t i = 0; i < satellites.size(); ++i) {
@@ -66,6 +66,9 @@ void SatelliteChannels::find_above_horizon(const Reception& reception, const Loc
   channel_of_.clear();
   healthy_.clear();
   const Eigen::Vector3d p_E = frame.to_ecef(reception.ranges_p_W);
+  time_s_ = to_seconds(reception.time);
+  p_E_m_ = p_E;
+  ecef_from_world_ = frame.world_from_ecef().transpose();
   const Eigen::Matrix3d ned_from_world = frame.ned_from_world(reception.ranges_p_W);
   for (std::uint32_t i = 0; i < channels_.size(); ++i) {
     Channel& channel = channels_[i];
@@ -145,10 +148,6 @@ void SatelliteChannels::fade(const Reception& reception) {
 }
 
 void SatelliteChannels::advance_errors(const Reception& reception) {
-  const double step_s =
-      atmosphere_last_ == kNever ? 0.0 : to_seconds(reception.time - atmosphere_last_);
-  atmosphere_.advance(parameters_.ranges, step_s);
-  atmosphere_last_ = reception.time;
   for (const std::uint32_t i : channel_of_) {
     Channel& channel = channels_[i];
     const double own_step_s =
@@ -225,6 +224,15 @@ std::span<ReceivedSatellite> SatelliteChannels::receive(const Reception& recepti
 }
 
 void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) {
+  if (parameters_.error_model == ErrorModel::paper) {
+    return;
+  }
+  const RangeErrorParameters& p = parameters_.ranges;
+  const double troposphere = field_.troposphere(time_s_, p.troposphere_correlation_s, p_E_m_);
+  // A field whose gradient has that deviation has this length.
+  const double length_m = p.ionosphere_gradient_sigma_mpkm > 0.0
+                              ? 1e3 * p.ionosphere_sigma_m / p.ionosphere_gradient_sigma_mpkm
+                              : 0.0;
   for (std::size_t k = 0; k < received_.size(); ++k) {
     ReceivedSatellite& received = received_[k];
     if (!received.tracked) {
@@ -243,7 +251,13 @@ void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) 
       arrival.reflection_envelope_m = channel.envelope_m;
       arrival.extra_path_m = channel.extra_path_m;
     }
-    received.error = channel.errors.error(parameters_.ranges, atmosphere_, arrival, share);
+    const Eigen::Vector3d direction_E = ecef_from_world_ * received.direction_W;
+    arrival.shared = {.orbit_clock = field_.satellite(received.index, time_s_,
+                                                      p.orbit_clock_correlation_s, direction_E),
+                      .ionosphere = field_.ionosphere(time_s_, p.ionosphere_correlation_s, length_m,
+                                                      p_E_m_, direction_E),
+                      .troposphere = troposphere};
+    received.error = channel.errors.error(p, arrival, share);
     if (spoofed) {  // the transmitter makes ranges that agree with each other
       received.error.orbit_clock_m = 0.0;
       received.error.ionosphere_m = 0.0;
@@ -252,7 +266,8 @@ void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) 
     if (!parameters_.errors) {
       RangeError& error = received.error;  // what is believed of them stays
       error.orbit_clock_m = error.ionosphere_m = error.troposphere_m = 0.0;
-      error.local_m = error.detour_m = error.rate_mps = error.range_rate_mps = 0.0;
+      error.local_m = error.detour_m = error.carrier_m = 0.0;
+      error.rate_mps = error.range_rate_mps = 0.0;
     }
   }
 }

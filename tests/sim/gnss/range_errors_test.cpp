@@ -35,11 +35,10 @@ double multipath_correlation(double speed_mps, double step_s, double lag_s) {
   RangeErrorParameters parameters = kNoErrors;
   parameters.multipath_sigma_m = 1.0;
   SatelliteErrors satellite(1, "satellite");
-  const AtmosphereErrors atmosphere(1, "atmosphere");
   std::vector<double> x;
   for (int i = 0; i < 60'000; ++i) {
     satellite.advance(parameters, step_s, speed_mps);
-    x.push_back(satellite.error(parameters, atmosphere, at(90.0), {}).total_m());
+    x.push_back(satellite.error(parameters, at(90.0), {}).total_m());
   }
   const auto lag = static_cast<std::size_t>(std::lround(lag_s / step_s));
   double product = 0.0;
@@ -63,47 +62,26 @@ TEST(RangeErrors, CodeNoiseDoublesEverySixDecibel) {
   parameters.code_noise_m = 0.3;
   SatelliteErrors satellite(1, "satellite");
   satellite.advance(parameters, 1.0, 0.0);
-  const AtmosphereErrors atmosphere(1, "atmosphere");
   SignalArrival strong = at(45.0);
   SignalArrival weak = strong;
   weak.cn0_dbhz = strong.cn0_dbhz - 20.0 * std::log10(2.0);
-  const RangeError one = satellite.error(parameters, atmosphere, strong, {});
-  const RangeError two = satellite.error(parameters, atmosphere, weak, {});
+  const RangeError one = satellite.error(parameters, strong, {});
+  const RangeError two = satellite.error(parameters, weak, {});
   EXPECT_NEAR(one.sigma_m, 0.3, 1e-12);
   EXPECT_NEAR(two.sigma_m, 0.6, 1e-12);
   EXPECT_NEAR(two.total_m(), 2.0 * one.total_m(), 1e-12);
 }
 
-TEST(RangeErrors, TheIonosphereIsOneFieldForAllSatellites) {
-  RangeErrorParameters parameters = kNoErrors;
-  parameters.ionosphere_sigma_m = 2.0;
-  AtmosphereErrors atmosphere(4, "atmosphere");
-  atmosphere.advance(parameters, 0.0);
-  const double zenith_m = atmosphere.ionosphere_m(parameters, 0.0, 90.0 * kDegree);
-  const double low_m = atmosphere.ionosphere_m(parameters, 1.0, 20.0 * kDegree);
-  EXPECT_NEAR(low_m / zenith_m,
-              ionosphere_mapping(20.0 * kDegree) / ionosphere_mapping(90.0 * kDegree), 1e-12);
-  // A gradient alone is opposite on opposite sides and nothing overhead.
-  parameters.ionosphere_sigma_m = 0.0;
-  parameters.ionosphere_gradient_sigma_mpkm = 2e-3;
-  const double north_m = atmosphere.ionosphere_m(parameters, 0.0, 30.0 * kDegree);
-  const double south_m = atmosphere.ionosphere_m(parameters, std::numbers::pi, 30.0 * kDegree);
-  EXPECT_NE(north_m, 0.0);
-  EXPECT_NEAR(north_m, -south_m, 1e-12);
-  EXPECT_NEAR(atmosphere.ionosphere_m(parameters, 0.0, 90.0 * kDegree), 0.0, 1e-12);
-}
-
 TEST(RangeErrors, ADetourIsExactAndNeverBelieved) {
   SatelliteErrors satellite(1, "satellite");
-  const AtmosphereErrors atmosphere(1, "atmosphere");
   SignalArrival reflected = at(45.0);
   reflected.extra_path_m = 17.0;
-  const RangeError error = satellite.error(kNoErrors, atmosphere, reflected, {});
+  const RangeError error = satellite.error(kNoErrors, reflected, {});
   EXPECT_DOUBLE_EQ(error.total_m(), 17.0);
   EXPECT_LT(error.sigma_m, 0.01);
   // A receiver mistrusts what is too weak, without knowing why.
   reflected.missing_db = 8.0;
-  EXPECT_NEAR(satellite.error(kNoErrors, atmosphere, reflected, {}).sigma_m, 5.0, 1e-9);
+  EXPECT_NEAR(satellite.error(kNoErrors, reflected, {}).sigma_m, 5.0, 1e-9);
 }
 
 TEST(RangeErrors, SigmaIsThatOfTheTotal) {
@@ -114,10 +92,13 @@ TEST(RangeErrors, SigmaIsThatOfTheTotal) {
     constexpr int kSatellites = 4000;
     for (std::uint64_t seed = 1; seed <= kSatellites; ++seed) {
       SatelliteErrors satellite(seed, "satellite");
-      AtmosphereErrors atmosphere(seed, "atmosphere");
       satellite.advance(parameters, 0.0, 0.0);
-      atmosphere.advance(parameters, 0.0);
-      const RangeError error = satellite.error(parameters, atmosphere, at(elevation_deg, 30.0), {});
+      SignalArrival arrival = at(elevation_deg, 30.0);
+      RandomStream shared(seed, "shared");
+      arrival.shared = {.orbit_clock = shared.gaussian(),
+                        .ionosphere = shared.gaussian(),
+                        .troposphere = shared.gaussian()};
+      const RangeError error = satellite.error(parameters, arrival, {});
       square += error.total_m() * error.total_m() / kSatellites;
       sigma_m = error.sigma_m;
     }

@@ -78,7 +78,7 @@ class Interrupts {
 
 RunOutcome execute(Rig& rig, const RigConfiguration& configuration, const RunOptions& options) {
   const SimTime end = options.duration ? kStart + *options.duration : kNever;
-  if (options.clock.kind == ClockMode::Kind::free) {
+  if (!options.clock.paced()) {
     return rig.executive().run_free(end);
   }
   PacedSettings settings;
@@ -115,8 +115,7 @@ TruthFiles truth_files(const RigConfiguration& configuration, const RunOptions& 
   files.lidar = chosen(options.lidar_truth_path, configuration.truth.lidar_path);
   files.failures = &failures;
   // Simulated time can wait for a reader only where it does not follow the wall's.
-  files.patience =
-      options.clock.kind == ClockMode::Kind::free ? kReaderPatience : std::chrono::milliseconds{0};
+  files.patience = !options.clock.paced() ? kReaderPatience : std::chrono::milliseconds{0};
   return files;
 }
 

@@ -15,12 +15,15 @@ std::optional<ClockMode> parse_clock_mode(std::string_view text) {
   if (text == "free") {
     return ClockMode{ClockMode::Kind::free, 1.0};
   }
+  if (text == "step") {
+    return ClockMode{ClockMode::Kind::step, 1.0};
+  }
   constexpr std::string_view kPrefix = "scaled:";
   if (text.starts_with(kPrefix)) {
     const std::string number(text.substr(kPrefix.size()));
     char* end = nullptr;
     const double factor = std::strtod(number.c_str(), &end);
-    if (!number.empty() && *end == '\0' && factor >= 0.01 && factor <= 1000.0) {
+    if (!number.empty() && *end == '\0' && factor >= kLeastFactor && factor <= kGreatestFactor) {
       return ClockMode{ClockMode::Kind::scaled, factor};
     }
   }
@@ -33,32 +36,85 @@ std::string to_string(const ClockMode& mode) {
       return "real";
     case ClockMode::Kind::free:
       return "free";
+    case ClockMode::Kind::step:
+      return "step";
     case ClockMode::Kind::scaled:
       break;
   }
   return fmt::format("scaled:{:g}", mode.factor);
 }
 
-PacedClock::PacedClock(WallTime start, double factor) : start_(start), factor_(factor) {
+SimTime PacedClock::Course::at(WallTime when) const {
+  if (stands) {
+    return sim;
+  }
+  const auto elapsed = std::chrono::duration_cast<std::chrono::nanoseconds>(when - wall).count();
+  return sim +
+         Duration{factor == 1.0 ? elapsed : std::llround(static_cast<double>(elapsed) * factor)};
+}
+
+WallTime PacedClock::Course::wall_of(SimTime instant) const {
+  if (stands && instant > sim) {
+    return WallTime::max();
+  }
+  const auto simulated = (instant - sim).count();
+  return wall +
+         std::chrono::nanoseconds{
+             factor == 1.0 ? simulated : std::llround(static_cast<double>(simulated) / factor)};
+}
+
+PacedClock::PacedClock(WallTime start, double factor)
+    : course_{.wall = start, .sim = kStart, .factor = factor} {
   assert(factor > 0.0);
 }
 
+PacedClock::Course PacedClock::course() const {
+  const std::scoped_lock lock(mutex_);
+  return course_;
+}
+
 SimTime PacedClock::at(WallTime wall) const {
-  const auto elapsed = std::chrono::duration_cast<std::chrono::nanoseconds>(wall - start_).count();
-  const auto scaled =
-      factor_ == 1.0 ? elapsed : std::llround(static_cast<double>(elapsed) * factor_);
-  return SimTime{Duration{scaled} - slipped()};
+  return course().at(wall);
 }
 
 WallTime PacedClock::wall_of(SimTime instant) const {
-  const auto simulated = (instant.time_since_epoch() + slipped()).count();
-  const auto wall =
-      factor_ == 1.0 ? simulated : std::llround(static_cast<double>(simulated) / factor_);
-  return start_ + std::chrono::nanoseconds{wall};
+  return course().wall_of(instant);
 }
 
 void PacedClock::slip(Duration lag) {
-  slipped_ns_.fetch_add(lag.count());
+  const std::scoped_lock lock(mutex_);
+  course_.sim -= lag;
+  slipped_ += lag;
+}
+
+Duration PacedClock::slipped() const {
+  const std::scoped_lock lock(mutex_);
+  return slipped_;
+}
+
+void PacedClock::stand(SimTime instant) {
+  const std::scoped_lock lock(mutex_);
+  course_.wall = course_.wall_of(instant);
+  course_.sim = instant;
+  course_.stands = true;
+}
+
+void PacedClock::go_on(WallTime wall) {
+  const std::scoped_lock lock(mutex_);
+  course_.wall = wall;
+  course_.stands = false;
+}
+
+void PacedClock::set_factor(WallTime wall, double factor) {
+  assert(factor > 0.0);
+  const std::scoped_lock lock(mutex_);
+  course_.sim = course_.at(wall);
+  course_.wall = wall;
+  course_.factor = factor;
+}
+
+double PacedClock::factor() const {
+  return course().factor;
 }
 
 }  // namespace rigwire::hil

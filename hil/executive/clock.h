@@ -1,13 +1,13 @@
 // Wall time to simulation time, for the real-time and scaled modes.
 //
 // A PacedClock is a pure map between a monotonic wall time, which the caller reads and passes in,
-// and simulation time: sim = (wall - start) * factor - slipped. Deadlines are absolute, never sums
-// of sleeps. The free-running mode has no clock: there simulated time is as far as it has been
-// computed.
+// and simulation time: sim = (wall - anchor) * factor + sim at the anchor. Deadlines are absolute,
+// never sums of sleeps; the anchor moves only when the clock slips, stands, or changes its factor.
+// The free-running modes have no clock: there simulated time is as far as it has been computed.
 #pragma once
 
-#include <atomic>
 #include <chrono>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,35 +20,67 @@ using WallTime = std::chrono::steady_clock::time_point;
 
 /// How simulated time relates to wall time.
 struct ClockMode {
-  enum class Kind { real, free, scaled };
+  enum class Kind {
+    real,
+    free,    ///< As fast as it goes.
+    scaled,  ///< Real time, times `factor`.
+    step,    ///< As free, but time stands at the start and moves only when told.
+  };
   Kind kind = Kind::real;
-  double factor = 1.0;  ///< Simulated seconds per wall second; 1 when real, meaningless when free.
+  double factor = 1.0;  ///< Simulated seconds per wall second; 1 when real, else meaningless.
+
+  /// Whether it follows the wall's.
+  [[nodiscard]] bool paced() const { return kind == Kind::real || kind == Kind::scaled; }
 
   friend bool operator==(const ClockMode&, const ClockMode&) = default;
 };
 
-/// "real", "free" or "scaled:X" with 0.01 <= X <= 1000; nullopt for anything else.
+/// Ends of what a factor may be.
+inline constexpr double kLeastFactor = 0.01;
+inline constexpr double kGreatestFactor = 1000.0;
+
+/// "real", "free", "step" or "scaled:X" with X within the ends; nullopt for anything else.
 [[nodiscard]] std::optional<ClockMode> parse_clock_mode(std::string_view text);
 [[nodiscard]] std::string to_string(const ClockMode& mode);
 
+/// Any member may be called while other threads read.
 class PacedClock {
  public:
   /// Simulation time 0 is at `start`. Precondition: factor > 0.
   PacedClock(WallTime start, double factor);
 
   [[nodiscard]] SimTime at(WallTime wall) const;
+  /// WallTime::max() for what lies ahead while it stands.
   [[nodiscard]] WallTime wall_of(SimTime instant) const;
 
   /// Lets simulation time fall back by `lag` against wall time: the answer to a host that stalled,
-  /// so that nothing is sent in a burst to catch up. May be called while another thread reads.
+  /// so that nothing is sent in a burst to catch up.
   void slip(Duration lag);
-  [[nodiscard]] Duration slipped() const { return Duration{slipped_ns_.load()}; }
-  [[nodiscard]] double factor() const { return factor_; }
+  [[nodiscard]] Duration slipped() const;
+
+  /// From now on it shows `instant`.
+  void stand(SimTime instant);
+  /// At `wall` it shows what it shows while it stands, and goes on from there.
+  void go_on(WallTime wall);
+  /// It goes at another pace from `wall` on. Precondition: factor > 0.
+  void set_factor(WallTime wall, double factor);
+  [[nodiscard]] double factor() const;
 
  private:
-  WallTime start_;
-  double factor_;
-  std::atomic<std::int64_t> slipped_ns_{0};
+  struct Course {
+    WallTime wall;  ///< The anchor.
+    SimTime sim;    ///< What it shows there.
+    double factor;
+    bool stands = false;
+
+    [[nodiscard]] SimTime at(WallTime when) const;
+    [[nodiscard]] WallTime wall_of(SimTime instant) const;
+  };
+  [[nodiscard]] Course course() const;
+
+  mutable std::mutex mutex_;
+  Course course_;
+  Duration slipped_{0};
 };
 
 }  // namespace rigwire::hil

@@ -149,6 +149,9 @@ class Executive::TruthThread {
     requests.move_to(posted_);
   }
 
+  /// The clock goes otherwise than it did.
+  void look_at_clock() { wake_.notify_one(); }
+
   [[nodiscard]] BatchRing& ring() { return ring_; }
 
   [[nodiscard]] std::optional<std::string> fault() {
@@ -169,12 +172,22 @@ class Executive::TruthThread {
   }
 
  private:
+  /// A clock that stands has no deadline.
+  static constexpr Duration kLongestWait = std::chrono::seconds{1};
+
   void loop(const PacedClock& clock) {
     while (true) {
-      const WallTime due = clock.wall_of(frontier_ + truth_.slice() - lead_);
       {
         std::unique_lock lock(mutex_);
-        if (wake_.wait_until(lock, due, [this] { return ended_; }) || fault_) {
+        while (!ended_ && !fault_) {
+          const WallTime due = clock.wall_of(frontier_ + truth_.slice() - lead_);
+          const WallTime now = std::chrono::steady_clock::now();
+          if (due <= now) {
+            break;
+          }
+          wake_.wait_until(lock, std::min(due, now + kLongestWait));
+        }
+        if (ended_ || fault_) {
           return;
         }
       }
@@ -254,7 +267,7 @@ void Executive::fail(const std::string& what) {
 
 void Executive::run_events(SimTime until) {
   const StageTimer timer(wire_stages_.encoding_s);
-  while (!stopped_) {
+  while (!stopped_ && !paused_) {
     const auto [first, at] = earliest(sources_, &EventSource::next_event);
     if (first == nullptr || at > until) {
       break;
@@ -265,7 +278,9 @@ void Executive::run_events(SimTime until) {
       fail(fmt::format("a device does not move on from {:.9f} s", to_seconds(now_)));
     }
   }
-  advance_to(std::max(now_, until));
+  if (!paused_) {
+    advance_to(std::max(now_, until));
+  }
 }
 
 void Executive::advance_to(SimTime instant) {
@@ -321,6 +336,30 @@ void Executive::stop() {
   boost::asio::post(io_, [] {});
 }
 
+void Executive::pause() {
+  paused_ = true;
+  if (clock_ != nullptr) {
+    clock_->stand(now_);
+  }
+}
+
+void Executive::resume() {
+  paused_ = false;
+  woken_ = true;
+  if (clock_ != nullptr) {
+    clock_->go_on(std::chrono::steady_clock::now());
+    truth_thread_->look_at_clock();
+  }
+}
+
+void Executive::set_factor(double factor) {
+  if (clock_ != nullptr) {
+    clock_->set_factor(std::chrono::steady_clock::now(), factor);
+    truth_thread_->look_at_clock();
+    woken_ = true;
+  }
+}
+
 SimTime Executive::arrive() {
   woken_ = true;
   run_events(std::max(now_, present()));
@@ -335,16 +374,21 @@ RunOutcome Executive::run_free(SimTime end) {
   TruthRequests requests;
   truth_.begin(false);
   while (!stopped_ && now_ < end) {
-    requests.clear();
-    collect_requests(requests);
-    if (const auto fault = truth_.advance(requests, batch)) {
-      fail(*fault);
-      break;
+    if (paused_) {
+      io_.run_one();
+      continue;
     }
-    route(batch);
-    const SimTime until = std::min(frontier_, end);
-    run_events(until);
-    transmit_due(until);
+    if (now_ >= frontier_) {
+      requests.clear();
+      collect_requests(requests);
+      if (const auto fault = truth_.advance(requests, batch)) {
+        fail(*fault);
+        break;
+      }
+      route(batch);
+    }
+    run_events(std::min(frontier_, end));
+    transmit_due(now_);
     io_.poll();
   }
   RunOutcome outcome;
@@ -364,6 +408,10 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
 
   PacedClock clock(std::chrono::steady_clock::now(), settings.factor);
   clock_ = &clock;
+  truth_thread_ = &truth;
+  if (paused_) {
+    clock.stand(kStart);
+  }
   truth.start(clock);
   const WallTime start = clock.wall_of(kStart);
   RunOutcome outcome;
@@ -385,9 +433,8 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
       clock.slip(lag);
       ++outcome.slips;
     }
-    const SimTime until = std::min({frontier_, wanted, end});
-    run_events(until);
-    transmit_due(until);
+    run_events(std::min({frontier_, wanted, end}));
+    transmit_due(now_);
     collect_requests(requests);
     if (!requests.empty()) {
       truth.post(requests);
@@ -397,9 +444,11 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
     }
     // At the frontier only the next batch can help, and it wakes this thread; the deadline then
     // only makes sure that a stalled truth thread is noticed.
-    const SimTime wakeup = std::min(next_wakeup(), end);
-    timer.arm(
-        clock.wall_of(now_ < frontier_ ? std::min(wakeup, frontier_) : now_ + settings.slip_limit));
+    if (!paused_) {
+      const SimTime wakeup = std::min(next_wakeup(), end);
+      timer.arm(clock.wall_of(now_ < frontier_ ? std::min(wakeup, frontier_)
+                                               : now_ + settings.slip_limit));
+    }
     woken_ = false;
     while (!woken_ && !stopped_) {
       io_.run_one();
@@ -409,6 +458,7 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
 
   truth.join();
   clock_ = nullptr;
+  truth_thread_ = nullptr;
   outcome.reached = now_;
   outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   outcome.slipped = clock.slipped();

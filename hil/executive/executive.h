@@ -10,6 +10,10 @@
 // Free-running, one thread does both, slice by slice, and what is sent does not depend on wall
 // time.
 //
+// Time can stand: pause() is acted on between two events, so that whoever is an event source can
+// stop it at an instant of its own with everything before it done. Clients are still served then;
+// what they send arrives at that instant, and devices answer when time goes on.
+//
 // Order. Events run in order of time, at equal instants in the order of add(); so do outlets, among
 // themselves, when the events up to that instant have run. Stations take samples and ask of the
 // truth in the order of their indices.
@@ -83,6 +87,14 @@ class Executive {
   void stop();
   [[nodiscard]] bool stopped() const { return stopped_; }
 
+  // On the wire thread, before a run or within it.
+  /// Time stands after the present event.
+  void pause();
+  void resume();
+  [[nodiscard]] bool paused() const { return paused_; }
+  /// Another pace; nothing when it runs freely. Precondition: factor > 0.
+  void set_factor(double factor);
+
   /// Runs as fast as possible until `end` (kNever: until stop()).
   RunOutcome run_free(SimTime end);
   /// Runs against wall time until `end` (kNever: until stop()).
@@ -122,9 +134,11 @@ class Executive {
   std::atomic<SimTime> reached_{kStart};  ///< The same for other threads.
   SimTime frontier_ = kStart;             ///< Samples are known up to here.
   PacedClock* clock_ = nullptr;           ///< Set while paced.
+  TruthThread* truth_thread_ = nullptr;   ///< Set while paced.
   WireStages wire_stages_;
   std::vector<double> machine_state_;
   std::optional<std::string> fault_;
+  bool paused_ = false;
   bool woken_ = false;  ///< Something happened that the paced loop must look at. Wire thread only.
   std::atomic<bool> stopped_{false};
 };

@@ -4,7 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <functional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "emulators/device.h"
@@ -225,6 +229,104 @@ TEST(Executive, StopFromAnotherThreadEndsAPacedRunThatWaits) {
   const RunOutcome outcome = rig.executive.run_paced({}, kNever);
   stopper.join();
   EXPECT_FALSE(outcome.fault.has_value());
+}
+
+/// Lets time stand at instants of its own.
+class Halts final : public EventSource {
+ public:
+  Halts(Executive& executive, std::vector<SimTime> instants)
+      : executive_(executive), instants_(std::move(instants)) {
+    executive.add(*this);
+  }
+  [[nodiscard]] SimTime next_event() const override {
+    return next_ < instants_.size() ? instants_[next_] : kNever;
+  }
+  [[nodiscard]] SimTime next_wakeup() const override { return next_event(); }
+  void advance(SimTime /*now*/) override {
+    ++next_;
+    executive_.pause();
+  }
+
+ private:
+  Executive& executive_;
+  std::vector<SimTime> instants_;
+  std::size_t next_ = 0;
+};
+
+/// Calls `then` as often as time stands, and lets it go on.
+class WheneverPaused {
+ public:
+  WheneverPaused(Rig& rig, std::function<void()> then)
+      : rig_(rig), then_(std::move(then)), timer_(rig.io) {
+    look();
+  }
+
+ private:
+  void look() {
+    timer_.expires_after(200us);
+    timer_.async_wait([this](const boost::system::error_code& error) {
+      if (error) {
+        return;
+      }
+      if (rig_.executive.paused()) {
+        then_();
+        rig_.executive.resume();
+      }
+      look();
+    });
+  }
+
+  Rig& rig_;
+  std::function<void()> then_;
+  boost::asio::steady_timer timer_;
+};
+
+TEST(Executive, TimeStandsAtAnInstantWithAllBeforeItDoneAndNothingBehindIt) {
+  Rig whole;
+  whole.executive.run_free(kStart + 400ms);
+  for (const bool paced : {false, true}) {
+    Rig rig;
+    Halts halts(rig.executive, {kStart + 1ns, kStart + 33'333'333ns, kStart + 200ms});
+    std::vector<std::pair<SimTime, std::uint64_t>> stood;
+    const WheneverPaused onlooker(
+        rig, [&] { stood.emplace_back(rig.executive.now(), rig.statistics.units); });
+    PacedSettings settings;
+    settings.slip_limit = 10s;
+    const RunOutcome outcome = paced ? rig.executive.run_paced(settings, kStart + 400ms)
+                                     : rig.executive.run_free(kStart + 400ms);
+    EXPECT_EQ(outcome.reached, kStart + 400ms);
+    EXPECT_EQ(outcome.slips, 0U);
+    // Each sample leaves 3 ms after it was taken.
+    EXPECT_EQ(stood, (std::vector<std::pair<SimTime, std::uint64_t>>{
+                         {kStart + 1ns, 0}, {kStart + 33'333'333ns, 4}, {kStart + 200ms, 20}}));
+    EXPECT_EQ(rig.statistics.hash.value(), whole.statistics.hash.value());
+  }
+}
+
+TEST(Executive, ARunThatIsPausedBeforeItBeginsHasSentNothing) {
+  for (const bool paced : {false, true}) {
+    Rig rig;
+    rig.executive.pause();
+    boost::asio::steady_timer timer(rig.io, 50ms);
+    timer.async_wait([&](const boost::system::error_code&) {
+      EXPECT_EQ(rig.executive.now(), kStart);
+      EXPECT_EQ(rig.statistics.units, 0U);
+      rig.executive.stop();
+    });
+    const RunOutcome outcome =
+        paced ? rig.executive.run_paced({}, kNever) : rig.executive.run_free(kNever);
+    EXPECT_EQ(outcome.reached, kStart);
+  }
+}
+
+TEST(Executive, AnotherPaceIsTakenWhileItRuns) {
+  Rig rig;
+  boost::asio::post(rig.io, [&] { rig.executive.set_factor(1000.0); });
+  PacedSettings settings;
+  settings.slip_limit = 10s;
+  const RunOutcome outcome = rig.executive.run_paced(settings, kStart + 60s);
+  EXPECT_LT(outcome.wall_s, 30.0);
+  EXPECT_EQ(rig.statistics.units, 6000U);
 }
 
 }  // namespace

@@ -1,15 +1,23 @@
 #include "drivers/http_server.h"
 
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/beast/core/basic_stream.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/core/rate_policy.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/version.hpp>
+#include <cerrno>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -23,6 +31,8 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using asio::ip::tcp;
 using boost::system::error_code;
+using Local = asio::local::stream_protocol;
+using AnySocket = asio::generic::stream_protocol::socket;
 
 namespace {
 
@@ -47,10 +57,18 @@ struct HttpServer::State : Listening, std::enable_shared_from_this<State> {
   State(asio::io_context& context, HttpServerSettings wanted)
       : Listening(context), settings(std::move(wanted)) {}
 
-  void admit(tcp::socket socket);
+  void admit(tcp::socket socket) {
+    error_code ignored;
+    socket.set_option(tcp::no_delay(true), ignored);
+    admit_any(AnySocket(std::move(socket)));
+  }
+  void admit_any(AnySocket socket);
+  void listen_at_path();
+  void accept_at_path();
 
   HttpServerSettings settings;
-  Handler handler;
+  std::optional<Local::acceptor> local;  ///< Of the path.
+  PatientHandler handler;
   std::vector<std::shared_ptr<Session>> sessions;
   std::uint64_t requests = 0;
 };
@@ -75,7 +93,7 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
   }
 
  public:
-  Session(std::shared_ptr<State> server, tcp::socket socket)
+  Session(std::shared_ptr<State> server, AnySocket socket)
       : server_(std::move(server)),
         stream_(std::move(socket)),
         buffer_(server_->settings.header_bytes + kSlack) {}
@@ -104,7 +122,7 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
       return;
     }
     error_code ignored;
-    stream_.socket().shutdown(tcp::socket::shutdown_both, ignored);
+    stream_.socket().shutdown(AnySocket::shutdown_both, ignored);
     stream_.close();
     std::erase(server_->sessions, shared_from_this());
   }
@@ -144,9 +162,18 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
   void answer() {
     const auto request = parser_->release();
     ++server_->requests;
-    const HttpResponse response = server_->handler(
-        {std::string(request.method_string()), std::string(request.target()), request.body()});
-    write(response, request.version(), request.keep_alive(), request.method() == http::verb::head);
+    stream_.expires_never();
+    const auto header = [&](http::field field) { return std::string(request[field]); };
+    server_->handler(
+        {std::string(request.method_string()), std::string(request.target()), request.body(),
+         header(http::field::host), header(http::field::origin),
+         header(http::field::authorization)},
+        [self = weak_from_this(), version = request.version(), keep_alive = request.keep_alive(),
+         head = request.method() == http::verb::head](const HttpResponse& response) {
+          if (const auto session = self.lock(); session && !session->ended_) {
+            session->write(response, version, keep_alive, head);
+          }
+        });
   }
 
   void write(const HttpResponse& response, unsigned version, bool keep_alive, bool head) {
@@ -186,7 +213,7 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
   /// Closing with bytes unread would reset the connection, and the answer could be lost with it.
   void drain(std::size_t left) {
     error_code ignored;
-    stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    stream_.socket().shutdown(AnySocket::shutdown_send, ignored);
     stream_.async_read_some(asio::buffer(drained_),
                             guarded([this, left](const error_code& error, std::size_t size) {
                               error || size >= left ? end() : drain(left - size);
@@ -194,7 +221,9 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
   }
 
   std::shared_ptr<State> server_;
-  beast::tcp_stream stream_;
+  beast::basic_stream<asio::generic::stream_protocol, asio::any_io_executor,
+                      beast::unlimited_rate_policy>
+      stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
   http::response<http::string_body> continue_;
@@ -205,16 +234,67 @@ class HttpServer::Session : public std::enable_shared_from_this<Session> {
   bool ended_ = false;
 };
 
-void HttpServer::State::admit(tcp::socket socket) {
+void HttpServer::State::admit_any(AnySocket socket) {
   if (sessions.size() >= settings.clients_max) {
     const std::shared_ptr<Session> silent =
         *std::ranges::min_element(sessions, {}, [](const auto& s) { return s->heard(); });
     silent->end();
   }
-  error_code ignored;
-  socket.set_option(tcp::no_delay(true), ignored);
   sessions.push_back(std::make_shared<Session>(shared_from_this(), std::move(socket)));
   sessions.back()->read_header();
+}
+
+void HttpServer::State::listen_at_path() {
+  const std::string where = "http unix:" + settings.path;
+  if (settings.path.size() >= sizeof(sockaddr_un::sun_path)) {
+    throw EndpointError(where + ": the path has " + std::to_string(settings.path.size()) +
+                        " bytes, allowed are " + std::to_string(sizeof(sockaddr_un::sun_path) - 1));
+  }
+  const Local::endpoint endpoint(settings.path);
+  struct stat found {};
+  if (::lstat(settings.path.c_str(), &found) == 0) {
+    if (!S_ISSOCK(found.st_mode)) {
+      throw EndpointError(where + ": there is something else than a socket; choose another path");
+    }
+    error_code refused;
+    Local::socket trial(acceptor.get_executor());
+    trial.connect(endpoint, refused);
+    if (!refused) {
+      throw EndpointError(where + ": another process serves it; stop it or choose another path");
+    }
+    ::unlink(settings.path.c_str());
+  }
+  Local::acceptor opened(acceptor.get_executor());
+  error_code error;
+  opened.open(Local(), error);
+  // Before it is bound: nobody else may connect even for a moment.
+  if (!error && ::fchmod(opened.native_handle(), S_IRUSR | S_IWUSR) != 0) {
+    error = {errno, boost::system::system_category()};
+  }
+  if (!error) {
+    opened.bind(endpoint, error);
+  }
+  if (!error) {
+    opened.listen(asio::socket_base::max_listen_connections, error);
+  }
+  if (error) {
+    throw EndpointError(where + ": " + error.message() + "; check that its folder can be written");
+  }
+  local.emplace(std::move(opened));
+}
+
+void HttpServer::State::accept_at_path() {
+  local->async_accept([server = shared_from_this()](const error_code& error, Local::socket socket) {
+    if (server->stopped || error == asio::error::operation_aborted) {
+      return;
+    }
+    if (!error) {
+      server->admit_any(AnySocket(std::move(socket)));
+      server->accept_at_path();
+      return;
+    }
+    server->after_a_while([server] { server->accept_at_path(); });
+  });
 }
 
 HttpServer::HttpServer(asio::io_context& context, const HttpServerSettings& settings) {
@@ -226,25 +306,48 @@ HttpServer::HttpServer(asio::io_context& context, const HttpServerSettings& sett
                              std::size_t{16} << 20U);
   check_setting<std::int64_t>(kServer, "patience in ms", settings.patience.count(), 1, 3'600'000);
   auto state = std::make_shared<State>(context, settings);
-  state->settings.port =
-      listen(state->acceptor, "http", settings.address, settings.port, settings.allow_remote);
+  if (settings.path.empty()) {
+    state->settings.port =
+        listen(state->acceptor, "http", settings.address, settings.port, settings.allow_remote);
+  } else {
+    state->settings.port = 0;
+    state->listen_at_path();
+  }
   state_ = std::move(state);
 }
 
 HttpServer::~HttpServer() {
   state_->stop();
+  if (state_->local) {
+    error_code ignored;
+    state_->local->close(ignored);
+    ::unlink(state_->settings.path.c_str());
+  }
   for (const auto& session : std::exchange(state_->sessions, {})) {
     session->end();
   }
 }
 
 void HttpServer::start(Handler handler) {
+  start_patiently(
+      [handler = std::move(handler)](const HttpRequest& request, const Respond& respond) {
+        respond(handler(request));
+      });
+}
+
+void HttpServer::start_patiently(PatientHandler handler) {
   state_->handler = std::move(handler);
-  accept_clients(state_);
+  if (state_->local) {
+    state_->accept_at_path();
+  } else {
+    accept_clients(state_);
+  }
 }
 
 EndpointStatus HttpServer::status() const {
-  return {describe_listener("http", state_->settings.address, state_->settings.port),
+  const HttpServerSettings& settings = state_->settings;
+  return {settings.path.empty() ? describe_listener("http", settings.address, settings.port)
+                                : "http unix:" + settings.path,
           !state_->sessions.empty()};
 }
 

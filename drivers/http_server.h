@@ -1,10 +1,11 @@
-// An HTTP/1.1 server for devices that have a web interface.
+// An HTTP/1.1 server: for devices that have a web interface, and for the control surface of a run.
 //
-// Loopback only, unless the settings opt in to more. Connections stay open between requests when
-// the client wants it; requests that come before their predecessor's answer wait in the system. A
-// client that stops half-way through a request, or does not read its answer, is closed after a
-// while; nothing waits for it meanwhile. When all places are taken, a newcomer gets the place of
-// the client that has been silent longest, as at TcpServer.
+// Loopback only, unless the settings opt in to more, or a socket in the file system, which its
+// owner alone can open. Connections stay open between requests when the client wants it; requests
+// that come before their predecessor's answer wait in the system. A client that stops half-way
+// through a request, or does not read its answer, is closed after a while; nothing waits for it
+// meanwhile. When all places are taken, a newcomer gets the place of the client that has been
+// silent longest, as at TcpServer.
 //
 // The server itself answers what is not a request: 400 for what is no HTTP, 413 for a body and 431
 // for a header beyond the limits; the connection ends then. "Expect: 100-continue" is obeyed: a
@@ -28,10 +29,11 @@ struct HttpServerSettings {
   std::string address = "127.0.0.1";  ///< Numeric IPv4 or IPv6.
   std::uint16_t port = 8080;          ///< 0 takes a free one (tests).
   bool allow_remote = false;          ///< Opt-in for addresses other than loopback.
-  std::string server;                 ///< Header "Server"; empty: none.
-  std::size_t clients_max = 16;       ///< 1 .. 1024.
-  std::size_t header_bytes = 8192;    ///< Of one request, 256 .. 64 KiB.
-  std::size_t body_bytes = 65536;     ///< Of one request, 256 .. 16 MiB.
+  std::string path;    ///< Of a Unix socket, mode 0600, in place of address and port; empty: none.
+  std::string server;  ///< Header "Server"; empty: none.
+  std::size_t clients_max = 16;     ///< 1 .. 1024.
+  std::size_t header_bytes = 8192;  ///< Of one request, 256 .. 64 KiB.
+  std::size_t body_bytes = 65536;   ///< Of one request, 256 .. 16 MiB.
   /// For one request to arrive, for one answer to leave, and between two requests; 1 ms .. 1 h.
   std::chrono::milliseconds patience = std::chrono::seconds(10);
 };
@@ -40,6 +42,9 @@ struct HttpRequest {
   std::string method;  ///< As received: "GET".
   std::string target;  ///< Path with query, as received.
   std::string body;
+  std::string host;           ///< Header "Host".
+  std::string origin;         ///< Header "Origin": of the page that a browser asks for.
+  std::string authorization;  ///< Header "Authorization".
 };
 
 struct HttpResponse {
@@ -53,10 +58,14 @@ struct HttpResponse {
 class HttpServer {
  public:
   using Handler = std::function<HttpResponse(const HttpRequest&)>;
+  /// Called once, from the io_context, now or later; nothing happens when the client has gone.
+  using Respond = std::function<void(const HttpResponse&)>;
+  using PatientHandler = std::function<void(const HttpRequest&, Respond)>;
 
   /// Binds and listens; clients are taken from start() on. Throws std::invalid_argument for a
-  /// setting out of range, EndpointError when the system refuses or when the address is not
-  /// loopback without opt-in.
+  /// setting out of range, EndpointError when the system refuses, when the address is not loopback
+  /// without opt-in, or when another process serves the path. A socket that nobody serves any more
+  /// is taken over.
   HttpServer(boost::asio::io_context& context, const HttpServerSettings& settings);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
@@ -64,8 +73,10 @@ class HttpServer {
 
   /// `handler` is called from the io_context, once for each complete request, and answers at once.
   void start(Handler handler);
+  /// The same with answers that may take their time; a client is not closed while it waits for one.
+  void start_patiently(PatientHandler handler);
   [[nodiscard]] EndpointStatus status() const;
-  /// The port that is bound.
+  /// The port that is bound; 0 with a path.
   [[nodiscard]] std::uint16_t port() const;
   [[nodiscard]] std::size_t clients() const;
   [[nodiscard]] std::uint64_t requests() const;  ///< Given to the handler so far.

@@ -49,6 +49,18 @@ struct Listening {
     retry.cancel(ignored);
   }
 
+  /// When the system had no descriptors left: once, unless it is stopped before. It must be kept
+  /// alive by `then`.
+  template <class Then>
+  void after_a_while(Then then) {
+    retry.expires_after(std::chrono::milliseconds(100));
+    retry.async_wait([this, then = std::move(then)](const boost::system::error_code&) {
+      if (!stopped) {
+        then();
+      }
+    });
+  }
+
   boost::asio::ip::tcp::acceptor acceptor;
   boost::asio::steady_timer retry;
   bool stopped = false;
@@ -69,12 +81,7 @@ void accept_clients(const std::shared_ptr<Server>& server) {
           accept_clients(server);
           return;
         }
-        server->retry.expires_after(std::chrono::milliseconds(100));
-        server->retry.async_wait([server](const boost::system::error_code&) {
-          if (!server->stopped) {
-            accept_clients(server);
-          }
-        });
+        server->after_a_while([server] { accept_clients(server); });
       });
 }
 

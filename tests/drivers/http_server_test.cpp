@@ -2,10 +2,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <array>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/write.hpp>
+#include <filesystem>
+#include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -278,6 +285,74 @@ TEST_F(HttpServerTest, NewcomerGetsThePlaceOfTheMostSilent) {
   EXPECT_TRUE(silent.closed());
   EXPECT_FALSE(busy.closed());
   EXPECT_EQ(server_->clients(), 2U);
+}
+
+TEST_F(HttpServerTest, AnAnswerMayComeLaterThanItsClientWouldBePatient) {
+  HttpServerSettings settings;
+  settings.port = 0;
+  settings.patience = std::chrono::milliseconds(20);
+  server_ = std::make_unique<HttpServer>(context_, settings);
+  std::vector<HttpServer::Respond> open;
+  server_->start_patiently([&](const HttpRequest& request, HttpServer::Respond respond) {
+    requests_.push_back(request);
+    open.push_back(std::move(respond));
+  });
+  auto one = client();
+  one.send("GET / HTTP/1.1\r\nHost: here\r\nOrigin: http://there\r\nAuthorization: me\r\n\r\n");
+  EXPECT_TRUE(wait([&] { return open.size() == 1; }));
+  EXPECT_EQ(requests_[0].host, "here");
+  EXPECT_EQ(requests_[0].origin, "http://there");
+  EXPECT_EQ(requests_[0].authorization, "me");
+  run_for(context_, std::chrono::milliseconds(60));
+  EXPECT_FALSE(one.closed());
+  open[0](response_);
+  EXPECT_TRUE(wait([&] { return one.received().ends_with("hello"); }));
+
+  std::optional<Client> gone(client());
+  gone->send("GET / HTTP/1.1\r\nHost: here\r\n\r\n");
+  EXPECT_TRUE(wait([&] { return open.size() == 2; }));
+  gone.reset();
+  open[1](response_);
+  server_.reset();
+  open[1](response_);
+}
+
+TEST_F(HttpServerTest, ASocketInTheFileSystemIsItsOwnersAlone) {
+  std::string folder = "/tmp/rigwire-test-XXXXXX";
+  ASSERT_NE(::mkdtemp(folder.data()), nullptr);
+  HttpServerSettings settings;
+  settings.path = folder + "/control";
+  open(settings);
+  struct stat found {};
+  ASSERT_EQ(::lstat(settings.path.c_str(), &found), 0);
+  EXPECT_EQ(found.st_mode & 0777U, 0600U);
+  EXPECT_EQ(server_->status().address, "http unix:" + settings.path);
+  EXPECT_THAT(message_of([&] { HttpServer(context_, settings); }), HasSubstr("another process"));
+
+  asio::local::stream_protocol::socket one(context_);
+  one.connect({settings.path});
+  asio::write(one, asio::buffer(std::string("GET / HTTP/1.1\r\nHost: x\r\n\r\n")));
+  EXPECT_TRUE(wait([&] { return requests_.size() == 1; }));
+  std::string answer;
+  one.non_blocking(true);
+  EXPECT_TRUE(wait([&] {
+    boost::system::error_code error;
+    std::array<char, 512> piece{};
+    answer.append(piece.data(), one.read_some(asio::buffer(piece), error));
+    return answer.ends_with("hello");
+  }));
+  server_.reset();
+  EXPECT_NE(::lstat(settings.path.c_str(), &found), 0) << "it is left behind";
+
+  // What a process that was killed has left is taken over; what is no socket stays.
+  asio::local::stream_protocol::acceptor(context_, {settings.path}).close();
+  open(settings);
+  server_.reset();
+  std::ofstream(settings.path) << "a text";
+  EXPECT_THAT(message_of([&] { HttpServer(context_, settings); }), HasSubstr("something else"));
+  settings.path = std::string(200, 'x');
+  EXPECT_THAT(message_of([&] { HttpServer(context_, settings); }), HasSubstr("200 bytes"));
+  std::filesystem::remove_all(folder);
 }
 
 TEST_F(HttpServerTest, EndsWithClientsConnected) {

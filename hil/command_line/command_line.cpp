@@ -42,8 +42,8 @@ Examples:
 Exit codes: 0 done, 1 run-time failure, 2 usage or configuration, 3 environment or permission,
 128 + n after signal n.)";
 
-constexpr std::array kVerbs{"run",    "picture", "check", "list",      "describe",
-                            "schema", "doctor",  "bench", "completion"};
+constexpr std::array kVerbs{"run",    "picture", "check", "list", "describe",
+                            "schema", "doctor",  "bench", "ctl",  "completion"};
 
 int usage(const std::string& message, std::ostream& err, const std::string& help = "") {
   err << "rigwire: " << message << "\n"
@@ -140,6 +140,9 @@ struct Parsed {
   std::string lidar_truth;
   std::string status;
   std::string log_level = "info";
+  std::string control;
+  std::optional<int> ready_fd;
+  std::vector<std::string> request;
   bool dry_run = false;
   bool print = false;
   bool json = false;
@@ -177,7 +180,8 @@ void declare(CLI::App& app, Parsed& parsed) {
 
   CLI::App* run_app = app.add_subcommand("run", "Run a rig until Ctrl-C or --duration");
   rig(run_app);
-  run_app->add_option("--clock", parsed.clock, "real, free (as fast as possible) or scaled:X");
+  run_app->add_option("--clock", parsed.clock,
+                      "real, free (as fast as possible), scaled:X, or step (time moves when told)");
   run_app->add_option("--duration", parsed.duration, "Simulated time, for example 20s or 5min");
   run_app->add_option("--seed", parsed.seed, "Of every random stream; same as --set seed=N");
   run_app->add_option("--report", parsed.report,
@@ -186,6 +190,10 @@ void declare(CLI::App& app, Parsed& parsed) {
   run_app->add_option("--lidar-truth", parsed.lidar_truth,
                       "Write the ground truth of every lidar shot to a file");
   run_app->add_option("--status", parsed.status, "live, plain or none");
+  run_app->add_option("--control", parsed.control,
+                      "Where the run is governed from (rigwire ctl): unix:FILE or 127.0.0.1:PORT");
+  run_app->add_option("--ready-fd", parsed.ready_fd,
+                      "Descriptor that is written a line of JSON when every wire is open");
   log_level(run_app);
   run_app->add_flag("--dry-run", parsed.dry_run, "Check and print the plan; open nothing");
   run_app->footer(
@@ -215,6 +223,18 @@ void declare(CLI::App& app, Parsed& parsed) {
   picture_app->footer(
       "\nExamples:\n  rigwire picture excavator_vision -o pit.png\n"
       "  rigwire picture unimog_vision --at 8s --travel 30km/h --layer depth --raw -o depth.png");
+
+  CLI::App* ctl_app = app.add_subcommand("ctl", "Govern a run that has --control");
+  ctl_app->add_option("endpoint", parsed.control, "As the run's --control has it")->required();
+  ctl_app
+      ->add_option("verb", parsed.word,
+                   "state, read, pause, resume, run_until, step, speed, wait or stop")
+      ->required();
+  ctl_app->add_option("keys", parsed.request, "KEY=VALUE of the verb, and at=TIME");
+  ctl_app->footer(
+      "\nExamples:\n  rigwire ctl unix:/tmp/control run_until time=2s\n"
+      "  rigwire ctl unix:/tmp/control wait quantity=boom value=40 limit=20s\n"
+      "The token of a run at a port stands in the variable RIGWIRE_CONTROL_TOKEN.");
 
   CLI::App* check_app = app.add_subcommand("check", "Check a rig; every finding in one pass");
   rig(check_app);
@@ -307,6 +327,28 @@ int refuse_log_level(const std::string& found, Terminal terminal, const std::str
                terminal.err, verb);
 }
 
+int refuse_control(const std::string& found, const std::string& where, Terminal terminal,
+                   const std::string& verb) {
+  return usage(fmt::format("{}: no place of a control server, found \"{}\", allowed unix:FILE, or "
+                           "127.0.0.1:PORT with another number of 127.0.0.0/8 if you like",
+                           where, found),
+               terminal.err, verb);
+}
+
+/// Of requests to a control server at a port. Not on the command line, where all users see it.
+std::string token_of_environment() {
+  const char* token = std::getenv("RIGWIRE_CONTROL_TOKEN");
+  return token == nullptr ? "" : token;
+}
+
+int dispatch_ctl(const Parsed& parsed, Terminal terminal) {
+  const auto endpoint = parse_control_endpoint(parsed.control);
+  if (!endpoint) {
+    return refuse_control(parsed.control, "endpoint", terminal, "ctl");
+  }
+  return ctl_verb(*endpoint, token_of_environment(), parsed.word, parsed.request, terminal);
+}
+
 int dispatch_run(Parsed& parsed, Terminal terminal) {
   RunOptions options;
   const auto level = parse_log_level(parsed.log_level);
@@ -316,12 +358,23 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
   options.log_level = *level;
   const auto clock = parse_clock_mode(parsed.clock);
   if (!clock) {
-    return usage(fmt::format("--clock: unknown clock, found \"{}\", allowed real, free, scaled:X "
-                             "with X = 0.01 .. 1000",
+    return usage(fmt::format("--clock: unknown clock, found \"{}\", allowed real, free, step, "
+                             "scaled:X with X = 0.01 .. 1000",
                              parsed.clock),
                  terminal.err, "run");
   }
   options.clock = *clock;
+  if (!parsed.control.empty()) {
+    options.control = parse_control_endpoint(parsed.control);
+    if (!options.control) {
+      return refuse_control(parsed.control, "--control", terminal, "run");
+    }
+    options.control_token = token_of_environment();
+  } else if (clock->kind == ClockMode::Kind::step) {
+    return usage("--clock step: nobody could move time on, found no --control", terminal.err,
+                 "run");
+  }
+  options.ready_descriptor = parsed.ready_fd;
   if (parsed.duration) {
     options.duration = parse_duration(*parsed.duration);
     if (!options.duration) {
@@ -439,6 +492,9 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
     }
     return parsed.valve_map.empty() ? describe_verb(parsed.word, parsed.json, terminal)
                                     : describe_valve_map_verb(parsed.valve_map, terminal);
+  }
+  if (app.got_subcommand("ctl")) {
+    return dispatch_ctl(parsed, terminal);
   }
   if (app.got_subcommand("schema")) {
     return schema_verb(parsed.word.empty() ? "rig" : parsed.word, terminal);

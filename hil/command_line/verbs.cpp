@@ -16,6 +16,7 @@
 #include "hil/command_line/doctor.h"
 #include "hil/command_line/text_table.h"
 #include "hil/configuration/suggest.h"
+#include "hil/control/control_client.h"
 #include "hil/devices/device_types.h"
 #include "hil/devices/site.h"
 #include "hil/record/output_file.h"
@@ -214,6 +215,29 @@ int doctor_verb(bool json, Terminal terminal) {
   }
   terminal.out << (json ? list.dump(2) + "\n" : table_text(rows));
   return code(missing ? ExitCode::environment : ExitCode::done);
+}
+
+int ctl_verb(const ControlEndpoint& endpoint, const std::string& token, const std::string& verb,
+             const std::vector<std::string>& keys, Terminal terminal) {
+  Json request{{"verb", verb}};
+  for (const std::string& key : keys) {
+    const std::size_t equals = key.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      terminal.err << fmt::format(
+          "rigwire: ctl: no key with its value, found \"{}\", allowed for "
+          "example time=2s\n",
+          key);
+      return code(ExitCode::usage);
+    }
+    request[key.substr(0, equals)] = key.substr(equals + 1);
+  }
+  const ControlAnswer answer =
+      ask_control(endpoint, token, request.dump(-1, ' ', false, Json::error_handler_t::replace));
+  terminal.out << answer.body << "\n";
+  return code(answer.status == 200                           ? ExitCode::done
+              : answer.status == 400                         ? ExitCode::usage
+              : answer.status == 401 || answer.status == 403 ? ExitCode::environment
+                                                             : ExitCode::failure);
 }
 
 int bench_verb(const std::vector<std::string>& arguments, Terminal terminal) {

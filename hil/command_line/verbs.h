@@ -47,6 +47,10 @@ struct Terminal {
 [[nodiscard]] int doctor_verb(bool json, Terminal terminal);
 /// Becomes the program rigwire-bench; returns only when that is not possible.
 [[nodiscard]] int bench_verb(const std::vector<std::string>& arguments, Terminal terminal);
+/// Asks a run's control server; `keys` are KEY=VALUE. The reply goes to `out`, also a refusal.
+[[nodiscard]] int ctl_verb(const ControlEndpoint& endpoint, const std::string& token,
+                           const std::string& verb, const std::vector<std::string>& keys,
+                           Terminal terminal);
 [[nodiscard]] int completion_verb(const std::string& shell, Terminal terminal);
 
 /// One row per device: name, type, wire, what it sends by itself. For --dry-run.

@@ -1,6 +1,7 @@
 #include "hil/control/run.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <boost/asio/signal_set.hpp>
@@ -8,8 +9,12 @@
 #include <csignal>
 #include <iterator>
 #include <mutex>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "drivers/endpoints.h"
+#include "hil/control/desk.h"
+#include "hil/control/ready.h"
 #include "hil/record/output_file.h"
 #include "hil/record/run_log.h"
 #include "hil/rig/rig.h"
@@ -119,7 +124,30 @@ TruthFiles truth_files(const RigConfiguration& configuration, const RunOptions& 
   return files;
 }
 
+/// Every wire is open.
+void tell_ready(const RunOptions& options, const Rig& rig, const std::string& control,
+                const std::string& token) {
+  notify_service_manager();
+  if (!options.ready_descriptor) {
+    return;
+  }
+  nlohmann::ordered_json line{{"ready", true}, {"pid", ::getpid()}};
+  if (!control.empty()) {
+    line["control"] = control;
+    line["token"] = options.control->path.empty() ? nlohmann::ordered_json(token) : nullptr;
+  }
+  for (const DeviceStatus& device : rig.status().devices) {
+    line["devices"][device.name] = device.wire;
+  }
+  hil::tell_ready(*options.ready_descriptor,
+                  line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
 int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
+  if (options.ready_descriptor && !can_be_written(*options.ready_descriptor)) {
+    throw std::invalid_argument(fmt::format("--ready-fd: descriptor {} is not open for writing",
+                                            *options.ready_descriptor));
+  }
   const WithoutSigpipe without_sigpipe;
   RunLog log(options.log_level);
   OutputFailures failures([&log](const std::string& what) { log.error(what); });
@@ -130,7 +158,7 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
     report_file.emplace("the report", options.report_path);
   }
   // Before a device saves what it is told.
-  const bool is_told = report_file || options.onlooker;
+  const bool is_told = report_file || options.onlooker || options.control;
   const std::string hash = is_told ? config_hash(configuration) : std::string();
   auto rig =
       std::make_unique<Rig>(configuration, io, truth_files(configuration, options, failures), &log);
@@ -153,7 +181,27 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
          [&interrupts] { interrupts.end_by(SIGPIPE); },
          [&failures](const std::string& what) { failures.report(what); }});
   }
+  std::optional<Desk> desk;
+  std::optional<ControlServer> server;
+  if (options.control) {
+    const std::string token = options.control_token.empty() ? fresh_token() : options.control_token;
+    desk.emplace(io, rig->executive(),
+                 GovernedRun{configuration.name, configuration.seed, hash, options.clock,
+                             rig->truth().state_quantities(), [&rig] { return rig->status(); }});
+    server.emplace(io, *options.control, token, *desk);
+    log.info(options.control->path.empty()
+                 ? fmt::format("control at {}, token {}", server->address(), token)
+                 : "control at " + server->address());
+    tell_ready(options, *rig, server->address(), token);
+  } else {
+    tell_ready(options, *rig, "", "");
+  }
   const RunOutcome outcome = execute(*rig, configuration, options);
+  if (desk) {
+    desk->end();
+    io.restart();
+    io.poll();  // the last answers
+  }
   const RunReport report =
       report_of(*rig, rig->executive().wire_stages(), configuration, hash, options, outcome);
   interrupts.govern(nullptr);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/control/control_server.h"
 #include "hil/executive/clock.h"
 #include "hil/executive/truth_source.h"
 #include "hil/record/report.h"
@@ -55,6 +56,12 @@ struct RunOptions {
   std::string truth_path;            ///< Empty: as the rig says.
   std::string lidar_truth_path;      ///< Empty: as the rig says.
   LogLevel log_level = LogLevel::info;
+  std::optional<ControlEndpoint> control;  ///< Where it is governed from; nothing: nowhere.
+  /// Of requests at a port; empty: one is made and told with the address.
+  std::string control_token;
+  /// Is written a line of JSON, and closed, when every wire is open: `control` and `token` of the
+  /// control server, and the wire of each device by its name.
+  std::optional<int> ready_descriptor;
   MakeOnlooker onlooker;  ///< May be empty.
 };
 

@@ -101,8 +101,10 @@ void PacedClock::stand(SimTime instant) {
 
 void PacedClock::go_on(WallTime wall) {
   const std::scoped_lock lock(mutex_);
-  course_.wall = wall;
-  course_.stands = false;
+  if (course_.stands) {
+    course_.wall = wall;
+    course_.stands = false;
+  }
 }
 
 void PacedClock::set_factor(WallTime wall, double factor) {

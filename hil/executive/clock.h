@@ -60,7 +60,8 @@ class PacedClock {
 
   /// From now on it shows `instant`.
   void stand(SimTime instant);
-  /// At `wall` it shows what it shows while it stands, and goes on from there.
+  /// At `wall` it shows what it shows while it stands, and goes on from there. Nothing while it
+  /// goes.
   void go_on(WallTime wall);
   /// It goes at another pace from `wall` on. Precondition: factor > 0.
   void set_factor(WallTime wall, double factor);

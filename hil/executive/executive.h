@@ -102,6 +102,8 @@ class Executive {
 
   /// Present simulated time: of the wire side.
   [[nodiscard]] SimTime now() const { return now_; }
+  /// Up to where samples are known, which machine_state() is of; not before now().
+  [[nodiscard]] SimTime frontier() const { return frontier_; }
   /// As now(), from any thread.
   [[nodiscard]] SimTime reached() const { return reached_.load(std::memory_order_relaxed); }
   /// Given up so far against wall time because the host stalled.

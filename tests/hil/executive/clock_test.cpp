@@ -53,6 +53,8 @@ TEST(PacedClock, StandsAndGoesOnFromWhereItStood) {
   clock.go_on(WallTime{10s});
   EXPECT_EQ(clock.at(WallTime{11s}), kStart + 5s);
   EXPECT_EQ(clock.wall_of(kStart + 5s), WallTime{11s});
+  clock.go_on(WallTime{20s});
+  EXPECT_EQ(clock.at(WallTime{11s}), kStart + 5s) << "it went already";
   EXPECT_EQ(clock.slipped(), 0s);
 }
 

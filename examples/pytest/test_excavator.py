@@ -1,0 +1,89 @@
+"""An excavator and its software on trial, in simulated time that moves when the test says so.
+
+    RIGWIRE=build/rigwire PYTHONPATH=python pytest examples/pytest
+"""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from rigwire import Refused, Rig, RigwireError
+
+pytest_plugins = ["rigwire.fixtures"]
+
+RIG = """\
+name: excavator on a plane
+scene:
+  terrain: {{type: level, size: 40 m, cell: 1 m}}
+machine: {{type: excavator}}
+devices:
+  gnss:
+    type: ublox-neo-7p
+    path: {folder}/gnss
+    faults: [{{type: jamming, at: 6 s, for: 2 s, loss: 40 dB}}]
+"""
+
+
+@pytest.fixture
+def rig(tmp_path: Path, start_rig: Callable[..., Rig]) -> Rig:
+    return start_rig(write_rig(tmp_path))
+
+
+def write_rig(folder: Path) -> Path:
+    path = folder / "rig.yaml"
+    path.write_text(RIG.format(folder=folder), encoding="utf-8")
+    return path
+
+
+def test_every_wire_is_open_before_time_begins(rig: Rig) -> None:
+    assert rig.state().time_ns == 0
+    assert rig.state().paused
+    assert Path(rig.devices["gnss"].split()[-1]).exists()
+
+
+def test_time_stands_exactly_where_it_was_sent(rig: Rig) -> None:
+    assert rig.run_until(1.5) == 1.5
+    assert rig.step(0.000_000_001) == pytest.approx(1.500_000_001, abs=1e-12)
+    assert rig.state().time_ns == 1_500_000_001
+    frames = rig.read().devices["gnss"].frames
+    assert frames > 0
+    assert rig.read().devices["gnss"].frames == frames  # nothing moves by itself
+
+
+def test_a_fault_of_the_file_acts_in_its_window(rig: Rig) -> None:
+    rig.run_until(5.0)
+    assert not rig.read().faults
+    rig.run_until(6.5)
+    assert [fault.type for fault in rig.read().faults] == ["jamming"]
+    rig.run_until(8.5)
+    assert not rig.read().faults
+
+
+def test_what_is_not_possible_says_what_is(rig: Rig) -> None:
+    rig.run_until(1.0)
+    with pytest.raises(Refused, match="later than 1 s"):
+        rig.run_until(0.5)
+    with pytest.raises(Refused, match="allowed"):
+        rig.wait("bucket temperature", above=1.0)
+    with pytest.raises(RigwireError, match="did not start"):
+        Rig("no_such_rig")
+
+
+def test_the_same_steps_give_the_same_bytes(tmp_path: Path, start_rig: Callable[..., Rig]) -> None:
+    path = write_rig(tmp_path)
+    hashes = []
+    for lengths in ([0.1] * 20, [2.0], [0.333, 1.667]):
+        run = start_rig(path, seed=5)
+        for length in lengths:
+            run.step(length)
+        hashes.append(run.stop()["devices"]["gnss"]["stream_hash"])
+    assert len(set(hashes)) == 1
+
+
+def test_many_runs_stand_side_by_side(tmp_path: Path, start_rig: Callable[..., Rig]) -> None:
+    path = write_rig(tmp_path)
+    runs = [start_rig(path, sets={"devices.gnss.path": tmp_path / f"gnss{i}"}) for i in range(20)]
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(lambda run: run.run_until(0.5), runs)) == [0.5] * len(runs)

@@ -1,0 +1,39 @@
+#include "hil/control/commands.h"
+
+#include "hil/executive/clock.h"
+
+namespace rigwire::hil {
+void visit(fields::Visitor& v, RunUntilCommand& p) {
+  v.required("time");
+  v.duration("time", p.time, {1, fields::kYear_ns}, "From the start of the run.");
+}
+
+void visit(fields::Visitor& v, StepCommand& p) {
+  v.required("length");
+  v.duration("length", p.length, {1, fields::kYear_ns}, "How far time goes on.");
+}
+
+void visit(fields::Visitor& v, SpeedCommand& p) {
+  v.required("factor");
+  v.number("factor", p.factor, fields::plain().between(kLeastFactor, kGreatestFactor),
+           "Simulated seconds per second of wall time.");
+}
+
+void visit(fields::Visitor& v, WaitCommand& p) {
+  v.required("quantity");
+  v.text("quantity", p.quantity, "Name of a quantity of the machine, as `read` has it.");
+  v.boolean("above", p.above, "Whether it is wanted above the value; else below.");
+  v.required("value");
+  v.number("value", p.value, fields::plain(), "In the quantity's unit.");
+  v.duration("limit", p.limit, {1, fields::kYear_ns},
+             "Simulated time after which the answer is a refusal.");
+}
+
+void visit(fields::Visitor& v, Request& p) {
+  v.required("verb");
+  v.variant("verb", p.command, "What is asked.");
+  v.duration("at", p.at, {0, fields::kYear_ns},
+             "When it is carried out, from the start of the run; what is over is at once.");
+}
+
+}  // namespace rigwire::hil

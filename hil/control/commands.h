@@ -1,0 +1,82 @@
+// What may be asked of a run from outside its wires, as plain structures. Whoever asks, a program
+// in the same process or a client of the control server, fills these; their keys are read by the
+// same visitor as a rig's file, so that what is wrong is said in the same words.
+//
+//   {verb: run_until, time: 2.5 s}
+//   {verb: speed, factor: 4, at: 10 s}
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include "fields/visitor.h"
+#include "sim/samples/time.h"
+
+namespace rigwire::hil {
+
+struct StateCommand {
+  static constexpr fields::Named kNamed{"state", "Which run it is, and whether its time goes on."};
+};
+struct PauseCommand {
+  static constexpr fields::Named kNamed{"pause", "Time stands."};
+};
+struct ResumeCommand {
+  static constexpr fields::Named kNamed{"resume", "Time goes on."};
+};
+struct RunUntilCommand {
+  static constexpr fields::Named kNamed{
+      "run_until", "Time goes on to an instant and stands there; then comes the answer."};
+
+  Duration time{0};  ///< From the start of the run.
+};
+struct StepCommand {
+  static constexpr fields::Named kNamed{
+      "step", "Time goes on for a while and stands again; then comes the answer."};
+
+  Duration length = std::chrono::milliseconds{1};
+};
+struct SpeedCommand {
+  static constexpr fields::Named kNamed{"speed", "Another pace, where the clock has one."};
+
+  double factor = 1.0;  ///< Simulated seconds per second of wall time.
+};
+struct ReadCommand {
+  static constexpr fields::Named kNamed{
+      "read", "The machine's true state, the devices with their clients, the faults that act."};
+};
+struct WaitCommand {
+  static constexpr fields::Named kNamed{
+      "wait",
+      "Time goes on until a quantity of the machine is where it is wanted; then comes the "
+      "answer, and time stands if it stood before."};
+
+  std::string quantity;                       ///< As `read` names it.
+  bool above = true;                          ///< Wanted above the value, else below.
+  double value = 0.0;                         ///< In the quantity's unit.
+  Duration limit = std::chrono::seconds{10};  ///< Simulated time; then the answer is a refusal.
+};
+struct StopCommand {
+  static constexpr fields::Named kNamed{"stop", "The run ends as at the end of its duration."};
+};
+
+using Command = std::variant<StateCommand, PauseCommand, ResumeCommand, RunUntilCommand,
+                             StepCommand, SpeedCommand, ReadCommand, WaitCommand, StopCommand>;
+
+inline void visit(fields::Visitor&, StateCommand&) {}
+inline void visit(fields::Visitor&, PauseCommand&) {}
+inline void visit(fields::Visitor&, ResumeCommand&) {}
+void visit(fields::Visitor& v, RunUntilCommand& p);
+void visit(fields::Visitor& v, StepCommand& p);
+void visit(fields::Visitor& v, SpeedCommand& p);
+inline void visit(fields::Visitor&, ReadCommand&) {}
+void visit(fields::Visitor& v, WaitCommand& p);
+inline void visit(fields::Visitor&, StopCommand&) {}
+
+/// A command, and when it is carried out.
+struct Request {
+  Command command;
+  Duration at{0};  ///< From the start of the run; what is over then is at once.
+};
+void visit(fields::Visitor& v, Request& p);
+
+}  // namespace rigwire::hil

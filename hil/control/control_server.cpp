@@ -1,0 +1,191 @@
+#include "hil/control/control_server.h"
+
+#include <fmt/format.h>
+#include <sys/random.h>
+
+#include <array>
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "hil/configuration/schema.h"
+
+namespace rigwire::hil {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kJson = "application/json";
+
+drivers::HttpServerSettings server_settings(const ControlEndpoint& endpoint) {
+  drivers::HttpServerSettings settings;
+  settings.path = endpoint.path;
+  settings.address = endpoint.address;
+  settings.port = endpoint.port;
+  settings.clients_max = 64;
+  settings.patience = std::chrono::minutes{1};
+  return settings;
+}
+
+int status_of(Reply::Outcome outcome) {
+  switch (outcome) {
+    case Reply::Outcome::done:
+      return 200;
+    case Reply::Outcome::wrong:
+      return 400;
+    case Reply::Outcome::refused:
+      return 409;
+    case Reply::Outcome::ended:
+      return 410;
+  }
+  return 500;
+}
+
+drivers::HttpResponse complaint(int status, const std::string& what) {
+  return {status, kJson, Json{{"ok", false}, {"what", what}}.dump(), {}, false};
+}
+
+/// As long a comparison whatever is found, so that its time tells nothing of the token.
+bool same(std::string_view found, std::string_view wanted) {
+  unsigned difference = found.size() == wanted.size() ? 0 : 1;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const char at = i < found.size() ? found[i] : '\0';
+    difference |= static_cast<unsigned char>(at ^ wanted[i]);
+  }
+  return difference == 0;
+}
+
+}  // namespace
+
+std::optional<ControlEndpoint> parse_control_endpoint(std::string_view text) {
+  ControlEndpoint endpoint;
+  constexpr std::string_view kUnix = "unix:";
+  if (text.starts_with(kUnix)) {
+    endpoint.path = text.substr(kUnix.size());
+    return endpoint.path.empty() ? std::nullopt : std::optional(endpoint);
+  }
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos || !text.starts_with("127.")) {
+    return std::nullopt;
+  }
+  endpoint.address = text.substr(0, colon);
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, endpoint.port);
+  return error != std::errc{} || stop != end ? std::nullopt : std::optional(endpoint);
+}
+
+std::string fresh_token() {
+  std::array<unsigned char, 16> bytes{};
+  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
+    throw std::runtime_error("the system has no random numbers for a token");
+  }
+  std::string token;
+  for (const unsigned char byte : bytes) {
+    token += fmt::format("{:02x}", byte);
+  }
+  return token;
+}
+
+ControlServer::ControlServer(boost::asio::io_context& io, const ControlEndpoint& endpoint,
+                             std::string token, Desk& desk)
+    : endpoint_(endpoint),
+      token_(std::move(token)),
+      desk_(desk),
+      server_(io, server_settings(endpoint)) {
+  endpoint_.port = server_.port();
+  server_.start_patiently(
+      [this](const drivers::HttpRequest& request, const drivers::HttpServer::Respond& respond) {
+        serve(request, respond);
+      });
+}
+
+std::string ControlServer::address() const {
+  return endpoint_.path.empty() ? fmt::format("{}:{}", endpoint_.address, endpoint_.port)
+                                : "unix:" + endpoint_.path;
+}
+
+std::optional<drivers::HttpResponse> ControlServer::objection(
+    const drivers::HttpRequest& request) const {
+  if (!request.origin.empty()) {
+    return complaint(403, "requests of pages are not served (header Origin)");
+  }
+  if (!endpoint_.path.empty()) {
+    return std::nullopt;
+  }
+  if (request.host != address() && request.host != fmt::format("localhost:{}", endpoint_.port)) {
+    return complaint(403, "another Host than " + address());
+  }
+  if (!same(request.authorization, "Bearer " + token_)) {
+    return complaint(401, "no \"Authorization: Bearer TOKEN\" with the run's token");
+  }
+  return std::nullopt;
+}
+
+void ControlServer::serve(const drivers::HttpRequest& request,
+                          const drivers::HttpServer::Respond& respond) {
+  if (const auto refusal = objection(request)) {
+    respond(*refusal);
+    return;
+  }
+  const auto answer = [respond](const Reply& reply) {
+    respond({status_of(reply.outcome), kJson, reply.json, {}, false});
+  };
+  const bool reads = request.method == "GET" || request.method == "HEAD";
+  if (request.target == "/command") {
+    if (request.method == "POST") {
+      desk_.carry_out(request.body, "the request", answer);
+    } else {
+      drivers::HttpResponse refusal = complaint(405, "commands are posted");
+      refusal.allow = "POST";
+      respond(refusal);
+    }
+  } else if (request.target == "/state" && reads) {
+    desk_.carry_out(Request{StateCommand{}}, answer);
+  } else if (request.target == "/read" && reads) {
+    desk_.carry_out(Request{ReadCommand{}}, answer);
+  } else if (request.target == "/openapi.json" && reads) {
+    respond({200, kJson, control_api(), {}, false});
+  } else {
+    respond(complaint(404, "allowed POST /command, GET /state, /read, /openapi.json"));
+  }
+}
+
+std::string control_api() {
+  const Json reply{
+      {"type", "object"},
+      {"required", {"ok"}},
+      {"properties",
+       {{"ok", {{"type", "boolean"}}},
+        {"time_ns", {{"type", "integer"}, {"description", "Simulated time of the answer."}}},
+        {"paused", {{"type", "boolean"}, {"description", "Whether time stands."}}},
+        {"what", {{"type", "string"}, {"description", "Why it was not done."}}},
+        {"path", {{"type", "string"}, {"description", "Key that is wrong."}}},
+        {"found", {{"type", "string"}}},
+        {"allowed", {{"type", "string"}}}}}};
+  const auto response = [](const char* description) {
+    return Json{{"description", description},
+                {"content", {{kJson, {{"schema", {{"$ref", "#/components/schemas/Reply"}}}}}}}};
+  };
+  const Json responses{{"200", response("Done.")},
+                       {"400", response("No request: what is wrong, and where.")},
+                       {"409", response("Not now, or not with this run.")},
+                       {"410", response("The run ended before.")}};
+  Json request = Json::parse(schema_of(Request{}, "A command of a run."));
+  return Json{
+      {"openapi", "3.1.0"},
+      {"info", {{"title", "Control of a Rigwire run"}, {"version", "1"}}},
+      {"paths",
+       {{"/command",
+         {{"post",
+           {{"requestBody",
+             {{"required", true},
+              {"content", {{kJson, {{"schema", {{"$ref", "#/components/schemas/Request"}}}}}}}}},
+            {"responses", responses}}}}},
+        {"/state", {{"get", {{"responses", responses}}}}},
+        {"/read", {{"get", {{"responses", responses}}}}}}},
+      {"components", {{"schemas", {{"Request", std::move(request)}, {"Reply", reply}}}}}}
+      .dump(2);
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,65 @@
+// The door to a run's desk for other processes: HTTP on a Unix socket or a loopback port.
+//
+//   POST /command      a request of commands.h as JSON or YAML; the reply's JSON (desk.h)
+//   GET  /state, /read the same without a body
+//   GET  /openapi.json what may be asked, made from the commands' own rules
+//
+// Status 200 done, 400 no request, 409 refused, 410 the run has ended.
+//
+// A Unix socket is its owner's alone (mode 0600). On a port every request needs
+// "Authorization: Bearer TOKEN", and is refused (403) when its Host is another than the address, so
+// that no name server makes a page's own address out of it. A request with the header Origin, which
+// browsers set for pages of elsewhere, is refused everywhere.
+//
+// On the thread that runs the executive; clients that do not read are closed
+// (drivers/http_server.h).
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "drivers/http_server.h"
+#include "hil/control/desk.h"
+
+namespace rigwire::hil {
+
+/// Where a run is governed from.
+struct ControlEndpoint {
+  std::string path;                   ///< Of a Unix socket; empty: a port.
+  std::string address = "127.0.0.1";  ///< Loopback, numeric.
+  std::uint16_t port = 0;             ///< 0: the system chooses one.
+};
+
+/// "unix:FILE" or "127.0.0.1:PORT"; nullopt for anything else.
+[[nodiscard]] std::optional<ControlEndpoint> parse_control_endpoint(std::string_view text);
+
+class ControlServer {
+ public:
+  /// `token`: of requests at a port. The desk must outlive it. Throws drivers::EndpointError.
+  ControlServer(boost::asio::io_context& io, const ControlEndpoint& endpoint, std::string token,
+                Desk& desk);
+
+  /// "unix:/tmp/control" or "127.0.0.1:40123", as `rigwire ctl` takes it.
+  [[nodiscard]] std::string address() const;
+
+ private:
+  void serve(const drivers::HttpRequest& request, const drivers::HttpServer::Respond& respond);
+  /// Why it is not served; nothing when it is.
+  [[nodiscard]] std::optional<drivers::HttpResponse> objection(
+      const drivers::HttpRequest& request) const;
+
+  ControlEndpoint endpoint_;
+  std::string token_;
+  Desk& desk_;
+  drivers::HttpServer server_;
+};
+
+/// 128 random bits of the system, as hexadecimal digits.
+[[nodiscard]] std::string fresh_token();
+
+/// JSON text: the requests and replies of the server as an OpenAPI 3.1 document.
+[[nodiscard]] std::string control_api();
+
+}  // namespace rigwire::hil

@@ -1,0 +1,308 @@
+#include "hil/control/desk.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/asio/post.hpp>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "hil/configuration/document.h"
+#include "hil/configuration/plain_text.h"
+#include "hil/configuration/problems.h"
+#include "hil/configuration/reader.h"
+#include "hil/configuration/suggest.h"
+
+namespace rigwire::hil {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Between two looks at a quantity that is waited for.
+constexpr Duration kLook = std::chrono::milliseconds{1};
+
+std::int64_t nanoseconds(SimTime time) {
+  return (time - kStart).count();
+}
+
+std::string seconds_text(SimTime time) {
+  return fields::print_duration(nanoseconds(time));
+}
+
+Json json_of(const DeviceStatus& device) {
+  Json json{{"wire", device.wire},
+            {"frames", device.frames},
+            {"bytes", device.bytes},
+            {"dropped", device.dropped},
+            {"client_present", device.client_present},
+            {"last_request", nullptr}};
+  if (device.last_request) {
+    json["last_request"] = {{"time_ns", nanoseconds(device.last_request->at)},
+                            {"text", printable(device.last_request->text)}};
+  }
+  return json;
+}
+
+}  // namespace
+
+Desk::Desk(boost::asio::io_context& io, Executive& executive, GovernedRun run)
+    : io_(io), executive_(executive), run_(std::move(run)) {
+  executive_.add(*this);
+  if (run_.clock.kind == ClockMode::Kind::step) {
+    executive_.pause();
+  }
+}
+
+void Desk::carry_out(const Request& request, Answer answer) {
+  if (ended_) {
+    refuse(answer, Reply::Outcome::ended, {{"what", "the run has ended"}});
+    return;
+  }
+  const SimTime at = kStart + request.at;
+  if (at <= executive_.now()) {
+    act(request.command, std::move(answer));
+    return;
+  }
+  const auto behind = std::ranges::upper_bound(queue_, at, {}, &Queued::at);
+  queue_.insert(behind, {at, request.command, std::move(answer)});
+}
+
+void Desk::carry_out(const std::string& text, const std::string& name, Answer answer) {
+  Problems problems;
+  Origins origins;
+  const Value document = parse_document(text, name, ".", problems);
+  Request request;
+  if (problems.empty()) {
+    Reader(document, problems, origins).read(fields::Part::of(request));
+  }
+  if (problems.empty()) {
+    carry_out(request, std::move(answer));
+    return;
+  }
+  const Problem first = problems.sorted().front();
+  Json why{{"what", first.line()}};
+  for (const auto& [key, words] :
+       {std::pair{"path", &first.path}, {"found", &first.found}, {"allowed", &first.allowed}}) {
+    if (!words->empty()) {
+      why[key] = printable(*words);
+    }
+  }
+  refuse(answer, Reply::Outcome::wrong, std::move(why));
+}
+
+void Desk::end() {
+  ended_ = true;
+  const Json why{{"what", "the run ended before"}};
+  for (const Queued& queued : std::exchange(queue_, {})) {
+    refuse(queued.answer, Reply::Outcome::ended, why);
+  }
+  for (const Journey& journey : std::exchange(journey_, {})) {
+    refuse(journey.answer, Reply::Outcome::ended, why);
+  }
+}
+
+SimTime Desk::next_event() const {
+  SimTime next = queue_.empty() ? kNever : queue_.front().at;
+  for (const Journey& journey : journey_) {
+    next = std::min({next, journey.until, journey.waits ? journey.next_look : kNever});
+  }
+  return next;
+}
+
+void Desk::advance(SimTime now) {
+  arrive_at(now);
+  while (!queue_.empty() && queue_.front().at <= now) {
+    Queued next = std::move(queue_.front());
+    queue_.pop_front();
+    act(next.command, std::move(next.answer));
+  }
+}
+
+void Desk::arrive_at(SimTime now) {
+  if (journey_.empty()) {
+    return;
+  }
+  Journey& journey = journey_.front();
+  const bool there = journey.waits && is_there(journey);
+  if (!there && now < journey.until) {
+    journey.next_look = std::min(journey.until, now + kLook);
+    return;
+  }
+  if (journey.stands_then) {
+    executive_.pause();
+  }
+  const bool in_vain = journey.waits && !there;
+  later([this, in_vain, name = in_vain ? run_.quantities[journey.index].name : std::string(),
+         answer = std::move(journey.answer)] {
+    if (in_vain) {
+      refuse(answer, Reply::Outcome::refused,
+             {{"what", name + " was not where it is wanted within the limit"},
+              {"machine", machine()}});
+    } else {
+      done(answer, {});
+    }
+  });
+  journey_.clear();
+}
+
+bool Desk::is_there(const Journey& journey) const {
+  const std::vector<double>& state = executive_.machine_state();
+  return journey.index < state.size() && (journey.above ? state[journey.index] > journey.value
+                                                        : state[journey.index] < journey.value);
+}
+
+void Desk::act(const Command& command, Answer answer) {
+  std::visit([&](const auto& chosen) { act(chosen, answer); }, command);
+}
+
+void Desk::act(const StateCommand&, const Answer& answer) {
+  done(answer, {{"rig", run_.rig},
+                {"seed", run_.seed},
+                {"config_hash", run_.config_hash},
+                {"clock", to_string(run_.clock)},
+                {"queued", queue_.size()}});
+}
+
+void Desk::act(const PauseCommand&, const Answer& answer) {
+  executive_.pause();
+  later([this, answer] { done(answer, {}); });
+}
+
+void Desk::act(const ResumeCommand&, const Answer& answer) {
+  executive_.resume();
+  done(answer, {});
+}
+
+void Desk::act(const RunUntilCommand& command, const Answer& answer) {
+  const SimTime until = kStart + command.time;
+  if (until <= executive_.now()) {
+    refuse(answer, Reply::Outcome::refused,
+           {{"what", "that instant is over"},
+            {"path", "time"},
+            {"found", seconds_text(until)},
+            {"allowed", "later than " + seconds_text(executive_.now())}});
+  } else if (!busy(answer)) {
+    depart({.until = until, .stands_then = true, .answer = answer});
+  }
+}
+
+void Desk::act(const StepCommand& command, const Answer& answer) {
+  if (!busy(answer)) {
+    depart({.until = executive_.now() + command.length, .stands_then = true, .answer = answer});
+  }
+}
+
+void Desk::act(const SpeedCommand& command, const Answer& answer) {
+  if (!run_.clock.paced()) {
+    refuse(answer, Reply::Outcome::refused,
+           {{"what", "this clock has no pace"},
+            {"path", "verb"},
+            {"found", "clock " + to_string(run_.clock)},
+            {"allowed", "a run with --clock real or scaled:X"}});
+    return;
+  }
+  executive_.set_factor(command.factor);
+  run_.clock = {command.factor == 1.0 ? ClockMode::Kind::real : ClockMode::Kind::scaled,
+                command.factor};
+  done(answer, {{"clock", to_string(run_.clock)}});
+}
+
+void Desk::act(const ReadCommand&, const Answer& answer) {
+  const RigStatus status = run_.status();
+  Json devices = Json::object();
+  for (const DeviceStatus& device : status.devices) {
+    devices[device.name] = json_of(device);
+  }
+  Json faults = Json::array();
+  for (const FaultWindow& fault : status.faults) {
+    faults.push_back(
+        {{"where", fault.where},
+         {"type", fault.type},
+         {"begin_ns", nanoseconds(fault.begin)},
+         {"end_ns", fault.end == kNever ? Json(nullptr) : Json(nanoseconds(fault.end))}});
+  }
+  done(answer,
+       {{"machine", machine()}, {"devices", std::move(devices)}, {"faults", std::move(faults)}});
+}
+
+void Desk::act(const WaitCommand& command, const Answer& answer) {
+  const auto found = std::ranges::find(run_.quantities, command.quantity, &StateQuantity::name);
+  if (found == run_.quantities.end()) {
+    std::vector<std::string> names;
+    for (const StateQuantity& quantity : run_.quantities) {
+      names.push_back(quantity.name);
+    }
+    refuse(answer, Reply::Outcome::wrong,
+           {{"what", "the machine has no such quantity"},
+            {"path", "quantity"},
+            {"found", printable(command.quantity)},
+            {"allowed", join_words(names)}});
+  } else if (!busy(answer)) {
+    depart({.until = executive_.now() + command.limit,
+            .stands_then = executive_.paused(),
+            .waits = true,
+            .index = static_cast<std::size_t>(found - run_.quantities.begin()),
+            .above = command.above,
+            .value = command.value,
+            .next_look = executive_.now(),
+            .answer = answer});
+  }
+}
+
+void Desk::act(const StopCommand&, const Answer& answer) {
+  done(answer, {});
+  executive_.stop();
+}
+
+bool Desk::busy(const Answer& answer) {
+  if (journey_.empty()) {
+    return false;
+  }
+  refuse(answer, Reply::Outcome::refused,
+         {{"what", "time is on its way for another request"},
+          {"found", "until " + seconds_text(journey_.front().until) + " at the latest"},
+          {"allowed", "one run_until, step or wait at a time"}});
+  return true;
+}
+
+void Desk::depart(Journey journey) {
+  if (journey.waits && is_there(journey)) {
+    done(journey.answer, {});
+    return;
+  }
+  // A look at this very instant would not move on.
+  journey.next_look = std::min(journey.until, executive_.now() + kLook);
+  journey_.push_back(std::move(journey));
+  executive_.resume();
+}
+
+void Desk::later(std::function<void()> what) {
+  boost::asio::post(io_, std::move(what));
+}
+
+Json Desk::machine() const {
+  Json values = Json::object();
+  const std::vector<double>& state = executive_.machine_state();
+  for (std::size_t i = 0; i < run_.quantities.size() && i < state.size(); ++i) {
+    values[run_.quantities[i].name] = {{"value", state[i]}, {"unit", run_.quantities[i].unit}};
+  }
+  return {{"time_ns", nanoseconds(executive_.frontier())}, {"quantities", std::move(values)}};
+}
+
+void Desk::done(const Answer& answer, Json more) {
+  Json json{
+      {"ok", true}, {"time_ns", nanoseconds(executive_.now())}, {"paused", executive_.paused()}};
+  if (more.is_object()) {
+    json.update(more);
+  }
+  answer({Reply::Outcome::done, json.dump()});
+}
+
+void Desk::refuse(const Answer& answer, Reply::Outcome outcome, Json why) {
+  Json json{
+      {"ok", false}, {"time_ns", nanoseconds(executive_.now())}, {"paused", executive_.paused()}};
+  json.update(why);
+  answer({outcome, json.dump(-1, ' ', false, Json::error_handler_t::replace)});
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,126 @@
+// Where the commands of a run are carried out, whichever door they come through.
+//
+// Everything is on the thread that runs the executive. The desk is an event source, the last one
+// added: a command with an instant acts when everything that is due up to it has been done, and
+// several of one instant act in the order in which they came. Time stands exactly at the instant
+// that run_until, step or a queued pause names; what was due by then has left.
+//
+// Answers. Each request is answered once: when it is done (run_until: when time stands there),
+// when it is refused, or when the run ends before. One client at a time sends time somewhere: while
+// a run_until, a step or a wait is on its way, another one is refused.
+//
+// What `read` and `wait` see of the machine is its state at the end of the newest slice, whose
+// instant is told beside it: when time stands within a slice that is up to a slice ahead, when
+// paced up to the lead.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "hil/control/commands.h"
+#include "hil/executive/clock.h"
+#include "hil/executive/event_source.h"
+#include "hil/executive/executive.h"
+#include "hil/executive/truth_source.h"
+#include "hil/rig/rig_status.h"
+
+namespace rigwire::hil {
+
+/// What was done, or why not.
+struct Reply {
+  enum class Outcome {
+    done,
+    wrong,    ///< The request is none.
+    refused,  ///< Not now, or not with this run.
+    ended,    ///< The run ended before.
+  };
+  Outcome outcome = Outcome::done;
+  /// A JSON object: `ok`, `time_ns` (simulated, of the answer), `paused`, and what the verb tells;
+  /// of what is not done `what`, and where known `path`, `found` and `allowed`.
+  std::string json;
+};
+
+/// The run that the desk governs.
+struct GovernedRun {
+  std::string rig;
+  std::uint64_t seed = 0;
+  std::string config_hash;
+  ClockMode clock;
+  std::vector<StateQuantity> quantities;  ///< What RigStatus::machine holds.
+  std::function<RigStatus()> status;
+};
+
+class Desk final : public EventSource {
+ public:
+  using Answer = std::function<void(const Reply&)>;
+
+  /// Adds itself to the executive; both must outlive it. With a clock that steps, time stands from
+  /// the start.
+  Desk(boost::asio::io_context& io, Executive& executive, GovernedRun run);
+
+  /// `answer` may be called before this returns.
+  void carry_out(const Request& request, Answer answer);
+  /// The same from text, JSON or YAML; `name` stands for it in messages.
+  void carry_out(const std::string& text, const std::string& name, Answer answer);
+  /// Answers all that still waits: the run has ended.
+  void end();
+
+  [[nodiscard]] SimTime next_event() const override;
+  [[nodiscard]] SimTime next_wakeup() const override { return next_event(); }
+  void advance(SimTime now) override;
+
+ private:
+  struct Queued {
+    SimTime at{};
+    Command command;
+    Answer answer;
+  };
+  /// A run_until, step or wait on its way.
+  struct Journey {
+    SimTime until{};  ///< Where it ends at the latest.
+    bool stands_then = false;
+    bool waits = false;  ///< For the quantity at `index`.
+    std::size_t index = 0;
+    bool above = true;
+    double value = 0.0;
+    SimTime next_look{};
+    Answer answer;
+  };
+
+  void act(const Command& command, Answer answer);
+  void act(const StateCommand&, const Answer& answer);
+  void act(const PauseCommand&, const Answer& answer);
+  void act(const ResumeCommand&, const Answer& answer);
+  void act(const RunUntilCommand& command, const Answer& answer);
+  void act(const StepCommand& command, const Answer& answer);
+  void act(const SpeedCommand& command, const Answer& answer);
+  void act(const ReadCommand&, const Answer& answer);
+  void act(const WaitCommand& command, const Answer& answer);
+  void act(const StopCommand&, const Answer& answer);
+
+  /// Whether another journey is on its way; refuses then.
+  bool busy(const Answer& answer);
+  void depart(Journey journey);
+  void arrive_at(SimTime now);
+  [[nodiscard]] bool is_there(const Journey& journey) const;
+
+  void done(const Answer& answer, nlohmann::ordered_json more);
+  void refuse(const Answer& answer, Reply::Outcome outcome, nlohmann::ordered_json why);
+  /// When what is due up to now has left.
+  void later(std::function<void()> what);
+  [[nodiscard]] nlohmann::ordered_json machine() const;
+
+  boost::asio::io_context& io_;
+  Executive& executive_;
+  GovernedRun run_;
+  std::list<Queued> queue_;     ///< In order of time, of equals as they came.
+  std::list<Journey> journey_;  ///< One at most.
+  bool ended_ = false;
+};
+
+}  // namespace rigwire::hil

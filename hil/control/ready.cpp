@@ -1,0 +1,52 @@
+#include "hil/control/ready.h"
+
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string_view>
+
+#include "drivers/descriptor.h"
+
+namespace rigwire::hil {
+
+bool can_be_written(int descriptor) {
+  const int flags = ::fcntl(descriptor, F_GETFL);
+  return flags >= 0 && (flags & O_ACCMODE) != O_RDONLY;
+}
+
+void tell_ready(int descriptor, const std::string& line) {
+  const drivers::Descriptor owned(descriptor);
+  const std::string text = line + "\n";
+  for (std::size_t written = 0; written < text.size();) {
+    const ssize_t count = ::write(descriptor, text.data() + written, text.size() - written);
+    if (count <= 0) {
+      return;
+    }
+    written += static_cast<std::size_t>(count);
+  }
+}
+
+void notify_service_manager() {
+  const char* name = std::getenv("NOTIFY_SOCKET");
+  const std::string_view path = name == nullptr ? "" : name;
+  sockaddr_un address{};
+  if (path.empty() || path.size() >= sizeof(address.sun_path)) {
+    return;
+  }
+  address.sun_family = AF_UNIX;
+  std::ranges::copy(path, address.sun_path);
+  if (path[0] == '@') {
+    address.sun_path[0] = '\0';  // an abstract name
+  }
+  const drivers::Descriptor socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  constexpr std::string_view kReady = "READY=1";
+  const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
+  (void)::sendto(socket.get(), kReady.data(), kReady.size(), MSG_NOSIGNAL | MSG_DONTWAIT,
+                 reinterpret_cast<const sockaddr*>(&address), length);
+}
+
+}  // namespace rigwire::hil

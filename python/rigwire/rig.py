@@ -1,0 +1,319 @@
+"""A rig as a context manager. What may be asked of a run is described by GET /openapi.json."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import os
+import shutil
+import socket
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+
+class RigwireError(Exception):
+    """The rig could not be started, or the run did not answer."""
+
+
+class Refused(RigwireError):
+    """The run refused a request; `reply` says what was wrong, found and allowed."""
+
+    def __init__(self, reply: Mapping[str, Any]) -> None:
+        self.reply = dict(reply)
+        words = [str(reply.get("what", "refused"))]
+        words += [f"{key} {reply[key]}" for key in ("found", "allowed") if reply.get(key)]
+        super().__init__(", ".join(words))
+
+
+class RunEnded(Refused):
+    """The run ended before the request was done."""
+
+
+@dataclass(frozen=True)
+class State:
+    """Where a run stands."""
+
+    time_ns: int
+    paused: bool
+    rig: str
+    seed: int
+    config_hash: str
+    clock: str
+
+    @property
+    def time(self) -> float:
+        return self.time_ns * 1e-9
+
+
+@dataclass(frozen=True)
+class Quantity:
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Machine:
+    """The machine's true state at the end of the newest slice."""
+
+    time_ns: int
+    quantities: Mapping[str, Quantity]
+
+    def __getitem__(self, name: str) -> float:
+        return self.quantities[name].value
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a device's client asked last, in the words of its wire."""
+
+    time_ns: int
+    text: str
+
+
+@dataclass(frozen=True)
+class DeviceStatus:
+    wire: str
+    frames: int
+    bytes: int
+    dropped: int
+    client_present: bool
+    last_request: Request | None
+
+
+@dataclass(frozen=True)
+class FaultWindow:
+    where: str
+    type: str
+    begin_ns: int
+    end_ns: int | None
+
+
+@dataclass(frozen=True)
+class Reading:
+    time_ns: int
+    machine: Machine
+    devices: Mapping[str, DeviceStatus]
+    faults: Sequence[FaultWindow]
+
+
+class _UnixConnection(http.client.HTTPConnection):
+    """HTTP over a Unix socket."""
+
+    def __init__(self, path: str, timeout: float | None) -> None:
+        super().__init__("localhost", timeout=timeout)
+        self._path = path
+
+    def connect(self) -> None:
+        self.sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self.sock.settimeout(self.timeout)
+        self.sock.connect(self._path)
+
+
+def find_program() -> str:
+    """Path of `rigwire`: the variable RIGWIRE, else the path."""
+    program = os.environ.get("RIGWIRE") or shutil.which("rigwire")
+    if not program:
+        raise RigwireError("no program rigwire: set the variable RIGWIRE to its path")
+    return program
+
+
+class Rig:
+    """One run of a rig.
+
+    `rig` is a name of `rigwire list rigs` or a file; `sets` are changes of its values, as --set takes
+    them. With the clock "step", the default, simulated time moves only when told; "real", "free" and
+    "scaled:X" are as for `rigwire run`. `patience` is how long an answer may take, in seconds of
+    wall time, None: as long as it takes.
+    """
+
+    def __init__(
+        self,
+        rig: str | Path,
+        *,
+        sets: Mapping[str, object] | None = None,
+        clock: str = "step",
+        seed: int | None = None,
+        duration: float | None = None,
+        arguments: Sequence[str] = (),
+        folder: str | Path | None = None,
+        patience: float | None = 120.0,
+    ) -> None:
+        self._patience = patience
+        self._own_folder = folder is None
+        self.folder = Path(folder) if folder else Path(tempfile.mkdtemp(prefix="rigwire-"))
+        self.report_path = self.folder / "report.json"
+        self.log_path = self.folder / "rigwire.log"
+        self._socket = str(self.folder / "control")
+        self.devices: dict[str, str] = {}  #: Wire of each device.
+        ready, told = os.pipe()
+        command = [find_program(), "run", str(rig), "--clock", clock, "--status", "none"]
+        command += ["--control", f"unix:{self._socket}", "--ready-fd", str(told)]
+        command += ["--report", str(self.report_path)]
+        for key, value in (sets or {}).items():
+            command += ["--set", f"{key}={value}"]
+        if seed is not None:
+            command += ["--seed", str(seed)]
+        if duration is not None:
+            command += ["--duration", f"{duration!r}s"]
+        command += list(arguments)
+        with open(self.log_path, "wb") as log:
+            self._process = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, pass_fds=(told,)
+            )
+        os.close(told)
+        with os.fdopen(ready, encoding="utf-8") as line:
+            text = line.readline()  # ends with the process, too
+        if not text:
+            self._process.wait()
+            log_text = self.log()
+            self._remove_folder()
+            raise RigwireError(f"the run did not start: {log_text}")
+        self.devices = dict(json.loads(text).get("devices", {}))
+
+    def __enter__(self) -> Rig:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def pid(self) -> int:
+        return self._process.pid
+
+    def log(self) -> str:
+        """What the run has said so far."""
+        return self.log_path.read_text(encoding="utf-8", errors="replace").strip()
+
+    def ask(self, verb: str, **keys: object) -> dict[str, Any]:
+        """Any request by its name; returns the reply. Raises Refused, RunEnded, RigwireError."""
+        connection = _UnixConnection(self._socket, self._patience)
+        body = json.dumps({"verb": verb, **{k: v for k, v in keys.items() if v is not None}})
+        try:
+            connection.request("POST", "/command", body)
+            response = connection.getresponse()
+            reply = json.loads(response.read())
+        except (OSError, http.client.HTTPException, ValueError) as error:
+            raise RigwireError(f"the run does not answer: {error}; it said: {self.log()}") from error
+        finally:
+            connection.close()
+        if response.status == 410:
+            raise RunEnded(reply)
+        if not reply.get("ok"):
+            raise Refused(reply)
+        return dict(reply)
+
+    def state(self) -> State:
+        reply = self.ask("state")
+        return State(
+            reply["time_ns"],
+            reply["paused"],
+            reply["rig"],
+            reply["seed"],
+            reply["config_hash"],
+            reply["clock"],
+        )
+
+    def pause(self) -> float:
+        """Time stands; returns it."""
+        return _time(self.ask("pause"))
+
+    def resume(self) -> float:
+        return _time(self.ask("resume"))
+
+    def run_until(self, time: float) -> float:
+        """Runs to that instant and stands there."""
+        return _time(self.ask("run_until", time=_span(time)))
+
+    def step(self, length: float) -> float:
+        """Runs that much further and stands there."""
+        return _time(self.ask("step", length=_span(length)))
+
+    def speed(self, factor: float) -> None:
+        """Another pace, with the clocks "real" and "scaled:X"."""
+        self.ask("speed", factor=factor)
+
+    def wait(
+        self,
+        quantity: str,
+        *,
+        above: float | None = None,
+        below: float | None = None,
+        limit: float = 10.0,
+    ) -> float:
+        """Until a quantity of the machine is above or below a value; returns the time. Raises Refused
+        after `limit` simulated seconds."""
+        if (above is None) == (below is None):
+            raise ValueError("wait: one of above and below")
+        value = below if above is None else above
+        return _time(
+            self.ask("wait", quantity=quantity, value=value, above=above is not None, limit=_span(limit))
+        )
+
+    def read(self) -> Reading:
+        reply = self.ask("read")
+        machine = reply["machine"]
+        return Reading(
+            reply["time_ns"],
+            Machine(
+                machine["time_ns"],
+                {name: Quantity(q["value"], q["unit"]) for name, q in machine["quantities"].items()},
+            ),
+            {
+                name: DeviceStatus(
+                    **{
+                        **device,
+                        "last_request": Request(**device["last_request"])
+                        if device["last_request"]
+                        else None,
+                    }
+                )
+                for name, device in reply["devices"].items()
+            },
+            [FaultWindow(**fault) for fault in reply["faults"]],
+        )
+
+    def stop(self) -> dict[str, Any]:
+        """Ends the run; returns its report."""
+        if self._process.poll() is None:
+            try:
+                self.ask("stop")
+            except RunEnded:
+                pass
+        status = self._process.wait(timeout=self._patience)
+        if status != 0:
+            raise RigwireError(f"the run ended with {status}: {self.log()}")
+        return dict(json.loads(self.report_path.read_text(encoding="utf-8")))
+
+    def close(self) -> None:
+        """Ends the run whatever it does, and removes the folder if it was made for it."""
+        if self._process.poll() is None:
+            self._process.terminate()
+            try:
+                self._process.wait(timeout=10)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.wait()
+        self._remove_folder()
+
+    def _remove_folder(self) -> None:
+        if self._own_folder:
+            shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def _span(seconds: float) -> str:
+    """Exact to the nanosecond."""
+    return f"{round(seconds * 1e9)} ns"
+
+
+def _time(reply: Mapping[str, Any]) -> float:
+    return float(reply["time_ns"]) * 1e-9

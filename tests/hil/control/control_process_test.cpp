@@ -1,0 +1,142 @@
+// A run that is governed from outside: by curl at a port, by `rigwire ctl` and the Python package
+// at a Unix socket.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "child_process.h"
+
+namespace rigwire {
+namespace {
+
+using namespace std::chrono_literals;
+using test::ChildProcess;
+using test::eventually;
+using testing::HasSubstr;
+using Json = nlohmann::json;
+
+namespace fs = std::filesystem;
+
+class ControlProcess : public testing::Test {
+ protected:
+  ControlProcess() {
+    std::string pattern = "/tmp/rigwire-test-XXXXXX";
+    if (::mkdtemp(pattern.data()) == nullptr) {
+      throw std::runtime_error("no folder");
+    }
+    folder_ = pattern;
+    std::ofstream(folder_ / "rig.yaml")
+        << "name: small\nmachine: {type: excavator}\ndevices:\n  gnss: {type: ublox-neo-7p, path: "
+        << (folder_ / "gnss").string() << "}\n";
+  }
+  ~ControlProcess() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] std::vector<std::string> run(const std::vector<std::string>& more) const {
+    std::vector<std::string> words{kProgram, "run", (folder_ / "rig.yaml").string(), "--status",
+                                   "none"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  struct Done {
+    int code;
+    std::string output;
+  };
+  Done program(const std::vector<std::string>& words) {
+    ChildProcess child(words, folder_ / "output");
+    const int code = child.wait(30s);
+    return {code, child.output()};
+  }
+  Done ctl(const std::vector<std::string>& words) {
+    std::vector<std::string> all{kProgram, "ctl", socket()};
+    all.insert(all.end(), words.begin(), words.end());
+    return program(all);
+  }
+  [[nodiscard]] std::string socket() const { return "unix:" + (folder_ / "control").string(); }
+
+  static constexpr const char* kProgram = RIGWIRE_BINARY_DIR "/rigwire";
+  fs::path folder_;
+};
+
+TEST_F(ControlProcess, CtlMovesTimeReadsAndStops) {
+  ChildProcess rig(run({"--clock", "step", "--control", socket()}), folder_ / "log");
+  ASSERT_TRUE(eventually([&] { return fs::exists(folder_ / "control"); }, 20s)) << rig.output();
+  const Done until = ctl({"run_until", "time=250ms"});
+  EXPECT_EQ(until.code, 0) << until.output;
+  EXPECT_EQ(Json::parse(until.output)["time_ns"], 250'000'000);
+  const Done over = ctl({"run_until", "time=1ms"});
+  EXPECT_EQ(over.code, 1);
+  EXPECT_THAT(over.output, HasSubstr("later than 250 ms"));
+  const Done typo = ctl({"run_untill", "time=1s"});
+  EXPECT_EQ(typo.code, 2);
+  EXPECT_THAT(typo.output, HasSubstr("run_until"));
+  EXPECT_EQ(ctl({"step", "length"}).code, 2);
+  EXPECT_EQ(Json::parse(ctl({"read"}).output)["devices"]["gnss"]["client_present"], false);
+  EXPECT_EQ(ctl({"stop"}).code, 0);
+  EXPECT_EQ(rig.wait(20s), 0) << rig.output();
+  EXPECT_FALSE(fs::exists(folder_ / "control"));
+  const Done nobody = ctl({"state"});
+  EXPECT_EQ(nobody.code, 3);
+  EXPECT_THAT(nobody.output, HasSubstr("no run answers"));
+}
+
+TEST_F(ControlProcess, APortWantsTheTokenAndNoPageOfElsewhere) {
+  ChildProcess rig(run({"--control", "127.0.0.1:0"}), folder_ / "log");
+  std::string at;
+  std::string token;
+  ASSERT_TRUE(eventually(
+      [&] {
+        const std::string log = rig.output();
+        const auto begin = log.find("control at ");
+        const auto comma = log.find(", token ", begin);
+        const auto end = log.find('\n', comma);
+        if (begin == std::string::npos || comma == std::string::npos || end == std::string::npos) {
+          return false;
+        }
+        at = log.substr(begin + 11, comma - begin - 11);
+        token = log.substr(comma + 8, end - comma - 8);
+        return true;
+      },
+      20s))
+      << rig.output();
+  const auto status = [&](const std::vector<std::string>& headers) {
+    std::vector<std::string> words{"/usr/bin/curl", "-s", "-o", "/dev/null", "-w", "%{http_code}"};
+    for (const std::string& header : headers) {
+      words.insert(words.end(), {"-H", header});
+    }
+    words.push_back("http://" + at + "/state");
+    return program(words).output;
+  };
+  const std::string bearer = "Authorization: Bearer " + token;
+  EXPECT_EQ(status({bearer}), "200");
+  EXPECT_EQ(status({}), "401");
+  EXPECT_EQ(status({bearer + "0"}), "401");
+  EXPECT_EQ(status({bearer, "Host: evil.example"}), "403");
+  EXPECT_EQ(status({bearer, "Origin: http://evil.example"}), "403");
+}
+
+TEST_F(ControlProcess, AClockThatStepsWithoutSomebodyToStepItIsRefused) {
+  const Done refused = program(run({"--clock", "step"}));
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.output, HasSubstr("--control"));
+  EXPECT_EQ(program(run({"--control", "0.0.0.0:80"})).code, 2);
+  EXPECT_EQ(program(run({"--ready-fd", "77", "--duration", "1ms"})).code, 2);
+}
+
+TEST_F(ControlProcess, TheExamplesForPytestPass) {
+  const Done pytest =
+      program({"/usr/bin/env", "RIGWIRE=" + std::string(kProgram),
+               "PYTHONPATH=" RIGWIRE_SOURCE_DIR "/python", "PYTHONDONTWRITEBYTECODE=1",
+               "/usr/bin/python3", "-m", "pytest", "-q", "-p", "no:cacheprovider", "--basetemp",
+               (folder_ / "py").string(), RIGWIRE_SOURCE_DIR "/examples/pytest"});
+  EXPECT_EQ(pytest.code, 0) << pytest.output;
+}
+
+}  // namespace
+}  // namespace rigwire

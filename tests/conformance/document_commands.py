@@ -88,7 +88,7 @@ COMMANDS = [
     (r"(usbip|modprobe|evtest)( .*)?", ROOT, None, None),
     (r"scripts/lidar-namespace\.sh run bash|build/rigwire run my_rig\.yaml &|ros2 .*"
      r"|curl http://192\.168\.1\.201/.*", "lidar_namespace_test.cpp runs this recipe", None, None),
-    (r"rigwire (ctl unix:/tmp/control .*|run excavator_pit --clock step --control .*)",
+    (r"(build/)?rigwire (ctl unix:/tmp/control .*|run (excavator_pit|my_rig) --clock step --control .*)",
      "control_process_test.cpp governs a run", None, None),
     (r"build/rigwire bench.*", LONG, None, None),
     (r"build/(bench/rigwire_benchmarks|oracle_bench)", LONG, None, None),

@@ -33,8 +33,8 @@ void check_multiple(const char* member, int value, int of) {
 
 void check_side(const char* member, int value, int of) {
   if (value < kSmallestSide || value > kLongestSide) {
-    refuse(std::string(member) + " is " + std::to_string(value) + ", allowed: " +
-           std::to_string(kSmallestSide) + " to " + std::to_string(kLongestSide));
+    refuse(std::string(member) + " is " + std::to_string(value) +
+           ", allowed: " + std::to_string(kSmallestSide) + " to " + std::to_string(kLongestSide));
   }
   check_multiple(member, value, of);
 }

@@ -96,9 +96,9 @@ class FindRocksProgram : public testing::Test {
 
 TEST_F(FindRocksProgram, FindsLogsAndEndsWhenTimeIsOver) {
   field::LoopbackCamera camera(kAddress, head(), sensor());
-  ChildProcess program(
-      command({"--duration", "4", "--farthest", "9", "--log", folder / "log.jsonl", "--csv", folder / "rocks.csv"}),
-      folder / "output");
+  ChildProcess program(command({"--duration", "4", "--farthest", "9", "--log", folder / "log.jsonl",
+                                "--csv", folder / "rocks.csv"}),
+                       folder / "output");
   EXPECT_EQ(program.wait(), 0);
   const auto log = lines(folder / "log.jsonl");
   ASSERT_GE(log.size(), 5U);

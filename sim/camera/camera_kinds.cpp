@@ -1,8 +1,5 @@
 #include "sim/camera/camera_kinds.h"
 
-#include <array>
-#include <stdexcept>
-
 namespace rigwire::sim {
 namespace {
 
@@ -72,13 +69,13 @@ CameraAbilities abilities_of(const CameraKind& kind) {
 
 std::unique_ptr<CameraSensor> make_camera(const CameraKind& kind, std::uint64_t seed,
                                           std::string_view name) {
-  if (const auto* const plain = std::get_if<CameraParameters>(&kind)) {
-    return make_plain_camera(*plain, seed, name);
-  }
-  if (const auto* const stereo = std::get_if<StereoCameraParameters>(&kind)) {
-    return make_stereo_camera(*stereo, seed, name);
-  }
-  throw std::invalid_argument("camera: kinds of one image and of two are there yet");
+  return std::visit(
+      ForEach{
+          [&](const CameraParameters& p) { return make_plain_camera(p, seed, name); },
+          [&](const StereoCameraParameters& p) { return make_stereo_camera(p, seed, name); },
+          [&](const DepthCameraParameters& p) { return make_depth_camera(p, seed, name); },
+          [&](const AllRoundCameraParameters& p) { return make_all_round_camera(p, seed, name); }},
+      kind);
 }
 
 }  // namespace rigwire::sim

@@ -45,6 +45,9 @@ constexpr double kThroughput_bps = 200e6;
 /// Loopback carries it in one piece, at half the cost of packets of 1500 bytes.
 constexpr int kPacketSize = 8192;
 
+/// Of cameras whose pictures have several parts.
+constexpr Duration kFramePeriodOfSeveral = std::chrono::milliseconds(100);
+
 /// In the sun, at the aperture of a lens as it is by itself.
 constexpr Duration kDaylightExposure = std::chrono::milliseconds(1);
 
@@ -264,6 +267,9 @@ GigeCameraConfiguration::GigeCameraConfiguration(sim::CameraKind kind, std::stri
   camera.model = model;
   camera.throughput_bps = kThroughput_bps;
   camera.packet_size = kPacketSize;
+  if (kind_of(sensor) != GigeCameraKind::camera) {
+    camera.frame_period = kFramePeriodOfSeveral;
+  }
   const auto* const depth = std::get_if<sim::DepthCameraParameters>(&sensor);
   camera.exposure = depth != nullptr ? depth->noise_exposure : kDaylightExposure;
 }
@@ -323,6 +329,11 @@ void GigeCameraConfiguration::validate() const {
   side("sensor", abilities.width_px, 8);
   side("sensor", abilities.height_px, 4);
   emulators::validate(settings);
+  if (const auto* const plain = std::get_if<sim::CameraParameters>(&sensor)) {
+    // The other kinds have asked their lenses themselves.
+    const sim::ImageSensorParameters& chip = plain->sensor;
+    (void)sim::Lens(plain->lens, chip.pixel_pitch_m, chip.width_px, chip.height_px);
+  }
   const Duration longest = sim::optics_of(sensor).auto_exposure.longest;
   fields::require(!camera.exposure_auto || longest <= camera.frame_period,
                   "sensor.auto_exposure.longest", fields::print_duration(longest.count()),

@@ -287,6 +287,9 @@ constexpr std::string_view kAreaCount = "density times area, at most 50000 plant
 constexpr std::string_view kGrid = "size over cell, 10 to 8192 cells along a side";
 constexpr std::string_view kCarries = "the tyre must carry the wheel off the rim";
 constexpr std::string_view kUnitVector = "not of length 1 with the other components";
+constexpr std::string_view kLensFolds = "the lens folds over, sees too much, or must be a pinhole";
+constexpr std::string_view kCostsOverflow = "sums of costs overflow 16 bits";
+constexpr std::string_view kCameraBusy = "reading out and sending a picture takes longer";
 constexpr std::string_view kInertia = "no body has a moment above the sum of the other two";
 
 template <class Interface>
@@ -339,12 +342,52 @@ TEST(EveryKeyEnds, of_devices_are_where_describe_says) {
       JointRefusal{"iso-valves.first_valve", End::upper, "all sections need a valve number"},
       JointRefusal{"iso-valves.general_purpose_section", End::upper,
                    "the block has fewer sections"},
+      JointRefusal{"gige-*.rate", End::upper, kCameraBusy},
+      JointRefusal{"gige-*.throughput", End::lower, kCameraBusy},
+      JointRefusal{"gige-*.sensor.*row_time", End::upper, kCameraBusy},
+      JointRefusal{"gige-*.sensor*.width", End::lower, "no multiple of the wire's step"},
+      JointRefusal{"gige-*.sensor*.width", End::upper, kCameraBusy},
+      JointRefusal{"gige-*.sensor*.height", End::lower, "no multiple of the wire's step"},
+      JointRefusal{"gige-*.sensor*.height", End::upper, kCameraBusy},
+      JointRefusal{"gige-*.exposure", End::lower, "below what the camera exposes at least"},
+      JointRefusal{"gige-*.exposure", End::upper, "above what the camera exposes at most"},
+      JointRefusal{"gige-*.gain", End::upper, "above the camera's greatest gain"},
+      JointRefusal{"gige-*.saturation_capacity", End::upper, "above full_well"},
+      JointRefusal{"gige-*.full_well", End::lower, "below saturation_capacity"},
+      JointRefusal{"gige-*.dead_columns", End::upper, "more than there are"},
+      JointRefusal{"gige-*.auto_exposure.shortest", End::upper, "above longest"},
+      JointRefusal{"gige-*.auto_exposure.longest", End::lower, "below shortest"},
+      JointRefusal{"gige-*.sensor.lens.focal_length", End::lower, kLensFolds},
+      JointRefusal{"gige-*.sensor.lens.k*", End::lower, kLensFolds},
+      JointRefusal{"gige-*.sensor.lens.k*", End::upper, kLensFolds},
+      JointRefusal{"gige-*.sensor.lens.p*", End::lower, kLensFolds},
+      JointRefusal{"gige-*.sensor.lens.p*", End::upper, kLensFolds},
+      JointRefusal{"gige-*.image_sensor.pixel_pitch", End::upper, kLensFolds},
+      JointRefusal{"gige-stereo.sensor.matching.*disparit*", End::upper, "as wide as the picture"},
+      JointRefusal{"gige-stereo.sensor.matching.block", End::upper, kCostsOverflow},
+      JointRefusal{"gige-stereo.sensor.matching.small_step_cost", End::upper, "above the large"},
+      JointRefusal{"gige-stereo.sensor.matching.large_step_cost", End::lower, "below the small"},
+      JointRefusal{"gige-stereo.sensor.matching.large_step_cost", End::upper, kCostsOverflow},
+      JointRefusal{"gige-depth.sensor.nearest", End::upper, "beyond farthest"},
+      JointRefusal{"gige-depth.sensor.farthest", End::lower, "before nearest"},
+      JointRefusal{"gige-depth.sensor.farthest", End::upper, "beyond unambiguous"},
+      JointRefusal{"gige-depth.sensor.unambiguous", End::lower, "before farthest"},
+      JointRefusal{"gige-depth.sensor.step", End::lower, "16 bits do not reach to farthest"},
+      JointRefusal{"gige-depth.sensor.noise_floor", End::upper, "above greatest_noise"},
+      JointRefusal{"gige-depth.sensor.greatest_noise", End::lower, "below noise_floor"},
+      JointRefusal{"gige-360.sensor.elevation_upper", End::lower, "no row is above -90 degrees"},
+      JointRefusal{"gige-360.sensor.lens.vignetting", End::upper, "rays have no fall-off"},
   };
   static constexpr std::array kMeaningless{
       Meaningless{"velodyne-hdl-64e*.faults.0.factory_bytes.*",
                   "the model has a status channel in their place"},
+      Meaningless{"gige-stereo.sensor.lens.k4*", "of another lens model"},
+      Meaningless{"gige-depth.sensor.lens.k4*", "of another lens model"},
   };
-  EveryKey keys(subject<ConfiguredDevice>(), {}, kJoint, kMeaningless);
+  static constexpr std::array kCompanions{
+      Companion{"gige-*", "sensor.looks.0.label", "ground"},
+  };
+  EveryKey keys(subject<ConfiguredDevice>(), kCompanions, kJoint, kMeaningless);
   EXPECT_GT(keys.run(), 900u);
 }
 

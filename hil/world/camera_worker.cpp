@@ -23,7 +23,8 @@ CameraWorker::CameraWorker(const sim::Scene& scene, sim::Scene::InstanceId terra
   std::future<void> made = ready.get_future();
   thread_ = std::thread([this, &make, ready = std::move(ready)]() mutable {
     // Of this thread alone, and of those that the sensor starts.
-    (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceness);
+    const auto self = static_cast<id_t>(::gettid());
+    (void)::setpriority(PRIO_PROCESS, self, ::getpriority(PRIO_PROCESS, self) + kNiceness);
     try {
       sensor_ = make();
     } catch (...) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <string>
 
 namespace rigwire::hil {
@@ -56,6 +57,17 @@ void TruthTap::record(const TruthRecord& record) {
   for (const sim::TruthField& field : fields_) {
     put(field.key, rest.first(field.count));
     rest = rest.subspan(field.count);
+  }
+  if (record.contact) {
+    const ContactTruth& contact = *record.contact;
+    fmt::format_to(std::back_inserter(line), R"(,"contact":{{"touching":{},"body":{},"with":{})",
+                   contact.touching, nlohmann::json(std::string(contact.body)).dump(),
+                   nlohmann::json(std::string(contact.with)).dump());
+    put("place_m", vector(contact.place_W));
+    put("force_n", vector(contact.force_W));
+    put("deepest_m", std::array{contact.deepest_m});
+    put("lost_j", std::array{contact.lost_j});
+    fmt::format_to(std::back_inserter(line), R"(,"felled":{}}})", contact.felled);
   }
   if (!record.antennas.empty()) {
     line += R"(,"antenna":)" + place(record.antennas.front().place) + R"(,"antennas":{)";

@@ -44,6 +44,9 @@ SimulatedWorld::SimulatedWorld(const WorldSettings& settings, MachineInScene con
   for (const sim::StatusQuantity& quantity : content_.machine->status_quantities()) {
     state_quantities_.push_back({std::string(quantity.name), std::string(quantity.unit)});
   }
+  if (content_.machine->contact_report() != nullptr) {
+    state_quantities_.push_back({"contact", "kN"});
+  }
   std::size_t numbers = 0;
   for (const sim::TruthField& field : content_.machine->truth_fields()) {
     numbers += field.count;
@@ -96,7 +99,11 @@ std::optional<std::string> SimulatedWorld::advance(const TruthRequests& requests
   }
   frontier_ = batch.until;
   batch.state.resize(state_quantities_.size());
-  content_.machine->read_status(batch.state);
+  const auto own = content_.machine->status_quantities().size();
+  content_.machine->read_status(std::span(batch.state).first(own));
+  if (const sim::ContactReport* report = content_.machine->contact_report()) {
+    batch.state[own] = 1e-3 * report->force_n;
+  }
   return std::nullopt;
 }
 
@@ -166,6 +173,19 @@ void SimulatedWorld::record_truth(const WorldStep& step, SimTime time) {
   truth_.time = time;
   truth_.carrier = step.motion({}, time);
   content_.machine->read_truth(truth_.machine);
+  if (const sim::ContactReport* report = content_.machine->contact_report()) {
+    ContactTruth& contact = truth_.contact.emplace();
+    contact.touching = report->points > 0;
+    contact.body = report->body;
+    if (report->obstacle) {
+      contact.with = content_.ground->obstacles()[*report->obstacle].name;
+      contact.place_W = report->p_W;
+    }
+    contact.force_W = report->force_W;
+    contact.deepest_m = report->deepest_m;
+    contact.lost_j = report->lost_j;
+    contact.felled = report->felled;
+  }
   truth_.antennas.clear();
   for (const auto& sensor : sensors_) {
     sensor->tell(step, time, truth_);

@@ -2,6 +2,9 @@
 // (hil/record/truth_tap.h and hil/record/lidar_truth_tap.h write them).
 #pragma once
 
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -19,12 +22,25 @@ struct AntennaTruth {
   sim::GeodeticPoint place;
 };
 
+/// What solid things did to the machine in its last inner step, and since the start.
+struct ContactTruth {
+  bool touching = false;
+  std::string_view body;  ///< Of the machine; empty while nothing pushes, as the next.
+  std::string_view with;  ///< The obstacle's name in the scene; all hold as long as the world.
+  Eigen::Vector3d place_W = Eigen::Vector3d::Zero();  ///< Of the point that pushes most.
+  Eigen::Vector3d force_W = Eigen::Vector3d::Zero();  ///< Sum, on the machine.
+  double deepest_m = 0.0;
+  double lost_j = 0.0;     ///< Since the start.
+  std::size_t felled = 0;  ///< Trees, since the start.
+};
+
 /// What is true of the machine at one instant.
 struct TruthRecord {
   SimTime time{};
-  sim::LinkMotion carrier;             ///< Of the machine's first link.
-  std::vector<double> machine;         ///< In the order of the machine's truth fields.
-  std::vector<AntennaTruth> antennas;  ///< In the order in which their sensors were added.
+  sim::LinkMotion carrier;              ///< Of the machine's first link.
+  std::vector<double> machine;          ///< In the order of the machine's truth fields.
+  std::optional<ContactTruth> contact;  ///< Of machines that meet obstacles.
+  std::vector<AntennaTruth> antennas;   ///< In the order in which their sensors were added.
 };
 
 class TruthObserver {

@@ -163,7 +163,7 @@ bool CarriedArm::clamp(Terms& terms, std::array<Footing, kCarrierWheels>& footin
 }
 
 ArmStep CarriedArm::step(double h, const DrivenArm& arm, const ArmPose& at, const DriveLaws& laws,
-                         const BucketLoad& load, ContactSet* contacts, ArmState& state) {
+                         const BucketLoad& load, ArmState& state, ContactSet* contacts) {
   velocity_.tail<4>() = state.v_radps;
   Placement placed;
   Matrix mass_matrix;

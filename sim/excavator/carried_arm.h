@@ -42,9 +42,9 @@ class CarriedArm {
 
   /// One step of h > 0 seconds from `state`, which is moved, with laws that belong to `at`, its
   /// pose. The arm gives masses, stops and gains; its own gravity and load are not used.
-  /// `contacts`: points on the links, whose forces are found and settled here.
+  /// `contacts`: points on the links, whose forces are found and settled here; null: none.
   ArmStep step(double h, const DrivenArm& arm, const ArmPose& at, const DriveLaws& laws,
-               const BucketLoad& load, ContactSet* contacts, ArmState& state);
+               const BucketLoad& load, ArmState& state, ContactSet* contacts = nullptr);
 
   /// Poses and velocities of the links now, for the contact.
   void place_contact_links(const ArmState& state, std::span<ContactLink> links) const;

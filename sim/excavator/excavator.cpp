@@ -558,7 +558,7 @@ void Excavator::step_chambers(double h) {
 
 ArmStep Excavator::advance(double h, const DriveLaws& laws, ArmState& next) {
   if (carried_) {
-    return carried_->step(h, arm_, pose_, laws, bucket_load_, near_ ? &*contact_ : nullptr, next);
+    return carried_->step(h, arm_, pose_, laws, bucket_load_, next, near_ ? &*contact_ : nullptr);
   }
   const ArmStep step = arm_.advance(h, pose_, laws, next);
   settle_contacts(h, next);

@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "sim/contact/convex_shape.h"
@@ -37,6 +38,7 @@ struct Obstacle {
   /// The moment about its foot that it bears before it breaks or is uprooted; infinite: any.
   double strength_nm = std::numeric_limits<double>::infinity();
   double stiffness_npm = 0.0;  ///< Of itself, where a machine hits it; 0: rigid.
+  std::string name;            ///< For the truth: "trunk 12", "haul_truck".
 
   /// The lower end of its own z axis.
   [[nodiscard]] Eigen::Vector3d foot_W() const {

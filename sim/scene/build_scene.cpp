@@ -39,6 +39,7 @@ void add_rocks(const SceneDescription& description, std::uint64_t seed, BuiltSce
       sphere.X_WO.translation() = rock.X_WM.translation();
       sphere.half_lengths_m.setConstant(kMeanReach * rock.radius_m);
       sphere.friction = kFriction;
+      sphere.name = "rock " + std::to_string(number - 1);
     }
   }
 }
@@ -92,8 +93,10 @@ void add_trees(const SceneDescription& description, const Clearings& clear, std:
     const ForestMeshes forest = forest_meshes(trees, X_WM.translation());
     built.scene->add_object(built.scene->add_mesh(forest.trunks), X_WM, 1.0, field.trunk);
     built.scene->add_object(built.scene->add_mesh(forest.crowns), X_WM, 1.0, field.crown);
+    std::size_t stem = 0;
     for (const PlacedTree& tree : trees) {
       built.obstacles.push_back(trunk_obstacle(tree));
+      built.obstacles.back().name = "tree " + std::to_string(stem++);
     }
   }
 }
@@ -108,6 +111,7 @@ void add_boxes(const SceneDescription& description, BuiltScene& built) {
     obstacle.shape = ObstacleShape::box;
     obstacle.X_WO = X_WM;
     obstacle.half_lengths_m = 0.5 * box.size_m;
+    obstacle.name = box.name;
   }
 }
 
@@ -186,6 +190,7 @@ void add_objects(const SceneDescription& description, const std::vector<Triangle
       obstacle.X_WO = object_pose(object, built.ground);
       obstacle.half_lengths_m = piece->half_lengths_m();
       obstacle.hull = piece;
+      obstacle.name = object.name;
     }
   }
 }

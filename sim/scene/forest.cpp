@@ -12,6 +12,7 @@
 #include "fields/check.h"
 #include "fields/visitor.h"
 #include "sim/scene/range_checks.h"
+#include "sim/scene/trunk_strength.h"
 
 namespace rigwire::sim {
 
@@ -103,6 +104,12 @@ void add_crown(const TreeModel& model, const Eigen::Vector3d& foot_m, double yaw
   add_revolution(canopy, foot_m, yaw_rad, kSides, rings);
 }
 
+Wood wood_of(Species species) {
+  return species == Species::spruce ? Wood::spruce
+         : species == Species::pine ? Wood::pine
+                                    : Wood::broadleaf;
+}
+
 void add_trees(const Forest& forest, std::span<const PlacedTree> trees, RandomStream& random,
                Nursery& nursery, Scene& scene, std::vector<Obstacle>& obstacles) {
   TriangleMesh canopy;
@@ -126,6 +133,8 @@ void add_trees(const Forest& forest, std::span<const PlacedTree> trees, RandomSt
     trunk.half_lengths_m = {radius, radius, half_height};
     trunk.X_WO.translation() = tree.foot_m + Eigen::Vector3d(0.0, 0.0, half_height);
     trunk.friction = kFriction;
+    trunk.name = name;
+    root(trunk, wood_of(kind.species), 2.0 * radius, height);
   }
   scene.add_canopy(canopy, standing(origin, 0.0));
 }

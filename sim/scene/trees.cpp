@@ -12,6 +12,7 @@
 #include "fields/visitor.h"
 #include "sim/scene/range_checks.h"
 #include "sim/scene/revolution.h"
+#include "sim/scene/trunk_strength.h"
 
 namespace rigwire::sim {
 
@@ -178,6 +179,7 @@ Obstacle trunk_obstacle(const PlacedTree& tree) {
   trunk.X_WO.translation() =
       tree.foot_m + Eigen::Vector3d(0.0, 0.0, half_height_m - kBelowGround_m);
   trunk.friction = 0.6;
+  root(trunk, tree.conifer ? Wood::spruce : Wood::broadleaf, tree.trunk_diameter_m, tree.height_m);
   return trunk;
 }
 

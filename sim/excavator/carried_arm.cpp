@@ -89,8 +89,11 @@ void CarriedArm::add_wheels(double h, Terms& terms, std::array<Footing, kCarrier
     const Eigen::Vector3d center_W = X_WC_ * wheel_C_[i];
     const auto contact = ground_->wheel_contact(center_W, axle_W, wheels.tyre.unloaded_radius_m);
     Footing& foot = footings[i];
-    foot.laws = tyres_[i].laws(h, contact, ground_->soil(contact ? contact->ground.soil : 0),
-                               wheels.tyre_pressure_pa, 0.0);
+    // Its wheels stand: nothing is ploughed, and no rut is left.
+    foot.laws = tyres_[i].laws(
+        h, contact,
+        contact ? ground_->footing(*contact, X_WC_.linear().col(0), 0.0) : WheelFooting{},
+        wheels.tyre_pressure_pa, 0.0);
     foot.touching = contact.has_value() && foot.laws.touching;
     if (!foot.touching) {
       continue;

@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kSmallestBin_m = 4.0;
 constexpr double kMostBinsPerSide = 512.0;
+constexpr double kBorder_m = 0.5;      // between soils: about a tyre's contact
+constexpr double kLeastReach_m = 0.3;  // beyond what a wheel presses under itself
 
 [[noreturn]] void refuse(const std::string& what) {
   throw std::invalid_argument("ground: " + what);
@@ -93,6 +95,7 @@ Ground::Ground(HeightField field, SoilMap soils, std::vector<Obstacle> obstacles
                           : top_m(obstacles_[i]));
   }
   fill_bins();
+  remember_ruts();
 }
 
 Ground Ground::plane(const Eigen::Vector3d& normal_W, const SoilParameters& soil) {
@@ -104,7 +107,15 @@ Ground Ground::plane(const Eigen::Vector3d& normal_W, const SoilParameters& soil
   Ground ground;
   ground.plane_normal_ = normal_W.normalized();
   ground.soils_.soils = {soil};
+  ground.remember_ruts();
   return ground;
+}
+
+void Ground::remember_ruts() {
+  soft_ = std::ranges::any_of(soils_.soils, &SoilParameters::soft);
+  if (soft_) {
+    ruts_ = Ruts(Ruts::kPages);
+  }
 }
 
 void Ground::fill_bins() {
@@ -283,7 +294,106 @@ const SoilParameters& Ground::soil(std::uint8_t index) const {
 void Ground::set_node(std::size_t column, std::size_t row, double height_m) {
   if (column < field_.columns && row < field_.rows && std::isfinite(height_m)) {
     field_.heights_m[row * field_.columns + column] = height_m;
+    const Eigen::Vector2d node =
+        field_.origin_m +
+        field_.cell_m * Eigen::Vector2d(static_cast<double>(column), static_cast<double>(row));
+    const Eigen::Vector2d half = Eigen::Vector2d::Constant(0.5 * field_.cell_m);
+    ruts_.forget(node - half, node + half);
   }
+}
+
+// --- soft soil -----------------------------------------------------------------------------------
+
+void SoftSoils::add(const SoilParameters& soft, double of_contact) {
+  if (!soft.soft || !(of_contact > 0.0)) {
+    return;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (soil[i] == &soft) {
+      share[i] += of_contact;
+      return;
+    }
+  }
+  if (count < kMost) {
+    soil[count] = &soft;
+    share[count++] = of_contact;
+  }
+}
+
+double SoftSoils::whole_share() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    sum += share[i];
+  }
+  return sum;
+}
+
+SoftSoils Ground::soft_soils(const Eigen::Vector2d& p_W, double terrain_share) const {
+  SoftSoils result;
+  if (soils_.cells.empty()) {
+    result.add(soils_.soils.front(), terrain_share);
+  } else {
+    // Along each axis the cell, and its nearer neighbour where the border between them is near: its
+    // share falls from a half to nothing over half of the border.
+    const std::size_t columns = field_.columns - 1;
+    const std::size_t rows = field_.rows - 1;
+    const double half_border = 0.5 * std::min(kBorder_m, field_.cell_m) / field_.cell_m;
+    struct Side {
+      std::size_t cell, neighbour;
+      double share;
+    };
+    const auto side = [&](double coordinate, double origin, std::size_t count) {
+      const double u =
+          std::clamp((coordinate - origin) / field_.cell_m, 0.0, static_cast<double>(count));
+      const std::size_t cell = std::min(static_cast<std::size_t>(u), count - 1);
+      const double within = u - static_cast<double>(cell);
+      const bool upper = within > 0.5;
+      const double distance = upper ? 1.0 - within : within;
+      const bool none = upper ? cell + 1 >= count : cell == 0;
+      if (none || distance >= half_border) {
+        return Side{cell, cell, 0.0};
+      }
+      return Side{cell, upper ? cell + 1 : cell - 1, 0.5 * (1.0 - distance / half_border)};
+    };
+    const Side x = side(p_W.x(), field_.origin_m.x(), columns);
+    const Side y = side(p_W.y(), field_.origin_m.y(), rows);
+    const auto add = [&](std::size_t column, std::size_t row, double share) {
+      if (share > 0.0) {
+        result.add(soils_.soils[soils_.cells[row * columns + column]], share * terrain_share);
+      }
+    };
+    add(x.cell, y.cell, (1.0 - x.share) * (1.0 - y.share));
+    add(x.neighbour, y.cell, x.share * (1.0 - y.share));
+    add(x.cell, y.neighbour, (1.0 - x.share) * y.share);
+    add(x.neighbour, y.neighbour, x.share * y.share);
+  }
+  return result;
+}
+
+WheelFooting Ground::footing(const WheelContact& contact, const Eigen::Vector3d& way_W,
+                             double reach_m) const {
+  WheelFooting result;
+  if (!soft_) {
+    return result;
+  }
+  const Eigen::Vector2d place = contact.point_W.head<2>();
+  result.under = soft_soils(place, contact.terrain_share);
+  result.under.pressed_m = result.under.count > 0 ? ruts_.depth_m(place) : 0.0;
+  if (result.under.count > 0 && reach_m > 0.0) {
+    const Eigen::Vector2d way = way_W.head<2>().normalized();
+    result.reach_m = std::max(kLeastReach_m, reach_m);
+    result.pressed_ahead_m = ruts_.depth_m(place + result.reach_m * way);
+    result.next = soft_soils(place + WheelFooting::kNext_m * way, contact.terrain_share);
+    result.next.pressed_m = result.under.pressed_m;
+  }
+  return result;
+}
+
+void Ground::press(const WheelContact& contact, const Eigen::Vector3d& forward_W, double width_m,
+                   double depth_m) const {
+  // Half a cell more than what depth_m() reads, so that the wheel finds its own depth under it.
+  ruts_.press(contact.point_W.head<2>(), forward_W.head<2>().normalized(), 1.5 * Ruts::kCell_m,
+              0.5 * width_m, depth_m);
 }
 
 // --- wheels --------------------------------------------------------------------------------------
@@ -402,7 +512,8 @@ std::optional<WheelContact> Ground::wheel_contact(const Eigen::Vector3d& centre_
     total += way.shares[i];
   }
   ground.friction = friction / total;
-  ground.obstacle = !on_terrain || 2.0 * way.shares[0] < total;
+  contact.terrain_share = on_terrain ? way.shares[0] / total : 0.0;
+  ground.obstacle = 2.0 * contact.terrain_share < 1.0;
   return contact;
 }
 

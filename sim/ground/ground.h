@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "sim/contact/convex_shape.h"
+#include "sim/ground/ruts.h"
 #include "sim/ground/soil.h"
 #include "sim/scene/height_field.h"
 
@@ -74,7 +76,45 @@ struct WheelContact {
   double depth_m = 0.0;  ///< Overlap of the undeformed disc and the surface, along the normal.
   Eigen::Vector3d point_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();
+  double terrain_share = 1.0;  ///< What the terrain carries of it, and not obstacles.
   GroundPoint ground;
+};
+
+/// Soft soils side by side under a contact, each with its share of it; what their shares miss of 1
+/// is hard. The same load presses each as deep as its own curve says; the contact sinks by the sum
+/// of share times sinkage.
+struct SoftSoils {
+  static constexpr std::size_t kMost = 4;
+
+  SoftSoils() = default;
+  /// One soil alone; null, or hard: none.
+  SoftSoils(const SoilParameters* soft)  // NOLINT(google-explicit-constructor)
+      : count(soft != nullptr && soft->soft ? 1 : 0) {
+    soil[0] = soft;
+    share[0] = 1.0;
+  }
+  void add(const SoilParameters& soft, double of_contact);
+  [[nodiscard]] double whole_share() const;
+
+  std::array<const SoilParameters*, kMost> soil{};
+  std::array<double, kMost> share{};
+  std::size_t count = 0;
+  double pressed_m = 0.0;  ///< How deep they were pressed before.
+};
+
+/// The ground under a wheel, and where it rolls to.
+struct WheelFooting {
+  static constexpr double kNext_m = 0.02;
+
+  WheelFooting() = default;
+  /// Endless and virgin.
+  WheelFooting(const SoilParameters& all)  // NOLINT(google-explicit-constructor)
+      : under(&all), next(&all) {}
+
+  SoftSoils under;
+  SoftSoils next;                ///< kNext_m on, pressed as `under` is: what a border changes.
+  double pressed_ahead_m = 0.0;  ///< Beyond what the wheel itself presses ...
+  double reach_m = 0.0;          ///< ... so far on; 0: not looked at, and `next` neither.
 };
 
 class Ground {
@@ -127,9 +167,23 @@ class Ground {
                                                           const Eigen::Vector3d& axis_W,
                                                           double radius_m) const;
 
+  /// Soils under a wheel's contact, and with `reach_m` above 0 also what comes in the horizontal
+  /// direction of `way_W`: the soils next to it, and what was pressed in that distance, 0.3 m at
+  /// least. Where cells of different
+  /// soils meet, their shares change linearly over a border of 0.5 m, or of a cell where that is
+  /// less, so that nothing jumps. Obstacles and hard soils have no part in it.
+  [[nodiscard]] WheelFooting footing(const WheelContact& contact, const Eigen::Vector3d& way_W,
+                                     double reach_m) const;
+  /// A wheel of that width leaves its rut, `depth_m` below the untouched surface of what is soft.
+  /// Ruts are what const machines change of a ground: only the thread that steps its machine may
+  /// call it.
+  void press(const WheelContact& contact, const Eigen::Vector3d& forward_W, double width_m,
+             double depth_m) const;
+  [[nodiscard]] const Ruts& ruts() const { return ruts_; }
+
   [[nodiscard]] const SoilParameters& soil(std::uint8_t index) const;
   [[nodiscard]] const HeightField& field() const { return field_; }
-  /// The terrain changes when it is dug: new height of one node.
+  /// The terrain changes when it is dug: new height of one node. Ruts about it are gone.
   void set_node(std::size_t column, std::size_t row, double height_m);
 
  private:
@@ -142,7 +196,9 @@ class Ground {
 
   [[nodiscard]] TerrainPoint terrain(double x_m, double y_m) const;
   [[nodiscard]] std::uint8_t soil_of(const TerrainPoint& point) const;
+  [[nodiscard]] SoftSoils soft_soils(const Eigen::Vector2d& p_W, double terrain_share) const;
   void fill_bins();
+  void remember_ruts();
   /// Calls visit(obstacle) for those that may touch the rectangle; some may come twice.
   template <class Visit>
   void near_obstacles(const Eigen::Vector2d& lower_m, const Eigen::Vector2d& upper_m,
@@ -164,6 +220,8 @@ class Ground {
   std::size_t bin_rows_ = 0;
   std::vector<std::uint32_t> bin_starts_;
   std::vector<std::uint32_t> bin_obstacles_;
+  bool soft_ = false;   ///< Some soil is.
+  mutable Ruts ruts_;   ///< press()
   bool plane_ = false;  ///< Made by plane().
   Eigen::Vector3d plane_normal_ = Eigen::Vector3d::UnitZ();
 };

@@ -39,6 +39,10 @@ void visit(fields::Visitor& v, SoilParameters& p) {
            "Angle by which shear strength grows with load.");
   v.number("shear_modulus", p.shear_modulus_m, in("mm").above(0).at_most(1000),
            "K of Janosi and Hanamoto: way to 63 % of the shear strength.");
+  v.number("reload_modulus", p.reload_modulus, plain().at_least(0),
+           "k_0 of Wong's reloading: pressure per way of ground pressed before, Pa/m.");
+  v.number("reload_growth", p.reload_growth, plain().at_least(0),
+           "A_u of Wong's reloading: what that grows by per depth to which it was pressed, Pa/m2.");
   v.number("density", p.density_kgpm3, in("kg/m3").above(0), "Density of the soil as it lies.");
   v.number("repose", p.repose_rad, in("deg").above(0).at_most(kSteepest_deg),
            "Steepest slope at which the soil stands.");
@@ -89,6 +93,50 @@ double compaction_resistance_n(const SoilParameters& soil, double sinkage_m, dou
   return width_m * modulus * std::pow(sinkage_m, n + 1.0) / (n + 1.0);
 }
 
+double compaction_resistance_n(const SoilParameters& soil, double sinkage_m, double pressed_m,
+                               double width_m) {
+  const double whole = compaction_resistance_n(soil, sinkage_m, width_m);
+  return pressed_m > 0.0 ? std::max(0.0, whole - compaction_resistance_n(soil, pressed_m, width_m))
+                         : whole;
+}
+
+SinkageCurve::SinkageCurve(const SoilParameters& soil, double width_m, double diameter_m,
+                           double ground_pressure_pa, double pressed_m)
+    : load_at_1m_n_(wheel_load_n(soil, 1.0, width_m, diameter_m)),
+      inverse_exponent_(1.0 / (clipped_exponent(soil) + 0.5)),
+      flat_m_(plate_sinkage_m(soil, ground_pressure_pa, width_m)),
+      pressed_m_(std::max(0.0, pressed_m)) {
+  if (pressed_m_ > 0.0) {
+    pressed_load_n_ = wheel_load_n(soil, pressed_m_, width_m, diameter_m);
+    // k_u = k_0 + A_u z_u on the contact of a wheel that deep, b sqrt(D z); the virgin curve's
+    // slope W (n + 1/2) / z at least.
+    const double area = width_m * std::sqrt(diameter_m * pressed_m_);
+    reload_npm_ = std::max(area * (soil.reload_modulus + soil.reload_growth * pressed_m_),
+                           pressed_load_n_ / (inverse_exponent_ * pressed_m_));
+  }
+}
+
+SinkageCurve::Point SinkageCurve::at(double load_n) const {
+  Point virgin;
+  if (load_n > 0.0) {
+    virgin.sinkage_m = std::pow(load_n / load_at_1m_n_, inverse_exponent_);
+    virgin.slope_mpn = virgin.sinkage_m * inverse_exponent_ / load_n;
+    if (virgin.sinkage_m > flat_m_) {
+      virgin = {flat_m_, 0.0};
+    }
+  }
+  if (virgin.sinkage_m >= pressed_m_) {
+    return virgin;
+  }
+  // Below the load that pressed it: up the reloading line. A flat tyre's load spreads: no deeper.
+  const double missing = pressed_load_n_ - load_n;
+  if (missing <= 0.0) {
+    return {pressed_m_, 0.0};
+  }
+  const double risen = pressed_m_ - missing / reload_npm_;
+  return risen > 0.0 ? Point{risen, 1.0 / reload_npm_} : Point{0.0, 0.0};
+}
+
 double shear_limit_n(const SoilParameters& soil, double load_n, double area_m2) {
   if (!(load_n > 0.0)) {
     return 0.0;
@@ -102,9 +150,9 @@ double shear_limit_n(const SoilParameters& soil, double load_n, double area_m2) 
                   area_m2 * soil.cohesion_pa + load_n * std::tan(soil.internal_friction_rad));
 }
 
-double shear_share(const SoilParameters& soil, double slip, double contact_length_m) {
+double shear_share(double shear_modulus_m, double slip, double contact_length_m) {
   // Janosi and Hanamoto along the contact: mean of 1 - exp(-j / K), j = |s| x from 0 to |s| l.
-  const double x = std::abs(slip) * contact_length_m / soil.shear_modulus_m;
+  const double x = std::abs(slip) * contact_length_m / shear_modulus_m;
   // 1 - (1 - exp(-x)) / x loses digits near 0: there the series x/2 - x^2/6 + x^3/24 - x^4/120.
   if (x < 0.01) {
     return x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x * (1.0 / 120.0 - x / 720.0))));

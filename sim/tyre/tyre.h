@@ -6,7 +6,7 @@
 // step, for the machine's own solve; limits are tested after the solve (clamp last). Order of calls
 // per step:
 //
-//     laws = tyre.laws(h, contact, pressure, rolling speed);
+//     laws = tyre.laws(h, contact, footing, pressure, rolling speed);
 //     solve;  clamp what exceeds laws.limit_n(normal force);  solve again;
 //     tyre.settle(h, laws, result);
 //
@@ -14,9 +14,32 @@
 // stiffness_per_pressure; the damper fades below a quarter of the reference load. Tangential:
 // bristles whose steady-state slip stiffness is slip_stiffness_n times the share of the reference
 // load; on soft soil the secant of Janosi's curve, with the limit of soil.h. Rolling resistance: a
-// moment against the spin, coefficient times load times radius, grown as the pressure falls, plus
-// compaction of the soil; a bristle too, so that it holds at rest.
+// moment against the spin, coefficient times load times radius, grown as the pressure falls; a
+// bristle too, so that it holds at rest.
+//
+// Load: the slip stiffness goes with it; the cornering stiffness as sin(2 atan(N / N_peak)), so
+// that a pair of wheels corners the worse the more load has gone from one to the other (H. B.
+// Pacejka, Tire and Vehicle Dynamics, 3rd edition 2012, equation 4.E25). The lateral force acts
+// behind the wheel's centre by the trail of the brush model, a sixth of the contact's chord
+// (Pacejka, chapter 3), less in proportion to the grip that is used: the aligning moment.
+//
+// Soft soil (sim/ground/soil.h): tyre and soil are springs in a row. Bekker's resistance of
+// pressing the rut, less what earlier wheels have pressed, and N times the rise where the wheel
+// climbs out of softer ground or out of its rut, are one force on the wheel's centre along the
+// ground. Soil presses on a rim square to it, through its axle, so that there is no moment: what
+// drives the wheel forward has to come from shear, with slip. Going down into softer ground gives
+// nothing back, so that no order of soils, loads and ruts gives energy. Not modelled: sinkage by
+// slip, soil pushed aside by the flanks, and the rut's walls.
+//
+// Two radii: the contact is R - d below the wheel's centre, but a belt that does not stretch lays
+// the arc 2 R phi down on the chord 2 R sin(phi), cos(phi) = 1 - d / R: freely rolling the wheel
+// goes R sin(phi) / phi = R - d / 3 per radian (R. Rajamani, Vehicle Dynamics and Control, 2nd
+// edition 2012, chapter 4, effective tire radius; the series' next term is d^2 / (45 R)).
 #pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
 
 #include "fields/rules.h"
 #include "sim/contact/bristle.h"
@@ -37,6 +60,7 @@ struct TyreParameters {
   double reference_pressure_pa = 4.5e5;
   double slip_stiffness_n = 2.0e5;            ///< dF/dslip at slip 0, reference load.
   double cornering_stiffness_nprad = 1.5e5;   ///< dF/dslip angle, reference load.
+  double cornering_peak_load_n = 5.5e4;       ///< At which the cornering stiffness is greatest.
   double longitudinal_stiffness_npm = 6.0e5;  ///< Of the bristles, along.
   double lateral_stiffness_npm = 3.5e5;       ///< Of the bristles, across.
   double damping_ratio = 0.7;                 ///< Of the bristles with the mass at the wheel.
@@ -52,26 +76,39 @@ void visit(fields::Visitor& v, TyreParameters& p);
 /// Throws std::invalid_argument that names the key, the value found and what is allowed.
 void validate(const TyreParameters& parameters);
 
+/// Way per radian of a tyre that rolls freely, pressed in by that much: R - d / 3.
+[[nodiscard]] double effective_radius_m(const TyreParameters& parameters, double deflection_m);
+
 /// The laws of one step. Signs: `normal` in the speed of the wheel's centre along the contact's
 /// normal, away from the ground positive; `longitudinal` and `lateral` in the sliding velocity of
 /// the tyre's contact patch against the ground (forward, left); `rolling` in the wheel's rate, a
-/// moment.
+/// moment; `ploughing` in the speed of the wheel's centre along the ground, forward.
 struct TyreLaws {
   bool touching = false;
   ImplicitForce normal;
   ImplicitForce longitudinal;
   ImplicitForce lateral;
   ImplicitForce rolling;
+  ImplicitForce ploughing;
   double friction = 0.0;  ///< Limit = friction x normal force + cohesion.
   double cohesion_n = 0.0;
-  double rolling_arm_m = 0.0;     ///< Limit of the rolling moment per normal force.
-  double rolling_radius_m = 0.0;  ///< Loaded: lever of the tangential forces about the axle.
+  double rolling_arm_m = 0.0;    ///< Limit of the rolling moment per normal force.
+  double ploughing_n = 0.0;      ///< Limit of `ploughing`; 0: there is none.
+  double loaded_radius_m = 0.0;  ///< From the wheel's centre to the contact, R - d.
+  /// Way per radian of the wheel that rolls freely, R - d / 3; also the lever of the longitudinal
+  /// force about the axle, so that what the shaft gives is what road and slip get.
+  double rolling_radius_m = 0.0;
+  double trail_m = 0.0;  ///< Of the lateral force behind the wheel's centre while it rolls.
   double sinkage_m = 0.0;
+  double rut_m = 0.0;              ///< How deep the soft part of the ground is pressed.
+  double pressed_m = 0.0;          ///< How deep it was before.
   double rolling_speed_mps = 0.0;  ///< |V| that the bristles saw.
   BristleParameters along;
   BristleParameters across;
   BristleParameters turning;
+  BristleParameters pushing;
   bool turning_yields = false;  ///< The wheel turns: `rolling` is the secant of its limit.
+  bool pushing_yields = false;  ///< The wheel moves: `ploughing` is the secant of its limit.
 
   [[nodiscard]] double limit_n(double normal_n) const {
     return normal_n > 0.0 ? friction * normal_n + cohesion_n : 0.0;
@@ -83,11 +120,14 @@ struct TyreResult {
   double longitudinal_n = 0.0;
   double lateral_n = 0.0;
   double rolling_nm = 0.0;
+  double ploughing_n = 0.0;
   double longitudinal_slide_mps = 0.0;
   double lateral_slide_mps = 0.0;
   double wheel_rate_radps = 0.0;
-  bool slipping = false;         ///< The tangential force was held at its limit.
-  bool rolling_limited = false;  ///< The rolling moment was.
+  double way_mps = 0.0;            ///< Of the wheel's centre along the ground, forward.
+  bool slipping = false;           ///< The tangential force was held at its limit.
+  bool rolling_limited = false;    ///< The rolling moment was.
+  bool ploughing_limited = false;  ///< The soil's resistance was.
 };
 
 /// The tyre's vertical spring, alone or with soft soil in a row.
@@ -97,37 +137,61 @@ struct TyreSpring {
   double sinkage_m = 0.0;  ///< The soil's share of the overlap.
 };
 
+/// Curves of all soils under a tyre.
+struct SoilCurves {
+  std::array<SinkageCurve, SoftSoils::kMost> curve;
+  std::array<double, SoftSoils::kMost> share{};
+  std::size_t count = 0;
+
+  /// Their sinkages by their shares.
+  [[nodiscard]] SinkageCurve::Point at(double load_n) const;
+};
+
 class Tyre {
  public:
   /// `carried_mass_kg`: what the bristles' damping is tuned for.
   Tyre(const TyreParameters& parameters, double carried_mass_kg);
 
-  /// `contact` empty: in the air; bristles are reset. `slip` is of the last step and only chooses
-  /// the secant on soft soil. Never allocates.
+  /// `contact` empty: in the air; bristles are reset. On soft soil the slip of the last step
+  /// chooses the secant. Never allocates.
   [[nodiscard]] TyreLaws laws(double h, const std::optional<WheelContact>& contact,
-                              const SoilParameters& soil, double pressure_pa,
+                              const WheelFooting& footing, double pressure_pa,
                               double rolling_speed_mps);
   void settle(double h, const TyreLaws& laws, const TyreResult& result);
 
   [[nodiscard]] double stiffness_npm(double pressure_pa) const;
-  /// At rest, for that overlap of undeformed tyre and untouched ground; `soft` null on hard ground.
-  /// A tyre of less pressure than the ground bears flattens: it sinks as a plate with its pressure.
-  [[nodiscard]] TyreSpring spring(double overlap_m, const SoilParameters* soft,
+  /// At rest, for that overlap of undeformed tyre and untouched ground. A tyre of less pressure
+  /// than the ground bears flattens: it sinks as a plate with its pressure.
+  [[nodiscard]] TyreSpring spring(double overlap_m, const SoftSoils& soils,
                                   double pressure_pa) const;
+  /// The inverse: overlap at which it carries that load.
+  [[nodiscard]] double overlap_m(double load_n, const SoftSoils& soils, double pressure_pa) const;
   /// Load over mean ground pressure (inflation and carcass), at most chord times width.
   [[nodiscard]] double contact_area_m2(double deflection_m) const;
+  /// Along the heading, in a rut that the wheel presses.
+  [[nodiscard]] double contact_length_m(double deflection_m, double sinkage_m) const;
+  /// Of inflation and carcass.
+  [[nodiscard]] double ground_pressure_pa(double pressure_pa) const;
   [[nodiscard]] const TyreParameters& parameters() const { return parameters_; }
   [[nodiscard]] double longitudinal_deflection_m() const { return along_.deflection(); }
   [[nodiscard]] double lateral_deflection_m() const { return across_.deflection(); }
 
  private:
+  [[nodiscard]] SoilCurves curves(const SoftSoils& soils, double pressure_pa) const;
+  [[nodiscard]] TyreSpring spring(double overlap_m, const SoilCurves& soil, double pressure_pa,
+                                  double guess_n) const;
+
   TyreParameters parameters_;
   double carried_mass_kg_;
   Bristle along_;
   Bristle across_;
   Bristle turning_;
+  Bristle ploughing_;
+  double last_load_n_ = 0.0;  ///< Where the search for the next one begins.
+  double last_grip_ = 0.0;    ///< Share of the limit that was used.
   double last_slip_ = 0.0;
   double last_rate_radps_ = 0.0;
+  double last_way_mps_ = 0.0;
 };
 
 }  // namespace rigwire::sim

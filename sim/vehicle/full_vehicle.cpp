@@ -46,6 +46,10 @@ Vector3d inertia_times(const UnsprungMass& part, const Vector3d& v) {
 
 constexpr double kSettling_s = 10.0;
 constexpr double kSettlingStep_s = 2e-3;
+// While it is put down the vehicle moves as in syrup, so that it finds its rest without swinging
+// past it: on a slope where it can stand, a swing would topple it. Then the syrup goes.
+constexpr double kSyrup_s = 8.0;
+constexpr double kSyrup_radps = 15.0;
 
 /// Motion of a point and its frame, from their velocities and accelerations in the axes of B.
 LinkMotion in_world(const Matrix3d& R_WB, const Matrix3d& R_BL, const Vector3d& p_W,
@@ -208,14 +212,27 @@ void FullVehicle::assemble(double h, const Vector3d& w_B, const Velocities& star
   }
 }
 
+void FullVehicle::add_syrup(double h, const Velocities& start) {
+  // Rayleigh's damping in proportion to mass: alpha M v, taken at the end of the step.
+  for (std::size_t i = 0; i < kWheelVelocity; ++i) {
+    for (std::size_t j = 0; j < kWheelVelocity; ++j) {
+      base_.right[i] -= h * syrup_radps_ * base_.matrix[std::max(i, j)][std::min(i, j)] * start[j];
+    }
+  }
+  for (std::size_t i = 0; i < kWheelVelocity; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      base_.matrix[i][j] *= 1.0 + h * syrup_radps_;
+    }
+  }
+}
+
 void FullVehicle::contacts(double h, const Velocities& start) {
   const Matrix3d R_WB = state_.q_WB.toRotationMatrix();
   for (std::size_t i = 0; i < kWheels; ++i) {
     const WheelFrame& frame = axles_[i / 2].wheel(i % 2);
     const auto contact = ground_->wheel_contact(state_.p_WC + R_WB * frame.hub_m, R_WB * frame.axis,
                                                 axle(i / 2).tyre.unloaded_radius_m);
-    const SoilParameters& soil = ground_->soil(contact ? contact->ground.soil : std::uint8_t{0});
-    wheel_terms_[i].begin(h, frame, R_WB, contact, soil, tyre_pressure_pa(i),
+    wheel_terms_[i].begin(h, frame, R_WB, contact, *ground_, tyre_pressure_pa(i),
                           settling_ ? kLocked_nm : brake_limit_nm(i), start);
   }
   chassis_.begin(h, *ground_, state_.p_WC, R_WB, start);
@@ -286,6 +303,9 @@ void FullVehicle::inner_step(double h) {
   }
   contacts(h, start);
   assemble(h, w_mid, start);
+  if (settling_) {
+    add_syrup(h, start);
+  }
   add_suspension(h, start);
 
   // (M + h sum g J^T J) dv = h (f + sum J^T F(start)), clamp last: unimog-u5023.md.
@@ -348,6 +368,9 @@ void FullVehicle::advance(double h, const Velocities& found, const Velocities& c
   for (std::size_t i = 0; i < kWheels; ++i) {
     // Linearly implicit Euler: suspension and wheel angles go with the velocities found.
     wheel_terms_[i].settle(h, found, wheels_[i]);
+    if (!settling_) {
+      wheel_terms_[i].press(*ground_);
+    }
     state_.suspension_rate[i] = found[kBodyVelocities + i];
     state_.suspension[i] += h * state_.suspension_rate[i];
     state_.wheel_rate_radps[i] = found[kWheelVelocity + i];
@@ -434,9 +457,13 @@ void FullVehicle::stand(const VehiclePlace& place) {
     settling_ = true;
     const auto steps = static_cast<int>(kSettling_s / kSettlingStep_s);
     for (int i = 0; i < steps && !non_finite(); ++i) {
+      syrup_radps_ = i * kSettlingStep_s < kSyrup_s ? kSyrup_radps : 0.0;
       inner_step(kSettlingStep_s);
     }
     settling_ = false;
+    for (const WheelTerms& wheel : wheel_terms_) {
+      wheel.press(*ground_);
+    }
     state_.v_WC_W.setZero();
     state_.w_WB_B.setZero();
     state_.suspension_rate = {};
@@ -450,9 +477,9 @@ void FullVehicle::stand(const VehiclePlace& place) {
 void FullVehicle::start_rolling(double speed_mps) {
   state_.v_WC_W = speed_mps * (state_.q_WB * Vector3d::UnitX());
   for (std::size_t i = 0; i < kWheels; ++i) {
-    // Rolling without slip, rate = v / r at the loaded radius.
-    const double radius =
-        wheels_[i].radius_m > 0.0 ? wheels_[i].radius_m : axle(i / 2).tyre.unloaded_radius_m;
+    // Rolling without slip, rate = v / r.
+    const double radius = wheels_[i].rolling_radius_m > 0.0 ? wheels_[i].rolling_radius_m
+                                                            : axle(i / 2).tyre.unloaded_radius_m;
     state_.wheel_rate_radps[i] = speed_mps / radius;
     wheels_[i].rate_radps = state_.wheel_rate_radps[i];
   }

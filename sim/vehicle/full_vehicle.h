@@ -72,6 +72,7 @@ class FullVehicle final : public WheeledVehicle {
   void add_mass(double mass_kg, const UnsprungMass& part, std::size_t axle, double h,
                 const Eigen::Vector3d& gravity_B);
   void add_suspension(double h, const Velocities& start);
+  void add_syrup(double h, const Velocities& start);
   void contacts(double h, const Velocities& start);
   void meet_obstacles(double h, const Velocities& start);
   [[nodiscard]] bool finite(const Velocities& change);
@@ -91,6 +92,7 @@ class FullVehicle final : public WheeledVehicle {
   VelocitySystem base_;
   int passes_ = 0;
   bool settling_ = false;
+  double syrup_radps_ = 0.0;
 };
 
 }  // namespace rigwire::sim

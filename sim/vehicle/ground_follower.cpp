@@ -44,6 +44,7 @@ GroundFollower::Plane GroundFollower::look(const Ground& ground) {
     const double ceiling = follow_[0] + slope.dot(offset) + 0.5 * axle.tyre.unloaded_radius_m;
     points_[i] = ground.at(at.x(), at.y(), ceiling);
     height[i] = points_[i].height_m;
+    places_[i] = {at.x(), at.y(), height[i]};
   }
   // Plane by the means of axles and sides: its two slopes and the height at B's origin.
   const double front = 0.5 * (height[0] + height[1]);

@@ -34,6 +34,8 @@ class GroundFollower {
   [[nodiscard]] Eigen::Matrix3d R_WB() const { return body_.X_WL.linear(); }
   /// Under the wheels; obstacles count up to half a wheel's radius above the body's ground plane.
   [[nodiscard]] const std::array<GroundPoint, kWheels>& ground() const { return points_; }
+  /// Where those lie.
+  [[nodiscard]] const std::array<Eigen::Vector3d, kWheels>& places() const { return places_; }
   [[nodiscard]] bool finite() const;
 
  private:
@@ -51,6 +53,7 @@ class GroundFollower {
   Eigen::Vector3d follow_ = Eigen::Vector3d::Zero();  ///< Height, slope east, slope north.
   Eigen::Vector3d follow_rate_ = Eigen::Vector3d::Zero();
   std::array<GroundPoint, kWheels> points_;
+  std::array<Eigen::Vector3d, kWheels> places_;
   LinkMotion body_;
 };
 

@@ -18,7 +18,7 @@ KinematicVehicle::KinematicVehicle(const WheeledVehicleParameters& parameters, c
   contact_rows_.reserve(kMostContactPoints);
   follower_.reset(ground, place);
   for (std::size_t i = 0; i < kWheels; ++i) {
-    wheels_[i].radius_m = static_.wheel_height_m[i / 2];
+    wheels_[i].rolling_radius_m = static_.rolling_radius_m[i / 2];
     wheels_[i].load_n = static_.wheel_n[i / 2];
     wheels_[i].touching = true;
   }
@@ -38,7 +38,7 @@ void KinematicVehicle::update_geometry() {
     const double ahead = 1.0 - curvature_1pm_ * centre.y();
     const double left = sideways_ + curvature_1pm_ * centre.x();
     rate_per_speed_[static_cast<Eigen::Index>(i)] =
-        (ahead * std::cos(steer) + left * std::sin(steer)) / static_.wheel_height_m[i / 2];
+        (ahead * std::cos(steer) + left * std::sin(steer)) / static_.rolling_radius_m[i / 2];
   }
 }
 

@@ -82,6 +82,8 @@ WheeledVehicleParameters::WheeledVehicleParameters() {
   rear.parking_brake_nm = 3.2e4;
   front.parking_brake_nm = 3.2e4;
   rear.beam.articulation_rad = 15.0 * kDegree;
+  front.beam.roll_bar_nmprad = 7.0e4;
+  rear.beam.roll_bar_nmprad = 5.0e4;
   chassis.points = {{{4.75, 1.1, 0.85}},   {{4.75, -1.1, 0.85}}, {{-1.05, 1.1, 0.95}},
                     {{-1.05, -1.1, 0.95}}, {{4.6, 1.1, 2.7}},    {{4.6, -1.1, 2.7}},
                     {{-1.0, 1.2, 1.9}},    {{-1.0, -1.2, 1.9}},  {{1.9, 0.4, 0.62}},
@@ -107,6 +109,7 @@ StaticLoads static_loads(const WheeledVehicleParameters& parameters) {
     const double stiffness = axle.tyre.carcass_stiffness_npm +
                              axle.tyre.stiffness_per_pressure_m * axle.tyre.reference_pressure_pa;
     loads.wheel_height_m[i] = axle.tyre.unloaded_radius_m - loads.wheel_n[i] / stiffness;
+    loads.rolling_radius_m[i] = effective_radius_m(axle.tyre, loads.wheel_n[i] / stiffness);
     const double rise = axle.type == AxleType::beam ? axle.portal_offset_m : 0.0;
     moment += mass * Eigen::Vector3d(axle.position_x_m, 0.0, loads.wheel_height_m[i] + rise);
   }

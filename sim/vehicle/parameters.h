@@ -42,7 +42,7 @@ enum class AxleType : std::uint8_t {
 /// What the springs carry.
 struct SprungBodyParameters {
   double mass_kg = 7600.0;
-  Eigen::Vector3d center_of_mass_m{2.05, 0.0, 1.32};            ///< In B.
+  Eigen::Vector3d center_of_mass_m{2.05, 0.0, 1.22};            ///< In B.
   Eigen::Vector3d principal_inertia_kgm2{5.5e3, 2.3e4, 2.4e4};  ///< About it, along B's axes.
 };
 void visit(fields::Visitor& v, SprungBodyParameters& p);
@@ -64,7 +64,7 @@ struct BeamAxleParameters {
   double tube_length_m = 1.3;        ///< Axle to spherical pivot, towards the vehicle's middle; 0
                                      ///< guides the axle straight up and down.
   double tube_rise_m = 0.05;         ///< Pivot above the axle's centre.
-  double roll_centre_rise_m = 0.10;  ///< Panhard rod above the axle's centre.
+  double roll_centre_rise_m = 0.20;  ///< Panhard rod above the axle's centre.
   double spring_npm = 1.6e5;         ///< Of each side.
   double damper_nspm = 1.0e4;        ///< Of each side.
   double spring_base_m = 1.05;       ///< Left to right spring, and damper.
@@ -204,9 +204,10 @@ void visit(fields::Visitor& v, WheeledVehicleParameters& p);
 
 /// What carries what when the vehicle stands on level ground, in design position.
 struct StaticLoads {
-  std::array<double, 2> spring_n{};        ///< Of both springs of front and rear axle.
-  std::array<double, 2> wheel_n{};         ///< Of one wheel of front and rear axle.
-  std::array<double, 2> wheel_height_m{};  ///< Wheel's centre above ground.
+  std::array<double, 2> spring_n{};          ///< Of both springs of front and rear axle.
+  std::array<double, 2> wheel_n{};           ///< Of one wheel of front and rear axle.
+  std::array<double, 2> wheel_height_m{};    ///< Wheel's centre above ground.
+  std::array<double, 2> rolling_radius_m{};  ///< Way per radian of a wheel that rolls freely.
   Eigen::Vector3d center_of_mass_m = Eigen::Vector3d::Zero();  ///< Of everything, in B.
 };
 [[nodiscard]] StaticLoads static_loads(const WheeledVehicleParameters& parameters);

@@ -143,21 +143,18 @@ void PlanarVehicle::inner_step(double h) {
     const double steer = steer_rad(i / 2)[i % 2];
     frames_[i].axis = Vector3d(-std::sin(steer), std::cos(steer), 0.0);
     const GroundPoint& ground = follower_.ground()[i];
-    const SoilParameters& soil = ground_->soil(ground.soil);
     std::optional<WheelContact> contact;
     if (load_n_[i] > 0.0) {
       contact.emplace();
       contact->ground = ground;
       contact->normal_W = R_WB.col(2);
-      const TyreParameters& tyre = axle(i / 2).tyre;
-      contact->depth_m = load_n_[i] / wheel_terms_[i].tyre().stiffness_npm(tyre_pressure_pa(i));
-      // The load's overlap: N / k(p) of the tyre, and Bekker's rigid-wheel sinkage (soil.h).
-      if (soil.soft && !ground.obstacle) {
-        contact->depth_m +=
-            wheel_sinkage_m(soil, load_n_[i], tyre.width_m, 2.0 * tyre.unloaded_radius_m);
-      }
+      contact->point_W = follower_.places()[i];
+      contact->terrain_share = ground.obstacle ? 0.0 : 1.0;
+      // The load's overlap, of the tyre and of the soil, in the rut that lies there.
+      contact->depth_m = wheel_terms_[i].tyre().overlap_m(
+          load_n_[i], ground_->footing(*contact, R_WB.col(0), 0.0).under, tyre_pressure_pa(i));
     }
-    wheel_terms_[i].begin(h, frames_[i], R_WB, contact, soil, tyre_pressure_pa(i),
+    wheel_terms_[i].begin(h, frames_[i], R_WB, contact, *ground_, tyre_pressure_pa(i),
                           brake_limit_nm(i), start);
   }
 
@@ -250,6 +247,7 @@ void PlanarVehicle::inner_step(double h) {
   const Vector2d new_velocity(found[0], found[1]);
   for (std::size_t i = 0; i < kWheels; ++i) {
     wheel_terms_[i].settle(h, found, wheels_[i]);
+    wheel_terms_[i].press(*ground_);
     rate_radps2_[i] = (found[kWheelVelocity + i] - start[kWheelVelocity + i]) / h;
     rate_radps_[i] = found[kWheelVelocity + i];
     spin_rad_[i] = std::remainder(spin_rad_[i] + h * rate_radps_[i], 2.0 * std::numbers::pi);
@@ -273,7 +271,7 @@ void PlanarVehicle::start_rolling(double speed_mps) {
   velocity_mps_ = {speed_mps, 0.0};
   yaw_rate_radps_ = 0.0;
   for (std::size_t i = 0; i < kWheels; ++i) {
-    rate_radps_[i] = speed_mps / static_.wheel_height_m[i / 2];
+    rate_radps_[i] = speed_mps / static_.rolling_radius_m[i / 2];
     wheels_[i].rate_radps = rate_radps_[i];
   }
   follower_.set_speed(velocity_mps_);

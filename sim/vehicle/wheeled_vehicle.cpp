@@ -45,9 +45,9 @@ double finite_or(double value, double otherwise) {
 }
 
 TravelMachine travel_machine(const WheeledVehicleParameters& p, const StaticLoads& loads) {
-  return {p.mass_kg(), loads.wheel_height_m[1],
-          p.front.brake_torque_nm / loads.wheel_height_m[0] +
-              p.rear.brake_torque_nm / loads.wheel_height_m[1],
+  return {p.mass_kg(), loads.rolling_radius_m[1],
+          p.front.brake_torque_nm / loads.rolling_radius_m[0] +
+              p.rear.brake_torque_nm / loads.rolling_radius_m[1],
           p.gravity_mps2};
 }
 
@@ -97,7 +97,8 @@ void WheeledVehicle::update_dust() {
     const double radius_m = static_.wheel_height_m[i / 2];
     // Road dust by the greater of surface speed and travel speed, shared by load (dust_emitter.h).
     const double speed_mps =
-        std::max(std::abs(wheels_[i].rate_radps) * radius_m, wheel.v_WL_W.head<2>().norm());
+        std::max(std::abs(wheels_[i].rate_radps) * static_.rolling_radius_m[i / 2],
+                 wheel.v_WL_W.head<2>().norm());
     dust_[i] = rolling_dust(road_dust_kgpm_,
                             wheel.X_WL.translation() - radius_m * Eigen::Vector3d::UnitZ(),
                             axle(i / 2).tyre.width_m, wheels_[i].load_n / sum_n, speed_mps);
@@ -233,7 +234,7 @@ VehicleSample WheeledVehicle::vehicle_sample(SimTime time) const {
   sample.time = time;
   for (std::size_t i = 0; i < kWheels; ++i) {
     sample.wheel_rate_radps[i] = wheels_[i].rate_radps;
-    sample.wheel_radius_m[i] = static_.wheel_height_m[i / 2];
+    sample.wheel_radius_m[i] = static_.rolling_radius_m[i / 2];
   }
   sample.tyre_pressure_pa = pressure_pa_;
   sample.tyre_pressure_target_pa = pressure_target_pa_;

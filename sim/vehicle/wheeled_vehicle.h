@@ -57,10 +57,12 @@ struct WheelState {
   double lateral_n = 0.0;       ///< On the tyre, left.
   double brake_nm = 0.0;        ///< On the wheel, forward.
   double rolling_nm = 0.0;      ///< Rolling resistance on the wheel, forward.
+  double ploughing_n = 0.0;     ///< Of soft soil on the wheel's centre, forward.
+  double aligning_nm = 0.0;     ///< Of the lateral force about the wheel's centre, left positive.
   double slide_mps = 0.0;       ///< Of the contact patch over the ground, magnitude.
   double friction = 0.0;        ///< Of the ground under it.
   double sinkage_m = 0.0;
-  double radius_m = 0.0;  ///< Loaded.
+  double rolling_radius_m = 0.0;  ///< Way per radian without slip.
   bool touching = false;
   bool slipping = false;  ///< Held at the limit of friction.
 };
@@ -93,7 +95,8 @@ class WheeledVehicle : public Machine, public VehiclePort {
 
   void command(const VehicleCommand& command) final;
   /// Exact readings; what a real sensor makes of them is sim/vehicle_sensors' matter. Radii are
-  /// those of the design position, as a controller has them; odometry is that of B's origin.
+  /// the rolling ones of the design position, as a controller has them; odometry is that of B's
+  /// origin.
   [[nodiscard]] VehicleSample vehicle_sample(SimTime time) const final;
   [[nodiscard]] EngineData engine_data() const final { return driveline_->engine_data(); }
 

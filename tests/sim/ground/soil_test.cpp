@@ -127,5 +127,52 @@ TEST(SoilParameters, BadOnesAreRefusedByName) {
           "cohesion: found nan kPa, allowed >= 0 kPa");
 }
 
+TEST(SinkageCurve, FollowsTheVirginCurveBeyondWhatWasPressed) {
+  const SoilParameters soil = soft_soil();
+  const double pressed = 0.06;
+  const double pressed_load = wheel_load_n(soil, pressed, kWidth_m, kDiameter_m);
+  const SinkageCurve curve(soil, kWidth_m, kDiameter_m, 1e9, pressed);
+  for (const double load : {1.0001 * pressed_load, 2.0 * pressed_load, 10.0 * pressed_load}) {
+    EXPECT_NEAR(curve.at(load).sinkage_m, wheel_sinkage_m(soil, load, kWidth_m, kDiameter_m),
+                1e-12);
+  }
+  // Less load: Wong's line, k_u = A_u z_u on the wheel's contact.
+  const double k = kWidth_m * std::sqrt(kDiameter_m * pressed) * 5e8 * pressed;
+  EXPECT_NEAR(curve.at(0.5 * pressed_load).sinkage_m, pressed - 0.5 * pressed_load / k, 1e-12);
+  EXPECT_NEAR(curve.at(0.5 * pressed_load).slope_mpn, 1.0 / k, 1e-18);
+  EXPECT_NEAR(curve.at(0.0).sinkage_m, pressed - pressed_load / k, 1e-12);
+}
+
+TEST(SinkageCurve, GrowsWithTheLoadFromARutThatIsNeverAboveTheGround) {
+  for (const double n : {0.3, 0.5, 1.1, 2.0}) {
+    SoilParameters soil = soft_soil();
+    soil.exponent = n;
+    soil.reload_growth = 0.0;  // as weak as may be
+    for (const double flat_pa : {5e4, 1e9}) {
+      for (const double pressed : {0.0, 1e-6, 0.05, 0.5}) {
+        const SinkageCurve curve(soil, kWidth_m, kDiameter_m, flat_pa, pressed);
+        double before = curve.at(0.0).sinkage_m;
+        EXPECT_GE(before, 0.0);
+        for (double load = 1.0; load < 1e6; load *= 1.1) {
+          const SinkageCurve::Point point = curve.at(load);
+          EXPECT_GE(point.sinkage_m, before - 1e-15);
+          EXPECT_GE(point.slope_mpn, 0.0);
+          before = point.sinkage_m;
+        }
+      }
+    }
+  }
+}
+
+TEST(CompactionResistance, OfASecondPassIsWhatTheFirstLeft) {
+  const SoilParameters soil = soft_soil();
+  const double whole = compaction_resistance_n(soil, 0.1, kWidth_m);
+  EXPECT_EQ(compaction_resistance_n(soil, 0.1, 0.0, kWidth_m), whole);
+  EXPECT_NEAR(compaction_resistance_n(soil, 0.1, 0.06, kWidth_m),
+              whole - compaction_resistance_n(soil, 0.06, kWidth_m), 1e-9 * whole);
+  EXPECT_EQ(compaction_resistance_n(soil, 0.1, 0.1, kWidth_m), 0.0);
+  EXPECT_EQ(compaction_resistance_n(soil, 0.1, 0.2, kWidth_m), 0.0);
+}
+
 }  // namespace
 }  // namespace rigwire::sim

@@ -23,6 +23,8 @@ struct QuarterVehicle {
   double drive_nm = 0.0;  ///< On the wheel, forward positive.
   double gravity_mps2 = kGravity;
   double friction_scale = 1.0;
+  bool leaves_ruts = true;
+  double pull_n = 0.0;  ///< On the mass, forward.
 
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d v_W = Eigen::Vector3d::Zero();
@@ -34,6 +36,7 @@ struct QuarterVehicle {
   double along_n = 0.0;
   double across_n = 0.0;
   double rolling_nm = 0.0;
+  double ploughing_n = 0.0;
   double slide_mps = 0.0;
   double sinkage_m = 0.0;
   bool slipping = false;
@@ -54,11 +57,16 @@ struct QuarterVehicle {
   void step(double h) {
     const double radius = tyre.parameters().unloaded_radius_m;
     const auto contact = ground.wheel_contact(p_W, axis_W, radius);
-    const SoilParameters& soil = ground.soil(contact ? contact->ground.soil : std::uint8_t{0});
-    TyreLaws laws = tyre.laws(h, contact, soil, pressure_pa, wheel_radps * radius);
+    const Eigen::Vector3d ahead = axis_W.cross(Eigen::Vector3d::UnitZ());
+    const double reach = 0.5 * tyre.contact_length_m(0.0, sinkage_m);
+    WheelFooting footing;
+    if (contact) {
+      footing = ground.footing(*contact, v_W.dot(ahead) < 0.0 ? -ahead : ahead, reach);
+    }
+    TyreLaws laws = tyre.laws(h, contact, footing, pressure_pa, wheel_radps * radius);
     const Eigen::Vector3d weight(0.0, 0.0, -mass_kg * gravity_mps2);
     if (!laws.touching) {
-      normal_n = along_n = across_n = rolling_nm = 0.0;
+      normal_n = along_n = across_n = rolling_nm = ploughing_n = 0.0;
       v_W += h / mass_kg * weight;
       wheel_radps += locked ? -wheel_radps : h * drive_nm / spin_inertia_kgm2;
       p_W += h * v_W;
@@ -82,21 +90,24 @@ struct QuarterVehicle {
     // Along, with the wheel's spin, and across; limits after the solve.
     bool clamped = false;
     bool rolling_clamped = false;
+    bool ploughing_clamped = false;
     double v_t = 0.0;
     double v_b = 0.0;
     double rate = 0.0;
     const double limit = laws.limit_n(normal_n);
     const double rolling_limit = laws.rolling_arm_m * normal_n;
-    for (int pass = 0; pass < 3; ++pass) {
+    for (int pass = 0; pass < 4; ++pass) {
       const ImplicitForce along = clamped ? ImplicitForce{along_n, 0.0} : laws.longitudinal;
       const ImplicitForce across = clamped ? ImplicitForce{across_n, 0.0} : laws.lateral;
       const ImplicitForce rolling = rolling_clamped ? ImplicitForce{rolling_nm, 0.0} : laws.rolling;
+      const ImplicitForce ploughing =
+          ploughing_clamped ? ImplicitForce{ploughing_n, 0.0} : laws.ploughing;
       // m v' + h g (v' - r w') = m v + h (offset + weight);  J w' - r h g (v' - r w') ...
       Eigen::Matrix2d left;
-      left << mass_kg + h * along.gain, -h * along.gain * r, -h * along.gain * r,
+      left << mass_kg + h * (along.gain + ploughing.gain), -h * along.gain * r, -h * along.gain * r,
           spin_inertia_kgm2 + h * (along.gain * r * r + rolling.gain);
       Eigen::Vector2d right(
-          mass_kg * v_W.dot(t) + h * (weight.dot(t) + along.offset),
+          mass_kg * v_W.dot(t) + h * (weight.dot(t) + pull_n + along.offset + ploughing.offset),
           spin_inertia_kgm2 * wheel_radps + h * (drive_nm + rolling.offset - r * along.offset));
       if (locked) {
         v_t = right[0] / left(0, 0);
@@ -111,6 +122,7 @@ struct QuarterVehicle {
       along_n = along.at(v_t - r * rate);
       across_n = across.at(v_b);
       rolling_nm = rolling.at(rate);
+      ploughing_n = ploughing.at(v_t);
       bool changed = false;
       const double size = std::hypot(along_n, across_n);
       if (!clamped && size > limit) {
@@ -122,6 +134,10 @@ struct QuarterVehicle {
         rolling_nm = std::copysign(rolling_limit, rolling_nm);
         rolling_clamped = changed = true;
       }
+      if (!ploughing_clamped && std::abs(ploughing_n) > laws.ploughing_n) {
+        ploughing_n = std::copysign(laws.ploughing_n, ploughing_n);
+        ploughing_clamped = changed = true;
+      }
       if (!changed) {
         break;
       }
@@ -130,7 +146,11 @@ struct QuarterVehicle {
     slipping = clamped;
     sinkage_m = laws.sinkage_m;
     tyre.settle(h, laws,
-                {along_n, across_n, rolling_nm, slide_mps, v_b, rate, clamped, rolling_clamped});
+                {along_n, across_n, rolling_nm, ploughing_n, slide_mps, v_b, rate, v_t, clamped,
+                 rolling_clamped, ploughing_clamped});
+    if (leaves_ruts && laws.rut_m > laws.pressed_m) {
+      ground.press(*contact, t, tyre.parameters().width_m, laws.rut_m);
+    }
     // The mean speed of the step makes the energy of a constant force exact.
     const double mean_slide = 0.5 * (slide_mps + v_W.dot(t) - r * (locked ? 0.0 : wheel_radps));
     slip_heat_j -= h * (along_n * mean_slide + across_n * 0.5 * (v_b + v_W.dot(b)));

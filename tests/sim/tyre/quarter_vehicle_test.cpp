@@ -138,10 +138,10 @@ TEST(Braking, FreeWheelRollsOutAndNeverBackwards) {
   QuarterVehicle vehicle(ground, {}, kMass_kg);
   vehicle.place(0.0, 0.0, kMass_kg * kGravity);
   vehicle.v_W.x() = 1.0;
-  vehicle.wheel_radps = 1.0 / vehicle.p_W.z();
+  const double r = 0.59 - (0.59 - vehicle.p_W.z()) / 3.0;
+  vehicle.wheel_radps = 1.0 / r;
   vehicle.run(1.0, 1e-3);
   // Rolling resistance f N against mass and spin: a = f g / (1 + J / (m r^2)).
-  const double r = vehicle.p_W.z();
   const double a = 0.012 * kGravity / (1.0 + 25.0 / (kMass_kg * r * r));
   EXPECT_NEAR(vehicle.v_W.x(), 1.0 - a, 2e-3);
   double slowest = 1.0;
@@ -151,6 +151,47 @@ TEST(Braking, FreeWheelRollsOutAndNeverBackwards) {
   }
   EXPECT_GT(slowest, -0.02);  // the tyre unwinds, no more
   EXPECT_NEAR(vehicle.v_W.norm(), 0.0, 1e-6);
+}
+
+TEST(RollingRadius, OfASoftTyreIsNotItsHeightAboveTheGround) {
+  const Ground ground = slope(0.0);
+  for (const double pressure : {4.5e5, 1.2e5}) {
+    TyreParameters parameters;
+    parameters.rolling_resistance = 0.0;
+    QuarterVehicle vehicle(ground, parameters, kMass_kg);
+    vehicle.pressure_pa = pressure;
+    vehicle.place(0.0, 0.0, kMass_kg * kGravity);
+    vehicle.v_W.x() = 2.0;
+    vehicle.wheel_radps = 2.0 / 0.55;
+    vehicle.run(5.0, 1e-3);
+    const double deflection = 0.59 - vehicle.p_W.z();
+    EXPECT_NEAR(vehicle.v_W.x() / vehicle.wheel_radps, 0.59 - deflection / 3.0, 1e-6);
+    // The exact arc of a belt that does not stretch, R sin(phi) / phi.
+    const double phi = std::acos(1.0 - deflection / 0.59);
+    EXPECT_NEAR(vehicle.v_W.x() / vehicle.wheel_radps, 0.59 * std::sin(phi) / phi, 5e-4);
+  }
+}
+
+// With another lever than the rolling radius a shaft would give more, or less, than the road gets.
+TEST(RollingRadius, TheShaftGivesWhatTheRoadGets) {
+  const Ground ground = slope(0.0);
+  TyreParameters parameters;
+  parameters.rolling_resistance = 0.0;
+  QuarterVehicle vehicle(ground, parameters, kMass_kg);
+  vehicle.pressure_pa = 1.2e5;
+  vehicle.place(0.0, 0.0, kMass_kg * kGravity);
+  vehicle.run(1.0, 1e-3);
+  vehicle.drive_nm = 2000.0;
+  double shaft_j = 0.0;
+  vehicle.slip_heat_j = 0.0;
+  for (int i = 0; i < 3000; ++i) {
+    const double before = vehicle.wheel_radps;
+    vehicle.step(1e-3);
+    shaft_j += 0.5e-3 * vehicle.drive_nm * (before + vehicle.wheel_radps);
+  }
+  const double moving = 0.5 * kMass_kg * vehicle.v_W.squaredNorm() +
+                        0.5 * 25.0 * vehicle.wheel_radps * vehicle.wheel_radps;
+  EXPECT_NEAR(shaft_j, moving + vehicle.slip_heat_j, 2e-3 * shaft_j);
 }
 
 TEST(Lifting, TheTyreNeverPullsAndForgetsInTheAir) {
@@ -257,6 +298,7 @@ TEST_P(OnSoftSoil, StandsAtItsStaticSinkage) {
   const SoilParameters soil = soft_soil(GetParam());
   const Ground ground = slope(0.0, soil);
   QuarterVehicle vehicle(ground, {}, kMass_kg);
+  vehicle.leaves_ruts = false;  // else it stays as deep as its fall pressed it
   vehicle.p_W.z() = 0.59;
   vehicle.run(20.0, 2e-3);
   EXPECT_NEAR(vehicle.normal_n, kMass_kg * kGravity, 1.0);
@@ -265,10 +307,10 @@ TEST_P(OnSoftSoil, StandsAtItsStaticSinkage) {
 }
 
 TEST_P(OnSoftSoil, SpinsWithoutHumAndAlikeAtEveryStep) {
-  const Ground ground = slope(0.0, soft_soil(GetParam()));
   double speed_at[2] = {0.0, 0.0};
   int which = 0;
   for (const double h : {1e-3, 1e-2}) {
+    const Ground ground = slope(0.0, soft_soil(GetParam()));  // without the other one's rut
     QuarterVehicle vehicle(ground, {}, kMass_kg);
     vehicle.pressure_pa = 1.2e5;
     vehicle.p_W.z() = 0.5;

@@ -215,6 +215,38 @@ TEST_P(VehicleLevels, BrakesToStandstillOnASlopeAndStays) {
   EXPECT_NEAR(rig.machine->links()[0].X_WL.linear()(2, 0), std::sin(8.0 * kDegree), 0.05);
 }
 
+// Finding: with the loaded radius as the rolling one, odometry read 13.9 % too much.
+TEST(VehicleDrive, SoftTyresShortenTheWayPerTurnByAThirdOfTheirDeflection) {
+  WheeledVehicleParameters parameters;
+  parameters.front.initial_pressure_pa = 1.2e5;
+  parameters.rear.initial_pressure_pa = 1.2e5;
+  BareVehicle rig(slope(0.0), parameters);
+  rig.machine.command(released());
+  rig.machine.start_rolling(3.0);
+  rig.machine.step(1s);
+  // Both axles alike but for their loads (unimog-u5023.md, tyre stiffness).
+  double expected = 0.0;
+  double found = 0.0;
+  for (const WheelState& wheel : rig.machine.wheels()) {
+    expected += 0.25 * (0.59 - wheel.load_n / (3.4e4 + 1.555 * 1.2e5) / 3.0);
+    found += 0.25 * rig.speed() / wheel.rate_radps;
+  }
+  EXPECT_NEAR(found, expected, 2e-3);
+  const OdometryReading odometry = rig.machine.vehicle_sample(rig.machine.time()).odometry;
+  EXPECT_NEAR(odometry.speed_mps / rig.speed(), 1.04, 0.005);
+}
+
+// Maker's figure: 52 km/h (docs/machines/gator-855d.md).
+TEST(VehicleDrive, GatorReachesItsTopSpeed) {
+  Driven rig(slope(0.0), VehicleLevel::full, true);
+  VehicleCommand command = released();
+  command.gear = 2;
+  command.engine_torque_share = 1.0;
+  rig.machine->command(command);
+  rig.machine->step(90s);
+  EXPECT_NEAR(3.6 * rig.speed(), 52.0, 0.3);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, VehicleLevels,
                          testing::Combine(testing::Values(VehicleLevel::kinematic,
                                                           VehicleLevel::planar, VehicleLevel::full),

@@ -30,16 +30,69 @@ TEST(VehicleTilt, RigidVehicleUnloadsAsStaticsSay) {
 }
 
 TEST(VehicleTilt, SpringsTipItEarlierThanTheRigidAngle) {
-  WheeledVehicleParameters parameters;
+  const WheeledVehicleParameters parameters;
   const double rigid =
       std::atan(0.5 * parameters.front.track_m / static_loads(parameters).center_of_mass_m.z());
-  EXPECT_NEAR(rigid / kDegree, 38.0, 2.5);
-  const BareVehicle stands(side_slope(0.6 * rigid, 1.5), parameters);
-  EXPECT_GT(uphill_load(stands), 0.0);
-  EXPECT_LT(std::abs(roll_of(stands.machine.links()[0]) - 0.6 * rigid), 12.0 * kDegree);
-  const BareVehicle tips(side_slope(1.02 * rigid, 1.5), parameters);
+  EXPECT_GT(rigid, 39.5 * kDegree);
+  const BareVehicle tips(side_slope(0.99 * rigid, 1.5), parameters);
   EXPECT_FALSE(tips.machine.non_finite());
   EXPECT_LT(uphill_load(tips), 1.0);
+}
+
+// Finding: placed on a slope it toppled from 29.3 degrees, through its start's own swing. The press
+// says 38 (docs/machines/unimog-u5023.md).
+TEST(VehicleTilt, PlacedItTipsAtThePressFigure) {
+  for (const double degrees : {30.0, 34.0, 37.0}) {
+    BareVehicle stands(side_slope(degrees * kDegree, 1.5));
+    EXPECT_GT(uphill_load(stands), 0.0) << degrees;
+    EXPECT_LT(stands.machine.links()[0].v_WL_W.norm(), 1e-9);
+    stands.machine.step(5s);
+    EXPECT_GT(uphill_load(stands), 0.0) << degrees;
+    EXPECT_LT(stands.machine.links()[0].v_WL_W.norm(), 1e-3) << degrees;
+  }
+  const BareVehicle tips(side_slope(39.0 * kDegree, 1.5));
+  EXPECT_LT(uphill_load(tips), 1.0);
+}
+
+// Finding: driven slowly onto it, it toppled at 35.1 degrees.
+TEST(VehicleTilt, DrivenOntoItItTipsAtThePressFigure) {
+  // Twisted ground: the side slope grows from 30 degrees by 0.2 per metre of way.
+  HeightField field;
+  field.origin_m = {-10.0, -20.0};
+  field.cell_m = 0.5;
+  field.columns = 141;
+  field.rows = 81;
+  for (std::size_t row = 0; row < field.rows; ++row) {
+    for (std::size_t column = 0; column < field.columns; ++column) {
+      const double x = field.origin_m.x() + 0.5 * static_cast<double>(column);
+      const double y = field.origin_m.y() + 0.5 * static_cast<double>(row);
+      field.heights_m.push_back(y * std::tan((30.0 + 0.2 * std::max(0.0, x)) * kDegree));
+    }
+  }
+  SoilMap soils;
+  soils.soils[0].friction = 1.5;
+  BareVehicle rig(Ground(field, soils, {}));
+  rig.machine.command(released());
+  rig.machine.start_rolling(1.0);
+  double tipped_at = 0.0;
+  for (int i = 0; i < 60'000 && tipped_at == 0.0; ++i) {
+    // Held at 1 m/s by a torque on all wheels.
+    rig.equations.torque_nm.setConstant(5e3 * (1.0 - rig.speed()));
+    rig.machine.step(1ms);
+    if (uphill_load(rig) < 1.0) {
+      const double middle = 0.5 * (rig.machine.links()[1].X_WL.translation().x() +
+                                   rig.machine.links()[2].X_WL.translation().x());
+      tipped_at = 30.0 + 0.2 * middle;
+    }
+  }
+  EXPECT_NEAR(tipped_at, 38.0, 1.0);
+}
+
+// Finding: 20 degrees/g. What is left is an estimate: 8 degrees/g.
+TEST(VehicleTilt, RollGradientIsThatOfItsPage) {
+  const BareVehicle rig(side_slope(5.0 * kDegree, 1.5));
+  const double roll = std::abs(roll_of(rig.machine.links()[0])) / kDegree;
+  EXPECT_NEAR((roll - 5.0) / std::sin(5.0 * kDegree), 7.6, 0.3);
 }
 
 /// Front left and rear right wheel on blocks.
@@ -67,7 +120,7 @@ TEST(VehicleArticulation, FrameRollsBetweenTheAxlesByTheirStiffness) {
   ASSERT_FALSE(rig.machine.non_finite());
   const double base = 0.5 * 1.6e5 * 1.05 * 1.05;
   const double front = base + 9e4;
-  const double rear = base;
+  const double rear = base + parameters.rear.beam.roll_bar_nmprad;
   const auto links = rig.machine.links();
   // The sprung mass leans over its roll axis.
   const StaticLoads loads = static_loads(parameters);

@@ -8,6 +8,7 @@ namespace rigwire::sim {
 namespace {
 
 constexpr int kRounds = 12;
+constexpr double kPloughing_npm = 1e6;  // of a drum held by the soil in front of it
 
 using RollerMatrix = Eigen::Matrix<double, 5, 5>;
 
@@ -95,7 +96,9 @@ RollerDynamics::RollerDynamics(const RollerParameters& parameters)
       brakes_{SpinFriction(spin_bristles(parameters)[0]),
               SpinFriction(spin_bristles(parameters)[0])},
       rolling_{SpinFriction(spin_bristles(parameters)[1]),
-               SpinFriction(spin_bristles(parameters)[1])} {}
+               SpinFriction(spin_bristles(parameters)[1])},
+      ploughing_{SpinFriction(held(kPloughing_npm, 0.7, 0.5 * parameters.mass_kg)),
+                 SpinFriction(held(kPloughing_npm, 0.7, 0.5 * parameters.mass_kg))} {}
 
 void RollerDynamics::step(double h, const RollerLoads& loads, HydrostaticDrive& drive,
                           RollerVelocity& velocity) {
@@ -116,6 +119,10 @@ void RollerDynamics::step(double h, const RollerLoads& loads, HydrostaticDrive& 
     drums_[i].begin(h, loads.drum[i], of_drum(velocity, i));
     brakes_[i].begin(h, loads.brake_limit_nm[i], rate);
     rolling_[i].begin(h, loads.rolling_limit_nm[i], rate);
+    // The drum's centre along its heading: u cos d + (v + r x) sin d.
+    const double sine = std::sin(loads.drum[i].steer_rad);
+    way_row_[i] = {std::cos(loads.drum[i].steer_rad), sine, loads.drum[i].x_m * sine};
+    ploughing_[i].begin(h, loads.ploughing_limit_n[i], way_row_[i].dot(velocity.head<3>()));
   }
   std::array<Pressure, 2> pressures;
   const double relief = drive.pressure_limit_pa();
@@ -137,6 +144,9 @@ void RollerDynamics::step(double h, const RollerLoads& loads, HydrostaticDrive& 
       const ImplicitForce rolling = rolling_[i].law();
       A(w, w) += h * (brake.gain + rolling.gain);
       b[w] += h * (brake.offset + rolling.offset);
+      const ImplicitForce ploughing = ploughing_[i].law();
+      A.topLeftCorner<3, 3>() += (h * ploughing.gain) * way_row_[i] * way_row_[i].transpose();
+      b.head<3>() += (h * ploughing.offset) * way_row_[i];
     }
     for (std::size_t i = 0; i < drive.circuits(); ++i) {
       const HydrostaticCircuit& circuit = drive.circuit(i);
@@ -158,7 +168,8 @@ void RollerDynamics::step(double h, const RollerLoads& loads, HydrostaticDrive& 
       const bool drum = drums_[i].test(of_drum(x, i));
       const bool brake = brakes_[i].test(rate);
       const bool rolling = rolling_[i].test(rate);
-      changed = changed || drum || brake || rolling;
+      const bool ploughing = ploughing_[i].test(way_row_[i].dot(x.head<3>()));
+      changed = changed || drum || brake || rolling || ploughing;
     }
     for (std::size_t i = 0; i < drive.circuits(); ++i) {
       const HydrostaticCircuit& circuit = drive.circuit(i);
@@ -178,6 +189,7 @@ void RollerDynamics::step(double h, const RollerLoads& loads, HydrostaticDrive& 
     drums_[i].settle(of_drum(x, i));
     brakes_[i].settle(rate);
     rolling_[i].settle(rate);
+    ploughing_[i].settle(way_row_[i].dot(x.head<3>()));
   }
   for (std::size_t i = 0; i < drive.circuits(); ++i) {
     const HydrostaticCircuit& circuit = drive.circuit(i);
@@ -208,7 +220,11 @@ void RollerDynamics::preload(const RollerLoads& loads, const std::array<double, 
 }
 
 Eigen::Vector2d RollerDynamics::ground_force_n() const {
-  return (drums_[0].generalised() + drums_[1].generalised()).head<2>();
+  Eigen::Vector2d sum = (drums_[0].generalised() + drums_[1].generalised()).head<2>();
+  for (std::size_t i = 0; i < 2; ++i) {
+    sum += ploughing_[i].torque_nm() * way_row_[i].head<2>();
+  }
+  return sum;
 }
 
 }  // namespace rigwire::sim

@@ -29,7 +29,7 @@ namespace rigwire::sim {
 
 using RollerVelocity = Eigen::Matrix<double, 5, 1>;
 
-/// Dry friction on one drum's rate: brake or rolling resistance.
+/// Dry friction on one drum's rate (brake, rolling resistance), or on its centre's way (soft soil).
 class SpinFriction {
  public:
   explicit SpinFriction(const BristleParameters& parameters) : parameters_(parameters) {}
@@ -65,6 +65,7 @@ struct RollerLoads {
   std::array<DrumSituation, 2> drum;
   std::array<double, 2> brake_limit_nm{};
   std::array<double, 2> rolling_limit_nm{};
+  std::array<double, 2> ploughing_limit_n{};  ///< Of soft soil on the drum's centre, along it.
 };
 
 class RollerDynamics {
@@ -81,6 +82,10 @@ class RollerDynamics {
   [[nodiscard]] double rolling_torque_nm(std::size_t which) const {
     return rolling_[which].torque_nm();
   }
+  /// Of soft soil on the drum's centre, forward along it.
+  [[nodiscard]] double ploughing_n(std::size_t which) const {
+    return ploughing_[which].torque_nm();
+  }
   /// Of the ground on the machine in the frame's axes, last step.
   [[nodiscard]] Eigen::Vector2d ground_force_n() const;
   /// Steps whose limits still changed in the last round allowed.
@@ -91,6 +96,8 @@ class RollerDynamics {
   std::array<DrumContact, 2> drums_;
   std::array<SpinFriction, 2> brakes_;
   std::array<SpinFriction, 2> rolling_;
+  std::array<SpinFriction, 2> ploughing_;
+  std::array<Eigen::Vector3d, 2> way_row_{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   std::uint64_t unsettled_steps_ = 0;
 };
 

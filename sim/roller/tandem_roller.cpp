@@ -47,6 +47,7 @@ void take(double& kept, double wanted, double low, double high) {
   }
 }
 
+constexpr double kRutReach_m = 0.3;  // beyond what a drum presses under itself
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 constexpr std::array<StatusQuantity, 8> kStatus{{{"speed", "km/h"},
@@ -359,6 +360,11 @@ void TandemRoller::load_strips(const Eigen::Matrix3d& R_WB, double speed_mps) {
     }
     const double scale = sum > 0.0 ? load_n_[i] / sum : 0.0;
     double rolling_n = 0.0;
+    double ploughing_n = 0.0;
+    // Where the drum rolls to; it presses every strip's ground as deep as the strip sinks.
+    const double heading = drum.steer_rad;
+    const Eigen::Vector3d way_W = R_WB * Eigen::Vector3d(std::cos(heading), std::sin(heading), 0.0);
+    const double way = speed_mps < 0.0 ? -kRutReach_m : kRutReach_m;
     for (std::size_t k = 0; k < strips; ++k) {
       drum.load_n[k] *= scale;
       const GroundPoint& point = rest_.strip(i * strips + k).point;
@@ -370,14 +376,24 @@ void TandemRoller::load_strips(const Eigen::Matrix3d& R_WB, double speed_mps) {
         drum.limit_n[k] =
             std::min(drum.limit_n[k],
                      shear_limit_n(soil, drum.load_n[k], strip_width * p.drum.contact_length_m));
-        // The rut is that of the whole drum, did it press everywhere as this strip does.
+        // The rut is that of the whole drum, did it press everywhere as this strip does; what was
+        // pressed before costs nothing (soil.h).
         const auto count = static_cast<double>(strips);
         const double sinkage =
             wheel_sinkage_m(soil, count * drum.load_n[k], p.drum.width_m, 2.0 * p.drum.radius_m);
-        rolling_n += compaction_resistance_n(soil, sinkage, p.drum.width_m) / count;
+        const Eigen::Vector2d& p_B = rest_.strip(i * strips + k).p_B_m;
+        WheelContact foot;
+        foot.point_W =
+            start_W_ + state_.displacement_W + R_WB * Eigen::Vector3d(p_B.x(), p_B.y(), 0.0);
+        const double ahead = ground_->ruts().depth_m((foot.point_W + way * way_W).head<2>());
+        ploughing_n += compaction_resistance_n(soil, sinkage, ahead, p.drum.width_m) / count;
+        if (ground_->ruts().depth_m(foot.point_W.head<2>()) < sinkage - 1e-4) {
+          ground_->press(foot, way_W, strip_width, sinkage);
+        }
       }
     }
     loads_.rolling_limit_nm[i] = rolling_n * p.drum.radius_m;
+    loads_.ploughing_limit_n[i] = ploughing_n;
     loads_.brake_limit_nm[i] = std::max(command_.parking_brake ? p.parking_brake_torque_nm : 0.0,
                                         brake_share_ * p.brake_torque_nm);
   }

@@ -538,9 +538,12 @@ void Excavator::step_chambers(double h) {
   DriveLaws laws;
   for (std::size_t i = 0; i < kArmJoints; ++i) {
     const double relief = i == 0 ? supply.swing_relief_pressure_pa : supply.relief_pressure_pa;
-    laws.force[i] = chambers_[i].law(
-        h, pose_.x[row(i)],
-        {flow_[i], floating_[i], supply_pressure_pa_, supply.tank_pressure_pa, relief});
+    const ValveDemand demand{flow_[i], floating_[i], supply_pressure_pa_, supply.tank_pressure_pa,
+                             relief};
+    laws.force[i] = chambers_[i].law(h, pose_.x[row(i)], demand);
+    const auto [least, greatest] = chambers_[i].limits(demand, position_rate_[row(i)]);
+    laws.least[row(i)] = least;
+    laws.greatest[row(i)] = greatest;
   }
   ArmState next = state_;
   const JointVector lever = pose_.lever;

@@ -60,6 +60,7 @@ ActuatorChambers::Flow ActuatorChambers::inflow(double pressure_pa, double into_
   };
   if (demand.floating) {
     add(p.port_conductance * (demand.tank_pressure_pa - pressure_pa), -p.port_conductance);
+    flow.guarded = true;
     return flow;
   }
   const Flow in = opening_flow(into_m3ps, demand.supply_pressure_pa - pressure_pa, p.inlet_drop_pa);
@@ -68,8 +69,10 @@ ActuatorChambers::Flow ActuatorChambers::inflow(double pressure_pa, double into_
   add(-out.value, -out.slope);
   if (pressure_pa > demand.relief_pressure_pa) {
     add(p.port_conductance * (demand.relief_pressure_pa - pressure_pa), -p.port_conductance);
+    flow.guarded = true;
   } else if (pressure_pa < demand.tank_pressure_pa) {
     add(p.port_conductance * (demand.tank_pressure_pa - pressure_pa), -p.port_conductance);
+    flow.guarded = true;
   }
   return flow;
 }
@@ -79,7 +82,7 @@ ImplicitForce ActuatorChambers::law(double h, double x, const ValveDemand& deman
   const double b = size_.rod_side_area;
   const auto [volume_a, volume_b] = volumes_m3(x);
   const double flow = demand.flow_m3ps;
-  demanded_ = flow;
+  demand_ = demand;
   if (flow >= 0.0) {
     flow_a_ = inflow(pressures_.a_pa, flow, 0.0, demand);
     flow_b_ = inflow(pressures_.b_pa, 0.0, kOutletReserve * flow * b / a, demand);
@@ -97,15 +100,39 @@ ImplicitForce ActuatorChambers::law(double h, double x, const ValveDemand& deman
           a * a * ease_a_ + b * b * ease_b_ + friction_};
 }
 
+std::array<double, 2> ActuatorChambers::limits(const ValveDemand& demand, double rate) const {
+  const double a = size_.bottom_area;
+  const double b = size_.rod_side_area;
+  const auto most_pa = [&](double area) {
+    return demand.relief_pressure_pa +
+           (std::abs(demand.flow_m3ps) + area * std::abs(rate)) / parameters_.port_conductance;
+  };
+  return {a * demand.tank_pressure_pa - b * most_pa(b) - friction_ * std::abs(rate),
+          a * most_pa(a) - b * demand.tank_pressure_pa + friction_ * std::abs(rate)};
+}
+
+double ActuatorChambers::ended_pa(double pressure_pa, const Flow& flow, double ease,
+                                  double area_rate) const {
+  const double ended = pressure_pa + ease * (flow.value - area_rate);
+  const double bound = std::clamp(ended, demand_.tank_pressure_pa, demand_.relief_pressure_pa);
+  if (flow.guarded || bound == ended || ease == 0.0) {
+    return ended;
+  }
+  // The same step with the valve's flow G (bound - p) in it: 1 / ease grows by G.
+  const double g = parameters_.port_conductance;
+  return pressure_pa + (flow.value + g * (bound - pressure_pa) - area_rate) / (1.0 / ease + g);
+}
+
 void ActuatorChambers::settle(double rate) {
   // Pressure changes with the rate found; the inlet's flow at the pressure reached.
-  const double change_a = ease_a_ * (flow_a_.value - size_.bottom_area * rate);
-  const double change_b = ease_b_ * (flow_b_.value + size_.rod_side_area * rate);
-  pressures_.a_pa += change_a;
-  pressures_.b_pa += change_b;
-  inlet_flow_ = demanded_ > 0.0   ? flow_a_.value + flow_a_.slope * change_a
-                : demanded_ < 0.0 ? -(flow_b_.value + flow_b_.slope * change_b)
-                                  : 0.0;
+  const double ended_a = ended_pa(pressures_.a_pa, flow_a_, ease_a_, size_.bottom_area * rate);
+  const double ended_b = ended_pa(pressures_.b_pa, flow_b_, ease_b_, -size_.rod_side_area * rate);
+  const double change_a = ended_a - pressures_.a_pa;
+  const double change_b = ended_b - pressures_.b_pa;
+  pressures_ = {ended_a, ended_b};
+  inlet_flow_ = demand_.flow_m3ps > 0.0   ? flow_a_.value + flow_a_.slope * change_a
+                : demand_.flow_m3ps < 0.0 ? -(flow_b_.value + flow_b_.slope * change_b)
+                                          : 0.0;
 }
 
 }  // namespace rigwire::sim

@@ -13,9 +13,11 @@
 // chamber below tank pressure draws from the tank. A relief valve per port.
 //
 // A step is linearly implicit in pressure and rate: the force at its end is F = offset - gain u
-// (sim/contact/bristle.h), for the machine's own solve; settle() then takes the rate found. Stable
-// for every step; order 1. The standard lumped model, for example H. E. Merritt, Hydraulic Control
-// Systems, 1967, chapters 3 and 6.
+// (sim/contact/bristle.h), for the machine's own solve; settle() then takes the rate found. A valve
+// that only this rate opens is open in settle(), and limits() bounds the force meanwhile, so that
+// no step, however long, leaves more pressure than a relief valve lets. Stable for every step;
+// order 1. The standard lumped model, for example H. E. Merritt, Hydraulic Control Systems, 1967,
+// chapters 3 and 6.
 #pragma once
 
 #include <array>
@@ -59,6 +61,9 @@ class ActuatorChambers {
 
   /// The force of a step of h seconds that starts at x; remembered for settle().
   [[nodiscard]] ImplicitForce law(double h, double x, const ValveDemand& demand);
+  /// What the chambers can exert with one of them at its relief valve, which passes the demand and
+  /// what the piston displaces at `rate`, and the other at tank pressure: least and greatest force.
+  [[nodiscard]] std::array<double, 2> limits(const ValveDemand& demand, double rate) const;
   /// Ends the step with the rate found there.
   void settle(double rate);
   /// Into the driving chamber in the last step, signed as the demand.
@@ -69,7 +74,12 @@ class ActuatorChambers {
   struct Flow {
     double value = 0.0;
     double slope = 0.0;
+    bool guarded = false;  ///< Relief, anti-cavitation or float is in it.
   };
+  /// Pressure at the end of a step that moved `area` at `rate` out of the chamber: where it would
+  /// leave what relief and anti-cavitation let, they have opened within the step.
+  [[nodiscard]] double ended_pa(double pressure_pa, const Flow& flow, double ease,
+                                double area_rate) const;
   /// Between piston and each end, hose included.
   [[nodiscard]] std::array<double, 2> volumes_m3(double x) const;
   [[nodiscard]] Flow opening_flow(double most, double drop_pa, double full_drop_pa) const;
@@ -85,7 +95,7 @@ class ActuatorChambers {
   Flow flow_b_;
   double ease_a_ = 0.0;
   double ease_b_ = 0.0;
-  double demanded_ = 0.0;
+  ValveDemand demand_;
   double inlet_flow_ = 0.0;
 };
 

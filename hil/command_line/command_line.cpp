@@ -34,7 +34,7 @@ Examples:
   rigwire run excavator_pit                         run a rig by name, or by path
   rigwire run excavator_pit --duration 20s --clock free --report report.json
   rigwire run excavator_pit --set devices.gnss.rate=5 --seed 7
-  rigwire picture excavator_vision -o pit.png       what a camera sees
+  rigwire picture unimog_vision -o forest.png       what a camera sees
   rigwire check my_rig.yaml --print                 every value and where it came from
   rigwire describe velodyne-hdl-32e                 messages, units, ranges, keys
   rigwire doctor                                    what this machine can offer
@@ -221,7 +221,7 @@ void declare(CLI::App& app, Parsed& parsed) {
   picture_app->add_option("-o,--output", parsed.output, "The PNG file; - is standard output")
       ->required();
   picture_app->footer(
-      "\nExamples:\n  rigwire picture excavator_vision -o pit.png\n"
+      "\nExamples:\n  rigwire picture unimog_vision -o forest.png\n"
       "  rigwire picture unimog_vision --at 8s --travel 30km/h --layer depth --raw -o depth.png");
 
   CLI::App* ctl_app = app.add_subcommand("ctl", "Govern a run that has --control");

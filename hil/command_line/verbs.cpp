@@ -120,11 +120,11 @@ int picture_verb(const RigArguments& arguments, const PictureRequest& request, P
     return code(ExitCode::done);
   }
   const Picture& picture = *taken.kept.picture;
-  terminal.out << fmt::format("{}: {} of {} at {:.3f} s, {} x {}, exposure {}, gain {:.1f} dB\n",
-                              file, kPictureLayers[static_cast<std::size_t>(layer)], taken.device,
-                              to_seconds(picture.exposure_start - kStart), image.columns,
-                              image.rows, fields::print_duration(picture.exposure.count()),
-                              picture.gain_db);
+  terminal.out << fmt::format(
+      "{}: {} of {} at {:.3f} s, {} x {}, exposure {:.3f} ms, gain {:.1f} dB\n", file,
+      kPictureLayers[static_cast<std::size_t>(layer)], taken.device,
+      to_seconds(picture.exposure_start - kStart), image.columns, image.rows,
+      1e3 * to_seconds(picture.exposure), picture.gain_db);
   if (layer == PictureLayer::labels) {
     std::vector<std::vector<std::string>> rows{{"number", "colour", "share", "label"}};
     const std::vector<LabelShare> shares = label_shares(taken.kept);

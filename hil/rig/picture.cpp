@@ -101,11 +101,16 @@ CameraCommand command_of(const GigeCameraConfiguration& camera) {
   return command;
 }
 
-/// Pictures at the camera's rate up to the one that is wanted, and none after it.
-SamplePlan plan_of(const CameraCommand& command, Duration period, SimTime at) {
+/// Pictures up to the one that is wanted: at the camera's rate, or quicker where there is no time
+/// for enough of them, but not so that they are exposed for less long.
+SamplePlan plan_of(const CameraCommand& command, const GigeCameraConfiguration& camera,
+                   SimTime at) {
+  const Duration room = at - kStart;
+  const Duration period = std::min(
+      camera.camera.frame_period,
+      std::max(room / kPicturesBefore, sim::optics_of(camera.sensor).auto_exposure.longest));
   const bool settles = command.exposure_auto || command.gain_auto;
-  const auto room = (at - kStart) / period;
-  const auto before = settles ? std::min<Duration::rep>(room, kPicturesBefore) : 0;
+  const auto before = settles ? std::min<Duration::rep>(room / period, kPicturesBefore) : 0;
   return {at - before * period, period};
 }
 
@@ -152,8 +157,7 @@ TakenPicture take_picture(const RigConfiguration& configuration, const PictureRe
   TruthRequests requests;
   SampleBatch batch;
   requests.of<CameraCommand>(kStation).push_back(command);
-  requests.of<SamplePlan>(kStation).push_back(
-      plan_of(command, camera->camera.frame_period, request.at));
+  requests.of<SamplePlan>(kStation).push_back(plan_of(command, *camera, request.at));
   world.begin(false);
   while (true) {
     if (const auto fault = world.advance(requests, batch)) {

@@ -2,9 +2,9 @@
 //
 // The world runs free from the start to the exposure, as it would in a run in which nobody commands
 // the machine: it stands, unless it is asked to drive straight ahead. The camera is as it is at
-// power-on, with every part that its kind can make. With automatic exposure or gain it takes
-// pictures at its own rate before, so that they settle. The same configuration and seed give the
-// same bytes.
+// power-on, with every part that its kind can make. With automatic exposure or gain it takes up to
+// 32 pictures before, at its own rate or quicker, so that they settle. The same configuration and
+// seed give the same bytes.
 #pragma once
 
 #include <optional>
@@ -18,9 +18,9 @@
 namespace rigwire::hil {
 
 struct PictureRequest {
-  std::string device;                             ///< Name in the rig; empty: its only camera.
+  std::string device{};                           ///< Name in the rig; empty: its only camera.
   SimTime at = kStart + std::chrono::seconds(1);  ///< Of the exposure's start.
-  std::optional<double> travel_mps;  ///< Held by the machine's own controller, from the start.
+  std::optional<double> travel_mps{};  ///< Held by the machine's own controller, from the start.
 };
 
 struct TakenPicture {

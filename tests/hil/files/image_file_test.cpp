@@ -14,7 +14,8 @@ Image image_of(std::size_t columns, std::size_t rows, std::size_t channels, int 
   image.channels = channels;
   image.bits = bits;
   for (std::size_t i = 0; i < columns * rows * channels; ++i) {
-    image.samples.push_back(static_cast<std::uint16_t>(i * 2654435761U >> (32 - bits)));
+    image.samples.push_back(
+        static_cast<std::uint16_t>(static_cast<std::uint32_t>(i) * 2654435761U >> (32 - bits)));
   }
   return image;
 }

@@ -56,7 +56,9 @@ COMMANDS = [
     (r"rigwire describe --dbc unimog_forest > unimog\.dbc", "ends", None, None),
     (r"rigwire describe --dbc-node configs/can/slope_sensor\.yaml", "ends", None, "inertial.pitch"),
     (r"rigwire describe --valve-map configs/valves/my_valve\.yaml", "ends", None, "Holding registers"),
+    (r"(build/)?rigwire picture unimog_vision .*", "ends", None, None),
     # Rigs and field programs.
+    (r"build/find_rocks .*", "goes on", ("excavator_vision",), None),
     (r"build/rigwire run configs/rigs/unimog_forest\.yaml", "goes on", None, None),
     (r"build/dig_cycle( .*)?", "goes on", ("excavator_pit",), None),
     (r"build/path_follow --path .*", "goes on", ("unimog_forest",), None),

@@ -86,8 +86,7 @@ TEST(CommandLine, picture_says_what_is_allowed) {
   EXPECT_THAT(refused("unimog_vision"), HasSubstr("--output is required"));
   EXPECT_THAT(refused("unimog_vision --layer depht" + to), HasSubstr("did you mean depth?"));
   EXPECT_THAT(refused("unimog_vision --at 0s" + to), HasSubstr("allowed for example 12.5s"));
-  EXPECT_THAT(refused("unimog_vision --travel 5kg" + to),
-              HasSubstr("allowed for example 20km/h"));
+  EXPECT_THAT(refused("unimog_vision --travel 5kg" + to), HasSubstr("allowed for example 20km/h"));
   EXPECT_THAT(refused("unimog_vision --layer disparity --at 10ms" + to),
               HasSubstr("allowed of this camera image, depth, labels"));
   EXPECT_THAT(refused("unimog_vision --device gnss" + to), HasSubstr("allowed front_camera"));
@@ -338,7 +337,8 @@ TEST(CommandLine, bash_completion_completes_verbs_options_and_rigs) {
   }
   ::pclose(pipe);
   EXPECT_EQ(output,
-            "check\nexcavator_can excavator_own_can excavator_pit excavator_usb\nvelodyne-hdl-32e "
+            "check\nexcavator_can excavator_own_can excavator_pit excavator_usb "
+            "excavator_vision\nvelodyne-hdl-32e "
             "velodyne-hdl-64e "
             "velodyne-hdl-64e-s3\n");
 }

@@ -26,7 +26,7 @@ RunReport example() {
   gnss.statistics.lateness.record(100us);
   gnss.last_request = ClientRequest{kStart + 2500ms, "UBX CFG 0x08"};
   report.devices.push_back(gnss);
-  report.devices.push_back({"imu", "slcan /tmp/can", 2000, {}, {}});
+  report.devices.push_back({"imu", "slcan /tmp/can", 2000, {}, {}, {}});
   report.faults.push_back({"gnss", "jamming", kStart + 5s, kStart + 10s});
   report.faults.push_back({"bus can", "short_circuit", kStart + 15s, kStart + 30s});
   return report;

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "allocation_counter.h"
+#include "free_body.h"
 #include "sim/random.h"
-#include "tests/sim/contact/free_body.h"
 
 namespace rigwire::sim {
 namespace {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "../contact/free_body.h"
 #include "allocation_counter.h"
+#include "digging_site.h"
 #include "sim/random.h"
-#include "tests/sim/contact/free_body.h"
-#include "tests/sim/excavator/digging_site.h"
 
 namespace rigwire::sim::test {
 namespace {

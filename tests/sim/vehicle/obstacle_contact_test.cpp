@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "../contact/free_body.h"
 #include "allocation_counter.h"
 #include "sim/driveline/parameters.h"
 #include "sim/random.h"
-#include "tests/sim/contact/free_body.h"
-#include "tests/sim/vehicle/vehicle_rig.h"
+#include "vehicle_rig.h"
 
 namespace rigwire::sim::test {
 namespace {

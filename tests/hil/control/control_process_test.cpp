@@ -50,7 +50,7 @@ class ControlProcess : public testing::Test {
   };
   Done program(const std::vector<std::string>& words) {
     ChildProcess child(words, folder_ / "output");
-    const int code = child.wait(30s);
+    const int code = child.wait(30s).value_or(-1);
     return {code, child.output()};
   }
   Done ctl(const std::vector<std::string>& words) {

@@ -17,7 +17,7 @@ RunReport example() {
   report.clock = {ClockMode::Kind::scaled, 2.0};
   report.outcome.reached = kStart + 10s;
   report.outcome.wall_s = 5.0;
-  DeviceReport gnss{"gnss", "/tmp/gnss", 70, {}, {}};
+  DeviceReport gnss{"gnss", "/tmp/gnss", 70, {}, {}, {}};
   gnss.statistics.bytes = 5730;
   gnss.statistics.lateness.record(100us);
   report.devices.push_back(gnss);

@@ -151,7 +151,7 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
   const double reach = kReach_m + h * (link.v_WL_W.norm() + arm * link.w_WL_W.norm());
   const double strength = strength_of(pair.obstacle);
   std::optional<Separation> found;
-  if (strength > 0.0 && !(body.rolls && !ground_->too_high(pair.obstacle, middle.z()))) {
+  if (strength > 0.0 && !(body.rolls && !ground_->too_high(pair.obstacle, middle))) {
     const std::array<Vector, 2> kept{pair.axis_W, link.X_WL.linear() * pair.axis_L};
     found = closest(a, b, reach, std::span(kept).first(pair.met ? 2 : 0));
   }

@@ -192,6 +192,15 @@ void Ground::near_obstacles(const Eigen::Vector2d& lower_m, const Eigen::Vector2
   }
 }
 
+bool Ground::too_high(std::size_t obstacle, const Eigen::Vector3d& centre_W) const {
+  if (tops_m_[obstacle] <= centre_W.z()) {
+    return false;
+  }
+  // A ramp whose upper end is above the wheel, the wheel standing on its lower end.
+  const auto under = top(obstacles_[obstacle], centre_W.x(), centre_W.y());
+  return !under || under->height_m > centre_W.z();
+}
+
 void Ground::obstacles_near(const Eigen::Vector2d& lower_m, const Eigen::Vector2d& upper_m,
                             std::vector<std::uint32_t>& found) const {
   near_obstacles(lower_m, upper_m, [&](const Obstacle& obstacle) {
@@ -467,7 +476,7 @@ std::optional<WheelContact> Ground::wheel_contact(const Eigen::Vector3d& centre_
   const Eigen::Vector2d reach = Eigen::Vector2d::Constant(radius_m);
   near_obstacles(
       centre_W.head<2>() - reach, centre_W.head<2>() + reach, [&](const Obstacle& obstacle) {
-        if (tops_m_[static_cast<std::size_t>(&obstacle - obstacles_.data())] > centre_W.z()) {
+        if (too_high(static_cast<std::size_t>(&obstacle - obstacles_.data()), centre_W)) {
           return;
         }
         const auto found = disc_overlap(obstacle, centre_W, axis_W, radius_m);

@@ -142,10 +142,8 @@ class Ground {
 
   [[nodiscard]] std::span<const Obstacle> obstacles() const { return obstacles_; }
   [[nodiscard]] const ConvexShape& shape(std::size_t obstacle) const { return shapes_[obstacle]; }
-  /// Whether a wheel with its centre at that height cannot roll over it (wheel_contact()).
-  [[nodiscard]] bool too_high(std::size_t obstacle, double centre_m) const {
-    return tops_m_[obstacle] > centre_m;
-  }
+  /// Whether a wheel with its centre there cannot roll over it (wheel_contact()).
+  [[nodiscard]] bool too_high(std::size_t obstacle, const Eigen::Vector3d& centre_W) const;
   /// Appends the indices of those that may touch the rectangle, some twice.
   void obstacles_near(const Eigen::Vector2d& lower_m, const Eigen::Vector2d& upper_m,
                       std::vector<std::uint32_t>& found) const;
@@ -158,9 +156,9 @@ class Ground {
   /// that of the plane which cuts off the same area, scaled so that a force in proportion to it is
   /// conservative: as a tyre swallows an edge. Obstacles: nearest point in the disc's plane, exact.
   /// Together: the shortest way that frees the disc from all of them. Depth and normal are
-  /// continuous in the wheel's position, whatever it drives over. Boxes, cylinders and hulls whose
-  /// top is above the disc's centre are not driven over but against: they are sim/contact's. On a
-  /// plane of any slope and with
+  /// continuous in the wheel's position, whatever it drives over. Boxes, cylinders and hulls that
+  /// rise above the disc's centre, and not below it to where it stands on them, are not driven over
+  /// but against: they are sim/contact's. On a plane of any slope and with
   /// any tilt of the wheel they are exact to rounding. The disc has no width. A wheel with a
   /// vertical axis (a machine on its side) has no contact.
   [[nodiscard]] std::optional<WheelContact> wheel_contact(const Eigen::Vector3d& centre_W,

@@ -3,7 +3,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+
+#include "sim/ground/obstacle_shapes.h"
 
 namespace rigwire::sim {
 
@@ -16,7 +19,48 @@ GroundRest::GroundRest(const RollerParameters& parameters, const Ground& ground)
       damping_ratio_(parameters.rest_damping_ratio),
       drum_strips_(static_cast<std::size_t>(parameters.drum.strips)),
       count_(2 * drum_strips_) {
+  near_.reserve(1024);
   place_strips({0.0, 0.0});
+}
+
+void GroundRest::climb(const Eigen::Vector3d& p_W, const Eigen::Matrix3d& R_WB, double steer_rad,
+                       StripGround& strip) const {
+  // Looked at from below, so that a drum that is still above the obstacle knows its height, too.
+  constexpr double kBelow_m = 0.1;
+  constexpr int kHalvings = 40;
+  const Eigen::Vector3d up_W = R_WB.col(2);
+  const Eigen::Vector3d axle_W =
+      std::cos(steer_rad) * R_WB.col(1) - std::sin(steer_rad) * R_WB.col(0);
+  const Eigen::Vector3d low_W = p_W + (radius_m_ - kBelow_m) * up_W;
+  for (const std::uint32_t index : near_) {
+    const Obstacle& obstacle = ground_->obstacles()[index];
+    if (ground_->too_high(index, low_W + kBelow_m * up_W) ||
+        !disc_overlap(obstacle, low_W, axle_W, radius_m_)) {
+      continue;
+    }
+    // The least lift that frees the disc, by halving.
+    double least = 0.0;
+    double greatest = kBelow_m + 2.0 * radius_m_;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = 0.5 * (least + greatest);
+      const bool free = !disc_overlap(obstacle, low_W + middle * up_W, axle_W, radius_m_);
+      (free ? greatest : least) = middle;
+    }
+    const double gap_m = greatest - kBelow_m;
+    if (gap_m <= strip.gap_m) {
+      continue;
+    }
+    const auto touch = disc_overlap(obstacle, low_W + (least - 1e-6) * up_W, axle_W, radius_m_);
+    strip.gap_m = gap_m;
+    strip.point.obstacle = true;
+    strip.point.friction = obstacle.friction;
+    if (touch) {
+      const Eigen::Vector3d& n = touch->normal_W;
+      const double scale = 1.0 / std::max(0.1, n.dot(up_W));
+      strip.point.normal_W = n;
+      strip.slope = {-scale * n.dot(R_WB.col(0)), -scale * n.dot(R_WB.col(1))};
+    }
+  }
 }
 
 // Places of the strips and the inverse of the normal equations: only the steering changes them.
@@ -47,7 +91,11 @@ void GroundRest::look(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
   if (steer_rad != steer_rad_) {
     place_strips(steer_rad);
   }
-  const double ceiling_m = p_WB.z() + radius_m_;
+  near_.clear();
+  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(pivot_x_m_ + radius_m_ + 0.5 * width_m_);
+  ground_->obstacles_near(p_WB.head<2>() - reach, p_WB.head<2>() + reach, near_);
+  // The terrain alone; obstacles after it.
+  constexpr double ceiling_m = -std::numeric_limits<double>::infinity();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < count_; ++i) {
     StripGround& strip = strips_[i];
@@ -60,6 +108,7 @@ void GroundRest::look(const Eigen::Vector3d& p_WB, const Eigen::Matrix3d& R_WB,
     const double scale = 1.0 / std::max(0.1, n.dot(R_WB.col(2)));
     strip.gap_m = (strip.point.height_m - p_W.z()) * n.z() * scale;
     strip.slope = {-scale * n.dot(R_WB.col(0)), -scale * n.dot(R_WB.col(1))};
+    climb(p_W, R_WB, steer_rad[i / drum_strips_], strip);
     right += Eigen::Vector3d(strip.gap_m, strip.gap_m * y, -strip.gap_m * x);
   }
   deviation_ = fit(right);

@@ -1,5 +1,9 @@
 // How the frame's plane lies on the ground under both drums: heave along its z, roll and pitch.
 //
+// A drum is round: an obstacle is felt along its arc, as the lift that frees each strip's disc from
+// it, so that a kerb raises the drum from where its edge first touches it. What rises above a
+// drum's axle is not climbed (sim/contact).
+//
 // Rigid drums rest on the terrain in the least-squares sense: the plane through the lowest lines of
 // the drums that fits the heights under all strips best. The frame follows it like a damped
 // oscillator (the mat and the rubber mounts give), with the plane's own rate fed forward: on a
@@ -10,6 +14,8 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "sim/ground/ground.h"
 #include "sim/roller/parameters.h"
@@ -51,6 +57,9 @@ class GroundRest {
 
  private:
   void place_strips(const std::array<double, 2>& steer_rad);
+  /// Obstacles beside the terrain under one strip at p_W: raises its gap and slopes.
+  void climb(const Eigen::Vector3d& p_W, const Eigen::Matrix3d& R_WB, double steer_rad,
+             StripGround& strip) const;
   /// Of heave, roll and pitch; `right`: sums of heights times (1, y, -x).
   [[nodiscard]] RestMotion fit(const Eigen::Vector3d& right) const;
 
@@ -62,6 +71,7 @@ class GroundRest {
   double damping_ratio_;
   std::size_t drum_strips_;
   std::size_t count_;
+  std::vector<std::uint32_t> near_;  ///< Obstacles within a radius of the drums.
   std::array<double, 2> steer_rad_{};
   std::array<StripGround, kRollerStripsMax> strips_;
   RestMotion deviation_;

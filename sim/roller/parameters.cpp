@@ -88,13 +88,25 @@ void visit(fields::Visitor& v, RollerParameters& p) {
            "Frequency of heave, pitch and roll on mat and mounts.");
   v.number("rest_damping_ratio", p.rest_damping_ratio, plain().between(0, 10),
            "Damping ratio of heave, pitch and roll on mat and mounts.");
+  v.section("solid", p.solid, "What of the machine meets trunks, walls and other obstacles.");
   v.number("step", p.step_s, in("ms").between(0.001, 50), "Longest inner step of the roller.");
   v.number("gravity", p.gravity_mps2, in("m/s2").at_least(0),
            "Acceleration of gravity, downwards.");
 }
 
+SolidBodyParameters roller_boxes() {
+  SolidBodyParameters solid;
+  solid.stiffness_npm = 5e6;
+  solid.boxes = {{"frame", "frame", {0.0, 0.0, 1.0}, {2.2, 1.4, 0.9}, 0.0},
+                 {"cab", "frame", {0.0, 0.0, 2.1}, {1.8, 1.5, 1.6}, 0.0},
+                 {"front yoke", "front_yoke", {0.0, 0.0, 0.45}, {1.5, 1.8, 0.3}, 0.0},
+                 {"rear yoke", "rear_yoke", {0.0, 0.0, 0.45}, {1.5, 1.8, 0.3}, 0.0}};
+  return solid;
+}
+
 void validate(const RollerParameters& p) {
   fields::check(p);
+  validate(p.solid, kRollerLinks, p.mass_kg, p.step_s);
   fields::require(std::abs(p.center_of_mass_x_m) < p.pivot_x_m, "center_of_mass_x",
                   in("m").print(p.center_of_mass_x_m),
                   "between the pivots, " + in("m").print(p.pivot_x_m) + " to either side");

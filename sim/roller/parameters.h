@@ -12,6 +12,7 @@
 #include <cstdint>
 
 #include "fields/rules.h"
+#include "sim/contact/contact_boxes.h"
 #include "sim/driveline/hydrostatic_drive.h"
 #include "sim/engine/engine_condition.h"
 #include "sim/roller/steering.h"
@@ -48,6 +49,16 @@ void visit(fields::Visitor& v, DrumParameters& p);
 /// Diesel of 3.6 litres on 12 V; estimates.
 [[nodiscard]] EngineConditionParameters roller_engine();
 
+/// The machine's rigid links. Frames when all steer angles are zero: frame on the ground half way
+/// between the pivots; yokes and drums at the drums' centres, turned with the pivot; the drums roll
+/// about their y.
+inline constexpr std::array<std::string_view, 5> kRollerLinks{"frame", "front_yoke", "rear_yoke",
+                                                              "front_drum", "rear_drum"};
+
+/// Frame with cab and hood, and the yokes over the drums: estimates. The drums are met as
+/// cylinders.
+[[nodiscard]] SolidBodyParameters roller_boxes();
+
 struct RollerParameters {
   RollerLevel level = RollerLevel::dynamic;
   double mass_kg = 8700.0;          ///< With both drums, without water and chips.
@@ -73,6 +84,7 @@ struct RollerParameters {
   /// How heave, pitch and roll follow the ground under the drums: the mat and the mounts give.
   double rest_frequency_hz = 10.0;
   double rest_damping_ratio = 0.7;
+  SolidBodyParameters solid = roller_boxes();
   double step_s = 1e-3;  ///< Longest inner step.
   double gravity_mps2 = 9.80665;
 

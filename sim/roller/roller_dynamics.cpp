@@ -159,10 +159,20 @@ void RollerDynamics::step(double h, const RollerLoads& loads, HydrostaticDrive& 
         b.tail<2>() += (h * pressures[i].side * relief) * d;
       }
     }
+    for (const RollerContact& contact : loads.contacts) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        const ImplicitForce law = contact.point->acting(i);
+        A += (h * law.gain) * contact.rows[i] * contact.rows[i].transpose();
+        b += (h * law.offset) * contact.rows[i];
+      }
+    }
     // (M + h G) x' = M x + h (offsets + gravity + supplements), clamp last (roller_dynamics.h).
     x = A.llt().solve(b);
 
     changed = false;
+    for (const RollerContact& contact : loads.contacts) {
+      changed = contact.point->changes(contact.along(x)) || changed;
+    }
     for (std::size_t i = 0; i < 2; ++i) {
       const double rate = x[static_cast<Eigen::Index>(3 + i)];
       const bool drum = drums_[i].test(of_drum(x, i));

@@ -17,7 +17,9 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <span>
 
+#include "sim/contact/contact_point.h"
 #include "sim/driveline/hydrostatic_drive.h"
 #include "sim/roller/drum_contact.h"
 #include "sim/roller/parameters.h"
@@ -57,6 +59,16 @@ class SpinFriction {
   double torque_nm_ = 0.0;
 };
 
+/// One point of contact with an obstacle: speeds along its directions are rows . velocity.
+struct RollerContact {
+  ContactPoint* point = nullptr;
+  std::array<RollerVelocity, 3> rows;
+
+  [[nodiscard]] std::array<double, 3> along(const RollerVelocity& x) const {
+    return {rows[0].dot(x), rows[1].dot(x), rows[2].dot(x)};
+  }
+};
+
 /// What acts on the roller in one step.
 struct RollerLoads {
   RollerMass mass;
@@ -66,6 +78,7 @@ struct RollerLoads {
   std::array<double, 2> brake_limit_nm{};
   std::array<double, 2> rolling_limit_nm{};
   std::array<double, 2> ploughing_limit_n{};  ///< Of soft soil on the drum's centre, along it.
+  std::span<const RollerContact> contacts;
 };
 
 class RollerDynamics {

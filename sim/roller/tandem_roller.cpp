@@ -48,6 +48,7 @@ void take(double& kept, double wanted, double low, double high) {
 }
 
 constexpr double kRutReach_m = 0.3;  // beyond what a drum presses under itself
+constexpr double kSteep = 0.87;      // Cosine, 30 degrees about the frame's z.
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 constexpr std::array<StatusQuantity, 8> kStatus{{{"speed", "km/h"},
@@ -96,6 +97,21 @@ LinkMotion rotated(const LinkMotion& base, const Eigen::Vector3d& axis, double a
   return moved;
 }
 
+/// The boxes, and the drums as cylinders that roll.
+std::vector<ContactBody> solid_bodies(const RollerParameters& p) {
+  std::vector<ContactBody> bodies = contact_bodies(p.solid, kRollerLinks, p.mass_kg);
+  for (std::size_t i = 3; i < kRollerLinks.size(); ++i) {
+    ContactBody& drum = bodies.emplace_back(ContactBody{
+        std::string(kRollerLinks[i]), i, Eigen::Isometry3d::Identity(),
+        ConvexShape::cylinder(p.drum.radius_m, 0.5 * p.drum.width_m), p.solid.stiffness_npm,
+        2.0 * p.solid.damping_ratio * std::sqrt(p.solid.stiffness_npm * p.mass_kg), true});
+    // The cylinder's z along the axle.
+    drum.X_LS.linear() =
+        Eigen::AngleAxisd(-0.5 * std::numbers::pi, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  }
+  return bodies;
+}
+
 Eigen::Vector3d upward(double value) {
   return {0.0, 0.0, value};
 }
@@ -119,7 +135,9 @@ TandemRoller::TandemRoller(const RollerParameters& parameters, const Ground& gro
       rest_(parameters, ground),
       mass_(
           loaded_mass(parameters, parameters.sprinkler.initial_kg, parameters.spreader.initial_kg)),
+      contact_(solid_bodies(parameters), kRollerLinks.size(), ground),
       pressure_pa_(parameters.drive.charge_pressure_pa) {
+  contacts_.reserve(kMostContactPoints);
   if (!position_m.allFinite() || !std::isfinite(yaw_rad)) {
     throw std::invalid_argument("roller: its place (x, y, yaw) must be finite numbers");
   }
@@ -285,6 +303,7 @@ void TandemRoller::inner_step(double h) {
   rest_.look(start_W_ + state_.displacement_W, R_WB,
              {steering_[0].angle_rad(), steering_[1].angle_rad()});
 
+  meet_obstacles(h, R_WB);
   const RestMotion rest{v_B.z(), state_.w_WB_B.x(), state_.w_WB_B.y()};
   const std::array<double, 2> spin_before = spin_radps_;
   State next;
@@ -309,6 +328,75 @@ void TandemRoller::inner_step(double h) {
     if (std::abs(spin_angle_rad_[i]) > std::numbers::pi) {
       spin_angle_rad_[i] = std::remainder(spin_angle_rad_[i], 2.0 * std::numbers::pi);
     }
+  }
+}
+
+void TandemRoller::meet_obstacles(double h, const Eigen::Matrix3d& R_WB) {
+  loads_.contacts = {};
+  const double reach =
+      2.0 * parameters_.pivot_x_m + 2.0 * parameters_.drum.radius_m + parameters_.drum.width_m;
+  near_ = contact_.near(h, state_.v_WB_W.norm() + reach * state_.w_WB_B.norm() + 0.1);
+  if (!near_) {
+    return;
+  }
+  const Eigen::Vector3d p_W = start_W_ + state_.displacement_W;
+  const Eigen::Vector3d w_W = R_WB * state_.w_WB_B;
+  const auto put = [&](ContactLink& link, const Eigen::Vector3d& p_B, double turn_rad) {
+    link.X_WL.linear() =
+        R_WB * Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    link.X_WL.translation() = p_W + R_WB * p_B;
+    link.v_WL_W = state_.v_WB_W + w_W.cross(R_WB * p_B);
+    link.w_WL_W = w_W;
+  };
+  put(contact_links_[0], Eigen::Vector3d::Zero(), 0.0);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Eigen::Vector3d axle(i == 0 ? parameters_.pivot_x_m : -parameters_.pivot_x_m, 0.0,
+                               parameters_.drum.radius_m);
+    put(contact_links_[1 + i], axle, steering_[i].angle_rad());
+    contact_links_[3 + i] = contact_links_[1 + i];
+  }
+  contact_.begin(h, contact_links_);
+  contacts_.clear();
+  const Eigen::Vector3d c(mass_.x_m, 0.0, 0.0);
+  const Eigen::Vector3d v_C_B = R_WB.transpose() * state_.v_WB_W + state_.w_WB_B.cross(c);
+  RollerVelocity start;
+  start << v_C_B.x(), v_C_B.y(), state_.w_WB_B.z(), spin_radps_[0], spin_radps_[1];
+  for (ContactPoint& point : contact_.points()) {
+    RollerContact& contact = contacts_.emplace_back();
+    contact.point = &point;
+    const Eigen::Vector3d p_C = R_WB.transpose() * (point.p_W - p_W) - c;
+    // It moves in the frame's plane: what pushes it up or down more than along does not hold it.
+    const bool steep = std::abs(R_WB.col(2).dot(point.direction_W[0])) > kSteep;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::Vector3d d = R_WB.transpose() * point.direction_W[k];
+      RollerVelocity& row = contact.rows[k];
+      row.setZero();
+      if (steep) {
+        continue;
+      }
+      row[0] = d.x();
+      row[1] = d.y();
+      row[2] = p_C.x() * d.y() - p_C.y() * d.x();
+      if (point.link >= 3) {
+        const Eigen::Vector3d arm = point.p_W - contact_links_[point.link].X_WL.translation();
+        row[static_cast<Eigen::Index>(point.link)] =
+            point.direction_W[k].dot(contact_links_[point.link].X_WL.linear().col(1).cross(arm));
+      }
+    }
+    point.begin(h, contact.along(start));
+    if (steep) {
+      point.law.greatest_n = 0.0;
+      point.blocks = point.gap_m < 0.0;
+    }
+  }
+  loads_.contacts = contacts_;
+}
+
+void TandemRoller::settle_contacts(double h, const RollerVelocity& found) {
+  if (near_) {
+    contact_.settle(h, [&](const ContactPoint& point) {
+      return contacts_[static_cast<std::size_t>(&point - contact_.points().data())].along(found);
+    });
   }
 }
 
@@ -409,6 +497,7 @@ void TandemRoller::move_dynamic(double h, const Eigen::Matrix3d& R_WB, const Res
   x << v_WC_B.x(), v_WC_B.y(), state_.w_WB_B.z(), spin_radps_[0], spin_radps_[1];
   drive_.begin(h);
   dynamics_.step(h, loads_, drive_, x);
+  settle_contacts(h, x);
   const Eigen::Vector3d moved = h * x.head<3>();
   spin_radps_ = {x[3], x[4]};
   pressure_pa_ = drive_.gauge_pressure_pa();
@@ -443,10 +532,26 @@ void TandemRoller::move_kinematic(double h, const Eigen::Matrix3d& R_WB, const R
     return Eigen::Vector3d(u, 0.5 * u * (front + rear), u * (front - rear) / base);
   };
   const std::array<double, 2> angle{steering_[0].angle_rad(), steering_[1].angle_rad()};
-  const Eigen::Vector3d middle =
+  Eigen::Vector3d middle =
       bicycle(drive_.mean_set_point_mps(), angle[0] - 0.5 * h * steering_[0].mean_rate_radps(),
               angle[1] - 0.5 * h * steering_[1].mean_rate_radps());
-  const Eigen::Vector3d end = bicycle(drive_.set_point_mps(), angle[0], angle[1]);
+  Eigen::Vector3d end = bicycle(drive_.set_point_mps(), angle[0], angle[1]);
+  // Without forces it stops short of what it would pass.
+  double free = 1.0;
+  RollerVelocity wanted = RollerVelocity::Zero();
+  wanted.head<3>() = middle + Eigen::Vector3d(0.0, middle[2] * mass_.x_m, 0.0);
+  for (const RollerContact& contact : loads_.contacts) {
+    contact.point->released = true;
+    const double closing_m = -h * contact.rows[0].head<3>().dot(wanted.head<3>());
+    const double room_m = std::max(0.0, contact.point->gap_m);
+    if (closing_m > room_m) {
+      free = std::min(free, room_m / closing_m);
+      contact.point->blocks = true;
+    }
+  }
+  middle *= free;
+  end *= free;
+  settle_contacts(h, free * wanted);
   const Eigen::Vector3d v_before = R_WB.transpose() * state_.v_WB_W;
   for (std::size_t i = 0; i < 2; ++i) {
     spin_radps_[i] = end[0] / (parameters_.drum.radius_m * std::cos(angle[i]));

@@ -38,11 +38,6 @@
 
 namespace rigwire::sim {
 
-/// Frames when all steer angles are zero: frame on the ground half way between the pivots; yokes
-/// and drums at the drums' centres, turned with the pivot; the drums roll about their y.
-inline constexpr std::array<std::string_view, 5> kRollerLinks{"frame", "front_yoke", "rear_yoke",
-                                                              "front_drum", "rear_drum"};
-
 class TandemRoller final : public Machine, public VehiclePort {
  public:
   /// Stands on `ground` with the frame's origin above (x, y), its x turned by `yaw_rad` from east;
@@ -58,6 +53,8 @@ class TandemRoller final : public Machine, public VehiclePort {
     return kRollerLinks;
   }
   [[nodiscard]] const std::optional<NonFinite>& non_finite() const override { return non_finite_; }
+  [[nodiscard]] const ContactReport* contact_report() const override { return &contact_.report(); }
+  [[nodiscard]] const ContactSet& contact() const { return contact_; }
   [[nodiscard]] std::span<const StatusQuantity> status_quantities() const override;
   void read_status(std::span<double> values) const override;
   [[nodiscard]] std::span<const TruthField> truth_fields() const override;
@@ -115,6 +112,9 @@ class TandemRoller final : public Machine, public VehiclePort {
                       State& next);
   [[nodiscard]] double kinematic_pressure_pa(double acceleration_mps2) const;
   void settle_on_ground();
+  /// Points of contact with obstacles, and their rows, about the centre of mass.
+  void meet_obstacles(double h, const Eigen::Matrix3d& R_WB);
+  void settle_contacts(double h, const RollerVelocity& found);
   [[nodiscard]] bool record_non_finite(const State& next);
   void update_links();
   void update_dust();
@@ -145,6 +145,10 @@ class TandemRoller final : public Machine, public VehiclePort {
   State state_;
   RollerMass mass_;
   RollerLoads loads_;
+  ContactSet contact_;
+  std::array<ContactLink, kRollerLinks.size()> contact_links_;
+  std::vector<RollerContact> contacts_;
+  bool near_ = false;  ///< Obstacles may be within reach in this step.
   std::array<double, 2> load_n_{};
   std::array<double, 2> spin_radps_{};
   std::array<double, 2> spin_acceleration_radps2_{};

@@ -52,9 +52,26 @@ struct SkySampling {
 [[nodiscard]] std::vector<SkySampling> measure_sky_sampling(const hil::RigConfiguration& rig,
                                                             const std::vector<int>& samples);
 
-/// Many receivers on one core: sensors in the rig's scene and their emulators, coloured errors.
+/// One model of a receiver beside the others, at a place.
+struct ModelError {
+  std::string place{};            ///< "open", "street", "wood": at rest; "campus": a lap at 2 m/s.
+  std::string model{};            ///< "paper", "coloured", "engine".
+  double epoch_us = 0.0;          ///< CPU time of one navigation epoch of the sensor, mean.
+  double fixes = 0.0;             ///< Share of the epochs.
+  double error_median_m = 0.0;    ///< Horizontal ...
+  double error_95_m = 0.0;        ///< ... and of 95 %.
+  double step_median_m = 0.0;     ///< Horizontal, of the error, from second to second.
+  double step_correlation = 0.0;  ///< Of its east part at lag 1.
+  /// Error squared over accuracy squared, mean.
+  double error_over_accuracy = 0.0;
+  double dilution_ratio = 0.0;  ///< Reported HDOP over that of the satellites used, median.
+};
+[[nodiscard]] std::vector<ModelError> measure_models(const hil::RigConfiguration& rig,
+                                                     int receivers, int seconds);
+
+/// Many receivers on one core: sensors in the rig's scene and their emulators.
 struct ReceiverLoad {
-  std::string model{};  ///< "paper", "coloured", "coloured, raw".
+  std::string model{};  ///< "paper", "coloured", "engine", "engine, raw".
   int receivers = 0;
   double rate_hz = 0.0;
   double sensor_us = 0.0;    ///< CPU time per epoch.

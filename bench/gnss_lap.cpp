@@ -42,7 +42,9 @@ std::vector<Receiver> receivers(const hil::RigConfiguration& rig, const sim::Loc
            sim::GnssSensor(settings.sensor, satellites, calendar, frame, rig.seed, name)});
     };
     if (const auto* ublox = fields::as<hil::UbloxConfiguration>(device)) {
-      add(*ublox);
+      hil::UbloxConfiguration as_in_paper = *ublox;
+      as_in_paper.sensor.error_model = sim::ErrorModel::paper;
+      add(as_in_paper);
     } else if (const auto* starfire = fields::as<hil::StarFireConfiguration>(device)) {
       add(*starfire);
     }

@@ -24,7 +24,8 @@ struct Lap {
   std::vector<LapEpoch> epochs;
 };
 
-/// The first closed track of the rig's scene, an epoch every `spacing_m`. Throws
+/// The first closed track of the rig's scene, an epoch every `spacing_m`; a u-blox receiver by the
+/// paper's models, whose figure 2 this is after. Throws
 /// std::invalid_argument when the scene has no closed track, the rig no receiver, or a number is
 /// not positive.
 [[nodiscard]] std::vector<Lap> drive_lap(const hil::RigConfiguration& rig, double speed_mps,

@@ -49,7 +49,7 @@ SampledLap sampled_lap(const hil::RigConfiguration& rig, int samples) {
   const hil::UbloxConfiguration& ublox = ublox_of(rig);
   const hil::SensorMount mount = hil::sensor_mount(rig.machine, ublox.mount);
   sim::GnssParameters parameters = ublox.sensor;
-  parameters.error_model = sim::ErrorModel::coloured;
+  parameters.error_model = sim::ErrorModel::engine;
   parameters.multipath.enabled = false;  // the visibility rays alone
   parameters.sky.samples = sky_samples(samples);
   parameters.sky.cn0_sigma_db = 0.0;
@@ -159,16 +159,22 @@ std::vector<ReceiverLoad> measure_receivers(const hil::RigConfiguration& rig, in
   paper.raw_measurements = false;
   sim::GnssParameters coloured = paper;
   coloured.error_model = sim::ErrorModel::coloured;
-  coloured.dilution = sim::DilutionKind::geometric;
-  sim::GnssParameters without_reflections = coloured;
+  sim::GnssParameters engine = paper;
+  engine.error_model = sim::ErrorModel::engine;
+  sim::GnssParameters without_reflections = engine;
   without_reflections.multipath.enabled = false;
-  sim::GnssParameters raw = coloured;
+  sim::GnssParameters raw = engine;
   raw.raw_measurements = true;
-  return {measure_load(rig, "paper", paper, receivers, rate_hz, epochs),
-          measure_load(rig, "coloured, no reflections", without_reflections, receivers, rate_hz,
-                       epochs),
-          measure_load(rig, "coloured", coloured, receivers, rate_hz, epochs),
-          measure_load(rig, "coloured, raw", raw, receivers, rate_hz, epochs)};
+  sim::GnssParameters all = raw;
+  all.systems = {.gps = true, .glonass = true, .galileo = true, .beidou = true};
+  all.sky.maximum_channels = 72;
+  return {
+      measure_load(rig, "paper", paper, receivers, rate_hz, epochs),
+      measure_load(rig, "coloured", coloured, receivers, rate_hz, epochs),
+      measure_load(rig, "engine, no reflections", without_reflections, receivers, rate_hz, epochs),
+      measure_load(rig, "engine", engine, receivers, rate_hz, epochs),
+      measure_load(rig, "engine, raw", raw, receivers, rate_hz, epochs),
+      measure_load(rig, "engine, raw, 4 systems", all, receivers, rate_hz, epochs)};
 }
 
 }  // namespace rigwire::bench

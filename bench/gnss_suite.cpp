@@ -93,6 +93,31 @@ void receiver_table(std::ostream& text, nlohmann::json& json, const hil::RigConf
   }
 }
 
+void model_table(std::ostream& text, nlohmann::json& json, const hil::RigConfiguration& rig) {
+  const Table table(text, {{"place", "<8"},
+                           {"errors", "<10"},
+                           {"epoch us", ">9"},
+                           {"fixes", ">7"},
+                           {"error m", ">8"},
+                           {"95 % m", ">7"},
+                           {"step m", ">7"},
+                           {"lag 1", ">6"},
+                           {"err2/acc2", ">10"},
+                           {"HDOP ratio", ">11"}});
+  table.head();
+  for (const ModelError& c : measure_models(rig, 10, 300)) {
+    json["models"].push_back(table.row(
+        {word("place", c.place), word("model", c.model), number("epoch_us", c.epoch_us, "{:.1f}"),
+         number("fixes", c.fixes, "{:.1f}%", 100.0),
+         number("error_median_m", c.error_median_m, "{:.2f}"),
+         number("error_95_m", c.error_95_m, "{:.1f}"),
+         number("step_median_m", c.step_median_m, "{:.3f}"),
+         number("step_correlation", c.step_correlation, "{:.2f}"),
+         number("error_over_accuracy", c.error_over_accuracy, "{:.2f}"),
+         number("dilution_ratio", c.dilution_ratio, "{:.2f}")}));
+  }
+}
+
 void encoding_table(std::ostream& text, nlohmann::json& json) {
   const Table table(text, {{"position in", "<28"},
                            {"positions", ">9"},
@@ -155,6 +180,7 @@ nlohmann::json bench_gnss(std::ostream& text) {
   dilution_table(text, json, rig);
   tangent_table(text, json, rig);
   sampling_table(text, json, rig);
+  model_table(text, json, rig);
   receiver_table(text, json, rig);
   encoding_table(text, json);
   lap_table(text, json, rig);

@@ -278,7 +278,7 @@ void Executive::run_events(SimTime until) {
       fail(fmt::format("a device does not move on from {:.9f} s", to_seconds(now_)));
     }
   }
-  if (!paused_) {
+  if (!paused_ && !stopped_) {
     advance_to(std::max(now_, until));
   }
 }

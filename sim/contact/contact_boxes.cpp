@@ -23,7 +23,7 @@ void visit(fields::Visitor& v, ContactBox& p) {
 
 void visit(fields::Visitor& v, SolidBodyParameters& p) {
   v.list("boxes", p.boxes, "Boxes on the links that meet trunks, rocks and walls.");
-  v.number("stiffness", p.stiffness_npm, in("MN/m").between(0.01, 10000),
+  v.number("stiffness", p.stiffness_npm, in("MN/m").between(0.01, 200),
            "Stiffness of each point of contact.");
   v.number("damping_ratio", p.damping_ratio, plain().between(0, 2),
            "Damping of a contact that carries the machine's mass.");

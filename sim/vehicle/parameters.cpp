@@ -118,7 +118,7 @@ StaticLoads static_loads(const WheeledVehicleParameters& parameters) {
 }
 
 void visit(fields::Visitor& v, SprungBodyParameters& p) {
-  v.number("mass", p.mass_kg, in("kg").above(0), "All that the springs carry.");
+  v.number("mass", p.mass_kg, in("kg").at_least(10), "All that the springs carry.");
   v.vector3("center_of_mass", p.center_of_mass_m, in("m").between(-100, 100),
             "Centre of mass, from the ground below the rear axle's middle.");
   v.vector3("principal_inertia", p.principal_inertia_kgm2, in("kg m2").above(0),

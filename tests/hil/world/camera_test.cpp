@@ -315,6 +315,7 @@ TEST_F(WorldCameraTest, triggers_by_software_expose_once_each_and_at_once) {
 TEST_F(WorldCameraTest, automatic_exposure_acts_with_its_lag_however_slow_the_worker) {
   sim::AutoExposureParameters automatic;
   automatic.lag = 2;
+  automatic.target = 0.40;
   std::vector<std::vector<Duration>> chosen;
   for (const Duration delay : {Duration{0}, Duration{9ms}}) {
     studio_.shots.clear();

@@ -114,7 +114,7 @@ TEST_P(InMud, ThrustLessResistanceIsWhatAccelerates) {
     count += 1.0;
   }
   expected /= count * rig.machine.parameters().mass_kg();
-  EXPECT_NEAR((rig.speed() - before) / 0.5, expected, 0.04 * expected + 0.02);
+  EXPECT_NEAR((rig.speed() - before) / 0.5, expected, 0.05 * expected + 0.02);
 }
 
 INSTANTIATE_TEST_SUITE_P(Pressures, InMud, testing::Values(4.5e5, 1.2e5), [](const auto& test) {

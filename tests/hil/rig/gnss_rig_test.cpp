@@ -191,7 +191,8 @@ void PrintTo(const Start& start, std::ostream* out) {
 class GnssRigStart : public GnssRig, public ::testing::WithParamInterface<Start> {};
 
 TEST_P(GnssRigStart, IsTheDateWithinTheReceiversWeeks) {
-  build(receiver("gnss", "    mount: {link: body}\n"), "{}", GetParam().utc);
+  build(receiver("gnss", "    mount: {link: body, position: [0 m, 0 m, 3 m]}\n"), "{}",
+        GetParam().utc);
   const auto client = open("gnss", 57600);
   run(2s);
   const auto lines = sentences("RMC");

@@ -19,6 +19,8 @@ struct ContactBox {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< Of its middle, in the link's frame.
   Eigen::Vector3d size_m = Eigen::Vector3d::Ones();      ///< Full lengths.
   double pitch_rad = 0.0;  ///< About the link's y, nose down positive.
+
+  friend bool operator==(const ContactBox&, const ContactBox&) = default;
 };
 void visit(fields::Visitor& v, ContactBox& p);
 
@@ -27,6 +29,8 @@ struct SolidBodyParameters {
   std::vector<ContactBox> boxes;
   double stiffness_npm = 1.5e6;  ///< Of each point of contact.
   double damping_ratio = 0.3;    ///< With the machine's mass on one point.
+
+  friend bool operator==(const SolidBodyParameters&, const SolidBodyParameters&) = default;
 };
 void visit(fields::Visitor& v, SolidBodyParameters& p);
 

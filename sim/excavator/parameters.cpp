@@ -196,7 +196,8 @@ void visit(fields::Visitor& v, ExcavatorParameters& p) {
 }
 
 SolidBodyParameters excavator_boxes() {
-  constexpr double kDegree = std::numbers::pi / 180.0;
+  // As a file writes it, to the last bit.
+  constexpr auto from_degrees = [](double angle) { return angle * std::numbers::pi / 180.0; };
   SolidBodyParameters solid;
   solid.stiffness_npm = 1e8;
   solid.boxes = {
@@ -204,8 +205,8 @@ SolidBodyParameters excavator_boxes() {
       {"house", "upper", {-0.9, 0.0, 0.95}, {3.2, 2.4, 1.6}, 0.0},
       {"boom", "boom", {2.5, 0.0, 0.35}, {5.2, 0.45, 0.6}, 0.0},
       {"stick", "stick", {0.95, 0.0, 0.12}, {3.0, 0.35, 0.45}, 0.0},
-      {"bucket floor", "bucket", {1.11, 0.0, 0.255}, {0.75, 1.1, 0.1}, 34.4 * kDegree},
-      {"bucket back", "bucket", {0.43, 0.0, 0.46}, {0.85, 1.1, 0.2}, -6.0 * kDegree},
+      {"bucket floor", "bucket", {1.11, 0.0, 0.255}, {0.75, 1.1, 0.1}, from_degrees(34.4)},
+      {"bucket back", "bucket", {0.43, 0.0, 0.46}, {0.85, 1.1, 0.2}, from_degrees(-6.0)},
       {"bucket left cheek", "bucket", {0.7, 0.51, 0.22}, {0.9, 0.08, 0.4}, 0.0},
       {"bucket right cheek", "bucket", {0.7, -0.51, 0.22}, {0.9, 0.08, 0.4}, 0.0},
   };

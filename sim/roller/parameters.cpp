@@ -99,14 +99,16 @@ SolidBodyParameters roller_boxes() {
   solid.stiffness_npm = 5e6;
   solid.boxes = {{"frame", "frame", {0.0, 0.0, 1.0}, {2.2, 1.4, 0.9}, 0.0},
                  {"cab", "frame", {0.0, 0.0, 2.1}, {1.8, 1.5, 1.6}, 0.0},
-                 {"front yoke", "front_yoke", {0.0, 0.0, 0.45}, {1.5, 1.8, 0.3}, 0.0},
-                 {"rear yoke", "rear_yoke", {0.0, 0.0, 0.45}, {1.5, 1.8, 0.3}, 0.0}};
+                 {"front yoke", "front_yoke", {0.0, 0.0, 0.45}, {1.1, 1.8, 0.3}, 0.0},
+                 {"rear yoke", "rear_yoke", {0.0, 0.0, 0.45}, {1.1, 1.8, 0.3}, 0.0}};
   return solid;
 }
 
 void validate(const RollerParameters& p) {
   fields::check(p);
-  validate(p.solid, kRollerLinks, p.mass_kg, p.step_s);
+  if (p.level == RollerLevel::dynamic) {  // the other has no forces
+    validate(p.solid, kRollerLinks, p.mass_kg, p.step_s);
+  }
   fields::require(std::abs(p.center_of_mass_x_m) < p.pivot_x_m, "center_of_mass_x",
                   in("m").print(p.center_of_mass_x_m),
                   "between the pivots, " + in("m").print(p.pivot_x_m) + " to either side");

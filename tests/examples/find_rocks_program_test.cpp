@@ -1,6 +1,7 @@
 // find_rocks as a process, on the sockets of this host: it finds, logs, and ends with a reason.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <filesystem>
@@ -61,7 +62,7 @@ class FindRocksProgram : public testing::Test {
 
   [[nodiscard]] std::vector<std::string> command(std::vector<std::string> more) const {
     std::vector<std::string> all{std::string(RIGWIRE_BINARY_DIR) + "/find_rocks", "--camera",
-                                 kAddress};
+                                 address_};
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
@@ -88,14 +89,14 @@ class FindRocksProgram : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder); }
 
-  // Nobody else's: another camera of this host may be at 127.0.0.2.
-  static constexpr const char* kAddress = "127.0.91.7";
+  // Nobody else's: neither a rig's camera nor that of another test beside this one.
+  const std::string address_ = "127.91." + std::to_string(::getpid() % 250) + ".7";
   std::filesystem::path folder;
   std::vector<std::uint8_t> pixels;
 };
 
 TEST_F(FindRocksProgram, FindsLogsAndEndsWhenTimeIsOver) {
-  field::LoopbackCamera camera(kAddress, head(), sensor());
+  field::LoopbackCamera camera(address_, head(), sensor());
   ChildProcess program(command({"--duration", "4", "--farthest", "9", "--log", folder / "log.jsonl",
                                 "--csv", folder / "rocks.csv"}),
                        folder / "output");
@@ -126,11 +127,11 @@ TEST_F(FindRocksProgram, FindsLogsAndEndsWhenTimeIsOver) {
 TEST_F(FindRocksProgram, ASilentCameraEndsItWithWhy) {
   ChildProcess program(command({"--patience", "1"}), folder / "output");
   EXPECT_EQ(program.wait(), 4);
-  EXPECT_THAT(program.output(), HasSubstr("the stereo camera at 127.0.91.7 is silent: "));
+  EXPECT_THAT(program.output(), HasSubstr("the stereo camera at " + address_ + " is silent: "));
 }
 
 TEST_F(FindRocksProgram, ACameraThatGoesBlindEndsItWithWhy) {
-  field::LoopbackCamera camera(kAddress, head(), sensor());
+  field::LoopbackCamera camera(address_, head(), sensor());
   ChildProcess program(command({"--patience", "2", "--log", folder / "log.jsonl"}),
                        folder / "output");
   ASSERT_TRUE(eventually([&] { return lines(folder / "log.jsonl").size() > 2; }));
@@ -142,7 +143,7 @@ TEST_F(FindRocksProgram, ACameraThatGoesBlindEndsItWithWhy) {
 TEST_F(FindRocksProgram, ACameraWithoutDisparityIsRefusedByName) {
   emulators::GigeCameraSettings plain = head();
   plain.kind = emulators::GigeCameraKind::camera;
-  field::LoopbackCamera camera(kAddress, plain, sensor());
+  field::LoopbackCamera camera(address_, plain, sensor());
   ChildProcess program(command({"--patience", "2"}), folder / "output");
   EXPECT_EQ(program.wait(), 4);
   EXPECT_THAT(program.output(), HasSubstr("no feature ComponentEnable"));
@@ -154,7 +155,7 @@ TEST_F(FindRocksProgram, WithWaitItGoesOnWhenTheCameraIsBack) {
   std::this_thread::sleep_for(std::chrono::milliseconds{1500});
   for (int camera = 0; camera < 2; ++camera) {
     const std::size_t before = lines(folder / "log.jsonl").size();
-    field::LoopbackCamera head_again(kAddress, head(), sensor());
+    field::LoopbackCamera head_again(address_, head(), sensor());
     EXPECT_TRUE(eventually([&] { return lines(folder / "log.jsonl").size() > before + 2; }));
   }
   program.signal(SIGINT);

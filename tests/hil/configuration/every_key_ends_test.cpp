@@ -290,6 +290,7 @@ constexpr std::string_view kUnitVector = "not of length 1 with the other compone
 constexpr std::string_view kLensFolds = "the lens folds over, sees too much, or must be a pinhole";
 constexpr std::string_view kCostsOverflow = "sums of costs overflow 16 bits";
 constexpr std::string_view kCameraBusy = "reading out and sending a picture takes longer";
+constexpr std::string_view kTooStiff = "lighter, or slower, than a contact's stiffness allows";
 constexpr std::string_view kInertia = "no body has a moment above the sum of the other two";
 
 template <class Interface>
@@ -394,6 +395,12 @@ TEST(EveryKeyEnds, of_devices_are_where_describe_says) {
 TEST(EveryKeyEnds, of_machines_are_where_describe_says) {
   static constexpr std::array kJoint{
       JointRefusal{"*.principal_inertia", End::lower, kInertia},
+      JointRefusal{"excavator.excavator.boom.mass", End::lower, kTooStiff},
+      JointRefusal{"excavator.excavator.stick.mass", End::lower, kTooStiff},
+      JointRefusal{"excavator.excavator.bucket.mass", End::lower, kTooStiff},
+      JointRefusal{"excavator.excavator.step", End::upper, kTooStiff},
+      JointRefusal{"tandem_roller.roller.mass", End::lower, kTooStiff},
+      JointRefusal{"tandem_roller.roller.step", End::upper, kTooStiff},
       JointRefusal{"excavator.excavator.*_length", End::lower, kPins},
       JointRefusal{"excavator.excavator.boom_length", End::upper, kPins},
       JointRefusal{"excavator.excavator.stick_length", End::upper, kPins},

@@ -1,6 +1,7 @@
 // Cameras of a running rig, with a client of our own in the same thread: what it has sent before
 // the run begins is heard after the first slice, so that free runs can be compared.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -26,8 +27,12 @@ namespace reg = emulators::camera_register;
 
 constexpr std::uint32_t kHere = 0x7F00'0001;
 
+/// An address of 127.9.0.0/16 that another test beside this one does not have.
 std::uint32_t number(unsigned last) {
-  return 0x7F09'0000 + last;  // 127.9.0.x
+  return 0x7F09'0000 + (static_cast<std::uint32_t>(::getpid()) % 250U << 8U) + last;
+}
+std::string address_of(unsigned last) {
+  return emulators::address_text(number(last));
 }
 
 class CameraRig : public ::testing::Test {
@@ -37,7 +42,9 @@ class CameraRig : public ::testing::Test {
                            "/configs/machines/gator_855d.yaml}\n"
                            "scene:\n  terrain: {type: level, size: 60 m, cell: 1 m}\n"
                            "  boxes: [{position: [8 m, 1 m, 0 m], size: [2 m, 3 m, 2 m]}]\n"
-                           "devices:\n  eye:\n    type: gige-camera\n    address: 127.9.0.2\n"
+                           "devices:\n  eye:\n    type: gige-camera\n    address: "
+                        << address_of(2)
+                        << "\n"
                            "    exposure_auto: true\n"
                            "    mount: {link: body, position: [1.5 m, 0 m, 1.9 m]}\n"
                         << keys;
@@ -127,7 +134,7 @@ TEST_F(CameraRig, told_another_address_it_moves_there_and_tells_what_was_asked_l
   rig->executive().run_free(kStart + 100ms);
   ASSERT_EQ(heard.size(), 2U);
   EXPECT_EQ(heard[1], (drivers::DatagramPort::Peer{number(7), gev::kGvcpPort}));
-  EXPECT_EQ(rig->status().devices.at(0).wire, "udp 127.9.0.7:3956");
+  EXPECT_EQ(rig->status().devices.at(0).wire, "udp " + address_of(7) + ":3956");
   ASSERT_TRUE(rig->status().devices.at(0).last_request);
   EXPECT_EQ(rig->status().devices.at(0).last_request->text, "ReadReg 0x0024");
   // Where somebody else is it cannot go.
@@ -136,7 +143,7 @@ TEST_F(CameraRig, told_another_address_it_moves_there_and_tells_what_was_asked_l
       gev::encode_force_ip(
           next_++, {.mac = {0x02, 0x52, 127, 9, 0, 2}, .address = number(8), .mask = 0xFF000000}));
   rig->executive().run_free(kStart + 150ms);
-  EXPECT_EQ(rig->status().devices.at(0).wire, "udp 127.9.0.7:3956");
+  EXPECT_EQ(rig->status().devices.at(0).wire, "udp " + address_of(7) + ":3956");
   ask(7, gev::encode_read_registers(next_++, address));
   heard.clear();
   rig->executive().run_free(kStart + 200ms);

@@ -125,9 +125,9 @@ TEST_F(CameraRig, told_another_address_it_moves_there_and_tells_what_was_asked_l
   client.start([&](const drivers::DatagramPort::Peer& from, std::span<const std::uint8_t>) {
     heard.push_back(from);
   });
-  ask(2,
-      gev::encode_force_ip(
-          next_++, {.mac = {0x02, 0x52, 127, 9, 0, 2}, .address = number(7), .mask = 0xFF000000}));
+  // The camera's own, which has the bytes of its address.
+  const gev::MacAddress mac{0x02, 0x52, 127, 9, static_cast<std::uint8_t>(number(2) >> 8U), 2};
+  ask(2, gev::encode_force_ip(next_++, {.mac = mac, .address = number(7), .mask = 0xFF000000}));
   rig->executive().run_free(kStart + 50ms);
   const std::array<std::uint32_t, 1> address{boot::kCurrentAddress};
   ask(7, gev::encode_read_registers(next_++, address));
@@ -139,9 +139,7 @@ TEST_F(CameraRig, told_another_address_it_moves_there_and_tells_what_was_asked_l
   EXPECT_EQ(rig->status().devices.at(0).last_request->text, "ReadReg 0x0024");
   // Where somebody else is it cannot go.
   const drivers::UdpPort other(io, {.address = number(8), .port = gev::kGvcpPort});
-  ask(7,
-      gev::encode_force_ip(
-          next_++, {.mac = {0x02, 0x52, 127, 9, 0, 2}, .address = number(8), .mask = 0xFF000000}));
+  ask(7, gev::encode_force_ip(next_++, {.mac = mac, .address = number(8), .mask = 0xFF000000}));
   rig->executive().run_free(kStart + 150ms);
   EXPECT_EQ(rig->status().devices.at(0).wire, "udp " + address_of(7) + ":3956");
   ask(7, gev::encode_read_registers(next_++, address));

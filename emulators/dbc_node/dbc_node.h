@@ -109,6 +109,9 @@ class DbcNode final : public CanDevice, public dbc_node_details::Face<Backend> {
     follow(sample.time);
   }
 
+  /// What goes wrong with its messages, and its supply.
+  [[nodiscard]] DbcTraffic& faults() { return traffic_; }
+  [[nodiscard]] Supply& supply() { return traffic_.supply(); }
   [[nodiscard]] const DbcTraffic& traffic() const { return traffic_; }
 
  private:

@@ -85,7 +85,6 @@ std::uint8_t checksum(DbcChecksum method, std::span<const std::uint8_t> data, st
 DbcTraffic::DbcTraffic(const DbcNodeSettings& settings, FrameOutput& output)
     : settings_(settings),
       output_(output),
-      faults_(settings.faults),
       supply_(checked(settings.supply)),
       measured_(settings.measured.size(), std::numeric_limits<double>::quiet_NaN()),
       moved_(settings.moved.size(), 0.0),
@@ -126,22 +125,27 @@ DbcTraffic::DbcTraffic(const DbcNodeSettings& settings, FrameOutput& output)
     make_safe(m);
   }
   for (const DbcNodeFault& fault : settings_.faults) {
-    const DbcFaultPlace place = place_of(fault);
-    const auto message = std::ranges::find(
-        settings_.sent, place.message,
-        [](const DbcSentMessage& sent) { return std::string_view(sent.layout.name); });
-    if (!place.message.empty() && message == settings_.sent.end()) {
-      throw std::invalid_argument("faults: it sends no message \"" + std::string(place.message) +
-                                  "\"");
-    }
-    if (!place.signal.empty() &&
-        std::ranges::none_of(message->layout.signals, [&](const can::OwnedSignal& signal) {
-          return signal.name == place.signal;
-        })) {
-      throw std::invalid_argument("faults: " + std::string(place.message) + " has no signal \"" +
-                                  std::string(place.signal) + "\"");
-    }
+    begin(fault);
   }
+}
+
+DbcNodeFaults::Id DbcTraffic::begin(const DbcNodeFault& fault) {
+  const DbcFaultPlace place = place_of(fault);
+  const auto message = std::ranges::find(
+      settings_.sent, place.message,
+      [](const DbcSentMessage& sent) { return std::string_view(sent.layout.name); });
+  if (!place.message.empty() && message == settings_.sent.end()) {
+    throw std::invalid_argument("faults: it sends no message \"" + std::string(place.message) +
+                                "\"");
+  }
+  if (!place.signal.empty() &&
+      std::ranges::none_of(message->layout.signals, [&](const can::OwnedSignal& signal) {
+        return signal.name == place.signal;
+      })) {
+    throw std::invalid_argument("faults: " + std::string(place.message) + " has no signal \"" +
+                                std::string(place.signal) + "\"");
+  }
+  return faults_.add(fault);
 }
 
 double DbcTraffic::nominal_rate_hz() const {

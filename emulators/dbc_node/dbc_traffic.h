@@ -49,7 +49,10 @@ class DbcTraffic final : J1939Application {
   [[nodiscard]] std::uint8_t address() const;
 
   [[nodiscard]] const DbcNodeSettings& settings() const { return settings_; }
-  [[nodiscard]] DbcNodeFaults& faults() { return faults_; }
+  /// One more fault. Throws std::invalid_argument for a message or signal that it does not have.
+  DbcNodeFaults::Id begin(const DbcNodeFault& fault);
+  /// As FaultBook::end().
+  bool end(DbcNodeFaults::Id id, SimTime now) { return faults_.end(id, now); }
   [[nodiscard]] Supply& supply() { return supply_; }
 
  private:

@@ -282,6 +282,19 @@ void GigeCamera::step() {
   stream_.advance(now_);
 }
 
+GigeCameraFaults::Id GigeCamera::begin(const GigeCameraFault& fault) {
+  const auto id = faults_.add(fault);
+  step();
+  return id;
+}
+
+bool GigeCamera::end(GigeCameraFaults::Id id, SimTime now) {
+  live_until(now);
+  const bool ended = faults_.end(id, now);
+  step();
+  return ended;
+}
+
 void GigeCamera::advance(SimTime now) {
   live_until(now);
 }

@@ -83,6 +83,11 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
   [[nodiscard]] std::string_view description() const { return description_; }
   [[nodiscard]] bool controlled() const { return control_.primary().has_value(); }
   [[nodiscard]] bool acquiring() const { return acquisition_.running(); }
+  /// One more fault; it begins no earlier than the device was advanced to.
+  GigeCameraFaults::Id begin(const GigeCameraFault& fault);
+  /// As FaultBook::end().
+  bool end(GigeCameraFaults::Id id, SimTime now);
+
   [[nodiscard]] GigeCameraCounters counters() const;
   /// From exposure to exposure: what sensor and network allow as it is set, and what it keeps.
   [[nodiscard]] Duration shortest_period() const;

@@ -89,6 +89,8 @@ class IsoValves final : public J1939Device, public ValveBackend {
   [[nodiscard]] const ValveCommand& command() const override { return amplifier_.command(); }
 
   [[nodiscard]] const ValveAmplifier& amplifier() const { return amplifier_; }
+  /// What goes wrong with coils, spools, sensors and their surroundings.
+  [[nodiscard]] ValveAmplifier& defects() { return amplifier_; }
   [[nodiscard]] const IsoValveChannel& channel(std::size_t section) const {
     return channels_[section];
   }

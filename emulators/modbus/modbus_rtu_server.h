@@ -46,6 +46,8 @@ class ModbusRtuServer final : public SerialDevice, private RtuListener {
   /// `unit` must outlive the server. Throws std::invalid_argument when the number is not 1 .. 247
   /// or is taken.
   void add_unit(std::uint8_t number, ModbusUnit& unit) { service_.add_unit(number, unit); }
+  /// What goes wrong on the line.
+  [[nodiscard]] ModbusFaultSchedule& faults() { return service_.faults(); }
 
   void set_client(SimTime now, const SerialClient& client) override;
   void receive(SimTime now, std::span<const std::uint8_t> bytes) override;

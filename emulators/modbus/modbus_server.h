@@ -99,6 +99,8 @@ class ModbusServer {
   /// The first unit added is also the device itself (units 0 and 255). `unit` must outlive the
   /// server. Throws std::invalid_argument when the number is not 1 .. 247 or is taken.
   void add_unit(std::uint8_t number, ModbusUnit& unit) { service_.add_unit(number, unit); }
+  /// What goes wrong on the line.
+  [[nodiscard]] ModbusFaultSchedule& faults() { return service_.faults(); }
 
   void connected(SimTime now, ConnectionId connection);
   void receive(SimTime now, ConnectionId connection, std::span<const std::uint8_t> bytes);

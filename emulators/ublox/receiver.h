@@ -60,6 +60,11 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   /// configuration outlive it; without, nothing does.
   void power(SimTime now, bool on);
 
+  /// One more fault; it begins no earlier than the receiver was advanced to.
+  FaultBook<UbloxFault>::Id begin(const UbloxFault& fault) { return faults_.add(fault); }
+  /// As FaultBook::end().
+  bool end(FaultBook<UbloxFault>::Id id, SimTime now) { return faults_.end(id, now); }
+
   /// An edge on the external interrupt pin: TIM-TM2 reports it in the next epoch.
   void external_interrupt(SimTime now, bool rising);
 

@@ -259,6 +259,17 @@ void ValveAmplifier::latch(SimTime now, ValveFault fault, std::optional<std::siz
   release(now);
 }
 
+ValveDefects::Id ValveAmplifier::begin(const ValveDefect& defect) {
+  check_section(defect, sections());
+  next_defect_ = std::min(next_defect_, defect.when.begin());
+  return defects_.add(defect);
+}
+
+bool ValveAmplifier::end(ValveDefects::Id id, SimTime now) {
+  next_defect_ = std::min(next_defect_, now);
+  return defects_.end(id, now);
+}
+
 void ValveAmplifier::take_defects(SimTime now) {
   const ValveElectronics& electronics = settings_.electronics;
   defect_ =

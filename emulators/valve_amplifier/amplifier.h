@@ -84,6 +84,11 @@ class ValveAmplifier {
   /// The master is alive.
   void feed(SimTime now);
   void set_parameters(SimTime now, const ValveAmplifierParameters& parameters);
+  /// One more defect; it begins no earlier than the amplifier was advanced to. Throws
+  /// std::invalid_argument for a section that there is not.
+  ValveDefects::Id begin(const ValveDefect& defect);
+  /// As FaultBook::end().
+  bool end(ValveDefects::Id id, SimTime now);
   /// A spool position that is not a number latches fault 6; other quantities that are not numbers
   /// leave what was measured before.
   void update(const ValveSample& sample);

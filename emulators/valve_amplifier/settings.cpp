@@ -134,10 +134,13 @@ void validate(const ValveAmplifierSettings& settings) {
   check("under_voltage", settings.electronics.under_voltage_v, 0.0,
         settings.electronics.supply_voltage_v, "V");
   for (const ValveDefect& defect : settings.defects) {
-    if (const auto section = section_of(defect); section >= settings.sections.size()) {
-      refuse("faults: section", std::to_string(*section + 1),
-             "1 .. " + std::to_string(settings.sections.size()));
-    }
+    check_section(defect, settings.sections.size());
+  }
+}
+
+void check_section(const ValveDefect& defect, std::size_t sections) {
+  if (const auto section = section_of(defect); section >= sections) {
+    refuse("faults: section", std::to_string(*section + 1), "1 .. " + std::to_string(sections));
   }
 }
 

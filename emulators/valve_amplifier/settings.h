@@ -88,5 +88,7 @@ void visit(fields::Visitor& v, ValveAmplifierSettings& p);
 
 /// Throws std::invalid_argument naming the setting, what was found and what is allowed.
 void validate(const ValveAmplifierSettings& settings);
+/// Throws std::invalid_argument unless the defect is of one of that many sections, or of none.
+void check_section(const ValveDefect& defect, std::size_t sections);
 
 }  // namespace rigwire::emulators

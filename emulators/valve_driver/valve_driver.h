@@ -61,6 +61,8 @@ class ValveDriver final : public ModbusDevice, public ValveBackend {
   [[nodiscard]] const ValveCommand& command() const override { return amplifier_.command(); }
 
   [[nodiscard]] const ValveAmplifier& amplifier() const { return amplifier_; }
+  /// What goes wrong with coils, spools, sensors and their surroundings.
+  [[nodiscard]] ValveAmplifier& defects() { return amplifier_; }
   [[nodiscard]] const ValveMap& map() const { return map_; }
   [[nodiscard]] ValveFault fault() const { return amplifier_.fault(); }
   [[nodiscard]] bool enabled() const { return amplifier_.enabled(); }

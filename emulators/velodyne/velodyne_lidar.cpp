@@ -285,6 +285,17 @@ void VelodyneLidar::handle_time_input() {
   time_input_.handle_event(clock_);
 }
 
+VelodyneFaults::Id VelodyneLidar::begin(const VelodyneFault& fault) {
+  check_fault(fault, settings_);
+  next_command_ = std::min(next_command_, fault.when.begin());
+  return faults_.add(fault);
+}
+
+bool VelodyneLidar::end(VelodyneFaults::Id id, SimTime now) {
+  next_command_ = std::min(next_command_, now);
+  return faults_.end(id, now);
+}
+
 void VelodyneLidar::command_head(SimTime now) {
   const bool running = !starting_up(now);
   const bool stalled = faults_.first<MotorStallFault>(now) != nullptr;

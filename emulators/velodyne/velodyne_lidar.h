@@ -93,6 +93,11 @@ class VelodyneLidar final : public Device, public LidarBackend, public VelodyneC
   [[nodiscard]] VelodyneDestination position_destination() const;
   /// Rises whenever a destination may have changed.
   [[nodiscard]] std::uint32_t destination_changes() const { return destination_changes_; }
+  /// One more fault; it begins no earlier than the device was advanced to. Throws
+  /// std::invalid_argument.
+  VelodyneFaults::Id begin(const VelodyneFault& fault);
+  /// As FaultBook::end().
+  bool end(VelodyneFaults::Id id, SimTime now);
   /// Packets that the faults have swallowed.
   [[nodiscard]] std::uint64_t packets_lost() const { return data_.lost() + position_.lost(); }
 

@@ -292,9 +292,13 @@ void validate(const VelodyneSettings& settings) {
            " m, allowed: minimum < maximum");
   }
   for (const VelodyneFault& fault : settings.faults) {
-    fields::check(fault);
-    std::visit(FaultCheck{settings, model}, fault.what);
+    check_fault(fault, settings);
   }
+}
+
+void check_fault(const VelodyneFault& fault, const VelodyneSettings& settings) {
+  fields::check(fault);
+  std::visit(FaultCheck{settings, model_of(settings)}, fault.what);
 }
 
 }  // namespace rigwire::emulators

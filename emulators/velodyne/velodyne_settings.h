@@ -122,6 +122,8 @@ void visit(fields::Visitor& v, VelodyneSettings& p);
 /// Throws std::invalid_argument naming the member, the value found and what is allowed; also for
 /// what the model cannot do.
 void validate(const VelodyneSettings& settings);
+/// Whether a device with these settings can have it. Throws std::invalid_argument.
+void check_fault(const VelodyneFault& fault, const VelodyneSettings& settings);
 
 /// Its model table. Throws std::invalid_argument for an unknown one.
 [[nodiscard]] const protocols::velodyne::Model& model_of(const VelodyneSettings& settings);

@@ -79,6 +79,9 @@ class GnssSensor {
   /// What the receiver's settings ask, from the next epoch on.
   void command(const GnssCommand& command);
 
+  /// What goes wrong; of what is begun or ended the next epoch knows.
+  [[nodiscard]] FaultBook<GnssFault>& faults() { return faults_; }
+
   /// One navigation epoch at `time` (not earlier than the one before). `antenna`: motion of the
   /// antenna's phase centre, X_WL its frame. Position and velocity are meaningful for 2D and 3D.
   [[nodiscard]] GnssSample sample(SimTime time, const LinkMotion& antenna,

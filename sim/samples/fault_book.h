@@ -145,4 +145,20 @@ class FaultBook {
   Id next_id_ = 1;
 };
 
+/// To whoever keeps the same book elsewhere: one fault more, or the end of one.
+template <class Fault>
+struct FaultChange {
+  std::optional<Fault> begin;              ///< Nothing: it is an end.
+  typename FaultBook<Fault>::Id end_of{};  ///< The number of the one that ends,
+  SimTime end_at{};                        ///< and when.
+
+  void apply(FaultBook<Fault>& book) const {
+    if (begin) {
+      book.add(*begin);
+    } else {
+      book.end(end_of, end_at);
+    }
+  }
+};
+
 }  // namespace rigwire

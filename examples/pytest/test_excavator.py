@@ -52,6 +52,18 @@ def test_time_stands_exactly_where_it_was_sent(rig: Rig) -> None:
     assert rig.read().devices["gnss"].frames == frames  # nothing moves by itself
 
 
+def test_a_fault_that_is_added_acts_and_ends(rig: Rig) -> None:
+    rig.run_until(2.0)
+    fault = rig.add_fault("gnss", "outage", for_=60.0)
+    rig.run_until(4.0)
+    assert [acting.type for acting in rig.read().faults] == ["outage"]
+    rig.clear_fault(fault)
+    rig.step(0.1)
+    assert not rig.read().faults
+    with pytest.raises(Refused, match="jamming"):
+        rig.add_fault("gnss", "motor_stall")
+
+
 def test_a_fault_of_the_file_acts_in_its_window(rig: Rig) -> None:
     rig.run_until(5.0)
     assert not rig.read().faults

@@ -243,8 +243,9 @@ void declare(CLI::App& app, Parsed& parsed) {
   log_level(check_app);
   check_app->footer("\nExample:\n  rigwire check excavator_pit --set devices.gnss.rate=5 --print");
 
-  CLI::App* list_app = app.add_subcommand("list", "List devices, machines, scenes or rigs");
-  list_app->add_option("kind", parsed.word, "devices, machines, scenes or rigs")->required();
+  CLI::App* list_app = app.add_subcommand("list", "List devices, machines, scenes, rigs or faults");
+  list_app->add_option("kind", parsed.word, "devices, machines, scenes, rigs or faults")
+      ->required();
   list_app->add_flag("--json", parsed.json, "As JSON");
 
   CLI::App* describe_app = app.add_subcommand("describe", "Messages, rates, units, ranges, keys");

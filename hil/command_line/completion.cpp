@@ -29,7 +29,7 @@ _rigwire() {
     run) local options="--clock --duration --seed --set --report --truth --lidar-truth --status --log-level --control --ready-fd --dry-run --help" ;;
     picture) local options="--device --at --layer --raw --travel --set --output --help" ;;
     check) local options="--set --log-level --print --json --help" ;;
-    list) local options="devices machines scenes rigs --json --help" ;;
+    list) local options="devices machines scenes rigs faults --json --help" ;;
     describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --dbc --bus --units --eds --device --help" ;;
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
     schema) local options="rig machine scene valve-map dbc-node --help" ;;
@@ -66,7 +66,7 @@ _rigwire() {
     run) compadd -- --clock --duration --seed --set --report --truth --lidar-truth --status --log-level --control --ready-fd --dry-run --help ;;
     picture) compadd -- --device --at --layer --raw --travel --set --output --help ;;
     check) compadd -- --set --log-level --print --json --help ;;
-    list) compadd -- devices machines scenes rigs --json --help ;;
+    list) compadd -- devices machines scenes rigs faults --json --help ;;
     describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json --dbc --bus --units --eds --device ;;
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
     schema) compadd -- rig machine scene valve-map dbc-node ;;
@@ -110,7 +110,7 @@ complete -c rigwire -n "__fish_seen_subcommand_from run" -l ready-fd -x
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l dry-run
 complete -c rigwire -n "__fish_seen_subcommand_from check" -l print
 complete -c rigwire -n "__fish_seen_subcommand_from check list describe doctor" -l json
-complete -c rigwire -n "__fish_seen_subcommand_from list" -a "devices machines scenes rigs"
+complete -c rigwire -n "__fish_seen_subcommand_from list" -a "devices machines scenes rigs faults"
 complete -c rigwire -n "__fish_seen_subcommand_from describe" -a "(rigwire list devices | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -a "(rigwire bench --list | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -l json -r -F

@@ -12,6 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "drivers/endpoints.h"
+#include "emulators/can/can_bus_faults.h"
+#include "emulators/modbus/modbus_faults.h"
 #include "hil/command_line/config_files.h"
 #include "hil/command_line/doctor.h"
 #include "hil/command_line/text_table.h"
@@ -174,8 +176,23 @@ int check_verb(const RigArguments& arguments, LogLevel log_level, bool print, bo
   }
 }
 
+namespace {
+
+/// Everything that faults can be of, and their kinds.
+std::vector<std::pair<std::string, std::vector<fields::Named>>> faults_by_target() {
+  std::vector<std::pair<std::string, std::vector<fields::Named>>> all;
+  for (const DeviceType& type : device_types()) {
+    all.emplace_back(type.named.name, type.fresh()->fault_kinds());
+  }
+  all.emplace_back("bus", fault_kinds<emulators::CanFault>());
+  all.emplace_back("modbus", fault_kinds<emulators::ModbusFault>());
+  return all;
+}
+
+}  // namespace
+
 int list_verb(const std::string& kind, bool json, Terminal terminal) {
-  const std::vector<std::string> kinds{"devices", "machines", "scenes", "rigs"};
+  const std::vector<std::string> kinds{"devices", "machines", "scenes", "rigs", "faults"};
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
     return refuse_word("kind", kind, kinds, terminal);
   }
@@ -185,6 +202,13 @@ int list_verb(const std::string& kind, bool json, Terminal terminal) {
     for (const DeviceType& type : device_types()) {
       rows.push_back({std::string(type.named.name), std::string(type.named.text)});
       list.push_back({{"name", type.named.name}, {"text", type.named.text}});
+    }
+  } else if (kind == "faults") {
+    for (const auto& [target, faults] : faults_by_target()) {
+      for (const fields::Named& fault : faults) {
+        rows.push_back({target, std::string(fault.name), std::string(fault.text)});
+        list.push_back({{"on", target}, {"type", fault.name}, {"text", fault.text}});
+      }
     }
   } else {
     for (const ConfigFile& file : config_files(kind)) {

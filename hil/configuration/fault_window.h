@@ -26,16 +26,37 @@ struct FaultWindow {
   friend bool operator==(const FaultWindow&, const FaultWindow&) = default;
 };
 
-/// The windows of a list of faults.
+/// The kinds of those structures of fault.
+template <class... Fault>
+[[nodiscard]] std::vector<fields::Named> fault_kinds() {
+  std::vector<fields::Named> kinds;
+  const auto add = [&kinds]<class... What>(std::type_identity<std::variant<What...>>) {
+    (kinds.push_back(What::kNamed), ...);
+  };
+  (add(std::type_identity<decltype(Fault::what)>{}), ...);
+  return kinds;
+}
+
+/// What a fault is called: its kind.
+template <class Fault>
+[[nodiscard]] std::string kind_name(const Fault& fault) {
+  return std::string(fields::chosen_name(fault.what));
+}
+
+/// The windows of a list of faults; `name(fault)` is what each is called.
+template <class Fault, class Name>
+[[nodiscard]] std::vector<FaultWindow> fault_windows(const std::vector<Fault>& faults,
+                                                     std::string_view where, const Name& name) {
+  std::vector<FaultWindow> windows;
+  for (const Fault& fault : faults) {
+    windows.push_back({std::string(where), name(fault), fault.when.begin(), fault.when.end()});
+  }
+  return windows;
+}
 template <class Fault>
 [[nodiscard]] std::vector<FaultWindow> fault_windows(const std::vector<Fault>& faults,
                                                      std::string_view where) {
-  std::vector<FaultWindow> windows;
-  for (const Fault& fault : faults) {
-    windows.push_back({std::string(where), std::string(fields::chosen_name(fault.what)),
-                       fault.when.begin(), fault.when.end()});
-  }
-  return windows;
+  return fault_windows(faults, where, kind_name<Fault>);
 }
 
 // A list of faults in a rig's file that are acted out in several places: the signals' and the

@@ -29,6 +29,20 @@ void visit(fields::Visitor& v, WaitCommand& p) {
              "Simulated time after which the answer is a refusal.");
 }
 
+void visit(fields::Visitor& v, FaultAddCommand& p) {
+  v.required("on");
+  v.text("on", p.on, "Name of a device, \"bus NAME\" or \"modbus NAME\".");
+  v.required("fault");
+  v.text("fault", p.fault,
+         "Its keys as in a rig's file, `type` first: an object, or text. Without `at` it begins as "
+         "soon as it can.");
+}
+
+void visit(fields::Visitor& v, FaultClearCommand& p) {
+  v.required("id");
+  v.integer("id", p.id, fields::IntegerRule{1}, "Its number.");
+}
+
 void visit(fields::Visitor& v, Request& p) {
   v.required("verb");
   v.variant("verb", p.command, "What is asked.");

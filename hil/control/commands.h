@@ -6,6 +6,7 @@
 //   {verb: speed, factor: 4, at: 10 s}
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <variant>
 
@@ -55,12 +56,29 @@ struct WaitCommand {
   double value = 0.0;                         ///< In the quantity's unit.
   Duration limit = std::chrono::seconds{10};  ///< Simulated time; then the answer is a refusal.
 };
+struct FaultAddCommand {
+  static constexpr fields::Named kNamed{
+      "fault_add", "One fault more, of a kind that its target can have; fault_list tells them."};
+
+  std::string on;     ///< Name of a device, "bus NAME" or "modbus NAME".
+  std::string fault;  ///< Its keys as in a rig's file: "{type: jamming, for: 5 s}".
+};
+struct FaultClearCommand {
+  static constexpr fields::Named kNamed{"fault_clear", "A fault ends, or will not begin."};
+
+  std::uint32_t id = 1;  ///< As fault_add and fault_list tell it.
+};
+struct FaultListCommand {
+  static constexpr fields::Named kNamed{"fault_list",
+                                        "What can go wrong where, and every fault of this run."};
+};
 struct StopCommand {
   static constexpr fields::Named kNamed{"stop", "The run ends as at the end of its duration."};
 };
 
 using Command = std::variant<StateCommand, PauseCommand, ResumeCommand, RunUntilCommand,
-                             StepCommand, SpeedCommand, ReadCommand, WaitCommand, StopCommand>;
+                             StepCommand, SpeedCommand, ReadCommand, WaitCommand, FaultAddCommand,
+                             FaultClearCommand, FaultListCommand, StopCommand>;
 
 inline void visit(fields::Visitor&, StateCommand&) {}
 inline void visit(fields::Visitor&, PauseCommand&) {}
@@ -70,6 +88,9 @@ void visit(fields::Visitor& v, StepCommand& p);
 void visit(fields::Visitor& v, SpeedCommand& p);
 inline void visit(fields::Visitor&, ReadCommand&) {}
 void visit(fields::Visitor& v, WaitCommand& p);
+void visit(fields::Visitor& v, FaultAddCommand& p);
+void visit(fields::Visitor& v, FaultClearCommand& p);
+inline void visit(fields::Visitor&, FaultListCommand&) {}
 inline void visit(fields::Visitor&, StopCommand&) {}
 
 /// A command, and when it is carried out.

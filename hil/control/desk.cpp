@@ -43,6 +43,75 @@ Json json_of(const DeviceStatus& device) {
   return json;
 }
 
+Json json_of(const FaultWindow& fault) {
+  return {{"where", fault.where},
+          {"type", fault.type},
+          {"begin_ns", nanoseconds(fault.begin)},
+          {"end_ns", fault.end == kNever ? Json(nullptr) : Json(nanoseconds(fault.end))}};
+}
+
+Json json_of(const RigFaults::Numbered& fault) {
+  Json json{{"id", fault.id}};
+  json.update(json_of(fault.window));
+  return json;
+}
+
+Json json_of(const NoSuchFault& error) {
+  return {{"what", error.what()},
+          {"path", error.path},
+          {"found", error.found},
+          {"allowed", error.allowed}};
+}
+
+Json json_of(const Problem& problem) {
+  Json why{{"what", problem.line()}};
+  for (const auto& [key, words] : {std::pair{"path", &problem.path},
+                                   {"found", &problem.found},
+                                   {"allowed", &problem.allowed}}) {
+    if (!words->empty()) {
+      why[key] = printable(*words);
+    }
+  }
+  return why;
+}
+
+/// The text of a document that is equal to it.
+Json json_of(const Value& value) {
+  switch (value.kind) {
+    case Value::Kind::null:
+      return nullptr;
+    case Value::Kind::scalar:
+      return value.scalar;
+    case Value::Kind::list: {
+      Json list = Json::array();
+      for (const Value& item : value.items) {
+        list.push_back(json_of(item));
+      }
+      return list;
+    }
+    case Value::Kind::map:
+      break;
+  }
+  Json map = Json::object();
+  for (const Value::Entry& entry : value.entries) {
+    map[entry.key] = json_of(entry.value);
+  }
+  return map;
+}
+
+/// A fault that is written as a map becomes the text that a command holds.
+void fold_fault(Value& request) {
+  if (Value* fault = request.find("fault"); fault != nullptr && fault->kind == Value::Kind::map) {
+    const std::string text = json_of(*fault).dump();
+    *fault = Value{.kind = Value::Kind::scalar,
+                   .scalar = text,
+                   .items = {},
+                   .entries = {},
+                   .where = fault->where,
+                   .folder = fault->folder};
+  }
+}
+
 }  // namespace
 
 Desk::Desk(boost::asio::io_context& io, Executive& executive, GovernedRun run)
@@ -60,6 +129,8 @@ void Desk::carry_out(const Request& request, Answer answer) {
   }
   const SimTime at = kStart + request.at;
   if (at <= executive_.now()) {
+    // Devices stand where this instant is.
+    executive_.arrive();
     act(request.command, std::move(answer));
     return;
   }
@@ -70,7 +141,8 @@ void Desk::carry_out(const Request& request, Answer answer) {
 void Desk::carry_out(const std::string& text, const std::string& name, Answer answer) {
   Problems problems;
   Origins origins;
-  const Value document = parse_document(text, name, ".", problems);
+  Value document = parse_document(text, name, ".", problems);
+  fold_fault(document);
   Request request;
   if (problems.empty()) {
     Reader(document, problems, origins).read(fields::Part::of(request));
@@ -79,15 +151,7 @@ void Desk::carry_out(const std::string& text, const std::string& name, Answer an
     carry_out(request, std::move(answer));
     return;
   }
-  const Problem first = problems.sorted().front();
-  Json why{{"what", first.line()}};
-  for (const auto& [key, words] :
-       {std::pair{"path", &first.path}, {"found", &first.found}, {"allowed", &first.allowed}}) {
-    if (!words->empty()) {
-      why[key] = printable(*words);
-    }
-  }
-  refuse(answer, Reply::Outcome::wrong, std::move(why));
+  refuse(answer, Reply::Outcome::wrong, json_of(problems.sorted().front()));
 }
 
 void Desk::end() {
@@ -215,11 +279,7 @@ void Desk::act(const ReadCommand&, const Answer& answer) {
   }
   Json faults = Json::array();
   for (const FaultWindow& fault : status.faults) {
-    faults.push_back(
-        {{"where", fault.where},
-         {"type", fault.type},
-         {"begin_ns", nanoseconds(fault.begin)},
-         {"end_ns", fault.end == kNever ? Json(nullptr) : Json(nanoseconds(fault.end))}});
+    faults.push_back(json_of(fault));
   }
   done(answer,
        {{"machine", machine()}, {"devices", std::move(devices)}, {"faults", std::move(faults)}});
@@ -247,6 +307,72 @@ void Desk::act(const WaitCommand& command, const Answer& answer) {
             .next_look = executive_.now(),
             .answer = answer});
   }
+}
+
+void Desk::act(const FaultAddCommand& command, const Answer& answer) {
+  Problems problems;
+  Origins origins;
+  Value keys = parse_document(command.fault, "fault", ".", problems);
+  const Value* const type_key = keys.find("type");
+  if (problems.empty() && (type_key == nullptr || type_key->kind != Value::Kind::scalar)) {
+    refuse(answer, Reply::Outcome::wrong,
+           {{"what", "the fault has no type"},
+            {"path", "fault"},
+            {"found", printable(command.fault)},
+            {"allowed", "keys as in a rig's file: {type: jamming, for: 5 s}"}});
+    return;
+  }
+  const auto fill = [&](const fields::Part& fault, SimTime soonest) {
+    if (keys.find("at") == nullptr) {
+      const Value at{.kind = Value::Kind::scalar,
+                     .scalar = fmt::format("{} ns", nanoseconds(soonest)),
+                     .items = {},
+                     .entries = {},
+                     .where = keys.where,
+                     .folder = keys.folder};
+      keys.entries.push_back({"at", keys.where, at});
+    }
+    Reader(keys, problems, origins).read(fault);
+    return problems.empty();
+  };
+  try {
+    const std::string type = problems.empty() ? type_key->scalar : std::string();
+    const auto begun = problems.empty()
+                           ? run_.faults.begin(executive_.now(), command.on, type, fill)
+                           : std::nullopt;
+    if (begun) {
+      done(answer, {{"fault", json_of(*begun)}});
+    } else {
+      refuse(answer, Reply::Outcome::wrong, json_of(problems.sorted().front()));
+    }
+  } catch (const NoSuchFault& error) {
+    refuse(answer, Reply::Outcome::wrong, json_of(error));
+  } catch (const std::invalid_argument& error) {
+    refuse(answer, Reply::Outcome::wrong, {{"what", error.what()}, {"path", "fault"}});
+  }
+}
+
+void Desk::act(const FaultClearCommand& command, const Answer& answer) {
+  try {
+    done(answer, {{"fault", json_of(run_.faults.end(executive_.now(), command.id))}});
+  } catch (const NoSuchFault& error) {
+    refuse(answer, Reply::Outcome::wrong, json_of(error));
+  }
+}
+
+void Desk::act(const FaultListCommand&, const Answer& answer) {
+  Json targets = Json::object();
+  for (const RigFaults::Target& target : run_.faults.targets()) {
+    Json& kinds = targets[target.name] = Json::object();
+    for (const fields::Named& kind : target.kinds) {
+      kinds[std::string(kind.name)] = kind.text;
+    }
+  }
+  Json faults = Json::array();
+  for (const RigFaults::Numbered& fault : run_.faults.list()) {
+    faults.push_back(json_of(fault));
+  }
+  done(answer, {{"targets", std::move(targets)}, {"faults", std::move(faults)}});
 }
 
 void Desk::act(const StopCommand&, const Answer& answer) {

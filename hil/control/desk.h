@@ -27,6 +27,7 @@
 #include "hil/executive/event_source.h"
 #include "hil/executive/executive.h"
 #include "hil/executive/truth_source.h"
+#include "hil/rig/rig_faults.h"
 #include "hil/rig/rig_status.h"
 
 namespace rigwire::hil {
@@ -53,6 +54,7 @@ struct GovernedRun {
   ClockMode clock;
   std::vector<StateQuantity> quantities;  ///< What RigStatus::machine holds.
   std::function<RigStatus()> status;
+  RigFaults& faults;
 };
 
 class Desk final : public EventSource {
@@ -101,6 +103,9 @@ class Desk final : public EventSource {
   void act(const SpeedCommand& command, const Answer& answer);
   void act(const ReadCommand&, const Answer& answer);
   void act(const WaitCommand& command, const Answer& answer);
+  void act(const FaultAddCommand& command, const Answer& answer);
+  void act(const FaultClearCommand& command, const Answer& answer);
+  void act(const FaultListCommand&, const Answer& answer);
   void act(const StopCommand&, const Answer& answer);
 
   /// Whether another journey is on its way; refuses then.

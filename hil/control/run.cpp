@@ -105,8 +105,9 @@ RunReport report_of(const Rig& rig, const WireStages& wire, const RigConfigurati
   report.truth = rig.truth().stages();
   report.wire = wire;
   report.devices = rig.device_reports();
-  std::copy_if(rig.faults().begin(), rig.faults().end(), std::back_inserter(report.faults),
-               [&](const FaultWindow& fault) { return fault.begin < outcome.reached; });
+  report.faults = rig.faults().windows();
+  std::erase_if(report.faults,
+                [&](const FaultWindow& fault) { return fault.begin >= outcome.reached; });
   return report;
 }
 
@@ -187,7 +188,8 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
     const std::string token = options.control_token.empty() ? fresh_token() : options.control_token;
     desk.emplace(io, rig->executive(),
                  GovernedRun{configuration.name, configuration.seed, hash, options.clock,
-                             rig->truth().state_quantities(), [&rig] { return rig->status(); }});
+                             rig->truth().state_quantities(), [&rig] { return rig->status(); },
+                             rig->faults()});
     server.emplace(io, *options.control, token, *desk);
     log.info(options.control->path.empty()
                  ? fmt::format("control at {}, token {}", server->address(), token)

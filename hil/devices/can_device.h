@@ -14,10 +14,12 @@
 #include "emulators/device.h"
 #include "emulators/nonvolatile_memory.h"
 #include "emulators/own_clock.h"
+#include "emulators/supply.h"
 #include "emulators/valve_amplifier/fault.h"
 #include "fields/visitor.h"
 #include "hil/devices/device.h"
 #include "hil/devices/site.h"
+#include "hil/devices/valve_source.h"
 #include "hil/executive/station.h"
 
 namespace rigwire::hil {
@@ -133,6 +135,35 @@ class CanDeviceOf : public Device {
         on_own_clock_(clock_, emulator_),
         station_(on_own_clock_, on_own_clock_) {
     bus_.attach(node_, on_own_clock_);
+    offer_faults(settings);
+  }
+
+  template <class Settings>
+  void offer_faults(const Settings& settings) {
+    if constexpr (requires { settings.amplifier.defects; }) {
+      auto acts = acted_on_own_clock<emulators::ValveDefect>(emulator_.defects());
+      acts.name = valve_fault_names(settings.amplifier);
+      offer(make_fault_port(settings.amplifier.defects, std::move(acts)));
+    }
+    if constexpr (requires { settings.faults; }) {
+      using Fault = typename decltype(settings.faults)::value_type;
+      offer(make_fault_port(settings.faults, acted_on_own_clock<Fault>(emulator_.faults())));
+    }
+    if constexpr (requires { settings.supply; }) {
+      offer(make_fault_port(settings.supply.faults(),
+                            acted_on_own_clock<emulators::SupplyFault>(emulator_.supply())));
+    }
+  }
+
+  template <class Fault, class Actor>
+  [[nodiscard]] FaultActs<Fault> acted_on_own_clock(Actor& actor) const {
+    return {[this, &actor](Fault fault) {
+              fault.when.at = clock_.own_time(fault.when.at);
+              actor.begin(fault);
+            },
+            [this, &actor](std::uint32_t id, SimTime now) {
+              return actor.end(id, clock_.own_time(now));
+            }};
   }
 
   template <class Settings, class... Arguments>

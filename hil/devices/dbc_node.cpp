@@ -179,6 +179,10 @@ std::vector<FaultWindow> DbcNodeConfiguration::fault_windows(std::string_view na
   return windows;
 }
 
+std::vector<fields::Named> DbcNodeConfiguration::fault_kinds() const {
+  return hil::fault_kinds<emulators::DbcNodeFault, emulators::SupplyFault>();
+}
+
 DevicePlan DbcNodeConfiguration::plan(const RigView& rig) const {
   const DbcNodeDescription device = description();
   const auto& claim = device.settings.claim;

@@ -3,13 +3,16 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "drivers/endpoints.h"
 #include "emulators/device.h"
+#include "hil/configuration/fault_port.h"
 #include "hil/devices/client_request.h"
 #include "hil/devices/device_configuration.h"
 #include "hil/wires/wire_statistics.h"
@@ -78,6 +81,11 @@ class Device {
   /// What a client asked last, as far as the device understood it; nothing before the first.
   [[nodiscard]] virtual std::optional<ClientRequest> last_request() const = 0;
 
+  /// Where what goes wrong with it begins and ends, in the order of its faults' windows.
+  [[nodiscard]] const std::vector<std::unique_ptr<FaultPort>>& fault_ports() const {
+    return fault_ports_;
+  }
+
   /// What others may be joined with; null where there is none.
   [[nodiscard]] virtual FixSource* fixes() { return nullptr; }
   [[nodiscard]] virtual const ValveSource* valves() const { return nullptr; }
@@ -91,11 +99,14 @@ class Device {
  protected:
   Device() = default;
   [[nodiscard]] WireStatistics& own_statistics() { return statistics_; }
+  /// Once for each list of faults, while it is made.
+  void offer(std::unique_ptr<FaultPort> port) { fault_ports_.push_back(std::move(port)); }
   /// To be called when a client has sent something; brings the devices up to the present.
   SimTime client_arrived(Executive& executive);
 
  private:
   WireStatistics statistics_;
+  std::vector<std::unique_ptr<FaultPort>> fault_ports_;
 };
 
 /// The devices of the rig, in the order of their names.

@@ -71,6 +71,9 @@ class DeviceConfiguration {
   virtual void check(const std::string& at, RigCheck& check) const = 0;
   /// What goes wrong with it, and when: the faults among its keys. `name` is its own in its rig.
   [[nodiscard]] virtual std::vector<FaultWindow> fault_windows(std::string_view name) const = 0;
+  /// What can go wrong with it, also while it runs, as its ports tell (device.h). What depends on
+  /// the rig, a line of its own, is as the defaults have it.
+  [[nodiscard]] virtual std::vector<fields::Named> fault_kinds() const = 0;
   /// The three below may throw std::invalid_argument for settings that make no device.
   [[nodiscard]] virtual DevicePlan plan(const RigView& rig) const = 0;
   /// nullopt: it is not on a CAN bus. `name` is the device's in its rig.

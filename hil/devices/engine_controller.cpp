@@ -56,6 +56,7 @@ struct EngineControllerConfiguration final : DeviceConfigurationOf<EngineControl
   [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view /*name*/) const override {
     return {};
   }
+  [[nodiscard]] std::vector<fields::Named> fault_kinds() const override { return {}; }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
     return j1939_plan(rig, bus, engine.source_address, bus_share({})->frames_hz,

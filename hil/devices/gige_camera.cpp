@@ -142,6 +142,8 @@ class GigeCameraDevice final : public Device {
         camera_(seeded(settings_of(configuration), site), *memory_, control_outlet_,
                 stream_outlet_),
         station_(camera_, camera_) {
+    offer(make_fault_port(configuration.camera.faults,
+                          acted_by<emulators::GigeCameraFault>(camera_)));
     follow_address();  // that was saved
     camera_.set_stream_port(ports_->stream.local_port());
   }
@@ -373,6 +375,10 @@ void GigeCameraConfiguration::check(const std::string& at, RigCheck& check) cons
 
 std::vector<FaultWindow> GigeCameraConfiguration::fault_windows(std::string_view name) const {
   return hil::fault_windows(camera.faults, name);
+}
+
+std::vector<fields::Named> GigeCameraConfiguration::fault_kinds() const {
+  return hil::fault_kinds<emulators::GigeCameraFault>();
 }
 
 DevicePlan GigeCameraConfiguration::plan(const RigView& /*rig*/) const {

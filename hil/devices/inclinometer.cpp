@@ -53,6 +53,9 @@ struct InclinometerConfiguration final : DeviceConfigurationOf<InclinometerConfi
   [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
     return hil::fault_windows(inclinometer.supply.faults(), name);
   }
+  [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
+    return hil::fault_kinds<emulators::SupplyFault>();
+  }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
     const bool synchronous =

@@ -53,6 +53,9 @@ struct IsoValvesConfiguration final : DeviceConfigurationOf<IsoValvesConfigurati
   [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
     return valve_fault_windows(valves.amplifier, name);
   }
+  [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
+    return hil::fault_kinds<emulators::ValveDefect>();
+  }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
     return j1939_plan(rig, bus, valves.source_address, bus_share({})->frames_hz,

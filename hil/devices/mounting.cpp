@@ -1,5 +1,6 @@
 #include "hil/devices/mounting.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -23,6 +24,21 @@ void mount_antenna(Site& site, StationIndex station, const MountConfiguration& m
   site.world().add(make_world_gnss(station, site.name(), site.mount(mount), site.frame(),
                                    sim::GnssSensor(parameters, site.satellites(), site.calendar(),
                                                    site.frame(), site.seed(), site.name())));
+}
+
+std::unique_ptr<FaultPort> antenna_faults(const Executive& executive, Station& station,
+                                          const std::vector<sim::GnssFault>& faults) {
+  using Change = FaultChange<sim::GnssFault>;
+  return make_fault_port<sim::GnssFault>(
+      faults,
+      {.begin = [&station](const sim::GnssFault& fault) { station.send(Change{.begin = fault}); },
+       .end =
+           [&station](std::uint32_t id, SimTime at) {
+             station.send(Change{.begin = {}, .end_of = id, .end_at = at});
+             return true;
+           },
+       .soonest =
+           [&executive](SimTime now) { return std::max(now, executive.soonest_request()); }});
 }
 
 void mount_inertial_unit(Site& site, StationIndex station, const MountConfiguration& mount,

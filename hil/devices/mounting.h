@@ -1,12 +1,15 @@
 // Sensors that several types of devices carry, put on the machine for the station of a device.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "fields/visitor.h"
+#include "hil/configuration/fault_port.h"
 #include "hil/devices/rig_check.h"
 #include "hil/devices/site.h"
+#include "hil/executive/station.h"
 #include "sim/gnss/gnss_sensor.h"
 #include "sim/imu/imu_sensor.h"
 #include "sim/imu/magnetometer.h"
@@ -16,6 +19,10 @@ namespace rigwire::hil {
 /// A satellite antenna, with what happens to its signals.
 void mount_antenna(Site& site, StationIndex station, const MountConfiguration& mount,
                    const sim::GnssParameters& sensor, const std::vector<sim::GnssFault>& faults);
+/// The port for more of them: the antenna hears of them through its station. Both must outlive it.
+[[nodiscard]] std::unique_ptr<FaultPort> antenna_faults(const Executive& executive,
+                                                        Station& station,
+                                                        const std::vector<sim::GnssFault>& faults);
 
 /// An inertial unit, with its magnetometer where it has one.
 void mount_inertial_unit(Site& site, StationIndex station, const MountConfiguration& mount,

@@ -62,6 +62,9 @@ struct OpenImuDeviceConfiguration final : DeviceConfigurationOf<OpenImuDeviceCon
   [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
     return hil::fault_windows(imu.supply.faults(), name);
   }
+  [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
+    return hil::fault_kinds<emulators::SupplyFault>();
+  }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
     const unsigned divider = imu.configuration.rate_divider;

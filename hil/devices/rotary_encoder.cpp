@@ -37,6 +37,10 @@ std::vector<FaultWindow> EncoderConfiguration::fault_windows(std::string_view na
   return hil::fault_windows(encoder.supply.faults(), name);
 }
 
+std::vector<fields::Named> EncoderConfiguration::fault_kinds() const {
+  return hil::fault_kinds<emulators::SupplyFault>();
+}
+
 DevicePlan EncoderConfiguration::plan(const RigView& rig) const {
   return {can_wire(rig, bus, fmt::format("node {}", encoder.node.node_id)),
           fmt::format("{:.0f} frames/s", bus_share({})->frames_hz), "",

@@ -118,6 +118,7 @@ class StarFireDevice final : public Device, private FixSource {
       bus->attach(*exit_, *node_);
       sides_.add(*node_);
     }
+    offer(antenna_faults(site.executive(), station_, configuration.faults));
   }
 
   [[nodiscard]] StationIndex enlist(Executive& executive) {
@@ -210,6 +211,10 @@ void StarFireConfiguration::check(const std::string& at, RigCheck& check) const 
 
 std::vector<FaultWindow> StarFireConfiguration::fault_windows(std::string_view name) const {
   return hil::fault_windows(faults, name);
+}
+
+std::vector<fields::Named> StarFireConfiguration::fault_kinds() const {
+  return hil::fault_kinds<sim::GnssFault>();
 }
 
 DevicePlan StarFireConfiguration::plan(const RigView& /*rig*/) const {

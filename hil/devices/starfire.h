@@ -31,6 +31,7 @@ struct StarFireConfiguration final : DeviceConfigurationOf<StarFireConfiguration
   void validate() const override;
   void check(const std::string& at, RigCheck& check) const override;
   [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override;
+  [[nodiscard]] std::vector<fields::Named> fault_kinds() const override;
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override;
   [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;
   [[nodiscard]] DeviceDescription describe() const override;

@@ -38,7 +38,12 @@ class UbloxDevice final : public Device, private FixSource {
         outlet_(*line_, own_statistics()),
         receiver_(settings(configuration, site), site.calendar(), outlet_),
         backend_(receiver_),
-        station_(receiver_, backend_) {}
+        station_(receiver_, backend_) {
+    offer(
+        antenna_faults(site.executive(), station_, those_of<sim::GnssFault>(configuration.faults)));
+    offer(make_fault_port(those_of<emulators::UbloxFault>(configuration.faults),
+                          acted_by<emulators::UbloxFault>(receiver_)));
+  }
 
   [[nodiscard]] StationIndex enlist(Executive& executive) {
     const StationIndex index = executive.add(station_);
@@ -65,8 +70,8 @@ class UbloxDevice final : public Device, private FixSource {
   }
 
  private:
-  static std::unique_ptr<drivers::ByteStream> open_line(const UbloxConfiguration& configuration,
-                                                        Site& site) {
+  std::unique_ptr<drivers::ByteStream> open_line(const UbloxConfiguration& configuration,
+                                                 Site& site) {
     if (configuration.wire == SerialWire::pty) {
       return open_serial_ports(site.io(), configuration.path, configuration.ports,
                                configuration.receiver.baud);
@@ -75,9 +80,7 @@ class UbloxDevice final : public Device, private FixSource {
     auto stream = std::make_unique<UsbSerialStream>(
         site.io(), bus, emulators::ublox_usb(configuration.receiver.profile->generation),
         site.name());
-    for (const PlugFault& fault : plug_faults(configuration.unplugged)) {
-      bus.begin(stream->socket(), fault);
-    }
+    offer(begin_plug_faults(configuration.unplugged, bus, stream->socket()));
     return stream;
   }
 
@@ -164,6 +167,12 @@ std::vector<FaultWindow> UbloxConfiguration::fault_windows(std::string_view name
   std::vector<FaultWindow> windows = hil::fault_windows(faults, name);
   std::ranges::move(hil::fault_windows(plug_faults(unplugged), name), std::back_inserter(windows));
   return windows;
+}
+
+std::vector<fields::Named> UbloxConfiguration::fault_kinds() const {
+  return wire == SerialWire::usb
+             ? hil::fault_kinds<PlugFault, sim::GnssFault, emulators::UbloxFault>()
+             : hil::fault_kinds<sim::GnssFault, emulators::UbloxFault>();
 }
 
 DevicePlan UbloxConfiguration::plan(const RigView& rig) const {

@@ -70,9 +70,7 @@ class UsbJoystickDevice final : public Device {
         levers_(configuration.joystick),
         mover_(configuration, levers_),
         socket_(bus_.plug(levers_, site.name())) {
-    for (const PlugFault& fault : plug_faults(configuration.unplugged)) {
-      bus_.begin(socket_, fault);
-    }
+    offer(begin_plug_faults(configuration.unplugged, bus_, socket_));
     // The bus lets the device live; there is nothing to be routed to it, so that it is no station.
     site.executive().add(mover_);
   }
@@ -163,6 +161,10 @@ void UsbJoystickConfiguration::check(const std::string& at, RigCheck& check) con
 
 std::vector<FaultWindow> UsbJoystickConfiguration::fault_windows(std::string_view name) const {
   return hil::fault_windows(plug_faults(unplugged), name);
+}
+
+std::vector<fields::Named> UsbJoystickConfiguration::fault_kinds() const {
+  return hil::fault_kinds<PlugFault>();
 }
 
 DevicePlan UsbJoystickConfiguration::plan(const RigView& rig) const {

@@ -73,6 +73,7 @@ struct UsbPassThroughConfiguration final : DeviceConfigurationOf<UsbPassThroughC
   [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view /*name*/) const override {
     return {};
   }
+  [[nodiscard]] std::vector<fields::Named> fault_kinds() const override { return {}; }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
     return {usb_wire(rig), "as it does", "", "the real " + device};

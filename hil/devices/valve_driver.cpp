@@ -42,6 +42,12 @@ class ValveDriverDevice final : public Device {
                 valve_port(site.world().machine()).actuators()),
         station_(driver_, driver_) {
     line_.add_unit(configuration.unit, driver_.unit());
+    auto acts = acted_by<emulators::ValveDefect>(driver_.defects());
+    acts.name = valve_fault_names(configuration.driver.amplifier);
+    offer(make_fault_port(configuration.driver.amplifier.defects, std::move(acts)));
+    if (own_ != nullptr) {
+      offer(own_->fault_port({}));
+    }
   }
 
   [[nodiscard]] StationIndex enlist(Executive& executive) {
@@ -131,6 +137,11 @@ void ValveDriverConfiguration::check(const std::string& at, RigCheck& check) con
 
 std::vector<FaultWindow> ValveDriverConfiguration::fault_windows(std::string_view name) const {
   return valve_fault_windows(driver.amplifier, name);
+}
+
+std::vector<fields::Named> ValveDriverConfiguration::fault_kinds() const {
+  return line.empty() ? hil::fault_kinds<emulators::ValveDefect, emulators::ModbusFault>()
+                      : hil::fault_kinds<emulators::ValveDefect>();
 }
 
 DevicePlan ValveDriverConfiguration::plan(const RigView& rig) const {

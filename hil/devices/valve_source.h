@@ -29,16 +29,16 @@ class ValveSource {
   ValveSections sections_;
 };
 
-/// With the section's name: "open_coil boom".
+/// What a defect is called, with its section: "open_coil boom".
+[[nodiscard]] inline auto valve_fault_names(const emulators::ValveAmplifierSettings& settings) {
+  return [sections = settings.sections](const emulators::ValveDefect& defect) {
+    const auto section = section_of(defect);
+    return section ? kind_name(defect) + " " + sections.at(*section) : kind_name(defect);
+  };
+}
 [[nodiscard]] inline std::vector<FaultWindow> valve_fault_windows(
     const emulators::ValveAmplifierSettings& settings, std::string_view device) {
-  std::vector<FaultWindow> windows = fault_windows(settings.defects, device);
-  for (std::size_t i = 0; i < windows.size(); ++i) {
-    if (const auto section = section_of(settings.defects[i])) {
-      windows[i].type += " " + settings.sections.at(*section);
-    }
-  }
-  return windows;
+  return fault_windows(settings.defects, device, valve_fault_names(settings));
 }
 
 }  // namespace rigwire::hil

@@ -248,6 +248,7 @@ class VelodyneDevice final : public Device, private FixListener {
         station_(lidar_, lidar_),
         web_(lidar_, {.silent_refusals = configuration.web.silent_refusals,
                       .objection = [this](const auto& live) { return objection(live); }}) {
+    offer(make_fault_port(configuration.lidar.faults, acted_by<emulators::VelodyneFault>(lidar_)));
     if (configuration.web.port != 0) {
       drivers::HttpServerSettings server;
       server.address = configuration.web.address;
@@ -438,6 +439,10 @@ void VelodyneConfiguration::check(const std::string& at, RigCheck& check) const 
 
 std::vector<FaultWindow> VelodyneConfiguration::fault_windows(std::string_view name) const {
   return hil::fault_windows(lidar.faults, name);
+}
+
+std::vector<fields::Named> VelodyneConfiguration::fault_kinds() const {
+  return hil::fault_kinds<emulators::VelodyneFault>();
 }
 
 DevicePlan VelodyneConfiguration::plan(const RigView& /*rig*/) const {

@@ -52,6 +52,9 @@ struct XsensMtiConfiguration final : DeviceConfigurationOf<XsensMtiConfiguration
   [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
     return hil::fault_windows(mti.supply.faults(), name);
   }
+  [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
+    return hil::fault_kinds<emulators::SupplyFault>();
+  }
 
   [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
     return {can_wire(rig, bus, mti.extended ? "29-bit" : "11-bit"),

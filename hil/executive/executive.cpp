@@ -149,6 +149,12 @@ class Executive::TruthThread {
     requests.move_to(posted_);
   }
 
+  /// From which instant on what is posted within the next slice is followed.
+  [[nodiscard]] SimTime soonest_request() {
+    const std::scoped_lock lock(mutex_);
+    return next_taken_at_ + truth_.slice();
+  }
+
   /// The clock goes otherwise than it did.
   void look_at_clock() { wake_.notify_one(); }
 
@@ -206,6 +212,7 @@ class Executive::TruthThread {
     {
       const std::scoped_lock lock(mutex_);
       std::swap(posted_, taken_);
+      next_taken_at_ = frontier_ + truth_.slice();
     }
     const auto fault = truth_.advance(taken_, *batch);
     taken_.clear();
@@ -230,6 +237,7 @@ class Executive::TruthThread {
   std::mutex mutex_;
   std::condition_variable wake_;
   TruthRequests posted_;
+  SimTime next_taken_at_ = kStart;  ///< The beginning of the slice that follows what is posted.
   std::optional<std::string> fault_;
   bool ended_ = false;
   std::thread thread_;
@@ -329,6 +337,11 @@ SimTime Executive::next_wakeup() const {
 SimTime Executive::present() const {
   return clock_ == nullptr ? now_
                            : std::min(frontier_, clock_->at(std::chrono::steady_clock::now()));
+}
+
+SimTime Executive::soonest_request() const {
+  // What lies at the frontier itself is known.
+  return (truth_thread_ == nullptr ? frontier_ : truth_thread_->soonest_request()) + Duration{1};
 }
 
 void Executive::stop() {

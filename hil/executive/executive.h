@@ -104,6 +104,8 @@ class Executive {
   [[nodiscard]] SimTime now() const { return now_; }
   /// Up to where samples are known, which machine_state() is of; not before now().
   [[nodiscard]] SimTime frontier() const { return frontier_; }
+  /// The first instant from which the truth follows what is asked of it now.
+  [[nodiscard]] SimTime soonest_request() const;
   /// As now(), from any thread.
   [[nodiscard]] SimTime reached() const { return reached_.load(std::memory_order_relaxed); }
   /// Given up so far against wall time because the host stalled.

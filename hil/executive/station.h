@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <concepts>
 #include <cstddef>
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include "emulators/device.h"
@@ -54,6 +56,9 @@ class Station : public EventSource {
   /// Adds to `requests` what the device wants of the truth and has not asked for yet: its sample
   /// plan (SamplePlan), and what it commands.
   virtual void collect(StationIndex self, Shelves& requests) {
+    for (const auto& put : std::exchange(orders_, {})) {
+      put(self, requests);
+    }
     const SamplePlan plan = device_.sample_plan();
     if (plan != announced_plan_) {
       announced_plan_ = plan;
@@ -61,9 +66,18 @@ class Station : public EventSource {
     }
   }
 
+  /// Goes to the truth with the next requests, once.
+  template <class Order>
+  void send(const Order& order) {
+    orders_.push_back([order](StationIndex self, Shelves& requests) {
+      requests.of<Order>(self).push_back(order);
+    });
+  }
+
  private:
   emulators::Device& device_;
   SamplePlan announced_plan_;
+  std::vector<std::function<void(StationIndex, Shelves&)>> orders_;
 };
 
 /// A class of device that takes samples (emulators/backends.h): Backend::Sample has a member

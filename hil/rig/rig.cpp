@@ -283,8 +283,7 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
       satellites_(make_satellites(configuration.satellites, calendar_)),
       surroundings_(make_surroundings(configuration)),
       world_(make_world(configuration, log)),
-      executive_(io, world_),
-      faults_(fault_windows(configuration)) {
+      executive_(io, world_) {
   for (const auto& [name, end] : own.buses) {
     if (!configuration_.buses.contains(name)) {
       throw std::invalid_argument(
@@ -305,12 +304,7 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
     DeviceSite site(*this, name);
     devices_.push_back({name, device->make(site)});
   }
-  for (const auto& [name, bus] : configuration_.buses) {
-    if (!bus.faults.empty()) {
-      buses_.at(name)->can.set_faults(
-          {bus.faults, sim::RandomStream(configuration_.seed, name + "/faults").bits()});
-    }
-  }
+  number_faults();
   const DeviceNeighbours neighbours(*this);
   for (const NamedDevice& device : devices_) {
     device.device->connect(neighbours);
@@ -323,6 +317,24 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
   });
   if (log_ != nullptr) {
     log_->follow([this] { return executive_.reached(); });
+  }
+}
+
+void Rig::number_faults() {
+  for (const NamedDevice& device : devices_) {
+    for (const auto& port : device.device->fault_ports()) {
+      faults_.add(device.name, *port);
+    }
+  }
+  for (const auto& [name, bus] : configuration_.buses) {
+    RigCan& can = buses_.at(name)->can;
+    can.set_faults({bus.faults, sim::RandomStream(configuration_.seed, name + "/faults").bits()});
+    wire_faults_.push_back(can.fault_port(bus.faults));
+    faults_.add("bus " + name, *wire_faults_.back());
+  }
+  for (const auto& [name, line] : configuration_.modbus) {
+    wire_faults_.push_back(modbus_lines_.at(name)->fault_port(line.faults));
+    faults_.add("modbus " + name, *wire_faults_.back());
   }
 }
 
@@ -432,8 +444,9 @@ RigStatus Rig::status() const {
   for (const NamedDevice& device : devices_) {
     status.devices.push_back(device.device->status(device.name, status.now));
   }
-  std::copy_if(faults_.begin(), faults_.end(), std::back_inserter(status.faults),
-               [&](const FaultWindow& fault) { return fault.acts_at(status.now); });
+  status.faults = faults_.windows();
+  std::erase_if(status.faults,
+                [&](const FaultWindow& fault) { return !fault.acts_at(status.now); });
   return status;
 }
 

@@ -8,7 +8,8 @@
 //   3. Devices by name; within a device station, outlets, further stations. What a device sends on
 //      a bus or a shared line waits in the outlet of that. A Modbus line of its own stands where
 //      its outlet does, in front of it.
-//   4. Faults of the buses, which know their devices by name.
+//   4. Faults of the buses, which know their devices by name. Every fault of the file gets its
+//      number then: devices first, then buses, then lines.
 //   5. Device::connect() of each device, by name.
 //   6. Truth taps.
 //
@@ -46,6 +47,7 @@
 #include "hil/record/report.h"
 #include "hil/record/run_log.h"
 #include "hil/rig/rig_configuration.h"
+#include "hil/rig/rig_faults.h"
 #include "hil/rig/rig_status.h"
 #include "hil/wires/rig_can.h"
 #include "hil/wires/rig_modbus.h"
@@ -126,8 +128,9 @@ class Rig {
   [[nodiscard]] std::vector<std::string> wires() const;
   /// On the thread that runs the executive; `wall_s` is filled by the caller.
   [[nodiscard]] RigStatus status() const;
-  /// Every fault of the rig's file, by name of the device, bus or line.
-  [[nodiscard]] const std::vector<FaultWindow>& faults() const { return faults_; }
+  /// On the thread that runs the executive: devices, buses and lines with what goes wrong there.
+  [[nodiscard]] RigFaults& faults() { return faults_; }
+  [[nodiscard]] const RigFaults& faults() const { return faults_; }
   /// After the run.
   [[nodiscard]] std::vector<DeviceReport> device_reports() const;
 
@@ -146,6 +149,7 @@ class Rig {
   void open_modbus_line(const std::string& name, const ModbusLineConfiguration& configuration);
   /// Opens the server when the first bus or device asks for it.
   [[nodiscard]] UsbBus& usb();
+  void number_faults();
   void open_taps(const TruthFiles& files);
 
   RigConfiguration configuration_;
@@ -160,7 +164,8 @@ class Rig {
   std::map<std::string, std::unique_ptr<Bus>> buses_;
   std::map<std::string, std::unique_ptr<RigModbus>> modbus_lines_;
   std::vector<NamedDevice> devices_;
-  std::vector<FaultWindow> faults_;
+  std::vector<std::unique_ptr<FaultPort>> wire_faults_;  ///< Of buses and lines.
+  RigFaults faults_;
   /// Null while nothing is on USB. Last, because what is plugged into it must outlive it.
   std::unique_ptr<RigUsb> usb_;
 };

@@ -59,13 +59,7 @@ std::vector<FaultWindow> fault_windows(const RigConfiguration& configuration) {
     append(device->fault_windows(name));
   }
   for (const auto& [name, bus] : configuration.buses) {
-    std::vector<FaultWindow> windows = fault_windows(bus.faults, "bus " + name);
-    for (std::size_t i = 0; i < windows.size(); ++i) {
-      if (const std::string device = emulators::node_of(bus.faults[i]); !device.empty()) {
-        windows[i].type += " " + device;
-      }
-    }
-    append(std::move(windows));
+    append(fault_windows(bus.faults, "bus " + name, can_fault_name));
   }
   for (const auto& [name, line] : configuration.modbus) {
     append(fault_windows(line.faults, "modbus " + name));

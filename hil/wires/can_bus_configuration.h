@@ -8,6 +8,7 @@
 #include "drivers/slcan_adapter.h"
 #include "emulators/can/can_bus.h"
 #include "fields/visitor.h"
+#include "hil/configuration/fault_window.h"
 #include "hil/wires/line_ports.h"
 
 namespace rigwire::hil {
@@ -107,6 +108,12 @@ inline void visit(fields::Visitor& v, BusConfiguration& p) {
 inline void validate(const BusConfiguration& p) {
   validate(p.bus);
   validate(emulators::CanBusFaults{p.faults});
+}
+
+/// What a fault is called, with its node: "disconnected imu".
+[[nodiscard]] inline std::string can_fault_name(const emulators::CanFault& fault) {
+  const std::string node = emulators::node_of(fault);
+  return node.empty() ? kind_name(fault) : kind_name(fault) + " " + node;
 }
 
 /// The node of a further slcan port, 1 .. ports - 1, and of the socketcand, as faults know them.

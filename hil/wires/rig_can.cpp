@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "emulators/can/can_fault_schedule.h"
+#include "hil/wires/can_bus_configuration.h"
+
 namespace rigwire::hil {
 namespace {
 
@@ -67,6 +70,12 @@ void RigCan::attach(emulators::FrameOutput& output, emulators::CanDevice& device
 
 void RigCan::set_faults(const emulators::CanBusFaults& faults) {
   bus_.set_faults(faults, exit_to(intruder_));
+}
+
+std::unique_ptr<FaultPort> RigCan::fault_port(const std::vector<emulators::CanFault>& configured) {
+  auto acts = acted_by<emulators::CanFault>(bus_.faults());
+  acts.name = can_fault_name;
+  return make_fault_port(configured, std::move(acts));
 }
 
 emulators::OutsideController RigCan::controller(const drivers::CanClient& client) const {

@@ -17,6 +17,7 @@
 
 #include "drivers/endpoints.h"
 #include "emulators/can/can_bus.h"
+#include "hil/configuration/fault_port.h"
 #include "hil/executive/event_source.h"
 #include "hil/wires/outlets.h"
 #include "hil/wires/wire_statistics.h"
@@ -58,6 +59,9 @@ class RigCan final : public EventSource, private emulators::CanOutside {
   void attach(emulators::FrameOutput& output, emulators::CanDevice& device);
   /// After the last add_node(), before the run. Throws std::invalid_argument.
   void set_faults(const emulators::CanBusFaults& faults);
+  /// Of the faults that were set, and of more. It must outlive the port.
+  [[nodiscard]] std::unique_ptr<FaultPort> fault_port(
+      const std::vector<emulators::CanFault>& configured);
 
   /// A further port; `name` is its node's, by which faults know it. Before the first device.
   /// `client_is_known`: as in RigCanSettings, of this endpoint. Throws std::invalid_argument.

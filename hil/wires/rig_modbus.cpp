@@ -21,6 +21,10 @@ class RigModbusOf : public RigModbus {
     executive.add(outlet_);
     listen(executive);
   }
+  [[nodiscard]] std::unique_ptr<FaultPort> fault_port(
+      const std::vector<emulators::ModbusFault>& configured) override {
+    return make_fault_port(configured, acted_by<emulators::ModbusFault>(server_.faults()));
+  }
   [[nodiscard]] drivers::EndpointStatus endpoint() const override { return endpoint_.status(); }
   [[nodiscard]] SimTime next_event() const override { return server_.next_event(); }
   void advance(SimTime now) override { server_.advance(now); }

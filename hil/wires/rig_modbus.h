@@ -8,9 +8,11 @@
 #include <boost/asio/io_context.hpp>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "drivers/endpoints.h"
 #include "emulators/modbus/modbus_unit.h"
+#include "hil/configuration/fault_port.h"
 #include "hil/executive/event_source.h"
 #include "hil/executive/executive.h"
 #include "hil/wires/modbus_line_configuration.h"
@@ -24,6 +26,10 @@ class RigModbus : public EventSource {
   virtual void add_unit(std::uint8_t number, emulators::ModbusUnit& unit) = 0;
   /// Adds line and outlet to the executive and starts the endpoint. Once.
   virtual void start(Executive& executive) = 0;
+
+  /// Of the line's faults; `configured`: those that it was made with. It must outlive the port.
+  [[nodiscard]] virtual std::unique_ptr<FaultPort> fault_port(
+      const std::vector<emulators::ModbusFault>& configured) = 0;
 
   [[nodiscard]] virtual drivers::EndpointStatus endpoint() const = 0;
   /// Of all devices of the line together.

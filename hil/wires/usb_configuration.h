@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "fields/visitor.h"
+#include "hil/configuration/fault_port.h"
 #include "hil/wires/usb_bus.h"
 #include "protocols/usbip/constants.h"
 #include "sim/samples/fault_book.h"
@@ -26,6 +28,18 @@ struct UsbConfiguration {
     faults.push_back({period, UnpluggedFault{}});
   }
   return faults;
+}
+
+/// Those of a plug from the start, begun, and the port for more. `bus` must outlive it.
+[[nodiscard]] inline std::unique_ptr<FaultPort> begin_plug_faults(
+    const std::vector<FaultPeriod>& unplugged, UsbBus& bus, UsbBus::Socket socket) {
+  const std::vector<PlugFault> faults = plug_faults(unplugged);
+  for (const PlugFault& fault : faults) {
+    bus.begin(socket, fault);
+  }
+  return make_fault_port<PlugFault>(
+      faults, {[&bus, socket](const PlugFault& fault) { bus.begin(socket, fault); },
+               [&bus, socket](std::uint32_t id, SimTime now) { return bus.end(socket, id, now); }});
 }
 
 inline void visit(fields::Visitor& v, UsbConfiguration& p) {

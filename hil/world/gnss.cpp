@@ -28,6 +28,11 @@ class WorldGnss final : public WorldSensor {
         sensor_.command(command);
       }
     }
+    if (const auto* changes = requests.find<FaultChange<sim::GnssFault>>(station_)) {
+      for (const FaultChange<sim::GnssFault>& change : *changes) {
+        change.apply(sensor_.faults());
+      }
+    }
   }
 
   void step(const WorldStep& step, Shelves& /*samples*/) override {

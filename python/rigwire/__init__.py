@@ -13,6 +13,7 @@ RIGWIRE, then in the path. Simulated times are seconds; `time_ns` is exact.
 
 from rigwire.rig import (
     DeviceStatus,
+    Fault,
     FaultWindow,
     Machine,
     Quantity,
@@ -27,6 +28,7 @@ from rigwire.rig import (
 
 __all__ = [
     "DeviceStatus",
+    "Fault",
     "FaultWindow",
     "Machine",
     "Quantity",

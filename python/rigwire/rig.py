@@ -94,6 +94,11 @@ class FaultWindow:
 
 
 @dataclass(frozen=True)
+class Fault(FaultWindow):
+    id: int  #: Number within the run.
+
+
+@dataclass(frozen=True)
 class Reading:
     time_ns: int
     machine: Machine
@@ -282,6 +287,26 @@ class Rig:
             [FaultWindow(**fault) for fault in reply["faults"]],
         )
 
+    def add_fault(self, on: str, type: str, **keys: object) -> Fault:
+        """One fault more, of a device, of "bus NAME" or "modbus NAME"; its other keys as in a rig's
+        file, times in seconds (`for_` stands for the key `for`, a word of Python's). Without `at` it
+        begins as soon as it can. Raises Refused for what the target cannot have."""
+        fault = {"type": type, **{key.rstrip("_"): value for key, value in keys.items()}}
+        return _fault(self.ask("fault_add", on=on, fault=fault)["fault"])
+
+    def clear_fault(self, fault: Fault | int) -> Fault:
+        """It ends, or will not begin; returns it with its end."""
+        number = fault.id if isinstance(fault, Fault) else fault
+        return _fault(self.ask("fault_clear", id=number)["fault"])
+
+    def faults(self) -> list[Fault]:
+        """Every fault of this run: of its file, and added; also what is over."""
+        return [_fault(fault) for fault in self.ask("fault_list")["faults"]]
+
+    def fault_kinds(self) -> dict[str, dict[str, str]]:
+        """What can go wrong where: by target the kinds, each with a sentence."""
+        return {on: dict(kinds) for on, kinds in self.ask("fault_list")["targets"].items()}
+
     def stop(self) -> dict[str, Any]:
         """Ends the run; returns its report."""
         if self._process.poll() is None:
@@ -308,6 +333,10 @@ class Rig:
     def _remove_folder(self) -> None:
         if self._own_folder:
             shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def _fault(told: Mapping[str, Any]) -> Fault:
+    return Fault(told["where"], told["type"], told["begin_ns"], told["end_ns"], told["id"])
 
 
 def _span(seconds: float) -> str:

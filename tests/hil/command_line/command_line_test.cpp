@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -229,6 +231,23 @@ TEST(CommandLine, dry_run_prints_the_plan_and_opens_nothing) {
   EXPECT_EQ(result.code, 0) << result.output;
   EXPECT_THAT(result.output, HasSubstr("1808.4 packets/s"));
   EXPECT_THAT(result.output, HasSubstr("valves"));
+}
+
+TEST(CommandLine, every_kind_of_fault_stands_in_its_page) {
+  std::ifstream page(RIGWIRE_SOURCE_DIR "/docs/faults.md");
+  std::vector<std::string> rows;
+  for (std::string line; std::getline(page, line);) {
+    rows.push_back(line);
+  }
+  const auto faults = nlohmann::json::parse(rigwire("list faults --json").output);
+  EXPECT_GT(faults.size(), 60U);
+  for (const auto& fault : faults) {
+    const std::string begin = "| `" + std::string(fault["type"]) + "` |";
+    const std::string end = "| " + std::string(fault["text"]) + " |";
+    EXPECT_TRUE(std::ranges::any_of(rows, [&](const std::string& row) {
+      return row.starts_with(begin) && row.ends_with(end);
+    })) << fault;
+  }
 }
 
 TEST(CommandLine, lists_know_what_there_is) {

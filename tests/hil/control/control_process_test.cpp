@@ -86,6 +86,26 @@ TEST_F(ControlProcess, CtlMovesTimeReadsAndStops) {
   EXPECT_THAT(nobody.output, HasSubstr("no run answers"));
 }
 
+TEST_F(ControlProcess, CtlAddsListsAndClearsAFault) {
+  ChildProcess rig(run({"--clock", "step", "--control", socket()}), folder_ / "log");
+  ASSERT_TRUE(eventually([&] { return fs::exists(folder_ / "control"); }, 20s)) << rig.output();
+  const Done added = ctl({"fault_add", "on=gnss", "fault={type: jamming, at: 1 s, for: 5 s}"});
+  EXPECT_EQ(added.code, 0) << added.output;
+  EXPECT_EQ(Json::parse(added.output)["fault"]["id"], 1);
+  EXPECT_EQ(ctl({"run_until", "time=2s"}).code, 0);
+  EXPECT_EQ(Json::parse(ctl({"read"}).output)["faults"][0]["type"], "jamming");
+  EXPECT_EQ(ctl({"fault_clear", "id=1"}).code, 0);
+  const Json listed = Json::parse(ctl({"fault_list"}).output);
+  EXPECT_GE(listed["faults"][0]["end_ns"], 2'000'000'000) << "in the past";
+  EXPECT_LT(listed["faults"][0]["end_ns"], 2'010'000'000) << "later than the next slice";
+  EXPECT_TRUE(listed["targets"]["gnss"].contains("frozen_fix"));
+  const Done none = ctl({"fault_add", "on=gnss", "fault={type: motor_stall}"});
+  EXPECT_EQ(none.code, 2);
+  EXPECT_THAT(none.output, HasSubstr("jamming"));
+  EXPECT_EQ(ctl({"stop"}).code, 0);
+  EXPECT_EQ(rig.wait(20s), 0) << rig.output();
+}
+
 TEST_F(ControlProcess, APortWantsTheTokenAndNoPageOfElsewhere) {
   ChildProcess rig(run({"--control", "127.0.0.1:0"}), folder_ / "log");
   std::string at;

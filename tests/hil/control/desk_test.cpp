@@ -86,19 +86,26 @@ class DeskTest : public testing::Test {
     return answers_[number] ? answers_[number]->json : kNone;
   }
 
+  RigFaults faults_;  ///< Of nothing.
   boost::asio::io_context io_;
   Clockwork truth_;
   Executive executive_{io_, truth_};
   Desk desk_{io_,
              executive_,
-             {"pit", 7, "abc", {ClockMode::Kind::step, 1.0}, truth_.state_quantities(), [this] {
+             {"pit",
+              7,
+              "abc",
+              {ClockMode::Kind::step, 1.0},
+              truth_.state_quantities(),
+              [this] {
                 RigStatus status;
                 DeviceStatus& gnss = status.devices.emplace_back();
                 gnss.name = "gnss";
                 gnss.frames = 3;
                 status.faults.push_back({"gnss", "jamming", kStart, kNever});
                 return status;
-              }}};
+              },
+              faults_}};
   std::vector<std::optional<Answered>> answers_;
   std::function<void()> then_;
   RunOutcome outcome_;
@@ -204,10 +211,11 @@ TEST_F(DeskTest, OneJourneyAtATimeAndTheRunsEndAnswersAll) {
 
 TEST(PacedDesk, PauseAndSpeedActOnTheWallsClock) {
   boost::asio::io_context io;
+  RigFaults faults;
   Clockwork truth;
   Executive executive(io, truth);
   Desk desk(io, executive,
-            {"pit", 7, "abc", {}, truth.state_quantities(), [] { return RigStatus{}; }});
+            {"pit", 7, "abc", {}, truth.state_quantities(), [] { return RigStatus{}; }, faults});
   std::vector<Json> replies;
   const auto note = [&](const Reply& reply) { replies.push_back(Json::parse(reply.json)); };
   desk.carry_out({SpeedCommand{100.0}, 20ms}, note);

@@ -1,0 +1,224 @@
+// The faults of a running rig: what the file has is numbered, and what is begun while it runs acts
+// as if the file had had it.
+#include "hil/rig/rig_faults.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "hil/configuration/document.h"
+#include "hil/control/desk.h"
+#include "hil/rig/rig.h"
+
+namespace rigwire::hil {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using testing::UnorderedElementsAreArray;
+using Json = nlohmann::json;
+
+std::string file_of(const std::string& rig) {
+  return RIGWIRE_SOURCE_DIR "/tests/hil/streams/" + rig + ".yaml";
+}
+
+Json json_of(const Value& value) {
+  if (value.kind == Value::Kind::list) {
+    Json list = Json::array();
+    for (const Value& item : value.items) {
+      list.push_back(json_of(item));
+    }
+    return list;
+  }
+  if (value.kind == Value::Kind::map) {
+    Json map = Json::object();
+    for (const Value::Entry& entry : value.entries) {
+      map[entry.key] = json_of(entry.value);
+    }
+    return map;
+  }
+  return value.scalar;
+}
+
+/// A run without a client. What each wire carried, and what became of the requests.
+struct Ran {
+  std::map<std::string, std::uint64_t> streams;
+  std::vector<Json> answers;
+};
+
+Ran run(const RigConfiguration& configuration, const std::vector<Request>& requests,
+        Duration length) {
+  boost::asio::io_context io;
+  Rig rig(configuration, io, {});
+  Desk desk(io, rig.executive(),
+            GovernedRun{configuration.name,
+                        configuration.seed,
+                        "",
+                        {},
+                        rig.truth().state_quantities(),
+                        [&rig] { return rig.status(); },
+                        rig.faults()});
+  Ran ran;
+  for (const Request& request : requests) {
+    desk.carry_out(request,
+                   [&ran](const Reply& reply) { ran.answers.push_back(Json::parse(reply.json)); });
+  }
+  EXPECT_EQ(rig.executive().run_free(kStart + length).fault, std::nullopt);
+  for (const DeviceReport& device : rig.device_reports()) {
+    ran.streams[device.name] = device.statistics.hash.value();
+  }
+  return ran;
+}
+
+class RigFaultsOf : public testing::TestWithParam<std::string> {};
+
+TEST_P(RigFaultsOf, TheFilesFaultsAreNumberedAndAreItsWindows) {
+  const RigConfiguration configuration = load_rig(file_of(GetParam()), {}).configuration;
+  boost::asio::io_context io;
+  const Rig rig(configuration, io, {});
+  EXPECT_THAT(rig.faults().windows(), UnorderedElementsAreArray(fault_windows(configuration)));
+  RigFaults::Id number = 0;
+  for (const RigFaults::Numbered& fault : rig.faults().list()) {
+    EXPECT_EQ(fault.id, ++number);
+  }
+}
+
+/// What `rigwire list faults` tells of a type is what a running device of it can have.
+TEST_P(RigFaultsOf, ItsPortsHaveTheKindsThatTheTypesTell) {
+  const RigConfiguration configuration = load_rig(file_of(GetParam()), {}).configuration;
+  boost::asio::io_context io;
+  const Rig rig(configuration, io, {});
+  const auto names = [](const std::vector<fields::Named>& kinds) {
+    std::set<std::string> all;
+    for (const fields::Named& kind : kinds) {
+      all.emplace(kind.name);
+    }
+    return all;
+  };
+  for (const RigFaults::Target& target : rig.faults().targets()) {
+    const auto device = configuration.devices.find(target.name);
+    if (device != configuration.devices.end()) {
+      EXPECT_EQ(names(target.kinds), names(device->second->fault_kinds())) << target.name;
+    }
+  }
+  for (const auto& [name, device] : configuration.devices) {
+    EXPECT_EQ(device->fault_kinds().empty(),
+              std::ranges::count(rig.faults().targets(), name, &RigFaults::Target::name) == 0)
+        << name;
+  }
+}
+
+/// Every kind that there is happens in these rigs (streams_test.cpp).
+TEST_P(RigFaultsOf, WhatIsBegunWhileItRunsActsAsIfTheFileHadHadIt) {
+  Problems problems;
+  const Value document = load_document(file_of(GetParam()), problems);
+  std::vector<std::string> emptied;
+  std::vector<Request> requests;
+  const auto take = [&](const std::string& path, const std::string& on, const Value& part) {
+    for (const char* list : {"faults", "unplugged"}) {
+      if (const Value* faults = part.find(list)) {
+        emptied.push_back(path + "." + list + "=[]");
+        for (const Value& fault : faults->items) {
+          Json keys = json_of(fault);
+          keys.emplace("type", list);
+          requests.push_back({FaultAddCommand{on, keys.dump()}, 100ms});
+        }
+      }
+    }
+  };
+  for (const auto& [section, prefix] :
+       {std::pair{"devices", ""}, {"buses", "bus "}, {"modbus", "modbus "}}) {
+    if (const Value* parts = document.find(section)) {
+      for (const Value::Entry& part : parts->entries) {
+        take(std::string(section) + "." + part.key, prefix + part.key, part.value);
+      }
+    }
+  }
+  ASSERT_FALSE(requests.empty());
+  const Duration length = 20s;
+  const Ran written = run(load_rig(file_of(GetParam()), {}).configuration, {}, length);
+  const Ran begun = run(load_rig(file_of(GetParam()), emptied).configuration, requests, length);
+  EXPECT_EQ(begun.answers.size(), requests.size());
+  for (const Json& answer : begun.answers) {
+    EXPECT_TRUE(answer["ok"].get<bool>()) << answer;
+  }
+  EXPECT_EQ(begun.streams, written.streams);
+}
+
+INSTANTIATE_TEST_SUITE_P(, RigFaultsOf, testing::Values("can", "gnss", "lidar", "modbus", "usb"),
+                         [](const auto& test) { return test.param; });
+
+class RigFaultsTest : public testing::Test {
+ protected:
+  Json ask(const Command& command, Duration at = 1s) {
+    const RigConfiguration configuration =
+        load_rig(file_of("gnss"), {"devices.gnss.faults=[]", "devices.starfire.faults=[]"})
+            .configuration;
+    return run(configuration, {{command, at}}, 1500ms).answers.at(0);
+  }
+};
+
+TEST_F(RigFaultsTest, AnUnknownPairIsRefusedWithWhatThereIs) {
+  const Json nobody = ask(FaultAddCommand{"gns", "{type: jamming}"});
+  EXPECT_EQ(nobody["path"], "on");
+  EXPECT_EQ(nobody["allowed"], "gnss, starfire, bus can");
+  const Json kind = ask(FaultAddCommand{"starfire", "{type: uart_noise}"});
+  EXPECT_EQ(kind["path"], "fault.type");
+  EXPECT_THAT(std::string(kind["allowed"]), HasSubstr("jamming"));
+  const Json node = ask(FaultAddCommand{"bus can", "{type: disconnected, device: nobody}"});
+  EXPECT_FALSE(node["ok"].get<bool>()) << node;
+}
+
+TEST_F(RigFaultsTest, KeysThatAreNoneAndABeginningThatIsOverAreRefused) {
+  EXPECT_THAT(std::string(ask(FaultAddCommand{"gnss", "{type: jamming, los: 3 dB}"})["what"]),
+              HasSubstr("loss"));
+  EXPECT_THAT(std::string(ask(FaultAddCommand{"gnss", "{type: jamming, at: 0.5 s}"})["what"]),
+              HasSubstr("later"));
+  EXPECT_FALSE(ask(FaultAddCommand{"gnss", "jamming"})["ok"].get<bool>());
+  EXPECT_FALSE(ask(FaultAddCommand{"gnss", "{type: [jamming]}"})["ok"].get<bool>());
+  EXPECT_FALSE(ask(FaultAddCommand{"gnss", "{type: jamming"})["ok"].get<bool>());
+  EXPECT_FALSE(ask(FaultClearCommand{1})["ok"].get<bool>()) << "there is none";
+}
+
+TEST_F(RigFaultsTest, AStreamShowsIt) {
+  const RigConfiguration none =
+      load_rig(file_of("gnss"), {"devices.gnss.faults=[]", "devices.starfire.faults=[]"})
+          .configuration;
+  const Ran without = run(none, {}, 3s);
+  const Ran with = run(none, {{FaultAddCommand{"gnss", "{type: jamming, loss: 30 dB}"}, 1s}}, 3s);
+  EXPECT_NE(with.streams.at("gnss"), without.streams.at("gnss"));
+  EXPECT_EQ(with.streams.at("starfire"), without.streams.at("starfire"));
+}
+
+TEST_F(RigFaultsTest, WithoutAnInstantItBeginsAtOnceAndIsTold) {
+  const Json told = ask(FaultAddCommand{"gnss", "{type: frozen_fix, for: 3 s}"});
+  EXPECT_EQ(told["fault"]["id"], 1);
+  EXPECT_EQ(told["fault"]["begin_ns"], 1'000'000'000);
+  EXPECT_EQ(told["fault"]["end_ns"], 4'000'000'000);
+}
+
+/// Ended at an instant, it is the fault that the file says ends there.
+TEST_F(RigFaultsTest, WhatIsClearedEndsThere) {
+  const std::string file = "devices.gnss.faults=[{type: jamming, at: 1 s, for: ";
+  const std::string none = "devices.starfire.faults=[]";
+  const auto configured = [&](const std::string& length) {
+    return load_rig(file_of("gnss"), {file + length + ", loss: 40 dB}]", none}).configuration;
+  };
+  const Ran cleared = run(configured("10 s"), {{FaultClearCommand{1}, 3s}}, 6s);
+  const std::int64_t end_ns = cleared.answers.at(0)["fault"]["end_ns"];
+  EXPECT_GE(end_ns, 3'000'000'000);
+  EXPECT_LE(end_ns, 3'002'000'001) << "later than the next slice";
+  const Ran known = run(configured(std::to_string(end_ns - 1'000'000'000) + " ns"), {}, 6s);
+  EXPECT_EQ(cleared.streams, known.streams);
+}
+
+}  // namespace
+}  // namespace rigwire::hil

@@ -143,8 +143,8 @@ double gap_along(const PlacedShape& a, const PlacedShape& b, const Vector& norma
   return Pair(a, b).gap(b.X_WS.linear().transpose() * normal_W);
 }
 
-std::optional<Separation> closest(const PlacedShape& a, const PlacedShape& b, double reach_m,
-                                  std::span<const Vector> kept) {
+Separation separation(const PlacedShape& a, const PlacedShape& b, double reach_m,
+                      std::span<const Vector> kept) {
   const Pair pair(a, b);
   const Eigen::Matrix3d R_WB = b.X_WS.linear();
   Vector best = Vector::UnitZ();
@@ -160,7 +160,7 @@ std::optional<Separation> closest(const PlacedShape& a, const PlacedShape& b, do
   bool deep = false;
   for (const Vector& axis_W : kept) {
     if (consider(R_WB.transpose() * axis_W) > reach_m) {
-      return std::nullopt;
+      return {R_WB * best, best_gap};
     }
   }
   Vector near = Vector::Zero();
@@ -180,9 +180,6 @@ std::optional<Separation> closest(const PlacedShape& a, const PlacedShape& b, do
     return std::abs(gap + shift.dot(proposal->normal_W) - proposal->gap_m) < kSame_m;
   };
   const std::optional<Separation> first = pair.propose(Vector::Zero());
-  if (!first && best_gap > reach_m) {
-    return std::nullopt;
-  }
   if (!agreed(first, Vector::Zero())) {
     const Vector centres = pair.centres();
     const Vector n = first ? first->normal_W : centres;
@@ -191,15 +188,16 @@ std::optional<Separation> closest(const PlacedShape& a, const PlacedShape& b, do
       agreed(pair.propose(shift), shift);
     }
     if (best_gap == -1e300) {
-      // Farther apart than GJK was asked to look, or without any direction at all.
-      consider(centres);
-      return best_gap > 0.0 ? std::nullopt : std::optional(Separation{R_WB * best, best_gap});
+      consider(centres);  // No direction at all.
     }
   }
-  if (best_gap > reach_m) {
-    return std::nullopt;
-  }
-  return Separation{R_WB * best, best_gap};
+  return {R_WB * best, best_gap};
+}
+
+std::optional<Separation> closest(const PlacedShape& a, const PlacedShape& b, double reach_m,
+                                  std::span<const Vector> kept) {
+  const Separation found = separation(a, b, reach_m, kept);
+  return found.gap_m > reach_m ? std::nullopt : std::optional(found);
 }
 
 }  // namespace rigwire::sim

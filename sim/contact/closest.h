@@ -41,12 +41,16 @@ struct PlacedShape {
 [[nodiscard]] double gap_along(const PlacedShape& a, const PlacedShape& b,
                                const Eigen::Vector3d& normal_W);
 
-/// Nothing when A and B are farther apart than `reach_m`. `kept` are the pair's normal of the step
-/// before as it stands in the world, and as it turns with A: one that parts the bodies by more than
-/// the reach spares everything else, one on which they are close competes with what is found anew,
-/// and while they overlap by more than a third of the thinner one only what is found within 30
-/// degrees of them counts, so that nothing is pushed out at its far side. Allocates nothing;
-/// reentrant.
+/// The gap of a pair that is farther apart than `reach_m` is a lower bound along some axis. `kept`
+/// are the pair's normal of the step before as it stands in the world, and as it turns with A: one
+/// that parts the bodies by more than the reach spares everything else, one on which they are close
+/// competes with what is found anew, and while they overlap by more than a third of the thinner one
+/// only what is found within 30 degrees of them counts, so that nothing is pushed out at its far
+/// side. Allocates nothing; reentrant.
+[[nodiscard]] Separation separation(const PlacedShape& a, const PlacedShape& b, double reach_m,
+                                    std::span<const Eigen::Vector3d> kept = {});
+
+/// separation(), nothing when A and B are farther apart than `reach_m`.
 [[nodiscard]] std::optional<Separation> closest(const PlacedShape& a, const PlacedShape& b,
                                                 double reach_m,
                                                 std::span<const Eigen::Vector3d> kept = {});

@@ -23,14 +23,14 @@ void visit(fields::Visitor& v, ContactBox& p) {
 
 void visit(fields::Visitor& v, SolidBodyParameters& p) {
   v.list("boxes", p.boxes, "Boxes on the links that meet trunks, rocks and walls.");
-  v.number("stiffness", p.stiffness_npm, in("MN/m").between(0.01, 200),
+  v.number("stiffness", p.stiffness_npm, in("MN/m").between(0.01, 5000),
            "Stiffness of each point of contact.");
   v.number("damping_ratio", p.damping_ratio, plain().between(0, 2),
            "Damping of a contact that carries the machine's mass.");
 }
 
 void validate(const SolidBodyParameters& p, std::span<const std::string_view> links,
-              double least_kg, double step_s) {
+              double least_kg, double step_s, int parts) {
   fields::check(p);
   for (std::size_t i = 0; i < p.boxes.size(); ++i) {
     std::string names;
@@ -41,11 +41,18 @@ void validate(const SolidBodyParameters& p, std::span<const std::string_view> li
                     "boxes." + std::to_string(i) + ".link", "'" + p.boxes[i].link + "'",
                     "a link of the machine: " + names);
   }
-  const double most = least_kg / (step_s * step_s);
-  fields::require(
-      p.boxes.empty() || p.stiffness_npm <= most, "stiffness", in("MN/m").print(p.stiffness_npm),
-      "at most " + in("MN/m").print(most) + " at a step of " + in("ms").print(step_s) +
-          ", or a step of at most " + in("ms").print(std::sqrt(least_kg / p.stiffness_npm)));
+  const double part_s = step_s / parts;
+  const double most = least_kg / (part_s * part_s);
+  fields::require(p.boxes.empty() || p.stiffness_npm <= most, "stiffness",
+                  in("MN/m").print(p.stiffness_npm),
+                  "at most " + in("MN/m").print(most) + " at a step of " + in("ms").print(step_s) +
+                      ", or a step of at most " +
+                      in("ms").print(parts * std::sqrt(least_kg / p.stiffness_npm)));
+}
+
+int contact_parts(const SolidBodyParameters& p, double least_kg, double step_s, int most) {
+  const double wanted = std::ceil(2.0 * step_s * std::sqrt(p.stiffness_npm / least_kg));
+  return static_cast<int>(std::clamp(wanted, 1.0, static_cast<double>(most)));
 }
 
 std::vector<ContactBody> contact_bodies(const SolidBodyParameters& p,

@@ -36,10 +36,16 @@ void visit(fields::Visitor& v, SolidBodyParameters& p);
 
 /// Throws std::invalid_argument naming the box whose link the machine does not have, and a
 /// stiffness whose frequency with `least_kg`, the lightest link of those with a box, is more than
-/// one radian per step of `step_s`: the contact would still be stable and lose energy, but what it
-/// pushed with would be the step's doing.
+/// one radian per step of `step_s`, or per part of it where the machine divides its step in reach
+/// of an obstacle into up to `parts`: the contact would still be stable and lose energy, but what
+/// it pushed with would be the step's doing.
 void validate(const SolidBodyParameters& parameters, std::span<const std::string_view> links,
-              double least_kg, double step_s);
+              double least_kg, double step_s, int parts = 1);
+
+/// Into how many parts a step of `step_s` is divided so that each is at most half a radian of the
+/// contact's frequency with `least_kg`; `most` at most.
+[[nodiscard]] int contact_parts(const SolidBodyParameters& parameters, double least_kg,
+                                double step_s, int most);
 
 /// Bodies of those boxes; damping 2 zeta sqrt(k m) with `mass_kg`.
 [[nodiscard]] std::vector<ContactBody> contact_bodies(const SolidBodyParameters& parameters,

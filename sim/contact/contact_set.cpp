@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -42,6 +43,7 @@ ContactSet::ContactSet(std::vector<ContactBody> bodies, std::size_t links, const
   pair_of_.reserve(kMostContactPoints);
   leaning_.reserve(kMostLeaning);
   at_.resize(links_);
+  moved_m_.resize(bodies_.size());
 }
 
 Eigen::Isometry3d ContactSet::pose_of(std::size_t obstacle) const {
@@ -123,15 +125,20 @@ void ContactSet::look(std::span<const ContactLink> links) {
 }
 
 void ContactSet::begin(double h, std::span<const ContactLink> links) {
-  std::copy(links.begin(), links.end(), at_.begin());
   points_.clear();
   pair_of_.clear();
   double fastest = 0.0;
-  for (const ContactBody& body : bodies_) {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const ContactBody& body = bodies_[i];
     const ContactLink& link = links[body.link];
     const double arm = body.X_LS.translation().norm() + body.shape.reach_m();
     fastest = std::max(fastest, link.v_WL_W.norm() + arm * link.w_WL_W.norm());
+    // A turn by the angle t takes a point at its arm 2 arm sin(t / 2) far: |R - R'| / sqrt 2.
+    const Eigen::Isometry3d& before = at_[body.link].X_WL;
+    moved_m_[i] = (link.X_WL.translation() - before.translation()).norm() +
+                  std::numbers::sqrt2 / 2.0 * arm * (link.X_WL.linear() - before.linear()).norm();
   }
+  std::copy(links.begin(), links.end(), at_.begin());
   if (travelled_m_ > kSlack_m - kReach_m - 2.0 * h * fastest) {
     look(links);
   }
@@ -140,29 +147,47 @@ void ContactSet::begin(double h, std::span<const ContactLink> links) {
   }
 }
 
+void ContactSet::shorten(double h) {
+  for (ContactPoint& point : points_) {
+    point.begin(h, point.start_mps);
+  }
+}
+
 void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) {
   const ContactBody& body = bodies_[pair.body];
   const ContactLink& link = links[body.link];
+  const double arm = body.X_LS.translation().norm() + body.shape.reach_m();
+  const double reach = kReach_m + h * (link.v_WL_W.norm() + arm * link.w_WL_W.norm());
+  const auto apart = [&pair] {
+    pair.met = false;
+    pair.remembered = 0;
+  };
+  pair.apart_m -= moved_m_[pair.body];
+  if (pair.apart_m > reach) {
+    return apart();
+  }
   const Obstacle& obstacle = ground_->obstacles()[pair.obstacle];
   const PlacedShape a{&body.shape, link.X_WL * body.X_LS};
   const PlacedShape b{&ground_->shape(pair.obstacle), pose_of(pair.obstacle)};
   const Vector middle = a.X_WS * body.shape.middle_m();
-  const double arm = body.X_LS.translation().norm() + body.shape.reach_m();
-  const double reach = kReach_m + h * (link.v_WL_W.norm() + arm * link.w_WL_W.norm());
   const double strength = strength_of(pair.obstacle);
   std::optional<Separation> found;
   if (strength > 0.0 && !(body.rolls && !ground_->too_high(pair.obstacle, middle))) {
     const std::array<Vector, 2> kept{pair.axis_W, link.X_WL.linear() * pair.axis_L};
-    found = closest(a, b, reach, std::span(kept).first(pair.met ? 2 : 0));
+    // An old axis that still parts them spares the search; beyond that, only one of a contact
+    // counts.
+    pair.apart_m = pair.met ? -1e300 : gap_along(a, b, pair.axis_W);
+    if (pair.apart_m <= reach) {
+      found = separation(a, b, reach, std::span(kept).first(pair.met ? 2 : 0));
+      pair.apart_m = found->gap_m;
+      pair.axis_W = found->normal_W;
+    }
   }
-  if (!found) {
-    pair.met = false;
-    pair.remembered = 0;
-    return;
+  if (pair.apart_m > reach || !found) {
+    return apart();
   }
   const bool met_before = pair.met;
   pair.met = true;
-  pair.axis_W = found->normal_W;
   pair.axis_L = link.X_WL.linear().transpose() * found->normal_W;
   const Vector& n = found->normal_W;
   const Manifold touch = manifold(a, b, *found, reach);
@@ -317,9 +342,18 @@ void ContactSet::give_way(double h) {
     const Vector turn = lean->angle_rad * lean->axis_W + excess * level / height * axis;
     lean->angle_rad = turn.norm();
     lean->axis_W = lean->angle_rad > 0.0 ? Vector(turn / lean->angle_rad) : Vector::UnitX();
+    moved(point.obstacle);
     if (lean->angle_rad > kDown_rad && !lean->down) {
       lean->down = true;
       ++report_.felled;
+    }
+  }
+}
+
+void ContactSet::moved(std::size_t obstacle) {
+  for (Pair& pair : pairs_) {
+    if (pair.obstacle == obstacle) {
+      pair.apart_m = -1e300;
     }
   }
 }

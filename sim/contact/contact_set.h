@@ -9,7 +9,8 @@
 //
 // Broad phase: the ground's bins, asked with boxes grown by half a metre, and asked again when the
 // fastest point of the machine can have come that far. While nothing is in there a step costs one
-// comparison. Narrow phase: closest.h with the axis kept from the step before; manifold.h.
+// comparison. Narrow phase: closest.h with the axis kept from the step before, and not before the
+// body can have come as near as it was far; manifold.h.
 //
 // Points join, leave and merge as bodies turn. So that this adds no energy, the springs of a pair
 // never hold more at the start of a step than they did at the end of the one before (and a
@@ -80,6 +81,9 @@ class ContactSet {
   /// Precondition: near() said so in this step; links as many as at construction.
   void begin(double h, std::span<const ContactLink> links);
 
+  /// The points of the last begin() for a shorter step of h seconds from the same poses.
+  void shorten(double h);
+
   [[nodiscard]] std::span<ContactPoint> points() { return {points_.data(), points_.size()}; }
   [[nodiscard]] std::span<const ContactPoint> points() const {
     return {points_.data(), points_.size()};
@@ -111,6 +115,8 @@ class ContactSet {
     bool down = false;
   };
   [[nodiscard]] std::span<const Lean> leaning() const { return leaning_; }
+  /// An obstacle stands elsewhere than in the step before: whoever was far from it may be near.
+  void moved(std::size_t obstacle);
 
  private:
   static constexpr double kSlack_m = 0.5;
@@ -123,7 +129,9 @@ class ContactSet {
   struct Pair {
     std::uint32_t body = 0;
     std::uint32_t obstacle = 0;
-    bool met = false;  ///< In the step before, along:
+    /// They are no nearer than this.
+    double apart_m = -1e300;
+    bool met = false;  ///< In the step before; axes of the last look, met or not.
     Eigen::Vector3d axis_W = Eigen::Vector3d::UnitZ();
     Eigen::Vector3d axis_L = Eigen::Vector3d::UnitZ();  ///< The same in the link.
     std::array<Memory, kManifoldPoints> memory;
@@ -149,7 +157,8 @@ class ContactSet {
   std::vector<ContactPoint> points_;
   std::vector<std::uint32_t> pair_of_;  ///< Of each point.
   std::vector<Lean> leaning_;
-  std::vector<ContactLink> at_;  ///< Links of this step.
+  std::vector<ContactLink> at_;  ///< Links of the last begin().
+  std::vector<double> moved_m_;  ///< Of each body since then, at most.
   double travelled_m_ = kSlack_m;
   double work_j_ = 0.0;
   double stored_j_ = 0.0;

@@ -136,6 +136,8 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
     contact_.emplace(contact_bodies(parameters.solid, kExcavatorLinks, kTipMass_kg), kLinks,
                      *ground);
     arm_contacts_.reserve(kMostContactPoints);
+    contact_parts_ = contact_parts(parameters.solid, lightest_solid_kg(parameters),
+                                   parameters.step_s, kMostContactParts);
   }
   if (parameters.carrier == ExcavatorCarrier::moving) {
     if (ground == nullptr) {
@@ -318,6 +320,21 @@ void Excavator::set_payload_kg(double mass_kg) {
 // One inner step of the excavator, on each of its levels.
 
 void Excavator::inner_step(double h) {
+  meet_obstacles(h);
+  int parts = 1;
+  if (near_ && contact_->touching()) {
+    parts = contact_parts_;
+    h /= parts;
+    contact_->shorten(h);
+  }
+  part_step(h);
+  for (int i = 1; i < parts && !non_finite_; ++i) {
+    meet_obstacles(h);
+    part_step(h);
+  }
+}
+
+void Excavator::part_step(double h) {
   for (Spool& spool : spools_) {
     spool.step(h);
   }
@@ -325,7 +342,6 @@ void Excavator::inner_step(double h) {
   if (!bucket_load_.empty() && !carried_) {
     place_bucket_load();
   }
-  meet_obstacles(h);
   switch (parameters_.level) {
     case ExcavatorLevel::kinematic:
       step_kinematic(h, target_rates(h));

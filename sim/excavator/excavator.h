@@ -9,8 +9,10 @@
 // to port A and extends the cylinder.
 //
 // Its boxes (SolidBodyParameters) meet the ground's obstacles: each point of contact is a force in
-// the same solve (sim/contact). On level kinematic, where nothing has a force, all drives are
-// slowed together so that no gap closes beyond touching.
+// the same solve (sim/contact). While one is within reach an inner step is divided into parts that
+// follow the contact (contact_parts: three of 1 ms with the reference machine's numbers), so that
+// neither overlap nor force is the step's doing, however long it is. On level kinematic, where
+// nothing has a force, all drives are slowed together so that no gap closes beyond touching.
 //
 // The undercarriage stands still where it is put, or on its tyres (ExcavatorCarrier,
 // carried_arm.h). What the ground does to the bucket comes from outside: set_bucket_force,
@@ -165,6 +167,8 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   };
 
   void inner_step(double h);
+  /// A part of an inner step, between whose parts only contacts are looked for anew.
+  void part_step(double h);
   void share_flow();
   void drive_pumps(double h);
   /// Target speed that the cushion and the stroke's end allow.
@@ -223,6 +227,7 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   std::optional<ContactSet> contact_;
   std::array<ContactLink, kLinks> contact_links_;
   std::vector<ArmContact> arm_contacts_;  ///< Of a fixed carrier.
+  int contact_parts_ = 1;                 ///< Of an inner step in reach of an obstacle.
   bool near_ = false;                     ///< Obstacles may be within reach in this step.
   BucketLoad bucket_load_;
   std::array<double, kTipResistances> resistance_n_{};

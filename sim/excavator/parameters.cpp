@@ -199,7 +199,8 @@ SolidBodyParameters excavator_boxes() {
   // As a file writes it, to the last bit.
   constexpr auto from_degrees = [](double angle) { return angle * std::numbers::pi / 180.0; };
   SolidBodyParameters solid;
-  solid.stiffness_npm = 1e8;
+  solid.stiffness_npm = 1e9;
+  solid.damping_ratio = 0.7;
   solid.boxes = {
       {"undercarriage", "undercarriage", {0.0, 0.0, 0.8}, {4.2, 1.5, 0.6}, 0.0},
       {"house", "upper", {-0.9, 0.0, 0.95}, {3.2, 2.4, 1.6}, 0.0},
@@ -211,6 +212,10 @@ SolidBodyParameters excavator_boxes() {
       {"bucket right cheek", "bucket", {0.7, -0.51, 0.22}, {0.9, 0.08, 0.4}, 0.0},
   };
   return solid;
+}
+
+double lightest_solid_kg(const ExcavatorParameters& p) {
+  return std::min({p.boom.mass_kg, p.stick.mass_kg, p.bucket.mass_kg});
 }
 
 void validate(const RigidBodyParameters& p) {
@@ -228,8 +233,7 @@ void validate(const ExcavatorParameters& p) {
   fields::require(p.payload_max_kg >= 0.0, "payload_max", in("kg").print(p.payload_max_kg),
                   ">= 0 kg");
   validate(p.power_unit);
-  validate(p.solid, kExcavatorLinks, std::min({p.boom.mass_kg, p.stick.mass_kg, p.bucket.mass_kg}),
-           p.step_s);
+  validate(p.solid, kExcavatorLinks, lightest_solid_kg(p), p.step_s, kMostContactParts);
   fields::require(p.carrier != ExcavatorCarrier::moving || p.level != ExcavatorLevel::kinematic,
                   "carrier", "moving",
                   "fixed where level is kinematic: without forces nothing rocks");

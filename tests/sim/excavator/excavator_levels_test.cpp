@@ -131,7 +131,6 @@ TEST(ExcavatorLevels, ChambersConvergeWithTheFirstOrderOfTheirScheme) {
   const auto tip_after = [](double step_s) {
     ExcavatorParameters parameters = at_level(ExcavatorLevel::chambers);
     parameters.step_s = step_s;
-    parameters.solid.stiffness_npm = 1e6;  // as such a step allows
     Excavator machine(parameters, Eigen::Isometry3d::Identity());
     machine.command(openings(0.2, 0.4, 0.4, 0.4));
     machine.step(milliseconds(800));
@@ -164,8 +163,7 @@ TEST(ExcavatorLevels, EveryLevelStaysFiniteThroughWildCommands) {
     for (const double step_s : {1e-3, 1e-2}) {
       ExcavatorParameters parameters = at_level(level);
       parameters.step_s = step_s;
-      parameters.solid.stiffness_npm = 1e6;  // as such a step allows
-      Excavator machine(parameters, Eigen::Isometry3d::Identity());
+        Excavator machine(parameters, Eigen::Isometry3d::Identity());
       for (int i = 0; i < 600; ++i) {
         ValveCommand command = openings(std::sin(7.0 * i), std::sin(1.3 * i) > 0.0 ? 1.0 : -1.0,
                                         std::cos(2.9 * i), std::cos(0.1 * i));
@@ -185,7 +183,6 @@ TEST(ExcavatorLevels, ChambersStayAtTheirReliefValvesAtEveryStep) {
   for (const double step_s : {1e-3, 5e-3, 2e-2}) {
     ExcavatorParameters parameters = at_level(ExcavatorLevel::chambers);
     parameters.step_s = step_s;
-    parameters.solid.stiffness_npm = 1e6;  // as such a step allows
     Excavator machine(parameters, Eigen::Isometry3d::Identity());
     double greatest = 0.0;
     // Every function to both ends of its stroke at full opening, and back against its own swing.

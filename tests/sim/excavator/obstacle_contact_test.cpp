@@ -27,18 +27,18 @@ struct Swing {
   double angle_rad = 0.0;
 };
 
-Swing swing_left(Site& site, double opening, double seconds) {
+Swing swing_left(Site& site, double opening, double seconds, int step_ms = 1) {
   Swing result;
   ValveCommand command;
   command.opening = {opening, 0.0, 0.0, 0.0};
   site.machine.valve_port()->command(command);
   double lost = 0.0;
   Vector before = site.machine.excavator().tip_W();
-  for (int i = 0; i < static_cast<int>(seconds / 1e-3); ++i) {
-    site.machine.step(std::chrono::milliseconds(1));
+  for (int i = 0; i < static_cast<int>(1e3 * seconds) / step_ms; ++i) {
+    site.machine.step(std::chrono::milliseconds(step_ms));
     const Excavator& excavator = site.machine.excavator();
     const Vector tip = excavator.tip_W();
-    const double speed = (tip - before).norm() / 1e-3;
+    const double speed = (tip - before).norm() / (1e-3 * step_ms);
     before = tip;
     const ContactReport& report = *excavator.contact_report();
     result.touched = result.touched || report.points > 0;
@@ -51,7 +51,7 @@ Swing swing_left(Site& site, double opening, double seconds) {
     lost = std::max(lost, report.lost_j);
     result.least_upright =
         std::min(result.least_upright, excavator.link(Link::undercarriage).X_WL.linear()(2, 2));
-    result.deepest_m = std::max(result.deepest_m, report.deepest_m);
+    result.deepest_m = std::max(result.deepest_m, report.deepest_ever_m);
   }
   result.angle_rad = site.machine.excavator().joint_angles_rad()[0];
   return result;
@@ -86,7 +86,7 @@ TEST_P(RockFromTheSide, StopsTheBucketAtEveryHeightAndSpeedAndThrowsNothing) {
       Site site(sand_with({rock_at({beside.x(), beside.y(), height}, 0.7)}), {}, parameters);
       const Swing swing = swing_left(site, opening, 5.0);
       ASSERT_TRUE(site.machine.excavator().finite()) << what;
-      EXPECT_LT(swing.gain_j, 200.0) << what;
+      EXPECT_LT(swing.gain_j, 1.0) << what;
       EXPECT_LT(swing.least_upright, 1.0 + 1e-9);
       EXPECT_GT(swing.least_upright, std::cos(8.0 * kDegree)) << what;
       EXPECT_LT(swing.highest_m, 1.5) << what;
@@ -94,7 +94,7 @@ TEST_P(RockFromTheSide, StopsTheBucketAtEveryHeightAndSpeedAndThrowsNothing) {
         continue;
       }
       EXPECT_LT(swing.fastest_mps, 1.1 * swing.fastest_before_mps + 0.3) << what;
-      EXPECT_LT(swing.deepest_m, 0.03) << what;
+      EXPECT_LT(swing.deepest_m, 0.005) << what;
     }
   }
 }
@@ -110,6 +110,50 @@ INSTANTIATE_TEST_SUITE_P(Levels, RockFromTheSide,
                                   (one.param.carrier == ExcavatorCarrier::moving ? "_on_tyres"
                                                                                  : "_fixed");
                          });
+
+class LongStep : public testing::TestWithParam<int> {};
+
+// With the shipped numbers a step beyond 2.2 ms was refused.
+TEST_P(LongStep, IsDividedWhereARockIsNear) {
+  const int step_ms = GetParam();
+  const Vector beside = tip_at(50.0);
+  for (const ExcavatorLevel level :
+       {ExcavatorLevel::quasi_static, ExcavatorLevel::dynamic, ExcavatorLevel::chambers}) {
+    ExcavatorParameters parameters = ready_to_dig();
+    parameters.level = level;
+    parameters.step_s = 1e-3 * step_ms;
+    Site site(sand_with({rock_at({beside.x(), beside.y(), 0.3}, 0.7)}), {}, parameters);
+    const Swing swing = swing_left(site, 0.8, 4.0, step_ms);
+    EXPECT_TRUE(swing.touched);
+    EXPECT_LT(swing.deepest_m, 0.005) << static_cast<int>(level);
+    EXPECT_LT(swing.gain_j, 1.0) << static_cast<int>(level);
+    EXPECT_LT(swing.angle_rad, 50.0 * kDegree) << static_cast<int>(level);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Milliseconds, LongStep, testing::Values(2, 5, 10, 20),
+                         [](const auto& step) { return "step_" + std::to_string(step.param); });
+
+TEST(ObstacleContact, AStepThatNoDivisionHelpsIsRefusedWithWhatPasses) {
+  ExcavatorParameters parameters = ready_to_dig();
+  parameters.step_s = 50e-3;
+  parameters.drives.swing_stiffness_nmprad = 2e4;
+  parameters.level = ExcavatorLevel::quasi_static;
+  EXPECT_NO_THROW(validate(parameters));
+  parameters.solid.stiffness_npm = 5e9;
+  parameters.bucket.mass_kg = 50.0;
+  parameters.bucket.principal_inertia_kgm2 = {20.0, 20.0, 20.0};
+  try {
+    validate(parameters);
+    FAIL() << "a stiffness beyond any part of the step";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what())
+                  .find("stiffness: found 5000 MN/m, allowed at most 800 MN/m at a step of 50 ms, "
+                        "or a step of at most 20"),
+              std::string::npos)
+        << error.what();
+  }
+}
 
 TEST(ObstacleContact, AWallAsHighAsTheArmIsNotPassed) {
   const Vector beside = tip_at(50.0);
@@ -164,7 +208,8 @@ TEST(ObstacleContact, LowSwingsAmongRocksGainNothingAndAllocateNothing) {
       const Swing swing = swing_left(site, i < 2 ? 0.8 : -0.8, 4.0);
       EXPECT_EQ(rigwire::test::allocations(), before);
       EXPECT_TRUE(swing.touched || first.touched);
-      EXPECT_LT(swing.gain_j, 200.0) << seed << " " << i;
+      EXPECT_LT(swing.gain_j, 1.0) << seed << " " << i;
+      EXPECT_LT(swing.deepest_m, 0.005) << seed << " " << i;
       EXPECT_LT(swing.highest_m, 2.0) << seed << " " << i;
       EXPECT_LT(swing.fastest_mps, 8.0) << seed << " " << i;
       EXPECT_EQ(site.machine.excavator().contact()->dropped(), 0U);

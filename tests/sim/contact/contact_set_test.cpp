@@ -217,6 +217,38 @@ TEST(ContactSet, NothingNearCostsNothingAndAllocatesNothing) {
   EXPECT_EQ(truck.contact().dropped(), 0U);
 }
 
+// What is skipped because it cannot have come near is what would not have pushed.
+TEST(ContactSet, RememberingWhoIsFarChangesNotOneBit) {
+  std::vector<Obstacle> obstacles{box_obstacle({0.0, 0.0, -1.0}, {20.0, 20.0, 1.0})};
+  RandomStream random(3, "about");
+  for (int i = 0; i < 40; ++i) {
+    obstacles.push_back(
+        i % 2 == 0 ? trunk_at(random.uniform(-6.0, 6.0), random.uniform(-6.0, 6.0), 0.15, 6.0)
+                   : rock_at({random.uniform(-6.0, 6.0), random.uniform(-6.0, 6.0), 0.1}, 0.4));
+  }
+  const Ground ground = ground_with(obstacles);
+  const Vector half(0.5, 0.4, 0.3);
+  const auto thrown = [&](bool anew) {
+    FreeBody crate(ground, ConvexShape::box(half), 1000.0, box_inertia(1000.0, half), 5e6, 4e4);
+    crate.X_WB.linear() = Eigen::AngleAxisd(0.7, Vector(1.0, 0.6, 0.2).normalized()).matrix();
+    crate.X_WB.translation() << -8.0, -7.5, 1.5;
+    crate.v_W << 7.0, 6.0, 1.0;
+    crate.w_W << 3.0, -2.0, 5.0;
+    for (int i = 0; i < 3000; ++i) {
+      if (anew) {
+        crate.look_anew(obstacles.size());
+      }
+      crate.step(1e-3);
+    }
+    return crate;
+  };
+  const FreeBody remembering = thrown(false);
+  const FreeBody looking = thrown(true);
+  EXPECT_EQ(remembering.X_WB.matrix(), looking.X_WB.matrix());
+  EXPECT_EQ(remembering.contact().report().lost_j, looking.contact().report().lost_j);
+  EXPECT_GT(looking.contact().report().touches, 3U);
+}
+
 TEST(ContactSet, TheSameTwiceGivesTheSameBits) {
   const auto run = [] {
     const Ground ground =

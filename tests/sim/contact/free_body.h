@@ -99,6 +99,12 @@ class FreeBody {
            mass_kg_ * gravity_mps2 * X_WB.translation().z();
   }
   [[nodiscard]] const ContactSet& contact() const { return contact_; }
+  /// Whatever the contact remembers of who is far away is forgotten.
+  void look_anew(std::size_t obstacles) {
+    for (std::size_t i = 0; i < obstacles; ++i) {
+      contact_.moved(i);
+    }
+  }
 
  private:
   double mass_kg_;

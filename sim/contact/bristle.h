@@ -19,6 +19,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace rigwire::sim {
@@ -72,5 +73,19 @@ class Bristle {
 
   double deflection_ = 0.0;
 };
+
+/// Ends a step of two bristles across each other, both slid, under a force of at most `limit`
+/// together: they yield as far as they are bent, not as far as their dampers push, so that they
+/// never give back what was not put in.
+inline void yield_as_bent(std::array<Bristle, 2>& across, const BristleParameters& parameters,
+                          double limit) {
+  const double bent =
+      parameters.stiffness * std::hypot(across[0].deflection(), across[1].deflection());
+  if (bent > limit) {
+    for (Bristle& bristle : across) {
+      bristle.yield(parameters, -parameters.stiffness * (limit / bent) * bristle.deflection());
+    }
+  }
+}
 
 }  // namespace rigwire::sim

@@ -156,17 +156,7 @@ struct ContactPoint {
     for (std::size_t i = 0; i < 2; ++i) {
       friction.across[i].slide(bristle(), h, 0.0, found[i + 1]);
     }
-    // A bristle yields as far as it was bent, not as far as its damper pushed: what it gives back
-    // was put in.
-    const double bent_n = bristle().stiffness * std::hypot(friction.across[0].deflection(),
-                                                           friction.across[1].deflection());
-    const double limit = law.friction * std::max(0.0, force_n[0]);
-    if (bent_n > limit) {
-      for (Bristle& bristle_across : friction.across) {
-        bristle_across.yield(bristle(),
-                             -bristle().stiffness * (limit / bent_n) * bristle_across.deflection());
-      }
-    }
+    yield_as_bent(friction.across, bristle(), law.friction * std::max(0.0, force_n[0]));
     return work;
   }
 

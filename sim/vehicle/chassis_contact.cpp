@@ -140,15 +140,16 @@ void ChassisContact::settle(double h, const Velocities& found) {
     if (!point.touching) {
       continue;
     }
-    for (std::size_t k = 0; k < 2; ++k) {
-      if (point.released) {
-        point.across[k].reset();
-      } else if (point.sliding) {
-        point.across[k].yield(bristle_, point.held_n[k]);
-      } else {
-        point.across[k].slide(bristle_, h, 0.0, point.tangent_row[k].of(found));
-      }
+    if (point.released) {
+      point.across[0].reset();
+      point.across[1].reset();
+      continue;
     }
+    for (std::size_t k = 0; k < 2; ++k) {
+      point.across[k].slide(bristle_, h, 0.0, point.tangent_row[k].of(found));
+    }
+    yield_as_bent(point.across, bristle_,
+                  point.friction * std::max(0.0, point.normal.at(point.normal_row.of(found))));
   }
 }
 

@@ -141,28 +141,33 @@ ImageSensor::ImageSensor(const ImageSensorParameters& parameters, double f_numbe
   shot_key_ = key_of(seed, name, "shot");
   const auto count = static_cast<std::size_t>(parameters.width_px) *
                      static_cast<std::size_t>(parameters.height_px);
-  pattern_.resize(count);
+  response_.resize(count);
+  dark_.resize(count);
   RandomStream random(seed, std::string(name) + "/pattern");
-  for (FixedPattern& pixel : pattern_) {
-    pixel.response = static_cast<float>(
+  for (std::size_t i = 0; i < count; ++i) {
+    response_[i] = static_cast<float>(
         std::max(0.0, 1.0 + parameters.photo_response_nonuniformity * random.gaussian()));
-    pixel.dark = static_cast<float>(std::max(
+    dark_[i] = static_cast<float>(std::max(
         0.0, parameters.dark_current + parameters.dark_signal_nonuniformity * random.gaussian()));
   }
+  const auto set = [this](std::size_t pixel, float response, float dark) {
+    response_[pixel] = response;
+    dark_[pixel] = dark;
+  };
   const auto any_pixel = [&] {
     return std::min(count - 1,
                     static_cast<std::size_t>(random.uniform() * static_cast<double>(count)));
   };
   for (int i = 0; i < parameters.dead_pixels; ++i) {
-    pattern_[any_pixel()] = {0.0F, 0.0F};
+    set(any_pixel(), 0.0F, 0.0F);
   }
   for (int i = 0; i < parameters.hot_pixels; ++i) {
-    pattern_[any_pixel()] = {1.0F, kHotNumber_e};
+    set(any_pixel(), 1.0F, kHotNumber_e);
   }
   for (int i = 0; i < parameters.dead_columns; ++i) {
     const auto width = static_cast<std::size_t>(parameters.width_px);
     for (std::size_t at = any_pixel() % width; at < count; at += width) {
-      pattern_[at] = {0.0F, 0.0F};
+      set(at, 0.0F, 0.0F);
     }
   }
   if (parameters.dirt_blobs > 0) {
@@ -172,7 +177,7 @@ ImageSensor::ImageSensor(const ImageSensorParameters& parameters, double f_numbe
 
 void ImageSensor::lay_dirt(std::uint64_t seed, std::string_view name) {
   const ImageSensorParameters& p = parameters_;
-  clear_.assign(pattern_.size(), 1.0F);
+  clear_.assign(response_.size(), 1.0F);
   RandomStream random(seed, std::string(name) + "/dirt");
   for (int i = 0; i < p.dirt_blobs; ++i) {
     const double x = random.uniform() * p.width_px;
@@ -206,73 +211,174 @@ double ImageSensor::numbers_per_electron(double gain_db, int bits) const {
   return ((1 << bits) - 1) / parameters_.saturation_capacity * std::pow(10.0, gain_db / 20.0);
 }
 
+/// An exposure in the sensor's own units.
+struct ImageSensor::Exposure {
+  Exposure(const ImageSensorParameters& p, const ReadOut& r, double electrons_per_cd_s)
+      : exposure_s(static_cast<float>(to_seconds(r.exposure))),
+        per_cd(static_cast<float>(electrons_per_cd_s) * exposure_s),
+        full_well(static_cast<float>(p.full_well * r.binning_x * r.binning_y)),
+        read_variance(static_cast<float>(p.read_noise * p.read_noise * r.binning_x * r.binning_y)),
+        white(static_cast<float>((1 << r.bits) - 1)),
+        black(static_cast<float>(r.black_level * (1 << (r.bits - 8)))) {}
+
+  float exposure_s;
+  float per_cd;
+  float full_well;
+  float read_variance;
+  float white;
+  float black;
+};
+
+namespace {
+
+/// What grey pixels see: a third of each band.
+RIGWIRE_WIDE_VECTORS void take_mean(const float* light, std::size_t count, float* seen) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    seen[i] = (light[3 * i] + light[3 * i + 1] + light[3 * i + 2]) * (1.0F / 3.0F);
+  }
+}
+
+/// What pixels see behind a Bayer mosaic, from column `first_x` of row `y` on.
+RIGWIRE_WIDE_VECTORS void take_mosaic(const float* light, std::size_t count, int first_x, int y,
+                                      float* seen) {
+  const int below = y & 1;
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    const int across = (first_x + static_cast<int>(i)) & 1;
+    const float even = below == 0 ? light[3 * i] : light[3 * i + 1];
+    const float odd = below == 0 ? light[3 * i + 1] : light[3 * i + 2];
+    seen[i] = choose(across != 0, odd, even);
+  }
+}
+
+/// Electrons of single pixels.
+RIGWIRE_WIDE_VECTORS void fill_wells(const float* seen, const float* falloff, const float* response,
+                                     const float* dark, std::size_t count, float per_cd,
+                                     float exposure_s, float* signal) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    signal[i] = per_cd * seen[i] * falloff[i] * response[i] + dark[i] * exposure_s;
+  }
+}
+
+/// Shot and read noise together; what is above the well is lost before it is read. Returns the
+/// least signal.
+RIGWIRE_WIDE_VECTORS float count_up(const float* signal, const float* normal, std::size_t count,
+                                    float read_variance, float full_well, float* electrons) {
+  float least = kExactBelow;
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    const float shot = signal[i] + std::sqrt(signal[i] + read_variance) * normal[i];
+    electrons[i] = shot < full_well ? shot : full_well;
+    least = signal[i] < least ? signal[i] : least;
+  }
+  return least;
+}
+
+RIGWIRE_WIDE_VECTORS void convert(const float* electrons, std::size_t count, float gain,
+                                  float black, float white, std::uint16_t* numbers) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    float number = electrons[i] * gain + black;
+    number = number < white ? number : white;
+    number = number > 0.0F ? number : 0.0F;
+    numbers[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(number + 0.5F));
+  }
+}
+
+}  // namespace
+
+/// Mean electrons of pixels of one row after binning, from column `first` on.
+void ImageSensor::charge(std::span<const float> luminance, std::span<const float> falloff,
+                         std::span<const float, 3> haze_cd, const ReadOut& r,
+                         const Exposure& exposure, int row, std::size_t first,
+                         std::span<float> signal) const {
+  const ImageSensorParameters& p = parameters_;
+  const std::size_t count = signal.size();
+  const auto sensor_width = static_cast<std::size_t>(p.width_px);
+  const float* const light =
+      luminance.data() +
+      3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(r.region.width / r.binning_x) +
+           first);
+  const int x0 = r.region.x + static_cast<int>(first) * r.binning_x;
+  const int y0 = r.region.y + row * r.binning_y;
+  std::array<float, kBatch> seen;
+  if (p.colour) {
+    take_mosaic(light, count, x0, y0, seen.data());
+  } else {
+    take_mean(light, count, seen.data());
+  }
+  const auto through = [&](std::size_t i, std::size_t at) {
+    // Dirt shows the light of the scene around it, half as bright as a white sheet.
+    const int band = bayer_band(x0 + static_cast<int>(i), y0);
+    const float haze = p.colour ? haze_cd[static_cast<std::size_t>(band)]
+                                : (haze_cd[0] + haze_cd[1] + haze_cd[2]) * (1.0F / 3.0F);
+    return clear_[at] * seen[i] + (1.0F - clear_[at]) * 0.5F * haze;
+  };
+  const std::size_t corner =
+      static_cast<std::size_t>(y0) * sensor_width + static_cast<std::size_t>(x0);
+  if (r.binning_x == 1 && r.binning_y == 1) {
+    for (std::size_t i = 0; !clear_.empty() && i < count; ++i) {
+      seen[i] = through(i, corner + i);
+    }
+    fill_wells(seen.data(), falloff.data() + corner, response_.data() + corner,
+               dark_.data() + corner, count, exposure.per_cd, exposure.exposure_s, signal.data());
+  } else {
+    // Charges of the pixels are added up.
+    for (std::size_t i = 0; i < count; ++i) {
+      signal[i] = 0.0F;
+      for (int dy = 0; dy < r.binning_y; ++dy) {
+        for (int dx = 0; dx < r.binning_x; ++dx) {
+          const std::size_t at = corner + static_cast<std::size_t>(dy) * sensor_width +
+                                 i * static_cast<std::size_t>(r.binning_x) +
+                                 static_cast<std::size_t>(dx);
+          signal[i] += exposure.per_cd * (clear_.empty() ? seen[i] : through(i, at)) * falloff[at] *
+                           response_[at] +
+                       dark_[at] * exposure.exposure_s;
+        }
+      }
+    }
+  }
+  for (float& electrons : signal) {
+    // What is not a number counts as 0.
+    electrons = electrons > 0.0F ? std::min(electrons, 4.0F * exposure.full_well) : 0.0F;
+  }
+}
+
 void ImageSensor::expose(std::span<const float> luminance, std::span<const float> falloff,
                          std::span<const float, 3> haze_cd, const ReadOut& r, int first_row,
                          int end_row, std::span<std::uint16_t> numbers) const {
-  const ImageSensorParameters& p = parameters_;
-  const auto exposure_s = static_cast<float>(to_seconds(r.exposure));
-  const auto per_cd = static_cast<float>(electrons_per_cd_s_) * exposure_s;
-  const auto read = static_cast<float>(p.read_noise);
-  const int pixels = r.binning_x * r.binning_y;
-  const auto full_well = static_cast<float>(p.full_well) * static_cast<float>(pixels);
-  const float read_variance = read * read * static_cast<float>(pixels);
+  const Exposure exposure(parameters_, r, electrons_per_cd_s_);
   const auto gain = static_cast<float>(numbers_per_electron(r.gain_db, r.bits));
-  const auto white = static_cast<float>((1 << r.bits) - 1);
-  const auto black = static_cast<float>(r.black_level * (1 << (r.bits - 8)));
   const std::uint64_t key = counter_bits(shot_key_, r.frame);
   const std::uint64_t second_key = counter_bits(key, 0);
-  const auto sensor_width = static_cast<std::size_t>(p.width_px);
   const auto width = static_cast<std::size_t>(r.region.width / r.binning_x);
 
   std::array<float, kBatch> signal;
   std::array<float, kBatch> normal;
+  std::array<float, kBatch> electrons;
   std::array<std::uint64_t, kBatch> counter;
   for (int row = first_row; row < end_row; ++row) {
-    const auto row_at = static_cast<std::size_t>(row) * width;
     for (std::size_t begin = 0; begin < width; begin += kBatch) {
       const std::size_t count = std::min(kBatch, width - begin);
+      charge(luminance, falloff, haze_cd, r, exposure, row, begin, std::span(signal).first(count));
+      const auto y0 = static_cast<std::uint64_t>(r.region.y + row * r.binning_y);
       for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t column = begin + i;
-        const float* const light = luminance.data() + 3 * (row_at + column);
-        const int x0 = r.region.x + static_cast<int>(column) * r.binning_x;
-        const int y0 = r.region.y + row * r.binning_y;
-        // The band that the pixel sees; a grey one takes a third of each.
-        const int band = bayer_band(x0, y0);
-        const float seen =
-            p.colour ? light[band] : (light[0] + light[1] + light[2]) * (1.0F / 3.0F);
-        const float haze = p.colour ? haze_cd[static_cast<std::size_t>(band)]
-                                    : (haze_cd[0] + haze_cd[1] + haze_cd[2]) * (1.0F / 3.0F);
-        float mean = 0.0F;
-        for (int dy = 0; dy < r.binning_y; ++dy) {
-          for (int dx = 0; dx < r.binning_x; ++dx) {
-            const std::size_t at = static_cast<std::size_t>(y0 + dy) * sensor_width +
-                                   static_cast<std::size_t>(x0 + dx);
-            float through = seen;
-            if (!clear_.empty()) {
-              // Dirt shows the light of the scene around it, half as bright as a white sheet.
-              through = clear_[at] * seen + (1.0F - clear_[at]) * 0.5F * haze;
-            }
-            mean += per_cd * through * falloff[at] * pattern_[at].response +
-                    pattern_[at].dark * exposure_s;
-          }
-        }
-        signal[i] = mean > 0.0F ? std::min(mean, 4.0F * full_well) : 0.0F;
-        counter[i] = (static_cast<std::uint64_t>(y0) << 32U) | static_cast<std::uint32_t>(x0);
+        counter[i] = y0 << 32U | static_cast<std::uint32_t>(
+                                     r.region.x + static_cast<int>(begin + i) * r.binning_x);
       }
       gaussian(key, std::span(counter).first(count), std::span(normal).first(count));
-      for (std::size_t i = 0; i < count; ++i) {
-        float electrons = 0.0F;
+      const float least = count_up(signal.data(), normal.data(), count, exposure.read_variance,
+                                   exposure.full_well, electrons.data());
+      for (std::size_t i = 0; least < kExactBelow && i < count; ++i) {
         if (signal[i] < kExactBelow) {
-          electrons = poisson(signal[i], counter_uniform(second_key, counter[i])) +
-                      std::sqrt(read_variance) * normal[i];
-        } else {
-          // Shot and read noise together; what is above the well is lost before it is read.
-          const float shot = signal[i] + std::sqrt(signal[i] + read_variance) * normal[i];
-          electrons = std::min(shot, full_well);
+          electrons[i] = poisson(signal[i], counter_uniform(second_key, counter[i])) +
+                         std::sqrt(exposure.read_variance) * normal[i];
         }
-        const float number = std::min(electrons * gain + black, white);
-        numbers[row_at + begin + i] = static_cast<std::uint16_t>(std::max(number, 0.0F) + 0.5F);
       }
+      convert(electrons.data(), count, gain, exposure.black, exposure.white,
+              numbers.data() + static_cast<std::size_t>(row) * width + begin);
     }
   }
 }

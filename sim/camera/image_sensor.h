@@ -123,17 +123,19 @@ class ImageSensor {
   [[nodiscard]] static int bayer_band(int x, int y) { return (x & 1) + (y & 1); }
 
  private:
-  /// Signal of a pixel as share of what it should be, and electrons per second in the dark.
-  struct FixedPattern {
-    float response = 1.0F;
-    float dark = 0.0F;
-  };
+  struct Exposure;
+  void charge(std::span<const float> luminance, std::span<const float> falloff,
+              std::span<const float, 3> haze_cd, const ReadOut& read_out, const Exposure& exposure,
+              int row, std::size_t first, std::span<float> signal) const;
   void lay_dirt(std::uint64_t seed, std::string_view name);
 
   ImageSensorParameters parameters_;
   double electrons_per_cd_s_;
   std::uint64_t shot_key_;
-  std::vector<FixedPattern> pattern_;
+  // The fixed pattern: a pixel's signal as share of what it should be, and electrons per second in
+  // the dark.
+  std::vector<float> response_;
+  std::vector<float> dark_;
   std::vector<float> clear_;  ///< Share of the light that dirt lets through; empty: no dirt.
 };
 

@@ -13,9 +13,8 @@
 // meshes and instances; so they are marked incoherent here (a test holds that they come back).
 //
 // Errors. Pose within the exposure: by the motion at its middle, (w t / 2)^2 / 2 rad for w rad/s
-// and t s, 1e-5 rad at 1 rad/s and 10 ms; moving bodies as Scene has them. Pixels of several
-// samples: the lens's directions are interpolated between the middles of pixels, within 1e-3
-// pixels. Speed, and rms error of one sample against 64: `rigwire bench camera`.
+// and t s, 1e-5 rad at 1 rad/s and 10 ms; moving bodies as Scene has them. Directions of several
+// samples: pixel_rays.h. Speed, and rms error of one sample against 64: `rigwire bench camera`.
 #pragma once
 
 #include <cstdint>

@@ -8,6 +8,7 @@
 
 #include "fields/check.h"
 #include "fields/visitor.h"
+#include "sim/samples/wide_vectors.h"
 
 namespace rigwire::sim {
 
@@ -195,28 +196,71 @@ void Daylight::tabulate() {
           Eigen::Vector2f::Ones();
       const float s = q.squaredNorm();
       Eigen::Vector3f direction(2.0F * q.x(), 2.0F * q.y(), std::max(1.0F - s, 0.0F));
-      table_[static_cast<std::size_t>(row * kTable + column)] =
-          sky_luminance(direction.normalized());
+      const Eigen::Vector3f seen = sky_luminance(direction.normalized());
+      table_[static_cast<std::size_t>(row * kTable + column)] = {seen.x(), seen.y(), seen.z(),
+                                                                 0.0F};
     }
   }
 }
 
 Eigen::Vector3f Daylight::luminance(const Eigen::Vector3f& direction_W) const {
-  const float z = direction_W.z();
-  if (z < 0.0F) {
-    // Ground some 20 m below, in air of a visibility of 40 km.
-    return horizon_ + (ground_ - horizon_) * std::exp(0.002F / std::min(z, -1e-4F));
+  LaneArray x, y, z;
+  x.fill(direction_W.x());
+  y.fill(direction_W.y());
+  z.fill(direction_W.z());
+  std::array<LaneArray, 3> bands;
+  luminance(x, y, z, bands);
+  return {bands[0][0], bands[1][0], bands[2][0]};
+}
+
+RIGWIRE_WIDE_VECTORS void Daylight::luminance(EightNumbers dx, EightNumbers dy, EightNumbers dz,
+                                              std::array<LaneArray, 3>& bands) const {
+  constexpr float kHalf = 0.5F * (kTable - 1);
+  LaneArray a, b;
+  alignas(32) std::array<int, kLanes> first;
+  float lowest = 0.0F;
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const float z = dz[i] > 0.0F ? dz[i] : 0.0F;
+    const float scale = kHalf / (1.0F + z);
+    float x = dx[i] * scale + kHalf;
+    float y = dy[i] * scale + kHalf;
+    x = x > 0.0F ? x : 0.0F;
+    y = y > 0.0F ? y : 0.0F;
+    int column = static_cast<int>(x);
+    int row = static_cast<int>(y);
+    column = column < kTable - 2 ? column : kTable - 2;
+    row = row < kTable - 2 ? row : kTable - 2;
+    a[i] = x - static_cast<float>(column);
+    b[i] = y - static_cast<float>(row);
+    first[i] = row * kTable + column;
+    lowest = dz[i] < lowest ? dz[i] : lowest;
   }
-  const float scale = 0.5F * (kTable - 1) / (1.0F + z);
-  const float x = direction_W.x() * scale + 0.5F * (kTable - 1);
-  const float y = direction_W.y() * scale + 0.5F * (kTable - 1);
-  const int column = std::clamp(static_cast<int>(x), 0, kTable - 2);
-  const int row = std::clamp(static_cast<int>(y), 0, kTable - 2);
-  const float a = x - static_cast<float>(column);
-  const float b = y - static_cast<float>(row);
-  const Eigen::Vector3f* const node = table_.data() + row * kTable + column;
-  return (1.0F - b) * ((1.0F - a) * node[0] + a * node[1]) +
-         b * ((1.0F - a) * node[kTable] + a * node[kTable + 1]);
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const std::array<float, 4>* const node = table_.data() + first[i];
+    std::array<float, 4> seen;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const float south = node[0][k] + a[i] * (node[1][k] - node[0][k]);
+      const float north = node[kTable][k] + a[i] * (node[kTable + 1][k] - node[kTable][k]);
+      seen[k] = south + b[i] * (north - south);
+    }
+    bands[0][i] = seen[0];
+    bands[1][i] = seen[1];
+    bands[2][i] = seen[2];
+  }
+  if (lowest == 0.0F) {
+    return;
+  }
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    if (dz[i] < 0.0F) {
+      // Ground some 20 m below, in air of a visibility of 40 km.
+      const float share = std::exp(0.002F / std::min(dz[i], -1e-4F));
+      for (std::size_t band = 0; band < 3; ++band) {
+        const int k = static_cast<int>(band);
+        bands[band][i] = horizon_[k] + (ground_[k] - horizon_[k]) * share;
+      }
+    }
+  }
 }
 
 Eigen::Vector3f Daylight::sky_luminance(const Eigen::Vector3f& direction_W) const {

@@ -29,9 +29,11 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <span>
 #include <vector>
 
 #include "fields/rules.h"
+#include "sim/lidar/lane_array.h"
 
 namespace rigwire::sim {
 
@@ -71,6 +73,10 @@ class Daylight {
   /// of the formulas from 3 degrees above the horizon on); below it ground that pales with
   /// distance. The sun's disc is not in it.
   [[nodiscard]] Eigen::Vector3f luminance(const Eigen::Vector3f& direction_W) const;
+  /// The same in eight directions, by band.
+  using EightNumbers = std::span<const float, kLanes>;
+  void luminance(EightNumbers x, EightNumbers y, EightNumbers z,
+                 std::array<LaneArray, 3>& bands) const;
   /// Mean luminance of the sky's lowest 5 degrees all round: what air far away looks like.
   [[nodiscard]] const Eigen::Vector3f& horizon() const { return horizon_; }
   /// Of the sun's disc, half 0.267 degrees wide, seen through the air, cd/m2.
@@ -105,7 +111,8 @@ class Daylight {
   Eigen::Vector3f ground_ = Eigen::Vector3f::Zero();
   std::array<Eigen::Vector3f, 9> terms_{};
   /// The sky over the plane of (x, y) / (1 + z), which the upper half of the sphere fills up to 1.
-  std::vector<Eigen::Vector3f> table_;
+  /// Four numbers each, the last one empty.
+  std::vector<std::array<float, 4>> table_;
 };
 
 }  // namespace rigwire::sim

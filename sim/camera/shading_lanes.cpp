@@ -40,26 +40,28 @@ LightTerms light_terms(const Daylight& light, double wetness) {
   return terms;
 }
 
-// Neighbours mostly meet the same things: one after the other is worked out for all lanes, and each
-// lane keeps what is its own.
-RIGWIRE_WIDE_VECTORS void meet(const Scene::Internals::Shading* shading, const PreparedLook* looks,
-                               const LookLanes& look, const RTCRayHit8& packet, MetSurfaces& met) {
+RIGWIRE_WIDE_VECTORS bool meet_points(const Scene::Internals::Shading* shading,
+                                      const RTCRayHit8& packet, MetSurfaces& met) {
   const RTCRay8& ray = packet.ray;
   const RTCHit8& hit = packet.hit;
-  const SurfaceNumbers number(hit);
-  met.gx.fill(0.0F);
-  met.gy.fill(0.0F);
-  met.gz.fill(0.0F);
-  unsigned done = RTC_INVALID_GEOMETRY_ID;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    if (number[lane] == done || number[lane] == RTC_INVALID_GEOMETRY_ID) {
-      continue;
-    }
-    done = number[lane];
-    const float* const R = shading[done].R_WM.data();
+  constexpr unsigned kNothing = RTC_INVALID_GEOMETRY_ID;
+  unsigned least = kNothing;
+  unsigned most = 0;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const unsigned number = surface_number(hit.instID[0][i], hit.geomID[i]);
+    const unsigned there = number == kNothing ? 0U : number;
+    met.number[i] = number;
+    least = number < least ? number : least;
+    most = there > most ? there : most;
+  }
+  if (least == kNothing) {
+    return false;
+  }
+  met.one = least == most ? least : ~0U;
+  const auto turn = [&](const float* R, unsigned which, bool all) {
 #pragma GCC ivdep
     for (std::size_t i = 0; i < kLanes; ++i) {
-      const bool mine = number[i] == done;
+      const bool mine = all || met.number[i] == which;
       const float x = R[0] * hit.Ng_x[i] + R[3] * hit.Ng_y[i] + R[6] * hit.Ng_z[i];
       const float y = R[1] * hit.Ng_x[i] + R[4] * hit.Ng_y[i] + R[7] * hit.Ng_z[i];
       const float z = R[2] * hit.Ng_x[i] + R[5] * hit.Ng_y[i] + R[8] * hit.Ng_z[i];
@@ -67,9 +69,69 @@ RIGWIRE_WIDE_VECTORS void meet(const Scene::Internals::Shading* shading, const P
       met.gy[i] = mine ? y : met.gy[i];
       met.gz[i] = mine ? z : met.gz[i];
     }
+  };
+  // Neighbours mostly meet the same things: one after the other is worked out for all lanes, and
+  // each lane keeps what is its own.
+  std::size_t first = kLanes;
+  unsigned done = kNothing;
+  for (std::size_t lane = 0; lane < kLanes && (first == kLanes || met.one == ~0U); ++lane) {
+    if (met.number[lane] == done || met.number[lane] == kNothing) {
+      continue;
+    }
+    done = met.number[lane];
+    turn(shading[done].R_WM.data(), done, first == kLanes);
+    first = first == kLanes ? lane : first;
   }
-  // A lane without a hit keeps the first look, and its normal of no length.
-  const auto take = [&](const PreparedLook& from, std::uint32_t which, bool all) {
+  const float first_x = ray.org_x[first] + ray.tfar[first] * ray.dir_x[first];
+  const float first_y = ray.org_y[first] + ray.tfar[first] * ray.dir_y[first];
+  const float first_z = ray.org_z[first] + ray.tfar[first] * ray.dir_z[first];
+  const float first_m = ray.tfar[first];
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const bool there = met.number[i] != kNothing;
+    const float x = ray.org_x[i] + ray.tfar[i] * ray.dir_x[i];
+    const float y = ray.org_y[i] + ray.tfar[i] * ray.dir_y[i];
+    const float z = ray.org_z[i] + ray.tfar[i] * ray.dir_z[i];
+    met.x[i] = there ? x : first_x;
+    met.y[i] = there ? y : first_y;
+    met.z[i] = there ? z : first_z;
+    met.range_m[i] = there ? ray.tfar[i] : first_m;
+    met.points.x[i] = met.x[i];
+    met.points.y[i] = met.y[i];
+    met.points.z[i] = met.z[i];
+    const float square = met.gx[i] * met.gx[i] + met.gy[i] * met.gy[i] + met.gz[i] * met.gz[i];
+    const float along =
+        met.gx[i] * ray.dir_x[i] + met.gy[i] * ray.dir_y[i] + met.gz[i] * ray.dir_z[i];
+    const float size = there && square > 0.0F ? 1.0F / std::sqrt(square) : 0.0F;
+    const float scale = along > 0.0F ? -size : size;
+    met.gx[i] *= scale;
+    met.gy[i] *= scale;
+    met.gz[i] *= scale;
+    met.nx[i] = met.gx[i];
+    met.ny[i] = met.gy[i];
+    met.nz[i] = met.gz[i];
+    std::uint32_t mixed = met.number[i] * 0x9E3779B1U ^ hit.primID[i] * 0x85EBCA77U;
+    mixed ^= mixed >> 15U;
+    mixed *= 0x2C1B3C6DU;
+    met.draw[i] = static_cast<float>(static_cast<std::int32_t>(mixed)) * 0x1.0p-31F;
+  }
+  return true;
+}
+
+RIGWIRE_WIDE_VECTORS void take_looks(const PreparedLook* looks, const LookLanes& look,
+                                     MetSurfaces& met) {
+  std::uint32_t first = ~0U;
+  bool alike = true;
+  for (const std::uint32_t which : look) {
+    first = first == ~0U ? which : first;
+    alike = alike && (which == first || which == ~0U);
+  }
+  if (alike && first == met.look) {
+    return;
+  }
+  // A lane without a hit keeps the first look.
+  const auto take = [&](std::uint32_t which, bool all) {
+    const PreparedLook& from = looks[which];
     const Shade& s = from.shade;
     const auto set = [&](LaneArray& lanes, float value) {
 #pragma GCC ivdep
@@ -94,42 +156,27 @@ RIGWIRE_WIDE_VECTORS void meet(const Scene::Internals::Shading* shading, const P
       }
     }
   };
-  bool first = true;
-  std::uint32_t taken = ~0U;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+  take(first, true);
+  std::uint32_t taken = first;
+  for (std::size_t lane = 0; lane < kLanes && !alike; ++lane) {
     if (look[lane] != taken && look[lane] != ~0U) {
       taken = look[lane];
-      take(looks[taken], taken, first);
-      first = false;
+      take(taken, false);
     }
   }
-  if (first) {
-    take(looks[0], 0, true);
-  }
+  met.look = alike ? first : ~0U;
+}
+
+RIGWIRE_WIDE_VECTORS void find_footprints(const RTCRayHit8& packet, const LaneArray& pixel_rad,
+                                          MetSurfaces& met) {
+  const RTCRay8& ray = packet.ray;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
-    const float t = number[i] == RTC_INVALID_GEOMETRY_ID ? 0.0F : ray.tfar[i];
-    met.x[i] = ray.org_x[i] + t * ray.dir_x[i];
-    met.y[i] = ray.org_y[i] + t * ray.dir_y[i];
-    met.z[i] = ray.org_z[i] + t * ray.dir_z[i];
-    met.points.x[i] = met.x[i];
-    met.points.y[i] = met.y[i];
-    met.points.z[i] = met.z[i];
-    const float square = met.gx[i] * met.gx[i] + met.gy[i] * met.gy[i] + met.gz[i] * met.gz[i];
     const float along =
-        met.gx[i] * ray.dir_x[i] + met.gy[i] * ray.dir_y[i] + met.gz[i] * ray.dir_z[i];
-    const float size = square > 0.0F ? 1.0F / std::sqrt(square) : 0.0F;
-    const float scale = along > 0.0F ? -size : size;
-    met.gx[i] *= scale;
-    met.gy[i] *= scale;
-    met.gz[i] *= scale;
-    met.nx[i] = met.gx[i];
-    met.ny[i] = met.gy[i];
-    met.nz[i] = met.gz[i];
-    std::uint32_t mixed = number[i] * 0x9E3779B1U ^ hit.primID[i] * 0x85EBCA77U;
-    mixed ^= mixed >> 15U;
-    mixed *= 0x2C1B3C6DU;
-    met.draw[i] = static_cast<float>(static_cast<std::int32_t>(mixed)) * 0x1.0p-31F;
+        met.nx[i] * ray.dir_x[i] + met.ny[i] * ray.dir_y[i] + met.nz[i] * ray.dir_z[i];
+    const float cosine = along < 0.0F ? -along : along;
+    met.points.footprint_m[i] =
+        met.range_m[i] * pixel_rad[i] / std::sqrt(cosine > 0.05F ? cosine : 0.05F) + 1e-6F;
   }
 }
 
@@ -181,6 +228,11 @@ RIGWIRE_WIDE_VECTORS void texture(const MetSurfaces& met, const Grain& grain, co
     const float back = facing < 0.0F ? -facing : 0.0F;
     lit.sun[i] = (1.0F - met.transmission[i]) * front + met.transmission[i] * back;
   }
+  float most = 0.0F;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    most = lit.gloss[i] > most ? lit.gloss[i] : most;
+  }
+  lit.glossy = most > 0.0F;
 }
 
 RIGWIRE_WIDE_VECTORS bool aim_at_sun(const MetSurfaces& met, const LitLanes& lit,
@@ -195,7 +247,7 @@ RIGWIRE_WIDE_VECTORS bool aim_at_sun(const MetSurfaces& met, const LitLanes& lit
     // Off the surface by what its point may be wrong: 2 mm and 1e-4 of the range. Where light comes
     // through a leaf, off its other side.
     const float facing = met.gx[i] * sx + met.gy[i] * sy + met.gz[i] * sz;
-    float off = 2e-3F + 1e-4F * packet.ray.tfar[i];
+    float off = 2e-3F + 1e-4F * met.range_m[i];
     off = facing < 0.0F && met.transmission[i] > 0.0F ? -off : off;
     rays.org_x[i] = met.x[i] + off * met.gx[i];
     rays.org_y[i] = met.y[i] + off * met.gy[i];
@@ -216,30 +268,30 @@ RIGWIRE_WIDE_VECTORS bool aim_at_sun(const MetSurfaces& met, const LitLanes& lit
   return any != 0;
 }
 
-RIGWIRE_WIDE_VECTORS void light_up(const MetSurfaces& met, const LitLanes& lit,
-                                   const RTCRayHit8& packet, const LightTerms& light,
-                                   const LaneArray& seen, const LaneArray& sky,
-                                   std::array<LaneArray, 3>& luminance) {
-  const RTCRay8& ray = packet.ray;
-  const std::array<const LaneArray*, 3> albedo{&lit.red, &lit.green, &lit.blue};
-  LaneArray open;        // share of the diffuse light that arrives
-  LaneArray glint;       // of the sun's illuminance, in the coat
-  LaneArray fresnel;     // of the sky in the coat
-  LaneArray mx, my, mz;  // mirror direction
+namespace {
+
+/// What the coats of eight points send back: shares of the sun's illuminance and of the sky's
+/// light, and where the mirror's direction points.
+struct Coat {
+  LaneArray glint, fresnel;
+  LaneArray x, y, z;
+};
+
+inline void find_coat(const LitLanes& lit, const RTCRay8& ray, const LightTerms& light,
+                      const LaneArray& seen, Coat& coat) {
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
-    open[i] = sky[i] + (1.0F - sky[i]) * light.albedo_around;
     const float along =
         lit.nx[i] * ray.dir_x[i] + lit.ny[i] * ray.dir_y[i] + lit.nz[i] * ray.dir_z[i];
-    mx[i] = ray.dir_x[i] - 2.0F * along * lit.nx[i];
-    my[i] = ray.dir_y[i] - 2.0F * along * lit.ny[i];
-    mz[i] = ray.dir_z[i] - 2.0F * along * lit.nz[i];
+    coat.x[i] = ray.dir_x[i] - 2.0F * along * lit.nx[i];
+    coat.y[i] = ray.dir_y[i] - 2.0F * along * lit.ny[i];
+    coat.z[i] = ray.dir_z[i] - 2.0F * along * lit.nz[i];
     float cosine = along < 0.0F ? -along : 0.0F;
     cosine = cosine < 1.0F ? cosine : 1.0F;
     // Rough coats do not mirror at grazing incidence as smooth ones do: half the rise, less where
     // there is less of them than water would reflect.
     const float rise = lit.gloss[i] < kWater ? lit.gloss[i] * (0.5F / kWater) : 0.5F;
-    fresnel[i] = lit.gloss[i] + rise * (1.0F - lit.gloss[i]) * fifth(1.0F - cosine);
+    coat.fresnel[i] = lit.gloss[i] + rise * (1.0F - lit.gloss[i]) * fifth(1.0F - cosine);
     // Half way between sun and eye.
     const float hx = light.to_sun[0] - ray.dir_x[i];
     const float hy = light.to_sun[1] - ray.dir_y[i];
@@ -257,32 +309,68 @@ RIGWIRE_WIDE_VECTORS void light_up(const MetSurfaces& met, const LitLanes& lit,
     lobe *= lobe * (n + 8.0F) * (1.0F / (8.0F * kPi));
     const float facing =
         lit.nx[i] * light.to_sun[0] + lit.ny[i] * light.to_sun[1] + lit.nz[i] * light.to_sun[2];
-    glint[i] = facing > 0.0F ? fresnel[i] * lobe * facing * seen[i] : 0.0F;
+    coat.glint[i] = facing > 0.0F ? coat.fresnel[i] * lobe * facing * seen[i] : 0.0F;
   }
-  for (std::size_t band = 0; band < 3; ++band) {
-    const float* const a = albedo[band]->data();
-    const std::array<float, 9>& c = light.diffuse[band];
-    const float sun = light.sun_lx[band];
-    float* const out = luminance[band].data();
+}
+
+}  // namespace
+
+RIGWIRE_WIDE_VECTORS void light_up(const MetSurfaces& met, const LitLanes& lit,
+                                   const RTCRayHit8& packet, const LightTerms& light,
+                                   const LaneArray& seen, const LaneArray& sky,
+                                   std::array<LaneArray, 3>& luminance) {
+  const std::array<std::array<float, 9>, 3>& c = light.diffuse;
+  LaneArray open;  // share of the diffuse light that arrives
 #pragma GCC ivdep
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      const float x = lit.nx[i];
-      const float y = lit.ny[i];
-      const float z = lit.nz[i];
-      // Nine harmonics; even ones are the same from behind.
-      const float even = c[0] + x * y * c[4] + y * z * c[5] + (3.0F * z * z - 1.0F) * c[6] +
-                         x * z * c[7] + (x * x - y * y) * c[8];
-      const float odd = y * c[1] + z * c[2] + x * c[3];
-      const float one_way = 1.0F - 2.0F * met.transmission[i];
-      float diffuse = even + one_way * odd;
-      diffuse = diffuse > 0.0F ? diffuse : 0.0F;
-      float mirrored = c[0] + my[i] * c[1] + mz[i] * c[2] + mx[i] * c[3] + mx[i] * my[i] * c[4] +
-                       my[i] * mz[i] * c[5] + (3.0F * mz[i] * mz[i] - 1.0F) * c[6] +
-                       mx[i] * mz[i] * c[7] + (mx[i] * mx[i] - my[i] * my[i]) * c[8];
-      mirrored = mirrored > 0.0F ? mirrored : 0.0F;
-      out[i] = a[i] * (1.0F / kPi) * (sun * lit.sun[i] * seen[i] + diffuse * open[i]) +
-               sun * glint[i] + fresnel[i] * mirrored * (1.0F / kPi) * open[i];
-    }
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    open[i] = sky[i] + (1.0F - sky[i]) * light.albedo_around;
+    const float x = lit.nx[i];
+    const float y = lit.ny[i];
+    const float z = lit.nz[i];
+    // Nine harmonics; even ones are the same from behind.
+    const float xy = x * y;
+    const float yz = y * z;
+    const float zz = 3.0F * z * z - 1.0F;
+    const float xz = x * z;
+    const float xx = x * x - y * y;
+    const float one_way = 1.0F - 2.0F * met.transmission[i];
+    const float wx = one_way * x;
+    const float wy = one_way * y;
+    const float wz = one_way * z;
+    const float sun = lit.sun[i] * seen[i];
+    const auto band = [&](const std::array<float, 9>& k, float albedo, float sun_lx) {
+      const float diffuse = k[0] + wy * k[1] + wz * k[2] + wx * k[3] + xy * k[4] + yz * k[5] +
+                            zz * k[6] + xz * k[7] + xx * k[8];
+      return albedo * (1.0F / kPi) * (sun_lx * sun + (diffuse > 0.0F ? diffuse : 0.0F) * open[i]);
+    };
+    luminance[0][i] = band(c[0], lit.red[i], light.sun_lx[0]);
+    luminance[1][i] = band(c[1], lit.green[i], light.sun_lx[1]);
+    luminance[2][i] = band(c[2], lit.blue[i], light.sun_lx[2]);
+  }
+  if (!lit.glossy) {
+    return;
+  }
+  Coat shine;
+  find_coat(lit, packet.ray, light, seen, shine);
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const float x = shine.x[i];
+    const float y = shine.y[i];
+    const float z = shine.z[i];
+    const float xy = x * y;
+    const float yz = y * z;
+    const float zz = 3.0F * z * z - 1.0F;
+    const float xz = x * z;
+    const float xx = x * x - y * y;
+    const float of_sky = shine.fresnel[i] * (1.0F / kPi) * open[i];
+    const auto band = [&](const std::array<float, 9>& k, float sun_lx) {
+      const float mirrored = k[0] + y * k[1] + z * k[2] + x * k[3] + xy * k[4] + yz * k[5] +
+                             zz * k[6] + xz * k[7] + xx * k[8];
+      return sun_lx * shine.glint[i] + of_sky * (mirrored > 0.0F ? mirrored : 0.0F);
+    };
+    luminance[0][i] += band(c[0], light.sun_lx[0]);
+    luminance[1][i] += band(c[1], light.sun_lx[1]);
+    luminance[2][i] += band(c[2], light.sun_lx[2]);
   }
 }
 

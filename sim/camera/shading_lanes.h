@@ -39,40 +39,45 @@ struct LightTerms {
 };
 [[nodiscard]] LightTerms light_terms(const Daylight& light, double wetness);
 
-/// What eight rays met.
+/// What eight rays met. Rays that met nothing have the place of one that did, so that lanes stay
+/// alike, and a normal of no length.
 struct MetSurfaces {
+  alignas(32) std::array<std::uint32_t, kLanes> number;  ///< surface_number().
+  unsigned one = ~0U;    ///< Number of all that met something; ~0: there are several.
   LaneArray x, y, z;     ///< Hit points, in Embree's coordinates.
+  LaneArray range_m;     ///< Along the ray.
   LaneArray gx, gy, gz;  ///< Flat normals, unit, towards the viewer; 0 where nothing is.
   LaneArray nx, ny, nz;  ///< Smooth normals, the same unless they were replaced.
+  LaneArray draw;        ///< -1 .. 1, of the triangle that was hit.
+
+  std::uint32_t look = ~0U;  ///< That all lanes have; ~0: they differ.
   LaneArray red, green, blue, red2, green2, blue2;
   LaneArray grain, relief, gloss, sharpness, transmission, variation, soaks, film;
   LaneArray stones, stone_red, stone_green, stone_blue;
-  LaneArray draw;      ///< -1 .. 1, of the triangle that was hit.
-  GrainPoints points;  ///< Footprint filled by the caller before.
+  GrainPoints points;  ///< Where they are for their grain: in their body's own frame.
   GrainAnchor anchor;
-};
-
-/// By surface number (surface_number()).
-struct SurfaceInfo {
-  std::uint16_t look = 0;
-  std::uint8_t terrain = 0;  ///< 0: none; else its number plus 1.
-  bool on_body = false;
-  std::uint32_t panes = 0;  ///< 0: none; else the number of their frame plus 1.
 };
 
 /// Which look each lane has; ~0 where nothing was met.
 struct alignas(32) LookLanes : std::array<std::uint32_t, kLanes> {};
 
-/// Normals, points and looks of what a cast packet met.
-void meet(const Scene::Internals::Shading* shading, const PreparedLook* looks,
-          const LookLanes& look, const RTCRayHit8& packet, MetSurfaces& met);
+/// Points, flat normals and draws of what a cast packet met. Returns whether it met anything.
+bool meet_points(const Scene::Internals::Shading* shading, const RTCRayHit8& packet,
+                 MetSurfaces& met);
+
+/// What the surfaces look like. `met` keeps what it has when all lanes have the look of before.
+void take_looks(const PreparedLook* looks, const LookLanes& look, MetSurfaces& met);
+
+/// A pixel's width on the surfaces, between that across and that along its slant.
+void find_footprints(const RTCRayHit8& packet, const LaneArray& pixel_rad, MetSurfaces& met);
 
 /// A point that is lit.
 struct LitLanes {
   LaneArray nx, ny, nz;        ///< Bent by the relief.
   LaneArray red, green, blue;  ///< Albedo, grain in it.
   LaneArray gloss, sharpness;
-  LaneArray sun;  ///< Cosine of incidence, leaves from behind included; 0: no sun.
+  bool glossy = false;  ///< One of them is.
+  LaneArray sun;        ///< Cosine of incidence, leaves from behind included; 0: no sun.
 };
 
 /// Albedos and normals with their grain and stones.

@@ -93,35 +93,72 @@ SkyVisibility::SkyVisibility(const Scene& scene) {
 }
 
 float SkyVisibility::at(float x_m, float y_m, float z_m) const {
+  LaneArray x, y, z, share;
+  x.fill(x_m);
+  y.fill(y_m);
+  z.fill(z_m);
+  at(x, y, z, Eigen::Vector3f::Zero(), share);
+  return share[0];
+}
+
+RIGWIRE_WIDE_VECTORS void SkyVisibility::at(const LaneArray& x_m, const LaneArray& y_m,
+                                            const LaneArray& z_m, const Eigen::Vector3f& offset_m,
+                                            LaneArray& share) const {
   if (nodes_.empty()) {
-    return 1.0F;
+    share.fill(1.0F);
+    return;
   }
-  const float x = std::clamp(x_m * per_m_, 0.0F, static_cast<float>(columns_ - 1) - 1e-3F);
-  const float y = std::clamp(y_m * per_m_, 0.0F, static_cast<float>(rows_ - 1) - 1e-3F);
-  const int column = static_cast<int>(x);
-  const int row = static_cast<int>(y);
-  const float a = x - static_cast<float>(column);
-  const float b = y - static_cast<float>(row);
-  const std::array<const Node*, 4> corner{&node(column, row), &node(column + 1, row),
-                                          &node(column, row + 1), &node(column + 1, row + 1)};
-  const std::array<float, 4> weight{(1.0F - a) * (1.0F - b), a * (1.0F - b), (1.0F - a) * b, a * b};
-  float sum = 0.0F;
-  for (std::size_t i = 0; i < 4; ++i) {
-    // Each corner at the point's height above the corner's own ground: by a slope the corner uphill
-    // counts as low, the one downhill as high.
-    const Node& n = *corner[i];
-    const float h = z_m - n.ground_m;
-    float share = n.share[0];
-    if (h > kHeights_m[1]) {
-      const float t = std::min((h - kHeights_m[1]) / (kHeights_m[2] - kHeights_m[1]), 1.0F);
-      share = n.share[1] + t * (n.share[2] - n.share[1]);
-    } else if (h > kHeights_m[0]) {
-      share = n.share[0] +
-              (h - kHeights_m[0]) / (kHeights_m[1] - kHeights_m[0]) * (n.share[1] - n.share[0]);
+  LaneArray a, b, height_m;
+  alignas(32) std::array<int, kLanes> first;
+  const float offset_x = offset_m.x();
+  const float offset_y = offset_m.y();
+  const float offset_z = offset_m.z();
+  const float last_x = static_cast<float>(columns_ - 1) - 1e-3F;
+  const float last_y = static_cast<float>(rows_ - 1) - 1e-3F;
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    height_m[i] = z_m[i] + offset_z;
+    float x = (x_m[i] + offset_x) * per_m_;
+    float y = (y_m[i] + offset_y) * per_m_;
+    x = x > 0.0F ? x : 0.0F;
+    y = y > 0.0F ? y : 0.0F;
+    x = x < last_x ? x : last_x;
+    y = y < last_y ? y : last_y;
+    const int column = static_cast<int>(x);
+    const int row = static_cast<int>(y);
+    a[i] = x - static_cast<float>(column);
+    b[i] = y - static_cast<float>(row);
+    first[i] = row * columns_ + column;
+  }
+  // One cell after the other for all lanes, and each lane keeps what is its own.
+  int done = -1;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    if (first[lane] == done) {
+      continue;
     }
-    sum += weight[i] * share;
+    done = first[lane];
+    const Node* const south = nodes_.data() + done;
+    const Node* const north = south + columns_;
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      // Each corner at the point's height above the corner's own ground: by a slope the corner
+      // uphill counts as low, the one downhill as high.
+      const auto corner = [&](const Node& n) {
+        const float h = height_m[i] - n.ground_m;
+        float low = (h - kHeights_m[0]) * (1.0F / (kHeights_m[1] - kHeights_m[0]));
+        float high = (h - kHeights_m[1]) * (1.0F / (kHeights_m[2] - kHeights_m[1]));
+        low = low > 0.0F ? low : 0.0F;
+        low = low < 1.0F ? low : 1.0F;
+        high = high > 0.0F ? high : 0.0F;
+        high = high < 1.0F ? high : 1.0F;
+        return n.share[0] + low * (n.share[1] - n.share[0]) + high * (n.share[2] - n.share[1]);
+      };
+      const float here =
+          (1.0F - b[i]) * ((1.0F - a[i]) * corner(south[0]) + a[i] * corner(south[1])) +
+          b[i] * ((1.0F - a[i]) * corner(north[0]) + a[i] * corner(north[1]));
+      share[i] = first[i] == done ? here : share[i];
+    }
   }
-  return sum;
 }
 
 }  // namespace rigwire::sim

@@ -60,12 +60,84 @@ StoneAnchor::StoneAnchor(const Eigen::Vector3d& anchor_m) {
   }
 }
 
+namespace {
+
+/// Where points are in an octave's lattice, and what it adds to the sums.
+struct OctaveLanes {
+  LaneArray a, b, c;                                      ///< Place in the cell, 0 .. 1.
+  alignas(32) std::array<std::uint32_t, kLanes> x, y, z;  ///< The cell.
+};
+
+/// The value in a cell and its slopes, from those at its corners: with the blends u, v, w
+///   k0 + u k1 + v k2 + w k3 + u v k4 + v w k5 + u w k6 + u v w k7
+struct CellTerms {
+  float k0, k1, k2, k3, k4, k5, k6, k7;
+};
+
+inline CellTerms terms_of(float v000, float v100, float v010, float v110, float v001, float v101,
+                          float v011, float v111) {
+  const float e00 = v100 - v000;
+  const float e10 = v110 - v010;
+  const float e01 = v101 - v001;
+  const float e11 = v111 - v011;
+  const float n0 = v010 - v000;
+  const float n1 = v011 - v001;
+  const float d0 = e10 - e00;
+  return {v000, e00, n0, v001 - v000, d0, n1 - n0, e01 - e00, (e11 - e01) - d0};
+}
+
+/// Quintic blend 6 t^5 - 15 t^4 + 10 t^3, and its slope 30 t^2 (1 - t)^2.
+inline float quintic(float t) {
+  return t * t * t * (t * (t * 6.0F - 15.0F) + 10.0F);
+}
+inline float quintic_slope(float t) {
+  const float q = t - t * t;
+  return 30.0F * q * q;
+}
+
+/// Adds an octave; `terms_at` of a lane.
+template <bool kPatch, bool kRelief, class TermsAt>
+inline __attribute__((always_inline)) void add_octave(
+    const OctaveLanes& at, const TermsAt& terms_at, const LaneArray& persistence, LaneArray& weight,
+    LaneArray& cell_px, Grain& grain, float* sx, float* sy, float* sz) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const CellTerms k = terms_at(i);
+    // Fades out before the cell comes down to a pixel.
+    float there = (cell_px[i] - kLeastCell_px) * (1.0F / (kWholeCell_px - kLeastCell_px));
+    there = there < 0.0F ? 0.0F : (there > 1.0F ? 1.0F : there);
+    const float u = quintic(at.a[i]);
+    const float v = quintic(at.b[i]);
+    const float w = quintic(at.c[i]);
+    const float bend = k.k4 + w * k.k7;
+    const float flat_x = k.k1 + w * k.k6;
+    const float by_y = (k.k2 + w * k.k5) + u * bend;
+    const float share = there * ((k.k0 + w * k.k3) + u * flat_x + v * by_y);
+    grain.brightness[i] += weight[i] * share;
+    weight[i] *= persistence[i];
+    cell_px[i] *= 0.5F;
+    if constexpr (kPatch) {
+      grain.patch[i] += share;
+    }
+    if constexpr (kRelief) {
+      const float by_x = flat_x + v * bend;
+      const float by_z = (k.k3 + v * k.k5) + u * (k.k6 + v * k.k7);
+      sx[i] += there * (quintic_slope(at.a[i]) * by_x);
+      sy[i] += there * (quintic_slope(at.b[i]) * by_y);
+      sz[i] += there * (quintic_slope(at.c[i]) * by_z);
+    }
+  }
+}
+
+}  // namespace
+
 RIGWIRE_WIDE_VECTORS void sum_grain(const GrainPoints& points, const GrainAnchor& anchor,
                                     Grain& grain) {
   std::array<LaneArray, 3> place;
   LaneArray weight;
   LaneArray cell_px;
   float widest_px = 0.0F;
+#pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
     place[0][i] = points.x[i] * points.frequency_pm[i] + anchor.share[0][i];
     place[1][i] = points.y[i] * points.frequency_pm[i] + anchor.share[1][i];
@@ -80,10 +152,11 @@ RIGWIRE_WIDE_VECTORS void sum_grain(const GrainPoints& points, const GrainAnchor
     grain.slope_z[i] = 0.0F;
   }
   for (std::size_t i = 0; i < kLanes; ++i) {
-    widest_px = std::max(widest_px, cell_px[i]);
+    widest_px = cell_px[i] > widest_px ? cell_px[i] : widest_px;
   }
   const std::array<LaneArray*, 3> slope{&grain.slope_x, &grain.slope_y, &grain.slope_z};
   float scale = 1.0F;
+  OctaveLanes at;
   for (int octave = 0; octave < kMostOctaves && widest_px > kLeastCell_px; ++octave) {
     // Axes change places from octave to octave.
     const auto turn = static_cast<std::size_t>(octave % 3);
@@ -102,8 +175,6 @@ RIGWIRE_WIDE_VECTORS void sum_grain(const GrainPoints& points, const GrainAnchor
     const auto shift = static_cast<float>(octave) * 0.3819660F;
     const auto seed = static_cast<std::uint32_t>(octave + 1) * 0x7FEB352DU;
     const std::uint32_t times = 1U << static_cast<unsigned>(octave);
-    const float in_patch = octave < kPatchOctaves ? 1.0F : 0.0F;
-    const float in_relief = octave < kFirstRelief ? 0.0F : 1.0F;
 #pragma GCC ivdep
     for (std::size_t i = 0; i < kLanes; ++i) {
       const float x = px[i] * scale + shift;
@@ -116,56 +187,31 @@ RIGWIRE_WIDE_VECTORS void sum_grain(const GrainPoints& points, const GrainAnchor
       ix -= static_cast<float>(ix) > x ? 1 : 0;
       iy -= static_cast<float>(iy) > y ? 1 : 0;
       iz -= static_cast<float>(iz) > z ? 1 : 0;
-      const float a = x - static_cast<float>(ix);
-      const float b = y - static_cast<float>(iy);
-      const float c = z - static_cast<float>(iz);
-      const std::uint32_t hx =
-          (static_cast<std::uint32_t>(ix) + static_cast<std::uint32_t>(cx[i]) * times) * kX + seed;
-      const std::uint32_t hy =
-          (static_cast<std::uint32_t>(iy) + static_cast<std::uint32_t>(cy[i]) * times) * kY;
-      const std::uint32_t hz =
-          (static_cast<std::uint32_t>(iz) + static_cast<std::uint32_t>(cz[i]) * times) * kZ;
-      const float v000 = lattice(hx ^ hy ^ hz);
-      const float v100 = lattice((hx + kX) ^ hy ^ hz);
-      const float v010 = lattice(hx ^ (hy + kY) ^ hz);
-      const float v110 = lattice((hx + kX) ^ (hy + kY) ^ hz);
-      const float v001 = lattice(hx ^ hy ^ (hz + kZ));
-      const float v101 = lattice((hx + kX) ^ hy ^ (hz + kZ));
-      const float v011 = lattice(hx ^ (hy + kY) ^ (hz + kZ));
-      const float v111 = lattice((hx + kX) ^ (hy + kY) ^ (hz + kZ));
-      // Quintic blends 6 t^5 - 15 t^4 + 10 t^3 and their slopes.
-      const float u = a * a * a * (a * (a * 6.0F - 15.0F) + 10.0F);
-      const float v = b * b * b * (b * (b * 6.0F - 15.0F) + 10.0F);
-      const float w = c * c * c * (c * (c * 6.0F - 15.0F) + 10.0F);
-      const float du = 30.0F * a * a * (a * (a - 2.0F) + 1.0F);
-      const float dv = 30.0F * b * b * (b * (b - 2.0F) + 1.0F);
-      const float dw = 30.0F * c * c * (c * (c - 2.0F) + 1.0F);
-      const float e00 = v100 - v000;
-      const float e10 = v110 - v010;
-      const float e01 = v101 - v001;
-      const float e11 = v111 - v011;
-      const float f00 = v000 + u * e00;
-      const float f10 = v010 + u * e10;
-      const float f01 = v001 + u * e01;
-      const float f11 = v011 + u * e11;
-      const float g0 = f00 + v * (f10 - f00);
-      const float g1 = f01 + v * (f11 - f01);
-      const float value = g0 + w * (g1 - g0);
-      const float e0 = e00 + v * (e10 - e00);
-      const float e1 = e01 + v * (e11 - e01);
-      const float by_x = du * (e0 + w * (e1 - e0));
-      const float by_y = dv * ((f10 - f00) + w * ((f11 - f01) - (f10 - f00)));
-      const float by_z = dw * (g1 - g0);
-      // Fades out before the cell comes down to a pixel.
-      float there = (cell_px[i] - kLeastCell_px) * (1.0F / (kWholeCell_px - kLeastCell_px));
-      there = there < 0.0F ? 0.0F : (there > 1.0F ? 1.0F : there);
-      grain.brightness[i] += there * weight[i] * value;
-      grain.patch[i] += in_patch * there * value;
-      sx[i] += in_relief * there * by_x;
-      sy[i] += in_relief * there * by_y;
-      sz[i] += in_relief * there * by_z;
-      weight[i] *= points.persistence[i];
-      cell_px[i] *= 0.5F;
+      at.a[i] = x - static_cast<float>(ix);
+      at.b[i] = y - static_cast<float>(iy);
+      at.c[i] = z - static_cast<float>(iz);
+      at.x[i] = static_cast<std::uint32_t>(ix) + static_cast<std::uint32_t>(cx[i]) * times;
+      at.y[i] = static_cast<std::uint32_t>(iy) + static_cast<std::uint32_t>(cy[i]) * times;
+      at.z[i] = static_cast<std::uint32_t>(iz) + static_cast<std::uint32_t>(cz[i]) * times;
+    }
+    const auto terms = [&at, seed ](std::size_t i) __attribute__((always_inline)) {
+      const std::uint32_t hx = at.x[i] * kX + seed;
+      const std::uint32_t hy = at.y[i] * kY;
+      const std::uint32_t hz = at.z[i] * kZ;
+      const std::uint32_t h00 = hy ^ hz;
+      const std::uint32_t h10 = (hy + kY) ^ hz;
+      const std::uint32_t h01 = hy ^ (hz + kZ);
+      const std::uint32_t h11 = (hy + kY) ^ (hz + kZ);
+      return terms_of(lattice(hx ^ h00), lattice((hx + kX) ^ h00), lattice(hx ^ h10),
+                      lattice((hx + kX) ^ h10), lattice(hx ^ h01), lattice((hx + kX) ^ h01),
+                      lattice(hx ^ h11), lattice((hx + kX) ^ h11));
+    };
+    if (octave < kFirstRelief) {
+      add_octave<true, false>(at, terms, points.persistence, weight, cell_px, grain, sx, sy, sz);
+    } else if (octave < kPatchOctaves) {
+      add_octave<true, true>(at, terms, points.persistence, weight, cell_px, grain, sx, sy, sz);
+    } else {
+      add_octave<false, true>(at, terms, points.persistence, weight, cell_px, grain, sx, sy, sz);
     }
     scale *= 2.0F;
     widest_px *= 0.5F;
@@ -180,13 +226,17 @@ RIGWIRE_WIDE_VECTORS void lay_stones(const GrainPoints& points, const StoneAncho
   std::array<LaneArray, 3> place;
   LaneArray cell_px;
   float widest_px = 0.0F;
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < kLanes; ++i) {
       place[axis][i] = (kStoneAxes[axis][0] * points.x[i] + kStoneAxes[axis][1] * points.y[i] +
                         kStoneAxes[axis][2] * points.z[i]) *
                            kStoneFrequency_pm +
                        anchor.share[axis];
     }
+  }
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < kLanes; ++i) {
     cell_px[i] = density[i] > 0.0F ? 1.0F / (kStoneFrequency_pm * points.footprint_m[i]) : 0.0F;
     stones.share[i] = 0.0F;
     stones.tone[i] = 1.0F;
@@ -196,9 +246,15 @@ RIGWIRE_WIDE_VECTORS void lay_stones(const GrainPoints& points, const StoneAncho
     stones.slope_z[i] = 0.0F;
   }
   for (std::size_t i = 0; i < kLanes; ++i) {
-    widest_px = std::max(widest_px, cell_px[i]);
+    widest_px = cell_px[i] > widest_px ? cell_px[i] : widest_px;
   }
   float scale = 1.0F;
+  std::array<LaneArray, 3> within;
+  LaneArray presence;
+  alignas(32) std::array<std::uint32_t, kLanes> drawn;
+  const auto byte = [](std::uint32_t bits, unsigned from) {
+    return static_cast<float>(static_cast<std::int32_t>(bits >> from & 0xFFU)) * (1.0F / 255.0F);
+  };
   for (int k = 0; k < kStoneLattices && widest_px > kLeastStone_px; ++k) {
     const auto at = static_cast<std::size_t>(k);
     const std::uint32_t times = 1U << static_cast<unsigned>(k);
@@ -207,6 +263,8 @@ RIGWIRE_WIDE_VECTORS void lay_stones(const GrainPoints& points, const StoneAncho
     const std::uint32_t cz = static_cast<std::uint32_t>(anchor.cell[2]) * times;
     const std::uint32_t seed = static_cast<std::uint32_t>(k + 1) * 0x27D4EB2FU;
     const float filled = kFilled[at];
+    // Which cells hold a stone; of the coarse lattices few do.
+    std::uint32_t somewhere = 0;
 #pragma GCC ivdep
     for (std::size_t i = 0; i < kLanes; ++i) {
       const float x = place[0][i] * scale;
@@ -218,25 +276,42 @@ RIGWIRE_WIDE_VECTORS void lay_stones(const GrainPoints& points, const StoneAncho
       ix -= static_cast<float>(ix) > x ? 1 : 0;
       iy -= static_cast<float>(iy) > y ? 1 : 0;
       iz -= static_cast<float>(iz) > z ? 1 : 0;
+      within[0][i] = x - static_cast<float>(ix);
+      within[1][i] = y - static_cast<float>(iy);
+      within[2][i] = z - static_cast<float>(iz);
       std::uint32_t one = ((static_cast<std::uint32_t>(ix) + cx) * kX) ^
                           ((static_cast<std::uint32_t>(iy) + cy) * kY) ^
                           ((static_cast<std::uint32_t>(iz) + cz) * kZ) ^ seed;
       one ^= one >> 15U;
       one *= 0x2C1B3C6DU;
       one ^= one >> 13U;
+      drawn[i] = one;
+      float there = (cell_px[i] - kLeastStone_px) * (1.0F / (kWholeStone_px - kLeastStone_px));
+      there = there < 0.0F ? 0.0F : (there > 1.0F ? 1.0F : there);
+      const bool holds = byte(one, 24U) < density[i] * filled;
+      presence[i] = holds ? there : 0.0F;
+      somewhere |= holds ? 1U : 0U;
+    }
+    if (somewhere == 0) {
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        cell_px[i] *= 0.5F;
+      }
+      scale *= 2.0F;
+      widest_px *= 0.5F;
+      continue;
+    }
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const std::uint32_t one = drawn[i];
       const std::uint32_t two = one * 0x297A2D39U;
       // Radius, presence and brightness; then the centre, so that the stone and the shade beside it
       // stay in their cell.
-      const auto byte = [](std::uint32_t bits, unsigned from) {
-        return static_cast<float>(static_cast<std::int32_t>(bits >> from & 0xFFU)) *
-               (1.0F / 255.0F);
-      };
       const float radius = 0.14F + 0.24F * byte(two, 24U);
       const float margin = kShadeReach * radius;
       const float room = 1.0F - 2.0F * margin;
-      const float dx = x - static_cast<float>(ix) - margin - room * byte(one, 0U);
-      const float dy = y - static_cast<float>(iy) - margin - room * byte(one, 8U);
-      const float dz = z - static_cast<float>(iz) - margin - room * byte(one, 16U);
+      const float dx = within[0][i] - margin - room * byte(one, 0U);
+      const float dy = within[1][i] - margin - room * byte(one, 8U);
+      const float dz = within[2][i] - margin - room * byte(one, 16U);
       const float out = 1.0F / radius;
       // Broken stones: the sphere less what a slanting octahedron leaves of it.
       const float lean = byte(two, 8U) - 0.5F;
@@ -245,9 +320,7 @@ RIGWIRE_WIDE_VECTORS void lay_stones(const GrainPoints& points, const StoneAncho
       const float ball = dx * dx + dy * dy + dz * dz;
       const float edged = 0.62F * corner * corner;
       const float square = (ball > edged ? ball : edged) * out * out;
-      float there = (cell_px[i] - kLeastStone_px) * (1.0F / (kWholeStone_px - kLeastStone_px));
-      there = there < 0.0F ? 0.0F : (there > 1.0F ? 1.0F : there);
-      there = byte(one, 24U) < density[i] * filled ? there * (1.0F - stones.share[i]) : 0.0F;
+      const float there = presence[i] * (1.0F - stones.share[i]);
       // An edge one pixel wide, and the shade beside it.
       float cover = (1.0F - square) * 0.5F * radius * cell_px[i];
       cover = cover < 0.0F ? 0.0F : (cover > 1.0F ? 1.0F : cover);

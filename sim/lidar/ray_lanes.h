@@ -10,17 +10,13 @@
 #include <cstdint>
 #include <span>
 
+#include "sim/lidar/lane_array.h"
 #include "sim/samples/wide_vectors.h"
 
 // Embree reads a packet in registers of eight floats. Written in halves, it waits for the stores;
 // so functions that write one are marked RIGWIRE_WIDE_VECTORS.
 
 namespace rigwire::sim {
-
-inline constexpr std::size_t kLanes = 8;
-
-/// One value per lane.
-struct alignas(32) LaneArray : std::array<float, kLanes> {};
 
 /// `kColumns` quantities of eight lanes.
 template <int kColumns>

@@ -1,0 +1,61 @@
+// What the surfaces of a scene look like: which look, normal and frame each point has that a packet
+// of rays met, and its texture. Ground, panes of glass and what moves have their own ways
+// (ground_looks.h, pane_looks.h).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sim/camera/ground_looks.h"
+#include "sim/camera/pane_looks.h"
+#include "sim/camera/shading_lanes.h"
+#include "sim/camera/surface_grain.h"
+#include "sim/camera/surface_look.h"
+#include "sim/scene/scene_internals.h"
+
+namespace rigwire::sim {
+
+/// Of one packet after the other: what they keep from each other saves work, no more.
+struct TexturedPacket {
+  MetSurfaces met;
+  LitLanes lit;
+
+  bool on_bodies = false;                       ///< Some met what moves: X is filled there.
+  bool stony = false;                           ///< Some have stones,
+  bool glazed = false;                          ///< some panes.
+  std::array<std::array<float, 12>, kLanes> X;  ///< Poses of the links, column by column.
+};
+
+class SceneLooks {
+ public:
+  /// Of the scene in its present slice; `given` before what is built in.
+  void prepare(const Scene::Internals& scene, const std::vector<SurfaceLook>& given);
+
+  /// Textures what a cast packet met. Returns whether it met anything.
+  bool texture_hits(const RTCRayHit8& rays, const LaneArray& pixel_rad, const LightTerms& light,
+                    TexturedPacket& packet) const;
+
+ private:
+  /// By surface number (surface_number()).
+  struct SurfaceInfo {
+    std::uint16_t look = 0;
+    std::uint8_t terrain = 0;  ///< 0: none; else its number plus 1.
+    bool on_body = false;
+    std::uint32_t panes = 0;  ///< 0: none; else the number of their frame plus 1.
+  };
+
+  std::uint16_t add(const Shade& shade);
+  void find_looks(const RTCRayHit8& rays, const LaneArray& pixel_rad, TexturedPacket& packet) const;
+  void follow_bodies(const RTCRayHit8& rays, TexturedPacket& packet) const;
+  void turn_relief(const TexturedPacket& packet, Grain& grain) const;
+
+  const Scene::Internals* scene_ = nullptr;
+  std::vector<SurfaceInfo> infos_;
+  std::vector<PreparedLook> looks_;
+  std::vector<GroundLooks> grounds_;
+  std::vector<PaneFrame> panes_;
+  StoneAnchor stone_anchor_;
+};
+
+}  // namespace rigwire::sim

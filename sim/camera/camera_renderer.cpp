@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -235,14 +236,15 @@ struct CameraRenderer::Internals {
 
   /// One packet of pixels through one sample, what it met, and what is seen of it.
   struct Packet {
-    explicit Packet(const PictureLimits& limits) : pixels(limits) {}
-
     PixelPacket pixels;
     TexturedPacket surfaces;
     ShadowPacket shadow;
-    LaneArray seen;  ///< Share of the sun,
-    LaneArray sky;   ///< of the sky.
+    bool met = false;     ///< There is something.
+    bool in_sun = false;  ///< Some of it may be: there are rays towards it.
+    LaneArray seen;       ///< Share of the sun,
+    LaneArray sky;        ///< of the sky.
     std::array<LaneArray, 3> luminance;
+    std::array<LaneArray, 3> sum;  ///< Over the samples.
   };
   /// What all packets of a picture have in common.
   struct Frame {
@@ -264,16 +266,16 @@ struct CameraRenderer::Internals {
 
   void prepare(const Scene& scene, const PictureJob& job, const PixelSamples& samples);
   void prepare_rows(const Scene::Internals& in, const PictureJob& job, const PixelSamples& samples);
-  void render_tile(std::size_t tile) const;
-  void shade(Packet& packet) const;
-  void see_sun(Packet& packet) const;
+  void render_strip(std::span<Packet> packets) const;
+  void aim_shadow(Packet& packet) const;
+  void light(Packet& packet) const;
   void see_sky(Packet& packet) const;
   void look_for_sky(Packet& packet) const;
   void see_nothing(Packet& packet) const;
   void pass_air(Packet& packet) const;
   void tell_truth(Packet& packet) const;
   template <class Work>
-  void each_packet(std::size_t tile, const Work& work) const;
+  void each_strip(std::size_t tile, const Work& work) const;
   void collect_rays(Packet& packet, PictureRays& found) const;
   [[nodiscard]] std::size_t tiles() const {
     return static_cast<std::size_t>((frame.width + kTileWidth - 1) / kTileWidth) *
@@ -423,11 +425,11 @@ void CameraRenderer::Internals::pass_air(Packet& packet) const {
   }
 }
 
-/// Which of the points that the sun may light it lights.
-void CameraRenderer::Internals::see_sun(Packet& packet) const {
+/// Rays towards the sun from what the packet met.
+void CameraRenderer::Internals::aim_shadow(Packet& packet) const {
   const PictureJob& job = *frame.job;
-  packet.seen.fill(0.0F);
-  if (!job.light->sun_shines()) {
+  packet.in_sun = false;
+  if (!packet.met || !job.light->sun_shines()) {
     return;
   }
   // A point of the sun's disc for all of the packet; neighbours blend it over the samples.
@@ -436,15 +438,8 @@ void CameraRenderer::Internals::see_sun(Packet& packet) const {
                               : frame.on_sun[counter_bits(frame.key ^ 0x5D15CULL,
                                                           packet.pixels.number() + (1ULL << 62U)) %
                                              kSunPoints];
-  if (!aim_at_sun(packet.surfaces.met, packet.surfaces.lit, packet.pixels.rays, to_sun,
-                  packet.shadow.rays, packet.shadow.active)) {
-    return;
-  }
-  if (frame.record != nullptr) {
-    frame.record->shadow.push_back(packet.shadow);
-  }
-  occlude(*frame.in, packet.shadow.active.data(), packet.shadow.rays);
-  see_through(packet.shadow.rays, packet.shadow.active, packet.seen);
+  packet.in_sun = aim_at_sun(packet.surfaces.met, packet.surfaces.lit, packet.pixels.rays, to_sun,
+                             packet.shadow.rays, packet.shadow.active);
 }
 
 /// How much of the sky is open above each point, by its lattice or by rays.
@@ -509,10 +504,14 @@ void CameraRenderer::Internals::look_for_sky(Packet& packet) const {
   }
 }
 
-void CameraRenderer::Internals::shade(Packet& packet) const {
+void CameraRenderer::Internals::light(Packet& packet) const {
   const RTCRayHit8& rays = packet.pixels.rays;
-  if (looks.texture_hits(rays, packet.pixels.pixel_rad, frame.light, packet.surfaces)) {
-    see_sun(packet);
+  if (packet.met) {
+    if (packet.in_sun) {
+      see_through(packet.shadow.rays, packet.shadow.active, packet.seen);
+    } else {
+      packet.seen.fill(0.0F);
+    }
     see_sky(packet);
     light_up(packet.surfaces.met, packet.surfaces.lit, rays, frame.light, packet.seen, packet.sky,
              packet.luminance);
@@ -550,19 +549,23 @@ void CameraRenderer::Internals::tell_truth(Packet& packet) const {
 }
 
 template <class Work>
-void CameraRenderer::Internals::each_packet(std::size_t tile, const Work& work) const {
+void CameraRenderer::Internals::each_strip(std::size_t tile, const Work& work) const {
   const FlushDenormals flush;
   const int tiles_across = (frame.width + kTileWidth - 1) / kTileWidth;
   const int first_column = static_cast<int>(tile) % tiles_across * kTileWidth;
   const int first_row = static_cast<int>(tile) / tiles_across * kTileHeight;
   const int end_column = std::min(first_column + kTileWidth, frame.width);
   const int end_row = std::min(first_row + kTileHeight, frame.height);
-  Packet packet(frame.limits);
+  std::array<Packet, kTileWidth / kPacketWidth> packets;
+  for (Packet& packet : packets) {
+    packet.pixels.limit(frame.limits);
+  }
   for (int row = first_row; row < end_row; row += kPacketHeight) {
+    std::size_t count = 0;
     for (int column = first_column; column < end_column; column += kPacketWidth) {
-      pixels.turn_to(column, row, packet.pixels);
-      work(packet);
+      pixels.turn_to(column, row, packets[count++].pixels);
     }
+    work(std::span(packets).first(count));
   }
 }
 
@@ -598,27 +601,48 @@ void CameraRenderer::Internals::collect_rays(Packet& packet, PictureRays& found)
   }
 }
 
-void CameraRenderer::Internals::render_tile(std::size_t tile) const {
+/// Packets beside each other are taken through each step together: the ray caster and the shading
+/// keep their own parts of the caches for longer.
+void CameraRenderer::Internals::render_strip(std::span<Packet> packets) const {
   const float weight = 1.0F / static_cast<float>(parameters.samples);
   RTCIntersectContext context = coherent();
-  each_packet(tile, [&](Packet& packet) {
-    PixelPacket& of = packet.pixels;
-    std::array<LaneArray, 3> sum{};
-    for (int sample = 0; sample < parameters.samples; ++sample) {
+  for (Packet& packet : packets) {
+    packet.sum = {};
+  }
+  for (int sample = 0; sample < parameters.samples; ++sample) {
+    for (Packet& packet : packets) {
+      PixelPacket& of = packet.pixels;
       pixels.aim(sample, of);
       if (frame.record != nullptr) {
         frame.record->primary.push_back({of.rays, of.active});
       }
       frame.in->intersect(of.active.data(), context, of.rays);
-      shade(packet);
-      add_up(packet.luminance, of.active, weight, sum);
     }
-    store(sum, of.valid, static_cast<std::size_t>(frame.width),
-          frame.picture->luminance.data() + 3 * pixel_at(of, 0));
+    for (Packet& packet : packets) {
+      packet.met = looks.texture_hits(packet.pixels.rays, packet.pixels.pixel_rad, frame.light,
+                                      packet.surfaces);
+      aim_shadow(packet);
+    }
+    for (Packet& packet : packets) {
+      if (packet.in_sun) {
+        if (frame.record != nullptr) {
+          frame.record->shadow.push_back(packet.shadow);
+        }
+        occlude(*frame.in, packet.shadow.active.data(), packet.shadow.rays);
+      }
+    }
+    for (Packet& packet : packets) {
+      light(packet);
+      add_up(packet.luminance, packet.pixels.active, weight, packet.sum);
+    }
+  }
+  for (Packet& packet : packets) {
+    store(packet.sum, packet.pixels.valid, static_cast<std::size_t>(frame.width),
+          frame.picture->luminance.data() + 3 * pixel_at(packet.pixels, 0));
     if (frame.job->truth) {
       tell_truth(packet);
     }
-  });
+  }
 }
 
 CameraRenderer::CameraRenderer(const CameraParameters& parameters, std::uint64_t seed,
@@ -645,7 +669,9 @@ void CameraRenderer::render(const Scene& scene, const PictureJob& job, RenderedP
   const int height = in.frame.height;
   const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   resize(picture, width, height, pixels, job.truth ? pixels : 0);
-  in.pool.run(in.tiles(), [&in](std::size_t tile) { in.render_tile(tile); });
+  in.pool.run(in.tiles(), [&in](std::size_t tile) {
+    in.each_strip(tile, [&in](std::span<Internals::Packet> packets) { in.render_strip(packets); });
+  });
 
   std::array<float, 3> haze{};
   for (int band = 0; band < 3; ++band) {
@@ -675,7 +701,11 @@ void CameraRenderer::measure(const Scene& scene, const PictureJob& job, Rendered
   resize(picture, in.frame.width, in.frame.height, 0,
          static_cast<std::size_t>(in.frame.width) * static_cast<std::size_t>(in.frame.height));
   in.pool.run(in.tiles(), [&in](std::size_t tile) {
-    in.each_packet(tile, [&in](Internals::Packet& packet) { in.tell_truth(packet); });
+    in.each_strip(tile, [&in](std::span<Internals::Packet> packets) {
+      for (Internals::Packet& packet : packets) {
+        in.tell_truth(packet);
+      }
+    });
   });
   picture.mean = 0.0;
   in.frame = {};
@@ -699,8 +729,11 @@ void CameraRenderer::cast(const Scene& scene, const PictureJob& job, int rays_ac
   found.reflectance.resize(all);
   found.depth.assign(job.air != nullptr && !job.air->clear() ? all : 0, 0.0F);
   in.pool.run(in.tiles(), [&in, &found](std::size_t tile) {
-    in.each_packet(tile,
-                   [&in, &found](Internals::Packet& packet) { in.collect_rays(packet, found); });
+    in.each_strip(tile, [&in, &found](std::span<Internals::Packet> packets) {
+      for (Internals::Packet& packet : packets) {
+        in.collect_rays(packet, found);
+      }
+    });
   });
   in.frame = {};
 }
@@ -718,7 +751,7 @@ RecordedPictureRays CameraRenderer::record(const Scene& scene, const PictureJob&
   in.frame.picture = &picture;
   in.frame.record = recorded.packets_.get();
   for (std::size_t tile = 0; tile < in.tiles(); ++tile) {
-    in.render_tile(tile);
+    in.each_strip(tile, [&in](std::span<Internals::Packet> packets) { in.render_strip(packets); });
   }
   in.frame = {};
   recorded.reset();

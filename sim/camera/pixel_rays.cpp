@@ -15,12 +15,10 @@ constexpr std::uint32_t kDown = 0x91E10DA6U;
 
 }  // namespace
 
-PixelPacket::PixelPacket(const PictureLimits& limits) : rays{} {
+void PixelPacket::limit(const PictureLimits& limits) {
   for (std::size_t i = 0; i < kLanes; ++i) {
     rays.ray.tnear[i] = limits.near_m;
     rays.ray.mask[i] = limits.mask;
-    rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-    rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
 }
 

@@ -34,8 +34,8 @@ struct PictureLimits {
 
 /// A packet of pixels and the rays through one sample of them.
 struct PixelPacket {
-  /// Nothing met, and what aim() does not write.
-  explicit PixelPacket(const PictureLimits& limits);
+  /// What aim() does not write.
+  void limit(const PictureLimits& limits);
 
   int column = 0;
   int row = 0;
@@ -47,7 +47,7 @@ struct PixelPacket {
   /// Numbers of a pixel's own, of which its samples are spread.
   alignas(32) std::array<std::uint32_t, kLanes> across{}, down{}, stratum{};
   LaneArray within_stratum{};
-  RTCRayHit8 rays;
+  RTCRayHit8 rays{};
 
   /// Of the packet among the samples of a picture.
   [[nodiscard]] std::uint64_t number() const {

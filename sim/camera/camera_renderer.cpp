@@ -112,12 +112,13 @@ void lay_on_sun(const Eigen::Vector3f& to_sun, std::array<Eigen::Vector3f, kSunP
 
 /// Share `weight` of what the pixels see that the lens fills.
 RIGWIRE_WIDE_VECTORS void add_up(const std::array<LaneArray, 3>& luminance,
-                                 const std::array<int, kLanes>& active, float weight,
+                                 const std::array<int, kLanes>& active, bool first, float weight,
                                  std::array<LaneArray, 3>& sum) {
   for (std::size_t band = 0; band < 3; ++band) {
 #pragma GCC ivdep
     for (std::size_t i = 0; i < kLanes; ++i) {
-      sum[band][i] += active[i] != 0 ? luminance[band][i] * weight : 0.0F;
+      const float seen = active[i] != 0 ? luminance[band][i] * weight : 0.0F;
+      sum[band][i] = first ? seen : sum[band][i] + seen;
     }
   }
 }
@@ -606,9 +607,6 @@ void CameraRenderer::Internals::collect_rays(Packet& packet, PictureRays& found)
 void CameraRenderer::Internals::render_strip(std::span<Packet> packets) const {
   const float weight = 1.0F / static_cast<float>(parameters.samples);
   RTCIntersectContext context = coherent();
-  for (Packet& packet : packets) {
-    packet.sum = {};
-  }
   for (int sample = 0; sample < parameters.samples; ++sample) {
     for (Packet& packet : packets) {
       PixelPacket& of = packet.pixels;
@@ -633,7 +631,7 @@ void CameraRenderer::Internals::render_strip(std::span<Packet> packets) const {
     }
     for (Packet& packet : packets) {
       light(packet);
-      add_up(packet.luminance, packet.pixels.active, weight, packet.sum);
+      add_up(packet.luminance, packet.pixels.active, sample == 0, weight, packet.sum);
     }
   }
   for (Packet& packet : packets) {
@@ -684,13 +682,7 @@ void CameraRenderer::render(const Scene& scene, const PictureJob& job, RenderedP
     in.sensor.expose(picture.luminance, in.pixels.falloff(), haze, job.read_out, first,
                      std::min(first + kRowsAtOnce, height), picture.numbers);
   });
-  double sum = 0.0;
-  for (const std::uint16_t number : picture.numbers) {
-    sum += number;
-  }
-  const double black = job.read_out.black_level * (1 << (job.read_out.bits - 8));
-  const double white = (1 << job.read_out.bits) - 1;
-  picture.mean = std::max(0.0, sum / static_cast<double>(pixels) - black) / white;
+  picture.mean = mean_share(picture.numbers, job.read_out);
   in.frame = {};
 }
 

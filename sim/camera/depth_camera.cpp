@@ -176,13 +176,7 @@ class DepthCamera final : public CameraSensor {
     }
     numbers_.resize(echoes_.size());
     renderer_.sensor().expose(luminance_, falloff_, haze, job.read_out, 0, rays_.height, numbers_);
-    double sum = 0.0;
-    for (const std::uint16_t number : numbers_) {
-      sum += number;
-    }
-    const double black = job.read_out.black_level * (1 << (job.read_out.bits - 8));
-    return std::max(0.0, sum / static_cast<double>(numbers_.size()) - black) /
-           ((1 << job.read_out.bits) - 1);
+    return mean_share(numbers_, job.read_out);
   }
 
   void measure(const CameraShot& shot) {

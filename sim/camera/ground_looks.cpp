@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 namespace rigwire::sim {
 namespace {
@@ -125,7 +124,7 @@ RIGWIRE_WIDE_VECTORS void GroundLooks::find(const std::array<int, kLanes>& mine,
                                             const RTCRay8& rays, const LaneArray& pixel_rad,
                                             const PreparedLook* looks, MetSurfaces& met,
                                             LookLanes& look) const {
-  LaneArray place_x, place_y, a, b, slope_x, slope_y, steep;
+  LaneArray place_x, place_y, a, b, slope_x, slope_y, steep;  // squared
   alignas(32) std::array<int, kLanes> column;
   alignas(32) std::array<int, kLanes> row;
   const float offset_x = offset_m_.x();
@@ -163,7 +162,7 @@ RIGWIRE_WIDE_VECTORS void GroundLooks::find(const std::array<int, kLanes>& mine,
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
     const float square = slope_x[i] * slope_x[i] + slope_y[i] * slope_y[i];
-    steep[i] = std::sqrt(square);
+    steep[i] = square;
     const float size = 1.0F / std::sqrt(1.0F + square);
     const float side = met.gz[i] < 0.0F ? -size : size;
     met.nx[i] = mine[i] != 0 ? -slope_x[i] * side : met.nx[i];
@@ -178,12 +177,11 @@ RIGWIRE_WIDE_VECTORS void GroundLooks::find(const std::array<int, kLanes>& mine,
   if (cover_ == nullptr) {
     // Mostly nothing is steep.
     const float bare_from = looks[own].shade.bare_from;
-    const float begin =
-        bare_from > 0.0F ? (1.0F - kRaggedSlope) * bare_from : std::numeric_limits<float>::max();
+    const float begin = bare_from > 0.0F ? (1.0F - kRaggedSlope) * bare_from : 1e18F;
     int somewhere = 0;
     for (std::size_t i = 0; i < kLanes; ++i) {
       look[i] = choose(mine[i] != 0, std::uint32_t{own}, look[i]);
-      somewhere |= steep[i] > begin ? mine[i] : 0;
+      somewhere |= steep[i] > begin * begin ? mine[i] : 0;
     }
     if (somewhere == 0) {
       return;
@@ -204,14 +202,16 @@ RIGWIRE_WIDE_VECTORS void GroundLooks::find(const std::array<int, kLanes>& mine,
     }
     const float bare_from = looks[here].shade.bare_from;
     const float reach = kRaggedSlope * bare_from;
-    if (bare_from > 0.0F && steep[i] > bare_from - reach) {
+    const float least = bare_from - reach;
+    if (bare_from > 0.0F && steep[i] > least * least) {
+      const float slope = std::sqrt(steep[i]);
       constexpr float kPatch_m = 0.5F;
       const float per_patch = 1.0F / (per_m_ * kPatch_m);
-      const float ragged = steep[i] > bare_from + reach
+      const float ragged = slope > bare_from + reach
                                ? 0.0F
                                : reach * fading(kPatch_m, footprint_m(i)) *
                                      waver(place_x[i] * per_patch, place_y[i] * per_patch, 5U);
-      here = steep[i] + ragged > bare_from ? face : here;
+      here = slope + ragged > bare_from ? face : here;
     }
     look[i] = here;
   }

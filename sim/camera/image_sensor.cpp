@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -381,6 +382,13 @@ void ImageSensor::expose(std::span<const float> luminance, std::span<const float
               numbers.data() + static_cast<std::size_t>(row) * width + begin);
     }
   }
+}
+
+double mean_share(std::span<const std::uint16_t> numbers, const ReadOut& r) {
+  const auto sum = std::accumulate(numbers.begin(), numbers.end(), std::uint64_t{0});
+  const double black = r.black_level * (1 << (r.bits - 8));
+  return std::max(0.0, static_cast<double>(sum) / static_cast<double>(numbers.size()) - black) /
+         ((1 << r.bits) - 1);
 }
 
 void pack_numbers(std::span<const std::uint16_t> numbers, int bits,

@@ -139,6 +139,9 @@ class ImageSensor {
   std::vector<float> clear_;  ///< Share of the light that dirt lets through; empty: no dirt.
 };
 
+/// Mean of the numbers of a picture, share of full scale, black level taken off; not below 0.
+[[nodiscard]] double mean_share(std::span<const std::uint16_t> numbers, const ReadOut& read_out);
+
 /// Numbers as a camera's wire has them: one byte each of 8 bits, else two, the least significant
 /// first. `bytes` is resized.
 void pack_numbers(std::span<const std::uint16_t> numbers, int bits,

@@ -168,17 +168,20 @@ void PixelRays::prepare(const ReadOut& r, const PixelSamples& samples,
   }
 }
 
-void PixelRays::turn_to(int column, int row, PixelPacket& packet) const {
+RIGWIRE_WIDE_VECTORS void PixelRays::turn_to(int column, int row, PixelPacket& packet) const {
   packet.column = column;
   packet.row = row;
   packet.block =
       static_cast<std::size_t>(row / kPacketHeight) * static_cast<std::size_t>(blocks_across_) +
       static_cast<std::size_t>(column / kPacketWidth);
   const LaneArray& angle_rad = blocks_[packet.block].angle_rad;
+  const int columns = width_ - column;
+  const int rows = height_ - row;
+#pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
-    const int c = column + static_cast<int>(i % kPacketWidth);
-    const int w = row + static_cast<int>(i / kPacketWidth);
-    packet.valid[i] = c < width_ && w < height_ ? -1 : 0;
+    const int c = static_cast<int>(i % kPacketWidth);
+    const int w = static_cast<int>(i / kPacketWidth);
+    packet.valid[i] = (c < columns ? -1 : 0) & (w < rows ? -1 : 0);
     packet.active[i] = angle_rad[i] > 0.0F ? packet.valid[i] : 0;
     packet.pixel_rad[i] = angle_rad[i];
   }

@@ -6,8 +6,7 @@
 namespace rigwire::sim {
 namespace {
 
-constexpr float kWholeCell_px = 1.5F;
-constexpr float kLeastCell_px = 0.75F;
+constexpr float kLeastCell_px = 0.75F;  ///< Twice as wide cells count in full.
 constexpr int kPatchOctaves = 3;
 /// Coarser relief is the mesh's own.
 constexpr int kFirstRelief = 2;
@@ -34,10 +33,11 @@ void split(double cells, std::int32_t& cell, float& share) {
   share = static_cast<float>(cells - whole);
 }
 
-/// A value in [-1, 1) of a lattice point.
+/// A value in [-1, 1) of a lattice point, in units of kLatticeUnit.
+constexpr float kLatticeUnit = 0x1.0p-31F;
 inline float lattice(std::uint32_t mixed) {
   mixed ^= mixed >> 15U;
-  return static_cast<float>(static_cast<std::int32_t>(mixed * 0x2C1B3C6DU)) * 0x1.0p-31F;
+  return static_cast<float>(static_cast<std::int32_t>(mixed * 0x2C1B3C6DU));
 }
 
 }  // namespace
@@ -64,7 +64,7 @@ namespace {
 
 /// Where points are in an octave's lattice, and what it adds to the sums.
 struct OctaveLanes {
-  LaneArray a, b, c;                                      ///< Place in the cell, 0 .. 1.
+  LaneArray a, b, c;                                      ///< Place from the cell's middle.
   alignas(32) std::array<std::uint32_t, kLanes> x, y, z;  ///< The cell.
 };
 
@@ -86,45 +86,50 @@ inline CellTerms terms_of(float v000, float v100, float v010, float v110, float 
   return {v000, e00, n0, v001 - v000, d0, n1 - n0, e01 - e00, (e11 - e01) - d0};
 }
 
-/// Quintic blend 6 t^5 - 15 t^4 + 10 t^3, and its slope 30 t^2 (1 - t)^2.
-inline float quintic(float t) {
-  return t * t * t * (t * (t * 6.0F - 15.0F) + 10.0F);
-}
-inline float quintic_slope(float t) {
-  const float q = t - t * t;
-  return 30.0F * q * q;
+/// Quintic blend 6 t^5 - 15 t^4 + 10 t^3 and its slope 30 t^2 (1 - t)^2, by the place s = t - 1 / 2
+/// from the cell's middle, of which they are odd and even.
+struct Quintic {
+  float value;
+  float slope_30;  ///< A thirtieth of it.
+};
+inline Quintic quintic(float s) {
+  const float ss = s * s;
+  const float side = 0.25F - ss;
+  return {0.5F + s * (1.875F + ss * (6.0F * ss - 5.0F)), side * side};
 }
 
 /// Adds an octave; `terms_at` of a lane.
 template <bool kPatch, bool kRelief, class TermsAt>
 inline __attribute__((always_inline)) void add_octave(
     const OctaveLanes& at, const TermsAt& terms_at, const LaneArray& persistence, LaneArray& weight,
-    LaneArray& cell_px, Grain& grain, float* sx, float* sy, float* sz) {
+    LaneArray& cells, Grain& grain, float* sx, float* sy, float* sz) {
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
     const CellTerms k = terms_at(i);
     // Fades out before the cell comes down to a pixel.
-    float there = (cell_px[i] - kLeastCell_px) * (1.0F / (kWholeCell_px - kLeastCell_px));
+    float there = cells[i] - 1.0F;
     there = there < 0.0F ? 0.0F : (there > 1.0F ? 1.0F : there);
-    const float u = quintic(at.a[i]);
-    const float v = quintic(at.b[i]);
-    const float w = quintic(at.c[i]);
-    const float bend = k.k4 + w * k.k7;
-    const float flat_x = k.k1 + w * k.k6;
-    const float by_y = (k.k2 + w * k.k5) + u * bend;
-    const float share = there * ((k.k0 + w * k.k3) + u * flat_x + v * by_y);
+    there *= kLatticeUnit;
+    const Quintic u = quintic(at.a[i]);
+    const Quintic v = quintic(at.b[i]);
+    const Quintic w = quintic(at.c[i]);
+    const float bend = k.k4 + w.value * k.k7;
+    const float flat_x = k.k1 + w.value * k.k6;
+    const float by_y = (k.k2 + w.value * k.k5) + u.value * bend;
+    const float share = there * ((k.k0 + w.value * k.k3) + u.value * flat_x + v.value * by_y);
     grain.brightness[i] += weight[i] * share;
     weight[i] *= persistence[i];
-    cell_px[i] *= 0.5F;
+    cells[i] *= 0.5F;
     if constexpr (kPatch) {
       grain.patch[i] += share;
     }
     if constexpr (kRelief) {
-      const float by_x = flat_x + v * bend;
-      const float by_z = (k.k3 + v * k.k5) + u * (k.k6 + v * k.k7);
-      sx[i] += there * (quintic_slope(at.a[i]) * by_x);
-      sy[i] += there * (quintic_slope(at.b[i]) * by_y);
-      sz[i] += there * (quintic_slope(at.c[i]) * by_z);
+      const float by_x = flat_x + v.value * bend;
+      const float by_z = (k.k3 + v.value * k.k5) + u.value * (k.k6 + v.value * k.k7);
+      const float steep = 30.0F * there;
+      sx[i] += steep * (u.slope_30 * by_x);
+      sy[i] += steep * (v.slope_30 * by_y);
+      sz[i] += steep * (w.slope_30 * by_z);
     }
   }
 }
@@ -135,15 +140,15 @@ RIGWIRE_WIDE_VECTORS void sum_grain(const GrainPoints& points, const GrainAnchor
                                     Grain& grain) {
   std::array<LaneArray, 3> place;
   LaneArray weight;
-  LaneArray cell_px;
-  float widest_px = 0.0F;
+  LaneArray cells;  // Their edges in the least ones that show.
+  float widest = 0.0F;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
     place[0][i] = points.x[i] * points.frequency_pm[i] + anchor.share[0][i];
     place[1][i] = points.y[i] * points.frequency_pm[i] + anchor.share[1][i];
     place[2][i] = points.z[i] * points.frequency_pm[i] * points.upright[i] + anchor.share[2][i];
     const float finest = points.upright[i] > 1.0F ? points.upright[i] : 1.0F;
-    cell_px[i] = 1.0F / (points.frequency_pm[i] * finest * points.footprint_m[i]);
+    cells[i] = (1.0F / kLeastCell_px) / (points.frequency_pm[i] * finest * points.footprint_m[i]);
     weight[i] = 1.0F;
     grain.patch[i] = 0.0F;
     grain.brightness[i] = 0.0F;
@@ -152,20 +157,19 @@ RIGWIRE_WIDE_VECTORS void sum_grain(const GrainPoints& points, const GrainAnchor
     grain.slope_z[i] = 0.0F;
   }
   for (std::size_t i = 0; i < kLanes; ++i) {
-    widest_px = cell_px[i] > widest_px ? cell_px[i] : widest_px;
+    widest = cells[i] > widest ? cells[i] : widest;
   }
   const std::array<LaneArray*, 3> slope{&grain.slope_x, &grain.slope_y, &grain.slope_z};
-  float scale = 1.0F;
   OctaveLanes at;
-  for (int octave = 0; octave < kMostOctaves && widest_px > kLeastCell_px; ++octave) {
+  for (int octave = 0; octave < kMostOctaves && widest > 1.0F; ++octave) {
     // Axes change places from octave to octave.
     const auto turn = static_cast<std::size_t>(octave % 3);
     const std::size_t ax = turn;
     const std::size_t ay = (turn + 1) % 3;
     const std::size_t az = (turn + 2) % 3;
-    const float* const px = place[ax].data();
-    const float* const py = place[ay].data();
-    const float* const pz = place[az].data();
+    float* const px = place[ax].data();
+    float* const py = place[ay].data();
+    float* const pz = place[az].data();
     const std::int32_t* const cx = anchor.cell[ax].data();
     const std::int32_t* const cy = anchor.cell[ay].data();
     const std::int32_t* const cz = anchor.cell[az].data();
@@ -177,19 +181,22 @@ RIGWIRE_WIDE_VECTORS void sum_grain(const GrainPoints& points, const GrainAnchor
     const std::uint32_t times = 1U << static_cast<unsigned>(octave);
 #pragma GCC ivdep
     for (std::size_t i = 0; i < kLanes; ++i) {
-      const float x = px[i] * scale + shift;
-      const float y = py[i] * scale + shift;
-      const float z = pz[i] * scale + shift;
-      // Cell, and place in it.
+      const float x = px[i] + shift;
+      const float y = py[i] + shift;
+      const float z = pz[i] + shift;
+      px[i] += px[i];
+      py[i] += py[i];
+      pz[i] += pz[i];
+      // Cell, and place from its middle.
       std::int32_t ix = static_cast<std::int32_t>(x);
       std::int32_t iy = static_cast<std::int32_t>(y);
       std::int32_t iz = static_cast<std::int32_t>(z);
       ix -= static_cast<float>(ix) > x ? 1 : 0;
       iy -= static_cast<float>(iy) > y ? 1 : 0;
       iz -= static_cast<float>(iz) > z ? 1 : 0;
-      at.a[i] = x - static_cast<float>(ix);
-      at.b[i] = y - static_cast<float>(iy);
-      at.c[i] = z - static_cast<float>(iz);
+      at.a[i] = (x - static_cast<float>(ix)) - 0.5F;
+      at.b[i] = (y - static_cast<float>(iy)) - 0.5F;
+      at.c[i] = (z - static_cast<float>(iz)) - 0.5F;
       at.x[i] = static_cast<std::uint32_t>(ix) + static_cast<std::uint32_t>(cx[i]) * times;
       at.y[i] = static_cast<std::uint32_t>(iy) + static_cast<std::uint32_t>(cy[i]) * times;
       at.z[i] = static_cast<std::uint32_t>(iz) + static_cast<std::uint32_t>(cz[i]) * times;
@@ -207,14 +214,13 @@ RIGWIRE_WIDE_VECTORS void sum_grain(const GrainPoints& points, const GrainAnchor
                       lattice(hx ^ h11), lattice((hx + kX) ^ h11));
     };
     if (octave < kFirstRelief) {
-      add_octave<true, false>(at, terms, points.persistence, weight, cell_px, grain, sx, sy, sz);
+      add_octave<true, false>(at, terms, points.persistence, weight, cells, grain, sx, sy, sz);
     } else if (octave < kPatchOctaves) {
-      add_octave<true, true>(at, terms, points.persistence, weight, cell_px, grain, sx, sy, sz);
+      add_octave<true, true>(at, terms, points.persistence, weight, cells, grain, sx, sy, sz);
     } else {
-      add_octave<false, true>(at, terms, points.persistence, weight, cell_px, grain, sx, sy, sz);
+      add_octave<false, true>(at, terms, points.persistence, weight, cells, grain, sx, sy, sz);
     }
-    scale *= 2.0F;
-    widest_px *= 0.5F;
+    widest *= 0.5F;
   }
   for (std::size_t i = 0; i < kLanes; ++i) {
     grain.slope_z[i] *= points.upright[i];
@@ -248,7 +254,6 @@ RIGWIRE_WIDE_VECTORS void lay_stones(const GrainPoints& points, const StoneAncho
   for (std::size_t i = 0; i < kLanes; ++i) {
     widest_px = cell_px[i] > widest_px ? cell_px[i] : widest_px;
   }
-  float scale = 1.0F;
   std::array<LaneArray, 3> within;
   LaneArray presence;
   alignas(32) std::array<std::uint32_t, kLanes> drawn;
@@ -267,9 +272,12 @@ RIGWIRE_WIDE_VECTORS void lay_stones(const GrainPoints& points, const StoneAncho
     std::uint32_t somewhere = 0;
 #pragma GCC ivdep
     for (std::size_t i = 0; i < kLanes; ++i) {
-      const float x = place[0][i] * scale;
-      const float y = place[1][i] * scale;
-      const float z = place[2][i] * scale;
+      const float x = place[0][i];
+      const float y = place[1][i];
+      const float z = place[2][i];
+      place[0][i] += x;
+      place[1][i] += y;
+      place[2][i] += z;
       std::int32_t ix = static_cast<std::int32_t>(x);
       std::int32_t iy = static_cast<std::int32_t>(y);
       std::int32_t iz = static_cast<std::int32_t>(z);
@@ -296,7 +304,6 @@ RIGWIRE_WIDE_VECTORS void lay_stones(const GrainPoints& points, const StoneAncho
       for (std::size_t i = 0; i < kLanes; ++i) {
         cell_px[i] *= 0.5F;
       }
-      scale *= 2.0F;
       widest_px *= 0.5F;
       continue;
     }
@@ -340,7 +347,6 @@ RIGWIRE_WIDE_VECTORS void lay_stones(const GrainPoints& points, const StoneAncho
           bend * (kStoneAxes[0][2] * dx + kStoneAxes[1][2] * dy + kStoneAxes[2][2] * dz);
       cell_px[i] *= 0.5F;
     }
-    scale *= 2.0F;
     widest_px *= 0.5F;
   }
 }

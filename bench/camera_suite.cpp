@@ -122,13 +122,15 @@ void stereo_table(const std::vector<CameraCase>& cases, std::ostream& text, nloh
                            {"median m", ">9"}});
   table.head();
   for (const CameraCase& scene : cases) {
+    sim::StereoMatchingParameters three;
+    three.paths = sim::MatchingPaths::three;
     sim::StereoMatchingParameters five;
     sim::StereoMatchingParameters eight;
     eight.paths = sim::MatchingPaths::eight;
     sim::StereoMatchingParameters truth;
     truth.method = sim::MatchingMethod::truth;
     for (const auto& [name, matching] :
-         {std::pair{"5 paths", five}, {"8 paths", eight}, {"truth", truth}}) {
+         {std::pair{"3 paths", three}, {"5 paths", five}, {"8 paths", eight}, {"truth", truth}}) {
       const StereoCost cost = measure_stereo(scene, name, matching, 3);
       const auto row = [&](const DepthBand& band, const std::string& depths, bool first) {
         json["stereo"].push_back(

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace rigwire::sim {
 namespace {
@@ -10,24 +11,51 @@ namespace {
 /// Of OpenCV's disparities.
 constexpr float kPerStep_px = 1.0F / static_cast<float>(cv::StereoMatcher::DISP_SCALE);
 
+/// Rows of the picture that the way back takes together.
+constexpr int kRowsTogether = 2;
+
+int mode_of(MatchingPaths paths) {
+  switch (paths) {
+    case MatchingPaths::three:
+      return cv::StereoSGBM::MODE_SGBM_3WAY;
+    case MatchingPaths::five:
+      return cv::StereoSGBM::MODE_SGBM;
+    case MatchingPaths::eight:
+      return cv::StereoSGBM::MODE_HH;
+  }
+  return cv::StereoSGBM::MODE_SGBM;
+}
+
+cv::Ptr<cv::StereoSGBM> matcher_of(const StereoMatchingParameters& p, MatchingPaths paths,
+                                   int speckle_px) {
+  return cv::StereoSGBM::create(p.least_disparity, p.disparities, p.block_px, p.small_step_cost,
+                                p.large_step_cost, p.left_right_difference, p.gradient_limit,
+                                p.uniqueness_percent, speckle_px, p.speckle_difference,
+                                mode_of(paths));
+}
+
+/// On the calling thread: what runs within one of OpenCV's parallel loops is not split up again.
+/// Its search from three directions would be, into strips that are the same for any number of
+/// threads.
+void compute(cv::StereoSGBM& matcher, const cv::Mat& left, const cv::Mat& right, cv::Mat& steps) {
+  cv::parallel_for_(cv::Range(0, 1),
+                    [&](const cv::Range&) { matcher.compute(left, right, steps); });
+}
+
 class SemiGlobalMatcher final : public StereoMatcher {
  public:
   explicit SemiGlobalMatcher(const StereoMatchingParameters& p)
       : parameters_(p),
-        matcher_(cv::StereoSGBM::create(
-            p.least_disparity, p.disparities, p.block_px, p.small_step_cost, p.large_step_cost,
-            p.left_right_difference, p.gradient_limit, p.uniqueness_percent, p.speckle_px,
-            p.speckle_difference,
-            // Both run on one thread; OpenCV's third form cuts the picture into strips.
-            p.paths == MatchingPaths::five ? cv::StereoSGBM::MODE_SGBM : cv::StereoSGBM::MODE_HH)) {
-  }
+        matcher_(matcher_of(p, p.paths, p.speckle_px)),
+        // Islands are taken out on the way there.
+        back_matcher_(matcher_of(p, MatchingPaths::three, 0)) {}
 
   [[nodiscard]] bool needs_truth() const override { return false; }
 
   void match(const StereoPair& pair, bool confidence, DisparityPicture& found) override {
     const cv::Mat left = picture(pair, pair.left);
     const cv::Mat right = picture(pair, pair.right);
-    matcher_->compute(left, right, forward_);
+    compute(*matcher_, left, right, forward_);
     found.disparity_px.resize(pair.left.size());
     for (int row = 0; row < pair.height; ++row) {
       const auto* const steps = forward_.ptr<short>(row);
@@ -59,14 +87,16 @@ class SemiGlobalMatcher final : public StereoMatcher {
   /// The right picture against the left one: the same search in both pictures' mirror images, with
   /// a margin where the search of the outermost columns ends.
   void match_back(const cv::Mat& left, const cv::Mat& right) {
-    margin_ = parameters_.least_disparity + parameters_.disparities;
-    const auto mirrored = [this](const cv::Mat& from, cv::Mat& to) {
-      cv::copyMakeBorder(from, wide_, 0, 0, 0, margin_, cv::BORDER_REPLICATE);
+    const int margin = parameters_.least_disparity + parameters_.disparities;
+    const auto mirrored = [&](const cv::Mat& from, cv::Mat& to) {
+      cv::resize(from, low_, {from.cols, (from.rows + kRowsTogether - 1) / kRowsTogether}, 0.0, 0.0,
+                 cv::INTER_AREA);
+      cv::copyMakeBorder(low_, wide_, 0, 0, 0, margin, cv::BORDER_REPLICATE);
       cv::flip(wide_, to, 1);
     };
     mirrored(right, mirrored_right_);
     mirrored(left, mirrored_left_);
-    matcher_->compute(mirrored_right_, mirrored_left_, backward_);
+    compute(*back_matcher_, mirrored_right_, mirrored_left_, backward_);
   }
 
   /// How far each pixel comes back from where its disparity leads.
@@ -74,7 +104,7 @@ class SemiGlobalMatcher final : public StereoMatcher {
     found.confidence.assign(found.disparity_px.size(), 0);
     const int last = backward_.cols - 1;
     for (int row = 0; row < pair.height; ++row) {
-      const auto* const back = backward_.ptr<short>(row);
+      const auto* const back = backward_.ptr<short>(row / kRowsTogether);
       const std::size_t first =
           static_cast<std::size_t>(row) * static_cast<std::size_t>(pair.width);
       for (int column = 0; column < pair.width; ++column) {
@@ -97,8 +127,8 @@ class SemiGlobalMatcher final : public StereoMatcher {
 
   StereoMatchingParameters parameters_;
   cv::Ptr<cv::StereoSGBM> matcher_;
-  int margin_ = 0;
-  cv::Mat forward_, backward_, wide_, mirrored_left_, mirrored_right_;
+  cv::Ptr<cv::StereoSGBM> back_matcher_;
+  cv::Mat forward_, backward_, low_, wide_, mirrored_left_, mirrored_right_;
 };
 
 }  // namespace

@@ -18,8 +18,9 @@ namespace {
 constexpr std::array<fields::Choice<MatchingMethod>, 2> kMethods{
     {{MatchingMethod::semi_global, "semi_global", "OpenCV's StereoSGBM on what the heads saw."},
      {MatchingMethod::truth, "truth", "The true depth, where both heads see the point."}}};
-constexpr std::array<fields::Choice<MatchingPaths>, 2> kPaths{
-    {{MatchingPaths::five, "five", "One pass over the picture."},
+constexpr std::array<fields::Choice<MatchingPaths>, 3> kPaths{
+    {{MatchingPaths::three, "three", "From the left, the right and above: the least time."},
+     {MatchingPaths::five, "five", "One pass over the picture."},
      {MatchingPaths::eight, "eight", "Two passes, twice the time."}}};
 
 /// Costs are summed up in 16 bits.
@@ -118,7 +119,7 @@ void validate(const StereoMatchingParameters& p) {
                   std::to_string(p.large_step_cost),
                   "above small_step_cost, " + std::to_string(p.small_step_cost));
   // The greatest cost of a block, with its step, once for each direction.
-  const int paths = p.paths == MatchingPaths::five ? 5 : 8;
+  const int paths = p.paths == MatchingPaths::three ? 3 : p.paths == MatchingPaths::five ? 5 : 8;
   const int block_cost = p.block_px * p.block_px * (2 * p.gradient_limit + kGreatestIntensityCost);
   const int greatest = kGreatestSum / paths - block_cost;
   fields::require(p.large_step_cost <= greatest, "large_step_cost",

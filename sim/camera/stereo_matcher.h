@@ -10,10 +10,12 @@
 //
 // Confidence is how well left and right agree: the right picture is matched against the left one,
 // too, and a pixel that comes back to itself within a sixteenth has 255, one that is off by
-// kDisagreement_px or more has 0. Errors that both directions share (repeated patterns, pixel
-// locking) do not show in it.
+// kDisagreement_px or more has 0. The way back is searched from three directions in pairs of rows
+// taken together: a third of the cost of the same search in all rows, and errors that the two have
+// in common are fewer (table in docs/accuracy). Those that both share (repeated patterns, pixel
+// locking) do not show in it; things one row high come back less surely.
 //
-// The matcher runs on the calling thread alone and is the same whatever OpenCV's thread count.
+// The matcher runs on the calling thread and is the same whatever OpenCV's thread count.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +29,7 @@ namespace rigwire::sim {
 
 enum class MatchingMethod : std::uint8_t { semi_global, truth };
 /// Directions from which the costs of a pixel are summed up.
-enum class MatchingPaths : std::uint8_t { five, eight };
+enum class MatchingPaths : std::uint8_t { three, five, eight };
 
 /// Defaults are those that OpenCV's documentation advises for grey pictures and blocks of 5 pixels
 /// (P1 = 8 b^2, P2 = 32 b^2, uniqueness 5 .. 15 %, speckles of 50 .. 200 pixels within 1 or 2).

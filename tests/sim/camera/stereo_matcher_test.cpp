@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/core.hpp>
+#include <tuple>
+
 #include <cmath>
 
 #include "sim/random.h"
@@ -49,8 +52,13 @@ struct Shifted {
 TEST(StereoMatcher, AShiftedPictureHasThatDisparityEverywhere) {
   StereoMatchingParameters parameters;
   parameters.disparities = 32;
-  for (const auto& [least, shift] : {std::pair{0, 1}, {0, 9}, {0, 30}, {4, 20}}) {
+  using Case = std::tuple<int, int, MatchingPaths>;
+  for (const auto& [least, shift, paths] :
+       {Case{0, 1, MatchingPaths::five}, Case{0, 9, MatchingPaths::five},
+        Case{0, 30, MatchingPaths::five}, Case{4, 20, MatchingPaths::five},
+        Case{4, 20, MatchingPaths::three}, Case{0, 9, MatchingPaths::eight}}) {
     parameters.least_disparity = least;
+    parameters.paths = paths;
     const auto matcher = make_stereo_matcher(parameters);
     const Shifted shifted(shift);
     DisparityPicture found;
@@ -70,6 +78,22 @@ TEST(StereoMatcher, AShiftedPictureHasThatDisparityEverywhere) {
       }
     }
   }
+}
+
+TEST(StereoMatcher, OpenCVsThreadsDoNotChangeIt) {
+  StereoMatchingParameters parameters;
+  parameters.disparities = 32;
+  parameters.paths = MatchingPaths::three;
+  const Shifted shifted(9);
+  DisparityPicture alone;
+  make_stereo_matcher(parameters)->match(shifted.pair(), true, alone);
+  const int before = cv::getNumThreads();
+  cv::setNumThreads(7);
+  DisparityPicture found;
+  make_stereo_matcher(parameters)->match(shifted.pair(), true, found);
+  cv::setNumThreads(before);
+  EXPECT_EQ(alone.disparity_px, found.disparity_px);
+  EXPECT_EQ(alone.confidence, found.confidence);
 }
 
 TEST(StereoMatcher, FlatPicturesHaveNoDisparity) {

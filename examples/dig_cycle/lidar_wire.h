@@ -1,16 +1,14 @@
-// The lidar's UDP port: Velodyne data packets in, points into Surroundings, and the field's clock:
-// microseconds past the hour.
+// The lidar's packets into Surroundings.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "dig_cycle/machine.h"
 #include "dig_cycle/surroundings.h"
-#include "protocols/velodyne/points.h"
+#include "field/lidar_wire.h"
 
 namespace rigwire::dig_cycle {
 
@@ -19,22 +17,17 @@ class LidarWire {
   /// `heard` is called for every sound data packet, `arm` asked once per packet.
   LidarWire(Surroundings& surroundings, std::function<ArmShape()> arm, std::function<void()> heard);
 
-  void receive(std::span<const std::uint8_t> datagram);
+  void receive(std::span<const std::uint8_t> datagram) { wire_.receive(datagram); }
 
   /// Timestamp of the newest packet.
-  [[nodiscard]] std::optional<std::uint32_t> time_of_hour_us() const { return time_of_hour_us_; }
-  [[nodiscard]] std::uint64_t packets() const { return packets_; }
-  [[nodiscard]] std::uint64_t rejected() const { return rejected_; }
+  [[nodiscard]] std::optional<std::uint32_t> time_of_hour_us() const {
+    return wire_.time_of_hour_us();
+  }
+  [[nodiscard]] std::uint64_t packets() const { return wire_.packets(); }
+  [[nodiscard]] std::uint64_t rejected() const { return wire_.rejected(); }
 
  private:
-  Surroundings& surroundings_;
-  std::function<ArmShape()> arm_;
-  std::function<void()> heard_;
-  std::vector<protocols::velodyne::Point> points_;
-  std::optional<std::uint32_t> time_of_hour_us_;
-  std::uint16_t last_azimuth_counts_ = 0;
-  std::uint64_t packets_ = 0;
-  std::uint64_t rejected_ = 0;
+  field::LidarWire wire_;
 };
 
 }  // namespace rigwire::dig_cycle

@@ -47,29 +47,14 @@ void set_modbus(Options& options, std::string_view option, std::string_view text
   }
 }
 
-void set_mount(Options& options, std::string_view option, std::string_view text) {
-  constexpr std::string_view kAllowed = "X,Y,Z in m and optionally YAW,PITCH in degrees";
-  const auto parts = split(text);
-  if (parts.size() != 3 && parts.size() != 5) {
-    refuse(option, text, kAllowed);
-  }
-  LidarMount& mount = options.lidar_mount;
-  mount.x_m = number(option, parts[0], -20.0, 20.0, kAllowed);
-  mount.y_m = number(option, parts[1], -20.0, 20.0, kAllowed);
-  mount.z_m = number(option, parts[2], -20.0, 20.0, kAllowed);
-  if (parts.size() == 5) {
-    mount.yaw_rad = number(option, parts[3], -360.0, 360.0, kAllowed) * kDegree;
-    mount.pitch_rad = number(option, parts[4], -90.0, 90.0, kAllowed) * kDegree;
-  }
-}
-
 const field::Setters<Options>& setters() {
   static const field::Setters<Options> kSetters{
       {"--gnss", [](Options& o, auto, auto v) { o.gnss = v; }},
       {"--gnss-baud", [](Options& o, auto n, auto v) { o.gnss_baud = field::baud(n, v); }},
       {"--lidar-address", [](Options& o, auto, auto v) { o.lidar_address = v; }},
       {"--lidar-port", [](Options& o, auto n, auto v) { o.lidar_port = port(n, v); }},
-      {"--lidar-mount", set_mount},
+      {"--lidar-mount",
+       [](Options& o, auto n, auto v) { o.lidar_mount = field::lidar_mount(n, v, o.lidar_mount); }},
       {"--can", [](Options& o, auto, auto v) { o.can = v; }},
       {"--imu-addresses",
        [](Options& o, auto n, auto v) {

@@ -32,7 +32,7 @@ struct Options {
   bool quiet = false;
   bool help = false;
   ImuWireSettings imu;
-  LidarMount lidar_mount;
+  LidarMount lidar_mount = kRoofMount;
   CycleSettings cycle;
 };
 

@@ -29,16 +29,7 @@ Surroundings::Surroundings(const SurroundingsSettings& settings) : settings_(set
 }
 
 void Surroundings::add(const LidarPoint& point, const ArmShape& arm) {
-  // Sensor to upper structure: pitch, then yaw, then the mount's place.
-  const LidarMount& mount = settings_.mount;
-  const double ahead_m =
-      point.x_m * std::cos(mount.pitch_rad) - point.z_m * std::sin(mount.pitch_rad);
-  const double z_m =
-      mount.z_m + point.x_m * std::sin(mount.pitch_rad) + point.z_m * std::cos(mount.pitch_rad);
-  const double x_m =
-      mount.x_m + ahead_m * std::cos(mount.yaw_rad) - point.y_m * std::sin(mount.yaw_rad);
-  const double y_m =
-      mount.y_m + ahead_m * std::sin(mount.yaw_rad) + point.y_m * std::cos(mount.yaw_rad);
+  const auto [x_m, y_m, z_m] = settings_.mount.to_body(point);
 
   if (std::abs(x_m) < kBodyHalfLength_m && std::abs(y_m) < kBodyHalfWidth_m &&
       z_m > kBodyLowest_m) {

@@ -11,27 +11,17 @@
 
 #include "dig_cycle/cycle.h"
 #include "dig_cycle/machine.h"
+#include "field/lidar_wire.h"
 
 namespace rigwire::dig_cycle {
 
-/// Where the lidar sits: its frame in the upper structure's.
-struct LidarMount {
-  double x_m = 1.2;
-  double y_m = 0.8;
-  double z_m = 3.35;                   ///< On the cabin's roof.
-  double yaw_rad = 0.0;                ///< Left positive.
-  double pitch_rad = -10.0 * kDegree;  ///< Nose up positive, after the yaw.
-};
-
-/// One return, in the sensor's frame.
-struct LidarPoint {
-  double x_m = 0.0;
-  double y_m = 0.0;
-  double z_m = 0.0;
-};
+using field::LidarMount;
+using field::LidarPoint;
+/// On the cabin's roof, in the upper structure's frame.
+inline constexpr LidarMount kRoofMount{1.2, 0.8, 3.35, 0.0, -10.0 * kDegree};
 
 struct SurroundingsSettings {
-  LidarMount mount;
+  LidarMount mount = kRoofMount;
   /// Half width of the sector in which the ground ahead and the nearest range are taken.
   double sector_rad = 12.0 * kDegree;
   double ground_inner_m = 5.5;  ///< From the swing axis.

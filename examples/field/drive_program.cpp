@@ -23,6 +23,15 @@ constexpr double kAtRest_mps = 0.03;
 constexpr auto kStopLimit = 6s;
 constexpr auto kRest = 500ms;
 
+std::vector<SilenceWatch::Device> devices(const DriveOptions& options) {
+  std::vector<SilenceWatch::Device> all{
+      {"gnss", 3000ms}, {"imu", 500ms}, {"vehicle gateway", 500ms}};
+  if (options.lidar_port) {
+    all.push_back({"lidar", 500ms});
+  }
+  return all;
+}
+
 }  // namespace
 
 DriveProgram::DriveProgram(boost::asio::io_context& context, std::string_view name,
@@ -33,17 +42,31 @@ DriveProgram::DriveProgram(boost::asio::io_context& context, std::string_view na
       options_(options),
       plane_(plane),
       mission_(mission),
-      watch_({{"gnss", 3000ms}, {"imu", 500ms}, {"vehicle gateway", 500ms}}),
+      watch_(devices(options)),
       estimator_(options.estimator),
       log_(options.log),
       gnss_([this] { watch_.heard(gnss_device, now()); }),
       vehicle_(options.vehicle, {.gateway = [this] { watch_.heard(gateway_device, now()); },
                                  .imu = [this] { watch_.heard(imu_device, now()); }}),
+      lidar_({.revolution = [this] { mission_.finish_revolution(); },
+              .points =
+                  [this](auto points) {
+                    for (const auto& point : points) {
+                      mission_.see(options_.lidar_mount.to_body({point.x_m, point.y_m, point.z_m}));
+                    }
+                  },
+              .heard = [this] { watch_.heard(lidar_device, now()); }}),
       gnss_line_(context,
                  {.path = options.gnss, .baud = options.gnss_baud, .wait_for_device = true}),
       can_(context, options.can),
       signals_(context, SIGINT, SIGTERM),
-      timer_(context) {}
+      timer_(context) {
+  if (options.lidar_port) {
+    lidar_socket_ = std::make_unique<drivers::UdpSocket>(
+        context, drivers::UdpSettings{
+                     .bind = drivers::UdpEndpoint{options.lidar_address, *options.lidar_port}});
+  }
+}
 
 std::string_view DriveProgram::name(State state) {
   switch (state) {
@@ -65,6 +88,9 @@ int DriveProgram::run() {
     last_frame_ = now();
     vehicle_.receive(frame);
   });
+  if (lidar_socket_) {
+    lidar_socket_->start([this](std::span<const std::uint8_t> bytes) { lidar_.receive(bytes); });
+  }
   signals_.async_wait([this](boost::system::error_code error, int /*signal*/) {
     if (!error) {
       stop(exit_done, "interrupted");

@@ -21,10 +21,12 @@
 #include <string_view>
 
 #include "drivers/serial_port.h"
+#include "drivers/udp_socket.h"
 #include "field/can_wire.h"
 #include "field/geometry.h"
 #include "field/gnss_wire.h"
 #include "field/json_line.h"
+#include "field/lidar_wire.h"
 #include "field/mission.h"
 #include "field/option_parser.h"
 #include "field/pose_estimator.h"
@@ -37,6 +39,9 @@ struct DriveOptions {
   std::string gnss = "/tmp/rigwire/gnss";
   std::uint32_t gnss_baud = 115200;
   std::string can = "auto";
+  std::optional<std::uint16_t> lidar_port;  ///< Nothing: there is no lidar.
+  std::string lidar_address = "127.0.0.1";
+  LidarMount lidar_mount;  ///< In the frame of the odometry's reference point.
   VehicleWireSettings vehicle;
   PoseEstimatorSettings estimator;
   std::string log;                       ///< Empty: no log.
@@ -86,7 +91,7 @@ class DriveProgram {
  private:
   using Clock = std::chrono::steady_clock;
   enum class State : std::uint8_t { waiting, settling, driving, stopping };
-  enum Device : std::size_t { gnss_device, imu_device, gateway_device };
+  enum Device : std::size_t { gnss_device, imu_device, gateway_device, lidar_device };
 
   void control();
   void take_fixes();
@@ -111,8 +116,10 @@ class DriveProgram {
   LineFile log_;
   GnssWire gnss_;
   VehicleWire vehicle_;
+  LidarWire lidar_;
   drivers::SerialPort gnss_line_;
   CanWire can_;
+  std::unique_ptr<drivers::UdpSocket> lidar_socket_;  ///< Null: no lidar.
   boost::asio::signal_set signals_;
   boost::asio::steady_timer timer_;
   Clock::time_point next_{};

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <numbers>
 
 namespace rigwire::field {
 
@@ -66,6 +67,23 @@ std::vector<std::string_view> split(std::string_view text) {
     }
     at = comma + 1;
   }
+}
+
+LidarMount lidar_mount(std::string_view option, std::string_view text, LidarMount mount) {
+  constexpr std::string_view kAllowed = "X,Y,Z in m and optionally YAW,PITCH in degrees";
+  constexpr double kRadPerDegree = std::numbers::pi / 180.0;
+  const auto parts = split(text);
+  if (parts.size() != 3 && parts.size() != 5) {
+    refuse(option, text, kAllowed);
+  }
+  mount.x_m = number(option, parts[0], -20.0, 20.0, kAllowed);
+  mount.y_m = number(option, parts[1], -20.0, 20.0, kAllowed);
+  mount.z_m = number(option, parts[2], -20.0, 20.0, kAllowed);
+  if (parts.size() == 5) {
+    mount.yaw_rad = number(option, parts[3], -360.0, 360.0, kAllowed) * kRadPerDegree;
+    mount.pitch_rad = number(option, parts[4], -90.0, 90.0, kAllowed) * kRadPerDegree;
+  }
+  return mount;
 }
 
 std::string_view option_name(std::string_view argument) {

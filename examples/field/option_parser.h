@@ -13,6 +13,8 @@
 #include <string_view>
 #include <vector>
 
+#include "field/lidar_wire.h"
+
 namespace rigwire::field {
 
 /// An option that cannot be; what() says which, the value found, and what is allowed.
@@ -43,6 +45,9 @@ enum ExitStatus : int {
 [[nodiscard]] std::uint32_t baud(std::string_view option, std::string_view text);
 /// "20" or "20s".
 [[nodiscard]] std::chrono::nanoseconds seconds(std::string_view option, std::string_view text);
+/// "X,Y,Z" in m or "X,Y,Z,YAW,PITCH" with degrees; angles that are not given stay those of `mount`.
+[[nodiscard]] LidarMount lidar_mount(std::string_view option, std::string_view text,
+                                     LidarMount mount);
 /// At commas.
 [[nodiscard]] std::vector<std::string_view> split(std::string_view text);
 

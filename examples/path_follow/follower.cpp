@@ -100,7 +100,11 @@ FollowerOutput Follower::update(const field::Pose& pose, double step_s) {
   output.curvature_1pm =
       std::clamp(curvature, -settings_.curvature_limit_1pm, settings_.curvature_limit_1pm);
 
-  const double limit = std::max(speed_limit_mps(left_m), kLeastSpeed_mps);
+  double limit = std::max(speed_limit_mps(left_m), kLeastSpeed_mps);
+  if (free_m_) {
+    // Braking twice as hard as at the path's end: nobody meant to stop here.
+    limit = std::min(limit, std::sqrt(4.0 * settings_.braking_mps2 * std::max(0.0, *free_m_)));
+  }
   speed_mps_ = std::min({limit, speed_mps_ + settings_.acceleration_mps2 * step_s,
                          speed + 0.8});  // the wish does not run away from a vehicle that is stuck
   output.speed_mps = speed_mps_;

@@ -2,6 +2,8 @@
 // that the path's curvature, the way that is left and the deviation allow.
 #pragma once
 
+#include <optional>
+
 #include "field/geometry.h"
 #include "field/pose_estimator.h"
 
@@ -36,11 +38,17 @@ class Follower {
   /// Throws std::invalid_argument.
   Follower(field::Polyline path, const FollowerSettings& settings);
 
+  /// From now on the way is free so far ahead of the vehicle's front, less the distance that it
+  /// keeps; nothing: as far as anybody knows.
+  void set_free_way(std::optional<double> free_m) { free_m_ = free_m; }
+
   /// Begins at the path's point nearest to the position; returns the direction there.
   double start(const field::PlanePosition& position);
   [[nodiscard]] FollowerOutput update(const field::Pose& pose, double step_s);
 
   [[nodiscard]] bool done() const { return done_; }
+  /// Of the path's nearest point, from its first.
+  [[nodiscard]] double along_m() const { return along_m_; }
   [[nodiscard]] bool off_path() const { return off_path_; }
   /// Left of the path positive.
   [[nodiscard]] double offset_m() const { return offset_m_; }
@@ -60,6 +68,7 @@ class Follower {
   double travelled_m_ = 0.0;
   double offset_m_ = 0.0;
   double speed_mps_ = 0.0;  ///< Last wish.
+  std::optional<double> free_m_;
   bool done_ = false;
   bool off_path_ = false;
 };

@@ -1,5 +1,6 @@
 // path_follow: a field program. It knows wires only: NMEA on a serial line, J1939 and ISO 11783
-// frames on CAN. Whether a real vehicle or an emulated one is at the other ends, it cannot tell.
+// frames on CAN, a lidar's packets on UDP. Whether a real vehicle or an emulated one is at the
+// other ends, it cannot tell.
 #include <boost/asio/io_context.hpp>
 #include <string>
 
@@ -12,6 +13,8 @@ namespace rigwire::path_follow {
 namespace {
 
 struct Options : field::DriveOptions {
+  Options() { lidar_mount = {4.2, 0.0, 3.1, 0.0, 0.0}; }
+
   std::string path;
   PathMissionSettings mission;
 };
@@ -32,6 +35,17 @@ field::Setters<Options> make_setters() {
   setters["--off-path"] = [](Options& o, auto n, auto v) {
     o.mission.follower.off_path_m = number(n, v, 0.2, 100, "metres, 0.2..100");
   };
+  setters["--lidar-port"] = [](Options& o, auto n, auto v) { o.lidar_port = field::port(n, v); };
+  setters["--lidar-address"] = [](Options& o, auto, auto v) { o.lidar_address = v; };
+  setters["--lidar-mount"] = [](Options& o, auto n, auto v) {
+    o.lidar_mount = field::lidar_mount(n, v, o.lidar_mount);
+  };
+  setters["--front"] = [](Options& o, auto n, auto v) {
+    o.mission.way.front_m = number(n, v, 0, 20, "metres, 0..20");
+  };
+  setters["--width"] = [](Options& o, auto n, auto v) {
+    o.mission.way.half_width_m = 0.5 * number(n, v, 0.2, 20, "metres, 0.2..20");
+  };
   setters["--heading"] = [](Options& o, auto n, auto v) {
     o.mission.start_heading_rad =
         field::turned_compass(number(n, v, -360, 360, "degrees, -360..360") * field::kDegree);
@@ -48,7 +62,9 @@ Options parse_options(std::span<const std::string_view> arguments) {
 }
 
 const std::string kUsage =
-    std::string(R"(path_follow: drives a vehicle along a path by GNSS, odometry and a yaw gyroscope.
+    std::string(
+        R"(path_follow: drives a vehicle along a path by GNSS, odometry and a yaw gyroscope, and stops
+before what a lidar sees in its way.
 
 usage: path_follow --path FILE [options]
 
@@ -59,9 +75,17 @@ work
   --gear N                to drive in; chosen by the speed when not given
   --off-path M            farther off than this it stops           (3.5)
   --heading DEG           compass heading at the start; along the path when not given
+what stands in the way
+  --lidar-port N          Velodyne data packets; not given: it drives blind
+  --lidar-address ADDRESS where they arrive                        (127.0.0.1)
+  --lidar-mount X,Y,Z[,YAW,PITCH]  m and degrees, from the odometry's reference point on the
+                          ground                                   (4.2,0,3.1)
+  --front M               the vehicle's front, from the same point (4.8)
+  --width M               what it needs free                       (3)
 )") +
     std::string(field::kDriveUsage) +
-    "example: path_follow --path configs/paths/forest_track.csv --log /tmp/driven.jsonl\n";
+    "example: path_follow --path configs/paths/forest_track.csv --lidar-port 2368 --log "
+    "/tmp/driven.jsonl\n";
 
 int run(const Options& options) {
   const PathFile file = load_path(options.path);

@@ -1,5 +1,6 @@
 #include "path_follow/path_mission.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -10,13 +11,18 @@ namespace rigwire::path_follow {
 namespace {
 
 constexpr double kHaltBrake_mps2 = 2.5;
+constexpr double kHoldBrake_mps2 = 1.5;
+constexpr double kAtRest_mps = 0.1;
+/// What stands in the way for so long is not somebody who walks past.
+constexpr double kPatience_s = 3.0;
 
 }  // namespace
 
 PathMission::PathMission(field::Polyline path, const PathMissionSettings& settings)
     : settings_(settings),
       follower_(std::move(path), settings.follower),
-      speed_(settings.speed, settings.follower.cruise_mps, settings.gear) {}
+      speed_(settings.speed, settings.follower.cruise_mps, settings.gear),
+      way_(settings.way) {}
 
 field::Mission::Start PathMission::start(const field::PlanePosition& position) {
   constexpr double kAlongPath_rad = 0.25;
@@ -28,19 +34,31 @@ field::Mission::Start PathMission::start(const field::PlanePosition& position) {
 
 field::VehicleOrders PathMission::update(const field::Pose& pose,
                                          const field::VehicleReadings& readings, double step_s) {
+  pose_ = pose;
+  const auto& in_the_way = way_.nearest();
+  follower_.set_free_way(in_the_way ? std::optional(in_the_way->ahead_m - settings_.keep_m)
+                                    : std::nullopt);
   const FollowerOutput wanted = follower_.update(pose, step_s);
+  const bool blocked = in_the_way && wanted.speed_mps < kAtRest_mps;
+  blocked_s_ = blocked && std::abs(pose.speed_mps) < kAtRest_mps ? blocked_s_ + step_s : 0.0;
   const bool in_gear = readings.gear == speed_.gear() && !readings.shifting;
   const SpeedOutput speed =
       speed_.update(wanted.speed_mps, pose.speed_mps, readings.engine_speed_radps, in_gear, step_s);
   wish_mps_ = wanted.speed_mps;
   last_curvature_1pm_ = wanted.curvature_1pm;
   stuck_.update(wanted.speed_mps, pose.speed_mps, step_s);
+  spin_.update(pose.position, pose.speed_mps, step_s);
   field::VehicleOrders orders;
   orders.engine_speed_radps = speed.engine_radps;
   orders.gear = speed_.gear();
   orders.brake_mps2 = speed.brake_mps2;
   orders.curvature_1pm = wanted.curvature_1pm;
   orders.parking_brake = false;
+  if (blocked) {
+    orders.engine_torque_share = 0.0;
+    orders.engine_speed_radps.reset();
+    orders.brake_mps2 = std::max(orders.brake_mps2, kHoldBrake_mps2);
+  }
   return orders;
 }
 
@@ -55,16 +73,40 @@ field::VehicleOrders PathMission::halt(const field::VehicleReadings&, bool stand
 }
 
 std::optional<std::string> PathMission::fault() const {
-  char text[96];
+  char text[192];
+  if (blocked_s_ > kPatience_s && way_.nearest()) {
+    const Obstruction& it = *way_.nearest();
+    (void)std::snprintf(text, sizeof(text),
+                        "something stands in the way, %.1f m ahead of the front, %.1f m %s of the "
+                        "line, at least %.1f m high; stopped before it",
+                        it.ahead_m, std::abs(it.offset_m), it.offset_m < 0.0 ? "right" : "left",
+                        it.height_m);
+    return text;
+  }
   if (follower_.off_path()) {
     (void)std::snprintf(text, sizeof(text), "%.2f m off the path, allowed %.2f m",
                         std::abs(follower_.offset_m()), settings_.follower.off_path_m);
     return text;
   }
   if (stuck_.stuck()) {
-    return "the vehicle does not move";
+    (void)std::snprintf(text, sizeof(text),
+                        "the vehicle does not move: asked for %.1f m/s, its wheels have stood for "
+                        "15 s; something holds it",
+                        wish_mps_);
+    return text;
+  }
+  if (spin_.spinning()) {
+    (void)std::snprintf(text, sizeof(text),
+                        "the wheels turn, but the vehicle stays where it is: %.0f m by the wheels "
+                        "in %.0f s, %.1f m by the receiver; something holds it",
+                        spin_.by_wheels_m(), field::SpinWatch::kSpan_s, spin_.moved_m());
+    return text;
   }
   return std::nullopt;
+}
+
+void PathMission::finish_revolution() {
+  way_.finish_revolution(pose_, follower_);
 }
 
 std::string PathMission::progress() const {
@@ -84,6 +126,8 @@ void PathMission::log(field::JsonLine& line) const {
   line.number("travelled_m", follower_.travelled_m(), 2);
   line.number("offset_m", follower_.offset_m(), 3);
   line.number("wish_mps", wish_mps_, 3);
+  const auto& in_the_way = way_.nearest();
+  line.number("obstacle_m", in_the_way ? std::optional(in_the_way->ahead_m) : std::nullopt, 2);
   line.close();
 }
 

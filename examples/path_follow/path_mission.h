@@ -4,6 +4,7 @@
 #include "field/mission.h"
 #include "path_follow/follower.h"
 #include "path_follow/speed_control.h"
+#include "path_follow/way_watch.h"
 
 namespace rigwire::path_follow {
 
@@ -12,6 +13,8 @@ struct PathMissionSettings {
   SpeedControlSettings speed;
   std::optional<int> gear;                  ///< Nothing: chosen for the cruise speed.
   std::optional<double> start_heading_rad;  ///< Nothing: along the path.
+  WayWatchSettings way;
+  double keep_m = 2.0;  ///< Between the vehicle's front and what stands in its way.
 };
 
 class PathMission final : public field::Mission {
@@ -23,6 +26,8 @@ class PathMission final : public field::Mission {
   [[nodiscard]] field::VehicleOrders update(const field::Pose& pose,
                                             const field::VehicleReadings& readings,
                                             double step_s) override;
+  void see(const field::LidarPoint& point) override { way_.add(point); }
+  void finish_revolution() override;
   [[nodiscard]] field::VehicleOrders halt(const field::VehicleReadings& readings,
                                           bool standing) const override;
   [[nodiscard]] bool done() const override { return follower_.done(); }
@@ -35,7 +40,11 @@ class PathMission final : public field::Mission {
   Follower follower_;
   SpeedControl speed_;
   double wish_mps_ = 0.0;
+  WayWatch way_;
+  field::Pose pose_;
+  double blocked_s_ = 0.0;  ///< So long at rest before what stands in the way.
   field::StuckWatch stuck_{0.1};
+  field::SpinWatch spin_;
   double last_curvature_1pm_ = 0.0;
 };
 

@@ -20,7 +20,7 @@ class DigCycleSurroundings : public ::testing::Test {
       }
     }
   }
-  LidarMount mount{.pitch_rad = 0.0};
+  LidarMount mount{1.2, 0.8, 3.35, 0.0, 0.0};
   Surroundings surroundings{SurroundingsSettings{.mount = mount}};
   ArmShape arm = arm_shape(Machine{}, {0.0, 56.0 * kDegree, -95.0 * kDegree, -105.0 * kDegree});
 };

@@ -128,6 +128,41 @@ TEST_F(DriveProgramProcess, FollowsAPathBelievesTheTruthAndParks) {
   EXPECT_NEAR(last["heading_deg"].get<double>(), rig.plant.heading_rad / kDegree, 3.0);
 }
 
+TEST_F(DriveProgramProcess, ATrunkInTheWayEndsInAStopBeforeItThatSaysWhy) {
+  rig.trunk = VehicleRig::Trunk{{18.0, 0.008 * 18.0 * 18.0 + 0.4}};
+  auto arguments = rig.lidar_arguments();
+  arguments.insert(arguments.end(), {"--path", path(), "--gnss-sigma", "0.1"});
+  start("path_follow", arguments);
+  EXPECT_EQ(end(60s), 1) << messages();
+  EXPECT_THAT(messages(), HasSubstr("something stands in the way"));
+  EXPECT_THAT(messages(), HasSubstr("left of the line"));
+  EXPECT_THAT(messages(), HasSubstr("stopped before it"));
+  EXPECT_TRUE(until([&] { return rig.parked(); }, 3s));
+  // The front is 4.8 m ahead of the rear axle.
+  const double gap_m = rig.trunk->place.east_m - 0.2 - rig.plant.position.east_m - 4.8;
+  EXPECT_GT(gap_m, 0.8);
+  EXPECT_LT(gap_m, 3.5);
+}
+
+TEST_F(DriveProgramProcess, ATrunkBesideTheWayDoesNotStopIt) {
+  rig.trunk = VehicleRig::Trunk{{18.0, 0.008 * 18.0 * 18.0 + 2.6}};
+  auto arguments = rig.lidar_arguments();
+  arguments.insert(arguments.end(), {"--path", path(), "--gnss-sigma", "0.1"});
+  start("path_follow", arguments);
+  EXPECT_EQ(end(60s), 0) << messages();
+  EXPECT_GT(rig.plant.position.east_m, 22.0);
+}
+
+TEST_F(DriveProgramProcess, ALidarThatFallsSilentStopsIt) {
+  auto arguments = rig.lidar_arguments();
+  arguments.insert(arguments.end(), {"--path", path(), "--speed", "1"});
+  start("path_follow", arguments);
+  ASSERT_TRUE(until([&] { return rig.moving(); })) << messages();
+  rig.mute.lidar = true;
+  EXPECT_EQ(end(), 4) << messages();
+  EXPECT_THAT(messages(), HasSubstr("lidar is silent"));
+}
+
 TEST_F(DriveProgramProcess, InterruptBrakesAndParks) {
   start("path_follow", {"--path", path()});
   ASSERT_TRUE(until([&] { return rig.moving(); })) << messages();

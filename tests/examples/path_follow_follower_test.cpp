@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "path_follow/path_mission.h"
@@ -144,7 +145,101 @@ TEST(PathFollowMission, VehicleThatDoesNotMoveIsAFault) {
   for (int i = 0; i < 1000; ++i) {
     (void)mission.update(pose, {}, kStep_s);
   }
-  EXPECT_EQ(mission.fault(), "the vehicle does not move");
+  EXPECT_THAT(mission.fault().value_or(""),
+              HasSubstr("the vehicle does not move: asked for 0.8 m/s, its wheels have stood"));
+}
+
+TEST(PathFollowMission, WheelsThatTurnBeforeATrunkAreAFaultThatSaysSo) {
+  PathMission mission(track(), {});
+  field::Pose pose;
+  pose.position = track().at(0.0);
+  pose.heading_rad = mission.start(pose.position).heading_rad;
+  const PlanePosition held = pose.position;
+  for (int i = 0; i < 1000; ++i) {
+    // The receiver's place wanders by half a metre.
+    pose.position.east_m = held.east_m + 0.5 * std::sin(0.01 * i);
+    pose.speed_mps = 1.2;
+    (void)mission.update(pose, {}, kStep_s);
+    ASSERT_TRUE(i < 400 ? !mission.fault() : true);
+  }
+  EXPECT_THAT(mission.fault().value_or(""),
+              HasSubstr("the wheels turn, but the vehicle stays where it is: 12 m by the wheels"));
+}
+
+/// Columns of points from the ground up, as a lidar sees a thing; in the vehicle's frame.
+void see_column(WayWatch& way, double x_m, double y_m, double height_m) {
+  for (double z_m = 0.05; z_m < height_m; z_m += 0.15) {
+    way.add({x_m, y_m, z_m});
+  }
+}
+
+class PathFollowWay : public testing::Test {
+ protected:
+  void look(const std::function<void(WayWatch&)>& revolution) {
+    for (int i = 0; i < 2; ++i) {
+      revolution(way);
+      way.finish_revolution(pose, follower);
+    }
+  }
+  Follower follower{Polyline({{0, 0}, {30, 0}, {60, 30}}, false), {}};
+  WayWatch way;
+  field::Pose pose;
+};
+
+TEST_F(PathFollowWay, AThingOnTheLineIsInTheWayWhateverBendsLieBetween) {
+  (void)follower.start({0.0, 0.0});
+  look([](WayWatch& w) { see_column(w, 12.0, 0.9, 3.0); });
+  ASSERT_TRUE(way.nearest());
+  EXPECT_NEAR(way.nearest()->ahead_m, 12.0 - 4.8, 0.2);
+  EXPECT_NEAR(way.nearest()->offset_m, 0.9, 0.2);
+  // Round the bend; straight ahead of the vehicle it would be 4 m beside the path.
+  look([](WayWatch& w) { see_column(w, 34.0, 4.1, 3.0); });
+  ASSERT_TRUE(way.nearest());
+  EXPECT_NEAR(way.nearest()->ahead_m, 30.0 + 4.0 * std::numbers::sqrt2 - 4.8, 0.4);
+  look([](WayWatch& w) { see_column(w, 34.0, 0.0, 3.0); });
+  EXPECT_FALSE(way.nearest()) << "straight on, where the path leaves to the left";
+}
+
+TEST_F(PathFollowWay, GroundCrownsAndOneSightingAreNoObstacle) {
+  (void)follower.start({0.0, 0.0});
+  look([](WayWatch& w) {
+    for (double x_m = 5.0; x_m < 30.0; x_m += 0.1) {
+      for (double y_m = -3.0; y_m < 3.0; y_m += 0.1) {
+        w.add({x_m, y_m, 0.3 * (x_m - 5.0) - 1.0});  // A bank of 17 degrees.
+        w.add({x_m, y_m, 4.0});                      // Leaves.
+      }
+    }
+  });
+  EXPECT_FALSE(way.nearest());
+  see_column(way, 12.0, 0.0, 3.0);
+  way.finish_revolution(pose, follower);
+  EXPECT_FALSE(way.nearest()) << "once is not enough";
+  see_column(way, 12.0, 0.0, 3.0);
+  way.finish_revolution(pose, follower);
+  EXPECT_TRUE(way.nearest());
+  way.finish_revolution(pose, follower);
+  EXPECT_TRUE(way.nearest()) << "nor is once enough to forget it";
+  way.finish_revolution(pose, follower);
+  EXPECT_FALSE(way.nearest());
+}
+
+TEST_F(PathFollowWay, WhatHasComeTooNearToBeSeenIsRememberedUntilItIsPassed) {
+  (void)follower.start({0.0, 0.0});
+  look([](WayWatch& w) { see_column(w, 9.3, 0.0, 3.0); });
+  ASSERT_TRUE(way.nearest());
+  for (const double x_m : {0.5, 1.5, 3.0}) {
+    pose.position.east_m = x_m;
+    (void)follower.update(pose, kStep_s);
+    look([](WayWatch&) {});
+    ASSERT_TRUE(way.nearest()) << x_m;
+    EXPECT_NEAR(way.nearest()->ahead_m, 9.375 - 4.8 - x_m, 0.05);
+  }
+  for (const double x_m : {6.0, 9.0, 12.0}) {
+    pose.position.east_m = x_m;
+    (void)follower.update(pose, kStep_s);
+    look([](WayWatch&) {});
+  }
+  EXPECT_FALSE(way.nearest());
 }
 
 TEST(PathFollowSpeed, ChoosesTheGearByTheCruiseSpeed) {

@@ -1,17 +1,21 @@
 #include "vehicle_rig.h"
 
+#include <array>
 #include <cmath>
 #include <utility>
 
 #include "path_follow/speed_control.h"
 #include "protocols/nmea/writers.h"
 #include "protocols/openimu/messages.h"
+#include "protocols/velodyne/data_packet.h"
+#include "protocols/velodyne/model.h"
 
 namespace rigwire::field {
 namespace {
 
 namespace nmea = protocols::nmea;
 namespace openimu = protocols::openimu;
+namespace velodyne = protocols::velodyne;
 using namespace std::chrono_literals;
 
 constexpr auto kStep = 10ms;
@@ -19,6 +23,14 @@ constexpr double kStep_s = 0.01;
 constexpr std::uint8_t kImu = 0x80;
 constexpr double kWheelRadius_m = 0.5;
 constexpr double kFullBrake_mps2 = 6.0;
+// The lidar over the front axle, path_follow's default.
+constexpr double kLidarAhead_m = 4.2;
+constexpr double kLidarHeight_m = 3.1;
+
+std::uint16_t free_port() {
+  boost::asio::io_context context;
+  return drivers::UdpSocket(context, {.bind = drivers::UdpEndpoint{}}).local_port();
+}
 
 emulators::VehicleGatewaySettings settings(VehicleRig::Kind kind) {
   emulators::VehicleGatewaySettings settings;
@@ -40,7 +52,9 @@ VehicleRig::VehicleRig(std::filesystem::path directory, Kind kind)
       kind_(kind),
       gnss_(context_, directory_ / "gnss"),
       can_line_(context_, directory_ / "can"),
-      can_(can_line_, 250'000) {
+      can_(can_line_, 250'000),
+      lidar_port_(free_port()),
+      lidar_(context_, {.destination = drivers::UdpEndpoint{.port = lidar_port_}}) {
   gateway_ = std::make_unique<emulators::VehicleGateway>(
       settings(kind), static_cast<emulators::FrameOutput&>(*this));
   if (kind == Kind::roller) {
@@ -58,6 +72,10 @@ std::vector<std::string> VehicleRig::arguments() const {
   return {"--gnss",     (directory_ / "gnss").string(),
           "--can",      (directory_ / "can").string(),
           "--gnss-age", "0"};
+}
+
+std::vector<std::string> VehicleRig::lidar_arguments() const {
+  return {"--lidar-port", std::to_string(lidar_port_)};
 }
 
 SimTime VehicleRig::now() const {
@@ -124,6 +142,56 @@ void VehicleRig::step() {
   if (!mute.gnss && steps_ % 20 == 0) {
     send_gnss();
   }
+  if (!mute.lidar) {
+    send_lidar();
+  }
+}
+
+/// Along a ray, to the trunk or to level ground; 0: to neither.
+double VehicleRig::range_m(double azimuth_rad, double elevation_rad) const {
+  const double ground_m = elevation_rad < -0.02 ? kLidarHeight_m / std::sin(-elevation_rad) : 0.0;
+  if (!trunk) {
+    return ground_m;
+  }
+  const double dx = trunk->place.east_m - plant.position.east_m;
+  const double dy = trunk->place.north_m - plant.position.north_m;
+  const double c = std::cos(plant.heading_rad);
+  const double s = std::sin(plant.heading_rad);
+  const double ahead = c * dx + s * dy - kLidarAhead_m;
+  const double left = -s * dx + c * dy;
+  // Azimuths run clockwise.
+  const double along = ahead * std::cos(azimuth_rad) - left * std::sin(azimuth_rad);
+  const double aside = ahead * std::sin(azimuth_rad) + left * std::cos(azimuth_rad);
+  if (along < 0.0 || std::abs(aside) > trunk->radius_m) {
+    return ground_m;
+  }
+  const double level = along - std::sqrt(trunk->radius_m * trunk->radius_m - aside * aside);
+  const double range = level / std::cos(elevation_rad);
+  return ground_m > 0.0 && ground_m < range ? ground_m : range;
+}
+
+void VehicleRig::send_lidar() {
+  // A tenth of a window from 330 to 30 degrees.
+  const velodyne::Model& model = *velodyne::find_model("HDL-32E");
+  velodyne::DataPacket packet;
+  packet.return_mode_byte = 0x37;
+  packet.product_id = model.product_id;
+  packet.timestamp_us = static_cast<std::uint32_t>(steps_ * 10'000);
+  for (std::size_t b = 0; b < velodyne::kBlocksPerPacket; ++b) {
+    velodyne::Block& block = packet.blocks[b];
+    const auto count = static_cast<int>((steps_ % 10) * velodyne::kBlocksPerPacket + b);
+    block.azimuth_counts = static_cast<std::uint16_t>((33000 + 50 * count) % 36000);
+    for (std::size_t laser = 0; laser < model.lasers.size(); ++laser) {
+      const double range = range_m(block.azimuth_counts * 0.01 * kDegree,
+                                   model.lasers[laser].elevation_deg * kDegree);
+      block.channels[laser] = {
+          static_cast<std::uint16_t>(range < 70.0 ? range * 1000.0 / model.distance_unit_mm : 0.0),
+          50};
+    }
+  }
+  std::array<std::uint8_t, velodyne::kDataPacketSize> bytes{};
+  velodyne::encode(packet, bytes);
+  (void)lidar_.send(bytes);
 }
 
 void VehicleRig::send_gnss() {

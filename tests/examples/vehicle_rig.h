@@ -6,11 +6,13 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "drivers/pty.h"
 #include "drivers/slcan_adapter.h"
+#include "drivers/udp_socket.h"
 #include "emulators/vehicle_gateway/vehicle_gateway.h"
 #include "field/geometry.h"
 #include "vehicle_plant.h"
@@ -26,6 +28,8 @@ class VehicleRig : private emulators::FrameOutput {
 
   /// The command line that connects a program to this rig.
   [[nodiscard]] std::vector<std::string> arguments() const;
+  /// What connects it to the lidar, too.
+  [[nodiscard]] std::vector<std::string> lidar_arguments() const;
   /// Lives up to the present; call often.
   void poll();
 
@@ -33,7 +37,14 @@ class VehicleRig : private emulators::FrameOutput {
     bool gnss = false;
     bool imu = false;
     bool gateway = false;
+    bool lidar = false;
   };
+  /// On level ground, for the lidar.
+  struct Trunk {
+    PlanePosition place;
+    double radius_m = 0.2;
+  };
+  std::optional<Trunk> trunk;
   Mute mute;
   VehiclePlant plant;
 
@@ -51,6 +62,8 @@ class VehicleRig : private emulators::FrameOutput {
   void obey(const VehicleCommand& command);
   [[nodiscard]] VehicleSample sample() const;
   void send_gnss();
+  void send_lidar();
+  [[nodiscard]] double range_m(double azimuth_rad, double elevation_rad) const;
 
   std::filesystem::path directory_;
   Kind kind_;
@@ -58,6 +71,8 @@ class VehicleRig : private emulators::FrameOutput {
   drivers::Pty gnss_;
   drivers::Pty can_line_;
   drivers::SlcanAdapter can_;
+  std::uint16_t lidar_port_;
+  drivers::UdpSocket lidar_;
   std::unique_ptr<emulators::VehicleGateway> gateway_;
   LocalPlane plane_{{49.4247, 7.7517}};
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();

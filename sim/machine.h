@@ -130,6 +130,9 @@ class Machine {
   /// What solid things do to it; null: it meets none.
   [[nodiscard]] virtual const ContactReport* contact_report() const { return nullptr; }
 
+  /// Obstacles of its ground that it has pushed over, by their index there: what leans is seen to.
+  [[nodiscard]] virtual std::span<const LeaningObstacle> leaning_obstacles() const { return {}; }
+
   /// Nothing when the machine has no such port. Owned by the machine.
   [[nodiscard]] virtual ValvePort* valve_port() { return nullptr; }
   [[nodiscard]] virtual VehiclePort* vehicle_port() { return nullptr; }

@@ -151,6 +151,7 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration, Run
   MachineInScene result;
   result.scene = std::move(built.scene);
   result.terrain = built.terrain;
+  result.looks = built.looks;
   result.ground = std::make_unique<sim::Ground>(built.ground, built.soils, built.obstacles);
   result.obstacles = std::make_unique<SceneFallObstacle>(*result.scene);
   if (machine.model->changes_ground()) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -138,9 +139,27 @@ void SimulatedWorld::prepare_scene(SimTime t0, SimTime t1) {
   if (dug_) {
     content_.scene->update_terrain(content_.terrain, content_.ground->field(), *dug_);
   }
+  show_leaning();
   content_.scene->begin_slice(t0, t1, after_.front().X_WL.translation(), bodies_);
   if (weather_ != nullptr) {
     weather_->advance(t1, content_.machine->dust_emitters());
+  }
+}
+
+void SimulatedWorld::show_leaning() {
+  const auto leaning = content_.machine->leaning_obstacles();
+  shown_rad_.resize(leaning.size());
+  for (std::size_t i = 0; i < leaning.size(); ++i) {
+    if (leaning[i].angle_rad == shown_rad_[i]) {
+      continue;
+    }
+    shown_rad_[i] = leaning[i].angle_rad;
+    const Eigen::Isometry3d motion_W =
+        leaning[i].motion_W(content_.ground->obstacles()[leaning[i].obstacle].foot_W());
+    for (const sim::ObstacleLook& look : std::ranges::equal_range(
+             content_.looks, leaning[i].obstacle, {}, &sim::ObstacleLook::obstacle)) {
+      content_.scene->displace(look.piece, motion_W);
+    }
   }
 }
 

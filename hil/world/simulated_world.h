@@ -37,6 +37,7 @@ struct MachineInScene {
   std::unique_ptr<sim::Ground> ground;           ///< Outlives the machine.
   std::unique_ptr<sim::FallObstacle> obstacles;  ///< What soil may fall on; outlives the machine.
   std::unique_ptr<sim::Machine> machine;
+  std::vector<sim::ObstacleLook> looks;  ///< Of the ground's obstacles that may give way.
 };
 
 struct WorldSettings {
@@ -78,6 +79,7 @@ class SimulatedWorld final : public TruthSource {
   std::optional<std::string> step_machine();
   void sample_step(const WorldStep& step, Shelves& samples);
   void prepare_scene(SimTime t0, SimTime t1);
+  void show_leaning();
   void sample_slice(SimTime t0, SimTime t1, Shelves& samples);
   void record_truth(const WorldStep& step, SimTime time);
 
@@ -98,6 +100,7 @@ class SimulatedWorld final : public TruthSource {
   std::vector<sim::LinkMotion> before_;       ///< At the start of the step.
   std::vector<sim::LinkMotion> after_;        ///< At the end of the step.
   std::vector<sim::BodyMotion> bodies_;
+  std::vector<double> shown_rad_;  ///< Of the machine's leaning obstacles, as the scene has them.
   std::vector<StateQuantity> state_quantities_;
   TruthStages stages_;
 };

@@ -1,13 +1,29 @@
 // What a machine tells of its contacts with solid things, for truth tap, status and report.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
 
 namespace rigwire::sim {
+
+/// An obstacle that has given way: it leans about its foot, falls, lies.
+struct LeaningObstacle {
+  std::size_t obstacle = 0;
+  double angle_rad = 0.0;
+  Eigen::Vector3d axis_W = Eigen::Vector3d::UnitX();  ///< About which it leans, level.
+  double rate_radps = 0.0;
+  bool down = false;  ///< Beyond what it bears: falls, and is met no more.
+  bool lies = false;
+
+  /// From where it stood to where it is.
+  [[nodiscard]] Eigen::Isometry3d motion_W(const Eigen::Vector3d& foot_W) const {
+    return Eigen::Translation3d(foot_W) * Eigen::AngleAxisd(angle_rad, axis_W) *
+           Eigen::Translation3d(-foot_W);
+  }
+};
 
 /// What a machine feels of solid things: of the last step, and since the start.
 struct ContactReport {

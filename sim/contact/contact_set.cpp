@@ -49,13 +49,9 @@ ContactSet::ContactSet(std::vector<ContactBody> bodies, std::size_t links, const
 Eigen::Isometry3d ContactSet::pose_of(std::size_t obstacle) const {
   const Obstacle& still = ground_->obstacles()[obstacle];
   Eigen::Isometry3d X_WO = still.X_WO;
-  for (const Lean& lean : leaning_) {
+  for (const LeaningObstacle& lean : leaning_) {
     if (lean.obstacle == obstacle) {
-      // Turned about its foot, the lower end of its axis.
-      const Vector foot = still.foot_W();
-      const Eigen::Matrix3d turn = Eigen::AngleAxisd(lean.angle_rad, lean.axis_W).matrix();
-      X_WO.linear() = turn * still.X_WO.linear();
-      X_WO.translation() = foot + turn * (still.X_WO.translation() - foot);
+      X_WO = lean.motion_W(still.foot_W()) * still.X_WO;
     }
   }
   return X_WO;
@@ -63,7 +59,7 @@ Eigen::Isometry3d ContactSet::pose_of(std::size_t obstacle) const {
 
 double ContactSet::strength_of(std::size_t obstacle) const {
   const double strength = ground_->obstacles()[obstacle].strength_nm;
-  for (const Lean& lean : leaning_) {
+  for (const LeaningObstacle& lean : leaning_) {
     if (lean.obstacle == obstacle) {
       const double left = (kDown_rad - lean.angle_rad) / (kDown_rad - kHinge_rad);
       return lean.down ? 0.0 : strength * std::clamp(left, 0.0, 1.0);
@@ -72,8 +68,8 @@ double ContactSet::strength_of(std::size_t obstacle) const {
   return strength;
 }
 
-ContactSet::Lean* ContactSet::lean_of(std::size_t obstacle) {
-  for (Lean& lean : leaning_) {
+LeaningObstacle* ContactSet::lean_of(std::size_t obstacle) {
+  for (LeaningObstacle& lean : leaning_) {
     if (lean.obstacle == obstacle) {
       return &lean;
     }
@@ -96,7 +92,7 @@ void ContactSet::look(std::span<const ContactLink> links) {
     std::ranges::sort(found_);
     found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
     for (const std::uint32_t obstacle : found_) {
-      const Lean* lean = lean_of(obstacle);
+      const LeaningObstacle* lean = lean_of(obstacle);
       const Eigen::Isometry3d X_WO = pose_of(obstacle);
       const ConvexShape& shape = ground_->shape(obstacle);
       const Vector way = X_WO * shape.middle_m() - middle;
@@ -311,6 +307,7 @@ void ContactSet::finish(double h, double work_j) {
   stored_j_ = stored;
   report_.lost_j = -work_j_ - stored_j_;
   give_way(h);
+  fall(h);
 }
 
 void ContactSet::give_way(double h) {
@@ -326,7 +323,7 @@ void ContactSet::give_way(double h) {
     if (!(excess > 0.0) || level < 0.1) {
       continue;
     }
-    Lean* lean = lean_of(point.obstacle);
+    LeaningObstacle* lean = lean_of(point.obstacle);
     if (lean == nullptr) {
       if (leaning_.size() == kMostLeaning) {
         ++dropped_;
@@ -340,12 +337,45 @@ void ContactSet::give_way(double h) {
     // About the level axis square to the push, through the foot.
     const Vector axis = Vector::UnitZ().cross(Vector(-n.x(), -n.y(), 0.0)) / level;
     const Vector turn = lean->angle_rad * lean->axis_W + excess * level / height * axis;
+    lean->rate_radps = std::max(0.0, -point.end_mps[0]) * level / height;
     lean->angle_rad = turn.norm();
     lean->axis_W = lean->angle_rad > 0.0 ? Vector(turn / lean->angle_rad) : Vector::UnitX();
     moved(point.obstacle);
     if (lean->angle_rad > kDown_rad && !lean->down) {
       lean->down = true;
       ++report_.felled;
+      falling_ += ground_->obstacles()[point.obstacle].tree_height_m > 0.0 ? 1 : 0;
+    }
+  }
+}
+
+void ContactSet::fall(double h) {
+  constexpr double kGravity_mps2 = 9.80665;
+  constexpr double kMost_rad = 2.2;  // Down a steep bank.
+  constexpr int kStations = 8;
+  for (LeaningObstacle& lean : leaning_) {
+    const Obstacle& tree = ground_->obstacles()[lean.obstacle];
+    if (falling_ == 0 || !lean.down || lean.lies || !(tree.tree_height_m > 0.0)) {
+      continue;
+    }
+    // An even rod about its end: theta'' = 3 g / (2 L) sin theta.
+    lean.rate_radps = std::max(0.0, lean.rate_radps) +
+                      h * 1.5 * kGravity_mps2 / tree.tree_height_m * std::sin(lean.angle_rad);
+    lean.angle_rad += h * lean.rate_radps;
+    // It lies where its tapering stem meets the terrain.
+    const Vector foot = tree.foot_W();
+    const Vector along = Eigen::AngleAxisd(lean.angle_rad, lean.axis_W) * tree.X_WO.linear().col(2);
+    bool meets = lean.angle_rad >= kMost_rad;
+    for (int i = 2; i <= kStations && !meets; ++i) {
+      const double share = static_cast<double>(i) / kStations;
+      const Vector p = foot + share * tree.tree_height_m * along;
+      const double radius = tree.half_lengths_m.x() * (1.0 - share);
+      meets = p.z() - radius <= ground_->height_m(p.x(), p.y());
+    }
+    if (meets) {
+      lean.lies = true;
+      lean.rate_radps = 0.0;
+      --falling_;
     }
   }
 }

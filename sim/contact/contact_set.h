@@ -19,7 +19,8 @@
 // What an obstacle bears: Obstacle::strength_nm, a moment about its foot. Where the sum of the
 // points' horizontal forces times their heights would pass it, the obstacle gives way: it leans
 // away from the push about its foot, at constant moment up to 0.1 rad, at one that falls to nothing
-// at 0.4 rad; from there on it is down and met no more (contact.md 7; estimates).
+// at 0.4 rad; from there on it is down and met no more (contact.md 7; estimates). A tree that is
+// down falls as a rod does that turns about its foot, until its trunk meets the ground.
 //
 // Deterministic; after construction begin(), settle() and all queries allocate nothing and throw
 // nothing. Pairs and points beyond the room reserved are counted in dropped().
@@ -76,7 +77,7 @@ class ContactSet {
   /// than `fastest_mps` for h seconds. Where not, neither begin() nor settle() is due.
   [[nodiscard]] bool near(double h, double fastest_mps) {
     travelled_m_ += h * fastest_mps;
-    return !pairs_.empty() || travelled_m_ > kSlack_m - kReach_m - h * fastest_mps;
+    return !pairs_.empty() || falling_ > 0 || travelled_m_ > kSlack_m - kReach_m - h * fastest_mps;
   }
   /// Precondition: near() said so in this step; links as many as at construction.
   void begin(double h, std::span<const ContactLink> links);
@@ -107,14 +108,8 @@ class ContactSet {
   [[nodiscard]] std::span<const ContactBody> bodies() const { return bodies_; }
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
-  /// Obstacles that lean or are down, since the last call: for the scene.
-  struct Lean {
-    std::size_t obstacle = 0;
-    double angle_rad = 0.0;
-    Eigen::Vector3d axis_W = Eigen::Vector3d::UnitX();  ///< About which it leans, through its foot.
-    bool down = false;
-  };
-  [[nodiscard]] std::span<const Lean> leaning() const { return leaning_; }
+  /// Those that have given way, in the order in which they did: for the scene.
+  [[nodiscard]] std::span<const LeaningObstacle> leaning() const { return leaning_; }
   /// An obstacle stands elsewhere than in the step before: whoever was far from it may be near.
   void moved(std::size_t obstacle);
 
@@ -144,9 +139,10 @@ class ContactSet {
   void meet(Pair& pair, double h, std::span<const ContactLink> links);
   [[nodiscard]] Eigen::Isometry3d pose_of(std::size_t obstacle) const;
   [[nodiscard]] double strength_of(std::size_t obstacle) const;
-  Lean* lean_of(std::size_t obstacle);
+  LeaningObstacle* lean_of(std::size_t obstacle);
   void finish(double h, double work_j);
   void give_way(double h);
+  void fall(double h);
 
   const Ground* ground_;
   std::vector<ContactBody> bodies_;
@@ -156,7 +152,8 @@ class ContactSet {
   std::vector<std::uint32_t> found_;
   std::vector<ContactPoint> points_;
   std::vector<std::uint32_t> pair_of_;  ///< Of each point.
-  std::vector<Lean> leaning_;
+  std::vector<LeaningObstacle> leaning_;
+  std::size_t falling_ = 0;
   std::vector<ContactLink> at_;  ///< Links of the last begin().
   std::vector<double> moved_m_;  ///< Of each body since then, at most.
   double travelled_m_ = kSlack_m;

@@ -51,6 +51,9 @@ class DiggingExcavator final : public Machine {
   [[nodiscard]] const ContactReport* contact_report() const override {
     return excavator_.contact_report();
   }
+  [[nodiscard]] std::span<const LeaningObstacle> leaning_obstacles() const override {
+    return excavator_.leaning_obstacles();
+  }
   [[nodiscard]] ValvePort* valve_port() override { return excavator_.valve_port(); }
   [[nodiscard]] PowerUnitPort* power_unit_port() override { return excavator_.power_unit_port(); }
   /// The lip of the bucket, while soil goes in or out: dust by the height from which it falls. The

@@ -157,6 +157,9 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   [[nodiscard]] const ContactReport* contact_report() const override {
     return contact_ ? &contact_->report() : nullptr;
   }
+  [[nodiscard]] std::span<const LeaningObstacle> leaning_obstacles() const override {
+    return contact_ ? contact_->leaning() : std::span<const LeaningObstacle>();
+  }
   /// Nothing without a ground.
   [[nodiscard]] const ContactSet* contact() const { return contact_ ? &*contact_ : nullptr; }
 

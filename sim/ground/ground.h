@@ -39,6 +39,7 @@ struct Obstacle {
   std::shared_ptr<const ConvexShape> hull;  ///< Of that shape alone.
   /// The moment about its foot that it bears before it breaks or is uprooted; infinite: any.
   double strength_nm = std::numeric_limits<double>::infinity();
+  double tree_height_m = 0.0;  ///< Of a trunk's tree: how it falls; 0: it does not.
   double stiffness_npm = 0.0;  ///< Of itself, where a machine hits it; 0: rigid.
   std::string name;            ///< For the truth: "trunk 12", "haul_truck".
 

@@ -54,6 +54,9 @@ class TandemRoller final : public Machine, public VehiclePort {
   }
   [[nodiscard]] const std::optional<NonFinite>& non_finite() const override { return non_finite_; }
   [[nodiscard]] const ContactReport* contact_report() const override { return &contact_.report(); }
+  [[nodiscard]] std::span<const LeaningObstacle> leaning_obstacles() const override {
+    return contact_.leaning();
+  }
   [[nodiscard]] const ContactSet& contact() const { return contact_; }
   [[nodiscard]] std::span<const StatusQuantity> status_quantities() const override;
   void read_status(std::span<double> values) const override;

@@ -1,5 +1,9 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <map>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
@@ -78,6 +82,22 @@ Clearings clearings(const SceneDescription& description, const std::vector<LaidT
   return clear;
 }
 
+/// Which trees stand on the same square, square by square.
+std::vector<std::vector<std::size_t>> tiles(std::span<const PlacedTree> trees) {
+  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::size_t>> by_square;
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    const Eigen::Vector2d square = (trees[i].foot_m.head<2>() / kTreeTile_m).array().floor();
+    by_square[{static_cast<std::int64_t>(square.x()), static_cast<std::int64_t>(square.y())}]
+        .push_back(i);
+  }
+  std::vector<std::vector<std::size_t>> all;
+  all.reserve(by_square.size());
+  for (auto& [square, own] : by_square) {
+    all.push_back(std::move(own));
+  }
+  return all;
+}
+
 void add_trees(const SceneDescription& description, const Clearings& clear, std::uint64_t seed,
                BuiltScene& built) {
   std::size_t number = 0;
@@ -88,15 +108,29 @@ void add_trees(const SceneDescription& description, const Clearings& clear, std:
     if (trees.empty()) {
       continue;
     }
-    Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
-    X_WM.translation() << field.centre_m, trees.front().foot_m.z();
-    const ForestMeshes forest = forest_meshes(trees, X_WM.translation());
-    built.scene->add_object(built.scene->add_mesh(forest.trunks), X_WM, 1.0, field.trunk);
-    built.scene->add_object(built.scene->add_mesh(forest.crowns), X_WM, 1.0, field.crown);
+    const std::size_t first = built.obstacles.size();
     std::size_t stem = 0;
     for (const PlacedTree& tree : trees) {
       built.obstacles.push_back(trunk_obstacle(tree));
       built.obstacles.back().name = "tree " + std::to_string(stem++);
+    }
+    for (const std::vector<std::size_t>& tile : tiles(trees)) {
+      std::vector<PlacedTree> own;
+      std::ranges::transform(tile, std::back_inserter(own),
+                             [&](std::size_t i) { return trees[i]; });
+      Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
+      X_WM.translation() = own.front().foot_m.array().round();
+      const ForestMeshes forest = forest_meshes(own, X_WM.translation());
+      const std::array<Scene::InstanceId, 2> meshes{
+          built.scene->add_object(built.scene->add_mesh(forest.trunks), X_WM, 1.0, field.trunk),
+          built.scene->add_object(built.scene->add_mesh(forest.crowns), X_WM, 1.0, field.crown)};
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        for (std::size_t k = 0; k < meshes.size(); ++k) {
+          const std::uint32_t from = forest.first_triangles[i][k];
+          built.looks.push_back(
+              {first + tile[i], {meshes[k], false, from, forest.first_triangles[i + 1][k] - from}});
+        }
+      }
     }
   }
 }
@@ -226,6 +260,7 @@ BuiltScene build_scene(const SceneDescription& description, const std::vector<Tr
                    0,
                    make_terrain(description.terrain, description.tracks, seed),
                    {},
+                   {},
                    {}};
   built.terrain = built.scene->add_terrain(built.ground, material(description.terrain));
   const std::vector<LaidTrack> tracks = lay(description.tracks);
@@ -236,13 +271,14 @@ BuiltScene build_scene(const SceneDescription& description, const std::vector<Tr
   add_trees(description, clear, seed, built);
   for (const Forest& forest : description.forests) {
     add_forest(forest, built.ground, clear.ways, clear.keep_out, seed, *built.scene,
-               built.obstacles);
+               built.obstacles, built.looks);
   }
   for (const GrassField& grass : description.grass) {
     add_grass(grass, built.ground, clear.ways, clear.keep_out, seed, *built.scene);
   }
   add_boxes(description, built);
   add_objects(description, meshes, built);
+  std::ranges::stable_sort(built.looks, {}, &ObstacleLook::obstacle);
   return built;
 }
 

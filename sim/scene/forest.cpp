@@ -111,11 +111,13 @@ Wood wood_of(Species species) {
 }
 
 void add_trees(const Forest& forest, std::span<const PlacedTree> trees, RandomStream& random,
-               Nursery& nursery, Scene& scene, std::vector<Obstacle>& obstacles) {
+               Nursery& nursery, Scene& scene, std::vector<Obstacle>& obstacles,
+               std::vector<ObstacleLook>& looks) {
   TriangleMesh canopy;
   canopy.name = "canopy";
   const Eigen::Vector3d origin = trees.front().foot_m;
   std::size_t number = 0;
+  std::vector<ObstacleLook> crowns;
   for (const PlacedTree& tree : trees) {
     const SpeciesShare& kind = drawn(forest.species, random.uniform());
     const auto variant = static_cast<int>(random.bits() % static_cast<unsigned>(forest.variants));
@@ -124,8 +126,14 @@ void add_trees(const Forest& forest, std::span<const PlacedTree> trees, RandomSt
     const double scale = height / grown.model.height_m;
     const auto name = std::string(kSpeciesNames[static_cast<std::size_t>(kind.species)]) + " " +
                       std::to_string(number++);
-    scene.add_model_object(grown.mesh, standing(tree.foot_m, tree.yaw_rad), scale, name);
+    looks.push_back(
+        {obstacles.size(),
+         {scene.add_model_object(grown.mesh, standing(tree.foot_m, tree.yaw_rad), scale, name)}});
+    const auto first = static_cast<std::uint32_t>(canopy.triangles.size());
     add_crown(grown.model, tree.foot_m - origin, tree.yaw_rad, scale, canopy);
+    crowns.push_back(
+        {obstacles.size(),
+         {0, true, first, static_cast<std::uint32_t>(canopy.triangles.size()) - first}});
     Obstacle& trunk = obstacles.emplace_back();
     trunk.shape = ObstacleShape::cylinder;
     const double radius = scale * grown.model.trunk_radius_m;
@@ -136,7 +144,11 @@ void add_trees(const Forest& forest, std::span<const PlacedTree> trees, RandomSt
     trunk.name = name;
     root(trunk, wood_of(kind.species), 2.0 * radius, height);
   }
-  scene.add_canopy(canopy, standing(origin, 0.0));
+  const Scene::CanopyId added = scene.add_canopy(canopy, standing(origin, 0.0));
+  for (ObstacleLook& crown : crowns) {
+    crown.piece.thing = added;
+    looks.push_back(crown);
+  }
 }
 
 void add_bushes(const Forest& forest, std::span<const PlacedTree> spots, RandomStream& random,
@@ -274,7 +286,7 @@ void validate(const Forest& forest) {
 
 void add_forest(const Forest& forest, const HeightField& ground, std::span<const ClearWay> ways,
                 std::span<const KeepOut> keep_out, std::uint64_t seed, Scene& scene,
-                std::vector<Obstacle>& obstacles) {
+                std::vector<Obstacle>& obstacles, std::vector<ObstacleLook>& looks) {
   validate(forest);
   constexpr double kBushSpacing_m = 1.0;
   constexpr double kFallenSpacing_m = 3.0;
@@ -287,7 +299,7 @@ void add_forest(const Forest& forest, const HeightField& ground, std::span<const
   if (const auto trees =
           spots("trees", as_field(forest, forest.count, forest.density_per_ha, forest.spacing_m));
       !trees.empty()) {
-    add_trees(forest, trees, random, nursery, scene, obstacles);
+    add_trees(forest, trees, random, nursery, scene, obstacles, looks);
   }
   add_bushes(forest, spots("bushes", as_field(forest, 0, forest.bushes_per_ha, kBushSpacing_m)),
              random, nursery, scene);

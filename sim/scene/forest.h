@@ -57,6 +57,6 @@ void validate(const Forest& forest);
 /// all crowns. Standing trunks become obstacles, as cylinders; fallen ones as boxes. Validates.
 void add_forest(const Forest& forest, const HeightField& ground, std::span<const ClearWay> ways,
                 std::span<const KeepOut> keep_out, std::uint64_t seed, Scene& scene,
-                std::vector<Obstacle>& obstacles);
+                std::vector<Obstacle>& obstacles, std::vector<ObstacleLook>& looks);
 
 }  // namespace rigwire::sim

@@ -47,31 +47,6 @@ void pass_holes(const RTCFilterFunctionNArguments* arguments) {
   }
 }
 
-/// Column-major 3x4, the form that Embree takes.
-using Transform = std::array<float, 12>;
-
-Transform to_transform(const Eigen::Isometry3d& X_WM, double scale,
-                       const Eigen::Vector3d& origin_W) {
-  const Eigen::Matrix3d linear = scale * X_WM.linear();
-  const Eigen::Vector3d translation = X_WM.translation() - origin_W;
-  Transform transform{};
-  for (std::size_t column = 0; column < 3; ++column) {
-    for (std::size_t row = 0; row < 3; ++row) {
-      transform[column * 3 + row] = static_cast<float>(
-          linear(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)));
-    }
-  }
-  for (std::size_t row = 0; row < 3; ++row) {
-    transform[9 + row] = static_cast<float>(translation(static_cast<Eigen::Index>(row)));
-  }
-  return transform;
-}
-
-void set_transform(RTCGeometry geometry, const Transform& transform) {
-  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform.data());
-  rtcCommitGeometry(geometry);
-}
-
 constexpr float kForever = std::numeric_limits<float>::infinity();
 /// A ray through an edge meets both of its triangles at the same place.
 constexpr float kSameCrossing_m = 1e-4F;
@@ -418,17 +393,18 @@ Scene::InstanceId Scene::add_model_object(MeshId model, const Eigen::Isometry3d&
                                   name.empty() ? parts.name : name);
 }
 
-void Scene::add_canopy(const TriangleMesh& closed, const Eigen::Isometry3d& X_WM) {
+Scene::CanopyId Scene::add_canopy(const TriangleMesh& closed, const Eigen::Isometry3d& X_WM) {
   Internals& in = *internals_;
   const MeshId mesh = add_mesh(closed);
   GeometryHandle geometry(rtcNewGeometry(in.device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
   rtcSetGeometryInstancedScene(geometry.get(), in.meshes[mesh].scene.get());
-  rtcAttachGeometry(in.canopy.get(), geometry.get());
+  const unsigned id = rtcAttachGeometry(in.canopy.get(), geometry.get());
   in.check("adding a canopy");
   in.placed.push_back(
-      {std::move(geometry), X_WM, 1.0, Internals::kFixed, 0, closed.name, mesh, 0, {}});
+      {std::move(geometry), X_WM, 1.0, Internals::kFixed, id, closed.name, mesh, 0, {}});
   in.has_canopy = true;
   in.fixed_placed = false;
+  return static_cast<CanopyId>(in.placed.size() - 1);
 }
 
 Scene::BodyId Scene::add_body(std::string_view name) {
@@ -564,7 +540,8 @@ Scene::MeshId Scene::Internals::add_meshes(std::string name,
   }
   rtcCommitScene(inner.get());
   check(("mesh '" + name + "'").c_str());
-  meshes.push_back({std::move(inner), std::move(name), std::move(surfaces)});
+  meshes.push_back(
+      {std::move(inner), std::move(name), std::move(surfaces), parts.front()->triangles.size()});
   return static_cast<MeshId>(meshes.size() - 1);
 }
 
@@ -738,9 +715,20 @@ void Scene::Internals::place_fixed() {
     if (thing.body != kFixed) {
       continue;
     }
-    if (shared && thing.mask != 0) {
+    if (thing.gone) {
+      if (!shared && thing.geometry) {
+        rtcDetachGeometry(fixed.get(), thing.geometry_id);
+      }
+      thing.geometry.reset();
+      continue;
+    }
+    if (thing.mask != 0 && (shared || thing.reshaped)) {
+      if (!shared) {
+        rtcDetachGeometry(fixed.get(), thing.geometry_id);
+      }
       thing.geometry = place_instance(fixed.get(), thing, meshes[thing.mesh]);
     }
+    thing.reshaped = false;
     set_transform(thing.geometry.get(), to_transform(thing.X_PM, thing.scale, origin_W));
   }
   place_tiles();
@@ -797,6 +785,7 @@ void Scene::Internals::place_moving(SimTime begin, SimTime end,
   t1 = end;
   refresh_terrains();
   place_bodies(motions);
+  place_displaced();
   rtcCommitScene(moving.get());
   check("placing the bodies");
 }
@@ -839,6 +828,7 @@ std::unique_ptr<Scene> Scene::twin() const {
   in.shading = from.shading;
   in.instance_of = from.instance_of;
   in.bodies = from.bodies;
+  in.canopies_kept = false;
   in.ground_moves = from.ground_moves;
   in.has_foliage = from.has_foliage;
   in.placed.reserve(from.placed.size());
@@ -869,7 +859,7 @@ std::unique_ptr<Scene> Scene::twin() const {
 }
 
 ScenePlacement Scene::placement() const {
-  return {internals_->fixed, internals_->origin_W};
+  return {internals_->fixed, internals_->origin_W, internals_->displaced};
 }
 
 void Scene::begin_slice(SimTime t0, SimTime t1, const ScenePlacement& placement,
@@ -881,6 +871,7 @@ void Scene::begin_slice(SimTime t0, SimTime t1, const ScenePlacement& placement,
     in.origin_W = placement.origin_W;
     in.place_tiles();
   }
+  in.displaced = placement.displaced;
   in.place_moving(t0, t1, motions);
 }
 

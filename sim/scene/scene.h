@@ -19,6 +19,9 @@
 // of trees cost nothing in a slice of time, in which only bodies and dug terrain change. The fixed
 // one is built again when the local origin moves.
 //
+// Something fixed may leave its place: a tree that is pushed over. displace() takes it out of what
+// is fixed, which is built anew that one time, and gives it a place among what moves.
+//
 // Thread use: casting is const and may run on many threads; building and begin_slice() may not run
 // beside it. For rays of another thread, at other instants, there is twin(): a scene that shares
 // meshes and everything fixed with this one, and has bodies and dug terrain of its own. Embree
@@ -77,11 +80,29 @@ struct BodyMotion {
   Eigen::Isometry3d X_WB_end = Eigen::Isometry3d::Identity();
 };
 
-/// What is fixed in a scene, as it is placed around a local origin. Whoever holds it can have a
-/// twin cast into it.
+/// Something fixed that may leave its place: an object, or some triangles of its mesh.
+struct ScenePiece {
+  std::uint32_t thing = 0;  ///< Its (first) instance; of a canopy, its number.
+  bool canopy = false;
+  std::uint32_t first_triangle = 0;
+  std::uint32_t triangles = 0;  ///< 0: the whole object.
+
+  friend bool operator==(const ScenePiece&, const ScenePiece&) = default;
+};
+/// What rays meet of an obstacle (Ground::obstacles()).
+struct ObstacleLook {
+  std::size_t obstacle = 0;
+  ScenePiece piece;
+};
+/// scene_internals.h
+struct DisplacedPiece;
+
+/// What is fixed in a scene, as it is placed around a local origin, and where the pieces are that
+/// have left their places. Whoever holds it can have a twin cast into it.
 struct ScenePlacement {
   std::shared_ptr<RTCSceneTy> fixed;
   Eigen::Vector3d origin_W = Eigen::Vector3d::Zero();
+  std::shared_ptr<const std::vector<DisplacedPiece>> displaced;
 };
 
 /// What a single ray met.
@@ -96,6 +117,7 @@ class Scene final : public Visibility {
   using MeshId = std::uint32_t;
   using InstanceId = std::uint32_t;
   using BodyId = std::uint32_t;
+  using CanopyId = std::uint32_t;
 
   /// Rays with this mask see everything.
   static constexpr std::uint32_t kSeeEverything = 0xFFFFFFFFU;
@@ -131,7 +153,7 @@ class Scene final : public Visibility {
                               std::string_view name);
   /// Closed surfaces that only sky_path() meets, as foliage: the crowns of trees whose leaves are
   /// modelled one by one.
-  void add_canopy(const TriangleMesh& closed, const Eigen::Isometry3d& X_WM);
+  CanopyId add_canopy(const TriangleMesh& closed, const Eigen::Isometry3d& X_WM);
 
   /// Set-up of a terrain that will be dug: it is kept in tiles from now on, so that a change
   /// rebuilds only where it happened. Rays meet the same triangles as before. Throws
@@ -147,6 +169,13 @@ class Scene final : public Visibility {
   /// The same from the heights of these nodes alone, row by row.
   void update_terrain(InstanceId terrain, const NodeRectangle& changed,
                       std::span<const double> heights_m);
+
+  /// The piece is where `motion_W` takes it from where it was added, from the next begin_slice()
+  /// on; it has the instance, name and material that it had. Cheap but for the first time of a
+  /// piece: then everything fixed is placed anew, and the piece's mesh built without it. Throws
+  /// std::invalid_argument when there is no such piece, it is terrain or on a body, or the motion
+  /// is not finite.
+  void displace(const ScenePiece& piece, const Eigen::Isometry3d& motion_W);
 
   /// Places the bodies for rays with times in [t0, t1] and makes the scene ready to cast.
   /// `motions[i]` is of body i; `focus_W` is where the sensors are (any point within some hundred

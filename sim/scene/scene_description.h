@@ -165,6 +165,8 @@ struct BuiltScene {
   /// Rocks as spheres that reach as high as they on average do, trunks as cylinders, boxes, and
   /// solid mesh objects as the convex hulls of their parts.
   std::vector<Obstacle> obstacles;
+  /// What rays see of those that may give way, trees; in the order of the obstacles.
+  std::vector<ObstacleLook> looks;
 };
 
 /// Edges of boxes and meshes are split to this length.

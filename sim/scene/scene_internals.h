@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/scene/alpha_mask.h"
@@ -72,6 +73,31 @@ inline RTCRay make_ray(const Eigen::Vector3d& p, const Eigen::Vector3d& directio
   return ray;
 }
 
+/// Column-major 3x4, the form that Embree takes.
+using Transform = std::array<float, 12>;
+
+inline Transform to_transform(const Eigen::Isometry3d& X_WM, double scale,
+                              const Eigen::Vector3d& origin_W) {
+  const Eigen::Matrix3d linear = scale * X_WM.linear();
+  const Eigen::Vector3d translation = X_WM.translation() - origin_W;
+  Transform transform{};
+  for (std::size_t column = 0; column < 3; ++column) {
+    for (std::size_t row = 0; row < 3; ++row) {
+      transform[column * 3 + row] = static_cast<float>(
+          linear(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)));
+    }
+  }
+  for (std::size_t row = 0; row < 3; ++row) {
+    transform[9 + row] = static_cast<float>(translation(static_cast<Eigen::Index>(row)));
+  }
+  return transform;
+}
+
+inline void set_transform(RTCGeometry geometry, const Transform& transform) {
+  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform.data());
+  rtcCommitGeometry(geometry);
+}
+
 /// What a ray has met, as index into Scene::Internals::shading and instance_of, from the numbers
 /// that it comes back with; RTC_INVALID_GEOMETRY_ID: nothing. A model is one instance for Embree:
 /// its parts' indices follow each other.
@@ -81,6 +107,19 @@ inline std::uint32_t surface_number(std::uint32_t instance, std::uint32_t part) 
 
 /// Bits of ray masks of a surface; `body` may be Internals::kFixed.
 [[nodiscard]] std::uint32_t surface_mask(const Material& material, std::uint32_t body);
+
+/// A piece that has left its place: Embree has it among what moves (a canopy's: among canopies),
+/// without a part in what is fixed.
+struct DisplacedPiece {
+  ScenePiece piece;
+  std::shared_ptr<RTCSceneTy> shape;  ///< Twins share it.
+  Eigen::Isometry3d X_WM_still = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
+  double scale = 1.0;
+  std::uint32_t mask = 0;
+  std::uint32_t number = 0;  ///< Embree's, of its first part.
+  std::uint32_t parts = 1;
+};
 
 struct Scene::Internals {
   static constexpr std::uint32_t kFixed = 0xFFFFFFFFU;
@@ -99,6 +138,8 @@ struct Scene::Internals {
     MeshId mesh = 0;
     std::uint32_t mask = 0;        ///< 0: rays do not meet it in `fixed` nor on a body.
     Eigen::AlignedBox3f bounds_M;  ///< Of the mesh; empty for a canopy.
+    bool gone = false;             ///< Displaced as a whole.
+    bool reshaped = false;         ///< Its mesh is another one since it was placed.
   };
   struct Instance {
     std::uint32_t placed = 0;
@@ -109,6 +150,9 @@ struct Scene::Internals {
     SceneHandle scene;
     std::string name;
     std::vector<Material> materials;
+    std::size_t triangles = 0;  ///< Of a plain mesh.
+    /// What was taken out: first triangle and number, as the mesh was; in order.
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> taken_out{};
   };
   /// A masked mesh, for Embree's filter: where the corners of each triangle lie in the mask.
   struct MaskedSurface {
@@ -178,6 +222,12 @@ struct Scene::Internals {
   std::vector<Terrain> terrains;
   Duration terrain_period{0};
   std::vector<std::string> bodies;
+  /// Null: everything is in its place. Never changed, only replaced: placements hold it.
+  std::shared_ptr<const std::vector<DisplacedPiece>> displaced;
+  std::vector<GeometryHandle> displaced_geometry;  ///< Of those that Embree has been told of.
+  std::shared_ptr<const std::vector<DisplacedPiece>> displaced_shown;
+  Eigen::Vector3d displaced_origin_W = Eigen::Vector3d::Zero();
+  bool canopies_kept = true;                           ///< Not those of a twin.
   Eigen::Vector3d origin_W = Eigen::Vector3d::Zero();  ///< Of Embree's float coordinates.
   bool fixed_placed = false;
   bool ground_moves = false;  ///< Tiles of terrain are in `moving`.
@@ -225,6 +275,15 @@ struct Scene::Internals {
   void place_fixed();
   /// Of changeable terrains, at the present origin.
   void place_tiles();
+  /// The piece's shape of its own, when it is taken out of its object.
+  DisplacedPiece take_out(const ScenePiece& piece);
+  /// These triangles of a plain mesh, or all others, as a mesh of their own in Embree.
+  std::shared_ptr<RTCSceneTy> cut(const Mesh& mesh, std::uint32_t first, std::uint32_t count,
+                                  bool others) const;
+  /// Of a number of parts that will move, one after the other.
+  std::uint32_t new_moving_ids(std::uint32_t instance, std::uint32_t parts);
+  /// Tells Embree where the displaced pieces are, if that is another place.
+  void place_displaced();
   /// Beginning and placing of what moves, when the rest is placed.
   void place_moving(SimTime begin, SimTime end, std::span<const BodyMotion> motions);
   void check_slice(SimTime begin, SimTime end, std::span<const BodyMotion> motions) const;

@@ -146,7 +146,12 @@ ForestMeshes forest_meshes(std::span<const PlacedTree> trees, const Eigen::Vecto
   ForestMeshes forest;
   forest.trunks.name = "trunks";
   forest.crowns.name = "crowns";
+  const auto mark = [&forest] {
+    forest.first_triangles.push_back({static_cast<std::uint32_t>(forest.trunks.triangles.size()),
+                                      static_cast<std::uint32_t>(forest.crowns.triangles.size())});
+  };
   for (const PlacedTree& tree : trees) {
+    mark();
     const Eigen::Vector3d foot = tree.foot_m - origin_m;
     const double h = tree.height_m;
     const double r = 0.5 * tree.trunk_diameter_m;
@@ -167,6 +172,7 @@ ForestMeshes forest_meshes(std::span<const PlacedTree> trees, const Eigen::Vecto
                                           {0.0, h}}});
     }
   }
+  mark();
   return forest;
 }
 

@@ -1,10 +1,11 @@
 // Forests: trees strewn over a rectangle, off the tracks.
 //
-// All trees of a field are two meshes, trunks and crowns: thousands of instances would cost the ray
-// caster milliseconds in every slice of time, two meshes cost nothing there.
+// The trees of a square of kTreeTile_m are two meshes, trunks and crowns: few instances are quick
+// to place and to cast at, and when one tree is pushed over, what must be built anew is small.
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -66,7 +67,10 @@ struct ClearWay {
 struct ForestMeshes {
   TriangleMesh trunks;
   TriangleMesh crowns;
+  /// Of each tree, in their order: its first triangle in both. One more than there are trees.
+  std::vector<std::array<std::uint32_t, 2>> first_triangles;
 };
+inline constexpr double kTreeTile_m = 64.0;
 [[nodiscard]] ForestMeshes forest_meshes(std::span<const PlacedTree> trees,
                                          const Eigen::Vector3d& origin_m);
 

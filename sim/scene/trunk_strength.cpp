@@ -35,6 +35,7 @@ double uprooting_moment_nm(Wood wood, double diameter_m, double height_m) {
 void root(Obstacle& trunk, Wood wood, double diameter_m, double height_m) {
   const double uproot = uprooting_moment_nm(wood, diameter_m, height_m);
   trunk.strength_nm = std::min(breaking_moment_nm(wood, diameter_m), uproot);
+  trunk.tree_height_m = height_m;
   // A turning spring at the foot seen at the height of the push: K / z^2.
   trunk.stiffness_npm = uproot / kRootTurn_rad / (kPushHeight_m * kPushHeight_m);
 }

@@ -19,7 +19,7 @@ enum class Wood { spruce, pine, broadleaf };
 [[nodiscard]] double breaking_moment_nm(Wood wood, double diameter_m);
 [[nodiscard]] double uprooting_moment_nm(Wood wood, double diameter_m, double height_m);
 
-/// Sets strength and stiffness of a trunk: the root plate's turn of 0.06 rad at the uprooting
+/// Sets strength, stiffness and tree of a trunk: the root plate's turn of 0.06 rad at the uprooting
 /// moment (an estimate), felt 0.8 m above the ground, where machines push.
 void root(Obstacle& trunk, Wood wood, double diameter_m, double height_m);
 

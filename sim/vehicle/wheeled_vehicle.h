@@ -87,6 +87,9 @@ class WheeledVehicle : public Machine, public VehiclePort {
   void read_truth(std::span<double> values) const final;
   [[nodiscard]] VehiclePort* vehicle_port() final { return this; }
   [[nodiscard]] const ContactReport* contact_report() const final { return &contact_.report(); }
+  [[nodiscard]] std::span<const LeaningObstacle> leaning_obstacles() const final {
+    return contact_.leaning();
+  }
   [[nodiscard]] const ContactSet& contact() const { return contact_; }
   /// The corners of the body that run into things (ChassisContactParameters).
   [[nodiscard]] std::vector<BodyPoint> body_points() const final;

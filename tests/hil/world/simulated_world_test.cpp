@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -20,6 +21,7 @@
 #include "sim/excavator/bucket_soil.h"
 #include "sim/gnss/gnss_sensor.h"
 #include "sim/ground/ground.h"
+#include "sim/scene/scene_description.h"
 
 namespace rigwire::hil {
 namespace {
@@ -64,7 +66,12 @@ class Sledge final : public sim::Machine, public sim::ValvePort {
     return sample;
   }
 
+  [[nodiscard]] std::span<const sim::LeaningObstacle> leaning_obstacles() const override {
+    return leaning;
+  }
+
   std::vector<double> told;  ///< To the first actuator.
+  std::vector<sim::LeaningObstacle> leaning;
 
  private:
   static constexpr std::array<std::string_view, 2> kNames{"sledge", "turntable"};
@@ -147,6 +154,46 @@ TEST(SimulatedWorld, RefusesASceneWithoutTheMachinesLinks) {
   Content content;
   content.in_scene.scene = std::make_unique<sim::Scene>();
   EXPECT_THROW(SimulatedWorld({}, std::move(content.in_scene)), std::invalid_argument);
+}
+
+// Finding: lidar and cameras went on seeing a tree upright that had been driven over.
+TEST(SimulatedWorld, RaysPassWhereATreeStoodAndMeetItWhereItLies) {
+  sim::SceneDescription description;
+  description.terrain = sim::LevelTerrain{};
+  sim::TreeField& field = description.trees.emplace_back();
+  field.count = 1;
+  field.centre_m = {20.0, 0.0};
+  field.half_lengths_m = {2.0, 2.0};
+  field.smallest_m = field.largest_m = 12.0;
+  sim::BuiltScene built = sim::build_scene(description, {}, 1);
+  Content content;
+  content.in_scene.scene = std::move(built.scene);
+  content.in_scene.scene->add_body("sledge");
+  content.in_scene.scene->add_body("turntable");
+  content.in_scene.terrain = built.terrain;
+  content.in_scene.ground =
+      std::make_unique<sim::Ground>(built.ground, built.soils, built.obstacles);
+  content.in_scene.looks = built.looks;
+  Sledge& sledge = *content.sledge;
+  const Eigen::Vector3d foot = built.obstacles.front().foot_W();
+  SimulatedWorld world({}, std::move(content.in_scene));
+  const auto seen = [&](double height_m) {
+    SampleBatch batch;
+    advance(world, {}, batch);
+    const auto hit = world.scene().cast({0.0, foot.y(), height_m}, Eigen::Vector3d::UnitX(), 0.1,
+                                        60.0, *world.scene().slice_end());
+    return hit ? hit->range_m - foot.x() : 100.0;
+  };
+  EXPECT_NEAR(seen(1.0), -0.225, 0.02);
+  // About y, to the east.
+  sledge.leaning.push_back({.obstacle = 0, .axis_W = Eigen::Vector3d::UnitY()});
+  for (const double angle : {0.1, 0.3, 0.6}) {
+    sledge.leaning.front().angle_rad = angle;
+    EXPECT_NEAR(seen(1.0), std::tan(angle) - 0.225 / std::cos(angle), 0.12) << angle;
+  }
+  sledge.leaning.front().angle_rad = 0.5 * std::numbers::pi;
+  EXPECT_EQ(seen(2.8), 100.0) << "above what lies";
+  EXPECT_NEAR(seen(0.15), 0.0, 0.4) << "the butt";
 }
 
 TEST(SimulatedWorld, AsksSensorsInTheOrderThatTheHeaderTells) {

@@ -196,6 +196,48 @@ TEST(ContactSet, ATrunkGivesWayBeyondItsMomentAndNotBefore) {
   EXPECT_NEAR(truck.contact().report().lost_j, 21e3 * 0.25, 0.5 * 21e3 * 0.25);
 }
 
+TEST(ContactSet, ATreeThatGaveWayFallsAwayFromThePushAndLiesOnTheGround) {
+  Obstacle trunk = trunk_at(5.0, 0.0, 0.1, 3.0);
+  trunk.strength_nm = 21e3;
+  trunk.stiffness_npm = 1.7e6;
+  trunk.tree_height_m = 15.0;
+  const Ground ground = ground_with({trunk});
+  const Vector half(2.0, 1.1, 0.4);
+  FreeBody truck(ground, ConvexShape::box(half), 5600.0, box_inertia(5600.0, half), 1.5e6, 3e4);
+  truck.gravity_mps2 = 0.0;
+  truck.X_WB.translation() << 2.899, 0.0, 0.8;
+  truck.push_W.x() = 45e3;
+  double before_rad = 0.0;
+  double down_s = 0.0;
+  for (int i = 0; i < 12000; ++i) {
+    truck.step(1e-3);
+    if (truck.contact().leaning().empty()) {
+      continue;
+    }
+    const LeaningObstacle& lean = truck.contact().leaning().front();
+    EXPECT_GE(lean.angle_rad, before_rad - 0.01);
+    EXPECT_LT(lean.angle_rad - before_rad, 0.1) << "no jump";
+    before_rad = lean.angle_rad;
+    down_s += lean.down && !lean.lies ? 1e-3 : 0.0;
+    // When it is down the truck stops: that it falls on is nobody's push.
+    if (lean.down) {
+      truck.push_W.x() = 0.0;
+      truck.v_W.setZero();
+      truck.w_W.setZero();
+    }
+  }
+  ASSERT_EQ(truck.contact().leaning().size(), 1U);
+  const LeaningObstacle& lean = truck.contact().leaning().front();
+  EXPECT_TRUE(lean.lies);
+  EXPECT_NEAR(lean.angle_rad, 0.5 * std::numbers::pi, 0.03);
+  const Vector top = lean.motion_W(trunk.foot_W()) * Vector(5.0, 0.0, trunk.foot_W().z() + 15.0);
+  EXPECT_NEAR(top.x(), 20.0, 0.3) << "away from the push";
+  // theta'' = 3 g / (2 L) sin theta from 0.4 rad: at rest it would take 2.2 s; the truck was at
+  // some 3 m/s.
+  EXPECT_GT(down_s, 0.4);
+  EXPECT_LT(down_s, 2.4);
+}
+
 TEST(ContactSet, NothingNearCostsNothingAndAllocatesNothing) {
   std::vector<Obstacle> trunks;
   for (int i = 0; i < 400; ++i) {

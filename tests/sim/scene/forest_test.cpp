@@ -141,7 +141,8 @@ TEST(Forest, SatellitesSeeCrownsAsFoliageAndTrunksAsWalls) {
   forest.half_lengths_m = {0.5, 0.5};
   forest.species = {{Species::spruce, 1.0, 20.0, 20.0}};
   forest.bushes_per_ha = forest.fallen_per_ha = 0.0;
-  add_forest(forest, ground, {}, {}, 1, scene, obstacles);
+  std::vector<ObstacleLook> looks;
+  add_forest(forest, ground, {}, {}, 1, scene, obstacles, looks);
   scene.begin_slice(kT0, kT1, Vector3d::Zero(), {});
   ASSERT_EQ(obstacles.size(), 1U);
   const Vector3d stem = obstacles[0].X_WO.translation();

@@ -26,7 +26,7 @@ Eigen::Isometry3d pose(const Vector3& position_m, const RollPitchYaw& rotation) 
 }
 
 void visit(fields::Visitor& v, BoxShape& p) {
-  v.vector3("size", p.size_m, in("m").above(0).at_most(1e5), "Full lengths along its x, y, z.");
+  v.vector3("size", p.size_m, in("m").between(0.001, 1e5), "Full lengths along its x, y, z.");
 }
 
 void visit(fields::Visitor& v, MeshShape& p) {

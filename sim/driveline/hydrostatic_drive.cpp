@@ -22,34 +22,39 @@ double lag(double value, double target, double h, double time_constant_s) {
 }  // namespace
 
 void visit(fields::Visitor& v, HydrostaticDriveParameters& p) {
-  v.number("motor_displacement", p.motor_displacement_m3prad, in("m3/rad").above(0),
+  v.number("motor_displacement", p.motor_displacement_m3prad, in("m3/rad").between(1e-9, 1),
            "Oil that each motor takes per angle of its drum.");
-  v.number("pump_displacement", p.pump_displacement_m3prad, in("m3/rad").above(0),
+  v.number("pump_displacement", p.pump_displacement_m3prad, in("m3/rad").between(1e-9, 1),
            "Oil that the pump gives per angle of the engine, at full swash.");
-  v.number("oil_volume", p.oil_volume_m3, in("l").above(0), "Oil under pressure.");
-  v.number("bulk_modulus", p.bulk_modulus_pa, in("MPa").above(0), "Bulk modulus of oil and hoses.");
-  v.number("leakage", p.leakage_m3pspa, in("m3/s/Pa").at_least(0),
+  v.number("oil_volume", p.oil_volume_m3, in("l").between(1e-4, 1e5), "Oil under pressure.");
+  v.number("bulk_modulus", p.bulk_modulus_pa, in("MPa").between(1, 1e5),
+           "Bulk modulus of oil and hoses.");
+  v.number("leakage", p.leakage_m3pspa, in("m3/s/Pa").between(0, 1),
            "Leakage of pump and motors per pressure.");
-  v.number("relief_pressure", p.relief_pressure_pa, in("MPa").above(0),
+  v.number("relief_pressure", p.relief_pressure_pa, in("MPa").between(0.001, 1000),
            "Relief pressure between the lines.");
-  v.number("charge_pressure", p.charge_pressure_pa, in("MPa").at_least(0),
+  v.number("charge_pressure", p.charge_pressure_pa, in("MPa").between(0, 1000),
            "Pressure of the low side.");
-  v.number("motor_friction", p.motor_friction_nmsprad, in("N m s/rad").at_least(0),
+  v.number("motor_friction", p.motor_friction_nmsprad, in("N m s/rad").between(0, 1e9),
            "Viscous friction of each motor at its drum.");
-  v.number("ramp", p.ramp_mps2, in("m/s2").above(0), "Ramp of the travel set point.");
-  v.number("swash_time_constant", p.swash_time_constant_s, in("ms").at_least(0),
+  v.number("ramp", p.ramp_mps2, in("m/s2").between(0.001, 1000), "Ramp of the travel set point.");
+  v.number("swash_time_constant", p.swash_time_constant_s, in("ms").between(0, 1e6),
            "Lag of the pump's swash plate.");
-  v.number("speed_max", p.speed_max_mps, in("km/h").above(0), "Greatest speed, both ways.");
-  v.number("engine_idle", p.engine_idle_radps, in("rpm").above(0), "Governor's least speed.");
-  v.number("engine_rated", p.engine_rated_radps, in("rpm").above(0), "Governor's greatest speed.");
-  v.number("engine_torque", p.engine_torque_nm, in("N m").above(0), "Engine's greatest torque.");
-  v.number("engine_drag", p.engine_drag_nm, in("N m").at_least(0),
+  v.number("speed_max", p.speed_max_mps, in("km/h").between(0.1, 500),
+           "Greatest speed, both ways.");
+  v.number("engine_idle", p.engine_idle_radps, in("rpm").between(0.1, 1e5),
+           "Governor's least speed.");
+  v.number("engine_rated", p.engine_rated_radps, in("rpm").between(0.1, 1e5),
+           "Governor's greatest speed.");
+  v.number("engine_torque", p.engine_torque_nm, in("N m").between(0.01, 1e8),
+           "Engine's greatest torque.");
+  v.number("engine_drag", p.engine_drag_nm, in("N m").between(0, 1e8),
            "Engine's own friction, beside its torque; reported only.");
-  v.number("engine_inertia", p.engine_inertia_kgm2, in("kg m2").above(0),
+  v.number("engine_inertia", p.engine_inertia_kgm2, in("kg m2").between(1e-6, 1e9),
            "Inertia of crank and flywheel; reported only.");
   v.number("engine_droop", p.engine_droop, plain().between(0, 0.5),
            "Share of the engine's speed lost at greatest torque.");
-  v.number("engine_time_constant", p.engine_time_constant_s, in("ms").at_least(0),
+  v.number("engine_time_constant", p.engine_time_constant_s, in("ms").between(0, 1e6),
            "Lag of the engine's governor.");
   v.boolean("flow_divider", p.flow_divider, "Always closed: both drums get half of the flow.");
   v.boolean("bypass", p.bypass, "Towing valves open: drums turn freely.");

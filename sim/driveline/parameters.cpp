@@ -119,34 +119,39 @@ CvtParameters::CvtParameters() {
 }
 
 void visit(fields::Visitor& v, TorquePoint& p) {
-  v.number("speed", p.speed_radps, in("rpm").at_least(0), "Speed of the crank.");
-  v.number("torque", p.torque_nm, in("N m").above(0), "Torque at full load.");
+  v.number("speed", p.speed_radps, in("rpm").between(0, 1e5), "Speed of the crank.");
+  v.number("torque", p.torque_nm, in("N m").between(0.01, 1e8), "Torque at full load.");
 }
 
 void visit(fields::Visitor& v, EngineParameters& p) {
   v.list("full_load", p.full_load, "Torque at full load by rising speed, linear between.");
-  v.number("inertia", p.inertia_kgm2, in("kg m2").above(0),
+  v.number("inertia", p.inertia_kgm2, in("kg m2").between(1e-6, 1e9),
            "Inertia of crank, flywheel and clutch disc.");
-  v.number("drag", p.drag_nm, in("N m").at_least(0), "Friction towards standstill.");
-  v.number("drag_slope", p.drag_nmsprad, in("N m s/rad").at_least(0),
+  v.number("drag", p.drag_nm, in("N m").between(0, 1e8), "Friction towards standstill.");
+  v.number("drag_slope", p.drag_nmsprad, in("N m s/rad").between(0, 1e9),
            "Growth of friction by speed.");
-  v.number("idle", p.idle_radps, in("rpm").above(0), "Speed of the idle governor.");
-  v.number("maximum", p.maximum_radps, in("rpm").above(0), "Speed up to which torque is full.");
-  v.number("cut_off", p.cut_off_radps, in("rpm").above(0),
+  v.number("idle", p.idle_radps, in("rpm").between(0.1, 1e5), "Speed of the idle governor.");
+  v.number("maximum", p.maximum_radps, in("rpm").between(0.1, 1e5),
+           "Speed up to which torque is full.");
+  v.number("cut_off", p.cut_off_radps, in("rpm").between(0.1, 1e5),
            "Speed from which on there is no torque.");
-  v.number("governor", p.governor_nmsprad, in("N m s/rad").above(0),
+  v.number("governor", p.governor_nmsprad, in("N m s/rad").between(1e-6, 1e9),
            "Torque of the governor per missing speed.");
-  v.number("governor_integral", p.governor_integral_s, in("s").above(0),
+  v.number("governor_integral", p.governor_integral_s, in("s").between(0.001, 1e5),
            "Time in which the set-speed governor repeats its torque.");
-  v.number("torque_lag", p.torque_lag_s, in("ms").at_least(0), "Lag from accelerator to torque.");
+  v.number("torque_lag", p.torque_lag_s, in("ms").between(0, 1e6),
+           "Lag from accelerator to torque.");
   v.section("condition", p.condition, "Temperatures, pressures, fuel and battery.");
 }
 
 void visit(fields::Visitor& v, ClutchParameters& p) {
   v.boolean("centrifugal", p.centrifugal, "Closes by engine speed, not by the faster side's.");
-  v.number("capacity", p.capacity_nm, in("N m").above(0), "Torque that the closed clutch holds.");
-  v.number("open", p.open_radps, in("rpm").above(0), "Speed below which the clutch is open.");
-  v.number("full", p.full_radps, in("rpm").above(0), "Speed from which on the clutch is closed.");
+  v.number("capacity", p.capacity_nm, in("N m").between(0.01, 1e8),
+           "Torque that the closed clutch holds.");
+  v.number("open", p.open_radps, in("rpm").between(0.1, 1e5),
+           "Speed below which the clutch is open.");
+  v.number("full", p.full_radps, in("rpm").between(0.1, 1e5),
+           "Speed from which on the clutch is closed.");
 }
 
 void visit(fields::Visitor& v, AxleParameters& p) {
@@ -154,32 +159,34 @@ void visit(fields::Visitor& v, AxleParameters& p) {
   v.boolean("front_lock", p.lockable[kFront], "Whether the front differential has a lock.");
   v.boolean("centre_lock", p.lockable[kCentre], "Whether the axles can be coupled.");
   v.boolean("rear_lock", p.lockable[kRear], "Whether the rear differential has a lock.");
-  v.number("lock_time", p.lock_time_s, in("ms").at_least(0),
+  v.number("lock_time", p.lock_time_s, in("ms").between(0, 1e6),
            "Time from a lock's request to its engagement.");
-  v.number("lock_rate_difference", p.lock_rate_difference_radps, in("rad/s").above(0),
+  v.number("lock_rate_difference", p.lock_rate_difference_radps, in("rad/s").between(0.001, 1e5),
            "Greater differences of wheel rates keep a lock from engaging.");
-  v.number("final_ratio", p.final_ratio, plain().above(0),
+  v.number("final_ratio", p.final_ratio, plain().between(1e-6, 1e6),
            "Ratio from gearbox output to axle shaft.");
-  v.number("portal_ratio", p.portal_ratio, plain().above(0),
+  v.number("portal_ratio", p.portal_ratio, plain().between(1e-6, 1e6),
            "Ratio from axle shaft to wheel; 1 without portals.");
-  v.number("output_inertia", p.output_inertia_kgm2, in("kg m2").at_least(0),
+  v.number("output_inertia", p.output_inertia_kgm2, in("kg m2").between(0, 1e9),
            "Inertia of shafts and bevel gears, at the gearbox's output.");
-  v.number("output_drag", p.output_drag_nmsprad, in("N m s/rad").at_least(0),
+  v.number("output_drag", p.output_drag_nmsprad, in("N m s/rad").between(0, 1e9),
            "Oil drag at the gearbox's output.");
 }
 
 void visit(fields::Visitor& v, GearboxParameters& p) {
-  v.number_list("forward", p.forward, plain().above(0), "Forward ratios, first gear first.");
-  v.number_list("reverse", p.reverse, plain().above(0), "Reverse ratios, first gear first.");
-  v.number("crawler_factor", p.crawler_factor, plain().at_least(0),
+  v.number_list("forward", p.forward, plain().between(1e-6, 1e6),
+                "Forward ratios, first gear first.");
+  v.number_list("reverse", p.reverse, plain().between(1e-6, 1e6),
+                "Reverse ratios, first gear first.");
+  v.number("crawler_factor", p.crawler_factor, plain().between(0, 1e6),
            "Factor on every ratio in the crawler group; 0 = no such group.");
-  v.number("ramp_down", p.ramp_down_s, in("ms").at_least(0),
+  v.number("ramp_down", p.ramp_down_s, in("ms").between(0, 1e6),
            "Time in which torque falls to zero before a shift.");
-  v.number("synchronisation", p.synchronisation_s, in("ms").at_least(0),
+  v.number("synchronisation", p.synchronisation_s, in("ms").between(0, 1e6),
            "Time out of gear in a shift.");
-  v.number("ramp_up", p.ramp_up_s, in("ms").at_least(0),
+  v.number("ramp_up", p.ramp_up_s, in("ms").between(0, 1e6),
            "Time in which torque comes back after a shift.");
-  v.number("group_change", p.group_change_radps, in("rad/s").above(0),
+  v.number("group_change", p.group_change_radps, in("rad/s").between(0.001, 1e5),
            "Mean wheel rate below which the group may change.");
 }
 
@@ -191,18 +198,20 @@ void visit(fields::Visitor& v, GearedParameters& p) {
 }
 
 void visit(fields::Visitor& v, VariatorParameters& p) {
-  v.number("launch_ratio", p.launch_ratio, plain().above(0),
+  v.number("launch_ratio", p.launch_ratio, plain().between(1e-6, 1e6),
            "Ratio of the variator at standstill.");
-  v.number("top_ratio", p.top_ratio, plain().above(0), "Ratio of the variator fully shifted.");
-  v.number("shift_from", p.shift_from_radps, in("rpm").above(0),
+  v.number("top_ratio", p.top_ratio, plain().between(1e-6, 1e6),
+           "Ratio of the variator fully shifted.");
+  v.number("shift_from", p.shift_from_radps, in("rpm").between(0.1, 1e5),
            "Engine speed up to which the launch ratio stays.");
-  v.number("shift_to", p.shift_to_radps, in("rpm").above(0),
+  v.number("shift_to", p.shift_to_radps, in("rpm").between(0.1, 1e5),
            "Engine speed from which on the top ratio holds.");
-  v.number("lag", p.lag_s, in("ms").at_least(0), "Lag of the variator's sheaves.");
-  v.number_list("ranges", p.ranges, plain().above(0), "Ratios of the range groups, gear 1 first.");
-  v.number("reverse_range", p.reverse_range, plain().at_least(0),
+  v.number("lag", p.lag_s, in("ms").between(0, 1e6), "Lag of the variator's sheaves.");
+  v.number_list("ranges", p.ranges, plain().between(1e-6, 1e6),
+                "Ratios of the range groups, gear 1 first.");
+  v.number("reverse_range", p.reverse_range, plain().between(0, 1e6),
            "Ratio of the reverse group; 0 = no reverse.");
-  v.number("range_change", p.range_change_radps, in("rad/s").above(0),
+  v.number("range_change", p.range_change_radps, in("rad/s").between(0.001, 1e5),
            "Mean wheel rate below which the range may change.");
 }
 

@@ -18,17 +18,17 @@ constexpr double kWater_jpkgk = 4186.0;
 }  // namespace
 
 void visit(fields::Visitor& v, EngineConditionParameters& p) {
-  v.number("tank", p.tank_m3, in("l").above(0), "Fuel tank's volume.");
+  v.number("tank", p.tank_m3, in("l").between(1e-4, 1e5), "Fuel tank's volume.");
   v.number("fuel_level", p.fuel_level, in("%").between(0, 100), "Of the tank when a run begins.");
   v.number("indicated_efficiency", p.indicated_efficiency, plain().between(0.05, 0.7),
            "Share of the fuel's power that the cylinders make.");
   v.number("coolant_share", p.coolant_share, plain().between(0, 1),
            "Share of the fuel's power that heats the coolant.");
-  v.number("water_equivalent", p.water_equivalent_kg, in("kg").above(0),
+  v.number("water_equivalent", p.water_equivalent_kg, in("kg").between(0.01, 1e6),
            "Water with the heat capacity of engine and coolant.");
-  v.number("closed_resistance", p.closed_kpw, in("K/W").above(0),
+  v.number("closed_resistance", p.closed_kpw, in("K/W").between(1e-6, 1000),
            "Thermal resistance from coolant to air with the thermostat closed.");
-  v.number("open_resistance", p.open_kpw, in("K/W").above(0),
+  v.number("open_resistance", p.open_kpw, in("K/W").between(1e-6, 1000),
            "Thermal resistance from coolant to air with the thermostat open.");
   v.number("thermostat_opens", p.thermostat_opens_c, in("degC").between(0, 150),
            "Temperature at which the thermostat begins to open.");
@@ -39,10 +39,10 @@ void visit(fields::Visitor& v, EngineConditionParameters& p) {
   v.number("air_temperature", p.air_c, in("degC").between(-40, 60),
            "Air around engine and radiator.");
   v.number("oil_rise", p.oil_rise_k, in("K").between(0, 100), "Oil above coolant at full load.");
-  v.number("oil_lag", p.oil_lag_s, in("s").at_least(0), "Lag of the oil's temperature.");
+  v.number("oil_lag", p.oil_lag_s, in("s").between(0, 1e5), "Lag of the oil's temperature.");
   v.number("oil_relief", p.oil_relief_pa, in("kPa").between(0, 1000),
            "Relief pressure of the oil pump.");
-  v.number("oil_relief_speed", p.oil_relief_radps, in("rpm").above(0),
+  v.number("oil_relief_speed", p.oil_relief_radps, in("rpm").between(0.1, 1e5),
            "Engine speed from which on the oil's relief valve is open.");
   v.number("fuel_pressure", p.fuel_pressure_pa, in("kPa").between(0, 1000),
            "Delivery pressure of the fuel while the engine turns.");
@@ -53,7 +53,7 @@ void visit(fields::Visitor& v, EngineConditionParameters& p) {
   v.number("rest_voltage", p.rest_v, in("V").between(0, 60),
            "Battery's voltage while nothing charges it.");
   v.number("consumers", p.consumers_a, in("A").between(0, 125), "Current of the consumers.");
-  v.number("alternator_speed", p.alternator_radps, in("rpm").at_least(0),
+  v.number("alternator_speed", p.alternator_radps, in("rpm").between(0, 1e5),
            "Engine speed from which on the alternator charges.");
 }
 

@@ -9,10 +9,10 @@ using fields::in;
 using fields::plain;
 
 void visit(fields::Visitor& v, BucketSoilParameters& p) {
-  v.number("width", p.width_m, in("m").above(0).at_most(20), "Width of the cutting edge.");
+  v.number("width", p.width_m, in("m").between(0.001, 20), "Width of the cutting edge.");
   v.number("rear_lip", p.rear_lip_m, in("m").at_least(0).at_most(100),
            "From the bucket pin to where the opening begins.");
-  v.number("struck_capacity", p.struck_capacity_m3, in("m3").above(0).at_most(100),
+  v.number("struck_capacity", p.struck_capacity_m3, in("m3").between(1e-9, 100),
            "Soil that the bucket holds level with its opening.");
   v.number("heap_repose", p.heap_repose_rad, in("deg").between(0, 68.75),
            "Steepest slope of the soil heaped on the opening.");
@@ -22,7 +22,7 @@ void visit(fields::Visitor& v, BucketSoilParameters& p) {
            "Resistance of the teeth, force over width times depth.");
   v.number("ramp_speed", p.ramp_speed_mps, in("mm/s").between(0.01, 1000),
            "Speed of the edge at which the soil's full resistance acts.");
-  v.number("outflow_time", p.outflow_time_s, in("ms").above(0).at_most(100000),
+  v.number("outflow_time", p.outflow_time_s, in("ms").between(0.001, 100000),
            "Time in which all but 1/e of the soil that cannot stay runs out.");
   v.number("pour_radius", p.pour_radius_m, in("m").between(0, 10),
            "Radius in which falling soil lands.");

@@ -78,10 +78,10 @@ double stiffest_radps(const DrivenArm& arm) {
 }  // namespace
 
 void visit(fields::Visitor& v, RigidBodyParameters& p) {
-  v.number("mass", p.mass_kg, in("kg").above(0), "Mass of the link.");
+  v.number("mass", p.mass_kg, in("kg").between(0.01, 1e6), "Mass of the link.");
   v.vector3("center_of_mass", p.center_of_mass_m, in("m").between(-100, 100),
             "Centre of mass in the link's frame.");
-  v.vector3("principal_inertia", p.principal_inertia_kgm2, in("kg m2").above(0),
+  v.vector3("principal_inertia", p.principal_inertia_kgm2, in("kg m2").between(1e-6, 1e9),
             "Moments of inertia about the centre of mass, along the link's axes.");
 }
 
@@ -97,11 +97,11 @@ void visit(fields::Visitor& v, BucketLinkageParameters& p) {
             "[x, z] of the cylinder's foot on the stick.");
   v.vector2("idler_pivot", p.idler_pivot_m, in("m").between(-100, 100),
             "[x, z] of the idler's pivot on the stick.");
-  v.number("idler_length", p.idler_length_m, in("mm").above(0).at_most(10'000),
+  v.number("idler_length", p.idler_length_m, in("mm").between(0.001, 10'000),
            "Idler's pivot to the rod's pin.");
-  v.number("link_length", p.link_length_m, in("mm").above(0).at_most(10'000),
+  v.number("link_length", p.link_length_m, in("mm").between(0.001, 10'000),
            "Rod's pin to the bucket's lug.");
-  v.number("lug_radius", p.lug_radius_m, in("mm").above(0).at_most(10'000),
+  v.number("lug_radius", p.lug_radius_m, in("mm").between(0.001, 10'000),
            "Bucket's pin to its lug.");
   v.number("lug_angle", p.lug_angle_rad, in("deg").between(-180, 180),
            "Direction of the lug from the bucket's x, upward positive.");
@@ -109,13 +109,13 @@ void visit(fields::Visitor& v, BucketLinkageParameters& p) {
 }
 
 void visit(fields::Visitor& v, DriveParameters& p) {
-  v.number("swing_stiffness", p.swing_stiffness_nmprad, in("N m/rad").above(0),
+  v.number("swing_stiffness", p.swing_stiffness_nmprad, in("N m/rad").between(0.001, 1e14),
            "Stiffness of the swing's spring, Eq. 5 of the paper.");
-  v.number("boom_stiffness", p.boom_stiffness_npm, in("N/m").above(0),
+  v.number("boom_stiffness", p.boom_stiffness_npm, in("N/m").between(1, 1e14),
            "Stiffness of the boom's spring, Eq. 5 of the paper.");
-  v.number("stick_stiffness", p.stick_stiffness_npm, in("N/m").above(0),
+  v.number("stick_stiffness", p.stick_stiffness_npm, in("N/m").between(1, 1e14),
            "Stiffness of the stick's spring, Eq. 5 of the paper.");
-  v.number("bucket_stiffness", p.bucket_stiffness_npm, in("N/m").above(0),
+  v.number("bucket_stiffness", p.bucket_stiffness_npm, in("N/m").between(1, 1e14),
            "Stiffness of the bucket's spring, Eq. 5 of the paper.");
   v.number("damping_ratio", p.damping_ratio, plain().between(0, 10),
            "Damping ratio of the dampers, Eq. 5 of the paper.");
@@ -137,11 +137,12 @@ void visit(fields::Visitor& v, ExcavatorPose& p) {
 }
 
 void visit(fields::Visitor& v, CarrierParameters& p) {
-  v.number("wheelbase", p.wheelbase_m, in("m").above(0).at_most(100),
+  v.number("wheelbase", p.wheelbase_m, in("m").between(0.001, 100),
            "Front to rear wheels, half before and half behind the swing axis.");
-  v.number("track", p.track_m, in("m").above(0).at_most(100),
+  v.number("track", p.track_m, in("m").between(0.001, 100),
            "Left to right tyre, between their middles.");
-  v.number("tyre_pressure", p.tyre_pressure_pa, in("MPa").above(0), "Pressure of all tyres.");
+  v.number("tyre_pressure", p.tyre_pressure_pa, in("MPa").between(0.001, 1000),
+           "Pressure of all tyres.");
   v.section("tyre", p.tyre, "One tyre; twins count as one.");
 }
 
@@ -156,15 +157,15 @@ void visit(fields::Visitor& v, ExcavatorParameters& p) {
   v.refused("payload_max",
             "what the bucket holds is decided by digging.bucket.struck_capacity, "
             "digging.bucket.heap_repose and the density of the scene's soils");
-  v.number("swing_axis_height", p.swing_axis_height_m, in("m").above(0).at_most(100),
+  v.number("swing_axis_height", p.swing_axis_height_m, in("m").between(0.001, 100),
            "Height of the slew ring above the ground.");
   v.vector3("boom_foot", p.boom_foot_m, in("m").between(-100, 100),
             "Foot pin of the boom in the upper's frame.");
-  v.number("boom_length", p.boom_length_m, in("m").above(0).at_most(100),
+  v.number("boom_length", p.boom_length_m, in("m").between(0.001, 100),
            "Boom's foot pin to stick pin.");
-  v.number("stick_length", p.stick_length_m, in("m").above(0).at_most(100),
+  v.number("stick_length", p.stick_length_m, in("m").between(0.001, 100),
            "Stick pin to bucket pin.");
-  v.number("bucket_tip", p.bucket_tip_m, in("m").above(0).at_most(100),
+  v.number("bucket_tip", p.bucket_tip_m, in("m").between(0.001, 100),
            "Bucket pin to the tip of the teeth.");
   v.section("boom_linkage", p.boom_linkage, "Pins of the boom cylinders; base from the boom foot.");
   v.section("stick_linkage", p.stick_linkage, "Pins of the stick cylinder.");
@@ -172,7 +173,7 @@ void visit(fields::Visitor& v, ExcavatorParameters& p) {
   v.section("boom_cylinder", p.boom_cylinder, "Cylinders of the boom.");
   v.section("stick_cylinder", p.stick_cylinder, "Cylinders of the stick.");
   v.section("bucket_cylinder", p.bucket_cylinder, "Cylinders of the bucket.");
-  v.number("swing_displacement", p.swing_displacement_m3prad, in("m3/rad").above(0),
+  v.number("swing_displacement", p.swing_displacement_m3prad, in("m3/rad").between(1e-9, 1),
            "Oil that motor and gear take per angle of swing.");
   v.section("supply", p.supply, "Pump and pressures.");
   v.choice("pumps", p.pumps, kExcavatorPumps, "What drives the pumps.");
@@ -189,7 +190,7 @@ void visit(fields::Visitor& v, ExcavatorParameters& p) {
   v.choice("carrier", p.carrier, kExcavatorCarriers, "What the undercarriage does.");
   v.section("wheels", p.wheels, "What a moving carrier stands on, its brakes locked.");
   v.number("step", p.step_s, in("ms").between(0.001, 50), "Longest inner step of the arm.");
-  v.number("gravity", p.gravity_mps2, in("m/s2").at_least(0),
+  v.number("gravity", p.gravity_mps2, in("m/s2").between(0, 1000),
            "Acceleration of gravity, downwards.");
   v.section("initial", p.initial, "Joint angles at the start.");
   v.section("solid", p.solid, "What of the machine meets trunks, rocks, walls and trucks.");

@@ -38,14 +38,15 @@ EngineParameters excavator_engine() {
 
 void visit(fields::Visitor& v, PowerUnitParameters& p) {
   v.section("engine", p.engine, "Torque curve, friction and governor.");
-  v.number("set_speed", p.set_radps, in("rpm").above(0), "Speed under full load, of the dial.");
+  v.number("set_speed", p.set_radps, in("rpm").between(0.1, 1e5),
+           "Speed under full load, of the dial.");
   v.number("droop", p.droop, plain().between(0, 0.2),
            "Share by which the engine turns faster without load.");
-  v.number("ramp", p.ramp_radps2, in("rad/s2").above(0),
+  v.number("ramp", p.ramp_radps2, in("rad/s2").between(0.001, 1e6),
            "How fast the governed speed follows the dial.");
   v.number("auxiliary_torque", p.auxiliary_nm, in("N m").between(0, 500),
            "What fan, alternator and pilot pump take.");
-  v.number("pump_rated_speed", p.pump_rated_radps, in("rpm").above(0),
+  v.number("pump_rated_speed", p.pump_rated_radps, in("rpm").between(0.1, 1e5),
            "Speed from which on the pumps give their whole flow.");
   v.number("stroke_back", p.stroke_back, plain().between(0, 0.5),
            "Share of the pumps' flow that they move without being asked.");

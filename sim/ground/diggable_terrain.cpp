@@ -89,7 +89,7 @@ void visit(fields::Visitor& v, DiggableTerrainParameters& p) {
            "Depth below the ground as it was from which on there is rock.");
   v.number("loose_initial", p.loose_initial_m, in("m").between(0, 1000),
            "Loose soil on top at the start.");
-  v.number("bank", p.bank_rad, in("deg").above(0).at_most(89.5),
+  v.number("bank", p.bank_rad, in("deg").between(0.01, 89.5),
            "Steepest bank of firm soil near where is dug.");
   v.integer("slide_visits", p.slide_visits, IntegerRule{1, 1000000},
             "Nodes looked at for slides in each inner step.");

@@ -28,25 +28,26 @@ void visit(fields::Visitor& v, SoilParameters& p) {
   v.number("friction", p.friction, plain().between(0, 2),
            "Peak coefficient of friction of rubber on it.");
   v.boolean("soft", p.soft, "Whether wheels sink in; only then the moduli below matter to them.");
-  v.number("cohesion_modulus", p.cohesion_modulus, plain().at_least(0),
+  v.number("cohesion_modulus", p.cohesion_modulus, plain().between(0, 1e12),
            "k_c of Bekker's pressure over sinkage, N / m^(n+1).");
-  v.number("friction_modulus", p.friction_modulus, plain().above(0),
+  v.number("friction_modulus", p.friction_modulus, plain().between(1e-6, 1e12),
            "k_phi of Bekker's pressure over sinkage, N / m^(n+2).");
   v.number("exponent", p.exponent, plain().between(kLeastExponent, kGreatestExponent),
            "n of Bekker's pressure over sinkage.");
-  v.number("cohesion", p.cohesion_pa, in("kPa").at_least(0), "Shear strength without load.");
+  v.number("cohesion", p.cohesion_pa, in("kPa").between(0, 1e6), "Shear strength without load.");
   v.number("internal_friction", p.internal_friction_rad, in("deg").between(0, kSteepest_deg),
            "Angle by which shear strength grows with load.");
-  v.number("shear_modulus", p.shear_modulus_m, in("mm").above(0).at_most(1000),
+  v.number("shear_modulus", p.shear_modulus_m, in("mm").between(0.001, 1000),
            "K of Janosi and Hanamoto: way to 63 % of the shear strength.");
-  v.number("reload_modulus", p.reload_modulus, plain().at_least(0),
+  v.number("reload_modulus", p.reload_modulus, plain().between(0, 1e12),
            "k_0 of Wong's reloading: pressure per way of ground pressed before, Pa/m.");
-  v.number("reload_growth", p.reload_growth, plain().at_least(0),
+  v.number("reload_growth", p.reload_growth, plain().between(0, 1e12),
            "A_u of Wong's reloading: what that grows by per depth to which it was pressed, Pa/m2.");
-  v.number("density", p.density_kgpm3, in("kg/m3").above(0), "Density of the soil as it lies.");
-  v.number("repose", p.repose_rad, in("deg").above(0).at_most(kSteepest_deg),
+  v.number("density", p.density_kgpm3, in("kg/m3").between(1, 30'000),
+           "Density of the soil as it lies.");
+  v.number("repose", p.repose_rad, in("deg").between(0.01, kSteepest_deg),
            "Steepest slope at which the soil stands.");
-  v.number("adhesion", p.adhesion_pa, in("kPa").at_least(0), "Adhesion of the soil to steel.");
+  v.number("adhesion", p.adhesion_pa, in("kPa").between(0, 1e6), "Adhesion of the soil to steel.");
   v.number("tool_friction", p.tool_friction_rad, in("deg").between(0, kSteepest_deg),
            "Angle of friction of the soil against steel.");
 }

@@ -21,23 +21,23 @@ constexpr std::array<fields::Choice<RollerLevel>, 2> kRollerLevels{
 }  // namespace
 
 void visit(fields::Visitor& v, DrumParameters& p) {
-  v.number("width", p.width_m, in("mm").above(0).at_most(10'000), "Width of each drum.");
-  v.number("radius", p.radius_m, in("mm").above(0).at_most(10'000), "Radius of each drum.");
-  v.number("spin_inertia", p.spin_inertia_kgm2, in("kg m2").above(0),
+  v.number("width", p.width_m, in("mm").between(0.001, 10'000), "Width of each drum.");
+  v.number("radius", p.radius_m, in("mm").between(0.001, 10'000), "Radius of each drum.");
+  v.number("spin_inertia", p.spin_inertia_kgm2, in("kg m2").between(1e-6, 1e9),
            "Inertia of each drum about its axle.");
   v.integer("strips", p.strips, IntegerRule{1, kDrumStripsMax},
             "Contact strips along the width; an even number has the whole scrub moment.");
-  v.number("slip_stiffness", p.slip_stiffness_n, in("kN").above(0),
+  v.number("slip_stiffness", p.slip_stiffness_n, in("kN").between(0.001, 1e6),
            "Longitudinal force per slip of 1, at small slip.");
-  v.number("cornering_stiffness", p.cornering_stiffness_nprad, in("N/rad").above(0),
+  v.number("cornering_stiffness", p.cornering_stiffness_nprad, in("N/rad").between(1, 1e9),
            "Lateral force per slip angle, at small angles.");
-  v.number("relaxation_length", p.relaxation_length_m, in("mm").above(0).at_most(10'000),
+  v.number("relaxation_length", p.relaxation_length_m, in("mm").between(0.001, 10'000),
            "Way on which slip forces build up.");
-  v.number("contact_length", p.contact_length_m, in("mm").above(0).at_most(10'000),
+  v.number("contact_length", p.contact_length_m, in("mm").between(0.001, 10'000),
            "Length of the contact on soft soil.");
   v.number("damping_ratio", p.damping_ratio, plain().between(0, 10),
            "Damping ratio of the contact's bristles.");
-  v.number("friction_factor", p.friction_factor, plain().at_least(0),
+  v.number("friction_factor", p.friction_factor, plain().between(0, 1e6),
            "Friction of steel on the ground, against rubber on it.");
   v.number("rolling_resistance", p.rolling_resistance, plain().between(0, 0.99),
            "Coefficient of rolling resistance on hard ground.");
@@ -58,14 +58,15 @@ EngineConditionParameters roller_engine() {
 
 void visit(fields::Visitor& v, RollerParameters& p) {
   v.choice("level", p.level, kRollerLevels, "What is modelled.");
-  v.number("mass", p.mass_kg, in("kg").above(0), "Mass with drums, without water and chips.");
-  v.number("yaw_inertia", p.yaw_inertia_kgm2, in("kg m2").above(0),
+  v.number("mass", p.mass_kg, in("kg").between(10, 1e6),
+           "Mass with drums, without water and chips.");
+  v.number("yaw_inertia", p.yaw_inertia_kgm2, in("kg m2").between(1e-6, 1e9),
            "Inertia in yaw about the centre of mass, without water and chips.");
   v.number("center_of_mass_x", p.center_of_mass_x_m, in("m").between(-100, 100),
            "Centre of mass forward of half way between the pivots.");
   v.number("center_of_mass_height", p.center_of_mass_height_m, in("m").at_least(0).at_most(100),
            "Centre of mass above ground.");
-  v.number("pivot_x", p.pivot_x_m, in("m").above(0).at_most(100),
+  v.number("pivot_x", p.pivot_x_m, in("m").between(0.001, 100),
            "Half the distance of the drums' axles.");
   v.section("drum", p.drum, "Both drums.");
   v.section("steering", p.steering, "Both pivots.");
@@ -73,24 +74,24 @@ void visit(fields::Visitor& v, RollerParameters& p) {
   v.boolean("travel_control", p.travel_control,
             "Whether a controller holds a commanded travel speed and brakes at rest.");
   v.section("engine", p.engine, "Temperatures, pressures, fuel and battery.");
-  v.number("brake_torque", p.brake_torque_nm, in("kN m").at_least(0),
+  v.number("brake_torque", p.brake_torque_nm, in("kN m").between(0, 1e6),
            "Torque of each drum's service brake, fully applied.");
-  v.number("parking_brake_torque", p.parking_brake_torque_nm, in("kN m").at_least(0),
+  v.number("parking_brake_torque", p.parking_brake_torque_nm, in("kN m").between(0, 1e6),
            "Torque of each drum's parking brake.");
-  v.number("brake_stiffness", p.brake_stiffness_nmprad, in("N m/rad").above(0),
+  v.number("brake_stiffness", p.brake_stiffness_nmprad, in("N m/rad").between(0.001, 1e12),
            "Stiffness of a held drum against the frame.");
   v.section("front_vibration", p.front_vibration, "Exciter of the front drum.");
   v.section("rear_vibration", p.rear_vibration, "Exciter of the rear drum.");
   v.section("sprinkler", p.sprinkler, "Water for the drums.");
   v.section("spreader", p.spreader, "Chip hopper.");
   v.section("edge_cutter", p.edge_cutter, "Cutting wheel on an arm.");
-  v.number("rest_frequency", p.rest_frequency_hz, in("Hz").above(0),
+  v.number("rest_frequency", p.rest_frequency_hz, in("Hz").between(0.01, 1000),
            "Frequency of heave, pitch and roll on mat and mounts.");
   v.number("rest_damping_ratio", p.rest_damping_ratio, plain().between(0, 10),
            "Damping ratio of heave, pitch and roll on mat and mounts.");
   v.section("solid", p.solid, "What of the machine meets trunks, walls and other obstacles.");
   v.number("step", p.step_s, in("ms").between(0.001, 50), "Longest inner step of the roller.");
-  v.number("gravity", p.gravity_mps2, in("m/s2").at_least(0),
+  v.number("gravity", p.gravity_mps2, in("m/s2").between(0, 1000),
            "Acceleration of gravity, downwards.");
 }
 

@@ -11,10 +11,11 @@ namespace rigwire::sim {
 using fields::in;
 
 void visit(fields::Visitor& v, PivotSteeringParameters& p) {
-  v.number("angle_max", p.angle_max_rad, in("deg").above(0).at_most(85.9),
+  v.number("angle_max", p.angle_max_rad, in("deg").between(0.01, 85.9),
            "Angle of the stops on both sides.");
-  v.number("rate_max", p.rate_max_radps, in("deg/s").above(0), "Greatest rate of each pivot.");
-  v.number("time_constant", p.time_constant_s, in("ms").at_least(0),
+  v.number("rate_max", p.rate_max_radps, in("deg/s").between(0.01, 10'000),
+           "Greatest rate of each pivot.");
+  v.number("time_constant", p.time_constant_s, in("ms").between(0, 1e6),
            "Lag of a pivot near its set point; 0 = none.");
 }
 

@@ -23,19 +23,20 @@ void check_filling(double capacity_kg, double initial_kg) {
 }  // namespace
 
 void visit(fields::Visitor& v, SprinklerParameters& p) {
-  v.number("capacity", p.capacity_kg, in("kg").at_least(0), "Water that the tank holds.");
-  v.number("initial", p.initial_kg, in("kg").at_least(0), "Water at the start.");
-  v.number("flow", p.flow_kgps, in("kg/s").at_least(0), "Water used while the machine moves.");
+  v.number("capacity", p.capacity_kg, in("kg").between(0, 1e6), "Water that the tank holds.");
+  v.number("initial", p.initial_kg, in("kg").between(0, 1e6), "Water at the start.");
+  v.number("flow", p.flow_kgps, in("kg/s").between(0, 10'000),
+           "Water used while the machine moves.");
   v.number("x", p.x_m, in("m").between(-100, 100), "x of the tank's centre in the frame.");
   v.number("height", p.height_m, in("m").at_least(0).at_most(100),
            "Height of the tank's centre above ground.");
 }
 
 void visit(fields::Visitor& v, SpreaderParameters& p) {
-  v.number("capacity", p.capacity_kg, in("kg").at_least(0), "Chips that the hopper holds.");
-  v.number("initial", p.initial_kg, in("kg").at_least(0), "Chips at the start.");
+  v.number("capacity", p.capacity_kg, in("kg").between(0, 1e6), "Chips that the hopper holds.");
+  v.number("initial", p.initial_kg, in("kg").between(0, 1e6), "Chips at the start.");
   v.number("width", p.width_m, in("mm").at_least(0).at_most(10'000), "Width that is spread.");
-  v.number("rate_max", p.rate_max_kgpm2, in("kg/m2").at_least(0),
+  v.number("rate_max", p.rate_max_kgpm2, in("kg/m2").between(0, 10'000),
            "Most chips that are spread on an area.");
   v.number("x", p.x_m, in("m").between(-100, 100), "x of the hopper's centre in the frame.");
   v.number("height", p.height_m, in("m").at_least(0).at_most(100),
@@ -45,12 +46,12 @@ void visit(fields::Visitor& v, SpreaderParameters& p) {
 void visit(fields::Visitor& v, EdgeCutterParameters& p) {
   v.number("lift", p.lift_m, in("mm").at_least(0).at_most(10'000),
            "Height of the wheel when raised.");
-  v.number("lift_time", p.lift_time_s, in("s").above(0), "Time over the whole lift.");
+  v.number("lift_time", p.lift_time_s, in("s").between(0.001, 1e5), "Time over the whole lift.");
   v.number("press_share", p.press_share, plain().between(0, 0.99),
            "Share of the lift at which the wheel meets the mat.");
-  v.number("lateral", p.lateral_n, in("kN").at_least(0),
+  v.number("lateral", p.lateral_n, in("kN").between(0, 1e6),
            "Lateral reaction on the frame, pressed down and moving.");
-  v.number("moving", p.moving_mps, in("m/s").above(0),
+  v.number("moving", p.moving_mps, in("m/s").between(1e-4, 300),
            "Speed from which the lateral reaction is full.");
   v.number("x", p.x_m, in("m").between(-100, 100), "x of the wheel in the frame.");
   v.number("y", p.y_m, in("m").between(-100, 100),

@@ -13,11 +13,11 @@ using fields::in;
 using fields::plain;
 
 void visit(fields::Visitor& v, VibrationParameters& p) {
-  v.number("frequency", p.frequency_hz, in("Hz").above(0),
+  v.number("frequency", p.frequency_hz, in("Hz").between(0.01, 1000),
            "Frequency of the exciter at full speed.");
   v.number("amplitude", p.amplitude_m, in("mm").at_least(0).at_most(10'000),
            "Amplitude of the drum, zero to peak.");
-  v.number("ramp", p.ramp_s, in("s").at_least(0),
+  v.number("ramp", p.ramp_s, in("s").between(0, 1e5),
            "Time from standstill to full speed and back; 0 = at once.");
   v.number("frame_share", p.frame_share, plain().between(0, 1),
            "Share of the drum's motion that the mounts let through.");

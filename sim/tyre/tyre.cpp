@@ -41,36 +41,36 @@ bool yields(ImplicitForce& law, double last_speed, double limit) {
 }  // namespace
 
 void visit(fields::Visitor& v, TyreParameters& p) {
-  v.number("unloaded_radius", p.unloaded_radius_m, in("m").above(0).at_most(100),
+  v.number("unloaded_radius", p.unloaded_radius_m, in("m").between(0.001, 100),
            "Radius without load.");
-  v.number("width", p.width_m, in("m").above(0).at_most(100), "Width of the tread.");
-  v.number("rim_radius", p.rim_radius_m, in("m").above(0).at_most(100),
+  v.number("width", p.width_m, in("m").between(0.001, 100), "Width of the tread.");
+  v.number("rim_radius", p.rim_radius_m, in("m").between(0.001, 100),
            "Radius at which the tyre bottoms.");
-  v.number("carcass_stiffness", p.carcass_stiffness_npm, in("kN/m").at_least(0),
+  v.number("carcass_stiffness", p.carcass_stiffness_npm, in("kN/m").between(0, 1e9),
            "Vertical stiffness without pressure.");
-  v.number("stiffness_per_pressure", p.stiffness_per_pressure_m, plain().at_least(0),
+  v.number("stiffness_per_pressure", p.stiffness_per_pressure_m, plain().between(0, 1e6),
            "Vertical stiffness that each pascal of pressure adds, N/m per Pa.");
-  v.number("vertical_damping", p.vertical_damping_nspm, in("N s/m").at_least(0),
+  v.number("vertical_damping", p.vertical_damping_nspm, in("N s/m").between(0, 1e9),
            "Vertical damping of the tyre on the ground.");
-  v.number("bottoming_factor", p.bottoming_factor, plain().at_least(0),
+  v.number("bottoming_factor", p.bottoming_factor, plain().between(0, 1e6),
            "Stiffness on the rim, times that of the tyre.");
-  v.number("reference_load", p.reference_load_n, in("kN").above(0),
+  v.number("reference_load", p.reference_load_n, in("kN").between(0.001, 1e6),
            "Load at which the slip stiffnesses hold.");
-  v.number("reference_pressure", p.reference_pressure_pa, in("bar").at_least(0.1),
+  v.number("reference_pressure", p.reference_pressure_pa, in("bar").between(0.1, 1000),
            "Pressure at which the rolling resistance holds.");
-  v.number("slip_stiffness", p.slip_stiffness_n, in("kN").above(0),
+  v.number("slip_stiffness", p.slip_stiffness_n, in("kN").between(0.001, 1e6),
            "Longitudinal force per slip of 1, at small slip.");
-  v.number("cornering_stiffness", p.cornering_stiffness_nprad, in("N/rad").above(0),
+  v.number("cornering_stiffness", p.cornering_stiffness_nprad, in("N/rad").between(1, 1e9),
            "Lateral force per slip angle, at small angles and reference_load.");
-  v.number("cornering_peak_load", p.cornering_peak_load_n, in("kN").above(0),
+  v.number("cornering_peak_load", p.cornering_peak_load_n, in("kN").between(0.001, 1e6),
            "Load at which the cornering stiffness is greatest.");
-  v.number("longitudinal_stiffness", p.longitudinal_stiffness_npm, in("kN/m").above(0),
+  v.number("longitudinal_stiffness", p.longitudinal_stiffness_npm, in("kN/m").between(0.001, 1e9),
            "Stiffness of the standing tyre along its heading.");
-  v.number("lateral_stiffness", p.lateral_stiffness_npm, in("kN/m").above(0),
+  v.number("lateral_stiffness", p.lateral_stiffness_npm, in("kN/m").between(0.001, 1e9),
            "Stiffness of the standing tyre across its heading.");
-  v.number("damping_ratio", p.damping_ratio, plain().at_least(0),
+  v.number("damping_ratio", p.damping_ratio, plain().between(0, 1e6),
            "Damping ratio along and across, with the mass that the wheel carries.");
-  v.number("friction_factor", p.friction_factor, plain().at_least(0),
+  v.number("friction_factor", p.friction_factor, plain().between(0, 1e6),
            "Factor on the ground's coefficient of friction.");
   v.number("rolling_resistance", p.rolling_resistance, plain().between(0, 0.99),
            "Coefficient of rolling resistance on hard ground at the reference pressure.");

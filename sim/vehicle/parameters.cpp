@@ -28,16 +28,18 @@ constexpr std::array<fields::Choice<AxleType>, 2> kAxleTypes{
 
 void visit_stop(fields::Visitor& v, StopParameters& p, const fields::NumberRule& stiffness,
                 const fields::NumberRule& ramp) {
-  v.number("stiffness", p.stiffness, stiffness.above(0), "Stiffness of the stop beyond its ramp.");
-  v.number("ramp", p.ramp, ramp.above(0), "Travel over which the stiffness grows to that.");
+  v.number("stiffness", p.stiffness, stiffness.between(1, 1e12),
+           "Stiffness of the stop beyond its ramp.");
+  v.number("ramp", p.ramp, ramp.at_least(0.001),
+           "Travel over which the stiffness grows to that.");
 }
 
 /// Of a beam's side and of an independent wheel alike.
 template <class Axle>
 void visit_travel(fields::Visitor& v, Axle& p) {
-  v.number("bump_travel", p.bump_travel_m, in("mm").above(0).at_most(10'000),
+  v.number("bump_travel", p.bump_travel_m, in("mm").between(0.001, 10'000),
            "Travel up to the bump stop.");
-  v.number("rebound_travel", p.rebound_travel_m, in("mm").above(0).at_most(10'000),
+  v.number("rebound_travel", p.rebound_travel_m, in("mm").between(0.001, 10'000),
            "Travel down to the rebound stop.");
   v.group(
       "bump_stop",
@@ -118,18 +120,18 @@ StaticLoads static_loads(const WheeledVehicleParameters& parameters) {
 }
 
 void visit(fields::Visitor& v, SprungBodyParameters& p) {
-  v.number("mass", p.mass_kg, in("kg").at_least(10), "All that the springs carry.");
+  v.number("mass", p.mass_kg, in("kg").between(10, 1e6), "All that the springs carry.");
   v.vector3("center_of_mass", p.center_of_mass_m, in("m").between(-100, 100),
             "Centre of mass, from the ground below the rear axle's middle.");
-  v.vector3("principal_inertia", p.principal_inertia_kgm2, in("kg m2").above(0),
+  v.vector3("principal_inertia", p.principal_inertia_kgm2, in("kg m2").between(1e-6, 1e9),
             "Moments of inertia about the centre of mass, along the body's axes.");
 }
 
 void visit(fields::Visitor& v, BeamAxleParameters& p) {
-  v.number("mass", p.mass_kg, in("kg").above(0), "Mass of the axle with its wheels.");
-  v.number("roll_inertia", p.roll_inertia_kgm2, in("kg m2").above(0),
+  v.number("mass", p.mass_kg, in("kg").between(0.01, 1e6), "Mass of the axle with its wheels.");
+  v.number("roll_inertia", p.roll_inertia_kgm2, in("kg m2").between(1e-6, 1e9),
            "Inertia of the axle in roll and yaw, with its wheels.");
-  v.number("pitch_inertia", p.pitch_inertia_kgm2, in("kg m2").above(0),
+  v.number("pitch_inertia", p.pitch_inertia_kgm2, in("kg m2").between(1e-6, 1e9),
            "Inertia of the axle in pitch, without the wheels' spin.");
   v.number("tube_length", p.tube_length_m, in("m").at_least(0).at_most(100),
            "Axle to the push tube's pivot; 0 guides it straight up and down.");
@@ -137,13 +139,13 @@ void visit(fields::Visitor& v, BeamAxleParameters& p) {
            "Height of the push tube's pivot above the axle's centre.");
   v.number("roll_centre_rise", p.roll_centre_rise_m, in("m").between(-100, 100),
            "Height of the Panhard rod above the axle's centre.");
-  v.number("spring", p.spring_npm, in("N/m").above(0), "Spring of each side.");
-  v.number("damper", p.damper_nspm, in("N s/m").at_least(0), "Damper of each side.");
-  v.number("spring_base", p.spring_base_m, in("m").above(0).at_most(100), "Left to right spring.");
-  v.number("roll_bar", p.roll_bar_nmprad, in("N m/rad").at_least(0),
+  v.number("spring", p.spring_npm, in("N/m").between(1, 1e12), "Spring of each side.");
+  v.number("damper", p.damper_nspm, in("N s/m").between(0, 1e9), "Damper of each side.");
+  v.number("spring_base", p.spring_base_m, in("m").between(0.001, 100), "Left to right spring.");
+  v.number("roll_bar", p.roll_bar_nmprad, in("N m/rad").between(0, 1e12),
            "Roll bar between the two sides.");
   visit_travel(v, p);
-  v.number("articulation", p.articulation_rad, in("deg").above(0).at_most(60),
+  v.number("articulation", p.articulation_rad, in("deg").between(0.01, 60),
            "Roll against the body, to each side, up to the limiter.");
   v.group(
       "articulation_stop",
@@ -152,13 +154,15 @@ void visit(fields::Visitor& v, BeamAxleParameters& p) {
 }
 
 void visit(fields::Visitor& v, IndependentAxleParameters& p) {
-  v.number("corner_mass", p.corner_mass_kg, in("kg").above(0),
+  v.number("corner_mass", p.corner_mass_kg, in("kg").between(0.01, 1e6),
            "Mass of a wheel, its carrier and half the arms.");
-  v.number("corner_inertia", p.corner_inertia_kgm2, in("kg m2").above(0),
+  v.number("corner_inertia", p.corner_inertia_kgm2, in("kg m2").between(1e-6, 1e9),
            "Inertia of a corner about a diameter of the wheel.");
-  v.number("spring", p.spring_npm, in("N/m").above(0), "Spring of each side, at the wheel.");
-  v.number("damper", p.damper_nspm, in("N s/m").at_least(0), "Damper of each side, at the wheel.");
-  v.number("roll_bar", p.roll_bar_npm, in("N/m").at_least(0),
+  v.number("spring", p.spring_npm, in("N/m").between(1, 1e12),
+           "Spring of each side, at the wheel.");
+  v.number("damper", p.damper_nspm, in("N s/m").between(0, 1e9),
+           "Damper of each side, at the wheel.");
+  v.number("roll_bar", p.roll_bar_npm, in("N/m").between(0, 1e12),
            "Force of the roll bar per difference of travels.");
   visit_travel(v, p);
   v.number("camber_gain", p.camber_gain_radpm, in("rad/m").between(-5, 5),
@@ -170,9 +174,9 @@ void visit(fields::Visitor& v, IndependentAxleParameters& p) {
 void visit(fields::Visitor& v, SteeringParameters& p) {
   v.number("angle_max", p.angle_max_rad, in("deg").between(0, 60),
            "Greatest angle of the equivalent single wheel; 0: the axle does not steer.");
-  v.number("rate_max", p.rate_max_radps, in("deg/s").above(0),
+  v.number("rate_max", p.rate_max_radps, in("deg/s").between(0.01, 10'000),
            "Greatest rate of the equivalent single wheel.");
-  v.number("time_constant", p.time_constant_s, in("ms").at_least(0),
+  v.number("time_constant", p.time_constant_s, in("ms").between(0, 1e6),
            "Lag of the steering below its greatest rate.");
 }
 
@@ -180,10 +184,10 @@ void visit(fields::Visitor& v, VehicleAxleParameters& p) {
   v.choice("type", p.type, kAxleTypes, "Beam or independent wheels.");
   v.number("position", p.position_x_m, in("m").between(-100, 100),
            "x of the axle in the body's frame.");
-  v.number("track", p.track_m, in("m").above(0).at_most(100), "Between the wheels' centres.");
+  v.number("track", p.track_m, in("m").between(0.001, 100), "Between the wheels' centres.");
   v.number("portal_offset", p.portal_offset_m, in("mm").between(-10'000, 10'000),
            "Wheel's centre below the beam's.");
-  v.number("wheel_spin_inertia", p.wheel_spin_inertia_kgm2, in("kg m2").above(0),
+  v.number("wheel_spin_inertia", p.wheel_spin_inertia_kgm2, in("kg m2").between(1e-6, 1e9),
            "Inertia of one wheel with tyre and hub about its axle.");
   v.only_if(p.type == AxleType::beam, "type", "type: beam", [&p](fields::Visitor& w) {
     w.section("beam", p.beam, "Beam with its springs and dampers.");
@@ -193,22 +197,22 @@ void visit(fields::Visitor& v, VehicleAxleParameters& p) {
   });
   v.section("tyre", p.tyre, "Both tyres.");
   v.section("steering", p.steering, "Actuator and linkage.");
-  v.number("brake_torque", p.brake_torque_nm, in("N m").at_least(0),
+  v.number("brake_torque", p.brake_torque_nm, in("N m").between(0, 1e8),
            "Torque of both wheels' brakes, pedal down.");
-  v.number("parking_brake", p.parking_brake_nm, in("N m").at_least(0),
+  v.number("parking_brake", p.parking_brake_nm, in("N m").between(0, 1e8),
            "Torque of both wheels' parking brakes.");
-  v.number("initial_pressure", p.initial_pressure_pa, in("bar").above(0),
+  v.number("initial_pressure", p.initial_pressure_pa, in("bar").between(0.01, 1000),
            "Pressure of the axle's tyres at the start.");
 }
 
 void visit(fields::Visitor& v, TyrePressureParameters& p) {
   v.boolean("adjustable", p.adjustable, "Whether set points are followed.");
-  v.number("inflate_time_constant", p.inflate_time_constant_s, in("s").above(0),
+  v.number("inflate_time_constant", p.inflate_time_constant_s, in("s").between(0.001, 1e5),
            "Lag of a rising pressure.");
-  v.number("deflate_time_constant", p.deflate_time_constant_s, in("s").above(0),
+  v.number("deflate_time_constant", p.deflate_time_constant_s, in("s").between(0.001, 1e5),
            "Lag of a falling pressure.");
-  v.number("pressure_min", p.pressure_min_pa, in("bar").above(0), "Least set point.");
-  v.number("pressure_max", p.pressure_max_pa, in("bar").above(0), "Greatest set point.");
+  v.number("pressure_min", p.pressure_min_pa, in("bar").between(0.01, 1000), "Least set point.");
+  v.number("pressure_max", p.pressure_max_pa, in("bar").between(0.01, 1000), "Greatest set point.");
 }
 
 void visit(fields::Visitor& v, ChassisPoint& p) {
@@ -217,22 +221,22 @@ void visit(fields::Visitor& v, ChassisPoint& p) {
 
 void visit(fields::Visitor& v, ChassisContactParameters& p) {
   v.list("points", p.points, "Corners that may hit the ground, at most 16.");
-  v.number("stiffness", p.stiffness_npm, in("N/m").above(0), "Stiffness of each corner.");
-  v.number("damping", p.damping_nspm, in("N s/m").at_least(0), "Damping of each corner.");
+  v.number("stiffness", p.stiffness_npm, in("N/m").between(1, 1e12), "Stiffness of each corner.");
+  v.number("damping", p.damping_nspm, in("N s/m").between(0, 1e9), "Damping of each corner.");
 }
 
 void visit(fields::Visitor& v, HitchParameters& p) {
   v.boolean("fitted", p.fitted, "Whether there is a hitch.");
   v.only_if(p.fitted, "fitted", "fitted: true", [&p](fields::Visitor& w) {
-    w.number("travel_time", p.travel_time_s, in("s").above(0), "Time from down to up.");
+    w.number("travel_time", p.travel_time_s, in("s").between(0.001, 1e5), "Time from down to up.");
   });
 }
 
 void visit(fields::Visitor& v, PowerTakeOffParameters& p) {
   v.boolean("fitted", p.fitted, "Whether there is a power take-off.");
   v.only_if(p.fitted, "fitted", "fitted: true", [&p](fields::Visitor& w) {
-    w.number("ratio", p.ratio, plain().above(0), "Engine's speed over the shaft's.");
-    w.number("engage_time", p.engage_time_s, in("s").above(0),
+    w.number("ratio", p.ratio, plain().between(1e-6, 1e6), "Engine's speed over the shaft's.");
+    w.number("engage_time", p.engage_time_s, in("s").between(0.001, 1e5),
              "Time in which its clutch brings the shaft to speed, and to rest.");
   });
 }
@@ -249,17 +253,17 @@ void visit(fields::Visitor& v, WheeledVehicleParameters& p) {
   v.section("body", p.body, "What the springs carry.");
   v.section("front", p.front, "Front axle.");
   v.section("rear", p.rear, "Rear axle.");
-  v.number("brake_stiffness", p.brake_stiffness_nmprad, in("N m/rad").above(0),
+  v.number("brake_stiffness", p.brake_stiffness_nmprad, in("N m/rad").between(0.001, 1e12),
            "Stiffness of a brake that holds, at the wheel.");
   v.section("tyre_pressure", p.tyre_pressure, "Central tyre inflation.");
   v.section("chassis", p.chassis, "Corners that may hit the ground.");
   v.section("solid", p.solid, "What of the machine meets trunks, rocks, walls and trucks.");
   v.section("travel", p.travel, "Controller of the travel speed.");
   v.section("implements", p.implements, "Hitches and power take-offs.");
-  v.number("air_drag", p.air_drag_ns2pm2, plain().at_least(0),
+  v.number("air_drag", p.air_drag_ns2pm2, plain().between(0, 1e6),
            "Air drag per speed squared, N per (m/s)^2.");
-  v.number("step", p.step_s, in("ms").above(0).at_most(20), "Longest inner step of the vehicle.");
-  v.number("gravity", p.gravity_mps2, in("m/s2").at_least(0),
+  v.number("step", p.step_s, in("ms").between(0.001, 20), "Longest inner step of the vehicle.");
+  v.number("gravity", p.gravity_mps2, in("m/s2").between(0, 1000),
            "Acceleration of gravity, downwards.");
 }
 

@@ -48,7 +48,7 @@ void visit(fields::Visitor& v, TravelControlParameters& p) {
   v.number("gain", p.gain_per_s, plain().between(0.05, 10), "Acceleration per missing speed, 1/s.");
   v.number("integral", p.integral_per_s2, plain().between(0, 10),
            "Acceleration per missing way, 1/s2.");
-  v.number("inclination_lag", p.inclination_lag_s, in("ms").at_least(0),
+  v.number("inclination_lag", p.inclination_lag_s, in("ms").between(0, 1e6),
            "Lag of the inclination sensor.");
   v.number("brake_rate", p.brake_rate_per_s, plain().between(0.1, 100),
            "Most that the brake's share changes, 1/s.");

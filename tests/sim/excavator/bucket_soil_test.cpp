@@ -143,7 +143,7 @@ TEST(BucketSoil, BadParametersAreRefusedByName) {
   parameters.width_m = 0.0;
   EXPECT_THAT(
       [&] { validate(parameters, 1.4); },
-      ThrowsMessage<std::invalid_argument>(HasSubstr("width: found 0 m, allowed above 0 .. 20 m")));
+      ThrowsMessage<std::invalid_argument>(HasSubstr("width: found 0 m, allowed 0.001 .. 20 m")));
   parameters = {};
   parameters.rear_lip_m = 1.39;
   EXPECT_THAT(

@@ -118,13 +118,13 @@ TEST(SoilParameters, BadOnesAreRefusedByName) {
   refused([](SoilParameters& s) { s.friction = -0.1; }, "friction: found -0.1, allowed 0 .. 2");
   refused([](SoilParameters& s) { s.exponent = 2.5; }, "exponent: found 2.5, allowed 0.3 .. 2");
   refused([](SoilParameters& s) { s.friction_modulus = 0.0; },
-          "friction_modulus: found 0, allowed > 0");
+          "friction_modulus: found 0, allowed 1e-06 .. 1000000000000");
   refused([](SoilParameters& s) { s.shear_modulus_m = 0.0; },
-          "shear_modulus: found 0 mm, allowed above 0 .. 1000 mm");
+          "shear_modulus: found 0 mm, allowed 0.001 .. 1000 mm");
   refused([](SoilParameters& s) { s.internal_friction_rad = std::numbers::pi / 2.0; },
           "internal_friction: found 90 deg, allowed 0 .. 89 deg");
   refused([](SoilParameters& s) { s.cohesion_pa = std::numeric_limits<double>::quiet_NaN(); },
-          "cohesion: found nan kPa, allowed >= 0 kPa");
+          "cohesion: found nan kPa, allowed 0 .. 1000000 kPa");
 }
 
 TEST(SinkageCurve, FollowsTheVirginCurveBeyondWhatWasPressed) {

@@ -303,11 +303,10 @@ TEST(TyreParameters, BadOnesAreRefusedByName) {
     }
   };
   refused([](TyreParameters& p) { p.unloaded_radius_m = 0.0; },
-          "unloaded_radius: found 0 m, allowed above 0 .. 100 m");
+          "unloaded_radius: found 0 m, allowed 0.001 .. 100 m");
   refused([](TyreParameters& p) { p.rim_radius_m = 0.7; },
           "rim_radius: found 0.7 m, allowed at most unloaded_radius, 0.59 m");
-  refused([](TyreParameters& p) { p.width_m = -1.0; },
-          "width: found -1 m, allowed above 0 .. 100 m");
+  refused([](TyreParameters& p) { p.width_m = -1.0; }, "width: found -1 m, allowed 0.001 .. 100 m");
   refused([](TyreParameters& p) { p.carcass_stiffness_npm = p.stiffness_per_pressure_m = 0.0; },
           "carcass_stiffness: found 0 kN/m, allowed > 0 kN/m where");
   refused([](TyreParameters& p) { p.rolling_resistance = 1.5; },

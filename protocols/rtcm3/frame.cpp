@@ -1,5 +1,8 @@
 #include "protocols/rtcm3/frame.h"
 
+#include <algorithm>
+#include <cassert>
+
 #include "protocols/crc24q.h"
 
 namespace rigwire::protocols::rtcm3 {
@@ -35,6 +38,20 @@ Decoded<FrameView> decode_frame(std::span<const std::uint8_t> bytes) {
     return Malformed{"RTCM 3 checksum", kHeaderBytes + length};
   }
   return {FrameView{bytes.subspan(kHeaderBytes, length)}, total};
+}
+
+std::size_t encode_frame(std::span<const std::uint8_t> payload, std::span<std::uint8_t> out) {
+  const std::size_t checked = kHeaderBytes + payload.size();
+  assert(payload.size() <= kGreatestPayload && out.size() >= checked + kChecksumBytes);
+  out[0] = kPreamble;
+  out[1] = static_cast<std::uint8_t>(payload.size() >> 8U);
+  out[2] = static_cast<std::uint8_t>(payload.size());
+  std::ranges::copy(payload, out.begin() + kHeaderBytes);
+  const std::uint32_t checksum = crc24q(out.first(checked));
+  for (std::size_t i = 0; i < kChecksumBytes; ++i) {
+    out[checked + i] = static_cast<std::uint8_t>(checksum >> (16U - 8U * i));
+  }
+  return checked + kChecksumBytes;
 }
 
 }  // namespace rigwire::protocols::rtcm3

@@ -1,7 +1,7 @@
 // Frames of RTCM 3: 0xD3, six zero bits, ten bits of length, payload, CRC-24Q.
 //
 // Source: RTCM 10403, "Transport layer", as RTKLIB and pyrtcm read it; lengths checked against
-// recordings. What a payload says is not decoded here but for its number and its station.
+// recordings. What a payload says, message.h decodes.
 #pragma once
 
 #include <cstddef>
@@ -16,6 +16,7 @@ inline constexpr std::uint8_t kPreamble = 0xD3;
 inline constexpr std::size_t kHeaderBytes = 3 /*preamble, length*/;
 inline constexpr std::size_t kChecksumBytes = 3;
 inline constexpr std::size_t kGreatestPayload = 1023;
+inline constexpr std::size_t kGreatestFrame = kHeaderBytes + kGreatestPayload + kChecksumBytes;
 
 /// A frame whose checksum holds; points into the bytes that it was decoded from.
 struct FrameView {
@@ -29,5 +30,9 @@ struct FrameView {
 
 /// Malformed when the bytes do not begin with a frame, or its checksum is wrong.
 [[nodiscard]] Decoded<FrameView> decode_frame(std::span<const std::uint8_t> bytes);
+
+/// Writes the frame around a payload; its size. Precondition: at most kGreatestPayload bytes, and
+/// `out` holds them with header and checksum.
+std::size_t encode_frame(std::span<const std::uint8_t> payload, std::span<std::uint8_t> out);
 
 }  // namespace rigwire::protocols::rtcm3

@@ -1,0 +1,184 @@
+// Messages of RTCM 3 that reference stations send and rovers take: station, observations in their
+// older form and as multiple signal messages, GLONASS biases, and a moving base's own.
+//
+// Encoder and decoder of a message walk one description of its fields, so that what one writes the
+// other reads. Values are SI and full: ranges in metres, put together from what a message splits
+// them into; a value that a message says it has not is nothing (std::optional), and so is one that
+// does not fit its field when it is written. Decoders check every length, and that the masks of
+// multiple signal messages can be; bits beyond a message's own are ignored, as the standard asks.
+//
+// Sources: RTCM 10403.3, sections 3.3 to 3.5 (fields, multiple signal messages, "MSM"), as RTKLIB
+// (rtcm3.c, rtcm3e.c), gpsd (driver_rtcm3.c) and pyrtcm read it; lengths by recordings of ZED-F9P
+// and ZED-F9T. 4072 is not published: the content here is our own, and a real receiver does not
+// take it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <variant>
+
+#include "protocols/result.h"
+#include "protocols/rtcm3/frame.h"
+
+namespace rigwire::protocols::rtcm3 {
+
+inline constexpr double kLightSpeed_mps = 299'792'458.0;
+inline constexpr double kLightMillisecond_m = kLightSpeed_mps * 1e-3;
+
+inline constexpr std::uint16_t kGreatestStation = 4095;
+
+/// 1005, and 1006 with the height of the antenna.
+struct AntennaPosition {
+  std::uint16_t station = 0;   ///< DF003.
+  std::uint8_t itrf_year = 0;  ///< DF021; 0: not said.
+  bool gps = true;             ///< Which systems the station serves.
+  bool glonass = true;
+  bool galileo = true;
+  bool computed = false;               ///< A network's, at no physical place (DF141).
+  bool single_oscillator = true;       ///< All systems are measured by one clock (DF142).
+  std::uint8_t quarter_cycles = 0;     ///< DF364.
+  std::array<double, 3> position_m{};  ///< Earth-fixed, of the antenna's reference point; 0.1 mm.
+  std::optional<double> antenna_height_m;  ///< 1006; 0 .. 6.5535 m.
+
+  friend bool operator==(const AntennaPosition&, const AntennaPosition&) = default;
+};
+
+/// 1230: what the station's GLONASS code is ahead of its carrier, by signal.
+struct GlonassBiases {
+  std::uint16_t station = 0;
+  bool aligned = true;  ///< The observations are corrected by them already.
+  /// L1 C/A, L1 P, L2 C/A, L2 P, m in steps of 0.02.
+  std::array<std::optional<double>, 4> biases_m{};
+
+  friend bool operator==(const GlonassBiases&, const GlonassBiases&) = default;
+};
+
+/// What is measured of one signal, in the older messages and in the newer ones.
+struct SignalObservation {
+  std::optional<double> range_m;   ///< Pseudorange.
+  std::optional<double> phase_m;   ///< Carrier phase times wavelength; grows with the range.
+  std::optional<double> rate_mps;  ///< Of the phase; in MSM7 only.
+  double locked_s = 0.0;           ///< At least so long without a slip.
+  bool half_cycle = false;         ///< The phase may be off by half a cycle; MSM only.
+  double cn0_dbhz = 0.0;           ///< 0: not said.
+
+  friend bool operator==(const SignalObservation&, const SignalObservation&) = default;
+};
+
+/// 1004 GPS, 1012 GLONASS: both carriers, extended.
+struct LegacyObservations {
+  struct Satellite {
+    std::uint8_t number = 0;       ///< DF009 (40 .. are SBAS), DF038.
+    std::int8_t channel = 0;       ///< GLONASS: -7 .. 13.
+    bool first_precise = false;    ///< P(Y) or P code on L1.
+    std::uint8_t second_code = 0;  ///< DF016, DF046.
+    SignalObservation first;       ///< L1. Without a range the satellite is not written.
+    SignalObservation second;      ///< L2; within 163 m of the first one's range.
+
+    friend bool operator==(const Satellite&, const Satellite&) = default;
+  };
+  static constexpr std::size_t kGreatest = 31;
+
+  bool glonass = false;
+  std::uint16_t station = 0;
+  std::uint32_t time_ms = 0;  ///< GPS: of week. GLONASS: of day, Moscow time.
+  bool more = false;          ///< Other systems' observations of that time follow (DF005).
+  bool divergence_free = false;
+  std::uint8_t smoothing = 0;
+  std::size_t count = 0;
+  std::array<Satellite, kGreatest> satellites{};
+
+  friend bool operator==(const LegacyObservations&, const LegacyObservations&) = default;
+};
+
+enum class MsmSystem : std::uint8_t { gps, glonass, galileo, beidou };
+
+/// Numbers of signals within the mask (DF395), and what they are: RINEX 3 codes.
+namespace msm_signal {
+inline constexpr std::uint8_t kGps1C = 2;
+inline constexpr std::uint8_t kGps2L = 16;
+inline constexpr std::uint8_t kGlonass1C = 2;
+inline constexpr std::uint8_t kGlonass2C = 8;
+inline constexpr std::uint8_t kGalileo1C = 2;
+inline constexpr std::uint8_t kGalileo7Q = 15;
+inline constexpr std::uint8_t kBeidou2I = 2;
+inline constexpr std::uint8_t kBeidou7I = 14;
+}  // namespace msm_signal
+
+/// 1074, 1084, 1094, 1124 (MSM4) and 1077, 1087, 1097, 1127 (MSM7).
+struct MultipleSignals {
+  struct Cell {
+    std::uint8_t satellite = 0;  ///< 1 .. 64.
+    std::uint8_t signal = 0;     ///< 1 .. 32.
+    SignalObservation observation;
+
+    friend bool operator==(const Cell&, const Cell&) = default;
+  };
+  static constexpr std::size_t kGreatest = 64;  ///< Cells, and satellites times signals.
+
+  MsmSystem system = MsmSystem::gps;
+  bool full = true;  ///< MSM7, not MSM4.
+  std::uint16_t station = 0;
+  std::uint32_t epoch =
+      0;                   ///< DF004, DF248, DF427, or day and time of day of GLONASS; msm_epoch().
+  bool more = false;       ///< Further messages of this epoch follow.
+  std::uint8_t issue = 0;  ///< Of the station's data (DF409).
+  std::uint8_t clock_steering = 0;
+  std::uint8_t external_clock = 0;
+  bool divergence_free = false;
+  std::uint8_t smoothing = 0;
+  std::size_t count = 0;
+  /// By satellite, then signal; satellites times signals at most kGreatest, of a satellite at
+  /// least one with a range. MSM7 of GLONASS: the channels of `channels`.
+  std::array<Cell, kGreatest> cells{};
+  /// By satellite less 1, -7 .. 7; empty: not said.
+  std::array<std::optional<std::int8_t>, kGreatest> channels{};
+
+  friend bool operator==(const MultipleSignals&, const MultipleSignals&) = default;
+};
+
+/// 4072 subtype 0, in a form of our own: where a base is that moves, and how fast, at its epoch.
+struct MovingBase {
+  std::uint16_t station = 0;
+  std::uint32_t time_of_week_ms = 0;     ///< GPS.
+  std::array<double, 3> position_m{};    ///< Earth-fixed; 0.1 mm.
+  std::array<double, 3> velocity_mps{};  ///< Within 262 m/s; 1 mm/s.
+
+  friend bool operator==(const MovingBase&, const MovingBase&) = default;
+};
+
+using Message =
+    std::variant<AntennaPosition, GlonassBiases, LegacyObservations, MultipleSignals, MovingBase>;
+
+[[nodiscard]] std::uint16_t number_of(const Message& message);
+
+/// What a frame's payload says. Malformed: a number that is none of the above, a length that is too
+/// short for it, or masks that cannot be.
+[[nodiscard]] Decoded<Message> decode_message(std::span<const std::uint8_t> payload);
+
+/// Writes the frame; its size, at most kGreatestFrame. Precondition: `out` holds that.
+std::size_t encode(const Message& message, std::span<std::uint8_t> out);
+
+/// An epoch as a system's messages tell it, from GPS time of week: BeiDou is 14 s behind, GLONASS
+/// goes by Moscow time and its day of the week.
+[[nodiscard]] std::uint32_t msm_epoch(MsmSystem system, std::uint32_t gps_time_of_week_ms,
+                                      int leap_seconds);
+/// Back again. Nothing: no epoch of that system, such as GLONASS without a day (7), which is left
+/// to whoever knows the day.
+[[nodiscard]] std::optional<std::uint32_t> gps_time_of_week_ms(MsmSystem system,
+                                                               std::uint32_t epoch,
+                                                               int leap_seconds);
+
+/// Lock times as messages count them: DF013 (older), DF402 (MSM4), DF407 (MSM7). The counts grow
+/// with the time, the times are the least of a count.
+[[nodiscard]] std::uint32_t legacy_lock_count(double locked_s);
+[[nodiscard]] double legacy_lock_s(std::uint32_t count);
+[[nodiscard]] std::uint32_t msm4_lock_count(double locked_s);
+[[nodiscard]] double msm4_lock_s(std::uint32_t count);
+[[nodiscard]] std::uint32_t msm7_lock_count(double locked_s);
+[[nodiscard]] double msm7_lock_s(std::uint32_t count);
+
+}  // namespace rigwire::protocols::rtcm3

@@ -28,7 +28,7 @@ class GnssBackend {
   virtual ~GnssBackend() = default;
   /// What its settings ask of the navigation engine; devices without such settings ask nothing.
   [[nodiscard]] virtual const Command& command() const {
-    static constexpr Command kNothing;
+    static const Command kNothing;
     return kNothing;
   }
   virtual void update(const Sample& sample) = 0;

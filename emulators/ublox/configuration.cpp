@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 
 namespace rigwire::emulators {
 namespace {
@@ -134,6 +135,7 @@ std::optional<Payload> UbloxConfiguration::poll(const FrameView& frame) {
   }
   if (const auto bytes = opaque(id); !bytes.empty()) return Payload(bytes);
   if (id == CfgSbas::kId) return reply(present_.sbas);
+  if (id == CfgTmode3::kId && profile_->carrier_solution) return reply(base_mode(present_));
   if (id == CfgAnt::kId) return reply(present_.antenna);
   if (id == CfgRxm::kId) return reply(present_.power);
   return std::nullopt;
@@ -167,6 +169,7 @@ bool UbloxConfiguration::set(const FrameView& frame) {
     present_.sbas = *wanted;
     return true;
   }
+  if (const auto wanted = decode<CfgTmode3>(frame); wanted.ok()) return set_base(*wanted);
   if (const auto wanted = decode<CfgAnt>(frame); wanted.ok()) {
     present_.antenna = *wanted;
     return true;
@@ -368,6 +371,25 @@ bool UbloxConfiguration::set_expert(const CfgNavx5& wanted) {
     next.autonomous_orbits = wanted.autonomous_orbits;
     next.maximum_orbit_error_m = wanted.maximum_orbit_error_m;
   }
+  return true;
+}
+
+bool UbloxConfiguration::set_base(const CfgTmode3& wanted) {
+  constexpr std::uint16_t kKnown = kTmodeGeodetic | 0x00FF;
+  constexpr int kGreatestRest = 99;
+  const bool rest_fits = std::ranges::all_of(wanted.position_rest, [](std::int8_t rest) {
+    return rest >= -kGreatestRest && rest <= kGreatestRest;
+  });
+  constexpr std::int32_t kPole_e7deg = 900'000'000;
+  constexpr std::int32_t kTurn_e7deg = 1'800'000'000;
+  const bool on_earth =
+      (wanted.flags & kTmodeGeodetic) == 0 ||
+      (std::abs(wanted.position[0]) <= kPole_e7deg && std::abs(wanted.position[1]) <= kTurn_e7deg);
+  if (!profile_->carrier_solution || wanted.version != 0 || (wanted.flags & ~kKnown) != 0 ||
+      wanted.mode() > kTmodeFixed || !rest_fits || !on_earth) {
+    return false;
+  }
+  set_base_mode(present_, wanted);
   return true;
 }
 

@@ -56,6 +56,12 @@ class UbloxConfiguration {
   [[nodiscard]] const protocols::ubx::CfgOdo& odometer() const { return present_.odometer; }
   [[nodiscard]] const protocols::ubx::CfgNmea& nmea() const { return present_.nmea; }
   [[nodiscard]] const protocols::ubx::CfgSbas& sbas() const { return present_.sbas; }
+  [[nodiscard]] const protocols::ubx::CfgPrt& second_uart() const {
+    return present_.ports[protocols::ubx::kPortUart2];
+  }
+  [[nodiscard]] std::uint8_t message_rate(std::size_t message_index, std::size_t port) const {
+    return present_.rates[message_index][port];
+  }
   /// Rate of a message of the profile on the UART; 0 = off.
   [[nodiscard]] std::uint8_t message_rate(std::size_t message_index) const {
     return present_.rates[message_index][protocols::ubx::kPortUart1];
@@ -75,6 +81,7 @@ class UbloxConfiguration {
   [[nodiscard]] bool set_navigation(const protocols::ubx::CfgNav5& wanted);
   [[nodiscard]] bool set_expert(const protocols::ubx::CfgNavx5& wanted);
   [[nodiscard]] bool set_odometer(const protocols::ubx::CfgOdo& wanted);
+  [[nodiscard]] bool set_base(const protocols::ubx::CfgTmode3& wanted);
   [[nodiscard]] bool set_systems(std::span<const std::uint8_t> payload);
   [[nodiscard]] bool set_sentences(std::span<const std::uint8_t> payload);
   [[nodiscard]] bool set_pulse(const protocols::ubx::CfgTp5& wanted);

@@ -141,11 +141,17 @@ UbloxConfigurationState default_state(const UbloxSettings& settings) {
   s.ports = default_ports(profile, settings.baud);
   const auto switch_on = [&](const std::vector<std::string>& names) {
     for (const auto& name : names) {
-      s.rates[message_index(profile, name)] = {1, 1, 1, 1, 1, 1};
+      const std::size_t index = message_index(profile, name);
+      s.rates[index] = {1, 1, 1, 1, 1, 1};
+      // The second UART has its own list of corrections.
+      s.rates[index][kPortUart2] = profile.messages[index].rtcm ? 0 : 1;
     }
   };
   switch_on(settings.nmea_sentences);
   switch_on(settings.ubx_messages);
+  for (const auto& name : settings.uart2_messages) {
+    s.rates[message_index(profile, name)][kPortUart2] = 1;
+  }
   for (std::size_t i = 0; i < kInformationProtocols.size(); ++i) {
     s.information[i].protocol = kInformationProtocols[i];
   }
@@ -166,6 +172,9 @@ UbloxConfigurationState default_state(const UbloxSettings& settings) {
   if (profile.adjust_defaults != nullptr) {
     profile.adjust_defaults(s);
   }
+  if (profile.carrier_solution) {
+    s.ports[kPortUart2].baud = settings.uart2_baud;
+  }
   return s;
 }
 
@@ -176,6 +185,23 @@ void set_modern_expert(CfgNavx5& expert) {
   expert.reserved1 = {0, 2};
   expert.reserved4 = {0, 0, 0, 1, 1};
   expert.reserved6 = {0, 1, 0x12, 0, 0, 0, 0, 0};
+}
+
+CfgTmode3 base_mode(const UbloxConfigurationState& state) {
+  CfgTmode3 base = state.base;
+  const bool geodetic = (base.flags & kTmodeGeodetic) != 0;
+  base.position = geodetic ? state.base_geodetic : state.base_ecef_cm;
+  base.position_rest = geodetic ? state.base_geodetic_rest : state.base_ecef_rest;
+  return base;
+}
+
+void set_base_mode(UbloxConfigurationState& state, const CfgTmode3& wanted) {
+  const bool geodetic = (wanted.flags & kTmodeGeodetic) != 0;
+  (geodetic ? state.base_geodetic : state.base_ecef_cm) = wanted.position;
+  (geodetic ? state.base_geodetic_rest : state.base_ecef_rest) = wanted.position_rest;
+  state.base = wanted;
+  state.base.position = {};
+  state.base.position_rest = {};
 }
 
 void copy_sections(const UbloxConfigurationState& from, UbloxConfigurationState& to,
@@ -195,6 +221,15 @@ void copy_sections(const UbloxConfigurationState& from, UbloxConfigurationState&
     to.nmea_tail = from.nmea_tail;
     to.pulses = from.pulses;
     to.sbas = from.sbas;
+    to.base = from.base;
+    to.base_ecef_cm = from.base_ecef_cm;
+    to.base_ecef_rest = from.base_ecef_rest;
+    to.base_geodetic = from.base_geodetic;
+    to.base_geodetic_rest = from.base_geodetic_rest;
+    to.station_out = from.station_out;
+    to.station_in = from.station_in;
+    to.station_filter = from.station_filter;
+    to.carrier_mode = from.carrier_mode;
     to.datum = from.datum;
   }
   if ((mask & kSectionReceiver) != 0) {

@@ -30,6 +30,16 @@ struct UbloxConfigurationState {
   protocols::ubx::CfgNmea nmea;
   std::array<std::uint8_t, 8> nmea_tail{};  ///< Bytes 12..19 of the longer form of CFG-NMEA.
   protocols::ubx::CfgSbas sbas;
+  /// Without its position: CFG-TMODE has ECEF and geodetic ones apart, see base_mode().
+  protocols::ubx::CfgTmode3 base;
+  std::array<std::int32_t, 3> base_ecef_cm{};
+  std::array<std::int8_t, 3> base_ecef_rest{};
+  std::array<std::int32_t, 3> base_geodetic{};
+  std::array<std::int8_t, 3> base_geodetic_rest{};
+  std::uint16_t station_out = 0;    ///< CFG-RTCM-DF003_OUT.
+  std::uint16_t station_in = 0;     ///< CFG-RTCM-DF003_IN,
+  std::uint8_t station_filter = 0;  ///< and DF003_IN_FILTER.
+  std::uint8_t carrier_mode = 3;    ///< CFG-NAVHPG-DGNSSMODE: 2 float, 3 fixed, 5 conservative.
   protocols::ubx::CfgAnt antenna;
   protocols::ubx::CfgRxm power;
   std::array<protocols::ubx::CfgTp5, 2> pulses{};
@@ -70,6 +80,10 @@ inline constexpr std::uint32_t kSectionLogging = 0x0800;
 
 /// The state of a receiver of that type with nothing saved. Precondition: validate(settings).
 [[nodiscard]] UbloxConfigurationState default_state(const UbloxSettings& settings);
+
+/// CFG-TMODE3 as it is in force: with the position of the kind that its flags name.
+[[nodiscard]] protocols::ubx::CfgTmode3 base_mode(const UbloxConfigurationState& state);
+void set_base_mode(UbloxConfigurationState& state, const protocols::ubx::CfgTmode3& wanted);
 
 /// Masks and reserved bytes of CFG-NAVX5 from version 2 on.
 void set_modern_expert(protocols::ubx::CfgNavx5& expert);

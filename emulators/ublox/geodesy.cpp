@@ -37,6 +37,17 @@ std::array<double, 3> ecef_velocity(const UbloxSolution& s) {
           cos_lat * v.x - sin_lat * v.z};
 }
 
+std::array<double, 3> ned_from_ecef(const UbloxSolution& s, const std::array<double, 3>& e) {
+  const double sin_lat = std::sin(s.latitude_deg * kDegree);
+  const double cos_lat = std::cos(s.latitude_deg * kDegree);
+  const double sin_lon = std::sin(s.longitude_deg * kDegree);
+  const double cos_lon = std::cos(s.longitude_deg * kDegree);
+  // The transpose of ecef_velocity()'s turn.
+  return {-sin_lat * cos_lon * e[0] - sin_lat * sin_lon * e[1] + cos_lat * e[2],
+          -sin_lon * e[0] + cos_lon * e[1],
+          -cos_lat * cos_lon * e[0] - cos_lat * sin_lon * e[1] - sin_lat * e[2]};
+}
+
 Geodetic geodetic_from_ecef(const std::array<double, 3>& p) {
   const double axis_m = std::hypot(p[0], p[1]);
   const double semi_minor_m = kSemiMajorAxis_m * (1.0 - kFlattening);

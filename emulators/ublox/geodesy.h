@@ -10,6 +10,10 @@ namespace rigwire::emulators {
 [[nodiscard]] std::array<double, 3> ecef_position(const UbloxSolution& solution);
 [[nodiscard]] std::array<double, 3> ecef_velocity(const UbloxSolution& solution);
 
+/// An earth-fixed vector in north, east, down at the solution's place.
+[[nodiscard]] std::array<double, 3> ned_from_ecef(const UbloxSolution& solution,
+                                                  const std::array<double, 3>& vector_E);
+
 struct Geodetic {
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;

@@ -213,6 +213,16 @@ constexpr auto kOdometer = kMemberOf<&State::odometer, &ubx::CfgOdo::flags>;
 constexpr auto kSbasMode = kMemberOf<&State::sbas, &ubx::CfgSbas::mode>;
 constexpr auto kSbasUsage = kMemberOf<&State::sbas, &ubx::CfgSbas::usage>;
 
+constexpr auto kBaseFlags = kMemberOf<&State::base, &ubx::CfgTmode3::flags>;
+template <auto kArray, std::size_t kIndex>
+constexpr auto kElement = [](auto& s) -> auto& {
+  return (s.*kArray)[kIndex];
+};
+template <auto kMember>
+constexpr auto kOwn = [](auto& s) -> auto& {
+  return s.*kMember;
+};
+
 // NOLINTBEGIN(readability-magic-numbers): the numbers are the items' own, see configuration_keys.h
 // clang-format off
 constexpr std::array kBindings{
@@ -300,6 +310,28 @@ constexpr std::array kBindings{
     system<GnssSystem::glonass, 0>(0x10310025),
     system<GnssSystem::glonass, 16>(0x10310018),
     system<GnssSystem::glonass, 20>(0x1031001A),
+    // Base station and its messages
+    bits<kBaseFlags, 0, 8>(0x20030001),
+    bits<kBaseFlags, 8>(0x20030002),
+    whole<kElement<&State::base_ecef_cm, 0>>(0x40030003),
+    whole<kElement<&State::base_ecef_cm, 1>>(0x40030004),
+    whole<kElement<&State::base_ecef_cm, 2>>(0x40030005),
+    whole<kElement<&State::base_ecef_rest, 0>>(0x20030006),
+    whole<kElement<&State::base_ecef_rest, 1>>(0x20030007),
+    whole<kElement<&State::base_ecef_rest, 2>>(0x20030008),
+    whole<kElement<&State::base_geodetic, 0>>(0x40030009),
+    whole<kElement<&State::base_geodetic, 1>>(0x4003000A),
+    whole<kElement<&State::base_geodetic, 2>>(0x4003000B),
+    whole<kElement<&State::base_geodetic_rest, 0>>(0x2003000C),
+    whole<kElement<&State::base_geodetic_rest, 1>>(0x2003000D),
+    whole<kElement<&State::base_geodetic_rest, 2>>(0x2003000E),
+    field<&State::base, &ubx::CfgTmode3::accuracy_e4m>(0x4003000F),
+    field<&State::base, &ubx::CfgTmode3::survey_least_duration_s>(0x40030010),
+    field<&State::base, &ubx::CfgTmode3::survey_accuracy_limit_e4m>(0x40030011),
+    whole<kOwn<&State::station_out>>(0x30090001),
+    whole<kOwn<&State::station_in>>(0x30090008),
+    whole<kOwn<&State::station_filter>>(0x20090009),
+    whole<kOwn<&State::carrier_mode>>(0x20140011),
     // Antenna supervision
     bits<kAntenna, 0>(0x10A3002E),
     bits<kAntenna, 1>(0x10A3002F),

@@ -48,6 +48,12 @@ template <class Head, class Block>
   message.polled = false;
   return message;
 }
+/// An RTCM 3 message, by its rate only.
+[[nodiscard]] constexpr UbloxMessage correction(std::uint8_t id, std::string_view name,
+                                                std::size_t payload) {
+  constexpr std::size_t kFrame = 3 /*header*/ + 3 /*checksum*/;
+  return {{0xF5, id}, name, kFrame + payload, false, true, false, true};
+}
 [[nodiscard]] constexpr UbloxMessage version_row() {
   return listed(protocols::ubx::MonVerHead::kId, "MON-VER",
                 protocols::ubx::MonVerHead::kLength +

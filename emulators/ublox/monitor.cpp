@@ -37,6 +37,11 @@ MonMsgpp parsed(const UbloxMonitorView& view) {
   MonMsgpp m;
   std::ranges::copy(view.port.messages, m.messages.begin() + kUart * view.port.messages.size());
   m.skipped_bytes[kUart] = view.port.skipped;
+  if (view.second_port != nullptr) {
+    std::ranges::copy(view.second_port->messages,
+                      m.messages.begin() + kPortUart2 * view.second_port->messages.size());
+    m.skipped_bytes[kPortUart2] = view.second_port->skipped;
+  }
   return m;
 }
 
@@ -190,28 +195,37 @@ TimTm2 time_mark(const UbloxMonitorView& view) {
   return m;
 }
 
-/// The one port that there is, UART1.
+/// UART1, and UART2 once there was traffic on it: HPG 1.50, 3.14.1.
 std::size_t put_communications(const UbloxMonitorView& view, std::span<std::uint8_t> out) {
   constexpr std::uint16_t kUart1 = 0x0100;
+  constexpr std::uint16_t kUart2 = 0x0201;
   constexpr std::uint8_t kBufferFull = 1 << 1;
   constexpr std::uint8_t kOverUart1 = 2 << 2;
-  const UbloxTransmitter& line = view.transmitter;
   MonCommsHead head;
-  head.ports = 1;
   head.errors = static_cast<std::uint8_t>(kOverUart1 | (view.port.overflow ? kBufferFull : 0));
-  MonCommsPort port;
-  port.port = kUart1;
-  port.sending_bytes = to_field<std::uint16_t>(static_cast<double>(line.waiting()), 1.0);
-  port.sent_bytes = static_cast<std::uint32_t>(line.bytes_sent());
-  port.sending_percent = percent(line.waiting(), line.capacity());
-  port.sending_peak_percent = percent(line.peak(), line.capacity());
-  port.received_bytes = view.port.bytes;
-  port.received_peak_percent = percent(view.port.peak_bytes, view.receive_capacity);
-  for (std::size_t i = 0; i < port.messages.size(); ++i) {
-    port.messages[i] = view.port.messages[head.protocols[i]];
+  std::array<MonCommsPort, 2> ports;
+  const auto put = [&](std::uint16_t id, const UbloxTransmitter& line,
+                       const UbloxPortStatistics& statistics) {
+    MonCommsPort& port = ports[head.ports++];
+    port.port = id;
+    port.sending_bytes = to_field<std::uint16_t>(static_cast<double>(line.waiting()), 1.0);
+    port.sent_bytes = static_cast<std::uint32_t>(line.bytes_sent());
+    port.sending_percent = percent(line.waiting(), line.capacity());
+    port.sending_peak_percent = percent(line.peak(), line.capacity());
+    port.received_bytes = statistics.bytes;
+    port.received_peak_percent = percent(statistics.peak_bytes, view.receive_capacity);
+    for (std::size_t i = 0; i < port.messages.size(); ++i) {
+      port.messages[i] = statistics.messages[head.protocols[i]];
+    }
+    port.skipped_bytes = statistics.skipped;
+  };
+  head.ports = 0;
+  put(kUart1, view.transmitter, view.port);
+  if (view.second_port != nullptr &&
+      (view.second_port->bytes > 0 || view.second_line->bytes_sent() > 0)) {
+    put(kUart2, *view.second_line, *view.second_port);
   }
-  port.skipped_bytes = view.port.skipped;
-  return encode_blocks(head, std::span<const MonCommsPort>(&port, 1), out);
+  return encode_blocks<MonCommsHead, MonCommsPort>(head, std::span(ports).first(head.ports), out);
 }
 
 MonGnss major_systems(const UbloxMonitorView& view) {

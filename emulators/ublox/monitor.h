@@ -60,6 +60,9 @@ struct UbloxMonitorView {
   const UbloxPortStatistics& port;
   const UbloxAntenna& antenna;
   const UbloxTimeMark& mark;
+  /// The second UART; null where the type has none.
+  const UbloxTransmitter* second_line = nullptr;
+  const UbloxPortStatistics* second_port = nullptr;
   std::size_t receive_capacity = 0;
   std::uint64_t seed = 0;  ///< Of this device.
   std::uint64_t epoch = 0;

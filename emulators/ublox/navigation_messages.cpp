@@ -37,7 +37,11 @@ double ground_speed_mps(const UbloxSolution& s) {
   return std::hypot(s.velocity_ned_mps.x, s.velocity_ned_mps.y);
 }
 std::uint8_t fix_type(const UbloxSolution& s) {
-  return s.dimensions == 3 ? kFix3d : s.dimensions == 2 ? kFix2d : kFixNone;
+  constexpr std::uint8_t kTimeOnly = 5;
+  return s.time_only         ? kTimeOnly
+         : s.dimensions == 3 ? kFix3d
+         : s.dimensions == 2 ? kFix2d
+                             : kFixNone;
 }
 std::uint8_t fix_flags(const UbloxSolution& s) {
   return static_cast<std::uint8_t>(
@@ -356,18 +360,72 @@ NavOdo odometer(const UbloxSolution& s) {
           unsigned_field(s.total_distance_m, 1.0), unsigned_field(s.distance_accuracy_m, 1.0)};
 }
 
-/// Nothing is surveyed; the accuracy of a mean of nothing as the log has it.
-NavSvin no_survey() {
+/// Parts of 0.1 mm beyond whole centimetres.
+struct Centimetres {
+  std::int32_t whole = 0;
+  std::int8_t rest_e4m = 0;
+};
+Centimetres in_centimetres_and_rest(double metres) {
+  constexpr int kPerCentimetre = 100;
+  const auto count = static_cast<std::int64_t>(std::llround(metres * 1e4));
+  return {static_cast<std::int32_t>(count / kPerCentimetre),
+          static_cast<std::int8_t>(count % kPerCentimetre)};
+}
+
+NavSvin survey(const UbloxSolution& s) {
+  // The accuracy of a mean of nothing, as a ZED-F9P of HPG 1.32 has it.
   constexpr std::uint32_t kNoMean_e4m = 948'683'264;
   NavSvin m;
-  m.mean_accuracy_e4m = kNoMean_e4m;
+  m.duration_s = s.survey.duration_s;
+  m.observations = s.survey.observations;
+  m.valid = s.survey.valid ? 1 : 0;
+  m.active = s.survey.active ? 1 : 0;
+  m.mean_accuracy_e4m =
+      s.survey.observations == 0 ? kNoMean_e4m : unsigned_field(s.survey.accuracy_m, 1e-4);
+  for (std::size_t axis = 0; axis < m.mean_cm.size(); ++axis) {
+    const Centimetres mean = in_centimetres_and_rest(s.survey.mean_E_m[axis]);
+    m.mean_cm[axis] = mean.whole;
+    m.mean_rest_e4m[axis] = mean.rest_e4m;
+  }
   return m;
 }
 
-/// The corrections' own base is not part of the sample: no vector to it is known.
-NavRelposned no_base(const UbloxSolution& s) {
+/// From the base station, while there is a carrier solution.
+NavRelposned relative_position(const UbloxSolution& s) {
   NavRelposned m;
   m.flags = (s.fix_ok ? kRelativeFixOk : 0U) | (s.differential ? kRelativeDifferential : 0U);
+  if (!s.base || !s.fix_ok || s.carrier == CarrierSolution::none || s.sample == nullptr) {
+    return m;
+  }
+  m.station = s.base->station;
+  const auto base_E_m = s.base->at(s.sample->time);
+  const auto own_E_m = ecef_position(s);
+  const auto ned_m = ned_from_ecef(
+      s, {own_E_m[0] - base_E_m[0], own_E_m[1] - base_E_m[1], own_E_m[2] - base_E_m[2]});
+  const bool fixed = s.carrier == CarrierSolution::fixed;
+  m.flags |= kRelativeValid | (fixed ? kRelativeCarrierFixed : kRelativeCarrierFloat) |
+             (s.base->moving ? kRelativeMovingBase : 0U);
+  for (std::size_t axis = 0; axis < ned_m.size(); ++axis) {
+    const Centimetres part = in_centimetres_and_rest(ned_m[axis]);
+    m.relative_ned_cm[axis] = part.whole;
+    m.relative_ned_rest_e4m[axis] = part.rest_e4m;
+  }
+  const double length_m = std::hypot(ned_m[0], ned_m[1], ned_m[2]);
+  const Centimetres length = in_centimetres_and_rest(length_m);
+  m.length_cm = length.whole;
+  m.length_rest_e4m = length.rest_e4m;
+  const double level_m = s.horizontal_accuracy_m / std::numbers::sqrt2;
+  m.accuracy_ned_e4m = {unsigned_field(level_m, 1e-4), unsigned_field(level_m, 1e-4),
+                        unsigned_field(s.vertical_accuracy_m, 1e-4)};
+  m.length_accuracy_e4m = unsigned_field(level_m, 1e-4);
+  // A heading needs integers, and a base line that is long against the error.
+  const double across_m = std::hypot(ned_m[0], ned_m[1]);
+  if (fixed && across_m > level_m) {
+    const double heading_deg = std::atan2(ned_m[1], ned_m[0]) / kDegree;
+    m.heading_e5deg = signed_field(heading_deg < 0.0 ? heading_deg + 360.0 : heading_deg, 1e-5);
+    m.heading_accuracy_e5deg = unsigned_field(std::atan2(level_m, across_m) / kDegree, 1e-5);
+    m.flags |= kRelativeHeadingValid;
+  }
   return m;
 }
 
@@ -615,8 +673,8 @@ std::size_t encode_navigation(const UbloxSolution& s, const UbloxProfile& profil
   if (id == NavDop::kId) return put(dop(s), s, out);
   if (id == NavCov::kId) return put(covariance(s), s, out);
   if (id == NavOdo::kId) return put(odometer(s), s, out);
-  if (id == NavSvin::kId) return put(no_survey(), s, out);
-  if (id == NavRelposned::kId) return put(no_base(s), s, out);
+  if (id == NavSvin::kId) return put(survey(s), s, out);
+  if (id == NavRelposned::kId) return put(relative_position(s), s, out);
   if (id == NavAopstatus::kId) return put(NavAopstatus{}, s, out);
   if (id == NavEoe::kId) return put(NavEoe{}, s, out);
   if (id == NavTimegps::kId) return put(timegps(s), s, out);

@@ -538,6 +538,26 @@ void UbloxNavigator::take_position(const GnssSample& sample,
   count_distance(sample.time, configuration.odometer());
 }
 
+void UbloxNavigator::set_own_place(const UbloxSurvey& survey,
+                                   const std::optional<std::array<double, 3>>& place_E_m) {
+  UbloxSolution& s = solution_;
+  s.survey = survey;
+  s.time_only = place_E_m && s.dimensions > 0;
+  if (!s.time_only) {
+    return;
+  }
+  const Geodetic place = geodetic_from_ecef(*place_E_m);
+  s.latitude_deg = place.latitude_deg;
+  s.longitude_deg = place.longitude_deg;
+  s.ellipsoid_height_m = place.ellipsoid_height_m;
+  s.velocity_ned_mps = {};
+  s.speed_mps = 0.0;
+  s.carrier = CarrierSolution::none;
+  s.differential = false;
+  s.differential_age_s.reset();
+  s.base.reset();
+}
+
 void UbloxNavigator::filter_speed(const protocols::ubx::CfgOdo& odometer) {
   UbloxSolution& s = solution_;
   const Vector3& v = s.velocity_ned_mps;

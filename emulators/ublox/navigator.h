@@ -63,6 +63,15 @@ class UbloxNavigator {
   /// What the settings ask of the engine.
   [[nodiscard]] GnssCommand command(const UbloxConfiguration& configuration) const;
 
+  /// After take(): who the corrections of the solution are of.
+  void set_base(const std::optional<UbloxBase>& base) {
+    solution_.base = solution_.differential_age_s ? base : std::nullopt;
+  }
+  /// After take(), as a base station: its survey, and the place where it stands if it is known,
+  /// which then is its position whatever the satellites say.
+  void set_own_place(const UbloxSurvey& survey,
+                     const std::optional<std::array<double, 3>>& place_E_m);
+
   /// NAV-RESETODO.
   void reset_odometer();
 

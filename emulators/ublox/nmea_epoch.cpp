@@ -130,6 +130,7 @@ nmea::Epoch nmea_epoch(const UbloxSolution& s, const UbloxConfiguration& configu
   epoch.fix_dimensions = s.fix_ok ? s.dimensions : 0;
   epoch.differential = s.differential;
   epoch.differential_age_s = s.differential_age_s;
+  epoch.station = s.base ? s.base->station : 0;
   if (configuration.profile().carrier_solution) {
     epoch.carrier = static_cast<nmea::CarrierFix>(s.carrier);
   }

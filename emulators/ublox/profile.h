@@ -24,6 +24,7 @@ struct UbloxMessage {
   bool sentence = false;           ///< NMEA.
   bool periodic = true;            ///< CFG-MSG knows it: every so many epochs, or with its event.
   bool polled = true;              ///< A poll is answered.
+  bool rtcm = false;               ///< RTCM 3.
 };
 
 /// One line of CFG-GNSS.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "emulators/ublox/geodesy.h"
 #include "emulators/ublox/navigation_messages.h"
 #include "emulators/ublox/nmea_epoch.h"
 #include "protocols/nmea/writers.h"
@@ -100,8 +101,13 @@ const SentenceForm* form_of(std::string_view name) {
 
 }  // namespace
 
+ByteOutput& UbloxReceiver::nowhere() {
+  static NullByteOutput output;
+  return output;
+}
+
 UbloxReceiver::UbloxReceiver(const UbloxSettings& settings, const Calendar& calendar,
-                             ByteOutput& output)
+                             ByteOutput& output, ByteOutput& second)
     : settings_(validated(settings)),
       faults_(settings_.faults),
       profile_(*settings_.profile),
@@ -111,6 +117,8 @@ UbloxReceiver::UbloxReceiver(const UbloxSettings& settings, const Calendar& cale
       transmitter_(quality_, settings_.transmit_buffer_bytes, settings_.baud),
       navigator_(settings_, calendar),
       raw_(calendar, profile_.generation),
+      second_(second, settings_.transmit_buffer_bytes, configuration_.second_uart().baud),
+      corrections_(calendar),
       version_(version_of(profile_)) {
   start(kStart, settings_.time_to_first_fix == 0s ? UbloxMemory::everything() : UbloxMemory{});
 }
@@ -126,6 +134,7 @@ void UbloxReceiver::start(SimTime now, const UbloxMemory& memory) {
   antenna_ = supervise(AntennaState::ok, configuration_.present().antenna);
   mark_ = {};
   transmitter_.clear();
+  second_.restart();
   set_baud(configuration_.uart().baud);
   navigator_.power_on(now);
   begin_navigation(now, memory);
@@ -135,8 +144,17 @@ void UbloxReceiver::start(SimTime now, const UbloxMemory& memory) {
 void UbloxReceiver::begin_navigation(SimTime now, const UbloxMemory& memory) {
   pending_count_ = 0;
   navigator_.begin(now, memory, configuration_);
-  command_ = navigator_.command(configuration_);
+  corrections_.forget();
+  base_.restart();
+  refresh_command();
   raw_.begin(memory.ephemerides, memory.almanac);
+}
+
+void UbloxReceiver::refresh_command() {
+  command_ = navigator_.command(configuration_);
+  if (profile_.carrier_solution) {
+    command_.corrections = corrections_.newest();
+  }
 }
 
 void UbloxReceiver::power(SimTime now, bool on) {
@@ -151,6 +169,7 @@ void UbloxReceiver::power(SimTime now, bool on) {
     pending_count_ = 0;
     plan_ = {};
     transmitter_.clear();
+    second_.restart();
     return;
   }
   UbloxMemory memory;
@@ -170,6 +189,9 @@ void UbloxReceiver::set_client(SimTime now, const SerialClient& client) {
 }
 
 void UbloxReceiver::set_baud(std::uint32_t baud) {
+  if (const std::uint32_t second = configuration_.second_uart().baud; second > 0) {
+    second_.line().set_baud(second);
+  }
   transmitter_.set_baud(baud);
   quality_.set_device_baud(baud);
 }
@@ -191,7 +213,7 @@ SimTime UbloxReceiver::next_event() const {
   if (!powered_) {
     return kNever;
   }
-  SimTime next = transmitter_.next_event();
+  SimTime next = std::min(transmitter_.next_event(), second_.line().next_event());
   if (!running_) {
     next = std::min(next, ready_);
   }
@@ -205,6 +227,7 @@ void UbloxReceiver::advance(SimTime now) {
   for (SimTime event = next_event(); event <= now; event = next_event()) {
     follow_line_noise(event);
     transmitter_.advance(event);
+    second_.line().advance(event);
     if (overflow_to_report_ && transmitter_.room() * 2 >= transmitter_.capacity()) {
       overflow_to_report_ = false;
       send_text(event, nmea::TextKind::error, "txbuf alloc");
@@ -263,6 +286,12 @@ void UbloxReceiver::solve(SimTime now) {
   const bool navigates = measurement % rate.navigation_ratio == 0;
   if (navigates) {
     navigator_.take(latest_, configuration_, faults);
+    navigator_.set_base(corrections_.base());
+    base_.update(latest_.time, base_mode(configuration_.present()), navigator_.solution());
+    if (base_.seems_wrong(navigator_.solution())) {
+      send_text(now, nmea::TextKind::warning, "Base station position seems incorrect");
+    }
+    navigator_.set_own_place(base_.survey(), base_.place_E_m());
   }
   const UbloxSolution& s = navigator_.solution();
   raw_.update(latest_, {s.time_known, s.date_known, s.leap_known, s.leap_seconds, s.week_shift,
@@ -270,6 +299,7 @@ void UbloxReceiver::solve(SimTime now) {
   watch_antenna(now);
   publish(now, navigates);
   if (navigates) {
+    publish_corrections(now);
     ++counters_.epochs;
     ++epoch_number_;
   }
@@ -323,6 +353,24 @@ void UbloxReceiver::receive(SimTime now, std::span<const std::uint8_t> bytes) {
     bytes = bytes.subspan(taken);
   }
   advance(now);
+}
+
+void UbloxReceiver::receive_second(SimTime now, std::span<const std::uint8_t> bytes,
+                                   std::uint32_t baud) {
+  advance(now);
+  if (!running_ || !profile_.carrier_solution) {
+    return;
+  }
+  if (baud != second_baud()) {
+    second_.take_garbage(bytes.size());
+    return;
+  }
+  const bool takes = (configuration_.second_uart().input_protocols & ubx::kProtocolRtcm3) != 0;
+  second_.take_in(bytes, [&](const protocols::rtcm3::FrameView& frame) {
+    if (takes) {
+      handle(now, frame, second_.port());
+    }
+  });
 }
 
 void UbloxReceiver::take_in(SimTime now, std::span<const std::uint8_t> bytes) {
@@ -382,8 +430,13 @@ void UbloxReceiver::parse(SimTime now) {
       if (frame.ok()) {
         in_garbage_ = false;
         at += frame.consumed();
-        handle(now, *frame);
+        handle(now, *frame, port_);
         continue;
+      }
+      if (frame.fault().offset >= protocols::rtcm3::kHeaderBytes) {
+        // Whole, with a wrong checksum: what it calls itself is told, and its bytes are garbage.
+        constexpr std::uint8_t kChecksumFailed = 1;
+        tell_received(now, {rest.subspan(protocols::rtcm3::kHeaderBytes)}, kChecksumFailed);
       }
     } else if (rest[0] == '\r' || rest[0] == '\n') {
       ++at;
@@ -431,10 +484,30 @@ bool UbloxReceiver::handle_command(SimTime now, const ubx::FrameView& frame) {
   return false;
 }
 
-void UbloxReceiver::handle(SimTime now, const protocols::rtcm3::FrameView& frame) {
+void UbloxReceiver::handle(SimTime now, const protocols::rtcm3::FrameView& frame,
+                           UbloxPortStatistics& port) {
   constexpr std::size_t kProtocol = 5;
-  ++port_.messages[kProtocol];
-  ++received_.ignored;  // taken in, but no solution is made of it
+  constexpr std::uint8_t kNotUsed = 1 << 1;
+  constexpr std::uint8_t kUsed = 2 << 1;
+  constexpr std::uint8_t kFloating = 2;
+  ++port.messages[kProtocol];
+  const UbloxConfigurationState& present = configuration_.present();
+  const UbloxCorrectionRules rules{
+      .filter = static_cast<UbloxCorrectionRules::Filter>(present.station_filter),
+      .station = present.station_in,
+      .largest_age = std::chrono::seconds{configuration_.navigation().differential_timeout_s},
+      .floating_only = present.carrier_mode == kFloating};
+  const bool used = profile_.carrier_solution && settings_.uses_corrections &&
+                    corrections_.take(now, frame, rules);
+  ++(used ? received_.accepted : received_.ignored);
+  if (corrections_.newest() != command_.corrections) {
+    refresh_command();
+  }
+  tell_received(now, frame, used ? kUsed : kNotUsed);
+}
+
+void UbloxReceiver::tell_received(SimTime now, const protocols::rtcm3::FrameView& frame,
+                                  std::uint8_t flags) {
   const std::size_t index = message_index(profile_, ubx::RxmRtcm::kId);
   if (index == profile_.messages.size() || configuration_.message_rate(index) == 0 ||
       !speaks(ubx::kProtocolUbx)) {
@@ -442,10 +515,9 @@ void UbloxReceiver::handle(SimTime now, const protocols::rtcm3::FrameView& frame
   }
   constexpr std::uint16_t kProprietary = 4072;
   constexpr std::uint16_t kNoStation = 0xFFFF;
-  constexpr std::uint8_t kNotUsed = 1 << 1;
   const bool subtyped = frame.message() == kProprietary;
   const std::uint16_t second = frame.second_field();
-  send(now, ubx::encode(ubx::RxmRtcm{.flags = kNotUsed,
+  send(now, ubx::encode(ubx::RxmRtcm{.flags = flags,
                                      .subtype = subtyped ? second : std::uint16_t{0},
                                      .station = subtyped ? kNoStation : second,
                                      .message = frame.message()}));
@@ -525,7 +597,7 @@ void UbloxReceiver::handle_configuration(SimTime now, const ubx::FrameView& fram
   }
   const ubx::CfgRate before = configuration_.rate();
   const bool accepted = configuration_.set(frame);
-  command_ = navigator_.command(configuration_);
+  refresh_command();
   if (accepted) {
     set_baud(configuration_.uart().baud);
     if (configuration_.rate() != before) {
@@ -684,11 +756,61 @@ void UbloxReceiver::publish(SimTime now, bool navigated) {
     const std::uint8_t rate = configuration_.message_rate(i);
     const bool due = navigated ? rate != 0 && epoch_number_ % rate == 0
                                : rate == 1 && UbloxRawMessages::handles(messages[i].id);
-    if (due && !waits_for_event(messages[i].id)) {
+    if (due && !messages[i].rtcm && !waits_for_event(messages[i].id)) {
       send_message(now, messages[i]);
     }
   }
   mark_.fresh = mark_.rose = mark_.fell = false;
+}
+
+UbloxCorrectionContent UbloxReceiver::correction_content() const {
+  const UbloxSolution& s = navigator_.solution();
+  UbloxCorrectionContent content;
+  if (!s.time_known || !s.date_known) {
+    return content;
+  }
+  content.sample = &latest_;
+  content.measured = calendar_.gps(latest_.time + latest_.clock_label_offset);
+  content.leap_seconds = s.leap_seconds;
+  content.station = configuration_.present().station_out;
+  content.place_E_m = base_.place_E_m();
+  content.has_fix = s.fix_ok && s.dimensions == 3;
+  content.position_E_m = ecef_position(s);
+  content.velocity_E_mps = ecef_velocity(s);
+  return content;
+}
+
+void UbloxReceiver::publish_corrections(SimTime now) {
+  const UbloxCorrectionContent content = correction_content();
+  const auto messages = profile_.messages;
+  for (const std::size_t port : {ubx::kPortUart1, ubx::kPortUart2}) {
+    if ((configuration_.present().ports[port].output_protocols & ubx::kProtocolRtcm3) == 0) {
+      continue;
+    }
+    const auto is_due = [&](std::size_t i) {
+      const std::uint8_t rate = configuration_.message_rate(i, port);
+      return messages[i].rtcm && rate > 0 && epoch_number_ % rate == 0 &&
+             has_correction(content, messages[i].id);
+    };
+    // All observations of an epoch but the last say that others follow.
+    std::size_t last = messages.size();
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      last = is_due(i) && is_observation(messages[i].id) ? i : last;
+    }
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      if (!is_due(i)) {
+        continue;
+      }
+      std::array<std::uint8_t, protocols::rtcm3::kGreatestFrame> frame{};
+      const std::size_t size = encode_correction(content, messages[i].id, i != last, frame);
+      const auto bytes = std::span<const std::uint8_t>(frame).first(size);
+      if (port == ubx::kPortUart1) {
+        send(now, bytes);
+      } else {
+        second_.line().enqueue(now, bytes);
+      }
+    }
+  }
 }
 
 bool UbloxReceiver::waits_for_event(ubx::MessageId id) const {
@@ -697,8 +819,17 @@ bool UbloxReceiver::waits_for_event(ubx::MessageId id) const {
 }
 
 UbloxMonitorView UbloxReceiver::monitor_view() const {
-  return {navigator_.solution(), configuration_,       transmitter_, port_, antenna_, mark_,
-          kInputBytes,           settings_.noise_seed, epoch_number_};
+  return {.solution = navigator_.solution(),
+          .configuration = configuration_,
+          .transmitter = transmitter_,
+          .port = port_,
+          .antenna = antenna_,
+          .mark = mark_,
+          .second_line = profile_.carrier_solution ? &second_.line() : nullptr,
+          .second_port = profile_.carrier_solution ? &second_.port() : nullptr,
+          .receive_capacity = kInputBytes,
+          .seed = settings_.noise_seed,
+          .epoch = epoch_number_};
 }
 
 std::size_t UbloxReceiver::encode(ubx::MessageId id, std::span<std::uint8_t> out) {
@@ -786,7 +917,9 @@ double UbloxReceiver::nominal_rate_hz() const {
   double per_epoch = 0.0;
   const auto messages = profile_.messages;
   for (std::size_t i = 0; i < messages.size(); ++i) {
-    const bool spoken = speaks(messages[i].sentence ? ubx::kProtocolNmea : ubx::kProtocolUbx);
+    const bool spoken = speaks(messages[i].sentence ? ubx::kProtocolNmea
+                               : messages[i].rtcm   ? ubx::kProtocolRtcm3
+                                                    : ubx::kProtocolUbx);
     if (const std::uint8_t rate = configuration_.message_rate(i); rate > 0 && spoken) {
       per_epoch += sentences_per_epoch(messages[i]) / rate;
     }

@@ -16,11 +16,15 @@
 
 #include "emulators/backends.h"
 #include "emulators/device.h"
+#include "emulators/ublox/base_station.h"
 #include "emulators/ublox/configuration.h"
+#include "emulators/ublox/correction_input.h"
+#include "emulators/ublox/correction_output.h"
 #include "emulators/ublox/line_quality.h"
 #include "emulators/ublox/monitor.h"
 #include "emulators/ublox/navigator.h"
 #include "emulators/ublox/raw_messages.h"
+#include "emulators/ublox/second_port.h"
 #include "emulators/ublox/settings.h"
 #include "emulators/ublox/solution.h"
 #include "emulators/ublox/transmitter.h"
@@ -43,10 +47,15 @@ struct UbloxCounters {
 
 class UbloxReceiver final : public SerialDevice, public GnssBackend {
  public:
-  /// Powered on at kStart. Throws as validate(settings). `output` must outlive the receiver.
-  UbloxReceiver(const UbloxSettings& settings, const Calendar& calendar, ByteOutput& output);
+  /// Powered on at kStart. Throws as validate(settings). The outputs must outlive the receiver;
+  /// `second` is what its second UART sends to, of types that have one.
+  UbloxReceiver(const UbloxSettings& settings, const Calendar& calendar, ByteOutput& output,
+                ByteOutput& second = nowhere());
 
   void receive(SimTime now, std::span<const std::uint8_t> bytes) override;
+  /// Bytes on the second UART, sent at that speed.
+  void receive_second(SimTime now, std::span<const std::uint8_t> bytes, std::uint32_t baud);
+  [[nodiscard]] std::uint32_t second_baud() const { return configuration_.second_uart().baud; }
   void update(const GnssSample& sample) override;
   [[nodiscard]] const Command& command() const override { return command_; }
   void advance(SimTime now) override;
@@ -99,6 +108,8 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   void watch_antenna(SimTime now);
   void follow_line_noise(SimTime now);
   void set_baud(std::uint32_t baud);
+  void refresh_command();
+  [[nodiscard]] static ByteOutput& nowhere();
 
   // What it says.
   /// At a navigation epoch all, at a measurement between two of them what is measured.
@@ -109,6 +120,9 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   [[nodiscard]] bool waits_for_event(protocols::ubx::MessageId id) const;
   void send_message(SimTime now, const UbloxMessage& message);
   void send_raw(SimTime now, protocols::ubx::MessageId id);
+  /// RTCM 3 on both ports.
+  void publish_corrections(SimTime now);
+  [[nodiscard]] UbloxCorrectionContent correction_content() const;
   void send_sentence(SimTime now, std::string_view name);
   void send_text(SimTime now, protocols::nmea::TextKind kind, std::string_view text);
   void send(SimTime now, std::span<const std::uint8_t> message);
@@ -122,7 +136,9 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   void handle(SimTime now, const protocols::ubx::FrameView& frame);
   void handle_configuration(SimTime now, const protocols::ubx::FrameView& frame);
   [[nodiscard]] bool handle_command(SimTime now, const protocols::ubx::FrameView& frame);
-  void handle(SimTime now, const protocols::rtcm3::FrameView& frame);
+  void handle(SimTime now, const protocols::rtcm3::FrameView& frame, UbloxPortStatistics& port);
+  /// RXM-RTCM, with its flags.
+  void tell_received(SimTime now, const protocols::rtcm3::FrameView& frame, std::uint8_t flags);
   [[nodiscard]] bool handle_aiding(SimTime now, const protocols::ubx::FrameView& frame);
   [[nodiscard]] bool answer_raw(SimTime now, const protocols::ubx::FrameView& frame);
   [[nodiscard]] bool answer_poll(SimTime now, const protocols::ubx::FrameView& frame);
@@ -147,6 +163,9 @@ class UbloxReceiver final : public SerialDevice, public GnssBackend {
   UbloxNavigator navigator_;
   Command command_;
   UbloxRawMessages raw_;
+  UbloxSecondPort second_;
+  UbloxCorrectionInput corrections_;
+  UbloxBaseStation base_;
   std::vector<std::uint8_t> version_;  ///< Payload of MON-VER.
 
   bool powered_ = true;

@@ -96,7 +96,18 @@ void visit(fields::Visitor& v, UbloxSettings& p) {
   v.texts("nmea_sentences", p.nmea_sentences,
           "Sentences that are on at power-on: RMC VTG GGA GSA GSV GLL ZDA.");
   v.texts("ubx_messages", p.ubx_messages,
-          "UBX messages that are on at power-on: NAV-PVT, NAV-SOL and others.");
+          "UBX messages that are on at power-on: NAV-PVT, NAV-SOL and others; of a ZED-F9P "
+          "RTCM messages, too: RTCM-1005 and others.");
+  if (profile.carrier_solution) {
+    v.texts("uart2_messages", p.uart2_messages,
+            "RTCM messages that its second UART sends from power-on: RTCM-1005, RTCM-1077, "
+            "RTCM-4072.0 and others.");
+    v.integer("uart2_baud", p.uart2_baud,
+              fields::IntegerRule{4800, profile.greatest_baud, fields::unit("bit/s")},
+              "Speed of the second UART at power-on, 8N1.");
+    v.check(std::ranges::find(kBauds, p.uart2_baud) != kBauds.end(), "uart2_baud",
+            "not a speed that the device offers", std::to_string(p.uart2_baud), listed(kBauds));
+  }
   v.duration("time_to_first_fix", p.time_to_first_fix, {0, 3'600'000'000'000},
              "From power-on to the first fix; 0 = a fix in the first epoch.");
   v.duration("solution_latency", p.solution_latency, {0, 200'000'000},
@@ -121,6 +132,19 @@ void validate(const UbloxSettings& settings) {
   const std::size_t epoch_bytes =
       bytes_of(profile, settings.nmea_sentences, true, "nmea_sentences") +
       bytes_of(profile, settings.ubx_messages, false, "ubx_messages");
+  for (const std::string& name : settings.uart2_messages) {
+    const std::size_t index = message_index(profile, name);
+    if (index == profile.messages.size() || !profile.messages[index].rtcm) {
+      std::string allowed;
+      for (const auto& message : profile.messages) {
+        if (message.rtcm) {
+          allowed.append(1, ' ').append(message.name);
+        }
+      }
+      reject("uart2_messages has '" + name + "', allowed are" +
+             (allowed.empty() ? " none" : allowed));
+    }
+  }
   const double needed = static_cast<double>(epoch_bytes) / to_seconds(settings.measurement_period);
   const double available = settings.baud / 10.0;
   if (needed > available && !as_delivered(settings)) {

@@ -52,6 +52,11 @@ struct UbloxSettings {
   std::vector<std::string> nmea_sentences{"RMC", "VTG", "GGA", "GSA", "GSV", "GLL"};
   /// UBX messages switched on at start: NAV-POSECEF, NAV-SOL, ... (see UbloxProfile::messages).
   std::vector<std::string> ubx_messages;
+  /// RTCM messages that the second UART sends from the start, of types that have one, and its speed.
+  std::vector<std::string> uart2_messages;
+  std::uint32_t uart2_baud = 38'400;
+  /// False: what it hears of a base station is counted and not used.
+  bool uses_corrections = true;
   /// From power-on to the first fix; 0 = hot start, with a fix in the first epoch. A cold restart
   /// by CFG-RST takes this time again, or 30 s when it is 0. At most 1 h.
   Duration time_to_first_fix{0};

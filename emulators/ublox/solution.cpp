@@ -31,6 +31,15 @@ UtcTime since_epoch(std::uint32_t milliseconds) {
 
 }  // namespace
 
+std::array<double, 3> UbloxBase::at(SimTime time) const {
+  const double since_s = to_seconds(time - measured);
+  std::array<double, 3> place = position_E_m;
+  for (std::size_t axis = 0; axis < place.size(); ++axis) {
+    place[axis] += velocity_E_mps[axis] * since_s;
+  }
+  return place;
+}
+
 void set_time(UbloxSolution& s, const Calendar& calendar, const UbloxTimeBase& base, SimTime epoch,
               Duration measured_after) {
   const std::int64_t label_rest = above(calendar.gps(epoch).time_of_week_ns, kMillisecond_ns);

@@ -13,6 +13,28 @@
 
 namespace rigwire::emulators {
 
+/// A base station as its messages told of it.
+struct UbloxBase {
+  std::uint16_t station = 0;
+  SimTime measured{};
+  std::array<double, 3> position_E_m{};
+  std::array<double, 3> velocity_E_mps{};  ///< 0 unless it moves.
+  bool moving = false;
+
+  /// Where it is at `time`, as far as it told.
+  [[nodiscard]] std::array<double, 3> at(SimTime time) const;
+};
+
+/// How far the survey of a base station's own place is: NAV-SVIN.
+struct UbloxSurvey {
+  bool active = false;
+  bool valid = false;
+  std::uint32_t duration_s = 0;
+  std::uint32_t observations = 0;
+  std::array<double, 3> mean_E_m{};
+  double accuracy_m = 0.0;
+};
+
 struct UbloxSolution {
   bool time_known = false;            ///< Time of day.
   bool date_known = false;            ///< Date and week.
@@ -33,6 +55,10 @@ struct UbloxSolution {
   bool differential = false;  ///< SBAS or other corrections are applied.
   std::optional<double> differential_age_s;
   CarrierSolution carrier = CarrierSolution::none;
+  /// Of the base station behind the corrections: where it is at this epoch, and who it is.
+  std::optional<UbloxBase> base;
+  bool time_only = false;  ///< Its own place is known, as a base station's: fix type 5.
+  UbloxSurvey survey;
   bool has_position = false;
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;

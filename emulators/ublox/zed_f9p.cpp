@@ -70,8 +70,27 @@ constexpr std::array kPulses{
     produced<ubx::TimTp>("TIM-TP"),
 };
 
-constexpr auto kProduced = joined(kFix, all_sentences(kLongest), kSatellitesInView, kModernTimes,
-                                  kState, kHardware, kReceived, kModernIdentity, kPulses);
+// Payloads of observations with 16 satellites of two signals each.
+constexpr std::size_t kShortObservations = (169 + 32 + 16 * 18 + 32 * 48 + 7) / 8;
+constexpr std::size_t kFullObservations = (169 + 32 + 16 * 36 + 32 * 80 + 7) / 8;
+// In the order of a recorded ZED-F9T as a base station.
+constexpr std::array kCorrections{
+    correction(0xFE, "RTCM-4072.0", 30),
+    correction(0x4A, "RTCM-1074", kShortObservations),
+    correction(0x4D, "RTCM-1077", kFullObservations),
+    correction(0x54, "RTCM-1084", kShortObservations),
+    correction(0x57, "RTCM-1087", kFullObservations),
+    correction(0x5E, "RTCM-1094", kShortObservations),
+    correction(0x61, "RTCM-1097", kFullObservations),
+    correction(0x7C, "RTCM-1124", kShortObservations),
+    correction(0x7F, "RTCM-1127", kFullObservations),
+    correction(0xE6, "RTCM-1230", 8),
+    correction(0x05, "RTCM-1005", 19),
+};
+
+constexpr auto kProduced =
+    joined(kFix, all_sentences(kLongest), kSatellitesInView, kModernTimes, kState, kHardware,
+           kReceived, kModernIdentity, kPulses, kCorrections);
 
 /// What is produced, then everything else that has a rate.
 std::vector<UbloxMessage> all_messages() {

@@ -55,6 +55,23 @@ class FixSource {
   virtual void inform(FixListener& listener) = 0;
 };
 
+/// Who hears what a base station sends to its rovers, byte by byte.
+class CorrectionListener {
+ public:
+  virtual ~CorrectionListener() = default;
+  /// `baud`: at which the line carries them.
+  virtual void hear_corrections(SimTime now, std::span<const std::uint8_t> bytes,
+                                std::uint32_t baud) = 0;
+};
+
+/// A base station's line to its rovers: a receiver's second UART, or a reference station.
+class CorrectionSource {
+ public:
+  virtual ~CorrectionSource() = default;
+  /// `listener` hears all bytes from now on, and must outlive the source's use.
+  virtual void inform(CorrectionListener& listener) = 0;
+};
+
 class Neighbours;
 class ValveSource;
 
@@ -88,6 +105,7 @@ class Device {
 
   /// What others may be joined with; null where there is none.
   [[nodiscard]] virtual FixSource* fixes() { return nullptr; }
+  [[nodiscard]] virtual CorrectionSource* corrections() { return nullptr; }
   [[nodiscard]] virtual const ValveSource* valves() const { return nullptr; }
   /// What is otherwise than in the real device here, for the run's start; empty: nothing.
   [[nodiscard]] virtual std::string remark() const { return {}; }
@@ -115,6 +133,8 @@ class Neighbours {
   virtual ~Neighbours() = default;
   /// The fixes of the device of that name, of the first that has any for an empty name; else null.
   [[nodiscard]] virtual FixSource* fixes_of(const std::string& name) const = 0;
+  /// The line of the base station of that name; null: it is none.
+  [[nodiscard]] virtual CorrectionSource* corrections_of(const std::string& name) const = 0;
   /// Of every device that has any.
   [[nodiscard]] virtual std::vector<const ValveSource*> valves() const = 0;
 };

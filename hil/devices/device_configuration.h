@@ -91,6 +91,9 @@ class DeviceConfiguration {
   /// Whether it receives satellites, so that others can be told by it where and when they are.
   [[nodiscard]] virtual bool is_receiver() const { return false; }
 
+  /// Whether others can be wired to it for its corrections (CorrectionSource).
+  [[nodiscard]] virtual bool is_base_station() const { return false; }
+
   [[nodiscard]] virtual std::unique_ptr<DeviceConfiguration> copy() const = 0;
 };
 

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
+#include "fields/check.h"
 #include "hil/world/gnss.h"
 #include "hil/world/imu.h"
 #include "hil/world/joint.h"
@@ -21,9 +23,21 @@ void mount_antenna(Site& site, StationIndex station, const MountConfiguration& m
                    const sim::GnssParameters& sensor, const std::vector<sim::GnssFault>& faults) {
   sim::GnssParameters parameters = sensor;
   parameters.faults = faults;
-  site.world().add(make_world_gnss(station, site.name(), site.mount(mount), site.frame(),
-                                   sim::GnssSensor(parameters, site.satellites(), site.calendar(),
-                                                   site.frame(), site.seed(), site.name())));
+  sim::GnssSensor antenna(parameters, site.satellites(), site.calendar(), site.frame(), site.seed(),
+                          site.name());
+  antenna.share(site.antennas());
+  site.world().add(
+      make_world_gnss(station, site.name(), site.mount(mount), site.frame(), std::move(antenna)));
+}
+
+void check_corrections(sim::CorrectionKind kind, bool takes_them, std::string_view receiver) {
+  if (kind == sim::CorrectionKind::rtk && !takes_them) {
+    throw fields::Refused(
+        "sensor.corrections.kind",
+        "found rtk, which is made of what arrives at the device's ports, and a " +
+            std::string(receiver) +
+            " makes no solution of it, allowed: none, sbas, service, assumed_rtk");
+  }
 }
 
 std::unique_ptr<FaultPort> antenna_faults(const Executive& executive, Station& station,

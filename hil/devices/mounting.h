@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fields/visitor.h"
@@ -23,6 +24,9 @@ void mount_antenna(Site& site, StationIndex station, const MountConfiguration& m
 [[nodiscard]] std::unique_ptr<FaultPort> antenna_faults(const Executive& executive,
                                                         Station& station,
                                                         const std::vector<sim::GnssFault>& faults);
+
+/// Throws std::invalid_argument for RTK of a receiver that takes no corrections at its ports.
+void check_corrections(sim::CorrectionKind kind, bool takes_them, std::string_view receiver);
 
 /// An inertial unit, with its magnetometer where it has one.
 void mount_inertial_unit(Site& site, StationIndex station, const MountConfiguration& mount,

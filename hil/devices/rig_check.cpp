@@ -139,6 +139,13 @@ void RigCheck::receiver(const std::string& path, const std::string& source,
   one_of(path, "no such satellite receiver", source, names);
 }
 
+void RigCheck::base_station(const std::string& path, const std::string& source,
+                            const std::string& self) {
+  std::vector<std::string> names = rig_.base_stations;
+  std::erase(names, self);
+  one_of(path, "no such base station", source, names);
+}
+
 void RigCheck::valve_block(const std::string& path, const std::vector<std::string>& sections) {
   if (rig_.actuators.empty()) {
     report(path + ".type", "the machine has no valve block", "", "an excavator");

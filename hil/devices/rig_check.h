@@ -56,6 +56,8 @@ class RigCheck {
   /// A receiver of the rig, or one of `words`.
   void receiver(const std::string& path, const std::string& source,
                 const std::vector<std::string>& words);
+  /// A base station of the rig other than `self`.
+  void base_station(const std::string& path, const std::string& source, const std::string& self);
   /// The machine must have one, with these actuators; `path` is the device's, its key `sections`.
   void valve_block(const std::string& path, const std::vector<std::string>& sections);
 

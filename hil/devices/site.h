@@ -19,6 +19,7 @@
 #include "hil/wires/usb_configuration.h"
 #include "hil/world/shapes.h"
 #include "hil/world/simulated_world.h"
+#include "sim/gnss/antenna_book.h"
 #include "sim/gnss/constellation.h"
 #include "sim/local_frame.h"
 #include "sim/samples/calendar.h"
@@ -32,11 +33,12 @@ struct RigView {
   const std::map<std::string, BusConfiguration>& buses;
   const std::map<std::string, ModbusLineConfiguration>& modbus;
   const UsbConfiguration& usb;
-  std::vector<std::string> links;      ///< Of the machine.
-  std::vector<std::string> actuators;  ///< Of the machine's valve block; empty: it has none.
-  bool drives = false;                 ///< The machine has a drive train.
-  bool has_power_unit = false;         ///< The machine has an engine that drives pumps.
-  std::vector<std::string> receivers;  ///< Names of the devices that receive satellites.
+  std::vector<std::string> links;          ///< Of the machine.
+  std::vector<std::string> actuators;      ///< Of the machine's valve block; empty: it has none.
+  bool drives = false;                     ///< The machine has a drive train.
+  bool has_power_unit = false;             ///< The machine has an engine that drives pumps.
+  std::vector<std::string> receivers;      ///< Names of the devices that receive satellites.
+  std::vector<std::string> base_stations;  ///< Of those that send corrections over a line.
 };
 
 /// What a client of the rig's USB devices attaches to.
@@ -68,6 +70,8 @@ class Site {
   /// Light and air of the rig's cameras.
   [[nodiscard]] virtual const std::shared_ptr<CameraSurroundings>& surroundings() const = 0;
   [[nodiscard]] virtual const std::shared_ptr<const sim::Constellation>& satellites() const = 0;
+  /// Of the rig's receivers.
+  [[nodiscard]] virtual const std::shared_ptr<sim::AntennaBook>& antennas() const = 0;
   [[nodiscard]] virtual const sim::LocalFrame& frame() const = 0;
   /// Throws std::invalid_argument when the machine has no such link.
   [[nodiscard]] virtual SensorMount mount(const MountConfiguration& mount) const = 0;

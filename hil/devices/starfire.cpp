@@ -197,6 +197,7 @@ void StarFireConfiguration::validate() const {
   }
   emulators::validate(receiver);
   sim::validate(sensor);
+  check_corrections(sensor.corrections.kind, false, "StarFire 3000");
 }
 
 void StarFireConfiguration::check(const std::string& at, RigCheck& check) const {

@@ -30,13 +30,18 @@ constexpr std::array<Choice<SerialWire>, 2> kSerialWires{
      {SerialWire::usb, "usb",
       "A device on the rig's USB server; the client's kernel makes a tty."}}};
 
-class UbloxDevice final : public Device, private FixSource {
+class UbloxDevice final : public Device,
+                          private FixSource,
+                          private CorrectionSource,
+                          private CorrectionListener {
  public:
   UbloxDevice(const UbloxConfiguration& configuration, Site& site)
       : check_baud_(configuration.check_baud),
+        corrections_from_(configuration.corrections_from),
         line_(open_line(configuration, site)),
         outlet_(*line_, own_statistics()),
-        receiver_(settings(configuration, site), site.calendar(), outlet_),
+        second_(*this),
+        receiver_(settings(configuration, site), site.calendar(), outlet_, second_),
         backend_(receiver_),
         station_(receiver_, backend_) {
     offer(
@@ -58,7 +63,15 @@ class UbloxDevice final : public Device, private FixSource {
     return index;
   }
 
+  void connect(const Neighbours& neighbours) override {
+    if (CorrectionSource* source =
+            corrections_from_.empty() ? nullptr : neighbours.corrections_of(corrections_from_)) {
+      source->inform(*this);
+    }
+  }
+
   [[nodiscard]] FixSource* fixes() override { return this; }
+  [[nodiscard]] CorrectionSource* corrections() override { return this; }
   [[nodiscard]] drivers::EndpointStatus endpoint() const override { return line_->status(); }
   [[nodiscard]] std::uint64_t frames() const override { return receiver_.messages_sent(); }
   [[nodiscard]] std::uint64_t dropped() const override {
@@ -89,10 +102,28 @@ class UbloxDevice final : public Device, private FixSource {
     emulators::UbloxSettings settings = configuration.receiver;
     settings.faults = those_of<emulators::UbloxFault>(configuration.faults);
     settings.noise_seed = site.device_seed();
+    settings.uses_corrections = configuration.sensor.corrections.kind == sim::CorrectionKind::rtk;
     return settings;
   }
 
   void inform(FixListener& listener) override { backend_.listeners.push_back(&listener); }
+  void inform(CorrectionListener& listener) override { second_.listeners.push_back(&listener); }
+  void hear_corrections(SimTime now, std::span<const std::uint8_t> bytes,
+                        std::uint32_t baud) override {
+    receiver_.receive_second(now, bytes, baud);
+  }
+
+  /// The second UART's line, to whoever is wired to it.
+  struct Second final : emulators::ByteOutput {
+    explicit Second(UbloxDevice& of) : device(of) {}
+    void send(SimTime due, std::span<const std::uint8_t> bytes) override {
+      for (CorrectionListener* listener : listeners) {
+        listener->hear_corrections(due, bytes, device.receiver_.second_baud());
+      }
+    }
+    UbloxDevice& device;
+    std::vector<CorrectionListener*> listeners;
+  };
 
   /// The receiver's backend, with those who hear of its fixes.
   struct Backend final : emulators::GnssBackend {
@@ -109,8 +140,10 @@ class UbloxDevice final : public Device, private FixSource {
   };
 
   BaudCheck check_baud_;
+  std::string corrections_from_;
   std::unique_ptr<drivers::ByteStream> line_;
   StreamOutlet outlet_;
+  Second second_;
   emulators::UbloxReceiver receiver_;
   Backend backend_;
   StationOf<emulators::GnssBackend> station_;
@@ -130,6 +163,7 @@ UbloxConfiguration::UbloxConfiguration(const emulators::UbloxProfile& profile) {
   } else if (profile.generation > 8) {
     sensor.systems = {
         .gps = true, .glonass = true, .galileo = true, .beidou = true, .sbas = true, .qzss = true};
+    sensor.corrections.kind = sim::CorrectionKind::rtk;
   }
 }
 
@@ -141,6 +175,11 @@ void UbloxConfiguration::visit(fields::Visitor& v) {
     w.choice("check_baud", check_baud, kBaudChecks, "When a client hears garbage.");
   });
   emulators::visit(v, receiver);
+  if (receiver.profile->carrier_solution) {
+    v.text("corrections_from", corrections_from,
+           "Name of the base station, another ZED-F9P or a gnss-base, whose line its second UART "
+           "hears; empty = nobody's.");
+  }
   v.section("mount", mount, "Where on the machine the antenna sits.");
   v.section("sensor", sensor, "How well it knows where it is.");
   v.list("faults", faults, "What goes wrong with the device, and when.");
@@ -152,6 +191,8 @@ void UbloxConfiguration::visit(fields::Visitor& v) {
 void UbloxConfiguration::validate() const {
   emulators::validate(receiver);
   sim::validate(sensor);
+  check_corrections(sensor.corrections.kind, receiver.profile->carrier_solution,
+                    receiver.profile->name);
 }
 
 void UbloxConfiguration::check(const std::string& at, RigCheck& check) const {
@@ -161,6 +202,9 @@ void UbloxConfiguration::check(const std::string& at, RigCheck& check) const {
     check.usb();
   }
   check.link(at + ".mount.link", mount.link);
+  if (!corrections_from.empty()) {
+    check.base_station(at + ".corrections_from", corrections_from, at.substr(at.rfind('.') + 1));
+  }
 }
 
 std::vector<FaultWindow> UbloxConfiguration::fault_windows(std::string_view name) const {
@@ -220,7 +264,10 @@ DeviceDescription UbloxConfiguration::describe() const {
   for (const emulators::UbloxMessage& message : receiver.profile->messages) {
     if (!message.name.empty() && message.greatest_bytes > 0) {
       description.messages.push_back(
-          {(message.sentence ? "NMEA " : "UBX ") + std::string(message.name),
+          {(message.sentence ? "NMEA "
+            : message.rtcm   ? ""
+                             : "UBX ") +
+               std::string(message.name),
            message.periodic ? "each epoch" : "when polled",
            fmt::format("class {:#04x} id {:#04x}, at most {} bytes", message.id.message_class,
                        message.id.message_id, message.greatest_bytes)});

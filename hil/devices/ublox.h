@@ -28,6 +28,8 @@ struct UbloxConfiguration final : DeviceConfigurationOf<UbloxConfiguration> {
   sim::GnssParameters sensor;
   std::vector<MixedFault<sim::GnssFault, emulators::UbloxFault>> faults;
   std::vector<FaultPeriod> unplugged;  ///< On USB.
+  /// The base station whose line its second UART hears; empty: none.
+  std::string corrections_from;
 
   explicit UbloxConfiguration(const emulators::UbloxProfile& profile = emulators::ublox_neo_7p());
 
@@ -41,6 +43,7 @@ struct UbloxConfiguration final : DeviceConfigurationOf<UbloxConfiguration> {
   [[nodiscard]] DeviceDescription describe() const override;
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
   [[nodiscard]] bool is_receiver() const override { return true; }
+  [[nodiscard]] bool is_base_station() const override { return receiver.profile->carrier_solution; }
 };
 
 }  // namespace rigwire::hil

@@ -234,6 +234,9 @@ class Rig::DeviceSite final : public Site {
   [[nodiscard]] const std::shared_ptr<const sim::Constellation>& satellites() const override {
     return rig_.satellites_;
   }
+  [[nodiscard]] const std::shared_ptr<sim::AntennaBook>& antennas() const override {
+    return rig_.antennas_;
+  }
   [[nodiscard]] const sim::LocalFrame& frame() const override { return rig_.frame_; }
   [[nodiscard]] SensorMount mount(const MountConfiguration& mount) const override {
     return sensor_mount(rig_.configuration_.machine, mount);
@@ -256,6 +259,14 @@ class Rig::DeviceNeighbours final : public Neighbours {
       FixSource* fixes = device.device->fixes();
       if (fixes != nullptr && (name.empty() || name == device.name)) {
         return fixes;
+      }
+    }
+    return nullptr;
+  }
+  [[nodiscard]] CorrectionSource* corrections_of(const std::string& name) const override {
+    for (const NamedDevice& device : rig_.devices_) {
+      if (device.name == name) {
+        return device.device->corrections();
       }
     }
     return nullptr;

@@ -158,6 +158,7 @@ class Rig {
   Calendar calendar_;
   sim::LocalFrame frame_;
   std::shared_ptr<const sim::Constellation> satellites_;
+  std::shared_ptr<sim::AntennaBook> antennas_ = std::make_shared<sim::AntennaBook>();
   std::shared_ptr<CameraSurroundings> surroundings_;
   SimulatedWorld world_;
   Executive executive_;

@@ -41,10 +41,14 @@ RigView view_of(const RigConfiguration& configuration) {
                {machine.actuators().begin(), machine.actuators().end()},
                machine.drives(),
                machine.has_power_unit(),
+               {},
                {}};
   for (const auto& [name, device] : configuration.devices) {
     if (device->is_receiver()) {
       view.receivers.push_back(name);
+    }
+    if (device->is_base_station()) {
+      view.base_stations.push_back(name);
     }
   }
   return view;

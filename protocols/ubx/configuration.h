@@ -273,6 +273,36 @@ struct CfgSbas {
   }
 };
 
+/// CfgTmode3::flags: the mode in b0-7, and whether the position is geodetic.
+inline constexpr std::uint16_t kTmodeGeodetic = 0x0100;
+inline constexpr std::uint8_t kTmodeSurvey = 1;
+inline constexpr std::uint8_t kTmodeFixed = 2;
+
+/// CFG-TMODE3: the receiver as a base station. F9.
+struct CfgTmode3 {
+  static constexpr MessageId kId{0x06, 0x71};
+  static constexpr std::size_t kLength = 4 /*version, flags*/ + 12 /*position*/ + 4 /*its rest*/ +
+                                         12 /*accuracy, survey*/ + 8 /*reserved*/;
+
+  std::uint8_t version = 0;
+  std::uint16_t flags = 0;
+  std::array<std::int32_t, 3> position{};      ///< cm, or 1e-7 deg twice and cm.
+  std::array<std::int8_t, 3> position_rest{};  ///< -99..99: 0.1 mm, or 1e-9 deg twice and 0.1 mm.
+  std::uint32_t accuracy_e4m = 0;              ///< Of the fixed position.
+  std::uint32_t survey_least_duration_s = 0;
+  std::uint32_t survey_accuracy_limit_e4m = 0;
+
+  [[nodiscard]] constexpr std::uint8_t mode() const {
+    return static_cast<std::uint8_t>(flags & 0xFFU);
+  }
+  friend bool operator==(const CfgTmode3&, const CfgTmode3&) = default;
+
+  static constexpr auto fields(auto& m) {
+    return std::tie(m.version, gap<1>, m.flags, m.position, m.position_rest, gap<1>, m.accuracy_e4m,
+                    m.survey_least_duration_s, m.survey_accuracy_limit_e4m, gap<8>);
+  }
+};
+
 /// CFG-GNSS: the head, followed by `blocks` blocks.
 struct CfgGnssHead {
   static constexpr MessageId kId{0x06, 0x3E};

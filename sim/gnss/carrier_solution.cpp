@@ -19,11 +19,32 @@ namespace {
 /// Fewer satellites in line of sight do not carry a float or service position.
 constexpr int kLeastForFloat = 4;
 
-constexpr std::array<fields::Choice<CorrectionKind>, 4> kCorrectionKinds{
+constexpr std::array<fields::Choice<CorrectionKind>, 5> kCorrectionKinds{
     {{CorrectionKind::none, "none", "The receiver alone."},
      {CorrectionKind::sbas, "sbas", "Orbits, clocks and ionosphere by SBAS."},
      {CorrectionKind::service, "service", "Precise point positions (StarFire SF2 class)."},
-     {CorrectionKind::rtk, "rtk", "Real-time kinematic: float, then fixed."}}};
+     {CorrectionKind::rtk, "rtk",
+      "Real-time kinematic, by a base station's messages as they arrive at the device's ports."},
+     {CorrectionKind::assumed_rtk, "assumed_rtk",
+      "Real-time kinematic by corrections that are assumed to arrive; not causal."}}};
+
+/// Kinds whose corrections come at an interval of their own.
+bool comes_by_itself(CorrectionKind kind) {
+  return kind != CorrectionKind::none && kind != CorrectionKind::rtk;
+}
+bool is_kinematic(CorrectionKind kind) {
+  return kind == CorrectionKind::rtk || kind == CorrectionKind::assumed_rtk;
+}
+
+// Times to fix, see the header.
+constexpr double kShortest_s = 4.0;
+constexpr int kGammaShape = 4;
+constexpr double kSlower_m = 15e3;  ///< At this distance it takes twice as long.
+constexpr double kGpsAlone = 3.0;
+constexpr double kOneBand = 4.0;
+constexpr double kFarthestTwoBands_m = 50e3;
+constexpr double kFarthestOneBand_m = 15e3;
+constexpr double kByAge_mps = 0.03 / 60.0;  ///< Error of a fixed position per second of age.
 
 }  // namespace
 
@@ -31,20 +52,34 @@ void visit(fields::Visitor& v, CorrectionParameters& p) {
   constexpr fields::NumberRule kMetres = in("m").between(0, 1000);
   constexpr fields::NumberRule kSeconds = in("s").between(0, 86'400);
   v.choice("kind", p.kind, kCorrectionKinds, "Which corrections arrive.");
-  v.only_if(p.kind != CorrectionKind::none, "kind", "a kind", [&p, &kSeconds](fields::Visitor& w) {
-    w.number("interval", p.interval_s, in("s").between(0.01, 86'400), "Between two corrections.");
-    w.number("latency", p.latency_s, kSeconds,
-             "From the measurement of a correction to its arrival.");
-    w.number("largest_age", p.largest_age_s, kSeconds, "Older corrections are not applied.");
-  });
+  v.only_if(comes_by_itself(p.kind), "kind", "kind: sbas, service or assumed_rtk",
+            [&p, &kSeconds](fields::Visitor& w) {
+              w.number("interval", p.interval_s, in("s").between(0.01, 86'400),
+                       "Between two corrections.");
+              w.number("latency", p.latency_s, kSeconds,
+                       "From the measurement of a correction to its arrival.");
+              w.number("largest_age", p.largest_age_s, kSeconds,
+                       "Older corrections are not applied.");
+            });
   v.only_if(p.kind == CorrectionKind::sbas, "kind", "kind: sbas", [&p](fields::Visitor& w) {
     w.number("sbas_share", p.sbas_share, plain().between(0, 1),
              "Of orbit, clock and ionosphere errors that SBAS leaves.");
   });
-  v.only_if(p.kind == CorrectionKind::rtk, "kind", "kind: rtk",
-            [&p, &kSeconds, &kMetres](fields::Visitor& w) {
+  v.only_if(p.kind == CorrectionKind::assumed_rtk, "kind", "kind: assumed_rtk",
+            [&p, &kSeconds](fields::Visitor& w) {
               w.number("baseline", p.baseline_m, in("m").between(0, 1e6),
-                       "Distance from the base station.");
+                       "Distance from the base station that is assumed.");
+              w.number("first_fix", p.first_fix_s, kSeconds,
+                       "From float to fixed, the first time.");
+            });
+  v.only_if(p.kind == CorrectionKind::rtk, "kind", "kind: rtk", [&p](fields::Visitor& w) {
+    w.number("convergence", p.convergence_s, in("s").between(0, 86'400),
+             "Mean time from float to fixed with two bands of several systems near the base.");
+    w.number("fixed_age", p.fixed_age_s, in("s").between(0, 86'400),
+             "Corrections older than this hold no ambiguities: fixed becomes float.");
+  });
+  v.only_if(is_kinematic(p.kind), "kind", "kind: rtk or assumed_rtk",
+            [&p, &kSeconds, &kMetres](fields::Visitor& w) {
               w.number("fixed_horizontal", p.fixed_horizontal_m, kMetres,
                        "Fixed: horizontal error, radial, 1 sigma, without the baseline's part.");
               w.number("fixed_vertical", p.fixed_vertical_m, kMetres,
@@ -57,14 +92,12 @@ void visit(fields::Visitor& v, CorrectionParameters& p) {
                        "Float: error per axis that it converges to, 1 sigma.");
               w.number("float_decay", p.float_decay_s, in("s").between(0.001, 86'400),
                        "Float: time constant of its convergence.");
-              w.number("first_fix", p.first_fix_s, kSeconds,
-                       "From float to fixed, the first time.");
               w.number("refix_shortest", p.refix_shortest_s, kSeconds,
                        "Shortest time from a loss to fixed again.");
               w.number("refix_longest", p.refix_longest_s, kSeconds,
                        "Longest time from a loss to fixed again.");
               w.integer("least_satellites", p.least_satellites, IntegerRule{kLeastForFloat, 40},
-                        "Fixed: satellites in line of sight that it needs.");
+                        "Fixed: satellites in line of sight that it needs; rtk: of the base's.");
             });
   v.number("service_start", p.service_start_m, kMetres,
            "Service: error per axis when it begins, 1 sigma.");
@@ -119,13 +152,98 @@ void CarrierEngine::put_error(double horizontal_m, double vertical_m,
   output.vertical_sigma_m = vertical_m;
 }
 
+void CarrierEngine::lose() {
+  floating_ = kNever;
+  enough_ = kNever;
+  fixed_ = false;
+}
+
+/// Float: exponential convergence from start to end.
+double CarrierEngine::float_sigma_m(SimTime now) const {
+  const CorrectionParameters& p = parameters_;
+  const double fade = std::exp(-to_seconds(now - floating_) / p.float_decay_s);
+  return p.float_end_m + (p.float_start_m - p.float_end_m) * fade;
+}
+
+double CarrierEngine::drawn_convergence_s() {
+  // Erlang: a sum of exponential waits.
+  double sum = 0.0;
+  for (int i = 0; i < kGammaShape; ++i) {
+    sum -= std::log(1.0 - waits_.uniform());
+  }
+  return parameters_.convergence_s * sum / kGammaShape;
+}
+
+/// By what arrived, and by nothing else.
 void CarrierEngine::advance_rtk(const CorrectionInput& input, CorrectionOutput& output) {
+  const CorrectionParameters& p = parameters_;
+  if (!input.received) {
+    return;
+  }
+  const ReceivedCorrections& received = *input.received;
+  const double age_s = to_seconds(input.time - received.measured);
+  if (received.common < kLeastForFloat || !input.has_position || age_s < 0.0 ||
+      age_s > to_seconds(received.largest_age)) {
+    lose();
+    epochs_ = 0;
+    return;
+  }
+  if (measured_ == kNever || received.measured > measured_) {
+    ++epochs_;
+  }
+  measured_ = received.measured;
+  output.differential = true;
+  output.age_s = age_s;
+  if (epochs_ < 2) {
+    return;
+  }
+  if (floating_ == kNever) {
+    floating_ = input.time;
+  }
+  const bool two_bands = received.common_two_band >= static_cast<int>(p.least_satellites);
+  const double farthest_m = two_bands ? kFarthestTwoBands_m : kFarthestOneBand_m;
+  const bool fixable = received.common >= static_cast<int>(p.least_satellites) &&
+                       received.carriers_agree && !received.floating_only &&
+                       age_s <= p.fixed_age_s && received.baseline_m <= farthest_m;
+  if (!fixable) {
+    if (fixed_) {
+      // What was fixed floats on from its best.
+      constexpr double kConverged = 5.0;
+      floating_ = input.time - from_seconds(kConverged * p.float_decay_s);
+    }
+    fixed_ = false;
+    enough_ = kNever;
+  } else if (enough_ == kNever) {
+    enough_ = input.time;
+    const double slower = 1.0 + received.baseline_m / kSlower_m;
+    wait_s_ = fixed_before_
+                  ? waits_.uniform(p.refix_shortest_s, p.refix_longest_s)
+                  : std::max(kShortest_s, drawn_convergence_s()) *
+                        (received.gps_only ? kGpsAlone : 1.0) * (two_bands ? 1.0 : kOneBand);
+    wait_s_ *= slower;
+  }
+  if (!fixed_ && enough_ != kNever && to_seconds(input.time - enough_) >= wait_s_) {
+    fixed_ = true;
+    fixed_before_ = true;
+  }
+  if (fixed_) {
+    output.carrier = CarrierSolution::fixed;
+    // Fixed: sigma + ppm x baseline + age; a radial sigma is sqrt(2) of each axis.
+    const double grown_m = p.fixed_per_baseline * received.baseline_m + kByAge_mps * age_s;
+    put_error((p.fixed_horizontal_m + grown_m) / std::numbers::sqrt2, p.fixed_vertical_m + grown_m,
+              output);
+  } else {
+    output.carrier = CarrierSolution::floating;
+    const double sigma_m = float_sigma_m(input.time);
+    put_error(sigma_m, sigma_m * p.vertical_ratio, output);
+  }
+}
+
+void CarrierEngine::advance_assumed_rtk(const CorrectionInput& input, CorrectionOutput& output) {
   const CorrectionParameters& p = parameters_;
   const bool usable = output.differential && input.line_of_sight >= kLeastForFloat;
   if (!usable) {
-    floating_ = kNever;
-    enough_ = kNever;
-    fixed_ = false;
+    lose();
     return;
   }
   if (floating_ == kNever) {
@@ -153,9 +271,7 @@ void CarrierEngine::advance_rtk(const CorrectionInput& input, CorrectionOutput& 
               p.fixed_vertical_m + by_baseline_m, output);
   } else {
     output.carrier = CarrierSolution::floating;
-    // Float: exponential convergence from start to end.
-    const double fade = std::exp(-to_seconds(input.time - floating_) / p.float_decay_s);
-    const double sigma_m = p.float_end_m + (p.float_start_m - p.float_end_m) * fade;
+    const double sigma_m = float_sigma_m(input.time);
     put_error(sigma_m, sigma_m * p.vertical_ratio, output);
   }
 }
@@ -190,6 +306,10 @@ CorrectionOutput CarrierEngine::advance(const CorrectionInput& input) {
   for (GaussMarkov* axis : {&north_, &east_, &down_}) {
     axis->advance(step_s, parameters_.correlation_s, noise_);
   }
+  if (parameters_.kind == CorrectionKind::rtk) {
+    advance_rtk(input, output);
+    return output;
+  }
   receive(input);
   if (measured_ != kNever) {
     const double age_s = to_seconds(input.time - measured_);
@@ -201,8 +321,8 @@ CorrectionOutput CarrierEngine::advance(const CorrectionInput& input) {
       }
     }
   }
-  if (parameters_.kind == CorrectionKind::rtk) {
-    advance_rtk(input, output);
+  if (parameters_.kind == CorrectionKind::assumed_rtk) {
+    advance_assumed_rtk(input, output);
   } else if (parameters_.kind == CorrectionKind::service) {
     advance_service(input, output);
   }

@@ -5,14 +5,27 @@
 //   sbas     code position with better orbits, clocks and ionosphere: 2.0 m CEP in place of 2.5 m
 //   service  precise point positions by satellite (StarFire SF2 class, 5 cm): the error shrinks
 //            over minutes, quickly again after a short loss
-//   rtk      float (0.2 .. 1 m, shrinking) until the ambiguities are fixed, then 1 cm + 1 ppm of
-//   the
-//            baseline horizontally and 2 cm + 1 ppm vertically, as data sheets of such receivers
-//            state; fixes are lost with fewer than five satellites in line of sight and found
-//            again in 5 .. 30 s
+//   rtk      real-time kinematic positions by what a base station's messages say that arrive at one
+//            of the device's ports (reference_station.h), and by nothing else: without a byte there
+//            is no differential position. Differential with the first usable epoch, float with the
+//            second, fixed once the ambiguities are found; then 1 cm + 1 ppm of the baseline
+//            horizontally and 2 cm + 1 ppm vertically, as data sheets of such receivers state, and
+//            3 cm per minute of age. A fix is lost with fewer than five common satellites in line
+//            of sight, or with corrections older than 30 s; everything with corrections older than
+//            the receiver's limit.
+//   assumed_rtk  the same without a base station, so not causal: corrections are assumed to arrive
+//            at an interval with a latency, from a base at a distance. No cable can be pulled but
+//            by the fault correction_outage. For receivers whose way to their corrections is not
+//            emulated.
 //
-// Corrections arrive at an interval with a latency; without them the state is kept to a largest
-// age.
+// Corrections of sbas, service and assumed_rtk arrive at an interval with a latency; without them
+// the state is kept to a largest age.
+//
+// Time to fix of rtk: the longer of 4 s and a draw of a gamma distribution (shape 4) with mean
+// `convergence`, 7 s: "below 10 s" of a ZED-F9P's data sheet (UBX-21044850, table 2); three times
+// that with GPS alone (the same, "below 30 s"), four times with one band alone (NEO-M8P data sheet:
+// "below 60 s"), and (1 + baseline / 15 km) times. No fix beyond 50 km with two bands, 15 km with
+// one, where the ionosphere differs by a quarter of a wavelength (closed form over 2 mm/km).
 #pragma once
 
 #include <Eigen/Core>
@@ -29,23 +42,25 @@
 
 namespace rigwire::sim {
 
-enum class CorrectionKind : unsigned char { none, sbas, service, rtk };
+enum class CorrectionKind : unsigned char { none, sbas, service, rtk, assumed_rtk };
 
 struct CorrectionParameters {
   CorrectionKind kind = CorrectionKind::none;
-  double interval_s = 1.0;      ///< Of corrections; above 0.
-  double latency_s = 0.6;       ///< From their measurement to their arrival.
-  double largest_age_s = 60.0;  ///< Older corrections are not applied.
+  double interval_s = 1.0;      ///< Of corrections; above 0. Not of rtk.
+  double latency_s = 0.6;       ///< From their measurement to their arrival. Not of rtk.
+  double largest_age_s = 60.0;  ///< Older corrections are not applied. rtk: the receiver says it.
   double sbas_share = 0.7;      ///< Of orbit, clock and ionosphere errors that SBAS leaves.
 
-  double baseline_m = 500.0;           ///< RTK: distance from the base station.
+  double baseline_m = 500.0;           ///< Assumed RTK: distance from the base station.
   double fixed_horizontal_m = 0.01;    ///< RTK fixed: 1 sigma, radial, without the baseline.
   double fixed_vertical_m = 0.02;      ///< RTK fixed: 1 sigma.
   double fixed_per_baseline = 1e-6;    ///< On both.
   double float_start_m = 1.0;          ///< RTK float, per axis: at the start ...
   double float_end_m = 0.2;            ///< ... and after long; exponentially between,
   double float_decay_s = 20.0;         ///< with this time constant.
-  double first_fix_s = 30.0;           ///< RTK: from float to fixed, the first time.
+  double first_fix_s = 30.0;           ///< Assumed RTK: from float to fixed, the first time.
+  double convergence_s = 7.0;          ///< RTK: mean time from float to fixed, two bands near by.
+  double fixed_age_s = 30.0;           ///< RTK: older corrections hold no ambiguities.
   double refix_shortest_s = 5.0;       ///< RTK: after a loss, uniform between these.
   double refix_longest_s = 30.0;       ///< At least refix_shortest_s.
   std::uint32_t least_satellites = 5;  ///< In line of sight, to fix and to keep the fix.
@@ -63,12 +78,25 @@ void visit(fields::Visitor& v, CorrectionParameters& p);
 /// Throws std::invalid_argument naming the key, its value and what is allowed.
 void validate(const CorrectionParameters& parameters);
 
+/// What arrived from a base station, as far as it is of use at an epoch.
+struct ReceivedCorrections {
+  SimTime measured{};  ///< The station's epoch.
+  Duration largest_age = std::chrono::seconds{60};
+  double baseline_m = 0.0;
+  int common = 0;           ///< Satellites in line of sight that the station has, too ...
+  int common_two_band = 0;  ///< ... and on its second band.
+  bool gps_only = false;    ///< All of these.
+  bool carriers_agree = false;
+  bool floating_only = false;
+};
+
 /// What the receiver has to work with at an epoch.
 struct CorrectionInput {
   SimTime time{};
   int line_of_sight = 0;      ///< Satellites tracked in line of sight, above the mask.
   bool has_position = false;  ///< A code position exists.
   bool link = true;           ///< Corrections can arrive (for SBAS: one of its satellites, too).
+  std::optional<ReceivedCorrections> received{};  ///< rtk: nothing before the first.
 };
 
 struct CorrectionOutput {
@@ -90,7 +118,11 @@ class CarrierEngine {
 
  private:
   void receive(const CorrectionInput& input);
+  void advance_assumed_rtk(const CorrectionInput& input, CorrectionOutput& output);
   void advance_rtk(const CorrectionInput& input, CorrectionOutput& output);
+  void lose();
+  [[nodiscard]] double float_sigma_m(SimTime now) const;
+  [[nodiscard]] double drawn_convergence_s();
   void advance_service(const CorrectionInput& input, CorrectionOutput& output);
   void put_error(double horizontal_m, double vertical_m, CorrectionOutput& output) const;
 
@@ -108,6 +140,7 @@ class CarrierEngine {
   double wait_s_ = 0.0;        ///< From enough_ to fixed.
   bool fixed_ = false;
   bool fixed_before_ = false;
+  int epochs_ = 0;  ///< rtk: of the station, since there was nothing usable.
 };
 
 }  // namespace rigwire::sim

@@ -80,7 +80,8 @@ GnssFix fix_by_count(int satellites) {
 GnssSensor::GnssSensor(const GnssParameters& parameters,
                        std::shared_ptr<const Constellation> constellation, const Calendar& calendar,
                        const LocalFrame& frame, std::uint64_t seed, std::string_view name)
-    : parameters_(parameters),
+    : name_(name),
+      parameters_(parameters),
       faults_(parameters.faults),
       constellation_(checked(parameters, std::move(constellation))),
       calendar_(calendar),
@@ -91,6 +92,7 @@ GnssSensor::GnssSensor(const GnssParameters& parameters,
       clock_(parameters.clock, seed, below(name, "/clock")),
       channels_(parameters, constellation_, seed, name),
       carrier_(parameters.corrections, seed, name),
+      station_(constellation_),
       observations_(constellation_->satellites().size(), seed, below(name, "/carrier_phase")),
       engine_(parameters.navigation, constellation_->satellites().size()) {}
 
@@ -175,8 +177,79 @@ GnssFix GnssSensor::fix_of(const Epoch& epoch) const {
   return degraded ? GnssFix::two_d : fix;
 }
 
+void GnssSensor::take_corrections(const Epoch& epoch) {
+  const auto& newest = command_.corrections;
+  if (parameters_.corrections.kind != CorrectionKind::rtk || newest == nullptr ||
+      newest == corrections_ || epoch.fault.corrections_lost) {
+    return;
+  }
+  corrections_ = newest;
+  const GpsTime time = calendar_.gps(newest->measured);
+  const auto navigation = constellation_->navigation(time);
+  const double time_of_week_s = static_cast<double>(time.time_of_week_ns) * 1e-9;
+  const Eigen::Vector3d origin_E_m = frame_.to_ecef(Eigen::Vector3d::Zero());
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  // As measure() has them of this antenna.
+  const auto delay_of = [&](std::size_t index, const Eigen::Vector3d& p_E_m,
+                            const Eigen::Vector3d& direction_E) {
+    const Eigen::Vector3d p_W = frame_.world_from_ecef() * (p_E_m - origin_E_m);
+    const GeodeticPoint point = frame_.to_geodetic(p_W);
+    const Eigen::Vector3d ned =
+        frame_.ned_from_world(p_W) * (frame_.world_from_ecef() * direction_E);
+    const double azimuth = std::atan2(ned.y(), ned.x());
+    const double elevation = std::max(std::asin(std::clamp(-ned.z(), -1.0, 1.0)), 0.01);
+    const RangeError shared =
+        channels_.shared_error(index, newest->measured, p_E_m, direction_E, elevation);
+    double ionosphere_m = shared.ionosphere_m;
+    double troposphere_m = shared.troposphere_m;
+    if (parameters_.ionosphere && navigation != nullptr) {
+      ionosphere_m +=
+          klobuchar_delay_m(navigation->ionosphere, point.latitude_deg * kDegree,
+                            point.longitude_deg * kDegree, azimuth, elevation, time_of_week_s);
+    }
+    if (parameters_.troposphere) {
+      troposphere_m +=
+          saastamoinen_delay_m(point.latitude_deg * kDegree, point.ellipsoid_height_m, elevation);
+    }
+    const double rest_m = shared.orbit_clock_m + troposphere_m;
+    return KnownDelay{rest_m + ionosphere_m, rest_m - ionosphere_m};
+  };
+  std::vector<Eigen::Vector3d> places_E_m;
+  antennas_->each(newest->measured, name_,
+                  [&](const Eigen::Vector3d& p_W) { places_E_m.push_back(frame_.to_ecef(p_W)); });
+  station_.take(*newest, time, delay_of, places_E_m);
+}
+
+std::optional<ReceivedCorrections> GnssSensor::received_corrections(const Epoch& epoch) const {
+  if (corrections_ == nullptr) {
+    return std::nullopt;
+  }
+  ReceivedCorrections received;
+  received.measured = corrections_->measured;
+  received.largest_age = corrections_->largest_age;
+  const Vector3& station = corrections_->station_E_m;
+  received.baseline_m = (frame_.to_ecef(epoch.reception.ranges_p_W) -
+                         Eigen::Vector3d(station.x, station.y, station.z))
+                            .norm();
+  received.gps_only = true;
+  for (const ReceivedSatellite* satellite : epoch.used) {
+    if (!satellite->direct || satellite->cn0_dbhz < kCarrierCn0_dbhz ||
+        !station_.has(satellite->index)) {
+      continue;
+    }
+    ++received.common;
+    received.common_two_band += station_.has_second(satellite->index) ? 1 : 0;
+    received.gps_only = received.gps_only && satellite->satellite.system == GnssSystem::gps;
+  }
+  received.carriers_agree = station_.carriers_agree();
+  received.floating_only = corrections_->floating_only;
+  return received;
+}
+
 void GnssSensor::correct(Epoch& epoch, GnssSample& sample) {
+  take_corrections(epoch);
   CorrectionInput input;
+  input.received = received_corrections(epoch);
   input.time = epoch.reception.time;
   input.line_of_sight = epoch.line_of_sight;
   input.has_position = epoch.used.size() >= 3;
@@ -185,6 +258,14 @@ void GnssSensor::correct(Epoch& epoch, GnssSample& sample) {
     input.link = input.link && epoch.augmented;
   }
   epoch.corrections = carrier_.advance(input);
+  if (auto& error_ned_m = epoch.corrections.error_ned_m) {
+    *error_ned_m *= parameters_.errors ? 1.0 : 0.0;
+    if (parameters_.corrections.kind == CorrectionKind::rtk) {
+      // A station that claims a wrong place moves its rovers by as much.
+      *error_ned_m +=
+          epoch.ned_from_world * (frame_.world_from_ecef() * station_.claim_error_E_m());
+    }
+  }
   sample.differential = epoch.corrections.differential;
   sample.differential_age_s = epoch.corrections.age_s;
   channels_.range_errors(epoch.corrections.share, epoch.fault.spoofed);
@@ -368,7 +449,7 @@ void GnssSensor::solve_engine(Epoch& epoch, GnssSample& sample) {
     // The filter follows the carrier's position, so that it goes on from there when that is lost.
     const double level_m = std::max(epoch.corrections.horizontal_sigma_m, kLeastCarrierSigma_m);
     position = {
-        *epoch.corrections.error_ned_m * (parameters_.errors ? 1.0 : 0.0),
+        *epoch.corrections.error_ned_m,
         {level_m, level_m, std::max(epoch.corrections.vertical_sigma_m, kLeastCarrierSigma_m)}};
   }
   const NavigationEngine::Epoch now = engine_epoch(epoch);
@@ -419,6 +500,7 @@ GnssSample GnssSensor::sample(SimTime time, const LinkMotion& antenna,
   last_ = time;
 
   Epoch epoch = begin(time, antenna);
+  antennas_->note(name_, time + epoch.clock.label_offset, epoch.reception.ranges_p_W);
   const std::span<ReceivedSatellite> received =
       channels_.receive(epoch.reception, frame_, visibility, epoch.fault);
   select(received, epoch);
@@ -504,17 +586,15 @@ void GnssSensor::put_place(const Eigen::Vector3d& p_W, GnssSample& sample) const
 void GnssSensor::put_position(const Epoch& epoch, GnssSample& sample) const {
   if (parameters_.error_model == ErrorModel::engine) {
     if (sample.carrier != CarrierSolution::none) {
-      const double switched = parameters_.errors ? 1.0 : 0.0;
-      put_place(epoch.reception.ranges_p_W +
-                    epoch.ned_from_world.transpose() * (switched * epoch.error_ned_m),
+      put_place(epoch.reception.ranges_p_W + epoch.ned_from_world.transpose() * epoch.error_ned_m,
                 sample);
     }
     return;  // solve_engine() put it
   }
   const double switched = parameters_.errors ? 1.0 : 0.0;
-  // A held height is off even without range errors.
+  // A held height, and the place that a base station claims, are off even without range errors.
   const Eigen::Vector3d error_ned_m =
-      parameters_.error_model == ErrorModel::coloured && sample.carrier == CarrierSolution::none
+      parameters_.error_model == ErrorModel::coloured || sample.carrier != CarrierSolution::none
           ? epoch.error_ned_m
           : Eigen::Vector3d(switched * epoch.error_ned_m);
   put_place(epoch.reception.ranges_p_W + epoch.ned_from_world.transpose() * error_ned_m, sample);

@@ -25,10 +25,10 @@
 // in the same way. Eq. 3 counts satellites less one for each further system's clock. The receiver
 // here neither filters in time nor throws out ranges that contradict the rest.
 //
-// Both: corrections (carrier_solution.h), faults (gnss_fault.h), the receiver's clock
-// (receiver_clock.h; position and velocity are of the instant at which it measures), and raw
-// measurements (observations.h), whose pseudoranges have the very errors of the solution.
-// The paper's model has no range errors, so raw ranges are exact in it.
+// Both: corrections (carrier_solution.h; those of a base station come with GnssCommand), faults
+// (gnss_fault.h), the receiver's clock (receiver_clock.h; position and velocity are of the instant
+// at which it measures), and raw measurements (observations.h), whose pseudoranges have the very
+// errors of the solution. The paper's model has no range errors, so raw ranges are exact in it.
 //
 // Of all receivers with one seed the errors of satellites and air are one function of satellite,
 // place and time (error_field.h); multipath and noise are each one's own.
@@ -41,9 +41,12 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "sim/gnss/antenna_book.h"
 #include "sim/gnss/carrier_solution.h"
 #include "sim/gnss/constellation.h"
 #include "sim/gnss/dilution.h"
@@ -52,6 +55,7 @@
 #include "sim/gnss/observations.h"
 #include "sim/gnss/position_solution.h"
 #include "sim/gnss/receiver_clock.h"
+#include "sim/gnss/reference_station.h"
 #include "sim/gnss/satellite_channels.h"
 #include "sim/link_motion.h"
 #include "sim/local_frame.h"
@@ -78,6 +82,9 @@ class GnssSensor {
 
   /// What the receiver's settings ask, from the next epoch on.
   void command(const GnssCommand& command);
+  /// The antennas of the same world, this one among them from now on; not null. Without it the
+  /// engine can hold what base stations say against nothing but the place that they claim.
+  void share(std::shared_ptr<AntennaBook> antennas) { antennas_ = std::move(antennas); }
 
   /// What goes wrong; of what is begun or ended the next epoch knows.
   [[nodiscard]] FaultBook<GnssFault>& faults() { return faults_; }
@@ -109,6 +116,8 @@ class GnssSensor {
   [[nodiscard]] GnssFix fix_of(const Epoch& epoch) const;
   [[nodiscard]] bool quadrants_filled(const Epoch& epoch) const;
   void correct(Epoch& epoch, GnssSample& sample);
+  void take_corrections(const Epoch& epoch);
+  [[nodiscard]] std::optional<ReceivedCorrections> received_corrections(const Epoch& epoch) const;
   void solve_paper(Epoch& epoch, GnssSample& sample);
   void solve_coloured(Epoch& epoch, GnssSample& sample);
   [[nodiscard]] HeldHeight held_height(const Epoch& epoch);
@@ -125,6 +134,7 @@ class GnssSensor {
                       GnssSample& sample) const;
   void measure(std::span<const ReceivedSatellite> received, const Epoch& epoch, GnssSample& sample);
 
+  std::string name_;
   GnssParameters parameters_;
   FaultBook<GnssFault> faults_;
   std::shared_ptr<const Constellation> constellation_;
@@ -136,6 +146,9 @@ class GnssSensor {
   ReceiverClock clock_;
   SatelliteChannels channels_;
   CarrierEngine carrier_;
+  ReferenceStation station_;
+  std::shared_ptr<const GnssCorrections> corrections_;  ///< That the station is of.
+  std::shared_ptr<AntennaBook> antennas_ = std::make_shared<AntennaBook>();
   Observations observations_;
   std::vector<TrackedSignal> signals_;
   std::vector<RangeEquation> equations_;

@@ -223,16 +223,41 @@ std::span<ReceivedSatellite> SatelliteChannels::receive(const Reception& recepti
   return received_;
 }
 
+/// A field whose gradient has that deviation has this length.
+double SatelliteChannels::ionosphere_length_m() const {
+  const RangeErrorParameters& p = parameters_.ranges;
+  return p.ionosphere_gradient_sigma_mpkm > 0.0
+             ? 1e3 * p.ionosphere_sigma_m / p.ionosphere_gradient_sigma_mpkm
+             : 0.0;
+}
+
+RangeError SatelliteChannels::shared_error(std::size_t index, SimTime time,
+                                           const Eigen::Vector3d& p_E_m,
+                                           const Eigen::Vector3d& direction_E,
+                                           double elevation_rad) const {
+  RangeError error;
+  if (parameters_.error_model == ErrorModel::paper || !parameters_.errors) {
+    return error;
+  }
+  const RangeErrorParameters& p = parameters_.ranges;
+  const double time_s = to_seconds(time);
+  error.orbit_clock_m = p.orbit_clock_sigma_m *
+                        field_.satellite(index, time_s, p.orbit_clock_correlation_s, direction_E);
+  error.ionosphere_m = ionosphere_mapping(elevation_rad) * p.ionosphere_sigma_m *
+                       field_.ionosphere(time_s, p.ionosphere_correlation_s, ionosphere_length_m(),
+                                         p_E_m, direction_E);
+  error.troposphere_m = troposphere_mapping(elevation_rad) * p.troposphere_sigma_m *
+                        field_.troposphere(time_s, p.troposphere_correlation_s, p_E_m);
+  return error;
+}
+
 void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) {
   if (parameters_.error_model == ErrorModel::paper) {
     return;
   }
   const RangeErrorParameters& p = parameters_.ranges;
   const double troposphere = field_.troposphere(time_s_, p.troposphere_correlation_s, p_E_m_);
-  // A field whose gradient has that deviation has this length.
-  const double length_m = p.ionosphere_gradient_sigma_mpkm > 0.0
-                              ? 1e3 * p.ionosphere_sigma_m / p.ionosphere_gradient_sigma_mpkm
-                              : 0.0;
+  const double length_m = ionosphere_length_m();
   for (std::size_t k = 0; k < received_.size(); ++k) {
     ReceivedSatellite& received = received_[k];
     if (!received.tracked) {

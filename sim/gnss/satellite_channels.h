@@ -63,6 +63,13 @@ class SatelliteChannels {
   /// Errors of the tracked ones, with the corrections that apply.
   void range_errors(const CorrectedShare& share, bool spoofed);
 
+  /// What orbit and air add to ranges of satellite `index` elsewhere and at another time: the
+  /// shared part of RangeError. 0 where the model has no errors.
+  [[nodiscard]] RangeError shared_error(std::size_t index, SimTime time,
+                                        const Eigen::Vector3d& p_E_m,
+                                        const Eigen::Vector3d& direction_E,
+                                        double elevation_rad) const;
+
   /// Any satellite of that system among those received at all.
   [[nodiscard]] bool knows(GnssSystem system) const;
   /// Rays cast for reflections so far.
@@ -90,6 +97,7 @@ class SatelliteChannels {
   void advance_errors(const Reception& reception);
   void fade(const Reception& reception);
   void track(const Reception& reception, const GnssFaultState& fault);
+  [[nodiscard]] double ionosphere_length_m() const;
 
   GnssParameters parameters_;
   std::shared_ptr<const Constellation> constellation_;

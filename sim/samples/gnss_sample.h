@@ -75,7 +75,26 @@ struct RadioState {
   double noise_db = 0.0;  ///< Noise floor above that of an undisturbed receiver.
 };
 
-/// What a receiver's settings ask of its navigation engine.
+/// What the messages of a base station told the receiver of one epoch of the station's.
+struct GnssCorrections {
+  /// What the station measured of a signal.
+  struct Signal {
+    GnssSystem system = GnssSystem::gps;
+    std::uint8_t number = 0;    ///< As SatelliteView::number.
+    bool second = false;        ///< Of the second band (L2, E5b, B2), not the first.
+    double range_m = 0.0;       ///< Pseudorange; NaN: none.
+    double phase_m = 0.0;       ///< Carrier phase times wavelength; NaN: none.
+    double wavelength_m = 0.0;  ///< 0: not known, as of GLONASS without its channel.
+  };
+  SimTime measured{};   ///< By GPS time.
+  Vector3 station_E_m;  ///< Where it says it is, earth-fixed, of the antenna's reference point.
+  bool moving = false;  ///< It says so at each epoch.
+  std::vector<Signal> signals;
+  Duration largest_age = std::chrono::seconds{60};  ///< Older ones are not used.
+  bool floating_only = false;  ///< The receiver is told not to fix ambiguities.
+};
+
+/// What a receiver's settings, and what it hears over its ports, ask of its navigation engine.
 struct GnssCommand {
   /// Bit by GnssSystem: whose satellites may take part in the fix.
   std::uint8_t systems = 0xFF;
@@ -89,6 +108,8 @@ struct GnssCommand {
   double vertical_acceleration = 0.32;
   bool stationary = false;   ///< It takes its velocity for zero.
   std::uint32_t starts = 0;  ///< Grows when the receiver starts anew: its engine forgets.
+  /// The newest from a base station; null: none was ever heard.
+  std::shared_ptr<const GnssCorrections> corrections;
 
   [[nodiscard]] bool uses(GnssSystem system) const {
     return (systems >> static_cast<unsigned>(system) & 1U) != 0;

@@ -30,7 +30,7 @@ TEST(CarrierEngine, WithoutCorrectionsNothingHappens) {
 }
 
 TEST(CarrierEngine, FloatsThenFixesThenLosesAndFindsTheFixAgain) {
-  CarrierEngine engine(of(CorrectionKind::rtk), 1, "gnss");
+  CarrierEngine engine(of(CorrectionKind::assumed_rtk), 1, "gnss");
   SimTime now = kStart + 10s;
   EXPECT_EQ(engine.advance(good(now)).carrier, CarrierSolution::floating);
   EXPECT_EQ(engine.advance(good(now + 29s)).carrier, CarrierSolution::floating);
@@ -55,7 +55,7 @@ TEST(CarrierEngine, FloatsThenFixesThenLosesAndFindsTheFixAgain) {
 }
 
 TEST(CarrierEngine, FloatErrorDecaysBetweenItsBounds) {
-  CorrectionParameters parameters = of(CorrectionKind::rtk);
+  CorrectionParameters parameters = of(CorrectionKind::assumed_rtk);
   parameters.first_fix_s = 1000.0;
   CarrierEngine engine(parameters, 1, "gnss");
   const SimTime start = kStart + 10s;
@@ -66,7 +66,7 @@ TEST(CarrierEngine, FloatErrorDecaysBetweenItsBounds) {
 }
 
 TEST(CarrierEngine, AgeIsASawToothAndGrowsWithoutALink) {
-  CarrierEngine engine(of(CorrectionKind::rtk), 1, "gnss");
+  CarrierEngine engine(of(CorrectionKind::assumed_rtk), 1, "gnss");
   EXPECT_NEAR(*engine.advance(good(kStart + 100s + 600ms)).age_s, 0.6, 1e-9);
   EXPECT_NEAR(*engine.advance(good(kStart + 101s + 500ms)).age_s, 1.5, 1e-9);
   EXPECT_NEAR(*engine.advance(good(kStart + 101s + 600ms)).age_s, 0.6, 1e-9);
@@ -81,7 +81,7 @@ TEST(CarrierEngine, AgeIsASawToothAndGrowsWithoutALink) {
 }
 
 TEST(CarrierEngine, TheErrorHasTheSizeOfItsState) {
-  CorrectionParameters parameters = of(CorrectionKind::rtk);
+  CorrectionParameters parameters = of(CorrectionKind::assumed_rtk);
   parameters.correlation_s = 1.0;
   CarrierEngine engine(parameters, 1, "gnss");
   double square = 0.0;
@@ -121,7 +121,8 @@ TEST(CarrierEngine, SbasShrinksWhatItKnowsAbout) {
 
 TEST(CarrierEngine, RefusesStrangeParameters) {
   CorrectionParameters parameters;
-  parameters.kind = CorrectionKind::rtk;  // the figures of what does not arrive have no effect
+  parameters.kind =
+      CorrectionKind::assumed_rtk;  // the figures of what does not arrive have no effect
   parameters.refix_shortest_s = 40.0;
   EXPECT_THROW(validate(parameters), std::invalid_argument);
   parameters = {};

@@ -360,7 +360,7 @@ TEST_F(ColouredGnss, FoliageWeakensAndLosesSatellites) {
 }
 
 TEST_F(ColouredGnss, RtkFixesUnderOpenSkyAndFallsBackIndoors) {
-  parameters_.corrections.kind = CorrectionKind::rtk;
+  parameters_.corrections.kind = CorrectionKind::assumed_rtk;
   GnssSensor gnss = sensor();
   std::vector<double> fixed_m;
   for (int i = 0; i < 400; ++i) {

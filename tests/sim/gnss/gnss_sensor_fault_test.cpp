@@ -116,7 +116,7 @@ TEST_F(FaultyGnss, AJumpMovesThePositionAtOnceAndBack) {
 }
 
 TEST_F(FaultyGnss, WithoutCorrectionsRtkEndsWithTheirLargestAge) {
-  parameters_.corrections.kind = CorrectionKind::rtk;
+  parameters_.corrections.kind = CorrectionKind::assumed_rtk;
   parameters_.corrections.first_fix_s = 2.0;
   parameters_.corrections.largest_age_s = 5.0;
   GnssSensor gnss = with(from_ten_to_twenty(CorrectionOutageFault{}));

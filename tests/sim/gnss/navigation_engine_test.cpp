@@ -496,7 +496,7 @@ TEST_F(NavigationEngineTest, FalseSignalsPullItAlong) {
 }
 
 TEST_F(NavigationEngineTest, ThePositionOfACarrierSolutionIsLeftWithoutAJump) {
-  parameters_.corrections.kind = CorrectionKind::rtk;
+  parameters_.corrections.kind = CorrectionKind::assumed_rtk;
   parameters_.corrections.largest_age_s = 10.0;
   parameters_.faults = {{{100s, 200s}, CorrectionOutageFault{}}};
   GnssSensor gnss = sensor();

@@ -1,0 +1,67 @@
+// What a u-blox receiver hears of a base station, put together from the RTCM 3 messages of all its
+// ports: the station's place (1005, 1006, or 4072 of a moving one), and one epoch of its
+// observations (MSM4, MSM7, 1004, 1012), complete with the message that says that no other follows.
+//
+// Observations count only with the place of the same station. 1230 is understood, and of no
+// consequence: GLONASS ambiguities stay floating. Of the messages that a ZED-F9P takes, MSM5, 1001
+// to 1003, 1007, 1009 to 1011 and 1033 are counted and not used.
+//
+// Sources: ZED-F9P integration manual UBX-18010802, tables 6 and 7 (messages), section 3.1.5 (which
+// of them make a solution); interface description HPG 1.50, CFG-RTCM (stations).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "emulators/ublox/solution.h"
+#include "protocols/rtcm3/message.h"
+#include "sim/samples/calendar.h"
+#include "sim/samples/gnss_sample.h"
+
+namespace rigwire::emulators {
+
+/// CFG-RTCM-DF003_IN_FILTER and DF003_IN, CFG-NAVSPG-CONSTR_DGNSSTO and CFG-NAVHPG-DGNSSMODE.
+struct UbloxCorrectionRules {
+  enum class Filter : std::uint8_t { off, relaxed, strict };
+  Filter filter = Filter::off;
+  std::uint16_t station = 0;
+  Duration largest_age = std::chrono::seconds{60};
+  bool floating_only = false;
+};
+
+class UbloxCorrectionInput {
+ public:
+  explicit UbloxCorrectionInput(const Calendar& calendar) : calendar_(calendar) {}
+
+  /// Takes a message that came at `now`; whether it is of use (RXM-RTCM: "used").
+  bool take(SimTime now, const protocols::rtcm3::FrameView& frame,
+            const UbloxCorrectionRules& rules);
+  void forget();
+
+  /// Null before the first complete epoch; another object with each.
+  [[nodiscard]] const std::shared_ptr<const GnssCorrections>& newest() const { return newest_; }
+  /// The station that it is of.
+  [[nodiscard]] const std::optional<UbloxBase>& base() const { return base_; }
+
+ private:
+  bool take(const protocols::rtcm3::AntennaPosition& m);
+  bool take(const protocols::rtcm3::MovingBase& m, SimTime now);
+  bool take(const protocols::rtcm3::MultipleSignals& m, SimTime now);
+  bool take(const protocols::rtcm3::LegacyObservations& m, SimTime now);
+  /// The epoch that observations of that station and instant belong to; null: they are of no use.
+  [[nodiscard]] GnssCorrections* epoch_of(std::uint16_t station, std::optional<SimTime> measured);
+  void close();
+
+  Calendar calendar_;
+  UbloxCorrectionRules rules_;
+  std::optional<protocols::rtcm3::AntennaPosition> place_;
+  std::optional<UbloxBase> moving_;
+  std::optional<GnssCorrections> open_;  ///< The epoch being put together ...
+  std::uint16_t open_station_ = 0;       ///< ... and whose it is.
+  std::shared_ptr<const GnssCorrections> newest_;
+  std::optional<UbloxBase> base_;
+};
+
+}  // namespace rigwire::emulators

@@ -1,0 +1,135 @@
+// Receivers with their antennas in an open sky, and wires from one's second UART to another's, run
+// in simulated time as fast as the machine allows.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "emulators/ublox/receiver.h"
+#include "protocols/nmea/sentence.h"
+#include "protocols/ubx/frame.h"
+#include "sim/gnss/antenna_book.h"
+#include "sim/gnss/gnss_sensor.h"
+#include "sim/local_frame.h"
+
+namespace rigwire::hil {
+
+struct OpenSky final : sim::Visibility {
+  [[nodiscard]] bool blocked(const Eigen::Vector3d& /*p_W*/, const Eigen::Vector3d& direction_W,
+                             double /*clearance_m*/) const override {
+    return direction_W.z() < 0.0;
+  }
+};
+
+using Motion = std::function<sim::LinkMotion(SimTime)>;
+
+[[nodiscard]] inline Motion standing_at(const Eigen::Vector3d& p_W) {
+  sim::LinkMotion motion;
+  motion.X_WL.translation() = p_W;
+  return [motion](SimTime) { return motion; };
+}
+
+class ReceiverOnWires {
+ public:
+  /// What it says on its first UART.
+  struct Line final : emulators::ByteOutput {
+    void send(SimTime /*due*/, std::span<const std::uint8_t> bytes) override {
+      all.insert(all.end(), bytes.begin(), bytes.end());
+    }
+    std::vector<std::uint8_t> all;
+  };
+  /// What it says on its second, on its way.
+  struct Wire final : emulators::ByteOutput {
+    void send(SimTime due, std::span<const std::uint8_t> bytes) override {
+      if (to != nullptr && !cut) {
+        waiting.emplace_back(due, std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
+      }
+    }
+    ReceiverOnWires* to = nullptr;
+    bool cut = false;
+    std::deque<std::pair<SimTime, std::vector<std::uint8_t>>> waiting;
+  };
+
+  ReceiverOnWires(const emulators::UbloxSettings& settings, const sim::GnssParameters& parameters,
+                  const Calendar& calendar, const sim::LocalFrame& frame,
+                  const std::shared_ptr<sim::AntennaBook>& antennas, std::uint64_t seed,
+                  const std::string& name, Motion motion)
+      : sensor(parameters, calendar, frame, seed, name),
+        receiver(settings, calendar, line, wire),
+        motion_(std::move(motion)) {
+    sensor.share(antennas);
+    sensor.command(receiver.command());
+    receiver.set_client(kStart, {true, settings.baud});
+  }
+
+  [[nodiscard]] SimTime next() const {
+    SimTime next = std::min(receiver.next_event(), receiver.sample_plan().next_after(sampled_));
+    return wire.waiting.empty() ? next : std::min(next, wire.waiting.front().first);
+  }
+  void advance(SimTime now) {
+    receiver.advance(now);
+    if (const SimTime planned = receiver.sample_plan().next_after(sampled_); planned <= now) {
+      sampled_ = planned;
+      sensor.command(receiver.command());
+      latest = sensor.sample(planned, motion_(planned), sky_);
+      receiver.update(latest);
+    }
+    while (!wire.waiting.empty() && wire.waiting.front().first <= now) {
+      wire.to->receiver.receive_second(now, wire.waiting.front().second, receiver.second_baud());
+      wire.waiting.pop_front();
+    }
+  }
+  /// Payloads of the UBX messages of that id so far.
+  [[nodiscard]] std::vector<std::vector<std::uint8_t>> said(protocols::ubx::MessageId id) const {
+    std::vector<std::vector<std::uint8_t>> found;
+    for (std::size_t at = 0; at < line.all.size();) {
+      const auto rest = std::span(line.all).subspan(at);
+      const auto frame = protocols::ubx::decode_frame(rest);
+      if (frame.ok() && frame->id == id) {
+        found.emplace_back(frame->payload.begin(), frame->payload.end());
+      }
+      at += frame.ok() ? frame.consumed() : 1;
+    }
+    return found;
+  }
+
+  Line line;
+  Wire wire;
+  sim::GnssSensor sensor;
+  emulators::UbloxReceiver receiver;
+  GnssSample latest;
+
+ private:
+  Motion motion_;
+  OpenSky sky_;
+  SimTime sampled_ = kStart;
+};
+
+/// Lets all of them live up to `end`; `watch(now)` after each step.
+inline void run_until(std::vector<ReceiverOnWires*> receivers, SimTime end,
+                      const std::function<void(SimTime)>& watch = {}) {
+  for (;;) {
+    SimTime now = kNever;
+    for (const ReceiverOnWires* one : receivers) {
+      now = std::min(now, one->next());
+    }
+    if (now > end) {
+      return;
+    }
+    for (ReceiverOnWires* one : receivers) {
+      one->advance(now);
+    }
+    if (watch) {
+      watch(now);
+    }
+  }
+}
+
+}  // namespace rigwire::hil

@@ -41,7 +41,7 @@ struct AntennaPosition {
   bool single_oscillator = true;       ///< All systems are measured by one clock (DF142).
   std::uint8_t quarter_cycles = 0;     ///< DF364.
   std::array<double, 3> position_m{};  ///< Earth-fixed, of the antenna's reference point; 0.1 mm.
-  std::optional<double> antenna_height_m;  ///< 1006; 0 .. 6.5535 m.
+  std::optional<double> antenna_height_m{};  ///< 1006; 0 .. 6.5535 m.
 
   friend bool operator==(const AntennaPosition&, const AntennaPosition&) = default;
 };

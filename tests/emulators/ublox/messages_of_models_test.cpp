@@ -316,7 +316,18 @@ TEST_F(UbloxModelsTest, CorrectionsThatComeInAreReported) {
   const RxmRtcm report = decoded<RxmRtcm>().front();
   EXPECT_EQ(report.message, 1005);
   EXPECT_EQ(report.station, 2003);
-  EXPECT_EQ(report.flags, 0x02) << "not used";
+  EXPECT_EQ(report.flags, 0x04) << "used";
+
+  // Of a broken frame its number is told, and that its checksum is wrong.
+  Bytes broken = correction;
+  broken.back() ^= 1;
+  line_.clear();
+  receiver.receive(now_, broken);
+  run(receiver, now_ + 100ms);
+  ASSERT_THAT(ids(), ElementsAre(RxmRtcm::kId));
+  EXPECT_EQ(decoded<RxmRtcm>().front().flags, 0x01);
+  EXPECT_EQ(decoded<RxmRtcm>().front().message, 1005);
+  EXPECT_EQ(receiver.received().malformed, malformed + 1);
 }
 
 TEST_F(UbloxModelsTest, AntennaThatNobodyWatchesIsUnknown) {

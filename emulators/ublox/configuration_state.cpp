@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <string_view>
 
 namespace rigwire::emulators {
@@ -117,6 +118,18 @@ void set_opaque(UbloxConfigurationState& s) {
   s.remote_inventory_bytes = 1 + kNoInventory.size() + 1 /*end of the text*/;
 }
 
+CfgTmode3 fixed_at(const std::array<double, 3>& place_E_m) {
+  constexpr int kPerCentimetre = 100;
+  CfgTmode3 mode;
+  mode.flags = kTmodeFixed;
+  for (std::size_t axis = 0; axis < place_E_m.size(); ++axis) {
+    const auto count = std::llround(place_E_m[axis] * 1e4);
+    mode.position[axis] = static_cast<std::int32_t>(count / kPerCentimetre);
+    mode.position_rest[axis] = static_cast<std::int8_t>(count % kPerCentimetre);
+  }
+  return mode;
+}
+
 }  // namespace
 
 bool line_is_sound(const UbloxProfile& profile, const CfgPrt& uart) {
@@ -174,6 +187,10 @@ UbloxConfigurationState default_state(const UbloxSettings& settings) {
   }
   if (profile.carrier_solution) {
     s.ports[kPortUart2].baud = settings.uart2_baud;
+    s.station_out = settings.station;
+    if (settings.place_E_m) {
+      set_base_mode(s, fixed_at(*settings.place_E_m));
+    }
   }
   return s;
 }

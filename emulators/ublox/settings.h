@@ -2,8 +2,10 @@
 // the samples.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -52,9 +54,14 @@ struct UbloxSettings {
   std::vector<std::string> nmea_sentences{"RMC", "VTG", "GGA", "GSA", "GSV", "GLL"};
   /// UBX messages switched on at start: NAV-POSECEF, NAV-SOL, ... (see UbloxProfile::messages).
   std::vector<std::string> ubx_messages;
-  /// RTCM messages that the second UART sends from the start, of types that have one, and its speed.
+  /// RTCM messages that the second UART sends from the start, of types that have one, and its
+  /// speed.
   std::vector<std::string> uart2_messages;
   std::uint32_t uart2_baud = 38'400;
+  /// Earth-fixed place that it holds from power-on as a base station (CFG-TMODE fixed), and the
+  /// station that it then calls itself.
+  std::optional<std::array<double, 3>> place_E_m;
+  std::uint16_t station = 0;
   /// False: what it hears of a base station is counted and not used.
   bool uses_corrections = true;
   /// From power-on to the first fix; 0 = hot start, with a fix in the first epoch. A cold restart

@@ -57,6 +57,10 @@ constexpr std::array kTypes{
     DeviceType{
         {"ublox-zed-f9p", "u-blox ZED-F9P satellite receiver with carrier solution (NMEA, UBX)."},
         ublox<emulators::ublox_zed_f9p>},
+    DeviceType{{"gnss-base", "Reference station on the ground that sends RTCM 3 to its rovers."},
+               fresh_gnss_base},
+    DeviceType{{"ntrip-caster", "NTRIP caster of the rig's base stations, a TCP server."},
+               fresh_ntrip_caster},
     DeviceType{{"starfire-3000", "John Deere StarFire 3000 satellite receiver (NMEA, J1939)."},
                fresh<StarFireConfiguration>},
     DeviceType{{"velodyne-hdl-32e", "Velodyne HDL-32E spinning lidar on UDP."},

@@ -14,8 +14,10 @@ namespace rigwire::hil {
 // The types that nothing but a rig's file sets up, each with its defaults; of the others the class
 // is in their header.
 [[nodiscard]] std::unique_ptr<DeviceConfiguration> fresh_engine_controller();
+[[nodiscard]] std::unique_ptr<DeviceConfiguration> fresh_gnss_base();
 [[nodiscard]] std::unique_ptr<DeviceConfiguration> fresh_inclinometer();
 [[nodiscard]] std::unique_ptr<DeviceConfiguration> fresh_iso_valves();
+[[nodiscard]] std::unique_ptr<DeviceConfiguration> fresh_ntrip_caster();
 [[nodiscard]] std::unique_ptr<DeviceConfiguration> fresh_openimu(emulators::OpenImuVariant variant);
 [[nodiscard]] std::unique_ptr<DeviceConfiguration> fresh_usb_passthrough();
 [[nodiscard]] std::unique_ptr<DeviceConfiguration> fresh_vehicle_gateway();

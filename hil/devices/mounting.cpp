@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <utility>
 
 #include "fields/check.h"
 #include "hil/world/gnss.h"
@@ -17,17 +16,28 @@ namespace {
 constexpr std::array<fields::Choice<char>, 3> kAxes{
     {{'x', "x", "Forward."}, {'y', "y", "To the left."}, {'z', "z", "Up."}}};
 
-}  // namespace
-
-void mount_antenna(Site& site, StationIndex station, const MountConfiguration& mount,
-                   const sim::GnssParameters& sensor, const std::vector<sim::GnssFault>& faults) {
+sim::GnssSensor antenna(Site& site, const sim::GnssParameters& sensor,
+                        const std::vector<sim::GnssFault>& faults) {
   sim::GnssParameters parameters = sensor;
   parameters.faults = faults;
   sim::GnssSensor antenna(parameters, site.satellites(), site.calendar(), site.frame(), site.seed(),
                           site.name());
   antenna.share(site.antennas());
+  return antenna;
+}
+
+}  // namespace
+
+void mount_antenna(Site& site, StationIndex station, const MountConfiguration& mount,
+                   const sim::GnssParameters& sensor, const std::vector<sim::GnssFault>& faults) {
+  site.world().add(make_world_gnss(station, site.name(), site.mount(mount), site.frame(),
+                                   antenna(site, sensor, faults)));
+}
+
+void set_up_antenna(Site& site, StationIndex station, const Eigen::Vector3d& p_W,
+                    const sim::GnssParameters& sensor, const std::vector<sim::GnssFault>& faults) {
   site.world().add(
-      make_world_gnss(station, site.name(), site.mount(mount), site.frame(), std::move(antenna)));
+      make_world_gnss(station, site.name(), p_W, site.frame(), antenna(site, sensor, faults)));
 }
 
 void check_corrections(sim::CorrectionKind kind, bool takes_them, std::string_view receiver) {

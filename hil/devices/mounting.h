@@ -25,6 +25,10 @@ void mount_antenna(Site& site, StationIndex station, const MountConfiguration& m
                                                         Station& station,
                                                         const std::vector<sim::GnssFault>& faults);
 
+/// The same on the ground, at that place in the world.
+void set_up_antenna(Site& site, StationIndex station, const Eigen::Vector3d& p_W,
+                    const sim::GnssParameters& sensor, const std::vector<sim::GnssFault>& faults);
+
 /// Throws std::invalid_argument for RTK of a receiver that takes no corrections at its ports.
 void check_corrections(sim::CorrectionKind kind, bool takes_them, std::string_view receiver);
 

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "hil/world/truth_observer.h"
@@ -12,11 +13,14 @@ namespace {
 
 class WorldGnss final : public WorldSensor {
  public:
-  WorldGnss(StationIndex station, std::string_view name, const SensorMount& mount,
+  /// On a link of the machine, or on the ground.
+  using Place = std::variant<SensorMount, Eigen::Vector3d>;
+
+  WorldGnss(StationIndex station, std::string_view name, const Place& place,
             const sim::LocalFrame& frame, sim::GnssSensor sensor)
       : station_(station),
         name_(name),
-        mount_(mount),
+        place_(place),
         frame_(frame),
         sensor_(std::move(sensor)),
         instants_(station) {}
@@ -37,7 +41,7 @@ class WorldGnss final : public WorldSensor {
 
   void step(const WorldStep& step, Shelves& /*samples*/) override {
     for (; instants_.next() <= step.t1; instants_.pass()) {
-      due_.push_back({instants_.next(), step.motion(mount_, instants_.next())});
+      due_.push_back({instants_.next(), motion(step, instants_.next())});
     }
   }
 
@@ -53,8 +57,7 @@ class WorldGnss final : public WorldSensor {
   }
 
   void tell(const WorldStep& step, SimTime time, TruthRecord& truth) const override {
-    truth.antennas.push_back(
-        {name_, frame_.to_geodetic(step.motion(mount_, time).X_WL.translation())});
+    truth.antennas.push_back({name_, frame_.to_geodetic(motion(step, time).X_WL.translation())});
   }
 
  private:
@@ -64,9 +67,18 @@ class WorldGnss final : public WorldSensor {
     sim::LinkMotion motion;
   };
 
+  [[nodiscard]] sim::LinkMotion motion(const WorldStep& step, SimTime time) const {
+    if (const auto* mount = std::get_if<SensorMount>(&place_)) {
+      return step.motion(*mount, time);
+    }
+    sim::LinkMotion still;
+    still.X_WL.translation() = std::get<Eigen::Vector3d>(place_);
+    return still;
+  }
+
   StationIndex station_;
   std::string name_;
-  SensorMount mount_;
+  Place place_;
   sim::LocalFrame frame_;
   sim::GnssSensor sensor_;
   PlannedInstants instants_;
@@ -79,6 +91,12 @@ std::unique_ptr<WorldSensor> make_world_gnss(StationIndex station, std::string_v
                                              const SensorMount& mount, const sim::LocalFrame& frame,
                                              sim::GnssSensor sensor) {
   return std::make_unique<WorldGnss>(station, name, mount, frame, std::move(sensor));
+}
+
+std::unique_ptr<WorldSensor> make_world_gnss(StationIndex station, std::string_view name,
+                                             const Eigen::Vector3d& p_W,
+                                             const sim::LocalFrame& frame, sim::GnssSensor sensor) {
+  return std::make_unique<WorldGnss>(station, name, p_W, frame, std::move(sensor));
 }
 
 }  // namespace rigwire::hil

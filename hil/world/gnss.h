@@ -22,4 +22,11 @@ namespace rigwire::hil {
                                                            const sim::LocalFrame& frame,
                                                            sim::GnssSensor sensor);
 
+/// The same of an antenna that stands on the ground, at that place.
+[[nodiscard]] std::unique_ptr<WorldSensor> make_world_gnss(StationIndex station,
+                                                           std::string_view name,
+                                                           const Eigen::Vector3d& p_W,
+                                                           const sim::LocalFrame& frame,
+                                                           sim::GnssSensor sensor);
+
 }  // namespace rigwire::hil

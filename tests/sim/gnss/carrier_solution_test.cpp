@@ -131,5 +131,100 @@ TEST(CarrierEngine, RefusesStrangeParameters) {
   EXPECT_THROW(validate(parameters), std::invalid_argument);
 }
 
+CorrectionInput received(SimTime time, const ReceivedCorrections& corrections) {
+  CorrectionInput input = good(time);
+  input.received = corrections;
+  input.received->measured = time - 1s;
+  return input;
+}
+
+/// Seconds from the first correction to a fix, at 1 Hz; 1000 when there is none.
+double time_to_fix_s(std::uint64_t seed, const ReceivedCorrections& corrections) {
+  CarrierEngine engine(of(CorrectionKind::rtk), seed, "gnss");
+  for (int second = 1; second < 1000; ++second) {
+    const auto output =
+        engine.advance(received(kStart + std::chrono::seconds(second), corrections));
+    if (output.carrier == CarrierSolution::fixed) {
+      return second;
+    }
+  }
+  return 1000.0;
+}
+
+double mean_time_to_fix_s(const ReceivedCorrections& corrections) {
+  constexpr int kSeeds = 200;
+  double sum_s = 0.0;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    sum_s += time_to_fix_s(seed, corrections);
+  }
+  return sum_s / kSeeds;
+}
+
+constexpr ReceivedCorrections kGood{
+    .baseline_m = 1000.0, .common = 14, .common_two_band = 12, .carriers_agree = true};
+
+// Data sheets: a ZED-F9P below 10 s with several systems, below 30 s with GPS alone; a NEO-M8P,
+// which has one band, below 60 s.
+TEST(CarrierEngineByPort, TimesToFixAreThoseOfDataSheets) {
+  EXPECT_NEAR(mean_time_to_fix_s(kGood), 10.0, 1.5) << "with two epochs to float";
+  ReceivedCorrections gps = kGood;
+  gps.gps_only = true;
+  EXPECT_NEAR(mean_time_to_fix_s(gps), 26.0, 4.0);
+  ReceivedCorrections one_band = kGood;
+  one_band.common_two_band = 0;
+  EXPECT_NEAR(mean_time_to_fix_s(one_band), 34.0, 5.0);
+  ReceivedCorrections far = kGood;
+  far.baseline_m = 15e3;
+  EXPECT_NEAR(mean_time_to_fix_s(far) / mean_time_to_fix_s(kGood), 1.8, 0.3);
+}
+
+TEST(CarrierEngineByPort, WhatIsMissingHoldsTheFixBack) {
+  const auto never = [](auto change) {
+    ReceivedCorrections corrections = kGood;
+    change(corrections);
+    return time_to_fix_s(1, corrections) == 1000.0;
+  };
+  EXPECT_FALSE(never([](ReceivedCorrections&) {}));
+  EXPECT_TRUE(never([](ReceivedCorrections& c) { c.common = 4; }));
+  EXPECT_TRUE(never([](ReceivedCorrections& c) { c.carriers_agree = false; }));
+  EXPECT_TRUE(never([](ReceivedCorrections& c) { c.floating_only = true; }));
+  EXPECT_TRUE(never([](ReceivedCorrections& c) { c.baseline_m = 51e3; }));
+  EXPECT_TRUE(never([](ReceivedCorrections& c) {
+    c.baseline_m = 16e3;
+    c.common_two_band = 4;
+  }));
+}
+
+TEST(CarrierEngineByPort, NothingReceivedIsNothing) {
+  CarrierEngine engine(of(CorrectionKind::rtk), 1, "gnss");
+  for (int second = 1; second < 100; ++second) {
+    const auto output = engine.advance(good(kStart + std::chrono::seconds(second)));
+    EXPECT_EQ(output.carrier, CarrierSolution::none);
+    EXPECT_FALSE(output.differential || output.age_s);
+  }
+}
+
+// A second base station far away: 1 ppm of 30 km, and 3 cm per minute of age.
+TEST(CarrierEngineByPort, ErrorGrowsWithBaselineAndAge) {
+  ReceivedCorrections corrections = kGood;
+  corrections.baseline_m = 30e3;
+  CarrierEngine engine(of(CorrectionKind::rtk), 3, "gnss");
+  SimTime now = kStart + 1s;
+  CorrectionOutput output = engine.advance(received(now, corrections));
+  while (output.carrier != CarrierSolution::fixed) {
+    now += 1s;
+    ASSERT_LT(now, kStart + 300s);
+    output = engine.advance(received(now, corrections));
+  }
+  EXPECT_NEAR(output.horizontal_sigma_m * std::sqrt(2.0), 0.01 + 0.03 + 0.0005, 1e-9);
+  CorrectionInput old = received(now, corrections);
+  old.time = now + 19s;
+  EXPECT_NEAR(engine.advance(old).horizontal_sigma_m * std::sqrt(2.0), 0.01 + 0.03 + 0.01, 1e-9);
+  old.time = now + 31s;
+  EXPECT_EQ(engine.advance(old).carrier, CarrierSolution::floating);
+  old.time = now + 60s;
+  EXPECT_FALSE(engine.advance(old).differential);
+}
+
 }  // namespace
 }  // namespace rigwire::sim

@@ -1,0 +1,103 @@
+// pcapng: the file format of captures with several interfaces of different link types.
+//
+// Source: IETF draft-ietf-opsawg-pcapng-02. A file is a row of blocks; each has its type, its total
+// length in front and behind, and options of type, length and value, padded to four bytes. Nothing
+// is sought back to, so that a file that ends in the middle of a block is good up to that block.
+//
+//   block       type        what is written and read
+//   section     0x0A0D0D0A  byte order, version 1.0; options 1 comment, 4 application
+//   interface   0x00000001  link type; options 2 name, 3 description, 9 resolution
+//   packet      0x00000006  interface, time, lengths, bytes; options 1 comment, 2 direction,
+//                           4 packets lost before it
+//   statistics  0x00000005  interface, time; options 4 received, 5 lost
+//
+// Written is little-endian, with times in nanoseconds; both byte orders and every decimal
+// resolution are read. Times count from 1970 without leap seconds, as computers do.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "protocols/result.h"
+
+namespace rigwire::protocols::pcapng {
+
+/// What the bytes of a packet are, by tcpdump.org's list of link types.
+enum class LinkType : std::uint16_t {
+  ethernet = 1,
+  socketcan = 227,    ///< struct can_frame, identifier in network order.
+  rtac_serial = 250,  ///< A head of twelve bytes, then what the line carried.
+};
+
+/// Seen from the device that is emulated, whose wire the interface is.
+enum class Direction : std::uint8_t { unknown, inbound, outbound };
+
+struct Section {
+  std::string application;
+  std::string comment;
+};
+
+struct Interface {
+  LinkType link = LinkType::ethernet;
+  std::string name;
+  std::string description;
+  /// Its times count 10^-resolution s in the file. Written is always 9.
+  std::uint8_t resolution = 9;
+};
+
+struct Packet {
+  std::uint32_t interface = 0;  ///< Index in the section, from 0.
+  std::uint64_t time_ns = 0;
+  std::span<const std::uint8_t> bytes;
+  std::uint32_t original_length = 0;  ///< As it was on the wire; `bytes` may be less.
+  Direction direction = Direction::unknown;
+  std::uint64_t lost_before = 0;  ///< Since the packet before it on its interface.
+  std::string_view comment;       ///< Empty: none.
+};
+
+struct Statistics {
+  std::uint32_t interface = 0;
+  std::uint64_t time_ns = 0;
+  std::uint64_t received = 0;
+  std::uint64_t lost = 0;
+};
+
+using Bytes = std::vector<std::uint8_t>;
+
+// Each appends one whole block.
+void append(Bytes& out, const Section& section);
+void append(Bytes& out, const Interface& interface);
+/// `original_length` 0 stands for that of `bytes`. A comment beyond 65535 bytes is cut.
+void append(Bytes& out, const Packet& packet);
+void append(Bytes& out, const Statistics& statistics);
+
+/// A block of another kind: to be passed over.
+struct OtherBlock {
+  std::uint32_t type = 0;
+};
+using Block = std::variant<Section, Interface, Packet, Statistics, OtherBlock>;
+
+/// Reads a file block by block. Packets refer to the bytes that were given.
+class Reader {
+ public:
+  /// The block at the front of `bytes`. Malformed: no section before it, lengths that contradict
+  /// each other, a packet of an interface that was not described.
+  [[nodiscard]] Decoded<Block> next(std::span<const std::uint8_t> bytes);
+
+  /// Of the present section.
+  [[nodiscard]] const std::vector<Interface>& interfaces() const { return interfaces_; }
+
+  static constexpr std::size_t kLongestBlock = 16 * 1024 * 1024;
+
+ private:
+  std::vector<Interface> interfaces_;
+  bool in_section_ = false;
+  bool big_endian_ = false;
+};
+
+}  // namespace rigwire::protocols::pcapng

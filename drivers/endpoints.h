@@ -61,27 +61,35 @@ class ByteStream {
   [[nodiscard]] virtual EndpointStatus status() const = 0;
 };
 
+/// An end of UDP or TCP on IPv4. Addresses are numbers: 127.0.0.2 is 0x7F000002.
+struct IpEnd {
+  std::uint32_t address = 0;
+  std::uint16_t port = 0;
+
+  friend bool operator==(const IpEnd&, const IpEnd&) = default;
+};
+
 /// One UDP socket with a fixed destination, or a bound one that receives.
 class DatagramSocket {
  public:
+  /// Where a sender's datagrams come from and go to; zeros where there is none.
+  struct Ends {
+    IpEnd own;  ///< Port 0: the system's choice.
+    IpEnd destination;
+  };
   using Receiver = std::function<void(std::span<const std::uint8_t>)>;
   virtual ~DatagramSocket() = default;
   virtual void start(Receiver receiver) = 0;
   /// False when the system refused the datagram (buffer full).
   virtual bool send(std::span<const std::uint8_t> datagram) = 0;
+  [[nodiscard]] virtual Ends ends() const { return {}; }
   [[nodiscard]] virtual EndpointStatus status() const = 0;
 };
 
 /// One UDP port that answers whoever asks.
 class DatagramPort {
  public:
-  /// An end of UDP on IPv4. Addresses are numbers: 127.0.0.2 is 0x7F000002.
-  struct Peer {
-    std::uint32_t address = 0;
-    std::uint16_t port = 0;
-
-    friend bool operator==(const Peer&, const Peer&) = default;
-  };
+  using Peer = IpEnd;
   using Receiver = std::function<void(const Peer& from, std::span<const std::uint8_t>)>;
   virtual ~DatagramPort() = default;
   virtual void start(Receiver receiver) = 0;
@@ -89,6 +97,8 @@ class DatagramPort {
   /// carries in one piece with `do_not_fragment`.
   virtual bool send(const Peer& to, std::span<const std::uint8_t> datagram,
                     bool do_not_fragment) = 0;
+  /// What it is bound to.
+  [[nodiscard]] virtual IpEnd end() const { return {}; }
   [[nodiscard]] virtual EndpointStatus status() const = 0;
 };
 
@@ -151,6 +161,8 @@ class StreamServer {
   /// backlog is full; the connection is then closed.
   virtual bool send(ConnectionId connection, std::span<const std::uint8_t> bytes) = 0;
   virtual void close(ConnectionId connection) = 0;
+  /// Where it listens; zeros where that is no address of IPv4.
+  [[nodiscard]] virtual IpEnd end() const { return {}; }
   [[nodiscard]] virtual EndpointStatus status() const = 0;
 };
 

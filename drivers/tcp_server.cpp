@@ -228,6 +228,12 @@ EndpointStatus TcpServer::status() const {
           !state_->clients.empty()};
 }
 
+IpEnd TcpServer::end() const {
+  boost::system::error_code error;
+  const auto address = boost::asio::ip::make_address_v4(state_->settings.address, error);
+  return error ? IpEnd{} : IpEnd{address.to_uint(), state_->settings.port};
+}
+
 std::uint16_t TcpServer::port() const {
   return state_->settings.port;
 }

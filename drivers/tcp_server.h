@@ -40,6 +40,7 @@ class TcpServer final : public StreamServer {
   bool send(ConnectionId connection, std::span<const std::uint8_t> bytes) override;
   /// What was sent before still leaves.
   void close(ConnectionId connection) override;
+  [[nodiscard]] IpEnd end() const override;
   [[nodiscard]] EndpointStatus status() const override;
 
   /// The port that is bound.

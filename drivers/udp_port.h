@@ -41,6 +41,7 @@ class UdpPort final : public DatagramPort {
 
   void start(Receiver receiver) override;
   bool send(const Peer& to, std::span<const std::uint8_t> datagram, bool do_not_fragment) override;
+  [[nodiscard]] IpEnd end() const override { return {settings_.address, local_port_}; }
   [[nodiscard]] EndpointStatus status() const override;
 
   [[nodiscard]] std::uint16_t local_port() const { return local_port_; }

@@ -201,6 +201,25 @@ bool UdpSocket::send(std::span<const std::uint8_t> datagram) {
   return false;
 }
 
+DatagramSocket::Ends UdpSocket::ends() const {
+  Ends ends;
+  boost::system::error_code none;
+  const udp::endpoint own = socket_.local_endpoint(none);
+  if (!none) {
+    ends.own.address = own.address().to_v4().to_uint();
+  }
+  if (settings_.bind) {
+    ends.own.port = source_of(settings_).port;
+  }
+  if (settings_.destination) {
+    const udp::endpoint to = socket_.remote_endpoint(none);
+    if (!none) {
+      ends.destination = {to.address().to_v4().to_uint(), to.port()};
+    }
+  }
+  return ends;
+}
+
 EndpointStatus UdpSocket::status() const {
   EndpointStatus status;
   const auto now = Clock::now();

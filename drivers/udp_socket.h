@@ -62,6 +62,7 @@ class UdpSocket final : public DatagramSocket {
   /// From now on datagrams go there. Returns what is wrong with the new destination; the old one
   /// stays then. Precondition: the socket has a destination.
   [[nodiscard]] std::optional<std::string> retarget(const UdpEndpoint& destination);
+  [[nodiscard]] Ends ends() const override;
   [[nodiscard]] EndpointStatus status() const override;
 
   /// The port it is bound to; useful when port 0 asked for any.

@@ -138,6 +138,7 @@ struct Parsed {
   std::string report;
   std::string truth;
   std::string lidar_truth;
+  RecordOptions record;
   std::string status;
   std::string log_level = "info";
   std::string control;
@@ -189,6 +190,15 @@ void declare(CLI::App& app, Parsed& parsed) {
   run_app->add_option("--truth", parsed.truth, "Write the ground truth to a file");
   run_app->add_option("--lidar-truth", parsed.lidar_truth,
                       "Write the ground truth of every lidar shot to a file");
+  CLI::Option* record =
+      run_app->add_option("--record", parsed.record.folder,
+                          "Record wires, truth and events into a folder that is new or empty");
+  run_app
+      ->add_option("--only", parsed.record.only,
+                   "Of the recording: names of wires, \"truth\"; WIRE,WIRE")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->needs(record);
   run_app->add_option("--status", parsed.status, "live, plain or none");
   run_app->add_option("--control", parsed.control,
                       "Where the run is governed from (rigwire ctl): unix:FILE or 127.0.0.1:PORT");
@@ -406,6 +416,7 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
   options.report_path = parsed.report;
   options.truth_path = parsed.truth;
   options.lidar_truth_path = parsed.lidar_truth;
+  options.record = parsed.record;
   if (parsed.seed) {
     parsed.rig.sets.push_back("seed=" + *parsed.seed);
   }

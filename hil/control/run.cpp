@@ -125,6 +125,27 @@ TruthFiles truth_files(const RigConfiguration& configuration, const RunOptions& 
   return files;
 }
 
+/// Null where nothing is to be recorded.
+std::unique_ptr<Recorder> make_recorder(const RigConfiguration& configuration,
+                                        const RunOptions& options, const std::string& hash,
+                                        OutputFailures& failures) {
+  if (options.record.folder.empty()) {
+    return nullptr;
+  }
+  RecordedRun run;
+  run.version = RIGWIRE_VERSION;
+  run.rig = configuration.name;
+  run.seed = configuration.seed;
+  run.config_hash = hash;
+  run.clock = to_string(options.clock);
+  run.start_utc = format_utc(configuration.start);
+  run.start_unix_ns = unix_time(configuration.start).count();
+  run.configuration = print_rig(configuration);
+  return std::make_unique<Recorder>(
+      options.record, std::move(run),
+      options.clock.paced() ? std::chrono::milliseconds{0} : kReaderPatience, failures);
+}
+
 /// Every wire is open.
 void tell_ready(const RunOptions& options, const Rig& rig, const std::string& control,
                 const std::string& token) {
@@ -159,10 +180,16 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
     report_file.emplace("the report", options.report_path);
   }
   // Before a device saves what it is told.
-  const bool is_told = report_file || options.onlooker || options.control;
+  const bool is_told =
+      report_file || options.onlooker || options.control || !options.record.folder.empty();
   const std::string hash = is_told ? config_hash(configuration) : std::string();
-  auto rig =
-      std::make_unique<Rig>(configuration, io, truth_files(configuration, options, failures), &log);
+  const std::unique_ptr<Recorder> recorder = make_recorder(configuration, options, hash, failures);
+  auto rig = std::make_unique<Rig>(configuration, io, truth_files(configuration, options, failures),
+                                   &log, OwnEnds{}, recorder.get());
+  if (recorder) {
+    log.inform(
+        [&recorder](LogLevel level, std::string_view text) { recorder->event(level, text); });
+  }
   for (const std::string& wire : rig->wires()) {
     log.debug(wire);
   }
@@ -207,6 +234,10 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   const RunReport report =
       report_of(*rig, rig->executive().wire_stages(), configuration, hash, options, outcome);
   interrupts.govern(nullptr);
+  if (recorder) {
+    log.inform({});
+    recorder->finish(outcome.reached);
+  }
   rig.reset();  // wires and truth are closed before anybody's reader is waited for
 
   if (report_file) {

@@ -11,6 +11,7 @@
 #include "hil/control/control_server.h"
 #include "hil/executive/clock.h"
 #include "hil/executive/truth_source.h"
+#include "hil/record/recorder.h"
 #include "hil/record/report.h"
 #include "hil/record/run_log.h"
 #include "hil/rig/rig_configuration.h"
@@ -55,6 +56,7 @@ struct RunOptions {
   std::string report_path;           ///< Empty: no report; "-": standard output.
   std::string truth_path;            ///< Empty: as the rig says.
   std::string lidar_truth_path;      ///< Empty: as the rig says.
+  RecordOptions record;
   LogLevel log_level = LogLevel::info;
   std::optional<ControlEndpoint> control;  ///< Where it is governed from; nothing: nowhere.
   /// Of requests at a port; empty: one is made and told with the address.

@@ -200,7 +200,7 @@ class GigeCameraDevice final : public Device {
   }
 
   void listen() {
-    ports_->control.start(
+    control_outlet_.start(
         [this](const drivers::DatagramPort::Peer& from, std::span<const std::uint8_t> datagram) {
           const SimTime now = client_arrived(*executive_);
           if (auto request = gvcp_request(datagram)) {

@@ -129,7 +129,7 @@ class StarFireDevice final : public Device, private FixSource {
         executive.arrive();
         quality_->set_client_baud(seen_baud(check_baud_, client.baud));
       });
-      line_->start([this, &executive](std::span<const std::uint8_t> bytes) {
+      outlet_->start([this, &executive](std::span<const std::uint8_t> bytes) {
         receiver_->receive(client_arrived(executive), bytes);
       });
     }

@@ -57,7 +57,7 @@ class UbloxDevice final : public Device,
       receiver_.set_client(executive.arrive(),
                            {client.present, seen_baud(check_baud_, client.baud)});
     });
-    line_->start([this, &executive](std::span<const std::uint8_t> bytes) {
+    outlet_.start([this, &executive](std::span<const std::uint8_t> bytes) {
       receiver_.receive(client_arrived(executive), bytes);
     });
     return index;

@@ -79,6 +79,8 @@ class Executive {
   /// Adds something else that happens in simulated time: a bus, a Modbus line.
   void add(EventSource& source) { sources_.push_back(&source); }
   void add(Outlet& outlet) { outlets_.push_back(&outlet); }
+  /// In the order of the calls.
+  [[nodiscard]] const std::vector<Outlet*>& outlets() const { return outlets_; }
 
   /// For a handler that got bytes from a client: runs all devices up to the present and returns it.
   SimTime arrive();

@@ -97,6 +97,11 @@ void RunLog::follow(std::function<SimTime()> now) {
   now_ = std::move(now);
 }
 
+void RunLog::inform(Listener listener) {
+  const std::scoped_lock lock(mutex_);
+  listener_ = std::move(listener);
+}
+
 void RunLog::divert(Taker taker) {
   if (standard_error_) {
     standard_error_->divert(std::move(taker));
@@ -106,6 +111,9 @@ void RunLog::divert(Taker taker) {
 void RunLog::say(LogLevel level, std::string_view text) {
   const std::scoped_lock lock(mutex_);  // the time that is followed stays until the line is said
   logger_->log(level_of(level), printable(text));
+  if (listener_ && level >= LogLevel::warning) {
+    listener_(level, text);
+  }
 }
 
 void complain(const std::string& text, std::chrono::milliseconds patience) {

@@ -58,6 +58,12 @@ class RunLog {
   /// have none.
   void follow(std::function<SimTime()> now);
 
+  /// Who is told of warnings and errors besides, on the thread that logs; must not log. What is
+  /// said of less holds tokens of control servers. Empty: nobody. Returns when nobody is being
+  /// told.
+  using Listener = std::function<void(LogLevel level, std::string_view text)>;
+  void inform(Listener listener);
+
   /// Takes whole lines without their ends in place of standard error; false: it does not take this
   /// one. Must not log.
   using Taker = std::function<bool(std::string_view line)>;
@@ -71,6 +77,7 @@ class RunLog {
 
   std::mutex mutex_;
   std::function<SimTime()> now_;
+  Listener listener_;
   std::shared_ptr<StandardError> standard_error_;  ///< Null with a sink of the caller's.
   std::unique_ptr<spdlog::logger> logger_;
 };

@@ -38,11 +38,12 @@ TruthTap::TruthTap(const std::filesystem::path& path, const Calendar& calendar,
       calendar_(calendar),
       fields_(fields.begin(), fields.end()) {}
 
-void TruthTap::record(const TruthRecord& record) {
+std::string truth_line(const TruthRecord& record, const Calendar& calendar,
+                       std::span<const sim::TruthField> fields) {
   std::string line =
       fmt::format(R"({{"sim_s":{:.9f},"utc":"{}","time_of_hour_us":{:.3f})",
-                  to_seconds(record.time), format_utc(calendar_.utc(record.time)),
-                  static_cast<double>(calendar_.nanoseconds_of_hour(record.time)) * 1e-3);
+                  to_seconds(record.time), format_utc(calendar.utc(record.time)),
+                  static_cast<double>(calendar.nanoseconds_of_hour(record.time)) * 1e-3);
   const Eigen::Quaterniond attitude(record.carrier.X_WL.linear());
   const std::array<double, 4> wxyz{attitude.w(), attitude.x(), attitude.y(), attitude.z()};
   const auto put = [&line](std::string_view key, std::span<const double> values) {
@@ -54,7 +55,7 @@ void TruthTap::record(const TruthRecord& record) {
   put("velocity_mps", vector(record.carrier.v_WL_W));
   put("rate_radps", vector(record.carrier.w_WL_W));
   std::span<const double> rest(record.machine);
-  for (const sim::TruthField& field : fields_) {
+  for (const sim::TruthField& field : fields) {
     put(field.key, rest.first(field.count));
     rest = rest.subspan(field.count);
   }
@@ -78,8 +79,12 @@ void TruthTap::record(const TruthRecord& record) {
     }
     line += '}';
   }
-  line += "}\n";
-  file_.write(line);
+  line += '}';
+  return line;
+}
+
+void TruthTap::record(const TruthRecord& record) {
+  file_.write(truth_line(record, calendar_, fields_) + '\n');
 }
 
 }  // namespace rigwire::hil

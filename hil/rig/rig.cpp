@@ -14,6 +14,7 @@
 #include "hil/record/lidar_truth_tap.h"
 #include "hil/record/truth_tap.h"
 #include "hil/wires/can_hop.h"
+#include "hil/wires/outlets.h"
 #include "hil/wires/rig_usb.h"
 #include "hil/world/camera_surroundings.h"
 #include "hil/world/machine.h"
@@ -72,15 +73,6 @@ class SceneFallObstacle final : public sim::FallObstacle {
  private:
   const sim::Scene& scene_;
 };
-
-/// Without leap seconds, as computers count.
-std::chrono::microseconds unix_time(const UtcTime& utc) {
-  using namespace std::chrono;
-  const sys_days day =
-      year{utc.year} / static_cast<unsigned>(utc.month) / static_cast<unsigned>(utc.day);
-  return day.time_since_epoch() + hours{utc.hour} + minutes{utc.minute} + seconds{utc.second} +
-         microseconds{utc.nanosecond / 1000};
-}
 
 RigCanSettings can_settings(const BusConfiguration& bus, const CanHop& hop) {
   RigCanSettings settings;
@@ -286,16 +278,20 @@ class Rig::DeviceNeighbours final : public Neighbours {
 };
 
 Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
-         const TruthFiles& truth, RunLog* log, const OwnEnds& own)
+         const TruthFiles& truth, RunLog* log, const OwnEnds& own, Recorder* recorder)
     : configuration_(configuration),
       io_(io),
       log_(log),
+      recorder_(recorder),
       calendar_(configuration.start),
       frame_(make_local_frame(configuration.origin)),
       satellites_(make_satellites(configuration.satellites, calendar_)),
       surroundings_(make_surroundings(configuration)),
       world_(make_world(configuration, log)),
       executive_(io, world_) {
+  if (recorder_ != nullptr) {
+    recorder_->attach(executive_);
+  }
   for (const auto& [name, end] : own.buses) {
     if (!configuration_.buses.contains(name)) {
       throw std::invalid_argument(
@@ -314,7 +310,9 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
       bus->can.begin_device(name);
     }
     DeviceSite site(*this, name);
+    const std::size_t first = executive_.outlets().size();
     devices_.push_back({name, device->make(site)});
+    record(name, first, devices_.back().device->endpoint());
   }
   number_faults();
   const DeviceNeighbours neighbours(*this);
@@ -322,6 +320,9 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
     device.device->connect(neighbours);
   }
   open_taps(truth);
+  if (recorder_ != nullptr) {
+    recorder_->start([this] { return recorded_status(); }, faults_);
+  }
   drivers::line_watch(io_).start([log](const std::string& news) {
     if (log != nullptr) {
       log->warning(news);
@@ -350,12 +351,44 @@ void Rig::number_faults() {
   }
 }
 
+void Rig::record(const std::string& wire, std::size_t first,
+                 const drivers::EndpointStatus& endpoint) {
+  WireTap* tap = nullptr;
+  for (std::size_t i = first; recorder_ != nullptr && i < executive_.outlets().size(); ++i) {
+    // Every outlet of a rig is a QueuedOutlet.
+    auto& outlet = dynamic_cast<QueuedOutlet&>(*executive_.outlets()[i]);
+    if (i == first) {
+      tap = recorder_->add_wire(wire, outlet.kind(), endpoint.address);
+    }
+    if (tap != nullptr) {
+      outlet.tell(*tap);
+    }
+  }
+}
+
+RecordedStatus Rig::recorded_status() const {
+  const RigStatus now = status();
+  RecordedStatus recorded;
+  for (const DeviceStatus& device : now.devices) {
+    recorded.devices.push_back({device.name, device.wire, device.frames, device.bytes,
+                                device.dropped, device.lateness_p99, device.lateness_max});
+  }
+  recorded.faults = now.faults;
+  return recorded;
+}
+
 void Rig::open_taps(const TruthFiles& files) {
   if (!files.machine.empty()) {
-    world_.set_truth_observer(
+    world_.add_truth_observer(
         std::make_unique<TruthTap>(files.machine, calendar_, world_.machine().truth_fields(),
                                    files.failures, files.patience),
         configuration_.truth.period);
+  }
+  if (recorder_ != nullptr) {
+    if (auto observer = recorder_->truth_observer(calendar_, world_.machine().truth_fields(),
+                                                  world_.machine().link_names())) {
+      world_.add_truth_observer(std::move(observer), configuration_.truth.period);
+    }
   }
   if (!files.lidar.empty()) {
     std::vector<std::string> lidars;
@@ -386,19 +419,23 @@ void Rig::open_bus(const std::string& name, const BusConfiguration& configuratio
   }
   CanHop hop;
   if (own == nullptr) {
-    hop = open_can_hop(name, configuration, examine_can_host(), io_,
-                       unix_time(configuration_.start), [this]() -> UsbBus& { return usb(); });
+    hop =
+        open_can_hop(name, configuration, examine_can_host(), io_,
+                     std::chrono::floor<std::chrono::microseconds>(unix_time(configuration_.start)),
+                     [this]() -> UsbBus& { return usb(); });
   } else {
     hop.choice.why = "in this program";
   }
   auto bus = std::make_unique<Bus>(std::move(hop), configuration, own);
   executive_.add(bus->can);
+  const std::size_t first = executive_.outlets().size();
   executive_.add(bus->can.outlet());
+  record(name, first, bus->can.endpoint());
   drivers::CanBus& endpoint = bus->endpoint;
   endpoint.on_client([this, &can = bus->can](const drivers::CanClient& client) {
     can.client(executive_.arrive(), client);
   });
-  endpoint.start([this, &can = bus->can](const protocols::can::Frame& frame) {
+  bus->can.outlet().start([this, &can = bus->can](const protocols::can::Frame& frame) {
     can.receive(executive_.arrive(), frame);
   });
   for (const CanHop::Further& further : bus->hop.further) {
@@ -408,7 +445,7 @@ void Rig::open_bus(const std::string& name, const BusConfiguration& configuratio
     further.endpoint->on_client([this, &port](const drivers::CanClient& client) {
       port.client(executive_.arrive(), client);
     });
-    further.endpoint->start([this, &port](const protocols::can::Frame& frame) {
+    port.outlet().start([this, &port](const protocols::can::Frame& frame) {
       port.receive_from_client(executive_.arrive(), frame);
     });
   }
@@ -419,7 +456,9 @@ void Rig::open_modbus_line(const std::string& name, const ModbusLineConfiguratio
   const std::uint64_t seed =
       sim::RandomStream(configuration_.seed, "modbus." + name + "/line").bits();
   auto line = make_rig_modbus(configuration, io_, seed);
+  const std::size_t first = executive_.outlets().size();
   line->start(executive_);
+  record(name, first, line->endpoint());
   modbus_lines_.emplace(name, std::move(line));
 }
 

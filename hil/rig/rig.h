@@ -11,7 +11,7 @@
 //   4. Faults of the buses, which know their devices by name. Every fault of the file gets its
 //      number then: devices first, then buses, then lines.
 //   5. Device::connect() of each device, by name.
-//   6. Truth taps.
+//   6. Truth taps, and what else is recorded.
 //
 // The USB server is added in front of the first bus or device that asks for it. A slot that comes
 // earlier or later is another byte stream.
@@ -44,6 +44,7 @@
 #include "drivers/endpoints.h"
 #include "hil/executive/executive.h"
 #include "hil/record/output_file.h"
+#include "hil/record/recorder.h"
 #include "hil/record/report.h"
 #include "hil/record/run_log.h"
 #include "hil/rig/rig_configuration.h"
@@ -115,8 +116,9 @@ class Rig {
   /// keeps from the rig's end on; it must outlive the rig. Null: nobody is told. A bus of `own` is
   /// opened nowhere else: std::invalid_argument where its configuration asks for further ports or a
   /// socketcand, or where the rig has no such bus.
+  /// `recorder` is told of everything from now on, and must outlive the rig; may be null.
   Rig(const RigConfiguration& configuration, boost::asio::io_context& io, const TruthFiles& truth,
-      RunLog* log = nullptr, const OwnEnds& own = {});
+      RunLog* log = nullptr, const OwnEnds& own = {}, Recorder* recorder = nullptr);
   ~Rig();
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
@@ -151,10 +153,14 @@ class Rig {
   [[nodiscard]] UsbBus& usb();
   void number_faults();
   void open_taps(const TruthFiles& files);
+  /// What the executive was given as outlets from `first` on, is one wire of that name.
+  void record(const std::string& wire, std::size_t first, const drivers::EndpointStatus& endpoint);
+  [[nodiscard]] RecordedStatus recorded_status() const;
 
   RigConfiguration configuration_;
   boost::asio::io_context& io_;
   RunLog* log_;
+  Recorder* recorder_;
   Calendar calendar_;
   sim::LocalFrame frame_;
   std::shared_ptr<const sim::Constellation> satellites_;

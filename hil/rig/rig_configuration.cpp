@@ -32,6 +32,10 @@ std::string print_rig(const LoadedRig& rig) {
   return print_yaml(outline(rig.configuration), rig.origins);
 }
 
+std::string print_rig(const RigConfiguration& configuration) {
+  return print_yaml(outline(configuration), {});
+}
+
 RigView view_of(const RigConfiguration& configuration) {
   const MachineModel& machine = *configuration.machine.model;
   RigView view{configuration.buses,

@@ -60,7 +60,7 @@ inline void visit(fields::Visitor& v, TruthConfiguration& p) {
   v.text("lidar_path", p.lidar_path,
          "File of every lidar shot; `run --lidar-truth FILE` beats it.");
   v.rate("rate", p.period, fields::in("Hz").above(0).at_most(1000),
-         "Lines per second of run --truth.");
+         "Records per second of run --truth and --record.");
 }
 
 inline void visit(fields::Visitor& v, StatusConfiguration& p) {
@@ -106,6 +106,9 @@ struct LoadedRig {
 
 /// The effective configuration as YAML with the origin of each value; loads to the same hash.
 [[nodiscard]] std::string print_rig(const LoadedRig& rig);
+
+/// The same without origins, which differ from machine to machine.
+[[nodiscard]] std::string print_rig(const RigConfiguration& configuration);
 
 /// What devices may know of the rig. Refers to the configuration.
 [[nodiscard]] RigView view_of(const RigConfiguration& configuration);

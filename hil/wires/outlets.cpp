@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 #include "protocols/bytes.h"
 
@@ -25,8 +26,29 @@ constexpr std::size_t kFrameHeader = 4 /* identifier */ + 1 /* flags */ + 1 /* l
 constexpr std::size_t kFrameUnits = 1024;
 constexpr std::size_t kReportUnits = 256;
 
+/// Where a unit of an AddressedOutlet goes.
+drivers::IpEnd end_of(std::uint64_t tag) {
+  return {static_cast<std::uint32_t>(tag >> 32U), static_cast<std::uint16_t>(tag >> 16U)};
+}
+
 /// What a unit of a FrameOutlet is.
 enum FrameOutletTag : std::uint64_t { kFrameUnit, kSentUnit, kUnsentUnit, kReportUnit };
+
+protocols::can::Frame frame_of(std::span<const std::uint8_t> unit) {
+  protocols::can::Frame frame;
+  frame.id = protocols::load_big<std::uint32_t>(unit, 0);
+  frame.extended = (unit[4] & 1U) != 0;
+  frame.remote = (unit[4] & 2U) != 0;
+  frame.length = unit[5];
+  std::copy(unit.begin() + kFrameHeader, unit.end(), frame.data.begin());
+  return frame;
+}
+
+ControllerReport report_of(std::span<const std::uint8_t> unit) {
+  ControllerReport report;
+  std::memcpy(&report, unit.data(), sizeof report);
+  return report;
+}
 
 }  // namespace
 
@@ -39,11 +61,19 @@ void QueuedOutlet::transmit_front(std::optional<Duration> lateness) {
   const EmissionQueue::Unit unit = queue_.front();
   WireStatistics& statistics = *unit.statistics;
   statistics.hash.add(unit.due, unit.bytes);
-  if (transmit(unit.tag, unit.bytes)) {
+  const bool taken = transmit(unit.tag, unit.bytes);
+  if (taken) {
     ++statistics.units;
     statistics.bytes += unit.bytes.size();
   } else {
     ++statistics.dropped;
+  }
+  if (tap_ != nullptr) {
+    if (taken) {
+      tell_of(*tap_, unit.due, unit.tag, unit.bytes);
+    } else {
+      tap_->lost(unit.due);
+    }
   }
   Duration late{0};
   if (lateness) {
@@ -56,26 +86,58 @@ void QueuedOutlet::transmit_front(std::optional<Duration> lateness) {
   queue_.pop();
 }
 
+bool QueuedOutlet::push(SimTime due, std::uint64_t tag, WireStatistics& statistics,
+                        std::span<const std::uint8_t> bytes) {
+  const bool fits = queue_.push(due, tag, statistics, bytes);
+  if (!fits && tap_ != nullptr) {
+    tap_->lost(due);
+  }
+  return fits;
+}
+
 StreamOutlet::StreamOutlet(drivers::ByteStream& stream, WireStatistics& statistics)
     : QueuedOutlet(kSerialUnits, kSerialBytes), stream_(stream), statistics_(statistics) {}
 
 void StreamOutlet::send(SimTime due, std::span<const std::uint8_t> bytes) {
-  queue().push(due, 0, statistics_, bytes);
+  push(due, 0, statistics_, bytes);
 }
 
 bool StreamOutlet::transmit(std::uint64_t /*tag*/, std::span<const std::uint8_t> bytes) {
   return stream_.write(bytes) == bytes.size();
 }
 
+void StreamOutlet::tell_of(WireTap& tap, SimTime due, std::uint64_t /*tag*/,
+                           std::span<const std::uint8_t> bytes) {
+  tap.sent(due, SerialPiece{bytes});
+}
+
+void StreamOutlet::start(drivers::ByteStream::Receiver receiver) {
+  stream_.start([this, receiver = std::move(receiver)](std::span<const std::uint8_t> bytes) {
+    receiver(bytes);
+    if (tap() != nullptr) {
+      tap()->received(SerialPiece{bytes});
+    }
+  });
+}
+
 DatagramOutlet::DatagramOutlet(drivers::DatagramSocket& socket, WireStatistics& statistics)
     : QueuedOutlet(kDatagramUnits, kDatagramBytes), socket_(socket), statistics_(statistics) {}
 
 void DatagramOutlet::send(SimTime due, std::span<const std::uint8_t> bytes) {
-  queue().push(due, 0, statistics_, bytes);
+  push(due, 0, statistics_, bytes);
 }
 
 bool DatagramOutlet::transmit(std::uint64_t /*tag*/, std::span<const std::uint8_t> bytes) {
   return socket_.send(bytes);
+}
+
+void DatagramOutlet::tell_of(WireTap& tap, SimTime due, std::uint64_t /*tag*/,
+                             std::span<const std::uint8_t> bytes) {
+  drivers::DatagramSocket::Ends ends = socket_.ends();
+  if (ends.own.port == 0) {
+    ends.own.port = ends.destination.port;
+  }
+  tap.sent(due, DatagramPiece{ends.own, ends.destination, bytes});
 }
 
 AddressedOutlet::AddressedOutlet(drivers::DatagramPort& port, WireStatistics& statistics,
@@ -84,18 +146,31 @@ AddressedOutlet::AddressedOutlet(drivers::DatagramPort& port, WireStatistics& st
   keep_apart();
 }
 
+void AddressedOutlet::start(drivers::DatagramPort::Receiver receiver) {
+  port_->start([this, own = port_->end(), receiver = std::move(receiver)](
+                   const drivers::DatagramPort::Peer& from, std::span<const std::uint8_t> bytes) {
+    receiver(from, bytes);
+    if (tap() != nullptr) {
+      tap()->received(DatagramPiece{own, from, bytes});
+    }
+  });
+}
+
 void AddressedOutlet::send(SimTime due, const emulators::UdpEnd& to,
                            std::span<const std::uint8_t> bytes, bool do_not_fragment) {
   // Address, port and flag side by side.
   const std::uint64_t tag = std::uint64_t{to.address} << 32U | std::uint64_t{to.port} << 16U |
                             (do_not_fragment ? 1U : 0U);
-  queue().push(due, tag, statistics_, bytes);
+  push(due, tag, statistics_, bytes);
 }
 
 bool AddressedOutlet::transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) {
-  return port_->send(
-      {static_cast<std::uint32_t>(tag >> 32U), static_cast<std::uint16_t>(tag >> 16U)}, bytes,
-      (tag & 1U) != 0);
+  return port_->send(end_of(tag), bytes, (tag & 1U) != 0);
+}
+
+void AddressedOutlet::tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
+                              std::span<const std::uint8_t> bytes) {
+  tap.sent(due, DatagramPiece{port_->end(), end_of(tag), bytes});
 }
 
 ServerOutlet::ServerOutlet(drivers::StreamServer& server, WireStatistics& statistics)
@@ -103,11 +178,11 @@ ServerOutlet::ServerOutlet(drivers::StreamServer& server, WireStatistics& statis
 
 void ServerOutlet::send(emulators::ConnectionId connection, SimTime due,
                         std::span<const std::uint8_t> bytes) {
-  queue().push(due, connection, statistics_, bytes);
+  push(due, connection, statistics_, bytes);
 }
 
 void ServerOutlet::close(emulators::ConnectionId connection, SimTime due) {
-  queue().push(due, connection, statistics_, {});
+  push(due, connection, statistics_, {});
 }
 
 bool ServerOutlet::transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) {
@@ -118,11 +193,61 @@ bool ServerOutlet::transmit(std::uint64_t tag, std::span<const std::uint8_t> byt
   return server_.send(tag, bytes);
 }
 
+void ServerOutlet::tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
+                           std::span<const std::uint8_t> bytes) {
+  const auto what = bytes.empty() ? StreamPiece::What::ended : StreamPiece::What::bytes;
+  tap.sent(due, StreamPiece{server_.end(), tag, what, bytes});
+}
+
+void ServerOutlet::tell_received(StreamPiece::What what, emulators::ConnectionId connection,
+                                 std::span<const std::uint8_t> bytes) {
+  if (tap() != nullptr) {
+    tap()->received(StreamPiece{server_.end(), connection, what, bytes});
+  }
+}
+
+void ServerOutlet::start(drivers::StreamServer::Handler handler) {
+  using What = StreamPiece::What;
+  drivers::StreamServer::Handler telling{
+      .connected =
+          [this, then = std::move(handler.connected)](auto connection) {
+            then(connection);
+            tell_received(What::opened, connection, {});
+          },
+      .received =
+          [this, then = std::move(handler.received)](auto connection, auto bytes) {
+            then(connection, bytes);
+            tell_received(What::bytes, connection, bytes);
+          },
+      .disconnected =
+          [this, then = std::move(handler.disconnected)](auto connection) {
+            then(connection);
+            tell_received(What::gone, connection, {});
+          },
+  };
+  if (handler.half_closed) {
+    telling.half_closed = [this, then = std::move(handler.half_closed)](auto connection) {
+      then(connection);
+      tell_received(What::ended, connection, {});
+    };
+  }
+  server_.start(std::move(telling));
+}
+
 FrameOutlet::FrameOutlet(drivers::CanBus& bus, std::size_t unsettled_frames)
     : QueuedOutlet(
           kFrameUnits + kReportUnits + unsettled_frames,
           kFrameUnits * (kFrameHeader + 8) + (kReportUnits + 1) * sizeof(ControllerReport)),
       bus_(bus) {}
+
+void FrameOutlet::start(drivers::CanBus::Receiver receiver) {
+  bus_.start([this, receiver = std::move(receiver)](const protocols::can::Frame& frame) {
+    if (tap() != nullptr) {
+      unsettled_.push_back(frame);
+    }
+    receiver(frame);
+  });
+}
 
 void FrameOutlet::send(SimTime due, WireStatistics& statistics,
                        const protocols::can::Frame& frame) {
@@ -136,15 +261,18 @@ void FrameOutlet::send(SimTime due, WireStatistics& statistics,
   if (frames_waiting_ == kFrameUnits) {
     statistics.hash.add(due, unit);
     ++statistics.dropped;
+    if (tap() != nullptr) {
+      tap()->lost(due);
+    }
     return;
   }
-  if (queue().push(due, kFrameUnit, statistics, unit)) {
+  if (push(due, kFrameUnit, statistics, unit)) {
     ++frames_waiting_;
   }
 }
 
 void FrameOutlet::confirm(SimTime due, bool sent) {
-  queue().push(due, sent ? kSentUnit : kUnsentUnit, controller_, {});
+  push(due, sent ? kSentUnit : kUnsentUnit, controller_, {});
 }
 
 void FrameOutlet::report(SimTime due, const ControllerReport& report) {
@@ -153,7 +281,7 @@ void FrameOutlet::report(SimTime due, const ControllerReport& report) {
   std::memcpy(bytes.data(), &report, sizeof report);
   if (reports_waiting_ == kReportUnits) {
     ++controller_.dropped;
-  } else if (queue().push(due, kReportUnit, controller_, bytes)) {
+  } else if (push(due, kReportUnit, controller_, bytes)) {
     ++reports_waiting_;
   }
 }
@@ -166,18 +294,31 @@ bool FrameOutlet::transmit(std::uint64_t tag, std::span<const std::uint8_t> byte
   }
   if (tag == kReportUnit) {
     --reports_waiting_;
-    ControllerReport report;
-    std::memcpy(&report, bytes.data(), sizeof report);
-    return bus_.report(report, stamp);
+    return bus_.report(report_of(bytes), stamp);
   }
   --frames_waiting_;
-  protocols::can::Frame frame;
-  frame.id = protocols::load_big<std::uint32_t>(bytes, 0);
-  frame.extended = (bytes[4] & 1U) != 0;
-  frame.remote = (bytes[4] & 2U) != 0;
-  frame.length = bytes[5];
-  std::copy(bytes.begin() + kFrameHeader, bytes.end(), frame.data.begin());
-  return bus_.deliver(frame, stamp);
+  return bus_.deliver(frame_of(bytes), stamp);
+}
+
+void FrameOutlet::tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
+                          std::span<const std::uint8_t> bytes) {
+  switch (static_cast<FrameOutletTag>(tag)) {
+    case kFrameUnit:
+      tap.sent(due, frame_of(bytes));
+      break;
+    case kReportUnit:
+      tap.sent(due, protocols::can::to_error_frame(report_of(bytes)));
+      break;
+    case kSentUnit:
+    case kUnsentUnit:
+      if (!unsettled_.empty()) {
+        if (tag == kSentUnit) {
+          tap.carried(due, unsettled_.front());
+        }
+        unsettled_.pop_front();
+      }
+      break;
+  }
 }
 
 }  // namespace rigwire::hil

@@ -1,10 +1,13 @@
-// The last step to a wire: a bounded queue of due units of output in front of one endpoint.
+// The last step to a wire: a bounded queue of due units of output in front of one endpoint. What
+// comes from the endpoint's clients passes here as well, so that everything on the wire can be told
+// (hil/wires/wire_tap.h).
 //
 // First in, first out: units must come in order of their due times. The endpoint must outlive the
 // outlet, statistics the last unit that is theirs. Nothing throws once it is made: what the queue
 // or the endpoint does not take is lost, as on the real wire, and counted.
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <span>
 
@@ -14,6 +17,7 @@
 #include "hil/executive/event_source.h"
 #include "hil/wires/emission_queue.h"
 #include "hil/wires/wire_statistics.h"
+#include "hil/wires/wire_tap.h"
 
 namespace rigwire::hil {
 
@@ -24,17 +28,28 @@ class QueuedOutlet : public Outlet {
   [[nodiscard]] SimTime next_due() const final;
   void transmit_front(std::optional<Duration> lateness) final;
 
+  /// From now on everything is told to `tap`, which must outlive the outlet's use. Before start().
+  void tell(WireTap& tap) { tap_ = &tap; }
+  [[nodiscard]] virtual WireKind kind() const = 0;
+
  protected:
   QueuedOutlet(std::size_t units, std::size_t bytes) : queue_(units, bytes) {}
   /// From now on what follows a late unit keeps half of its distance from it: a wire that nothing
   /// leaves in heaps, because the far end has little room. Lateness is that against the due time
   /// all the same.
   void keep_apart() { apart_ = true; }
-  [[nodiscard]] EmissionQueue& queue() { return queue_; }
+  /// False, and counted as dropped, when there is no room.
+  bool push(SimTime due, std::uint64_t tag, WireStatistics& statistics,
+            std::span<const std::uint8_t> bytes);
+  [[nodiscard]] WireTap* tap() const { return tap_; }
 
  private:
   /// False when any part of the unit was refused.
   virtual bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) = 0;
+  /// Tells `tap` of a unit that was taken.
+  virtual void tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
+                       std::span<const std::uint8_t> bytes) = 0;
+  WireTap* tap_ = nullptr;
   EmissionQueue queue_;
   bool apart_ = false;
   SimTime last_due_{};   ///< Of the unit that left last,
@@ -45,10 +60,15 @@ class QueuedOutlet : public Outlet {
 class StreamOutlet final : public QueuedOutlet, public emulators::ByteOutput {
  public:
   StreamOutlet(drivers::ByteStream& stream, WireStatistics& statistics);
+  /// Starts the endpoint.
+  void start(drivers::ByteStream::Receiver receiver);
   void send(SimTime due, std::span<const std::uint8_t> bytes) override;
+  [[nodiscard]] WireKind kind() const override { return WireKind::serial; }
 
  private:
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
+  void tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
+               std::span<const std::uint8_t> bytes) override;
   drivers::ByteStream& stream_;
   WireStatistics& statistics_;
 };
@@ -58,9 +78,14 @@ class DatagramOutlet final : public QueuedOutlet, public emulators::ByteOutput {
  public:
   DatagramOutlet(drivers::DatagramSocket& socket, WireStatistics& statistics);
   void send(SimTime due, std::span<const std::uint8_t> bytes) override;
+  [[nodiscard]] WireKind kind() const override { return WireKind::ethernet; }
 
  private:
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
+  /// A source port of the system's choice is told as the destination's, so that two runs tell the
+  /// same.
+  void tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
+               std::span<const std::uint8_t> bytes) override;
   drivers::DatagramSocket& socket_;
   WireStatistics& statistics_;
 };
@@ -73,11 +98,16 @@ class AddressedOutlet final : public QueuedOutlet, public emulators::DatagramOut
                   std::size_t bytes);
   void send(SimTime due, const emulators::UdpEnd& to, std::span<const std::uint8_t> bytes,
             bool do_not_fragment) override;
+  /// Starts the port. The receiver may lead the outlet elsewhere, and must not destroy it.
+  void start(drivers::DatagramPort::Receiver receiver);
   /// From now on they leave there; it must outlive the outlet.
   void lead_to(drivers::DatagramPort& port) { port_ = &port; }
+  [[nodiscard]] WireKind kind() const override { return WireKind::ethernet; }
 
  private:
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
+  void tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
+               std::span<const std::uint8_t> bytes) override;
   drivers::DatagramPort* port_;
   WireStatistics& statistics_;
 };
@@ -86,12 +116,19 @@ class AddressedOutlet final : public QueuedOutlet, public emulators::DatagramOut
 class ServerOutlet final : public QueuedOutlet, public emulators::StreamOutput {
  public:
   ServerOutlet(drivers::StreamServer& server, WireStatistics& statistics);
+  /// Starts the server.
+  void start(drivers::StreamServer::Handler handler);
   void send(emulators::ConnectionId connection, SimTime due,
             std::span<const std::uint8_t> bytes) override;
   void close(emulators::ConnectionId connection, SimTime due) override;
+  [[nodiscard]] WireKind kind() const override { return WireKind::ethernet; }
 
  private:
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
+  void tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
+               std::span<const std::uint8_t> bytes) override;
+  void tell_received(StreamPiece::What what, emulators::ConnectionId connection,
+                     std::span<const std::uint8_t> bytes);
   drivers::StreamServer& server_;
   WireStatistics& statistics_;
 };
@@ -107,16 +144,22 @@ class ServerOutlet final : public QueuedOutlet, public emulators::StreamOutput {
 class FrameOutlet final : public QueuedOutlet {
  public:
   explicit FrameOutlet(drivers::CanBus& bus, std::size_t unsettled_frames = 64);
+  /// Starts the endpoint. Every frame that it hands over must be confirmed, in that order.
+  void start(drivers::CanBus::Receiver receiver);
   void send(SimTime due, WireStatistics& statistics, const protocols::can::Frame& frame);
   void confirm(SimTime due, bool sent);
   void report(SimTime due, const protocols::can::ControllerReport& report);
 
   /// Confirmations and reports: `units` handed over, `dropped` refused.
   [[nodiscard]] const WireStatistics& controller_statistics() const { return controller_; }
+  [[nodiscard]] WireKind kind() const override { return WireKind::can; }
 
  private:
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
+  void tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
+               std::span<const std::uint8_t> bytes) override;
   drivers::CanBus& bus_;
+  std::deque<protocols::can::Frame> unsettled_;  ///< Of the client; kept while there is a tap.
   WireStatistics controller_;
   std::size_t frames_waiting_ = 0;
   std::size_t reports_waiting_ = 0;

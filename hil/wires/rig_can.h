@@ -74,7 +74,7 @@ class RigCan final : public EventSource, private emulators::CanOutside {
   /// What the endpoint's on_client() tells.
   void client(SimTime now, const drivers::CanClient& client);
 
-  [[nodiscard]] Outlet& outlet() { return outlet_; }
+  [[nodiscard]] FrameOutlet& outlet() { return outlet_; }
   /// The first way outside; a client is there when any port has one.
   [[nodiscard]] drivers::EndpointStatus endpoint() const;
   [[nodiscard]] const emulators::CanBusModel& bus() const { return bus_; }
@@ -116,7 +116,7 @@ class RigCan::Port final : private emulators::CanDevice, private emulators::CanO
     node_.send(now, frame);
   }
   void client(SimTime now, const drivers::CanClient& client);
-  [[nodiscard]] Outlet& outlet() { return outlet_; }
+  [[nodiscard]] FrameOutlet& outlet() { return outlet_; }
   [[nodiscard]] drivers::EndpointStatus endpoint() const { return endpoint_.status(); }
   /// Frames of others that its client was given.
   [[nodiscard]] const WireStatistics& statistics() const { return heard_; }

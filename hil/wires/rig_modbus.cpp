@@ -50,7 +50,7 @@ class RigModbusTcp final
 
  private:
   void listen(Executive& executive) override {
-    endpoint_.start({
+    outlet_.start({
         .connected =
             [this, &executive](emulators::ConnectionId connection) {
               server_.connected(executive.arrive(), connection);
@@ -97,7 +97,7 @@ class RigModbusRtu final
     endpoint_.on_client([this, &executive](const drivers::LineClient& client) {
       server_.set_client(executive.arrive(), {client.present, seen_baud(check_baud_, client.baud)});
     });
-    endpoint_.start([this, &executive](std::span<const std::uint8_t> bytes) {
+    outlet_.start([this, &executive](std::span<const std::uint8_t> bytes) {
       server_.receive(client_arrived(executive), bytes);
     });
   }

@@ -53,6 +53,7 @@ SimulatedWorld::SimulatedWorld(const WorldSettings& settings, MachineInScene con
     numbers += field.count;
   }
   truth_.machine.resize(numbers);
+  truth_.links.resize(links);
 }
 
 SimulatedWorld::~SimulatedWorld() = default;
@@ -66,10 +67,8 @@ void SimulatedWorld::set_weather(std::unique_ptr<sim::SceneWeather> weather) {
   weather_ = std::move(weather);
 }
 
-void SimulatedWorld::set_truth_observer(std::unique_ptr<TruthObserver> observer, Duration period) {
-  observer_ = std::move(observer);
-  truth_period_ = period;
-  next_truth_ = frontier_ + period;
+void SimulatedWorld::add_truth_observer(std::unique_ptr<TruthObserver> observer, Duration period) {
+  told_.push_back({std::move(observer), period, frontier_ + period});
 }
 
 void SimulatedWorld::set_lidar_truth_observer(std::unique_ptr<LidarTruthObserver> observer) {
@@ -125,8 +124,11 @@ void SimulatedWorld::sample_step(const WorldStep& step, Shelves& samples) {
   for (const auto& sensor : sensors_) {
     sensor->step(step, samples);
   }
-  for (; next_truth_ <= step.t1; next_truth_ += truth_period_) {
-    record_truth(step, next_truth_);
+  for (Told& told : told_) {
+    for (; told.next <= step.t1; told.next += told.period) {
+      fill_truth(step, told.next);
+      told.observer->record(truth_);
+    }
   }
 }
 
@@ -186,11 +188,14 @@ void SimulatedWorld::sample_slice(SimTime t0, SimTime t1, Shelves& samples) {
   ask(false, stages_.sensors_s);
 }
 
-void SimulatedWorld::record_truth(const WorldStep& step, SimTime time) {
+void SimulatedWorld::fill_truth(const WorldStep& step, SimTime time) {
   // The machine's fields are those of the step's end, at most one step later than `time`; the
   // periods are whole steps, so that both are the same instant.
   truth_.time = time;
   truth_.carrier = step.motion({}, time);
+  for (std::size_t link = 0; link < truth_.links.size(); ++link) {
+    truth_.links[link] = step.motion({link, Eigen::Isometry3d::Identity()}, time).X_WL;
+  }
   content_.machine->read_truth(truth_.machine);
   if (const sim::ContactReport* report = content_.machine->contact_report()) {
     ContactTruth& contact = truth_.contact.emplace();
@@ -209,7 +214,6 @@ void SimulatedWorld::record_truth(const WorldStep& step, SimTime time) {
   for (const auto& sensor : sensors_) {
     sensor->tell(step, time, truth_);
   }
-  observer_->record(truth_);
 }
 
 }  // namespace rigwire::hil

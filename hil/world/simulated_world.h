@@ -57,8 +57,8 @@ class SimulatedWorld final : public TruthSource {
   void add(std::unique_ptr<WorldSensor> sensor);
   /// What is in the air from now on; without, it is clear.
   void set_weather(std::unique_ptr<sim::SceneWeather> weather);
-  /// Tells `observer` the truth every `period`, a whole multiple of the step.
-  void set_truth_observer(std::unique_ptr<TruthObserver> observer, Duration period);
+  /// Tells `observer`, too, the truth every `period`, a whole multiple of the step.
+  void add_truth_observer(std::unique_ptr<TruthObserver> observer, Duration period);
   /// Tells `observer` of every shot of every lidar.
   void set_lidar_truth_observer(std::unique_ptr<LidarTruthObserver> observer);
 
@@ -81,16 +81,19 @@ class SimulatedWorld final : public TruthSource {
   void prepare_scene(SimTime t0, SimTime t1);
   void show_leaning();
   void sample_slice(SimTime t0, SimTime t1, Shelves& samples);
-  void record_truth(const WorldStep& step, SimTime time);
+  void fill_truth(const WorldStep& step, SimTime time);
 
   WorldSettings settings_;
   MachineInScene content_;
   std::vector<std::unique_ptr<WorldSensor>> sensors_;
   std::unique_ptr<sim::SceneWeather> weather_;
   std::unique_ptr<LidarTruthObserver> lidar_observer_;
-  std::unique_ptr<TruthObserver> observer_;
-  Duration truth_period_{0};
-  SimTime next_truth_ = kNever;
+  struct Told {
+    std::unique_ptr<TruthObserver> observer;
+    Duration period{0};
+    SimTime next = kNever;
+  };
+  std::vector<Told> told_;
   TruthRecord truth_;  ///< Filled anew each time.
 
   SimTime frontier_ = kStart;

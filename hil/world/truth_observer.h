@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <optional>
 #include <string_view>
@@ -37,10 +38,11 @@ struct ContactTruth {
 /// What is true of the machine at one instant.
 struct TruthRecord {
   SimTime time{};
-  sim::LinkMotion carrier;              ///< Of the machine's first link.
-  std::vector<double> machine;          ///< In the order of the machine's truth fields.
-  std::optional<ContactTruth> contact;  ///< Of machines that meet obstacles.
-  std::vector<AntennaTruth> antennas;   ///< In the order in which their sensors were added.
+  sim::LinkMotion carrier;               ///< Of the machine's first link.
+  std::vector<Eigen::Isometry3d> links;  ///< Poses in the world, of all links of the machine.
+  std::vector<double> machine;           ///< In the order of the machine's truth fields.
+  std::optional<ContactTruth> contact;   ///< Of machines that meet obstacles.
+  std::vector<AntennaTruth> antennas;    ///< In the order in which their sensors were added.
 };
 
 class TruthObserver {

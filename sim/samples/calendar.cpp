@@ -201,4 +201,12 @@ std::string format_utc(const UtcTime& time) {
   return result + "Z";
 }
 
+std::chrono::nanoseconds unix_time(const UtcTime& time) {
+  using namespace std::chrono;
+  const sys_days day =
+      year{time.year} / static_cast<unsigned>(time.month) / static_cast<unsigned>(time.day);
+  return day.time_since_epoch() + hours{time.hour} + minutes{time.minute} + seconds{time.second} +
+         nanoseconds{time.nanosecond};
+}
+
 }  // namespace rigwire

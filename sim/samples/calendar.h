@@ -6,6 +6,7 @@
 // is 60.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -58,5 +59,8 @@ class Calendar {
 /// "2026-06-01T08:00:00Z", with up to nine decimals of the second; throws std::invalid_argument.
 [[nodiscard]] UtcTime parse_utc(std::string_view text);
 [[nodiscard]] std::string format_utc(const UtcTime& time);
+
+/// Since 1970-01-01 00:00:00 UTC without leap seconds, as computers count.
+[[nodiscard]] std::chrono::nanoseconds unix_time(const UtcTime& time);
 
 }  // namespace rigwire

@@ -367,7 +367,7 @@ TEST(SimulatedWorld, TellsWhereTheAntennasAreInTheOrderOfTheSensors) {
   antenna(0, "right", 1.0);
   antenna(1, "left", -1.0);
   std::vector<Notebook::Line> lines;
-  world.set_truth_observer(std::make_unique<Notebook>(lines), 3ms);
+  world.add_truth_observer(std::make_unique<Notebook>(lines), 3ms);
   Shelves plans;
   plans.of<SamplePlan>(1).push_back({kStart + 4ms, 1s});
   SampleBatch batch;

@@ -1,0 +1,496 @@
+#include "hil/record/recorder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "drivers/endpoints.h"
+#include "hil/configuration/suggest.h"
+#include "hil/executive/executive.h"
+#include "hil/record/truth_tap.h"
+#include "protocols/pcapng/link_packet.h"
+
+namespace rigwire::hil {
+namespace {
+
+namespace fs = std::filesystem;
+namespace pcapng = protocols::pcapng;
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kTruthName = "truth";
+constexpr Duration kStatisticsPeriod = std::chrono::seconds{1};
+
+/// Of a client whose port nobody knows: the first of those that systems hand out.
+constexpr std::uint16_t kFirstClientPort = 49'152;
+constexpr std::uint64_t kClientPorts = 16'384;
+constexpr std::uint32_t kLoopback = 0x7F00'0001;
+
+pcapng::IpEnd end_of(const drivers::IpEnd& end) {
+  return {end.address, end.port};
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  const auto refuse = [&](const std::string& why) {
+    throw drivers::EndpointError(fmt::format("--record {}: {}", folder.string(), why));
+  };
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
+    refuse("a file is there; allowed a folder that is new or empty");
+  }
+  fs::create_directories(folder, error);
+  if (error) {
+    refuse("cannot be made: " + error.message());
+  }
+  const bool empty = fs::is_empty(folder, error);
+  if (error) {
+    refuse("cannot be read: " + error.message());
+  }
+  if (!empty) {
+    refuse(fmt::format("the folder is not empty, found {}; allowed a folder that is new or empty",
+                       fs::directory_iterator(folder)->path().filename().string()));
+  }
+}
+
+std::string timestamp(const RecordedRun& run, SimTime at) {
+  const std::int64_t ns = run.start_unix_ns + at.time_since_epoch().count();
+  return fmt::format(R"({{"sec":{},"nsec":{}}})", ns / 1'000'000'000, ns % 1'000'000'000);
+}
+
+}  // namespace
+
+/// Lays out what passes on one wire.
+class Recorder::Wire final : public WireTap {
+ public:
+  Wire(Recorder& recorder, std::size_t index) : recorder_(recorder), track_(wire_track(index)) {}
+
+  void sent(SimTime at, const WirePiece& piece) override { put(at, 0, piece); }
+  void carried(SimTime at, const WirePiece& piece) override { put(at, kInbound, piece); }
+  void received(const WirePiece& piece) override;
+  void lost(SimTime at) override { recorder_.put(track_, kWireLost, at, {}); }
+  void note(SimTime at, std::string_view text) {
+    recorder_.put(track_, kWireNote, at,
+                  {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  }
+
+  void put(SimTime at, std::uint8_t flags, const WirePiece& piece);
+
+ private:
+  struct Conversation {
+    explicit Conversation(const StreamPiece& piece)
+        : tcp({kLoopback,
+               static_cast<std::uint16_t>(kFirstClientPort + piece.connection % kClientPorts)},
+              end_of(piece.device)) {}
+    pcapng::TcpConversation tcp;
+    std::array<bool, 2> ended{};  ///< By side.
+  };
+
+  void lay_out(SimTime at, std::uint8_t flags, const SerialPiece& piece) {
+    recorder_.put(track_, flags, at, piece.bytes);
+  }
+  void lay_out(SimTime at, std::uint8_t flags, const protocols::can::Frame& frame) {
+    recorder_.put(track_, flags, at, pcapng::can_packet(frame));
+  }
+  void lay_out(SimTime at, std::uint8_t flags, const protocols::can::ErrorFrame& frame) {
+    recorder_.put(track_, flags, at, pcapng::can_packet(frame));
+  }
+  void lay_out(SimTime at, std::uint8_t flags, const DatagramPiece& piece) {
+    const bool inbound = (flags & kInbound) != 0;
+    packet_.clear();
+    pcapng::append_udp(packet_, end_of(inbound ? piece.client : piece.device),
+                       end_of(inbound ? piece.device : piece.client), piece.bytes);
+    recorder_.put(track_, flags, at, packet_);
+  }
+  void lay_out(SimTime at, std::uint8_t flags, const StreamPiece& piece);
+
+  Recorder& recorder_;
+  std::uint16_t track_;
+  pcapng::Bytes packet_;
+  std::map<drivers::StreamServer::ConnectionId, Conversation> conversations_;
+};
+
+void Recorder::Wire::put(SimTime at, std::uint8_t flags, const WirePiece& piece) {
+  std::visit([&](const auto& kind) { lay_out(at, flags, kind); }, piece);
+}
+
+void Recorder::Wire::lay_out(SimTime at, std::uint8_t flags, const StreamPiece& piece) {
+  using Side = pcapng::TcpConversation::Side;
+  const bool inbound = (flags & kInbound) != 0;
+  const Side from = inbound ? Side::client : Side::server;
+  const auto use = [&](Side side, std::span<const std::uint8_t> segment) {
+    recorder_.put(track_, side == Side::client ? kInbound : 0, at, segment);
+  };
+  auto found = conversations_.find(piece.connection);
+  if (found == conversations_.end()) {
+    if (piece.what != StreamPiece::What::opened && piece.what != StreamPiece::What::bytes) {
+      return;
+    }
+    found = conversations_.try_emplace(piece.connection, piece).first;
+    found->second.tcp.open(use);
+  }
+  Conversation& conversation = found->second;
+  const auto end = [&](Side side) {
+    bool& ended = conversation.ended[static_cast<std::size_t>(side)];
+    if (!std::exchange(ended, true)) {
+      conversation.tcp.finish(side, use);
+    }
+  };
+  switch (piece.what) {
+    case StreamPiece::What::opened:
+      break;
+    case StreamPiece::What::bytes:
+      conversation.tcp.data(from, piece.bytes, use);
+      break;
+    case StreamPiece::What::ended:
+      end(from);
+      break;
+    case StreamPiece::What::gone:
+      end(Side::client);
+      end(Side::server);
+      conversations_.erase(found);
+      break;
+  }
+}
+
+/// What clients sent, until its instant has come among what was due.
+class Recorder::Arrivals final : public Outlet {
+ public:
+  /// Copies what the piece refers to.
+  void add(SimTime at, Wire& wire, const WirePiece& piece) {
+    Waiting waiting{at, &wire, piece, {}};
+    std::visit(
+        [&](auto& kind) {
+          if constexpr (requires { kind.bytes; }) {
+            waiting.bytes.assign(kind.bytes.begin(), kind.bytes.end());
+          }
+        },
+        waiting.piece);
+    waiting_.push_back(std::move(waiting));
+  }
+  [[nodiscard]] SimTime next_due() const override {
+    return waiting_.empty() ? kNever : waiting_.front().at;
+  }
+  void transmit_front(std::optional<Duration> /*lateness*/) override {
+    Waiting& front = waiting_.front();
+    std::visit(
+        [&](auto& kind) {
+          if constexpr (requires { kind.bytes; }) {
+            kind.bytes = front.bytes;
+          }
+        },
+        front.piece);
+    front.wire->put(front.at, kInbound, front.piece);
+    waiting_.pop_front();
+  }
+
+ private:
+  struct Waiting {
+    SimTime at{};
+    Wire* wire = nullptr;
+    WirePiece piece;
+    std::vector<std::uint8_t> bytes;
+  };
+  std::deque<Waiting> waiting_;
+};
+
+void Recorder::Wire::received(const WirePiece& piece) {
+  recorder_.arrivals_->add(recorder_.executive_->now(), *this, piece);
+}
+
+/// Tells of faults when they begin and end, and of each second's figures.
+class Recorder::Watch final : public EventSource {
+ public:
+  Watch(Recorder& recorder, std::function<RecordedStatus()> status,
+        const std::vector<FaultWindow>& faults)
+      : recorder_(recorder), status_(std::move(status)) {
+    for (const FaultWindow& fault : faults) {
+      edges_.push_back(fault.begin);
+      if (fault.end != kNever) {
+        edges_.push_back(fault.end);
+      }
+    }
+    std::ranges::sort(edges_);
+  }
+
+  [[nodiscard]] SimTime next_event() const override {
+    return edges_.empty() ? next_figures_ : std::min(next_figures_, edges_.front());
+  }
+  [[nodiscard]] SimTime next_wakeup() const override { return next_event(); }
+  void advance(SimTime now) override {
+    while (!edges_.empty() && edges_.front() <= now) {
+      edges_.pop_front();
+    }
+    const RecordedStatus status = status_();
+    tell_faults(now, status);
+    if (next_figures_ <= now) {
+      tell_figures(now, status);
+      next_figures_ += kStatisticsPeriod * ((now - next_figures_) / kStatisticsPeriod + 1);
+    }
+  }
+  /// The last figures.
+  void end(SimTime now) {
+    if (now != told_figures_) {
+      tell_figures(now, status_());
+    }
+  }
+
+ private:
+  void tell_faults(SimTime now, const RecordedStatus& status) {
+    for (const FaultWindow& fault : status.faults) {
+      if (std::ranges::find(acting_, fault) == acting_.end()) {
+        tell(now, fault, status, "begins");
+      }
+    }
+    for (const FaultWindow& fault : acting_) {
+      if (std::ranges::find(status.faults, fault) == status.faults.end()) {
+        tell(now, fault, status, "ends");
+      }
+    }
+    acting_ = status.faults;
+  }
+
+  void tell(SimTime now, const FaultWindow& fault, const RecordedStatus& status,
+            std::string_view what) {
+    const std::string text = fmt::format("fault {} of {} {} at {:.9f} s", fault.type, fault.where,
+                                         what, to_seconds(now));
+    recorder_.event(LogLevel::info, text);
+    if (Wire* wire = wire_of(fault.where, status)) {
+      wire->note(now, text);
+    }
+  }
+
+  /// Of a device by its name or that of its bus, or of a bus or line itself.
+  [[nodiscard]] Wire* wire_of(const std::string& where, const RecordedStatus& status) const {
+    const std::string name = where.substr(where.find(' ') + 1);
+    const auto device = std::ranges::find(status.devices, name, &RecordedStatus::Device::name);
+    for (std::size_t i = 0; i < recorder_.about_.size(); ++i) {
+      const RecordedWire& wire = recorder_.about_[i];
+      if (wire.name == name ||
+          (device != status.devices.end() && device->wire.starts_with(wire.address))) {
+        return recorder_.wires_[i].get();
+      }
+    }
+    return nullptr;
+  }
+
+  void tell_figures(SimTime now, const RecordedStatus& status) {
+    told_figures_ = now;
+    Json json{{"sim_s", to_seconds(now)}, {"devices", Json::object()}};
+    for (const RecordedStatus::Device& device : status.devices) {
+      json["devices"][device.name] = {{"frames", device.frames},
+                                      {"bytes", device.bytes},
+                                      {"dropped", device.dropped},
+                                      {"lateness_p99_us", 1e6 * to_seconds(device.lateness_p99)},
+                                      {"lateness_max_us", 1e6 * to_seconds(device.lateness_max)}};
+    }
+    recorder_.put(TruthTrack::statistics, now, json.dump());
+  }
+
+  Recorder& recorder_;
+  std::function<RecordedStatus()> status_;
+  std::deque<SimTime> edges_;  ///< When faults begin and end.
+  std::vector<FaultWindow> acting_;
+  SimTime next_figures_ = kStart + kStatisticsPeriod;
+  SimTime told_figures_ = kStart;
+};
+
+/// Writes records of the truth as messages.
+class Recorder::Truth final : public TruthObserver {
+ public:
+  Truth(Recorder& recorder, const Calendar& calendar, std::span<const sim::TruthField> fields,
+        std::span<const std::string_view> links)
+      : recorder_(recorder),
+        calendar_(calendar),
+        fields_(fields.begin(), fields.end()),
+        links_(links.begin(), links.end()) {}
+
+  void record(const TruthRecord& record) override {
+    recorder_.put(TruthTrack::truth, record.time, truth_line(record, calendar_, fields_));
+    const std::string stamp = timestamp(recorder_.run_, record.time);
+    text_ = R"({"transforms":[)";
+    for (std::size_t i = 0; i < links_.size() && i < record.links.size(); ++i) {
+      const Eigen::Vector3d p = record.links[i].translation();
+      const Eigen::Quaterniond q(record.links[i].linear());
+      fmt::format_to(std::back_inserter(text_),
+                     R"({}{{"timestamp":{},"parent_frame_id":"world","child_frame_id":{},)"
+                     R"("translation":{{"x":{:.12g},"y":{:.12g},"z":{:.12g}}},)"
+                     R"("rotation":{{"x":{:.12g},"y":{:.12g},"z":{:.12g},"w":{:.12g}}}}})",
+                     i == 0 ? "" : ",", stamp, Json(links_[i]).dump(), p.x(), p.y(), p.z(), q.x(),
+                     q.y(), q.z(), q.w());
+    }
+    text_ += "]}";
+    recorder_.put(TruthTrack::transforms, record.time, text_);
+    for (const AntennaTruth& antenna : record.antennas) {
+      text_.clear();
+      fmt::format_to(std::back_inserter(text_),
+                     R"({{"timestamp":{},"frame_id":{},"latitude":{:.10f},"longitude":{:.10f},)"
+                     R"("altitude":{:.4f},"position_covariance":[0,0,0,0,0,0,0,0,0],)"
+                     R"("position_covariance_type":0}})",
+                     stamp, Json(std::string(antenna.device)).dump(), antenna.place.latitude_deg,
+                     antenna.place.longitude_deg, antenna.place.ellipsoid_height_m);
+      recorder_.put(TruthTrack::location, record.time, text_);
+    }
+  }
+
+ private:
+  Recorder& recorder_;
+  Calendar calendar_;
+  std::vector<sim::TruthField> fields_;
+  std::vector<std::string> links_;
+  std::string text_;
+};
+
+Recorder::Recorder(RecordOptions options, RecordedRun run, std::chrono::milliseconds patience,
+                   OutputFailures& failures)
+    : options_(std::move(options)),
+      run_(std::move(run)),
+      failures_(failures),
+      with_truth_(wanted(std::string(kTruthName))),
+      arrivals_(std::make_unique<Arrivals>()),
+      queue_(kQueueBytes, patience) {
+  make_folder(options_.folder);
+}
+
+Recorder::~Recorder() {
+  end_thread();
+}
+
+bool Recorder::wanted(const std::string& name) const {
+  return options_.only.empty() || std::ranges::find(options_.only, name) != options_.only.end();
+}
+
+void Recorder::attach(Executive& executive) {
+  executive_ = &executive;
+  executive.add(*arrivals_);
+}
+
+WireTap* Recorder::add_wire(const std::string& name, WireKind kind, const std::string& address) {
+  std::string unique = name;
+  if (std::ranges::find(names_, name) != names_.end() || name == kTruthName) {
+    constexpr std::array<std::string_view, 3> kSuffixes{"_serial", "_can", "_ethernet"};
+    unique += kSuffixes[static_cast<std::size_t>(kind)];
+  }
+  names_.push_back(unique);
+  if (!wanted(unique)) {
+    return nullptr;
+  }
+  about_.push_back({unique, kind, address});
+  wires_.push_back(std::make_unique<Wire>(*this, wires_.size()));
+  return wires_.back().get();
+}
+
+std::unique_ptr<TruthObserver> Recorder::truth_observer(const Calendar& calendar,
+                                                        std::span<const sim::TruthField> fields,
+                                                        std::span<const std::string_view> links) {
+  return with_truth_ ? std::make_unique<Truth>(*this, calendar, fields, links) : nullptr;
+}
+
+void Recorder::start(std::function<RecordedStatus()> status,
+                     const std::vector<FaultWindow>& faults) {
+  std::vector<std::string> allowed = names_;
+  allowed.emplace_back(kTruthName);
+  for (const std::string& name : options_.only) {
+    if (std::ranges::find(allowed, name) == allowed.end()) {
+      const std::string near = nearest_word(name, allowed);
+      throw std::invalid_argument(
+          fmt::format("--only: the rig has no such wire, found \"{}\", allowed {}{}", name,
+                      join_words(allowed), near.empty() ? "" : ", did you mean " + near + "?"));
+    }
+  }
+  writer_ = std::make_unique<RecordingWriter>(
+      options_.folder, run_, about_, with_truth_, [this](const std::string& what, bool over) {
+        if (!over) {
+          failures_.report("the recording is not complete: " + what);
+        }
+        trouble_.emplace_back(over ? LogLevel::info : LogLevel::error, what);
+      });
+  thread_ = std::thread([this] { write_all(); });
+  watch_ = std::make_unique<Watch>(*this, std::move(status), faults);
+  executive_->add(*watch_);
+}
+
+void Recorder::put(std::uint16_t track, std::uint8_t flags, SimTime at,
+                   std::span<const std::uint8_t> bytes) {
+  if (!queue_.put({track, flags, at, bytes}) && !told_full_.exchange(true)) {
+    failures_.report(
+        fmt::format("the recording is not complete: {} takes less than passes; what does not fit "
+                    "into {} MB of memory is lost",
+                    options_.folder, kQueueBytes / 1'048'576));
+  }
+}
+
+void Recorder::put(TruthTrack track, SimTime at, std::string_view text) {
+  if (with_truth_) {
+    put(static_cast<std::uint16_t>(track), 0, at,
+        {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  }
+}
+
+void Recorder::event(LogLevel level, std::string_view text) {
+  put(TruthTrack::events, executive_->reached(), event_text(executive_->reached(), level, text));
+}
+
+std::string Recorder::event_text(SimTime at, LogLevel level, std::string_view text) const {
+  const Json json{{"message", text}, {"name", "rigwire"}, {"file", ""}, {"line", 0}};
+  // As foxglove.Log counts them: 1 debug, 2 info, 3 warning, 4 error.
+  std::string members = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return fmt::format(R"({{"timestamp":{},"level":{},{})", timestamp(run_, at),
+                     static_cast<int>(level) + 1, members.substr(1));
+}
+
+void Recorder::write_all() {
+  auto flushed = std::chrono::steady_clock::now();
+  for (bool over = false; !over;) {
+    over = queue_.closed();
+    const RecordQueue::Taken& taken = queue_.take(kFlushPeriod);
+    // What was lost was so after the entries that found room.
+    for (const RecordEntry& entry : taken.entries) {
+      writer_->write(entry);
+      while (!trouble_.empty()) {
+        const auto [level, what] = std::move(trouble_.front());
+        trouble_.pop_front();
+        const std::string text = event_text(entry.at, level, what);
+        writer_->write({static_cast<std::uint16_t>(TruthTrack::events),
+                        0,
+                        entry.at,
+                        {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}});
+      }
+    }
+    for (std::size_t track = 0; track < taken.lost.size(); ++track) {
+      if (taken.lost[track] != 0) {
+        writer_->lost(static_cast<std::uint16_t>(track), taken.lost[track]);
+      }
+    }
+    const auto now = std::chrono::steady_clock::now();
+    if (now - flushed >= kFlushPeriod) {
+      flushed = now;
+      writer_->flush();
+    }
+  }
+}
+
+void Recorder::end_thread() {
+  if (thread_.joinable()) {
+    queue_.close();
+    thread_.join();
+  }
+}
+
+void Recorder::finish(SimTime end) {
+  watch_->end(end);
+  end_thread();
+  try {
+    writer_->finish(end);
+  } catch (const std::exception& error) {
+    failures_.report(error.what());
+  }
+}
+
+}  // namespace rigwire::hil

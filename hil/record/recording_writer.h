@@ -1,0 +1,120 @@
+// The files of a recording, from what was told: one thread's work, beside the run.
+//
+//   FOLDER/recording.json      what it is: run, wires, files; again at the end, with what was lost
+//   FOLDER/rig.yaml            the effective configuration
+//   FOLDER/all.pcapng          every wire
+//   FOLDER/truth.mcap          truth, events, statistics, configuration
+//   FOLDER/wires/NAME.pcapng   one wire
+//   FOLDER/wires/NAME.log      a CAN bus as candump -L -x writes it
+//   FOLDER/wires/NAME.bytes    what a device sent on a serial line
+//   FOLDER/wires/NAME.client   what it was sent
+//   FOLDER/wires/NAME.index    when: a line for each piece, "SECONDS > OFFSET LENGTH" of the
+//   device,
+//                              "SECONDS < OFFSET LENGTH" of its client; lines with # are comments
+//
+// Equal calls give equal bytes. What a disk does not take is counted and told in the files as soon
+// as they can be written again: packets carry the number of those lost before them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hil/record/record_queue.h"
+#include "hil/record/recording_file.h"
+#include "hil/wires/wire_tap.h"
+#include "protocols/mcap/mcap.h"
+#include "protocols/pcapng/pcapng.h"
+#include "sim/samples/time.h"
+
+namespace rigwire::hil {
+
+/// What a recording is of.
+struct RecordedRun {
+  std::string version;  ///< Of rigwire.
+  std::string rig;
+  std::uint64_t seed = 0;
+  std::string config_hash;
+  std::string clock;
+  std::string start_utc;
+  std::int64_t start_unix_ns = 0;
+  std::string configuration;  ///< YAML.
+};
+
+struct RecordedWire {
+  std::string name;  ///< Also of its files.
+  WireKind kind = WireKind::serial;
+  std::string address;  ///< What a client opens.
+};
+
+/// Channels of the MCAP file, which are the first tracks of a recording.
+enum class TruthTrack : std::uint16_t { truth, transforms, location, statistics, events };
+inline constexpr std::uint16_t kTruthTracks = 5;
+/// The track of a wire by its index.
+[[nodiscard]] constexpr std::uint16_t wire_track(std::size_t wire) {
+  return static_cast<std::uint16_t>(kTruthTracks + wire);
+}
+
+// Flags of an entry of a wire. Bytes are those of a packet of its link type, on a serial line those
+// that it carried.
+inline constexpr std::uint8_t kInbound = 1;   ///< Of a client.
+inline constexpr std::uint8_t kWireLost = 2;  ///< No packet: the wire did not take one.
+inline constexpr std::uint8_t kWireNote = 4;  ///< No packet: a comment for the next one.
+
+/// How much of what was not recorded.
+struct RecordingTotals {
+  struct Wire {
+    std::uint64_t packets = 0;
+    std::uint64_t bytes = 0;
+    std::uint64_t lost = 0;  ///< Passed on the wire and is not in its file.
+    std::uint64_t dropped_by_wire = 0;
+  };
+  std::vector<Wire> wires;
+  std::array<std::uint64_t, kTruthTracks> messages{};
+  std::uint64_t lost_messages = 0;
+};
+
+class RecordingWriter {
+ public:
+  /// Makes the files in `folder`, which must be there and without them. `with_truth`: whether there
+  /// is an MCAP. Throws drivers::EndpointError.
+  RecordingWriter(const std::filesystem::path& folder, const RecordedRun& run,
+                  std::vector<RecordedWire> wires, bool with_truth, const TellTrouble& tell);
+  ~RecordingWriter();
+  RecordingWriter(const RecordingWriter&) = delete;
+  RecordingWriter& operator=(const RecordingWriter&) = delete;
+
+  void write(const RecordEntry& entry);
+  /// So many of a track never came here.
+  void lost(std::uint16_t track, std::uint64_t count);
+  /// What was written so far goes to the disk, but for an unfinished chunk of messages.
+  void flush();
+  /// Ends the files, with what belongs at an end. Nothing may follow.
+  void finish(SimTime end);
+  [[nodiscard]] const RecordingTotals& totals() const { return totals_; }
+
+ private:
+  struct Wire;
+  void write_packet(Wire& wire, const RecordEntry& entry);
+  void write_piece(Wire& wire, const RecordEntry& entry);
+  void write_frame(Wire& wire, const RecordEntry& entry);
+  void flush_serial(Wire& wire);
+  void flush_messages();
+  void write_description(std::optional<SimTime> end) const;
+  [[nodiscard]] std::uint64_t unix_ns(SimTime at) const;
+
+  std::filesystem::path folder_;
+  RecordedRun run_;
+  std::vector<std::unique_ptr<Wire>> wires_;
+  std::unique_ptr<BlockFile> all_;  ///< Null while there is no wire.
+  std::unique_ptr<RecordingFile> truth_;
+  std::optional<protocols::mcap::Writer> messages_;
+  RecordingTotals totals_;
+};
+
+}  // namespace rigwire::hil

@@ -1,0 +1,64 @@
+// What passes on the rig's wires, as it is told to whoever records it: the one place where all of
+// it comes by is the outlet (hil/wires/outlets.h), so that no device knows of it.
+//
+// Told is what a client of the wire can meet. What a device sent and the wire did not take was on
+// no wire and is told as lost. On a CAN bus the frames of clients are told when they are complete
+// on the bus, with those of the devices in the order of the bus.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <variant>
+
+#include "drivers/endpoints.h"
+#include "protocols/can/error_frame.h"
+#include "protocols/can/frame.h"
+#include "sim/samples/time.h"
+
+namespace rigwire::hil {
+
+enum class WireKind : std::uint8_t { serial, can, ethernet };
+
+struct SerialPiece {
+  std::span<const std::uint8_t> bytes;
+};
+
+struct DatagramPiece {
+  drivers::IpEnd device;
+  drivers::IpEnd client;
+  std::span<const std::uint8_t> bytes;
+};
+
+struct StreamPiece {
+  enum class What : std::uint8_t {
+    opened,
+    bytes,
+    ended,  ///< One side sends nothing more.
+    gone,   ///< The connection is over; told once for each that was opened.
+  };
+
+  drivers::IpEnd device;
+  drivers::StreamServer::ConnectionId connection = 0;
+  What what = What::bytes;
+  std::span<const std::uint8_t> bytes;
+};
+
+using WirePiece = std::variant<SerialPiece, DatagramPiece, StreamPiece, protocols::can::Frame,
+                               protocols::can::ErrorFrame>;
+
+/// Of one wire. On the wire thread; never throws, never waits. What is told is valid during the
+/// call.
+class WireTap {
+ public:
+  virtual ~WireTap() = default;
+  /// Due at `at`, in order of time among all wires.
+  virtual void sent(SimTime at, const WirePiece& piece) = 0;
+  /// A client's, which the bus carried at `at`; in the same order.
+  virtual void carried(SimTime at, const WirePiece& piece) = 0;
+  /// A client's, which the device has been given just now.
+  virtual void received(const WirePiece& piece) = 0;
+  /// Of a device, due at `at`; neither in the queue nor at the endpoint was there room for it.
+  virtual void lost(SimTime at) = 0;
+};
+
+}  // namespace rigwire::hil

@@ -46,9 +46,9 @@ void glaze(const PaneFrame& pane, const std::array<float, 12>& X, const MetSurfa
       share_within(u - 0.5F * wide * per_x, wide * per_x, pane.panes.left, pane.panes.right) *
       share_within(v - 0.5F * wide * per_z, wide * per_z, pane.panes.bottom, pane.panes.top);
   lit.glossy = true;
-  lit.red[i] += glass * (kGlass.red - lit.red[i]);
-  lit.green[i] += glass * (kGlass.green - lit.green[i]);
-  lit.blue[i] += glass * (kGlass.blue - lit.blue[i]);
+  lit.red[i] += glass * (kGlass.one.red - lit.red[i]);
+  lit.green[i] += glass * (kGlass.one.green - lit.green[i]);
+  lit.blue[i] += glass * (kGlass.one.blue - lit.blue[i]);
   lit.gloss[i] += glass * (kGlass.gloss - lit.gloss[i]);
   lit.sharpness[i] += glass * (kGlass.sharpness - lit.sharpness[i]);
   lit.nx[i] += glass * (met.nx[i] - lit.nx[i]);

@@ -139,15 +139,15 @@ RIGWIRE_WIDE_VECTORS void take_looks(const PreparedLook* looks, const LookLanes&
         lanes[i] = all || look[i] == which ? value : lanes[i];
       }
     };
-    set(met.red, s.red), set(met.green, s.green), set(met.blue, s.blue);
-    set(met.red2, s.red2), set(met.green2, s.green2), set(met.blue2, s.blue2);
+    set(met.red, s.one.red), set(met.green, s.one.green), set(met.blue, s.one.blue);
+    set(met.red2, s.two.red), set(met.green2, s.two.green), set(met.blue2, s.two.blue);
     set(met.grain, s.grain), set(met.relief, s.relief), set(met.gloss, s.gloss);
     set(met.sharpness, s.sharpness), set(met.transmission, s.transmission);
     set(met.variation, s.variation), set(met.soaks, s.soaks), set(met.film, s.film);
     set(met.points.frequency_pm, s.frequency_pm), set(met.points.persistence, s.persistence);
     set(met.points.upright, s.upright), set(met.stones, s.stones);
-    set(met.stone_red, s.stone_red), set(met.stone_green, s.stone_green);
-    set(met.stone_blue, s.stone_blue);
+    set(met.stone_red, s.stone.red), set(met.stone_green, s.stone.green);
+    set(met.stone_blue, s.stone.blue);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       set(met.anchor.share[axis], from.share[axis]);
       for (std::size_t i = 0; i < kLanes; ++i) {

@@ -83,20 +83,211 @@ constexpr std::array<LabelLook, 14> kSoils{{{"gravel", SurfaceKind::gravel, {}},
                                             {"asphalt", SurfaceKind::asphalt, {}},
                                             {"concrete", SurfaceKind::concrete, {}}}};
 
-void tint(Shade& shade, const std::array<float, 3>& colour) {
-  // The second tint and the stones keep their ratios to the first one.
-  const float before = std::max(shade.red + shade.green + shade.blue, 1e-3F);
-  const float keep = (shade.red2 + shade.green2 + shade.blue2) / before;
-  shade.red = colour[0];
-  shade.green = colour[1];
-  shade.blue = colour[2];
-  shade.red2 = keep * colour[0];
-  shade.green2 = keep * colour[1];
-  shade.blue2 = keep * colour[2];
-  const float stone = (shade.stone_red + shade.stone_green + shade.stone_blue) / before;
-  shade.stone_red = stone * colour[0];
-  shade.stone_green = stone * colour[1];
-  shade.stone_blue = stone * colour[2];
+struct KindLook {
+  SurfaceKind kind;
+  Shade shade;
+};
+
+constexpr std::array<KindLook, 19> kKindLooks{
+    {{SurfaceKind::gravel,
+      {.one = {0.275F, 0.223F, 0.162F},
+       .two = {0.230F, 0.180F, 0.124F},
+       .frequency_pm = 0.5F,
+       .grain = 0.055F,
+       .persistence = 1.05F,
+       .relief = 0.12F,
+       .soaks = 1.0F,
+       .film = 0.10F,
+       .stones = 0.55F,
+       .stone = {0.265F, 0.243F, 0.212F},
+       .bare_from = 0.95F}},
+     {SurfaceKind::soil,
+      {.one = {0.185F, 0.130F, 0.085F},
+       .two = {0.145F, 0.100F, 0.062F},
+       .frequency_pm = 0.6F,
+       .grain = 0.07F,
+       .persistence = 1.05F,
+       .relief = 0.16F,
+       .soaks = 1.0F,
+       .film = 0.15F,
+       .stones = 0.15F,
+       .stone = {0.24F, 0.22F, 0.19F},
+       .bare_from = 1.1F}},
+     {SurfaceKind::mud,
+      {.one = {0.085F, 0.060F, 0.040F},
+       .two = {0.060F, 0.043F, 0.029F},
+       .frequency_pm = 0.8F,
+       .grain = 0.07F,
+       .persistence = 0.9F,
+       .relief = 0.10F,
+       .gloss = 0.02F,
+       .sharpness = 90.0F,
+       .soaks = 0.5F,
+       .film = 1.00F,
+       .bare_from = 1.2F}},
+     {SurfaceKind::litter,
+      {.one = {0.112F, 0.076F, 0.043F},
+       .two = {0.078F, 0.063F, 0.034F},
+       .frequency_pm = 0.7F,
+       .grain = 0.10F,
+       .persistence = 1.02F,
+       .relief = 0.18F,
+       .soaks = 1.0F,
+       .film = 0.05F,
+       .stones = 0.35F,
+       .stone = {0.165F, 0.105F, 0.055F},
+       .bare_from = 1.2F}},
+     {SurfaceKind::rock,
+      {.one = {0.250F, 0.235F, 0.215F},
+       .two = {0.175F, 0.162F, 0.148F},
+       .frequency_pm = 1.2F,
+       .grain = 0.15F,
+       .persistence = 0.88F,
+       .relief = 0.16F,
+       .variation = 0.06F,
+       .soaks = 0.8F,
+       .film = 0.35F}},
+     {SurfaceKind::grass,
+      {.one = {0.068F, 0.105F, 0.027F},
+       .two = {0.098F, 0.118F, 0.038F},
+       .frequency_pm = 0.5F,
+       .grain = 0.045F,
+       .persistence = 1.12F,
+       .relief = 0.20F,
+       .transmission = 0.25F,
+       .soaks = 0.3F,
+       .bare_from = 1.2F}},
+     {SurfaceKind::leaves,
+      {.one = {0.042F, 0.078F, 0.018F},
+       .two = {0.062F, 0.092F, 0.022F},
+       .frequency_pm = 0.6F,
+       .grain = 0.14F,
+       .persistence = 1.0F,
+       .relief = 0.30F,
+       .transmission = 0.25F,
+       .variation = 0.22F}},
+     {SurfaceKind::canopy,
+      {.one = {0.020F, 0.036F, 0.010F},
+       .two = {0.028F, 0.044F, 0.012F},
+       .frequency_pm = 0.5F,
+       .grain = 0.10F,
+       .persistence = 1.0F,
+       .relief = 0.30F,
+       .transmission = 0.15F,
+       .stones = 1.4F,
+       .stone = {0.062F, 0.104F, 0.025F}}},
+     {SurfaceKind::bark,
+      {.one = {0.135F, 0.104F, 0.078F},
+       .two = {0.080F, 0.064F, 0.050F},
+       .frequency_pm = 9.0F,
+       .upright = 0.2F,
+       .grain = 0.17F,
+       .persistence = 0.9F,
+       .relief = 0.25F,
+       .soaks = 0.8F,
+       .film = 0.10F}},
+     {SurfaceKind::asphalt,
+      {.one = {0.090F, 0.088F, 0.085F},
+       .two = {0.080F, 0.079F, 0.077F},
+       .frequency_pm = 0.6F,
+       .grain = 0.022F,
+       .persistence = 1.2F,
+       .relief = 0.07F,
+       .soaks = 1.0F,
+       .film = 0.80F}},
+     {SurfaceKind::concrete,
+      {.one = {0.36F, 0.35F, 0.33F},
+       .two = {0.30F, 0.29F, 0.27F},
+       .frequency_pm = 0.8F,
+       .grain = 0.025F,
+       .persistence = 0.7F,
+       .relief = 0.01F,
+       .soaks = 0.8F,
+       .film = 0.60F}},
+     {SurfaceKind::plaster,
+      {.one = {0.58F, 0.54F, 0.46F},
+       .two = {0.50F, 0.46F, 0.39F},
+       .frequency_pm = 0.4F,
+       .grain = 0.02F,
+       .persistence = 0.7F,
+       .relief = 0.01F,
+       .soaks = 0.3F,
+       .film = 0.10F}},
+     {SurfaceKind::facade,
+      {.one = {0.56F, 0.52F, 0.44F},
+       .two = {0.52F, 0.48F, 0.405F},
+       .frequency_pm = 0.4F,
+       .grain = 0.015F,
+       .persistence = 0.9F,
+       .relief = 0.01F,
+       .soaks = 0.3F,
+       .film = 0.10F,
+       .panes = {.across_m = 2.8F}}},
+     {SurfaceKind::paint,
+      {.one = {0.40F, 0.40F, 0.40F},
+       .two = {0.36F, 0.355F, 0.345F},
+       .frequency_pm = 0.9F,
+       .grain = 0.025F,
+       .persistence = 0.8F,
+       .relief = 0.004F,
+       .gloss = 0.04F,
+       .sharpness = 60.0F}},
+     {SurfaceKind::cab,
+      {.one = {0.40F, 0.40F, 0.40F},
+       .two = {0.36F, 0.355F, 0.345F},
+       .frequency_pm = 0.9F,
+       .grain = 0.025F,
+       .persistence = 0.8F,
+       .relief = 0.004F,
+       .gloss = 0.04F,
+       .sharpness = 60.0F,
+       .panes = {1.6F, 4.0F, 0.07F, 0.93F, 0.44F, 0.93F}}},
+     {SurfaceKind::rubber,
+      {.one = {0.036F, 0.035F, 0.034F},
+       .two = {0.052F, 0.047F, 0.041F},
+       .frequency_pm = 2.0F,
+       .grain = 0.05F,
+       .persistence = 1.0F,
+       .relief = 0.03F,
+       .gloss = 0.03F,
+       .sharpness = 12.0F}},
+     {SurfaceKind::steel,
+      {.one = {0.17F, 0.155F, 0.145F},
+       .two = {0.13F, 0.095F, 0.070F},
+       .frequency_pm = 2.0F,
+       .grain = 0.12F,
+       .persistence = 0.8F,
+       .relief = 0.03F,
+       .gloss = 0.25F,
+       .sharpness = 40.0F}},
+     {SurfaceKind::glass,
+      {.one = {0.020F, 0.022F, 0.022F},
+       .two = {0.026F, 0.027F, 0.027F},
+       .frequency_pm = 0.8F,
+       .grain = 0.02F,
+       .persistence = 0.8F,
+       .gloss = 0.06F,
+       .sharpness = 120.0F}},
+     {SurfaceKind::reflector,
+      {.one = {0.75F, 0.75F, 0.74F},
+       .two = {0.70F, 0.70F, 0.68F},
+       .frequency_pm = 1.0F,
+       .grain = 0.02F,
+       .persistence = 0.7F,
+       .gloss = 0.05F,
+       .sharpness = 80.0F}}}};
+
+/// The second tint and the stones keep their ratios to the first one.
+void tint(Shade& shade, const Albedo& colour) {
+  const auto sum = [](const Albedo& a) { return a.red + a.green + a.blue; };
+  const float before = std::max(sum(shade.one), 1e-3F);
+  const auto scaled = [&](const Albedo& second) {
+    const float keep = sum(second) / before;
+    return Albedo{keep * colour.red, keep * colour.green, keep * colour.blue};
+  };
+  shade.two = scaled(shade.two);
+  shade.stone = scaled(shade.stone);
+  shade.one = colour;
 }
 
 }  // namespace
@@ -115,152 +306,23 @@ void validate(const SurfaceLook& look) {
 }
 
 Shade shade_of(SurfaceKind kind) {
-  Shade s;
-  const auto colours = [&](std::array<float, 3> a, std::array<float, 3> b) {
-    s.red = a[0], s.green = a[1], s.blue = a[2];
-    s.red2 = b[0], s.green2 = b[1], s.blue2 = b[2];
-  };
-  const auto stones = [&](float share, std::array<float, 3> colour) {
-    s.stones = share;
-    s.stone_red = colour[0], s.stone_green = colour[1], s.stone_blue = colour[2];
-  };
-  switch (kind) {
-    case SurfaceKind::gravel:
-      colours({0.275F, 0.223F, 0.162F}, {0.230F, 0.180F, 0.124F});
-      stones(0.55F, {0.265F, 0.243F, 0.212F});
-      s.frequency_pm = 0.5F, s.grain = 0.055F, s.persistence = 1.05F, s.relief = 0.12F;
-      s.soaks = 1.0F, s.bare_from = 0.95F;
-      s.film = 0.10F;
-      break;
-    case SurfaceKind::soil:
-      colours({0.185F, 0.130F, 0.085F}, {0.145F, 0.100F, 0.062F});
-      stones(0.15F, {0.24F, 0.22F, 0.19F});
-      s.frequency_pm = 0.6F, s.grain = 0.07F, s.persistence = 1.05F, s.relief = 0.16F;
-      s.soaks = 1.0F, s.bare_from = 1.1F;
-      s.film = 0.15F;
-      break;
-    case SurfaceKind::mud:
-      colours({0.085F, 0.060F, 0.040F}, {0.060F, 0.043F, 0.029F});
-      s.frequency_pm = 0.8F, s.grain = 0.07F, s.persistence = 0.9F, s.relief = 0.10F;
-      s.gloss = 0.02F, s.sharpness = 90.0F, s.soaks = 0.5F, s.bare_from = 1.2F;
-      s.film = 1.00F;
-      break;
-    case SurfaceKind::litter:
-      colours({0.112F, 0.076F, 0.043F}, {0.078F, 0.063F, 0.034F});
-      stones(0.35F, {0.165F, 0.105F, 0.055F});
-      s.frequency_pm = 0.7F, s.grain = 0.10F, s.persistence = 1.02F, s.relief = 0.18F;
-      s.soaks = 1.0F, s.bare_from = 1.2F;
-      s.film = 0.05F;
-      break;
-    case SurfaceKind::rock:
-      colours({0.250F, 0.235F, 0.215F}, {0.175F, 0.162F, 0.148F});
-      s.frequency_pm = 1.2F, s.grain = 0.15F, s.persistence = 0.88F, s.relief = 0.16F;
-      s.variation = 0.06F, s.soaks = 0.8F;
-      s.film = 0.35F;
-      break;
-    case SurfaceKind::grass:
-      colours({0.068F, 0.105F, 0.027F}, {0.098F, 0.118F, 0.038F});
-      s.frequency_pm = 0.5F, s.grain = 0.045F, s.persistence = 1.12F, s.relief = 0.20F;
-      s.transmission = 0.25F, s.variation = 0.0F, s.soaks = 0.3F, s.bare_from = 1.2F;
-      break;
-    case SurfaceKind::leaves:
-      colours({0.042F, 0.078F, 0.018F}, {0.062F, 0.092F, 0.022F});
-      s.frequency_pm = 0.6F, s.grain = 0.14F, s.persistence = 1.0F, s.relief = 0.30F;
-      s.transmission = 0.25F, s.variation = 0.22F;
-      break;
-    case SurfaceKind::canopy:
-      colours({0.020F, 0.036F, 0.010F}, {0.028F, 0.044F, 0.012F});
-      stones(1.4F, {0.062F, 0.104F, 0.025F});
-      s.frequency_pm = 0.5F, s.grain = 0.10F, s.persistence = 1.0F, s.relief = 0.30F;
-      s.transmission = 0.15F;
-      break;
-    case SurfaceKind::bark:
-      colours({0.135F, 0.104F, 0.078F}, {0.080F, 0.064F, 0.050F});
-      s.frequency_pm = 9.0F, s.upright = 0.2F, s.grain = 0.17F, s.persistence = 0.9F;
-      s.relief = 0.25F, s.soaks = 0.8F;
-      s.film = 0.10F;
-      break;
-    case SurfaceKind::asphalt:
-      colours({0.090F, 0.088F, 0.085F}, {0.080F, 0.079F, 0.077F});
-      s.frequency_pm = 0.6F, s.grain = 0.022F, s.persistence = 1.2F, s.relief = 0.07F;
-      s.soaks = 1.0F;
-      s.film = 0.80F;
-      break;
-    case SurfaceKind::concrete:
-      colours({0.36F, 0.35F, 0.33F}, {0.30F, 0.29F, 0.27F});
-      s.frequency_pm = 0.8F, s.grain = 0.025F, s.persistence = 0.7F, s.relief = 0.01F;
-      s.soaks = 0.8F;
-      s.film = 0.60F;
-      break;
-    case SurfaceKind::plaster:
-      colours({0.58F, 0.54F, 0.46F}, {0.50F, 0.46F, 0.39F});
-      s.frequency_pm = 0.4F, s.grain = 0.02F, s.persistence = 0.7F, s.relief = 0.01F;
-      s.soaks = 0.3F;
-      s.film = 0.10F;
-      break;
-    case SurfaceKind::facade:
-      colours({0.56F, 0.52F, 0.44F}, {0.52F, 0.48F, 0.405F});
-      s.frequency_pm = 0.4F, s.grain = 0.015F, s.persistence = 0.9F, s.relief = 0.01F;
-      s.soaks = 0.3F, s.panes = {.across_m = 2.8F};
-      s.film = 0.10F;
-      break;
-    case SurfaceKind::paint:
-      colours({0.40F, 0.40F, 0.40F}, {0.36F, 0.355F, 0.345F});
-      s.frequency_pm = 0.9F, s.grain = 0.025F, s.persistence = 0.8F, s.relief = 0.004F;
-      s.gloss = 0.04F, s.sharpness = 60.0F;
-      break;
-    case SurfaceKind::cab:
-      s = shade_of(SurfaceKind::paint);
-      s.panes = {1.6F, 4.0F, 0.07F, 0.93F, 0.44F, 0.93F};
-      break;
-    case SurfaceKind::rubber:
-      colours({0.036F, 0.035F, 0.034F}, {0.052F, 0.047F, 0.041F});
-      s.frequency_pm = 2.0F, s.grain = 0.05F, s.persistence = 1.0F, s.relief = 0.03F;
-      s.gloss = 0.03F, s.sharpness = 12.0F;
-      break;
-    case SurfaceKind::steel:
-      colours({0.17F, 0.155F, 0.145F}, {0.13F, 0.095F, 0.070F});
-      s.frequency_pm = 2.0F, s.grain = 0.12F, s.persistence = 0.8F, s.relief = 0.03F;
-      s.gloss = 0.25F, s.sharpness = 40.0F;
-      break;
-    case SurfaceKind::glass:
-      colours({0.020F, 0.022F, 0.022F}, {0.026F, 0.027F, 0.027F});
-      s.frequency_pm = 0.8F, s.grain = 0.02F, s.persistence = 0.8F;
-      s.gloss = 0.06F, s.sharpness = 120.0F;
-      break;
-    case SurfaceKind::reflector:
-      colours({0.75F, 0.75F, 0.74F}, {0.70F, 0.70F, 0.68F});
-      s.frequency_pm = 1.0F, s.grain = 0.02F, s.persistence = 0.7F;
-      s.gloss = 0.05F, s.sharpness = 80.0F;
-      break;
-  }
-  return s;
+  return std::ranges::find(kKindLooks, kind, &KindLook::kind)->shade;
 }
 
 namespace {
 
-/// Of the first entry of that label; nothing when there is none.
-std::optional<Shade> find_look(std::string_view label, const std::vector<SurfaceLook>& looks) {
-  const auto given = std::ranges::find(looks, label, &SurfaceLook::label);
-  if (given == looks.end()) {
-    return std::nullopt;
-  }
-  Shade shade = shade_of(given->kind);
-  if (!given->colour.isZero()) {
-    tint(shade, {static_cast<float>(given->colour.x()), static_cast<float>(given->colour.y()),
-                 static_cast<float>(given->colour.z())});
-  }
-  return shade;
-}
-
-std::optional<Shade> find_look(std::string_view label, std::span<const LabelLook> known) {
-  const auto found = std::ranges::find(known, label, &LabelLook::label);
+/// Of the first entry of that label, tinted where it has a colour; nothing when there is none.
+template <class Look>
+std::optional<Shade> find_look(std::string_view label, std::span<const Look> known) {
+  const auto found = std::ranges::find(known, label, &Look::label);
   if (found == known.end()) {
     return std::nullopt;
   }
   Shade shade = shade_of(found->kind);
-  if (found->colour != std::array<float, 3>{}) {
-    tint(shade, found->colour);
+  const Albedo colour{static_cast<float>(found->colour[0]), static_cast<float>(found->colour[1]),
+                      static_cast<float>(found->colour[2])};
+  if (!(colour == Albedo{0.0F, 0.0F, 0.0F})) {
+    tint(shade, colour);
   }
   return shade;
 }
@@ -269,23 +331,23 @@ std::optional<Shade> find_look(std::string_view label, std::span<const LabelLook
 
 Shade cut_face() {
   Shade s = shade_of(SurfaceKind::rock);
-  s.red = 0.255F, s.green = 0.200F, s.blue = 0.145F;
-  s.red2 = 0.200F, s.green2 = 0.160F, s.blue2 = 0.120F;
+  s.one = {0.255F, 0.200F, 0.145F};
+  s.two = {0.200F, 0.160F, 0.120F};
   s.frequency_pm = 0.35F, s.upright = 2.2F, s.grain = 0.10F, s.persistence = 0.95F;
   s.relief = 0.13F, s.variation = 0.0F;
   s.stones = 0.25F;
-  s.stone_red = 0.28F, s.stone_green = 0.25F, s.stone_blue = 0.21F;
+  s.stone = {0.28F, 0.25F, 0.21F};
   return s;
 }
 
 Shade shade_of(const Material& material, const std::vector<SurfaceLook>& looks) {
-  if (const auto shade = find_look(material.label, looks)) {
+  if (const auto shade = find_look<SurfaceLook>(material.label, looks)) {
     return *shade;
   }
   if (material.foliage) {
     return shade_of(SurfaceKind::canopy);
   }
-  if (const auto shade = find_look(material.label, kLabels)) {
+  if (const auto shade = find_look<LabelLook>(material.label, kLabels)) {
     return *shade;
   }
   Shade shade = shade_of(SurfaceKind::paint);
@@ -295,8 +357,8 @@ Shade shade_of(const Material& material, const std::vector<SurfaceLook>& looks) 
 }
 
 std::optional<Shade> shade_of_soil(std::string_view name, const std::vector<SurfaceLook>& looks) {
-  const auto shade = find_look(name, looks);
-  return shade ? shade : find_look(name, kSoils);
+  const auto shade = find_look<SurfaceLook>(name, looks);
+  return shade ? shade : find_look<LabelLook>(name, kSoils);
 }
 
 }  // namespace rigwire::sim

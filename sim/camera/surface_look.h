@@ -65,10 +65,16 @@ struct Panes {
   float left = 0.24F, right = 0.76F, bottom = 0.30F, top = 0.80F;
 };
 
+/// By band.
+struct Albedo {
+  float red = 0.3F, green = 0.3F, blue = 0.3F;
+
+  friend bool operator==(const Albedo&, const Albedo&) = default;
+};
+
 /// A surface as it is shaded.
 struct Shade {
-  float red = 0.3F, green = 0.3F, blue = 0.3F;     ///< Albedo of one tint,
-  float red2 = 0.3F, green2 = 0.3F, blue2 = 0.3F;  ///< and of the other, blended in patches.
+  Albedo one{}, two{};        ///< Two tints, blended in patches.
   float frequency_pm = 1.0F;  ///< Of the coarsest octave of the grain: one over its cell.
   float upright = 1.0F;       ///< Frequency along z against that: below 1 fibres, above 1 beds.
   float grain = 0.0F;         ///< Rms of one octave of brightness at the coarsest one.
@@ -81,8 +87,8 @@ struct Shade {
   float soaks = 0.0F;         ///< 1: rain darkens it.
   float film = 0.0F;          ///< Of the wet surface, share under a film of water.
   float stones = 0.0F;        ///< Share of the lattice's cells with a stone in them, 0 .. 1.
-  float stone_red = 0.3F, stone_green = 0.3F, stone_blue = 0.3F;  ///< Mean albedo of stones.
-  Panes panes;
+  Albedo stone{};             ///< Mean of the stones.
+  Panes panes{};
   /// Slope of terrain from which on it is bare: a cut face shows there; 0: nowhere.
   float bare_from = 0.0F;
 };

@@ -60,11 +60,7 @@ class DepthCamera final : public CameraSensor {
   }
 
   [[nodiscard]] Duration span(const CameraCommand& command, Duration exposure) const override {
-    CameraShot shot;
-    shot.command = command;
-    shot.exposure = exposure;
-    const ImageSensorParameters& sensor = parameters_.camera.sensor;
-    return exposure_span(job_of(shot, whole_read_out(shot, sensor)), sensor);
+    return whole_span(command, exposure, parameters_.camera.sensor);
   }
 
   [[nodiscard]] Taken take(const Scene& scene, const CameraShot& shot,
@@ -82,25 +78,26 @@ class DepthCamera final : public CameraSensor {
     measure(shot);
 
     Picture picture = empty_picture(shot);
+    const auto add = [&](PictureComponent component, PixelFormat format,
+                         std::span<const std::uint8_t> bytes) {
+      add_part(picture, component, format, command.region, bytes, sensor.width_px);
+    };
     if (command.intensity) {
       pack_numbers(numbers_, job.read_out.bits, packed_);
-      add_part(picture, command, PictureComponent::intensity, command.format);
+      add(PictureComponent::intensity, command.format, packed_);
     }
     if (command.range) {
       packed_.resize(2 * values_.size());
       for (std::size_t i = 0; i < values_.size(); ++i) {
         put_16(values_[i], packed_.data() + 2 * i);
       }
-      add_part(picture, command, PictureComponent::range, PixelFormat::coord3d_c16);
+      add(PictureComponent::range, PixelFormat::coord3d_c16, packed_);
     }
     if (command.confidence) {
-      packed_ = confidence_;
-      add_part(picture, command, PictureComponent::confidence, PixelFormat::confidence8);
+      add(PictureComponent::confidence, PixelFormat::confidence8, confidence_);
     }
     if (truth != nullptr) {
-      const CameraTruth whole{rendered_.width, rendered_.height, rendered_.range_m,
-                              rendered_.depth_m, rendered_.instance};
-      *truth = crop(whole, command.region);
+      *truth = crop(rendered_, command.region);
     }
     return {std::make_shared<const Picture>(std::move(picture)), mean};
   }
@@ -212,15 +209,6 @@ class DepthCamera final : public CameraSensor {
                                        : static_cast<std::uint8_t>(std::lround(
                                              255.0 * (1.0 - noise_m / p.greatest_noise_m)));
     }
-  }
-
-  void add_part(Picture& picture, const CameraCommand& command, PictureComponent component,
-                PixelFormat format) const {
-    PicturePart& part = picture.parts.emplace_back();
-    part.component = component;
-    part.format = format;
-    part.region = command.region;
-    crop(packed_, rays_.width, command.region, bytes_per_pixel(format), part.bytes);
   }
 
   DepthCameraParameters parameters_;

@@ -35,11 +35,7 @@ class PlainCamera final : public CameraSensor {
     part.region = command.region;
     pack_numbers(rendered_.numbers, job.read_out.bits, part.bytes);
     if (truth != nullptr) {
-      truth->width = rendered_.width;
-      truth->height = rendered_.height;
-      truth->range_m = rendered_.range_m;
-      truth->depth_m = rendered_.depth_m;
-      truth->instance = rendered_.instance;
+      *truth = crop(rendered_, {0, 0, rendered_.width, rendered_.height});
     }
     return {std::make_shared<const Picture>(std::move(picture)), rendered_.mean};
   }

@@ -152,6 +152,14 @@ PictureJob job_of(const CameraShot& shot, const ReadOut& read_out, const Eigen::
   return job;
 }
 
+Duration whole_span(const CameraCommand& command, Duration exposure,
+                    const ImageSensorParameters& sensor) {
+  CameraShot shot;
+  shot.command = command;
+  shot.exposure = exposure;
+  return exposure_span(job_of(shot, whole_read_out(shot, sensor)), sensor);
+}
+
 Picture empty_picture(const CameraShot& shot) {
   Picture picture;
   picture.exposure_start = shot.start;
@@ -175,22 +183,46 @@ void crop(std::span<const std::uint8_t> bytes, int width, const PictureRegion& r
   }
 }
 
-CameraTruth crop(const CameraTruth& truth, const PictureRegion& region) {
+PicturePart& add_part(Picture& picture, PictureComponent component, PixelFormat format,
+                      const PictureRegion& region, std::span<const std::uint8_t> bytes, int width) {
+  PicturePart& part = picture.parts.emplace_back();
+  part.component = component;
+  part.format = format;
+  part.region = region;
+  crop(bytes, width, region, bytes_per_pixel(format), part.bytes);
+  return part;
+}
+
+namespace {
+
+/// Of RenderedPicture or CameraTruth.
+template <class Known>
+CameraTruth crop_known(const Known& known, const PictureRegion& region) {
   CameraTruth cropped;
   cropped.width = region.width;
   cropped.height = region.height;
   const auto rows = [&](const auto& from, auto& to) {
     for (int row = 0; row < region.height; ++row) {
       const auto begin = from.begin() +
-                         static_cast<std::ptrdiff_t>(region.offset_y + row) * truth.width +
+                         static_cast<std::ptrdiff_t>(region.offset_y + row) * known.width +
                          region.offset_x;
       to.insert(to.end(), begin, begin + region.width);
     }
   };
-  rows(truth.range_m, cropped.range_m);
-  rows(truth.depth_m, cropped.depth_m);
-  rows(truth.instance, cropped.instance);
+  rows(known.range_m, cropped.range_m);
+  rows(known.depth_m, cropped.depth_m);
+  rows(known.instance, cropped.instance);
   return cropped;
+}
+
+}  // namespace
+
+CameraTruth crop(const RenderedPicture& known, const PictureRegion& region) {
+  return crop_known(known, region);
+}
+
+CameraTruth crop(const CameraTruth& truth, const PictureRegion& region) {
+  return crop_known(truth, region);
 }
 
 void put_16(std::uint16_t value, std::uint8_t* to) {

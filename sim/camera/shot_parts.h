@@ -44,11 +44,21 @@ void require_region(const CameraCommand& command, std::string_view kind, int wid
 [[nodiscard]] PictureJob job_of(const CameraShot& shot, const ReadOut& read_out,
                                 const Eigen::Isometry3d& X_SC = Eigen::Isometry3d::Identity());
 
+/// How long a shot of all of a sensor takes (CameraSensor::span).
+[[nodiscard]] Duration whole_span(const CameraCommand& command, Duration exposure,
+                                  const ImageSensorParameters& sensor);
+
 /// A picture with the shot's times and no parts.
 [[nodiscard]] Picture empty_picture(const CameraShot& shot);
 /// That rectangle of a picture of `width` columns, pixel by pixel of `pixel_bytes`.
 void crop(std::span<const std::uint8_t> bytes, int width, const PictureRegion& region,
           std::size_t pixel_bytes, std::vector<std::uint8_t>& cropped);
+/// Adds a part of that region, cut out of `bytes` of a picture of `width` columns. What it returns
+/// is valid until the next one.
+PicturePart& add_part(Picture& picture, PictureComponent component, PixelFormat format,
+                      const PictureRegion& region, std::span<const std::uint8_t> bytes, int width);
+/// What is true of a rendered picture's rectangle.
+[[nodiscard]] CameraTruth crop(const RenderedPicture& known, const PictureRegion& region);
 /// That rectangle of what is true of a picture.
 [[nodiscard]] CameraTruth crop(const CameraTruth& truth, const PictureRegion& region);
 

@@ -108,11 +108,7 @@ class StereoCamera final : public CameraSensor {
   }
 
   [[nodiscard]] Duration span(const CameraCommand& command, Duration exposure) const override {
-    CameraShot shot;
-    shot.command = command;
-    shot.exposure = exposure;
-    const ImageSensorParameters& sensor = parameters_.camera.sensor;
-    return exposure_span(job_of(shot, whole_read_out(shot, sensor)), sensor);
+    return whole_span(command, exposure, parameters_.camera.sensor);
   }
 
   [[nodiscard]] Taken take(const Scene& scene, const CameraShot& shot,
@@ -136,10 +132,7 @@ class StereoCamera final : public CameraSensor {
     const double mean = left ? heads_[0].rendered.mean : right ? heads_[1].rendered.mean : 0.0;
     if (truth != nullptr) {
       tell(scene, shot, read_out, of_left ? heads_[0].X_SC : heads_[1].X_SC, heads_[0].known);
-      const CameraTruth whole{heads_[0].known.width, heads_[0].known.height,
-                              heads_[0].known.range_m, heads_[0].known.depth_m,
-                              heads_[0].known.instance};
-      *truth = crop(whole, command.region);
+      *truth = crop(heads_[0].known, command.region);
     }
     if (matching) {
       match(scene, shot, read_out, truth != nullptr && of_left);
@@ -156,11 +149,8 @@ class StereoCamera final : public CameraSensor {
       add_disparity(picture, command);
     }
     if (command.confidence) {
-      PicturePart& part = picture.parts.emplace_back();
-      part.component = PictureComponent::confidence;
-      part.format = PixelFormat::confidence8;
-      part.region = command.region;
-      crop(found_.confidence, sensor.width_px, command.region, 1, part.bytes);
+      add_part(picture, PictureComponent::confidence, PixelFormat::confidence8, command.region,
+               found_.confidence, sensor.width_px);
     }
     return {std::make_shared<const Picture>(std::move(picture)), mean};
   }
@@ -220,12 +210,9 @@ class StereoCamera final : public CameraSensor {
   void add_intensity(Picture& picture, const CameraCommand& command, std::uint8_t head) {
     const int bits = static_cast<int>(significant_bits(command.format));
     pack_numbers(heads_[head].rectified, bits, packed_);
-    PicturePart& part = picture.parts.emplace_back();
+    PicturePart& part = add_part(picture, PictureComponent::intensity, command.format,
+                                 command.region, packed_, parameters_.camera.sensor.width_px);
     part.source = head;
-    part.format = command.format;
-    part.region = command.region;
-    crop(packed_, parameters_.camera.sensor.width_px, command.region,
-         bytes_per_pixel(command.format), part.bytes);
   }
 
   void add_disparity(Picture& picture, const CameraCommand& command) {
@@ -235,11 +222,8 @@ class StereoCamera final : public CameraSensor {
       const double steps = std::max(0.0, kSteps * static_cast<double>(found_.disparity_px[i]));
       put_16(static_cast<std::uint16_t>(std::lround(steps)), packed_.data() + 2 * i);
     }
-    PicturePart& part = picture.parts.emplace_back();
-    part.component = PictureComponent::disparity;
-    part.format = PixelFormat::coord3d_c16;
-    part.region = command.region;
-    crop(packed_, parameters_.camera.sensor.width_px, command.region, 2, part.bytes);
+    add_part(picture, PictureComponent::disparity, PixelFormat::coord3d_c16, command.region,
+             packed_, parameters_.camera.sensor.width_px);
   }
 
   StereoCameraParameters parameters_;

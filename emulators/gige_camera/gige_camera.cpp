@@ -95,8 +95,11 @@ GigeCamera::GigeCamera(const GigeCameraSettings& settings, NonvolatileMemory& me
       bank_(camera_features(settings), description_, kDescriptionAddress),
       control_(bank_, *this, control, settings_.permitted),
       cable_(stream, faults_, settings.seed, kPacketSizeMaximum),
-      stream_(cable_, static_cast<std::size_t>(settings.queued_frames),
-              static_cast<std::size_t>(settings.retained_frames), kPacketSizeMaximum),
+      stream_(cable_,
+              {.queued = static_cast<std::size_t>(settings.queued_frames),
+               .retained = static_cast<std::size_t>(settings.retained_frames),
+               .blocks = components_.size()},
+              kPacketSizeMaximum),
       trigger_faults_(settings.seed ^ kTriggerStream) {
   power_up();
 }
@@ -822,6 +825,8 @@ void GigeCamera::update(const PictureSample& sample) {
 }
 
 void GigeCamera::send(const std::shared_ptr<const Picture>& shown, const Picture& exposed) {
+  std::array<StreamBlock, StreamBlock::kPartsMaximum> blocks;
+  std::size_t count = 0;
   StreamBlock block;
   block.picture = shown;
   block.timestamp = ticks(exposed.exposure_start);
@@ -836,30 +841,33 @@ void GigeCamera::send(const std::shared_ptr<const Picture>& shown, const Picture
         });
     if (component == components_.end() || !complete(part) ||
         !component_enabled(static_cast<std::size_t>(component - components_.begin())) ||
-        block.part_count == StreamBlock::kPartsMaximum) {
+        block.part_count + count == std::min(StreamBlock::kPartsMaximum, components_.size())) {
       continue;
     }
     block.parts[block.part_count] = static_cast<std::uint8_t>(p);
     block.purposes[block.part_count] = component->id;
     ++block.part_count;
     if (!block.multipart) {
-      offer(block, exposed);
+      blocks[count++] = block;
       block.part_count = 0;
     }
   }
   if (block.part_count > 0) {
-    offer(std::move(block), exposed);
+    blocks[count++] = std::move(block);
   }
-}
-
-void GigeCamera::offer(StreamBlock block, const Picture& exposed) {
+  const std::span<StreamBlock> all = std::span(blocks).first(count);
   if (on(reg::kChunkModeActive)) {
-    append_chunks(block, exposed);
+    for (std::size_t i = 0; i < count; ++i) {
+      append_chunks(all[i], stream_.next_number() + i, exposed);
+    }
   }
-  stream_.offer(now_, std::move(block));
+  if (count > 0) {
+    stream_.offer(now_, all);
+  }
 }
 
-void GigeCamera::append_chunks(StreamBlock& block, const Picture& exposed) const {
+void GigeCamera::append_chunks(StreamBlock& block, std::uint64_t number,
+                               const Picture& exposed) const {
   const std::span<std::uint8_t> out(block.chunks);
   std::size_t at = 0;
   const auto tag = [&](std::uint32_t id, std::size_t length) {
@@ -877,7 +885,7 @@ void GigeCamera::append_chunks(StreamBlock& block, const Picture& exposed) const
     tag(kImageChunkId, block.picture->parts[block.parts[0]].bytes.size());
   }
   value(CameraChunk::timestamp, ticks(exposed.exposure_start));
-  value(CameraChunk::frame, stream_.next_number());
+  value(CameraChunk::frame, number);
   value(CameraChunk::exposure, std::bit_cast<std::uint64_t>(microseconds(exposed.exposure)));
   value(CameraChunk::gain, std::bit_cast<std::uint64_t>(exposed.gain_db));
   block.chunk_bytes = at;

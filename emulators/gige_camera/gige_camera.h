@@ -147,8 +147,7 @@ class GigeCamera final : public Device, public CameraBackend, private Controlled
 
   /// `shown` is what leaves, `exposed` what its time stamp and chunks tell of.
   void send(const std::shared_ptr<const Picture>& shown, const Picture& exposed);
-  void offer(StreamBlock block, const Picture& exposed);
-  void append_chunks(StreamBlock& block, const Picture& exposed) const;
+  void append_chunks(StreamBlock& block, std::uint64_t number, const Picture& exposed) const;
 
   GigeCameraSettings settings_;
   GigeCameraFaults faults_;

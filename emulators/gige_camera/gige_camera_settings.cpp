@@ -69,9 +69,9 @@ void visit(fields::Visitor& v, GigeCameraSettings& p) {
   v.integer("packet_size", p.packet_size, IntegerRule{kPacketSizeMinimum, kPacketSizeMaximum},
             "Bytes of a stream packet at power-on, IP and UDP headers included.");
   v.integer("queued_frames", p.queued_frames, IntegerRule{1, 16},
-            "Frames that wait for the network; what comes beyond them is lost.");
+            "Exposures that wait for the network; what comes beyond them is lost.");
   v.integer("retained_frames", p.retained_frames, IntegerRule{1, 32},
-            "Frames that have been sent and can be asked for again.");
+            "Exposures that have been sent and can be asked for again.");
   v.number("temperature", p.temperature_degc, in("degC").between(-40, 85),
            "Temperature of the camera's board.");
 }

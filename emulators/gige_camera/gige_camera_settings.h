@@ -95,9 +95,10 @@ struct GigeCameraSettings {
 
   /// Packets leave no faster than this, headers of IP and UDP included.
   double throughput_bps = 500e6;
-  int packet_size = 1500;   ///< At power-on, bytes with IP and UDP headers.
-  int queued_frames = 3;    ///< That wait for the network; what comes beyond them is lost.
-  int retained_frames = 8;  ///< That have been sent and can be asked for again.
+  int packet_size = 1500;  ///< At power-on, bytes with IP and UDP headers.
+  /// Exposures that wait for the network, with all their blocks; what comes beyond them is lost.
+  int queued_frames = 3;
+  int retained_frames = 8;  ///< Exposures that have been sent and can be asked for again.
 
   double temperature_degc = 45.0;
   double temperature_limit_degc = 85.0;

@@ -15,27 +15,26 @@ constexpr std::int64_t kNanosecondsPerByte = 8;  // at 1 Gbit/s
 
 }  // namespace
 
-StreamChannel::StreamChannel(DatagramOutput& output, std::size_t queued, std::size_t retained,
+StreamChannel::StreamChannel(DatagramOutput& output, const Capacity& capacity,
                              std::size_t longest_packet)
     : output_(output),
-      queued_maximum_(queued),
-      blocks_(queued + retained),
+      capacity_(capacity),
+      kept_((capacity.queued + capacity.retained) * capacity.blocks),
       packet_(longest_packet) {}
 
 void StreamChannel::open(const UdpEnd& destination) {
   close();
   destination_ = destination;
   next_number_ = 1;
-  sending_ = 1;
 }
 
 void StreamChannel::close() {
   destination_.reset();
   again_.clear();
-  for (StreamBlock& block : blocks_) {
-    block = {};
+  for (Kept& kept : kept_) {
+    kept = {};
   }
-  sending_ = next_number_;
+  forgotten_ = sent_ = queued_;
 }
 
 void StreamChannel::set_destination(const UdpEnd& destination) {
@@ -58,38 +57,40 @@ Duration StreamChannel::time_of(std::size_t packet_size) const {
   return std::max(with_delay, from_seconds(static_cast<double>(packet_size) / limit_bytes_per_s_));
 }
 
-void StreamChannel::offer(SimTime now, StreamBlock block) {
-  assert(is_open());
+void StreamChannel::offer(SimTime now, std::span<StreamBlock> blocks) {
+  assert(is_open() && blocks.size() <= capacity_.blocks);
   wake(now);
-  const std::uint64_t number = next_number_++;
-  if (number - sending_ >= queued_maximum_) {
-    ++counters_.lost_blocks;
-    // A gap in the numbers: what is in its place is older and stays for those who ask for it.
+  const std::uint64_t number = next_number_;
+  next_number_ += blocks.size();
+  if (waiting_exposures() >= capacity_.queued) {
+    // A gap in the numbers: what is kept is older and stays for those who ask for it.
+    counters_.lost_blocks += blocks.size();
     return;
   }
-  block.number = number;
-  block.next = 0;
-  block.divide();
-  blocks_[number % blocks_.size()] = std::move(block);
-}
-
-const StreamBlock* StreamChannel::kept(std::uint64_t number) const {
-  const StreamBlock& block = blocks_[number % blocks_.size()];
-  return number != 0 && block.number == number ? &block : nullptr;
-}
-
-StreamBlock* StreamChannel::waiting() {
-  for (; sending_ < next_number_; ++sending_) {
-    StreamBlock& block = blocks_[sending_ % blocks_.size()];
-    if (block.number == sending_ && !block.sent()) {
-      return &block;
-    }
+  const std::uint64_t exposure = exposures_++;
+  while (forgotten_ < sent_ &&
+         place(forgotten_).exposure + capacity_.queued + capacity_.retained <= exposure) {
+    place(forgotten_++) = {};
   }
-  return nullptr;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    blocks[i].number = number + i;
+    blocks[i].next = 0;
+    blocks[i].divide();
+    place(queued_++) = {std::move(blocks[i]), exposure};
+  }
+}
+
+const StreamBlock* StreamChannel::find(std::uint64_t number) const {
+  const auto kept = std::ranges::find(kept_, number, [](const Kept& k) { return k.block.number; });
+  return number != 0 && kept != kept_.end() ? &kept->block : nullptr;
+}
+
+std::size_t StreamChannel::waiting_exposures() {
+  return sent_ < queued_ ? static_cast<std::size_t>(exposures_ - place(sent_).exposure) : 0;
 }
 
 bool StreamChannel::idle() const {
-  return again_.empty() && sending_ >= next_number_;
+  return again_.empty() && sent_ >= queued_;
 }
 
 void StreamChannel::wake(SimTime now) {
@@ -113,7 +114,7 @@ void StreamChannel::resend(SimTime now, const gev::PacketResend& request) {
     number = newest > back ? newest - back : newest + 1;
   }
   Again again{request.block, request.extended_ids, request.first, request.last, Status::success};
-  const StreamBlock* const block = kept(number);
+  const StreamBlock* const block = find(number);
   if (number > newest) {
     again.refusal = Status::packet_not_yet_available;
   } else if (block == nullptr) {
@@ -172,7 +173,7 @@ void StreamChannel::send_again() {
     return;
   }
   // Between the request and now newer blocks may have taken its place.
-  if (const StreamBlock* const block = kept(again.block)) {
+  if (const StreamBlock* const block = find(again.block)) {
     transmit(block->write(again.next, Status::packet_resent, packet_));
     ++counters_.resent_packets;
     if (again.next++ < again.last) {
@@ -186,7 +187,7 @@ void StreamChannel::send_next(StreamBlock& block) {
   transmit(block.write(block.next++, Status::success, packet_));
   if (block.sent()) {
     ++counters_.blocks;
-    ++sending_;
+    ++sent_;
   }
 }
 
@@ -194,8 +195,8 @@ void StreamChannel::advance(SimTime now) {
   while (is_open() && !idle() && free_at_ <= now) {
     if (!again_.empty()) {
       send_again();
-    } else if (StreamBlock* const block = waiting()) {
-      send_next(*block);
+    } else {
+      send_next(place(sent_).block);
     }
   }
 }

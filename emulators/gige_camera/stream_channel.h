@@ -6,11 +6,14 @@
 // faster than the throughput limit, counted over IP packets, where that holds. Packets that are
 // asked for again go first.
 //
-// A queue that is full loses the newest block, whose number is then missing on the wire.
+// Blocks come exposure by exposure, one or several each (a block for each component without
+// multi-part). A queue that is full loses the newest exposure with all its blocks, whose numbers
+// are then missing on the wire.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "emulators/bounded_queue.h"
@@ -23,7 +26,7 @@ namespace rigwire::emulators {
 
 struct StreamCounters {
   std::uint64_t blocks = 0;       ///< Sent to their end.
-  std::uint64_t lost_blocks = 0;  ///< That found the queue full.
+  std::uint64_t lost_blocks = 0;  ///< Of exposures that found the queue full.
   std::uint64_t packets = 0;      ///< Sent, with those sent again.
   std::uint64_t resent_packets = 0;
   std::uint64_t refused_resends = 0;  ///< Requests for what is not there.
@@ -33,9 +36,15 @@ class StreamChannel {
  public:
   using Status = protocols::gige_vision::Status;
 
-  /// `output` must outlive it. Blocks that wait, and blocks that are kept after they were sent.
-  StreamChannel(DatagramOutput& output, std::size_t queued, std::size_t retained,
-                std::size_t longest_packet);
+  /// How many exposures wait, and are kept after they were sent; blocks of an exposure at most.
+  struct Capacity {
+    std::size_t queued = 1;
+    std::size_t retained = 1;
+    std::size_t blocks = 1;
+  };
+
+  /// `output` must outlive it.
+  StreamChannel(DatagramOutput& output, const Capacity& capacity, std::size_t longest_packet);
 
   /// Where packets go; blocks are numbered from 1 again.
   void open(const UdpEnd& destination);
@@ -49,9 +58,9 @@ class StreamChannel {
   /// Whether a client reads the newer statuses.
   void set_extended_status(bool on) { extended_status_ = on; }
 
-  /// Gives the block the next number and queues it. Precondition: is_open(), all but the number
-  /// set.
-  void offer(SimTime now, StreamBlock block);
+  /// Gives the blocks of an exposure the next numbers and queues them, all or none. Precondition:
+  /// is_open(), all but the numbers set, no more blocks than the capacity says.
+  void offer(SimTime now, std::span<StreamBlock> blocks);
   void resend(SimTime now, const protocols::gige_vision::PacketResend& request);
   /// One packet of `packet_size` bytes with IP and UDP headers, out of turn.
   void fire_test_packet(SimTime now, const UdpEnd& to, std::uint32_t packet_size);
@@ -74,8 +83,15 @@ class StreamChannel {
     Status refusal = Status::success;
   };
 
-  [[nodiscard]] const StreamBlock* kept(std::uint64_t number) const;
-  [[nodiscard]] StreamBlock* waiting();
+  /// A block with the exposure that it is of, counted over those that were not lost.
+  struct Kept {
+    StreamBlock block;
+    std::uint64_t exposure = 0;
+  };
+
+  [[nodiscard]] Kept& place(std::uint64_t index) { return kept_[index % kept_.size()]; }
+  [[nodiscard]] const StreamBlock* find(std::uint64_t number) const;
+  [[nodiscard]] std::size_t waiting_exposures();
   [[nodiscard]] bool idle() const;
   void wake(SimTime now);
   void send_again();
@@ -83,8 +99,8 @@ class StreamChannel {
   void transmit(std::size_t size);
 
   DatagramOutput& output_;
-  std::size_t queued_maximum_;
-  std::vector<StreamBlock> blocks_;  ///< Block n in place n modulo their number.
+  Capacity capacity_;
+  std::vector<Kept> kept_;  ///< The i-th block that was queued in place i modulo their number.
   std::vector<std::uint8_t> packet_;
   BoundedQueue<Again, 64> again_;
 
@@ -95,8 +111,11 @@ class StreamChannel {
   double limit_bytes_per_s_ = 0.0;
 
   std::uint64_t next_number_ = 1;
-  std::uint64_t sending_ = 1;  ///< The first block that is not sent to its end.
-  SimTime free_at_{};          ///< When the next packet can leave.
+  std::uint64_t queued_ = 0;     ///< Blocks so far.
+  std::uint64_t sent_ = 0;       ///< Of them, to their ends.
+  std::uint64_t forgotten_ = 0;  ///< Of those.
+  std::uint64_t exposures_ = 0;  ///< Queued so far.
+  SimTime free_at_{};            ///< When the next packet can leave.
   StreamCounters counters_;
 };
 

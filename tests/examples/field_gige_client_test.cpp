@@ -99,9 +99,7 @@ TEST(FieldGigeClient, SeveralPartsAndChunksAreTakenApart) {
 TEST(FieldGigeClient, WithoutPartsComponentsComeOneAfterTheOther) {
   GigeClientSettings settings = everything();
   settings.multipart = false;
-  emulators::GigeCameraSettings camera = stereo();
-  camera.queued_frames = 4;  // all components of an exposure
-  CameraLink link(camera, settings);
+  CameraLink link(stereo(), settings);
   link.start();
   link.run(seconds{1});
   ASSERT_GE(link.taken().size(), 8U);

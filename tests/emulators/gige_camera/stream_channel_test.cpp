@@ -206,6 +206,47 @@ TEST_F(StereoStreamTest, OtherwiseEachComponentIsABlock) {
   EXPECT_EQ(blocks.at(2).image->format, gev::PixelFormatCode::coord3d_c16);
 }
 
+TEST_F(StereoStreamTest, AnExposureFillsOnePlaceOfTheQueueWithAllItsBlocks) {
+  GigeCameraSettings settings = small();
+  settings.kind = GigeCameraKind::stereo;
+  settings.queued_frames = 2;
+  settings.throughput_bps = 8e6;  // 16 ms for the four of them
+  make(settings);
+  take_control();
+  open_stream();
+  ASSERT_EQ(write_real(reg::kExposureTime, 10.0), Status::success);
+  ASSERT_EQ(write(reg::kComponentEnable + 4, 1), Status::success);  // the right image
+  ASSERT_EQ(write(reg::kChunkModeActive, 1), Status::success);
+  ASSERT_EQ(write(reg::kAcquisitionStart, 1), Status::success);
+  for (int i = 0; i < 3; ++i) {
+    expose();
+  }
+  pass(milliseconds{100});
+  expose();
+  pass(milliseconds{100});
+  std::map<std::uint64_t, std::vector<std::uint64_t>> of_exposure;
+  for (const auto& [number, block] : received()) {
+    ASSERT_TRUE(block.image && block.trailer) << number;
+    of_exposure[block.image->timestamp].push_back(number);
+    gev::ChunkReader reader(block.payload);
+    std::uint64_t frame = 0;
+    while (const auto chunk = reader.next()) {
+      if (chunk->id == chunk_id(CameraChunk::frame)) {
+        frame = protocols::load_big<std::uint64_t>(chunk->bytes, 0);
+      }
+    }
+    EXPECT_EQ(frame, number);
+  }
+  std::vector<std::vector<std::uint64_t>> numbers;
+  for (const auto& [timestamp, of] : of_exposure) {
+    numbers.push_back(of);
+  }
+  // The third exposure is lost as a whole.
+  EXPECT_EQ(numbers, (std::vector<std::vector<std::uint64_t>>{
+                         {1, 2, 3, 4}, {5, 6, 7, 8}, {13, 14, 15, 16}}));
+  EXPECT_EQ(camera->counters().stream.lost_blocks, 4U);
+}
+
 TEST_F(StereoStreamTest, ComponentsThatAreSwitchedOffAreNotAskedFor) {
   for (std::uint32_t component = 0; component < 4; ++component) {
     ASSERT_EQ(write(reg::kComponentEnable + 4 * component, 0), Status::success);
@@ -278,6 +319,28 @@ TEST_F(StreamChannelTest, WhatFindsTheQueueFullIsLostAndSeen) {
   EXPECT_EQ(numbers, (std::vector<std::uint64_t>{1, 2, 5}));
   EXPECT_EQ(camera->counters().stream.lost_blocks, 2U);
   EXPECT_EQ(camera->counters().stream.blocks, 3U);
+}
+
+TEST_F(StreamChannelTest, APlaceThatIsFreeAfterALossIsUsedAtOnce) {
+  GigeCameraSettings settings = small();
+  settings.queued_frames = 2;
+  settings.throughput_bps = 8e6;  // 3 ms for a picture
+  make(settings);
+  take_control();
+  ASSERT_EQ(write_real(reg::kExposureTime, 10.0), Status::success);
+  open_stream();
+  ASSERT_EQ(write(reg::kAcquisitionStart, 1), Status::success);
+  for (int i = 0; i < 3; ++i) {
+    expose();
+  }
+  pass(milliseconds{4});  // the first has left, the second has not
+  expose();
+  pass(milliseconds{30});
+  std::vector<std::uint64_t> numbers;
+  for (const auto& [number, block] : received()) {
+    numbers.push_back(number);
+  }
+  EXPECT_EQ(numbers, (std::vector<std::uint64_t>{1, 2, 4}));
 }
 
 TEST_F(StreamChannelTest, PacketsAreSentAgain) {

@@ -56,10 +56,10 @@ scene:
   weather: {course: [{fog_visibility: 70 m}]}
 YAML
 mapfile -t options < <(eye devices.front_camera.sensor)
-picture camera_forest_fog "$work/forest.yaml" "${options[@]}"
+picture camera_forest_fog "$work/forest.yaml" --device front_camera "${options[@]}"
 
 # Back from the Unimog's roof at the dust that it raises.
-picture camera_dust unimog_vision "${options[@]}" --at 8s --travel 40km/h \
+picture camera_dust unimog_vision --device front_camera "${options[@]}" --at 8s --travel 40km/h \
   \
   --set 'scene.weather.course=[{dryness: 10, wind: 1 m/s}]' \
   --set 'devices.front_camera.mount={link: body, position: [0 m, 0 m, 2.9 m], rotation: {yaw: 180 deg, pitch: 6 deg}}'

@@ -175,11 +175,13 @@ bool GroundSurface::find_plane(const StereoPicture& picture) {
   if (!best || static_cast<double>(most) < kLeastShare * static_cast<double>(samples.size())) {
     return false;
   }
+  // Uneven ground may pull the plane beyond what the mount permits: that far it is not followed.
   for (int i = 0; i < kRefinements; ++i) {
-    best = refined(*best, samples).value_or(*best);
-  }
-  if (!possible(*best)) {
-    return false;
+    const auto better = refined(*best, samples);
+    if (!better || !possible(*better)) {
+      break;
+    }
+    best = better;
   }
   const Vector3& p = *best;
   const double length = std::hypot(p[0], p[1], p[2]);

@@ -32,10 +32,12 @@ struct CameraMount {
 };
 
 struct GroundSettings {
-  double disparity_sigma_px = 0.15;  ///< Of the camera's matching.
-  double steepest_deg = 40.0;        ///< Ground is no steeper: loose material rests at 30 to 40.
-  double farthest_m = 25.0;          ///< Along the ground; beyond, nothing is looked at.
-  double aside_m = 15.0;             ///< To either side.
+  /// Of the camera's matching: half of what 68 % of the ground's disparities err within, 3 to 11 m
+  /// ahead of the stereo cameras of the rigs (0.21 in the pit, 0.18 in the forest).
+  double disparity_sigma_px = 0.18;
+  double steepest_deg = 40.0;  ///< Ground is no steeper: loose material rests at 30 to 40.
+  double farthest_m = 25.0;    ///< Along the ground; beyond, nothing is looked at.
+  double aside_m = 15.0;       ///< To either side.
   double cell_m = 0.25;
   /// The ground's plane is tilted against the picture by no more: sets walls apart.
   double tilt_limit_deg = 60.0;

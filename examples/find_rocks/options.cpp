@@ -115,7 +115,7 @@ fitting
   --own-box FROM,TO,AHEAD where the machine's own arm moves: m left of the camera, m ahead;
                           nothing in it is a rock; more than one may be given
   --own-area L,T,R,B      part of the picture that shows the machine itself, pixels
-  --disparity-sigma PX    standard deviation of the camera's matching (0.15)
+  --disparity-sigma PX    standard deviation of the camera's matching (0.18)
 work
   --least M               diameter of the smallest rock            (0.4)
   --largest M             what is larger is no rock                (2.5)

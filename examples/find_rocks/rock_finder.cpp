@@ -14,8 +14,10 @@ constexpr double kLeastHeightShare = 0.3;
 constexpr double kUsualHeightShare = 2.0 / 3.0;
 /// Of a rock's width: flatter is a crest of the ground.
 constexpr double kLeastSlenderness = 0.3;
+/// Of a rock's width: a rock that lies loose is no taller, a bush, a trunk and a post are.
+constexpr double kMostSlenderness = 1.2;
 /// Of a rock's diameter: how wide it is seen, at least.
-constexpr double kLeastWidthShare = 0.5;
+constexpr double kLeastWidthShare = 0.7;
 /// Standard deviations of a pixel's height: beyond the first it may be of a rock, beyond the second
 /// a heap has a height, six of them are contrast enough.
 constexpr double kPixelSigmas = 2.0;
@@ -194,9 +196,10 @@ class Finder {
                        rock.height_m < std::max(kLeastHeightShare * settings_.least_m,
                                                 kRoughness_m + kHeapSigmas * sigma_m);
     const bool flat = rock.height_m < kLeastSlenderness * rock.width_m;
+    const bool tall = rock.height_m > kMostSlenderness * rock.width_m;
     const bool large = rock.width_m > settings_.largest_m || rock.height_m > settings_.largest_m;
     const bool hangs = foot_m > kHanging_m + kPixelSigmas * sigma_m;
-    if (2 * own_pixels > rock.pixels || cut || small || flat || large || hangs ||
+    if (2 * own_pixels > rock.pixels || cut || small || flat || tall || large || hangs ||
         ahead_m > farthest_m_) {
       return std::nullopt;
     }

@@ -4,12 +4,13 @@
 // Pixels that are higher above the ground than it is rough, and than their disparity may err, are
 // joined to heaps in the picture; a heap is a rock when
 // - it is at least as wide and as high as a rock of the least size, and no larger than the largest,
+// - it is about as wide as high, or wider: no trunk, no post, no bush that stands upright,
 // - it stands on the ground: nothing that hangs in the air (a boom) and nothing that the edge of
 //   what has disparities cuts,
 // - and it is not of the machine itself: within a box or a part of the picture that was named.
 //
-// What cannot be told from a rock is taken for one: a bush, a bucket on the ground outside of the
-// box, a heap of the size and steepness of a rock.
+// What cannot be told from a rock is taken for one: a low bush, a tuft of grass, a bucket on the
+// ground outside of the box, a heap of the size and steepness of a rock.
 #pragma once
 
 #include <vector>

@@ -96,6 +96,25 @@ TEST(FindRocks, WithItsMountKnownTheCameraIsNotTakenInByAHeapCloseAhead) {
   EXPECT_NEAR(find_rocks(picture, settings).camera_height_m, 3.0, 0.5);
 }
 
+TEST(FindRocks, GroundThatRisesMoreThanTheMountPermitsIsFollowedThatFar) {
+  Stage stage;
+  // Most of what is seen lies on a plane that passes 4 m below the camera.
+  stage.ground = [](double x, double) { return 0.26 * std::max(0.0, x - 5.5); };
+  RockSettings settings;
+  settings.ground.mount = CameraMount{3.0, 17.0};
+  const FoundRocks found = find_rocks(stage_picture(stage), settings);
+  EXPECT_TRUE(found.ground);
+  EXPECT_LE(found.camera_height_m, 3.9);
+}
+
+TEST(FindRocks, WhatStandsUprightIsNoRock) {
+  Stage stage;
+  stage.boxes = {{{6.0, -1.5, 0.0}, {6.5, -1.0, 0.9}}, {{7.0, 1.0, 0.0}, {7.6, 1.6, 1.1}}};
+  EXPECT_THAT(rocks_of(stage), testing::IsEmpty()) << "a stump and a bush";
+  stage.boxes.push_back({{6.5, 0.0, 0.0}, {7.1, 0.6, 0.6}});
+  EXPECT_THAT(rocks_of(stage), testing::SizeIs(1)) << "as wide as high";
+}
+
 TEST(FindRocks, WhatIsTooLargeIsNoRock) {
   Stage stage;
   stage.boxes = {{{9.0, -3.5, 0.0}, {12.0, 1.5, 2.8}}, {{6.0, 1.6, 0.0}, {6.3, 1.9, 3.5}}};
@@ -151,7 +170,7 @@ TEST(FindRocks, RocksBeyondWhatNoiseLetsTellAreNotReported) {
   EXPECT_THAT(rocks_of(stage), testing::IsEmpty());
   const RockSettings settings;
   // Two thirds of 0.4 m are the roughness and 3.5 deviations: x H s / (f B).
-  const double expected = (2.0 / 3.0 * 0.4 - 0.08) * 85.28 / (3.5 * 0.15 * 3.0);
+  const double expected = (2.0 / 3.0 * 0.4 - 0.08) * 85.28 / (3.5 * 0.18 * 3.0);
   EXPECT_NEAR(resolvable_m(settings, 85.28, 3.0), expected, 1e-9);
   RockSettings large;
   large.least_m = 1.0;

@@ -1,6 +1,7 @@
-// How good find_rocks is: precision and recall in the pit of the excavator's cameras, judged by the
-// labels of what each pixel shows. The camera stands as on the cab, the upper structure turned step
-// by step; its pictures are rendered, with the sensor's noise, and matched.
+// How good find_rocks is: precision and recall in the scenes of the two rigs with a stereo camera,
+// judged by the labels of what each pixel shows. In the pit the camera stands as on the excavator's
+// cab, the upper structure turned step by step; in the forest as on the Unimog, metre by metre
+// along the track. Its pictures are rendered, with the sensor's noise, and matched.
 //
 // A report is right when its rectangle shows one rock for a third or more, at the distance that is
 // reported. A rock ought to be found when it is seen whole where there are disparities, is as wide
@@ -47,27 +48,34 @@ struct TrueRock {
   bool found = false;
 };
 
+/// Where on its machine a camera is: pitched down by an angle.
+struct Mount {
+  Eigen::Vector3d position_m;  ///< Over what the machine stands on.
+  double pitch_deg = 15.0;
+};
+
 class FindRocksJudge : public testing::Test {
  protected:
-  FindRocksJudge() {
+  FindRocksJudge(const char* file, const Mount& mount) : mounted(mount) {
     hil::Problems problems;
     hil::Origins origins;
     hil::SceneConfiguration scene;
-    hil::read(hil::load_document(std::string(RIGWIRE_SOURCE_DIR) + "/configs/scenes/stony_pit.yaml",
-                                 problems),
-              scene, problems, origins);
+    hil::read(
+        hil::load_document(std::string(RIGWIRE_SOURCE_DIR) + "/configs/scenes/" + file, problems),
+        scene, problems, origins);
     problems.throw_if_any();
     const hil::SceneFiles files = hil::load_scene_files(scene.description, {});
     built = sim::build_scene(files.description, files.meshes, 1);
   }
 
-  /// The camera under the cabin's roof of an excavator at the origin, its upper structure turned.
-  [[nodiscard]] Eigen::Isometry3d camera_at(double swing_deg) const {
+  /// The camera of a machine that stands there, turned left from east.
+  [[nodiscard]] Eigen::Isometry3d camera_at(const Eigen::Vector2d& place, double yaw_deg) const {
     Eigen::Isometry3d X_WS = Eigen::Isometry3d::Identity();
-    X_WS.translate(Eigen::Vector3d(0.0, 0.0, 1.25 + built.ground.height_m(0.0, 0.0)));
-    X_WS.rotate(Eigen::AngleAxisd(swing_deg * kDegree, Eigen::Vector3d::UnitZ()));
-    X_WS.translate(Eigen::Vector3d(1.6, 0.9, 1.9));
-    X_WS.rotate(Eigen::AngleAxisd(15.0 * kDegree, Eigen::Vector3d::UnitY()));
+    X_WS.translate(
+        Eigen::Vector3d(place.x(), place.y(), built.ground.height_m(place.x(), place.y())));
+    X_WS.rotate(Eigen::AngleAxisd(yaw_deg * kDegree, Eigen::Vector3d::UnitZ()));
+    X_WS.translate(mounted.position_m);
+    X_WS.rotate(Eigen::AngleAxisd(mounted.pitch_deg * kDegree, Eigen::Vector3d::UnitY()));
     return X_WS;
   }
 
@@ -76,8 +84,8 @@ class FindRocksJudge : public testing::Test {
     sim::CameraTruth truth;
   };
 
-  /// What the camera sees.
-  [[nodiscard]] View view(double swing_deg) const {
+  /// What the camera sees from there.
+  [[nodiscard]] View view(const Eigen::Isometry3d& X_WS) const {
     const auto camera = sim::make_stereo_camera(parameters, 1, "front_camera");
     const sim::Daylight light({}, Eigen::Vector3d(0.45, -0.45, 0.77).normalized());
     sim::CameraShot shot;
@@ -89,7 +97,6 @@ class FindRocksJudge : public testing::Test {
     shot.exposure = 150us;
     shot.start = kStart + 10ms;
     shot.light = &light;
-    const Eigen::Isometry3d X_WS = camera_at(swing_deg);
     for (int i = 0; i <= 1; ++i) {
       sim::CameraPose pose;
       pose.time = kStart + i * 100ms;
@@ -118,7 +125,7 @@ class FindRocksJudge : public testing::Test {
     RockSettings settings;
     settings.least_m = least_m;
     settings.farthest_m = farthest_m;
-    settings.ground.mount = CameraMount{3.15, 15.0};
+    settings.ground.mount = CameraMount{mounted.position_m.z(), mounted.pitch_deg};
     const FoundRocks found = find_rocks(view.picture, settings);
     const sim::CameraTruth& truth = view.truth;
     std::map<std::uint32_t, TrueRock> rocks = rocks_in(truth);
@@ -184,34 +191,79 @@ class FindRocksJudge : public testing::Test {
     return any;
   }
 
+  Mount mounted;
   sim::BuiltScene built;
   const sim::StereoCameraParameters parameters;
 };
 
-TEST_F(FindRocksJudge, PrecisionAndRecallWhereStereoResolves) {
-  // Least rock and distance, each within what the program computes for itself.
-  struct Range {
-    double least_m;
-    double farthest_m;
-  };
-  constexpr std::array<Range, 2> kRanges{{{0.4, 9.0}, {0.6, 11.0}}};
-  std::array<Score, kRanges.size()> scores;
+/// Least rock and distance, each within what the program computes for itself.
+struct Range {
+  double least_m;
+  double farthest_m;
+};
+using Ranges = std::array<Range, 2>;
+using Scores = std::array<Score, 2>;
+
+void print(const char* where, const Ranges& ranges, const Scores& scores) {
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    const Score& score = scores[i];
+    std::printf("%s, rocks of %.1f m up to %.0f m: precision %d of %d, recall %d of %d\n", where,
+                ranges[i].least_m, ranges[i].farthest_m, score.right, score.reports, score.found,
+                score.rocks);
+  }
+}
+
+/// Under the cabin's roof of an excavator at the origin.
+class FindRocksInThePit : public FindRocksJudge {
+ protected:
+  FindRocksInThePit() : FindRocksJudge("stony_pit.yaml", {{1.6, 0.9, 3.15}}) {}
+};
+
+/// Over the Unimog's bonnet, on the track through the forest.
+class FindRocksInTheForest : public FindRocksJudge {
+ protected:
+  FindRocksInTheForest() : FindRocksJudge("stony_forest.yaml", {{4.6, 0.08, 2.6}}) {}
+};
+
+TEST_F(FindRocksInThePit, PrecisionAndRecallWhereStereoResolves) {
+  constexpr Ranges kRanges{{{0.4, 8.0}, {0.6, 11.0}}};
+  Scores scores;
   // To the east the heap hides the floor, and the working face begins.
   for (double swing_deg = 60.0; swing_deg <= 300.0; swing_deg += 20.0) {
-    const View seen = view(swing_deg);
+    const View seen = view(camera_at({0.0, 0.0}, swing_deg));
     for (std::size_t i = 0; i < kRanges.size(); ++i) {
       judge(seen, kRanges[i].least_m, kRanges[i].farthest_m, scores[i]);
     }
   }
-  for (std::size_t i = 0; i < kRanges.size(); ++i) {
-    const Score& score = scores[i];
-    std::printf("rocks of %.1f m up to %.0f m: precision %d of %d, recall %d of %d\n",
-                kRanges[i].least_m, kRanges[i].farthest_m, score.right, score.reports, score.found,
-                score.rocks);
+  print("pit", kRanges, scores);
+  for (const Score& score : scores) {
     ASSERT_GE(score.rocks, 8);
     EXPECT_GE(score.precision(), 0.9);
     EXPECT_GE(score.recall(), 0.7);
   }
+}
+
+TEST_F(FindRocksInTheForest, TrunksBushesAndLeavesAreNoRocks) {
+  constexpr Ranges kRanges{{{0.4, 9.0}, {0.6, 11.0}}};
+  Scores scores;
+  // Along the lane, which runs straight east here; the machine looks to its sides as it would in
+  // bends.
+  for (double east = 0.0; east <= 40.0; east += 4.0) {
+    for (const double yaw_deg : {-25.0, 0.0, 25.0}) {
+      const View seen = view(camera_at({east, -2.0}, yaw_deg));
+      for (std::size_t i = 0; i < kRanges.size(); ++i) {
+        judge(seen, kRanges[i].least_m, kRanges[i].farthest_m, scores[i]);
+      }
+    }
+  }
+  print("forest", kRanges, scores);
+  ASSERT_GE(scores[0].rocks, 12);
+  EXPECT_GE(scores[0].precision(), 0.85);
+  EXPECT_GE(scores[0].recall(), 0.7);
+  // Farther off trunks and bushes hide half of a rock or grow together with it.
+  ASSERT_GE(scores[1].rocks, 12);
+  EXPECT_GE(scores[1].precision(), 0.65);
+  EXPECT_GE(scores[1].recall(), 0.5);
 }
 
 }  // namespace

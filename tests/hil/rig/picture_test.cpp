@@ -45,7 +45,7 @@ std::string refusal(const RigConfiguration& rig, const PictureRequest& request) 
 
 TEST(PictureOfARig, IsTheSameTwice) {
   const RigConfiguration rig = unimog();
-  const PictureRequest request{.at = kStart + 303ms};
+  const PictureRequest request{.device = "front_camera", .at = kStart + 303ms};
   const TakenPicture one = take_picture(rig, request);
   const TakenPicture two = take_picture(rig, request);
   EXPECT_EQ(one.device, "front_camera");
@@ -89,7 +89,7 @@ TEST(PictureOfARig, HasEveryPartOfItsKind) {
 TEST(PictureOfARig, AutomaticExposureHasSettled) {
   const RigConfiguration rig = unimog();
   const auto mean = [&](Duration at) {
-    const TakenPicture taken = take_picture(rig, {.at = kStart + at});
+    const TakenPicture taken = take_picture(rig, {.device = "front_camera", .at = kStart + at});
     double sum = 0.0;
     for (const std::uint8_t number : taken.kept.picture->parts[0].bytes) {
       sum += number;
@@ -102,7 +102,9 @@ TEST(PictureOfARig, AutomaticExposureHasSettled) {
 TEST(PictureOfARig, ShowsAMachineThatDrives) {
   const RigConfiguration rig = unimog();
   const auto ahead_m = [&](std::optional<double> travel_mps) {
-    return take_picture(rig, {.at = kStart + 3s, .travel_mps = travel_mps}).kept.truth.depth_m;
+    return take_picture(rig,
+                        {.device = "front_camera", .at = kStart + 3s, .travel_mps = travel_mps})
+        .kept.truth.depth_m;
   };
   const std::vector<float> standing = ahead_m(std::nullopt);
   const std::vector<float> driving = ahead_m(5.0);

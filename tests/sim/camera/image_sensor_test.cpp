@@ -356,6 +356,26 @@ TEST(AutoExposure, ComesToItsTargetWithItsLag) {
   EXPECT_EQ(exposures[39], exposures[36]);
 }
 
+TEST(AutoExposure, SettlesFromPowerOnWithinTenPicturesAndLaterWithAGreaterLag) {
+  // Pictures until the mean stays within the dead band; a scene that saturates 3.5 stops above.
+  const auto pictures = [](int lag) {
+    AutoExposureParameters p;
+    p.lag = lag;
+    AutoExposure choice(p, {.exposure = 1ms, .gain_db = 0.0});
+    const double needed_s = 88e-6;
+    int settled = 0;
+    for (int picture = 0; picture < 100; ++picture) {
+      const double mean = p.target * to_seconds(choice.next().exposure) / needed_s;
+      settled = std::abs(mean - p.target) > 1.05 * p.dead_band * p.target ? picture + 1 : settled;
+      choice.taken(std::min(1.0, mean), true, false, {});
+    }
+    return settled;
+  };
+  EXPECT_GE(pictures(2), 4);
+  EXPECT_LE(pictures(2), 10);
+  EXPECT_EQ(pictures(4), 2 * pictures(2));
+}
+
 TEST(AutoExposure, TakesGainWhenExposureIsAtItsEnd) {
   AutoExposureParameters p;
   p.longest = 10ms;

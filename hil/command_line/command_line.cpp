@@ -34,7 +34,7 @@ Examples:
   rigwire run excavator_pit                         run a rig by name, or by path
   rigwire run excavator_pit --duration 20s --clock free --report report.json
   rigwire run excavator_pit --set devices.gnss.rate=5 --seed 7
-  rigwire picture unimog_vision -o forest.png       what a camera sees
+  rigwire picture excavator_vision --device stereo -o pit.png   what a camera sees
   rigwire check my_rig.yaml --print                 every value and where it came from
   rigwire describe velodyne-hdl-32e                 messages, units, ranges, keys
   rigwire doctor                                    what this machine can offer
@@ -139,6 +139,7 @@ struct Parsed {
   std::string truth;
   std::string lidar_truth;
   RecordOptions record;
+  std::string camera_truth;
   std::string status;
   std::string log_level = "info";
   std::string control;
@@ -199,6 +200,8 @@ void declare(CLI::App& app, Parsed& parsed) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->needs(record);
+  run_app->add_option("--camera-truth", parsed.camera_truth,
+                      "Write every picture of the cameras, with depth and labels, to a folder");
   run_app->add_option("--status", parsed.status, "live, plain or none");
   run_app->add_option("--control", parsed.control,
                       "Where the run is governed from (rigwire ctl): unix:FILE or 127.0.0.1:PORT");
@@ -231,8 +234,10 @@ void declare(CLI::App& app, Parsed& parsed) {
   picture_app->add_option("-o,--output", parsed.output, "The PNG file; - is standard output")
       ->required();
   picture_app->footer(
-      "\nExamples:\n  rigwire picture unimog_vision -o forest.png\n"
-      "  rigwire picture unimog_vision --at 8s --travel 30km/h --layer depth --raw -o depth.png");
+      "\nExamples:\n  rigwire picture unimog_vision --device stereo -o forest.png\n"
+      "  rigwire picture unimog_vision --device stereo --at 8s --travel 30km/h --layer depth --raw "
+      "\\\n"
+      "      -o depth.png");
 
   CLI::App* ctl_app = app.add_subcommand("ctl", "Govern a run that has --control");
   ctl_app->add_option("endpoint", parsed.control, "As the run's --control has it")->required();
@@ -417,6 +422,7 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
   options.truth_path = parsed.truth;
   options.lidar_truth_path = parsed.lidar_truth;
   options.record = parsed.record;
+  options.camera_truth_folder = parsed.camera_truth;
   if (parsed.seed) {
     parsed.rig.sets.push_back("seed=" + *parsed.seed);
   }

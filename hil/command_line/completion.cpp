@@ -20,13 +20,13 @@ _rigwire() {
     --log-level) COMPREPLY=($(compgen -W "debug info warning error" -- "$word")); return ;;
     --layer) COMPREPLY=($(compgen -W "image right disparity range confidence depth labels" -- "$word")); return ;;
     -o|--output) COMPREPLY=($(compgen -f -- "$word")); return ;;
-    --report|--json|--truth|--lidar-truth)
+    --report|--json|--truth|--lidar-truth|--camera-truth)
       if [ "$verb" = run ] || [ "$verb" = bench ]; then
         COMPREPLY=($(compgen -f -- "$word")); return
       fi ;;
   esac
   case $verb in
-    run) local options="--clock --duration --seed --set --report --truth --lidar-truth --status --log-level --control --ready-fd --dry-run --help" ;;
+    run) local options="--clock --duration --seed --set --report --truth --lidar-truth --camera-truth --status --log-level --control --ready-fd --dry-run --help" ;;
     picture) local options="--device --at --layer --raw --travel --set --output --help" ;;
     check) local options="--set --log-level --print --json --help" ;;
     list) local options="devices machines scenes rigs faults --json --help" ;;
@@ -60,10 +60,10 @@ _rigwire() {
     --status) compadd -- live plain none; return ;;
     --log-level) compadd -- debug info warning error; return ;;
     --layer) compadd -- image right disparity range confidence depth labels; return ;;
-    --report|--truth|--lidar-truth|-o|--output) _files; return ;;
+    --report|--truth|--lidar-truth|--camera-truth|-o|--output) _files; return ;;
   esac
   case $words[2] in
-    run) compadd -- --clock --duration --seed --set --report --truth --lidar-truth --status --log-level --control --ready-fd --dry-run --help ;;
+    run) compadd -- --clock --duration --seed --set --report --truth --lidar-truth --camera-truth --status --log-level --control --ready-fd --dry-run --help ;;
     picture) compadd -- --device --at --layer --raw --travel --set --output --help ;;
     check) compadd -- --set --log-level --print --json --help ;;
     list) compadd -- devices machines scenes rigs faults --json --help ;;
@@ -103,6 +103,7 @@ complete -c rigwire -n "__fish_seen_subcommand_from run" -l seed -x
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l report -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l truth -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l lidar-truth -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l camera-truth -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l status -x -a "live plain none"
 complete -c rigwire -n "__fish_seen_subcommand_from run check" -l log-level -x -a "debug info warning error"
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l control -r -F

@@ -14,6 +14,7 @@
 #include "drivers/endpoints.h"
 #include "emulators/can/can_bus_faults.h"
 #include "emulators/modbus/modbus_faults.h"
+#include "fields/check.h"
 #include "hil/command_line/config_files.h"
 #include "hil/command_line/doctor.h"
 #include "hil/command_line/text_table.h"
@@ -106,7 +107,9 @@ int run_verb(const RigArguments& arguments, const RunOptions& options, bool dry_
                  << plan_text(rig.configuration);
     return code(ExitCode::done);
   }
-  return run(rig.configuration, options);
+  RunOptions placed = options;
+  placed.origins = &rig.origins;
+  return run(rig.configuration, placed);
 }
 
 int picture_verb(const RigArguments& arguments, const PictureRequest& request, PictureLayer layer,
@@ -114,7 +117,13 @@ int picture_verb(const RigArguments& arguments, const PictureRequest& request, P
   require_open_files();
   const LoadedRig rig = load_rig(find_rig(arguments.rig), arguments.sets);
   const WholeFile output("the picture", file);
-  const TakenPicture taken = take_picture(rig.configuration, request);
+  const TakenPicture taken = [&] {
+    try {
+      return take_picture(rig.configuration, request);
+    } catch (const fields::Refused& refused) {
+      throw ConfigurationError(std::vector<Problem>{placed(refused, rig.origins)});
+    }
+  }();
   const Image image = layer_image(taken.kept, layer, raw);
   const std::vector<std::uint8_t> bytes = encode_png(image);
   output.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});

@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "drivers/endpoints.h"
+#include "fields/check.h"
 #include "hil/control/desk.h"
 #include "hil/control/ready.h"
 #include "hil/record/output_file.h"
@@ -119,6 +120,7 @@ TruthFiles truth_files(const RigConfiguration& configuration, const RunOptions& 
   TruthFiles files;
   files.machine = chosen(options.truth_path, configuration.truth.path);
   files.lidar = chosen(options.lidar_truth_path, configuration.truth.lidar_path);
+  files.cameras = chosen(options.camera_truth_folder, configuration.truth.camera_folder);
   files.failures = &failures;
   // Simulated time can wait for a reader only where it does not follow the wall's.
   files.patience = !options.clock.paced() ? kReaderPatience : std::chrono::milliseconds{0};
@@ -276,6 +278,11 @@ int run(const RigConfiguration& configuration, const RunOptions& options) {
     return refuse(error, ExitCode::environment);
   } catch (const boost::system::system_error& error) {  // Asio: no descriptor left for its own
     return refuse(error, ExitCode::environment);
+  } catch (const fields::Refused& refused) {
+    complain(options.origins != nullptr ? placed(refused, *options.origins).line()
+                                        : std::string(refused.what()),
+             kReaderPatience);
+    return exit_code(ExitCode::usage);
   } catch (const std::invalid_argument& error) {
     return refuse(error, ExitCode::usage);
   } catch (const std::exception& error) {

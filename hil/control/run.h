@@ -57,6 +57,7 @@ struct RunOptions {
   std::string truth_path;            ///< Empty: as the rig says.
   std::string lidar_truth_path;      ///< Empty: as the rig says.
   RecordOptions record;
+  std::string camera_truth_folder;   ///< Empty: as the rig says.
   LogLevel log_level = LogLevel::info;
   std::optional<ControlEndpoint> control;  ///< Where it is governed from; nothing: nowhere.
   /// Of requests at a port; empty: one is made and told with the address.
@@ -65,6 +66,8 @@ struct RunOptions {
   /// control server, and the wire of each device by its name.
   std::optional<int> ready_descriptor;
   MakeOnlooker onlooker;  ///< May be empty.
+  /// Of the configuration, for what the start is refused by; may be null.
+  const Origins* origins = nullptr;
 };
 
 /// Exit codes of every verb (docs/command-line.md). 128 + n after signal n.

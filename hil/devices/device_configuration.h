@@ -90,6 +90,8 @@ class DeviceConfiguration {
   }
   /// Whether it receives satellites, so that others can be told by it where and when they are.
   [[nodiscard]] virtual bool is_receiver() const { return false; }
+  /// Whether it makes pictures, behind which there is a truth (run --camera-truth).
+  [[nodiscard]] virtual bool is_camera() const { return false; }
 
   /// Whether others can be wired to it for its corrections (CorrectionSource).
   [[nodiscard]] virtual bool is_base_station() const { return false; }

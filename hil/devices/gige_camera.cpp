@@ -416,6 +416,7 @@ DeviceDescription GigeCameraConfiguration::describe() const {
 std::unique_ptr<Device> GigeCameraConfiguration::make(Site& site) const {
   auto device = std::make_unique<GigeCameraDevice>(*this, site);
   WorldCameraSettings settings;
+  settings.name = site.name();
   settings.mount = site.mount(mount);
   settings.sees_own_link = sees_own_link;
   settings.processing = processing;

@@ -41,6 +41,7 @@ struct GigeCameraConfiguration final : DeviceConfigurationOf<GigeCameraConfigura
   [[nodiscard]] std::optional<BusShare> bus_share(std::string_view name) const override;
   [[nodiscard]] DeviceDescription describe() const override;
   [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
+  [[nodiscard]] bool is_camera() const override { return true; }
 };
 
 /// What the emulator is to be given: with what its sensor can do and where it is on the network.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "hil/rig/rig.h"
 #include "hil/world/camera.h"
 #include "hil/world/simulated_world.h"
+#include "hil/world/truth_observer.h"
 
 namespace rigwire::hil {
 namespace {
@@ -21,39 +23,38 @@ constexpr int kPicturesBefore = 32;
 /// The only one.
 constexpr StationIndex kStation = 0;
 
-/// A camera that keeps what is true behind the one picture that is wanted.
-class KeepingCamera final : public sim::CameraSensor {
+/// Keeps the one picture that is wanted, with what is true behind it.
+class PictureKeeper final : public CameraTruthObserver {
  public:
-  KeepingCamera(std::unique_ptr<sim::CameraSensor> camera, SimTime wanted, KeptPicture& kept)
-      : camera_(std::move(camera)), wanted_(wanted), kept_(kept) {}
+  PictureKeeper(SimTime wanted, std::optional<CameraTruthRecord>& kept)
+      : wanted_(wanted), kept_(kept) {}
 
-  [[nodiscard]] Duration span(const CameraCommand& command, Duration exposure) const override {
-    return camera_->span(command, exposure);
+  [[nodiscard]] bool wants(std::string_view /*camera*/, SimTime start) const override {
+    return start == wanted_;
   }
-
-  [[nodiscard]] Taken take(const sim::Scene& scene, const sim::CameraShot& shot,
-                           sim::CameraTruth* /*truth*/) override {
-    if (shot.start != wanted_) {
-      return camera_->take(scene, shot, nullptr);
-    }
-    Taken taken = camera_->take(scene, shot, &kept_.truth);
-    for (const std::uint32_t instance : kept_.truth.instance) {
-      if (instance >= scene.instance_count()) {
-        continue;
-      }
-      if (instance >= kept_.labels.size()) {
-        kept_.labels.resize(instance + 1);
-      }
-      kept_.labels[instance] = scene.label(instance);
-    }
-    return taken;
+  void record(std::string_view /*camera*/, CameraTruthRecord record) override {
+    kept_ = std::move(record);
   }
 
  private:
-  std::unique_ptr<sim::CameraSensor> camera_;
   SimTime wanted_;
-  KeptPicture& kept_;
+  std::optional<CameraTruthRecord>& kept_;
 };
+
+/// By instance, as far as the picture shows them.
+std::vector<std::string> labels_in(const sim::CameraTruth& truth, const sim::Scene& scene) {
+  std::vector<std::string> labels;
+  for (const std::uint32_t instance : truth.instance) {
+    if (instance >= scene.instance_count()) {
+      continue;
+    }
+    if (instance >= labels.size()) {
+      labels.resize(instance + 1);
+    }
+    labels[instance] = scene.label(instance);
+  }
+  return labels;
+}
 
 std::map<std::string, const GigeCameraConfiguration*> cameras_of(const RigConfiguration& rig) {
   std::map<std::string, const GigeCameraConfiguration*> cameras;
@@ -135,19 +136,17 @@ TakenPicture take_picture(const RigConfiguration& configuration, const PictureRe
     throw std::invalid_argument(fmt::format("at: found {}, allowed 0 s or later",
                                             fields::print_duration((request.at - kStart).count())));
   }
-  TakenPicture taken;
-  taken.device = name;
-  taken.kept.geometry = sim::abilities_of(camera->sensor).geometry;
+  std::optional<CameraTruthRecord> kept;
   SimulatedWorld world = make_world(configuration, log);
+  world.set_camera_truth_observer(std::make_unique<PictureKeeper>(request.at, kept));
   WorldCameraSettings settings;
+  settings.name = name;
   settings.mount = sensor_mount(configuration.machine, camera->mount);
   settings.sees_own_link = camera->sees_own_link;
   settings.auto_exposure = sim::optics_of(camera->sensor).auto_exposure;
   world.add(make_world_camera(kStation, settings, world.scene(), world.terrain(),
-                              make_surroundings(configuration), [&, camera = camera] {
-                                return std::make_unique<KeepingCamera>(
-                                    sim::make_camera(camera->sensor, configuration.seed, name),
-                                    request.at, taken.kept);
+                              make_surroundings(configuration), [&, camera = camera, name = name] {
+                                return sim::make_camera(camera->sensor, configuration.seed, name);
                               }));
   if (request.travel_mps) {
     drive(world.machine(), *request.travel_mps);
@@ -159,7 +158,7 @@ TakenPicture take_picture(const RigConfiguration& configuration, const PictureRe
   requests.of<CameraCommand>(kStation).push_back(command);
   requests.of<SamplePlan>(kStation).push_back(plan_of(command, *camera, request.at));
   world.begin(false);
-  while (true) {
+  while (!kept) {
     if (const auto fault = world.advance(requests, batch)) {
       throw std::runtime_error(*fault);
     }
@@ -167,17 +166,11 @@ TakenPicture take_picture(const RigConfiguration& configuration, const PictureRe
     if (batch.until >= request.at && batch.from < request.at) {
       requests.of<SamplePlan>(kStation).push_back({});
     }
-    const auto* const samples = batch.samples.find<PictureSample>(kStation);
-    if (samples == nullptr) {
-      continue;
-    }
-    for (const PictureSample& sample : *samples) {
-      if (sample.exposure_start == request.at) {
-        taken.kept.picture = sample.picture;
-        return taken;
-      }
-    }
   }
+  std::vector<std::string> labels = labels_in(kept->truth, world.scene());
+  return {name,
+          {std::move(kept->picture), std::move(kept->truth), std::move(labels),
+           sim::abilities_of(camera->sensor).geometry}};
 }
 
 }  // namespace rigwire::hil

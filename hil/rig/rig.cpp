@@ -9,8 +9,11 @@
 
 #include "drivers/line_watch.h"
 #include "fields/check.h"
+#include "hil/configuration/suggest.h"
+#include "hil/devices/gige_camera.h"
 #include "hil/files/geoid_file.h"
 #include "hil/files/mesh_file.h"
+#include "hil/record/camera_truth_tap.h"
 #include "hil/record/lidar_truth_tap.h"
 #include "hil/record/truth_tap.h"
 #include "hil/wires/can_hop.h"
@@ -21,6 +24,7 @@
 #include "hil/world/scene.h"
 #include "hil/world/sky.h"
 #include "hil/world/standing_free.h"
+#include "sim/camera/visible_labels.h"
 #include "sim/excavator/bucket_soil.h"
 #include "sim/ground/ground.h"
 #include "sim/random.h"
@@ -73,6 +77,35 @@ class SceneFallObstacle final : public sim::FallObstacle {
  private:
   const sim::Scene& scene_;
 };
+
+/// Every label that a camera is told the looks of is one that it can see. Throws fields::Refused.
+void require_looks(const RigConfiguration& configuration, const sim::Scene& scene) {
+  std::optional<std::vector<std::string>> labels;
+  for (const auto& [name, device] : configuration.devices) {
+    const auto* const camera = fields::as<GigeCameraConfiguration>(device);
+    if (camera == nullptr) {
+      continue;
+    }
+    const std::vector<sim::SurfaceLook>& looks = sim::optics_of(camera->sensor).looks;
+    for (std::size_t i = 0; i < looks.size(); ++i) {
+      labels = labels ? std::move(labels) : sim::visible_labels(scene);
+      const std::string path = fmt::format("devices.{}.sensor.looks.{}.label", name, i);
+      const std::string& label = looks[i].label;
+      if (std::ranges::find(*labels, label) == labels->end()) {
+        const std::string near = nearest_word(label, *labels);
+        throw fields::Refused(
+            path,
+            fmt::format("nothing in the scene has it, found \"{}\", allowed {}{}", label,
+                        join_words(*labels), near.empty() ? "" : ", did you mean " + near + "?"));
+      }
+      const auto same = [&label](const sim::SurfaceLook& look) { return look.label == label; };
+      if (std::any_of(looks.begin(), looks.begin() + static_cast<std::ptrdiff_t>(i), same)) {
+        throw fields::Refused(
+            path, fmt::format("it has its looks already, found \"{}\" again, allowed once", label));
+      }
+    }
+  }
+}
 
 RigCanSettings can_settings(const BusConfiguration& bus, const CanHop& hop) {
   RigCanSettings settings;
@@ -167,7 +200,12 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration, Run
       }
     }
   }
+  require_looks(configuration, *result.scene);
   return result;
+}
+
+Problem placed(const fields::Refused& refused, const Origins& origins) {
+  return {origins.nearest(refused.path()), refused.path(), refused.rest(), {}, {}, {}};
 }
 
 void check_start(const LoadedRig& rig, RunLog* log) {
@@ -177,8 +215,7 @@ void check_start(const LoadedRig& rig, RunLog* log) {
     try {
       part();
     } catch (const fields::Refused& refused) {
-      problems.add(
-          {rig.origins.nearest(refused.path()), refused.path(), refused.rest(), {}, {}, {}});
+      problems.add(placed(refused, rig.origins));
     } catch (const std::exception& error) {
       problems.add({rig.origins.nearest(""), "", error.what(), {}, {}, {}});
     }
@@ -399,6 +436,17 @@ void Rig::open_taps(const TruthFiles& files) {
     }
     world_.set_lidar_truth_observer(std::make_unique<LidarTruthTap>(
         files.lidar, calendar_, world_.scene(), std::move(lidars), files.failures, files.patience));
+  }
+  if (!files.cameras.empty()) {
+    const std::vector<std::string> all = camera_names(configuration_);
+    if (all.empty()) {
+      throw std::invalid_argument(
+          "the camera truth: found 0 cameras in the rig, allowed 1 or more");
+    }
+    const std::vector<std::string>& chosen = configuration_.truth.cameras;
+    world_.set_camera_truth_observer(std::make_unique<CameraTruthTap>(
+        files.cameras, calendar_, world_.scene(), chosen.empty() ? all : chosen, files.failures,
+        files.patience > std::chrono::milliseconds{0}));
   }
 }
 

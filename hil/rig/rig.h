@@ -56,6 +56,9 @@
 #include "sim/local_frame.h"
 #include "sim/samples/calendar.h"
 
+namespace rigwire::fields {
+class Refused;
+}
 namespace rigwire::sim {
 class Constellation;
 }
@@ -64,7 +67,8 @@ namespace rigwire::hil {
 
 /// The machine in its scene, without devices: what every rig and every benchmark starts from.
 /// Throws std::invalid_argument or std::runtime_error naming what is wrong, also where the machine
-/// does not stand free (hil/world/standing_free.h).
+/// does not stand free (hil/world/standing_free.h), or a camera is told how a label looks that
+/// nothing in the scene has.
 /// `log`: what was left out of files; may be null.
 [[nodiscard]] MachineInScene build_machine_in_scene(const RigConfiguration& configuration,
                                                     RunLog* log = nullptr);
@@ -81,6 +85,9 @@ namespace rigwire::hil {
 /// be read.
 [[nodiscard]] sim::LocalFrame make_local_frame(const OriginConfiguration& origin);
 
+/// What a structure was refused by at the start of a run, with its place in the rig's files.
+[[nodiscard]] Problem placed(const fields::Refused& refused, const Origins& origins);
+
 /// Makes once what a run starts from, wires apart: terrain, meshes, the machine where it stands,
 /// geoid and satellites. What passes here and load_rig() can be run wherever its wires can be
 /// opened. Throws ConfigurationError with the place of the key that is wrong.
@@ -95,10 +102,12 @@ class RigUsb;
 
 /// Where ground truth goes.
 struct TruthFiles {
-  std::filesystem::path machine{};                       ///< hil/record/truth_tap.h
-  std::filesystem::path lidar{};                         ///< hil/record/lidar_truth_tap.h
-  OutputFailures* failures = nullptr;                    ///< May be null; outlives the rig.
-  std::chrono::milliseconds patience = kReaderPatience;  ///< With a reader that stalls.
+  std::filesystem::path machine{};     ///< hil/record/truth_tap.h
+  std::filesystem::path lidar{};       ///< hil/record/lidar_truth_tap.h
+  std::filesystem::path cameras{};     ///< A folder; hil/record/camera_truth_tap.h
+  OutputFailures* failures = nullptr;  ///< May be null; outlives the rig.
+  /// With a reader that stalls; 0: nobody is waited for, also no disc.
+  std::chrono::milliseconds patience = kReaderPatience;
 };
 
 /// Ends of wires in the caller's own program, in place of the system's: by name of the bus. What a

@@ -50,6 +50,11 @@ class Checker {
     for (const auto& [name, bus] : rig_.buses) {
       check_load(name, bus);
     }
+    const std::vector<std::string> cameras = camera_names(rig_);
+    for (std::size_t i = 0; i < rig_.truth.cameras.size(); ++i) {
+      check_.one_of(fmt::format("truth.cameras.{}", i), "no such camera", rig_.truth.cameras[i],
+                    cameras);
+    }
   }
 
  private:

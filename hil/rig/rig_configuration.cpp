@@ -36,6 +36,16 @@ std::string print_rig(const RigConfiguration& configuration) {
   return print_yaml(outline(configuration), {});
 }
 
+std::vector<std::string> camera_names(const RigConfiguration& configuration) {
+  std::vector<std::string> names;
+  for (const auto& [name, device] : configuration.devices) {
+    if (device->is_camera()) {
+      names.push_back(name);
+    }
+  }
+  return names;
+}
+
 RigView view_of(const RigConfiguration& configuration) {
   const MachineModel& machine = *configuration.machine.model;
   RigView view{configuration.buses,

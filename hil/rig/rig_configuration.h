@@ -28,6 +28,9 @@ namespace rigwire::hil {
 struct TruthConfiguration {
   std::string path;        ///< File; empty = none. `run --truth FILE` beats it.
   std::string lidar_path;  ///< The same for every lidar shot. `run --lidar-truth FILE` beats it.
+  /// Folder for every picture; empty = none. `run --camera-truth FOLDER` beats it.
+  std::string camera_folder;
+  std::vector<std::string> cameras;  ///< Whose pictures; empty = all.
   Duration period = std::chrono::milliseconds(10);
 };
 
@@ -59,6 +62,9 @@ inline void visit(fields::Visitor& v, TruthConfiguration& p) {
   v.text("path", p.path, "File; empty = none. `run --truth FILE` beats it.");
   v.text("lidar_path", p.lidar_path,
          "File of every lidar shot; `run --lidar-truth FILE` beats it.");
+  v.text("camera_folder", p.camera_folder,
+         "Folder for what is true behind every picture; `run --camera-truth FOLDER` beats it.");
+  v.texts("cameras", p.cameras, "Cameras whose pictures go to that folder; empty = all.");
   v.rate("rate", p.period, fields::in("Hz").above(0).at_most(1000),
          "Records per second of run --truth and --record.");
 }
@@ -109,6 +115,8 @@ struct LoadedRig {
 
 /// The same without origins, which differ from machine to machine.
 [[nodiscard]] std::string print_rig(const RigConfiguration& configuration);
+/// Names of the devices that make pictures.
+[[nodiscard]] std::vector<std::string> camera_names(const RigConfiguration& configuration);
 
 /// What devices may know of the rig. Refers to the configuration.
 [[nodiscard]] RigView view_of(const RigConfiguration& configuration);

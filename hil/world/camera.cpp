@@ -4,6 +4,7 @@
 #include <deque>
 #include <utility>
 
+#include "hil/world/truth_observer.h"
 #include "sim/weather/scene_weather.h"
 
 namespace rigwire::hil {
@@ -88,6 +89,7 @@ class WorldCamera final : public WorldSensor {
  private:
   struct Exposure {
     CameraJob job;
+    std::uint64_t number = 0;
     bool over = false;
     bool exposure_free = false;
     bool gain_free = false;
@@ -97,8 +99,10 @@ class WorldCamera final : public WorldSensor {
   struct Pending {
     SimTime start{};
     SimTime due{};
+    std::uint64_t number = 0;  ///< Of the exposure.
+    bool with_truth = false;
     std::optional<CameraWorker::Number> job;  ///< Nothing: not even tried, or taken.
-    sim::CameraSensor::Taken taken;
+    CameraWorker::Made made;
     // What automatic exposure needs of it, in the order of exposures.
     bool exposure_free = false;
     bool gain_free = false;
@@ -147,6 +151,7 @@ class WorldCamera final : public WorldSensor {
   void expose(const WorldStep& step, SimTime start) {
     const sim::AutoExposure::Choice choice = choose();
     Exposure exposure;
+    exposure.number = frame_++;
     exposure.exposure_free = command_.exposure_auto;
     exposure.gain_free = command_.gain_auto;
     exposure.fixed = {command_.exposure, command_.gain_db};
@@ -154,7 +159,7 @@ class WorldCamera final : public WorldSensor {
     shot.command = command_;
     shot.exposure = choice.exposure;
     shot.gain_db = choice.gain_db;
-    shot.frame = frame_++;
+    shot.frame = exposure.number;
     shot.start = start;
     shot.mask = mask_;
     shot.poses.push_back({start, step.motion(settings_.mount, start)});
@@ -196,12 +201,16 @@ class WorldCamera final : public WorldSensor {
     Pending pending;
     pending.start = exposure.job.begin;
     pending.due = exposure.job.due;
+    pending.number = exposure.number;
+    pending.with_truth =
+        slice.camera_truth != nullptr && slice.camera_truth->wants(settings_.name, pending.start);
     pending.exposure_free = exposure.exposure_free;
     pending.gain_free = exposure.gain_free;
     pending.fixed = exposure.fixed;
     if (!slice.paced || pending_.size() < kMostWaiting) {
       CameraJob& job = exposure.job;
       job.placement = slice.scene.placement();
+      job.with_truth = pending.with_truth;
       if (dug_ && slice.ground != nullptr) {
         DugGround& dug = job.dug.emplace();
         dug.nodes = *dug_;
@@ -228,18 +237,18 @@ class WorldCamera final : public WorldSensor {
       if (!pending.job) {
         continue;
       }
-      auto taken = worker_.take(*pending.job);
-      if (!taken) {
+      auto made = worker_.take(*pending.job);
+      if (!made) {
         return;
       }
-      collect(pending, std::move(*taken));
+      collect(pending, std::move(*made));
     }
   }
 
-  void collect(Pending& pending, sim::CameraSensor::Taken taken) {
+  void collect(Pending& pending, CameraWorker::Made made) {
     pending.job.reset();
-    pending.taken = std::move(taken);
-    settle(pending, pending.taken.picture != nullptr);
+    pending.made = std::move(made);
+    settle(pending, pending.made.taken.picture != nullptr);
   }
 
   /// Tells automatic exposure of it, once.
@@ -248,7 +257,8 @@ class WorldCamera final : public WorldSensor {
       return;
     }
     if (measured) {
-      automatic_.taken(pending.taken.mean, pending.exposure_free, pending.gain_free, pending.fixed);
+      automatic_.taken(pending.made.taken.mean, pending.exposure_free, pending.gain_free,
+                       pending.fixed);
     } else {
       automatic_.unmeasured();
     }
@@ -296,7 +306,12 @@ class WorldCamera final : public WorldSensor {
       } else {
         settle(pending, false);  // unless it is settled
       }
-      shelf.push_back({pending.due, pending.start, std::move(pending.taken.picture)});
+      std::shared_ptr<const Picture>& picture = pending.made.taken.picture;
+      if (picture && pending.with_truth && slice.camera_truth != nullptr) {
+        slice.camera_truth->record(settings_.name,
+                                   {pending.number, picture, std::move(pending.made.truth)});
+      }
+      shelf.push_back({pending.due, pending.start, std::move(picture)});
     }
   }
 

@@ -9,6 +9,9 @@
 // Free-running, every picture is there: the run waits for it at that instant. Paced, the run never
 // waits: what is not rendered by then is told as a sample without a picture.
 //
+// What is true behind a picture is computed with it, for a CameraTruthObserver that wants it, and
+// told when the picture is handed over.
+//
 // Automatic exposure acts with its lag, counted in exposures. It is clipped to the plan's period;
 // paced, a picture that is not there when its lag is over is not measured.
 //
@@ -18,7 +21,7 @@
 
 #include <functional>
 #include <memory>
-#include <string_view>
+#include <string>
 
 #include "hil/world/camera_worker.h"
 #include "hil/world/world_sensor.h"
@@ -28,6 +31,7 @@
 namespace rigwire::hil {
 
 struct WorldCameraSettings {
+  std::string name;  ///< Of the device in the rig.
   SensorMount mount;
   bool sees_own_link = false;  ///< The body that it is mounted on.
   Duration processing{0};      ///< From the end of the exposure to when the picture is handed over.

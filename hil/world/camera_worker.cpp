@@ -1,18 +1,16 @@
 #include "hil/world/camera_worker.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <exception>
 #include <future>
 #include <utility>
+
+#include "hil/executive/background_thread.h"
 
 namespace rigwire::hil {
 namespace {
 
 /// Between two looks at how much of the sky dug ground sees, which costs a tenth of a second.
 constexpr Duration kSkyPeriod = std::chrono::seconds(10);
-constexpr int kNiceness = 10;
 
 }  // namespace
 
@@ -22,9 +20,7 @@ CameraWorker::CameraWorker(const sim::Scene& scene, sim::Scene::InstanceId terra
   std::promise<void> ready;
   std::future<void> made = ready.get_future();
   thread_ = std::thread([this, &make, ready = std::move(ready)]() mutable {
-    // Of this thread alone, and of those that the sensor starts.
-    const auto self = static_cast<id_t>(::gettid());
-    (void)::setpriority(PRIO_PROCESS, self, ::getpriority(PRIO_PROCESS, self) + kNiceness);
+    yield_to_the_loop();
     try {
       sensor_ = make();
     } catch (...) {
@@ -68,28 +64,28 @@ void CameraWorker::reach(SimTime now, bool paced) {
   paced_ = paced;
 }
 
-std::optional<sim::CameraSensor::Taken> CameraWorker::take(Number job) {
+std::optional<CameraWorker::Made> CameraWorker::take(Number job) {
   const std::scoped_lock lock(mutex_);
   Entry& asked = entry(job);
-  if (!asked.taken) {
+  if (!asked.made) {
     return std::nullopt;
   }
-  auto taken = std::move(asked.taken);
-  asked.taken.emplace();
+  auto made = std::move(asked.made);
+  asked.made.emplace();
   asked.forgotten = true;
   drop_front();
-  return taken;
+  return made;
 }
 
-sim::CameraSensor::Taken CameraWorker::wait(Number job) {
+CameraWorker::Made CameraWorker::wait(Number job) {
   std::unique_lock lock(mutex_);
   Entry& asked = entry(job);
-  done_.wait(lock, [&asked] { return asked.taken.has_value(); });
-  sim::CameraSensor::Taken taken = std::move(*asked.taken);
-  asked.taken.emplace();
+  done_.wait(lock, [&asked] { return asked.made.has_value(); });
+  Made made = std::move(*asked.made);
+  asked.made.emplace();
   asked.forgotten = true;
   drop_front();
-  return taken;
+  return made;
 }
 
 void CameraWorker::forget(Number job) {
@@ -105,7 +101,7 @@ std::optional<std::string> CameraWorker::fault() const {
 
 /// Entries that are done and that nobody asks for any more.
 void CameraWorker::drop_front() {
-  while (first_ < next_ && entries_.front()->forgotten && entries_.front()->taken) {
+  while (first_ < next_ && entries_.front()->forgotten && entries_.front()->made) {
     entries_.pop_front();
     ++first_;
   }
@@ -124,11 +120,11 @@ void CameraWorker::run() {
     const SimTime begun = now_;
     busy_ = true;
     lock.unlock();
-    sim::CameraSensor::Taken taken;
+    Made made;
     std::string failed;
     try {
       if (wanted) {
-        taken = make_picture(present.job);
+        made = make_picture(present.job);
       } else {
         make_ready(present.job);
       }
@@ -144,7 +140,7 @@ void CameraWorker::run() {
     if (!failed.empty() && !fault_) {
       fault_ = failed;
     }
-    present.taken = std::move(taken);
+    present.made = std::move(made);
     ++next_;
     drop_front();
     done_.notify_one();
@@ -164,7 +160,7 @@ void CameraWorker::make_ready(const CameraJob& job) {
   }
 }
 
-sim::CameraSensor::Taken CameraWorker::make_picture(CameraJob& job) {
+CameraWorker::Made CameraWorker::make_picture(CameraJob& job) {
   make_ready(job);
   scene_->begin_slice(job.begin, job.end, job.placement, job.bodies);
   if (dug_since_ && job.begin - sky_made_ >= kSkyPeriod) {
@@ -182,7 +178,9 @@ sim::CameraSensor::Taken CameraWorker::make_picture(CameraJob& job) {
   shot.air = air.clear() ? nullptr : &air;
   shot.sky = sky_.get();
   shot.wetness = sim::wetness_of(air.rain_mmph());
-  return sensor_->take(*scene_, shot, nullptr);
+  Made made;
+  made.taken = sensor_->take(*scene_, shot, job.with_truth ? &made.truth : nullptr);
+  return made;
 }
 
 }  // namespace rigwire::hil

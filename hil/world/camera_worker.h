@@ -50,12 +50,17 @@ struct CameraJob {
   std::vector<sim::BodyMotion> bodies;
   std::optional<DugGround> dug;
   std::optional<sim::DustCloud> dust;
+  bool with_truth = false;  ///< What is true behind the picture is wanted, too.
 };
 
 class CameraWorker {
  public:
   using MakeSensor = std::function<std::unique_ptr<sim::CameraSensor>()>;
   using Number = std::uint64_t;  ///< Of a job, from 0.
+  struct Made {
+    sim::CameraSensor::Taken taken;  ///< A null picture: it was passed over, or failed.
+    sim::CameraTruth truth;          ///< Empty unless the job wanted it.
+  };
 
   /// Has a twin of the scene made, whose first terrain is `terrain`, and calls `make` on the
   /// worker's thread; throws what they throw. `surroundings` are shared by all cameras of a rig.
@@ -70,11 +75,10 @@ class CameraWorker {
   /// How far simulated time has come. `paced`: jobs that cannot be done in time are passed over; by
   /// what the last one took, and only when another one has kept the worker.
   void reach(SimTime now, bool paced);
-  /// What has been made of it; a null picture: it was passed over, or failed. Nothing: not yet.
-  /// Once for each job.
-  [[nodiscard]] std::optional<sim::CameraSensor::Taken> take(Number job);
+  /// What has been made of it. Nothing: not yet. Once for each job.
+  [[nodiscard]] std::optional<Made> take(Number job);
   /// The same, waiting for it.
-  [[nodiscard]] sim::CameraSensor::Taken wait(Number job);
+  [[nodiscard]] Made wait(Number job);
   /// Nobody wants it any more; take() of it is not called again.
   void forget(Number job);
   /// What a job failed by, the first one.
@@ -87,11 +91,11 @@ class CameraWorker {
     CameraJob job;
     bool waited = false;     ///< For the worker.
     bool forgotten = false;  ///< Before it was done.
-    std::optional<sim::CameraSensor::Taken> taken;
+    std::optional<Made> made;
   };
 
   void run();
-  [[nodiscard]] sim::CameraSensor::Taken make_picture(CameraJob& job);
+  [[nodiscard]] Made make_picture(CameraJob& job);
   void make_ready(const CameraJob& job);
   [[nodiscard]] Entry& entry(Number job) { return *entries_[job - first_]; }
   void drop_front();

@@ -75,6 +75,10 @@ void SimulatedWorld::set_lidar_truth_observer(std::unique_ptr<LidarTruthObserver
   lidar_observer_ = std::move(observer);
 }
 
+void SimulatedWorld::set_camera_truth_observer(std::unique_ptr<CameraTruthObserver> observer) {
+  camera_observer_ = std::move(observer);
+}
+
 std::optional<std::string> SimulatedWorld::advance(const TruthRequests& requests,
                                                    SampleBatch& batch) {
   batch.clear();
@@ -173,6 +177,7 @@ void SimulatedWorld::sample_slice(SimTime t0, SimTime t1, Shelves& samples) {
                          .scene = *content_.scene,
                          .weather = weather_.get(),
                          .lidar_truth = lidar_observer_.get(),
+                         .camera_truth = camera_observer_.get(),
                          .ground = content_.ground ? &content_.ground->field() : nullptr,
                          .dug = dug_,
                          .paced = paced_};

@@ -61,6 +61,8 @@ class SimulatedWorld final : public TruthSource {
   void add_truth_observer(std::unique_ptr<TruthObserver> observer, Duration period);
   /// Tells `observer` of every shot of every lidar.
   void set_lidar_truth_observer(std::unique_ptr<LidarTruthObserver> observer);
+  /// Tells `observer` of the pictures that it wants.
+  void set_camera_truth_observer(std::unique_ptr<CameraTruthObserver> observer);
 
   [[nodiscard]] const sim::Scene& scene() const { return *content_.scene; }
   /// That the machine digs in, if it does.
@@ -94,6 +96,7 @@ class SimulatedWorld final : public TruthSource {
     SimTime next = kNever;
   };
   std::vector<Told> told_;
+  std::unique_ptr<CameraTruthObserver> camera_observer_;
   TruthRecord truth_;  ///< Filled anew each time.
 
   SimTime frontier_ = kStart;

@@ -1,18 +1,23 @@
 // Who is told what is true, beside the devices: the simulated world knows no file
-// (hil/record/truth_tap.h and hil/record/lidar_truth_tap.h write them).
+// (hil/record/truth_tap.h, hil/record/lidar_truth_tap.h and hil/record/camera_truth_tap.h write
+// them).
 #pragma once
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <vector>
 
+#include "sim/camera/camera_sensor.h"
 #include "sim/lidar/lidar_sensor.h"
 #include "sim/link_motion.h"
 #include "sim/local_frame.h"
 #include "sim/samples/lidar_sample.h"
+#include "sim/samples/picture_sample.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::hil {
@@ -60,6 +65,24 @@ class LidarTruthObserver {
   virtual void record(std::string_view lidar, const LidarPattern& pattern,
                       const std::vector<LidarFiring>& firings,
                       const std::vector<sim::LidarBankTruth>& truth) = 0;
+};
+
+/// A picture that was handed to its camera, with what is true behind it.
+struct CameraTruthRecord {
+  std::uint64_t exposure = 0;  ///< Of the camera, counted from 0; skipped ones count.
+  std::shared_ptr<const Picture> picture;
+  sim::CameraTruth truth;  ///< Behind the picture's first part.
+};
+
+class CameraTruthObserver {
+ public:
+  virtual ~CameraTruthObserver() = default;
+  /// Whether the truth behind a picture of the camera of that name in the rig is to be computed,
+  /// whose exposure begins at `start`; asked when the exposure is over.
+  [[nodiscard]] virtual bool wants(std::string_view camera, SimTime start) const = 0;
+  /// When the picture is handed over, in the order of each camera's exposures. A picture that was
+  /// skipped is not told of.
+  virtual void record(std::string_view camera, CameraTruthRecord record) = 0;
 };
 
 }  // namespace rigwire::hil

@@ -30,6 +30,7 @@ struct HeightField;
 
 namespace rigwire::hil {
 
+class CameraTruthObserver;
 class LidarTruthObserver;
 struct TruthRecord;
 
@@ -61,10 +62,11 @@ struct WorldSlice {
   LinkMotions links_at_t0;
   LinkMotions links_at_t1;
   const sim::Scene& scene;
-  const sim::SceneWeather* weather = nullptr;  ///< Null: clear air.
-  LidarTruthObserver* lidar_truth = nullptr;   ///< Null: nobody asks.
-  const sim::HeightField* ground = nullptr;    ///< As it is at t1; null: it never changes.
-  std::optional<sim::NodeRectangle> dug;       ///< Where it has changed in this slice.
+  const sim::SceneWeather* weather = nullptr;   ///< Null: clear air.
+  LidarTruthObserver* lidar_truth = nullptr;    ///< Null: nobody asks.
+  CameraTruthObserver* camera_truth = nullptr;  ///< Likewise.
+  const sim::HeightField* ground = nullptr;     ///< As it is at t1; null: it never changes.
+  std::optional<sim::NodeRectangle> dug;        ///< Where it has changed in this slice.
   /// Time follows a clock: what is computed beside the run is not waited for.
   bool paced = false;
 };

@@ -66,13 +66,14 @@ TEST(CommandLine, picture_writes_one_layer_of_a_camera) {
       " --set devices.front_camera.sensor.image_sensor.width=64"
       " --set devices.front_camera.sensor.image_sensor.height=48 --at 100ms";
   const std::string file = testing::TempDir() + "picture_verb.png";
-  const Result shown = rigwire("picture unimog_vision -o " + file + small);
+  const Result shown = rigwire("picture unimog_vision --device front_camera -o " + file + small);
   EXPECT_EQ(shown.code, 0) << shown.output;
   EXPECT_THAT(shown.output, HasSubstr("image of front_camera at 0.100 s, 64 x 48"));
   const Image image = rigwire::hil::read_png(file, "picture: ");
   EXPECT_EQ(image.columns, 64U);
   EXPECT_EQ(image.rows, 48U);
-  const Result labels = rigwire("picture unimog_vision --layer labels --raw -o " + file + small);
+  const Result labels = rigwire(
+      "picture unimog_vision --device front_camera --layer labels --raw -o " + file + small);
   EXPECT_EQ(labels.code, 0) << labels.output;
   EXPECT_THAT(labels.output, HasSubstr("ground"));
   EXPECT_EQ(rigwire::hil::read_png(file, "picture: ").bits, 16);
@@ -89,9 +90,10 @@ TEST(CommandLine, picture_says_what_is_allowed) {
   EXPECT_THAT(refused("unimog_vision --layer depht" + to), HasSubstr("did you mean depth?"));
   EXPECT_THAT(refused("unimog_vision --at 0s" + to), HasSubstr("allowed for example 12.5s"));
   EXPECT_THAT(refused("unimog_vision --travel 5kg" + to), HasSubstr("allowed for example 20km/h"));
-  EXPECT_THAT(refused("unimog_vision --layer disparity --at 10ms" + to),
+  EXPECT_THAT(refused("unimog_vision --device front_camera --layer disparity --at 10ms" + to),
               HasSubstr("allowed of this camera image, depth, labels"));
-  EXPECT_THAT(refused("unimog_vision --device gnss" + to), HasSubstr("allowed front_camera"));
+  EXPECT_THAT(refused("unimog_vision --device gnss" + to),
+              HasSubstr("allowed front_camera, stereo"));
   EXPECT_THAT(refused("excavator_pit" + to), HasSubstr("no camera"));
 }
 
@@ -129,6 +131,7 @@ TEST(CommandLine, an_empty_value_is_refused_for_every_option_and_word_of_every_v
            {"run excavator_pit --dry-run --report= --seed 2", "--report"},
            {"run excavator_pit --dry-run --truth ''", "--truth"},
            {"run excavator_pit --dry-run --lidar-truth ''", "--lidar-truth"},
+           {"run excavator_pit --dry-run --camera-truth ''", "--camera-truth"},
            {"run ''", "rig"},
            {"check '' --json", "rig"},
            {"check excavator_pit --set ''", "--set"},

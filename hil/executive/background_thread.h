@@ -1,0 +1,17 @@
+// Work beside the loop, which takes what time the loop leaves.
+#pragma once
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace rigwire::hil {
+
+/// Makes the calling thread, and threads that it starts, nicer to others than the rest of the
+/// program: on a busy machine its work waits, and wires do not.
+inline void yield_to_the_loop() {
+  constexpr int kNiceness = 10;
+  const auto self = static_cast<id_t>(::gettid());
+  (void)::setpriority(PRIO_PROCESS, self, ::getpriority(PRIO_PROCESS, self) + kNiceness);
+}
+
+}  // namespace rigwire::hil

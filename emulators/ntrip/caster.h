@@ -107,6 +107,10 @@ class NtripCaster final : public StreamDevice {
   [[nodiscard]] const LastRequest& last_request() const { return last_request_; }
   [[nodiscard]] double nominal_rate_hz() const override { return 0.0; }
   [[nodiscard]] std::span<const Quantity> quantities() const override { return {}; }
+  /// One more fault; it begins no earlier than the caster was advanced to.
+  FaultBook<CasterFault>::Id begin(const CasterFault& fault) { return faults_.add(fault); }
+  /// As FaultBook::end().
+  bool end(FaultBook<CasterFault>::Id id, SimTime now) { return faults_.end(id, now); }
   [[nodiscard]] const NtripCasterCounters& counters() const { return counters_; }
   [[nodiscard]] std::uint64_t frames_sent() const { return frames_sent_; }
   [[nodiscard]] std::size_t streaming() const;

@@ -76,6 +76,9 @@ struct GnssBaseConfiguration final : DeviceConfigurationOf<GnssBaseConfiguration
   [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
     return hil::fault_windows(faults, name);
   }
+  [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
+    return hil::fault_kinds<sim::GnssFault>();
+  }
   [[nodiscard]] DevicePlan plan(const RigView& /*rig*/) const override {
     return {fmt::format("a line to its rovers at {} baud", baud),
             fmt::format("{:.3g} epochs/s", 1.0 / to_seconds(period)), "",
@@ -109,6 +112,7 @@ class GnssBaseDevice final : public Device, private CorrectionSource {
       : receiver_(settings(configuration, site), site.calendar(), nowhere_, line_),
         station_(receiver_, receiver_) {
     line_.baud = configuration.baud;
+    offer(antenna_faults(site.executive(), station_, configuration.faults));
   }
 
   [[nodiscard]] StationIndex enlist(Executive& executive) { return executive.add(station_); }

@@ -64,6 +64,9 @@ struct NtripCasterConfiguration final : DeviceConfigurationOf<NtripCasterConfigu
   [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
     return hil::fault_windows(caster.faults, name);
   }
+  [[nodiscard]] std::vector<fields::Named> fault_kinds() const override {
+    return hil::fault_kinds<emulators::CasterFault>();
+  }
   [[nodiscard]] DevicePlan plan(const RigView& /*rig*/) const override {
     return {fmt::format("ntrip {}:{}", address, port), "what its base stations send", "",
             fmt::format("{} mount points", mounts.size())};
@@ -91,6 +94,7 @@ class NtripCasterDevice final : public Device, private EventSource {
                               .allow_remote = configuration.allow_remote}),
         output_(endpoint_, own_statistics()),
         caster_(settings(configuration, site), site.calendar(), output_) {
+    offer(make_fault_port(configuration.caster.faults, acted_by<emulators::CasterFault>(caster_)));
     const auto& origin = site.frame().parameters();
     for (const auto& [name, mount] : configuration.mounts) {
       protocols::ntrip::Stream stream;

@@ -50,7 +50,8 @@ struct ContactPoint {
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
   /// Unit: away from the obstacle, and two across.
   std::array<Eigen::Vector3d, 3> direction_W;
-  double gap_m = 0.0;
+  double gap_m = 0.0;   ///< Beyond rest_m.
+  double rest_m = 0.0;  ///< Overlap that pushes nobody: the pair was found in it.
   ContactLaw law;
   ContactFriction friction;
   std::array<ImplicitForce, 3> force;

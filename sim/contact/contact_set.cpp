@@ -183,6 +183,8 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
     return apart();
   }
   const bool met_before = pair.met;
+  const double overlap = std::max(0.0, -found->gap_m);
+  pair.rest_m = met_before ? std::min(pair.rest_m, overlap) : overlap;
   pair.met = true;
   pair.axis_L = link.X_WL.linear().transpose() * found->normal_W;
   const Vector& n = found->normal_W;
@@ -205,7 +207,8 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
     point.link = body.link;
     point.obstacle = pair.obstacle;
     point.p_W = touch.points[i].p_W;
-    point.gap_m = touch.points[i].gap_m;
+    point.gap_m = touch.points[i].gap_m + pair.rest_m;
+    point.rest_m = pair.rest_m;
     point.law.stiffness_npm = stiffness;
     point.law.damping_nspm = body.damping_nspm * std::sqrt(stiffness / body.stiffness_npm);
     point.law.friction = obstacle.friction;
@@ -245,12 +248,15 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
   }
   const std::span<ContactPoint> own(points_.data() + first, points_.size() - first);
   double spring = 0.0;
+  double unlimited = 0.0;  // As if nothing gave way: what softer springs, farther from it, hold.
   for (const ContactPoint& point : own) {
-    spring += point.spring_j(-point.gap_m);
+    const double pressed = std::max(0.0, -point.gap_m);
+    spring += point.spring_j(pressed);
+    unlimited += 0.5 * stiffness * pressed * pressed;
   }
   // No more in the springs than at the end of the step before.
   const double allowed = pair.spring_j + 0.5 * stiffness * kFreshOverlap_m * kFreshOverlap_m;
-  const double share = met_before && spring > allowed ? allowed / spring : 1.0;
+  const double share = spring > allowed ? allowed / unlimited : 1.0;
   for (ContactPoint& point : own) {
     point.law.stiffness_npm *= share;
     const Vector velocity = link.velocity_W(point.p_W);
@@ -288,7 +294,7 @@ void ContactSet::finish(double h, double work_j) {
       pair.spring_j += spring;
       stored += spring + point.bent_j();
       report_.force_W += force;
-      report_.deepest_m = std::max(report_.deepest_m, depth);
+      report_.deepest_m = std::max(report_.deepest_m, depth + point.rest_m);
       if (point.force_n[0] > 0.0 || point.blocks) {
         pair.pushing = true;
         ++report_.points;

@@ -16,6 +16,10 @@
 // never hold more at the start of a step than they did at the end of the one before (and a
 // tenth of a millimetre's worth): where their points would, all are softer by that share.
 //
+// A pair that is already in each other when first seen (a machine put there, a wheel whose obstacle
+// has become too high) holds nothing yet: what it is in counts as no overlap until it has left it,
+// so that it can go out and not farther in.
+//
 // What an obstacle bears: Obstacle::strength_nm, a moment about its foot. Where the sum of the
 // points' horizontal forces times their heights would pass it, the obstacle gives way: it leans
 // away from the push about its foot, at constant moment up to 0.1 rad, at one that falls to nothing
@@ -126,7 +130,8 @@ class ContactSet {
     std::uint32_t obstacle = 0;
     /// They are no nearer than this.
     double apart_m = -1e300;
-    bool met = false;  ///< In the step before; axes of the last look, met or not.
+    double rest_m = 0.0;  ///< ContactPoint::rest_m.
+    bool met = false;     ///< In the step before; axes of the last look, met or not.
     Eigen::Vector3d axis_W = Eigen::Vector3d::UnitZ();
     Eigen::Vector3d axis_L = Eigen::Vector3d::UnitZ();  ///< The same in the link.
     std::array<Memory, kManifoldPoints> memory;

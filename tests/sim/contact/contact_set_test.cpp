@@ -259,6 +259,50 @@ TEST(ContactSet, NothingNearCostsNothingAndAllocatesNothing) {
   EXPECT_EQ(truck.contact().dropped(), 0U);
 }
 
+// The bucket put 0.4 m into the truck left it at 230 m/s.
+TEST(ContactSet, WhatBeginsInsideCanGoOutAndNotFartherIn) {
+  const Ground ground = ground_with({box_obstacle({0.0, 0.0, 1.0}, {1.0, 5.0, 5.0}, 0.0)});
+  const Vector half(0.3, 0.3, 0.3);
+  for (const double push : {-2e4, 2e4}) {
+    FreeBody crate(ground, ConvexShape::box(half), 500.0, box_inertia(500.0, half), 1e9, 1e6);
+    crate.gravity_mps2 = 0.0;
+    crate.X_WB.translation() << 0.9, 0.0, 1.0;
+    crate.push_W.x() = push;
+    for (int i = 0; i < 1000; ++i) {
+      crate.step(1e-3);
+    }
+    EXPECT_LT(crate.contact().report().deepest_ever_m, 0.401);
+    EXPECT_GT(crate.contact().report().lost_j, -1e-6);
+    if (push < 0.0) {
+      EXPECT_NEAR(crate.X_WB.translation().x(), 0.9, 1e-3);
+    } else {
+      // As free as in the open: F t^2 / (2 m).
+      EXPECT_NEAR(crate.X_WB.translation().x(), 0.9 + 0.5 * push / 500.0, 0.05);
+    }
+  }
+}
+
+// A trunk that gives way took the limit for the spring's when its spring was softened: 0.5 kJ.
+TEST(ContactSet, ATrunkThatLeansGivesNothingBack) {
+  Obstacle trunk = trunk_at(5.0, 0.0, 0.1, 15.0);
+  trunk.stiffness_npm = 1.7e6;
+  for (const double strength : {5e3, 21e3, 64e3}) {
+    trunk.strength_nm = strength;
+    const Ground ground = ground_with({trunk});
+    for (const double turn : {0.0, 0.3, -0.7}) {
+      const Vector half(2.0, 1.1, 0.4);
+      FreeBody truck(ground, ConvexShape::box(half), 5600.0, box_inertia(5600.0, half), 1.5e6, 3e4);
+      truck.gravity_mps2 = 0.0;
+      truck.X_WB.linear() = Eigen::AngleAxisd(turn, Vector::UnitZ()).matrix();
+      truck.X_WB.translation() << 1.0, 0.4, 0.8;
+      truck.v_W << 4.0, 0.0, 0.0;
+      truck.w_W << 0.0, 0.0, 0.8;
+      EXPECT_LT(greatest_gain_j(truck, 1e-3, 3.0), 1.0) << strength << " " << turn;
+      EXPECT_GT(truck.contact().report().touches, 0U);
+    }
+  }
+}
+
 // What is skipped because it cannot have come near is what would not have pushed.
 TEST(ContactSet, RememberingWhoIsFarChangesNotOneBit) {
   std::vector<Obstacle> obstacles{box_obstacle({0.0, 0.0, -1.0}, {20.0, 20.0, 1.0})};

@@ -58,7 +58,8 @@ COMMANDS = [
     (r"rigwire describe --valve-map configs/valves/my_valve\.yaml", "ends", None, "Holding registers"),
     (r"(build/)?rigwire picture unimog_vision .*", "ends", None, None),
     # Rigs and field programs.
-    (r"build/find_rocks .*", "goes on", ("excavator_vision",), None),
+    (r"build/find_rocks --camera 127\.0\.0\.3 .*", "goes on", ("unimog_vision",), None),
+    (r"build/find_rocks --mount .*", "goes on", ("excavator_vision",), None),
     (r"build/rigwire run configs/rigs/unimog_forest\.yaml", "goes on", None, None),
     (r"build/dig_cycle( .*)?", "goes on", ("excavator_pit",), None),
     (r"build/path_follow --path .*", "goes on", ("unimog_forest",), None),
@@ -75,7 +76,7 @@ COMMANDS = [
     (r"mbpoll -m rtu .*", "ends", ("modbus_rtu",), r"\[0\]:"),
     (r"dig_cycle --modbus rtu:.*", "goes on", ("modbus_rtu",), None),
     (r"curl http://127\.0\.0\.1:8081/.*", "ends", ("lidar_park",), None),
-    (r"rigwire run excavator_vision", "goes on", None, None),
+    (r"rigwire run excavator_vision( --camera-truth .*)?", "goes on", None, None),
     (r"arv-tool-0\.8", "ends", ("excavator_vision",), r"EX-02"),
     (r"arv-tool-0\.8 -a .*", "ends", ("excavator_vision",), "ExposureTime = 2000"),
     (r"arv-camera-test-0\.8 .*", "ends", ("excavator_vision",), "n_completed_buffers +="),

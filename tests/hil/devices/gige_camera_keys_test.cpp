@@ -5,11 +5,11 @@
 #include <fstream>
 #include <string>
 
+#include "device_keys.h"
 #include "hil/devices/device.h"
 #include "hil/devices/gige_camera.h"
 #include "hil/rig/rig.h"
 #include "hil/rig/rig_configuration.h"
-#include "private_wires.h"
 
 namespace rigwire::hil {
 namespace {
@@ -17,30 +17,14 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-class CameraKeys : public ::testing::Test {
+class CameraKeys : public DeviceKeys {
  protected:
+  CameraKeys() : DeviceKeys("eye") {}
   void write(const std::string& keys, const std::string& devices = "",
              const std::string& type = "gige-camera") {
-    std::ofstream(file) << "machine: {type: wheeled}\ndevices:\n  eye:\n    type: " << type
-                        << "\n    mount: {link: body}\n"
-                        << keys << devices;
+    DeviceKeys::write(type, keys, devices);
   }
-  std::string complaints() {
-    try {
-      (void)load_rig(file, {});
-      return "";
-    } catch (const ConfigurationError& error) {
-      return error.what();
-    }
-  }
-  emulators::GigeCameraSettings settings() {
-    const LoadedRig loaded = load_rig(file, {});
-    return settings_of(
-        *fields::as<GigeCameraConfiguration>(loaded.configuration.devices.at("eye")));
-  }
-
-  test::PrivateWires wires;
-  std::string file = (wires.folder / "rig.yaml").string();
+  auto settings() { return settings_from<GigeCameraConfiguration>(); }
 };
 
 TEST_F(CameraKeys, device_is_told_what_its_sensor_can_do) {

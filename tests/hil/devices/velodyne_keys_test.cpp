@@ -4,9 +4,9 @@
 
 #include <fstream>
 
+#include "device_keys.h"
 #include "hil/devices/velodyne.h"
 #include "hil/rig/rig_configuration.h"
-#include "private_wires.h"
 #include "sim/lidar/velodyne_heads.h"
 
 namespace rigwire::hil {
@@ -15,29 +15,10 @@ namespace {
 using emulators::VelodyneTimeSource;
 using ::testing::HasSubstr;
 
-class LidarKeys : public ::testing::Test {
+class LidarKeys : public DeviceKeys {
  protected:
-  void write(const std::string& type, const std::string& keys, const std::string& devices = "") {
-    std::ofstream(file) << "machine: {type: wheeled}\ndevices:\n  lidar:\n    type: " << type
-                        << "\n    mount: {link: body}\n"
-                        << keys << devices;
-  }
-  std::string complaints() {
-    try {
-      (void)load_rig(file, {});
-      return "";
-    } catch (const ConfigurationError& error) {
-      return error.what();
-    }
-  }
-  emulators::VelodyneSettings settings() {
-    const LoadedRig loaded = load_rig(file, {});
-    return settings_of(
-        *fields::as<VelodyneConfiguration>(loaded.configuration.devices.at("lidar")));
-  }
-
-  test::PrivateWires wires;
-  std::string file = (wires.folder / "rig.yaml").string();
+  LidarKeys() : DeviceKeys("lidar") {}
+  auto settings() { return settings_from<VelodyneConfiguration>(); }
 };
 
 TEST_F(LidarKeys, TypeChoosesTheModel) {

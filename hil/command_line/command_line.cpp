@@ -42,8 +42,8 @@ Examples:
 Exit codes: 0 done, 1 run-time failure, 2 usage or configuration, 3 environment or permission,
 128 + n after signal n.)";
 
-constexpr std::array kVerbs{"run",    "picture", "check", "list", "describe",
-                            "schema", "doctor",  "bench", "ctl",  "completion"};
+constexpr std::array kVerbs{"run",    "picture", "check", "list",   "describe",  "schema",
+                            "doctor", "bench",   "ctl",   "record", "completion"};
 
 int usage(const std::string& message, std::ostream& err, const std::string& help = "") {
   err << "rigwire: " << message << "\n"
@@ -140,6 +140,9 @@ struct Parsed {
   std::string lidar_truth;
   RecordOptions record;
   std::string camera_truth;
+  std::string recording;
+  std::string from;
+  std::string to;
   std::string status;
   std::string log_level = "info";
   std::string control;
@@ -250,6 +253,18 @@ void declare(CLI::App& app, Parsed& parsed) {
       "\nExamples:\n  rigwire ctl unix:/tmp/control run_until time=2s\n"
       "  rigwire ctl unix:/tmp/control wait quantity=boom value=40 limit=20s\n"
       "The token of a run at a port stands in the variable RIGWIRE_CONTROL_TOKEN.");
+
+  CLI::App* record_app = app.add_subcommand("record", "What a recording holds, or a piece of it");
+  record_app->add_option("action", parsed.word, "info or cut")->required();
+  record_app->add_option("folder", parsed.recording, "As run --record had it")->required();
+  record_app->add_option("--from", parsed.from,
+                         "Of the piece: simulated time, for example 2s; its start without");
+  record_app->add_option("--to", parsed.to, "Where the piece ends, before that; its end without");
+  record_app->add_option("-o,--output", parsed.output, "Folder for the piece, new or empty");
+  record_app->add_flag("--json", parsed.json, "What it holds as JSON");
+  record_app->footer(
+      "\nExamples:\n  rigwire record info /tmp/dig\n"
+      "  rigwire record cut /tmp/dig --from 12s --to 15s -o /tmp/moment");
 
   CLI::App* check_app = app.add_subcommand("check", "Check a rig; every finding in one pass");
   rig(check_app);
@@ -479,12 +494,41 @@ int dispatch_picture(const Parsed& parsed, Terminal terminal) {
                       parsed.output, terminal);
 }
 
+int dispatch_record(const Parsed& parsed, Terminal terminal) {
+  if (parsed.word != "info" && parsed.word != "cut") {
+    return refuse_word("action", parsed.word, {"info", "cut"}, terminal);
+  }
+  const bool cuts = parsed.word == "cut";
+  if (cuts && (parsed.output.empty() || parsed.json)) {
+    return usage("record cut: allowed -o FOLDER, --from and --to", terminal.err, "record");
+  }
+  if (!cuts && !(parsed.output + parsed.from + parsed.to).empty()) {
+    return usage("record info: allowed --json", terminal.err, "record");
+  }
+  if (!cuts) {
+    return record_info_verb(parsed.recording, parsed.json, terminal);
+  }
+  const auto from = parsed.from.empty() ? std::optional(Duration{0}) : parse_duration(parsed.from);
+  const auto to =
+      parsed.to.empty() ? std::optional<Duration>(kNever - kStart) : parse_duration(parsed.to);
+  if (!from || !to || *from >= *to) {
+    return usage(fmt::format("record cut: no span of time, found --from {} --to {}, allowed for "
+                             "example --from 2s --to 2500ms",
+                             parsed.from, parsed.to),
+                 terminal.err, "record");
+  }
+  return record_cut_verb(parsed.recording, kStart + *from, kStart + *to, parsed.output, terminal);
+}
+
 int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
   if (app.got_subcommand("picture")) {
     return dispatch_picture(parsed, terminal);
   }
   if (app.got_subcommand("run")) {
     return dispatch_run(parsed, terminal);
+  }
+  if (app.got_subcommand("record")) {
+    return dispatch_record(parsed, terminal);
   }
   if (app.got_subcommand("check")) {
     const auto level = parse_log_level(parsed.log_level);

@@ -11,10 +11,11 @@ _rigwire() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=${COMP_WORDS[1]}
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W "run picture check list describe schema doctor bench ctl completion --help --version" -- "$word"))
+    COMPREPLY=($(compgen -W "run picture check list describe schema doctor bench ctl record completion --help --version" -- "$word"))
     return
   fi
   case $before in
+    --record) COMPREPLY=($(compgen -d -S / -- "$word")); return ;;
     --clock) COMPREPLY=($(compgen -W "real free step scaled:" -- "$word")); return ;;
     --status) COMPREPLY=($(compgen -W "live plain none" -- "$word")); return ;;
     --log-level) COMPREPLY=($(compgen -W "debug info warning error" -- "$word")); return ;;
@@ -26,18 +27,22 @@ _rigwire() {
       fi ;;
   esac
   case $verb in
-    run) local options="--clock --duration --seed --set --report --truth --lidar-truth --camera-truth --status --log-level --control --ready-fd --dry-run --help" ;;
+    run) local options="--clock --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --ready-fd --dry-run --help" ;;
     picture) local options="--device --at --layer --raw --travel --set --output --help" ;;
     check) local options="--set --log-level --print --json --help" ;;
     list) local options="devices machines scenes rigs faults --json --help" ;;
     describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --dbc --bus --units --eds --device --help" ;;
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
     schema) local options="rig machine scene valve-map dbc-node --help" ;;
+    record) local options="info cut --from --to --output --json --help" ;;
     ctl) local options="state read pause resume run_until step speed wait stop --help" ;;
     completion) local options="bash zsh fish" ;;
     *) local options="--json --help" ;;
   esac
   COMPREPLY=($(compgen -W "$options" -- "$word"))
+  if [ "$verb" = record ]; then
+    COMPREPLY+=($(compgen -d -S / -- "$word"))
+  fi
   if [ "$verb" = run ] || [ "$verb" = check ] || [ "$verb" = picture ]; then
     COMPREPLY+=($(compgen -W "$(rigwire list rigs 2>/dev/null | cut -d' ' -f1)" -- "$word"))
     COMPREPLY+=($(compgen -f -X '!*.yaml' -- "$word") $(compgen -d -S / -- "$word"))
@@ -50,7 +55,7 @@ constexpr const char* kZsh = R"sh(#compdef rigwire
 # rigwire completion for zsh:  rigwire completion zsh > ~/.zfunc/_rigwire
 _rigwire() {
   local -a verbs
-  verbs=(run picture check list describe schema doctor bench ctl completion)
+  verbs=(run picture check list describe schema doctor bench ctl record completion)
   if (( CURRENT == 2 )); then
     compadd -- $verbs --help --version
     return
@@ -60,21 +65,24 @@ _rigwire() {
     --status) compadd -- live plain none; return ;;
     --log-level) compadd -- debug info warning error; return ;;
     --layer) compadd -- image right disparity range confidence depth labels; return ;;
-    --report|--truth|--lidar-truth|--camera-truth|-o|--output) _files; return ;;
+    --report|--truth|--lidar-truth|-o|--output) _files; return ;;
+    --record|--camera-truth) _files -/; return ;;
   esac
   case $words[2] in
-    run) compadd -- --clock --duration --seed --set --report --truth --lidar-truth --camera-truth --status --log-level --control --ready-fd --dry-run --help ;;
+    run) compadd -- --clock --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --ready-fd --dry-run --help ;;
     picture) compadd -- --device --at --layer --raw --travel --set --output --help ;;
     check) compadd -- --set --log-level --print --json --help ;;
     list) compadd -- devices machines scenes rigs faults --json --help ;;
     describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json --dbc --bus --units --eds --device ;;
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
     schema) compadd -- rig machine scene valve-map dbc-node ;;
+    record) compadd -- info cut --from --to --output --json --help ;;
     ctl) compadd -- state read pause resume run_until step speed wait stop --help ;;
     completion) compadd -- bash zsh fish ;;
     doctor) compadd -- --json --help ;;
   esac
   case $words[2] in
+    record) _files -/ ;;
     run|picture|check)
       compadd -- ${(f)"$(rigwire list rigs 2>/dev/null | cut -d' ' -f1)"}
       _files -g '*.yaml' ;;
@@ -85,7 +93,7 @@ if [ "$funcstack[1]" = "_rigwire" ]; then _rigwire "$@"; else compdef _rigwire r
 
 constexpr const char* kFish = R"sh(# rigwire completion for fish:  rigwire completion fish | source
 complete -c rigwire -f
-complete -c rigwire -n __fish_use_subcommand -a "run picture check list describe schema doctor bench ctl completion"
+complete -c rigwire -n __fish_use_subcommand -a "run picture check list describe schema doctor bench ctl record completion"
 complete -c rigwire -n __fish_use_subcommand -l help -d "Help"
 complete -c rigwire -n __fish_use_subcommand -l version -d "Version"
 complete -c rigwire -n "__fish_seen_subcommand_from run picture check" -a "(rigwire list rigs | string replace -r ' .*' '')"
@@ -104,13 +112,20 @@ complete -c rigwire -n "__fish_seen_subcommand_from run" -l report -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l truth -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l lidar-truth -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l camera-truth -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l record -x -a "(__fish_complete_directories)"
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l only -x
+complete -c rigwire -n "__fish_seen_subcommand_from record" -a "info cut"
+complete -c rigwire -n "__fish_seen_subcommand_from record" -a "(__fish_complete_directories)"
+complete -c rigwire -n "__fish_seen_subcommand_from record" -l from -x
+complete -c rigwire -n "__fish_seen_subcommand_from record" -l to -x
+complete -c rigwire -n "__fish_seen_subcommand_from record" -s o -l output -x -a "(__fish_complete_directories)"
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l status -x -a "live plain none"
 complete -c rigwire -n "__fish_seen_subcommand_from run check" -l log-level -x -a "debug info warning error"
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l control -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l ready-fd -x
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l dry-run
 complete -c rigwire -n "__fish_seen_subcommand_from check" -l print
-complete -c rigwire -n "__fish_seen_subcommand_from check list describe doctor" -l json
+complete -c rigwire -n "__fish_seen_subcommand_from check list describe doctor record" -l json
 complete -c rigwire -n "__fish_seen_subcommand_from list" -a "devices machines scenes rigs faults"
 complete -c rigwire -n "__fish_seen_subcommand_from describe" -a "(rigwire list devices | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -a "(rigwire bench --list | string replace -r ' .*' '')"

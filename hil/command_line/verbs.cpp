@@ -23,6 +23,7 @@
 #include "hil/devices/device_types.h"
 #include "hil/devices/site.h"
 #include "hil/record/output_file.h"
+#include "hil/record/recording.h"
 #include "hil/record/run_log.h"
 #include "hil/rig/rig.h"
 
@@ -271,6 +272,18 @@ int ctl_verb(const ControlEndpoint& endpoint, const std::string& token, const st
               : answer.status == 400                         ? ExitCode::usage
               : answer.status == 401 || answer.status == 403 ? ExitCode::environment
                                                              : ExitCode::failure);
+}
+
+int record_info_verb(const std::string& folder, bool json, Terminal terminal) {
+  const RecordingContents contents = read_recording(folder);
+  terminal.out << (json ? to_json(contents) : to_text(contents));
+  return code(ExitCode::done);
+}
+
+int record_cut_verb(const std::string& folder, SimTime from, SimTime to, const std::string& out,
+                    Terminal terminal) {
+  cut_recording(folder, from, to, out);
+  return record_info_verb(out, false, terminal);
 }
 
 int bench_verb(const std::vector<std::string>& arguments, Terminal terminal) {

@@ -51,6 +51,11 @@ struct Terminal {
 [[nodiscard]] int ctl_verb(const ControlEndpoint& endpoint, const std::string& token,
                            const std::string& verb, const std::vector<std::string>& keys,
                            Terminal terminal);
+/// What a recording holds.
+[[nodiscard]] int record_info_verb(const std::string& folder, bool json, Terminal terminal);
+/// A piece of it, [from, to).
+[[nodiscard]] int record_cut_verb(const std::string& folder, SimTime from, SimTime to,
+                                  const std::string& out, Terminal terminal);
 [[nodiscard]] int completion_verb(const std::string& shell, Terminal terminal);
 
 /// One row per device: name, type, wire, what it sends by itself. For --dry-run.

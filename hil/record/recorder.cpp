@@ -9,19 +9,17 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
-#include "drivers/endpoints.h"
 #include "hil/configuration/suggest.h"
 #include "hil/executive/executive.h"
+#include "hil/record/recording.h"
 #include "hil/record/truth_tap.h"
 #include "protocols/pcapng/link_packet.h"
 
 namespace rigwire::hil {
 namespace {
 
-namespace fs = std::filesystem;
 namespace pcapng = protocols::pcapng;
 using Json = nlohmann::ordered_json;
 
@@ -35,28 +33,6 @@ constexpr std::uint32_t kLoopback = 0x7F00'0001;
 
 pcapng::IpEnd end_of(const drivers::IpEnd& end) {
   return {end.address, end.port};
-}
-
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  const auto refuse = [&](const std::string& why) {
-    throw drivers::EndpointError(fmt::format("--record {}: {}", folder.string(), why));
-  };
-  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
-    refuse("a file is there; allowed a folder that is new or empty");
-  }
-  fs::create_directories(folder, error);
-  if (error) {
-    refuse("cannot be made: " + error.message());
-  }
-  const bool empty = fs::is_empty(folder, error);
-  if (error) {
-    refuse("cannot be read: " + error.message());
-  }
-  if (!empty) {
-    refuse(fmt::format("the folder is not empty, found {}; allowed a folder that is new or empty",
-                       fs::directory_iterator(folder)->path().filename().string()));
-  }
 }
 
 std::string timestamp(const RecordedRun& run, SimTime at) {
@@ -355,7 +331,7 @@ Recorder::Recorder(RecordOptions options, RecordedRun run, std::chrono::millisec
       with_truth_(wanted(std::string(kTruthName))),
       arrivals_(std::make_unique<Arrivals>()),
       queue_(kQueueBytes, patience) {
-  make_folder(options_.folder);
+  make_recording_folder("--record", options_.folder);
 }
 
 Recorder::~Recorder() {

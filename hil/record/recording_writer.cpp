@@ -43,19 +43,7 @@ pcapng::LinkType link_of(WireKind kind) {
   return pcapng::LinkType::ethernet;
 }
 
-std::string_view name_of(WireKind kind) {
-  switch (kind) {
-    case WireKind::serial:
-      return "serial";
-    case WireKind::can:
-      return "can";
-    case WireKind::ethernet:
-      break;
-  }
-  return "ethernet";
-}
-
-/// What a text file begins with; throws drivers::EndpointError where that cannot be written.
+/// Throws drivers::EndpointError.
 void write_whole(const fs::path& path, std::string_view text, const TellTrouble& tell) {
   RecordingFile file(path, tell);
   if (!file.write(bytes_of(text))) {
@@ -121,6 +109,18 @@ std::array<ChannelRow, kTruthTracks> channel_rows() {
 }
 
 }  // namespace
+
+std::string_view name_of(WireKind kind) {
+  switch (kind) {
+    case WireKind::serial:
+      return "serial";
+    case WireKind::can:
+      return "can";
+    case WireKind::ethernet:
+      break;
+  }
+  return "ethernet";
+}
 
 struct RecordingWriter::Wire {
   RecordedWire about;
@@ -410,7 +410,8 @@ void RecordingWriter::write_description(std::optional<SimTime> end) const {
     json["wires"].push_back(std::move(row));
   }
   // Whole at the end: a recording without is of a run that was killed.
-  json["end_s"] = end ? nlohmann::ordered_json(to_seconds(*end)) : nlohmann::ordered_json(nullptr);
+  json["end_ns"] = end ? nlohmann::ordered_json(end->time_since_epoch().count())
+                       : nlohmann::ordered_json(nullptr);
   if (messages_ && end) {
     json["lost_messages"] = totals_.lost_messages;
   }

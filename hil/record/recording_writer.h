@@ -34,6 +34,9 @@
 
 namespace rigwire::hil {
 
+/// "serial", "can", "ethernet".
+[[nodiscard]] std::string_view name_of(WireKind kind);
+
 /// What a recording is of.
 struct RecordedRun {
   std::string version;  ///< Of rigwire.

@@ -57,6 +57,11 @@ COMMANDS = [
     (r"rigwire describe --dbc-node configs/can/slope_sensor\.yaml", "ends", None, "inertial.pitch"),
     (r"rigwire describe --valve-map configs/valves/my_valve\.yaml", "ends", None, "Holding registers"),
     (r"(build/)?rigwire picture unimog_vision .*", "ends", None, None),
+    # Recordings; the run's is the first of them.
+    (r"rigwire run excavator_pit --clock free --duration 20s --record \S+", "ends", None, None),
+    (r"rigwire record (info|cut) .*", "ends", None, "/truth"),
+    (r"tshark -r /tmp/rigwire/dig/all\.pcapng .*", "ends", None, "J1939"),
+    (r"gpsdecode < /tmp/rigwire/dig/\S+", "ends", None, "TPV"),
     # Rigs and field programs.
     (r"build/find_rocks --camera 127\.0\.0\.3 .*", "goes on", ("unimog_vision",), None),
     (r"build/find_rocks --mount .*", "goes on", ("excavator_vision",), None),

@@ -212,5 +212,147 @@ TEST(FrameOutlet, ConfirmationsFindRoomWhenFramesAndReportsFillTheirs) {
   EXPECT_EQ(statistics.units + statistics.dropped, 5000U);
 }
 
+/// What was told, a line each.
+class Listener final : public WireTap {
+ public:
+  void sent(SimTime at, const WirePiece& piece) override { add("sent", at, piece); }
+  void carried(SimTime at, const WirePiece& piece) override { add("carried", at, piece); }
+  void received(const WirePiece& piece) override { add("received", kStart, piece); }
+  void lost(SimTime at) override { told.push_back("lost " + std::to_string((at - kStart) / 1us)); }
+  std::vector<std::string> told;
+
+ private:
+  void add(const std::string& how, SimTime at, const WirePiece& piece) {
+    std::string text = how + " " + std::to_string((at - kStart) / 1us);
+    if (const auto* serial = std::get_if<SerialPiece>(&piece)) {
+      text += " " + std::to_string(serial->bytes.size()) + " bytes";
+    } else if (const auto* datagram = std::get_if<DatagramPiece>(&piece)) {
+      text +=
+          " " + std::to_string(datagram->device.port) + " " + std::to_string(datagram->client.port);
+    } else if (const auto* stream = std::get_if<StreamPiece>(&piece)) {
+      text += " " + std::to_string(stream->connection) + " " +
+              std::to_string(static_cast<int>(stream->what)) + " " +
+              std::to_string(stream->bytes.size());
+    } else if (const auto* frame = std::get_if<protocols::can::Frame>(&piece)) {
+      text += " id " + std::to_string(frame->id);
+    } else {
+      text += " error";
+    }
+    told.push_back(text);
+  }
+};
+
+TEST(WireTap, WhatTheLineTookIsSentAndWhatItDidNotIsLost) {
+  class Line final : public drivers::ByteStream {
+   public:
+    void start(Receiver given) override { receiver = std::move(given); }
+    std::size_t write(std::span<const std::uint8_t> bytes) override {
+      return full ? 0 : bytes.size();
+    }
+    [[nodiscard]] drivers::EndpointStatus status() const override { return {"line", true}; }
+    Receiver receiver;
+    bool full = false;
+  } line;
+  WireStatistics statistics;
+  StreamOutlet outlet(line, statistics);
+  Listener listener;
+  outlet.tell(listener);
+  std::size_t heard = 0;
+  outlet.start([&](std::span<const std::uint8_t> bytes) { heard += bytes.size(); });
+  outlet.send(kStart + 1ms, Bytes(3));
+  outlet.transmit_front(std::nullopt);
+  line.receiver(Bytes(5));
+  line.full = true;
+  outlet.send(kStart + 2ms, Bytes(3));
+  outlet.transmit_front(std::nullopt);
+  outlet.send(kStart + 3ms, Bytes(1'000'000));  // more than the queue holds
+  EXPECT_EQ(heard, 5U);
+  EXPECT_EQ(statistics.dropped, 2U);
+  EXPECT_EQ(listener.told, (std::vector<std::string>{"sent 1000 3 bytes", "received 0 5 bytes",
+                                                     "lost 2000", "lost 3000"}));
+}
+
+TEST(WireTap, AClientsFramesAreToldWhenTheBusHasCarriedThem) {
+  class Bus final : public drivers::CanBus {
+   public:
+    void start(Receiver given) override { receiver = std::move(given); }
+    bool send(const protocols::can::Frame&) override { return true; }
+    [[nodiscard]] drivers::EndpointStatus status() const override { return {"bus", true}; }
+    Receiver receiver;
+  } bus;
+  FrameOutlet outlet(bus);
+  Listener listener;
+  outlet.tell(listener);
+  outlet.start([](const protocols::can::Frame&) {});
+  WireStatistics device;
+  for (const std::uint32_t id : {1U, 2U, 3U}) {
+    bus.receiver({.id = id});
+  }
+  outlet.confirm(kStart + 1ms, true);
+  outlet.send(kStart + 2ms, device, {.id = 100});
+  outlet.confirm(kStart + 3ms, false);  // the second lost every try
+  outlet.report(kStart + 3ms, {});
+  outlet.confirm(kStart + 4ms, true);
+  while (outlet.next_due() != kNever) {
+    outlet.transmit_front(std::nullopt);
+  }
+  EXPECT_EQ(listener.told, (std::vector<std::string>{"carried 1000 id 1", "sent 2000 id 100",
+                                                     "sent 3000 error", "carried 4000 id 3"}));
+}
+
+TEST(WireTap, AConnectionIsToldFromItsBeginningToItsEnd) {
+  class Server final : public drivers::StreamServer {
+   public:
+    void start(Handler given) override { handler = std::move(given); }
+    bool send(ConnectionId, std::span<const std::uint8_t>) override { return true; }
+    void close(ConnectionId) override {}
+    [[nodiscard]] drivers::EndpointStatus status() const override { return {"server", true}; }
+    Handler handler;
+  } server;
+  WireStatistics statistics;
+  ServerOutlet outlet(server, statistics);
+  Listener listener;
+  outlet.tell(listener);
+  std::vector<std::string> device;
+  outlet.start({.connected = [&](auto) { device.push_back("connected"); },
+                .received = [&](auto, auto) { device.push_back("received"); },
+                .disconnected = [&](auto) { device.push_back("disconnected"); }});
+  EXPECT_FALSE(server.handler.half_closed) << "who gave none is asked for none";
+  server.handler.connected(7);
+  server.handler.received(7, Bytes(12));
+  outlet.send(7, kStart + 1ms, Bytes(9));
+  outlet.transmit_front(std::nullopt);
+  outlet.close(7, kStart + 2ms);
+  outlet.transmit_front(std::nullopt);
+  server.handler.disconnected(7);
+  EXPECT_EQ(device, (std::vector<std::string>{"connected", "received", "disconnected"}));
+  EXPECT_EQ(listener.told,
+            (std::vector<std::string>{"received 0 7 0 0", "received 0 7 1 12", "sent 1000 7 1 9",
+                                      "sent 2000 7 2 0", "received 0 7 3 0"}));
+}
+
+TEST(WireTap, APortOfTheSystemsChoiceIsToldAsTheDestinations) {
+  class Socket final : public drivers::DatagramSocket {
+   public:
+    void start(Receiver) override {}
+    bool send(std::span<const std::uint8_t>) override { return true; }
+    [[nodiscard]] Ends ends() const override {
+      return {{0x7F000001, own_port}, {0x7F000001, 2368}};
+    }
+    [[nodiscard]] drivers::EndpointStatus status() const override { return {"udp", true}; }
+    std::uint16_t own_port = 0;
+  } socket;
+  WireStatistics statistics;
+  DatagramOutlet outlet(socket, statistics);
+  Listener listener;
+  outlet.tell(listener);
+  outlet.send(kStart + 1ms, Bytes(4));
+  outlet.transmit_front(std::nullopt);
+  socket.own_port = 443;
+  outlet.send(kStart + 2ms, Bytes(4));
+  outlet.transmit_front(std::nullopt);
+  EXPECT_EQ(listener.told, (std::vector<std::string>{"sent 1000 2368 2368", "sent 2000 443 2368"}));
+}
+
 }  // namespace
 }  // namespace rigwire::hil

@@ -1,0 +1,423 @@
+#include "hil/record/recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "drivers/endpoints.h"
+#include "protocols/mcap/mcap.h"
+#include "protocols/pcapng/link_packet.h"
+#include "protocols/pcapng/pcapng.h"
+
+namespace rigwire::hil {
+namespace {
+
+namespace fs = std::filesystem;
+namespace pcapng = protocols::pcapng;
+namespace mcap = protocols::mcap;
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kDescriptionFile = "recording.json";
+
+std::ifstream open(const fs::path& path) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    throw drivers::EndpointError(
+        fmt::format("the recording {}: {}", path.string(), std::generic_category().message(errno)));
+  }
+  return file;
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream file = open(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+[[noreturn]] void refuse(const fs::path& path, const std::string& why) {
+  throw std::invalid_argument(fmt::format("the recording {}: {}", path.string(), why));
+}
+
+/// A file from its front in pieces that `take` makes of it: it is given what is there and answers
+/// how much of it it took; 0: it needs more. The rest of a file that ends in the middle is left.
+void read_pieces(const fs::path& path,
+                 const std::function<std::size_t(std::span<const std::uint8_t>)>& take) {
+  constexpr std::size_t kPiece = 1024 * 1024;
+  std::ifstream file = open(path);
+  std::vector<std::uint8_t> bytes;
+  std::size_t at = 0;
+  while (true) {
+    if (at < bytes.size()) {
+      if (const std::size_t taken = take(std::span(bytes).subspan(at)); taken != 0) {
+        at += taken;
+        continue;
+      }
+    }
+    bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::exchange(at, 0)));
+    const std::size_t had = bytes.size();
+    bytes.resize(had + kPiece);
+    file.read(reinterpret_cast<char*>(bytes.data()) + had, kPiece);
+    bytes.resize(had + static_cast<std::size_t>(file.gcount()));
+    if (bytes.size() == had) {
+      return;
+    }
+  }
+}
+
+void read_packets(const fs::path& path,
+                  const std::function<void(const pcapng::Packet&, const pcapng::Interface&)>& use) {
+  pcapng::Reader reader;
+  std::uint64_t read = 0;
+  read_pieces(path, [&](std::span<const std::uint8_t> bytes) -> std::size_t {
+    const auto block = reader.next(bytes);
+    if (block.malformed()) {
+      refuse(path, fmt::format("{} at byte {}", block.fault().reason, read + block.fault().offset));
+    }
+    if (block.ok()) {
+      if (const auto* packet = std::get_if<pcapng::Packet>(&*block)) {
+        use(*packet, reader.interfaces()[packet->interface]);
+      }
+    }
+    read += block.consumed();
+    return block.consumed();
+  });
+}
+
+/// Calls `use` for each record, also those within chunks.
+void read_records(const fs::path& path, const std::function<void(const mcap::Record&)>& use) {
+  bool begun = false;
+  std::uint64_t read = 0;
+  const auto check = [&](const auto& decoded) {
+    if (decoded.malformed()) {
+      refuse(path, fmt::format("{} after byte {}", decoded.fault().reason, read));
+    }
+  };
+  read_pieces(path, [&](std::span<const std::uint8_t> bytes) -> std::size_t {
+    if (!begun) {
+      if (bytes.size() < mcap::kMagicSize) {
+        return 0;
+      }
+      if (!mcap::begins_with_magic(bytes)) {
+        refuse(path, "does not begin as MCAP");
+      }
+      begun = true;
+      read += mcap::kMagicSize;
+      return mcap::kMagicSize;
+    }
+    if (mcap::begins_with_magic(bytes)) {
+      return mcap::kMagicSize;  // the end
+    }
+    const auto record = mcap::next_record(bytes);
+    check(record);
+    if (!record.ok()) {
+      return 0;
+    }
+    if (record->opcode == mcap::Opcode::chunk) {
+      const auto chunk = mcap::read_chunk(record->content);
+      check(chunk);
+      for (auto rest = *chunk; !rest.empty();) {
+        const auto inner = mcap::next_record(rest);
+        check(inner);
+        if (!inner.ok()) {
+          refuse(path, fmt::format("a chunk that ends in a record, after byte {}", read));
+        }
+        use(*inner);
+        rest = rest.subspan(inner.consumed());
+      }
+    } else {
+      use(*record);
+    }
+    read += record.consumed();
+    return record.consumed();
+  });
+}
+
+std::optional<WireKind> kind_of(std::string_view name) {
+  for (const WireKind kind : {WireKind::serial, WireKind::can, WireKind::ethernet}) {
+    if (name == name_of(kind)) {
+      return kind;
+    }
+  }
+  return std::nullopt;
+}
+
+/// What stands in the description; everything else is counted from the files.
+RecordingContents read_description(const fs::path& folder, bool& with_truth) {
+  const fs::path path = folder / kDescriptionFile;
+  RecordingContents contents;
+  try {
+    const Json json = Json::parse(text_of(path));
+    if (json.at("rigwire_recording") != 1) {
+      refuse(path, fmt::format("a recording of another kind, found {}, allowed 1",
+                               json.at("rigwire_recording").dump()));
+    }
+    contents.run.version = json.at("version").get<std::string>();
+    contents.run.rig = json.at("rig").get<std::string>();
+    contents.run.seed = json.at("seed").get<std::uint64_t>();
+    contents.run.config_hash = json.at("config_hash").get<std::string>();
+    contents.run.clock = json.at("clock").get<std::string>();
+    contents.run.start_utc = json.at("start_utc").get<std::string>();
+    contents.run.start_unix_ns = json.at("start_unix_ns").get<std::int64_t>();
+    if (!json.at("end_ns").is_null()) {
+      contents.end = SimTime{Duration{json.at("end_ns").get<std::int64_t>()}};
+    }
+    with_truth = json.contains("truth");
+    for (const Json& row : json.at("wires")) {
+      const auto name = row.at("name").get<std::string>();
+      const auto kind = kind_of(row.at("kind").get<std::string>());
+      if (!kind || name.empty() || name.find('/') != std::string::npos) {
+        refuse(path, fmt::format("a wire that is none, found {}", row.dump()));
+      }
+      contents.wires.push_back(
+          {{name, *kind, row.at("address").get<std::string>()}, 0, 0, 0, 0, {}, {}});
+    }
+  } catch (const Json::exception& error) {
+    refuse(path, error.what());
+  }
+  contents.run.configuration = text_of(folder / "rig.yaml");
+  return contents;
+}
+
+class RecordingReader {
+ public:
+  explicit RecordingReader(fs::path folder)
+      : folder_(std::move(folder)), contents_(read_description(folder_, with_truth_)) {}
+
+  [[nodiscard]] RecordingContents& contents() { return contents_; }
+  [[nodiscard]] bool with_truth() const { return with_truth_; }
+
+  void each_packet(const std::function<void(std::size_t wire, SimTime at,
+                                            const pcapng::Packet& packet)>& use) const {
+    if (contents_.wires.empty()) {
+      return;
+    }
+    read_packets(folder_ / "all.pcapng",
+                 [&](const pcapng::Packet& packet, const pcapng::Interface& interface) {
+                   if (packet.interface >= contents_.wires.size() ||
+                       contents_.wires[packet.interface].about.name != interface.name) {
+                     refuse(folder_ / "all.pcapng", fmt::format("interface {} is no wire of {}",
+                                                                interface.name, kDescriptionFile));
+                   }
+                   use(packet.interface, sim_time(packet.time_ns), packet);
+                 });
+  }
+  void each_record(const std::function<void(const mcap::Record&)>& use) const {
+    if (with_truth_) {
+      read_records(folder_ / "truth.mcap", use);
+    }
+  }
+  [[nodiscard]] SimTime sim_time(std::uint64_t unix_ns) const {
+    return SimTime{Duration{static_cast<std::int64_t>(unix_ns) - contents_.run.start_unix_ns}};
+  }
+
+ private:
+  fs::path folder_;
+  bool with_truth_ = false;
+  RecordingContents contents_;
+};
+
+}  // namespace
+
+void make_recording_folder(std::string_view what, const fs::path& folder) {
+  std::error_code error;
+  const auto refuse_folder = [&](const std::string& why) {
+    throw drivers::EndpointError(fmt::format("{} {}: {}", what, folder.string(), why));
+  };
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
+    refuse_folder("a file is there; allowed a folder that is new or empty");
+  }
+  fs::create_directories(folder, error);
+  if (error) {
+    refuse_folder("cannot be made: " + error.message());
+  }
+  const bool empty = fs::is_empty(folder, error);
+  if (error) {
+    refuse_folder("cannot be read: " + error.message());
+  }
+  if (!empty) {
+    refuse_folder(
+        fmt::format("the folder is not empty, found {}; allowed a folder that is new or "
+                    "empty",
+                    fs::directory_iterator(folder)->path().filename().string()));
+  }
+}
+
+RecordingContents read_recording(const fs::path& folder) {
+  RecordingReader reader(folder);
+  RecordingContents& contents = reader.contents();
+  reader.each_packet([&](std::size_t index, SimTime at, const pcapng::Packet& packet) {
+    RecordingContents::Wire& wire = contents.wires[index];
+    wire.first = wire.packets == 0 ? at : std::min(wire.first, at);
+    wire.last = wire.packets == 0 ? at : std::max(wire.last, at);
+    ++wire.packets;
+    wire.of_clients += packet.direction == pcapng::Direction::inbound ? 1 : 0;
+    wire.bytes += wire.about.kind == WireKind::serial ? pcapng::serial_bytes(packet.bytes).size()
+                                                      : packet.bytes.size();
+    wire.lost += packet.lost_before;
+    if (!packet.comment.empty()) {
+      contents.notes.push_back({at, wire.about.name, std::string(packet.comment)});
+    }
+  });
+  std::map<std::uint16_t, std::string> schemas;
+  std::map<std::uint16_t, std::size_t> places;
+  reader.each_record([&](const mcap::Record& record) {
+    if (record.opcode == mcap::Opcode::schema) {
+      if (const auto schema = mcap::read_schema(record.content); schema.ok()) {
+        schemas[schema->id] = schema->name;
+      }
+    } else if (record.opcode == mcap::Opcode::channel) {
+      const auto channel = mcap::read_channel(record.content);
+      if (channel.ok() && places.try_emplace(channel->id, contents.channels.size()).second) {
+        contents.channels.push_back({channel->topic, schemas[channel->schema], 0});
+      }
+    } else if (record.opcode == mcap::Opcode::message) {
+      const auto message = mcap::read_message(record.content);
+      if (message.ok() && places.contains(message->channel)) {
+        ++contents.channels[places[message->channel]].messages;
+      }
+    }
+  });
+  return contents;
+}
+
+std::string to_text(const RecordingContents& contents) {
+  const RecordedRun& run = contents.run;
+  std::string text =
+      fmt::format("{}, seed {}, configuration {}, clock {}, rigwire {}\nfrom {}{}\n", run.rig,
+                  run.seed, run.config_hash, run.clock, run.version, run.start_utc,
+                  contents.end ? fmt::format(" to {:.3f} s", to_seconds(*contents.end))
+                               : std::string("; the run was killed"));
+  const auto out = std::back_inserter(text);
+  if (!contents.wires.empty()) {
+    fmt::format_to(out, "\n{:<16} {:<9} {:>10} {:>10} {:>13} {:>8} {:>12} {:>12}\n", "wire", "kind",
+                   "packets", "of clients", "bytes", "lost", "first s", "last s");
+  }
+  for (const RecordingContents::Wire& wire : contents.wires) {
+    fmt::format_to(out, "{:<16} {:<9} {:>10} {:>10} {:>13} {:>8}", wire.about.name,
+                   name_of(wire.about.kind), wire.packets, wire.of_clients, wire.bytes, wire.lost);
+    if (wire.packets != 0) {
+      fmt::format_to(out, " {:>12.6f} {:>12.6f}", to_seconds(wire.first), to_seconds(wire.last));
+    }
+    text += '\n';
+  }
+  if (!contents.channels.empty()) {
+    fmt::format_to(out, "\n{:<16} {:<28} {:>10}\n", "channel", "schema", "messages");
+  }
+  for (const RecordingContents::Channel& channel : contents.channels) {
+    fmt::format_to(out, "{:<16} {:<28} {:>10}\n", channel.topic, channel.schema, channel.messages);
+  }
+  if (!contents.notes.empty()) {
+    text += '\n';
+  }
+  constexpr std::size_t kNotesShown = 20;
+  const std::size_t shown = std::min(contents.notes.size(), kNotesShown);
+  for (const RecordingContents::Note& note : std::span(contents.notes).first(shown)) {
+    fmt::format_to(out, "{:.6f} s {}: {}\n", to_seconds(note.at), note.wire, note.text);
+  }
+  if (shown < contents.notes.size()) {
+    fmt::format_to(out, "+{} more notes (--json has them)\n", contents.notes.size() - shown);
+  }
+  return text;
+}
+
+std::string to_json(const RecordingContents& contents) {
+  const RecordedRun& run = contents.run;
+  Json json{{"version", run.version},
+            {"rig", run.rig},
+            {"seed", run.seed},
+            {"config_hash", run.config_hash},
+            {"clock", run.clock},
+            {"start_utc", run.start_utc},
+            {"end_s", contents.end ? Json(to_seconds(*contents.end)) : Json(nullptr)},
+            {"wires", Json::object()},
+            {"channels", Json::object()},
+            {"notes", Json::array()}};
+  for (const RecordingContents::Wire& wire : contents.wires) {
+    const bool any = wire.packets != 0;
+    json["wires"][wire.about.name] = {{"kind", name_of(wire.about.kind)},
+                                      {"address", wire.about.address},
+                                      {"packets", wire.packets},
+                                      {"of_clients", wire.of_clients},
+                                      {"bytes", wire.bytes},
+                                      {"lost", wire.lost},
+                                      {"first_s", any ? Json(to_seconds(wire.first)) : nullptr},
+                                      {"last_s", any ? Json(to_seconds(wire.last)) : nullptr}};
+  }
+  for (const RecordingContents::Channel& channel : contents.channels) {
+    json["channels"][channel.topic] = {{"schema", channel.schema}, {"messages", channel.messages}};
+  }
+  for (const RecordingContents::Note& note : contents.notes) {
+    json["notes"].push_back(
+        {{"sim_s", to_seconds(note.at)}, {"wire", note.wire}, {"text", note.text}});
+  }
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void cut_recording(const fs::path& folder, SimTime from, SimTime to, const fs::path& out) {
+  RecordingReader reader(folder);
+  std::vector<RecordedWire> wires;
+  for (const RecordingContents::Wire& wire : reader.contents().wires) {
+    wires.push_back(wire.about);
+  }
+  make_recording_folder("-o", out);
+  std::string trouble;
+  RecordingWriter writer(
+      out, reader.contents().run, wires, reader.with_truth(),
+      [&](const std::string& what, bool over) { trouble = over ? trouble : what; });
+  const auto within = [&](SimTime at) { return from <= at && at < to; };
+  SimTime last = from;
+  reader.each_packet([&](std::size_t wire, SimTime at, const pcapng::Packet& packet) {
+    if (!within(at)) {
+      return;
+    }
+    last = std::max(last, at);
+    const std::uint16_t track = wire_track(wire);
+    if (packet.lost_before != 0) {
+      writer.lost(track, packet.lost_before);
+    }
+    if (!packet.comment.empty()) {
+      writer.write(
+          {track,
+           kWireNote,
+           at,
+           {reinterpret_cast<const std::uint8_t*>(packet.comment.data()), packet.comment.size()}});
+    }
+    const bool inbound = packet.direction == pcapng::Direction::inbound;
+    writer.write(
+        {track, inbound ? kInbound : std::uint8_t{0}, at,
+         wires[wire].kind == WireKind::serial ? pcapng::serial_bytes(packet.bytes) : packet.bytes});
+  });
+  reader.each_record([&](const mcap::Record& record) {
+    if (record.opcode != mcap::Opcode::message) {
+      return;
+    }
+    const auto message = mcap::read_message(record.content);
+    if (!message.ok() || message->channel >= kTruthTracks) {
+      refuse(folder / "truth.mcap", "a message that is none of a recording");
+    }
+    const SimTime at = reader.sim_time(message->time_ns);
+    if (within(at)) {
+      last = std::max(last, at);
+      writer.write(
+          {message->channel,
+           0,
+           at,
+           {reinterpret_cast<const std::uint8_t*>(message->data.data()), message->data.size()}});
+    }
+  });
+  writer.finish(std::min(to, reader.contents().end.value_or(last)));
+  if (!trouble.empty()) {
+    throw drivers::EndpointError(trouble);
+  }
+}
+
+}  // namespace rigwire::hil

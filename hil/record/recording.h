@@ -1,0 +1,65 @@
+// A recording that was written (hil/record/recording_writer.h): what it holds, and a piece of it.
+//
+// Recordings of runs that were killed are read as far as their files are whole.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/record/recording_writer.h"
+#include "sim/samples/time.h"
+
+namespace rigwire::hil {
+
+struct RecordingContents {
+  RecordedRun run;
+  std::optional<SimTime> end;  ///< Of the run; nothing: it was killed.
+
+  struct Wire {
+    RecordedWire about;
+    std::uint64_t packets = 0;
+    std::uint64_t of_clients = 0;
+    std::uint64_t bytes = 0;
+    std::uint64_t lost = 0;  ///< Passed and was not recorded, as the packets tell.
+    SimTime first{};         ///< Of the packets.
+    SimTime last{};
+  };
+  std::vector<Wire> wires;
+
+  struct Channel {
+    std::string topic;
+    std::string schema;
+    std::uint64_t messages = 0;
+  };
+  std::vector<Channel> channels;  ///< Empty without truth.
+
+  struct Note {
+    SimTime at{};
+    std::string wire;
+    std::string text;
+  };
+  std::vector<Note> notes;  ///< Comments of packets, in order of time.
+};
+
+/// Throws drivers::EndpointError where a file cannot be read, std::invalid_argument naming file and
+/// place where it is none of a recording.
+[[nodiscard]] RecordingContents read_recording(const std::filesystem::path& folder);
+
+/// For people.
+[[nodiscard]] std::string to_text(const RecordingContents& contents);
+[[nodiscard]] std::string to_json(const RecordingContents& contents);
+
+/// Writes what is at or after `from` and before `to` into a folder that is new or empty: a
+/// recording with the same calendar. Also makes a whole one of one that was killed. Throws as
+/// read_recording(), and where the folder cannot be written.
+void cut_recording(const std::filesystem::path& folder, SimTime from, SimTime to,
+                   const std::filesystem::path& out);
+
+/// Makes a folder for a recording, and what is above it. Throws drivers::EndpointError where there
+/// is something in it; `what` names the option.
+void make_recording_folder(std::string_view what, const std::filesystem::path& folder);
+
+}  // namespace rigwire::hil

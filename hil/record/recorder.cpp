@@ -186,13 +186,15 @@ class Recorder::Watch final : public EventSource {
   Watch(Recorder& recorder, std::function<RecordedStatus()> status,
         const std::vector<FaultWindow>& faults)
       : recorder_(recorder), status_(std::move(status)) {
-    for (const FaultWindow& fault : faults) {
-      edges_.push_back(fault.begin);
-      if (fault.end != kNever) {
-        edges_.push_back(fault.end);
+    std::ranges::for_each(faults, [this](const FaultWindow& fault) { expect(fault); });
+  }
+
+  void expect(const FaultWindow& fault) {
+    for (const SimTime edge : {fault.begin, fault.end}) {
+      if (edge != kNever) {
+        edges_.insert(std::ranges::upper_bound(edges_, edge), edge);
       }
     }
-    std::ranges::sort(edges_);
   }
 
   [[nodiscard]] SimTime next_event() const override {
@@ -218,14 +220,21 @@ class Recorder::Watch final : public EventSource {
   }
 
  private:
+  /// Its end may have changed.
+  static auto same_as(const FaultWindow& fault) {
+    return [&fault](const FaultWindow& other) {
+      return other.where == fault.where && other.type == fault.type && other.begin == fault.begin;
+    };
+  }
+
   void tell_faults(SimTime now, const RecordedStatus& status) {
     for (const FaultWindow& fault : status.faults) {
-      if (std::ranges::find(acting_, fault) == acting_.end()) {
+      if (std::ranges::none_of(acting_, same_as(fault))) {
         tell(now, fault, status, "begins");
       }
     }
     for (const FaultWindow& fault : acting_) {
-      if (std::ranges::find(status.faults, fault) == status.faults.end()) {
+      if (std::ranges::none_of(status.faults, same_as(fault))) {
         tell(now, fault, status, "ends");
       }
     }
@@ -390,6 +399,10 @@ void Recorder::start(std::function<RecordedStatus()> status,
   thread_ = std::thread([this] { write_all(); });
   watch_ = std::make_unique<Watch>(*this, std::move(status), faults);
   executive_->add(*watch_);
+}
+
+void Recorder::expect(const FaultWindow& fault) {
+  watch_->expect(fault);
 }
 
 void Recorder::put(std::uint16_t track, std::uint8_t flags, SimTime at,

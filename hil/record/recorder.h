@@ -87,6 +87,9 @@ class Recorder {
   /// `only` that is none.
   void start(std::function<RecordedStatus()> status, const std::vector<FaultWindow>& faults);
 
+  /// On the wire thread, after start(): that fault has been added, or ends otherwise.
+  void expect(const FaultWindow& fault);
+
   /// From any thread, after start().
   void event(LogLevel level, std::string_view text);
   /// No more of the executive's: the run is over. Ends the files.

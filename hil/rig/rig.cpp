@@ -358,7 +358,8 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
   }
   open_taps(truth);
   if (recorder_ != nullptr) {
-    recorder_->start([this] { return recorded_status(); }, faults_);
+    recorder_->start([this] { return recorded_status(); }, faults_.windows());
+    faults_.inform([this](const FaultWindow& fault) { recorder_->expect(fault); });
   }
   drivers::line_watch(io_).start([log](const std::string& news) {
     if (log != nullptr) {

@@ -82,7 +82,9 @@ std::optional<RigFaults::Numbered> RigFaults::begin(SimTime now, const std::stri
     return std::nullopt;
   }
   entries_.push_back({static_cast<std::size_t>(port - ports_.begin()), *id});
-  return list().back();
+  const Numbered begun = list().back();
+  listener_(begun.window);
+  return begun;
 }
 
 RigFaults::Numbered RigFaults::end(SimTime now, Id id) {
@@ -91,7 +93,9 @@ RigFaults::Numbered RigFaults::end(SimTime now, Id id) {
     throw NoSuchFault(known ? "that fault is over" : "there is no fault of that number", "id",
                       std::to_string(id), "one of those that fault_list tells, and not over");
   }
-  return list()[id - 1];
+  const Numbered ended = list()[id - 1];
+  listener_(ended.window);
+  return ended;
 }
 
 }  // namespace rigwire::hil

@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hil/configuration/fault_port.h"
@@ -35,6 +37,8 @@ class RigFaults {
     Id id;
     FaultWindow window;
   };
+  /// Hears of every fault that is begun, and of every end that is made.
+  using Listener = std::function<void(const FaultWindow&)>;
   /// Something that faults can be of, and their kinds.
   struct Target {
     std::string name;  ///< Name of the device; "bus can", "modbus cab".
@@ -44,6 +48,7 @@ class RigFaults {
   /// One more port of `where`; what it was made with is numbered at once. The port must outlive
   /// this.
   void add(const std::string& where, FaultPort& port);
+  void inform(Listener listener) { listener_ = std::move(listener); }
 
   /// Those that can have faults, in the order in which they were added.
   [[nodiscard]] std::vector<Target> targets() const;
@@ -72,6 +77,7 @@ class RigFaults {
 
   std::vector<Port> ports_;
   std::vector<Entry> entries_;
+  Listener listener_ = [](const FaultWindow&) {};
 };
 
 }  // namespace rigwire::hil

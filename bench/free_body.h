@@ -1,5 +1,6 @@
 // A single rigid body that flies, falls and meets obstacles: the smallest machine there is, for
-// tests of the contact alone.
+// figures and tests of the contact alone. Its step is the machines' own: linearly implicit, clamp
+// last.
 #pragma once
 
 #include <Eigen/Cholesky>

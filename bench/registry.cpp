@@ -8,7 +8,7 @@ namespace rigwire::bench {
 
 std::span<const BenchSuite> bench_suites() {
   // The rig first: peak memory is that of the process.
-  static constexpr std::array<BenchSuite, 11> kSuites{{
+  static constexpr std::array<BenchSuite, 12> kSuites{{
       {"rig", "the whole rig running free: speed, stages, memory", bench_rig},
       {"pacing", "the whole rig in real time: lateness of every device", bench_pacing},
       {"lidar", "the lidar stage against bare Embree, and its range error", bench_lidar},
@@ -19,6 +19,8 @@ std::span<const BenchSuite> bench_suites() {
        bench_camera},
       {"excavator", "integration error against step, cost, stiffest drives", bench_excavator},
       {"dynamics", "every machine at every level: cost and error over the step", bench_dynamics},
+      {"contact", "solid contact: cost among trees, energy and overlap over the step",
+       bench_contact},
       {"gnss", "satellite receivers: every model's cost and error, a lap of the campus",
        bench_gnss},
       {"encoding", "cost of each wire format against what its wire can carry", bench_encoding},

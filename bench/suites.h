@@ -14,6 +14,7 @@ nlohmann::json bench_weather(std::ostream& text);
 nlohmann::json bench_camera(std::ostream& text);
 nlohmann::json bench_excavator(std::ostream& text);
 nlohmann::json bench_dynamics(std::ostream& text);
+nlohmann::json bench_contact(std::ostream& text);
 nlohmann::json bench_gnss(std::ostream& text);
 nlohmann::json bench_encoding(std::ostream& text);
 nlohmann::json bench_buses(std::ostream& text);

@@ -34,6 +34,7 @@ RollerFile blank() {
   sim::RollerParameters& p = file.roller;
   p.level = sim::RollerLevel::kinematic;
   p.mass_kg = p.yaw_inertia_kgm2 = p.pivot_x_m = p.center_of_mass_height_m = 1.0;
+  p.solid = {.boxes = {}, .stiffness_npm = 1.0, .damping_ratio = 0.0};
   return file;
 }
 

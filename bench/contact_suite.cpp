@@ -1,0 +1,95 @@
+#include <fmt/format.h>
+
+#include "bench/contact_cases.h"
+#include "bench/suites.h"
+#include "bench/table.h"
+
+namespace rigwire::bench {
+namespace {
+
+nlohmann::json cost_table(std::ostream& text) {
+  nlohmann::json json = nlohmann::json::array();
+  text << "a Unimog's step among trees, level full, 5 m/s, 1 ms; about: the way free, along: 0.1 m "
+          "beside its tyres\n";
+  const Table table(text, {{"trees", "<8"}, {"count", ">6"}, {"us/step", ">8"}, {"x none", ">7"}});
+  table.head();
+  double none_us = 0.0;
+  for (const ContactCost& cost : measure_contact_cost()) {
+    none_us = none_us == 0.0 ? cost.us_per_step : none_us;
+    json.push_back(table.row({word("where", cost.where), count("trees", cost.trees),
+                              number("us_per_step", cost.us_per_step, "{:.2f}"),
+                              number("over_none", cost.us_per_step / none_us, "{:.2f}")}));
+  }
+  return json;
+}
+
+nlohmann::json step_table(std::ostream& text) {
+  nlohmann::json json = nlohmann::json::array();
+  text << "\nover the step: energy that contacts gave at most, deepest overlap, greatest force; "
+          "figure against its closed form\n";
+  const Table table(text, {{"case", "<24"},
+                           {"step ms", ">8"},
+                           {"came kJ", ">8"},
+                           {"gave J", ">9"},
+                           {"deepest mm", ">11"},
+                           {"force kN", ">9"},
+                           {"found", ">9"},
+                           {"closed", ">9"},
+                           {"figure", "<16"}});
+  table.head();
+  for (const ContactCase& each : contact_cases()) {
+    for (const double step_s : {1e-4, 5e-4, 1e-3, 2e-3, 5e-3}) {
+      const ContactOutcome outcome = each.run(step_s);
+      const bool closed = !each.figure.empty();
+      json.push_back(table.row(
+          {word("case", each.name), number("step_s", step_s, "{:g}", 1e3),
+           number("came_with_j", outcome.came_with_j, "{:.1f}", 1e-3),
+           number("gave_j", outcome.gave_j, "{:.3g}"),
+           number("deepest_m", outcome.deepest_m, "{:.2f}", 1e3),
+           number("greatest_n", outcome.greatest_n, "{:.0f}", 1e-3),
+           closed ? number("found", outcome.found, "{:.4f}") : cell("found", nullptr, "-"),
+           closed ? number("closed_form", each.closed_form, "{:.4f}")
+                  : cell("closed_form", nullptr, "-"),
+           word("figure", each.figure), stored("finite", outcome.finite)}));
+    }
+  }
+  return json;
+}
+
+nlohmann::json sweep_table(std::ostream& text) {
+  nlohmann::json json = nlohmann::json::array();
+  text
+      << "\nshipped scenes, 1 ms: the worst of many runs; thrown: faster by a tenth than it came\n";
+  const Table table(text, {{"what", "<42"},
+                           {"runs", ">5"},
+                           {"touched", ">8"},
+                           {"thrown", ">7"},
+                           {"gave J", ">9"},
+                           {"deepest mm", ">11"}});
+  table.head();
+  const auto row = [&](const ContactSweep& sweep) {
+    json.push_back(table.row({word("name", sweep.name), count("runs", sweep.runs),
+                              count("touched", sweep.touched), count("thrown", sweep.thrown),
+                              number("gave_j", sweep.worst.gave_j, "{:.3g}"),
+                              number("deepest_m", sweep.worst.deepest_m, "{:.2f}", 1e3),
+                              stored("finite", sweep.worst.finite)}));
+  };
+  row(sweep_pit(10));
+  for (const sim::VehicleLevel level :
+       {sim::VehicleLevel::kinematic, sim::VehicleLevel::planar, sim::VehicleLevel::full}) {
+    row(sweep_forest(level));
+  }
+  return json;
+}
+
+}  // namespace
+
+nlohmann::json bench_contact(std::ostream& text) {
+  nlohmann::json json;
+  json["cost"] = cost_table(text);
+  json["over_step"] = step_table(text);
+  json["scenes"] = sweep_table(text);
+  return json;
+}
+
+}  // namespace rigwire::bench

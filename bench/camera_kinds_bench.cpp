@@ -50,33 +50,44 @@ std::vector<double> numbers_of(const Picture& picture) {
   return numbers;
 }
 
-DepthBand band_of(const sim::DisparityPicture& found, const sim::CameraTruth& truth,
-                  const sim::StereoCameraParameters& parameters, double from_m, double to_m) {
+/// Calls `work(pixel, true depth, true disparity)` for the pixels whose disparity the search can
+/// find: the columns on the left have nothing to be searched in.
+template <class Work>
+void each_searched(const sim::CameraTruth& truth, const sim::StereoCameraParameters& parameters,
+                   const Work& work) {
   const sim::ReportedGeometry geometry = stereo_geometry(parameters);
   const double focal_baseline = geometry.focal_length_px * geometry.baseline_m;
   const int searched = parameters.matching.least_disparity + parameters.matching.disparities;
+  for (std::size_t i = 0; i < truth.depth_m.size(); ++i) {
+    const auto depth_m = static_cast<double>(truth.depth_m[i]);
+    const double disparity_px = focal_baseline / depth_m;
+    if (depth_m > 0.0 && disparity_px < searched - 1 &&
+        static_cast<int>(i % static_cast<std::size_t>(truth.width)) >= searched) {
+      work(i, depth_m, disparity_px);
+    }
+  }
+}
+
+DepthBand band_of(const sim::DisparityPicture& found, const sim::CameraTruth& truth,
+                  const sim::StereoCameraParameters& parameters, double from_m, double to_m) {
   DepthBand band{.from_m = from_m, .to_m = to_m};
   std::vector<double> errors_px;
   std::vector<double> errors_m;
   std::vector<double> depths_m;
   double bad = 0.0;
-  for (std::size_t i = 0; i < found.disparity_px.size(); ++i) {
-    const auto depth_m = static_cast<double>(truth.depth_m[i]);
-    const double disparity_px = focal_baseline / depth_m;
-    // The columns on the left have nothing to be searched in.
-    if (!(depth_m > from_m) || depth_m > to_m || disparity_px >= searched - 1 ||
-        static_cast<int>(i % static_cast<std::size_t>(truth.width)) < searched) {
-      continue;
+  each_searched(truth, parameters, [&](std::size_t i, double depth_m, double disparity_px) {
+    if (!(depth_m > from_m) || depth_m > to_m) {
+      return;
     }
     depths_m.push_back(depth_m);
     const auto matched_px = static_cast<double>(found.disparity_px[i]);
     if (matched_px <= 0.0) {
-      continue;
+      return;
     }
     errors_px.push_back(std::abs(matched_px - disparity_px));
-    errors_m.push_back(std::abs(focal_baseline / matched_px - depth_m));
+    errors_m.push_back(std::abs(depth_m * disparity_px / matched_px - depth_m));
     bad += errors_px.back() > 1.0 ? 1.0 : 0.0;
-  }
+  });
   const auto count = static_cast<double>(errors_px.size());
   band.density = count / static_cast<double>(depths_m.size());
   band.bad1 = bad / count;
@@ -84,6 +95,36 @@ DepthBand band_of(const sim::DisparityPicture& found, const sim::CameraTruth& tr
   band.median_m = median(errors_m);
   band.median_depth_m = median(depths_m);
   return band;
+}
+
+ConfidenceWorth worth_of(const sim::DisparityPicture& found, const sim::CameraTruth& truth,
+                         const sim::StereoCameraParameters& parameters) {
+  constexpr std::size_t kSure = 128;
+  // By confidence: disparities that are right, and wrong.
+  std::array<double, 256> right{};
+  std::array<double, 256> wrong{};
+  double pixels = 0.0;
+  each_searched(truth, parameters, [&](std::size_t i, double, double disparity_px) {
+    pixels += 1.0;
+    const auto matched_px = static_cast<double>(found.disparity_px[i]);
+    if (matched_px > 0.0) {
+      (std::abs(matched_px - disparity_px) > 1.0 ? wrong : right)[found.confidence[i]] += 1.0;
+    }
+  });
+  double below = 0.0;  // wrong ones of less confidence
+  double pairs = 0.0;
+  double all_right = 0.0;
+  std::array<double, 2> sure{};
+  for (std::size_t c = 0; c < right.size(); ++c) {
+    pairs += right[c] * (below + 0.5 * wrong[c]);
+    below += wrong[c];
+    all_right += right[c];
+    if (c >= kSure) {
+      sure[0] += right[c];
+      sure[1] += wrong[c];
+    }
+  }
+  return {(sure[0] + sure[1]) / pixels, sure[1] / (sure[0] + sure[1]), pairs / (all_right * below)};
 }
 
 }  // namespace
@@ -126,6 +167,7 @@ StereoCost measure_stereo(const CameraCase& scene, const std::string& matcher,
   shot.command.disparity = true;
   cost.take_s = least_of(rounds, [&] { (void)camera->take(scene.scene(), shot, nullptr); });
   cost.all = band_of(found, left, parameters, 0.0, 1000.0);
+  cost.sure = worth_of(found, left, parameters);
   for (const auto& [from_m, to_m] :
        {std::pair{2.0, 5.0}, {5.0, 10.0}, {10.0, 20.0}, {20.0, 40.0}}) {
     cost.bands.push_back(band_of(found, left, parameters, from_m, to_m));

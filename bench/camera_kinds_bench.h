@@ -23,6 +23,14 @@ struct DepthBand {
   double median_depth_m = 0.0;  ///< Of the true depths.
 };
 
+/// What confidence is worth: disparities of half of it and more, and how often a right one has more
+/// than a wrong one.
+struct ConfidenceWorth {
+  double density = 0.0;
+  double bad1 = 0.0;
+  double told_apart = 0.0;  ///< Area under the curve: 0.5 by chance, 1 always.
+};
+
 struct StereoCost {
   std::string scene;
   std::string matcher;
@@ -30,6 +38,7 @@ struct StereoCost {
   double confidence_s = 0.0;  ///< Likewise, what confidence adds.
   double take_s = 0.0;        ///< Of all of a shot: two pictures, matched.
   DepthBand all;
+  ConfidenceWorth sure;
   std::vector<DepthBand> bands;
 };
 

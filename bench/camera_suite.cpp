@@ -119,7 +119,10 @@ void stereo_table(const std::vector<CameraCase>& cases, std::ostream& text, nloh
                            {"density", ">8"},
                            {"bad1", ">7"},
                            {"median px", ">10"},
-                           {"median m", ">9"}});
+                           {"median m", ">9"},
+                           {"sure", ">7"},
+                           {"bad1", ">7"},
+                           {"told apart", ">11"}});
   table.head();
   for (const CameraCase& scene : cases) {
     sim::StereoMatchingParameters three;
@@ -134,16 +137,27 @@ void stereo_table(const std::vector<CameraCase>& cases, std::ostream& text, nloh
       const StereoCost cost = measure_stereo(scene, name, matching, 3);
       const auto row = [&](const DepthBand& band, const std::string& depths, bool first) {
         json["stereo"].push_back(
-            table.row({word("scene", cost.scene), word("matcher", cost.matcher), shown(depths),
+            table.row({word("scene", cost.scene),
+                       word("matcher", cost.matcher),
+                       shown(depths),
                        shown(first ? fmt::format("{:.0f}", 1e3 * cost.disparity_s) : ""),
                        shown(first ? fmt::format("{:.0f}", 1e3 * cost.confidence_s) : ""),
                        shown(first ? fmt::format("{:.0f}", 1e3 * cost.take_s) : ""),
                        number("density", band.density, "{:.1f}%", 100.0),
                        number("bad1", band.bad1, "{:.1f}%", 100.0),
                        number("median_px", band.median_px, "{:.2f}"),
-                       number("median_m", band.median_m, "{:.3f}"), stored("from_m", band.from_m),
-                       stored("to_m", band.to_m), stored("match_s", cost.disparity_s),
-                       stored("confidence_s", cost.confidence_s), stored("shot_s", cost.take_s)}));
+                       number("median_m", band.median_m, "{:.3f}"),
+                       shown(first ? fmt::format("{:.1f}%", 100.0 * cost.sure.density) : ""),
+                       shown(first ? fmt::format("{:.1f}%", 100.0 * cost.sure.bad1) : ""),
+                       shown(first ? fmt::format("{:.3f}", cost.sure.told_apart) : ""),
+                       stored("sure_density", cost.sure.density),
+                       stored("sure_bad1", cost.sure.bad1),
+                       stored("told_apart", cost.sure.told_apart),
+                       stored("from_m", band.from_m),
+                       stored("to_m", band.to_m),
+                       stored("match_s", cost.disparity_s),
+                       stored("confidence_s", cost.confidence_s),
+                       stored("shot_s", cost.take_s)}));
       };
       row(cost.all, "all", true);
       for (const DepthBand& band : cost.bands) {
@@ -152,8 +166,10 @@ void stereo_table(const std::vector<CameraCase>& cases, std::ostream& text, nloh
     }
   }
   text << "640 x 480, 128 disparities, baseline 0.16 m, one thread, CPU time; bad1: share of the\n"
-          "disparities that are off by more than a pixel; depths nearer than the search left "
-          "out\n\n";
+          "disparities that are off by more than a pixel; depths nearer than the search left out;\n"
+          "sure: with a confidence of 128 or more; told apart: how often a right disparity has "
+          "more\n"
+          "confidence than a wrong one\n\n";
 }
 
 void all_round_table(const std::vector<CameraCase>& cases, std::ostream& text,

@@ -363,27 +363,29 @@ TEST_F(NavigationEngineTest, WhatTheSettingsForbidTakesNoPart) {
     return sample;
   };
   const GnssSample all = after({});
-  const GnssSample gps =
-      after({.systems = 1U << static_cast<unsigned>(GnssSystem::gps), .altitude_m = {}});
+  const GnssSample gps = after({.systems = 1U << static_cast<unsigned>(GnssSystem::gps),
+                                .altitude_m = {},
+                                .corrections = {}});
   EXPECT_GT(gps.horizontal_dilution, 1.5 * all.horizontal_dilution);
   EXPECT_GT(gps.horizontal_accuracy_m, all.horizontal_accuracy_m);
   EXPECT_GT(gps.speed_accuracy_mps, 1.3 * all.speed_accuracy_mps);
   for (const SatelliteView& view : gps.satellites) {
     EXPECT_TRUE(!view.used || view.system == GnssSystem::gps);
   }
-  const GnssSample high = after({.minimum_elevation_rad = 40.0 * kDegree, .altitude_m = {}});
+  const GnssSample high =
+      after({.minimum_elevation_rad = 40.0 * kDegree, .altitude_m = {}, .corrections = {}});
   EXPECT_GT(high.vertical_dilution, 2.0 * all.vertical_dilution);
   EXPECT_GT(high.vertical_accuracy_m, 1.2 * all.vertical_accuracy_m);
   for (const SatelliteView& view : high.satellites) {
     EXPECT_TRUE(!view.used || view.elevation_rad >= 40.0 * kDegree);
   }
-  const GnssSample strong = after({.minimum_cn0_dbhz = 46.0, .altitude_m = {}});
+  const GnssSample strong = after({.minimum_cn0_dbhz = 46.0, .altitude_m = {}, .corrections = {}});
   EXPECT_LT(used(strong), used(all));
   for (const SatelliteView& view : strong.satellites) {
     EXPECT_TRUE(!view.used || view.cn0_dbhz >= 46.0);
   }
-  EXPECT_EQ(used(after({.maximum_satellites = 6, .altitude_m = {}})), 6);
-  const GnssSample level = after({.altitude_m = 100.0});
+  EXPECT_EQ(used(after({.maximum_satellites = 6, .altitude_m = {}, .corrections = {}})), 6);
+  const GnssSample level = after({.altitude_m = 100.0, .corrections = {}});
   EXPECT_EQ(level.fix, GnssFix::two_d);
   EXPECT_NEAR(level.ellipsoid_height_m - level.geoid_separation_m, 100.0, 15.0);
   EXPECT_TRUE(std::isnan(level.vertical_dilution));
@@ -394,6 +396,7 @@ TEST_F(NavigationEngineTest, MoreDynamicsMeansMoreNoiseAndLessDelay) {
   const auto speed_after_braking = [&](double acceleration, double& noise_mps) {
     GnssSensor gnss = sensor();
     gnss.command({.altitude_m = {},
+                  .corrections = {},
                   .horizontal_acceleration = acceleration,
                   .vertical_acceleration = acceleration});
     antenna_ = {};
@@ -412,6 +415,7 @@ TEST_F(NavigationEngineTest, MoreDynamicsMeansMoreNoiseAndLessDelay) {
 
   GnssSensor standing = sensor();
   standing.command({.altitude_m = {},
+                    .corrections = {},
                     .horizontal_acceleration = 0.02,
                     .vertical_acceleration = 0.02,
                     .stationary = true});
@@ -433,10 +437,10 @@ TEST_F(NavigationEngineTest, ANewStartForgetsWhereItWas) {
     (void)gnss.sample(kStart + i * 1s, antenna_, kOpen);
   }
   const double settled_mps = gnss.sample(kStart + 60s, antenna_, kOpen).speed_accuracy_mps;
-  gnss.command({.altitude_m = {}, .starts = 1});
+  gnss.command({.altitude_m = {}, .corrections = {}, .starts = 1});
   EXPECT_GT(gnss.sample(kStart + 61s, antenna_, kOpen).speed_accuracy_mps, settled_mps);
   EXPECT_TRUE(gnss.sample(kStart + 62s, antenna_, closed_sky()).predicted);
-  gnss.command({.altitude_m = {}, .starts = 2});
+  gnss.command({.altitude_m = {}, .corrections = {}, .starts = 2});
   EXPECT_FALSE(gnss.sample(kStart + 63s, antenna_, closed_sky()).predicted);
 }
 

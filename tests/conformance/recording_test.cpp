@@ -68,7 +68,7 @@ class RecordedRig : public testing::Test {
     }
     words.insert(words.end(), more.begin(), more.end());
     ChildProcess rig(command(words), folder("rig.log"));
-    ASSERT_EQ(rig.wait(120s), 0) << rig.output();
+    ASSERT_EQ(rig.wait(240s), 0) << rig.output();
   }
   [[nodiscard]] std::string tshark(const std::string& recording, const std::string& more) const {
     return "tshark -r " + (folder(recording) / "all.pcapng").string() +
@@ -215,10 +215,13 @@ TEST_F(RecordedRig, OnlyWhatIsWantedIsRecorded) {
 
 TEST_F(RecordedRig, ARunThatIsKilledLeavesFilesThatOpen) {
   ChildProcess rig(command({"--record", folder("a").string()}), folder("rig.log"));
-  ASSERT_TRUE(eventually([&] {
-    std::error_code none;
-    return std::filesystem::file_size(folder("a") / "all.pcapng", none) > 4'000'000 && !none;
-  })) << rig.output();
+  ASSERT_TRUE(eventually(
+      [&] {
+        std::error_code none;
+        return std::filesystem::file_size(folder("a") / "truth.mcap", none) > 400'000 && !none;
+      },
+      120s))
+      << rig.output();
   rig.signal(SIGKILL);
   EXPECT_EQ(rig.wait(10s), 137);
   // tshark complains when a file is cut off within a packet, and shows what is before.
@@ -226,7 +229,7 @@ TEST_F(RecordedRig, ARunThatIsKilledLeavesFilesThatOpen) {
   ChildProcess shown({"bash", "-c", tshark("a", "> " + packets.string())}, folder("tshark.log"));
   EXPECT_TRUE(shown.wait(120s).has_value());
   const std::string all = text(packets);
-  EXPECT_GT(std::ranges::count(all, '\n'), 2'000);
+  EXPECT_GT(std::ranges::count(all, '\n'), 1'000);
   const Json contents = mcap("a");
   EXPECT_EQ(contents["whole"], false);
   EXPECT_GT(contents["topics"]["/truth"]["messages"], 50);
@@ -246,7 +249,7 @@ TEST_F(RecordedRig, AFullDiskIsToldAtOnceAndHoldsUpNoWire) {
     shell += " '" + word + "'";
   }
   ChildProcess rig({"bash", "-c", shell}, folder("rig.log"));
-  EXPECT_EQ(rig.wait(120s), 1) << rig.output();
+  EXPECT_EQ(rig.wait(240s), 1) << rig.output();
   EXPECT_THAT(rig.output(), HasSubstr("error: the recording is not complete: "));
   EXPECT_THAT(rig.output(), HasSubstr("lidar.pcapng loses what passes: File too large"));
   const Json without = Json::parse(text(folder("report.json")));

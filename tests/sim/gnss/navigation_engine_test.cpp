@@ -396,9 +396,9 @@ TEST_F(NavigationEngineTest, MoreDynamicsMeansMoreNoiseAndLessDelay) {
   const auto speed_after_braking = [&](double acceleration, double& noise_mps) {
     GnssSensor gnss = sensor();
     gnss.command({.altitude_m = {},
-                  .corrections = {},
                   .horizontal_acceleration = acceleration,
-                  .vertical_acceleration = acceleration});
+                  .vertical_acceleration = acceleration,
+                  .corrections = {}});
     antenna_ = {};
     noise_mps = 0.0;
     for (int i = 0; i < 60; ++i) {
@@ -415,10 +415,10 @@ TEST_F(NavigationEngineTest, MoreDynamicsMeansMoreNoiseAndLessDelay) {
 
   GnssSensor standing = sensor();
   standing.command({.altitude_m = {},
-                    .corrections = {},
                     .horizontal_acceleration = 0.02,
                     .vertical_acceleration = 0.02,
-                    .stationary = true});
+                    .stationary = true,
+                    .corrections = {}});
   antenna_ = {};
   Vector3d before = Vector3d::Zero();
   for (int i = 0; i < 120; ++i) {
@@ -437,10 +437,10 @@ TEST_F(NavigationEngineTest, ANewStartForgetsWhereItWas) {
     (void)gnss.sample(kStart + i * 1s, antenna_, kOpen);
   }
   const double settled_mps = gnss.sample(kStart + 60s, antenna_, kOpen).speed_accuracy_mps;
-  gnss.command({.altitude_m = {}, .corrections = {}, .starts = 1});
+  gnss.command({.altitude_m = {}, .starts = 1, .corrections = {}});
   EXPECT_GT(gnss.sample(kStart + 61s, antenna_, kOpen).speed_accuracy_mps, settled_mps);
   EXPECT_TRUE(gnss.sample(kStart + 62s, antenna_, closed_sky()).predicted);
-  gnss.command({.altitude_m = {}, .corrections = {}, .starts = 2});
+  gnss.command({.altitude_m = {}, .starts = 2, .corrections = {}});
   EXPECT_FALSE(gnss.sample(kStart + 63s, antenna_, closed_sky()).predicted);
 }
 

@@ -13,7 +13,6 @@ constexpr float kRaggedSlope = 0.25F;
 
 /// Two slopes beside each other.
 using Four = float __attribute__((vector_size(16)));
-using FourPlaces = int __attribute__((vector_size(16)));
 
 /// A value in [-1, 1) that wavers over the plane: one octave of value noise.
 float waver(float x, float y, std::uint32_t seed) {
@@ -154,7 +153,7 @@ RIGWIRE_WIDE_VECTORS void GroundLooks::find(const std::array<int, kLanes>& mine,
     std::memcpy(&south, nodes_.data() + row[i] * columns_ + column[i], sizeof(Four));
     std::memcpy(&north, nodes_.data() + (row[i] + 1) * columns_ + column[i], sizeof(Four));
     const Four between = south + b[i] * (north - south);
-    const Four east = __builtin_shuffle(between, FourPlaces{2, 3, 2, 3});
+    const Four east = __builtin_shufflevector(between, between, 2, 3, 2, 3);
     const Four here = between + a[i] * (east - between);
     slope_x[i] = here[0];
     slope_y[i] = here[1];

@@ -252,10 +252,11 @@ RIGWIRE_WIDE_VECTORS void PixelRays::aim(int sample, PixelPacket& packet) const 
   const float half_s = 0.5F * exposure_s_;
   const bool in_rows = samples_.lattice > 0;
   const int in_row = in_rows ? samples_.lattice : 1;
-  const float row_across =
-      (static_cast<float>(sample % in_row) + 0.5F) / static_cast<float>(in_row) - 0.5F;
-  const float row_down =
-      (static_cast<float>(sample / in_row) + 0.5F) / static_cast<float>(in_row) - 0.5F;
+  const int column_of = sample % in_row;
+  const int row_of = sample / in_row;
+  const float per_row = 1.0F / static_cast<float>(in_row);
+  const float row_across = (static_cast<float>(column_of) + 0.5F) * per_row - 0.5F;
+  const float row_down = (static_cast<float>(row_of) + 0.5F) * per_row - 0.5F;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
     // Place from the pixel's middle, in pixels: the R2 sequence, turned for each pixel by a number

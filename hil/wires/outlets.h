@@ -37,6 +37,12 @@ class QueuedOutlet : public Outlet {
   /// From now on what follows a late unit keeps half of its distance from it: a wire that nothing
   /// leaves in heaps, because the far end has little room. Lateness is that against the due time
   /// all the same.
+  ///
+  /// next_due() of a unit is the later of its due time and of when the unit before left plus half
+  /// of the two due times' distance. It is never before that unit left, since due times rise; it
+  /// catches up with twice the pace, so that a delay of t is gone after 2 t; and it is the due time
+  /// wherever nothing is late: free-running, and after a pause. It is asked again while a unit is
+  /// transmitted, and is the same as when the executive asked: the unit is in front until then.
   void keep_apart() { apart_ = true; }
   /// False, and counted as dropped, when there is no room.
   bool push(SimTime due, std::uint64_t tag, WireStatistics& statistics,

@@ -272,6 +272,14 @@ struct Scene::Internals {
   Terrain& terrain_of(std::uint32_t instance);
   /// Shows staged heights to the rays when they are due.
   void refresh_terrains();
+  /// Places what is fixed at the present origin: in `fixed` itself where nobody else holds it, in a
+  /// new scene where a placement() of it is held, which then stays as its holder has it.
+  ///
+  /// `fixed.use_count()` decides, which shared_ptr does not order by itself. It is right here:
+  /// placements are taken of `fixed` by the thread that calls this one, and by nobody else; another
+  /// thread can copy only what it holds, so that a count of 1 stays 1, and a count that is just
+  /// falling costs a scene that was not needed. What that thread cast before it let go is over by
+  /// then: letting go releases, and the fence behind the count acquires.
   void place_fixed();
   /// Of changeable terrains, at the present origin.
   void place_tiles();

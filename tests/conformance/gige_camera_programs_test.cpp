@@ -75,7 +75,7 @@ class GigeCameraPrograms : public ::testing::Test {
   }
 
   /// Patient with a client that the machine does not run for a while.
-  inline static const std::vector<std::string> kPatient{"-m", "3000", "-q", "2"};
+  inline static const std::vector<std::string> kPatient{"-m", "10000", "-q", "2"};
 
   /// Streams again and again until so many pictures have come. None may fail.
   void stream(const std::string& address, int wanted, const std::vector<std::string>& more = {}) {

@@ -2,7 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
+#include <string>
+#include <vector>
 
 #include "drivers/tcp_server.h"
 #include "emulators/ntrip/caster.h"
@@ -20,11 +21,13 @@ namespace rigwire::hil {
 namespace {
 
 struct NtripMount {
+  std::string name = "BASE";
   std::string from;  ///< A base station of the rig.
   std::string details;
 };
 void visit(fields::Visitor& v, NtripMount& p) {
   v.required("from");
+  v.text("name", p.name, "By which clients ask for it; usually in capitals.");
   v.text("from", p.from, "Name of the base station whose line it is: a gnss-base or a ZED-F9P.");
   v.text("details", p.details, "What the source table says of its messages: 1005(1),1077(1).");
 }
@@ -34,31 +37,36 @@ struct NtripCasterConfiguration final : DeviceConfigurationOf<NtripCasterConfigu
   std::uint16_t port = 2101;
   bool allow_remote = false;
   emulators::NtripCasterSettings caster;
-  std::map<std::string, NtripMount> mounts;
+  std::vector<NtripMount> mounts;
 
   void visit(fields::Visitor& v) override {
     v.text("address", address, "Address at which the server listens.");
     v.integer("port", port, fields::IntegerRule{1, 65535}, "TCP; casters usually have 2101.");
     v.boolean("allow_remote", allow_remote, "Permits listening where other machines reach it.");
     emulators::visit(v, caster);
-    v.named("mounts", mounts, "mount point", "Mount points, by name.");
+    v.list("mounts", mounts, "Mount points: their names, and whose streams they are.");
     v.list("faults", caster.faults, "What goes wrong with the streams, and when.");
   }
   void validate() const override {
     fields::check(caster);
     constexpr std::string_view kNotInNames = " ;/?\r\n\t";
-    for (const auto& [name, mount] : mounts) {
+    for (std::size_t i = 0; i < mounts.size(); ++i) {
+      const std::string& name = mounts[i].name;
+      const std::string at = fmt::format("mounts.{}.name", i);
       if (name.empty() || name.find_first_of(kNotInNames) != std::string::npos) {
-        throw fields::Refused("mounts", "found \"" + name +
-                                            "\", allowed: names without space, semicolon, slash "
-                                            "and question mark");
+        throw fields::Refused(at, "found \"" + name +
+                                      "\", allowed: names without space, semicolon, slash and "
+                                      "question mark");
+      }
+      if (std::ranges::count(mounts, name, &NtripMount::name) > 1) {
+        throw fields::Refused(at, "found \"" + name + "\" twice, allowed: once each");
       }
     }
   }
   void check(const std::string& at, RigCheck& check) const override {
     check.listener(at, address, port, allow_remote);
-    for (const auto& [name, mount] : mounts) {
-      check.base_station(fmt::format("{}.mounts.{}.from", at, name), mount.from, "");
+    for (std::size_t i = 0; i < mounts.size(); ++i) {
+      check.base_station(fmt::format("{}.mounts.{}.from", at, i), mounts[i].from, "");
     }
   }
   [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view name) const override {
@@ -96,9 +104,9 @@ class NtripCasterDevice final : public Device, private EventSource {
         caster_(settings(configuration, site), site.calendar(), output_) {
     offer(make_fault_port(configuration.caster.faults, acted_by<emulators::CasterFault>(caster_)));
     const auto& origin = site.frame().parameters();
-    for (const auto& [name, mount] : configuration.mounts) {
+    for (const NtripMount& mount : configuration.mounts) {
       protocols::ntrip::Stream stream;
-      stream.mount = name;
+      stream.mount = mount.name;
       stream.identifier = site.name();
       stream.details = mount.details;
       stream.latitude_deg = origin.latitude_deg;

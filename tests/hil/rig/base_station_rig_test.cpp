@@ -35,7 +35,8 @@ class BaseStationRig : public ::testing::Test {
   }
   [[nodiscard]] std::string rover(const std::string& name, const std::string& from) const {
     return "  " + name + ":\n    type: ublox-zed-f9p\n    path: " + (wires.folder / name).string() +
-           "\n    baud: 115200\n    nmea_sentences: [GGA]\n    mount: {link: body}\n" +
+           "\n    baud: 115200\n    nmea_sentences: [GGA]\n    mount: {link: body, position: [0.8 "
+           "m, 0.5 m, 1.95 m]}\n" +
            (from.empty() ? "" : "    corrections_from: " + from + "\n    uart2_baud: 115200\n");
   }
   void run(SimTime until) {
@@ -77,7 +78,7 @@ TEST_F(BaseStationRig, CasterHandsItsFramesToAClient) {
   const std::uint16_t port =
       tcp::acceptor(io, {boost::asio::ip::address_v4::loopback(), 0}).local_endpoint().port();
   build(kBase + "  caster:\n    type: ntrip-caster\n    port: " + std::to_string(port) +
-        "\n    mounts: {BASE: {from: base}}\n");
+        "\n    mounts: [{name: BASE, from: base}]\n");
   tcp::socket client(io);
   client.connect({boost::asio::ip::address_v4::loopback(), port});
   boost::asio::write(client, boost::asio::buffer(std::string("GET /BASE HTTP/1.0\r\n\r\n")));
@@ -112,9 +113,9 @@ TEST_F(BaseStationRig, NamesThatAreNoBaseStationAreRefused) {
   };
   EXPECT_THAT(refused(rover("a", "nobody")), HasSubstr("devices.a.corrections_from"));
   EXPECT_THAT(refused(rover("a", "a")), HasSubstr("no such base station"));
-  EXPECT_THAT(refused("  c: {type: ntrip-caster, mounts: {M: {from: x}}}\n"),
-              HasSubstr("devices.c.mounts.M.from"));
-  EXPECT_THAT(refused("  c: {type: ntrip-caster, mounts: {\"a b\": {from: x}}}\n"),
+  EXPECT_THAT(refused("  c: {type: ntrip-caster, mounts: [{from: x}]}\n"),
+              HasSubstr("devices.c.mounts.0.from"));
+  EXPECT_THAT(refused("  c: {type: ntrip-caster, mounts: [{name: a b, from: x}]}\n"),
               HasSubstr("without space"));
   EXPECT_THAT(refused("  g: {type: ublox-neo-m8t, sensor: {corrections: {kind: rtk}}}\n"),
               HasSubstr("assumed_rtk"));

@@ -63,8 +63,11 @@ class UbloxNavigator {
   /// What the settings ask of the engine.
   [[nodiscard]] GnssCommand command(const UbloxConfiguration& configuration) const;
 
-  /// After take(): who the corrections of the solution are of.
+  /// After take(): whom the corrections of the solution are of, by code or carrier.
   void set_base(const std::optional<UbloxBase>& base) {
+    if (base && solution_.differential && solution_.sample != nullptr) {
+      solution_.differential_age_s = solution_.sample->differential_age_s;
+    }
     solution_.base = solution_.differential_age_s ? base : std::nullopt;
   }
   /// After take(), as a base station: its survey, and the place where it stands if it is known,

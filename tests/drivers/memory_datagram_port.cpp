@@ -55,7 +55,7 @@ class MemoryPort final : public DatagramPort {
   [[nodiscard]] EndpointStatus status() const override {
     return {.address = "memory port " + std::to_string(end_.port), .client_present = heard_};
   }
-  [[nodiscard]] const Peer& end() const { return end_; }
+  [[nodiscard]] const Peer& peer() const { return end_; }
 
  private:
   std::shared_ptr<MemoryDatagramNetwork::State> state_;
@@ -74,7 +74,7 @@ std::unique_ptr<DatagramPort> MemoryDatagramNetwork::open(std::uint32_t address,
                                                           bool broadcasts) {
   const DatagramPort::Peer end{address, port != 0 ? port : state_->next_port++};
   for (const MemoryPort* other : state_->ports) {
-    if (other->end() == end) {
+    if (other->peer() == end) {
       throw EndpointError("memory port " + std::to_string(port) + " is taken");
     }
   }
@@ -82,7 +82,7 @@ std::unique_ptr<DatagramPort> MemoryDatagramNetwork::open(std::uint32_t address,
 }
 
 DatagramPort::Peer MemoryDatagramNetwork::end_of(const DatagramPort& port) {
-  return dynamic_cast<const MemoryPort&>(port).end();
+  return dynamic_cast<const MemoryPort&>(port).peer();
 }
 
 }  // namespace rigwire::drivers

@@ -37,7 +37,7 @@ class NtripCasterTest : public ::testing::Test {
   void make(std::vector<CasterFault> faults = {}) {
     settings_.faults = std::move(faults);
     caster_.emplace(settings_, calendar_, output_);
-    caster_->add({.mount = "BASE"});
+    caster_->add({});
   }
   void ask(ConnectionId connection, const std::string& text, SimTime now = kStart + 1s) {
     caster_->connected(now, connection);

@@ -122,7 +122,8 @@ TEST_F(RecordedRig, ToolsReadWhatDevicesAndClientsSaid) {
   EXPECT_EQ(lines(tshark("a", "-Y 'j1939.pgn == 59904 && frame.packet_flags_direction == 1'")), 1U);
   EXPECT_GT(lines(tshark("a", "-Y 'j1939.pgn == 61444 && frame.packet_flags_direction == 2'")),
             10U);
-  EXPECT_GT(lines(tshark("a", "-Y 'udp.length == 1214 && frame.interface_name == lidar'")), 100U);
+  EXPECT_GT(lines(tshark("a", "-Y 'udp.length == 1214 && frame.interface_name == \"lidar\"'")),
+            100U);
   EXPECT_THAT(printed(tshark("a", "-Y frame.comment -T fields -e frame.comment")),
               HasSubstr("fault outage of gnss begins at 0.500000000 s"));
 
@@ -137,14 +138,14 @@ TEST_F(RecordedRig, ToolsReadWhatDevicesAndClientsSaid) {
               "ordered = all == sorted(all, key=lambda m: m.timestamp)\n"
               "print(json.dumps({\"all\": len(all), \"own\": [m.arbitration_id for m in own],"
               " \"data\": list(own[0].data), \"ordered\": ordered}))'"));
-  EXPECT_EQ(frames["all"], lines(tshark("a", "-Y 'frame.interface_name == can'")));
+  EXPECT_EQ(frames["all"], lines(tshark("a", "-Y 'frame.interface_name == \"can\"'")));
   EXPECT_EQ(frames["own"], Json::array({0x18EA80FE}));
   EXPECT_EQ(frames["data"], Json::array({0xDA, 0xFE, 0}));
   EXPECT_EQ(frames["ordered"], true);
 
   // The receiver's line as gpsd decodes it; the poll and its answer.
   const auto line = folder("a") / "wires/gnss.bytes";
-  EXPECT_THAT(printed("gpsdecode < " + line.string()), HasSubstr("\"class\":\"TPV\""));
+  EXPECT_THAT(printed("gpsdecode < " + line.string()), HasSubstr("\"class\":\"SKY\""));
   EXPECT_EQ(text(folder("a") / "wires/gnss.client"),
             std::string("\xB5\x62\x0A\x04\0\0\x0E\x34", 8));
   EXPECT_THAT(text(line), HasSubstr(std::string("\xB5\x62\x0A\x04", 4)));

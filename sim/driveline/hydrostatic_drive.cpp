@@ -27,7 +27,7 @@ void visit(fields::Visitor& v, HydrostaticDriveParameters& p) {
   v.number("pump_displacement", p.pump_displacement_m3prad, in("m3/rad").between(1e-9, 1),
            "Oil that the pump gives per angle of the engine, at full swash.");
   v.number("oil_volume", p.oil_volume_m3, in("l").between(1e-4, 1e5), "Oil under pressure.");
-  v.number("bulk_modulus", p.bulk_modulus_pa, in("MPa").between(1, 1e5),
+  v.number("bulk_modulus", p.bulk_modulus_pa, in("MPa").between(1, 1e8),
            "Bulk modulus of oil and hoses.");
   v.number("leakage", p.leakage_m3pspa, in("m3/s/Pa").between(0, 1),
            "Leakage of pump and motors per pressure.");

@@ -27,9 +27,9 @@ void visit(fields::Visitor& v, DrumParameters& p) {
            "Inertia of each drum about its axle.");
   v.integer("strips", p.strips, IntegerRule{1, kDrumStripsMax},
             "Contact strips along the width; an even number has the whole scrub moment.");
-  v.number("slip_stiffness", p.slip_stiffness_n, in("kN").between(0.001, 1e6),
+  v.number("slip_stiffness", p.slip_stiffness_n, in("kN").between(0.001, 1e8),
            "Longitudinal force per slip of 1, at small slip.");
-  v.number("cornering_stiffness", p.cornering_stiffness_nprad, in("N/rad").between(1, 1e9),
+  v.number("cornering_stiffness", p.cornering_stiffness_nprad, in("N/rad").between(1, 1e11),
            "Lateral force per slip angle, at small angles.");
   v.number("relaxation_length", p.relaxation_length_m, in("mm").between(0.001, 10'000),
            "Way on which slip forces build up.");

@@ -30,8 +30,7 @@ void visit_stop(fields::Visitor& v, StopParameters& p, const fields::NumberRule&
                 const fields::NumberRule& ramp) {
   v.number("stiffness", p.stiffness, stiffness.between(1, 1e12),
            "Stiffness of the stop beyond its ramp.");
-  v.number("ramp", p.ramp, ramp.at_least(0.001),
-           "Travel over which the stiffness grows to that.");
+  v.number("ramp", p.ramp, ramp.at_least(0.001), "Travel over which the stiffness grows to that.");
 }
 
 /// Of a beam's side and of an independent wheel alike.
@@ -128,7 +127,7 @@ void visit(fields::Visitor& v, SprungBodyParameters& p) {
 }
 
 void visit(fields::Visitor& v, BeamAxleParameters& p) {
-  v.number("mass", p.mass_kg, in("kg").between(0.01, 1e6), "Mass of the axle with its wheels.");
+  v.number("mass", p.mass_kg, in("kg").between(1e-6, 1e6), "Mass of the axle with its wheels.");
   v.number("roll_inertia", p.roll_inertia_kgm2, in("kg m2").between(1e-6, 1e9),
            "Inertia of the axle in roll and yaw, with its wheels.");
   v.number("pitch_inertia", p.pitch_inertia_kgm2, in("kg m2").between(1e-6, 1e9),

@@ -46,7 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   rigwire::emulators::NtripCasterSettings settings;
   settings.user = size % 2 == 0 ? "" : "u";
   rigwire::emulators::NtripCaster caster(settings, rigwire::Calendar({}), output);
-  const std::size_t mount = caster.add({.mount = "A"});
+  const std::size_t mount = caster.add({});
   caster.connected(rigwire::kStart, 1);
   const std::size_t half = size / 2;
   caster.receive(rigwire::kStart + 1s, 1, all.first(half));

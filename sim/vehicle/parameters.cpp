@@ -30,7 +30,8 @@ void visit_stop(fields::Visitor& v, StopParameters& p, const fields::NumberRule&
                 const fields::NumberRule& ramp) {
   v.number("stiffness", p.stiffness, stiffness.between(1, 1e12),
            "Stiffness of the stop beyond its ramp.");
-  v.number("ramp", p.ramp, ramp.at_least(0.001), "Travel over which the stiffness grows to that.");
+  v.number("ramp", p.ramp, ramp.between(0.001, 10),
+           "Travel over which the stiffness grows to that.");
 }
 
 /// Of a beam's side and of an independent wheel alike.

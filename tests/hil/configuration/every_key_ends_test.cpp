@@ -280,6 +280,7 @@ class EveryKey {
 };
 
 constexpr std::string_view kStroke = "the link's cylinder has a stroke";
+constexpr std::string_view kNoRtk = "it solves no carriers by what arrives at its ports";
 constexpr std::string_view kPins = "cylinders must reach between their pins";
 constexpr std::string_view kAboveLargest = "above the largest";
 constexpr std::string_view kBelowSmallest = "below the smallest";
@@ -291,6 +292,7 @@ constexpr std::string_view kLensFolds = "the lens folds over, sees too much, or 
 constexpr std::string_view kCostsOverflow = "sums of costs overflow 16 bits";
 constexpr std::string_view kCameraBusy = "reading out and sending a picture takes longer";
 constexpr std::string_view kTooStiff = "lighter, or slower, than a contact's stiffness allows";
+constexpr std::string_view kDriveTooStiff = "stiffer than the step allows";
 constexpr std::string_view kInertia = "no body has a moment above the sum of the other two";
 
 template <class Interface>
@@ -382,6 +384,12 @@ TEST(EveryKeyEnds, of_devices_are_where_describe_says) {
   static constexpr std::array kMeaningless{
       Meaningless{"velodyne-hdl-64e*.faults.0.factory_bytes.*",
                   "the model has a status channel in their place"},
+      Meaningless{"gnss-base.sensor.corrections.convergence*", kNoRtk},
+      Meaningless{"gnss-base.sensor.corrections.fixed_age*", kNoRtk},
+      Meaningless{"starfire-3000.sensor.corrections.convergence*", kNoRtk},
+      Meaningless{"starfire-3000.sensor.corrections.fixed_age*", kNoRtk},
+      Meaningless{"ublox-neo-*.sensor.corrections.convergence*", kNoRtk},
+      Meaningless{"ublox-neo-*.sensor.corrections.fixed_age*", kNoRtk},
       Meaningless{"gige-stereo.sensor.lens.k4*", "of another lens model"},
       Meaningless{"gige-depth.sensor.lens.k4*", "of another lens model"},
   };
@@ -395,11 +403,31 @@ TEST(EveryKeyEnds, of_devices_are_where_describe_says) {
 TEST(EveryKeyEnds, of_machines_are_where_describe_says) {
   static constexpr std::array kJoint{
       JointRefusal{"*.principal_inertia", End::lower, kInertia},
+      JointRefusal{"*.principal_inertia", End::upper, kInertia},
+      JointRefusal{"excavator.excavator.drives.*_stiffness", End::upper, kDriveTooStiff},
+      JointRefusal{"excavator.excavator.supply.load_sensing_margin", End::upper,
+                   "above relief_pressure"},
+      JointRefusal{"excavator.excavator.supply.tank_pressure", End::upper, "above relief_pressure"},
+      JointRefusal{"*.engine.full_load.0.speed", End::upper, "above the next point"},
+      JointRefusal{"*.engine.idle", End::upper, "above maximum"},
+      JointRefusal{"*.engine.maximum", End::upper, "above cut_off"},
+      JointRefusal{"excavator.*.set_speed", End::upper, "above engine.maximum"},
+      JointRefusal{"wheeled.wheeled.body.mass", End::upper, kCarries},
+      JointRefusal{"wheeled.wheeled.*.beam.mass", End::upper, kCarries},
+      JointRefusal{"wheeled.wheeled.*.independent.corner_mass", End::upper, kCarries},
+      JointRefusal{"wheeled.wheeled.gravity", End::upper, kCarries},
+      JointRefusal{"wheeled.wheeled.*.beam.pitch_inertia", End::upper, "above twice roll_inertia"},
+      JointRefusal{"wheeled.wheeled.*.initial_pressure", End::upper,
+                   "above tyre_pressure.pressure_max"},
+      JointRefusal{"wheeled.wheeled.tyre_pressure.pressure_min", End::upper, "above pressure_max"},
+      JointRefusal{"wheeled.driveline.*.clutch.open", End::upper, "above full"},
+      JointRefusal{"wheeled.driveline.cvt.variator.top_ratio", End::upper, "above launch_ratio"},
+      JointRefusal{"wheeled.driveline.cvt.variator.shift_from", End::upper, "above shift_to"},
+      JointRefusal{"tandem_roller.roller.drive.engine_idle", End::upper, "above engine_rated"},
+      JointRefusal{"tandem_roller.roller.sp*.initial", End::upper, "above capacity"},
       JointRefusal{"excavator.excavator.boom.mass", End::lower, kTooStiff},
       JointRefusal{"excavator.excavator.stick.mass", End::lower, kTooStiff},
       JointRefusal{"excavator.excavator.bucket.mass", End::lower, kTooStiff},
-      JointRefusal{"excavator.excavator.step", End::upper, kTooStiff},
-      JointRefusal{"tandem_roller.roller.mass", End::lower, kTooStiff},
       JointRefusal{"tandem_roller.roller.step", End::upper, kTooStiff},
       JointRefusal{"excavator.excavator.*_length", End::lower, kPins},
       JointRefusal{"excavator.excavator.boom_length", End::upper, kPins},

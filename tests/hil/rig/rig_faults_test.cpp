@@ -2,8 +2,11 @@
 // as if the file had had it.
 #include "hil/rig/rig_faults.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
@@ -11,6 +14,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -54,6 +58,22 @@ struct Ran {
   std::vector<Json> answers;
 };
 
+/// These rigs have the paths and ports of their files: one process at a time.
+class OneAtATime {
+ public:
+  OneAtATime() : file_(::open("/tmp/rigwire-rig-faults-test", O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
+    if (file_ < 0 || ::flock(file_, LOCK_EX) != 0) {
+      throw std::runtime_error("no lock");
+    }
+  }
+  ~OneAtATime() { ::close(file_); }
+  OneAtATime(const OneAtATime&) = delete;
+  OneAtATime& operator=(const OneAtATime&) = delete;
+
+ private:
+  int file_;
+};
+
 Ran run(const RigConfiguration& configuration, const std::vector<Request>& requests,
         Duration length) {
   boost::asio::io_context io;
@@ -78,7 +98,9 @@ Ran run(const RigConfiguration& configuration, const std::vector<Request>& reque
   return ran;
 }
 
-class RigFaultsOf : public testing::TestWithParam<std::string> {};
+class RigFaultsOf : public testing::TestWithParam<std::string> {
+  OneAtATime alone_;
+};
 
 TEST_P(RigFaultsOf, TheFilesFaultsAreNumberedAndAreItsWindows) {
   const RigConfiguration configuration = load_rig(file_of(GetParam()), {}).configuration;
@@ -157,6 +179,8 @@ INSTANTIATE_TEST_SUITE_P(, RigFaultsOf, testing::Values("can", "gnss", "lidar", 
                          [](const auto& test) { return test.param; });
 
 class RigFaultsTest : public testing::Test {
+  OneAtATime alone_;
+
  protected:
   Json ask(const Command& command, Duration at = 1s) {
     const RigConfiguration configuration =

@@ -54,11 +54,12 @@ TEST(MachineKeys, NumbersThatNoMachineCanHaveAreRefusedWithWhatIsAllowed) {
   };
   for (const Absurd& absurd : std::vector<Absurd>{
            {"excavator", "position: [1e9 m, 0 m, 0 m]", "allowed -10000 .. 10000 m"},
-           {"tandem_roller", "roller: {drum: {radius: 1e-12 m}}", "allowed 0.001 .. 100 m"},
+           {"tandem_roller", "roller: {drum: {radius: 1e-12 m}}", "allowed 0.001 .. 10000 mm"},
            {"excavator", "excavator: {boom: {mass: 1e-300 kg}}", "allowed 0.01 .. 1000000 kg"},
            {"excavator", "excavator: {boom: {mass: 1e30 kg}}", "allowed 0.01 .. 1000000 kg"},
            {"wheeled", "wheeled: {body: {mass: 1e-300 kg}}", "allowed 10 .. 1000000 kg"},
-           {"wheeled", "wheeled: {tyre: {unloaded_radius: 1e-12 m}}", "allowed 0.001 .. 100 m"},
+           {"wheeled", "wheeled: {front: {tyre: {unloaded_radius: 1e-12 m}}}",
+            "allowed 0.001 .. 100 m"},
            {"wheeled", "driveline: {engine: {inertia: 1e99 kg m2}}", "kg m2"},
            {"excavator", "excavator: {supply: {relief_pressure: 1e12 MPa}}", "1000 MPa"},
        }) {

@@ -11,7 +11,7 @@ namespace rigwire::hil {
 namespace {
 
 /// More than these are not kept waiting for the worker: what is late by then is late for good.
-constexpr std::size_t kMostWaiting = 16;
+constexpr std::ptrdiff_t kMostWaiting = 16;
 
 class WorldCamera final : public WorldSensor {
  public:
@@ -207,7 +207,9 @@ class WorldCamera final : public WorldSensor {
     pending.exposure_free = exposure.exposure_free;
     pending.gain_free = exposure.gain_free;
     pending.fixed = exposure.fixed;
-    if (!slice.paced || pending_.size() < kMostWaiting) {
+    const auto waiting = std::ranges::count_if(
+        pending_, [](const Pending& earlier) { return earlier.job.has_value(); });
+    if (!slice.paced || waiting < kMostWaiting) {
       CameraJob& job = exposure.job;
       job.placement = slice.scene.placement();
       job.with_truth = pending.with_truth;

@@ -57,7 +57,7 @@ struct RunOptions {
   std::string truth_path;            ///< Empty: as the rig says.
   std::string lidar_truth_path;      ///< Empty: as the rig says.
   RecordOptions record;
-  std::string camera_truth_folder;   ///< Empty: as the rig says.
+  std::string camera_truth_folder;  ///< Empty: as the rig says.
   LogLevel log_level = LogLevel::info;
   std::optional<ControlEndpoint> control;  ///< Where it is governed from; nothing: nowhere.
   /// Of requests at a port; empty: one is made and told with the address.

@@ -17,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 namespace pcapng = protocols::pcapng;
-namespace mcap = protocols::mcap;
 
 std::span<const std::uint8_t> bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};

@@ -82,7 +82,7 @@ std::optional<RigFaults::Numbered> RigFaults::begin(SimTime now, const std::stri
     return std::nullopt;
   }
   entries_.push_back({static_cast<std::size_t>(port - ports_.begin()), *id});
-  const Numbered begun = list().back();
+  Numbered begun = list().back();
   listener_(begun.window);
   return begun;
 }
@@ -93,7 +93,7 @@ RigFaults::Numbered RigFaults::end(SimTime now, Id id) {
     throw NoSuchFault(known ? "that fault is over" : "there is no fault of that number", "id",
                       std::to_string(id), "one of those that fault_list tells, and not over");
   }
-  const Numbered ended = list()[id - 1];
+  Numbered ended = list()[id - 1];
   listener_(ended.window);
   return ended;
 }

@@ -14,8 +14,8 @@
 namespace rigwire::hil {
 
 /// Puts a GnssSample on the station's shelf for each epoch of its plan, follows every GnssCommand
-/// and FaultChange<GnssFault> from the next epoch on, and tells where the antenna is under `name`, the device's in the rig.
-/// `frame` is the world's place on Earth.
+/// and FaultChange<GnssFault> from the next epoch on, and tells where the antenna is under `name`,
+/// the device's in the rig. `frame` is the world's place on Earth.
 [[nodiscard]] std::unique_ptr<WorldSensor> make_world_gnss(StationIndex station,
                                                            std::string_view name,
                                                            const SensorMount& mount,

@@ -162,9 +162,10 @@ void SimulatedWorld::show_leaning() {
     shown_rad_[i] = leaning[i].angle_rad;
     const Eigen::Isometry3d motion_W =
         leaning[i].motion_W(content_.ground->obstacles()[leaning[i].obstacle].foot_W());
-    for (const sim::ObstacleLook& look : std::ranges::equal_range(
-             content_.looks, leaning[i].obstacle, {}, &sim::ObstacleLook::obstacle)) {
-      content_.scene->displace(look.piece, motion_W);
+    auto look = std::ranges::lower_bound(content_.looks, leaning[i].obstacle, {},
+                                         &sim::ObstacleLook::obstacle);
+    for (; look != content_.looks.end() && look->obstacle == leaning[i].obstacle; ++look) {
+      content_.scene->displace(look->piece, motion_W);
     }
   }
 }

@@ -155,7 +155,8 @@ TEST(BadRig, negative_rate_and_not_a_number_are_out) {
             "--set devices.gnss.rate=-5 Hz: devices.gnss.rate: out of range, found \"-5 Hz\", "
             "allowed 0.016 .. 20 Hz");
   EXPECT_THAT(complaints({"machine.excavator.boom_length=.nan"}), HasSubstr("not a finite number"));
-  EXPECT_THAT(complaints({"machine.excavator.boom.mass=-1 kg"}), HasSubstr("allowed 0.01 .. 1000000 kg"));
+  EXPECT_THAT(complaints({"machine.excavator.boom.mass=-1 kg"}),
+              HasSubstr("allowed 0.01 .. 1000000 kg"));
   EXPECT_THAT(complaints({"machine.excavator.boom_length=5 kg"}),
               HasSubstr("wrong unit, found \"5 kg\", allowed m, km, cm, mm, um"));
 }

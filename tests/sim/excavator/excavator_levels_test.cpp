@@ -163,7 +163,7 @@ TEST(ExcavatorLevels, EveryLevelStaysFiniteThroughWildCommands) {
     for (const double step_s : {1e-3, 1e-2}) {
       ExcavatorParameters parameters = at_level(level);
       parameters.step_s = step_s;
-        Excavator machine(parameters, Eigen::Isometry3d::Identity());
+      Excavator machine(parameters, Eigen::Isometry3d::Identity());
       for (int i = 0; i < 600; ++i) {
         ValveCommand command = openings(std::sin(7.0 * i), std::sin(1.3 * i) > 0.0 ? 1.0 : -1.0,
                                         std::cos(2.9 * i), std::cos(0.1 * i));

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -146,6 +147,7 @@ struct Parsed {
   std::string status;
   std::string log_level = "info";
   std::string control;
+  std::string isolated;
   std::optional<int> ready_fd;
   std::vector<std::string> request;
   bool dry_run = false;
@@ -208,6 +210,13 @@ void declare(CLI::App& app, Parsed& parsed) {
   run_app->add_option("--status", parsed.status, "live, plain or none");
   run_app->add_option("--control", parsed.control,
                       "Where the run is governed from (rigwire ctl): unix:FILE or 127.0.0.1:PORT");
+  run_app
+      ->add_option("--isolated", parsed.isolated,
+                   "Wires, addresses and files of its own, in a folder that is new or empty:\n"
+                   "any number of runs stand side by side; run.json there tells them")
+      ->check([](const std::string& folder) {
+        return folder.empty() ? "found \"\", allowed the path of a folder" : "";
+      });
   run_app->add_option("--ready-fd", parsed.ready_fd,
                       "Descriptor that is written a line of JSON when every wire is open");
   log_level(run_app);
@@ -395,6 +404,12 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
                  terminal.err, "run");
   }
   options.clock = *clock;
+  options.isolated_folder = parsed.isolated;
+  if (!parsed.isolated.empty()) {
+    const std::string folder = std::filesystem::absolute(parsed.isolated).string();
+    parsed.control = parsed.control.empty() ? "unix:" + folder + "/control" : parsed.control;
+    parsed.report = parsed.report.empty() ? folder + "/report.json" : parsed.report;
+  }
   if (!parsed.control.empty()) {
     options.control = parse_control_endpoint(parsed.control);
     if (!options.control) {

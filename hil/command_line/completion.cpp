@@ -27,7 +27,7 @@ _rigwire() {
       fi ;;
   esac
   case $verb in
-    run) local options="--clock --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --ready-fd --dry-run --help" ;;
+    run) local options="--clock --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --isolated --ready-fd --dry-run --help" ;;
     picture) local options="--device --at --layer --raw --travel --set --output --help" ;;
     check) local options="--set --log-level --print --json --help" ;;
     list) local options="devices machines scenes rigs faults --json --help" ;;
@@ -69,7 +69,7 @@ _rigwire() {
     --record|--camera-truth) _files -/; return ;;
   esac
   case $words[2] in
-    run) compadd -- --clock --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --ready-fd --dry-run --help ;;
+    run) compadd -- --clock --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --isolated --ready-fd --dry-run --help ;;
     picture) compadd -- --device --at --layer --raw --travel --set --output --help ;;
     check) compadd -- --set --log-level --print --json --help ;;
     list) compadd -- devices machines scenes rigs faults --json --help ;;
@@ -122,6 +122,7 @@ complete -c rigwire -n "__fish_seen_subcommand_from record" -s o -l output -x -a
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l status -x -a "live plain none"
 complete -c rigwire -n "__fish_seen_subcommand_from run check" -l log-level -x -a "debug info warning error"
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l control -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l isolated -x -a "(__fish_complete_directories)"
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l ready-fd -x
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l dry-run
 complete -c rigwire -n "__fish_seen_subcommand_from check" -l print

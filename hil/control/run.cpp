@@ -7,17 +7,21 @@
 #include <boost/asio/signal_set.hpp>
 #include <chrono>
 #include <csignal>
+#include <filesystem>
 #include <iterator>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "drivers/endpoints.h"
+#include "drivers/loopback_claims.h"
 #include "fields/check.h"
 #include "hil/control/desk.h"
 #include "hil/control/ready.h"
 #include "hil/record/output_file.h"
+#include "hil/record/recording.h"
 #include "hil/record/run_log.h"
+#include "hil/rig/isolated_rig.h"
 #include "hil/rig/rig.h"
 
 namespace rigwire::hil {
@@ -148,13 +152,25 @@ std::unique_ptr<Recorder> make_recorder(const RigConfiguration& configuration,
       options.clock.paced() ? std::chrono::milliseconds{0} : kReaderPatience, failures);
 }
 
-/// Every wire is open.
-void tell_ready(const RunOptions& options, const Rig& rig, const std::string& control,
-                const std::string& token) {
-  notify_service_manager();
-  if (!options.ready_descriptor) {
-    return;
+/// A run with wires of its own: where it has them, and what it has in place of the rig's.
+struct Isolated {
+  explicit Isolated(const RigConfiguration& configuration, const RunOptions& options)
+      : folder(std::filesystem::absolute(options.isolated_folder)) {
+    make_recording_folder("--isolated", folder);
+    replacements = isolating(
+        configuration, options.origins != nullptr ? *options.origins : Origins{}, folder, claims);
+    wired = with(configuration, replacements);
   }
+
+  std::filesystem::path folder;
+  drivers::LoopbackClaims claims;
+  std::vector<Replacement> replacements;
+  RigConfiguration wired;
+};
+
+/// Every wire is open.
+void tell_ready(const RunOptions& options, const Rig& rig, const std::string& hash,
+                const Isolated* isolated, const std::string& control, const std::string& token) {
   nlohmann::ordered_json line{{"ready", true}, {"pid", ::getpid()}};
   if (!control.empty()) {
     line["control"] = control;
@@ -163,8 +179,21 @@ void tell_ready(const RunOptions& options, const Rig& rig, const std::string& co
   for (const DeviceStatus& device : rig.status().devices) {
     line["devices"][device.name] = device.wire;
   }
-  hil::tell_ready(*options.ready_descriptor,
-                  line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  if (isolated != nullptr) {
+    line["folder"] = isolated->folder.string();
+    line["config_hash"] = hash;
+    for (const Replacement& replacement : isolated->replacements) {
+      line["replaced"][replacement.key] = replacement.value;
+    }
+  }
+  const std::string text = line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (isolated != nullptr) {
+    WholeFile("run.json", isolated->folder / "run.json").write(text + "\n");
+  }
+  notify_service_manager();
+  if (options.ready_descriptor) {
+    hil::tell_ready(*options.ready_descriptor, text);
+  }
 }
 
 int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
@@ -177,17 +206,22 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   OutputFailures failures([&log](const std::string& what) { log.error(what); });
   boost::asio::io_context io;
   Interrupts interrupts(io, log);  // before the first wire is opened, so that none is left behind
+  std::optional<Isolated> isolated;
+  if (!options.isolated_folder.empty()) {
+    isolated.emplace(configuration, options);
+  }
+  const RigConfiguration& wired = isolated ? isolated->wired : configuration;
   std::optional<WholeFile> report_file;
   if (!options.report_path.empty()) {
     report_file.emplace("the report", options.report_path);
   }
   // Before a device saves what it is told.
-  const bool is_told =
-      report_file || options.onlooker || options.control || !options.record.folder.empty();
+  const bool is_told = report_file || options.onlooker || options.control || isolated ||
+                       !options.record.folder.empty();
   const std::string hash = is_told ? config_hash(configuration) : std::string();
   const std::unique_ptr<Recorder> recorder = make_recorder(configuration, options, hash, failures);
-  auto rig = std::make_unique<Rig>(configuration, io, truth_files(configuration, options, failures),
-                                   &log, OwnEnds{}, recorder.get());
+  auto rig = std::make_unique<Rig>(wired, io, truth_files(wired, options, failures), &log,
+                                   OwnEnds{}, recorder.get());
   if (recorder) {
     log.inform(
         [&recorder](LogLevel level, std::string_view text) { recorder->event(level, text); });
@@ -201,7 +235,7 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   if (options.onlooker) {
     const auto start = std::chrono::steady_clock::now();
     onlooker = options.onlooker(
-        {log, io, configuration, hash, rig->wires(), rig->truth().state_quantities(),
+        {log, io, wired, hash, rig->wires(), rig->truth().state_quantities(),
          [&rig, start] {
            RigStatus status = rig->status();
            status.wall_s =
@@ -223,9 +257,9 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
     log.info(options.control->path.empty()
                  ? fmt::format("control at {}, token {}", server->address(), token)
                  : "control at " + server->address());
-    tell_ready(options, *rig, server->address(), token);
+    tell_ready(options, *rig, hash, isolated ? &*isolated : nullptr, server->address(), token);
   } else {
-    tell_ready(options, *rig, "", "");
+    tell_ready(options, *rig, hash, isolated ? &*isolated : nullptr, "", "");
   }
   const RunOutcome outcome = execute(*rig, configuration, options);
   if (desk) {

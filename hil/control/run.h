@@ -65,6 +65,9 @@ struct RunOptions {
   /// Is written a line of JSON, and closed, when every wire is open: `control` and `token` of the
   /// control server, and the wire of each device by its name.
   std::optional<int> ready_descriptor;
+  /// New or empty: the run has wires of its own (hil/rig/isolated_rig.h), and tells them in
+  /// run.json there when it is ready. Empty: the rig's.
+  std::string isolated_folder;
   MakeOnlooker onlooker;  ///< May be empty.
   /// Of the configuration, for what the start is refused by; may be null.
   const Origins* origins = nullptr;

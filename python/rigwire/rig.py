@@ -131,7 +131,8 @@ class Rig:
     """One run of a rig.
 
     `rig` is a name of `rigwire list rigs` or a file; `sets` are changes of its values, as --set takes
-    them. With the clock "step", the default, simulated time moves only when told; "real", "free" and
+    them. With `isolated` the run has wires of its own, found by `devices` and `replaced`, so that any
+    number of runs of one rig stand side by side. With the clock "step", the default, simulated time moves only when told; "real", "free" and
     "scaled:X" are as for `rigwire run`. `patience` is how long an answer may take, in seconds of
     wall time, None: as long as it takes.
     """
@@ -144,6 +145,7 @@ class Rig:
         clock: str = "step",
         seed: int | None = None,
         duration: float | None = None,
+        isolated: bool = False,
         arguments: Sequence[str] = (),
         folder: str | Path | None = None,
         patience: float | None = 120.0,
@@ -155,10 +157,14 @@ class Rig:
         self.log_path = self.folder / "rigwire.log"
         self._socket = str(self.folder / "control")
         self.devices: dict[str, str] = {}  #: Wire of each device.
+        #: What an isolated run has in place of the rig's values: "devices.lidar.port", as text.
+        self.replaced: dict[str, str] = {}
         ready, told = os.pipe()
         command = [find_program(), "run", str(rig), "--clock", clock, "--status", "none"]
         command += ["--control", f"unix:{self._socket}", "--ready-fd", str(told)]
         command += ["--report", str(self.report_path)]
+        if isolated:
+            command += ["--isolated", str(self.folder / "run")]
         for key, value in (sets or {}).items():
             command += ["--set", f"{key}={value}"]
         if seed is not None:
@@ -178,7 +184,9 @@ class Rig:
             log_text = self.log()
             self._remove_folder()
             raise RigwireError(f"the run did not start: {log_text}")
-        self.devices = dict(json.loads(text).get("devices", {}))
+        told_ready = json.loads(text)
+        self.devices = dict(told_ready.get("devices", {}))
+        self.replaced = dict(told_ready.get("replaced", {}))
 
     def __enter__(self) -> Rig:
         return self

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -147,6 +148,44 @@ TEST_F(ControlProcess, AClockThatStepsWithoutSomebodyToStepItIsRefused) {
   EXPECT_THAT(refused.output, HasSubstr("--control"));
   EXPECT_EQ(program(run({"--control", "0.0.0.0:80"})).code, 2);
   EXPECT_EQ(program(run({"--ready-fd", "77", "--duration", "1ms"})).code, 2);
+}
+
+TEST_F(ControlProcess, IsolatedRunsOfOneRigStandSideBySideAndSendItsBytes) {
+  const auto hash = [](const fs::path& report) {
+    std::ifstream file(report);
+    const Json json = Json::parse(file, nullptr, false);
+    return json["config_hash"].get<std::string>() + " " +
+           json["devices"]["gnss"]["stream_hash"].get<std::string>();
+  };
+  const std::vector<std::string> length{"--clock", "free", "--duration", "2s"};
+  auto words = length;
+  words.insert(words.end(), {"--report", (folder_ / "plain.json").string()});
+  ASSERT_EQ(program(run(words)).code, 0);
+  std::vector<std::unique_ptr<ChildProcess>> runs;
+  for (const char* name : {"one", "two", "three"}) {
+    runs.push_back(std::make_unique<ChildProcess>(
+        run({"--isolated", (folder_ / name).string(), "--clock", "step", "--duration", "2s"}),
+        folder_ / (std::string(name) + ".log")));
+  }
+  for (const char* name : {"one", "two", "three"}) {
+    const fs::path told = folder_ / name / "run.json";
+    ASSERT_TRUE(eventually([&] { return fs::exists(told); }, 20s)) << runs.front()->output();
+    std::ifstream file(told);
+    const Json json = Json::parse(file);
+    EXPECT_EQ(json["replaced"]["devices.gnss.path"], (folder_ / name / "wires/gnss").string());
+    EXPECT_TRUE(fs::is_symlink(folder_ / name / "wires/gnss"));
+    const Done done = program({kProgram, "ctl", json["control"], "run_until", "time=2s"});
+    EXPECT_THAT(done.output, HasSubstr("time_ns"));
+  }
+  for (const auto& one : runs) {
+    EXPECT_EQ(one->wait(20s), 0) << one->output();
+  }
+  for (const char* name : {"one", "two", "three"}) {
+    EXPECT_EQ(hash(folder_ / name / "report.json"), hash(folder_ / "plain.json")) << name;
+  }
+  const Done again = program(run({"--isolated", (folder_ / "one").string(), "--duration", "1ms"}));
+  EXPECT_EQ(again.code, 3);
+  EXPECT_THAT(again.output, HasSubstr("new or empty"));
 }
 
 TEST_F(ControlProcess, TheExamplesForPytestPass) {

@@ -148,6 +148,8 @@ struct Parsed {
   std::string log_level = "info";
   std::string control;
   std::string isolated;
+  std::optional<std::string> overrun;
+  std::optional<std::string> overrun_limit;
   std::optional<int> ready_fd;
   std::vector<std::string> request;
   bool dry_run = false;
@@ -189,6 +191,14 @@ void declare(CLI::App& app, Parsed& parsed) {
   rig(run_app);
   run_app->add_option("--clock", parsed.clock,
                       "real, free (as fast as possible), scaled:X, or step (time moves when told)");
+  CLI::Option* overrun =
+      run_app->add_option("--overrun", parsed.overrun,
+                          "When the host is too slow for the clock: slip (simulated time gives\n"
+                          "way, the default), warn (wires are late) or stop");
+  run_app
+      ->add_option("--overrun-limit", parsed.overrun_limit,
+                   "How far behind that is: 100 ms, the default, or another time")
+      ->needs(overrun);
   run_app->add_option("--duration", parsed.duration, "Simulated time, for example 20s or 5min");
   run_app->add_option("--seed", parsed.seed, "Of every random stream; same as --set seed=N");
   run_app->add_option("--report", parsed.report,
@@ -389,6 +399,39 @@ int dispatch_ctl(const Parsed& parsed, Terminal terminal) {
   return ctl_verb(*endpoint, token_of_environment(), parsed.word, parsed.request, terminal);
 }
 
+/// Exit code of what is wrong with them; nothing when they are right.
+std::optional<int> read_overrun(const Parsed& parsed, RunOptions& options, Terminal terminal) {
+  if (!parsed.overrun) {
+    return std::nullopt;
+  }
+  const std::vector<std::string> policies(kOverrunPolicies.begin(), kOverrunPolicies.end());
+  const auto policy = std::find(policies.begin(), policies.end(), *parsed.overrun);
+  if (policy == policies.end()) {
+    const std::string near = nearest_word(*parsed.overrun, policies);
+    return usage(fmt::format("--overrun: unknown policy, found \"{}\", allowed slip, warn, stop{}",
+                             *parsed.overrun, near.empty() ? "" : ", did you mean " + near + "?"),
+                 terminal.err, "run");
+  }
+  if (!options.clock.paced()) {
+    return usage(fmt::format("--overrun: the clock {} waits for the host, allowed with real and "
+                             "scaled:X",
+                             to_string(options.clock)),
+                 terminal.err, "run");
+  }
+  options.overrun = static_cast<OverrunPolicy>(policy - policies.begin());
+  const auto limit =
+      parsed.overrun_limit ? parse_duration(*parsed.overrun_limit) : options.overrun_limit;
+  constexpr Duration kLeast = std::chrono::milliseconds{1};
+  constexpr Duration kMost = std::chrono::hours{1};
+  if (!limit || *limit < kLeast || *limit > kMost) {
+    return usage(
+        fmt::format("--overrun-limit: found \"{}\", allowed 1 ms .. 1 h", *parsed.overrun_limit),
+        terminal.err, "run");
+  }
+  options.overrun_limit = *limit;
+  return std::nullopt;
+}
+
 int dispatch_run(Parsed& parsed, Terminal terminal) {
   RunOptions options;
   const auto level = parse_log_level(parsed.log_level);
@@ -404,6 +447,9 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
                  terminal.err, "run");
   }
   options.clock = *clock;
+  if (const auto refused = read_overrun(parsed, options, terminal)) {
+    return *refused;
+  }
   options.isolated_folder = parsed.isolated;
   if (!parsed.isolated.empty()) {
     const std::string folder = std::filesystem::absolute(parsed.isolated).string();

@@ -27,7 +27,7 @@ _rigwire() {
       fi ;;
   esac
   case $verb in
-    run) local options="--clock --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --isolated --ready-fd --dry-run --help" ;;
+    run) local options="--clock --overrun --overrun-limit --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --isolated --ready-fd --dry-run --help" ;;
     picture) local options="--device --at --layer --raw --travel --set --output --help" ;;
     check) local options="--set --log-level --print --json --help" ;;
     list) local options="devices machines scenes rigs faults --json --help" ;;
@@ -35,7 +35,7 @@ _rigwire() {
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
     schema) local options="rig machine scene valve-map dbc-node --help" ;;
     record) local options="info cut --from --to --output --json --help" ;;
-    ctl) local options="state read pause resume run_until step speed wait stop --help" ;;
+    ctl) local options="state read pause resume run_until step speed wait fault_add fault_clear fault_list stop --help" ;;
     completion) local options="bash zsh fish" ;;
     *) local options="--json --help" ;;
   esac
@@ -62,14 +62,15 @@ _rigwire() {
   fi
   case $words[CURRENT-1] in
     --clock) compadd -- real free step scaled:; return ;;
+    --overrun) compadd -- slip warn stop; return ;;
     --status) compadd -- live plain none; return ;;
     --log-level) compadd -- debug info warning error; return ;;
     --layer) compadd -- image right disparity range confidence depth labels; return ;;
     --report|--truth|--lidar-truth|-o|--output) _files; return ;;
-    --record|--camera-truth) _files -/; return ;;
+    --record|--camera-truth|--isolated) _files -/; return ;;
   esac
   case $words[2] in
-    run) compadd -- --clock --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --isolated --ready-fd --dry-run --help ;;
+    run) compadd -- --clock --overrun --overrun-limit --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --isolated --ready-fd --dry-run --help ;;
     picture) compadd -- --device --at --layer --raw --travel --set --output --help ;;
     check) compadd -- --set --log-level --print --json --help ;;
     list) compadd -- devices machines scenes rigs faults --json --help ;;
@@ -77,7 +78,7 @@ _rigwire() {
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
     schema) compadd -- rig machine scene valve-map dbc-node ;;
     record) compadd -- info cut --from --to --output --json --help ;;
-    ctl) compadd -- state read pause resume run_until step speed wait stop --help ;;
+    ctl) compadd -- state read pause resume run_until step speed wait fault_add fault_clear fault_list stop --help ;;
     completion) compadd -- bash zsh fish ;;
     doctor) compadd -- --json --help ;;
   esac
@@ -122,6 +123,8 @@ complete -c rigwire -n "__fish_seen_subcommand_from record" -s o -l output -x -a
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l status -x -a "live plain none"
 complete -c rigwire -n "__fish_seen_subcommand_from run check" -l log-level -x -a "debug info warning error"
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l control -r -F
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l overrun -x -a "slip warn stop"
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l overrun-limit -x
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l isolated -x -a "(__fish_complete_directories)"
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l ready-fd -x
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l dry-run

@@ -17,6 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kJson = "application/json";
+constexpr const char* kPrometheus = "text/plain; version=0.0.4; charset=utf-8";
 
 drivers::HttpServerSettings server_settings(const ControlEndpoint& endpoint) {
   drivers::HttpServerSettings settings;
@@ -144,10 +145,12 @@ void ControlServer::serve(const drivers::HttpRequest& request,
     desk_.carry_out(Request{StateCommand{}}, answer);
   } else if (request.target == "/read" && reads) {
     desk_.carry_out(Request{ReadCommand{}}, answer);
+  } else if (request.target == "/metrics" && reads) {
+    respond({200, kPrometheus, desk_.metrics(), {}, false});
   } else if (request.target == "/openapi.json" && reads) {
     respond({200, kJson, control_api(), {}, false});
   } else {
-    respond(complaint(404, "allowed POST /command, GET /state, /read, /openapi.json"));
+    respond(complaint(404, "allowed POST /command, GET /state, /read, /metrics, /openapi.json"));
   }
 }
 
@@ -183,7 +186,13 @@ std::string control_api() {
               {"content", {{kJson, {{"schema", {{"$ref", "#/components/schemas/Request"}}}}}}}}},
             {"responses", responses}}}}},
         {"/state", {{"get", {{"responses", responses}}}}},
-        {"/read", {{"get", {{"responses", responses}}}}}}},
+        {"/read", {{"get", {{"responses", responses}}}}},
+        {"/metrics",
+         {{"get",
+           {{"responses",
+             {{"200",
+               {{"description", "Counters and lateness of the run."},
+                {"content", {{kPrometheus, {{"schema", {{"type", "string"}}}}}}}}}}}}}}}}},
       {"components", {{"schemas", {{"Request", std::move(request)}, {"Reply", reply}}}}}}
       .dump(2);
 }

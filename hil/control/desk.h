@@ -55,6 +55,8 @@ struct GovernedRun {
   std::vector<StateQuantity> quantities;  ///< What RigStatus::machine holds.
   std::function<RigStatus()> status;
   RigFaults& faults;
+  /// As Prometheus text.
+  std::function<std::string()> metrics = [] { return std::string(); };
 };
 
 class Desk final : public EventSource {
@@ -69,6 +71,7 @@ class Desk final : public EventSource {
   void carry_out(const Request& request, Answer answer);
   /// The same from text, JSON or YAML; `name` stands for it in messages.
   void carry_out(const std::string& text, const std::string& name, Answer answer);
+  [[nodiscard]] std::string metrics() const { return run_.metrics(); }
   /// Answers all that still waits: the run has ended.
   void end();
 

@@ -86,7 +86,8 @@ class Interrupts {
   int received_ = 0;
 };
 
-RunOutcome execute(Rig& rig, const RigConfiguration& configuration, const RunOptions& options) {
+RunOutcome execute(Rig& rig, const RigConfiguration& configuration, const RunOptions& options,
+                   RunLog& log) {
   const SimTime end = options.duration ? kStart + *options.duration : kNever;
   if (!options.clock.paced()) {
     return rig.executive().run_free(end);
@@ -94,21 +95,33 @@ RunOutcome execute(Rig& rig, const RigConfiguration& configuration, const RunOpt
   PacedSettings settings;
   settings.factor = options.clock.factor;
   settings.lead = configuration.lead;
+  settings.overrun = options.overrun;
+  settings.overrun_limit = options.overrun_limit;
+  settings.on_overrun = [&](const Overrun& overrun) {
+    if (options.overrun != OverrunPolicy::stop) {
+      log.warning(fmt::format("{:.0f} ms behind the wall clock at {:.3f} s: {}",
+                              1e3 * to_seconds(overrun.lag), to_seconds(overrun.at),
+                              options.overrun == OverrunPolicy::slip
+                                  ? "simulated time gave way"
+                                  : "wires are late until that is made up"));
+    }
+  };
   return rig.executive().run_paced(settings, end);
 }
 
-RunReport report_of(const Rig& rig, const WireStages& wire, const RigConfiguration& configuration,
-                    const std::string& hash, const RunOptions& options, const RunOutcome& outcome) {
+/// But for the stages of the truth, which may be at work.
+RunReport report_of(Rig& rig, const RigConfiguration& configuration, const std::string& hash,
+                    const RunOptions& options, const RunOutcome& outcome) {
   RunReport report;
   report.rig = configuration.name;
   report.seed = configuration.seed;
   report.config_hash = hash;
   report.clock = options.clock;
+  report.overrun = options.overrun;
   report.outcome = outcome;
   report.cpu_s = process_cpu_seconds();
   report.peak_rss_mb = peak_resident_megabytes();
-  report.truth = rig.truth().stages();
-  report.wire = wire;
+  report.wire = rig.executive().wire_stages();
   report.devices = rig.device_reports();
   report.faults = rig.faults().windows();
   std::erase_if(report.faults,
@@ -252,7 +265,11 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
     desk.emplace(io, rig->executive(),
                  GovernedRun{configuration.name, configuration.seed, hash, options.clock,
                              rig->truth().state_quantities(), [&rig] { return rig->status(); },
-                             rig->faults()});
+                             rig->faults(),
+                             [&rig, &configuration, &hash, &options] {
+                               return to_prometheus(report_of(*rig, configuration, hash, options,
+                                                              rig->executive().outcome()));
+                             }});
     server.emplace(io, *options.control, token, *desk);
     log.info(options.control->path.empty()
                  ? fmt::format("control at {}, token {}", server->address(), token)
@@ -261,14 +278,14 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   } else {
     tell_ready(options, *rig, hash, isolated ? &*isolated : nullptr, "", "");
   }
-  const RunOutcome outcome = execute(*rig, configuration, options);
+  const RunOutcome outcome = execute(*rig, configuration, options, log);
   if (desk) {
     desk->end();
     io.restart();
     io.poll();  // the last answers
   }
-  const RunReport report =
-      report_of(*rig, rig->executive().wire_stages(), configuration, hash, options, outcome);
+  RunReport report = report_of(*rig, configuration, hash, options, outcome);
+  report.truth = rig->truth().stages();
   interrupts.govern(nullptr);
   if (recorder) {
     log.inform({});

@@ -52,6 +52,8 @@ using MakeOnlooker = std::function<std::unique_ptr<Onlooker>(const RunView& run)
 
 struct RunOptions {
   ClockMode clock;
+  OverrunPolicy overrun = OverrunPolicy::slip;  ///< With a clock that follows the wall's.
+  Duration overrun_limit = std::chrono::milliseconds{100};
   std::optional<Duration> duration;  ///< Simulated time; without it until a signal.
   std::string report_path;           ///< Empty: no report; "-": standard output.
   std::string truth_path;            ///< Empty: as the rig says.

@@ -115,6 +115,10 @@ std::pair<Item*, SimTime> earliest(const std::vector<Item*>& items, Instant inst
   return found;
 }
 
+std::string milliseconds_text(Duration span) {
+  return std::to_string(span / std::chrono::milliseconds{1}) + " ms";
+}
+
 }  // namespace
 
 /// Computes slices ahead of the clock on a thread of its own.
@@ -382,7 +386,8 @@ SimTime Executive::arrive() {
 RunOutcome Executive::run_free(SimTime end) {
   io_.restart();
   const auto keep_waiting = boost::asio::make_work_guard(io_);
-  const WallTime start = std::chrono::steady_clock::now();
+  outcome_ = {};
+  began_ = std::chrono::steady_clock::now();
   SampleBatch batch;
   TruthRequests requests;
   truth_.begin(false);
@@ -404,11 +409,7 @@ RunOutcome Executive::run_free(SimTime end) {
     transmit_due(now_);
     io_.poll();
   }
-  RunOutcome outcome;
-  outcome.reached = now_;
-  outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  outcome.fault = fault_;
-  return outcome;
+  return outcome();
 }
 
 RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
@@ -426,8 +427,9 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
     clock.stand(kStart);
   }
   truth.start(clock);
-  const WallTime start = clock.wall_of(kStart);
-  RunOutcome outcome;
+  outcome_ = {};
+  behind_ = false;
+  began_ = clock.wall_of(kStart);
   DeadlineTimer timer(io_, woken_);
   io_.restart();
   const auto keep_waiting = boost::asio::make_work_guard(io_);
@@ -442,10 +444,7 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
       break;
     }
     const SimTime wanted = clock.at(std::chrono::steady_clock::now());
-    if (const Duration lag = wanted - frontier_; lag > settings.slip_limit) {
-      clock.slip(lag);
-      ++outcome.slips;
-    }
+    watch_lag(settings, wanted);
     run_events(std::min({frontier_, wanted, end}));
     transmit_due(now_);
     collect_requests(requests);
@@ -460,7 +459,7 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
     if (!paused_) {
       const SimTime wakeup = std::min(next_wakeup(), end);
       timer.arm(clock.wall_of(now_ < frontier_ ? std::min(wakeup, frontier_)
-                                               : now_ + settings.slip_limit));
+                                               : now_ + settings.overrun_limit));
     }
     woken_ = false;
     while (!woken_ && !stopped_) {
@@ -470,13 +469,51 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
   }
 
   truth.join();
+  const RunOutcome ended = outcome();
   clock_ = nullptr;
   truth_thread_ = nullptr;
-  outcome.reached = now_;
-  outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  outcome.slipped = clock.slipped();
-  outcome.fault = fault_;
-  return outcome;
+  return ended;
+}
+
+void Executive::watch_lag(const PacedSettings& settings, SimTime wanted) {
+  const Duration lag = wanted - frontier_;
+  if (lag <= settings.overrun_limit) {
+    behind_ = behind_ && lag > Duration{0};
+    return;
+  }
+  if (behind_) {
+    return;
+  }
+  const Overrun overrun{frontier_, lag};
+  ++outcome_.overruns;
+  if (outcome_.first_overruns.size() < kOverrunsKept) {
+    outcome_.first_overruns.push_back(overrun);
+  }
+  switch (settings.overrun) {
+    case OverrunPolicy::slip:
+      clock_->slip(lag);
+      ++outcome_.slips;
+      break;
+    case OverrunPolicy::warn:
+      behind_ = true;
+      break;
+    case OverrunPolicy::stop:
+      fail(milliseconds_text(lag) + " behind the wall clock, allowed " +
+           milliseconds_text(settings.overrun_limit));
+      break;
+  }
+  if (settings.on_overrun) {
+    settings.on_overrun(overrun);
+  }
+}
+
+RunOutcome Executive::outcome() const {
+  RunOutcome so_far = outcome_;
+  so_far.reached = now_;
+  so_far.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+  so_far.slipped = slipped();
+  so_far.fault = fault_;
+  return so_far;
 }
 
 }  // namespace rigwire::hil

@@ -26,11 +26,14 @@
 // (hil/executive/shelves.h) that only the truth's sensor and the device's station look into.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hil/executive/clock.h"
@@ -44,14 +47,35 @@ class io_context;
 
 namespace rigwire::hil {
 
+/// What becomes of a paced run that lies behind the wall clock by more than a limit, because the
+/// host stalled or is too slow.
+enum class OverrunPolicy {
+  slip,  ///< Simulated time gives up the lag.
+  warn,  ///< Everything is late, and is sent as fast as it goes until the lag is made up.
+  stop,  ///< The run ends with a fault.
+};
+inline constexpr std::array<std::string_view, 3> kOverrunPolicies{"slip", "warn", "stop"};
+
+/// One time that it did. With `warn`, from when the limit was exceeded until the lag is made up.
+struct Overrun {
+  SimTime at{};
+  Duration lag{0};
+
+  friend bool operator==(const Overrun&, const Overrun&) = default;
+};
+
 /// How a run ended and what it cost.
 struct RunOutcome {
-  SimTime reached{};                 ///< Simulated time up to which devices were run.
-  double wall_s = 0.0;               ///< From the first slice's deadline to the end.
-  Duration slipped{0};               ///< Given up against wall time because the host stalled.
-  std::uint64_t slips = 0;           ///< How often.
-  std::optional<std::string> fault;  ///< Why it ended early, if it did.
+  SimTime reached{};                    ///< Simulated time up to which devices were run.
+  double wall_s = 0.0;                  ///< From the first slice's deadline to the end.
+  Duration slipped{0};                  ///< Given up against wall time because the host stalled.
+  std::uint64_t slips = 0;              ///< How often.
+  std::uint64_t overruns = 0;           ///< Slips, and what came of other policies.
+  std::vector<Overrun> first_overruns;  ///< At most kOverrunsKept.
+  std::optional<std::string> fault;     ///< Why it ended early, if it did.
 };
+
+inline constexpr std::size_t kOverrunsKept = 100;
 
 /// CPU seconds of the wire side, by stage.
 struct WireStages {
@@ -63,7 +87,9 @@ struct PacedSettings {
   double factor = 1.0;  ///< Simulated seconds per wall second.
   Duration lead =
       std::chrono::milliseconds{6};  ///< How far truth is computed ahead; at least one slice.
-  Duration slip_limit = std::chrono::milliseconds{100};  ///< Lag at which the clock gives way.
+  OverrunPolicy overrun = OverrunPolicy::slip;
+  Duration overrun_limit = std::chrono::milliseconds{100};
+  std::function<void(const Overrun&)> on_overrun;  ///< On the wire thread; may be empty.
 };
 
 class Executive {
@@ -114,6 +140,8 @@ class Executive {
   [[nodiscard]] Duration slipped() const {
     return clock_ == nullptr ? Duration{0} : clock_->slipped();
   }
+  /// Of the run so far. On the wire thread.
+  [[nodiscard]] RunOutcome outcome() const;
   /// The machine's state at the newest sample batch; empty before the first.
   [[nodiscard]] const std::vector<double>& machine_state() const { return machine_state_; }
   [[nodiscard]] const WireStages& wire_stages() const { return wire_stages_; }
@@ -129,6 +157,8 @@ class Executive {
   [[nodiscard]] SimTime next_wakeup() const;
   [[nodiscard]] SimTime present() const;
   void fail(const std::string& what);
+  /// Whether truth is that far behind `wanted`; acts as the policy has it.
+  void watch_lag(const PacedSettings& settings, SimTime wanted);
 
   boost::asio::io_context& io_;
   TruthSource& truth_;
@@ -142,6 +172,9 @@ class Executive {
   PacedClock* clock_ = nullptr;           ///< Set while paced.
   TruthThread* truth_thread_ = nullptr;   ///< Set while paced.
   WireStages wire_stages_;
+  RunOutcome outcome_;   ///< Of the run that goes on, its counts alone.
+  WallTime began_{};     ///< Of that run.
+  bool behind_ = false;  ///< An overrun that is not made up.
   std::vector<double> machine_state_;
   std::optional<std::string> fault_;
   bool paused_ = false;

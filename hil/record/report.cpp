@@ -4,7 +4,10 @@
 #include <sys/resource.h>
 #include <sys/utsname.h>
 
+#include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace rigwire::hil {
 namespace {
@@ -15,12 +18,26 @@ double seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
+/// Counts by their upper edge in microseconds; null: what is above all.
+Json classes(const LatencyHistogram& lateness) {
+  Json list = Json::array();
+  std::uint64_t below = 0;
+  for (const Duration edge : kLatencyEdges) {
+    const std::uint64_t up_to = lateness.up_to(edge);
+    list.push_back({edge / std::chrono::microseconds{1}, up_to - below});
+    below = up_to;
+  }
+  list.push_back({nullptr, lateness.count() - below});
+  return list;
+}
+
 Json lateness_us(const LatencyHistogram& lateness) {
   const auto us = [](Duration span) { return to_seconds(span) * 1e6; };
   return {{"p50", us(lateness.percentile(0.5))},
           {"p99", us(lateness.percentile(0.99))},
           {"p999", us(lateness.percentile(0.999))},
-          {"max", us(lateness.max())}};
+          {"max", us(lateness.max())},
+          {"histogram", classes(lateness)}};
 }
 
 std::string kernel() {
@@ -47,6 +64,13 @@ std::string to_json(const RunReport& report) {
   json["peak_rss_mb"] = report.peak_rss_mb;
   json["clock_slips"] = report.outcome.slips;
   json["slipped_s"] = to_seconds(report.outcome.slipped);
+  json["overrun"] = {{"policy", kOverrunPolicies[static_cast<std::size_t>(report.overrun)]},
+                     {"count", report.outcome.overruns},
+                     {"first", Json::array()}};
+  for (const Overrun& overrun : report.outcome.first_overruns) {
+    json["overrun"]["first"].push_back(
+        {{"sim_s", to_seconds(overrun.at - kStart)}, {"behind_s", to_seconds(overrun.lag)}});
+  }
   json["fault"] = report.outcome.fault ? Json(*report.outcome.fault) : Json(nullptr);
   json["stages"] = {{"physics", report.truth.physics_s},
                     {"ray_casting", report.truth.ray_casting_s},
@@ -80,6 +104,124 @@ std::string to_json(const RunReport& report) {
   }
   // What clients sent need not be UTF-8; the report must not be lost by it.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+namespace {
+
+/// Of a label's value, as the text format has it.
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '\\':
+        result += "\\\\";
+        break;
+      case '"':
+        result += "\\\"";
+        break;
+      case '\n':
+        result += "\\n";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
+class MetricsText {
+ public:
+  using Labels = std::vector<std::pair<std::string_view, std::string_view>>;
+
+  void begin(std::string_view name, std::string_view type, std::string_view help) {
+    name_ = name;
+    text_ += fmt::format("# HELP rigwire_{0} {2}\n# TYPE rigwire_{0} {1}\n", name, type, help);
+  }
+  template <class Number>
+  void sample(const Labels& labels, Number value, std::string_view suffix = {}) {
+    std::string list;
+    for (const auto& [key, label] : labels) {
+      list += fmt::format("{}{}=\"{}\"", list.empty() ? "" : ",", key, escaped(label));
+    }
+    text_ += fmt::format("rigwire_{}{}{} {}\n", name_, suffix, list.empty() ? "" : "{" + list + "}",
+                         value);
+  }
+  template <class Number>
+  void single(std::string_view name, std::string_view type, std::string_view help, Number value) {
+    begin(name, type, help);
+    sample({}, value);
+  }
+  [[nodiscard]] std::string take() && { return std::move(text_); }
+
+ private:
+  std::string_view name_;
+  std::string text_;
+};
+
+}  // namespace
+
+std::string to_prometheus(const RunReport& report) {
+  MetricsText text;
+  text.begin("run_info", "gauge", "Which run it is.");
+  text.sample({{"rig", report.rig},
+               {"version", RIGWIRE_VERSION},
+               {"seed", std::to_string(report.seed)},
+               {"config_hash", report.config_hash},
+               {"clock", to_string(report.clock)}},
+              1);
+  text.single("simulated_seconds", "gauge", "Simulated time since the start.",
+              to_seconds(report.outcome.reached));
+  text.single("wall_seconds_total", "counter", "Wall time since the start.", report.outcome.wall_s);
+  text.single("cpu_seconds_total", "counter", "CPU time of the whole process.", report.cpu_s);
+  text.single("peak_resident_bytes", "gauge", "Peak memory of the whole process.",
+              std::llround(report.peak_rss_mb * 1e6));
+  text.single("overruns_total", "counter", "Times that the host was too slow for the clock.",
+              report.outcome.overruns);
+  text.single("clock_slipped_seconds_total", "counter", "Given up against wall time.",
+              to_seconds(report.outcome.slipped));
+  text.begin("wire_stage_seconds_total", "counter", "CPU time of the wire thread, by stage.");
+  text.sample({{"stage", "encoding"}}, report.wire.encoding_s);
+  text.sample({{"stage", "writing"}}, report.wire.writing_s);
+
+  text.begin("device_messages_total", "counter", "Messages on the wire.");
+  for (const DeviceReport& device : report.devices) {
+    text.sample({{"device", device.name}, {"wire", device.wire}}, device.frames);
+  }
+  text.begin("device_bytes_total", "counter", "Bytes in units of output.");
+  for (const DeviceReport& device : report.devices) {
+    text.sample({{"device", device.name}}, device.statistics.bytes);
+  }
+  text.begin("device_dropped_total", "counter", "Units of output that the wire had no room for.");
+  for (const DeviceReport& device : report.devices) {
+    text.sample({{"device", device.name}}, device.statistics.dropped);
+  }
+  text.begin("device_lateness_seconds", "histogram",
+             "Wall time of a write after it was due; of clocks that follow the wall's.");
+  for (const DeviceReport& device : report.devices) {
+    const LatencyHistogram& lateness = device.statistics.lateness;
+    for (const Duration edge : kLatencyEdges) {
+      text.sample({{"device", device.name}, {"le", fmt::format("{}", to_seconds(edge))}},
+                  lateness.up_to(edge), "_bucket");
+    }
+    text.sample({{"device", device.name}, {"le", "+Inf"}}, lateness.count(), "_bucket");
+    text.sample({{"device", device.name}}, to_seconds(lateness.sum()), "_sum");
+    text.sample({{"device", device.name}}, lateness.count(), "_count");
+  }
+  text.begin("device_events_total", "counter", "What a device counts for itself.");
+  for (const DeviceReport& device : report.devices) {
+    for (const NamedCount& counted : device.counts) {
+      text.sample({{"device", device.name}, {"event", counted.name}}, counted.count);
+    }
+  }
+  text.begin("faults_active", "gauge", "Faults that act now.");
+  std::map<std::pair<std::string, std::string>, unsigned> acting;
+  for (const FaultWindow& fault : report.faults) {
+    acting[{fault.where, fault.type}] += fault.acts_at(report.outcome.reached) ? 1U : 0U;
+  }
+  for (const auto& [fault, count] : acting) {
+    text.sample({{"on", fault.first}, {"type", fault.second}}, count);
+  }
+  return std::move(text).take();
 }
 
 double process_cpu_seconds() {

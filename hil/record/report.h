@@ -28,6 +28,7 @@ struct RunReport {
   std::uint64_t seed = 0;
   std::string config_hash;
   ClockMode clock;
+  OverrunPolicy overrun = OverrunPolicy::slip;
   RunOutcome outcome;
   double cpu_s = 0.0;        ///< User and system time of the whole process.
   double peak_rss_mb = 0.0;  ///< Of the whole process, 1e6 bytes.
@@ -40,6 +41,10 @@ struct RunReport {
 /// The report as JSON text, keys as docs/command-line.md lists them. Lateness is 0 when
 /// free-running: simulated time waits for the write there.
 [[nodiscard]] std::string to_json(const RunReport& report);
+
+/// The same figures as Prometheus text, format 0.0.4, also of a run that goes on; without those of
+/// the truth's stages.
+[[nodiscard]] std::string to_prometheus(const RunReport& report);
 
 /// User and system CPU time of this process so far, and its peak resident memory.
 [[nodiscard]] double process_cpu_seconds();

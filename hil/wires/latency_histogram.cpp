@@ -32,6 +32,19 @@ void LatencyHistogram::record(Duration latency) {
   ++counts_[class_of(static_cast<std::uint64_t>(positive.count()))];
   ++count_;
   max_ = std::max(max_, positive);
+  sum_ += positive;
+}
+
+std::uint64_t LatencyHistogram::up_to(Duration edge) const {
+  if (edge < Duration{0}) {
+    return 0;
+  }
+  const auto whole = static_cast<std::uint64_t>(edge.count());
+  std::uint64_t seen = 0;
+  for (std::size_t i = 0; i < kClasses && upper_edge(i) <= whole; ++i) {
+    seen += counts_[i];
+  }
+  return edge >= max_ ? count_ : seen;
 }
 
 Duration LatencyHistogram::percentile(double share) const {

@@ -20,6 +20,9 @@ class LatencyHistogram {
   /// zero when empty.
   [[nodiscard]] Duration percentile(double share) const;
   [[nodiscard]] Duration max() const { return max_; }
+  [[nodiscard]] Duration sum() const { return sum_; }
+  /// How many are at most `edge`, to the width of a class.
+  [[nodiscard]] std::uint64_t up_to(Duration edge) const;
 
  private:
   static constexpr unsigned kSubdivisionBits = 5;
@@ -33,6 +36,15 @@ class LatencyHistogram {
   std::array<std::uint64_t, kClasses> counts_{};
   std::uint64_t count_ = 0;
   Duration max_{0};
+  Duration sum_{0};
 };
+
+/// Edges by which whole distributions are told, in reports and metrics.
+inline constexpr std::array<Duration, 14> kLatencyEdges{
+    std::chrono::microseconds{10},  std::chrono::microseconds{20},  std::chrono::microseconds{50},
+    std::chrono::microseconds{100}, std::chrono::microseconds{200}, std::chrono::microseconds{500},
+    std::chrono::milliseconds{1},   std::chrono::milliseconds{2},   std::chrono::milliseconds{5},
+    std::chrono::milliseconds{10},  std::chrono::milliseconds{20},  std::chrono::milliseconds{50},
+    std::chrono::milliseconds{100}, std::chrono::seconds{1}};
 
 }  // namespace rigwire::hil

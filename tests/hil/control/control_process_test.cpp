@@ -150,6 +150,46 @@ TEST_F(ControlProcess, AClockThatStepsWithoutSomebodyToStepItIsRefused) {
   EXPECT_EQ(program(run({"--ready-fd", "77", "--duration", "1ms"})).code, 2);
 }
 
+TEST_F(ControlProcess, PrometheusReadsTheMetricsAndTheyAreTheReports) {
+  ChildProcess rig(run({"--clock", "step", "--control", socket(), "--report",
+                        (folder_ / "report.json").string()}),
+                   folder_ / "log");
+  ASSERT_TRUE(eventually([&] { return fs::exists(folder_ / "control"); }, 20s)) << rig.output();
+  EXPECT_EQ(ctl({"fault_add", "on=gnss", "fault={type: jamming, for: 100 s}"}).code, 0);
+  EXPECT_EQ(ctl({"run_until", "time=2s"}).code, 0);
+  const Done metrics = program({"/usr/bin/curl", "-s", "--unix-socket",
+                                (folder_ / "control").string(), "http://localhost/metrics"});
+  std::ofstream(folder_ / "metrics") << metrics.output;
+  const Done read = program(
+      {"/usr/bin/python3", "-c",
+       "import json, sys\n"
+       "from prometheus_client.parser import text_string_to_metric_families as families\n"
+       "print(json.dumps({s.name + '/' + s.labels.get('device', s.labels.get('type', '')):\n"
+       "    s.value for f in families(open(sys.argv[1]).read()) for s in f.samples}))",
+       (folder_ / "metrics").string()});
+  ASSERT_EQ(read.code, 0) << read.output;
+  const Json samples = Json::parse(read.output);
+  EXPECT_EQ(samples["rigwire_simulated_seconds/"], 2.0);
+  EXPECT_EQ(samples["rigwire_faults_active/jamming"], 1.0);
+  EXPECT_EQ(ctl({"stop"}).code, 0);
+  EXPECT_EQ(rig.wait(20s), 0) << rig.output();
+  std::ifstream file(folder_ / "report.json");
+  const Json gnss = Json::parse(file)["devices"]["gnss"];
+  EXPECT_EQ(samples["rigwire_device_messages_total/gnss"], gnss["frames"].get<double>());
+  EXPECT_EQ(samples["rigwire_device_bytes_total/gnss"], gnss["bytes"].get<double>());
+}
+
+TEST_F(ControlProcess, AnOverrunPolicyThatCouldNotActIsRefused) {
+  const Done free = program(run({"--clock", "free", "--overrun", "stop"}));
+  EXPECT_EQ(free.code, 2);
+  EXPECT_THAT(free.output, HasSubstr("allowed with real and scaled:X"));
+  const Done word = program(run({"--overrun", "warm"}));
+  EXPECT_EQ(word.code, 2);
+  EXPECT_THAT(word.output, HasSubstr("did you mean warn"));
+  EXPECT_EQ(program(run({"--overrun", "slip", "--overrun-limit", "0.1 ms"})).code, 2);
+  EXPECT_NE(program(run({"--overrun-limit", "1 s"})).code, 0);
+}
+
 TEST_F(ControlProcess, IsolatedRunsOfOneRigStandSideBySideAndSendItsBytes) {
   const auto hash = [](const fs::path& report) {
     std::ifstream file(report);

@@ -225,7 +225,7 @@ TEST(PacedDesk, PauseAndSpeedActOnTheWallsClock) {
   });
   desk.carry_out({StopCommand{}, 2s}, note);
   PacedSettings settings;
-  settings.slip_limit = 10s;
+  settings.overrun_limit = 10s;
   const RunOutcome outcome = executive.run_paced(settings, kStart + 60s);
   EXPECT_EQ(outcome.reached, kStart + 2s);
   ASSERT_EQ(replies.size(), 4U);

@@ -173,7 +173,7 @@ TEST(Executive, PacedACommandReachesTheTruthOnce) {
   Rig rig;
   rig.probe.heats_from = kStart + 50ms;
   PacedSettings settings;
-  settings.slip_limit = 10s;
+  settings.overrun_limit = 10s;
   rig.executive.run_paced(settings, kStart + 200ms);
   ASSERT_EQ(rig.truth.heated.size(), 1U);
   EXPECT_GE(rig.truth.heated[0].at, kStart + 50ms);
@@ -193,7 +193,7 @@ TEST(Executive, PacedRunKeepsWallTimeAndSendsTheSameBytesAsAFreeRun) {
   free_rig.executive.run_free(kStart + 400ms);
   Rig rig;
   PacedSettings settings;
-  settings.slip_limit = 10s;  // a loaded test machine must not shift the clock
+  settings.overrun_limit = 10s;  // a loaded test machine must not shift the clock
   const RunOutcome outcome = rig.executive.run_paced(settings, kStart + 400ms);
   EXPECT_FALSE(outcome.fault.has_value());
   EXPECT_EQ(outcome.reached, kStart + 400ms);
@@ -206,7 +206,7 @@ TEST(Executive, ScaledClockRunsFaster) {
   Rig rig;
   PacedSettings settings;
   settings.factor = 10.0;
-  settings.slip_limit = 10s;
+  settings.overrun_limit = 10s;
   const RunOutcome outcome = rig.executive.run_paced(settings, kStart + 2s);
   EXPECT_GE(outcome.wall_s, 0.2);
   EXPECT_EQ(rig.statistics.units, 200U);
@@ -216,11 +216,55 @@ TEST(Executive, AStalledHostMakesTheClockSlipInsteadOfBursting) {
   Rig rig;
   rig.truth.slow = 20ms;  // ten times slower than real time
   PacedSettings settings;
-  settings.slip_limit = 10ms;
+  settings.overrun_limit = 10ms;
   const RunOutcome outcome = rig.executive.run_paced(settings, kStart + 60ms);
   EXPECT_EQ(outcome.reached, kStart + 60ms);
   EXPECT_GT(outcome.slips, 0U);
   EXPECT_GT(outcome.slipped, 100ms);
+  EXPECT_EQ(outcome.overruns, outcome.slips);
+}
+
+TEST(Executive, EveryOverrunIsToldWithWhenAndHowFar) {
+  Rig rig;
+  rig.truth.slow = 20ms;
+  PacedSettings settings;
+  settings.overrun_limit = 10ms;
+  std::vector<Overrun> told;
+  settings.on_overrun = [&](const Overrun& overrun) { told.push_back(overrun); };
+  const RunOutcome outcome = rig.executive.run_paced(settings, kStart + 60ms);
+  EXPECT_EQ(outcome.overruns, told.size());
+  EXPECT_EQ(outcome.first_overruns, told);
+  for (const Overrun& overrun : told) {
+    EXPECT_GT(overrun.lag, 10ms);
+    EXPECT_LE(overrun.at, kStart + 60ms);
+  }
+}
+
+TEST(Executive, ARunThatOnlyWarnsKeepsItsClockAndTellsOnce) {
+  Rig rig;
+  rig.truth.slow = 20ms;
+  PacedSettings settings;
+  settings.overrun = OverrunPolicy::warn;
+  settings.overrun_limit = 10ms;
+  const RunOutcome outcome = rig.executive.run_paced(settings, kStart + 60ms);
+  EXPECT_EQ(outcome.reached, kStart + 60ms);
+  EXPECT_EQ(outcome.slips, 0U);
+  EXPECT_EQ(outcome.slipped, 0ms);
+  EXPECT_EQ(outcome.overruns, 1U) << "it is behind from the first slice to the last";
+  EXPECT_FALSE(outcome.fault.has_value());
+}
+
+TEST(Executive, ARunThatMustKeepTimeEndsWhenItCannot) {
+  Rig rig;
+  rig.truth.slow = 20ms;
+  PacedSettings settings;
+  settings.overrun = OverrunPolicy::stop;
+  settings.overrun_limit = 10ms;
+  const RunOutcome outcome = rig.executive.run_paced(settings, kStart + 10s);
+  EXPECT_LT(outcome.reached, kStart + 1s);
+  ASSERT_TRUE(outcome.fault.has_value());
+  EXPECT_NE(outcome.fault->find("behind the wall clock, allowed 10 ms"), std::string::npos);
+  EXPECT_EQ(outcome.overruns, 1U);
 }
 
 TEST(Executive, StopFromAnotherThreadEndsAPacedRunThatWaits) {
@@ -291,7 +335,7 @@ TEST(Executive, TimeStandsAtAnInstantWithAllBeforeItDoneAndNothingBehindIt) {
     const WheneverPaused onlooker(
         rig, [&] { stood.emplace_back(rig.executive.now(), rig.statistics.units); });
     PacedSettings settings;
-    settings.slip_limit = 10s;
+    settings.overrun_limit = 10s;
     const RunOutcome outcome = paced ? rig.executive.run_paced(settings, kStart + 400ms)
                                      : rig.executive.run_free(kStart + 400ms);
     EXPECT_EQ(outcome.reached, kStart + 400ms);
@@ -323,7 +367,7 @@ TEST(Executive, AnotherPaceIsTakenWhileItRuns) {
   Rig rig;
   boost::asio::post(rig.io, [&] { rig.executive.set_factor(1000.0); });
   PacedSettings settings;
-  settings.slip_limit = 10s;
+  settings.overrun_limit = 10s;
   const RunOutcome outcome = rig.executive.run_paced(settings, kStart + 60s);
   EXPECT_LT(outcome.wall_s, 30.0);
   EXPECT_EQ(rig.statistics.units, 6000U);

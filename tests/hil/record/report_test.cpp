@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace rigwire::hil {
 namespace {
@@ -41,6 +44,38 @@ TEST(Report, HasTheKeysThatScriptsRelyOn) {
   EXPECT_EQ(gnss["dropped"], 0);
   EXPECT_EQ(gnss["lateness_us"]["max"], 100.0);
   EXPECT_EQ(gnss["stream_hash"].get<std::string>().size(), 16U);
+}
+
+TEST(Report, TheClassesOfLatenessHoldEveryRecordOnce) {
+  RunReport report = example();
+  report.devices[0].statistics.lateness.record(3s);
+  const auto json = nlohmann::json::parse(to_json(report));
+  std::uint64_t records = 0;
+  for (const auto& [edge, count] :
+       json["devices"]["gnss"]["lateness_us"]["histogram"]
+           .get<std::vector<std::pair<nlohmann::json, std::uint64_t>>>()) {
+    records += count;
+    EXPECT_EQ(edge.is_null(), count == 1 && records == 2) << edge;
+  }
+  EXPECT_EQ(records, 2U);
+}
+
+TEST(Report, OverrunsAreToldWithTheirPolicy) {
+  RunReport report = example();
+  report.overrun = OverrunPolicy::warn;
+  report.outcome.overruns = 3;
+  report.outcome.first_overruns = {{kStart + 2s, 250ms}};
+  const auto json = nlohmann::json::parse(to_json(report));
+  EXPECT_EQ(json["overrun"]["policy"], "warn");
+  EXPECT_EQ(json["overrun"]["count"], 3);
+  EXPECT_EQ(json["overrun"]["first"][0]["sim_s"], 2.0);
+  EXPECT_EQ(json["overrun"]["first"][0]["behind_s"], 0.25);
+}
+
+TEST(Report, NamesInMetricsAreQuoted) {
+  RunReport report = example();
+  report.rig = "a \"b\\\n";
+  EXPECT_NE(to_prometheus(report).find(R"(rig="a \"b\\\n")"), std::string::npos);
 }
 
 TEST(Report, AnEmptyRunHasNoInfiniteFactor) {

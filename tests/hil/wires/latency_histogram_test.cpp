@@ -36,6 +36,18 @@ TEST(LatencyHistogram, SplitsAUniformRampWhereItShould) {
   EXPECT_EQ(histogram.percentile(1.0), 1000us);
 }
 
+TEST(LatencyHistogram, TellsHowManyLieBelowAnEdgeAndTheirSum) {
+  LatencyHistogram histogram;
+  for (int us = 1; us <= 1000; ++us) {
+    histogram.record(std::chrono::microseconds{us});
+  }
+  EXPECT_EQ(histogram.up_to(Duration{-1}), 0U);
+  EXPECT_NEAR(static_cast<double>(histogram.up_to(std::chrono::microseconds{100})), 100.0, 3.5);
+  EXPECT_NEAR(static_cast<double>(histogram.up_to(std::chrono::microseconds{500})), 500.0, 16.0);
+  EXPECT_EQ(histogram.up_to(std::chrono::microseconds{1000}), 1000U);
+  EXPECT_EQ(histogram.sum(), std::chrono::microseconds{500'500});
+}
+
 TEST(LatencyHistogram, TakesNegativeAndAbsurdSpans) {
   LatencyHistogram histogram;
   histogram.record(-5ms);

@@ -2,11 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
-#include <stdexcept>
-#include <system_error>
+#include <filesystem>
 
 #include "hil/command_line/config_files.h"
 
@@ -19,15 +15,6 @@ using boost::asio::ip::udp;
 template <class Endpoint>
 Endpoint any_port() {
   return {boost::asio::ip::address_v4::loopback(), 0};
-}
-
-std::filesystem::path make_folder() {
-  std::string name = (std::filesystem::temp_directory_path() / "rigwire-bench-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) {
-    throw std::runtime_error(
-        fmt::format("cannot make the folder {}: {}", name, std::strerror(errno)));
-  }
-  return name;
 }
 
 hil::RigConfiguration load(const std::filesystem::path& folder, std::uint16_t data_port,
@@ -50,15 +37,9 @@ hil::RigConfiguration load(const std::filesystem::path& folder, std::uint16_t da
 PrivateRig::PrivateRig(const std::vector<std::string>& sets)
     : data_sink_(io_, any_port<udp::endpoint>()),
       position_sink_(io_, any_port<udp::endpoint>()),
-      modbus_port_(tcp::acceptor(io_, any_port<tcp::endpoint>()).local_endpoint().port()),
-      folder_(make_folder()) {
-  configuration_ = load(folder_, data_sink_.local_endpoint().port(),
+      modbus_port_(tcp::acceptor(io_, any_port<tcp::endpoint>()).local_endpoint().port()) {
+  configuration_ = load(folder_.path(), data_sink_.local_endpoint().port(),
                         position_sink_.local_endpoint().port(), modbus_port_, sets);
-}
-
-PrivateRig::~PrivateRig() {
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);
 }
 
 }  // namespace rigwire::bench

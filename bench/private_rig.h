@@ -5,10 +5,10 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/udp.hpp>
-#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "bench/private_folder.h"
 #include "hil/rig/rig_configuration.h"
 
 namespace rigwire::bench {
@@ -21,7 +21,6 @@ class PrivateRig {
   /// Loads kBenchRig with its ptys in a temporary folder, slcan for its bus, free ports, and
   /// `sets` on top. Throws ConfigurationError, std::runtime_error or boost's system_error.
   explicit PrivateRig(const std::vector<std::string>& sets = {});
-  ~PrivateRig();
   PrivateRig(const PrivateRig&) = delete;
   PrivateRig& operator=(const PrivateRig&) = delete;
 
@@ -35,7 +34,7 @@ class PrivateRig {
   boost::asio::ip::udp::socket data_sink_;
   boost::asio::ip::udp::socket position_sink_;
   std::uint16_t modbus_port_;  ///< Was free a moment ago.
-  std::filesystem::path folder_;
+  PrivateFolder folder_;
   hil::RigConfiguration configuration_;
 };
 

@@ -8,7 +8,7 @@ namespace rigwire::bench {
 
 std::span<const BenchSuite> bench_suites() {
   // The rig first: peak memory is that of the process.
-  static constexpr std::array<BenchSuite, 12> kSuites{{
+  static constexpr std::array<BenchSuite, 13> kSuites{{
       {"rig", "the whole rig running free: speed, stages, memory", bench_rig},
       {"pacing", "the whole rig in real time: lateness of every device", bench_pacing},
       {"lidar", "the lidar stage against bare Embree, and its range error", bench_lidar},
@@ -25,6 +25,7 @@ std::span<const BenchSuite> bench_suites() {
        bench_gnss},
       {"encoding", "cost of each wire format against what its wire can carry", bench_encoding},
       {"buses", "CAN model, its last hops and Modbus: speed, latency and exactness", bench_buses},
+      {"bridge", "runs as processes: ready, stepped, recorded, side by side", bench_bridge},
   }};
   return kSuites;
 }

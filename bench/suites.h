@@ -18,5 +18,6 @@ nlohmann::json bench_contact(std::ostream& text);
 nlohmann::json bench_gnss(std::ostream& text);
 nlohmann::json bench_encoding(std::ostream& text);
 nlohmann::json bench_buses(std::ostream& text);
+nlohmann::json bench_bridge(std::ostream& text);
 
 }  // namespace rigwire::bench

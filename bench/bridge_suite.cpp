@@ -1,0 +1,235 @@
+// The bridge as an instrument: how soon a run is ready, what a step costs, what recording costs,
+// and how many runs a machine does.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bench/host.h"
+#include "bench/isolated_run.h"
+#include "bench/private_folder.h"
+#include "bench/suites.h"
+#include "bench/table.h"
+#include "drivers/http_server.h"
+
+namespace rigwire::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kStarts = 20;
+constexpr int kSteps = 2000;
+constexpr int kRuns = 16;
+constexpr int kRecordingRounds = 2;
+constexpr double kGoalReady_s = 0.5;
+constexpr double kGoalRecording = 0.1;
+
+double seconds_of(const std::function<void()>& work) {
+  const auto before = Clock::now();
+  work();
+  return std::chrono::duration<double>(Clock::now() - before).count();
+}
+
+/// The value below which that share of `values` lies.
+double quantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  const auto index = static_cast<std::size_t>(share * static_cast<double>(values.size()));
+  return values[std::min(index, values.size() - 1)];
+}
+
+void require_done(const IsolatedRun::Ended& ended) {
+  if (ended.exit_code != 0) {
+    throw std::runtime_error(fmt::format("a run ended with exit code {}", ended.exit_code));
+  }
+}
+
+nlohmann::json measure_start(std::ostream& text) {
+  std::vector<double> ready_s;
+  for (int i = 0; i < kStarts; ++i) {
+    const PrivateFolder folder;
+    std::unique_ptr<IsolatedRun> run;
+    ready_s.push_back(seconds_of([&] {
+      run =
+          std::make_unique<IsolatedRun>(folder.path(), std::vector<std::string>{"--clock", "step"});
+      run->wait_until_ready();
+    }));
+  }
+  const double median_s = quantile(ready_s, 0.5);
+  const double most_s = quantile(ready_s, 1.0);
+  text << fmt::format(
+      "from start to ready, {} starts: median {:.3f} s, largest {:.3f} s; goal < {:g} s: {}\n",
+      kStarts, median_s, most_s, kGoalReady_s, median_s < kGoalReady_s ? "reached" : "MISSED");
+  return {{"starts", kStarts}, {"median_s", median_s}, {"max_s", most_s}, {"goal_s", kGoalReady_s}};
+}
+
+/// Answers of a server that does nothing, on a thread of its own.
+class BareServer {
+ public:
+  explicit BareServer(const std::filesystem::path& socket) : server_(io_, settings(socket)) {
+    server_.start([](const drivers::HttpRequest&) {
+      return drivers::HttpResponse{200, "application/json", R"({"ok":true})", {}, false};
+    });
+    thread_ = std::thread([this] { io_.run(); });
+  }
+  ~BareServer() {
+    io_.stop();
+    thread_.join();
+  }
+  BareServer(const BareServer&) = delete;
+  BareServer& operator=(const BareServer&) = delete;
+
+ private:
+  static drivers::HttpServerSettings settings(const std::filesystem::path& socket) {
+    drivers::HttpServerSettings chosen;
+    chosen.path = socket.string();
+    return chosen;
+  }
+
+  boost::asio::io_context io_;
+  drivers::HttpServer server_;
+  std::thread thread_;
+};
+
+nlohmann::json measure_steps(std::ostream& text) {
+  const PrivateFolder folder;
+  IsolatedRun run(folder.path() / "run", {"--clock", "step"});
+  run.wait_until_ready();
+  const BareServer bare(folder.path() / "bare");
+  ControlConnection stepped(run.control());
+  ControlConnection echoed(folder.path() / "bare");
+  struct Asked {
+    const char* name;
+    ControlConnection* connection;
+    std::string body;
+    std::vector<double> us;
+  };
+  // In turns, so that all have the same host.
+  std::vector<Asked> all{{"bare answer", &echoed, R"({"verb":"state"})", {}},
+                         {"state", &stepped, R"({"verb":"state"})", {}},
+                         {"step of 1 ms", &stepped, R"({"verb":"step","length":"1 ms"})", {}}};
+  for (int i = 0; i < kSteps; ++i) {
+    for (Asked& asked : all) {
+      asked.us.push_back(1e6 * seconds_of([&] { asked.connection->ask(asked.body); }));
+    }
+  }
+  const Table table(
+      text, {{"round trip", "<16"}, {"p50 us", ">10"}, {"p99 us", ">10"}, {"of bare", ">10"}});
+  table.head();
+  nlohmann::json json;
+  const double bare_us = quantile(all.front().us, 0.5);
+  for (const Asked& asked : all) {
+    const double p50 = quantile(asked.us, 0.5);
+    json.push_back(table.row({word("request", asked.name), number("p50_us", p50, "{:.1f}"),
+                              number("p99_us", quantile(asked.us, 0.99), "{:.1f}"),
+                              number("of_bare", p50 / bare_us, "{:.2f}")}));
+  }
+  return json;
+}
+
+nlohmann::json measure_recording(std::ostream& text) {
+  struct Way {
+    const char* name;
+    bool records;
+    double cpu = 0.0;          ///< Of a core, least of the rounds.
+    double lateness_us = 0.0;  ///< p99, the greatest of the devices, least of the rounds.
+  };
+  std::vector<Way> ways{{"not recorded", false}, {"recorded", true}};
+  for (int round = 0; round < kRecordingRounds; ++round) {
+    for (Way& way : ways) {
+      const PrivateFolder folder;
+      std::vector<std::string> arguments{"--duration", "5s"};
+      if (way.records) {
+        arguments.insert(arguments.end(), {"--record", (folder.path() / "recording").string()});
+      }
+      IsolatedRun run(folder.path() / "run", arguments);
+      require_done(run.wait());
+      const nlohmann::json report = run.report();
+      double lateness_us = 0.0;
+      for (const nlohmann::json& device : report["devices"]) {
+        lateness_us = std::max(lateness_us, device["lateness_us"]["p99"].get<double>());
+      }
+      const double cpu = report["cpu_s"].get<double>() / report["wall_s"].get<double>();
+      way.cpu = round == 0 ? cpu : std::min(way.cpu, cpu);
+      way.lateness_us = round == 0 ? lateness_us : std::min(way.lateness_us, lateness_us);
+    }
+  }
+  const Table table(text, {{"real time", "<16"}, {"of a core", ">10"}, {"p99 us", ">10"}});
+  table.head();
+  nlohmann::json json;
+  for (const Way& way : ways) {
+    json["runs"].push_back(table.row({word("run", way.name), number("core", way.cpu, "{:.3f}"),
+                                      number("lateness_p99_us", way.lateness_us, "{:.1f}")}));
+  }
+  const double cost = ways[1].cpu - ways[0].cpu;
+  text << fmt::format("recording everything: {:.3f} of a core; goal < {:g}: {}\n", cost,
+                      kGoalRecording, cost < kGoalRecording ? "reached" : "MISSED");
+  json["core"] = cost;
+  json["goal"] = kGoalRecording;
+  return json;
+}
+
+nlohmann::json measure_many(std::ostream& text) {
+  const Table table(text, {{"runs of 2 s", "<16"},
+                           {"runs/min", ">10"},
+                           {"ratio", ">8"},
+                           {"MB each", ">10"},
+                           {"CPU s each", ">12"}});
+  table.head();
+  nlohmann::json json;
+  double alone = 0.0;
+  for (const int at_once : {1, 2}) {
+    const PrivateFolder folder;
+    double cpu_s = 0.0;
+    double memory_mb = 0.0;
+    const double wall_s = seconds_of([&] {
+      for (int i = 0; i < kRuns; i += at_once) {
+        std::vector<std::unique_ptr<IsolatedRun>> runs;
+        for (int k = 0; k < at_once; ++k) {
+          runs.push_back(std::make_unique<IsolatedRun>(
+              folder.path() / std::to_string(i + k),
+              std::vector<std::string>{"--clock", "free", "--duration", "2s", "--set",
+                                       "seed=" + std::to_string(i + k)}));
+        }
+        for (const auto& run : runs) {
+          const IsolatedRun::Ended ended = run->wait();
+          require_done(ended);
+          cpu_s += ended.cpu_s;
+          memory_mb = std::max(memory_mb, ended.peak_rss_mb);
+        }
+      }
+    });
+    const double per_minute = 60.0 * kRuns / wall_s;
+    alone = at_once == 1 ? per_minute : alone;
+    json.push_back(table.row(
+        {cell("at_once", at_once, at_once == 1 ? "one by one" : fmt::format("{} at once", at_once)),
+         number("runs_per_minute", per_minute, "{:.1f}"),
+         number("ratio", per_minute / alone, "{:.2f}"), number("peak_rss_mb", memory_mb, "{:.0f}"),
+         number("cpu_s", cpu_s / kRuns, "{:.2f}"), stored("runs", kRuns)}));
+  }
+  return json;
+}
+
+}  // namespace
+
+nlohmann::json bench_bridge(std::ostream& text) {
+  const std::array<double, 3> load = load_average();
+  text << fmt::format("load average {:.2f} before\n", load[0]);
+  nlohmann::json json;
+  json["load_average_before"] = load;
+  json["start"] = measure_start(text);
+  json["round_trips"] = measure_steps(text);
+  json["recording"] = measure_recording(text);
+  json["many"] = measure_many(text);
+  return json;
+}
+
+}  // namespace rigwire::bench

@@ -7,13 +7,22 @@
 
 #include <assimp/DefaultIOSystem.h>
 #include <algorithm>
+#include <array>
 #include <assimp/Importer.hpp>
 #include <cctype>
+#include <fstream>
+#include <iterator>
+#include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <stdexcept>
+#include <string_view>
+#include <utility>
 
 #include "hil/files/image_file.h"
+#include "hil/files/wavefront_file.h"
+#include "sim/scene/colour_texture.h"
 
 namespace rigwire::hil {
 namespace {
@@ -44,9 +53,12 @@ class OpenedFiles final : public Assimp::DefaultIOSystem {
   std::vector<std::string>& names_;
 };
 
+/// Triangles alone need no material library.
+enum class Wanted { triangles, surfaces };
+
 class File {
  public:
-  File(const std::filesystem::path& file, const std::string& name)
+  File(const std::filesystem::path& file, const std::string& name, Wanted wanted)
       : path_(file), who_("mesh '" + name + "', file '" + file.string() + "': ") {
     if (!std::filesystem::is_regular_file(file)) {
       throw std::invalid_argument(who_ + "there is no such file");
@@ -54,6 +66,12 @@ class File {
     importer_.SetIOHandler(new OpenedFiles(files_));  // the importer's from here on
     const std::string extension = lower_case(file.extension().string());
     gltf_ = extension == ".gltf" || extension == ".glb";
+    if (extension == ".obj") {
+      scanned_ = scan_wavefront_mesh(read(path_), path_.string());
+      if (wanted == Wanted::surfaces) {
+        read_libraries();
+      }
+    }
     importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                                  aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     scene_ = importer_.ReadFile(file.string(),
@@ -61,6 +79,11 @@ class File {
                                     aiProcess_PreTransformVertices | aiProcess_SortByPType);
     if (scene_ == nullptr) {
       throw std::invalid_argument(who_ + importer_.GetErrorString());
+    }
+    for (const Library& library : libraries_) {
+      if (std::ranges::find(files_, library.file.string()) == files_.end()) {
+        files_.push_back(library.file.string());
+      }
     }
   }
 
@@ -89,21 +112,19 @@ class File {
         std::string(mode.C_Str()) == "OPAQUE") {
       return nullptr;
     }
-    aiString texture;
+    aiString opacity;
     // An opacity map of its own goes before the colour's alpha.
-    const bool own = material.GetTexture(aiTextureType_OPACITY, 0, &texture) == AI_SUCCESS;
-    if (!own && material.GetTexture(aiTextureType_BASE_COLOR, 0, &texture) != AI_SUCCESS &&
-        material.GetTexture(aiTextureType_DIFFUSE, 0, &texture) != AI_SUCCESS) {
+    const bool own = material.GetTexture(aiTextureType_OPACITY, 0, &opacity) == AI_SUCCESS;
+    const auto picture = own ? std::optional(picture_of(opacity, material)) : colours(material);
+    if (!picture) {
       return nullptr;
     }
-    const std::string what = who_ + "texture '" + texture.C_Str() + "' of material '" +
-                             material.GetName().C_Str() + "': ";
-    const auto image = open(texture, what);
+    const auto image = open(*picture);
     if (!image || (!own && !image->has_alpha())) {
       return nullptr;
     }
     auto mask = std::make_shared<sim::AlphaMask>();
-    mask->name = texture.C_Str();
+    mask->name = picture->name;
     mask->columns = image->columns;
     mask->rows = image->rows;
     float cutoff = 0.5F;
@@ -121,30 +142,241 @@ class File {
     return mask;
   }
 
- private:
-  /// Nothing for an image that is no PNG: it has no alpha.
-  [[nodiscard]] std::unique_ptr<Image> open(const aiString& texture, const std::string& what) {
-    if (const aiTexture* embedded = scene_->GetEmbeddedTexture(texture.C_Str())) {
-      if (embedded->mHeight != 0 || lower_case(embedded->achFormatHint) != "png") {
-        return nullptr;
-      }
-      return std::make_unique<Image>(decode_png(
-          {reinterpret_cast<const std::uint8_t*>(embedded->pcData), embedded->mWidth}, what));
+  /// What cameras see of the material; null when it says nothing. `holes`: those that have a
+  /// mask do not colour what is left.
+  [[nodiscard]] std::shared_ptr<const sim::MeshColour> colour(const aiMaterial& material,
+                                                              bool holes) {
+    sim::MeshColour colour;
+    const WavefrontMaterial* entry = library_entry(material);
+    bool says = false;
+    if (entry != nullptr && entry->colour) {
+      std::ranges::transform(*entry->colour, colour.factor.begin(),
+                             [](double share) { return static_cast<float>(share); });
+      says = true;
+    } else if (aiColor4D factor;
+               gltf_ && material.Get(AI_MATKEY_BASE_COLOR, factor) == AI_SUCCESS) {
+      colour.factor = {factor.r, factor.g, factor.b};
+      says = colour.factor != std::array{1.0F, 1.0F, 1.0F};
     }
+    if (const auto picture = colours(material)) {
+      if (const auto image = open(*picture)) {
+        colour.texture = texture(*image, *picture, holes);
+        colour.edge_u = edge(material, AI_MATKEY_MAPPINGMODE_U(aiTextureType_BASE_COLOR, 0), entry);
+        colour.edge_v = edge(material, AI_MATKEY_MAPPINGMODE_V(aiTextureType_BASE_COLOR, 0), entry);
+        says = true;
+      } else {
+        note(fmt::format("{}is no PNG: it has no effect", picture->what));
+      }
+      aiUVTransform transform;
+      if (gltf_ && material.Get(AI_MATKEY_UVTRANSFORM(aiTextureType_BASE_COLOR, 0), transform) ==
+                       AI_SUCCESS) {
+        note(fmt::format("{}its transform (KHR_texture_transform) has no effect", picture->what));
+      }
+    }
+    return says ? std::make_shared<const sim::MeshColour>(colour) : nullptr;
+  }
+
+  /// Where a mesh's vertex lies in its material's pictures; 0 where it does not say.
+  [[nodiscard]] Eigen::Vector2f coordinates(const aiMesh& mesh, unsigned vertex) const {
+    if (!mesh.HasTextureCoords(0)) {
+      return Eigen::Vector2f::Zero();
+    }
+    const aiVector3D& uv = mesh.mTextureCoords[0][vertex];
+    const WavefrontMaterial* entry = library_entry(*scene_->mMaterials[mesh.mMaterialIndex]);
+    if (entry == nullptr || !entry->map) {
+      return {uv.x, uv.y};
+    }
+    const WavefrontMap& map = *entry->map;
+    return {static_cast<float>(map.scale[0] * static_cast<double>(uv.x) + map.offset[0]),
+            static_cast<float>(map.scale[1] * static_cast<double>(uv.y) + map.offset[1])};
+  }
+
+  /// Throws where a surface with a picture says nowhere what of it is where.
+  void require_coordinates(const aiMesh& mesh, const aiMaterial& material) const {
+    const auto bare = scanned_.bare_faces.find(std::string_view(material.GetName().C_Str()));
+    if (mesh.HasTextureCoords(0) && bare == scanned_.bare_faces.end()) {
+      return;
+    }
+    const auto picture = colours(material);
+    throw std::invalid_argument(fmt::format(
+        "{}needs texture coordinates; {}", picture->what,
+        bare == scanned_.bare_faces.end()
+            ? std::string("the surface has none")
+            : fmt::format("the face of line {} has corners without (allowed: vertex/coordinate)",
+                          bare->second)));
+  }
+
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+
+ private:
+  /// A material's picture: what of it the file says.
+  struct Picture {
+    std::string name;
+    std::filesystem::path file;
+    const aiTexture* embedded = nullptr;
+    std::string what;  ///< For messages, to go on from.
+  };
+
+  /// A library's materials with the folder that its pictures are in.
+  struct Library {
+    std::filesystem::path file;
+    std::vector<WavefrontMaterial> materials;
+  };
+
+  static std::string read(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+
+  void read_libraries() {
+    for (const WavefrontName& library : scanned_.libraries) {
+      std::string name = library.name;
+      std::ranges::replace(name, '\\', '/');
+      const std::filesystem::path file = path_.parent_path() / name;
+      if (!std::filesystem::is_regular_file(file)) {
+        throw std::invalid_argument(
+            fmt::format("{}:{}: mtllib: found '{}', but there is no file {}", path_.string(),
+                        library.line, library.name, file.string()));
+      }
+      libraries_.push_back({file, read_wavefront_materials(read(file), file.string(), notes_)});
+    }
+  }
+
+  /// Null where no library has it.
+  [[nodiscard]] const WavefrontMaterial* library_entry(
+      const aiMaterial& material, std::filesystem::path* folder = nullptr) const {
+    const std::string name = material.GetName().C_Str();
+    for (const Library& library : libraries_) {
+      const auto found = std::ranges::find(library.materials, name, &WavefrontMaterial::name);
+      if (found != library.materials.end()) {
+        if (folder != nullptr) {
+          *folder = library.file;
+        }
+        return &*found;
+      }
+    }
+    return nullptr;
+  }
+
+  [[nodiscard]] Picture picture_of(const aiString& texture, const aiMaterial& material) const {
     std::string name = texture.C_Str();
     std::ranges::replace(name, '\\', '/');
-    const std::filesystem::path file = path_.parent_path() / name;
-    if (lower_case(file.extension().string()) != ".png") {
-      return nullptr;
+    return {texture.C_Str(), path_.parent_path() / name,
+            scene_->GetEmbeddedTexture(texture.C_Str()),
+            fmt::format("{}texture '{}' of material '{}': ", who_, texture.C_Str(),
+                        material.GetName().C_Str())};
+  }
+
+  /// The picture of a material's own colour.
+  [[nodiscard]] std::optional<Picture> colours(const aiMaterial& material) const {
+    std::filesystem::path library;
+    if (const WavefrontMaterial* entry = library_entry(material, &library)) {
+      if (!entry->map) {
+        return std::nullopt;
+      }
+      return Picture{
+          entry->map->file, library.parent_path() / entry->map->file, nullptr,
+          fmt::format("{}texture '{}' of material '{}' ({}:{}): ", who_, entry->map->file,
+                      entry->name, library.string(), entry->map->line)};
     }
-    files_.push_back(file.string());
-    return std::make_unique<Image>(read_png(file, what));
+    aiString texture;
+    if (material.GetTexture(aiTextureType_BASE_COLOR, 0, &texture) != AI_SUCCESS &&
+        material.GetTexture(aiTextureType_DIFFUSE, 0, &texture) != AI_SUCCESS) {
+      return std::nullopt;
+    }
+    return picture_of(texture, material);
+  }
+
+  /// Null for an image that is no PNG. Each is opened once.
+  [[nodiscard]] std::shared_ptr<const Image> open(const Picture& picture) {
+    const auto [known, fresh] = images_.try_emplace(
+        picture.embedded != nullptr ? "*" + picture.name : picture.file.string());
+    if (!fresh) {
+      return known->second;
+    }
+    if (const aiTexture* embedded = picture.embedded) {
+      if (embedded->mHeight == 0 && lower_case(embedded->achFormatHint) == "png") {
+        known->second = std::make_shared<Image>(
+            decode_png({reinterpret_cast<const std::uint8_t*>(embedded->pcData), embedded->mWidth},
+                       picture.what));
+      }
+    } else if (lower_case(picture.file.extension().string()) == ".png") {
+      files_.push_back(picture.file.string());
+      known->second = std::make_shared<Image>(read_png(picture.file, picture.what));
+    }
+    return known->second;
+  }
+
+  /// Of an image in sRGB. Made once of each, with holes and without.
+  [[nodiscard]] std::shared_ptr<const sim::ColourTexture> texture(const Image& image,
+                                                                  const Picture& picture,
+                                                                  bool holes) {
+    std::shared_ptr<const sim::ColourTexture>& known = textures_[{&image, holes}];
+    if (known) {
+      return known;
+    }
+    constexpr std::size_t kMost = sim::ColourTexture::kMostTexels;
+    if (image.columns > kMost || image.rows > kMost) {
+      throw std::invalid_argument(fmt::format("{}is {} x {} pixels, allowed: 1 to {} along a side",
+                                              picture.what, image.columns, image.rows, kMost));
+    }
+    const std::size_t most = image.bits == 16 ? 65535 : 255;
+    std::vector<std::uint16_t> linear(most + 1);
+    for (std::size_t value = 0; value <= most; ++value) {
+      linear[value] = static_cast<std::uint16_t>(
+          65535.0 * sim::linear_of_srgb(static_cast<double>(value) / static_cast<double>(most)) +
+          0.5);
+    }
+    const bool grey = image.channels < 3;
+    std::vector<sim::Texel> texels;
+    texels.reserve(image.columns * image.rows);
+    // assimp's v runs upwards, an image's rows downwards.
+    for (std::size_t r = image.rows; r-- > 0;) {
+      for (std::size_t c = 0; c < image.columns; ++c) {
+        sim::Texel& texel = texels.emplace_back();
+        for (std::size_t band = 0; band < 3; ++band) {
+          texel[band] = linear[image.sample(c, r, grey ? 0 : band)];
+        }
+        texel[3] = 65535;
+        if (holes && image.has_alpha()) {
+          texel[3] = static_cast<std::uint16_t>(image.sample(c, r, image.channels - 1) *
+                                                (image.bits == 16 ? 1U : 257U));
+        }
+      }
+    }
+    known = std::make_shared<sim::ColourTexture>(picture.name, image.columns, image.rows,
+                                                 std::move(texels));
+    return known;
+  }
+
+  static sim::TextureEdge edge(const aiMaterial& material, const char* key, unsigned type,
+                               unsigned index, const WavefrontMaterial* entry) {
+    if (entry != nullptr) {
+      return entry->map->clamp ? sim::TextureEdge::stays : sim::TextureEdge::repeats;
+    }
+    int mode = aiTextureMapMode_Wrap;
+    (void)material.Get(key, type, index, mode);
+    return mode == aiTextureMapMode_Wrap     ? sim::TextureEdge::repeats
+           : mode == aiTextureMapMode_Mirror ? sim::TextureEdge::mirrors
+                                             : sim::TextureEdge::stays;
+  }
+
+  /// Each once.
+  void note(const std::string& text) {
+    if (std::ranges::find(notes_, text) == notes_.end()) {
+      notes_.push_back(text);
+    }
   }
 
   std::filesystem::path path_;
   std::string who_;
   bool gltf_ = false;
   std::vector<std::string> files_;
+  std::vector<std::string> notes_;
+  WavefrontMesh scanned_;  ///< Of an OBJ file.
+  std::vector<Library> libraries_;
+  std::map<std::string, std::shared_ptr<const Image>> images_;
+  std::map<std::pair<const Image*, bool>, std::shared_ptr<const sim::ColourTexture>> textures_;
   Assimp::Importer importer_;
   const aiScene* scene_ = nullptr;
 };
@@ -160,7 +392,7 @@ void check(const sim::TriangleMesh& mesh, const std::filesystem::path& file) {
 }  // namespace
 
 sim::TriangleMesh load_mesh(const std::filesystem::path& file, const std::string& name) {
-  const File opened(file, name);
+  const File opened(file, name, Wanted::triangles);
   sim::TriangleMesh mesh;
   mesh.name = name;
   for (unsigned m = 0; m < opened.scene().mNumMeshes; ++m) {
@@ -171,7 +403,7 @@ sim::TriangleMesh load_mesh(const std::filesystem::path& file, const std::string
 }
 
 LoadedModel load_model(const std::filesystem::path& file, const std::string& name) {
-  File opened(file, name);
+  File opened(file, name, Wanted::surfaces);
   const aiScene& scene = opened.scene();
   LoadedModel model;
   for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
@@ -185,17 +417,22 @@ LoadedModel load_model(const std::filesystem::path& file, const std::string& nam
       }
       opened.append(mesh, part);
       for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
-        // Without coordinates the surface is the texture's first texel.
-        const aiVector3D uv =
-            mesh.HasTextureCoords(0) ? mesh.mTextureCoords[0][v] : aiVector3D(0.0F);
-        part.texture_coordinates.emplace_back(uv.x, uv.y);
+        part.texture_coordinates.push_back(opened.coordinates(mesh, v));
       }
     }
     if (part.triangles.empty()) {
       continue;
     }
-    part.alpha = opened.mask(*scene.mMaterials[i]);
-    if (!part.alpha) {
+    const aiMaterial& material = *scene.mMaterials[i];
+    part.alpha = opened.mask(material);
+    part.colour = opened.colour(material, part.alpha != nullptr);
+    const bool textured = part.colour && part.colour->texture;
+    for (unsigned m = 0; m < scene.mNumMeshes && textured; ++m) {
+      if (scene.mMeshes[m]->mMaterialIndex == i) {
+        opened.require_coordinates(*scene.mMeshes[m], material);
+      }
+    }
+    if (!part.alpha && !textured) {
       part.texture_coordinates.clear();
     }
     model.dropped += sim::drop_bad_triangles(part);
@@ -204,6 +441,7 @@ LoadedModel load_model(const std::filesystem::path& file, const std::string& nam
       model.parts.push_back(std::move(part));
     }
   }
+  model.notes = opened.notes();
   if (model.parts.empty()) {
     throw std::invalid_argument(fmt::format(
         "mesh '{}', file '{}': has no triangle that a ray can meet ({} not finite, {} over {} m "
@@ -215,9 +453,10 @@ LoadedModel load_model(const std::filesystem::path& file, const std::string& nam
 }
 
 std::vector<std::string> mesh_files(const std::filesystem::path& file) {
-  File opened(file, file.string());
+  File opened(file, file.string(), Wanted::surfaces);
   for (unsigned i = 0; i < opened.scene().mNumMaterials; ++i) {
-    (void)opened.mask(*opened.scene().mMaterials[i]);
+    const aiMaterial& material = *opened.scene().mMaterials[i];
+    (void)opened.colour(material, opened.mask(material) != nullptr);
   }
   return opened.files();
 }
@@ -231,6 +470,7 @@ std::vector<sim::TriangleMesh> load_meshes(const std::vector<sim::FixedObject>& 
       continue;
     }
     LoadedModel model = load_model(object.mesh, object.mesh);
+    report.insert(report.end(), model.notes.begin(), model.notes.end());
     const sim::DroppedTriangles& dropped = model.dropped;
     if (dropped.total() > 0) {
       report.push_back(fmt::format(

@@ -23,13 +23,25 @@ namespace rigwire::hil {
 struct LoadedModel {
   std::vector<sim::TriangleMesh> parts;
   sim::DroppedTriangles dropped;
+  std::vector<std::string> notes;  ///< Lines for people: what of the file has no effect.
 };
 
-/// As load_mesh(), with textures: where a material's base colour is a PNG image with an alpha
-/// channel, beside the file or embedded, rays pass its holes; images of other formats have no alpha
-/// and are not opened. The cutoff is glTF's alphaCutoff, else half. Bad triangles
-/// (sim/scene/mesh_repair.h) are left out and counted. Throws also when a PNG texture is missing or
-/// damaged, naming it, and when no good triangle is left.
+/// As load_mesh(), with colours and textures.
+///
+/// Where a material's base colour is a PNG image with an alpha channel, beside the file or
+/// embedded, rays pass its holes. The cutoff is glTF's alphaCutoff, else half.
+///
+/// Colours (TriangleMesh::colour) are those of OBJ and glTF: Kd and map_Kd of a material library
+/// with -s, -o and -clamp (hil/files/wavefront_file.h; the picture beside the library), base colour
+/// factor and texture with the sampler's wrapping. Factors are linear, pictures sRGB (glTF 2.0,
+/// 3.9.2). A glTF factor of white without a texture, which is also what is not said, is none.
+///
+/// Pictures of other formats than PNG are not opened, nor are glTF's texture transforms followed:
+/// there is a note. Bad triangles (sim/scene/mesh_repair.h) are left out and counted. Throws also
+/// when a material library or a PNG picture is missing, damaged, or over
+/// sim::ColourTexture::kMostTexels along a side, when a surface with a picture has no texture
+/// coordinates, as scan_wavefront_mesh() and read_wavefront_materials() do, and when no good
+/// triangle is left.
 [[nodiscard]] LoadedModel load_model(const std::filesystem::path& file, const std::string& name);
 
 /// The files that load_model() opens, the mesh's own first: those of its materials, buffers and PNG

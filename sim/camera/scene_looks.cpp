@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 namespace rigwire::sim {
 namespace {
@@ -43,12 +45,23 @@ void SceneLooks::prepare(const Scene::Internals& scene, const std::vector<Surfac
   stone_anchor_ = StoneAnchor(scene.origin_W);
   panes_.clear();
   infos_.assign(scene.instance_of.size(), {});
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint16_t> painted_looks;
   for (std::size_t i = 0; i < infos_.size(); ++i) {
     const std::uint32_t instance = scene.instance_of[i];
     if (instance >= scene.instances.size()) {
       continue;
     }
     infos_[i].look = static_cast<std::uint16_t>(scene.instances[instance].material);
+    if (const std::uint32_t paint = scene.instances[instance].painted; paint != 0) {
+      const MeshColour& colour = *scene.painted[paint - 1U]->colour;
+      const auto [known, fresh] =
+          painted_looks.try_emplace({scene.instances[instance].material, paint});
+      if (fresh) {
+        known->second = add(painted(looks_[infos_[i].look].shade, colour));
+      }
+      infos_[i].look = known->second;
+      infos_[i].painted = colour.texture ? paint : 0;
+    }
     const Scene::Internals::Placed& placed = scene.placed_of(instance);
     infos_[i].on_body = placed.body != Scene::Internals::kFixed;
     for (std::size_t t = 0; t < scene.terrains.size(); ++t) {
@@ -91,6 +104,7 @@ void SceneLooks::find_looks(const RTCRayHit8& rays, const LaneArray& pixel_rad,
   packet.on_bodies = false;
   packet.stony = false;
   packet.glazed = false;
+  packet.painted = false;
   alignas(32) std::array<int, kLanes> terrain;
   bool on_ground = false;
   if (met.one != ~0U) {
@@ -102,6 +116,7 @@ void SceneLooks::find_looks(const RTCRayHit8& rays, const LaneArray& pixel_rad,
     on_ground = info.terrain != 0;
     packet.on_bodies = info.on_body;
     packet.glazed = info.panes != 0;
+    packet.painted = info.painted != 0;
   } else {
     for (std::size_t i = 0; i < kLanes; ++i) {
       look[i] = ~0U;
@@ -115,6 +130,7 @@ void SceneLooks::find_looks(const RTCRayHit8& rays, const LaneArray& pixel_rad,
       on_ground = on_ground || info.terrain != 0;
       packet.on_bodies = packet.on_bodies || info.on_body;
       packet.glazed = packet.glazed || info.panes != 0;
+      packet.painted = packet.painted || info.painted != 0;
     }
   }
   for (std::size_t t = 0; on_ground && t < grounds_.size(); ++t) {
@@ -132,6 +148,28 @@ void SceneLooks::find_looks(const RTCRayHit8& rays, const LaneArray& pixel_rad,
     packet.stony = packet.stony || (which != ~0U && looks_[which].shade.stones > 0.0F);
   }
   take_looks(looks_.data(), look, met);
+}
+
+void SceneLooks::paint_textures(const RTCRayHit8& rays, const LaneArray& pixel_rad,
+                                TexturedPacket& packet) const {
+  MetSurfaces& met = packet.met;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    if (met.number[i] == kNothing || infos_[met.number[i]].painted == 0) {
+      continue;
+    }
+    const SurfaceInfo& info = infos_[met.number[i]];
+    std::array<float, 9> X;
+    if (info.on_body) {
+      std::copy_n(packet.X[i].begin(), 9, X.begin());
+    } else {
+      const auto scale =
+          static_cast<float>(scene_->placed_of(scene_->instance_of[met.number[i]]).scale);
+      Eigen::Map<Eigen::Matrix3f>(X.data()) = scale * scene_->shading[met.number[i]].R_WM;
+    }
+    paint(*scene_->painted[info.painted - 1U], X.data(), rays, pixel_rad[i], i, met);
+  }
+  // The tints are not the look's any more.
+  met.look = ~0U;
 }
 
 /// Points, normals and anchors in the own frame of what moves.
@@ -197,6 +235,9 @@ bool SceneLooks::texture_hits(const RTCRayHit8& rays, const LaneArray& pixel_rad
   find_looks(rays, pixel_rad, packet);
   if (packet.on_bodies) {
     follow_bodies(rays, packet);
+  }
+  if (packet.painted) {
+    paint_textures(rays, pixel_rad, packet);
   }
   find_footprints(rays, pixel_rad, met);
   Grain grain;

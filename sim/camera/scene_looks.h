@@ -1,6 +1,6 @@
 // What the surfaces of a scene look like: which look, normal and frame each point has that a packet
-// of rays met, and its texture. Ground, panes of glass and what moves have their own ways
-// (ground_looks.h, pane_looks.h).
+// of rays met, and its texture. Ground, panes of glass, textures of meshes and what moves have
+// their own ways (ground_looks.h, pane_looks.h, painted_looks.h).
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim/camera/ground_looks.h"
+#include "sim/camera/painted_looks.h"
 #include "sim/camera/pane_looks.h"
 #include "sim/camera/shading_lanes.h"
 #include "sim/camera/surface_grain.h"
@@ -23,7 +24,8 @@ struct TexturedPacket {
 
   bool on_bodies = false;                       ///< Some met what moves: X is filled there.
   bool stony = false;                           ///< Some have stones,
-  bool glazed = false;                          ///< some panes.
+  bool glazed = false;                          ///< some panes,
+  bool painted = false;                         ///< some a texture.
   std::array<std::array<float, 12>, kLanes> X;  ///< Poses of the links, column by column.
 };
 
@@ -42,11 +44,14 @@ class SceneLooks {
     std::uint16_t look = 0;
     std::uint8_t terrain = 0;  ///< 0: none; else its number plus 1.
     bool on_body = false;
-    std::uint32_t panes = 0;  ///< 0: none; else the number of their frame plus 1.
+    std::uint32_t panes = 0;    ///< 0: none; else the number of their frame plus 1.
+    std::uint32_t painted = 0;  ///< 0: no texture; else Instance::painted.
   };
 
   std::uint16_t add(const Shade& shade);
   void find_looks(const RTCRayHit8& rays, const LaneArray& pixel_rad, TexturedPacket& packet) const;
+  void paint_textures(const RTCRayHit8& rays, const LaneArray& pixel_rad,
+                      TexturedPacket& packet) const;
   void follow_bodies(const RTCRayHit8& rays, TexturedPacket& packet) const;
   void turn_relief(const TexturedPacket& packet, Grain& grain) const;
 

@@ -12,6 +12,7 @@
 
 #include "fields/check.h"
 #include "fields/visitor.h"
+#include "sim/scene/painted_surface.h"
 #include "sim/scene/scene_internals.h"
 
 namespace rigwire::sim {
@@ -211,7 +212,9 @@ Scene::InstanceId Scene::Internals::add_instance(MeshId mesh, std::uint32_t body
                         static_cast<float>(surface.retro_gain)};
     geometry_id =
         std::min(geometry_id, body == kFixed ? new_fixed_id(id, shown) : new_moving_id(id, shown));
-    instances.push_back({static_cast<std::uint32_t>(placed.size()), material_index(surface)});
+    const auto& paints = meshes[mesh].painted;
+    instances.push_back({static_cast<std::uint32_t>(placed.size()), material_index(surface),
+                         paints.empty() ? 0U : paints[id - first]});
     has_foliage = has_foliage || surface.foliage;
   }
   RTCBounds bounds{};
@@ -540,8 +543,20 @@ Scene::MeshId Scene::Internals::add_meshes(std::string name,
   }
   rtcCommitScene(inner.get());
   check(("mesh '" + name + "'").c_str());
-  meshes.push_back(
-      {std::move(inner), std::move(name), std::move(surfaces), parts.front()->triangles.size()});
+  std::vector<std::uint32_t> paints;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i]->colour) {
+      paints.resize(parts.size());
+      painted.push_back(painted_surface(*parts[i]));
+      paints[i] = static_cast<std::uint32_t>(painted.size());
+    }
+  }
+  meshes.push_back({std::move(inner),
+                    std::move(name),
+                    std::move(surfaces),
+                    parts.front()->triangles.size(),
+                    {},
+                    std::move(paints)});
   return static_cast<MeshId>(meshes.size() - 1);
 }
 
@@ -822,6 +837,7 @@ std::unique_ptr<Scene> Scene::twin() const {
                    static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
   in.canopy.reset(rtcNewScene(in.device.get()));
   in.masked = from.masked;
+  in.painted = from.painted;
   in.on_bodies = from.on_bodies;
   in.instances = from.instances;
   in.materials = from.materials;

@@ -119,10 +119,11 @@ DisplacedPiece Scene::Internals::take_out(const ScenePiece& piece) {
         throw std::invalid_argument(who + "some of its triangles are gone already");
       }
     }
-    if (!mesh.materials.empty() ||
+    if (!mesh.materials.empty() || !mesh.painted.empty() ||
         std::size_t{piece.first_triangle} + piece.triangles > mesh.triangles + taken) {
-      throw std::invalid_argument(who + "its mesh has " + std::to_string(mesh.triangles + taken) +
-                                  " triangles, and must be of one surface");
+      throw std::invalid_argument(
+          who + "its mesh has " + std::to_string(mesh.triangles + taken) +
+          " triangles, and must be of one surface and no colours of its own");
     }
     const std::uint32_t first = piece.first_triangle - before;
     out.shape = cut(mesh, first, piece.triangles, false);

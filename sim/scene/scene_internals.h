@@ -121,6 +121,9 @@ struct DisplacedPiece {
   std::uint32_t parts = 1;
 };
 
+/// A mesh with a colour of its own (painted_surface.h).
+struct PaintedSurface;
+
 struct Scene::Internals {
   static constexpr std::uint32_t kFixed = 0xFFFFFFFFU;
   /// Embree's numbers from 0 on are kept for what moves: every slice, its commit runs through all
@@ -144,6 +147,7 @@ struct Scene::Internals {
   struct Instance {
     std::uint32_t placed = 0;
     std::uint32_t material = 0;
+    std::uint32_t painted = 0;  ///< 0: as its material's label; else its place in `painted` plus 1.
   };
   /// A mesh, or a model: then with its parts' surfaces.
   struct Mesh {
@@ -153,6 +157,7 @@ struct Scene::Internals {
     std::size_t triangles = 0;  ///< Of a plain mesh.
     /// What was taken out: first triangle and number, as the mesh was; in order.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> taken_out{};
+    std::vector<std::uint32_t> painted{};  ///< Of each part, as Instance::painted; empty: none.
   };
   /// A masked mesh, for Embree's filter: where the corners of each triangle lie in the mask.
   struct MaskedSurface {
@@ -211,6 +216,7 @@ struct Scene::Internals {
   std::shared_ptr<RTCSceneTy> fixed;
   SceneHandle canopy;  ///< Surfaces that only radio signals meet.
   std::vector<std::shared_ptr<MaskedSurface>> masked;
+  std::vector<std::shared_ptr<const PaintedSurface>> painted;
   std::vector<Mesh> meshes;
   std::vector<Placed> placed;
   std::vector<std::uint32_t> on_bodies;  ///< Which of `placed` bodies carry.

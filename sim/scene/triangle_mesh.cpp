@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/scene/colour_texture.h"
+
 namespace rigwire::sim {
 namespace {
 
@@ -94,14 +96,16 @@ void validate(const TriangleMesh& mesh) {
   if (!any_area) {
     refuse(mesh, "all triangles have zero area");
   }
-  if (!mesh.alpha) {
+  const bool textured = mesh.colour && mesh.colour->texture;
+  if (mesh.alpha) {
+    validate(*mesh.alpha);
+  } else if (!textured) {
     return;
   }
-  validate(*mesh.alpha);
   if (mesh.texture_coordinates.size() != mesh.vertices.size()) {
-    refuse(mesh, "has a mask and " + std::to_string(mesh.texture_coordinates.size()) +
-                     " texture coordinates for " + std::to_string(mesh.vertices.size()) +
-                     " vertices");
+    refuse(mesh, std::string("has a ") + (mesh.alpha ? "mask" : "texture") + " and " +
+                     std::to_string(mesh.texture_coordinates.size()) + " texture coordinates for " +
+                     std::to_string(mesh.vertices.size()) + " vertices");
   }
   for (std::size_t i = 0; i < mesh.texture_coordinates.size(); ++i) {
     if (!mesh.texture_coordinates[i].allFinite()) {

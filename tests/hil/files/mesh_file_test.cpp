@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 
+#include "sim/scene/colour_texture.h"
 #include "small_images.h"
 
 namespace rigwire::hil {
@@ -153,6 +155,163 @@ TEST_F(ModelFile, FileOfNothingButBadTrianglesIsRefusedWithTheCounts) {
                   AllOf(HasSubstr(file.string()), HasSubstr("1 without area"))));
 }
 
+constexpr const char* kSquare =
+    "mtllib square.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+    "usemtl sign board\nf 1/1 2/2 3/3 4/4\n";
+
+std::array<float, 3> seen_at(const sim::MeshColour& colour, float u, float v) {
+  return colour.texture->mean(u, v, {}, colour.edge_u, colour.edge_v);
+}
+constexpr auto kWhite =
+    static_cast<float>(static_cast<std::uint16_t>(65535 * sim::ColourTexture::kMostAlbedo)) /
+    65535.0F;
+
+TEST_F(ModelFile, PictureIsUprightAndLinear) {
+  // Red and green above, blue and a middle grey below.
+  tests::write_file((folder / "sign.png").string(),
+                    tests::png(2, 2, 8, 3, {255, 0, 0, 0, 255, 0, 0, 0, 255, 188, 188, 188}));
+  write("square.mtl", "newmtl sign board\nKd 1 0.5 1\nmap_Kd sign.png\n");
+  const LoadedModel model = load_model(write("square.obj", kSquare), "square");
+  ASSERT_EQ(model.parts.size(), 1U);
+  const sim::TriangleMesh& part = model.parts[0];
+  EXPECT_EQ(part.material, "sign board");
+  ASSERT_TRUE(part.colour && part.colour->texture);
+  EXPECT_FALSE(part.alpha);
+  EXPECT_EQ(part.colour->factor, (std::array{1.0F, 0.5F, 1.0F}));
+  EXPECT_EQ(seen_at(*part.colour, 0.25F, 0.75F), (std::array{kWhite, 0.0F, 0.0F})) << "top left";
+  EXPECT_EQ(seen_at(*part.colour, 0.75F, 0.75F), (std::array{0.0F, kWhite, 0.0F})) << "top right";
+  EXPECT_EQ(seen_at(*part.colour, 0.25F, 0.25F), (std::array{0.0F, 0.0F, kWhite})) << "below";
+  // ((188/255 + 0.055) / 1.055)^2.4
+  EXPECT_NEAR(seen_at(*part.colour, 0.75F, 0.25F)[1], 0.50289, 2e-5);
+  for (std::size_t i = 0; i < part.vertices.size(); ++i) {
+    EXPECT_EQ(part.texture_coordinates[i], part.vertices[i].head<2>()) << i;
+  }
+  EXPECT_TRUE(model.notes.empty());
+}
+
+TEST_F(ModelFile, OptionsOfAMapMoveScaleAndClampIt) {
+  tests::write_file((folder / "sign.png").string(), tests::png(2, 1, 8, 1, {0, 255}));
+  write("square.mtl", "newmtl sign board\nmap_Kd -s 2 3 1 -o 0.25 -clamp on -mm 0 1 sign.png\n");
+  const LoadedModel model = load_model(write("square.obj", kSquare), "square");
+  const sim::TriangleMesh& part = model.parts.at(0);
+  for (std::size_t i = 0; i < part.vertices.size(); ++i) {
+    EXPECT_EQ(part.texture_coordinates[i],
+              Eigen::Vector2f(2.0F * part.vertices[i].x() + 0.25F, 3.0F * part.vertices[i].y()));
+  }
+  EXPECT_EQ(seen_at(*part.colour, 2.3F, 0.5F)[0], kWhite) << "the edge goes on";
+  EXPECT_EQ(seen_at(*part.colour, -1.3F, 0.5F)[0], 0.0F);
+  ASSERT_EQ(model.notes.size(), 1U);
+  EXPECT_THAT(model.notes[0], AllOf(HasSubstr("square.mtl:2"), HasSubstr("'-mm' has no effect")));
+}
+
+TEST_F(ModelFile, ColourWithoutPictureCountsWhereTheLibrarySaysIt) {
+  write("square.mtl", "newmtl sign board\nKd 0.2 0.4 0.6\n");
+  const LoadedModel model = load_model(write("square.obj", kSquare), "square");
+  ASSERT_TRUE(model.parts.at(0).colour);
+  EXPECT_FALSE(model.parts[0].colour->texture);
+  EXPECT_EQ(model.parts[0].colour->factor, (std::array{0.2F, 0.4F, 0.6F}));
+  write("square.mtl", "newmtl sign board\nKs 1 1 1\n");
+  EXPECT_FALSE(load_model(folder / "square.obj", "square").parts.at(0).colour);
+}
+
+TEST_F(ModelFile, LibraryInAnotherFolderHasItsPicturesBesideIt) {
+  std::filesystem::create_directories(folder / "paint");
+  tests::write_file((folder / "paint/sign.png").string(), tests::png(1, 1, 8, 1, {255}));
+  write("paint/square.mtl", "newmtl sign board\nmap_Kd sign.png\n");
+  std::string text = kSquare;
+  text.replace(text.find("square.mtl"), 10, "paint/square.mtl");
+  const auto file = write("square.obj", text);
+  EXPECT_TRUE(load_model(file, "square").parts.at(0).colour);
+  EXPECT_EQ(mesh_files(file), (std::vector{file.string(), (folder / "paint/square.mtl").string(),
+                                           (folder / "paint/sign.png").string()}));
+}
+
+TEST_F(ModelFile, TexelsInHolesDoNotColourWhatIsLeft) {
+  // White where it is opaque, black where it is clear.
+  tests::write_file((folder / "sign.png").string(),
+                    tests::png(2, 1, 8, 4, {255, 255, 255, 255, 0, 0, 0, 0}));
+  write("square.mtl", "newmtl sign board\nmap_Kd sign.png\n");
+  const LoadedModel model = load_model(write("square.obj", kSquare), "square");
+  ASSERT_TRUE(model.parts.at(0).alpha);
+  const sim::MeshColour& colour = *model.parts[0].colour;
+  EXPECT_EQ(seen_at(colour, 0.5F, 0.5F)[1], kWhite) << "halfway to a hole";
+  EXPECT_EQ(colour.texture->mean(0.5F, 0.5F, {9, 0, 0, 9}, colour.edge_u, colour.edge_v)[1],
+            kWhite);
+}
+
+TEST_F(ModelFile, PicturesOfOtherFormatsAreNoted) {
+  write("square.mtl", "newmtl sign board\nmap_Kd sign.jpg\n");
+  const LoadedModel model = load_model(write("square.obj", kSquare), "square");
+  EXPECT_FALSE(model.parts.at(0).colour);
+  ASSERT_EQ(model.notes.size(), 1U);
+  EXPECT_THAT(model.notes[0], AllOf(HasSubstr("sign.jpg"), HasSubstr("square.mtl:2"),
+                                    HasSubstr("no PNG"), HasSubstr("no effect")));
+}
+
+TEST_F(ModelFile, WhatTexturesCannotBeIsRefusedWithFileAndLine) {
+  struct Case {
+    std::string mesh, library;
+    std::vector<std::string> said;
+  };
+  const std::string picture = "newmtl sign board\nmap_Kd sign.png\n";
+  const std::string square = kSquare;
+  const std::size_t at_faces = square.find("f 1/1");
+  const std::string before = square.substr(0, at_faces);
+  const std::vector<Case> cases{
+      {before + "f 1/1 2/2 3/9\n", picture, {"square.obj:11", "coordinate 9", "1 to 4"}},
+      {before + "f 1/1 2/2 3/-5\n", picture, {"square.obj:11", "coordinate -5", "-1 to -4"}},
+      {before + "f 1/1 2/2 0/3\n", picture, {"square.obj:11", "vertex 0", "1 to 4"}},
+      {before + "f 1/1 2/2 3/x\n", picture, {"square.obj:11", "'x'", "vertex/texture coordinate"}},
+      {before + "f 1/1 2/2 3/3\nf 1 3 4\n",
+       picture,
+       {"sign.png", "'sign board'", "line 12", "coordinates"}},
+      {before + "f 1 2 3\n", picture, {"sign.png", "line 11", "coordinates"}},
+      {"vt nan 0\n" + square, picture, {"square.obj:1", "'nan'", "finite"}},
+      {"vt\n" + square, picture, {"square.obj:1", "nothing"}},
+      {square, "Kd 1 1 1\n" + picture, {"square.mtl:1", "newmtl"}},
+      {square, "newmtl a\nKd 1 2 1\n", {"square.mtl:2", "found 2", "0 to 1"}},
+      {square, "newmtl a\nKd 1 1\n", {"square.mtl:2", "red, green and blue"}},
+      {square, "newmtl a\nKd spectral a.rfl\n", {"square.mtl:2", "'spectral'"}},
+      {square, "newmtl a\nmap_Kd -clamp\n", {"square.mtl:2", "on, off"}},
+      {square, "newmtl a\nmap_Kd -s sign.png\n", {"square.mtl:2", "one to three numbers"}},
+      {square, "newmtl a\nmap_Kd -o 1e999 sign.png\n", {"square.mtl:2"}},
+      {square, "newmtl a\nmap_Kd -swirl 3 sign.png\n", {"square.mtl:2", "'-swirl'", "-clamp"}},
+      {square, "newmtl a\nmap_Kd -s 1\n", {"square.mtl:2", "no file"}},
+      {square,
+       "newmtl sign board\nmap_Kd none.png\n",
+       {"none.png", "square.mtl:2", "no such file"}},
+      {square,
+       "newmtl sign board\nmap_Kd long.png\n",
+       {"long.png", "square.mtl:2", "9000 x 1", "1 to 8192"}},
+      {square, "newmtl sign board\nmap_Kd empty.png\n", {"empty.png", "square.mtl:2", "damaged"}},
+      {square, "newmtl sign board\nmap_Kd huge.png\n", {"huge.png", "square.mtl:2", "16384"}},
+  };
+  tests::write_file((folder / "sign.png").string(), tests::png(1, 1, 8, 1, {255}));
+  tests::write_file((folder / "long.png").string(),
+                    tests::png(9000, 1, 8, 1, std::vector<std::uint16_t>(9000)));
+  tests::write_file((folder / "empty.png").string(), tests::png(0, 0, 8, 1, {}));
+  tests::write_file((folder / "huge.png").string(),
+                    tests::png(20000, 1, 8, 1, std::vector<std::uint16_t>(20000)));
+  for (const Case& bad : cases) {
+    write("square.mtl", bad.library);
+    const auto file = write("square.obj", bad.mesh);
+    try {
+      (void)load_model(file, "square");
+      ADD_FAILURE() << "taken:\n" << bad.mesh << bad.library;
+    } catch (const std::invalid_argument& error) {
+      for (const std::string& said : bad.said) {
+        EXPECT_THAT(error.what(), HasSubstr(said)) << bad.mesh << bad.library;
+      }
+    }
+  }
+  std::filesystem::remove(folder / "square.mtl");
+  EXPECT_THAT([&] { (void)load_model(write("square.obj", square), "square"); },
+              ThrowsMessage<std::invalid_argument>(
+                  AllOf(HasSubstr("square.obj:1"), HasSubstr("'square.mtl'"))));
+  EXPECT_EQ(load_mesh(folder / "square.obj", "square").triangles.size(), 2U)
+      << "links need no library";
+}
+
 TEST_F(ModelFile, GltfIsTurnedUprightWithItsEmbeddedTexture) {
   // A triangle from the origin to 2 m forward (glTF's z) and 3 m up (its y), 1 m left (its x).
   const std::vector<float> positions{0, 0, 0, 1, 0, 2, 0, 3, 0};
@@ -200,6 +359,8 @@ TEST_F(ModelFile, GltfIsTurnedUprightWithItsEmbeddedTexture) {
     upper = upper.cwiseMax(vertex);
   }
   EXPECT_EQ(upper, Eigen::Vector3f(2.0F, 1.0F, 3.0F)) << "forward, left, up";
+  ASSERT_TRUE(leaf.colour && leaf.colour->texture);
+  EXPECT_NEAR(seen_at(*leaf.colour, 0.25F, 0.5F)[2], sim::linear_of_srgb(30.0 / 255.0), 1e-5);
 }
 
 }  // namespace

@@ -45,6 +45,10 @@ mapfile -t options < <(eye devices.eye.sensor)
 picture camera_pit "$work/pit.yaml" "${options[@]}" --set start=2026-06-01T12:30:00Z
 picture camera_pit_evening "$work/pit.yaml" "${options[@]}" --set start=2026-06-01T18:25:00Z
 
+# A mesh with a texture: the haul truck's side.
+picture camera_truck "$work/pit.yaml" "${options[@]}" --set start=2026-06-01T12:30:00Z \
+  --set 'devices.eye.mount={link: undercarriage, position: [-6.5 m, 0.5 m, 2.6 m], rotation: {yaw: 56 deg, pitch: 4 deg}}'
+
 # The Unimog's own camera in the forest of leaves, in fog.
 cat >"$work/forest.yaml" <<YAML
 include: $PWD/configs/rigs/unimog_vision.yaml

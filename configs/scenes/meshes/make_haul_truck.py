@@ -2,7 +2,8 @@
 """Writes haul_truck.obj: a two-axle rigid dump truck of the 30 t class, by formula.
 
 Frame: x forward, y left, z up, metres; origin on the ground below the middle of the wheelbase.
-Surfaces are named for the scene's `materials`: body, cab, tyre.
+Surfaces are named for the scene's `materials`: body, cab, tyre, and side, which has a picture
+(haul_truck.mtl; make_haul_truck_side.py draws it).
 Usage: ./make_haul_truck.py > haul_truck.obj
 """
 import math
@@ -71,10 +72,27 @@ plate("canopy", (nose + 0.25, -half, 4.1), (nose + 0.25, half, 4.1), (3.7, half,
       (3.7, -half, 4.3), 0.06)
 
 print("# Written by make_haul_truck.py; x forward, y left, z up, metres.")
+print("mtllib haul_truck.mtl")
 for x, y, z in vertices:
     print(f"v {x:.5f} {y:.5f} {z:.5f}")
+coordinates = {}
+
+
+def coordinate(vertex):
+    """Where a vertex lies in the picture of the sides, seen from outside; new ones are written."""
+    x, y, z = vertices[vertex - 1]
+    along = (x - tail) / (nose - tail)
+    place = f"vt {along if y < 0 else 1 - along:.5f} {(z - floor_front) / (rim - floor_front):.5f}"
+    if place not in coordinates:
+        coordinates[place] = len(coordinates) + 1
+        print(place)
+    return coordinates[place]
+
+
 for name, polygons in parts:
     print(f"o {name}")
-    print("usemtl " + ("tyre" if name.endswith("wheel") else name if name == "cab" else "body"))
+    has_picture = name == "body_side"
+    print("usemtl " + ("side" if has_picture else "tyre" if name.endswith("wheel") else
+                       name if name == "cab" else "body"))
     for polygon in polygons:
-        print("f " + " ".join(str(i) for i in polygon))
+        print("f " + " ".join(f"{i}/{coordinate(i)}" if has_picture else str(i) for i in polygon))

@@ -452,6 +452,11 @@ void apply_set(Value& document, const std::string& argument, Problems& problems)
       node = &node->entries.back().value;
     }
   }
+  if (leaf.kind == Value::Kind::map && leaf.entries.empty() && node->kind == Value::Kind::map) {
+    problems.add({where, path, "a map without keys changes nothing, for maps merge", "{}",
+                  "keys with their new values", ""});
+    return;
+  }
   overlay(*node, std::move(leaf));
 }
 

@@ -62,8 +62,9 @@ inline constexpr std::size_t kMaximumIncludes = 1000;  ///< Each counted as ofte
 void overlay(Value& base, Value over);
 
 /// Applies one `--set key.path=value`; the value is YAML ("5", "5 Hz", "[1, 2, 3]"). List elements
-/// are addressed by number: "scene.rocks.0.size=1 m". A malformed argument, or a path through a
-/// scalar, goes to `problems`; unknown keys are found by the reader, as in a file.
+/// are addressed by number: "scene.rocks.0.size=1 m". A malformed argument, a path through a
+/// scalar, and a map without keys over one that is there go to `problems`; unknown keys are found
+/// by the reader, as in a file.
 void apply_set(Value& document, const std::string& argument, Problems& problems);
 
 /// A file that is not there: what is, with the nearest name. Empty when nothing is near.

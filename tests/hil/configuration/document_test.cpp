@@ -192,6 +192,20 @@ TEST(Document, text_of_an_argument_that_is_not_utf8_is_refused) {
   EXPECT_TRUE(document.entries.empty());
 }
 
+TEST(Document, an_empty_map_over_a_map_is_refused_for_it_would_change_nothing) {
+  Problems problems;
+  Value document = parse_document("buses: {can: {ports: 2}}\nlist: [1]\n", "a.yaml", ".", problems);
+  apply_set(document, "list=[]", problems);
+  apply_set(document, "buses.other={}", problems);
+  EXPECT_TRUE(problems.empty()) << complaints(problems);
+  EXPECT_TRUE(document.find("list")->items.empty());
+  EXPECT_NE(document.find("buses")->find("other"), nullptr) << "a new one has its defaults";
+  apply_set(document, "buses={}", problems);
+  EXPECT_EQ(complaints(problems),
+            "--set buses={}: buses: a map without keys changes nothing, for maps merge, found {}, "
+            "allowed keys with their new values");
+}
+
 TEST_F(Files, name_of_a_file_that_is_not_utf8_is_refused) {
   Problems problems;
   (void)load_document(write("caf\xE9.yaml", "a: 1\n"), problems);

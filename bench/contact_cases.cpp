@@ -39,6 +39,8 @@ class Account {
     outcome_.gave_j = std::max(outcome_.gave_j, most_lost_j_ - report.lost_j);
     most_lost_j_ = std::max(most_lost_j_, report.lost_j);
     outcome_.deepest_m = std::max(outcome_.deepest_m, report.deepest_ever_m);
+    outcome_.dent_m = std::max(outcome_.dent_m, report.dent_m);
+    outcome_.pressed_m = std::max(outcome_.pressed_m, report.pressed_m);
     outcome_.greatest_n = std::max(outcome_.greatest_n, report.force_n);
   }
   /// What was lost is counted anew.
@@ -55,6 +57,8 @@ void take_worst(ContactOutcome& worst, const ContactOutcome& one) {
   worst.came_with_j = std::max(worst.came_with_j, one.came_with_j);
   worst.gave_j = std::max(worst.gave_j, one.gave_j);
   worst.deepest_m = std::max(worst.deepest_m, one.deepest_m);
+  worst.dent_m = std::max(worst.dent_m, one.dent_m);
+  worst.pressed_m = std::max(worst.pressed_m, one.pressed_m);
   worst.greatest_n = std::max(worst.greatest_n, one.greatest_n);
 }
 

@@ -30,7 +30,9 @@ struct ContactOutcome {
   bool finite = true;
   double came_with_j = 0.0;  ///< Kinetic energy, and potential above where it ends.
   double gave_j = 0.0;       ///< See above.
-  double deepest_m = 0.0;    ///< Overlap.
+  double deepest_m = 0.0;    ///< Overlap, beyond dents and of no tyre.
+  double dent_m = 0.0;       ///< Bent in for good.
+  double pressed_m = 0.0;    ///< The most that a tyre is pressed in.
   double greatest_n = 0.0;   ///< Force of all contacts together.
   double found = 0.0;        ///< The figure that has a closed form; 0 without one.
 };

@@ -25,13 +25,16 @@ nlohmann::json cost_table(std::ostream& text) {
 
 nlohmann::json step_table(std::ostream& text) {
   nlohmann::json json = nlohmann::json::array();
-  text << "\nover the step: energy that contacts gave at most, deepest overlap, greatest force; "
+  text << "\nover the step: energy that contacts gave at most, deepest overlap, dent, tyre pressed "
+          "in, greatest force; "
           "figure against its closed form\n";
   const Table table(text, {{"case", "<24"},
                            {"step ms", ">8"},
                            {"came kJ", ">8"},
                            {"gave J", ">9"},
                            {"deepest mm", ">11"},
+                           {"dent mm", ">8"},
+                           {"tyre mm", ">8"},
                            {"force kN", ">9"},
                            {"found", ">9"},
                            {"closed", ">9"},
@@ -46,6 +49,8 @@ nlohmann::json step_table(std::ostream& text) {
            number("came_with_j", outcome.came_with_j, "{:.1f}", 1e-3),
            number("gave_j", outcome.gave_j, "{:.3g}"),
            number("deepest_m", outcome.deepest_m, "{:.2f}", 1e3),
+           number("dent_m", outcome.dent_m, "{:.0f}", 1e3),
+           number("pressed_m", outcome.pressed_m, "{:.0f}", 1e3),
            number("greatest_n", outcome.greatest_n, "{:.0f}", 1e-3),
            closed ? number("found", outcome.found, "{:.4f}") : cell("found", nullptr, "-"),
            closed ? number("closed_form", each.closed_form, "{:.4f}")
@@ -65,13 +70,17 @@ nlohmann::json sweep_table(std::ostream& text) {
                            {"touched", ">8"},
                            {"thrown", ">7"},
                            {"gave J", ">9"},
-                           {"deepest mm", ">11"}});
+                           {"deepest mm", ">11"},
+                           {"dent mm", ">8"},
+                           {"tyre mm", ">8"}});
   table.head();
   const auto row = [&](const ContactSweep& sweep) {
     json.push_back(table.row({word("name", sweep.name), count("runs", sweep.runs),
                               count("touched", sweep.touched), count("thrown", sweep.thrown),
                               number("gave_j", sweep.worst.gave_j, "{:.3g}"),
                               number("deepest_m", sweep.worst.deepest_m, "{:.2f}", 1e3),
+                              number("dent_m", sweep.worst.dent_m, "{:.0f}", 1e3),
+                              number("pressed_m", sweep.worst.pressed_m, "{:.0f}", 1e3),
                               stored("finite", sweep.worst.finite)}));
   };
   row(sweep_pit(10));

@@ -67,6 +67,8 @@ std::string truth_line(const TruthRecord& record, const Calendar& calendar,
     put("place_m", vector(contact.place_W));
     put("force_n", vector(contact.force_W));
     put("deepest_m", std::array{contact.deepest_m});
+    put("dent_m", std::array{contact.dent_m});
+    put("pressed_m", std::array{contact.pressed_m});
     put("lost_j", std::array{contact.lost_j});
     fmt::format_to(std::back_inserter(line), R"(,"felled":{}}})", contact.felled);
   }

@@ -36,6 +36,8 @@ struct ContactTruth {
   Eigen::Vector3d place_W = Eigen::Vector3d::Zero();  ///< Of the point that pushes most.
   Eigen::Vector3d force_W = Eigen::Vector3d::Zero();  ///< Sum, on the machine.
   double deepest_m = 0.0;
+  double dent_m = 0.0;
+  double pressed_m = 0.0;
   double lost_j = 0.0;     ///< Since the start.
   std::size_t felled = 0;  ///< Trees, since the start.
 };

@@ -27,6 +27,10 @@ void visit(fields::Visitor& v, SolidBodyParameters& p) {
            "Stiffness of each point of contact.");
   v.number("damping_ratio", p.damping_ratio, plain().between(0, 2),
            "Damping of a contact that carries the machine's mass.");
+  v.number("crush_force", p.crush_n, in("MN").between(0, 1000),
+           "Force at which a point of contact is bent in for good; 0: never.");
+  v.number("crush_hardening", p.crush_npm, in("MN/m").between(0, 1000),
+           "Rise of the crush force by the depth of the dent.");
 }
 
 void validate(const SolidBodyParameters& p, std::span<const std::string_view> links,
@@ -41,6 +45,8 @@ void validate(const SolidBodyParameters& p, std::span<const std::string_view> li
                     "boxes." + std::to_string(i) + ".link", "'" + p.boxes[i].link + "'",
                     "a link of the machine: " + names);
   }
+  fields::require(p.crush_npm < p.stiffness_npm, "crush_hardening", in("MN/m").print(p.crush_npm),
+                  "less than the stiffness, " + in("MN/m").print(p.stiffness_npm));
   const double part_s = step_s / parts;
   const double most = least_kg / (part_s * part_s);
   fields::require(p.boxes.empty() || p.stiffness_npm <= most, "stiffness",
@@ -63,10 +69,10 @@ std::vector<ContactBody> contact_bodies(const SolidBodyParameters& p,
     Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();
     X_LS.translation() = box.position_m;
     X_LS.linear() = Eigen::AngleAxisd(box.pitch_rad, Eigen::Vector3d::UnitY()).matrix();
-    bodies.push_back({box.name.empty() ? box.link : box.name,
-                      static_cast<std::size_t>(link - links.begin()), X_LS,
-                      ConvexShape::box(0.5 * box.size_m), p.stiffness_npm,
-                      2.0 * p.damping_ratio * std::sqrt(p.stiffness_npm * mass_kg)});
+    bodies.push_back(
+        {box.name.empty() ? box.link : box.name, static_cast<std::size_t>(link - links.begin()),
+         X_LS, ConvexShape::box(0.5 * box.size_m), p.stiffness_npm,
+         2.0 * p.damping_ratio * std::sqrt(p.stiffness_npm * mass_kg), p.crush_n, p.crush_npm});
   }
   return bodies;
 }

@@ -29,6 +29,8 @@ struct SolidBodyParameters {
   std::vector<ContactBox> boxes;
   double stiffness_npm = 1.5e6;  ///< Of each point of contact.
   double damping_ratio = 0.3;    ///< With the machine's mass on one point.
+  double crush_n = 0.0;          ///< Force at which a point is bent in for good; 0: never.
+  double crush_npm = 0.0;        ///< By how much more, by the depth of its dent.
 
   friend bool operator==(const SolidBodyParameters&, const SolidBodyParameters&) = default;
 };

@@ -5,6 +5,10 @@
 //
 //     F = k (d - h u) - c(d) u,    0 <= F <= greatest
 //
+// where greatest is what the weaker of the two bears: beyond it the obstacle gives way, or the body
+// is bent in for good. A dent counts as no overlap: spring and slider in series (Maxwell), so that
+// what the slider has gone is lost and what the spring holds comes back. The law is
+//
 // implicit, so that no stiffness asks for a smaller step; the gap counts, so that the force begins
 // where the gap would close within the step (speculative); the damping c sets in over the first
 // millimetre of overlap, so that the force is continuous in the depth. Across: a bristle in each of
@@ -32,6 +36,8 @@ struct ContactLaw {
   double damping_nspm = 1e4;
   double friction = 0.6;
   double greatest_n = 1e300;  ///< What the weaker one bears before it gives way.
+  bool dents = false;         ///< It is the body that does.
+  double body_share = 1.0;    ///< Of the overlap: the body's; the obstacle gives by the others.
   double bristle_npm = 5e5;   ///< Stiffness across.
 };
 
@@ -50,8 +56,9 @@ struct ContactPoint {
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
   /// Unit: away from the obstacle, and two across.
   std::array<Eigen::Vector3d, 3> direction_W;
-  double gap_m = 0.0;   ///< Beyond rest_m.
+  double gap_m = 0.0;   ///< Beyond rest_m and dent_m.
   double rest_m = 0.0;  ///< Overlap that pushes nobody: the pair was found in it.
+  double dent_m = 0.0;  ///< So far the body is bent in here.
   ContactLaw law;
   ContactFriction friction;
   std::array<ImplicitForce, 3> force;
@@ -161,6 +168,15 @@ struct ContactPoint {
     return work;
   }
 
+  /// Ends the step at an overlap: what the spring does not bear is bent in for good. What is left.
+  double bend(double depth_m) {
+    const double excess = depth_m - law.greatest_n / law.stiffness_npm;
+    if (!law.dents || !(excess > 0.0)) {
+      return depth_m;
+    }
+    dent_m += excess;
+    return depth_m - excess;
+  }
   /// In the spring, at an overlap.
   [[nodiscard]] double spring_j(double depth_m) const {
     const double overlap = std::min(std::max(0.0, depth_m), law.greatest_n / law.stiffness_npm);

@@ -30,10 +30,11 @@ Vector half_box(const ConvexShape& shape, const Eigen::Matrix3d& R) {
 ContactSet::ContactSet(std::vector<ContactBody> bodies, std::size_t links, const Ground& ground)
     : ground_(&ground), bodies_(std::move(bodies)), links_(links) {
   for (const ContactBody& body : bodies_) {
-    if (body.link >= links_ || !(body.stiffness_npm > 0.0) || !(body.damping_nspm >= 0.0)) {
+    if (body.link >= links_ || !(body.stiffness_npm > 0.0) || !(body.damping_nspm >= 0.0) ||
+        !(body.crush_n >= 0.0) || !(body.crush_npm >= 0.0)) {
       throw std::invalid_argument("contact: body '" + body.name + "' needs a link below " +
                                   std::to_string(links_) +
-                                  ", a stiffness above 0 and a damping of at least 0");
+                                  ", a stiffness above 0, a damping and crush of at least 0");
     }
   }
   pairs_.reserve(kMostPairs);
@@ -183,8 +184,6 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
     return apart();
   }
   const bool met_before = pair.met;
-  const double overlap = std::max(0.0, -found->gap_m);
-  pair.rest_m = met_before ? std::min(pair.rest_m, overlap) : overlap;
   pair.met = true;
   pair.axis_L = link.X_WL.linear().transpose() * found->normal_W;
   const Vector& n = found->normal_W;
@@ -207,9 +206,9 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
     point.link = body.link;
     point.obstacle = pair.obstacle;
     point.p_W = touch.points[i].p_W;
-    point.gap_m = touch.points[i].gap_m + pair.rest_m;
-    point.rest_m = pair.rest_m;
+    point.gap_m = touch.points[i].gap_m;
     point.law.stiffness_npm = stiffness;
+    point.law.body_share = stiffness / body.stiffness_npm;
     point.law.damping_nspm = body.damping_nspm * std::sqrt(stiffness / body.stiffness_npm);
     point.law.friction = obstacle.friction;
     point.law.bristle_npm = 0.5 * stiffness;
@@ -219,7 +218,7 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
       const double level = std::max(0.1, n.head<2>().norm());
       point.law.greatest_n = strength / (height * level * static_cast<double>(touch.count));
     }
-    // Friction of the nearest point of before, its directions turned with the normal.
+    // Dent and friction of the nearest point of before, its directions turned with the normal.
     const Vector p_L = link.X_WL.inverse(Eigen::Isometry) * point.p_W;
     Memory* near = nullptr;
     double least = kSamePlace_m * kSamePlace_m;
@@ -231,6 +230,20 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
       }
     }
     Vector across = std::abs(n.x()) < 0.8 ? Vector::UnitX() : Vector::UnitY();
+    if (body.crush_n > 0.0) {
+      point.direction_W[0] = n;
+      if (near != nullptr) {
+        point.dent_m = near->dent_m;
+        memory[remembered].dent_m = near->dent_m;
+      } else {
+        // Where it is bent from before; in a contact, as far as the others' springs bear.
+        point.dent_m = std::max(dents_.depth_m(pair.body, surface_L(point), pair.axis_L),
+                                met_before ? -point.gap_m - pair.rest_m - pair.pressed_m : 0.0);
+      }
+      const double crush = body.crush_n + body.crush_npm * point.dent_m;
+      point.law.dents = crush < point.law.greatest_n;
+      point.law.greatest_n = std::min(crush, point.law.greatest_n);
+    }
     if (near != nullptr) {
       point.friction = near->friction;
       if (near->friction.first_W.cross(n).squaredNorm() > 0.25) {
@@ -247,6 +260,18 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
     ++remembered;
   }
   const std::span<ContactPoint> own(points_.data() + first, points_.size() - first);
+  // What a pair is in when it is found, beyond its dents, pushes nobody.
+  double overlap = 0.0;
+  for (const ContactPoint& point : own) {
+    overlap = std::max(overlap, -point.gap_m - point.dent_m);
+  }
+  if (!own.empty()) {
+    pair.rest_m = met_before ? std::min(pair.rest_m, overlap) : overlap;
+  }
+  for (ContactPoint& point : own) {
+    point.rest_m = pair.rest_m;
+    point.gap_m += pair.rest_m + point.dent_m;
+  }
   double spring = 0.0;
   double unlimited = 0.0;  // As if nothing gave way: what softer springs, farther from it, hold.
   for (const ContactPoint& point : own) {
@@ -267,12 +292,19 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
   pair.remembered = remembered;
 }
 
+Vector ContactSet::surface_L(const ContactPoint& point) const {
+  const double overlap = -point.gap_m + point.rest_m + point.dent_m;
+  return at_[point.link].X_WL.inverse(Eigen::Isometry) *
+         Vector(point.p_W - 0.5 * overlap * point.direction_W[0]);
+}
+
 void ContactSet::finish(double h, double work_j) {
   report_.points = 0;
   report_.force_W.setZero();
   report_.body = {};
   report_.obstacle.reset();
   report_.deepest_m = 0.0;
+  report_.pressed_m = 0.0;
   work_j_ += work_j;
   double stored = 0.0;
   double most = 0.0;
@@ -281,20 +313,32 @@ void ContactSet::finish(double h, double work_j) {
     const bool before = pair.pushing;
     pair.pushing = false;
     pair.spring_j = 0.0;
+    pair.pressed_m = 0.0;
     std::size_t i = 0;
+    Dent dent;
     for (; seen < points_.size() && &pairs_[pair_of_[seen]] == &pair; ++seen, ++i) {
-      const ContactPoint& point = points_[seen];
+      ContactPoint& point = points_[seen];
       pair.memory[i].friction = point.friction;
       const Vector force = point.force_n[0] * point.direction_W[0] +
                            point.force_n[1] * point.direction_W[1] +
                            point.force_n[2] * point.direction_W[2];
       // The overlap that the step has ended with.
-      const double depth = -point.gap_m - h * point.end_mps[0];
+      const double depth = point.bend(-point.gap_m - h * point.end_mps[0]);
+      if (point.dent_m > pair.memory[i].dent_m) {
+        const Eigen::Matrix3d R_LW = at_[point.link].X_WL.linear().transpose();
+        dent.body = pair.body;
+        dent.patch_L.extend(surface_L(point));
+        dent.normal_L = R_LW * point.direction_W[0];
+        dent.depth_m = std::max(dent.depth_m, point.dent_m);
+      }
+      pair.memory[i].dent_m = point.dent_m;
+      pair.pressed_m = std::max(pair.pressed_m, depth);
       const double spring = point.spring_j(depth);
       pair.spring_j += spring;
       stored += spring + point.bent_j();
       report_.force_W += force;
-      report_.deepest_m = std::max(report_.deepest_m, depth + point.rest_m);
+      double& deepest = bodies_[point.body].soft ? report_.pressed_m : report_.deepest_m;
+      deepest = std::max(deepest, point.law.body_share * depth + point.rest_m);
       if (point.force_n[0] > 0.0 || point.blocks) {
         pair.pushing = true;
         ++report_.points;
@@ -307,7 +351,11 @@ void ContactSet::finish(double h, double work_j) {
       }
     }
     report_.touches += pair.pushing && !before ? 1 : 0;
+    if (dent.depth_m > 0.0 && !dents_.bend(dent)) {
+      ++dropped_;
+    }
   }
+  report_.dent_m = dents_.deepest_m();
   report_.force_n = report_.force_W.norm();
   report_.deepest_ever_m = std::max(report_.deepest_ever_m, report_.deepest_m);
   stored_j_ = stored;
@@ -318,7 +366,7 @@ void ContactSet::finish(double h, double work_j) {
 
 void ContactSet::give_way(double h) {
   for (const ContactPoint& point : points_) {
-    if (!point.yielding || !(point.law.greatest_n > 0.0)) {
+    if (!point.yielding || point.law.dents || !(point.law.greatest_n > 0.0)) {
       continue;
     }
     // What the overlap has beyond the elastic one at the limit moves the obstacle instead.

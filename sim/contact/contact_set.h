@@ -20,6 +20,12 @@
 // has become too high) holds nothing yet: what it is in counts as no overlap until it has left it,
 // so that it can go out and not farther in.
 //
+// What a body bears: crush_n of one point, rising with the depth of its dent (the A and B of crash
+// reconstruction: Campbell, SAE 740565; CRASH3, DOT-HS-805-732, there per width of the front).
+// Beyond it the body is bent in for good (dents.h), and what that took is lost. A point that comes
+// into a contact where the body is not bent yet takes the dent with it, so that no spring is
+// pressed further than the contact's others: ploughing on costs what friction does.
+//
 // What an obstacle bears: Obstacle::strength_nm, a moment about its foot. Where the sum of the
 // points' horizontal forces times their heights would pass it, the obstacle gives way: it leans
 // away from the push about its foot, at constant moment up to 0.1 rad, at one that falls to nothing
@@ -42,6 +48,7 @@
 #include "sim/contact/contact_point.h"
 #include "sim/contact/contact_report.h"
 #include "sim/contact/convex_shape.h"
+#include "sim/contact/dents.h"
 #include "sim/contact/manifold.h"
 #include "sim/ground/ground.h"
 
@@ -57,7 +64,10 @@ struct ContactBody {
   ConvexShape shape;
   double stiffness_npm = 1.5e6;  ///< Of one point of contact.
   double damping_nspm = 3e4;
-  bool rolls = false;  ///< A wheel: meets only what it cannot roll over (Ground::too_high).
+  double crush_n = 0.0;    ///< Force at which a point of contact bends it in; 0: never.
+  double crush_npm = 0.0;  ///< By how much more, by the depth of the dent.
+  bool rolls = false;      ///< A wheel: meets only what it cannot roll over (Ground::too_high).
+  bool soft = false;       ///< Rubber: how far it is in is how far it is pressed, no overlap.
 };
 
 /// Where a link is and how it moves.
@@ -111,6 +121,7 @@ class ContactSet {
   [[nodiscard]] const ContactReport& report() const { return report_; }
   [[nodiscard]] std::span<const ContactBody> bodies() const { return bodies_; }
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+  [[nodiscard]] std::span<const Dent> dents() const { return dents_.dents(); }
 
   /// Those that have given way, in the order in which they did: for the scene.
   [[nodiscard]] std::span<const LeaningObstacle> leaning() const { return leaning_; }
@@ -124,6 +135,7 @@ class ContactSet {
   struct Memory {
     Eigen::Vector3d p_L = Eigen::Vector3d::Zero();
     ContactFriction friction;
+    double dent_m = 0.0;
   };
   struct Pair {
     std::uint32_t body = 0;
@@ -137,13 +149,16 @@ class ContactSet {
     std::array<Memory, kManifoldPoints> memory;
     std::size_t remembered = 0;
     bool pushing = false;
-    double spring_j = 0.0;  ///< Stored in the pair's springs at the end of the step before.
+    double spring_j = 0.0;   ///< Stored in the pair's springs at the end of the step before.
+    double pressed_m = 0.0;  ///< The most that one of them was pressed then.
   };
 
   void look(std::span<const ContactLink> links);
   void meet(Pair& pair, double h, std::span<const ContactLink> links);
   [[nodiscard]] Eigen::Isometry3d pose_of(std::size_t obstacle) const;
   [[nodiscard]] double strength_of(std::size_t obstacle) const;
+  /// The point on the surface of its body as it was before it was bent.
+  [[nodiscard]] Eigen::Vector3d surface_L(const ContactPoint& point) const;
   LeaningObstacle* lean_of(std::size_t obstacle);
   void finish(double h, double work_j);
   void give_way(double h);
@@ -158,6 +173,7 @@ class ContactSet {
   std::vector<ContactPoint> points_;
   std::vector<std::uint32_t> pair_of_;  ///< Of each point.
   std::vector<LeaningObstacle> leaning_;
+  Dents dents_;
   std::size_t falling_ = 0;
   std::vector<ContactLink> at_;  ///< Links of the last begin().
   std::vector<double> moved_m_;  ///< Of each body since then, at most.

@@ -97,7 +97,9 @@ void visit(fields::Visitor& v, RollerParameters& p) {
 
 SolidBodyParameters roller_boxes() {
   SolidBodyParameters solid;
-  solid.stiffness_npm = 5e6;
+  solid.stiffness_npm = 1e8;
+  solid.crush_n = 1e6;
+  solid.crush_npm = 2e6;
   solid.boxes = {{"frame", "frame", {0.0, 0.0, 1.0}, {2.2, 1.4, 0.9}, 0.0},
                  {"cab", "frame", {0.0, 0.0, 2.1}, {1.8, 1.5, 1.6}, 0.0},
                  {"front yoke", "front_yoke", {0.0, 0.0, 0.45}, {1.1, 1.8, 0.3}, 0.0},

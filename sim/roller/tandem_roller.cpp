@@ -104,7 +104,8 @@ std::vector<ContactBody> solid_bodies(const RollerParameters& p) {
     ContactBody& drum = bodies.emplace_back(ContactBody{
         std::string(kRollerLinks[i]), i, Eigen::Isometry3d::Identity(),
         ConvexShape::cylinder(p.drum.radius_m, 0.5 * p.drum.width_m), p.solid.stiffness_npm,
-        2.0 * p.solid.damping_ratio * std::sqrt(p.solid.stiffness_npm * p.mass_kg), true});
+        2.0 * p.solid.damping_ratio * std::sqrt(p.solid.stiffness_npm * p.mass_kg), p.solid.crush_n,
+        p.solid.crush_npm, true});
     // The cylinder's z along the axle.
     drum.X_LS.linear() =
         Eigen::AngleAxisd(-0.5 * std::numbers::pi, Eigen::Vector3d::UnitX()).toRotationMatrix();

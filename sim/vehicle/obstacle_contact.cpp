@@ -29,9 +29,22 @@ ContactSet vehicle_contact(const WheeledVehicleParameters& parameters, const Sta
                     ConvexShape::cylinder(axle.tyre.unloaded_radius_m, 0.5 * axle.tyre.width_m),
                     stiffness,
                     2.0 * kTyreDampingRatio * std::sqrt(stiffness * carried_kg),
+                    0.0,
+                    0.0,
+                    true,
                     true});
     // The cylinder's z along the axle.
     wheel.X_LS = Eigen::AngleAxisd(-0.5 * std::numbers::pi, Eigen::Vector3d::UnitX());
+    ContactBody rim = wheel;
+    rim.name.replace(rim.name.rfind("wheel"), 5, "rim");
+    rim.shape = ConvexShape::cylinder(axle.tyre.rim_radius_m, 0.4 * axle.tyre.width_m);
+    rim.stiffness_npm = parameters.solid.stiffness_npm;
+    rim.damping_nspm =
+        2.0 * parameters.solid.damping_ratio * std::sqrt(rim.stiffness_npm * parameters.mass_kg());
+    rim.crush_n = parameters.solid.crush_n;
+    rim.crush_npm = parameters.solid.crush_npm;
+    rim.soft = false;
+    bodies.push_back(std::move(rim));
   }
   return ContactSet(std::move(bodies), kWheeledLinks.size(), ground);
 }

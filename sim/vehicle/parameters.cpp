@@ -93,6 +93,9 @@ WheeledVehicleParameters::WheeledVehicleParameters() {
   solid.boxes = {{"cab", "body", {3.97, 0.0, 1.75}, {1.56, 2.2, 1.8}, 0.0},
                  {"frame", "body", {1.78, 0.0, 0.85}, {5.66, 0.9, 0.42}, 0.0},
                  {"bed", "body", {1.07, 0.0, 1.43}, {4.24, 2.4, 0.94}, 0.0}};
+  solid.stiffness_npm = 4e7;
+  solid.crush_n = 2.5e5;
+  solid.crush_npm = 4e5;
 }
 
 StaticLoads static_loads(const WheeledVehicleParameters& parameters) {

@@ -145,6 +145,47 @@ TEST_P(StepSize, ATipThatComesSidewaysIntoARockIsNotThrownUp) {
   }
 }
 
+// The body's front was a soft spring: 234 mm in a wall at 50 km/h, and it sprang back.
+TEST_P(StepSize, ABentFrontKeepsItsDentAndWhatItTook) {
+  const double h = GetParam();
+  const Ground ground = ground_with({box_obstacle({15.0, 0.0, 1.0}, {1.0, 8.0, 4.0})});
+  const Vector half(2.0, 1.1, 0.4);
+  const double mass = 5600.0;
+  const double crush = 2.5e5;
+  const double hardening = 4e5;
+  FreeBody truck(ground, ConvexShape::box(half), mass, box_inertia(mass, half), 4e7, 2e5, crush,
+                 hardening);
+  truck.gravity_mps2 = 0.0;
+  truck.X_WB.translation() << 11.0, 0.0, 1.0;
+  truck.v_W.x() = 13.9;
+  const double start = truck.energy_j();
+  EXPECT_LT(greatest_gain_j(truck, h, 0.5), 1e-6 * start);
+  const ContactReport& report = truck.contact().report();
+  EXPECT_LT(report.deepest_ever_m, 0.02);
+  // Four points: E = 4 (A C + B C^2 / 2).
+  const double dent = (std::sqrt(crush * crush + 0.5 * hardening * start) - crush) / hardening;
+  EXPECT_NEAR(report.dent_m, dent, 0.06 * dent + 5.0 * h);
+  // Only the springs give back, at most A^2 / 2 k each, at the force of the end.
+  const double end = crush + hardening * report.dent_m;
+  EXPECT_LT(truck.v_W.x(), 0.0);
+  EXPECT_LT(truck.energy_j(), 4.0 * end * end / (2.0 * 4e7));
+  EXPECT_NEAR(report.lost_j, start - truck.energy_j(), 1e-6 * start);
+  // Whatever comes there later finds it bent.
+  truck.X_WB.setIdentity();
+  truck.X_WB.translation() << 12.0, 0.0, 1.0;
+  truck.w_W.setZero();
+  truck.v_W << 0.5, 0.0, 0.0;
+  const double before = report.dent_m;
+  double farthest = 0.0;
+  for (int i = 0; i < static_cast<int>(2.0 / h); ++i) {
+    truck.step(h);
+    farthest = std::max(farthest, truck.X_WB.translation().x());
+  }
+  EXPECT_NEAR(farthest, 12.0 + before, 0.02);
+  EXPECT_EQ(report.dent_m, before);
+  EXPECT_LT(report.deepest_ever_m, 0.02);
+}
+
 TEST_P(StepSize, ATruckIsStoppedByAThickTrunkWithoutPassingIt) {
   const double h = GetParam();
   const Ground ground = ground_with({trunk_at(5.0, 0.0, 0.4, 10.0)});
@@ -280,6 +321,24 @@ TEST(ContactSet, WhatBeginsInsideCanGoOutAndNotFartherIn) {
       EXPECT_NEAR(crate.X_WB.translation().x(), 0.9 + 0.5 * push / 500.0, 0.05);
     }
   }
+}
+
+// A wall fell over because the truck that met it was bent.
+TEST(ContactSet, WhatABodyIsBentByDoesNotLean) {
+  const Ground ground = ground_with({box_obstacle({15.0, 0.0, 1.0}, {1.0, 8.0, 4.0})});
+  const Vector half(2.0, 1.1, 0.4);
+  FreeBody truck(ground, ConvexShape::box(half), 5600.0, box_inertia(5600.0, half), 4e7, 2e5, 2.5e5,
+                 4e5);
+  truck.gravity_mps2 = 0.0;
+  truck.X_WB.translation() << 11.5, 0.0, 1.0;
+  truck.v_W.x() = 13.9;
+  EXPECT_EQ(greatest_gain_j(truck, 1e-3, 0.5), 0.0);
+  EXPECT_TRUE(truck.contact().leaning().empty());
+  ASSERT_EQ(truck.contact().dents().size(), 1U);
+  const Dent& dent = truck.contact().dents().front();
+  EXPECT_NEAR(dent.normal_L.x(), -1.0, 1e-6);
+  EXPECT_NEAR(dent.patch_L.min().x(), half.x(), 1e-3) << "of the front as it was";
+  EXPECT_NEAR(dent.patch_L.sizes().y(), 2.2, 1e-3);
 }
 
 // A trunk that gives way took the limit for the spring's when its spring was softened: 0.5 kJ.

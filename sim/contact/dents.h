@@ -1,0 +1,43 @@
+// How far the bodies of a machine are bent in for good, and where.
+//
+// A dent is a patch of one body's surface, seen from one side, as deep everywhere as at its
+// deepest; patches of the same side that meet grow together. Whatever comes to the patch later
+// meets it where it has been left, not where the sheet metal once was.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace rigwire::sim {
+
+struct Dent {
+  std::uint32_t body = 0;
+  Eigen::AlignedBox3d patch_L;  ///< Of the surface as it was, in the axes of the body's link.
+  Eigen::Vector3d normal_L = Eigen::Vector3d::UnitX();  ///< Into the body.
+  double depth_m = 0.0;
+};
+
+class Dents {
+ public:
+  static constexpr std::size_t kMost = 64;
+
+  Dents() { dents_.reserve(kMost); }
+
+  /// Of the body at a point of its surface, for what pushes along the unit normal.
+  [[nodiscard]] double depth_m(std::uint32_t body, const Eigen::Vector3d& p_L,
+                               const Eigen::Vector3d& normal_L) const;
+  /// Allocates nothing. False: there is no room for one more dent.
+  bool bend(const Dent& dent);
+
+  [[nodiscard]] std::span<const Dent> dents() const { return dents_; }
+  [[nodiscard]] double deepest_m() const { return deepest_m_; }
+
+ private:
+  std::vector<Dent> dents_;
+  double deepest_m_ = 0.0;
+};
+
+}  // namespace rigwire::sim

@@ -40,7 +40,8 @@ void visit(fields::Visitor& v, SolidBodyParameters& p);
 /// stiffness whose frequency with `least_kg`, the lightest link of those with a box, is more than
 /// one radian per step of `step_s`, or per part of it where the machine divides its step in reach
 /// of an obstacle into up to `parts`: the contact would still be stable and lose energy, but what
-/// it pushed with would be the step's doing.
+/// it pushed with would be the step's doing. Where the crush force limits it, any stiffness will
+/// do.
 void validate(const SolidBodyParameters& parameters, std::span<const std::string_view> links,
               double least_kg, double step_s, int parts = 1);
 

@@ -428,7 +428,6 @@ TEST(EveryKeyEnds, of_machines_are_where_describe_says) {
       JointRefusal{"excavator.excavator.boom.mass", End::lower, kTooStiff},
       JointRefusal{"excavator.excavator.stick.mass", End::lower, kTooStiff},
       JointRefusal{"excavator.excavator.bucket.mass", End::lower, kTooStiff},
-      JointRefusal{"tandem_roller.roller.step", End::upper, kTooStiff},
       JointRefusal{"excavator.excavator.*_length", End::lower, kPins},
       JointRefusal{"excavator.excavator.boom_length", End::upper, kPins},
       JointRefusal{"excavator.excavator.stick_length", End::upper, kPins},

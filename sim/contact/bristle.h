@@ -14,8 +14,9 @@
 //
 // The caller puts `gain` on the left-hand side of its velocity solve and `offset` on the right, and
 // only then compares |F| with the limit; where it is exceeded, F is set to the limit, the solve is
-// repeated without the gain, and the bristle yields (z = -F / k). Testing before solving hums for
-// ever at low speed.
+// repeated without the gain, and the bristle yields: it slides on, and is bent by no more than the
+// limit bends it. Not z = -F / k: where the damper had its part in F, that would put more into the
+// bristle than the way has. Testing before solving hums for ever at low speed.
 #pragma once
 
 #include <algorithm>
@@ -57,7 +58,15 @@ class Bristle {
     deflection_ = (deflection_ + h * u) / (1.0 + h * renewal_1ps(parameters, rolling_speed));
   }
 
-  /// Ends the step with the force at its limit.
+  /// Ends the step with the force at its limit, of magnitude `limit`.
+  void slide_within(const BristleParameters& parameters, double h, double rolling_speed, double u,
+                    double limit) {
+    slide(parameters, h, rolling_speed, u);
+    const double most = limit / parameters.stiffness;
+    deflection_ = std::clamp(deflection_, -most, most);
+  }
+
+  /// Bent as a force bends it.
   void yield(const BristleParameters& parameters, double force) {
     deflection_ = -force / parameters.stiffness;
   }
@@ -77,15 +86,18 @@ class Bristle {
 /// Ends a step of two bristles across each other, both slid, under a force of at most `limit`
 /// together: they yield as far as they are bent, not as far as their dampers push, so that they
 /// never give back what was not put in.
+inline void yield_as_bent(Bristle& first, const BristleParameters& of_first, Bristle& second,
+                          const BristleParameters& of_second, double limit) {
+  const double bent = std::hypot(of_first.stiffness * first.deflection(),
+                                 of_second.stiffness * second.deflection());
+  if (bent > limit) {
+    first.yield(of_first, -of_first.stiffness * (limit / bent) * first.deflection());
+    second.yield(of_second, -of_second.stiffness * (limit / bent) * second.deflection());
+  }
+}
 inline void yield_as_bent(std::array<Bristle, 2>& across, const BristleParameters& parameters,
                           double limit) {
-  const double bent =
-      parameters.stiffness * std::hypot(across[0].deflection(), across[1].deflection());
-  if (bent > limit) {
-    for (Bristle& bristle : across) {
-      bristle.yield(parameters, -parameters.stiffness * (limit / bent) * bristle.deflection());
-    }
-  }
+  yield_as_bent(across[0], parameters, across[1], parameters, limit);
 }
 
 }  // namespace rigwire::sim

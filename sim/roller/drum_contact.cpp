@@ -159,14 +159,14 @@ void DrumContact::settle(const Eigen::Vector4d& velocity) {
   for (std::size_t i = 0; i < count_; ++i) {
     Strip& strip = strips_[i];
     const double along = slide_along(velocity, i);
+    strip.along.slide(along_parameters_, h_, rolling_mps_, along);
+    strip.across.slide(across_parameters_, h_, rolling_mps_, across);
     if (strip.sliding) {
-      strip.along.yield(along_parameters_, strip.force_along_n);
-      strip.across.yield(across_parameters_, strip.force_across_n);
+      yield_as_bent(strip.along, along_parameters_, strip.across, across_parameters_,
+                    std::hypot(strip.force_along_n, strip.force_across_n));
     } else {
       strip.force_along_n = strip.law_along.at(along);
       strip.force_across_n = strip.law_across.at(across);
-      strip.along.slide(along_parameters_, h_, rolling_mps_, along);
-      strip.across.slide(across_parameters_, h_, rolling_mps_, across);
     }
     along_n_ += strip.force_along_n;
     across_n_ += strip.force_across_n;

@@ -80,7 +80,7 @@ void SpinFriction::settle(double rate_radps) {
   if (side_ == 0) {
     bristle_.slide(parameters_, h_, 0.0, rate_radps);
   } else {
-    bristle_.yield(parameters_, torque_nm_);
+    bristle_.slide_within(parameters_, h_, 0.0, rate_radps, std::abs(torque_nm_));
   }
 }
 

@@ -332,22 +332,22 @@ void Tyre::settle(double h, const TyreLaws& laws, const TyreResult& result) {
   if (!laws.touching) {
     return;
   }
+  along_.slide(laws.along, h, laws.rolling_speed_mps, result.longitudinal_slide_mps);
+  across_.slide(laws.across, h, laws.rolling_speed_mps, result.lateral_slide_mps);
   if (result.slipping) {
-    along_.yield(laws.along, result.longitudinal_n);
-    across_.yield(laws.across, result.lateral_n);
-  } else {
-    along_.slide(laws.along, h, laws.rolling_speed_mps, result.longitudinal_slide_mps);
-    across_.slide(laws.across, h, laws.rolling_speed_mps, result.lateral_slide_mps);
+    yield_as_bent(along_, laws.along, across_, laws.across,
+                  std::hypot(result.longitudinal_n, result.lateral_n));
   }
   if (result.rolling_limited || laws.turning_yields) {
-    turning_.yield(laws.turning, result.rolling_nm);
+    turning_.slide_within(laws.turning, h, 0.0, result.wheel_rate_radps,
+                          std::abs(result.rolling_nm));
   } else {
     turning_.slide(laws.turning, h, 0.0, result.wheel_rate_radps);
   }
   last_rate_radps_ = result.wheel_rate_radps;
   if (laws.ploughing_n > 0.0) {
     if (result.ploughing_limited || laws.pushing_yields) {
-      ploughing_.yield(laws.pushing, result.ploughing_n);
+      ploughing_.slide_within(laws.pushing, h, 0.0, result.way_mps, std::abs(result.ploughing_n));
     } else {
       ploughing_.slide(laws.pushing, h, 0.0, result.way_mps);
     }

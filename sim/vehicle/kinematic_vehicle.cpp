@@ -156,7 +156,7 @@ double KinematicVehicle::drive(double h) {
     });
   }
   if (held_at_limit_) {
-    hold_.yield(hold, held);
+    hold_.slide_within(hold, h, 0.0, found, std::abs(held));
   } else {
     hold_.slide(hold, h, 0.0, found);
   }

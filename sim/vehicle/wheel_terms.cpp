@@ -253,7 +253,7 @@ void WheelTerms::settle(double h, const Velocities& found, WheelState& state) {
   if (brake_limit_nm_ > 0.0) {
     state.brake_nm = brake_held_ ? brake_nm_ : brake_law_.at(rate);
     if (brake_held_) {
-      brake_.yield(brake_bristle_, brake_nm_);
+      brake_.slide_within(brake_bristle_, h, 0.0, rate, std::abs(brake_nm_));
     } else {
       brake_.slide(brake_bristle_, h, 0.0, rate);
     }

@@ -19,6 +19,10 @@ TEST(ContactCases, NoContactAddsEnergyNorLetsAnythingThrough) {
     if (each.name.starts_with("bucket")) {
       EXPECT_LT(outcome.deepest_m, 0.005);
     }
+    if (each.name.starts_with("Unimog")) {
+      EXPECT_LT(outcome.deepest_m, 0.02);
+      EXPECT_GT(outcome.dent_m, outcome.deepest_m);
+    }
     if (!each.figure.empty()) {
       EXPECT_NEAR(outcome.found, each.closed_form, 0.01 * each.closed_form);
     }
@@ -52,6 +56,7 @@ TEST(ContactCases, StraightDrivesOfTheShippedForestAreStoppedByItsTrunks) {
   EXPECT_GT(sweep.touched, 2);
   EXPECT_EQ(sweep.thrown, 0);
   EXPECT_TRUE(sweep.worst.finite);
+  EXPECT_LT(sweep.worst.deepest_m, 0.02);
 }
 
 }  // namespace

@@ -43,8 +43,8 @@ Examples:
 Exit codes: 0 done, 1 run-time failure, 2 usage or configuration, 3 environment or permission,
 128 + n after signal n.)";
 
-constexpr std::array kVerbs{"run",    "picture", "check", "list",   "describe",  "schema",
-                            "doctor", "bench",   "ctl",   "record", "completion"};
+constexpr std::array kVerbs{"run",    "picture", "check", "list",   "describe", "schema",
+                            "doctor", "bench",   "ctl",   "record", "replay",   "completion"};
 
 int usage(const std::string& message, std::ostream& err, const std::string& help = "") {
   err << "rigwire: " << message << "\n"
@@ -142,6 +142,7 @@ struct Parsed {
   RecordOptions record;
   std::string camera_truth;
   std::string recording;
+  bool verify = false;
   std::string from;
   std::string to;
   std::string status;
@@ -284,6 +285,17 @@ void declare(CLI::App& app, Parsed& parsed) {
   record_app->footer(
       "\nExamples:\n  rigwire record info /tmp/dig\n"
       "  rigwire record cut /tmp/dig --from 12s --to 15s -o /tmp/moment");
+
+  CLI::App* replay_app =
+      app.add_subcommand("replay", "Run a recording once more, and compare every byte");
+  replay_app->add_option("folder", parsed.recording, "As run --record had it")->required();
+  replay_app->add_flag(
+      "--verify", parsed.verify,
+      "Run the recorded configuration with its clients again, on wires that nobody\n"
+      "hears, and name the first byte of each wire that differs (exit code 5)");
+  replay_app->add_flag("--json", parsed.json, "What was found, as JSON");
+  log_level(replay_app);
+  replay_app->footer("\nExample:\n  rigwire replay /tmp/dig --verify");
 
   CLI::App* check_app = app.add_subcommand("check", "Check a rig; every finding in one pass");
   rig(check_app);
@@ -581,6 +593,17 @@ int dispatch_record(const Parsed& parsed, Terminal terminal) {
   return record_cut_verb(parsed.recording, kStart + *from, kStart + *to, parsed.output, terminal);
 }
 
+int dispatch_replay(const Parsed& parsed, Terminal terminal) {
+  const auto level = parse_log_level(parsed.log_level);
+  if (!level) {
+    return refuse_log_level(parsed.log_level, terminal, "replay");
+  }
+  if (!parsed.verify) {
+    return usage("replay: found no --verify, allowed FOLDER --verify", terminal.err, "replay");
+  }
+  return verify_verb(parsed.recording, parsed.json, *level, terminal);
+}
+
 int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
   if (app.got_subcommand("picture")) {
     return dispatch_picture(parsed, terminal);
@@ -590,6 +613,9 @@ int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {
   }
   if (app.got_subcommand("record")) {
     return dispatch_record(parsed, terminal);
+  }
+  if (app.got_subcommand("replay")) {
+    return dispatch_replay(parsed, terminal);
   }
   if (app.got_subcommand("check")) {
     const auto level = parse_log_level(parsed.log_level);

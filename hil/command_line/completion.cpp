@@ -11,7 +11,7 @@ _rigwire() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=${COMP_WORDS[1]}
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W "run picture check list describe schema doctor bench ctl record completion --help --version" -- "$word"))
+    COMPREPLY=($(compgen -W "run picture check list describe schema doctor bench ctl record replay completion --help --version" -- "$word"))
     return
   fi
   case $before in
@@ -35,12 +35,13 @@ _rigwire() {
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
     schema) local options="rig machine scene valve-map dbc-node --help" ;;
     record) local options="info cut --from --to --output --json --help" ;;
+    replay) local options="--verify --json --log-level --help" ;;
     ctl) local options="state read pause resume run_until step speed wait fault_add fault_clear fault_list stop --help" ;;
     completion) local options="bash zsh fish" ;;
     *) local options="--json --help" ;;
   esac
   COMPREPLY=($(compgen -W "$options" -- "$word"))
-  if [ "$verb" = record ]; then
+  if [ "$verb" = record ] || [ "$verb" = replay ]; then
     COMPREPLY+=($(compgen -d -S / -- "$word"))
   fi
   if [ "$verb" = run ] || [ "$verb" = check ] || [ "$verb" = picture ]; then
@@ -55,7 +56,7 @@ constexpr const char* kZsh = R"sh(#compdef rigwire
 # rigwire completion for zsh:  rigwire completion zsh > ~/.zfunc/_rigwire
 _rigwire() {
   local -a verbs
-  verbs=(run picture check list describe schema doctor bench ctl record completion)
+  verbs=(run picture check list describe schema doctor bench ctl record replay completion)
   if (( CURRENT == 2 )); then
     compadd -- $verbs --help --version
     return
@@ -78,12 +79,13 @@ _rigwire() {
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
     schema) compadd -- rig machine scene valve-map dbc-node ;;
     record) compadd -- info cut --from --to --output --json --help ;;
+    replay) compadd -- --verify --json --log-level --help ;;
     ctl) compadd -- state read pause resume run_until step speed wait fault_add fault_clear fault_list stop --help ;;
     completion) compadd -- bash zsh fish ;;
     doctor) compadd -- --json --help ;;
   esac
   case $words[2] in
-    record) _files -/ ;;
+    record|replay) _files -/ ;;
     run|picture|check)
       compadd -- ${(f)"$(rigwire list rigs 2>/dev/null | cut -d' ' -f1)"}
       _files -g '*.yaml' ;;
@@ -94,7 +96,7 @@ if [ "$funcstack[1]" = "_rigwire" ]; then _rigwire "$@"; else compdef _rigwire r
 
 constexpr const char* kFish = R"sh(# rigwire completion for fish:  rigwire completion fish | source
 complete -c rigwire -f
-complete -c rigwire -n __fish_use_subcommand -a "run picture check list describe schema doctor bench ctl record completion"
+complete -c rigwire -n __fish_use_subcommand -a "run picture check list describe schema doctor bench ctl record replay completion"
 complete -c rigwire -n __fish_use_subcommand -l help -d "Help"
 complete -c rigwire -n __fish_use_subcommand -l version -d "Version"
 complete -c rigwire -n "__fish_seen_subcommand_from run picture check" -a "(rigwire list rigs | string replace -r ' .*' '')"
@@ -117,6 +119,8 @@ complete -c rigwire -n "__fish_seen_subcommand_from run" -l record -x -a "(__fis
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l only -x
 complete -c rigwire -n "__fish_seen_subcommand_from record" -a "info cut"
 complete -c rigwire -n "__fish_seen_subcommand_from record" -a "(__fish_complete_directories)"
+complete -c rigwire -n "__fish_seen_subcommand_from replay" -a "(__fish_complete_directories)"
+complete -c rigwire -n "__fish_seen_subcommand_from replay" -l verify
 complete -c rigwire -n "__fish_seen_subcommand_from record" -l from -x
 complete -c rigwire -n "__fish_seen_subcommand_from record" -l to -x
 complete -c rigwire -n "__fish_seen_subcommand_from record" -s o -l output -x -a "(__fish_complete_directories)"
@@ -129,7 +133,7 @@ complete -c rigwire -n "__fish_seen_subcommand_from run" -l isolated -x -a "(__f
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l ready-fd -x
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l dry-run
 complete -c rigwire -n "__fish_seen_subcommand_from check" -l print
-complete -c rigwire -n "__fish_seen_subcommand_from check list describe doctor record" -l json
+complete -c rigwire -n "__fish_seen_subcommand_from check list describe doctor record replay" -l json
 complete -c rigwire -n "__fish_seen_subcommand_from list" -a "devices machines scenes rigs faults"
 complete -c rigwire -n "__fish_seen_subcommand_from describe" -a "(rigwire list devices | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -a "(rigwire bench --list | string replace -r ' .*' '')"

@@ -20,6 +20,7 @@
 #include "hil/command_line/text_table.h"
 #include "hil/configuration/suggest.h"
 #include "hil/control/control_client.h"
+#include "hil/control/verification.h"
 #include "hil/devices/device_types.h"
 #include "hil/devices/site.h"
 #include "hil/record/output_file.h"
@@ -284,6 +285,67 @@ int record_cut_verb(const std::string& folder, SimTime from, SimTime to, const s
                     Terminal terminal) {
   cut_recording(folder, from, to, out);
   return record_info_verb(out, false, terminal);
+}
+
+int verify_verb(const std::string& folder, bool json, LogLevel log_level, Terminal terminal) {
+  Verification result;
+  try {
+    require_open_files();
+    RunLog log(log_level);
+    result = verify_recording(folder, &log);
+  } catch (const std::exception& error) {  // whatever it is, nothing was compared
+    terminal.err << "rigwire: replay: cannot be run: " << error.what() << "\n";
+    return code(ExitCode::environment);
+  }
+  const ExitCode end = result.equal() ? ExitCode::done : ExitCode::different;
+  if (json) {
+    Json object{{"equal", result.equal()},
+                {"end_s", to_seconds(result.end)},
+                {"client_acts", result.client_acts},
+                {"remarks", result.remarks},
+                {"streams", Json::array()}};
+    for (const ComparedStream& stream : result.streams) {
+      Json row{{"name", stream.wire},
+               {"of_clients", stream.of_clients},
+               {"equal", !stream.difference},
+               {"units", stream.units},
+               {"passed_over", stream.passed_over}};
+      if (stream.difference) {
+        row["at_ns"] = stream.difference->at.time_since_epoch().count();
+        row["difference"] = stream.difference->what;
+      }
+      object["streams"].push_back(std::move(row));
+    }
+    terminal.out << object.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
+    return code(end);
+  }
+  for (const std::string& remark : result.remarks) {
+    terminal.out << "note: " << remark << "\n";
+  }
+  std::vector<std::vector<std::string>> rows{{"stream", "of", "equal units", ""}};
+  for (const ComparedStream& stream : result.streams) {
+    const std::string passed =
+        stream.passed_over == 0
+            ? ""
+            : fmt::format(" ({} passed over that were not recorded)", stream.passed_over);
+    rows.push_back({stream.wire,
+                    stream.wire.starts_with("/") ? "truth"
+                    : stream.of_clients          ? "clients"
+                                                 : "devices",
+                    std::to_string(stream.units),
+                    (stream.difference ? "DIFFERENT" : "equal") + passed});
+  }
+  terminal.out << table_text(rows);
+  for (const ComparedStream& stream : result.streams) {
+    if (stream.difference) {
+      terminal.out << fmt::format("{}: {:.9f} s: {}\n", stream.wire,
+                                  to_seconds(stream.difference->at), stream.difference->what);
+    }
+  }
+  terminal.out << fmt::format("{} to {:.9f} s, {} acts of clients given again\n",
+                              result.equal() ? "equal" : "different", to_seconds(result.end),
+                              result.client_acts);
+  return code(end);
 }
 
 int bench_verb(const std::vector<std::string>& arguments, Terminal terminal) {

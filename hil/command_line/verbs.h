@@ -56,6 +56,9 @@ struct Terminal {
 /// A piece of it, [from, to).
 [[nodiscard]] int record_cut_verb(const std::string& folder, SimTime from, SimTime to,
                                   const std::string& out, Terminal terminal);
+/// Runs a recording once more and compares: 0 equal, 5 different, 3 where it cannot be run.
+[[nodiscard]] int verify_verb(const std::string& folder, bool json, LogLevel log_level,
+                              Terminal terminal);
 [[nodiscard]] int completion_verb(const std::string& shell, Terminal terminal);
 
 /// One row per device: name, type, wire, what it sends by itself. For --dry-run.

@@ -76,7 +76,7 @@ struct RunOptions {
 };
 
 /// Exit codes of every verb (docs/command-line.md). 128 + n after signal n.
-enum class ExitCode : int { done = 0, failure = 1, usage = 2, environment = 3 };
+enum class ExitCode : int { done = 0, failure = 1, usage = 2, environment = 3, different = 5 };
 
 /// Opens the wires, runs, closes them, writes the report. Returns the exit code; says on standard
 /// error what it has to log, and always what kept it from running or ended it. No reader of what it

@@ -125,7 +125,7 @@ class StarFireDevice final : public Device, private FixSource {
     const StationIndex index = executive.add(station_);
     if (line_ != nullptr) {
       executive.add(*outlet_);
-      line_->on_client([this, &executive](const drivers::LineClient& client) {
+      outlet_->on_client([this, &executive](const drivers::LineClient& client) {
         executive.arrive();
         quality_->set_client_baud(seen_baud(check_baud_, client.baud));
       });

@@ -53,7 +53,7 @@ class UbloxDevice final : public Device,
   [[nodiscard]] StationIndex enlist(Executive& executive) {
     const StationIndex index = executive.add(station_);
     executive.add(outlet_);
-    line_->on_client([this, &executive](const drivers::LineClient& client) {
+    outlet_.on_client([this, &executive](const drivers::LineClient& client) {
       receiver_.set_client(executive.arrive(),
                            {client.present, seen_baud(check_baud_, client.baud)});
     });

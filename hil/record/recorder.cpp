@@ -15,6 +15,8 @@
 #include "hil/executive/executive.h"
 #include "hil/record/recording.h"
 #include "hil/record/truth_tap.h"
+#include "hil/wires/outlets.h"
+#include "protocols/can/frame_text.h"
 #include "protocols/pcapng/link_packet.h"
 
 namespace rigwire::hil {
@@ -85,6 +87,19 @@ class Recorder::Wire final : public WireTap {
     recorder_.put(track_, flags, at, packet_);
   }
   void lay_out(SimTime at, std::uint8_t flags, const StreamPiece& piece);
+  void lay_out(SimTime at, std::uint8_t /*flags*/, const drivers::LineClient& client) {
+    put_end(at, client.present ? fmt::format("open {}", client.baud) : "closed");
+  }
+  void lay_out(SimTime at, std::uint8_t /*flags*/, const drivers::CanClient& client) {
+    put_end(at, client.open ? fmt::format("open {}{}{}", client.bit_rate_bps,
+                                          client.listen_only ? " listen_only" : "",
+                                          client.one_shot ? " one_shot" : "")
+                            : "closed");
+  }
+  void put_end(SimTime at, const std::string& text) {
+    recorder_.put(track_, kWireEnd, at,
+                  {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  }
 
   Recorder& recorder_;
   std::uint16_t track_;
@@ -177,6 +192,10 @@ class Recorder::Arrivals final : public Outlet {
 };
 
 void Recorder::Wire::received(const WirePiece& piece) {
+  if (const auto* frame = std::get_if<protocols::can::Frame>(&piece)) {
+    put_end(recorder_.executive_->now(), "frame " + protocols::can::frame_text(*frame));
+    return;
+  }
   recorder_.arrivals_->add(recorder_.executive_->now(), *this, piece);
 }
 
@@ -369,6 +388,15 @@ WireTap* Recorder::add_wire(const std::string& name, WireKind kind, const std::s
   about_.push_back({unique, kind, address});
   wires_.push_back(std::make_unique<Wire>(*this, wires_.size()));
   return wires_.back().get();
+}
+
+void Recorder::join(WireTap& tap, QueuedOutlet& outlet) const {
+  outlet.tell(tap);
+  for (std::size_t i = 0; outlet_user_ && i < wires_.size(); ++i) {
+    if (wires_[i].get() == &tap) {
+      outlet_user_(about_[i].name, outlet);
+    }
+  }
 }
 
 std::unique_ptr<TruthObserver> Recorder::truth_observer(const Calendar& calendar,

@@ -38,6 +38,7 @@
 namespace rigwire::hil {
 
 class Executive;
+class QueuedOutlet;
 
 struct RecordOptions {
   std::string folder;             ///< Made where it is not there; empty: nothing is recorded.
@@ -79,6 +80,11 @@ class Recorder {
   /// by the wire's kind. The tap lives as long as the recorder.
   [[nodiscard]] WireTap* add_wire(const std::string& name, WireKind kind,
                                   const std::string& address);
+  /// That outlet is of the wire of that tap, which add_wire() returned.
+  void join(WireTap& tap, QueuedOutlet& outlet) const;
+  /// Who is given each outlet that joins, with the name of its wire. Before the first.
+  using OutletUser = std::function<void(const std::string& wire, QueuedOutlet& outlet)>;
+  void on_outlet(OutletUser user) { outlet_user_ = std::move(user); }
   /// Who is to be told the truth; nullptr where it is not wanted.
   [[nodiscard]] std::unique_ptr<TruthObserver> truth_observer(
       const Calendar& calendar, std::span<const sim::TruthField> fields,
@@ -124,6 +130,7 @@ class Recorder {
   std::vector<std::string> names_;  ///< Of all wires, wanted or not.
   std::vector<RecordedWire> about_;
   std::vector<std::unique_ptr<Wire>> wires_;
+  OutletUser outlet_user_;
   std::unique_ptr<Arrivals> arrivals_;
   std::unique_ptr<Watch> watch_;
   RecordQueue queue_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -289,6 +290,62 @@ RecordingContents read_recording(const fs::path& folder) {
   return contents;
 }
 
+std::vector<ClientAct> client_acts(const fs::path& folder, const std::string& wire) {
+  const fs::path path = folder / "wires" / (wire + ".ends");
+  std::vector<ClientAct> acts;
+  std::ifstream file(path);
+  std::size_t number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++number;
+    if (line.empty() || line.front() == '#') {
+      continue;
+    }
+    if (file.eof()) {
+      break;  // the run was killed while it was written
+    }
+    const std::size_t space = line.find(' ');
+    const std::size_t point = line.find('.');
+    std::int64_t seconds = 0;
+    std::int64_t fraction = 0;
+    const char* const text = line.data();
+    const bool is_time =
+        space != std::string::npos && point != std::string::npos && space == point + 10 &&
+        std::from_chars(text, text + point, seconds).ptr == text + point &&
+        std::from_chars(text + point + 1, text + space, fraction).ptr == text + space &&
+        seconds >= 0 && seconds < 9'000'000'000;
+    if (!is_time) {
+      refuse(path, fmt::format("line {}: no instant in seconds with nine decimals", number));
+    }
+    acts.push_back({SimTime{Duration{seconds * 1'000'000'000 + fraction}}, line.substr(space + 1)});
+  }
+  return acts;
+}
+
+RecordingContents read_recording_description(const fs::path& folder) {
+  return RecordingReader(folder).contents();
+}
+
+void each_packet(const fs::path& folder,
+                 const std::function<void(std::size_t, SimTime, const pcapng::Packet&)>& use) {
+  RecordingReader(folder).each_packet(use);
+}
+
+void each_message(const fs::path& folder,
+                  const std::function<void(TruthTrack, SimTime, std::string_view)>& use) {
+  const RecordingReader reader(folder);
+  reader.each_record([&](const mcap::Record& record) {
+    if (record.opcode != mcap::Opcode::message) {
+      return;
+    }
+    const auto message = mcap::read_message(record.content);
+    if (!message.ok() || message->channel >= kTruthTracks) {
+      refuse(folder / "truth.mcap", "a message that is none of a recording");
+    }
+    use(static_cast<TruthTrack>(message->channel), reader.sim_time(message->time_ns),
+        message->data);
+  });
+}
+
 std::string to_text(const RecordingContents& contents) {
   const RecordedRun& run = contents.run;
   std::string text =
@@ -414,6 +471,16 @@ void cut_recording(const fs::path& folder, SimTime from, SimTime to, const fs::p
            {reinterpret_cast<const std::uint8_t*>(message->data.data()), message->data.size()}});
     }
   });
+  for (std::size_t wire = 0; wire < wires.size(); ++wire) {
+    for (const ClientAct& act : client_acts(folder, wires[wire].name)) {
+      if (act.at < to) {
+        writer.write({wire_track(wire),
+                      kWireEnd,
+                      act.at,
+                      {reinterpret_cast<const std::uint8_t*>(act.text.data()), act.text.size()}});
+      }
+    }
+  }
   writer.finish(std::min(to, reader.contents().end.value_or(last)));
   if (!trouble.empty()) {
     throw drivers::EndpointError(trouble);

@@ -5,8 +5,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hil/record/recording_writer.h"
@@ -47,6 +49,27 @@ struct RecordingContents {
 /// Throws drivers::EndpointError where a file cannot be read, std::invalid_argument naming file and
 /// place where it is none of a recording.
 [[nodiscard]] RecordingContents read_recording(const std::filesystem::path& folder);
+
+/// A line of wires/NAME.ends (hil/record/recording_writer.h).
+struct ClientAct {
+  SimTime at{};
+  std::string text;
+};
+/// Empty where the recording has no such file. Throws std::invalid_argument with file and line.
+[[nodiscard]] std::vector<ClientAct> client_acts(const std::filesystem::path& folder,
+                                                 const std::string& wire);
+
+/// The same without looking at packets and messages: what its description says.
+[[nodiscard]] RecordingContents read_recording_description(const std::filesystem::path& folder);
+
+/// Calls `use` for each packet of all wires, in order of time, with the number of its wire.
+void each_packet(const std::filesystem::path& folder,
+                 const std::function<void(std::size_t wire, SimTime at,
+                                          const protocols::pcapng::Packet& packet)>& use);
+/// Calls `use` for each message of the truth, where there is one, in the order of the file.
+void each_message(
+    const std::filesystem::path& folder,
+    const std::function<void(TruthTrack track, SimTime at, std::string_view text)>& use);
 
 /// For people.
 [[nodiscard]] std::string to_text(const RecordingContents& contents);

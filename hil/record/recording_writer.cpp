@@ -126,6 +126,7 @@ struct RecordingWriter::Wire {
   std::uint32_t index = 0;
   std::unique_ptr<BlockFile> packets;
   std::unique_ptr<BlockFile> frames;  ///< candump, of a CAN bus.
+  std::unique_ptr<BlockFile> ends;    ///< Of a bus or a serial line.
   /// Of a serial line: what the device sent, what it was sent, when.
   std::unique_ptr<RecordingFile> sent;
   std::unique_ptr<RecordingFile> received;
@@ -172,6 +173,11 @@ RecordingWriter::RecordingWriter(const fs::path& folder, const RecordedRun& run,
       hil::append(wire->pieces->bytes(),
                   fmt::format("# {0}: seconds, > offset and length in {0}.bytes, < in {0}.client\n",
                               about.name));
+    }
+    if (about.kind != WireKind::ethernet) {
+      wire->ends = std::make_unique<BlockFile>(path("ends"), tell);
+      hil::append(wire->ends->bytes(),
+                  fmt::format("# {}: seconds, and what the client did with its end\n", about.name));
     }
     wire->about = std::move(about);
     wires_.push_back(std::move(wire));
@@ -235,6 +241,12 @@ void RecordingWriter::write(const RecordEntry& entry) {
   }
   if ((entry.flags & kWireNote) != 0) {
     wire.notes += (wire.notes.empty() ? "" : "; ") + std::string(text_of(entry.bytes));
+    return;
+  }
+  if ((entry.flags & kWireEnd) != 0) {
+    if (wire.ends) {
+      write_end(wire, entry);
+    }
     return;
   }
   ++totals_.wires[index].packets;
@@ -318,6 +330,13 @@ void RecordingWriter::write_piece(Wire& wire, const RecordEntry& entry) {
   }
 }
 
+void RecordingWriter::write_end(Wire& wire, const RecordEntry& entry) {
+  const std::int64_t at_ns = entry.at.time_since_epoch().count();
+  hil::append(wire.ends->bytes(), fmt::format("{}.{:09} {}\n", at_ns / 1'000'000'000,
+                                              at_ns % 1'000'000'000, text_of(entry.bytes)));
+  wire.ends->end_unit(wire.index);
+}
+
 /// The index tells of bytes that are there.
 void RecordingWriter::flush_serial(Wire& wire) {
   const bool sent = wire.sent_waiting.empty() || wire.sent->write(wire.sent_waiting);
@@ -352,6 +371,9 @@ void RecordingWriter::flush() {
     wire->packets->flush();
     if (wire->frames) {
       wire->frames->flush();
+    }
+    if (wire->ends) {
+      wire->ends->flush();
     }
     if (wire->pieces) {
       flush_serial(*wire);

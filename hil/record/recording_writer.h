@@ -11,6 +11,10 @@
 //   FOLDER/wires/NAME.index    when: a line for each piece, "SECONDS > OFFSET LENGTH" of the
 //   device,
 //                              "SECONDS < OFFSET LENGTH" of its client; lines with # are comments
+//   FOLDER/wires/NAME.ends     of a serial line or a CAN bus, what its client did with its end:
+//                              "SECONDS open 9600" (bit/s; on a bus also listen_only, one_shot),
+//                              "SECONDS closed", and when it offered a frame to the bus, "SECONDS
+//                              frame 18EAFFFE#00EE00": so a replay can do the same
 //
 // Equal calls give equal bytes. What a disk does not take is counted and told in the files as soon
 // as they can be written again: packets carry the number of those lost before them.
@@ -68,6 +72,7 @@ inline constexpr std::uint16_t kTruthTracks = 5;
 inline constexpr std::uint8_t kInbound = 1;   ///< Of a client.
 inline constexpr std::uint8_t kWireLost = 2;  ///< No packet: the wire did not take one.
 inline constexpr std::uint8_t kWireNote = 4;  ///< No packet: a comment for the next one.
+inline constexpr std::uint8_t kWireEnd = 8;   ///< No packet: what a client did, for NAME.ends.
 
 /// How much of what was not recorded.
 struct RecordingTotals {
@@ -106,6 +111,7 @@ class RecordingWriter {
   void write_packet(Wire& wire, const RecordEntry& entry);
   void write_piece(Wire& wire, const RecordEntry& entry);
   void write_frame(Wire& wire, const RecordEntry& entry);
+  static void write_end(Wire& wire, const RecordEntry& entry);
   void flush_serial(Wire& wire);
   void flush_messages();
   void write_description(std::optional<SimTime> end) const;

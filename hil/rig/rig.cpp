@@ -337,7 +337,8 @@ Rig::Rig(const RigConfiguration& configuration, boost::asio::io_context& io,
   }
   for (const auto& [name, bus] : configuration_.buses) {
     const auto end = own.buses.find(name);
-    open_bus(name, bus, end == own.buses.end() ? nullptr : end->second);
+    open_bus(name, bus, end == own.buses.end() ? nullptr : end->second,
+             own.with_known_clients.contains(name));
   }
   for (const auto& [name, line] : configuration_.modbus) {
     open_modbus_line(name, line);
@@ -399,7 +400,7 @@ void Rig::record(const std::string& wire, std::size_t first,
       tap = recorder_->add_wire(wire, outlet.kind(), endpoint.address);
     }
     if (tap != nullptr) {
-      outlet.tell(*tap);
+      recorder_->join(*tap, outlet);
     }
   }
 }
@@ -459,7 +460,7 @@ Rig::~Rig() {
 }
 
 void Rig::open_bus(const std::string& name, const BusConfiguration& configuration,
-                   drivers::CanBus* own) {
+                   drivers::CanBus* own, bool client_is_known) {
   if (own != nullptr && (configuration.ports != 1 || configuration.socketcand.port != 0)) {
     throw std::invalid_argument(
         fmt::format("bus {}: its end is in this program, found {} ports and socketcand port {}, "
@@ -474,14 +475,14 @@ void Rig::open_bus(const std::string& name, const BusConfiguration& configuratio
                      [this]() -> UsbBus& { return usb(); });
   } else {
     hop.choice.why = "in this program";
+    hop.client_is_known = client_is_known;
   }
   auto bus = std::make_unique<Bus>(std::move(hop), configuration, own);
   executive_.add(bus->can);
   const std::size_t first = executive_.outlets().size();
   executive_.add(bus->can.outlet());
   record(name, first, bus->can.endpoint());
-  drivers::CanBus& endpoint = bus->endpoint;
-  endpoint.on_client([this, &can = bus->can](const drivers::CanClient& client) {
+  bus->can.outlet().on_client([this, &can = bus->can](const drivers::CanClient& client) {
     can.client(executive_.arrive(), client);
   });
   bus->can.outlet().start([this, &can = bus->can](const protocols::can::Frame& frame) {
@@ -491,7 +492,7 @@ void Rig::open_bus(const std::string& name, const BusConfiguration& configuratio
     RigCan::Port& port =
         bus->can.add_port(further.node, *further.endpoint, further.client_is_known);
     executive_.add(port.outlet());
-    further.endpoint->on_client([this, &port](const drivers::CanClient& client) {
+    port.outlet().on_client([this, &port](const drivers::CanClient& client) {
       port.client(executive_.arrive(), client);
     });
     port.outlet().start([this, &port](const protocols::can::Frame& frame) {

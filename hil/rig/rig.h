@@ -38,6 +38,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -115,6 +116,8 @@ struct TruthFiles {
 /// what it gives to its receiver there comes in as from a client. They must outlive the rig.
 struct OwnEnds {
   std::map<std::string, drivers::CanBus*> buses;
+  /// Buses among them whose client is not there before it is told (CanBus::on_client).
+  std::set<std::string> with_known_clients{};
 };
 
 class Rig {
@@ -156,7 +159,7 @@ class Rig {
   class DeviceNeighbours;
 
   void open_bus(const std::string& name, const BusConfiguration& configuration,
-                drivers::CanBus* own);
+                drivers::CanBus* own, bool client_is_known);
   void open_modbus_line(const std::string& name, const ModbusLineConfiguration& configuration);
   /// Opens the server when the first bus or device asks for it.
   [[nodiscard]] UsbBus& usb();

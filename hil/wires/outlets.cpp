@@ -103,7 +103,7 @@ void StreamOutlet::send(SimTime due, std::span<const std::uint8_t> bytes) {
 }
 
 bool StreamOutlet::transmit(std::uint64_t /*tag*/, std::span<const std::uint8_t> bytes) {
-  return stream_.write(bytes) == bytes.size();
+  return is_cut_off() || stream_.write(bytes) == bytes.size();
 }
 
 void StreamOutlet::tell_of(WireTap& tap, SimTime due, std::uint64_t /*tag*/,
@@ -111,13 +111,35 @@ void StreamOutlet::tell_of(WireTap& tap, SimTime due, std::uint64_t /*tag*/,
   tap.sent(due, SerialPiece{bytes});
 }
 
-void StreamOutlet::start(drivers::ByteStream::Receiver receiver) {
-  stream_.start([this, receiver = std::move(receiver)](std::span<const std::uint8_t> bytes) {
-    receiver(bytes);
-    if (tap() != nullptr) {
-      tap()->received(SerialPiece{bytes});
+void StreamOutlet::on_client(drivers::ByteStream::ClientWatcher watcher) {
+  watcher_ = std::move(watcher);
+  stream_.on_client([this](const drivers::LineClient& client) {
+    if (!is_cut_off()) {
+      arrive(client);
     }
   });
+}
+
+void StreamOutlet::start(drivers::ByteStream::Receiver receiver) {
+  receiver_ = std::move(receiver);
+  stream_.start([this](std::span<const std::uint8_t> bytes) {
+    if (!is_cut_off()) {
+      arrive(SerialPiece{bytes});
+    }
+  });
+}
+
+bool StreamOutlet::arrive(const WirePiece& piece) {
+  if (const auto* bytes = std::get_if<SerialPiece>(&piece); bytes != nullptr && receiver_) {
+    receiver_(bytes->bytes);
+  } else if (const auto* client = std::get_if<drivers::LineClient>(&piece);
+             client != nullptr && watcher_) {
+    watcher_(*client);
+  } else {
+    return false;
+  }
+  tell_received(piece);
+  return true;
 }
 
 DatagramOutlet::DatagramOutlet(drivers::DatagramSocket& socket, WireStatistics& statistics)
@@ -128,7 +150,7 @@ void DatagramOutlet::send(SimTime due, std::span<const std::uint8_t> bytes) {
 }
 
 bool DatagramOutlet::transmit(std::uint64_t /*tag*/, std::span<const std::uint8_t> bytes) {
-  return socket_.send(bytes);
+  return is_cut_off() || socket_.send(bytes);
 }
 
 void DatagramOutlet::tell_of(WireTap& tap, SimTime due, std::uint64_t /*tag*/,
@@ -147,13 +169,23 @@ AddressedOutlet::AddressedOutlet(drivers::DatagramPort& port, WireStatistics& st
 }
 
 void AddressedOutlet::start(drivers::DatagramPort::Receiver receiver) {
-  port_->start([this, own = port_->end(), receiver = std::move(receiver)](
-                   const drivers::DatagramPort::Peer& from, std::span<const std::uint8_t> bytes) {
-    receiver(from, bytes);
-    if (tap() != nullptr) {
-      tap()->received(DatagramPiece{own, from, bytes});
+  receiver_ = std::move(receiver);
+  port_->start([this, own = port_->end()](const drivers::DatagramPort::Peer& from,
+                                          std::span<const std::uint8_t> bytes) {
+    if (!is_cut_off()) {
+      arrive(DatagramPiece{own, from, bytes});
     }
   });
+}
+
+bool AddressedOutlet::arrive(const WirePiece& piece) {
+  const auto* datagram = std::get_if<DatagramPiece>(&piece);
+  if (datagram == nullptr || !receiver_) {
+    return false;
+  }
+  receiver_(datagram->client, datagram->bytes);
+  tell_received(piece);
+  return true;
 }
 
 void AddressedOutlet::send(SimTime due, const emulators::UdpEnd& to,
@@ -165,7 +197,7 @@ void AddressedOutlet::send(SimTime due, const emulators::UdpEnd& to,
 }
 
 bool AddressedOutlet::transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) {
-  return port_->send(end_of(tag), bytes, (tag & 1U) != 0);
+  return is_cut_off() || port_->send(end_of(tag), bytes, (tag & 1U) != 0);
 }
 
 void AddressedOutlet::tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
@@ -186,6 +218,9 @@ void ServerOutlet::close(emulators::ConnectionId connection, SimTime due) {
 }
 
 bool ServerOutlet::transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) {
+  if (is_cut_off()) {
+    return true;
+  }
   if (bytes.empty()) {  // close() queued it
     server_.close(tag);
     return true;
@@ -199,39 +234,51 @@ void ServerOutlet::tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
   tap.sent(due, StreamPiece{server_.end(), tag, what, bytes});
 }
 
-void ServerOutlet::tell_received(StreamPiece::What what, emulators::ConnectionId connection,
-                                 std::span<const std::uint8_t> bytes) {
-  if (tap() != nullptr) {
-    tap()->received(StreamPiece{server_.end(), connection, what, bytes});
+void ServerOutlet::start(drivers::StreamServer::Handler handler) {
+  using What = StreamPiece::What;
+  handler_ = std::move(handler);
+  drivers::StreamServer::Handler telling{
+      .connected = [this](auto connection) { hear(What::opened, connection, {}); },
+      .received = [this](auto connection, auto bytes) { hear(What::bytes, connection, bytes); },
+      .disconnected = [this](auto connection) { hear(What::gone, connection, {}); },
+  };
+  if (handler_.half_closed) {
+    telling.half_closed = [this](auto connection) { hear(What::ended, connection, {}); };
+  }
+  server_.start(std::move(telling));
+}
+
+void ServerOutlet::hear(StreamPiece::What what, emulators::ConnectionId connection,
+                        std::span<const std::uint8_t> bytes) {
+  if (!is_cut_off()) {
+    arrive(StreamPiece{server_.end(), connection, what, bytes});
   }
 }
 
-void ServerOutlet::start(drivers::StreamServer::Handler handler) {
-  using What = StreamPiece::What;
-  drivers::StreamServer::Handler telling{
-      .connected =
-          [this, then = std::move(handler.connected)](auto connection) {
-            then(connection);
-            tell_received(What::opened, connection, {});
-          },
-      .received =
-          [this, then = std::move(handler.received)](auto connection, auto bytes) {
-            then(connection, bytes);
-            tell_received(What::bytes, connection, bytes);
-          },
-      .disconnected =
-          [this, then = std::move(handler.disconnected)](auto connection) {
-            then(connection);
-            tell_received(What::gone, connection, {});
-          },
-  };
-  if (handler.half_closed) {
-    telling.half_closed = [this, then = std::move(handler.half_closed)](auto connection) {
-      then(connection);
-      tell_received(What::ended, connection, {});
-    };
+bool ServerOutlet::arrive(const WirePiece& piece) {
+  const auto* stream = std::get_if<StreamPiece>(&piece);
+  if (stream == nullptr || !handler_.connected) {
+    return false;
   }
-  server_.start(std::move(telling));
+  switch (stream->what) {
+    case StreamPiece::What::opened:
+      handler_.connected(stream->connection);
+      break;
+    case StreamPiece::What::bytes:
+      handler_.received(stream->connection, stream->bytes);
+      break;
+    case StreamPiece::What::ended:
+      if (!handler_.half_closed) {
+        return false;
+      }
+      handler_.half_closed(stream->connection);
+      break;
+    case StreamPiece::What::gone:
+      handler_.disconnected(stream->connection);
+      break;
+  }
+  tell_received(piece);
+  return true;
 }
 
 FrameOutlet::FrameOutlet(drivers::CanBus& bus, std::size_t unsettled_frames)
@@ -240,13 +287,39 @@ FrameOutlet::FrameOutlet(drivers::CanBus& bus, std::size_t unsettled_frames)
           kFrameUnits * (kFrameHeader + 8) + (kReportUnits + 1) * sizeof(ControllerReport)),
       bus_(bus) {}
 
-void FrameOutlet::start(drivers::CanBus::Receiver receiver) {
-  bus_.start([this, receiver = std::move(receiver)](const protocols::can::Frame& frame) {
-    if (tap() != nullptr) {
-      unsettled_.push_back(frame);
+void FrameOutlet::on_client(drivers::CanBus::ClientWatcher watcher) {
+  watcher_ = std::move(watcher);
+  bus_.on_client([this](const drivers::CanClient& client) {
+    if (!is_cut_off()) {
+      arrive(client);
     }
-    receiver(frame);
   });
+}
+
+void FrameOutlet::start(drivers::CanBus::Receiver receiver) {
+  receiver_ = std::move(receiver);
+  bus_.start([this](const protocols::can::Frame& frame) {
+    if (!is_cut_off()) {
+      arrive(frame);
+    }
+  });
+}
+
+bool FrameOutlet::arrive(const WirePiece& piece) {
+  if (const auto* frame = std::get_if<protocols::can::Frame>(&piece);
+      frame != nullptr && receiver_) {
+    if (tap() != nullptr) {
+      unsettled_.push_back(*frame);
+    }
+    receiver_(*frame);
+  } else if (const auto* client = std::get_if<drivers::CanClient>(&piece);
+             client != nullptr && watcher_) {
+    watcher_(*client);
+  } else {
+    return false;
+  }
+  tell_received(piece);
+  return true;
 }
 
 void FrameOutlet::send(SimTime due, WireStatistics& statistics,
@@ -289,15 +362,17 @@ void FrameOutlet::report(SimTime due, const ControllerReport& report) {
 bool FrameOutlet::transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) {
   const Duration stamp = next_due() - kStart;
   if (tag == kSentUnit || tag == kUnsentUnit) {
-    bus_.confirm(tag == kSentUnit, stamp);
+    if (!is_cut_off()) {
+      bus_.confirm(tag == kSentUnit, stamp);
+    }
     return true;
   }
   if (tag == kReportUnit) {
     --reports_waiting_;
-    return bus_.report(report_of(bytes), stamp);
+    return is_cut_off() || bus_.report(report_of(bytes), stamp);
   }
   --frames_waiting_;
-  return bus_.deliver(frame_of(bytes), stamp);
+  return is_cut_off() || bus_.deliver(frame_of(bytes), stamp);
 }
 
 void FrameOutlet::tell_of(WireTap& tap, SimTime due, std::uint64_t tag,

@@ -32,6 +32,12 @@ class QueuedOutlet : public Outlet {
   void tell(WireTap& tap) { tap_ = &tap; }
   [[nodiscard]] virtual WireKind kind() const = 0;
 
+  /// From now on nobody is on the wire: what leaves is taken and told to the tap, and reaches no
+  /// endpoint; what comes from the endpoint is not heard.
+  void cut_off() { cut_off_ = true; }
+  /// As if a client had sent it just now. False: nothing of that kind is heard here.
+  virtual bool arrive(const WirePiece& /*piece*/) { return false; }
+
  protected:
   QueuedOutlet(std::size_t units, std::size_t bytes) : queue_(units, bytes) {}
   /// From now on what follows a late unit keeps half of its distance from it: a wire that nothing
@@ -48,6 +54,13 @@ class QueuedOutlet : public Outlet {
   bool push(SimTime due, std::uint64_t tag, WireStatistics& statistics,
             std::span<const std::uint8_t> bytes);
   [[nodiscard]] WireTap* tap() const { return tap_; }
+  [[nodiscard]] bool is_cut_off() const { return cut_off_; }
+  /// Tells the tap of something of a client's.
+  void tell_received(const WirePiece& piece) const {
+    if (tap_ != nullptr) {
+      tap_->received(piece);
+    }
+  }
 
  private:
   /// False when any part of the unit was refused.
@@ -58,6 +71,7 @@ class QueuedOutlet : public Outlet {
   WireTap* tap_ = nullptr;
   EmissionQueue queue_;
   bool apart_ = false;
+  bool cut_off_ = false;
   SimTime last_due_{};   ///< Of the unit that left last,
   SimTime last_left_{};  ///< and when it did.
 };
@@ -66,10 +80,13 @@ class QueuedOutlet : public Outlet {
 class StreamOutlet final : public QueuedOutlet, public emulators::ByteOutput {
  public:
   StreamOutlet(drivers::ByteStream& stream, WireStatistics& statistics);
+  /// As the endpoint's, and before start().
+  void on_client(drivers::ByteStream::ClientWatcher watcher);
   /// Starts the endpoint.
   void start(drivers::ByteStream::Receiver receiver);
   void send(SimTime due, std::span<const std::uint8_t> bytes) override;
   [[nodiscard]] WireKind kind() const override { return WireKind::serial; }
+  bool arrive(const WirePiece& piece) override;
 
  private:
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
@@ -77,6 +94,8 @@ class StreamOutlet final : public QueuedOutlet, public emulators::ByteOutput {
                std::span<const std::uint8_t> bytes) override;
   drivers::ByteStream& stream_;
   WireStatistics& statistics_;
+  drivers::ByteStream::Receiver receiver_;
+  drivers::ByteStream::ClientWatcher watcher_;
 };
 
 /// One UDP port.
@@ -109,6 +128,7 @@ class AddressedOutlet final : public QueuedOutlet, public emulators::DatagramOut
   /// From now on they leave there; it must outlive the outlet.
   void lead_to(drivers::DatagramPort& port) { port_ = &port; }
   [[nodiscard]] WireKind kind() const override { return WireKind::ethernet; }
+  bool arrive(const WirePiece& piece) override;
 
  private:
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
@@ -116,6 +136,7 @@ class AddressedOutlet final : public QueuedOutlet, public emulators::DatagramOut
                std::span<const std::uint8_t> bytes) override;
   drivers::DatagramPort* port_;
   WireStatistics& statistics_;
+  drivers::DatagramPort::Receiver receiver_;
 };
 
 /// The clients of a stream server.
@@ -128,15 +149,17 @@ class ServerOutlet final : public QueuedOutlet, public emulators::StreamOutput {
             std::span<const std::uint8_t> bytes) override;
   void close(emulators::ConnectionId connection, SimTime due) override;
   [[nodiscard]] WireKind kind() const override { return WireKind::ethernet; }
+  bool arrive(const WirePiece& piece) override;
 
  private:
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
   void tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
                std::span<const std::uint8_t> bytes) override;
-  void tell_received(StreamPiece::What what, emulators::ConnectionId connection,
-                     std::span<const std::uint8_t> bytes);
+  void hear(StreamPiece::What what, emulators::ConnectionId connection,
+            std::span<const std::uint8_t> bytes);
   drivers::StreamServer& server_;
   WireStatistics& statistics_;
+  drivers::StreamServer::Handler handler_;
 };
 
 /// A CAN bus; every frame brings the statistics of the device that sent it. A frame's bytes, as
@@ -150,6 +173,8 @@ class ServerOutlet final : public QueuedOutlet, public emulators::StreamOutput {
 class FrameOutlet final : public QueuedOutlet {
  public:
   explicit FrameOutlet(drivers::CanBus& bus, std::size_t unsettled_frames = 64);
+  /// As the endpoint's, and before start().
+  void on_client(drivers::CanBus::ClientWatcher watcher);
   /// Starts the endpoint. Every frame that it hands over must be confirmed, in that order.
   void start(drivers::CanBus::Receiver receiver);
   void send(SimTime due, WireStatistics& statistics, const protocols::can::Frame& frame);
@@ -159,12 +184,15 @@ class FrameOutlet final : public QueuedOutlet {
   /// Confirmations and reports: `units` handed over, `dropped` refused.
   [[nodiscard]] const WireStatistics& controller_statistics() const { return controller_; }
   [[nodiscard]] WireKind kind() const override { return WireKind::can; }
+  bool arrive(const WirePiece& piece) override;
 
  private:
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
   void tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
                std::span<const std::uint8_t> bytes) override;
   drivers::CanBus& bus_;
+  drivers::CanBus::Receiver receiver_;
+  drivers::CanBus::ClientWatcher watcher_;
   std::deque<protocols::can::Frame> unsettled_;  ///< Of the client; kept while there is a tap.
   WireStatistics controller_;
   std::size_t frames_waiting_ = 0;

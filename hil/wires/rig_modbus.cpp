@@ -94,7 +94,7 @@ class RigModbusRtu final
 
  private:
   void listen(Executive& executive) override {
-    endpoint_.on_client([this, &executive](const drivers::LineClient& client) {
+    outlet_.on_client([this, &executive](const drivers::LineClient& client) {
       server_.set_client(executive.arrive(), {client.present, seen_baud(check_baud_, client.baud)});
     });
     outlet_.start([this, &executive](std::span<const std::uint8_t> bytes) {

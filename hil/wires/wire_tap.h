@@ -43,8 +43,9 @@ struct StreamPiece {
   std::span<const std::uint8_t> bytes;
 };
 
+/// Bytes, frames, and how the client has set its end: the last two are only ever received.
 using WirePiece = std::variant<SerialPiece, DatagramPiece, StreamPiece, protocols::can::Frame,
-                               protocols::can::ErrorFrame>;
+                               protocols::can::ErrorFrame, drivers::LineClient, drivers::CanClient>;
 
 /// Of one wire. On the wire thread; never throws, never waits. What is told is valid during the
 /// call.
@@ -55,7 +56,8 @@ class WireTap {
   virtual void sent(SimTime at, const WirePiece& piece) = 0;
   /// A client's, which the bus carried at `at`; in the same order.
   virtual void carried(SimTime at, const WirePiece& piece) = 0;
-  /// A client's, which the device has been given just now.
+  /// A client's, which the device has been given just now. A frame has been offered to the bus, and
+  /// is told again when the bus has carried it.
   virtual void received(const WirePiece& piece) = 0;
   /// Of a device, due at `at`; neither in the queue nor at the endpoint was there room for it.
   virtual void lost(SimTime at) = 0;

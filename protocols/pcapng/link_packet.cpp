@@ -97,6 +97,80 @@ std::span<std::uint8_t> append_ip(Bytes& out, std::uint8_t protocol, std::uint32
   return ip.subspan(kIpHead);
 }
 
+/// What an IPv4 packet carries.
+struct IpContent {
+  std::uint32_t from = 0;
+  std::uint32_t to = 0;
+  std::size_t offset = 0;  ///< Of `bytes` in the packet.
+  std::size_t length = 0;  ///< As the head says; `bytes` may be longer (padding) or shorter.
+  std::span<const std::uint8_t> bytes;
+};
+
+/// Of that protocol, at least `needed` bytes.
+Decoded<IpContent> ip_content(std::span<const std::uint8_t> packet, LinkType link,
+                              std::uint8_t protocol, std::size_t needed) {
+  const auto shorter_than = [&](std::size_t size) { return packet.size() < size; };
+  constexpr std::size_t kCookedHead = 16;
+  constexpr std::size_t kCooked2Head = 20;
+  std::size_t type_at = kEthernetHead - 2;  // where the protocol of the content stands
+  std::size_t at = kEthernetHead;
+  switch (link) {
+    case LinkType::raw_ip:
+      at = 0;
+      break;
+    case LinkType::linux_cooked:
+      type_at = kCookedHead - 2;
+      at = kCookedHead;
+      break;
+    case LinkType::linux_cooked_2:
+      type_at = 0;
+      at = kCooked2Head;
+      break;
+    case LinkType::ethernet:
+      break;
+    default:
+      return Malformed{"no link that carries IP", 0};
+  }
+  if (at != 0) {
+    if (shorter_than(at)) {
+      return Incomplete{at, packet.size()};
+    }
+    auto type = load_big<std::uint16_t>(packet, type_at);
+    for (int tags = 0; tags < 2 && (type == kVlan || type == kProviderVlan); ++tags) {
+      if (shorter_than(at + 4)) {
+        return Incomplete{at + 4, packet.size()};
+      }
+      type = load_big<std::uint16_t>(packet, at + 2);
+      at += 4;
+    }
+    if (type != kIpv4) {
+      return Malformed{"no IPv4", type_at};
+    }
+  }
+  if (shorter_than(at + kIpHead)) {
+    return Incomplete{at + kIpHead, packet.size()};
+  }
+  const auto ip = packet.subspan(at);
+  const std::size_t head = 4U * (ip[0] & 0x0FU);
+  const std::size_t total = load_big<std::uint16_t>(ip, 2);
+  if (ip[0] >> 4U != 4 || head < kIpHead || total < head + needed) {
+    return Malformed{"no head of IPv4", at};
+  }
+  if (ip[9] != protocol) {
+    return Malformed{"another protocol over IPv4", at + 9};
+  }
+  // "More fragments", and where the fragment begins.
+  if ((load_big<std::uint16_t>(ip, 6) & 0x3FFFU) != 0) {
+    return Malformed{"a fragment", at + 6};
+  }
+  if (ip.size() < head + needed) {
+    return Incomplete{at + head + needed, packet.size()};
+  }
+  return {{load_big<std::uint32_t>(ip, 12), load_big<std::uint32_t>(ip, 16), at + head,
+           total - head, ip.subspan(head)},
+          packet.size()};
+}
+
 }  // namespace
 
 CanPacket can_packet(const can::Frame& frame) {
@@ -176,48 +250,49 @@ void append_udp(Bytes& out, const IpEnd& from, const IpEnd& to,
   std::copy(bytes.begin(), bytes.end(), udp.begin() + kUdpHead);
 }
 
-Decoded<UdpPacket> udp_packet(std::span<const std::uint8_t> packet) {
-  const auto shorter_than = [&](std::size_t needed) { return packet.size() < needed; };
-  std::size_t at = kEthernetHead - 2;
-  for (int tags = 0; tags < 2 && !shorter_than(at + 6); ++tags) {
-    const auto type = load_big<std::uint16_t>(packet, at);
-    if (type != kVlan && type != kProviderVlan) {
-      break;
-    }
-    at += 4;
+Decoded<UdpPacket> udp_packet(std::span<const std::uint8_t> packet, LinkType link) {
+  const auto found = ip_content(packet, link, kUdp, kUdpHead);
+  if (!found.ok()) {
+    return found.malformed() ? Decoded<UdpPacket>(found.fault())
+                             : Decoded<UdpPacket>(found.shortage());
   }
-  if (shorter_than(at + 2 + kIpHead)) {
-    return Incomplete{at + 2 + kIpHead, packet.size()};
-  }
-  if (load_big<std::uint16_t>(packet, at) != kIpv4) {
-    return Malformed{"no IPv4", at};
-  }
-  const auto ip = packet.subspan(at + 2);
-  const std::size_t head = 4U * (ip[0] & 0x0FU);
-  if (ip[0] >> 4U != 4 || head < kIpHead) {
-    return Malformed{"no head of IPv4", at + 2};
-  }
-  if (ip[9] != kUdp) {
-    return Malformed{"no UDP", at + 2 + 9};
-  }
-  // "More fragments", and where the fragment begins.
-  if ((load_big<std::uint16_t>(ip, 6) & 0x3FFFU) != 0) {
-    return Malformed{"a fragment", at + 2 + 6};
-  }
-  if (ip.size() < head + kUdpHead) {
-    return Incomplete{at + 2 + head + kUdpHead, packet.size()};
-  }
-  const auto udp = ip.subspan(head);
+  const std::span<const std::uint8_t> udp = found->bytes;
   const std::size_t length = load_big<std::uint16_t>(udp, 4);
   if (length < kUdpHead) {
-    return Malformed{"the length of a datagram", at + 2 + head + 4};
+    return Malformed{"the length of a datagram", found->offset + 4};
   }
   if (udp.size() < length) {
-    return Incomplete{at + 2 + head + length, packet.size()};
+    return Incomplete{found->offset + length, packet.size()};
   }
-  return {{{load_big<std::uint32_t>(ip, 12), load_big<std::uint16_t>(udp, 0)},
-           {load_big<std::uint32_t>(ip, 16), load_big<std::uint16_t>(udp, 2)},
+  return {{{found->from, load_big<std::uint16_t>(udp, 0)},
+           {found->to, load_big<std::uint16_t>(udp, 2)},
            udp.subspan(kUdpHead, length - kUdpHead)},
+          packet.size()};
+}
+
+Decoded<TcpPacket> tcp_packet(std::span<const std::uint8_t> packet) {
+  const auto found = ip_content(packet, LinkType::ethernet, kTcp, kTcpHead);
+  if (!found.ok()) {
+    return found.malformed() ? Decoded<TcpPacket>(found.fault())
+                             : Decoded<TcpPacket>(found.shortage());
+  }
+  const std::span<const std::uint8_t> tcp = found->bytes;
+  const std::size_t head = 4U * (tcp[12] >> 4U);
+  if (head < kTcpHead || found->length < head) {
+    return Malformed{"the length of a head of TCP", found->offset + 12};
+  }
+  if (tcp.size() < found->length) {
+    return Incomplete{found->offset + found->length, packet.size()};
+  }
+  constexpr std::uint8_t kFin = 0x01;
+  constexpr std::uint8_t kSyn = 0x02;
+  constexpr std::uint8_t kReset = 0x04;
+  return {{{found->from, load_big<std::uint16_t>(tcp, 0)},
+           {found->to, load_big<std::uint16_t>(tcp, 2)},
+           (tcp[13] & kSyn) != 0,
+           (tcp[13] & kFin) != 0,
+           (tcp[13] & kReset) != 0,
+           tcp.subspan(head, found->length - head)},
           packet.size()};
 }
 

@@ -81,8 +81,21 @@ struct UdpPacket {
   IpEnd to;
   std::span<const std::uint8_t> bytes;
 };
-/// Malformed: no UDP over IPv4 on Ethernet (one or two VLAN tags allowed), or a fragment.
-[[nodiscard]] Decoded<UdpPacket> udp_packet(std::span<const std::uint8_t> packet);
+/// Malformed: no UDP over IPv4 on that link (Ethernet with up to two VLAN tags, Linux cooked, raw
+/// IP), or a fragment.
+[[nodiscard]] Decoded<UdpPacket> udp_packet(std::span<const std::uint8_t> packet,
+                                            LinkType link = LinkType::ethernet);
+
+struct TcpPacket {
+  IpEnd from;
+  IpEnd to;
+  bool opens = false;  ///< SYN.
+  bool ends = false;   ///< FIN.
+  bool resets = false;
+  std::span<const std::uint8_t> bytes;
+};
+/// Malformed: no TCP over IPv4 on Ethernet, or a fragment.
+[[nodiscard]] Decoded<TcpPacket> tcp_packet(std::span<const std::uint8_t> packet);
 
 /// One connection as its two ends would have met it: numbers run on, nothing is lost, every segment
 /// acknowledges all that came before.

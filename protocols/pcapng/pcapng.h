@@ -30,8 +30,11 @@ namespace rigwire::protocols::pcapng {
 /// What the bytes of a packet are, by tcpdump.org's list of link types.
 enum class LinkType : std::uint16_t {
   ethernet = 1,
-  socketcan = 227,    ///< struct can_frame, identifier in network order.
-  rtac_serial = 250,  ///< A head of twelve bytes, then what the line carried.
+  raw_ip = 101,          ///< The packet begins with its IP head.
+  linux_cooked = 113,    ///< Linux "any" device: sixteen bytes in front, the last two its protocol.
+  socketcan = 227,       ///< struct can_frame, identifier in network order.
+  rtac_serial = 250,     ///< A head of twelve bytes, then what the line carried.
+  linux_cooked_2 = 276,  ///< The same, twenty bytes, the first two its protocol.
 };
 
 /// Seen from the device that is emulated, whose wire the interface is.

@@ -1,0 +1,117 @@
+#include "hil/files/capture_file.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cerrno>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+#include <variant>
+
+#include "drivers/endpoints.h"
+
+namespace rigwire::hil {
+namespace {
+
+namespace pcapng = protocols::pcapng;
+
+constexpr std::array<std::uint8_t, 4> kSection{0x0A, 0x0D, 0x0D, 0x0A};
+
+bool begins_as_pcapng(std::span<const std::uint8_t> bytes) {
+  return bytes.size() >= kSection.size() &&
+         std::equal(kSection.begin(), kSection.end(), bytes.begin());
+}
+
+}  // namespace
+
+CaptureFile::CaptureFile(std::filesystem::path path) : path_(std::move(path)) {
+  errno = 0;
+  std::error_code error;
+  file_.open(path_, std::ios::binary);
+  if (!file_ || std::filesystem::is_directory(path_, error)) {
+    throw drivers::EndpointError(
+        fmt::format("the capture {}: {}", path_.string(),
+                    errno == 0 ? "no file" : std::generic_category().message(errno)));
+  }
+  (void)read_more();
+  if (pcapng::PcapReader::begins(bytes_)) {
+    const auto head = pcap_.emplace().head(bytes_);
+    if (head.malformed()) {
+      refuse(head.fault());
+    }
+    truncated_ = !head.ok();
+    packet_.interface = head.ok() ? *head : pcapng::Interface{};
+    at_ = head.consumed();
+  } else if (!begins_as_pcapng(bytes_)) {
+    throw std::invalid_argument(
+        fmt::format("the capture {}: neither pcap nor pcapng, found {} bytes that begin otherwise",
+                    path_.string(), bytes_.empty() ? "no" : "some"));
+  }
+}
+
+bool CaptureFile::is_one(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::array<std::uint8_t, 4> begin{};
+  file.read(reinterpret_cast<char*>(begin.data()), begin.size());
+  return file && (begins_as_pcapng(begin) || pcapng::PcapReader::begins(begin));
+}
+
+bool CaptureFile::read_more() {
+  constexpr std::size_t kPiece = 256 * 1024;
+  bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(at_));
+  offset_ += std::exchange(at_, 0);
+  const std::size_t had = bytes_.size();
+  bytes_.resize(had + kPiece);
+  file_.read(reinterpret_cast<char*>(bytes_.data()) + had, kPiece);
+  bytes_.resize(had + static_cast<std::size_t>(file_.gcount()));
+  return bytes_.size() > had;
+}
+
+void CaptureFile::refuse(const protocols::Malformed& fault) const {
+  throw std::invalid_argument(fmt::format("the capture {}: {} at byte {}", path_.string(),
+                                          fault.reason, offset_ + at_ + fault.offset));
+}
+
+const CapturedPacket* CaptureFile::next() {
+  while (true) {
+    const auto rest = std::span<const std::uint8_t>(bytes_).subspan(at_);
+    bool found = false;
+    std::size_t taken = 0;
+    if (pcap_) {
+      const auto packet = pcap_->next(rest);
+      if (packet.malformed()) {
+        refuse(packet.fault());
+      }
+      found = packet.ok();
+      taken = packet.consumed();
+      if (found) {
+        packet_.packet = *packet;
+      }
+    } else {
+      const auto block = pcapng_.next(rest);
+      if (block.malformed()) {
+        refuse(block.fault());
+      }
+      taken = block.consumed();
+      const auto* packet = block.ok() ? std::get_if<pcapng::Packet>(&*block) : nullptr;
+      found = packet != nullptr;
+      if (found) {
+        packet_ = {*packet, pcapng_.interfaces()[packet->interface]};
+      }
+    }
+    if (taken == 0) {
+      if (read_more()) {
+        continue;
+      }
+      truncated_ = truncated_ || at_ < bytes_.size();
+      return nullptr;
+    }
+    at_ += taken;
+    if (found) {
+      return &packet_;
+    }
+  }
+}
+
+}  // namespace rigwire::hil

@@ -1,0 +1,54 @@
+// A capture as tcpdump, Wireshark or `rigwire run --record` write it (pcap, pcapng), packet by
+// packet: memory is that of one packet, whatever the file's size.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <vector>
+
+#include "protocols/pcapng/pcap.h"
+#include "protocols/pcapng/pcapng.h"
+
+namespace rigwire::hil {
+
+struct CapturedPacket {
+  protocols::pcapng::Packet packet;
+  protocols::pcapng::Interface interface;
+};
+
+class CaptureFile {
+ public:
+  /// Throws drivers::EndpointError where the file cannot be read, std::invalid_argument where it is
+  /// no capture.
+  explicit CaptureFile(std::filesystem::path path);
+
+  /// Whether a file begins as a capture. False: it cannot be read, too.
+  [[nodiscard]] static bool is_one(const std::filesystem::path& path);
+
+  /// The next packet in the order of the file, which is not always that of time; null at the end.
+  /// Valid until the next call. Throws std::invalid_argument naming file and byte where it is
+  /// malformed.
+  [[nodiscard]] const CapturedPacket* next();
+  /// After the end: the file ended in the middle of a packet. What was whole has been handed out.
+  [[nodiscard]] bool truncated() const { return truncated_; }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  /// More of the file behind what is left of it; false: there is no more.
+  bool read_more();
+  [[noreturn]] void refuse(const protocols::Malformed& fault) const;
+
+  std::filesystem::path path_;
+  std::ifstream file_;
+  std::vector<std::uint8_t> bytes_;
+  std::size_t at_ = 0;        ///< Taken of `bytes_`.
+  std::uint64_t offset_ = 0;  ///< Of `bytes_` in the file.
+  bool truncated_ = false;
+  std::optional<protocols::pcapng::PcapReader> pcap_;  ///< Nothing: it is pcapng.
+  protocols::pcapng::Reader pcapng_;
+  CapturedPacket packet_;
+};
+
+}  // namespace rigwire::hil

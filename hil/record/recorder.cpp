@@ -192,11 +192,15 @@ class Recorder::Arrivals final : public Outlet {
 };
 
 void Recorder::Wire::received(const WirePiece& piece) {
+  const SimTime now = recorder_.executive_->now();
   if (const auto* frame = std::get_if<protocols::can::Frame>(&piece)) {
-    put_end(recorder_.executive_->now(), "frame " + protocols::can::frame_text(*frame));
-    return;
+    put_end(now, "frame " + protocols::can::frame_text(*frame));
+  } else if (std::holds_alternative<drivers::LineClient>(piece) ||
+             std::holds_alternative<drivers::CanClient>(piece)) {
+    put(now, kInbound, piece);  // in a file of its own, in the order of the client's acts
+  } else {
+    recorder_.arrivals_->add(now, *this, piece);
   }
-  recorder_.arrivals_->add(recorder_.executive_->now(), *this, piece);
 }
 
 /// Tells of faults when they begin and end, and of each second's figures.

@@ -93,8 +93,8 @@ void make_private(RigConfiguration& rig, const fs::path& folder,
   for (auto& [name, bus] : rig.buses) {
     if (bus.ports != 1 || bus.socketcand.port != 0) {
       remarks.push_back(fmt::format(
-          "bus {}: what clients of its further ports sent is not told apart from devices, and is "
-          "not given again",
+          "bus {}: what clients of further ports (ports, socketcand) sent stands as the devices', "
+          "and is not given again",
           name));
     }
     bus.ports = 1;

@@ -1,0 +1,133 @@
+// A recorded run with its clients once more: equal, and a byte that was changed is named.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "child_process.h"
+#include "private_wires.h"
+
+namespace rigwire {
+namespace {
+
+using namespace std::chrono_literals;
+using test::ChildProcess;
+using test::eventually;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class ReplayedRig : public testing::Test {
+ protected:
+  [[nodiscard]] std::filesystem::path folder(const std::string& name) const {
+    return wires_.folder / name;
+  }
+  [[nodiscard]] std::vector<std::string> run(const std::vector<std::string>& more) const {
+    std::vector<std::string> words{kProgram, "run",      "excavator_pit",     "--status",
+                                   "none",   "--record", folder("a").string()};
+    for (const auto& set : wires_.sets()) {
+      words.insert(words.end(), {"--set", set});
+    }
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  /// Its exit code; what it printed is in `printed_`.
+  int verify() {
+    ChildProcess program({kProgram, "replay", folder("a").string(), "--verify"},
+                         folder("verify.log"));
+    const int code = program.wait(120s).value_or(-1);
+    printed_ = program.output();
+    return code;
+  }
+  /// What a shell command prints, which must end well.
+  void shell(const std::string& command) const {
+    ChildProcess program({"bash", "-c", command}, folder("shell.log"));
+    ASSERT_EQ(program.wait(60s), 0) << command << "\n" << program.output();
+  }
+  void free_run() const {
+    ChildProcess rig(run({"--clock", "free", "--duration", "1s"}), folder("rig.log"));
+    ASSERT_EQ(rig.wait(240s), 0) << rig.output();
+  }
+  /// Turns one bit of the byte `behind` the first place where `pattern` stands, in the later half.
+  void damage(const std::string& file, const std::string& pattern, std::size_t behind) const {
+    const auto path = folder("a") / file;
+    std::ifstream in(path, std::ios::binary);
+    std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    const std::size_t at = bytes.find(pattern, bytes.size() / 2);
+    ASSERT_NE(at, std::string::npos);
+    bytes[at + behind] = static_cast<char>(bytes[at + behind] ^ 1);
+    std::ofstream(path, std::ios::binary) << bytes;
+  }
+
+  static constexpr const char* kProgram = RIGWIRE_BINARY_DIR "/rigwire";
+  test::PrivateWires wires_;
+  std::string printed_;
+};
+
+TEST_F(ReplayedRig, WithClientsOfModbusUbxAndCanIsTheSameRunAgain) {
+  ChildProcess rig(run({}), folder("rig.log"));
+  ASSERT_TRUE(eventually([&] { return wires_.are_up(); })) << rig.output();
+  const std::string port = std::to_string(wires_.modbus_port);
+  shell("mbpoll -m tcp -p " + port + " -a 1 -0 -t 3 -r 30 -c 4 -1 127.0.0.1");
+  shell("mbpoll -m tcp -p " + port + " -a 1 -0 -t 4 -r 0 127.0.0.1 0 0 0");
+  shell(
+      "/usr/bin/python3 -c 'import can, time\n"
+      "bus = can.Bus(interface=\"slcan\", channel=\"" +
+      wires_.can() +
+      "\", bitrate=250000)\n"
+      "for i in range(20):\n"
+      "  bus.send(can.Message(arbitration_id=0x18EA80FE, data=[0xDA, 0xFE, 0]))\n"
+      "  time.sleep(0.01)\n"
+      "bus.shutdown()'");
+  {  // a poll of MON-VER
+    std::ofstream line(wires_.gnss(), std::ios::binary);
+    line.write("\xB5\x62\x0A\x04\x00\x00\x0E\x34", 8);
+    line.flush();
+    std::this_thread::sleep_for(500ms);
+  }
+  // Beside the running rig, whose wires it must leave alone.
+  rig.signal(SIGINT);
+  ASSERT_EQ(rig.wait(20s), 130) << rig.output();
+  EXPECT_EQ(verify(), 0) << printed_;
+  EXPECT_THAT(printed_, AllOf(HasSubstr("gnss      clients  1 "), HasSubstr("equal to ")));
+}
+
+TEST_F(ReplayedRig, IsToldByTheFirstByteThatDiffersWithMessageAndField) {
+  free_run();
+  EXPECT_EQ(verify(), 0) << printed_;
+  // The third byte of the data of an OpenIMU's slope sensor (PGN 61481).
+  damage("wires/can.pcapng", std::string("\x8C\xF0\x29", 3), 4 + 4 + 2);
+  EXPECT_EQ(verify(), 5) << printed_;
+  EXPECT_THAT(printed_, AllOf(HasSubstr("0CF029"), HasSubstr("data byte 2, signal "),
+                              HasSubstr(": found "), HasSubstr("different to 1.0")));
+}
+
+TEST_F(ReplayedRig, BesideARunningRigLeavesItsWiresAlone) {
+  free_run();
+  std::filesystem::rename(folder("a"), folder("b"));
+  ChildProcess rig(run({}), folder("live.log"));
+  ASSERT_TRUE(eventually([&] { return wires_.are_up(); })) << rig.output();
+  std::filesystem::rename(folder("b"), folder("c"));
+  ChildProcess program({kProgram, "replay", folder("c").string(), "--verify"},
+                       folder("verify.log"));
+  EXPECT_EQ(program.wait(120s), 0) << program.output();
+  EXPECT_TRUE(wires_.are_up());
+  EXPECT_TRUE(std::filesystem::is_symlink(wires_.gnss()));
+  rig.signal(SIGINT);
+  EXPECT_EQ(rig.wait(20s), 130) << rig.output();
+}
+
+TEST_F(ReplayedRig, ThatIsNoRecordingCannotBeRun) {
+  std::filesystem::create_directory(folder("a"));
+  EXPECT_EQ(verify(), 3);
+  EXPECT_THAT(printed_, HasSubstr("recording.json"));
+}
+
+}  // namespace
+}  // namespace rigwire

@@ -115,6 +115,8 @@ constexpr std::array kTypes{
     DeviceType{
         {"usb-passthrough", "A real USB device of this machine, passed on by the rig's USB bus."},
         fresh_usb_passthrough},
+    DeviceType{{"replay", "What passed on a wire, out of a recording, capture or log."},
+               fresh_replay},
 };
 
 }  // namespace

@@ -1,0 +1,299 @@
+// Plays a file on a wire: what a real device, or a recorded run, once sent. It answers nothing;
+// what clients ask is counted as unanswered.
+#include <fmt/format.h>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "drivers/udp_socket.h"
+#include "fields/visitor.h"
+#include "hil/devices/can_device.h"
+#include "hil/devices/device.h"
+#include "hil/devices/device_configuration.h"
+#include "hil/devices/device_types.h"
+#include "hil/devices/rig_check.h"
+#include "hil/executive/executive.h"
+#include "hil/files/replay_source.h"
+#include "hil/wires/line_ports.h"
+#include "hil/wires/outlets.h"
+#include "protocols/can/bits.h"
+
+namespace rigwire::hil {
+namespace {
+
+enum class ReplayWire { pty, udp, can };
+constexpr std::array<fields::Choice<ReplayWire>, 3> kReplayWires{
+    {{ReplayWire::pty, "pty", "A serial line."},
+     {ReplayWire::udp, "udp", "Datagrams."},
+     {ReplayWire::can, "can", "A node of one of the rig's buses."}}};
+
+constexpr std::array<ReplayedKind, 3> kKinds{ReplayedKind::bytes, ReplayedKind::datagrams,
+                                             ReplayedKind::frames};
+constexpr std::array<const char*, 3> kKindNames{"bytes of a serial line", "UDP datagrams",
+                                                "CAN frames"};
+
+struct ReplayConfiguration final : DeviceConfigurationOf<ReplayConfiguration> {
+  ReplaySourceSettings source;
+  ReplayWire wire = ReplayWire::pty;
+  std::string path;
+  unsigned ports = 1;
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 0;
+  bool allow_remote = false;
+  std::string bus = "can";
+
+  void visit(fields::Visitor& v) override {
+    v.required("source");
+    v.section("source", source, "The file, and which piece of it.");
+    v.choice("wire", wire, kReplayWires, "What it is played on.");
+    v.only_if(wire == ReplayWire::pty, "wire", "wire: pty", [this](fields::Visitor& w) {
+      w.text("path", path, "Symbolic link to the pty; what a client opens.");
+      w.integer("ports", ports, kPorts, kSerialPortsText);
+    });
+    v.only_if(wire == ReplayWire::udp, "wire", "wire: udp", [this](fields::Visitor& w) {
+      w.text("address", address, "Where datagrams go, IPv4.");
+      w.integer("port", port, fields::IntegerRule{0, 65535},
+                "Where they go; 0 = each to the port that it went to.");
+      w.boolean("allow_remote", allow_remote, "Permits an address outside this machine.");
+    });
+    v.only_if(wire == ReplayWire::can, "wire", "wire: can", [this](fields::Visitor& w) {
+      w.text("bus", bus, "Name of the rig's bus that the node is on.");
+    });
+  }
+  void validate() const override {}
+  void check(const std::string& at, RigCheck& check) const override {
+    switch (wire) {
+      case ReplayWire::pty:
+        check.port_paths(at, path, ports);
+        break;
+      case ReplayWire::udp:
+        check.address(at + ".address", address, allow_remote);
+        break;
+      case ReplayWire::can:
+        check.bus(at, bus);
+        break;
+    }
+  }
+  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view /*name*/) const override {
+    return {};
+  }
+  [[nodiscard]] std::vector<fields::Named> fault_kinds() const override { return {}; }
+
+  [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
+    const std::string where = wire == ReplayWire::pty   ? "pty " + port_list(path, ports)
+                              : wire == ReplayWire::udp ? fmt::format("udp {}:{}", address, port)
+                                                        : can_wire(rig, bus, "as recorded");
+    return {where, "as recorded", "", source.file};
+  }
+  [[nodiscard]] std::optional<BusShare> bus_share(std::string_view /*name*/) const override {
+    return wire == ReplayWire::can ? std::optional(BusShare{bus, 0.0, {}}) : std::nullopt;
+  }
+  [[nodiscard]] DeviceDescription describe() const override {
+    DeviceDescription description;
+    description.wire = "a serial line on a pty, UDP, or a node on CAN";
+    description.document = "the file's own";
+    description.page = "replay.md";
+    description.messages = {{"units of the file", "as recorded", "byte by byte"}};
+    return description;
+  }
+  [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
+};
+
+/// Sends each unit with the instant at which it is due, and hears without answering.
+class Player final : public emulators::CanDevice {
+ public:
+  using Send = std::function<void(const ReplayedUnit&)>;
+
+  Player(const ReplaySourceSettings& settings, std::optional<std::uint32_t> bit_rate_bps)
+      : source_(settings), bit_rate_bps_(bit_rate_bps) {
+    take();
+  }
+  void send_by(Send send) { send_ = std::move(send); }
+  [[nodiscard]] const ReplayedSummary& summary() const { return source_.summary(); }
+
+  void advance(SimTime now) override {
+    while (next_ != nullptr && begin_ <= now) {
+      send_(*next_);
+      take();
+    }
+  }
+  [[nodiscard]] SimTime next_event() const override { return next_ == nullptr ? kNever : begin_; }
+  [[nodiscard]] SamplePlan sample_plan() const override { return {}; }
+  [[nodiscard]] emulators::ReceiveCounters received() const override { return received_; }
+  [[nodiscard]] double nominal_rate_hz() const override {
+    const double length_s = to_seconds(summary().length);
+    return length_s > 0.0 ? static_cast<double>(summary().units) / length_s : 0.0;
+  }
+  [[nodiscard]] std::span<const emulators::Quantity> quantities() const override { return {}; }
+  [[nodiscard]] std::vector<protocols::can::OwnedMessage> messages(
+      std::string_view /*name*/) const override {
+    return {};
+  }
+  void receive(SimTime /*now*/, const protocols::can::Frame& /*frame*/) override {
+    ++received_.ignored;
+  }
+  void hear(SimTime now, std::span<const std::uint8_t> bytes) {
+    received_.bytes += bytes.size();
+    ++received_.ignored;
+    last_ = now;
+  }
+  [[nodiscard]] std::optional<ClientRequest> last_request() const {
+    return last_ ? std::optional(ClientRequest{*last_, "unanswered"}) : std::nullopt;
+  }
+
+ private:
+  void take() {
+    next_ = source_.next();
+    if (next_ == nullptr) {
+      return;
+    }
+    begin_ = next_->due;
+    if (bit_rate_bps_) {
+      // Recorded is where a frame was complete: it begins as much earlier as it lasts, without the
+      // three bits of interframe space that exact_bits() counts.
+      constexpr unsigned kInterframe = 3;
+      const std::int64_t bits = protocols::can::exact_bits(next_->frame) - kInterframe;
+      begin_ = std::max({begun_, kStart, begin_ - Duration{bits * 1'000'000'000 / *bit_rate_bps_}});
+    }
+    begun_ = begin_;
+  }
+
+  ReplaySource source_;
+  std::optional<std::uint32_t> bit_rate_bps_;  ///< On a bus.
+  Send send_;
+  const ReplayedUnit* next_ = nullptr;
+  SimTime begin_{};  ///< When it is handed over.
+  SimTime begun_{};
+  emulators::ReceiveCounters received_;
+  std::optional<SimTime> last_;
+};
+
+class ReplayDevice final : public Device, private EventSource {
+ public:
+  ReplayDevice(const ReplayConfiguration& configuration, Site& site)
+      : wire_(configuration.wire),
+        player_(configuration.source,
+                wire_ == ReplayWire::can
+                    ? std::optional(site.bus(configuration.bus).bus().settings().bit_rate_bps)
+                    : std::nullopt) {
+    const auto kind = static_cast<std::size_t>(wire_);
+    if (player_.summary().kind != kKinds[kind]) {
+      throw std::invalid_argument(fmt::format(
+          "devices.{}.wire: the file has another kind of wire, found {}, allowed {}", site.name(),
+          kKindNames[static_cast<std::size_t>(player_.summary().kind)], kKindNames[kind]));
+    }
+    Executive& executive = site.executive();
+    executive.add(static_cast<EventSource&>(*this));
+    switch (wire_) {
+      case ReplayWire::pty:
+        open_line(configuration, site);
+        break;
+      case ReplayWire::udp:
+        open_sockets(configuration, site);
+        break;
+      case ReplayWire::can:
+        bus_ = &site.bus(configuration.bus);
+        node_ = &bus_->add_node(own_statistics());
+        bus_->attach(*node_, player_);
+        player_.send_by(
+            [this](const ReplayedUnit& unit) { node_->send(player_.next_event(), unit.frame); });
+        break;
+    }
+  }
+
+  [[nodiscard]] drivers::EndpointStatus endpoint() const override {
+    return line_             ? line_->status()
+           : bus_ != nullptr ? bus_->endpoint()
+                             : sockets_.front()->status();
+  }
+  [[nodiscard]] const emulators::Device& emulator() const override { return player_; }
+  [[nodiscard]] std::optional<ClientRequest> last_request() const override {
+    return player_.last_request();
+  }
+  [[nodiscard]] std::uint64_t dropped() const override {
+    return statistics().dropped + (node_ == nullptr ? 0 : bus_->bus().counters(*node_).overflowed);
+  }
+  [[nodiscard]] std::vector<NamedCount> counts() const override {
+    return {{"units of the file", player_.summary().units},
+            {"requests unanswered", wire_ == ReplayWire::can ? 0 : player_.received().ignored}};
+  }
+  [[nodiscard]] std::string remark() const override {
+    const ReplayedSummary& piece = player_.summary();
+    std::string text =
+        fmt::format("replays {} units, {:.3f} s", piece.units, to_seconds(piece.length));
+    if (piece.truncated) {
+      text += "; the file ends in the middle of one, what is whole is played";
+    }
+    if (piece.went_back != 0) {
+      text += fmt::format("; the time of {} goes back by less than a second", piece.went_back);
+    }
+    return text;
+  }
+
+ private:
+  void open_line(const ReplayConfiguration& configuration, Site& site) {
+    line_ = open_serial_ports(site.io(), configuration.path, configuration.ports,
+                              configuration.source.baud);
+    stream_.emplace(*line_, own_statistics());
+    site.executive().add(*stream_);
+    stream_->start([this, &executive = site.executive()](std::span<const std::uint8_t> bytes) {
+      player_.hear(client_arrived(executive), bytes);
+    });
+    player_.send_by([this](const ReplayedUnit& unit) { stream_->send(unit.due, unit.bytes); });
+  }
+
+  void open_sockets(const ReplayConfiguration& configuration, Site& site) {
+    std::vector<std::uint16_t> ports{configuration.port};
+    if (configuration.port == 0) {
+      ports = player_.summary().to_ports;
+    }
+    constexpr std::size_t kMost = 16;
+    if (ports.size() > kMost) {
+      throw std::invalid_argument(
+          fmt::format("devices.{}.source: datagrams to {} ports, allowed {}: name one by to_port",
+                      site.name(), ports.size(), kMost));
+    }
+    for (const std::uint16_t port : ports) {
+      drivers::UdpSettings settings;
+      settings.destination = drivers::UdpEndpoint{configuration.address, port};
+      settings.broadcast = true;  // where it may go is checked against the rig's permission
+      sockets_.push_back(std::make_unique<drivers::UdpSocket>(site.io(), settings));
+      outlets_.push_back(std::make_unique<DatagramOutlet>(*sockets_.back(), own_statistics()));
+      site.executive().add(*outlets_.back());
+    }
+    player_.send_by([this, ports](const ReplayedUnit& unit) {
+      const auto at = std::ranges::find(ports, unit.to.port);
+      outlets_[at == ports.end() ? 0 : static_cast<std::size_t>(at - ports.begin())]->send(
+          unit.due, unit.bytes);
+    });
+  }
+
+  [[nodiscard]] SimTime next_event() const override { return player_.next_event(); }
+  [[nodiscard]] SimTime next_wakeup() const override { return player_.next_event(); }
+  void advance(SimTime now) override { player_.advance(now); }
+
+  ReplayWire wire_;
+  Player player_;
+  std::unique_ptr<drivers::ByteStream> line_;
+  std::optional<StreamOutlet> stream_;
+  std::vector<std::unique_ptr<drivers::UdpSocket>> sockets_;
+  std::vector<std::unique_ptr<DatagramOutlet>> outlets_;
+  RigCan* bus_ = nullptr;
+  emulators::FrameOutput* node_ = nullptr;
+};
+
+std::unique_ptr<Device> ReplayConfiguration::make(Site& site) const {
+  return std::make_unique<ReplayDevice>(*this, site);
+}
+
+}  // namespace
+
+std::unique_ptr<DeviceConfiguration> fresh_replay() {
+  return std::make_unique<ReplayConfiguration>();
+}
+
+}  // namespace rigwire::hil

@@ -143,6 +143,8 @@ struct Parsed {
   std::string camera_truth;
   std::string recording;
   bool verify = false;
+  bool loop = false;
+  std::string speed;
   std::string from;
   std::string to;
   std::string status;
@@ -287,15 +289,22 @@ void declare(CLI::App& app, Parsed& parsed) {
       "  rigwire record cut /tmp/dig --from 12s --to 15s -o /tmp/moment");
 
   CLI::App* replay_app =
-      app.add_subcommand("replay", "Run a recording once more, and compare every byte");
+      app.add_subcommand("replay", "Play a recording on its wires, or run it again and compare");
   replay_app->add_option("folder", parsed.recording, "As run --record had it")->required();
   replay_app->add_flag(
       "--verify", parsed.verify,
       "Run the recorded configuration with its clients again, on wires that nobody\n"
       "hears, and name the first byte of each wire that differs (exit code 5)");
-  replay_app->add_flag("--json", parsed.json, "What was found, as JSON");
+  replay_app->add_flag("--json", parsed.json, "What --verify found, as JSON");
+  replay_app->add_option("--clock", parsed.clock, "real, free, scaled:X");
+  replay_app->add_flag("--loop", parsed.loop, "Begins again at its end");
+  replay_app->add_option("--speed", parsed.speed, "How much faster than it was, 0.001 .. 1000");
+  replay_app->add_option("--from", parsed.from, "Where the piece begins, simulated time");
+  replay_app->add_option("--to", parsed.to, "Where it ends");
   log_level(replay_app);
-  replay_app->footer("\nExample:\n  rigwire replay /tmp/dig --verify");
+  replay_app->footer(
+      "\nExamples:\n  rigwire replay /tmp/dig --verify\n"
+      "  rigwire replay /tmp/dig --loop");
 
   CLI::App* check_app = app.add_subcommand("check", "Check a rig; every finding in one pass");
   rig(check_app);
@@ -598,10 +607,46 @@ int dispatch_replay(const Parsed& parsed, Terminal terminal) {
   if (!level) {
     return refuse_log_level(parsed.log_level, terminal, "replay");
   }
-  if (!parsed.verify) {
-    return usage("replay: found no --verify, allowed FOLDER --verify", terminal.err, "replay");
+  const bool plays = parsed.loop || !(parsed.from + parsed.to + parsed.speed).empty();
+  if (parsed.verify ? plays : parsed.json) {
+    return usage(
+        "replay: allowed either --verify with --json, or --clock, --loop, --speed, --from, --to",
+        terminal.err, "replay");
   }
-  return verify_verb(parsed.recording, parsed.json, *level, terminal);
+  if (parsed.verify) {
+    return verify_verb(parsed.recording, parsed.json, *level, terminal);
+  }
+  RunOptions options;
+  options.log_level = *level;
+  const auto clock = parse_clock_mode(parsed.clock);
+  if (!clock || clock->kind == ClockMode::Kind::step) {
+    return usage(fmt::format("--clock: not a clock of a replay, found \"{}\", allowed real, free, "
+                             "scaled:X with X = 0.01 .. 1000",
+                             parsed.clock),
+                 terminal.err, "replay");
+  }
+  options.clock = *clock;
+  ReplayedPiece piece;
+  piece.loop = parsed.loop;
+  if (!parsed.speed.empty()) {
+    char* end = nullptr;
+    piece.speed = std::strtod(parsed.speed.c_str(), &end);
+    if (*end != '\0' || !(piece.speed >= 0.001 && piece.speed <= 1000.0)) {
+      return usage(fmt::format("--speed: found \"{}\", allowed 0.001 .. 1000", parsed.speed),
+                   terminal.err, "replay");
+    }
+  }
+  const auto from = parsed.from.empty() ? std::optional(Duration{0}) : parse_duration(parsed.from);
+  const auto to = parsed.to.empty() ? std::optional(Duration{0}) : parse_duration(parsed.to);
+  if (!from || !to || (!parsed.to.empty() && *from >= *to)) {
+    return usage(fmt::format("replay: no span of time, found --from {} --to {}, allowed for "
+                             "example --from 2s --to 2500ms",
+                             parsed.from, parsed.to),
+                 terminal.err, "replay");
+  }
+  piece.from = *from;
+  piece.to = *to;
+  return replay_verb(parsed.recording, piece, std::move(options), terminal);
 }
 
 int dispatch(const CLI::App& app, Parsed& parsed, Terminal terminal) {

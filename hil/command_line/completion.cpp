@@ -35,7 +35,7 @@ _rigwire() {
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
     schema) local options="rig machine scene valve-map dbc-node --help" ;;
     record) local options="info cut --from --to --output --json --help" ;;
-    replay) local options="--verify --json --log-level --help" ;;
+    replay) local options="--verify --json --clock --loop --speed --from --to --log-level --help" ;;
     ctl) local options="state read pause resume run_until step speed wait fault_add fault_clear fault_list stop --help" ;;
     completion) local options="bash zsh fish" ;;
     *) local options="--json --help" ;;
@@ -79,7 +79,7 @@ _rigwire() {
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
     schema) compadd -- rig machine scene valve-map dbc-node ;;
     record) compadd -- info cut --from --to --output --json --help ;;
-    replay) compadd -- --verify --json --log-level --help ;;
+    replay) compadd -- --verify --json --clock --loop --speed --from --to --log-level --help ;;
     ctl) compadd -- state read pause resume run_until step speed wait fault_add fault_clear fault_list stop --help ;;
     completion) compadd -- bash zsh fish ;;
     doctor) compadd -- --json --help ;;

@@ -348,6 +348,19 @@ int verify_verb(const std::string& folder, bool json, LogLevel log_level, Termin
   return code(end);
 }
 
+int replay_verb(const std::string& folder, const ReplayedPiece& piece, RunOptions options,
+                Terminal terminal) {
+  require_open_files();
+  const ReplayedRig rig = replayed_rig(folder, piece);
+  for (const std::string& remark : rig.remarks) {
+    terminal.err << "rigwire: " << remark << "\n";
+  }
+  if (!piece.loop) {
+    options.duration = rig.length;
+  }
+  return run(rig.configuration, options);
+}
+
 int bench_verb(const std::vector<std::string>& arguments, Terminal terminal) {
   const std::filesystem::path program =
       std::filesystem::read_symlink("/proc/self/exe").parent_path() / "rigwire-bench";

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/control/replayed_rig.h"
 #include "hil/control/run.h"
 #include "hil/rig/picture.h"
 
@@ -59,6 +60,9 @@ struct Terminal {
 /// Runs a recording once more and compares: 0 equal, 5 different, 3 where it cannot be run.
 [[nodiscard]] int verify_verb(const std::string& folder, bool json, LogLevel log_level,
                               Terminal terminal);
+/// Plays a recording on the wires of its rig.
+[[nodiscard]] int replay_verb(const std::string& folder, const ReplayedPiece& piece,
+                              RunOptions options, Terminal terminal);
 [[nodiscard]] int completion_verb(const std::string& shell, Terminal terminal);
 
 /// One row per device: name, type, wire, what it sends by itself. For --dry-run.

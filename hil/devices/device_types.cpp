@@ -5,6 +5,7 @@
 
 #include "hil/devices/dbc_node.h"
 #include "hil/devices/gige_camera.h"
+#include "hil/devices/replay.h"
 #include "hil/devices/rotary_encoder.h"
 #include "hil/devices/starfire.h"
 #include "hil/devices/ublox.h"
@@ -116,7 +117,7 @@ constexpr std::array kTypes{
         {"usb-passthrough", "A real USB device of this machine, passed on by the rig's USB bus."},
         fresh_usb_passthrough},
     DeviceType{{"replay", "What passed on a wire, out of a recording, capture or log."},
-               fresh_replay},
+               fresh<ReplayConfiguration>},
 };
 
 }  // namespace

@@ -19,7 +19,6 @@ namespace rigwire::hil {
 [[nodiscard]] std::unique_ptr<DeviceConfiguration> fresh_iso_valves();
 [[nodiscard]] std::unique_ptr<DeviceConfiguration> fresh_ntrip_caster();
 [[nodiscard]] std::unique_ptr<DeviceConfiguration> fresh_openimu(emulators::OpenImuVariant variant);
-[[nodiscard]] std::unique_ptr<DeviceConfiguration> fresh_replay();
 [[nodiscard]] std::unique_ptr<DeviceConfiguration> fresh_usb_passthrough();
 [[nodiscard]] std::unique_ptr<DeviceConfiguration> fresh_vehicle_gateway();
 [[nodiscard]] std::unique_ptr<DeviceConfiguration> fresh_xsens();

@@ -1,5 +1,5 @@
-// Plays a file on a wire: what a real device, or a recorded run, once sent. It answers nothing;
-// what clients ask is counted as unanswered.
+#include "hil/devices/replay.h"
+
 #include <fmt/format.h>
 
 #include <array>
@@ -25,7 +25,6 @@
 namespace rigwire::hil {
 namespace {
 
-enum class ReplayWire { pty, udp, can };
 constexpr std::array<fields::Choice<ReplayWire>, 3> kReplayWires{
     {{ReplayWire::pty, "pty", "A serial line."},
      {ReplayWire::udp, "udp", "Datagrams."},
@@ -35,73 +34,6 @@ constexpr std::array<ReplayedKind, 3> kKinds{ReplayedKind::bytes, ReplayedKind::
                                              ReplayedKind::frames};
 constexpr std::array<const char*, 3> kKindNames{"bytes of a serial line", "UDP datagrams",
                                                 "CAN frames"};
-
-struct ReplayConfiguration final : DeviceConfigurationOf<ReplayConfiguration> {
-  ReplaySourceSettings source;
-  ReplayWire wire = ReplayWire::pty;
-  std::string path;
-  unsigned ports = 1;
-  std::string address = "127.0.0.1";
-  std::uint16_t port = 0;
-  bool allow_remote = false;
-  std::string bus = "can";
-
-  void visit(fields::Visitor& v) override {
-    v.required("source");
-    v.section("source", source, "The file, and which piece of it.");
-    v.choice("wire", wire, kReplayWires, "What it is played on.");
-    v.only_if(wire == ReplayWire::pty, "wire", "wire: pty", [this](fields::Visitor& w) {
-      w.text("path", path, "Symbolic link to the pty; what a client opens.");
-      w.integer("ports", ports, kPorts, kSerialPortsText);
-    });
-    v.only_if(wire == ReplayWire::udp, "wire", "wire: udp", [this](fields::Visitor& w) {
-      w.text("address", address, "Where datagrams go, IPv4.");
-      w.integer("port", port, fields::IntegerRule{0, 65535},
-                "Where they go; 0 = each to the port that it went to.");
-      w.boolean("allow_remote", allow_remote, "Permits an address outside this machine.");
-    });
-    v.only_if(wire == ReplayWire::can, "wire", "wire: can", [this](fields::Visitor& w) {
-      w.text("bus", bus, "Name of the rig's bus that the node is on.");
-    });
-  }
-  void validate() const override {}
-  void check(const std::string& at, RigCheck& check) const override {
-    switch (wire) {
-      case ReplayWire::pty:
-        check.port_paths(at, path, ports);
-        break;
-      case ReplayWire::udp:
-        check.address(at + ".address", address, allow_remote);
-        break;
-      case ReplayWire::can:
-        check.bus(at, bus);
-        break;
-    }
-  }
-  [[nodiscard]] std::vector<FaultWindow> fault_windows(std::string_view /*name*/) const override {
-    return {};
-  }
-  [[nodiscard]] std::vector<fields::Named> fault_kinds() const override { return {}; }
-
-  [[nodiscard]] DevicePlan plan(const RigView& rig) const override {
-    const std::string where = wire == ReplayWire::pty   ? "pty " + port_list(path, ports)
-                              : wire == ReplayWire::udp ? fmt::format("udp {}:{}", address, port)
-                                                        : can_wire(rig, bus, "as recorded");
-    return {where, "as recorded", "", source.file};
-  }
-  [[nodiscard]] std::optional<BusShare> bus_share(std::string_view /*name*/) const override {
-    return wire == ReplayWire::can ? std::optional(BusShare{bus, 0.0, {}}) : std::nullopt;
-  }
-  [[nodiscard]] DeviceDescription describe() const override {
-    DeviceDescription description;
-    description.wire = "a serial line on a pty, UDP, or a node on CAN";
-    description.document = "the file's own";
-    description.page = "replay.md";
-    description.messages = {{"units of the file", "as recorded", "byte by byte"}};
-    return description;
-  }
-  [[nodiscard]] std::unique_ptr<Device> make(Site& site) const override;
-};
 
 /// Sends each unit with the instant at which it is due, and hears without answering.
 class Player final : public emulators::CanDevice {
@@ -286,14 +218,63 @@ class ReplayDevice final : public Device, private EventSource {
   emulators::FrameOutput* node_ = nullptr;
 };
 
-std::unique_ptr<Device> ReplayConfiguration::make(Site& site) const {
-  return std::make_unique<ReplayDevice>(*this, site);
-}
-
 }  // namespace
 
-std::unique_ptr<DeviceConfiguration> fresh_replay() {
-  return std::make_unique<ReplayConfiguration>();
+void ReplayConfiguration::visit(fields::Visitor& v) {
+  v.required("source");
+  v.section("source", source, "The file, and which piece of it.");
+  v.choice("wire", wire, kReplayWires, "What it is played on.");
+  v.only_if(wire == ReplayWire::pty, "wire", "wire: pty", [this](fields::Visitor& w) {
+    w.text("path", path, "Symbolic link to the pty; what a client opens.");
+    w.integer("ports", ports, kPorts, kSerialPortsText);
+  });
+  v.only_if(wire == ReplayWire::udp, "wire", "wire: udp", [this](fields::Visitor& w) {
+    w.text("address", address, "Where datagrams go, IPv4.");
+    w.integer("port", port, fields::IntegerRule{0, 65535},
+              "Where they go; 0 = each to the port that it went to.");
+    w.boolean("allow_remote", allow_remote, "Permits an address outside this machine.");
+  });
+  v.only_if(wire == ReplayWire::can, "wire", "wire: can", [this](fields::Visitor& w) {
+    w.text("bus", bus, "Name of the rig's bus that the node is on.");
+  });
+}
+void ReplayConfiguration::check(const std::string& at, RigCheck& check) const {
+  switch (wire) {
+    case ReplayWire::pty:
+      check.port_paths(at, path, ports);
+      break;
+    case ReplayWire::udp:
+      check.address(at + ".address", address, allow_remote);
+      break;
+    case ReplayWire::can:
+      check.bus(at, bus);
+      break;
+  }
+}
+std::vector<FaultWindow> ReplayConfiguration::fault_windows(std::string_view /*name*/) const {
+  return {};
+}
+
+DevicePlan ReplayConfiguration::plan(const RigView& rig) const {
+  const std::string where = wire == ReplayWire::pty   ? "pty " + port_list(path, ports)
+                            : wire == ReplayWire::udp ? fmt::format("udp {}:{}", address, port)
+                                                      : can_wire(rig, bus, "as recorded");
+  return {where, "as recorded", "", source.file};
+}
+std::optional<BusShare> ReplayConfiguration::bus_share(std::string_view /*name*/) const {
+  return wire == ReplayWire::can ? std::optional(BusShare{bus, 0.0, {}}) : std::nullopt;
+}
+DeviceDescription ReplayConfiguration::describe() const {
+  DeviceDescription description;
+  description.wire = "a serial line on a pty, UDP, or a node on CAN";
+  description.document = "the file's own";
+  description.page = "replay.md";
+  description.messages = {{"units of the file", "as recorded", "byte by byte"}};
+  return description;
+}
+
+std::unique_ptr<Device> ReplayConfiguration::make(Site& site) const {
+  return std::make_unique<ReplayDevice>(*this, site);
 }
 
 }  // namespace rigwire::hil

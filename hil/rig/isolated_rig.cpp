@@ -26,8 +26,10 @@ struct ClientPort {
   std::string_view type;
   std::string_view key;
 };
-constexpr std::array<ClientPort, 2> kClientPorts{
-    {{"velodyne-", "port"}, {"velodyne-", "position_port"}}};
+constexpr std::array<ClientPort, 3> kClientPorts{
+    {{"velodyne-", "port"}, {"velodyne-", "position_port"}, {"replay", "port"}}};
+/// IPv4 addresses of wires: what is bound, listened at, sent from or to.
+constexpr std::array<std::string_view, 2> kAddresses{"address", "source_address"};
 
 /// Files of ground truth.
 constexpr std::array<std::string_view, 3> kTruthFiles{"path", "lidar_path", "camera_folder"};
@@ -99,8 +101,9 @@ class Isolation {
   void client_ports(const std::string& at, const OutlineNode& node) {
     const OutlineNode* type = find(node, "type");
     for (const ClientPort& port : kClientPorts) {
-      if (type != nullptr && type->canonical.starts_with(port.type) &&
-          find(node, port.key) != nullptr) {
+      const OutlineNode* found = find(node, port.key);
+      if (type != nullptr && type->canonical.starts_with(port.type) && found != nullptr &&
+          found->canonical != "0") {
         replace(fmt::format("{}.{}", at, port.key), std::to_string(claims_.datagram_port()));
       }
     }
@@ -136,9 +139,10 @@ class Isolation {
   void addresses(const std::string& at, const OutlineNode& node) {
     for (const OutlineNode& child : node.children) {
       const std::string key = at + "." + child.key;
-      const auto parts = child.key.ends_with("address") && child.type == "text"
-                             ? ipv4(child.canonical)
-                             : std::nullopt;
+      const bool is_address =
+          child.type == "text" &&
+          std::find(kAddresses.begin(), kAddresses.end(), child.key) != kAddresses.end();
+      const auto parts = is_address ? ipv4(child.canonical) : std::nullopt;
       if (!parts) {
         addresses(key, child);
       } else if ((*parts)[0] == 127) {

@@ -163,6 +163,24 @@ TEST_F(IsolatedRig, WhatADeviceSavesIsACopy) {
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), "saved");
 }
 
+TEST_F(IsolatedRig, WhereAReplayedFileCameFromIsNoPlaceOfTheRun) {
+  const fs::path log = wires.folder / "a.pcap";
+  std::ofstream(log) << "not read here";
+  const LoadedRig rig = load(
+      "devices:\n"
+      "  one: {type: replay, wire: udp, address: 127.0.0.1, port: 2368, source: {file: " +
+      log.string() +
+      ", from_address: 192.168.1.201}}\n"
+      "  two: {type: replay, wire: udp, address: 127.0.0.9, port: 0, source: {file: " +
+      log.string() + "}}\n");
+  drivers::LoopbackClaims claims;
+  const auto values = values_of(isolated(rig, wires.folder, claims));
+  EXPECT_EQ(values.at("devices.one.source.from_address"), "192.168.1.201");
+  EXPECT_EQ(values.at("devices.one.address"), claims.address(1));
+  EXPECT_NE(values.at("devices.one.port"), "2368");
+  EXPECT_EQ(values.at("devices.two.port"), "0") << "as recorded";
+}
+
 TEST_F(IsolatedRig, FilesOfTruthAreWrittenIntoTheFolder) {
   const LoadedRig rig = load("truth: {path: /tmp/rigwire/truth.csv}\ndevices: {}\n");
   drivers::LoopbackClaims claims;

@@ -95,6 +95,41 @@ TEST(VehicleTilt, RollGradientIsThatOfItsPage) {
   EXPECT_NEAR((roll - 5.0) / std::sin(5.0 * kDegree), 7.6, 0.3);
 }
 
+// A steady circle: what was measured on a side slope is so while driving, and it understeers.
+TEST(VehicleHandling, SteadyCircleGivesTheGradientsOfItsPage) {
+  struct Steady {
+    double curve_rad;  // L r / v: the steer that the circle would need without slip.
+    double across_mps2;
+    double roll_rad;
+  };
+  const auto circle = [](double start_mps) {
+    BareVehicle rig(slope(0.0));
+    VehicleCommand command = released();
+    command.front_steer_rad = 0.1;
+    rig.machine.command(command);
+    rig.machine.start_rolling(start_mps);
+    Steady mean{};
+    for (int i = 0; i < 5000; ++i) {
+      rig.machine.step(std::chrono::milliseconds(1));
+      if (i >= 4000) {
+        const LinkMotion body = rig.machine.links()[0];
+        const double speed = body.v_WL_W.norm();
+        const double turn = body.w_WL_W.z();
+        mean.curve_rad += 1e-3 * WheeledVehicleParameters{}.wheelbase_m() * turn / speed;
+        mean.across_mps2 += 1e-3 * speed * turn;
+        mean.roll_rad += 1e-3 * std::asin(body.X_WL.linear()(2, 1));
+      }
+    }
+    return mean;
+  };
+  const Steady slow = circle(2.0);
+  const Steady fast = circle(12.0);
+  ASSERT_GT(fast.across_mps2, 2.0);
+  const double per_g = kGravity / (fast.across_mps2 - slow.across_mps2) / kDegree;
+  EXPECT_NEAR((slow.curve_rad - fast.curve_rad) * per_g, 0.84, 0.1) << "understeer, deg/g";
+  EXPECT_NEAR((fast.roll_rad - slow.roll_rad) * per_g, 7.8, 0.3) << "roll, deg/g";
+}
+
 /// Front left and rear right wheel on blocks.
 Ground diagonal_blocks(double height_m) {
   HeightField field;

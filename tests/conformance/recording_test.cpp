@@ -1,17 +1,18 @@
 // What a run records, judged by the tools that open it: tshark and capinfos, python-can, gpsd's
 // decoder, and a reader of MCAP that shares nothing with us.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "child_process.h"
@@ -96,11 +97,20 @@ TEST_F(RecordedRig, ToolsReadWhatDevicesAndClientsSaid) {
       "end = time.monotonic() + 2\n"
       "while time.monotonic() < end: bus.recv(0.1)\n"
       "bus.shutdown()'");
-  {  // a poll of MON-VER
-    std::ofstream line(wires_.gnss(), std::ios::binary);
-    line.write("\xB5\x62\x0A\x04\x00\x00\x0E\x34", 8);
-    line.flush();
-    std::this_thread::sleep_for(2s);
+  {  // a poll of MON-VER, and its answer
+    const int line = ::open(wires_.gnss().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
+    ASSERT_GE(line, 0);
+    ASSERT_EQ(::write(line, "\xB5\x62\x0A\x04\x00\x00\x0E\x34", 8), 8);
+    std::string taken;
+    const bool answered = eventually([&] {
+      std::array<char, 4096> bytes;
+      for (ssize_t size = 0; (size = ::read(line, bytes.data(), bytes.size())) > 0;) {
+        taken.append(bytes.data(), static_cast<std::size_t>(size));
+      }
+      return taken.find("\xB5\x62\x0A\x04") != std::string::npos;
+    });
+    ::close(line);
+    EXPECT_TRUE(answered) << rig.output();
   }
   rig.signal(SIGINT);
   ASSERT_EQ(rig.wait(20s), 130) << rig.output();

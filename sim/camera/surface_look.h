@@ -4,8 +4,8 @@
 //
 // Colours are albedos by band (red, green, blue) of linear sRGB, of the order that field
 // measurements give (ECOSTRESS spectral library, Meerdink et al. 2019: soils 0.1 .. 0.35, leaves
-// 0.04 .. 0.12 in the visible, concrete 0.3 .. 0.4). Paint is even but for dirt and wear. Meshes with
-// colours of their own (triangle_mesh.h) have those for their label's (painted_looks.h).
+// 0.04 .. 0.12 in the visible, concrete 0.3 .. 0.4). Paint is even but for dirt and wear. Meshes
+// with colours of their own (triangle_mesh.h) have those for their label's (painted_looks.h).
 #pragma once
 
 #include <Eigen/Core>

@@ -25,8 +25,7 @@ namespace rigwire::sim {
 /// A surface look made ready: its grain's lattice where the scene stands still.
 struct PreparedLook {
   Shade shade;
-  std::array<std::int32_t, 3> cell{};
-  std::array<float, 3> share{};
+  std::array<std::uint32_t, 3> place{};
 };
 
 /// Light as the lanes take it.

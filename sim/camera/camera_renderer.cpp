@@ -24,7 +24,7 @@ namespace rigwire::sim {
 namespace {
 
 constexpr int kTileWidth = 32;
-constexpr int kTileHeight = 8;
+constexpr int kTileHeight = 16;
 constexpr int kRowsAtOnce = 8;
 constexpr int kMostRaysAcross = 32;
 constexpr std::size_t kSunPoints = 256;

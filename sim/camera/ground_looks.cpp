@@ -136,8 +136,8 @@ RIGWIRE_WIDE_VECTORS void GroundLooks::find(const std::array<int, kLanes>& mine,
   for (std::size_t i = 0; i < kLanes; ++i) {
     place_x[i] = (met.x[i] + offset_x) * per_m_;
     place_y[i] = (met.y[i] + offset_y) * per_m_;
-    float x = place_x[i] > 0.0F ? place_x[i] : 0.0F;
-    float y = place_y[i] > 0.0F ? place_y[i] : 0.0F;
+    float x = choose(place_x[i] > 0.0F, place_x[i], 0.0F);
+    float y = choose(place_y[i] > 0.0F, place_y[i], 0.0F);
     x = x < last_x ? x : last_x;
     y = y < last_y ? y : last_y;
     const int c = static_cast<int>(x);
@@ -173,13 +173,30 @@ RIGWIRE_WIDE_VECTORS void GroundLooks::find(const std::array<int, kLanes>& mine,
     const float cosine = std::max(std::abs(rays.dir_z[i]), 0.05F);
     return rays.tfar[i] * pixel_rad[i] / std::sqrt(cosine) + 1e-6F;
   };
-  if (cover_ == nullptr) {
-    // Mostly nothing is steep.
-    const float bare_from = looks[own].shade.bare_from;
+  // Mostly there is one soil, and nothing is steep.
+  alignas(32) std::array<std::uint32_t, kLanes> cells;
+  std::uint32_t common = own;
+  unsigned differ = 0;
+  if (cover_ != nullptr) {
+    const auto across = static_cast<std::uint32_t>(columns_ - 1);
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      cells[i] =
+          static_cast<std::uint32_t>(row[i]) * across + static_cast<std::uint32_t>(column[i]);
+    }
+    const std::uint8_t* const labels = cover_->cells.data();
+    const std::uint8_t* const edges = cover_->near_edge.data();
+    const unsigned first = labels[cells[0]];
+    for (const std::uint32_t of : cells) {
+      differ |= (labels[of] ^ first) | edges[of];
+    }
+    common = of_label[first];
+  }
+  if (differ == 0) {
+    const float bare_from = looks[common].shade.bare_from;
     const float begin = bare_from > 0.0F ? (1.0F - kRaggedSlope) * bare_from : 1e18F;
     int somewhere = 0;
     for (std::size_t i = 0; i < kLanes; ++i) {
-      look[i] = choose(mine[i] != 0, std::uint32_t{own}, look[i]);
+      look[i] = choose(mine[i] != 0, common, look[i]);
       somewhere |= steep[i] > begin * begin ? mine[i] : 0;
     }
     if (somewhere == 0) {
@@ -192,8 +209,7 @@ RIGWIRE_WIDE_VECTORS void GroundLooks::find(const std::array<int, kLanes>& mine,
     }
     std::uint32_t here = own;
     if (cover_ != nullptr) {
-      std::size_t of = static_cast<std::size_t>(row[i]) * static_cast<std::size_t>(columns_ - 1) +
-                       static_cast<std::size_t>(column[i]);
+      std::size_t of = cells[i];
       if (cover_->near_edge[of] != 0) {
         of = cell_beyond_edges(place_x[i], place_y[i], footprint_m(i), looks);
       }

@@ -175,6 +175,12 @@ RIGWIRE_WIDE_VECTORS void PixelRays::turn_to(int column, int row, PixelPacket& p
       static_cast<std::size_t>(row / kPacketHeight) * static_cast<std::size_t>(blocks_across_) +
       static_cast<std::size_t>(column / kPacketWidth);
   const LaneArray& angle_rad = blocks_[packet.block].angle_rad;
+  // Tiles go down from here: the block below comes next.
+  const PixelBlock* const below =
+      blocks_.data() +
+      std::min(packet.block + static_cast<std::size_t>(blocks_across_), blocks_.size() - 1);
+  __builtin_prefetch(&below->x);
+  __builtin_prefetch(&below->z);
   const int columns = width_ - column;
   const int rows = height_ - row;
 #pragma GCC ivdep

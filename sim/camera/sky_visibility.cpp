@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "sim/lidar/counter_noise.h"
@@ -13,6 +14,8 @@ namespace rigwire::sim {
 namespace {
 
 constexpr std::array<float, SkyVisibility::kHeights> kHeights_m{0.3F, 3.0F, 10.0F};
+/// A node of the lattice.
+using Four = float __attribute__((vector_size(16)));
 constexpr double kLeastCell_m = 1.0;
 constexpr float kFarthest_m = 80.0F;
 constexpr int kMostNodes = 96;
@@ -108,7 +111,7 @@ RIGWIRE_WIDE_VECTORS void SkyVisibility::at(const LaneArray& x_m, const LaneArra
     share.fill(1.0F);
     return;
   }
-  LaneArray a, b, height_m;
+  LaneArray a, b;
   alignas(32) std::array<int, kLanes> first;
   const float offset_x = offset_m.x();
   const float offset_y = offset_m.y();
@@ -117,11 +120,10 @@ RIGWIRE_WIDE_VECTORS void SkyVisibility::at(const LaneArray& x_m, const LaneArra
   const float last_y = static_cast<float>(rows_ - 1) - 1e-3F;
 #pragma GCC ivdep
   for (std::size_t i = 0; i < kLanes; ++i) {
-    height_m[i] = z_m[i] + offset_z;
     float x = (x_m[i] + offset_x) * per_m_;
     float y = (y_m[i] + offset_y) * per_m_;
-    x = x > 0.0F ? x : 0.0F;
-    y = y > 0.0F ? y : 0.0F;
+    x = choose(x > 0.0F, x, 0.0F);
+    y = choose(y > 0.0F, y, 0.0F);
     x = x < last_x ? x : last_x;
     y = y < last_y ? y : last_y;
     const int column = static_cast<int>(x);
@@ -130,34 +132,24 @@ RIGWIRE_WIDE_VECTORS void SkyVisibility::at(const LaneArray& x_m, const LaneArra
     b[i] = y - static_cast<float>(row);
     first[i] = row * columns_ + column;
   }
-  // One cell after the other for all lanes, and each lane keeps what is its own.
-  int done = -1;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    if (first[lane] == done) {
-      continue;
-    }
-    done = first[lane];
-    const Node* const south = nodes_.data() + done;
-    const Node* const north = south + columns_;
+  // Between the four nodes around; a node's numbers lie beside each other.
+  alignas(32) std::array<Node, kLanes> between;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    std::array<Four, 4> corner;
+    std::memcpy(corner.data(), nodes_.data() + first[i], 2 * sizeof(Node));
+    std::memcpy(corner.data() + 2, nodes_.data() + first[i] + columns_, 2 * sizeof(Node));
+    const Four south = corner[0] + a[i] * (corner[1] - corner[0]);
+    const Four north = corner[2] + a[i] * (corner[3] - corner[2]);
+    const Four here = south + b[i] * (north - south);
+    std::memcpy(&between[i], &here, sizeof(Node));
+  }
 #pragma GCC ivdep
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      // Each corner at the point's height above the corner's own ground: by a slope the corner
-      // uphill counts as low, the one downhill as high.
-      const auto corner = [&](const Node& n) {
-        const float h = height_m[i] - n.ground_m;
-        float low = (h - kHeights_m[0]) * (1.0F / (kHeights_m[1] - kHeights_m[0]));
-        float high = (h - kHeights_m[1]) * (1.0F / (kHeights_m[2] - kHeights_m[1]));
-        low = low > 0.0F ? low : 0.0F;
-        low = low < 1.0F ? low : 1.0F;
-        high = high > 0.0F ? high : 0.0F;
-        high = high < 1.0F ? high : 1.0F;
-        return n.share[0] + low * (n.share[1] - n.share[0]) + high * (n.share[2] - n.share[1]);
-      };
-      const float here =
-          (1.0F - b[i]) * ((1.0F - a[i]) * corner(south[0]) + a[i] * corner(south[1])) +
-          b[i] * ((1.0F - a[i]) * corner(north[0]) + a[i] * corner(north[1]));
-      share[i] = first[i] == done ? here : share[i];
-    }
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const Node& n = between[i];
+    const float h = z_m[i] + offset_z - n.ground_m;
+    const float low = clamp_to_one((h - kHeights_m[0]) * (1.0F / (kHeights_m[1] - kHeights_m[0])));
+    const float high = clamp_to_one((h - kHeights_m[1]) * (1.0F / (kHeights_m[2] - kHeights_m[1])));
+    share[i] = n.share[0] + low * (n.share[1] - n.share[0]) + high * (n.share[2] - n.share[1]);
   }
 }
 

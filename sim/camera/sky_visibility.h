@@ -31,8 +31,7 @@ class SkyVisibility {
   /// Share of the sky's light on level ground that comes through, 0 .. 1. Beyond the terrain's edge
   /// that of the nearest point.
   [[nodiscard]] float at(float x_m, float y_m, float z_m) const;
-  /// The same of eight points that are counted from `offset_m`, each axis by itself. They cost
-  /// least where they lie in one cell of the lattice.
+  /// The same of eight points that are counted from `offset_m`, each axis by itself.
   void at(const LaneArray& x_m, const LaneArray& y_m, const LaneArray& z_m,
           const Eigen::Vector3f& offset_m, LaneArray& share) const;
   [[nodiscard]] bool everywhere() const { return nodes_.empty(); }

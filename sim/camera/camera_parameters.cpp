@@ -23,7 +23,7 @@ void visit_pictures(fields::Visitor& v, CameraParameters& p) {
   v.number("near", p.near_m, in("m").between(0, 10), "Nearer than this nothing is seen.");
   v.number("far", p.far_m, in("m").between(1, 100000), "Beyond this only sky and far ground.");
   v.integer("threads", p.threads, IntegerRule{1, 64},
-            "Threads that render; pictures do not change.");
+            "Threads that render and match; pictures do not change.");
   v.list("looks", p.looks, "How surfaces look, by their labels.");
 }
 

@@ -1,9 +1,13 @@
 #include "sim/camera/semi_global_matcher.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <exception>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "sim/lidar/worker_pool.h"
 
 namespace rigwire::sim {
 namespace {
@@ -44,8 +48,9 @@ void compute(cv::StereoSGBM& matcher, const cv::Mat& left, const cv::Mat& right,
 
 class SemiGlobalMatcher final : public StereoMatcher {
  public:
-  explicit SemiGlobalMatcher(const StereoMatchingParameters& p)
+  SemiGlobalMatcher(const StereoMatchingParameters& p, int threads)
       : parameters_(p),
+        pool_(std::min(threads, 2)),
         matcher_(matcher_of(p, p.paths, p.speckle_px)),
         // Islands are taken out on the way there.
         back_matcher_(matcher_of(p, MatchingPaths::three, 0)) {}
@@ -55,7 +60,24 @@ class SemiGlobalMatcher final : public StereoMatcher {
   void match(const StereoPair& pair, bool confidence, DisparityPicture& found) override {
     const cv::Mat left = picture(pair, pair.left);
     const cv::Mat right = picture(pair, pair.right);
-    compute(*matcher_, left, right, forward_);
+    // There and back need nothing of each other.
+    std::array<std::exception_ptr, 2> failed;
+    pool_.run(confidence ? 2 : 1, [&](std::size_t way) {
+      try {
+        if (way == 0) {
+          compute(*matcher_, left, right, forward_);
+        } else {
+          match_back(left, right);
+        }
+      } catch (...) {
+        failed[way] = std::current_exception();
+      }
+    });
+    for (const std::exception_ptr& failure : failed) {
+      if (failure) {
+        std::rethrow_exception(failure);
+      }
+    }
     found.disparity_px.resize(pair.left.size());
     for (int row = 0; row < pair.height; ++row) {
       const auto* const steps = forward_.ptr<short>(row);
@@ -67,7 +89,6 @@ class SemiGlobalMatcher final : public StereoMatcher {
     }
     found.confidence.clear();
     if (confidence) {
-      match_back(left, right);
       judge(pair, found);
     }
   }
@@ -126,6 +147,7 @@ class SemiGlobalMatcher final : public StereoMatcher {
   }
 
   StereoMatchingParameters parameters_;
+  WorkerPool pool_;
   cv::Ptr<cv::StereoSGBM> matcher_;
   cv::Ptr<cv::StereoSGBM> back_matcher_;
   cv::Mat forward_, backward_, low_, wide_, mirrored_left_, mirrored_right_;
@@ -133,9 +155,9 @@ class SemiGlobalMatcher final : public StereoMatcher {
 
 }  // namespace
 
-std::unique_ptr<StereoMatcher> make_semi_global_matcher(
-    const StereoMatchingParameters& parameters) {
-  return std::make_unique<SemiGlobalMatcher>(parameters);
+std::unique_ptr<StereoMatcher> make_semi_global_matcher(const StereoMatchingParameters& parameters,
+                                                        int threads) {
+  return std::make_unique<SemiGlobalMatcher>(parameters, threads);
 }
 
 }  // namespace rigwire::sim

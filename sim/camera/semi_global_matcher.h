@@ -9,6 +9,6 @@ namespace rigwire::sim {
 
 /// `parameters` are valid.
 [[nodiscard]] std::unique_ptr<StereoMatcher> make_semi_global_matcher(
-    const StereoMatchingParameters& parameters);
+    const StereoMatchingParameters& parameters, int threads);
 
 }  // namespace rigwire::sim

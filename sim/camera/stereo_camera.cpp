@@ -91,7 +91,7 @@ class StereoCamera final : public CameraSensor {
       : parameters_(valid(parameters)),
         heads_{Head(parameters.camera, seed, std::string(name) + "/left"),
                Head(parameters.camera, seed, std::string(name) + "/right")},
-        matcher_(make_stereo_matcher(parameters.matching)) {
+        matcher_(make_stereo_matcher(parameters.matching, parameters.camera.threads)) {
     heads_[1].X_SC.translation().y() = -parameters.baseline_m;
     calibrated_right_ = heads_[1].X_SC;
     const Eigen::Vector3d& turn = parameters.misalignment_rad;

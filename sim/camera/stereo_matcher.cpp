@@ -131,12 +131,13 @@ void validate(const StereoMatchingParameters& p) {
                                      std::to_string(p.block_px));
 }
 
-std::unique_ptr<StereoMatcher> make_stereo_matcher(const StereoMatchingParameters& parameters) {
+std::unique_ptr<StereoMatcher> make_stereo_matcher(const StereoMatchingParameters& parameters,
+                                                   int threads) {
   validate(parameters);
   if (parameters.method == MatchingMethod::truth) {
     return std::make_unique<TruthMatcher>(parameters);
   }
-  return make_semi_global_matcher(parameters);
+  return make_semi_global_matcher(parameters, threads);
 }
 
 }  // namespace rigwire::sim

@@ -15,7 +15,8 @@
 // in common are fewer (table in docs/accuracy). Those that both share (repeated patterns, pixel
 // locking) do not show in it; things one row high come back less surely.
 //
-// The matcher runs on the calling thread and is the same whatever OpenCV's thread count.
+// The matcher runs on the calling thread, with two threads the way back beside it; what it finds is
+// the same whatever these and OpenCV's thread count.
 #pragma once
 
 #include <cstdint>
@@ -88,8 +89,8 @@ class StereoMatcher {
   virtual void match(const StereoPair& pair, bool confidence, DisparityPicture& found) = 0;
 };
 
-/// Throws std::invalid_argument as validate() does.
+/// Throws std::invalid_argument as validate() does. `threads`: that may run, the caller included.
 [[nodiscard]] std::unique_ptr<StereoMatcher> make_stereo_matcher(
-    const StereoMatchingParameters& parameters);
+    const StereoMatchingParameters& parameters, int threads = 1);
 
 }  // namespace rigwire::sim

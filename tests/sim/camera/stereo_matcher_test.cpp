@@ -96,6 +96,24 @@ TEST(StereoMatcher, OpenCVsThreadsDoNotChangeIt) {
   EXPECT_EQ(alone.confidence, found.confidence);
 }
 
+TEST(StereoMatcher, TheWayBackBesideTheOtherDoesNotChangeIt) {
+  StereoMatchingParameters parameters;
+  parameters.disparities = 32;
+  const Shifted shifted(9);
+  for (const MatchingPaths paths : {MatchingPaths::three, MatchingPaths::five}) {
+    parameters.paths = paths;
+    DisparityPicture alone;
+    make_stereo_matcher(parameters, 1)->match(shifted.pair(), true, alone);
+    const auto beside = make_stereo_matcher(parameters, 2);
+    for (int i = 0; i < 5; ++i) {
+      DisparityPicture found;
+      beside->match(shifted.pair(), true, found);
+      EXPECT_EQ(alone.disparity_px, found.disparity_px);
+      EXPECT_EQ(alone.confidence, found.confidence);
+    }
+  }
+}
+
 TEST(StereoMatcher, FlatPicturesHaveNoDisparity) {
   StereoMatchingParameters parameters;
   parameters.disparities = 32;

@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "drivers/endpoints.h"
+#include "drivers/loopback_claims.h"
 #include "hil/record/recorded_clients.h"
 #include "hil/record/recorder.h"
 #include "hil/rig/private_wires.h"
@@ -104,8 +105,9 @@ Verification verify_recording(const fs::path& folder, RunLog* log) {
   }
 
   const PrivateFolder own;
-  RigConfiguration rig_configuration = recorded;
-  make_private(rig_configuration, own.path, result.remarks);
+  drivers::LoopbackClaims claims;
+  const RigConfiguration rig_configuration =
+      made_private(recorded, own.path, claims, result.remarks);
   std::map<std::string, NoCanEnd> ends;
   OwnEnds own_ends;
   for (const RecordingContents::Wire& wire : contents.wires) {

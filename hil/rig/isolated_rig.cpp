@@ -42,8 +42,9 @@ std::optional<std::array<std::uint8_t, 4>> ipv4(const std::string& text) {
 
 class Isolation {
  public:
-  Isolation(const Origins& origins, const fs::path& folder, drivers::LoopbackClaims& claims)
-      : origins_(origins), folder_(folder), claims_(claims) {}
+  Isolation(const Origins& origins, const fs::path& folder, drivers::LoopbackClaims& claims,
+            RemoteAddresses remote)
+      : origins_(origins), folder_(folder), claims_(claims), remote_(remote) {}
 
   void rig(const RigConfiguration& configuration) {
     for (const OutlineNode& section : outline(configuration).children) {
@@ -147,7 +148,7 @@ class Isolation {
         addresses(key, child);
       } else if ((*parts)[0] == 127) {
         replace(key, claims_.address(host(*parts)));
-      } else {
+      } else if (remote_ == RemoteAddresses::refused) {
         problems_.add({origins_.nearest(key), key,
                        "an isolated run has addresses of this machine's loopback alone",
                        child.canonical, "127.0.0.0 .. 127.255.255.255", ""});
@@ -175,6 +176,7 @@ class Isolation {
   const Origins& origins_;
   const fs::path& folder_;
   drivers::LoopbackClaims& claims_;
+  RemoteAddresses remote_;
   std::set<std::string> links_;
   std::map<std::array<std::uint8_t, 4>, unsigned> hosts_;
   std::set<unsigned> taken_;
@@ -185,8 +187,9 @@ class Isolation {
 }  // namespace
 
 std::vector<Replacement> isolating(const RigConfiguration& configuration, const Origins& origins,
-                                   const fs::path& folder, drivers::LoopbackClaims& claims) {
-  Isolation isolation(origins, folder, claims);
+                                   const fs::path& folder, drivers::LoopbackClaims& claims,
+                                   RemoteAddresses remote) {
+  Isolation isolation(origins, folder, claims, remote);
   isolation.rig(configuration);
   return std::move(isolation).take();
 }

@@ -29,12 +29,19 @@ struct Replacement {
   std::string value;
 };
 
+/// What becomes of an address beyond this machine.
+enum class RemoteAddresses {
+  refused,
+  kept,  ///< Where nothing is sent.
+};
+
 /// `folder` is absolute and exists. Throws drivers::EndpointError, and ConfigurationError for an
-/// address beyond this machine, with the key's place.
+/// address that is refused, with the key's place.
 [[nodiscard]] std::vector<Replacement> isolating(const RigConfiguration& configuration,
                                                  const Origins& origins,
                                                  const std::filesystem::path& folder,
-                                                 drivers::LoopbackClaims& claims);
+                                                 drivers::LoopbackClaims& claims,
+                                                 RemoteAddresses remote = RemoteAddresses::refused);
 
 /// The configuration with these values. Throws ConfigurationError.
 [[nodiscard]] RigConfiguration with(const RigConfiguration& configuration,

@@ -123,6 +123,37 @@ TEST_F(ReplayedRig, BesideARunningRigLeavesItsWiresAlone) {
   EXPECT_EQ(rig.wait(20s), 130) << rig.output();
 }
 
+TEST_F(ReplayedRig, PlayedOnItsWiresGivesClientsTheSameBytes) {
+  free_run();
+  ChildProcess listener(
+      {"/usr/bin/python3", "-c",
+       "import os, socket, sys, time\n"
+       "pty, recorded = sys.argv[1], open(sys.argv[2], 'rb').read()\n"
+       "lidar = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)\n"
+       "lidar.bind(('127.0.0.1', int(sys.argv[3])))\n"
+       "lidar.settimeout(0.05)\n"
+       "print('ready', flush=True)\n"
+       "while not os.path.exists(pty): time.sleep(0.005)\n"
+       "line = os.open(pty, os.O_RDWR | os.O_NONBLOCK | os.O_NOCTTY)\n"
+       "capture = open(sys.argv[4], 'rb').read()\n"
+       "heard, good, bad, end = b'', 0, 0, time.monotonic() + 4\n"
+       "while time.monotonic() < end and len(heard) < len(recorded):\n"
+       "  try: heard += os.read(line, 4096)\n"
+       "  except (BlockingIOError, OSError): pass\n"
+       "  try: datagram = lidar.recv(2000)\n"
+       "  except TimeoutError: continue\n"
+       "  good, bad = (good + 1, bad) if datagram in capture else (good, bad + 1)\n"
+       "print('line', heard == recorded, 'lidar', good > 20, bad)\n",
+       wires_.gnss(), (folder("a") / "wires/gnss.bytes").string(),
+       std::to_string(wires_.lidar_port), (folder("a") / "wires/lidar.pcapng").string()},
+      folder("listener.log"));
+  ASSERT_TRUE(eventually([&] { return listener.output().find("ready") != std::string::npos; }));
+  ChildProcess replay({kProgram, "replay", folder("a").string()}, folder("replay.log"));
+  EXPECT_EQ(listener.wait(60s), 0) << listener.output();
+  EXPECT_THAT(listener.output(), HasSubstr("line True lidar True 0")) << replay.output();
+  EXPECT_EQ(replay.wait(30s), 0) << replay.output();
+}
+
 TEST_F(ReplayedRig, ThatIsNoRecordingCannotBeRun) {
   std::filesystem::create_directory(folder("a"));
   EXPECT_EQ(verify(), 3);

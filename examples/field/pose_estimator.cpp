@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "field/geometry.h"
@@ -177,7 +178,21 @@ Pose PoseEstimator::pose() const {
   pose.slip_angle_rad = slip_angle_rad_;
   pose.position_sigma_m = std::sqrt(std::max(0.0, p_[kEast][kEast] + p_[kNorth][kNorth]));
   pose.heading_sigma_rad = std::sqrt(std::max(0.0, p_[kHeading][kHeading]));
+  pose.since_fix_s = since_fix_s_;
   return pose;
+}
+
+std::optional<std::string> lost(const Pose& pose, double allowed_m) {
+  constexpr double kPatience_s = 3.0;
+  if (pose.since_fix_s < kPatience_s || 2.0 * pose.position_sigma_m < allowed_m) {
+    return std::nullopt;
+  }
+  char text[160];
+  (void)std::snprintf(text, sizeof(text),
+                      "no position for %.1f s: it may be %.1f m from where it is believed, allowed "
+                      "%.1f m",
+                      pose.since_fix_s, 2.0 * pose.position_sigma_m, allowed_m);
+  return text;
 }
 
 }  // namespace rigwire::field

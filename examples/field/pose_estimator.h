@@ -15,6 +15,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string>
 
 #include "field/geometry.h"
 
@@ -44,7 +46,12 @@ struct Pose {
   double slip_angle_rad = 0.0;  ///< Course against heading.
   double position_sigma_m = 0.0;
   double heading_sigma_rad = 0.0;
+  double since_fix_s = 0.0;  ///< Since the last fix.
 };
+
+/// Why a machine that must be within `allowed_m` must not go on: there has been no fix for 3 s, and
+/// it may be farther off than that by twice the standard deviation. Nothing while it may.
+[[nodiscard]] std::optional<std::string> lost(const Pose& pose, double allowed_m);
 
 class PoseEstimator {
  public:

@@ -88,6 +88,9 @@ std::optional<std::string> PathMission::fault() const {
                         std::abs(follower_.offset_m()), settings_.follower.off_path_m);
     return text;
   }
+  if (auto why = field::lost(pose_, settings_.follower.off_path_m)) {
+    return why;
+  }
   if (stuck_.stuck()) {
     (void)std::snprintf(text, sizeof(text),
                         "the vehicle does not move: asked for %.1f m/s, its wheels have stood for "

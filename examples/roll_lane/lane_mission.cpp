@@ -24,6 +24,7 @@ field::Mission::Start LaneMission::start(const field::PlanePosition& position) {
 
 field::VehicleOrders LaneMission::update(const field::Pose& pose, const field::VehicleReadings&,
                                          double step_s) {
+  pose_ = pose;
   const LaneOutput wanted = control_.update(pose, step_s);
   crab_rad_ = wanted.crab_rad;
   stuck_.update(wanted.speed_mps, pose.speed_mps, step_s);
@@ -59,6 +60,9 @@ std::optional<std::string> LaneMission::fault() const {
     (void)std::snprintf(text, sizeof(text), "%.2f m off the line, allowed %.2f m",
                         std::abs(control_.offset_m()), settings_.control.off_line_m);
     return text;
+  }
+  if (auto why = field::lost(pose_, settings_.control.off_line_m)) {
+    return why;
   }
   if (stuck_.stuck()) {
     return "the machine does not move";

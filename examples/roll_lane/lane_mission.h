@@ -32,6 +32,7 @@ class LaneMission final : public field::Mission {
  private:
   LaneMissionSettings settings_;
   LaneControl control_;
+  field::Pose pose_;
   double crab_rad_ = 0.0;
   field::StuckWatch stuck_{0.05};
 };

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
+#include <string>
 
 #include "vehicle_plant.h"
 
@@ -143,6 +145,27 @@ TEST(FieldPoseEstimator, AntennaAheadOfTheAxle) {
   const Errors errors = drive({.antenna_x_m = 2.5}, estimator);
   EXPECT_LT(errors.position_m, 0.05);
   EXPECT_LT(errors.heading_rad, 0.01);
+}
+
+TEST(FieldPoseEstimator, AMachineWithoutFixesIsLostWhenItMayBeTooFarOff) {
+  constexpr double kAllowed_m = 3.5;
+  PoseEstimator estimator(prompt());
+  estimator.start({0, 0}, 0.0, 0.1);
+  for (int i = 0; i < 500; ++i) {
+    estimator.advance(kStep_s, 2.0, 0.0, 0.0);
+    estimator.position({2.0 * kStep_s * (i + 1), 0});
+    EXPECT_FALSE(lost(estimator.pose(), kAllowed_m)) << "with fixes";
+  }
+  double blind_s = 0.0;
+  std::optional<std::string> why;
+  for (; !why && blind_s < 120.0; blind_s += kStep_s) {
+    estimator.advance(kStep_s, 2.0, 0.0, 0.0);
+    why = lost(estimator.pose(), kAllowed_m);
+  }
+  ASSERT_TRUE(why);
+  EXPECT_NE(why->find("no position for"), std::string::npos);
+  EXPECT_GE(blind_s, 3.0);
+  EXPECT_GE(2.0 * estimator.pose().position_sigma_m, kAllowed_m);
 }
 
 TEST(FieldPoseEstimator, OneWildFixIsNotBelievedManyAre) {

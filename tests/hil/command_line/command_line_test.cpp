@@ -321,8 +321,8 @@ TEST(CommandLine, every_device_is_described) {
     EXPECT_THAT(text.output, HasSubstr("keys in a rig"));
     const auto json = nlohmann::json::parse(rigwire("describe --json " + type).output);
     EXPECT_FALSE(json["messages"].empty()) << type;
-    EXPECT_EQ(json["quantities"].empty(),
-              type == "usb-passthrough" || type == "dbc-node" || type == "ntrip-caster")
+    EXPECT_EQ(json["quantities"].empty(), type == "usb-passthrough" || type == "dbc-node" ||
+                                              type == "ntrip-caster" || type == "replay")
         << type;
   }
   EXPECT_EQ(rigwire("describe velodyne").code, 2);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -49,9 +50,9 @@ class ControlProcess : public testing::Test {
     int code;
     std::string output;
   };
-  Done program(const std::vector<std::string>& words) {
+  Done program(const std::vector<std::string>& words, std::chrono::seconds patience = 30s) {
     ChildProcess child(words, folder_ / "output");
-    const int code = child.wait(30s).value_or(-1);
+    const int code = child.wait(patience).value_or(-1);
     return {code, child.output()};
   }
   Done ctl(const std::vector<std::string>& words) {
@@ -233,7 +234,8 @@ TEST_F(ControlProcess, TheExamplesForPytestPass) {
       program({"/usr/bin/env", "RIGWIRE=" + std::string(kProgram),
                "PYTHONPATH=" RIGWIRE_SOURCE_DIR "/python", "PYTHONDONTWRITEBYTECODE=1",
                "/usr/bin/python3", "-m", "pytest", "-q", "-p", "no:cacheprovider", "--basetemp",
-               (folder_ / "py").string(), RIGWIRE_SOURCE_DIR "/examples/pytest"});
+               (folder_ / "py").string(), RIGWIRE_SOURCE_DIR "/examples/pytest"},
+              300s);
   EXPECT_EQ(pytest.code, 0) << pytest.output;
 }
 

@@ -272,7 +272,7 @@ TEST(WireTap, WhatTheLineTookIsSentAndWhatItDidNotIsLost) {
                                                      "lost 2000", "lost 3000"}));
 }
 
-TEST(WireTap, AClientsFramesAreToldWhenTheBusHasCarriedThem) {
+TEST(WireTap, AClientsFramesAreToldWhenTheyComeAndWhenTheBusHasCarriedThem) {
   class Bus final : public drivers::CanBus {
    public:
     void start(Receiver given) override { receiver = std::move(given); }
@@ -296,8 +296,10 @@ TEST(WireTap, AClientsFramesAreToldWhenTheBusHasCarriedThem) {
   while (outlet.next_due() != kNever) {
     outlet.transmit_front(std::nullopt);
   }
-  EXPECT_EQ(listener.told, (std::vector<std::string>{"carried 1000 id 1", "sent 2000 id 100",
-                                                     "sent 3000 error", "carried 4000 id 3"}));
+  EXPECT_EQ(listener.told,
+            (std::vector<std::string>{"received 0 id 1", "received 0 id 2", "received 0 id 3",
+                                      "carried 1000 id 1", "sent 2000 id 100", "sent 3000 error",
+                                      "carried 4000 id 3"}));
 }
 
 TEST(WireTap, AConnectionIsToldFromItsBeginningToItsEnd) {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "bench/contact_cases.h"
+#include "bench/drawbar.h"
 #include "bench/suites.h"
 #include "bench/table.h"
 
@@ -91,6 +92,47 @@ nlohmann::json sweep_table(std::ostream& text) {
   return json;
 }
 
+nlohmann::json drawbar_table(std::ostream& text) {
+  nlohmann::json json = nlohmann::json::array();
+  text << "\npull of one 395/85 R20 at 22 kN over its slip, shares of the load: the tyre's own; "
+          "Bekker "
+          "and Wong in closed form; Brixius' fit to field tests\n";
+  const Table table(text, {{"soil", "<24"},
+                           {"bar", ">5"},
+                           {"Bn", ">6"},
+                           {"slip", ">6"},
+                           {"pull", ">7"},
+                           {"closed", ">7"},
+                           {"error", ">7"},
+                           {"Brixius", ">8"},
+                           {"error", ">7"},
+                           {"resistance", ">11"},
+                           {"closed", ">7"},
+                           {"Brixius", ">8"},
+                           {"rut mm", ">7"}});
+  table.head();
+  for (const DrawbarCase& each : drawbar_cases()) {
+    const double mobility = mobility_number(each);
+    for (const double slip : {0.0, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5}) {
+      const Drawbar found = measured_drawbar(each, slip);
+      const Drawbar closed = closed_drawbar(each, slip);
+      const Drawbar published = published_drawbar(mobility, slip);
+      json.push_back(table.row(
+          {word("soil", each.soil.name), number("pressure_pa", each.pressure_pa, "{:.1f}", 1e-5),
+           number("mobility", mobility, "{:.1f}"), number("slip", slip, "{:.2f}"),
+           number("pull", found.pull(), "{:.3f}"), number("closed", closed.pull(), "{:.3f}"),
+           number("", found.pull() - closed.pull(), "{:+.3f}"),
+           number("published", published.pull(), "{:.3f}"),
+           number("", found.pull() - published.pull(), "{:+.3f}"),
+           number("resistance", found.resistance, "{:.3f}"),
+           number("closed_resistance", closed.resistance, "{:.3f}"),
+           number("published_resistance", published.resistance, "{:.3f}"),
+           number("rut_m", found.sinkage_m, "{:.0f}", 1e3)}));
+    }
+  }
+  return json;
+}
+
 }  // namespace
 
 nlohmann::json bench_contact(std::ostream& text) {
@@ -98,6 +140,7 @@ nlohmann::json bench_contact(std::ostream& text) {
   json["cost"] = cost_table(text);
   json["over_step"] = step_table(text);
   json["scenes"] = sweep_table(text);
+  json["drawbar"] = drawbar_table(text);
   return json;
 }
 

@@ -5,8 +5,8 @@
 
 FOLDER is docs/accuracy beside this script's folder unless given. Draws what the file has:
 work_precision.svg (excavator), dynamics_MACHINE.svg (dynamics), range_error.svg (lidar),
-lateness.svg (pacing), gnss_lap.svg (gnss: after figure 2 of Wolf et al. 2020). Standard library
-only.
+lateness.svg (pacing), gnss_lap.svg (gnss: after figure 2 of Wolf et al. 2020), drawbar.svg
+(contact). Standard library only.
 """
 import json
 import math
@@ -34,10 +34,11 @@ class Svg:
         self.parts.append(f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" class="{kind}"'
                           f'{turned}>{escape(words)}</text>')
 
-    def path(self, points, colour):
+    def path(self, points, colour, dash=""):
         at = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
         self.parts.append(f'<polyline points="{at}" fill="none" stroke="{colour}" '
-                          'stroke-width="2"/>')
+                          'stroke-width="2"' + (f' stroke-dasharray="{dash}"' if dash else "")
+                          + "/>")
 
     def dot(self, x, y, colour, radius=4.0):
         self.parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{radius}" fill="{colour}"/>')
@@ -314,6 +315,39 @@ def gnss_lap(bench, path):
     svg.write(path)
 
 
+def drawbar(bench, path):
+    """Pull over slip: columns are soils, colours pressures, dashes who says so."""
+    rows = bench["contact"]["drawbar"]
+    soils = list(dict.fromkeys(row["soil"] for row in rows))
+    pressures = list(dict.fromkeys(row["pressure_pa"] for row in rows))
+    kinds = [("pull", "the tyre's own", ""), ("closed", "Bekker and Wong, closed form", "7 4"),
+             ("published", "Brixius, fit to field tests", "2 3")]
+    panel, left, top, bottom = 290, 60, 84, 350
+    svg = Svg(left + panel * len(soils) + 10, 430)
+    svg.text(20, 24, "Pull of one 395/85 R20 over its slip, 22 kN, untouched ground", kind="t")
+    svg.text(20, 42, "share of the load; soils as Wong measured them", kind="s")
+    values = [row[key] for row in rows for key, _, _ in kinds]
+    for i, soil in enumerate(soils):
+        x_axis = LinearAxis(0.0, max(row["slip"] for row in rows), left + panel * i,
+                            left + panel * (i + 1) - 30)
+        y_axis = LinearAxis(min(values) - 0.02, max(values) + 0.02, bottom, top)
+        frame(svg, x_axis, y_axis, lambda v: f"{100 * v:g} %",
+              (lambda v: f"{v:.1f}") if i == 0 else (lambda v: ""))
+        svg.line(x_axis.start, y_axis.at(0.0), x_axis.end, y_axis.at(0.0), "#888")
+        svg.text((x_axis.start + x_axis.end) / 2, top - 10, soil, "middle")
+        for pressure, colour in zip(pressures, COLOURS):
+            for key, _, dash in kinds:
+                svg.path([(x_axis.at(row["slip"]), y_axis.at(row[key])) for row in rows
+                          if row["soil"] == soil and row["pressure_pa"] == pressure], colour, dash)
+    for i, (_, name, dash) in enumerate(kinds):
+        svg.path([(28 + 230 * i, 390), (62 + 230 * i, 390)], "#333", dash)
+        svg.text(70 + 230 * i, 394, name)
+    for i, (pressure, colour) in enumerate(zip(pressures, COLOURS)):
+        svg.dot(34 + 100 * i, 412, colour)
+        svg.text(44 + 100 * i, 416, f"{1e-5 * pressure:.1f} bar")
+    svg.write(path)
+
+
 def main():
     if len(sys.argv) not in (2, 3) or sys.argv[1].startswith("-"):
         sys.exit(__doc__)
@@ -325,7 +359,8 @@ def main():
         for suite, draw, name in (("excavator", work_precision, "work_precision.svg"),
                                   ("lidar", range_error, "range_error.svg"),
                                   ("pacing", lateness, "lateness.svg"),
-                                  ("gnss", gnss_lap, "gnss_lap.svg")):
+                                  ("gnss", gnss_lap, "gnss_lap.svg"),
+                                  ("contact", drawbar, "drawbar.svg")):
             if suite in bench:
                 draw(bench, os.path.normpath(os.path.join(folder, name)))
         for machine in dict.fromkeys(case["machine"].split(" ")[0] for case in

@@ -1,6 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "bench/contact_cases.h"
+#include "bench/contact_traces.h"
 #include "bench/drawbar.h"
 #include "bench/suites.h"
 #include "bench/table.h"
@@ -133,6 +137,48 @@ nlohmann::json drawbar_table(std::ostream& text) {
   return json;
 }
 
+nlohmann::json points(const std::vector<Outline>& outlines) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const Outline& outline : outlines) {
+    nlohmann::json corners = nlohmann::json::array();
+    for (const Eigen::Vector2d& corner : outline) {
+      corners.push_back({number_or_null(corner.x()), number_or_null(corner.y())});
+    }
+    json.push_back(std::move(corners));
+  }
+  return json;
+}
+
+nlohmann::json trace_table(std::ostream& text) {
+  nlohmann::json json = nlohmann::json::array();
+  text << "\nfrom the side, instant by instant in the JSON file, 1 ms\n";
+  const Table table(
+      text, {{"meeting", "<42"}, {"force kN", ">9"}, {"deepest mm", ">11"}, {"dent mm", ">8"}});
+  table.head();
+  for (const ContactTrace& trace : {drive_into_trunk(), lower_onto_rock()}) {
+    ContactTrace::Instant most;
+    nlohmann::json instants = nlohmann::json::array();
+    for (const ContactTrace::Instant& one : trace.instants) {
+      most.force_n = std::max(most.force_n, one.force_n);
+      most.deepest_m = std::max(most.deepest_m, one.deepest_m);
+      most.dent_m = std::max(most.dent_m, one.dent_m);
+      instants.push_back({{"time_s", one.time_s},
+                          {"x_m", number_or_null(one.x_m)},
+                          {"z_m", number_or_null(one.z_m)},
+                          {"force_n", number_or_null(one.force_n)},
+                          {"deepest_m", number_or_null(one.deepest_m)},
+                          {"dent_m", number_or_null(one.dent_m)}});
+    }
+    json.push_back(table.row(
+        {word("name", trace.name), number("greatest_n", most.force_n, "{:.0f}", 1e-3),
+         number("deepest_m", most.deepest_m, "{:.2f}", 1e3),
+         number("dent_m", most.dent_m, "{:.0f}", 1e3), stored("instants", std::move(instants)),
+         stored("obstacle", points(trace.obstacle)), stored("at_touch", points(trace.at_touch)),
+         stored("at_end", points(trace.at_end))}));
+  }
+  return json;
+}
+
 }  // namespace
 
 nlohmann::json bench_contact(std::ostream& text) {
@@ -141,6 +187,7 @@ nlohmann::json bench_contact(std::ostream& text) {
   json["over_step"] = step_table(text);
   json["scenes"] = sweep_table(text);
   json["drawbar"] = drawbar_table(text);
+  json["traces"] = trace_table(text);
   return json;
 }
 

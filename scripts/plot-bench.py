@@ -5,8 +5,8 @@
 
 FOLDER is docs/accuracy beside this script's folder unless given. Draws what the file has:
 work_precision.svg (excavator), dynamics_MACHINE.svg (dynamics), range_error.svg (lidar),
-lateness.svg (pacing), gnss_lap.svg (gnss: after figure 2 of Wolf et al. 2020), drawbar.svg
-(contact). Standard library only.
+lateness.svg (pacing), gnss_lap.svg (gnss: after figure 2 of Wolf et al. 2020), drawbar.svg,
+contact_trunk.svg and contact_rock.svg (contact). Standard library only.
 """
 import json
 import math
@@ -329,7 +329,7 @@ def drawbar(bench, path):
     values = [row[key] for row in rows for key, _, _ in kinds]
     for i, soil in enumerate(soils):
         x_axis = LinearAxis(0.0, max(row["slip"] for row in rows), left + panel * i,
-                            left + panel * (i + 1) - 30)
+                            left + panel * (i + 1) - 44)
         y_axis = LinearAxis(min(values) - 0.02, max(values) + 0.02, bottom, top)
         frame(svg, x_axis, y_axis, lambda v: f"{100 * v:g} %",
               (lambda v: f"{v:.1f}") if i == 0 else (lambda v: ""))
@@ -340,11 +340,65 @@ def drawbar(bench, path):
                 svg.path([(x_axis.at(row["slip"]), y_axis.at(row[key])) for row in rows
                           if row["soil"] == soil and row["pressure_pa"] == pressure], colour, dash)
     for i, (_, name, dash) in enumerate(kinds):
-        svg.path([(28 + 230 * i, 390), (62 + 230 * i, 390)], "#333", dash)
-        svg.text(70 + 230 * i, 394, name)
+        svg.path([(28 + 260 * i, 390), (62 + 260 * i, 390)], "#333", dash)
+        svg.text(70 + 260 * i, 394, name)
     for i, (pressure, colour) in enumerate(zip(pressures, COLOURS)):
         svg.dot(34 + 100 * i, 412, colour)
         svg.text(44 + 100 * i, 416, f"{1e-5 * pressure:.1f} bar")
+    svg.write(path)
+
+
+def meeting(bench, path, which):
+    """Machine and obstacle from the side, and beside them force, overlap and dent: over the way in of
+    what is bent, over time of what is not."""
+    trace = bench["contact"]["traces"][which]
+    instants = trace["instants"]
+    outlines = trace["obstacle"] + trace["at_touch"] + trace["at_end"]
+    xs = [x for outline in outlines for x, _ in outline]
+    zs = [z for outline in outlines for _, z in outline] + [0.0]
+    scale = min(440 / (max(xs) - min(xs)), 250 / (max(zs) - min(zs)))
+
+    def at(x, z):
+        return 30 + scale * (x - min(xs)), 330 - scale * (z - min(zs))
+    svg = Svg(900, 400)
+    svg.text(20, 24, trace["name"], kind="t")
+    svg.text(20, 42, "from the side, drawn as new; what the contact does, in steps of 1 ms", kind="s")
+    svg.line(*at(min(xs), 0.0), *at(max(xs), 0.0), "#999")
+    for key, colour, dash in (("at_touch", "#999", "4 3"), ("at_end", COLOURS[0], ""),
+                              ("obstacle", COLOURS[7], "")):
+        for outline in trace[key]:
+            svg.path([at(x, z) for x, z in outline], colour, dash)
+    svg.path([at(one["x_m"], one["z_m"]) for one in instants], COLOURS[1], "2 2")
+    legend = [("farthest in", COLOURS[0], ""), ("way of front or tip", COLOURS[1], "2 2")]
+    if trace["at_touch"] != trace["at_end"]:
+        legend.append(("at the first touch", "#999", "4 3"))
+    for i, (name, colour, dash) in enumerate(legend):
+        svg.path([(30 + 150 * i, 372), (56 + 150 * i, 372)], colour, dash)
+        svg.text(62 + 150 * i, 376, name)
+    touched = [one["time_s"] for one in instants if one["force_n"] > 0.0]
+    span = max(touched[-1] - touched[0], 0.02)
+    shown = [one for one in instants
+             if touched[0] - 0.05 * span <= one["time_s"] <= touched[-1] + 0.05 * span]
+    curves = [("force_n", 1e-3, "force, kN"), ("deepest_m", 1e3, "overlap, mm"),
+              ("dent_m", 1e3, "dent, mm")]
+    curves = [c for c in curves if max(one[c[0]] for one in shown) > 0.0]
+    bent = max(one["dent_m"] for one in shown) > 0.0
+    first = next(one["x_m"] for one in instants if one["force_n"] > 0.0)
+
+    def along(one):
+        return one["x_m"] - first if bent else one["time_s"]
+    height = 276 / len(curves)
+    for i, (key, factor, name) in enumerate(curves):
+        top = 64 + height * i
+        x_axis = LinearAxis(min(map(along, shown)), max(map(along, shown)), 560, 870)
+        y_axis = LinearAxis(0.0, 1.1 * factor * max(one[key] for one in shown),
+                            top + height - 24, top)
+        frame(svg, x_axis, y_axis,
+              (lambda v: f"{v:.3g} {'m' if bent else 's'}") if i == len(curves) - 1 else (lambda v: ""),
+              lambda v: f"{v:g}")
+        svg.path([(x_axis.at(along(one)), y_axis.at(factor * one[key])) for one in shown],
+                 COLOURS[i])
+        svg.text(566, top + 12, name)
     svg.write(path)
 
 
@@ -360,7 +414,9 @@ def main():
                                   ("lidar", range_error, "range_error.svg"),
                                   ("pacing", lateness, "lateness.svg"),
                                   ("gnss", gnss_lap, "gnss_lap.svg"),
-                                  ("contact", drawbar, "drawbar.svg")):
+                                  ("contact", drawbar, "drawbar.svg"),
+                                  ("contact", lambda b, p: meeting(b, p, 0), "contact_trunk.svg"),
+                                  ("contact", lambda b, p: meeting(b, p, 1), "contact_rock.svg")):
             if suite in bench:
                 draw(bench, os.path.normpath(os.path.join(folder, name)))
         for machine in dict.fromkeys(case["machine"].split(" ")[0] for case in

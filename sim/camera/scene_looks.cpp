@@ -29,7 +29,8 @@ std::uint16_t SceneLooks::add(const Shade& shade) {
   anchor.set(0, scene_->origin_W, static_cast<double>(shade.frequency_pm),
              static_cast<double>(shade.upright));
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    look.place[axis] = anchor.place[axis][0];
+    look.cell[axis] = anchor.cell[axis][0];
+    look.share[axis] = anchor.share[axis][0];
   }
   return static_cast<std::uint16_t>(looks_.size() - 1);
 }
@@ -84,19 +85,14 @@ void SceneLooks::prepare(const Scene::Internals& scene, const std::vector<Surfac
   grounds_.clear();
   for (const Scene::Internals::Terrain& terrain : scene.terrains) {
     GroundLooks& ground = grounds_.emplace_back(terrain, scene.origin_W);
-    // Soils lie flat: their grain needs no third dimension. Cut faces have their own.
-    const auto lay = [&](Shade shade) {
-      shade.upright = 0.0F;
-      return add(shade);
-    };
-    ground.own = lay(looks_[scene.instances[terrain.instance].material].shade);
+    ground.own = static_cast<std::uint16_t>(scene.instances[terrain.instance].material);
     ground.face = face;
     if (!terrain.cover) {
       continue;
     }
     for (const std::string& label : terrain.cover->labels) {
       const auto shade = shade_of_soil(label, given);
-      ground.of_label.push_back(shade ? lay(*shade) : ground.own);
+      ground.of_label.push_back(shade ? add(*shade) : ground.own);
     }
   }
 }
@@ -106,25 +102,22 @@ void SceneLooks::find_looks(const RTCRayHit8& rays, const LaneArray& pixel_rad,
   MetSurfaces& met = packet.met;
   LookLanes look;
   packet.on_bodies = false;
+  packet.stony = false;
   packet.glazed = false;
   packet.painted = false;
-  alignas(32) std::array<int, kLanes> mine;
+  alignas(32) std::array<int, kLanes> terrain;
+  bool on_ground = false;
   if (met.one != ~0U) {
     const SurfaceInfo& info = infos_[met.one];
-    const std::uint32_t its = info.look;
     for (std::size_t i = 0; i < kLanes; ++i) {
-      look[i] = choose(met.number[i] == kNothing, ~0U, its);
-      mine[i] = met.number[i] == kNothing ? 0 : -1;
+      look[i] = choose(met.number[i] == kNothing, ~0U, std::uint32_t{info.look});
+      terrain[i] = met.number[i] == kNothing ? 0 : info.terrain;
     }
+    on_ground = info.terrain != 0;
     packet.on_bodies = info.on_body;
     packet.glazed = info.panes != 0;
     packet.painted = info.painted != 0;
-    if (info.terrain != 0) {
-      grounds_[info.terrain - 1U].find(mine, rays.ray, pixel_rad, looks_.data(), met, look);
-    }
   } else {
-    alignas(32) std::array<int, kLanes> terrain;
-    bool on_ground = false;
     for (std::size_t i = 0; i < kLanes; ++i) {
       look[i] = ~0U;
       terrain[i] = 0;
@@ -139,23 +132,22 @@ void SceneLooks::find_looks(const RTCRayHit8& rays, const LaneArray& pixel_rad,
       packet.glazed = packet.glazed || info.panes != 0;
       packet.painted = packet.painted || info.painted != 0;
     }
-    for (std::size_t t = 0; on_ground && t < grounds_.size(); ++t) {
-      int any = 0;
-      for (std::size_t i = 0; i < kLanes; ++i) {
-        mine[i] = terrain[i] == static_cast<int>(t) + 1 ? -1 : 0;
-        any |= mine[i];
-      }
-      if (any != 0) {
-        grounds_[t].find(mine, rays.ray, pixel_rad, looks_.data(), met, look);
-      }
+  }
+  for (std::size_t t = 0; on_ground && t < grounds_.size(); ++t) {
+    alignas(32) std::array<int, kLanes> mine;
+    int any = 0;
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      mine[i] = terrain[i] == static_cast<int>(t) + 1 ? -1 : 0;
+      any |= mine[i];
+    }
+    if (any != 0) {
+      grounds_[t].find(mine, rays.ray, pixel_rad, looks_.data(), met, look);
     }
   }
-  take_looks(looks_.data(), look, met);
-  float stones = 0.0F;
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    stones = met.stones[i] > stones ? met.stones[i] : stones;
+  for (const std::uint32_t which : look) {
+    packet.stony = packet.stony || (which != ~0U && looks_[which].shade.stones > 0.0F);
   }
-  packet.stony = stones > 0.0F;
+  take_looks(looks_.data(), look, met);
 }
 
 void SceneLooks::paint_textures(const RTCRayHit8& rays, const LaneArray& pixel_rad,
@@ -199,7 +191,8 @@ void SceneLooks::follow_bodies(const RTCRayHit8& rays, TexturedPacket& packet) c
     met.points.z[i] = X[6] * x + X[7] * y + X[8] * z;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       // Each part has a pattern of its own.
-      met.anchor.place[axis][i] = met.number[i] * 0x9E3779B1U;
+      met.anchor.cell[axis][i] = static_cast<std::int32_t>(met.number[i] * 977U);
+      met.anchor.share[axis][i] = 0.0F;
     }
     const RTCHit8& hit = rays.hit;
     const float gx = X[0] * hit.Ng_x[i] + X[3] * hit.Ng_y[i] + X[6] * hit.Ng_z[i];

@@ -149,10 +149,10 @@ RIGWIRE_WIDE_VECTORS void take_looks(const PreparedLook* looks, const LookLanes&
     set(met.stone_red, s.stone.red), set(met.stone_green, s.stone.green);
     set(met.stone_blue, s.stone.blue);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-#pragma GCC ivdep
+      set(met.anchor.share[axis], from.share[axis]);
       for (std::size_t i = 0; i < kLanes; ++i) {
-        met.anchor.place[axis][i] =
-            all || look[i] == which ? from.place[axis] : met.anchor.place[axis][i];
+        met.anchor.cell[axis][i] =
+            all || look[i] == which ? from.cell[axis] : met.anchor.cell[axis][i];
       }
     }
   };
@@ -203,7 +203,8 @@ RIGWIRE_WIDE_VECTORS void texture(const MetSurfaces& met, const Grain& grain, co
     lit.nx[i] = x;
     lit.ny[i] = y;
     lit.nz[i] = z;
-    const float blend = clamp_to_one(0.5F + 0.7F * grain.patch[i]);
+    float blend = 0.5F + 0.7F * grain.patch[i];
+    blend = blend < 0.0F ? 0.0F : (blend > 1.0F ? 1.0F : blend);
     float bright = (1.0F + met.grain[i] * grain.brightness[i] * 2.5F) *
                    (1.0F + 1.7F * met.variation[i] * met.draw[i]);
     bright = bright < kDarkestGrain ? kDarkestGrain : bright;

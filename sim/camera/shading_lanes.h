@@ -25,7 +25,8 @@ namespace rigwire::sim {
 /// A surface look made ready: its grain's lattice where the scene stands still.
 struct PreparedLook {
   Shade shade;
-  std::array<std::uint32_t, 3> place{};
+  std::array<std::int32_t, 3> cell{};
+  std::array<float, 3> share{};
 };
 
 /// Light as the lanes take it.

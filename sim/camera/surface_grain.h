@@ -2,15 +2,13 @@
 //
 // A sum of octaves of value noise over the points of space (so that there are no seams): lattice
 // values are hashed, blended by quintic curves (K. Perlin, "Improving noise", SIGGRAPH 2002), with
-// their exact gradient. Each octave's lattice is shifted, so that lattices do not show. Where all
-// is alike along z (upright = 0: ground) the lattice is one of squares, which costs half as much.
-// An octave counts in full as long as its cell is 1.5 pixels wide and not at all from 0.75 on, so
-// that the finest one that is there has a wavelength of 2 to 4 pixels: what stereo matching lives
-// on, and no aliasing beyond what the blend's skirts leave.
+// their exact gradient. Each octave's lattice is shifted and its axes exchanged, so that lattices
+// do not show. An octave counts in full as long as its cell is 1.5 pixels wide and not at all from
+// 0.75 on, so that the finest one that is there has a wavelength of 2 to 4 pixels: what stereo
+// matching lives on, and no aliasing beyond what the blend's skirts leave.
 //
-// Places are counted in integers of 2^-18 of a first cell from an anchor in doubles, so that the
-// pattern is the same wherever the ray caster's local origin is; it repeats, with a seam, after
-// 2^14 first cells, and is constant beyond 2^13 of them from that origin.
+// Cells are counted in integers from an anchor in doubles, so that the pattern is the same wherever
+// the ray caster's local origin is; it repeats after 2^31 cells.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,21 +19,23 @@
 
 namespace rigwire::sim {
 
-inline constexpr unsigned kMostOctaves = 14;
+inline constexpr int kMostOctaves = 14;
 
 /// Where the points are.
 struct GrainPoints {
   LaneArray x, y, z;       ///< m, from the anchor.
   LaneArray frequency_pm;  ///< Of the first octave.
-  LaneArray upright;       ///< Frequency along z against that; 0: alike along z.
+  LaneArray upright;       ///< Frequency along z against that.
   LaneArray footprint_m;   ///< Width of a pixel on the surface, above 0.
   LaneArray persistence;   ///< Of an octave against the coarser one before it.
 };
 
-/// Anchor of the points' lattice at one frequency, by axis.
+/// Anchor of the points' lattice at one frequency: the part of anchor x frequency before the point
+/// and behind it, by axis.
 struct GrainAnchor {
-  struct alignas(32) Places : std::array<std::uint32_t, kLanes> {};
-  std::array<Places, 3> place{};
+  struct alignas(32) Cells : std::array<std::int32_t, kLanes> {};
+  std::array<Cells, 3> cell{};
+  std::array<LaneArray, 3> share{};
 
   /// Of one lane.
   void set(std::size_t lane, const Eigen::Vector3d& anchor_m, double frequency_pm,
@@ -50,9 +50,10 @@ struct Grain {
 
 void sum_grain(const GrainPoints& points, const GrainAnchor& anchor, Grain& grain);
 
-/// Where stones lie: the anchor of their own lattice, by axis.
+/// Where stones lie: the anchor of their own lattice, in its first cells, by axis.
 struct StoneAnchor {
-  std::array<std::uint32_t, 3> place{};
+  std::array<std::int32_t, 3> cell{};
+  std::array<float, 3> share{};
 
   StoneAnchor() = default;
   explicit StoneAnchor(const Eigen::Vector3d& anchor_m);

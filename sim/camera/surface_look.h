@@ -76,8 +76,7 @@ struct Albedo {
 struct Shade {
   Albedo one{}, two{};        ///< Two tints, blended in patches.
   float frequency_pm = 1.0F;  ///< Of the coarsest octave of the grain: one over its cell.
-  /// Frequency along z against that: below 1 fibres, above 1 beds, 0 what lies flat.
-  float upright = 1.0F;
+  float upright = 1.0F;       ///< Frequency along z against that: below 1 fibres, above 1 beds.
   float grain = 0.0F;         ///< Rms of one octave of brightness at the coarsest one.
   float persistence = 0.8F;   ///< Of the next finer one.
   float relief = 0.0F;        ///< Slope of one octave, from the third one on, all alike.

@@ -126,44 +126,6 @@ TEST(SurfaceGrain, SlopeIsTheGradientOfItsOctaves) {
   }
 }
 
-TEST(SurfaceGrain, LiesFlatTheSameBesideWhatStands) {
-  RandomStream random(7, "grain");
-  double flat_squares = 0.0;
-  double standing_squares = 0.0;
-  for (int i = 0; i < 300; ++i) {
-    GrainPoints points = points_at(random, 0.05F);
-    GrainAnchor anchor = anchor_at({123.4, -56.7, 8.9}, 0.5);
-    Grain standing;
-    sum_grain(points, anchor, standing);
-    // All lanes flat: squares. Then only the even ones: cubes, of which they take the lower face.
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      points.upright[k] = 0.0F;
-      anchor.set(k, {123.4, -56.7, 8.9}, 0.5, 0.0);
-    }
-    Grain flat;
-    sum_grain(points, anchor, flat);
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      points.z[k] += 3.3F;
-      points.upright[k] = k % 2 == 0 ? 0.0F : 1.0F;
-    }
-    Grain mixed;
-    sum_grain(points, anchor, mixed);
-    for (std::size_t k = 0; k < kLanes; k += 2) {
-      EXPECT_FLOAT_EQ(flat.brightness[k], mixed.brightness[k]);
-      EXPECT_FLOAT_EQ(flat.patch[k], mixed.patch[k]);
-      EXPECT_FLOAT_EQ(flat.slope_x[k], mixed.slope_x[k]);
-      EXPECT_FLOAT_EQ(flat.slope_y[k], mixed.slope_y[k]);
-      EXPECT_EQ(flat.slope_z[k], 0.0F);
-      EXPECT_EQ(mixed.slope_z[k], 0.0F);
-    }
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      flat_squares += std::pow(static_cast<double>(flat.brightness[k]), 2);
-      standing_squares += std::pow(static_cast<double>(standing.brightness[k]), 2);
-    }
-  }
-  EXPECT_NEAR(std::sqrt(flat_squares / standing_squares), 1.04, 0.08);
-}
-
 LaneArray density_of(float share) {
   LaneArray density;
   density.fill(share);

@@ -64,7 +64,8 @@ def test_one_cycle_lifts_soil_and_is_recorded_to_the_byte(
     valves.hold(2.2, 0.0, -0.8, 0.0, 0.0)  # into the heap
     valves.hold(2.5, 0.0, 0.0, 0.6, 0.3)
     valves.hold(1.5, 0.0, 0.0, 0.2, 1.0)  # fill
-    valves.hold(2.0, 0.0, 0.9, 0.0, 0.0)  # lift
+    valves.hold(0.5, 0.0, 0.0, 0.0, 1.0)  # curl
+    valves.hold(1.2, 0.0, 0.8, 0.0, 0.5)  # lift, the bucket kept level
     machine = rig.read().machine
     assert machine["payload"] > 500.0
     assert machine["tip height"] > 2.0

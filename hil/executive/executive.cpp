@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "hil/executive/cpu_time.h"
+#include "hil/executive/short_turns.h"
 #include "hil/executive/truth_source.h"
 
 namespace rigwire::hil {
@@ -144,7 +145,10 @@ class Executive::TruthThread {
   }
 
   void start(const PacedClock& clock) {
-    thread_ = std::thread([this, &clock] { loop(clock); });
+    thread_ = std::thread([this, &clock] {
+      const ShortTurns short_turns;
+      loop(clock);
+    });
   }
 
   /// Gives the requests over and leaves `requests` empty.
@@ -413,6 +417,7 @@ RunOutcome Executive::run_free(SimTime end) {
 }
 
 RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
+  const ShortTurns short_turns;
   truth_.begin(true);
   TruthThread truth(io_, truth_, settings, woken_);
   TruthRequests requests;

@@ -7,13 +7,13 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "sim/camera/disparity_steps.h"
 #include "sim/lidar/worker_pool.h"
 
 namespace rigwire::sim {
 namespace {
 
-/// Of OpenCV's disparities.
-constexpr float kPerStep_px = 1.0F / static_cast<float>(cv::StereoMatcher::DISP_SCALE);
+static_assert(kDisparitySteps == cv::StereoMatcher::DISP_SCALE);
 
 /// Rows of the picture that the way back takes together.
 constexpr int kRowsTogether = 2;
@@ -78,15 +78,7 @@ class SemiGlobalMatcher final : public StereoMatcher {
         std::rethrow_exception(failure);
       }
     }
-    found.disparity_px.resize(pair.left.size());
-    for (int row = 0; row < pair.height; ++row) {
-      const auto* const steps = forward_.ptr<short>(row);
-      float* const to = found.disparity_px.data() + static_cast<std::ptrdiff_t>(row) * pair.width;
-      for (int column = 0; column < pair.width; ++column) {
-        const float disparity_px = static_cast<float>(steps[column]) * kPerStep_px;
-        to[column] = found_at(disparity_px) ? disparity_px : DisparityPicture::kNone;
-      }
-    }
+    take_steps(forward_, parameters_.least_disparity, found.disparity_px);
     found.confidence.clear();
     if (confidence) {
       judge(pair, found);
@@ -94,10 +86,6 @@ class SemiGlobalMatcher final : public StereoMatcher {
   }
 
  private:
-  /// Not at infinity, where surfaces without texture end up.
-  [[nodiscard]] bool found_at(float disparity_px) const {
-    return disparity_px > 0.0F && disparity_px >= static_cast<float>(parameters_.least_disparity);
-  }
   static cv::Mat picture(const StereoPair& pair, std::span<const std::uint8_t> pixels) {
     // OpenCV has no matrix of what must not be changed; compute() only reads it.
     return {
@@ -135,13 +123,13 @@ class SemiGlobalMatcher final : public StereoMatcher {
         if (disparity_px < 0.0F || led_to < 0) {
           continue;
         }
-        const float returned_px = static_cast<float>(back[last - led_to]) * kPerStep_px;
-        if (!found_at(returned_px)) {
+        const short returned = back[last - led_to];
+        if (!found_at(returned, parameters_.least_disparity)) {
           continue;
         }
-        const float apart_px = std::max(0.0F, std::abs(disparity_px - returned_px) - kPerStep_px);
-        const float agreement = std::max(0.0F, 1.0F - apart_px / kDisagreement_px);
-        found.confidence[at] = static_cast<std::uint8_t>(std::lround(255.0F * agreement));
+        const float returned_px = static_cast<float>(returned) * kPerStep_px;
+        found.confidence[at] =
+            static_cast<std::uint8_t>(std::lround(255.0F * agreement(disparity_px, returned_px)));
       }
     }
   }

@@ -7,6 +7,7 @@
 
 #include "fields/check.h"
 #include "fields/visitor.h"
+#include "sim/camera/census_matcher.h"
 #include "sim/camera/semi_global_matcher.h"
 
 namespace rigwire::sim {
@@ -15,8 +16,9 @@ using fields::IntegerRule;
 
 namespace {
 
-constexpr std::array<fields::Choice<MatchingMethod>, 2> kMethods{
-    {{MatchingMethod::semi_global, "semi_global", "OpenCV's StereoSGBM on what the heads saw."},
+constexpr std::array<fields::Choice<MatchingMethod>, 3> kMethods{
+    {{MatchingMethod::census, "census", "Semi-global matching by census on what the heads saw."},
+     {MatchingMethod::semi_global, "semi_global", "OpenCV's StereoSGBM on what the heads saw."},
      {MatchingMethod::truth, "truth", "The true depth, where both heads see the point."}}};
 constexpr std::array<fields::Choice<MatchingPaths>, 3> kPaths{
     {{MatchingPaths::three, "three", "From the left, the right and above: the least time."},
@@ -87,17 +89,27 @@ void visit(fields::Visitor& v, StereoMatchingParameters& p) {
             "How many are searched, a multiple of 16; nearer surfaces are not found.");
   v.only_if(p.method == MatchingMethod::semi_global, "method", "method: semi_global",
             [&p](fields::Visitor& keys) {
-              keys.choice("paths", p.paths, kPaths, "Directions from which costs are summed up.");
               keys.integer("block", p.block_px, IntegerRule{1, 11},
                            "Side of the square that is compared, pixels, odd.");
               keys.integer("small_step_cost", p.small_step_cost, IntegerRule{1, 30000},
                            "P1, of a step by one pixel between neighbours.");
               keys.integer("large_step_cost", p.large_step_cost, IntegerRule{2, 30000},
                            "P2, of every larger step.");
-              keys.integer("uniqueness", p.uniqueness_percent, IntegerRule{0, 100},
-                           "By how many % the best cost must be below the next one.");
               keys.integer("gradient_limit", p.gradient_limit, IntegerRule{1, 63},
                            "Gradients are cut off here before they are compared.");
+            });
+  v.only_if(p.method == MatchingMethod::census, "method", "method: census",
+            [&p](fields::Visitor& keys) {
+              keys.integer("small_step_bits", p.small_step_bits, IntegerRule{1, 50},
+                           "P1, of a step by one pixel, in pairs of pixels that differ, of 31.");
+              keys.integer("large_step_bits", p.large_step_bits, IntegerRule{2, 150},
+                           "P2, of every larger step.");
+            });
+  v.only_if(p.method != MatchingMethod::truth, "method", "method: census or semi_global",
+            [&p](fields::Visitor& keys) {
+              keys.choice("paths", p.paths, kPaths, "Directions from which costs are summed up.");
+              keys.integer("uniqueness", p.uniqueness_percent, IntegerRule{0, 100},
+                           "By how many % the best cost must be below the next one.");
               keys.integer("left_right_difference", p.left_right_difference, IntegerRule{0, 64},
                            "Pixels between both directions beyond which there is no disparity.");
               keys.integer("speckle", p.speckle_px, IntegerRule{0, 10000},
@@ -111,6 +123,13 @@ void validate(const StereoMatchingParameters& p) {
   fields::check(p);
   fields::require(p.disparities % 16 == 0, "disparities", std::to_string(p.disparities),
                   "multiples of 16");
+  if (p.method == MatchingMethod::census) {
+    fields::require(p.paths != MatchingPaths::eight, "paths", "eight",
+                    "three or five with method: census");
+    fields::require(p.large_step_bits > p.small_step_bits, "large_step_bits",
+                    std::to_string(p.large_step_bits),
+                    "above small_step_bits, " + std::to_string(p.small_step_bits));
+  }
   if (p.method != MatchingMethod::semi_global) {
     return;
   }
@@ -136,6 +155,9 @@ std::unique_ptr<StereoMatcher> make_stereo_matcher(const StereoMatchingParameter
   validate(parameters);
   if (parameters.method == MatchingMethod::truth) {
     return std::make_unique<TruthMatcher>(parameters);
+  }
+  if (parameters.method == MatchingMethod::census) {
+    return make_census_matcher(parameters);
   }
   return make_semi_global_matcher(parameters, threads);
 }

@@ -232,7 +232,7 @@ struct CameraRenderer::Internals {
         lens(given.lens, given.sensor.pixel_pitch_m, given.sensor.width_px, given.sensor.height_px),
         sensor(given.sensor, given.lens.f_number, seed, name),
         key(key_of(seed, name)),
-        pool(given.threads),
+        pool(given.threads, PoolPriority::spare_time),
         pixels(lens, given.sensor) {}
 
   /// One packet of pixels through one sample, what it met, and what is seen of it.

@@ -50,7 +50,7 @@ class SemiGlobalMatcher final : public StereoMatcher {
  public:
   SemiGlobalMatcher(const StereoMatchingParameters& p, int threads)
       : parameters_(p),
-        pool_(std::min(threads, 2)),
+        pool_(std::min(threads, 2), PoolPriority::spare_time),
         matcher_(matcher_of(p, p.paths, p.speckle_px)),
         // Islands are taken out on the way there.
         back_matcher_(matcher_of(p, MatchingPaths::three, 0)) {}

@@ -1,10 +1,18 @@
 #include "sim/lidar/worker_pool.h"
 
+#include <sched.h>
+
 namespace rigwire::sim {
 
-WorkerPool::WorkerPool(int threads) {
+WorkerPool::WorkerPool(int threads, PoolPriority priority) {
   for (int i = 1; i < threads; ++i) {
-    threads_.emplace_back([this] { work(); });
+    threads_.emplace_back([this, priority] {
+      if (priority == PoolPriority::spare_time) {
+        const sched_param none{};
+        (void)::sched_setscheduler(0, SCHED_IDLE, &none);  // of this thread; needs no privilege
+      }
+      work();
+    });
   }
 }
 

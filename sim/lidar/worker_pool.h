@@ -10,10 +10,15 @@
 
 namespace rigwire::sim {
 
+/// When the threads that a pool starts run: as their starter does, or on processors that have
+/// nothing else to do (Linux' SCHED_IDLE). Those wait for everybody, and nobody waits for them: who
+/// wakes up finds such a processor as good as idle.
+enum class PoolPriority { as_starter, spare_time };
+
 class WorkerPool {
  public:
   /// `threads` in all, the caller of run() included; with 1 no thread is started.
-  explicit WorkerPool(int threads);
+  explicit WorkerPool(int threads, PoolPriority priority = PoolPriority::as_starter);
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;

@@ -242,9 +242,10 @@ Scene::InstanceId Scene::Internals::add_instance(MeshId mesh, std::uint32_t body
 
 Scene::Scene() : internals_(std::make_unique<Internals>()) {
   // Who builds, builds alone: the scene is small, and the executive owns the machine's other cores.
-  // As many may build at once, each for itself, as there are threads of users: twins.
+  // With more threads permitted, TBB's worker would be woken by each slice's commit, and would turn
+  // round and round looking for work for a tenth of a core.
   internals_->error = std::make_shared<RayCasterError>();
-  internals_->device.reset(rtcNewDevice("threads=8,user_threads=8"), ReleaseDevice{});
+  internals_->device.reset(rtcNewDevice("threads=1,user_threads=1"), ReleaseDevice{});
   if (!internals_->device) {
     throw std::runtime_error("scene: the ray caster (Embree) cannot start on this machine");
   }

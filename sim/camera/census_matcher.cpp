@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <opencv2/calib3d.hpp>
@@ -27,10 +26,8 @@ constexpr std::uint16_t kNoSum = 0xFFFF;
 constexpr short kNotFound = -kDisparitySteps;
 /// Bytes on each side of a pixel's path costs, so that the outermost disparities have neighbours.
 constexpr std::size_t kMargin = 32;
-/// By this share the next best sum lies above the best one where a disparity is sure.
-constexpr float kSureMargin = 2.0F / 3.0F;
 
-/// Of one of two numbers by a condition, without a branch: all bits unless it holds.
+/// All bits unless it holds, without a branch.
 constexpr std::uint16_t unless(bool holds) {
   return static_cast<std::uint16_t>(static_cast<std::uint16_t>(holds) - 1U);
 }
@@ -253,7 +250,8 @@ RIGWIRE_WIDE_VECTORS void go_left(Workplace& w, short* steps, std::uint8_t* marg
       const auto other = static_cast<std::uint16_t>(sum[d] | unless(apart > 2));
       next = other < next ? other : next;
     }
-    margins[at] = static_cast<std::uint8_t>((next - lowest) * 255 / std::max<int>(next, 1));
+    margins[at] = static_cast<std::uint8_t>(255.0F * static_cast<float>(next - lowest) /
+                                            static_cast<float>(std::max<int>(next, 1)));
     // Where the search leaves the right picture, what is best may not have been seen.
     const bool whole = x + 1 >= w.least_disparity + disparities;
     if (!whole || next * (100 - w.uniqueness_percent) <= lowest * 100) {
@@ -403,24 +401,19 @@ class CensusMatcher final : public StereoMatcher {
 
   void judge(DisparityPicture& found) const {
     found.confidence.assign(found.disparity_px.size(), 0);
+    auto to = found.confidence.begin();
     for (int row = 0; row < there_.rows; ++row) {
+      const auto* const steps = there_.ptr<short>(row);
       const auto* const back = back_.ptr<short>(row);
       const auto* const margins = margins_.ptr<std::uint8_t>(row);
-      const std::size_t first =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(there_.cols);
-      for (int column = 0; column < there_.cols; ++column) {
-        const std::size_t at = first + static_cast<std::size_t>(column);
-        const float disparity_px = found.disparity_px[at];
-        const int led_to = column - static_cast<int>(std::lround(disparity_px));
-        if (disparity_px < 0.0F || led_to < 0 ||
-            !found_at(back[led_to], parameters_.least_disparity)) {
-          continue;
+      for (int column = 0; column < there_.cols; ++column, ++to) {
+        const int right = led_to(column, steps[column]);
+        if (found_at(steps[column], parameters_.least_disparity) && right >= 0 &&
+            found_at(back[right], parameters_.least_disparity)) {
+          const int sure = std::min(255, margins[column] * 3 / 2);  // from two thirds on
+          *to =
+              static_cast<std::uint8_t>((sure * agreement(steps[column], back[right]) + 127) / 255);
         }
-        const float returned_px = static_cast<float>(back[led_to]) * kPerStep_px;
-        const float sure =
-            std::min(1.0F, static_cast<float>(margins[column]) * (1.0F / 255.0F / kSureMargin));
-        found.confidence[at] = static_cast<std::uint8_t>(
-            std::lround(255.0F * sure * agreement(disparity_px, returned_px)));
       }
     }
   }

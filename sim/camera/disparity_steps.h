@@ -2,7 +2,7 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
+#include <cstdlib>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -21,11 +21,17 @@ inline constexpr float kPerStep_px = 1.0F / static_cast<float>(kDisparitySteps);
 /// `steps` of 16 bits with sign, row by row.
 void take_steps(const cv::Mat& steps, int least_disparity, std::vector<float>& disparity_px);
 
-/// How well a disparity and the one that leads back agree: 1 within a step, 0 from kDisagreement_px
-/// on.
-[[nodiscard]] inline float agreement(float disparity_px, float returned_px) {
-  const float apart_px = std::max(0.0F, std::abs(disparity_px - returned_px) - kPerStep_px);
-  return std::max(0.0F, 1.0F - apart_px / kDisagreement_px);
+/// Of 255: how well a disparity and the one that leads back agree, all within a step, nothing from
+/// kDisagreement_px on.
+[[nodiscard]] inline int agreement(int steps, int returned_steps) {
+  constexpr int kMost = kDisagreement_px * kDisparitySteps;
+  const int apart = std::max(0, std::abs(steps - returned_steps) - 1);
+  return (255 * std::max(0, kMost - apart) + kMost / 2) / kMost;
+}
+
+/// The column of the other picture that a disparity leads to; below 0: none.
+[[nodiscard]] inline int led_to(int column, int steps) {
+  return column - (steps + kDisparitySteps / 2) / kDisparitySteps;
 }
 
 }  // namespace rigwire::sim

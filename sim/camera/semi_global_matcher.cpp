@@ -81,7 +81,7 @@ class SemiGlobalMatcher final : public StereoMatcher {
     take_steps(forward_, parameters_.least_disparity, found.disparity_px);
     found.confidence.clear();
     if (confidence) {
-      judge(pair, found);
+      judge(found);
     }
   }
 
@@ -109,27 +109,19 @@ class SemiGlobalMatcher final : public StereoMatcher {
   }
 
   /// How far each pixel comes back from where its disparity leads.
-  void judge(const StereoPair& pair, DisparityPicture& found) const {
+  void judge(DisparityPicture& found) const {
     found.confidence.assign(found.disparity_px.size(), 0);
     const int last = backward_.cols - 1;
-    for (int row = 0; row < pair.height; ++row) {
+    auto to = found.confidence.begin();
+    for (int row = 0; row < forward_.rows; ++row) {
+      const auto* const steps = forward_.ptr<short>(row);
       const auto* const back = backward_.ptr<short>(row / kRowsTogether);
-      const std::size_t first =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(pair.width);
-      for (int column = 0; column < pair.width; ++column) {
-        const std::size_t at = first + static_cast<std::size_t>(column);
-        const float disparity_px = found.disparity_px[at];
-        const int led_to = column - static_cast<int>(std::lround(disparity_px));
-        if (disparity_px < 0.0F || led_to < 0) {
-          continue;
+      for (int column = 0; column < forward_.cols; ++column, ++to) {
+        const int right = led_to(column, steps[column]);
+        if (found_at(steps[column], parameters_.least_disparity) && right >= 0 &&
+            found_at(back[last - right], parameters_.least_disparity)) {
+          *to = static_cast<std::uint8_t>(agreement(steps[column], back[last - right]));
         }
-        const short returned = back[last - led_to];
-        if (!found_at(returned, parameters_.least_disparity)) {
-          continue;
-        }
-        const float returned_px = static_cast<float>(returned) * kPerStep_px;
-        found.confidence[at] =
-            static_cast<std::uint8_t>(std::lround(255.0F * agreement(disparity_px, returned_px)));
       }
     }
   }

@@ -86,7 +86,7 @@ struct DisparityPicture {
 };
 
 /// Between a disparity and the one that leads back to it: none is believed beyond.
-inline constexpr float kDisagreement_px = 2.0F;
+inline constexpr int kDisagreement_px = 2;
 
 class StereoMatcher {
  public:

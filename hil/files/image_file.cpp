@@ -15,6 +15,9 @@ namespace {
 
 constexpr std::size_t kMostPixels = 16384;
 
+/// Bytes of which one byte of deflate can tell: 258 by two bits (RFC 1951, 3.2.5 and 3.2.7).
+constexpr std::size_t kMostExpansion = 258 * 4;
+
 /// What libpng's callbacks share with decode(): nothing in it needs a destructor, for libpng leaves
 /// by longjmp.
 struct Reading {
@@ -48,6 +51,12 @@ bool decode(png_structp png, png_infop info, Image& image, std::vector<std::uint
   }
   png_set_user_limits(png, kMostPixels, kMostPixels);
   png_read_info(png, info);
+  // Before anything is made room for: what a header may claim is 2 GB, whatever follows it.
+  const auto& reading = *static_cast<const Reading*>(png_get_io_ptr(png));
+  if (png_get_rowbytes(png, info) * png_get_image_height(png, info) >
+      kMostExpansion * reading.bytes.size()) {
+    png_error(png, "more pixels than its bytes can hold");
+  }
   png_set_expand(png);
   png_set_interlace_handling(png);
   png_read_update_info(png, info);

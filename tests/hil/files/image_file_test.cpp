@@ -1,8 +1,11 @@
 #include "hil/files/image_file.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <stdexcept>
+
+#include "small_images.h"
 
 namespace rigwire::hil {
 namespace {
@@ -50,6 +53,28 @@ TEST(ImageFile, EveryTruncationIsRefused) {
     EXPECT_THROW((void)decode_png(std::span(bytes).first(size), "image: "), std::invalid_argument)
         << size;
   }
+}
+
+// A file of 68 bytes made room for 4 GB before its first pixel was missed.
+TEST(ImageFile, RefusesMorePixelsThanItsBytesCanHold) {
+  tests::Bytes claim{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+  tests::Bytes header;
+  tests::put_be(header, 16384, 4);
+  tests::put_be(header, 16384, 4);
+  for (const std::uint8_t field : {16, 6, 0, 0, 0}) {  // bits, RGB and alpha, three methods
+    header.push_back(field);
+  }
+  tests::put_chunk(claim, "IHDR", header);
+  tests::put_chunk(claim, "IDAT", {0x78, 0x01, 0x03, 0x00, 0, 0, 0, 1});
+  tests::put_chunk(claim, "IEND", {});
+  EXPECT_THAT([&] { (void)decode_png(claim, "image: "); },
+              testing::ThrowsMessage<std::invalid_argument>(
+                  testing::HasSubstr("more pixels than its bytes can hold")));
+  // The densest that there are: one shade.
+  Image dense = image_of(1, 1, 1, 8);
+  dense.columns = dense.rows = 4096;
+  dense.samples.assign(dense.columns * dense.rows, 200);
+  EXPECT_EQ(decode_png(encode_png(dense), "image: ").samples, dense.samples);
 }
 
 }  // namespace

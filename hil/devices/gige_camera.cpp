@@ -120,16 +120,6 @@ auto asked_of(const GigeCameraSettings& settings, const Ask& ask) {
   return ask(emulators::GigeCamera(settings, memory, nowhere, nowhere));
 }
 
-std::size_t picture_bytes(const GigeCameraSettings& settings, const sim::PictureParts& parts) {
-  const std::size_t pixels =
-      static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height);
-  // The right image is off at first.
-  const std::size_t per_pixel = bytes_per_pixel(settings.formats.front()) +
-                                (parts.disparity || parts.range ? 2U : 0U) +
-                                (parts.confidence ? 1U : 0U);
-  return pixels * per_pixel;
-}
-
 class GigeCameraDevice final : public Device {
  public:
   GigeCameraDevice(const GigeCameraConfiguration& configuration, Site& site)
@@ -384,7 +374,7 @@ std::vector<fields::Named> GigeCameraConfiguration::fault_kinds() const {
 DevicePlan GigeCameraConfiguration::plan(const RigView& /*rig*/) const {
   const GigeCameraSettings settings = settings_of(*this);
   const double rate_hz = 1.0 / to_seconds(camera.frame_period);
-  const std::size_t bytes = picture_bytes(settings, sim::abilities_of(sensor).parts);
+  const std::size_t bytes = picture_bytes(power_on_command(*this));
   return {fmt::format("udp {}:{}, GigE Vision", address, gev::kGvcpPort),
           fmt::format("{:g} pictures/s", rate_hz),
           fmt::format("{:.0f} B/s", rate_hz * static_cast<double>(bytes)),

@@ -10,7 +10,8 @@
 namespace rigwire::hil {
 namespace {
 
-/// More than these are not kept waiting for the worker: what is late by then is late for good.
+/// More than these are not kept waiting for the worker, for each holds its dust and its ground.
+/// Paced, what is late by then is late for good; free-running, the run waits for the first of them.
 constexpr std::ptrdiff_t kMostWaiting = 16;
 
 class WorldCamera final : public WorldSensor {
@@ -91,6 +92,7 @@ class WorldCamera final : public WorldSensor {
     CameraJob job;
     std::uint64_t number = 0;
     bool over = false;
+    bool no_room = false;  ///< In the memory; is told as skipped.
     bool exposure_free = false;
     bool gain_free = false;
     sim::AutoExposure::Choice fixed;  ///< Of what is not free.
@@ -107,6 +109,12 @@ class WorldCamera final : public WorldSensor {
     bool exposure_free = false;
     bool gain_free = false;
     sim::AutoExposure::Choice fixed;
+  };
+
+  /// Room in the memory.
+  struct Kept {
+    SimTime due{};
+    std::size_t bytes = 0;
   };
 
   void follow(SimTime frontier, const CameraCommand& command) {
@@ -167,10 +175,25 @@ class WorldCamera final : public WorldSensor {
     exposure.job.end = start + worker_.sensor().span(command_, choice.exposure);
     last_due_ = std::max(last_due_, exposure.job.end + settings_.processing);
     exposure.job.due = last_due_;
+    exposure.no_room = !keep(start, {last_due_, picture_bytes(command_)});
     exposure.job.bodies.resize(step.links_at_t0.size());
     bodies_at(step, start, &sim::BodyMotion::X_WB_start, exposure.job.bodies);
     ready_ = start + choice.exposure;
     open_.push_back(std::move(exposure));
+  }
+
+  /// Whether a picture that is exposed at `start` has room until it is due.
+  bool keep(SimTime start, const Kept& picture) {
+    while (!kept_.empty() && kept_.front().due <= start) {
+      kept_bytes_ -= kept_.front().bytes;
+      kept_.pop_front();
+    }
+    if (!kept_.empty() && kept_bytes_ + picture.bytes > settings_.memory_bytes) {
+      return false;
+    }
+    kept_bytes_ += picture.bytes;
+    kept_.push_back(picture);
+    return true;
   }
 
   static void bodies_at(const WorldStep& step, SimTime time, Eigen::Isometry3d sim::BodyMotion::*at,
@@ -207,9 +230,7 @@ class WorldCamera final : public WorldSensor {
     pending.exposure_free = exposure.exposure_free;
     pending.gain_free = exposure.gain_free;
     pending.fixed = exposure.fixed;
-    const auto waiting = std::ranges::count_if(
-        pending_, [](const Pending& earlier) { return earlier.job.has_value(); });
-    if (!slice.paced || waiting < kMostWaiting) {
+    if (!exposure.no_room && may_wait(slice.paced)) {
       CameraJob& job = exposure.job;
       job.placement = slice.scene.placement();
       job.with_truth = pending.with_truth;
@@ -232,11 +253,26 @@ class WorldCamera final : public WorldSensor {
     pending_.push_back(std::move(pending));
   }
 
+  /// Whether one more picture may wait for the worker; free-running it may when another has been
+  /// waited for.
+  bool may_wait(bool paced) {
+    const auto waits = [](const Pending& pending) { return pending.job.has_value(); };
+    if (std::ranges::count_if(pending_, waits) < kMostWaiting) {
+      return true;
+    }
+    if (!paced) {
+      const auto first = std::ranges::find_if(pending_, waits);
+      collect(*first, worker_.wait(*first->job));
+    }
+    return !paced;
+  }
+
   /// Collects what the worker has made, as far as it has come.
   void measure() {
     for (std::size_t i = 0; i < pending_.size(); ++i) {
       Pending& pending = pending_[i];
       if (!pending.job) {
+        settle(pending, false);  // unless it is settled
         continue;
       }
       auto made = worker_.take(*pending.job);
@@ -325,6 +361,8 @@ class WorldCamera final : public WorldSensor {
   std::deque<SimTime> triggered_;  ///< By software, to come.
   SimTime ready_{};                ///< For the next exposure by software.
   SimTime last_due_{};
+  std::deque<Kept> kept_;  ///< In the order in which they are due.
+  std::size_t kept_bytes_ = 0;
   std::uint64_t frame_ = 0;
   std::uint32_t mask_ = sim::Scene::kSeeEverything;
   std::deque<Exposure> open_;  ///< In order of their beginnings and of their ends.

@@ -9,6 +9,10 @@
 // Free-running, every picture is there: the run waits for it at that instant. Paced, the run never
 // waits: what is not rendered by then is told as a sample without a picture.
 //
+// Pictures between their exposure and their handing over are kept in a memory of their own, as a
+// camera has one. What has no room in it when its exposure begins is told as a sample without a
+// picture, also free-running: which ones these are depends on simulated time alone.
+//
 // What is true behind a picture is computed with it, for a CameraTruthObserver that wants it, and
 // told when the picture is handed over.
 //
@@ -19,6 +23,7 @@
 // its read-out (error: sim/scene/scene.h); ground, dust and air are those at its end.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
@@ -30,11 +35,17 @@
 
 namespace rigwire::hil {
 
+/// Of one camera: half a minute of 640 x 480 grey pixels at 30 Hz.
+constexpr std::size_t kPictureMemory_bytes = std::size_t{256} << 20U;
+
 struct WorldCameraSettings {
   std::string name;  ///< Of the device in the rig.
   SensorMount mount;
   bool sees_own_link = false;  ///< The body that it is mounted on.
   Duration processing{0};      ///< From the end of the exposure to when the picture is handed over.
+  /// Of pictures that are not handed over yet; a single one has room in any. What is true behind
+  /// them comes on top, with 12 bytes for each pixel of those that a truth observer wants.
+  std::size_t memory_bytes = kPictureMemory_bytes;
   sim::AutoExposureParameters auto_exposure;
 };
 

@@ -153,4 +153,16 @@ struct CameraCommand {
   friend bool operator==(const CameraCommand&, const CameraCommand&) = default;
 };
 
+/// Of all parts of a picture that this command asks for.
+[[nodiscard]] constexpr std::size_t picture_bytes(const CameraCommand& command) {
+  const std::size_t images = (command.intensity ? 1U : 0U) + (command.intensity_right ? 1U : 0U);
+  const std::size_t coordinates = (command.disparity ? 1U : 0U) + (command.range ? 1U : 0U);
+  const std::size_t confidences = command.confidence ? 1U : 0U;
+  return static_cast<std::size_t>(command.region.width) *
+         static_cast<std::size_t>(command.region.height) *
+         (images * bytes_per_pixel(command.format) +
+          coordinates * bytes_per_pixel(PixelFormat::coord3d_c16) +
+          confidences * bytes_per_pixel(PixelFormat::confidence8));
+}
+
 }  // namespace rigwire

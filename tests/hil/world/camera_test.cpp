@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
+#include <deque>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -100,6 +101,7 @@ class WorldCameraTest : public ::testing::Test {
     settings.mount.X_LS.translation().x() = 0.5;
     settings.processing = processing;
     settings.auto_exposure = automatic;
+    settings.memory_bytes = memory_bytes_;
     camera_ = make_world_camera(
         kStation, settings, scene_, terrain_,
         std::make_shared<CameraSurroundings>(Calendar(UtcTime{2026, 6, 1, 8, 0, 0, 0}), 49.4, 7.75,
@@ -170,6 +172,32 @@ class WorldCameraTest : public ::testing::Test {
     return command;
   }
 
+  /// Exposes 1 ms every 4 ms with room for 10 pictures, each of them due 102 ms after it began.
+  /// Paced, what has room may still be late.
+  void expect_only_what_has_room(bool paced) {
+    memory_bytes_ = 10;
+    make(100ms);
+    command(exposing(1ms));
+    plan(kStart, 4ms);
+    run(kStart + 602ms, paced);
+    ASSERT_EQ(handed_over_.size(), 126U);  // of the exposures until 500 ms
+    std::deque<SimTime> kept;
+    for (const PictureSample& sample : handed_over_) {
+      while (!kept.empty() && kept.front() <= sample.exposure_start) {
+        kept.pop_front();
+      }
+      EXPECT_EQ(sample.time, sample.exposure_start + 102ms);
+      const bool room = kept.size() < 10;
+      if (room) {
+        kept.push_back(sample.time);
+      }
+      ASSERT_TRUE(sample.picture ? room : paced || !room)
+          << to_seconds(sample.exposure_start - kStart);
+    }
+    EXPECT_GE(skipped(), 76U);  // 15 or 16 of 26, five times
+  }
+
+  std::size_t memory_bytes_ = kPictureMemory_bytes;
   Studio studio_;
   sim::Scene scene_;
   sim::HeightField field_;
@@ -291,6 +319,69 @@ TEST_F(WorldCameraTest, paced_run_makes_what_it_can_when_pictures_take_longer_th
   }
   EXPECT_GT(skipped(), 100U);
   EXPECT_GT(handed_over_.size() - skipped(), 20U);
+}
+
+TEST_F(WorldCameraTest, free_run_keeps_no_more_pictures_than_have_room) {
+  expect_only_what_has_room(false);
+  // And none is rendered in vain.
+  EXPECT_LE(studio_.taken(), handed_over_.size() - skipped() + 10);
+}
+
+TEST_F(WorldCameraTest, paced_run_keeps_no_more_pictures_than_have_room) {
+  expect_only_what_has_room(true);
+}
+
+TEST_F(WorldCameraTest, one_picture_has_room_in_any_memory) {
+  memory_bytes_ = 1;
+  make(1ms);
+  CameraCommand command = exposing(1ms);
+  command.format = PixelFormat::mono12;
+  this->command(command);
+  plan(kStart, 4ms);
+  run(kStart + 100ms);
+  EXPECT_GE(handed_over_.size(), 23U);
+  EXPECT_EQ(skipped(), 0U);
+}
+
+TEST_F(WorldCameraTest, what_has_no_room_leaves_automatic_exposure_alone_however_slow_the_worker) {
+  std::vector<std::vector<Duration>> chosen;
+  for (const Duration delay : {Duration{0}, Duration{3ms}}) {
+    studio_.delay = delay;
+    now_ = kStart;
+    handed_over_.clear();
+    memory_bytes_ = 5;
+    sim::AutoExposureParameters automatic;
+    automatic.lag = 2;
+    automatic.target = 0.40;
+    make(100ms, automatic);
+    CameraCommand command = exposing(1ms);
+    command.exposure_auto = true;
+    this->command(command);
+    plan(kStart, 10ms);
+    run(kStart + 1s);
+    EXPECT_GT(skipped(), 30U);
+    std::vector<Duration>& exposures = chosen.emplace_back();
+    for (const PictureSample& sample : handed_over_) {
+      exposures.push_back(sample.picture ? sample.picture->exposure : Duration{0});
+    }
+  }
+  EXPECT_EQ(chosen[0], chosen[1]);
+  EXPECT_NEAR(to_seconds(std::ranges::max(chosen[0])), 0.004, 0.0006);
+}
+
+TEST_F(WorldCameraTest, free_run_does_not_get_far_ahead_of_the_worker) {
+  studio_.delay = 2ms;
+  make(10s);
+  command(exposing(1ms));
+  plan(kStart, 4ms);
+  std::ptrdiff_t farthest = 0;
+  while (now_ < kStart + 400ms) {
+    run(now_ + kSlice);
+    const std::ptrdiff_t over = (now_ - kStart) / Duration{4ms};  // exposures
+    farthest = std::max(farthest, over - static_cast<std::ptrdiff_t>(studio_.taken()));
+  }
+  EXPECT_LE(farthest, 17);  // 16 wait, one is under way
+  EXPECT_GE(farthest, 10);  // and it does not wait for each
 }
 
 TEST_F(WorldCameraTest, triggers_by_software_expose_once_each_and_at_once) {

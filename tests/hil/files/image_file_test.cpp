@@ -61,8 +61,8 @@ TEST(ImageFile, RefusesMorePixelsThanItsBytesCanHold) {
   tests::Bytes header;
   tests::put_be(header, 16384, 4);
   tests::put_be(header, 16384, 4);
-  for (const std::uint8_t field : {16, 6, 0, 0, 0}) {  // bits, RGB and alpha, three methods
-    header.push_back(field);
+  for (const std::uint32_t field : {16U, 6U, 0U, 0U, 0U}) {  // bits, RGB and alpha, three methods
+    tests::put_be(header, field, 1);
   }
   tests::put_chunk(claim, "IHDR", header);
   tests::put_chunk(claim, "IDAT", {0x78, 0x01, 0x03, 0x00, 0, 0, 0, 1});

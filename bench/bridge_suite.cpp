@@ -16,10 +16,10 @@
 
 #include "bench/host.h"
 #include "bench/isolated_run.h"
-#include "bench/private_folder.h"
 #include "bench/suites.h"
 #include "bench/table.h"
 #include "drivers/http_server.h"
+#include "hil/files/private_folder.h"
 
 namespace rigwire::bench {
 namespace {
@@ -55,7 +55,7 @@ void require_done(const IsolatedRun::Ended& ended) {
 nlohmann::json measure_start(std::ostream& text) {
   std::vector<double> ready_s;
   for (int i = 0; i < kStarts; ++i) {
-    const PrivateFolder folder;
+    const hil::PrivateFolder folder("bench");
     std::unique_ptr<IsolatedRun> run;
     ready_s.push_back(seconds_of([&] {
       run =
@@ -100,7 +100,7 @@ class BareServer {
 };
 
 nlohmann::json measure_steps(std::ostream& text) {
-  const PrivateFolder folder;
+  const hil::PrivateFolder folder("bench");
   IsolatedRun run(folder.path() / "run", {"--clock", "step"});
   run.wait_until_ready();
   const BareServer bare(folder.path() / "bare");
@@ -145,7 +145,7 @@ nlohmann::json measure_recording(std::ostream& text) {
   std::vector<Way> ways{{"not recorded", false}, {"recorded", true}};
   for (int round = 0; round < kRecordingRounds; ++round) {
     for (Way& way : ways) {
-      const PrivateFolder folder;
+      const hil::PrivateFolder folder("bench");
       std::vector<std::string> arguments{"--duration", "5s"};
       if (way.records) {
         arguments.insert(arguments.end(), {"--record", (folder.path() / "recording").string()});
@@ -187,7 +187,7 @@ nlohmann::json measure_many(std::ostream& text) {
   nlohmann::json json;
   double alone = 0.0;
   for (const int at_once : {1, 2}) {
-    const PrivateFolder folder;
+    const hil::PrivateFolder folder("bench");
     double cpu_s = 0.0;
     double memory_mb = 0.0;
     const double wall_s = seconds_of([&] {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/private_folder.h"
+#include "hil/files/private_folder.h"
 #include "hil/rig/rig_configuration.h"
 
 namespace rigwire::bench {
@@ -34,7 +34,7 @@ class PrivateRig {
   boost::asio::ip::udp::socket data_sink_;
   boost::asio::ip::udp::socket position_sink_;
   std::uint16_t modbus_port_;  ///< Was free a moment ago.
-  PrivateFolder folder_;
+  hil::PrivateFolder folder_{"bench"};
   hil::RigConfiguration configuration_;
 };
 

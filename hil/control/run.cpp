@@ -18,8 +18,8 @@
 #include "fields/check.h"
 #include "hil/control/desk.h"
 #include "hil/control/ready.h"
+#include "hil/files/new_folder.h"
 #include "hil/record/output_file.h"
-#include "hil/record/recording.h"
 #include "hil/record/run_log.h"
 #include "hil/rig/isolated_rig.h"
 #include "hil/rig/rig.h"
@@ -169,7 +169,7 @@ std::unique_ptr<Recorder> make_recorder(const RigConfiguration& configuration,
 struct Isolated {
   explicit Isolated(const RigConfiguration& configuration, const RunOptions& options)
       : folder(std::filesystem::absolute(options.isolated_folder)) {
-    make_recording_folder("--isolated", folder);
+    make_new_folder("--isolated", folder);
     replacements = isolating(
         configuration, options.origins != nullptr ? *options.origins : Origins{}, folder, claims);
     wired = with(configuration, replacements);

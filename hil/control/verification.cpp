@@ -1,19 +1,16 @@
 #include "hil/control/verification.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <boost/asio/signal_set.hpp>
-#include <cerrno>
 #include <csignal>
-#include <cstdlib>
 #include <map>
 #include <stdexcept>
-#include <system_error>
 
 #include "drivers/endpoints.h"
 #include "drivers/loopback_claims.h"
+#include "hil/files/private_folder.h"
 #include "hil/record/recorded_clients.h"
 #include "hil/record/recorder.h"
 #include "hil/rig/private_wires.h"
@@ -24,27 +21,6 @@ namespace rigwire::hil {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Removed with all that is in it.
-class PrivateFolder {
- public:
-  PrivateFolder() {
-    std::string pattern = (fs::temp_directory_path() / "rigwire-replay-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) {
-      throw drivers::EndpointError(fmt::format("a folder for the run: {}: {}", pattern,
-                                               std::generic_category().message(errno)));
-    }
-    path = pattern;
-  }
-  ~PrivateFolder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  PrivateFolder(const PrivateFolder&) = delete;
-  PrivateFolder& operator=(const PrivateFolder&) = delete;
-
-  fs::path path;
-};
 
 /// A bus's way outside that leads nowhere: its client is a recorded one.
 class NoCanEnd final : public drivers::CanBus {
@@ -104,10 +80,10 @@ Verification verify_recording(const fs::path& folder, RunLog* log) {
         fmt::format("the recorded run was killed; compared to {:.9f} s", to_seconds(result.end)));
   }
 
-  const PrivateFolder own;
+  const PrivateFolder own("replay");
   drivers::LoopbackClaims claims;
   const RigConfiguration rig_configuration =
-      made_private(recorded, own.path, claims, result.remarks);
+      made_private(recorded, own.path(), claims, result.remarks);
   std::map<std::string, NoCanEnd> ends;
   OwnEnds own_ends;
   for (const RecordingContents::Wire& wire : contents.wires) {
@@ -124,7 +100,7 @@ Verification verify_recording(const fs::path& folder, RunLog* log) {
   std::string trouble;
   OutputFailures failures([&](const std::string& what) { trouble = what; });
   boost::asio::io_context io;
-  const fs::path again = own.path / "again";
+  const fs::path again = own.path() / "again";
   bool interrupted = false;
   {
     // With simulated time that waits for the disk as long as that takes.

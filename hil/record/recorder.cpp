@@ -13,7 +13,7 @@
 
 #include "hil/configuration/suggest.h"
 #include "hil/executive/executive.h"
-#include "hil/record/recording.h"
+#include "hil/files/new_folder.h"
 #include "hil/record/truth_tap.h"
 #include "hil/wires/outlets.h"
 #include "protocols/can/frame_text.h"
@@ -363,7 +363,7 @@ Recorder::Recorder(RecordOptions options, RecordedRun run, std::chrono::millisec
       with_truth_(wanted(std::string(kTruthName))),
       arrivals_(std::make_unique<Arrivals>()),
       queue_(kQueueBytes, patience) {
-  make_recording_folder("--record", options_.folder);
+  make_new_folder("--record", options_.folder);
 }
 
 Recorder::~Recorder() {

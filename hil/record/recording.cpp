@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "drivers/endpoints.h"
+#include "hil/files/new_folder.h"
 #include "protocols/mcap/mcap.h"
 #include "protocols/pcapng/link_packet.h"
 #include "protocols/pcapng/pcapng.h"
@@ -216,6 +217,19 @@ class RecordingReader {
       read_records(folder_ / "truth.mcap", use);
     }
   }
+  void each_message(
+      const std::function<void(TruthTrack track, SimTime at, std::string_view text)>& use) const {
+    each_record([&](const mcap::Record& record) {
+      if (record.opcode != mcap::Opcode::message) {
+        return;
+      }
+      const auto message = mcap::read_message(record.content);
+      if (!message.ok() || message->channel >= kTruthTracks) {
+        refuse(folder_ / "truth.mcap", "a message that is none of a recording");
+      }
+      use(static_cast<TruthTrack>(message->channel), sim_time(message->time_ns), message->data);
+    });
+  }
   [[nodiscard]] SimTime sim_time(std::uint64_t unix_ns) const {
     return SimTime{Duration{static_cast<std::int64_t>(unix_ns) - contents_.run.start_unix_ns}};
   }
@@ -227,30 +241,6 @@ class RecordingReader {
 };
 
 }  // namespace
-
-void make_recording_folder(std::string_view what, const fs::path& folder) {
-  std::error_code error;
-  const auto refuse_folder = [&](const std::string& why) {
-    throw drivers::EndpointError(fmt::format("{} {}: {}", what, folder.string(), why));
-  };
-  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
-    refuse_folder("a file is there; allowed a folder that is new or empty");
-  }
-  fs::create_directories(folder, error);
-  if (error) {
-    refuse_folder("cannot be made: " + error.message());
-  }
-  const bool empty = fs::is_empty(folder, error);
-  if (error) {
-    refuse_folder("cannot be read: " + error.message());
-  }
-  if (!empty) {
-    refuse_folder(
-        fmt::format("the folder is not empty, found {}; allowed a folder that is new or "
-                    "empty",
-                    fs::directory_iterator(folder)->path().filename().string()));
-  }
-}
 
 RecordingContents read_recording(const fs::path& folder) {
   RecordingReader reader(folder);
@@ -332,18 +322,7 @@ void each_packet(const fs::path& folder,
 
 void each_message(const fs::path& folder,
                   const std::function<void(TruthTrack, SimTime, std::string_view)>& use) {
-  const RecordingReader reader(folder);
-  reader.each_record([&](const mcap::Record& record) {
-    if (record.opcode != mcap::Opcode::message) {
-      return;
-    }
-    const auto message = mcap::read_message(record.content);
-    if (!message.ok() || message->channel >= kTruthTracks) {
-      refuse(folder / "truth.mcap", "a message that is none of a recording");
-    }
-    use(static_cast<TruthTrack>(message->channel), reader.sim_time(message->time_ns),
-        message->data);
-  });
+  RecordingReader(folder).each_message(use);
 }
 
 std::string to_text(const RecordingContents& contents) {
@@ -425,7 +404,7 @@ void cut_recording(const fs::path& folder, SimTime from, SimTime to, const fs::p
   for (const RecordingContents::Wire& wire : reader.contents().wires) {
     wires.push_back(wire.about);
   }
-  make_recording_folder("-o", out);
+  make_new_folder("-o", out);
   std::string trouble;
   RecordingWriter writer(
       out, reader.contents().run, wires, reader.with_truth(),
@@ -453,22 +432,13 @@ void cut_recording(const fs::path& folder, SimTime from, SimTime to, const fs::p
         {track, inbound ? kInbound : std::uint8_t{0}, at,
          wires[wire].kind == WireKind::serial ? pcapng::serial_bytes(packet.bytes) : packet.bytes});
   });
-  reader.each_record([&](const mcap::Record& record) {
-    if (record.opcode != mcap::Opcode::message) {
-      return;
-    }
-    const auto message = mcap::read_message(record.content);
-    if (!message.ok() || message->channel >= kTruthTracks) {
-      refuse(folder / "truth.mcap", "a message that is none of a recording");
-    }
-    const SimTime at = reader.sim_time(message->time_ns);
+  reader.each_message([&](TruthTrack track, SimTime at, std::string_view text) {
     if (within(at)) {
       last = std::max(last, at);
-      writer.write(
-          {message->channel,
-           0,
-           at,
-           {reinterpret_cast<const std::uint8_t*>(message->data.data()), message->data.size()}});
+      writer.write({static_cast<std::uint16_t>(track),
+                    0,
+                    at,
+                    {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}});
     }
   });
   for (std::size_t wire = 0; wire < wires.size(); ++wire) {

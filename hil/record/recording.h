@@ -81,8 +81,4 @@ void each_message(
 void cut_recording(const std::filesystem::path& folder, SimTime from, SimTime to,
                    const std::filesystem::path& out);
 
-/// Makes a folder for a recording, and what is above it. Throws drivers::EndpointError where there
-/// is something in it; `what` names the option.
-void make_recording_folder(std::string_view what, const std::filesystem::path& folder);
-
 }  // namespace rigwire::hil

@@ -86,6 +86,14 @@ void QueuedOutlet::transmit_front(std::optional<Duration> lateness) {
   queue_.pop();
 }
 
+bool QueuedOutlet::arrive(const WirePiece& piece) {
+  const bool given = give(piece);
+  if (given && tap_ != nullptr) {
+    tap_->received(piece);
+  }
+  return given;
+}
+
 bool QueuedOutlet::push(SimTime due, std::uint64_t tag, WireStatistics& statistics,
                         std::span<const std::uint8_t> bytes) {
   const bool fits = queue_.push(due, tag, statistics, bytes);
@@ -129,7 +137,7 @@ void StreamOutlet::start(drivers::ByteStream::Receiver receiver) {
   });
 }
 
-bool StreamOutlet::arrive(const WirePiece& piece) {
+bool StreamOutlet::give(const WirePiece& piece) {
   if (const auto* bytes = std::get_if<SerialPiece>(&piece); bytes != nullptr && receiver_) {
     receiver_(bytes->bytes);
   } else if (const auto* client = std::get_if<drivers::LineClient>(&piece);
@@ -138,7 +146,6 @@ bool StreamOutlet::arrive(const WirePiece& piece) {
   } else {
     return false;
   }
-  tell_received(piece);
   return true;
 }
 
@@ -178,13 +185,12 @@ void AddressedOutlet::start(drivers::DatagramPort::Receiver receiver) {
   });
 }
 
-bool AddressedOutlet::arrive(const WirePiece& piece) {
+bool AddressedOutlet::give(const WirePiece& piece) {
   const auto* datagram = std::get_if<DatagramPiece>(&piece);
   if (datagram == nullptr || !receiver_) {
     return false;
   }
   receiver_(datagram->client, datagram->bytes);
-  tell_received(piece);
   return true;
 }
 
@@ -255,7 +261,7 @@ void ServerOutlet::hear(StreamPiece::What what, emulators::ConnectionId connecti
   }
 }
 
-bool ServerOutlet::arrive(const WirePiece& piece) {
+bool ServerOutlet::give(const WirePiece& piece) {
   const auto* stream = std::get_if<StreamPiece>(&piece);
   if (stream == nullptr || !handler_.connected) {
     return false;
@@ -277,7 +283,6 @@ bool ServerOutlet::arrive(const WirePiece& piece) {
       handler_.disconnected(stream->connection);
       break;
   }
-  tell_received(piece);
   return true;
 }
 
@@ -305,7 +310,7 @@ void FrameOutlet::start(drivers::CanBus::Receiver receiver) {
   });
 }
 
-bool FrameOutlet::arrive(const WirePiece& piece) {
+bool FrameOutlet::give(const WirePiece& piece) {
   if (const auto* frame = std::get_if<protocols::can::Frame>(&piece);
       frame != nullptr && receiver_) {
     if (tap() != nullptr) {
@@ -318,7 +323,6 @@ bool FrameOutlet::arrive(const WirePiece& piece) {
   } else {
     return false;
   }
-  tell_received(piece);
   return true;
 }
 

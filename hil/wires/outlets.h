@@ -36,7 +36,7 @@ class QueuedOutlet : public Outlet {
   /// endpoint; what comes from the endpoint is not heard.
   void cut_off() { cut_off_ = true; }
   /// As if a client had sent it just now. False: nothing of that kind is heard here.
-  virtual bool arrive(const WirePiece& /*piece*/) { return false; }
+  bool arrive(const WirePiece& piece);
 
  protected:
   QueuedOutlet(std::size_t units, std::size_t bytes) : queue_(units, bytes) {}
@@ -55,12 +55,6 @@ class QueuedOutlet : public Outlet {
             std::span<const std::uint8_t> bytes);
   [[nodiscard]] WireTap* tap() const { return tap_; }
   [[nodiscard]] bool is_cut_off() const { return cut_off_; }
-  /// Tells the tap of something of a client's.
-  void tell_received(const WirePiece& piece) const {
-    if (tap_ != nullptr) {
-      tap_->received(piece);
-    }
-  }
 
  private:
   /// False when any part of the unit was refused.
@@ -68,6 +62,9 @@ class QueuedOutlet : public Outlet {
   /// Tells `tap` of a unit that was taken.
   virtual void tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
                        std::span<const std::uint8_t> bytes) = 0;
+  /// Gives to whoever listens behind the endpoint what a client sent. False: nobody does.
+  virtual bool give(const WirePiece& /*piece*/) { return false; }
+
   WireTap* tap_ = nullptr;
   EmissionQueue queue_;
   bool apart_ = false;
@@ -86,9 +83,9 @@ class StreamOutlet final : public QueuedOutlet, public emulators::ByteOutput {
   void start(drivers::ByteStream::Receiver receiver);
   void send(SimTime due, std::span<const std::uint8_t> bytes) override;
   [[nodiscard]] WireKind kind() const override { return WireKind::serial; }
-  bool arrive(const WirePiece& piece) override;
 
  private:
+  bool give(const WirePiece& piece) override;
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
   void tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
                std::span<const std::uint8_t> bytes) override;
@@ -128,9 +125,9 @@ class AddressedOutlet final : public QueuedOutlet, public emulators::DatagramOut
   /// From now on they leave there; it must outlive the outlet.
   void lead_to(drivers::DatagramPort& port) { port_ = &port; }
   [[nodiscard]] WireKind kind() const override { return WireKind::ethernet; }
-  bool arrive(const WirePiece& piece) override;
 
  private:
+  bool give(const WirePiece& piece) override;
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
   void tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
                std::span<const std::uint8_t> bytes) override;
@@ -149,9 +146,9 @@ class ServerOutlet final : public QueuedOutlet, public emulators::StreamOutput {
             std::span<const std::uint8_t> bytes) override;
   void close(emulators::ConnectionId connection, SimTime due) override;
   [[nodiscard]] WireKind kind() const override { return WireKind::ethernet; }
-  bool arrive(const WirePiece& piece) override;
 
  private:
+  bool give(const WirePiece& piece) override;
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
   void tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
                std::span<const std::uint8_t> bytes) override;
@@ -184,9 +181,9 @@ class FrameOutlet final : public QueuedOutlet {
   /// Confirmations and reports: `units` handed over, `dropped` refused.
   [[nodiscard]] const WireStatistics& controller_statistics() const { return controller_; }
   [[nodiscard]] WireKind kind() const override { return WireKind::can; }
-  bool arrive(const WirePiece& piece) override;
 
  private:
+  bool give(const WirePiece& piece) override;
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
   void tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
                std::span<const std::uint8_t> bytes) override;

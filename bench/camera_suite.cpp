@@ -125,15 +125,20 @@ void stereo_table(const std::vector<CameraCase>& cases, std::ostream& text, nloh
                            {"told apart", ">11"}});
   table.head();
   for (const CameraCase& scene : cases) {
-    sim::StereoMatchingParameters three;
-    three.paths = sim::MatchingPaths::three;
-    sim::StereoMatchingParameters five;
-    sim::StereoMatchingParameters eight;
-    eight.paths = sim::MatchingPaths::eight;
-    sim::StereoMatchingParameters truth;
-    truth.method = sim::MatchingMethod::truth;
+    using enum sim::MatchingPaths;
+    const auto by = [](sim::MatchingMethod method, sim::MatchingPaths paths) {
+      sim::StereoMatchingParameters matching;
+      matching.method = method;
+      matching.paths = paths;
+      return matching;
+    };
     for (const auto& [name, matching] :
-         {std::pair{"3 paths", three}, {"5 paths", five}, {"8 paths", eight}, {"truth", truth}}) {
+         {std::pair{"census 3", by(sim::MatchingMethod::census, three)},
+          {"census 5", by(sim::MatchingMethod::census, five)},
+          {"OpenCV 3", by(sim::MatchingMethod::semi_global, three)},
+          {"OpenCV 5", by(sim::MatchingMethod::semi_global, five)},
+          {"OpenCV 8", by(sim::MatchingMethod::semi_global, eight)},
+          {"truth", by(sim::MatchingMethod::truth, three)}}) {
       const StereoCost cost = measure_stereo(scene, name, matching, 3);
       const auto row = [&](const DepthBand& band, const std::string& depths, bool first) {
         json["stereo"].push_back(
@@ -165,7 +170,9 @@ void stereo_table(const std::vector<CameraCase>& cases, std::ostream& text, nloh
       }
     }
   }
-  text << "640 x 480, 128 disparities, baseline 0.16 m, one thread, CPU time; bad1: share of the\n"
+  text << "640 x 480, 128 disparities, baseline 0.16 m, one thread, CPU time; matcher and its "
+          "paths;\n"
+          "bad1: share of the\n"
           "disparities that are off by more than a pixel; depths nearer than the search left out;\n"
           "sure: with a confidence of 128 or more; told apart: how often a right disparity has "
           "more\n"

@@ -72,6 +72,18 @@ std::string truth_line(const TruthRecord& record, const Calendar& calendar,
     put("lost_j", std::array{contact.lost_j});
     fmt::format_to(std::back_inserter(line), R"(,"felled":{}}})", contact.felled);
   }
+  if (!record.moved.empty()) {
+    line += R"(,"moved":{)";
+    for (std::size_t i = 0; i < record.moved.size(); ++i) {
+      const MovedBodyTruth& body = record.moved[i];
+      const Eigen::Quaterniond turned(body.motion.X_WL.linear());
+      fmt::format_to(std::back_inserter(line), R"({}{}:{{"position_m":{},"attitude_wxyz":{}}})",
+                     i == 0 ? "" : ",", nlohmann::json(std::string(body.name)).dump(),
+                     list(vector(body.motion.X_WL.translation())),
+                     list(std::array{turned.w(), turned.x(), turned.y(), turned.z()}));
+    }
+    line += '}';
+  }
   if (!record.antennas.empty()) {
     line += R"(,"antenna":)" + place(record.antennas.front().place) + R"(,"antennas":{)";
     for (std::size_t i = 0; i < record.antennas.size(); ++i) {

@@ -25,6 +25,7 @@
 #include "hil/world/sky.h"
 #include "hil/world/standing_free.h"
 #include "sim/camera/visible_labels.h"
+#include "sim/contact/loose_bodies.h"
 #include "sim/excavator/bucket_soil.h"
 #include "sim/ground/ground.h"
 #include "sim/random.h"
@@ -36,6 +37,8 @@ namespace {
 
 /// Between two changes of the terrain that the rays see: about what a lidar looks at once.
 constexpr Duration kTerrainPeriod = std::chrono::milliseconds(50);
+/// In which rocks and crates come to rest before the start.
+constexpr double kLongestSettling_s = 5.0;
 
 Eigen::Vector3d eigen(const Vector3& v) {
   return {v.x, v.y, v.z};
@@ -178,6 +181,10 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration, Run
   result.terrain = built.terrain;
   result.looks = built.looks;
   result.ground = std::make_unique<sim::Ground>(built.ground, built.soils, built.obstacles);
+  result.ground->set_loose(std::move(built.loose));
+  if (sim::LooseBodies* loose = result.ground->loose()) {
+    loose->settle(kLongestSettling_s);
+  }
   result.obstacles = std::make_unique<SceneFallObstacle>(*result.scene);
   if (machine.model->changes_ground()) {
     result.scene->make_changeable(result.terrain);
@@ -199,6 +206,12 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration, Run
                                     {shape.placed.reflectance, shape.placed.label});
       }
     }
+  }
+  const sim::LooseBodies* loose = result.ground->loose();
+  for (std::size_t i = 0; i < built.loose_looks.size(); ++i) {
+    const sim::Scene::BodyId body = result.scene->add_loose_body(loose->name(i));
+    result.scene->add_body_part(body, built.loose_looks[i].mesh, Eigen::Isometry3d::Identity(),
+                                built.loose_looks[i].material, loose->name(i));
   }
   require_looks(configuration, *result.scene);
   return result;

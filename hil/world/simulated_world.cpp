@@ -8,18 +8,12 @@
 #include <utility>
 
 #include "hil/executive/cpu_time.h"
+#include "sim/contact/loose_bodies.h"
 #include "sim/excavator/bucket_soil.h"
 #include "sim/ground/ground.h"
 #include "sim/weather/scene_weather.h"
 
 namespace rigwire::hil {
-namespace {
-
-void copy(std::span<const sim::LinkMotion> from, std::vector<sim::LinkMotion>& to) {
-  to.assign(from.begin(), from.end());
-}
-
-}  // namespace
 
 MachineInScene::MachineInScene() = default;
 MachineInScene::~MachineInScene() = default;
@@ -34,12 +28,13 @@ SimulatedWorld::SimulatedWorld(const WorldSettings& settings, MachineInScene con
         fmt::format("physics slice {} ns is not a whole multiple of the step {} ns",
                     settings.slice.count(), settings.step.count()));
   }
-  const std::size_t links = content_.machine->links().size();
+  copy_motions(after_);
+  const std::size_t links = after_.size();
   if (content_.scene->body_count() != links) {
-    throw std::invalid_argument(fmt::format("the scene has {} moving bodies, the machine {} links",
-                                            content_.scene->body_count(), links));
+    throw std::invalid_argument(
+        fmt::format("the scene has {} moving bodies, machine and loose things are {}",
+                    content_.scene->body_count(), links));
   }
-  copy(content_.machine->links(), after_);
   before_ = after_;
   bodies_.resize(links);
   for (const sim::StatusQuantity& quantity : content_.machine->status_quantities()) {
@@ -53,7 +48,7 @@ SimulatedWorld::SimulatedWorld(const WorldSettings& settings, MachineInScene con
     numbers += field.count;
   }
   truth_.machine.resize(numbers);
-  truth_.links.resize(links);
+  truth_.links.resize(content_.machine->links().size());
 }
 
 SimulatedWorld::~SimulatedWorld() = default;
@@ -111,11 +106,20 @@ std::optional<std::string> SimulatedWorld::advance(const TruthRequests& requests
   return std::nullopt;
 }
 
+void SimulatedWorld::copy_motions(std::vector<sim::LinkMotion>& to) const {
+  const auto links = content_.machine->links();
+  to.assign(links.begin(), links.end());
+  const sim::LooseBodies* loose = content_.ground ? content_.ground->loose() : nullptr;
+  for (std::size_t i = 0; loose != nullptr && i < loose->size(); ++i) {
+    to.push_back(loose->motion(i));
+  }
+}
+
 std::optional<std::string> SimulatedWorld::step_machine() {
   const StageTimer timer(stages_.physics_s);
   std::swap(before_, after_);
   content_.machine->step(settings_.step);
-  copy(content_.machine->links(), after_);
+  copy_motions(after_);
   if (const auto& fault = content_.machine->non_finite()) {
     return fmt::format("{} of the {} is not a finite number at {:.4f} s", fault->quantity,
                        fault->part, to_seconds(fault->time));
@@ -210,6 +214,12 @@ void SimulatedWorld::fill_truth(const WorldStep& step, SimTime time) {
     if (report->obstacle) {
       contact.with = content_.ground->obstacles()[*report->obstacle].name;
       contact.place_W = report->p_W;
+    } else if (report->mover) {
+      contact.with = content_.ground->loose()->name(*report->mover);
+      contact.place_W = report->p_W;
+    } else if (report->terrain) {
+      contact.with = "terrain";
+      contact.place_W = report->p_W;
     }
     contact.force_W = report->force_W;
     contact.deepest_m = report->deepest_m;
@@ -217,6 +227,13 @@ void SimulatedWorld::fill_truth(const WorldStep& step, SimTime time) {
     contact.pressed_m = report->pressed_m;
     contact.lost_j = report->lost_j;
     contact.felled = report->felled;
+  }
+  truth_.moved.clear();
+  const sim::LooseBodies* loose = content_.ground ? content_.ground->loose() : nullptr;
+  for (std::size_t i = 0; loose != nullptr && i < loose->size(); ++i) {
+    if (loose->moved(i)) {
+      truth_.moved.push_back({loose->name(i), loose->motion(i)});
+    }
   }
   truth_.antennas.clear();
   for (const auto& sensor : sensors_) {

@@ -48,8 +48,8 @@ struct WorldSettings {
 
 class SimulatedWorld final : public TruthSource {
  public:
-  /// The scene's bodies must be the machine's links in the machine's order. Throws
-  /// std::invalid_argument when slice is not a whole multiple of step.
+  /// The scene's bodies must be the machine's links in the machine's order, then what lies loose
+  /// on the ground. Throws std::invalid_argument when slice is not a whole multiple of step.
   SimulatedWorld(const WorldSettings& settings, MachineInScene content);
   ~SimulatedWorld() override;
   SimulatedWorld(SimulatedWorld&&) noexcept;
@@ -82,6 +82,8 @@ class SimulatedWorld final : public TruthSource {
   void sample_step(const WorldStep& step, Shelves& samples);
   void prepare_scene(SimTime t0, SimTime t1);
   void show_leaning();
+  /// The machine's links, and after them what lies loose.
+  void copy_motions(std::vector<sim::LinkMotion>& to) const;
   void sample_slice(SimTime t0, SimTime t1, Shelves& samples);
   void fill_truth(const WorldStep& step, SimTime time);
 

@@ -32,7 +32,8 @@ struct AntennaTruth {
 struct ContactTruth {
   bool touching = false;
   std::string_view body;  ///< Of the machine; empty while nothing pushes, as the next.
-  std::string_view with;  ///< The obstacle's name in the scene; all hold as long as the world.
+  /// The obstacle's name in the scene, or "terrain"; all hold as long as the world.
+  std::string_view with;
   Eigen::Vector3d place_W = Eigen::Vector3d::Zero();  ///< Of the point that pushes most.
   Eigen::Vector3d force_W = Eigen::Vector3d::Zero();  ///< Sum, on the machine.
   double deepest_m = 0.0;
@@ -42,6 +43,12 @@ struct ContactTruth {
   std::size_t felled = 0;  ///< Trees, since the start.
 };
 
+/// A rock or crate that is not where it began.
+struct MovedBodyTruth {
+  std::string_view name;  ///< In the scene; holds as long as the world.
+  sim::LinkMotion motion;
+};
+
 /// What is true of the machine at one instant.
 struct TruthRecord {
   SimTime time{};
@@ -49,7 +56,8 @@ struct TruthRecord {
   std::vector<Eigen::Isometry3d> links;  ///< Poses in the world, of all links of the machine.
   std::vector<double> machine;           ///< In the order of the machine's truth fields.
   std::optional<ContactTruth> contact;   ///< Of machines that meet obstacles.
-  std::vector<AntennaTruth> antennas;    ///< In the order in which their sensors were added.
+  std::vector<MovedBodyTruth> moved;
+  std::vector<AntennaTruth> antennas;  ///< In the order in which their sensors were added.
 };
 
 class TruthObserver {

@@ -40,7 +40,8 @@ struct SensorMount {
   Eigen::Isometry3d X_LS = Eigen::Isometry3d::Identity();  ///< Pose of the sensor in its link.
 };
 
-/// The machine's links at one instant.
+/// The machine's links at one instant, and after them what lies loose on the ground: all bodies of
+/// the scene.
 using LinkMotions = std::span<const sim::LinkMotion>;
 
 /// One step of the physics, for sensors that measure within it. The machine itself stands at t1.

@@ -25,6 +25,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 
 #include "sim/contact/bristle.h"
 
@@ -52,7 +54,13 @@ struct ContactFriction {
 struct ContactPoint {
   std::size_t body = 0;      ///< Of the machine (ContactSet).
   std::size_t link = 0;      ///< Of the machine's.
-  std::size_t obstacle = 0;  ///< Of the ground's.
+  std::size_t obstacle = 0;  ///< Of the ground's, where it is neither of the next two.
+  bool terrain = false;
+  std::optional<std::uint32_t> mover;  ///< What it meets moves by itself (movers.h).
+  /// Of what it meets, along the three directions: velocity without this push, and velocity per
+  /// impulse. 0 for what is fixed, and where the solver has both sides in its system.
+  std::array<double, 3> other_mps{};
+  std::array<double, 3> other_1pkg{};
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
   /// Unit: away from the obstacle, and two across.
   std::array<Eigen::Vector3d, 3> direction_W;
@@ -64,7 +72,7 @@ struct ContactPoint {
   std::array<ImplicitForce, 3> force;
   std::array<double, 3> force_n{};  ///< As found.
   std::array<double, 3> start_mps{};
-  std::array<double, 3> end_mps{};
+  std::array<double, 3> end_mps{};  ///< Against what it meets.
   bool released = false;
   bool yielding = false;  ///< At greatest_n.
   bool blocks = false;    ///< Holds up a machine whose model has no forces.
@@ -82,6 +90,11 @@ struct ContactPoint {
     force[0] = {law.stiffness_npm * depth, law.stiffness_npm * h + damping};
     for (std::size_t i = 0; i < 2; ++i) {
       force[i + 1] = friction.across[i].force(bristle(), h, 0.0);
+    }
+    // What gives way is condensed into the law (movers.h).
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double share = 1.0 / (1.0 + h * force[i].gain * other_1pkg[i]);
+      force[i] = {share * (force[i].offset + force[i].gain * other_mps[i]), share * force[i].gain};
     }
     start_mps = start;
     switches = 0;
@@ -148,21 +161,23 @@ struct ContactPoint {
     return changed;
   }
 
-  /// Ends the step with the velocities found. The work that the point has done on the machine over
-  /// it, J.
+  /// Ends the step with the velocities found. The work that the point has done over it on the
+  /// machine, and on what it meets, J.
   double settle(double h, const std::array<double, 3>& found) {
     double work = 0.0;
-    end_mps = found;
     for (std::size_t i = 0; i < 3; ++i) {
       force_n[i] = acting(i).at(found[i]);
-      work += h * force_n[i] * 0.5 * (start_mps[i] + found[i]);
+      // The other has gone by the opposite impulse.
+      const double other = other_mps[i] - h * other_1pkg[i] * force_n[i];
+      end_mps[i] = found[i] - other;
+      work += h * force_n[i] * 0.5 * (start_mps[i] + found[i] - other_mps[i] - other);
     }
     if (released) {
       friction = {.across = {}, .first_W = friction.first_W, .held_n = {}, .sliding = false};
       return work;
     }
     for (std::size_t i = 0; i < 2; ++i) {
-      friction.across[i].slide(bristle(), h, 0.0, found[i + 1]);
+      friction.across[i].slide(bristle(), h, 0.0, end_mps[i + 1]);
     }
     yield_as_bent(friction.across, bristle(), law.friction * std::max(0.0, force_n[0]));
     return work;

@@ -27,10 +27,12 @@ struct LeaningObstacle {
 
 /// What a machine feels of solid things: of the last step, and since the start.
 struct ContactReport {
-  std::size_t points = 0;  ///< That push.
-  double force_n = 0.0;    ///< Magnitude of the sum on the machine.
-  std::string_view body;   ///< Of the point that pushes most; empty: none.
-  std::optional<std::size_t> obstacle;
+  std::size_t points = 0;               ///< That push.
+  double force_n = 0.0;                 ///< Magnitude of the sum on the machine.
+  std::string_view body;                ///< Of the point that pushes most; empty: none.
+  std::optional<std::size_t> obstacle;  ///< That it meets; nothing: one of the next two.
+  std::optional<std::size_t> mover;
+  bool terrain = false;
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();      ///< Of that point.
   Eigen::Vector3d force_W = Eigen::Vector3d::Zero();  ///< Sum, on the machine.
   double deepest_m = 0.0;                             ///< Overlap, beyond dents and of no tyre.

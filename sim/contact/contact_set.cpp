@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "sim/contact/loose_bodies.h"
+
 namespace rigwire::sim {
 namespace {
 
@@ -19,6 +21,8 @@ constexpr double kSamePlace_m = 0.05;     // A point found again at its place on
 constexpr double kHinge_rad = 0.1;        // Up to here an obstacle that yields keeps its moment,
 constexpr double kDown_rad = 0.4;         // from here on it has none.
 constexpr double kLeastHeight_m = 0.3;
+constexpr double kTerrain_npm = 5e6;  // Of the ground under one point; an estimate.
+constexpr double kSpacing_m = 1.0;    // Of the points that meet the terrain.
 
 /// Half lengths, along the world's axes, of the box about a placed shape.
 Vector half_box(const ConvexShape& shape, const Eigen::Matrix3d& R) {
@@ -27,14 +31,19 @@ Vector half_box(const ConvexShape& shape, const Eigen::Matrix3d& R) {
 
 }  // namespace
 
-ContactSet::ContactSet(std::vector<ContactBody> bodies, std::size_t links, const Ground& ground)
-    : ground_(&ground), bodies_(std::move(bodies)), links_(links) {
+ContactSet::ContactSet(std::vector<ContactBody> bodies, std::size_t links, const Ground& ground,
+                       const Movers* siblings)
+    : ground_(&ground), siblings_(siblings), bodies_(std::move(bodies)), links_(links) {
+  surface_m_.resize(bodies_.size());
   for (const ContactBody& body : bodies_) {
     if (body.link >= links_ || !(body.stiffness_npm > 0.0) || !(body.damping_nspm >= 0.0) ||
         !(body.crush_n >= 0.0) || !(body.crush_npm >= 0.0)) {
       throw std::invalid_argument("contact: body '" + body.name + "' needs a link below " +
                                   std::to_string(links_) +
                                   ", a stiffness above 0, a damping and crush of at least 0");
+    }
+    if (body.meets_terrain) {
+      surface_m_[static_cast<std::size_t>(&body - bodies_.data())] = body.shape.surface(kSpacing_m);
     }
   }
   pairs_.reserve(kMostPairs);
@@ -78,15 +87,75 @@ LeaningObstacle* ContactSet::lean_of(std::size_t obstacle) {
   return nullptr;
 }
 
+std::span<const Mover> ContactSet::others() const {
+  const Movers* movers = siblings_ != nullptr ? siblings_ : ground_->loose();
+  return movers != nullptr ? movers->movers() : std::span<const Mover>();
+}
+
+const Mover* ContactSet::mover_of(std::uint32_t obstacle) const {
+  const std::size_t fixed = ground_->obstacles().size();
+  return obstacle == kTerrain || obstacle < fixed ? nullptr : &others()[obstacle - fixed];
+}
+
+double ContactSet::move_others(double h, double fastest_mps) {
+  if (siblings_ != nullptr) {
+    return fastest_mps;
+  }
+  Movers* loose = ground_->loose();
+  return loose != nullptr ? loose->advance(h) : 0.0;
+}
+
+/// The least height of the body's surface above the terrain.
+double ContactSet::above_terrain_m(const ContactBody& body, std::size_t index,
+                                   const Eigen::Isometry3d& X_WS) const {
+  double least = 1e300;
+  for (const Vector& p_S : surface_m_[index]) {
+    const Vector p = X_WS * p_S;
+    least = std::min(least, p.z() - ground_->height_m(p.x(), p.y()));
+  }
+  const Vector lowest = X_WS * body.shape.support(-X_WS.linear().row(2).transpose());
+  return std::min(least, lowest.z() - ground_->height_m(lowest.x(), lowest.y()));
+}
+
+void ContactSet::pair_up(std::uint32_t body, std::uint32_t obstacle) {
+  if (pairs_.size() == kMostPairs) {
+    ++dropped_;
+    return;
+  }
+  // In the order of bodies, then obstacles, as the list of before.
+  const auto before =
+      std::ranges::lower_bound(others_, std::pair{body, obstacle}, {}, [](const Pair& pair) {
+        return std::pair{pair.body, pair.obstacle};
+      });
+  if (before != others_.end() && before->body == body && before->obstacle == obstacle) {
+    pairs_.push_back(*before);
+  } else {
+    Pair& pair = pairs_.emplace_back();
+    pair.body = body;
+    pair.obstacle = obstacle;
+  }
+}
+
 void ContactSet::look(std::span<const ContactLink> links) {
+  // A body that is lower than this is looked at in each step; one that is higher, when the fastest
+  // point has come a quarter of the way: the terrain may be steep.
+  constexpr double kLow_m = 0.1;
   std::swap(pairs_, others_);
   pairs_.clear();
   travelled_m_ = 0.0;
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+  look_after_m_ = kSlack_m - kReach_m;
+  const std::span<const Mover> movers = others();
+  const auto fixed = static_cast<std::uint32_t>(ground_->obstacles().size());
+  for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
     const ContactBody& body = bodies_[i];
     const Eigen::Isometry3d X_WS = links[body.link].X_WL * body.X_LS;
     const Vector middle = X_WS * body.shape.middle_m();
     const Vector half = half_box(body.shape, X_WS.linear()) + Vector::Constant(kSlack_m);
+    const auto in_reach = [&](const Eigen::Isometry3d& X_WO, const ConvexShape& shape) {
+      const Vector way = X_WO * shape.middle_m() - middle;
+      const Vector room = half + half_box(shape, X_WO.linear());
+      return !(way.cwiseAbs().array() > room.array()).any();
+    };
     found_.clear();
     ground_->obstacles_near(middle.head<2>() - half.head<2>(), middle.head<2>() + half.head<2>(),
                             found_);
@@ -94,28 +163,22 @@ void ContactSet::look(std::span<const ContactLink> links) {
     found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
     for (const std::uint32_t obstacle : found_) {
       const LeaningObstacle* lean = lean_of(obstacle);
-      const Eigen::Isometry3d X_WO = pose_of(obstacle);
-      const ConvexShape& shape = ground_->shape(obstacle);
-      const Vector way = X_WO * shape.middle_m() - middle;
-      const Vector room = half + half_box(shape, X_WO.linear());
-      if ((lean != nullptr && lean->down) || (way.cwiseAbs().array() > room.array()).any()) {
-        continue;
+      if ((lean == nullptr || !lean->down) &&
+          in_reach(pose_of(obstacle), ground_->shape(obstacle))) {
+        pair_up(i, obstacle);
       }
-      if (pairs_.size() == kMostPairs) {
-        ++dropped_;
-        continue;
+    }
+    for (std::uint32_t j = siblings_ != nullptr ? i + 1 : 0; j < movers.size(); ++j) {
+      if (in_reach(movers[j].X_WM, *movers[j].shape)) {
+        pair_up(i, fixed + j);
       }
-      // In the order of bodies, then obstacles, as the list of before.
-      const auto before = std::ranges::lower_bound(
-          others_, std::pair{static_cast<std::uint32_t>(i), obstacle}, {}, [](const Pair& pair) {
-            return std::pair{pair.body, pair.obstacle};
-          });
-      if (before != others_.end() && before->body == i && before->obstacle == obstacle) {
-        pairs_.push_back(*before);
+    }
+    if (body.meets_terrain && !links[body.link].rests) {
+      const double above = above_terrain_m(body, i, X_WS);
+      if (above < kLow_m) {
+        pair_up(i, kTerrain);
       } else {
-        Pair& pair = pairs_.emplace_back();
-        pair.body = static_cast<std::uint32_t>(i);
-        pair.obstacle = obstacle;
+        look_after_m_ = std::min(look_after_m_, 0.25 * (above - kReach_m));
       }
     }
   }
@@ -136,11 +199,18 @@ void ContactSet::begin(double h, std::span<const ContactLink> links) {
                   std::numbers::sqrt2 / 2.0 * arm * (link.X_WL.linear() - before.linear()).norm();
   }
   std::copy(links.begin(), links.end(), at_.begin());
-  if (travelled_m_ > kSlack_m - kReach_m - 2.0 * h * fastest) {
+  for (const Mover& mover : others()) {
+    fastest = std::max(fastest, mover.v_W.norm() + mover.shape->reach_m() * mover.w_W.norm());
+  }
+  if (travelled_m_ > look_after_m_ - 2.0 * h * fastest) {
     look(links);
   }
   for (Pair& pair : pairs_) {
-    meet(pair, h, links);
+    if (pair.obstacle == kTerrain) {
+      meet_terrain(pair, h, links);
+    } else {
+      meet(pair, h, links);
+    }
   }
 }
 
@@ -153,23 +223,47 @@ void ContactSet::shorten(double h) {
 void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) {
   const ContactBody& body = bodies_[pair.body];
   const ContactLink& link = links[body.link];
+  const Mover* const mover = mover_of(pair.obstacle);
   const double arm = body.X_LS.translation().norm() + body.shape.reach_m();
-  const double reach = kReach_m + h * (link.v_WL_W.norm() + arm * link.w_WL_W.norm());
+  double reach = kReach_m + h * (link.v_WL_W.norm() + arm * link.w_WL_W.norm());
+  pair.apart_m -= moved_m_[pair.body];
+  if (mover != nullptr) {
+    reach += h * (mover->v_W.norm() + mover->shape->reach_m() * mover->w_W.norm());
+    pair.apart_m -= mover->way_m - pair.way_m;
+    pair.way_m = mover->way_m;
+  }
+  pair.idle = link.rests && (mover == nullptr || mover->rests);
+  if (pair.idle) {
+    return;
+  }
   const auto apart = [&pair] {
     pair.met = false;
     pair.remembered = 0;
   };
-  pair.apart_m -= moved_m_[pair.body];
   if (pair.apart_m > reach) {
     return apart();
   }
-  const Obstacle& obstacle = ground_->obstacles()[pair.obstacle];
   const PlacedShape a{&body.shape, link.X_WL * body.X_LS};
-  const PlacedShape b{&ground_->shape(pair.obstacle), pose_of(pair.obstacle)};
+  const PlacedShape b = mover != nullptr
+                            ? PlacedShape{mover->shape, mover->X_WM}
+                            : PlacedShape{&ground_->shape(pair.obstacle), pose_of(pair.obstacle)};
   const Vector middle = a.X_WS * body.shape.middle_m();
-  const double strength = strength_of(pair.obstacle);
+  Met met;
+  bool meets = true;
+  if (mover != nullptr) {
+    met.stiffness_npm = mover->stiffness_npm;
+    met.friction = mover->friction;
+    met.mover = mover;
+  } else {
+    const Obstacle& obstacle = ground_->obstacles()[pair.obstacle];
+    met.stiffness_npm = obstacle.stiffness_npm;
+    met.friction = obstacle.friction;
+    met.strength_nm = strength_of(pair.obstacle);
+    met.foot_W = obstacle.foot_W();
+    meets = met.strength_nm > 0.0 && !(body.rolls && !ground_->too_high(pair.obstacle, middle));
+  }
   std::optional<Separation> found;
-  if (strength > 0.0 && !(body.rolls && !ground_->too_high(pair.obstacle, middle))) {
+  if (meets) {
     const std::array<Vector, 2> kept{pair.axis_W, link.X_WL.linear() * pair.axis_L};
     // An old axis that still parts them spares the search; beyond that, only one of a contact
     // counts.
@@ -183,40 +277,123 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
   if (pair.apart_m > reach || !found) {
     return apart();
   }
+  met.gap_m = found->gap_m;
+  const Manifold touch = manifold(a, b, *found, reach);
+  std::array<Touch, kManifoldPoints> touches;
+  for (std::size_t i = 0; i < touch.count; ++i) {
+    touches[i] = {touch.points[i].p_W, found->normal_W, touch.points[i].gap_m};
+  }
+  pair.axis_L = link.X_WL.linear().transpose() * found->normal_W;
+  add_points(pair, h, link, {touches.data(), touch.count}, met);
+}
+
+void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink> links) {
+  const ContactBody& body = bodies_[pair.body];
+  const ContactLink& link = links[body.link];
+  pair.idle = link.rests;
+  if (pair.idle) {
+    return;
+  }
+  const Eigen::Isometry3d X_WS = link.X_WL * body.X_LS;
+  const double arm = body.X_LS.translation().norm() + body.shape.reach_m();
+  const double reach = kReach_m + h * (link.v_WL_W.norm() + arm * link.w_WL_W.norm());
+  Met met;
+  met.stiffness_npm = kTerrain_npm;
+  // The deepest, then by turns the one that is farthest from all taken.
+  std::array<Touch, kManifoldPoints> touches;
+  std::size_t count = 0;
+  const auto look_at = [&](const Vector& p) -> std::optional<Touch> {
+    const GroundPoint under = ground_->terrain_at(p.x(), p.y());
+    const double gap = (p.z() - under.height_m) * under.normal_W.z();
+    if (gap > reach) {
+      return std::nullopt;
+    }
+    met.friction = under.friction;
+    return Touch{p, under.normal_W, gap};
+  };
+  const auto each = [&](auto&& visit) {
+    for (const Vector& p_S : surface_m_[pair.body]) {
+      if (const auto touch = look_at(X_WS * p_S)) {
+        visit(*touch);
+      }
+    }
+    const GroundPoint under = ground_->terrain_at(X_WS.translation().x(), X_WS.translation().y());
+    const Vector lowest =
+        X_WS * body.shape.support(X_WS.linear().transpose() * Vector(-under.normal_W));
+    if (const auto touch = look_at(lowest)) {
+      visit(*touch);
+    }
+  };
+  each([&](const Touch& touch) {
+    if (count == 0 || touch.gap_m < touches[0].gap_m) {
+      touches[0] = touch;
+      count = 1;
+    }
+  });
+  constexpr double kApart_m = 0.02;
+  while (count > 0 && count < kManifoldPoints) {
+    double farthest = kApart_m * kApart_m;
+    std::optional<Touch> next;
+    each([&](const Touch& touch) {
+      double nearest = 1e300;
+      for (std::size_t i = 0; i < count; ++i) {
+        nearest = std::min(nearest, (touch.p_W - touches[i].p_W).squaredNorm());
+      }
+      if (nearest > farthest) {
+        farthest = nearest;
+        next = touch;
+      }
+    });
+    if (!next) {
+      break;
+    }
+    touches[count++] = *next;
+  }
+  if (count == 0) {
+    pair.met = false;
+    pair.remembered = 0;
+    return;
+  }
+  met.gap_m = touches[0].gap_m;
+  add_points(pair, h, link, {touches.data(), count}, met);
+}
+
+void ContactSet::add_points(Pair& pair, double h, const ContactLink& link,
+                            std::span<const Touch> touches, const Met& met) {
+  const ContactBody& body = bodies_[pair.body];
   const bool met_before = pair.met;
   pair.met = true;
-  pair.axis_L = link.X_WL.linear().transpose() * found->normal_W;
-  const Vector& n = found->normal_W;
-  const Manifold touch = manifold(a, b, *found, reach);
   std::array<Memory, kManifoldPoints> memory;
   std::size_t remembered = 0;
   // A soft obstacle in series with the body.
   const double stiffness =
-      1.0 / (1.0 / body.stiffness_npm +
-             (obstacle.stiffness_npm > 0.0 ? 1.0 / obstacle.stiffness_npm : 0.0));
+      1.0 / (1.0 / body.stiffness_npm + (met.stiffness_npm > 0.0 ? 1.0 / met.stiffness_npm : 0.0));
   const std::size_t first = points_.size();
-  for (std::size_t i = 0; i < touch.count; ++i) {
+  for (const Touch& touch : touches) {
     if (points_.size() == kMostContactPoints) {
       ++dropped_;
       break;
     }
+    const Vector& n = touch.normal_W;
     ContactPoint& point = points_.emplace_back();
     pair_of_.push_back(static_cast<std::uint32_t>(&pair - pairs_.data()));
     point.body = pair.body;
     point.link = body.link;
     point.obstacle = pair.obstacle;
-    point.p_W = touch.points[i].p_W;
-    point.gap_m = touch.points[i].gap_m;
+    point.terrain = pair.obstacle == kTerrain;
+    point.p_W = touch.p_W;
+    point.gap_m = touch.gap_m;
     point.law.stiffness_npm = stiffness;
     point.law.body_share = stiffness / body.stiffness_npm;
     point.law.damping_nspm = body.damping_nspm * std::sqrt(stiffness / body.stiffness_npm);
-    point.law.friction = obstacle.friction;
+    point.law.friction = met.friction;
     point.law.bristle_npm = 0.5 * stiffness;
-    if (std::isfinite(strength) && strength < 1e299) {
+    if (std::isfinite(met.strength_nm) && met.strength_nm < 1e299) {
       // The moment about the foot, shared by the points.
-      const double height = std::max(kLeastHeight_m, point.p_W.z() - obstacle.foot_W().z());
+      const double height = std::max(kLeastHeight_m, point.p_W.z() - met.foot_W.z());
       const double level = std::max(0.1, n.head<2>().norm());
-      point.law.greatest_n = strength / (height * level * static_cast<double>(touch.count));
+      point.law.greatest_n =
+          met.strength_nm / (height * level * static_cast<double>(touches.size()));
     }
     // Dent and friction of the nearest point of before, its directions turned with the normal.
     const Vector p_L = link.X_WL.inverse(Eigen::Isometry) * point.p_W;
@@ -256,6 +433,14 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
     const Vector t1 = (across - across.dot(n) * n).normalized();
     point.friction.first_W = t1;
     point.direction_W = {n, t1, n.cross(t1)};
+    if (met.mover != nullptr) {
+      point.mover = pair.obstacle - static_cast<std::uint32_t>(ground_->obstacles().size());
+      for (std::size_t k = 0; k < 3 && siblings_ == nullptr; ++k) {
+        point.other_mps[k] = point.direction_W[k].dot(met.mover->velocity_W(point.p_W));
+        point.other_1pkg[k] = static_cast<double>(touches.size()) *
+                              met.mover->mobility_1pkg(point.p_W, point.direction_W[k]);
+      }
+    }
     memory[remembered].p_L = p_L;
     ++remembered;
   }
@@ -284,7 +469,10 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
   const double share = spring > allowed ? allowed / unlimited : 1.0;
   for (ContactPoint& point : own) {
     point.law.stiffness_npm *= share;
-    const Vector velocity = link.velocity_W(point.p_W);
+    Vector velocity = link.velocity_W(point.p_W);
+    if (met.mover != nullptr && siblings_ != nullptr) {
+      velocity -= met.mover->velocity_W(point.p_W);
+    }
     point.begin(h, {point.direction_W[0].dot(velocity), point.direction_W[1].dot(velocity),
                     point.direction_W[2].dot(velocity)});
   }
@@ -303,6 +491,8 @@ void ContactSet::finish(double h, double work_j) {
   report_.force_W.setZero();
   report_.body = {};
   report_.obstacle.reset();
+  report_.mover.reset();
+  report_.terrain = false;
   report_.deepest_m = 0.0;
   report_.pressed_m = 0.0;
   work_j_ += work_j;
@@ -310,6 +500,10 @@ void ContactSet::finish(double h, double work_j) {
   double most = 0.0;
   std::size_t seen = 0;
   for (Pair& pair : pairs_) {
+    if (pair.idle) {
+      stored += pair.spring_j;
+      continue;
+    }
     const bool before = pair.pushing;
     pair.pushing = false;
     pair.spring_j = 0.0;
@@ -337,6 +531,9 @@ void ContactSet::finish(double h, double work_j) {
       pair.spring_j += spring;
       stored += spring + point.bent_j();
       report_.force_W += force;
+      if (point.mover && siblings_ == nullptr && !force.isZero()) {
+        ground_->loose()->push(*point.mover, point.p_W, -h * force);
+      }
       double& deepest = bodies_[point.body].soft ? report_.pressed_m : report_.deepest_m;
       deepest = std::max(deepest, point.law.body_share * depth + point.rest_m);
       if (point.force_n[0] > 0.0 || point.blocks) {
@@ -345,7 +542,11 @@ void ContactSet::finish(double h, double work_j) {
         if (force.norm() > most || report_.body.empty()) {
           most = force.norm();
           report_.body = bodies_[point.body].name;
-          report_.obstacle = point.obstacle;
+          report_.terrain = point.terrain;
+          report_.mover = point.mover;
+          report_.obstacle = point.terrain || point.mover
+                                 ? std::nullopt
+                                 : std::optional<std::size_t>(point.obstacle);
           report_.p_W = point.p_W;
         }
       }
@@ -366,7 +567,8 @@ void ContactSet::finish(double h, double work_j) {
 
 void ContactSet::give_way(double h) {
   for (const ContactPoint& point : points_) {
-    if (!point.yielding || point.law.dents || !(point.law.greatest_n > 0.0)) {
+    if (!point.yielding || point.law.dents || point.mover || point.terrain ||
+        !(point.law.greatest_n > 0.0)) {
       continue;
     }
     // What the overlap has beyond the elastic one at the limit moves the obstacle instead.
@@ -444,8 +646,7 @@ void ContactSet::moved(std::size_t obstacle) {
 
 void ContactSet::forget() {
   pairs_.clear();
-  points_.clear();
-  pair_of_.clear();
+  clear_points();
   travelled_m_ = kSlack_m;
   stored_j_ = 0.0;
   work_j_ = -report_.lost_j;

@@ -26,6 +26,9 @@
 // into a contact where the body is not bent yet takes the dent with it, so that no spring is
 // pressed further than the contact's others: ploughing on costs what friction does.
 //
+// Bodies meet the terrain by points of their surface against its heights: the deepest, and up to
+// three more, as far apart as they are. What lies loose is met like obstacles (movers.h).
+//
 // What an obstacle bears: Obstacle::strength_nm, a moment about its foot. Where the sum of the
 // points' horizontal forces times their heights would pass it, the obstacle gives way: it leans
 // away from the push about its foot, at constant moment up to 0.1 rad, at one that falls to nothing
@@ -50,6 +53,7 @@
 #include "sim/contact/convex_shape.h"
 #include "sim/contact/dents.h"
 #include "sim/contact/manifold.h"
+#include "sim/contact/movers.h"
 #include "sim/ground/ground.h"
 
 namespace rigwire::sim {
@@ -68,6 +72,8 @@ struct ContactBody {
   double crush_npm = 0.0;  ///< By how much more, by the depth of the dent.
   bool rolls = false;      ///< A wheel: meets only what it cannot roll over (Ground::too_high).
   bool soft = false;       ///< Rubber: how far it is in is how far it is pressed, no overlap.
+  /// Points of its surface, a metre apart or less, meet the terrain's heights.
+  bool meets_terrain = false;
 };
 
 /// Where a link is and how it moves.
@@ -75,6 +81,7 @@ struct ContactLink {
   Eigen::Isometry3d X_WL = Eigen::Isometry3d::Identity();
   Eigen::Vector3d v_WL_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d w_WL_W = Eigen::Vector3d::Zero();
+  bool rests = false;  ///< Cannot move: meets only what does.
 
   /// Of a point of the link at p_W.
   [[nodiscard]] Eigen::Vector3d velocity_W(const Eigen::Vector3d& p_W) const {
@@ -84,14 +91,19 @@ struct ContactLink {
 
 class ContactSet {
  public:
-  /// `links`: how many the bodies' indices may name. `ground` must outlive the set.
-  ContactSet(std::vector<ContactBody> bodies, std::size_t links, const Ground& ground);
+  /// `links`: how many the bodies' indices may name. `ground` must outlive the set. `siblings`: the
+  /// bodies are themselves what lies loose on the ground, in the same order; each meets those after
+  /// it, and its solver has both sides. Null: a machine, that meets all of them and pushes them.
+  ContactSet(std::vector<ContactBody> bodies, std::size_t links, const Ground& ground,
+             const Movers* siblings = nullptr);
 
   /// Whether anything solid can be within reach of a machine no point of which has moved faster
   /// than `fastest_mps` for h seconds. Where not, neither begin() nor settle() is due.
+  /// What lies loose on the ground moves on by h: call it once in each step.
   [[nodiscard]] bool near(double h, double fastest_mps) {
-    travelled_m_ += h * fastest_mps;
-    return !pairs_.empty() || falling_ > 0 || travelled_m_ > kSlack_m - kReach_m - h * fastest_mps;
+    const double closing_mps = fastest_mps + move_others(h, fastest_mps);
+    travelled_m_ += h * closing_mps;
+    return !pairs_.empty() || falling_ > 0 || travelled_m_ > look_after_m_ - h * closing_mps;
   }
   /// Precondition: near() said so in this step; links as many as at construction.
   void begin(double h, std::span<const ContactLink> links);
@@ -117,6 +129,11 @@ class ContactSet {
   }
   /// No point pushes any more: the machine was put elsewhere.
   void forget();
+  /// Of a step in which nothing was near.
+  void clear_points() {
+    points_.clear();
+    pair_of_.clear();
+  }
 
   [[nodiscard]] const ContactReport& report() const { return report_; }
   [[nodiscard]] std::span<const ContactBody> bodies() const { return bodies_; }
@@ -131,6 +148,7 @@ class ContactSet {
  private:
   static constexpr double kSlack_m = 0.5;
   static constexpr double kReach_m = 0.02;
+  static constexpr std::uint32_t kTerrain = 0xFFFFFFFFU;  ///< As obstacle of a pair.
 
   struct Memory {
     Eigen::Vector3d p_L = Eigen::Vector3d::Zero();
@@ -139,9 +157,11 @@ class ContactSet {
   };
   struct Pair {
     std::uint32_t body = 0;
-    std::uint32_t obstacle = 0;
-    /// They are no nearer than this.
+    std::uint32_t obstacle = 0;  ///< Of the ground's; beyond them, movers; kTerrain.
+    bool idle = false;           ///< Both rest: all is as it was.
+    /// They are no nearer than this, as long as the mover has not gone on from way_m.
     double apart_m = -1e300;
+    double way_m = 0.0;   ///< Mover::way_m at the last look.
     double rest_m = 0.0;  ///< ContactPoint::rest_m.
     bool met = false;     ///< In the step before; axes of the last look, met or not.
     Eigen::Vector3d axis_W = Eigen::Vector3d::UnitZ();
@@ -153,8 +173,32 @@ class ContactSet {
     double pressed_m = 0.0;  ///< The most that one of them was pressed then.
   };
 
+  /// What a pair meets, in a form that all of them have.
+  struct Met {
+    double stiffness_npm = 0.0;  ///< Of itself; 0: rigid.
+    double friction = 0.6;
+    double strength_nm = 1e300;
+    Eigen::Vector3d foot_W = Eigen::Vector3d::Zero();
+    const Mover* mover = nullptr;
+    double gap_m = 0.0;  ///< The least of the pair.
+  };
+  struct Touch {
+    Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
+    Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();
+    double gap_m = 0.0;
+  };
+
+  double move_others(double h, double fastest_mps);
+  [[nodiscard]] std::span<const Mover> others() const;
+  [[nodiscard]] const Mover* mover_of(std::uint32_t obstacle) const;
   void look(std::span<const ContactLink> links);
+  void pair_up(std::uint32_t body, std::uint32_t obstacle);
+  [[nodiscard]] double above_terrain_m(const ContactBody& body, std::size_t index,
+                                       const Eigen::Isometry3d& X_WS) const;
   void meet(Pair& pair, double h, std::span<const ContactLink> links);
+  void meet_terrain(Pair& pair, double h, std::span<const ContactLink> links);
+  void add_points(Pair& pair, double h, const ContactLink& link, std::span<const Touch> touches,
+                  const Met& met);
   [[nodiscard]] Eigen::Isometry3d pose_of(std::size_t obstacle) const;
   [[nodiscard]] double strength_of(std::size_t obstacle) const;
   /// The point on the surface of its body as it was before it was bent.
@@ -165,6 +209,7 @@ class ContactSet {
   void fall(double h);
 
   const Ground* ground_;
+  const Movers* siblings_;
   std::vector<ContactBody> bodies_;
   std::size_t links_;
   std::vector<Pair> pairs_;
@@ -175,8 +220,10 @@ class ContactSet {
   std::vector<LeaningObstacle> leaning_;
   Dents dents_;
   std::size_t falling_ = 0;
-  std::vector<ContactLink> at_;  ///< Links of the last begin().
-  std::vector<double> moved_m_;  ///< Of each body since then, at most.
+  std::vector<ContactLink> at_;                          ///< Links of the last begin().
+  std::vector<double> moved_m_;                          ///< Of each body since then, at most.
+  std::vector<std::vector<Eigen::Vector3d>> surface_m_;  ///< Of bodies that meet the terrain.
+  double look_after_m_ = 0.0;  ///< Way after which who is near is asked anew.
   double travelled_m_ = kSlack_m;
   double work_j_ = 0.0;
   double stored_j_ = 0.0;

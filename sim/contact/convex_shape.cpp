@@ -265,6 +265,23 @@ Feature ConvexShape::feature(const Vector& direction) const {
   return result;
 }
 
+std::vector<Vector> ConvexShape::surface(double spacing_m) const {
+  if (kind_ != Kind::box) {
+    return outline();
+  }
+  const Eigen::Array3d steps = (2.0 * size_.array() / spacing_m).ceil();
+  std::vector<Vector> result;
+  for (double x = 0.0; x <= steps.x(); ++x) {
+    for (double y = 0.0; y <= steps.y(); ++y) {
+      const bool side = x == 0.0 || x == steps.x() || y == 0.0 || y == steps.y();
+      for (double z = 0.0; z <= steps.z(); z += side ? 1.0 : steps.z()) {
+        result.emplace_back(size_.array() * (2.0 * Eigen::Array3d(x, y, z) / steps - 1.0));
+      }
+    }
+  }
+  return result;
+}
+
 std::vector<Vector> ConvexShape::outline() const {
   std::vector<Vector> result;
   switch (kind_) {

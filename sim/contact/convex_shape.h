@@ -67,6 +67,8 @@ class ConvexShape {
   /// Corners and points of the surface by which the shape meets the terrain: a box's corners, both
   /// rims of a cylinder, a hull's points.
   [[nodiscard]] std::vector<Eigen::Vector3d> outline() const;
+  /// The same, and of a box points all over its faces, so far apart at most.
+  [[nodiscard]] std::vector<Eigen::Vector3d> surface(double spacing_m) const;
 
  private:
   enum class Kind : std::uint8_t { box, cylinder, sphere, hull };

@@ -132,9 +132,16 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
                                               parameters.supply.tank_pressure_pa));
   }
   update_pressures(std::numeric_limits<double>::infinity());
-  if (ground != nullptr && !ground->obstacles().empty()) {
-    contact_.emplace(contact_bodies(parameters.solid, kExcavatorLinks, kTipMass_kg), kLinks,
-                     *ground);
+  if (ground != nullptr && !parameters.solid.boxes.empty()) {
+    std::vector<ContactBody> bodies =
+        contact_bodies(parameters.solid, kExcavatorLinks, kTipMass_kg);
+    // The bucket digs (BucketSoil); without forces nothing holds the arm up.
+    constexpr std::size_t kBucket = kLinks - 1;
+    for (ContactBody& body : bodies) {
+      body.meets_terrain = parameters.level != ExcavatorLevel::kinematic && body.link != kBucket &&
+                           (body.link != 0 || parameters.carrier == ExcavatorCarrier::moving);
+    }
+    contact_.emplace(std::move(bodies), kLinks, *ground);
     arm_contacts_.reserve(kMostContactPoints);
     contact_parts_ = contact_parts(parameters.solid, lightest_solid_kg(parameters),
                                    parameters.step_s, kMostContactParts);

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "sim/contact/loose_bodies.h"
 #include "sim/ground/disc_cut.h"
 #include "sim/ground/obstacle_shapes.h"
 
@@ -252,13 +253,22 @@ double Ground::height_m(double x_m, double y_m) const {
   return terrain(x_m, y_m).height_m;
 }
 
-GroundPoint Ground::at(double x_m, double y_m, double ceiling_m) const {
+GroundPoint Ground::terrain_at(double x_m, double y_m) const {
   const TerrainPoint point = terrain(x_m, y_m);
   GroundPoint result;
   result.height_m = point.height_m;
   result.normal_W = Eigen::Vector3d(-point.slope_x, -point.slope_y, 1.0).normalized();
   result.soil = soil_of(point);
   result.friction = soils_.soils[result.soil].friction;
+  return result;
+}
+
+void Ground::set_loose(std::vector<LooseBody> bodies) {
+  loose_ = bodies.empty() ? nullptr : std::make_shared<LooseBodies>(std::move(bodies), *this);
+}
+
+GroundPoint Ground::at(double x_m, double y_m, double ceiling_m) const {
+  GroundPoint result = terrain_at(x_m, y_m);
   const Eigen::Vector2d place(x_m, y_m);
   near_obstacles(place, place, [&](const Obstacle& obstacle) {
     const std::optional<ObstacleTop> found = top(obstacle, x_m, y_m);
@@ -308,6 +318,10 @@ void Ground::set_node(std::size_t column, std::size_t row, double height_m) {
         field_.cell_m * Eigen::Vector2d(static_cast<double>(column), static_cast<double>(row));
     const Eigen::Vector2d half = Eigen::Vector2d::Constant(0.5 * field_.cell_m);
     ruts_.forget(node - half, node + half);
+    if (loose_) {
+      const Eigen::Vector2d cell = Eigen::Vector2d::Constant(field_.cell_m);
+      loose_->ground_changed(node - cell, node + cell);
+    }
   }
 }
 

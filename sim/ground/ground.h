@@ -56,6 +56,9 @@ struct SoilMap {
   std::vector<std::uint8_t> cells;
 };
 
+class LooseBodies;  // sim/contact/loose_bodies.h
+struct LooseBody;
+
 /// The surface under one point.
 struct GroundPoint {
   double height_m = 0.0;
@@ -134,6 +137,7 @@ class Ground {
 
   /// The terrain alone.
   [[nodiscard]] double height_m(double x_m, double y_m) const;
+  [[nodiscard]] GroundPoint terrain_at(double x_m, double y_m) const;
 
   /// Whether the point lies inside the terrain.
   [[nodiscard]] std::optional<Penetration> terrain_penetration(const Eigen::Vector3d& p_W) const;
@@ -180,6 +184,13 @@ class Ground {
              double depth_m) const;
   [[nodiscard]] const Ruts& ruts() const { return ruts_; }
 
+  /// Rocks and crates that lie loose on it; like ruts they are what const machines change of a
+  /// ground, and only the thread that steps its machine may move them. Copies of the ground share
+  /// them; the ground must stay where it is from now on.
+  void set_loose(std::vector<LooseBody> bodies);
+  /// Null: there are none.
+  [[nodiscard]] LooseBodies* loose() const { return loose_.get(); }
+
   [[nodiscard]] const SoilParameters& soil(std::uint8_t index) const;
   [[nodiscard]] const HeightField& field() const { return field_; }
   /// The terrain changes when it is dug: new height of one node. Ruts about it are gone.
@@ -221,6 +232,7 @@ class Ground {
   std::vector<std::uint32_t> bin_obstacles_;
   bool soft_ = false;   ///< Some soil is.
   mutable Ruts ruts_;   ///< press()
+  std::shared_ptr<LooseBodies> loose_;
   bool plane_ = false;  ///< Made by plane().
   Eigen::Vector3d plane_normal_ = Eigen::Vector3d::UnitZ();
 };

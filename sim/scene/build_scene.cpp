@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sim/scene/convex_pieces.h"
+#include "sim/scene/loose_rock.h"
 #include "sim/scene/mesh_repair.h"
 #include "sim/scene/scene_description.h"
 
@@ -24,18 +25,38 @@ std::vector<LaidTrack> lay(const std::vector<Track>& tracks) {
   return laid;
 }
 
+/// Straight up or down until its lowest points touch the terrain under them.
+void lay_on_ground(LooseBody& body, const HeightField& ground) {
+  double sunk_m = -1e300;
+  for (const Eigen::Vector3d& p_B : body.shape.outline()) {
+    const Eigen::Vector3d p = body.X_WB * p_B;
+    sunk_m = std::max(sunk_m, ground.height_m(p.x(), p.y()) - p.z());
+  }
+  body.X_WB.translation().z() += sunk_m;
+}
+
 void add_rocks(const SceneDescription& description, std::uint64_t seed, BuiltScene& built) {
   /// Rocks are cut spheres; this is their mean reach.
   constexpr double kMeanReach = 0.8;
   constexpr double kFriction = 0.7;
+  std::vector<TriangleMesh> rock_meshes;
   std::vector<Scene::MeshId> shapes;
   RandomStream random(seed, "scene/rocks");
   for (std::size_t i = 0; i < kRockShapes && !description.rocks.empty(); ++i) {
-    shapes.push_back(built.scene->add_mesh(make_rock("rock " + std::to_string(i), random)));
+    rock_meshes.push_back(make_rock("rock " + std::to_string(i), random));
+    shapes.push_back(built.scene->add_mesh(rock_meshes.back()));
   }
   std::size_t number = 0;
   for (const RockField& rocks : description.rocks) {
     for (const PlacedRock& rock : place_rocks(rocks, built.ground, random)) {
+      if (rocks.loose) {
+        LooseRock loose = loose_rock(rock_meshes[rock.shape], rock.X_WM, rock.radius_m,
+                                     rocks.density_kgpm3, "rock " + std::to_string(number++));
+        lay_on_ground(loose.body, built.ground);
+        built.loose.push_back(std::move(loose.body));
+        built.loose_looks.push_back({built.scene->add_mesh(loose.mesh), rocks.material});
+        continue;
+      }
       built.scene->add_object(shapes[rock.shape], rock.X_WM, rock.radius_m, rocks.material,
                               "rock " + std::to_string(number++));
       Obstacle& sphere = built.obstacles.emplace_back();
@@ -139,6 +160,17 @@ void add_boxes(const SceneDescription& description, BuiltScene& built) {
   for (const BoxObject& box : description.boxes) {
     const Eigen::Isometry3d X_WM = box_pose(box, built.ground);
     TriangleMesh mesh = make_box(box.name, box.size_m);
+    if (box.loose) {
+      LooseBody crate{.name = box.name, .shape = ConvexShape::box(0.5 * box.size_m)};
+      const Eigen::Array3d squares = box.size_m.array().square();
+      crate.mass_kg = box.mass_kg;
+      crate.inertia_kgm2 = box.mass_kg / 12.0 * (squares.sum() - squares).matrix();
+      crate.X_WB = X_WM;
+      crate.friction = box.friction;
+      built.loose.push_back(std::move(crate));
+      built.loose_looks.push_back({built.scene->add_mesh(mesh), box.material});
+      continue;
+    }
     tessellate(mesh, kLongestEdge_m);
     built.scene->add_object(built.scene->add_mesh(mesh), X_WM, 1.0, box.material);
     Obstacle& obstacle = built.obstacles.emplace_back();
@@ -259,6 +291,8 @@ BuiltScene build_scene(const SceneDescription& description, const std::vector<Tr
   BuiltScene built{std::make_unique<Scene>(),
                    0,
                    make_terrain(description.terrain, description.tracks, seed),
+                   {},
+                   {},
                    {},
                    {},
                    {}};

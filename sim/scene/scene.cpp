@@ -202,7 +202,7 @@ Scene::InstanceId Scene::Internals::add_instance(MeshId mesh, std::uint32_t body
   std::uint32_t mask = 0;
   for (const Material& surface : surfaces) {
     validate(surface);
-    mask |= surface_mask(surface, body);
+    mask |= surface_mask(surface, body != kFixed && loose[body] ? kFixed : body);
   }
   const auto first = static_cast<InstanceId>(instances.size());
   std::uint32_t geometry_id = RTC_INVALID_GEOMETRY_ID;  // of the first part
@@ -411,8 +411,15 @@ Scene::CanopyId Scene::add_canopy(const TriangleMesh& closed, const Eigen::Isome
   return static_cast<CanopyId>(in.placed.size() - 1);
 }
 
+Scene::BodyId Scene::add_loose_body(std::string_view name) {
+  const BodyId body = add_body(name);
+  internals_->loose[body] = true;
+  return body;
+}
+
 Scene::BodyId Scene::add_body(std::string_view name) {
   internals_->bodies.emplace_back(name);
+  internals_->loose.push_back(false);
   return static_cast<BodyId>(internals_->bodies.size() - 1);
 }
 

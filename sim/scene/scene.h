@@ -142,6 +142,8 @@ class Scene final : public Visibility {
   InstanceId add_object(MeshId mesh, const Eigen::Isometry3d& X_WM, double scale,
                         const Material& material, std::string_view name = {});
   BodyId add_body(std::string_view name);
+  /// A moving body that no sensor sits on: all rays see it, and body_mask() does not know it.
+  BodyId add_loose_body(std::string_view name);
   InstanceId add_body_part(BodyId body, MeshId mesh, const Eigen::Isometry3d& X_BM,
                            const Material& material, std::string_view name = {});
 

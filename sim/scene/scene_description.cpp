@@ -79,6 +79,10 @@ void visit(fields::Visitor& v, RockField& p) {
            "Number above d falls as d^(1 - exponent).");
   v.section("material", p.material, "Surface of the rocks.");
   v.list("keep_out", p.keep_out, "Discs without rocks: for the machine, for the truck.");
+  v.boolean("loose", p.loose, "They lie on the ground; machines push, roll and lift them.");
+  v.only_if(p.loose, "loose", "loose: true", [&p](fields::Visitor& w) {
+    w.number("density", p.density_kgpm3, in("kg/m3").between(100, 20'000), "Density of the rock.");
+  });
 }
 
 void visit(fields::Visitor& v, BoxObject& p) {
@@ -89,6 +93,11 @@ void visit(fields::Visitor& v, BoxObject& p) {
   v.number("yaw", p.yaw_rad, in("deg").between(-360, 360),
            "Direction of its x from east, left positive.");
   v.boolean("on_ground", p.on_ground, "Whether `up` counts from the terrain under it.");
+  v.boolean("loose", p.loose, "A crate: machines push, tip and lift it.");
+  v.only_if(p.loose, "loose", "loose: true", [&p](fields::Visitor& w) {
+    w.number("mass", p.mass_kg, in("kg").between(1, 1e6), "Mass, evenly spread.");
+    w.number("friction", p.friction, plain().between(0, 2), "Coefficient of friction.");
+  });
   v.section("material", p.material, "What its surface is.");
 }
 

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "sim/contact/loose_bodies.h"
 #include "sim/ground/ground.h"
 #include "sim/scene/forest.h"
 #include "sim/scene/grass.h"
@@ -70,6 +71,8 @@ struct RockField {
   double exponent = 2.7;
   Material material{.reflectance = 0.45, .label = "rock"};
   std::vector<KeepOut> keep_out{{{0.0, 0.0}, 5.0}, {{-1.0, 7.0}, 6.0}};
+  bool loose = false;             ///< They lie on the ground, and machines push and lift them.
+  double density_kgpm3 = 2650.0;  ///< Of loose ones.
 };
 void visit(fields::Visitor& v, RockField& p);
 
@@ -102,7 +105,10 @@ struct BoxObject {
   Eigen::Vector3d size_m = Eigen::Vector3d::Ones();      ///< Full lengths along its own axes.
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< Of the middle of its base.
   double yaw_rad = 0.0;                                  ///< Of its x, left from east.
-  bool on_ground = true;  ///< Then position_m.z() counts from the terrain's height at the middle.
+  bool on_ground = true;   ///< Then position_m.z() counts from the terrain's height at the middle.
+  bool loose = false;      ///< A crate: machines push and lift it.
+  double mass_kg = 500.0;  ///< Of a loose one.
+  double friction = 0.6;
   Material material{.reflectance = 0.5, .label = "building"};
 };
 void visit(fields::Visitor& v, BoxObject& p);
@@ -156,6 +162,12 @@ inline constexpr std::size_t kRockShapes = 8;
 [[nodiscard]] Eigen::Isometry3d object_pose(const FixedObject& object, const HeightField& ground);
 [[nodiscard]] Eigen::Isometry3d box_pose(const BoxObject& box, const HeightField& ground);
 
+/// A loose body as rays see it: its mesh in the body's frame.
+struct LooseLook {
+  Scene::MeshId mesh = 0;
+  Material material;
+};
+
 /// A scene and what machines stand on and run into: Ground(ground, soils, obstacles).
 struct BuiltScene {
   std::unique_ptr<Scene> scene;
@@ -167,6 +179,10 @@ struct BuiltScene {
   std::vector<Obstacle> obstacles;
   /// What rays see of those that may give way, trees; in the order of the obstacles.
   std::vector<ObstacleLook> looks;
+  /// Rocks and crates that lie loose, for Ground::set_loose(); each becomes a body of the scene
+  /// (Scene::add_loose_body()), after those of the machine's links.
+  std::vector<LooseBody> loose;
+  std::vector<LooseLook> loose_looks;
 };
 
 /// Edges of boxes and meshes are split to this length.

@@ -228,6 +228,7 @@ struct Scene::Internals {
   std::vector<Terrain> terrains;
   Duration terrain_period{0};
   std::vector<std::string> bodies;
+  std::vector<bool> loose;  ///< Which of them are.
   /// Null: everything is in its place. Never changed, only replaced: placements hold it.
   std::shared_ptr<const std::vector<DisplacedPiece>> displaced;
   std::vector<GeometryHandle> displaced_geometry;  ///< Of those that Embree has been told of.

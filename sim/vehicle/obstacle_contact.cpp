@@ -17,6 +17,9 @@ ContactSet vehicle_contact(const WheeledVehicleParameters& parameters, const Sta
                            const Ground& ground) {
   std::vector<ContactBody> bodies =
       contact_bodies(parameters.solid, kWheeledLinks, parameters.mass_kg());
+  for (ContactBody& box : bodies) {
+    box.meets_terrain = parameters.level == VehicleLevel::full;
+  }
   for (std::size_t i = 0; i < kWheels; ++i) {
     const VehicleAxleParameters& axle = i < 2 ? parameters.front : parameters.rear;
     const double carried_kg =

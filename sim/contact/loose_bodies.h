@@ -1,0 +1,113 @@
+// Rocks and crates that lie loose: rigid bodies that fall, slide, roll, stack and come to rest on
+// terrain, on fixed obstacles and on each other, and that machines push and lift.
+//
+// One linearly implicit step in the manner of a machine's own (contact_set.h, contact_point.h):
+// velocities of all bodies that touch each other are found in one system, contacts as one-sided
+// springs with bristles, active set by passes. Bodies that touch nothing together are solved apart.
+//
+// Steps are of a millisecond at most, whatever the machine's.
+//
+// Rest: a body whose points have been slower than 5 mm/s for half a second rests; it stays where it
+// is, to the bit, until it is pushed by a machine, hit by another body that moves, or the terrain
+// under it changes. Bodies at rest cost nothing.
+//
+// Kinetic and potential energy with that in springs never rises but by what machines put in:
+// backward Euler loses, by about h g v m in free fall.
+//
+// What rolls on soil is braked by it: while it touches something, a torque of rolling_resistance
+// times its weight at its greatest radius opposes its turning, so that a rock which is nearly round
+// comes to rest.
+//
+// Deterministic; advance() allocates nothing once as many bodies have moved together as ever will.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/contact/contact_set.h"
+#include "sim/contact/movers.h"
+#include "sim/link_motion.h"
+
+namespace rigwire::sim {
+
+struct LooseBody {
+  std::string name;
+  ConvexShape shape;  ///< About the centre of mass, along the principal axes.
+  double mass_kg = 100.0;
+  Eigen::Vector3d inertia_kgm2 = Eigen::Vector3d::Constant(10.0);
+  Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
+  double friction = 0.6;
+  double rolling_resistance = 0.0;  ///< Coefficient.
+  double stiffness_npm = 5e6;       ///< Of one point of contact.
+};
+
+class LooseBodies final : public Movers {
+ public:
+  /// `ground` must outlive it. Throws std::invalid_argument naming the body: mass or inertia not
+  /// positive and finite, or a pose that is not.
+  LooseBodies(std::vector<LooseBody> bodies, const Ground& ground);
+
+  [[nodiscard]] std::span<const Mover> movers() const override { return movers_; }
+  [[nodiscard]] std::string_view name(std::size_t mover) const override {
+    return bodies_[mover].name;
+  }
+  void push(std::size_t mover, const Eigen::Vector3d& p_W,
+            const Eigen::Vector3d& impulse_W) override;
+  double advance(double h) override;
+  /// Before the start: all come to rest where they may, for `longest_s` at most. Where they are
+  /// then is where they began.
+  void settle(double longest_s);
+  /// What rests there, by its bounds from above, is looked at anew.
+  void ground_changed(const Eigen::Vector2d& lower_m, const Eigen::Vector2d& upper_m);
+
+  [[nodiscard]] std::size_t size() const { return bodies_.size(); }
+  /// Motion of each body's frame; accelerations are 0.
+  [[nodiscard]] LinkMotion motion(std::size_t body) const;
+  /// Whether it is not where it began, by more than a centimetre.
+  [[nodiscard]] bool moved(std::size_t body) const;
+  /// Of all: kinetic and potential, from z = 0.
+  [[nodiscard]] double energy_j() const;
+  [[nodiscard]] const ContactReport& report() const { return contact_.report(); }
+
+  double gravity_mps2 = 9.80665;
+
+ private:
+  struct State {
+    Eigen::Vector3d impulse_W = Eigen::Vector3d::Zero();  ///< By machines, since the last step.
+    Eigen::Vector3d turn_W = Eigen::Vector3d::Zero();
+    double calm_s = 0.0;
+    std::uint32_t island = 0;  ///< The least of the bodies that it touches something with.
+    std::uint32_t place = 0;   ///< In the island's system.
+    bool touches = false;
+  };
+
+  double step(double h);
+  void wake(std::size_t body);
+  void place(std::size_t body);
+  [[nodiscard]] std::uint32_t island_of(std::uint32_t body) const;
+  void join_islands();
+  void solve(double h, std::uint32_t island);
+  [[nodiscard]] bool factorise(std::size_t size);
+  void substitute(std::size_t size);
+  [[nodiscard]] std::array<double, 3> along(const ContactPoint& point) const;
+
+  std::vector<LooseBody> bodies_;
+  std::vector<Mover> movers_;
+  std::vector<State> states_;
+  std::vector<Eigen::Vector3d> start_m_;
+  std::vector<ContactLink> links_;
+  ContactSet contact_;
+  /// Velocities along all six directions of each body: at the start of the step, and as found.
+  std::vector<std::array<double, 6>> from_;
+  std::vector<std::array<double, 6>> found_;
+  std::vector<std::uint32_t> members_;  ///< Of the island that is solved.
+  std::vector<double> matrix_;          ///< Row by row, its lower half.
+  std::vector<double> right_;
+  std::size_t awake_ = 0;
+};
+
+}  // namespace rigwire::sim

@@ -1,0 +1,60 @@
+// Solid things that move by themselves, as machines meet them: rocks and crates that lie loose.
+//
+// A machine's contact with one is solved in the machine's own step, with the other's mass condensed
+// into the law of each point. With u the velocity of the machine's surface, w the mobility of the
+// other (J M^-1 J^T), u_B its own velocity before the push:
+//
+//     F = offset - gain (u - u_B + h w F)   =>
+//     F = (offset + gain u_B - gain u) / (1 + h gain w)
+//
+// so that both feel the same force and no stiffness asks for a smaller step. Afterwards the other
+// is given the opposite impulse. Exact for one point; n points of a pair count w n times, which is
+// exact where they share alike and errs towards a softer push elsewhere (contact.md 5).
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+#include "sim/contact/convex_shape.h"
+
+namespace rigwire::sim {
+
+struct Mover {
+  const ConvexShape* shape = nullptr;  ///< About the centre of mass.
+  Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d v_W = Eigen::Vector3d::Zero();
+  Eigen::Vector3d w_W = Eigen::Vector3d::Zero();
+  double inverse_mass_1pkg = 0.0;
+  Eigen::Matrix3d inverse_inertia_W = Eigen::Matrix3d::Zero();
+  double friction = 0.6;
+  double stiffness_npm = 0.0;  ///< Of itself, in series with what hits it; 0: rigid.
+  bool rests = false;          ///< Does not move until it is pushed.
+  double way_m = 0.0;          ///< No point of it has gone farther since the start.
+
+  [[nodiscard]] Eigen::Vector3d velocity_W(const Eigen::Vector3d& p_W) const {
+    return v_W + w_W.cross(p_W - X_WM.translation());
+  }
+  /// Velocity at p_W along the unit direction per impulse along it there, 1/kg.
+  [[nodiscard]] double mobility_1pkg(const Eigen::Vector3d& p_W,
+                                     const Eigen::Vector3d& direction_W) const {
+    const Eigen::Vector3d moment = (p_W - X_WM.translation()).cross(direction_W);
+    return inverse_mass_1pkg + moment.dot(inverse_inertia_W * moment);
+  }
+};
+
+class Movers {
+ public:
+  virtual ~Movers() = default;
+  [[nodiscard]] virtual std::span<const Mover> movers() const = 0;
+  [[nodiscard]] virtual std::string_view name(std::size_t mover) const = 0;
+  /// An impulse that one is given at p_W, N s; it acts in the next advance().
+  virtual void push(std::size_t mover, const Eigen::Vector3d& p_W,
+                    const Eigen::Vector3d& impulse_W) = 0;
+  /// All move on by h seconds; the machine that steps among them calls it once in each of its inner
+  /// steps. The fastest speed that any point of one has, m/s.
+  virtual double advance(double h) = 0;
+};
+
+}  // namespace rigwire::sim

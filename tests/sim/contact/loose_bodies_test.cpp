@@ -1,0 +1,275 @@
+// Rocks and crates that lie loose: they fall, slide, stack, rest, are pushed, and never gain
+// energy.
+#include "sim/contact/loose_bodies.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "free_body.h"
+#include "sim/random.h"
+#include "sim/scene/loose_rock.h"
+
+namespace rigwire::sim {
+namespace {
+
+using Vector = Eigen::Vector3d;
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kGravity_mps2 = 9.80665;
+
+SoilParameters rough(double friction) {
+  SoilParameters soil;
+  soil.friction = friction;
+  return soil;
+}
+
+Ground slope(double angle_rad, double friction) {
+  return Ground::plane({std::sin(angle_rad), 0.0, std::cos(angle_rad)}, rough(friction));
+}
+
+LooseBody crate(const std::string& name, const Vector& size_m, double mass_kg, const Vector& at) {
+  LooseBody body{.name = name, .shape = ConvexShape::box(0.5 * size_m)};
+  const Eigen::Array3d squares = size_m.array().square();
+  body.mass_kg = mass_kg;
+  body.inertia_kgm2 = mass_kg / 12.0 * (squares.sum() - squares).matrix();
+  body.X_WB.translation() = at;
+  return body;
+}
+
+LooseBody rock(double radius_m, const Vector& at, unsigned seed = 3) {
+  RandomStream random(seed, "rock");
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.translation() = at;
+  return loose_rock(make_rock("rock", random), X, radius_m, 2650.0, "rock").body;
+}
+
+void run(LooseBodies& bodies, double h, double span_s) {
+  for (int i = 0; i < static_cast<int>(span_s / h); ++i) {
+    (void)bodies.advance(h);
+  }
+}
+
+std::vector<LooseBody> three_crates() {
+  const Vector size(1.0, 0.8, 0.6);
+  return {crate("lowest", size, 1000.0, {0.0, 0.0, 0.3}),
+          crate("middle", size, 1000.0, {0.05, 0.02, 0.9}),
+          crate("top", size, 1000.0, {-0.03, 0.0, 1.5})};
+}
+
+TEST(LooseBodies, ThreeCratesStackedRestForAnHourToTheBit) {
+  const Ground ground = slope(0.0, 0.6);
+  LooseBodies bodies(three_crates(), ground);
+  run(bodies, 1e-3, 3.0);
+  std::vector<LinkMotion> before;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    before.push_back(bodies.motion(i));
+    EXPECT_TRUE(bodies.movers()[i].rests) << bodies.name(i);
+    EXPECT_FALSE(bodies.moved(i));
+  }
+  run(bodies, 1e-3, 3600.0);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    EXPECT_EQ(bodies.motion(i).X_WL.matrix(), before[i].X_WL.matrix());
+  }
+}
+
+class LooseSteps : public testing::TestWithParam<double> {};
+
+// What is woken again and again may not creep, either.
+TEST_P(LooseSteps, AStackThatIsKeptAwakeStandsStill) {
+  const double h = GetParam();
+  const Ground ground = slope(0.0, 0.6);
+  LooseBodies bodies(three_crates(), ground);
+  run(bodies, h, 3.0);
+  std::vector<Vector> before;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    before.push_back(bodies.motion(i).X_WL.translation());
+  }
+  for (int i = 0; i < static_cast<int>(20.0 / h); ++i) {
+    bodies.ground_changed({-5.0, -5.0}, {5.0, 5.0});
+    (void)bodies.advance(h);
+  }
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    EXPECT_LT((bodies.motion(i).X_WL.translation() - before[i]).norm(), 1e-4) << i;
+  }
+}
+
+TEST_P(LooseSteps, ACrateOnASlopeHoldsOrSlidesByCoulombsLaw) {
+  const double h = GetParam();
+  for (const double angle : {20.0 * kDegree, 40.0 * kDegree}) {
+    const double friction = 0.5;
+    const Ground ground = slope(angle, friction);
+    LooseBody body = crate("crate", {1.0, 0.8, 0.4}, 300.0, Vector::Zero());
+    body.X_WB.linear() = Eigen::AngleAxisd(angle, Vector::UnitY()).matrix();
+    body.X_WB.translation() = body.X_WB.linear() * Vector(0.0, 0.0, 0.1999);
+    LooseBodies bodies({body}, ground);
+    run(bodies, h, 1.0);
+    const double before = bodies.motion(0).v_WL_W.norm();
+    run(bodies, h, 1.0);
+    const double slides = kGravity_mps2 * (std::sin(angle) - friction * std::cos(angle));
+    EXPECT_NEAR(bodies.motion(0).v_WL_W.norm() - before, std::max(0.0, slides), 0.03);
+    EXPECT_LT(bodies.report().deepest_m, 5e-3);
+  }
+}
+
+TEST_P(LooseSteps, RocksThatTumbleDownASlopeNeverGainEnergyAndComeToRest) {
+  const double h = GetParam();
+  const double angle = 5.0 * kDegree;
+  const Ground ground = slope(angle, 0.7);
+  std::vector<LooseBody> rocks;
+  for (int i = 0; i < 6; ++i) {
+    rocks.push_back(
+        rock(0.3 + 0.05 * i, {1.4 * i, 0.1 * i, 1.2 - 0.2 * i}, 3U + static_cast<unsigned>(i)));
+  }
+  LooseBodies bodies(rocks, ground);
+  const double start = bodies.energy_j();
+  double most_lost = 0.0;
+  double gain = 0.0;
+  for (int i = 0; i < static_cast<int>(20.0 / h); ++i) {
+    (void)bodies.advance(h);
+    gain = std::max(gain, most_lost - bodies.report().lost_j);
+    most_lost = std::max(most_lost, bodies.report().lost_j);
+  }
+  EXPECT_LT(gain, 1e-3 * (start - bodies.energy_j()));
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    EXPECT_TRUE(bodies.movers()[i].rests) << bodies.name(i) << i;
+    const Vector p = bodies.motion(i).X_WL.translation();
+    EXPECT_GT(p.dot(Vector(std::sin(angle), 0.0, std::cos(angle))), 0.1) << "on the ground";
+  }
+}
+
+TEST_P(LooseSteps, AMachineAndWhatItPushesFeelTheSameForce) {
+  const double h = GetParam();
+  for (const double mass : {50.0, 500.0, 5000.0}) {
+    for (const double stiffness : {1e6, 1e8}) {
+      Ground ground = slope(0.0, 0.6);
+      ground.set_loose({crate("crate", {1.0, 1.0, 1.0}, mass, {3.0, 0.1, 50.0})});
+      LooseBodies& loose = *ground.loose();
+      loose.gravity_mps2 = 0.0;
+      const Vector half(1.0, 0.8, 0.5);
+      FreeBody machine(ground, ConvexShape::box(half), 5600.0, Vector(4e3, 5e3, 6e3), stiffness,
+                       5e4);
+      machine.gravity_mps2 = 0.0;
+      machine.X_WB.translation() << 0.0, 0.0, 50.1;
+      machine.v_W.x() = 3.0;
+      const Vector momentum = 5600.0 * machine.v_W;
+      const double start = machine.energy_j();
+      double most = 0.0;
+      for (int i = 0; i < static_cast<int>(1.5 / h); ++i) {
+        machine.step(h);
+        most = std::max(most, machine.energy_j() + loose.energy_j());
+      }
+      const std::string what = std::to_string(mass) + " kg, " + std::to_string(stiffness);
+      const Vector after = 5600.0 * machine.v_W + mass * loose.motion(0).v_WL_W;
+      EXPECT_LT((after - momentum).norm(), 1e-6 * momentum.norm()) << what;
+      EXPECT_LT(most, start * (1.0 + 1e-3)) << what;
+      EXPECT_GT(loose.motion(0).v_WL_W.x(), 1.0) << what;
+      EXPECT_LT(machine.contact().report().deepest_ever_m, 0.15) << what;
+      EXPECT_EQ(machine.contact().report().points, 0U) << "it flies ahead";
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, LooseSteps, testing::Values(5e-4, 1e-3, 2e-3),
+                         [](const auto& step) {
+                           return "step_" + std::to_string(std::lround(1e4 * step.param)) +
+                                  "_tenths_of_ms";
+                         });
+
+TEST(LooseBodies, RunsTwiceToTheSameBits) {
+  const Ground ground = slope(15.0 * kDegree, 0.6);
+  const auto run_once = [&] {
+    std::vector<LooseBody> bodies = three_crates();
+    bodies.push_back(rock(0.4, {-2.0, 0.0, 2.5}));
+    LooseBodies loose(bodies, ground);
+    run(loose, 1e-3, 4.0);
+    std::vector<double> bits;
+    for (std::size_t i = 0; i < loose.size(); ++i) {
+      const Eigen::Matrix4d X = loose.motion(i).X_WL.matrix();
+      bits.insert(bits.end(), X.data(), X.data() + 16);
+    }
+    return bits;
+  };
+  EXPECT_EQ(run_once(), run_once());
+}
+
+TEST(LooseBodies, WhatRestsFallsWhenTheGroundUnderItIsDug) {
+  HeightField field;
+  field.cell_m = 0.5;
+  field.columns = field.rows = 21;
+  field.origin_m = {-5.0, -5.0};
+  field.heights_m.assign(field.columns * field.rows, 0.0);
+  Ground ground(field, {}, {});
+  ground.set_loose({crate("crate", {0.6, 0.6, 0.6}, 200.0, {0.0, 0.0, 0.31})});
+  LooseBodies& loose = *ground.loose();
+  loose.settle(5.0);
+  ASSERT_TRUE(loose.movers()[0].rests);
+  EXPECT_NEAR(loose.motion(0).X_WL.translation().z(), 0.3, 1e-3);
+  for (std::size_t r = 5; r < 16; ++r) {
+    for (std::size_t c = 5; c < 16; ++c) {
+      ground.set_node(c, r, -1.0);
+    }
+  }
+  run(loose, 1e-3, 3.0);
+  EXPECT_TRUE(loose.movers()[0].rests);
+  EXPECT_NEAR(loose.motion(0).X_WL.translation().z(), -0.7, 1e-3);
+  EXPECT_TRUE(loose.moved(0));
+}
+
+TEST(LooseBodies, ARestingStackIsKnockedOverByARockThatRollsIntoIt) {
+  const Ground ground = slope(0.0, 0.6);
+  std::vector<LooseBody> bodies = three_crates();
+  bodies.push_back(rock(0.5, {-30.0, 0.0, 0.6}));
+  LooseBodies loose(bodies, ground);
+  run(loose, 1e-3, 4.0);
+  ASSERT_TRUE(loose.movers()[2].rests);
+  // 1 t at 6 m/s.
+  loose.push(3, loose.motion(3).X_WL.translation(),
+             {6.0 / loose.movers()[3].inverse_mass_1pkg * 1.5, 0.0, 0.0});
+  loose.push(3, loose.motion(3).X_WL.translation() + Vector(0.0, 0.0, 0.3), {1.0, 0.0, 0.0});
+  run(loose, 1e-3, 15.0);
+  EXPECT_TRUE(loose.moved(3));
+}
+
+TEST(LooseBodies, BadOnesAreRefusedByName) {
+  const Ground ground = slope(0.0, 0.6);
+  LooseBody body = crate("keg", {1.0, 1.0, 1.0}, 0.0, Vector::Zero());
+  try {
+    LooseBodies bodies({body}, ground);
+    ADD_FAILURE();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("'keg'"), std::string::npos) << error.what();
+  }
+}
+
+TEST(LooseRock, WeighsAndTurnsAsItsMeshSays) {
+  const MassProperties box = mass_properties(make_box("box", {2.0, 1.0, 0.5}));
+  EXPECT_NEAR(box.volume_m3, 1.0, 1e-6);
+  EXPECT_LT(box.centre_m.norm(), 1e-6);
+  EXPECT_NEAR(box.inertia_m5(0, 0), (1.0 + 0.25) / 12.0, 1e-6);
+  EXPECT_NEAR(box.inertia_m5(1, 1), (4.0 + 0.25) / 12.0, 1e-6);
+  EXPECT_NEAR(box.inertia_m5(0, 1), 0.0, 1e-9);
+  RandomStream random(1, "rock");
+  const TriangleMesh mesh = make_rock("rock", random);
+  Eigen::Isometry3d X_WM = Eigen::Isometry3d::Identity();
+  X_WM.linear() = Eigen::AngleAxisd(1.0, Vector(0.3, -0.5, 0.8).normalized()).matrix();
+  X_WM.translation() << 5.0, -3.0, 1.0;
+  const LooseRock loose = loose_rock(mesh, X_WM, 0.7, 2650.0, "stone");
+  ASSERT_EQ(loose.mesh.vertices.size(), mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const Vector was = X_WM * Vector(0.7 * mesh.vertices[i].cast<double>());
+    EXPECT_LT((loose.body.X_WB * loose.mesh.vertices[i].cast<double>() - was).norm(), 1e-5);
+  }
+  const MassProperties own = mass_properties(loose.mesh);
+  EXPECT_NEAR(loose.body.mass_kg, 2650.0 * own.volume_m3, 1e-3 * loose.body.mass_kg);
+  EXPECT_LT(own.centre_m.norm(), 1e-4);
+  EXPECT_LT(
+      (2650.0 * own.inertia_m5 - Eigen::Matrix3d(loose.body.inertia_kgm2.asDiagonal())).norm(),
+      1e-3 * loose.body.inertia_kgm2.norm());
+}
+
+}  // namespace
+}  // namespace rigwire::sim

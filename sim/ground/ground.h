@@ -230,8 +230,8 @@ class Ground {
   std::size_t bin_rows_ = 0;
   std::vector<std::uint32_t> bin_starts_;
   std::vector<std::uint32_t> bin_obstacles_;
-  bool soft_ = false;   ///< Some soil is.
-  mutable Ruts ruts_;   ///< press()
+  bool soft_ = false;  ///< Some soil is.
+  mutable Ruts ruts_;  ///< press()
   std::shared_ptr<LooseBodies> loose_;
   bool plane_ = false;  ///< Made by plane().
   Eigen::Vector3d plane_normal_ = Eigen::Vector3d::UnitZ();

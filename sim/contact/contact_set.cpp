@@ -99,10 +99,15 @@ const Mover* ContactSet::mover_of(std::uint32_t obstacle) const {
 
 double ContactSet::move_others(double h, double fastest_mps) {
   if (siblings_ != nullptr) {
+    travelled_m_ += h * fastest_mps;
     return fastest_mps;
   }
-  Movers* loose = ground_->loose();
-  return loose != nullptr ? loose->advance(h) : 0.0;
+  if (Movers* loose = ground_->loose(); loose != nullptr && others_due_s_ > 0.0) {
+    others_mps_ = loose->advance(others_due_s_);
+    travelled_m_ += others_due_s_ * others_mps_;
+  }
+  others_due_s_ = h;
+  return others_mps_;
 }
 
 /// The least height of the body's surface above the terrain.
@@ -215,6 +220,7 @@ void ContactSet::begin(double h, std::span<const ContactLink> links) {
 }
 
 void ContactSet::shorten(double h) {
+  others_due_s_ = h;
   for (ContactPoint& point : points_) {
     point.begin(h, point.start_mps);
   }

@@ -99,11 +99,13 @@ class ContactSet {
 
   /// Whether anything solid can be within reach of a machine no point of which has moved faster
   /// than `fastest_mps` for h seconds. Where not, neither begin() nor settle() is due.
-  /// What lies loose on the ground moves on by h: call it once in each step.
+  /// Call it once in each step: what lies loose on the ground goes the step of before, whose pushes
+  /// it has by now.
   [[nodiscard]] bool near(double h, double fastest_mps) {
-    const double closing_mps = fastest_mps + move_others(h, fastest_mps);
-    travelled_m_ += h * closing_mps;
-    return !pairs_.empty() || falling_ > 0 || travelled_m_ > look_after_m_ - h * closing_mps;
+    const double others_mps = move_others(h, fastest_mps);
+    travelled_m_ += h * fastest_mps;
+    return !pairs_.empty() || falling_ > 0 ||
+           travelled_m_ > look_after_m_ - h * (fastest_mps + others_mps);
   }
   /// Precondition: near() said so in this step; links as many as at construction.
   void begin(double h, std::span<const ContactLink> links);
@@ -224,6 +226,8 @@ class ContactSet {
   std::vector<double> moved_m_;                          ///< Of each body since then, at most.
   std::vector<std::vector<Eigen::Vector3d>> surface_m_;  ///< Of bodies that meet the terrain.
   double look_after_m_ = 0.0;  ///< Way after which who is near is asked anew.
+  double others_due_s_ = 0.0;  ///< The machine's last step, that the others have yet to go.
+  double others_mps_ = 0.0;    ///< Of the fastest of them in its last step.
   double travelled_m_ = kSlack_m;
   double work_j_ = 0.0;
   double stored_j_ = 0.0;

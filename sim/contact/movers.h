@@ -52,8 +52,8 @@ class Movers {
   /// An impulse that one is given at p_W, N s; it acts in the next advance().
   virtual void push(std::size_t mover, const Eigen::Vector3d& p_W,
                     const Eigen::Vector3d& impulse_W) = 0;
-  /// All move on by h seconds; the machine that steps among them calls it once in each of its inner
-  /// steps. The fastest speed that any point of one has, m/s.
+  /// All move on by h seconds, with the impulses of the machine's step of that length: they stand
+  /// one inner step behind it. The fastest speed that any point of one has, m/s.
   virtual double advance(double h) = 0;
 };
 

@@ -8,6 +8,7 @@
 #include "../contact/free_body.h"
 #include "allocation_counter.h"
 #include "digging_site.h"
+#include "sim/contact/loose_bodies.h"
 #include "sim/random.h"
 
 namespace rigwire::sim::test {
@@ -187,6 +188,22 @@ TEST(ObstacleContact, TheCylindersPushWithTheirReliefAndNoMore) {
   EXPECT_LT(report.force_n, 2e5);
   EXPECT_LT(report.deepest_m, 0.005);
   EXPECT_LT(site.machine.excavator().joint_rates_radps().norm(), 1e-3);
+}
+
+// The parts in which an excavator follows a contact are one step of what lies loose, too.
+TEST(ObstacleContact, WhatFallsBesideAnArmThatPressesFallsAsEver) {
+  const Vector tip = tip_at(0.0);
+  Site site(sand_with({box_obstacle({tip.x() - 0.4, 0.0, 0.0}, {1.0, 1.0, 0.1})}));
+  site.run(4.0, 0.0, -0.5, 0.0, 0.0);
+  ASSERT_GT(site.machine.contact_report()->points, 0U);
+  LooseBody stone{.name = "stone", .shape = ConvexShape::box({0.3, 0.3, 0.3})};
+  stone.X_WB.translation() << -10.0, 0.0, 12.0;
+  site.ground.set_loose({stone});
+  site.run(1.0, 0.0, -0.5, 0.0, 0.0);
+  EXPECT_GT(site.machine.contact_report()->points, 0U);
+  const double fallen_m = 12.0 - site.ground.loose()->motion(0).X_WL.translation().z();
+  // Behind by at most the millisecond of the last step.
+  EXPECT_NEAR(fallen_m, 0.5 * kGravity, 0.02);
 }
 
 TEST(ObstacleContact, LowSwingsAmongRocksGainNothingAndAllocateNothing) {

@@ -179,6 +179,47 @@ INSTANTIATE_TEST_SUITE_P(Steps, LooseSteps, testing::Values(5e-4, 1e-3, 2e-3),
                                   "_tenths_of_ms";
                          });
 
+// A pair that is far apart is looked at again when either of the two can have come near.
+TEST(LooseBodies, WhatFliesAtAMachineThatStandsIsMet) {
+  const auto hit = [](bool anew) {
+    Ground ground = slope(0.0, 0.6);
+    ground.set_loose({crate("crate", {1.0, 1.0, 1.0}, 500.0, {1.8, 0.1, 50.0})});
+    LooseBodies& loose = *ground.loose();
+    loose.gravity_mps2 = 0.0;
+    FreeBody machine(ground, ConvexShape::box({1.0, 0.8, 0.5}), 5600.0, Vector(4e3, 5e3, 6e3), 1e6,
+                     5e4);
+    machine.gravity_mps2 = 0.0;
+    machine.X_WB.translation() << 0.0, 0.0, 50.1;
+    for (int i = 0; i < 1000; ++i) {
+      if (i == 100) {
+        loose.push(0, {1.8, 0.1, 50.0}, {-1000.0, 0.0, 0.0});
+      }
+      if (anew) {
+        machine.look_anew(1);
+      }
+      machine.step(1e-3);
+    }
+    EXPECT_EQ(machine.contact().report().touches, 1U);
+    EXPECT_LT(machine.v_W.x(), -0.1);
+    EXPECT_LT(machine.contact().report().deepest_ever_m, 0.06);
+    return machine.X_WB;
+  };
+  EXPECT_EQ(hit(false).matrix(), hit(true).matrix());
+}
+
+// Terrain may rise about what lies there, and scenes may sink it.
+TEST(LooseBodies, WhatBeginsInTheGroundIsNotThrownOut) {
+  const Ground ground = slope(0.0, 0.6);
+  LooseBodies loose({crate("crate", {1.0, 0.8, 0.6}, 300.0, {0.0, 0.0, 0.2})}, ground);
+  double fastest = 0.0;
+  for (int i = 0; i < 3000; ++i) {
+    fastest = std::max(fastest, loose.advance(1e-3));
+  }
+  EXPECT_LT(fastest, 0.05);
+  EXPECT_NEAR(loose.motion(0).X_WL.translation().z(), 0.2, 2e-3);
+  EXPECT_TRUE(loose.movers()[0].rests);
+}
+
 TEST(LooseBodies, RunsTwiceToTheSameBits) {
   const Ground ground = slope(15.0 * kDegree, 0.6);
   const auto run_once = [&] {

@@ -46,6 +46,11 @@ ContactSet::ContactSet(std::vector<ContactBody> bodies, std::size_t links, const
       surface_m_[static_cast<std::size_t>(&body - bodies_.data())] = body.shape.surface(kSpacing_m);
     }
   }
+  std::size_t most = 0;
+  for (const std::vector<Vector>& surface : surface_m_) {
+    most = std::max(most, surface.size());
+  }
+  touches_.reserve(most + 1);
   pairs_.reserve(kMostPairs);
   others_.reserve(kMostPairs);
   found_.reserve(4 * kMostPairs);
@@ -303,62 +308,60 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
   const Eigen::Isometry3d X_WS = link.X_WL * body.X_LS;
   const double arm = body.X_LS.translation().norm() + body.shape.reach_m();
   const double reach = kReach_m + h * (link.v_WL_W.norm() + arm * link.w_WL_W.norm());
+  constexpr double kSame_m = 1e-4;    // A point of the surface found again.
+  constexpr double kDeeper_m = 5e-4;  // By so much another is deeper before it takes its place.
+  constexpr double kApart_m = 0.02;
   Met met;
   met.stiffness_npm = kTerrain_npm;
-  // The deepest, then by turns the one that is farthest from all taken.
-  std::array<Touch, kManifoldPoints> touches;
-  std::size_t count = 0;
-  const auto look_at = [&](const Vector& p) -> std::optional<Touch> {
+  // All that are near, and which of them were taken in the step before.
+  touches_.clear();
+  const auto look_at = [&](const Vector& p) {
     const GroundPoint under = ground_->terrain_at(p.x(), p.y());
     const double gap = (p.z() - under.height_m) * under.normal_W.z();
     if (gap > reach) {
-      return std::nullopt;
+      return;
     }
     met.friction = under.friction;
-    return Touch{p, under.normal_W, gap};
+    const Vector p_L = link.X_WL.inverse(Eigen::Isometry) * p;
+    bool kept = false;
+    for (std::size_t k = 0; k < pair.remembered; ++k) {
+      kept = kept || (pair.memory[k].p_L - p_L).squaredNorm() < kSame_m * kSame_m;
+    }
+    touches_.push_back({{p, under.normal_W, gap}, kept});
   };
-  const auto each = [&](auto&& visit) {
-    for (const Vector& p_S : surface_m_[pair.body]) {
-      if (const auto touch = look_at(X_WS * p_S)) {
-        visit(*touch);
-      }
-    }
-    const GroundPoint under = ground_->terrain_at(X_WS.translation().x(), X_WS.translation().y());
-    const Vector lowest =
-        X_WS * body.shape.support(X_WS.linear().transpose() * Vector(-under.normal_W));
-    if (const auto touch = look_at(lowest)) {
-      visit(*touch);
-    }
-  };
-  each([&](const Touch& touch) {
-    if (count == 0 || touch.gap_m < touches[0].gap_m) {
-      touches[0] = touch;
-      count = 1;
-    }
-  });
-  constexpr double kApart_m = 0.02;
-  while (count > 0 && count < kManifoldPoints) {
-    double farthest = kApart_m * kApart_m;
-    std::optional<Touch> next;
-    each([&](const Touch& touch) {
-      double nearest = 1e300;
-      for (std::size_t i = 0; i < count; ++i) {
-        nearest = std::min(nearest, (touch.p_W - touches[i].p_W).squaredNorm());
-      }
-      if (nearest > farthest) {
-        farthest = nearest;
-        next = touch;
-      }
-    });
-    if (!next) {
-      break;
-    }
-    touches[count++] = *next;
+  for (const Vector& p_S : surface_m_[pair.body]) {
+    look_at(X_WS * p_S);
   }
-  if (count == 0) {
+  const GroundPoint under = ground_->terrain_at(X_WS.translation().x(), X_WS.translation().y());
+  look_at(X_WS * body.shape.support(X_WS.linear().transpose() * Vector(-under.normal_W)));
+  if (touches_.empty()) {
     pair.met = false;
     pair.remembered = 0;
     return;
+  }
+  // The deepest; then those that press, then those that are near, by turns the one that is farthest
+  // from all taken. One of the step before stays until another is farther by two fifths.
+  std::array<Touch, kManifoldPoints> touches;
+  std::size_t count = 1;
+  touches[0] = std::ranges::min_element(touches_, {}, [](const NearTouch& near) {
+                 return near.touch.gap_m - (near.kept ? kDeeper_m : 0.0);
+               })->touch;
+  for (; count < kManifoldPoints; ++count) {
+    std::pair best{-1, 0.0};
+    for (const NearTouch& near : touches_) {
+      double nearest = 1e300;
+      for (std::size_t i = 0; i < count; ++i) {
+        nearest = std::min(nearest, (near.touch.p_W - touches[i].p_W).squaredNorm());
+      }
+      const std::pair worth{near.touch.gap_m > 0.0 ? 0 : 1, (near.kept ? 2.0 : 1.0) * nearest};
+      if (nearest > kApart_m * kApart_m && worth > best) {
+        best = worth;
+        touches[count] = near.touch;
+      }
+    }
+    if (best.first < 0) {
+      break;
+    }
   }
   met.gap_m = touches[0].gap_m;
   add_points(pair, h, link, {touches.data(), count}, met);

@@ -27,7 +27,8 @@
 // pressed further than the contact's others: ploughing on costs what friction does.
 //
 // Bodies meet the terrain by points of their surface against its heights: the deepest, and up to
-// three more, as far apart as they are. What lies loose is met like obstacles (movers.h).
+// three more, as far apart as they are; those of the step before have the preference, so that what
+// lies on more than four comes to rest. What lies loose is met like obstacles (movers.h).
 //
 // What an obstacle bears: Obstacle::strength_nm, a moment about its foot. Where the sum of the
 // points' horizontal forces times their heights would pass it, the obstacle gives way: it leans
@@ -189,6 +190,10 @@ class ContactSet {
     Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();
     double gap_m = 0.0;
   };
+  struct NearTouch {
+    Touch touch;
+    bool kept = false;  ///< Of the step before.
+  };
 
   double move_others(double h, double fastest_mps);
   [[nodiscard]] std::span<const Mover> others() const;
@@ -217,6 +222,7 @@ class ContactSet {
   std::vector<Pair> pairs_;
   std::vector<Pair> others_;  ///< The list of before, while a new one is made.
   std::vector<std::uint32_t> found_;
+  std::vector<NearTouch> touches_;  ///< Of a body and the terrain.
   std::vector<ContactPoint> points_;
   std::vector<std::uint32_t> pair_of_;  ///< Of each point.
   std::vector<LeaningObstacle> leaning_;

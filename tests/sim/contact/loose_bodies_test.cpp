@@ -115,29 +115,31 @@ TEST_P(LooseSteps, ACrateOnASlopeHoldsOrSlidesByCoulombsLaw) {
   }
 }
 
+// Those that lay on more than four points went on trembling, and that gave energy.
 TEST_P(LooseSteps, RocksThatTumbleDownASlopeNeverGainEnergyAndComeToRest) {
   const double h = GetParam();
   const double angle = 5.0 * kDegree;
   const Ground ground = slope(angle, 0.7);
-  std::vector<LooseBody> rocks;
-  for (int i = 0; i < 6; ++i) {
-    rocks.push_back(
-        rock(0.3 + 0.05 * i, {1.4 * i, 0.1 * i, 1.2 - 0.2 * i}, 3U + static_cast<unsigned>(i)));
-  }
-  LooseBodies bodies(rocks, ground);
-  const double start = bodies.energy_j();
-  double most_lost = 0.0;
-  double gain = 0.0;
-  for (int i = 0; i < static_cast<int>(20.0 / h); ++i) {
-    (void)bodies.advance(h);
-    gain = std::max(gain, most_lost - bodies.report().lost_j);
-    most_lost = std::max(most_lost, bodies.report().lost_j);
-  }
-  EXPECT_LT(gain, 1e-3 * (start - bodies.energy_j()));
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    EXPECT_TRUE(bodies.movers()[i].rests) << bodies.name(i) << i;
-    const Vector p = bodies.motion(i).X_WL.translation();
-    EXPECT_GT(p.dot(Vector(std::sin(angle), 0.0, std::cos(angle))), 0.1) << "on the ground";
+  for (unsigned seed = 3; seed < 9; ++seed) {
+    std::vector<LooseBody> rocks;
+    for (unsigned i = 0; i < 6; ++i) {
+      rocks.push_back(rock(0.3 + 0.05 * i, {1.4 * i, 0.1 * i, 1.2 - 0.2 * i}, seed + i));
+    }
+    LooseBodies bodies(rocks, ground);
+    const double start = bodies.energy_j();
+    double most_lost = 0.0;
+    double gain = 0.0;
+    for (int i = 0; i < static_cast<int>(20.0 / h); ++i) {
+      (void)bodies.advance(h);
+      gain = std::max(gain, most_lost - bodies.report().lost_j);
+      most_lost = std::max(most_lost, bodies.report().lost_j);
+    }
+    EXPECT_LT(gain, 5e-4 * (start - bodies.energy_j())) << seed;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      EXPECT_TRUE(bodies.movers()[i].rests) << bodies.name(i) << i << " of " << seed;
+      const Vector p = bodies.motion(i).X_WL.translation();
+      EXPECT_GT(p.dot(Vector(std::sin(angle), 0.0, std::cos(angle))), 0.1) << "on the ground";
+    }
   }
 }
 

@@ -51,11 +51,15 @@ ContactSet::ContactSet(std::vector<ContactBody> bodies, std::size_t links, const
     most = std::max(most, surface.size());
   }
   touches_.reserve(most + 1);
-  pairs_.reserve(kMostPairs);
-  others_.reserve(kMostPairs);
+  // Each loose body touches a few others.
+  const std::size_t loose = siblings_ != nullptr ? bodies_.size() : 0;
+  const std::size_t most_pairs = std::max(kMostPairs, 32 * loose);
+  const std::size_t most_points = std::max(kMostContactPoints, 4 * kManifoldPoints * loose);
+  pairs_.reserve(most_pairs);
+  others_.reserve(most_pairs);
   found_.reserve(4 * kMostPairs);
-  points_.reserve(kMostContactPoints);
-  pair_of_.reserve(kMostContactPoints);
+  points_.reserve(most_points);
+  pair_of_.reserve(most_points);
   leaning_.reserve(kMostLeaning);
   at_.resize(links_);
   moved_m_.resize(bodies_.size());
@@ -128,7 +132,7 @@ double ContactSet::above_terrain_m(const ContactBody& body, std::size_t index,
 }
 
 void ContactSet::pair_up(std::uint32_t body, std::uint32_t obstacle) {
-  if (pairs_.size() == kMostPairs) {
+  if (pairs_.size() == pairs_.capacity()) {
     ++dropped_;
     return;
   }
@@ -379,7 +383,7 @@ void ContactSet::add_points(Pair& pair, double h, const ContactLink& link,
       1.0 / (1.0 / body.stiffness_npm + (met.stiffness_npm > 0.0 ? 1.0 / met.stiffness_npm : 0.0));
   const std::size_t first = points_.size();
   for (const Touch& touch : touches) {
-    if (points_.size() == kMostContactPoints) {
+    if (points_.size() == points_.capacity()) {
       ++dropped_;
       break;
     }

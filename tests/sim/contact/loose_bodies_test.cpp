@@ -181,6 +181,21 @@ INSTANTIATE_TEST_SUITE_P(Steps, LooseSteps, testing::Values(5e-4, 1e-3, 2e-3),
                                   "_tenths_of_ms";
                          });
 
+// A machine's room for points was that of all loose bodies together: the thirteenth fell through.
+TEST(LooseBodies, FortyRocksAtOnceHaveRoomForTheirPoints) {
+  const Ground ground = slope(0.0, 0.7);
+  std::vector<LooseBody> rocks;
+  for (unsigned i = 0; i < 40; ++i) {
+    rocks.push_back(rock(0.4, {1.1 * (i % 8), 1.1 * (i / 8), 0.6}, 3 + i % 5));
+  }
+  LooseBodies bodies(rocks, ground);
+  run(bodies, 2e-3, 3.0);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    EXPECT_GT(bodies.motion(i).X_WL.translation().z(), 0.1) << i;
+  }
+  EXPECT_LT(bodies.report().deepest_ever_m, 0.03);
+}
+
 // A pair that is far apart is looked at again when either of the two can have come near.
 TEST(LooseBodies, WhatFliesAtAMachineThatStandsIsMet) {
   const auto hit = [](bool anew) {

@@ -14,6 +14,7 @@
 #include "hil/rig/rig.h"
 #include "hil/rig/rig_configuration.h"
 #include "hil/world/machine_types.h"
+#include "sim/contact/loose_bodies.h"
 #include "sim/driveline/driveline.h"
 #include "sim/excavator/digging_excavator.h"
 #include "sim/random.h"
@@ -318,6 +319,47 @@ std::vector<ContactCase> contact_cases() {
                      [opening](double h) { return swing_into_rock(opening, h); }});
   }
   return cases;
+}
+
+StackRest rest_stack(bool awake, double span_s) {
+  constexpr double kStep_s = 1e-3;
+  constexpr double kSettling_s = 3.0;
+  const Vector half(0.5, 0.4, 0.3);
+  std::vector<sim::LooseBody> crates;
+  for (const Vector& at :
+       {Vector(0.0, 0.0, 0.3), Vector(0.05, 0.02, 0.9), Vector(-0.03, 0.0, 1.5)}) {
+    sim::LooseBody& crate = crates.emplace_back(
+        sim::LooseBody{.name = "crate", .shape = sim::ConvexShape::box(half), .mass_kg = 1000.0});
+    crate.inertia_kgm2 = box_inertia(crate.mass_kg, half);
+    crate.X_WB.translation() = at;
+  }
+  const Ground ground = firm({});
+  sim::LooseBodies bodies(crates, ground);
+  StackRest rest{.awake = awake, .span_s = span_s};
+  double most_lost_j = 0.0;
+  const auto run = [&](double seconds) {
+    for (int i = 0; i < static_cast<int>(std::lround(seconds / kStep_s)); ++i) {
+      if (awake) {
+        bodies.ground_changed({-5.0, -5.0}, {5.0, 5.0});
+      }
+      (void)bodies.advance(kStep_s);
+      rest.gave_j = std::max(rest.gave_j, most_lost_j - bodies.report().lost_j);
+      most_lost_j = std::max(most_lost_j, bodies.report().lost_j);
+    }
+  };
+  run(kSettling_s);
+  std::vector<Vector> before;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    before.push_back(bodies.motion(i).X_WL.translation());
+  }
+  rest.gave_j = 0.0;
+  const double begin_s = hil::thread_cpu_seconds();
+  run(span_s);
+  rest.us_per_step = 1e6 * (hil::thread_cpu_seconds() - begin_s) * kStep_s / span_s;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    rest.drift_m = std::max(rest.drift_m, (bodies.motion(i).X_WL.translation() - before[i]).norm());
+  }
+  return rest;
 }
 
 ContactSweep sweep_pit(int seeds) {

@@ -48,6 +48,16 @@ struct ContactCase {
 /// into a rock at five heights, one case for each of three openings of the valve.
 [[nodiscard]] std::vector<ContactCase> contact_cases();
 
+/// Three crates of 1 t on each other for an hour, at 1 ms.
+struct StackRest {
+  bool awake = false;  ///< Woken in each step: what rests by decree is not judged.
+  double span_s = 0.0;
+  double drift_m = 0.0;  ///< Of the one that went farthest from where it was after 3 s.
+  double gave_j = 0.0;
+  double us_per_step = 0.0;  ///< CPU time.
+};
+[[nodiscard]] StackRest rest_stack(bool awake, double span_s = 3600.0);
+
 /// Many runs in a shipped scene: the worst of each figure.
 struct ContactSweep {
   std::string name;

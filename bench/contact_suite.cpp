@@ -66,6 +66,23 @@ nlohmann::json step_table(std::ostream& text) {
   return json;
 }
 
+nlohmann::json stack_table(std::ostream& text) {
+  nlohmann::json json = nlohmann::json::array();
+  text << "\nthree crates of 1 t on each other, 1 ms\n";
+  const Table table(
+      text,
+      {{"stack", "<12"}, {"s", ">6"}, {"drift um", ">9"}, {"gave J", ">9"}, {"us/step", ">8"}});
+  table.head();
+  for (const bool awake : {false, true}) {
+    const StackRest rest = rest_stack(awake);
+    json.push_back(table.row(
+        {word("stack", awake ? "kept awake" : "at rest"), number("span_s", rest.span_s, "{:.0f}"),
+         number("drift_m", rest.drift_m, "{:.3g}", 1e6), number("gave_j", rest.gave_j, "{:.3g}"),
+         number("us_per_step", rest.us_per_step, "{:.2f}")}));
+  }
+  return json;
+}
+
 nlohmann::json sweep_table(std::ostream& text) {
   nlohmann::json json = nlohmann::json::array();
   text
@@ -185,6 +202,7 @@ nlohmann::json bench_contact(std::ostream& text) {
   nlohmann::json json;
   json["cost"] = cost_table(text);
   json["over_step"] = step_table(text);
+  json["stack"] = stack_table(text);
   json["scenes"] = sweep_table(text);
   json["drawbar"] = drawbar_table(text);
   json["traces"] = trace_table(text);

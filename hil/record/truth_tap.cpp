@@ -69,6 +69,7 @@ std::string truth_line(const TruthRecord& record, const Calendar& calendar,
     put("deepest_m", std::array{contact.deepest_m});
     put("dent_m", std::array{contact.dent_m});
     put("pressed_m", std::array{contact.pressed_m});
+    put("sunk_m", std::array{contact.sunk_m});
     put("lost_j", std::array{contact.lost_j});
     fmt::format_to(std::back_inserter(line), R"(,"felled":{}}})", contact.felled);
   }

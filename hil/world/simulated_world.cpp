@@ -225,6 +225,7 @@ void SimulatedWorld::fill_truth(const WorldStep& step, SimTime time) {
     contact.deepest_m = report->deepest_m;
     contact.dent_m = report->dent_m;
     contact.pressed_m = report->pressed_m;
+    contact.sunk_m = report->sunk_m;
     contact.lost_j = report->lost_j;
     contact.felled = report->felled;
   }

@@ -39,6 +39,7 @@ struct ContactTruth {
   double deepest_m = 0.0;
   double dent_m = 0.0;
   double pressed_m = 0.0;
+  double sunk_m = 0.0;
   double lost_j = 0.0;     ///< Since the start.
   std::size_t felled = 0;  ///< Trees, since the start.
 };

@@ -6,15 +6,14 @@
 //     F = k (d - h u) - c(d) u,    0 <= F <= greatest
 //
 // where greatest is what the weaker of the two bears: beyond it the obstacle gives way, or the body
-// is bent in for good. A dent counts as no overlap: spring and slider in series (Maxwell), so that
-// what the slider has gone is lost and what the spring holds comes back. The law is
-//
-// implicit, so that no stiffness asks for a smaller step; the gap counts, so that the force begins
-// where the gap would close within the step (speculative); the damping c sets in over the first
-// millimetre of overlap, so that the force is continuous in the depth. Across: a bristle in each of
-// two directions (bristle.h), together within the cone of friction. The solver puts acting() on
-// both sides of its system and calls changes() with the velocities found until nothing does
-// (clamp last), then settle().
+// is bent in for good, or the soil is pressed in. A dent counts as no overlap: spring and slider in
+// series (Maxwell), so that what the slider has gone is lost and what the spring holds comes back.
+// The law is implicit, so that no stiffness asks for a smaller step; the gap counts, so that the
+// force begins where the gap would close within the step (speculative); the damping c sets in over
+// the first millimetre of overlap, so that the force is continuous in the depth. Across: a bristle
+// in each of two directions (bristle.h), together within the cone of friction. The solver puts
+// acting() on both sides of its system and calls changes() with the velocities found until nothing
+// does (clamp last), then settle().
 //
 // Energy: the spring is stored, all else is lost; lost_j() never falls by more than the solver's
 // order of step (docs/accuracy).
@@ -39,6 +38,7 @@ struct ContactLaw {
   double friction = 0.6;
   double greatest_n = 1e300;  ///< What the weaker one bears before it gives way.
   bool dents = false;         ///< It is the body that does.
+  bool sinks = false;         ///< It is the soil that does.
   double body_share = 1.0;    ///< Of the overlap: the body's; the obstacle gives by the others.
   double bristle_npm = 5e5;   ///< Stiffness across.
 };
@@ -64,9 +64,10 @@ struct ContactPoint {
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
   /// Unit: away from the obstacle, and two across.
   std::array<Eigen::Vector3d, 3> direction_W;
-  double gap_m = 0.0;   ///< Beyond rest_m and dent_m.
+  double gap_m = 0.0;   ///< Beyond rest_m, dent_m and sunk_m.
   double rest_m = 0.0;  ///< Overlap that pushes nobody: the pair was found in it.
   double dent_m = 0.0;  ///< So far the body is bent in here.
+  double sunk_m = 0.0;  ///< So far the soil is pressed in here.
   ContactLaw law;
   ContactFriction friction;
   std::array<ImplicitForce, 3> force;
@@ -183,13 +184,14 @@ struct ContactPoint {
     return work;
   }
 
-  /// Ends the step at an overlap: what the spring does not bear is bent in for good. What is left.
+  /// Ends the step at an overlap: what the spring does not bear is bent or pressed in for good.
+  /// What is left.
   double bend(double depth_m) {
     const double excess = depth_m - law.greatest_n / law.stiffness_npm;
-    if (!law.dents || !(excess > 0.0)) {
+    if (!(law.dents || law.sinks) || !(excess > 0.0)) {
       return depth_m;
     }
-    dent_m += excess;
+    (law.dents ? dent_m : sunk_m) += excess;
     return depth_m - excess;
   }
   /// In the spring, at an overlap.

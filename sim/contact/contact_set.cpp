@@ -21,8 +21,9 @@ constexpr double kSamePlace_m = 0.05;     // A point found again at its place on
 constexpr double kHinge_rad = 0.1;        // Up to here an obstacle that yields keeps its moment,
 constexpr double kDown_rad = 0.4;         // from here on it has none.
 constexpr double kLeastHeight_m = 0.3;
-constexpr double kTerrain_npm = 5e6;  // Of the ground under one point; an estimate.
-constexpr double kSpacing_m = 1.0;    // Of the points that meet the terrain.
+// Of the ground under one point: a plate of 0.3 m radius on dense gravel, 2 a E / (1 - nu^2) with
+// 80 MPa (Boussinesq's rigid punch); an estimate.
+constexpr double kTerrain_npm = 5e7;
 
 /// Half lengths, along the world's axes, of the box about a placed shape.
 Vector half_box(const ConvexShape& shape, const Eigen::Matrix3d& R) {
@@ -43,7 +44,8 @@ ContactSet::ContactSet(std::vector<ContactBody> bodies, std::size_t links, const
                                   ", a stiffness above 0, a damping and crush of at least 0");
     }
     if (body.meets_terrain) {
-      surface_m_[static_cast<std::size_t>(&body - bodies_.data())] = body.shape.surface(kSpacing_m);
+      surface_m_[static_cast<std::size_t>(&body - bodies_.data())] =
+          body.shape.surface(body.spacing_m);
     }
   }
   std::size_t most = 0;
@@ -51,6 +53,9 @@ ContactSet::ContactSet(std::vector<ContactBody> bodies, std::size_t links, const
     most = std::max(most, surface.size());
   }
   touches_.reserve(most + 1);
+  for (const SoilParameters& soil : ground.soils()) {
+    bearing_.emplace_back(soil);
+  }
   // Each loose body touches a few others.
   const std::size_t loose = siblings_ != nullptr ? bodies_.size() : 0;
   const std::size_t most_pairs = std::max(kMostPairs, 32 * loose);
@@ -292,11 +297,10 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
   if (pair.apart_m > reach || !found) {
     return apart();
   }
-  met.gap_m = found->gap_m;
   const Manifold touch = manifold(a, b, *found, reach);
   std::array<Touch, kManifoldPoints> touches;
   for (std::size_t i = 0; i < touch.count; ++i) {
-    touches[i] = {touch.points[i].p_W, found->normal_W, touch.points[i].gap_m};
+    touches[i] = {touch.points[i].p_W, found->normal_W, touch.points[i].gap_m, 0};
   }
   pair.axis_L = link.X_WL.linear().transpose() * found->normal_W;
   add_points(pair, h, link, {touches.data(), touch.count}, met);
@@ -315,6 +319,7 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
   constexpr double kSame_m = 1e-4;    // A point of the surface found again.
   constexpr double kDeeper_m = 5e-4;  // By so much another is deeper before it takes its place.
   constexpr double kApart_m = 0.02;
+  constexpr double kLeastDepth_m = 2e-3;  // What touches has a patch.
   Met met;
   met.stiffness_npm = kTerrain_npm;
   // All that are near, and which of them were taken in the step before.
@@ -331,7 +336,7 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
     for (std::size_t k = 0; k < pair.remembered; ++k) {
       kept = kept || (pair.memory[k].p_L - p_L).squaredNorm() < kSame_m * kSame_m;
     }
-    touches_.push_back({{p, under.normal_W, gap}, kept});
+    touches_.push_back({{p, under.normal_W, gap, under.soil}, kept});
   };
   for (const Vector& p_S : surface_m_[pair.body]) {
     look_at(X_WS * p_S);
@@ -367,7 +372,14 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
       break;
     }
   }
-  met.gap_m = touches[0].gap_m;
+  met.soil = &bearing_[touches[0].soil];
+  const auto pressing =
+      std::count_if(touches.begin(), touches.begin() + static_cast<std::ptrdiff_t>(count),
+                    [](const Touch& touch) { return touch.gap_m <= 0.0; });
+  const double cut_m2 = body.shape.cut_m2(X_WS.linear().transpose() * touches[0].normal_W,
+                                          std::max(kLeastDepth_m, -touches[0].gap_m));
+  met.width_m = std::sqrt(cut_m2);
+  met.patch_m2 = cut_m2 / static_cast<double>(std::max<std::ptrdiff_t>(1, pressing));
   add_points(pair, h, link, {touches.data(), count}, met);
 }
 
@@ -420,19 +432,24 @@ void ContactSet::add_points(Pair& pair, double h, const ContactLink& link,
       }
     }
     Vector across = std::abs(n.x()) < 0.8 ? Vector::UnitX() : Vector::UnitY();
+    point.direction_W[0] = n;
+    Memory& now = memory[remembered];
+    if (near != nullptr) {
+      point.dent_m = now.dent_m = near->dent_m;
+    } else if (body.crush_n > 0.0) {
+      // Where it is bent from before; in a contact, as far as the others' springs bear. Into
+      // terrain it goes instead.
+      const double fresh =
+          met_before && !point.terrain ? -point.gap_m - pair.rest_m - pair.pressed_m : 0.0;
+      point.dent_m = std::max(dents_.depth_m(pair.body, surface_L(point), pair.axis_L), fresh);
+    }
     if (body.crush_n > 0.0) {
-      point.direction_W[0] = n;
-      if (near != nullptr) {
-        point.dent_m = near->dent_m;
-        memory[remembered].dent_m = near->dent_m;
-      } else {
-        // Where it is bent from before; in a contact, as far as the others' springs bear.
-        point.dent_m = std::max(dents_.depth_m(pair.body, surface_L(point), pair.axis_L),
-                                met_before ? -point.gap_m - pair.rest_m - pair.pressed_m : 0.0);
-      }
       const double crush = body.crush_n + body.crush_npm * point.dent_m;
       point.law.dents = crush < point.law.greatest_n;
       point.law.greatest_n = std::min(crush, point.law.greatest_n);
+    }
+    if (met.soil != nullptr) {
+      sink(point, near, met, met_before ? pair.pressed_m : 0.0, now);
     }
     if (near != nullptr) {
       point.friction = near->friction;
@@ -454,21 +471,21 @@ void ContactSet::add_points(Pair& pair, double h, const ContactLink& link,
                               met.mover->mobility_1pkg(point.p_W, point.direction_W[k]);
       }
     }
-    memory[remembered].p_L = p_L;
+    now.p_L = p_L;
     ++remembered;
   }
   const std::span<ContactPoint> own(points_.data() + first, points_.size() - first);
   // What a pair is in when it is found, beyond its dents, pushes nobody.
   double overlap = 0.0;
   for (const ContactPoint& point : own) {
-    overlap = std::max(overlap, -point.gap_m - point.dent_m);
+    overlap = std::max(overlap, -point.gap_m - point.dent_m - point.sunk_m);
   }
   if (!own.empty()) {
     pair.rest_m = met_before ? std::min(pair.rest_m, overlap) : overlap;
   }
   for (ContactPoint& point : own) {
     point.rest_m = pair.rest_m;
-    point.gap_m += pair.rest_m + point.dent_m;
+    point.gap_m += pair.rest_m + point.dent_m + point.sunk_m;
   }
   double spring = 0.0;
   double unlimited = 0.0;  // As if nothing gave way: what softer springs, farther from it, hold.
@@ -493,8 +510,35 @@ void ContactSet::add_points(Pair& pair, double h, const ContactLink& link,
   pair.remembered = remembered;
 }
 
+/// What the soil under a point of terrain bears, and how far it has been pressed in there.
+void ContactSet::sink(ContactPoint& point, const Memory* before, const Met& met, double pressed_m,
+                      Memory& now) const {
+  constexpr double kLeastRoom_m = 0.05;
+  const double depth = std::max(0.0, -point.gap_m - point.dent_m);
+  now.sunk_at_W = point.p_W - point.gap_m * point.direction_W[0];
+  if (before == nullptr) {
+    point.sunk_m = std::max(0.0, depth - pressed_m);
+  } else {
+    point.sunk_m = before->sunk_m;
+    // Beside the place that it has pressed in the ground is as it was.
+    const double room = std::max(kLeastRoom_m, 0.5 * met.width_m);
+    if ((now.sunk_at_W - before->sunk_at_W).squaredNorm() > room * room) {
+      point.sunk_m = std::min(point.sunk_m, depth);
+    } else {
+      now.sunk_at_W = before->sunk_at_W;
+    }
+  }
+  now.sunk_m = point.sunk_m;
+  const double bears = met.patch_m2 * met.soil->pressure_pa(depth, met.width_m);
+  if (bears < point.law.greatest_n) {
+    point.law.greatest_n = bears;
+    point.law.dents = false;
+    point.law.sinks = true;
+  }
+}
+
 Vector ContactSet::surface_L(const ContactPoint& point) const {
-  const double overlap = -point.gap_m + point.rest_m + point.dent_m;
+  const double overlap = -point.gap_m + point.rest_m + point.dent_m + point.sunk_m;
   return at_[point.link].X_WL.inverse(Eigen::Isometry) *
          Vector(point.p_W - 0.5 * overlap * point.direction_W[0]);
 }
@@ -508,6 +552,7 @@ void ContactSet::finish(double h, double work_j) {
   report_.terrain = false;
   report_.deepest_m = 0.0;
   report_.pressed_m = 0.0;
+  report_.sunk_m = 0.0;
   work_j_ += work_j;
   double stored = 0.0;
   double most = 0.0;
@@ -539,6 +584,7 @@ void ContactSet::finish(double h, double work_j) {
         dent.depth_m = std::max(dent.depth_m, point.dent_m);
       }
       pair.memory[i].dent_m = point.dent_m;
+      pair.memory[i].sunk_m = point.sunk_m;
       pair.pressed_m = std::max(pair.pressed_m, depth);
       const double spring = point.spring_j(depth);
       pair.spring_j += spring;
@@ -552,6 +598,7 @@ void ContactSet::finish(double h, double work_j) {
       if (point.force_n[0] > 0.0 || point.blocks) {
         pair.pushing = true;
         ++report_.points;
+        report_.sunk_m = std::max(report_.sunk_m, point.sunk_m);
         if (force.norm() > most || report_.body.empty()) {
           most = force.norm();
           report_.body = bodies_[point.body].name;

@@ -28,7 +28,10 @@
 //
 // Bodies meet the terrain by points of their surface against its heights: the deepest, and up to
 // three more, as far apart as they are; those of the step before have the preference, so that what
-// lies on more than four comes to rest. What lies loose is met like obstacles (movers.h).
+// lies on more than four comes to rest. Together they bear the pressure under which the soil fails
+// (soil_bearing.h) over the area in which the terrain cuts the body; beyond it the soil is pressed
+// in for good where the point is, and not where it goes from there. What a body is in when first
+// seen is pressed in already. What lies loose is met like obstacles (movers.h).
 //
 // What an obstacle bears: Obstacle::strength_nm, a moment about its foot. Where the sum of the
 // points' horizontal forces times their heights would pass it, the obstacle gives way: it leans
@@ -55,6 +58,7 @@
 #include "sim/contact/dents.h"
 #include "sim/contact/manifold.h"
 #include "sim/contact/movers.h"
+#include "sim/contact/soil_bearing.h"
 #include "sim/ground/ground.h"
 
 namespace rigwire::sim {
@@ -73,8 +77,9 @@ struct ContactBody {
   double crush_npm = 0.0;  ///< By how much more, by the depth of the dent.
   bool rolls = false;      ///< A wheel: meets only what it cannot roll over (Ground::too_high).
   bool soft = false;       ///< Rubber: how far it is in is how far it is pressed, no overlap.
-  /// Points of its surface, a metre apart or less, meet the terrain's heights.
+  /// Points of its surface meet the terrain's heights: of boxes so far apart at most.
   bool meets_terrain = false;
+  double spacing_m = 1.0;
 };
 
 /// Where a link is and how it moves.
@@ -157,6 +162,8 @@ class ContactSet {
     Eigen::Vector3d p_L = Eigen::Vector3d::Zero();
     ContactFriction friction;
     double dent_m = 0.0;
+    double sunk_m = 0.0;
+    Eigen::Vector3d sunk_at_W = Eigen::Vector3d::Zero();  ///< Of the terrain, where it is.
   };
   struct Pair {
     std::uint32_t body = 0;
@@ -183,12 +190,15 @@ class ContactSet {
     double strength_nm = 1e300;
     Eigen::Vector3d foot_W = Eigen::Vector3d::Zero();
     const Mover* mover = nullptr;
-    double gap_m = 0.0;  ///< The least of the pair.
+    const SoilBearing* soil = nullptr;  ///< Of terrain.
+    double width_m = 0.0;               ///< Of the patch in which the terrain is met.
+    double patch_m2 = 0.0;              ///< Each point's share of it.
   };
   struct Touch {
     Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
     Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();
     double gap_m = 0.0;
+    std::uint8_t soil = 0;
   };
   struct NearTouch {
     Touch touch;
@@ -211,6 +221,8 @@ class ContactSet {
   /// The point on the surface of its body as it was before it was bent.
   [[nodiscard]] Eigen::Vector3d surface_L(const ContactPoint& point) const;
   LeaningObstacle* lean_of(std::size_t obstacle);
+  void sink(ContactPoint& point, const Memory* before, const Met& met, double pressed_m,
+            Memory& now) const;
   void finish(double h, double work_j);
   void give_way(double h);
   void fall(double h);
@@ -222,7 +234,8 @@ class ContactSet {
   std::vector<Pair> pairs_;
   std::vector<Pair> others_;  ///< The list of before, while a new one is made.
   std::vector<std::uint32_t> found_;
-  std::vector<NearTouch> touches_;  ///< Of a body and the terrain.
+  std::vector<NearTouch> touches_;    ///< Of a body and the terrain.
+  std::vector<SoilBearing> bearing_;  ///< Of each of the ground's soils.
   std::vector<ContactPoint> points_;
   std::vector<std::uint32_t> pair_of_;  ///< Of each point.
   std::vector<LeaningObstacle> leaning_;

@@ -265,6 +265,23 @@ Feature ConvexShape::feature(const Vector& direction) const {
   return result;
 }
 
+double ConvexShape::cut_m2(const Vector& normal, double depth_m) const {
+  if (kind_ != Kind::box) {
+    const double radius = half_.mean();
+    const double depth = std::min(depth_m, radius);
+    return std::numbers::pi * depth * (2.0 * radius - depth);
+  }
+  // So far the plane reaches along each edge from the lowest corner; each face counts as it looks
+  // along the normal.
+  Vector edge;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    edge[i] = depth_m < 2.0 * half_[i] * std::abs(normal[i]) ? depth_m / std::abs(normal[i])
+                                                             : 2.0 * half_[i];
+  }
+  return std::abs(normal.x()) * edge.y() * edge.z() + std::abs(normal.y()) * edge.z() * edge.x() +
+         std::abs(normal.z()) * edge.x() * edge.y();
+}
+
 std::vector<Vector> ConvexShape::surface(double spacing_m) const {
   if (kind_ != Kind::box) {
     return outline();

@@ -70,6 +70,11 @@ class ConvexShape {
   /// The same, and of a box points all over its faces, so far apart at most.
   [[nodiscard]] std::vector<Eigen::Vector3d> surface(double spacing_m) const;
 
+  /// Area, m2, in which a plane cuts that has taken `depth_m` off the shape's side which looks
+  /// against the unit normal. Of a box exact for faces and edges, twice what a corner has; of all
+  /// others that of the sphere as wide as the box about them.
+  [[nodiscard]] double cut_m2(const Eigen::Vector3d& normal, double depth_m) const;
+
  private:
   enum class Kind : std::uint8_t { box, cylinder, sphere, hull };
 

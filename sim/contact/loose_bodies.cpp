@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
+
+#include "fields/check.h"
+#include "fields/rules.h"
 
 namespace rigwire::sim {
 namespace {
@@ -17,6 +19,7 @@ constexpr double kWaking_mps = 0.02;  // What moves faster than this wakes what 
 constexpr double kDampingRatio = 0.3;
 constexpr int kMostPasses = 40;
 constexpr double kMoved_m = 0.01;
+constexpr double kPointsAlong = 6.0;  // Of a crate's longest edge, that meet the terrain.
 
 std::vector<ContactBody> contact_bodies(std::span<const LooseBody> bodies) {
   std::vector<ContactBody> made;
@@ -25,19 +28,31 @@ std::vector<ContactBody> contact_bodies(std::span<const LooseBody> bodies) {
         bodies[i].name, i, Eigen::Isometry3d::Identity(), bodies[i].shape, bodies[i].stiffness_npm,
         2.0 * kDampingRatio * std::sqrt(bodies[i].stiffness_npm * bodies[i].mass_kg)});
     body.meets_terrain = true;
+    body.spacing_m = bodies[i].shape.half_lengths_m().maxCoeff() / kPointsAlong * 2.0;
   }
   return made;
 }
 
 std::vector<LooseBody> validated(std::vector<LooseBody> bodies) {
   for (const LooseBody& body : bodies) {
-    const bool sound = body.mass_kg > 0.0 && std::isfinite(body.mass_kg) &&
-                       body.inertia_kgm2.minCoeff() > 0.0 && body.inertia_kgm2.allFinite() &&
-                       body.X_WB.matrix().allFinite() && body.stiffness_npm > 0.0;
-    if (!sound) {
-      throw std::invalid_argument("loose body '" + body.name +
-                                  "' needs mass, inertia and stiffness above 0 and a finite pose");
+    const auto require = [&body](const std::string& what, double found, double least, double most) {
+      // Not a number is in no range.
+      fields::require(found >= least && found <= most, "loose body '" + body.name + "': " + what,
+                      fields::plain().print(found),
+                      fields::plain().print(least) + " .. " + fields::plain().print(most));
+    };
+    require("mass_kg", body.mass_kg, 0.01, 1e8);
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      // Between a dot's and that of all its mass 100 m away.
+      require("inertia_kgm2", body.inertia_kgm2[i], 1e-9 * body.mass_kg, 1e4 * body.mass_kg);
     }
+    require("friction", body.friction, 0.0, 10.0);
+    require("rolling_resistance", body.rolling_resistance, 0.0, 1.0);
+    require("stiffness_npm", body.stiffness_npm, 1.0, 1e12);
+    require("position_m", body.X_WB.translation().cwiseAbs().maxCoeff(), 0.0, 1e8);
+    // Its columns are axes.
+    require("axes", (body.X_WB.linear().transpose() * body.X_WB.linear()).trace(), 3.0 - 1e-6,
+            3.0 + 1e-6);
   }
   return bodies;
 }

@@ -47,8 +47,8 @@ struct LooseBody {
 
 class LooseBodies final : public Movers {
  public:
-  /// `ground` must outlive it. Throws std::invalid_argument naming the body: mass or inertia not
-  /// positive and finite, or a pose that is not.
+  /// `ground` must outlive it. Throws std::invalid_argument that names the body, what of it is out
+  /// of range or not a number, what was found and what is allowed.
   LooseBodies(std::vector<LooseBody> bodies, const Ground& ground);
 
   [[nodiscard]] std::span<const Mover> movers() const override { return movers_; }

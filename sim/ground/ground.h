@@ -192,6 +192,7 @@ class Ground {
   [[nodiscard]] LooseBodies* loose() const { return loose_.get(); }
 
   [[nodiscard]] const SoilParameters& soil(std::uint8_t index) const;
+  [[nodiscard]] const std::vector<SoilParameters>& soils() const { return soils_.soils; }
   [[nodiscard]] const HeightField& field() const { return field_; }
   /// The terrain changes when it is dug: new height of one node. Ruts about it are gone.
   void set_node(std::size_t column, std::size_t row, double height_m);

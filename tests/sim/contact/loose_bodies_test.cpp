@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -292,14 +293,146 @@ TEST(LooseBodies, ARestingStackIsKnockedOverByARockThatRollsIntoIt) {
   EXPECT_TRUE(loose.moved(3));
 }
 
-TEST(LooseBodies, BadOnesAreRefusedByName) {
+TEST(LooseBodies, BadOnesAreRefusedByNameWithWhatIsAllowed) {
   const Ground ground = slope(0.0, 0.6);
-  LooseBody body = crate("keg", {1.0, 1.0, 1.0}, 0.0, Vector::Zero());
-  try {
-    LooseBodies bodies({body}, ground);
-    ADD_FAILURE();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find("'keg'"), std::string::npos) << error.what();
+  const auto refusal = [&](auto&& change) -> std::string {
+    LooseBody body = crate("keg", {1.0, 1.0, 1.0}, 100.0, Vector::Zero());
+    change(body);
+    try {
+      const LooseBodies bodies({body}, ground);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(refusal([](LooseBody&) {}), "");
+  for (const double mass : {0.0, -1.0, 1e-300, 1e9, nan, 1e300}) {
+    const std::string said = refusal([&](LooseBody& body) { body.mass_kg = mass; });
+    EXPECT_NE(said.find("'keg': mass_kg"), std::string::npos) << mass << ": " << said;
+    EXPECT_NE(said.find("0.01 .. "), std::string::npos) << mass << ": " << said;
+  }
+  EXPECT_NE(refusal([&](LooseBody& b) { b.inertia_kgm2.y() = nan; }).find("inertia"),
+            std::string::npos);
+  EXPECT_NE(refusal([&](LooseBody& b) { b.friction = -0.1; }).find("friction"), std::string::npos);
+  EXPECT_NE(refusal([&](LooseBody& b) { b.X_WB.translation().x() = nan; }).find("position"),
+            std::string::npos);
+  EXPECT_NE(refusal([&](LooseBody& b) { b.X_WB.linear() *= 2.0; }).find("axes"), std::string::npos);
+}
+
+// Hard cases.
+
+Ground sandy_plain() {
+  SoilParameters soil = rough(0.6);
+  soil.soft = true;
+  soil.cohesion_pa = 0.0;
+  soil.internal_friction_rad = 30.0 * kDegree;
+  soil.density_kgpm3 = 1600.0;
+  return Ground::plane(Vector::UnitZ(), soil);
+}
+
+// On loose sand it sinks until the sand bears it, by the closed form: 10 t stay on top, 40 t go in.
+TEST(LooseBodies, SoilBearsWhatItsStrengthAllowsAndNoMore) {
+  const double weight = 1600.0 * kGravity_mps2;
+  const double by_depth = weight * 18.40;        // N_q of 30 degrees.
+  const double by_width = weight * 0.5 * 22.40;  // N_gamma.
+  for (const double mass : {10e3, 40e3}) {
+    const Ground ground = sandy_plain();
+    LooseBodies loose({crate("block", {1.0, 1.0, 3.0}, mass, {0.0, 0.0, 1.501})}, ground);
+    run(loose, 1e-3, 6.0);
+    // Put there at once it goes on until its weight's work is done: twice as deep as it bears.
+    const double sinks = 2.0 * std::max(0.0, (mass * kGravity_mps2 - by_width) / by_depth);
+    EXPECT_NEAR(loose.motion(0).X_WL.translation().z(), 1.5 - sinks, 0.02 + 0.05 * sinks) << mass;
+    EXPECT_LT(loose.motion(0).v_WL_W.norm(), 0.01) << mass;
+    // The rest is in the springs: at most a quarter of 0.6 MN in each point of 4.5 MN/m.
+    EXPECT_NEAR(loose.report().sunk_m, 1.5 - loose.motion(0).X_WL.translation().z(), 0.04) << mass;
+  }
+}
+
+// A rock of 0.5 m thrown at 50 km/h against a wall of terrain and against level ground.
+TEST(LooseBodies, ARockAt50KilometresAnHourNeverGivesBackMoreThanItCameWith) {
+  for (const bool soft : {false, true}) {
+    const Ground ground = soft ? sandy_plain() : slope(0.0, 0.6);
+    LooseBodies loose({rock(0.5, {0.0, 0.0, 0.6})}, ground);
+    run(loose, 1e-3, 2.0);
+    const double mass = 1.0 / loose.movers()[0].inverse_mass_1pkg;
+    loose.push(0, loose.motion(0).X_WL.translation(), mass * Vector(13.9, 0.0, -8.0));
+    const double came = 0.5 * mass * (13.9 * 13.9 + 64.0);
+    const double before = loose.energy_j();
+    double most = 0.0;
+    for (int i = 0; i < 10000; ++i) {
+      (void)loose.advance(1e-3);
+      most = std::max(most, loose.energy_j() - before);
+    }
+    EXPECT_LT(most, 1.001 * came) << soft;
+    EXPECT_LT(loose.motion(0).v_WL_W.norm(), 0.05) << "it comes to rest";
+    EXPECT_GT(loose.motion(0).X_WL.translation().z(), soft ? -0.5 : 0.1);
+  }
+}
+
+TEST(LooseBodies, ACrateTipsOverAnEdgeWhenItsMiddleIsBeyondIt) {
+  // It meets the terrain by points a sixth of its length apart.
+  for (const double over : {-0.2, 0.05}) {
+    // A step of 2 m, its edge at x = 0 to 0.1.
+    HeightField field;
+    field.cell_m = 0.1;
+    field.columns = field.rows = 101;
+    field.origin_m = {-5.0, -5.0};
+    for (std::size_t r = 0; r < field.rows; ++r) {
+      for (std::size_t c = 0; c < field.columns; ++c) {
+        field.heights_m.push_back(c <= 50 ? 0.0 : -2.0);
+      }
+    }
+    const Ground ground(field, {}, {});
+    LooseBodies loose({crate("crate", {0.8, 0.8, 0.4}, 500.0, {0.05 + over, 0.0, 0.21})}, ground);
+    run(loose, 1e-3, 5.0);
+    if (over > 0.0) {
+      EXPECT_LT(loose.motion(0).X_WL.translation().z(), -0.5);
+    } else {
+      EXPECT_NEAR(loose.motion(0).X_WL.translation().z(), 0.2, 0.02);
+    }
+  }
+}
+
+// A ball's worth of positions have 1e-10 m there.
+TEST(LooseBodies, AThousandKilometresFromTheOriginAStackStandsAsAtIt) {
+  const Ground ground = slope(0.0, 0.6);
+  std::vector<LooseBody> far = three_crates();
+  for (LooseBody& body : far) {
+    body.X_WB.translation().x() += 1e6;
+    body.X_WB.translation().y() -= 1e6;
+  }
+  LooseBodies loose(far, ground);
+  LooseBodies at_it(three_crates(), ground);
+  run(loose, 1e-3, 5.0);
+  run(at_it, 1e-3, 5.0);
+  for (std::size_t i = 0; i < loose.size(); ++i) {
+    const Vector moved = loose.motion(i).X_WL.translation() - far[i].X_WB.translation();
+    const Vector there = at_it.motion(i).X_WL.translation() - three_crates()[i].X_WB.translation();
+    EXPECT_LT((moved - there).norm(), 1e-5) << i;
+    EXPECT_TRUE(loose.movers()[i].rests) << i;
+  }
+}
+
+// Ten tonnes come down on a stone of 10 kg.
+TEST(LooseBodies, ALightStoneUnderAHeavyMachineIsPressedAndNotShotAway) {
+  for (const double h : {5e-4, 1e-3, 2e-3}) {
+    Ground ground = slope(0.0, 0.6);
+    ground.set_loose({crate("stone", {0.2, 0.2, 0.16}, 10.0, {0.1, 0.05, 0.08})});
+    LooseBodies& loose = *ground.loose();
+    run(loose, 1e-3, 2.0);
+    FreeBody machine(ground, ConvexShape::box({1.5, 1.0, 0.5}), 10e3, Vector(4e3, 8e3, 1e4), 1e7,
+                     2e5);
+    machine.X_WB.translation() << 0.0, 0.0, 0.75;
+    double fastest = 0.0;
+    for (int i = 0; i < static_cast<int>(2.0 / h); ++i) {
+      machine.step(h);
+      fastest = std::max(fastest, loose.motion(0).v_WL_W.norm());
+    }
+    // It came down at 0.6 m/s.
+    EXPECT_LT(fastest, 5.0) << h;
+    EXPECT_GT(machine.contact().report().touches, 0U) << h;
+    EXPECT_LT(machine.v_W.norm(), 20.0) << h;
   }
 }
 

@@ -48,11 +48,12 @@ std::vector<std::string> camera_names(const RigConfiguration& configuration) {
 
 RigView view_of(const RigConfiguration& configuration) {
   const MachineModel& machine = *configuration.machine.model;
+  const std::vector<std::string_view> actuators = machine.actuators();
   RigView view{configuration.buses,
                configuration.modbus,
                configuration.usb,
                {machine.links().begin(), machine.links().end()},
-               {machine.actuators().begin(), machine.actuators().end()},
+               {actuators.begin(), actuators.end()},
                machine.drives(),
                machine.has_power_unit(),
                {},

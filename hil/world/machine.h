@@ -40,7 +40,7 @@ class MachineModel {
   /// Those of them that stand on the ground.
   [[nodiscard]] virtual std::span<const std::string_view> standing_links() const = 0;
   /// What its valve block moves, from section 0 on; empty without one.
-  [[nodiscard]] virtual std::span<const std::string_view> actuators() const { return {}; }
+  [[nodiscard]] virtual std::vector<std::string_view> actuators() const { return {}; }
   /// Whether it has a drive train.
   [[nodiscard]] virtual bool drives() const = 0;
   /// Whether an engine drives pumps there.

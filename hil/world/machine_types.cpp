@@ -50,10 +50,6 @@ std::span<const std::string_view> ExcavatorMachine::standing_links() const {
   return std::span(sim::kExcavatorLinks).first(1);
 }
 
-std::span<const std::string_view> ExcavatorMachine::actuators() const {
-  return sim::kExcavatorActuators;
-}
-
 std::unique_ptr<sim::Machine> ExcavatorMachine::make(const MachineSite& site) const {
   if (!digs) {
     return std::make_unique<sim::Excavator>(excavator, site.X_WB, &site.ground);

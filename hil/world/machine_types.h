@@ -30,7 +30,9 @@ struct ExcavatorMachine final : MachineModelOf<ExcavatorMachine> {
   void visit(fields::Visitor& v) override;
   [[nodiscard]] std::span<const std::string_view> links() const override;
   [[nodiscard]] std::span<const std::string_view> standing_links() const override;
-  [[nodiscard]] std::span<const std::string_view> actuators() const override;
+  [[nodiscard]] std::vector<std::string_view> actuators() const override {
+    return sim::excavator_actuators(excavator);
+  }
   [[nodiscard]] bool drives() const override { return false; }
   [[nodiscard]] bool has_power_unit() const override {
     return excavator.pumps == sim::ExcavatorPumps::engine;

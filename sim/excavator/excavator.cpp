@@ -67,12 +67,14 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
     : parameters_(validated(parameters)),
       X_WC_(rigid(X_WC)),
       arm_(parameters, gravity_in(X_WC, parameters.gravity_mps2)),
+      actuators_(excavator_actuators(parameters_)),
       spools_{Spool(parameters.swing_spool), Spool(parameters.boom_spool),
               Spool(parameters.stick_spool), Spool(parameters.bucket_spool)},
       inner_span_(std::max(Duration{1}, from_seconds(parameters.step_s))) {
   if (parameters.pumps == ExcavatorPumps::engine) {
     power_unit_.emplace(parameters.power_unit, parameters.supply);
   }
+  make_drives();
   // Force per pressure: a cylinder's areas; for the swing motor, torque by displacement per radian.
   areas_[0] = {parameters.swing_displacement_m3prad, parameters.swing_displacement_m3prad};
   const CylinderParameters* cylinders[] = {&parameters.boom_cylinder, &parameters.stick_cylinder,
@@ -151,12 +153,43 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
       throw std::invalid_argument("excavator: carrier moving needs a ground to stand on");
     }
     carried_.emplace(parameters, *ground, X_WC);
-    settle_on_tyres();
+    settle_on_ground();
   }
   update_links();
 }
 
-void Excavator::settle_on_tyres() {
+void Excavator::make_drives() {
+  if (parameters_.carrier == ExcavatorCarrier::moving) {
+    double mass_kg = 0.0;
+    for (const RigidBodyParameters* link :
+         {&parameters_.undercarriage, &parameters_.upper, &parameters_.boom, &parameters_.stick,
+          &parameters_.bucket}) {
+      mass_kg += link->mass_kg;
+    }
+    for (std::size_t i = 0; i < kTracks && parameters_.running_gear == RunningGear::tracks; ++i) {
+      drives_.emplace_back(parameters_, parameters_.tracks, 0.5 * mass_kg);
+    }
+    for (const SupportParameters& support : parameters_.supports) {
+      drives_.emplace_back(parameters_, support, 0.25 * mass_kg);
+    }
+  }
+  requests_m3ps_.resize(kArmJoints + drives_.size());
+  const auto fields =
+      std::span(kTruthFields).first(power_unit_ ? kTruthFields.size() : kWithoutEngine);
+  truth_fields_.assign(fields.begin(), fields.end());
+  const std::size_t supports = parameters_.supports.size();
+  if (drives_.size() > supports) {
+    for (const char* key : {"track_m", "track_mps", "track_load_n"}) {
+      truth_fields_.push_back({key, kTracks});
+    }
+  }
+  if (!drives_.empty() && supports > 0) {
+    truth_fields_.push_back({"support_m", supports});
+    truth_fields_.push_back({"support_load_n", supports});
+  }
+}
+
+void Excavator::settle_on_ground() {
   constexpr double kSettle_s = 5.0;
   constexpr double kStep_s = 2e-3;
   for (int i = 0; i < static_cast<int>(kSettle_s / kStep_s) && !non_finite_; ++i) {
@@ -165,6 +198,9 @@ void Excavator::settle_on_tyres() {
   state_.v_radps.setZero();
   acceleration_.setZero();
   position_rate_.setZero();
+  for (CarrierDrive& drive : drives_) {
+    drive.stop();
+  }
   carried_->place(X_WC_);
 }
 
@@ -180,6 +216,16 @@ void Excavator::command(const ValveCommand& command) {
     }
     // Floating joins both ports to tank: no spring, the pipes' resistance remains as the damper.
     arm_.gains.stiffness[row(i)] = floating_[i] ? 0.0 : closed_gains_.stiffness[row(i)];
+  }
+  for (std::size_t k = 0; k < drives_.size(); ++k) {
+    const std::size_t i = kArmJoints + k;
+    command_.floating[i] = command.floating[i];
+    if (!drives_[k].command(command.opening[i], command.floating[i])) {
+      ++refused_commands_;
+    }
+    if (!std::isnan(command.opening[i])) {
+      command_.opening[i] = std::clamp(command.opening[i], -1.0, 1.0);
+    }
   }
 }
 
@@ -219,6 +265,11 @@ ValveSample Excavator::valve_sample(SimTime time) const {
       sample.spool_position[i] = spools_[i].position();
       sample.port_a_pressure_pa[i] = ports_[i].a_pa;
       sample.port_b_pressure_pa[i] = ports_[i].b_pa;
+    } else if (i < kArmJoints + drives_.size()) {
+      const CarrierDrive& drive = drives_[i - kArmJoints];
+      sample.spool_position[i] = drive.spool();
+      sample.port_a_pressure_pa[i] = drive.ports().a_pa;
+      sample.port_b_pressure_pa[i] = drive.ports().b_pa;
     } else {
       sample.port_a_pressure_pa[i] = parameters_.supply.tank_pressure_pa;
       sample.port_b_pressure_pa[i] = parameters_.supply.tank_pressure_pa;
@@ -254,10 +305,6 @@ void Excavator::read_status(std::span<double> values) const {
   values[5] = supply_pressure_pa_ * 1e-5;
 }
 
-std::span<const TruthField> Excavator::truth_fields() const {
-  return std::span(kTruthFields).first(power_unit_ ? kTruthFields.size() : kWithoutEngine);
-}
-
 void Excavator::read_truth(std::span<double> values) const {
   for (std::size_t i = 0; i < kArmJoints; ++i) {
     values[i] = state_.q_rad[row(i)];
@@ -270,6 +317,23 @@ void Excavator::read_truth(std::span<double> values) const {
     values[15] = power_unit_->speed_radps();
     values[16] = power_unit_->torque_nm();
     values[17] = power_unit_->pump_flow_m3ps();
+  }
+  if (drives_.empty()) {
+    return;
+  }
+  auto own = values.subspan(power_unit_ ? 18 : 15);
+  const std::size_t tracks = drives_.size() - parameters_.supports.size();
+  for (std::size_t k = 0; k < tracks; ++k) {
+    own[k] = drives_[k].position_m();
+    own[tracks + k] = drives_[k].rate_mps();
+    own[2 * tracks + k] = carried_->track_load_n(k);
+  }
+  own = own.subspan(3 * tracks);
+  const std::size_t supports = parameters_.supports.size();
+  for (std::size_t k = 0; k < supports; ++k) {
+    own[k] = drives_[tracks + k].position_m();
+    const auto pads = carried_->pad_loads_n().subspan(2 * k, 2);
+    own[supports + k] = pads[0] + pads[1];
   }
 }
 
@@ -345,6 +409,9 @@ void Excavator::part_step(double h) {
   for (Spool& spool : spools_) {
     spool.step(h);
   }
+  for (CarrierDrive& drive : drives_) {
+    drive.step_spool(h);
+  }
   share_flow();
   if (!bucket_load_.empty() && !carried_) {
     place_bucket_load();
@@ -374,17 +441,27 @@ void Excavator::drive_pumps(double h) {
   for (const double flow : flow_) {
     taken_m3ps += std::abs(flow);
   }
+  for (const CarrierDrive& drive : drives_) {
+    taken_m3ps += std::abs(drive.flow_m3ps());
+  }
   power_unit_->step(h, taken_m3ps, supply_pressure_pa_);
 }
 
 void Excavator::share_flow() {
   for (std::size_t i = 0; i < kArmJoints; ++i) {
     flow_[i] = floating_[i] ? 0.0 : limited_flow(i, spools_[i].flow_request_m3ps());
+    requests_m3ps_[i] = flow_[i];
+  }
+  for (std::size_t k = 0; k < drives_.size(); ++k) {
+    requests_m3ps_[kArmJoints + k] = drives_[k].flow_request_m3ps();
   }
   const SupplyParameters& supply = power_unit_ ? power_unit_->supply() : parameters_.supply;
-  const double share = flow_share(supply, flow_, supply_pressure_pa_);
+  const double share = flow_share(supply, requests_m3ps_, supply_pressure_pa_);
   for (double& flow : flow_) {
     flow *= share;
+  }
+  for (std::size_t k = 0; k < drives_.size(); ++k) {
+    drives_[k].grant(share * requests_m3ps_[kArmJoints + k]);
   }
 }
 
@@ -432,8 +509,8 @@ void Excavator::meet_obstacles(double h) {
       3.0 + parameters_.boom_length_m + parameters_.stick_length_m + 2.0 * parameters_.bucket_tip_m;
   double fastest_mps = reach_m * state_.v_radps.cwiseAbs().sum();
   if (carried_) {
-    // Half as much again for what has changed since the links were last looked at.
-    fastest_mps += 1.5 * (links_[0].v_WL_W.norm() + reach_m * links_[0].w_WL_W.norm()) + 0.1;
+    // Half as much again for what changes within the step.
+    fastest_mps += 1.5 * (carried_->v_C().norm() + reach_m * carried_->w_C().norm()) + 0.1;
   }
   near_ = contact_->near(h, fastest_mps);
   if (!near_) {
@@ -584,7 +661,12 @@ void Excavator::step_chambers(double h) {
 
 ArmStep Excavator::advance(double h, const DriveLaws& laws, ArmState& next) {
   if (carried_) {
-    return carried_->step(h, arm_, pose_, laws, bucket_load_, next, near_ ? &*contact_ : nullptr);
+    const std::size_t tracks = drives_.size() - parameters_.supports.size();
+    for (std::size_t k = 0; k < drives_.size(); ++k) {
+      drives_[k].begin(h, supply_pressure_pa_, k < tracks ? carried_->track_load_n(k) : 0.0);
+    }
+    return carried_->step(h, arm_, pose_, laws, bucket_load_, next, near_ ? &*contact_ : nullptr,
+                          drives_);
   }
   const ArmStep step = arm_.advance(h, pose_, laws, next);
   settle_contacts(h, next);
@@ -637,6 +719,11 @@ bool Excavator::record_non_finite(const ArmState& state, const JointVector& acce
   if (!non_finite_ && carried_ && !carried_->finite()) {
     non_finite_ = NonFinite{"pose or velocity", "undercarriage", time_};
   }
+  for (std::size_t k = 0; k < drives_.size() && !non_finite_; ++k) {
+    if (!drives_[k].finite()) {
+      non_finite_ = NonFinite{"drive", actuators_[kArmJoints + k].data(), time_};
+    }
+  }
   return non_finite_.has_value();
 }
 
@@ -673,6 +760,13 @@ void Excavator::update_pressures(double h) {
     }
     if (request != 0.0) {
       highest = std::max(highest, request > 0.0 ? ports_[i].a_pa : ports_[i].b_pa);
+    }
+  }
+  for (CarrierDrive& drive : drives_) {
+    drive.update_ports();
+    const double asked = drive.asked_m3ps();
+    if (asked != 0.0) {
+      highest = std::max(highest, asked > 0.0 ? drive.ports().a_pa : drive.ports().b_pa);
     }
   }
   // Load sensing: highest driving port plus margin, through the regulator's lag, exact over h.

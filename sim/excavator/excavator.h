@@ -4,9 +4,10 @@
 // Chain per inner step: spool lag and dead band -> requested flows -> pump's share, of what the
 // engine lets it give (power_unit.h) -> the drives of the level asked for (ExcavatorLevel) with
 // relief and end stops -> joint motion (driven_arm.h) -> the pumps' load on the engine.
-// Valve sections, everywhere in this class: 0 swing, 1 boom, 2 stick, 3 bucket; sections 4 .. 7 are
-// empty. A positive opening turns left, lifts the boom, and draws in stick and bucket: it sends oil
-// to port A and extends the cylinder.
+// Valve sections, everywhere in this class: 0 swing, 1 boom, 2 stick, 3 bucket; then those of the
+// undercarriage (excavator_actuators): left and right track, blade, outriggers; the others are
+// empty. A positive opening turns left, lifts the boom, draws in stick and bucket, drives forward
+// and lowers blade and outriggers: it sends oil to port A and extends the cylinder.
 //
 // Its boxes (SolidBodyParameters) meet the ground's obstacles: each point of contact is a force in
 // the same solve (sim/contact). While one is within reach an inner step is divided into parts that
@@ -14,10 +15,10 @@
 // neither overlap nor force is the step's doing, however long it is. On level kinematic, where
 // nothing has a force, all drives are slowed together so that no gap closes beyond touching.
 //
-// The undercarriage stands still where it is put, or on its tyres (ExcavatorCarrier,
-// carried_arm.h). What the ground does to the bucket comes from outside: set_bucket_force,
-// set_bucket_resistances (bucket_load.h). Deterministic: the same parameters, commands and calls
-// give the same bits on one compiler.
+// The undercarriage stands still where it is put, or on its tyres or tracks (ExcavatorCarrier,
+// RunningGear, carried_arm.h). What the ground does to the bucket comes from outside:
+// set_bucket_force, set_bucket_resistances (bucket_load.h). Deterministic: the same parameters,
+// commands and calls give the same bits on one compiler.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -43,18 +44,14 @@
 
 namespace rigwire::sim {
 
-/// What the valve sections move, from section 0 on.
-inline constexpr std::array<std::string_view, kArmJoints> kExcavatorActuators{"swing", "boom",
-                                                                              "stick", "bucket"};
-
 class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
  public:
   /// X_WC: the undercarriage's pose in the world. The machine starts at rest in parameters.initial,
   /// valves closed, drives carrying the load. Throws std::invalid_argument as validate does, and
   /// when X_WC is not a finite rigid pose.
   /// `ground` must outlive the machine; without one nothing is in its way. With carrier moving it
-  /// must be given, and the machine first sinks into its tyres from X_WC with the arm held (5 s,
-  /// before time 0).
+  /// must be given, and the machine first sinks into its tyres or onto its tracks from X_WC with
+  /// the arm held (5 s, before time 0).
   Excavator(const ExcavatorParameters& parameters, const Eigen::Isometry3d& X_WC,
             const Ground* ground = nullptr);
 
@@ -62,9 +59,7 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   /// old set point and is counted; openings outside -1 .. 1 are clamped.
   void command(const ValveCommand& command) override;
   [[nodiscard]] const ValveCommand& commanded() const override { return command_; }
-  [[nodiscard]] std::span<const std::string_view> actuators() const override {
-    return kExcavatorActuators;
-  }
+  [[nodiscard]] std::span<const std::string_view> actuators() const override { return actuators_; }
   /// What the engine's controller asks for. Precondition: pumps engine, as of the three below.
   void command(const PowerUnitCommand& command) override { power_unit_->command(command); }
 
@@ -90,8 +85,10 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   void read_status(std::span<double> values) const override;
 
   /// joint_rad 4, joint_rate_radps 4, spool 4, bucket_tip_m 3 (in the world); of pumps engine
-  /// engine_radps 1, engine_torque_nm 1, pump_flow_m3ps 1.
-  [[nodiscard]] std::span<const TruthField> truth_fields() const override;
+  /// engine_radps 1, engine_torque_nm 1, pump_flow_m3ps 1; on tracks track_m 2 and track_mps 2, the
+  /// belts' ways and speeds, left and right, and track_load_n 2; of each support support_m, its
+  /// pads' way down, and of all together support_load_n, their loads.
+  [[nodiscard]] std::span<const TruthField> truth_fields() const override { return truth_fields_; }
   void read_truth(std::span<double> values) const override;
 
   /// Boom, stick and bucket from pin to pin, the bucket to its teeth.
@@ -151,6 +148,8 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   [[nodiscard]] std::uint64_t refused_commands() const { return refused_commands_; }
 
   [[nodiscard]] const DrivenArm& arm() const { return arm_; }
+  /// Of the undercarriage: left and right track, then the supports; none on a fixed carrier.
+  [[nodiscard]] std::span<const CarrierDrive> carrier_drives() const { return drives_; }
   /// Nothing on a fixed carrier.
   [[nodiscard]] const CarriedArm* carried() const { return carried_ ? &*carried_ : nullptr; }
   [[nodiscard]] const Linkages& linkages() const { return arm_.linkages(); }
@@ -185,7 +184,8 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   void step_chambers(double h);
   /// One solve of the arm with its carrier, whichever it is.
   ArmStep advance(double h, const DriveLaws& laws, ArmState& next);
-  void settle_on_tyres();
+  void make_drives();
+  void settle_on_ground();
   /// Takes what the solve found unless it is not finite.
   [[nodiscard]] bool accept(const ArmState& next, const ArmStep& step);
   /// The bucket's load as torques of the joints, in the pose of now.
@@ -205,6 +205,8 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   ExcavatorParameters parameters_;
   Eigen::Isometry3d X_WC_;
   DrivenArm arm_;
+  std::vector<std::string_view> actuators_;
+  std::vector<CarrierDrive> drives_;  ///< Tracks, then supports; sections 4 on.
   std::optional<CarriedArm> carried_;
   DriveGains closed_gains_;  ///< Gains with no section floating.
   JointVector rigid_gain_;   ///< Of level quasi_static, N s/m.
@@ -224,6 +226,7 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   JointVector target_ = JointVector::Zero();
   JointVector force_ = JointVector::Zero();
   std::array<double, kArmJoints> flow_{};
+  std::vector<double> requests_m3ps_;  ///< Of all sections.
   std::array<PortPressures, kArmJoints> ports_{};
   double supply_pressure_pa_ = 0.0;
   std::optional<PowerUnit> power_unit_;
@@ -235,6 +238,7 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   BucketLoad bucket_load_;
   std::array<double, kTipResistances> resistance_n_{};
   std::array<LinkMotion, kLinks> links_;
+  std::vector<TruthField> truth_fields_;
   std::optional<NonFinite> non_finite_;
   std::uint64_t refused_commands_ = 0;
 };

@@ -10,6 +10,7 @@
 #include "sim/excavator/driven_arm.h"
 #include "sim/excavator/linkage.h"
 #include "sim/principal_inertia.h"
+#include "sim/samples/valve_sample.h"
 
 namespace rigwire::sim {
 
@@ -27,7 +28,11 @@ constexpr std::array<fields::Choice<ExcavatorLevel>, 4> kExcavatorLevels{
 
 constexpr std::array<fields::Choice<ExcavatorCarrier>, 2> kExcavatorCarriers{
     {{ExcavatorCarrier::fixed, "fixed", "The undercarriage stands still."},
-     {ExcavatorCarrier::moving, "moving", "It stands on tyres: rocks, slides, tips."}}};
+     {ExcavatorCarrier::moving, "moving", "It stands on its running gear: rocks, slides, tips."}}};
+
+constexpr std::array<fields::Choice<RunningGear>, 2> kRunningGears{
+    {{RunningGear::tyres, "tyres", "Four wheels, their brakes locked."},
+     {RunningGear::tracks, "tracks", "Two tracks that travel, sections left_track, right_track."}}};
 
 constexpr std::array<fields::Choice<ExcavatorPumps>, 2> kExcavatorPumps{
     {{ExcavatorPumps::constant, "constant", "They turn as fast as ever, whatever they take."},
@@ -136,16 +141,6 @@ void visit(fields::Visitor& v, ExcavatorPose& p) {
            "Angle of the bucket against the stick, up positive.");
 }
 
-void visit(fields::Visitor& v, CarrierParameters& p) {
-  v.number("wheelbase", p.wheelbase_m, in("m").between(0.001, 100),
-           "Front to rear wheels, half before and half behind the swing axis.");
-  v.number("track", p.track_m, in("m").between(0.001, 100),
-           "Left to right tyre, between their middles.");
-  v.number("tyre_pressure", p.tyre_pressure_pa, in("MPa").between(0.001, 1000),
-           "Pressure of all tyres.");
-  v.section("tyre", p.tyre, "One tyre; twins count as one.");
-}
-
 void visit(fields::Visitor& v, ExcavatorParameters& p) {
   v.section("undercarriage", p.undercarriage, "Link on the ground.");
   v.section("upper", p.upper, "Link that swings.");
@@ -188,6 +183,16 @@ void visit(fields::Visitor& v, ExcavatorParameters& p) {
   v.section("chambers", p.chambers, "Oil of level chambers.");
   v.choice("level", p.level, kExcavatorLevels, "How much of the drives is modelled.");
   v.choice("carrier", p.carrier, kExcavatorCarriers, "What the undercarriage does.");
+  v.only_if(p.carrier == ExcavatorCarrier::moving, "carrier", "carrier: moving",
+            [&p](fields::Visitor& w) {
+              w.choice("running_gear", p.running_gear, kRunningGears,
+                       "What a moving carrier stands on.");
+              w.only_if(p.running_gear == RunningGear::tracks, "running_gear",
+                        "running_gear: tracks", [&p](fields::Visitor& x) {
+                          x.section("tracks", p.tracks, "Both tracks and their travel motors.");
+                        });
+              w.list("supports", p.supports, "Blade and outriggers, each with a valve section.");
+            });
   v.section("wheels", p.wheels, "What a moving carrier stands on, its brakes locked.");
   v.number("step", p.step_s, in("ms").between(0.001, 50), "Longest inner step of the arm.");
   v.number("gravity", p.gravity_mps2, in("m/s2").between(0, 1000),
@@ -215,6 +220,19 @@ SolidBodyParameters excavator_boxes() {
   return solid;
 }
 
+std::vector<std::string_view> excavator_actuators(const ExcavatorParameters& p) {
+  std::vector<std::string_view> names(kArmActuators.begin(), kArmActuators.end());
+  if (p.carrier == ExcavatorCarrier::moving) {
+    if (p.running_gear == RunningGear::tracks) {
+      names.insert(names.end(), kTrackActuators.begin(), kTrackActuators.end());
+    }
+    for (const SupportParameters& support : p.supports) {
+      names.emplace_back(support.name);
+    }
+  }
+  return names;
+}
+
 double lightest_solid_kg(const ExcavatorParameters& p) {
   return std::min({p.boom.mass_kg, p.stick.mass_kg, p.bucket.mass_kg});
 }
@@ -238,6 +256,21 @@ void validate(const ExcavatorParameters& p) {
   fields::require(p.carrier != ExcavatorCarrier::moving || p.level != ExcavatorLevel::kinematic,
                   "carrier", "moving",
                   "fixed where level is kinematic: without forces nothing rocks");
+
+  validate(p.tracks);
+  for (const SupportParameters& support : p.supports) {
+    validate(support);
+  }
+  const std::vector<std::string_view> actuators = excavator_actuators(p);
+  fields::require(actuators.size() <= kValveSections, "supports",
+                  std::to_string(p.supports.size()) + ", with the rest " +
+                      std::to_string(actuators.size()) + " valve sections",
+                  "at most " + std::to_string(kValveSections) + " sections together");
+  for (std::size_t i = 0; i < actuators.size(); ++i) {
+    fields::require(std::count(actuators.begin(), actuators.end(), actuators[i]) == 1, "supports",
+                    "section " + std::string(actuators[i]) + " twice",
+                    "names that differ from each other and from the machine's own");
+  }
 
   const DrivenArm arm(p, Eigen::Vector3d(0.0, 0.0, -p.gravity_mps2));
   check_initial(p.initial, arm.linkages());

@@ -19,12 +19,13 @@
 #include <array>
 #include <numbers>
 #include <string_view>
+#include <vector>
 
 #include "fields/rules.h"
 #include "sim/contact/contact_boxes.h"
 #include "sim/excavator/power_unit.h"
+#include "sim/excavator/undercarriage_parameters.h"
 #include "sim/hydraulics/parameters.h"
-#include "sim/tyre/tyre.h"
 
 namespace rigwire::sim {
 
@@ -40,7 +41,7 @@ enum class ExcavatorLevel {
 /// What the undercarriage does.
 enum class ExcavatorCarrier {
   fixed,   ///< Stands still where it was put.
-  moving,  ///< Stands on its tyres: rocks, slides, tips.
+  moving,  ///< Stands on its running gear: rocks, slides, tips; travels on tracks.
 };
 
 /// What the pumps hang on.
@@ -49,25 +50,16 @@ enum class ExcavatorPumps {
   engine,    ///< PowerUnit's: speed and torque are states.
 };
 
-/// What a moving undercarriage stands on: four wheels with their brakes locked, axles rigid.
-struct CarrierParameters {
-  double wheelbase_m = 2.70;  ///< Wheels at half of it before and behind the swing axis.
-  double track_m = 2.00;      ///< Between the middles of left and right tyres (twins as one).
-  double tyre_pressure_pa = 7.0e5;
-  TyreParameters tyre{.unloaded_radius_m = 0.53,
-                      .width_m = 0.50,
-                      .rim_radius_m = 0.254,
-                      .vertical_damping_nspm = 1.5e4,
-                      .reference_load_n = 4.5e4};
-};
-void visit(fields::Visitor& v, CarrierParameters& p);
-
 /// The machine's rigid links.
 enum class Link { undercarriage, upper, boom, stick, bucket };
 inline constexpr std::size_t kLinks = 5;
 /// Their names, in that order.
 inline constexpr std::array<std::string_view, kLinks> kExcavatorLinks{"undercarriage", "upper",
                                                                       "boom", "stick", "bucket"};
+
+/// Valve sections of every excavator, and of tracks.
+inline constexpr std::array<std::string_view, 4> kArmActuators{"swing", "boom", "stick", "bucket"};
+inline constexpr std::array<std::string_view, 2> kTrackActuators{"left_track", "right_track"};
 
 /// One rigid link.
 struct RigidBodyParameters {
@@ -176,12 +168,20 @@ struct ExcavatorParameters {
   ChamberParameters chambers;
   ExcavatorLevel level = ExcavatorLevel::dynamic;
   ExcavatorCarrier carrier = ExcavatorCarrier::fixed;
-  CarrierParameters wheels;       ///< Of carrier moving.
+  RunningGear running_gear = RunningGear::tyres;  ///< Of carrier moving, as the three below.
+  CarrierParameters wheels;                       ///< Of running gear tyres.
+  TrackParameters tracks;                         ///< Of running gear tracks.
+  std::vector<SupportParameters> supports;        ///< Blade, outriggers.
   double step_s = 1e-3;           ///< Longest inner step; longer calls of step() are divided.
   double gravity_mps2 = 9.80665;  ///< Along world -z.
   ExcavatorPose initial;
   SolidBodyParameters solid = excavator_boxes();
 };
+
+/// What the valve sections move, from section 0 on: the arm's four, then with a moving carrier the
+/// tracks and the supports. The names refer to `parameters`.
+[[nodiscard]] std::vector<std::string_view> excavator_actuators(
+    const ExcavatorParameters& parameters);
 
 /// Into so many parts, at most, an inner step is divided in reach of an obstacle (contact_parts).
 inline constexpr int kMostContactParts = 200;

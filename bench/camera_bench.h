@@ -11,6 +11,7 @@
 #include "hil/world/simulated_world.h"
 #include "sim/camera/camera_renderer.h"
 #include "sim/camera/camera_sensor.h"
+#include "sim/scene/triangle_mesh.h"
 
 namespace rigwire::bench {
 
@@ -21,6 +22,9 @@ class CameraCase {
   CameraCase(std::string name, const hil::RigConfiguration& rig, const Eigen::Isometry3d& X_WS);
   /// The pit's terrain alone.
   CameraCase(std::string name, const Eigen::Isometry3d& X_WS);
+  /// A mesh alone, with the look of a label where it has none of its own; W is its frame.
+  CameraCase(std::string name, const sim::TriangleMesh& mesh, const std::string& label,
+             const Eigen::Isometry3d& X_WS);
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const sim::Scene& scene() const { return *built_.scene; }
@@ -39,6 +43,9 @@ class CameraCase {
   sim::Daylight light_;
   sim::SkyVisibility sky_;
 };
+
+/// The forest's track, leaf by leaf.
+[[nodiscard]] CameraCase forest_case();
 
 /// Excavator in the pit, forest track, the pit's terrain alone.
 [[nodiscard]] std::vector<CameraCase> camera_cases();
@@ -93,6 +100,20 @@ struct AirCost {
 };
 
 [[nodiscard]] std::vector<AirCost> measure_air(const CameraCase& scene, int width_px);
+
+/// What a surface's own colour and its picture cost, against the look of its label.
+struct TextureCost {
+  std::string view;
+  std::string surface;
+  double pixel_ns = 0.0;    ///< CPU time; one thread.
+  double ratio = 0.0;       ///< To that of the label's look, both the least of the rounds.
+  double rms_levels = 0.0;  ///< As SamplingError, one sample against many.
+};
+
+/// Of a wall that fills the picture: seen straight on, where texels are wider than pixels; from
+/// far, where they are narrower; and with its surface slanting away to 80 degrees and more.
+[[nodiscard]] std::vector<TextureCost> measure_textures(int width_px, int rounds,
+                                                        int reference_samples);
 
 /// A figure of the sensor as set and as a photon transfer measurement finds it (EMVA 1288).
 struct SensorFigure {

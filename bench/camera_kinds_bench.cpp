@@ -104,11 +104,17 @@ ConfidenceWorth worth_of(const sim::DisparityPicture& found, const sim::CameraTr
   std::array<double, 256> right{};
   std::array<double, 256> wrong{};
   double pixels = 0.0;
+  std::vector<double> sure_errors_px;
   each_searched(truth, parameters, [&](std::size_t i, double, double disparity_px) {
     pixels += 1.0;
     const auto matched_px = static_cast<double>(found.disparity_px[i]);
-    if (matched_px > 0.0) {
-      (std::abs(matched_px - disparity_px) > 1.0 ? wrong : right)[found.confidence[i]] += 1.0;
+    if (matched_px <= 0.0) {
+      return;
+    }
+    const double error_px = std::abs(matched_px - disparity_px);
+    (error_px > 1.0 ? wrong : right)[found.confidence[i]] += 1.0;
+    if (found.confidence[i] >= kSure) {
+      sure_errors_px.push_back(error_px);
     }
   });
   double below = 0.0;  // wrong ones of less confidence
@@ -124,7 +130,8 @@ ConfidenceWorth worth_of(const sim::DisparityPicture& found, const sim::CameraTr
       sure[1] += wrong[c];
     }
   }
-  return {(sure[0] + sure[1]) / pixels, sure[1] / (sure[0] + sure[1]), pairs / (all_right * below)};
+  return {(sure[0] + sure[1]) / pixels, sure[1] / (sure[0] + sure[1]), median(sure_errors_px),
+          pairs / (all_right * below)};
 }
 
 }  // namespace

@@ -28,6 +28,7 @@ struct DepthBand {
 struct ConfidenceWorth {
   double density = 0.0;
   double bad1 = 0.0;
+  double median_px = 0.0;
   double told_apart = 0.0;  ///< Area under the curve: 0.5 by chance, 1 always.
 };
 

@@ -97,6 +97,26 @@ void air_table(const CameraCase& scene, std::ostream& text, nlohmann::json& json
   text << "in the scene " << scene.name() << "\n\n";
 }
 
+void texture_table(std::ostream& text, nlohmann::json& json) {
+  const Table table(text, {{"wall seen", "<18"},
+                           {"surface", "<18"},
+                           {"ns/px", ">7"},
+                           {"ratio", ">6"},
+                           {"rms levels", ">11"}});
+  table.head();
+  for (const TextureCost& cost : measure_textures(kWidth_px, kRounds, kReferenceSamples)) {
+    json["textures"].push_back(table.row({word("view", cost.view), word("surface", cost.surface),
+                                          number("pixel_ns", cost.pixel_ns, "{:.0f}"),
+                                          number("ratio", cost.ratio, "{:.2f}"),
+                                          number("rms_levels", cost.rms_levels, "{:.2f}")}));
+  }
+  text << fmt::format(
+      "640 x 480, one sample, one thread, CPU time; ratio to the label's look; picture of 64 "
+      "texels "
+      "a\nmetre; rms against {} samples\n\n",
+      kReferenceSamples);
+}
+
 void sensor_table(std::ostream& text, nlohmann::json& json) {
   const Table table(text, {{"sensor", "<28"}, {"set", ">10"}, {"found", ">10"}, {"error", ">8"}});
   table.head();
@@ -122,6 +142,7 @@ void stereo_table(const std::vector<CameraCase>& cases, std::ostream& text, nloh
                            {"median m", ">9"},
                            {"sure", ">7"},
                            {"bad1", ">7"},
+                           {"median px", ">10"},
                            {"told apart", ">11"}});
   table.head();
   for (const CameraCase& scene : cases) {
@@ -154,9 +175,11 @@ void stereo_table(const std::vector<CameraCase>& cases, std::ostream& text, nloh
                        number("median_m", band.median_m, "{:.3f}"),
                        shown(first ? fmt::format("{:.1f}%", 100.0 * cost.sure.density) : ""),
                        shown(first ? fmt::format("{:.1f}%", 100.0 * cost.sure.bad1) : ""),
+                       shown(first ? fmt::format("{:.2f}", cost.sure.median_px) : ""),
                        shown(first ? fmt::format("{:.3f}", cost.sure.told_apart) : ""),
                        stored("sure_density", cost.sure.density),
                        stored("sure_bad1", cost.sure.bad1),
+                       stored("sure_median_px", cost.sure.median_px),
                        stored("told_apart", cost.sure.told_apart),
                        stored("from_m", band.from_m),
                        stored("to_m", band.to_m),
@@ -241,6 +264,7 @@ nlohmann::json bench_camera(std::ostream& text) {
   sampling_table(cases, text, json);
   sky_table(cases, text, json);
   air_table(cases.front(), text, json);
+  texture_table(text, json);
   sensor_table(text, json);
   stereo_table(cases, text, json);
   all_round_table(cases, text, json);

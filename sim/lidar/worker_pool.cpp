@@ -4,7 +4,7 @@
 
 namespace rigwire::sim {
 
-WorkerPool::WorkerPool(int threads, PoolPriority priority) {
+WorkerPool::WorkerPool(int threads, PoolPriority priority) : priority_(priority) {
   for (int i = 1; i < threads; ++i) {
     threads_.emplace_back([this, priority] {
       if (priority == PoolPriority::spare_time) {
@@ -34,11 +34,12 @@ void WorkerPool::run_erased(std::size_t count, Call call, const void* task) {
     task_ = task;
     count_ = count;
     next_ = 0;
-    busy_ = threads_.size();
     ++generation_;
   }
   start_.notify_all();
-  take_tasks();
+  for (std::size_t i = next_++; i < count; i = next_++) {
+    call(task, i);
+  }
   std::unique_lock lock(mutex_);
   done_.wait(lock, [this] { return busy_ == 0; });
 }
@@ -51,19 +52,27 @@ void WorkerPool::work() {
     if (stopping_) {
       return;
     }
-    seen = generation_;
+    if (priority_ == PoolPriority::spare_time) {
+      // Whoever waits for this processor gets it now, and not while a task is held.
+      lock.unlock();
+      ::sched_yield();
+      lock.lock();
+    }
+    const std::size_t i = next_++;
+    if (i >= count_) {
+      seen = generation_;
+      continue;
+    }
+    // The caller waits for tasks that were taken, not for threads that come when all are.
+    ++busy_;
+    const Call call = call_;
+    const void* const task = task_;
     lock.unlock();
-    take_tasks();
+    call(task, i);
     lock.lock();
     if (--busy_ == 0) {
       done_.notify_one();
     }
-  }
-}
-
-void WorkerPool::take_tasks() {
-  for (std::size_t i = next_++; i < count_; i = next_++) {
-    call_(task_, i);
   }
 }
 

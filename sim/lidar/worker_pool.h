@@ -11,8 +11,8 @@
 namespace rigwire::sim {
 
 /// When the threads that a pool starts run: as their starter does, or on processors that have
-/// nothing else to do (Linux' SCHED_IDLE). Those wait for everybody, and nobody waits for them: who
-/// wakes up finds such a processor as good as idle.
+/// nothing else to do (Linux' SCHED_IDLE). Those give way to everybody at once, between tasks, and
+/// who wakes up finds their processor as good as idle.
 enum class PoolPriority { as_starter, spare_time };
 
 class WorkerPool {
@@ -36,7 +36,6 @@ class WorkerPool {
   using Call = void (*)(const void*, std::size_t);
   void run_erased(std::size_t count, Call call, const void* task);
   void work();
-  void take_tasks();
 
   std::mutex mutex_;
   std::condition_variable start_;
@@ -45,8 +44,9 @@ class WorkerPool {
   const void* task_ = nullptr;
   std::size_t count_ = 0;
   std::atomic<std::size_t> next_{0};
-  std::size_t busy_ = 0;
+  std::size_t busy_ = 0;  ///< Tasks that its threads have in hand.
   std::size_t generation_ = 0;
+  PoolPriority priority_;
   bool stopping_ = false;
   std::vector<std::thread> threads_;
 };

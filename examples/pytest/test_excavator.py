@@ -3,6 +3,10 @@
     RIGWIRE=build/rigwire PYTHONPATH=python pytest examples/pytest
 """
 
+import os
+import select
+import subprocess
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -10,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from rigwire import Refused, Rig, RigwireError
+from rigwire.rig import find_program
 
 pytest_plugins = ["rigwire.fixtures"]
 
@@ -99,3 +104,52 @@ def test_many_runs_stand_side_by_side(start_rig: Callable[..., Rig]) -> None:
     assert len({run.replaced["buses.can.path"] for run in runs}) == len(runs)
     with ThreadPoolExecutor(4) as pool:
         assert list(pool.map(lambda run: run.run_until(0.1), runs)) == [0.1] * len(runs)
+
+
+def test_a_hand_digs_and_the_recording_verifies(rig: Rig, tmp_path: Path) -> None:
+    rig.run_until(0.5)
+    before = rig.read().machine["boom"]
+    with rig.record(tmp_path / "take"):
+        rig.set(boom=0.8, swing=-0.2)
+        rig.step(1.0)
+        rig.release("boom")
+        rig.step(0.5)
+        with pytest.raises(Refused, match="on its way"):
+            rig.start_recording(tmp_path / "another")
+    assert rig.read().machine["boom"] > before + 1.0
+    with pytest.raises(Refused, match="-1 .. 1"):
+        rig.set(boom=2.0)
+    verify = [find_program(), "replay", str(tmp_path / "take"), "--verify"]
+    assert subprocess.run(verify, timeout=120).returncode == 0
+
+
+def test_events_tell_what_happened_and_when(rig: Rig) -> None:
+    rig.run_until(9.0)
+    events = rig.events()
+    assert [(event.kind, event.time) for event in events] == [
+        ("fault_begun", pytest.approx(6.0)),
+        ("fault_ended", pytest.approx(8.0)),
+    ]
+    assert rig.events(since=events.last) == []
+    rig.set(boom=0.1)
+    assert [event.where for event in rig.events(since=events.last)] == ["boom"]
+
+
+def test_a_slow_reader_loses_nothing_when_time_waits_for_it(
+    tmp_path: Path, start_rig: Callable[..., Rig]
+) -> None:
+    run = start_rig(write_rig(tmp_path), clock="drained")
+    line = os.open(tmp_path / "gnss", os.O_RDONLY | os.O_NOCTTY)
+    taken = 0
+    with ThreadPoolExecutor(1) as pool:
+        arrived = pool.submit(run.run_until, 60.0)
+        while not arrived.done() or select.select([line], [], [], 0.2)[0]:
+            if select.select([line], [], [], 0.2)[0]:
+                taken += len(os.read(line, 100))
+                time.sleep(0.0002)
+        assert arrived.result() == 60.0
+    os.close(line)
+    report = run.stop()
+    assert report["devices"]["gnss"]["dropped"] == 0
+    assert report["patience_expiries"] == 0
+    assert taken == report["devices"]["gnss"]["bytes"]

@@ -142,8 +142,11 @@ struct Parsed {
   RecordOptions record;
   std::string camera_truth;
   std::string recording;
+  std::string topic;
   bool verify = false;
   bool loop = false;
+  bool follow = false;
+  bool stop = false;
   std::string speed;
   std::string from;
   std::string to;
@@ -153,6 +156,7 @@ struct Parsed {
   std::string isolated;
   std::optional<std::string> overrun;
   std::optional<std::string> overrun_limit;
+  std::optional<std::string> patience;
   std::optional<int> ready_fd;
   std::vector<std::string> request;
   bool dry_run = false;
@@ -192,8 +196,13 @@ void declare(CLI::App& app, Parsed& parsed) {
 
   CLI::App* run_app = app.add_subcommand("run", "Run a rig until Ctrl-C or --duration");
   rig(run_app);
-  run_app->add_option("--clock", parsed.clock,
-                      "real, free (as fast as possible), scaled:X, or step (time moves when told)");
+  run_app->add_option(
+      "--clock", parsed.clock,
+      "real, free (as fast as possible), scaled:X, step (time moves when told), or\n"
+      "drained (as fast as clients take what they are sent)");
+  run_app->add_option("--patience", parsed.patience,
+                      "With --clock drained: how long clients are waited for, 1 s or another "
+                      "time");
   CLI::Option* overrun =
       run_app->add_option("--overrun", parsed.overrun,
                           "When the host is too slow for the clock: slip (simulated time gives\n"
@@ -268,25 +277,44 @@ void declare(CLI::App& app, Parsed& parsed) {
   ctl_app->add_option("endpoint", parsed.control, "As the run's --control has it")->required();
   ctl_app
       ->add_option("verb", parsed.word,
-                   "state, read, pause, resume, run_until, step, speed, wait or stop")
+                   "state, read, pause, resume, run_until, step, speed, wait, fault_add,\n"
+                   "fault_clear, fault_list, events, record, set or stop")
       ->required();
-  ctl_app->add_option("keys", parsed.request, "KEY=VALUE of the verb, and at=TIME");
+  ctl_app->add_option("keys", parsed.request,
+                      "KEY=VALUE of the verb, and at=TIME; of record the folder, of set\n"
+                      "NAME=VALUE of the machine's set points, without a value: let go");
+  ctl_app->add_flag("--follow", parsed.follow,
+                    "Of events: each as it comes, a line of JSON, to the end of the run");
+  ctl_app
+      ->add_option("--only", parsed.record.only, "Of record: names of wires, \"truth\"; WIRE,WIRE")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  ctl_app->add_flag("--stop", parsed.stop, "Of record: the recording ends");
   ctl_app->footer(
       "\nExamples:\n  rigwire ctl unix:/tmp/control run_until time=2s\n"
       "  rigwire ctl unix:/tmp/control wait quantity=boom value=40 limit=20s\n"
+      "  rigwire ctl unix:/tmp/control record /tmp/dig --only gnss,truth\n"
+      "  rigwire ctl unix:/tmp/control set boom=0.5\n"
+      "  rigwire ctl unix:/tmp/control events --follow\n"
       "The token of a run at a port stands in the variable RIGWIRE_CONTROL_TOKEN.");
 
-  CLI::App* record_app = app.add_subcommand("record", "What a recording holds, or a piece of it");
-  record_app->add_option("action", parsed.word, "info or cut")->required();
+  CLI::App* record_app =
+      app.add_subcommand("record", "What a recording holds, a piece or a table of it");
+  record_app->add_option("action", parsed.word, "info, cut or export")->required();
   record_app->add_option("folder", parsed.recording, "As run --record had it")->required();
   record_app->add_option("--from", parsed.from,
                          "Of the piece: simulated time, for example 2s; its start without");
   record_app->add_option("--to", parsed.to, "Where the piece ends, before that; its end without");
-  record_app->add_option("-o,--output", parsed.output, "Folder for the piece, new or empty");
+  record_app->add_option("-o,--output", parsed.output,
+                         "Folder for the piece, new or empty; of export the CSV file");
+  record_app->add_option("--topic", parsed.topic,
+                         "Of export: truth (the default), transforms, antenna, statistics or "
+                         "events");
   record_app->add_flag("--json", parsed.json, "What it holds as JSON");
   record_app->footer(
       "\nExamples:\n  rigwire record info /tmp/dig\n"
-      "  rigwire record cut /tmp/dig --from 12s --to 15s -o /tmp/moment");
+      "  rigwire record cut /tmp/dig --from 12s --to 15s -o /tmp/moment\n"
+      "  rigwire record export /tmp/dig --topic truth -o truth.csv");
 
   CLI::App* replay_app =
       app.add_subcommand("replay", "Play a recording on its wires, or run it again and compare");
@@ -417,7 +445,9 @@ int dispatch_ctl(const Parsed& parsed, Terminal terminal) {
   if (!endpoint) {
     return refuse_control(parsed.control, "endpoint", terminal, "ctl");
   }
-  return ctl_verb(*endpoint, token_of_environment(), parsed.word, parsed.request, terminal);
+  return ctl_verb(*endpoint, token_of_environment(),
+                  {parsed.word, parsed.request, parsed.record.only, parsed.follow, parsed.stop},
+                  terminal);
 }
 
 /// Exit code of what is wrong with them; nothing when they are right.
@@ -463,11 +493,21 @@ int dispatch_run(Parsed& parsed, Terminal terminal) {
   const auto clock = parse_clock_mode(parsed.clock);
   if (!clock) {
     return usage(fmt::format("--clock: unknown clock, found \"{}\", allowed real, free, step, "
-                             "scaled:X with X = 0.01 .. 1000",
+                             "drained, scaled:X with X = 0.01 .. 1000",
                              parsed.clock),
                  terminal.err, "run");
   }
   options.clock = *clock;
+  if (parsed.patience) {
+    const auto patience = parse_duration(*parsed.patience);
+    if (!patience || clock->kind != ClockMode::Kind::drained) {
+      return usage(fmt::format("--patience: found \"{}\" with the clock {}, allowed a time such as "
+                               "500 ms, with the clock drained",
+                               *parsed.patience, to_string(*clock)),
+                   terminal.err, "run");
+    }
+    options.patience = *patience;
+  }
   if (const auto refused = read_overrun(parsed, options, terminal)) {
     return *refused;
   }
@@ -577,8 +617,18 @@ int dispatch_picture(const Parsed& parsed, Terminal terminal) {
 }
 
 int dispatch_record(const Parsed& parsed, Terminal terminal) {
-  if (parsed.word != "info" && parsed.word != "cut") {
-    return refuse_word("action", parsed.word, {"info", "cut"}, terminal);
+  if (parsed.word != "info" && parsed.word != "cut" && parsed.word != "export") {
+    return refuse_word("action", parsed.word, {"info", "cut", "export"}, terminal);
+  }
+  if (parsed.word == "export") {
+    if (parsed.output.empty() || parsed.json || !(parsed.from + parsed.to).empty()) {
+      return usage("record export: allowed -o FILE and --topic", terminal.err, "record");
+    }
+    return record_export_verb(parsed.recording, parsed.topic.empty() ? "truth" : parsed.topic,
+                              parsed.output, terminal);
+  }
+  if (!parsed.topic.empty()) {
+    return usage("record " + parsed.word + ": --topic is of export", terminal.err, "record");
   }
   const bool cuts = parsed.word == "cut";
   if (cuts && (parsed.output.empty() || parsed.json)) {
@@ -619,7 +669,7 @@ int dispatch_replay(const Parsed& parsed, Terminal terminal) {
   RunOptions options;
   options.log_level = *level;
   const auto clock = parse_clock_mode(parsed.clock);
-  if (!clock || clock->kind == ClockMode::Kind::step) {
+  if (!clock || clock->kind == ClockMode::Kind::step || clock->kind == ClockMode::Kind::drained) {
     return usage(fmt::format("--clock: not a clock of a replay, found \"{}\", allowed real, free, "
                              "scaled:X with X = 0.01 .. 1000",
                              parsed.clock),

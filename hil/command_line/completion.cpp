@@ -16,7 +16,7 @@ _rigwire() {
   fi
   case $before in
     --record) COMPREPLY=($(compgen -d -S / -- "$word")); return ;;
-    --clock) COMPREPLY=($(compgen -W "real free step scaled:" -- "$word")); return ;;
+    --clock) COMPREPLY=($(compgen -W "real free step drained scaled:" -- "$word")); return ;;
     --status) COMPREPLY=($(compgen -W "live plain none" -- "$word")); return ;;
     --log-level) COMPREPLY=($(compgen -W "debug info warning error" -- "$word")); return ;;
     --layer) COMPREPLY=($(compgen -W "image right disparity range confidence depth labels" -- "$word")); return ;;
@@ -27,16 +27,16 @@ _rigwire() {
       fi ;;
   esac
   case $verb in
-    run) local options="--clock --overrun --overrun-limit --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --isolated --ready-fd --dry-run --help" ;;
+    run) local options="--clock --patience --overrun --overrun-limit --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --isolated --ready-fd --dry-run --help" ;;
     picture) local options="--device --at --layer --raw --travel --set --output --help" ;;
     check) local options="--set --log-level --print --json --help" ;;
     list) local options="devices machines scenes rigs faults --json --help" ;;
     describe) local options="$(rigwire list devices 2>/dev/null | cut -d' ' -f1) --json --dbc --bus --units --eds --device --help" ;;
     bench) local options="$(rigwire bench --list 2>/dev/null | cut -d' ' -f1) --json --list --help" ;;
     schema) local options="rig machine scene valve-map dbc-node --help" ;;
-    record) local options="info cut --from --to --output --json --help" ;;
+    record) local options="info cut export --from --to --topic --output --json --help" ;;
     replay) local options="--verify --json --clock --loop --speed --from --to --log-level --help" ;;
-    ctl) local options="state read pause resume run_until step speed wait fault_add fault_clear fault_list stop --help" ;;
+    ctl) local options="state read pause resume run_until step speed wait fault_add fault_clear fault_list events record set stop --follow --only --stop --help" ;;
     completion) local options="bash zsh fish" ;;
     *) local options="--json --help" ;;
   esac
@@ -62,7 +62,7 @@ _rigwire() {
     return
   fi
   case $words[CURRENT-1] in
-    --clock) compadd -- real free step scaled:; return ;;
+    --clock) compadd -- real free step drained scaled:; return ;;
     --overrun) compadd -- slip warn stop; return ;;
     --status) compadd -- live plain none; return ;;
     --log-level) compadd -- debug info warning error; return ;;
@@ -71,16 +71,16 @@ _rigwire() {
     --record|--camera-truth|--isolated) _files -/; return ;;
   esac
   case $words[2] in
-    run) compadd -- --clock --overrun --overrun-limit --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --isolated --ready-fd --dry-run --help ;;
+    run) compadd -- --clock --patience --overrun --overrun-limit --duration --seed --set --report --truth --lidar-truth --camera-truth --record --only --status --log-level --control --isolated --ready-fd --dry-run --help ;;
     picture) compadd -- --device --at --layer --raw --travel --set --output --help ;;
     check) compadd -- --set --log-level --print --json --help ;;
     list) compadd -- devices machines scenes rigs faults --json --help ;;
     describe) compadd -- ${(f)"$(rigwire list devices 2>/dev/null | cut -d' ' -f1)"} --json --dbc --bus --units --eds --device ;;
     bench) compadd -- ${(f)"$(rigwire bench --list 2>/dev/null | cut -d' ' -f1)"} --json --list ;;
     schema) compadd -- rig machine scene valve-map dbc-node ;;
-    record) compadd -- info cut --from --to --output --json --help ;;
+    record) compadd -- info cut export --from --to --topic --output --json --help ;;
     replay) compadd -- --verify --json --clock --loop --speed --from --to --log-level --help ;;
-    ctl) compadd -- state read pause resume run_until step speed wait fault_add fault_clear fault_list stop --help ;;
+    ctl) compadd -- state read pause resume run_until step speed wait fault_add fault_clear fault_list events record set stop --follow --only --stop --help ;;
     completion) compadd -- bash zsh fish ;;
     doctor) compadd -- --json --help ;;
   esac
@@ -108,7 +108,8 @@ complete -c rigwire -n "__fish_seen_subcommand_from picture" -l layer -x -a "ima
 complete -c rigwire -n "__fish_seen_subcommand_from picture" -l raw
 complete -c rigwire -n "__fish_seen_subcommand_from picture" -l travel -x
 complete -c rigwire -n "__fish_seen_subcommand_from picture" -s o -l output -r -F
-complete -c rigwire -n "__fish_seen_subcommand_from run" -l clock -x -a "real free scaled:"
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l clock -x -a "real free step drained scaled:"
+complete -c rigwire -n "__fish_seen_subcommand_from run" -l patience -x
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l duration -x
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l seed -x
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l report -r -F
@@ -117,12 +118,13 @@ complete -c rigwire -n "__fish_seen_subcommand_from run" -l lidar-truth -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l camera-truth -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l record -x -a "(__fish_complete_directories)"
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l only -x
-complete -c rigwire -n "__fish_seen_subcommand_from record" -a "info cut"
+complete -c rigwire -n "__fish_seen_subcommand_from record" -a "info cut export"
 complete -c rigwire -n "__fish_seen_subcommand_from record" -a "(__fish_complete_directories)"
 complete -c rigwire -n "__fish_seen_subcommand_from replay" -a "(__fish_complete_directories)"
 complete -c rigwire -n "__fish_seen_subcommand_from replay" -l verify
 complete -c rigwire -n "__fish_seen_subcommand_from record" -l from -x
 complete -c rigwire -n "__fish_seen_subcommand_from record" -l to -x
+complete -c rigwire -n "__fish_seen_subcommand_from record" -l topic -x -a "truth transforms antenna statistics events"
 complete -c rigwire -n "__fish_seen_subcommand_from record" -s o -l output -x -a "(__fish_complete_directories)"
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l status -x -a "live plain none"
 complete -c rigwire -n "__fish_seen_subcommand_from run check" -l log-level -x -a "debug info warning error"
@@ -139,7 +141,10 @@ complete -c rigwire -n "__fish_seen_subcommand_from describe" -a "(rigwire list 
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -a "(rigwire bench --list | string replace -r ' .*' '')"
 complete -c rigwire -n "__fish_seen_subcommand_from bench" -l json -r -F
 complete -c rigwire -n "__fish_seen_subcommand_from schema" -a "rig machine scene valve-map dbc-node"
-complete -c rigwire -n "__fish_seen_subcommand_from ctl" -a "state read pause resume run_until step speed wait stop"
+complete -c rigwire -n "__fish_seen_subcommand_from ctl" -a "state read pause resume run_until step speed wait fault_add fault_clear fault_list events record set stop"
+complete -c rigwire -n "__fish_seen_subcommand_from ctl" -l follow
+complete -c rigwire -n "__fish_seen_subcommand_from ctl" -l only -x
+complete -c rigwire -n "__fish_seen_subcommand_from ctl" -l stop
 complete -c rigwire -n "__fish_seen_subcommand_from completion" -a "bash zsh fish"
 )sh";
 

@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "drivers/endpoints.h"
+#include "drivers/output.h"
 #include "emulators/can/can_bus_faults.h"
 #include "emulators/modbus/modbus_faults.h"
 #include "fields/check.h"
@@ -25,6 +27,7 @@
 #include "hil/devices/site.h"
 #include "hil/record/output_file.h"
 #include "hil/record/recording.h"
+#include "hil/record/recording_export.h"
 #include "hil/record/run_log.h"
 #include "hil/rig/rig.h"
 
@@ -252,32 +255,124 @@ int doctor_verb(bool json, Terminal terminal) {
   return code(missing ? ExitCode::environment : ExitCode::done);
 }
 
-int ctl_verb(const ControlEndpoint& endpoint, const std::string& token, const std::string& verb,
-             const std::vector<std::string>& keys, Terminal terminal) {
-  Json request{{"verb", verb}};
-  for (const std::string& key : keys) {
-    const std::size_t equals = key.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      terminal.err << fmt::format(
-          "rigwire: ctl: no key with its value, found \"{}\", allowed for "
-          "example time=2s\n",
-          key);
-      return code(ExitCode::usage);
-    }
-    request[key.substr(0, equals)] = key.substr(equals + 1);
-  }
-  const ControlAnswer answer =
-      ask_control(endpoint, token, request.dump(-1, ' ', false, Json::error_handler_t::replace));
-  terminal.out << answer.body << "\n";
+namespace {
+
+int ctl_code(const ControlAnswer& answer) {
   return code(answer.status == 200                           ? ExitCode::done
               : answer.status == 400                         ? ExitCode::usage
               : answer.status == 401 || answer.status == 403 ? ExitCode::environment
                                                              : ExitCode::failure);
 }
 
+/// Lines on standard output as they come; nothing else is written there.
+int follow_events(const ControlEndpoint& endpoint, const std::string& token, Json request,
+                  Terminal terminal) {
+  const drivers::Output output(STDOUT_FILENO);
+  constexpr std::chrono::hours kReader{24};
+  bool known = false;
+  while (true) {
+    request["wait"] = known;  // the first answer at once
+    ControlAnswer answer;
+    try {
+      answer = ask_control(endpoint, token, request.dump());
+    } catch (const drivers::EndpointError&) {
+      if (known) {
+        return code(ExitCode::done);  // the run is over
+      }
+      throw;
+    }
+    if (answer.status == 410 && known) {
+      return code(ExitCode::done);
+    }
+    if (answer.status != 200) {
+      terminal.out << answer.body << "\n";
+      return ctl_code(answer);
+    }
+    known = true;
+    const Json reply = Json::parse(answer.body);
+    std::string lines;
+    if (reply.at("lost") != 0) {
+      lines += Json{{"lost", reply.at("lost")}}.dump() + "\n";
+    }
+    for (const Json& event : reply.at("events")) {
+      lines += event.dump() + "\n";
+    }
+    if (output.write(lines, std::chrono::steady_clock::now() + kReader).end !=
+        drivers::WriteEnd::whole) {
+      return code(ExitCode::failure);
+    }
+    request["since"] = reply.at("last");
+  }
+}
+
+}  // namespace
+
+int ctl_verb(const ControlEndpoint& endpoint, const std::string& token, const CtlRequest& asked,
+             Terminal terminal) {
+  Json request{{"verb", asked.verb}};
+  const auto refuse = [&](const std::string& what) {
+    terminal.err << "rigwire: ctl: " << what << "\n";
+    return code(ExitCode::usage);
+  };
+  if (asked.follow && asked.verb != "events") {
+    return refuse("--follow is of events, found " + asked.verb);
+  }
+  if ((asked.stop || !asked.only.empty()) && asked.verb != "record") {
+    return refuse("--only and --stop are of record, found " + asked.verb);
+  }
+  Json set = Json::object();
+  for (const std::string& key : asked.keys) {
+    const std::size_t equals = key.find('=');
+    if (asked.verb == "record" && equals == std::string::npos && !request.contains("folder")) {
+      // At a port a name below the run's folder is meant.
+      request["folder"] = endpoint.path.empty() ? key : std::filesystem::absolute(key).string();
+      continue;
+    }
+    if (equals == std::string::npos || equals == 0) {
+      return refuse(
+          fmt::format("no key with its value, found \"{}\", allowed for example time=2s", key));
+    }
+    const std::string name = key.substr(0, equals);
+    const std::string value = key.substr(equals + 1);
+    if (asked.verb == "set" && name != "set" && name != "on" && name != "at") {
+      set[name] = value.empty() || value == "null" ? Json(nullptr) : Json(value);
+    } else {
+      request[name] = value;
+    }
+  }
+  if (!set.empty()) {
+    request["set"] = set;
+  }
+  if (!asked.only.empty()) {
+    request["only"] = asked.only;
+  }
+  if (asked.stop) {
+    request["stop"] = true;
+  }
+  if (asked.follow) {
+    return follow_events(endpoint, token, std::move(request), terminal);
+  }
+  const ControlAnswer answer =
+      ask_control(endpoint, token, request.dump(-1, ' ', false, Json::error_handler_t::replace));
+  terminal.out << answer.body << "\n";
+  return ctl_code(answer);
+}
+
 int record_info_verb(const std::string& folder, bool json, Terminal terminal) {
   const RecordingContents contents = read_recording(folder);
   terminal.out << (json ? to_json(contents) : to_text(contents));
+  return code(ExitCode::done);
+}
+
+int record_export_verb(const std::string& folder, const std::string& topic, const std::string& file,
+                       Terminal terminal) {
+  const auto found = std::ranges::find(kExportedTopics, topic);
+  if (found == kExportedTopics.end()) {
+    return refuse_word("topic", topic, {kExportedTopics.begin(), kExportedTopics.end()}, terminal);
+  }
+  const std::size_t rows =
+      export_csv(folder, static_cast<TruthTrack>(found - kExportedTopics.begin()), file);
+  terminal.out << fmt::format("{}: {} rows of {}\n", file, rows, topic);
   return code(ExitCode::done);
 }
 

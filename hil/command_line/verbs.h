@@ -48,10 +48,21 @@ struct Terminal {
 [[nodiscard]] int doctor_verb(bool json, Terminal terminal);
 /// Becomes the program rigwire-bench; returns only when that is not possible.
 [[nodiscard]] int bench_verb(const std::vector<std::string>& arguments, Terminal terminal);
-/// Asks a run's control server; `keys` are KEY=VALUE. The reply goes to `out`, also a refusal.
+/// What `rigwire ctl` was asked to ask.
+struct CtlRequest {
+  std::string verb;
+  std::vector<std::string> keys;  ///< KEY=VALUE; of record the folder stands alone.
+  std::vector<std::string> only;  ///< Of record.
+  bool follow = false;            ///< Of events.
+  bool stop = false;              ///< Of record.
+};
+/// Asks a run's control server. The reply goes to `out`, also a refusal; events that are followed
+/// go to standard output at once.
 [[nodiscard]] int ctl_verb(const ControlEndpoint& endpoint, const std::string& token,
-                           const std::string& verb, const std::vector<std::string>& keys,
-                           Terminal terminal);
+                           const CtlRequest& asked, Terminal terminal);
+/// A topic of a recording as CSV.
+[[nodiscard]] int record_export_verb(const std::string& folder, const std::string& topic,
+                                     const std::string& file, Terminal terminal);
 /// What a recording holds.
 [[nodiscard]] int record_info_verb(const std::string& folder, bool json, Terminal terminal);
 /// A piece of it, [from, to).

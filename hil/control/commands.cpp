@@ -43,6 +43,26 @@ void visit(fields::Visitor& v, FaultClearCommand& p) {
   v.integer("id", p.id, fields::IntegerRule{1}, "Its number.");
 }
 
+void visit(fields::Visitor& v, EventsCommand& p) {
+  v.integer("since", p.since, fields::IntegerRule{0},
+            "Number of the last event that is known; those after it are told.");
+  v.boolean("wait", p.wait, "The answer comes when there is a newer one, or the run ends.");
+}
+
+void visit(fields::Visitor& v, RecordCommand& p) {
+  v.text("folder", p.folder,
+         "New or empty: where it is written. At a port a name below the folder of the run.");
+  v.texts("only", p.only, "Names of wires, or \"truth\"; everything without.");
+  v.boolean("stop", p.stop, "The recording that is on its way ends.");
+}
+
+void visit(fields::Visitor& v, SetCommand& p) {
+  v.text("on", p.on, "What is set; the machine has set points.");
+  v.required("set");
+  v.text("set", p.set,
+         "Set points by their names: an object, or text; null lets one go to the client again.");
+}
+
 void visit(fields::Visitor& v, Request& p) {
   v.required("verb");
   v.variant("verb", p.command, "What is asked.");

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "fields/visitor.h"
 #include "sim/samples/time.h"
@@ -72,13 +73,35 @@ struct FaultListCommand {
   static constexpr fields::Named kNamed{"fault_list",
                                         "What can go wrong where, and every fault of this run."};
 };
+struct EventsCommand {
+  static constexpr fields::Named kNamed{
+      "events", "What happened: faults, slips, contacts, clients, refusals, with their instants."};
+
+  std::uint64_t since = 0;  ///< Number of the last one that is known.
+  bool wait = false;        ///< The answer comes when there is a newer one.
+};
+struct RecordCommand {
+  static constexpr fields::Named kNamed{"record", "A recording of this run begins, or ends."};
+
+  std::string folder;             ///< Where it begins.
+  std::vector<std::string> only;  ///< Names of wires, or "truth"; empty: everything.
+  bool stop = false;              ///< The one that is on its way ends.
+};
+struct SetCommand {
+  static constexpr fields::Named kNamed{
+      "set", "A hand takes set points of the machine, beside its client's, or lets them go."};
+
+  std::string on = "machine";
+  std::string set;  ///< "{boom: 0.5, swing: null}"; null lets go.
+};
 struct StopCommand {
   static constexpr fields::Named kNamed{"stop", "The run ends as at the end of its duration."};
 };
 
-using Command = std::variant<StateCommand, PauseCommand, ResumeCommand, RunUntilCommand,
-                             StepCommand, SpeedCommand, ReadCommand, WaitCommand, FaultAddCommand,
-                             FaultClearCommand, FaultListCommand, StopCommand>;
+using Command =
+    std::variant<StateCommand, PauseCommand, ResumeCommand, RunUntilCommand, StepCommand,
+                 SpeedCommand, ReadCommand, WaitCommand, FaultAddCommand, FaultClearCommand,
+                 FaultListCommand, EventsCommand, RecordCommand, SetCommand, StopCommand>;
 
 inline void visit(fields::Visitor&, StateCommand&) {}
 inline void visit(fields::Visitor&, PauseCommand&) {}
@@ -91,6 +114,9 @@ void visit(fields::Visitor& v, WaitCommand& p);
 void visit(fields::Visitor& v, FaultAddCommand& p);
 void visit(fields::Visitor& v, FaultClearCommand& p);
 inline void visit(fields::Visitor&, FaultListCommand&) {}
+void visit(fields::Visitor& v, EventsCommand& p);
+void visit(fields::Visitor& v, RecordCommand& p);
+void visit(fields::Visitor& v, SetCommand& p);
 inline void visit(fields::Visitor&, StopCommand&) {}
 
 /// A command, and when it is carried out.

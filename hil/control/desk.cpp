@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <boost/asio/post.hpp>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -99,17 +100,26 @@ Json json_of(const Value& value) {
   return map;
 }
 
-/// A fault that is written as a map becomes the text that a command holds.
-void fold_fault(Value& request) {
-  if (Value* fault = request.find("fault"); fault != nullptr && fault->kind == Value::Kind::map) {
-    const std::string text = json_of(*fault).dump();
-    *fault = Value{.kind = Value::Kind::scalar,
-                   .scalar = text,
-                   .items = {},
-                   .entries = {},
-                   .where = fault->where,
-                   .folder = fault->folder};
+/// What is written as a map becomes the text that a command holds.
+void fold(Value& request, std::string_view key) {
+  if (Value* map = request.find(key); map != nullptr && map->kind == Value::Kind::map) {
+    const std::string text = json_of(*map).dump();
+    *map = Value{.kind = Value::Kind::scalar,
+                 .scalar = text,
+                 .items = {},
+                 .entries = {},
+                 .where = map->where,
+                 .folder = map->folder};
   }
+}
+
+Json json_of(const RunEvent& event) {
+  return {{"number", event.number},
+          {"time_ns", nanoseconds(event.at)},
+          {"kind", kEventKinds[static_cast<std::size_t>(event.kind)]},
+          {"level", kLogLevels[static_cast<std::size_t>(event.level)]},
+          {"where", printable(event.where)},
+          {"text", printable(event.text)}};
 }
 
 }  // namespace
@@ -117,8 +127,18 @@ void fold_fault(Value& request) {
 Desk::Desk(boost::asio::io_context& io, Executive& executive, GovernedRun run)
     : io_(io), executive_(executive), run_(std::move(run)) {
   executive_.add(*this);
-  if (run_.clock.kind == ClockMode::Kind::step) {
+  if (run_.events != nullptr) {
+    // On whatever thread it is told.
+    run_.events->inform_desk([this](const RunEvent&) { later([this] { tell_events(); }); });
+  }
+  if (run_.clock.kind == ClockMode::Kind::step || run_.clock.kind == ClockMode::Kind::drained) {
     executive_.pause();
+  }
+}
+
+Desk::~Desk() {
+  if (run_.events != nullptr) {
+    run_.events->inform_desk({});
   }
 }
 
@@ -138,23 +158,40 @@ void Desk::carry_out(const Request& request, Answer answer) {
   queue_.insert(behind, {at, request.command, std::move(answer)});
 }
 
-void Desk::carry_out(const std::string& text, const std::string& name, Answer answer) {
+std::optional<Request> Desk::read(const std::string& text, const std::string& name,
+                                  const Answer& answer) {
   Problems problems;
   Origins origins;
   Value document = parse_document(text, name, ".", problems);
-  fold_fault(document);
+  fold(document, "fault");
+  fold(document, "set");
   Request request;
   if (problems.empty()) {
     Reader(document, problems, origins).read(fields::Part::of(request));
   }
   if (problems.empty()) {
-    carry_out(request, std::move(answer));
-    return;
+    return request;
   }
   refuse(answer, Reply::Outcome::wrong, json_of(problems.sorted().front()));
+  return std::nullopt;
+}
+
+void Desk::carry_out(const std::string& text, const std::string& name, Answer answer) {
+  if (const auto request = read(text, name, answer)) {
+    carry_out(*request, std::move(answer));
+  }
+}
+
+void Desk::carry_out_at(SimTime at, const std::string& text, const std::string& name,
+                        Answer answer) {
+  if (auto request = read(text, name, answer)) {
+    request->at = at - kStart;
+    carry_out(*request, std::move(answer));
+  }
 }
 
 void Desk::end() {
+  tell_events();
   ended_ = true;
   const Json why{{"what", "the run ended before"}};
   for (const Queued& queued : std::exchange(queue_, {})) {
@@ -162,6 +199,9 @@ void Desk::end() {
   }
   for (const Journey& journey : std::exchange(journey_, {})) {
     refuse(journey.answer, Reply::Outcome::ended, why);
+  }
+  for (const auto& [command, answer] : std::exchange(listening_, {})) {
+    refuse(answer, Reply::Outcome::ended, why);
   }
 }
 
@@ -341,6 +381,12 @@ void Desk::act(const FaultAddCommand& command, const Answer& answer) {
                            ? run_.faults.begin(executive_.now(), command.on, type, fill)
                            : std::nullopt;
     if (begun) {
+      if (run_.recorder != nullptr) {
+        // With the instant at which it begins.
+        run_.recorder->command(
+            Json{{"verb", "fault_add"}, {"on", command.on}, {"fault", json_of(keys).dump()}}
+                .dump());
+      }
       done(answer, {{"fault", json_of(*begun)}});
     } else {
       refuse(answer, Reply::Outcome::wrong, json_of(problems.sorted().front()));
@@ -354,7 +400,11 @@ void Desk::act(const FaultAddCommand& command, const Answer& answer) {
 
 void Desk::act(const FaultClearCommand& command, const Answer& answer) {
   try {
-    done(answer, {{"fault", json_of(run_.faults.end(executive_.now(), command.id))}});
+    const Json ended = json_of(run_.faults.end(executive_.now(), command.id));
+    if (run_.recorder != nullptr) {
+      run_.recorder->command(Json{{"verb", "fault_clear"}, {"id", command.id}}.dump());
+    }
+    done(answer, {{"fault", ended}});
   } catch (const NoSuchFault& error) {
     refuse(answer, Reply::Outcome::wrong, json_of(error));
   }
@@ -373,6 +423,183 @@ void Desk::act(const FaultListCommand&, const Answer& answer) {
     faults.push_back(json_of(fault));
   }
   done(answer, {{"targets", std::move(targets)}, {"faults", std::move(faults)}});
+}
+
+void Desk::act(const EventsCommand& command, const Answer& answer) {
+  if (run_.events == nullptr) {
+    refuse(answer, Reply::Outcome::refused, {{"what", "this run tells no events"}});
+  } else if (command.wait && run_.events->last() <= command.since) {
+    listening_.emplace_back(command, answer);
+  } else {
+    answer_events(command, answer);
+  }
+}
+
+void Desk::answer_events(const EventsCommand& command, const Answer& answer) {
+  const RunEvents::Excerpt excerpt = run_.events->since(command.since);
+  Json events = Json::array();
+  for (const RunEvent& event : excerpt.events) {
+    events.push_back(json_of(event));
+  }
+  done(answer, {{"events", std::move(events)}, {"last", excerpt.last}, {"lost", excerpt.lost}});
+}
+
+void Desk::tell_events() {
+  if (run_.events == nullptr || ended_) {
+    return;
+  }
+  const std::uint64_t last = run_.events->last();
+  const auto told = [&](const auto& waiting) { return waiting.first.since < last; };
+  std::vector<std::pair<EventsCommand, Answer>> ready;
+  std::ranges::copy_if(listening_, std::back_inserter(ready), told);
+  std::erase_if(listening_, told);
+  for (const auto& [command, answer] : ready) {
+    answer_events(command, answer);
+  }
+}
+
+bool Desk::may_record(const RecordCommand& command, const Answer& answer) {
+  const auto no = [&](Reply::Outcome outcome, Json why) {
+    refuse(answer, outcome, std::move(why));
+    return false;
+  };
+  if (run_.recorder == nullptr) {
+    return no(Reply::Outcome::refused, {{"what", "this run cannot be recorded"}});
+  }
+  if (command.stop != command.folder.empty()) {
+    return no(Reply::Outcome::wrong, {{"what", "either a recording begins or it ends"},
+                                      {"path", "folder"},
+                                      {"found", printable(command.folder)},
+                                      {"allowed", "a folder, or stop: true"}});
+  }
+  const std::optional<std::string>& present = run_.recorder->folder();
+  if (command.stop && (!present || recording_ends_)) {
+    return no(Reply::Outcome::refused,
+              {{"what", "nothing is recorded"}, {"allowed", "stop after a recording has begun"}});
+  }
+  if (!command.stop && present) {
+    return no(Reply::Outcome::refused, {{"what", "a recording is on its way"},
+                                        {"path", "folder"},
+                                        {"found", printable(*present)},
+                                        {"allowed", "one at a time; end it first"}});
+  }
+  return true;
+}
+
+void Desk::act(const RecordCommand& command, const Answer& answer) {
+  if (!may_record(command, answer)) {
+    return;
+  }
+  if (command.stop) {
+    end_recording(answer);
+  } else {
+    begin_recording(command, answer);
+  }
+}
+
+void Desk::begin_recording(const RecordCommand& command, const Answer& answer) {
+  namespace fs = std::filesystem;
+  fs::path folder = fs::path(command.folder).lexically_normal();
+  if (!run_.records_below.empty()) {
+    const bool outside = folder.is_absolute() || std::ranges::count(folder, fs::path("..")) != 0;
+    if (outside || folder == ".") {
+      refuse(answer, Reply::Outcome::refused,
+             {{"what", "at a port recordings are made below one folder"},
+              {"path", "folder"},
+              {"found", printable(command.folder)},
+              {"allowed", "a name below " + printable(run_.records_below.string())}});
+      return;
+    }
+    folder = run_.records_below / folder;
+  } else if (!folder.is_absolute()) {
+    refuse(answer, Reply::Outcome::wrong,
+           {{"what", "the run may stand in another folder than who asks"},
+            {"path", "folder"},
+            {"found", printable(command.folder)},
+            {"allowed", "an absolute path"}});
+    return;
+  }
+  try {
+    run_.recorder->begin({folder.string(), command.only});
+  } catch (const std::exception& error) {
+    refuse(answer, Reply::Outcome::refused, {{"what", error.what()}, {"path", "folder"}});
+    return;
+  }
+  done(answer, {{"folder", printable(folder.string())}});
+}
+
+void Desk::end_recording(const Answer& answer) {
+  const SimTime end = executive_.now();
+  run_.recorder->leave_out_after(end);
+  recording_ends_ = true;
+  later([this, answer, end] {
+    recording_ends_ = false;
+    const Json folder = printable(run_.recorder->folder().value_or(""));
+    run_.recorder->finish(end);
+    done(answer, {{"folder", folder}, {"end_ns", nanoseconds(end)}});
+  });
+}
+
+void Desk::act(const SetCommand& command, const Answer& answer) {
+  if (run_.hand == nullptr || command.on != "machine") {
+    refuse(answer, Reply::Outcome::wrong,
+           {{"what", "nothing of that name can be set"},
+            {"path", "on"},
+            {"found", printable(command.on)},
+            {"allowed", "machine"}});
+    return;
+  }
+  Problems problems;
+  Origins origins;
+  HandSettings settings = run_.hand->settings();
+  Value keys = parse_document(command.set, "set", ".", problems);
+  std::vector<std::string> released;
+  if (problems.empty() && (keys.kind != Value::Kind::map || keys.entries.empty())) {
+    refuse(answer, Reply::Outcome::wrong,
+           {{"what", "no set points"},
+            {"path", "set"},
+            {"found", printable(command.set)},
+            {"allowed", "some of " + join_words(settings.names())}});
+    return;
+  }
+  // What is let go has no value to be read.
+  std::erase_if(keys.entries, [&](const Value::Entry& entry) {
+    const bool lets_go =
+        entry.value.kind == Value::Kind::null && settings.find(entry.key) != nullptr;
+    if (lets_go) {
+      released.push_back(entry.key);
+    }
+    return lets_go;
+  });
+  if (problems.empty()) {
+    Reader(keys, problems, origins).read(fields::Part::of(settings));
+  }
+  if (!problems.empty()) {
+    refuse(answer, Reply::Outcome::wrong, json_of(problems.sorted().front()));
+    return;
+  }
+  std::vector<Hand::Order> orders;
+  const auto tell = [&](EventKind kind, const std::string& name, const std::string& text) {
+    if (run_.events != nullptr) {
+      run_.events->tell(executive_.now(), kind, LogLevel::info, name, text);
+    }
+  };
+  for (const Value::Entry& entry : keys.entries) {
+    const HandSettings::Row& row = *settings.find(entry.key);
+    orders.push_back({row, row.value});
+    tell(EventKind::set, row.name,
+         fmt::format("a hand sets {} to {}", row.name, entry.value.scalar));
+  }
+  for (const std::string& name : released) {
+    orders.push_back({*settings.find(name), std::nullopt});
+    tell(EventKind::released, name, fmt::format("a hand lets {} go", name));
+  }
+  const SimTime acts_from = executive_.soonest_request();
+  run_.hand->order(orders);
+  if (run_.recorder != nullptr) {
+    run_.recorder->command(Json{{"verb", "set"}, {"on", command.on}, {"set", command.set}}.dump());
+  }
+  done(answer, {{"acts_from_ns", nanoseconds(acts_from)}});
 }
 
 void Desk::act(const StopCommand&, const Answer& answer) {
@@ -428,6 +655,14 @@ void Desk::refuse(const Answer& answer, Reply::Outcome outcome, Json why) {
   Json json{
       {"ok", false}, {"time_ns", nanoseconds(executive_.now())}, {"paused", executive_.paused()}};
   json.update(why);
+  if (run_.events != nullptr && outcome != Reply::Outcome::ended) {
+    const auto said = [&](const char* key) {
+      const auto found = json.find(key);
+      return found == json.end() || !found->is_string() ? std::string() : found->get<std::string>();
+    };
+    run_.events->tell(executive_.now(), EventKind::refused, LogLevel::info, said("path"),
+                      "refused: " + said("what"));
+  }
   answer({outcome, json.dump(-1, ' ', false, Json::error_handler_t::replace)});
 }
 

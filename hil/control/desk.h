@@ -16,10 +16,13 @@
 
 #include <boost/asio/io_context.hpp>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <list>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hil/control/commands.h"
@@ -27,8 +30,11 @@
 #include "hil/executive/event_source.h"
 #include "hil/executive/executive.h"
 #include "hil/executive/truth_source.h"
+#include "hil/record/recorder.h"
+#include "hil/record/run_events.h"
 #include "hil/rig/rig_faults.h"
 #include "hil/rig/rig_status.h"
+#include "hil/world/hand.h"
 
 namespace rigwire::hil {
 
@@ -57,20 +63,28 @@ struct GovernedRun {
   RigFaults& faults;
   /// As Prometheus text.
   std::function<std::string()> metrics = [] { return std::string(); };
+  RunEvents* events = nullptr;   ///< What is told here; null: nothing.
+  Recorder* recorder = nullptr;  ///< Null: it cannot be recorded.
+  Hand* hand = nullptr;          ///< Null: there are no sticks.
+  /// Folders of recordings are made below it and nowhere else; empty: anywhere.
+  std::filesystem::path records_below{};
 };
 
 class Desk final : public EventSource {
  public:
   using Answer = std::function<void(const Reply&)>;
 
-  /// Adds itself to the executive; both must outlive it. With a clock that steps, time stands from
-  /// the start.
+  /// Adds itself to the executive; both must outlive it, as what the run refers to. With a clock
+  /// that steps or waits for clients, time stands from the start, so that clients can come.
   Desk(boost::asio::io_context& io, Executive& executive, GovernedRun run);
+  ~Desk() override;
 
   /// `answer` may be called before this returns.
   void carry_out(const Request& request, Answer answer);
   /// The same from text, JSON or YAML; `name` stands for it in messages.
   void carry_out(const std::string& text, const std::string& name, Answer answer);
+  /// The same at that instant, whatever the text says of it.
+  void carry_out_at(SimTime at, const std::string& text, const std::string& name, Answer answer);
   [[nodiscard]] std::string metrics() const { return run_.metrics(); }
   /// Answers all that still waits: the run has ended.
   void end();
@@ -109,7 +123,20 @@ class Desk final : public EventSource {
   void act(const FaultAddCommand& command, const Answer& answer);
   void act(const FaultClearCommand& command, const Answer& answer);
   void act(const FaultListCommand&, const Answer& answer);
+  void act(const EventsCommand& command, const Answer& answer);
+  void act(const RecordCommand& command, const Answer& answer);
+  void act(const SetCommand& command, const Answer& answer);
   void act(const StopCommand&, const Answer& answer);
+
+  void begin_recording(const RecordCommand& command, const Answer& answer);
+  void end_recording(const Answer& answer);
+  /// False: the answer has been given.
+  [[nodiscard]] bool may_record(const RecordCommand& command, const Answer& answer);
+  /// Answers those who wait for events.
+  void tell_events();
+  void answer_events(const EventsCommand& command, const Answer& answer);
+  [[nodiscard]] std::optional<Request> read(const std::string& text, const std::string& name,
+                                            const Answer& answer);
 
   /// Whether another journey is on its way; refuses then.
   bool busy(const Answer& answer);
@@ -118,6 +145,7 @@ class Desk final : public EventSource {
   [[nodiscard]] bool is_there(const Journey& journey) const;
 
   void done(const Answer& answer, nlohmann::ordered_json more);
+  /// Is told as an event, unless the run has ended.
   void refuse(const Answer& answer, Reply::Outcome outcome, nlohmann::ordered_json why);
   /// When what is due up to now has left.
   void later(std::function<void()> what);
@@ -128,6 +156,8 @@ class Desk final : public EventSource {
   GovernedRun run_;
   std::list<Queued> queue_;     ///< In order of time, of equals as they came.
   std::list<Journey> journey_;  ///< One at most.
+  std::vector<std::pair<EventsCommand, Answer>> listening_;
+  bool recording_ends_ = false;
   bool ended_ = false;
 };
 

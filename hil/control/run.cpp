@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/asio/signal_set.hpp>
 #include <chrono>
 #include <csignal>
@@ -20,9 +21,11 @@
 #include "hil/control/ready.h"
 #include "hil/files/new_folder.h"
 #include "hil/record/output_file.h"
+#include "hil/record/run_events.h"
 #include "hil/record/run_log.h"
 #include "hil/rig/isolated_rig.h"
 #include "hil/rig/rig.h"
+#include "hil/wires/client_drain.h"
 
 namespace rigwire::hil {
 namespace {
@@ -87,8 +90,21 @@ class Interrupts {
 };
 
 RunOutcome execute(Rig& rig, const RigConfiguration& configuration, const RunOptions& options,
-                   RunLog& log) {
+                   RunLog& log, RunEvents& events) {
   const SimTime end = options.duration ? kStart + *options.duration : kNever;
+  if (options.clock.kind == ClockMode::Kind::drained) {
+    ClientDrain drain;
+    rig.watch_clients(drain);
+    return rig.executive().run_free(end, {[&drain] { return drain.taken(); }, options.patience,
+                                          [&] {
+                                            const std::string text =
+                                                fmt::format("not taken within the patience: {}",
+                                                            fmt::join(drain.give_up(), ", "));
+                                            events.tell(rig.executive().now(), EventKind::impatient,
+                                                        LogLevel::warning, "", text);
+                                            log.apart(LogLevel::warning, text);
+                                          }});
+  }
   if (!options.clock.paced()) {
     return rig.executive().run_free(end);
   }
@@ -98,12 +114,14 @@ RunOutcome execute(Rig& rig, const RigConfiguration& configuration, const RunOpt
   settings.overrun = options.overrun;
   settings.overrun_limit = options.overrun_limit;
   settings.on_overrun = [&](const Overrun& overrun) {
+    constexpr std::array<std::string_view, 3> kWhat{
+        "simulated time gave way", "wires are late until that is made up", "the run ends"};
+    const std::string text = fmt::format("{:.0f} ms behind the wall clock at {:.3f} s: {}",
+                                         1e3 * to_seconds(overrun.lag), to_seconds(overrun.at),
+                                         kWhat[static_cast<std::size_t>(options.overrun)]);
+    events.tell(overrun.at, EventKind::slipped, LogLevel::warning, "", text);
     if (options.overrun != OverrunPolicy::stop) {
-      log.warning(fmt::format("{:.0f} ms behind the wall clock at {:.3f} s: {}",
-                              1e3 * to_seconds(overrun.lag), to_seconds(overrun.at),
-                              options.overrun == OverrunPolicy::slip
-                                  ? "simulated time gave way"
-                                  : "wires are late until that is made up"));
+      log.apart(LogLevel::warning, text);
     }
   };
   return rig.executive().run_paced(settings, end);
@@ -144,12 +162,15 @@ TruthFiles truth_files(const RigConfiguration& configuration, const RunOptions& 
   return files;
 }
 
-/// Null where nothing is to be recorded.
+/// Null where nothing is recorded and nobody can ask for it.
 std::unique_ptr<Recorder> make_recorder(const RigConfiguration& configuration,
                                         const RunOptions& options, const std::string& hash,
-                                        OutputFailures& failures) {
-  if (options.record.folder.empty()) {
+                                        OutputFailures& failures, RunEvents& events) {
+  if (options.record.folder.empty() && !options.control) {
     return nullptr;
+  }
+  if (!options.record.folder.empty()) {
+    make_new_folder("--record", options.record.folder);  // before a wire is opened
   }
   RecordedRun run;
   run.version = RIGWIRE_VERSION;
@@ -161,8 +182,8 @@ std::unique_ptr<Recorder> make_recorder(const RigConfiguration& configuration,
   run.start_unix_ns = unix_time(configuration.start).count();
   run.configuration = print_rig(configuration);
   return std::make_unique<Recorder>(
-      options.record, std::move(run),
-      options.clock.paced() ? std::chrono::milliseconds{0} : kReaderPatience, failures);
+      std::move(run), options.clock.paced() ? std::chrono::milliseconds{0} : kReaderPatience,
+      failures, events);
 }
 
 /// A run with wires of its own: where it has them, and what it has in place of the rig's.
@@ -232,12 +253,16 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   const bool is_told = report_file || options.onlooker || options.control || isolated ||
                        !options.record.folder.empty();
   const std::string hash = is_told ? config_hash(configuration) : std::string();
-  const std::unique_ptr<Recorder> recorder = make_recorder(configuration, options, hash, failures);
+  RunEvents events;
+  const std::unique_ptr<Recorder> recorder =
+      make_recorder(configuration, options, hash, failures, events);
   auto rig = std::make_unique<Rig>(wired, io, truth_files(wired, options, failures), &log,
                                    OwnEnds{}, recorder.get());
-  if (recorder) {
-    log.inform(
-        [&recorder](LogLevel level, std::string_view text) { recorder->event(level, text); });
+  log.inform([&events, &rig](LogLevel level, std::string_view text) {
+    events.tell(rig->executive().reached(), EventKind::notice, level, "", std::string(text));
+  });
+  if (!options.record.folder.empty()) {
+    recorder->begin(options.record);
   }
   for (const std::string& wire : rig->wires()) {
     log.debug(wire);
@@ -269,7 +294,12 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
                              [&rig, &configuration, &hash, &options] {
                                return to_prometheus(report_of(*rig, configuration, hash, options,
                                                               rig->executive().outcome()));
-                             }});
+                             },
+                             &events, recorder.get(), &rig->hand(),
+                             // Who has a port's token need not be this user.
+                             options.control->path.empty()
+                                 ? (isolated ? isolated->folder : std::filesystem::current_path())
+                                 : std::filesystem::path()});
     server.emplace(io, *options.control, token, *desk);
     log.info(options.control->path.empty()
                  ? fmt::format("control at {}, token {}", server->address(), token)
@@ -278,7 +308,7 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   } else {
     tell_ready(options, *rig, hash, isolated ? &*isolated : nullptr, "", "");
   }
-  const RunOutcome outcome = execute(*rig, configuration, options, log);
+  const RunOutcome outcome = execute(*rig, configuration, options, log, events);
   if (desk) {
     desk->end();
     io.restart();
@@ -287,8 +317,8 @@ int run_rig(const RigConfiguration& configuration, const RunOptions& options) {
   RunReport report = report_of(*rig, configuration, hash, options, outcome);
   report.truth = rig->truth().stages();
   interrupts.govern(nullptr);
+  log.inform({});
   if (recorder) {
-    log.inform({});
     recorder->finish(outcome.reached);
   }
   rig.reset();  // wires and truth are closed before anybody's reader is waited for

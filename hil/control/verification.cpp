@@ -10,6 +10,7 @@
 
 #include "drivers/endpoints.h"
 #include "drivers/loopback_claims.h"
+#include "hil/control/desk.h"
 #include "hil/files/private_folder.h"
 #include "hil/record/recorded_clients.h"
 #include "hil/record/recorder.h"
@@ -75,6 +76,11 @@ Verification verify_recording(const fs::path& folder, RunLog* log) {
   std::ranges::copy(clients.remarks(), std::back_inserter(result.remarks));
   result.client_acts = clients.size();
   result.end = last_instant(folder, contents);
+  if (contents.run.clients_before) {
+    result.remarks.push_back(fmt::format(
+        "recorded from {:.9f} s on: what clients did before is not known and not done again",
+        to_seconds(contents.run.begin)));
+  }
   if (!contents.end) {
     result.remarks.push_back(
         fmt::format("the recorded run was killed; compared to {:.9f} s", to_seconds(result.end)));
@@ -104,13 +110,36 @@ Verification verify_recording(const fs::path& folder, RunLog* log) {
   bool interrupted = false;
   {
     // With simulated time that waits for the disk as long as that takes.
-    Recorder recorder({again.string(), {}}, std::move(run), std::chrono::minutes{10}, failures);
+    RunEvents events;
+    Recorder recorder(std::move(run), std::chrono::minutes{10}, failures, events);
     recorder.on_outlet([&](const std::string& wire, QueuedOutlet& outlet) {
       outlet.cut_off();
       clients.join(wire, outlet);
     });
     Rig rig(rig_configuration, io, {}, log, own_ends, &recorder);
     rig.executive().add(clients);
+    // What governed the run does so again.
+    Desk desk(io, rig.executive(),
+              {recorded.name,
+               recorded.seed,
+               contents.run.config_hash,
+               {ClockMode::Kind::free, 1.0},
+               rig.truth().state_quantities(),
+               [&rig] { return rig.status(); },
+               rig.faults(),
+               [] { return std::string(); },
+               nullptr,
+               nullptr,
+               &rig.hand()});
+    for (const RecordedAct& command : recorded_commands(folder)) {
+      desk.carry_out_at(command.at, command.text, "commands.log", [&, command](const Reply& reply) {
+        if (reply.outcome != Reply::Outcome::done && reply.outcome != Reply::Outcome::ended) {
+          result.remarks.push_back(fmt::format("{:.9f} s: not done again: {}: {}",
+                                               to_seconds(command.at), command.text, reply.json));
+        }
+      });
+    }
+    recorder.begin({again.string(), {}}, contents.run.begin, contents.run.truth_begin);
     boost::asio::signal_set signals(io, SIGINT, SIGTERM);
     signals.async_wait([&](const boost::system::error_code& error, int) {
       if (!error) {
@@ -124,6 +153,7 @@ Verification verify_recording(const fs::path& folder, RunLog* log) {
       result.remarks.push_back(fmt::format("the run ended at {:.3f} s: {}",
                                            to_seconds(outcome.reached), *outcome.fault));
     }
+    desk.end();
     recorder.finish(outcome.reached);
   }
   if (interrupted) {

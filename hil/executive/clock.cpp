@@ -18,6 +18,9 @@ std::optional<ClockMode> parse_clock_mode(std::string_view text) {
   if (text == "step") {
     return ClockMode{ClockMode::Kind::step, 1.0};
   }
+  if (text == "drained") {
+    return ClockMode{ClockMode::Kind::drained, 1.0};
+  }
   constexpr std::string_view kPrefix = "scaled:";
   if (text.starts_with(kPrefix)) {
     const std::string number(text.substr(kPrefix.size()));
@@ -38,6 +41,8 @@ std::string to_string(const ClockMode& mode) {
       return "free";
     case ClockMode::Kind::step:
       return "step";
+    case ClockMode::Kind::drained:
+      return "drained";
     case ClockMode::Kind::scaled:
       break;
   }

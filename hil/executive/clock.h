@@ -22,9 +22,10 @@ using WallTime = std::chrono::steady_clock::time_point;
 struct ClockMode {
   enum class Kind {
     real,
-    free,    ///< As fast as it goes.
-    scaled,  ///< Real time, times `factor`.
-    step,    ///< As free, but time stands at the start and moves only when told.
+    free,     ///< As fast as it goes.
+    scaled,   ///< Real time, times `factor`.
+    step,     ///< As free, but time stands at the start and moves only when told.
+    drained,  ///< As free, but waits until clients have taken what was sent (client_drain.h).
   };
   Kind kind = Kind::real;
   double factor = 1.0;  ///< Simulated seconds per wall second; 1 when real, else meaningless.
@@ -39,7 +40,8 @@ struct ClockMode {
 inline constexpr double kLeastFactor = 0.01;
 inline constexpr double kGreatestFactor = 1000.0;
 
-/// "real", "free", "step" or "scaled:X" with X within the ends; nullopt for anything else.
+/// "real", "free", "step", "drained" or "scaled:X" with X within the ends; nullopt for anything
+/// else.
 [[nodiscard]] std::optional<ClockMode> parse_clock_mode(std::string_view text);
 [[nodiscard]] std::string to_string(const ClockMode& mode);
 

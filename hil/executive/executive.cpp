@@ -387,7 +387,26 @@ SimTime Executive::arrive() {
   return now_;
 }
 
-RunOutcome Executive::run_free(SimTime end) {
+void Executive::wait_for(const ClientPatience& clients) {
+  constexpr std::chrono::microseconds kLook{100};
+  const auto began = std::chrono::steady_clock::now();
+  bool waited = false;
+  while (!stopped_ && !paused_ && !clients.taken()) {
+    waited = true;
+    if (std::chrono::steady_clock::now() - began >= clients.patience) {
+      ++outcome_.expiries;
+      clients.expired();
+      break;
+    }
+    io_.run_one_for(kLook);
+  }
+  if (waited) {
+    outcome_.waited_s +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  }
+}
+
+RunOutcome Executive::run_free(SimTime end, const ClientPatience& clients) {
   io_.restart();
   const auto keep_waiting = boost::asio::make_work_guard(io_);
   outcome_ = {};
@@ -412,6 +431,9 @@ RunOutcome Executive::run_free(SimTime end) {
     run_events(std::min(frontier_, end));
     transmit_due(now_);
     io_.poll();
+    if (clients.taken) {
+      wait_for(clients);
+    }
   }
   return outcome();
 }

@@ -72,6 +72,8 @@ struct RunOutcome {
   std::uint64_t slips = 0;              ///< How often.
   std::uint64_t overruns = 0;           ///< Slips, and what came of other policies.
   std::vector<Overrun> first_overruns;  ///< At most kOverrunsKept.
+  std::uint64_t expiries = 0;           ///< How often clients were not waited for any longer.
+  double waited_s = 0.0;                ///< For clients, wall time.
   std::optional<std::string> fault;     ///< Why it ended early, if it did.
 };
 
@@ -90,6 +92,16 @@ struct PacedSettings {
   OverrunPolicy overrun = OverrunPolicy::slip;
   Duration overrun_limit = std::chrono::milliseconds{100};
   std::function<void(const Overrun&)> on_overrun;  ///< On the wire thread; may be empty.
+};
+
+/// For a free run that waits for its clients.
+struct ClientPatience {
+  /// Whether they have taken all that has left so far. Asked on the wire thread, again and again.
+  std::function<bool()> taken;
+  /// Wall time that is waited at most, slice by slice.
+  std::chrono::nanoseconds patience = std::chrono::seconds{1};
+  /// It was not enough; what `taken` says may be otherwise from now on.
+  std::function<void()> expired;
 };
 
 class Executive {
@@ -124,7 +136,10 @@ class Executive {
   void set_factor(double factor);
 
   /// Runs as fast as possible until `end` (kNever: until stop()).
-  RunOutcome run_free(SimTime end);
+  RunOutcome run_free(SimTime end) { return run_free(end, {}); }
+  /// The same, and goes on behind each slice when clients have taken what was due in it. They are
+  /// served meanwhile. An empty `taken` waits for nobody.
+  RunOutcome run_free(SimTime end, const ClientPatience& clients);
   /// Runs against wall time until `end` (kNever: until stop()).
   RunOutcome run_paced(const PacedSettings& settings, SimTime end);
 
@@ -159,6 +174,7 @@ class Executive {
   void fail(const std::string& what);
   /// Whether truth is that far behind `wanted`; acts as the policy has it.
   void watch_lag(const PacedSettings& settings, SimTime wanted);
+  void wait_for(const ClientPatience& clients);
 
   boost::asio::io_context& io_;
   TruthSource& truth_;

@@ -49,6 +49,9 @@ class Shelves {
     return known<T>(station);
   }
 
+  /// One more than the greatest index of a station that has a shelf; 0 without.
+  [[nodiscard]] std::size_t stations() const { return by_station_.size(); }
+
   /// Empties every shelf.
   void clear();
   /// Things on all shelves.

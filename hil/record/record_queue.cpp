@@ -29,6 +29,9 @@ RecordQueue::RecordQueue(std::size_t bytes, std::chrono::milliseconds patience)
 bool RecordQueue::put(const RecordEntry& entry) {
   const std::size_t size = sizeof(Head) + entry.bytes.size();
   std::unique_lock lock(mutex_);
+  if (closed_) {
+    return true;
+  }
   const auto fits = [&] { return filling_.size() + size <= room_ || filling_.empty(); };
   if (!fits() && patience_.count() > 0 && !out_of_patience_) {
     filled_.notify_one();
@@ -82,6 +85,14 @@ void RecordQueue::close() {
     closed_ = true;
   }
   filled_.notify_one();
+}
+
+void RecordQueue::open() {
+  const std::scoped_lock lock(mutex_);
+  filling_.clear();
+  lost_.clear();
+  closed_ = false;
+  out_of_patience_ = false;
 }
 
 bool RecordQueue::closed() const {

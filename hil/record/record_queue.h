@@ -39,8 +39,10 @@ class RecordQueue {
     std::vector<std::uint64_t> lost;  ///< By track, before the entries.
   };
   [[nodiscard]] const Taken& take(std::chrono::milliseconds until);
-  /// Nothing more will be put.
+  /// Nothing more is kept of what is put, until open().
   void close();
+  /// Begins anew, empty. Nobody may be taking.
+  void open();
   [[nodiscard]] bool closed() const;
 
  private:

@@ -144,8 +144,8 @@ RecordedClients::RecordedClients(const std::filesystem::path& folder) {
   std::vector<Step> packets = std::exchange(steps_, {});
   for (std::size_t wire = 0; wire < wires_.size(); ++wire) {
     const RecordedWire& about = contents.wires[wire].about;
-    const std::vector<ClientAct> acts = client_acts(folder, about.name);
-    for (const ClientAct& act : acts) {
+    const std::vector<RecordedAct> acts = client_acts(folder, about.name);
+    for (const RecordedAct& act : acts) {
       steps_.push_back({act.at, wire, piece_of(act.text, about.kind, about.name), {}});
     }
     if (carried[wire] != 0 && acts.empty()) {

@@ -47,15 +47,26 @@ std::string timestamp(const RecordedRun& run, SimTime at) {
 /// Lays out what passes on one wire.
 class Recorder::Wire final : public WireTap {
  public:
-  Wire(Recorder& recorder, std::size_t index) : recorder_(recorder), track_(wire_track(index)) {}
+  Wire(Recorder& recorder, std::string name) : recorder_(recorder), name_(std::move(name)) {}
+
+  /// Where it stands in the recording that begins; nothing: it is not wanted there.
+  void begin(std::optional<std::uint16_t> track) {
+    track_ = track;
+    conversations_.clear();
+  }
+  /// How its client has its end.
+  void tell_end(SimTime at) {
+    if (end_) {
+      put_end(at, *end_);
+    }
+  }
 
   void sent(SimTime at, const WirePiece& piece) override { put(at, 0, piece); }
   void carried(SimTime at, const WirePiece& piece) override { put(at, kInbound, piece); }
   void received(const WirePiece& piece) override;
-  void lost(SimTime at) override { recorder_.put(track_, kWireLost, at, {}); }
+  void lost(SimTime at) override { write(kWireLost, at, {}); }
   void note(SimTime at, std::string_view text) {
-    recorder_.put(track_, kWireNote, at,
-                  {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    write(kWireNote, at, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
 
   void put(SimTime at, std::uint8_t flags, const WirePiece& piece);
@@ -70,39 +81,58 @@ class Recorder::Wire final : public WireTap {
     std::array<bool, 2> ended{};  ///< By side.
   };
 
+  [[nodiscard]] bool records(SimTime at) const { return track_ && recorder_.records(at); }
+  void write(std::uint8_t flags, SimTime at, std::span<const std::uint8_t> bytes) {
+    if (records(at)) {
+      recorder_.put_told(*track_, flags, at, bytes);
+    }
+  }
+
   void lay_out(SimTime at, std::uint8_t flags, const SerialPiece& piece) {
-    recorder_.put(track_, flags, at, piece.bytes);
+    write(flags, at, piece.bytes);
   }
   void lay_out(SimTime at, std::uint8_t flags, const protocols::can::Frame& frame) {
-    recorder_.put(track_, flags, at, pcapng::can_packet(frame));
+    write(flags, at, pcapng::can_packet(frame));
   }
   void lay_out(SimTime at, std::uint8_t flags, const protocols::can::ErrorFrame& frame) {
-    recorder_.put(track_, flags, at, pcapng::can_packet(frame));
+    write(flags, at, pcapng::can_packet(frame));
   }
   void lay_out(SimTime at, std::uint8_t flags, const DatagramPiece& piece) {
     const bool inbound = (flags & kInbound) != 0;
     packet_.clear();
     pcapng::append_udp(packet_, end_of(inbound ? piece.client : piece.device),
                        end_of(inbound ? piece.device : piece.client), piece.bytes);
-    recorder_.put(track_, flags, at, packet_);
+    write(flags, at, packet_);
   }
   void lay_out(SimTime at, std::uint8_t flags, const StreamPiece& piece);
   void lay_out(SimTime at, std::uint8_t /*flags*/, const drivers::LineClient& client) {
-    put_end(at, client.present ? fmt::format("open {}", client.baud) : "closed");
+    put_end(at, end_text(client));
   }
   void lay_out(SimTime at, std::uint8_t /*flags*/, const drivers::CanClient& client) {
-    put_end(at, client.open ? fmt::format("open {}{}{}", client.bit_rate_bps,
-                                          client.listen_only ? " listen_only" : "",
-                                          client.one_shot ? " one_shot" : "")
-                            : "closed");
+    put_end(at, end_text(client));
+  }
+  static std::string end_text(const drivers::LineClient& client) {
+    return client.present ? fmt::format("open {}", client.baud) : "closed";
+  }
+  static std::string end_text(const drivers::CanClient& client) {
+    return client.open ? fmt::format("open {}{}{}", client.bit_rate_bps,
+                                     client.listen_only ? " listen_only" : "",
+                                     client.one_shot ? " one_shot" : "")
+                       : "closed";
   }
   void put_end(SimTime at, const std::string& text) {
-    recorder_.put(track_, kWireEnd, at,
-                  {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    write(kWireEnd, at, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
+  /// Keeps how the client has its end, and tells when it comes or goes.
+  void watch(SimTime now, const WirePiece& piece);
+  void tell_client(SimTime now, bool came, std::string_view how);
 
   Recorder& recorder_;
-  std::uint16_t track_;
+  std::string name_;
+  std::optional<std::uint16_t> track_;
+  std::optional<std::string> end_;
+  bool client_open_ = false;
+  std::size_t connections_ = 0;
   pcapng::Bytes packet_;
   std::map<drivers::StreamServer::ConnectionId, Conversation> conversations_;
 };
@@ -111,12 +141,43 @@ void Recorder::Wire::put(SimTime at, std::uint8_t flags, const WirePiece& piece)
   std::visit([&](const auto& kind) { lay_out(at, flags, kind); }, piece);
 }
 
+void Recorder::Wire::tell_client(SimTime now, bool came, std::string_view how) {
+  recorder_.events_.tell(now, came ? EventKind::client_came : EventKind::client_left,
+                         LogLevel::info, name_,
+                         fmt::format("a client {} {}{}", came ? "opens" : "leaves", name_, how));
+}
+
+void Recorder::Wire::watch(SimTime now, const WirePiece& piece) {
+  const auto ends = [&](bool open, std::string text, std::string_view unit) {
+    if (std::exchange(client_open_, open) != open) {
+      tell_client(now, open, open ? fmt::format(" ({}{})", text.substr(5), unit) : "");
+    }
+    end_ = std::move(text);
+  };
+  if (const auto* line = std::get_if<drivers::LineClient>(&piece)) {
+    ends(line->present, end_text(*line), " Bd");
+  } else if (const auto* can = std::get_if<drivers::CanClient>(&piece)) {
+    ends(can->open, end_text(*can), " bit/s");
+  } else if (const auto* stream = std::get_if<StreamPiece>(&piece)) {
+    if (stream->what == StreamPiece::What::opened) {
+      ++connections_;
+      tell_client(now, true, fmt::format(" ({} connected)", connections_));
+    } else if (stream->what == StreamPiece::What::gone) {
+      connections_ -= connections_ == 0 ? 0 : 1;
+      tell_client(now, false, fmt::format(" ({} connected)", connections_));
+    }
+  }
+}
+
 void Recorder::Wire::lay_out(SimTime at, std::uint8_t flags, const StreamPiece& piece) {
+  if (!records(at)) {
+    return;
+  }
   using Side = pcapng::TcpConversation::Side;
   const bool inbound = (flags & kInbound) != 0;
   const Side from = inbound ? Side::client : Side::server;
   const auto use = [&](Side side, std::span<const std::uint8_t> segment) {
-    recorder_.put(track_, side == Side::client ? kInbound : 0, at, segment);
+    write(side == Side::client ? kInbound : 0, at, segment);
   };
   auto found = conversations_.find(piece.connection);
   if (found == conversations_.end()) {
@@ -193,6 +254,11 @@ class Recorder::Arrivals final : public Outlet {
 
 void Recorder::Wire::received(const WirePiece& piece) {
   const SimTime now = recorder_.executive_->now();
+  recorder_.clients_acted_ = true;
+  watch(now, piece);
+  if (!records(now)) {
+    return;
+  }
   if (const auto* frame = std::get_if<protocols::can::Frame>(&piece)) {
     put_end(now, "frame " + protocols::can::frame_text(*frame));
   } else if (std::holds_alternative<drivers::LineClient>(piece) ||
@@ -220,8 +286,15 @@ class Recorder::Watch final : public EventSource {
     }
   }
 
+  /// Of a recording that begins.
+  void begin(SimTime now) {
+    next_figures_ = kStart + kStatisticsPeriod * ((now - kStart) / kStatisticsPeriod + 1);
+    told_figures_ = now;
+  }
+
   [[nodiscard]] SimTime next_event() const override {
-    return edges_.empty() ? next_figures_ : std::min(next_figures_, edges_.front());
+    const SimTime figures = recorder_.folder_ ? next_figures_ : kNever;
+    return edges_.empty() ? figures : std::min(figures, edges_.front());
   }
   [[nodiscard]] SimTime next_wakeup() const override { return next_event(); }
   void advance(SimTime now) override {
@@ -230,7 +303,7 @@ class Recorder::Watch final : public EventSource {
     }
     const RecordedStatus status = status_();
     tell_faults(now, status);
-    if (next_figures_ <= now) {
+    if (recorder_.folder_ && next_figures_ <= now) {
       tell_figures(now, status);
       next_figures_ += kStatisticsPeriod * ((now - next_figures_) / kStatisticsPeriod + 1);
     }
@@ -268,7 +341,8 @@ class Recorder::Watch final : public EventSource {
             std::string_view what) {
     const std::string text = fmt::format("fault {} of {} {} at {:.9f} s", fault.type, fault.where,
                                          what, to_seconds(now));
-    recorder_.event(LogLevel::info, text);
+    recorder_.events_.tell(now, what == "begins" ? EventKind::fault_begun : EventKind::fault_ended,
+                           LogLevel::info, fault.where, text);
     if (Wire* wire = wire_of(fault.where, status)) {
       wire->note(now, text);
     }
@@ -320,6 +394,9 @@ class Recorder::Truth final : public TruthObserver {
         links_(links.begin(), links.end()) {}
 
   void record(const TruthRecord& record) override {
+    if (!recorder_.records_truth(record.time)) {
+      return;
+    }
     recorder_.put(TruthTrack::truth, record.time, truth_line(record, calendar_, fields_));
     const std::string stamp = timestamp(recorder_.run_, record.time);
     text_ = R"({"transforms":[)";
@@ -355,23 +432,20 @@ class Recorder::Truth final : public TruthObserver {
   std::string text_;
 };
 
-Recorder::Recorder(RecordOptions options, RecordedRun run, std::chrono::milliseconds patience,
-                   OutputFailures& failures)
-    : options_(std::move(options)),
-      run_(std::move(run)),
+Recorder::Recorder(RecordedRun run, std::chrono::milliseconds patience, OutputFailures& failures,
+                   RunEvents& events)
+    : run_(std::move(run)),
       failures_(failures),
-      with_truth_(wanted(std::string(kTruthName))),
+      events_(events),
       arrivals_(std::make_unique<Arrivals>()),
       queue_(kQueueBytes, patience) {
-  make_new_folder("--record", options_.folder);
+  queue_.close();
+  events_.inform([this](const RunEvent& event) { hear(event); });
 }
 
 Recorder::~Recorder() {
+  events_.inform({});
   end_thread();
-}
-
-bool Recorder::wanted(const std::string& name) const {
-  return options_.only.empty() || std::ranges::find(options_.only, name) != options_.only.end();
 }
 
 void Recorder::attach(Executive& executive) {
@@ -379,19 +453,16 @@ void Recorder::attach(Executive& executive) {
   executive.add(*arrivals_);
 }
 
-WireTap* Recorder::add_wire(const std::string& name, WireKind kind, const std::string& address) {
+WireTap& Recorder::add_wire(const std::string& name, WireKind kind, const std::string& address) {
   std::string unique = name;
-  if (std::ranges::find(names_, name) != names_.end() || name == kTruthName) {
+  const auto taken = [&](const RecordedWire& wire) { return wire.name == name; };
+  if (std::ranges::any_of(about_, taken) || name == kTruthName) {
     constexpr std::array<std::string_view, 3> kSuffixes{"_serial", "_can", "_ethernet"};
     unique += kSuffixes[static_cast<std::size_t>(kind)];
   }
-  names_.push_back(unique);
-  if (!wanted(unique)) {
-    return nullptr;
-  }
   about_.push_back({unique, kind, address});
-  wires_.push_back(std::make_unique<Wire>(*this, wires_.size()));
-  return wires_.back().get();
+  wires_.push_back(std::make_unique<Wire>(*this, unique));
+  return *wires_.back();
 }
 
 void Recorder::join(WireTap& tap, QueuedOutlet& outlet) const {
@@ -406,14 +477,42 @@ void Recorder::join(WireTap& tap, QueuedOutlet& outlet) const {
 std::unique_ptr<TruthObserver> Recorder::truth_observer(const Calendar& calendar,
                                                         std::span<const sim::TruthField> fields,
                                                         std::span<const std::string_view> links) {
-  return with_truth_ ? std::make_unique<Truth>(*this, calendar, fields, links) : nullptr;
+  return std::make_unique<Truth>(*this, calendar, fields, links);
 }
 
 void Recorder::start(std::function<RecordedStatus()> status,
                      const std::vector<FaultWindow>& faults) {
-  std::vector<std::string> allowed = names_;
+  watch_ = std::make_unique<Watch>(*this, std::move(status), faults);
+  executive_->add(*watch_);
+  executive_->add(events_);
+}
+
+void Recorder::expect(const FaultWindow& fault) {
+  watch_->expect(fault);
+}
+
+void Recorder::command(std::string text) {
+  const SimTime now = executive_->now();
+  put(kCommandTrack, 0, now, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  commands_.emplace_back(now, std::move(text));
+}
+
+void Recorder::begin(const RecordOptions& options) {
+  const SimTime now = executive_->now();
+  const SimTime soonest = executive_->soonest_request();
+  // Where nothing of the truth has been computed, all of it is to come.
+  if (now == kStart && soonest == kStart + Duration{1}) {
+    begin(options, kStart, kStart);
+  } else {
+    begin(options, now + Duration{1}, soonest);
+  }
+}
+
+void Recorder::begin(const RecordOptions& options, SimTime from, SimTime truth_from) {
+  std::vector<std::string> allowed;
+  std::ranges::transform(about_, std::back_inserter(allowed), &RecordedWire::name);
   allowed.emplace_back(kTruthName);
-  for (const std::string& name : options_.only) {
+  for (const std::string& name : options.only) {
     if (std::ranges::find(allowed, name) == allowed.end()) {
       const std::string near = nearest_word(name, allowed);
       throw std::invalid_argument(
@@ -421,45 +520,85 @@ void Recorder::start(std::function<RecordedStatus()> status,
                       join_words(allowed), near.empty() ? "" : ", did you mean " + near + "?"));
     }
   }
+  const auto wanted = [&](std::string_view name) {
+    return options.only.empty() || std::ranges::find(options.only, name) != options.only.end();
+  };
+  make_new_folder("--record", options.folder);
+  std::vector<RecordedWire> chosen;
+  for (std::size_t i = 0; i < wires_.size(); ++i) {
+    const bool is_wanted = wanted(about_[i].name);
+    wires_[i]->begin(is_wanted ? std::optional(wire_track(chosen.size())) : std::nullopt);
+    if (is_wanted) {
+      chosen.push_back(about_[i]);
+    }
+  }
+  RecordedRun run = run_;
+  run.begin = from;
+  run.truth_begin = truth_from;
+  run.clients_before = from != kStart && clients_acted_;
+  const bool with_truth = wanted(kTruthName);
   writer_ = std::make_unique<RecordingWriter>(
-      options_.folder, run_, about_, with_truth_, [this](const std::string& what, bool over) {
+      options.folder, std::move(run), chosen, with_truth,
+      [this](const std::string& what, bool over) {
         if (!over) {
           failures_.report("the recording is not complete: " + what);
         }
         trouble_.emplace_back(over ? LogLevel::info : LogLevel::error, what);
       });
+  told_full_ = false;
+  queue_.open();
   thread_ = std::thread([this] { write_all(); });
-  watch_ = std::make_unique<Watch>(*this, std::move(status), faults);
-  executive_->add(*watch_);
+  folder_ = options.folder;
+  from_ = from;
+  until_ = kNever;
+  truth_from_ = truth_from;
+  truth_on_.store(with_truth, std::memory_order_release);
+  watch_->begin(executive_->now());
+  for (const auto& [at, text] : commands_) {
+    put(kCommandTrack, 0, at, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  }
+  for (const auto& wire : wires_) {
+    wire->tell_end(from);
+  }
+  events_.tell(executive_->now(), EventKind::recording_began, LogLevel::info, "",
+               "recording into " + options.folder);
 }
 
-void Recorder::expect(const FaultWindow& fault) {
-  watch_->expect(fault);
-}
-
-void Recorder::put(std::uint16_t track, std::uint8_t flags, SimTime at,
+bool Recorder::put(std::uint16_t track, std::uint8_t flags, SimTime at,
                    std::span<const std::uint8_t> bytes) {
-  if (!queue_.put({track, flags, at, bytes}) && !told_full_.exchange(true)) {
+  return queue_.put({track, flags, at, bytes});
+}
+
+void Recorder::put_told(std::uint16_t track, std::uint8_t flags, SimTime at,
+                        std::span<const std::uint8_t> bytes) {
+  if (!put(track, flags, at, bytes) && !told_full_.exchange(true)) {
     failures_.report(
-        fmt::format("the recording is not complete: {} takes less than passes; what does not fit "
-                    "into {} MB of memory is lost",
-                    options_.folder, kQueueBytes / 1'048'576));
+        fmt::format("the recording is not complete: its disk takes less than passes; what does not "
+                    "fit into {} MB of memory is lost",
+                    kQueueBytes / 1'048'576));
   }
 }
 
 void Recorder::put(TruthTrack track, SimTime at, std::string_view text) {
-  if (with_truth_) {
-    put(static_cast<std::uint16_t>(track), 0, at,
+  if (truth_on_.load(std::memory_order_acquire)) {
+    put_told(static_cast<std::uint16_t>(track), 0, at,
+             {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  }
+}
+
+void Recorder::hear(const RunEvent& event) {
+  if (truth_on_.load(std::memory_order_acquire)) {
+    const std::string text = event_text(
+        event.at, event.level, kEventKinds[static_cast<std::size_t>(event.kind)], event.text);
+    // Whoever reports that there is no room tells an event.
+    put(static_cast<std::uint16_t>(TruthTrack::events), 0, event.at,
         {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
 }
 
-void Recorder::event(LogLevel level, std::string_view text) {
-  put(TruthTrack::events, executive_->reached(), event_text(executive_->reached(), level, text));
-}
-
-std::string Recorder::event_text(SimTime at, LogLevel level, std::string_view text) const {
-  const Json json{{"message", text}, {"name", "rigwire"}, {"file", ""}, {"line", 0}};
+std::string Recorder::event_text(SimTime at, LogLevel level, std::string_view name,
+                                 std::string_view text) const {
+  const Json json{{"message", text}, {"name", name}, {"file", ""}, {"line", 0}};
   // As foxglove.Log counts them: 1 debug, 2 info, 3 warning, 4 error.
   std::string members = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   return fmt::format(R"({{"timestamp":{},"level":{},{})", timestamp(run_, at),
@@ -477,7 +616,7 @@ void Recorder::write_all() {
       while (!trouble_.empty()) {
         const auto [level, what] = std::move(trouble_.front());
         trouble_.pop_front();
-        const std::string text = event_text(entry.at, level, what);
+        const std::string text = event_text(entry.at, level, "recording", what);
         writer_->write({static_cast<std::uint16_t>(TruthTrack::events),
                         0,
                         entry.at,
@@ -505,7 +644,13 @@ void Recorder::end_thread() {
 }
 
 void Recorder::finish(SimTime end) {
+  if (!folder_) {
+    return;
+  }
   watch_->end(end);
+  events_.tell(end, EventKind::recording_ended, LogLevel::info, "", "recorded into " + *folder_);
+  truth_on_ = false;
+  folder_.reset();
   end_thread();
   try {
     writer_->finish(end);

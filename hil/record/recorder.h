@@ -1,5 +1,10 @@
 // Records a run: everything that passes on its wires, its truth, its events, into a folder
-// (hil/record/recording_writer.h), beside the run and without any device knowing of it.
+// (hil/record/recording_writer.h), beside the run and without any device knowing of it. It is there
+// from the run's start; recordings begin and end, one at a time. In between it tells of the run's
+// events alone, and what passes on the wires goes by.
+//
+// Beginning and end. A recording holds what is due at or after its beginning, up to and with its
+// end, and of the truth what lies beyond what had been computed when it began.
 //
 // Order. Wires tell of what is due in order of time; what a client sent waits in an outlet of the
 // recorder's own until its instant comes in that order, first among equals. So the files are in
@@ -28,6 +33,7 @@
 #include "hil/record/output_file.h"
 #include "hil/record/record_queue.h"
 #include "hil/record/recording_writer.h"
+#include "hil/record/run_events.h"
 #include "hil/record/run_log.h"
 #include "hil/wires/wire_statistics.h"
 #include "hil/wires/wire_tap.h"
@@ -41,7 +47,7 @@ class Executive;
 class QueuedOutlet;
 
 struct RecordOptions {
-  std::string folder;             ///< Made where it is not there; empty: nothing is recorded.
+  std::string folder;             ///< Made where it is not there, else empty; "": none is meant.
   std::vector<std::string> only;  ///< Names of wires, or "truth"; empty: everything.
 };
 
@@ -62,44 +68,56 @@ struct RecordedStatus {
 
 class Recorder {
  public:
-  /// Makes the folder. `patience`: how long simulated time may wait for the disk, zero where it
-  /// follows the wall's. `failures` must outlive it. Throws drivers::EndpointError where the folder
-  /// cannot be had or is not empty.
-  Recorder(RecordOptions options, RecordedRun run, std::chrono::milliseconds patience,
-           OutputFailures& failures);
+  /// `patience`: how long simulated time may wait for the disk, zero where it follows the wall's.
+  /// `failures` and `events` must outlive it; of the events it hears until its end.
+  Recorder(RecordedRun run, std::chrono::milliseconds patience, OutputFailures& failures,
+           RunEvents& events);
   /// Without finish() the files end as those of a run that was killed.
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
+  [[nodiscard]] RunEvents& events() { return events_; }
+
   // While the rig is made, in this order.
 
   /// Before the first outlet; the executive must outlive every call but the destructor's.
   void attach(Executive& executive);
-  /// The tap of a wire; nullptr where it is not wanted. A name that another wire has is told apart
-  /// by the wire's kind. The tap lives as long as the recorder.
-  [[nodiscard]] WireTap* add_wire(const std::string& name, WireKind kind,
+  /// The tap of a wire, which lives as long as the recorder. A name that another wire has is told
+  /// apart by the wire's kind.
+  [[nodiscard]] WireTap& add_wire(const std::string& name, WireKind kind,
                                   const std::string& address);
   /// That outlet is of the wire of that tap, which add_wire() returned.
   void join(WireTap& tap, QueuedOutlet& outlet) const;
   /// Who is given each outlet that joins, with the name of its wire. Before the first.
   using OutletUser = std::function<void(const std::string& wire, QueuedOutlet& outlet)>;
   void on_outlet(OutletUser user) { outlet_user_ = std::move(user); }
-  /// Who is to be told the truth; nullptr where it is not wanted.
+  /// Who is to be told the truth.
   [[nodiscard]] std::unique_ptr<TruthObserver> truth_observer(
       const Calendar& calendar, std::span<const sim::TruthField> fields,
       std::span<const std::string_view> links);
-  /// When all are there: makes the files and begins. `status` is asked on the wire thread;
-  /// `faults` are known to come. Throws drivers::EndpointError, std::invalid_argument for a name in
-  /// `only` that is none.
+  /// When all are there. `status` is asked on the wire thread; `faults` are known to come.
   void start(std::function<RecordedStatus()> status, const std::vector<FaultWindow>& faults);
 
-  /// On the wire thread, after start(): that fault has been added, or ends otherwise.
-  void expect(const FaultWindow& fault);
+  // On the wire thread, after start().
 
-  /// From any thread, after start().
-  void event(LogLevel level, std::string_view text);
-  /// No more of the executive's: the run is over. Ends the files.
+  /// That fault has been added, or ends otherwise.
+  void expect(const FaultWindow& fault);
+  /// That governed the run and changed it just now, one line: is written into every recording.
+  void command(std::string text);
+
+  /// Makes the files and begins: before the run with all of it, else with what is due from now on.
+  /// Precondition: none is on its way. Throws drivers::EndpointError where the folder cannot be had
+  /// or is not empty, std::invalid_argument for a name in `only` that is none.
+  void begin(const RecordOptions& options);
+  /// The same before the run, for what is due from `from` on, and the truth from `truth_from` on.
+  void begin(const RecordOptions& options, SimTime from, SimTime truth_from);
+  /// Folder of the one that is on its way.
+  [[nodiscard]] const std::optional<std::string>& folder() const { return folder_; }
+  /// What is due after `end` is not recorded. finish() must follow when what is due by then has
+  /// left.
+  void leave_out_after(SimTime end) { until_ = end; }
+  /// Ends the files; nothing where there are none.
   void finish(SimTime end);
 
   /// Memory for what the disk has not taken yet, and as much again for what it is taking.
@@ -113,22 +131,41 @@ class Recorder {
   class Arrivals;
   class Watch;
 
-  [[nodiscard]] bool wanted(const std::string& name) const;
-  void put(std::uint16_t track, std::uint8_t flags, SimTime at,
+  /// False: there was no room.
+  bool put(std::uint16_t track, std::uint8_t flags, SimTime at,
            std::span<const std::uint8_t> bytes);
+  /// Tells when it is the first that finds no room.
+  void put_told(std::uint16_t track, std::uint8_t flags, SimTime at,
+                std::span<const std::uint8_t> bytes);
   void put(TruthTrack track, SimTime at, std::string_view text);
-  [[nodiscard]] std::string event_text(SimTime at, LogLevel level, std::string_view text) const;
+  /// Of a wire, whether it belongs to the recording.
+  [[nodiscard]] bool records(SimTime at) const {
+    return folder_.has_value() && at >= from_ && at <= until_.load(std::memory_order_relaxed);
+  }
+  /// The same of the truth, from its thread.
+  [[nodiscard]] bool records_truth(SimTime at) const {
+    return truth_on_.load(std::memory_order_acquire) && at >= truth_from_.load() &&
+           at <= until_.load();
+  }
+  void hear(const RunEvent& event);
+  [[nodiscard]] std::string event_text(SimTime at, LogLevel level, std::string_view name,
+                                       std::string_view text) const;
   void write_all();
   /// The writer has written all that there was.
   void end_thread();
 
-  RecordOptions options_;
   RecordedRun run_;
   OutputFailures& failures_;
-  bool with_truth_ = true;
+  RunEvents& events_;
+  std::optional<std::string> folder_;
+  SimTime from_{};
+  std::atomic<SimTime> until_{kNever};
+  std::atomic<bool> truth_on_{false};
+  std::atomic<SimTime> truth_from_{};
+  std::vector<std::pair<SimTime, std::string>> commands_;  ///< Since the run's start.
+  bool clients_acted_ = false;
   Executive* executive_ = nullptr;
-  std::vector<std::string> names_;  ///< Of all wires, wanted or not.
-  std::vector<RecordedWire> about_;
+  std::vector<RecordedWire> about_;  ///< Of all wires.
   std::vector<std::unique_ptr<Wire>> wires_;
   OutletUser outlet_user_;
   std::unique_ptr<Arrivals> arrivals_;

@@ -169,6 +169,12 @@ RecordingContents read_description(const fs::path& folder, bool& with_truth) {
     contents.run.clock = json.at("clock").get<std::string>();
     contents.run.start_utc = json.at("start_utc").get<std::string>();
     contents.run.start_unix_ns = json.at("start_unix_ns").get<std::int64_t>();
+    const auto instant = [&json](const char* key) {
+      return SimTime{Duration{json.value(key, std::int64_t{0})}};
+    };
+    contents.run.begin = instant("begin_ns");
+    contents.run.truth_begin = instant("truth_begin_ns");
+    contents.run.clients_before = json.value("clients_before", false);
     if (!json.at("end_ns").is_null()) {
       contents.end = SimTime{Duration{json.at("end_ns").get<std::int64_t>()}};
     }
@@ -280,9 +286,11 @@ RecordingContents read_recording(const fs::path& folder) {
   return contents;
 }
 
-std::vector<ClientAct> client_acts(const fs::path& folder, const std::string& wire) {
-  const fs::path path = folder / "wires" / (wire + ".ends");
-  std::vector<ClientAct> acts;
+namespace {
+
+/// Lines of an instant and a text; none where there is no such file.
+std::vector<RecordedAct> read_acts(const fs::path& path) {
+  std::vector<RecordedAct> acts;
   std::ifstream file(path);
   std::size_t number = 0;
   for (std::string line; std::getline(file, line);) {
@@ -309,6 +317,16 @@ std::vector<ClientAct> client_acts(const fs::path& folder, const std::string& wi
     acts.push_back({SimTime{Duration{seconds * 1'000'000'000 + fraction}}, line.substr(space + 1)});
   }
   return acts;
+}
+
+}  // namespace
+
+std::vector<RecordedAct> client_acts(const fs::path& folder, const std::string& wire) {
+  return read_acts(folder / "wires" / (wire + ".ends"));
+}
+
+std::vector<RecordedAct> recorded_commands(const fs::path& folder) {
+  return read_acts(folder / "commands.log");
 }
 
 RecordingContents read_recording_description(const fs::path& folder) {
@@ -406,8 +424,14 @@ void cut_recording(const fs::path& folder, SimTime from, SimTime to, const fs::p
   }
   make_new_folder("-o", out);
   std::string trouble;
+  RecordedRun run = reader.contents().run;
+  run.begin = std::max(run.begin, from);
+  run.truth_begin = std::max(run.truth_begin, from);
+  reader.each_packet([&](std::size_t, SimTime at, const pcapng::Packet& packet) {
+    run.clients_before |= at < from && packet.direction == pcapng::Direction::inbound;
+  });
   RecordingWriter writer(
-      out, reader.contents().run, wires, reader.with_truth(),
+      out, std::move(run), wires, reader.with_truth(),
       [&](const std::string& what, bool over) { trouble = over ? trouble : what; });
   const auto within = [&](SimTime at) { return from <= at && at < to; };
   SimTime last = from;
@@ -441,8 +465,16 @@ void cut_recording(const fs::path& folder, SimTime from, SimTime to, const fs::p
                     {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}});
     }
   });
+  for (const RecordedAct& act : recorded_commands(folder)) {
+    if (act.at < to) {
+      writer.write({kCommandTrack,
+                    0,
+                    act.at,
+                    {reinterpret_cast<const std::uint8_t*>(act.text.data()), act.text.size()}});
+    }
+  }
   for (std::size_t wire = 0; wire < wires.size(); ++wire) {
-    for (const ClientAct& act : client_acts(folder, wires[wire].name)) {
+    for (const RecordedAct& act : client_acts(folder, wires[wire].name)) {
       if (act.at < to) {
         writer.write({wire_track(wire),
                       kWireEnd,

@@ -50,14 +50,16 @@ struct RecordingContents {
 /// place where it is none of a recording.
 [[nodiscard]] RecordingContents read_recording(const std::filesystem::path& folder);
 
-/// A line of wires/NAME.ends (hil/record/recording_writer.h).
-struct ClientAct {
+/// A line of wires/NAME.ends or commands.log (hil/record/recording_writer.h).
+struct RecordedAct {
   SimTime at{};
   std::string text;
 };
 /// Empty where the recording has no such file. Throws std::invalid_argument with file and line.
-[[nodiscard]] std::vector<ClientAct> client_acts(const std::filesystem::path& folder,
-                                                 const std::string& wire);
+[[nodiscard]] std::vector<RecordedAct> client_acts(const std::filesystem::path& folder,
+                                                   const std::string& wire);
+/// What governed the run and changed it; likewise.
+[[nodiscard]] std::vector<RecordedAct> recorded_commands(const std::filesystem::path& folder);
 
 /// The same without looking at packets and messages: what its description says.
 [[nodiscard]] RecordingContents read_recording_description(const std::filesystem::path& folder);

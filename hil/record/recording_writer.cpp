@@ -138,10 +138,10 @@ struct RecordingWriter::Wire {
   std::uint64_t dropped = 0;    ///< By the wire, since the last packet.
 };
 
-RecordingWriter::RecordingWriter(const fs::path& folder, const RecordedRun& run,
+RecordingWriter::RecordingWriter(const fs::path& folder, RecordedRun run,
                                  std::vector<RecordedWire> wires, bool with_truth,
                                  const TellTrouble& tell)
-    : folder_(folder), run_(run) {
+    : folder_(folder), run_(std::move(run)) {
   totals_.wires.resize(wires.size());
   write_whole(folder_ / "rig.yaml", run_.configuration, tell);
   const pcapng::Section section{
@@ -152,6 +152,8 @@ RecordingWriter::RecordingWriter(const fs::path& folder, const RecordedRun& run,
     all_ = std::make_unique<BlockFile>(folder_ / "all.pcapng", tell);
     pcapng::append(all_->bytes(), section);
   }
+  commands_ = std::make_unique<BlockFile>(folder_ / "commands.log", tell);
+  hil::append(commands_->bytes(), "# seconds, and what governed the run\n");
   for (RecordedWire& about : wires) {
     auto wire = std::make_unique<Wire>();
     wire->index = static_cast<std::uint32_t>(wires_.size());
@@ -216,8 +218,8 @@ std::uint64_t RecordingWriter::unix_ns(SimTime at) const {
 void RecordingWriter::lost(std::uint16_t track, std::uint64_t count) {
   if (track < kTruthTracks) {
     totals_.lost_messages += count;
-  } else {
-    const std::size_t index = track - kTruthTracks;
+  } else if (track != kCommandTrack) {
+    const std::size_t index = track - wire_track(0);
     wires_[index]->not_there += count;
     totals_.wires[index].lost += count;
   }
@@ -232,7 +234,11 @@ void RecordingWriter::write(const RecordEntry& entry) {
     }
     return;
   }
-  const std::size_t index = entry.track - kTruthTracks;
+  if (entry.track == kCommandTrack) {
+    write_line(*commands_, entry);
+    return;
+  }
+  const std::size_t index = entry.track - wire_track(0);
   Wire& wire = *wires_[index];
   if ((entry.flags & kWireLost) != 0) {
     ++wire.dropped;
@@ -245,7 +251,7 @@ void RecordingWriter::write(const RecordEntry& entry) {
   }
   if ((entry.flags & kWireEnd) != 0) {
     if (wire.ends) {
-      write_end(wire, entry);
+      write_line(*wire.ends, entry);
     }
     return;
   }
@@ -330,11 +336,11 @@ void RecordingWriter::write_piece(Wire& wire, const RecordEntry& entry) {
   }
 }
 
-void RecordingWriter::write_end(Wire& wire, const RecordEntry& entry) {
+void RecordingWriter::write_line(BlockFile& file, const RecordEntry& entry) {
   const std::int64_t at_ns = entry.at.time_since_epoch().count();
-  hil::append(wire.ends->bytes(), fmt::format("{}.{:09} {}\n", at_ns / 1'000'000'000,
-                                              at_ns % 1'000'000'000, text_of(entry.bytes)));
-  wire.ends->end_unit(wire.index);
+  hil::append(file.bytes(), fmt::format("{}.{:09} {}\n", at_ns / 1'000'000'000,
+                                        at_ns % 1'000'000'000, text_of(entry.bytes)));
+  file.end_unit(0);
 }
 
 /// The index tells of bytes that are there.
@@ -367,6 +373,7 @@ void RecordingWriter::flush() {
   if (all_) {
     all_->flush();
   }
+  commands_->flush();
   for (const auto& wire : wires_) {
     wire->packets->flush();
     if (wire->frames) {
@@ -411,6 +418,9 @@ void RecordingWriter::write_description(std::optional<SimTime> end) const {
                               {"clock", run_.clock},
                               {"start_utc", run_.start_utc},
                               {"start_unix_ns", run_.start_unix_ns},
+                              {"begin_ns", run_.begin.time_since_epoch().count()},
+                              {"truth_begin_ns", run_.truth_begin.time_since_epoch().count()},
+                              {"clients_before", run_.clients_before},
                               {"configuration", "rig.yaml"}};
   if (messages_) {
     json["truth"] = "truth.mcap";

@@ -4,6 +4,8 @@
 //   FOLDER/rig.yaml            the effective configuration
 //   FOLDER/all.pcapng          every wire
 //   FOLDER/truth.mcap          truth, events, statistics, configuration
+//   FOLDER/commands.log        what governed the run and changed it: "SECONDS {"verb":"set",...}",
+//                              from the run's start on, so that a replay can do the same
 //   FOLDER/wires/NAME.pcapng   one wire
 //   FOLDER/wires/NAME.log      a CAN bus as candump -L -x writes it
 //   FOLDER/wires/NAME.bytes    what a device sent on a serial line
@@ -50,7 +52,10 @@ struct RecordedRun {
   std::string clock;
   std::string start_utc;
   std::int64_t start_unix_ns = 0;
-  std::string configuration;  ///< YAML.
+  std::string configuration;    ///< YAML.
+  SimTime begin{};              ///< What is due from here on is recorded.
+  SimTime truth_begin{};        ///< The truth from here on: it runs ahead of the wires.
+  bool clients_before = false;  ///< Clients had acted before, which nobody knows any more.
 };
 
 struct RecordedWire {
@@ -62,9 +67,11 @@ struct RecordedWire {
 /// Channels of the MCAP file, which are the first tracks of a recording.
 enum class TruthTrack : std::uint16_t { truth, transforms, location, statistics, events };
 inline constexpr std::uint16_t kTruthTracks = 5;
+/// Of lines of commands.log, without the instant.
+inline constexpr std::uint16_t kCommandTrack = kTruthTracks;
 /// The track of a wire by its index.
 [[nodiscard]] constexpr std::uint16_t wire_track(std::size_t wire) {
-  return static_cast<std::uint16_t>(kTruthTracks + wire);
+  return static_cast<std::uint16_t>(kCommandTrack + 1 + wire);
 }
 
 // Flags of an entry of a wire. Bytes are those of a packet of its link type, on a serial line those
@@ -91,7 +98,7 @@ class RecordingWriter {
  public:
   /// Makes the files in `folder`, which must be there and without them. `with_truth`: whether there
   /// is an MCAP. Throws drivers::EndpointError.
-  RecordingWriter(const std::filesystem::path& folder, const RecordedRun& run,
+  RecordingWriter(const std::filesystem::path& folder, RecordedRun run,
                   std::vector<RecordedWire> wires, bool with_truth, const TellTrouble& tell);
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;
@@ -111,7 +118,7 @@ class RecordingWriter {
   void write_packet(Wire& wire, const RecordEntry& entry);
   void write_piece(Wire& wire, const RecordEntry& entry);
   void write_frame(Wire& wire, const RecordEntry& entry);
-  static void write_end(Wire& wire, const RecordEntry& entry);
+  static void write_line(BlockFile& file, const RecordEntry& entry);
   void flush_serial(Wire& wire);
   void flush_messages();
   void write_description(std::optional<SimTime> end) const;
@@ -121,6 +128,7 @@ class RecordingWriter {
   RecordedRun run_;
   std::vector<std::unique_ptr<Wire>> wires_;
   std::unique_ptr<BlockFile> all_;  ///< Null while there is no wire.
+  std::unique_ptr<BlockFile> commands_;
   std::unique_ptr<RecordingFile> truth_;
   std::optional<protocols::mcap::Writer> messages_;
   RecordingTotals totals_;

@@ -64,6 +64,10 @@ std::string to_json(const RunReport& report) {
   json["peak_rss_mb"] = report.peak_rss_mb;
   json["clock_slips"] = report.outcome.slips;
   json["slipped_s"] = to_seconds(report.outcome.slipped);
+  if (report.clock.kind == ClockMode::Kind::drained) {
+    json["clients_waited_for_s"] = report.outcome.waited_s;
+    json["patience_expiries"] = report.outcome.expiries;
+  }
   json["overrun"] = {{"policy", kOverrunPolicies[static_cast<std::size_t>(report.overrun)]},
                      {"count", report.outcome.overruns},
                      {"first", Json::array()}};

@@ -116,6 +116,11 @@ void RunLog::say(LogLevel level, std::string_view text) {
   }
 }
 
+void RunLog::apart(LogLevel level, std::string_view text) {
+  const std::scoped_lock lock(mutex_);
+  logger_->log(level_of(level), printable(text));
+}
+
 void complain(const std::string& text, std::chrono::milliseconds patience) {
   const std::string line = "rigwire: " + printable(text, "\n") + "\n";
   // Nobody is left to be told when this fails, too.

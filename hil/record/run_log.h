@@ -54,6 +54,9 @@ class RunLog {
   void warning(std::string_view text) { say(LogLevel::warning, text); }
   void error(std::string_view text) { say(LogLevel::error, text); }
 
+  /// A line that whoever is informed hears of otherwise.
+  void apart(LogLevel level, std::string_view text);
+
   /// Where the simulated time of the lines to come is from, called by whoever logs; empty: they
   /// have none.
   void follow(std::function<SimTime()> now);

@@ -85,6 +85,13 @@ std::string truth_line(const TruthRecord& record, const Calendar& calendar,
     }
     line += '}';
   }
+  if (!record.hand.empty()) {
+    line += R"(,"hand":[)";
+    for (const std::string_view& name : record.hand) {
+      line += fmt::format(R"({}"{}")", &name == record.hand.data() ? "" : ",", name);
+    }
+    line += ']';
+  }
   if (!record.antennas.empty()) {
     line += R"(,"antenna":)" + place(record.antennas.front().place) + R"(,"antennas":{)";
     for (std::size_t i = 0; i < record.antennas.size(); ++i) {

@@ -14,9 +14,11 @@
 #include "hil/files/geoid_file.h"
 #include "hil/files/mesh_file.h"
 #include "hil/record/camera_truth_tap.h"
+#include "hil/record/contact_watch.h"
 #include "hil/record/lidar_truth_tap.h"
 #include "hil/record/truth_tap.h"
 #include "hil/wires/can_hop.h"
+#include "hil/wires/client_drain.h"
 #include "hil/wires/outlets.h"
 #include "hil/wires/rig_usb.h"
 #include "hil/world/camera_surroundings.h"
@@ -406,11 +408,15 @@ void Rig::number_faults() {
 void Rig::record(const std::string& wire, std::size_t first,
                  const drivers::EndpointStatus& endpoint) {
   WireTap* tap = nullptr;
-  for (std::size_t i = first; recorder_ != nullptr && i < executive_.outlets().size(); ++i) {
+  for (std::size_t i = first; i < executive_.outlets().size(); ++i) {
     // Every outlet of a rig is a QueuedOutlet.
     auto& outlet = dynamic_cast<QueuedOutlet&>(*executive_.outlets()[i]);
+    outlets_.emplace_back(wire, &outlet);
+    if (recorder_ == nullptr) {
+      continue;
+    }
     if (i == first) {
-      tap = recorder_->add_wire(wire, outlet.kind(), endpoint.address);
+      tap = &recorder_->add_wire(wire, outlet.kind(), endpoint.address);
     }
     if (tap != nullptr) {
       recorder_->join(*tap, outlet);
@@ -437,9 +443,12 @@ void Rig::open_taps(const TruthFiles& files) {
         configuration_.truth.period);
   }
   if (recorder_ != nullptr) {
-    if (auto observer = recorder_->truth_observer(calendar_, world_.machine().truth_fields(),
-                                                  world_.machine().link_names())) {
-      world_.add_truth_observer(std::move(observer), configuration_.truth.period);
+    world_.add_truth_observer(recorder_->truth_observer(calendar_, world_.machine().truth_fields(),
+                                                        world_.machine().link_names()),
+                              configuration_.truth.period);
+    if (world_.machine().contact_report() != nullptr) {
+      world_.add_truth_observer(std::make_unique<ContactWatch>(recorder_->events()),
+                                configuration_.truth.period);
     }
   }
   if (!files.lidar.empty()) {
@@ -523,6 +532,12 @@ void Rig::open_modbus_line(const std::string& name, const ModbusLineConfiguratio
   line->start(executive_);
   record(name, first, line->endpoint());
   modbus_lines_.emplace(name, std::move(line));
+}
+
+void Rig::watch_clients(ClientDrain& drain) const {
+  for (const auto& [name, outlet] : outlets_) {
+    drain.watch(name, *outlet);
+  }
 }
 
 std::vector<std::string> Rig::wires() const {

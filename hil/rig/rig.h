@@ -99,6 +99,7 @@ void check_start(const LoadedRig& rig, RunLog* log = nullptr);
                                        const MountConfiguration& mount);
 
 class CameraSurroundings;
+class ClientDrain;
 class RigUsb;
 
 /// Where ground truth goes.
@@ -137,7 +138,10 @@ class Rig {
 
   [[nodiscard]] Executive& executive() { return executive_; }
   [[nodiscard]] const TruthSource& truth() const { return world_; }
+  [[nodiscard]] Hand& hand() { return world_.hand(); }
 
+  /// Every wire that a client can be at.
+  void watch_clients(ClientDrain& drain) const;
   /// What carries each bus, and why it was chosen; what a device says of its wire. A line each.
   [[nodiscard]] std::vector<std::string> wires() const;
   /// On the thread that runs the executive; `wall_s` is filled by the caller.
@@ -180,6 +184,7 @@ class Rig {
   std::shared_ptr<CameraSurroundings> surroundings_;
   SimulatedWorld world_;
   Executive executive_;
+  std::vector<std::pair<std::string, const QueuedOutlet*>> outlets_;  ///< With their wires' names.
   std::map<std::string, std::unique_ptr<Bus>> buses_;
   std::map<std::string, std::unique_ptr<RigModbus>> modbus_lines_;
   std::vector<NamedDevice> devices_;

@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "drivers/untaken.h"
 #include "protocols/bytes.h"
 
 namespace rigwire::hil {
@@ -44,6 +45,15 @@ protocols::can::Frame frame_of(std::span<const std::uint8_t> unit) {
   return frame;
 }
 
+/// Of a terminal's client: its address is a path, of an adapter behind its protocol.
+std::optional<std::size_t> untaken_at(const drivers::EndpointStatus& endpoint) {
+  const std::size_t path = endpoint.address.find('/');
+  if (!endpoint.client_present || path == std::string::npos) {
+    return std::nullopt;
+  }
+  return drivers::untaken_bytes(endpoint.address.substr(path));
+}
+
 ControllerReport report_of(std::span<const std::uint8_t> unit) {
   ControllerReport report;
   std::memcpy(&report, unit.data(), sizeof report);
@@ -62,6 +72,7 @@ void QueuedOutlet::transmit_front(std::optional<Duration> lateness) {
   WireStatistics& statistics = *unit.statistics;
   statistics.hash.add(unit.due, unit.bytes);
   const bool taken = transmit(unit.tag, unit.bytes);
+  ++left_;
   if (taken) {
     ++statistics.units;
     statistics.bytes += unit.bytes.size();
@@ -137,6 +148,10 @@ void StreamOutlet::start(drivers::ByteStream::Receiver receiver) {
   });
 }
 
+std::optional<std::size_t> StreamOutlet::untaken() const {
+  return untaken_at(stream_.status());
+}
+
 bool StreamOutlet::give(const WirePiece& piece) {
   if (const auto* bytes = std::get_if<SerialPiece>(&piece); bytes != nullptr && receiver_) {
     receiver_(bytes->bytes);
@@ -167,6 +182,10 @@ void DatagramOutlet::tell_of(WireTap& tap, SimTime due, std::uint64_t /*tag*/,
     ends.own.port = ends.destination.port;
   }
   tap.sent(due, DatagramPiece{ends.own, ends.destination, bytes});
+}
+
+std::optional<std::size_t> DatagramOutlet::untaken() const {
+  return drivers::untaken_datagrams(socket_.ends().destination);
 }
 
 AddressedOutlet::AddressedOutlet(drivers::DatagramPort& port, WireStatistics& statistics,
@@ -203,7 +222,12 @@ void AddressedOutlet::send(SimTime due, const emulators::UdpEnd& to,
 }
 
 bool AddressedOutlet::transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) {
-  return is_cut_off() || port_->send(end_of(tag), bytes, (tag & 1U) != 0);
+  last_to_ = end_of(tag);
+  return is_cut_off() || port_->send(last_to_, bytes, (tag & 1U) != 0);
+}
+
+std::optional<std::size_t> AddressedOutlet::untaken() const {
+  return drivers::untaken_datagrams(last_to_);
 }
 
 void AddressedOutlet::tell_of(WireTap& tap, SimTime due, std::uint64_t tag,
@@ -308,6 +332,10 @@ void FrameOutlet::start(drivers::CanBus::Receiver receiver) {
       arrive(frame);
     }
   });
+}
+
+std::optional<std::size_t> FrameOutlet::untaken() const {
+  return untaken_at(bus_.status());
 }
 
 bool FrameOutlet::give(const WirePiece& piece) {

@@ -32,6 +32,12 @@ class QueuedOutlet : public Outlet {
   void tell(WireTap& tap) { tap_ = &tap; }
   [[nodiscard]] virtual WireKind kind() const = 0;
 
+  /// How much of what left here its clients have not taken, in bytes, as far as the system tells;
+  /// nothing where it does not, and where nobody is there (drivers/untaken.h).
+  [[nodiscard]] virtual std::optional<std::size_t> untaken() const { return std::nullopt; }
+  /// How many units have left so far.
+  [[nodiscard]] std::uint64_t left() const { return left_; }
+
   /// From now on nobody is on the wire: what leaves is taken and told to the tap, and reaches no
   /// endpoint; what comes from the endpoint is not heard.
   void cut_off() { cut_off_ = true; }
@@ -67,6 +73,7 @@ class QueuedOutlet : public Outlet {
 
   WireTap* tap_ = nullptr;
   EmissionQueue queue_;
+  std::uint64_t left_ = 0;
   bool apart_ = false;
   bool cut_off_ = false;
   SimTime last_due_{};   ///< Of the unit that left last,
@@ -83,6 +90,7 @@ class StreamOutlet final : public QueuedOutlet, public emulators::ByteOutput {
   void start(drivers::ByteStream::Receiver receiver);
   void send(SimTime due, std::span<const std::uint8_t> bytes) override;
   [[nodiscard]] WireKind kind() const override { return WireKind::serial; }
+  [[nodiscard]] std::optional<std::size_t> untaken() const override;
 
  private:
   bool give(const WirePiece& piece) override;
@@ -101,6 +109,7 @@ class DatagramOutlet final : public QueuedOutlet, public emulators::ByteOutput {
   DatagramOutlet(drivers::DatagramSocket& socket, WireStatistics& statistics);
   void send(SimTime due, std::span<const std::uint8_t> bytes) override;
   [[nodiscard]] WireKind kind() const override { return WireKind::ethernet; }
+  [[nodiscard]] std::optional<std::size_t> untaken() const override;
 
  private:
   bool transmit(std::uint64_t tag, std::span<const std::uint8_t> bytes) override;
@@ -125,6 +134,7 @@ class AddressedOutlet final : public QueuedOutlet, public emulators::DatagramOut
   /// From now on they leave there; it must outlive the outlet.
   void lead_to(drivers::DatagramPort& port) { port_ = &port; }
   [[nodiscard]] WireKind kind() const override { return WireKind::ethernet; }
+  [[nodiscard]] std::optional<std::size_t> untaken() const override;
 
  private:
   bool give(const WirePiece& piece) override;
@@ -133,6 +143,7 @@ class AddressedOutlet final : public QueuedOutlet, public emulators::DatagramOut
                std::span<const std::uint8_t> bytes) override;
   drivers::DatagramPort* port_;
   WireStatistics& statistics_;
+  drivers::IpEnd last_to_;  ///< Where a datagram went last.
   drivers::DatagramPort::Receiver receiver_;
 };
 
@@ -181,6 +192,7 @@ class FrameOutlet final : public QueuedOutlet {
   /// Confirmations and reports: `units` handed over, `dropped` refused.
   [[nodiscard]] const WireStatistics& controller_statistics() const { return controller_; }
   [[nodiscard]] WireKind kind() const override { return WireKind::can; }
+  [[nodiscard]] std::optional<std::size_t> untaken() const override;
 
  private:
   bool give(const WirePiece& piece) override;

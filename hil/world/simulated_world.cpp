@@ -49,6 +49,7 @@ SimulatedWorld::SimulatedWorld(const WorldSettings& settings, MachineInScene con
   }
   truth_.machine.resize(numbers);
   truth_.links.resize(content_.machine->links().size());
+  hand_ = std::make_unique<Hand>(*content_.machine);
 }
 
 SimulatedWorld::~SimulatedWorld() = default;
@@ -79,9 +80,11 @@ std::optional<std::string> SimulatedWorld::advance(const TruthRequests& requests
   batch.clear();
   batch.from = frontier_;
   batch.until = frontier_ + settings_.slice;
+  hand_->lift();
   for (const auto& sensor : sensors_) {
     sensor->take(frontier_, requests);
   }
+  hand_->lay(frontier_, requests);
   slice_start_ = after_;
   for (SimTime t0 = frontier_; t0 < batch.until; t0 += settings_.step) {
     if (auto fault = step_machine()) {
@@ -236,6 +239,7 @@ void SimulatedWorld::fill_truth(const WorldStep& step, SimTime time) {
       truth_.moved.push_back({loose->name(i), loose->motion(i)});
     }
   }
+  truth_.hand = hand_->held();
   truth_.antennas.clear();
   for (const auto& sensor : sensors_) {
     sensor->tell(step, time, truth_);

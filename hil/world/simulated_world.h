@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "hil/executive/truth_source.h"
+#include "hil/world/hand.h"
 #include "hil/world/truth_observer.h"
 #include "hil/world/world_sensor.h"
 #include "sim/machine.h"
@@ -69,6 +70,9 @@ class SimulatedWorld final : public TruthSource {
   [[nodiscard]] sim::Scene::InstanceId terrain() const { return content_.terrain; }
   /// For sensors that stand at its ports; lives as long as the world, also when that is moved.
   [[nodiscard]] sim::Machine& machine() { return *content_.machine; }
+  /// On the machine's sticks, beside the devices; lives as long as the world, also when that is
+  /// moved.
+  [[nodiscard]] Hand& hand() { return *hand_; }
   [[nodiscard]] Duration slice() const override { return settings_.slice; }
   void begin(bool paced) override { paced_ = paced; }
   std::optional<std::string> advance(const TruthRequests& requests, SampleBatch& batch) override;
@@ -99,6 +103,7 @@ class SimulatedWorld final : public TruthSource {
   };
   std::vector<Told> told_;
   std::unique_ptr<CameraTruthObserver> camera_observer_;
+  std::unique_ptr<Hand> hand_;
   TruthRecord truth_;  ///< Filled anew each time.
 
   SimTime frontier_ = kStart;

@@ -58,6 +58,7 @@ struct TruthRecord {
   std::vector<double> machine;           ///< In the order of the machine's truth fields.
   std::optional<ContactTruth> contact;   ///< Of machines that meet obstacles.
   std::vector<MovedBodyTruth> moved;
+  std::vector<std::string_view> hand;  ///< Set points that a hand holds (hil/world/hand.h).
   std::vector<AntennaTruth> antennas;  ///< In the order in which their sensors were added.
 };
 

@@ -13,6 +13,8 @@ RIGWIRE, then in the path. Simulated times are seconds; `time_ns` is exact.
 
 from rigwire.rig import (
     DeviceStatus,
+    Event,
+    Events,
     Fault,
     FaultWindow,
     Machine,
@@ -28,6 +30,8 @@ from rigwire.rig import (
 
 __all__ = [
     "DeviceStatus",
+    "Event",
+    "Events",
     "Fault",
     "FaultWindow",
     "Machine",

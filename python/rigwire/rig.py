@@ -9,7 +9,8 @@ import shutil
 import socket
 import subprocess
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -96,6 +97,29 @@ class FaultWindow:
 @dataclass(frozen=True)
 class Fault(FaultWindow):
     id: int  #: Number within the run.
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened in the run."""
+
+    number: int
+    time_ns: int
+    kind: str  #: "fault_begun", "contact_begun", "client_came", ...
+    level: str
+    where: str  #: A device, wire or part of the machine; empty: the run.
+    text: str
+
+    @property
+    def time(self) -> float:
+        return self.time_ns * 1e-9
+
+
+class Events(list[Event]):
+    """Events in the order of their numbers."""
+
+    last: int = 0  #: Number of the newest there is, to be the next `since`.
+    lost: int = 0  #: How many after `since` are kept no longer.
 
 
 @dataclass(frozen=True)
@@ -314,6 +338,44 @@ class Rig:
     def fault_kinds(self) -> dict[str, dict[str, str]]:
         """What can go wrong where: by target the kinds, each with a sentence."""
         return {on: dict(kinds) for on, kinds in self.ask("fault_list")["targets"].items()}
+
+    def events(self, since: int = 0, *, wait: bool = False) -> Events:
+        """What happened after the event of number `since`; with `wait` when there is a newer one."""
+        reply = self.ask("events", since=since, wait=wait)
+        events = Events(Event(**event) for event in reply["events"])
+        events.last = reply["last"]
+        events.lost = reply["lost"]
+        return events
+
+    @contextmanager
+    def record(self, folder: str | Path, only: Sequence[str] | None = None) -> Iterator[Path]:
+        """Records the run into a folder that is new or empty, while the block lasts."""
+        path = Path(folder).absolute()
+        self.start_recording(path, only)
+        try:
+            yield path
+        finally:
+            try:
+                self.stop_recording()
+            except RunEnded:
+                pass  # the recording ended with the run
+
+    def start_recording(self, folder: str | Path, only: Sequence[str] | None = None) -> None:
+        """Raises Refused while there is a recording, or where the folder cannot be had."""
+        self.ask("record", folder=str(Path(folder).absolute()), only=list(only) if only else None)
+
+    def stop_recording(self) -> float:
+        """Ends the recording; returns its last instant."""
+        return float(self.ask("record", stop=True)["end_ns"]) * 1e-9
+
+    def set(self, **values: float | bool | str | None) -> float:
+        """Set points of the machine by hand, beside the client's, as numbers in the key's unit or
+        text with one ("20 km/h"); None lets one go. Returns when they act."""
+        return float(self.ask("set", set=values)["acts_from_ns"]) * 1e-9
+
+    def release(self, *names: str) -> float:
+        """Lets set points go to the client again."""
+        return self.set(**dict.fromkeys(names))
 
     def stop(self) -> dict[str, Any]:
         """Ends the run; returns its report."""

@@ -60,11 +60,14 @@ COMMANDS = [
     # Recordings; the run's is the first of them.
     (r"rigwire run excavator_pit --clock free --duration 20s --record \S+", "ends", None, None),
     (r"rigwire record (info|cut) .*", "ends", None, "/truth"),
+    (r"rigwire record export .*", "ends", None, "rows of truth"),
     (r"tshark -r /tmp/rigwire/dig/all\.pcapng .*", "ends", None, "J1939"),
     (r"gpsdecode < /tmp/rigwire/dig/\S+", "ends", None, "TPV"),
     (r"rigwire replay /tmp/rigwire/dig --verify", "ends", None, "equal"),
     (r"rigwire replay /tmp/rigwire/dig --from 1s --to 4s", "ends", None, None),
     (r"rigwire run excavator_pit --isolated \S+", "goes on", None, None),
+    (r"rigwire run excavator_pit --clock drained .*", "an hour; control_process_test.cpp waits for clients",
+     None, None),
     # Rigs and field programs.
     (r"build/find_rocks --camera 127\.0\.0\.3 .*", "goes on", ("unimog_vision",), None),
     (r"build/find_rocks --mount .*", "goes on", ("excavator_vision",), None),

@@ -5,12 +5,16 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "child_process.h"
@@ -227,6 +231,197 @@ TEST_F(ControlProcess, IsolatedRunsOfOneRigStandSideBySideAndSendItsBytes) {
   const Done again = program(run({"--isolated", (folder_ / "one").string(), "--duration", "1ms"}));
   EXPECT_EQ(again.code, 3);
   EXPECT_THAT(again.output, HasSubstr("new or empty"));
+}
+
+TEST_F(ControlProcess, EventsAreTheSameThroughEveryDoorAndInTheRecording) {
+  ChildProcess rig(run({"--clock", "step", "--control", socket()}), folder_ / "log");
+  ASSERT_TRUE(eventually([&] { return fs::exists(folder_ / "control"); }, 20s)) << rig.output();
+  ChildProcess follower({kProgram, "ctl", socket(), "events", "--follow"}, folder_ / "followed");
+  EXPECT_EQ(ctl({"record", (folder_ / "take").string()}).code, 0);
+  EXPECT_EQ(ctl({"fault_add", "on=gnss", "fault={type: jamming, at: 100 ms, for: 200 ms}"}).code,
+            0);
+  EXPECT_EQ(ctl({"wait", "quantity=bom", "value=1"}).code, 2);
+  EXPECT_EQ(ctl({"run_until", "time=500ms"}).code, 0);
+  EXPECT_EQ(ctl({"record", "--stop"}).code, 0);
+  const Json all = Json::parse(ctl({"events"}).output);
+  std::vector<std::string> kinds;
+  for (const Json& event : all["events"]) {
+    kinds.push_back(event["kind"]);
+  }
+  EXPECT_THAT(kinds, testing::ElementsAre("recording_began", "refused", "fault_begun",
+                                          "fault_ended", "recording_ended"));
+  EXPECT_EQ(all["events"][2]["time_ns"], 100'000'000);
+  EXPECT_EQ(all["events"][2]["where"], "gnss");
+  EXPECT_THAT(all["events"][1]["text"].get<std::string>(), HasSubstr("quantity"));
+  EXPECT_EQ(all["lost"], 0);
+  const Json later = Json::parse(ctl({"events", "since=3"}).output);
+  EXPECT_EQ(later["events"][0]["kind"], "fault_ended");
+  EXPECT_EQ(ctl({"stop"}).code, 0);
+  EXPECT_EQ(rig.wait(20s), 0) << rig.output();
+  EXPECT_EQ(follower.wait(20s), 0);
+  EXPECT_EQ(std::ranges::count(follower.output(), '\n'), 5) << follower.output();
+  const Done info = program({kProgram, "record", "info", (folder_ / "take").string(), "--json"});
+  // From its beginning to its end.
+  EXPECT_EQ(Json::parse(info.output)["channels"]["/events"]["messages"], 5) << info.output;
+}
+
+TEST_F(ControlProcess, ARecordingInTheMiddleOfARunVerifiesWithWhatAHandSet) {
+  ChildProcess rig(run({"--clock", "step", "--control", socket()}), folder_ / "log");
+  ASSERT_TRUE(eventually([&] { return fs::exists(folder_ / "control"); }, 20s)) << rig.output();
+  const std::string take = (folder_ / "take").string();
+  EXPECT_EQ(ctl({"run_until", "time=500333us"}).code, 0);
+  EXPECT_EQ(ctl({"set", "boom=0.6", "swing=-20%"}).code, 0);
+  EXPECT_EQ(ctl({"run_until", "time=1000500us"}).code, 0);
+  EXPECT_EQ(ctl({"record", take}).code, 0);
+  const Done second = ctl({"record", (folder_ / "other").string()});
+  EXPECT_EQ(second.code, 1);
+  EXPECT_THAT(second.output, HasSubstr("a recording is on its way"));
+  EXPECT_EQ(ctl({"run_until", "time=1700ms"}).code, 0);
+  EXPECT_EQ(ctl({"set", "boom="}).code, 0);
+  EXPECT_EQ(ctl({"fault_add", "on=gnss", "fault={type: jamming, for: 200 ms}"}).code, 0);
+  EXPECT_EQ(ctl({"run_until", "time=2600700us"}).code, 0);
+  const Done stopped = ctl({"record", "--stop"});
+  EXPECT_EQ(Json::parse(stopped.output)["end_ns"], 2'600'700'000);
+  EXPECT_EQ(ctl({"record", "--stop"}).code, 1);
+  EXPECT_EQ(ctl({"record", (folder_ / "other").string(), "--only", "truth"}).code, 0);
+  EXPECT_EQ(ctl({"step", "length=1s"}).code, 0);
+  EXPECT_EQ(ctl({"stop"}).code, 0);
+  EXPECT_EQ(rig.wait(20s), 0) << rig.output();
+  const Json about = Json::parse(std::ifstream(folder_ / "take/recording.json"));
+  EXPECT_EQ(about["begin_ns"], 1'000'500'001);
+  const Done verified = program({kProgram, "replay", take, "--verify"}, 120s);
+  EXPECT_EQ(verified.code, 0) << verified.output;
+  const Done next = program({kProgram, "replay", (folder_ / "other").string(), "--verify"}, 120s);
+  EXPECT_EQ(next.code, 0) << next.output;
+  // Without what the hand did it is another run.
+  std::ofstream(folder_ / "take/commands.log") << "# nothing\n";
+  const Done other = program({kProgram, "replay", take, "--verify"}, 120s);
+  EXPECT_EQ(other.code, 5) << other.output;
+}
+
+TEST_F(ControlProcess, AHandRaisesTheBoomAndWhatItCannotSetIsRefused) {
+  ChildProcess rig(
+      run({"--clock", "step", "--control", socket(), "--truth", (folder_ / "truth").string()}),
+      folder_ / "log");
+  ASSERT_TRUE(eventually([&] { return fs::exists(folder_ / "control"); }, 20s)) << rig.output();
+  const auto boom = [&] {
+    return Json::parse(ctl({"read"}).output)["machine"]["quantities"]["boom"]["value"]
+        .get<double>();
+  };
+  EXPECT_EQ(ctl({"run_until", "time=500ms"}).code, 0);
+  const double at_first = boom();
+  const Done wide = ctl({"set", "boom=1.5"});
+  EXPECT_EQ(wide.code, 2);
+  EXPECT_THAT(wide.output, HasSubstr("-1 .. 1"));
+  const Done unit = ctl({"set", "boom=3 bar"});
+  EXPECT_EQ(unit.code, 2);
+  const Done name = ctl({"set", "bom=0.5"});
+  EXPECT_EQ(name.code, 2);
+  EXPECT_THAT(name.output, HasSubstr("boom"));
+  EXPECT_EQ(ctl({"set", "on=gnss", "rate=5"}).code, 2);
+  EXPECT_EQ(ctl({"set"}).code, 2);
+  EXPECT_EQ(ctl({"run_until", "time=600ms"}).code, 0);
+  EXPECT_NEAR(boom(), at_first, 0.2) << "a refused request moved the machine";
+  const Json done = Json::parse(ctl({"set", "boom=0.8"}).output);
+  EXPECT_GE(done["acts_from_ns"], 600'000'000);
+  EXPECT_LE(done["acts_from_ns"], 602'000'001);
+  EXPECT_EQ(ctl({"run_until", "time=2s"}).code, 0);
+  const double raised = boom();
+  EXPECT_GT(raised, at_first + 2.0);
+  EXPECT_EQ(ctl({"set", "boom=null"}).code, 0);
+  EXPECT_EQ(ctl({"run_until", "time=3s"}).code, 0);
+  const double let_go = boom();
+  EXPECT_EQ(ctl({"run_until", "time=4s"}).code, 0);
+  EXPECT_NEAR(boom(), let_go, 0.5) << "the client's set point, neutral, holds again";
+  const Json events = Json::parse(ctl({"events"}).output)["events"];
+  EXPECT_EQ(std::ranges::count(events, "set", [](const Json& e) { return e["kind"]; }), 1);
+  EXPECT_EQ(std::ranges::count(events, "released", [](const Json& e) { return e["kind"]; }), 1);
+  EXPECT_EQ(ctl({"stop"}).code, 0);
+  EXPECT_EQ(rig.wait(20s), 0) << rig.output();
+  std::ifstream truth(folder_ / "truth");
+  std::size_t by_hand = 0;
+  for (std::string line; std::getline(truth, line);) {
+    by_hand += line.find(R"("hand":["boom"])") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_NEAR(static_cast<double>(by_hand) * 0.01, 2.4, 0.05);
+}
+
+TEST_F(ControlProcess, AtAPortARecordingStaysBelowTheRunsFolder) {
+  ::setenv("RIGWIRE_CONTROL_TOKEN", "secret", 1);
+  fs::create_directory(folder_ / "own");
+  const std::string log = (folder_ / "log").string();
+  ChildProcess rig(
+      {"/usr/bin/env", "-C", (folder_ / "own").string(), kProgram, "run",
+       (folder_ / "rig.yaml").string(), "--status", "none", "--control", "127.0.0.1:0"},
+      log);
+  std::string at;
+  ASSERT_TRUE(eventually(
+      [&] {
+        const std::string text = rig.output();
+        const auto begin = text.find("control at ");
+        const auto comma = text.find(", token ", begin);
+        at = comma == std::string::npos ? "" : text.substr(begin + 11, comma - begin - 11);
+        return !at.empty();
+      },
+      20s));
+  for (const std::string& folder : {(folder_ / "else").string(), std::string("../else")}) {
+    const Done refused = program({kProgram, "ctl", at, "record", folder});
+    EXPECT_EQ(refused.code, 1) << folder;
+    EXPECT_THAT(refused.output, HasSubstr("below"));
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "else"));
+  EXPECT_EQ(program({kProgram, "ctl", at, "record", "take"}).code, 0);
+  EXPECT_TRUE(fs::exists(folder_ / "own/take/recording.json"));
+  ::unsetenv("RIGWIRE_CONTROL_TOKEN");
+}
+
+TEST_F(ControlProcess, TheClockThatWaitsForItsClientsLosesNothingToASlowReader) {
+  const std::string report = (folder_ / "report.json").string();
+  ChildProcess rig(
+      run({"--clock", "drained", "--duration", "120s", "--control", socket(), "--report", report}),
+      folder_ / "log");
+  ASSERT_TRUE(eventually([&] { return fs::exists(folder_ / "control"); }, 20s)) << rig.output();
+  const int line = ::open((folder_ / "gnss").c_str(), O_RDONLY | O_NOCTTY);
+  ASSERT_GE(line, 0);
+  EXPECT_EQ(ctl({"resume"}).code, 0);
+  std::size_t bytes = 0;
+  std::array<char, 256> piece{};
+  // At most 256 kB/s, while nobody holds the run back; to the end of the line.
+  for (ssize_t count = 0; (count = ::read(line, piece.data(), piece.size())) > 0;) {
+    bytes += static_cast<std::size_t>(count);
+    std::this_thread::sleep_for(1ms);
+  }
+  ::close(line);
+  ASSERT_EQ(rig.wait(60s), 0) << rig.output();
+  const Json json = Json::parse(std::ifstream(report));
+  EXPECT_EQ(json["clock"], "drained");
+  EXPECT_EQ(json["devices"]["gnss"]["dropped"], 0);
+  EXPECT_EQ(json["patience_expiries"], 0);
+  EXPECT_GT(json["clients_waited_for_s"], 0.0);
+  EXPECT_EQ(bytes, json["devices"]["gnss"]["bytes"].get<std::size_t>());
+}
+
+TEST_F(ControlProcess, AReaderThatStoppedCostsThePatienceOnceAndIsTold) {
+  ChildProcess rig(run({"--clock", "drained", "--patience", "50 ms", "--control", socket()}),
+                   folder_ / "log");
+  ASSERT_TRUE(eventually([&] { return fs::exists(folder_ / "control"); }, 20s)) << rig.output();
+  const int line = ::open((folder_ / "gnss").c_str(), O_RDONLY | O_NOCTTY);
+  ASSERT_GE(line, 0);
+  EXPECT_EQ(ctl({"resume"}).code, 0);
+  ASSERT_TRUE(eventually(
+      [&] {
+        const Json state = Json::parse(ctl({"state"}).output);
+        return state["time_ns"] > 60'000'000'000;
+      },
+      60s))
+      << "one that does not read holds the run up for ever";
+  const Json events = Json::parse(ctl({"events"}).output)["events"];
+  EXPECT_EQ(std::ranges::count(events, "impatient", [](const Json& e) { return e["kind"]; }), 1)
+      << events;
+  ::close(line);
+  EXPECT_EQ(ctl({"stop"}).code, 0);
+  EXPECT_EQ(rig.wait(20s), 0) << rig.output();
+  EXPECT_EQ(program(run({"--clock", "free", "--patience", "1 s"})).code, 2);
 }
 
 TEST_F(ControlProcess, TheExamplesForPytestPass) {

@@ -373,5 +373,43 @@ TEST(Executive, AnotherPaceIsTakenWhileItRuns) {
   EXPECT_EQ(rig.statistics.units, 6000U);
 }
 
+/// Events at every millisecond, which may not come before the gate opens.
+TEST(Executive, AFreeRunThatWaitsGoesOnWhenItsClientsHaveTakenAll) {
+  boost::asio::io_context io;
+  MoistGround truth;
+  Executive executive(io, truth);
+  int refusals = 3;
+  int expiries = 0;
+  std::vector<SimTime> asked;
+  ClientPatience clients;
+  clients.patience = 10s;
+  clients.taken = [&] {
+    asked.push_back(executive.now());
+    return refusals-- <= 0;
+  };
+  clients.expired = [&] { ++expiries; };
+  const RunOutcome outcome = executive.run_free(kStart + 6ms, clients);
+  EXPECT_EQ(asked, (std::vector<SimTime>{kStart + 2ms, kStart + 2ms, kStart + 2ms, kStart + 2ms,
+                                         kStart + 4ms, kStart + 6ms}));
+  EXPECT_EQ(expiries, 0);
+  EXPECT_EQ(outcome.expiries, 0U);
+  EXPECT_GT(outcome.waited_s, 0.0);
+}
+
+TEST(Executive, APatienceThatExpiresIsCountedAndTheRunGoesOn) {
+  boost::asio::io_context io;
+  MoistGround truth;
+  Executive executive(io, truth);
+  int expiries = 0;
+  ClientPatience clients;
+  clients.patience = 1ms;
+  clients.taken = [&] { return false; };
+  clients.expired = [&] { ++expiries; };
+  const RunOutcome outcome = executive.run_free(kStart + 6ms, clients);
+  EXPECT_EQ(outcome.reached, kStart + 6ms);
+  EXPECT_EQ(expiries, 3);
+  EXPECT_EQ(outcome.expiries, 3U);
+}
+
 }  // namespace
 }  // namespace rigwire::hil

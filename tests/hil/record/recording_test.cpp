@@ -13,6 +13,7 @@
 #include <string>
 
 #include "drivers/endpoints.h"
+#include "hil/record/recording_export.h"
 #include "protocols/pcapng/link_packet.h"
 
 namespace rigwire::hil {
@@ -265,6 +266,30 @@ TEST_F(Recording, ADiskThatIsFullForAWhileLeavesAGapThatIsTold) {
   EXPECT_EQ(contents.wires[kCan].lost, 20U);
   ASSERT_EQ(contents.notes.size(), 1U);
   EXPECT_EQ(contents.notes[0].text, "20 before this were not recorded");
+}
+
+TEST_F(Recording, AMemberThatOnlyLaterMessagesHaveIsAColumnOfAll) {
+  auto recording = writer("a");
+  const auto say = [&](SimTime at, TruthTrack track, const std::string& text) {
+    recording->write({static_cast<std::uint16_t>(track),
+                      0,
+                      at,
+                      {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}});
+  };
+  say(kStart + 10ms, TruthTrack::truth,
+      R"({"sim_s":0.01,"joint_rad":[0.5,-1e-3],"utc":"a \"b\""})");
+  say(kStart + 15ms, TruthTrack::events, R"({"message":"no row of this"})");
+  say(kStart + 20ms, TruthTrack::truth,
+      R"({"sim_s":0.02,"joint_rad":[1,2],"contact":{"body":"boom"}})");
+  recording->finish(kStart + 1s);
+  EXPECT_EQ(export_csv(folder_ / "a", TruthTrack::truth, folder_ / "truth.csv"), 2U);
+  EXPECT_EQ(text("truth.csv"),
+            "sim_s,joint_rad.0,joint_rad.1,utc,contact.body\n"
+            "0.010000000,0.5,-0.001,\"a \"\"b\"\"\",\n"
+            "0.020000000,1,2,,\"boom\"\n");
+  EXPECT_EQ(export_csv(folder_ / "a", TruthTrack::location, folder_ / "none.csv"), 0U);
+  EXPECT_THROW(export_csv(folder_ / "a", TruthTrack::truth, folder_ / "no/folder.csv"),
+               drivers::EndpointError);
 }
 
 }  // namespace

@@ -1,0 +1,105 @@
+// What happens in a run, as a list of events with simulated instants: faults, slips, contacts,
+// clients that come and go, what was refused, set by hand, recorded. Everybody who wants the list
+// has this one: the control surface by number, a recording as it grows.
+//
+// Order. Events are numbered from 1 as they are told. What the truth tells lies ahead of the wires
+// and waits until their time has reached it, so that the instants rise but for what is told while
+// it happens beside simulated time (a warning of the log).
+//
+// Memory. The newest kKept are kept; who asks for older ones is told how many are lost to it.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "hil/executive/event_source.h"
+#include "hil/record/run_log.h"
+#include "sim/samples/time.h"
+
+namespace rigwire::hil {
+
+enum class EventKind : std::uint8_t {
+  fault_begun,
+  fault_ended,
+  slipped,        ///< The host was too slow for the clock.
+  impatient,      ///< Clients that did not take what was sent are not waited for any longer.
+  contact_begun,  ///< Something solid began to push the machine.
+  contact_ended,  ///< Nothing has pushed it for a while.
+  client_came,    ///< A client opened a wire.
+  client_left,
+  set,       ///< A hand set a set point of the machine.
+  released,  ///< A hand let one go.
+  refused,   ///< A request to the control surface was not carried out.
+  recording_began,
+  recording_ended,
+  notice,  ///< A warning or an error of the log.
+};
+inline constexpr std::array<std::string_view, 14> kEventKinds{
+    "fault_begun",   "fault_ended",     "slipped",         "impatient", "contact_begun",
+    "contact_ended", "client_came",     "client_left",     "set",       "released",
+    "refused",       "recording_began", "recording_ended", "notice"};
+
+struct RunEvent {
+  std::uint64_t number = 0;  ///< From 1.
+  SimTime at{};
+  EventKind kind = EventKind::notice;
+  LogLevel level = LogLevel::info;
+  std::string where;  ///< A device, wire or part of the machine; empty: the run.
+  std::string text;   ///< A sentence.
+};
+
+class RunEvents final : public EventSource {
+ public:
+  /// Of what it is told by tell().
+  static constexpr std::size_t kKept = 2000;
+
+  /// From any thread: it happens now.
+  void tell(SimTime at, EventKind kind, LogLevel level, std::string where, std::string text);
+  /// From the thread of the truth: it will be so at `at`, which the wires have not reached. In
+  /// order of time.
+  void tell_ahead(SimTime at, EventKind kind, LogLevel level, std::string where, std::string text);
+
+  /// Those after the one of number `since`, as far as they are kept.
+  struct Excerpt {
+    std::vector<RunEvent> events;
+    std::uint64_t lost = 0;  ///< After `since`, and kept no longer.
+    std::uint64_t last = 0;  ///< Number of the newest there is, to be the next `since`.
+  };
+  [[nodiscard]] Excerpt since(std::uint64_t number) const;
+  [[nodiscard]] std::uint64_t last() const;
+
+  /// Who hears of each event when it gets its number, on the thread that tells it; must tell none.
+  using Listener = std::function<void(const RunEvent&)>;
+  /// The recorder and the desk. Empty: it hears no more; returns when it is not being told.
+  void inform(Listener listener) { inform(0, std::move(listener)); }
+  void inform_desk(Listener listener) { inform(1, std::move(listener)); }
+
+  [[nodiscard]] SimTime next_event() const override {
+    return next_.load(std::memory_order_acquire);
+  }
+  [[nodiscard]] SimTime next_wakeup() const override { return next_event(); }
+  /// What was told ahead up to `now` gets its number.
+  void advance(SimTime now) override;
+
+ private:
+  void inform(std::size_t who, Listener listener);
+  void add(RunEvent event);
+
+  mutable std::mutex mutex_;
+  std::deque<RunEvent> kept_;
+  std::uint64_t last_ = 0;
+  std::deque<RunEvent> ahead_;
+  std::atomic<SimTime> next_{kNever};  ///< Of what was told ahead.
+  std::array<Listener, 2> listeners_;
+};
+
+}  // namespace rigwire::hil

@@ -1,0 +1,67 @@
+// What the kernel tells of bytes that nobody has read yet.
+#include "drivers/untaken.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+
+#include "drivers/descriptor.h"
+#include "drivers/pty.h"
+
+namespace rigwire::drivers {
+namespace {
+
+TEST(Untaken, ATerminalTellsWhatItsClientHasNotReadAtOnce) {
+  boost::asio::io_context io;
+  Pty pty(io, {});
+  const Descriptor client(::open(pty.slave_name().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK));
+  ASSERT_TRUE(client.open());
+  EXPECT_EQ(untaken_bytes(pty.slave_name()), 0U);
+  const std::array<std::uint8_t, 300> bytes{};
+  // Each look right behind the write: what is on its way in the kernel counts.
+  for (std::size_t i = 1; i <= 5; ++i) {
+    ASSERT_EQ(pty.write(bytes), bytes.size());
+    EXPECT_EQ(untaken_bytes(pty.slave_name()), i * bytes.size());
+  }
+  std::array<char, 4096> read{};
+  EXPECT_EQ(::read(client.get(), read.data(), 1000), 1000);
+  EXPECT_EQ(untaken_bytes(pty.slave_name()), 500U);
+  EXPECT_EQ(::read(client.get(), read.data(), read.size()), 500);
+  EXPECT_EQ(untaken_bytes(pty.slave_name()), 0U);
+}
+
+TEST(Untaken, NothingIsSaidOfWhatIsNoTerminal) {
+  EXPECT_FALSE(untaken_bytes("/dev/null").has_value());
+  EXPECT_FALSE(untaken_bytes("/nowhere/at/all").has_value());
+}
+
+TEST(Untaken, APortTellsWhatItsReaderHasNotRead) {
+  const Descriptor reader(::socket(AF_INET, SOCK_DGRAM, 0));
+  sockaddr_in own{};
+  own.sin_family = AF_INET;
+  own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  auto* const address = reinterpret_cast<sockaddr*>(&own);
+  ASSERT_EQ(::bind(reader.get(), address, sizeof own), 0);
+  socklen_t size = sizeof own;
+  ASSERT_EQ(::getsockname(reader.get(), address, &size), 0);
+  const IpEnd end{0x7F00'0001, ntohs(own.sin_port)};
+  EXPECT_EQ(untaken_datagrams(end), 0U);
+  const std::array<char, 1206> packet{};
+  const Descriptor sender(::socket(AF_INET, SOCK_DGRAM, 0));
+  ASSERT_EQ(::sendto(sender.get(), packet.data(), packet.size(), 0, address, sizeof own), 1206);
+  EXPECT_GE(untaken_datagrams(end).value_or(0), packet.size());
+  EXPECT_FALSE(untaken_datagrams({0x7F00'0002, end.port}).has_value()) << "another address";
+  std::array<char, 2000> read{};
+  ASSERT_EQ(::recv(reader.get(), read.data(), read.size(), 0), 1206);
+  EXPECT_EQ(untaken_datagrams(end), 0U);
+}
+
+}  // namespace
+}  // namespace rigwire::drivers

@@ -20,7 +20,8 @@ std::optional<std::size_t> untaken_bytes(const std::filesystem::path& terminal) 
   if (!slave.open() || ::isatty(slave.get()) == 0) {
     return std::nullopt;
   }
-  // What was written may be on its way within the kernel; poll() lets it arrive (n_tty).
+  // What was written may be on its way within the kernel; where nothing has arrived, poll() lets it
+  // (drivers/tty/n_tty.c, n_tty_poll).
   pollfd state{slave.get(), POLLIN, 0};
   (void)::poll(&state, 1, 0);
   int waiting = 0;

@@ -15,8 +15,9 @@
 namespace rigwire::drivers {
 
 /// Bytes that wait at the slave of a pseudo-terminal (FIONREAD, tty_ioctl(4)): the master is not
-/// told them. Opens it for a moment. Nothing where it cannot be opened: it is none, or its client
-/// has it for itself (TIOCEXCL) and this user is not root.
+/// told them. 0 when all has been read; else at least as many wait, since some may still be on
+/// their way within the kernel. Opens it for a moment. Nothing where it cannot be opened: it is
+/// none, or its client has it for itself (TIOCEXCL) and this user is not root.
 [[nodiscard]] std::optional<std::size_t> untaken_bytes(const std::filesystem::path& terminal);
 
 /// Bytes, with the kernel's own room for each datagram, that wait at sockets of this machine that

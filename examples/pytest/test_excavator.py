@@ -147,7 +147,7 @@ def test_a_slow_reader_loses_nothing_when_time_waits_for_it(
             if select.select([line], [], [], 0.2)[0]:
                 taken += len(os.read(line, 100))
                 time.sleep(0.0002)
-        assert arrived.result() == 60.0
+        assert arrived.result() == pytest.approx(60.0)
     os.close(line)
     report = run.stop()
     assert report["devices"]["gnss"]["dropped"] == 0

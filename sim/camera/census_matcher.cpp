@@ -410,7 +410,7 @@ class CensusMatcher final : public StereoMatcher {
         const int right = led_to(column, steps[column]);
         if (found_at(steps[column], parameters_.least_disparity) && right >= 0 &&
             found_at(back[right], parameters_.least_disparity)) {
-          const int sure = std::min(255, margins[column] * 3 / 2);  // from two thirds on
+          const int sure = std::min(255, margins[column] * 2);
           *to =
               static_cast<std::uint8_t>((sure * agreement(steps[column], back[right]) + 127) / 255);
         }

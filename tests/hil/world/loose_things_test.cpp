@@ -128,8 +128,8 @@ TEST_F(LooseThings, WhatHasNoEffectOrNoSenseIsRefusedWithWhatIsAllowed) {
   };
   EXPECT_EQ(crate("loose: true, mass: 200 kg"), "");
   EXPECT_THAT(crate("mass: 200 kg"), HasSubstr("loose: true"));
-  EXPECT_THAT(crate("loose: true, mass: 1e-9 kg"), HasSubstr("1 kg"));
-  EXPECT_THAT(crate("loose: true, mass: 1e12 kg"), HasSubstr("1000000 kg"));
+  EXPECT_THAT(crate("loose: true, mass: 1e-9 kg"), HasSubstr("1 .. 1000000 kg"));
+  EXPECT_THAT(crate("loose: true, mass: 1e12 kg"), HasSubstr("1 .. 1000000 kg"));
   EXPECT_THAT(crate("loose: true, mass: .nan"), HasSubstr("mass"));
   EXPECT_THAT(crate("loose: true, friction: -1"), HasSubstr("friction"));
   EXPECT_THAT(refusal("  rocks:\n    - {count: 3, loose: true, density: 1e9 kg/m3}\n"),

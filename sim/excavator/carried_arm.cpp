@@ -60,7 +60,8 @@ CarriedArm::CarriedArm(const ExcavatorParameters& parameters, const Ground& grou
        {&parameters.upper, &parameters.boom, &parameters.stick, &parameters.bucket}) {
     mass += link->mass_kg;
   }
-  contact_rows_.reserve(kMostContactPoints);
+  contact_rows_.reserve(kMostContactPoints + OwnContact::kMostPoints);
+  contact_points_.reserve(kMostContactPoints + OwnContact::kMostPoints);
   mass_kg_ = mass;
   if (parameters.running_gear == RunningGear::tracks) {
     make_tracks();
@@ -447,7 +448,7 @@ bool CarriedArm::clamp(const Velocities& found, std::span<CarrierDrive> drives) 
 
 ArmStep CarriedArm::step(double h, const DrivenArm& arm, const ArmPose& at, const DriveLaws& laws,
                          const BucketLoad& load, ArmState& state, ContactSet* contacts,
-                         std::span<CarrierDrive> drives) {
+                         std::span<CarrierDrive> drives, OwnContact* own) {
   velocity_.tail<4>() = state.v_radps;
   Placement placed;
   Matrix mass_matrix;
@@ -489,14 +490,29 @@ ArmStep CarriedArm::step(double h, const DrivenArm& arm, const ArmPose& at, cons
     rest += on_bucket(load.point_B, load.force_W);
   }
 
-  const std::span<ContactPoint> points =
-      contacts != nullptr ? contacts->points() : std::span<ContactPoint>{};
+  contact_points_.clear();
   contact_rows_.clear();
-  for (const ContactPoint& point : points) {
+  const auto add_point = [&](ContactPoint& point) {
+    contact_points_.push_back(&point);
     const Eigen::Vector3d p_C = R_CW * (point.p_W - X_WC_.translation());
     auto& rows = contact_rows_.emplace_back();
     for (std::size_t i = 0; i < 3; ++i) {
       rows[i] = point_row(placed, p_C, R_CW * point.direction_W[i], point.link);
+    }
+    return p_C;
+  };
+  const std::span<ContactPoint> with_obstacles =
+      contacts != nullptr ? contacts->points() : std::span<ContactPoint>{};
+  for (ContactPoint& point : with_obstacles) {
+    add_point(point);
+  }
+  const std::span<ContactPoint> with_itself =
+      own != nullptr ? own->points() : std::span<ContactPoint>{};
+  for (std::size_t k = 0; k < with_itself.size(); ++k) {
+    const Eigen::Vector3d p_C = add_point(with_itself[k]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      contact_rows_.back()[i] -=
+          point_row(placed, p_C, R_CW * with_itself[k].direction_W[i], own->inner_link(k));
     }
   }
   const auto contact_speeds = [&](std::size_t i, const Velocities& v) {
@@ -517,9 +533,9 @@ ArmStep CarriedArm::step(double h, const DrivenArm& arm, const ArmPose& at, cons
         right += term.law.at(term.row.dot(velocity_)) * term.row;
       }
     }
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t i = 0; i < contact_points_.size(); ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
-        const ImplicitForce law = points[i].acting(k);
+        const ImplicitForce law = contact_points_[i]->acting(k);
         const Velocities& row = contact_rows_[i][k];
         left.noalias() += h * law.gain * row * row.transpose();
         right += law.at(row.dot(velocity_)) * row;
@@ -529,8 +545,8 @@ ArmStep CarriedArm::step(double h, const DrivenArm& arm, const ArmPose& at, cons
     acceleration_ = left.llt().solve(right);
     found = velocity_ + h * acceleration_;
     bool changed = clamp(found, drives);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      changed = points[i].changes(contact_speeds(i, found)) || changed;
+    for (std::size_t i = 0; i < contact_points_.size(); ++i) {
+      changed = contact_points_[i]->changes(contact_speeds(i, found)) || changed;
     }
     if (!changed) {
       break;
@@ -538,8 +554,11 @@ ArmStep CarriedArm::step(double h, const DrivenArm& arm, const ArmPose& at, cons
   }
   if (contacts != nullptr) {
     contacts->settle(h, [&](const ContactPoint& point) {
-      return contact_speeds(static_cast<std::size_t>(&point - points.data()), found);
+      return contact_speeds(static_cast<std::size_t>(&point - with_obstacles.data()), found);
     });
+  }
+  if (own != nullptr) {
+    own->settle(h, [&](std::size_t i) { return contact_speeds(with_obstacles.size() + i, found); });
   }
 
   settle_wheels(h, found);

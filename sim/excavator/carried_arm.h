@@ -39,6 +39,7 @@
 #include "sim/excavator/carrier_drive.h"
 #include "sim/excavator/driven_arm.h"
 #include "sim/excavator/ground_plate.h"
+#include "sim/excavator/own_contact.h"
 #include "sim/ground/ground.h"
 #include "sim/link_motion.h"
 #include "sim/tyre/tyre.h"
@@ -60,11 +61,12 @@ class CarriedArm {
   /// One step of h > 0 seconds from `state`, which is moved, with laws that belong to `at`, its
   /// pose. The arm gives masses, stops and gains; its own gravity and load are not used.
   /// `contacts`: points on the links, whose forces are found and settled here; null: none.
+  /// `own`: the same of links against each other.
   /// `drives`: those of the tracks, left and right, then one per support; they have begun their
   /// step and are settled here.
   ArmStep step(double h, const DrivenArm& arm, const ArmPose& at, const DriveLaws& laws,
                const BucketLoad& load, ArmState& state, ContactSet* contacts = nullptr,
-               std::span<CarrierDrive> drives = {});
+               std::span<CarrierDrive> drives = {}, OwnContact* own = nullptr);
 
   /// Poses and velocities of the links now, for the contact.
   void place_contact_links(const ArmState& state, std::span<ContactLink> links) const;
@@ -197,6 +199,7 @@ class CarriedArm {
   ArmDynamics::Moments undercarriage_;
   const Ground* ground_;
   double mass_kg_ = 0.0;
+  std::vector<ContactPoint*> contact_points_;  ///< Of this step: with obstacles, then its own.
   std::vector<std::array<Velocities, 3>> contact_rows_;
   std::vector<Term> terms_;        ///< Of this step, as the two below.
   std::vector<Footing> footings_;  ///< Wheels, or plates in their order.

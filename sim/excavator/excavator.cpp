@@ -144,7 +144,13 @@ Excavator::Excavator(const ExcavatorParameters& parameters, const Eigen::Isometr
                            (body.link != 0 || parameters.carrier == ExcavatorCarrier::moving);
     }
     contact_.emplace(std::move(bodies), kLinks, *ground);
-    arm_contacts_.reserve(kMostContactPoints);
+    arm_contacts_.reserve(kMostContactPoints + OwnContact::kMostPoints);
+    contact_parts_ = contact_parts(parameters.solid, lightest_solid_kg(parameters),
+                                   parameters.step_s, kMostContactParts);
+  }
+  if (parameters.strikes_itself) {
+    own_.emplace(contact_bodies(parameters.solid, kExcavatorLinks, kTipMass_kg));
+    arm_contacts_.reserve(kMostContactPoints + OwnContact::kMostPoints);
     contact_parts_ = contact_parts(parameters.solid, lightest_solid_kg(parameters),
                                    parameters.step_s, kMostContactParts);
   }
@@ -186,6 +192,9 @@ void Excavator::make_drives() {
   if (!drives_.empty() && supports > 0) {
     truth_fields_.push_back({"support_m", supports});
     truth_fields_.push_back({"support_load_n", supports});
+  }
+  if (parameters_.strikes_itself) {
+    truth_fields_.push_back({"own_contact_n", 1});
   }
 }
 
@@ -318,22 +327,22 @@ void Excavator::read_truth(std::span<double> values) const {
     values[16] = power_unit_->torque_nm();
     values[17] = power_unit_->pump_flow_m3ps();
   }
-  if (drives_.empty()) {
-    return;
-  }
   auto own = values.subspan(power_unit_ ? 18 : 15);
-  const std::size_t tracks = drives_.size() - parameters_.supports.size();
+  const std::size_t supports = drives_.empty() ? 0 : parameters_.supports.size();
+  const std::size_t tracks = drives_.size() - supports;
   for (std::size_t k = 0; k < tracks; ++k) {
     own[k] = drives_[k].position_m();
     own[tracks + k] = drives_[k].rate_mps();
     own[2 * tracks + k] = carried_->track_load_n(k);
   }
   own = own.subspan(3 * tracks);
-  const std::size_t supports = parameters_.supports.size();
   for (std::size_t k = 0; k < supports; ++k) {
     own[k] = drives_[tracks + k].position_m();
     const auto pads = carried_->pad_loads_n().subspan(2 * k, 2);
     own[supports + k] = pads[0] + pads[1];
+  }
+  if (own_) {
+    own[2 * supports] = own_->force_n();
   }
 }
 
@@ -393,10 +402,17 @@ void Excavator::set_payload_kg(double mass_kg) {
 void Excavator::inner_step(double h) {
   meet_obstacles(h);
   int parts = 1;
-  if (near_ && contact_->touching()) {
+  const bool touches = near_ && contact_->touching();
+  const bool touches_itself = near_itself_ && own_->touching();
+  if (touches || touches_itself) {
     parts = contact_parts_;
     h /= parts;
+  }
+  if (touches) {
     contact_->shorten(h);
+  }
+  if (touches_itself) {
+    own_->shorten(h);
   }
   part_step(h);
   for (int i = 1; i < parts && !non_finite_; ++i) {
@@ -501,24 +517,35 @@ JointVector Excavator::target_rates(double h) const {
 void Excavator::meet_obstacles(double h) {
   arm_.load.contacts = {};
   near_ = false;
-  if (!contact_) {
+  near_itself_ = false;
+  if (!contact_ && !own_) {
     return;
   }
   // No point of the machine is faster than its arm stretched out at the sum of all rates.
   const double reach_m =
       3.0 + parameters_.boom_length_m + parameters_.stick_length_m + 2.0 * parameters_.bucket_tip_m;
   double fastest_mps = reach_m * state_.v_radps.cwiseAbs().sum();
+  // Half as much again, and some, for what changes within the step.
+  near_itself_ = own_ && own_->near(h, 1.5 * fastest_mps + 0.1);
   if (carried_) {
     // Half as much again for what changes within the step.
     fastest_mps += 1.5 * (carried_->v_C().norm() + reach_m * carried_->w_C().norm()) + 0.1;
   }
-  near_ = contact_->near(h, fastest_mps);
-  if (!near_) {
+  near_ = contact_ && contact_->near(h, fastest_mps);
+  if (!near_ && !near_itself_) {
     return;
   }
+  const auto begin = [&] {
+    if (near_) {
+      contact_->begin(h, contact_links_);
+    }
+    if (near_itself_) {
+      own_->begin(h, contact_links_);
+    }
+  };
   if (carried_) {
     carried_->place_contact_links(state_, contact_links_);
-    contact_->begin(h, contact_links_);
+    begin();
     return;
   }
   const auto motion = arm_.dynamics().motion(state_.q_rad, state_.v_radps, JointVector::Zero());
@@ -531,31 +558,53 @@ void Excavator::meet_obstacles(double h) {
     link.v_WL_W = R_WC * motion[i].v_CB_C;
     link.w_WL_W = R_WC * motion[i].w_CB_C;
   }
-  contact_->begin(h, contact_links_);
-  // A joint turns what hangs on it about its axis: row_j = direction . (axis_j x (p - origin_j)).
+  begin();
   arm_contacts_.clear();
-  const Eigen::Vector3d raise_W = -contact_links_[1].X_WL.linear().col(1);
-  for (ContactPoint& point : contact_->points()) {
-    ArmContact& contact = arm_contacts_.emplace_back();
-    contact.point = &point;
-    for (std::size_t k = 0; k < 3; ++k) {
-      contact.rows[k].setZero();
-      for (std::size_t j = 0; j < point.link; ++j) {
-        const Eigen::Vector3d axis_W = j == 0 ? Eigen::Vector3d(R_WC.col(2)) : raise_W;
-        const Eigen::Vector3d arm_W = point.p_W - contact_links_[j + 1].X_WL.translation();
-        contact.rows[k][row(j)] = point.direction_W[k].dot(axis_W.cross(arm_W));
-      }
+  if (near_) {
+    for (ContactPoint& point : contact_->points()) {
+      add_arm_contact(point, 0);
+    }
+  }
+  if (near_itself_) {
+    const std::span<ContactPoint> points = own_->points();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      add_arm_contact(points[i], own_->inner_link(i));
     }
   }
   arm_.load.contacts = arm_contacts_;
 }
 
+void Excavator::add_arm_contact(ContactPoint& point, std::size_t inner_link) {
+  ArmContact& contact = arm_contacts_.emplace_back();
+  contact.point = &point;
+  const Eigen::Vector3d raise_W = -contact_links_[1].X_WL.linear().col(1);
+  const Eigen::Vector3d up_W = X_WC_.linear().col(2);
+  for (std::size_t k = 0; k < 3; ++k) {
+    contact.rows[k].setZero();
+    // A joint turns what hangs on it about its axis: row_j = direction . (axis_j x (p - origin_j));
+    // of two of its links only what hangs between them counts.
+    for (std::size_t j = inner_link; j < point.link; ++j) {
+      const Eigen::Vector3d axis_W = j == 0 ? up_W : raise_W;
+      const Eigen::Vector3d arm_W = point.p_W - contact_links_[j + 1].X_WL.translation();
+      contact.rows[k][row(j)] = point.direction_W[k].dot(axis_W.cross(arm_W));
+    }
+  }
+}
+
 void Excavator::settle_contacts(double h, const ArmState& next) {
-  if (near_ && !carried_) {
+  if (carried_) {
+    return;
+  }
+  const std::size_t with_obstacles = near_ ? contact_->points().size() : 0;
+  if (near_) {
     contact_->settle(h, [&](const ContactPoint& point) {
       return arm_contacts_[static_cast<std::size_t>(&point - contact_->points().data())].along(
           next.v_radps);
     });
+  }
+  if (near_itself_) {
+    own_->settle(
+        h, [&](std::size_t i) { return arm_contacts_[with_obstacles + i].along(next.v_radps); });
   }
 }
 
@@ -666,7 +715,7 @@ ArmStep Excavator::advance(double h, const DriveLaws& laws, ArmState& next) {
       drives_[k].begin(h, supply_pressure_pa_, k < tracks ? carried_->track_load_n(k) : 0.0);
     }
     return carried_->step(h, arm_, pose_, laws, bucket_load_, next, near_ ? &*contact_ : nullptr,
-                          drives_);
+                          drives_, near_itself_ ? &*own_ : nullptr);
   }
   const ArmStep step = arm_.advance(h, pose_, laws, next);
   settle_contacts(h, next);

@@ -33,6 +33,7 @@
 #include "sim/excavator/bucket_load.h"
 #include "sim/excavator/carried_arm.h"
 #include "sim/excavator/driven_arm.h"
+#include "sim/excavator/own_contact.h"
 #include "sim/excavator/parameters.h"
 #include "sim/excavator/power_unit.h"
 #include "sim/hydraulics/chambers.h"
@@ -87,7 +88,8 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   /// joint_rad 4, joint_rate_radps 4, spool 4, bucket_tip_m 3 (in the world); of pumps engine
   /// engine_radps 1, engine_torque_nm 1, pump_flow_m3ps 1; on tracks track_m 2 and track_mps 2, the
   /// belts' ways and speeds, left and right, and track_load_n 2; of each support support_m, its
-  /// pads' way down, and of all together support_load_n, their loads.
+  /// pads' way down, and support_load_n; of a machine that strikes itself own_contact_n 1, the sum
+  /// of its own points' normal forces.
   [[nodiscard]] std::span<const TruthField> truth_fields() const override { return truth_fields_; }
   void read_truth(std::span<double> values) const override;
 
@@ -159,6 +161,8 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   [[nodiscard]] std::span<const LeaningObstacle> leaning_obstacles() const override {
     return contact_ ? contact_->leaning() : std::span<const LeaningObstacle>();
   }
+  /// Nothing unless it strikes itself.
+  [[nodiscard]] const OwnContact* own_contact() const { return own_ ? &*own_ : nullptr; }
   /// Nothing without a ground.
   [[nodiscard]] const ContactSet* contact() const { return contact_ ? &*contact_ : nullptr; }
 
@@ -192,6 +196,8 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   void place_bucket_load();
   /// Points of contact for the next solve, and their rows where the carrier is fixed.
   void meet_obstacles(double h);
+  /// A point as the joints of a fixed carrier feel it, on a link, less on the one it meets.
+  void add_arm_contact(ContactPoint& point, std::size_t inner_link);
   void settle_contacts(double h, const ArmState& next);
   /// Of all drives, 0 .. 1: level kinematic in front of an obstacle.
   [[nodiscard]] double free_share(double h, const JointVector& rate);
@@ -231,10 +237,12 @@ class Excavator final : public Machine, public ValvePort, public PowerUnitPort {
   double supply_pressure_pa_ = 0.0;
   std::optional<PowerUnit> power_unit_;
   std::optional<ContactSet> contact_;
+  std::optional<OwnContact> own_;
   std::array<ContactLink, kLinks> contact_links_;
   std::vector<ArmContact> arm_contacts_;  ///< Of a fixed carrier.
   int contact_parts_ = 1;                 ///< Of an inner step in reach of an obstacle.
   bool near_ = false;                     ///< Obstacles may be within reach in this step.
+  bool near_itself_ = false;              ///< Its own bodies may be.
   BucketLoad bucket_load_;
   std::array<double, kTipResistances> resistance_n_{};
   std::array<LinkMotion, kLinks> links_;

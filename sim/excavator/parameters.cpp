@@ -199,6 +199,8 @@ void visit(fields::Visitor& v, ExcavatorParameters& p) {
            "Acceleration of gravity, downwards.");
   v.section("initial", p.initial, "Joint angles at the start.");
   v.section("solid", p.solid, "What of the machine meets trunks, rocks, walls and trucks.");
+  v.boolean("strikes_itself", p.strikes_itself,
+            "Whether the boxes of links that are no neighbours meet each other.");
 }
 
 SolidBodyParameters excavator_boxes() {

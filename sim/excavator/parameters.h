@@ -176,6 +176,7 @@ struct ExcavatorParameters {
   double gravity_mps2 = 9.80665;  ///< Along world -z.
   ExcavatorPose initial;
   SolidBodyParameters solid = excavator_boxes();
+  bool strikes_itself = false;  ///< Its bodies meet each other, too (own_contact.h).
 };
 
 /// What the valve sections move, from section 0 on: the arm's four, then with a moving carrier the

@@ -361,7 +361,7 @@ TEST(CommandLine, bash_completion_completes_verbs_options_and_rigs) {
   }
   ::pclose(pipe);
   EXPECT_EQ(output,
-            "check\nexcavator_can excavator_own_can excavator_pit excavator_usb "
+            "check\nexcavator_can excavator_own_can excavator_pit excavator_tracks excavator_usb "
             "excavator_vision\nvelodyne-hdl-32e "
             "velodyne-hdl-64e "
             "velodyne-hdl-64e-s3\n");

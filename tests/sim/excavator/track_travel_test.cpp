@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "allocation_counter.h"
 #include "sim/excavator/excavator.h"

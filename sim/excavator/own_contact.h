@@ -1,0 +1,98 @@
+// The machine's own bodies against each other, where links that do not hang on one another can
+// meet: the bucket at the boom, the house, the cab, the undercarriage; the stick at the last three;
+// the boom at the last. Neighbours in the chain are kept apart by their cylinders' ends.
+//
+// Points and laws are those of sim/contact; each has two links, and its velocity is that of the
+// outer one against the inner one, so that both feel it. What two bodies are in each other when
+// they are first seen holds nothing (contact_set.h): they can go out, and not farther in. The
+// springs of a pair never hold more at the start of a step than at the end of the one before.
+//
+// After construction nothing allocates. A step costs one comparison while nothing can be near.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sim/contact/contact_set.h"
+
+namespace rigwire::sim {
+
+class OwnContact {
+ public:
+  static constexpr std::size_t kMostPoints = 24;
+
+  /// Bodies on links that follow each other as their numbers do.
+  explicit OwnContact(std::vector<ContactBody> bodies);
+
+  /// Whether any pair can be within reach, no point of the machine having moved against another
+  /// faster than `fastest_mps` for h seconds. Where not, neither begin() nor settle() is due.
+  [[nodiscard]] bool near(double h, double fastest_mps) {
+    travelled_m_ += h * fastest_mps;
+    return !points_.empty() || travelled_m_ + h * fastest_mps > room_m_;
+  }
+  void begin(double h, std::span<const ContactLink> links);
+  /// The points of the last begin() for a shorter step from the same poses.
+  void shorten(double h);
+  [[nodiscard]] std::span<ContactPoint> points() { return {points_.data(), points_.size()}; }
+  /// The other link of a point; ContactPoint::link is the outer one.
+  [[nodiscard]] std::size_t inner_link(std::size_t point) const {
+    return bodies_[pairs_[pair_of_[point]].inner].link;
+  }
+  [[nodiscard]] bool touching() const { return !points_.empty(); }
+
+  /// Ends the step: velocities along its three directions per point, in the order of points().
+  template <class VelocitiesOf>
+  void settle(double h, VelocitiesOf&& of) {
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      lost_j_ -= points_[i].settle(h, of(i));
+    }
+    finish(h);
+  }
+
+  /// Of the last step: the sum of the points' normal forces, N, and who pushes most.
+  [[nodiscard]] double force_n() const { return force_n_; }
+  [[nodiscard]] std::string_view outer() const { return outer_; }
+  [[nodiscard]] std::string_view inner() const { return inner_; }
+  [[nodiscard]] double deepest_ever_m() const { return deepest_ever_m_; }
+  /// Work taken from the machine since the start, J, what the springs hold included.
+  [[nodiscard]] double lost_j() const { return lost_j_; }
+
+ private:
+  struct Memory {
+    Eigen::Vector3d p_L = Eigen::Vector3d::Zero();  ///< On the outer link.
+    ContactFriction friction;
+  };
+  struct Pair {
+    std::size_t outer = 0;
+    std::size_t inner = 0;
+    Eigen::Vector3d axis_L = Eigen::Vector3d::UnitZ();  ///< In the outer link.
+    bool met = false;
+    double rest_m = 0.0;
+    double spring_j = 0.0;
+    std::array<Memory, kManifoldPoints> memory;
+    std::size_t remembered = 0;
+  };
+
+  /// The pair's gap, or a lower bound of one beyond reach.
+  double meet(Pair& pair, double h, double reach_m, std::span<const ContactLink> links);
+  void finish(double h);
+
+  std::vector<ContactBody> bodies_;
+  std::vector<Pair> pairs_;
+  std::vector<ContactPoint> points_;
+  std::vector<std::uint32_t> pair_of_;
+  double travelled_m_ = std::numeric_limits<double>::infinity();
+  double room_m_ = 0.0;  ///< The least gap of the last look, less the reach.
+  double force_n_ = 0.0;
+  double deepest_ever_m_ = 0.0;
+  double lost_j_ = 0.0;
+  std::string_view outer_;
+  std::string_view inner_;
+};
+
+}  // namespace rigwire::sim

@@ -119,12 +119,11 @@ TEST(OwnContact, AnArmThatDoesNotTouchMovesAsWithoutIt) {
 }
 
 TEST(OwnContact, ABoomLoweredWithADrawnInBucketStandsOnTheUndercarriage) {
-  const Ground ground;
   ExcavatorParameters p;
   p.strikes_itself = true;
   p.solid.boxes[0].size_m = {4.2, 2.5, 1.1};  // With its tyres.
   p.initial = {0.0, 0.9, -2.6, -0.4};
-  Excavator machine(p, Eigen::Isometry3d::Identity(), &ground);
+  Excavator machine(p, Eigen::Isometry3d::Identity());  // No ground to stand on.
   ValveCommand command;
   command.opening[1] = -0.5;
   machine.command(command);

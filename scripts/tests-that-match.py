@@ -26,7 +26,7 @@ TESTS = os.path.join(ROOT, 'tests')
 FOLDERS = ('bench', 'conformance', 'drivers', 'emulators', 'examples', 'fields', 'hil', 'oracle',
            'protocols', 'sim')
 
-PLAIN = re.compile(r'^\s*TEST(?:_F)?\s*\(\s*(\w+)\s*,\s*(\w+)\s*\)', re.MULTILINE)
+PLAIN = re.compile(r'^\s*TEST(?:_F)?\s*\(\s*(\w+)\s*,\s*(?:DISABLED_)?(\w+)\s*\)', re.MULTILINE)
 MADE = re.compile(r'^\s*(?:TEST_P|TYPED_TEST|TYPED_TEST_P)\s*\(\s*(\w+)\s*,\s*(\w+)\s*\)',
                   re.MULTILINE)
 VALUES_OR_TYPES = re.compile(r'(?:INSTANTIATE_\w+|\bTypes\s*<).*?;\n', re.DOTALL)

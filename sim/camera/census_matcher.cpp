@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "sim/camera/disparity_steps.h"
+#include "sim/lidar/worker_pool.h"
 #include "sim/samples/wide_vectors.h"
 
 namespace rigwire::sim {
@@ -26,6 +27,10 @@ constexpr std::uint16_t kNoSum = 0xFFFF;
 constexpr short kNotFound = -kDisparitySteps;
 /// Bytes on each side of a pixel's path costs, so that the outermost disparities have neighbours.
 constexpr std::size_t kMargin = 32;
+/// Of the picture, for threads to share; and how many rows before its own a strip's paths from
+/// above begin.
+constexpr int kStrips = 4;
+constexpr int kRunUp = 24;
 
 /// All bits unless it holds, without a branch.
 constexpr std::uint16_t unless(bool holds) {
@@ -125,6 +130,7 @@ struct Workplace {
   Penalties penalties{};
   bool slanting = false;  ///< Also from above left and above right.
 
+  Lines lines;
   CensusRow left;
   CensusRow right;  ///< From the right to the left: higher disparities come later.
   std::vector<std::uint8_t> costs;
@@ -268,25 +274,14 @@ RIGWIRE_WIDE_VECTORS void go_left(Workplace& w, short* steps, std::uint8_t* marg
 
 class CensusMatcher final : public StereoMatcher {
  public:
-  explicit CensusMatcher(const StereoMatchingParameters& parameters) : parameters_(parameters) {}
+  CensusMatcher(const StereoMatchingParameters& parameters, int threads)
+      : parameters_(parameters), pool_(std::min(threads, kStrips), PoolPriority::spare_time) {}
 
   [[nodiscard]] bool needs_truth() const override { return false; }
 
   void match(const StereoPair& pair, bool confidence, DisparityPicture& found) override {
     prepare(pair);
-    for (int row = 0; row < pair.height; ++row) {
-      take_lines(pair, pair.left, row);
-      take_census(lines_, pair.width, work_.left);
-      take_lines(pair, pair.right, row);
-      take_census(lines_, pair.width, work_.right);
-      for (std::vector<std::uint8_t>& bits : work_.right) {
-        std::reverse(bits.begin(), bits.begin() + pair.width);
-      }
-      go_right(static_cast<std::size_t>(row), work_);
-      go_left(work_, there_.ptr<short>(row), margins_.ptr<std::uint8_t>(row));
-      come_back(back_.ptr<short>(row));
-      hold_to_each_other(there_.ptr<short>(row), back_.ptr<short>(row));
-    }
+    pool_.run(kStrips, [&](std::size_t strip) { search(pair, static_cast<int>(strip)); });
     cv::medianBlur(there_, there_, 3);
     if (parameters_.speckle_px > 0) {
       cv::filterSpeckles(there_, kNotFound, parameters_.speckle_px,
@@ -300,8 +295,38 @@ class CensusMatcher final : public StereoMatcher {
   }
 
  private:
+  void search(const StereoPair& pair, int strip) {
+    Workplace& w = work_[static_cast<std::size_t>(strip)];
+    const int rows = (pair.height + kStrips - 1) / kStrips;
+    const int first = strip * rows;
+    const int end = std::min(pair.height, first + rows);
+    for (int row = std::max(0, first - kRunUp); row < end; ++row) {
+      take_lines(pair, pair.left, row, w.lines);
+      take_census(w.lines, pair.width, w.left);
+      take_lines(pair, pair.right, row, w.lines);
+      take_census(w.lines, pair.width, w.right);
+      for (std::vector<std::uint8_t>& bits : w.right) {
+        std::reverse(bits.begin(), bits.begin() + pair.width);
+      }
+      go_right(static_cast<std::size_t>(row), w);
+      if (row >= first) {
+        go_left(w, there_.ptr<short>(row), margins_.ptr<std::uint8_t>(row));
+        come_back(w, back_.ptr<short>(row));
+        hold_to_each_other(w.width, there_.ptr<short>(row), back_.ptr<short>(row));
+      }
+    }
+  }
+
   void prepare(const StereoPair& pair) {
-    Workplace& w = work_;
+    for (Workplace& w : work_) {
+      prepare(pair, w);
+    }
+    there_.create(pair.height, pair.width, CV_16S);
+    back_.create(pair.height, pair.width, CV_16S);
+    margins_.create(pair.height, pair.width, CV_8U);
+  }
+
+  void prepare(const StereoPair& pair, Workplace& w) const {
     w.width = pair.width;
     w.disparities = parameters_.disparities;
     w.least_disparity = parameters_.least_disparity;
@@ -338,21 +363,19 @@ class CensusMatcher final : public StereoMatcher {
         }
       }
     }
-    for (std::vector<std::uint8_t>& line : lines_) {
+    for (std::vector<std::uint8_t>& line : w.lines) {
       line.resize(width + 2 * kAcross);
     }
-    there_.create(pair.height, pair.width, CV_16S);
-    back_.create(pair.height, pair.width, CV_16S);
-    margins_.create(pair.height, pair.width, CV_8U);
   }
 
   /// Around a row; beyond the edges as at them.
-  void take_lines(const StereoPair& pair, std::span<const std::uint8_t> pixels, int row) {
+  static void take_lines(const StereoPair& pair, std::span<const std::uint8_t> pixels, int row,
+                         Lines& lines) {
     const auto width = static_cast<std::size_t>(pair.width);
     for (int k = 0; k < kLines; ++k) {
       const auto from = static_cast<std::size_t>(std::clamp(row + k - kDown, 0, pair.height - 1));
       const auto line = pixels.subspan(from * width, width);
-      std::vector<std::uint8_t>& to = lines_[static_cast<std::size_t>(k)];
+      std::vector<std::uint8_t>& to = lines[static_cast<std::size_t>(k)];
       std::fill_n(to.begin(), kAcross, line.front());
       std::ranges::copy(line, to.begin() + kAcross);
       std::fill_n(to.end() - kAcross, kAcross, line.back());
@@ -360,8 +383,7 @@ class CensusMatcher final : public StereoMatcher {
   }
 
   /// What leads back from each of the right picture's pixels.
-  void come_back(short* back) const {
-    const Workplace& w = work_;
+  static void come_back(const Workplace& w, short* back) {
     const auto sum = [&w](int x, int d) {
       return static_cast<int>(
           w.sums[static_cast<std::size_t>(x) * static_cast<std::size_t>(w.disparities) +
@@ -384,9 +406,9 @@ class CensusMatcher final : public StereoMatcher {
   }
 
   /// Takes out what both pixels that it leads between disagree with.
-  void hold_to_each_other(short* there, const short* back) const {
+  void hold_to_each_other(int width, short* there, const short* back) const {
     const int most = parameters_.left_right_difference * kDisparitySteps + kDisparitySteps / 2;
-    for (int x = 0; x < work_.width; ++x) {
+    for (int x = 0; x < width; ++x) {
       const int steps = there[x];
       const auto disagrees = [&](int disparity) {
         const int led_to = x - disparity;
@@ -419,15 +441,16 @@ class CensusMatcher final : public StereoMatcher {
   }
 
   StereoMatchingParameters parameters_;
-  Workplace work_;
-  Lines lines_;
+  WorkerPool pool_;
+  std::array<Workplace, kStrips> work_;
   cv::Mat there_, back_, margins_, islands_;
 };
 
 }  // namespace
 
-std::unique_ptr<StereoMatcher> make_census_matcher(const StereoMatchingParameters& parameters) {
-  return std::make_unique<CensusMatcher>(parameters);
+std::unique_ptr<StereoMatcher> make_census_matcher(const StereoMatchingParameters& parameters,
+                                                   int threads) {
+  return std::make_unique<CensusMatcher>(parameters, threads);
 }
 
 }  // namespace rigwire::sim

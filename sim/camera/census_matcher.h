@@ -16,6 +16,9 @@
 //          the distance have it.
 //   back   The same of S(x + d, d) for a pixel x of the right picture: what leads back.
 //   after  Median of 3 by 3, islands taken out.
+//
+// The picture is searched in four strips, whose paths from above begin 24 rows before their own:
+// the same ones for any number of threads.
 #pragma once
 
 #include <memory>
@@ -26,7 +29,7 @@ namespace rigwire::sim {
 
 /// `parameters` are valid.
 [[nodiscard]] std::unique_ptr<StereoMatcher> make_census_matcher(
-    const StereoMatchingParameters& parameters);
+    const StereoMatchingParameters& parameters, int threads);
 
 /// Pairs of pixels that are compared: the greatest cost.
 inline constexpr int kCensusPairs = 31;

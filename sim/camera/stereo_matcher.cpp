@@ -157,7 +157,7 @@ std::unique_ptr<StereoMatcher> make_stereo_matcher(const StereoMatchingParameter
     return std::make_unique<TruthMatcher>(parameters);
   }
   if (parameters.method == MatchingMethod::census) {
-    return make_census_matcher(parameters);
+    return make_census_matcher(parameters, threads);
   }
   return make_semi_global_matcher(parameters, threads);
 }

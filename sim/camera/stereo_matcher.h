@@ -23,8 +23,8 @@
 //                and errors that the two have in common are fewer; things one row high come back
 //                less surely.
 //
-// Matchers run on the calling thread, with two threads OpenCV's way back beside it; what is found
-// is the same whatever these and OpenCV's thread count.
+// Threads share the census' strips; of OpenCV's two ways each has one. What is found is the same
+// whatever these and OpenCV's own thread count.
 #pragma once
 
 #include <cstdint>

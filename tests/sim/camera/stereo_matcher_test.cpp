@@ -90,6 +90,7 @@ TEST(StereoMatcher, AShiftedPictureHasThatDisparityEverywhere) {
 
 TEST(StereoMatcher, OpenCVsThreadsDoNotChangeIt) {
   StereoMatchingParameters parameters;
+  parameters.method = MatchingMethod::semi_global;
   parameters.disparities = 32;
   parameters.paths = MatchingPaths::three;
   const Shifted shifted(9);
@@ -104,15 +105,20 @@ TEST(StereoMatcher, OpenCVsThreadsDoNotChangeIt) {
   EXPECT_EQ(alone.confidence, found.confidence);
 }
 
-TEST(StereoMatcher, TheWayBackBesideTheOtherDoesNotChangeIt) {
+TEST(StereoMatcher, ThreadsDoNotChangeIt) {
   StereoMatchingParameters parameters;
   parameters.disparities = 32;
   const Shifted shifted(9);
-  for (const MatchingPaths paths : {MatchingPaths::three, MatchingPaths::five}) {
+  using enum MatchingMethod;
+  for (const auto& [method, paths] : {std::pair{census, MatchingPaths::three},
+                                      {census, MatchingPaths::five},
+                                      {semi_global, MatchingPaths::three},
+                                      {semi_global, MatchingPaths::five}}) {
+    parameters.method = method;
     parameters.paths = paths;
     DisparityPicture alone;
     make_stereo_matcher(parameters, 1)->match(shifted.pair(), true, alone);
-    const auto beside = make_stereo_matcher(parameters, 2);
+    const auto beside = make_stereo_matcher(parameters, 3);
     for (int i = 0; i < 5; ++i) {
       DisparityPicture found;
       beside->match(shifted.pair(), true, found);
@@ -195,12 +201,12 @@ std::vector<float> plain_census(const StereoPair& pair, const StereoMatchingPara
     ways.insert(ways.end(), {{1, 1}, {-1, 1}});
   }
   std::vector<int> sums(cost.size(), 0);
-  for (const auto& [dx, dy] : ways) {
+  const auto add = [&](int dx, int dy, int start, int first, int end) {
     std::vector<int> path(cost.size());
-    for (int y = 0; y < H; ++y) {
+    for (int y = start; y < end; ++y) {
       for (int i = 0; i < W; ++i) {
         const int x = dx < 0 ? W - 1 - i : i;
-        const bool begins = x - dx < 0 || x - dx >= W || y - dy < 0;
+        const bool begins = x - dx < 0 || x - dx >= W || y - dy < start;
         int least = begins ? 0 : 1000;
         for (int d = 0; !begins && d < D; ++d) {
           least = std::min(least, path[at(x - dx, y - dy, d)]);
@@ -212,9 +218,16 @@ std::vector<float> plain_census(const StereoPair& pair, const StereoMatchingPara
           const int best = std::min({before(d), before(d - 1) + p.small_step_bits,
                                      before(d + 1) + p.small_step_bits, least + p.large_step_bits});
           path[at(x, y, d)] = cost[at(x, y, d)] + best - least;
-          sums[at(x, y, d)] += path[at(x, y, d)];
+          sums[at(x, y, d)] += y >= first ? path[at(x, y, d)] : 0;
         }
       }
+    }
+  };
+  // In four strips, their paths from above 24 rows longer.
+  const int rows = (H + 3) / 4;
+  for (int first = 0; first < H; first += rows) {
+    for (const auto& [dx, dy] : ways) {
+      add(dx, dy, std::max(0, first - 24), first, std::min(H, first + rows));
     }
   }
   const auto fine = [](int before, int middle, int after) {

@@ -10,6 +10,7 @@
 #include <array>
 #include <assimp/Importer.hpp>
 #include <cctype>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -323,9 +324,8 @@ class File {
     const std::size_t most = image.bits == 16 ? 65535 : 255;
     std::vector<std::uint16_t> linear(most + 1);
     for (std::size_t value = 0; value <= most; ++value) {
-      linear[value] = static_cast<std::uint16_t>(
-          65535.0 * sim::linear_of_srgb(static_cast<double>(value) / static_cast<double>(most)) +
-          0.5);
+      linear[value] = static_cast<std::uint16_t>(std::lround(
+          65535.0 * sim::linear_of_srgb(static_cast<double>(value) / static_cast<double>(most))));
     }
     const bool grey = image.channels < 3;
     std::vector<sim::Texel> texels;

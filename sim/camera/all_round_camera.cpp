@@ -194,7 +194,8 @@ class AllRoundCamera final : public CameraSensor {
     places_.resize(static_cast<std::size_t>(p.width_px) * static_cast<std::size_t>(p.height_px));
     for (std::size_t at = 0; at < places_.size(); ++at) {
       const auto width = static_cast<std::size_t>(p.width_px);
-      const Eigen::Vector2d pixel(static_cast<double>(at % width), static_cast<double>(at / width));
+      const std::size_t row = at / width;
+      const Eigen::Vector2d pixel(static_cast<double>(at % width), static_cast<double>(row));
       const Eigen::Vector3d direction_S = lens_to_mount(*lens.direction(pixel));
       // The view whose axis is nearest in azimuth.
       const double right_rad = std::atan2(-direction_S.y(), direction_S.x());
@@ -290,7 +291,8 @@ class AllRoundCamera final : public CameraSensor {
         const std::uint16_t* const n = numbers.data() + first + band;
         const float number = (1.0F - b) * ((1.0F - a) * n[0] + a * n[bands]) +
                              b * ((1.0F - a) * n[row_bands] + a * n[row_bands + bands]);
-        joined_[to * bands + band] = static_cast<std::uint16_t>(std::max(number, 0.0F) + 0.5F);
+        const float rounded = std::max(number, 0.0F) + 0.5F;
+        joined_[to * bands + band] = static_cast<std::uint16_t>(rounded);
       }
       if (truth != nullptr) {
         // Of the nearest pixel, at its own instant.
@@ -312,8 +314,9 @@ class AllRoundCamera final : public CameraSensor {
     const auto width = static_cast<std::size_t>(parameters_.width_px);
     const double pixel_rad = 2.0 * kHalfTurn / parameters_.width_px;
     const double azimuth = (static_cast<double>(at % width) + 0.5) * pixel_rad - kHalfTurn;
+    const std::size_t row = at / width;
     const double elevation =
-        parameters_.elevation_upper_rad - (static_cast<double>(at / width) + 0.5) * pixel_rad;
+        parameters_.elevation_upper_rad - (static_cast<double>(row) + 0.5) * pixel_rad;
     return static_cast<float>(std::cos(elevation) * std::cos(azimuth));
   }
 

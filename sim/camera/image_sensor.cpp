@@ -284,7 +284,8 @@ RIGWIRE_WIDE_VECTORS void convert(const float* electrons, std::size_t count, flo
     float number = electrons[i] * gain + black;
     number = number < white ? number : white;
     number = number > 0.0F ? number : 0.0F;
-    numbers[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(number + 0.5F));
+    number += 0.5F;
+    numbers[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(number));
   }
 }
 

@@ -74,7 +74,8 @@ class Rectification {
       const std::uint16_t* const n = own.data() + static_cast<std::ptrdiff_t>(y) * width_ + x;
       const float number = (1.0F - b) * ((1.0F - a) * n[0] + a * n[1]) +
                            b * ((1.0F - a) * n[width_] + a * n[width_ + 1]);
-      rectified[i] = static_cast<std::uint16_t>(number + 0.5F);
+      const float rounded = number + 0.5F;
+      rectified[i] = static_cast<std::uint16_t>(rounded);
     }
   }
 

@@ -16,8 +16,8 @@
 // Confidence, 0 .. 255, is how well left and right agree: a pixel that comes back to itself within
 // a sixteenth has 255, one that is off by kDisagreement_px or more has 0. Errors that both share
 // (repeated patterns, pixel locking) do not show in it.
-//   census       Both ways come from the same sums; times by how far the next best disparity's sum
-//                lies above the best one's, as a share of it, 1 from half on.
+//   census       Both ways come from the same sums; and the nearer the next best disparity's
+//                sum lies to the best one's, the less it is.
 //   semi_global  The right picture is matched against the left one, too, from three directions in
 //                pairs of rows taken together: a third of the cost of the same search in all rows,
 //                and errors that the two have in common are fewer; things one row high come back

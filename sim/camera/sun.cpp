@@ -20,11 +20,12 @@ double julian_day(const UtcTime& utc) {
     month += 12;
   }
   const int century = year / 100;
+  const int leap_century = century / 4;
   const double day =
       utc.day +
       (utc.hour + (utc.minute + (utc.second + 1e-9 * utc.nanosecond) / 60.0) / 60.0) / 24.0;
   return std::floor(365.25 * (year + 4716)) + std::floor(30.6001 * (month + 1)) + day + 2 -
-         century + century / 4 - 1524.5;
+         century + leap_century - 1524.5;
 }
 
 /// NOAA's fit to refraction, in radians, by the geometric elevation.

@@ -496,7 +496,7 @@ RunOutcome Executive::run_paced(const PacedSettings& settings, SimTime end) {
   }
 
   truth.join();
-  const RunOutcome ended = outcome();
+  RunOutcome ended = outcome();
   clock_ = nullptr;
   truth_thread_ = nullptr;
   return ended;

@@ -587,7 +587,10 @@ void Recorder::put(TruthTrack track, SimTime at, std::string_view text) {
 }
 
 void Recorder::hear(const RunEvent& event) {
-  if (truth_on_.load(std::memory_order_acquire)) {
+  // A recording does not tell where it lies: the same run's bytes are the same in any folder.
+  const bool of_itself =
+      event.kind == EventKind::recording_began || event.kind == EventKind::recording_ended;
+  if (!of_itself && truth_on_.load(std::memory_order_acquire)) {
     const std::string text = event_text(
         event.at, event.level, kEventKinds[static_cast<std::size_t>(event.kind)], event.text);
     // Whoever reports that there is no room tells an event.

@@ -46,10 +46,12 @@ RIGWIRE_WIDE_VECTORS void take_census(const Lines& lines, int width, CensusRow& 
   std::size_t pair = 0;
   for (int dy = 0; dy <= kDown; ++dy) {
     for (int dx = dy == 0 ? 1 : -kAcross; dx <= kAcross; ++dx, ++pair) {
+      const int below = kDown + dy;
+      const int above = kDown - dy;
       const std::uint8_t* const one =
-          lines[static_cast<std::size_t>(kDown + dy)].data() + (kAcross + dx);
+          lines[static_cast<std::size_t>(below)].data() + (kAcross + dx);
       const std::uint8_t* const other =
-          lines[static_cast<std::size_t>(kDown - dy)].data() + (kAcross - dx);
+          lines[static_cast<std::size_t>(above)].data() + (kAcross - dx);
       std::uint8_t* const bits = row[pair / 8].data();
       const auto bit = static_cast<std::uint8_t>(1U << pair % 8);
       const auto keep = static_cast<std::uint8_t>(pair % 8 == 0 ? 0x00 : 0xFF);
@@ -147,7 +149,8 @@ struct Workplace {
   }
   /// Of a left pixel's first disparity among the right ones.
   [[nodiscard]] std::size_t right_of(int x) const {
-    return static_cast<std::size_t>(width - 1 - x + least_disparity);
+    const int from_right = width - 1 - x + least_disparity;
+    return static_cast<std::size_t>(from_right);
   }
   void begin_along() {
     for (std::vector<std::uint8_t>& path : along) {

@@ -197,8 +197,8 @@ void Daylight::tabulate() {
       const float s = q.squaredNorm();
       Eigen::Vector3f direction(2.0F * q.x(), 2.0F * q.y(), std::max(1.0F - s, 0.0F));
       const Eigen::Vector3f seen = sky_luminance(direction.normalized());
-      table_[static_cast<std::size_t>(row * kTable + column)] = {seen.x(), seen.y(), seen.z(),
-                                                                 0.0F};
+      const int at = row * kTable + column;
+      table_[static_cast<std::size_t>(at)] = {seen.x(), seen.y(), seen.z(), 0.0F};
     }
   }
 }

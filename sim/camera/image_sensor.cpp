@@ -365,7 +365,8 @@ void ImageSensor::expose(std::span<const float> luminance, std::span<const float
     for (std::size_t begin = 0; begin < width; begin += kBatch) {
       const std::size_t count = std::min(kBatch, width - begin);
       charge(luminance, falloff, haze_cd, r, exposure, row, begin, std::span(signal).first(count));
-      const auto y0 = static_cast<std::uint64_t>(r.region.y + row * r.binning_y);
+      const int y = r.region.y + row * r.binning_y;
+      const auto y0 = static_cast<std::uint64_t>(y);
       for (std::size_t i = 0; i < count; ++i) {
         counter[i] = y0 << 32U | static_cast<std::uint32_t>(
                                      r.region.x + static_cast<int>(begin + i) * r.binning_x);

@@ -494,7 +494,7 @@ ArmStep CarriedArm::step(double h, const DrivenArm& arm, const ArmPose& at, cons
   contact_rows_.clear();
   const auto add_point = [&](ContactPoint& point) {
     contact_points_.push_back(&point);
-    const Eigen::Vector3d p_C = R_CW * (point.p_W - X_WC_.translation());
+    Eigen::Vector3d p_C = R_CW * (point.p_W - X_WC_.translation());
     auto& rows = contact_rows_.emplace_back();
     for (std::size_t i = 0; i < 3; ++i) {
       rows[i] = point_row(placed, p_C, R_CW * point.direction_W[i], point.link);

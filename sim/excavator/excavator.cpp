@@ -717,7 +717,7 @@ ArmStep Excavator::advance(double h, const DriveLaws& laws, ArmState& next) {
     return carried_->step(h, arm_, pose_, laws, bucket_load_, next, near_ ? &*contact_ : nullptr,
                           drives_, near_itself_ ? &*own_ : nullptr);
   }
-  const ArmStep step = arm_.advance(h, pose_, laws, next);
+  ArmStep step = arm_.advance(h, pose_, laws, next);
   settle_contacts(h, next);
   return step;
 }

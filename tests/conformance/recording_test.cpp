@@ -181,7 +181,7 @@ TEST_F(RecordedRig, ToolsReadWhatDevicesAndClientsSaid) {
   EXPECT_EQ(contents["topics"]["/tf"]["last"]["transforms"].size(), 5U);
   EXPECT_EQ(contents["topics"]["/antenna"]["last"]["frame_id"], "gnss");
   EXPECT_NEAR(contents["topics"]["/antenna"]["last"]["latitude"].get<double>(), 49.42, 0.01);
-  EXPECT_EQ(contents["topics"]["/events"]["messages"], 2);
+  EXPECT_GT(contents["topics"]["/events"]["messages"], 2);  // a fault's two ends, and clients
   EXPECT_TRUE(contents["topics"]["/truth"]["last"].contains("joint_rad"));
 }
 

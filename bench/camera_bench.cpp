@@ -235,6 +235,8 @@ PictureCost measure_picture(const CameraCase& scene, int width_px, int samples, 
   cost.samples = samples;
   cost.shadow_share =
       static_cast<double>(rays.shadow_rays()) / static_cast<double>(rays.primary_rays());
+  cost.doubtful_share = static_cast<double>(rays.shadow_rays(sim::ShadowRays::doubtful)) /
+                        static_cast<double>(rays.primary_rays());
   std::vector<double> ratios;
   for (int round = 0; round < rounds; ++round) {
     double picture_s = 0.0;
@@ -256,6 +258,9 @@ PictureCost measure_picture(const CameraCase& scene, int width_px, int samples, 
     }
     cost.picture_s += picture_s / rounds;
     cost.bare_s += bare_s / rounds;
+    rays.reset();
+    cost.doubtful_s +=
+        timed([&] { rays.cast_bare(scene.scene(), sim::ShadowRays::doubtful); }) / rounds;
     ratios.push_back(bare_s / picture_s);
   }
   cost.pixels = picture.numbers.size();

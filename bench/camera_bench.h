@@ -57,10 +57,12 @@ struct PictureCost {
   std::string scene;
   int samples = 1;
   std::size_t pixels = 0;
-  double shadow_share = 0.0;  ///< Rays towards the sun for each one of the camera.
-  double picture_s = 0.0;     ///< CPU time of the whole picture, sensor included; one thread.
-  double bare_s = 0.0;        ///< Of Embree's calls alone with the same rays.
-  double ratio = 0.0;         ///< Bare over picture, median of the rounds.
+  double shadow_share = 0.0;    ///< Rays towards the sun for each one of the camera,
+  double doubtful_share = 0.0;  ///< and those of them that the picture casts.
+  double picture_s = 0.0;       ///< CPU time of the whole picture, sensor included; one thread.
+  double bare_s = 0.0;          ///< Of Embree's calls alone with the same rays.
+  double doubtful_s = 0.0;      ///< The same without shadow rays that are certain to come through.
+  double ratio = 0.0;           ///< Bare over picture, median of the rounds.
   double least_ratio = 0.0;
   double greatest_ratio = 0.0;
 };

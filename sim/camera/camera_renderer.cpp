@@ -13,6 +13,7 @@
 #include "sim/camera/pixel_rays.h"
 #include "sim/camera/scene_looks.h"
 #include "sim/camera/shading_lanes.h"
+#include "sim/camera/shadow_ceiling.h"
 #include "sim/lidar/beam_hits.h"
 #include "sim/lidar/counter_noise.h"
 #include "sim/lidar/hit_surface.h"
@@ -156,6 +157,8 @@ RIGWIRE_WIDE_VECTORS void see_through(const RTCRay8& rays, const std::array<int,
 struct ShadowPacket {
   RTCRay8 rays;
   alignas(32) std::array<int, kLanes> active;
+  /// Those that something may stop: all that are cast.
+  alignas(32) std::array<int, kLanes> doubtful;
 };
 
 struct PrimaryPacket {
@@ -191,10 +194,11 @@ std::size_t RecordedPictureRays::primary_rays() const {
   return count;
 }
 
-std::size_t RecordedPictureRays::shadow_rays() const {
+std::size_t RecordedPictureRays::shadow_rays(ShadowRays which) const {
   std::size_t count = 0;
   for (const ShadowPacket& packet : packets_->shadow) {
-    count += static_cast<std::size_t>(std::ranges::count(packet.active, -1));
+    const auto& lanes = which == ShadowRays::all ? packet.active : packet.doubtful;
+    count += static_cast<std::size_t>(std::ranges::count(lanes, -1));
   }
   return count;
 }
@@ -204,7 +208,7 @@ void RecordedPictureRays::reset() {
   packets_->shadow_work = packets_->shadow;
 }
 
-void RecordedPictureRays::cast_bare(const Scene& scene) {
+void RecordedPictureRays::cast_bare(const Scene& scene, ShadowRays which) {
   const FlushDenormals flush;
   RTCIntersectContext context = coherent();
   // Primary rays and their shadow rays in turns, as the camera casts them.
@@ -215,8 +219,12 @@ void RecordedPictureRays::cast_bare(const Scene& scene) {
     scene.internals().intersect(packet.active.data(), context, packet.rays);
     for (const std::size_t end = packets_->shadow_work.size() * (i + 1) / count; shadow < end;
          ++shadow) {
-      occlude(scene.internals(), packets_->shadow_work[shadow].active.data(),
-              packets_->shadow_work[shadow].rays);
+      ShadowPacket& towards_sun = packets_->shadow_work[shadow];
+      const bool all = which == ShadowRays::all;
+      if (all || std::ranges::any_of(towards_sun.doubtful, [](int lane) { return lane != 0; })) {
+        occlude(scene.internals(), (all ? towards_sun.active : towards_sun.doubtful).data(),
+                towards_sun.rays);
+      }
     }
   }
 }
@@ -299,6 +307,7 @@ struct CameraRenderer::Internals {
   Frame frame;
   PixelRays pixels;
   SceneLooks looks;
+  ShadowCeiling ceiling;
   std::vector<PixelRays::RowPose> row_poses;
 };
 
@@ -363,6 +372,10 @@ void CameraRenderer::Internals::prepare(const Scene& scene, const PictureJob& jo
     lay_on_sun(job.light->to_sun_W(), frame.on_sun);
   }
   looks.prepare(in, parameters.looks);
+  if (samples.count > 0 && job.light->sun_shines()) {
+    ceiling.prepare(in, job.light->to_sun_W(),
+                    samples.count > 1 ? double{Daylight::kSunRadius_rad} : 0.0);
+  }
   prepare_rows(in, job, samples);
 }
 
@@ -492,10 +505,11 @@ void CameraRenderer::Internals::look_for_sky(Packet& packet) const {
         rays.rays.org_z[i] = met.z[i] + off * met.gz[i];
       }
     }
+    rays.doubtful = rays.active;
     if (frame.record != nullptr) {
       frame.record->shadow.push_back(rays);
     }
-    occlude(*frame.in, rays.active.data(), rays.rays);
+    occlude(*frame.in, rays.doubtful.data(), rays.rays);
     for (std::size_t i = 0; i < kLanes; ++i) {
       open[i] += rays.rays.tfar[i] >= 0.0F ? 1.0F : 0.0F;
     }
@@ -622,11 +636,16 @@ void CameraRenderer::Internals::render_strip(std::span<Packet> packets) const {
       aim_shadow(packet);
     }
     for (Packet& packet : packets) {
-      if (packet.in_sun) {
-        if (frame.record != nullptr) {
-          frame.record->shadow.push_back(packet.shadow);
-        }
-        occlude(*frame.in, packet.shadow.active.data(), packet.shadow.rays);
+      if (!packet.in_sun) {
+        continue;
+      }
+      ShadowPacket& shadow = packet.shadow;
+      const bool some = ceiling.doubt(shadow.rays, shadow.active, shadow.doubtful);
+      if (frame.record != nullptr) {
+        frame.record->shadow.push_back(shadow);
+      }
+      if (some) {
+        occlude(*frame.in, shadow.doubtful.data(), shadow.rays);
       }
     }
     for (Packet& packet : packets) {

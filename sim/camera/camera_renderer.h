@@ -79,6 +79,10 @@ struct PictureRays {
   std::vector<float> depth;        ///< Optical depth of the air on the way; empty: clear.
 };
 
+/// Of the rays towards the sun: all, or those that are not certain to come through
+/// (shadow_ceiling.h), which a picture casts.
+enum class ShadowRays { all, doubtful };
+
 /// All rays of a picture, primary and towards the sun, to be cast bare: for benchmarks.
 class RecordedPictureRays {
  public:
@@ -88,11 +92,11 @@ class RecordedPictureRays {
   RecordedPictureRays& operator=(RecordedPictureRays&&) noexcept;
 
   [[nodiscard]] std::size_t primary_rays() const;
-  [[nodiscard]] std::size_t shadow_rays() const;
+  [[nodiscard]] std::size_t shadow_rays(ShadowRays which = ShadowRays::all) const;
   /// Makes the rays as new. Must be called before every cast_bare().
   void reset();
   /// Nothing but the ray caster's own calls, on one thread, in the order and packets of the camera.
-  void cast_bare(const Scene& scene);
+  void cast_bare(const Scene& scene, ShadowRays which = ShadowRays::all);
 
  private:
   friend class CameraRenderer;

@@ -42,27 +42,46 @@ float fading(float cell_m, float footprint_m) {
 
 }  // namespace
 
-GroundLooks::GroundLooks(const Scene::Internals::Terrain& terrain, const Eigen::Vector3d& origin_W)
-    : cover_(terrain.cover.get()),
-      offset_m_((origin_W.head<2>() - terrain.field.origin_m).cast<float>()),
-      per_m_(static_cast<float>(1.0 / terrain.field.cell_m)),
-      columns_(static_cast<int>(terrain.field.columns)),
-      rows_(static_cast<int>(terrain.field.rows)),
-      nodes_(terrain.field.columns * terrain.field.rows) {
+void GroundLooks::prepare(const Scene::Internals& scene, const Scene::Internals::Terrain& terrain) {
   const HeightField& field = terrain.field;
+  cover_ = terrain.cover.get();
+  of_label.clear();
+  offset_m_ = (scene.origin_W.head<2>() - field.origin_m).cast<float>();
+  per_m_ = static_cast<float>(1.0 / field.cell_m);
+  columns_ = static_cast<int>(field.columns);
+  rows_ = static_cast<int>(field.rows);
+  if (scene_.lock() != scene.identity || instance_ != terrain.instance ||
+      updates_ != terrain.updates) {
+    scene_ = scene.identity;
+    instance_ = terrain.instance;
+    updates_ = terrain.updates;
+    find_slopes(field);
+  }
+}
+
+/// Central differences; of one side at the edges.
+void GroundLooks::find_slopes(const HeightField& field) {
+  nodes_.resize(field.columns * field.rows);
+  const auto columns = static_cast<std::ptrdiff_t>(field.columns);
+  const double per_two = 0.5 / field.cell_m;
   for (std::size_t r = 0; r < field.rows; ++r) {
     const std::size_t south = r == 0 ? 0 : r - 1;
     const std::size_t north = std::min(r + 1, field.rows - 1);
     const double per_row = 1.0 / (field.cell_m * static_cast<double>(north - south));
-    for (std::size_t c = 0; c < field.columns; ++c) {
-      const std::size_t west = c == 0 ? 0 : c - 1;
-      const std::size_t east = std::min(c + 1, field.columns - 1);
-      // Central differences.
-      nodes_[r * field.columns + c] = {
-          static_cast<float>((field.node(east, r) - field.node(west, r)) /
-                             (field.cell_m * static_cast<double>(east - west))),
-          static_cast<float>((field.node(c, north) - field.node(c, south)) * per_row)};
+    const double* const here = &field.heights_m[r * field.columns];
+    const double* const below = &field.heights_m[south * field.columns];
+    const double* const above = &field.heights_m[north * field.columns];
+    Slopes* const to = &nodes_[r * field.columns];
+    const auto slopes = [&](std::ptrdiff_t c, std::ptrdiff_t west, std::ptrdiff_t east,
+                            double per) {
+      to[c] = {static_cast<float>((here[east] - here[west]) * per),
+               static_cast<float>((above[c] - below[c]) * per_row)};
+    };
+    for (std::ptrdiff_t c = 1; c + 1 < columns; ++c) {
+      slopes(c, c - 1, c + 1, per_two);
     }
+    slopes(0, 0, 1, 2.0 * per_two);
+    slopes(columns - 1, columns - 2, columns - 1, 2.0 * per_two);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "sim/camera/shading_lanes.h"
@@ -15,7 +16,9 @@ namespace rigwire::sim {
 
 class GroundLooks {
  public:
-  explicit GroundLooks(const Scene::Internals::Terrain& terrain, const Eigen::Vector3d& origin_W);
+  /// Of the scene's terrain as it is staged. Slopes are kept where its heights are those of the
+  /// last call.
+  void prepare(const Scene::Internals& scene, const Scene::Internals::Terrain& terrain);
 
   /// What the points that hit it look like, and its normals there, on the side that the flat ones
   /// are on. `mine`: -1 in the lanes that are of this terrain; others stay as they are.
@@ -36,12 +39,17 @@ class GroundLooks {
   [[nodiscard]] std::size_t cell_beyond_edges(float x, float y, float footprint_m,
                                               const PreparedLook* looks) const;
 
-  const Scene::Internals::Cover* cover_;  ///< Null: the material everywhere.
-  Eigen::Vector2f offset_m_;              ///< Of Embree's origin from the first node.
-  float per_m_;
-  int columns_;
-  int rows_;
+  void find_slopes(const HeightField& field);
+
+  const Scene::Internals::Cover* cover_ = nullptr;      ///< Null: the material everywhere.
+  Eigen::Vector2f offset_m_ = Eigen::Vector2f::Zero();  ///< Of Embree's origin from the first node.
+  float per_m_ = 1.0F;
+  int columns_ = 0;
+  int rows_ = 0;
   std::vector<Slopes> nodes_;
+  std::weak_ptr<const char> scene_;  ///< That the slopes are of,
+  std::uint32_t instance_ = 0;       ///< the terrain in it,
+  std::uint64_t updates_ = 0;        ///< and as it was after so many.
 };
 
 }  // namespace rigwire::sim

@@ -82,9 +82,11 @@ void SceneLooks::prepare(const Scene::Internals& scene, const std::vector<Surfac
       infos_[i].panes = static_cast<std::uint32_t>(panes_.size());
     }
   }
-  grounds_.clear();
-  for (const Scene::Internals::Terrain& terrain : scene.terrains) {
-    GroundLooks& ground = grounds_.emplace_back(terrain, scene.origin_W);
+  grounds_.resize(scene.terrains.size());
+  for (std::size_t t = 0; t < grounds_.size(); ++t) {
+    const Scene::Internals::Terrain& terrain = scene.terrains[t];
+    GroundLooks& ground = grounds_[t];
+    ground.prepare(scene, terrain);
     ground.own = static_cast<std::uint16_t>(scene.instances[terrain.instance].material);
     ground.face = face;
     if (!terrain.cover) {

@@ -721,6 +721,7 @@ void Scene::update_terrain(InstanceId terrain, const NodeRectangle& changed,
       staged.heights_m[r * staged.columns + c] = *height;
     }
   }
+  ++changing.updates;
   changing.staged = changing.staged ? changing.staged->joined(changed) : changed;
 }
 
@@ -806,6 +807,7 @@ void Scene::Internals::place_moving(SimTime begin, SimTime end,
                                     std::span<const BodyMotion> motions) {
   t0 = begin;
   t1 = end;
+  body_motions.assign(motions.begin(), motions.end());
   refresh_terrains();
   place_bodies(motions);
   place_displaced();

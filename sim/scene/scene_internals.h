@@ -194,6 +194,7 @@ struct Scene::Internals {
     std::uint32_t instance = 0;
     std::shared_ptr<const Cover> cover;  ///< Null: the material everywhere. Twins share it.
     HeightField field;                   ///< Shape and staged heights.
+    std::uint64_t updates = 0;           ///< Of its heights, so far.
     Eigen::Vector3d centre_W;            ///< Origin of the vertices.
     std::size_t tile_cells = 0;
     std::vector<Tile> tiles;  ///< Empty: cannot change.
@@ -207,6 +208,8 @@ struct Scene::Internals {
     float retro_gain = 0.0F;
   };
 
+  /// Lives as long as the scene: who keeps a weak_ptr to it takes no other scene for this one.
+  std::shared_ptr<const char> identity = std::make_shared<const char>('\0');
   std::shared_ptr<RayCasterError> error;  ///< Written by Embree's error callback.
   DeviceHandle device;
   /// What changes from slice to slice: bodies, and terrain that is dug.
@@ -228,7 +231,8 @@ struct Scene::Internals {
   std::vector<Terrain> terrains;
   Duration terrain_period{0};
   std::vector<std::string> bodies;
-  std::vector<bool> loose;  ///< Which of them are.
+  std::vector<bool> loose;          ///< Which of them are.
+  std::vector<BodyMotion> body_motions;  ///< In the present slice.
   /// Null: everything is in its place. Never changed, only replaced: placements hold it.
   std::shared_ptr<const std::vector<DisplacedPiece>> displaced;
   std::vector<GeometryHandle> displaced_geometry;  ///< Of those that Embree has been told of.

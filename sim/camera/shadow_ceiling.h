@@ -1,0 +1,101 @@
+// Where the sun shines for certain: over each place of the ground a height above which nothing of
+// the scene stands between a point and the sun. Shadow rays from there need not be cast; pictures
+// are the same with and without (tested).
+//
+// A lattice whose rows run towards the sun, over the scene's terrain. What can cast a shadow
+// raises the ceiling where it stands, and from there on away from the sun by tan(elevation) less
+// for each metre:
+//   - objects, bodies (at both ends of the slice) and displaced pieces, by the boxes around them;
+//   - of the terrain only cells that rise towards the sun more steeply than its rays: a ray that
+//     starts above the ground comes upon it nowhere else.
+// Cells are as wide as kMostAcross of them over the terrain ask for, kLeastCell_m at least; a point
+// is given up to a cell and a half more shadow than it has. Outside the terrain, without terrain or
+// with several, with the sun below kLeastElevation_rad: nothing is certain, every ray is cast.
+//
+// Where it differs from the rays: in a crease of the ground sharper than a right angle, within the
+// 2 mm and 1e-4 of the range that shadow rays start off the surface; there they start beneath it.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sim/lidar/lane_array.h"
+#include "sim/scene/scene_internals.h"
+
+namespace rigwire::sim {
+
+class ShadowCeiling {
+ public:
+  static constexpr int kMostAcross = 384;
+  static constexpr double kLeastCell_m = 0.5;
+  static constexpr float kLeastElevation_rad = 0.05F;
+
+  /// For rays into the scene's present slice, towards the sun or anything within `sun_radius_rad`
+  /// of it. What is fixed is kept from call to call for the same sun.
+  void prepare(const Scene::Internals& scene, const Eigen::Vector3f& to_sun_W,
+               double sun_radius_rad);
+
+  /// Which of the `active` rays (-1) may be stopped by something: -1 in `doubtful`, 0 elsewhere.
+  /// Starts in Embree's coordinates. Returns whether there is one.
+  bool doubt(const RTCRay8& rays, const std::array<int, kLanes>& active,
+             std::array<int, kLanes>& doubtful) const;
+
+ private:
+  /// What casts a shadow, along and across the sun's azimuth, m from the lattice's first corner.
+  struct Caster {
+    double begin_m = 0.0;
+    double end_m = 0.0;
+    double left_m = 0.0;
+    double right_m = 0.0;
+    double top_m = 0.0;
+  };
+  /// What a ceiling of what is fixed was made for.
+  struct Kept {
+    std::weak_ptr<const char> scene;
+    std::size_t placed = 0;
+    Eigen::Vector3f to_sun_W = Eigen::Vector3f::Zero();
+    double sun_radius_rad = 0.0;
+  };
+
+  [[nodiscard]] bool keeps(const Scene::Internals& scene, const Eigen::Vector3f& to_sun_W,
+                           double sun_radius_rad) const;
+  void lay_out(const Scene::Internals::Terrain& terrain, const Eigen::Vector3f& to_sun_W,
+               double sun_radius_rad);
+  void raise(const Caster& caster);
+  void raise_box(const Eigen::AlignedBox3f& bounds_M, double scale,
+                 std::span<const Eigen::Isometry3d> poses_W);
+  void raise_fixed(const Scene::Internals& scene);
+  void raise_moving(const Scene::Internals& scene);
+  void raise_terrain(const Scene::Internals::Terrain& terrain);
+  void fall();
+
+  bool certain_ = false;  ///< Somewhere.
+  Kept kept_;
+  std::vector<float> fixed_m_;
+
+  Eigen::Vector2d along_ = Eigen::Vector2d::UnitX();    ///< Unit, towards the sun.
+  Eigen::Vector2d corner_m_ = Eigen::Vector2d::Zero();  ///< Of the lattice: along, across.
+  double cell_m_ = 1.0;
+  int length_ = 0;                 ///< Cells along,
+  int width_ = 0;                  ///< and across.
+  std::array<float, 4> facing_{};  ///< To the sun: east, north, up; margin of the cosine.
+  double fall_ = 0.0;              ///< Of a ceiling, per metre.
+  double spread_ = 0.0;            ///< Of a shadow to either side, per metre below its caster.
+  double lowest_m_ = 0.0;          ///< Of the ground.
+  std::vector<int> first_open_, last_open_;  ///< Along, for each place across: over the terrain.
+  /// World height, cell by cell across, then along.
+  std::vector<float> ceiling_m_;
+
+  // From Embree's coordinates to cells.
+  std::array<float, 3> to_along_{};
+  std::array<float, 3> to_across_{};
+  float to_world_m_ = 0.0F;                   ///< Added to z.
+  std::vector<float> south_, north_, above_;  ///< Of a row of terrain; memory is used again.
+};
+
+}  // namespace rigwire::sim

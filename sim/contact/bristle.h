@@ -33,6 +33,16 @@ struct ImplicitForce {
   [[nodiscard]] double at(double u) const { return offset - gain * u; }
 };
 
+/// What a contact bears across its normal: Mohr-Coulomb, friction x normal force + cohesion.
+struct ShearLimit {
+  double friction = 0.0;
+  double cohesion_n = 0.0;
+
+  [[nodiscard]] double limit_n(double normal_n) const {
+    return normal_n > 0.0 ? friction * normal_n + cohesion_n : 0.0;
+  }
+};
+
 struct BristleParameters {
   double stiffness = 0.0;          ///< k: N/m, or N m/rad.
   double damping = 0.0;            ///< c: N s/m, or N m s/rad.

@@ -9,14 +9,16 @@
 
 namespace rigwire::sim {
 
-/// An obstacle that has given way: it leans about its foot, falls, lies.
+/// An obstacle that has given way: it leans about its foot, falls, lies, and is solid again where
+/// it lies as soon as nothing of the machine is where it fell.
 struct LeaningObstacle {
   std::size_t obstacle = 0;
   double angle_rad = 0.0;
   Eigen::Vector3d axis_W = Eigen::Vector3d::UnitX();  ///< About which it leans, level.
   double rate_radps = 0.0;
-  bool down = false;  ///< Beyond what it bears: falls, and is met no more.
+  bool down = false;  ///< Beyond what it bears: falls, and is met no more ...
   bool lies = false;
+  bool solid = false;  ///< ... until it lies clear of the machine (Ground::lay()).
 
   /// From where it stood to where it is.
   [[nodiscard]] Eigen::Isometry3d motion_W(const Eigen::Vector3d& foot_W) const {

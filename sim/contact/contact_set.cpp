@@ -16,10 +16,8 @@ using Vector = Eigen::Vector3d;
 
 constexpr std::size_t kMostPairs = 512;
 constexpr std::size_t kMostLeaning = 64;
-constexpr double kFreshOverlap_m = 1e-4;  // A spring may always hold so much.
-constexpr double kSamePlace_m = 0.05;     // A point found again at its place on the link.
-constexpr double kHinge_rad = 0.1;        // Up to here an obstacle that yields keeps its moment,
-constexpr double kDown_rad = 0.4;         // from here on it has none.
+constexpr double kHinge_rad = 0.1;  // Up to here an obstacle that yields keeps its moment,
+constexpr double kDown_rad = 0.4;   // from here on it has none.
 constexpr double kLeastHeight_m = 0.3;
 // Of the ground under one point: a plate of 0.3 m radius on dense gravel, 2 a E / (1 - nu^2) with
 // 80 MPa (Boussinesq's rigid punch); an estimate.
@@ -31,6 +29,16 @@ Vector half_box(const ConvexShape& shape, const Eigen::Matrix3d& R) {
 }
 
 }  // namespace
+
+ContactLaw law_in_a_row(const ContactBody& body, double other_npm, double friction) {
+  ContactLaw law;
+  law.stiffness_npm = 1.0 / (1.0 / body.stiffness_npm + (other_npm > 0.0 ? 1.0 / other_npm : 0.0));
+  law.body_share = law.stiffness_npm / body.stiffness_npm;
+  law.damping_nspm = body.damping_nspm * std::sqrt(law.body_share);
+  law.friction = friction;
+  law.bristle_npm = 0.5 * law.stiffness_npm;
+  return law;
+}
 
 ContactSet::ContactSet(std::vector<ContactBody> bodies, std::size_t links, const Ground& ground,
                        const Movers* siblings)
@@ -74,7 +82,7 @@ Eigen::Isometry3d ContactSet::pose_of(std::size_t obstacle) const {
   const Obstacle& still = ground_->obstacles()[obstacle];
   Eigen::Isometry3d X_WO = still.X_WO;
   for (const LeaningObstacle& lean : leaning_) {
-    if (lean.obstacle == obstacle) {
+    if (lean.obstacle == obstacle && !lean.solid) {
       X_WO = lean.motion_W(still.foot_W()) * still.X_WO;
     }
   }
@@ -84,7 +92,7 @@ Eigen::Isometry3d ContactSet::pose_of(std::size_t obstacle) const {
 double ContactSet::strength_of(std::size_t obstacle) const {
   const double strength = ground_->obstacles()[obstacle].strength_nm;
   for (const LeaningObstacle& lean : leaning_) {
-    if (lean.obstacle == obstacle) {
+    if (lean.obstacle == obstacle && !lean.solid) {
       const double left = (kDown_rad - lean.angle_rad) / (kDown_rad - kHinge_rad);
       return lean.down ? 0.0 : strength * std::clamp(left, 0.0, 1.0);
     }
@@ -176,19 +184,21 @@ void ContactSet::look(std::span<const ContactLink> links) {
       return !(way.cwiseAbs().array() > room.array()).any();
     };
     found_.clear();
-    ground_->obstacles_near(middle.head<2>() - half.head<2>(), middle.head<2>() + half.head<2>(),
-                            found_);
+    if (body.meets_obstacles) {
+      ground_->obstacles_near(middle.head<2>() - half.head<2>(), middle.head<2>() + half.head<2>(),
+                              found_);
+    }
     std::ranges::sort(found_);
     found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
     for (const std::uint32_t obstacle : found_) {
       const LeaningObstacle* lean = lean_of(obstacle);
-      if ((lean == nullptr || !lean->down) &&
+      if ((lean == nullptr || !lean->down || lean->solid) &&
           in_reach(pose_of(obstacle), ground_->shape(obstacle))) {
         pair_up(i, obstacle);
       }
     }
     for (std::uint32_t j = siblings_ != nullptr ? i + 1 : 0; j < movers.size(); ++j) {
-      if (in_reach(movers[j].X_WM, *movers[j].shape)) {
+      if (body.meets_obstacles && in_reach(movers[j].X_WM, *movers[j].shape)) {
         pair_up(i, fixed + j);
       }
     }
@@ -256,12 +266,8 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
   if (pair.idle) {
     return;
   }
-  const auto apart = [&pair] {
-    pair.met = false;
-    pair.remembered = 0;
-  };
   if (pair.apart_m > reach) {
-    return apart();
+    return pair.memory.part();
   }
   const PlacedShape a{&body.shape, link.X_WL * body.X_LS};
   const PlacedShape b = mover != nullptr
@@ -287,15 +293,15 @@ void ContactSet::meet(Pair& pair, double h, std::span<const ContactLink> links) 
     const std::array<Vector, 2> kept{pair.axis_W, link.X_WL.linear() * pair.axis_L};
     // An old axis that still parts them spares the search; beyond that, only one of a contact
     // counts.
-    pair.apart_m = pair.met ? -1e300 : gap_along(a, b, pair.axis_W);
+    pair.apart_m = pair.memory.met() ? -1e300 : gap_along(a, b, pair.axis_W);
     if (pair.apart_m <= reach) {
-      found = separation(a, b, reach, std::span(kept).first(pair.met ? 2 : 0));
+      found = separation(a, b, reach, std::span(kept).first(pair.memory.met() ? 2 : 0));
       pair.apart_m = found->gap_m;
       pair.axis_W = found->normal_W;
     }
   }
   if (pair.apart_m > reach || !found) {
-    return apart();
+    return pair.memory.part();
   }
   const Manifold touch = manifold(a, b, *found, reach);
   std::array<Touch, kManifoldPoints> touches;
@@ -332,11 +338,7 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
     }
     met.friction = under.friction;
     const Vector p_L = link.X_WL.inverse(Eigen::Isometry) * p;
-    bool kept = false;
-    for (std::size_t k = 0; k < pair.remembered; ++k) {
-      kept = kept || (pair.memory[k].p_L - p_L).squaredNorm() < kSame_m * kSame_m;
-    }
-    touches_.push_back({{p, under.normal_W, gap, under.soil}, kept});
+    touches_.push_back({{p, under.normal_W, gap, under.soil}, pair.memory.knows(p_L, kSame_m)});
   };
   for (const Vector& p_S : surface_m_[pair.body]) {
     look_at(X_WS * p_S);
@@ -344,9 +346,7 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
   const GroundPoint under = ground_->terrain_at(X_WS.translation().x(), X_WS.translation().y());
   look_at(X_WS * body.shape.support(X_WS.linear().transpose() * Vector(-under.normal_W)));
   if (touches_.empty()) {
-    pair.met = false;
-    pair.remembered = 0;
-    return;
+    return pair.memory.part();
   }
   // The deepest; then those that press, then those that are near, by turns the one that is farthest
   // from all taken. One of the step before stays until another is farther by two fifths.
@@ -386,13 +386,9 @@ void ContactSet::meet_terrain(Pair& pair, double h, std::span<const ContactLink>
 void ContactSet::add_points(Pair& pair, double h, const ContactLink& link,
                             std::span<const Touch> touches, const Met& met) {
   const ContactBody& body = bodies_[pair.body];
-  const bool met_before = pair.met;
-  pair.met = true;
-  std::array<Memory, kManifoldPoints> memory;
-  std::size_t remembered = 0;
-  // A soft obstacle in series with the body.
-  const double stiffness =
-      1.0 / (1.0 / body.stiffness_npm + (met.stiffness_npm > 0.0 ? 1.0 / met.stiffness_npm : 0.0));
+  const bool met_before = pair.memory.met();
+  PairMemory::Step step(pair.memory);
+  const ContactLaw law = law_in_a_row(body, met.stiffness_npm, met.friction);
   const std::size_t first = points_.size();
   for (const Touch& touch : touches) {
     if (points_.size() == points_.capacity()) {
@@ -408,11 +404,7 @@ void ContactSet::add_points(Pair& pair, double h, const ContactLink& link,
     point.terrain = pair.obstacle == kTerrain;
     point.p_W = touch.p_W;
     point.gap_m = touch.gap_m;
-    point.law.stiffness_npm = stiffness;
-    point.law.body_share = stiffness / body.stiffness_npm;
-    point.law.damping_nspm = body.damping_nspm * std::sqrt(stiffness / body.stiffness_npm);
-    point.law.friction = met.friction;
-    point.law.bristle_npm = 0.5 * stiffness;
+    point.law = law;
     if (std::isfinite(met.strength_nm) && met.strength_nm < 1e299) {
       // The moment about the foot, shared by the points.
       const double height = std::max(kLeastHeight_m, point.p_W.z() - met.foot_W.z());
@@ -420,27 +412,18 @@ void ContactSet::add_points(Pair& pair, double h, const ContactLink& link,
       point.law.greatest_n =
           met.strength_nm / (height * level * static_cast<double>(touches.size()));
     }
-    // Dent and friction of the nearest point of before, its directions turned with the normal.
-    const Vector p_L = link.X_WL.inverse(Eigen::Isometry) * point.p_W;
-    Memory* near = nullptr;
-    double least = kSamePlace_m * kSamePlace_m;
-    for (std::size_t k = 0; k < pair.remembered; ++k) {
-      const double distance2 = (pair.memory[k].p_L - p_L).squaredNorm();
-      if (distance2 < least) {
-        least = distance2;
-        near = &pair.memory[k];
-      }
-    }
-    Vector across = std::abs(n.x()) < 0.8 ? Vector::UnitX() : Vector::UnitY();
     point.direction_W[0] = n;
-    Memory& now = memory[remembered];
+    const PairMemory::Place* const near =
+        step.remember(link.X_WL.inverse(Eigen::Isometry) * point.p_W, point);
+    PairMemory::Place& now = step.latest();
     if (near != nullptr) {
       point.dent_m = now.dent_m = near->dent_m;
     } else if (body.crush_n > 0.0) {
       // Where it is bent from before; in a contact, as far as the others' springs bear. Into
       // terrain it goes instead.
-      const double fresh =
-          met_before && !point.terrain ? -point.gap_m - pair.rest_m - pair.pressed_m : 0.0;
+      const double fresh = met_before && !point.terrain
+                               ? -point.gap_m - pair.memory.rest_m() - pair.memory.pressed_m()
+                               : 0.0;
       point.dent_m = std::max(dents_.depth_m(pair.body, surface_L(point), pair.axis_L), fresh);
     }
     if (body.crush_n > 0.0) {
@@ -449,20 +432,8 @@ void ContactSet::add_points(Pair& pair, double h, const ContactLink& link,
       point.law.greatest_n = std::min(crush, point.law.greatest_n);
     }
     if (met.soil != nullptr) {
-      sink(point, near, met, met_before ? pair.pressed_m : 0.0, now);
+      sink(point, near, met, met_before ? pair.memory.pressed_m() : 0.0, now);
     }
-    if (near != nullptr) {
-      point.friction = near->friction;
-      if (near->friction.first_W.cross(n).squaredNorm() > 0.25) {
-        across = near->friction.first_W;
-      } else {
-        point.friction = {};
-      }
-      near->p_L.setConstant(1e300);  // One point's alone.
-    }
-    const Vector t1 = (across - across.dot(n) * n).normalized();
-    point.friction.first_W = t1;
-    point.direction_W = {n, t1, n.cross(t1)};
     if (met.mover != nullptr) {
       point.mover = pair.obstacle - static_cast<std::uint32_t>(ground_->obstacles().size());
       for (std::size_t k = 0; k < 3 && siblings_ == nullptr; ++k) {
@@ -471,34 +442,10 @@ void ContactSet::add_points(Pair& pair, double h, const ContactLink& link,
                               met.mover->mobility_1pkg(point.p_W, point.direction_W[k]);
       }
     }
-    now.p_L = p_L;
-    ++remembered;
   }
   const std::span<ContactPoint> own(points_.data() + first, points_.size() - first);
-  // What a pair is in when it is found, beyond its dents, pushes nobody.
-  double overlap = 0.0;
-  for (const ContactPoint& point : own) {
-    overlap = std::max(overlap, -point.gap_m - point.dent_m - point.sunk_m);
-  }
-  if (!own.empty()) {
-    pair.rest_m = met_before ? std::min(pair.rest_m, overlap) : overlap;
-  }
+  step.start(own, law.stiffness_npm);
   for (ContactPoint& point : own) {
-    point.rest_m = pair.rest_m;
-    point.gap_m += pair.rest_m + point.dent_m + point.sunk_m;
-  }
-  double spring = 0.0;
-  double unlimited = 0.0;  // As if nothing gave way: what softer springs, farther from it, hold.
-  for (const ContactPoint& point : own) {
-    const double pressed = std::max(0.0, -point.gap_m);
-    spring += point.spring_j(pressed);
-    unlimited += 0.5 * stiffness * pressed * pressed;
-  }
-  // No more in the springs than at the end of the step before.
-  const double allowed = pair.spring_j + 0.5 * stiffness * kFreshOverlap_m * kFreshOverlap_m;
-  const double share = spring > allowed ? allowed / unlimited : 1.0;
-  for (ContactPoint& point : own) {
-    point.law.stiffness_npm *= share;
     Vector velocity = link.velocity_W(point.p_W);
     if (met.mover != nullptr && siblings_ != nullptr) {
       velocity -= met.mover->velocity_W(point.p_W);
@@ -506,13 +453,11 @@ void ContactSet::add_points(Pair& pair, double h, const ContactLink& link,
     point.begin(h, {point.direction_W[0].dot(velocity), point.direction_W[1].dot(velocity),
                     point.direction_W[2].dot(velocity)});
   }
-  pair.memory = memory;
-  pair.remembered = remembered;
 }
 
 /// What the soil under a point of terrain bears, and how far it has been pressed in there.
-void ContactSet::sink(ContactPoint& point, const Memory* before, const Met& met, double pressed_m,
-                      Memory& now) const {
+void ContactSet::sink(ContactPoint& point, const PairMemory::Place* before, const Met& met,
+                      double pressed_m, PairMemory::Place& now) const {
   constexpr double kLeastRoom_m = 0.05;
   const double depth = std::max(0.0, -point.gap_m - point.dent_m);
   now.sunk_at_W = point.p_W - point.gap_m * point.direction_W[0];
@@ -559,36 +504,29 @@ void ContactSet::finish(double h, double work_j) {
   std::size_t seen = 0;
   for (Pair& pair : pairs_) {
     if (pair.idle) {
-      stored += pair.spring_j;
+      stored += pair.memory.spring_j();
       continue;
     }
     const bool before = pair.pushing;
     pair.pushing = false;
-    pair.spring_j = 0.0;
-    pair.pressed_m = 0.0;
+    pair.memory.settling();
     std::size_t i = 0;
     Dent dent;
     for (; seen < points_.size() && &pairs_[pair_of_[seen]] == &pair; ++seen, ++i) {
       ContactPoint& point = points_[seen];
-      pair.memory[i].friction = point.friction;
       const Vector force = point.force_n[0] * point.direction_W[0] +
                            point.force_n[1] * point.direction_W[1] +
                            point.force_n[2] * point.direction_W[2];
       // The overlap that the step has ended with.
       const double depth = point.bend(-point.gap_m - h * point.end_mps[0]);
-      if (point.dent_m > pair.memory[i].dent_m) {
+      if (point.dent_m > pair.memory.place(i).dent_m) {
         const Eigen::Matrix3d R_LW = at_[point.link].X_WL.linear().transpose();
         dent.body = pair.body;
         dent.patch_L.extend(surface_L(point));
         dent.normal_L = R_LW * point.direction_W[0];
         dent.depth_m = std::max(dent.depth_m, point.dent_m);
       }
-      pair.memory[i].dent_m = point.dent_m;
-      pair.memory[i].sunk_m = point.sunk_m;
-      pair.pressed_m = std::max(pair.pressed_m, depth);
-      const double spring = point.spring_j(depth);
-      pair.spring_j += spring;
-      stored += spring + point.bent_j();
+      stored += pair.memory.settled(i, point, depth) + point.bent_j();
       report_.force_W += force;
       if (point.mover && siblings_ == nullptr && !force.isZero()) {
         ground_->loose()->push(*point.mover, point.p_W, -h * force);
@@ -671,7 +609,11 @@ void ContactSet::fall(double h) {
   constexpr int kStations = 8;
   for (LeaningObstacle& lean : leaning_) {
     const Obstacle& tree = ground_->obstacles()[lean.obstacle];
-    if (falling_ == 0 || !lean.down || lean.lies || !(tree.tree_height_m > 0.0)) {
+    if (falling_ == 0 || !lean.down || lean.solid || !(tree.tree_height_m > 0.0)) {
+      continue;
+    }
+    if (lean.lies) {
+      lie(lean);
       continue;
     }
     // An even rod about its end: theta'' = 3 g / (2 L) sin theta.
@@ -691,9 +633,26 @@ void ContactSet::fall(double h) {
     if (meets) {
       lean.lies = true;
       lean.rate_radps = 0.0;
-      --falling_;
     }
   }
+}
+
+/// Solid from now on, if the machine is clear of it: what it would be in could only be thrown out.
+void ContactSet::lie(LeaningObstacle& lean) {
+  const Obstacle& tree = ground_->obstacles()[lean.obstacle];
+  const Eigen::Isometry3d X_WO = lean.motion_W(tree.foot_W()) * tree.X_WO;
+  const PlacedShape stem{&ground_->shape(lean.obstacle), X_WO};
+  for (const ContactBody& body : bodies_) {
+    const PlacedShape placed{&body.shape, at_[body.link].X_WL * body.X_LS};
+    if (separation(placed, stem, kClear_m).gap_m < kClear_m) {
+      return;
+    }
+  }
+  --falling_;
+  lean.solid = ground_->lay(lean.obstacle, X_WO);
+  dropped_ += lean.solid ? 0 : 1;
+  moved(lean.obstacle);
+  look_anew();
 }
 
 void ContactSet::moved(std::size_t obstacle) {

@@ -12,13 +12,7 @@
 // comparison. Narrow phase: closest.h with the axis kept from the step before, and not before the
 // body can have come as near as it was far; manifold.h.
 //
-// Points join, leave and merge as bodies turn. So that this adds no energy, the springs of a pair
-// never hold more at the start of a step than they did at the end of the one before (and a
-// tenth of a millimetre's worth): where their points would, all are softer by that share.
-//
-// A pair that is already in each other when first seen (a machine put there, a wheel whose obstacle
-// has become too high) holds nothing yet: what it is in counts as no overlap until it has left it,
-// so that it can go out and not farther in.
+// What a pair keeps from step to step, so that it adds no energy: pair_memory.h.
 //
 // What a body bears: crush_n of one point, rising with the depth of its dent (the A and B of crash
 // reconstruction: Campbell, SAE 740565; CRASH3, DOT-HS-805-732, there per width of the front).
@@ -37,7 +31,8 @@
 // points' horizontal forces times their heights would pass it, the obstacle gives way: it leans
 // away from the push about its foot, at constant moment up to 0.1 rad, at one that falls to nothing
 // at 0.4 rad; from there on it is down and met no more (contact.md 7; estimates). A tree that is
-// down falls as a rod does that turns about its foot, until its trunk meets the ground.
+// down falls as a rod does that turns about its foot, until its trunk meets the ground. There it is
+// met again, lying, as soon as nothing of the machine is in it or as near as a tenth of a metre.
 //
 // Deterministic; after construction begin(), settle() and all queries allocate nothing and throw
 // nothing. Pairs and points beyond the room reserved are counted in dropped().
@@ -56,8 +51,8 @@
 #include "sim/contact/contact_report.h"
 #include "sim/contact/convex_shape.h"
 #include "sim/contact/dents.h"
-#include "sim/contact/manifold.h"
 #include "sim/contact/movers.h"
+#include "sim/contact/pair_memory.h"
 #include "sim/contact/soil_bearing.h"
 #include "sim/ground/ground.h"
 
@@ -80,7 +75,11 @@ struct ContactBody {
   /// Points of its surface meet the terrain's heights: of boxes so far apart at most.
   bool meets_terrain = false;
   double spacing_m = 1.0;
+  bool meets_obstacles = true;  ///< And what lies loose.
 };
+
+/// Of a body's point in a row with that of what it meets: `other_npm` of itself, 0: rigid.
+[[nodiscard]] ContactLaw law_in_a_row(const ContactBody& body, double other_npm, double friction);
 
 /// Where a link is and how it moves.
 struct ContactLink {
@@ -150,37 +149,29 @@ class ContactSet {
 
   /// Those that have given way, in the order in which they did: for the scene.
   [[nodiscard]] std::span<const LeaningObstacle> leaning() const { return leaning_; }
+  /// Something has come that was not there: who is near is asked anew.
+  void look_anew() { travelled_m_ = kSlack_m; }
   /// An obstacle stands elsewhere than in the step before: whoever was far from it may be near.
   void moved(std::size_t obstacle);
 
  private:
   static constexpr double kSlack_m = 0.5;
   static constexpr double kReach_m = 0.02;
+  static constexpr double kClear_m = 0.1;  ///< Of what has fallen before it is solid again.
   static constexpr std::uint32_t kTerrain = 0xFFFFFFFFU;  ///< As obstacle of a pair.
 
-  struct Memory {
-    Eigen::Vector3d p_L = Eigen::Vector3d::Zero();
-    ContactFriction friction;
-    double dent_m = 0.0;
-    double sunk_m = 0.0;
-    Eigen::Vector3d sunk_at_W = Eigen::Vector3d::Zero();  ///< Of the terrain, where it is.
-  };
   struct Pair {
     std::uint32_t body = 0;
     std::uint32_t obstacle = 0;  ///< Of the ground's; beyond them, movers; kTerrain.
     bool idle = false;           ///< Both rest: all is as it was.
     /// They are no nearer than this, as long as the mover has not gone on from way_m.
     double apart_m = -1e300;
-    double way_m = 0.0;   ///< Mover::way_m at the last look.
-    double rest_m = 0.0;  ///< ContactPoint::rest_m.
-    bool met = false;     ///< In the step before; axes of the last look, met or not.
+    double way_m = 0.0;  ///< Mover::way_m at the last look.
+    /// Of the last look, met or not.
     Eigen::Vector3d axis_W = Eigen::Vector3d::UnitZ();
     Eigen::Vector3d axis_L = Eigen::Vector3d::UnitZ();  ///< The same in the link.
-    std::array<Memory, kManifoldPoints> memory;
-    std::size_t remembered = 0;
     bool pushing = false;
-    double spring_j = 0.0;   ///< Stored in the pair's springs at the end of the step before.
-    double pressed_m = 0.0;  ///< The most that one of them was pressed then.
+    PairMemory memory;
   };
 
   /// What a pair meets, in a form that all of them have.
@@ -221,11 +212,12 @@ class ContactSet {
   /// The point on the surface of its body as it was before it was bent.
   [[nodiscard]] Eigen::Vector3d surface_L(const ContactPoint& point) const;
   LeaningObstacle* lean_of(std::size_t obstacle);
-  void sink(ContactPoint& point, const Memory* before, const Met& met, double pressed_m,
-            Memory& now) const;
+  void sink(ContactPoint& point, const PairMemory::Place* before, const Met& met, double pressed_m,
+            PairMemory::Place& now) const;
   void finish(double h, double work_j);
   void give_way(double h);
   void fall(double h);
+  void lie(LeaningObstacle& lean);
 
   const Ground* ground_;
   const Movers* siblings_;

@@ -108,6 +108,7 @@ void LooseBodies::push(std::size_t mover, const Vector& p_W, const Vector& impul
 }
 
 void LooseBodies::ground_changed(const Eigen::Vector2d& lower_m, const Eigen::Vector2d& upper_m) {
+  contact_.look_anew();
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Eigen::Array2d middle = movers_[i].X_WM.translation().head<2>();
     const double reach = bodies_[i].shape.reach_m();

@@ -209,8 +209,7 @@ void CarriedArm::add_wheels(double h) {
     if (!foot.touching) {
       continue;
     }
-    foot.friction = laws.friction;
-    foot.cohesion_n = laws.cohesion_n;
+    foot.shear = laws;
     const Eigen::Vector3d& normal_W = contact->normal_W;
     const Eigen::Vector3d forward_W = axle_W.cross(normal_W).normalized();
     const Eigen::Vector3d left_W = normal_W.cross(forward_W);
@@ -261,8 +260,7 @@ void CarriedArm::add_plates(double h, std::span<CarrierDrive> drives) {
     if (!foot.touching) {
       continue;
     }
-    foot.friction = plate.laws.friction;
-    foot.cohesion_n = plate.laws.cohesion_n;
+    foot.shear = plate.laws;
     const Eigen::Vector3d& normal_W = plate.contact.normal_W;
     const Eigen::Vector3d forward_W = axle_W.cross(normal_W).normalized();
     const Eigen::Vector3d left_W = normal_W.cross(forward_W);
@@ -378,7 +376,7 @@ bool CarriedArm::clamp(Term& term, double free) {
 bool CarriedArm::clamp_standing(Footing& foot) {
   Term& along = terms_[foot.along];
   Term& across = terms_[foot.across];
-  const double limit = foot.limit_n(terms_[foot.normal].force);
+  const double limit = foot.shear.limit_n(terms_[foot.normal].force);
   // Friction circle under the normal force of this pass.
   const double force = std::hypot(along.force, across.force);
   // Held forces follow the load that the solve finds; a few passes settle it.
@@ -397,7 +395,7 @@ bool CarriedArm::clamp_standing(Footing& foot) {
 bool CarriedArm::clamp_sliding(Footing& foot, const Velocities& found) {
   Term& along = terms_[foot.along];
   Term& across = terms_[foot.across];
-  const double limit = foot.limit_n(terms_[foot.normal].force);
+  const double limit = foot.shear.limit_n(terms_[foot.normal].force);
   // Coulomb's cone on the trial force of both, along the slide that this pass has found: what is
   // held may come loose, or be held the other way.
   const double first = along.law.at(speed(along, found));

@@ -133,12 +133,7 @@ class CarriedArm {
     std::size_t normal = 0, along = 0, across = 0;
     bool touching = false;
     bool sliding = false;
-    double friction = 0.0;
-    double cohesion_n = 0.0;
-
-    [[nodiscard]] double limit_n(double normal_n) const {
-      return normal_n > 0.0 ? friction * normal_n + cohesion_n : 0.0;
-    }
+    ShearLimit shear;
   };
   /// A piece of a track, or a pad.
   struct Plate {

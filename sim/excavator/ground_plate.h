@@ -46,21 +46,15 @@ struct PlateParameters {
 
 /// Of one step. `normal` in the speed of the plate along the ground's normal, away positive;
 /// `along` and `across` in the sliding velocity of the plate against the ground.
-struct PlateLaws {
+struct PlateLaws : ShearLimit {
   bool touching = false;
   ImplicitForce normal;
   ImplicitForce along;
   ImplicitForce across;
-  double friction = 0.0;  ///< Limit = friction x normal force + cohesion.
-  double cohesion_n = 0.0;
   double rut_m = 0.0;  ///< How deep the soft part of the ground is pressed.
   double passing_mps = 0.0;
   double shear_way_m = 0.005;  ///< K.
   BristleParameters shear;
-
-  [[nodiscard]] double limit_n(double normal_n) const {
-    return normal_n > 0.0 ? friction * normal_n + cohesion_n : 0.0;
-  }
 };
 
 class GroundPlate {

@@ -2,16 +2,14 @@
 // meet: the bucket at the boom, the house, the cab, the undercarriage; the stick at the last three;
 // the boom at the last. Neighbours in the chain are kept apart by their cylinders' ends.
 //
-// Points and laws are those of sim/contact; each has two links, and its velocity is that of the
-// outer one against the inner one, so that both feel it. What two bodies are in each other when
-// they are first seen holds nothing (contact_set.h): they can go out, and not farther in. The
-// springs of a pair never hold more at the start of a step than at the end of the one before.
+// Points, laws and what a pair keeps are those of sim/contact; each point has two links, and its
+// velocity is that of the outer one against the inner one, so that both feel it.
 //
-// After construction nothing allocates. A step costs one comparison while nothing can be near.
+// After construction nothing allocates. A step costs one comparison while nothing can be near; a
+// pair is looked at again when its bodies can have come as near as they were far.
 #pragma once
 
 #include <Eigen/Geometry>
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -19,6 +17,7 @@
 #include <vector>
 
 #include "sim/contact/contact_set.h"
+#include "sim/contact/pair_memory.h"
 
 namespace rigwire::sim {
 
@@ -32,8 +31,9 @@ class OwnContact {
   /// Whether any pair can be within reach, no point of the machine having moved against another
   /// faster than `fastest_mps` for h seconds. Where not, neither begin() nor settle() is due.
   [[nodiscard]] bool near(double h, double fastest_mps) {
-    travelled_m_ += h * fastest_mps;
-    return !points_.empty() || travelled_m_ + h * fastest_mps > room_m_;
+    step_m_ = h * fastest_mps;
+    travelled_m_ += step_m_;
+    return !points_.empty() || travelled_m_ > room_m_;
   }
   void begin(double h, std::span<const ContactLink> links);
   /// The points of the last begin() for a shorter step from the same poses.
@@ -63,19 +63,12 @@ class OwnContact {
   [[nodiscard]] double lost_j() const { return lost_j_; }
 
  private:
-  struct Memory {
-    Eigen::Vector3d p_L = Eigen::Vector3d::Zero();  ///< On the outer link.
-    ContactFriction friction;
-  };
   struct Pair {
     std::size_t outer = 0;
     std::size_t inner = 0;
     Eigen::Vector3d axis_L = Eigen::Vector3d::UnitZ();  ///< In the outer link.
-    bool met = false;
-    double rest_m = 0.0;
-    double spring_j = 0.0;
-    std::array<Memory, kManifoldPoints> memory;
-    std::size_t remembered = 0;
+    double apart_m = -1e300;                            ///< They are no nearer than this.
+    PairMemory memory;
   };
 
   /// The pair's gap, or a lower bound of one beyond reach.
@@ -86,7 +79,9 @@ class OwnContact {
   std::vector<Pair> pairs_;
   std::vector<ContactPoint> points_;
   std::vector<std::uint32_t> pair_of_;
+  /// No point can have come farther since the last begin(), this step included.
   double travelled_m_ = std::numeric_limits<double>::infinity();
+  double step_m_ = 0.0;  ///< In this step.
   double room_m_ = 0.0;  ///< The least gap of the last look, less the reach.
   double force_n_ = 0.0;
   double deepest_ever_m_ = 0.0;

@@ -210,10 +210,14 @@ SolidBodyParameters excavator_boxes() {
   solid.stiffness_npm = 1e9;
   solid.damping_ratio = 0.7;
   solid.boxes = {
-      {"undercarriage", "undercarriage", {0.0, 0.0, 0.8}, {4.2, 1.5, 0.6}, 0.0},
-      {"house", "upper", {-0.9, 0.0, 0.95}, {3.2, 2.4, 1.6}, 0.0},
-      {"boom", "boom", {2.5, 0.0, 0.35}, {5.2, 0.45, 0.6}, 0.0},
-      {"stick", "stick", {0.95, 0.0, 0.12}, {3.0, 0.35, 0.45}, 0.0},
+      {"undercarriage", "undercarriage", {0.0, 0.0, 0.85}, {4.6, 1.3, 0.6}, 0.0},
+      {"left tyres", "undercarriage", {0.0, 1.0, 0.75}, {3.7, 0.5, 0.5}, 0.0},
+      {"right tyres", "undercarriage", {0.0, -1.0, 0.75}, {3.7, 0.5, 0.5}, 0.0},
+      {"house", "upper", {-1.0, 0.0, 0.75}, {2.6, 2.5, 1.3}, 0.0},
+      {"cab", "upper", {0.75, 0.8, 0.95}, {1.7, 0.95, 1.75}, 0.0},
+      {"lower boom", "boom", {1.2, 0.0, 0.35}, {2.7, 0.4, 0.45}, from_degrees(-16.0)},
+      {"upper boom", "boom", {3.75, 0.0, 0.4}, {2.7, 0.36, 0.4}, from_degrees(15.0)},
+      {"stick", "stick", {0.95, 0.0, 0.15}, {3.0, 0.32, 0.4}, 0.0},
       {"bucket floor", "bucket", {1.11, 0.0, 0.255}, {0.75, 1.1, 0.1}, from_degrees(34.4)},
       {"bucket back", "bucket", {0.43, 0.0, 0.46}, {0.85, 1.1, 0.2}, from_degrees(-6.0)},
       {"bucket left cheek", "bucket", {0.7, 0.51, 0.22}, {0.9, 0.08, 0.4}, 0.0},

@@ -124,9 +124,11 @@ struct ExcavatorPose {
 };
 void visit(fields::Visitor& v, ExcavatorPose& p);
 
-/// Undercarriage, upper with counterweight, boom, stick, and the bucket in four pieces so that its
-/// hollow stays hollow. Estimates of the lengths below. The teeth touch rock at 1 GN/m: by Hertz
-/// a steel corner of 50 mm radius in granite, a few millimetres deep.
+/// Frame, tyres, house, cab, the boom in two pieces that meet in its bend, the stick: what the
+/// lidar sees of the shipped machine (its file's shapes), the tyres from 0.5 m up, below which they
+/// are the running gear's. The bucket in four pieces, so that its hollow stays hollow. The teeth
+/// touch rock at 1 GN/m: by Hertz a steel corner of 50 mm radius in granite, a few millimetres
+/// deep.
 [[nodiscard]] SolidBodyParameters excavator_boxes();
 
 struct ExcavatorParameters {
@@ -176,7 +178,7 @@ struct ExcavatorParameters {
   double gravity_mps2 = 9.80665;  ///< Along world -z.
   ExcavatorPose initial;
   SolidBodyParameters solid = excavator_boxes();
-  bool strikes_itself = false;  ///< Its bodies meet each other, too (own_contact.h).
+  bool strikes_itself = true;  ///< Its bodies meet each other, too (own_contact.h).
 };
 
 /// What the valve sections move, from section 0 on: the arm's four, then with a moving carrier the

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -172,6 +173,13 @@ void Ground::fill_bins() {
 template <class Visit>
 void Ground::near_obstacles(const Eigen::Vector2d& lower_m, const Eigen::Vector2d& upper_m,
                             Visit&& visit) const {
+  for (std::size_t i = 0; i < lying_count_; ++i) {
+    const Lying& lying = lying_[i];
+    if ((lower_m.array() <= lying.upper_m.array()).all() &&
+        (upper_m.array() >= lying.lower_m.array()).all()) {
+      visit(obstacles_[lying.obstacle]);
+    }
+  }
   const Eigen::Vector2d end =
       bin_origin_m_ +
       bin_m_ * Eigen::Vector2d(static_cast<double>(bin_columns_), static_cast<double>(bin_rows_));
@@ -200,6 +208,23 @@ bool Ground::too_high(std::size_t obstacle, const Eigen::Vector3d& centre_W) con
   // A ramp whose upper end is above the wheel, the wheel standing on its lower end.
   const auto under = top(obstacles_[obstacle], centre_W.x(), centre_W.y());
   return !under || under->height_m > centre_W.z();
+}
+
+bool Ground::lay(std::size_t obstacle, const Eigen::Isometry3d& X_WO) const {
+  if (lying_count_ == lying_.size()) {
+    return false;
+  }
+  Obstacle& fallen = obstacles_[obstacle];
+  fallen.X_WO = X_WO;
+  fallen.strength_nm = std::numeric_limits<double>::infinity();
+  fallen.stiffness_npm = 0.0;
+  tops_m_[obstacle] = top_m(fallen);
+  const ObstacleBounds box = bounds(fallen);
+  lying_[lying_count_++] = {obstacle, box.lower_m, box.upper_m};
+  if (loose_) {
+    loose_->ground_changed(box.lower_m, box.upper_m);
+  }
+  return true;
 }
 
 void Ground::obstacles_near(const Eigen::Vector2d& lower_m, const Eigen::Vector2d& upper_m,

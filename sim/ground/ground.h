@@ -146,6 +146,11 @@ class Ground {
   [[nodiscard]] std::optional<Penetration> penetration(const Eigen::Vector3d& p_W) const;
 
   [[nodiscard]] std::span<const Obstacle> obstacles() const { return obstacles_; }
+  /// An obstacle that has fallen lies there from now on, and bears what is put on it. Like ruts it
+  /// is what const machines change of a ground; only the thread that steps its machine may call it.
+  /// False, and nothing is changed, beyond the first kMostLying.
+  static constexpr std::size_t kMostLying = 64;
+  [[nodiscard]] bool lay(std::size_t obstacle, const Eigen::Isometry3d& X_WO) const;
   [[nodiscard]] const ConvexShape& shape(std::size_t obstacle) const { return shapes_[obstacle]; }
   /// Whether a wheel with its centre there cannot roll over it (wheel_contact()).
   [[nodiscard]] bool too_high(std::size_t obstacle, const Eigen::Vector3d& centre_W) const;
@@ -221,9 +226,18 @@ class Ground {
 
   HeightField field_;
   SoilMap soils_;
-  std::vector<Obstacle> obstacles_;
+  /// Where an obstacle lies that is not where its bins are.
+  struct Lying {
+    std::size_t obstacle = 0;
+    Eigen::Vector2d lower_m = Eigen::Vector2d::Zero();
+    Eigen::Vector2d upper_m = Eigen::Vector2d::Zero();
+  };
+
+  mutable std::vector<Obstacle> obstacles_;  ///< lay(), as the two below.
+  mutable std::vector<double> tops_m_;       ///< Their highest points; -infinity of balls.
+  mutable std::array<Lying, kMostLying> lying_;
+  mutable std::size_t lying_count_ = 0;
   std::vector<ConvexShape> shapes_;  ///< Of the obstacles.
-  std::vector<double> tops_m_;       ///< Their highest points; -infinity of balls.
   // A grid over the obstacles, so that a look-up costs the same with one and with thousands.
   double bin_m_ = 4.0;
   Eigen::Vector2d bin_origin_m_ = Eigen::Vector2d::Zero();

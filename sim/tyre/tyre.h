@@ -83,15 +83,13 @@ void validate(const TyreParameters& parameters);
 /// normal, away from the ground positive; `longitudinal` and `lateral` in the sliding velocity of
 /// the tyre's contact patch against the ground (forward, left); `rolling` in the wheel's rate, a
 /// moment; `ploughing` in the speed of the wheel's centre along the ground, forward.
-struct TyreLaws {
+struct TyreLaws : ShearLimit {
   bool touching = false;
   ImplicitForce normal;
   ImplicitForce longitudinal;
   ImplicitForce lateral;
   ImplicitForce rolling;
   ImplicitForce ploughing;
-  double friction = 0.0;  ///< Limit = friction x normal force + cohesion.
-  double cohesion_n = 0.0;
   double rolling_arm_m = 0.0;    ///< Limit of the rolling moment per normal force.
   double ploughing_n = 0.0;      ///< Limit of `ploughing`; 0: there is none.
   double loaded_radius_m = 0.0;  ///< From the wheel's centre to the contact, R - d.
@@ -109,10 +107,6 @@ struct TyreLaws {
   BristleParameters pushing;
   bool turning_yields = false;  ///< The wheel turns: `rolling` is the secant of its limit.
   bool pushing_yields = false;  ///< The wheel moves: `ploughing` is the secant of its limit.
-
-  [[nodiscard]] double limit_n(double normal_n) const {
-    return normal_n > 0.0 ? friction * normal_n + cohesion_n : 0.0;
-  }
 };
 
 /// What the machine's solve found, for settle().

@@ -279,6 +279,51 @@ TEST(ContactSet, ATreeThatGaveWayFallsAwayFromThePushAndLiesOnTheGround) {
   EXPECT_LT(down_s, 2.4);
 }
 
+// Who came later drove through what was seen lying there.
+TEST(ContactSet, ATrunkThatLiesIsFeltByWhoComesLater) {
+  Obstacle trunk = trunk_at(5.0, 0.0, 0.25, 3.0);
+  trunk.strength_nm = 21e3;
+  trunk.stiffness_npm = 1.7e6;
+  trunk.tree_height_m = 15.0;
+  const Ground ground = ground_with({trunk});
+  const Vector half(2.0, 1.1, 0.4);
+  FreeBody truck(ground, ConvexShape::box(half), 5600.0, box_inertia(5600.0, half), 1.5e6, 3e4);
+  truck.gravity_mps2 = 0.0;
+  truck.X_WB.translation() << 2.7, 0.0, 0.8;
+  const auto drive = [&](const Vector& v_W, double span_s) {
+    truck.X_WB.linear().setIdentity();
+    truck.v_W = v_W;
+    truck.w_W.setZero();
+    for (int i = 0; i < static_cast<int>(span_s / 1e-3); ++i) {
+      truck.step(1e-3);
+    }
+  };
+  const auto allocated = test::allocations();
+  truck.push_W.x() = 60e3;
+  for (int i = 0; i < 6000 && truck.contact().report().felled == 0; ++i) {
+    truck.step(1e-3);
+  }
+  ASSERT_EQ(truck.contact().report().felled, 1U);
+  truck.push_W.setZero();
+  // On over the place where it falls: it lies under the truck, and is nothing yet.
+  drive({1.5, 0.0, -0.2}, 2.0);
+  ASSERT_TRUE(truck.contact().leaning().front().lies);
+  EXPECT_FALSE(truck.contact().leaning().front().solid);
+  EXPECT_EQ(truck.contact().report().points, 0U);
+  // Off it to the side, and back.
+  drive({0.0, -3.0, 0.0}, 2.0);
+  EXPECT_TRUE(truck.contact().leaning().front().solid);
+  const double before_j = truck.contact().report().lost_j;
+  drive({0.0, 3.0, 0.0}, 3.0);
+  EXPECT_EQ(test::allocations(), allocated);
+  const double flank_m = truck.X_WB.translation().y() + half.y();
+  EXPECT_LT(flank_m, -0.2) << "it stopped at the trunk's side, or came back";
+  EXPECT_LT(truck.v_W.y(), 0.5);
+  EXPECT_GT(truck.contact().report().lost_j, before_j + 1e3);
+  EXPECT_LT(truck.contact().report().deepest_ever_m, 0.25);
+  EXPECT_EQ(truck.contact().report().felled, 1U) << "what lies does not fall again";
+}
+
 TEST(ContactSet, NothingNearCostsNothingAndAllocatesNothing) {
   std::vector<Obstacle> trunks;
   for (int i = 0; i < 400; ++i) {

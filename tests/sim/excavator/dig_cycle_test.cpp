@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "allocation_counter.h"
@@ -99,6 +101,54 @@ TEST(DigCycle, ManyCyclesKeepTheBalanceAndAllocateNothing) {
   EXPECT_EQ(rigwire::test::allocations(), before);
   EXPECT_EQ(site.worst_imbalance, 0);
   EXPECT_FALSE(site.machine.non_finite().has_value());
+}
+
+// A stick drawn thicker than it is met the trench's floor: the third and fourth of four digs took a
+// tenth of what they took with bodies that pass through the ground.
+TEST(DigCycle, FourDigsInOneTrenchMeetTheGroundWithTheBucketAlone) {
+  const auto dig_four = [](const ExcavatorParameters& excavator) {
+    Site site(sandy(), {}, excavator);
+    const Excavator& arm = site.machine.excavator();
+    const JointVector start = arm.joint_angles_rad();
+    const auto go = [&](const JointVector& to, double span_s) {
+      for (int i = 0; i < static_cast<int>(span_s * 20.0); ++i) {
+        const JointVector left = to - arm.joint_angles_rad();
+        const auto opening = [](double wanted, double most) {
+          return std::abs(wanted) < 2e-3
+                     ? 0.0
+                     : std::clamp(wanted + std::copysign(0.04, wanted), -most, most);
+        };
+        site.run(0.05, opening(0.8 * left[0] - 0.6 * arm.joint_rates_radps()[0], 0.5),
+                 opening(2.0 * left[1], 0.8), opening(-2.0 * left[2], 0.8),
+                 opening(-2.0 * left[3], 0.8));
+      }
+    };
+    std::array<double, 4> taken{};
+    for (double& each : taken) {
+      site.dig();
+      each = site.machine.bucket().volume_m3();
+      // Dumped aside, and back.
+      JointVector pose = arm.joint_angles_rad();
+      pose[0] = 1.4;
+      pose[1] = 0.6;
+      go(pose, 8.0);
+      pose[3] = 0.4;
+      go(pose, 5.0);
+      pose[0] = 0.0;
+      go(pose, 8.0);
+      go(start, 6.0);
+    }
+    return taken;
+  };
+  ExcavatorParameters p = ready_to_dig();
+  p.level = ExcavatorLevel::quasi_static;
+  p.carrier = ExcavatorCarrier::moving;
+  const std::array<double, 4> with_bodies = dig_four(p);
+  p.solid.boxes.clear();
+  EXPECT_EQ(with_bodies, dig_four(p));
+  for (const double volume : with_bodies) {
+    EXPECT_GT(volume, 0.25);
+  }
 }
 
 TEST(DigCycle, StandstillInTheSoilIsSilent) {

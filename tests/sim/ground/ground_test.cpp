@@ -187,6 +187,36 @@ TEST(Obstacles, ThousandsAreFoundAsBruteForceFindsThem) {
   EXPECT_GT(hits, 5);
 }
 
+TEST(Obstacles, WhatHasFallenIsWhereItLiesAndNotWhereItStood) {
+  Obstacle trunk;
+  trunk.shape = ObstacleShape::cylinder;
+  trunk.half_lengths_m = {0.15, 0.15, 4.0};
+  trunk.X_WO.translation() = Vector(5.0, 5.0, 4.0);
+  trunk.strength_nm = 6e4;
+  const Ground ground(terrain(Eigen::Vector2d::Zero(), 61, 0.5, [](double, double) { return 0.0; }),
+                      {}, {trunk});
+  const auto wheel_on = [&](const Ground& on, double x) {
+    return on.wheel_contact({x, 5.0, 0.55}, Vector::UnitY(), 0.5);
+  };
+  EXPECT_FALSE(wheel_on(ground, 10.0));
+  const Ground copy = ground;
+  Eigen::Isometry3d X_WO = Eigen::Isometry3d::Identity();
+  X_WO.linear() = Eigen::AngleAxisd(0.5 * M_PI, Vector::UnitY()).matrix();
+  X_WO.translation() = Vector(9.0, 5.0, 0.0);  // Its foot stays.
+  ASSERT_TRUE(ground.lay(0, X_WO));
+  const auto over = wheel_on(ground, 10.0);
+  ASSERT_TRUE(over);
+  EXPECT_NEAR(over->depth_m, 0.5 - (0.55 - 0.15), 1e-9);
+  EXPECT_TRUE(over->ground.obstacle);
+  EXPECT_FALSE(wheel_on(copy, 10.0)) << "of a ground of its own";
+  EXPECT_NEAR(ground.at(10.0, 5.0, 1.0).height_m, 0.15, 1e-12);
+  EXPECT_FALSE(ground.penetration({5.0, 5.0, 3.0})) << "it stands there no more";
+  std::vector<std::uint32_t> found;
+  ground.obstacles_near({12.0, 4.0}, {12.5, 5.0}, found);
+  EXPECT_FALSE(found.empty());
+  EXPECT_LT((ground.obstacles()[0].foot_W() - Vector(5.0, 5.0, 0.0)).norm(), 1e-12);
+}
+
 TEST(GroundSetUp, BadInputIsRefusedByName) {
   const HeightField flat = terrain({0.0, 0.0}, 3, 1.0, [](double, double) { return 0.0; });
   const auto refused = [&](const SoilMap& soils, const std::vector<Obstacle>& obstacles,

@@ -1,0 +1,87 @@
+// What a pair of bodies keeps of its points of contact from one step to the next, and the rules
+// that make of it no source of energy.
+//
+// Points join, leave and merge as bodies turn. A point found again near its place keeps its
+// friction, the directions turned with the normal; each place is one point's alone. What a pair is
+// in when it is first met holds nothing: it counts as no overlap until the pair has left it, so
+// that it can go out and not farther in. The springs of a pair never hold more at the start of a
+// step than they did at the end of the one before (and a tenth of a millimetre's worth): where its
+// points would, all are softer by that share.
+//
+// A step begins with a PairMemory::Step: remember() for each point, then start() for all; after the
+// solve settling(), and settled() for each. Or part().
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "sim/contact/contact_point.h"
+#include "sim/contact/manifold.h"
+
+namespace rigwire::sim {
+
+class PairMemory {
+ public:
+  /// A point of the step before.
+  struct Place {
+    Eigen::Vector3d p_L = Eigen::Vector3d::Zero();  ///< On the body's link.
+    ContactFriction friction;
+    double dent_m = 0.0;
+    double sunk_m = 0.0;
+    Eigen::Vector3d sunk_at_W = Eigen::Vector3d::Zero();  ///< Of the terrain, where it is.
+  };
+
+  /// In the step before; from Step::start() on, in this one.
+  [[nodiscard]] bool met() const { return met_; }
+  /// Overlap that pushes nobody.
+  [[nodiscard]] double rest_m() const { return rest_m_; }
+  /// In the springs at the end of the step before, and the most that one of them was pressed then.
+  [[nodiscard]] double spring_j() const { return spring_j_; }
+  [[nodiscard]] double pressed_m() const { return pressed_m_; }
+  /// Whether a point at p_L is within `reach_m` of one of the step before.
+  [[nodiscard]] bool knows(const Eigen::Vector3d& p_L, double reach_m) const;
+
+  /// No longer met.
+  void part();
+
+  /// The points of one step, while they are found.
+  class Step {
+   public:
+    explicit Step(PairMemory& pair) : pair_(&pair) {}
+
+    /// Takes the next point, at p_L of its link, whose normal is set: with the friction of the
+    /// nearest place of before, and directions across. That place, for what else it has; null: the
+    /// point is new. Precondition: kManifoldPoints at most.
+    const Place* remember(const Eigen::Vector3d& p_L, ContactPoint& point);
+    /// Of the point taken last.
+    [[nodiscard]] Place& latest() { return now_[taken_ - 1]; }
+    /// All are taken, as `points`: what they are in beyond their dents counts from the pair's rest,
+    /// and their springs, `stiffness_npm` each, are softened so far that they add no energy.
+    void start(std::span<ContactPoint> points, double stiffness_npm);
+
+   private:
+    PairMemory* pair_;
+    std::array<Place, kManifoldPoints> now_;
+    std::array<bool, kManifoldPoints> used_{};
+    std::size_t taken_ = 0;
+  };
+
+  void settling() { spring_j_ = pressed_m_ = 0.0; }
+  /// Of point i, in the order of remember(): an overlap of `depth_m` at the step's end. What its
+  /// spring holds, J.
+  double settled(std::size_t i, const ContactPoint& point, double depth_m);
+  /// Of the step before until settled().
+  [[nodiscard]] const Place& place(std::size_t i) const { return places_[i]; }
+
+ private:
+  bool met_ = false;
+  double rest_m_ = 0.0;
+  double spring_j_ = 0.0;
+  double pressed_m_ = 0.0;
+  std::array<Place, kManifoldPoints> places_;
+  std::size_t remembered_ = 0;
+};
+
+}  // namespace rigwire::sim

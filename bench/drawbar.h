@@ -5,11 +5,20 @@
 // Their K is 20 mm, an estimate: the table has none for them.
 //
 // Field: W. W. Brixius, Traction prediction equations for bias ply tires, ASAE paper 87-1622, 1987,
-// as ASABE D497 has it, a fit to field tests of tractors' tyres; quoted from memory, not checked
-// against the paper. It knows a soil by its cone index only, which Wong's table has not: it is
-// taken from his moduli, the mean of Bekker's pressure over the way of 0.15 m, the radius of the
-// ASAE cone's base as his b (of a round plate the radius). That carries moduli of plates 50 to 100
-// mm wide to one of 10 mm: the cone index is the least sure of these figures.
+// as ASABE D497 has it, a fit to field tests of tractors' tyres; quoted from memory and not checked
+// against the paper, but constant for constant as two open programs of others have it. It knows a
+// soil by its cone index only, which Wong's table has not: it is taken from his moduli, the mean of
+// Bekker's pressure over the way of 0.15 m, the radius of the ASAE cone's base as his b (of a round
+// plate the radius). That carries moduli of plates 50 to 100 mm wide to one of 10 mm: the cone
+// index is the least sure of these figures.
+//
+// Test bed: the one published pull over slip at hand that comes with its own soil's moduli. L. Ding
+// and others, Experimental study and analysis on driving wheels' performance for planetary
+// exploration rovers moving in deformable soil, J. Terramechanics 48 (2011) 27: rigid wheels of 157
+// mm radius with 80 N on a dry simulant, smooth, and with 30 lugs of 10 mm. Soil: their table 2,
+// K the middle of 9.7 to 13.1 mm. Points: read off their figure 9 by others (the table
+// single_wheel_experiments of the open project roverdevkit, which calls them approximate), to half
+// a newton.
 #pragma once
 
 #include <algorithm>
@@ -55,6 +64,57 @@ inline std::array<DrawbarCase, 6> drawbar_cases() {
     cases[i].pressure_pa = i % 2 == 0 ? 1.2e5 : 4.5e5;
   }
   return cases;
+}
+
+/// A wheel in a test bed, and what was measured of it.
+struct MeasuredWheel {
+  struct Point {
+    double slip, pull_n, sinkage_m;
+  };
+  const char* name;
+  DrawbarCase wheel;
+  std::array<Point, 6> points;
+};
+
+inline std::array<MeasuredWheel, 2> measured_wheels() {
+  DrawbarCase one;
+  one.soil.name = "planetary simulant";
+  one.soil.soft = true;
+  one.soil.exponent = 1.10;
+  one.soil.cohesion_modulus = 15.6e3;
+  one.soil.friction_modulus = 2407.4e3;
+  one.soil.cohesion_pa = 250.0;
+  one.soil.internal_friction_rad = 31.9 * std::numbers::pi / 180.0;
+  one.soil.shear_modulus_m = 0.0114;
+  one.load_n = 80.0;
+  one.pressure_pa = 1e5;
+  // Rigid: pressed in by a hundredth of a millimetre, without slip of its own.
+  sim::TyreParameters& tyre = one.tyre;
+  tyre.unloaded_radius_m = 0.15735;
+  tyre.width_m = 0.165;
+  tyre.rim_radius_m = 0.1;
+  tyre.carcass_stiffness_npm = 8e6;
+  tyre.stiffness_per_pressure_m = 1e-3;
+  tyre.reference_load_n = one.load_n;
+  tyre.slip_stiffness_n = 1e5;
+  tyre.longitudinal_stiffness_npm = 1e6;
+  tyre.rolling_resistance = 0.0;
+  return {{{"smooth",
+            one,
+            {{{0.0, -6.5, 0.005},
+              {0.1, 11.0, 0.0055},
+              {0.2, 14.5, 0.0075},
+              {0.3, 15.0, 0.010},
+              {0.4, 15.0, 0.0125},
+              {0.6, 15.0, 0.0175}}}},
+           {"30 lugs of 10 mm",
+            one,
+            {{{0.0, -6.5, 0.0045},
+              {0.1, 14.0, 0.005},
+              {0.2, 20.0, 0.0075},
+              {0.3, 22.0, 0.0105},
+              {0.4, 23.0, 0.014},
+              {0.6, 24.5, 0.027}}}}}};
 }
 
 /// Shares of the load. Slip is 1 - V / (w R).

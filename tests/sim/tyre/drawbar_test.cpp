@@ -38,6 +38,25 @@ TEST(Drawbar, AtAFifthOfSlipPullIsWithinATenthOfTheLoadOfFieldTests) {
   }
 }
 
+// Nothing is fitted: the soil's moduli, the wheel's size and the points are others'. Between the
+// two wheels, whose difference the model does not know, lies as much.
+TEST(Drawbar, PullOfARigidWheelIsThatOfATestBedWithinAFifthOfTheLoad) {
+  double sum2 = 0.0;
+  for (const MeasuredWheel& each : measured_wheels()) {
+    for (const MeasuredWheel::Point& point : each.points) {
+      const Drawbar found = measured_drawbar(each.wheel, point.slip);
+      const double error = found.pull() - point.pull_n / each.wheel.load_n;
+      EXPECT_LT(std::abs(error), 0.2) << each.name << " " << point.slip;
+      sum2 += error * error;
+      if (point.slip == 0.2 || point.slip == 0.3) {
+        // The model has no sinkage by slip.
+        EXPECT_NEAR(found.sinkage_m, point.sinkage_m, 2e-3) << each.name;
+      }
+    }
+  }
+  EXPECT_LT(std::sqrt(sum2 / 12.0), 0.1);
+}
+
 // As in every field test: less pressure, more pull.
 TEST(Drawbar, TheFieldsPressurePullsMoreThanTheRoads) {
   const auto cases = drawbar_cases();

@@ -235,7 +235,6 @@ void FullVehicle::contacts(double h, const Velocities& start) {
     wheel_terms_[i].begin(h, frame, R_WB, contact, *ground_, tyre_pressure_pa(i),
                           settling_ ? kLocked_nm : brake_limit_nm(i), start);
   }
-  chassis_.begin(h, *ground_, state_.p_WC, R_WB, start);
   meet_obstacles(h, start);
 }
 
@@ -317,7 +316,6 @@ void FullVehicle::inner_step(double h) {
     for (const WheelTerms& wheel : wheel_terms_) {
       wheel.add(h, start, system);
     }
-    chassis_.add(h, start, system);
     if (near_) {
       add_contacts(h, start, contact_.points(), contact_rows_, system);
     }
@@ -332,10 +330,7 @@ void FullVehicle::inner_step(double h) {
     if (passes_ >= kMostPasses) {
       break;
     }
-    bool changed = chassis_.changes(found);
-    if (near_) {
-      changed = contacts_change(found, contact_.points(), contact_rows_) || changed;
-    }
+    bool changed = near_ && contacts_change(found, contact_.points(), contact_rows_);
     for (WheelTerms& wheel : wheel_terms_) {
       changed = wheel.changes(found) || changed;
     }
@@ -380,7 +375,6 @@ void FullVehicle::advance(double h, const Velocities& found, const Velocities& c
     }
   }
   suspension_ = state_.suspension;
-  chassis_.settle(h, found);
   if (near_) {
     contact_.settle(h, [&](const ContactPoint& point) {
       return contact_rows_[static_cast<std::size_t>(&point - contact_.points().data())].of(found);
@@ -417,8 +411,7 @@ FullVehicle::FullVehicle(const WheeledVehicleParameters& parameters, const Groun
                    WheelTerms(parameters.rear, carried_kg(parameters, 1), 2,
                               parameters.brake_stiffness_nmprad),
                    WheelTerms(parameters.rear, carried_kg(parameters, 1), 3,
-                              parameters.brake_stiffness_nmprad)},
-      chassis_(parameters) {
+                              parameters.brake_stiffness_nmprad)} {
   contact_rows_.reserve(kMostContactPoints);
   update_kinematics(Vector3d::Zero());
   // About the common centre of mass; it moves with the suspension, which the prediction neglects.

@@ -17,7 +17,6 @@
 #include <Eigen/Geometry>
 #include <array>
 
-#include "sim/vehicle/chassis_contact.h"
 #include "sim/vehicle/obstacle_contact.h"
 #include "sim/vehicle/suspension.h"
 #include "sim/vehicle/velocity_system.h"
@@ -80,7 +79,6 @@ class FullVehicle final : public WheeledVehicle {
 
   std::array<AxleSuspension, 2> axles_;
   std::array<WheelTerms, kWheels> wheel_terms_;
-  ChassisContact chassis_;
   std::array<ContactLink, kWheeledLinks.size()> contact_links_;
   std::vector<VehicleContactRows> contact_rows_;
   bool near_ = false;                      ///< Obstacles may be within reach in this step.

@@ -10,6 +10,31 @@ namespace {
 
 constexpr std::size_t kFirstWheel = kWheeledLinks.size() - kWheels;
 constexpr double kTyreDampingRatio = 0.3;
+constexpr double kCorner_m = 0.4;  ///< Of the box whose corner a chassis' point is.
+
+/// Corners of the body that meet the terrain alone: each of a box that lies inwards of it.
+void add_corners(const WheeledVehicleParameters& parameters, std::vector<ContactBody>& bodies) {
+  const std::vector<ChassisPoint>& points = parameters.chassis.points;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const ChassisPoint& point : points) {
+    middle += point.position_m / static_cast<double>(points.size());
+  }
+  for (const ChassisPoint& point : points) {
+    const Eigen::Vector3d inwards = middle - point.position_m;
+    ContactBody& corner = bodies.emplace_back(
+        ContactBody{"chassis", 0, Eigen::Isometry3d::Identity(),
+                    ConvexShape::box(Eigen::Vector3d::Constant(0.5 * kCorner_m)),
+                    parameters.chassis.stiffness_npm, parameters.chassis.damping_nspm});
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      corner.X_LS.translation()[i] =
+          point.position_m[i] + std::copysign(0.5 * kCorner_m, inwards[i]);
+    }
+    corner.crush_n = parameters.solid.crush_n;
+    corner.crush_npm = parameters.solid.crush_npm;
+    corner.meets_terrain = true;
+    corner.meets_obstacles = false;
+  }
+}
 
 }  // namespace
 
@@ -19,6 +44,9 @@ ContactSet vehicle_contact(const WheeledVehicleParameters& parameters, const Sta
       contact_bodies(parameters.solid, kWheeledLinks, parameters.mass_kg());
   for (ContactBody& box : bodies) {
     box.meets_terrain = parameters.level == VehicleLevel::full;
+  }
+  if (parameters.level == VehicleLevel::full) {
+    add_corners(parameters, bodies);
   }
   for (std::size_t i = 0; i < kWheels; ++i) {
     const VehicleAxleParameters& axle = i < 2 ? parameters.front : parameters.rear;
@@ -56,6 +84,9 @@ double vehicle_reach_m(const WheeledVehicleParameters& parameters) {
   double reach = 0.0;
   for (const ContactBox& box : parameters.solid.boxes) {
     reach = std::max(reach, box.position_m.norm() + 0.5 * box.size_m.norm());
+  }
+  for (const ChassisPoint& point : parameters.chassis.points) {
+    reach = std::max(reach, point.position_m.norm());
   }
   for (const VehicleAxleParameters* axle : {&parameters.front, &parameters.rear}) {
     reach = std::max(reach, std::hypot(axle->position_x_m, 0.5 * axle->track_m) +

@@ -134,11 +134,12 @@ void visit(fields::Visitor& v, ChassisPoint& p);
 
 inline constexpr std::size_t kChassisPoints = 16;
 
-/// Corners of body and underbody that may hit the ground. Obstacles meet the boxes.
+/// Corners of body and underbody that may hit the ground, which bears what it bears under the boxes
+/// (solid). Obstacles meet the boxes alone.
 struct ChassisContactParameters {
   std::vector<ChassisPoint> points;  ///< At most kChassisPoints.
-  double stiffness_npm = 1.0e6;
-  double damping_nspm = 2.0e4;
+  double stiffness_npm = 4.0e7;  ///< As hard as the boxes, and damped as they are.
+  double damping_nspm = 3.6e5;
 };
 void visit(fields::Visitor& v, ChassisContactParameters& p);
 /// Throws std::invalid_argument.

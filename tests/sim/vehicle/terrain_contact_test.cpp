@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "vehicle_rig.h"
 
@@ -72,6 +73,35 @@ INSTANTIATE_TEST_SUITE_P(Degrees, Overturned, testing::Values(90.0, 180.0, -120.
                          [](const auto& turn) {
                            return "turned_" + std::to_string(std::lround(turn.param + 360.0));
                          });
+
+// The points of its list pressed the ground as if it were rock, where its boxes sank in.
+TEST(TerrainContact, AChassisPointIsBorneByWhatSoilBears) {
+  SoilParameters mud;
+  mud.soft = true;
+  mud.cohesion_pa = 5e3;
+  mud.internal_friction_rad = 0.1;
+  WheeledVehicleParameters points = WheeledVehicleParameters();
+  points.solid.boxes.clear();
+  // Of the deepest point, the vehicle put down on its roof.
+  const auto deepest_m = [&](const SoilParameters& soil) {
+    BareVehicle rig(Ground::plane({0.0, 0.0, 1.0}, soil), points);
+    rig.machine.command(released());
+    FullVehicleState state = rig.machine.state();
+    state.q_WB = Eigen::AngleAxisd(std::numbers::pi, Vector::UnitX());
+    state.p_WC.z() = 1.5;
+    rig.machine.set_state(state);
+    rig.machine.step(8s);
+    EXPECT_LT(rig.machine.links()[0].v_WL_W.norm(), 0.05);
+    double lowest = 0.0;
+    for (const BodyPoint& point : rig.machine.body_points()) {
+      lowest = std::min(lowest, point.p_W.z());
+    }
+    return -lowest;
+  };
+  const double on_hard_m = deepest_m({});
+  EXPECT_LT(on_hard_m, 0.15);
+  EXPECT_GT(deepest_m(mud), on_hard_m + 0.1);
+}
 
 TEST(TerrainContact, AUnimogOnItsWheelsFeelsNothingOfItsBody) {
   BareVehicle rig(slope(0.2));

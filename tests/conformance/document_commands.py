@@ -62,6 +62,7 @@ COMMANDS = [
     (r"rigwire record (info|cut) .*", "ends", None, "/truth"),
     (r"rigwire record export .*", "ends", None, "rows of truth"),
     (r"tshark -r /tmp/rigwire/dig/all\.pcapng .*", "ends", None, "J1939"),
+    (r"tshark -i rigwire-dig-can", "extcap_test.cpp runs it beside a rig", None, None),
     (r"gpsdecode < /tmp/rigwire/dig/\S+", "ends", None, "TPV"),
     (r"rigwire replay /tmp/rigwire/dig --verify", "ends", None, "equal"),
     (r"rigwire replay /tmp/rigwire/dig --from 1s --to 4s", "ends", None, None),

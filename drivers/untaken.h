@@ -21,8 +21,8 @@ namespace rigwire::drivers {
 [[nodiscard]] std::optional<std::size_t> untaken_bytes(const std::filesystem::path& terminal);
 
 /// Bytes, with the kernel's own room for each datagram, that wait at sockets of this machine that
-/// are bound to that port, at that address or at every one (/proc/net/udp, proc(5)). Nothing where
-/// there is no such socket.
+/// are bound to that port, at that address or at every one (/proc/net/udp, proc(5)); also at those
+/// of IPv6 that take datagrams of IPv4 (/proc/net/udp6). Nothing where there is no such socket.
 [[nodiscard]] std::optional<std::size_t> untaken_datagrams(const IpEnd& destination);
 
 }  // namespace rigwire::drivers

@@ -64,5 +64,41 @@ TEST(Untaken, APortTellsWhatItsReaderHasNotRead) {
   EXPECT_EQ(untaken_datagrams(end), 0U);
 }
 
+TEST(Untaken, ASocketOfIpv6ThatTakesIpv4Tells) {
+  if (!Descriptor(::socket(AF_INET6, SOCK_DGRAM, 0)).open()) {
+    GTEST_SKIP() << "no IPv6 here";
+  }
+  const int only = 0;
+  for (const bool mapped : {false, true}) {
+    const Descriptor socket(::socket(AF_INET6, SOCK_DGRAM, 0));
+    (void)::setsockopt(socket.get(), IPPROTO_IPV6, IPV6_V6ONLY, &only, sizeof only);
+    sockaddr_in6 own{};
+    own.sin6_family = AF_INET6;
+    if (mapped) {
+      ASSERT_EQ(::inet_pton(AF_INET6, "::ffff:127.0.0.1", &own.sin6_addr), 1);
+    }
+    auto* const address = reinterpret_cast<sockaddr*>(&own);
+    ASSERT_EQ(::bind(socket.get(), address, sizeof own), 0);
+    socklen_t size = sizeof own;
+    ASSERT_EQ(::getsockname(socket.get(), address, &size), 0);
+    const IpEnd end{0x7F00'0001, ntohs(own.sin6_port)};
+    EXPECT_EQ(untaken_datagrams(end), 0U);
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = own.sin6_port;
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const std::array<char, 1206> packet{};
+    const Descriptor sender(::socket(AF_INET, SOCK_DGRAM, 0));
+    ASSERT_EQ(::sendto(sender.get(), packet.data(), packet.size(), 0,
+                       reinterpret_cast<const sockaddr*>(&to), sizeof to),
+              1206);
+    EXPECT_GE(untaken_datagrams(end).value_or(0), packet.size()) << mapped;
+    EXPECT_EQ(untaken_datagrams({0x7F00'0002, end.port}).has_value(), !mapped);
+    std::array<char, 2000> read{};
+    ASSERT_EQ(::recv(socket.get(), read.data(), read.size(), 0), 1206);
+    EXPECT_EQ(untaken_datagrams(end), 0U);
+  }
+}
+
 }  // namespace
 }  // namespace rigwire::drivers

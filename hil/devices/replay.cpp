@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <chrono>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +19,7 @@
 #include "hil/devices/device_types.h"
 #include "hil/devices/rig_check.h"
 #include "hil/executive/executive.h"
+#include "hil/files/gps_alignment.h"
 #include "hil/files/replay_source.h"
 #include "hil/wires/line_ports.h"
 #include "hil/wires/outlets.h"
@@ -40,8 +43,9 @@ class Player final : public emulators::CanDevice {
  public:
   using Send = std::function<void(const ReplayedUnit&)>;
 
-  Player(const ReplaySourceSettings& settings, std::optional<std::uint32_t> bit_rate_bps)
-      : source_(settings), bit_rate_bps_(bit_rate_bps) {
+  Player(const ReplaySourceSettings& settings, std::optional<std::int64_t> zero_ns,
+         std::optional<std::uint32_t> bit_rate_bps)
+      : source_(settings, zero_ns), bit_rate_bps_(bit_rate_bps) {
     take();
   }
   void send_by(Send send) { send_ = std::move(send); }
@@ -108,7 +112,8 @@ class ReplayDevice final : public Device, private EventSource {
  public:
   ReplayDevice(const ReplayConfiguration& configuration, Site& site)
       : wire_(configuration.wire),
-        player_(configuration.source,
+        alignment_(aligned(configuration.source)),
+        player_(configuration.source, zero_ns(configuration.source, site),
                 wire_ == ReplayWire::can
                     ? std::optional(site.bus(configuration.bus).bus().settings().bit_rate_bps)
                     : std::nullopt) {
@@ -160,6 +165,12 @@ class ReplayDevice final : public Device, private EventSource {
     if (piece.truncated) {
       text += "; the file ends in the middle of one, what is whole is played";
     }
+    if (alignment_) {
+      text += fmt::format("; by GPS time its stamps are {:.6f} s {} ({}, told {} times)",
+                          1e-9 * std::abs(static_cast<double>(alignment_->ahead_ns)),
+                          alignment_->ahead_ns < 0 ? "ahead" : "behind", alignment_->by,
+                          alignment_->told);
+    }
     if (piece.went_back != 0) {
       text += fmt::format("; the time of {} goes back by less than a second", piece.went_back);
     }
@@ -167,6 +178,38 @@ class ReplayDevice final : public Device, private EventSource {
   }
 
  private:
+  static std::optional<GpsAlignment> aligned(const ReplaySourceSettings& source) {
+    return source.align == ReplayedAlignment::gps ? std::optional(find_gps_alignment(source))
+                                                  : std::nullopt;
+  }
+  /// Of the file's own count, where GPS time says where the run begins in it.
+  [[nodiscard]] std::optional<std::int64_t> zero_ns(const ReplaySourceSettings& source,
+                                                    const Site& site) const {
+    if (!alignment_) {
+      return std::nullopt;
+    }
+    const std::int64_t start_ns = unix_time(site.calendar().utc(kStart)).count();
+    constexpr std::int64_t kHour_ns = 3'600'000'000'000;
+    if (alignment_->first_utc_ns - start_ns > kHour_ns) {
+      const auto utc =
+          std::chrono::floor<std::chrono::seconds>(std::chrono::sys_time<std::chrono::nanoseconds>(
+              std::chrono::nanoseconds(alignment_->first_utc_ns)));
+      throw std::invalid_argument(fmt::format(
+          "devices.{}.source.align: {} begins more than an hour after the rig's start, found {}, "
+          "allowed before: write it as the rig's `start`",
+          site.name(), source.file, text_of_utc(utc)));
+    }
+    return start_ns - alignment_->ahead_ns;
+  }
+  static std::string text_of_utc(std::chrono::sys_seconds at) {
+    const auto day = std::chrono::floor<std::chrono::days>(at);
+    const std::chrono::year_month_day date(day);
+    const std::chrono::hh_mm_ss time(at - day);
+    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", static_cast<int>(date.year()),
+                       static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                       time.hours().count(), time.minutes().count(), time.seconds().count());
+  }
+
   void open_line(const ReplayConfiguration& configuration, Site& site) {
     line_ = open_serial_ports(site.io(), configuration.path, configuration.ports,
                               configuration.source.baud);
@@ -209,6 +252,7 @@ class ReplayDevice final : public Device, private EventSource {
   void advance(SimTime now) override { player_.advance(now); }
 
   ReplayWire wire_;
+  std::optional<GpsAlignment> alignment_;
   Player player_;
   std::unique_ptr<drivers::ByteStream> line_;
   std::optional<StreamOutlet> stream_;

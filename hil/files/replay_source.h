@@ -1,19 +1,5 @@
-// What passed on one wire, out of a file: units with the instants at which they are due again.
-//
-//   file                                     units                    instants
-//   pcap, pcapng of Ethernet (VLAN tags      UDP datagrams that the   of the packets
-//     too), Linux cooked, raw IP             filter lets through
-//   pcapng of SocketCAN; candump -l log      CAN frames               of the packets, of the lines
-//   pcapng of RTAC serial                    bytes                    of the packets
-//   FILE beside an index of its stem         bytes                    of the index's lines
-//     (gnss.bytes with gnss.index)
-//   any other: NMEA, UBX as they are         messages                 of the clock within: GGA,
-//   RMC,
-//                                                                     GLL, ZDA or iTOW begins an
-//                                                                     epoch, at line speed within
-//                                                                     it
-//
-// What a client had sent (inbound packets, T of candump, < of an index) is no part of it.
+// A piece of a file that is played on a wire (hil/files/replay_reader.h): units with the instants
+// at which they are due again.
 //
 // Instants are absolute, from the zero of the file, and are computed for each unit from its own:
 // nothing accumulates. due = (instant - zero - start) / speed + offset, to the nanosecond; with
@@ -22,50 +8,14 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
-#include <string>
-#include <variant>
 #include <vector>
 
-#include "drivers/endpoints.h"
-#include "fields/visitor.h"
-#include "protocols/can/frame.h"
+#include "hil/files/replay_reader.h"
 #include "sim/samples/time.h"
 
 namespace rigwire::hil {
-
-enum class ReplayedKind : std::uint8_t { bytes, datagrams, frames };
-enum class ReplayedGaps : std::uint8_t { keep, cut };
-inline constexpr std::array<fields::Choice<ReplayedGaps>, 2> kReplayedGaps{
-    {{ReplayedGaps::keep, "keep", "As they are."},
-     {ReplayedGaps::cut, "cut", "What is longer than a second lasts one second."}}};
-
-struct ReplaySourceSettings {
-  std::string file;
-  std::string wire;             ///< Interface of a pcapng file; empty: the only one that fits.
-  std::string from_address;     ///< UDP filter; empty: any.
-  std::uint16_t from_port = 0;  ///< 0: any.
-  std::uint16_t to_port = 0;    ///< 0: any.
-  std::uint32_t baud = 9600;    ///< Of files without instants.
-  Duration start{0};            ///< Of the piece, from the file's zero.
-  Duration end{0};              ///< 0: all.
-  Duration offset{0};           ///< From the run's start to the piece's.
-  double speed = 1.0;
-  bool loop = false;
-  ReplayedGaps gaps = ReplayedGaps::keep;
-  std::uint64_t zero_unix_ns = 0;  ///< The file's zero, ns since 1970; 0: its first unit.
-};
-void visit(fields::Visitor& v, ReplaySourceSettings& p);
-
-struct ReplayedUnit {
-  SimTime due{};
-  std::vector<std::uint8_t> bytes;
-  protocols::can::Frame frame;  ///< Of frames.
-  drivers::IpEnd from;          ///< Of datagrams.
-  drivers::IpEnd to;
-};
 
 /// What the whole piece is.
 struct ReplayedSummary {
@@ -83,7 +33,9 @@ class ReplaySource {
   /// Reads the file once to its end. Throws drivers::EndpointError where it cannot be read,
   /// std::invalid_argument naming what is wrong with it: nothing of a kind that can be played, a
   /// wire that it does not have or has twice, units of two kinds, instants that go back.
-  explicit ReplaySource(const ReplaySourceSettings& settings);
+  /// `zero_ns`: the instant of the file's own count that is its zero, in place of the settings'.
+  explicit ReplaySource(const ReplaySourceSettings& settings,
+                        std::optional<std::int64_t> zero_ns = std::nullopt);
   ~ReplaySource();
   ReplaySource(const ReplaySource&) = delete;
   ReplaySource& operator=(const ReplaySource&) = delete;
@@ -93,8 +45,6 @@ class ReplaySource {
   /// changed meanwhile ends where it is no longer whole.
   [[nodiscard]] const ReplayedUnit* next();
 
-  class Reader;
-
  private:
   /// The next of the piece with its instant from the piece's start, cuts taken out; false at its
   /// end.
@@ -102,8 +52,9 @@ class ReplaySource {
   void rewind();
 
   ReplaySourceSettings settings_;
+  std::optional<std::int64_t> given_zero_ns_;
   ReplayedSummary summary_;
-  std::unique_ptr<Reader> reader_;
+  std::unique_ptr<ReplayReader> reader_;
   ReplayedUnit unit_;
   std::int64_t zero_ns_ = 0;  ///< In the file's own count.
   std::int64_t last_ns_ = 0;

@@ -1,0 +1,35 @@
+// The GPS time that is in a recorded file, against the instants that the recorder wrote: so that
+// files of several recorders, each with a clock of its own, are played in step.
+//
+//   file                             tells the time by
+//   log or capture of a receiver     RMC and ZDA that are valid, UBX NAV-PVT and NAV-TIMEUTC with a
+//     (serial or UDP)                known date
+//   capture of a Velodyne            the position packets' microseconds past the hour, with the
+//   hour
+//                                    of the valid GPRMC in them
+//   candump log, capture of CAN      its own stamps, where they count from 1970
+//
+// The time is UTC. What tells it was written a little later than the instant that it tells; of all
+// that a file has in its first minute the one with the least delay counts. What is left is that
+// delay: of a receiver 20 to 200 ms from the epoch to the end of the message, less what the line's
+// speed explains; of a lidar below a millisecond.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "hil/files/replay_reader.h"
+
+namespace rigwire::hil {
+
+struct GpsAlignment {
+  std::int64_t ahead_ns = 0;      ///< GPS time (UTC, ns since 1970) less the file's instant.
+  std::int64_t first_utc_ns = 0;  ///< Of the file's first unit.
+  std::string_view by;            ///< What told it.
+  std::uint64_t told = 0;         ///< How often, of what was looked at.
+};
+
+/// Throws as open_replay_reader(), and std::invalid_argument where nothing in the file tells it.
+[[nodiscard]] GpsAlignment find_gps_alignment(const ReplaySourceSettings& settings);
+
+}  // namespace rigwire::hil

@@ -1,0 +1,445 @@
+#include "hil/files/replay_reader.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "hil/files/capture_file.h"
+#include "protocols/bytes.h"
+#include "protocols/can/frame_text.h"
+#include "protocols/pcapng/link_packet.h"
+
+namespace rigwire::hil {
+namespace {
+
+namespace fs = std::filesystem;
+namespace pcapng = protocols::pcapng;
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+[[noreturn]] void refuse(const std::string& file, const std::string& why) {
+  throw std::invalid_argument(fmt::format("source.file: {}: {}", file, why));
+}
+
+std::ifstream open_file(const fs::path& path) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::error_code error;
+  if (!file || fs::is_directory(path, error)) {
+    throw drivers::EndpointError(
+        fmt::format("source.file: {}: {}", path.string(),
+                    errno == 0 ? "a folder" : std::generic_category().message(errno)));
+  }
+  return file;
+}
+
+/// "1780300800.201000" in nanoseconds.
+std::optional<std::int64_t> parse_instant(std::string_view text) {
+  const std::size_t point = std::min(text.find('.'), text.size());
+  std::int64_t seconds = 0;
+  const char* const begin = text.data();
+  if (std::from_chars(begin, begin + point, seconds).ptr != begin + point || point == 0 ||
+      seconds < 0 || seconds > 9'000'000'000) {
+    return std::nullopt;
+  }
+  std::int64_t fraction = 0;
+  std::int64_t unit = kSecond_ns;
+  for (std::size_t i = point + 1; i < text.size(); ++i) {
+    if (text[i] < '0' || text[i] > '9' || unit == 1) {
+      return std::nullopt;
+    }
+    unit /= 10;
+    fraction += unit * (text[i] - '0');
+  }
+  return seconds * kSecond_ns + fraction;
+}
+
+class CaptureReader final : public ReplayReader {
+ public:
+  explicit CaptureReader(const ReplaySourceSettings& settings)
+      : settings_(settings), file_(settings.file) {
+    in_addr address{};
+    if (!settings.from_address.empty() &&
+        ::inet_pton(AF_INET, settings.from_address.c_str(), &address) != 1) {
+      throw std::invalid_argument(
+          fmt::format("source.from_address: no IPv4 address, found \"{}\"", settings.from_address));
+    }
+    from_address_ = ntohl(address.s_addr);
+  }
+
+  bool next(std::int64_t& at_ns, ReplayedUnit& unit) override {
+    while (const CapturedPacket* const captured = file_.next()) {
+      const auto& [packet, interface] = *captured;
+      if (packet.direction == pcapng::Direction::inbound ||
+          (!settings_.wire.empty() && interface.name != settings_.wire)) {
+        names_.insert(interface.name);
+        continue;
+      }
+      if (!take(packet, interface.link, unit)) {
+        continue;
+      }
+      look_at_interface(packet.interface, interface);
+      at_ns = static_cast<std::int64_t>(packet.time_ns);
+      return true;
+    }
+    if (!settings_.wire.empty() && !interface_) {
+      std::string names;
+      for (const std::string& name : names_) {
+        names += (names.empty() ? "" : ", ") + name;
+      }
+      if (!names_.contains(settings_.wire)) {
+        throw std::invalid_argument(
+            fmt::format("source.wire: {} has no such wire, found \"{}\", allowed {}",
+                        settings_.file, settings_.wire, names.empty() ? "none" : names));
+      }
+    }
+    return false;
+  }
+  [[nodiscard]] ReplayedKind kind() const override { return kind_; }
+  [[nodiscard]] bool truncated() const override { return file_.truncated(); }
+
+ private:
+  bool take(const pcapng::Packet& packet, pcapng::LinkType link, ReplayedUnit& unit) {
+    if (link == pcapng::LinkType::socketcan) {
+      const auto frame = pcapng::can_frame(packet.bytes);
+      if (frame.ok()) {
+        unit.frame = *frame;
+        unit.bytes.assign(frame->payload().begin(), frame->payload().end());
+        kind_ = ReplayedKind::frames;
+      }
+      return frame.ok();
+    }
+    if (link == pcapng::LinkType::rtac_serial) {
+      const auto bytes = pcapng::serial_bytes(packet.bytes);
+      unit.bytes.assign(bytes.begin(), bytes.end());
+      kind_ = ReplayedKind::bytes;
+      return !bytes.empty();
+    }
+    const auto datagram = pcapng::udp_packet(packet.bytes, link);
+    if (!datagram.ok() ||
+        (!settings_.from_address.empty() && datagram->from.address != from_address_) ||
+        (settings_.from_port != 0 && datagram->from.port != settings_.from_port) ||
+        (settings_.to_port != 0 && datagram->to.port != settings_.to_port)) {
+      return false;
+    }
+    unit.from = {datagram->from.address, datagram->from.port};
+    unit.to = {datagram->to.address, datagram->to.port};
+    unit.bytes.assign(datagram->bytes.begin(), datagram->bytes.end());
+    kind_ = ReplayedKind::datagrams;
+    return true;
+  }
+
+  /// One wire only, whatever others have its name.
+  void look_at_interface(std::uint32_t number, const pcapng::Interface& interface) {
+    if (interface_ && *interface_ != number) {
+      throw std::invalid_argument(fmt::format(
+          "source.wire: {} has several wires that fit, found \"{}\" and \"{}\", allowed one: name "
+          "it{}",
+          settings_.file, name_, interface.name,
+          name_ == interface.name ? ", or cut the file: both have one name" : ""));
+    }
+    interface_ = number;
+    name_ = interface.name;
+  }
+
+  const ReplaySourceSettings settings_;
+  CaptureFile file_;
+  std::uint32_t from_address_ = 0;
+  std::optional<std::uint32_t> interface_;
+  std::string name_;
+  std::set<std::string> names_;  ///< Of those that were passed over.
+  ReplayedKind kind_ = ReplayedKind::datagrams;
+};
+
+/// "(1780300800.201000) can 18FEF102#ABCD R"
+class CandumpReader final : public ReplayReader {
+ public:
+  explicit CandumpReader(const ReplaySourceSettings& settings)
+      : settings_(settings), file_(open_file(settings.file)) {}
+
+  bool next(std::int64_t& at_ns, ReplayedUnit& unit) override {
+    for (std::string line; std::getline(file_, line);) {
+      ++number_;
+      const bool whole = !file_.eof();
+      if (!line.empty() && line.back() == '\r') {
+        line.pop_back();
+      }
+      if (line.empty() || line.ends_with(" T")) {
+        continue;
+      }
+      const std::size_t close = line.find(") ");
+      const std::size_t name = close == std::string::npos ? close : line.find(' ', close + 2);
+      const auto at = line.front() == '(' && name != std::string::npos
+                          ? parse_instant(std::string_view(line).substr(1, close - 1))
+                          : std::nullopt;
+      if (!at) {
+        if (!whole) {
+          truncated_ = true;
+          return false;
+        }
+        refuse(settings_.file, fmt::format("line {}: no line of candump -L", number_));
+      }
+      const std::string bus = line.substr(close + 2, name - close - 2);
+      if (!settings_.wire.empty() && bus != settings_.wire) {
+        continue;
+      }
+      const std::string text = line.substr(name + 1, line.find(' ', name + 1) - name - 1);
+      const auto frame = protocols::can::parse_frame_text(text);
+      if (!frame || (frame->extended && (frame->id >> 29U) != 0)) {
+        continue;  // an error frame, or CAN FD
+      }
+      unit.frame = *frame;
+      unit.bytes.assign(frame->payload().begin(), frame->payload().end());
+      at_ns = *at;
+      return true;
+    }
+    return false;
+  }
+  [[nodiscard]] ReplayedKind kind() const override { return ReplayedKind::frames; }
+  [[nodiscard]] bool truncated() const override { return truncated_; }
+
+ private:
+  const ReplaySourceSettings settings_;
+  std::ifstream file_;
+  std::size_t number_ = 0;
+  bool truncated_ = false;
+};
+
+/// Bytes of a serial line beside the index of its recording.
+class IndexedReader final : public ReplayReader {
+ public:
+  IndexedReader(const ReplaySourceSettings& settings, const fs::path& index)
+      : index_(open_file(index)), bytes_(open_file(settings.file)), index_path_(index) {}
+
+  bool next(std::int64_t& at_ns, ReplayedUnit& unit) override {
+    constexpr std::size_t kLongest = 16 * 1024 * 1024;
+    for (std::string line; std::getline(index_, line);) {
+      ++number_;
+      if (line.empty() || line.front() == '#' || line.find(" < ") != std::string::npos) {
+        continue;
+      }
+      const std::size_t mark = line.find(" > ");
+      const auto at = mark == std::string::npos
+                          ? std::nullopt
+                          : parse_instant(std::string_view(line).substr(0, mark));
+      std::uint64_t offset = 0;
+      std::size_t length = 0;
+      const char* const end = line.data() + line.size();
+      const auto first = at ? std::from_chars(line.data() + mark + 3, end, offset)
+                            : std::from_chars_result{end, std::errc::invalid_argument};
+      if (!at || first.ptr == end || std::from_chars(first.ptr + 1, end, length).ptr != end ||
+          length > kLongest) {
+        if (index_.eof()) {
+          truncated_ = true;
+          return false;
+        }
+        refuse(index_path_.string(),
+               fmt::format("line {}: allowed SECONDS > OFFSET LENGTH", number_));
+      }
+      unit.bytes.resize(length);
+      bytes_.clear();
+      bytes_.seekg(static_cast<std::streamoff>(offset));
+      bytes_.read(reinterpret_cast<char*>(unit.bytes.data()), static_cast<std::streamsize>(length));
+      if (static_cast<std::size_t>(bytes_.gcount()) != length) {
+        truncated_ = true;
+        return false;
+      }
+      at_ns = *at;
+      return true;
+    }
+    return false;
+  }
+  [[nodiscard]] ReplayedKind kind() const override { return ReplayedKind::bytes; }
+  [[nodiscard]] bool truncated() const override { return truncated_; }
+
+ private:
+  std::ifstream index_;
+  std::ifstream bytes_;
+  fs::path index_path_;
+  std::size_t number_ = 0;
+  bool truncated_ = false;
+};
+
+/// What a receiver sent, without instants: its messages tell them.
+class LogReader final : public ReplayReader {
+ public:
+  explicit LogReader(const ReplaySourceSettings& settings)
+      : byte_ns_(10 * kSecond_ns / settings.baud) {
+    std::ifstream file = open_file(settings.file);
+    bytes_.assign(std::istreambuf_iterator<char>(file), {});
+    std::int64_t clock_ns = 0;
+    bool any = false;
+    for (std::size_t at = 0; at < bytes_.size() && !any;) {
+      const std::size_t size = message_size(at);
+      any = clock_of(std::span<const std::uint8_t>(bytes_).subspan(at, size), clock_ns);
+      at += size;
+    }
+    if (!any) {
+      refuse(settings.file,
+             "nothing tells when it was: found no capture, no candump log, no index beside it, no "
+             "time in GGA, RMC, GLL, ZDA or in UBX NAV");
+    }
+  }
+
+  bool next(std::int64_t& at_ns, ReplayedUnit& unit) override {
+    if (at_ == bytes_.size()) {
+      return false;
+    }
+    const std::size_t size = message_size(at_);
+    const auto message = std::span<const std::uint8_t>(bytes_).subspan(at_, size);
+    std::int64_t clock_ns = 0;
+    if (clock_of(message, clock_ns) && (!begun_ || clock_ns != clock_ns_)) {
+      // The time of the day or of the week begins anew.
+      for (const std::int64_t wrap : {86'400 * kSecond_ns, 604'800 * kSecond_ns}) {
+        const std::int64_t day = clock_ns - clock_ns_;
+        if (begun_ && day < -wrap / 2) {
+          wraps_ns_ += wrap;
+          break;
+        }
+      }
+      clock_ns_ = clock_ns;
+      const std::int64_t epoch_ns = clock_ns + wraps_ns_;
+      left_ns_ = begun_ ? std::max(left_ns_, epoch_ns) : epoch_ns;
+      begun_ = true;
+    }
+    left_ns_ += static_cast<std::int64_t>(size) * byte_ns_;
+    unit.bytes.assign(message.begin(), message.end());
+    at_ += size;
+    at_ns = left_ns_;
+    return true;
+  }
+  [[nodiscard]] ReplayedKind kind() const override { return ReplayedKind::bytes; }
+  [[nodiscard]] bool truncated() const override { return false; }
+  [[nodiscard]] std::int64_t transmission_ns(const ReplayedUnit& unit) const override {
+    return static_cast<std::int64_t>(unit.bytes.size()) * byte_ns_;
+  }
+
+ private:
+  [[nodiscard]] std::size_t message_size(std::size_t from) const {
+    return receiver_message_size(std::span<const std::uint8_t>(bytes_).subspan(from));
+  }
+
+  /// The instant that a message tells, as it counts it.
+  static bool clock_of(std::span<const std::uint8_t> message, std::int64_t& clock_ns) {
+    constexpr std::uint8_t kNavigation = 0x01;
+    if (message.size() >= 12 && message[0] == 0xB5 && message[2] == kNavigation) {
+      clock_ns = std::int64_t{protocols::load_little<std::uint32_t>(message, 6)} * 1'000'000;
+      return true;
+    }
+    if (message.size() < 14 || message[0] != '$') {
+      return false;
+    }
+    const std::string_view text(reinterpret_cast<const char*>(message.data()), message.size());
+    const std::string_view type = text.substr(3, 3);
+    std::size_t field = type == "GGA" || type == "RMC" || type == "ZDA" ? 1 : type == "GLL" ? 5 : 0;
+    if (field == 0) {
+      return false;
+    }
+    std::size_t at = 0;
+    for (; field > 0 && at != std::string_view::npos; --field) {
+      at = text.find(',', at + 1);
+    }
+    if (at == std::string_view::npos) {
+      return false;
+    }
+    const std::string_view word = text.substr(at + 1, text.find(',', at + 1) - at - 1);
+    if (word.size() < 6 ||
+        !std::all_of(word.begin(), word.begin() + 6, [](char c) { return c >= '0' && c <= '9'; })) {
+      return false;
+    }
+    const auto two = [&](std::size_t i) { return (word[i] - '0') * 10 + (word[i + 1] - '0'); };
+    const auto second = parse_instant(word.substr(4));
+    if (!second) {
+      return false;
+    }
+    clock_ns = (two(0) * 3600 + two(2) * 60) * kSecond_ns + *second;
+    return true;
+  }
+
+  std::vector<std::uint8_t> bytes_;
+  std::int64_t byte_ns_;
+  std::size_t at_ = 0;
+  std::int64_t clock_ns_ = 0;
+  std::int64_t wraps_ns_ = 0;
+  std::int64_t left_ns_ = 0;
+  bool begun_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<ReplayReader> open_replay_reader(const ReplaySourceSettings& settings) {
+  std::ifstream file = open_file(settings.file);
+  const int first = file.get();
+  if (first == std::ifstream::traits_type::eof()) {
+    refuse(settings.file, "the file is empty");
+  }
+  if (CaptureFile::is_one(settings.file)) {
+    return std::make_unique<CaptureReader>(settings);
+  }
+  if (first == '(') {
+    return std::make_unique<CandumpReader>(settings);
+  }
+  const fs::path index = fs::path(settings.file).replace_extension(".index");
+  if (index != fs::path(settings.file) && fs::exists(index)) {
+    return std::make_unique<IndexedReader>(settings, index);
+  }
+  return std::make_unique<LogReader>(settings);
+}
+
+std::size_t receiver_message_size(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() >= 6 && bytes[0] == 0xB5 && bytes[1] == 0x62) {
+    const std::size_t size = 8U + protocols::load_little<std::uint16_t>(bytes, 4);
+    if (size <= bytes.size()) {
+      return size;
+    }
+  }
+  constexpr std::size_t kLongest = 256;
+  for (std::size_t i = 0; i < std::min(bytes.size(), kLongest); ++i) {
+    if (bytes[i] == '\n') {
+      return i + 1;
+    }
+    if (i != 0 && (bytes[i] == '$' || bytes[i] == 0xB5)) {
+      return i;
+    }
+  }
+  return std::min(bytes.size(), kLongest);
+}
+
+void visit(fields::Visitor& v, ReplaySourceSettings& p) {
+  using fields::IntegerRule;
+  constexpr fields::DurationRule kSpan{0, 1'000'000'000'000'000};
+  v.required("file");
+  v.file("file", p.file, fields::FileKind::data,
+         "Capture (pcap, pcapng), candump log, .bytes of a recording, or log of NMEA or UBX.");
+  v.text("wire", p.wire, "Of a file with several: the interface's name; empty = the only one.");
+  v.text("from_address", p.from_address, "Datagrams from there only; empty = from anywhere.");
+  v.integer("from_port", p.from_port, IntegerRule{0, 65535}, "Datagrams from that port; 0 = any.");
+  v.integer("to_port", p.to_port, IntegerRule{0, 65535}, "Datagrams to that port; 0 = any.");
+  v.integer("baud", p.baud, IntegerRule{300, 10'000'000},
+            "Line speed within an epoch, of a log without instants, bit/s.");
+  v.duration("start", p.start, kSpan, "Where the piece begins, from the file's zero.");
+  v.duration("end", p.end, kSpan, "Where it ends; 0 = with the file.");
+  v.duration("offset", p.offset, kSpan, "From the start of the run to the piece's.");
+  v.number("speed", p.speed, fields::in("1").at_least(0.001).at_most(1000),
+           "How much faster than it was.");
+  v.boolean("loop", p.loop, "Begins again at its end.");
+  v.choice("gaps", p.gaps, kReplayedGaps, "Spans without anything.");
+  v.choice("align", p.align, kReplayedAlignments, "What the run's start is in the file.");
+  v.only_if(p.align == ReplayedAlignment::zero, "align", "align: zero", [&p](fields::Visitor& w) {
+    w.integer("zero", p.zero_unix_ns, IntegerRule{0},
+              "The file's zero, ns since 1970; 0 = its first unit.");
+  });
+  v.check(p.end == Duration{0} || p.end > p.start, "end", "not behind the start");
+}
+
+}  // namespace rigwire::hil

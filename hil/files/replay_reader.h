@@ -1,0 +1,98 @@
+// What passed on one wire, out of a file: units with the instants at which they were complete, by
+// the file's own count.
+//
+//   file                                     units                    instants
+//   pcap, pcapng of Ethernet (VLAN tags      UDP datagrams that the   of the packets
+//     too), Linux cooked, raw IP             filter lets through
+//   pcapng of SocketCAN; candump -l log      CAN frames               of the packets, of the lines
+//   pcapng of RTAC serial                    bytes                    of the packets
+//   FILE beside an index of its stem         bytes                    of the index's lines
+//     (gnss.bytes with gnss.index)
+//   any other: NMEA, UBX as they are         messages                 of the clock within
+//
+// The clock within: GGA, RMC, GLL, ZDA or iTOW begins an epoch, and within it bytes follow each
+// other at line speed.
+//
+// What a client had sent (inbound packets, T of candump, < of an index) is no part of it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "drivers/endpoints.h"
+#include "fields/visitor.h"
+#include "protocols/can/frame.h"
+#include "sim/samples/time.h"
+
+namespace rigwire::hil {
+
+enum class ReplayedKind : std::uint8_t { bytes, datagrams, frames };
+enum class ReplayedGaps : std::uint8_t { keep, cut };
+inline constexpr std::array<fields::Choice<ReplayedGaps>, 2> kReplayedGaps{
+    {{ReplayedGaps::keep, "keep", "As they are."},
+     {ReplayedGaps::cut, "cut", "What is longer than a second lasts one second."}}};
+
+enum class ReplayedAlignment : std::uint8_t { zero, gps };
+inline constexpr std::array<fields::Choice<ReplayedAlignment>, 2> kReplayedAlignments{
+    {{ReplayedAlignment::zero, "zero", "The file's zero is played at the run's start."},
+     {ReplayedAlignment::gps, "gps",
+      "By the GPS time that is in the file, on the rig's calendar (key `start` of the rig)."}}};
+
+struct ReplaySourceSettings {
+  std::string file;
+  std::string wire;             ///< Interface of a pcapng file; empty: the only one that fits.
+  std::string from_address;     ///< UDP filter; empty: any.
+  std::uint16_t from_port = 0;  ///< 0: any.
+  std::uint16_t to_port = 0;    ///< 0: any.
+  std::uint32_t baud = 9600;    ///< Of files without instants.
+  Duration start{0};            ///< Of the piece, from the file's zero.
+  Duration end{0};              ///< 0: all.
+  Duration offset{0};           ///< From the run's start to the piece's.
+  double speed = 1.0;
+  bool loop = false;
+  ReplayedGaps gaps = ReplayedGaps::keep;
+  ReplayedAlignment align = ReplayedAlignment::zero;
+  std::uint64_t zero_unix_ns = 0;  ///< The file's zero, ns since 1970; 0: its first unit.
+};
+void visit(fields::Visitor& v, ReplaySourceSettings& p);
+
+/// What was on the wire at once.
+struct ReplayedUnit {
+  SimTime due{};  ///< Set by ReplaySource.
+  std::vector<std::uint8_t> bytes;
+  protocols::can::Frame frame;  ///< Of frames.
+  drivers::IpEnd from;          ///< Of datagrams.
+  drivers::IpEnd to;
+};
+
+/// A file as units with instants of its own count, in ns.
+class ReplayReader {
+ public:
+  virtual ~ReplayReader() = default;
+  /// False at the end. Throws std::invalid_argument naming what is wrong with the file.
+  virtual bool next(std::int64_t& at_ns, ReplayedUnit& unit) = 0;
+  [[nodiscard]] virtual ReplayedKind kind() const = 0;
+  /// After the end: the file ended in the middle of a unit.
+  [[nodiscard]] virtual bool truncated() const = 0;
+  /// Where no instants were recorded: how long a unit took that began with the time that it tells.
+  [[nodiscard]] virtual std::int64_t transmission_ns(const ReplayedUnit& /*unit*/) const {
+    return 0;
+  }
+};
+
+/// Reads what the settings name, and of captures what their filter lets through. Throws
+/// drivers::EndpointError where the file cannot be read, std::invalid_argument where nothing of a
+/// kind that can be played is in it.
+[[nodiscard]] std::unique_ptr<ReplayReader> open_replay_reader(
+    const ReplaySourceSettings& settings);
+
+/// The message of a receiver's log at the front of `bytes`, or what lies before the next one: its
+/// size, at least 1 of what is there.
+[[nodiscard]] std::size_t receiver_message_size(std::span<const std::uint8_t> bytes);
+
+}  // namespace rigwire::hil

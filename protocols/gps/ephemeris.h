@@ -25,6 +25,8 @@ struct Ephemeris {
   bool long_fit = false;                ///< Fit interval flag: more than four hours.
   std::uint8_t age_of_data_offset = 0;  ///< AODO, 5 bits, steps of 900 s; 31 = none.
   double group_delay_s = 0.0;           ///< TGD.
+  /// Galileo: of E5a (the other is of E5b); BeiDou: of B2I; GPS: none.
+  double second_delay_s = 0.0;
   double clock_time_s = 0.0;            ///< toc, time of week.
   double clock_bias_s = 0.0;            ///< af0.
   double clock_drift = 0.0;             ///< af1, s/s.

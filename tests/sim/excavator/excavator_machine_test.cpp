@@ -43,7 +43,7 @@ TEST(ExcavatorMachine, StatusAndTruthAreTheStateInTheirUnits) {
   EXPECT_EQ(status[4], excavator.tip_W().z());
   EXPECT_NEAR(status[5] * 1e5, excavator.supply_pressure_pa(), 1e-6);
 
-  std::array<double, 18> truth{};
+  std::array<double, 19> truth{};
   std::size_t count = 0;
   for (const TruthField& field : machine.truth_fields()) {
     count += field.count;
@@ -57,6 +57,7 @@ TEST(ExcavatorMachine, StatusAndTruthAreTheStateInTheirUnits) {
   EXPECT_EQ(truth[15], excavator.power_unit().speed_radps());
   EXPECT_EQ(truth[16], excavator.power_unit().torque_nm());
   EXPECT_EQ(truth[17], excavator.power_unit().pump_flow_m3ps());
+  EXPECT_EQ(truth[18], 0.0) << "it meets itself nowhere";
 }
 
 TEST(ExcavatorMachine, PumpsWithoutAnEngineMoveTheArmAlikeAndHaveNothingToCommand) {
@@ -82,7 +83,7 @@ TEST(ExcavatorMachine, PumpsWithoutAnEngineMoveTheArmAlikeAndHaveNothingToComman
     EXPECT_NE(field.key, "engine_radps");
     count += field.count;
   }
-  std::array<double, 16> truth{};
+  std::array<double, 17> truth{};
   truth.back() = -1.0;
   ASSERT_EQ(count, truth.size() - 1);
   without.read_truth(std::span(truth).first(count));

@@ -167,6 +167,7 @@ std::vector<ReceiverLoad> measure_receivers(const hil::RigConfiguration& rig, in
   raw.raw_measurements = true;
   sim::GnssParameters all = raw;
   all.systems = {.gps = true, .glonass = true, .galileo = true, .beidou = true};
+  all.second_signals = true;
   all.sky.maximum_channels = 72;
   return {
       measure_load(rig, "paper", paper, receivers, rate_hz, epochs),
@@ -174,7 +175,7 @@ std::vector<ReceiverLoad> measure_receivers(const hil::RigConfiguration& rig, in
       measure_load(rig, "engine, no reflections", without_reflections, receivers, rate_hz, epochs),
       measure_load(rig, "engine", engine, receivers, rate_hz, epochs),
       measure_load(rig, "engine, raw", raw, receivers, rate_hz, epochs),
-      measure_load(rig, "engine, raw, 4 systems", all, receivers, rate_hz, epochs)};
+      measure_load(rig, "engine, raw, all signals", all, receivers, rate_hz, epochs)};
 }
 
 }  // namespace rigwire::bench

@@ -18,6 +18,7 @@ To same_members(const From& from) {
   to.accuracy_index = from.accuracy_index;
   to.health = from.health;
   to.group_delay_s = from.group_delay_s;
+  to.second_delay_s = from.second_delay_s;
   to.clock_time_s = from.clock_time_s;
   to.clock_bias_s = from.clock_bias_s;
   to.clock_drift = from.clock_drift;

@@ -205,10 +205,20 @@ bool UbloxConfiguration::text_enabled(std::uint8_t protocol, unsigned kind_bit) 
 }
 
 bool UbloxConfiguration::enabled(GnssSystem system) const {
+  return (flags_of(system) & 1U) != 0;
+}
+
+bool UbloxConfiguration::second_enabled(GnssSystem system) const {
+  const unsigned bit = system == GnssSystem::galileo ? 21 : 20;
+  return enabled(system) && (flags_of(system) >> bit & 1U) != 0;
+}
+
+/// Of CFG-GNSS; 0 where the type does not have the system.
+std::uint32_t UbloxConfiguration::flags_of(GnssSystem system) const {
   const auto systems = std::span(present_.systems).first(profile_->systems.size());
   const auto found =
       std::ranges::find(systems, static_cast<std::uint8_t>(system), &CfgGnssBlock::system);
-  return found != systems.end() && (found->flags & 1U) != 0;
+  return found != systems.end() ? found->flags : 0U;
 }
 
 // Ports and memory: CFG-PRT, CFG-MSG, CFG-INF and CFG-CFG.

@@ -69,6 +69,8 @@ class UbloxConfiguration {
   /// Texts of that kind (bit of CFG-INF) over a protocol: 0 UBX, 1 NMEA.
   [[nodiscard]] bool text_enabled(std::uint8_t protocol, unsigned kind_bit) const;
   [[nodiscard]] bool enabled(GnssSystem system) const;
+  /// Its second signal: L2C, E5b, B2I, L2OF.
+  [[nodiscard]] bool second_enabled(GnssSystem system) const;
 
  private:
   // Ports and memory.
@@ -89,6 +91,8 @@ class UbloxConfiguration {
   [[nodiscard]] bool set_inventory(std::span<const std::uint8_t> payload);
   [[nodiscard]] bool set_opaque(const protocols::ubx::FrameView& frame);
   [[nodiscard]] std::span<std::uint8_t> opaque(protocols::ubx::MessageId id);
+
+  [[nodiscard]] std::uint32_t flags_of(GnssSystem system) const;
 
   template <class Message>
   std::span<const std::uint8_t> reply(const Message& message);

@@ -46,7 +46,7 @@ std::optional<Observed> observed(std::uint16_t number) {
 const UbloxCorrectionSignal* signal_of(const GnssMeasurement& m, rtcm3::MsmSystem system) {
   const auto* const found =
       std::ranges::find_if(kCorrectionSignals, [&](const UbloxCorrectionSignal& s) {
-        return s.message == system && s.system == m.system && !s.second;
+        return s.message == system && s.system == m.system && s.second == m.second;
       });
   return found == kCorrectionSignals.end() ? nullptr : found;
 }
@@ -62,19 +62,23 @@ rtcm3::MultipleSignals signals(const UbloxCorrectionContent& content, const Obse
       p.system, static_cast<std::uint32_t>(content.measured.time_of_week_ns / kMillisecond_ns),
       content.leap_seconds);
   p.more = more;
+  constexpr Duration kHalfCycleResolved = std::chrono::seconds{8};  // as RXM-RAWX has it
   for (const GnssMeasurement& m : content.sample->measurements) {
     const UbloxCorrectionSignal* const signal = signal_of(m, p.system);
     if (signal == nullptr || p.count == p.cells.size()) {
       continue;
     }
-    const double wave_m = *wavelength_m(*signal, 0);
+    const double wave_m = *wavelength_m(*signal, m.channel);
+    if (m.system == GnssSystem::glonass) {
+      p.channels[m.number - 1U] = m.channel;
+    }
     p.cells[p.count++] = {m.number,
                           signal->sent,
                           {.range_m = m.pseudorange_m,
                            .phase_m = m.carrier_phase_cycles * wave_m,
                            .rate_mps = -m.doppler_hz * wave_m,
                            .locked_s = to_seconds(m.locked),
-                           .half_cycle = false,
+                           .half_cycle = m.locked < kHalfCycleResolved,
                            .cn0_dbhz = m.cn0_dbhz}};
   }
   return p;

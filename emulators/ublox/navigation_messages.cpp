@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "emulators/ublox/geodesy.h"
+#include "emulators/ublox/signals.h"
 #include "emulators/ublox/wire_units.h"
 #include "protocols/ubx/blocks.h"
 #include "protocols/ubx/precise_position.h"
@@ -23,7 +24,8 @@ constexpr std::int64_t kDay_s = 86'400;
 constexpr std::int64_t kWeek_s = 7 * kDay_s;
 constexpr std::size_t kMostSatellites = 64;
 static_assert(frame_size<NavSatHead, NavSatBlock>(kMostSatellites) <= kLongestNavigationFrame);
-static_assert(frame_size<NavSigHead, NavSigBlock>(kMostSatellites) <= kLongestNavigationFrame);
+constexpr std::size_t kMostSignals = 120;  // section 3.15.21
+static_assert(frame_size<NavSigHead, NavSigBlock>(kMostSignals) <= kLongestNavigationFrame);
 
 /// u-blox 8 and later say more than u-blox 7.
 bool is_modern(const UbloxProfile& profile) {
@@ -515,15 +517,10 @@ NavSigBlock signal_of(const UbloxSolution& s, const SatelliteView& view) {
   constexpr std::uint8_t kByRtcm3 = 4;
   constexpr std::uint8_t kKlobuchar = 1;
   constexpr std::uint8_t kSbasIonosphere = 2;
-  // Channels of the slots, as GLONASS itself lists them; + 7 on the wire.
-  constexpr std::array<int, 24> kChannels{1,  -4, 5, 6,  1, -4, 5, 6, -2, -7, 0, -1,
-                                          -2, -7, 0, -1, 4, -3, 3, 2, 4,  -3, 3, 2};
   NavSigBlock block;
   block.system = static_cast<std::uint8_t>(view.system);
   block.satellite = view.number;
-  if (view.system == GnssSystem::glonass && view.number >= 1 && view.number <= kChannels.size()) {
-    block.frequency_slot = static_cast<std::uint8_t>(kChannels[view.number - 1U] + 7);
-  }
+  block.frequency_slot = ublox_frequency(view.system, view.number);
   const bool carrier = s.carrier != CarrierSolution::none;
   block.quality = quality_of(s, view);
   block.cn0_dbhz = cn0_field(view);
@@ -546,6 +543,41 @@ NavSigBlock signal_of(const UbloxSolution& s, const SatelliteView& view) {
     block.ionosphere_model = carrier ? std::uint8_t{0} : kSbasIonosphere;
   }
   return block;
+}
+
+/// The second signal of a satellite whose first one is `block`: the fix goes by the first alone,
+/// a carrier solution by both.
+NavSigBlock second_signal_of(const UbloxSolution& s, NavSigBlock block, const GnssMeasurement& m) {
+  constexpr std::uint16_t kFirstAlone = 0x008 | 0x020 | 0x040;  // range, Doppler used; corrected
+  constexpr std::uint16_t kCarrier = 0x010 | 0x180;
+  const bool carrier = s.carrier != CarrierSolution::none;
+  block.signal = ublox_signal(m.system, true);
+  block.cn0_dbhz = to_field<std::uint8_t>(m.cn0_dbhz, 1.0);
+  block.residual_dm = 0;
+  block.flags &= static_cast<std::uint16_t>(~(carrier ? kFirstAlone : kFirstAlone | kCarrier));
+  return block;
+}
+
+std::size_t put_signals(const UbloxSolution& s, std::uint32_t time_of_week_ms,
+                        std::span<std::uint8_t> out) {
+  std::array<NavSigBlock, kMostSignals> blocks;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < listed(s) && count < blocks.size(); ++i) {
+    const SatelliteView& view = s.satellites[i];
+    blocks[count++] = signal_of(s, view);
+    if (s.sample == nullptr || !view.tracked || count == blocks.size()) {
+      continue;
+    }
+    const auto second = std::ranges::find_if(s.sample->measurements, [&](const GnssMeasurement& m) {
+      return m.second && m.system == view.system && m.number == view.number;
+    });
+    if (second != s.sample->measurements.end()) {
+      blocks[count] = second_signal_of(s, blocks[count - 1], *second);
+      ++count;
+    }
+  }
+  return encode_blocks(NavSigHead{time_of_week_ms, 0, static_cast<std::uint8_t>(count)},
+                       std::span<const NavSigBlock>(blocks).first(count), out);
 }
 
 /// Numbers of the older messages: SBAS 120..158 as they are, GLONASS from 65, QZSS from 193.
@@ -693,7 +725,7 @@ std::size_t encode_navigation(const UbloxSolution& s, const UbloxProfile& profil
   if (id == NavClock::kId) return put(clock(s), s, out);
   if (id == NavSatHead::kId) return put_blocks(s, NavSatHead{tow, 1, listed(s)}, satellite, out);
   if (id == NavOrbHead::kId) return put_blocks(s, NavOrbHead{tow, 1, listed(s)}, orbit, out);
-  if (id == NavSigHead::kId) return put_blocks(s, NavSigHead{tow, 0, listed(s)}, signal_of, out);
+  if (id == NavSigHead::kId) return put_signals(s, tow, out);
   if (id == NavSvinfoHead::kId) {
     const NavSvinfoHead head{tow, listed(s), profile.chip_generation};
     return put_blocks(s, head, channel_of, out);

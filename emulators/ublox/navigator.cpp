@@ -232,11 +232,14 @@ GnssCommand UbloxNavigator::command(const UbloxConfiguration& configuration) con
   const Dynamics& model = kDynamics[std::min<std::size_t>(navigation.dynamic_model, 10)];
   GnssCommand command;
   command.systems = 0;
+  command.second_signals = 0;
   for (const GnssSystem system :
        {GnssSystem::gps, GnssSystem::sbas, GnssSystem::galileo, GnssSystem::beidou,
         GnssSystem::imes, GnssSystem::qzss, GnssSystem::glonass}) {
     command.systems |= static_cast<std::uint8_t>((configuration.enabled(system) ? 1U : 0U)
                                                  << static_cast<unsigned>(system));
+    command.second_signals |= static_cast<std::uint8_t>(
+        (configuration.second_enabled(system) ? 1U : 0U) << static_cast<unsigned>(system));
   }
   command.minimum_elevation_rad = navigation.minimum_elevation_deg * kDegree;
   command.minimum_cn0_dbhz = expert.minimum_cn0_dbhz;

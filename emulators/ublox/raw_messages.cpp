@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "emulators/ublox/signals.h"
 #include "protocols/ubx/aiding.h"
 #include "protocols/ubx/blocks.h"
 
@@ -27,6 +28,9 @@ constexpr double kCarrierLimit_cycles = 15 * kCarrierStep_cycles;
 /// The sign of the data, and with it the half cycle, is known after a preamble: 6 s and some.
 constexpr Duration kHalfCycleResolved = std::chrono::seconds{8};
 
+bool is_gps_l1(const GnssMeasurement& m) {
+  return m.system == GnssSystem::gps && !m.second && m.number >= 1 && m.number <= gps::kSatellites;
+}
 bool carrier_usable(const GnssMeasurement& m) {
   return m.carrier_sigma_cycles <= kCarrierLimit_cycles;
 }
@@ -67,6 +71,8 @@ ubx::RxmRawxBlock rawx_block(const GnssMeasurement& m) {
                           .doppler_hz = static_cast<float>(m.doppler_hz),
                           .system = static_cast<std::uint8_t>(m.system),
                           .satellite = m.number,
+                          .signal = ublox_signal(m.system, m.second),
+                          .frequency_slot = ublox_frequency(m.system, m.number),
                           .cn0_dbhz = rounded_cn0(m.cn0_dbhz),
                           .pseudorange_sigma = exponent_of(m.pseudorange_sigma_m, 0.01),
                           .doppler_sigma = exponent_of(m.doppler_sigma_hz, 0.002),
@@ -252,6 +258,19 @@ std::size_t put_words(const ReceivedSbas& received, std::span<std::uint8_t> out)
   return put_words(GnssSystem::sbas, received, words, out);
 }
 
+std::size_t put_words(const ReceivedPage& received, std::span<std::uint8_t> out) {
+  std::array<ubx::RxmSfrbxWord, 10> blocks;
+  std::ranges::transform(received.words, blocks.begin(),
+                         [](std::uint32_t word) { return ubx::RxmSfrbxWord{word}; });
+  const ubx::RxmSfrbxHead head{.system = static_cast<std::uint8_t>(received.system),
+                               .satellite = received.number,
+                               .signal = ublox_data_signal(received.system, received.second),
+                               .frequency_slot = ublox_frequency(received.system, received.number),
+                               .words = received.count};
+  return ubx::encode_blocks(head, std::span<const ubx::RxmSfrbxWord>(blocks).first(received.count),
+                            out);
+}
+
 std::size_t nth_set(const std::bitset<32>& bits, std::size_t index) {
   std::size_t at = 0;
   while (at < bits.size() && (!bits[at] || index-- > 0)) {
@@ -268,6 +287,7 @@ UbloxRawMessages::UbloxRawMessages(const Calendar& calendar, int generation)
 void UbloxRawMessages::begin(bool ephemerides_remembered, bool almanac_remembered) {
   reception_.begin(ephemerides_remembered, almanac_remembered);
   sbas_.begin();
+  pages_.begin();
   heard_ = false;
   phases_ = {};
   measurement_count_ = 0;
@@ -279,6 +299,7 @@ void UbloxRawMessages::update(const GnssSample& sample, const UbloxTimeKnowledge
   time_ = time;
   reception_.update(sample, now);
   sbas_.update(sample, now);
+  pages_.update(sample, now, calendar_.leap_seconds(sample.time));
   set_label(sample);
   follow_phases(sample);
   clock_reset_ = sample.clock_reset;
@@ -321,7 +342,7 @@ void UbloxRawMessages::follow_phases(const GnssSample& sample) {
   std::bitset<gps::kSatellites> seen;
   const double elapsed_s = heard_ ? to_seconds(sample.time - last_) : 0.0;
   for (const GnssMeasurement& m : sample.measurements) {
-    if (m.system != GnssSystem::gps || m.number < 1 || m.number > gps::kSatellites) {
+    if (!is_gps_l1(m)) {
       continue;
     }
     PhaseOrigin& phase = phases_[m.number - 1U];
@@ -361,7 +382,9 @@ std::size_t UbloxRawMessages::count(MessageId id) const {
     case Kind::measurements:
       return 1;
     case Kind::subframes:
-      return reception_.subframes().size() + sbas_.messages().size();
+      // RXM-SFRB knows GPS and SBAS alone.
+      return reception_.subframes().size() + sbas_.messages().size() +
+             (id == ubx::RxmSfrbxHead::kId ? pages_.pages().size() : 0);
     case Kind::ephemeris:
       return reception_.new_ephemerides().count();
     case Kind::almanac:
@@ -394,6 +417,10 @@ std::size_t UbloxRawMessages::encode(MessageId id, std::size_t index,
     return id == ubx::RxmSfrb::kId ? put_subframe(received, out) : put_words(received, out);
   };
   const std::size_t of_gps = reception_.subframes().size();
+  const std::size_t of_sbas = sbas_.messages().size();
+  if (index >= of_gps + of_sbas) {
+    return put_words(pages_.pages()[index - of_gps - of_sbas], out);
+  }
   return index < of_gps ? put(reception_.subframes()[index])
                         : put(sbas_.messages()[index - of_gps]);
 }
@@ -440,7 +467,7 @@ std::size_t UbloxRawMessages::encode_raw(std::span<std::uint8_t> out) const {
   std::size_t n = 0;
   for (std::size_t i = 0; time_.time_known && i < measurement_count_; ++i) {
     const GnssMeasurement& m = measurements_[i];
-    if (m.system != GnssSystem::gps || m.number < 1 || m.number > gps::kSatellites) {
+    if (!is_gps_l1(m)) {
       continue;
     }
     const QualityPair pair = quality_of(m);
@@ -460,7 +487,7 @@ std::size_t UbloxRawMessages::encode_raw(std::span<std::uint8_t> out) const {
 }
 
 std::size_t UbloxRawMessages::encode_rawx(std::span<std::uint8_t> out) const {
-  std::array<ubx::RxmRawxBlock, gps::kSatellites> blocks{};
+  std::array<ubx::RxmRawxBlock, kMostRawSignals> blocks{};
   std::size_t n = 0;
   for (std::size_t i = 0; time_.time_known && i < measurement_count_; ++i) {
     blocks[n++] = rawx_block(measurements_[i]);

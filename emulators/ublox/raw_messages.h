@@ -30,6 +30,7 @@
 #include <cstdint>
 #include <span>
 
+#include "emulators/ublox/page_reception.h"
 #include "emulators/ublox/sbas_reception.h"
 #include "emulators/ublox/subframe_reception.h"
 #include "protocols/ubx/frame.h"
@@ -49,10 +50,12 @@ struct UbloxTimeKnowledge {
   std::uint32_t since_start_ms = 0;  ///< Stands for the time of week while that is not known.
 };
 
+/// Signals that one epoch measures at most; those beyond are left out.
+inline constexpr std::size_t kMostRawSignals = 120;
 /// Room for the longest frame of this file.
 inline constexpr std::size_t kLongestRawFrame =
     protocols::ubx::kOverheadBytes + protocols::ubx::RxmRawxHead::kLength +
-    protocols::gps::kSatellites * protocols::ubx::RxmRawxBlock::kLength;
+    kMostRawSignals * protocols::ubx::RxmRawxBlock::kLength;
 
 class UbloxRawMessages {
  public:
@@ -125,13 +128,14 @@ class UbloxRawMessages {
   int generation_;
   SubframeReception reception_;
   SbasReception sbas_;
+  PageReception pages_;
   bool heard_ = false;
   SimTime last_{};
   UbloxTimeKnowledge time_;
   Label label_;
   bool clock_reset_ = false;
   std::array<PhaseOrigin, protocols::gps::kSatellites> phases_{};
-  std::array<GnssMeasurement, protocols::gps::kSatellites> measurements_{};
+  std::array<GnssMeasurement, kMostRawSignals> measurements_{};
   std::size_t measurement_count_ = 0;
   std::array<protocols::ubx::RxmSvsiBlock, 64> views_{};
   std::size_t view_count_ = 0;

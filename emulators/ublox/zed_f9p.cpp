@@ -22,6 +22,7 @@ namespace {
 namespace ubx = protocols::ubx;
 
 constexpr std::size_t kSatellites = kModernSatellites;
+constexpr std::size_t kSignals = 2 * kSatellites;
 
 // Longest forms with NMEA 4.11 and high precision: four systems, each with its own GSA and GSV.
 constexpr SentenceLengths kLongest{.rmc = 84,
@@ -35,7 +36,7 @@ constexpr SentenceLengths kLongest{.rmc = 84,
                                    .pubx03 = 20 + kSatellites * 18};
 
 constexpr std::array kFix{
-    listed<ubx::RxmRawxHead, ubx::RxmRawxBlock>("RXM-RAWX", kSatellites),
+    listed<ubx::RxmRawxHead, ubx::RxmRawxBlock>("RXM-RAWX", kSignals),
     produced<ubx::NavPvt92>("NAV-PVT"),
     listed<ubx::NavOrbHead, ubx::NavOrbBlock>("NAV-ORB", kSatellites),
     produced<ubx::NavPosecef>("NAV-POSECEF"),
@@ -48,7 +49,7 @@ constexpr std::array kFix{
 };
 constexpr std::array kSatellitesInView{
     listed<ubx::NavSatHead, ubx::NavSatBlock>("NAV-SAT", kSatellites),
-    listed<ubx::NavSigHead, ubx::NavSigBlock>("NAV-SIG", kSatellites),
+    listed<ubx::NavSigHead, ubx::NavSigBlock>("NAV-SIG", kSignals),
     produced<ubx::NavDop>("NAV-DOP"),
 };
 constexpr std::array kState{
@@ -61,7 +62,7 @@ constexpr std::array kState{
     listed<ubx::MonCommsHead, ubx::MonCommsPort>("MON-COMMS", 1),
 };
 constexpr std::array kReceived{
-    unasked(listed({0x02, 0x13}, "RXM-SFRBX", kSatellites * 56 - ubx::kOverheadBytes)),
+    unasked(listed({0x02, 0x13}, "RXM-SFRBX", kSignals * 56 - ubx::kOverheadBytes)),
     unasked(produced<ubx::RxmRtcm>("RXM-RTCM")),
     produced<ubx::LogInfo>("LOG-INFO"),
 };

@@ -34,6 +34,7 @@ struct GnssBaseConfiguration final : DeviceConfigurationOf<GnssBaseConfiguration
   GnssBaseConfiguration() {
     sensor.sky.maximum_channels = emulators::ublox_zed_f9p().channels;
     sensor.raw_measurements = true;
+    sensor.second_signals = true;
     sensor.systems = {.gps = true, .glonass = true, .galileo = true, .beidou = true, .sbas = true};
   }
 

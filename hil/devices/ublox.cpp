@@ -163,6 +163,8 @@ UbloxConfiguration::UbloxConfiguration(const emulators::UbloxProfile& profile) {
   } else if (profile.generation > 8) {
     sensor.systems = {
         .gps = true, .glonass = true, .galileo = true, .beidou = true, .sbas = true, .qzss = true};
+    sensor.second_signals = true;
+    receiver.transmit_buffer_bytes = 16'384;  // raw measurements, and all frames of a half minute
     sensor.corrections.kind = sim::CorrectionKind::rtk;
   }
 }

@@ -6,8 +6,9 @@
 // In each slice the world calls take() of all sensors; then, for each physics step, step() of all
 // in the order in which they were added; then slice(), first of those that cast rays for every
 // beam, then of the others, in that same order. Within one kind the order is thus that of the rig.
-// Between kinds it changes no sample: no sensor sees what another one made or drew, machine and
-// scene do not change while sensors look at them, and every shelf has one sensor only.
+// Between kinds it changes no sample: machine and scene do not change while sensors look at them,
+// every shelf has one sensor only, and no sensor sees what another one made or drew, but that
+// satellite receivers note where their antennas are (sim/gnss/antenna_book.h) for each other.
 #pragma once
 
 #include <Eigen/Geometry>

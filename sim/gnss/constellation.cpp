@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "sim/gnss/broadcast_orbits.h"
 #include "sim/gnss/ephemeris.h"
 #include "sim/gnss/nominal_slots.h"
 
@@ -49,9 +50,10 @@ class NominalConstellation final : public Constellation {
     sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
     for (const GnssSystem system : sorted) {
       if (system == GnssSystem::gps) {
-        gps_ = kGpsSlots;  // the lowest of the systems: they come first
+        gps_ = true;
         for (std::uint8_t prn = 1; prn <= kGpsSlots; ++prn) {
           satellites_.push_back({system, prn});
+          places_.push_back({system, prn});
         }
         continue;
       }
@@ -64,7 +66,7 @@ class NominalConstellation final : public Constellation {
       }
       for (const NominalOrbit& orbit : orbits) {
         satellites_.push_back(orbit.satellite);
-        orbits_.push_back(orbit);
+        add(orbit);
       }
     }
   }
@@ -72,23 +74,46 @@ class NominalConstellation final : public Constellation {
   std::span<const Satellite> satellites() const override { return satellites_; }
 
   SatelliteState state(std::size_t index, const GpsTime& time, double offset_s) const override {
-    if (index >= gps_) {
-      return nominal_state(orbits_[index - gps_], time, offset_s);
+    const Place& place = places_[index];
+    switch (place.system) {
+      case GnssSystem::gps:
+        return satellite_state(
+            nominal_gps_set(static_cast<int>(place.at), broadcast_interval(time, offset_s)), time,
+            offset_s);
+      case GnssSystem::galileo:
+        return galileo_[place.at].state(time, offset_s);
+      case GnssSystem::beidou:
+        return beidou_[place.at].state(time, offset_s);
+      case GnssSystem::glonass:
+        return glonass_[place.at].state(time, offset_s);
+      default:
+        return nominal_state(standing_[place.at], time, offset_s);
     }
-    return satellite_state(
-        nominal_gps_set(satellites_[index].number, broadcast_interval(time, offset_s)), time,
-        offset_s);
   }
 
   std::shared_ptr<const GpsNavigation> navigation(const GpsTime& time) const override {
-    if (gps_ == 0) {
+    if (!gps_ && galileo_.empty() && beidou_.empty() && glonass_.empty()) {
       return nullptr;
     }
+    // Numbers of the sets on the air, 0 of systems that are not there.
     const std::int64_t interval = broadcast_interval(time);
-    return broadcasts_.get(interval, [&] {
+    const std::array<std::int64_t, 4> key{gps_ ? interval : 0,
+                                          galileo_.empty() ? 0 : galileo_.front().interval(time),
+                                          beidou_.empty() ? 0 : beidou_.front().interval(time),
+                                          glonass_.empty() ? 0 : GlonassBroadcast::interval(time)};
+    return broadcasts_.get(key, [&] {
       GpsNavigation navigation;
-      for (int prn = 1; prn <= static_cast<int>(kGpsSlots); ++prn) {
+      for (int prn = 1; gps_ && prn <= static_cast<int>(kGpsSlots); ++prn) {
         navigation.ephemerides[static_cast<std::size_t>(prn - 1)] = nominal_gps_set(prn, interval);
+      }
+      for (const KeplerBroadcast& satellite : galileo_) {
+        navigation.galileo.push_back(satellite.set(key[1]));
+      }
+      for (const KeplerBroadcast& satellite : beidou_) {
+        navigation.beidou.push_back(satellite.set(key[2]));
+      }
+      for (const GlonassBroadcast& satellite : glonass_) {
+        navigation.glonass.push_back(satellite.set(key[3]));
       }
       navigation.ionosphere = nominal_ionosphere();
       navigation.utc = nominal_utc(interval);
@@ -97,10 +122,37 @@ class NominalConstellation final : public Constellation {
   }
 
  private:
+  /// GPS: the number; the others: their place in the list of their kind.
+  struct Place {
+    GnssSystem system = GnssSystem::gps;
+    std::size_t at = 0;
+  };
+
+  void add(const NominalOrbit& orbit) {
+    const auto put = [&](auto& list) {
+      places_.push_back({orbit.satellite.system, list.size()});
+      list.emplace_back(orbit);
+    };
+    switch (orbit.satellite.system) {
+      case GnssSystem::galileo:
+        return put(galileo_);
+      case GnssSystem::beidou:
+        return put(beidou_);
+      case GnssSystem::glonass:
+        return put(glonass_);
+      default:
+        return put(standing_);
+    }
+  }
+
   std::vector<Satellite> satellites_;
-  std::vector<NominalOrbit> orbits_;  ///< Of the satellites after the GPS ones.
-  std::size_t gps_ = 0;
-  mutable BroadcastCache<std::int64_t> broadcasts_;
+  std::vector<Place> places_;  ///< Of satellites_.
+  bool gps_ = false;
+  std::vector<KeplerBroadcast> galileo_;
+  std::vector<KeplerBroadcast> beidou_;
+  std::vector<GlonassBroadcast> glonass_;
+  std::vector<NominalOrbit> standing_;  ///< SBAS, QZSS.
+  mutable BroadcastCache<std::array<std::int64_t, 4>> broadcasts_;
 };
 
 constexpr std::int64_t kPeriod_s = 7'200;

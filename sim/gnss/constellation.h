@@ -1,4 +1,4 @@
-// Where navigation satellites are, and what the GPS ones broadcast.
+// Where navigation satellites are, and what they broadcast.
 //
 // A constellation is fixed data; its satellites move as functions of GPS time alone, so that any
 // number of receivers can share one, from any thread.
@@ -35,11 +35,12 @@ struct Satellite {
 struct SatelliteState {
   Eigen::Vector3d position_E_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_E_mps = Eigen::Vector3d::Zero();
-  /// Satellite clock less GPS time: polynomial and relativity, without group delay. 0 for systems
-  /// whose clocks are not modelled.
+  /// Satellite clock less GPS time: polynomial and relativity, without group delay. 0 for SBAS and
+  /// QZSS, whose clocks are not modelled.
   double clock_s = 0.0;
-  double clock_drift = 0.0;    ///< s/s.
-  double group_delay_s = 0.0;  ///< TGD, which delays L1 by so much.
+  double clock_drift = 0.0;     ///< s/s.
+  double group_delay_s = 0.0;   ///< TGD, which delays the first carrier by so much ...
+  double second_delay_s = 0.0;  ///< ... and what delays the second.
   bool healthy = true;
 };
 
@@ -51,14 +52,15 @@ class Constellation {
   /// State of satellite `index` at `time` plus `offset_s` (|offset_s| <= 1 s, for times of flight).
   [[nodiscard]] virtual SatelliteState state(std::size_t index, const GpsTime& time,
                                              double offset_s) const = 0;
-  /// What the GPS satellites broadcast at `time`. The same object as long as nothing changes. The
-  /// GPS satellites of state() move exactly as a receiver finds them from it. Null without GPS.
+  /// What the satellites broadcast at `time`. The same object as long as nothing changes. The
+  /// satellites of state() move exactly as a receiver finds them from it (broadcast_orbits.h says
+  /// how exactly). Null with SBAS and QZSS alone.
   [[nodiscard]] virtual std::shared_ptr<const GpsNavigation> navigation(
       const GpsTime& time) const = 0;
 };
 
-/// The published nominal slots of each system: GPS 24 (with broadcast orbits and clocks), GLONASS
-/// 24/3/1, Galileo 24/3/1, BeiDou medium orbits 24/3/1, SBAS and QZSS where they stand. Sources and
+/// The published nominal slots of each system: GPS 24, GLONASS 24/3/1, Galileo 24/3/1, BeiDou
+/// medium orbits 24/3/1, all with broadcasts, SBAS and QZSS where they stand. Sources and
 /// bounds in the source file. Throws std::invalid_argument for a system that has no nominal slots.
 [[nodiscard]] std::shared_ptr<const Constellation> make_nominal_constellation(
     std::span<const GnssSystem> systems);

@@ -11,9 +11,8 @@ namespace {
 
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 
-/// F = -2 sqrt(mu) / c^2.
-const double kRelativity =
-    -2.0 * std::sqrt(kEarthGravity_m3ps2) / (kLightSpeed_mps * kLightSpeed_mps);
+/// By what L2 is delayed more than L1: section 20.3.3.3.3.2.
+constexpr double kDelayOfSecond = (77.0 / 60.0) * (77.0 / 60.0);
 
 double within_half_week(double seconds) {
   return seconds - kWeek_s * std::round(seconds / kWeek_s);
@@ -79,14 +78,15 @@ double eccentric_anomaly(double mean_anomaly_rad, double eccentricity) {
   return anomaly;
 }
 
-SatelliteState satellite_state(const GpsEphemeris& eph, const GpsTime& time, double offset_s) {
+SatelliteState satellite_state(const GpsEphemeris& eph, const GpsTime& time, double offset_s,
+                               const OrbitConstants& earth) {
   // Table 20-IV: t_k, A, n = n_0 + delta n, M_k, and Kepler's equation for E_k.
   const double since_toe_s =
       within_half_week(seconds_between(eph.week, eph.ephemeris_time_s, time, offset_s));
   const double a_m = eph.sqrt_semi_major_axis * eph.sqrt_semi_major_axis;
   const double e = eph.eccentricity;
   const double rate =
-      std::sqrt(kEarthGravity_m3ps2 / (a_m * a_m * a_m)) + eph.mean_motion_difference;
+      std::sqrt(earth.gravity_m3ps2 / (a_m * a_m * a_m)) + eph.mean_motion_difference;
   const double anomaly =
       eccentric_anomaly(std::fmod(eph.mean_anomaly_rad + rate * since_toe_s, kTurn_rad), e);
   const double sin_e = std::sin(anomaly);
@@ -117,10 +117,10 @@ SatelliteState satellite_state(const GpsEphemeris& eph, const GpsTime& time, dou
                    harmonic(eph.inclination_sine_rad, eph.inclination_cosine_rad);
   const double i_rate =
       eph.inclination_rate + harmonic_rate(eph.inclination_sine_rad, eph.inclination_cosine_rad);
-  const double node_rate = eph.ascending_node_rate - kEarthRate_radps;
-  const double node = std::fmod(
-      eph.ascending_node_rad + node_rate * since_toe_s - kEarthRate_radps * eph.ephemeris_time_s,
-      kTurn_rad);
+  const double node_rate = eph.ascending_node_rate - earth.rotation_radps;
+  const double node = std::fmod(eph.ascending_node_rad + node_rate * since_toe_s -
+                                    earth.rotation_radps * eph.ephemeris_time_s,
+                                kTurn_rad);
 
   const double sin_u = std::sin(u);
   const double cos_u = std::cos(u);
@@ -146,13 +146,16 @@ SatelliteState satellite_state(const GpsEphemeris& eph, const GpsTime& time, dou
   // 20.3.3.3.3.1: a_f0 + a_f1 t + a_f2 t^2 + F e sqrt(A) sin E_k, and its rate.
   const double since_toc_s =
       within_half_week(seconds_between(eph.week, eph.clock_time_s, time, offset_s));
-  const double relativity = kRelativity * e * eph.sqrt_semi_major_axis;
+  // F = -2 sqrt(mu) / c^2.
+  const double relativity = -2.0 * std::sqrt(earth.gravity_m3ps2) /
+                            (kLightSpeed_mps * kLightSpeed_mps) * e * eph.sqrt_semi_major_axis;
   state.clock_s = eph.clock_bias_s +
                   since_toc_s * (eph.clock_drift + since_toc_s * eph.clock_drift_rate) +
                   relativity * sin_e;
   state.clock_drift = eph.clock_drift + 2.0 * eph.clock_drift_rate * since_toc_s +
                       relativity * cos_e * anomaly_rate;
   state.group_delay_s = eph.group_delay_s;
+  state.second_delay_s = kDelayOfSecond * eph.group_delay_s;
   state.healthy = eph.health == 0;
   return state;
 }

@@ -59,7 +59,8 @@ struct GnssParameters {
   CorrectionParameters corrections;
   std::vector<GnssFault> faults;
   ReceiverClockParameters clock;
-  bool raw_measurements = false;  ///< Fill GnssSample::measurements (GPS).
+  bool raw_measurements = false;  ///< Fill GnssSample::measurements.
+  bool second_signals = false;    ///< The radio part has the second carriers too: L2, E5b, B2.
   bool ionosphere = true;         ///< Raw ranges are delayed by the model that is broadcast.
   bool troposphere = true;        ///< Raw ranges are delayed by Saastamoinen's model.
 };

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/samples/gnss_carriers.h"
+
 namespace rigwire::sim {
 
 namespace {
@@ -211,8 +213,7 @@ void GnssSensor::take_corrections(const Epoch& epoch) {
       troposphere_m +=
           saastamoinen_delay_m(point.latitude_deg * kDegree, point.ellipsoid_height_m, elevation);
     }
-    const double rest_m = shared.orbit_clock_m + troposphere_m;
-    return KnownDelay{rest_m + ionosphere_m, rest_m - ionosphere_m};
+    return KnownDelay{shared.orbit_clock_m + troposphere_m, ionosphere_m};
   };
   std::vector<Eigen::Vector3d> places_E_m;
   antennas_->each(newest->measured, name_,
@@ -633,7 +634,8 @@ void GnssSensor::measure(std::span<const ReceivedSatellite> received, const Epoc
   const double time_of_week_s = static_cast<double>(reception.gps.time_of_week_ns) * 1e-9;
   signals_.clear();
   for (const ReceivedSatellite& satellite : received) {
-    if (!satellite.tracked || satellite.satellite.system != GnssSystem::gps) {
+    const GnssSystem system = satellite.satellite.system;
+    if (!satellite.tracked || !command_.uses(system)) {
       continue;
     }
     TrackedSignal signal;
@@ -664,6 +666,15 @@ void GnssSensor::measure(std::span<const ReceivedSatellite> received, const Epoc
     signal.range_rate_error_mps += epoch.fault.clock_offset_rate_mps;
     signal.slipped = satellite.slipped;
     signals_.push_back(signal);
+    if (parameters_.second_signals && has_second_carrier(system) && command_.uses_second(system)) {
+      signal.second = true;
+      if (parameters_.error_model != ErrorModel::paper) {
+        const RangeError& error = satellite.error;
+        signal.code_error_m += error.second_local_m - error.local_m;
+        signal.carrier_error_m += error.second_carrier_m - error.carrier_m;
+      }
+      signals_.push_back(signal);
+    }
   }
   const Eigen::Matrix3d ecef_from_world = frame_.world_from_ecef().transpose();
   observations_.measure(

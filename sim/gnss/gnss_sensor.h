@@ -32,8 +32,6 @@
 //
 // Of all receivers with one seed the errors of satellites and air are one function of satellite,
 // place and time (error_field.h); multipath and noise are each one's own.
-//
-// Known limits: raw measurements are of GPS L1 C/A only.
 #pragma once
 
 #include <Eigen/Core>

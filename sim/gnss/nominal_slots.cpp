@@ -12,10 +12,9 @@ namespace {
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// 1993-07-01 00:00:00 UTC: week 703, Thursday, GPS 9 s ahead of UTC; Greenwich then at 18 h 36 m
-// 14.4 s of right ascension.
-constexpr std::int32_t kEpochWeek = 703;
-constexpr double kEpochOfWeek_s = 4.0 * 86'400.0 + 9.0;
+constexpr std::int32_t kEpochWeek = kNominalEpochWeek;
+constexpr auto kEpochOfWeek_s = static_cast<double>(kNominalEpochOfWeek_s);
+// Right ascension of Greenwich at the epoch: 18 h 36 m 14.4 s.
 constexpr double kGreenwichAtEpoch_rad = (18.0 + 36.0 / 60.0 + 14.4 / 3600.0) * 15.0 * kDegree;
 
 constexpr std::array kGpsNode_deg{272.847, 332.847, 32.847, 92.847, 152.847, 212.847};

@@ -25,8 +25,9 @@
 // 55 deg): Walker 24/3/1, circular, first slot at the node and that at the origin of right
 // ascension at the epoch. Their phase against GPS is not published; it is arbitrary here. QZSS:
 // three satellites on one ground track about 135 deg east (42 164 km, 41 deg, e = 0.075) and one
-// standing at 127 deg east. SBAS: standing satellites of EGNOS, WAAS, MSAS and GAGAN. All these
-// have ideal clocks and are pure Kepler orbits, smooth within 1e-3 m.
+// standing at 127 deg east. SBAS: standing satellites of EGNOS, WAAS, MSAS and GAGAN. What GLONASS,
+// Galileo and BeiDou satellites broadcast, and how they move by it: broadcast_orbits.h. QZSS and
+// SBAS have ideal clocks and are pure Kepler orbits, smooth within 1e-3 m.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +37,11 @@
 
 namespace rigwire::sim {
 
-/// A Kepler orbit over the turning earth. Angles at the epoch, 1993-07-01 00:00 UTC.
+/// 1993-07-01 00:00:00 UTC: week 703, Thursday, GPS 9 s ahead of UTC.
+inline constexpr std::int32_t kNominalEpochWeek = 703;
+inline constexpr std::int64_t kNominalEpochOfWeek_s = 4 * 86'400 + 9;
+
+/// A Kepler orbit over the turning earth. Angles at the epoch.
 struct NominalOrbit {
   Satellite satellite;
   double semi_major_axis_m = 0.0;

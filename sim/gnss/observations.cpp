@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
+
+#include "sim/samples/gnss_carriers.h"
 
 namespace rigwire::sim {
 namespace {
@@ -34,7 +37,7 @@ ReceptionPoint reception_point(const GpsTime& wanted, const ClockEpoch& epoch,
 }
 
 Observations::Observations(std::size_t satellites, std::uint64_t seed, std::string_view name)
-    : locks_(satellites), random_(seed, name) {}
+    : locks_(2 * satellites), random_(seed, name) {}
 
 void Observations::lose_lock() {
   locks_.assign(locks_.size(), Lock{});
@@ -45,23 +48,33 @@ void Observations::measure(const Constellation& constellation, SimTime wanted,
                            std::span<const TrackedSignal> signals,
                            std::vector<GnssMeasurement>& measurements) {
   measurements.clear();
+  SignalPath path;
+  std::optional<std::size_t> path_of;
   for (const TrackedSignal& signal : signals) {
-    const SignalPath path = signal_path(constellation, signal.satellite, antenna);
+    if (path_of != signal.satellite) {
+      path = signal_path(constellation, signal.satellite, antenna);
+      path_of = signal.satellite;
+    }
+    const Satellite& satellite = constellation.satellites()[signal.satellite];
+    const int channel = glonass_channel(satellite.system, satellite.number);
+    const double carrier_hz = rigwire::carrier_hz(satellite.system, signal.second, channel);
+    const double wavelength_m = kLightSpeed_mps / carrier_hz;
+    const double to_l1 = kGpsL1_hz / carrier_hz;
+    const double ionosphere_m = to_l1 * to_l1 * signal.ionosphere_m;
+    const double delay_s = signal.second ? path.second_delay_s : path.group_delay_s;
     // Pseudorange and carrier phase of observations.h, what they share first.
     const double clocks_m = kLightSpeed_mps * (epoch.bias_s - path.satellite_clock_s);
     const double common_m = path.range_m + clocks_m + signal.troposphere_m;
-    const double code_m =
-        common_m + kLightSpeed_mps * path.group_delay_s + signal.ionosphere_m + signal.code_error_m;
-    const double carrier_cycles =
-        (common_m - signal.ionosphere_m + signal.carrier_error_m) / kGpsL1Wavelength_m;
+    const double code_m = common_m + kLightSpeed_mps * delay_s + ionosphere_m + signal.code_error_m;
+    const double carrier_cycles = (common_m - ionosphere_m + signal.carrier_error_m) / wavelength_m;
 
-    Lock& lock = locks_[signal.satellite];
+    Lock& lock = locks_[2 * signal.satellite + (signal.second ? 1 : 0)];
     const bool slipped = signal.slipped || lock.since == kNever || lock.seen != last_;
     if (slipped) {
       lock.since = wanted;
       // A whole number that puts the carrier near the code.
       lock.ambiguity_cycles =
-          std::round(code_m / kGpsL1Wavelength_m - carrier_cycles + random_.uniform(-400.0, 400.0));
+          std::round(code_m / wavelength_m - carrier_cycles + random_.uniform(-400.0, 400.0));
     }
     lock.seen = wanted;
 
@@ -73,13 +86,14 @@ void Observations::measure(const Constellation& constellation, SimTime wanted,
                                              (1.0 - path.range_rate_mps / kLightSpeed_mps));
 
     GnssMeasurement measurement;
-    const Satellite& satellite = constellation.satellites()[signal.satellite];
     measurement.system = satellite.system;
     measurement.number = satellite.number;
+    measurement.second = signal.second;
+    measurement.channel = static_cast<std::int8_t>(channel);
     measurement.pseudorange_m = code_m;
     measurement.carrier_phase_cycles = carrier_cycles + lock.ambiguity_cycles;
     measurement.doppler_hz =
-        -(rate_mps / (1.0 + epoch.drift) + signal.range_rate_error_mps) / kGpsL1Wavelength_m;
+        -(rate_mps / (1.0 + epoch.drift) + signal.range_rate_error_mps) / wavelength_m;
     measurement.cn0_dbhz = signal.cn0_dbhz;
     measurement.locked = wanted - lock.since;
     measurement.slipped = slipped;

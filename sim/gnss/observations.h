@@ -1,4 +1,4 @@
-// What a receiver measures of each tracked signal (GPS L1 C/A): pseudorange, carrier phase and
+// What a receiver measures of each tracked signal (gnss_carriers.h): pseudorange, carrier phase and
 // Doppler shift, from where satellite and antenna truly are, the receiver's clock, and the errors
 // that surroundings and noise add.
 //
@@ -10,7 +10,10 @@
 //
 // N is a whole number, drawn when a signal is locked, so that the carrier begins within 401 cycles
 // of the code as in receivers that start their phase there, and held until the signal slips. A set
-// of the receiver's clock by a millisecond moves both by 1 575 420 cycles.
+// of the receiver's clock by a millisecond moves both, GPS' first carrier by 1 575 420 cycles. The
+// ionosphere is stronger on a lower carrier by the square of the frequencies. GLONASS satellites
+// send on channels of their own; the receiver's delays of these are taken as equal, as between
+// receivers of one make.
 #pragma once
 
 #include <cstddef>
@@ -32,8 +35,9 @@ inline constexpr double kGpsL1Wavelength_m = kLightSpeed_mps / kGpsL1_hz;
 /// they lengthen the way.
 struct TrackedSignal {
   std::size_t satellite = 0;  ///< Index within the constellation.
+  bool second = false;        ///< On its second carrier.
   double cn0_dbhz = 45.0;
-  double ionosphere_m = 0.0;  ///< Delays the code, advances the carrier.
+  double ionosphere_m = 0.0;  ///< On GPS L1. Delays the code, advances the carrier.
   double troposphere_m = 0.0;
   double code_error_m = 0.0;     ///< Noise, multipath, orbit and clock beyond the broadcast.
   double carrier_error_m = 0.0;  ///< The same for the carrier.
@@ -60,8 +64,8 @@ class Observations {
 
   /// Measurements of `signals`, in their order, put into `measurements` (cleared first; allocates
   /// only while it grows). `wanted` as given to ReceiverClock::measure(), which made `epoch`;
-  /// `antenna` as of reception_point(). A satellite that is not among the signals has lost its
-  /// lock. Every index at most once.
+  /// `antenna` as of reception_point(). A signal that is not among them has lost its lock. Every
+  /// one at most once; the two of a satellite one after the other.
   void measure(const Constellation& constellation, SimTime wanted, const ClockEpoch& epoch,
                const ReceptionPoint& antenna, std::span<const TrackedSignal> signals,
                std::vector<GnssMeasurement>& measurements);
@@ -75,7 +79,7 @@ class Observations {
     SimTime seen = kNever;
     double ambiguity_cycles = 0.0;
   };
-  std::vector<Lock> locks_;
+  std::vector<Lock> locks_;  ///< Two of each satellite.
   RandomStream random_;
   SimTime last_ = kNever;
 };

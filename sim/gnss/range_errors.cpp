@@ -38,6 +38,12 @@ double code_sigma_m(const RangeErrorParameters& p, double cn0_dbhz) {
   return p.code_noise_m * std::pow(10.0, (kReferenceCn0_dbhz - cn0_dbhz) / 20.0);
 }
 
+/// 1 / tau = 1 / tau_rest + speed / length.
+double multipath_correlation_s(const RangeErrorParameters& p, double speed_mps) {
+  const double rest_s = p.multipath_correlation_s;
+  return rest_s / (1.0 + rest_s * speed_mps / p.multipath_length_m);
+}
+
 double over_sine(double elevation_rad) {
   return 1.0 / std::max(std::sin(elevation_rad), kLowestSine);
 }
@@ -99,7 +105,8 @@ double troposphere_mapping(double elevation_rad) {
 SatelliteErrors::SatelliteErrors(std::uint64_t seed, std::string_view name)
     : random_(seed, name),
       fading_random_(seed, std::string(name) + "/fading"),
-      rate_random_(seed, std::string(name) + "/rate") {}
+      rate_random_(seed, std::string(name) + "/rate"),
+      second_random_(seed, std::string(name) + "/second") {}
 
 void SatelliteErrors::fade(double step_s, double speed_mps) {
   // 1 / tau = 1 / tau_rest + speed / length.
@@ -108,11 +115,18 @@ void SatelliteErrors::fade(double step_s, double speed_mps) {
   fading_.advance(step_s, correlation_s, fading_random_);
 }
 
+void SatelliteErrors::advance_second(const RangeErrorParameters& p, double step_s,
+                                     double speed_mps) {
+  const double moving_s = multipath_correlation_s(p, speed_mps);
+  second_.code_noise.advance(step_s, p.code_noise_correlation_s, second_random_);
+  second_.code_multipath.advance(step_s, moving_s, second_random_);
+  second_.carrier_noise.advance(step_s, 0.0, second_random_);
+  second_.carrier_multipath.advance(step_s, moving_s, second_random_);
+}
+
 void SatelliteErrors::advance(const RangeErrorParameters& p, double step_s, double speed_mps) {
   code_noise_.advance(step_s, p.code_noise_correlation_s, random_);
-  const double rest_s = p.multipath_correlation_s;
-  // 1 / tau = 1 / tau_rest + speed / length.
-  const double moving_s = rest_s / (1.0 + rest_s * speed_mps / p.multipath_length_m);
+  const double moving_s = multipath_correlation_s(p, speed_mps);
   multipath_.advance(step_s, moving_s, random_);
   carrier_noise_.advance(step_s, 0.0, rate_random_);
   carrier_multipath_.advance(step_s, moving_s, rate_random_);
@@ -126,6 +140,8 @@ void SatelliteErrors::advance(const RangeErrorParameters& p, double step_s, doub
 void SatelliteErrors::acquired() {
   code_noise_.redraw(random_);
   multipath_.redraw(random_);
+  second_.code_noise.redraw(second_random_);
+  second_.code_multipath.redraw(second_random_);
 }
 
 RangeError SatelliteErrors::error(const RangeErrorParameters& p, const SignalArrival& arrival,
@@ -144,9 +160,14 @@ RangeError SatelliteErrors::error(const RangeErrorParameters& p, const SignalArr
                        arrival.shared.ionosphere;
   error.troposphere_m =
       p.troposphere_sigma_m * arrival.shared.troposphere * troposphere_mapping(elevation);
+  const double carrier_noise_m = kGpsL1Wavelength_m * carrier_sigma_cycles(arrival.cn0_dbhz);
+  const double carrier_multipath_m = p.carrier_multipath_m * over_sine(elevation);
   error.carrier_m =
-      kGpsL1Wavelength_m * carrier_sigma_cycles(arrival.cn0_dbhz) * carrier_noise_.value() +
-      p.carrier_multipath_m * over_sine(elevation) * carrier_multipath_.value();
+      carrier_noise_m * carrier_noise_.value() + carrier_multipath_m * carrier_multipath_.value();
+  error.second_carrier_m = carrier_noise_m * second_.carrier_noise.value() +
+                           carrier_multipath_m * second_.carrier_multipath.value();
+  error.second_local_m = noise_sigma_m * second_.code_noise.value() +
+                         multipath_sigma_m * second_.code_multipath.value();
   error.rate_mps = rate_.value();
   const double rate_noise_mps =
       p.rate_noise_mps * std::pow(10.0, (kReferenceCn0_dbhz - arrival.cn0_dbhz) / 20.0);

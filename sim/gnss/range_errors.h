@@ -18,6 +18,7 @@
 //   range rate        white 15 mm/s at 45 dBHz, and 20 mm/s that stay 2.5 s at rest, 1 s in motion
 //                     (u-blox receivers at rest show speeds of 14 to 24 mm/s)
 //   carrier           thermal noise of its loop, and 2 mm over sin E of multipath
+//   second signal     code and carrier have noise and multipath of their own, of the same size
 //   reflections       found by rays (multipath.h): a direct signal gains an error of that envelope
 //                     as multipath does; a signal that arrives only by reflection is long by its
 //                     extra path
@@ -104,6 +105,8 @@ struct RangeError {
   double troposphere_m = 0.0;   ///< In code and carrier alike.
   double local_m = 0.0;         ///< Noise and multipath: the code's alone.
   double carrier_m = 0.0;       ///< Noise and multipath of the carrier, not in the total.
+  double second_local_m = 0.0;  ///< The same two of the second signal.
+  double second_carrier_m = 0.0;
   double detour_m = 0.0;        ///< Extra path without line of sight, in code and carrier alike.
   double rate_mps = 0.0;        ///< Of the Doppler measurement, for sigma 1: coloured model.
   double range_rate_mps = 0.0;  ///< The same by its own parameters: engine.
@@ -129,6 +132,8 @@ class SatelliteErrors {
   SatelliteErrors(std::uint64_t seed, std::string_view name);
   /// `step_s` since the last call, however long the satellite was out of sight.
   void advance(const RangeErrorParameters& parameters, double step_s, double speed_mps);
+  /// The same for what a second signal has of its own; without it that has no errors.
+  void advance_second(const RangeErrorParameters& parameters, double step_s, double speed_mps);
   /// The same for the fading alone.
   void fade(double step_s, double speed_mps);
   /// The satellite was acquired anew: what belongs to the receiver's lock is drawn afresh.
@@ -148,8 +153,17 @@ class SatelliteErrors {
   RandomStream rate_random_;
   GaussMarkov rate_noise_;
   GaussMarkov rate_multipath_;
+  /// Noise and multipath of a carrier, and of a code.
+  struct Local {
+    GaussMarkov code_noise;
+    GaussMarkov code_multipath;
+    GaussMarkov carrier_noise;
+    GaussMarkov carrier_multipath;
+  };
   GaussMarkov carrier_noise_;
   GaussMarkov carrier_multipath_;
+  RandomStream second_random_;
+  Local second_;
 };
 
 }  // namespace rigwire::sim

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "sim/gnss/signal_path.h"
+#include "sim/samples/gnss_carriers.h"
 
 namespace rigwire::sim {
 namespace {
@@ -17,6 +18,13 @@ constexpr double kContradiction_m = 30.0;
 constexpr double kSearched_m = 10.0;
 constexpr double kAgreement_cycles = 0.12;
 constexpr double kAveraged_epochs = 60.0;
+
+/// By what the ionosphere is stronger on a satellite's first carrier than on GPS L1.
+double ionosphere_share(const GnssCorrections::Signal& signal) {
+  const double ratio =
+      kGpsL1_hz / carrier_hz(signal.system, false, glonass_channel(signal.system, signal.number));
+  return ratio * ratio;
+}
 
 Eigen::Vector3d to_eigen(const Vector3& v) {
   return {v.x, v.y, v.z};
@@ -60,7 +68,8 @@ std::optional<ReferenceStation::Fit> ReferenceStation::fit_code(const Eigen::Vec
         const SignalPath path = signal_path(*constellation_, row.index, point);
         const KnownDelay delay = delay_of(row.index, fit.p_E_m, path.direction_E);
         row.residual_m =
-            row.signal->range_m - (path.range_m + fit.clock_m + delay.code_m +
+            row.signal->range_m - (path.range_m + fit.clock_m + delay.common_m +
+                                   ionosphere_share(*row.signal) * delay.ionosphere_m +
                                    kLightSpeed_mps * (path.group_delay_s - path.satellite_clock_s));
         Eigen::Vector4d line;
         line << -path.direction_E, 1.0;
@@ -102,9 +111,11 @@ bool ReferenceStation::bears_out(const Eigen::Vector3d& p_E_m, const Fit& fit, c
   const auto predict = [&](const Row& row, bool code) {
     const SignalPath path = signal_path(*constellation_, row.index, at(time, p_E_m, clock_m));
     const KnownDelay delay = delay_of(row.index, p_E_m, path.direction_E);
-    const double common_m = path.range_m - kLightSpeed_mps * path.satellite_clock_s;
-    return code ? common_m + kLightSpeed_mps * path.group_delay_s + delay.code_m
-                : common_m + delay.carrier_m;
+    const double common_m =
+        path.range_m - kLightSpeed_mps * path.satellite_clock_s + delay.common_m;
+    const double ionosphere_m = ionosphere_share(*row.signal) * delay.ionosphere_m;
+    return code ? common_m + kLightSpeed_mps * path.group_delay_s + ionosphere_m
+                : common_m - ionosphere_m;
   };
   double sum_m = 0.0;
   for (const Row& row : rows_) {

@@ -32,11 +32,11 @@
 
 namespace rigwire::sim {
 
-/// How much longer than the range code and carrier are by air and orbit, as the messages of the
+/// How much longer than the range code and carrier are by orbit and air, as the messages of the
 /// sky's satellites do not tell it, metres.
 struct KnownDelay {
-  double code_m = 0.0;
-  double carrier_m = 0.0;
+  double common_m = 0.0;
+  double ionosphere_m = 0.0;  ///< On GPS L1; delays the code, advances the carrier.
 };
 
 class ReferenceStation {

@@ -153,6 +153,9 @@ void SatelliteChannels::advance_errors(const Reception& reception) {
     const double own_step_s =
         channel.last == kNever ? 0.0 : to_seconds(reception.time - channel.last);
     channel.errors.advance(parameters_.ranges, own_step_s, reception.speed_mps);
+    if (parameters_.raw_measurements && parameters_.second_signals) {
+      channel.errors.advance_second(parameters_.ranges, own_step_s, reception.speed_mps);
+    }
   }
 }
 
@@ -292,6 +295,7 @@ void SatelliteChannels::range_errors(const CorrectedShare& share, bool spoofed) 
       RangeError& error = received.error;  // what is believed of them stays
       error.orbit_clock_m = error.ionosphere_m = error.troposphere_m = 0.0;
       error.local_m = error.detour_m = error.carrier_m = 0.0;
+      error.second_local_m = error.second_carrier_m = 0.0;
       error.rate_mps = error.range_rate_mps = 0.0;
     }
   }

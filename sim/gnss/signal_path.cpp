@@ -50,6 +50,7 @@ SignalPath signal_path(const Constellation& constellation, std::size_t index,
   path.satellite_clock_s = satellite.clock_s;
   path.satellite_clock_drift = satellite.clock_drift;
   path.group_delay_s = satellite.group_delay_s;
+  path.second_delay_s = satellite.second_delay_s;
   path.healthy = satellite.healthy;
   return path;
 }

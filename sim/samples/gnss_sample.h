@@ -51,10 +51,13 @@ struct SatelliteView {
   double residual_m = 0.0;  ///< Pseudorange less what the fix explains; when used.
 };
 
-/// Raw measurement of one tracked signal (GPS L1 C/A), at the receiver's own time of measurement.
+/// Raw measurement of one tracked signal (gnss_carriers.h), at the receiver's own time of
+/// measurement.
 struct GnssMeasurement {
   GnssSystem system = GnssSystem::gps;
   std::uint8_t number = 0;  ///< As SatelliteView::number.
+  bool second = false;      ///< On the system's second carrier, not the first.
+  std::int8_t channel = 0;  ///< Of GLONASS' carriers.
   double pseudorange_m = 0.0;
   double carrier_phase_cycles = 0.0;  ///< Grows with the range; ambiguous by whole cycles.
   double doppler_hz = 0.0;            ///< Positive while the satellite comes nearer.
@@ -96,8 +99,10 @@ struct GnssCorrections {
 
 /// What a receiver's settings, and what it hears over its ports, ask of its navigation engine.
 struct GnssCommand {
-  /// Bit by GnssSystem: whose satellites may take part in the fix.
+  /// Bit by GnssSystem: whose satellites may take part in the fix, and are measured.
   std::uint8_t systems = 0xFF;
+  /// The same: whose second signals are measured.
+  std::uint8_t second_signals = 0xFF;
   double minimum_elevation_rad = 0.0;
   double minimum_cn0_dbhz = 0.0;
   std::uint32_t maximum_satellites = 255;  ///< In the fix; the strongest ones.
@@ -113,6 +118,9 @@ struct GnssCommand {
 
   [[nodiscard]] bool uses(GnssSystem system) const {
     return (systems >> static_cast<unsigned>(system) & 1U) != 0;
+  }
+  [[nodiscard]] bool uses_second(GnssSystem system) const {
+    return uses(system) && (second_signals >> static_cast<unsigned>(system) & 1U) != 0;
   }
   friend bool operator==(const GnssCommand&, const GnssCommand&) = default;
 };
@@ -159,9 +167,10 @@ struct GnssSample {
   double east_dilution = std::numeric_limits<double>::quiet_NaN();   ///< With geometric dilution.
   RadioState radio;
   std::vector<SatelliteView> satellites;  ///< Above the horizon, by system and number.
-  /// Of the tracked GPS satellites, when raw measurements are switched on.
+  /// Of the tracked satellites, when raw measurements are switched on: by system and number, the
+  /// first signal before the second.
   std::vector<GnssMeasurement> measurements;
-  /// What the GPS satellites broadcast at that time; null when nothing needs it.
+  /// What the satellites broadcast at that time; null when nothing needs it.
   std::shared_ptr<const GpsNavigation> navigation;
 };
 

@@ -1,7 +1,7 @@
-// What the GPS satellites broadcast about their orbits and clocks, in SI units and radians.
+// What navigation satellites broadcast about their orbits and clocks, in SI units and radians.
 //
-// Every value is a whole number of the steps in which the legacy navigation message carries it
-// (IS-GPS-200, section 20.3.3), so that encoding it loses nothing.
+// Every value is a whole number of the steps in which the message carries it (GPS: the legacy
+// message, IS-GPS-200, section 20.3.3), so that encoding it loses nothing.
 #pragma once
 
 #include <array>
@@ -12,14 +12,18 @@
 namespace rigwire {
 
 /// Clock and orbit of one satellite: IS-GPS-200 tables 20-I and 20-III. Times of week are GPS.
+/// Galileo and BeiDou state the same figures: Galileo by GPS time too, BeiDou by its own, which is
+/// 14 s late (its weeks here are those of GPS). What only GPS has is 0 for them.
 struct GpsEphemeris {
   std::uint8_t prn = 0;              ///< 1..32.
   std::int32_t week = 0;             ///< Of toe, not rolled over.
   std::uint16_t issue_of_clock = 0;  ///< IODC, 10 bits; its low byte is issue_of_ephemeris.
   std::uint8_t issue_of_ephemeris = 0;
-  std::uint8_t accuracy_index = 0;    ///< URA, 0..15.
-  std::uint8_t health = 0;            ///< 6 bits, 0 = all signals good.
-  double group_delay_s = 0.0;         ///< TGD.
+  std::uint8_t accuracy_index = 0;  ///< URA, 0..15.
+  std::uint8_t health = 0;          ///< 6 bits, 0 = all signals good.
+  double group_delay_s = 0.0;       ///< TGD.
+  /// Galileo: of E5a (the other is of E5b); BeiDou: of B2I; GPS: none.
+  double second_delay_s = 0.0;
   double clock_time_s = 0.0;          ///< toc, time of week.
   double clock_bias_s = 0.0;          ///< af0.
   double clock_drift = 0.0;           ///< af1, s/s.
@@ -66,9 +70,28 @@ struct GpsUtcParameters {
   friend bool operator==(const GpsUtcParameters&, const GpsUtcParameters&) = default;
 };
 
+/// Orbit and clock of a GLONASS satellite: GLONASS ICD 5.1, table 4.5. Earth-fixed, PZ-90.
+struct GlonassEphemeris {
+  std::uint8_t slot = 0;  ///< 1..24.
+  /// Its middle, by GLONASS' time (UTC and three hours): seconds of the day, day within the four
+  /// years that begin with a leap year (1..1461), and which four years these are (1: 1996).
+  std::int32_t time_of_day_s = 0;
+  std::int32_t day = 1;
+  std::int32_t four_years = 1;
+  std::array<double, 3> position_m{};
+  std::array<double, 3> velocity_mps{};
+  std::array<double, 3> acceleration_mps2{};
+  double clock_correction_s = 0.0;  ///< tau: system time less the satellite's.
+
+  friend bool operator==(const GlonassEphemeris&, const GlonassEphemeris&) = default;
+};
+
 /// Everything, from one change of the broadcast to the next.
 struct GpsNavigation {
   std::array<std::optional<GpsEphemeris>, 32> ephemerides;  ///< By PRN - 1.
+  std::vector<GpsEphemeris> galileo;                        ///< By number.
+  std::vector<GpsEphemeris> beidou;                         ///< By number.
+  std::vector<GlonassEphemeris> glonass;                    ///< By slot.
   KlobucharParameters ionosphere;
   GpsUtcParameters utc;
 };

@@ -134,9 +134,25 @@ TEST(NominalConstellationTest, SystemsWithoutSlotsAreRefused) {
   EXPECT_THROW(static_cast<void>(make_nominal_constellation(kImes)), std::invalid_argument);
 }
 
-TEST(NominalConstellationTest, WithoutGpsNothingIsBroadcast) {
+TEST(NominalConstellationTest, EverySystemBroadcastsItsOwnOrbits) {
+  const std::array kStanding{GnssSystem::sbas, GnssSystem::qzss};
+  EXPECT_EQ(make_nominal_constellation(kStanding)->navigation({2421, 0}), nullptr);
   const std::array kGlonass{GnssSystem::glonass};
-  EXPECT_EQ(make_nominal_constellation(kGlonass)->navigation({2421, 0}), nullptr);
+  const auto glonass = make_nominal_constellation(kGlonass)->navigation({2421, 0});
+  ASSERT_NE(glonass, nullptr);
+  EXPECT_EQ(glonass->glonass.size(), 24U);
+  EXPECT_TRUE(glonass->galileo.empty() && glonass->beidou.empty());
+  EXPECT_FALSE(glonass->ephemerides[0]);
+  const std::array kFour{GnssSystem::gps, GnssSystem::glonass, GnssSystem::galileo,
+                         GnssSystem::beidou};
+  const auto all = make_nominal_constellation(kFour);
+  const auto at_once = all->navigation({2421, 1'000 * kSecond_ns});
+  EXPECT_EQ(at_once->galileo.size(), 24U);
+  EXPECT_EQ(at_once->beidou.size(), 24U);
+  EXPECT_TRUE(at_once->ephemerides[0]);
+  // Until GLONASS' next half hour of UTC.
+  EXPECT_EQ(all->navigation({2421, 1'817 * kSecond_ns}), at_once);
+  EXPECT_NE(all->navigation({2421, 1'818 * kSecond_ns}), at_once);
 }
 
 TEST(NominalConstellationTest, OneBroadcastLastsTwoHoursAndIsShared) {

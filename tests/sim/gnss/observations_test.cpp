@@ -59,6 +59,30 @@ TEST_F(ObservationsTest, CodeAndCarrierAreTheSumOfTheirParts) {
   EXPECT_LE(std::abs(m.carrier_phase_cycles - m.pseudorange_m / kGpsL1Wavelength_m), 401.0);
 }
 
+// L2 of GPS: 60 / 77 of the frequency, so the ionosphere is stronger by (77 / 60)^2, and so is the
+// satellite's group delay.
+TEST_F(ObservationsTest, TheIonosphereIsStrongerOnTheLowerCarrier) {
+  constexpr double kStronger = 77.0 * 77.0 / (60.0 * 60.0);
+  TrackedSignal first;
+  first.satellite = 6;
+  first.ionosphere_m = 4.0;
+  TrackedSignal second = first;
+  second.second = true;
+  const std::vector<GnssMeasurement> m = measure(kStart, {first, second});
+  ASSERT_EQ(m.size(), 2U);
+  EXPECT_FALSE(m[0].second);
+  EXPECT_TRUE(m[1].second);
+  const SignalPath path = signal_path(*constellation_, 6, antenna_);
+  EXPECT_NEAR(m[1].pseudorange_m - m[0].pseudorange_m,
+              (kStronger - 1.0) * (4.0 + kLightSpeed_mps * path.group_delay_s), 1e-6);
+  const double geometry_m =
+      path.range_m + kLightSpeed_mps * (epoch_.bias_s - path.satellite_clock_s);
+  const double ambiguity =
+      m[1].carrier_phase_cycles - (geometry_m - kStronger * 4.0) * 60.0 / 77.0 / kGpsL1Wavelength_m;
+  EXPECT_NEAR(ambiguity, std::round(ambiguity), 1e-6);
+  EXPECT_NEAR(m[1].doppler_hz, m[0].doppler_hz * 60.0 / 77.0, 1e-9);
+}
+
 TEST_F(ObservationsTest, CarrierMovesAsTheCodeAndAsTheDopplerSays) {
   // Across a change of the broadcast at 10:00:00 GPS and over a millisecond's reset of the clock.
   std::vector<TrackedSignal> signals(4);

@@ -227,9 +227,18 @@ std::int64_t middle_ns(std::int64_t interval) {
   return (utc_s + leap_seconds(utc_s * kSecond_ns)) * kSecond_ns;
 }
 
-double in_steps(double value, double step) {
-  return step * std::round(value / step);
+Eigen::Vector3d in_steps(const Eigen::Vector3d& value, double step) {
+  return step * (value / step).array().round();
 }
+
+Eigen::Vector3d turned(const Eigen::Vector3d& v, double angle_rad) {
+  const double c = std::cos(angle_rad);
+  const double s = std::sin(angle_rad);
+  return {c * v.x() - s * v.y(), s * v.x() + c * v.y(), v.z()};
+}
+
+const double kPositionStep_m = std::ldexp(1e3, -11);
+const double kVelocityStep_mps = std::ldexp(1e3, -20);
 
 }  // namespace
 
@@ -324,15 +333,19 @@ std::int64_t GlonassBroadcast::interval(const GpsTime& time, double offset_s) {
                       kHalfHour_s * kSecond_ns);
 }
 
-GlonassBroadcast::Motion GlonassBroadcast::orbit(std::int64_t interval,
-                                                 double since_middle_s) const {
+GlonassBroadcast::Middle GlonassBroadcast::middle(std::int64_t interval) const {
   const OblateOrbit& shape = glonass_orbit();
   const auto middle_s = static_cast<double>(middle_ns(interval) / kSecond_ns - kEpoch_s);
   const double turn_radps = shape.node_rate_radps - kGlonassEarthRate_radps;
-  const double phase = std::fmod(phase_rad_ + shape.rate_radps * middle_s, kTurn_rad) +
-                       shape.rate_radps * since_middle_s;
-  const double node =
-      std::fmod(node_rad_ + turn_radps * middle_s, kTurn_rad) + turn_radps * since_middle_s;
+  return {interval, std::fmod(phase_rad_ + shape.rate_radps * middle_s, kTurn_rad),
+          std::fmod(node_rad_ + turn_radps * middle_s, kTurn_rad)};
+}
+
+GlonassBroadcast::Motion GlonassBroadcast::orbit(const Middle& middle, double since_s) {
+  const OblateOrbit& shape = glonass_orbit();
+  const double turn_radps = shape.node_rate_radps - kGlonassEarthRate_radps;
+  const double phase = middle.phase_rad + shape.rate_radps * since_s;
+  const double node = middle.node_rad + turn_radps * since_s;
   // Odd multiples of the phase, by turning on by twice of it.
   double c = std::cos(phase);
   double s = std::sin(phase);
@@ -349,14 +362,11 @@ GlonassBroadcast::Motion GlonassBroadcast::orbit(std::int64_t interval,
     c = next;
   }
   v += turn_radps * Eigen::Vector3d(-p.y(), p.x(), 0.0);
-  const Eigen::AngleAxisd to_earth(node, Eigen::Vector3d::UnitZ());
-  return {to_earth * p, to_earth * v};
+  return {turned(p, node), turned(v, node)};
 }
 
 GlonassEphemeris GlonassBroadcast::set(std::int64_t interval) const {
-  const Motion at_middle = orbit(interval, 0.0);
-  const double position_step_m = std::ldexp(1e3, -11);
-  const double velocity_step_mps = std::ldexp(1e3, -20);
+  const Motion at_middle = orbit(middle(interval), 0.0);
   const std::int64_t middle_s = interval * kHalfHour_s + kHalfHour_s / 2;
   const std::int64_t day = floor_divide(middle_s, kDay_s);
   const std::int64_t four_years = floor_divide(day - kDaysTo1996, kDaysOfFourYears);
@@ -365,39 +375,36 @@ GlonassEphemeris GlonassBroadcast::set(std::int64_t interval) const {
   set.time_of_day_s = static_cast<std::int32_t>(middle_s - day * kDay_s);
   set.day = static_cast<std::int32_t>(day - kDaysTo1996 - four_years * kDaysOfFourYears + 1);
   set.four_years = static_cast<std::int32_t>(four_years + 1);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto row = static_cast<Eigen::Index>(axis);
-    set.position_m[axis] = in_steps(at_middle.position_m(row), position_step_m);
-    set.velocity_mps[axis] = in_steps(at_middle.velocity_mps(row), velocity_step_mps);
-  }
+  Eigen::Map<Eigen::Vector3d>(set.position_m.data()) =
+      in_steps(at_middle.position_m, kPositionStep_m);
+  Eigen::Map<Eigen::Vector3d>(set.velocity_mps.data()) =
+      in_steps(at_middle.velocity_mps, kVelocityStep_mps);
   set.clock_correction_s = clock_correction_s_;
   return set;
 }
 
 /// What a set's steps add to the orbit.
-GlonassBroadcast::Motion GlonassBroadcast::deviation(std::int64_t interval,
-                                                     double since_middle_s) const {
-  const Motion at_middle = orbit(interval, 0.0);
-  const GlonassEphemeris said = set(interval);
+GlonassBroadcast::Motion GlonassBroadcast::deviation(const Middle& middle, double since_s) {
+  const Motion at_middle = orbit(middle, 0.0);
   const Eigen::Vector3d earth_rate = kGlonassEarthRate_radps * Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d p =
-      Eigen::Map<const Eigen::Vector3d>(said.position_m.data()) - at_middle.position_m;
+  const Eigen::Vector3d p = in_steps(at_middle.position_m, kPositionStep_m) - at_middle.position_m;
   // In axes that stand still as they are in the middle.
-  const Eigen::Vector3d v = Eigen::Map<const Eigen::Vector3d>(said.velocity_mps.data()) -
+  const Eigen::Vector3d v = in_steps(at_middle.velocity_mps, kVelocityStep_mps) -
                             at_middle.velocity_mps + earth_rate.cross(p);
   const Eigen::Vector3d up = at_middle.position_m.normalized();
-  const double stiffness = kGlonassGravity_m3ps2 / std::pow(at_middle.position_m.norm(), 3.0);
+  const double radius_m = at_middle.position_m.norm();
+  const double stiffness = kGlonassGravity_m3ps2 / (radius_m * radius_m * radius_m);
   const auto pulled = [&](const Eigen::Vector3d& x) -> Eigen::Vector3d {
     return stiffness * (3.0 * up * up.dot(x) - x);
   };
   // Series to the third order in time.
-  const double t = since_middle_s;
+  const double t = since_s;
   const Eigen::Vector3d pull_p = pulled(p);
   const Eigen::Vector3d pull_v = pulled(v);
   const Eigen::Vector3d p_then = p + t * v + t * t / 2.0 * pull_p + t * t * t / 6.0 * pull_v;
   const Eigen::Vector3d v_then = v + t * pull_p + t * t / 2.0 * pull_v;
-  const Eigen::AngleAxisd to_earth(-kGlonassEarthRate_radps * t, Eigen::Vector3d::UnitZ());
-  Motion deviation{to_earth * p_then, to_earth * v_then};
+  const double turn = -kGlonassEarthRate_radps * t;
+  Motion deviation{turned(p_then, turn), turned(v_then, turn)};
   deviation.velocity_mps -= earth_rate.cross(deviation.position_m);
   return deviation;
 }
@@ -406,13 +413,14 @@ SatelliteState GlonassBroadcast::state(const GpsTime& time, double offset_s) con
   const std::int64_t now = interval(time, offset_s);
   const std::int64_t since_ns = time.week * kWeek_ns + time.time_of_week_ns - middle_ns(now);
   const double since_s = static_cast<double>(since_ns) * 1e-9 + offset_s;
-  Motion motion = orbit(now, since_s);
-  Motion added = deviation(now, since_s);
+  const Middle at_middle = middle(now);
+  const Motion motion = orbit(at_middle, since_s);
+  Motion added = deviation(at_middle, since_s);
   const double into_change_s = std::abs(since_s) - (double{kHalfHour_s / 2} - kOver_s);
   if (into_change_s > 0.0) {
     const std::int64_t direction = since_s > 0.0 ? 1 : -1;
     const double neighbour_s = since_s - static_cast<double>(direction * kHalfHour_s);
-    const Motion other = deviation(now + direction, neighbour_s);
+    const Motion other = deviation(middle(now + direction), neighbour_s);
     const double s = into_change_s / (2.0 * kOver_s);
     const double share = s * s * (3.0 - 2.0 * s);
     const double share_rate =

@@ -63,8 +63,15 @@ class GlonassBroadcast {
     Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
   };
-  [[nodiscard]] Motion orbit(std::int64_t interval, double since_middle_s) const;
-  [[nodiscard]] Motion deviation(std::int64_t interval, double since_middle_s) const;
+  /// Phase and longitude of the node in the middle of an interval.
+  struct Middle {
+    std::int64_t interval = 0;
+    double phase_rad = 0.0;
+    double node_rad = 0.0;
+  };
+  [[nodiscard]] Middle middle(std::int64_t interval) const;
+  [[nodiscard]] static Motion orbit(const Middle& middle, double since_s);
+  [[nodiscard]] static Motion deviation(const Middle& middle, double since_s);
 
   std::uint8_t slot_ = 0;
   double phase_rad_ = 0.0;  ///< At the nominal epoch.

@@ -154,6 +154,20 @@ Decoded<T> checked(T value, const Cursor& cursor) {
   return {std::move(value), cursor.at()};
 }
 
+/// The next fields of a record, each as its type has it.
+template <class... Fields>
+void take_fields(Cursor& cursor, Fields&... fields) {
+  const auto take = [&cursor](auto& field) {
+    using Field = std::remove_reference_t<decltype(field)>;
+    if constexpr (std::is_integral_v<Field>) {
+      field = cursor.number<Field>();
+    } else {
+      field = cursor.text();
+    }
+  };
+  (take(fields), ...);
+}
+
 }  // namespace
 
 Writer::Writer(std::string_view library) {
@@ -401,30 +415,22 @@ Decoded<Record> next_record(std::span<const std::uint8_t> bytes) {
 Decoded<Schema> read_schema(std::span<const std::uint8_t> content) {
   Cursor cursor(content);
   Schema schema;
-  schema.id = cursor.number<std::uint16_t>();
-  schema.name = cursor.text();
-  schema.encoding = cursor.text();
-  schema.data = cursor.text();
+  take_fields(cursor, schema.id, schema.name, schema.encoding, schema.data);
   return checked(std::move(schema), cursor);
 }
 
 Decoded<Channel> read_channel(std::span<const std::uint8_t> content) {
   Cursor cursor(content);
   Channel channel;
-  channel.id = cursor.number<std::uint16_t>();
-  channel.schema = cursor.number<std::uint16_t>();
-  channel.topic = cursor.text();
-  channel.encoding = cursor.text();
+  take_fields(cursor, channel.id, channel.schema, channel.topic, channel.encoding);
   return checked(std::move(channel), cursor);
 }
 
 Decoded<Message> read_message(std::span<const std::uint8_t> content) {
   Cursor cursor(content);
   Message message;
-  message.channel = cursor.number<std::uint16_t>();
-  message.sequence = cursor.number<std::uint32_t>();
-  message.time_ns = cursor.number<std::uint64_t>();
-  (void)cursor.number<std::uint64_t>();  // of publishing
+  std::uint64_t published_ns = 0;
+  take_fields(cursor, message.channel, message.sequence, message.time_ns, published_ns);
   message.data = cursor.rest();
   return checked(message, cursor);
 }
@@ -448,8 +454,7 @@ Decoded<Attachment> read_attachment(std::span<const std::uint8_t> content) {
   Cursor cursor(content);
   (void)cursor.take(8 + 8);  // times
   Attachment attachment;
-  attachment.name = cursor.text();
-  attachment.media_type = cursor.text();
+  take_fields(cursor, attachment.name, attachment.media_type);
   attachment.data = cursor.text(cursor.number<std::uint64_t>());
   return checked(std::move(attachment), cursor);
 }

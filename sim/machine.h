@@ -138,6 +138,10 @@ class Machine {
   [[nodiscard]] virtual VehiclePort* vehicle_port() { return nullptr; }
   [[nodiscard]] virtual PowerUnitPort* power_unit_port() { return nullptr; }
 
+  /// Is carried along a motion that is not its own, in place of step(): the links have come to
+  /// `links` within `span`; 0: they are put there. What it does to its ground by that, it does.
+  virtual void follow(Duration /*span*/, std::span<const LinkMotion> /*links*/) {}
+
  protected:
   Machine() = default;
 };

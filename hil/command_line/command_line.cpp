@@ -308,8 +308,8 @@ void declare(CLI::App& app, Parsed& parsed) {
   record_app->add_option("-o,--output", parsed.output,
                          "Folder for the piece, new or empty; of export the CSV file");
   record_app->add_option("--topic", parsed.topic,
-                         "Of export: truth (the default), transforms, antenna, statistics or "
-                         "events");
+                         "Of export: truth (the default), transforms, antenna, statistics, events, "
+                         "motion, joints or points");
   record_app->add_flag("--json", parsed.json, "What it holds as JSON");
   record_app->footer(
       "\nExamples:\n  rigwire record info /tmp/dig\n"

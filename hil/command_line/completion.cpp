@@ -124,7 +124,7 @@ complete -c rigwire -n "__fish_seen_subcommand_from replay" -a "(__fish_complete
 complete -c rigwire -n "__fish_seen_subcommand_from replay" -l verify
 complete -c rigwire -n "__fish_seen_subcommand_from record" -l from -x
 complete -c rigwire -n "__fish_seen_subcommand_from record" -l to -x
-complete -c rigwire -n "__fish_seen_subcommand_from record" -l topic -x -a "truth transforms antenna statistics events"
+complete -c rigwire -n "__fish_seen_subcommand_from record" -l topic -x -a "truth transforms antenna statistics events motion joints points"
 complete -c rigwire -n "__fish_seen_subcommand_from record" -s o -l output -x -a "(__fish_complete_directories)"
 complete -c rigwire -n "__fish_seen_subcommand_from run" -l status -x -a "live plain none"
 complete -c rigwire -n "__fish_seen_subcommand_from run check" -l log-level -x -a "debug info warning error"

@@ -181,6 +181,7 @@ std::unique_ptr<Recorder> make_recorder(const RigConfiguration& configuration,
   run.start_utc = format_utc(configuration.start);
   run.start_unix_ns = unix_time(configuration.start).count();
   run.configuration = print_rig(configuration);
+  run.clouds = recorded_clouds(configuration);
   return std::make_unique<Recorder>(
       std::move(run), options.clock.paced() ? std::chrono::milliseconds{0} : kReaderPatience,
       failures, events);

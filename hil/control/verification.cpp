@@ -103,6 +103,7 @@ Verification verify_recording(const fs::path& folder, RunLog* log) {
   }
   RecordedRun run = contents.run;
   run.configuration = print_rig(rig_configuration);
+  run.clouds = recorded_clouds(rig_configuration);
   std::string trouble;
   OutputFailures failures([&](const std::string& what) { trouble = what; });
   boost::asio::io_context io;

@@ -14,6 +14,7 @@
 #include "hil/configuration/suggest.h"
 #include "hil/executive/executive.h"
 #include "hil/files/new_folder.h"
+#include "hil/record/motion_line.h"
 #include "hil/record/truth_tap.h"
 #include "hil/wires/outlets.h"
 #include "protocols/can/frame_text.h"
@@ -391,7 +392,8 @@ class Recorder::Truth final : public TruthObserver {
       : recorder_(recorder),
         calendar_(calendar),
         fields_(fields.begin(), fields.end()),
-        links_(links.begin(), links.end()) {}
+        links_(links.begin(), links.end()),
+        joints_(fields, links) {}
 
   void record(const TruthRecord& record) override {
     if (!recorder_.records_truth(record.time)) {
@@ -401,8 +403,8 @@ class Recorder::Truth final : public TruthObserver {
     const std::string stamp = timestamp(recorder_.run_, record.time);
     text_ = R"({"transforms":[)";
     for (std::size_t i = 0; i < links_.size() && i < record.links.size(); ++i) {
-      const Eigen::Vector3d p = record.links[i].translation();
-      const Eigen::Quaterniond q(record.links[i].linear());
+      const Eigen::Vector3d p = record.links[i].X_WL.translation();
+      const Eigen::Quaterniond q(record.links[i].X_WL.linear());
       fmt::format_to(std::back_inserter(text_),
                      R"({}{{"timestamp":{},"parent_frame_id":"world","child_frame_id":{},)"
                      R"("translation":{{"x":{:.12g},"y":{:.12g},"z":{:.12g}}},)"
@@ -412,6 +414,10 @@ class Recorder::Truth final : public TruthObserver {
     }
     text_ += "]}";
     recorder_.put(TruthTrack::transforms, record.time, text_);
+    recorder_.put(TruthTrack::motion, record.time, motion_line(record, links_));
+    if (!joints_.empty()) {
+      recorder_.put(TruthTrack::joints, record.time, joints_.line(record.machine, stamp));
+    }
     for (const AntennaTruth& antenna : record.antennas) {
       text_.clear();
       fmt::format_to(std::back_inserter(text_),
@@ -429,6 +435,7 @@ class Recorder::Truth final : public TruthObserver {
   Calendar calendar_;
   std::vector<sim::TruthField> fields_;
   std::vector<std::string> links_;
+  JointNames joints_;
   std::string text_;
 };
 
@@ -494,7 +501,13 @@ void Recorder::expect(const FaultWindow& fault) {
 void Recorder::command(std::string text) {
   const SimTime now = executive_->now();
   put(kCommandTrack, 0, now, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-  commands_.emplace_back(now, std::move(text));
+  if (text.size() <= kCommandBytes - command_bytes_) {
+    command_bytes_ += text.size();
+    commands_.emplace_back(now, std::move(text));
+  } else {
+    command_bytes_ = kCommandBytes;  // what comes after a gap is of no use
+    commands_forgotten_ = true;
+  }
 }
 
 void Recorder::begin(const RecordOptions& options) {
@@ -535,7 +548,7 @@ void Recorder::begin(const RecordOptions& options, SimTime from, SimTime truth_f
   RecordedRun run = run_;
   run.begin = from;
   run.truth_begin = truth_from;
-  run.clients_before = from != kStart && clients_acted_;
+  run.clients_before = from != kStart && (clients_acted_ || commands_forgotten_);
   const bool with_truth = wanted(kTruthName);
   writer_ = std::make_unique<RecordingWriter>(
       options.folder, std::move(run), chosen, with_truth,

@@ -103,7 +103,9 @@ class Recorder {
 
   /// That fault has been added, or ends otherwise.
   void expect(const FaultWindow& fault);
-  /// That governed the run and changed it just now, one line: is written into every recording.
+  /// That governed the run and changed it just now, one line: is written into every recording that
+  /// is on its way, and, of the first kCommandBytes of a run, into those that begin later; one that
+  /// begins when there were more says that not all is known (RecordedRun::clients_before).
   void command(std::string text);
 
   /// Makes the files and begins: before the run with all of it, else with what is due from now on.
@@ -122,6 +124,8 @@ class Recorder {
 
   /// Memory for what the disk has not taken yet, and as much again for what it is taking.
   static constexpr std::size_t kQueueBytes = 32 * 1024 * 1024;
+  /// Of what governed the run since its start, for recordings that begin later.
+  static constexpr std::size_t kCommandBytes = 1024 * 1024;
   /// How long something waits in memory at most, on its way to the disk.
   static constexpr std::chrono::milliseconds kFlushPeriod{200};
 
@@ -163,6 +167,8 @@ class Recorder {
   std::atomic<bool> truth_on_{false};
   std::atomic<SimTime> truth_from_{};
   std::vector<std::pair<SimTime, std::string>> commands_;  ///< Since the run's start.
+  std::size_t command_bytes_ = 0;
+  bool commands_forgotten_ = false;  ///< There were more.
   bool clients_acted_ = false;
   Executive* executive_ = nullptr;
   std::vector<RecordedWire> about_;  ///< Of all wires.

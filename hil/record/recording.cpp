@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "drivers/endpoints.h"
+#include "hil/files/mcap_file.h"
 #include "hil/files/new_folder.h"
 #include "protocols/mcap/mcap.h"
 #include "protocols/pcapng/link_packet.h"
@@ -49,29 +50,18 @@ std::string text_of(const fs::path& path) {
   throw std::invalid_argument(fmt::format("the recording {}: {}", path.string(), why));
 }
 
-/// A file from its front in pieces that `take` makes of it: it is given what is there and answers
-/// how much of it it took; 0: it needs more. The rest of a file that ends in the middle is left.
-void read_pieces(const fs::path& path,
-                 const std::function<std::size_t(std::span<const std::uint8_t>)>& take) {
-  constexpr std::size_t kPiece = 1024 * 1024;
-  std::ifstream file = open(path);
-  std::vector<std::uint8_t> bytes;
-  std::size_t at = 0;
-  while (true) {
-    if (at < bytes.size()) {
-      if (const std::size_t taken = take(std::span(bytes).subspan(at)); taken != 0) {
-        at += taken;
-        continue;
-      }
-    }
-    bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::exchange(at, 0)));
-    const std::size_t had = bytes.size();
-    bytes.resize(had + kPiece);
-    file.read(reinterpret_cast<char*>(bytes.data()) + had, kPiece);
-    bytes.resize(had + static_cast<std::size_t>(file.gcount()));
-    if (bytes.size() == had) {
-      return;
-    }
+/// Says whose file it is.
+template <class Read>
+void read_file(const fs::path& path, Read&& read) {
+  try {
+    read();
+  } catch (const drivers::EndpointError& error) {
+    throw drivers::EndpointError(fmt::format("the recording {}", error.what()));
+  } catch (const std::invalid_argument& error) {
+    const std::string_view what = error.what();
+    throw std::invalid_argument(what.starts_with(path.string())
+                                    ? fmt::format("the recording {}", what)
+                                    : std::string(what));
   }
 }
 
@@ -79,68 +69,26 @@ void read_packets(const fs::path& path,
                   const std::function<void(const pcapng::Packet&, const pcapng::Interface&)>& use) {
   pcapng::Reader reader;
   std::uint64_t read = 0;
-  read_pieces(path, [&](std::span<const std::uint8_t> bytes) -> std::size_t {
-    const auto block = reader.next(bytes);
-    if (block.malformed()) {
-      refuse(path, fmt::format("{} at byte {}", block.fault().reason, read + block.fault().offset));
-    }
-    if (block.ok()) {
-      if (const auto* packet = std::get_if<pcapng::Packet>(&*block)) {
-        use(*packet, reader.interfaces()[packet->interface]);
+  read_file(path, [&] {
+    read_pieces(path, [&](std::span<const std::uint8_t> bytes) -> std::size_t {
+      const auto block = reader.next(bytes);
+      if (block.malformed()) {
+        refuse(path,
+               fmt::format("{} at byte {}", block.fault().reason, read + block.fault().offset));
       }
-    }
-    read += block.consumed();
-    return block.consumed();
+      if (block.ok()) {
+        if (const auto* packet = std::get_if<pcapng::Packet>(&*block)) {
+          use(*packet, reader.interfaces()[packet->interface]);
+        }
+      }
+      read += block.consumed();
+      return block.consumed();
+    });
   });
 }
 
-/// Calls `use` for each record, also those within chunks.
 void read_records(const fs::path& path, const std::function<void(const mcap::Record&)>& use) {
-  bool begun = false;
-  std::uint64_t read = 0;
-  const auto check = [&](const auto& decoded) {
-    if (decoded.malformed()) {
-      refuse(path, fmt::format("{} after byte {}", decoded.fault().reason, read));
-    }
-  };
-  read_pieces(path, [&](std::span<const std::uint8_t> bytes) -> std::size_t {
-    if (!begun) {
-      if (bytes.size() < mcap::kMagicSize) {
-        return 0;
-      }
-      if (!mcap::begins_with_magic(bytes)) {
-        refuse(path, "does not begin as MCAP");
-      }
-      begun = true;
-      read += mcap::kMagicSize;
-      return mcap::kMagicSize;
-    }
-    if (mcap::begins_with_magic(bytes)) {
-      return mcap::kMagicSize;  // the end
-    }
-    const auto record = mcap::next_record(bytes);
-    check(record);
-    if (!record.ok()) {
-      return 0;
-    }
-    if (record->opcode == mcap::Opcode::chunk) {
-      const auto chunk = mcap::read_chunk(record->content);
-      check(chunk);
-      for (auto rest = *chunk; !rest.empty();) {
-        const auto inner = mcap::next_record(rest);
-        check(inner);
-        if (!inner.ok()) {
-          refuse(path, fmt::format("a chunk that ends in a record, after byte {}", read));
-        }
-        use(*inner);
-        rest = rest.subspan(inner.consumed());
-      }
-    } else {
-      use(*record);
-    }
-    read += record.consumed();
-    return record.consumed();
-  });
+  read_file(path, [&] { each_mcap_record(path, use); });
 }
 
 std::optional<WireKind> kind_of(std::string_view name) {

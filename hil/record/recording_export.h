@@ -12,7 +12,7 @@ namespace rigwire::hil {
 
 /// By TruthTrack, as the command line has them.
 inline constexpr std::array<std::string_view, kTruthTracks> kExportedTopics{
-    "truth", "transforms", "antenna", "statistics", "events"};
+    "truth", "transforms", "antenna", "statistics", "events", "motion", "joints", "points"};
 
 /// Writes a line of column names and a line for each message: `sim_s`, exact to the nanosecond,
 /// then every member that any message has, in the order in which they appear; members of members

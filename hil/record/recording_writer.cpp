@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -92,6 +93,24 @@ std::string log_schema() {
       kTimestamp));
 }
 
+std::string joints_schema() {
+  return object(fmt::format(
+      R"("timestamp":{},"joints":{{"type":"array","items":{}}})", kTimestamp,
+      object(
+          R"("name":{"type":"string"},"position":{"type":"number"},"velocity":{"type":"number"})")));
+}
+
+std::string points_schema() {
+  return object(fmt::format(
+      R"("timestamp":{},"frame_id":{{"type":"string"}},"pose":{},)"
+      R"("point_stride":{{"type":"integer"}},"fields":{{"type":"array","items":{}}},)"
+      R"("data":{{"type":"string","contentEncoding":"base64"}})",
+      kTimestamp,
+      object(fmt::format(R"("position":{},"orientation":{})", numbers({"x", "y", "z"}),
+                         numbers({"x", "y", "z", "w"}))),
+      object(R"("name":{"type":"string"},"offset":{"type":"integer"},"type":{"type":"integer"})")));
+}
+
 struct ChannelRow {
   std::string_view topic;
   std::string_view schema_name;
@@ -104,7 +123,10 @@ std::array<ChannelRow, kTruthTracks> channel_rows() {
            {"/tf", "foxglove.FrameTransforms", transforms_schema()},
            {"/antenna", "foxglove.LocationFix", location_schema()},
            {"/statistics", "rigwire.Statistics", object("")},
-           {"/events", "foxglove.Log", log_schema()}}};
+           {"/events", "foxglove.Log", log_schema()},
+           {"/motion", "rigwire.Motion", object("")},
+           {"/joints", "foxglove.JointStates", joints_schema()},
+           {"/points", "foxglove.PointCloud", points_schema()}}};
 }
 
 }  // namespace
@@ -136,6 +158,7 @@ struct RecordingWriter::Wire {
   std::string notes;            ///< For the next packet.
   std::uint64_t not_there = 0;  ///< Lost before they came to the writer, since the last packet.
   std::uint64_t dropped = 0;    ///< By the wire, since the last packet.
+  std::optional<LidarClouds> clouds;
 };
 
 RecordingWriter::RecordingWriter(const fs::path& folder, RecordedRun run,
@@ -181,6 +204,10 @@ RecordingWriter::RecordingWriter(const fs::path& folder, RecordedRun run,
       hil::append(wire->ends->bytes(),
                   fmt::format("# {}: seconds, and what the client did with its end\n", about.name));
     }
+    const auto lidar = std::ranges::find(run_.clouds.lidars, about.name, &RecordedLidar::name);
+    if (lidar != run_.clouds.lidars.end() && run_.clouds.every > Duration{0} && with_truth) {
+      wire->clouds.emplace(*lidar, run_.clouds.every);
+    }
     wire->about = std::move(about);
     wires_.push_back(std::move(wire));
   }
@@ -225,13 +252,27 @@ void RecordingWriter::lost(std::uint16_t track, std::uint64_t count) {
   }
 }
 
+void RecordingWriter::write_message(TruthTrack track, SimTime at, std::string_view text) {
+  if (messages_) {
+    const auto channel = static_cast<std::uint16_t>(track);
+    messages_->write(channel, unix_ns(at), text);
+    ++totals_.messages[channel];
+    flush_messages();
+  }
+}
+
+void RecordingWriter::write_cloud(Wire& wire, const RecordEntry& entry) {
+  const auto datagram = pcapng::udp_packet(entry.bytes);
+  if (datagram.ok()) {
+    if (const auto* cloud = wire.clouds->take(entry.at, datagram->bytes, run_.start_unix_ns)) {
+      write_message(TruthTrack::points, entry.at, *cloud);
+    }
+  }
+}
+
 void RecordingWriter::write(const RecordEntry& entry) {
   if (entry.track < kTruthTracks) {
-    if (messages_) {
-      messages_->write(entry.track, unix_ns(entry.at), text_of(entry.bytes));
-      ++totals_.messages[entry.track];
-      flush_messages();
-    }
+    write_message(static_cast<TruthTrack>(entry.track), entry.at, text_of(entry.bytes));
     return;
   }
   if (entry.track == kCommandTrack) {
@@ -258,6 +299,9 @@ void RecordingWriter::write(const RecordEntry& entry) {
   ++totals_.wires[index].packets;
   totals_.wires[index].bytes += entry.bytes.size();
   write_packet(wire, entry);
+  if (wire.clouds && (entry.flags & kInbound) == 0) {
+    write_cloud(wire, entry);
+  }
   if (wire.frames) {
     write_frame(wire, entry);
   }

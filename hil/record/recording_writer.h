@@ -31,6 +31,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hil/record/lidar_clouds.h"
 #include "hil/record/record_queue.h"
 #include "hil/record/recording_file.h"
 #include "hil/wires/wire_tap.h"
@@ -56,6 +57,7 @@ struct RecordedRun {
   SimTime begin{};              ///< What is due from here on is recorded.
   SimTime truth_begin{};        ///< The truth from here on: it runs ahead of the wires.
   bool clients_before = false;  ///< Clients had acted before, which nobody knows any more.
+  CloudSettings clouds{};
 };
 
 struct RecordedWire {
@@ -65,8 +67,17 @@ struct RecordedWire {
 };
 
 /// Channels of the MCAP file, which are the first tracks of a recording.
-enum class TruthTrack : std::uint16_t { truth, transforms, location, statistics, events };
-inline constexpr std::uint16_t kTruthTracks = 5;
+enum class TruthTrack : std::uint16_t {
+  truth,
+  transforms,
+  location,
+  statistics,
+  events,
+  motion,
+  joints,
+  points
+};
+inline constexpr std::uint16_t kTruthTracks = 8;
 /// Of lines of commands.log, without the instant.
 inline constexpr std::uint16_t kCommandTrack = kTruthTracks;
 /// The track of a wire by its index.
@@ -116,6 +127,8 @@ class RecordingWriter {
  private:
   struct Wire;
   void write_packet(Wire& wire, const RecordEntry& entry);
+  void write_message(TruthTrack track, SimTime at, std::string_view text);
+  void write_cloud(Wire& wire, const RecordEntry& entry);
   void write_piece(Wire& wire, const RecordEntry& entry);
   void write_frame(Wire& wire, const RecordEntry& entry);
   static void write_line(BlockFile& file, const RecordEntry& entry);

@@ -96,6 +96,9 @@ std::string to_json(const RunReport& report) {
     for (const NamedCount& counted : device.counts) {
       devices[device.name]["counts"][std::string(counted.name)] = counted.count;
     }
+    if (!device.remark.empty()) {
+      devices[device.name]["remark"] = device.remark;
+    }
   }
   json["devices"] = std::move(devices);
   json["faults"] = Json::array();

@@ -21,6 +21,7 @@ struct DeviceReport {
   WireStatistics statistics;
   std::optional<ClientRequest> last_request;
   std::vector<NamedCount> counts;  ///< Of the device's own, beside frames.
+  std::string remark{};            ///< What it has to say of itself; may be empty.
 };
 
 struct RunReport {

@@ -44,16 +44,17 @@ std::string truth_line(const TruthRecord& record, const Calendar& calendar,
       fmt::format(R"({{"sim_s":{:.9f},"utc":"{}","time_of_hour_us":{:.3f})",
                   to_seconds(record.time), format_utc(calendar.utc(record.time)),
                   static_cast<double>(calendar.nanoseconds_of_hour(record.time)) * 1e-3);
-  const Eigen::Quaterniond attitude(record.carrier.X_WL.linear());
+  const sim::LinkMotion& carrier = record.links.front();
+  const Eigen::Quaterniond attitude(carrier.X_WL.linear());
   const std::array<double, 4> wxyz{attitude.w(), attitude.x(), attitude.y(), attitude.z()};
   const auto put = [&line](std::string_view key, std::span<const double> values) {
     fmt::format_to(std::back_inserter(line), R"(,"{}":{})", key, list(values));
   };
   const auto vector = [](const Eigen::Vector3d& v) { return std::array{v.x(), v.y(), v.z()}; };
-  put("position_m", vector(record.carrier.X_WL.translation()));
+  put("position_m", vector(carrier.X_WL.translation()));
   put("attitude_wxyz", wxyz);
-  put("velocity_mps", vector(record.carrier.v_WL_W));
-  put("rate_radps", vector(record.carrier.w_WL_W));
+  put("velocity_mps", vector(carrier.v_WL_W));
+  put("rate_radps", vector(carrier.w_WL_W));
   std::span<const double> rest(record.machine);
   for (const sim::TruthField& field : fields) {
     put(field.key, rest.first(field.count));

@@ -11,8 +11,10 @@
 #include "fields/check.h"
 #include "hil/configuration/suggest.h"
 #include "hil/devices/gige_camera.h"
+#include "hil/devices/velodyne.h"
 #include "hil/files/geoid_file.h"
 #include "hil/files/mesh_file.h"
+#include "hil/files/motion_file.h"
 #include "hil/record/camera_truth_tap.h"
 #include "hil/record/contact_watch.h"
 #include "hil/record/lidar_truth_tap.h"
@@ -31,6 +33,7 @@
 #include "sim/excavator/bucket_soil.h"
 #include "sim/ground/ground.h"
 #include "sim/random.h"
+#include "sim/replay/replayed_machine.h"
 #include "sim/scene/triangle_mesh.h"
 #include "sim/weather/scene_weather.h"
 
@@ -198,7 +201,14 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration, Run
         result.ground->height_m(X_WB.translation().x(), X_WB.translation().y());
   }
   result.machine = machine.model->make({*result.ground, *result.obstacles, X_WB});
-  require_standing_free(machine, *result.machine, *result.ground);
+  if (machine.motion.file.empty()) {
+    require_standing_free(machine, *result.machine, *result.ground);
+  } else {
+    sim::MachineRecord record =
+        read_motion(machine.motion, *result.machine, make_local_frame(configuration.origin));
+    result.machine =
+        std::make_unique<sim::ReplayedMachine>(std::move(result.machine), std::move(record));
+  }
   for (const std::string_view link : result.machine->link_names()) {
     const sim::Scene::BodyId body = result.scene->add_body(link);
     for (const LinkShape& shape : machine.shapes) {
@@ -217,6 +227,17 @@ MachineInScene build_machine_in_scene(const RigConfiguration& configuration, Run
   }
   require_looks(configuration, *result.scene);
   return result;
+}
+
+CloudSettings recorded_clouds(const RigConfiguration& configuration) {
+  CloudSettings clouds{configuration.truth.clouds_every, {}};
+  for (const auto& [name, device] : configuration.devices) {
+    if (const auto* const lidar = fields::as<VelodyneConfiguration>(device)) {
+      clouds.lidars.push_back(
+          {name, lidar->mount.link, sensor_mount(configuration.machine, lidar->mount).X_LS});
+    }
+  }
+  return clouds;
 }
 
 Problem placed(const fields::Refused& refused, const Origins& origins) {
@@ -587,7 +608,8 @@ std::vector<DeviceReport> Rig::device_reports() const {
                         device.device->frames(),
                         device.device->statistics(),
                         device.device->last_request(),
-                        device.device->counts()};
+                        device.device->counts(),
+                        device.device->remark()};
     report.statistics.dropped = device.device->dropped();
     reports.push_back(std::move(report));
   }

@@ -98,6 +98,9 @@ void check_start(const LoadedRig& rig, RunLog* log = nullptr);
 [[nodiscard]] SensorMount sensor_mount(const MachineConfiguration& machine,
                                        const MountConfiguration& mount);
 
+/// The lidars whose point clouds a recording is to have.
+[[nodiscard]] CloudSettings recorded_clouds(const RigConfiguration& configuration);
+
 class CameraSurroundings;
 class ClientDrain;
 class RigUsb;

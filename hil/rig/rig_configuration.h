@@ -32,6 +32,7 @@ struct TruthConfiguration {
   std::string camera_folder;
   std::vector<std::string> cameras;  ///< Whose pictures; empty = all.
   Duration period = std::chrono::milliseconds(10);
+  Duration clouds_every{0};  ///< Of each lidar in a recording; 0: none.
 };
 
 struct StatusConfiguration {
@@ -67,6 +68,9 @@ inline void visit(fields::Visitor& v, TruthConfiguration& p) {
   v.texts("cameras", p.cameras, "Cameras whose pictures go to that folder; empty = all.");
   v.rate("rate", p.period, fields::in("Hz").above(0).at_most(1000),
          "Records per second of run --truth and --record.");
+  v.duration("clouds_every", p.clouds_every, {0, 3'600'000'000'000},
+             "Between two point clouds of each lidar in a recording's truth, a turn each, decoded "
+             "from its packets; 0 = none.");
 }
 
 inline void visit(fields::Visitor& v, StatusConfiguration& p) {

@@ -24,6 +24,7 @@ void visit(fields::Visitor& v, MachineConfiguration& p) {
            "Direction of its x from east, left positive.");
   v.boolean("on_ground", p.on_ground, "Whether `up` counts from the terrain under it.");
   v.list("shapes", p.shapes, "What the lidar sees of it, by link.");
+  v.section("motion", p.motion, "A recorded motion that it makes in place of its own.");
 }
 
 }  // namespace rigwire::hil

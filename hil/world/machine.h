@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fields/chosen.h"
+#include "hil/files/motion_file.h"
 #include "hil/world/shapes.h"
 #include "sim/samples/vector3.h"
 
@@ -76,6 +77,7 @@ struct MachineConfiguration {
   double yaw_rad = 0.0;   ///< Of its x from east, left positive.
   bool on_ground = true;  ///< position z counts from the terrain under it.
   std::vector<LinkShape> shapes;
+  MotionSettings motion;  ///< Of a machine that moves as it did once.
 };
 void visit(fields::Visitor& v, MachineConfiguration& p);
 

@@ -205,11 +205,19 @@ void SimulatedWorld::fill_truth(const WorldStep& step, SimTime time) {
   // The machine's fields are those of the step's end, at most one step later than `time`; the
   // periods are whole steps, so that both are the same instant.
   truth_.time = time;
-  truth_.carrier = step.motion({}, time);
   for (std::size_t link = 0; link < truth_.links.size(); ++link) {
-    truth_.links[link] = step.motion({link, Eigen::Isometry3d::Identity()}, time).X_WL;
+    truth_.links[link] = step.motion({link, Eigen::Isometry3d::Identity()}, time);
   }
   content_.machine->read_truth(truth_.machine);
+  if (const sim::ValvePort* port = content_.machine->valve_port()) {
+    truth_.valves = port->valve_sample(time);
+  }
+  if (const sim::VehiclePort* port = content_.machine->vehicle_port()) {
+    truth_.vehicle = port->vehicle_sample(time);
+  }
+  if (const sim::PowerUnitPort* port = content_.machine->power_unit_port()) {
+    truth_.power_unit = port->power_unit_sample(time);
+  }
   if (const sim::ContactReport* report = content_.machine->contact_report()) {
     ContactTruth& contact = truth_.contact.emplace();
     contact.touching = report->points > 0;

@@ -18,7 +18,10 @@
 #include "sim/local_frame.h"
 #include "sim/samples/lidar_sample.h"
 #include "sim/samples/picture_sample.h"
+#include "sim/samples/power_unit_sample.h"
 #include "sim/samples/time.h"
+#include "sim/samples/valve_sample.h"
+#include "sim/samples/vehicle_sample.h"
 
 namespace rigwire::hil {
 
@@ -53,10 +56,13 @@ struct MovedBodyTruth {
 /// What is true of the machine at one instant.
 struct TruthRecord {
   SimTime time{};
-  sim::LinkMotion carrier;               ///< Of the machine's first link.
-  std::vector<Eigen::Isometry3d> links;  ///< Poses in the world, of all links of the machine.
-  std::vector<double> machine;           ///< In the order of the machine's truth fields.
-  std::optional<ContactTruth> contact;   ///< Of machines that meet obstacles.
+  std::vector<sim::LinkMotion> links;  ///< Of all links of the machine, the first carries it.
+  std::vector<double> machine;         ///< In the order of the machine's truth fields.
+  /// What the transducers of the ports that the machine has read, without errors.
+  std::optional<ValveSample> valves;
+  std::optional<VehicleSample> vehicle;
+  std::optional<PowerUnitSample> power_unit;
+  std::optional<ContactTruth> contact;  ///< Of machines that meet obstacles.
   std::vector<MovedBodyTruth> moved;
   std::vector<std::string_view> hand;  ///< Set points that a hand holds (hil/world/hand.h).
   std::vector<AntennaTruth> antennas;  ///< In the order in which their sensors were added.

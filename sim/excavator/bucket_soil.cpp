@@ -195,6 +195,12 @@ void BucketSoil::advance(double h, const LinkMotion& bucket) {
   terrain_.settle();
 }
 
+void BucketSoil::place(const LinkMotion& bucket) {
+  if (finite(bucket)) {
+    lip_ = lip_of(bucket.X_WL);
+  }
+}
+
 void BucketSoil::release(std::int64_t units) {
   // Of even density: mass leaves with its share of the volume.
   mass_kg_ = units >= units_

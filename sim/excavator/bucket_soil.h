@@ -89,6 +89,8 @@ class BucketSoil {
 
   /// The bucket has moved there within h seconds. A motion that is not finite changes nothing.
   void advance(double h, const LinkMotion& bucket);
+  /// It is there now, and was nowhere in between.
+  void place(const LinkMotion& bucket);
 
   /// Asked where falling soil ends; null: always on the terrain. Must outlive the bucket.
   void set_fall_obstacle(const FallObstacle* obstacle) { obstacle_ = obstacle; }

@@ -67,12 +67,21 @@ void DiggingExcavator::inner_step(Duration span) {
     payload_kg_ = bucket_.mass_kg();
     excavator_.set_payload_kg(payload_kg_);
   }
-  update_dust(h);
+  update_dust(h, excavator_.link(Link::bucket).X_WL);
 }
 
-void DiggingExcavator::update_dust(double h) {
-  const Eigen::Vector3d lip_W =
-      excavator_.link(Link::bucket).X_WL * Eigen::Vector3d(bucket_tip_m_, 0.0, 0.0);
+void DiggingExcavator::follow(Duration span, std::span<const LinkMotion> links) {
+  const LinkMotion& bucket = links[static_cast<std::size_t>(Link::bucket)];
+  if (span <= Duration{0}) {
+    bucket_.place(bucket);
+    return;
+  }
+  bucket_.advance(to_seconds(span), bucket);
+  update_dust(to_seconds(span), bucket.X_WL);
+}
+
+void DiggingExcavator::update_dust(double h, const Eigen::Isometry3d& X_WB) {
+  const Eigen::Vector3d lip_W = X_WB * Eigen::Vector3d(bucket_tip_m_, 0.0, 0.0);
   const double height_m = std::max(0.0, lip_W.z() - terrain_.height_m(lip_W.x(), lip_W.y()));
   const double moved_m3 = bucket_.volume_m3() - bucket_m3_;
   bucket_m3_ += moved_m3;

@@ -23,6 +23,8 @@ class DiggingExcavator final : public Machine {
 
   /// As Excavator::step; one call with N inner steps gives the same bits as N calls.
   void step(Duration span) override;
+  /// The bucket moves the soil that lies in its way, whatever that would have cost.
+  void follow(Duration span, std::span<const LinkMotion> links) override;
 
   [[nodiscard]] SimTime time() const override { return excavator_.time(); }
   [[nodiscard]] std::span<const LinkMotion> links() const override { return excavator_.links(); }
@@ -72,7 +74,7 @@ class DiggingExcavator final : public Machine {
 
  private:
   void inner_step(Duration span);
-  void update_dust(double h);
+  void update_dust(double h, const Eigen::Isometry3d& X_WB);
 
   DiggableTerrain terrain_;
   Excavator excavator_;

@@ -65,6 +65,8 @@ COMMANDS = [
     (r"tshark -i rigwire-dig-can", "extcap_test.cpp runs it beside a rig", None, None),
     (r"gpsdecode < /tmp/rigwire/dig/\S+", "ends", None, "TPV"),
     (r"rigwire replay /tmp/rigwire/dig --verify", "ends", None, "equal"),
+    (r"rigwire run excavator_pit --set machine\.motion\.file=\S+ --clock free --duration 4s", "ends", None,
+     None),
     (r"rigwire replay /tmp/rigwire/dig --from 1s --to 4s", "ends", None, None),
     (r"rigwire run excavator_pit --isolated \S+", "goes on", None, None),
     (r"rigwire run excavator_pit --clock drained .*", "an hour; control_process_test.cpp waits for clients",

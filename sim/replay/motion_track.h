@@ -1,0 +1,58 @@
+// The motion of one link as a function of time, from a recording of it.
+//
+// Between two recorded instants h apart: position by the cubic that matches positions and
+// velocities at both ends, attitude by the cubic of its four numbers that matches attitudes and
+// rates, made a unit again; velocity and rate by the cubics that match themselves and the
+// accelerations; accelerations linearly. At the recorded instants all are as recorded.
+//
+// A recording of poses alone gets its velocities and accelerations from the cubic spline through
+// them (two continuous derivatives, no acceleration at either end): then all six are derivatives of
+// one curve, and an inertial unit feels what the path says. Of a motion of angular frequency w the
+// error of the acceleration is within (w h)^2 / 12 of it with a spline, within (w h)^2 / 8 between
+// accelerations that were recorded, which are exact themselves; that of the position within
+// (w h)^4 / 384. Near the ends a spline's acceleration is off by up to all of it, a quarter as much
+// with every pose further in. Noise n of the poses shows in it as up to 12 n / h^2.
+//
+// Before its first instant and after its last the link stands there.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "sim/link_motion.h"
+#include "sim/samples/time.h"
+
+namespace rigwire::sim {
+
+class MotionTrack {
+ public:
+  /// Where the link stands all the time.
+  explicit MotionTrack(const Eigen::Isometry3d& X_WL);
+  /// Recorded with velocities and accelerations. Preconditions: as many as instants, at least one;
+  /// instants rise.
+  MotionTrack(std::vector<SimTime> times, const std::vector<LinkMotion>& motions);
+  /// Through poses, as above. Preconditions likewise.
+  MotionTrack(std::vector<SimTime> times, const std::vector<Eigen::Isometry3d>& poses);
+
+  [[nodiscard]] LinkMotion at(SimTime time) const;
+  [[nodiscard]] SimTime begin() const { return times_.front(); }
+  [[nodiscard]] SimTime end() const { return times_.back(); }
+  [[nodiscard]] std::size_t size() const { return times_.size(); }
+
+ private:
+  struct Knot {
+    Eigen::Vector3d p_W;
+    Eigen::Vector4d q;  ///< x, y, z, w; on the side of the knot before.
+    Eigen::Vector3d v_W = Eigen::Vector3d::Zero();
+    Eigen::Vector3d w_W = Eigen::Vector3d::Zero();
+    Eigen::Vector3d a_W = Eigen::Vector3d::Zero();
+    Eigen::Vector3d alpha_W = Eigen::Vector3d::Zero();
+  };
+  void add_pose(const Eigen::Isometry3d& X_WL);
+  void fit_spline();
+
+  std::vector<SimTime> times_;
+  std::vector<Knot> knots_;
+};
+
+}  // namespace rigwire::sim

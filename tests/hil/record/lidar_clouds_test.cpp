@@ -1,0 +1,104 @@
+#include "hil/record/lidar_clouds.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <bit>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "protocols/bytes.h"
+#include "protocols/velodyne/packet_layout.h"
+
+namespace rigwire::hil {
+namespace {
+
+using namespace std::chrono_literals;
+namespace velodyne = protocols::velodyne;
+
+/// An HDL-32E at ten turns a second: each channel at 10 m.
+class Head {
+ public:
+  std::array<std::uint8_t, velodyne::kDataPacketSize> next() {
+    velodyne::DataPacket packet;
+    for (velodyne::Block& block : packet.blocks) {
+      block.azimuth_counts = static_cast<std::uint16_t>(azimuth_counts_);
+      azimuth_counts_ = (azimuth_counts_ + 17) % 36'000;
+      block.channels.fill({5000, 7});
+    }
+    packet.timestamp_us = timestamp_us_ += 553;
+    packet.return_mode_byte = 0x37;
+    packet.product_id = 0x21;
+    std::array<std::uint8_t, velodyne::kDataPacketSize> bytes{};
+    encode(packet, bytes);
+    return bytes;
+  }
+
+ private:
+  std::uint32_t azimuth_counts_ = 9'000;
+  std::uint32_t timestamp_us_ = 0;
+};
+
+std::string from_base64(const std::string& text) {
+  const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  for (std::size_t i = 0; i + 4 <= text.size(); i += 4) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      group = group << 6U |
+              (text[i + k] == '=' ? 0U : static_cast<std::uint32_t>(letters.find(text[i + k])));
+    }
+    for (std::size_t k = 0; k < 3 && text[i + k + 1] != '='; ++k) {
+      bytes += static_cast<char>(group >> (16U - 8U * k) & 0xFFU);
+    }
+  }
+  return bytes;
+}
+
+TEST(LidarClouds, AreWholeTurnsOneInEveryPeriod) {
+  LidarClouds clouds({"lidar", "upper", Eigen::Isometry3d::Identity()}, 1s);
+  Head head;
+  std::vector<double> ends;
+  std::optional<nlohmann::json> last;
+  for (SimTime at = kStart; at < kStart + 3s; at += 553us) {
+    if (const std::string* message = clouds.take(at, head.next(), 1'780'300'800'000'000'000)) {
+      ends.push_back(to_seconds(at));
+      last = nlohmann::json::parse(*message);
+    }
+  }
+  // The first turn that is whole, and one after each second.
+  ASSERT_EQ(ends.size(), 3U);
+  EXPECT_NEAR(ends[0], 0.18, 0.02);
+  EXPECT_NEAR(ends[1] - ends[0], 1.0, 0.11);
+  EXPECT_NEAR(ends[2] - ends[1], 1.0, 0.11);
+  EXPECT_EQ((*last)["frame_id"], "upper");
+  EXPECT_EQ((*last)["fields"][0]["type"], 7);
+  const std::string data = from_base64((*last)["data"].get<std::string>());
+  const std::size_t stride = (*last)["point_stride"].get<std::size_t>();
+  ASSERT_EQ(data.size() % stride, 0U);
+  // A turn of 36000 counts in steps of 17, each of 32 channels.
+  EXPECT_NEAR(static_cast<double>(data.size() / stride), 32.0 * 36'000 / 17, 32.0 * 12);
+  const auto bytes = std::span(reinterpret_cast<const std::uint8_t*>(data.data()), data.size());
+  for (std::size_t at = 0; at < data.size(); at += 100 * stride) {
+    double square = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      square += std::pow(
+          std::bit_cast<float>(protocols::load_little<std::uint32_t>(bytes, at + 4 * k)), 2);
+    }
+    EXPECT_NEAR(std::sqrt(square), 10.0, 0.2);
+    EXPECT_EQ(bytes[at + 12], 7);
+    EXPECT_LT(bytes[at + 13], 32);
+  }
+}
+
+TEST(LidarClouds, OfWhatIsNoDataPacketAreNone) {
+  LidarClouds clouds({"lidar", "upper", Eigen::Isometry3d::Identity()}, 1s);
+  const std::array<std::uint8_t, 512> position{};
+  EXPECT_EQ(clouds.take(kStart, position, 0), nullptr);
+  const std::array<std::uint8_t, velodyne::kDataPacketSize> zeros{};
+  EXPECT_EQ(clouds.take(kStart, zeros, 0), nullptr);
+}
+
+}  // namespace
+}  // namespace rigwire::hil

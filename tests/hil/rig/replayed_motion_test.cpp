@@ -1,0 +1,261 @@
+// A machine that moves as it did once: its devices say what they said then, and answer.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/record/recorder.h"
+#include "hil/record/recording.h"
+#include "hil/record/recording_export.h"
+#include "hil/rig/rig.h"
+#include "private_wires.h"
+#include "protocols/pcapng/link_packet.h"
+#include "protocols/velodyne/data_packet.h"
+#include "protocols/velodyne/points.h"
+
+namespace rigwire::hil {
+namespace {
+
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+using Openings = std::map<std::string, double>;
+
+/// What stays of the errors: greatest and root of the mean square.
+struct Spread {
+  void add(double error) {
+    greatest = std::max(greatest, std::abs(error));
+    squares += error * error;
+    ++count;
+  }
+  [[nodiscard]] double rms() const { return std::sqrt(squares / static_cast<double>(count)); }
+
+  double greatest = 0.0;
+  double squares = 0.0;
+  std::size_t count = 0;
+};
+
+class ReplayedMotion : public testing::Test {
+ protected:
+  [[nodiscard]] fs::path folder(const std::string& name) const { return wires_.folder / name; }
+
+  /// Runs and records; returns its configuration's remark of what the machine did.
+  std::map<std::string, double> run(const std::string& name, const std::string& rig_file,
+                                    Duration length, std::vector<std::string> sets,
+                                    const Openings& hand = {}) {
+    const LoadedRig loaded = load_rig(rig_file, std::move(sets));
+    RecordedRun about;
+    about.start_unix_ns = unix_time(loaded.configuration.start).count();
+    about.configuration = print_rig(loaded.configuration);
+    boost::asio::io_context io;
+    OutputFailures failures([](const std::string& what) { ADD_FAILURE() << what; });
+    RunEvents events;
+    Recorder recorder(std::move(about), 10min, failures, events);
+    Rig rig(loaded.configuration, io, {}, nullptr, {}, &recorder);
+    std::vector<Hand::Order> orders;
+    for (const auto& [set_point, value] : hand) {
+      HandSettings::Row row = *rig.hand().settings().find(set_point);
+      row.value = value;
+      orders.push_back({row, value});
+    }
+    rig.hand().order(orders);
+    recorder.begin({folder(name).string(), {}});
+    const RunOutcome outcome = rig.executive().run_free(kStart + length);
+    EXPECT_FALSE(outcome.fault) << *outcome.fault;
+    std::map<std::string, double> state;
+    const RigStatus status = rig.status();
+    for (std::size_t i = 0; i < status.machine.size(); ++i) {
+      state[rig.truth().state_quantities()[i].name] = status.machine[i];
+    }
+    recorder.finish(outcome.reached);
+    return state;
+  }
+
+  [[nodiscard]] std::string bytes_of(const fs::path& path) const {
+    std::ifstream file(wires_.folder / path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  [[nodiscard]] std::vector<Json> messages(const std::string& name, TruthTrack topic) const {
+    std::vector<Json> all;
+    each_message(folder(name), [&](TruthTrack track, SimTime at, std::string_view text) {
+      if (track == topic) {
+        all.push_back(Json::parse(text));
+        all.back()["at"] = to_seconds(at);
+      }
+    });
+    return all;
+  }
+  /// What left on a wire.
+  [[nodiscard]] std::vector<std::vector<std::uint8_t>> packets(const std::string& name,
+                                                               const std::string& wire) const {
+    const RecordingContents contents = read_recording_description(folder(name));
+    std::vector<std::vector<std::uint8_t>> all;
+    each_packet(folder(name),
+                [&](std::size_t index, SimTime, const protocols::pcapng::Packet& packet) {
+                  if (contents.wires[index].about.name == wire) {
+                    all.emplace_back(packet.bytes.begin(), packet.bytes.end());
+                  }
+                });
+    return all;
+  }
+  /// Of the links' accelerations in both runs, at all instants that both have.
+  [[nodiscard]] Spread accelerations(const std::string& a, const std::string& b,
+                                     const std::string& link) const {
+    Spread spread;
+    const auto first = messages(a, TruthTrack::motion);
+    const auto second = messages(b, TruthTrack::motion);
+    EXPECT_EQ(first.size(), second.size());
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      double square = 0.0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto of = [&](const Json& m) {
+          return m["links"][link]["acceleration_mps2"][k].get<double>();
+        };
+        square += std::pow(of(first[i]) - of(second[i]), 2);
+      }
+      spread.add(std::sqrt(square));
+    }
+    return spread;
+  }
+  /// Of the places of a link.
+  [[nodiscard]] Spread places(const std::string& a, const std::string& b, std::size_t link) const {
+    Spread spread;
+    const auto first = messages(a, TruthTrack::transforms);
+    const auto second = messages(b, TruthTrack::transforms);
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      double square = 0.0;
+      for (const char* axis : {"x", "y", "z"}) {
+        const auto of = [&](const Json& m) {
+          return m["transforms"][link]["translation"][axis].get<double>();
+        };
+        square += std::pow(of(first[i]) - of(second[i]), 2);
+      }
+      spread.add(std::sqrt(square));
+    }
+    return spread;
+  }
+  struct Ranges {
+    Spread error;
+    std::size_t points = 0;
+    std::size_t apart = 0;  ///< A beam that one of them missed, or by more than 0.1 m.
+  };
+  /// Of the lidar's distances, beam by beam.
+  [[nodiscard]] Ranges ranges(const std::string& a, const std::string& b) const {
+    Ranges result;
+    const auto first = packets(a, "lidar");
+    const auto second = packets(b, "lidar");
+    EXPECT_EQ(first.size(), second.size());
+    for (std::size_t i = 0; i < std::min(first.size(), second.size()); ++i) {
+      const auto payload = [](const std::vector<std::uint8_t>& packet) {
+        const auto udp = protocols::pcapng::udp_packet(packet);
+        return protocols::velodyne::decode_data_packet(udp->bytes);
+      };
+      const auto one = payload(first[i]);
+      const auto other = payload(second[i]);
+      if (!one.ok() || !other.ok()) {
+        continue;  // a position packet
+      }
+      for (std::size_t block = 0; block < one->blocks.size(); ++block) {
+        EXPECT_EQ(one->blocks[block].azimuth_counts, other->blocks[block].azimuth_counts);
+        for (std::size_t k = 0; k < one->blocks[block].channels.size(); ++k) {
+          const double counts = one->blocks[block].channels[k].distance_counts;
+          const double other_counts = other->blocks[block].channels[k].distance_counts;
+          if (counts == 0.0 && other_counts == 0.0) {
+            continue;
+          }
+          ++result.points;
+          const double error_m = 0.002 * (counts - other_counts);
+          if (counts == 0.0 || other_counts == 0.0 || std::abs(error_m) > 0.1) {
+            ++result.apart;
+          } else {
+            result.error.add(error_m);
+          }
+        }
+      }
+    }
+    return result;
+  }
+  void print(const char* what, const Spread& spread) const {
+    std::printf("%-40s greatest %.3g, rms %.3g of %zu\n", what, spread.greatest, spread.rms(),
+                spread.count);
+  }
+
+  test::PrivateWires wires_;
+};
+
+constexpr const char* kPit = RIGWIRE_SOURCE_DIR "/configs/rigs/excavator_pit.yaml";
+const Openings kDig{{"swing", 0.4}, {"boom", 0.5}, {"stick", -0.6}, {"bucket", 0.5}};
+
+/// One count of the wire: what rounding makes of a range that lies between two.
+constexpr double kCount_m = 0.002;
+
+TEST_F(ReplayedMotion, OfAnExcavatorGivesItsDevicesOutputAgain) {
+  constexpr Duration kLength = 3s;
+  run("a", kPit, kLength, wires_.sets(), kDig);
+  auto sets = wires_.sets();
+  sets.push_back("machine.motion.file=" + (folder("a") / "truth.mcap").string());
+  // Somebody pulls the other way, which moves nothing.
+  const auto state = run("b", kPit, kLength, sets, {{"swing", -1.0}, {"boom", -1.0}});
+
+  EXPECT_EQ(bytes_of("a/wires/gnss.bytes"), bytes_of("b/wires/gnss.bytes"));
+  const Ranges lidar = ranges("a", "b");
+  print("lidar range, m", lidar.error);
+  EXPECT_LE(lidar.error.greatest, kCount_m + 1e-9);
+  EXPECT_LT(lidar.error.rms(), 1e-4);
+  EXPECT_LT(lidar.apart, lidar.points / 100'000);
+  for (const char* link : {"upper", "boom", "stick", "bucket"}) {
+    EXPECT_EQ(accelerations("a", "b", link).greatest, 0.0) << link;
+  }
+  const Json first = messages("a", TruthTrack::truth).back();
+  const Json second = messages("b", TruthTrack::truth).back();
+  for (const char* key : {"joint_rad", "spool", "bucket_tip_m", "bucket_soil_m3"}) {
+    EXPECT_EQ(first[key], second[key]) << key;
+  }
+  EXPECT_GT(second["commands_without_effect"], 0);
+  EXPECT_GT(state.at("commands without effect"), 0.0);
+  const Json valves = messages("a", TruthTrack::motion).back()["valves"];
+  EXPECT_EQ(valves, messages("b", TruthTrack::motion).back()["valves"]);
+  EXPECT_EQ(messages("a", TruthTrack::joints).back()["joints"][0]["name"], "upper");
+}
+
+TEST_F(ReplayedMotion, BetweenItsInstantsIsNearTheRunThatItIsOf) {
+  const auto with = [&](const std::string& more, const std::string& another = "") {
+    auto sets = wires_.sets();
+    sets.push_back(more);
+    if (!another.empty()) {
+      sets.push_back(another);
+    }
+    return sets;
+  };
+  constexpr Duration kLength = 1500ms;
+  run("fine", kPit, kLength, with("truth.rate=1000"), kDig);
+  run("coarse", kPit, kLength, with("truth.rate=100"), kDig);
+  const std::string csv = (wires_.folder / "poses.csv").string();
+  (void)export_csv(folder("coarse"), TruthTrack::truth, csv);
+  const std::string file = (folder("coarse") / "truth.mcap").string();
+  run("of_motions", kPit, kLength, with("truth.rate=1000", "machine.motion.file=" + file));
+  run("of_poses", kPit, kLength, with("truth.rate=1000", "machine.motion.file=" + csv));
+  for (const auto& [link, index] : {std::pair("boom", 2U), std::pair("bucket", 4U)}) {
+    for (const char* replayed : {"of_motions", "of_poses"}) {
+      const std::string what = std::string(replayed) + " " + link;
+      const Spread acceleration = accelerations("fine", replayed, link);
+      const Spread place = places("fine", replayed, index);
+      print((what + ", m/s2").c_str(), acceleration);
+      print((what + ", m").c_str(), place);
+      EXPECT_LT(place.rms(), 1e-4) << what;
+      EXPECT_LT(acceleration.rms(), 1.0) << what;
+    }
+    EXPECT_LT(accelerations("fine", "of_motions", link).rms(),
+              accelerations("fine", "of_poses", link).rms());
+  }
+}
+
+}  // namespace
+}  // namespace rigwire::hil
